@@ -1,0 +1,116 @@
+#include "core/run_main.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <iostream>
+#include <new>
+#include <thread>
+
+#include "core/progress_bar.h"
+#include "core/spelling.h"
+
+namespace acus {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
+
+extern "C" void RequestStop(int /*signal*/) { stop_requested.store(true); }
+
+std::string Quoted(std::string_view argument) {
+  const bool plain = !argument.empty() && argument.find_first_of(" \t\n'\"\\$*?") == argument.npos;
+  if (plain) return std::string(argument);
+  std::string quoted = "'";
+  for (const char c : argument) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+/// The long option of `app` most like the one that was mistyped, or empty.
+std::string Suggestion(const CLI::App& app, int argc, const char* const* argv) {
+  std::vector<std::string> known;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  for (int i = 1; i < argc; ++i) {
+    const std::string given = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
+    if (!given.starts_with("--") || std::ranges::find(known, given) != known.end()) continue;
+    const auto nearest = NearestSpelling(given, known);
+    if (nearest) return " Did you mean " + *nearest + "?";
+  }
+  return "";
+}
+
+}  // namespace
+
+int RunMain(CLI::App& app, int argc, const char* const* argv,
+            const std::function<ExitCode(RunContext&)>& body) {
+  RunContext context;
+  bool quiet = false;
+  context.num_threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  app.set_version_flag("--version", app.get_name() + " " + Version());
+  app.add_option("--threads", context.num_threads, "Threads to use; results never depend on it")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--seed", context.seed, "Seed of everything that is drawn at random")
+      ->capture_default_str();
+  app.add_flag("--quiet", quiet, "No progress, only errors");
+  app.add_flag("--overwrite", context.overwrite, "Replace an output folder made by an earlier run");
+
+  const std::string name = app.get_name();
+  const auto fail = [&name](ExitCode code, std::string_view text) {
+    std::cerr << name << ": " << text << '\n';
+    return static_cast<int>(code);
+  };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    return fail(ExitCode::kCommandLine, Message(error.what(), Suggestion(app, argc, argv),
+                                                "\nRun '", name, " --help' for the options."));
+  }
+
+  context.provenance.program = name;
+  context.provenance.seed = context.seed;
+  context.provenance.command_line = name;
+  for (int i = 1; i < argc; ++i) context.provenance.command_line += " " + Quoted(argv[i]);
+
+  std::signal(SIGINT, RequestStop);
+  std::signal(SIGTERM, RequestStop);
+  context.stop = &stop_requested;
+  ProgressBar bar(isatty(STDERR_FILENO) != 0);
+  if (!quiet) {
+    context.on_progress = [&bar](std::string_view task, double fraction) {
+      bar.Show(task, fraction);
+    };
+    context.on_warning = [&](std::string_view text) {
+      bar.Clear();
+      std::cerr << name << ": warning: " << text << '\n';
+    };
+  }
+  try {
+    const ExitCode code = body(context);
+    bar.Clear();
+    return static_cast<int>(code);
+  } catch (const Cancelled& error) {
+    bar.Clear();
+    return fail(ExitCode::kCancelled, error.what());
+  } catch (const InputError& error) {
+    bar.Clear();
+    return fail(ExitCode::kInput, error.what());
+  } catch (const NoAnswerError& error) {
+    bar.Clear();
+    return fail(ExitCode::kNoAnswer, error.what());
+  } catch (const std::bad_alloc&) {
+    bar.Clear();
+    return fail(ExitCode::kInternal, "not enough memory for this input");
+  } catch (const std::exception& error) {
+    bar.Clear();
+    return fail(ExitCode::kInternal, Message("unexpected error: ", error.what()));
+  }
+}
+
+}  // namespace acus

@@ -1,0 +1,16 @@
+// Triangle surfaces.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace acus::mesh {
+
+struct Surface {
+  Eigen::Matrix3Xd nodes_mm;   ///< 3 x n, LPS.
+  Eigen::Matrix3Xi triangles;  ///< 3 x m, node numbers, counter-clockwise seen from outside.
+};
+
+/// The volume enclosed by a closed surface; negative if its triangles face inwards.
+double SignedVolumeMm3(const Surface& surface);
+
+}  // namespace acus::mesh

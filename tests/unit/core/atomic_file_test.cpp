@@ -1,0 +1,74 @@
+#include "core/atomic_file.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/provenance.h"
+
+namespace acus {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+fs::path EmptyFolder(const char* name) {
+  const fs::path folder = fs::path(testing::TempDir()) / name;
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  return folder;
+}
+
+int NumEntries(const fs::path& folder) {
+  return static_cast<int>(std::distance(fs::directory_iterator(folder), {}));
+}
+
+TEST(AtomicFile, LeavesNothingWithoutCommit) {
+  const fs::path folder = EmptyFolder("atomic_file");
+  {
+    const AtomicFile file(folder / "a.csv");
+    std::ofstream(file.path()) << "half";
+    EXPECT_EQ(file.path().extension(), ".csv");
+  }
+  EXPECT_EQ(NumEntries(folder), 0);
+  WriteTextFile(folder / "a.csv", "whole");
+  EXPECT_EQ(ReadTextFile(folder / "a.csv"), "whole");
+  EXPECT_EQ(NumEntries(folder), 1);
+}
+
+TEST(AtomicFolder, ReplacesOnlyEarlierOutput) {
+  const fs::path folder = EmptyFolder("atomic_folder");
+  const fs::path run = folder / "run";
+  {
+    AtomicFolder output(run, false);
+    WriteTextFile(output.path() / "provenance.json", "{}");
+    output.Commit();
+  }
+  EXPECT_THAT([&] { AtomicFolder(run, false); }, ThrowsMessage<InputError>(HasSubstr("--overwrite")));
+  {
+    AtomicFolder output(run, true);
+    WriteTextFile(output.path() / "new", "");
+    output.Commit();
+  }
+  EXPECT_TRUE(fs::exists(run / "new"));
+  EXPECT_THAT([&] { AtomicFolder(run, true); },
+              ThrowsMessage<InputError>(HasSubstr("not the output of an earlier run")));
+  EXPECT_EQ(NumEntries(folder), 1);
+}
+
+TEST(Sha256, MatchesThePublishedTestVector) {
+  EXPECT_EQ(Sha256OfText("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(ParallelFor, CallsEachPieceOnceAndRethrows) {
+  std::vector<int> calls(1000, 0);
+  ParallelFor(1000, 4, [&](int i) { ++calls[static_cast<std::size_t>(i)]; });
+  EXPECT_THAT(calls, testing::Each(1));
+  EXPECT_THROW(ParallelFor(10, 2, [](int) { throw InputError("x"); }), InputError);
+}
+
+}  // namespace
+}  // namespace acus
