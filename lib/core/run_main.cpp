@@ -6,8 +6,12 @@
 #include <algorithm>
 #include <csignal>
 #include <iostream>
+#include <limits>
 #include <new>
+#include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "core/progress_bar.h"
 #include "core/spelling.h"
@@ -28,19 +32,45 @@ std::string Quoted(std::string_view argument) {
   return quoted + "'";
 }
 
-/// The long option of `app` most like the one that was mistyped, or empty.
-std::string Suggestion(const CLI::App& app, int argc, const char* const* argv) {
-  std::vector<std::string> known;
+/// The long options of `app` and of its subcommands, and the subcommands' names.
+void CollectWords(const CLI::App& app, std::vector<std::string>& options,
+                  std::vector<std::string>& subcommands) {
   for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
   }
+  for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; })) {
+    subcommands.push_back(subcommand->get_name());
+    CollectWords(*subcommand, options, subcommands);
+  }
+}
+
+/// What is wrong with the command line. The parser complains of the first thing that is missing,
+/// even where the cause is a mistyped word: that is looked for first.
+std::string CommandLineProblem(const CLI::App& app, int argc, const char* const* argv,
+                               const std::string& parser_says) {
+  std::vector<std::string> options;
+  std::vector<std::string> subcommands;
+  CollectWords(app, options, subcommands);
+  const auto is_known = [](const std::vector<std::string>& words, const std::string& word) {
+    return std::ranges::find(words, word) != words.end();
+  };
+  const auto hint = [](const std::optional<std::string>& nearest) {
+    return nearest ? " Did you mean " + *nearest + "?" : "";
+  };
   for (int i = 1; i < argc; ++i) {
     const std::string given = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
-    if (!given.starts_with("--") || std::ranges::find(known, given) != known.end()) continue;
-    const auto nearest = NearestSpelling(given, known);
-    if (nearest) return " Did you mean " + *nearest + "?";
+    if (given == "--") break;
+    if (given.starts_with("--") && !is_known(options, given)) {
+      return "unknown option " + given + "." + hint(NearestSpelling(given, options));
+    }
   }
-  return "";
+  if (!subcommands.empty() && argc > 1 && argv[1][0] != '-' && !is_known(subcommands, argv[1])) {
+    std::string known;
+    for (const std::string& word : subcommands) known += (known.empty() ? "" : ", ") + word;
+    return Message("unknown command '", argv[1], "'; known: ", known, ".",
+                   hint(NearestSpelling(argv[1], subcommands)));
+  }
+  return parser_says;
 }
 
 }  // namespace
@@ -55,9 +85,14 @@ int RunMain(CLI::App& app, int argc, const char* const* argv,
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app.add_option("--seed", context.seed, "Seed of everything that is drawn at random")
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max(), "0 or above"))
       ->capture_default_str();
   app.add_flag("--quiet", quiet, "No progress, only errors");
   app.add_flag("--overwrite", context.overwrite, "Replace an output folder made by an earlier run");
+  // The standard options may also stand behind a subcommand.
+  for (CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; })) {
+    subcommand->fallthrough();
+  }
 
   const std::string name = app.get_name();
   const auto fail = [&name](ExitCode code, std::string_view text) {
@@ -69,8 +104,9 @@ int RunMain(CLI::App& app, int argc, const char* const* argv,
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    return fail(ExitCode::kCommandLine, Message(error.what(), Suggestion(app, argc, argv),
-                                                "\nRun '", name, " --help' for the options."));
+    return fail(ExitCode::kCommandLine,
+                Message(CommandLineProblem(app, argc, argv, error.what()), "\nRun '", name,
+                        " --help' for the options."));
   }
 
   context.provenance.program = name;
@@ -78,6 +114,7 @@ int RunMain(CLI::App& app, int argc, const char* const* argv,
   context.provenance.command_line = name;
   for (int i = 1; i < argc; ++i) context.provenance.command_line += " " + Quoted(argv[i]);
 
+  stop_requested.store(false);
   std::signal(SIGINT, RequestStop);
   std::signal(SIGTERM, RequestStop);
   context.stop = &stop_requested;

@@ -1,0 +1,18 @@
+# What holds for each program, without a line of its own in any other file.
+foreach(program ${ACUS_PROGRAMS})
+  acus_add_cli_case(${program}.help EXIT 0 LEAVES_NOTHING
+    STDOUT "^Usage: .*${program}" "EXAMPLE" "^ +${program} [^[]" "--threads" "--seed" "--quiet"
+    COMMAND ${program} --help)
+  acus_add_cli_case(${program}.version EXIT 0 LEAVES_NOTHING
+    STDOUT "^${program} [0-9]+\\.[0-9]+\\.[0-9]+$"
+    COMMAND ${program} --version)
+  acus_add_cli_case(${program}.mistyped_option EXIT 2 LEAVES_NOTHING
+    STDERR "--overwite" "[Dd]id you mean --overwrite\\?" "--help"
+    COMMAND ${program} --overwite)
+  acus_add_cli_case(${program}.no_arguments EXIT 2 LEAVES_NOTHING
+    STDERR "^${program}: " "'${program} --help'"
+    COMMAND ${program})
+  acus_add_cli_case(${program}.bad_threads EXIT 2 LEAVES_NOTHING
+    STDERR "threads.*0"
+    COMMAND ${program} --threads 0)
+endforeach()
