@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/error.h"
 #include "math/rigid.h"
 
 namespace acus::session {

@@ -6,22 +6,23 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
+#include "session/pose.h"
 
 namespace acus::session {
 
 /// One reading of a tracked tool.
 struct PoseSample {
   std::int64_t time_ns = 0;
-  Eigen::Isometry3d reference_from_tool = Eigen::Isometry3d::Identity();  ///< mm.
-  bool valid = true;  ///< False where the tracker did not see the tool; the pose is the last good one.
+  Pose reference_from_tool;  ///< mm. Use it like an Eigen::Isometry3d.
+  bool valid =
+      true;  ///< False where the tracker did not see the tool; the pose is the last good one.
 };
 
 /// The readings of one tool, in order of time (strictly increasing).
 using PoseStream = std::vector<PoseSample>;
 
-/// The pose at a time, interpolated between readings; before the first and after the last, that one.
-/// Valid only if both neighbours are. @pre stream is not empty.
+/// The pose at a time, interpolated between readings; before the first and after the last, that
+/// one. Valid only if both neighbours are. @pre stream is not empty.
 PoseSample PoseAt(const PoseStream& stream, std::int64_t time_ns);
 
 /// A recording in one reference frame (the mannequin's or the tracker's "Reference").

@@ -1,4 +1,4 @@
-// Sessions on disk: our own folder, PLUS sequence files and Slicer sequences.
+// Our own session folder: session.json and one CSV per stream.
 #pragma once
 
 #include <filesystem>
@@ -8,14 +8,18 @@
 
 namespace acus::session {
 
-/// Reads a session folder (session.json and one CSV per stream).
+/// Reads a session folder. docs/reference/formats_sessions.md describes it.
 ///
-/// Strict: NaN, a time that does not increase, or a quaternion whose norm is off by more than 1e-3
-/// is an error at file:row. A line that is cut off at the end of a stream (a crash while recording)
-/// is dropped with a warning.
+/// Strict: NaN, a time that does not increase, a quaternion whose norm is off by more than 1e-3, or
+/// a status other than OK and INVALID is an error at file:row. A last line that is cut off (a crash
+/// while recording) is dropped with a warning. INVALID samples take the last good pose before them
+/// (the first good one, if there is none before); their numbers are not looked at.
+/// @throws InputError
 Session ReadSession(const std::filesystem::path& folder, const RunContext& context);
 
 /// Writes a session folder, atomically. Reading it back gives the same bits.
+/// @throws InputError if the session has no stream, a time does not increase, a pose is not finite,
+///     or the folder cannot be written (see AtomicFolder).
 void WriteSession(const std::filesystem::path& folder, const Session& session,
                   const RunContext& context);
 

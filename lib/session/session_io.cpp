@@ -1,0 +1,68 @@
+#include "session/session_io.h"
+
+#include "config/json_file.h"
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "session/pose_csv.h"
+
+namespace acus::session {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kSchema = "acus-session";
+
+/// A stream lies beside session.json: a name that leads elsewhere would read files unasked.
+fs::path StreamPath(const fs::path& folder, const fs::path& file, const std::string& where) {
+  ACUS_REQUIRE(!file.empty() && file == file.filename() && file != ".." && file != ".", where,
+               ": is \"", file.string(), "\"; the name of a file beside session.json is needed");
+  const fs::path path = folder / file;
+  ACUS_REQUIRE(fs::is_regular_file(path), where, ": there is no file ", path.string());
+  return path;
+}
+
+}  // namespace
+
+Session ReadSession(const fs::path& folder, const RunContext& context) {
+  const fs::path description = folder / "session.json";
+  ACUS_REQUIRE(fs::is_regular_file(description), folder.string(),
+               ": has no session.json, so it is not a session folder");
+  const json document = config::ReadConfig(description, kSchema);
+  Session session;
+  session.name = document.at("name").get<std::string>();
+  session.reference_frame = document.at("reference_frame").get<std::string>();
+  const json& streams = document.at("streams");
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    const std::string where = Message(description.string(), ": /streams/", i);
+    const std::string tool = streams[i].at("tool").get<std::string>();
+    PoseStream& stream = tool == "needle" ? session.needle : session.probe;
+    ACUS_REQUIRE(stream.empty(), where, "/tool: \"", tool, "\" is given twice; remove one of them");
+    stream = ReadPoseCsv(
+        StreamPath(folder, streams[i].at("file").get<std::string>(), where + "/file"), context);
+  }
+  return session;
+}
+
+void WriteSession(const fs::path& folder, const Session& session, const RunContext& context) {
+  ACUS_REQUIRE(!session.needle.empty() || !session.probe.empty(), folder.string(),
+               ": the session has neither needle nor probe samples; nothing is written");
+  AtomicFolder output(folder, context.overwrite);
+  json streams = json::array();
+  if (!session.needle.empty()) {
+    WritePoseCsv(output.path() / "needle.csv", session.needle);
+    streams.push_back({{"tool", "needle"}, {"file", "needle.csv"}});
+  }
+  if (!session.probe.empty()) {
+    WritePoseCsv(output.path() / "probe.csv", session.probe);
+    streams.push_back({{"tool", "probe"}, {"file", "probe.csv"}});
+  }
+  config::WriteJson(output.path() / "session.json", {{"format", "acus-session/1"},
+                                                     {"name", session.name},
+                                                     {"reference_frame", session.reference_frame},
+                                                     {"streams", streams}});
+  config::WriteJson(output.path() / "provenance.json", context.provenance.ToJson());
+  output.Commit();
+}
+
+}  // namespace acus::session
