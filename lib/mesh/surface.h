@@ -1,7 +1,7 @@
 // Triangle surfaces.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 
 namespace acus::mesh {
 

@@ -1,7 +1,7 @@
 // Tetrahedral meshes of tissue.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <cstdint>
 #include <vector>
 
