@@ -32,7 +32,8 @@ struct Point {
 std::vector<Point> ReadOff(const std::string& svg) {
   std::smatch m;
   static const std::regex frame(
-      R"re(data-frame="(\S+) (\S+) (\S+) (\S+)" data-x="(\S+) (\S+) \w+" data-y="(\S+) (\S+) \w+")re");
+      R"re(data-frame="(\S+) (\S+) (\S+) (\S+)" )re"
+      R"re(data-x="(\S+) (\S+) \w+" data-y="(\S+) (\S+) \w+")re");
   EXPECT_TRUE(std::regex_search(svg, m, frame));
   std::array<double, 8> f{};
   for (std::size_t i = 0; i < 8; ++i) f[i] = std::stod(m[static_cast<int>(i) + 1]);
