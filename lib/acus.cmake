@@ -56,11 +56,14 @@ function(acus_add_module name)
   file(APPEND ${ACUS_MODULE_GRAPH} "${name} ${row}\n")
 endfunction()
 
+add_custom_target(programs)
+
 # acus_add_program(NAME module...): the program apps/NAME.cpp, built on the given modules and installed.
 function(acus_add_program name)
   add_executable(${name} ${CMAKE_CURRENT_SOURCE_DIR}/${name}.cpp)
   list(TRANSFORM ARGN PREPEND acus:: OUTPUT_VARIABLE modules)
   target_link_libraries(${name} PRIVATE acus_flags CLI11::CLI11 ${modules})
+  add_dependencies(programs ${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
