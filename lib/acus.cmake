@@ -64,6 +64,7 @@ function(acus_add_program name)
   list(TRANSFORM ARGN PREPEND acus:: OUTPUT_VARIABLE modules)
   target_link_libraries(${name} PRIVATE acus_flags CLI11::CLI11 ${modules})
   add_dependencies(programs ${name})
+  set_property(GLOBAL APPEND PROPERTY ACUS_PROGRAMS ${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 

@@ -83,7 +83,7 @@ int RunMain(CLI::App& app, int argc, const char* const* argv,
   app.set_version_flag("--version", app.get_name() + " " + Version());
   app.add_option("--threads", context.num_threads, "Threads to use; results never depend on it")
       ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+      ->default_str("all cores");
   app.add_option("--seed", context.seed, "Seed of everything that is drawn at random")
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max(), "0 or above"))
       ->capture_default_str();
