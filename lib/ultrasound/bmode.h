@@ -1,0 +1,43 @@
+// B-mode from a CT, after "Towards an Augmented Ultrasound Guided Spinal Needle Insertion System"
+// (2010), section II-C, and Shams et al. 2008, to which it refers.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+
+#include "ultrasound/bmode_options.h"
+#include "ultrasound/image.h"
+#include "ultrasound/probe.h"
+#include "volume/volume.h"
+
+namespace acus::ultrasound {
+
+/// Slices the CT in the probe's plane, puts in the needle, follows each scan line down through
+/// reflection and transmission, applies the Hanning windows of pulse and beam, and compresses
+/// logarithmically. Equations: docs/models/ultrasound_2010.md.
+///
+/// Not for two threads at a time: it holds buffers. Several renderers may share one CT.
+class BModeRenderer {
+ public:
+  /// Keeps a reference to `ct`, which must outlive this.
+  /// @throws InputError if the probe or an option is out of range.
+  BModeRenderer(const volume::CtVolume& ct, const Probe& probe, const BModeOptions& options);
+  ~BModeRenderer();
+  BModeRenderer(BModeRenderer&&) noexcept;
+  BModeRenderer& operator=(BModeRenderer&&) noexcept;
+
+  /// Allocation-free after the first call with one thread. The same bits with any `num_threads`.
+  /// @throws InputError if the pose or the needle is not finite.
+  void Render(const Eigen::Isometry3d& ct_from_probe, const std::optional<NeedleInImage>& needle,
+              GrayImage& out, int num_threads = 1);
+
+  const ImageGeometry& picture() const;
+  const Probe& probe() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace acus::ultrasound

@@ -1,0 +1,52 @@
+// Echo intensities to a picture: windows of pulse and beam, logarithmic compression, scan conversion.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ultrasound/ct_sampler.h"
+#include "ultrasound/image.h"
+#include "ultrasound/probe.h"
+
+namespace acus::ultrasound {
+
+/// Half of a symmetric Hanning window, w[t] = (1 + cos(2 pi t spacing / length)) / 2 scaled so that
+/// the whole window sums to 1. One entry, 1, if the length is below two spacings.
+/// @throws InputError if more than `max_half` + 1 entries come out.
+std::vector<float> HalfHanning(double length_mm, double spacing_mm, int max_half);
+
+/// Grey = 255 * log(1 + a I) / log(1 + a), a = 10^(dynamic range / 10), where I is the windowed
+/// intensity times the gains. Deterministic with any number of threads.
+class EchoDisplay {
+ public:
+  /// @throws InputError if a window covers too many samples or lines.
+  EchoDisplay(const Probe& probe, const ScanGrid& grid);
+
+  /// Margins of `echo` are not read. Fills all of `out`.
+  void Show(const BeamImage& echo, GrayImage& out, int num_threads);
+
+ private:
+  void MakeScanConversion();
+  void CompressLine(const BeamImage& echo, int k, float* scratch, std::uint8_t* grey) const;
+  void ShowLinear(const BeamImage& echo, GrayImage& out, int num_threads);
+  void ShowFan(const BeamImage& echo, GrayImage& out, int num_threads);
+
+  Probe probe_;
+  ScanGrid grid_;
+  ImageGeometry picture_;
+  std::vector<float> along_;   ///< Half window, samples.
+  std::vector<float> across_;  ///< Half window, lines.
+  std::vector<float> gain_;    ///< a times the gains, by sample.
+  float scale_ = 0.0F;
+  BeamImage scratch_;  ///< Two rows per piece of work.
+  std::vector<std::uint8_t> grey_;
+
+  // Fan only: where each pixel reads.
+  int grey_stride_ = 0;
+  AlignedFloats across_fraction_;
+  AlignedFloats along_fraction_;
+  AlignedFloats offset_storage_;  ///< Holds int32.
+  std::int32_t* offset_ = nullptr;
+};
+
+}  // namespace acus::ultrasound

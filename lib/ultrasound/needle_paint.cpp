@@ -1,0 +1,108 @@
+#include "ultrasound/needle_paint.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace acus::ultrasound {
+namespace {
+
+/// A bevelled tip is about this many radii long.
+constexpr double kTaperRadii = 3.0;
+
+/// What is seen of a needle, projected onto the probe's plane.
+struct Shadowgraph {
+  Eigen::Vector2d near_mm;  ///< Where the seen part begins, nearer to the tip.
+  Eigen::Vector2d along;    ///< Unit, towards the hub.
+  double length_mm;         ///< In the plane; 0 if the needle is perpendicular to it.
+  double near_s_mm;         ///< Distance from the tip, along the shaft, at both ends.
+  double far_s_mm;
+  double radius_mm;
+
+  double RadiusAt(double in_plane_mm) const {
+    const double share = length_mm > 0.0 ? in_plane_mm / length_mm : 0.5;
+    const double s = near_s_mm + share * (far_s_mm - near_s_mm);
+    return radius_mm * std::min(1.0, s / (kTaperRadii * radius_mm + 1e-12));
+  }
+};
+
+/// The part of the shaft within `half_slab_mm` of the plane; false if there is none.
+bool Project(const NeedleInImage& needle, const Eigen::Isometry3d& ct_from_probe,
+             double half_slab_mm, Shadowgraph& seen) {
+  const Eigen::Isometry3d probe_from_ct = ct_from_probe.inverse();
+  const Eigen::Vector3d tip = probe_from_ct * needle.tip_in_ct_mm;
+  const Eigen::Vector3d back = -(probe_from_ct.linear() * needle.axis_in_ct.normalized());
+  double near_s = 0.0;
+  double far_s = needle.length_mm;
+  if (std::abs(back.z()) < 1e-9) {
+    if (std::abs(tip.z()) > half_slab_mm) return false;
+  } else {
+    const double a = (-half_slab_mm - tip.z()) / back.z();
+    const double b = (half_slab_mm - tip.z()) / back.z();
+    near_s = std::max(near_s, std::min(a, b));
+    far_s = std::min(far_s, std::max(a, b));
+    if (near_s > far_s) return false;
+  }
+  const Eigen::Vector2d in_plane = back.head<2>();
+  const double slope = in_plane.norm();
+  seen.near_mm = tip.head<2>() + near_s * in_plane;
+  seen.along = slope > 1e-6 ? Eigen::Vector2d(in_plane / slope) : Eigen::Vector2d::UnitX();
+  seen.length_mm = slope > 1e-6 ? (far_s - near_s) * slope : 0.0;
+  seen.near_s_mm = near_s;
+  seen.far_s_mm = far_s;
+  seen.radius_mm = needle.radius_mm;
+  return true;
+}
+
+/// Narrows [low, high] to where offset + slope * t lies in [min, max].
+void Narrow(double offset, double slope, double min, double max, double& low, double& high) {
+  if (std::abs(slope) < 1e-12) {
+    if (offset < min || offset > max) high = low - 1.0;
+    return;
+  }
+  const double a = (min - offset) / slope;
+  const double b = (max - offset) / slope;
+  low = std::max(low, std::min(a, b));
+  high = std::min(high, std::max(a, b));
+}
+
+void PaintLine(const Shadowgraph& seen, const ScanGrid& grid, int line, double half_pixel_mm,
+               BeamImage& hu) {
+  const Eigen::Vector2d start = grid.start_mm[static_cast<std::size_t>(line)] - seen.near_mm;
+  const Eigen::Vector2d step = grid.step_mm * grid.direction[static_cast<std::size_t>(line)];
+  const Eigen::Vector2d across(-seen.along.y(), seen.along.x());
+  const double reach = std::max(seen.radius_mm, half_pixel_mm);
+  double low = 0.0;
+  double high = grid.samples - 1.0;
+  Narrow(across.dot(start), across.dot(step), -reach, reach, low, high);
+  Narrow(seen.along.dot(start), seen.along.dot(step), -reach, seen.length_mm + reach, low, high);
+  if (!(low <= high)) return;
+  for (int k = static_cast<int>(std::ceil(low)); k <= static_cast<int>(std::floor(high)); ++k) {
+    const Eigen::Vector2d at = start + k * step;
+    const double along = seen.along.dot(at);
+    const double nearest = std::clamp(along, 0.0, seen.length_mm);
+    const double distance = std::hypot(across.dot(at), along - nearest);
+    if (distance <= std::max(half_pixel_mm, seen.RadiusAt(nearest))) hu.row(k)[line] = kNeedleHu;
+  }
+}
+
+}  // namespace
+
+void PaintNeedle(const NeedleInImage& needle, const Eigen::Isometry3d& ct_from_probe,
+                 double slice_thickness_mm, const ScanGrid& grid, BeamImage& hu) {
+  ACUS_REQUIRE(needle.tip_in_ct_mm.allFinite() && needle.axis_in_ct.allFinite() &&
+                   std::isfinite(needle.length_mm) && std::isfinite(needle.radius_mm),
+               "needle in the image: has a value that is not finite");
+  ACUS_REQUIRE(needle.axis_in_ct.norm() > 1e-6, "needle in the image: its axis has no direction");
+  ACUS_REQUIRE(needle.length_mm >= 0.0 && needle.radius_mm >= 0.0,
+               "needle in the image: length ", needle.length_mm, " mm, radius ", needle.radius_mm,
+               " mm; neither may be negative");
+  Shadowgraph seen;
+  if (!Project(needle, ct_from_probe, 0.5 * slice_thickness_mm + needle.radius_mm, seen)) return;
+  const double lateral_mm = grid.lines() > 1 ? grid.LateralSpacingMm(grid.samples - 1) : 0.0;
+  const double half_pixel_mm = 0.5 * std::max(grid.step_mm, lateral_mm);
+  for (int line = 0; line < grid.lines(); ++line) PaintLine(seen, grid, line, half_pixel_mm, hu);
+}
+
+}  // namespace acus::ultrasound
