@@ -1,0 +1,71 @@
+// The elementary laws of needle insertion, each rate-independent or unconditionally stable.
+//
+// All are one-dimensional along the needle's path: positions in mm, + into the tissue; forces in N
+// on the needle, + pushes it out. States are plain values; every function is noexcept, allocates
+// nothing and gives the same bits for the same input. Equations: docs/models/needle_forces.md.
+#pragma once
+
+namespace acus::forces {
+
+/// A membrane (skin, capsule, ligament) indented before it gives way: f = a1 x + a2 x^2 up to the
+/// puncture force. Alamilla-2021 eq. 2.
+struct PuncturePolynomial {
+  double a1_n_per_mm = 0.0;   ///< >= 0.
+  double a2_n_per_mm2 = 0.0;  ///< >= 0.
+  double puncture_n = 0.0;    ///< >= 0; 0 means that there is no membrane.
+
+  /// @param indentation_mm  below 0 gives 0.
+  double ForceN(double indentation_mm) const noexcept;
+
+  /// Indentation at which the puncture force is reached; 0 without a membrane, infinite if the
+  /// polynomial is 0 everywhere.
+  double PunctureDepthMm() const noexcept;
+};
+
+/// Cutting as a spring to a wall that the tip pushes ahead of itself: elastic up to the cutting
+/// force, then the wall follows, so standing still or reversing cannot chatter (the tracking wall,
+/// Alamilla-2021 eq. 3). One-sided: nothing pulls on a tip that moves back.
+struct TrackingWall {
+  double wall_mm = 0.0;  ///< Where the spring is at rest.
+
+  /// Moves the wall for a tip at `tip_mm` and returns the force, in [0, cutting_n].
+  /// @pre stiffness_n_per_mm > 0, cutting_n >= 0.
+  double Advance(double tip_mm, double cutting_n, double stiffness_n_per_mm) noexcept;
+};
+
+/// Dry friction with elastic bristles: LuGre (Alamilla-2021 eq. 4-6) without its velocity terms,
+///   dz/ds = 1 - sign(ds) z / z0,
+/// integrated exactly over each displacement: stable for any step, and the same force for a path
+/// however it is cut into steps.
+struct BristleFriction {
+  double deflection_mm = 0.0;  ///< z, in [-z0, z0].
+
+  /// @param travel_mm  tip displacement since the last call, + into the tissue.
+  /// @param z0_mm      travel over which friction builds up, > 0.
+  /// @return z / z0 in [-1, 1]: the fraction of the full sliding friction.
+  double Slide(double travel_mm, double z0_mm) noexcept;
+};
+
+/// Bone: the tip stays at the surface, the device is drawn back to it by a spring-damper that never
+/// pulls the needle in (the proxy of Vidal-2008 eq. 7).
+struct BoneSpring {
+  double stiffness_n_per_mm = 0.0;
+  double damping_n_s_per_mm = 0.0;
+  double largest_n = 0.0;
+
+  /// @param penetration_mm  of the device beyond the surface; @param speed_mm_per_s  + inwards.
+  double ForceN(double penetration_mm, double speed_mm_per_s) const noexcept;
+};
+
+/// A needle as a slender tube (Augmented-2010, section II.D).
+struct NeedleBeam {
+  double outer_diameter_mm = 0.0;
+  double inner_diameter_mm = 0.0;  ///< 0 for a solid needle.
+  double youngs_modulus_mpa = 0.0;
+
+  double SecondMomentMm4() const noexcept;
+  /// Force per deflection at the end of a cantilever of this length: 3 E I / L^3.
+  double EndStiffnessNPerMm(double length_mm) const noexcept;
+};
+
+}  // namespace acus::forces

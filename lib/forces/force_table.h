@@ -1,0 +1,67 @@
+// What each tissue does to a needle, and what the needle is: configs/forces and configs/needles.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "forces/force_laws.h"
+#include "volume/labels.h"
+
+namespace acus::forces {
+
+/// One tissue, for the table's reference needle.
+struct TissueForce {
+  PuncturePolynomial membrane;     ///< Met on entering the tissue; puncture_n = 0: none.
+  double cutting_n = 0.0;          ///< At the tip while it advances through fresh tissue.
+  double friction_n_per_mm = 0.0;  ///< Per mm of shaft in the tissue while it slides.
+  bool impenetrable = false;       ///< Bone: the tip stops at the surface.
+  std::bitset<256> no_membrane_from;  ///< Labels from which this tissue is entered without one.
+};
+
+/// Everything else that the force law needs. Defaults are those of the schema acus-forces.
+struct ForceSettings {
+  double cutting_stiffness_n_per_mm = 0.0;
+  double friction_buildup_mm = 0.0;
+  double interface_hysteresis_mm = 0.0;
+  double lateral_limit_n = 0.0;
+  double tissue_lateral_stiffness_n_per_mm2 = 0.0;
+  double redirect_depth_mm = 0.0;
+  BoneSpring bone;
+  double invalid_hold_s = 0.0;
+  double invalid_ramp_s = 0.0;
+  double largest_force_n = 0.0;
+};
+
+/// Forces by label. Labels that the file does not name behave as its "soft_tissue"; label 0
+/// ("outside") is free space.
+struct ForceTable {
+  std::string description;
+  double reference_diameter_mm = 1.0;  ///< Outer diameter of the needle that the rows are for.
+  ForceSettings settings;
+  std::array<TissueForce, 256> tissue{};
+  std::bitset<256> named;  ///< Labels that the file has a row for.
+
+  /// The table for a needle of another outer diameter: all soft-tissue forces scale with it, as
+  /// both the cut's length and the shaft's circumference do. Puncture depths stay.
+  ForceTable ScaledTo(double outer_diameter_mm) const;
+};
+
+/// Reads configs/forces/*.json (format acus-forces/1). @throws InputError listing all problems.
+ForceTable ReadForceTable(const std::filesystem::path& path);
+
+/// The same for a document in memory; `label` stands for the file name in messages.
+ForceTable ForceTableFromJson(nlohmann::json document, const std::string& label);
+
+/// Reads configs/needles/*.json (format acus-needle/1).
+struct NeedleProperties {
+  std::string name;
+  int gauge = 0;
+  double length_mm = 0.0;
+  NeedleBeam beam;
+};
+NeedleProperties ReadNeedle(const std::filesystem::path& path);
+
+}  // namespace acus::forces
