@@ -13,7 +13,7 @@ namespace acus::session {
 /// One reading of a tracked tool.
 struct PoseSample {
   std::int64_t time_ns = 0;
-  Pose reference_from_tool;  ///< mm. Use it like an Eigen::Isometry3d.
+  Pose reference_from_tool = {};  ///< mm. Use it like an Eigen::Isometry3d.
   bool valid =
       true;  ///< False where the tracker did not see the tool; the pose is the last good one.
 };
