@@ -23,7 +23,8 @@ struct SequenceFormat {
   bool compressed = false;          ///< zlib over all frames (gzip in NRRD): smaller, slower.
   std::string orientation = "MFA";  ///< Columns to the marked side, rows far from the transducer.
   std::string image_type = "BRIGHTNESS";
-  std::map<std::string, std::string> fields = {};  ///< Of the whole file, e.g. ImageToProbeTransform.
+  /// Of the whole file, e.g. ImageToProbeTransform.
+  std::map<std::string, std::string> fields = {};
 };
 
 /// The fields of one frame, in the order in which they are written.

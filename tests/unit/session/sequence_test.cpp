@@ -7,6 +7,7 @@
 #include "session/sequence_file.h"
 #include "session/sequence_writer.h"
 #include "support/fuzz.h"
+#include "support/temporary_folder.h"
 
 namespace acus::session {
 namespace {
@@ -15,9 +16,13 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-fs::path Temporary(const std::string& name) {
-  return fs::path(testing::TempDir()) / name;
-}
+/// Files of the running test, gone after it.
+class SequenceTest : public testing::Test {
+ protected:
+  fs::path Temporary(const std::string& name) const { return folder_ / name; }
+
+  testing_support::TemporaryFolder folder_;
+};
 
 std::vector<std::uint8_t> NoisyImage(std::size_t size, std::uint64_t frame) {
   RandomStream random(11, "image", frame);
@@ -51,7 +56,9 @@ struct Case {
   std::size_t channels;
 };
 
-class SequenceRoundTrip : public testing::TestWithParam<Case> {};
+class SequenceWriterTest : public SequenceTest {};
+
+class SequenceRoundTrip : public SequenceTest, public testing::WithParamInterface<Case> {};
 
 TEST_P(SequenceRoundTrip, KeepsEveryPixelPoseAndStamp) {
   const fs::path path = Temporary(GetParam().name);
@@ -88,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-TEST(SequenceWriter, BeginsAndEndsTheHeaderAsPlusExpects) {
+TEST_F(SequenceWriterTest, BeginsAndEndsTheHeaderAsPlusExpects) {
   const fs::path path = Temporary("header.igs.mha");
   WriteExample(path, {.width = 4, .height = 3}, 2);
   const std::string text = ReadTextFile(path);
@@ -100,7 +107,7 @@ TEST(SequenceWriter, BeginsAndEndsTheHeaderAsPlusExpects) {
   EXPECT_THAT(text, HasSubstr("\nSeq_Frame0001_Timestamp = 1.033333333\n"));
 }
 
-TEST(SequenceWriter, WidensTheNumberBeyond9999Frames) {
+TEST_F(SequenceWriterTest, WidensTheNumberBeyond9999Frames) {
   const fs::path path = Temporary("long.igs.mha");
   WriteExample(path, {}, 10'002);
   SequenceFile file(path);
@@ -112,7 +119,7 @@ TEST(SequenceWriter, WidensTheNumberBeyond9999Frames) {
   EXPECT_THAT([&] { file.ReadImage(0); }, ThrowsMessage<InputError>(HasSubstr("without images")));
 }
 
-TEST(SequenceWriter, LeavesNothingBehindWithoutCommit) {
+TEST_F(SequenceWriterTest, LeavesNothingBehindWithoutCommit) {
   const fs::path folder = Temporary("writer_dropped");
   fs::remove_all(folder);
   {
@@ -122,10 +129,10 @@ TEST(SequenceWriter, LeavesNothingBehindWithoutCommit) {
   EXPECT_TRUE(fs::is_empty(folder));
 }
 
-TEST(SequenceWriter, RefusesWhatWouldNotReadBack) {
-  EXPECT_THAT([] { SequenceWriter(Temporary("a.png"), {}); },
+TEST_F(SequenceWriterTest, RefusesWhatWouldNotReadBack) {
+  EXPECT_THAT([&] { SequenceWriter(Temporary("a.png"), {}); },
               ThrowsMessage<InputError>(HasSubstr("must be .igs.mha or .igs.nrrd")));
-  EXPECT_THAT([] { SequenceWriter(Temporary("a.igs.nrrd"), {}); },
+  EXPECT_THAT([&] { SequenceWriter(Temporary("a.igs.nrrd"), {}); },
               ThrowsMessage<InputError>(HasSubstr("NRRD cannot hold")));
   EXPECT_THROW(SequenceWriter(Temporary("a.igs.mha"), {.width = 3}), InputError);
   EXPECT_THROW(SequenceWriter(Temporary("a.igs.mha"), {.width = 3, .height = 3, .channels = 5}),
@@ -152,23 +159,26 @@ std::string Header(const std::string& lines) {
   return "ObjectType = Image\nNDims = 3\n" + lines;
 }
 
-/// A file of 3 x 2 pixels with the values 0 to 5.
-fs::path Oriented(const std::string& orientation, bool as_int16) {
-  std::string text =
-      Header("DimSize = 3 2 1\nElementType = " + std::string(as_int16 ? "MET_SHORT" : "MET_UCHAR") +
-             "\nElementByteOrderMSB = True\nUltrasoundImageOrientation = " + orientation +
-             "\nSeq_Frame0000_Timestamp = 0\nElementDataFile = LOCAL\n");
-  for (int i = 0; i < 6; ++i) {
-    if (as_int16) text += '\1';  // Big-endian: 256 + i.
-    text += static_cast<char>(i);
+class SequenceFileTest : public SequenceTest {
+ protected:
+  /// A file of 3 x 2 pixels with the values 0 to 5.
+  fs::path Oriented(const std::string& orientation, bool as_int16) const {
+    std::string text = Header(
+        "DimSize = 3 2 1\nElementType = " + std::string(as_int16 ? "MET_SHORT" : "MET_UCHAR") +
+        "\nElementByteOrderMSB = True\nUltrasoundImageOrientation = " + orientation +
+        "\nSeq_Frame0000_Timestamp = 0\nElementDataFile = LOCAL\n");
+    for (int i = 0; i < 6; ++i) {
+      if (as_int16) text += '\1';  // Big-endian: 256 + i.
+      text += static_cast<char>(i);
+    }
+    const fs::path path = Temporary("oriented.igs.mha");
+    WriteTextFile(path, text);
+    return path;
   }
-  const fs::path path = Temporary("oriented.igs.mha");
-  WriteTextFile(path, text);
-  return path;
-}
+};
 
-TEST(SequenceFile, TurnsImagesToMarkedAndFar) {
-  const auto turned = [](const std::string& orientation) {
+TEST_F(SequenceFileTest, TurnsImagesToMarkedAndFar) {
+  const auto turned = [&](const std::string& orientation) {
     SequenceFile file(Oriented(orientation, false));
     const auto image = file.ReadImageMarkedFar(0);
     std::string text = std::to_string(image.width) + ":";
@@ -186,7 +196,7 @@ TEST(SequenceFile, TurnsImagesToMarkedAndFar) {
   EXPECT_THAT([&] { turned("MM"); }, ThrowsMessage<InputError>(HasSubstr("is 'MM'")));
 }
 
-TEST(SequenceFile, GivesBigEndianNumbersInOurByteOrder) {
+TEST_F(SequenceFileTest, GivesBigEndianNumbersInOurByteOrder) {
   SequenceFile file(Oriented("FM", true));
   const auto bytes = file.ReadImage(0);
   std::array<std::int16_t, 6> values{};
@@ -197,8 +207,8 @@ TEST(SequenceFile, GivesBigEndianNumbersInOurByteOrder) {
   EXPECT_THAT(values, testing::ElementsAre(256, 259, 257, 260, 258, 261));
 }
 
-TEST(SequenceFile, NamesFileLineAndRemedy) {
-  const auto read = [](const std::string& text) {
+TEST_F(SequenceFileTest, NamesFileLineAndRemedy) {
+  const auto read = [&](const std::string& text) {
     const fs::path path = Temporary("bad.igs.mha");
     WriteTextFile(path, text);
     return [path] { SequenceFile file(path); };
@@ -238,7 +248,7 @@ TEST(SequenceFile, NamesFileLineAndRemedy) {
   expect(Header(std::string(70000, 'x')), "longer than 65536");
 }
 
-TEST(SequenceFile, ReadsPosesWithoutTheFileOfPixels) {
+TEST_F(SequenceFileTest, ReadsPosesWithoutTheFileOfPixels) {
   const fs::path path = Temporary("missing.igs.mhd");
   WriteTextFile(path, Header("DimSize = 2 2 1\nElementType = MET_UCHAR\n"
                              "Seq_Frame0000_AToBTransform = 1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1 \n"
@@ -251,8 +261,8 @@ TEST(SequenceFile, ReadsPosesWithoutTheFileOfPixels) {
   EXPECT_EQ(SequenceFile(path).ReadImage(0), (std::vector<std::uint8_t>{'a', 'b', 'c', 'd'}));
 }
 
-TEST(SequenceFile, RefusesAValidTransformThatIsNotSixteenNumbers) {
-  const auto transforms = [](const std::string& value, const std::string& status) {
+TEST_F(SequenceFileTest, RefusesAValidTransformThatIsNotSixteenNumbers) {
+  const auto transforms = [&](const std::string& value, const std::string& status) {
     const fs::path path = Temporary("transform.igs.mha");
     WriteTextFile(path, Header("DimSize = 0 0 1\nElementType = MET_OTHER\n"
                                "Seq_Frame0000_AToBTransform = " +
@@ -268,7 +278,7 @@ TEST(SequenceFile, RefusesAValidTransformThatIsNotSixteenNumbers) {
   EXPECT_FALSE(transforms("1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1", "OUT_OF_VIEW").Find("A", "B")->valid);
 }
 
-TEST(SequenceFile, ReportsABrokenCompression) {
+TEST_F(SequenceFileTest, ReportsABrokenCompression) {
   const fs::path path = Temporary("zlib_broken.igs.mha");
   WriteExample(path, {.width = 64, .height = 64, .compressed = true}, 3);
   std::string text = ReadTextFile(path);
@@ -279,7 +289,7 @@ TEST(SequenceFile, ReportsABrokenCompression) {
   EXPECT_THAT([&] { file.ReadImage(2); }, ThrowsMessage<InputError>(HasSubstr("damaged")));
 }
 
-TEST(SequenceFile, SurvivesDamagedFiles) {
+TEST_F(SequenceFileTest, SurvivesDamagedFiles) {
   const auto read_all = [](const fs::path& path) {
     SequenceFile file(path);
     for (std::size_t i = 0; i < file.num_frames(); ++i) {

@@ -8,6 +8,7 @@
 #include "math/rigid.h"
 #include "session/pose_csv.h"
 #include "support/fuzz.h"
+#include "support/temporary_folder.h"
 
 namespace acus::session {
 namespace {
@@ -16,23 +17,14 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
+using testing_support::TemporaryFolder;
 
 constexpr std::string_view kHeader = "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,status\n";
 
-fs::path EmptyFolder(const char* name) {
-  const fs::path folder = fs::path(testing::TempDir()) / name;
-  fs::remove_all(folder);
-  return folder;
-}
-
-fs::path CsvWith(const std::string& rows) {
-  const fs::path path = fs::path(testing::TempDir()) / "needle.csv";
-  WriteTextFile(path, std::string(kHeader) + rows);
-  return path;
-}
-
-PoseStream ReadRows(const std::string& rows) {
-  return ReadPoseCsv(CsvWith(rows), RunContext{});
+PoseStream ReadRows(const std::string& rows, const RunContext& context = {}) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "needle.csv", std::string(kHeader) + rows);
+  return ReadPoseCsv(folder / "needle.csv", context);
 }
 
 Eigen::Isometry3d RandomPose(RandomStream& random) {
@@ -90,7 +82,8 @@ TEST(Pose, NormalisingTwiceChangesNothing) {
 }
 
 TEST(Session, ReadsBackTheSameBits) {
-  const fs::path folder = EmptyFolder("session_bits");
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary / "session";
   const Session written = RandomSession(5000);
   WriteSession(folder, written, RunContext{});
   const Session read = ReadSession(folder, RunContext{});
@@ -102,14 +95,16 @@ TEST(Session, ReadsBackTheSameBits) {
 }
 
 TEST(Session, WrittenTwiceGivesTheSameFile) {
-  const fs::path folder = EmptyFolder("session_twice");
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary / "session";
   WriteSession(folder / "a", RandomSession(500), RunContext{});
   WriteSession(folder / "b", ReadSession(folder / "a", RunContext{}), RunContext{});
   EXPECT_EQ(ReadTextFile(folder / "a/needle.csv"), ReadTextFile(folder / "b/needle.csv"));
 }
 
 TEST(Session, IsNotWrittenWithoutStreamsOrWithTimeStandingStill) {
-  const fs::path folder = EmptyFolder("session_refused");
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary / "session";
   EXPECT_THAT([&] { WriteSession(folder, Session{}, RunContext{}); },
               ThrowsMessage<InputError>(HasSubstr("neither needle nor probe")));
   Session session = RandomSession(3);
@@ -125,7 +120,8 @@ TEST(Session, IsNotWrittenWithoutStreamsOrWithTimeStandingStill) {
 }
 
 TEST(PoseCsv, FindsColumnsByNameAndSkipsComments) {
-  const fs::path path = fs::path(testing::TempDir()) / "columns.csv";
+  const TemporaryFolder folder;
+  const fs::path path = folder / "columns.csv";
   WriteTextFile(
       path,
       "# made by hand\nstatus, time_s,qw,qx,qy,qz,x_mm,y_mm,z_mm\r\n\nOK,0.5,0,1,0,0,7,8,9\r\n");
@@ -171,7 +167,7 @@ TEST(PoseCsv, DropsALastLineThatIsCutOffAndWarns) {
       ++warnings;
       EXPECT_THAT(std::string(text), HasSubstr("needle.csv:3: the last line is cut off"));
     };
-    const PoseStream stream = ReadPoseCsv(CsvWith(rows.substr(0, cut)), context);
+    const PoseStream stream = ReadRows(rows.substr(0, cut), context);
     // Only the whole status shows that the line is whole.
     EXPECT_EQ(stream.size(), cut == rows.size() ? 2U : 1U) << cut;
     EXPECT_EQ(warnings, cut == rows.size() ? 0 : 1) << cut;
@@ -206,7 +202,8 @@ TEST(SecondsText, IsExactToTheNanosecond) {
 }
 
 TEST(SessionFolder, NamesWhatIsMissingOrLeadsOutside) {
-  const fs::path folder = EmptyFolder("session_json");
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary / "session";
   const auto read = [&](const std::string& streams) {
     WriteTextFile(folder / "session.json",
                   R"({"format": "acus-session/1", "streams": )" + streams + "}");
@@ -227,7 +224,8 @@ TEST(SessionFolder, NamesWhatIsMissingOrLeadsOutside) {
 }
 
 TEST(SessionFolder, SurvivesDamagedFiles) {
-  const fs::path folder = EmptyFolder("session_fuzz");
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary / "session";
   WriteSession(folder, RandomSession(40), RunContext{});
   for (const char* name : {"session.json", "needle.csv"}) {
     const std::string valid = ReadTextFile(folder / name);
