@@ -8,6 +8,7 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "report/markup.h"
+#include "support/temporary_folder.h"
 
 namespace acus::report {
 namespace {
@@ -17,8 +18,14 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::ThrowsMessage;
 
+/// Removed when the tests end.
+std::filesystem::path Scratch() {
+  static const testing_support::TemporaryFolder folder;
+  return folder.path();
+}
+
 std::filesystem::path Temporary(const char* name) {
-  return std::filesystem::path(testing::TempDir()) / name;
+  return Scratch() / name;
 }
 
 HtmlReport FullReport() {
