@@ -28,6 +28,7 @@ elseif(NOT ACUS_SANITIZE STREQUAL "")
   message(FATAL_ERROR "ACUS_SANITIZE is '${ACUS_SANITIZE}'; allowed: empty, address, thread")
 endif()
 if(sanitizers)
+  set(CMAKE_CXX_FLAGS_RELEASE "-O1")  # Compiles in half the time, and reports name the right lines.
   add_compile_options(${sanitizers} -g1 -Wno-maybe-uninitialized)
   add_link_options(${sanitizers})
   add_compile_definitions(_GLIBCXX_ASSERTIONS)

@@ -1,8 +1,10 @@
 #include "core/atomic_file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cstdio>
 #include <fstream>
 #include <string>
 
@@ -23,7 +25,10 @@ fs::path TemporaryName(const fs::path& target) {
 
 fs::path Absolute(fs::path target) {
   ACUS_REQUIRE(!target.empty(), "the output path is empty");
-  target = fs::absolute(target).lexically_normal();
+  // A link to a folder on another disk stays a link: what is behind it is written.
+  std::error_code error;
+  const fs::path real = fs::weakly_canonical(target, error);
+  target = error ? fs::absolute(target).lexically_normal() : real;
   if (target.filename().empty()) target = target.parent_path();
   return target;
 }
@@ -92,12 +97,29 @@ AtomicFolder::~AtomicFolder() {
 
 void AtomicFolder::Commit() {
   std::error_code error;
+  if (!fs::exists(target_) || fs::is_empty(target_)) {
+    fs::rename(temporary_, target_, error);  // An empty folder is replaced by the system.
+    ACUS_REQUIRE(!error, target_.string(), ": cannot be put in place: ", error.message());
+    return;
+  }
+  // One exchange, so that there is no moment without a folder, even if the power fails now. What
+  // was there is then under the temporary name, and goes with it.
+  if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) {
+    return;
+  }
+  // Not every file system can exchange.
   const fs::path old = TemporaryName(target_);
-  const bool replaces = fs::exists(target_);
-  if (replaces) fs::rename(target_, old, error);
-  if (!error) fs::rename(temporary_, target_, error);
+  fs::rename(target_, old, error);
+  if (!error) {
+    fs::rename(temporary_, target_, error);
+    std::error_code ignored;
+    if (error) {
+      fs::rename(old, target_, ignored);
+    } else {
+      fs::remove_all(old, ignored);
+    }
+  }
   ACUS_REQUIRE(!error, target_.string(), ": cannot be put in place: ", error.message());
-  if (replaces) fs::remove_all(old, error);
 }
 
 std::string ReadTextFile(const fs::path& path) {

@@ -59,6 +59,30 @@ TEST(AtomicFolder, ReplacesOnlyEarlierOutput) {
   EXPECT_EQ(NumEntries(folder), 1);
 }
 
+TEST(AtomicFolder, FillsAnEmptyFolderAndWhatALinkPointsTo) {
+  const fs::path folder = EmptyFolder("atomic_folder_link");
+  fs::create_directory(folder / "real");
+  fs::create_symlink(folder / "real", folder / "link");
+  AtomicFolder output(folder / "link", false);
+  WriteTextFile(output.path() / "new", "");
+  output.Commit();
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_TRUE(fs::exists(folder / "real" / "new"));
+  EXPECT_EQ(NumEntries(folder), 2);
+}
+
+TEST(AtomicFolder, WithoutCommitTheEarlierOutputStays) {
+  const fs::path folder = EmptyFolder("atomic_folder_stays");
+  fs::create_directory(folder / "run");
+  WriteTextFile(folder / "run" / "provenance.json", "old");
+  {
+    const AtomicFolder output(folder / "run", true);
+    WriteTextFile(output.path() / "provenance.json", "new");
+  }
+  EXPECT_EQ(ReadTextFile(folder / "run" / "provenance.json"), "old");
+  EXPECT_EQ(NumEntries(folder), 1);
+}
+
 TEST(Sha256, MatchesThePublishedTestVector) {
   EXPECT_EQ(Sha256OfText("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
