@@ -1,0 +1,30 @@
+// Header checks before a third-party reader sees a file: it would trust the sizes in there.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace acus::volume {
+
+/// The most bytes of voxels that a file of a format can hold, from the sizes on disk alone. Deflate
+/// cannot shrink data to less than 1/1032.
+/// Detached data (.nhdr, .mhd) is sought in the folder of the header.
+std::uint64_t MostVoxelBytes(const std::filesystem::path& path);
+
+/// Reads the text header of a MetaImage (.mha, .mhd) and refuses what its reader cannot survive.
+/// @throws InputError
+void CheckMetaImageHeader(const std::filesystem::path& path);
+
+/// Reads the binary header of a NIfTI file (.nii, .nii.gz) and refuses what its reader cannot
+/// survive or would place wrongly.
+/// @throws InputError
+void CheckNiftiHeader(const std::filesystem::path& path);
+
+/// True if a NIfTI file says where it lies in the patient (qform or sform code above 0).
+bool NiftiIsPlaced(const std::filesystem::path& path);
+
+/// Reads the text header of an NRRD (.nrrd, .nhdr) and refuses what its reader cannot survive.
+/// @throws InputError
+void CheckNrrdHeader(const std::filesystem::path& path);
+
+}  // namespace acus::volume
