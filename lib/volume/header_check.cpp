@@ -79,8 +79,8 @@ void RequireVolumeSizes(const std::vector<double>& sizes, const fs::path& path) 
   }
 }
 
-/// Inflates (zlib or gzip) from byte `offset` on and counts. @throws InputError if that fails.
-std::uint64_t InflatedBytes(const fs::path& path, std::uint64_t offset) {
+/// Inflates (zlib or gzip) at most `limit` bytes from `offset` on and counts. @throws InputError if that fails.
+std::uint64_t InflatedBytes(const fs::path& path, std::uint64_t offset, std::uint64_t limit) {
   std::ifstream file(path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(offset));
   z_stream stream{};
@@ -90,7 +90,10 @@ std::uint64_t InflatedBytes(const fs::path& path, std::uint64_t offset) {
   std::uint64_t count = 0;
   int status = Z_OK;
   while (status == Z_OK && file) {
-    file.read(reinterpret_cast<char*>(in.data()), static_cast<std::streamsize>(in.size()));
+    const std::uint64_t chunk = std::min<std::uint64_t>(in.size(), limit);
+    if (chunk == 0) break;
+    file.read(reinterpret_cast<char*>(in.data()), static_cast<std::streamsize>(chunk));
+    limit -= chunk;
     stream.next_in = in.data();
     stream.avail_in = static_cast<unsigned>(file.gcount());
     while (status == Z_OK && stream.avail_in > 0) {
@@ -236,7 +239,13 @@ void CheckMetaImageHeader(const fs::path& path) {
   const std::uint64_t begin = data == "LOCAL" ? DataBegin(path) : 0;
   if (text("CompressedData") == "True") {
     RequireBytes((fs::file_size(file) - begin) * kMostDeflateRatio, needed, path);
-    RequireBytes(InflatedBytes(file, begin), needed, path);
+    const auto stated = NumbersIn(text("CompressedDataSize"), path, "CompressedDataSize");
+    const double there = static_cast<double>(fs::file_size(file) - begin);
+    ACUS_REQUIRE(stated.size() <= 1 && (stated.empty() || (stated[0] >= 1 && stated[0] <= there)),
+                 path.string(), ": CompressedDataSize does not fit the ", there,
+                 " bytes that are there; the file is cut off or broken");
+    const double limit = stated.empty() ? there : stated[0];
+    RequireBytes(InflatedBytes(file, begin, static_cast<std::uint64_t>(limit)), needed, path);
   } else {
     RequireBytes(fs::file_size(file) - begin, needed, path);
   }
@@ -277,7 +286,7 @@ void CheckNiftiHeader(const fs::path& path) {
   const double needed = offset + bytes_each * sizes[0] * sizes[1] * sizes[2];
   if (path.extension() == ".gz") {
     RequireBytes(fs::file_size(path) * kMostDeflateRatio, needed, path);
-    RequireBytes(InflatedBytes(path, 0), needed, path);
+    RequireBytes(InflatedBytes(path, 0, fs::file_size(path)), needed, path);
   } else {
     RequireBytes(fs::file_size(path), needed, path);
   }

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <iostream>
 
 #include "core/error.h"
 #include "volume/header_check.h"
@@ -53,24 +52,6 @@ itk::ImageIOBase::Pointer MakeImageIo(const fs::path& path) {
                            ": is none of the volume formats that are known by their ending: "
                            ".nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd"));
 }
-
-/// MetaIO and the NIfTI library print to std::cerr what they also report as an error.
-class QuietStandardError {
- public:
-  QuietStandardError() : cerr_(std::cerr.rdbuf(nullptr)), cout_(std::cout.rdbuf(nullptr)) {}
-  ~QuietStandardError() {
-    std::cerr.rdbuf(cerr_);
-    std::cout.rdbuf(cout_);
-    std::cerr.clear();
-    std::cout.clear();
-  }
-  QuietStandardError(const QuietStandardError&) = delete;
-  QuietStandardError& operator=(const QuietStandardError&) = delete;
-
- private:
-  std::streambuf* cerr_;
-  std::streambuf* cout_;
-};
 
 /// The readers of long and unsigned long give what the platform makes of it: 64 bits here.
 ScalarType TypeOf(Component component, const fs::path& path) {
@@ -223,7 +204,6 @@ ScalarFile ReadScalarFile(const fs::path& path) {
   MakeImageIo(path);  // Refuses unknown endings before anything is read.
   CheckHeader(path);
   try {
-    const QuietStandardError quiet;
     ScalarFile file = ReadChecked(path);
     RequireUsable(file.geometry, path);
     MakeRightHanded(file);
