@@ -46,6 +46,15 @@ void TransformGraph::Set(const TransformName& name, const Eigen::Matrix4d& to_fr
   edges_.push_back({name, to_from_from, valid});
 }
 
+void TransformGraph::AddMissing(const TransformGraph& other) {
+  for (const Edge& edge : other.edges_) {
+    const bool known = std::ranges::any_of(edges_, [&](const Edge& own) {
+      return own.name.from == edge.name.from && own.name.to == edge.name.to;
+    });
+    if (!known) Set(edge.name, edge.to_from_from, edge.valid);
+  }
+}
+
 std::optional<TrackedTransform> TransformGraph::Find(std::string_view from,
                                                      std::string_view to) const {
   struct Reached {

@@ -34,6 +34,9 @@ class TransformGraph {
   /// Adds a transform, or replaces the one between the same frames in the same direction.
   void Set(const TransformName& name, const Eigen::Matrix4d& to_from_from, bool valid);
 
+  /// Adds the transforms of `other` between frames for which there is none yet.
+  void AddMissing(const TransformGraph& other);
+
   /// Along the shortest path, inverting where a transform is only known the other way round. Among
   /// paths of equal length the transforms that were added first win.
   /// @returns nothing if the frames are not connected, or only by a transform that has no inverse.
