@@ -27,8 +27,9 @@ fs::path Absolute(fs::path target) {
   ACUS_REQUIRE(!target.empty(), "the output path is empty");
   // A link to a folder on another disk stays a link: what is behind it is written.
   std::error_code error;
+  target = fs::absolute(target).lexically_normal();
   const fs::path real = fs::weakly_canonical(target, error);
-  target = error ? fs::absolute(target).lexically_normal() : real;
+  if (!error) target = real;
   if (target.filename().empty()) target = target.parent_path();
   return target;
 }

@@ -71,6 +71,21 @@ TEST(AtomicFolder, FillsAnEmptyFolderAndWhatALinkPointsTo) {
   EXPECT_EQ(NumEntries(folder), 2);
 }
 
+TEST(AtomicFolder, TakesRelativePathsAndTrailingSlashes) {
+  const fs::path folder = EmptyFolder("atomic_folder_relative");
+  const fs::path before = fs::current_path();
+  fs::current_path(folder);
+  for (const char* name : {"run", "slash/", "./dot", "deep/er/run", "deep/../up"}) {
+    AtomicFolder output(name, false);
+    WriteTextFile(output.path() / "new", "");
+    output.Commit();
+    EXPECT_TRUE(fs::exists(folder / name / "new")) << name;
+  }
+  WriteTextFile("file.txt", "text");
+  EXPECT_EQ(ReadTextFile(folder / "file.txt"), "text");
+  fs::current_path(before);
+}
+
 TEST(AtomicFolder, WithoutCommitTheEarlierOutputStays) {
   const fs::path folder = EmptyFolder("atomic_folder_stays");
   fs::create_directory(folder / "run");
