@@ -30,6 +30,7 @@ BModeOptions FromJson(const nlohmann::json& json, const std::string& label) {
   options.interface_span_mm = json.at("interface_span_mm");
   options.shadow_threshold = json.at("shadow_threshold");
   options.boosted_reflection = json.at("boosted_reflection");
+  options.needle_reflection = json.at("needle_reflection");
   options.angle_exponent = json.at("angle_exponent");
   options.attenuation = json.at("attenuation");
   options.attenuation_db_per_cm_mhz = ReadCurve(json, "attenuation_db_per_cm_mhz", label);

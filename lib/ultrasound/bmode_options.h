@@ -24,6 +24,8 @@ struct BModeOptions {
   double shadow_threshold = 1.0;
   double boosted_reflection = 1.0;
 
+  double needle_reflection = 1.0;  ///< The same for the needle, which is thinner than the slice.
+
   int angle_exponent = 0;  ///< Echo times cos^n of the angle between beam and interface; 0 = off.
 
   bool attenuation = false;

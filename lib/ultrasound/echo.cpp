@@ -12,7 +12,7 @@ namespace acus::ultrasound {
 namespace {
 
 constexpr int kLanesPerPiece = 256;  ///< A whole number of kernel blocks.
-constexpr double kGelHu = 0.0;
+constexpr float kMetalAboveHu = 3500.0F;  ///< Beyond bone and the 12 bits of a CT: only the needle.
 constexpr float kAirBelowHu = -200.0F;  ///< Below all fat: neither tissue nor gel.
 
 enum WorkRow { kEnergy, kReflected, kWeight, kScattered, kNepers, kFirstImpedance };
@@ -66,14 +66,20 @@ EchoTracer::EchoTracer(const ScanGrid& grid, double frequency_mhz, const BModeOp
                options.angle_exponent, "; allowed is 0, 1 or 2");
   ACUS_REQUIRE(options.boosted_reflection > 0.0 && options.boosted_reflection <= 1.0,
                "boosted_reflection: is ", options.boosted_reflection, "; allowed is above 0 to 1");
+  ACUS_REQUIRE(options.needle_reflection > 0.0 && options.needle_reflection <= 1.0,
+               "needle_reflection: is ", options.needle_reflection, "; allowed is above 0 to 1");
   impedance_ = CurveOf(options.impedance_mrayl);
   span_ = std::max(1, static_cast<int>(std::lround(options.interface_span_mm / grid.step_mm)));
   span_ = std::min(span_, grid.samples);
   echo_row_.share_per_sample = 1.0F / static_cast<float>(span_);
   echo_row_.threshold = static_cast<float>(options.shadow_threshold);
   // The samples of one interface together reflect what is wanted, whatever their number.
-  echo_row_.boosted_per_sample =
-      static_cast<float>(1.0 - std::pow(1.0 - options.boosted_reflection, 1.0 / span_));
+  const auto per_sample = [&](double reflection) {
+    return static_cast<float>(1.0 - std::pow(1.0 - reflection, 1.0 / span_));
+  };
+  echo_row_.boosted_per_sample = per_sample(options.boosted_reflection);
+  echo_row_.metal_per_sample = per_sample(options.needle_reflection);
+  echo_row_.metal_impedance = ValueOf(impedance_, kMetalAboveHu);
   gap_samples_ = static_cast<int>(std::floor(options.coupling_gap_mm / grid.step_mm + 1e-9));
   if (options.angle_exponent > 0) {
     for (int k = 0; k < grid.samples; ++k) {
@@ -123,15 +129,10 @@ void EchoTracer::FillCouplingGap(BeamImage& hu) const {
 }
 
 void EchoTracer::StartEnergy(const BeamImage& hu) {
-  const float gel = ValueOf(impedance_, static_cast<float>(kGelHu));
-  const float air = ValueOf(impedance_, CtSampler::kOutsideHu);
-  const float amplitude = (gel - air) / (gel + air);
-  const float reflected =
-      std::max(amplitude * amplitude, static_cast<float>(options_.boosted_reflection));
-  const float passed = (1.0F - reflected) * (1.0F - reflected);
   float* energy = work_.row(kEnergy);
   for (int l = 0; l < kernels::RoundUp(hu.lines()); ++l) {
-    energy[l] = hu.row(0)[l] < kAirBelowHu ? passed : 1.0F;
+    // A face against air radiates nothing into the body (it reflects 99.9 %, each way).
+    energy[l] = hu.row(0)[l] < kAirBelowHu ? 0.0F : 1.0F;
   }
 }
 

@@ -98,12 +98,15 @@ void ReflectRow(const EchoRow& row, const float* z0, const float* z1, int lanes,
   const VF share = hn::Set(f, row.share_per_sample);
   const VF threshold = hn::Set(f, row.threshold);
   const VF boosted = hn::Set(f, row.boosted_per_sample);
+  const VF metal = hn::Set(f, row.metal_impedance);
+  const VF of_metal = hn::Set(f, row.metal_per_sample);
   for (int l = 0; l < lanes; l += static_cast<int>(hn::Lanes(f))) {
     const VF a = hn::Load(f, z0 + l);
     const VF b = hn::Load(f, z1 + l);
     const VF amplitude = hn::Div(hn::Sub(b, a), hn::Add(b, a));
     const VF r = hn::Mul(amplitude, amplitude);
-    const VF value = hn::IfThenElse(hn::Gt(r, threshold), boosted, hn::Mul(r, share));
+    const VF strong = hn::IfThenElse(hn::Gt(hn::Max(a, b), metal), of_metal, boosted);
+    const VF value = hn::IfThenElse(hn::Gt(r, threshold), strong, hn::Mul(r, share));
     hn::Store(value, f, reflected + l);
   }
 }
@@ -262,6 +265,21 @@ void InterpolateRow(const std::uint8_t* image, std::int32_t stride, const std::i
   }
 }
 
+void VideoRow(const std::uint8_t* in, int count, std::uint8_t* out) {
+  const hn::ScalableTag<std::uint16_t> d;
+  const hn::Rebind<std::uint8_t, decltype(d)> d8;
+  const int step = static_cast<int>(hn::Lanes(d));
+  int n = 0;
+  for (; n + step <= count; n += step) {
+    const auto wide = hn::PromoteTo(d, hn::LoadU(d8, in + n));
+    const auto scaled = hn::Add(hn::Mul(wide, hn::Set(d, 220)), hn::Set(d, 16 * 256 + 128));
+    hn::StoreU(hn::DemoteTo(d8, hn::BitCast(hn::RebindToSigned<decltype(d)>(),
+                                            hn::ShiftRight<8>(scaled))),
+               d8, out + n);
+  }
+  for (; n < count; ++n) out[n] = static_cast<std::uint8_t>((in[n] * 220 + 16 * 256 + 128) >> 8);
+}
+
 }  // namespace acus::ultrasound::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -280,6 +298,7 @@ HWY_EXPORT(BlurAcrossRow);
 HWY_EXPORT(CompressRow);
 HWY_EXPORT(WindowRow);
 HWY_EXPORT(InterpolateRow);
+HWY_EXPORT(VideoRow);
 
 void SampleRow(const Voxels& voxels, const Lines& lines, float s, int lanes, float* out) {
   HWY_DYNAMIC_DISPATCH(SampleRow)(voxels, lines, s, lanes, out);
@@ -318,6 +337,9 @@ void WindowRow(const float* in, float offset, float scale, int lanes, std::uint8
 void InterpolateRow(const std::uint8_t* image, std::int32_t stride, const std::int32_t* offset,
                     const float* across, const float* along, int lanes, std::uint8_t* out) {
   HWY_DYNAMIC_DISPATCH(InterpolateRow)(image, stride, offset, across, along, lanes, out);
+}
+void VideoRow(const std::uint8_t* in, int count, std::uint8_t* out) {
+  HWY_DYNAMIC_DISPATCH(VideoRow)(in, count, out);
 }
 
 }  // namespace acus::ultrasound::kernels

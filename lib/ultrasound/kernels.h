@@ -48,11 +48,14 @@ void CurveRow(const Curve& curve, const float* hu, int lanes, float* out);
 /// Constants of one row of reflection and transmission.
 struct EchoRow {
   float share_per_sample;   ///< 1 / samples that an interface spans.
-  float threshold;          ///< Reflections above it ...
+  float threshold;           ///< Reflections above it ...
   float boosted_per_sample;  ///< ... reflect this share per sample.
+  float metal_impedance;     ///< Interfaces with a higher impedance ...
+  float metal_per_sample;    ///< ... reflect this share per sample.
 };
 
-/// Reflection of each lane: r = ((z1 - z0) / (z1 + z0))^2, per sample, boosted above the threshold.
+/// Reflection of each lane: r = ((z1 - z0) / (z1 + z0))^2, per sample, boosted above the threshold;
+/// where there is metal on either side, what metal reflects.
 void ReflectRow(const EchoRow& row, const float* z0, const float* z1, int lanes, float* reflected);
 
 /// Weights `reflected` by cos^exponent (1 or 2) of the angle between the beam and the HU gradient.
@@ -102,5 +105,9 @@ void WindowRow(const float* in, float offset, float scale, int lanes, std::uint8
 /// 0 where the offset is negative.
 void InterpolateRow(const std::uint8_t* image, std::int32_t stride, const std::int32_t* offset,
                     const float* across, const float* along, int lanes, std::uint8_t* out);
+
+/// out[n] = 16 + 219 / 255 in[n]: grey to the range of video. Neither needs to be aligned; exactly
+/// `count` bytes are read and written.
+void VideoRow(const std::uint8_t* in, int count, std::uint8_t* out);
 
 }  // namespace acus::ultrasound::kernels

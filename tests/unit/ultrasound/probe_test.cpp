@@ -9,6 +9,7 @@
 
 #include "config/json_file.h"
 #include "core/error.h"
+#include "support/temporary_folder.h"
 
 namespace acus::ultrasound {
 namespace {
@@ -55,7 +56,8 @@ TEST(Probe, PresetsAreReadWithTheDefaultsOfTheSchema) {
 }
 
 TEST(Probe, ALinearProbeWithoutWidthSaysSo) {
-  const auto path = std::filesystem::path(ACUS_BUILD_DIR) / "probe_without_width.json";
+  const testing_support::TemporaryFolder folder;
+  const auto path = folder / "probe.json";
   std::ofstream(path) << R"({"format": "acus-probe/1", "name": "x", "kind": "linear",
                              "frequency_mhz": 5, "depth_mm": 50})";
   EXPECT_THAT([&] { ReadProbe(path); },

@@ -1,0 +1,103 @@
+#include "ultrasound/annotate.h"
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "core/error.h"
+
+namespace acus::ultrasound {
+namespace {
+
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr double kFontScale = 0.42;
+constexpr int kLetterHeight = 10;
+constexpr int kEdge = 6;  ///< Pixels between text and the border of a panel.
+
+cv::Mat View(GrayImage& image) {
+  return {image.height, image.width, CV_8UC1, image.pixels.data()};
+}
+
+void CopyPanel(const GrayImage& from, int panel, GrayImage& to) {
+  for (int r = 0; r < from.height; ++r) {
+    const auto* row = from.pixels.data() + static_cast<std::ptrdiff_t>(r) * from.width;
+    std::copy_n(row, from.width,
+                to.pixels.data() + static_cast<std::ptrdiff_t>(r) * to.width +
+                    static_cast<std::ptrdiff_t>(panel) * from.width);
+  }
+}
+
+}  // namespace
+
+void DrawText(GrayImage& picture, int column, int row, std::string_view text, std::uint8_t grey,
+              double scale) {
+  const cv::Point baseline(column, row + static_cast<int>(std::lround(kLetterHeight * scale)));
+  cv::putText(View(picture), std::string(text), baseline, kFont, kFontScale * scale,
+              cv::Scalar(grey), 1, cv::LINE_AA);
+}
+
+Screen::Screen(const Probe& probe, bool with_ct_slice)
+    : picture_(PictureOf(probe)), panels_(with_ct_slice ? 2 : 1) {
+  DrawMarks(probe);
+}
+
+void Screen::DrawMarks(const Probe& probe) {
+  GrayImage marks;
+  marks.Resize(width_px(), height_px());
+  const cv::Mat view = View(marks);
+  const auto row_of = [&](double depth_mm) {
+    return static_cast<int>(
+        std::lround((depth_mm - picture_.depth_of_top_row_mm) / picture_.axial_mm_per_px));
+  };
+  const double tick_mm = probe.depth_mm > 100.0 ? 10.0 : 5.0;
+  for (int panel = 0; panel < panels_; ++panel) {
+    const int left = panel * picture_.width_px;
+    for (int n = 0; n * tick_mm <= probe.depth_mm + 1e-9; ++n) {
+      const int row = row_of(n * tick_mm);
+      const bool labelled = n % 2 == 0;
+      cv::line(view, {left, row}, {left + (labelled ? 8 : 4), row}, cv::Scalar(200), 1);
+      if (!labelled || n == 0 || row + kLetterHeight > picture_.height_px) continue;
+      DrawText(marks, left + 11, row - kLetterHeight / 2,
+               std::to_string(static_cast<int>(n * tick_mm)), 200, 0.85);
+    }
+    const int right = left + picture_.width_px - 1;
+    cv::circle(view, {right - 2 * kEdge, 2 * kEdge}, 5, cv::Scalar(230), 1, cv::LINE_AA);
+    const char* name = panel == 0 ? "B-mode" : "CT";
+    DrawText(marks, right - 70, kEdge, name, 200);
+  }
+  const int right = picture_.width_px - 1;
+  if (probe.focus_mm > 0.0 && probe.focus_mm <= probe.depth_mm) {
+    const int row = row_of(probe.focus_mm);
+    const cv::Point triangle[] = {{right, row - 5}, {right, row + 5}, {right - 8, row}};
+    cv::fillConvexPoly(view, triangle, 3, cv::Scalar(200));
+  }
+  std::string about = probe.name + "  " + Message(probe.frequency_mhz, " MHz  ", probe.depth_mm, " mm");
+  DrawText(marks, 44, picture_.height_px - kLetterHeight - kEdge, about, 160, 0.85);
+  for (std::size_t n = 0; n < marks.pixels.size(); ++n) {
+    if (marks.pixels[n] != 0) marks_.emplace_back(n, marks.pixels[n]);
+  }
+}
+
+void Screen::Compose(const GrayImage& bmode, const GrayImage* ct_slice, std::string_view text,
+                     GrayImage& out) const {
+  const auto require_size = [&](const GrayImage& image, const char* what) {
+    ACUS_REQUIRE(image.width == picture_.width_px && image.height == picture_.height_px,
+                 "screen: the ", what, " is ", image.width, " x ", image.height,
+                 " pixels, but the probe's picture is ", picture_.width_px, " x ",
+                 picture_.height_px);
+  };
+  ACUS_REQUIRE((ct_slice != nullptr) == (panels_ == 2), "screen: ",
+               ct_slice != nullptr ? "has no panel for a CT slice" : "needs a CT slice");
+  require_size(bmode, "B-mode");
+  out.Resize(width_px(), height_px());
+  CopyPanel(bmode, 0, out);
+  if (ct_slice != nullptr) {
+    require_size(*ct_slice, "CT slice");
+    CopyPanel(*ct_slice, 1, out);
+  }
+  // The brighter of mark and picture: marks stay readable and soft-edged on any ground.
+  for (const auto& [pixel, grey] : marks_) out.pixels[pixel] = std::max(out.pixels[pixel], grey);
+  if (!text.empty()) DrawText(out, 44, kEdge, text);
+}
+
+}  // namespace acus::ultrasound

@@ -1,0 +1,42 @@
+// Films: grey pictures as H.264 in MP4, which every browser plays.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "ultrasound/image.h"
+
+namespace acus::ultrasound {
+
+struct FilmOptions {
+  double frames_per_s = 30.0;
+  int quality = 23;  ///< H.264 constant rate factor: 0 lossless ... 51 worst.
+};
+
+/// Writes a film picture by picture, whole or not at all. The same pictures give the same bytes.
+class FilmWriter {
+ public:
+  /// @throws InputError if an option is out of range, the size is not 16 to 8192 each way, the
+  ///     file cannot be made, or this system's libavcodec has no H.264 encoder.
+  FilmWriter(const std::filesystem::path& path, int width_px, int height_px,
+             const FilmOptions& options = {});
+  /// Without Finish() nothing is left behind.
+  ~FilmWriter();
+  FilmWriter(const FilmWriter&) = delete;
+  FilmWriter& operator=(const FilmWriter&) = delete;
+
+  /// @throws InputError if the picture has another size, or the disk is full.
+  void Add(const GrayImage& image);
+
+  int num_frames() const;
+
+  /// Completes the film and puts it in place.
+  /// @throws InputError if it has no frame, or the file cannot be written.
+  void Finish();
+
+ private:
+  struct Encoder;
+  std::unique_ptr<Encoder> encoder_;
+};
+
+}  // namespace acus::ultrasound

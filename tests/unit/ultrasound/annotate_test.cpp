@@ -1,0 +1,93 @@
+#include "ultrasound/annotate.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+
+namespace acus::ultrasound {
+namespace {
+
+Probe TestProbe() {
+  return {.name = "test",
+          .kind = ProbeKind::kLinear,
+          .frequency_mhz = 10,
+          .width_mm = 60,
+          .depth_mm = 60,
+          .image_width_px = 301,
+          .image_height_px = 301,
+          .focus_mm = 30,
+          .dynamic_range_db = 60};
+}
+
+GrayImage Grey(std::uint8_t grey) {
+  GrayImage image;
+  image.Resize(301, 301);
+  std::fill(image.pixels.begin(), image.pixels.end(), grey);
+  return image;
+}
+
+TEST(Screen, TicksAreAtTheirDepth) {
+  const Screen screen(TestProbe(), false);
+  GrayImage out;
+  screen.Compose(Grey(0), nullptr, "", out);
+  // 0.2 mm per row: a tick each 25 rows, longer each second one.
+  for (int r = 0; r < 301; ++r) {
+    EXPECT_EQ(out.At(1, r) > 0, r % 25 == 0) << r;
+    EXPECT_EQ(out.At(7, r) > 0, r % 50 == 0) << r;
+  }
+  EXPECT_GT(out.At(299, 150), 0);  // The focus, at 30 mm.
+  EXPECT_EQ(out.At(299, 100), 0);
+}
+
+TEST(Screen, PanelsKeepTheirPixelsWhereNothingIsDrawn) {
+  const Screen screen(TestProbe(), true);
+  GrayImage out;
+  const GrayImage slice = Grey(90);
+  screen.Compose(Grey(40), &slice, "", out);
+  EXPECT_EQ(out.width, 602);
+  EXPECT_EQ(out.height, 301);
+  EXPECT_EQ(out.At(150, 200), 40);
+  EXPECT_EQ(out.At(451, 200), 90);
+  // The marked side is shown by a circle at the right of each panel.
+  EXPECT_GT(out.At(301 - 1 - 12 + 5, 12), 100);
+  EXPECT_GT(out.At(602 - 1 - 12 + 5, 12), 100);
+}
+
+TEST(Screen, TextIsNotLeftOverFromTheFrameBefore) {
+  const Screen screen(TestProbe(), false);
+  GrayImage with;
+  GrayImage without;
+  screen.Compose(Grey(0), nullptr, "t = 1.5 s", with);
+  screen.Compose(Grey(0), nullptr, "", without);
+  EXPECT_NE(with.pixels, without.pixels);
+  screen.Compose(Grey(0), nullptr, "", with);
+  EXPECT_EQ(with.pixels, without.pixels);
+}
+
+TEST(Screen, RefusesPicturesThatDoNotFit) {
+  GrayImage out;
+  const GrayImage slice = Grey(90);
+  EXPECT_THROW(Screen(TestProbe(), true).Compose(Grey(0), nullptr, "", out), InputError);
+  EXPECT_THROW(Screen(TestProbe(), false).Compose(Grey(0), &slice, "", out), InputError);
+  GrayImage small;
+  small.Resize(300, 301);
+  EXPECT_THROW(Screen(TestProbe(), false).Compose(small, nullptr, "", out), InputError);
+  EXPECT_THROW(Screen(TestProbe(), true).Compose(Grey(0), &small, "", out), InputError);
+}
+
+TEST(DrawText, IsCutOffAtTheBorder) {
+  GrayImage image = Grey(0);
+  DrawText(image, 295, 100, "longer than the picture");
+  DrawText(image, -500, 5000, "nowhere");
+  long sum = 0;
+  for (const std::uint8_t p : image.pixels) sum += p;
+  EXPECT_GT(sum, 0);
+  for (int r = 0; r < 301; ++r) {
+    for (int c = 0; c < 290; ++c) EXPECT_EQ(image.At(c, r), 0);
+  }
+}
+
+}  // namespace
+}  // namespace acus::ultrasound

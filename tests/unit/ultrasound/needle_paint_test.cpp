@@ -1,0 +1,151 @@
+#include "ultrasound/needle_paint.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+
+namespace acus::ultrasound {
+namespace {
+
+constexpr double kPx = 0.1;
+constexpr int kSize = 401;
+
+/// A black picture of 40 mm x 40 mm; the probe's frame is the CT's.
+struct Canvas {
+  ScanGrid grid = ScanGridOf(ImageGeometry{
+      .width_px = kSize, .height_px = kSize, .lateral_mm_per_px = kPx, .axial_mm_per_px = kPx});
+  BeamImage hu;
+
+  Canvas() {
+    hu.Resize(kSize, kSize);
+    for (int k = 0; k < kSize; ++k) std::fill_n(hu.row(k), kSize, 0.0F);
+  }
+  void Paint(const NeedleInImage& needle, double thickness_mm) {
+    PaintNeedle(needle, Eigen::Isometry3d::Identity(), thickness_mm, grid, hu);
+  }
+  /// Area in mm^2, centroid and extent of what was painted.
+  struct Blob {
+    double area_mm2 = 0.0;
+    Eigen::Vector2d centre_mm = Eigen::Vector2d::Zero();
+    Eigen::Vector2d low_mm = Eigen::Vector2d::Constant(1e9);
+    Eigen::Vector2d high_mm = Eigen::Vector2d::Constant(-1e9);
+  };
+  Blob Painted() const {
+    Blob blob;
+    int n = 0;
+    for (int k = 0; k < kSize; ++k) {
+      for (int l = 0; l < kSize; ++l) {
+        if (hu.row(k)[l] != kNeedleHu) continue;
+        const Eigen::Vector2d at(grid.start_mm[l].x(), k * kPx);
+        blob.centre_mm += at;
+        blob.low_mm = blob.low_mm.cwiseMin(at);
+        blob.high_mm = blob.high_mm.cwiseMax(at);
+        ++n;
+      }
+    }
+    blob.area_mm2 = n * kPx * kPx;
+    if (n > 0) blob.centre_mm /= n;
+    return blob;
+  }
+};
+
+NeedleInImage Needle(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double length,
+                     double radius) {
+  return {.tip_in_ct_mm = tip, .axis_in_ct = axis.normalized(), .length_mm = length, .radius_mm = radius};
+}
+
+TEST(PaintNeedle, InThePlaneItIsAsLongAndWideAsItIs) {
+  Canvas canvas;
+  canvas.Paint(Needle({5, 20, 0}, {1, 0, 0}, 15, 0.65), 2.0);
+  const auto blob = canvas.Painted();
+  EXPECT_NEAR(blob.high_mm.x(), 5.0, kPx);
+  EXPECT_NEAR(blob.low_mm.x(), 5.0 - 15.0 - 0.65, kPx);
+  EXPECT_NEAR(blob.high_mm.y() - blob.low_mm.y(), 1.2, 1e-9);  // Centres within +-0.65 mm.
+  EXPECT_NEAR(blob.centre_mm.y(), 20.0, 1e-9);
+}
+
+TEST(PaintNeedle, TheTipIsAPoint) {
+  Canvas canvas;
+  canvas.Paint(Needle({5, 20, 0}, {1, 0, 0}, 15, 0.6), 2.0);
+  const auto width_at = [&](double x_mm) {
+    int n = 0;
+    for (int k = 0; k < kSize; ++k) n += canvas.hu.row(k)[200 + static_cast<int>(std::lround(x_mm / kPx))] == kNeedleHu;
+    return n * kPx;
+  };
+  EXPECT_NEAR(width_at(5.0), kPx, 1e-9);
+  EXPECT_NEAR(width_at(5.0 - 0.9), 0.6, 2 * kPx);  // Half of the taper of three radii.
+  EXPECT_NEAR(width_at(5.0 - 3.0), 1.2, kPx);
+  EXPECT_EQ(width_at(5.2), 0.0);
+}
+
+TEST(PaintNeedle, PerpendicularToThePlaneItIsOneDisc) {
+  Canvas canvas;
+  canvas.Paint(Needle({3, 12, 30}, {0, 0, 1}, 60, 0.8), 2.0);
+  const auto blob = canvas.Painted();
+  EXPECT_NEAR(blob.area_mm2, M_PI * 0.64, 0.1);
+  EXPECT_NEAR((blob.centre_mm - Eigen::Vector2d(3, 12)).norm(), 0.0, 0.02);
+}
+
+TEST(PaintNeedle, OnlyThePartWithinTheSliceIsSeen) {
+  // At 45 degrees through the plane at x = 0: within +-(1 + 0.3) mm of it, that is 2.6 mm of x.
+  Canvas canvas;
+  canvas.Paint(Needle({10, 20, 10}, {1, 0, 1}, 40, 0.3), 2.0);
+  const auto blob = canvas.Painted();
+  EXPECT_NEAR(blob.low_mm.x(), -1.3 - 0.3, kPx);
+  EXPECT_NEAR(blob.high_mm.x(), 1.3 + 0.3, kPx);
+}
+
+TEST(PaintNeedle, ParallelToThePlaneItVanishesWhereItsSurfaceLeavesTheSlice) {
+  for (const auto& [z_mm, seen] : {std::pair{1.29, true}, {1.31, false}, {-1.29, true}, {-1.31, false}}) {
+    Canvas canvas;
+    canvas.Paint(Needle({5, 20, z_mm}, {1, 0, 0}, 15, 0.3), 2.0);
+    EXPECT_EQ(canvas.Painted().area_mm2 > 0.0, seen) << z_mm;
+  }
+}
+
+TEST(PaintNeedle, AThinNeedleIsNotBrokenUp) {
+  Canvas canvas;
+  canvas.Paint(Needle({15, 35, 0}, {0.8, 0.6, 0}, 30, 0.01), 1.0);
+  int columns = 0;
+  for (int l = 0; l < kSize; ++l) {
+    int n = 0;
+    for (int k = 0; k < kSize; ++k) n += canvas.hu.row(k)[l] == kNeedleHu;
+    columns += n > 0;
+  }
+  EXPECT_NEAR(columns * kPx, 24.0, 2 * kPx);
+}
+
+TEST(PaintNeedle, OutsideThePictureNothingIsPainted) {
+  for (const Eigen::Vector3d& tip :
+       {Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(-25, 20, 0), Eigen::Vector3d(1e12, 0, 0)}) {
+    Canvas canvas;
+    canvas.Paint(Needle(tip, {1, 0, 0}, 10, 0.5), 2.0);
+    EXPECT_EQ(canvas.Painted().area_mm2, 0.0) << tip.transpose();
+  }
+}
+
+TEST(PaintNeedle, ANeedleOfNoLengthIsAPoint) {
+  Canvas canvas;
+  canvas.Paint(Needle({0, 20, 0}, {0, 1, 0}, 0, 0.5), 2.0);
+  EXPECT_LE(canvas.Painted().area_mm2, 5 * kPx * kPx);
+}
+
+TEST(PaintNeedle, RefusesANeedleThatIsNone) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Canvas canvas;
+  NeedleInImage needle = Needle({0, 20, 0}, {0, 1, 0}, 10, 0.5);
+  needle.tip_in_ct_mm.x() = nan;
+  EXPECT_THROW(canvas.Paint(needle, 2.0), InputError);
+  needle = Needle({0, 20, 0}, {0, 1, 0}, 10, 0.5);
+  needle.axis_in_ct.setZero();
+  EXPECT_THROW(canvas.Paint(needle, 2.0), InputError);
+  EXPECT_THROW(canvas.Paint(Needle({0, 20, 0}, {0, 1, 0}, -1, 0.5), 2.0), InputError);
+  EXPECT_THROW(canvas.Paint(Needle({0, 20, 0}, {0, 1, 0}, 1, -0.5), 2.0), InputError);
+  EXPECT_THROW(canvas.Paint(Needle({0, 20, 0}, {0, 1, 0}, 1, nan), 2.0), InputError);
+}
+
+}  // namespace
+}  // namespace acus::ultrasound
