@@ -31,7 +31,9 @@ std::vector<const PoseSample*> ValidSamples(const PoseStream& stream) {
   return valid;
 }
 
-Eigen::Vector3d Origin(const PoseSample& sample) { return sample.reference_from_tool.translation(); }
+Eigen::Vector3d Origin(const PoseSample& sample) {
+  return sample.reference_from_tool.translation();
+}
 
 double SecondsBetween(const PoseSample& a, const PoseSample& b) {
   return static_cast<double>(b.time_ns - a.time_ns) * kSecondsPerNs;
@@ -87,7 +89,8 @@ TissueMetrics ComputeTissueMetrics(const PoseStream& needle, const InsideTissue&
     const Eigen::Vector3d tip_mm = Origin(*sample);
     const bool is_inside = inside(tip_mm);
     const Eigen::Vector3d exit_mm =
-        is_inside ? ShaftExit(sample->reference_from_tool, inside, options.needle_length_mm) : tip_mm;
+        is_inside ? ShaftExit(sample->reference_from_tool, inside, options.needle_length_mm)
+                  : tip_mm;
     const double step_mm = last == nullptr ? 0.0 : (tip_mm - Origin(*last)).norm();
     if (is_inside && last != nullptr) {
       metrics.time_in_tissue_s += SecondsBetween(*last, *sample);
@@ -108,8 +111,8 @@ TissueMetrics ComputeTissueMetrics(const PoseStream& needle, const InsideTissue&
   return metrics;
 }
 
-Eigen::Vector3d ShaftExit(const Eigen::Isometry3d& reference_from_needle, const InsideTissue& inside,
-                          double length_mm) {
+Eigen::Vector3d ShaftExit(const Eigen::Isometry3d& reference_from_needle,
+                          const InsideTissue& inside, double length_mm) {
   const Eigen::Vector3d tip_mm = reference_from_needle.translation();
   const Eigen::Vector3d towards_hub = -reference_from_needle.linear().col(2);
   double in_tissue_mm = 0.0;
