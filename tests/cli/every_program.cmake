@@ -1,7 +1,7 @@
 # What holds for each program, without a line of its own in any other file.
 foreach(program ${ACUS_PROGRAMS})
   acus_add_cli_case(${program}.help EXIT 0 LEAVES_NOTHING
-    STDOUT "^Usage: .*${program}" "EXAMPLE" "^ +${program} [^[]" "--threads" "--seed" "--quiet"
+    STDOUT "^Usage: .*${program}" "EXAMPLE" "^ +${program} [A-Za-z0-9./_-]" "--threads" "--seed" "--quiet"
     COMMAND ${program} --help)
   acus_add_cli_case(${program}.version EXIT 0 LEAVES_NOTHING
     STDOUT "^${program} [0-9]+\\.[0-9]+\\.[0-9]+$"

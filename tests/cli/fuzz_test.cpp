@@ -39,11 +39,13 @@ struct Entrance {
   std::string command;
 };
 
-// clang-format off
 const Entrance kEntrances[] = {
-#include "fuzz_entrances.inc"
+    {"phantom_config", {"small_lumbar.json"}, "small_lumbar.json",
+     "acus-phantom patient lumbar --config small_lumbar.json -o out"},
+    {"register_csv", {"markers_mannequin.csv", "markers_ct.csv"}, "markers_mannequin.csv",
+     "acus-register --from markers_mannequin.csv --to markers_ct.csv -o out"},
+    {"register_pivot", {"poses"}, "poses/pose_03.txt", "acus-register pivot poses -o out"},
 };
-// clang-format on
 
 fs::path Inputs() { return fs::path(ACUS_BUILD_DIR) / "tests" / "cli" / "inputs"; }
 
@@ -65,8 +67,8 @@ struct Mutation {
 Bytes Flipped(Bytes bytes, RandomStream& random) {
   const int count = 1 + static_cast<int>(random.Uniform(0.0, 8.0));
   for (int i = 0; i < count; ++i) {
-    const double span = random.Uniform() < 0.5 ? std::min<double>(1024.0, bytes.size()) : bytes.size();
-    const auto at = static_cast<std::size_t>(random.Uniform(0.0, span));
+    const std::size_t span = random.Uniform() < 0.5 ? std::min<std::size_t>(1024, bytes.size()) : bytes.size();
+    const auto at = static_cast<std::size_t>(random.Uniform() * static_cast<double>(span));
     bytes[at] = static_cast<char>(bytes[at] ^ (1 << static_cast<int>(random.Uniform(0.0, 8.0))));
   }
   return bytes;

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Makes the small inputs of the CLI tests: a coarse patient, and the names that the EXAMPLEs use.
+# Usage: make_inputs.sh SOURCE_FOLDER
+set -euo pipefail
+source=$1
+export PATH="$ACUS_BIN:$PATH"
+
+rm -rf "$INPUTS"
+mkdir -p "$(dirname "$INPUTS")"
+acus-phantom patient lumbar --config "$source/testdata/small_lumbar.json" --seed 1 -o "$INPUTS"
+cd "$INPUTS"
+
+ln -s sessions/insertion session
+ln -s markers_mannequin.csv mannequin.csv
+ln -s markers_ct.csv ct.csv
+ln -s target_ct.csv target.csv
+cp "$source/testdata/small_scenario.json" scenario.json
+
+# A pointer 180 mm long that is turned about (10, 20, 30): 25 poses, one 4 x 4 matrix a file.
+mkdir poses
+awk 'BEGIN {
+  for (i = 0; i < 25; ++i) {
+    a = 0.25 * i; b = 0.2 + 0.02 * i
+    ca = cos(a); sa = sin(a); cb = cos(b); sb = sin(b)
+    split(ca " " (-sa * cb) " " (sa * sb) " " sa " " (ca * cb) " " (-ca * sb) " 0 " sb " " cb, r, " ")
+    split("-5 2 180", tip, " "); split("10 20 30", pivot, " ")
+    file = sprintf("poses/pose_%02d.txt", i)
+    for (row = 0; row < 3; ++row) {
+      t = pivot[row + 1]
+      for (column = 1; column <= 3; ++column) t -= r[3 * row + column] * tip[column]
+      print r[3 * row + 1], r[3 * row + 2], r[3 * row + 3], t > file
+    }
+    print 0, 0, 0, 1 > file
+    close(file)
+  }
+}'
