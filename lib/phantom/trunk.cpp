@@ -6,6 +6,10 @@
 namespace acus::phantom {
 namespace {
 
+constexpr double kStepMm = 0.5;
+constexpr double kLowestMm = -160.0;
+constexpr double kHighestMm = 300.0;
+
 /// The back is hollow along the midline: there the surface lies this much deeper.
 double Furrow(double x_mm, double y_mm, double centre_y_mm, double depth_mm) {
   if (y_mm <= centre_y_mm) return 0.0;
@@ -25,29 +29,48 @@ Section Between(double half_width_mm, double front_y_mm, double back_y_mm) {
 }  // namespace
 
 // Heights as in AddSpine: L5 at -53, L3 at 18, T12 at 121, T8 at 229.
-Trunk::Trunk(const BodySettings& settings)
-    : fat_mm_(settings.subcutaneous_fat_mm),
-      spine_y_{{-150, 52}, {-110, 28}, {-85, 15}, {-53, 6},  {-18, 1},  {18, 0.5},
-               {54, 3},    {90, 8},    {121, 13}, {150, 18}, {204, 26}, {253, 30}},
-      half_width_{{-120, 168}, {-70, 162}, {0, 149}, {60, 149}, {130, 155}, {200, 161}, {260, 163}},
-      front_{{-120, -118}, {-40, -128}, {40, -134}, {110, -130}, {180, -115}, {260, -98}},
-      back_{{-120, 92}, {-85, 80}, {-53, 74}, {0, 70}, {54, 72}, {121, 78}, {178, 84}, {253, 92}},
-      cavity_back_{{-120, 55}, {-85, 38}, {-40, 26}, {20, 24},
-                   {90, 30},   {121, 38}, {178, 52}, {253, 60}} {}
-
-Section Trunk::Skin(double z_mm) const {
-  const Section inner = Fascia(z_mm);
-  return Between(inner.half_width_mm + fat_mm_,
-                 inner.centre_y_mm - inner.half_depth_mm - 1.1 * fat_mm_,
-                 inner.centre_y_mm + inner.half_depth_mm + 0.8 * fat_mm_);
+Trunk::Trunk(const BodySettings& settings) {
+  const Profile spine_y{{-150, 52}, {-110, 28}, {-85, 15}, {-53, 6},  {-18, 1},  {18, 0.5},
+                        {54, 3},    {90, 8},    {121, 13}, {150, 18}, {204, 26}, {253, 30}};
+  const Profile half_width{{-120, 153}, {-70, 147}, {0, 134},  {60, 134},
+                           {130, 140},  {200, 146}, {260, 148}};
+  const Profile front{{-120, -118}, {-40, -128}, {40, -134}, {110, -130}, {180, -115}, {260, -98}};
+  const Profile back{{-120, 84}, {-85, 72}, {-53, 66}, {0, 62},
+                     {54, 64},   {121, 70}, {178, 76}, {253, 84}};
+  const Profile cavity_back{{-120, 55}, {-85, 38}, {-40, 26}, {20, 24},
+                            {90, 30},   {121, 38}, {178, 52}, {253, 60}};
+  const double fat = settings.subcutaneous_fat_mm;
+  for (double z = kLowestMm; z <= kHighestMm; z += kStepMm) {
+    levels_.push_back({spine_y(z), spine_y.Slope(z),
+                       Between(half_width(z) + fat, front(z) - 1.1 * fat, back(z) + 0.8 * fat),
+                       Between(half_width(z), front(z), back(z)),
+                       Between(half_width(z) - 17.0, front(z) + 10.0, cavity_back(z))});
+  }
 }
 
-Section Trunk::Fascia(double z_mm) const {
-  return Between(half_width_(z_mm) - 15.0, front_(z_mm), back_(z_mm) - 8.0);
+std::pair<std::size_t, double> Trunk::Step(double z_mm) const {
+  const double step = (std::clamp(z_mm, kLowestMm, kHighestMm) - kLowestMm) / kStepMm;
+  const auto i = std::min(static_cast<std::size_t>(step), levels_.size() - 2);
+  return {i, step - static_cast<double>(i)};
 }
 
-Section Trunk::Cavity(double z_mm) const {
-  return Between(half_width_(z_mm) - 32.0, front_(z_mm) + 10.0, cavity_back_(z_mm));
+double Trunk::SpineY(double z_mm) const {
+  const auto [i, t] = Step(z_mm);
+  return (1.0 - t) * levels_[i].spine_y + t * levels_[i + 1].spine_y;
+}
+
+double Trunk::SpineSlope(double z_mm) const {
+  const auto [i, t] = Step(z_mm);
+  return (1.0 - t) * levels_[i].spine_slope + t * levels_[i + 1].spine_slope;
+}
+
+Section Trunk::At(double z_mm, Section Level::*layer) const {
+  const auto [i, t] = Step(z_mm);
+  const Section& a = levels_[i].*layer;
+  const Section& b = levels_[i + 1].*layer;
+  return {(1.0 - t) * a.half_width_mm + t * b.half_width_mm,
+          (1.0 - t) * a.half_depth_mm + t * b.half_depth_mm,
+          (1.0 - t) * a.centre_y_mm + t * b.centre_y_mm};
 }
 
 double Trunk::SkinDistance(const Eigen::Vector3d& p) const {

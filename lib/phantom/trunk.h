@@ -19,20 +19,27 @@ class Trunk {
   explicit Trunk(const BodySettings& settings);
 
   /// y of the back wall of the vertebral bodies at height z (lordosis below, kyphosis above).
-  double SpineY(double z_mm) const { return spine_y_(z_mm); }
-  double SpineSlope(double z_mm) const { return spine_y_.Slope(z_mm); }
+  double SpineY(double z_mm) const;
+  double SpineSlope(double z_mm) const;
 
-  Section Skin(double z_mm) const;
-  Section Fascia(double z_mm) const;  ///< Between subcutaneous fat and muscle.
-  Section Cavity(double z_mm) const;  ///< Inside of the abdominal and chest wall.
+  Section Skin(double z_mm) const { return At(z_mm, &Level::skin); }
+  Section Fascia(double z_mm) const { return At(z_mm, &Level::fascia); }  ///< Under the fat.
+  Section Cavity(double z_mm) const { return At(z_mm, &Level::cavity); }  ///< Inside the wall.
 
   double SkinDistance(const Eigen::Vector3d& p) const;
   double FasciaDistance(const Eigen::Vector3d& p) const;
   double CavityDistance(const Eigen::Vector3d& p) const;
 
  private:
-  double fat_mm_;
-  Profile spine_y_, half_width_, front_, back_, cavity_back_;
+  /// All that depends on height alone, at steps of kStepMm: most of the work of a voxel is here.
+  struct Level {
+    double spine_y, spine_slope;
+    Section skin, fascia, cavity;
+  };
+  std::pair<std::size_t, double> Step(double z_mm) const;  ///< Level below, share of the next.
+  Section At(double z_mm, Section Level::*layer) const;
+
+  std::vector<Level> levels_;
 };
 
 /// Height of the diaphragm over (x, y), mm.

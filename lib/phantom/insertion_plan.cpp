@@ -1,0 +1,231 @@
+#include "phantom/insertion_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "math/rigid.h"
+#include "volume/labels.h"
+
+namespace acus::phantom {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kBorderMm = 8.0;  ///< Entry points this near to the volume's border are not used.
+constexpr double kProbeAheadMm = 32.0;  ///< Where a probe would lie, seen from the entry.
+
+bool Avoided(const PlanSettings& settings, volume::Label label) {
+  return std::ranges::find(settings.avoid, label) != settings.avoid.end();
+}
+
+bool WellInside(const PatientField& field, const Vector3d& p) {
+  const Box box = field.bounds_ct_mm();
+  return ((p - box.min()).array() > kBorderMm).all() && ((box.max() - p).array() > kBorderMm).all();
+}
+
+/// Fills in normal and heading from entry and target.
+InsertionPlan Complete(const PatientField& field, const Vector3d& entry, const Vector3d& target) {
+  InsertionPlan plan;
+  plan.entry_ct_mm = entry;
+  plan.target_ct_mm = target;
+  plan.direction = (target - entry).normalized();
+  plan.skin_normal = SkinNormal(field, entry);
+  Vector3d along = plan.direction - plan.direction.dot(plan.skin_normal) * plan.skin_normal;
+  if (along.norm() < 0.05) {  // Straight in: the probe lies towards the head.
+    along = Vector3d::UnitZ() - plan.skin_normal.z() * plan.skin_normal;
+  }
+  if (along.norm() < 0.05) along = plan.skin_normal.unitOrthogonal();
+  plan.heading = along.normalized();
+  return plan;
+}
+
+/// Depth at which a ray from the entry meets bone, if it meets nothing else that is to be avoided.
+std::optional<double> BoneDepth(const PatientField& field, const InsertionPlan& plan,
+                                double angle_rad, double max_depth_mm,
+                                const PlanSettings& settings) {
+  static const volume::Label kBone = volume::LabelOf("bone");
+  static const volume::Label kCanal = volume::LabelOf("spinal_canal");
+  const Vector3d direction = Eigen::AngleAxisd(angle_rad, plan.lateral()) * plan.direction;
+  for (double depth = 0.0; depth <= max_depth_mm; depth += 0.05) {
+    const volume::Label label = field.LabelAt(plan.entry_ct_mm + depth * direction);
+    if (label == kBone) return depth;
+    if (label == kCanal || Avoided(settings, label)) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+/// Looks for the smallest turn in the image plane that runs squarely into bone.
+void FindBone(const PatientField& field, const PlanSettings& settings, InsertionPlan& plan) {
+  constexpr double kMinDepthMm = 10.0;
+  const double max_depth = plan.length_mm();
+  for (int degrees = 2; degrees <= 30; ++degrees) {
+    for (const double side : {1.0, -1.0}) {
+      const double angle = side * degrees * kDegree;
+      const auto depth = BoneDepth(field, plan, angle, max_depth, settings);
+      // Not a graze: a little more to either side is bone too, at a like depth.
+      const auto near = BoneDepth(field, plan, angle - 1.0 * kDegree, max_depth, settings);
+      const auto far = BoneDepth(field, plan, angle + 1.0 * kDegree, max_depth, settings);
+      if (!depth || !near || !far || *depth < kMinDepthMm) continue;
+      if (std::abs(*near - *depth) > 5.0 || std::abs(*far - *depth) > 5.0) continue;
+      plan.bone_angle_rad = angle;
+      plan.bone_depth_mm = *depth;
+      return;
+    }
+  }
+}
+
+/// How well a probe would sit ahead of the entry: its distance from the tangent plane, or nothing
+/// if there is no skin there.
+std::optional<double> ProbeUnevenness(const PatientField& field, const InsertionPlan& plan) {
+  double worst = 0.0;
+  for (const double ahead : {kProbeAheadMm - 20.0, kProbeAheadMm, kProbeAheadMm + 20.0}) {
+    const Vector3d start = plan.entry_ct_mm + ahead * plan.heading;
+    const auto skin = SkinAlong(field, start, plan.skin_normal, 25.0);
+    if (!skin || !field.bounds_ct_mm().contains(*skin)) return std::nullopt;
+    worst = std::max(worst, std::abs((*skin - start).dot(plan.skin_normal)));
+  }
+  return worst;
+}
+
+/// What speaks against a path, in arbitrary points: fat along it, an end in fat, bone or lung right
+/// under the probe; an end in the liver or a lesion speaks for it.
+double TissueCost(const PatientField& field, const InsertionPlan& plan,
+                  const PlanSettings& settings) {
+  static const volume::Label kFat = volume::LabelOf("fat");
+  static const volume::Label kLiver = volume::LabelOf("liver");
+  static const volume::Label kLesion = volume::LabelOf("lesion");
+  const volume::Label end = field.LabelAt(plan.target_ct_mm);
+  const double end_cost = end == kLesion ? -80.0 : end == kLiver ? -60.0 : end == kFat ? 25.0 : 0.0;
+  const int steps = static_cast<int>(plan.length_mm());
+  int fat = 0;
+  for (int i = 0; i < steps; ++i) {
+    fat += field.LabelAt(plan.entry_ct_mm + i * plan.direction) == kFat ? 1 : 0;
+  }
+  int hidden = 0;
+  const Vector3d face = plan.entry_ct_mm + kProbeAheadMm * plan.heading;
+  for (int depth = 2; depth <= 30; ++depth) {
+    hidden += Avoided(settings, field.LabelAt(face - depth * plan.skin_normal)) ? 1 : 0;
+  }
+  return end_cost + 30.0 * fat / std::max(steps, 1) + 1.0 * hidden;
+}
+
+struct Candidate {
+  double cost = std::numeric_limits<double>::infinity();
+  std::optional<InsertionPlan> plan;
+};
+
+/// Tries paths from one entry point, tilted towards four sides, and keeps the best.
+void TryEntry(const PatientField& field, const PlanSettings& settings, const Vector3d& entry,
+              Candidate& best) {
+  const Vector3d normal = SkinNormal(field, entry);
+  const Eigen::Isometry3d tangent = math::PoseFromAxes(entry, normal, Vector3d::UnitZ());
+  for (int side = 0; side < 4; ++side) {
+    const double turn = 90.0 * side * kDegree;
+    const Vector3d heading = tangent.linear() * Vector3d(std::cos(turn), std::sin(turn), 0.0);
+    for (const double tilt_deg : {20.0, 30.0, 40.0}) {
+      const double tilt = tilt_deg * kDegree;
+      const Vector3d direction = std::sin(tilt) * heading - std::cos(tilt) * normal;
+      for (double length = settings.min_length_mm; length <= settings.max_length_mm;
+           length += 10.0) {
+        const InsertionPlan plan = Complete(field, entry, entry + length * direction);
+        const double cost = TissueCost(field, plan, settings) + 0.2 * std::abs(tilt_deg - 30.0);
+        if (cost >= best.cost || !PathIsFree(field, entry, plan.target_ct_mm, settings)) continue;
+        const auto uneven = ProbeUnevenness(field, plan);
+        if (!uneven || cost + 1.5 * *uneven >= best.cost) continue;
+        best = {cost + 1.5 * *uneven, plan};
+      }
+    }
+  }
+}
+
+}  // namespace
+
+bool PathIsFree(const PatientField& field, const Vector3d& entry, const Vector3d& target,
+                const PlanSettings& settings) {
+  const Eigen::Isometry3d path = math::PoseFromAxes(entry, target - entry, Vector3d::UnitX());
+  const double length = (target - entry).norm();
+  const double skin_mm = 3.0;  // At the skin itself, points around the path are in air.
+  for (double depth = 0.0; depth <= length; depth += 0.5) {
+    const Vector3d at = path * Vector3d(0, 0, depth);
+    const volume::Label label = field.LabelAt(at);
+    if (Avoided(settings, label) || (label == 0 && depth > skin_mm)) return false;
+    if (depth < settings.clearance_mm) continue;
+    for (int side = 0; side < 8; ++side) {
+      const double angle = side * 45.0 * kDegree;
+      const Vector3d around(settings.clearance_mm * std::cos(angle),
+                            settings.clearance_mm * std::sin(angle), depth);
+      if (Avoided(settings, field.LabelAt(path * around))) return false;
+    }
+  }
+  return true;
+}
+
+InsertionPlan PlanToTarget(const PatientField& field, const Vector3d& target,
+                           const PlanSettings& settings, const RunContext& context) {
+  ACUS_REQUIRE(field.bounds_ct_mm().contains(target), "the target (", target.transpose(),
+               ") mm lies outside the volume; move the target or enlarge the grid");
+  ACUS_REQUIRE(field.SkinDistanceMm(target) < 0.0, "the target (", target.transpose(),
+               ") mm lies outside the body");
+  const Eigen::Isometry3d cone = math::PoseFromAxes(target, settings.approach, Vector3d::UnitX());
+  constexpr double kStepRad = 2.0 * kDegree;
+  const int rings = static_cast<int>(std::floor(settings.cone_rad / kStepRad));
+  for (int ring = 0; ring <= rings; ++ring) {
+    context.Checkpoint("path", static_cast<double>(ring) / (rings + 1));
+    const double polar = ring * kStepRad;
+    const int around =
+        ring == 0
+            ? 1
+            : static_cast<int>(std::ceil(2.0 * std::numbers::pi * std::sin(polar) / kStepRad));
+    for (int n = 0; n < around; ++n) {
+      const double azimuth = 2.0 * std::numbers::pi * n / around;
+      const Vector3d out =
+          cone.linear() * Vector3d(std::sin(polar) * std::cos(azimuth),
+                                   std::sin(polar) * std::sin(azimuth), std::cos(polar));
+      const auto entry =
+          SkinAlong(field, target + settings.max_length_mm * out, out, settings.max_length_mm);
+      if (!entry || !WellInside(field, *entry)) continue;
+      const double length = (*entry - target).norm();
+      if (length < settings.min_length_mm || length > settings.max_length_mm) continue;
+      if (!PathIsFree(field, *entry, target, settings)) continue;
+      InsertionPlan plan = Complete(field, *entry, target);
+      if (!ProbeUnevenness(field, plan)) continue;
+      FindBone(field, settings, plan);
+      return plan;
+    }
+  }
+  throw NoAnswerError(Message("no free straight path of ", settings.min_length_mm, " to ",
+                              settings.max_length_mm, " mm leads from the skin to (",
+                              target.transpose(),
+                              ") mm; widen `cone_deg`, turn `approach` or lower `clearance_mm`"));
+}
+
+InsertionPlan PlanAnywhere(const PatientField& field, const PlanSettings& settings,
+                           const RunContext& context) {
+  const Box box = field.bounds_ct_mm();
+  const Vector3d middle = box.center();
+  const double reach = 0.5 * box.diagonal().norm();
+  constexpr int kHeights = 9, kAzimuths = 24;
+  Candidate best;
+  for (int height = 0; height < kHeights; ++height) {
+    context.Checkpoint("path", static_cast<double>(height) / kHeights);
+    const double z = box.min().z() + box.sizes().z() * (0.2 + 0.6 * height / (kHeights - 1));
+    for (int azimuth = 0; azimuth < kAzimuths; ++azimuth) {
+      const double angle = 2.0 * std::numbers::pi * azimuth / kAzimuths;
+      const Vector3d out(std::sin(angle), -std::cos(angle), 0.0);
+      const Vector3d outside = Vector3d(middle.x(), middle.y(), z) + reach * out;
+      const auto entry = SkinAlong(field, outside, out, reach);
+      if (entry && WellInside(field, *entry)) TryEntry(field, settings, *entry, best);
+    }
+  }
+  if (!best.plan) {
+    throw NoAnswerError(
+        Message("no straight path of ", settings.min_length_mm, " to ", settings.max_length_mm,
+                " mm from the skin is free of bone, lung and gas in this label map"));
+  }
+  FindBone(field, settings, *best.plan);
+  return *best.plan;
+}
+
+}  // namespace acus::phantom

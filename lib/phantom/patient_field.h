@@ -1,0 +1,64 @@
+// What is at a point of a patient: exact anatomy, or a label map.
+#pragma once
+
+#include <optional>
+
+#include "phantom/anatomy.h"
+#include "volume/volume.h"
+
+namespace acus::phantom {
+
+class PatientField {
+ public:
+  virtual ~PatientField() = default;
+  virtual volume::Label LabelAt(const Eigen::Vector3d& point_ct_mm) const = 0;
+
+  /// About the distance to the skin, > 0 outside. Its zero is the surface on which probes lie.
+  virtual double SkinDistanceMm(const Eigen::Vector3d& point_ct_mm) const = 0;
+
+  /// Where the field is known: the volume's extent.
+  virtual Box bounds_ct_mm() const = 0;
+};
+
+class AnatomyField : public PatientField {
+ public:
+  AnatomyField(const Anatomy& anatomy, const volume::Geometry& geometry);
+  volume::Label LabelAt(const Eigen::Vector3d& p) const override { return anatomy_.LabelAt(p); }
+  double SkinDistanceMm(const Eigen::Vector3d& p) const override {
+    return anatomy_.SkinDistanceMm(p);
+  }
+  Box bounds_ct_mm() const override { return bounds_; }
+
+ private:
+  const Anatomy& anatomy_;
+  Box bounds_;
+};
+
+/// Labels by nearest voxel; label 0 is outside the body. The skin is the half level of the body
+/// smoothed by a Gaussian of 2.5 mm, so that a probe does not climb the stairs of the voxels.
+class LabelMapField : public PatientField {
+ public:
+  /// `labels` must outlive this object.
+  explicit LabelMapField(const volume::LabelMap& labels);
+  volume::Label LabelAt(const Eigen::Vector3d& p) const override;
+  double SkinDistanceMm(const Eigen::Vector3d& p) const override;
+  Box bounds_ct_mm() const override { return bounds_; }
+
+ private:
+  /// 1 in the body, 0 outside, linear between voxel centres; beyond the volume as at its border.
+  double BodyAt(const Eigen::Vector3d& p) const;
+
+  const volume::LabelMap& labels_;
+  Eigen::Affine3d index_from_ct_;
+  Box bounds_;
+};
+
+/// The point of the skin nearest to `start` on the line along `direction`, within `reach_mm` to
+/// either side; at it the line goes from inside to outside in the sense of `direction`.
+std::optional<Eigen::Vector3d> SkinAlong(const PatientField& field, const Eigen::Vector3d& start,
+                                         const Eigen::Vector3d& direction, double reach_mm);
+
+/// Unit normal of the skin, outwards, over a patch of about 10 mm.
+Eigen::Vector3d SkinNormal(const PatientField& field, const Eigen::Vector3d& point_ct_mm);
+
+}  // namespace acus::phantom
