@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/csv.h"
 #include "core/error.h"
@@ -21,7 +22,9 @@ constexpr std::array<const char*, 7> kColours = {"#0072b2", "#d55e00", "#009e73"
 constexpr const char* kGrid = "#dedede";
 constexpr const char* kMinorGrid = "#f1f1f1";
 constexpr double kFontPx = 12.0;
-constexpr double kCharacterPx = 7.0;   ///< Mean width of a character at kFontPx.
+constexpr double kCharacterPx = 7.0;  ///< Mean width of a character at kFontPx.
+constexpr double kSlantDeg = 35.0;
+constexpr int kLongestName = 28;       ///< Characters of a name under the axis.
 constexpr int kMaxPathPoints = 11000;  ///< Of all series: about 150 kB of text.
 
 std::string LineBetween(double x1, double y1, double x2, double y2, const std::string& extra) {
@@ -55,6 +58,33 @@ std::string Px(double value) {
   return result == "-0" ? "0" : result;
 }
 
+namespace {
+
+/// A name as it stands under the axis: the first characters of a long one.
+std::string Shortened(const std::string& name) {
+  std::string text;
+  int count = 0;
+  for (const char c : name) {
+    count += (static_cast<unsigned char>(c) & 0xC0U) != 0x80;
+    if (count > kLongestName) return text + "\u2026";
+    text += c;
+  }
+  return text;
+}
+
+/// Pixels between the places of two names that stand side by side.
+double NameSpacing(const Axis& x_axis, double width) {
+  return width * (x_axis.Fraction(1.0) - x_axis.Fraction(0.0));
+}
+
+double WidestName(const Plot& plot) {
+  double widest = 0.0;
+  for (const auto& name : plot.x_names) widest = std::max(widest, TextWidth(Shortened(name)));
+  return widest;
+}
+
+}  // namespace
+
 double TextWidth(const std::string& text, double font_px) {
   return NumCharacters(text) * kCharacterPx * font_px / kFontPx;
 }
@@ -72,6 +102,12 @@ double HalfBar(const Series& series) {
     if (x[i] > x[i - 1]) gap = std::min(gap, x[i] - x[i - 1]);
   }
   return std::isfinite(gap) ? 0.5 * gap : 0.5;
+}
+
+double LabelDepth(const Plot& plot, const Axis& x_axis, double width) {
+  const double widest = WidestName(plot);
+  if (widest + 6.0 <= NameSpacing(x_axis, width)) return 16.0;
+  return 16.0 + widest * std::sin(kSlantDeg * std::numbers::pi / 180.0);
 }
 
 std::vector<LegendEntry> LegendOf(const Plot& plot, double left, double right) {
@@ -181,7 +217,9 @@ class PlotDrawing {
     const auto grid = [](const Tick& tick) {
       return Message("stroke=\"", tick.label.empty() ? kMinorGrid : kGrid, "\"");
     };
+    if (labels_x && !plot_.x_names.empty()) DrawNames();
     for (const Tick& tick : x_axis_.ticks()) {
+      if (!plot_.x_names.empty()) break;
       const double x = PixelX(tick.value);
       out_ += LineBetween(x, frame_.top, x, frame_.bottom(), grid(tick));
       if (labels_x && !tick.label.empty()) {
@@ -197,6 +235,20 @@ class PlotDrawing {
     if (!y_axis_.is_log() && y_axis_.low() < 0.0 && y_axis_.high() > 0.0) {
       out_ +=
           LineBetween(frame_.left, PixelY(0.0), frame_.right(), PixelY(0.0), "stroke=\"#aaaaaa\"");
+    }
+  }
+
+  void DrawNames() {
+    const double spacing = NameSpacing(x_axis_, frame_.width);
+    const bool slanted = WidestName(plot_) + 6.0 > spacing;
+    const auto stride = static_cast<std::size_t>(std::ceil(kFontPx / std::max(spacing, 0.1)));
+    for (std::size_t i = 0; i < plot_.x_names.size(); i += stride) {
+      if (!Shows(static_cast<double>(i))) continue;
+      const double x = PixelX(static_cast<double>(i));
+      const double y = frame_.bottom() + (slanted ? 12.0 : 16.0);
+      const std::string turn = Message("text-anchor=\"end\" transform=\"rotate(-", kSlantDeg, " ",
+                                       Px(x), " ", Px(y), ")\"");
+      out_ += TextAt(x, y, Shortened(plot_.x_names[i]), slanted ? turn : "text-anchor=\"middle\"");
     }
   }
 

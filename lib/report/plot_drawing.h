@@ -42,6 +42,9 @@ double HalfBar(const Series& series);
 std::vector<LegendEntry> LegendOf(const Plot& plot, double left, double right);
 std::string LegendText(const Plot& plot, const std::vector<LegendEntry>& entries, double top);
 
+/// Height of the labels under an axis of `width` pixels: more where names have to be slanted.
+double LabelDepth(const Plot& plot, const Axis& x_axis, double width);
+
 /// Ground, grid, tick labels (those of x only if `labels_x`), marks and series of one plot.
 std::string PlotText(const Plot& plot, const Axis& x_axis, const Axis& y_axis, const Frame& frame,
                      bool labels_x);

@@ -138,9 +138,10 @@ std::string StackedSvgText(std::span<const Plot> plots) {
                    Message("text-anchor=\"middle\" transform=\"rotate(-90 14 ", Px(middle), ")\""));
     top = frame.bottom() + 14.0;
     if (!last) continue;
-    body += TextAt(0.5 * (left + right), frame.bottom() + 34.0,
+    const double depth = LabelDepth(plot, x_axis, frame.width);
+    body += TextAt(0.5 * (left + right), frame.bottom() + depth + 18.0,
                    WithExponent(plot.x_label, x_axis.exponent()), "text-anchor=\"middle\"");
-    top = frame.bottom() + 44.0;
+    top = frame.bottom() + depth + (plot.x_label.empty() ? 10.0 : 28.0);
   }
   const std::string title = Escaped(plots.front().title);
   return Message("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"", Px(width), "\" height=\"",

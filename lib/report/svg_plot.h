@@ -43,7 +43,8 @@ struct Plot {
   std::string y_label = {};
   bool log_x = false;
   bool log_y = false;
-  bool y_from_zero = false;  ///< The y axis reaches down (or up) to 0.
+  bool y_from_zero = false;               ///< The y axis reaches down (or up) to 0.
+  std::vector<std::string> x_names = {};  ///< Stand at x = 0, 1, 2, ... instead of numbers.
   std::vector<Series> series = {};
   std::vector<Mark> marks = {};  ///< Those outside the x range are left out.
   std::vector<Span> spans = {};

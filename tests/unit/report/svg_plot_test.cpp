@@ -31,9 +31,8 @@ struct Point {
 /// The points of the n-th series' path, in values: what a reader of the plot would read off.
 std::vector<Point> ReadOff(const std::string& svg) {
   std::smatch m;
-  static const std::regex frame(
-      R"re(data-frame="(\S+) (\S+) (\S+) (\S+)" )re"
-      R"re(data-x="(\S+) (\S+) \w+" data-y="(\S+) (\S+) \w+")re");
+  static const std::regex frame(R"re(data-frame="(\S+) (\S+) (\S+) (\S+)" )re"
+                                R"re(data-x="(\S+) (\S+) \w+" data-y="(\S+) (\S+) \w+")re");
   EXPECT_TRUE(std::regex_search(svg, m, frame));
   std::array<double, 8> f{};
   for (std::size_t i = 0; i < 8; ++i) f[i] = std::stod(m[static_cast<int>(i) + 1]);
@@ -142,6 +141,17 @@ TEST(StackedSvgText, SharesTheAxisOfX) {
   const std::size_t label = svg.find("depth [mm]");
   EXPECT_NE(label, svg.npos);
   EXPECT_EQ(svg.find("depth [mm]", label + 1), svg.npos) << "the label stands at the bottom only";
+}
+
+TEST(SvgText, PutsNamesUnderTheAxisAndSlantsThemWhereTheyAreLong) {
+  Plot plot = OneSeries({0, 1, 2}, {4, 8, 2}, Style::kBars);
+  plot.x_names = {"skin", "fat", "bone"};
+  EXPECT_THAT(SvgText(plot), AllOf(HasSubstr(">fat</text>"), Not(HasSubstr("rotate(-35"))));
+  plot.x_names = {std::string(60, 'a'), "<b>", "c"};
+  plot.width_px = 300;
+  const std::string svg = SvgText(plot);
+  EXPECT_THAT(svg, AllOf(HasSubstr("rotate(-35"), HasSubstr("&lt;b&gt;")));
+  EXPECT_THAT(svg, HasSubstr(std::string(28, 'a') + "\u2026"));
 }
 
 TEST(SvgText, DrawsBarsFromZero) {
