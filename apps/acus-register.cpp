@@ -17,7 +17,7 @@ struct Options {
   std::vector<std::string> leave_out;
   std::optional<double> fle_mm;
   std::vector<fs::path> poses;
-  bool all_poses = false;
+  bool robust = false;
 };
 
 Landmarks Read(const fs::path& file, acus::RunContext& context) {
@@ -48,7 +48,7 @@ acus::ExitCode CalibratePointer(const Options& options, acus::RunContext& contex
     context.provenance.AddInput(path);
     for (const Eigen::Isometry3d& pose : ReadPoses(path)) poses.push_back(pose);
   }
-  const auto result = options.all_poses ? CalibratePivot(poses) : CalibratePivotRobustly(poses);
+  const auto result = options.robust ? CalibratePivotRobustly(poses) : CalibratePivot(poses);
   const auto plot = acus::report::ResidualPlot("Residuals of the poses", {}, result.residual_mm);
   acus::AtomicFolder folder(options.output, context.overwrite);
   WriteResult(folder.path(), result, context);
@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
       ->add_option("poses", options.poses, "Folders or files of 4 x 4 numbers, or .csv streams")
       ->required()
       ->check(CLI::ExistingPath);
-  pivot->add_flag("--all-poses", options.all_poses, "Use also those that do not fit");
+  pivot->add_flag("--robust", options.robust, "Leave out poses that do not fit");
   app.callback([&] {
     const bool has_pairs = !options.from.empty() && !options.to.empty();
     if (!pivot->parsed() && !has_pairs) throw CLI::RequiredError("--from and --to");

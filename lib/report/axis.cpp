@@ -48,7 +48,8 @@ void Extent::Add(const std::vector<double>& values) {
   for (const double value : values) Add(value);
 }
 
-Axis::Axis(const Extent& extent, bool is_log, double padding, int max_labels) : is_log_(is_log) {
+Axis::Axis(const Extent& extent, bool is_log, double padding, int max_labels, bool sits_on_zero)
+    : is_log_(is_log) {
   max_labels = std::max(max_labels, 2);
   if (is_log_) {
     low_scaled_ = extent.empty ? 0.0 : std::log10(extent.low);
@@ -67,8 +68,8 @@ Axis::Axis(const Extent& extent, bool is_log, double padding, int max_labels) : 
     WidenConstant(low_scaled_, high_scaled_);
   }
   const double room = padding * (high_scaled_ - low_scaled_);
-  low_scaled_ -= room;
-  high_scaled_ += room;
+  if (!sits_on_zero || is_log_ || low_scaled_ != 0.0) low_scaled_ -= room;
+  if (!sits_on_zero || is_log_ || high_scaled_ != 0.0) high_scaled_ += room;
   is_log_ ? MakeLogTicks(max_labels) : MakeLinearTicks(max_labels);
 }
 

@@ -342,7 +342,8 @@ class PlotDrawing {
   }
 
   void DrawBars(const Series& series, const char* colour, int budget) {
-    const double half = HalfBar(series);
+    // Bars of names stand apart, those of a histogram touch.
+    const double half = HalfBar(series) * (plot_.x_names.empty() ? 1.0 : 0.6);
     const double base = y_axis_.is_log() ? frame_.bottom() : PixelY(0.0);
     const std::size_t stride = 1 + series.x.size() / static_cast<std::size_t>(budget / 2);
     for (std::size_t i = 0; i < series.x.size(); i += stride) {

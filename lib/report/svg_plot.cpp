@@ -69,15 +69,18 @@ Extent ExtentX(std::span<const Plot> plots) {
   return extent;
 }
 
+bool StartsAtZero(const Plot& plot) {
+  const auto is_bars = [](const Series& series) { return series.style == Style::kBars; };
+  return plot.y_from_zero || std::ranges::any_of(plot.series, is_bars);
+}
+
 Extent ExtentY(const Plot& plot) {
   Extent extent;
-  bool from_zero = plot.y_from_zero;
   for (const Series& series : plot.series) {
     extent.Add(series.style == Style::kBand ? series.low : series.y);
     if (series.style == Style::kBand) extent.Add(series.high);
-    from_zero = from_zero || series.style == Style::kBars;
   }
-  if (from_zero && !plot.log_y) extent.Add(0.0);
+  if (StartsAtZero(plot) && !plot.log_y) extent.Add(0.0);
   return extent;
 }
 
@@ -114,7 +117,8 @@ std::string StackedSvgText(std::span<const Plot> plots) {
   std::vector<Axis> y_axes;
   double left = 0.0;
   for (const Plot& plot : plots) {
-    y_axes.emplace_back(ExtentY(plot), plot.log_y, 0.05, std::max(plot.height_px, 80) / 34);
+    y_axes.emplace_back(ExtentY(plot), plot.log_y, 0.05, std::max(plot.height_px, 80) / 34,
+                        StartsAtZero(plot));
     left = std::max(left, 34.0 + WidestLabel(y_axes.back()));
   }
   const double right = width - 16.0;

@@ -92,6 +92,35 @@ TEST(ReadTransform, KnowsTheKindsOfRigidTransform) {
   EXPECT_EQ(ReadText("1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n").translation(), Vector3d(5, 6, 7));
 }
 
+// What ITK 5.2 makes of the point (80, 0, 0) with transforms that it wrote itself.
+TEST(ReadTransform, AgreesWithItk) {
+  const auto mapped = [](const std::string& kind, const std::string& parameters,
+                         const std::string& fixed) {
+    const Isometry3d read =
+        ReadText(kHead + ("Transform: " + kind) + "_double_3_3\nParameters: " + parameters +
+                 "\nFixedParameters: " + fixed + "\n");
+    return Vector3d(read * Vector3d(80, 0, 0));
+  };
+  const Vector3d zxy(90.658143996803787, 29.501953483917614, 18.58559866679483);
+  const Vector3d zyx(90.58072434584264, 30.993773653557128, 18.694875439454698);
+  EXPECT_LT((mapped("Euler3DTransform", "0.1 -0.2 0.3 4 5 6", "10 20 30 0") - zxy).norm(), 1e-12);
+  EXPECT_LT((mapped("Euler3DTransform", "0.1 -0.2 0.3 4 5 6", "10 20 30 1") - zyx).norm(), 1e-12);
+  EXPECT_LT(
+      (mapped("VersorRigid3DTransform",
+              "0.06407134770607117 -0.09115754934299072 0.14357217502739192 4 5 6", "10 20 30") -
+       zxy)
+          .norm(),
+      1e-12);
+  EXPECT_LT(
+      (mapped(
+           "QuaternionRigidTransform",
+           "0.06407134770607117 -0.09115754934299072 0.14357217502739192 0.9833474432563558 4 5 6",
+           "10 20 30") -
+       zxy)
+          .norm(),
+      1e-12);
+}
+
 TEST(ReadTransform, SaysWhatIsWrong) {
   const auto reading = [](const std::string& text) { return [text] { ReadText(text); }; };
   const std::string affine = std::string(kHead) + "Transform: AffineTransform_double_3_3\n";

@@ -49,6 +49,14 @@ TEST(Axis, GivesAConstantRoomOnBothSides) {
   }
 }
 
+TEST(Axis, LeavesNoRoomBelowZeroWhereBarsStandOnIt) {
+  const Axis axis(Between(0, 10), false, 0.05, 5, /*sits_on_zero=*/true);
+  EXPECT_EQ(axis.low(), 0.0);
+  EXPECT_EQ(axis.high(), 10.5);
+  EXPECT_EQ(Axis(Between(-10, 0), false, 0.05, 5, true).high(), 0.0);
+  EXPECT_EQ(Axis(Between(0, 10), false, 0.05, 5).low(), -0.5);
+}
+
 TEST(Axis, LabelsDecadesOfALogarithmicAxis) {
   const Axis axis(Between(1e-3, 1e2), true, 0, 8);
   EXPECT_THAT(Labels(axis), ElementsAre("10\u207B\u00B3", "10\u207B\u00B2", "10\u207B\u00B9", "1",
