@@ -88,7 +88,7 @@ AtomicFolder::AtomicFolder(fs::path target, bool overwrite)
   MakeParent(target_);
   std::error_code error;
   fs::create_directory(temporary_, error);
-  ACUS_REQUIRE(!error, temporary_.string(), ": cannot be made: ", error.message());
+  ACUS_REQUIRE(!error, target_.string(), ": cannot be made: ", error.message());
 }
 
 AtomicFolder::~AtomicFolder() {

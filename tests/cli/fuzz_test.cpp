@@ -39,12 +39,13 @@ struct Entrance {
   std::string command;
 };
 
+void PrintTo(const Entrance& entrance, std::ostream* out) { *out << entrance.name; }
+
 const Entrance kEntrances[] = {
-    {"phantom_config", {"small_lumbar.json"}, "small_lumbar.json",
-     "acus-phantom patient lumbar --config small_lumbar.json -o out"},
-    {"register_csv", {"markers_mannequin.csv", "markers_ct.csv"}, "markers_mannequin.csv",
-     "acus-register --from markers_mannequin.csv --to markers_ct.csv -o out"},
-    {"register_pivot", {"poses"}, "poses/pose_03.txt", "acus-register pivot poses -o out"},
+    {"phantom_config", {"phantom.json"}, "phantom.json",
+     "acus-phantom patient lumbar --config phantom.json -o out"},
+    {"phantom_scene", {"labels.seg.nrrd"}, "labels.seg.nrrd",
+     "acus-phantom scene labels.seg.nrrd -o out"},
 };
 
 fs::path Inputs() { return fs::path(ACUS_BUILD_DIR) / "tests" / "cli" / "inputs"; }

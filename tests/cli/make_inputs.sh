@@ -15,6 +15,7 @@ ln -s markers_mannequin.csv mannequin.csv
 ln -s markers_ct.csv ct.csv
 ln -s target_ct.csv target.csv
 cp "$source/testdata/small_scenario.json" scenario.json
+cp "$source/testdata/small_lumbar.json" phantom.json
 
 # A pointer 180 mm long that is turned about (10, 20, 30): 25 poses, one 4 x 4 matrix a file.
 mkdir poses
