@@ -36,8 +36,8 @@ TEST(MotionMetrics, MeasuresACircle) {
   constexpr int kSteps = 3600;
   for (int i = 0; i <= kSteps; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / kSteps;
-    stream.push_back(
-        {std::int64_t{i} * 1'000'000, DownAt({20.0 * std::cos(angle), 20.0 * std::sin(angle), 0.0}), true});
+    stream.push_back({std::int64_t{i} * 1'000'000,
+                      DownAt({20.0 * std::cos(angle), 20.0 * std::sin(angle), 0.0}), true});
   }
   const auto metrics = ComputeMotionMetrics(stream);
   // A polygon of n sides: 2 n r sin(pi / n).
@@ -99,8 +99,8 @@ TEST(TissueMetrics, DamageIsTheAreaThatTheShaftSweeps) {
   for (int i = 0; i <= kSteps; ++i) {
     const double angle = std::numbers::pi / 3.0 * (static_cast<double>(i) / kSteps - 0.5);
     const Eigen::Vector3d down(std::sin(angle), 0.0, -std::cos(angle));
-    turned.push_back(
-        {std::int64_t{i} * 1'000'000, math::PoseFromAxes(20.0 * down, down, Eigen::Vector3d::UnitY()), true});
+    turned.push_back({std::int64_t{i} * 1'000'000,
+                      math::PoseFromAxes(20.0 * down, down, Eigen::Vector3d::UnitY()), true});
   }
   const double sector_mm2 = 0.5 * 20.0 * 20.0 * std::numbers::pi / 3.0;
   EXPECT_NEAR(ComputeTissueMetrics(turned, BelowSurface).tissue_damage_mm2, sector_mm2, 1e-3);
