@@ -46,6 +46,11 @@ const Entrance kEntrances[] = {
      "acus-phantom patient lumbar --config phantom.json -o out"},
     {"phantom_scene", {"labels.seg.nrrd"}, "labels.seg.nrrd",
      "acus-phantom scene labels.seg.nrrd -o out"},
+    {"register_csv", {"markers_mannequin.csv", "markers_ct.csv"}, "markers_ct.csv",
+     "acus-register --from markers_mannequin.csv --to markers_ct.csv -o out"},
+    {"register_target", {"markers_mannequin.csv", "markers_ct.csv", "target_ct.csv"}, "target_ct.csv",
+     "acus-register --from markers_mannequin.csv --to markers_ct.csv --target target_ct.csv -o out"},
+    {"register_pivot", {"poses"}, "poses/pose_03.txt", "acus-register pivot poses/pose_03.txt poses -o out"},
 };
 
 fs::path Inputs() { return fs::path(ACUS_BUILD_DIR) / "tests" / "cli" / "inputs"; }
