@@ -1,0 +1,55 @@
+// acus-mesh: label map or closed surface to a tetrahedral mesh.
+#include <CLI/CLI.hpp>
+
+#include "config/json_file.h"
+#include "core/run_main.h"
+#include "meshing/mesh_folder.h"
+
+int main(int argc, char** argv) {
+  std::filesystem::path labels, surface, config_path, folder;
+  std::string from, to, tissue = "soft_tissue";
+  CLI::App app{"Divide a patient into tetrahedra with a tissue each: faces along skin and bone, fine "
+               "along the needle's way, bone nodes marked fixed.", "acus-mesh"};
+  app.footer(
+      "Writes mesh.vtu (ParaView: cell data tissue, point data fixed), quality.json and quality.svg.\n"
+      "\nEXAMPLE\n"
+      "  acus-phantom patient lumbar -o patient\n"
+      "  acus-mesh patient/labels.seg.nrrd -o mesh\n");
+  auto* labels_option =
+      app.add_option("labels", labels, "Label map, such as acus-segment's labels.seg.nrrd")
+          ->check(CLI::ExistingFile);
+  app.add_option("--surface", surface, "Fill this closed surface instead (.stl, .obj, .ply, .vtp)")
+      ->check(CLI::ExistingFile)
+      ->excludes(labels_option);
+  app.add_option("--tissue", tissue, "Tissue inside the surface")->capture_default_str();
+  app.add_option("--config", config_path,
+                 "Settings (format acus-mesh/1); default: the preset meshes/default.json")
+      ->check(CLI::ExistingFile);
+  auto* from_option = app.add_option(
+      "--corridor-from", from, "One end of the needle's way, x,y,z in mm (CT space, LPS)");
+  auto* to_option = app.add_option("--corridor-to", to, "Its other end; elements are fine between");
+  from_option->needs(to_option);
+  to_option->needs(from_option);
+  app.add_option("-o,--output", folder, "Folder to write")->required();
+  app.callback([&] {
+    if (labels.empty() && surface.empty()) {
+      throw CLI::ValidationError("a label map is needed, or --surface FILE");
+    }
+  });
+
+  return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
+    if (config_path.empty()) config_path = acus::config::FindConfig("meshes/default.json", ".");
+    context.provenance.AddInput(config_path);
+    auto config =
+        acus::meshing::MeshConfigFromJson(acus::config::ReadConfig(config_path, "acus-mesh"));
+    if (!from.empty()) acus::meshing::SetCorridor(config, from, to);
+    const std::filesystem::path& input = surface.empty() ? labels : surface;
+    context.provenance.AddInput(input);
+    if (surface.empty()) {
+      acus::meshing::MeshLabelsToFolder(input, config, folder, context);
+    } else {
+      acus::meshing::MeshSurfaceToFolder(input, tissue, config, folder, context);
+    }
+    return acus::ExitCode::kOk;
+  });
+}
