@@ -247,6 +247,7 @@ std::vector<TimedTransforms> InstantsFor(const SlicerScene& scene, const std::st
     for (const TimedMatrix& entry : scene.sequences.at(name)) times.insert(entry.time_ns);
   }
   std::vector<TimedTransforms> instants;
+  instants.reserve(times.size());
   for (const std::int64_t time_ns : times) {
     instants.push_back({time_ns, GraphAt(scene, used, time_ns)});
   }
