@@ -53,13 +53,16 @@ Vector3d RibPoint(const Trunk& trunk, const Rib& rib, double azimuth) {
 double BandDistance(const Trunk& trunk, const Rib& rib, const Vector3d& p, double from, double to) {
   const Section wall = Wall(trunk, p.z());
   const Vector3d q(std::abs(p.x()), p.y(), p.z());
-  const double azimuth = std::clamp(
-      std::atan2(q.x() / wall.half_width_mm, (q.y() - wall.centre_y_mm) / wall.half_depth_mm), from,
-      to);
+  // Most points asked for lie far inside of the wall: save them the trigonometry.
+  const double u = q.x() / wall.half_width_mm;
+  const double v = (q.y() - wall.centre_y_mm) / wall.half_depth_mm;
+  constexpr double kFarInside = 0.7, kFarMm = 15.0;
+  if (u * u + v * v < kFarInside) return kFarMm;
+  const double azimuth = std::clamp(std::atan2(u, v), from, to);
   const Vector3d offset = q - RibPoint(trunk, rib, azimuth);
   const double slope = (RibZ(rib, azimuth + 0.01) - RibZ(rib, azimuth - 0.01)) / 0.02 /
                        std::max(wall.half_width_mm, wall.half_depth_mm);
-  const double in_plane = std::hypot(offset.x(), offset.y());
+  const double in_plane = offset.head<2>().norm();
   return EllipsoidDistance(Vector3d(in_plane, offset.z() / std::sqrt(1.0 + slope * slope), 0.0),
                            Vector3d(3.6, 6.2, 1.0));
 }

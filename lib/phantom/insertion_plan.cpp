@@ -25,30 +25,35 @@ bool WellInside(const PatientField& field, const Vector3d& p) {
   return ((p - box.min()).array() > kBorderMm).all() && ((box.max() - p).array() > kBorderMm).all();
 }
 
-/// Fills in normal and heading from entry and target.
-InsertionPlan Complete(const PatientField& field, const Vector3d& entry, const Vector3d& target) {
+/// Fills in the image plane: it holds the needle and `axis`, or if that is zero, the skin's normal.
+InsertionPlan Complete(const PatientField& field, const Vector3d& entry, const Vector3d& target,
+                       const Vector3d& axis) {
   InsertionPlan plan;
   plan.entry_ct_mm = entry;
   plan.target_ct_mm = target;
   plan.direction = (target - entry).normalized();
-  plan.skin_normal = SkinNormal(field, entry);
-  Vector3d along = plan.direction - plan.direction.dot(plan.skin_normal) * plan.skin_normal;
-  if (along.norm() < 0.05) {  // Straight in: the probe lies towards the head.
-    along = Vector3d::UnitZ() - plan.skin_normal.z() * plan.skin_normal;
+  const Vector3d normal = SkinNormal(field, entry);
+  Vector3d along = axis.norm() > 0.0 ? axis : Vector3d(plan.direction + normal);
+  // An axis along the needle spans no plane: then the head's direction does, or any.
+  for (const Vector3d& other : {Vector3d(Vector3d::UnitZ()), normal.unitOrthogonal().eval()}) {
+    if (plan.direction.cross(along).norm() > 0.05) break;
+    along = other;
   }
-  if (along.norm() < 0.05) along = plan.skin_normal.unitOrthogonal();
-  plan.heading = along.normalized();
+  const Vector3d lateral = along.cross(plan.direction).normalized();
+  plan.skin_normal = (normal - normal.dot(lateral) * lateral).normalized();
+  plan.heading = plan.skin_normal.cross(-lateral).normalized();
+  if (plan.heading.dot(along) < 0.0) plan.heading = -plan.heading;
   return plan;
 }
 
 /// Depth at which a ray from the entry meets bone, if it meets nothing else that is to be avoided.
 std::optional<double> BoneDepth(const PatientField& field, const InsertionPlan& plan,
-                                double angle_rad, double max_depth_mm,
+                                const Vector3d& axis, double angle_rad,
                                 const PlanSettings& settings) {
   static const volume::Label kBone = volume::LabelOf("bone");
   static const volume::Label kCanal = volume::LabelOf("spinal_canal");
-  const Vector3d direction = Eigen::AngleAxisd(angle_rad, plan.lateral()) * plan.direction;
-  for (double depth = 0.0; depth <= max_depth_mm; depth += 0.05) {
+  const Vector3d direction = Eigen::AngleAxisd(angle_rad, axis) * plan.direction;
+  for (double depth = 0.0; depth <= plan.length_mm(); depth += 0.05) {
     const volume::Label label = field.LabelAt(plan.entry_ct_mm + depth * direction);
     if (label == kBone) return depth;
     if (label == kCanal || Avoided(settings, label)) return std::nullopt;
@@ -56,22 +61,34 @@ std::optional<double> BoneDepth(const PatientField& field, const InsertionPlan& 
   return std::nullopt;
 }
 
-/// Looks for the smallest turn in the image plane that runs squarely into bone.
+/// True if a turn runs squarely into bone: a little more or less meets it too, at a like depth.
+std::optional<double> SquareBoneDepth(const PatientField& field, const InsertionPlan& plan,
+                                      const Vector3d& axis, double angle,
+                                      const PlanSettings& settings) {
+  constexpr double kMinDepthMm = 10.0, kLikeMm = 5.0;
+  const auto depth = BoneDepth(field, plan, axis, angle, settings);
+  if (!depth || *depth < kMinDepthMm) return std::nullopt;
+  for (const double more : {-kDegree, kDegree}) {
+    const auto near = BoneDepth(field, plan, axis, angle + more, settings);
+    if (!near || std::abs(*near - *depth) > kLikeMm) return std::nullopt;
+  }
+  return depth;
+}
+
+/// Looks for the smallest turn that runs into bone: in the image plane if there is one, else
+/// across.
 void FindBone(const PatientField& field, const PlanSettings& settings, InsertionPlan& plan) {
-  constexpr double kMinDepthMm = 10.0;
-  const double max_depth = plan.length_mm();
-  for (int degrees = 2; degrees <= 30; ++degrees) {
-    for (const double side : {1.0, -1.0}) {
-      const double angle = side * degrees * kDegree;
-      const auto depth = BoneDepth(field, plan, angle, max_depth, settings);
-      // Not a graze: a little more to either side is bone too, at a like depth.
-      const auto near = BoneDepth(field, plan, angle - 1.0 * kDegree, max_depth, settings);
-      const auto far = BoneDepth(field, plan, angle + 1.0 * kDegree, max_depth, settings);
-      if (!depth || !near || !far || *depth < kMinDepthMm) continue;
-      if (std::abs(*near - *depth) > 5.0 || std::abs(*far - *depth) > 5.0) continue;
-      plan.bone_angle_rad = angle;
-      plan.bone_depth_mm = *depth;
-      return;
+  for (const Vector3d& axis : {plan.lateral(), plan.heading}) {
+    for (int degrees = 2; degrees <= 30; ++degrees) {
+      for (const double side : {1.0, -1.0}) {
+        const double angle = side * degrees * kDegree;
+        const auto depth = SquareBoneDepth(field, plan, axis, angle, settings);
+        if (!depth) continue;
+        plan.bone_angle_rad = angle;
+        plan.bone_axis = axis;
+        plan.bone_depth_mm = *depth;
+        return;
+      }
     }
   }
 }
@@ -129,7 +146,8 @@ void TryEntry(const PatientField& field, const PlanSettings& settings, const Vec
       const Vector3d direction = std::sin(tilt) * heading - std::cos(tilt) * normal;
       for (double length = settings.min_length_mm; length <= settings.max_length_mm;
            length += 10.0) {
-        const InsertionPlan plan = Complete(field, entry, entry + length * direction);
+        const InsertionPlan plan =
+            Complete(field, entry, entry + length * direction, Vector3d::Zero());
         const double cost = TissueCost(field, plan, settings) + 0.2 * std::abs(tilt_deg - 30.0);
         if (cost >= best.cost || !PathIsFree(field, entry, plan.target_ct_mm, settings)) continue;
         const auto uneven = ProbeUnevenness(field, plan);
@@ -189,7 +207,7 @@ InsertionPlan PlanToTarget(const PatientField& field, const Vector3d& target,
       const double length = (*entry - target).norm();
       if (length < settings.min_length_mm || length > settings.max_length_mm) continue;
       if (!PathIsFree(field, *entry, target, settings)) continue;
-      InsertionPlan plan = Complete(field, *entry, target);
+      InsertionPlan plan = Complete(field, *entry, target, settings.image_axis);
       if (!ProbeUnevenness(field, plan)) continue;
       FindBone(field, settings, plan);
       return plan;

@@ -14,6 +14,8 @@ struct PlanSettings {
   std::string target;                                   ///< Landmark, or empty: to be searched for.
   Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero();  ///< Added to the landmark.
   Eigen::Vector3d approach = Eigen::Vector3d::UnitY();  ///< From target towards entry, CT.
+  /// The image plane holds the needle and this axis (CT; 0 = the side to which the needle leans).
+  Eigen::Vector3d image_axis = Eigen::Vector3d::Zero();
   double cone_rad = 0.6;             ///< Greatest angle between path and `approach`.
   std::vector<volume::Label> avoid;  ///< Tissues that the path must not meet.
   double clearance_mm = 1.5;         ///< Distance kept from them.
@@ -26,11 +28,12 @@ struct InsertionPlan {
   Eigen::Vector3d entry_ct_mm;
   Eigen::Vector3d target_ct_mm;
   Eigen::Vector3d direction;    ///< Into the body, from entry to target.
-  Eigen::Vector3d skin_normal;  ///< At the entry, outwards.
-  Eigen::Vector3d heading;      ///< Along the skin at the entry; the probe lies in this direction.
-  /// Angle about `lateral()` by which the direction must turn for the needle to meet bone, and the
+  Eigen::Vector3d skin_normal;  ///< At the entry, outwards, as seen in the image plane.
+  Eigen::Vector3d heading;      ///< Along the skin in the image plane; there lies the probe.
+  /// Turn about `bone_axis` (CT, through the entry) by which the needle would meet bone, and the
   /// depth at which it does.
   std::optional<double> bone_angle_rad;
+  Eigen::Vector3d bone_axis = Eigen::Vector3d::UnitX();
   double bone_depth_mm = 0.0;
 
   double length_mm() const { return (target_ct_mm - entry_ct_mm).norm(); }

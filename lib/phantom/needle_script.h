@@ -8,7 +8,7 @@
 namespace acus::phantom {
 
 /// Depth of the tip behind the entry point (negative outside) and angle of the needle about the
-/// plan's lateral axis, relative to the direction of the target.
+/// plan's bone axis, relative to the direction of the target.
 struct NeedleState {
   double depth_mm;
   double angle_rad;

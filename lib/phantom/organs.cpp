@@ -34,7 +34,7 @@ Shape Liver(const Trunk& trunk) {
             const double top = AboveDiaphragm(p) + 2.0;
             const double slope = bottom.Slope(p.x());
             const double under =
-                (bottom(p.x()) - 0.12 * (p.y() + 50.0) - p.z()) / std::hypot(1.0, slope);
+                (bottom(p.x()) - 0.12 * (p.y() + 50.0) - p.z()) / std::sqrt(1.0 + slope * slope);
             const double behind = (p.y() - back(p.x())) / std::hypot(1.0, back.Slope(p.x()));
             const double left = 0.8 * (p.x() - 78.0);
             return SmoothIntersection(

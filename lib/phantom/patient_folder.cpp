@@ -41,6 +41,7 @@ Json ToJson(const InsertionPlan& plan) {
                {"bone_depth_mm", nullptr}};
   if (plan.bone_angle_rad) {
     json["bone_angle_deg"] = *plan.bone_angle_rad * 180.0 / std::numbers::pi;
+    json["bone_axis"] = ToJson(plan.bone_axis);
     json["bone_depth_mm"] = plan.bone_depth_mm;
   }
   return json;

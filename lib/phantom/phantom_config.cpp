@@ -83,6 +83,7 @@ PlanSettings ReadInsertion(const Json& insertion, const std::string& file) {
   ACUS_REQUIRE(approach.norm() > 0.01, file,
                ": /insertion/approach: a direction is needed, not (0, 0, 0)");
   p.approach = approach.normalized();
+  p.image_axis = Vector(insertion, "image_axis");
   p.cone_rad = Angle(insertion, "cone_deg");
   for (const Json& name : insertion.at("avoid"))
     p.avoid.push_back(volume::LabelOf(name.get<std::string>()));

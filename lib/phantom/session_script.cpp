@@ -64,7 +64,7 @@ class NeedleHand {
     const double damping =
         1.0 - (1.0 - tissue_damping_) * MinimumJerk(state.depth_mm / kDampedDepthMm);
     Eigen::Isometry3d pose = base_;
-    pose.linear() = Eigen::AngleAxisd(state.angle_rad, plan_.lateral()) * base_.linear();
+    pose.linear() = Eigen::AngleAxisd(state.angle_rad, plan_.bone_axis) * base_.linear();
     Vector3d shift = damping * tremor_.Shift(t);
     shift.z() = kAxialShare * shift.z() + state.depth_mm;
     pose.translate(shift);

@@ -56,14 +56,14 @@ double SuperellipseDistance(double x_mm, double y_mm, double a_mm, double b_mm) 
   const double v15 = v * std::sqrt(v);
   const double sum = u15 * u + v15 * v;
   if (sum < 1e-9) return -std::min(a_mm, b_mm);
-  const double r = std::pow(sum, 0.4);  // Homogeneous of degree one: r = 1 on the curve.
-  return (r - 1.0) * sum / (std::hypot(u15 / a_mm, v15 / b_mm) * r);
+  return (sum - 1.0) / (2.5 * std::sqrt((u15 / a_mm) * (u15 / a_mm) + (v15 / b_mm) * (v15 / b_mm)));
 }
 
 Eigen::Vector2d SuperellipsePoint(double azimuth_rad, double a_mm, double b_mm) {
   const double s = std::sin(azimuth_rad);
   const double c = std::cos(azimuth_rad);
-  const double r = std::pow(std::pow(std::abs(s), 2.5) + std::pow(std::abs(c), 2.5), -0.4);
+  const double sum = s * s * std::sqrt(std::abs(s)) + c * c * std::sqrt(std::abs(c));
+  const double r = std::pow(sum, -0.4);
   return {r * a_mm * s, r * b_mm * c};
 }
 
