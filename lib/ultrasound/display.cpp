@@ -39,6 +39,10 @@ std::vector<float> HalfHanning(double length_mm, double spacing_mm, int max_half
 EchoDisplay::EchoDisplay(const Probe& probe, const ScanGrid& grid)
     : probe_(probe), grid_(grid), picture_(PictureOf(probe)) {
   along_ = HalfHanning(probe.pulse_length_mm, grid.step_mm, kMaxHalfAlong);
+  // A pulse gathers the echoes along its length: its peak is 1, so that the grey of an interface
+  // depends neither on the pulse nor on how finely the beam is sampled.
+  const float peak = along_[0];
+  for (float& weight : along_) weight /= peak;
   const double lateral_mm = grid.lines() > 1 ? grid.LateralSpacingMm(0) : 1e9;
   across_ = HalfHanning(probe.beam_width_mm, lateral_mm, BeamImage::kMargin);
   const double a = std::pow(10.0, probe.dynamic_range_db / 10.0);

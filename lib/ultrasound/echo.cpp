@@ -14,6 +14,7 @@ namespace {
 constexpr int kLanesPerPiece = 256;  ///< A whole number of kernel blocks.
 constexpr float kMetalAboveHu = 3500.0F;  ///< Beyond bone and the 12 bits of a CT: only the needle.
 constexpr float kAirBelowHu = -200.0F;  ///< Below all fat: neither tissue nor gel.
+constexpr double kSkinBlurMm = 2.0;
 
 enum WorkRow { kEnergy, kReflected, kWeight, kScattered, kNepers, kFirstImpedance };
 
@@ -73,13 +74,15 @@ EchoTracer::EchoTracer(const ScanGrid& grid, double frequency_mhz, const BModeOp
   span_ = std::min(span_, grid.samples);
   echo_row_.share_per_sample = 1.0F / static_cast<float>(span_);
   echo_row_.threshold = static_cast<float>(options.shadow_threshold);
-  // The samples of one interface together reflect what is wanted, whatever their number.
+  // The samples of one interface together reflect what is wanted, whatever their number: a strong
+  // one is seen from its surface on, by the second half of them.
   const auto per_sample = [&](double reflection) {
-    return static_cast<float>(1.0 - std::pow(1.0 - reflection, 1.0 / span_));
+    return static_cast<float>(1.0 - std::pow(1.0 - reflection, 1.0 / (span_ - span_ / 2)));
   };
   echo_row_.boosted_per_sample = per_sample(options.boosted_reflection);
   echo_row_.metal_per_sample = per_sample(options.needle_reflection);
   echo_row_.metal_impedance = ValueOf(impedance_, kMetalAboveHu);
+  blur_samples_ = static_cast<int>(kSkinBlurMm / grid.step_mm);
   gap_samples_ = static_cast<int>(std::floor(options.coupling_gap_mm / grid.step_mm + 1e-9));
   if (options.angle_exponent > 0) {
     for (int k = 0; k < grid.samples; ++k) {
@@ -121,9 +124,12 @@ void EchoTracer::FillCouplingGap(BeamImage& hu) const {
   for (int l = 0; l < hu.lines(); ++l) {
     int k = 0;
     while (k < reach && hu.row(k)[l] < kAirBelowHu) ++k;
-    const float skin = hu.row(k)[l];
-    if (skin < kAirBelowHu) continue;
+    if (hu.row(k)[l] < kAirBelowHu) continue;
+    // The CT blurs the skin: with gel on it, there is no slope from air up to skin.
+    const int end = std::min(k + blur_samples_, hu.samples() - 1);
+    while (k < end && hu.row(k + 1)[l] > hu.row(k)[l]) ++k;
     // Gel matches the skin: it takes the value below it, so that the face itself gives no echo.
+    const float skin = hu.row(k)[l];
     for (int above = 0; above < k; ++above) hu.row(above)[l] = skin;
   }
 }
@@ -165,7 +171,8 @@ void EchoTracer::TracePiece(const BeamLines& lines, const BeamImage& hu, BeamIma
       kernels::CurveRow(impedance_, hu.row(next_impedance) + first_lane, lanes,
                         impedance(next_impedance));
     }
-    kernels::ReflectRow(echo_row_, impedance(below - span_), impedance(below), lanes, reflected);
+    kernels::ReflectRow(echo_row_, impedance(below - span_), impedance(k), impedance(below), lanes,
+                        reflected);
     const float* weight = nullptr;
     if (options_.angle_exponent > 0) {
       const int a = std::max(0, below - span_);

@@ -51,6 +51,7 @@ class EchoTracer {
   kernels::EchoRow echo_row_;
   int span_ = 1;
   int gap_samples_ = 0;
+  int blur_samples_ = 0;
   std::vector<float> per_two_lateral_mm_;  ///< By sample; empty if the angle stage is off.
   std::vector<std::uint8_t> tile_data_;    ///< Empty if the texture stage is off.
   kernels::Tile tile_{};

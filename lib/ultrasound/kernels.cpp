@@ -93,7 +93,8 @@ void CurveRow(const Curve& curve, const float* hu, int lanes, float* out) {
   }
 }
 
-void ReflectRow(const EchoRow& row, const float* z0, const float* z1, int lanes, float* reflected) {
+void ReflectRow(const EchoRow& row, const float* z0, const float* z, const float* z1, int lanes,
+                float* reflected) {
   const F f;
   const VF share = hn::Set(f, row.share_per_sample);
   const VF threshold = hn::Set(f, row.threshold);
@@ -106,8 +107,10 @@ void ReflectRow(const EchoRow& row, const float* z0, const float* z1, int lanes,
     const VF amplitude = hn::Div(hn::Sub(b, a), hn::Add(b, a));
     const VF r = hn::Mul(amplitude, amplitude);
     const VF strong = hn::IfThenElse(hn::Gt(hn::Max(a, b), metal), of_metal, boosted);
-    const VF value = hn::IfThenElse(hn::Gt(r, threshold), strong, hn::Mul(r, share));
-    hn::Store(value, f, reflected + l);
+    const VF here = hn::Load(f, z + l);
+    const auto passed = hn::Ge(hn::Abs(hn::Sub(here, a)), hn::Abs(hn::Sub(b, here)));
+    const VF weak = hn::Mul(hn::Min(r, threshold), share);
+    hn::Store(hn::IfThenElse(hn::And(hn::Gt(r, threshold), passed), strong, weak), f, reflected + l);
   }
 }
 
@@ -306,8 +309,9 @@ void SampleRow(const Voxels& voxels, const Lines& lines, float s, int lanes, flo
 void CurveRow(const Curve& curve, const float* hu, int lanes, float* out) {
   HWY_DYNAMIC_DISPATCH(CurveRow)(curve, hu, lanes, out);
 }
-void ReflectRow(const EchoRow& row, const float* z0, const float* z1, int lanes, float* reflected) {
-  HWY_DYNAMIC_DISPATCH(ReflectRow)(row, z0, z1, lanes, reflected);
+void ReflectRow(const EchoRow& row, const float* z0, const float* z, const float* z1, int lanes,
+                float* reflected) {
+  HWY_DYNAMIC_DISPATCH(ReflectRow)(row, z0, z, z1, lanes, reflected);
 }
 void AngleRowWeights(const AngleRow& row, int lanes, float* weight) {
   HWY_DYNAMIC_DISPATCH(AngleRowWeights)(row, lanes, weight);

@@ -47,16 +47,18 @@ void CurveRow(const Curve& curve, const float* hu, int lanes, float* out);
 
 /// Constants of one row of reflection and transmission.
 struct EchoRow {
-  float share_per_sample;   ///< 1 / samples that an interface spans.
+  float share_per_sample;    ///< 1 / samples that an interface spans.
   float threshold;           ///< Reflections above it ...
   float boosted_per_sample;  ///< ... reflect this share per sample.
   float metal_impedance;     ///< Interfaces with a higher impedance ...
   float metal_per_sample;    ///< ... reflect this share per sample.
 };
 
-/// Reflection of each lane: r = ((z1 - z0) / (z1 + z0))^2, per sample, boosted above the threshold;
-/// where there is metal on either side, what metal reflects.
-void ReflectRow(const EchoRow& row, const float* z0, const float* z1, int lanes, float* reflected);
+/// Reflection of each lane: r = ((z1 - z0) / (z1 + z0))^2, per sample. Above the threshold: boosted
+/// (where there is metal on either side: what metal reflects) if most of the step from z0 to z1 is
+/// passed at z, so that a strong line begins at its surface; the threshold's share before.
+void ReflectRow(const EchoRow& row, const float* z0, const float* z, const float* z1, int lanes,
+                float* reflected);
 
 /// Weights `reflected` by cos^exponent (1 or 2) of the angle between the beam and the HU gradient.
 /// `above`, `here`, `below` are HU rows; here[-1] and here[lanes] are read. Spacings as 1 / (2 mm).

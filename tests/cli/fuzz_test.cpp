@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -46,6 +47,11 @@ const Entrance kEntrances[] = {
      "acus-phantom patient lumbar --config phantom.json -o out"},
     {"phantom_scene", {"labels.seg.nrrd"}, "labels.seg.nrrd",
      "acus-phantom scene labels.seg.nrrd -o out"},
+    {"register_csv", {"markers_mannequin.csv", "markers_ct.csv"}, "markers_ct.csv",
+     "acus-register --from markers_mannequin.csv --to markers_ct.csv -o out"},
+    {"register_target", {"markers_mannequin.csv", "markers_ct.csv", "target_ct.csv"}, "target_ct.csv",
+     "acus-register --from markers_mannequin.csv --to markers_ct.csv --target target_ct.csv -o out"},
+    {"register_pivot", {"poses"}, "poses/pose_03.txt", "acus-register pivot poses/pose_03.txt poses -o out"},
 };
 
 fs::path Inputs() { return fs::path(ACUS_BUILD_DIR) / "tests" / "cli" / "inputs"; }
@@ -144,7 +150,10 @@ int NumMessages(const std::string& text, const std::string& program) {
 /// Runs one entrance in a fresh folder, after `change` has been made to its broken file.
 void Check(const Entrance& entrance, const std::string& what,
            const std::function<void(const fs::path&)>& change, const std::set<int>& allowed) {
-  const fs::path folder = fs::path(ACUS_BUILD_DIR) / "tests" / "cli" / "fuzz" / entrance.name;
+  // One folder for each test, since tests run side by side.
+  std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+  std::ranges::replace(test, '/', '.');
+  const fs::path folder = fs::path(ACUS_BUILD_DIR) / "tests" / "cli" / "fuzz" / test;
   fs::remove_all(folder);
   fs::create_directories(folder);
   for (const char* name : entrance.copied) {

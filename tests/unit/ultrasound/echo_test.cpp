@@ -109,7 +109,10 @@ TEST(Echo, AboveTheThresholdTheBeamIsBlocked) {
   double front = 0.0;
   double below = 0.0;
   for (int k = 0; k < kSamples; ++k) (k < 70 ? front : below) += echo.row(k)[9];
-  EXPECT_GT(front, 0.4);  // There and back, spread over the samples of the interface.
+  EXPECT_GT(front, 0.9);
+  // The line begins at the surface; up to there only what a weak interface would give.
+  EXPECT_GT(echo.row(60)[9], 0.9);
+  EXPECT_LE(echo.row(59)[9], 0.01 / 4);
   EXPECT_LT(below, 1e-8);
   // Just below the threshold nothing happens.
   options.shadow_threshold = 1.001 * Reflection(40.0, 700.0);

@@ -41,13 +41,13 @@ Probe SmallProbe(ProbeKind kind) {
           .pulse_length_mm = 2,
           .beam_width_mm = 2,
           .dynamic_range_db = 60,
-          .gain_db = 20};
+          .gain_db = 30};
 }
 
 TEST(Kernels, GiveTheSameBitsOnEveryInstructionSet) {
   RandomStream random(5, "voxels");
   const auto ct = testing_support::SyntheticCt(
-      {50, 60, 40}, 1.0, [&](double, double, double) { return random.Uniform(-200.0, 900.0); });
+      {50, 60, 40}, 1.0, [&](double, double, double) { return random.Uniform(0.0, 100.0); });
   BModeOptions options = DefaultBModeOptions();
   options.texture = true;
   options.attenuation = true;

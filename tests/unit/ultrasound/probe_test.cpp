@@ -51,7 +51,7 @@ TEST(Probe, PresetsAreReadWithTheDefaultsOfTheSchema) {
   EXPECT_EQ(linear.dynamic_range_db, 60.0);
   const Probe curved = ReadProbe(Preset("curvilinear_c5.json"));
   EXPECT_EQ(curved.kind, ProbeKind::kCurvilinear);
-  EXPECT_NEAR(curved.field_of_view_rad, 66.0 * M_PI / 180.0, 1e-12);
+  EXPECT_NEAR(curved.field_of_view_rad, 54.0 * M_PI / 180.0, 1e-12);
   EXPECT_EQ(curved.scan_lines, 384);
 }
 

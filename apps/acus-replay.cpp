@@ -1,0 +1,73 @@
+// acus-replay: a recorded session through the force and ultrasound models of a scenario.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "core/run_main.h"
+#include "replay/replay.h"
+
+int main(int argc, char** argv) {
+  std::filesystem::path scenario_path;
+  std::filesystem::path session_path;
+  std::filesystem::path ct_path;
+  std::filesystem::path labels_path;
+  std::filesystem::path transform_path;
+  std::vector<std::string> changes;
+  bool explain = false;
+  bool check = false;
+  acus::replay::ReplayOptions options;
+
+  CLI::App app{
+      "Replay a recorded session through a scenario: forces at every sample, ultrasound and CT\n"
+      "images, metrics and a report.",
+      "acus-replay"};
+  app.add_option("scenario", scenario_path, "Scenario (acus-scenario JSON)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("session", session_path,
+                 "Session folder, PLUS .igs.mha/.igs.nrrd, or folder of Slicer sequences")
+      ->check(CLI::ExistingPath);
+  app.add_option("--ct", ct_path, "The patient's CT, in place of the scenario's")
+      ->check(CLI::ExistingPath);
+  app.add_option("--labels", labels_path, "The patient's label map, in place of the scenario's")
+      ->check(CLI::ExistingFile);
+  app.add_option("--transform", transform_path,
+                 "ct_from_reference.tfm of acus-register, in place of the scenario's")
+      ->check(CLI::ExistingFile);
+  app.add_option("--set", changes,
+                 "Change one value of the scenario: /json/pointer=value; =null takes it out");
+  app.add_option("-o,--output", options.run_folder, "Run folder to make");
+  app.add_option("--png", options.png, "Frames as PNG: those at events, all, or none")
+      ->transform(CLI::CheckedTransformer(acus::replay::PngChoices()))
+      ->default_str("events");
+  app.add_flag("!--no-film", options.film, "Make no film.mp4");
+  app.add_flag("!--no-sequence", options.sequence, "Write no images.igs.mha");
+  app.add_flag("--explain", explain, "Print the effect plan: stages, reasons, measured cost");
+  app.add_flag("--check", check, "Check the scenario and its files, run nothing");
+  app.footer(
+      "EXAMPLE\n"
+      "  acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd -o run --explain\n"
+      "  The report is then run/report.html.");
+
+  return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
+    std::vector<acus::scenario::Override> overrides;
+    for (const std::string& change : changes) {
+      overrides.push_back(acus::scenario::ParseOverride(change));
+    }
+    const auto set_path = [&overrides](const char* pointer, const std::filesystem::path& path) {
+      if (!path.empty()) overrides.push_back({pointer, path.string()});
+    };
+    set_path("/patient/ct", ct_path);
+    set_path("/patient/labels", labels_path);
+    set_path("/patient/ct_from_reference_file", transform_path);
+    const auto scenario = acus::scenario::ReadScenario(scenario_path, overrides);
+    context.provenance.AddInput(scenario_path);
+    if (check) {
+      std::cout << acus::replay::CheckText(scenario);
+      return acus::ExitCode::kOk;
+    }
+    const auto result = acus::replay::ReplaySession(scenario, session_path, options, context);
+    if (explain) std::cout << result.plan_text;
+    std::cout << result.summary;
+    return acus::ExitCode::kOk;
+  });
+}

@@ -1,0 +1,247 @@
+#include "replay/image_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <future>
+#include <optional>
+
+#include "core/csv.h"
+#include "core/parallel.h"
+#include "session/sequence_writer.h"
+#include "ultrasound/annotate.h"
+#include "ultrasound/film.h"
+#include "ultrasound/png.h"
+
+namespace acus::replay {
+namespace {
+
+using simulation::Images;
+using simulation::Scene;
+using simulation::Snapshot;
+using simulation::StageId;
+
+/// Images rendered before the writer takes over: enough that both threads stay busy.
+constexpr int kBatch = 16;
+
+bool HasImages(const Scene& scene) {
+  return scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice);
+}
+
+/// The step at or before a time; nothing before the first.
+const simulation::StepOutput* StepAt(const StepLog& log, std::int64_t time_ns) {
+  const auto after = std::ranges::upper_bound(log.steps, time_ns, {},
+                                              &simulation::StepOutput::time_ns);
+  return after == log.steps.begin() ? nullptr : &*(after - 1);
+}
+
+/// An image that deserves a picture of its own.
+struct EventImage {
+  int index;
+  std::string caption;
+};
+
+/// The first image after each event that a hand feels; without any, the one in the middle.
+std::vector<EventImage> EventImages(const std::vector<Snapshot>& snapshots, const StepLog& log) {
+  std::vector<EventImage> chosen;
+  for (const simulation::StepOutput& step : log.steps) {
+    const auto event = step.force.event;
+    if (event != forces::NeedleEvent::kPuncture && event != forces::NeedleEvent::kBoneContact) {
+      continue;
+    }
+    const auto at = std::ranges::lower_bound(snapshots, step.time_ns, {}, &Snapshot::time_ns);
+    if (at == snapshots.end()) continue;
+    const int index = static_cast<int>(at - snapshots.begin());
+    if (!chosen.empty() && chosen.back().index == index) continue;
+    chosen.push_back({index, Message(forces::NameOf(event), " at ", TimeText(step.time_ns), " s")});
+  }
+  if (chosen.empty()) {
+    chosen.push_back({static_cast<int>(snapshots.size() / 2), "middle of the session"});
+  }
+  return chosen;
+}
+
+/// What the sequence holds, and what is on the left of the film.
+const ultrasound::GrayImage& MainImage(const Images& images) {
+  return images.b_mode.pixels.empty() ? images.ct_slice : images.b_mode;
+}
+
+/// Writes images in order of time: sequence, film and single pictures.
+class ImageWriter {
+ public:
+  ImageWriter(const Scene& scene, const std::vector<Snapshot>& snapshots, const StepLog& steps,
+              std::filesystem::path folder, const ReplayOptions& options)
+      : scene_(scene), snapshots_(snapshots), steps_(steps), folder_(std::move(folder)),
+        options_(options) {
+    if (options.png == PngChoice::kEvents) event_images_ = EventImages(snapshots, steps);
+  }
+
+  void Write(int index, const Images& images) {
+    if (folder_.empty()) return;
+    const Snapshot& snapshot = snapshots_[static_cast<std::size_t>(index)];
+    if (options_.sequence) WriteToSequence(snapshot, MainImage(images));
+    if (!options_.film && !WantsPicture(index)) return;
+    Compose(snapshot, images);
+    if (options_.film) WriteToFilm();
+    if (WantsPicture(index)) WritePicture(index);
+  }
+
+  void Finish() {
+    if (sequence_) sequence_->Commit();
+    if (film_) film_->Finish();
+  }
+
+  std::vector<WrittenPng> TakePngs() { return std::move(pngs_); }
+
+ private:
+  void WriteToSequence(const Snapshot& snapshot, const ultrasound::GrayImage& image) {
+    if (!sequence_) {
+      session::SequenceFormat format;
+      format.width = static_cast<std::size_t>(image.width);
+      format.height = static_cast<std::size_t>(image.height);
+      const Eigen::Affine3d probe_from_image =
+          ultrasound::PictureOf(*scene_.probe).probe_from_image();
+      format.fields["ImageToProbeTransform"] = session::TransformText(probe_from_image.matrix());
+      sequence_.emplace(folder_ / "images.igs.mha", format);
+    }
+    const Eigen::Isometry3d reference_from_ct = scene_.ct_from_reference.inverse();
+    session::SequenceFields fields;
+    session::AddTransform(fields, "ProbeToReference",
+                          (reference_from_ct * snapshot.ct_from_probe).matrix(),
+                          snapshot.probe_valid);
+    if (snapshot.ct_from_needle) {
+      session::AddTransform(fields, "NeedleToReference",
+                            (reference_from_ct * *snapshot.ct_from_needle).matrix(), true);
+    }
+    if (const auto* step = StepAt(steps_, snapshot.time_ns)) {
+      fields.emplace_back("NeedleAxialForceN", NumberText(step->force.AxialN()));
+    }
+    sequence_->AddFrame(snapshot.time_ns, image.pixels, fields);
+  }
+
+  void Compose(const Snapshot& snapshot, const Images& images) {
+    const bool both = !images.b_mode.pixels.empty() && !images.ct_slice.pixels.empty();
+    if (!screen_) screen_.emplace(*scene_.probe, both);
+    const auto* step = StepAt(steps_, snapshot.time_ns);
+    char text[80];
+    std::snprintf(text, sizeof text, "%8.3f s", 1e-9 * static_cast<double>(snapshot.time_ns));
+    std::string line = text;
+    if (step != nullptr && scene_.plan.Has(StageId::kNeedleForce)) {
+      std::snprintf(text, sizeof text, "  %6.1f mm  %5.2f N", step->force.depth_mm,
+                    step->force.AxialN());
+      line += text;
+    }
+    screen_->Compose(MainImage(images), both ? &images.ct_slice : nullptr, line, composed_);
+  }
+
+  void WriteToFilm() {
+    if (!film_) {
+      ultrasound::FilmOptions film;
+      film.frames_per_s = scene_.image_rate_hz;
+      film_.emplace(folder_ / "film.mp4", composed_.width, composed_.height, film);
+    }
+    film_->Add(composed_);
+  }
+
+  bool WantsPicture(int index) const {
+    if (options_.png == PngChoice::kAll) return true;
+    return std::ranges::find(event_images_, index, &EventImage::index) != event_images_.end();
+  }
+
+  void WritePicture(int index) {
+    char name[32];
+    if (options_.png == PngChoice::kAll) {
+      std::snprintf(name, sizeof name, "image_%05d.png", index);
+      ultrasound::WritePng(folder_ / "frames" / name, composed_);
+      return;
+    }
+    const auto& event = *std::ranges::find(event_images_, index, &EventImage::index);
+    std::snprintf(name, sizeof name, "event_%02d.png", static_cast<int>(pngs_.size()) + 1);
+    ultrasound::WritePng(folder_ / name, composed_);
+    pngs_.push_back({name, event.caption});
+  }
+
+  const Scene& scene_;
+  const std::vector<Snapshot>& snapshots_;
+  const StepLog& steps_;
+  std::filesystem::path folder_;
+  ReplayOptions options_;
+  std::vector<EventImage> event_images_;
+  std::optional<session::SequenceWriter> sequence_;
+  std::optional<ultrasound::FilmWriter> film_;
+  std::optional<ultrasound::Screen> screen_;
+  ultrasound::GrayImage composed_;
+  std::vector<WrittenPng> pngs_;
+};
+
+}  // namespace
+
+std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& session) {
+  std::vector<Snapshot> snapshots;
+  if (!HasImages(scene) || session.probe.empty()) return snapshots;
+  const bool needle = scene.plan.Has(StageId::kNeedlePose) && !session.needle.empty();
+  const std::int64_t first_ns = session.probe.front().time_ns;
+  const std::int64_t last_ns = session.probe.back().time_ns;
+  for (std::int64_t i = 0;; ++i) {
+    Snapshot snapshot;
+    snapshot.time_ns =
+        first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
+    if (snapshot.time_ns > last_ns) break;
+    const session::PoseSample probe = session::PoseAt(session.probe, snapshot.time_ns);
+    snapshot.probe_valid = probe.valid;
+    snapshot.ct_from_probe = scene.ct_from_reference * probe.reference_from_tool;
+    if (needle) {
+      const session::PoseSample pose = session::PoseAt(session.needle, snapshot.time_ns);
+      if (pose.valid) snapshot.ct_from_needle = scene.ct_from_reference * pose.reference_from_tool;
+    }
+    snapshots.push_back(snapshot);
+  }
+  return snapshots;
+}
+
+ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots,
+                      const StepLog& steps, const std::filesystem::path& folder,
+                      const ReplayOptions& options, simulation::StageTimes* times,
+                      const RunContext& context) {
+  ImageLog log;
+  log.num_images = static_cast<int>(snapshots.size());
+  if (snapshots.empty()) return log;
+  std::vector<simulation::ImageRenderer> renderers;
+  std::vector<simulation::StageTimes> slot_times(static_cast<std::size_t>(context.num_threads));
+  for (int i = 0; i < context.num_threads; ++i) renderers.emplace_back(scene);
+
+  // Two batches take turns: while one is rendered, the other is written.
+  std::vector<Images> batches[2] = {std::vector<Images>(kBatch), std::vector<Images>(kBatch)};
+  ImageWriter writer(scene, snapshots, steps, folder, options);
+  std::future<void> written;
+  for (int begin = 0; begin < log.num_images; begin += kBatch) {
+    context.Checkpoint("images", static_cast<double>(begin) / log.num_images);
+    std::vector<Images>& batch = batches[begin / kBatch % 2];
+    const int count = std::min(kBatch, log.num_images - begin);
+    // One renderer for each thread: thread t makes images t, t + threads, ...
+    ParallelFor(context.num_threads, context.num_threads, [&](int thread) {
+      const auto slot = static_cast<std::size_t>(thread);
+      for (int i = thread; i < count; i += context.num_threads) {
+        renderers[slot].Render(snapshots[static_cast<std::size_t>(begin + i)],
+                               batch[static_cast<std::size_t>(i)],
+                               times != nullptr ? &slot_times[slot] : nullptr);
+      }
+    });
+    if (written.valid()) written.get();
+    const auto write = [&writer, &batch, begin, count] {
+      for (int i = 0; i < count; ++i) writer.Write(begin + i, batch[static_cast<std::size_t>(i)]);
+    };
+    const auto policy = context.num_threads > 1 ? std::launch::async : std::launch::deferred;
+    written = std::async(policy, write);
+  }
+  if (written.valid()) written.get();
+  writer.Finish();
+  log.pngs = writer.TakePngs();
+  for (const auto& slot : slot_times) {
+    if (times != nullptr) times->Add(slot);
+  }
+  context.Checkpoint("images", 1.0);
+  return log;
+}
+
+}  // namespace acus::replay

@@ -1,0 +1,40 @@
+// The images of a replay: rendered on several threads, written in order.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/run_context.h"
+#include "replay/replay.h"
+#include "replay/step_log.h"
+#include "session/session.h"
+#include "simulation/image_renderer.h"
+
+namespace acus::replay {
+
+/// The moments at which images are made: from the first to the last reading of the probe, at the
+/// scene's rate. Empty if the plan has no image.
+std::vector<simulation::Snapshot> Snapshots(const simulation::Scene& scene,
+                                            const session::Session& session);
+
+/// A picture that was written as PNG.
+struct WrittenPng {
+  std::filesystem::path file;  ///< Relative to the run folder.
+  std::string caption;
+};
+
+struct ImageLog {
+  int num_images = 0;
+  std::vector<WrittenPng> pngs;
+};
+
+/// Renders all snapshots and writes images.igs.mha, film.mp4 and PNG files into `folder`, or nothing
+/// if `folder` is empty. The bytes do not depend on context.num_threads. Adds the cost of the image
+/// stages to `times`, if given.
+ImageLog RenderImages(const simulation::Scene& scene,
+                      const std::vector<simulation::Snapshot>& snapshots, const StepLog& steps,
+                      const std::filesystem::path& folder, const ReplayOptions& options,
+                      simulation::StageTimes* times, const RunContext& context);
+
+}  // namespace acus::replay

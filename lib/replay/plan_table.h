@@ -1,0 +1,23 @@
+// The effect plan for people: which stages run, why, and what they cost.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "simulation/effect_plan.h"
+#include "simulation/simulation.h"
+
+namespace acus::replay {
+
+/// Header and rows: stage, rate, in or out, reason, runs, asleep, ms in all, us per run, share of all
+/// stages' time. Without `times` only what is known beforehand.
+struct PlanTable {
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+};
+PlanTable TableOfPlan(const simulation::EffectPlan& plan, const simulation::StageTimes* times);
+
+/// The table with aligned columns, for the terminal.
+std::string AlignedText(const PlanTable& table);
+
+}  // namespace acus::replay

@@ -1,0 +1,172 @@
+#include "replay/replay.h"
+
+#include <cstdio>
+#include <optional>
+
+#include "config/json_file.h"
+#include "core/atomic_file.h"
+#include "replay/cpu_time.h"
+#include "replay/image_log.h"
+#include "replay/run_metrics.h"
+#include "replay/run_report.h"
+#include "session/session_import.h"
+#include "simulation/scene.h"
+
+namespace acus::replay {
+namespace {
+
+namespace fs = std::filesystem;
+using simulation::Scene;
+using simulation::StageId;
+
+std::string Rounded(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+session::Session ReadSessionFor(const scenario::Scenario& scenario, const fs::path& path,
+                                RunContext& context) {
+  session::Session session =
+      session::ReadAnySession(path, scenario.session, context).session;
+  context.provenance.AddInput(path);
+  return session;
+}
+
+/// Everything that a run gave, before it is written down.
+struct Run {
+  session::Session session;
+  StepLog steps;
+  ImageLog images;
+  std::vector<Metric> metrics;
+  simulation::StageTimes times;
+  std::vector<std::string> warnings;
+  double cpu_s = 0.0;  ///< Of steps and images with their writing, all threads.
+};
+
+double SpanSeconds(const session::Session& session) {
+  double span_s = 0.0;
+  for (const auto* stream : {&session.needle, &session.probe}) {
+    if (stream->empty()) continue;
+    span_s = std::max(
+        span_s, 1e-9 * static_cast<double>(stream->back().time_ns - stream->front().time_ns));
+  }
+  return span_s;
+}
+
+std::vector<std::string> WarningsOf(const Run& run) {
+  std::vector<std::string> warnings = run.warnings;
+  const auto& state = run.steps.final_state.force;
+  if (state.num_rejected > 0) {
+    warnings.push_back(Message(state.num_rejected, " needle samples were not finite"));
+  }
+  return warnings;
+}
+
+void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, const Scene& scene,
+                  const Run& run, const RunContext& context) {
+  nlohmann::json stages = nlohmann::json::array();
+  for (const auto& stage : scene.plan.stages()) {
+    const auto& cost = run.times.Of(stage.id);
+    stages.push_back({{"stage", stage.name},
+                      {"rate", stage.rate},
+                      {"in", stage.in},
+                      {"reason", stage.reason},
+                      {"runs", cost.runs},
+                      {"asleep", cost.asleep},
+                      {"seconds", cost.seconds}});
+  }
+  config::WriteJson(path, {{"format", "acus-run/1"},
+                           {"provenance", context.provenance.ToJson()},
+                           {"scenario", scenario.effective},
+                           {"session", {{"name", run.session.name},
+                                        {"needle_samples", run.session.needle.size()},
+                                        {"probe_samples", run.session.probe.size()},
+                                        {"seconds", SpanSeconds(run.session)}}},
+                           {"images", run.images.num_images},
+                           {"effect_plan", stages},
+                           {"cpu_seconds", run.cpu_s},
+                           {"warnings", WarningsOf(run)}});
+}
+
+void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, const Scene& scene,
+                    const Run& run, const ReplayOptions& options, const RunContext& context) {
+  if (scene.plan.Has(StageId::kNeedleForce)) {
+    WriteForces(folder / "forces.csv", run.steps, scene);
+  }
+  WriteMetrics(folder / "metrics.json", run.metrics);
+  WriteRunJson(folder / "run.json", scenario, scene, run, context);
+  config::WriteJson(folder / "provenance.json", context.provenance.ToJson());
+  ReportContent content;
+  content.title = scenario.name.empty() ? "Replay" : scenario.name;
+  content.facts = {{"session", run.session.name},
+                   {"length of the session", Rounded(SpanSeconds(run.session)) + " s"},
+                   {"needle samples", std::to_string(run.session.needle.size())},
+                   {"probe samples", std::to_string(run.session.probe.size())},
+                   {"images", std::to_string(run.images.num_images)},
+                   {"CPU time of the run", Rounded(run.cpu_s) + " s"}};
+  content.warnings = WarningsOf(run);
+  content.metrics = run.metrics;
+  content.pictures = run.images.pngs;
+  content.has_film = options.film && run.images.num_images > 0;
+  content.plan = TableOfPlan(scene.plan, &run.times);
+  WriteReport(folder, content, run.steps, scene, context.provenance);
+}
+
+std::string SummaryOf(const Run& run, const ReplayOptions& options) {
+  std::string text = Message("Replayed ", Rounded(SpanSeconds(run.session)), " s: ",
+                             run.steps.steps.size(), " steps, ", run.images.num_images,
+                             " images, ", Rounded(run.cpu_s), " s of CPU time.\n");
+  for (const Metric& metric : run.metrics) {
+    text += Message("  ", metric.name, ": ", Rounded(metric.value),
+                    metric.unit.empty() ? "" : " ", metric.unit, "\n");
+  }
+  if (!options.run_folder.empty()) {
+    text += Message("Report: ", (options.run_folder / "report.html").string(), "\n");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::map<std::string, PngChoice> PngChoices() {
+  return {{"events", PngChoice::kEvents}, {"all", PngChoice::kAll}, {"none", PngChoice::kNone}};
+}
+
+ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& session_path,
+                           const ReplayOptions& options, RunContext& context) {
+  std::optional<AtomicFolder> folder;
+  if (!options.run_folder.empty()) folder.emplace(options.run_folder, context.overwrite);
+
+  Run run;
+  const auto warn_user = context.on_warning;
+  context.on_warning = [&run, &warn_user](std::string_view text) {
+    run.warnings.emplace_back(text);
+    if (warn_user) warn_user(text);
+  };
+  run.session = ReadSessionFor(scenario, session_path, context);
+  const simulation::EffectPlan plan = simulation::PlanEffects(
+      scenario, {!run.session.needle.empty(), !run.session.probe.empty()});
+  const Scene scene = simulation::LoadScene(scenario, plan, context);
+
+  const double begin_s = ProcessCpuSeconds();
+  run.steps = RunSteps(scene, run.session, &run.times, context);
+  run.images = RenderImages(scene, Snapshots(scene, run.session), run.steps,
+                            folder ? folder->path() : fs::path(), options, &run.times, context);
+  run.cpu_s = ProcessCpuSeconds() - begin_s;
+  run.metrics = MetricsOf(scene, run.session, run.steps);
+  if (folder) {
+    WriteRunFolder(folder->path(), scenario, scene, run, options, context);
+    folder->Commit();
+  }
+  context.on_warning = warn_user;
+  return {AlignedText(TableOfPlan(scene.plan, &run.times)), SummaryOf(run, options)};
+}
+
+std::string CheckText(const scenario::Scenario& scenario) {
+  const simulation::EffectPlan plan =
+      simulation::PlanEffects(scenario, {.needle_poses = true, .probe_poses = true});
+  return AlignedText(TableOfPlan(plan, nullptr)) + scenario.file.string() + ": fits.\n";
+}
+
+}  // namespace acus::replay

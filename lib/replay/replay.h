@@ -1,0 +1,42 @@
+// A recorded session through a scenario, into a run folder.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "core/run_context.h"
+#include "scenario/scenario.h"
+
+namespace acus::replay {
+
+enum class PngChoice { kEvents, kAll, kNone };
+
+/// The words of the command line.
+std::map<std::string, PngChoice> PngChoices();
+
+struct ReplayOptions {
+  std::filesystem::path run_folder;  ///< Empty: nothing is written.
+  PngChoice png = PngChoice::kEvents;
+  bool film = true;
+  bool sequence = true;
+};
+
+struct ReplayResult {
+  std::string plan_text;  ///< The effect plan with measured cost, as a table.
+  std::string summary;    ///< What was made and what came out, a few lines.
+};
+
+/// Runs every needle sample through Simulation::Step, renders images at the scenario's rate and
+/// writes the run folder (docs/reference/formats.md), whole or not at all.
+/// The same inputs give the same bytes with any number of threads, but for timings in run.json and
+/// report.html.
+/// @throws InputError if an effect lacks an input or a file is not usable.
+ReplayResult ReplaySession(const scenario::Scenario& scenario,
+                           const std::filesystem::path& session_path,
+                           const ReplayOptions& options, RunContext& context);
+
+/// What `--check` prints: effects, and that every file they need is there.
+std::string CheckText(const scenario::Scenario& scenario);
+
+}  // namespace acus::replay

@@ -1,0 +1,92 @@
+#include "replay/run_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "config/json_file.h"
+#include "session/training_metrics.h"
+
+namespace acus::replay {
+namespace {
+
+using forces::NeedleEvent;
+
+int CountOf(const StepLog& log, NeedleEvent event) {
+  return static_cast<int>(std::ranges::count_if(
+      log.steps, [event](const auto& step) { return step.force.event == event; }));
+}
+
+void AddForces(const StepLog& log, std::vector<Metric>& metrics) {
+  double largest_axial_n = 0.0;
+  double largest_lateral_n = 0.0;
+  double greatest_depth_mm = 0.0;
+  double sum_of_squares = 0.0;
+  double inserted = 0.0;
+  double on_bone = 0.0;
+  for (const simulation::StepOutput& step : log.steps) {
+    const forces::NeedleForce& f = step.force;
+    largest_axial_n = std::max(largest_axial_n, std::abs(f.AxialN()));
+    largest_lateral_n = std::max(largest_lateral_n, f.lateral_n);
+    greatest_depth_mm = std::max(greatest_depth_mm, f.depth_mm);
+    if (f.bone_n > 0.0) on_bone += 1.0;
+    if (f.depth_mm <= 0.0) continue;
+    inserted += 1.0;
+    sum_of_squares += f.AxialN() * f.AxialN();
+  }
+  const double n = static_cast<double>(log.steps.size());
+  const double span_s =
+      1e-9 * static_cast<double>(log.steps.back().time_ns - log.steps.front().time_ns);
+  metrics.push_back({"largest axial force", "N", largest_axial_n});
+  metrics.push_back({"RMS axial force while inserted", "N",
+                     inserted > 0.0 ? std::sqrt(sum_of_squares / inserted) : 0.0});
+  metrics.push_back({"largest lateral force", "N", largest_lateral_n});
+  metrics.push_back({"greatest depth", "mm", greatest_depth_mm});
+  metrics.push_back({"time on bone", "s", span_s * on_bone / n});
+  metrics.push_back({"insertions", "", static_cast<double>(CountOf(log, NeedleEvent::kContact))});
+  metrics.push_back({"punctures", "", static_cast<double>(CountOf(log, NeedleEvent::kPuncture))});
+  metrics.push_back(
+      {"bone contacts", "", static_cast<double>(CountOf(log, NeedleEvent::kBoneContact))});
+}
+
+void AddTissue(const simulation::Scene& scene, const session::Session& session,
+               std::vector<Metric>& metrics) {
+  const Eigen::Affine3d index_from_reference =
+      scene.labels->geometry.index_from_ct() * scene.ct_from_reference;
+  const auto inside = [&](const Eigen::Vector3d& point_in_reference_mm) {
+    return simulation::LabelAt(*scene.labels, index_from_reference, point_in_reference_mm) != 0;
+  };
+  const auto tissue = session::ComputeTissueMetrics(session.needle, inside);
+  metrics.push_back({"needle time in tissue", "s", tissue.time_in_tissue_s});
+  metrics.push_back({"needle path in tissue", "mm", tissue.path_in_tissue_mm});
+  metrics.push_back({"tissue damage", "mm^2", tissue.tissue_damage_mm2});
+}
+
+}  // namespace
+
+std::vector<Metric> MetricsOf(const simulation::Scene& scene, const session::Session& session,
+                              const StepLog& log) {
+  std::vector<Metric> metrics;
+  const auto add_motion = [&metrics](const char* tool, const session::PoseStream& stream) {
+    if (stream.empty()) return;
+    const session::MotionMetrics motion = session::ComputeMotionMetrics(stream);
+    metrics.push_back({Message(tool, " elapsed time"), "s", motion.elapsed_time_s});
+    metrics.push_back({Message(tool, " path length"), "mm", motion.path_length_mm});
+    metrics.push_back({Message(tool, " largest speed"), "mm/s", motion.max_speed_mm_per_s});
+  };
+  add_motion("needle", session.needle);
+  add_motion("probe", session.probe);
+  if (scene.labels && !session.needle.empty()) AddTissue(scene, session, metrics);
+  const bool forces = scene.plan.Has(simulation::StageId::kNeedleForce) && !log.steps.empty();
+  if (forces) AddForces(log, metrics);
+  return metrics;
+}
+
+void WriteMetrics(const std::filesystem::path& path, const std::vector<Metric>& metrics) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Metric& metric : metrics) {
+    list.push_back({{"name", metric.name}, {"unit", metric.unit}, {"value", metric.value}});
+  }
+  config::WriteJson(path, {{"format", "acus-metrics/1"}, {"metrics", list}});
+}
+
+}  // namespace acus::replay

@@ -1,0 +1,132 @@
+#include "replay/run_report.h"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "report/html_report.h"
+#include "report/svg_plot.h"
+
+namespace acus::replay {
+namespace {
+
+using forces::NeedleEvent;
+using simulation::StepOutput;
+
+std::string Rounded(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+/// Seconds since the first step.
+double SecondsOf(const StepLog& log, const StepOutput& step) {
+  return 1e-9 * static_cast<double>(step.time_ns - log.steps.front().time_ns);
+}
+
+report::Series SeriesOf(const StepLog& log, std::string name, double (*value)(const StepOutput&)) {
+  report::Series series;
+  series.name = std::move(name);
+  for (const StepOutput& step : log.steps) {
+    series.x.push_back(SecondsOf(log, step));
+    series.y.push_back(value(step));
+  }
+  return series;
+}
+
+/// Interfaces are many and small: only what a hand feels is marked.
+bool IsMarked(NeedleEvent event) {
+  return event == NeedleEvent::kContact || event == NeedleEvent::kPuncture ||
+         event == NeedleEvent::kBoneContact || event == NeedleEvent::kWithdrawal;
+}
+
+std::vector<report::Plot> ForcePlots(const StepLog& log) {
+  report::Plot axial;
+  axial.title = "Force along the needle (positive pushes it out)";
+  axial.x_label = "time [s]";
+  axial.y_label = "force [N]";
+  axial.series = {SeriesOf(log, "total", [](const StepOutput& s) { return s.force.AxialN(); }),
+                  SeriesOf(log, "puncture", [](const StepOutput& s) { return s.force.puncture_n; }),
+                  SeriesOf(log, "cutting", [](const StepOutput& s) { return s.force.cutting_n; }),
+                  SeriesOf(log, "friction", [](const StepOutput& s) { return s.force.friction_n; }),
+                  SeriesOf(log, "bone", [](const StepOutput& s) { return s.force.bone_n; })};
+  for (const StepOutput& step : log.steps) {
+    if (!IsMarked(step.force.event)) continue;
+    axial.marks.push_back({SecondsOf(log, step), std::string(forces::NameOf(step.force.event))});
+  }
+  report::Plot lateral;
+  lateral.title = "Force across the needle";
+  lateral.x_label = "time [s]";
+  lateral.y_label = "force [N]";
+  lateral.height_px = 180;
+  lateral.series = {SeriesOf(log, "", [](const StepOutput& s) { return s.force.lateral_n; })};
+  report::Plot depth = lateral;
+  depth.title = "Depth of the tip along its path";
+  depth.y_label = "depth [mm]";
+  depth.series = {SeriesOf(log, "", [](const StepOutput& s) { return s.force.depth_mm; })};
+  return {axial, lateral, depth};
+}
+
+report::Plot ForceOverDepth(const StepLog& log) {
+  report::Plot plot;
+  plot.title = "Force over depth";
+  plot.x_label = "depth [mm]";
+  plot.y_label = "force along the needle [N]";
+  report::Series series;
+  for (const StepOutput& step : log.steps) {
+    if (step.force.depth_mm <= 0.0) continue;
+    series.x.push_back(step.force.depth_mm);
+    series.y.push_back(step.force.AxialN());
+  }
+  plot.series = {std::move(series)};
+  return plot;
+}
+
+void AddEvents(report::HtmlReport& html, const StepLog& log, const simulation::Scene& scene) {
+  std::vector<std::vector<std::string>> rows;
+  for (const StepOutput& step : log.steps) {
+    if (step.force.event == NeedleEvent::kNone) continue;
+    rows.push_back({Rounded(SecondsOf(log, step)), std::string(forces::NameOf(step.force.event)),
+                    TissueName(scene, step.tissue_at_tip), Rounded(step.force.depth_mm),
+                    Rounded(step.force.AxialN())});
+  }
+  html.Section("Events");
+  html.Table({"time [s]", "event", "tissue at the tip", "depth [mm]", "force [N]"}, rows);
+}
+
+}  // namespace
+
+void WriteReport(const std::filesystem::path& folder, const ReportContent& content,
+                 const StepLog& log, const simulation::Scene& scene,
+                 const Provenance& provenance) {
+  report::HtmlReport html(content.title, "Replay of a recorded session");
+  html.Warnings(content.warnings);
+  html.Section("Summary");
+  html.KeyValues(content.facts);
+  if (content.has_film || !content.pictures.empty()) html.Section("Pictures");
+  if (content.has_film) html.Film("film.mp4", "Film of the session");
+  for (const WrittenPng& picture : content.pictures) {
+    html.Picture(folder / picture.file, picture.caption, picture.caption);
+  }
+  const bool has_forces = scene.plan.Has(simulation::StageId::kNeedleForce) && !log.steps.empty();
+  if (has_forces) {
+    html.Section("Forces");
+    const auto plots = ForcePlots(log);
+    report::WriteSvg(folder / "forces.svg", plots);
+    html.Plots(plots);
+    html.Plots(std::vector{ForceOverDepth(log)});
+    AddEvents(html, log, scene);
+  }
+  html.Section("Metrics");
+  std::vector<std::vector<std::string>> rows;
+  for (const Metric& metric : content.metrics) {
+    rows.push_back({metric.name, Rounded(metric.value), metric.unit});
+  }
+  html.Table({"metric", "value", "unit"}, rows);
+  html.Section("Effect plan");
+  html.Table(content.plan.header, content.plan.rows,
+             "The stages that the scenario's effects call for, and what they cost in this run.");
+  html.SetProvenance(provenance.ToJson());
+  html.Write(folder / "report.html");
+}
+
+}  // namespace acus::replay

@@ -1,0 +1,31 @@
+// report.html of a run: forces, pictures, events, metrics, effect plan, provenance.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/provenance.h"
+#include "replay/image_log.h"
+#include "replay/plan_table.h"
+#include "replay/run_metrics.h"
+#include "replay/step_log.h"
+
+namespace acus::replay {
+
+struct ReportContent {
+  std::string title;
+  std::vector<std::pair<std::string, std::string>> facts;
+  std::vector<std::string> warnings;
+  std::vector<Metric> metrics;
+  std::vector<WrittenPng> pictures;
+  bool has_film = false;
+  PlanTable plan;
+};
+
+/// Writes report.html and forces.svg into `folder`.
+void WriteReport(const std::filesystem::path& folder, const ReportContent& content,
+                 const StepLog& log, const simulation::Scene& scene, const Provenance& provenance);
+
+}  // namespace acus::replay

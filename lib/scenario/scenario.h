@@ -1,0 +1,74 @@
+// A scenario file: whose body, which tools, and only the effects that the scene calls for.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "session/session_import.h"
+
+namespace acus::scenario {
+
+/// Where the prepared patient is. Paths are absolute; what no effect needs may be empty.
+struct Patient {
+  std::filesystem::path ct;
+  std::string dicom_series;  ///< Picks one of several series; may be empty.
+  std::filesystem::path labels;
+  Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
+};
+
+enum class NeedleForceModelKind { kLayered };
+struct NeedleForceEffect {
+  NeedleForceModelKind model = NeedleForceModelKind::kLayered;
+  std::filesystem::path table;
+};
+
+enum class UltrasoundModel { kColumns2010 };
+struct UltrasoundEffect {
+  UltrasoundModel model = UltrasoundModel::kColumns2010;
+  std::filesystem::path acoustics;  ///< Acoustics by HU, and which stages the image is made of.
+  bool needle = true;
+};
+
+struct CtSliceEffect {
+  bool needle = true;
+};
+
+struct Scenario {
+  std::filesystem::path file;
+  std::string name;
+  Patient patient;
+  session::ImportOptions session;  ///< For sessions that other programs recorded.
+  std::filesystem::path needle;  ///< Needle preset.
+  std::filesystem::path probe;   ///< Probe preset.
+  double image_rate_hz = 0.0;
+
+  // The effects that the scene calls for.
+  std::optional<NeedleForceEffect> needle_force;
+  std::optional<UltrasoundEffect> ultrasound;
+  std::optional<CtSliceEffect> ct_slice;
+
+  nlohmann::json effective;  ///< The file with overrides and defaults, for provenance.
+};
+
+/// One change to a scenario from the command line: JSON pointer and value.
+struct Override {
+  std::string pointer;  ///< "/effects/ultrasound/needle"
+  nlohmann::json value;
+};
+
+/// Parses "/pointer=value". The value is JSON, or else a string; "null" removes the key, which
+/// switches an effect off. @throws InputError if there is no '=' or no leading '/'.
+Override ParseOverride(const std::string& text);
+
+/// Reads a scenario, applies overrides, checks it against its schema and resolves paths.
+///
+/// Paths of the patient are relative to the scenario file (those of overrides to the working
+/// folder); presets are also looked up in the installed configs. Reads the transform, but no volume.
+/// @throws InputError listing what is wrong.
+Scenario ReadScenario(const std::filesystem::path& path, std::span<const Override> overrides);
+
+}  // namespace acus::scenario

@@ -1,0 +1,58 @@
+// The effect plan: just the stages that the scene's effects need, in order, and why.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenario/scenario.h"
+
+namespace acus::simulation {
+
+/// A piece of work. kStep stages run at every sample, kImage stages at every image.
+enum class StageId {
+  kNeedlePose,
+  kTissueLookup,
+  kNeedleForce,
+  kProbePose,
+  kCtSlice,
+  kUltrasound,
+};
+inline constexpr int kNumStages = 6;
+
+/// A stage in the plan, or one that is left out.
+struct PlannedStage {
+  StageId id;
+  std::string_view name;
+  std::string_view rate;                 ///< "step" or "image".
+  std::vector<std::string_view> reads;   ///< Data that must be there before: inputs or other stages'.
+  std::vector<std::string_view> writes;
+  bool in = false;
+  std::string reason;  ///< Why it is in or out.
+};
+
+/// What the recording and the patient can give.
+struct AvailableInputs {
+  bool needle_poses = false;
+  bool probe_poses = false;
+};
+
+class EffectPlan {
+ public:
+  const std::vector<PlannedStage>& stages() const { return stages_; }
+  bool Has(StageId id) const;
+
+  /// True if any stage in the plan reads `data`: "ct", "labels", ... What nobody reads is not loaded.
+  bool Needs(std::string_view data) const;
+
+ private:
+  friend EffectPlan PlanEffects(const scenario::Scenario&, const AvailableInputs&);
+  std::vector<PlannedStage> stages_;
+};
+
+/// Picks the stages whose outputs the called-for effects need, directly or through other stages.
+/// @throws InputError naming every input that a called-for effect needs and that is missing.
+EffectPlan PlanEffects(const scenario::Scenario& scenario, const AvailableInputs& available);
+
+}  // namespace acus::simulation

@@ -1,0 +1,56 @@
+#include "simulation/image_renderer.h"
+
+#include <algorithm>
+
+namespace acus::simulation {
+namespace {
+
+void Blacken(const ultrasound::ImageGeometry& picture, ultrasound::GrayImage& image) {
+  image.Resize(picture.width_px, picture.height_px);
+  std::ranges::fill(image.pixels, std::uint8_t{0});
+}
+
+}  // namespace
+
+ImageRenderer::ImageRenderer(const Scene& scene) : scene_(scene) {
+  if (scene.plan.Has(StageId::kCtSlice)) {
+    ct_slice_.emplace(*scene.ct, ultrasound::PictureOf(*scene.probe),
+                      scene.probe->slice_thickness_mm);
+  }
+  if (scene.plan.Has(StageId::kUltrasound)) {
+    b_mode_.emplace(*scene.ct, *scene.probe, *scene.b_mode);
+  }
+}
+
+std::optional<ultrasound::NeedleInImage> ImageRenderer::NeedleOf(const Snapshot& snapshot) const {
+  if (!snapshot.ct_from_needle) return std::nullopt;
+  return ultrasound::NeedleInImage{snapshot.ct_from_needle->translation(),
+                                   snapshot.ct_from_needle->linear().col(2),
+                                   scene_.needle->length_mm,
+                                   0.5 * scene_.needle->beam.outer_diameter_mm};
+}
+
+void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* times) {
+  Stopwatch watch(times);
+  const auto needle = NeedleOf(snapshot);
+  if (ct_slice_) {
+    if (snapshot.probe_valid) {
+      ct_slice_->Render(snapshot.ct_from_probe, scene_.needle_in_ct_slice ? needle : std::nullopt,
+                        out.ct_slice);
+    } else {
+      Blacken(ct_slice_->picture(), out.ct_slice);
+    }
+    watch.EndOf(StageId::kCtSlice, !snapshot.probe_valid);
+  }
+  if (b_mode_) {
+    if (snapshot.probe_valid) {
+      b_mode_->Render(snapshot.ct_from_probe, scene_.needle_in_b_mode ? needle : std::nullopt,
+                      out.b_mode);
+    } else {
+      Blacken(b_mode_->picture(), out.b_mode);
+    }
+    watch.EndOf(StageId::kUltrasound, !snapshot.probe_valid);
+  }
+}
+
+}  // namespace acus::simulation

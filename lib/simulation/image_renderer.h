@@ -1,0 +1,48 @@
+// Images of a scene at one moment.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "simulation/scene.h"
+#include "simulation/stage_timing.h"
+#include "ultrasound/bmode.h"
+#include "ultrasound/ct_slice.h"
+#include "ultrasound/image.h"
+
+namespace acus::simulation {
+
+/// What an image needs to know of a moment.
+struct Snapshot {
+  std::int64_t time_ns = 0;
+  bool probe_valid = false;
+  Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
+  /// Nothing if there is no needle to see.
+  std::optional<Eigen::Isometry3d> ct_from_needle = std::nullopt;
+};
+
+struct Images {
+  ultrasound::GrayImage b_mode;    ///< Empty if the plan has no B-mode.
+  ultrasound::GrayImage ct_slice;  ///< Empty if the plan has no CT slice.
+};
+
+/// Renders the images of the plan. Holds buffers: one renderer for each thread.
+class ImageRenderer {
+ public:
+  /// @param scene  Must outlive the renderer.
+  explicit ImageRenderer(const Scene& scene);
+
+  /// The same bits for the same snapshot, whatever was rendered before. Where the probe is not
+  /// seen by the tracker, the pictures are black. Allocates nothing after the first call.
+  /// @param times  If given, each stage's time is added to it.
+  void Render(const Snapshot& snapshot, Images& out, StageTimes* times = nullptr);
+
+ private:
+  std::optional<ultrasound::NeedleInImage> NeedleOf(const Snapshot& snapshot) const;
+
+  const Scene& scene_;
+  std::optional<ultrasound::BModeRenderer> b_mode_;
+  std::optional<ultrasound::CtSliceRenderer> ct_slice_;
+};
+
+}  // namespace acus::simulation

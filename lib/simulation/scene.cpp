@@ -1,0 +1,42 @@
+#include "simulation/scene.h"
+
+#include "volume/volume_io.h"
+
+namespace acus::simulation {
+
+Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context) {
+  Scene scene;
+  scene.plan = plan;
+  scene.ct_from_reference = scenario.patient.ct_from_reference;
+  scene.image_rate_hz = scenario.image_rate_hz;
+  scene.needle_in_ct_slice = scenario.ct_slice && scenario.ct_slice->needle;
+  scene.needle_in_b_mode = scenario.ultrasound && scenario.ultrasound->needle;
+  if (plan.Needs("ct")) {
+    context.Checkpoint("reading the CT", 0.0);
+    scene.ct = volume::ReadCt(scenario.patient.ct, scenario.patient.dicom_series, context);
+    context.provenance.AddInput(scenario.patient.ct);
+  }
+  if (plan.Needs("labels")) {
+    scene.labels = volume::ReadLabelMap(scenario.patient.labels);
+    context.provenance.AddInput(scenario.patient.labels);
+  }
+  if (plan.Needs("needle")) {
+    scene.needle = forces::ReadNeedle(scenario.needle);
+    context.provenance.AddInput(scenario.needle);
+  }
+  if (plan.Has(StageId::kNeedleForce)) {
+    scene.forces.emplace(forces::ReadForceTable(scenario.needle_force->table), *scene.needle);
+    context.provenance.AddInput(scenario.needle_force->table);
+  }
+  if (plan.Needs("probe")) {
+    scene.probe = ultrasound::ReadProbe(scenario.probe);
+    context.provenance.AddInput(scenario.probe);
+  }
+  if (plan.Has(StageId::kUltrasound)) {
+    scene.b_mode = ultrasound::ReadBModeOptions(scenario.ultrasound->acoustics);
+    context.provenance.AddInput(scenario.ultrasound->acoustics);
+  }
+  return scene;
+}
+
+}  // namespace acus::simulation

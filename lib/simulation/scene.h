@@ -1,0 +1,36 @@
+// Everything constant that a plan's stages read, loaded once: only what the plan needs.
+#pragma once
+
+#include <optional>
+
+#include "core/run_context.h"
+#include "forces/needle_force.h"
+#include "scenario/scenario.h"
+#include "simulation/effect_plan.h"
+#include "ultrasound/bmode_options.h"
+#include "ultrasound/probe.h"
+#include "volume/volume.h"
+
+namespace acus::simulation {
+
+/// Immutable after LoadScene; shared by any number of simulations and threads.
+struct Scene {
+  EffectPlan plan;
+  Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
+  double image_rate_hz = 0.0;
+  bool needle_in_ct_slice = false;
+  bool needle_in_b_mode = false;
+
+  std::optional<volume::CtVolume> ct;              ///< If the plan reads "ct".
+  std::optional<volume::LabelMap> labels;          ///< If the plan reads "labels".
+  std::optional<forces::NeedleProperties> needle;  ///< If the plan reads "needle".
+  std::optional<forces::NeedleForceModel> forces;  ///< If the plan has the needle force.
+  std::optional<ultrasound::Probe> probe;          ///< If the plan reads "probe".
+  std::optional<ultrasound::BModeOptions> b_mode;  ///< If the plan has the B-mode.
+};
+
+/// Loads what `plan` needs of the scenario, and nothing else.
+/// @throws InputError if a file is not readable.
+Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context);
+
+}  // namespace acus::simulation

@@ -1,0 +1,59 @@
+// The simulation core: replay and live call the same Step.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+
+#include "forces/needle_force.h"
+#include "simulation/scene.h"
+#include "simulation/stage_timing.h"
+#include "volume/volume.h"
+
+namespace acus::simulation {
+
+/// One reading of the needle, in the session's reference frame.
+struct NeedleSample {
+  std::int64_t time_ns = 0;
+  Eigen::Isometry3d reference_from_needle = Eigen::Isometry3d::Identity();
+  bool valid = false;
+};
+
+/// What one step gives.
+struct StepOutput {
+  std::int64_t time_ns = 0;
+  Eigen::Isometry3d ct_from_needle = Eigen::Isometry3d::Identity();
+  volume::Label tissue_at_tip = 0;
+  forces::NeedleForce force;
+};
+
+/// All that changes. Small and copyable: save it, restore it, run many side by side.
+struct State {
+  forces::NeedleForceState force;
+  std::int64_t steps = 0;
+};
+
+/// The const model. Stages that are not in the scene's plan are not run.
+class Simulation {
+ public:
+  /// @param scene  Must outlive the simulation.
+  explicit Simulation(const Scene& scene);
+
+  /// Advances to `sample.time_ns`. Allocates nothing, takes no lock, prints nothing. A sample that
+  /// is not valid, not finite or not later than the last one is dealt with by the force model:
+  /// the force stays finite and bounded.
+  /// @param times  If given, each stage's time is added to it; the results stay the same.
+  StepOutput Step(State& state, const NeedleSample& sample,
+                  StageTimes* times = nullptr) const noexcept;
+
+ private:
+  const Scene& scene_;
+  Eigen::Affine3d index_from_ct_ = Eigen::Affine3d::Identity();
+  bool runs_tissue_ = false;
+  bool runs_force_ = false;
+};
+
+/// The label at a point, 0 outside the volume. Never throws; a point that is not finite is outside.
+volume::Label LabelAt(const volume::LabelMap& labels, const Eigen::Affine3d& index_from_ct,
+                      const Eigen::Vector3d& point_in_ct_mm) noexcept;
+
+}  // namespace acus::simulation

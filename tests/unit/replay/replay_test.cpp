@@ -1,0 +1,182 @@
+#include "replay/replay.h"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "config/json_file.h"
+#include "core/atomic_file.h"
+#include "core/csv.h"
+#include "core/error.h"
+#include "math/rigid.h"
+#include "session/session_io.h"
+#include "support/layered_scene.h"
+#include "volume/volume_io.h"
+
+namespace acus::replay {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// A layered patient, a scripted session of three seconds and a scenario, on disk.
+class Replay : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(testing::TempDir()) / "replay_test" / test->name();
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    const auto scene =
+        testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
+    volume::WriteCt(folder_ / "ct.nrrd", *scene.ct);
+    volume::WriteLabelMap(folder_ / "labels.seg.nrrd", *scene.labels);
+    session::WriteSession(folder_ / "session", InsertionToBone(), context_);
+    WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1", "name": "Layers",
+      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"},
+      "probe": "probes/linear_l14.json",
+      "effects": {"needle_force": {}, "ultrasound": {}, "ct_slice": {}}, "image_rate_hz": 10})");
+    setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
+  }
+
+  /// In at 25 mm/s to 2 mm into bone at 61 mm, half a second there, out again.
+  static session::Session InsertionToBone() {
+    session::Session session;
+    session.name = "to bone";
+    for (int ms = 0; ms < 6000; ++ms) {
+      const double z_mm = ms < 2720 ? -5.0 + 0.025 * ms : ms < 3200 ? 63.0 : 63.0 - 0.025 * (ms - 3200);
+      session::PoseSample needle{.time_ns = ms * std::int64_t{1'000'000}};
+      needle.reference_from_tool = Eigen::Isometry3d(Eigen::Translation3d(0.0, 20.0, z_mm));
+      session.needle.push_back(needle);
+      if (ms % 20 != 0) continue;
+      Eigen::Isometry3d probe = Eigen::Isometry3d::Identity();
+      probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+      probe.translation() << 0.0, 20.0 + 1e-3 * ms, -0.5;
+      session.probe.push_back({needle.time_ns, probe, true});
+    }
+    return session;
+  }
+
+  ReplayResult Run(const char* run_folder, int num_threads,
+                   const std::vector<scenario::Override>& overrides = {}) {
+    RunContext context;
+    context.num_threads = num_threads;
+    ReplayOptions options;
+    if (run_folder != nullptr) options.run_folder = folder_ / run_folder;
+    return ReplaySession(scenario::ReadScenario(folder_ / "scene.json", overrides),
+                         folder_ / "session", options, context);
+  }
+
+  fs::path folder_;
+  RunContext context_;
+};
+
+TEST_F(Replay, GivesTheSameBytesAgainAndWithMoreThreads) {
+  Run("one", 1);
+  Run("again", 1);
+  Run("two", 2);
+  int compared = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "one")) {
+    const fs::path name = entry.path().filename();
+    // Timings are in these two; provenance names the run's own folder nowhere.
+    if (name == "run.json" || name == "report.html") continue;
+    const std::string first = ReadTextFile(entry.path());
+    EXPECT_EQ(first, ReadTextFile(folder_ / "again" / name)) << name;
+    EXPECT_EQ(first, ReadTextFile(folder_ / "two" / name)) << name;
+    ++compared;
+  }
+  EXPECT_GE(compared, 6);
+}
+
+TEST_F(Replay, LogsWhatTheNeedleMeets) {
+  Run("run", 2);
+  const CsvTable forces(folder_ / "run/forces.csv");
+  ASSERT_EQ(forces.num_rows(), 6000U);
+  const auto axial_n = forces.Numbers("force_axial_n");
+  const auto z_force_n = forces.Numbers("force_z_n");
+  const auto bone_n = forces.Numbers("bone_n");
+  const auto lateral_n = forces.Numbers("lateral_n");
+  const auto events = forces.Texts("event");
+  const auto tissues = forces.Texts("tissue");
+  for (std::size_t row = 0; row < axial_n.size(); ++row) {
+    // The needle points along +z: a force that pushes it out points along -z.
+    ASSERT_NEAR(z_force_n[row], -axial_n[row], 1e-9 + lateral_n[row]) << row;
+  }
+  EXPECT_EQ(*std::ranges::max_element(std::span(axial_n).first(190)), 0.0);  // Still in the air.
+  EXPECT_GT(bone_n[3000], 1.0);
+  EXPECT_EQ(bone_n[4500], 0.0);
+  EXPECT_LT(axial_n[4500], 0.0);  // Friction holds a needle that is drawn out.
+  EXPECT_EQ(axial_n[5999], 0.0);
+  EXPECT_EQ(tissues[3000], "bone");
+  EXPECT_EQ(tissues[0], "outside");
+  const auto count = [&events](const char* name) { return std::ranges::count(events, name); };
+  EXPECT_EQ(count("contact"), 1);
+  EXPECT_GE(count("puncture"), 1);
+  EXPECT_EQ(count("bone_contact"), 1);
+  EXPECT_EQ(count("withdrawal"), 1);
+}
+
+TEST_F(Replay, WritesOneImagePerPeriod) {
+  Run("run", 2);
+  const auto run = config::ReadJson(folder_ / "run/run.json");
+  EXPECT_EQ(run.at("images"), 60);  // 0 s to 5.98 s at 10 Hz.
+  for (const char* name : {"images.igs.mha", "film.mp4", "report.html", "forces.svg", "metrics.json",
+                           "event_01.png", "provenance.json"}) {
+    EXPECT_TRUE(fs::exists(folder_ / "run" / name)) << name;
+  }
+}
+
+TEST_F(Replay, NeedsNoInputOfAnEffectThatIsOff) {
+  fs::remove(folder_ / "ct.nrrd");
+  const std::vector<scenario::Override> no_images = {scenario::ParseOverride("/patient/ct=null"),
+                                                     scenario::ParseOverride("/effects/ultrasound=null"),
+                                                     scenario::ParseOverride("/effects/ct_slice=null")};
+  Run("forces_only", 1, no_images);
+  EXPECT_FALSE(fs::exists(folder_ / "forces_only/film.mp4"));
+  EXPECT_THAT([&] { Run("all", 1, {scenario::ParseOverride("/patient/ct=null")}); },
+              ThrowsMessage<InputError>(HasSubstr("B-mode (effect ultrasound is called for) needs ct")));
+  EXPECT_FALSE(fs::exists(folder_ / "all"));
+}
+
+TEST_F(Replay, ForcesDoNotDependOnTheImages) {
+  Run("all", 1);
+  Run("forces_only", 1, {scenario::ParseOverride("/effects/ultrasound=null"),
+                         scenario::ParseOverride("/effects/ct_slice=null")});
+  EXPECT_EQ(ReadTextFile(folder_ / "all/forces.csv"), ReadTextFile(folder_ / "forces_only/forces.csv"));
+}
+
+TEST_F(Replay, ImagesDoNotDependOnTheForces) {
+  Run("all", 1);
+  Run("images_only", 1, {scenario::ParseOverride("/effects/needle_force=null")});
+  // The forces are fields of the frames; the pixels are at the end of the file.
+  const std::string all = ReadTextFile(folder_ / "all/images.igs.mha");
+  const std::string images_only = ReadTextFile(folder_ / "images_only/images.igs.mha");
+  const std::string marker = "ElementDataFile = LOCAL\n";
+  EXPECT_EQ(all.substr(all.find(marker)), images_only.substr(images_only.find(marker)));
+}
+
+TEST_F(Replay, ExplainsThePlanWithMeasuredCost) {
+  const ReplayResult result = Run(nullptr, 1, {scenario::ParseOverride("/effects/ct_slice=null")});
+  EXPECT_THAT(result.plan_text, AllOf(HasSubstr("effect ultrasound is called for"),
+                                      HasSubstr("no effect of the scenario needs it"),
+                                      HasSubstr("needed by needle force"), HasSubstr("us/run")));
+}
+
+TEST_F(Replay, LeavesNothingBehindWhenStopped) {
+  std::atomic<bool> stop{true};
+  RunContext context;
+  context.stop = &stop;
+  ReplayOptions options;
+  options.run_folder = folder_ / "stopped";
+  EXPECT_THROW(ReplaySession(scenario::ReadScenario(folder_ / "scene.json", {}), folder_ / "session",
+                             options, context),
+               Cancelled);
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr("stopped")));
+  }
+}
+
+}  // namespace
+}  // namespace acus::replay

@@ -1,0 +1,80 @@
+#include "scenario/scenario.h"
+
+#include <gmock/gmock.h>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+
+namespace acus::scenario {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// A scenario folder with the files that the text names.
+class ScenarioFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / "scenario_test";
+    fs::remove_all(folder_);
+    for (const char* name : {"ct.nrrd", "needle.json", "probe.json", "table.json"}) {
+      WriteTextFile(folder_ / name, "");
+    }
+  }
+  Scenario Read(const std::string& text, const std::vector<Override>& overrides = {}) {
+    WriteTextFile(folder_ / "scene.json", text);
+    return ReadScenario(folder_ / "scene.json", overrides);
+  }
+  fs::path folder_;
+};
+
+constexpr const char* kText = R"({"format": "acus-scenario/1", "patient": {"ct": "ct.nrrd"},
+  "needle": "needle.json", "probe": "probe.json",
+  "effects": {"needle_force": {"table": "table.json"}, "ct_slice": {}}})";
+
+TEST_F(ScenarioFile, HoldsOnlyTheEffectsItNamesWithDefaultsFilledIn) {
+  const Scenario s = Read(kText);
+  EXPECT_TRUE(s.needle_force.has_value());
+  EXPECT_TRUE(s.ct_slice.has_value() && s.ct_slice->needle);
+  EXPECT_FALSE(s.ultrasound.has_value());
+  EXPECT_EQ(s.image_rate_hz, 30.0);
+  EXPECT_EQ(s.patient.ct, folder_ / "ct.nrrd");
+  EXPECT_TRUE(s.patient.ct_from_reference.isApprox(Eigen::Isometry3d::Identity()));
+  EXPECT_EQ(s.session.reference_frame, "Reference");
+}
+
+TEST_F(ScenarioFile, TakesChangesFromTheCommandLine) {
+  const Scenario s = Read(kText, {ParseOverride("/effects/ct_slice=null"),
+                                  ParseOverride("/effects/ultrasound/needle=false"),
+                                  ParseOverride("/effects/ultrasound/acoustics=table.json"),
+                                  ParseOverride("/session/face_px=[410,20]"),
+                                  ParseOverride("/image_rate_hz=10"), ParseOverride("/name=sweep 2")});
+  EXPECT_FALSE(s.ct_slice.has_value());
+  EXPECT_FALSE(s.ultrasound->needle);
+  EXPECT_EQ(s.image_rate_hz, 10.0);
+  EXPECT_EQ(s.session.face_px, Eigen::Vector2d(410, 20));
+  EXPECT_EQ(s.name, "sweep 2");
+  EXPECT_THAT([] { ParseOverride("image_rate_hz=10"); },
+              ThrowsMessage<InputError>(HasSubstr("/json/pointer=value")));
+  EXPECT_THAT([&] { Read(kText, {ParseOverride("/effects/ultrasond/needle=false")}); },
+              ThrowsMessage<InputError>(HasSubstr("did you mean \"ultrasound\"")));
+  EXPECT_THAT([&] { Read(kText, {ParseOverride("/needle/x=1")}); }, ThrowsMessage<InputError>(HasSubstr("--set /needle/x")));
+}
+
+TEST_F(ScenarioFile, SaysWhatIsWrongAndWhere) {
+  EXPECT_THAT([&] { Read(R"({"format": "acus-scenario/1", "patient": {"ct": "no.nrrd"}, "needle": "needle.json",
+                             "probe": "probe.json", "effects": {"ct_slice": {}}})"); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("/patient/ct"), HasSubstr("no such file"))));
+  EXPECT_THAT([&] { Read(R"({"format": "acus-scenario/1", "patient": {}, "effects": {}})"); },
+              ThrowsMessage<InputError>(HasSubstr("/effects")));
+  EXPECT_THAT([&] { Read(R"({"format": "acus-session/1"})"); },
+              ThrowsMessage<InputError>(HasSubstr("must be \"acus-scenario/1\"")));
+  EXPECT_THAT([&] { Read(R"({"format": "acus-scenario/1", "effects": {"ct_slice": {}}, "patient":
+                   {"ct_from_reference": [2,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}})"); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("/patient/ct_from_reference"), HasSubstr("not rigid"))));
+}
+
+}  // namespace
+}  // namespace acus::scenario
