@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   std::filesystem::path labels_path;
   std::filesystem::path transform_path;
   std::vector<std::string> changes;
+  std::string png = "events";
   bool explain = false;
   bool check = false;
   acus::replay::ReplayOptions options;
@@ -36,13 +37,16 @@ int main(int argc, char** argv) {
   app.add_option("--set", changes,
                  "Change one value of the scenario: /json/pointer=value; =null takes it out");
   app.add_option("-o,--output", options.run_folder, "Run folder to make");
-  app.add_option("--png", options.png, "Frames as PNG: those at events, all, or none")
-      ->transform(CLI::CheckedTransformer(acus::replay::PngChoices()))
-      ->default_str("events");
+  app.add_option("--png", png, "Frames as PNG: those at events, all, or none")
+      ->check(CLI::IsMember({"events", "all", "none"}))
+      ->capture_default_str();
   app.add_flag("!--no-film", options.film, "Make no film.mp4");
   app.add_flag("!--no-sequence", options.sequence, "Write no images.igs.mha");
   app.add_flag("--explain", explain, "Print the effect plan: stages, reasons, measured cost");
   app.add_flag("--check", check, "Check the scenario and its files, run nothing");
+  app.callback([&] {
+    if (session_path.empty() && !check) throw CLI::RequiredError("session");
+  });
   app.footer(
       "EXAMPLE\n"
       "  acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd -o run --explain\n"
@@ -59,6 +63,7 @@ int main(int argc, char** argv) {
     set_path("/patient/ct", ct_path);
     set_path("/patient/labels", labels_path);
     set_path("/patient/ct_from_reference_file", transform_path);
+    options.png = acus::replay::PngChoices().at(png);
     const auto scenario = acus::scenario::ReadScenario(scenario_path, overrides);
     context.provenance.AddInput(scenario_path);
     if (check) {

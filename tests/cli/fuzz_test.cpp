@@ -42,6 +42,12 @@ struct Entrance {
 
 void PrintTo(const Entrance& entrance, std::ostream* out) { *out << entrance.name; }
 
+const std::vector<const char*> kReplayed = {"scenario.json", "session", "ct.nrrd",
+                                           "labels.seg.nrrd", "ct_from_reference.tfm"};
+const char* const kReplay =
+    "acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd "
+    "--transform ct_from_reference.tfm --no-film --png none -o out";
+
 const Entrance kEntrances[] = {
     {"phantom_config", {"phantom.json"}, "phantom.json",
      "acus-phantom patient lumbar --config phantom.json -o out"},
@@ -52,6 +58,12 @@ const Entrance kEntrances[] = {
     {"register_target", {"markers_mannequin.csv", "markers_ct.csv", "target_ct.csv"}, "target_ct.csv",
      "acus-register --from markers_mannequin.csv --to markers_ct.csv --target target_ct.csv -o out"},
     {"register_pivot", {"poses"}, "poses/pose_03.txt", "acus-register pivot poses/pose_03.txt poses -o out"},
+    {"replay_scenario", kReplayed, "scenario.json", kReplay},
+    {"replay_needle", kReplayed, "session/needle.csv", kReplay},
+    {"replay_session", kReplayed, "session/session.json", kReplay},
+    {"replay_ct", kReplayed, "ct.nrrd", kReplay},
+    {"replay_labels", kReplayed, "labels.seg.nrrd", kReplay},
+    {"replay_transform", kReplayed, "ct_from_reference.tfm", kReplay},
 };
 
 fs::path Inputs() { return fs::path(ACUS_BUILD_DIR) / "tests" / "cli" / "inputs"; }
@@ -149,7 +161,8 @@ int NumMessages(const std::string& text, const std::string& program) {
 
 /// Runs one entrance in a fresh folder, after `change` has been made to its broken file.
 void Check(const Entrance& entrance, const std::string& what,
-           const std::function<void(const fs::path&)>& change, const std::set<int>& allowed) {
+           const std::function<void(const fs::path&)>& change, const std::set<int>& allowed,
+           const std::string& message = "") {
   // One folder for each test, since tests run side by side.
   std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
   std::ranges::replace(test, '/', '.');
@@ -158,7 +171,7 @@ void Check(const Entrance& entrance, const std::string& what,
   fs::create_directories(folder);
   for (const char* name : entrance.copied) {
     fs::create_directories((folder / name).parent_path());
-    fs::copy(Inputs() / name, folder / name, fs::copy_options::recursive);
+    fs::copy(Inputs() / name, folder / name, fs::copy_options::recursive);  // Follows links.
   }
   change(folder / entrance.broken);
   const auto before = Listing(folder);
@@ -167,6 +180,7 @@ void Check(const Entrance& entrance, const std::string& what,
 
   SCOPED_TRACE(what + ": " + entrance.command + "\n" + outcome.messages.substr(0, 2000));
   EXPECT_FALSE(outcome.timed_out);
+  EXPECT_NE(outcome.messages.find(message), std::string::npos) << "the message lacks " << message;
   EXPECT_TRUE(allowed.contains(outcome.exit_code)) << "exit code " << outcome.exit_code;
   if (outcome.exit_code != 0) {
     EXPECT_EQ(NumMessages(outcome.messages, program), 1);
@@ -175,6 +189,41 @@ void Check(const Entrance& entrance, const std::string& what,
     for (const auto& path : Listing(folder)) {
       EXPECT_EQ(path.string().find(".partial"), std::string::npos) << path;
     }
+  }
+}
+
+/// Changes the cell at a row and column (0-based, header excluded) of a CSV file.
+Bytes WithCell(const Bytes& csv, int row, int column, const std::string& text) {
+  std::istringstream in(csv);
+  Bytes out;
+  int number = -1;
+  for (std::string line; std::getline(in, line); ++number) {
+    if (number == row) {
+      std::size_t begin = 0;
+      for (int i = 0; i < column; ++i) begin = line.find(',', begin) + 1;
+      line.replace(begin, line.find(',', begin) - begin, text);
+    }
+    out += line + "\n";
+  }
+  return out;
+}
+
+TEST(SessionFuzz, WhatCannotBeIsNamedByFileAndRow) {
+  const Entrance entrance{"replay_needle_rows", kReplayed, "session/needle.csv", kReplay};
+  const Bytes valid = ReadBytes(Inputs() / entrance.broken);
+  const struct {
+    const char* what;
+    int column;
+    const char* text;
+  } kCells[] = {{"time goes backwards", 0, "0.0001"}, {"time is NaN", 0, "nan"},
+                {"position is NaN", 1, "nan"},        {"position is infinite", 2, "inf"},
+                {"position is too large", 3, "1e999"}, {"quaternion is not of length 1", 4, "3.5"},
+                {"quaternion is NaN", 7, "NaN"},      {"status is unknown", 8, "PERHAPS"},
+                {"cell is empty", 1, ""},             {"cell is a word", 2, "ten"}};
+  for (const auto& cell : kCells) {
+    Check(entrance, cell.what,
+          [&](const fs::path& file) { WriteBytes(file, WithCell(valid, 99, cell.column, cell.text)); },
+          {3}, "session/needle.csv:101: ");
   }
 }
 

@@ -16,6 +16,8 @@ ln -s markers_ct.csv ct.csv
 ln -s target_ct.csv target.csv
 cp "$source/testdata/small_scenario.json" scenario.json
 cp "$source/testdata/small_lumbar.json" phantom.json
+acus-register --from mannequin.csv --to ct.csv -o registered >/dev/null
+ln -s registered/ct_from_reference.tfm ct_from_reference.tfm
 
 # A pointer 180 mm long that is turned about (10, 20, 30): 25 poses, one 4 x 4 matrix a file.
 mkdir poses
