@@ -41,6 +41,16 @@ struct EventImage {
   std::string caption;
 };
 
+/// "bone contact at 17.80 s, 57.3 mm deep"
+std::string CaptionOf(const simulation::StepOutput& step) {
+  std::string event(forces::NameOf(step.force.event));
+  std::ranges::replace(event, '_', ' ');
+  char text[64];
+  std::snprintf(text, sizeof text, " at %.2f s, %.1f mm deep",
+                1e-9 * static_cast<double>(step.time_ns), step.force.depth_mm);
+  return event + text;
+}
+
 /// The first image after each event that a hand feels; without any, the one in the middle.
 std::vector<EventImage> EventImages(const std::vector<Snapshot>& snapshots, const StepLog& log) {
   std::vector<EventImage> chosen;
@@ -53,7 +63,7 @@ std::vector<EventImage> EventImages(const std::vector<Snapshot>& snapshots, cons
     if (at == snapshots.end()) continue;
     const int index = static_cast<int>(at - snapshots.begin());
     if (!chosen.empty() && chosen.back().index == index) continue;
-    chosen.push_back({index, Message(forces::NameOf(event), " at ", TimeText(step.time_ns), " s")});
+    chosen.push_back({index, CaptionOf(step)});
   }
   if (chosen.empty()) {
     chosen.push_back({static_cast<int>(snapshots.size() / 2), "middle of the session"});
@@ -176,13 +186,15 @@ class ImageWriter {
 
 }  // namespace
 
-std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& session) {
+std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& session,
+                                simulation::StageTimes* times) {
   std::vector<Snapshot> snapshots;
   if (!HasImages(scene) || session.probe.empty()) return snapshots;
   const bool needle = scene.plan.Has(StageId::kNeedlePose) && !session.needle.empty();
   const std::int64_t first_ns = session.probe.front().time_ns;
   const std::int64_t last_ns = session.probe.back().time_ns;
   for (std::int64_t i = 0;; ++i) {
+    simulation::Stopwatch watch(times);
     Snapshot snapshot;
     snapshot.time_ns =
         first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
@@ -195,6 +207,7 @@ std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& sess
       if (pose.valid) snapshot.ct_from_needle = scene.ct_from_reference * pose.reference_from_tool;
     }
     snapshots.push_back(snapshot);
+    watch.EndOf(StageId::kProbePose, !probe.valid);
   }
   return snapshots;
 }

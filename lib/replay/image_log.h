@@ -14,9 +14,11 @@
 namespace acus::replay {
 
 /// The moments at which images are made: from the first to the last reading of the probe, at the
-/// scene's rate. Empty if the plan has no image.
+/// scene's rate. Empty if the plan has no image. Adds the cost of the probe's poses to `times`, if
+/// given.
 std::vector<simulation::Snapshot> Snapshots(const simulation::Scene& scene,
-                                            const session::Session& session);
+                                            const session::Session& session,
+                                            simulation::StageTimes* times);
 
 /// A picture that was written as PNG.
 struct WrittenPng {

@@ -9,6 +9,7 @@
 #include "replay/image_log.h"
 #include "replay/run_metrics.h"
 #include "replay/run_report.h"
+#include "session/integrity.h"
 #include "session/session_import.h"
 #include "simulation/scene.h"
 
@@ -30,6 +31,12 @@ session::Session ReadSessionFor(const scenario::Scenario& scenario, const fs::pa
   session::Session session =
       session::ReadAnySession(path, scenario.session, context).session;
   context.provenance.AddInput(path);
+  for (const auto& [tool, stream] : {std::pair{"needle", &session.needle}, {"probe", &session.probe}}) {
+    if (stream->empty()) continue;
+    for (const std::string& trouble : session::Describe(session::CheckIntegrity(*stream), tool)) {
+      context.Warn(trouble);
+    }
+  }
   return session;
 }
 
@@ -151,7 +158,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
 
   const double begin_s = ProcessCpuSeconds();
   run.steps = RunSteps(scene, run.session, &run.times, context);
-  run.images = RenderImages(scene, Snapshots(scene, run.session), run.steps,
+  run.images = RenderImages(scene, Snapshots(scene, run.session, &run.times), run.steps,
                             folder ? folder->path() : fs::path(), options, &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
   run.metrics = MetricsOf(scene, run.session, run.steps);

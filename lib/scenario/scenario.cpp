@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "math/rigid.h"
 #include "registration/transform_file.h"
+#include "session/plus_config.h"
 
 namespace acus::scenario {
 namespace {
@@ -12,8 +13,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 /// Paths that overrides may set, which are relative to the working folder then.
-constexpr const char* kPatientPaths[] = {"/patient/ct", "/patient/labels",
-                                         "/patient/ct_from_reference_file"};
+constexpr const char* kPaths[] = {"/patient/ct", "/patient/labels",
+                                  "/patient/ct_from_reference_file", "/session/plus_config"};
 
 void Apply(json& document, const Override& change) {
   const json::json_pointer pointer(change.pointer);
@@ -23,7 +24,7 @@ void Apply(json& document, const Override& change) {
     return;
   }
   json value = change.value;
-  for (const char* path : kPatientPaths) {
+  for (const char* path : kPaths) {
     if (change.pointer == path && value.is_string()) {
       value = fs::absolute(value.get<std::string>()).string();
     }
@@ -46,8 +47,20 @@ Eigen::Isometry3d RigidOf(const json& rows, const std::string& where) {
   }
 }
 
-session::ImportOptions ReadImport(const json& object) {
+fs::path ExistingPath(const json& object, const char* key, const fs::path& folder,
+                      const std::string& where) {
+  if (!object.contains(key)) return {};
+  const fs::path path = (folder / object.at(key).get<std::string>()).lexically_normal();
+  ACUS_REQUIRE(fs::exists(path), where, "/", key, ": ", path.string(),
+               ": no such file or folder; paths are relative to the scenario file");
+  return path;
+}
+
+session::ImportOptions ReadImport(const json& object, const fs::path& folder,
+                                  const std::string& where) {
   session::ImportOptions options;
+  const fs::path plus_config = ExistingPath(object, "plus_config", folder, where);
+  if (!plus_config.empty()) options.calibrations = session::ReadPlusCalibrations(plus_config);
   options.needle_frames = object.at("needle_frames").get<std::vector<std::string>>();
   options.probe_frames = object.at("probe_frames").get<std::vector<std::string>>();
   options.reference_frame = object.at("reference_frame");
@@ -58,15 +71,6 @@ session::ImportOptions ReadImport(const json& object) {
     options.face_px = Eigen::Vector2d(object["face_px"][0], object["face_px"][1]);
   }
   return options;
-}
-
-fs::path ExistingPath(const json& object, const char* key, const fs::path& folder,
-                      const std::string& where) {
-  if (!object.contains(key)) return {};
-  const fs::path path = (folder / object.at(key).get<std::string>()).lexically_normal();
-  ACUS_REQUIRE(fs::exists(path), where, "/", key, ": ", path.string(),
-               ": no such file or folder; paths are relative to the scenario file");
-  return path;
 }
 
 Patient ReadPatient(const json& object, const fs::path& folder, const std::string& file) {
@@ -114,7 +118,7 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
   scenario.file = path;
   scenario.name = document.at("name");
   scenario.patient = ReadPatient(document.at("patient"), folder, path.string());
-  scenario.session = ReadImport(document.at("session"));
+  scenario.session = ReadImport(document.at("session"), folder, path.string() + ": /session");
   scenario.needle = config::FindConfig(document.at("needle").get<std::string>(), folder);
   scenario.probe = config::FindConfig(document.at("probe").get<std::string>(), folder);
   scenario.image_rate_hz = document.at("image_rate_hz");
