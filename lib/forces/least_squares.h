@@ -1,0 +1,60 @@
+// Fits of a few parameters to many samples, with intervals that do not assume white noise.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace acus::forces {
+
+/// One fitted number. The interval is for this number alone; AmongSeveral gives the wider one that
+/// holds for several numbers at once.
+struct Estimate {
+  double value = 0.0;
+  double standard_error = 0.0;
+  double low = 0.0;   ///< 95 % interval.
+  double high = 0.0;
+
+  bool Contains(double truth) const { return low <= truth && truth <= high; }
+  /// The interval such that k of them hold all at once with 95 % (Bonferroni).
+  Estimate AmongSeveral(int num_intervals) const;
+};
+
+/// value and d(value)/d(parameters) at x. @param gradient  as long as the parameters.
+using SampleModel =
+    std::function<double(std::span<const double> parameters, double x, std::span<double> gradient)>;
+
+struct ModelFit {
+  bool converged = false;
+  std::string message;  ///< The solver's own words.
+  std::vector<double> parameters;
+  Eigen::MatrixXd covariance;  ///< Of the parameters, autocorrelation included.
+  double rms_n = 0.0;          ///< Of all residuals.
+  double inflation = 1.0;      ///< Samples per independent sample, >= 1.
+  double effective_samples = 0.0;
+
+  /// @param index  of a parameter. @param scale  multiplies it, for a change of unit or sign.
+  Estimate Of(std::size_t index, double scale = 1.0) const;
+  /// A function of the parameters with this value and gradient (delta method).
+  Estimate Of(double value, const Eigen::VectorXd& gradient) const;
+};
+
+/// Least squares (Ceres, one thread), from `start`. With `robust`, residuals beyond 2.5 robust
+/// standard deviations count linearly (Huber).
+///
+/// Covariance: s^2 (J^T W J)^-1 times the inflation 1 + 2 (rho_1 + rho_2 + ...), the residuals'
+/// autocorrelations summed up to the first that is not positive: what n correlated samples are
+/// worth. White noise gives an inflation near 1.
+/// @pre x and y have the same length. Fewer samples than twice the parameters: not converged.
+ModelFit FitModel(const SampleModel& model, std::span<const double> x, std::span<const double> y,
+                  std::vector<double> start, bool robust);
+
+/// The 97.5 % quantile of Student's t with this many degrees of freedom (Cornish-Fisher).
+double StudentQuantile(double degrees, double normal_quantile = 1.959963984540054);
+
+/// The normal quantile for k simultaneous two-sided 95 % intervals (Bonferroni).
+double JointNormalQuantile(int num_intervals);
+
+}  // namespace acus::forces
