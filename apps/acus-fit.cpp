@@ -1,0 +1,91 @@
+// acus-fit: force-depth recordings to the parameters of a puncture.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "config/json_file.h"
+#include "core/atomic_file.h"
+#include "core/run_main.h"
+#include "forces/fit_report.h"
+#include "report/svg_plot.h"
+#include "volume/labels.h"
+
+namespace {
+
+using namespace acus;  // NOLINT: a program may.
+namespace fs = std::filesystem;
+
+/// Measured force with the fit over it, and what is left, over `x` (depth or time).
+std::vector<report::Plot> Plots(const forces::ForceCurve& curve, const forces::PunctureCurveFit& fit,
+                                const std::vector<double>& x, const char* x_label) {
+  report::Series measured{.name = "measured", .x = x, .y = curve.force_n};
+  report::Series fitted{.name = "fit", .style = report::Style::kPoints};
+  report::Series residual{.name = "measured - fit", .style = report::Style::kPoints};
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    if (!std::isfinite(fit.model_n[i])) continue;
+    fitted.x.push_back(x[i]);
+    fitted.y.push_back(fit.model_n[i]);
+    residual.x.push_back(x[i]);
+    residual.y.push_back(curve.force_n[i] - fit.model_n[i]);
+  }
+  report::Plot force{.title = curve.name, .x_label = x_label, .y_label = "force [N]"};
+  force.series = {measured, fitted};
+  for (const auto& event : fit.phases.punctures) force.marks.push_back({x[event.peak], ""});
+  report::Plot rest{.x_label = x_label, .y_label = "residual [N]", .height_px = 180};
+  rest.series = {residual};
+  return {force, rest};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Fits force-depth recordings: puncture polynomial, plateau line, friction", "acus-fit");
+  std::vector<fs::path> inputs;
+  fs::path output;
+  std::string tissue;
+  double diameter_mm = 1.27;
+  app.add_option("CURVES", inputs, "CSV files with time_s,depth_mm,force_n, or folders with "
+                 "time_displacement.csv and time_force.csv")->required()->check(CLI::ExistingPath);
+  app.add_option("-o,--output", output, "Folder to make: fit.json, fit.svg, one SVG per curve")->required();
+  app.add_option("--tissue", tissue, "Also write forces.json: the default force table with this "
+                 "tissue's row from the fits, for use in a scenario");
+  app.add_option("--diameter-mm", diameter_mm, "Outer diameter of the needle that was used")
+      ->check(CLI::Range(0.2, 5.0))->capture_default_str();
+  app.footer("EXAMPLE\n  acus-fit patient/force_curves/*.csv -o fit\n  Then look at fit/fit.svg.");
+
+  return RunMain(app, argc, argv, [&](RunContext& context) {
+    if (!tissue.empty()) volume::LabelOf(tissue);
+    AtomicFolder folder(output, context.overwrite);
+    std::vector<forces::PunctureCurveFit> fits;
+    std::vector<report::Plot> overview;
+    nlohmann::json results = nlohmann::json::array();
+    std::string failures;
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      context.Checkpoint("fitting", static_cast<double>(i) / static_cast<double>(inputs.size()));
+      context.provenance.AddInput(inputs[i]);
+      const forces::ForceCurve curve = forces::ReadForceCurve(inputs[i]);
+      const forces::PunctureCurveFit& fit = fits.emplace_back(forces::FitPunctureCurve(curve));
+      if (!fit.converged) failures += "\n  " + inputs[i].string() + ": " + fit.message;
+      results.push_back(forces::FitJson(curve, fit));
+      const auto by_depth = Plots(curve, fit, curve.depth_mm, "depth [mm]");
+      overview.insert(overview.end(), by_depth.begin(), by_depth.end());
+      const fs::path plot = folder.path() / (curve.name + "_over_time.svg");
+      ACUS_REQUIRE(!fs::exists(plot), inputs[i].string(), ": another curve is named '", curve.name,
+                   "' too; rename one");
+      report::WriteSvg(plot, Plots(curve, fit, curve.time_s, "time [s]"));
+    }
+    config::WriteJson(folder.path() / "fit.json", {{"curves", results}, {"median", forces::SummaryJson(fits)}});
+    report::WriteSvg(folder.path() / "fit.svg", overview);
+    if (!tissue.empty()) {
+      const auto base = config::ReadJson(config::FindConfig("forces/default.json", "."));
+      config::WriteJson(folder.path() / "forces.json",
+                        forces::TableWithFittedTissue(base, tissue, fits, diameter_mm));
+    }
+    config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
+    folder.Commit();
+    std::cout << forces::FitTable(fits);
+    if (!failures.empty()) throw NoAnswerError("not every curve could be fitted:" + failures);
+    return ExitCode::kOk;
+  });
+}
