@@ -14,10 +14,14 @@ namespace {
 constexpr double kStickMm = 4.0;         // An embedded needle's shaft slides after this travel.
 constexpr double kShortestRiseMm = 0.3;  // A rise over less depth has no shape to fit.
 constexpr double kShortestLineMm = 3.0;  // Nor does a line.
-constexpr double kRoundedPeakMm = 0.2;   // Next to a peak that is not sharp the law does not hold.
+constexpr double kBaselineMm = 2.0;      // Taken along before a rise inside the tissue.
+constexpr double kLongestRiseMm = 15.0;  // Inside the tissue; farther back it is another matter.
+constexpr double kEarlierShare = 0.3;    // A peak this high, relative to the fall, is an earlier one.
+constexpr double kRoundedShare = 0.9;    // Of the height of a peak that is not sharp.
 constexpr double kReversalMm = 3.0;      // Travel in which friction has turned round, at least...
 constexpr double kReversalShare = 0.2;   // ...or this share of the way out.
 constexpr double kShortestHoldS = 1.0;
+constexpr double kRelaxationS = 10.0;  // One exponential describes so long a hold, not minutes.
 
 struct Samples {
   std::vector<double> x;
@@ -61,22 +65,27 @@ ModelFit FitLine(const Samples& samples, double middle) {
   return FitModel(Line(middle), samples.x, samples.y, {math::Median(samples.y), 0.0}, true);
 }
 
-/// Parameters: contact depth, a1, a2, baseline[, baseline slope].
-SampleModel Rise(double from_mm) {
-  return [from_mm](std::span<const double> p, double depth_mm, std::span<double> gradient) {
+/// The rise on a line of known slope: baseline + slope (d - from) + a1 x + a2 x^2, x = d - contact.
+/// Parameters: contact depth, baseline, then a1 and a2 unless they are held at 0.
+struct RiseLaw {
+  double from_mm = 0.0;
+  double slope_n_per_mm = 0.0;
+  bool has_a1 = true;
+  bool has_a2 = true;
+
+  double operator()(std::span<const double> p, double depth_mm, std::span<double> gradient) const {
     const double x = std::max(0.0, depth_mm - p[0]);
-    gradient[0] = x > 0.0 ? -p[1] - 2.0 * p[2] * x : 0.0;
-    gradient[1] = x;
-    gradient[2] = x * x;
-    gradient[3] = 1.0;
-    double value = p[3] + (p[1] + p[2] * x) * x;
-    if (p.size() > 4) {
-      gradient[4] = depth_mm - from_mm;
-      value += p[4] * (depth_mm - from_mm);
-    }
-    return value;
-  };
-}
+    const double a1 = A1(p);
+    const double a2 = A2(p);
+    gradient[0] = x > 0.0 ? -a1 - 2.0 * a2 * x : 0.0;
+    gradient[1] = 1.0;
+    if (has_a1) gradient[2] = x;
+    if (has_a2) gradient[has_a1 ? 3 : 2] = x * x;
+    return p[1] + slope_n_per_mm * (depth_mm - from_mm) + (a1 + a2 * x) * x;
+  }
+  double A1(std::span<const double> p) const { return has_a1 ? p[2] : 0.0; }
+  double A2(std::span<const double> p) const { return has_a2 ? p[has_a1 ? 3 : 2] : 0.0; }
+};
 
 /// Parameters: final force, force that relaxes, logarithm of its time constant.
 SampleModel Relaxation(double start_s) {
@@ -91,32 +100,31 @@ SampleModel Relaxation(double start_s) {
 }
 
 /// The best contact depth on a grid, with the other parameters from linear least squares: the
-/// start from which the fit finds the global minimum.
-std::vector<double> StartOfRise(const Samples& samples, bool sloped, double from_mm, double to_mm) {
+/// start from which the fit finds the global minimum. Empty if no rise fits with a1, a2 >= 0.
+std::vector<double> StartOfRise(const Samples& samples, const RiseLaw& law, double to_mm) {
   const std::size_t stride = std::max<std::size_t>(1, samples.x.size() / 400);
-  const Eigen::Index num_linear = sloped ? 4 : 3;
+  const auto rows = static_cast<Eigen::Index>((samples.x.size() + stride - 1) / stride);
+  const Eigen::Index columns = 1 + (law.has_a1 ? 1 : 0) + (law.has_a2 ? 1 : 0);
+  Eigen::MatrixXd a(rows, columns);
+  Eigen::VectorXd b(rows);
   std::vector<double> best;
   double least = std::numeric_limits<double>::infinity();
   for (int g = 0; g < 60; ++g) {
-    const double contact = from_mm + (to_mm - from_mm) * g / 60.0;
-    const auto rows = static_cast<Eigen::Index>((samples.x.size() + stride - 1) / stride);
-    Eigen::MatrixXd a(rows, num_linear);
-    Eigen::VectorXd b(rows);
+    const double contact = law.from_mm + (to_mm - law.from_mm) * g / 60.0;
     for (Eigen::Index r = 0; r < rows; ++r) {
       const auto i = static_cast<std::size_t>(r) * stride;
       const double x = std::max(0.0, samples.x[i] - contact);
-      a(r, 0) = x;
-      a(r, 1) = x * x;
-      a(r, 2) = 1.0;
-      if (sloped) a(r, 3) = samples.x[i] - from_mm;
-      b(r) = samples.y[i];
+      a(r, 0) = 1.0;
+      if (law.has_a1) a(r, 1) = x;
+      if (law.has_a2) a(r, columns - 1) = x * x;
+      b(r) = samples.y[i] - law.slope_n_per_mm * (samples.x[i] - law.from_mm);
     }
     const Eigen::VectorXd p = a.colPivHouseholderQr().solve(b);
     const double squares = (a * p - b).squaredNorm();
-    if (!(squares < least) || p(0) < 0.0) continue;
+    if (!(squares < least) || p.tail(columns - 1).minCoeff() < 0.0) continue;
     least = squares;
-    best = {contact, p(0), p(1), p(2)};
-    if (sloped) best.push_back(p(3));
+    best = {contact};
+    best.insert(best.end(), p.data(), p.data() + columns);
   }
   return best;
 }
@@ -165,6 +173,19 @@ class Fitter {
   void FitRetraction();
   void FitHold();
   void FitRise();
+  void HoldOtherTerm(RiseLaw law, const Samples& rise);
+  bool TryRise(const RiseLaw& law, const Samples& rise, double last_mm);
+  Samples RiseSamples(double slope_n_per_mm, double& from_mm) const;
+  /// The main puncture is the first thing that the needle meets: smaller falls do not count.
+  bool IsFreeApproach() const {
+    bool first = !fit_.starts_in_tissue;
+    for (std::size_t k = 0; k < fit_.main; ++k) {
+      first = first && phases().punctures[k].drop_n < kEarlierShare * main_event().drop_n;
+    }
+    return first;
+  }
+  Estimate A1() const { return law_.has_a1 ? rise_->Of(2) : held_; }
+  Estimate A2() const { return law_.has_a2 ? rise_->Of(law_.has_a1 ? 3 : 2) : held_; }
   void FitPlateau();
   void LocatePuncture(const ModelFit& rise);
   double FirstForceMm() const;
@@ -180,7 +201,8 @@ class Fitter {
   PunctureCurveFit fit_;
   Samples rest_;
   std::optional<ModelFit> rise_;
-  std::optional<SampleModel> rise_model_;
+  RiseLaw law_;
+  Estimate held_;  ///< Of the term that is held at 0.
 };
 
 void Fitter::FitOffset() {
@@ -216,49 +238,117 @@ void Fitter::FitAdvance() {
   if (fit.converged && fit_.starts_in_tissue) fit_.advance_slope_n_per_mm = fit.Of(1);
 }
 
+/// Samples of the rise before the main puncture, and the depth they begin at.
+Samples Fitter::RiseSamples(double slope_n_per_mm, double& from_mm) const {
+  const PunctureEvent& event = main_event();
+  const std::vector<double>& smooth = phases().smooth_n;
+  const double first_mm = curve_.depth_mm[phases().advance.begin];
+  const bool free_approach = IsFreeApproach();
+  std::size_t begin = phases().advance.begin;
+  from_mm = first_mm;
+  if (!free_approach) {
+    // In tissue the rise stands on the friction of the shaft. Going back from the peak it begins
+    // where the force above that is least, before an earlier peak; kBaselineMm before it are taken
+    // along to find its level.
+    const auto above = [&](std::size_t i) {
+      return smooth[i] - slope_n_per_mm * curve_.depth_mm[i];
+    };
+    const double earlier_n = std::max(phases().least_drop_n, kEarlierShare * event.drop_n);
+    double limit_mm = curve_.depth_mm[event.peak] - kLongestRiseMm;
+    if (fit_.starts_in_tissue) limit_mm = std::max(limit_mm, first_mm + kStickMm);
+    std::size_t least = event.peak;
+    std::size_t i = event.peak;
+    for (; i > begin && curve_.depth_mm[i] > limit_mm; --i) {
+      if (above(i) < above(least)) least = i;
+      if (above(i) > above(least) + earlier_n) break;
+    }
+    const double least_mm = curve_.depth_mm[least];
+    while (begin < i || curve_.depth_mm[begin] < least_mm - kBaselineMm) ++begin;
+    from_mm = curve_.depth_mm[begin];
+  }
+  const double top_n = smooth[event.peak];
+  double base_n = top_n;
+  for (std::size_t i = begin; i < event.peak; ++i) base_n = std::min(base_n, smooth[i]);
+  Samples rise;
+  if (free_approach) rise = rest_;  // In air the force is the sensor's offset, at rest as before.
+  for (std::size_t i = begin; i <= event.peak; ++i) {
+    if (curve_.depth_mm[i] < from_mm) continue;
+    // A peak that is not sharp is rounded: the membrane tears little by little. Its law ends there.
+    if (!event.sharp && smooth[i] > base_n + kRoundedShare * (top_n - base_n)) break;
+    rise.Add(i, curve_.depth_mm[i], curve_.force_n[i]);
+  }
+  return rise;
+}
+
 void Fitter::FitRise() {
   for (std::size_t k = 0; k < phases().punctures.size(); ++k) {
     if (phases().punctures[k].drop_n > main_event().drop_n) fit_.main = k;
   }
-  const PunctureEvent& event = main_event();
-  const double advance_from_mm = curve_.depth_mm[phases().advance.begin];
-  double from_mm = fit_.starts_in_tissue ? advance_from_mm + kStickMm : advance_from_mm;
-  if (fit_.main > 0) {
-    from_mm = std::max(from_mm, curve_.depth_mm[phases().punctures[fit_.main - 1].trough]);
+  RiseLaw law;
+  if (!IsFreeApproach() && fit_.advance_slope_n_per_mm) {
+    law.slope_n_per_mm = std::max(0.0, fit_.advance_slope_n_per_mm->value);
   }
-  const bool free_approach = fit_.main == 0 && !fit_.starts_in_tissue;
-  const double last_mm = curve_.depth_mm[event.peak] - (event.sharp ? 0.0 : kRoundedPeakMm);
-  Samples rise;
-  if (free_approach) rise = rest_;  // In air the force is the sensor's offset, at rest as before.
-  for (std::size_t i = phases().advance.begin; i <= event.peak; ++i) {
-    const double depth_mm = curve_.depth_mm[i];
-    if (depth_mm >= from_mm && depth_mm <= last_mm) rise.Add(i, depth_mm, curve_.force_n[i]);
-  }
-  if (rise.x.size() < 12 || last_mm - from_mm < kShortestRiseMm) {
-    fit_.message = Message("the rise before the puncture at ", curve_.depth_mm[event.peak],
-                           " mm is too short to fit: ", last_mm - from_mm, " mm, ", rise.x.size(),
-                           " samples");
+  const Samples rise = RiseSamples(law.slope_n_per_mm, law.from_mm);
+  const double last_mm = rise.x.empty() ? law.from_mm : rise.x.back();
+  if (rise.x.size() < 12 || last_mm - law.from_mm < kShortestRiseMm) {
+    fit_.message = Message("the rise before the puncture at ", curve_.depth_mm[main_event().peak],
+                           " mm is too short to fit: ", last_mm - law.from_mm, " mm, ",
+                           rise.x.size(), " samples");
     return;
   }
-  const std::vector<double> start = StartOfRise(rise, !free_approach, from_mm, last_mm);
-  if (start.empty()) {
-    fit_.message = "the force before the puncture does not rise like a1 x + a2 x^2 with a1 >= 0";
-    return;
+  // Both terms; only if one of them comes out below 0 by more than its error, or cannot be told
+  // from the contact depth (as a1 near 0), the better of the two laws with one term.
+  if (!TryRise(law, rise, last_mm) || A1().high < 0.0 || A2().high < 0.0) {
+    rise_.reset();
+    RiseLaw one = law;
+    one.has_a1 = false;
+    const bool quadratic = TryRise(one, rise, last_mm);
+    const double quadratic_rms_n = quadratic ? rise_->rms_n : 0.0;
+    std::swap(one.has_a1, one.has_a2);
+    const bool linear = TryRise(one, rise, last_mm);
+    if (quadratic && !(linear && rise_->rms_n < quadratic_rms_n)) {
+      std::swap(one.has_a1, one.has_a2);
+      TryRise(one, rise, last_mm);
+    }
+    if (!quadratic && !linear) {
+      fit_.message = "the force before the puncture does not rise like a1 x + a2 x^2";
+      return;
+    }
+    HoldOtherTerm(law, rise);
   }
-  rise_model_ = Rise(from_mm);
-  rise_ = FitModel(*rise_model_, rise.x, rise.y, start, false);
   fit_.rise_rms_n = rise_->rms_n;
-  if (!rise_->converged) {
-    fit_.message = "the fit of the rise did not converge: " + rise_->message;
-    return;
-  }
-  if (free_approach && !fit_.offset_n) fit_.offset_n = rise_->Of(3);
+  if (IsFreeApproach() && !fit_.offset_n) fit_.offset_n = rise_->Of(1);
   fit_.contact_depth_mm = rise_->Of(0);
-  fit_.a1_n_per_mm = rise_->Of(1);
-  fit_.a2_n_per_mm2 = rise_->Of(2);
-  Draw(*rise_, *rise_model_, rise);
+  fit_.a1_n_per_mm = A1();
+  fit_.a2_n_per_mm2 = A2();
+  Draw(*rise_, law_, rise);
   fit_.converged = true;
   LocatePuncture(*rise_);
+}
+
+/// The term that is held at 0: what it could be, with the contact depth as it is.
+void Fitter::HoldOtherTerm(RiseLaw law, const Samples& rise) {
+  const double contact_mm = rise_->parameters[0];
+  const SampleModel fixed_contact = [&](std::span<const double> p, double x, std::span<double> g) {
+    const double all[] = {contact_mm, p[0], p[1], p[2]};
+    double gradient[4];
+    const double value = law(all, x, gradient);
+    std::copy(gradient + 1, gradient + 4, g.begin());
+    return value;
+  };
+  const ModelFit fit = FitModel(fixed_contact, rise.x, rise.y, {rise_->parameters[1], 0.0, 0.0}, false);
+  const Estimate free = fit.Of(law_.has_a1 ? 2 : 1);
+  held_ = Estimate{0.0, free.standard_error, 0.0, std::max(free.high - free.value, free.high)};
+  fit_.message = law_.has_a1 ? "a2 is held at 0: the rise is not convex"
+                             : "a1 is held at 0: the rise begins too gently to tell it";
+}
+
+bool Fitter::TryRise(const RiseLaw& law, const Samples& rise, double last_mm) {
+  const std::vector<double> start = StartOfRise(rise, law, last_mm);
+  if (start.empty()) return false;
+  law_ = law;
+  rise_ = FitModel(law_, rise.x, rise.y, start, false);
+  return rise_->converged;
 }
 
 /// Depth and force of the puncture. A sharp one lies between its two samples; at a rounded peak the
@@ -274,15 +364,12 @@ void Fitter::LocatePuncture(const ModelFit& rise) {
   const Estimate at{at_mm, half_mm / std::sqrt(3.0), at_mm - half_mm, at_mm + half_mm};
   fit_.puncture_depth_mm = Difference(at, *fit_.contact_depth_mm);
   const double x = fit_.puncture_depth_mm->value;
-  const double slope = rise.parameters[1] + 2.0 * rise.parameters[2] * x;
-  Eigen::VectorXd gradient =
-      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rise.parameters.size()));
-  gradient(0) = -slope;
-  gradient(1) = x;
-  gradient(2) = x * x;
-  fit_.puncture_n =
-      Widened(rise.Of((rise.parameters[1] + rise.parameters[2] * x) * x, gradient),
-              std::abs(slope) * half_mm);
+  const double a1 = law_.A1(rise.parameters);
+  const double a2 = law_.A2(rise.parameters);
+  Eigen::VectorXd gradient(static_cast<Eigen::Index>(rise.parameters.size()));
+  law_(rise.parameters, at_mm, {gradient.data(), rise.parameters.size()});
+  gradient(1) = 0.0;  // Above the baseline.
+  fit_.puncture_n = Widened(rise.Of((a1 + a2 * x) * x, gradient), std::abs(gradient(0)) * half_mm);
 }
 
 void Fitter::FitPlateau() {
@@ -301,13 +388,12 @@ void Fitter::FitPlateau() {
   Draw(line, Line(puncture_mm), plateau);
   if (!rise_ || !fit_.converged) return;
   std::vector<double> gradient(rise_->parameters.size());
-  const double before_n = (*rise_model_)(rise_->parameters, puncture_mm, gradient);
+  const double before_n = law_(rise_->parameters, puncture_mm, gradient);
   const Eigen::VectorXd g = Eigen::Map<const Eigen::VectorXd>(
       gradient.data(), static_cast<Eigen::Index>(gradient.size()));
   // Where in the fall the puncture was is not known better than this.
   const double half_mm = 0.5 * (curve_.depth_mm[event.trough] - curve_.depth_mm[event.peak]);
-  const double slope = rise_->parameters[1] - line.parameters[1] +
-                       2.0 * rise_->parameters[2] * (puncture_mm - rise_->parameters[0]);
+  const double slope = law_.slope_n_per_mm - gradient[0] - line.parameters[1];
   fit_.drop_n = Widened(Difference(rise_->Of(before_n, g), line.Of(0)), std::abs(slope) * half_mm);
 }
 
@@ -342,7 +428,11 @@ void Fitter::FitRetraction() {
 }
 
 void Fitter::FitHold() {
-  const SampleRange range = phases().hold;
+  SampleRange range = phases().hold;
+  while (range.size() > 20 &&
+         curve_.time_s[range.end - 1] - curve_.time_s[range.begin] > kRelaxationS) {
+    --range.end;
+  }
   if (range.size() < 20 ||
       curve_.time_s[range.end - 1] - curve_.time_s[range.begin] < kShortestHoldS) {
     return;

@@ -31,7 +31,7 @@ struct PunctureCurveFit {
   std::optional<Estimate> plateau_n;          ///< Just after the puncture, without offset.
   std::optional<Estimate> plateau_slope_n_per_mm;
   std::optional<Estimate> friction_n_per_mm;     ///< On retraction, + outwards drag per buried mm.
-  std::optional<Estimate> relaxation_fraction;   ///< Of the force, lost during the hold.
+  std::optional<Estimate> relaxation_fraction;   ///< Of the force, lost in the hold (its first 10 s).
   std::optional<Estimate> relaxation_time_s;
   std::optional<Estimate> advance_slope_n_per_mm;  ///< Robust line over the whole advance.
 

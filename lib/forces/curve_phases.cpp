@@ -12,7 +12,7 @@ constexpr double kSpeedWindowS = 0.025;   // Half width over which the drive's s
 constexpr double kSmoothingMm = 0.1;      // Travel over which the force is averaged to find peaks.
 constexpr double kDropWithinMm = 3.0;     // A puncture's fall is over after this much travel.
 constexpr double kSmallestDropN = 0.03;   // Below it a fall is not called a puncture.
-constexpr double kNoiseDeviations = 8.0;  // Of the smoothed noise; peak to peak of 10^5 samples.
+constexpr double kNoiseDeviations = 10.0;  // Of the smoothed noise; peak to peak it is 9 in 10^5 samples.
 
 std::vector<double> Speed(const ForceCurve& curve, std::size_t half) {
   const std::size_t n = curve.size();
@@ -113,7 +113,8 @@ void FindPunctures(const ForceCurve& curve, CurvePhases& phases) {
       if (smooth[j] > smooth[low] + phases.least_drop_n && low > top) break;
     }
     const double drop = smooth[top] - smooth[low];
-    if (drop >= phases.least_drop_n) {
+    // A drive that slows down takes the force with it: that is no puncture.
+    if (drop >= phases.least_drop_n && phases.moving_in[top] && phases.moving_in[low]) {
       std::size_t done = top;
       while (done < low && smooth[top] - smooth[done] < 0.9 * drop) ++done;
       const std::size_t reach = 2 * phases.smoothing;

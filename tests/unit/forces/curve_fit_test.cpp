@@ -100,9 +100,9 @@ INSTANTIATE_TEST_SUITE_P(
     Curves, FitCoverage,
     testing::Values(
         Case{"liver", {.offset_n = 0.12}, {}, 0.02},
-        Case{"noisy", {.contact_depth_mm = 8.0, .puncture_depth_mm = 15.0, .offset_n = -0.3}, {}, 0.08},
+        Case{"noisy", {.contact_depth_mm = 8.0, .puncture_depth_mm = 15.0, .offset_n = -0.3}, {.rate_hz = 500.0}, 0.08},
         Case{"slow", {.offset_n = 0.05}, {.rate_hz = 200.0, .advance_mm_per_s = 2.0}, 0.01},
-        Case{"any", {}, {}, 0.02, /*any_truth=*/true}),
+        Case{"any", {}, {.hold_s = 5.0}, 0.02, /*any_truth=*/true}),
     [](const auto& tested) { return tested.param.name; });
 
 TEST(FitPunctureCurve, IsExactWithoutNoise) {
