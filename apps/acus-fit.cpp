@@ -1,5 +1,6 @@
 // acus-fit: force-depth recordings to the parameters of a puncture.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -52,7 +53,7 @@ int main(int argc, char** argv) {
                  "tissue's row from the fits, for use in a scenario");
   app.add_option("--diameter-mm", diameter_mm, "Outer diameter of the needle that was used")
       ->check(CLI::Range(0.2, 5.0))->capture_default_str();
-  app.footer("EXAMPLE\n  acus-fit patient/force_curves/*.csv -o fit\n  Then look at fit/fit.svg.");
+  app.footer("EXAMPLE\n  acus-fit force_curves/*.csv -o fit\n  Then look at fit/fit.svg.");
 
   return RunMain(app, argc, argv, [&](RunContext& context) {
     if (!tissue.empty()) volume::LabelOf(tissue);
@@ -75,6 +76,9 @@ int main(int argc, char** argv) {
                    "' too; rename one");
       report::WriteSvg(plot, Plots(curve, fit, curve.time_s, "time [s]"));
     }
+    if (!std::ranges::any_of(fits, &forces::PunctureCurveFit::converged)) {
+      throw NoAnswerError("no curve could be fitted, nothing is written:" + failures);
+    }
     config::WriteJson(folder.path() / "fit.json", {{"curves", results}, {"median", forces::SummaryJson(fits)}});
     report::WriteSvg(folder.path() / "fit.svg", overview);
     if (!tissue.empty()) {
@@ -85,7 +89,7 @@ int main(int argc, char** argv) {
     config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
     folder.Commit();
     std::cout << forces::FitTable(fits);
-    if (!failures.empty()) throw NoAnswerError("not every curve could be fitted:" + failures);
+    if (!failures.empty()) throw NoAnswerError("the other curves are fitted, but not these:" + failures);
     return ExitCode::kOk;
   });
 }

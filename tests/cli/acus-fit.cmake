@@ -1,0 +1,54 @@
+set(fit_inputs "bash ${CMAKE_CURRENT_LIST_DIR}/fit_inputs.sh")
+acus_add_cli_case(acus-fit.csv EXIT 0 BEFORE "${fit_inputs}"
+  STDOUT "^curve +puncture \\[N\\] .*friction \\[N/mm\\]"
+         "^a +(2\\.9[0-9]|3\\.0[0-9])[0-9] .*10\\.0[0-9] .* 0\\.(030|029)[0-9]"
+  CREATES fit/fit.json fit/fit.svg fit/a_over_time.svg fit/provenance.json
+  COMMAND acus-fit a.csv -o fit)
+acus_add_cli_case(acus-fit.folder EXIT 0 BEFORE "${fit_inputs}"
+  STDOUT "^recording +(2\\.9|3\\.0)"
+  CREATES fit/fit.json fit/recording_over_time.svg
+  COMMAND acus-fit recording -o fit)
+acus_add_cli_case(acus-fit.table EXIT 0 BEFORE "${fit_inputs}"
+  STDOUT "\"source\": \"acus-fit" "\"cutting_n\": 0\\.[67]"
+  COMMAND bash -c "acus-fit a.csv recording --tissue liver -o fit >/dev/null && cat fit/forces.json")
+acus_add_cli_case(acus-fit.same_bits EXIT 0 BEFORE "${fit_inputs}"
+  COMMAND bash -c "acus-fit a.csv --threads 1 -o one >/dev/null && acus-fit a.csv --threads 2 -o two >/dev/null && cmp one/fit.json two/fit.json && cmp one/fit.svg two/fit.svg")
+acus_add_cli_case(acus-fit.no_puncture EXIT 4 LEAVES_NOTHING
+  BEFORE "${fit_inputs}\nawk -F, 'NR > 1 {$3 = 0.01 * (NR % 3)} {print $1 \",\" $2 \",\" $3}' a.csv > flat.csv"
+  STDERR "no curve could be fitted, nothing is written" "flat.csv: no puncture"
+  COMMAND acus-fit flat.csv -o fit)
+acus_add_cli_case(acus-fit.one_of_two EXIT 4 CREATES fit/fit.json
+  BEFORE "${fit_inputs}\nhead -n 250 a.csv > short.csv"
+  STDOUT "^short +no answer: " STDERR "the other curves are fitted" "short.csv: "
+  COMMAND acus-fit a.csv short.csv -o fit)
+acus_add_cli_case(acus-fit.missing_file EXIT 2 LEAVES_NOTHING
+  STDERR "none.csv" COMMAND acus-fit none.csv -o fit)
+acus_add_cli_case(acus-fit.wrong_diameter EXIT 2 LEAVES_NOTHING BEFORE "${fit_inputs}"
+  STDERR "diameter" COMMAND acus-fit a.csv --diameter-mm 0.1 -o fit)
+acus_add_cli_case(acus-fit.unknown_tissue EXIT 3 LEAVES_NOTHING BEFORE "${fit_inputs}"
+  STDERR "no tissue is named 'livr'; did you mean 'liver'"
+  COMMAND acus-fit a.csv --tissue livr -o fit)
+acus_add_cli_case(acus-fit.not_a_number EXIT 3 LEAVES_NOTHING
+  BEFORE "${fit_inputs}\nsed -i '100s/,[^,]*$/,nan/' a.csv"
+  STDERR "a.csv:100: force_n is 'nan'; a finite number is needed"
+  COMMAND acus-fit a.csv -o fit)
+acus_add_cli_case(acus-fit.time_goes_back EXIT 3 LEAVES_NOTHING
+  BEFORE "${fit_inputs}\nsed -i '100s/^[^,]*/0.2/' a.csv"
+  STDERR "a.csv:100: time_s is 0.2 after 0.97; time must increase"
+  COMMAND acus-fit a.csv -o fit)
+acus_add_cli_case(acus-fit.wrong_column EXIT 3 LEAVES_NOTHING
+  BEFORE "${fit_inputs}\nsed -i '1s/depth_mm/depth_cm/' a.csv"
+  STDERR "a.csv:1: no column 'depth_mm'.*rename 'depth_cm'"
+  COMMAND acus-fit a.csv -o fit)
+acus_add_cli_case(acus-fit.truncated EXIT 3 LEAVES_NOTHING
+  BEFORE "${fit_inputs}\nhead -n 99 a.csv > cut.csv\nprintf 0.98,0 >> cut.csv"
+  STDERR "cut.csv:100: has 2 cells.*is the file cut off" COMMAND acus-fit cut.csv -o fit)
+acus_add_cli_case(acus-fit.half_a_folder EXIT 3 LEAVES_NOTHING
+  BEFORE "${fit_inputs}\nrm recording/time_force.csv"
+  STDERR "time_force.csv" COMMAND acus-fit recording -o fit)
+acus_add_cli_case(acus-fit.output_exists EXIT 3 LEAVES_NOTHING
+  BEFORE "${fit_inputs}\nmkdir fit\ntouch fit/mine.txt"
+  STDERR "fit" COMMAND acus-fit a.csv -o fit)
+acus_add_cli_case(acus-fit.two_of_a_name EXIT 3 LEAVES_NOTHING
+  BEFORE "${fit_inputs}\nmkdir b\ncp a.csv b/a.csv"
+  STDERR "b/a.csv: another curve is named 'a' too" COMMAND acus-fit a.csv b/a.csv -o fit)
