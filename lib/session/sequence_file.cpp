@@ -31,7 +31,7 @@ class SequenceFile::Pixels {
   Pixels& operator=(const Pixels&) = delete;
 
   /// Fills `out` with what is at `position` of the (inflated) pixels.
-  void Read(std::uint64_t position, std::vector<std::uint8_t>& out) {
+  void Read(std::uint64_t position, std::vector<std::uint8_t>& out, bool is_last) {
     if (!compressed_) {
       file_.clear();
       file_.seekg(static_cast<std::streamoff>(offset_ + position));
@@ -46,6 +46,7 @@ class SequenceFile::Pixels {
       Inflate(skipped);
     }
     Inflate(out);
+    if (is_last) VerifyChecksum();
   }
 
  private:
@@ -53,6 +54,7 @@ class SequenceFile::Pixels {
     file_.clear();
     file_.seekg(static_cast<std::streamoff>(offset_));
     position_ = 0;
+    has_ended_ = false;
     if (!compressed_) return;
     inflateEnd(&stream_);
     stream_ = {};
@@ -64,21 +66,43 @@ class SequenceFile::Pixels {
     stream_.next_out = out.data();
     stream_.avail_out = static_cast<uInt>(out.size());
     while (stream_.avail_out > 0) {
-      if (stream_.avail_in == 0) {
-        file_.read(reinterpret_cast<char*>(buffer_.data()),
-                   static_cast<std::streamsize>(buffer_.size()));
-        stream_.next_in = buffer_.data();
-        stream_.avail_in = static_cast<uInt>(file_.gcount());
-        ACUS_REQUIRE(stream_.avail_in > 0, path_.string(),
-                     ": the compressed images end early; is the file cut off?");
-      }
+      ACUS_REQUIRE(FillInput(), path_.string(),
+                   ": the compressed images end early; is the file cut off?");
       const int result = inflate(&stream_, Z_NO_FLUSH);
-      ACUS_REQUIRE(result == Z_OK || (result == Z_STREAM_END && stream_.avail_out == 0),
-                   path_.string(), ": the compressed images are damaged",
-                   stream_.msg != nullptr ? Message(" (", stream_.msg, ")") : "",
-                   "; copy the file again");
+      has_ended_ = result == Z_STREAM_END;
+      RequireSound(result == Z_OK || (has_ended_ && stream_.avail_out == 0));
     }
     position_ += out.size();
+  }
+
+  /// Behind the last frame stands the checksum of all of them; zlib looks at it when asked for
+  /// more.
+  void VerifyChecksum() {
+    std::uint8_t beyond = 0;
+    stream_.next_out = &beyond;
+    stream_.avail_out = 1;
+    int result = has_ended_ ? Z_STREAM_END : Z_OK;
+    while (result == Z_OK && stream_.avail_out == 1 && FillInput()) {
+      result = inflate(&stream_, Z_NO_FLUSH);
+    }
+    RequireSound(result == Z_STREAM_END || (result == Z_OK && stream_.avail_out == 0));
+    Rewind();
+  }
+
+  /// @returns false at the end of the file.
+  bool FillInput() {
+    if (stream_.avail_in > 0) return true;
+    file_.read(reinterpret_cast<char*>(buffer_.data()),
+               static_cast<std::streamsize>(buffer_.size()));
+    stream_.next_in = buffer_.data();
+    stream_.avail_in = static_cast<uInt>(file_.gcount());
+    return stream_.avail_in > 0;
+  }
+
+  void RequireSound(bool sound) const {
+    ACUS_REQUIRE(sound, path_.string(), ": the compressed images are damaged",
+                 stream_.msg != nullptr ? Message(" (", stream_.msg, ")") : "",
+                 "; copy the file again");
   }
 
   std::filesystem::path path_;
@@ -88,6 +112,7 @@ class SequenceFile::Pixels {
   z_stream stream_ = {};
   std::vector<std::uint8_t> buffer_;
   std::uint64_t position_ = 0;
+  bool has_ended_ = false;  ///< zlib has seen the end, and found the checksum right.
 };
 
 SequenceFile::SequenceFile(const std::filesystem::path& path) : path_(path), header_(path) {}
@@ -148,7 +173,7 @@ std::vector<std::uint8_t> SequenceFile::ReadImage(std::size_t frame) {
   }
   const std::size_t size = header_.bytes_per_frame();
   std::vector<std::uint8_t> bytes(size);
-  pixels_->Read(std::uint64_t{size} * frame, bytes);
+  pixels_->Read(std::uint64_t{size} * frame, bytes, frame + 1 == num_frames());
   const std::size_t width = BytesOf(header_.pixel_type);
   if (header_.big_endian && width > 1) {
     for (std::size_t i = 0; i < size; i += width) {

@@ -289,6 +289,20 @@ TEST_F(SequenceFileTest, ReportsABrokenCompression) {
   EXPECT_THAT([&] { file.ReadImage(2); }, ThrowsMessage<InputError>(HasSubstr("damaged")));
 }
 
+TEST_F(SequenceFileTest, HoldsTheImagesAgainstTheirChecksum) {
+  for (const char* name : {"sum.igs.mha", "sum.igs.nrrd"}) {
+    const fs::path path = Temporary(name);
+    WriteExample(path, {.width = 8, .height = 8, .compressed = true}, 2);
+    std::string text = ReadTextFile(path);
+    const std::size_t checksum = text.size() - (path.extension() == ".mha" ? 1 : 5);
+    text[checksum] = static_cast<char>(text[checksum] ^ 1);
+    WriteTextFile(path, text);
+    SequenceFile file(path);
+    EXPECT_EQ(file.ReadImage(0), NoisyImage(64, 0));
+    EXPECT_THAT([&] { file.ReadImage(1); }, ThrowsMessage<InputError>(HasSubstr("damaged")));
+  }
+}
+
 TEST_F(SequenceFileTest, SurvivesDamagedFiles) {
   const auto read_all = [](const fs::path& path) {
     SequenceFile file(path);
