@@ -7,8 +7,13 @@ extern "C" {
 }
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
 #include <string>
+#include <thread>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -55,6 +60,7 @@ struct FilmWriter::Encoder {
   void OpenFile();
   void MakeFrame();
   void Drain();
+  void Encode(const GrayImage& image);
 
   std::string name;
   int width;
@@ -87,9 +93,10 @@ void FilmWriter::Encoder::OpenCodec(const FilmOptions& options) {
   codec->max_b_frames = 0;
   codec->thread_count = 1;  // The bits must not depend on the machine.
   codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
-  // Encoding is most of the cost of a replay: the fastest preset, at constant quality.
+  // Encoding is most of the cost of a replay: the fastest preset, and a constant quantiser, which
+  // needs no look ahead (a constant rate factor takes 25 % longer for the same size).
   av_opt_set(codec->priv_data, "preset", "ultrafast", 0);
-  av_opt_set_int(codec->priv_data, "crf", options.quality, 0);
+  av_opt_set_int(codec->priv_data, "qp", options.quality, 0);
   Require(avcodec_open2(codec.get(), h264, nullptr), "start encoding");
 }
 
@@ -134,6 +141,86 @@ void FilmWriter::Encoder::Drain() {
   }
 }
 
+void FilmWriter::Encoder::Encode(const GrayImage& image) {
+  Require(av_frame_make_writable(frame.get()), "hold a picture of");
+  for (int r = 0; r < image.height; ++r) {
+    kernels::VideoRow(image.pixels.data() + static_cast<std::ptrdiff_t>(r) * image.width,
+                      image.width,
+                      frame->data[0] + static_cast<std::ptrdiff_t>(r) * frame->linesize[0]);
+  }
+  frame->pts = frames++;
+  Require(avcodec_send_frame(codec.get(), frame.get()), "encode");
+  Drain();
+}
+
+/// Encodes queued pictures in their order on one thread.
+class FilmWriter::Worker {
+ public:
+  explicit Worker(Encoder& encoder) : encoder_(encoder), thread_([this] { Run(); }) {}
+  ~Worker() {
+    {
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
+
+  void Add(const GrayImage& image) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return end_ - begin_ < kSlots || error_; });
+    if (error_) std::rethrow_exception(error_);
+    GrayImage& slot = slots_[end_ % kSlots];
+    lock.unlock();  // The slot is free: only this thread writes it until end_ moves on.
+    slot = image;
+    lock.lock();
+    ++end_;
+    lock.unlock();
+    changed_.notify_all();
+  }
+
+  /// Waits until all pictures are encoded.
+  void Wait() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return begin_ == end_ || error_; });
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  static constexpr std::size_t kSlots = 8;
+
+  void Run() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      changed_.wait(lock, [this] { return begin_ != end_ || stop_; });
+      if (stop_) return;
+      const GrayImage& slot = slots_[begin_ % kSlots];
+      lock.unlock();
+      std::exception_ptr error;
+      try {
+        encoder_.Encode(slot);
+      } catch (const std::exception&) {
+        error = std::current_exception();  // No exception leaves a thread: Add and Wait throw it.
+      }
+      lock.lock();
+      ++begin_;
+      if (error) error_ = error;
+      changed_.notify_all();
+      if (error) return;
+    }
+  }
+
+  Encoder& encoder_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::array<GrayImage, kSlots> slots_;
+  std::size_t begin_ = 0;  ///< Pictures encoded so far.
+  std::size_t end_ = 0;    ///< Pictures added so far.
+  bool stop_ = false;
+  std::exception_ptr error_;
+  std::thread thread_;  ///< Last: starts when all else is there.
+};
+
 FilmWriter::FilmWriter(const std::filesystem::path& path, int width_px, int height_px,
                        const FilmOptions& options) {
   constexpr int kMinPx = 16;
@@ -151,29 +238,25 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, int width_px, int heig
   encoder_->OpenCodec(options);
   encoder_->OpenFile();
   encoder_->MakeFrame();
+  if (options.background) worker_ = std::make_unique<Worker>(*encoder_);
 }
 
 FilmWriter::~FilmWriter() = default;
 
-int FilmWriter::num_frames() const { return encoder_->frames; }
-
 void FilmWriter::Add(const GrayImage& image) {
-  Encoder& e = *encoder_;
-  ACUS_REQUIRE(image.width == e.width && image.height == e.height, e.name, ": picture ", e.frames,
-               " is ", image.width, " x ", image.height, " pixels, but the film is ", e.width,
-               " x ", e.height);
-  e.Require(av_frame_make_writable(e.frame.get()), "hold a picture of");
-  for (int r = 0; r < image.height; ++r) {
-    kernels::VideoRow(image.pixels.data() + static_cast<std::ptrdiff_t>(r) * image.width,
-                      image.width,
-                      e.frame->data[0] + static_cast<std::ptrdiff_t>(r) * e.frame->linesize[0]);
+  ACUS_REQUIRE(image.width == encoder_->width && image.height == encoder_->height, encoder_->name,
+               ": picture ", num_frames_, " is ", image.width, " x ", image.height,
+               " pixels, but the film is ", encoder_->width, " x ", encoder_->height);
+  if (worker_ != nullptr) {
+    worker_->Add(image);
+  } else {
+    encoder_->Encode(image);
   }
-  e.frame->pts = e.frames++;
-  e.Require(avcodec_send_frame(e.codec.get(), e.frame.get()), "encode");
-  e.Drain();
+  ++num_frames_;
 }
 
 void FilmWriter::Finish() {
+  if (worker_ != nullptr) worker_->Wait();
   Encoder& e = *encoder_;
   ACUS_REQUIRE(e.frames > 0, e.name, ": a film needs at least one picture");
   e.Require(avcodec_send_frame(e.codec.get(), nullptr), "end");

@@ -10,7 +10,8 @@ namespace acus::ultrasound {
 
 struct FilmOptions {
   double frames_per_s = 30.0;
-  int quality = 23;  ///< H.264 constant rate factor: 0 lossless ... 51 worst.
+  int quality = 27;         ///< H.264 quantiser: 0 lossless ... 51 worst.
+  bool background = false;  ///< Encode on a thread of its own. The bytes are the same.
 };
 
 /// Writes a film picture by picture, whole or not at all. The same pictures give the same bytes.
@@ -25,10 +26,12 @@ class FilmWriter {
   FilmWriter(const FilmWriter&) = delete;
   FilmWriter& operator=(const FilmWriter&) = delete;
 
+  /// In the background, a copy is queued; waits if eight are. What goes wrong there is thrown by a
+  /// later call.
   /// @throws InputError if the picture has another size, or the disk is full.
   void Add(const GrayImage& image);
 
-  int num_frames() const;
+  int num_frames() const { return num_frames_; }
 
   /// Completes the film and puts it in place.
   /// @throws InputError if it has no frame, or the file cannot be written.
@@ -36,7 +39,10 @@ class FilmWriter {
 
  private:
   struct Encoder;
+  class Worker;
   std::unique_ptr<Encoder> encoder_;
+  std::unique_ptr<Worker> worker_;  ///< Null if not in the background. Ends before encoder_.
+  int num_frames_ = 0;
 };
 
 }  // namespace acus::ultrasound

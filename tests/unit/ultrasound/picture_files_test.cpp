@@ -99,7 +99,19 @@ TEST(Film, TheSamePicturesGiveTheSameBytes) {
   const TemporaryFolder folder;
   WriteFilm(folder / "a.mp4", 256, 128, 40);
   WriteFilm(folder / "b.mp4", 256, 128, 40);
+  WriteFilm(folder / "c.mp4", 256, 128, 40, {.background = true});
   EXPECT_EQ(ReadTextFile(folder / "a.mp4"), ReadTextFile(folder / "b.mp4"));
+  EXPECT_EQ(ReadTextFile(folder / "a.mp4"), ReadTextFile(folder / "c.mp4"));
+}
+
+TEST(Film, ABackgroundThatIsLeftEarlyEndsAndLeavesNothing) {
+  const TemporaryFolder folder;
+  for (const int frames : {0, 1, 30}) {
+    FilmWriter film(folder / "film.mp4", 64, 64, {.background = true});
+    for (int n = 0; n < frames; ++n) film.Add(Shades(64, 64, n));
+    EXPECT_EQ(film.num_frames(), frames);
+  }
+  EXPECT_EQ(NumFiles(folder.path()), 0U);
 }
 
 TEST(Film, AppearsWholeOrNotAtAll) {
