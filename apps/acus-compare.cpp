@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "Folder to make: comparison.html, .json, worst_frame.png");
   app.footer(
       "EXAMPLE\n"
-      "  acus-compare run run --tolerances tolerances/identical.json -o comparison");
+      "  acus-compare reference_run new_run --tolerances tolerances/identical.json -o comparison");
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     const fs::path file = acus::config::FindConfig(tolerances_path, fs::current_path());
     context.provenance.AddInput(file);
