@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "config/json_file.h"
 #include "config/schema_check.h"
@@ -13,12 +14,20 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const fs::path kConfigs = fs::path(ACUS_SOURCE_DIR) / "configs";
+std::vector<fs::path> JsonFiles() {
+  std::vector<fs::path> files;
+  for (const char* folder : {"configs", "testdata"}) {
+    for (const auto& entry :
+         fs::recursive_directory_iterator(fs::path(ACUS_SOURCE_DIR) / folder)) {
+      const bool is_schema = entry.path().parent_path().filename() == "schema";
+      if (entry.path().extension() == ".json" && !is_schema) files.push_back(entry.path());
+    }
+  }
+  return files;
+}
 
 TEST(Configs, FitTheSchemaThatTheirFormatNames) {
-  for (const auto& entry : fs::recursive_directory_iterator(kConfigs)) {
-    const fs::path& path = entry.path();
-    if (path.extension() != ".json" || path.parent_path() == kConfigs / "schema") continue;
+  for (const fs::path& path : JsonFiles()) {
     const json document = config::ReadJson(path);
     ASSERT_TRUE(document.is_object() && document.contains("format")) << path;
     const auto format = document["format"].get<std::string>();

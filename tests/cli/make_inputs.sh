@@ -16,8 +16,8 @@ ln -s markers_ct.csv ct.csv
 ln -s target_ct.csv target.csv
 cp "$source/testdata/small_scenario.json" scenario.json
 cp "$source/testdata/small_lumbar.json" phantom.json
-acus-register --from mannequin.csv --to ct.csv -o registered >/dev/null
-ln -s registered/ct_from_reference.tfm ct_from_reference.tfm
+acus-register --from mannequin.csv --to ct.csv -o landmark_fit >/dev/null
+ln -s landmark_fit/ct_from_reference.tfm ct_from_reference.tfm
 
 # A pointer 180 mm long that is turned about (10, 20, 30): 25 poses, one 4 x 4 matrix a file.
 mkdir poses
@@ -37,3 +37,19 @@ awk 'BEGIN {
     close(file)
   }
 }'
+
+# A closed block of 40 x 30 x 20 mm as text STL.
+awk 'BEGIN {
+  n = split("0 0 0|40 0 0|40 30 0|0 30 0|0 0 20|40 0 20|40 30 20|0 30 20", corner, "|")
+  m = split("1 3 2|1 4 3|5 6 7|5 7 8|1 2 6|1 6 5|2 3 7|2 7 6|3 4 8|3 8 7|4 1 5|4 5 8", face, "|")
+  print "solid block"
+  for (i = 1; i <= m; ++i) {
+    split(face[i], v, " ")
+    print "facet normal 0 0 0\n outer loop"
+    for (j = 1; j <= 3; ++j) print "  vertex " corner[v[j]]
+    print " endloop\nendfacet"
+  }
+  print "endsolid block"
+}' >block.stl
+
+cp "$source/testdata/coarse_mesh.json" .
