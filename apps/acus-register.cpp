@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
   });
   app.footer(
       "EXAMPLE\n"
-      "  acus-register --from mannequin.csv --to ct.csv --target target.csv -o registered\n"
+      "  acus-register --from mannequin.csv --to ct.csv --target target.csv -o registration\n"
       "  acus-register pivot poses -o pointer");
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     return (pivot->parsed() ? CalibratePointer : RegisterLandmarks)(options, context);

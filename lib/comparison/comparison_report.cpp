@@ -66,15 +66,17 @@ std::string Number(const std::optional<double>& value) {
   return value ? out.str() : "-";
 }
 
-void AddChecks(const RunComparison& comparison, report::HtmlReport& html) {
+void AddChecks(const std::string& heading, const std::vector<Check>& checks,
+               report::HtmlReport& html) {
   std::vector<std::vector<std::string>> rows;
-  for (const Check& check : comparison.checks) {
-    const std::string relation = !check.limit ? "same" : check.at_least ? "at least" : "at most";
-    rows.push_back({check.passed ? "ok" : "FAIL", check.quantity, Number(check.value), relation,
-                    Number(check.limit), check.unit, check.remark});
+  for (const Check& check : checks) {
+    const std::string relation = check.at_least ? "\u2265 " : "\u2264 ";
+    rows.push_back({check.passed ? "ok" : "FAIL", check.quantity, Number(check.value),
+                    check.limit ? relation + Number(check.limit) : "same", check.unit,
+                    check.remark});
   }
-  html.Section("Checks");
-  html.Table({"", "quantity", "value", "", "limit", "unit", "A | B"}, rows);
+  html.Section(heading);
+  html.Table({"", "quantity", "value", "limit", "unit", "A | B"}, rows);
 }
 
 void AddForces(const ForceComparison& forces, report::HtmlReport& html) {
@@ -124,12 +126,16 @@ void WriteComparison(const std::filesystem::path& folder, const RunComparison& c
   report::HtmlReport html(
       comparison.passed() ? "The runs agree" : "The runs differ",
       comparison.run_a.string() + " (A) and " + comparison.run_b.string() + " (B)");
-  std::vector<std::string> failures;
-  for (const std::string& name : comparison.failed()) failures.push_back("differs: " + name);
-  html.Warnings(failures);
-  AddChecks(comparison, html);
-  AddForces(comparison.forces, html);
+  std::vector<Check> failed;
+  for (const Check& check : comparison.checks) {
+    if (!check.passed) failed.push_back(check);
+  }
+  html.Paragraph(Message(comparison.checks.size() - failed.size(), " of ", comparison.checks.size(),
+                         " checks passed."));
+  if (!failed.empty()) AddChecks("What differs", failed, html);
   AddImages(comparison, folder, context, html);
+  AddForces(comparison.forces, html);
+  AddChecks("All checks", comparison.checks, html);
   html.SetProvenance(context.provenance.ToJson());
   html.Write(folder / "comparison.html");
 }

@@ -70,6 +70,12 @@ const Entrance kEntrances[] = {
     {"replay_session", kReplayed, "session/session.json", kReplay},
     {"replay_ct", kReplayed, "ct.nrrd", kReplay},
     {"replay_labels", kReplayed, "labels.seg.nrrd", kReplay},
+    {"compare_forces", {"reference_run/forces.csv", "new_run/forces.csv"}, "new_run/forces.csv",
+     "acus-compare reference_run new_run"},
+    {"compare_images", {"reference_run/images.igs.mha", "new_run/images.igs.mha"}, "new_run/images.igs.mha",
+     "acus-compare reference_run new_run"},
+    {"compare_metrics", {"reference_run/metrics.json", "new_run/metrics.json"}, "new_run/metrics.json",
+     "acus-compare reference_run new_run"},
     {"replay_transform", kReplayed, "ct_from_reference.tfm", kReplay},
 };
 

@@ -19,6 +19,11 @@ cp "$source/testdata/small_lumbar.json" phantom.json
 acus-register --from mannequin.csv --to ct.csv -o landmark_fit >/dev/null
 ln -s landmark_fit/ct_from_reference.tfm ct_from_reference.tfm
 
+# Two runs of the same, for acus-compare.
+acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd \
+  --transform ct_from_reference.tfm --no-film --png none -o reference_run >/dev/null
+cp -r reference_run new_run
+
 # A pointer 180 mm long that is turned about (10, 20, 30): 25 poses, one 4 x 4 matrix a file.
 mkdir poses
 awk 'BEGIN {

@@ -264,7 +264,7 @@ TEST_F(RunComparisonTest, WritesWhatItFound) {
   EXPECT_EQ(document["passed"], false);
   EXPECT_EQ(document["images"]["worst_frame"]["number"], 3);
   const std::string html = ReadTextFile(folder_ / "out" / "comparison.html");
-  EXPECT_THAT(html, AllOf(HasSubstr("The runs differ"), HasSubstr("differs: images: smallest PSNR"),
+  EXPECT_THAT(html, AllOf(HasSubstr("The runs differ"), HasSubstr("What differs"),
                           HasSubstr("data:image/png;base64,"), HasSubstr("friction_n")));
   EXPECT_GT(fs::file_size(folder_ / "out" / "worst_frame.png"), 100U);
   EXPECT_TRUE(fs::exists(folder_ / "out" / "provenance.json"));
