@@ -1,11 +1,11 @@
 #include "forces/curve_fit.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/error.h"
+#include "forces/curve_models.h"
 #include "math/statistics.h"
 
 namespace acus::forces {
@@ -16,118 +16,12 @@ constexpr double kShortestRiseMm = 0.3;  // A rise over less depth has no shape 
 constexpr double kShortestLineMm = 3.0;  // Nor does a line.
 constexpr double kBaselineMm = 2.0;      // Taken along before a rise inside the tissue.
 constexpr double kLongestRiseMm = 15.0;  // Inside the tissue; farther back it is another matter.
-constexpr double kEarlierShare = 0.3;    // A peak this high, relative to the fall, is an earlier one.
+constexpr double kEarlierShare = 0.4;    // A peak this high, relative to the fall, is an earlier one.
 constexpr double kRoundedShare = 0.9;    // Of the height of a peak that is not sharp.
 constexpr double kReversalMm = 3.0;      // Travel in which friction has turned round, at least...
 constexpr double kReversalShare = 0.2;   // ...or this share of the way out.
 constexpr double kShortestHoldS = 1.0;
 constexpr double kRelaxationS = 10.0;  // One exponential describes so long a hold, not minutes.
-
-struct Samples {
-  std::vector<double> x;
-  std::vector<double> y;
-  std::vector<std::size_t> index;
-
-  void Add(std::size_t i, double at, double value) {
-    index.push_back(i);
-    x.push_back(at);
-    y.push_back(value);
-  }
-  double Span() const { return x.empty() ? 0.0 : *std::ranges::max_element(x) - *std::ranges::min_element(x); }
-};
-
-/// a - b, of independent estimates.
-Estimate Difference(const Estimate& a, const Estimate& b) {
-  const double value = a.value - b.value;
-  const double down = std::hypot(a.value - a.low, b.high - b.value);
-  const double up = std::hypot(a.high - a.value, b.value - b.low);
-  return {value, std::hypot(a.standard_error, b.standard_error), value - down, value + up};
-}
-
-/// With another uncertainty: anything within +- half, equally likely.
-Estimate Widened(Estimate estimate, double half) {
-  estimate.low -= half;
-  estimate.high += half;
-  estimate.standard_error = std::hypot(estimate.standard_error, half / std::sqrt(3.0));
-  return estimate;
-}
-
-/// Parameters: value at `middle`, slope.
-SampleModel Line(double middle) {
-  return [middle](std::span<const double> p, double x, std::span<double> gradient) {
-    gradient[0] = 1.0;
-    gradient[1] = x - middle;
-    return p[0] + p[1] * (x - middle);
-  };
-}
-
-ModelFit FitLine(const Samples& samples, double middle) {
-  return FitModel(Line(middle), samples.x, samples.y, {math::Median(samples.y), 0.0}, true);
-}
-
-/// The rise on a line of known slope: baseline + slope (d - from) + a1 x + a2 x^2, x = d - contact.
-/// Parameters: contact depth, baseline, then a1 and a2 unless they are held at 0.
-struct RiseLaw {
-  double from_mm = 0.0;
-  double slope_n_per_mm = 0.0;
-  bool has_a1 = true;
-  bool has_a2 = true;
-
-  double operator()(std::span<const double> p, double depth_mm, std::span<double> gradient) const {
-    const double x = std::max(0.0, depth_mm - p[0]);
-    const double a1 = A1(p);
-    const double a2 = A2(p);
-    gradient[0] = x > 0.0 ? -a1 - 2.0 * a2 * x : 0.0;
-    gradient[1] = 1.0;
-    if (has_a1) gradient[2] = x;
-    if (has_a2) gradient[has_a1 ? 3 : 2] = x * x;
-    return p[1] + slope_n_per_mm * (depth_mm - from_mm) + (a1 + a2 * x) * x;
-  }
-  double A1(std::span<const double> p) const { return has_a1 ? p[2] : 0.0; }
-  double A2(std::span<const double> p) const { return has_a2 ? p[has_a1 ? 3 : 2] : 0.0; }
-};
-
-/// Parameters: final force, force that relaxes, logarithm of its time constant.
-SampleModel Relaxation(double start_s) {
-  return [start_s](std::span<const double> p, double time_s, std::span<double> gradient) {
-    const double u = (time_s - start_s) * std::exp(-p[2]);
-    const double decay = std::exp(-u);
-    gradient[0] = 1.0;
-    gradient[1] = decay;
-    gradient[2] = p[1] * decay * u;
-    return p[0] + p[1] * decay;
-  };
-}
-
-/// The best contact depth on a grid, with the other parameters from linear least squares: the
-/// start from which the fit finds the global minimum. Empty if no rise fits with a1, a2 >= 0.
-std::vector<double> StartOfRise(const Samples& samples, const RiseLaw& law, double to_mm) {
-  const std::size_t stride = std::max<std::size_t>(1, samples.x.size() / 400);
-  const auto rows = static_cast<Eigen::Index>((samples.x.size() + stride - 1) / stride);
-  const Eigen::Index columns = 1 + (law.has_a1 ? 1 : 0) + (law.has_a2 ? 1 : 0);
-  Eigen::MatrixXd a(rows, columns);
-  Eigen::VectorXd b(rows);
-  std::vector<double> best;
-  double least = std::numeric_limits<double>::infinity();
-  for (int g = 0; g < 60; ++g) {
-    const double contact = law.from_mm + (to_mm - law.from_mm) * g / 60.0;
-    for (Eigen::Index r = 0; r < rows; ++r) {
-      const auto i = static_cast<std::size_t>(r) * stride;
-      const double x = std::max(0.0, samples.x[i] - contact);
-      a(r, 0) = 1.0;
-      if (law.has_a1) a(r, 1) = x;
-      if (law.has_a2) a(r, columns - 1) = x * x;
-      b(r) = samples.y[i] - law.slope_n_per_mm * (samples.x[i] - law.from_mm);
-    }
-    const Eigen::VectorXd p = a.colPivHouseholderQr().solve(b);
-    const double squares = (a * p - b).squaredNorm();
-    if (!(squares < least) || p.tail(columns - 1).minCoeff() < 0.0) continue;
-    least = squares;
-    best = {contact};
-    best.insert(best.end(), p.data(), p.data() + columns);
-  }
-  return best;
-}
 
 /// One recording on its way to a fit.
 class Fitter {
@@ -296,9 +190,13 @@ void Fitter::FitRise() {
                            rise.x.size(), " samples");
     return;
   }
-  // Both terms; only if one of them comes out below 0 by more than its error, or cannot be told
-  // from the contact depth (as a1 near 0), the better of the two laws with one term.
-  if (!TryRise(law, rise, last_mm) || A1().high < 0.0 || A2().high < 0.0) {
+  // Both terms; only if one of them comes out below 0, or cannot be told from the contact depth (as
+  // a1 near 0), the better of the two laws with one term. In air the law is known to hold, and an
+  // estimate may be below 0 by its error, or the interval would not be fair.
+  const auto is_negative = [&](const Estimate& term) {
+    return (IsFreeApproach() ? term.high : term.value) < 0.0;
+  };
+  if (!TryRise(law, rise, last_mm) || is_negative(A1()) || is_negative(A2())) {
     rise_.reset();
     RiseLaw one = law;
     one.has_a1 = false;
@@ -324,6 +222,12 @@ void Fitter::FitRise() {
   Draw(*rise_, law_, rise);
   fit_.converged = true;
   LocatePuncture(*rise_);
+  if (fit_.puncture_n->low > 0.0) return;
+  fit_.converged = false;
+  fit_.message = Message("the rise before the fall of ", main_event().drop_n, " N at ",
+                         curve_.depth_mm[main_event().peak], " mm cannot be told from what else ",
+                         "the force does there: ", fit_.puncture_n->value, " N, 95 % interval from ",
+                         fit_.puncture_n->low, " to ", fit_.puncture_n->high, " N");
 }
 
 /// The term that is held at 0: what it could be, with the contact depth as it is.

@@ -54,7 +54,8 @@ void SplitByMotion(const ForceCurve& curve, CurvePhases& phases) {
   if (forward.empty()) return;
   // The drive's speed is that of the fast half of its motion: rests and creep do not count.
   const double top = math::Quantile(forward, 0.9);
-  phases.advance_mm_per_s = top;
+  std::erase_if(forward, [top](double v) { return v < 0.5 * top; });
+  phases.advance_mm_per_s = math::Median(forward);
   const auto is_rest = [&](std::size_t i) { return std::abs(speed[i]) < 0.02 * top; };
 
   std::size_t begin = 0;

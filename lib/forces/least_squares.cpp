@@ -14,6 +14,7 @@ namespace acus::forces {
 namespace {
 
 constexpr double kHuberDeviations = 2.5;
+constexpr std::size_t kLongestLag = 5000;  // Bounds the work on very long recordings.
 
 /// All samples in one residual block: the model is cheap, Ceres' bookkeeping per block is not.
 /// residual [N] = sqrt(weight) (model - measured).
@@ -80,7 +81,7 @@ double Inflation(const std::vector<double>& residual) {
   for (const double r : residual) variance += r * r;
   if (!(variance > 0.0)) return 1.0;
   double sum = 1.0;
-  for (std::size_t lag = 1; lag < n / 4; ++lag) {
+  for (std::size_t lag = 1; lag < std::min(n / 4, kLongestLag); ++lag) {
     double product = 0.0;
     for (std::size_t i = 0; i + lag < n; ++i) product += residual[i] * residual[i + lag];
     if (product <= 0.0) break;
