@@ -96,7 +96,8 @@ json CheckedConfig(json document, std::string_view schema_name, const std::strin
 
 void WriteJson(const fs::path& path, const json& document) {
   RequireFinite(document, path.string() + ": ");
-  WriteTextFile(path, document.dump(2) + "\n");
+  // Names of files and points may hold bytes that are not UTF-8; JSON may not.
+  WriteTextFile(path, document.dump(2, ' ', false, json::error_handler_t::replace) + "\n");
 }
 
 std::vector<std::string> SchemaNames() {

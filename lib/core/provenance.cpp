@@ -93,6 +93,8 @@ nlohmann::json Provenance::ToJson() const {
           {"input_sha256", input_sha256}};
 }
 
-std::string Provenance::OneLine() const { return ToJson().dump(); }
+std::string Provenance::OneLine() const { 
+  return ToJson().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
 
 }  // namespace acus

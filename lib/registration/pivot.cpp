@@ -170,9 +170,11 @@ std::vector<Isometry3d> ReadPoses(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> files{path};
   if (std::filesystem::is_directory(path)) {
     files.clear();
-    for (const auto& entry : std::filesystem::directory_iterator(path)) {
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(path, error)) {
       if (entry.path().extension() == ".txt") files.push_back(entry.path());
     }
+    ACUS_REQUIRE(!error, path.string(), ": cannot be read: ", error.message());
     std::ranges::sort(files);
     ACUS_REQUIRE(!files.empty(), path.string(),
                  ": has no .txt file; poses are text files of 4 x 4 numbers");

@@ -63,6 +63,12 @@ TEST(ReadJson, RefusesDuplicateKeysAndSaysWhereSyntaxBreaks) {
   EXPECT_THAT(read("{\n\"a\": }"), ThrowsMessage<InputError>(HasSubstr("line 2")));
 }
 
+TEST(WriteJson, WritesValidJsonWhateverBytesANameHolds) {
+  const auto path = std::filesystem::path(testing::TempDir()) / "bytes.json";
+  WriteJson(path, {{"file", "p\xFFt.csv"}});
+  EXPECT_EQ(ReadJson(path).at("file"), "p\uFFFDt.csv");
+}
+
 TEST(Schemas, AreValidJsonWithDescribedStrictObjects) {
   ASSERT_FALSE(SchemaNames().empty());
   for (const std::string& name : SchemaNames()) {
