@@ -37,6 +37,7 @@ NeedleScript::NeedleScript(const InsertionPlan& plan, const SessionSettings& set
       redirect_times_s_.push_back(duration_s_);
       Go({now_.depth_mm, angle(move)},
          StrokeDurationS(angle(move) - now_.angle_rad, settings.turn_rad_per_s));
+      redirected_times_s_.push_back(duration_s_);
     }
     const double depth = DepthOf(move, plan, settings);
     Go({depth, now_.angle_rad}, StrokeDurationS(depth - now_.depth_mm, move.speed_mm_per_s));

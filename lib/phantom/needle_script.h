@@ -21,8 +21,9 @@ class NeedleScript {
   double duration_s() const { return duration_s_; }
   NeedleState At(double time_s) const;
 
-  /// Times at which a redirection begins, and those at which the target depth is reached.
+  /// Times at which a redirection begins and ends, and those at which the target is reached.
   const std::vector<double>& redirect_times_s() const { return redirect_times_s_; }
+  const std::vector<double>& redirected_times_s() const { return redirected_times_s_; }
   const std::vector<double>& target_times_s() const { return target_times_s_; }
 
  private:
@@ -35,7 +36,7 @@ class NeedleScript {
   std::vector<Stroke> strokes_;
   NeedleState now_{};
   double duration_s_ = 0.0;
-  std::vector<double> redirect_times_s_, target_times_s_;
+  std::vector<double> redirect_times_s_, redirected_times_s_, target_times_s_;
 };
 
 }  // namespace acus::phantom

@@ -109,7 +109,20 @@ Vector3d SkinNormal(const PatientField& field, const Vector3d& point_ct_mm) {
     gradient[axis] =
         field.SkinDistanceMm(point_ct_mm + step) - field.SkinDistanceMm(point_ct_mm - step);
   }
-  return gradient.norm() > 1e-9 ? Vector3d(gradient.normalized()) : Vector3d(Vector3d::UnitY());
+  if (gradient.norm() < 1e-9) return Vector3d::UnitY();
+  const Vector3d local = gradient.normalized();
+  // Across voxels the gradient leans with every stair: a plane through skin further away does not.
+  constexpr double kPatchMm = 10.0;
+  const Vector3d u = local.unitOrthogonal();
+  const Vector3d v = local.cross(u);
+  std::array<Vector3d, 4> around;
+  for (int side = 0; side < 4; ++side) {
+    const Vector3d out = (side < 2 ? 1.0 : -1.0) * (side % 2 == 0 ? u : v);
+    const auto skin = SkinAlong(field, point_ct_mm + kPatchMm * out, local, kPatchMm);
+    if (!skin) return local;
+    around[side] = *skin;
+  }
+  return (around[0] - around[2]).cross(around[1] - around[3]).normalized();
 }
 
 }  // namespace acus::phantom

@@ -58,7 +58,7 @@ class LabelMapField : public PatientField {
 std::optional<Eigen::Vector3d> SkinAlong(const PatientField& field, const Eigen::Vector3d& start,
                                          const Eigen::Vector3d& direction, double reach_mm);
 
-/// Unit normal of the skin, outwards, over a patch of about 10 mm.
+/// Unit normal of the skin, outwards, of a plane through the skin 10 mm around the point.
 Eigen::Vector3d SkinNormal(const PatientField& field, const Eigen::Vector3d& point_ct_mm);
 
 }  // namespace acus::phantom

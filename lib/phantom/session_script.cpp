@@ -179,8 +179,8 @@ ScriptedSession PlayScript(const PatientField& field, const InsertionPlan& plan,
   ScriptedSession out;
   out.session.name = settings.name;
   EventFinder finder(field, plan.entry_ct_mm);
-  const auto& redirects = needle.script().redirect_times_s();
-  std::size_t redirect = 0;
+  const auto& redirected = needle.script().redirected_times_s();
+  std::size_t attempt = 0;
   const auto count =
       static_cast<std::int64_t>(std::ceil(needle.script().duration_s() * 1000.0)) + 1;
   ACUS_REQUIRE(count >= 2, "/session/needle: the moves take no time; give `hold_s` or a distance");
@@ -188,8 +188,8 @@ ScriptedSession PlayScript(const PatientField& field, const InsertionPlan& plan,
     if (i % 1000 == 0)
       context.Checkpoint("session", static_cast<double>(i) / static_cast<double>(count));
     const double t = 1e-3 * static_cast<double>(i);
-    if (redirect < redirects.size() && redirects[redirect] <= t) {
-      ++redirect;
+    if (attempt < redirected.size() && redirected[attempt] <= t) {
+      ++attempt;
       finder.StartAttempt();
     }
     const Eigen::Isometry3d ct_from_needle = needle.CtFromNeedle(t);
@@ -198,7 +198,7 @@ ScriptedSession PlayScript(const PatientField& field, const InsertionPlan& plan,
     out.session.probe.push_back({i * kPeriodNs, reference_from_ct * probe.CtFromProbe(t), true});
   }
   out.events = std::move(finder.events);
-  for (const double t : redirects)
+  for (const double t : needle.script().redirect_times_s())
     out.events.push_back({t, "redirect", "", needle.script().At(t).depth_mm});
   for (const double t : needle.script().target_times_s()) {
     out.events.push_back({t, "target_reached", "", needle.script().At(t).depth_mm});
