@@ -88,9 +88,11 @@ std::vector<TimedTransforms> Instants(const SequenceFile& file, const std::strin
 
 fs::path SceneOf(const fs::path& folder) {
   std::vector<fs::path> scenes;
-  for (const auto& entry : fs::directory_iterator(folder)) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (entry.path().extension() == ".mrml") scenes.push_back(entry.path());
   }
+  ACUS_REQUIRE(!error, folder.string(), ": cannot be read: ", error.message());
   ACUS_REQUIRE(!scenes.empty(), folder.string(),
                ": has neither session.json nor a Slicer scene "
                "(.mrml)");
