@@ -115,7 +115,7 @@ TEST(BMode, WithoutContactThereIsNoImage) {
   GrayImage touching;
   GrayImage lifted;
   renderer.Render(OnTheSkin(), std::nullopt, touching);
-  renderer.Render(Eigen::Isometry3d(Eigen::Translation3d(30, -4, 20)), std::nullopt, lifted);
+  renderer.Render(Eigen::Isometry3d(Eigen::Translation3d(30, -8, 20)), std::nullopt, lifted);
   EXPECT_GT(*std::max_element(touching.pixels.begin(), touching.pixels.end()), 200);
   EXPECT_EQ(*std::max_element(lifted.pixels.begin(), lifted.pixels.end()), 0);
 }
