@@ -71,7 +71,8 @@ void Screen::DrawMarks(const Probe& probe) {
     const cv::Point triangle[] = {{right, row - 5}, {right, row + 5}, {right - 8, row}};
     cv::fillConvexPoly(view, triangle, 3, cv::Scalar(200));
   }
-  std::string about = probe.name + "  " + Message(probe.frequency_mhz, " MHz  ", probe.depth_mm, " mm");
+  std::string about =
+      probe.name + "  " + Message(probe.frequency_mhz, " MHz  ", probe.depth_mm, " mm");
   DrawText(marks, 44, picture_.height_px - kLetterHeight - kEdge, about, 160, 0.85);
   for (std::size_t n = 0; n < marks.pixels.size(); ++n) {
     if (marks.pixels[n] != 0) marks_.emplace_back(n, marks.pixels[n]);

@@ -36,11 +36,10 @@ const Probe& Checked(const Probe& probe) {
                "probe: dynamic range ", probe.dynamic_range_db, " dB; allowed is above 0 to 120");
   ACUS_REQUIRE(std::isfinite(probe.gain_db) && std::isfinite(probe.tgc_db_per_cm),
                "probe: its gain is not finite");
-  ACUS_REQUIRE(probe.slice_thickness_mm >= 0.0 && probe.pulse_length_mm >= 0.0 &&
-                   probe.beam_width_mm >= 0.0,
-               "probe: slice thickness ", probe.slice_thickness_mm, " mm, pulse length ",
-               probe.pulse_length_mm, " mm, beam width ", probe.beam_width_mm,
-               " mm; none may be negative");
+  ACUS_REQUIRE(
+      probe.slice_thickness_mm >= 0.0 && probe.pulse_length_mm >= 0.0 && probe.beam_width_mm >= 0.0,
+      "probe: slice thickness ", probe.slice_thickness_mm, " mm, pulse length ",
+      probe.pulse_length_mm, " mm, beam width ", probe.beam_width_mm, " mm; none may be negative");
   return probe;
 }
 
@@ -85,7 +84,11 @@ void BModeRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   s.display.Show(s.echo, out, num_threads);
 }
 
-const ImageGeometry& BModeRenderer::picture() const { return state_->picture; }
-const Probe& BModeRenderer::probe() const { return state_->probe; }
+const ImageGeometry& BModeRenderer::picture() const {
+  return state_->picture;
+}
+const Probe& BModeRenderer::probe() const {
+  return state_->probe;
+}
 
 }  // namespace acus::ultrasound

@@ -74,7 +74,8 @@ double CtSampler::At(const Eigen::Vector3d& ct_mm) const {
     const bool u[3] = {(corner & 1) != 0, (corner & 2) != 0, (corner & 4) != 0};
     double weight = 1.0;
     for (int a = 0; a < 3; ++a) weight *= u[a] ? f[a] : 1.0 - f[a];
-    sum += weight * ct_.At(u[0] ? high[0] : low[0], u[1] ? high[1] : low[1], u[2] ? high[2] : low[2]);
+    sum +=
+        weight * ct_.At(u[0] ? high[0] : low[0], u[1] ? high[1] : low[1], u[2] ? high[2] : low[2]);
   }
   return sum;
 }

@@ -40,8 +40,8 @@ class BeamImage {
   AlignedFloats data_;
 };
 
-/// Scan lines in continuous voxel indices, one entry per line; rounded up to 16 entries by copies of
-/// the last line.
+/// Scan lines in continuous voxel indices, one entry per line; rounded up to 16 entries by copies
+/// of the last line.
 struct BeamLines {
   AlignedFloats start[3];  ///< Of sample 0, along i, j, k.
   AlignedFloats step[3];   ///< Per sample.
@@ -65,7 +65,8 @@ class CtSampler {
   void PlaceLines(const ScanGrid& grid, const Eigen::Isometry3d& ct_from_probe,
                   BeamLines& lines) const;
 
-  /// Fills `hu`, resized before by the caller to fit the grid, without its margins, on up to `num_threads` threads.
+  /// Fills `hu`, resized before by the caller to fit the grid, without its margins, on up to
+  /// `num_threads` threads.
   void Sample(const BeamLines& lines, BeamImage& hu, int num_threads) const;
 
   const volume::Geometry& geometry() const { return ct_.geometry; }

@@ -29,8 +29,7 @@ void CtSliceRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
 
   out.Resize(picture_.width_px, picture_.height_px);
   const auto scale = static_cast<float>(255.0 / window_.width_hu);
-  const auto offset =
-      static_cast<float>(127.5 - window_.centre_hu * 255.0 / window_.width_hu);
+  const auto offset = static_cast<float>(127.5 - window_.centre_hu * 255.0 / window_.width_hu);
   for (int r = 0; r < picture_.height_px; ++r) {
     // In blocks, since the kernel writes whole blocks and pictures have any width.
     std::uint8_t* pixels = out.pixels.data() + static_cast<std::ptrdiff_t>(r) * out.width;

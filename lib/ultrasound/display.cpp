@@ -17,7 +17,9 @@ namespace {
 constexpr int kRowsPerPiece = 64;
 constexpr int kMaxHalfAlong = 128;
 
-int Pieces(int rows) { return (rows + kRowsPerPiece - 1) / kRowsPerPiece; }
+int Pieces(int rows) {
+  return (rows + kRowsPerPiece - 1) / kRowsPerPiece;
+}
 
 }  // namespace
 
@@ -69,7 +71,8 @@ void EchoDisplay::MakeScanConversion() {
   for (int r = 0; r < picture_.height_px; ++r) {
     for (int c = 0; c < lanes; ++c, ++n) {
       const double x = (c - 0.5 * (picture_.width_px - 1)) * picture_.lateral_mm_per_px;
-      const double y = picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px + probe_.radius_mm;
+      const double y =
+          picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px + probe_.radius_mm;
       const double sample = (std::hypot(x, y) - probe_.radius_mm) / grid_.step_mm;
       const double line = std::atan2(x, y) / line_rad + 0.5 * (grid_.lines() - 1);
       const bool seen = c < picture_.width_px && sample >= 0.0 && sample <= grid_.samples - 1 &&

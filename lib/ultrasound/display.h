@@ -1,4 +1,5 @@
-// Echo intensities to a picture: windows of pulse and beam, logarithmic compression, scan conversion.
+// Echo intensities to a picture: windows of pulse and beam, logarithmic compression, scan
+// conversion.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,8 @@ namespace acus::ultrasound {
 std::vector<float> HalfHanning(double length_mm, double spacing_mm, int max_half);
 
 /// Grey = 255 * log(1 + a I) / log(1 + a), a = 10^(dynamic range / 10), where I is the windowed
-/// intensity times the gains: the pulse's window has a peak of 1, the beam's a sum of 1. Deterministic with any number of threads.
+/// intensity times the gains: the pulse's window has a peak of 1, the beam's a sum of 1.
+/// Deterministic with any number of threads.
 class EchoDisplay {
  public:
   /// @throws InputError if a window covers too many samples or lines.

@@ -11,9 +11,9 @@
 namespace acus::ultrasound {
 namespace {
 
-constexpr int kLanesPerPiece = 256;  ///< A whole number of kernel blocks.
+constexpr int kLanesPerPiece = 256;       ///< A whole number of kernel blocks.
 constexpr float kMetalAboveHu = 3500.0F;  ///< Beyond bone and the 12 bits of a CT: only the needle.
-constexpr float kAirBelowHu = -200.0F;  ///< Below all fat: neither tissue nor gel.
+constexpr float kAirBelowHu = -200.0F;    ///< Below all fat: neither tissue nor gel.
 constexpr double kSkinBlurMm = 2.0;
 
 enum WorkRow { kEnergy, kReflected, kWeight, kScattered, kNepers, kFirstImpedance };
@@ -92,8 +92,7 @@ EchoTracer::EchoTracer(const ScanGrid& grid, double frequency_mhz, const BModeOp
   }
   if (options.attenuation) {
     // dB/cm/MHz, one way, to nepers of intensity per sample, there and back.
-    const double factor =
-        frequency_mhz * 0.1 * grid.step_mm * 2.0 * std::numbers::ln10 / 10.0;
+    const double factor = frequency_mhz * 0.1 * grid.step_mm * 2.0 * std::numbers::ln10 / 10.0;
     nepers_ = CurveOf(Scaled(options.attenuation_db_per_cm_mhz, factor));
   }
   if (options.texture) {

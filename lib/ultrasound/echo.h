@@ -11,8 +11,8 @@
 
 namespace acus::ultrasound {
 
-/// A curve over HU in the form that the kernels evaluate. @throws InputError if it has no knot, more
-/// than Curve::kMaxKnots, or knots not in order.
+/// A curve over HU in the form that the kernels evaluate. @throws InputError if it has no knot,
+/// more than Curve::kMaxKnots, or knots not in order.
 kernels::Curve CurveOf(const std::vector<HuKnot>& knots);
 
 /// Follows each scan line down, from intensity 1 at the face (0 where it is against air):

@@ -45,7 +45,9 @@ std::string Reason(int error) {
   return text;
 }
 
-int Even(int size) { return size + size % 2; }
+int Even(int size) {
+  return size + size % 2;
+}
 
 }  // namespace
 
@@ -125,7 +127,8 @@ void FilmWriter::Encoder::MakeFrame() {
   // Grey: the colour planes never change. Black, in the range of video.
   std::fill_n(frame->data[0], frame->linesize[0] * codec->height, std::uint8_t{16});
   for (const int plane : {1, 2}) {
-    std::fill_n(frame->data[plane], frame->linesize[plane] * (codec->height / 2), std::uint8_t{128});
+    std::fill_n(frame->data[plane], frame->linesize[plane] * (codec->height / 2),
+                std::uint8_t{128});
   }
 }
 
@@ -225,10 +228,10 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, int width_px, int heig
                        const FilmOptions& options) {
   constexpr int kMinPx = 16;
   constexpr int kMaxPx = 8192;
-  ACUS_REQUIRE(width_px >= kMinPx && width_px <= kMaxPx && height_px >= kMinPx &&
-                   height_px <= kMaxPx,
-               path.string(), ": a film of ", width_px, " x ", height_px, " pixels; allowed is ",
-               kMinPx, " to ", kMaxPx, " each way");
+  ACUS_REQUIRE(
+      width_px >= kMinPx && width_px <= kMaxPx && height_px >= kMinPx && height_px <= kMaxPx,
+      path.string(), ": a film of ", width_px, " x ", height_px, " pixels; allowed is ", kMinPx,
+      " to ", kMaxPx, " each way");
   ACUS_REQUIRE(options.frames_per_s >= 1.0 && options.frames_per_s <= 240.0, path.string(), ": ",
                options.frames_per_s, " frames per second; allowed is 1 to 240");
   ACUS_REQUIRE(options.quality >= 0 && options.quality <= 51, path.string(), ": film quality ",

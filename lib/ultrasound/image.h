@@ -59,7 +59,7 @@ class AlignedFloats {
   /// Keeps what it has if that is enough. The content is undefined afterwards.
   void Reserve(std::size_t count) {
     if (count <= capacity_) return;
-    data_.reset(static_cast<float*>(::operator new(count * sizeof(float), std::align_val_t{64})));
+    data_.reset(static_cast<float*>(::operator new (count * sizeof(float), std::align_val_t{64})));
     capacity_ = count;
   }
   float* data() { return data_.get(); }
@@ -68,7 +68,7 @@ class AlignedFloats {
 
  private:
   struct Free {
-    void operator()(float* p) const { ::operator delete(p, std::align_val_t{64}); }
+    void operator()(float* p) const { ::operator delete (p, std::align_val_t{64}); }
   };
   std::unique_ptr<float[], Free> data_;
   std::size_t capacity_ = 0;

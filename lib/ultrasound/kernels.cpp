@@ -1,11 +1,13 @@
 #include "ultrasound/kernels.h"
 
 // Compiles the part between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once per instruction set.
+// foreach_target.h must come first.
+// clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "ultrasound/kernels.cpp"
 #include <hwy/foreach_target.h>
-// foreach_target.h comes first.
 #include <hwy/highway.h>
+// clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace acus::ultrasound::kernels::HWY_NAMESPACE {
@@ -56,8 +58,8 @@ void SampleRow(const Voxels& voxels, const Lines& lines, float s, int lanes, flo
     VF position[3];
     auto within = hn::Eq(sample, sample);
     for (int a = 0; a < 3; ++a) {
-      position[a] = hn::Add(hn::Load(f, lines.start[a] + l),
-                            hn::Mul(sample, hn::Load(f, lines.step[a] + l)));
+      position[a] =
+          hn::Add(hn::Load(f, lines.start[a] + l), hn::Mul(sample, hn::Load(f, lines.step[a] + l)));
       within = hn::And(within, hn::And(hn::Ge(position[a], hn::Set(f, -0.5F)),
                                        hn::Le(position[a], hn::Set(f, voxels.edge[a]))));
     }
@@ -68,8 +70,8 @@ void SampleRow(const Voxels& voxels, const Lines& lines, float s, int lanes, flo
     const Cell i = CellAt(position[0], voxels.last[0]);
     const Cell j = CellAt(position[1], voxels.last[1]);
     const Cell k = CellAt(position[2], voxels.last[2]);
-    const VI near = hn::Add(hn::ShiftLeft<1>(i.index),
-                            hn::Add(hn::Mul(j.index, row), hn::Mul(k.index, slice)));
+    const VI near =
+        hn::Add(hn::ShiftLeft<1>(i.index), hn::Add(hn::Mul(j.index, row), hn::Mul(k.index, slice)));
     const VI far = hn::Add(near, slice);
     const VF near_value = Lerp(LerpPair(voxels.data, near, i.fraction),
                                LerpPair(voxels.data, hn::Add(near, row), i.fraction), j.fraction);
@@ -110,7 +112,8 @@ void ReflectRow(const EchoRow& row, const float* z0, const float* z, const float
     const VF here = hn::Load(f, z + l);
     const auto passed = hn::Ge(hn::Abs(hn::Sub(here, a)), hn::Abs(hn::Sub(b, here)));
     const VF weak = hn::Mul(hn::Min(r, threshold), share);
-    hn::Store(hn::IfThenElse(hn::And(hn::Gt(r, threshold), passed), strong, weak), f, reflected + l);
+    hn::Store(hn::IfThenElse(hn::And(hn::Gt(r, threshold), passed), strong, weak), f,
+              reflected + l);
   }
 }
 
@@ -120,8 +123,8 @@ void AngleRowWeights(const AngleRow& row, int lanes, float* weight) {
   const VF lateral = hn::Set(f, row.per_two_lateral_mm);
   for (int l = 0; l < lanes; l += static_cast<int>(hn::Lanes(f))) {
     const VF gy = hn::Mul(axial, hn::Sub(hn::Load(f, row.below + l), hn::Load(f, row.above + l)));
-    const VF gx = hn::Mul(lateral,
-                          hn::Sub(hn::LoadU(f, row.here + l + 1), hn::LoadU(f, row.here + l - 1)));
+    const VF gx =
+        hn::Mul(lateral, hn::Sub(hn::LoadU(f, row.here + l + 1), hn::LoadU(f, row.here + l - 1)));
     const VF yy = hn::Mul(gy, gy);
     // Without any gradient there is no reflection either: the tiny term only avoids 0 / 0.
     const VF sum = hn::Add(hn::Add(yy, hn::Mul(gx, gx)), hn::Set(f, 1e-12F));
@@ -162,16 +165,15 @@ void TextureRow(const Tile& tile, const Lines& lines, float s, int lanes, float*
   for (int l = 0; l < lanes; l += static_cast<int>(hn::Lanes(f))) {
     VI offset = hn::Zero(d);
     for (int a = 2; a >= 0; --a) {
-      const VF index = hn::Add(hn::Load(f, lines.start[a] + l),
-                               hn::Mul(sample, hn::Load(f, lines.step[a] + l)));
+      const VF index =
+          hn::Add(hn::Load(f, lines.start[a] + l), hn::Mul(sample, hn::Load(f, lines.step[a] + l)));
       const VF cell = hn::Floor(hn::Mul(index, hn::Set(f, tile.per_index[a])));
       const VI wrapped = hn::And(hn::ConvertTo(d, cell), mask);
       offset = hn::Add(hn::ShiftLeftSame(offset, tile.log2_size), wrapped);
     }
-    const VI bytes =
-        hn::GatherOffset(d, reinterpret_cast<const std::int32_t*>(tile.data), offset);
-    const VF amplitude = hn::Mul(hn::ConvertTo(f, hn::And(bytes, hn::Set(d, 255))),
-                                 hn::Set(f, tile.unit));
+    const VI bytes = hn::GatherOffset(d, reinterpret_cast<const std::int32_t*>(tile.data), offset);
+    const VF amplitude =
+        hn::Mul(hn::ConvertTo(f, hn::And(bytes, hn::Set(d, 255))), hn::Set(f, tile.unit));
     hn::Store(hn::Mul(hn::Load(f, scattered + l), hn::Mul(amplitude, amplitude)), f, scattered + l);
   }
 }
@@ -276,9 +278,9 @@ void VideoRow(const std::uint8_t* in, int count, std::uint8_t* out) {
   for (; n + step <= count; n += step) {
     const auto wide = hn::PromoteTo(d, hn::LoadU(d8, in + n));
     const auto scaled = hn::Add(hn::Mul(wide, hn::Set(d, 220)), hn::Set(d, 16 * 256 + 128));
-    hn::StoreU(hn::DemoteTo(d8, hn::BitCast(hn::RebindToSigned<decltype(d)>(),
-                                            hn::ShiftRight<8>(scaled))),
-               d8, out + n);
+    hn::StoreU(
+        hn::DemoteTo(d8, hn::BitCast(hn::RebindToSigned<decltype(d)>(), hn::ShiftRight<8>(scaled))),
+        d8, out + n);
   }
   for (; n < count; ++n) out[n] = static_cast<std::uint8_t>((in[n] * 220 + 16 * 256 + 128) >> 8);
 }

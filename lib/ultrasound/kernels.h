@@ -12,7 +12,9 @@ namespace acus::ultrasound::kernels {
 
 /// Lanes per block: all counts of lanes are rounded up to it.
 inline constexpr int kBlock = 16;
-inline constexpr int RoundUp(int lanes) { return (lanes + kBlock - 1) / kBlock * kBlock; }
+inline constexpr int RoundUp(int lanes) {
+  return (lanes + kBlock - 1) / kBlock * kBlock;
+}
 
 /// Voxels for SampleRow. Each axis has at least two.
 struct Voxels {
@@ -24,7 +26,8 @@ struct Voxels {
   float outside;             ///< Value of all other positions.
 };
 
-/// Lines in voxel indices: position of sample s of lane l along axis a = start[a][l] + s * step[a][l].
+/// Lines in voxel indices: position of sample s of lane l along axis a = start[a][l] + s *
+/// step[a][l].
 struct Lines {
   const float* start[3];
   const float* step[3];

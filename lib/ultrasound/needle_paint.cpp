@@ -95,9 +95,8 @@ void PaintNeedle(const NeedleInImage& needle, const Eigen::Isometry3d& ct_from_p
                    std::isfinite(needle.length_mm) && std::isfinite(needle.radius_mm),
                "needle in the image: has a value that is not finite");
   ACUS_REQUIRE(needle.axis_in_ct.norm() > 1e-6, "needle in the image: its axis has no direction");
-  ACUS_REQUIRE(needle.length_mm >= 0.0 && needle.radius_mm >= 0.0,
-               "needle in the image: length ", needle.length_mm, " mm, radius ", needle.radius_mm,
-               " mm; neither may be negative");
+  ACUS_REQUIRE(needle.length_mm >= 0.0 && needle.radius_mm >= 0.0, "needle in the image: length ",
+               needle.length_mm, " mm, radius ", needle.radius_mm, " mm; neither may be negative");
   Shadowgraph seen;
   if (!Project(needle, ct_from_probe, 0.5 * slice_thickness_mm + needle.radius_mm, seen)) return;
   const double lateral_mm = grid.lines() > 1 ? grid.LateralSpacingMm(grid.samples - 1) : 0.0;

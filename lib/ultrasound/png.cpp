@@ -1,8 +1,7 @@
 #include "ultrasound/png.h"
 
-#include <zlib.h>
-
 #include <string>
+#include <zlib.h>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -23,8 +22,8 @@ void AppendChunk(std::string& out, const char* type, std::string_view data) {
   out.append(type);
   out.append(data);
   const auto* bytes = reinterpret_cast<const Bytef*>(out.data() + begin);
-  AppendBigEndian(out, static_cast<std::uint32_t>(
-                           crc32(0, bytes, static_cast<uInt>(out.size() - begin))));
+  AppendBigEndian(
+      out, static_cast<std::uint32_t>(crc32(0, bytes, static_cast<uInt>(out.size() - begin))));
 }
 
 std::string Compressed(const GrayImage& image) {
@@ -49,8 +48,8 @@ std::string Compressed(const GrayImage& image) {
 
 void WritePng(const std::filesystem::path& path, const GrayImage& image, std::string_view comment) {
   ACUS_REQUIRE(image.width > 0 && image.height > 0 &&
-                   image.pixels.size() ==
-                       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height),
+                   image.pixels.size() == static_cast<std::size_t>(image.width) *
+                                              static_cast<std::size_t>(image.height),
                path.string(), ": cannot write a picture of ", image.width, " x ", image.height,
                " pixels with ", image.pixels.size(), " values");
   std::string header;

@@ -41,7 +41,8 @@ ScanGrid FanGrid(const Probe& probe) {
   grid.step_mm = PictureOf(probe).axial_mm_per_px;
   grid.samples = SamplesOf(probe, grid.step_mm);
   for (int l = 0; l < probe.scan_lines; ++l) {
-    const double angle = probe.field_of_view_rad * (static_cast<double>(l) / (probe.scan_lines - 1) - 0.5);
+    const double angle =
+        probe.field_of_view_rad * (static_cast<double>(l) / (probe.scan_lines - 1) - 0.5);
     const Eigen::Vector2d direction(std::sin(angle), std::cos(angle));
     grid.start_mm.emplace_back(probe.radius_mm * direction - Eigen::Vector2d(0.0, probe.radius_mm));
     grid.direction.push_back(direction);

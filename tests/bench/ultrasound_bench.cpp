@@ -1,6 +1,5 @@
 // What a picture costs, stage by stage. Run: build/tests/bench_ultrasound
 #include <benchmark/benchmark.h>
-
 #include <cmath>
 #include <filesystem>
 
@@ -76,7 +75,10 @@ void RenderBMode(benchmark::State& state, ProbeKind kind, bool all_stages) {
     benchmark::DoNotOptimize(image.pixels.data());
   }
 }
-BENCHMARK_CAPTURE(RenderBMode, linear_2010, ProbeKind::kLinear, false)->Arg(1)->Arg(2)->MeasureProcessCPUTime();
+BENCHMARK_CAPTURE(RenderBMode, linear_2010, ProbeKind::kLinear, false)
+    ->Arg(1)
+    ->Arg(2)
+    ->MeasureProcessCPUTime();
 BENCHMARK_CAPTURE(RenderBMode, linear_all_stages, ProbeKind::kLinear, true)->Arg(1);
 BENCHMARK_CAPTURE(RenderBMode, curvilinear_2010, ProbeKind::kCurvilinear, false)->Arg(1);
 BENCHMARK_CAPTURE(RenderBMode, curvilinear_all_stages, ProbeKind::kCurvilinear, true)->Arg(1);

@@ -1,9 +1,8 @@
 // Ultrasound of a real abdomen: what any sonographer would expect of it.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <gtest/gtest.h>
 #include <optional>
 
 #include "support/shared_data.h"
@@ -47,8 +46,8 @@ class RealAbdomen : public ::testing::Test {
   }
 
   /// A linear probe over a place inside; kept as a file if ACUS_KEEP_PICTURES names a folder.
-  void Look(const char* acoustics, const Eigen::Vector3d& inside_mm, const Eigen::Vector3d& outwards,
-            const Eigen::Vector3d& marked_side, const char* file) {
+  void Look(const char* acoustics, const Eigen::Vector3d& inside_mm,
+            const Eigen::Vector3d& outwards, const Eigen::Vector3d& marked_side, const char* file) {
     const fs::path configs = fs::path(ACUS_SOURCE_DIR) / "configs";
     const Probe probe = ReadProbe(configs / "probes" / "linear_l14.json");
     const Eigen::Isometry3d pose = ProbeOnSkin(CtSampler(*ct_), inside_mm, outwards, marked_side);
@@ -137,7 +136,8 @@ TEST_F(RealAbdomen, RibsShadowTheLiverAndTheGapsBetweenThemDoNot) {
     EXPECT_GE(bright, 0.9 * with_bone) << acoustics;
     EXPECT_GE(dark, 0.9 * with_bone) << acoustics;
     int windows = 0;
-    for (int c = margin_px_; c < bmode_.width - margin_px_; ++c) windows += Mean(c, Row(30), Row(50)) > 25.0;
+    for (int c = margin_px_; c < bmode_.width - margin_px_; ++c)
+      windows += Mean(c, Row(30), Row(50)) > 25.0;
     EXPECT_GT(windows, 150) << acoustics;
   }
 }

@@ -1,8 +1,8 @@
-// Bone, gas and needle in pictures with a known truth: where the lines are, and how dark it is below.
-#include <gtest/gtest.h>
-
+// Bone, gas and needle in pictures with a known truth: where the lines are, and how dark it is
+// below.
 #include <algorithm>
 #include <cmath>
+#include <gtest/gtest.h>
 #include <optional>
 
 #include "core/random.h"
@@ -45,7 +45,9 @@ volume::CtVolume PlainBody() {
 }
 
 /// Middle of the front, so that pixel column c is at x = 9.4 + 0.1 c, row r at y = 5 + 0.1 r.
-Eigen::Isometry3d Pose() { return Eigen::Isometry3d(Eigen::Translation3d(34.95, 5.0, 15.0)); }
+Eigen::Isometry3d Pose() {
+  return Eigen::Isometry3d(Eigen::Translation3d(34.95, 5.0, 15.0));
+}
 
 GrayImage Render(const volume::CtVolume& ct, const std::optional<NeedleInImage>& needle,
                  const Probe& probe = FineProbe()) {
@@ -142,8 +144,8 @@ TEST(NeedleInPicture, ItsTipIsWithinOnePixelOfTheTruth) {
     slice.Render(Pose(), needle, image);
     const Eigen::Vector3d truth =
         slice.picture().ct_from_image(Pose()).inverse() * needle.tip_in_ct_mm;
-    const Eigen::Vector2d in_slice = FarthestBright(
-        needle, [&](int c, int r) { return slice.hu().row(r)[c] == 4000.0F; });
+    const Eigen::Vector2d in_slice =
+        FarthestBright(needle, [&](int c, int r) { return slice.hu().row(r)[c] == 4000.0F; });
     EXPECT_LE((in_slice - truth.head<2>()).norm(), 1.0);
 
     // With a pulse, a beam and an interface of one pixel, B-mode is as exact.
@@ -155,8 +157,7 @@ TEST(NeedleInPicture, ItsTipIsWithinOnePixelOfTheTruth) {
     renderer.Render(Pose(), needle, image);
     const Eigen::Vector2d seen =
         FarthestBright(needle, [&](int c, int r) { return image.At(c, r) >= 230; });
-    EXPECT_LE((seen - truth.head<2>()).norm(), 2.0);
-    EXPECT_LE(std::abs(seen.x() - truth.x()), 1.0);
+    EXPECT_LE((seen - truth.head<2>()).norm(), 1.0);
   }
 }
 
@@ -216,7 +217,8 @@ TEST(NeedleInPicture, AThinnerSliceShowsLessOfAnObliqueNeedle) {
     GrayImage image;
     slice.Render(Pose(), needle, image);
     long n = 0;
-    for (int r = 0; r < 512; ++r) n += std::count(slice.hu().row(r), slice.hu().row(r) + 512, 4000.0F);
+    for (int r = 0; r < 512; ++r)
+      n += std::count(slice.hu().row(r), slice.hu().row(r) + 512, 4000.0F);
     return n;
   };
   EXPECT_GT(seen_px(0.0), 0);

@@ -1,8 +1,7 @@
 #include "ultrasound/annotate.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
+#include <gtest/gtest.h>
 
 #include "core/error.h"
 

@@ -1,9 +1,8 @@
 #include "ultrasound/bmode_options.h"
 
+#include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <filesystem>
 
 #include "config/json_file.h"
 #include "core/atomic_file.h"
@@ -70,15 +69,17 @@ TEST(BModeOptions, CurvesMustBeSortedAndPhysical) {
 }
 
 TEST(BModeOptions, DamagedFilesAreReadOrRefused) {
-  const json curve = json::array({{{"hu", -1000}, {"value", 0.0004}}, {{"hu", 4000}, {"value", 7.5}}});
-  const std::string valid = json{{"format", "acus-acoustics/1"},
-                                 {"name", "x"},
-                                 {"impedance_mrayl", curve},
-                                 {"texture", true}}
-                                .dump(2);
+  const json curve =
+      json::array({{{"hu", -1000}, {"value", 0.0004}}, {{"hu", 4000}, {"value", 7.5}}});
+  const std::string valid = json{
+      {"format", "acus-acoustics/1"},
+      {"name", "x"},
+      {"impedance_mrayl", curve},
+      {"texture", true}}.dump(2);
   const testing_support::TemporaryFolder folder;
   const fs::path path = folder / "damaged.json";
-  EXPECT_GT(testing_support::ReadDamagedCopies(valid, path, 200, [&] { ReadBModeOptions(path); }), 50);
+  EXPECT_GT(testing_support::ReadDamagedCopies(valid, path, 200, [&] { ReadBModeOptions(path); }),
+            50);
 }
 
 }  // namespace

@@ -1,8 +1,7 @@
 #include "ultrasound/bmode.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
+#include <gtest/gtest.h>
 #include <limits>
 
 #include "core/error.h"
@@ -39,7 +38,9 @@ volume::CtVolume NoisyBody() {
   });
 }
 
-Eigen::Isometry3d OnTheSkin() { return Eigen::Isometry3d(Eigen::Translation3d(30, 3.6, 20)); }
+Eigen::Isometry3d OnTheSkin() {
+  return Eigen::Isometry3d(Eigen::Translation3d(30, 3.6, 20));
+}
 
 NeedleInImage SomeNeedle() {
   NeedleInImage needle;

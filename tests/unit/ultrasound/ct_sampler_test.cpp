@@ -1,9 +1,8 @@
 #include "ultrasound/ct_sampler.h"
 
+#include <cstring>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <cstring>
 #include <limits>
 
 #include "core/error.h"
@@ -21,8 +20,7 @@ volume::Geometry ObliqueGeometry() {
   g.size = {40, 33, 27};
   g.spacing_mm = {0.7, 0.9, 1.6};
   g.origin_mm = {-12.0, 30.0, 5.0};
-  g.direction =
-      Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  g.direction = Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   return g;
 }
 
@@ -44,10 +42,8 @@ volume::CtVolume RampVolume(const volume::Geometry& g) {
 }
 
 ScanGrid SmallGrid(int width, int height) {
-  return ScanGridOf(ImageGeometry{.width_px = width,
-                                  .height_px = height,
-                                  .lateral_mm_per_px = 0.37,
-                                  .axial_mm_per_px = 0.41});
+  return ScanGridOf(ImageGeometry{
+      .width_px = width, .height_px = height, .lateral_mm_per_px = 0.37, .axial_mm_per_px = 0.41});
 }
 
 BeamImage SampleGrid(const CtSampler& sampler, const ScanGrid& grid, const Eigen::Isometry3d& pose,
@@ -79,7 +75,8 @@ TEST(CtSampler, ReproducesALinearFieldOnAnObliquePlane) {
     for (int k = 0; k < grid.samples; ++k) {
       const Eigen::Vector2d at = grid.start_mm[line] + k * grid.step_mm * grid.direction[line];
       const Eigen::Vector3d index = g.index_from_ct() * (pose * Eigen::Vector3d(at.x(), at.y(), 0));
-      if ((index.array() < 0.01).any() || (index.array() > g.size.cast<double>() - 1.01).any()) continue;
+      if ((index.array() < 0.01).any() || (index.array() > g.size.cast<double>() - 1.01).any())
+        continue;
       ++inside;
       EXPECT_NEAR(hu.row(k)[line], Ramp(index), 2e-3) << "line " << line << ", sample " << k;
     }
@@ -127,7 +124,8 @@ TEST(CtSampler, ASingleSliceIsASlabOfOneVoxel) {
   const volume::CtVolume ct(g, 50);
   const CtSampler sampler(ct);
   const ScanGrid grid = SmallGrid(16, 10);
-  for (const auto& [z_mm, expected] : {std::pair{-1.01, -1024.0F}, {-0.99, 50.0F}, {0.99, 50.0F}, {1.01, -1024.0F}}) {
+  for (const auto& [z_mm, expected] :
+       {std::pair{-1.01, -1024.0F}, {-0.99, 50.0F}, {0.99, 50.0F}, {1.01, -1024.0F}}) {
     const Eigen::Isometry3d pose(Eigen::Translation3d(4.0, 2.0, z_mm));
     EXPECT_EQ(SampleGrid(sampler, grid, pose).row(3)[8], expected) << "z " << z_mm;
     EXPECT_EQ(sampler.At({4, 4, z_mm}), expected) << "z " << z_mm;
@@ -162,8 +160,8 @@ TEST(CtSampler, RefusesWhatItCannotSample) {
   const volume::CtVolume ct(ObliqueGeometry(), 40);
   const CtSampler sampler(ct);
   BeamLines lines;
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
-                           std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.translation().y() = bad;
     EXPECT_THAT([&] { sampler.PlaceLines(SmallGrid(4, 4), pose, lines); },

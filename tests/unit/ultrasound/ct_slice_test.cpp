@@ -12,7 +12,9 @@ const ImageGeometry kPicture{
     .width_px = 101, .height_px = 83, .lateral_mm_per_px = 0.5, .axial_mm_per_px = 0.5};
 
 /// The probe on the front of the body (LPS: y grows towards the back), marked side to the left.
-Eigen::Isometry3d FrontPose() { return Eigen::Isometry3d(Eigen::Translation3d(30, 5, 20)); }
+Eigen::Isometry3d FrontPose() {
+  return Eigen::Isometry3d(Eigen::Translation3d(30, 5, 20));
+}
 
 /// A block of 900 HU around one place.
 volume::CtVolume Marker(const Eigen::Vector3d& at) {

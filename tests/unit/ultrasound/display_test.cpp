@@ -1,8 +1,7 @@
 #include "ultrasound/display.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 
 #include "core/error.h"
 
@@ -23,7 +22,8 @@ Probe Linear() {
 BeamImage Echo(const ScanGrid& grid, float value) {
   BeamImage echo;
   echo.Resize(grid.lines(), grid.samples);
-  for (int k = 0; k < grid.samples; ++k) std::fill_n(echo.row(k), echo.stride() - 2 * BeamImage::kMargin, value);
+  for (int k = 0; k < grid.samples; ++k)
+    std::fill_n(echo.row(k), echo.stride() - 2 * BeamImage::kMargin, value);
   return echo;
 }
 
@@ -33,7 +33,8 @@ TEST(HalfHanning, IsARaisedCosineOfUnitSum) {
   double sum = half[0];
   for (std::size_t t = 1; t < half.size(); ++t) {
     sum += 2.0 * half[t];
-    EXPECT_NEAR(half[t] / half[0], 0.5 * (1.0 + std::cos(2.0 * M_PI * 0.1 * static_cast<double>(t))), 1e-6);
+    EXPECT_NEAR(half[t] / half[0],
+                0.5 * (1.0 + std::cos(2.0 * M_PI * 0.1 * static_cast<double>(t))), 1e-6);
   }
   EXPECT_NEAR(sum, 1.0, 1e-6);
   EXPECT_EQ(HalfHanning(0.0, 0.1, 32), std::vector<float>{1.0F});
@@ -64,7 +65,8 @@ TEST(EchoDisplay, GainMovesDecibelsAndTimeGainGrowsWithDepth) {
   display.Show(Echo(grid, 1e-4F), image, 1);
   for (const int row : {0, 50, 100}) {
     const double db = -40.0 + 10.0 + 5.0 * row * grid.step_mm / 10.0;
-    EXPECT_NEAR(image.At(64, row), 255.0 * std::log1p(1e6 * std::pow(10.0, db / 10.0)) / std::log1p(1e6), 0.51);
+    EXPECT_NEAR(image.At(64, row),
+                255.0 * std::log1p(1e6 * std::pow(10.0, db / 10.0)) / std::log1p(1e6), 0.51);
   }
 }
 
@@ -151,8 +153,8 @@ TEST(EchoDisplay, AFanPutsEachEchoWhereItIs) {
   GrayImage full;
   display.Show(Echo(grid, 1.0F), full, 1);
   EXPECT_EQ(full.At(64, 70), 255);
-  EXPECT_EQ(full.At(0, 0), 0);       // Beside the face.
-  EXPECT_EQ(full.At(127, 127), 0);   // Beyond the arc.
+  EXPECT_EQ(full.At(0, 0), 0);      // Beside the face.
+  EXPECT_EQ(full.At(127, 127), 0);  // Beyond the arc.
 }
 
 TEST(EchoDisplay, RefusesAWindowThatIsTooWide) {

@@ -1,8 +1,7 @@
 #include "ultrasound/echo.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 #include <numbers>
 
 #include "core/error.h"
@@ -15,8 +14,10 @@ constexpr int kLines = 40;
 constexpr int kSamples = 200;
 
 ScanGrid Grid() {
-  return ScanGridOf(ImageGeometry{
-      .width_px = kLines, .height_px = kSamples, .lateral_mm_per_px = 0.3, .axial_mm_per_px = kStepMm});
+  return ScanGridOf(ImageGeometry{.width_px = kLines,
+                                  .height_px = kSamples,
+                                  .lateral_mm_per_px = 0.3,
+                                  .axial_mm_per_px = kStepMm});
 }
 
 volume::Geometry AnyGeometry() {
@@ -33,7 +34,9 @@ BModeOptions Plain() {
   return options;
 }
 
-double Impedance(double hu) { return 1.5 * (1.0 + hu / 1000.0); }
+double Impedance(double hu) {
+  return 1.5 * (1.0 + hu / 1000.0);
+}
 double Reflection(double hu0, double hu1) {
   const double a = (Impedance(hu1) - Impedance(hu0)) / (Impedance(hu1) + Impedance(hu0));
   return a * a;
@@ -48,13 +51,15 @@ BeamImage Trace(const BModeOptions& options, const Hu& hu_at, int num_threads = 
   for (int a = 0; a < 3; ++a) {
     lines.start[a].Reserve(48);
     lines.step[a].Reserve(48);
-    for (int l = 0; l < 48; ++l) lines.start[a].data()[l] = static_cast<float>(l * (0.3137 + 0.1 * a));
+    for (int l = 0; l < 48; ++l)
+      lines.start[a].data()[l] = static_cast<float>(l * (0.3137 + 0.1 * a));
     std::fill_n(lines.step[a].data(), 48, 0.2113F - 0.0371F * static_cast<float>(a));
   }
   BeamImage hu;
   hu.Resize(kLines, kSamples);
   for (int k = 0; k < kSamples; ++k) {
-    for (int l = 0; l < 48; ++l) hu.row(k)[l] = static_cast<float>(hu_at(std::min(l, kLines - 1), k));
+    for (int l = 0; l < 48; ++l)
+      hu.row(k)[l] = static_cast<float>(hu_at(std::min(l, kLines - 1), k));
   }
   BeamImage echo;
   tracer.Trace(lines, hu, echo, num_threads);
@@ -139,8 +144,7 @@ TEST(Echo, AttenuationFollowsBeerAndLambertThereAndBack) {
   options.attenuation = true;
   options.attenuation_db_per_cm_mhz = {{0, 0.5}, {100, 1.0}};
   // Weak interfaces 1 cm (50 samples) apart, in 40 HU: 0.7 dB/cm/MHz at 5 MHz, twice 1 cm.
-  const BeamImage echo =
-      Trace(options, [](int, int k) { return k % 50 == 25 ? 40.5 : 40.0; });
+  const BeamImage echo = Trace(options, [](int, int k) { return k % 50 == 25 ? 40.5 : 40.0; });
   const double db = 10.0 * std::log10(echo.row(125)[2] / echo.row(75)[2]);
   EXPECT_NEAR(db, -2.0 * 0.7 * 5.0, 0.03);
 }

@@ -1,14 +1,13 @@
 #include "ultrasound/kernels.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <cstring>
+#include <gtest/gtest.h>
 #include <hwy/highway.h>
 #include <vector>
 
-#include "support/synthetic_ct.h"
 #include "core/random.h"
+#include "support/synthetic_ct.h"
 #include "ultrasound/bmode.h"
 
 namespace acus::ultrasound {
@@ -79,7 +78,8 @@ TEST(Kernels, CompressionIsTheLogarithm) {
   AlignedFloats in;
   constexpr int kCount = 4096;
   in.Reserve(kCount);
-  for (int n = 0; n < kCount; ++n) in.data()[n] = static_cast<float>(std::pow(10.0, -9.0 + n * 12.0 / kCount));
+  for (int n = 0; n < kCount; ++n)
+    in.data()[n] = static_cast<float>(std::pow(10.0, -9.0 + n * 12.0 / kCount));
   in.data()[0] = 0.0F;
   constexpr float kGain = 1e6F;
   const auto scale = static_cast<float>(255.0 / std::log2(1.0 + 1e6));
@@ -97,7 +97,8 @@ TEST(Kernels, VideoLevelsGoFrom16To235ForAnyCount) {
   for (const int count : {1, 7, 16, 33, 256}) {
     std::vector<std::uint8_t> in(count);
     std::vector<std::uint8_t> out(count + 1, 99);
-    for (int n = 0; n < count; ++n) in[n] = static_cast<std::uint8_t>(n * 255 / std::max(1, count - 1));
+    for (int n = 0; n < count; ++n)
+      in[n] = static_cast<std::uint8_t>(n * 255 / std::max(1, count - 1));
     OnEveryInstructionSet([&](const char* name) {
       kernels::VideoRow(in.data(), count, out.data());
       for (int n = 0; n < count; ++n) {

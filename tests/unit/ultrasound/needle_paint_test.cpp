@@ -1,8 +1,7 @@
 #include "ultrasound/needle_paint.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 #include <limits>
 
 #include "core/error.h"
@@ -54,7 +53,10 @@ struct Canvas {
 
 NeedleInImage Needle(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double length,
                      double radius) {
-  return {.tip_in_ct_mm = tip, .axis_in_ct = axis.normalized(), .length_mm = length, .radius_mm = radius};
+  return {.tip_in_ct_mm = tip,
+          .axis_in_ct = axis.normalized(),
+          .length_mm = length,
+          .radius_mm = radius};
 }
 
 TEST(PaintNeedle, InThePlaneItIsAsLongAndWideAsItIs) {
@@ -72,7 +74,8 @@ TEST(PaintNeedle, TheTipIsAPoint) {
   canvas.Paint(Needle({5, 20, 0}, {1, 0, 0}, 15, 0.6), 2.0);
   const auto width_at = [&](double x_mm) {
     int n = 0;
-    for (int k = 0; k < kSize; ++k) n += canvas.hu.row(k)[200 + static_cast<int>(std::lround(x_mm / kPx))] == kNeedleHu;
+    for (int k = 0; k < kSize; ++k)
+      n += canvas.hu.row(k)[200 + static_cast<int>(std::lround(x_mm / kPx))] == kNeedleHu;
     return n * kPx;
   };
   EXPECT_NEAR(width_at(5.0), kPx, 1e-9);
@@ -99,7 +102,8 @@ TEST(PaintNeedle, OnlyThePartWithinTheSliceIsSeen) {
 }
 
 TEST(PaintNeedle, ParallelToThePlaneItVanishesWhereItsSurfaceLeavesTheSlice) {
-  for (const auto& [z_mm, seen] : {std::pair{1.29, true}, {1.31, false}, {-1.29, true}, {-1.31, false}}) {
+  for (const auto& [z_mm, seen] :
+       {std::pair{1.29, true}, {1.31, false}, {-1.29, true}, {-1.31, false}}) {
     Canvas canvas;
     canvas.Paint(Needle({5, 20, z_mm}, {1, 0, 0}, 15, 0.3), 2.0);
     EXPECT_EQ(canvas.Painted().area_mm2 > 0.0, seen) << z_mm;

@@ -1,7 +1,6 @@
 // PNG and film, read back by another library.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -71,7 +70,8 @@ TEST(Film, IsReadBackFrameByFrame) {
   ASSERT_TRUE(film.isOpened());
   EXPECT_EQ(film.get(cv::CAP_PROP_FRAME_COUNT), 12);
   EXPECT_NEAR(film.get(cv::CAP_PROP_FPS), 25.0, 1e-6);
-  EXPECT_EQ(static_cast<int>(film.get(cv::CAP_PROP_FOURCC)), cv::VideoWriter::fourcc('a', 'v', 'c', '1'));
+  EXPECT_EQ(static_cast<int>(film.get(cv::CAP_PROP_FOURCC)),
+            cv::VideoWriter::fourcc('a', 'v', 'c', '1'));
   cv::Mat frame;
   int count = 0;
   for (; film.read(frame); ++count) {
@@ -80,7 +80,8 @@ TEST(Film, IsReadBackFrameByFrame) {
     const GrayImage truth = Shades(320, 240, count);
     double error = 0.0;
     for (int r = 0; r < 240; ++r) {
-      for (int c = 0; c < 320; ++c) error += std::abs(frame.at<cv::Vec3b>(r, c)[1] - truth.At(c, r));
+      for (int c = 0; c < 320; ++c)
+        error += std::abs(frame.at<cv::Vec3b>(r, c)[1] - truth.At(c, r));
     }
     EXPECT_LT(error / (320 * 240), 2.5) << "frame " << count;
   }

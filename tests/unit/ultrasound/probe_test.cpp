@@ -1,11 +1,10 @@
 #include "ultrasound/probe.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "config/json_file.h"
 #include "core/error.h"
@@ -117,9 +116,8 @@ TEST(Probe, AFanStartsOnTheFaceAndItsSectorFillsThePicture) {
 TEST(Probe, PicturesWithoutPixelsOrWithFlatOnesAreRefused) {
   EXPECT_THROW(ScanGridOf(ImageGeometry{.width_px = 0, .height_px = 4}), InputError);
   EXPECT_THROW(ScanGridOf(ImageGeometry{.width_px = 4, .height_px = 9000}), InputError);
-  EXPECT_THROW(
-      ScanGridOf(ImageGeometry{.width_px = 4, .height_px = 4, .lateral_mm_per_px = 0.0}),
-      InputError);
+  EXPECT_THROW(ScanGridOf(ImageGeometry{.width_px = 4, .height_px = 4, .lateral_mm_per_px = 0.0}),
+               InputError);
   EXPECT_NO_THROW(ScanGridOf(ImageGeometry{.width_px = 1, .height_px = 1}));
 }
 
