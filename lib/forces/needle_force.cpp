@@ -9,6 +9,7 @@ namespace {
 constexpr double kFarthestMm = 1e5;          // Coordinates beyond it are not positions in a room.
 constexpr double kLargestFirstStepMm = 5.0;  // The skin is sought at most so far behind the tip.
 constexpr double kEscapeMm = 20.0;           // Off the path by this and outside the body: it left.
+constexpr double kSkinTremorMm = 1.0;
 constexpr double kShallowMm = 2.0;           // Here a path is moved, deeper it turns at the skin.
 constexpr double kDrawnBackMm = 2.0;         // Shorter pull-backs are not the start of a redirect.
 constexpr double kLockMm = 0.5;              // Advance that ends a redirect.
@@ -164,7 +165,9 @@ NeedleForce NeedleForceModel::InBody(NeedleForceState& state, const Motion& moti
 
 /// True if the needle is no longer in or on the body.
 bool NeedleForceModel::HasLeft(NeedleForceState& state, const Motion& motion) const noexcept {
-  const double slack_mm = std::max(table_.settings.interface_hysteresis_mm, 0.05);
+  // A hand that rests the tip on the skin trembles: that is one contact, not many.
+  const double slack_mm = std::max(table_.settings.interface_hysteresis_mm,
+                                   state.pierced ? 0.05 : kSkinTremorMm);
   if (state.path.DepthMm(motion.tip_mm) < -slack_mm) return true;
   if (motion.label != 0) {
     state.seen_outside = false;
@@ -377,7 +380,9 @@ void NeedleForceModel::Finish(const NeedleForceState& state, const Motion& motio
 
 double NeedleForceModel::LateralStiffnessNPerMm(double depth_mm) const noexcept {
   const double buried_mm = std::clamp(depth_mm, 0.0, needle_.length_mm);
-  const double tissue = table_.settings.tissue_lateral_stiffness_n_per_mm2 * buried_mm;
+  // The shaft turns about the skin, so its deviation grows linearly to the tip: a force at the tip
+  // with the same moment is a third of what it would be if all of the shaft were displaced.
+  const double tissue = table_.settings.tissue_lateral_stiffness_n_per_mm2 * buried_mm / 3.0;
   const double free_mm = std::max(needle_.length_mm - buried_mm, kShortestFreeMm);
   const double beam = needle_.beam.EndStiffnessNPerMm(free_mm);
   return tissue > 0.0 ? beam * tissue / (beam + tissue) : 0.0;

@@ -116,7 +116,7 @@ TEST_F(NeedleForceTest, InAndOutAgainTakesWork) {
   for (const double depth_mm : {2.0, 10.0, 45.0}) {
     Insertion drive{model, fat_and_liver};
     drive.MoveTo(depth_mm, 20.0);
-    drive.MoveTo(-1.0, 20.0);
+    drive.MoveTo(-1.5, 20.0);
     EXPECT_GT(drive.work_n_mm, depth_mm > 4.0 ? 1.0 : -1e-9) << depth_mm;
     EXPECT_FALSE(drive.state.in_body);
   }
@@ -213,14 +213,22 @@ TEST_F(NeedleForceTest, LateralForceIsBeamAndTissueInSeries) {
   insertion.aside_mm = {3.0, 0.0};
   insertion.StepTo(30.0);
   const double beam = Trocar().beam.EndStiffnessNPerMm(120.0);
-  const double tissue = 0.05 * 30.0;
+  const double tissue = 0.02 * 30.0 / 3.0;  // Turning about the skin.
   EXPECT_NEAR(insertion.last.force_in_ct_n.x(), -3.0 * beam * tissue / (beam + tissue), 1e-3);
   EXPECT_NEAR(insertion.last.lateral_n, -insertion.last.force_in_ct_n.x(), 1e-12);
 }
 
+TEST_F(NeedleForceTest, TremorOnTheSkinIsOneContact) {
+  for (int i = 0; i < 3000; ++i) insertion.StepTo(0.05 + 0.6 * std::sin(0.05 * i));
+  EXPECT_EQ(insertion.Count(NeedleEvent::kContact), 1);
+  EXPECT_EQ(insertion.Count(NeedleEvent::kWithdrawal), 0);
+  insertion.MoveTo(-1.2);
+  EXPECT_FALSE(insertion.state.in_body);
+}
+
 TEST_F(NeedleForceTest, LateralForceIsBoundedByTurningThePath) {
   insertion.MoveTo(60.0);
-  for (int i = 0; i < 400; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     insertion.aside_mm.y() += 0.1;
     insertion.StepTo(60.0);
     ASSERT_LE(insertion.last.lateral_n, 3.0 + 1e-9);
