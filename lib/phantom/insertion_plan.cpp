@@ -26,13 +26,12 @@ bool WellInside(const PatientField& field, const Vector3d& p) {
 }
 
 /// Fills in the image plane: it holds the needle and `axis`, or if that is zero, the skin's normal.
-InsertionPlan Complete(const PatientField& field, const Vector3d& entry, const Vector3d& target,
+InsertionPlan Complete(const Vector3d& entry, const Vector3d& normal, const Vector3d& target,
                        const Vector3d& axis) {
   InsertionPlan plan;
   plan.entry_ct_mm = entry;
   plan.target_ct_mm = target;
   plan.direction = (target - entry).normalized();
-  const Vector3d normal = SkinNormal(field, entry);
   Vector3d along = axis.norm() > 0.0 ? axis : Vector3d(plan.direction + normal);
   // An axis along the needle spans no plane: then the head's direction does, or any.
   for (const Vector3d& other : {Vector3d(Vector3d::UnitZ()), normal.unitOrthogonal().eval()}) {
@@ -147,7 +146,7 @@ void TryEntry(const PatientField& field, const PlanSettings& settings, const Vec
       for (double length = settings.min_length_mm; length <= settings.max_length_mm;
            length += 10.0) {
         const InsertionPlan plan =
-            Complete(field, entry, entry + length * direction, Vector3d::Zero());
+            Complete(entry, normal, entry + length * direction, Vector3d::Zero());
         const double cost = TissueCost(field, plan, settings) + 0.2 * std::abs(tilt_deg - 30.0);
         if (cost >= best.cost || !PathIsFree(field, entry, plan.target_ct_mm, settings)) continue;
         const auto uneven = ProbeUnevenness(field, plan);
@@ -207,7 +206,7 @@ InsertionPlan PlanToTarget(const PatientField& field, const Vector3d& target,
       const double length = (*entry - target).norm();
       if (length < settings.min_length_mm || length > settings.max_length_mm) continue;
       if (!PathIsFree(field, *entry, target, settings)) continue;
-      InsertionPlan plan = Complete(field, *entry, target, settings.image_axis);
+      InsertionPlan plan = Complete(*entry, SkinNormal(field, *entry), target, settings.image_axis);
       if (!ProbeUnevenness(field, plan)) continue;
       FindBone(field, settings, plan);
       return plan;

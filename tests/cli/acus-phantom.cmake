@@ -1,0 +1,33 @@
+# A small patient; the full example of --help is run by run_examples.sh.
+set(small ${CMAKE_SOURCE_DIR}/testdata/small_lumbar.json)
+acus_add_cli_case(acus-phantom.patient EXIT 0
+  CREATES p/ct.nrrd p/labels.seg.nrrd p/truth.json p/markers_ct.csv p/markers_mannequin.csv
+          p/target_ct.csv p/force_curves p/sessions/insertion/needle.csv p/provenance.json
+  COMMAND acus-phantom patient lumbar --config ${small} --seed 3 --quiet -o p)
+acus_add_cli_case(acus-phantom.scene EXIT 0 NEEDS inputs
+  CREATES s/truth.json s/markers_ct.csv s/markers_mannequin.csv s/target_ct.csv
+          s/sessions/insertion/probe.csv s/provenance.json
+  BEFORE "ln -s $INPUTS/labels.seg.nrrd ."
+  COMMAND acus-phantom scene labels.seg.nrrd -o s --quiet)
+acus_add_cli_case(acus-phantom.unknown_patient EXIT 2 LEAVES_NOTHING
+  STDERR "lumbar" COMMAND acus-phantom patient lumber -o p)
+acus_add_cli_case(acus-phantom.no_kind EXIT 2 LEAVES_NOTHING
+  STDERR "kind is required" COMMAND acus-phantom patient -o p)
+acus_add_cli_case(acus-phantom.missing_config EXIT 2 LEAVES_NOTHING
+  STDERR "none.json" COMMAND acus-phantom patient lumbar --config none.json -o p)
+acus_add_cli_case(acus-phantom.misspelt_key EXIT 3
+  BEFORE "sed s/clearance_mm/clearence_mm/ ${small} > c.json"
+  STDERR "c.json" "/insertion" "clearance_mm"
+  COMMAND acus-phantom patient lumbar --config c.json -o p)
+acus_add_cli_case(acus-phantom.cut_config EXIT 3
+  BEFORE "head -c 300 ${small} > c.json"
+  STDERR "c.json" COMMAND acus-phantom patient lumbar --config c.json -o p)
+acus_add_cli_case(acus-phantom.unknown_landmark EXIT 3 BEFORE "sed s/canal_L3L4/canal_L9L9/ ${small} > c.json"
+  STDERR "canal_L9L9" "canal_L3L4" COMMAND acus-phantom patient lumbar --config c.json --quiet -o p)
+acus_add_cli_case(acus-phantom.no_way EXIT 4
+  BEFORE "sed 's/0.20, 0.88, -0.42/0, -1, 0/' ${small} > c.json"
+  STDERR "no free straight path" "cone_deg"
+  COMMAND acus-phantom patient lumbar --config c.json --quiet -o p)
+acus_add_cli_case(acus-phantom.scene_of_rubbish EXIT 3 LEAVES_NOTHING
+  BEFORE "head -c 500 ${small} > labels.seg.nrrd"
+  STDERR "labels.seg.nrrd" COMMAND acus-phantom scene labels.seg.nrrd -o s)
