@@ -12,6 +12,7 @@ constexpr double kEscapeMm = 20.0;           // Off the path by this and outside
 constexpr double kSkinTremorMm = 1.0;
 constexpr double kShallowMm = 2.0;           // Here a path is moved, deeper it turns at the skin.
 constexpr double kDrawnBackMm = 2.0;         // Shorter pull-backs are not the start of a redirect.
+constexpr double kFadeShare = 0.5;           // Of the redirect depth, in which resistance fades.
 constexpr double kLockMm = 0.5;              // Advance that ends a redirect.
 constexpr double kBoneReleaseMm = 0.1;
 constexpr double kBoneSlipMm = 1.0;          // Sideways shift after which the tip may slide off.
@@ -188,8 +189,8 @@ void NeedleForceModel::Guide(NeedleForceState& state, const Motion& motion) cons
   const double depth_mm = path.DepthMm(motion.tip_mm);
   double limit_n = table_.settings.lateral_limit_n;
   if (state.redirecting) {
-    const double half_mm = 0.5 * table_.settings.redirect_depth_mm;
-    limit_n *= std::clamp((depth_mm - half_mm) / half_mm, 0.0, 1.0);
+    const double free_mm = table_.settings.redirect_depth_mm;
+    limit_n *= std::clamp((depth_mm - free_mm) / (kFadeShare * free_mm), 0.0, 1.0);
   }
   const double stiffness = LateralStiffnessNPerMm(depth_mm);
   const double size_mm = deviation_mm.norm();
@@ -211,15 +212,16 @@ void NeedleForceModel::Redirect(NeedleForceState& state, const Motion& motion) c
   const double redirect_mm = table_.settings.redirect_depth_mm;
   const double depth_mm = state.depth_mm;
   if (!state.pierced || state.on_bone || redirect_mm <= 0.0) return;
-  if (!state.redirecting && depth_mm < redirect_mm && state.channel_mm - depth_mm > kDrawnBackMm) {
+  const double fade_mm = (1.0 + kFadeShare) * redirect_mm;  // Resistance fades from here on.
+  if (!state.redirecting && depth_mm < fade_mm && state.channel_mm - depth_mm > kDrawnBackMm) {
     state.redirecting = true;
     state.lowest_mm = depth_mm;
   }
   if (!state.redirecting) return;
   state.lowest_mm = std::min(state.lowest_mm, depth_mm);
-  if (depth_mm > state.lowest_mm + kLockMm || depth_mm >= redirect_mm) {
+  if (depth_mm > state.lowest_mm + kLockMm || depth_mm >= fade_mm) {
     state.redirecting = false;
-  } else if (depth_mm < 0.5 * redirect_mm) {
+  } else if (depth_mm < redirect_mm) {
     state.path.direction_in_ct = motion.axis;
     state.path.entry_in_ct_mm = motion.tip_mm - state.device_mm * motion.axis;
     state.path.CutOffAt(depth_mm);

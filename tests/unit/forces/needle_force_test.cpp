@@ -238,15 +238,17 @@ TEST_F(NeedleForceTest, LateralForceIsBoundedByTurningThePath) {
 
 TEST_F(NeedleForceTest, DrawnBackNeedleTakesANewPath) {
   insertion.MoveTo(40.0);
-  insertion.MoveTo(5.0);
+  insertion.MoveTo(25.0);
+  EXPECT_TRUE(insertion.state.redirecting);  // Fading.
+  insertion.MoveTo(18.0);
   EXPECT_TRUE(insertion.state.redirecting);
   const double angle = 0.2;
   insertion.axis = {std::sin(angle), 0.0, std::cos(angle)};
-  insertion.StepTo(5.0);
+  insertion.StepTo(18.0);
   EXPECT_NEAR(insertion.last.lateral_n, 0.0, 1e-9);
   for (double s_mm = 0.0; s_mm < 30.0; s_mm += 0.005) {  // Along the new axis.
     insertion.aside_mm.x() = s_mm * std::sin(angle);
-    insertion.StepTo(5.0 + s_mm * std::cos(angle));
+    insertion.StepTo(18.0 + s_mm * std::cos(angle));
     ASSERT_LT(insertion.last.lateral_n, 0.05);
   }
   EXPECT_FALSE(insertion.state.redirecting);
