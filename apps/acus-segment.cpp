@@ -1,0 +1,79 @@
+// acus-segment: CT to a label map, closed skin and bone surfaces, pictures and volumes.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "config/json_file.h"
+#include "core/run_main.h"
+#include "segmentation/patient_segmentation.h"
+#include "volume/volume_io.h"
+
+int main(int argc, char** argv) {
+  std::filesystem::path ct_path, config_path, import_path, reference_path, mapping_path, folder;
+  std::string series;
+  bool list_series = false;
+  CLI::App app{"Tell the tissues of a CT apart: body, skin, fat, soft tissue, bone, lung, gas, and organs "
+               "from seed points or a label map made elsewhere.", "acus-segment"};
+  app.footer(
+      "Writes labels.seg.nrrd (3D Slicer), skin.stl, bone.stl, preview_*.png, volumes.csv.\n"
+      "With --compare also agreement.csv: Dice and 95 % surface distance by tissue.\n\n"
+      "EXAMPLE\n"
+      "  acus-phantom patient lumbar -o patient\n"
+      "  acus-segment patient/ct.nrrd -o segmented\n");
+  app.add_option("ct", ct_path, "DICOM folder, or a NIfTI, NRRD or MetaImage file")
+      ->required()
+      ->check(CLI::ExistingPath);
+  app.add_option("--config", config_path,
+                 "Settings (format acus-segmentation/1); default: the preset segmentation/default.json")
+      ->check(CLI::ExistingFile);
+  app.add_option("--series", series, "DICOM series: its UID, or a part of that or of its description");
+  auto* list_option =
+      app.add_flag("--list-series", list_series, "Only list the series of the DICOM folder")
+          ->excludes("--series");
+  auto* import_option = app.add_option("--import", import_path, "Label map made elsewhere, laid over the tissues found")
+                            ->check(CLI::ExistingFile);
+  auto* compare_option = app.add_option("--compare", reference_path, "Reference label map to hold the result against")
+                             ->check(CLI::ExistingFile)
+                             ->excludes(import_option);
+  auto* mapping_option =
+      app.add_option("--mapping", mapping_path,
+                     "What the values of that label map mean (format acus-label-mapping/1); "
+                     "default: the preset label_maps/totalsegmentator.json")
+          ->check(CLI::ExistingFile);
+  app.add_option("-o,--output", folder, "Folder to write");
+  app.callback([&] {
+    if (folder.empty() && list_option->count() == 0) throw CLI::RequiredError("--output");
+    if (mapping_option->count() > 0 && import_option->count() + compare_option->count() == 0) {
+      throw CLI::RequiresError("--mapping", "--import or --compare");
+    }
+  });
+
+  return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
+    if (list_series) {
+      for (const auto& found : acus::volume::ListDicomSeries(ct_path)) {
+        std::cout << found.uid << "  " << found.files.size() << " slices of " << found.image_size[0] << " x "
+                  << found.image_size[1] << "  " << found.description << '\n';
+      }
+      return acus::ExitCode::kOk;
+    }
+    using acus::config::FindConfig;
+    if (config_path.empty()) config_path = FindConfig("segmentation/default.json", ".");
+    if (mapping_path.empty()) mapping_path = FindConfig("label_maps/totalsegmentator.json", ".");
+    const auto config = acus::segmentation::ReadSegmentationConfig(config_path);
+    std::optional<acus::segmentation::ForeignLabels> import;
+    if (!import_path.empty()) import = {import_path, mapping_path};
+    context.provenance.AddInput(config_path);
+    context.provenance.AddInput(ct_path);
+    for (const auto& path : {import_path, reference_path}) {
+      if (!path.empty()) context.provenance.AddInput(path);
+    }
+    const auto ct = acus::volume::ReadCt(ct_path, series, context);
+    const auto labels = acus::segmentation::SegmentPatient(ct, config, import, context);
+    std::vector<acus::segmentation::Agreement> agreement;
+    if (!reference_path.empty()) {
+      agreement = acus::segmentation::CompareWithReference(labels, {reference_path, mapping_path}, context);
+    }
+    acus::segmentation::WritePatientFolder(folder, ct, labels, config, agreement, context);
+    if (!agreement.empty()) std::cout << acus::segmentation::AgreementTable(agreement);
+    return acus::ExitCode::kOk;
+  });
+}
