@@ -11,8 +11,10 @@ int main(int argc, char** argv) {
   std::filesystem::path ct_path, config_path, import_path, reference_path, mapping_path, folder;
   std::string series;
   bool list_series = false;
-  CLI::App app{"Tell the tissues of a CT apart: body, skin, fat, soft tissue, bone, lung, gas, and organs "
-               "from seed points or a label map made elsewhere.", "acus-segment"};
+  CLI::App app{
+      "Tell the tissues of a CT apart: body, skin, fat, soft tissue, bone, lung, gas, and organs "
+      "from seed points or a label map made elsewhere.",
+      "acus-segment"};
   app.footer(
       "Writes labels.seg.nrrd (3D Slicer), skin.stl, bone.stl, preview_*.png, volumes.csv.\n"
       "With --compare also agreement.csv: Dice and 95 % surface distance by tissue.\n\n"
@@ -22,18 +24,22 @@ int main(int argc, char** argv) {
   app.add_option("ct", ct_path, "DICOM folder, or a NIfTI, NRRD or MetaImage file")
       ->required()
       ->check(CLI::ExistingPath);
-  app.add_option("--config", config_path,
-                 "Settings (format acus-segmentation/1); default: the preset segmentation/default.json")
+  app.add_option(
+         "--config", config_path,
+         "Settings (format acus-segmentation/1); default: the preset segmentation/default.json")
       ->check(CLI::ExistingFile);
-  app.add_option("--series", series, "DICOM series: its UID, or a part of that or of its description");
+  app.add_option("--series", series,
+                 "DICOM series: its UID, or a part of that or of its description");
   auto* list_option =
       app.add_flag("--list-series", list_series, "Only list the series of the DICOM folder")
           ->excludes("--series");
-  auto* import_option = app.add_option("--import", import_path, "Label map made elsewhere, laid over the tissues found")
+  auto* import_option = app.add_option("--import", import_path,
+                                       "Label map made elsewhere, laid over the tissues found")
                             ->check(CLI::ExistingFile);
-  auto* compare_option = app.add_option("--compare", reference_path, "Reference label map to hold the result against")
-                             ->check(CLI::ExistingFile)
-                             ->excludes(import_option);
+  auto* compare_option =
+      app.add_option("--compare", reference_path, "Reference label map to hold the result against")
+          ->check(CLI::ExistingFile)
+          ->excludes(import_option);
   auto* mapping_option =
       app.add_option("--mapping", mapping_path,
                      "What the values of that label map mean (format acus-label-mapping/1); "
@@ -50,8 +56,8 @@ int main(int argc, char** argv) {
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     if (list_series) {
       for (const auto& found : acus::volume::ListDicomSeries(ct_path)) {
-        std::cout << found.uid << "  " << found.files.size() << " slices of " << found.image_size[0] << " x "
-                  << found.image_size[1] << "  " << found.description << '\n';
+        std::cout << found.uid << "  " << found.files.size() << " slices of " << found.image_size[0]
+                  << " x " << found.image_size[1] << "  " << found.description << '\n';
       }
       return acus::ExitCode::kOk;
     }
@@ -70,7 +76,8 @@ int main(int argc, char** argv) {
     const auto labels = acus::segmentation::SegmentPatient(ct, config, import, context);
     std::vector<acus::segmentation::Agreement> agreement;
     if (!reference_path.empty()) {
-      agreement = acus::segmentation::CompareWithReference(labels, {reference_path, mapping_path}, context);
+      agreement =
+          acus::segmentation::CompareWithReference(labels, {reference_path, mapping_path}, context);
     }
     acus::segmentation::WritePatientFolder(folder, ct, labels, config, agreement, context);
     if (!agreement.empty()) std::cout << acus::segmentation::AgreementTable(agreement);

@@ -63,8 +63,8 @@ AirSpaces FindAirSpaces(const volume::CtVolume& ct, const Mask& body, const Tiss
   }
   // Vessels and bronchial walls belong to the lung.
   Mask filled = Closed(out.lung, options.lung_closing_mm, num_threads);
-  const double pixel_mm2 = ct.geometry.voxel_volume_mm3() /
-                           ct.geometry.spacing_mm[AxialAxis(ct.geometry)];
+  const double pixel_mm2 =
+      ct.geometry.voxel_volume_mm3() / ct.geometry.spacing_mm[AxialAxis(ct.geometry)];
   FillInSlices(filled, AxialAxis(ct.geometry), num_threads, [&](const SliceRegion& region) {
     return !region.touches_border &&
            static_cast<double>(region.voxels.size()) * pixel_mm2 < kLargestLungHoleMm2;

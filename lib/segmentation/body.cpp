@@ -30,7 +30,8 @@ Mask FindBody(const volume::CtVolume& ct, const TissueOptions& options, int num_
   for (std::size_t i = 0; i < ct.voxels.size(); ++i) {
     solid.voxels[i] = ct.voxels[i] > options.body_threshold_hu ? 1 : 0;
   }
-  const double opening_mm = std::max(options.body_opening_mm, 1.01 * ct.geometry.spacing_mm.minCoeff());
+  const double opening_mm =
+      std::max(options.body_opening_mm, 1.01 * ct.geometry.spacing_mm.minCoeff());
   const Components parts = ConnectedComponents(Eroded(solid, opening_mm, num_threads));
   ACUS_REQUIRE(parts.num_voxels.size() > 1, "the CT holds nothing thicker than ", 2.0 * opening_mm,
                " mm and denser than ", options.body_threshold_hu, " HU: there is no body in it");
@@ -39,8 +40,8 @@ Mask FindBody(const volume::CtVolume& ct, const TissueOptions& options, int num_
     const std::int32_t number = parts.number.voxels[i];
     if (number != 0) samples[static_cast<std::size_t>(number)].push_back(ct.voxels[i]);
   }
-  const auto largest = static_cast<std::int32_t>(
-      std::ranges::max_element(parts.num_voxels) - parts.num_voxels.begin());
+  const auto largest = static_cast<std::int32_t>(std::ranges::max_element(parts.num_voxels) -
+                                                 parts.num_voxels.begin());
   const double ml = ct.geometry.voxel_volume_mm3() / 1000.0;
   Mask body = Kept(parts, [&](std::int32_t n) {
     const auto at = static_cast<std::size_t>(n);

@@ -16,20 +16,22 @@ constexpr double kFluidHighHu = 70.0;   ///< not marrow: fatty marrow is below, 
 constexpr double kSmallHoleMm2 = 60.0;  ///< A hole below this is marrow, whatever it holds.
 constexpr double kLargeHoleMm2 = 4000.0;
 constexpr std::size_t kHistogramStepHu = 4;
-constexpr double kMostBloodHu = 480.0;     ///< Arteries just after an injection.
+constexpr double kMostBloodHu = 480.0;  ///< Arteries just after an injection.
 constexpr double kLeastContrastMl = 3.0;
 constexpr double kSmoothBelowMm = 1.5;  ///< Pixels larger than this are smooth already.
 constexpr double kLargeCoreMl = 15.0;
+constexpr double kMostRim =
+    1.08;  ///< Rim over core of what holds contrast agent; cortex is above 1.3.
 constexpr double kSmallCoreMl = 0.5;
 constexpr double kMostBloodInSmallCoreHu = 380.0;
 constexpr double kLeastMarrowHu = -150.0;
 constexpr double kCanalCompactness = 0.5;
 constexpr double kFarFromBoneMm = 12.0;
-constexpr double kMarginHu = 10.0;         ///< Of the threshold above soft tissue.
+constexpr double kMarginHu = 10.0;  ///< Of the threshold above soft tissue.
 constexpr double kCertainGroupMl = 0.01;
 constexpr double kReachEnhancedMm = 5.0;
 constexpr double kReachPlainMm = 12.0;
-constexpr double kClosingVoxels = 1.5;     ///< A gap in a cortex is at least that wide.
+constexpr double kClosingVoxels = 1.5;  ///< A gap in a cortex is at least that wide.
 
 /// Standard deviation of noise [HU], from differences of neighbours along i in soft tissue.
 double NoiseHu(const volume::CtVolume& ct, const Mask& body) {
@@ -59,7 +61,8 @@ volume::CtVolume SmoothedInSlices(const volume::CtVolume& ct, int num_threads) {
       for (int i = 1; i + 1 < size[0]; ++i) {
         int sum = 0;
         for (int dj = -1; dj <= 1; ++dj) {
-          const int row = ct.At(i - 1, j + dj, k) + 2 * ct.At(i, j + dj, k) + ct.At(i + 1, j + dj, k);
+          const int row =
+              ct.At(i - 1, j + dj, k) + 2 * ct.At(i, j + dj, k) + ct.At(i + 1, j + dj, k);
           sum += dj == 0 ? 2 * row : row;
         }
         out.At(i, j, k) = static_cast<std::int16_t>(sum >= 0 ? sum / 16 : -(-sum / 16));
@@ -127,7 +130,8 @@ volume::Grid<std::int32_t> Grown(const Components& cores, const Mask& dense, dou
 }
 
 /// The thick, even parts of `dense`: organs, vessels and bowel that hold contrast agent. Their rim
-/// is mixed with what surrounds them and less dense than the core; the rim of spongy bone is cortex.
+/// is mixed with what surrounds them and less dense than the core; the rim of spongy bone is
+/// cortex.
 Mask ContrastIn(const volume::CtVolume& ct, const Mask& dense, const TissueOptions& options,
                 int num_threads) {
   const Components cores =
@@ -150,10 +154,10 @@ Mask ContrastIn(const volume::CtVolume& ct, const Mask& dense, const TissueOptio
     const double size_ml = static_cast<double>(cores.num_voxels[n]) * ml;
     const double most_hu = size_ml > kSmallCoreMl ? kMostBloodHu : kMostBloodInSmallCoreHu;
     const bool is_blood = spread < options.contrast_max_spread && high < most_hu &&
-                          rim[n].Quantile(0.6) < median;
+                          rim[n].Quantile(0.6) < kMostRim * median;
     // A bladder full of contrast agent is as dense as bone, but no bone is so thick and even.
     const bool is_bladder = spread < 0.5 * options.contrast_max_spread && size_ml > kLargeCoreMl &&
-                            rim[n].Quantile(0.6) < median;
+                            rim[n].Quantile(0.6) < kMostRim * median;
     is_contrast[n] = is_blood || is_bladder ? 1 : 0;
     if (is_contrast[n] != 0) contrast_ml += size_ml;
   }
@@ -184,13 +188,16 @@ Mask CertainBone(const volume::CtVolume& ct, const Mask& body, const Mask& contr
                  const TissueOptions& options) {
   Mask certain(ct.geometry);
   for (std::size_t i = 0; i < certain.voxels.size(); ++i) {
-    certain.voxels[i] = body.voxels[i] != 0 && contrast.voxels[i] == 0 &&
-                                ct.voxels[i] > options.bone_certain_hu ? 1 : 0;
+    certain.voxels[i] =
+        body.voxels[i] != 0 && contrast.voxels[i] == 0 && ct.voxels[i] > options.bone_certain_hu
+            ? 1
+            : 0;
   }
   const Components groups = ConnectedComponents(certain);
   const double ml = ct.geometry.voxel_volume_mm3() / 1000.0;
   return Kept(groups, [&](std::int32_t n) {
-    return static_cast<double>(groups.num_voxels[static_cast<std::size_t>(n)]) * ml >= kCertainGroupMl;
+    return static_cast<double>(groups.num_voxels[static_cast<std::size_t>(n)]) * ml >=
+           kCertainGroupMl;
   });
 }
 
@@ -205,7 +212,8 @@ Mask LargeParts(const Mask& mask, double min_ml) {
 
 /// Area over the area of a circle of the same circumference: 1 for a disc, small for a strip.
 double Compactness(const SliceRegion& region, const volume::Geometry& g, int axis) {
-  const std::array<std::size_t, 3> stride = {1, static_cast<std::size_t>(g.size[0]), g.Index(0, 0, 1)};
+  const std::array<std::size_t, 3> stride = {1, static_cast<std::size_t>(g.size[0]),
+                                             g.Index(0, 0, 1)};
   const int u = axis == 0 ? 1 : 0;
   const int v = axis == 2 ? 1 : 2;
   const std::vector<std::size_t>& in = region.voxels;  // Sorted by the caller.
@@ -245,13 +253,12 @@ bool IsMarrow(const volume::CtVolume& ct, const SliceRegion& hole, int axis, boo
 void FillMarrow(const volume::CtVolume& ct, Mask& bone, const TissueOptions& options,
                 int num_threads) {
   const double in_plane_mm = std::min({ct.geometry.spacing_mm[0], ct.geometry.spacing_mm[1]});
-  Mask shell = Closed(bone, std::max(options.bone_closing_mm, kClosingVoxels * in_plane_mm),
-                      num_threads);
+  Mask shell =
+      Closed(bone, std::max(options.bone_closing_mm, kClosingVoxels * in_plane_mm), num_threads);
   const int axial = AxialAxis(ct.geometry);
   for (const int axis : {axial, (axial + 1) % 3, (axial + 2) % 3}) {
-    FillInSlices(shell, axis, num_threads, [&](const SliceRegion& hole) {
-      return IsMarrow(ct, hole, axis, axis == axial);
-    });
+    FillInSlices(shell, axis, num_threads,
+                 [&](const SliceRegion& hole) { return IsMarrow(ct, hole, axis, axis == axial); });
   }
   for (std::size_t i = 0; i < bone.voxels.size(); ++i) {
     if (shell.voxels[i] != 0 && ct.voxels[i] > kLeastMarrowHu) bone.voxels[i] = 1;

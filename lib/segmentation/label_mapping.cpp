@@ -17,10 +17,12 @@ namespace fs = std::filesystem;
 constexpr double kLeastOverlap = 0.01;
 
 /// Values by place of their voxel, or 0 outside `from`.
-volume::Grid<std::int32_t> OnGrid(const volume::Grid<std::int32_t>& from, const volume::Geometry& grid,
-                                  const fs::path& path, const RunContext& context) {
+volume::Grid<std::int32_t> OnGrid(const volume::Grid<std::int32_t>& from,
+                                  const volume::Geometry& grid, const fs::path& path,
+                                  const RunContext& context) {
   if (from.geometry.Matches(grid)) return from;
-  context.Warn(Message(path.string(), ": lies on another grid than the CT; labels are taken from the "
+  context.Warn(Message(path.string(),
+                       ": lies on another grid than the CT; labels are taken from the "
                        "nearest voxel"));
   volume::Grid<std::int32_t> out(grid, 0);
   std::vector<std::size_t> hits(static_cast<std::size_t>(grid.size[2]), 0);
@@ -39,7 +41,8 @@ volume::Grid<std::int32_t> OnGrid(const volume::Grid<std::int32_t>& from, const 
   std::size_t total = 0;
   for (const std::size_t h : hits) total += h;
   ACUS_REQUIRE(static_cast<double>(total) >= kLeastOverlap * static_cast<double>(grid.num_voxels()),
-               path.string(), ": does not overlap the CT; are the two from one patient, and both in "
+               path.string(),
+               ": does not overlap the CT; are the two from one patient, and both in "
                "patient coordinates?");
   return out;
 }
@@ -53,7 +56,8 @@ LabelMapping ReadLabelMapping(const fs::path& path) {
   for (const auto& row : document.at("labels")) {
     const auto value = row.at("value").get<std::int32_t>();
     const auto tissue = row.at("tissue").get<std::string>();
-    ACUS_REQUIRE(!mapping.tissue.contains(value), path.string(), ": value ", value, " is given twice");
+    ACUS_REQUIRE(!mapping.tissue.contains(value), path.string(), ": value ", value,
+                 " is given twice");
     try {
       mapping.tissue[value] = volume::LabelOf(tissue);
     } catch (const InputError& error) {
@@ -84,7 +88,8 @@ volume::LabelMap ImportLabels(const fs::path& path, const LabelMapping& mapping,
       last_label = found->second;
     }
     labels.voxels[i] = last_label;
-    if (last_label != 0) labels.names[last_label] = std::string(volume::StandardLabels()[last_label].name);
+    if (last_label != 0)
+      labels.names[last_label] = std::string(volume::StandardLabels()[last_label].name);
   }
   std::string listed;
   for (const std::int32_t value : unknown) listed += Message(" ", value);

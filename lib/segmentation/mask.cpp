@@ -55,8 +55,7 @@ void MinimumOverWindow(const volume::Geometry& g, int axis, int reach, const std
         if (shift == 0 || here + shift < 0 || here + shift >= count) continue;
         const auto away = static_cast<float>(shift * g.spacing_mm[axis]);
         const float add = away * away;
-        const float* const from =
-            &in[row] + static_cast<std::ptrdiff_t>(stride) * shift;
+        const float* const from = &in[row] + static_cast<std::ptrdiff_t>(stride) * shift;
         for (std::size_t i = 0; i < columns; ++i) to[i] = std::min(to[i], from[i] + add);
       }
     }
@@ -210,7 +209,8 @@ Components ConnectedComponents(const Mask& mask) {
 
 Mask Kept(const Components& components, const std::function<bool(std::int32_t)>& keep) {
   std::vector<std::uint8_t> kept(components.num_voxels.size(), 0);
-  for (std::size_t n = 1; n < kept.size(); ++n) kept[n] = keep(static_cast<std::int32_t>(n)) ? 1 : 0;
+  for (std::size_t n = 1; n < kept.size(); ++n)
+    kept[n] = keep(static_cast<std::int32_t>(n)) ? 1 : 0;
   Mask mask(components.number.geometry);
   for (std::size_t i = 0; i < mask.voxels.size(); ++i) {
     mask.voxels[i] = kept[static_cast<std::size_t>(components.number.voxels[i])];
@@ -223,11 +223,13 @@ void FillInSlices(Mask& mask, int axis, int num_threads,
   const volume::Geometry& g = mask.geometry;
   const int u_axis = axis == 0 ? 1 : 0;
   const int v_axis = axis == 2 ? 1 : 2;
-  const std::array<std::size_t, 3> stride = {1, static_cast<std::size_t>(g.size[0]), g.Index(0, 0, 1)};
+  const std::array<std::size_t, 3> stride = {1, static_cast<std::size_t>(g.size[0]),
+                                             g.Index(0, 0, 1)};
   const int nu = g.size[u_axis];
   const int nv = g.size[v_axis];
   ParallelFor(g.size[axis], num_threads, [&](int slice) {
-    const std::size_t base = stride[static_cast<std::size_t>(axis)] * static_cast<std::size_t>(slice);
+    const std::size_t base =
+        stride[static_cast<std::size_t>(axis)] * static_cast<std::size_t>(slice);
     const auto index = [&](int u, int v) {
       return base + static_cast<std::size_t>(u) * stride[static_cast<std::size_t>(u_axis)] +
              static_cast<std::size_t>(v) * stride[static_cast<std::size_t>(v_axis)];
@@ -239,7 +241,8 @@ void FillInSlices(Mask& mask, int axis, int num_threads,
       for (int u0 = 0; u0 < nu; ++u0) {
         const auto push = [&](int u, int v) {
           if (u < 0 || v < 0 || u >= nu || v >= nv) return;
-          auto& flag = seen[static_cast<std::size_t>(v) * static_cast<std::size_t>(nu) + static_cast<std::size_t>(u)];
+          auto& flag = seen[static_cast<std::size_t>(v) * static_cast<std::size_t>(nu) +
+                            static_cast<std::size_t>(u)];
           if (flag != 0 || mask.voxels[index(u, v)] != 0) return;
           flag = 1;
           stack.emplace_back(u, v);
@@ -279,10 +282,12 @@ volume::Grid<float> DistanceMm(const Mask& mask, int num_threads) {
       std::vector<double> begin(n);
       for (int i = 0; i < g.size[0]; ++i) {
         const std::size_t first = axis == 1 ? g.Index(i, 0, o) : g.Index(i, o, 0);
-        const std::size_t stride = axis == 1 ? static_cast<std::size_t>(g.size[0]) : g.Index(0, 0, 1);
+        const std::size_t stride =
+            axis == 1 ? static_cast<std::size_t>(g.size[0]) : g.Index(0, 0, 1);
         for (std::size_t q = 0; q < n; ++q) line[q] = out.voxels[first + q * stride];
         EnvelopeAlongLine(line, g.spacing_mm[axis], place, begin, result);
-        for (std::size_t q = 0; q < n; ++q) out.voxels[first + q * stride] = static_cast<float>(line[q]);
+        for (std::size_t q = 0; q < n; ++q)
+          out.voxels[first + q * stride] = static_cast<float>(line[q]);
       }
     });
   }
@@ -298,11 +303,13 @@ Box BoundsOf(const Mask& mask) {
   const auto& size = mask.geometry.size;
   for (int k = 0; k < size[2]; ++k) {
     for (int j = 0; j < size[1]; ++j) {
-      const auto row = mask.voxels.begin() + static_cast<std::ptrdiff_t>(mask.geometry.Index(0, j, k));
+      const auto row =
+          mask.voxels.begin() + static_cast<std::ptrdiff_t>(mask.geometry.Index(0, j, k));
       const auto end = row + size[0];
       const auto first = std::find(row, end, 1);
       if (first == end) continue;
-      const auto last = std::find(std::make_reverse_iterator(end), std::make_reverse_iterator(row), 1);
+      const auto last =
+          std::find(std::make_reverse_iterator(end), std::make_reverse_iterator(row), 1);
       box.low = box.low.min(Eigen::Array3i(static_cast<int>(first - row), j, k));
       box.high = box.high.max(Eigen::Array3i(static_cast<int>(last.base() - row) - 1, j, k));
     }

@@ -28,8 +28,8 @@ Mask Opened(const Mask& mask, double radius_mm, int num_threads);
 
 /// Connected components over voxel faces.
 struct Components {
-  volume::Grid<std::int32_t> number;   ///< 0 = outside the mask, otherwise 1 ... count.
-  std::vector<std::size_t> num_voxels; ///< By number; [0] is unused.
+  volume::Grid<std::int32_t> number;    ///< 0 = outside the mask, otherwise 1 ... count.
+  std::vector<std::size_t> num_voxels;  ///< By number; [0] is unused.
 };
 Components ConnectedComponents(const Mask& mask);
 
@@ -42,8 +42,8 @@ struct SliceRegion {
   bool touches_border = false;  ///< Of the slice.
 };
 
-/// Adds to the mask those regions outside it, in every slice normal to `axis` (0 = i, 1 = j, 2 = k),
-/// for which `accept` is true; without `accept`, all that do not touch the border of the slice.
+/// Adds to the mask those regions outside it, in every slice normal to `axis` (0 = i, 1 = j, 2 =
+/// k), for which `accept` is true; without `accept`, all that do not touch the border of the slice.
 void FillInSlices(Mask& mask, int axis, int num_threads,
                   const std::function<bool(const SliceRegion&)>& accept = {});
 

@@ -23,8 +23,9 @@ Mask SurfaceOf(const Mask& mask) {
     for (int j = 0; j < size[1]; ++j) {
       for (int i = 0; i < size[0]; ++i) {
         if (mask.At(i, j, k) == 0) continue;
-        surface.At(i, j, k) = outside(i - 1, j, k) || outside(i + 1, j, k) || outside(i, j - 1, k) ||
-                              outside(i, j + 1, k) || outside(i, j, k - 1) || outside(i, j, k + 1);
+        surface.At(i, j, k) = outside(i - 1, j, k) || outside(i + 1, j, k) ||
+                              outside(i, j - 1, k) || outside(i, j + 1, k) ||
+                              outside(i, j, k - 1) || outside(i, j, k + 1);
       }
     }
   }
@@ -50,7 +51,8 @@ double SurfaceDistance95Mm(const Mask& a, const Mask& b, int num_threads) {
   Mask surface_b = SurfaceOf(b);
   Box box = BoundsOf(surface_a);
   const Box other = BoundsOf(surface_b);
-  ACUS_REQUIRE(!box.empty() && !other.empty(), "a segmentation is empty or fills the whole volume; "
+  ACUS_REQUIRE(!box.empty() && !other.empty(),
+               "a segmentation is empty or fills the whole volume; "
                "it has no surface to measure distances to");
   box.low = box.low.min(other.low);
   box.high = box.high.max(other.high);

@@ -1,16 +1,15 @@
 // First, so that ITK's headers find this Eigen's include guards and do not mix in their own copy.
-#include <Eigen/Eigenvalues>
+#include "segmentation/organs.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 #include <itkConnectedThresholdImageFilter.h>
 #include <itkImportImageFilter.h>
 #include <itkMedianImageFilter.h>
 #include <itkThresholdSegmentationLevelSetImageFilter.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "segmentation/crop.h"
-#include "segmentation/organs.h"
 
 namespace acus::segmentation {
 namespace {
@@ -19,8 +18,8 @@ using HuImage = itk::Image<std::int16_t, 3>;
 using FloatImage = itk::Image<float, 3>;
 using ByteImage = itk::Image<std::uint8_t, 3>;
 
-constexpr double kSeedBallMm = 4.0;          ///< Where a level set begins.
-constexpr double kLevelSetRmsChange = 0.005; ///< Stops earlier than at its last iteration.
+constexpr double kSeedBallMm = 4.0;           ///< Where a level set begins.
+constexpr double kLevelSetRmsChange = 0.005;  ///< Stops earlier than at its last iteration.
 
 /// An ITK image on the memory of a grid; index space with spacing, no rotation.
 template <typename Image, typename Scalar>
@@ -34,7 +33,8 @@ typename Image::Pointer ItkView(volume::Grid<Scalar>& grid) {
   }
   import->SetRegion(region);
   import->SetSpacing(spacing);
-  import->SetImportPointer(grid.voxels.data(), grid.voxels.size(), /*LetImageContainerManageMemory=*/false);
+  import->SetImportPointer(grid.voxels.data(), grid.voxels.size(),
+                           /*LetImageContainerManageMemory=*/false);
   import->Update();
   typename Image::Pointer image = import->GetOutput();
   image->DisconnectPipeline();
@@ -47,13 +47,15 @@ std::vector<Eigen::Array3i> SeedVoxels(const volume::CtVolume& ct, const OrganSe
     const Eigen::Vector3d at = ct.geometry.index_from_ct() * point;
     const Eigen::Array3i voxel = at.array().round().cast<int>();
     ACUS_REQUIRE(ct.geometry.Contains(voxel[0], voxel[1], voxel[2]), organ.tissue, ": the seed ",
-                 point.transpose(), " mm is outside the CT; seeds are in patient coordinates (LPS)");
+                 point.transpose(),
+                 " mm is outside the CT; seeds are in patient coordinates (LPS)");
     voxels.push_back(voxel);
   }
   return voxels;
 }
 
-Box BoxAround(const std::vector<Eigen::Array3i>& voxels, const volume::Geometry& g, double radius_mm) {
+Box BoxAround(const std::vector<Eigen::Array3i>& voxels, const volume::Geometry& g,
+              double radius_mm) {
   const Eigen::Array3i reach = (radius_mm / g.spacing_mm).ceil().cast<int>();
   Box box{voxels.front(), voxels.front()};
   for (const auto& voxel : voxels) {
@@ -146,7 +148,9 @@ Mask PartsWithSeeds(const Mask& mask, const std::vector<Eigen::Array3i>& seeds) 
     if (n != 0) keep[static_cast<std::size_t>(n)] = 1;
     any |= n != 0;
   }
-  if (!any) keep[static_cast<std::size_t>(std::ranges::max_element(parts.num_voxels) - parts.num_voxels.begin())] = 1;
+  if (!any)
+    keep[static_cast<std::size_t>(std::ranges::max_element(parts.num_voxels) -
+                                  parts.num_voxels.begin())] = 1;
   return Kept(parts, [&](std::int32_t n) { return keep[static_cast<std::size_t>(n)] != 0; });
 }
 
@@ -178,7 +182,8 @@ Mask FindOrgan(const volume::CtVolume& ct, const OrganSeed& organ, const RunCont
     mask = organ.method == OrganSeed::Method::kRegionGrowing ? RegionGrown(part, seeds, organ)
                                                              : LevelSetGrown(part, distance, organ);
   } catch (const itk::ExceptionObject& error) {
-    throw NoAnswerError(Message(organ.tissue, ": the segmentation failed: ", error.GetDescription()));
+    throw NoAnswerError(
+        Message(organ.tissue, ": the segmentation failed: ", error.GetDescription()));
   }
   for (std::size_t i = 0; i < mask.voxels.size(); ++i) {
     if (distance.voxels[i] > organ.radius_mm) mask.voxels[i] = 0;
@@ -188,7 +193,8 @@ Mask FindOrgan(const volume::CtVolume& ct, const OrganSeed& organ, const RunCont
     mask = Closed(mask, organ.smoothing_mm, context.num_threads);
   }
   if (Count(mask) == 0) {
-    throw NoAnswerError(Message(organ.tissue, ": nothing is left around its seeds; lower smoothing_mm or "
+    throw NoAnswerError(Message(organ.tissue,
+                                ": nothing is left around its seeds; lower smoothing_mm or "
                                 "widen the range of HU"));
   }
   Mask whole(ct.geometry);

@@ -88,7 +88,8 @@ void WriteVolumes(const fs::path& path, const volume::LabelMap& labels) {
   std::string text = "label,name,volume_ml\n";
   for (const auto& [label, name] : labels.names) {
     if (label == 0) continue;
-    const double ml = static_cast<double>(count[label]) * labels.geometry.voxel_volume_mm3() / 1000.0;
+    const double ml =
+        static_cast<double>(count[label]) * labels.geometry.voxel_volume_mm3() / 1000.0;
     text += Message(int{label}, ",", name, ",", NumberText(std::round(ml * 1000.0) / 1000.0), "\n");
   }
   WriteTextFile(path, text);
@@ -131,7 +132,8 @@ SegmentationConfig ReadSegmentationConfig(const fs::path& path) {
   t.contrast_core_mm = bone.at("contrast_core_mm");
   t.contrast_max_spread = bone.at("contrast_max_spread");
   ACUS_REQUIRE(t.bone_lowest_hu <= t.bone_threshold_hu && t.bone_threshold_hu <= t.bone_certain_hu,
-               path.string(), ": /bone: lowest_hu, threshold_hu and certain_hu must be in that order, got ",
+               path.string(),
+               ": /bone: lowest_hu, threshold_hu and certain_hu must be in that order, got ",
                t.bone_lowest_hu, ", ", t.bone_threshold_hu, ", ", t.bone_certain_hu);
   for (const json& organ : document.at("organs")) config.organs.push_back(OrganFrom(organ));
   config.skin_surface = SurfaceFrom(document.at("skin_surface"));
@@ -149,7 +151,8 @@ volume::LabelMap SegmentPatient(const volume::CtVolume& ct, const SegmentationCo
   }
   if (import) {
     context.Checkpoint("importing labels", 0.0);
-    Overlay(ImportLabels(import->file, ReadLabelMapping(import->mapping), ct.geometry, context), labels);
+    Overlay(ImportLabels(import->file, ReadLabelMapping(import->mapping), ct.geometry, context),
+            labels);
   }
   return labels;
 }
@@ -167,7 +170,8 @@ std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
     LabelMapping any = mapping;
     for (auto& [value, tissue] : any.tissue) tissue = volume::LabelOf("soft_tissue");
     body = ImportLabels(reference.file, any, labels.geometry, context);
-    agreement.push_back(Agree("body", MaskOf(labels, std::nullopt), MaskOf(body, std::nullopt), context));
+    agreement.push_back(
+        Agree("body", MaskOf(labels, std::nullopt), MaskOf(body, std::nullopt), context));
   }
   for (const auto& [label, name] : truth.names) {
     if (label == 0 || !labels.names.contains(label)) continue;
@@ -178,7 +182,8 @@ std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
     agreement.push_back(Agree(name, ours, theirs, context));
   }
   if (agreement.empty()) {
-    throw NoAnswerError(Message(reference.file.string(), ": has no tissue in common with the segmentation; "
+    throw NoAnswerError(Message(reference.file.string(),
+                                ": has no tissue in common with the segmentation; "
                                 "is the mapping the right one?"));
   }
   return agreement;
@@ -186,12 +191,14 @@ std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
 
 std::string AgreementTable(const std::vector<Agreement>& agreement) {
   std::ostringstream out;
-  out << std::left << std::setw(16) << "tissue" << std::right << std::setw(9) << "Dice" << std::setw(12)
-      << "HD95 mm" << std::setw(14) << "reference ml" << std::setw(12) << "ours ml" << '\n';
+  out << std::left << std::setw(16) << "tissue" << std::right << std::setw(9) << "Dice"
+      << std::setw(12) << "HD95 mm" << std::setw(14) << "reference ml" << std::setw(12) << "ours ml"
+      << '\n';
   for (const Agreement& a : agreement) {
-    out << std::left << std::setw(16) << a.tissue << std::right << std::fixed << std::setprecision(4)
-        << std::setw(9) << a.dice << std::setprecision(2) << std::setw(12) << a.surface_distance95_mm
-        << std::setprecision(1) << std::setw(14) << a.reference_ml << std::setw(12) << a.ours_ml << '\n';
+    out << std::left << std::setw(16) << a.tissue << std::right << std::fixed
+        << std::setprecision(4) << std::setw(9) << a.dice << std::setprecision(2) << std::setw(12)
+        << a.surface_distance95_mm << std::setprecision(1) << std::setw(14) << a.reference_ml
+        << std::setw(12) << a.ours_ml << '\n';
   }
   return out.str();
 }
@@ -208,12 +215,13 @@ void WritePatientFolder(const fs::path& folder, const volume::CtVolume& ct,
   context.Checkpoint("extracting the skin", 0.5);
   WriteSurface(out.path() / "skin.stl", MaskOf(labels, std::nullopt), config.skin_surface, context);
   context.Checkpoint("extracting the bone", 0.8);
-  WriteSurface(out.path() / "bone.stl", MaskOf(labels, volume::LabelOf("bone")), config.bone_surface, context);
+  WriteSurface(out.path() / "bone.stl", MaskOf(labels, volume::LabelOf("bone")),
+               config.bone_surface, context);
   if (!agreement.empty()) {
     std::string text = "tissue,dice,surface_distance95_mm,reference_ml,ours_ml\n";
     for (const Agreement& a : agreement) {
-      text += Message(a.tissue, ",", NumberText(a.dice), ",", NumberText(a.surface_distance95_mm), ",",
-                      NumberText(a.reference_ml), ",", NumberText(a.ours_ml), "\n");
+      text += Message(a.tissue, ",", NumberText(a.dice), ",", NumberText(a.surface_distance95_mm),
+                      ",", NumberText(a.reference_ml), ",", NumberText(a.ours_ml), "\n");
     }
     WriteTextFile(out.path() / "agreement.csv", text);
   }

@@ -35,9 +35,12 @@ struct View {
 
 View ViewOf(Plane plane) {
   switch (plane) {
-    case Plane::kAxial: return {0, 1, 1, 1, "R", "L", "A", "P"};
-    case Plane::kCoronal: return {0, 1, 2, -1, "R", "L", "S", "I"};
-    case Plane::kSagittal: break;
+    case Plane::kAxial:
+      return {0, 1, 1, 1, "R", "L", "A", "P"};
+    case Plane::kCoronal:
+      return {0, 1, 2, -1, "R", "L", "S", "I"};
+    case Plane::kSagittal:
+      break;
   }
   return {1, 1, 2, -1, "A", "P", "S", "I"};
 }
@@ -164,7 +167,8 @@ Eigen::Array3i BodyCentre(const volume::LabelMap& labels) {
     inside.voxels[i] = labels.voxels[i] != 0 ? 1 : 0;
   }
   const Box box = BoundsOf(inside);
-  return box.empty() ? Eigen::Array3i(labels.geometry.size / 2) : Eigen::Array3i((box.low + box.high) / 2);
+  return box.empty() ? Eigen::Array3i(labels.geometry.size / 2)
+                     : Eigen::Array3i((box.low + box.high) / 2);
 }
 
 void WritePreview(const std::filesystem::path& path, const volume::CtVolume& ct,

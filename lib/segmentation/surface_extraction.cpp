@@ -1,5 +1,7 @@
 #include "segmentation/surface_extraction.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vtkCellArray.h>
 #include <vtkDecimatePro.h>
 #include <vtkFloatArray.h>
@@ -10,9 +12,6 @@
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkWindowedSincPolyDataFilter.h>
-
-#include <algorithm>
-#include <cmath>
 
 #include "core/parallel.h"
 #include "segmentation/crop.h"
@@ -55,7 +54,8 @@ volume::Grid<float> Occupancy(const Mask& mask, double grid_mm, int num_threads)
   volume::Geometry coarse = fine;
   coarse.size = (fine.size + factor - 1) / factor + 2;
   coarse.spacing_mm = fine.spacing_mm * factor.cast<double>();
-  const Eigen::Vector3d first = ((factor.cast<double>() - 1.0) / 2.0 - factor.cast<double>()).matrix();
+  const Eigen::Vector3d first =
+      ((factor.cast<double>() - 1.0) / 2.0 - factor.cast<double>()).matrix();
   coarse.origin_mm = fine.ct_from_index() * first;
   volume::Grid<float> out(coarse, 0.0F);
   ParallelFor(coarse.size[2] - 2, num_threads, [&](int kk) {
@@ -73,7 +73,8 @@ volume::Grid<float> Occupancy(const Mask& mask, double grid_mm, int num_threads)
     };
     for (int jj = 0; jj + 2 < coarse.size[1]; ++jj) {
       for (int ii = 0; ii + 2 < coarse.size[0]; ++ii) {
-        out.At(ii + 1, jj + 1, kk + 1) /= static_cast<float>(inside(ii, 0) * inside(jj, 1) * inside(kk, 2));
+        out.At(ii + 1, jj + 1, kk + 1) /=
+            static_cast<float>(inside(ii, 0) * inside(jj, 1) * inside(kk, 2));
       }
     }
   });
@@ -98,7 +99,8 @@ mesh::Surface FromVtk(vtkPolyData* poly, const volume::Geometry& g) {
   mesh::Surface surface;
   surface.nodes_mm.resize(3, poly->GetNumberOfPoints());
   for (vtkIdType n = 0; n < poly->GetNumberOfPoints(); ++n) {
-    surface.nodes_mm.col(n) = g.direction * Eigen::Map<const Eigen::Vector3d>(poly->GetPoint(n)) + g.origin_mm;
+    surface.nodes_mm.col(n) =
+        g.direction * Eigen::Map<const Eigen::Vector3d>(poly->GetPoint(n)) + g.origin_mm;
   }
   surface.triangles.resize(3, poly->GetNumberOfPolys());
   vtkNew<vtkIdList> corners;
@@ -166,8 +168,9 @@ mesh::Surface ExtractSurface(const Mask& mask, const SurfaceOptions& options, in
   decimate->PreserveTopologyOn();
   decimate->SplittingOff();
   decimate->BoundaryVertexDeletionOff();
-  decimate->SetTargetReduction(
-      std::clamp(1.0 - options.target_triangles / static_cast<double>(std::max<vtkIdType>(triangles, 1)), 0.0, 0.99));
+  decimate->SetTargetReduction(std::clamp(
+      1.0 - options.target_triangles / static_cast<double>(std::max<vtkIdType>(triangles, 1)), 0.0,
+      0.99));
   decimate->Update();
   return Compacted(FromVtk(decimate->GetOutput(), share.geometry));
 }

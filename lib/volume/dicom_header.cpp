@@ -41,7 +41,8 @@ class Walker {
     while (at_ + 4 <= bytes_.size() && PeekTag() >> 16U == 2U) Element(0);
     const std::string syntax = Text(kTransferSyntax);
     ACUS_REQUIRE(syntax != "1.2.840.10008.1.2.2" && syntax != "1.2.840.10008.1.2.1.99",
-                 path_.string(), ": big-endian and deflated DICOM are not read; convert the "
+                 path_.string(),
+                 ": big-endian and deflated DICOM are not read; convert the "
                  "series to explicit little endian (for example with dcmconv)");
     // Without a meta header the syntax shows in whether a VR in capitals follows the first tag.
     explicit_vr_ = syntax.empty() ? LooksExplicit() : syntax != "1.2.840.10008.1.2";

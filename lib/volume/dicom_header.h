@@ -23,17 +23,17 @@ struct DicomHeader {
   bool is_signed = false;
   int samples_per_pixel = 1;
   bool has_pixels = false;
-  bool is_encapsulated = false;   ///< The pixels are compressed fragments.
-  std::size_t pixels_begin = 0;   ///< Bytes of the pixel data in the file.
+  bool is_encapsulated = false;  ///< The pixels are compressed fragments.
+  std::size_t pixels_begin = 0;  ///< Bytes of the pixel data in the file.
   std::size_t pixels_end = 0;
-  bool is_placed = false;           ///< Position, orientation and spacing are there.
+  bool is_placed = false;  ///< Position, orientation and spacing are there.
   Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();   ///< Centre of the first pixel, LPS.
   Eigen::Vector3d column_axis = Eigen::Vector3d::UnitX();  ///< Unit vector of increasing column.
   Eigen::Vector3d row_axis = Eigen::Vector3d::UnitY();     ///< Unit vector of increasing row.
   Eigen::Array2d spacing_mm = Eigen::Array2d::Ones();      ///< Between columns, between rows.
-  double rescale_slope = 1.0;      ///< HU = slope * stored + intercept.
+  double rescale_slope = 1.0;                              ///< HU = slope * stored + intercept.
   double rescale_intercept = 0.0;
-  std::optional<double> padding_value;                     ///< As stored, before rescaling.
+  std::optional<double> padding_value;  ///< As stored, before rescaling.
 };
 
 /// Reads and checks the whole element structure, nested sequences too: no length in it is trusted

@@ -1,12 +1,11 @@
 #include "volume/dicom_pixels.h"
 
-#include <gdcmImageReader.h>
-#include <gdcmTrace.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <gdcmImageReader.h>
+#include <gdcmTrace.h>
 #include <sstream>
 
 #include "core/error.h"
@@ -91,10 +90,12 @@ std::string Decompressed(const DicomHeader& header, const std::string& fragments
   gdcm::ImageReader reader;
   reader.SetStream(stream);
   ACUS_REQUIRE(reader.Read(), name, ": its pixels cannot be decoded (transfer syntax ",
-               header.transfer_syntax, "); the file is broken or the compression is not known. "
+               header.transfer_syntax,
+               "); the file is broken or the compression is not known. "
                "Try dcmdjpeg or gdcmconv --raw on the series");
   const gdcm::Image& image = reader.GetImage();
-  const auto count = static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows);
+  const auto count =
+      static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows);
   ACUS_REQUIRE(image.GetDimension(0) == static_cast<unsigned>(header.columns) &&
                    image.GetDimension(1) == static_cast<unsigned>(header.rows) &&
                    image.GetBufferLength() == count * (header.bits_allocated / 8U),
@@ -116,7 +117,8 @@ std::vector<std::int16_t> DecodedSlice(const DicomHeader& header) {
                " bits (", header.bits_stored, " used) per pixel; one of 8 or 16 is needed");
   std::string raw = PixelBytes(header);
   if (header.is_encapsulated) raw = Decompressed(header, raw);
-  const auto count = static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows);
+  const auto count =
+      static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows);
   ACUS_REQUIRE(raw.size() >= count * (wide ? 2 : 1), name, ": has ", raw.size(),
                " bytes of pixels for ", header.columns, " x ", header.rows,
                "; it is cut off or broken");
@@ -131,12 +133,14 @@ std::vector<std::int16_t> DecodedSlice(const DicomHeader& header) {
     const auto low = static_cast<std::uint8_t>(raw[wide ? 2 * i : i]);
     std::int32_t stored = header.is_signed ? static_cast<std::int8_t>(low) : low;
     if (wide) {
-      const auto word = static_cast<std::uint16_t>(low | static_cast<std::uint8_t>(raw[2 * i + 1]) << 8);
+      const auto word =
+          static_cast<std::uint16_t>(low | static_cast<std::uint8_t>(raw[2 * i + 1]) << 8);
       stored = header.is_signed ? static_cast<std::int16_t>(word) : word;
     }
     const double value = std::round(stored * slope + intercept);
     const bool is_padding = has_high_padding && value >= padding;
-    hu[i] = static_cast<std::int16_t>(is_padding ? kPaddingHu : std::clamp(value, kPaddingHu, 32767.0));
+    hu[i] =
+        static_cast<std::int16_t>(is_padding ? kPaddingHu : std::clamp(value, kPaddingHu, 32767.0));
   }
   return hu;
 }

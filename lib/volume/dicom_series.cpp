@@ -87,9 +87,8 @@ std::vector<Group> GroupsIn(const fs::path& folder, int num_threads) {
     for (const DicomHeader& header : group.headers) group.series.files.push_back(header.file);
     out.push_back(std::move(group));
   }
-  std::ranges::stable_sort(out, [](const Group& a, const Group& b) {
-    return a.headers.size() > b.headers.size();
-  });
+  std::ranges::stable_sort(
+      out, [](const Group& a, const Group& b) { return a.headers.size() > b.headers.size(); });
   return out;
 }
 
@@ -146,11 +145,13 @@ Stack StackOf(const fs::path& folder, const std::vector<DicomHeader>& headers) {
     const std::string between = Message(headers[s].file.filename().string(), " and ",
                                         headers[s + 1].file.filename().string());
     ACUS_REQUIRE(steps[s] > 1e-3, folder.string(), ": ", between, " lie at the same place (",
-                 headers[s].position_mm.transpose(), " mm); two scans or copies are mixed in this "
+                 headers[s].position_mm.transpose(),
+                 " mm); two scans or copies are mixed in this "
                  "series, keep one of them");
     ACUS_REQUIRE(std::abs(steps[s] - typical) <= kMaxStepDeviation * typical + 1e-2,
                  folder.string(), ": the slices are not evenly spaced: ", steps[s], " mm between ",
-                 between, ", ", typical, " mm elsewhere (", headers.size(), " slices). Slices are "
+                 between, ", ", typical, " mm elsewhere (", headers.size(),
+                 " slices). Slices are "
                  "missing or it is a scan in blocks; export the whole series, or one block");
   }
   const Eigen::Vector3d span = headers.back().position_mm - first.position_mm;
@@ -175,8 +176,9 @@ void PlaceShifted(const std::vector<std::int16_t>& slice, const DicomHeader& hea
                   const Eigen::Array2d& shift_px, CtVolume& ct, int k) {
   const auto at = [&](int x, int y) -> double {
     const bool inside = x >= 0 && y >= 0 && x < header.columns && y < header.rows;
-    return inside ? slice[static_cast<std::size_t>(y) * header.columns + static_cast<std::size_t>(x)]
-                  : kPaddingHu;
+    return inside
+               ? slice[static_cast<std::size_t>(y) * header.columns + static_cast<std::size_t>(x)]
+               : kPaddingHu;
   };
   for (int j = 0; j < ct.geometry.size[1]; ++j) {
     const double y = j - shift_px[1];
@@ -213,7 +215,8 @@ std::pair<Geometry, Eigen::Array2d> GridOf(const std::vector<DicomHeader>& heade
 
 void RequireCtSlices(const fs::path& folder, const std::vector<DicomHeader>& headers) {
   for (const DicomHeader& header : headers) {
-    ACUS_REQUIRE(header.is_placed, header.file.string(), ": has no usable position, orientation "
+    ACUS_REQUIRE(header.is_placed, header.file.string(),
+                 ": has no usable position, orientation "
                  "or pixel spacing, so it cannot be placed; export the original slices");
     ACUS_REQUIRE(header.num_frames == 1, header.file.string(), ": holds ", header.num_frames,
                  " frames; multi-frame DICOM is not read, convert it to NIfTI or NRRD first");
@@ -258,7 +261,8 @@ CtVolume ReadDicomCt(const fs::path& folder, const std::string& series, const Ru
       if (tilted) {
         PlaceShifted(slice, header, first_px + stack.shift_mm * k / header.spacing_mm, ct, k);
       } else {
-        std::ranges::copy(slice, ct.voxels.begin() + static_cast<std::ptrdiff_t>(grid.Index(0, 0, k)));
+        std::ranges::copy(slice,
+                          ct.voxels.begin() + static_cast<std::ptrdiff_t>(grid.Index(0, 0, k)));
       }
     });
   }

@@ -1,7 +1,5 @@
 #include "volume/header_check.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -11,6 +9,7 @@
 #include <map>
 #include <sstream>
 #include <vector>
+#include <zlib.h>
 
 #include "core/error.h"
 
@@ -79,7 +78,8 @@ void RequireVolumeSizes(const std::vector<double>& sizes, const fs::path& path) 
   }
 }
 
-/// Inflates (zlib or gzip) at most `limit` bytes from `offset` on and counts. @throws InputError if that fails.
+/// Inflates (zlib or gzip) at most `limit` bytes from `offset` on and counts. @throws InputError if
+/// that fails.
 std::uint64_t InflatedBytes(const fs::path& path, std::uint64_t offset, std::uint64_t limit) {
   std::ifstream file(path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(offset));
@@ -117,9 +117,9 @@ void RequireBytes(std::uint64_t got, double needed, const fs::path& path) {
 
 int BytesOfMetaType(const std::string& type) {
   static const std::map<std::string, int> kBytes = {
-      {"MET_CHAR", 1},      {"MET_UCHAR", 1}, {"MET_SHORT", 2}, {"MET_USHORT", 2}, {"MET_INT", 4},
-      {"MET_UINT", 4},      {"MET_LONG", 4},  {"MET_ULONG", 4}, {"MET_FLOAT", 4},  {"MET_DOUBLE", 8},
-      {"MET_LONG_LONG", 8}, {"MET_ULONG_LONG", 8}};
+      {"MET_CHAR", 1},  {"MET_UCHAR", 1},  {"MET_SHORT", 2},     {"MET_USHORT", 2},
+      {"MET_INT", 4},   {"MET_UINT", 4},   {"MET_LONG", 4},      {"MET_ULONG", 4},
+      {"MET_FLOAT", 4}, {"MET_DOUBLE", 8}, {"MET_LONG_LONG", 8}, {"MET_ULONG_LONG", 8}};
   const auto found = kBytes.find(type);
   return found == kBytes.end() ? 0 : found->second;
 }
@@ -167,16 +167,21 @@ std::uint64_t DataBegin(const fs::path& path) {
 int BytesOfNiftiType(int code) {
   switch (code) {
     case 2:
-    case 256: return 1;
+    case 256:
+      return 1;
     case 4:
-    case 512: return 2;
+    case 512:
+      return 2;
     case 8:
     case 16:
-    case 768: return 4;
+    case 768:
+      return 4;
     case 64:
     case 1024:
-    case 1280: return 8;
-    default: return 0;
+    case 1280:
+      return 8;
+    default:
+      return 0;
   }
 }
 

@@ -2,16 +2,14 @@
 
 // First, so that ITK's headers find this Eigen's include guards and do not mix in their own copy.
 #include <Eigen/Eigenvalues>
-
+#include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <itkImageIOBase.h>
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 
 #include "core/error.h"
 #include "volume/header_check.h"
@@ -57,35 +55,57 @@ itk::ImageIOBase::Pointer MakeImageIo(const fs::path& path) {
 ScalarType TypeOf(Component component, const fs::path& path) {
   static_assert(sizeof(long) == 8 && sizeof(int) == 4);
   switch (component) {
-    case Component::CHAR: return ScalarType::kInt8;
-    case Component::UCHAR: return ScalarType::kUint8;
-    case Component::SHORT: return ScalarType::kInt16;
-    case Component::USHORT: return ScalarType::kUint16;
-    case Component::INT: return ScalarType::kInt32;
-    case Component::UINT: return ScalarType::kUint32;
+    case Component::CHAR:
+      return ScalarType::kInt8;
+    case Component::UCHAR:
+      return ScalarType::kUint8;
+    case Component::SHORT:
+      return ScalarType::kInt16;
+    case Component::USHORT:
+      return ScalarType::kUint16;
+    case Component::INT:
+      return ScalarType::kInt32;
+    case Component::UINT:
+      return ScalarType::kUint32;
     case Component::LONG:
-    case Component::LONGLONG: return ScalarType::kInt64;
+    case Component::LONGLONG:
+      return ScalarType::kInt64;
     case Component::ULONG:
-    case Component::ULONGLONG: return ScalarType::kUint64;
-    case Component::FLOAT: return ScalarType::kFloat32;
-    case Component::DOUBLE: return ScalarType::kFloat64;
-    default: break;
+    case Component::ULONGLONG:
+      return ScalarType::kUint64;
+    case Component::FLOAT:
+      return ScalarType::kFloat32;
+    case Component::DOUBLE:
+      return ScalarType::kFloat64;
+    default:
+      break;
   }
-  throw InputError(Message(path.string(), ": its voxel type is not known; save it as 16-bit integers"));
+  throw InputError(
+      Message(path.string(), ": its voxel type is not known; save it as 16-bit integers"));
 }
 
 Component ComponentOf(ScalarType type) {
   switch (type) {
-    case ScalarType::kInt8: return Component::CHAR;
-    case ScalarType::kUint8: return Component::UCHAR;
-    case ScalarType::kInt16: return Component::SHORT;
-    case ScalarType::kUint16: return Component::USHORT;
-    case ScalarType::kInt32: return Component::INT;
-    case ScalarType::kUint32: return Component::UINT;
-    case ScalarType::kInt64: return Component::LONG;
-    case ScalarType::kUint64: return Component::ULONG;
-    case ScalarType::kFloat32: return Component::FLOAT;
-    case ScalarType::kFloat64: return Component::DOUBLE;
+    case ScalarType::kInt8:
+      return Component::CHAR;
+    case ScalarType::kUint8:
+      return Component::UCHAR;
+    case ScalarType::kInt16:
+      return Component::SHORT;
+    case ScalarType::kUint16:
+      return Component::USHORT;
+    case ScalarType::kInt32:
+      return Component::INT;
+    case ScalarType::kUint32:
+      return Component::UINT;
+    case ScalarType::kInt64:
+      return Component::LONG;
+    case ScalarType::kUint64:
+      return Component::ULONG;
+    case ScalarType::kFloat32:
+      return Component::FLOAT;
+    case ScalarType::kFloat64:
+      return Component::DOUBLE;
   }
   return Component::UNKNOWNCOMPONENTTYPE;
 }
@@ -96,8 +116,8 @@ Geometry GeometryOf(itk::ImageIOBase& io, const fs::path& path) {
                " dimensions; a single 3-D volume is needed");
   ACUS_REQUIRE(num_dimensions == 3 || io.GetDimensions(3) == 1, path.string(), ": holds ",
                io.GetDimensions(3), " volumes; export a single one");
-  ACUS_REQUIRE(io.GetNumberOfComponents() == 1, path.string(), ": has ",
-               io.GetNumberOfComponents(), " values per voxel; a CT or label map has one");
+  ACUS_REQUIRE(io.GetNumberOfComponents() == 1, path.string(), ": has ", io.GetNumberOfComponents(),
+               " values per voxel; a CT or label map has one");
   Geometry geometry;
   for (unsigned d = 0; d < 3; ++d) {
     ACUS_REQUIRE(io.GetDimensions(d) >= 1 && io.GetDimensions(d) <= 65535, path.string(),
@@ -113,10 +133,14 @@ Geometry GeometryOf(itk::ImageIOBase& io, const fs::path& path) {
 
 void CheckHeader(const fs::path& path) {
   switch (FormatOf(path)) {
-    case Format::kNifti: return CheckNiftiHeader(path);
-    case Format::kNrrd: return CheckNrrdHeader(path);
-    case Format::kMetaImage: return CheckMetaImageHeader(path);
-    case Format::kUnknown: break;
+    case Format::kNifti:
+      return CheckNiftiHeader(path);
+    case Format::kNrrd:
+      return CheckNrrdHeader(path);
+    case Format::kMetaImage:
+      return CheckMetaImageHeader(path);
+    case Format::kUnknown:
+      break;
   }
 }
 
@@ -143,7 +167,8 @@ ScalarFile ReadChecked(const fs::path& path) {
     if (itk::ExposeMetaData(io->GetMetaDataDictionary(), key, value)) file.keys[key] = value;
   }
   itk::ImageIORegion region(io->GetNumberOfDimensions());
-  for (unsigned d = 0; d < io->GetNumberOfDimensions(); ++d) region.SetSize(d, io->GetDimensions(d));
+  for (unsigned d = 0; d < io->GetNumberOfDimensions(); ++d)
+    region.SetSize(d, io->GetDimensions(d));
   io->SetIORegion(region);
   file.bytes.resize(needed);
   io->Read(file.bytes.data());
@@ -155,20 +180,26 @@ ScalarFile ReadChecked(const fs::path& path) {
 std::size_t BytesOf(ScalarType type) {
   switch (type) {
     case ScalarType::kInt8:
-    case ScalarType::kUint8: return 1;
+    case ScalarType::kUint8:
+      return 1;
     case ScalarType::kInt16:
-    case ScalarType::kUint16: return 2;
+    case ScalarType::kUint16:
+      return 2;
     case ScalarType::kInt32:
     case ScalarType::kUint32:
-    case ScalarType::kFloat32: return 4;
+    case ScalarType::kFloat32:
+      return 4;
     case ScalarType::kInt64:
     case ScalarType::kUint64:
-    case ScalarType::kFloat64: return 8;
+    case ScalarType::kFloat64:
+      return 8;
   }
   return 0;
 }
 
-bool IsScalarFileName(const fs::path& path) { return FormatOf(path) != Format::kUnknown; }
+bool IsScalarFileName(const fs::path& path) {
+  return FormatOf(path) != Format::kUnknown;
+}
 
 void RequireUsable(const Geometry& geometry, const fs::path& path) {
   const auto& spacing = geometry.spacing_mm;
@@ -178,9 +209,11 @@ void RequireUsable(const Geometry& geometry, const fs::path& path) {
   ACUS_REQUIRE(geometry.origin_mm.allFinite() && geometry.origin_mm.norm() < 1e6, path.string(),
                ": the origin is ", geometry.origin_mm.transpose(), " mm; the header is broken");
   const Eigen::Matrix3d gram = geometry.direction.transpose() * geometry.direction;
-  ACUS_REQUIRE(gram.allFinite() && (gram - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3,
-               path.string(), ": its voxel axes are not perpendicular; resample it to a "
-               "rectangular grid first (for example in 3D Slicer)");
+  ACUS_REQUIRE(
+      gram.allFinite() && (gram - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3,
+      path.string(),
+      ": its voxel axes are not perpendicular; resample it to a "
+      "rectangular grid first (for example in 3D Slicer)");
 }
 
 void MakeRightHanded(ScalarFile& file) {

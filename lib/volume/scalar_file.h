@@ -11,7 +11,18 @@
 
 namespace acus::volume {
 
-enum class ScalarType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat32, kFloat64 };
+enum class ScalarType {
+  kInt8,
+  kUint8,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kInt64,
+  kUint64,
+  kFloat32,
+  kFloat64
+};
 
 /// Scalars of one type on a 3-D grid, little or big endian as the machine is.
 struct ScalarFile {

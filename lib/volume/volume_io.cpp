@@ -36,16 +36,26 @@ void ForEachOf(const ScalarFile& file, const Use& use) {
 template <typename Use>
 void ForEach(const ScalarFile& file, const Use& use) {
   switch (file.type) {
-    case ScalarType::kInt8: return ForEachOf<std::int8_t>(file, use);
-    case ScalarType::kUint8: return ForEachOf<std::uint8_t>(file, use);
-    case ScalarType::kInt16: return ForEachOf<std::int16_t>(file, use);
-    case ScalarType::kUint16: return ForEachOf<std::uint16_t>(file, use);
-    case ScalarType::kInt32: return ForEachOf<std::int32_t>(file, use);
-    case ScalarType::kUint32: return ForEachOf<std::uint32_t>(file, use);
-    case ScalarType::kInt64: return ForEachOf<std::int64_t>(file, use);
-    case ScalarType::kUint64: return ForEachOf<std::uint64_t>(file, use);
-    case ScalarType::kFloat32: return ForEachOf<float>(file, use);
-    case ScalarType::kFloat64: return ForEachOf<double>(file, use);
+    case ScalarType::kInt8:
+      return ForEachOf<std::int8_t>(file, use);
+    case ScalarType::kUint8:
+      return ForEachOf<std::uint8_t>(file, use);
+    case ScalarType::kInt16:
+      return ForEachOf<std::int16_t>(file, use);
+    case ScalarType::kUint16:
+      return ForEachOf<std::uint16_t>(file, use);
+    case ScalarType::kInt32:
+      return ForEachOf<std::int32_t>(file, use);
+    case ScalarType::kUint32:
+      return ForEachOf<std::uint32_t>(file, use);
+    case ScalarType::kInt64:
+      return ForEachOf<std::int64_t>(file, use);
+    case ScalarType::kUint64:
+      return ForEachOf<std::uint64_t>(file, use);
+    case ScalarType::kFloat32:
+      return ForEachOf<float>(file, use);
+    case ScalarType::kFloat64:
+      return ForEachOf<double>(file, use);
   }
 }
 
@@ -53,7 +63,8 @@ template <typename T>
 std::int16_t HuFrom(T value) {
   if constexpr (std::is_floating_point_v<T>) {
     if (!std::isfinite(value)) return kPaddingHu;  // Resampling programs mark "no data" so.
-    return static_cast<std::int16_t>(std::clamp(std::round(static_cast<double>(value)), -1024.0, 32767.0));
+    return static_cast<std::int16_t>(
+        std::clamp(std::round(static_cast<double>(value)), -1024.0, 32767.0));
   } else {
     if (value < T{} && static_cast<std::int64_t>(value) < kPaddingHu) return kPaddingHu;
     const bool too_high = value > T{} && static_cast<std::uint64_t>(value) > 32767U;
@@ -65,7 +76,8 @@ template <typename T>
 std::int32_t IntegerFrom(T value, const fs::path& path) {
   if constexpr (std::is_floating_point_v<T>) {
     ACUS_REQUIRE(value == std::floor(value) && std::abs(value) <= T{1 << 24}, path.string(),
-                 ": value ", value, " is not an integer label; is this an image and not a label map?");
+                 ": value ", value,
+                 " is not an integer label; is this an image and not a label map?");
   } else {
     const bool too_large = value > T{} && static_cast<std::uint64_t>(value) > 0x7FFFFFFFU;
     const bool too_small = value < T{} && static_cast<std::int64_t>(value) < -0x7FFFFFFF;
@@ -77,9 +89,11 @@ std::int32_t IntegerFrom(T value, const fs::path& path) {
 /// A CT without air or with only positive values was probably not stored in Hounsfield units.
 void WarnIfNotHounsfield(const CtVolume& ct, const fs::path& path, const RunContext& context) {
   const auto [low, high] = std::ranges::minmax(ct.voxels);
-  ACUS_REQUIRE(low < high, path.string(), ": all voxels have the value ", low, "; there is nothing in it");
+  ACUS_REQUIRE(low < high, path.string(), ": all voxels have the value ", low,
+               "; there is nothing in it");
   if (low >= -200) {
-    context.Warn(Message(path.string(), ": the lowest value is ", low, ", so there is no air in it. "
+    context.Warn(Message(path.string(), ": the lowest value is ", low,
+                         ", so there is no air in it. "
                          "Are these Hounsfield units? (Some exports are shifted by 1024)"));
   }
 }
@@ -107,7 +121,8 @@ ScalarFile FileFrom(const Grid<T>& grid, ScalarType type) {
   return file;
 }
 
-std::map<Label, std::string> NamesFor(const LabelMap& labels, const std::map<Label, std::string>& given) {
+std::map<Label, std::string> NamesFor(const LabelMap& labels,
+                                      const std::map<Label, std::string>& given) {
   std::array<bool, 256> occurs{};
   for (const Label label : labels.voxels) occurs[label] = true;
   std::map<Label, std::string> names;
@@ -140,7 +155,8 @@ CtVolume ReadCt(const fs::path& path, const std::string& series, const RunContex
     ct = CtFrom(ReadScalarFile(path));
     const std::string name = path.filename().string();
     if ((name.ends_with(".nii") || name.ends_with(".nii.gz")) && !NiftiIsPlaced(path)) {
-      context.Warn(Message(path.string(), ": qform_code and sform_code are 0, so the file does not "
+      context.Warn(Message(path.string(),
+                           ": qform_code and sform_code are 0, so the file does not "
                            "say how the patient lies; left and right may be swapped"));
     }
   }

@@ -24,9 +24,11 @@ std::vector<DicomSeries> ListDicomSeries(const std::filesystem::path& folder);
 
 /// Reads a CT: a DICOM folder, or a NIfTI, NRRD or MetaImage file.
 ///
-/// Values are Hounsfield units; padding (below -1024) becomes -1024, values above 32767 are cut off.
+/// Values are Hounsfield units; padding (below -1024) becomes -1024, values above 32767 are cut
+/// off.
 /// @param series  UID, or a part of it or of the description, that picks one of several series.
-///     If empty, a folder with one CT-like series (at least 3 parallel, evenly spaced slices) reads that.
+///     If empty, a folder with one CT-like series (at least 3 parallel, evenly spaced slices) reads
+///     that.
 /// @throws InputError if the format is unknown, the file is cut off or broken, slices are missing
 ///     or uneven, or the choice of series is open (the message lists them).
 CtVolume ReadCt(const std::filesystem::path& path, const std::string& series,

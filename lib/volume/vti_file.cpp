@@ -1,5 +1,10 @@
 #include "volume/vti_file.h"
 
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <regex>
+#include <sstream>
 #include <vtkDataArray.h>
 #include <vtkErrorCode.h>
 #include <vtkImageData.h>
@@ -7,12 +12,6 @@
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkXMLImageDataReader.h>
-
-#include <cmath>
-#include <cstring>
-#include <fstream>
-#include <regex>
-#include <sstream>
 
 #include "core/error.h"
 #include "volume/header_check.h"
@@ -34,19 +33,30 @@ std::string Attribute(const std::string& head, const std::string& name) {
 ScalarType TypeOf(int vtk_type, const fs::path& path) {
   switch (vtk_type) {
     case VTK_CHAR:
-    case VTK_SIGNED_CHAR: return ScalarType::kInt8;
-    case VTK_UNSIGNED_CHAR: return ScalarType::kUint8;
-    case VTK_SHORT: return ScalarType::kInt16;
-    case VTK_UNSIGNED_SHORT: return ScalarType::kUint16;
-    case VTK_INT: return ScalarType::kInt32;
-    case VTK_UNSIGNED_INT: return ScalarType::kUint32;
+    case VTK_SIGNED_CHAR:
+      return ScalarType::kInt8;
+    case VTK_UNSIGNED_CHAR:
+      return ScalarType::kUint8;
+    case VTK_SHORT:
+      return ScalarType::kInt16;
+    case VTK_UNSIGNED_SHORT:
+      return ScalarType::kUint16;
+    case VTK_INT:
+      return ScalarType::kInt32;
+    case VTK_UNSIGNED_INT:
+      return ScalarType::kUint32;
     case VTK_LONG:
-    case VTK_LONG_LONG: return ScalarType::kInt64;
+    case VTK_LONG_LONG:
+      return ScalarType::kInt64;
     case VTK_UNSIGNED_LONG:
-    case VTK_UNSIGNED_LONG_LONG: return ScalarType::kUint64;
-    case VTK_FLOAT: return ScalarType::kFloat32;
-    case VTK_DOUBLE: return ScalarType::kFloat64;
-    default: break;
+    case VTK_UNSIGNED_LONG_LONG:
+      return ScalarType::kUint64;
+    case VTK_FLOAT:
+      return ScalarType::kFloat32;
+    case VTK_DOUBLE:
+      return ScalarType::kFloat64;
+    default:
+      break;
   }
   throw InputError(Message(path.string(), ": its scalar type is not known"));
 }
@@ -73,8 +83,10 @@ void CheckVtiHeader(const fs::path& path) {
                  path.string(), ": WholeExtent '", whole, "' is not possible");
     voxels *= static_cast<double>(high - low + 1);
   }
-  ACUS_REQUIRE(voxels <= static_cast<double>(MostVoxelBytes(path)), path.string(), ": its header "
-               "promises ", voxels, " voxels, more than the file can hold; it is cut off or broken");
+  ACUS_REQUIRE(voxels <= static_cast<double>(MostVoxelBytes(path)), path.string(),
+               ": its header "
+               "promises ",
+               voxels, " voxels, more than the file can hold; it is cut off or broken");
 }
 
 }  // namespace
@@ -87,9 +99,9 @@ ScalarFile ReadVtiFile(const fs::path& path) {
   vtkNew<vtkXMLImageDataReader> reader;
   reader->SetFileName(path.c_str());
   reader->UpdateInformation();
-  ACUS_REQUIRE(reader->GetErrorCode() == vtkErrorCode::NoError &&
-                   reader->GetNumberOfPointArrays() >= 1,
-               path.string(), ": cannot be read as VTK ImageData; it is cut off or broken");
+  ACUS_REQUIRE(
+      reader->GetErrorCode() == vtkErrorCode::NoError && reader->GetNumberOfPointArrays() >= 1,
+      path.string(), ": cannot be read as VTK ImageData; it is cut off or broken");
   reader->Update();
   vtkImageData* image = reader->GetOutput();
   vtkDataArray* scalars =
@@ -106,7 +118,8 @@ ScalarFile ReadVtiFile(const fs::path& path) {
     first[d] = extent[2 * d];
   }
   const double* direction = image->GetDirectionMatrix()->GetData();
-  file.geometry.direction = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(direction);
+  file.geometry.direction =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(direction);
   file.geometry.origin_mm = Eigen::Vector3d(image->GetOrigin());
   RequireUsable(file.geometry, path);
   file.geometry.origin_mm = file.geometry.ct_from_index() * first;

@@ -1,7 +1,6 @@
 // Reads every real CT of the public data sets.
-#include <gmock/gmock.h>
-
 #include <algorithm>
+#include <gmock/gmock.h>
 
 #include "support/shared_data.h"
 #include "volume/volume_io.h"
@@ -12,8 +11,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-#define ACUS_DATA(variable, name)                                                   \
-  const auto variable = testing_support::SharedData(name);                          \
+#define ACUS_DATA(variable, name)                          \
+  const auto variable = testing_support::SharedData(name); \
   if (!variable) GTEST_SKIP() << "test data " << (name) << " is not here"
 
 RunContext TwoThreads() {

@@ -61,7 +61,9 @@ class DicomBytes {
   std::string bytes_;
 };
 
-inline std::string DicomText(const Eigen::Vector3d& v) { return Message(v[0], "\\", v[1], "\\", v[2]); }
+inline std::string DicomText(const Eigen::Vector3d& v) {
+  return Message(v[0], "\\", v[1], "\\", v[2]);
+}
 
 inline void WriteDicomSlice(const std::filesystem::path& path, const DicomSlice& slice) {
   const std::string ct_image_storage = "1.2.840.10008.5.1.4.1.1.2";

@@ -1,6 +1,5 @@
-#include <gmock/gmock.h>
-
 #include <fstream>
+#include <gmock/gmock.h>
 
 #include "core/random.h"
 #include "support/dicom_writer.h"
@@ -12,14 +11,16 @@ namespace acus::volume {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 using testing_support::DicomSlice;
 using testing_support::TemporaryFolder;
 using testing_support::WriteDicomSlice;
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
 
 /// A field that is linear in space, so that linear interpolation must keep it: HU at a point.
-double FieldHu(const Eigen::Vector3d& p) { return 20.0 * p[0] - 10.0 * p[1] + 5.0 * p[2] + 100.0; }
+double FieldHu(const Eigen::Vector3d& p) {
+  return 20.0 * p[0] - 10.0 * p[1] + 5.0 * p[2] + 100.0;
+}
 
 DicomSlice SliceAt(const Eigen::Vector3d& position_mm) {
   DicomSlice slice;
@@ -37,7 +38,8 @@ DicomSlice SliceAt(const Eigen::Vector3d& position_mm) {
 void WriteStack(const fs::path& folder, int count, double step_mm) {
   for (int k = 0; k < count; ++k) {
     // Names in another order than positions: the position must decide.
-    WriteDicomSlice(folder / Message("slice", (k * 7) % 10), SliceAt({5.0, -3.0, 40.0 + k * step_mm}));
+    WriteDicomSlice(folder / Message("slice", (k * 7) % 10),
+                    SliceAt({5.0, -3.0, 40.0 + k * step_mm}));
   }
 }
 
@@ -52,7 +54,8 @@ TEST(DicomSeries, SlicesAreOrderedByPositionAndPlacedInLps) {
   EXPECT_TRUE((ct.geometry.size == Eigen::Array3i(16, 12, 10)).all());
   EXPECT_TRUE(ct.geometry.spacing_mm.isApprox(Eigen::Array3d(0.5, 0.75, 2.0)));
   const Eigen::Affine3d ct_from_index = ct.geometry.ct_from_index();
-  for (const Eigen::Array3i& v : {Eigen::Array3i(0, 0, 0), Eigen::Array3i(15, 3, 9), Eigen::Array3i(4, 11, 5)}) {
+  for (const Eigen::Array3i& v :
+       {Eigen::Array3i(0, 0, 0), Eigen::Array3i(15, 3, 9), Eigen::Array3i(4, 11, 5)}) {
     const Eigen::Vector3d p = ct_from_index * v.cast<double>().matrix();
     EXPECT_NEAR(ct.At(v[0], v[1], v[2]), FieldHu(p), 0.51);
   }
@@ -105,7 +108,8 @@ TEST(DicomSeries, AMissingSliceIsNamedAndRefused) {
   WriteStack(folder.path(), 10, 2.0);
   fs::remove(folder / "slice5");  // The sixth position.
   EXPECT_THAT([&] { Read(folder.path()); },
-              ThrowsMessage<InputError>(testing::AllOf(HasSubstr("not evenly spaced: 4 mm"), HasSubstr("2 mm elsewhere"))));
+              ThrowsMessage<InputError>(testing::AllOf(HasSubstr("not evenly spaced: 4 mm"),
+                                                       HasSubstr("2 mm elsewhere"))));
 }
 
 TEST(DicomSeries, TheSamePlaceTwiceIsRefused) {
@@ -125,7 +129,8 @@ TEST(DicomSeries, ATiltedGantryIsStraightened) {
     slice.position_mm = {-2.0, 7.0, 1.5 * k};  // The table moves along z, not along the normal.
     for (int j = 0; j < slice.rows; ++j) {
       for (int i = 0; i < slice.columns; ++i) {
-        const Eigen::Vector3d p = slice.position_mm + slice.column_axis * (i * 0.5) + slice.row_axis * (j * 0.75);
+        const Eigen::Vector3d p =
+            slice.position_mm + slice.column_axis * (i * 0.5) + slice.row_axis * (j * 0.75);
         slice.stored.push_back(static_cast<std::int16_t>(std::lround(FieldHu(p))));
       }
     }
@@ -174,8 +179,10 @@ TEST(DicomSeries, RefusesWhatIsNoCt) {
     slice.modality = "MR";
     WriteDicomSlice(folder / Message(k), slice);
   }
-  EXPECT_THAT([&] { Read(folder.path()); }, ThrowsMessage<InputError>(HasSubstr("looks like a CT")));
-  EXPECT_THAT([&] { Read(folder.path(), "1.2.3"); }, ThrowsMessage<InputError>(HasSubstr("modality is MR")));
+  EXPECT_THAT([&] { Read(folder.path()); },
+              ThrowsMessage<InputError>(HasSubstr("looks like a CT")));
+  EXPECT_THAT([&] { Read(folder.path(), "1.2.3"); },
+              ThrowsMessage<InputError>(HasSubstr("modality is MR")));
   EXPECT_THAT([&] { Read(folder / "0"); }, ThrowsMessage<InputError>(HasSubstr("one DICOM slice")));
 }
 
@@ -196,7 +203,8 @@ TEST(DicomSeries, FlippedBitsAreReadOrRefused) {
   int refused = 0;
   for (int trial = 0; trial < 400; ++trial) {
     std::string broken = bytes;
-    const auto at = 128 + static_cast<std::size_t>(random.Uniform() * static_cast<double>(bytes.size() - 128));
+    const auto at =
+        128 + static_cast<std::size_t>(random.Uniform() * static_cast<double>(bytes.size() - 128));
     broken[at] = static_cast<char>(broken[at] ^ (1 << static_cast<int>(random.Uniform() * 8)));
     std::ofstream(folder / "slice4", std::ios::binary) << broken;
     try {

@@ -1,8 +1,7 @@
 #include "volume/volume_io.h"
 
-#include <gmock/gmock.h>
-
 #include <fstream>
+#include <gmock/gmock.h>
 
 #include "core/atomic_file.h"
 #include "core/random.h"
@@ -13,9 +12,9 @@ namespace acus::volume {
 namespace {
 
 namespace fs = std::filesystem;
-using testing_support::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
+using testing_support::TemporaryFolder;
 
 /// Right-handed and oblique: no axis along a patient axis.
 Geometry ObliqueGeometry() {
@@ -24,14 +23,16 @@ Geometry ObliqueGeometry() {
   g.spacing_mm = {0.5, 0.8, 2.5};
   g.origin_mm = {-120.25, 33.5, 412.125};
   g.direction = (Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()) *
-                 Eigen::AngleAxisd(3.0, Eigen::Vector3d::UnitZ())).toRotationMatrix();
+                 Eigen::AngleAxisd(3.0, Eigen::Vector3d::UnitZ()))
+                    .toRotationMatrix();
   return g;
 }
 
 /// Every voxel has its own value, among them the ends of the range.
 CtVolume NumberedCt(const Geometry& geometry) {
   CtVolume ct(geometry);
-  for (std::size_t i = 0; i < ct.voxels.size(); ++i) ct.voxels[i] = static_cast<std::int16_t>(7 * i);
+  for (std::size_t i = 0; i < ct.voxels.size(); ++i)
+    ct.voxels[i] = static_cast<std::int16_t>(7 * i);
   ct.voxels.front() = -1024;
   ct.voxels.back() = 32767;
   return ct;
@@ -100,7 +101,8 @@ TEST_P(EveryFormat, FlippedBitsAreReadOrRefused) {
   for (int trial = 0; trial < 400; ++trial) {
     std::string broken = bytes;
     // Half of the flips go into the header, where they do most harm.
-    const std::size_t range = trial % 2 == 0 ? std::min<std::size_t>(400, bytes.size()) : bytes.size();
+    const std::size_t range =
+        trial % 2 == 0 ? std::min<std::size_t>(400, bytes.size()) : bytes.size();
     const auto at = static_cast<std::size_t>(random.Uniform() * static_cast<double>(range));
     broken[at] = static_cast<char>(broken[at] ^ (1 << static_cast<int>(random.Uniform() * 8)));
     std::ofstream(flipped, std::ios::binary) << broken;
@@ -121,14 +123,18 @@ TEST_P(EveryFormat, LabelsKeepTheirValues) {
   const TemporaryFolder folder;
   const fs::path path = folder / (std::string("labels") + GetParam());
   CtVolume numbers(ObliqueGeometry());
-  for (std::size_t i = 0; i < numbers.voxels.size(); ++i) numbers.voxels[i] = static_cast<std::int16_t>(i * 3);
+  for (std::size_t i = 0; i < numbers.voxels.size(); ++i)
+    numbers.voxels[i] = static_cast<std::int16_t>(i * 3);
   WriteCt(path, numbers);
   const Grid<std::int32_t> read = ReadIntegerVolume(path);
-  for (std::size_t i = 0; i < read.voxels.size(); ++i) EXPECT_EQ(read.voxels[i], static_cast<int>(i * 3));
-  EXPECT_THAT([&] { ReadLabelMap(path); }, ThrowsMessage<InputError>(HasSubstr("outside 0 to 255")));
+  for (std::size_t i = 0; i < read.voxels.size(); ++i)
+    EXPECT_EQ(read.voxels[i], static_cast<int>(i * 3));
+  EXPECT_THAT([&] { ReadLabelMap(path); },
+              ThrowsMessage<InputError>(HasSubstr("outside 0 to 255")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat, ::testing::Values(".nrrd", ".mha", ".nii", ".nii.gz"),
+INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat,
+                         ::testing::Values(".nrrd", ".mha", ".nii", ".nii.gz"),
                          [](const auto& param) {
                            std::string name = param.param + 1;
                            std::erase(name, '.');
@@ -189,7 +195,8 @@ TEST(ReadCt, RefusesWhatIsNoVolume) {
                            const std::string& message) {
     WriteTextFile(folder / name, content);
     EXPECT_THAT([&] { ReadCt(folder / name, "", RunContext{}); },
-                ThrowsMessage<InputError>(HasSubstr(message))) << name;
+                ThrowsMessage<InputError>(HasSubstr(message)))
+        << name;
   };
   refuses("empty.nrrd", "", "is empty");
   refuses("text.nrrd", "hello", "NRRD");
@@ -203,9 +210,10 @@ TEST(ReadCt, RefusesWhatIsNoVolume) {
           "space directions: (1,0,0) (0.5,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\n"
           "12345678",
           "not perpendicular");
-  refuses("huge.nrrd",
-          "NRRD0004\ntype: short\ndimension: 3\nsizes: 60000 60000 60000\nencoding: raw\n\n12345678",
-          "more than the file can hold");
+  refuses(
+      "huge.nrrd",
+      "NRRD0004\ntype: short\ndimension: 3\nsizes: 60000 60000 60000\nencoding: raw\n\n12345678",
+      "more than the file can hold");
   refuses("series.nrrd",
           "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 2 2 2 2\nencoding: raw\n\n1234567812345678",
           "volumes");
