@@ -19,8 +19,7 @@ int main(int argc, char** argv) {
       "Writes labels.seg.nrrd (3D Slicer), skin.stl, bone.stl, preview_*.png, volumes.csv.\n"
       "With --compare also agreement.csv: Dice and 95 % surface distance by tissue.\n\n"
       "EXAMPLE\n"
-      "  acus-phantom patient lumbar -o patient\n"
-      "  acus-segment patient/ct.nrrd -o segmented\n");
+      "  acus-segment ct.nrrd -o segmented\n");
   app.add_option("ct", ct_path, "DICOM folder, or a NIfTI, NRRD or MetaImage file")
       ->required()
       ->check(CLI::ExistingPath);
