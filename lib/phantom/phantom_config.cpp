@@ -1,6 +1,8 @@
 #include "phantom/phantom_config.h"
 
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "config/json_file.h"
 #include "volume/labels.h"
@@ -165,8 +167,13 @@ PhantomConfig ReadPhantomConfig(const std::filesystem::path& path) {
   config.markers = ReadMarkers(d.at("markers"));
   config.insertion = ReadInsertion(d.at("insertion"), file);
   config.session = ReadSession(d.at("session"), file);
-  for (const Json& curve : d.at("force_curves"))
+  std::set<std::string> names;
+  for (const Json& curve : d.at("force_curves")) {
     config.force_curves.push_back(ReadForceCurve(curve));
+    const std::string& name = config.force_curves.back().name;
+    ACUS_REQUIRE(names.insert(name).second, file, ": /force_curves: two are named '", name,
+                 "'; each needs a name of its own, it becomes the file's");
+  }
   return config;
 }
 

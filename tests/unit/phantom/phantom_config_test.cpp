@@ -91,6 +91,12 @@ TEST(PhantomConfig, RefusesWhatNoSchemaCanSee) {
         Read({{"session", {{"tremor", {{"low_hz", 12}, {"high_hz", 8}}}}}});
       },
       ThrowsMessage<InputError>(HasSubstr("low_hz")));
+  EXPECT_THAT(
+      [] {
+        Read({{"force_curves", nlohmann::json::array({nlohmann::json{{"name", "a"}},
+                                                      nlohmann::json{{"name", "a"}}})}});
+      },
+      ThrowsMessage<InputError>(HasSubstr("two are named 'a'")));
 }
 
 TEST(PhantomConfig, SurvivesDamagedFiles) {
