@@ -33,8 +33,8 @@ std::vector<float> HalfHanning(double length_mm, double spacing_mm, int max_half
     window.push_back(0.5 * (1.0 + std::cos(2.0 * std::numbers::pi * t * spacing_mm / length_mm)));
     sum += 2.0 * window.back();
   }
-  std::vector<float> out;
-  for (const double w : window) out.push_back(static_cast<float>(w / sum));
+  std::vector<float> out(window.size());
+  for (std::size_t t = 0; t < out.size(); ++t) out[t] = static_cast<float>(window[t] / sum);
   return out;
 }
 
@@ -59,7 +59,8 @@ EchoDisplay::EchoDisplay(const Probe& probe, const ScanGrid& grid)
 void EchoDisplay::MakeScanConversion() {
   grey_stride_ = kernels::RoundUp(grid_.lines());
   // One row more than samples and a few bytes, so that neighbours at the end can be read.
-  grey_.assign(static_cast<std::size_t>(grey_stride_) * (grid_.samples + 1) + 16, 0);
+  const auto rows = static_cast<std::size_t>(grid_.samples) + 1;
+  grey_.assign(static_cast<std::size_t>(grey_stride_) * rows + 16, 0);
   const int lanes = kernels::RoundUp(picture_.width_px);
   const auto count = static_cast<std::size_t>(lanes) * picture_.height_px;
   across_fraction_.Reserve(count);

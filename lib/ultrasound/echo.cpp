@@ -76,8 +76,9 @@ EchoTracer::EchoTracer(const ScanGrid& grid, double frequency_mhz, const BModeOp
   echo_row_.threshold = static_cast<float>(options.shadow_threshold);
   // The samples of one interface together reflect what is wanted, whatever their number: a strong
   // one is seen from its surface on, by the second half of them.
+  const int second_half = span_ - span_ / 2;
   const auto per_sample = [&](double reflection) {
-    return static_cast<float>(1.0 - std::pow(1.0 - reflection, 1.0 / (span_ - span_ / 2)));
+    return static_cast<float>(1.0 - std::pow(1.0 - reflection, 1.0 / second_half));
   };
   echo_row_.boosted_per_sample = per_sample(options.boosted_reflection);
   echo_row_.metal_per_sample = per_sample(options.needle_reflection);

@@ -34,7 +34,7 @@ struct Probe {
 };
 
 /// Reads configs/probes/<name>.json (format acus-probe/1).
-/// @throws InputError listing all problems, or if the face does not fit into the picture.
+/// @throws InputError listing all problems, or naming the size that its kind of probe lacks.
 Probe ReadProbe(const std::filesystem::path& path);
 
 /// Pixels are square. The depth fills the height; a picture wider than the probe has black sides.

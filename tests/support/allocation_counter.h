@@ -32,6 +32,13 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
 void* operator new[](std::size_t size, std::align_val_t alignment) {
   return acus::testing_support::Counted(size, static_cast<std::size_t>(alignment));
 }
+// The sanitizers have their own nothrow forms, which would not match the deletes below.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return acus::testing_support::Counted(size, 16);
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+  return acus::testing_support::Counted(size, 16);
+}
 void operator delete(void* p) noexcept {
   std::free(p);
 }

@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "config/json_file.h"
+#include "core/atomic_file.h"
 #include "core/error.h"
+#include "support/fuzz.h"
 #include "support/temporary_folder.h"
 
 namespace acus::ultrasound {
@@ -61,6 +63,14 @@ TEST(Probe, ALinearProbeWithoutWidthSaysSo) {
                              "frequency_mhz": 5, "depth_mm": 50})";
   EXPECT_THAT([&] { ReadProbe(path); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("/width_mm"), HasSubstr("linear"))));
+}
+
+TEST(Probe, DamagedFilesAreReadOrRefused) {
+  const testing_support::TemporaryFolder folder;
+  const std::string valid = ReadTextFile(Preset("curvilinear_c5.json"));
+  const auto path = folder / "damaged.json";
+  const auto read = [&] { ReadProbe(path); };
+  EXPECT_GT(testing_support::ReadDamagedCopies(valid, path, 200, read), 50);
 }
 
 TEST(Probe, PixelsAreSquareAndTheTopMiddleOfALinearPictureIsTheOrigin) {
