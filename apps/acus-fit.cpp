@@ -18,8 +18,9 @@ using namespace acus;  // NOLINT: a program may.
 namespace fs = std::filesystem;
 
 /// Measured force with the fit over it, and what is left, over `x` (depth or time).
-std::vector<report::Plot> Plots(const forces::ForceCurve& curve, const forces::PunctureCurveFit& fit,
-                                const std::vector<double>& x, const char* x_label) {
+std::vector<report::Plot> Plots(const forces::ForceCurve& curve,
+                                const forces::PunctureCurveFit& fit, const std::vector<double>& x,
+                                const char* x_label) {
   report::Series measured{.name = "measured", .x = x, .y = curve.force_n};
   report::Series fitted{.name = "fit", .style = report::Style::kPoints};
   report::Series residual{.name = "measured - fit", .style = report::Style::kPoints};
@@ -41,18 +42,19 @@ std::vector<report::Plot> Plots(const forces::ForceCurve& curve, const forces::P
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Fits force-depth recordings: puncture polynomial, plateau line, friction", "acus-fit");
+  CLI::App app("Fits force-depth recordings: puncture, plateau, friction", "acus-fit");
   std::vector<fs::path> inputs;
   fs::path output;
   std::string tissue;
   double diameter_mm = 1.27;
-  app.add_option("CURVES", inputs, "CSV files with time_s,depth_mm,force_n, or folders with "
-                 "time_displacement.csv and time_force.csv")->required()->check(CLI::ExistingPath);
-  app.add_option("-o,--output", output, "Folder to make: fit.json, fit.svg, one SVG per curve")->required();
-  app.add_option("--tissue", tissue, "Also write forces.json: the default force table with this "
-                 "tissue's row from the fits, for use in a scenario");
+  app.add_option("CURVES", inputs, "CSV files (time_s,depth_mm,force_n) or two-file recordings")
+      ->required()
+      ->check(CLI::ExistingPath);
+  app.add_option("-o,--output", output, "Folder to make: fit.json, plots as SVG")->required();
+  app.add_option("--tissue", tissue, "Also write a force table with this tissue's fitted row");
   app.add_option("--diameter-mm", diameter_mm, "Outer diameter of the needle that was used")
-      ->check(CLI::Range(0.2, 5.0))->capture_default_str();
+      ->check(CLI::Range(0.2, 5.0))
+      ->capture_default_str();
   app.footer("EXAMPLE\n  acus-fit force_curves/*.csv -o fit\n  Then look at fit/fit.svg.");
 
   return RunMain(app, argc, argv, [&](RunContext& context) {
@@ -79,7 +81,8 @@ int main(int argc, char** argv) {
     if (!std::ranges::any_of(fits, &forces::PunctureCurveFit::converged)) {
       throw NoAnswerError("no curve could be fitted, nothing is written:" + failures);
     }
-    config::WriteJson(folder.path() / "fit.json", {{"curves", results}, {"median", forces::SummaryJson(fits)}});
+    config::WriteJson(folder.path() / "fit.json",
+                      {{"curves", results}, {"median", forces::SummaryJson(fits)}});
     report::WriteSvg(folder.path() / "fit.svg", overview);
     if (!tissue.empty()) {
       const auto base = config::ReadJson(config::FindConfig("forces/default.json", "."));
@@ -89,7 +92,8 @@ int main(int argc, char** argv) {
     config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
     folder.Commit();
     std::cout << forces::FitTable(fits);
-    if (!failures.empty()) throw NoAnswerError("the other curves are fitted, but not these:" + failures);
+    if (!failures.empty())
+      throw NoAnswerError("the other curves are fitted, but not these:" + failures);
     return ExitCode::kOk;
   });
 }

@@ -16,10 +16,10 @@ constexpr double kShortestRiseMm = 0.3;  // A rise over less depth has no shape 
 constexpr double kShortestLineMm = 3.0;  // Nor does a line.
 constexpr double kBaselineMm = 2.0;      // Taken along before a rise inside the tissue.
 constexpr double kLongestRiseMm = 15.0;  // Inside the tissue; farther back it is another matter.
-constexpr double kEarlierShare = 0.4;    // A peak this high, relative to the fall, is an earlier one.
-constexpr double kRoundedShare = 0.9;    // Of the height of a peak that is not sharp.
-constexpr double kReversalMm = 3.0;      // Travel in which friction has turned round, at least...
-constexpr double kReversalShare = 0.2;   // ...or this share of the way out.
+constexpr double kEarlierShare = 0.4;  // A peak this high, relative to the fall, is an earlier one.
+constexpr double kRoundedShare = 0.9;  // Of the height of a peak that is not sharp.
+constexpr double kReversalMm = 3.0;    // Travel in which friction has turned round, at least...
+constexpr double kReversalShare = 0.2;  // ...or this share of the way out.
 constexpr double kShortestHoldS = 1.0;
 constexpr double kRelaxationS = 10.0;  // One exponential describes so long a hold, not minutes.
 
@@ -121,11 +121,12 @@ void Fitter::FitAdvance() {
     const double travel_mm = curve_.depth_mm[i] - begin_mm;
     if (travel_mm < kStickMm) early_n[0] = phases().smooth_n[i] - OffsetN();
     if (travel_mm < 2.0 * kStickMm) early_n[1] = phases().smooth_n[i] - OffsetN();
-    if (phases().moving_in[i] && travel_mm > kStickMm) all.Add(i, curve_.depth_mm[i], curve_.force_n[i]);
+    if (phases().moving_in[i] && travel_mm > kStickMm)
+      all.Add(i, curve_.depth_mm[i], curve_.force_n[i]);
   }
   if (all.Span() < 2.0 * kStickMm) return;
   const bool early_peak = !phases().punctures.empty() &&
-      curve_.depth_mm[phases().punctures[0].peak] - begin_mm < 2.0 * kStickMm;
+                          curve_.depth_mm[phases().punctures[0].peak] - begin_mm < 2.0 * kStickMm;
   fit_.starts_in_tissue = !early_peak && early_n[0] > phases().least_drop_n &&
                           early_n[0] > 2.0 * (early_n[1] - early_n[0]);
   const ModelFit fit = FitLine(all, math::Mean(all.x));
@@ -224,10 +225,11 @@ void Fitter::FitRise() {
   LocatePuncture(*rise_);
   if (fit_.puncture_n->low > 0.0) return;
   fit_.converged = false;
-  fit_.message = Message("the rise before the fall of ", main_event().drop_n, " N at ",
-                         curve_.depth_mm[main_event().peak], " mm cannot be told from what else ",
-                         "the force does there: ", fit_.puncture_n->value, " N, 95 % interval from ",
-                         fit_.puncture_n->low, " to ", fit_.puncture_n->high, " N");
+  fit_.message =
+      Message("the rise before the fall of ", main_event().drop_n, " N at ",
+              curve_.depth_mm[main_event().peak], " mm cannot be told from what else ",
+              "the force does there: ", fit_.puncture_n->value, " N, 95 % interval from ",
+              fit_.puncture_n->low, " to ", fit_.puncture_n->high, " N");
 }
 
 /// The term that is held at 0: what it could be, with the contact depth as it is.
@@ -240,7 +242,8 @@ void Fitter::HoldOtherTerm(RiseLaw law, const Samples& rise) {
     std::copy(gradient + 1, gradient + 4, g.begin());
     return value;
   };
-  const ModelFit fit = FitModel(fixed_contact, rise.x, rise.y, {rise_->parameters[1], 0.0, 0.0}, false);
+  const ModelFit fit =
+      FitModel(fixed_contact, rise.x, rise.y, {rise_->parameters[1], 0.0, 0.0}, false);
   const Estimate free = fit.Of(law_.has_a1 ? 2 : 1);
   held_ = Estimate{0.0, free.standard_error, 0.0, std::max(free.high - free.value, free.high)};
   fit_.message = law_.has_a1 ? "a2 is held at 0: the rise is not convex"
@@ -262,8 +265,8 @@ void Fitter::LocatePuncture(const ModelFit& rise) {
   const std::size_t reach = event.sharp ? 0 : phases().smoothing;
   const std::size_t a = event.peak - std::min(event.peak, reach);
   const std::size_t b = std::min(curve_.size() - 1, event.peak + std::max<std::size_t>(1, reach));
-  const double at_mm = event.sharp ? 0.5 * (curve_.depth_mm[a] + curve_.depth_mm[b])
-                                   : curve_.depth_mm[event.peak];
+  const double at_mm =
+      event.sharp ? 0.5 * (curve_.depth_mm[a] + curve_.depth_mm[b]) : curve_.depth_mm[event.peak];
   const double half_mm = std::max(at_mm - curve_.depth_mm[a], curve_.depth_mm[b] - at_mm);
   const Estimate at{at_mm, half_mm / std::sqrt(3.0), at_mm - half_mm, at_mm + half_mm};
   fit_.puncture_depth_mm = Difference(at, *fit_.contact_depth_mm);
@@ -404,6 +407,8 @@ std::vector<std::pair<std::string, Estimate>> PunctureCurveFit::Estimates() cons
   return all;
 }
 
-PunctureCurveFit FitPunctureCurve(const ForceCurve& curve) { return Fitter(curve).Run(); }
+PunctureCurveFit FitPunctureCurve(const ForceCurve& curve) {
+  return Fitter(curve).Run();
+}
 
 }  // namespace acus::forces

@@ -21,8 +21,8 @@ struct PunctureCurveFit {
   bool starts_in_tissue = false;  ///< The force rises at once: the tip was in the tissue already.
 
   // The rise: F = baseline + slope (d - from) + a1 x + a2 x^2 with x = d - contact > 0.
-  std::optional<Estimate> offset_n;  ///< Force at rest before the insertion.
-  std::optional<Estimate> contact_depth_mm;   ///< Of the drive.
+  std::optional<Estimate> offset_n;          ///< Force at rest before the insertion.
+  std::optional<Estimate> contact_depth_mm;  ///< Of the drive.
   std::optional<Estimate> a1_n_per_mm;
   std::optional<Estimate> a2_n_per_mm2;
   std::optional<Estimate> puncture_depth_mm;  ///< Since contact.
@@ -30,8 +30,9 @@ struct PunctureCurveFit {
   std::optional<Estimate> drop_n;             ///< From the rise to the plateau line.
   std::optional<Estimate> plateau_n;          ///< Just after the puncture, without offset.
   std::optional<Estimate> plateau_slope_n_per_mm;
-  std::optional<Estimate> friction_n_per_mm;     ///< On retraction, + outwards drag per buried mm.
-  std::optional<Estimate> relaxation_fraction;   ///< Of the force, lost in the hold (its first 10 s).
+  std::optional<Estimate> friction_n_per_mm;  ///< On retraction, + outwards drag per buried mm.
+  std::optional<Estimate>
+      relaxation_fraction;  ///< Of the force, lost in the hold (its first 10 s).
   std::optional<Estimate> relaxation_time_s;
   std::optional<Estimate> advance_slope_n_per_mm;  ///< Robust line over the whole advance.
 
@@ -48,8 +49,8 @@ struct PunctureCurveFit {
 };
 
 /// Segments the recording and fits each phase (docs/models/force_fit.md). Deterministic.
-/// `converged` is false, with the reason in `message`, if there is no puncture, the recording is too
-/// short, or the fit of the rise did not converge; the other phases are fitted all the same.
+/// `converged` is false, with the reason in `message`, if there is no puncture, the recording is
+/// too short, or the fit of the rise did not converge; the other phases are fitted all the same.
 PunctureCurveFit FitPunctureCurve(const ForceCurve& curve);
 
 }  // namespace acus::forces

@@ -8,11 +8,12 @@
 namespace acus::forces {
 namespace {
 
-constexpr double kSpeedWindowS = 0.025;   // Half width over which the drive's speed is taken.
-constexpr double kSmoothingMm = 0.1;      // Travel over which the force is averaged to find peaks.
-constexpr double kDropWithinMm = 3.0;     // A puncture's fall is over after this much travel.
-constexpr double kSmallestDropN = 0.03;   // Below it a fall is not called a puncture.
-constexpr double kNoiseDeviations = 10.0;  // Of the smoothed noise; peak to peak it is 9 in 10^5 samples.
+constexpr double kSpeedWindowS = 0.025;  // Half width over which the drive's speed is taken.
+constexpr double kSmoothingMm = 0.1;     // Travel over which the force is averaged to find peaks.
+constexpr double kDropWithinMm = 3.0;    // A puncture's fall is over after this much travel.
+constexpr double kSmallestDropN = 0.03;  // Below it a fall is not called a puncture.
+constexpr double kNoiseDeviations =
+    10.0;  // Of the smoothed noise; peak to peak it is 9 in 10^5 samples.
 
 std::vector<double> Speed(const ForceCurve& curve, std::size_t half) {
   const std::size_t n = curve.size();
@@ -44,8 +45,8 @@ void SplitByMotion(const ForceCurve& curve, CurvePhases& phases) {
   phases.rate_hz = 1.0 / dt_s;
   const auto half = std::max<std::size_t>(1, static_cast<std::size_t>(kSpeedWindowS / dt_s));
   const std::vector<double> speed = Speed(curve, half);
-  const auto deepest = static_cast<std::size_t>(
-      std::ranges::max_element(curve.depth_mm) - curve.depth_mm.begin());
+  const auto deepest =
+      static_cast<std::size_t>(std::ranges::max_element(curve.depth_mm) - curve.depth_mm.begin());
   std::vector<double> forward;
   for (std::size_t i = 0; i <= deepest; ++i) {
     if (speed[i] > 0.0) forward.push_back(speed[i]);
@@ -141,8 +142,8 @@ CurvePhases FindPhases(const ForceCurve& curve) {
   phases.noise_n = math::RobustDeviation(difference) / std::sqrt(2.0);
   const double samples_per_mm =
       phases.advance_mm_per_s > 0.0 ? phases.rate_hz / phases.advance_mm_per_s : 1.0;
-  const auto half = static_cast<std::size_t>(
-      std::clamp(0.5 * kSmoothingMm * samples_per_mm, 1.0, 0.01 * static_cast<double>(curve.size())));
+  const auto half = static_cast<std::size_t>(std::clamp(0.5 * kSmoothingMm * samples_per_mm, 1.0,
+                                                        0.01 * static_cast<double>(curve.size())));
   phases.smoothing = 2 * half + 1;
   phases.smooth_n = RunningMean(curve.force_n, half);
   phases.least_drop_n =

@@ -18,24 +18,24 @@ struct SampleRange {
 
 /// A peak of the force during the advance with a fall after it.
 struct PunctureEvent {
-  std::size_t peak = 0;     ///< Last sample before the fall.
-  std::size_t trough = 0;   ///< First sample after it.
-  double drop_n = 0.0;      ///< Fall of the smoothed force.
-  bool sharp = false;       ///< Most of the fall is between two neighbouring samples' surroundings.
+  std::size_t peak = 0;    ///< Last sample before the fall.
+  std::size_t trough = 0;  ///< First sample after it.
+  double drop_n = 0.0;     ///< Fall of the smoothed force.
+  bool sharp = false;      ///< Most of the fall is between two neighbouring samples' surroundings.
 };
 
 struct CurvePhases {
-  SampleRange rest;     ///< Before the drive moves; may be empty.
-  SampleRange advance;  ///< From the first motion to the greatest depth.
-  SampleRange hold;     ///< At the greatest depth.
-  SampleRange retract;  ///< On the way out, until the drive stops.
+  SampleRange rest;             ///< Before the drive moves; may be empty.
+  SampleRange advance;          ///< From the first motion to the greatest depth.
+  SampleRange hold;             ///< At the greatest depth.
+  SampleRange retract;          ///< On the way out, until the drive stops.
   std::vector<bool> moving_in;  ///< By sample: advancing at near full speed.
   double advance_mm_per_s = 0.0;
   double rate_hz = 0.0;
-  double noise_n = 0.0;  ///< White noise of the force (from differences of neighbours).
+  double noise_n = 0.0;          ///< White noise of the force (from differences of neighbours).
   std::vector<double> smooth_n;  ///< Force, running mean over `smoothing` samples.
   std::size_t smoothing = 1;
-  double least_drop_n = 0.0;  ///< Falls below this are noise.
+  double least_drop_n = 0.0;             ///< Falls below this are noise.
   std::vector<PunctureEvent> punctures;  ///< In order of time.
 };
 

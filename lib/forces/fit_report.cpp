@@ -47,8 +47,8 @@ double MedianCuttingN(std::span<const PunctureCurveFit> fits) {
   std::vector<double> values;
   for (const PunctureCurveFit& fit : fits) {
     if (!fit.converged || !fit.plateau_n || !fit.friction_n_per_mm) continue;
-    const double buried_mm = fit.puncture_depth_mm->value +
-                             (fit.starts_in_tissue ? fit.contact_depth_mm->value : 0.0);
+    const double buried_mm =
+        fit.puncture_depth_mm->value + (fit.starts_in_tissue ? fit.contact_depth_mm->value : 0.0);
     values.push_back(fit.plateau_n->value - fit.friction_n_per_mm->value * buried_mm);
   }
   if (values.empty()) throw NoAnswerError("no fit has both a plateau and a retraction");
@@ -62,12 +62,9 @@ json FitJson(const ForceCurve& curve, const PunctureCurveFit& fit) {
   const auto estimates = fit.Estimates();
   for (const auto& [name, estimate] : estimates) {
     const Estimate joint = estimate.AmongSeveral(static_cast<int>(estimates.size()));
-    parameters[name] = {{"value", estimate.value},
-                        {"standard_error", estimate.standard_error},
-                        {"low_95", estimate.low},
-                        {"high_95", estimate.high},
-                        {"joint_low_95", joint.low},
-                        {"joint_high_95", joint.high}};
+    parameters[name] = {{"value", estimate.value},   {"standard_error", estimate.standard_error},
+                        {"low_95", estimate.low},    {"high_95", estimate.high},
+                        {"joint_low_95", joint.low}, {"joint_high_95", joint.high}};
   }
   json punctures = json::array();
   for (std::size_t i = 0; i < fit.phases.punctures.size(); ++i) {

@@ -128,8 +128,8 @@ double CurveParameters::AdvanceForceN(double depth_mm) const {
   return plateau_n + plateau_slope_n_per_mm * (x - puncture_depth_mm);
 }
 
-ForceCurve SynthesizeForceCurve(const CurveParameters& truth, const DrivePlan& plan,
-                                double noise_n, std::uint64_t seed, const std::string& name) {
+ForceCurve SynthesizeForceCurve(const CurveParameters& truth, const DrivePlan& plan, double noise_n,
+                                std::uint64_t seed, const std::string& name) {
   RequireSensible(truth, plan, noise_n);
   const double advance_end_s = plan.rest_s + plan.end_depth_mm / plan.advance_mm_per_s;
   const double hold_end_s = advance_end_s + plan.hold_s;
@@ -154,7 +154,8 @@ ForceCurve SynthesizeForceCurve(const CurveParameters& truth, const DrivePlan& p
       depth = plan.end_depth_mm;
       force = relaxed_n(time - advance_end_s);
     } else {
-      const double back_mm = std::min((time - hold_end_s) * plan.retract_mm_per_s, plan.end_depth_mm);
+      const double back_mm =
+          std::min((time - hold_end_s) * plan.retract_mm_per_s, plan.end_depth_mm);
       depth = plan.end_depth_mm - back_mm;
       const double buried_mm = depth - truth.contact_depth_mm;
       const double dragged_n = -truth.friction_n_per_mm * std::max(0.0, buried_mm);

@@ -41,16 +41,16 @@ void WriteForceCurve(const std::filesystem::path& path, const ForceCurve& curve)
 ///   retraction       -friction x, reached from the hold's force over `reversal_mm`
 /// and everything plus `offset_n`, the sensor's zero error.
 struct CurveParameters {
-  double contact_depth_mm = 5.0;          ///< Drive depth at which the tip touches.
-  double a1_n_per_mm = 0.048;             ///< Alamilla-2021 after eq. 2.
-  double a2_n_per_mm2 = 0.0052;           ///< Alamilla-2021 after eq. 2.
-  double puncture_depth_mm = 12.0;        ///< Since contact.
-  double plateau_n = 0.6;                 ///< Just after the puncture.
+  double contact_depth_mm = 5.0;    ///< Drive depth at which the tip touches.
+  double a1_n_per_mm = 0.048;       ///< Alamilla-2021 after eq. 2.
+  double a2_n_per_mm2 = 0.0052;     ///< Alamilla-2021 after eq. 2.
+  double puncture_depth_mm = 12.0;  ///< Since contact.
+  double plateau_n = 0.6;           ///< Just after the puncture.
   double plateau_slope_n_per_mm = 0.012;
-  double friction_n_per_mm = 0.015;       ///< Per mm of buried shaft, on retraction.
-  double relaxation_fraction = 0.4;       ///< Of the force, lost during a long hold; in [0, 1].
+  double friction_n_per_mm = 0.015;  ///< Per mm of buried shaft, on retraction.
+  double relaxation_fraction = 0.4;  ///< Of the force, lost during a long hold; in [0, 1].
   double relaxation_time_s = 2.0;
-  double reversal_mm = 0.5;               ///< Travel over which the sign of the force turns.
+  double reversal_mm = 0.5;  ///< Travel over which the sign of the force turns.
   double offset_n = 0.0;
 
   /// Force while advancing, without offset. @param depth_mm  of the drive.
@@ -72,7 +72,7 @@ struct DrivePlan {
 /// A recording of `truth` with white noise of standard deviation `noise_n`. The same arguments give
 /// the same bits; another `seed` gives other noise.
 /// @throws InputError if a parameter makes no sense (a negative rate, a puncture past the end...).
-ForceCurve SynthesizeForceCurve(const CurveParameters& truth, const DrivePlan& plan,
-                                double noise_n, std::uint64_t seed, const std::string& name);
+ForceCurve SynthesizeForceCurve(const CurveParameters& truth, const DrivePlan& plan, double noise_n,
+                                std::uint64_t seed, const std::string& name);
 
 }  // namespace acus::forces

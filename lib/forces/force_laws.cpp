@@ -28,7 +28,8 @@ double TrackingWall::Advance(double tip_mm, double cutting_n, double stiffness_n
 double BristleFriction::Slide(double travel_mm, double z0_mm) noexcept {
   if (travel_mm != 0.0) {
     const double steady_mm = std::copysign(z0_mm, travel_mm);
-    deflection_mm = steady_mm + (deflection_mm - steady_mm) * std::exp(-std::abs(travel_mm) / z0_mm);
+    deflection_mm =
+        steady_mm + (deflection_mm - steady_mm) * std::exp(-std::abs(travel_mm) / z0_mm);
   }
   return std::clamp(deflection_mm / z0_mm, -1.0, 1.0);
 }

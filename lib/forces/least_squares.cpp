@@ -1,9 +1,8 @@
 #include "forces/least_squares.h"
 
-#include <ceres/ceres.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <ceres/ceres.h>
 #include <cmath>
 #include <memory>
 
@@ -111,7 +110,8 @@ void AddCovariance(const SampleModel& model, std::span<const double> x,
   const bool full_rank = solver.isPositive() && solver.rcond() > 1e-15;
   fit.converged = fit.converged && full_rank;
   if (!full_rank) fit.message = "the samples do not determine all parameters";
-  fit.covariance = squares / degrees * fit.inflation * solver.solve(Eigen::MatrixXd::Identity(n, n));
+  fit.covariance =
+      squares / degrees * fit.inflation * solver.solve(Eigen::MatrixXd::Identity(n, n));
 }
 
 }  // namespace
@@ -141,7 +141,8 @@ Estimate Estimate::AmongSeveral(int num_intervals) const {
 Estimate ModelFit::Of(double value, const Eigen::VectorXd& gradient) const {
   const double variance = gradient.dot(covariance * gradient);
   const double error = std::sqrt(std::max(0.0, variance));
-  const double quantile = StudentQuantile(effective_samples - static_cast<double>(parameters.size()));
+  const double quantile =
+      StudentQuantile(effective_samples - static_cast<double>(parameters.size()));
   return {value, error, value - quantile * error, value + quantile * error};
 }
 

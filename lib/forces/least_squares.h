@@ -14,7 +14,7 @@ namespace acus::forces {
 struct Estimate {
   double value = 0.0;
   double standard_error = 0.0;
-  double low = 0.0;   ///< 95 % interval.
+  double low = 0.0;  ///< 95 % interval.
   double high = 0.0;
 
   bool Contains(double truth) const { return low <= truth && truth <= high; }

@@ -10,13 +10,13 @@ constexpr double kFarthestMm = 1e5;          // Coordinates beyond it are not po
 constexpr double kLargestFirstStepMm = 5.0;  // The skin is sought at most so far behind the tip.
 constexpr double kEscapeMm = 20.0;           // Off the path by this and outside the body: it left.
 constexpr double kSkinTremorMm = 1.0;
-constexpr double kShallowMm = 2.0;           // Here a path is moved, deeper it turns at the skin.
-constexpr double kDrawnBackMm = 2.0;         // Shorter pull-backs are not the start of a redirect.
-constexpr double kFadeShare = 0.5;           // Of the redirect depth, in which resistance fades.
-constexpr double kLockMm = 0.5;              // Advance that ends a redirect.
+constexpr double kShallowMm = 2.0;    // Here a path is moved, deeper it turns at the skin.
+constexpr double kDrawnBackMm = 2.0;  // Shorter pull-backs are not the start of a redirect.
+constexpr double kFadeShare = 0.5;    // Of the redirect depth, in which resistance fades.
+constexpr double kLockMm = 0.5;       // Advance that ends a redirect.
 constexpr double kBoneReleaseMm = 0.1;
-constexpr double kBoneSlipMm = 1.0;          // Sideways shift after which the tip may slide off.
-constexpr double kShortestFreeMm = 10.0;     // The hand's end of the beam never gets shorter.
+constexpr double kBoneSlipMm = 1.0;       // Sideways shift after which the tip may slide off.
+constexpr double kShortestFreeMm = 10.0;  // The hand's end of the beam never gets shorter.
 
 }  // namespace
 
@@ -90,8 +90,7 @@ NeedleForce NeedleForceModel::Step(NeedleForceState& state,
 NeedleForce NeedleForceModel::HeldForce(const NeedleForceState& state) const noexcept {
   const double late_s = state.time_s - state.valid_time_s - table_.settings.invalid_hold_s;
   const double ramp_s = table_.settings.invalid_ramp_s;
-  const double share =
-      late_s <= 0.0 ? 1.0 : (late_s < ramp_s ? 1.0 - late_s / ramp_s : 0.0);
+  const double share = late_s <= 0.0 ? 1.0 : (late_s < ramp_s ? 1.0 - late_s / ramp_s : 0.0);
   NeedleForce out = state.held;
   out.puncture_n *= share;
   out.cutting_n *= share;
@@ -156,19 +155,20 @@ NeedleForce NeedleForceModel::InBody(NeedleForceState& state, const Motion& moti
   TipForces(state, out);
   Finish(state, motion, out);
 
+  // The last that applies counts.
+  out.event = at_bone;
+  if (at_tissue != NeedleEvent::kNone) out.event = at_tissue;
+  if (touched) out.event = NeedleEvent::kContact;
+  if (punctured) out.event = NeedleEvent::kPuncture;
   if (at_bone == NeedleEvent::kBoneContact) out.event = at_bone;
-  else if (punctured) out.event = NeedleEvent::kPuncture;
-  else if (touched) out.event = NeedleEvent::kContact;
-  else if (at_tissue != NeedleEvent::kNone) out.event = at_tissue;
-  else out.event = at_bone;
   return out;
 }
 
 /// True if the needle is no longer in or on the body.
 bool NeedleForceModel::HasLeft(NeedleForceState& state, const Motion& motion) const noexcept {
   // A hand that rests the tip on the skin trembles: that is one contact, not many.
-  const double slack_mm = std::max(table_.settings.interface_hysteresis_mm,
-                                   state.pierced ? 0.05 : kSkinTremorMm);
+  const double slack_mm =
+      std::max(table_.settings.interface_hysteresis_mm, state.pierced ? 0.05 : kSkinTremorMm);
   if (state.path.DepthMm(motion.tip_mm) < -slack_mm) return true;
   if (motion.label != 0) {
     state.seen_outside = false;
@@ -328,7 +328,8 @@ bool NeedleForceModel::TryPuncture(NeedleForceState& state, const Motion& motion
   state.pressing = false;
   state.cut_tissue = state.path.LastTissue();
   state.channel_mm = std::max(state.channel_mm, state.depth_mm);
-  // The tissue springs back over the tip, which from now on cuts; never with more force than before.
+  // The tissue springs back over the tip, which from now on cuts; never with more force than
+  // before.
   const double cutting_n = std::min(table_.tissue[state.cut_tissue].cutting_n, pressed_n);
   state.wall.wall_mm = state.depth_mm - cutting_n / table_.settings.cutting_stiffness_n_per_mm;
   if (!state.pierced) {
@@ -345,9 +346,8 @@ void NeedleForceModel::TipForces(NeedleForceState& state, NeedleForce& out) cons
   if (membrane.law != nullptr) buried_mm = std::min(buried_mm, membrane.at_mm);
   if (state.pierced) {
     state.channel_mm = std::max(state.channel_mm, buried_mm);
-    out.cutting_n =
-        state.wall.Advance(state.depth_mm, table_.tissue[state.cut_tissue].cutting_n,
-                           table_.settings.cutting_stiffness_n_per_mm);
+    out.cutting_n = state.wall.Advance(state.depth_mm, table_.tissue[state.cut_tissue].cutting_n,
+                                       table_.settings.cutting_stiffness_n_per_mm);
     out.friction_n = state.path.FrictionN(std::min(buried_mm, needle_.length_mm)) *
                      state.bristle.Slide(0.0, table_.settings.friction_buildup_mm);
   }
@@ -365,8 +365,8 @@ void NeedleForceModel::Finish(const NeedleForceState& state, const Motion& motio
   if (state.pierced) {
     const Eigen::Vector3d deviation_mm = state.path.DeviationMm(motion.tip_mm);
     const double size_mm = deviation_mm.norm();
-    out.lateral_n = std::min(LateralStiffnessNPerMm(state.depth_mm) * size_mm,
-                             table_.settings.lateral_limit_n);
+    out.lateral_n =
+        std::min(LateralStiffnessNPerMm(state.depth_mm) * size_mm, table_.settings.lateral_limit_n);
     if (size_mm > 0.0) out.force_in_ct_n -= (out.lateral_n / size_mm) * deviation_mm;
   }
   const double size_n = out.force_in_ct_n.norm();

@@ -8,8 +8,8 @@
 // device is the tip of the needle, except on bone.
 #pragma once
 
-#include <cstdint>
 #include <Eigen/Core>
+#include <cstdint>
 #include <string_view>
 
 #include "forces/force_laws.h"
@@ -30,12 +30,12 @@ struct NeedleInput {
 /// interface, bone release, withdrawal.
 enum class NeedleEvent : std::uint8_t {
   kNone,
-  kContact,      ///< The tip touches the skin.
-  kPuncture,     ///< A membrane gave way.
-  kInterface,    ///< The tip reached another tissue.
+  kContact,    ///< The tip touches the skin.
+  kPuncture,   ///< A membrane gave way.
+  kInterface,  ///< The tip reached another tissue.
   kBoneContact,
   kBoneRelease,
-  kWithdrawal,   ///< The needle left the body.
+  kWithdrawal,  ///< The needle left the body.
 };
 std::string_view NameOf(NeedleEvent event) noexcept;
 
@@ -45,7 +45,7 @@ struct NeedleForce {
   double cutting_n = 0.0;
   double friction_n = 0.0;
   double bone_n = 0.0;
-  double lateral_n = 0.0;  ///< Across the path, magnitude.
+  double lateral_n = 0.0;                                   ///< Across the path, magnitude.
   Eigen::Vector3d force_in_ct_n = Eigen::Vector3d::Zero();  ///< Total, on the needle.
   double depth_mm = 0.0;             ///< Of the needle's tip along the path since the skin.
   double bone_penetration_mm = 0.0;  ///< How far the device is beyond the tip, held by bone.
@@ -61,13 +61,13 @@ struct NeedleForceState {
   double valid_time_s = 0.0;  ///< Of the last valid one.
   Eigen::Vector3d tip_in_ct_mm = Eigen::Vector3d::Zero();
   volume::Label tissue_at_tip = 0;
-  NeedleForce held;                 ///< The last force computed from a valid sample.
-  std::int64_t num_rejected = 0;    ///< Samples with a value that is not finite or no axis.
-  std::int64_t num_time_back = 0;   ///< Samples not later than the one before.
+  NeedleForce held;                ///< The last force computed from a valid sample.
+  std::int64_t num_rejected = 0;   ///< Samples with a value that is not finite or no axis.
+  std::int64_t num_time_back = 0;  ///< Samples not later than the one before.
 
-  bool in_body = false;   ///< There is a path: the tip has touched the skin.
-  NeedlePath path;        ///< Segments are what the tip has met so far.
-  bool pierced = false;   ///< The skin has given way; from then on the path guides the needle.
+  bool in_body = false;     ///< There is a path: the tip has touched the skin.
+  NeedlePath path;          ///< Segments are what the tip has met so far.
+  bool pierced = false;     ///< The skin has given way; from then on the path guides the needle.
   double device_mm = 0.0;   ///< Depth of the device's tip.
   double depth_mm = 0.0;    ///< Depth of the needle's tip.
   double channel_mm = 0.0;  ///< Depth to which tissue is cut.

@@ -30,9 +30,9 @@ void NeedlePath::Append(volume::Label tissue, double friction_n_per_mm) noexcept
     Segment& first = segment[0];
     Segment& second = segment[1];
     if (second.end_mm > 0.0) {
-      second.friction_n_per_mm =
-          (first.friction_n_per_mm * first.end_mm +
-           second.friction_n_per_mm * (second.end_mm - first.end_mm)) / second.end_mm;
+      second.friction_n_per_mm = (first.friction_n_per_mm * first.end_mm +
+                                  second.friction_n_per_mm * (second.end_mm - first.end_mm)) /
+                                 second.end_mm;
     }
     std::move(segment.begin() + 1, segment.end(), segment.begin());
     --num_segments;

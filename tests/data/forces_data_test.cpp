@@ -1,7 +1,6 @@
 // Fits of the 20 public insertions into human liver (de Jong & Dankelman 2017).
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 
 #include "forces/curve_fit.h"
 #include "math/statistics.h"

@@ -1,8 +1,7 @@
 #include "forces/curve_fit.h"
 
-#include <gmock/gmock.h>
-
 #include <cmath>
+#include <gmock/gmock.h>
 #include <map>
 
 #include "core/random.h"
@@ -58,7 +57,9 @@ struct Case {
   double noise_n;
   bool any_truth = false;
 };
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
 
 Coverage CoverageOver100Seeds(const Case& c) {
   Coverage coverage;
@@ -100,7 +101,10 @@ INSTANTIATE_TEST_SUITE_P(
     Curves, FitCoverage,
     testing::Values(
         Case{"liver", {.offset_n = 0.12}, {}, 0.02},
-        Case{"noisy", {.contact_depth_mm = 8.0, .puncture_depth_mm = 15.0, .offset_n = -0.3}, {.rate_hz = 500.0}, 0.08},
+        Case{"noisy",
+             {.contact_depth_mm = 8.0, .puncture_depth_mm = 15.0, .offset_n = -0.3},
+             {.rate_hz = 500.0},
+             0.08},
         Case{"slow", {.offset_n = 0.05}, {.rate_hz = 200.0, .advance_mm_per_s = 2.0}, 0.01},
         Case{"any", {}, {.hold_s = 5.0}, 0.02, /*any_truth=*/true}),
     [](const auto& tested) { return tested.param.name; });
@@ -111,7 +115,8 @@ TEST(FitPunctureCurve, IsExactWithoutNoise) {
   ASSERT_TRUE(fit.converged) << fit.message;
   const auto expected = Truth(truth);
   for (const auto& [name, estimate] : fit.Estimates()) {
-    const double tolerance = name == "puncture_depth_mm" || name == "relaxation_time_s" ? 3e-3 : 5e-4;
+    const double tolerance =
+        name == "puncture_depth_mm" || name == "relaxation_time_s" ? 3e-3 : 5e-4;
     EXPECT_NEAR(estimate.value, expected.at(name), tolerance) << name;
   }
 }
@@ -147,7 +152,8 @@ TEST(FitPunctureCurve, SurvivesNonsense) {
     }
     const PunctureCurveFit fit = FitPunctureCurve(curve);
     EXPECT_TRUE(fit.converged || !fit.message.empty());
-    for (const auto& [name, estimate] : fit.Estimates()) EXPECT_TRUE(std::isfinite(estimate.value)) << name;
+    for (const auto& [name, estimate] : fit.Estimates())
+      EXPECT_TRUE(std::isfinite(estimate.value)) << name;
   }
 }
 

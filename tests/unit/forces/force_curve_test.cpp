@@ -1,8 +1,7 @@
 #include "forces/force_curve.h"
 
-#include <gmock/gmock.h>
-
 #include <cmath>
+#include <gmock/gmock.h>
 #include <limits>
 
 #include "core/atomic_file.h"
@@ -31,7 +30,9 @@ std::string Rows(int count, double rate_hz, const std::function<double(double)>&
 }
 
 TEST(CurveParameters, AreTheLawsOfTheirPhases) {
-  const CurveParameters p{.contact_depth_mm = 5.0, .puncture_depth_mm = 10.0, .plateau_n = 0.6,
+  const CurveParameters p{.contact_depth_mm = 5.0,
+                          .puncture_depth_mm = 10.0,
+                          .plateau_n = 0.6,
                           .plateau_slope_n_per_mm = 0.01};
   EXPECT_EQ(p.AdvanceForceN(4.9), 0.0);
   EXPECT_DOUBLE_EQ(p.AdvanceForceN(15.0), 0.48 + 0.52);  // Alamilla-2021: 10 mm.
@@ -48,7 +49,8 @@ TEST(SynthesizeForceCurve, PassesThroughAllPhases) {
   EXPECT_NEAR(curve.force_n[at(1.0 + 15.0 / 5.0)], truth.AdvanceForceN(15.0) + 0.25, 1e-12);
   EXPECT_NEAR(curve.depth_mm[at(1.0 + 15.0 / 5.0)], 15.0, 1e-9);
   const double end_n = truth.AdvanceForceN(60.0);
-  EXPECT_NEAR(curve.force_n[at(13.0 + 2.0)], end_n * (1.0 - 0.4 * (1.0 - std::exp(-1.0))) + 0.25, 1e-9);
+  EXPECT_NEAR(curve.force_n[at(13.0 + 2.0)], end_n * (1.0 - 0.4 * (1.0 - std::exp(-1.0))) + 0.25,
+              1e-9);
   EXPECT_NEAR(curve.force_n[at(23.0 + 30.0 / 5.0)], -0.015 * 25.0 + 0.25, 1e-9);  // 30 mm deep.
   EXPECT_EQ(curve.force_n.back(), 0.25);
   EXPECT_EQ(curve.depth_mm.back(), 0.0);
@@ -88,7 +90,8 @@ TEST(ReadForceCurve, ReadsBackWhatWasWritten) {
 TEST(ReadForceCurve, BringsTwoClocksTogether) {
   const auto folder = Temp("two_clocks");
   std::filesystem::create_directories(folder);
-  WriteTextFile(folder / "time_displacement.csv", Rows(100, 10.0, [](double t) { return 3.0 * t; }));
+  WriteTextFile(folder / "time_displacement.csv",
+                Rows(100, 10.0, [](double t) { return 3.0 * t; }));
   WriteTextFile(folder / "time_force.csv", Rows(1500, 130.0, [](double t) { return t * t; }));
   const ForceCurve curve = ReadForceCurve(folder);
   EXPECT_EQ(curve.name, "two_clocks");
@@ -104,13 +107,16 @@ TEST(ReadForceCurve, SaysWhatIsWrongAndWhere) {
     WriteTextFile(Temp("bad.csv"), "time_s,depth_mm,force_n\n" + rows);
     return [] { ReadForceCurve(Temp("bad.csv")); };
   };
-  EXPECT_THAT(write("0,0,0\n0,1,1\n"), ThrowsMessage<InputError>(AllOf(HasSubstr("bad.csv:3"),
-                                                                       HasSubstr("must increase"))));
-  EXPECT_THAT(write("0,0,0\n1,2,nan\n"), ThrowsMessage<InputError>(HasSubstr("bad.csv:3: force_n")));
+  EXPECT_THAT(write("0,0,0\n0,1,1\n"),
+              ThrowsMessage<InputError>(AllOf(HasSubstr("bad.csv:3"), HasSubstr("must increase"))));
+  EXPECT_THAT(write("0,0,0\n1,2,nan\n"),
+              ThrowsMessage<InputError>(HasSubstr("bad.csv:3: force_n")));
   EXPECT_THAT(write("0,0,5000\n"), ThrowsMessage<InputError>(HasSubstr("another unit")));
   EXPECT_THAT(write("0,-2001,1\n"), ThrowsMessage<InputError>(HasSubstr("depth_mm is -2001")));
-  EXPECT_THAT(write("0,0,0\n1,1,1\n"), ThrowsMessage<InputError>(HasSubstr("has 2 usable samples")));
-  EXPECT_THAT([] { ReadForceCurve(Temp("no_such.csv")); }, ThrowsMessage<InputError>(HasSubstr("no_such")));
+  EXPECT_THAT(write("0,0,0\n1,1,1\n"),
+              ThrowsMessage<InputError>(HasSubstr("has 2 usable samples")));
+  EXPECT_THAT([] { ReadForceCurve(Temp("no_such.csv")); },
+              ThrowsMessage<InputError>(HasSubstr("no_such")));
 }
 
 // A damaged file reads or is refused; it never crashes.

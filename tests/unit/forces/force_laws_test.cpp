@@ -1,8 +1,7 @@
 #include "forces/force_laws.h"
 
-#include <gmock/gmock.h>
-
 #include <cmath>
+#include <gmock/gmock.h>
 #include <numbers>
 
 namespace acus::forces {
@@ -66,7 +65,8 @@ TEST(BristleFriction, IsStableAtEverySpeedAndStep) {
       double before = 0.0;
       for (long i = 0; i < steps; ++i) {
         const double share = bristle.Slide(step_mm, 0.5);
-        ASSERT_THAT(share, AllOf(Ge(before), Le(1.0))) << dt_s << " s " << speed_mm_per_s << " mm/s";
+        ASSERT_THAT(share, AllOf(Ge(before), Le(1.0)))
+            << dt_s << " s " << speed_mm_per_s << " mm/s";
         before = share;
       }
       const double travelled_mm = step_mm * static_cast<double>(steps);
@@ -101,8 +101,8 @@ TEST(BoneSpring, PushesOutOnlyAndIsBounded) {
   const BoneSpring bone{10.0, 0.005, 20.0};
   EXPECT_DOUBLE_EQ(bone.ForceN(0.5, 0.0), 5.0);
   EXPECT_DOUBLE_EQ(bone.ForceN(0.5, 20.0), 5.1);
-  EXPECT_EQ(bone.ForceN(0.0, 100.0), 0.0);    // Not before contact.
-  EXPECT_EQ(bone.ForceN(0.1, -1e6), 0.0);     // Never pulls in.
+  EXPECT_EQ(bone.ForceN(0.0, 100.0), 0.0);  // Not before contact.
+  EXPECT_EQ(bone.ForceN(0.1, -1e6), 0.0);   // Never pulls in.
   EXPECT_EQ(bone.ForceN(50.0, 1e6), 20.0);
 }
 

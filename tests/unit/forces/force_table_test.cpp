@@ -1,7 +1,6 @@
 #include "forces/force_table.h"
 
 #include <gmock/gmock.h>
-
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -61,10 +60,11 @@ TEST(ForceTable, SaysWhatIsWrong) {
     return [document] { ForceTableFromJson(document, "t.json"); };
   };
   EXPECT_THAT(with("/tissues/0/tissue", "soft_tisue"),
-              ThrowsMessage<InputError>(AllOf(HasSubstr("t.json: /tissues/0"),
-                                              HasSubstr("did you mean 'soft_tissue'"))));
+              ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("t.json: /tissues/0"), HasSubstr("did you mean 'soft_tissue'"))));
   EXPECT_THAT(with("/tissues/0/tissue", "fat"), ThrowsMessage<InputError>(HasSubstr("no row for")));
-  EXPECT_THAT(with("/tissues/0/tissue", "outside"), ThrowsMessage<InputError>(HasSubstr("free space")));
+  EXPECT_THAT(with("/tissues/0/tissue", "outside"),
+              ThrowsMessage<InputError>(HasSubstr("free space")));
   EXPECT_THAT(with("/tissues/1", Minimal()["tissues"][0]),
               ThrowsMessage<InputError>(HasSubstr("has a row already")));
   EXPECT_THAT(with("/tissues/0/puncture_n", 2.0),

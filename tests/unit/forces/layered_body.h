@@ -45,7 +45,8 @@ struct Insertion {
     const double travel_mm = new_z_mm - z_mm;
     z_mm = new_z_mm;
     time_s += dt_s;
-    last = model.Step(state, {time_s, {aside_mm.x(), aside_mm.y(), z_mm}, axis, body.At(z_mm), true});
+    last =
+        model.Step(state, {time_s, {aside_mm.x(), aside_mm.y(), z_mm}, axis, body.At(z_mm), true});
     work_n_mm += 0.5 * (before_n + last.AxialN()) * travel_mm;
     held_work_n_mm += before_n * travel_mm;
     log.push_back(last);
@@ -55,8 +56,8 @@ struct Insertion {
   /// At constant speed, to exactly `end_mm`.
   const NeedleForce& MoveTo(double end_mm, double speed_mm_per_s = 5.0, double dt_s = 0.001) {
     const double begin_mm = z_mm;
-    const int steps =
-        std::max(1, static_cast<int>(std::ceil(std::abs(end_mm - begin_mm) / (speed_mm_per_s * dt_s))));
+    const int steps = std::max(
+        1, static_cast<int>(std::ceil(std::abs(end_mm - begin_mm) / (speed_mm_per_s * dt_s))));
     for (int i = 1; i <= steps; ++i) StepTo(begin_mm + (end_mm - begin_mm) * i / steps, dt_s);
     return last;
   }
@@ -81,12 +82,16 @@ inline ForceTable SimpleTable() {
        "puncture_n": 1.5, "no_membrane_from": ["vessel"], "cutting_n": 0.8, "friction_n_per_mm": 0.015},
       {"tissue": "vessel", "source": "test", "cutting_n": 0.1, "friction_n_per_mm": 0.0},
       {"tissue": "bone", "source": "test", "impenetrable": true}
-    ]})"), "simple");
+    ]})"),
+                            "simple");
 }
 
 inline NeedleProperties Trocar() {
-  return {.name = "18G", .gauge = 18, .length_mm = 150.0,
-          .beam = {.outer_diameter_mm = 1.27, .inner_diameter_mm = 0.84, .youngs_modulus_mpa = 193e3}};
+  return {
+      .name = "18G",
+      .gauge = 18,
+      .length_mm = 150.0,
+      .beam = {.outer_diameter_mm = 1.27, .inner_diameter_mm = 0.84, .youngs_modulus_mpa = 193e3}};
 }
 
 }  // namespace acus::forces

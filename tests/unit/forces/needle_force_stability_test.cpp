@@ -1,10 +1,9 @@
 // What a real session can throw at the needle law: it stays finite, bounded, repeatable and cheap.
-#include <gmock/gmock.h>
-
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <gmock/gmock.h>
 #include <new>
 
 #include "core/random.h"
@@ -21,13 +20,19 @@ void* operator new(std::size_t size) {
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
 
 namespace acus::forces {
 namespace {
 
-ForceTable DefaultTable() { return ReadForceTable(kConfigs / "forces" / "default.json"); }
+ForceTable DefaultTable() {
+  return ReadForceTable(kConfigs / "forces" / "default.json");
+}
 
 /// A wild hand: tremor, pushes, pulls, turns, jumps, lost poses and broken numbers.
 class WildHand {
@@ -60,10 +65,18 @@ class WildHand {
     const double bad[] = {NAN, INFINITY, -INFINITY, 1e300, -1e308, 1e-320};
     const double value = bad[random_.Next() % 6];
     switch (random_.Next() % 4) {
-      case 0: input.tip_in_ct_mm[static_cast<int>(random_.Next() % 3)] = value; break;
-      case 1: input.axis_in_ct[static_cast<int>(random_.Next() % 3)] = value; break;
-      case 2: input.axis_in_ct.setZero(); break;
-      default: input.time_s = std::isfinite(value) ? NAN : value; break;
+      case 0:
+        input.tip_in_ct_mm[static_cast<int>(random_.Next() % 3)] = value;
+        break;
+      case 1:
+        input.axis_in_ct[static_cast<int>(random_.Next() % 3)] = value;
+        break;
+      case 2:
+        input.axis_in_ct.setZero();
+        break;
+      default:
+        input.time_s = std::isfinite(value) ? NAN : value;
+        break;
     }
   }
 
@@ -95,7 +108,8 @@ TEST(NeedleForceStability, AMillionWildStepsStayFiniteAndBounded) {
       const NeedleForce out = model.Step(state, hand.Next());
       ++events[static_cast<int>(out.event)];
       ASSERT_TRUE(out.force_in_ct_n.allFinite() && std::isfinite(out.AxialN()) &&
-                  std::isfinite(out.depth_mm)) << seed << " " << i;
+                  std::isfinite(out.depth_mm))
+          << seed << " " << i;
       ASSERT_LE(out.force_in_ct_n.norm(), bound_n * (1.0 + 1e-12)) << seed << " " << i;
       ASSERT_NEAR(state.path.direction_in_ct.norm(), 1.0, 1e-9);
       ASSERT_LE(state.path.num_segments, NeedlePath::kMaxSegments);
@@ -146,10 +160,11 @@ TEST(NeedleForceStability, StepAllocatesNothing) {
 TEST(NeedleForceStability, TremorDoesNotChatter) {
   const NeedleForceModel model(DefaultTable(), Trocar());
   for (const double depth_mm : {3.0, 12.0, 30.0, 45.0}) {
-    Insertion drive{model, {{{0.0, volume::LabelOf("skin")},
-                             {2.0, volume::LabelOf("fat")},
-                             {12.0, volume::LabelOf("muscle")},
-                             {30.0, volume::LabelOf("liver")}}}};
+    Insertion drive{model,
+                    {{{0.0, volume::LabelOf("skin")},
+                      {2.0, volume::LabelOf("fat")},
+                      {12.0, volume::LabelOf("muscle")},
+                      {30.0, volume::LabelOf("liver")}}}};
     drive.MoveTo(depth_mm, 10.0);
     double before_n = drive.last.AxialN();
     for (int i = 0; i < 5000; ++i) {

@@ -1,8 +1,7 @@
 #include "forces/needle_force.h"
 
-#include <gmock/gmock.h>
-
 #include <cmath>
+#include <gmock/gmock.h>
 
 #include "layered_body.h"
 
@@ -175,8 +174,15 @@ TEST_F(NeedleForceTest, BoneContactDoesNotGiveEnergy) {
 
 TEST_F(NeedleForceTest, AThinTissueLayerOfNoiseIsNotMet) {
   Insertion clean{model, {{{0.0, kSkin}, {2.0, kFat}}}};
-  Insertion noisy{model, {{{0.0, kSkin}, {2.0, kFat}, {12.0, kLiver}, {12.1, kFat}, {15.0, kBone},
-                           {15.01, kFat}, {18.0, 0}, {18.15, kFat}}}};
+  Insertion noisy{model,
+                  {{{0.0, kSkin},
+                    {2.0, kFat},
+                    {12.0, kLiver},
+                    {12.1, kFat},
+                    {15.0, kBone},
+                    {15.01, kFat},
+                    {18.0, 0},
+                    {18.15, kFat}}}};
   clean.MoveTo(25.0);
   noisy.MoveTo(25.0);
   EXPECT_EQ(noisy.Count(NeedleEvent::kPuncture), 1);
@@ -195,13 +201,15 @@ TEST_F(NeedleForceTest, FlickerAtAnInterfaceGivesOneEvent) {
   EXPECT_EQ(drive.Count(NeedleEvent::kInterface) - before, 1);
   double roughness_n = 0.0;
   for (std::size_t i = drive.log.size() - 1990; i < drive.log.size(); ++i) {
-    roughness_n = std::max(roughness_n, std::abs(drive.log[i].AxialN() - drive.log[i - 1].AxialN()));
+    roughness_n =
+        std::max(roughness_n, std::abs(drive.log[i].AxialN() - drive.log[i - 1].AxialN()));
   }
   EXPECT_LT(roughness_n, 0.05);  // 2 N/mm wall over 0.015 mm per step.
 }
 
 TEST_F(NeedleForceTest, VesselToLiverIsNotThroughTheCapsule) {
-  Insertion drive{model, {{{0.0, kSkin}, {2.0, kFat}, {20.0, kLiver}, {45.0, kVessel}, {50.0, kLiver}}}};
+  Insertion drive{model,
+                  {{{0.0, kSkin}, {2.0, kFat}, {20.0, kLiver}, {45.0, kVessel}, {50.0, kLiver}}}};
   drive.MoveTo(60.0);
   EXPECT_EQ(drive.Count(NeedleEvent::kPuncture), 2);  // Skin and capsule once each.
   EXPECT_NEAR(drive.last.cutting_n, 0.8, 1e-12);
@@ -281,7 +289,8 @@ TEST_F(NeedleForceTest, NotANumberGivesNoForceAndIsCounted) {
       {insertion.time_s + 0.004, {0, 1e300, 25}, {0, 0, 1}, kFat, true},
       {nan, {0, 0, 25}, {0, 0, 1}, kFat, true},
   };
-  for (const NeedleInput& input : bad) EXPECT_EQ(model.Step(state, input).force_in_ct_n.norm(), 0.0);
+  for (const NeedleInput& input : bad)
+    EXPECT_EQ(model.Step(state, input).force_in_ct_n.norm(), 0.0);
   EXPECT_EQ(state.num_rejected, 5);
   insertion.time_s += 0.005;
   EXPECT_GT(insertion.StepTo(25.0).AxialN(), 0.5);
