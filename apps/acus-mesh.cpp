@@ -13,8 +13,8 @@ int main(int argc, char** argv) {
   app.footer(
       "Writes mesh.vtu (ParaView: cell data tissue, point data fixed), quality.json and quality.svg.\n"
       "\nEXAMPLE\n"
-      "  acus-phantom patient lumbar -o patient\n"
-      "  acus-mesh patient/labels.seg.nrrd -o mesh\n");
+      "  acus-mesh labels.seg.nrrd -o mesh\n"
+      "  acus-mesh labels.seg.nrrd --corridor-from 0,120,0 --corridor-to 0,30,0 -o fine\n");
   auto* labels_option =
       app.add_option("labels", labels, "Label map, such as acus-segment's labels.seg.nrrd")
           ->check(CLI::ExistingFile);

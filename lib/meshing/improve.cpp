@@ -40,27 +40,41 @@ bool Treat(int t, LocalChanges& changes, TetraEditor& editor, double goal) {
   return changes.GiveAway(t) || is_better;
 }
 
+struct Progress {
+  std::size_t num_bad = 0;
+  bool is_better = false;
+};
+
+Progress ImproveOnce(TetraEditor& editor, LocalChanges& changes, double goal) {
+  std::vector<std::pair<double, int>> bad;
+  for (int t = 0; t < editor.num_slots(); ++t) {
+    if (!editor.is_alive(t)) continue;
+    const double score = editor.Score(t);
+    if (score < goal) bad.emplace_back(score, t);
+  }
+  std::ranges::sort(bad);
+  Progress out{bad.size(), false};
+  for (const auto& [score, t] : bad) {
+    if (!editor.is_alive(t) || editor.Score(t) >= goal) continue;
+    out.is_better |= Treat(t, changes, editor, goal);
+  }
+  return out;
+}
+
 }  // namespace
 
 double Improve(TetraEditor& editor, const MaterialField* field, const ImproveSettings& settings,
                const RunContext& context) {
   LocalChanges changes(editor, field, settings.drift_share);
   const double goal = mesh::ScoreOfDegrees(settings.goal_deg);
+  const int tight_passes = settings.max_passes / 3;
   for (int pass = 0; pass < settings.max_passes; ++pass) {
-    std::vector<std::pair<double, int>> bad;
-    for (int t = 0; t < editor.num_slots(); ++t) {
-      if (!editor.is_alive(t)) continue;
-      const double score = editor.Score(t);
-      if (score < goal) bad.emplace_back(score, t);
-    }
-    std::ranges::sort(bad);
+    changes.set_loose(pass >= tight_passes);
     context.Checkpoint("improving elements", static_cast<double>(pass) / settings.max_passes);
-    bool is_better = false;
-    for (const auto& [score, t] : bad) {
-      if (!editor.is_alive(t) || editor.Score(t) >= goal) continue;
-      is_better |= Treat(t, changes, editor, goal);
-    }
-    if (!is_better) break;
+    const Progress progress = ImproveOnce(editor, changes, goal);
+    if (progress.num_bad == 0) break;
+    if (!progress.is_better && pass >= tight_passes) break;
+    if (!progress.is_better) pass = tight_passes - 1;
   }
   double least = 0.0;
   for (int t = 0; t < editor.num_slots(); ++t) {

@@ -63,6 +63,9 @@ void Check(const volume::LabelMap& labels, const LabelMeshSettings& settings) {
   }
   ACUS_REQUIRE(settings.smoothing_mm >= 0.0 && settings.smoothing_mm <= 20.0, "smoothing of ",
                settings.smoothing_mm, " mm is out of range; allowed: 0 to 20");
+  ACUS_REQUIRE(settings.min_dihedral_deg >= 0.0 && settings.min_dihedral_deg <= 20.0,
+               "a smallest dihedral angle of ", settings.min_dihedral_deg,
+               " degrees is out of range; allowed: 0 to 20");
   ACUS_REQUIRE(labels.voxels.size() == labels.geometry.num_voxels() && !labels.voxels.empty(),
                "the label map is empty");
   ACUS_REQUIRE(std::ranges::any_of(labels.voxels, [](auto l) { return l != 0; }),

@@ -8,6 +8,7 @@ namespace acus::meshing {
 namespace {
 
 constexpr double kLeastGain = 1e-5;  ///< In score; keeps two changes from undoing each other forever.
+constexpr double kLeastGainDeg = 0.1;
 constexpr std::size_t kLongestRing = 7;
 
 /// The 26 directions to the neighbours in a cube.
@@ -165,12 +166,14 @@ bool LocalChanges::MoveNode(int n) {
   double best_score = editor_.StarScore(n);
   const double first_score = best_score;
   const auto attempt = [&](Eigen::Vector3d x) {
-    if (materials.size() == 2 &&
+    const bool is_free = materials.size() > 2 || (is_loose_ && materials.size() == 2);
+    if (materials.size() == 2 && !is_free &&
         !field_->Project(x, materials[0], materials[1], 0.5 * edge_mm)) {
       return;
     }
     // Where three materials meet there is no surface to follow: the node keeps near.
-    if (materials.size() > 2 && (x - start).norm() > drift_share_ * edge_mm) return;
+    const double drift_mm = (is_loose_ ? 3.0 : 1.0) * drift_share_ * edge_mm;
+    if (is_free && (x - start).norm() > drift_mm) return;
     editor_.set_node(n, x);
     const double score = editor_.StarScore(n);
     if (score > best_score + kLeastGain) {
@@ -183,7 +186,8 @@ bool LocalChanges::MoveNode(int n) {
     for (const Eigen::Vector3d& direction : Directions()) attempt(centre + step_mm * direction);
   }
   editor_.set_node(n, best);
-  return best_score > first_score;
+  // Smaller steps are kept, but are no reason to go on.
+  return mesh::DegreesOfScore(best_score) > mesh::DegreesOfScore(first_score) + kLeastGainDeg;
 }
 
 bool LocalChanges::Collapse(int from, int to) {

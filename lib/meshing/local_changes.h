@@ -16,6 +16,9 @@ class LocalChanges {
   /// Nodes on the hull of the mesh stay where they are.
   LocalChanges(TetraEditor& editor, const MaterialField* field, double drift_share);
 
+  /// Loose: nodes may leave their interface by three times the drift share, where nothing else helps.
+  void set_loose(bool is_loose) { is_loose_ = is_loose; }
+
   /// Replaces the 3 to 7 tetrahedra around an edge by others without it. An interface that runs
   /// through the edge is turned with it, if it is nearly flat there.
   bool RemoveEdge(int a, int b);
@@ -40,6 +43,7 @@ class LocalChanges {
   TetraEditor& editor_;
   const MaterialField* field_;
   double drift_share_;
+  bool is_loose_ = false;
   std::vector<bool> is_on_hull_;  ///< Of the nodes that were there at the start; changes add none.
 };
 

@@ -1,0 +1,29 @@
+set(mesh_cube "printf 'v 0 0 0\\nv 9 0 0\\nv 0 9 0\\nv 9 9 0\\nv 0 0 9\\nv 9 0 9\\nv 0 9 9\\nv 9 9 9\\nf 1 3 4 2\\nf 5 6 8 7\\nf 1 2 6 5\\nf 3 7 8 4\\nf 1 5 7 3\\nf 2 4 8 6\\n' > cube.obj")
+acus_add_cli_case(acus-mesh.surface EXIT 0 BEFORE "${mesh_cube}"
+  CREATES mesh/mesh.vtu mesh/quality.json mesh/quality.svg mesh/provenance.json
+  COMMAND acus-mesh --surface cube.obj --tissue liver -o mesh)
+acus_add_cli_case(acus-mesh.open_surface EXIT 3 LEAVES_NOTHING
+  BEFORE "${mesh_cube}\nsed -i 's/^f 1 3 4 2/f 1 3 8/' cube.obj"
+  STDERR "cube.obj: cannot be filled" "first at \\(" "try:"
+  COMMAND acus-mesh --surface cube.obj -o mesh)
+acus_add_cli_case(acus-mesh.truncated_surface EXIT 3 LEAVES_NOTHING
+  BEFORE "${mesh_cube}\nhead -c 40 cube.obj > cut.obj"
+  STDERR "cut.obj" COMMAND acus-mesh --surface cut.obj -o mesh)
+acus_add_cli_case(acus-mesh.wrong_kind EXIT 3 LEAVES_NOTHING BEFORE "echo hello > a.png"
+  STDERR "a.png: a surface must be .stl, .obj, .ply or .vtp"
+  COMMAND acus-mesh --surface a.png -o mesh)
+acus_add_cli_case(acus-mesh.not_a_label_map EXIT 3 LEAVES_NOTHING BEFORE "echo hello > a.nrrd"
+  STDERR "a.nrrd" COMMAND acus-mesh a.nrrd -o mesh)
+acus_add_cli_case(acus-mesh.missing_file EXIT 2 LEAVES_NOTHING
+  STDERR "none.nrrd" COMMAND acus-mesh none.nrrd -o mesh)
+acus_add_cli_case(acus-mesh.unknown_tissue EXIT 3 LEAVES_NOTHING BEFORE "${mesh_cube}"
+  STDERR "did you mean 'liver'" COMMAND acus-mesh --surface cube.obj --tissue livr -o mesh)
+acus_add_cli_case(acus-mesh.half_a_corridor EXIT 2 LEAVES_NOTHING BEFORE "echo hello > a.nrrd"
+  STDERR "--corridor-to" COMMAND acus-mesh a.nrrd --corridor-from 1,2,3 -o mesh)
+acus_add_cli_case(acus-mesh.bad_point EXIT 3 LEAVES_NOTHING BEFORE "echo hello > a.nrrd"
+  STDERR "--corridor-from: '1,2' is not a point"
+  COMMAND acus-mesh a.nrrd --corridor-from 1,2 --corridor-to 1,2,3 -o mesh)
+acus_add_cli_case(acus-mesh.bad_config EXIT 3 LEAVES_NOTHING
+  BEFORE "${mesh_cube}\necho '{\"format\": \"acus-mesh/1\", \"smoothing\": 2}' > c.json"
+  STDERR "/smoothing: unknown key; did you mean \"smoothing_mm\""
+  COMMAND acus-mesh --surface cube.obj --config c.json -o mesh)
