@@ -42,7 +42,6 @@ void AddForces(const StepLog& log, std::vector<Metric>& metrics) {
   metrics.push_back({"largest lateral force", "N", largest_lateral_n});
   metrics.push_back({"greatest depth", "mm", greatest_depth_mm});
   metrics.push_back({"time on bone", "s", span_s * on_bone / n});
-  metrics.push_back({"insertions", "", static_cast<double>(CountOf(log, NeedleEvent::kContact))});
   metrics.push_back({"punctures", "", static_cast<double>(CountOf(log, NeedleEvent::kPuncture))});
   metrics.push_back(
       {"bone contacts", "", static_cast<double>(CountOf(log, NeedleEvent::kBoneContact))});
@@ -59,6 +58,7 @@ void AddTissue(const simulation::Scene& scene, const session::Session& session,
   metrics.push_back({"needle time in tissue", "s", tissue.time_in_tissue_s});
   metrics.push_back({"needle path in tissue", "mm", tissue.path_in_tissue_mm});
   metrics.push_back({"tissue damage", "mm^2", tissue.tissue_damage_mm2});
+  metrics.push_back({"insertions", "", static_cast<double>(tissue.num_insertions)});
 }
 
 }  // namespace
