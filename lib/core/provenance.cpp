@@ -93,7 +93,7 @@ nlohmann::json Provenance::ToJson() const {
           {"input_sha256", input_sha256}};
 }
 
-std::string Provenance::OneLine() const { 
+std::string Provenance::OneLine() const {
   return ToJson().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
