@@ -17,11 +17,14 @@ constexpr double kSmallHoleMm2 = 60.0;  ///< A hole below this is marrow, whatev
 constexpr double kLargeHoleMm2 = 4000.0;
 constexpr std::size_t kHistogramStepHu = 4;
 constexpr double kMostBloodHu = 480.0;  ///< Arteries just after an injection.
+constexpr double kCertainOverContrast =
+    1.2;  ///< Noise and narrow vessels are denser in such a scan.
+constexpr double kLargestEvenMarrowMm2 = 120.0;
 constexpr double kLeastContrastMl = 3.0;
 constexpr double kSmoothBelowMm = 1.5;  ///< Pixels larger than this are smooth already.
 constexpr double kLargeCoreMl = 15.0;
 constexpr double kMostRim =
-    1.08;  ///< Rim over core of what holds contrast agent; cortex is above 1.3.
+    1.02;  ///< Rim over core of what holds contrast agent; cortex is above 1.3.
 constexpr double kSmallCoreMl = 0.5;
 constexpr double kMostBloodInSmallCoreHu = 380.0;
 constexpr double kLeastMarrowHu = -150.0;
@@ -183,15 +186,13 @@ double ThresholdHu(const volume::CtVolume& ct, const Mask& body, const Mask& cer
                     options.bone_threshold_hu);
 }
 
-/// Where the values leave no doubt: above bone_certain_hu, in groups of some voxels.
+/// Where the values leave no doubt: above certain_hu, in groups of some voxels.
 Mask CertainBone(const volume::CtVolume& ct, const Mask& body, const Mask& contrast,
-                 const TissueOptions& options) {
+                 double certain_hu) {
   Mask certain(ct.geometry);
   for (std::size_t i = 0; i < certain.voxels.size(); ++i) {
     certain.voxels[i] =
-        body.voxels[i] != 0 && contrast.voxels[i] == 0 && ct.voxels[i] > options.bone_certain_hu
-            ? 1
-            : 0;
+        body.voxels[i] != 0 && contrast.voxels[i] == 0 && ct.voxels[i] > certain_hu ? 1 : 0;
   }
   const Components groups = ConnectedComponents(certain);
   const double ml = ct.geometry.voxel_volume_mm3() / 1000.0;
@@ -284,9 +285,12 @@ Mask FindBone(const volume::CtVolume& original, const Mask& body, const TissueOp
   // Noise would break an organ that is just above the threshold into crumbs.
   const Mask contrast =
       ContrastIn(smoothed, above(smoothed, options.bone_threshold_hu), options, num_threads);
-  const Mask certain = CertainBone(ct, body, contrast, options);
+  Mask certain = CertainBone(ct, body, contrast, options.bone_certain_hu);
   const double threshold_hu = ThresholdHu(ct, body, certain, options, num_threads);
   const bool enhanced = threshold_hu > 0.5 * (options.bone_lowest_hu + options.bone_threshold_hu);
+  if (enhanced) {
+    certain = CertainBone(ct, body, contrast, kCertainOverContrast * options.bone_certain_hu);
+  }
   // Blood lies beside bone, so in an enhanced scan only what is close to certain bone is taken.
   const Mask near = Dilated(certain, enhanced ? kReachEnhancedMm : kReachPlainMm, num_threads);
   Mask bone = above(ct, threshold_hu);
@@ -299,6 +303,16 @@ Mask FindBone(const volume::CtVolume& original, const Mask& body, const TissueOp
     bone.voxels[i] &= body.voxels[i];
     if (contrast.voxels[i] != 0) bone.voxels[i] = 0;
   }
+  // Even marrow that was taken for contrast agent is bone all around.
+  const int axial = AxialAxis(ct.geometry);
+  const double pixel_mm2 = ct.geometry.voxel_volume_mm3() / ct.geometry.spacing_mm[axial];
+  FillInSlices(bone, axial, num_threads, [&](const SliceRegion& hole) {
+    const double area_mm2 = static_cast<double>(hole.voxels.size()) * pixel_mm2;
+    return !hole.touches_border && area_mm2 < kLargestEvenMarrowMm2 &&
+           std::ranges::all_of(hole.voxels, [&](std::size_t at) {
+             return ct.voxels[at] > options.bone_lowest_hu || contrast.voxels[at] != 0;
+           });
+  });
   return bone;
 }
 
