@@ -1,19 +1,20 @@
-acus_add_cli_case(acus-segment.good EXIT 0 NEEDS inputs TIMEOUT 300
+set(segment_ct "ln -s $INPUTS/ct.nrrd .")
+acus_add_cli_case(acus-segment.good EXIT 0 NEEDS inputs TIMEOUT 300 BEFORE "${segment_ct}"
   CREATES out/labels.seg.nrrd out/skin.stl out/bone.stl out/preview_axial.png
           out/preview_coronal.png out/preview_sagittal.png out/volumes.csv out/provenance.json
-  COMMAND acus-segment $INPUTS/ct.nrrd -o out)
-acus_add_cli_case(acus-segment.no_output EXIT 2 NEEDS inputs LEAVES_NOTHING
-  STDERR "--output is required" COMMAND acus-segment $INPUTS/ct.nrrd)
+  COMMAND acus-segment ct.nrrd -o out)
+acus_add_cli_case(acus-segment.no_output EXIT 2 NEEDS inputs LEAVES_NOTHING BEFORE "${segment_ct}"
+  STDERR "--output is required" COMMAND acus-segment ct.nrrd)
 acus_add_cli_case(acus-segment.missing_ct EXIT 2 LEAVES_NOTHING
   STDERR "none.nrrd" COMMAND acus-segment none.nrrd -o out)
 acus_add_cli_case(acus-segment.mapping_alone EXIT 2 NEEDS inputs LEAVES_NOTHING
-  BEFORE "echo {} > m.json" STDERR "--mapping requires --import"
-  COMMAND acus-segment $INPUTS/ct.nrrd --mapping m.json -o out)
+  BEFORE "${segment_ct}\necho {} > m.json" STDERR "--mapping requires --import"
+  COMMAND acus-segment ct.nrrd --mapping m.json -o out)
 acus_add_cli_case(acus-segment.truncated EXIT 3 NEEDS inputs LEAVES_NOTHING
   BEFORE "head -c 3000 $INPUTS/ct.nrrd > cut.nrrd" STDERR "cut.nrrd.*(cut off|broken)"
   COMMAND acus-segment cut.nrrd -o out)
 acus_add_cli_case(acus-segment.no_series EXIT 3 LEAVES_NOTHING
   BEFORE "mkdir empty" STDERR "no DICOM image" COMMAND acus-segment empty -o out)
 acus_add_cli_case(acus-segment.unknown_setting EXIT 3 NEEDS inputs LEAVES_NOTHING
-  BEFORE "echo '{\"format\": \"acus-segmentation/1\", \"bones\": {}}' > c.json"
-  STDERR "bones.*unknown|unknown.*bones" COMMAND acus-segment $INPUTS/ct.nrrd --config c.json -o out)
+  BEFORE "${segment_ct}\necho '{\"format\": \"acus-segmentation/1\", \"bones\": {}}' > c.json"
+  STDERR "bones.*unknown|unknown.*bones" COMMAND acus-segment ct.nrrd --config c.json -o out)
