@@ -142,8 +142,9 @@ CurvePhases FindPhases(const ForceCurve& curve) {
   phases.noise_n = math::RobustDeviation(difference) / std::sqrt(2.0);
   const double samples_per_mm =
       phases.advance_mm_per_s > 0.0 ? phases.rate_hz / phases.advance_mm_per_s : 1.0;
-  const auto half = static_cast<std::size_t>(std::clamp(0.5 * kSmoothingMm * samples_per_mm, 1.0,
-                                                        0.01 * static_cast<double>(curve.size())));
+  const auto half =
+      static_cast<std::size_t>(std::max(1.0, std::min(0.5 * kSmoothingMm * samples_per_mm,
+                                                      0.01 * static_cast<double>(curve.size()))));
   phases.smoothing = 2 * half + 1;
   phases.smooth_n = RunningMean(curve.force_n, half);
   phases.least_drop_n =

@@ -14,18 +14,22 @@ namespace {
 thread_local long allocation_count = 0;
 }
 
-// Counts what the global operator new gives out in this program.
-void* operator new(std::size_t size) {
+// Counts what the global operator new gives out in this program. Not inlined: GCC would see free()
+// of what it takes for another operator new. Sanitizers have operators of their own.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define ACUS_COUNTS_ALLOCATIONS 1
+[[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocation_count;
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept {
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
   std::free(memory);
 }
-void operator delete(void* memory, std::size_t) noexcept {
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
   std::free(memory);
 }
+#endif
 
 namespace acus::forces {
 namespace {
@@ -146,6 +150,9 @@ TEST(NeedleForceStability, TheSameSamplesGiveTheSameBits) {
 }
 
 TEST(NeedleForceStability, StepAllocatesNothing) {
+#ifndef ACUS_COUNTS_ALLOCATIONS
+  GTEST_SKIP() << "a sanitizer build does not count allocations";
+#endif
   const NeedleForceModel model(DefaultTable(), Trocar());
   WildHand hand(5);
   NeedleForceState state;
