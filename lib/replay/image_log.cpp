@@ -43,12 +43,10 @@ struct EventImage {
 
 /// "bone contact at 17.80 s, 57.3 mm deep"
 std::string CaptionOf(const simulation::StepOutput& step) {
-  std::string event(forces::NameOf(step.force.event));
-  std::ranges::replace(event, '_', ' ');
   char text[64];
   std::snprintf(text, sizeof text, " at %.2f s, %.1f mm deep",
                 1e-9 * static_cast<double>(step.time_ns), step.force.depth_mm);
-  return event + text;
+  return EventWords(step.force.event) + text;
 }
 
 /// The first image after each event that a hand feels; without any, the one in the middle.

@@ -51,7 +51,7 @@ std::vector<report::Plot> ForcePlots(const StepLog& log) {
                   SeriesOf(log, "bone", [](const StepOutput& s) { return s.force.bone_n; })};
   for (const StepOutput& step : log.steps) {
     if (!IsMarked(step.force.event)) continue;
-    axial.marks.push_back({SecondsOf(log, step), std::string(forces::NameOf(step.force.event))});
+    axial.marks.push_back({SecondsOf(log, step), EventWords(step.force.event)});
   }
   report::Plot lateral;
   lateral.title = "Force across the needle";
@@ -85,7 +85,7 @@ void AddEvents(report::HtmlReport& html, const StepLog& log, const simulation::S
   std::vector<std::vector<std::string>> rows;
   for (const StepOutput& step : log.steps) {
     if (step.force.event == NeedleEvent::kNone) continue;
-    rows.push_back({Rounded(SecondsOf(log, step)), std::string(forces::NameOf(step.force.event)),
+    rows.push_back({Rounded(SecondsOf(log, step)), EventWords(step.force.event),
                     TissueName(scene, step.tissue_at_tip), Rounded(step.force.depth_mm),
                     Rounded(step.force.AxialN())});
   }

@@ -1,5 +1,6 @@
 #include "replay/step_log.h"
 
+#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
 #include <fstream>
@@ -44,6 +45,12 @@ std::string TimeText(std::int64_t time_ns) {
   std::snprintf(text, sizeof text, "%s%" PRId64 ".%09" PRId64, sign, magnitude / 1'000'000'000,
                 magnitude % 1'000'000'000);
   return text;
+}
+
+std::string EventWords(forces::NeedleEvent event) {
+  std::string words(forces::NameOf(event));
+  std::ranges::replace(words, '_', ' ');
+  return words;
 }
 
 void WriteForces(const std::filesystem::path& path, const StepLog& log,

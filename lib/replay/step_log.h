@@ -25,6 +25,9 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
 /// Name of a label in the scene's label map.
 std::string TissueName(const simulation::Scene& scene, volume::Label label);
 
+/// "bone contact": an event in words.
+std::string EventWords(forces::NeedleEvent event);
+
 /// Writes forces.csv: one row per step, columns with units; forces are those on the needle,
 /// force_axial_n is + where it pushes the needle out.
 void WriteForces(const std::filesystem::path& path, const StepLog& log,
