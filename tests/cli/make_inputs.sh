@@ -18,6 +18,7 @@ cp "$source/testdata/small_scenario.json" scenario.json
 cp "$source/testdata/small_lumbar.json" phantom.json
 acus-register --from mannequin.csv --to ct.csv -o landmark_fit >/dev/null
 ln -s landmark_fit/ct_from_reference.tfm ct_from_reference.tfm
+cp "$source/configs/segmentation/default.json" segmentation.json
 
 # Two runs of the same, for acus-compare.
 acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd \

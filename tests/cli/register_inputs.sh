@@ -1,3 +1,4 @@
+#!/usr/bin/env bash
 # Makes, in the current folder, what the cases of acus-register read.
 # Six markers on a mannequin, and the same in CT: turned by a quarter about z, moved, and localised
 # to a few tenths of a millimetre.

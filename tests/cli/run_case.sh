@@ -24,6 +24,7 @@ export PATH="$ACUS_BIN:$PATH"
 # A finding of a sanitizer must not pass for an exit code of the program.
 export ASAN_OPTIONS="exitcode=99:${ASAN_OPTIONS:-}" TSAN_OPTIONS="exitcode=99:${TSAN_OPTIONS:-}"
 program=$(basename "$1")
+set -- "${@//\$INPUTS/$INPUTS}"
 
 listing() { find . -mindepth 1 -printf '%y %p %l ' -a \( -type f -exec sha256sum {} \; -o -print \) | sort; }
 
