@@ -29,8 +29,17 @@ inline simulation::EffectPlan PlanOf(bool force, bool ultrasound, bool ct_slice,
   return simulation::PlanEffects(s, {.needle_poses = true, .probe_poses = true});
 }
 
+/// 1 mm voxels: 60 x 60 mm wide, from 10 mm above the skin to 90 mm below it.
+inline volume::Geometry LayeredGeometry() {
+  volume::Geometry geometry;
+  geometry.size = {60, 60, 100};
+  geometry.origin_mm = {-29.5, -29.5, -9.5};
+  return geometry;
+}
+
 /// The presets come from the source tree's configs.
-inline simulation::Scene LayeredScene(const simulation::EffectPlan& plan, bool needle_in_images) {
+inline simulation::Scene LayeredScene(const simulation::EffectPlan& plan, bool needle_in_images,
+                                      const volume::Geometry& geometry = LayeredGeometry()) {
   const std::filesystem::path configs = std::filesystem::path(ACUS_SOURCE_DIR) / "configs";
   simulation::Scene scene;
   scene.plan = plan;
@@ -41,17 +50,14 @@ inline simulation::Scene LayeredScene(const simulation::EffectPlan& plan, bool n
   scene.probe = ultrasound::ReadProbe(configs / "probes/linear_l14.json");
   scene.b_mode = ultrasound::ReadBModeOptions(configs / "acoustics/hu_textured.json");
 
-  volume::Geometry geometry;
-  geometry.size = {60, 60, 100};
-  geometry.origin_mm = {-29.5, -29.5, -9.5};
   scene.ct.emplace(geometry, std::int16_t{-1000});
   scene.labels.emplace(geometry);
   for (int k = 0; k < geometry.size[2]; ++k) {
-    const double z_mm = geometry.origin_mm[2] + k;
+    const double z_mm = geometry.origin_mm[2] + geometry.spacing_mm[2] * k;
     for (int j = 0; j < geometry.size[1]; ++j) {
       for (int i = 0; i < geometry.size[0]; ++i) {
-        const double x_mm = geometry.origin_mm[0] + i;
-        const double y_mm = geometry.origin_mm[1] + j;
+        const double x_mm = geometry.origin_mm[0] + geometry.spacing_mm[0] * i;
+        const double y_mm = geometry.origin_mm[1] + geometry.spacing_mm[1] * j;
         for (const Layer& layer : kLayers) {
           if (z_mm < layer.from_z_mm) continue;
           scene.ct->At(i, j, k) = layer.hu;

@@ -1,0 +1,101 @@
+// A replay must be at least ten times faster than real time on two cores, with everything on.
+#include <gtest/gtest.h>
+
+#include <ctime>
+#include <filesystem>
+#include <numbers>
+
+#include "config/json_file.h"
+#include "core/atomic_file.h"
+#include "replay/replay.h"
+#include "session/session_io.h"
+#include "support/layered_scene.h"
+#include "volume/volume_io.h"
+
+namespace acus::replay {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSeconds = 30.0;
+
+double CpuSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Voxels of 0.6 mm all around the picture, so that no sample is cheap for lying outside.
+volume::Geometry LargeGeometry() {
+  volume::Geometry geometry;
+  geometry.size = {256, 256, 280};
+  geometry.spacing_mm = {0.6, 0.6, 0.6};
+  geometry.origin_mm = {-76.5, -76.5, -9.7};
+  return geometry;
+}
+
+/// In and out at 1 kHz, five times, under a probe that sways.
+session::Session InAndOut() {
+  session::Session session;
+  for (int ms = 0; ms < static_cast<int>(1e3 * kSeconds); ++ms) {
+    const double phase = 2.0 * std::numbers::pi * ms / 6000.0;
+    const std::int64_t time_ns = ms * std::int64_t{1'000'000};
+    const Eigen::Translation3d tip(0.0, 0.0, 20.0 - 28.0 * std::cos(phase));
+    session.needle.push_back({time_ns, Eigen::Isometry3d(tip), true});
+    Eigen::Isometry3d probe = Eigen::Isometry3d::Identity();
+    probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+    probe.rotate(Eigen::AngleAxisd(0.1 * std::sin(phase), Eigen::Vector3d::UnitY()));
+    probe.translation() << 3.0 * std::sin(phase), 0.0, -0.5;
+    session.probe.push_back({time_ns, probe, true});
+  }
+  return session;
+}
+
+TEST(ReplaySpeed, IsTenTimesRealTimeOnTwoCores) {
+  const fs::path folder = fs::path(testing::TempDir()) / "replay_speed_test";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
+  RunContext context;
+  context.num_threads = 2;
+  const auto scene = testing_support::LayeredScene(
+      testing_support::PlanOf(true, true, true, true), true, LargeGeometry());
+  volume::WriteCt(folder / "ct.nrrd", *scene.ct);
+  volume::WriteLabelMap(folder / "labels.seg.nrrd", *scene.labels);
+  session::WriteSession(folder / "session", InAndOut(), context);
+  WriteTextFile(folder / "scene.json", R"({"format": "acus-scenario/1",
+    "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"}, "probe": "probes/linear_l14.json",
+    "effects": {"needle_force": {}, "ultrasound": {}, "ct_slice": {}}})");
+  const auto scenario = scenario::ReadScenario(folder / "scene.json", {});
+
+  ReplayOptions options;
+  options.run_folder = folder / "run";
+  const double begin_s = CpuSeconds();
+  ReplaySession(scenario, folder / "session", options, context);
+  const double cpu_s = CpuSeconds() - begin_s;
+
+  // Fast, but is it right? Everything was made, and the needle felt the tissue.
+  const auto run = config::ReadJson(options.run_folder / "run.json");
+  EXPECT_EQ(run.at("images"), 900);
+  const auto& stages = run.at("effect_plan");
+  EXPECT_EQ(stages.at(2).at("stage"), "needle force");
+  EXPECT_EQ(stages.at(2).at("runs"), 30'000);
+  for (const auto& metric : config::ReadJson(options.run_folder / "metrics.json").at("metrics")) {
+    if (metric.at("name") == "punctures") {
+      EXPECT_GE(metric.at("value"), 5.0);
+    }
+    if (metric.at("name") == "largest axial force") {
+      EXPECT_GT(metric.at("value"), 0.3);
+      EXPECT_LT(metric.at("value"), 10.0);
+    }
+  }
+  // CPU time, as others may use the machine: two cores have 2 s of it per second.
+  const double speed = 2.0 * kSeconds / cpu_s;
+  std::printf("%.0f s replayed in %.2f s of CPU time: %.1f times real time on two cores, %.1f on one\n",
+              kSeconds, cpu_s, speed, 0.5 * speed);
+  EXPECT_GT(speed, 10.0);
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace acus::replay
