@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/words.h"
 
 namespace acus::comparison {
 namespace {
@@ -39,12 +40,6 @@ SharedRows Share(const std::vector<double>& a_s, const std::vector<double>& b_s,
   return rows;
 }
 
-std::string Listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 std::vector<std::string> OnlyIn(const CsvTable& table, const CsvTable& other) {
   std::vector<std::string> names;
   for (const std::string& name : table.columns()) {
@@ -57,9 +52,9 @@ Check CompareColumns(const CsvTable& a, const CsvTable& b) {
   const auto only_a = OnlyIn(a, b);
   const auto only_b = OnlyIn(b, a);
   std::string remark;
-  if (!only_a.empty()) remark = "only in A: " + Listed(only_a);
+  if (!only_a.empty()) remark = "only in A: " + Joined(only_a);
   if (!only_b.empty())
-    remark += (remark.empty() ? "only in B: " : "; only in B: ") + Listed(only_b);
+    remark += (remark.empty() ? "only in B: " : "; only in B: ") + Joined(only_b);
   return Verdict("force log: columns", remark.empty(), remark);
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/spelling.h"
+#include "core/words.h"
 
 namespace acus::config {
 namespace {
@@ -105,11 +106,9 @@ std::string Explain(const std::string& description, const Place& place) {
       for (const auto& [name, unused] : (*place.schema)["properties"].items()) known.push_back(name);
     }
     const auto nearest = NearestSpelling(key, known);
-    std::string allowed;
-    for (const auto& name : known) allowed += (allowed.empty() ? "" : ", ") + name;
     return Message(place.pointer, "/", key, ": unknown key; ",
                    nearest ? Message("did you mean \"", *nearest, "\"?")
-                           : Message("known here: ", allowed));
+                           : Message("known here: ", Joined(known)));
   }
   if (says("Missing required property")) {
     return Message(place.pointer, "/", LastQuoted(description), ": missing; it is required");

@@ -8,15 +8,10 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/spelling.h"
+#include "core/words.h"
 
 namespace acus {
 namespace {
-
-std::string_view Trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
 
 std::vector<std::string_view> Split(std::string_view line) {
   std::vector<std::string_view> cells;
@@ -26,12 +21,6 @@ std::vector<std::string_view> Split(std::string_view line) {
     begin = end + 1;
   }
   return cells;
-}
-
-std::string Joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
-  return text;
 }
 
 }  // namespace
@@ -69,7 +58,7 @@ void CsvTable::Parse(std::string_view text, bool has_header) {
       continue;
     }
     ACUS_REQUIRE(cells.size() == columns_.size(), path_.string(), ":", line_number, ": has ",
-                 cells.size(), " cells, the columns are ", columns_.size(), " (", Joined(columns_),
+                 cells.size(), " cells, the columns are ", columns_.size(), " (", Joined(columns_, ","),
                  "); is the file cut off?");
     cells_.insert(cells_.end(), cells.begin(), cells.end());
     line_.push_back(line_number);
@@ -86,7 +75,7 @@ std::size_t CsvTable::IndexOf(std::string_view column) const {
   if (found == columns_.end()) {
     const auto nearest = NearestSpelling(column, columns_);
     throw InputError(Message(path_.string(), ":1: no column '", column, "'; the header is ",
-                             Joined(columns_),
+                             Joined(columns_, ","),
                              nearest ? Message("; rename '", *nearest, "'?") : std::string()));
   }
   return static_cast<std::size_t>(found - columns_.begin());

@@ -15,6 +15,7 @@
 
 #include "core/progress_bar.h"
 #include "core/spelling.h"
+#include "core/words.h"
 
 namespace acus {
 namespace {
@@ -65,9 +66,7 @@ std::string CommandLineProblem(const CLI::App& app, int argc, const char* const*
     }
   }
   if (!subcommands.empty() && argc > 1 && argv[1][0] != '-' && !is_known(subcommands, argv[1])) {
-    std::string known;
-    for (const std::string& word : subcommands) known += (known.empty() ? "" : ", ") + word;
-    return Message("unknown command '", argv[1], "'; known: ", known, ".",
+    return Message("unknown command '", argv[1], "'; known: ", Joined(subcommands), ".",
                    hint(NearestSpelling(argv[1], subcommands)));
   }
   return parser_says;

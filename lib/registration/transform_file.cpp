@@ -9,6 +9,7 @@
 #include "core/atomic_file.h"
 #include "core/csv.h"
 #include "core/error.h"
+#include "core/words.h"
 #include "math/rigid.h"
 
 namespace acus::registration {
@@ -21,12 +22,6 @@ using Eigen::Vector3d;
 
 constexpr double kFarthestMm = 1e6;
 constexpr std::string_view kMagic = "#Insight Transform File V1.0";
-
-std::string_view Trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r\n");
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
-}
 
 /// All numbers of a text; nothing else may be in it.
 std::vector<double> Numbers(std::string_view text, const std::string& where) {

@@ -10,6 +10,7 @@
 #include "core/atomic_file.h"
 #include "core/csv.h"
 #include "core/error.h"
+#include "core/words.h"
 
 namespace acus::session {
 namespace {
@@ -23,12 +24,6 @@ constexpr double kMaxCoordinateMm = 1e6;  // A kilometre: no tracker sees that f
 constexpr std::int64_t kNsPerS = 1'000'000'000;
 
 using Cells = std::array<std::string_view, kNumColumns>;
-
-std::string_view Trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
 
 /// Splits into `cells` and returns how many there are, also when these are more.
 std::size_t Split(std::string_view line, std::span<std::string_view> cells) {

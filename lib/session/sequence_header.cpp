@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "core/words.h"
 
 namespace acus::session {
 namespace {
@@ -23,12 +24,6 @@ constexpr std::uint64_t kMaxUntimedFrames = 1'000'000;
 // No zlib stream grows by more than this (deflate codes 258 bytes in 2 bits).
 constexpr std::uint64_t kMaxInflation = 1032;
 constexpr std::string_view kFramePrefix = "Seq_Frame";
-
-std::string_view Trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
 
 std::optional<std::uint64_t> Whole(std::string_view text) {
   std::uint64_t value = 0;

@@ -1,6 +1,7 @@
 #include "session/session_import.h"
 
 #include "core/error.h"
+#include "core/words.h"
 #include "session/sequence_file.h"
 #include "session/session_io.h"
 #include "session/slicer_scene.h"
@@ -57,12 +58,6 @@ ImportedSession Assemble(const std::string& label, const ImportOptions& options,
     imported.session.probe = std::move(probe->poses);
   }
   return imported;
-}
-
-std::string Joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
 }
 
 [[noreturn]] void NothingFound(const std::string& label, const ImportOptions& options,

@@ -12,6 +12,7 @@
 #include <zlib.h>
 
 #include "core/error.h"
+#include "core/words.h"
 
 namespace acus::volume {
 namespace {
@@ -21,12 +22,6 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMostDeflateRatio = 1032;
 constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20U;
 constexpr int kMaxHeaderLines = 100'000;
-
-std::string Trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == text.npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
 
 /// "key<separator>value" lines up to `last_key` (kept) or, if that is empty, the first empty line.
 std::map<std::string, std::string> HeaderLines(const fs::path& path, char separator,
@@ -39,13 +34,13 @@ std::map<std::string, std::string> HeaderLines(const fs::path& path, char separa
   for (int number = 0; number < kMaxHeaderLines && std::getline(file, line); ++number) {
     total += line.size();
     ACUS_REQUIRE(total <= kMaxHeaderBytes, path.string(), ": the text header does not end");
-    line = Trimmed(line);
-    if (line.empty() && last_key.empty()) return fields;
-    if (line.starts_with('#')) continue;
-    const auto at = line.find(separator);
-    if (at == line.npos) continue;
-    const std::string key = Trimmed(line.substr(0, at));
-    fields[key] = Trimmed(line.substr(at + 1));
+    const std::string_view text = Trimmed(line);
+    if (text.empty() && last_key.empty()) return fields;
+    if (text.starts_with('#')) continue;
+    const auto at = text.find(separator);
+    if (at == text.npos) continue;
+    const std::string key(Trimmed(text.substr(0, at)));
+    fields[key] = Trimmed(text.substr(at + 1));
     if (key == last_key) return fields;
   }
   ACUS_REQUIRE(last_key.empty(), path.string(), ": has no '", last_key,
