@@ -42,7 +42,8 @@ int main(int argc, char** argv) {
   auto* mapping_option =
       app.add_option("--mapping", mapping_path,
                      "What the values of that label map mean (format acus-label-mapping/1); "
-                     "default: the preset label_maps/totalsegmentator.json")
+                     "default: label_maps/acus.json for .seg.nrrd, else "
+                     "label_maps/totalsegmentator.json")
           ->check(CLI::ExistingFile);
   app.add_option("-o,--output", folder, "Folder to write");
   app.callback([&] {
@@ -62,7 +63,12 @@ int main(int argc, char** argv) {
     }
     using acus::config::FindConfig;
     if (config_path.empty()) config_path = FindConfig("segmentation/default.json", ".");
-    if (mapping_path.empty()) mapping_path = FindConfig("label_maps/totalsegmentator.json", ".");
+    if (mapping_path.empty()) {
+      const auto& foreign = import_path.empty() ? reference_path : import_path;
+      const bool is_ours = foreign.string().ends_with(".seg.nrrd");
+      mapping_path = FindConfig(
+          is_ours ? "label_maps/acus.json" : "label_maps/totalsegmentator.json", ".");
+    }
     const auto config = acus::segmentation::ReadSegmentationConfig(config_path);
     std::optional<acus::segmentation::ForeignLabels> import;
     if (!import_path.empty()) import = {import_path, mapping_path};

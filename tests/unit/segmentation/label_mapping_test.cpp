@@ -37,6 +37,16 @@ TEST(LabelMapping, TotalSegmentatorHasAllItsClasses) {
   EXPECT_EQ(mapping.tissue.at(117), volume::LabelOf("cartilage"));
 }
 
+TEST(LabelMapping, OurOwnMapsHaveEveryStandardLabelAsItIs) {
+  const LabelMapping mapping = ReadLabelMapping(ACUS_SOURCE_DIR "/configs/label_maps/acus.json");
+  EXPECT_TRUE(mapping.covers_body);
+  EXPECT_EQ(mapping.tissue.size(), volume::StandardLabels().size() - 1);
+  for (const auto& [value, tissue] : mapping.tissue) {
+    EXPECT_EQ(value, tissue);
+    EXPECT_EQ(volume::StandardLabels()[tissue].name, mapping.name.at(value));
+  }
+}
+
 TEST(ImportLabels, TranslatesOnTheSameGridAndOnAFinerOne) {
   const testing_support::TemporaryFolder folder;
   WriteLabelMap(folder / "f.seg.nrrd", Foreign());
