@@ -14,7 +14,9 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kBorderMm = 8.0;  ///< Entry points this near to the volume's border are not used.
-constexpr double kProbeAheadMm = 32.0;  ///< Where a probe would lie, seen from the entry.
+constexpr double kProbeAheadMm = 32.0;   ///< Where a probe would lie, seen from the entry.
+constexpr double kProbeAcrossMm = 24.0;  ///< How far it is swept to either side.
+constexpr double kShortestMm = 20.0;     ///< A search that finds nothing longer ends here.
 
 bool Avoided(const PlanSettings& settings, volume::Label label) {
   return std::ranges::find(settings.avoid, label) != settings.avoid.end();
@@ -102,6 +104,11 @@ std::optional<double> ProbeUnevenness(const PatientField& field, const Insertion
     if (!skin || !field.bounds_ct_mm().contains(*skin)) return std::nullopt;
     worst = std::max(worst, std::abs((*skin - start).dot(plan.skin_normal)));
   }
+  for (const double across : {-kProbeAcrossMm, kProbeAcrossMm}) {
+    const Vector3d start =
+        plan.entry_ct_mm + kProbeAheadMm * plan.heading + across * plan.lateral();
+    if (!SkinAlong(field, start, plan.skin_normal, 50.0)) return std::nullopt;
+  }
   return worst;
 }
 
@@ -140,6 +147,8 @@ void TryEntry(const PatientField& field, const PlanSettings& settings, const Vec
   for (int side = 0; side < 4; ++side) {
     const double turn = 90.0 * side * kDegree;
     const Vector3d heading = tangent.linear() * Vector3d(std::cos(turn), std::sin(turn), 0.0);
+    // The same for all paths of a side, and dear: found when the first of them needs it.
+    std::optional<std::optional<double>> uneven;
     for (const double tilt_deg : {20.0, 30.0, 40.0}) {
       const double tilt = tilt_deg * kDegree;
       const Vector3d direction = std::sin(tilt) * heading - std::cos(tilt) * normal;
@@ -149,12 +158,37 @@ void TryEntry(const PatientField& field, const PlanSettings& settings, const Vec
             Complete(entry, normal, entry + length * direction, Vector3d::Zero());
         const double cost = TissueCost(field, plan, settings) + 0.2 * std::abs(tilt_deg - 30.0);
         if (cost >= best.cost || !PathIsFree(field, entry, plan.target_ct_mm, settings)) continue;
-        const auto uneven = ProbeUnevenness(field, plan);
-        if (!uneven || cost + 1.5 * *uneven >= best.cost) continue;
-        best = {cost + 1.5 * *uneven, plan};
+        if (!uneven) uneven = ProbeUnevenness(field, plan);
+        if (!*uneven || cost + 1.5 * **uneven >= best.cost) continue;
+        best = {cost + 1.5 * **uneven, plan};
       }
     }
   }
+}
+
+/// The best of the paths from all around the body; `best` without a plan if there is none. Returns
+/// how many points of the skin were tried.
+int SearchAround(const PatientField& field, const PlanSettings& settings, Candidate& best,
+                 const RunContext& context) {
+  const Box box = field.body_ct_mm();
+  const Vector3d middle = box.center();
+  const double reach = 0.5 * box.diagonal().norm() + 1.0;
+  constexpr int kHeights = 9, kAzimuths = 24;
+  int entries = 0;
+  for (int height = 0; height < kHeights; ++height) {
+    context.Checkpoint("path", static_cast<double>(height) / kHeights);
+    const double z = box.min().z() + box.sizes().z() * (0.2 + 0.6 * height / (kHeights - 1));
+    for (int azimuth = 0; azimuth < kAzimuths; ++azimuth) {
+      const double angle = 2.0 * std::numbers::pi * azimuth / kAzimuths;
+      const Vector3d out(std::sin(angle), -std::cos(angle), 0.0);
+      const Vector3d outside = Vector3d(middle.x(), middle.y(), z) + reach * out;
+      const auto entry = SkinAlong(field, outside, out, reach);
+      if (!entry || !WellInside(field, *entry)) continue;
+      TryEntry(field, settings, *entry, best);
+      ++entries;
+    }
+  }
+  return entries;
 }
 
 }  // namespace
@@ -220,26 +254,28 @@ InsertionPlan PlanToTarget(const PatientField& field, const Vector3d& target,
 
 InsertionPlan PlanAnywhere(const PatientField& field, const PlanSettings& settings,
                            const RunContext& context) {
-  const Box box = field.bounds_ct_mm();
-  const Vector3d middle = box.center();
-  const double reach = 0.5 * box.diagonal().norm();
-  constexpr int kHeights = 9, kAzimuths = 24;
   Candidate best;
-  for (int height = 0; height < kHeights; ++height) {
-    context.Checkpoint("path", static_cast<double>(height) / kHeights);
-    const double z = box.min().z() + box.sizes().z() * (0.2 + 0.6 * height / (kHeights - 1));
-    for (int azimuth = 0; azimuth < kAzimuths; ++azimuth) {
-      const double angle = 2.0 * std::numbers::pi * azimuth / kAzimuths;
-      const Vector3d out(std::sin(angle), -std::cos(angle), 0.0);
-      const Vector3d outside = Vector3d(middle.x(), middle.y(), z) + reach * out;
-      const auto entry = SkinAlong(field, outside, out, reach);
-      if (entry && WellInside(field, *entry)) TryEntry(field, settings, *entry, best);
+  const int entries = SearchAround(field, settings, best, context);
+  if (entries == 0) {
+    throw NoAnswerError(Message("no skin lies more than ", kBorderMm,
+                                " mm inside the volume: the body fills it or is too small"));
+  }
+  const double shortest_mm = std::min(settings.min_length_mm, kShortestMm);
+  if (!best.plan && shortest_mm < settings.min_length_mm) {
+    PlanSettings shorter = settings;
+    shorter.min_length_mm = shortest_mm;
+    shorter.max_length_mm = settings.min_length_mm;
+    SearchAround(field, shorter, best, context);
+    if (best.plan) {
+      context.Warn(Message("no free path of ", settings.min_length_mm, " mm or more leads into ",
+                           "this body; one of ", best.plan->length_mm(), " mm is taken"));
     }
   }
   if (!best.plan) {
     throw NoAnswerError(
-        Message("no straight path of ", settings.min_length_mm, " to ", settings.max_length_mm,
-                " mm from the skin is free of bone, lung and gas in this label map"));
+        Message("no straight path of ", shortest_mm, " to ", settings.max_length_mm,
+                " mm from the skin is free of bone, lung and gas in this label map, with room for "
+                "the probe beside it; a volume that shows more of the skin may have one"));
   }
   FindBone(field, settings, *best.plan);
   return *best.plan;

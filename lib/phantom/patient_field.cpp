@@ -10,9 +10,28 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSkinSigmaMm = 2.5;
+constexpr double kKnownAirMm = 12.0;  ///< Beyond a border that takes the place of the skin.
 
 Box Extent(const volume::Geometry& g) {
   return Box(Vector3d::Zero(), (g.size - 1).cast<double>().matrix()).transformed(g.ct_from_index());
+}
+
+/// Around all voxels of the body; the volume's extent if there are none.
+Box BodyExtent(const volume::LabelMap& labels) {
+  Eigen::Array3i first = labels.geometry.size;
+  Eigen::Array3i last = Eigen::Array3i::Constant(-1);
+  for (int k = 0; k < labels.geometry.size[2]; ++k) {
+    for (int j = 0; j < labels.geometry.size[1]; ++j) {
+      for (int i = 0; i < labels.geometry.size[0]; ++i) {
+        if (labels.At(i, j, k) == 0) continue;
+        first = first.min(Eigen::Array3i(i, j, k));
+        last = last.max(Eigen::Array3i(i, j, k));
+      }
+    }
+  }
+  if (last[0] < 0) return Extent(labels.geometry);
+  return Box(first.cast<double>().matrix(), last.cast<double>().matrix())
+      .transformed(labels.geometry.ct_from_index());
 }
 
 struct Stencil {
@@ -42,10 +61,17 @@ const Stencil& SkinStencil() {
 AnatomyField::AnatomyField(const Anatomy& anatomy, const volume::Geometry& geometry)
     : anatomy_(anatomy), bounds_(Extent(geometry)) {}
 
-LabelMapField::LabelMapField(const volume::LabelMap& labels)
+LabelMapField::LabelMapField(const volume::LabelMap& labels, Beyond beyond)
     : labels_(labels),
+      beyond_(beyond),
       index_from_ct_(labels.geometry.index_from_ct()),
-      bounds_(Extent(labels.geometry)) {}
+      bounds_(Extent(labels.geometry)),
+      body_(BodyExtent(labels)) {
+  if (beyond_ == Beyond::kAir) {
+    const Vector3d more = Vector3d::Constant(kKnownAirMm);
+    bounds_ = Box(bounds_.min() - more, bounds_.max() + more);
+  }
+}
 
 volume::Label LabelMapField::LabelAt(const Vector3d& p) const {
   const Vector3d index = index_from_ct_ * p;
@@ -57,7 +83,9 @@ volume::Label LabelMapField::LabelAt(const Vector3d& p) const {
 
 double LabelMapField::BodyAt(const Vector3d& p) const {
   const Eigen::Array3d last = (labels_.geometry.size - 1).cast<double>();
-  const Eigen::Array3d index = (index_from_ct_ * p).array().max(0.0).min(last);
+  const Eigen::Array3d unbounded = (index_from_ct_ * p).array();
+  const Eigen::Array3d index = unbounded.max(0.0).min(last);
+  if (beyond_ == Beyond::kAir && (unbounded - index).abs().maxCoeff() > 0.5) return 0.0;
   const Eigen::Array3i low = index.floor().cast<int>().min((labels_.geometry.size - 2).max(0));
   const Eigen::Array3d t = index - low.cast<double>();
   double sum = 0.0;

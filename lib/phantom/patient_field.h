@@ -18,6 +18,9 @@ class PatientField {
 
   /// Where the field is known: the volume's extent.
   virtual Box bounds_ct_mm() const = 0;
+
+  /// Around the body.
+  virtual Box body_ct_mm() const { return bounds_ct_mm(); }
 };
 
 class AnatomyField : public PatientField {
@@ -38,19 +41,26 @@ class AnatomyField : public PatientField {
 /// smoothed by a Gaussian of 2.5 mm, so that a probe does not climb the stairs of the voxels.
 class LabelMapField : public PatientField {
  public:
+  /// What lies beyond the volume where it cuts the body: more of it, or air, so that the border
+  /// takes the place of the skin.
+  enum class Beyond { kSame, kAir };
+
   /// `labels` must outlive this object.
-  explicit LabelMapField(const volume::LabelMap& labels);
+  explicit LabelMapField(const volume::LabelMap& labels, Beyond beyond = Beyond::kSame);
   volume::Label LabelAt(const Eigen::Vector3d& p) const override;
   double SkinDistanceMm(const Eigen::Vector3d& p) const override;
   Box bounds_ct_mm() const override { return bounds_; }
+  Box body_ct_mm() const override { return body_; }
 
  private:
-  /// 1 in the body, 0 outside, linear between voxel centres; beyond the volume as at its border.
+  /// 1 in the body, 0 outside, linear between voxel centres.
   double BodyAt(const Eigen::Vector3d& p) const;
 
   const volume::LabelMap& labels_;
+  Beyond beyond_;
   Eigen::Affine3d index_from_ct_;
   Box bounds_;
+  Box body_;
 };
 
 /// The point of the skin nearest to `start` on the line along `direction`, within `reach_mm` to

@@ -139,6 +139,20 @@ Json VolumesMl(const volume::LabelMap& labels) {
   return volumes;
 }
 
+/// Whether the volume's border cuts the body.
+bool IsCut(const volume::LabelMap& labels) {
+  const Eigen::Array3i last = labels.geometry.size - 1;
+  for (int k = 0; k <= last[2]; ++k) {
+    for (int j = 0; j <= last[1]; ++j) {
+      const bool edge_row = k == 0 || k == last[2] || j == 0 || j == last[1];
+      for (int i = 0; i <= last[0]; i += edge_row ? 1 : std::max(1, last[0])) {
+        if (labels.At(i, j, k) != 0) return true;
+      }
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 void WritePatient(const std::filesystem::path& folder, const PhantomConfig& config,
@@ -168,10 +182,21 @@ void WritePatient(const std::filesystem::path& folder, const PhantomConfig& conf
 void WriteScene(const std::filesystem::path& folder, const volume::LabelMap& labels,
                 const PhantomConfig& config, const RunContext& context) {
   AtomicFolder out(folder, context.overwrite);
-  const LabelMapField field(labels);
-  const InsertionPlan plan = PlanAnywhere(field, config.insertion, context);
-  config::WriteJson(out.path() / "truth.json",
-                    WriteInsertion(out.path(), field, plan, config, context));
+  const auto insert = [&](LabelMapField::Beyond beyond) {
+    const LabelMapField field(labels, beyond);
+    const InsertionPlan plan = PlanAnywhere(field, config.insertion, context);
+    return WriteInsertion(out.path(), field, plan, config, context);
+  };
+  Json truth;
+  try {
+    truth = insert(LabelMapField::Beyond::kSame);
+  } catch (const NoAnswerError& error) {
+    if (!IsCut(labels)) throw;
+    context.Warn(Message(error.what(), ". Where the volume's border cuts the body, it now takes ",
+                         "the place of the skin"));
+    truth = insert(LabelMapField::Beyond::kAir);
+  }
+  config::WriteJson(out.path() / "truth.json", truth);
   config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
   out.Commit();
 }

@@ -23,6 +23,8 @@ constexpr double kLargestEvenMarrowMm2 = 120.0;
 constexpr double kLeastContrastMl = 3.0;
 constexpr double kSmoothBelowMm = 1.5;  ///< Pixels larger than this are smooth already.
 constexpr double kLargeCoreMl = 15.0;
+constexpr double kBladderRadiusMm =
+    9.0;  ///< A ball of kLargeCoreMl has 15 mm, half a skull's wall 4 mm.
 constexpr double kMostRim =
     1.02;  ///< Rim over core of what holds contrast agent; cortex is above 1.3.
 constexpr double kSmallCoreMl = 0.5;
@@ -132,6 +134,23 @@ volume::Grid<std::int32_t> Grown(const Components& cores, const Mask& dense, dou
   return number;
 }
 
+/// Which of the large cores a ball of kBladderRadiusMm fits into: a skull is large, but a shell.
+std::vector<std::uint8_t> ThickParts(const Components& cores, const Mask& dense, int num_threads) {
+  std::vector<std::uint8_t> is_thick(cores.num_voxels.size(), 0);
+  const double ml = dense.geometry.voxel_volume_mm3() / 1000.0;
+  std::vector<std::uint8_t> is_large(cores.num_voxels.size(), 0);
+  for (std::size_t n = 1; n < is_large.size(); ++n) {
+    is_large[n] = static_cast<double>(cores.num_voxels[n]) * ml > kLargeCoreMl ? 1 : 0;
+  }
+  if (std::ranges::count(is_large, 1) == 0) return is_thick;
+  const Mask inner = Eroded(dense, kBladderRadiusMm, num_threads);
+  for (std::size_t i = 0; i < inner.voxels.size(); ++i) {
+    const auto n = static_cast<std::size_t>(cores.number.voxels[i]);
+    if (inner.voxels[i] != 0 && is_large[n] != 0) is_thick[n] = 1;
+  }
+  return is_thick;
+}
+
 /// The thick, even parts of `dense`: organs, vessels and bowel that hold contrast agent. Their rim
 /// is mixed with what surrounds them and less dense than the core; the rim of spongy bone is
 /// cortex.
@@ -149,6 +168,7 @@ Mask ContrastIn(const volume::CtVolume& ct, const Mask& dense, const TissueOptio
   }
   const double ml = ct.geometry.voxel_volume_mm3() / 1000.0;
   std::vector<std::uint8_t> is_contrast(cores.num_voxels.size(), 0);
+  const std::vector<std::uint8_t> is_thick = ThickParts(cores, dense, num_threads);
   double contrast_ml = 0.0;
   for (std::size_t n = 1; n < is_contrast.size(); ++n) {
     const double median = core[n].Quantile(0.5);
@@ -160,7 +180,7 @@ Mask ContrastIn(const volume::CtVolume& ct, const Mask& dense, const TissueOptio
                           rim[n].Quantile(0.6) < kMostRim * median;
     // A bladder full of contrast agent is as dense as bone, but no bone is so thick and even.
     const bool is_bladder = spread < 0.5 * options.contrast_max_spread && size_ml > kLargeCoreMl &&
-                            rim[n].Quantile(0.6) < kMostRim * median;
+                            is_thick[n] != 0 && rim[n].Quantile(0.6) < kMostRim * median;
     is_contrast[n] = is_blood || is_bladder ? 1 : 0;
     if (is_contrast[n] != 0) contrast_ml += size_ml;
   }

@@ -134,6 +134,28 @@ TEST(PlanAnywhere, PrefersTheLiver) {
   EXPECT_EQ(field.LabelAt(plan.target_ct_mm), Label("liver"));
 }
 
+TEST(PlanAnywhere, TakesAShorterPathIntoASmallBodyThatLiesAnywhere) {
+  // A forearm, far from the middle of the volume.
+  volume::Geometry g;
+  g.size = {120, 120, 60};
+  g.spacing_mm = Eigen::Array3d::Constant(3.0);
+  volume::LabelMap labels(g);
+  for (int k = 0; k < g.size[2]; ++k) {
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        const double r = std::hypot(3.0 * i - 80.0, 3.0 * j - 70.0);
+        if (r < 45.0) labels.At(i, j, k) = Label(r < 8.0 ? "bone" : "soft_tissue");
+      }
+    }
+  }
+  const LabelMapField field(labels);
+  EXPECT_NEAR(field.body_ct_mm().center().x(), 80.0, 3.0);
+  const InsertionPlan plan = PlanAnywhere(field, Preset("scene").insertion, {});
+  EXPECT_LT(plan.length_mm(), 50.0);
+  EXPECT_GE(plan.length_mm(), 20.0 - 1e-9);
+  EXPECT_EQ(field.LabelAt(plan.target_ct_mm), Label("soft_tissue"));
+}
+
 TEST(PlanAnywhere, SaysSoIfBoneIsEverywhere) {
   volume::LabelMap labels = SyntheticBody();
   for (volume::Label& label : labels.voxels) label = label == 0 ? label : Label("bone");

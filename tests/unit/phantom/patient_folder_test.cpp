@@ -113,5 +113,26 @@ TEST(WriteScene, PutsAnInsertionOnAnyLabelMap) {
   EXPECT_TRUE(fs::exists(folder / "s/provenance.json"));
 }
 
+TEST(WriteScene, EntersAtTheBorderIfTheVolumeShowsNoSkin) {
+  const testing_support::TemporaryFolder folder;
+  volume::Geometry g;
+  g.size = {70, 70, 60};
+  g.spacing_mm = Eigen::Array3d::Constant(2.0);
+  const volume::LabelMap inside(g, volume::LabelOf("soft_tissue"));
+  WriteScene(folder / "s", inside, Preset("scene"), Context(3));
+  const auto entry = config::ReadJson(folder / "s/truth.json").at("insertion").at("entry_ct_mm");
+  double to_border_mm = 1e9;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double at = entry.at(static_cast<std::size_t>(axis));
+    to_border_mm = std::min({to_border_mm, std::abs(at), std::abs(at - 2.0 * (g.size[axis] - 1))});
+  }
+  EXPECT_LT(to_border_mm, 2.0);
+  // Too small for any insertion: nothing is left behind.
+  g.size = {8, 8, 8};
+  const volume::LabelMap crumb(g, volume::LabelOf("soft_tissue"));
+  EXPECT_THROW(WriteScene(folder / "t", crumb, Preset("scene"), Context(3)), NoAnswerError);
+  EXPECT_FALSE(fs::exists(folder / "t"));
+}
+
 }  // namespace
 }  // namespace acus::phantom

@@ -83,6 +83,29 @@ TEST(FindTissues, TheCanalIsNotBoneAndMarrowIs) {
   EXPECT_EQ(at(0, -58), volume::LabelOf("fat"));
 }
 
+TEST(FindTissues, AnEvenSkullIsBoneAndNoBladder) {
+  volume::Geometry g;
+  g.size = {90, 90, 80};
+  g.spacing_mm = {2.0, 2.0, 2.0};
+  g.origin_mm = {-89.0, -89.0, -79.0};
+  volume::CtVolume ct(g, -1000);
+  volume::LabelMap truth(g);
+  RandomStream random(4, "noise", 0);
+  for (std::size_t n = 0; n < ct.voxels.size(); ++n) {
+    const auto row = static_cast<std::size_t>(g.size[0]);
+    const auto slice = g.Index(0, 0, 1);
+    const Eigen::Vector3d index(static_cast<double>(n % row), static_cast<double>(n % slice / row),
+                                static_cast<double>(n / slice));
+    const double r = (g.ct_from_index() * index).norm();
+    if (r > 74.0) continue;
+    const bool bone = r > 62.0 && r < 70.0;
+    ct.voxels[n] = static_cast<std::int16_t>((bone ? 1100.0 : 35.0) + 12.0 * random.Normal());
+    truth.voxels[n] = volume::LabelOf(bone ? "bone" : "soft_tissue");
+  }
+  const auto found = FindTissues(ct, Defaults(), TwoThreads());
+  EXPECT_GT(Dice(Of(found, "bone"), Of(truth, "bone")), 0.95);
+}
+
 TEST(FindTissues, SkinIsNotWhereTheBorderCutsTheBody) {
   const SyntheticBody body = MakeSyntheticBody({});
   const auto found = FindTissues(body.ct, Defaults(), TwoThreads());
