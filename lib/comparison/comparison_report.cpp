@@ -60,10 +60,7 @@ std::vector<report::Plot> ImagePlots(const std::vector<FrameDifference>& frames)
 }
 
 std::string Number(const std::optional<double>& value) {
-  std::ostringstream out;
-  out.precision(5);
-  if (value) out << *value;
-  return value ? out.str() : "-";
+  return value ? RoundedText(*value, 5) : "-";
 }
 
 void AddChecks(const std::string& heading, const std::vector<Check>& checks,

@@ -41,11 +41,7 @@ void Append(const std::vector<Check>& from, std::vector<Check>& to) {
 }
 
 std::string Short(const std::optional<double>& value) {
-  if (!value) return "-";
-  std::ostringstream out;
-  out.precision(4);
-  out << *value;
-  return out.str();
+  return value ? RoundedText(*value, 4) : "-";
 }
 
 json OrNull(const std::optional<double>& value) {

@@ -63,4 +63,16 @@ std::string FixedText(double value, int decimals) {
   return {text.data(), end};
 }
 
+std::string RoundedText(double value, int digits) {
+  const double size = std::abs(value);
+  if (!std::isfinite(value) || (size < 1e9 && size >= std::pow(10.0, digits))) {
+    return FixedText(value, 0);
+  }
+  std::array<char, 64> text{};
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value,
+                                          std::chars_format::general, std::clamp(digits, 1, 17));
+  ACUS_ASSERT(error == std::errc());
+  return {text.data(), end};
+}
+
 }  // namespace acus

@@ -1,4 +1,4 @@
-// Tables on a terminal.
+// Tables on a terminal, and numbers for people.
 #pragma once
 
 #include <string>
@@ -13,5 +13,9 @@ std::string TextTable(const std::vector<std::string>& header,
 
 /// `value` with `decimals` digits after the point.
 std::string FixedText(double value, int decimals);
+
+/// `value` with at most `digits` significant digits, but all of those before the point: 1234 with
+/// three digits is "1234", not "1.23e+03". Powers of ten only from 1e9 on and for the very small.
+std::string RoundedText(double value, int digits);
 
 }  // namespace acus

@@ -17,7 +17,4 @@ struct PlanTable {
 };
 PlanTable TableOfPlan(const simulation::EffectPlan& plan, const simulation::StageTimes* times);
 
-/// The table with aligned columns, for the terminal.
-std::string AlignedText(const PlanTable& table);
-
 }  // namespace acus::replay

@@ -1,10 +1,10 @@
 #include "replay/replay.h"
 
-#include <cstdio>
 #include <optional>
 
 #include "config/json_file.h"
 #include "core/atomic_file.h"
+#include "core/text_table.h"
 #include "replay/cpu_time.h"
 #include "replay/image_log.h"
 #include "replay/run_metrics.h"
@@ -20,11 +20,7 @@ namespace fs = std::filesystem;
 using simulation::Scene;
 using simulation::StageId;
 
-std::string Rounded(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+std::string Rounded(double value) { return RoundedText(value, 3); }
 
 session::Session ReadSessionFor(const scenario::Scenario& scenario, const fs::path& path,
                                 RunContext& context) {
@@ -120,6 +116,28 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
   WriteReport(folder, content, run.steps, scene, context.provenance);
 }
 
+/// Keeps what is warned of from now on, for the report, besides telling the user.
+class WarningsKept {
+ public:
+  WarningsKept(RunContext& context, std::vector<std::string>& kept)
+      : context_(context), before_(context.on_warning) {
+    context.on_warning = [&kept, before = before_](std::string_view text) {
+      kept.emplace_back(text);
+      if (before) before(text);
+    };
+  }
+  /// Also when the run ends with an error: the list is gone then.
+  ~WarningsKept() { context_.on_warning = std::move(before_); }
+  WarningsKept(const WarningsKept&) = delete;
+  WarningsKept& operator=(const WarningsKept&) = delete;
+
+ private:
+  RunContext& context_;
+  std::function<void(std::string_view)> before_;
+};
+
+std::string TextOf(const PlanTable& table) { return TextTable(table.header, table.rows); }
+
 std::string SummaryOf(const Run& run, const ReplayOptions& options) {
   std::string text = Message("Replayed ", Rounded(SpanSeconds(run.session)), " s: ",
                              run.steps.steps.size(), " steps, ", run.images.num_images,
@@ -146,11 +164,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   if (!options.run_folder.empty()) folder.emplace(options.run_folder, context.overwrite);
 
   Run run;
-  const auto warn_user = context.on_warning;
-  context.on_warning = [&run, &warn_user](std::string_view text) {
-    run.warnings.emplace_back(text);
-    if (warn_user) warn_user(text);
-  };
+  const WarningsKept kept(context, run.warnings);
   run.session = ReadSessionFor(scenario, session_path, context);
   const simulation::EffectPlan plan = simulation::PlanEffects(
       scenario, {!run.session.needle.empty(), !run.session.probe.empty()});
@@ -166,14 +180,13 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
     WriteRunFolder(folder->path(), scenario, scene, run, options, context);
     folder->Commit();
   }
-  context.on_warning = warn_user;
-  return {AlignedText(TableOfPlan(scene.plan, &run.times)), SummaryOf(run, options)};
+  return {TextOf(TableOfPlan(scene.plan, &run.times)), SummaryOf(run, options)};
 }
 
 std::string CheckText(const scenario::Scenario& scenario) {
   const simulation::EffectPlan plan =
       simulation::PlanEffects(scenario, {.needle_poses = true, .probe_poses = true});
-  return AlignedText(TableOfPlan(plan, nullptr)) + scenario.file.string() + ": fits.\n";
+  return TextOf(TableOfPlan(plan, nullptr)) + scenario.file.string() + ": fits.\n";
 }
 
 }  // namespace acus::replay

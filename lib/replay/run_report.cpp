@@ -1,8 +1,8 @@
 #include "replay/run_report.h"
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/text_table.h"
 #include "report/html_report.h"
 #include "report/svg_plot.h"
 
@@ -12,11 +12,7 @@ namespace {
 using forces::NeedleEvent;
 using simulation::StepOutput;
 
-std::string Rounded(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
+std::string Rounded(double value) { return RoundedText(value, 4); }
 
 /// Seconds since the first step.
 double SecondsOf(const StepLog& log, const StepOutput& step) {

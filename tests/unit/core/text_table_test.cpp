@@ -27,5 +27,17 @@ TEST(FixedText, RoundsToTheDigitsAskedFor) {
   EXPECT_EQ(FixedText(-1.79e308, 30).size(), 1U + 309U + 1U + 30U);
 }
 
+TEST(RoundedText, KeepsTheDigitsAskedForAndAllBeforeThePoint) {
+  EXPECT_EQ(RoundedText(2.0 / 3, 3), "0.667");
+  EXPECT_EQ(RoundedText(-12.0, 3), "-12");
+  EXPECT_EQ(RoundedText(999.4, 3), "999");
+  EXPECT_EQ(RoundedText(1234.56, 3), "1235");
+  EXPECT_EQ(RoundedText(-123456.0, 3), "-123456");
+  EXPECT_EQ(RoundedText(0.0, 3), "0");
+  EXPECT_EQ(RoundedText(1.5e-7, 3), "1.5e-07");
+  EXPECT_EQ(RoundedText(2e9, 3), "2e+09");
+  EXPECT_EQ(RoundedText(-std::numeric_limits<double>::infinity(), 3), "-inf");
+}
+
 }  // namespace
 }  // namespace acus

@@ -90,6 +90,19 @@ TEST_F(Replay, GivesTheSameBytesAgainAndWithMoreThreads) {
   EXPECT_GE(compared, 6);
 }
 
+TEST_F(Replay, ThatFailsLeavesTheCallersWarningsAsTheyWere) {
+  std::vector<std::string> heard;
+  RunContext context;
+  context.on_warning = [&heard](std::string_view text) { heard.emplace_back(text); };
+  const auto scenario =
+      scenario::ReadScenario(folder_ / "scene.json", std::vector<scenario::Override>{
+                                                         {"/patient/labels", nullptr}});
+  EXPECT_THROW(ReplaySession(scenario, folder_ / "session", {}, context), InputError);
+  heard.clear();
+  context.Warn("after");
+  EXPECT_EQ(heard, std::vector<std::string>{"after"});
+}
+
 TEST_F(Replay, LogsWhatTheNeedleMeets) {
   Run("run", 2);
   const CsvTable forces(folder_ / "run/forces.csv");
