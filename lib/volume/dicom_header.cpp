@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/words.h"
 
 namespace acus::volume {
 namespace {
@@ -86,7 +87,8 @@ class Walker {
       begin = std::min(text.find_first_not_of(" +", begin), end);
       double value = 0.0;
       const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
-      if (error != std::errc() || !std::isfinite(value)) return {};
+      const bool whole = error == std::errc() && Trimmed({stop, text.data() + end}).empty();
+      if (!whole || !std::isfinite(value)) return {};
       numbers.push_back(value);
       begin = end + 1;
     }

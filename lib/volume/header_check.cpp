@@ -237,7 +237,8 @@ void CheckMetaImageHeader(const fs::path& path) {
   double needed = bytes_each;
   for (const double size : sizes) needed *= size;
   const std::uint64_t begin = data == "LOCAL" ? DataBegin(path) : 0;
-  if (text("CompressedData") == "True") {
+  const std::string compressed = text("CompressedData");
+  if (!compressed.empty() && std::string_view("Tt1").find(compressed[0]) != std::string::npos) {
     RequireBytes((fs::file_size(file) - begin) * kMostDeflateRatio, needed, path);
     const auto stated = NumbersIn(text("CompressedDataSize"), path, "CompressedDataSize");
     const double there = static_cast<double>(fs::file_size(file) - begin);

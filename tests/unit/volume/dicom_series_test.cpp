@@ -1,6 +1,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 
+#include "core/atomic_file.h"
 #include "core/random.h"
 #include "support/dicom_writer.h"
 #include "support/temporary_folder.h"
@@ -69,6 +70,18 @@ TEST(DicomSeries, OtherFilesInTheFolderAreIgnored) {
   std::ofstream(folder / "zero.dcm");
   std::ofstream(folder / "picture.dcm") << std::string(500, 'x');
   EXPECT_EQ(Read(folder.path()).geometry.size[2], 4);
+}
+
+TEST(DicomSeries, ASpacingWithDecimalCommasIsNotReadAsItsWholePart) {
+  const TemporaryFolder folder;
+  WriteDicomSlice(folder / "slice", SliceAt({0, 0, 0}));
+  EXPECT_TRUE(ReadDicomHeader(folder / "slice")->is_placed);
+  std::string bytes = ReadTextFile(folder / "slice");
+  const auto at = bytes.find("0.75\\0.5");
+  ASSERT_NE(at, bytes.npos);
+  bytes[at + 1] = bytes[at + 6] = ',';
+  WriteTextFile(folder / "slice", bytes);
+  EXPECT_FALSE(ReadDicomHeader(folder / "slice")->is_placed);
 }
 
 TEST(DicomSeries, SeveralSeriesMustBeChosen) {

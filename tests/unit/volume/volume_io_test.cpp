@@ -164,6 +164,18 @@ TEST(LabelMap, NamesAndVoxelsComeBackFromASegNrrd) {
   EXPECT_THAT(text, HasSubstr("space: left-posterior-superior"));
 }
 
+TEST(ReadCt, CompressionMayBeDeclaredInAnySpellingThatMetaImageHas) {
+  const TemporaryFolder folder;
+  const CtVolume written = NumberedCt(ObliqueGeometry());
+  WriteCt(folder / "ct.mha", written);
+  std::string bytes = Slurp(folder / "ct.mha");
+  const auto at = bytes.find("CompressedData = True");
+  ASSERT_NE(at, bytes.npos);
+  bytes.replace(at, 21, "CompressedData = true");
+  std::ofstream(folder / "ct.mha", std::ios::binary) << bytes;
+  EXPECT_EQ(ReadCt(folder / "ct.mha", "", RunContext{}).voxels, written.voxels);
+}
+
 TEST(ReadCt, PaddingBelowAirBecomesAir) {
   const TemporaryFolder folder;
   CtVolume ct = NumberedCt(ObliqueGeometry());
