@@ -1,0 +1,73 @@
+// What the hand-written pages say about the tree is held against it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "core/atomic_file.h"
+
+namespace acus {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = ACUS_SOURCE_DIR;
+
+std::vector<fs::path> Pages() {
+  std::vector<fs::path> pages{kRoot / "README.md"};
+  for (const auto& entry : fs::recursive_directory_iterator(kRoot / "docs")) {
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  }
+  return pages;
+}
+
+std::vector<std::string> Matches(const std::string& text, const std::regex& pattern) {
+  std::vector<std::string> found;
+  for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match) {
+    found.push_back((*match)[1]);
+  }
+  return found;
+}
+
+TEST(Docs, LinksLeadToFiles) {
+  const std::regex link(R"re(\]\(([^)#\s]+))re");
+  int num_links = 0;
+  for (const fs::path& page : Pages()) {
+    for (const std::string& target : Matches(ReadTextFile(page), link)) {
+      if (target.starts_with("http")) continue;
+      EXPECT_TRUE(fs::exists(page.parent_path() / target)) << page << ": " << target;
+      ++num_links;
+    }
+  }
+  EXPECT_GT(num_links, 20);
+}
+
+TEST(Docs, FilesThatAreNamedAreThere) {
+  const std::regex path(R"re(`((?:lib|apps|tests|configs|docs|pipelines)/[\w./-]*\.[a-z]+)`)re");
+  for (const fs::path& page : Pages()) {
+    for (const std::string& name : Matches(ReadTextFile(page), path)) {
+      EXPECT_TRUE(fs::exists(kRoot / name)) << page << ": " << name;
+    }
+  }
+}
+
+TEST(Docs, ArchitectureListsTheModulesThatThereAre) {
+  const std::string text = ReadTextFile(kRoot / "docs" / "architecture.md");
+  const auto begin = text.find("## Modules of `lib/`");
+  ASSERT_NE(begin, text.npos);
+  const std::string section = text.substr(begin, text.find("\n## ", begin) - begin);
+  auto listed = Matches(section, std::regex(R"re(\n\| `(\w+)` \|)re"));
+  std::ranges::sort(listed);
+  std::vector<std::string> there;
+  for (const auto& entry : fs::directory_iterator(kRoot / "lib")) {
+    if (entry.is_directory()) there.push_back(entry.path().filename().string());
+  }
+  std::ranges::sort(there);
+  EXPECT_EQ(listed, there);
+}
+
+}  // namespace
+}  // namespace acus
