@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "config/json_file.h"
 #include "core/run_main.h"
 #include "replay/replay.h"
 
@@ -21,9 +22,10 @@ int main(int argc, char** argv) {
       "Replay a recorded session through a scenario: forces at every sample, ultrasound and CT\n"
       "images, metrics and a report.",
       "acus-replay"};
-  app.add_option("scenario", scenario_path, "Scenario (acus-scenario JSON)")
-      ->required()
-      ->check(CLI::ExistingFile);
+  app.add_option("scenario", scenario_path,
+                 "Scenario (acus-scenario JSON): a file, or a preset such as\n"
+                 "scenarios/lumbar_puncture.json")
+      ->required();
   app.add_option("session", session_path,
                  "Session folder, PLUS .igs.mha/.igs.nrrd, or folder of Slicer sequences")
       ->check(CLI::ExistingPath);
@@ -64,8 +66,10 @@ int main(int argc, char** argv) {
     set_path("/patient/labels", labels_path);
     set_path("/patient/ct_from_reference_file", transform_path);
     options.png = acus::replay::PngChoices().at(png);
-    const auto scenario = acus::scenario::ReadScenario(scenario_path, overrides);
-    context.provenance.AddInput(scenario_path);
+    const auto file =
+        acus::config::FindConfig(scenario_path, std::filesystem::current_path());
+    const auto scenario = acus::scenario::ReadScenario(file, overrides);
+    context.provenance.AddInput(file);
     if (check) {
       std::cout << acus::replay::CheckText(scenario);
       return acus::ExitCode::kOk;

@@ -3,7 +3,7 @@
 # Usage: run_tutorial.sh SOURCE_FOLDER FOLDER
 set -euo pipefail
 source=$1 folder=$2
-export PATH="$ACUS_BIN:$PATH" CONFIGS="$source/configs"
+export PATH="$ACUS_BIN:$PATH"
 rm -rf "$folder"
 mkdir -p "$folder"
 cd "$folder"

@@ -1,0 +1,38 @@
+# acus-replay: what a user gets, and what he is told when something is wrong.
+set(patient --ct $INPUTS/ct.nrrd --labels $INPUTS/labels.seg.nrrd
+    --transform $INPUTS/ct_from_reference.tfm)
+
+acus_add_cli_case(acus-replay.run EXIT 0 NEEDS inputs
+  STDOUT "^Replayed " "^Report: run/report.html"
+  CREATES run/report.html run/forces.csv run/images.igs.mha run/film.mp4 run/metrics.json
+          run/run.json run/provenance.json
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run)
+acus_add_cli_case(acus-replay.explain EXIT 0 NEEDS inputs LEAVES_NOTHING
+  STDOUT "effect ultrasound is called for" "us/run" "^CT slice +image +out"
+  COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session ${patient} --explain
+          --set /effects/ct_slice=null)
+acus_add_cli_case(acus-replay.check EXIT 0 NEEDS inputs LEAVES_NOTHING
+  STDOUT "needle force" ": fits"
+  COMMAND acus-replay $INPUTS/scenario.json ${patient} --check)
+acus_add_cli_case(acus-replay.no_such_scenario EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "scenarios/lumbar_punctur.json: no such file; tried"
+  COMMAND acus-replay scenarios/lumbar_punctur.json $INPUTS/session -o run)
+acus_add_cli_case(acus-replay.mistyped_effect EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "/effects/ultrasond: unknown key; did you mean .ultrasound.\\?"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run
+          --set /effects/ultrasond/needle=false)
+acus_add_cli_case(acus-replay.missing_input EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "needs labels: /patient/labels is not given" "take the effect out"
+  COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session --ct $INPUTS/ct.nrrd -o run)
+acus_add_cli_case(acus-replay.time_going_back EXIT 3 NEEDS inputs
+  BEFORE "cp -rL $INPUTS/session s && awk -F, -v OFS=, 'NR==50{$1=0.001}1' s/needle.csv > n && mv n s/needle.csv"
+  STDERR "s/needle.csv:50: "
+  COMMAND acus-replay $INPUTS/scenario.json s ${patient} -o run)
+acus_add_cli_case(acus-replay.nan_in_session EXIT 3 NEEDS inputs
+  BEFORE "cp -rL $INPUTS/session s && awk -F, -v OFS=, 'NR==77{$3=\"nan\"}1' s/needle.csv > n && mv n s/needle.csv"
+  STDERR "s/needle.csv:77: .*nan"
+  COMMAND acus-replay $INPUTS/scenario.json s ${patient} -o run)
+acus_add_cli_case(acus-replay.keeps_an_earlier_run EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "mkdir run && echo mine > run/notes.txt"
+  STDERR "not the output of an earlier run"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run --overwrite)
