@@ -11,6 +11,7 @@
 #include "session/sequence_file.h"
 #include "session/session_import.h"
 #include "support/shared_data.h"
+#include "support/temporary_folder.h"
 #include "volume/volume_io.h"
 
 namespace acus::replay {
@@ -37,9 +38,8 @@ TEST(ReplayOnRealData, PlusFreehandSweepOverAnAbdomen) {
       SharedData("sessions/plus/PlusDeviceSet_Server_SimulatedUltrasound_3DSlicer.xml");
   if (!ct_path || !session_path || !plus_config) GTEST_SKIP() << "the public data sets are not here";
 
-  const fs::path folder = fs::path(testing::TempDir()) / "replay_data_test";
-  fs::remove_all(folder);
-  fs::create_directories(folder);
+  const testing_support::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
 
   // The middle of the sweep is put on the skin, looking straight in.

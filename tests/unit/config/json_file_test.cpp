@@ -5,6 +5,7 @@
 #include "config/schema_check.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "support/temporary_folder.h"
 
 namespace acus::config {
 namespace {
@@ -50,7 +51,8 @@ TEST(FillDefaults, ReachesIntoObjectsAndItems) {
 }
 
 TEST(ReadJson, RefusesDuplicateKeysAndSaysWhereSyntaxBreaks) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "config.json";
+  const testing_support::TemporaryFolder folder;
+  const auto path = folder / "config.json";
   const auto read = [&](std::string_view text) {
     return [&path, text] {
       WriteTextFile(path, text);
@@ -64,7 +66,8 @@ TEST(ReadJson, RefusesDuplicateKeysAndSaysWhereSyntaxBreaks) {
 }
 
 TEST(WriteJson, WritesValidJsonWhateverBytesANameHolds) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "bytes.json";
+  const testing_support::TemporaryFolder folder;
+  const auto path = folder / "bytes.json";
   WriteJson(path, {{"file", "p\xFFt.csv"}});
   EXPECT_EQ(ReadJson(path).at("file"), "p\uFFFDt.csv");
 }

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/provenance.h"
+#include "support/temporary_folder.h"
 
 namespace acus {
 namespace {
@@ -15,19 +16,13 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-fs::path EmptyFolder(const char* name) {
-  const fs::path folder = fs::path(testing::TempDir()) / name;
-  fs::remove_all(folder);
-  fs::create_directories(folder);
-  return folder;
-}
-
 int NumEntries(const fs::path& folder) {
   return static_cast<int>(std::distance(fs::directory_iterator(folder), {}));
 }
 
 TEST(AtomicFile, LeavesNothingWithoutCommit) {
-  const fs::path folder = EmptyFolder("atomic_file");
+  const testing_support::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   {
     const AtomicFile file(folder / "a.csv");
     std::ofstream(file.path()) << "half";
@@ -40,7 +35,8 @@ TEST(AtomicFile, LeavesNothingWithoutCommit) {
 }
 
 TEST(AtomicFolder, ReplacesOnlyEarlierOutput) {
-  const fs::path folder = EmptyFolder("atomic_folder");
+  const testing_support::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   const fs::path run = folder / "run";
   {
     AtomicFolder output(run, false);
@@ -60,7 +56,8 @@ TEST(AtomicFolder, ReplacesOnlyEarlierOutput) {
 }
 
 TEST(AtomicFolder, FillsAnEmptyFolderAndWhatALinkPointsTo) {
-  const fs::path folder = EmptyFolder("atomic_folder_link");
+  const testing_support::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   fs::create_directory(folder / "real");
   fs::create_symlink(folder / "real", folder / "link");
   AtomicFolder output(folder / "link", false);
@@ -72,7 +69,8 @@ TEST(AtomicFolder, FillsAnEmptyFolderAndWhatALinkPointsTo) {
 }
 
 TEST(AtomicFolder, TakesRelativePathsAndTrailingSlashes) {
-  const fs::path folder = EmptyFolder("atomic_folder_relative");
+  const testing_support::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   const fs::path before = fs::current_path();
   fs::current_path(folder);
   for (const char* name : {"run", "slash/", "./dot", "deep/er/run", "deep/../up"}) {
@@ -87,7 +85,8 @@ TEST(AtomicFolder, TakesRelativePathsAndTrailingSlashes) {
 }
 
 TEST(AtomicFolder, WithoutCommitTheEarlierOutputStays) {
-  const fs::path folder = EmptyFolder("atomic_folder_stays");
+  const testing_support::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   fs::create_directory(folder / "run");
   WriteTextFile(folder / "run" / "provenance.json", "old");
   {

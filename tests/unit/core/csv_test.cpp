@@ -4,6 +4,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "support/temporary_folder.h"
 
 namespace acus {
 namespace {
@@ -12,7 +13,8 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 std::filesystem::path FileWith(std::string_view text) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "table.csv";
+  static const testing_support::TemporaryFolder folder;
+  const auto path = folder / "table.csv";
   WriteTextFile(path, text);
   return path;
 }

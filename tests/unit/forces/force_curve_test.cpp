@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "math/statistics.h"
+#include "support/temporary_folder.h"
 
 namespace acus::forces {
 namespace {
@@ -17,7 +18,8 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 std::filesystem::path Temp(const std::string& name) {
-  return std::filesystem::path(testing::TempDir()) / name;
+  static const testing_support::TemporaryFolder folder;
+  return folder / name;
 }
 
 std::string Rows(int count, double rate_hz, const std::function<double(double)>& value) {

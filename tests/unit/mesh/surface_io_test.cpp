@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "shapes.h"
 #include "support/fuzz.h"
+#include "support/temporary_folder.h"
 
 namespace acus::mesh {
 namespace {
@@ -14,7 +15,8 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 std::filesystem::path TemporaryPath(const std::string& name) {
-  return std::filesystem::path(testing::TempDir()) / ("surface_io_" + name);
+  static const testing_support::TemporaryFolder folder;
+  return folder / name;
 }
 
 class SurfaceFormat : public testing::TestWithParam<const char*> {};

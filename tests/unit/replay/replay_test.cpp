@@ -11,6 +11,7 @@
 #include "math/rigid.h"
 #include "session/session_io.h"
 #include "support/layered_scene.h"
+#include "support/temporary_folder.h"
 #include "volume/volume_io.h"
 
 namespace acus::replay {
@@ -25,10 +26,6 @@ using testing::ThrowsMessage;
 class Replay : public testing::Test {
  protected:
   void SetUp() override {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / "replay_test" / test->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     const auto scene =
         testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
     volume::WriteCt(folder_ / "ct.nrrd", *scene.ct);
@@ -69,7 +66,8 @@ class Replay : public testing::Test {
                          folder_ / "session", options, context);
   }
 
-  fs::path folder_;
+  testing_support::TemporaryFolder temporary_;
+  fs::path folder_ = temporary_.path();
   RunContext context_;
 };
 

@@ -4,6 +4,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "support/temporary_folder.h"
 
 namespace acus::scenario {
 namespace {
@@ -17,8 +18,6 @@ using testing::ThrowsMessage;
 class ScenarioFile : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / "scenario_test";
-    fs::remove_all(folder_);
     for (const char* name : {"ct.nrrd", "needle.json", "probe.json", "table.json"}) {
       WriteTextFile(folder_ / name, "");
     }
@@ -27,7 +26,8 @@ class ScenarioFile : public testing::Test {
     WriteTextFile(folder_ / "scene.json", text);
     return ReadScenario(folder_ / "scene.json", overrides);
   }
-  fs::path folder_;
+  testing_support::TemporaryFolder temporary_;
+  fs::path folder_ = temporary_.path();
 };
 
 constexpr const char* kText = R"({"format": "acus-scenario/1", "patient": {"ct": "ct.nrrd"},
