@@ -63,7 +63,8 @@ void Screen::DrawMarks(const Probe& probe) {
     const int right = left + picture_.width_px - 1;
     cv::circle(view, {right - 2 * kEdge, 2 * kEdge}, 5, cv::Scalar(230), 1, cv::LINE_AA);
     const char* name = panel == 0 ? "B-mode" : "CT";
-    DrawText(marks, right - 70, kEdge, name, 200);
+    const int width = cv::getTextSize(name, kFont, kFontScale, 1, nullptr).width;
+    DrawText(marks, right - 4 * kEdge - width, kEdge, name, 200);
   }
   const int right = picture_.width_px - 1;
   if (probe.focus_mm > 0.0 && probe.focus_mm <= probe.depth_mm) {
