@@ -166,6 +166,7 @@ TetraMesh ReadVtu(const std::filesystem::path& path) {
 }
 
 void WriteVtp(const std::filesystem::path& path, const Surface& surface) {
+  vtkObject::GlobalWarningDisplayOff();  // A full disk is told by the exception alone.
   vtkNew<vtkPolyData> data;
   data->SetPoints(PointsOf(surface.nodes_mm));
   vtkNew<vtkCellArray> triangles;
@@ -181,6 +182,7 @@ void WriteVtp(const std::filesystem::path& path, const Surface& surface) {
 }
 
 void WriteVtu(const std::filesystem::path& path, const TetraMesh& mesh) {
+  vtkObject::GlobalWarningDisplayOff();
   vtkNew<vtkUnstructuredGrid> data;
   data->SetPoints(PointsOf(mesh.nodes_mm));
   vtkNew<vtkCellArray> cells;

@@ -113,7 +113,8 @@ std::optional<double> ProbeUnevenness(const PatientField& field, const Insertion
 }
 
 /// What speaks against a path, in arbitrary points: fat along it, an end in fat, bone or lung right
-/// under the probe; an end in the liver or a lesion speaks for it.
+/// under the probe, nothing to see there because the volume or the body ends; an end in the liver
+/// or a lesion speaks for it.
 double TissueCost(const PatientField& field, const InsertionPlan& plan,
                   const PlanSettings& settings) {
   static const volume::Label kFat = volume::LabelOf("fat");
@@ -131,7 +132,14 @@ double TissueCost(const PatientField& field, const InsertionPlan& plan,
   for (int depth = 2; depth <= 30; ++depth) {
     hidden += Avoided(settings, field.LabelAt(face - depth * plan.skin_normal)) ? 1 : 0;
   }
-  return end_cost + 30.0 * fat / std::max(steps, 1) + 1.0 * hidden;
+  int missing = 0;
+  for (const double along : {-20.0, 0.0, 20.0}) {
+    for (int depth = 5; depth <= 75; depth += 5) {
+      const Vector3d at = face + along * plan.heading - depth * plan.skin_normal;
+      missing += field.LabelAt(at) == 0 ? 1 : 0;
+    }
+  }
+  return end_cost + 30.0 * fat / std::max(steps, 1) + 1.0 * hidden + 0.5 * missing;
 }
 
 struct Candidate {

@@ -107,8 +107,9 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
   for (const Override& change : overrides) {
     try {
       Apply(document, change);
-    } catch (const json::exception& error) {
-      throw InputError(Message("--set ", change.pointer, ": cannot be set: ", error.what()));
+    } catch (const json::exception&) {
+      throw InputError(Message("--set ", change.pointer, ": cannot be set: ", path.string(),
+                               " has no such place, or a value and no object lies above it"));
     }
   }
   document = config::CheckedConfig(std::move(document), "acus-scenario", path.string());

@@ -159,8 +159,12 @@ ScalarFile ReadChecked(const fs::path& path) {
   ScalarFile file;
   file.geometry = GeometryOf(*io, path);
   file.type = TypeOf(io->GetComponentType(), path);
-  const std::uint64_t needed = std::uint64_t{file.geometry.num_voxels()} * BytesOf(file.type);
-  ACUS_REQUIRE(needed <= MostVoxelBytes(path), path.string(), ": its header promises ", needed,
+  // A NIfTI file with a slope or an intercept holds smaller integers than it is read as; how many
+  // bytes it needs was checked with its header.
+  const std::uint64_t num_voxels = file.geometry.num_voxels();
+  const std::uint64_t stored =
+      num_voxels * (FormatOf(path) == Format::kNifti ? 1 : BytesOf(file.type));
+  ACUS_REQUIRE(stored <= MostVoxelBytes(path), path.string(), ": its header promises ", stored,
                " bytes of voxels, more than the file can hold; it is cut off or broken");
   for (const std::string& key : io->GetMetaDataDictionary().GetKeys()) {
     std::string value;
@@ -170,7 +174,7 @@ ScalarFile ReadChecked(const fs::path& path) {
   for (unsigned d = 0; d < io->GetNumberOfDimensions(); ++d)
     region.SetSize(d, io->GetDimensions(d));
   io->SetIORegion(region);
-  file.bytes.resize(needed);
+  file.bytes.resize(num_voxels * BytesOf(file.type));
   io->Read(file.bytes.data());
   return file;
 }

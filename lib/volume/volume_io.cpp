@@ -91,6 +91,12 @@ void WarnIfNotHounsfield(const CtVolume& ct, const fs::path& path, const RunCont
   const auto [low, high] = std::ranges::minmax(ct.voxels);
   ACUS_REQUIRE(low < high, path.string(), ": all voxels have the value ", low,
                "; there is nothing in it");
+  const auto shifted =
+      std::ranges::count_if(ct.voxels, [](int hu) { return hu > 900 && hu < 1150; });
+  ACUS_REQUIRE(
+      low < -200 || static_cast<double>(shifted) < 0.2 * static_cast<double>(ct.voxels.size()),
+      path.string(), ": the lowest value is ", low, " and most tissue lies near 1024, so ",
+      "these are not Hounsfield units; subtract 1024 (the rescale intercept was lost)");
   if (low >= -200) {
     context.Warn(Message(path.string(), ": the lowest value is ", low,
                          ", so there is no air in it. "

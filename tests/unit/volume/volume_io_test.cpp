@@ -1,5 +1,6 @@
 #include "volume/volume_io.h"
 
+#include <cstring>
 #include <fstream>
 #include <gmock/gmock.h>
 
@@ -199,6 +200,32 @@ TEST(ReadCt, WarnsWhenThereIsNoAir) {
   context.on_warning = [&](std::string_view text) { warning = text; };
   ReadCt(folder / "ct.nrrd", "", context);
   EXPECT_THAT(warning, HasSubstr("Hounsfield"));
+}
+
+TEST(ReadCt, RefusesValuesThatLostTheirIntercept) {
+  const TemporaryFolder folder;
+  CtVolume ct(ObliqueGeometry(), 1060);
+  for (std::size_t i = 0; i < ct.voxels.size(); i += 2) ct.voxels[i] = 0;
+  WriteCt(folder / "ct.nrrd", ct);
+  EXPECT_THAT([&] { ReadCt(folder / "ct.nrrd", "", RunContext{}); },
+              ThrowsMessage<InputError>(HasSubstr("subtract 1024")));
+}
+
+TEST(ReadCt, NiftiValuesHaveSlopeAndIntercept) {
+  const TemporaryFolder folder;
+  CtVolume stored(ObliqueGeometry());
+  for (std::size_t i = 0; i < stored.voxels.size(); ++i) {
+    stored.voxels[i] = static_cast<std::int16_t>(20 * i);
+  }
+  WriteCt(folder / "ct.nii", stored);
+  std::string bytes = Slurp(folder / "ct.nii");
+  const float slope_and_intercept[] = {0.5F, -1000.0F};
+  std::memcpy(&bytes[112], slope_and_intercept, sizeof(slope_and_intercept));
+  WriteTextFile(folder / "scaled.nii", bytes);
+  const CtVolume read = ReadCt(folder / "scaled.nii", "", RunContext{});
+  for (std::size_t i = 0; i < read.voxels.size(); ++i) {
+    ASSERT_EQ(read.voxels[i], static_cast<int>(10 * i) - 1000);
+  }
 }
 
 TEST(ReadCt, RefusesWhatIsNoVolume) {
