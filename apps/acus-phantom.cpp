@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
     const auto config = acus::phantom::ReadPhantomConfig(config_path);
     if (scene->parsed()) {
       context.provenance.AddInput(labels_path);
-      acus::phantom::WriteScene(folder, acus::volume::ReadLabelMap(labels_path), config, context);
+      acus::phantom::WriteScene(folder, acus::volume::ReadTissues(labels_path), config, context);
     } else {
       acus::phantom::WritePatient(folder, config, context);
     }

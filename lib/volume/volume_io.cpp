@@ -184,6 +184,24 @@ LabelMap ReadLabelMap(const fs::path& path) {
   return labels;
 }
 
+LabelMap ReadTissues(const fs::path& path) {
+  LabelMap labels = ReadLabelMap(path);
+  std::array<Label, 256> standard{};
+  std::map<Label, std::string> names;
+  for (const auto& [label, name] : labels.names) {
+    const auto known = FindLabel(name);
+    ACUS_REQUIRE(known || label >= StandardLabels().size(), path.string(), ": label ", int{label},
+                 " is called '", name, "', which is no tissue that the models know. Rename the ",
+                 "segment (", StandardLabels()[label].name, ", liver, ...), or bring the map in by "
+                 "acus-segment --import with a mapping");
+    standard[label] = known.value_or(label);
+    names[standard[label]] = name;
+  }
+  for (Label& voxel : labels.voxels) voxel = standard[voxel];
+  labels.names = std::move(names);
+  return labels;
+}
+
 Grid<std::int32_t> ReadIntegerVolume(const fs::path& path) {
   const ScalarFile file = ReadAnyFile(path);
   Grid<std::int32_t> grid(file.geometry);

@@ -38,6 +38,12 @@ CtVolume ReadCt(const std::filesystem::path& path, const std::string& series,
 /// the standard labels. @throws InputError as above, or if a value does not fit a Label.
 LabelMap ReadLabelMap(const std::filesystem::path& path);
 
+/// A label map in the standard numbers, which the models go by: a segment that is named as a
+/// standard tissue gets its number, whatever number the file gives it. Labels beyond the standard
+/// ones keep theirs.
+/// @throws InputError as ReadLabelMap, and if a standard number bears another name.
+LabelMap ReadTissues(const std::filesystem::path& path);
+
 /// Reads a file of integer labels made elsewhere, as it is. VTI is read too.
 Grid<std::int32_t> ReadIntegerVolume(const std::filesystem::path& path);
 

@@ -165,6 +165,32 @@ TEST(LabelMap, NamesAndVoxelsComeBackFromASegNrrd) {
   EXPECT_THAT(text, HasSubstr("space: left-posterior-superior"));
 }
 
+TEST(ReadTissues, GoesByTheNamesOfTheSegmentsNotByTheirNumbers) {
+  const TemporaryFolder folder;
+  LabelMap labels(ObliqueGeometry());
+  for (std::size_t i = 0; i < labels.voxels.size(); ++i) labels.voxels[i] = i % 4 == 3 ? 77 : i % 4;
+  labels.names = {{1, "bone"}, {2, "skin"}, {77, "clip"}};
+  WriteLabelMap(folder / "slicer.seg.nrrd", labels);
+  const LabelMap read = ReadTissues(folder / "slicer.seg.nrrd");
+  const Label bone = LabelOf("bone");
+  const Label skin = LabelOf("skin");
+  const Label expected[] = {0, bone, skin, 77};
+  for (std::size_t i = 0; i < read.voxels.size(); ++i) ASSERT_EQ(read.voxels[i], expected[i % 4]);
+  EXPECT_EQ(read.names,
+            (std::map<Label, std::string>{{skin, "skin"}, {bone, "bone"}, {77, "clip"}}));
+}
+
+TEST(ReadTissues, RefusesAStandardNumberUnderAnotherName) {
+  const TemporaryFolder folder;
+  LabelMap labels(ObliqueGeometry());
+  labels.voxels[0] = 3;
+  labels.names = {{3, "Segment_3"}};
+  WriteLabelMap(folder / "slicer.seg.nrrd", labels);
+  EXPECT_THAT([&] { ReadTissues(folder / "slicer.seg.nrrd"); },
+              ThrowsMessage<InputError>(
+                  testing::AllOf(HasSubstr("label 3 is called 'Segment_3'"), HasSubstr("--import"))));
+}
+
 TEST(ReadCt, CompressionMayBeDeclaredInAnySpellingThatMetaImageHas) {
   const TemporaryFolder folder;
   const CtVolume written = NumberedCt(ObliqueGeometry());
