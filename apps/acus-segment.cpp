@@ -75,7 +75,9 @@ int main(int argc, char** argv) {
     context.provenance.AddInput(config_path);
     context.provenance.AddInput(ct_path);
     for (const auto& path : {import_path, reference_path}) {
-      if (!path.empty()) context.provenance.AddInput(path);
+      if (path.empty()) continue;
+      context.provenance.AddInput(path);
+      context.provenance.AddInput(mapping_path);
     }
     const auto ct = acus::volume::ReadCt(ct_path, series, context);
     const auto labels = acus::segmentation::SegmentPatient(ct, config, import, context);

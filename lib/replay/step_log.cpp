@@ -1,12 +1,11 @@
 #include "replay/step_log.h"
 
 #include <algorithm>
-#include <cinttypes>
-#include <cstdio>
 #include <fstream>
 
 #include "core/csv.h"
 #include "replay/cpu_time.h"
+#include "session/pose_csv.h"
 
 namespace acus::replay {
 
@@ -35,16 +34,10 @@ std::string TissueName(const simulation::Scene& scene, volume::Label label) {
   if (!scene.labels) return "";
   if (label == 0) return "outside";
   const auto found = scene.labels->names.find(label);
-  return found == scene.labels->names.end() ? Message("label_", int{label}) : found->second;
-}
-
-std::string TimeText(std::int64_t time_ns) {
-  char text[40];
-  const char* sign = time_ns < 0 ? "-" : "";
-  const std::int64_t magnitude = time_ns < 0 ? -time_ns : time_ns;
-  std::snprintf(text, sizeof text, "%s%" PRId64 ".%09" PRId64, sign, magnitude / 1'000'000'000,
-                magnitude % 1'000'000'000);
-  return text;
+  if (found == scene.labels->names.end()) return Message("label_", int{label});
+  std::string name = found->second;
+  std::ranges::replace_if(name, [](char c) { return c == ',' || c == '\n' || c == '\r'; }, ' ');
+  return name;  // Segments may be called anything; in a CSV they may not.
 }
 
 std::string EventWords(forces::NeedleEvent event) {
@@ -61,7 +54,7 @@ void WriteForces(const std::filesystem::path& path, const StepLog& log,
   std::string row;
   for (const simulation::StepOutput& step : log.steps) {
     const forces::NeedleForce& f = step.force;
-    row = TimeText(step.time_ns);
+    row = session::SecondsText(step.time_ns);
     const auto add = [&row](double value) { row += ',' + NumberText(value); };
     add(f.depth_mm);
     row += ',' + TissueName(scene, step.tissue_at_tip);

@@ -33,7 +33,4 @@ std::string EventWords(forces::NeedleEvent event);
 void WriteForces(const std::filesystem::path& path, const StepLog& log,
                  const simulation::Scene& scene);
 
-/// Seconds with nine decimals: exact for any stamp.
-std::string TimeText(std::int64_t time_ns);
-
 }  // namespace acus::replay

@@ -2,12 +2,12 @@
 
 #include <array>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 
 #include "config/json_file.h"
 #include "core/atomic_file.h"
 #include "core/csv.h"
+#include "core/text_table.h"
+#include "core/words.h"
 #include "mesh/surface_io.h"
 #include "segmentation/label_mapping.h"
 #include "segmentation/metrics.h"
@@ -173,13 +173,20 @@ std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
     agreement.push_back(
         Agree("body", MaskOf(labels, std::nullopt), MaskOf(body, std::nullopt), context));
   }
+  std::vector<std::string> not_found;
   for (const auto& [label, name] : truth.names) {
-    if (label == 0 || !labels.names.contains(label)) continue;
+    const Mask theirs = MaskOf(truth, label);
+    if (label == 0 || Count(theirs) == 0) continue;
     context.Checkpoint(Message("comparing ", name), 0.0);
     const Mask ours = MaskOf(labels, label);
-    const Mask theirs = MaskOf(truth, label);
-    if (Count(ours) == 0 || Count(theirs) == 0) continue;
-    agreement.push_back(Agree(name, ours, theirs, context));
+    if (Count(ours) == 0) {
+      not_found.push_back(name);
+    } else {
+      agreement.push_back(Agree(name, ours, theirs, context));
+    }
+  }
+  if (!not_found.empty()) {
+    context.Warn(Message("not compared, because only the reference has them: ", Joined(not_found)));
   }
   if (agreement.empty()) {
     throw NoAnswerError(Message(reference.file.string(),
@@ -190,17 +197,12 @@ std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
 }
 
 std::string AgreementTable(const std::vector<Agreement>& agreement) {
-  std::ostringstream out;
-  out << std::left << std::setw(16) << "tissue" << std::right << std::setw(9) << "Dice"
-      << std::setw(12) << "HD95 mm" << std::setw(14) << "reference ml" << std::setw(12) << "ours ml"
-      << '\n';
+  std::vector<std::vector<std::string>> rows;
   for (const Agreement& a : agreement) {
-    out << std::left << std::setw(16) << a.tissue << std::right << std::fixed
-        << std::setprecision(4) << std::setw(9) << a.dice << std::setprecision(2) << std::setw(12)
-        << a.surface_distance95_mm << std::setprecision(1) << std::setw(14) << a.reference_ml
-        << std::setw(12) << a.ours_ml << '\n';
+    rows.push_back({a.tissue, FixedText(a.dice, 4), FixedText(a.surface_distance95_mm, 2),
+                    FixedText(a.reference_ml, 1), FixedText(a.ours_ml, 1)});
   }
-  return out.str();
+  return TextTable({"tissue", "Dice", "HD95 mm", "reference ml", "ours ml"}, rows);
 }
 
 void WritePatientFolder(const fs::path& folder, const volume::CtVolume& ct,
