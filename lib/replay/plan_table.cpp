@@ -10,7 +10,7 @@ PlanTable TableOfPlan(const simulation::EffectPlan& plan, const simulation::Stag
   PlanTable table{{"stage", "rate", "in", "reason"}, {}};
   double total_s = 0.0;
   if (times != nullptr) {
-    table.header.insert(table.header.end(), {"runs", "asleep", "ms", "us/run", "share %"});
+    table.header.insert(table.header.end(), {"runs", "asleep", "wall ms", "us/run", "share %"});
     for (const auto& stage : plan.stages()) total_s += times->Of(stage.id).seconds;
   }
   for (const auto& stage : plan.stages()) {

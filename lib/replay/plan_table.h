@@ -9,8 +9,9 @@
 
 namespace acus::replay {
 
-/// Header and rows: stage, rate, in or out, reason, runs, asleep, ms in all, us per run, share of all
-/// stages' time. Without `times` only what is known beforehand.
+/// Header and rows: stage, rate, in or out, reason, runs, asleep, ms in all, us per run, share of
+/// all stages' time. Times are those of the wall clock, on a busy machine more than CPU time.
+/// Without `times` only what is known beforehand.
 struct PlanTable {
   std::vector<std::string> header;
   std::vector<std::vector<std::string>> rows;

@@ -120,7 +120,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   html.Table({"metric", "value", "unit"}, rows);
   html.Section("Effect plan");
   html.Table(content.plan.header, content.plan.rows,
-             "The stages that the scenario's effects call for, and what they cost in this run.");
+             "The stages that the scenario's effects call for, and the wall-clock time that they took in this run.");
   html.SetProvenance(provenance.ToJson());
   html.Write(folder / "report.html");
 }
