@@ -19,6 +19,9 @@ constexpr double kFloorDeg = 13.0;  ///< Nodes return to their interface only ab
 constexpr int kVolumeRounds = 7;
 constexpr int kAttempts = 3;          ///< Each with finer elements, where a limit was missed.
 constexpr double kRefinement = 0.7;
+/// Nodes by which a finer mesh grows: between surface (2.0) and volume (2.9) for that refinement.
+constexpr double kGrowth = 2.4;
+constexpr double kMostNodesAgain = 6e5;  ///< A larger mesh is made only if it is asked for: minutes.
 
 std::string NameOf(const volume::LabelMap& labels, int label) {
   const auto name = labels.names.find(static_cast<volume::Label>(label));
@@ -296,9 +299,11 @@ LabelMesh MeshLabelMap(const volume::LabelMap& labels, const LabelMeshSettings& 
       out.sizes = finer.sizes;
       return out;
     }
-    if (attempt == kAttempts - 1) {
-      throw NoAnswerError(Message(shortfall, "; try smaller elements, another smoothing_mm, or "
-                                             "wider limits in the config"));
+    const double nodes_again = kGrowth * static_cast<double>(out.mesh.nodes_mm.cols());
+    if (attempt == kAttempts - 1 || nodes_again > kMostNodesAgain) {
+      throw NoAnswerError(Message(shortfall, " with ", out.mesh.nodes_mm.cols(),
+                                  " nodes; try smaller elements, another smoothing_mm, or wider "
+                                  "limits in the config"));
     }
     finer.sizes.interface_mm *= kRefinement;
     finer.sizes.skin_mm = std::max(finer.sizes.interface_mm, finer.sizes.skin_mm * kRefinement);

@@ -41,7 +41,8 @@ struct LabelMesh {
 
 /// Meshes the body (all labels but 0), with faces along its surface and along the surfaces of the
 /// conforming tissues, shared by both sides; the other tissues are told apart element by element.
-/// A mesh that misses a limit is made again with finer elements, at most twice.
+/// A mesh that misses a limit is made again with finer elements, at most twice and only up to some
+/// 600,000 nodes.
 /// Method and limits: docs/models/mesh.md.
 /// @throws InputError if the map holds no body, or a setting is out of range.
 /// @throws NoAnswerError if the smallest dihedral angle or a conforming volume misses its limit.
