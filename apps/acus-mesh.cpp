@@ -8,10 +8,13 @@
 int main(int argc, char** argv) {
   std::filesystem::path labels, surface, config_path, folder;
   std::string from, to, tissue = "soft_tissue";
-  CLI::App app{"Divide a patient into tetrahedra with a tissue each: faces along skin and bone, fine "
-               "along the needle's way, bone nodes marked fixed.", "acus-mesh"};
+  CLI::App app{
+      "Divide a patient into tetrahedra with a tissue each: faces along skin and bone, fine "
+      "along the needle's way, bone nodes marked fixed.",
+      "acus-mesh"};
   app.footer(
-      "Writes mesh.vtu (ParaView: cell data tissue, point data fixed), quality.json and quality.svg.\n"
+      "Writes mesh.vtu (ParaView: cell data tissue, point data fixed), quality.json and "
+      "quality.svg.\n"
       "\nEXAMPLE\n"
       "  acus-mesh labels.seg.nrrd -o mesh\n"
       "  acus-mesh labels.seg.nrrd --corridor-from 0,120,0 --corridor-to 0,30,0 -o fine\n");
@@ -25,8 +28,8 @@ int main(int argc, char** argv) {
   app.add_option("--config", config_path,
                  "Settings (format acus-mesh/1); default: the preset meshes/default.json")
       ->check(CLI::ExistingFile);
-  auto* from_option = app.add_option(
-      "--corridor-from", from, "One end of the needle's way, x,y,z in mm (CT space, LPS)");
+  auto* from_option = app.add_option("--corridor-from", from,
+                                     "One end of the needle's way, x,y,z in mm (CT space, LPS)");
   auto* to_option = app.add_option("--corridor-to", to, "Its other end; elements are fine between");
   from_option->needs(to_option);
   to_option->needs(from_option);

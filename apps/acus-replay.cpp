@@ -66,8 +66,7 @@ int main(int argc, char** argv) {
     set_path("/patient/labels", labels_path);
     set_path("/patient/ct_from_reference_file", transform_path);
     options.png = acus::replay::PngChoices().at(png);
-    const auto file =
-        acus::config::FindConfig(scenario_path, std::filesystem::current_path());
+    const auto file = acus::config::FindConfig(scenario_path, std::filesystem::current_path());
     const auto scenario = acus::scenario::ReadScenario(file, overrides);
     context.provenance.AddInput(file);
     if (check) {

@@ -66,8 +66,8 @@ int main(int argc, char** argv) {
     if (mapping_path.empty()) {
       const auto& foreign = import_path.empty() ? reference_path : import_path;
       const bool is_ours = foreign.string().ends_with(".seg.nrrd");
-      mapping_path = FindConfig(
-          is_ours ? "label_maps/acus.json" : "label_maps/totalsegmentator.json", ".");
+      mapping_path =
+          FindConfig(is_ours ? "label_maps/acus.json" : "label_maps/totalsegmentator.json", ".");
     }
     const auto config = acus::segmentation::ReadSegmentationConfig(config_path);
     std::optional<acus::segmentation::ForeignLabels> import;

@@ -36,8 +36,8 @@ std::vector<double> Weights(std::size_t count) {
   return weights;
 }
 
-/// out[i] = sum over k of weights[k] * in[k][i]: the loops that take the time. Four rows at once, so
-/// that the sum stays in registers.
+/// out[i] = sum over k of weights[k] * in[k][i]: the loops that take the time. Four rows at once,
+/// so that the sum stays in registers.
 void WeightedSum(double* out, const std::vector<const double*>& in,
                  const std::vector<double>& weights, std::size_t count) {
   std::fill_n(out, count, 0.0);

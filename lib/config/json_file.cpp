@@ -46,7 +46,8 @@ class DuplicateKeys {
 
 void RequireFinite(const json& node, const std::string& pointer) {
   if (node.is_number_float()) {
-    ACUS_REQUIRE(std::isfinite(node.get<double>()), pointer, ": a number to be written is not finite");
+    ACUS_REQUIRE(std::isfinite(node.get<double>()), pointer,
+                 ": a number to be written is not finite");
   }
   if (node.is_structured()) {
     for (const auto& [key, child] : node.items()) RequireFinite(child, pointer + "/" + key);
@@ -78,7 +79,8 @@ json ReadConfig(const fs::path& path, std::string_view schema_name) {
 
 json CheckedConfig(json document, std::string_view schema_name, const std::string& label) {
   const std::string format = Message(schema_name, "/1");
-  ACUS_REQUIRE(document.is_object(), label, ": is not a JSON object; see docs/reference/formats.md");
+  ACUS_REQUIRE(document.is_object(), label,
+               ": is not a JSON object; see docs/reference/formats.md");
   ACUS_REQUIRE(document.contains("format") && document["format"] == format, label,
                ": /format: must be \"", format, "\", got ",
                document.contains("format") ? document["format"].dump() : "nothing",
@@ -126,8 +128,8 @@ fs::path FindConfig(const fs::path& name, const fs::path& relative_to) {
   if (fs::exists(near)) return near;
   const fs::path installed = ConfigsFolder() / name;
   if (!name.is_absolute() && fs::exists(installed)) return installed;
-  throw InputError(Message(name.string(), ": no such file; tried ", near.string(), " and ",
-                           installed.string()));
+  throw InputError(
+      Message(name.string(), ": no such file; tried ", near.string(), " and ", installed.string()));
 }
 
 }  // namespace acus::config

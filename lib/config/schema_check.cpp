@@ -98,12 +98,15 @@ std::string Lowered(std::string text) {
 }
 
 std::string Explain(const std::string& description, const Place& place) {
-  const auto says = [&](const char* phrase) { return description.find(phrase) != description.npos; };
+  const auto says = [&](const char* phrase) {
+    return description.find(phrase) != description.npos;
+  };
   if (says("Object contains a property")) {
     const std::string key = LastQuoted(description);
     std::vector<std::string> known;
     if (place.schema != nullptr && place.schema->contains("properties")) {
-      for (const auto& [name, unused] : (*place.schema)["properties"].items()) known.push_back(name);
+      for (const auto& [name, unused] : (*place.schema)["properties"].items())
+        known.push_back(name);
     }
     const auto nearest = NearestSpelling(key, known);
     return Message(place.pointer, "/", key, ": unknown key; ",
@@ -113,8 +116,10 @@ std::string Explain(const std::string& description, const Place& place) {
   if (says("Missing required property")) {
     return Message(place.pointer, "/", LastQuoted(description), ": missing; it is required");
   }
-  if (says("Value type not permitted") && place.schema != nullptr && place.schema->contains("type")) {
-    return Message(place.pointer, ": expected ", (*place.schema)["type"].dump(), Given(place.value));
+  if (says("Value type not permitted") && place.schema != nullptr &&
+      place.schema->contains("type")) {
+    return Message(place.pointer, ": expected ", (*place.schema)["type"].dump(),
+                   Given(place.value));
   }
   if (says("enum values") && place.schema != nullptr && place.schema->contains("enum")) {
     return Message(place.pointer, ": must be one of ", (*place.schema)["enum"].dump(),

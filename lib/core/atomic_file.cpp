@@ -1,12 +1,11 @@
 #include "core/atomic_file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <atomic>
 #include <cstdio>
+#include <fcntl.h>
 #include <fstream>
 #include <string>
+#include <unistd.h>
 
 #include "core/error.h"
 
@@ -19,8 +18,8 @@ constexpr std::uintmax_t kMaxTextBytes = std::uintmax_t{1} << 30U;
 
 fs::path TemporaryName(const fs::path& target) {
   static std::atomic<int> counter{0};
-  return target.parent_path() / Message(".partial-", ::getpid(), "-", counter++, "-",
-                                        target.filename().string());
+  return target.parent_path() /
+         Message(".partial-", ::getpid(), "-", counter++, "-", target.filename().string());
 }
 
 fs::path Absolute(fs::path target) {

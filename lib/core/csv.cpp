@@ -58,8 +58,8 @@ void CsvTable::Parse(std::string_view text, bool has_header) {
       continue;
     }
     ACUS_REQUIRE(cells.size() == columns_.size(), path_.string(), ":", line_number, ": has ",
-                 cells.size(), " cells, the columns are ", columns_.size(), " (", Joined(columns_, ","),
-                 "); is the file cut off?");
+                 cells.size(), " cells, the columns are ", columns_.size(), " (",
+                 Joined(columns_, ","), "); is the file cut off?");
     cells_.insert(cells_.end(), cells.begin(), cells.end());
     line_.push_back(line_number);
   }
@@ -86,8 +86,7 @@ std::vector<double> CsvTable::Numbers(std::string_view column) const {
   std::vector<double> values(num_rows());
   for (std::size_t row = 0; row < values.size(); ++row) {
     const std::string& cell = cells_[row * columns_.size() + index];
-    const auto [end, error] =
-        std::from_chars(cell.data(), cell.data() + cell.size(), values[row]);
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), values[row]);
     const bool whole = error == std::errc() && end == cell.data() + cell.size();
     ACUS_REQUIRE(whole && std::isfinite(values[row]), Where(row), ": ", column, " is '", cell,
                  "'; a finite number is needed");

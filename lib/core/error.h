@@ -50,17 +50,17 @@ std::string Message(const Parts&... parts) {
 }  // namespace acus
 
 /// The caller's data is wrong: throws InputError, in every build.
-#define ACUS_REQUIRE(condition, ...)                        \
-  do {                                                      \
-    if (!(condition)) [[unlikely]] {                        \
+#define ACUS_REQUIRE(condition, ...)                          \
+  do {                                                        \
+    if (!(condition)) [[unlikely]] {                          \
       throw ::acus::InputError(::acus::Message(__VA_ARGS__)); \
-    }                                                       \
+    }                                                         \
   } while (false)
 
 /// Our own invariant is broken: aborts, in every build.
-#define ACUS_ASSERT(condition)                                       \
-  do {                                                               \
-    if (!(condition)) [[unlikely]] {                                 \
-      ::acus::AssertionFailed(#condition, __FILE__, __LINE__);       \
-    }                                                                \
+#define ACUS_ASSERT(condition)                                 \
+  do {                                                         \
+    if (!(condition)) [[unlikely]] {                           \
+      ::acus::AssertionFailed(#condition, __FILE__, __LINE__); \
+    }                                                          \
   } while (false)

@@ -1,12 +1,11 @@
 #include "core/provenance.h"
 
-#include <openssl/evp.h>
-
 #include <algorithm>
 #include <array>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <openssl/evp.h>
 #include <vector>
 
 #include "core/error.h"
@@ -81,9 +80,13 @@ std::string Sha256OfText(const std::string& text) {
   return hash.Hex();
 }
 
-std::string Version() { return ACUS_VERSION; }
+std::string Version() {
+  return ACUS_VERSION;
+}
 
-void Provenance::AddInput(const fs::path& path) { input_sha256[path.string()] = Sha256OfPath(path); }
+void Provenance::AddInput(const fs::path& path) {
+  input_sha256[path.string()] = Sha256OfPath(path);
+}
 
 nlohmann::json Provenance::ToJson() const {
   return {{"program", program},

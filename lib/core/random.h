@@ -13,9 +13,9 @@ class RandomStream {
   RandomStream(std::uint64_t seed, std::string_view name, std::uint64_t index = 0);
 
   std::uint64_t Next();
-  double Uniform();                        ///< In [0, 1).
+  double Uniform();                         ///< In [0, 1).
   double Uniform(double low, double high);  ///< In [low, high).
-  double Normal();                         ///< Mean 0, standard deviation 1 (Box-Muller).
+  double Normal();                          ///< Mean 0, standard deviation 1 (Box-Muller).
 
  private:
   std::uint64_t state_;

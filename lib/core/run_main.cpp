@@ -1,7 +1,5 @@
 #include "core/run_main.h"
 
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
@@ -11,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <unistd.h>
 #include <vector>
 
 #include "core/progress_bar.h"
@@ -23,7 +22,9 @@ namespace {
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
 
-extern "C" void RequestStop(int /*signal*/) { stop_requested.store(true); }
+extern "C" void RequestStop(int /*signal*/) {
+  stop_requested.store(true);
+}
 
 std::string Quoted(std::string_view argument) {
   const bool plain = !argument.empty() && argument.find_first_of(" \t\n'\"\\$*?") == argument.npos;
@@ -103,9 +104,8 @@ int RunMain(CLI::App& app, int argc, const char* const* argv,
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    return fail(ExitCode::kCommandLine,
-                Message(CommandLineProblem(app, argc, argv, error.what()), "\nRun '", name,
-                        " --help' for the options."));
+    return fail(ExitCode::kCommandLine, Message(CommandLineProblem(app, argc, argv, error.what()),
+                                                "\nRun '", name, " --help' for the options."));
   }
 
   context.provenance.program = name;

@@ -40,7 +40,9 @@ double Quantile(std::span<const double> values, double fraction) {
   return sorted[low] + (position - static_cast<double>(low)) * (sorted[high] - sorted[low]);
 }
 
-double Median(std::span<const double> values) { return Quantile(values, 0.5); }
+double Median(std::span<const double> values) {
+  return Quantile(values, 0.5);
+}
 
 double RobustDeviation(std::span<const double> values) {
   const double median = Median(values);

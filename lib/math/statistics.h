@@ -5,9 +5,10 @@
 
 namespace acus::math {
 
-double Mean(std::span<const double> values);               ///< @pre not empty.
-double StandardDeviation(std::span<const double> values);  ///< n - 1 in the denominator; @pre n >= 2.
-double RootMeanSquare(std::span<const double> values);     ///< @pre not empty.
+double Mean(std::span<const double> values);  ///< @pre not empty.
+double StandardDeviation(
+    std::span<const double> values);                    ///< n - 1 in the denominator; @pre n >= 2.
+double RootMeanSquare(std::span<const double> values);  ///< @pre not empty.
 
 /// Linear interpolation between order statistics (type 7 of Hyndman & Fan 1996).
 /// @pre not empty, fraction in [0, 1].

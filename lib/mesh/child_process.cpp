@@ -1,19 +1,18 @@
 #include "mesh/child_process.h"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <fcntl.h>
 #include <fstream>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "core/error.h"
 
@@ -30,8 +29,8 @@ void LimitMemory(double extra_bytes) {
   if (kIsSanitized) return;
   double pages = 0.0;
   std::ifstream("/proc/self/statm") >> pages;
-  const auto limit = static_cast<rlim_t>(pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) +
-                                         extra_bytes);
+  const auto limit =
+      static_cast<rlim_t>(pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) + extra_bytes);
   const rlimit memory{limit, limit};
   ::setrlimit(RLIMIT_AS, &memory);
 }

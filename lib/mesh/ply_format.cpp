@@ -23,9 +23,14 @@ struct Element {
   std::vector<Property> properties;
 };
 
-constexpr std::array<std::array<std::string_view, 2>, 8> kTypeNames = {
-    {{"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"}, {"ushort", "uint16"},
-     {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"}, {"double", "float64"}}};
+constexpr std::array<std::array<std::string_view, 2>, 8> kTypeNames = {{{"char", "int8"},
+                                                                        {"uchar", "uint8"},
+                                                                        {"short", "int16"},
+                                                                        {"ushort", "uint16"},
+                                                                        {"int", "int32"},
+                                                                        {"uint", "uint32"},
+                                                                        {"float", "float32"},
+                                                                        {"double", "float64"}}};
 constexpr std::array<std::size_t, 8> kTypeSizes = {1, 1, 2, 2, 4, 4, 4, 8};
 
 int TypeOf(std::string_view name, const TextScanner& lines) {
@@ -51,7 +56,11 @@ Property ParseProperty(const TextScanner& lines) {
 class Values {
  public:
   Values(std::string_view body, bool is_text, bool is_swapped, std::string label)
-      : body_(body), is_text_(is_text), is_swapped_(is_swapped), label_(label), text_(body, label) {}
+      : body_(body),
+        is_text_(is_text),
+        is_swapped_(is_swapped),
+        label_(label),
+        text_(body, label) {}
 
   double Next(int type) {
     const double value = is_text_ ? NextText() : NextBinary(type);
@@ -77,16 +86,25 @@ class Values {
     return static_cast<double>(std::bit_cast<T>(raw));
   }
   double NextBinary(int type) {
-    ACUS_REQUIRE(body_.size() - at_ >= kTypeSizes[type], label_, ": the body ends too early: cut off");
+    ACUS_REQUIRE(body_.size() - at_ >= kTypeSizes[type], label_,
+                 ": the body ends too early: cut off");
     switch (type) {
-      case 0: return Read<std::int8_t>();
-      case 1: return Read<std::uint8_t>();
-      case 2: return Read<std::int16_t>();
-      case 3: return Read<std::uint16_t>();
-      case 4: return Read<std::int32_t>();
-      case 5: return Read<std::uint32_t>();
-      case 6: return Read<float>();
-      default: return Read<double>();
+      case 0:
+        return Read<std::int8_t>();
+      case 1:
+        return Read<std::uint8_t>();
+      case 2:
+        return Read<std::int16_t>();
+      case 3:
+        return Read<std::uint16_t>();
+      case 4:
+        return Read<std::int32_t>();
+      case 5:
+        return Read<std::uint32_t>();
+      case 6:
+        return Read<float>();
+      default:
+        return Read<double>();
     }
   }
 
@@ -117,14 +135,16 @@ Header ParseHeader(std::string_view bytes, const std::string& label) {
       return out;
     }
     if (words[0] == "format") {
-      ACUS_REQUIRE(words.size() >= 2 && (words[1] == "ascii" || words[1] == "binary_little_endian" ||
-                                         words[1] == "binary_big_endian"),
-                   lines.Where(), ": unknown PLY encoding");
+      ACUS_REQUIRE(
+          words.size() >= 2 && (words[1] == "ascii" || words[1] == "binary_little_endian" ||
+                                words[1] == "binary_big_endian"),
+          lines.Where(), ": unknown PLY encoding");
       out.is_text = words[1] == "ascii";
       out.is_swapped = words[1] == "binary_big_endian";
     } else if (words[0] == "element") {
       ACUS_REQUIRE(words.size() == 3 && lines.Whole(2) >= 0, lines.Where(), ": incomplete element");
-      out.elements.push_back({std::string(words[1]), static_cast<std::uint64_t>(lines.Whole(2)), {}});
+      out.elements.push_back(
+          {std::string(words[1]), static_cast<std::uint64_t>(lines.Whole(2)), {}});
     } else if (words[0] == "property") {
       ACUS_REQUIRE(!out.elements.empty(), lines.Where(), ": a property before any element");
       out.elements.back().properties.push_back(ParseProperty(lines));
@@ -147,8 +167,7 @@ void ReadElement(const Element& element, Values& values, SurfaceBuilder& builder
     for (const Property& property : element.properties) {
       if (property.count_type < 0) {
         const double value = values.Next(property.value_type);
-        if (property.name.size() == 1 && property.name[0] >= 'x' &&
-            property.name[0] <= 'z') {
+        if (property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z') {
           x[property.name[0] - 'x'] = value;
         }
         continue;

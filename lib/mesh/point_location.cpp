@@ -51,7 +51,8 @@ PointLocation::PointLocation(const TetraMesh& mesh) {
   members_.resize(first_.back());
   std::vector<int> next = first_;
   for (std::size_t t = 0; t < boxes.size(); ++t) {
-    for_each_cell(boxes[t], [&](std::size_t cell) { members_[next[cell]++] = static_cast<int>(t); });
+    for_each_cell(boxes[t],
+                  [&](std::size_t cell) { members_[next[cell]++] = static_cast<int>(t); });
   }
 }
 

@@ -47,8 +47,8 @@ double RadiusEdgeRatio(const Corners& x) {
   const Eigen::Vector3d b = x[1] - x[0];
   const Eigen::Vector3d c = x[2] - x[0];
   const Eigen::Vector3d d = x[3] - x[0];
-  const Eigen::Vector3d numerator = b.squaredNorm() * c.cross(d) + c.squaredNorm() * d.cross(b) +
-                                    d.squaredNorm() * b.cross(c);
+  const Eigen::Vector3d numerator =
+      b.squaredNorm() * c.cross(d) + c.squaredNorm() * d.cross(b) + d.squaredNorm() * b.cross(c);
   const double radius = numerator.norm() / (2.0 * std::abs(b.dot(c.cross(d))));
   double shortest = (x[3] - x[2]).norm();
   for (int i = 0; i < 3; ++i) {
@@ -74,7 +74,9 @@ double DihedralScore(const Corners& x) {
   return -largest;
 }
 
-double ScoreOfDegrees(double degrees) { return -std::cos(degrees / kDegrees); }
+double ScoreOfDegrees(double degrees) {
+  return -std::cos(degrees / kDegrees);
+}
 
 double DegreesOfScore(double score) {
   return score < -1.0 ? 0.0 : std::acos(std::clamp(-score, -1.0, 1.0)) * kDegrees;

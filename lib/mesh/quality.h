@@ -37,7 +37,8 @@ struct QualityReport {
   double mean_min_dihedral_deg = 0.0;  ///< Mean over tetrahedra of their smallest angle.
   double max_radius_edge_ratio = 0.0;
   Eigen::Index num_fixed_nodes = 0;
-  Eigen::Vector3d worst_at_mm = Eigen::Vector3d::Zero();  ///< Centre of the one with the least angle.
+  Eigen::Vector3d worst_at_mm =
+      Eigen::Vector3d::Zero();               ///< Centre of the one with the least angle.
   std::array<Eigen::Index, 36> histogram{};  ///< Dihedral angles per 5 degrees from 0 to 180.
 };
 

@@ -18,26 +18,32 @@ void Note(Defect& defect, const Eigen::Vector3d& place_mm) {
 
 Eigen::Vector3d CentreOf(const Surface& s, int t) {
   return (s.nodes_mm.col(s.triangles(0, t)) + s.nodes_mm.col(s.triangles(1, t)) +
-          s.nodes_mm.col(s.triangles(2, t))) / 3.0;
+          s.nodes_mm.col(s.triangles(2, t))) /
+         3.0;
 }
 
 void CheckNodes(const Surface& surface, SurfaceReport& out) {
   std::vector<int> order(surface.nodes_mm.cols());
   for (std::size_t n = 0; n < order.size(); ++n) order[n] = static_cast<int>(n);
   const auto place = [&](int n) {
-    return std::array<double, 3>{surface.nodes_mm(0, n), surface.nodes_mm(1, n), surface.nodes_mm(2, n)};
+    return std::array<double, 3>{surface.nodes_mm(0, n), surface.nodes_mm(1, n),
+                                 surface.nodes_mm(2, n)};
   };
-  std::ranges::sort(order, [&](int a, int b) { return std::pair(place(a), a) < std::pair(place(b), b); });
+  std::ranges::sort(order,
+                    [&](int a, int b) { return std::pair(place(a), a) < std::pair(place(b), b); });
   for (std::size_t i = 1; i < order.size(); ++i) {
     if (place(order[i - 1]) == place(order[i])) {
       Note(out.duplicate_nodes, surface.nodes_mm.col(order[i]));
     }
   }
   std::vector<bool> is_used(order.size(), false);
-  for (Eigen::Index i = 0; i < surface.triangles.size(); ++i) is_used[surface.triangles.data()[i]] = true;
+  for (Eigen::Index i = 0; i < surface.triangles.size(); ++i)
+    is_used[surface.triangles.data()[i]] = true;
   for (std::size_t n = 0; n < is_used.size(); ++n) {
-    if (is_used[n]) ++out.euler_number;
-    else Note(out.loose_nodes, surface.nodes_mm.col(static_cast<Eigen::Index>(n)));
+    if (is_used[n])
+      ++out.euler_number;
+    else
+      Note(out.loose_nodes, surface.nodes_mm.col(static_cast<Eigen::Index>(n)));
   }
 }
 
@@ -47,8 +53,10 @@ void CheckTriangles(const Surface& surface, SurfaceReport& out) {
     std::array<int, 3> n{surface.triangles(0, t), surface.triangles(1, t), surface.triangles(2, t)};
     std::ranges::sort(n);
     sorted.push_back({n[0], n[1], n[2], t});
-    const Eigen::Vector3d ab = surface.nodes_mm.col(surface.triangles(1, t)) - surface.nodes_mm.col(surface.triangles(0, t));
-    const Eigen::Vector3d ac = surface.nodes_mm.col(surface.triangles(2, t)) - surface.nodes_mm.col(surface.triangles(0, t));
+    const Eigen::Vector3d ab = surface.nodes_mm.col(surface.triangles(1, t)) -
+                               surface.nodes_mm.col(surface.triangles(0, t));
+    const Eigen::Vector3d ac = surface.nodes_mm.col(surface.triangles(2, t)) -
+                               surface.nodes_mm.col(surface.triangles(0, t));
     const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
     // Thinner than a millionth of its length.
     if (!(ab.cross(ac).norm() > 1e-6 * longest)) Note(out.flat_triangles, CentreOf(surface, t));

@@ -20,18 +20,18 @@ struct SurfaceReport {
   Eigen::Index num_nodes = 0;
   Eigen::Index num_triangles = 0;
   Eigen::Index num_edges = 0;
-  Defect open_edges;          ///< Edges with one triangle: holes.
-  Defect crowded_edges;       ///< Edges with more than two triangles: not a manifold.
-  Defect crowded_nodes;       ///< Nodes where two sheets touch: not a manifold.
-  Defect flipped_edges;       ///< Edges whose two triangles face different ways.
-  Defect flat_triangles;      ///< A node twice, or no area.
-  Defect duplicate_nodes;     ///< At exactly the place of another node.
-  Defect duplicate_triangles; ///< Of the same three nodes as another.
-  Defect loose_nodes;         ///< Part of no triangle.
-  Defect intersections;       ///< Pairs of triangles that cut each other.
-  int num_components = 0;     ///< Joined by edges.
+  Defect open_edges;              ///< Edges with one triangle: holes.
+  Defect crowded_edges;           ///< Edges with more than two triangles: not a manifold.
+  Defect crowded_nodes;           ///< Nodes where two sheets touch: not a manifold.
+  Defect flipped_edges;           ///< Edges whose two triangles face different ways.
+  Defect flat_triangles;          ///< A node twice, or no area.
+  Defect duplicate_nodes;         ///< At exactly the place of another node.
+  Defect duplicate_triangles;     ///< Of the same three nodes as another.
+  Defect loose_nodes;             ///< Part of no triangle.
+  Defect intersections;           ///< Pairs of triangles that cut each other.
+  int num_components = 0;         ///< Joined by edges.
   Eigen::Index euler_number = 0;  ///< Nodes in use - edges + triangles; 2 for each sphere.
-  double volume_mm3 = 0.0;    ///< Signed: negative if the surface faces inwards.
+  double volume_mm3 = 0.0;        ///< Signed: negative if the surface faces inwards.
 
   bool is_closed() const { return open_edges.count == 0; }
   bool is_manifold() const { return crowded_edges.count == 0 && crowded_nodes.count == 0; }
@@ -61,7 +61,8 @@ struct Repair {
 };
 
 /// Welds nodes, drops flat and doubled triangles and loose nodes, turns triangles the same way and
-/// outwards, closes holes and smooths small folds in which triangles cut each other. What it cannot mend, CheckSurface() of the result tells.
+/// outwards, closes holes and smooths small folds in which triangles cut each other. What it cannot
+/// mend, CheckSurface() of the result tells.
 Repair RepairSurface(const Surface& surface, const RepairLimits& limits = {});
 
 }  // namespace acus::mesh

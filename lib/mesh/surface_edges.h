@@ -10,9 +10,9 @@ namespace acus::mesh {
 
 /// One side of a triangle, running from -> to.
 struct HalfEdge {
-  int low, high;      ///< The nodes, smaller number first.
+  int low, high;  ///< The nodes, smaller number first.
   int triangle;
-  bool is_forward;    ///< The triangle runs from low to high.
+  bool is_forward;  ///< The triangle runs from low to high.
 
   bool IsSameEdge(const HalfEdge& other) const { return low == other.low && high == other.high; }
 };

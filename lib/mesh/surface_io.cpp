@@ -26,18 +26,17 @@ std::string ExtensionOf(const std::filesystem::path& path) {
 void RequireSound(const Surface& surface, const std::filesystem::path& path) {
   ACUS_REQUIRE(surface.nodes_mm.allFinite(), path.string(), ": a node to be written is not finite");
   ACUS_REQUIRE(surface.triangles.cols() > 0, path.string(), ": there is no triangle to write");
-  ACUS_REQUIRE(surface.triangles.minCoeff() >= 0 &&
-                   surface.triangles.maxCoeff() < surface.nodes_mm.cols(),
-               path.string(), ": a triangle to be written names a node that does not exist");
+  ACUS_REQUIRE(
+      surface.triangles.minCoeff() >= 0 && surface.triangles.maxCoeff() < surface.nodes_mm.cols(),
+      path.string(), ": a triangle to be written names a node that does not exist");
 }
 
 void RequirePositive(const TetraMesh& mesh, const std::string& label) {
   for (Eigen::Index t = 0; t < mesh.tetrahedra.cols(); ++t) {
     const Eigen::Vector3d a = mesh.nodes_mm.col(mesh.tetrahedra(0, t));
-    const double six_volumes =
-        (mesh.nodes_mm.col(mesh.tetrahedra(1, t)) - a)
-            .dot((mesh.nodes_mm.col(mesh.tetrahedra(2, t)) - a)
-                     .cross(mesh.nodes_mm.col(mesh.tetrahedra(3, t)) - a));
+    const double six_volumes = (mesh.nodes_mm.col(mesh.tetrahedra(1, t)) - a)
+                                   .dot((mesh.nodes_mm.col(mesh.tetrahedra(2, t)) - a)
+                                            .cross(mesh.nodes_mm.col(mesh.tetrahedra(3, t)) - a));
     ACUS_REQUIRE(six_volumes > 0.0, label, ": tetrahedron ", t, " at (", a[0], ", ", a[1], ", ",
                  a[2], ") mm is flat or inside out; mesh again with acus-mesh");
   }

@@ -46,7 +46,8 @@ std::vector<int> Welded(const Eigen::Matrix3Xd& nodes, double distance_mm) {
     for (int d = 0; d < 3; ++d) here[d] = std::llround(std::floor(nodes(d, n) / size));
     double nearest = distance_mm;
     for (int k = 0; k < 27; ++k) {
-      const auto cell = cells.find({here[0] + k % 3 - 1, here[1] + k / 3 % 3 - 1, here[2] + k / 9 - 1});
+      const auto cell =
+          cells.find({here[0] + k % 3 - 1, here[1] + k / 3 % 3 - 1, here[2] + k / 9 - 1});
       if (cell == cells.end()) continue;
       for (const int other : cell->second) {
         const double distance = (nodes.col(other) - nodes.col(n)).norm();
@@ -178,7 +179,8 @@ class Repairer {
         next.erase(step);
         if (n == start) break;
       }
-      if (!is_simple || loop.size() < 3 || static_cast<int>(loop.size()) > limits_.longest_hole) continue;
+      if (!is_simple || loop.size() < 3 || static_cast<int>(loop.size()) > limits_.longest_hole)
+        continue;
       if (loop.size() == 3) {
         triangles.emplace_back(loop[0], loop[1], loop[2]);
       } else {
@@ -196,31 +198,36 @@ class Repairer {
     Say(holes_, "hole(s) closed");
   }
 
-  void Append(const std::vector<Eigen::Vector3d>& nodes, const std::vector<Eigen::Vector3i>& triangles) {
+  void Append(const std::vector<Eigen::Vector3d>& nodes,
+              const std::vector<Eigen::Vector3i>& triangles) {
     const Eigen::Index old_nodes = s().nodes_mm.cols();
     const Eigen::Index old_triangles = s().triangles.cols();
     s().nodes_mm.conservativeResize(3, old_nodes + static_cast<Eigen::Index>(nodes.size()));
-    s().triangles.conservativeResize(3, old_triangles + static_cast<Eigen::Index>(triangles.size()));
+    s().triangles.conservativeResize(3,
+                                     old_triangles + static_cast<Eigen::Index>(triangles.size()));
     for (std::size_t n = 0; n < nodes.size(); ++n) s().nodes_mm.col(old_nodes + n) = nodes[n];
-    for (std::size_t t = 0; t < triangles.size(); ++t) s().triangles.col(old_triangles + t) = triangles[t];
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      s().triangles.col(old_triangles + t) = triangles[t];
   }
 
   /// Draws the nodes of triangles that cut each other to the middle of their neighbours.
   void Unfold() {
     const Eigen::Matrix3Xd before = s().nodes_mm;
-    const auto most = static_cast<std::size_t>(limits_.folded_share *
-                                               static_cast<double>(s().triangles.cols()));
+    const auto most =
+        static_cast<std::size_t>(limits_.folded_share * static_cast<double>(s().triangles.cols()));
     std::vector<std::vector<int>> around(before.cols());
     for (int t = 0; t < s().triangles.cols(); ++t) {
       for (int c = 0; c < 3; ++c) {
-        for (int d = 1; d < 3; ++d) around[s().triangles(c, t)].push_back(s().triangles((c + d) % 3, t));
+        for (int d = 1; d < 3; ++d)
+          around[s().triangles(c, t)].push_back(s().triangles((c + d) % 3, t));
       }
     }
     std::set<int> moved;
     for (int round = 0; round < 20; ++round) {
       const auto pairs = IntersectingPairs(s(), most + 1);
       if (pairs.empty()) {
-        Say(static_cast<long long>(moved.size()), "node(s) smoothed where triangles cut each other");
+        Say(static_cast<long long>(moved.size()),
+            "node(s) smoothed where triangles cut each other");
         return;
       }
       if (pairs.size() > most) break;

@@ -7,7 +7,8 @@ namespace acus::mesh {
 namespace {
 
 /// Twice the signed area of abc seen along +axis.
-double Area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, int axis) {
+double Area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+            int axis) {
   const int u = (axis + 1) % 3;
   const int v = (axis + 2) % 3;
   return (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);

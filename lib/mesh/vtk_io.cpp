@@ -1,5 +1,6 @@
 #include "mesh/vtk_io.h"
 
+#include <cmath>
 #include <vtkCell.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -12,8 +13,6 @@
 #include <vtkXMLPolyDataWriter.h>
 #include <vtkXMLUnstructuredGridReader.h>
 #include <vtkXMLUnstructuredGridWriter.h>
-
-#include <cmath>
 
 #include "mesh/byte_stream.h"
 #include "mesh/child_process.h"
@@ -81,7 +80,8 @@ std::vector<std::uint8_t> Flags(vtkDataArray* array, std::size_t count, std::uin
   std::vector<std::uint8_t> out(count, without);
   if (array == nullptr) return out;
   ACUS_REQUIRE(static_cast<std::size_t>(array->GetNumberOfTuples()) == count, "its array '",
-               array->GetName(), "' has ", array->GetNumberOfTuples(), " values instead of ", count);
+               array->GetName(), "' has ", array->GetNumberOfTuples(), " values instead of ",
+               count);
   for (std::size_t i = 0; i < count; ++i) {
     const double value = array->GetComponent(static_cast<vtkIdType>(i), 0);
     ACUS_REQUIRE(value >= 0 && value <= 255, "its array '", array->GetName(), "' holds ", value);
@@ -119,7 +119,8 @@ std::string LoadTetraMesh(const std::filesystem::path& path) {
   return out.Take();
 }
 
-std::string Load(const std::filesystem::path& path, std::string (*load)(const std::filesystem::path&)) {
+std::string Load(const std::filesystem::path& path,
+                 std::string (*load)(const std::filesystem::path&)) {
   ACUS_REQUIRE(std::filesystem::is_regular_file(path), path.string(), ": no such file");
   ChildLimits limits;
   limits.time_s = kReadTimeS;
@@ -127,8 +128,9 @@ std::string Load(const std::filesystem::path& path, std::string (*load)(const st
   limits.memory_bytes = 1e9 + 100.0 * static_cast<double>(std::filesystem::file_size(path));
   ChildResult result = RunInChild([&] { return load(path); }, limits);
   ACUS_REQUIRE(result.end == ChildResult::End::kDone, path.string(), ": cannot be used: ",
-               result.end == ChildResult::End::kThrew ? result.problem
-                                                      : "the file is broken (" + result.problem + ")");
+               result.end == ChildResult::End::kThrew
+                   ? result.problem
+                   : "the file is broken (" + result.problem + ")");
   return std::move(result.bytes);
 }
 

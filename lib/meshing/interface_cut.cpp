@@ -10,12 +10,14 @@ namespace acus::meshing {
 namespace {
 
 using Materials = std::uint64_t;  ///< One bit each.
-constexpr Materials BitOf(int material) { return Materials{1} << material; }
+constexpr Materials BitOf(int material) {
+  return Materials{1} << material;
+}
 
-constexpr double kSnapShare = 0.35;    ///< Of an edge: nearer cuts pull the node onto themselves.
+constexpr double kSnapShare = 0.35;     ///< Of an edge: nearer cuts pull the node onto themselves.
 constexpr double kSnapAngleDeg = 12.0;  ///< A node stays if moving it would make angles below this.
-constexpr double kNearestCut = 0.08;   ///< Of an edge: a cut is kept so far from both ends.
-constexpr int kMostDivisions = 2;      ///< Of one original edge and its parts.
+constexpr double kNearestCut = 0.08;    ///< Of an edge: a cut is kept so far from both ends.
+constexpr int kMostDivisions = 2;       ///< Of one original edge and its parts.
 
 struct Cut {
   Eigen::Vector3d place;

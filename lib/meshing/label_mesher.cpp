@@ -14,14 +14,16 @@
 namespace acus::meshing {
 namespace {
 
-constexpr double kGoalDeg = 15.0;   ///< Improvement stops there; the margin over the limit asked for.
+constexpr double kGoalDeg =
+    15.0;  ///< Improvement stops there; the margin over the limit asked for.
 constexpr double kFloorDeg = 13.0;  ///< Nodes return to their interface only above this.
 constexpr int kVolumeRounds = 7;
-constexpr int kAttempts = 3;          ///< Each with finer elements, where a limit was missed.
+constexpr int kAttempts = 3;  ///< Each with finer elements, where a limit was missed.
 constexpr double kRefinement = 0.7;
 /// Nodes by which a finer mesh grows: between surface (2.0) and volume (2.9) for that refinement.
 constexpr double kGrowth = 2.4;
-constexpr double kMostNodesAgain = 6e5;  ///< A larger mesh is made only if it is asked for: minutes.
+constexpr double kMostNodesAgain =
+    6e5;  ///< A larger mesh is made only if it is asked for: minutes.
 
 std::string NameOf(const volume::LabelMap& labels, int label) {
   const auto name = labels.names.find(static_cast<volume::Label>(label));
@@ -60,9 +62,10 @@ void Check(const volume::LabelMap& labels, const LabelMeshSettings& settings) {
                  " mm is out of range; allowed: 0.2 to 500");
   }
   if (s.corridor) {
-    ACUS_REQUIRE(s.corridor->element_size_mm >= 0.2 && s.corridor->radius_mm > 0.0 &&
-                     s.corridor->from_mm.allFinite() && s.corridor->to_mm.allFinite(),
-                 "the corridor needs finite ends, a radius above 0 and elements of at least 0.2 mm");
+    ACUS_REQUIRE(
+        s.corridor->element_size_mm >= 0.2 && s.corridor->radius_mm > 0.0 &&
+            s.corridor->from_mm.allFinite() && s.corridor->to_mm.allFinite(),
+        "the corridor needs finite ends, a radius above 0 and elements of at least 0.2 mm");
   }
   ACUS_REQUIRE(settings.smoothing_mm >= 0.0 && settings.smoothing_mm <= 20.0, "smoothing of ",
                settings.smoothing_mm, " mm is out of range; allowed: 0 to 20");
@@ -79,7 +82,10 @@ class LabelMesher {
  public:
   LabelMesher(const volume::LabelMap& labels, const LabelMeshSettings& settings,
               const RunContext& context)
-      : labels_(labels), settings_(settings), context_(context), map_mm3_(MapVolumesMm3(labels)),
+      : labels_(labels),
+        settings_(settings),
+        context_(context),
+        map_mm3_(MapVolumesMm3(labels)),
         material_of_label_(Materials(labels, map_mm3_, settings, num_materials_)),
         field_(MakeField()) {}
 
@@ -195,7 +201,8 @@ class LabelMesher {
       }
     }
     ACUS_REQUIRE(!volume.empty(), "the body is smaller than the elements; choose smaller ones");
-    const double limit = settings_.min_island_share * std::accumulate(volume.begin(), volume.end(), 0.0);
+    const double limit =
+        settings_.min_island_share * std::accumulate(volume.begin(), volume.end(), 0.0);
     for (int t = 0; t < editor.num_slots(); ++t) {
       if (editor.is_alive(t) && island[t] >= 0 && volume[island[t]] < limit) {
         out.dropped_ml += mesh::VolumeMm3(editor.CornersOf(editor.tetrahedron(t))) / 1000.0;

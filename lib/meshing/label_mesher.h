@@ -12,13 +12,13 @@
 namespace acus::meshing {
 
 struct LabelMeshSettings {
-  ElementSizes sizes;  ///< The corridor in CT space, LPS.
+  ElementSizes sizes;                                      ///< The corridor in CT space, LPS.
   std::vector<std::string> conforming_tissues = {"bone"};  ///< Beside the body's surface.
   std::vector<std::string> fixed_tissues = {"bone"};       ///< Their nodes are held in place.
-  double smoothing_mm = 1.0;        ///< Standard deviation; takes the voxels' steps away.
-  double min_dihedral_deg = 8.0;    ///< A mesh below this is refused.
-  double volume_tolerance = 0.03;   ///< Allowed relative error of the conforming tissues' volumes.
-  double min_island_share = 0.01;   ///< Pieces of the body below this share of it are left out.
+  double smoothing_mm = 1.0;       ///< Standard deviation; takes the voxels' steps away.
+  double min_dihedral_deg = 8.0;   ///< A mesh below this is refused.
+  double volume_tolerance = 0.03;  ///< Allowed relative error of the conforming tissues' volumes.
+  double min_island_share = 0.01;  ///< Pieces of the body below this share of it are left out.
   std::size_t max_nodes = 2'000'000;
 };
 

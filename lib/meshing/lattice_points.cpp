@@ -15,8 +15,8 @@ using What = MaterialField::What;
 
 double DistanceToSegment(const Eigen::Vector3d& x, const Corridor& corridor) {
   const Eigen::Vector3d along = corridor.to_mm - corridor.from_mm;
-  const double t = std::clamp((x - corridor.from_mm).dot(along) /
-                                  std::max(along.squaredNorm(), 1e-12), 0.0, 1.0);
+  const double t = std::clamp(
+      (x - corridor.from_mm).dot(along) / std::max(along.squaredNorm(), 1e-12), 0.0, 1.0);
   return (x - corridor.from_mm - t * along).norm();
 }
 
@@ -106,8 +106,7 @@ class Octree {
       ForEachBlock(level - 1, [&](const Eigen::Vector3i& finer) {
         if (!IsDivided(level - 1, finer)) return;
         for (int n = 0; n < 27; ++n) {
-          const Eigen::Vector3i next =
-              finer + Eigen::Vector3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+          const Eigen::Vector3i next = finer + Eigen::Vector3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
           if ((next.array() < 0).any() || (next.array() >= finer_size.array()).any()) continue;
           divided_[level][Index(level, next / 2)] = 1;
         }

@@ -7,7 +7,8 @@
 namespace acus::meshing {
 namespace {
 
-constexpr double kLeastGain = 1e-5;  ///< In score; keeps two changes from undoing each other forever.
+constexpr double kLeastGain =
+    1e-5;  ///< In score; keeps two changes from undoing each other forever.
 constexpr double kLeastGainDeg = 0.1;
 constexpr std::size_t kLongestRing = 7;
 
@@ -63,8 +64,8 @@ bool LocalChanges::Replace(const std::vector<int>& old, const std::vector<New>& 
   return true;
 }
 
-/// Nodes around the edge, so that (a, b, ring[i], ring[i + 1]) is the i-th tetrahedron, with positive
-/// volume. Empty if the edge is on the hull.
+/// Nodes around the edge, so that (a, b, ring[i], ring[i + 1]) is the i-th tetrahedron, with
+/// positive volume. Empty if the edge is on the hull.
 std::vector<int> LocalChanges::Ring(int a, int b, const std::vector<int>& around) const {
   std::vector<std::array<int, 2>> links;
   for (const int t : around) {
@@ -237,7 +238,8 @@ bool LocalChanges::GiveAway(int t) {
     const std::uint8_t m = editor_.material(other);
     if (m != mine && ++faces[m] >= 2) taker = m;
   }
-  if (taker == mine || 3.0 * mesh::VolumeMm3(x) > drift_share_ * edge_mm * largest_mm2) return false;
+  if (taker == mine || 3.0 * mesh::VolumeMm3(x) > drift_share_ * edge_mm * largest_mm2)
+    return false;
   editor_.set_material(t, taker);
   if (taker == 0) return true;
   // Its shape is as bad as before; it pays only if it can now be dissolved in its new material.

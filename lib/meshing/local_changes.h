@@ -16,7 +16,8 @@ class LocalChanges {
   /// Nodes on the hull of the mesh stay where they are.
   LocalChanges(TetraEditor& editor, const MaterialField* field, double drift_share);
 
-  /// Loose: nodes may leave their interface by three times the drift share, where nothing else helps.
+  /// Loose: nodes may leave their interface by three times the drift share, where nothing else
+  /// helps.
   void set_loose(bool is_loose) { is_loose_ = is_loose; }
 
   /// Replaces the 3 to 7 tetrahedra around an edge by others without it. An interface that runs

@@ -76,8 +76,9 @@ void MaterialField::Smooth(double smoothing_mm, int num_threads) {
       ParallelFor(outer, num_threads, [&](int o) {
         std::vector<float> line(length);
         for (int i = 0; i < inner; ++i) {
-          const std::size_t start = axis == 0 ? Index(0, i, o)
-                                    : axis == 1 ? Index(i, 0, o) : Index(i, o, 0);
+          const std::size_t start = axis == 0   ? Index(0, i, o)
+                                    : axis == 1 ? Index(i, 0, o)
+                                                : Index(i, o, 0);
           for (int n = 0; n < length; ++n) line[n] = field[start + n * step];
           for (int n = 0; n < length; ++n) {
             float value = 0.0F;
@@ -156,8 +157,10 @@ bool MaterialField::BoxHolds(const Eigen::Vector3d& low, const Eigen::Vector3d& 
   Eigen::Vector3i from;
   Eigen::Vector3i to;  // Exclusive.
   for (int d = 0; d < 3; ++d) {
-    from[d] = std::clamp(static_cast<int>(std::floor((low[d] - low_[d]) / spacing_[d])), 0, size_[d]);
-    to[d] = std::clamp(static_cast<int>(std::ceil((high[d] - low_[d]) / spacing_[d])) + 1, 0, size_[d]);
+    from[d] =
+        std::clamp(static_cast<int>(std::floor((low[d] - low_[d]) / spacing_[d])), 0, size_[d]);
+    to[d] =
+        std::clamp(static_cast<int>(std::ceil((high[d] - low_[d]) / spacing_[d])) + 1, 0, size_[d]);
     if (from[d] >= to[d]) return false;
   }
   const auto& c = counts_[static_cast<std::size_t>(what)];
@@ -166,7 +169,8 @@ bool MaterialField::BoxHolds(const Eigen::Vector3d& low, const Eigen::Vector3d& 
   };
   return at(to[0], to[1], to[2]) - at(from[0], to[1], to[2]) - at(to[0], from[1], to[2]) -
              at(to[0], to[1], from[2]) + at(from[0], from[1], to[2]) + at(from[0], to[1], from[2]) +
-             at(to[0], from[1], from[2]) - at(from[0], from[1], from[2]) > 0;
+             at(to[0], from[1], from[2]) - at(from[0], from[1], from[2]) >
+         0;
 }
 
 Eigen::Vector3d MaterialField::high_mm() const {
@@ -187,8 +191,8 @@ MaterialField::Cell MaterialField::Locate(const Eigen::Vector3d& x) const {
   const std::size_t slice = row * size_[1];
   for (int c = 0; c < 8; ++c) {
     out.index[c] = first + (c & 1) + ((c >> 1) & 1) * row + ((c >> 2) & 1) * slice;
-    out.weight[c] = ((c & 1) ? f[0] : 1 - f[0]) * ((c & 2) ? f[1] : 1 - f[1]) *
-                    ((c & 4) ? f[2] : 1 - f[2]);
+    out.weight[c] =
+        ((c & 1) ? f[0] : 1 - f[0]) * ((c & 2) ? f[1] : 1 - f[1]) * ((c & 4) ? f[2] : 1 - f[2]);
   }
   return out;
 }

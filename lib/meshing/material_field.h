@@ -57,7 +57,8 @@ class MaterialField {
   double Sample(const Cell& cell, int material) const;
   std::size_t Index(int i, int j, int k) const {
     return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size_[1]) +
-            static_cast<std::size_t>(j)) * static_cast<std::size_t>(size_[0]) +
+            static_cast<std::size_t>(j)) *
+               static_cast<std::size_t>(size_[0]) +
            static_cast<std::size_t>(i);
   }
   void Average(const volume::LabelMap& labels, const MaterialOfLabel& material_of_label,

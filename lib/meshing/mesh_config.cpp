@@ -58,7 +58,8 @@ Eigen::Vector3d PointFromText(const std::string& text, const std::string& what) 
                (d == 2 ? rest == end : rest != end && *rest == ',');
     at = rest + 1;
   }
-  ACUS_REQUIRE(is_sound, what, ": '", text, "' is not a point; write x,y,z in mm, such as 1.5,-20,340");
+  ACUS_REQUIRE(is_sound, what, ": '", text,
+               "' is not a point; write x,y,z in mm, such as 1.5,-20,340");
   return out;
 }
 

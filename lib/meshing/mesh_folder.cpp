@@ -41,12 +41,14 @@ void MeshLabelsToFolder(const std::filesystem::path& labels, const MeshConfig& c
   const auto& corridor = config.labels.sizes.corridor;
   const json about = {{"body", {{"label_map_ml", out.body_map_ml}, {"mesh_ml", out.body_mesh_ml}}},
                       {"dropped_islands_ml", out.dropped_ml},
-                      {"element_size_mm", {{"interface", out.sizes.interface_mm},
-                                           {"skin", out.sizes.skin_mm},
-                                           {"interior", out.sizes.interior_mm}}}};
+                      {"element_size_mm",
+                       {{"interface", out.sizes.interface_mm},
+                        {"skin", out.sizes.skin_mm},
+                        {"interior", out.sizes.interior_mm}}}};
   const Eigen::Vector3d centre_mm =
       corridor ? Eigen::Vector3d(0.5 * (corridor->from_mm + corridor->to_mm)) : CentreOf(out.mesh);
-  WriteFolder(folder, out.mesh, out.tissues, centre_mm, config.labels.min_dihedral_deg, about, context);
+  WriteFolder(folder, out.mesh, out.tissues, centre_mm, config.labels.min_dihedral_deg, about,
+              context);
 }
 
 void MeshSurfaceToFolder(const std::filesystem::path& surface, const std::string& tissue,
@@ -54,14 +56,16 @@ void MeshSurfaceToFolder(const std::filesystem::path& surface, const std::string
                          const RunContext& context) {
   SurfaceMeshSettings settings = config.surface;
   settings.tissue = volume::LabelOf(tissue);
-  ACUS_REQUIRE(settings.tissue != 0, "'", tissue, "' is not a tissue; name what the surface encloses");
+  ACUS_REQUIRE(settings.tissue != 0, "'", tissue,
+               "' is not a tissue; name what the surface encloses");
   settings.is_fixed = std::ranges::count(config.labels.fixed_tissues, tissue) > 0;
   const SurfaceMesh out =
       MeshSurface(mesh::ReadSurface(surface), surface.string(), settings, context);
   const std::vector<TissueVolume> tissues = {
       {settings.tissue, tissue, out.surface_ml, out.mesh_ml, !out.is_remeshed}};
   const json about = {{"repairs", out.repairs}, {"surface_was_made_anew", out.is_remeshed}};
-  WriteFolder(folder, out.mesh, tissues, CentreOf(out.mesh), settings.min_dihedral_deg, about, context);
+  WriteFolder(folder, out.mesh, tissues, CentreOf(out.mesh), settings.min_dihedral_deg, about,
+              context);
 }
 
 }  // namespace acus::meshing

@@ -21,7 +21,9 @@ std::string Colour(std::uint8_t label) {
   return Message("rgb(", int{c[0]}, ",", int{c[1]}, ",", int{c[2]}, ")");
 }
 
-double Rounded(double value) { return std::round(value * 10.0) / 10.0; }
+double Rounded(double value) {
+  return std::round(value * 10.0) / 10.0;
+}
 
 /// The polygon in which the plane x[axis] = at cuts a tetrahedron: 0, 3 or 4 corners in order.
 std::vector<Eigen::Vector3d> CutPolygon(const mesh::Corners& x, int axis, double at_mm) {
@@ -75,7 +77,8 @@ void DrawCut(std::ostringstream& svg, const mesh::TetraMesh& mesh, int axis, dou
 void DrawHistogram(std::ostringstream& svg, const mesh::QualityReport& quality, double limit_deg,
                    double left_px, double top_px) {
   constexpr double kHeight = 150.0;
-  const double most = static_cast<double>(std::max<Eigen::Index>(1, std::ranges::max(quality.histogram)));
+  const double most =
+      static_cast<double>(std::max<Eigen::Index>(1, std::ranges::max(quality.histogram)));
   const double bar = kPanelPx / 36.0;
   svg << "<g transform=\"translate(" << left_px << "," << top_px << ")\">\n<text y=\"-8\">dihedral "
       << "angles [degrees]: smallest " << Rounded(quality.min_dihedral_deg) << ", largest "
@@ -86,7 +89,8 @@ void DrawHistogram(std::ostringstream& svg, const mesh::QualityReport& quality, 
         << bar - 1 << "\" height=\"" << height << "\" fill=\"#4878a8\"/>\n";
   }
   const double x = limit_deg / 180.0 * kPanelPx;
-  svg << "<path d=\"M" << x << " 0V" << kHeight << "\" stroke=\"#c03028\" stroke-dasharray=\"4 3\"/>\n"
+  svg << "<path d=\"M" << x << " 0V" << kHeight
+      << "\" stroke=\"#c03028\" stroke-dasharray=\"4 3\"/>\n"
       << "<text x=\"" << x + 4 << "\" y=\"10\" fill=\"#c03028\">limit " << limit_deg << "</text>\n"
       << "<path d=\"M0 " << kHeight << "H" << kPanelPx << "\" stroke=\"#222\"/>\n";
   for (int degrees = 0; degrees <= 180; degrees += 30) {
@@ -106,9 +110,9 @@ void DrawTable(std::ostringstream& svg, const std::vector<TissueVolume>& tissues
         << Colour(tissue.label) << "\"/><text x=\"20\" y=\"" << y + 10 << "\">" << tissue.name
         << (tissue.is_conforming ? " (own surface)" : "") << "</text>";
     const double percent = 100.0 * (tissue.mesh_ml / tissue.map_ml - 1.0);
-    const std::array<std::string, 3> cells = {Message(Rounded(tissue.map_ml)),
-                                              Message(Rounded(tissue.mesh_ml)),
-                                              Message(percent >= 0 ? "+" : "", Rounded(percent), " %")};
+    const std::array<std::string, 3> cells = {
+        Message(Rounded(tissue.map_ml)), Message(Rounded(tissue.mesh_ml)),
+        Message(percent >= 0 ? "+" : "", Rounded(percent), " %")};
     for (int c = 0; c < 3; ++c) {
       svg << "<text text-anchor=\"end\" x=\"" << 250 + 80 * c << "\" y=\"" << y + 10 << "\">"
           << cells[c] << "</text>";
@@ -129,25 +133,27 @@ json DescribeMesh(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& 
   const mesh::QualityReport quality = mesh::MeasureQuality(mesh);
   std::array<std::int64_t, 256> elements{};
   for (const std::uint8_t label : mesh.tissue) ++elements[label];
-  json out = {{"nodes", quality.num_nodes},
-              {"fixed_nodes", quality.num_fixed_nodes},
-              {"tetrahedra", quality.num_tetrahedra},
-              {"inverted_tetrahedra", quality.num_inverted},
-              {"min_dihedral_deg", quality.min_dihedral_deg},
-              {"max_dihedral_deg", quality.max_dihedral_deg},
-              {"mean_min_dihedral_deg", quality.mean_min_dihedral_deg},
-              {"max_radius_edge_ratio", quality.max_radius_edge_ratio},
-              {"worst_at_mm", {quality.worst_at_mm[0], quality.worst_at_mm[1], quality.worst_at_mm[2]}},
-              {"dihedral_histogram", {{"bin_width_deg", 5}, {"counts", quality.histogram}}},
-              {"tissues", json::array()}};
+  json out = {
+      {"nodes", quality.num_nodes},
+      {"fixed_nodes", quality.num_fixed_nodes},
+      {"tetrahedra", quality.num_tetrahedra},
+      {"inverted_tetrahedra", quality.num_inverted},
+      {"min_dihedral_deg", quality.min_dihedral_deg},
+      {"max_dihedral_deg", quality.max_dihedral_deg},
+      {"mean_min_dihedral_deg", quality.mean_min_dihedral_deg},
+      {"max_radius_edge_ratio", quality.max_radius_edge_ratio},
+      {"worst_at_mm", {quality.worst_at_mm[0], quality.worst_at_mm[1], quality.worst_at_mm[2]}},
+      {"dihedral_histogram", {{"bin_width_deg", 5}, {"counts", quality.histogram}}},
+      {"tissues", json::array()}};
   for (const TissueVolume& tissue : tissues) {
-    out["tissues"].push_back({{"label", tissue.label},
-                              {"name", tissue.name},
-                              {"label_map_ml", tissue.map_ml},
-                              {"mesh_ml", tissue.mesh_ml},
-                              {"difference_percent", 100.0 * (tissue.mesh_ml / tissue.map_ml - 1.0)},
-                              {"tetrahedra", elements[tissue.label]},
-                              {"has_own_surface", tissue.is_conforming}});
+    out["tissues"].push_back(
+        {{"label", tissue.label},
+         {"name", tissue.name},
+         {"label_map_ml", tissue.map_ml},
+         {"mesh_ml", tissue.mesh_ml},
+         {"difference_percent", 100.0 * (tissue.mesh_ml / tissue.map_ml - 1.0)},
+         {"tetrahedra", elements[tissue.label]},
+         {"has_own_surface", tissue.is_conforming}});
   }
   return out;
 }

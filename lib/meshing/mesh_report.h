@@ -13,8 +13,8 @@ namespace acus::meshing {
 /// Counts, angles, histogram, and per tissue its volumes, their difference and the element count.
 nlohmann::json DescribeMesh(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& tissues);
 
-/// SVG: two cuts through the mesh at `centre_mm` (axial, sagittal) coloured by tissue, a histogram of
-/// the dihedral angles with the limit, and a table of volumes.
+/// SVG: two cuts through the mesh at `centre_mm` (axial, sagittal) coloured by tissue, a histogram
+/// of the dihedral angles with the limit, and a table of volumes.
 std::string MeshPictureSvg(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& tissues,
                            const Eigen::Vector3d& centre_mm, double min_dihedral_deg);
 

@@ -61,7 +61,8 @@ bool Fill(const mesh::Surface& sound, const SurfaceMeshSettings& settings, Surfa
     improve.goal_deg = std::max(improve.goal_deg, settings.min_dihedral_deg + 2.0);
     const double least_deg = Improve(editor, nullptr, improve, context);
     Copy(editor, settings, out.mesh);
-    reason = Message("its triangles allow a smallest dihedral angle of ", least_deg, " degrees only");
+    reason =
+        Message("its triangles allow a smallest dihedral angle of ", least_deg, " degrees only");
     return least_deg >= settings.min_dihedral_deg;
   } catch (const NoAnswerError& error) {
     reason = error.what();
@@ -73,7 +74,8 @@ void Remesh(const mesh::Surface& sound, const SurfaceMeshSettings& settings, Sur
             const RunContext& context) {
   double size_mm = settings.tetgen.element_size_mm;
   if (size_mm <= 0.0) {
-    size_mm = (sound.nodes_mm.rowwise().maxCoeff() - sound.nodes_mm.rowwise().minCoeff()).norm() / 40.0;
+    size_mm =
+        (sound.nodes_mm.rowwise().maxCoeff() - sound.nodes_mm.rowwise().minCoeff()).norm() / 40.0;
   }
   // The lattice is meant for patients: mesh at its usual scale, whatever the surface's unit is.
   const double scale = 8.0 / size_mm;

@@ -22,7 +22,7 @@ struct SurfaceMesh {
   mesh::TetraMesh mesh;
   std::vector<std::string> repairs;  ///< What was mended, as sentences; warned of, too.
   bool is_remeshed = false;  ///< The surface was made anew, because its triangles are too thin.
-  double surface_ml = 0.0;           ///< Volume inside the mended surface.
+  double surface_ml = 0.0;   ///< Volume inside the mended surface.
   double mesh_ml = 0.0;
 };
 

@@ -32,7 +32,8 @@ bool Cross(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vect
 
 }  // namespace
 
-volume::LabelMap VoxelsInside(const mesh::Surface& surface, double spacing_mm, volume::Label label) {
+volume::LabelMap VoxelsInside(const mesh::Surface& surface, double spacing_mm,
+                              volume::Label label) {
   const Eigen::Vector3d low = surface.nodes_mm.rowwise().minCoeff();
   const Eigen::Vector3d extent = surface.nodes_mm.rowwise().maxCoeff() - low;
   volume::Geometry g;
@@ -48,7 +49,8 @@ volume::LabelMap VoxelsInside(const mesh::Surface& surface, double spacing_mm, v
   std::vector<std::vector<Crossing>> lines(static_cast<std::size_t>(g.size[1]) * g.size[2]);
   for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
     Eigen::Matrix3d x;
-    for (int c = 0; c < 3; ++c) x.col(c) = surface.nodes_mm.col(surface.triangles(c, t)) - g.origin_mm;
+    for (int c = 0; c < 3; ++c)
+      x.col(c) = surface.nodes_mm.col(surface.triangles(c, t)) - g.origin_mm;
     const Eigen::Vector3d from = x.rowwise().minCoeff() / spacing_mm;
     const Eigen::Vector3d to = x.rowwise().maxCoeff() / spacing_mm;
     for (int k = static_cast<int>(std::ceil(from[2])); k <= to[2]; ++k) {
@@ -67,7 +69,8 @@ volume::LabelMap VoxelsInside(const mesh::Surface& surface, double spacing_mm, v
       int winding = 0;
       std::size_t next = 0;
       for (int i = 0; i < g.size[0]; ++i) {
-        for (; next < line.size() && line[next].x_mm <= i * spacing_mm; ++next) winding += line[next].turn;
+        for (; next < line.size() && line[next].x_mm <= i * spacing_mm; ++next)
+          winding += line[next].turn;
         if (winding != 0) out.At(i, j, k) = label;
       }
     }

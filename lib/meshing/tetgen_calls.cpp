@@ -1,9 +1,8 @@
 #include "meshing/tetgen_calls.h"
 
-#include <tetgen.h>
-
 #include <cmath>
 #include <string>
+#include <tetgen.h>
 
 #include "core/error.h"
 #include "mesh/byte_stream.h"
@@ -41,7 +40,9 @@ std::string Packed(const tetgenio& io) {
   std::vector<int> tetrahedra(4 * static_cast<std::size_t>(io.numberoftetrahedra));
   for (std::size_t t = 0; t < tetrahedra.size(); t += 4) {
     const int* corner = io.tetrahedronlist + t;
-    const auto at = [&](int c) { return Eigen::Map<const Eigen::Vector3d>(io.pointlist + 3 * corner[c]); };
+    const auto at = [&](int c) {
+      return Eigen::Map<const Eigen::Vector3d>(io.pointlist + 3 * corner[c]);
+    };
     const double volume = (at(1) - at(0)).dot((at(2) - at(0)).cross(at(3) - at(0)));
     std::copy_n(corner, 4, tetrahedra.data() + t);
     if (volume < 0.0) std::swap(tetrahedra[t], tetrahedra[t + 1]);

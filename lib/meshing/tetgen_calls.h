@@ -14,7 +14,8 @@ Eigen::Matrix4Xi DelaunayTetrahedra(const Eigen::Matrix3Xd& points_mm, const Run
 
 struct SurfaceMeshing {
   double max_radius_edge_ratio = 1.4;
-  double element_size_mm = 0.0;  ///< Edge length of a regular tetrahedron of the largest volume allowed; 0: no limit.
+  double element_size_mm =
+      0.0;  ///< Edge length of a regular tetrahedron of the largest volume allowed; 0: no limit.
   double time_limit_s = 60.0;
 };
 

@@ -10,8 +10,9 @@
 
 namespace acus::meshing {
 
-/// Tetrahedra of all materials, also of 0 (outside), so that the body's surface is an interface like
-/// any other. Numbers of nodes and tetrahedra stay valid while they live; Remove() frees a number.
+/// Tetrahedra of all materials, also of 0 (outside), so that the body's surface is an interface
+/// like any other. Numbers of nodes and tetrahedra stay valid while they live; Remove() frees a
+/// number.
 class TetraEditor {
  public:
   using Tetrahedron = std::array<int, 4>;  ///< Node numbers, positive volume.
@@ -43,8 +44,8 @@ class TetraEditor {
   /// The tetrahedron other than t at the face opposite corner c of t, or -1 on the hull.
   int Neighbour(int t, int c) const;
   bool Has(int t, int n) const;
-  std::vector<int> NodesAround(int n) const;              ///< Joined to n by an edge; sorted.
-  std::vector<std::uint8_t> MaterialsAt(int n) const;     ///< Of the star; sorted.
+  std::vector<int> NodesAround(int n) const;           ///< Joined to n by an edge; sorted.
+  std::vector<std::uint8_t> MaterialsAt(int n) const;  ///< Of the star; sorted.
 
   /// Puts a node at x on the edge a-b and halves its tetrahedra. Returns the new node.
   int SplitEdge(int a, int b, const Eigen::Vector3d& x);

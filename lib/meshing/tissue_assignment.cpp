@@ -22,16 +22,17 @@ std::vector<Eigen::Vector4d> SamplePoints() {
   for (int a = 0; a <= kOrder; ++a) {
     for (int b = 0; a + b <= kOrder; ++b) {
       for (int c = 0; a + b + c <= kOrder; ++c) {
-        out.push_back((Eigen::Vector4d(a, b, c, kOrder - a - b - c).array() + 0.25) / (kOrder + 1.0));
+        out.push_back((Eigen::Vector4d(a, b, c, kOrder - a - b - c).array() + 0.25) /
+                      (kOrder + 1.0));
       }
     }
   }
   return out;
 }
 
-std::vector<Share> SharesOf(const volume::LabelMap& labels, const MaterialOfLabel& material_of_label,
-                            const mesh::Corners& x, std::uint8_t material,
-                            const std::vector<Eigen::Vector4d>& points) {
+std::vector<Share> SharesOf(const volume::LabelMap& labels,
+                            const MaterialOfLabel& material_of_label, const mesh::Corners& x,
+                            std::uint8_t material, const std::vector<Eigen::Vector4d>& points) {
   const volume::Geometry& g = labels.geometry;
   std::array<int, 256> hits{};
   int total = 0;

@@ -30,8 +30,8 @@ bool HasImages(const Scene& scene) {
 
 /// The step at or before a time; nothing before the first.
 const simulation::StepOutput* StepAt(const StepLog& log, std::int64_t time_ns) {
-  const auto after = std::ranges::upper_bound(log.steps, time_ns, {},
-                                              &simulation::StepOutput::time_ns);
+  const auto after =
+      std::ranges::upper_bound(log.steps, time_ns, {}, &simulation::StepOutput::time_ns);
   return after == log.steps.begin() ? nullptr : &*(after - 1);
 }
 
@@ -79,7 +79,10 @@ class ImageWriter {
  public:
   ImageWriter(const Scene& scene, const std::vector<Snapshot>& snapshots, const StepLog& steps,
               std::filesystem::path folder, const ReplayOptions& options)
-      : scene_(scene), snapshots_(snapshots), steps_(steps), folder_(std::move(folder)),
+      : scene_(scene),
+        snapshots_(snapshots),
+        steps_(steps),
+        folder_(std::move(folder)),
         options_(options) {
     if (options.png == PngChoice::kEvents) event_images_ = EventImages(snapshots, steps);
   }
@@ -194,8 +197,7 @@ std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& sess
   for (std::int64_t i = 0;; ++i) {
     simulation::Stopwatch watch(times);
     Snapshot snapshot;
-    snapshot.time_ns =
-        first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
+    snapshot.time_ns = first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
     if (snapshot.time_ns > last_ns) break;
     const session::PoseSample probe = session::PoseAt(session.probe, snapshot.time_ns);
     snapshot.probe_valid = probe.valid;

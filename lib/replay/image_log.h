@@ -31,9 +31,9 @@ struct ImageLog {
   std::vector<WrittenPng> pngs;
 };
 
-/// Renders all snapshots and writes images.igs.mha, film.mp4 and PNG files into `folder`, or nothing
-/// if `folder` is empty. The bytes do not depend on context.num_threads. Adds the cost of the image
-/// stages to `times`, if given.
+/// Renders all snapshots and writes images.igs.mha, film.mp4 and PNG files into `folder`, or
+/// nothing if `folder` is empty. The bytes do not depend on context.num_threads. Adds the cost of
+/// the image stages to `times`, if given.
 ImageLog RenderImages(const simulation::Scene& scene,
                       const std::vector<simulation::Snapshot>& snapshots, const StepLog& steps,
                       const std::filesystem::path& folder, const ReplayOptions& options,

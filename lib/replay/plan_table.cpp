@@ -19,9 +19,10 @@ PlanTable TableOfPlan(const simulation::EffectPlan& plan, const simulation::Stag
     if (times != nullptr) {
       const auto& cost = times->Of(stage.id);
       const double runs = static_cast<double>(std::max<std::int64_t>(cost.runs, 1));
-      row.insert(row.end(), {std::to_string(cost.runs), std::to_string(cost.asleep),
-                             FixedText(1e3 * cost.seconds, 1), FixedText(1e6 * cost.seconds / runs, 2),
-                             FixedText(total_s > 0.0 ? 100.0 * cost.seconds / total_s : 0.0, 1)});
+      row.insert(row.end(),
+                 {std::to_string(cost.runs), std::to_string(cost.asleep),
+                  FixedText(1e3 * cost.seconds, 1), FixedText(1e6 * cost.seconds / runs, 2),
+                  FixedText(total_s > 0.0 ? 100.0 * cost.seconds / total_s : 0.0, 1)});
     }
     table.rows.push_back(std::move(row));
   }

@@ -20,14 +20,16 @@ namespace fs = std::filesystem;
 using simulation::Scene;
 using simulation::StageId;
 
-std::string Rounded(double value) { return RoundedText(value, 3); }
+std::string Rounded(double value) {
+  return RoundedText(value, 3);
+}
 
 session::Session ReadSessionFor(const scenario::Scenario& scenario, const fs::path& path,
                                 RunContext& context) {
-  session::Session session =
-      session::ReadAnySession(path, scenario.session, context).session;
+  session::Session session = session::ReadAnySession(path, scenario.session, context).session;
   context.provenance.AddInput(path);
-  for (const auto& [tool, stream] : {std::pair{"needle", &session.needle}, {"probe", &session.probe}}) {
+  for (const auto& [tool, stream] :
+       {std::pair{"needle", &session.needle}, {"probe", &session.probe}}) {
     if (stream->empty()) continue;
     for (const std::string& trouble : session::Describe(session::CheckIntegrity(*stream), tool)) {
       context.Warn(trouble);
@@ -51,8 +53,8 @@ double SpanSeconds(const session::Session& session) {
   double span_s = 0.0;
   for (const auto* stream : {&session.needle, &session.probe}) {
     if (stream->empty()) continue;
-    span_s = std::max(
-        span_s, 1e-9 * static_cast<double>(stream->back().time_ns - stream->front().time_ns));
+    span_s = std::max(span_s,
+                      1e-9 * static_cast<double>(stream->back().time_ns - stream->front().time_ns));
   }
   return span_s;
 }
@@ -82,10 +84,11 @@ void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, cons
   config::WriteJson(path, {{"format", "acus-run/1"},
                            {"provenance", context.provenance.ToJson()},
                            {"scenario", scenario.effective},
-                           {"session", {{"name", run.session.name},
-                                        {"needle_samples", run.session.needle.size()},
-                                        {"probe_samples", run.session.probe.size()},
-                                        {"seconds", SpanSeconds(run.session)}}},
+                           {"session",
+                            {{"name", run.session.name},
+                             {"needle_samples", run.session.needle.size()},
+                             {"probe_samples", run.session.probe.size()},
+                             {"seconds", SpanSeconds(run.session)}}},
                            {"images", run.images.num_images},
                            {"effect_plan", stages},
                            {"cpu_seconds", run.cpu_s},
@@ -136,15 +139,17 @@ class WarningsKept {
   std::function<void(std::string_view)> before_;
 };
 
-std::string TextOf(const PlanTable& table) { return TextTable(table.header, table.rows); }
+std::string TextOf(const PlanTable& table) {
+  return TextTable(table.header, table.rows);
+}
 
 std::string SummaryOf(const Run& run, const ReplayOptions& options) {
-  std::string text = Message("Replayed ", Rounded(SpanSeconds(run.session)), " s: ",
-                             run.steps.steps.size(), " steps, ", run.images.num_images,
+  std::string text = Message("Replayed ", Rounded(SpanSeconds(run.session)),
+                             " s: ", run.steps.steps.size(), " steps, ", run.images.num_images,
                              " images, ", Rounded(run.cpu_s), " s of CPU time.\n");
   for (const Metric& metric : run.metrics) {
-    text += Message("  ", metric.name, ": ", Rounded(metric.value),
-                    metric.unit.empty() ? "" : " ", metric.unit, "\n");
+    text += Message("  ", metric.name, ": ", Rounded(metric.value), metric.unit.empty() ? "" : " ",
+                    metric.unit, "\n");
   }
   if (!options.run_folder.empty()) {
     text += Message("Report: ", (options.run_folder / "report.html").string(), "\n");
@@ -166,8 +171,8 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   Run run;
   const WarningsKept kept(context, run.warnings);
   run.session = ReadSessionFor(scenario, session_path, context);
-  const simulation::EffectPlan plan = simulation::PlanEffects(
-      scenario, {!run.session.needle.empty(), !run.session.probe.empty()});
+  const simulation::EffectPlan plan =
+      simulation::PlanEffects(scenario, {!run.session.needle.empty(), !run.session.probe.empty()});
   const Scene scene = simulation::LoadScene(scenario, plan, context);
 
   const double begin_s = ProcessCpuSeconds();

@@ -33,8 +33,8 @@ struct ReplayResult {
 /// report.html.
 /// @throws InputError if an effect lacks an input or a file is not usable.
 ReplayResult ReplaySession(const scenario::Scenario& scenario,
-                           const std::filesystem::path& session_path,
-                           const ReplayOptions& options, RunContext& context);
+                           const std::filesystem::path& session_path, const ReplayOptions& options,
+                           RunContext& context);
 
 /// What `--check` prints: effects, and that every file they need is there.
 std::string CheckText(const scenario::Scenario& scenario);

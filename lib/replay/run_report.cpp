@@ -12,7 +12,9 @@ namespace {
 using forces::NeedleEvent;
 using simulation::StepOutput;
 
-std::string Rounded(double value) { return RoundedText(value, 4); }
+std::string Rounded(double value) {
+  return RoundedText(value, 4);
+}
 
 /// Seconds since the first step.
 double SecondsOf(const StepLog& log, const StepOutput& step) {
@@ -92,8 +94,7 @@ void AddEvents(report::HtmlReport& html, const StepLog& log, const simulation::S
 }  // namespace
 
 void WriteReport(const std::filesystem::path& folder, const ReportContent& content,
-                 const StepLog& log, const simulation::Scene& scene,
-                 const Provenance& provenance) {
+                 const StepLog& log, const simulation::Scene& scene, const Provenance& provenance) {
   report::HtmlReport html(content.title, "Replay of a recorded session");
   html.Warnings(content.warnings);
   html.Section("Summary");
@@ -120,7 +121,8 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   html.Table({"metric", "value", "unit"}, rows);
   html.Section("Effect plan");
   html.Table(content.plan.header, content.plan.rows,
-             "The stages that the scenario's effects call for, and the wall-clock time that they took in this run.");
+             "The stages that the scenario's effects call for, and the wall-clock time that they "
+             "took in this run.");
   html.SetProvenance(provenance.ToJson());
   html.Write(folder / "report.html");
 }

@@ -36,7 +36,8 @@ std::string TissueName(const simulation::Scene& scene, volume::Label label) {
   const auto found = scene.labels->names.find(label);
   if (found == scene.labels->names.end()) return Message("label_", int{label});
   std::string name = found->second;
-  std::ranges::replace_if(name, [](char c) { return c == ',' || c == '\n' || c == '\r'; }, ' ');
+  std::ranges::replace_if(
+      name, [](char c) { return c == ',' || c == '\n' || c == '\r'; }, ' ');
   return name;  // Segments may be called anything; in a CSV they may not.
 }
 

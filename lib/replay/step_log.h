@@ -18,7 +18,8 @@ struct StepLog {
   double cpu_s = 0.0;  ///< Thread CPU time of all steps together.
 };
 
-/// Runs Step over all needle samples of a session. Adds the cost of each stage to `times`, if given.
+/// Runs Step over all needle samples of a session. Adds the cost of each stage to `times`, if
+/// given.
 StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
                  simulation::StageTimes* times, const RunContext& context);
 

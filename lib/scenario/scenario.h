@@ -42,8 +42,8 @@ struct Scenario {
   std::string name;
   Patient patient;
   session::ImportOptions session;  ///< For sessions that other programs recorded.
-  std::filesystem::path needle;  ///< Needle preset.
-  std::filesystem::path probe;   ///< Probe preset.
+  std::filesystem::path needle;    ///< Needle preset.
+  std::filesystem::path probe;     ///< Probe preset.
   double image_rate_hz = 0.0;
 
   // The effects that the scene calls for.
@@ -67,7 +67,8 @@ Override ParseOverride(const std::string& text);
 /// Reads a scenario, applies overrides, checks it against its schema and resolves paths.
 ///
 /// Paths of the patient are relative to the scenario file (those of overrides to the working
-/// folder); presets are also looked up in the installed configs. Reads the transform, but no volume.
+/// folder); presets are also looked up in the installed configs. Reads the transform, but no
+/// volume.
 /// @throws InputError listing what is wrong.
 Scenario ReadScenario(const std::filesystem::path& path, std::span<const Override> overrides);
 

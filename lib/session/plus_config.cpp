@@ -20,7 +20,8 @@ std::map<std::string, Eigen::Matrix4d> ReadPlusCalibrations(const std::filesyste
     auto text = element.Attribute("Matrix");
     if (element.name != "Transform" || !from || !to || !text) continue;
     const std::string name = *from + "To" + *to;
-    std::ranges::replace_if(*text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    std::ranges::replace_if(
+        *text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
     const auto numbers = NumbersOf(*text);
     ACUS_REQUIRE(numbers && numbers->size() == 16, path.string(), ": the matrix of ", name,
                  " is not 16 finite numbers");

@@ -19,14 +19,34 @@ std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
   };
   return {
       {StageId::kNeedlePose, "needle pose", "step", {"needle poses"}, {"needle"}, false, ""},
-      {StageId::kTissueLookup, "tissue lookup", "step", {"needle", "labels"}, {"tissue"}, false, ""},
-      {StageId::kNeedleForce, "needle force", "step", {"needle", "tissue", "force table"},
-       {"force"}, false, ""},
+      {StageId::kTissueLookup,
+       "tissue lookup",
+       "step",
+       {"needle", "labels"},
+       {"tissue"},
+       false,
+       ""},
+      {StageId::kNeedleForce,
+       "needle force",
+       "step",
+       {"needle", "tissue", "force table"},
+       {"force"},
+       false,
+       ""},
       {StageId::kProbePose, "probe pose", "image", {"probe poses"}, {"probe"}, false, ""},
-      {StageId::kCtSlice, "CT slice", "image",
-       with_needle({"probe", "ct"}, s.ct_slice && s.ct_slice->needle), {"CT picture"}, false, ""},
-      {StageId::kUltrasound, "B-mode", "image",
-       with_needle({"probe", "ct"}, s.ultrasound && s.ultrasound->needle), {"B-mode picture"}, false,
+      {StageId::kCtSlice,
+       "CT slice",
+       "image",
+       with_needle({"probe", "ct"}, s.ct_slice && s.ct_slice->needle),
+       {"CT picture"},
+       false,
+       ""},
+      {StageId::kUltrasound,
+       "B-mode",
+       "image",
+       with_needle({"probe", "ct"}, s.ultrasound && s.ultrasound->needle),
+       {"B-mode picture"},
+       false,
        ""},
   };
 }
@@ -87,7 +107,8 @@ EffectPlan PlanEffects(const Scenario& scenario, const AvailableInputs& availabl
   for (auto reader = stages.rbegin(); reader != stages.rend(); ++reader) {
     if (!reader->in) continue;
     for (auto& writer : stages) {
-      const bool feeds = std::ranges::find_first_of(writer.writes, reader->reads) != writer.writes.end();
+      const bool feeds =
+          std::ranges::find_first_of(writer.writes, reader->reads) != writer.writes.end();
       if (!feeds || writer.in) continue;
       writer.in = true;
       writer.reason = Message("needed by ", reader->name);

@@ -25,8 +25,9 @@ inline constexpr int kNumStages = 6;
 struct PlannedStage {
   StageId id;
   std::string_view name;
-  std::string_view rate;                 ///< "step" or "image".
-  std::vector<std::string_view> reads;   ///< Data that must be there before: inputs or other stages'.
+  std::string_view rate;  ///< "step" or "image".
+  std::vector<std::string_view>
+      reads;  ///< Data that must be there before: inputs or other stages'.
   std::vector<std::string_view> writes;
   bool in = false;
   std::string reason;  ///< Why it is in or out.
@@ -43,7 +44,8 @@ class EffectPlan {
   const std::vector<PlannedStage>& stages() const { return stages_; }
   bool Has(StageId id) const;
 
-  /// True if any stage in the plan reads `data`: "ct", "labels", ... What nobody reads is not loaded.
+  /// True if any stage in the plan reads `data`: "ct", "labels", ... What nobody reads is not
+  /// loaded.
   bool Needs(std::string_view data) const;
 
  private:

@@ -24,10 +24,9 @@ ImageRenderer::ImageRenderer(const Scene& scene) : scene_(scene) {
 
 std::optional<ultrasound::NeedleInImage> ImageRenderer::NeedleOf(const Snapshot& snapshot) const {
   if (!snapshot.ct_from_needle) return std::nullopt;
-  return ultrasound::NeedleInImage{snapshot.ct_from_needle->translation(),
-                                   snapshot.ct_from_needle->linear().col(2),
-                                   scene_.needle->length_mm,
-                                   0.5 * scene_.needle->beam.outer_diameter_mm};
+  return ultrasound::NeedleInImage{
+      snapshot.ct_from_needle->translation(), snapshot.ct_from_needle->linear().col(2),
+      scene_.needle->length_mm, 0.5 * scene_.needle->beam.outer_diameter_mm};
 }
 
 void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* times) {

@@ -37,12 +37,12 @@ StepOutput Simulation::Step(State& state, const NeedleSample& sample,
   if (runs_force_) {
     // Nothing to do while the needle is in free space; the law itself then returns at once.
     const bool asleep = out.tissue_at_tip == 0 && !state.force.in_body;
-    out.force = scene_.forces->Step(
-        state.force, {.time_s = 1e-9 * static_cast<double>(sample.time_ns),
-                      .tip_in_ct_mm = tip_in_ct_mm,
-                      .axis_in_ct = out.ct_from_needle.linear().col(2),
-                      .tissue_at_tip = out.tissue_at_tip,
-                      .valid = sample.valid});
+    out.force =
+        scene_.forces->Step(state.force, {.time_s = 1e-9 * static_cast<double>(sample.time_ns),
+                                          .tip_in_ct_mm = tip_in_ct_mm,
+                                          .axis_in_ct = out.ct_from_needle.linear().col(2),
+                                          .tissue_at_tip = out.tissue_at_tip,
+                                          .valid = sample.valid});
     watch.EndOf(StageId::kNeedleForce, asleep);
   }
   return out;

@@ -9,7 +9,9 @@ Eigen::Affine3d Geometry::ct_from_index() const {
   return out;
 }
 
-Eigen::Affine3d Geometry::index_from_ct() const { return ct_from_index().inverse(Eigen::Affine); }
+Eigen::Affine3d Geometry::index_from_ct() const {
+  return ct_from_index().inverse(Eigen::Affine);
+}
 
 bool Geometry::Matches(const Geometry& other, double tolerance_mm) const {
   if ((size != other.size).any()) return false;

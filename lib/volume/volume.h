@@ -18,7 +18,8 @@ struct Grid {
   std::vector<Scalar> voxels;  ///< geometry.num_voxels().
 
   Grid() = default;
-  explicit Grid(const Geometry& g, Scalar fill = Scalar{}) : geometry(g), voxels(g.num_voxels(), fill) {}
+  explicit Grid(const Geometry& g, Scalar fill = Scalar{})
+      : geometry(g), voxels(g.num_voxels(), fill) {}
 
   Scalar& At(int i, int j, int k) { return voxels[geometry.Index(i, j, k)]; }
   Scalar At(int i, int j, int k) const { return voxels[geometry.Index(i, j, k)]; }

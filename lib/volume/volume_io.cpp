@@ -192,7 +192,8 @@ LabelMap ReadTissues(const fs::path& path) {
     const auto known = FindLabel(name);
     ACUS_REQUIRE(known || label >= StandardLabels().size(), path.string(), ": label ", int{label},
                  " is called '", name, "', which is no tissue that the models know. Rename the ",
-                 "segment (", StandardLabels()[label].name, ", liver, ...), or bring the map in by "
+                 "segment (", StandardLabels()[label].name,
+                 ", liver, ...), or bring the map in by "
                  "acus-segment --import with a mapping");
     standard[label] = known.value_or(label);
     names[standard[label]] = name;

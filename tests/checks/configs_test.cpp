@@ -1,7 +1,6 @@
 // Every file of configs/ is valid, and every schema tells the user all that he must know.
-#include <gtest/gtest.h>
-
 #include <filesystem>
+#include <gtest/gtest.h>
 #include <string>
 #include <vector>
 
@@ -17,8 +16,7 @@ using nlohmann::json;
 std::vector<fs::path> JsonFiles() {
   std::vector<fs::path> files;
   for (const char* folder : {"configs", "testdata"}) {
-    for (const auto& entry :
-         fs::recursive_directory_iterator(fs::path(ACUS_SOURCE_DIR) / folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(ACUS_SOURCE_DIR) / folder)) {
       const bool is_schema = entry.path().parent_path().filename() == "schema";
       if (entry.path().extension() == ".json" && !is_schema) files.push_back(entry.path());
     }

@@ -1,8 +1,7 @@
 // What the hand-written pages say about the tree is held against it.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <filesystem>
+#include <gtest/gtest.h>
 #include <regex>
 #include <string>
 #include <vector>

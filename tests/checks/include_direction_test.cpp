@@ -1,8 +1,7 @@
 // The module graph is declared in lib/CMakeLists.txt; here every #include is held against it.
-#include <gtest/gtest.h>
-
 #include <filesystem>
 #include <fstream>
+#include <gtest/gtest.h>
 #include <map>
 #include <regex>
 #include <set>

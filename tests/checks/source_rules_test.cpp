@@ -1,8 +1,7 @@
 // Rules that hold for every source file, read as text.
-#include <gtest/gtest.h>
-
 #include <filesystem>
 #include <fstream>
+#include <gtest/gtest.h>
 #include <regex>
 #include <set>
 #include <string>
@@ -13,8 +12,9 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kRoot = ACUS_SOURCE_DIR;
-const std::set<std::string> kTopLevel = {"CMakeLists.txt", "apps",  "lib",      "pipelines", "configs",
-                                         "tests",          "docs",  "testdata", "README.md"};
+const std::set<std::string> kTopLevel = {"CMakeLists.txt", "apps",     "lib",
+                                         "pipelines",      "configs",  "tests",
+                                         "docs",           "testdata", "README.md"};
 
 struct Line {
   fs::path file;
@@ -67,9 +67,11 @@ TEST(SourceRules, NothingIsDrawnFromAGeneratorThatDependsOnLibraryOrThread) {
 }
 
 TEST(SourceRules, ModelsNeverAskTheClock) {
-  const std::regex clock(R"re(system_clock|steady_clock|gettimeofday|clock_gettime|\btime\s*\(\s*(NULL|nullptr|0))re");
+  const std::regex clock(
+      R"re(system_clock|steady_clock|gettimeofday|clock_gettime|\btime\s*\(\s*(NULL|nullptr|0))re");
   // Progress, deadlines and reported timing; nothing is computed from them.
-  const std::regex allowed(R"re(^lib/core/progress_bar\.|^lib/mesh/child_process\.|^lib/simulation/stage_timing\.|^lib/replay/cpu_time\.)re");
+  const std::regex allowed(
+      R"re(^lib/core/progress_bar\.|^lib/mesh/child_process\.|^lib/simulation/stage_timing\.|^lib/replay/cpu_time\.)re");
   for (const Line& line : Lines({"lib"}, {".h", ".cpp"})) {
     if (std::regex_search(line.file.string(), allowed)) continue;
     EXPECT_FALSE(std::regex_search(Code(line.text), clock))
@@ -88,7 +90,8 @@ TEST(SourceRules, TheLibraryIsSilent) {
 }
 
 TEST(SourceRules, ArithmeticIsNotRelaxed) {
-  const std::regex relaxed(R"re(-ffast-math|-Ofast|-funsafe-math|-ffp-contract=(fast|on)|-march=native)re");
+  const std::regex relaxed(
+      R"re(-ffast-math|-Ofast|-funsafe-math|-ffp-contract=(fast|on)|-march=native)re");
   for (const Line& line : Lines({"CMakeLists.txt", "lib", "apps", "pipelines"}, {})) {
     EXPECT_FALSE(std::regex_search(line.text, relaxed)) << line.Where() << ": " << line.text;
   }
@@ -122,7 +125,12 @@ TEST(SourceRules, NothingPointsIntoOneMachineOrToTheNetwork) {
 }
 
 TEST(SourceRules, NothingIsMarkedAsUnfinished) {
-  const std::regex unfinished("\\b(TO" "DO|FIX" "ME|XX" "X|HA" "CK)\\b");
+  const std::regex unfinished(
+      "\\b(TO"
+      "DO|FIX"
+      "ME|XX"
+      "X|HA"
+      "CK)\\b");
   std::vector<std::string> folders(kTopLevel.begin(), kTopLevel.end());
   for (const Line& line : Lines(folders, {})) {
     EXPECT_FALSE(std::regex_search(line.text, unfinished)) << line.Where() << ": " << line.text;
@@ -138,7 +146,8 @@ TEST(SourceRules, ScriptsParse) {
       if (first.find("bash") == std::string::npos || !first.starts_with("#!")) continue;
       const std::string path = "'" + entry.path().string() + "'";
       EXPECT_EQ(std::system(("bash -n " + path).c_str()), 0) << path;
-      EXPECT_EQ(std::system(("! command -v shellcheck >/dev/null || shellcheck " + path).c_str()), 0)
+      EXPECT_EQ(std::system(("! command -v shellcheck >/dev/null || shellcheck " + path).c_str()),
+                0)
           << path;
       const bool is_executable =
           (fs::status(entry.path()).permissions() & fs::perms::owner_exec) != fs::perms::none;

@@ -1,22 +1,21 @@
 // Whole programs on broken files: each must end with a right exit code, one message, and nothing
 // left behind. Mutations are drawn from a seed, so that a failure can be made again.
-#include <gtest/gtest.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <gtest/gtest.h>
 #include <iterator>
 #include <regex>
 #include <set>
 #include <sstream>
 #include <string>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <thread>
+#include <unistd.h>
 #include <vector>
 
 #include "core/random.h"
@@ -40,10 +39,12 @@ struct Entrance {
   std::string command;
 };
 
-void PrintTo(const Entrance& entrance, std::ostream* out) { *out << entrance.name; }
+void PrintTo(const Entrance& entrance, std::ostream* out) {
+  *out << entrance.name;
+}
 
 const std::vector<const char*> kReplayed = {"scenario.json", "session", "ct.nrrd",
-                                           "labels.seg.nrrd", "ct_from_reference.tfm"};
+                                            "labels.seg.nrrd", "ct_from_reference.tfm"};
 const char* const kReplay =
     "acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd "
     "--transform ct_from_reference.tfm --no-film --png none -o out";
@@ -52,24 +53,44 @@ const std::vector<const char*> kCompared = {"reference_run", "new_run"};
 const char* const kCompare = "acus-compare reference_run new_run";
 
 const Entrance kEntrances[] = {
-    {"phantom_config", {"phantom.json"}, "phantom.json",
+    {"phantom_config",
+     {"phantom.json"},
+     "phantom.json",
      "acus-phantom patient lumbar --config phantom.json -o out"},
-    {"phantom_scene", {"labels.seg.nrrd"}, "labels.seg.nrrd",
+    {"phantom_scene",
+     {"labels.seg.nrrd"},
+     "labels.seg.nrrd",
      "acus-phantom scene labels.seg.nrrd -o out"},
-    {"register_csv", {"markers_mannequin.csv", "markers_ct.csv"}, "markers_ct.csv",
+    {"register_csv",
+     {"markers_mannequin.csv", "markers_ct.csv"},
+     "markers_ct.csv",
      "acus-register --from markers_mannequin.csv --to markers_ct.csv -o out"},
-    {"register_target", {"markers_mannequin.csv", "markers_ct.csv", "target_ct.csv"}, "target_ct.csv",
-     "acus-register --from markers_mannequin.csv --to markers_ct.csv --target target_ct.csv -o out"},
-    {"register_pivot", {"poses"}, "poses/pose_03.txt", "acus-register pivot poses/pose_03.txt poses -o out"},
+    {"register_target",
+     {"markers_mannequin.csv", "markers_ct.csv", "target_ct.csv"},
+     "target_ct.csv",
+     "acus-register --from markers_mannequin.csv --to markers_ct.csv --target target_ct.csv -o "
+     "out"},
+    {"register_pivot",
+     {"poses"},
+     "poses/pose_03.txt",
+     "acus-register pivot poses/pose_03.txt poses -o out"},
     {"segment_ct", {"ct.nrrd"}, "ct.nrrd", "acus-segment ct.nrrd -o out"},
-    {"segment_config", {"ct.nrrd", "segmentation.json"}, "segmentation.json",
+    {"segment_config",
+     {"ct.nrrd", "segmentation.json"},
+     "segmentation.json",
      "acus-segment ct.nrrd --config segmentation.json -o out"},
-    {"mesh_labels", {"labels.seg.nrrd", "coarse_mesh.json"}, "labels.seg.nrrd",
+    {"mesh_labels",
+     {"labels.seg.nrrd", "coarse_mesh.json"},
+     "labels.seg.nrrd",
      "acus-mesh labels.seg.nrrd --config coarse_mesh.json -o out"},
-    {"mesh_config", {"labels.seg.nrrd", "coarse_mesh.json"}, "coarse_mesh.json",
+    {"mesh_config",
+     {"labels.seg.nrrd", "coarse_mesh.json"},
+     "coarse_mesh.json",
      "acus-mesh labels.seg.nrrd --config coarse_mesh.json -o out"},
     {"mesh_surface", {"block.stl"}, "block.stl", "acus-mesh --surface block.stl -o out"},
-    {"fit_curve", {"force_curves/skin_and_fascia_1.csv"}, "force_curves/skin_and_fascia_1.csv",
+    {"fit_curve",
+     {"force_curves/skin_and_fascia_1.csv"},
+     "force_curves/skin_and_fascia_1.csv",
      "acus-fit force_curves/skin_and_fascia_1.csv -o out"},
     {"replay_scenario", kReplayed, "scenario.json", kReplay},
     {"replay_needle", kReplayed, "session/needle.csv", kReplay},
@@ -82,7 +103,9 @@ const Entrance kEntrances[] = {
     {"compare_metrics", kCompared, "new_run/metrics.json", kCompare},
 };
 
-fs::path Inputs() { return fs::path(ACUS_BUILD_DIR) / "tests" / "cli" / "inputs"; }
+fs::path Inputs() {
+  return fs::path(ACUS_BUILD_DIR) / "tests" / "cli" / "inputs";
+}
 
 Bytes ReadBytes(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -90,7 +113,8 @@ Bytes ReadBytes(const fs::path& path) {
 }
 
 void WriteBytes(const fs::path& path, const Bytes& bytes) {
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 struct Mutation {
@@ -102,7 +126,8 @@ struct Mutation {
 Bytes Flipped(Bytes bytes, RandomStream& random) {
   const int count = 1 + static_cast<int>(random.Uniform(0.0, 8.0));
   for (int i = 0; i < count; ++i) {
-    const std::size_t span = random.Uniform() < 0.5 ? std::min<std::size_t>(1024, bytes.size()) : bytes.size();
+    const std::size_t span =
+        random.Uniform() < 0.5 ? std::min<std::size_t>(1024, bytes.size()) : bytes.size();
     const auto at = static_cast<std::size_t>(random.Uniform() * static_cast<double>(span));
     bytes[at] = static_cast<char>(bytes[at] ^ (1 << static_cast<int>(random.Uniform(0.0, 8.0))));
   }
@@ -110,12 +135,14 @@ Bytes Flipped(Bytes bytes, RandomStream& random) {
 }
 
 std::vector<Mutation> Mutations(const std::string& name, const Bytes& valid) {
-  std::vector<Mutation> mutations = {
-      {"empty", ""}, {"words", "These are words.\n"}, {"zeros", Bytes(4096, '\0')},
-      {"picture", "\x89PNG\r\n\x1a\n" + Bytes(100, 'x')}};
+  std::vector<Mutation> mutations = {{"empty", ""},
+                                     {"words", "These are words.\n"},
+                                     {"zeros", Bytes(4096, '\0')},
+                                     {"picture", "\x89PNG\r\n\x1a\n" + Bytes(100, 'x')}};
   for (int i = 0; i < kTruncations; ++i) {
     RandomStream random(1, "truncate " + name, static_cast<std::uint64_t>(i));
-    const auto size = static_cast<std::size_t>(random.Uniform(0.0, static_cast<double>(valid.size())));
+    const auto size =
+        static_cast<std::size_t>(random.Uniform(0.0, static_cast<double>(valid.size())));
     mutations.push_back({"cut to " + std::to_string(size), valid.substr(0, size)});
   }
   for (int i = 0; i < kFlips; ++i) {
@@ -231,15 +258,23 @@ TEST(SessionFuzz, WhatCannotBeIsNamedByFileAndRow) {
     const char* what;
     int column;
     const char* text;
-  } kCells[] = {{"time goes backwards", 0, "0.0001"}, {"time is NaN", 0, "nan"},
-                {"position is NaN", 1, "nan"},        {"position is infinite", 2, "inf"},
-                {"position is too large", 3, "1e999"}, {"quaternion is not of length 1", 4, "3.5"},
-                {"quaternion is NaN", 7, "NaN"},      {"status is unknown", 8, "PERHAPS"},
-                {"cell is empty", 1, ""},             {"cell is a word", 2, "ten"}};
+  } kCells[] = {{"time goes backwards", 0, "0.0001"},
+                {"time is NaN", 0, "nan"},
+                {"position is NaN", 1, "nan"},
+                {"position is infinite", 2, "inf"},
+                {"position is too large", 3, "1e999"},
+                {"quaternion is not of length 1", 4, "3.5"},
+                {"quaternion is NaN", 7, "NaN"},
+                {"status is unknown", 8, "PERHAPS"},
+                {"cell is empty", 1, ""},
+                {"cell is a word", 2, "ten"}};
   for (const auto& cell : kCells) {
-    Check(entrance, cell.what,
-          [&](const fs::path& file) { WriteBytes(file, WithCell(valid, 99, cell.column, cell.text)); },
-          {3}, "session/needle.csv:101: ");
+    Check(
+        entrance, cell.what,
+        [&](const fs::path& file) {
+          WriteBytes(file, WithCell(valid, 99, cell.column, cell.text));
+        },
+        {3}, "session/needle.csv:101: ");
   }
 }
 
@@ -259,14 +294,16 @@ TEST_P(ProgramFuzz, ABrokenFileNeverCrashesNorLeavesAnything) {
   for (const Mutation& mutation : Mutations(GetParam().name, valid)) {
     // Cut or flipped files can still be valid; the others cannot.
     const bool may_be_valid = mutation.name.starts_with("flip") || mutation.name.starts_with("cut");
-    Check(GetParam(), mutation.name,
-          [&](const fs::path& file) { WriteBytes(file, mutation.bytes); },
-          may_be_valid ? std::set{0, 2, 3, 4} : std::set{2, 3});
+    Check(
+        GetParam(), mutation.name, [&](const fs::path& file) { WriteBytes(file, mutation.bytes); },
+        may_be_valid ? std::set{0, 2, 3, 4} : std::set{2, 3});
     if (HasFailure()) return;
   }
 }
 
-std::string NameOf(const testing::TestParamInfo<Entrance>& info) { return info.param.name; }
+std::string NameOf(const testing::TestParamInfo<Entrance>& info) {
+  return info.param.name;
+}
 
 INSTANTIATE_TEST_SUITE_P(Programs, ProgramFuzz, testing::ValuesIn(kEntrances), NameOf);
 

@@ -1,6 +1,5 @@
 // Meshes of real label maps and of surfaces with real defects.
 #include <gmock/gmock.h>
-
 #include <map>
 
 #include "core/error.h"
@@ -22,11 +21,11 @@ TEST(RealLabels, OfAnAbdomenBecomeASoundMesh) {
   const auto path = SharedData("ct/ircadb01_labels.vti");
   if (!path) GTEST_SKIP() << "test data ct/ircadb01_labels.vti is not here";
   const auto values = volume::ReadIntegerVolume(*path);
-  const std::map<int, int> names = {{0, 0}, {65, 5}, {129, 9}, {193, 9}, {385, 10}, {449, 8},
-                                    {451, 12}, {513, 11}, {17, 11}, {33, 11}};
+  const std::map<int, int> names = {{0, 0},   {65, 5},   {129, 9},  {193, 9}, {385, 10},
+                                    {449, 8}, {451, 12}, {513, 11}, {17, 11}, {33, 11}};
   volume::LabelMap labels(values.geometry);
-  labels.names = {{4, "soft_tissue"}, {5, "bone"}, {8, "liver"}, {9, "kidney"},
-                  {10, "spleen"}, {11, "vessel"}, {12, "lesion"}};
+  labels.names = {{4, "soft_tissue"}, {5, "bone"},    {8, "liver"},  {9, "kidney"},
+                  {10, "spleen"},     {11, "vessel"}, {12, "lesion"}};
   for (std::size_t n = 0; n < labels.voxels.size(); ++n) {
     const auto name = names.find(values.voxels[n]);
     labels.voxels[n] = static_cast<std::uint8_t>(name == names.end() ? 4 : name->second);
@@ -50,8 +49,8 @@ TEST_P(BrokenSurface, EndsInAMessageWithThePlace) {
   const auto path = SharedData((std::string("meshes/") + GetParam()).c_str());
   if (!path) GTEST_SKIP() << "test data meshes is not here";
   EXPECT_THAT([&] { MeshSurface(mesh::ReadSurface(*path), GetParam(), {}, {}); },
-              ThrowsMessage<InputError>(testing::AllOf(HasSubstr(GetParam()), HasSubstr("first at ("),
-                                                       HasSubstr("try:"))));
+              ThrowsMessage<InputError>(testing::AllOf(
+                  HasSubstr(GetParam()), HasSubstr("first at ("), HasSubstr("try:"))));
 }
 
 class SoundSurface : public testing::TestWithParam<const char*> {};

@@ -1,7 +1,6 @@
 // A probe that PLUS recorded over a real patient.
-#include <gtest/gtest.h>
-
 #include <algorithm>
+#include <gtest/gtest.h>
 
 #include "core/atomic_file.h"
 #include "math/rigid.h"
@@ -36,7 +35,8 @@ TEST(ReplayOnRealData, PlusFreehandSweepOverAnAbdomen) {
   const auto session_path = SharedData("sessions/plus/SpinePhantomFreehand.igs.mha");
   const auto plus_config =
       SharedData("sessions/plus/PlusDeviceSet_Server_SimulatedUltrasound_3DSlicer.xml");
-  if (!ct_path || !session_path || !plus_config) GTEST_SKIP() << "the public data sets are not here";
+  if (!ct_path || !session_path || !plus_config)
+    GTEST_SKIP() << "the public data sets are not here";
 
   const testing_support::TemporaryFolder temporary;
   const fs::path& folder = temporary.path();

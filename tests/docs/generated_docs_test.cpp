@@ -1,12 +1,11 @@
 // docs/reference/commands and docs/reference/config.md are made from the programs and schemas.
 // This test compares them; with ACUS_WRITE_DOCS set it writes them instead (pipelines/docs).
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <gtest/gtest.h>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -45,7 +44,8 @@ std::string WithoutTrailingBlanks(const std::string& text) {
 }
 
 std::string HelpOf(const std::string& program, const std::string& subcommand) {
-  const std::string command = std::string(ACUS_BUILD_DIR) + "/bin/" + program + " " + subcommand + " --help";
+  const std::string command =
+      std::string(ACUS_BUILD_DIR) + "/bin/" + program + " " + subcommand + " --help";
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), &pclose);
   std::string text;
   std::array<char, 4096> buffer{};
@@ -126,8 +126,10 @@ std::string TypeOf(const json& schema) {
 
 std::string RangeOf(const json& schema) {
   std::string text;
-  const std::array<std::pair<const char*, const char*>, 4> bounds = {
-      {{"minimum", ">= "}, {"exclusiveMinimum", "> "}, {"maximum", "<= "}, {"exclusiveMaximum", "< "}}};
+  const std::array<std::pair<const char*, const char*>, 4> bounds = {{{"minimum", ">= "},
+                                                                      {"exclusiveMinimum", "> "},
+                                                                      {"maximum", "<= "},
+                                                                      {"exclusiveMaximum", "< "}}};
   for (const auto& [key, sign] : bounds) {
     if (schema.contains(key)) text += (text.empty() ? "" : ", ") + (sign + schema[key].dump());
   }
@@ -150,13 +152,17 @@ void AddRows(const json& root, const json& schema, const std::string& prefix, st
       const bool has_default = property.contains("default") || child.contains("default");
       const std::string description =
           property.value("description", child.value("description", std::string()));
-      table += "| `" + prefix + key + "` | " + Cell(TypeOf(child)) + " | " + RangeOf(child) + " | " +
-               (is_required ? "required" : has_default ? "`" + Cell(fallback.dump()) + "`" : "") +
+      table += "| `" + prefix + key + "` | " + Cell(TypeOf(child)) + " | " + RangeOf(child) +
+               " | " +
+               (is_required   ? "required"
+                : has_default ? "`" + Cell(fallback.dump()) + "`"
+                              : "") +
                " | " + Cell(description) + " |\n";
       AddRows(root, child, prefix + key + "/", table);
     }
   }
-  if (schema.contains("items")) AddRows(root, Resolved(root, schema["items"]), prefix + "#/", table);
+  if (schema.contains("items"))
+    AddRows(root, Resolved(root, schema["items"]), prefix + "#/", table);
   if (schema.contains("additionalProperties") && schema["additionalProperties"].is_object()) {
     AddRows(root, Resolved(root, schema["additionalProperties"]), prefix + "NAME/", table);
   }
@@ -165,9 +171,12 @@ void AddRows(const json& root, const json& schema, const std::string& prefix, st
 TEST(Docs, ConfigsAreThoseOfTheSchemas) {
   std::string page =
       "# Configuration files\n\n<!-- Made by pipelines/docs from configs/schema. -->\n\n"
-      "Every JSON file begins with its `format`. Unknown keys, wrong types and values out of range\n"
-      "are refused, all at once, with the place in the file. Comments (`//`) are allowed. Units are\n"
-      "in the names. In the first column `#` stands for the number of an array item and `NAME` for\n"
+      "Every JSON file begins with its `format`. Unknown keys, wrong types and values out of "
+      "range\n"
+      "are refused, all at once, with the place in the file. Comments (`//`) are allowed. Units "
+      "are\n"
+      "in the names. In the first column `#` stands for the number of an array item and `NAME` "
+      "for\n"
       "a name of your choice.\n";
   for (const std::string& name : config::SchemaNames()) {
     const json schema = json::parse(config::SchemaText(name));

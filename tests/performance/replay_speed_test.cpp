@@ -1,8 +1,7 @@
 // A replay must be at least ten times faster than real time on two cores, with everything on.
-#include <gtest/gtest.h>
-
 #include <ctime>
 #include <filesystem>
+#include <gtest/gtest.h>
 #include <numbers>
 
 #include "config/json_file.h"
@@ -58,8 +57,8 @@ TEST(ReplaySpeed, IsTenTimesRealTimeOnTwoCores) {
   setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
   RunContext context;
   context.num_threads = 2;
-  const auto scene = testing_support::LayeredScene(
-      testing_support::PlanOf(true, true, true, true), true, LargeGeometry());
+  const auto scene = testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true),
+                                                   true, LargeGeometry());
   volume::WriteCt(folder / "ct.nrrd", *scene.ct);
   volume::WriteLabelMap(folder / "labels.seg.nrrd", *scene.labels);
   session::WriteSession(folder / "session", InAndOut(), context);
@@ -91,8 +90,9 @@ TEST(ReplaySpeed, IsTenTimesRealTimeOnTwoCores) {
   }
   // CPU time, as others may use the machine: two cores have 2 s of it per second.
   const double speed = 2.0 * kSeconds / cpu_s;
-  std::printf("%.0f s replayed in %.2f s of CPU time: %.1f times real time on two cores, %.1f on one\n",
-              kSeconds, cpu_s, speed, 0.5 * speed);
+  std::printf(
+      "%.0f s replayed in %.2f s of CPU time: %.1f times real time on two cores, %.1f on one\n",
+      kSeconds, cpu_s, speed, 0.5 * speed);
   EXPECT_GT(speed, 10.0);
   fs::remove_all(folder);
 }

@@ -12,7 +12,8 @@ namespace acus::testing_support {
 inline std::optional<std::filesystem::path> SharedData(const char* name) {
   const char* folder = std::getenv("ACUS_TEST_DATA");
   const std::filesystem::path root =
-      folder != nullptr ? folder : std::filesystem::path(ACUS_SOURCE_DIR) / ".." / "shared" / "data";
+      folder != nullptr ? folder
+                        : std::filesystem::path(ACUS_SOURCE_DIR) / ".." / "shared" / "data";
   std::filesystem::path path = root / name;
   if (!std::filesystem::exists(path)) return std::nullopt;
   return path;

@@ -34,12 +34,15 @@ TEST(Problems, AreAllToldAtOnceWithPlaceValueAndRemedy) {
   const json document = json::parse(R"({
     "depth_mm": 300, "mode": "slow", "friction": {"coulomb_n_per_m": 1}, "layers": [{}, {"coulomb_n_per_mm": "x"}]})");
   const auto problems = Problems(kSchema, document);
-  EXPECT_THAT(problems, testing::UnorderedElementsAre(
-      HasSubstr("/name: missing"),
-      AllOf(HasSubstr("/depth_mm: "), HasSubstr("200"), HasSubstr("got 300")),
-      AllOf(HasSubstr("/mode: must be one of"), HasSubstr("got \"slow\"")),
-      HasSubstr("/friction/coulomb_n_per_m: unknown key; did you mean \"coulomb_n_per_mm\"?"),
-      AllOf(HasSubstr("/layers/1/coulomb_n_per_mm: expected \"number\""), HasSubstr("got \"x\""))));
+  EXPECT_THAT(
+      problems,
+      testing::UnorderedElementsAre(
+          HasSubstr("/name: missing"),
+          AllOf(HasSubstr("/depth_mm: "), HasSubstr("200"), HasSubstr("got 300")),
+          AllOf(HasSubstr("/mode: must be one of"), HasSubstr("got \"slow\"")),
+          HasSubstr("/friction/coulomb_n_per_m: unknown key; did you mean \"coulomb_n_per_mm\"?"),
+          AllOf(HasSubstr("/layers/1/coulomb_n_per_mm: expected \"number\""),
+                HasSubstr("got \"x\""))));
 }
 
 TEST(FillDefaults, ReachesIntoObjectsAndItems) {

@@ -1,8 +1,7 @@
 #include "core/atomic_file.h"
 
-#include <gmock/gmock.h>
-
 #include <fstream>
+#include <gmock/gmock.h>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -43,7 +42,8 @@ TEST(AtomicFolder, ReplacesOnlyEarlierOutput) {
     WriteTextFile(output.path() / "provenance.json", "{}");
     output.Commit();
   }
-  EXPECT_THAT([&] { AtomicFolder(run, false); }, ThrowsMessage<InputError>(HasSubstr("--overwrite")));
+  EXPECT_THAT([&] { AtomicFolder(run, false); },
+              ThrowsMessage<InputError>(HasSubstr("--overwrite")));
   {
     AtomicFolder output(run, true);
     WriteTextFile(output.path() / "new", "");
@@ -98,7 +98,8 @@ TEST(AtomicFolder, WithoutCommitTheEarlierOutputStays) {
 }
 
 TEST(Sha256, MatchesThePublishedTestVector) {
-  EXPECT_EQ(Sha256OfText("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(Sha256OfText("abc"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
 TEST(ParallelFor, CallsEachPieceOnceAndRethrows) {

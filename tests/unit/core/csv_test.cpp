@@ -33,7 +33,8 @@ TEST(CsvTable, NamesFileRowAndValueOfWhatIsWrong) {
               ThrowsMessage<InputError>(HasSubstr("table.csv:3: force_n is 'nan'")));
   EXPECT_THAT(message("force_n\n1e999\n"), ThrowsMessage<InputError>(HasSubstr(":2: force_n")));
   EXPECT_THAT(message("force_n\n0x10\n"), ThrowsMessage<InputError>(HasSubstr(":2: force_n")));
-  EXPECT_THAT(message("a,force_n\n1,2\n3\n"), ThrowsMessage<InputError>(HasSubstr(":3: has 1 cells")));
+  EXPECT_THAT(message("a,force_n\n1,2\n3\n"),
+              ThrowsMessage<InputError>(HasSubstr(":3: has 1 cells")));
   EXPECT_THAT(message("force_m\n1\n"), ThrowsMessage<InputError>(HasSubstr("rename 'force_m'?")));
   EXPECT_THAT(message("a,a\n1,2\n"), ThrowsMessage<InputError>(HasSubstr("'a' appears twice")));
   EXPECT_THAT(message(""), ThrowsMessage<InputError>(HasSubstr("is empty")));

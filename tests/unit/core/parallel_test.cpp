@@ -1,8 +1,7 @@
 #include "core/parallel.h"
 
-#include <gmock/gmock.h>
-
 #include <atomic>
+#include <gmock/gmock.h>
 #include <stdexcept>
 #include <vector>
 

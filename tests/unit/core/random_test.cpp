@@ -1,8 +1,7 @@
 #include "core/random.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 
 namespace acus {
 namespace {

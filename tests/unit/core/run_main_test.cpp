@@ -1,9 +1,8 @@
 #include "core/run_main.h"
 
-#include <gmock/gmock.h>
-
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <gmock/gmock.h>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -25,7 +24,7 @@ struct Result {
 
 /// A program with one needed file, and a subcommand if asked for.
 Result RunThing(std::vector<const char*> arguments, bool with_subcommand,
-           const std::function<ExitCode(RunContext&)>& body) {
+                const std::function<ExitCode(RunContext&)>& body) {
   CLI::App app{"Does a thing", "acus-thing"};
   std::string file;
   if (with_subcommand) {
@@ -45,11 +44,14 @@ Result RunThing(std::vector<const char*> arguments, bool with_subcommand,
   return result;
 }
 
-Result RunThing(std::vector<const char*> arguments, const std::function<ExitCode(RunContext&)>& body) {
+Result RunThing(std::vector<const char*> arguments,
+                const std::function<ExitCode(RunContext&)>& body) {
   return RunThing(std::move(arguments), false, body);
 }
 
-ExitCode Nothing(RunContext& /*context*/) { return ExitCode::kOk; }
+ExitCode Nothing(RunContext& /*context*/) {
+  return ExitCode::kOk;
+}
 
 template <typename Error>
 Result RunThrowing(const Error& error) {
@@ -68,16 +70,16 @@ TEST(RunMain, TurnsEachKindOfErrorIntoItsExitCodeAndOneMessage) {
 }
 
 TEST(RunMain, GivesTheStandardOptionsToTheBody) {
-  const Result result =
-      RunThing({"in.csv", "--threads", "3", "--seed", "42", "--overwrite"}, [](RunContext& context) {
-        EXPECT_EQ(context.num_threads, 3);
-        EXPECT_EQ(context.seed, 42U);
-        EXPECT_EQ(context.provenance.seed, 42U);
-        EXPECT_TRUE(context.overwrite);
-        EXPECT_EQ(context.provenance.command_line,
-                  "acus-thing in.csv --threads 3 --seed 42 --overwrite");
-        return ExitCode::kOk;
-      });
+  const Result result = RunThing({"in.csv", "--threads", "3", "--seed", "42", "--overwrite"},
+                                 [](RunContext& context) {
+                                   EXPECT_EQ(context.num_threads, 3);
+                                   EXPECT_EQ(context.seed, 42U);
+                                   EXPECT_EQ(context.provenance.seed, 42U);
+                                   EXPECT_TRUE(context.overwrite);
+                                   EXPECT_EQ(context.provenance.command_line,
+                                             "acus-thing in.csv --threads 3 --seed 42 --overwrite");
+                                   return ExitCode::kOk;
+                                 });
   EXPECT_EQ(result.code, 0);
   EXPECT_EQ(result.stderr_text, "");
 }
@@ -104,9 +106,9 @@ TEST(RunMain, RefusesAWrongCommandLineWithAHint) {
 TEST(RunMain, NamesTheMistypedOptionRatherThanWhatTheParserMissed) {
   const Result result = RunThing({"--overwite"}, Nothing);
   EXPECT_EQ(result.code, 2);
-  EXPECT_THAT(result.stderr_text, AllOf(HasSubstr("unknown option --overwite"),
-                                        HasSubstr("Did you mean --overwrite?"),
-                                        Not(HasSubstr("required"))));
+  EXPECT_THAT(result.stderr_text,
+              AllOf(HasSubstr("unknown option --overwite"), HasSubstr("Did you mean --overwrite?"),
+                    Not(HasSubstr("required"))));
   EXPECT_THAT(RunThing({"in.csv", "--zzzz"}, Nothing).stderr_text,
               AllOf(HasSubstr("unknown option --zzzz"), Not(HasSubstr("Did you mean"))));
 }

@@ -1,13 +1,12 @@
 #include "mesh/child_process.h"
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <gtest/gtest.h>
 #include <stdexcept>
 #include <thread>
+#include <unistd.h>
 
 #include "core/error.h"
 
@@ -31,7 +30,14 @@ TEST(RunInChild, SurvivesEveryWayToEnd) {
   EXPECT_EQ(RunInChild([]() -> std::string { std::_Exit(0); }, {}).end, End::kCrashed);
   EXPECT_EQ(RunInChild([]() -> std::string { std::_Exit(1); }, {}).end, End::kCrashed);
   EXPECT_EQ(RunInChild([]() -> std::string { std::abort(); }, {}).end, End::kCrashed);
-  EXPECT_EQ(RunInChild([]() -> std::string { ::raise(SIGSEGV); return {}; }, {}).end, End::kCrashed);
+  EXPECT_EQ(RunInChild(
+                []() -> std::string {
+                  ::raise(SIGSEGV);
+                  return {};
+                },
+                {})
+                .end,
+            End::kCrashed);
 }
 
 TEST(RunInChild, StopsAChildThatHangs) {

@@ -1,7 +1,6 @@
 #include "mesh/point_location.h"
 
 #include <gtest/gtest.h>
-
 #include <limits>
 
 #include "core/error.h"
@@ -79,8 +78,9 @@ TEST(PointLocation, ChoosesTheLowestNumberOnNodesEdgesAndFaces) {
   };
   for (int n = 0; n < mesh.nodes_mm.cols(); ++n) {
     const Eigen::Vector3d node = mesh.nodes_mm.col(n);
-    for (const Eigen::Vector3d& step : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.5, 0, 0),
-                                        Eigen::Vector3d(0.5, 0.5, 0), Eigen::Vector3d(0.25, 0.5, 0.25)}) {
+    for (const Eigen::Vector3d& step :
+         {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.5, 0, 0), Eigen::Vector3d(0.5, 0.5, 0),
+          Eigen::Vector3d(0.25, 0.5, 0.25)}) {
       const Eigen::Vector3d x = node + step;
       const auto found = location.Find(x);
       EXPECT_EQ(found ? found->tetrahedron : -1, lowest(x)) << x.transpose();

@@ -1,8 +1,7 @@
 #include "mesh/quality.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 #include <numbers>
 
 #include "shapes.h"
@@ -19,7 +18,8 @@ const Corners kCubeCorner = {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0),
 
 TEST(RegularTetrahedron, HasItsKnownAnglesVolumeAndRatio) {
   EXPECT_NEAR(VolumeMm3(kRegular), 8.0 / 3.0, 1e-14);  // Edge sqrt(8): a^3 / (6 sqrt 2).
-  for (const double angle : DihedralAnglesRad(kRegular)) EXPECT_NEAR(angle, std::acos(1.0 / 3.0), 1e-14);
+  for (const double angle : DihedralAnglesRad(kRegular))
+    EXPECT_NEAR(angle, std::acos(1.0 / 3.0), 1e-14);
   EXPECT_NEAR(RadiusEdgeRatio(kRegular), std::sqrt(6.0) / 4.0, 1e-14);
   EXPECT_NEAR(DihedralScore(kRegular), -1.0 / 3.0, 1e-14);
 }

@@ -28,13 +28,13 @@ inline Surface Cube(double edge = 1.0, Eigen::Vector3d corner = Eigen::Vector3d:
 inline Surface Sphere(double radius_mm, int splits,
                       Eigen::Vector3d centre = Eigen::Vector3d::Zero()) {
   const double g = std::numbers::phi;
-  std::vector<Eigen::Vector3d> nodes = {{-1, g, 0}, {1, g, 0},   {-1, -g, 0}, {1, -g, 0},
-                                        {0, -1, g}, {0, 1, g},   {0, -1, -g}, {0, 1, -g},
-                                        {g, 0, -1}, {g, 0, 1},   {-g, 0, -1}, {-g, 0, 1}};
+  std::vector<Eigen::Vector3d> nodes = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
+                                        {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},
+                                        {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
   std::vector<Eigen::Vector3i> faces = {
-      {0, 11, 5}, {0, 5, 1}, {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-      {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-      {3, 8, 9},  {4, 9, 5}, {2, 4, 11},  {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+      {0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+      {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+      {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   for (int s = 0; s < splits; ++s) {
     std::map<std::pair<int, int>, int> middle;
     const auto split = [&](int a, int b) {
@@ -69,7 +69,8 @@ inline Surface Joined(const Surface& a, const Surface& b) {
   out.nodes_mm.resize(3, a.nodes_mm.cols() + b.nodes_mm.cols());
   out.nodes_mm << a.nodes_mm, b.nodes_mm;
   out.triangles.resize(3, a.triangles.cols() + b.triangles.cols());
-  out.triangles << a.triangles, (b.triangles.array() + static_cast<int>(a.nodes_mm.cols())).matrix();
+  out.triangles << a.triangles,
+      (b.triangles.array() + static_cast<int>(a.nodes_mm.cols())).matrix();
   return out;
 }
 

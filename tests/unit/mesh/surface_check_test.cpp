@@ -1,8 +1,7 @@
 #include "mesh/surface_check.h"
 
-#include <gmock/gmock.h>
-
 #include <chrono>
+#include <gmock/gmock.h>
 
 #include "shapes.h"
 
@@ -54,7 +53,8 @@ TEST(CheckSurface, FindsNothingWrongWithASphere) {
 TEST(CheckSurface, CountsHandlesAndPieces) {
   EXPECT_EQ(CheckSurface(Torus(24, 12)).euler_number, 0);
   EXPECT_TRUE(CheckSurface(Torus(24, 12)).is_fit_for_meshing());
-  const SurfaceReport two = CheckSurface(shapes::Joined(shapes::Cube(), shapes::Cube(1.0, {3, 0, 0})));
+  const SurfaceReport two =
+      CheckSurface(shapes::Joined(shapes::Cube(), shapes::Cube(1.0, {3, 0, 0})));
   EXPECT_EQ(two.num_components, 2);
   EXPECT_EQ(two.euler_number, 4);
   EXPECT_TRUE(two.is_fit_for_meshing());
@@ -101,8 +101,8 @@ TEST(CheckSurface, SeesSheetsThatTouchInOneNode) {
 }
 
 TEST(CheckSurface, FindsSurfacesThatCutEachOther) {
-  const SurfaceReport apart = CheckSurface(
-      shapes::Joined(shapes::Sphere(1.0, 2), shapes::Sphere(1.0, 2, {2.1, 0, 0})));
+  const SurfaceReport apart =
+      CheckSurface(shapes::Joined(shapes::Sphere(1.0, 2), shapes::Sphere(1.0, 2, {2.1, 0, 0})));
   EXPECT_EQ(apart.intersections.count, 0U);
   const SurfaceReport through = CheckSurface(
       shapes::Joined(shapes::Sphere(1.0, 2), shapes::Sphere(1.0, 2, {1.0, 0.01, 0.02})));
@@ -152,7 +152,8 @@ TEST(RepairSurface, ClosesHolesAndTurnsInsideOut) {
   EXPECT_THAT(repair.done, Contains(HasSubstr("face outwards")));
   RepairLimits none;
   none.longest_hole = 2;
-  EXPECT_FALSE(CheckSurface(RepairSurface(WithoutTriangles(sphere, 100, 4), none).surface).is_closed());
+  EXPECT_FALSE(
+      CheckSurface(RepairSurface(WithoutTriangles(sphere, 100, 4), none).surface).is_closed());
 }
 
 TEST(RepairSurface, SmoothsASmallFold) {

@@ -33,8 +33,10 @@ TEST_P(SurfaceFormat, GivesBackWhatWasWritten) {
   EXPECT_NEAR(SignedVolumeMm3(back), SignedVolumeMm3(sphere), tolerance * SignedVolumeMm3(sphere));
   for (Eigen::Index t = 0; t < sphere.triangles.cols(); ++t) {
     for (int c = 0; c < 3; ++c) {
-      EXPECT_LT((back.nodes_mm.col(back.triangles(c, t)) -
-                 sphere.nodes_mm.col(sphere.triangles(c, t))).norm(), 20.0 * tolerance);
+      EXPECT_LT(
+          (back.nodes_mm.col(back.triangles(c, t)) - sphere.nodes_mm.col(sphere.triangles(c, t)))
+              .norm(),
+          20.0 * tolerance);
     }
   }
 }
@@ -74,7 +76,8 @@ TEST(ReadSurface, ReadsTextStlAndWeldsItsCorners) {
 
 TEST(ReadSurface, ReadsObjWithNegativeNumbersNormalsAndQuads) {
   const auto path = TemporaryPath("quad.obj");
-  WriteTextFile(path, "# note\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf -4//1 -3//1 -2//1 -1//1\n");
+  WriteTextFile(
+      path, "# note\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf -4//1 -3//1 -2//1 -1//1\n");
   const Surface back = ReadSurface(path);
   EXPECT_EQ(back.triangles, (Eigen::Matrix3Xi(3, 2) << 0, 0, 1, 2, 2, 3).finished());
   WriteTextFile(path, "v 0 0 0\nv 1 0 0\nf 1 2 9\n");
@@ -85,7 +88,8 @@ TEST(ReadSurface, ReadsObjWithNegativeNumbersNormalsAndQuads) {
 
 TEST(ReadSurface, ReadsTextAndBigEndianPly) {
   const auto path = TemporaryPath("any.ply");
-  const std::string elements = "element vertex 3\nproperty float x\nproperty float y\n"
+  const std::string elements =
+      "element vertex 3\nproperty float x\nproperty float y\n"
       "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
   WriteTextFile(path, "ply\nformat ascii 1.0\n" + elements + "0 0 0\n1 0 0\n0 2 0\n3 0 1 2\n");
   EXPECT_EQ(ReadSurface(path).nodes_mm(1, 2), 2.0);
@@ -100,9 +104,11 @@ TEST(ReadSurface, ReadsTextAndBigEndianPly) {
 
 TEST(ReadSurface, NeverAllocatesWhatAHeaderOnlyClaims) {
   const auto path = TemporaryPath("huge.ply");
-  WriteTextFile(path, "ply\nformat ascii 1.0\nelement vertex 4000000000000\nproperty float x\n"
-                      "end_header\n1\n");
-  EXPECT_THAT([&] { ReadSurface(path); }, ThrowsMessage<InputError>(HasSubstr("more than the file")));
+  WriteTextFile(path,
+                "ply\nformat ascii 1.0\nelement vertex 4000000000000\nproperty float x\n"
+                "end_header\n1\n");
+  EXPECT_THAT([&] { ReadSurface(path); },
+              ThrowsMessage<InputError>(HasSubstr("more than the file")));
   const auto stl = TemporaryPath("huge.stl");
   WriteTextFile(stl, std::string(80, 'x') + "\xff\xff\xff\xff" + std::string(50, '\0'));
   EXPECT_THAT([&] { ReadSurface(stl); }, ThrowsMessage<InputError>(HasSubstr("cut off")));

@@ -5,7 +5,8 @@
 namespace acus::mesh {
 namespace {
 
-const Triangle kFlat = {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(2, 0, 0), Eigen::Vector3d(0, 2, 0)};
+const Triangle kFlat = {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(2, 0, 0),
+                        Eigen::Vector3d(0, 2, 0)};
 
 Triangle Moved(const Triangle& t, double x, double y, double z) {
   Triangle out = t;

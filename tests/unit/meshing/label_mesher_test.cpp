@@ -1,10 +1,9 @@
 #include "meshing/label_mesher.h"
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <gmock/gmock.h>
 #include <map>
 #include <numbers>
 
@@ -75,7 +74,8 @@ TEST(MeshLabelMap, SharesFacesAtTheBonesSurface) {
   ExpectSound(out);
   double area_mm2 = 0.0;
   for (const auto& [nodes, face] : FacesOf(out.mesh)) {
-    if (face.tissues.size() != 2 || (face.tissues[0] == kBone) == (face.tissues[1] == kBone)) continue;
+    if (face.tissues.size() != 2 || (face.tissues[0] == kBone) == (face.tissues[1] == kBone))
+      continue;
     for (const int n : nodes) {
       EXPECT_NEAR((out.mesh.nodes_mm.col(n) - Eigen::Vector3d(12, 0, 0)).norm(), 10.0, 0.8);
     }
@@ -106,9 +106,12 @@ TEST(MeshLabelMap, CutsBodyAndBoneAtTheVolumesBorder) {
   int count = 0;
   for (const auto& [nodes, face] : FacesOf(out.mesh)) {
     if (face.tissues.size() == 2) continue;
-    const Eigen::Vector3d middle = (out.mesh.nodes_mm.col(nodes[0]) + out.mesh.nodes_mm.col(nodes[1]) +
-                                    out.mesh.nodes_mm.col(nodes[2])) / 3.0;
-    if (middle.tail<2>().cwiseAbs().maxCoeff() > half_mm - 8.0) continue;  // Other sides, and edges.
+    const Eigen::Vector3d middle =
+        (out.mesh.nodes_mm.col(nodes[0]) + out.mesh.nodes_mm.col(nodes[1]) +
+         out.mesh.nodes_mm.col(nodes[2])) /
+        3.0;
+    if (middle.tail<2>().cwiseAbs().maxCoeff() > half_mm - 8.0)
+      continue;  // Other sides, and edges.
     off_mm += std::abs(std::abs(middle[0]) - half_mm);
     ++count;
   }
@@ -122,7 +125,8 @@ TEST(MeshLabelMap, FollowsSeveralTissuesAtOnce) {
   settings.conforming_tissues = {"bone", "liver", "fat"};
   const LabelMesh out = MeshLabelMap(label_maps::NestedBalls(), settings, {});
   ExpectSound(out);
-  for (const TissueVolume& tissue : out.tissues) EXPECT_EQ(tissue.is_conforming, tissue.name != "skin");
+  for (const TissueVolume& tissue : out.tissues)
+    EXPECT_EQ(tissue.is_conforming, tissue.name != "skin");
 }
 
 TEST(MeshLabelMap, IsFinerInTheCorridor) {
@@ -165,15 +169,17 @@ TEST(MeshLabelMap, GivesTheSameBitsTwiceAndOnAnyNumberOfThreads) {
 TEST(MeshLabelMap, FollowsVolumesThatAreTurnedOrMirrored) {
   volume::LabelMap labels = label_maps::NestedBalls();
   const LabelMesh straight = MeshLabelMap(labels, Coarse(), {});
-  labels.geometry.direction = Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+  labels.geometry.direction =
+      Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
   labels.geometry.direction.col(2) *= -1.0;
   labels.geometry.origin_mm = {100, 200, -300};
   const LabelMesh turned = MeshLabelMap(labels, Coarse(), {});
   ExpectSound(turned);
   EXPECT_NEAR(turned.body_mesh_ml, straight.body_mesh_ml, 1e-9 * straight.body_mesh_ml);
   const Eigen::Vector3d moved =
-      labels.geometry.direction * (straight.mesh.nodes_mm.col(7) -
-                                   Eigen::Vector3d::Constant(-0.5 * 1.5 * 59)) + labels.geometry.origin_mm;
+      labels.geometry.direction *
+          (straight.mesh.nodes_mm.col(7) - Eigen::Vector3d::Constant(-0.5 * 1.5 * 59)) +
+      labels.geometry.origin_mm;
   EXPECT_LT((turned.mesh.nodes_mm.col(7) - moved).norm(), 1e-9);
 }
 
@@ -194,12 +200,14 @@ TEST(MeshLabelMap, SurvivesMapsOfNoise) {
 
 TEST(MeshLabelMap, RefusesWhatItCannotUse) {
   const volume::LabelMap balls = label_maps::NestedBalls();
-  EXPECT_THAT([&] { MeshLabelMap(label_maps::Make(8, 1.0, [](const auto&) { return 0; }), Coarse(), {}); },
-              ThrowsMessage<InputError>(HasSubstr("no tissue")));
+  EXPECT_THAT(
+      [&] { MeshLabelMap(label_maps::Make(8, 1.0, [](const auto&) { return 0; }), Coarse(), {}); },
+      ThrowsMessage<InputError>(HasSubstr("no tissue")));
   const auto refuses = [&](const auto& change, const char* words) {
     LabelMeshSettings settings = Coarse();
     change(settings);
-    EXPECT_THAT([&] { MeshLabelMap(balls, settings, {}); }, ThrowsMessage<InputError>(HasSubstr(words)));
+    EXPECT_THAT([&] { MeshLabelMap(balls, settings, {}); },
+                ThrowsMessage<InputError>(HasSubstr(words)));
   };
   refuses([](auto& s) { s.sizes.skin_mm = 0.0; }, "element size of 0 mm");
   refuses([](auto& s) { s.sizes.interior_mm = 501.0; }, "element size of 501 mm");

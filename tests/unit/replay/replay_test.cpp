@@ -1,7 +1,6 @@
 #include "replay/replay.h"
 
 #include <gmock/gmock.h>
-
 #include <set>
 
 #include "config/json_file.h"
@@ -43,7 +42,9 @@ class Replay : public testing::Test {
     session::Session session;
     session.name = "to bone";
     for (int ms = 0; ms < 6000; ++ms) {
-      const double z_mm = ms < 2720 ? -5.0 + 0.025 * ms : ms < 3200 ? 63.0 : 63.0 - 0.025 * (ms - 3200);
+      const double z_mm = ms < 2720   ? -5.0 + 0.025 * ms
+                          : ms < 3200 ? 63.0
+                                      : 63.0 - 0.025 * (ms - 3200);
       session::PoseSample needle{.time_ns = ms * std::int64_t{1'000'000}};
       needle.reference_from_tool = Eigen::Isometry3d(Eigen::Translation3d(0.0, 20.0, z_mm));
       session.needle.push_back(needle);
@@ -92,9 +93,8 @@ TEST_F(Replay, ThatFailsLeavesTheCallersWarningsAsTheyWere) {
   std::vector<std::string> heard;
   RunContext context;
   context.on_warning = [&heard](std::string_view text) { heard.emplace_back(text); };
-  const auto scenario =
-      scenario::ReadScenario(folder_ / "scene.json", std::vector<scenario::Override>{
-                                                         {"/patient/labels", nullptr}});
+  const auto scenario = scenario::ReadScenario(
+      folder_ / "scene.json", std::vector<scenario::Override>{{"/patient/labels", nullptr}});
   EXPECT_THROW(ReplaySession(scenario, folder_ / "session", {}, context), InputError);
   heard.clear();
   context.Warn("after");
@@ -133,29 +133,33 @@ TEST_F(Replay, WritesOneImagePerPeriod) {
   Run("run", 2);
   const auto run = config::ReadJson(folder_ / "run/run.json");
   EXPECT_EQ(run.at("images"), 60);  // 0 s to 5.98 s at 10 Hz.
-  for (const char* name : {"images.igs.mha", "film.mp4", "report.html", "forces.svg", "metrics.json",
-                           "event_01.png", "provenance.json"}) {
+  for (const char* name : {"images.igs.mha", "film.mp4", "report.html", "forces.svg",
+                           "metrics.json", "event_01.png", "provenance.json"}) {
     EXPECT_TRUE(fs::exists(folder_ / "run" / name)) << name;
   }
 }
 
 TEST_F(Replay, NeedsNoInputOfAnEffectThatIsOff) {
   fs::remove(folder_ / "ct.nrrd");
-  const std::vector<scenario::Override> no_images = {scenario::ParseOverride("/patient/ct=null"),
-                                                     scenario::ParseOverride("/effects/ultrasound=null"),
-                                                     scenario::ParseOverride("/effects/ct_slice=null")};
+  const std::vector<scenario::Override> no_images = {
+      scenario::ParseOverride("/patient/ct=null"),
+      scenario::ParseOverride("/effects/ultrasound=null"),
+      scenario::ParseOverride("/effects/ct_slice=null")};
   Run("forces_only", 1, no_images);
   EXPECT_FALSE(fs::exists(folder_ / "forces_only/film.mp4"));
-  EXPECT_THAT([&] { Run("all", 1, {scenario::ParseOverride("/patient/ct=null")}); },
-              ThrowsMessage<InputError>(HasSubstr("B-mode (effect ultrasound is called for) needs ct")));
+  EXPECT_THAT(
+      [&] { Run("all", 1, {scenario::ParseOverride("/patient/ct=null")}); },
+      ThrowsMessage<InputError>(HasSubstr("B-mode (effect ultrasound is called for) needs ct")));
   EXPECT_FALSE(fs::exists(folder_ / "all"));
 }
 
 TEST_F(Replay, ForcesDoNotDependOnTheImages) {
   Run("all", 1);
-  Run("forces_only", 1, {scenario::ParseOverride("/effects/ultrasound=null"),
-                         scenario::ParseOverride("/effects/ct_slice=null")});
-  EXPECT_EQ(ReadTextFile(folder_ / "all/forces.csv"), ReadTextFile(folder_ / "forces_only/forces.csv"));
+  Run("forces_only", 1,
+      {scenario::ParseOverride("/effects/ultrasound=null"),
+       scenario::ParseOverride("/effects/ct_slice=null")});
+  EXPECT_EQ(ReadTextFile(folder_ / "all/forces.csv"),
+            ReadTextFile(folder_ / "forces_only/forces.csv"));
 }
 
 TEST_F(Replay, ImagesDoNotDependOnTheForces) {
@@ -181,8 +185,8 @@ TEST_F(Replay, LeavesNothingBehindWhenStopped) {
   context.stop = &stop;
   ReplayOptions options;
   options.run_folder = folder_ / "stopped";
-  EXPECT_THROW(ReplaySession(scenario::ReadScenario(folder_ / "scene.json", {}), folder_ / "session",
-                             options, context),
+  EXPECT_THROW(ReplaySession(scenario::ReadScenario(folder_ / "scene.json", {}),
+                             folder_ / "session", options, context),
                Cancelled);
   for (const auto& entry : fs::directory_iterator(folder_)) {
     EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr("stopped")));

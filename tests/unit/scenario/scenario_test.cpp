@@ -46,11 +46,12 @@ TEST_F(ScenarioFile, HoldsOnlyTheEffectsItNamesWithDefaultsFilledIn) {
 }
 
 TEST_F(ScenarioFile, TakesChangesFromTheCommandLine) {
-  const Scenario s = Read(kText, {ParseOverride("/effects/ct_slice=null"),
-                                  ParseOverride("/effects/ultrasound/needle=false"),
-                                  ParseOverride("/effects/ultrasound/acoustics=table.json"),
-                                  ParseOverride("/session/face_px=[410,20]"),
-                                  ParseOverride("/image_rate_hz=10"), ParseOverride("/name=sweep 2")});
+  const Scenario s =
+      Read(kText, {ParseOverride("/effects/ct_slice=null"),
+                   ParseOverride("/effects/ultrasound/needle=false"),
+                   ParseOverride("/effects/ultrasound/acoustics=table.json"),
+                   ParseOverride("/session/face_px=[410,20]"), ParseOverride("/image_rate_hz=10"),
+                   ParseOverride("/name=sweep 2")});
   EXPECT_FALSE(s.ct_slice.has_value());
   EXPECT_FALSE(s.ultrasound->needle);
   EXPECT_EQ(s.image_rate_hz, 10.0);
@@ -60,20 +61,28 @@ TEST_F(ScenarioFile, TakesChangesFromTheCommandLine) {
               ThrowsMessage<InputError>(HasSubstr("/json/pointer=value")));
   EXPECT_THAT([&] { Read(kText, {ParseOverride("/effects/ultrasond/needle=false")}); },
               ThrowsMessage<InputError>(HasSubstr("did you mean \"ultrasound\"")));
-  EXPECT_THAT([&] { Read(kText, {ParseOverride("/needle/x=1")}); }, ThrowsMessage<InputError>(HasSubstr("--set /needle/x")));
+  EXPECT_THAT([&] { Read(kText, {ParseOverride("/needle/x=1")}); },
+              ThrowsMessage<InputError>(HasSubstr("--set /needle/x")));
 }
 
 TEST_F(ScenarioFile, SaysWhatIsWrongAndWhere) {
-  EXPECT_THAT([&] { Read(R"({"format": "acus-scenario/1", "patient": {"ct": "no.nrrd"}, "needle": "needle.json",
-                             "probe": "probe.json", "effects": {"ct_slice": {}}})"); },
-              ThrowsMessage<InputError>(AllOf(HasSubstr("/patient/ct"), HasSubstr("no such file"))));
+  EXPECT_THAT(
+      [&] {
+        Read(R"({"format": "acus-scenario/1", "patient": {"ct": "no.nrrd"}, "needle": "needle.json",
+                             "probe": "probe.json", "effects": {"ct_slice": {}}})");
+      },
+      ThrowsMessage<InputError>(AllOf(HasSubstr("/patient/ct"), HasSubstr("no such file"))));
   EXPECT_THAT([&] { Read(R"({"format": "acus-scenario/1", "patient": {}, "effects": {}})"); },
               ThrowsMessage<InputError>(HasSubstr("/effects")));
   EXPECT_THAT([&] { Read(R"({"format": "acus-session/1"})"); },
               ThrowsMessage<InputError>(HasSubstr("must be \"acus-scenario/1\"")));
-  EXPECT_THAT([&] { Read(R"({"format": "acus-scenario/1", "effects": {"ct_slice": {}}, "patient":
-                   {"ct_from_reference": [2,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}})"); },
-              ThrowsMessage<InputError>(AllOf(HasSubstr("/patient/ct_from_reference"), HasSubstr("not rigid"))));
+  EXPECT_THAT(
+      [&] {
+        Read(R"({"format": "acus-scenario/1", "effects": {"ct_slice": {}}, "patient":
+                   {"ct_from_reference": [2,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}})");
+      },
+      ThrowsMessage<InputError>(
+          AllOf(HasSubstr("/patient/ct_from_reference"), HasSubstr("not rigid"))));
 }
 
 }  // namespace

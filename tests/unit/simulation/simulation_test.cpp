@@ -1,8 +1,7 @@
 #include "simulation/simulation.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 #include <limits>
 
 #include "math/rigid.h"

@@ -187,8 +187,8 @@ TEST(ReadTissues, RefusesAStandardNumberUnderAnotherName) {
   labels.names = {{3, "Segment_3"}};
   WriteLabelMap(folder / "slicer.seg.nrrd", labels);
   EXPECT_THAT([&] { ReadTissues(folder / "slicer.seg.nrrd"); },
-              ThrowsMessage<InputError>(
-                  testing::AllOf(HasSubstr("label 3 is called 'Segment_3'"), HasSubstr("--import"))));
+              ThrowsMessage<InputError>(testing::AllOf(HasSubstr("label 3 is called 'Segment_3'"),
+                                                       HasSubstr("--import"))));
 }
 
 TEST(ReadCt, CompressionMayBeDeclaredInAnySpellingThatMetaImageHas) {
