@@ -61,6 +61,7 @@ struct BModeRenderer::State {
   EchoTracer tracer;
   EchoDisplay display;
   BeamLines lines;
+  BeamBend bend;
   BeamImage hu;
   BeamImage echo;
 };
@@ -74,13 +75,14 @@ BModeRenderer& BModeRenderer::operator=(BModeRenderer&&) noexcept = default;
 
 void BModeRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
                            const std::optional<NeedleInImage>& needle, GrayImage& out,
-                           int num_threads) {
+                           int num_threads, const RestMap* rest) {
   State& s = *state_;
   s.sampler.PlaceLines(s.grid, ct_from_probe, s.lines);
+  s.bend.Set(s.grid, ct_from_probe, s.sampler.index_from_ct(), rest);
   s.hu.Resize(s.grid.lines(), s.grid.samples);
-  s.sampler.Sample(s.lines, s.hu, num_threads);
+  s.sampler.Sample(s.lines, s.bend, s.hu, num_threads);
   if (needle) PaintNeedle(*needle, ct_from_probe, s.probe.slice_thickness_mm, s.grid, s.hu);
-  s.tracer.Trace(s.lines, s.hu, s.echo, num_threads);
+  s.tracer.Trace(s.lines, s.bend, s.hu, s.echo, num_threads);
   s.display.Show(s.echo, out, num_threads);
 }
 

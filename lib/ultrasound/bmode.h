@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "ultrasound/beam_bend.h"
 #include "ultrasound/bmode_options.h"
 #include "ultrasound/image.h"
 #include "ultrasound/probe.h"
@@ -29,8 +30,9 @@ class BModeRenderer {
 
   /// Allocation-free after the first call with one thread. The same bits with any `num_threads`.
   /// @throws InputError if the pose or the needle is not finite.
+  /// @param rest  Where the tissue was at rest; null: it has not moved. Speckle moves with it.
   void Render(const Eigen::Isometry3d& ct_from_probe, const std::optional<NeedleInImage>& needle,
-              GrayImage& out, int num_threads = 1);
+              GrayImage& out, int num_threads = 1, const RestMap* rest = nullptr);
 
   const ImageGeometry& picture() const;
   const Probe& probe() const;

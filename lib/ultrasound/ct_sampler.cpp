@@ -102,7 +102,8 @@ void CtSampler::PlaceLines(const ScanGrid& grid, const Eigen::Isometry3d& ct_fro
   }
 }
 
-void CtSampler::Sample(const BeamLines& lines, BeamImage& hu, int num_threads) const {
+void CtSampler::Sample(const BeamLines& lines, const BeamBend& bend, BeamImage& hu,
+                       int num_threads) const {
   const kernels::Voxels voxels{
       .data = voxels_,
       .last = {static_cast<float>(size_[0] - 1), static_cast<float>(size_[1] - 1),
@@ -113,14 +114,17 @@ void CtSampler::Sample(const BeamLines& lines, BeamImage& hu, int num_threads) c
       .row_bytes = 2 * size_[0],
       .slice_bytes = 2 * size_[0] * size_[1],
       .outside = kOutsideHu};
-  const kernels::Lines positions{
-      .start = {lines.start[0].data(), lines.start[1].data(), lines.start[2].data()},
-      .step = {lines.step[0].data(), lines.step[1].data(), lines.step[2].data()}};
   const int lanes = kernels::RoundUp(hu.lines());
   const auto piece = [&](int p) {
     const int end = std::min(hu.samples(), (p + 1) * kRowsPerPiece);
+    BeamBend::Row row;
+    float sample = 0.0F;
     for (int k = p * kRowsPerPiece; k < end; ++k) {
-      kernels::SampleRow(voxels, positions, static_cast<float>(k), lanes, hu.row(k));
+      for (int first = 0; first < lanes; first += BeamBend::kMaxLanes) {
+        const int count = std::min(BeamBend::kMaxLanes, lanes - first);
+        const kernels::Lines placed = bend.PlaceRow(lines, k, first, count, row, sample);
+        kernels::SampleRow(voxels, placed, sample, count, hu.row(k) + first);
+      }
     }
   };
   ParallelFor((hu.samples() + kRowsPerPiece - 1) / kRowsPerPiece, num_threads, std::ref(piece));

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "ultrasound/beam_bend.h"
 #include "ultrasound/image.h"
 #include "ultrasound/probe.h"
 #include "volume/volume.h"
@@ -40,13 +41,6 @@ class BeamImage {
   AlignedFloats data_;
 };
 
-/// Scan lines in continuous voxel indices, one entry per line; rounded up to 16 entries by copies
-/// of the last line.
-struct BeamLines {
-  AlignedFloats start[3];  ///< Of sample 0, along i, j, k.
-  AlignedFloats step[3];   ///< Per sample.
-};
-
 /// Trilinear interpolation; -1024 HU outside the volume, that is, more than half a voxel beyond
 /// the outermost voxel centres. Deterministic: the same bits with any vector width and threads.
 class CtSampler {
@@ -66,8 +60,10 @@ class CtSampler {
                   BeamLines& lines) const;
 
   /// Fills `hu`, resized before by the caller to fit the grid, without its margins, on up to
-  /// `num_threads` threads.
-  void Sample(const BeamLines& lines, BeamImage& hu, int num_threads) const;
+  /// `num_threads` threads. Where `bend` is active, samples lie off the lines.
+  void Sample(const BeamLines& lines, const BeamBend& bend, BeamImage& hu, int num_threads) const;
+
+  const Eigen::Affine3d& index_from_ct() const { return index_from_ct_; }
 
   const volume::Geometry& geometry() const { return ct_.geometry; }
 

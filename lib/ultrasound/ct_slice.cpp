@@ -21,10 +21,11 @@ CtSliceRenderer::CtSliceRenderer(const volume::CtVolume& ct, const ImageGeometry
 
 void CtSliceRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
                              const std::optional<NeedleInImage>& needle, GrayImage& out,
-                             int num_threads) {
+                             int num_threads, const RestMap* rest) {
   sampler_.PlaceLines(grid_, ct_from_probe, lines_);
+  bend_.Set(grid_, ct_from_probe, sampler_.index_from_ct(), rest);
   hu_.Resize(grid_.lines(), grid_.samples);
-  sampler_.Sample(lines_, hu_, num_threads);
+  sampler_.Sample(lines_, bend_, hu_, num_threads);
   if (needle) PaintNeedle(*needle, ct_from_probe, slice_thickness_mm_, grid_, hu_);
 
   out.Resize(picture_.width_px, picture_.height_px);
@@ -36,9 +37,9 @@ void CtSliceRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
     const int whole = out.width / kernels::kBlock * kernels::kBlock;
     kernels::WindowRow(hu_.row(r), offset, scale, whole, pixels);
     if (whole == out.width) continue;
-    std::array<std::uint8_t, kernels::kBlock> rest;
-    kernels::WindowRow(hu_.row(r) + whole, offset, scale, kernels::kBlock, rest.data());
-    std::copy_n(rest.data(), out.width - whole, pixels + whole);
+    std::array<std::uint8_t, kernels::kBlock> last;
+    kernels::WindowRow(hu_.row(r) + whole, offset, scale, kernels::kBlock, last.data());
+    std::copy_n(last.data(), out.width - whole, pixels + whole);
   }
 }
 

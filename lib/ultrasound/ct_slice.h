@@ -27,8 +27,9 @@ class CtSliceRenderer {
 
   /// Allocation-free after the first call. The same bits with any `num_threads`.
   /// @throws InputError if the pose or the needle is not finite.
+  /// @param rest  Where the tissue was at rest; null: it has not moved.
   void Render(const Eigen::Isometry3d& ct_from_probe, const std::optional<NeedleInImage>& needle,
-              GrayImage& out, int num_threads = 1);
+              GrayImage& out, int num_threads = 1, const RestMap* rest = nullptr);
 
   /// Hounsfield units of the last Render, before windowing. row(r)[c] is pixel (c, r).
   const BeamImage& hu() const { return hu_; }
@@ -41,6 +42,7 @@ class CtSliceRenderer {
   HuWindow window_;
   ScanGrid grid_;
   BeamLines lines_;
+  BeamBend bend_;
   BeamImage hu_;
 };
 

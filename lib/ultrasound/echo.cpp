@@ -11,7 +11,7 @@
 namespace acus::ultrasound {
 namespace {
 
-constexpr int kLanesPerPiece = 256;       ///< A whole number of kernel blocks.
+constexpr int kLanesPerPiece = BeamBend::kMaxLanes;
 constexpr float kMetalAboveHu = 3500.0F;  ///< Beyond bone and the 12 bits of a CT: only the needle.
 constexpr float kAirBelowHu = -200.0F;    ///< Below all fat: neither tissue nor gel.
 constexpr double kSkinBlurMm = 2.0;
@@ -142,21 +142,19 @@ void EchoTracer::StartEnergy(const BeamImage& hu) {
   }
 }
 
-const float* EchoTracer::ScatterRow(const BeamLines& lines, const BeamImage& hu, int k,
-                                    int first_lane, int lanes) {
+const float* EchoTracer::ScatterRow(const BeamLines& lines, const BeamBend& bend,
+                                    const BeamImage& hu, int k, int first_lane, int lanes) {
   float* scattered = work_.row(kScattered) + first_lane;
   kernels::CurveRow(scatter_, hu.row(k) + first_lane, lanes, scattered);
-  kernels::Lines positions{};
-  for (int a = 0; a < 3; ++a) {
-    positions.start[a] = lines.start[a].data() + first_lane;
-    positions.step[a] = lines.step[a].data() + first_lane;
-  }
-  kernels::TextureRow(tile_, positions, static_cast<float>(k), lanes, scattered);
+  BeamBend::Row row;
+  float sample = 0.0F;
+  const kernels::Lines placed = bend.PlaceRow(lines, k, first_lane, lanes, row, sample);
+  kernels::TextureRow(tile_, placed, sample, lanes, scattered);
   return scattered;
 }
 
-void EchoTracer::TracePiece(const BeamLines& lines, const BeamImage& hu, BeamImage& echo,
-                            int first_lane, int lanes) {
+void EchoTracer::TracePiece(const BeamLines& lines, const BeamBend& bend, const BeamImage& hu,
+                            BeamImage& echo, int first_lane, int lanes) {
   const int last = hu.samples() - 1;
   // Impedances of the last span_ + 1 rows, in a ring.
   const auto impedance = [&](int k) {
@@ -188,7 +186,7 @@ void EchoTracer::TracePiece(const BeamLines& lines, const BeamImage& hu, BeamIma
       weight = work_.row(kWeight) + first_lane;
     }
     const float* scattered =
-        options_.texture ? ScatterRow(lines, hu, k, first_lane, lanes) : nullptr;
+        options_.texture ? ScatterRow(lines, bend, hu, k, first_lane, lanes) : nullptr;
     kernels::PropagateRow(reflected, weight, scattered, lanes, energy, echo.row(k) + first_lane);
     if (options_.attenuation) {
       float* nepers = work_.row(kNepers) + first_lane;
@@ -198,7 +196,8 @@ void EchoTracer::TracePiece(const BeamLines& lines, const BeamImage& hu, BeamIma
   }
 }
 
-void EchoTracer::Trace(const BeamLines& lines, BeamImage& hu, BeamImage& echo, int num_threads) {
+void EchoTracer::Trace(const BeamLines& lines, const BeamBend& bend, BeamImage& hu, BeamImage& echo,
+                       int num_threads) {
   echo.Resize(hu.lines(), hu.samples());
   work_.Resize(hu.lines(), kFirstImpedance + span_ + 1);
   FillCouplingGap(hu);
@@ -209,7 +208,7 @@ void EchoTracer::Trace(const BeamLines& lines, BeamImage& hu, BeamImage& echo, i
   const int all_lanes = kernels::RoundUp(hu.lines());
   const auto piece = [&](int p) {
     const int first = p * kLanesPerPiece;
-    TracePiece(lines, hu, echo, first, std::min(kLanesPerPiece, all_lanes - first));
+    TracePiece(lines, bend, hu, echo, first, std::min(kLanesPerPiece, all_lanes - first));
   };
   ParallelFor((all_lanes + kLanesPerPiece - 1) / kLanesPerPiece, num_threads, std::ref(piece));
 }

@@ -27,8 +27,9 @@ class EchoTracer {
              const volume::Geometry& ct_geometry);
 
   /// Fills gel gaps in `hu` and writes `echo` (resized by this; margins are not filled).
-  /// `lines` places the texture; it must be the ones that `hu` was sampled with.
-  void Trace(const BeamLines& lines, BeamImage& hu, BeamImage& echo, int num_threads);
+  /// `lines` and `bend` place the texture; they must be those that `hu` was sampled with.
+  void Trace(const BeamLines& lines, const BeamBend& bend, BeamImage& hu, BeamImage& echo,
+             int num_threads);
 
   /// Samples that an interface spans.
   int span_samples() const { return span_; }
@@ -38,10 +39,10 @@ class EchoTracer {
   void MakeTile(double grain_mm, const volume::Geometry& ct_geometry);
   void FillCouplingGap(BeamImage& hu) const;
   void StartEnergy(const BeamImage& hu);
-  void TracePiece(const BeamLines& lines, const BeamImage& hu, BeamImage& echo, int first_lane,
-                  int lanes);
-  const float* ScatterRow(const BeamLines& lines, const BeamImage& hu, int k, int first_lane,
-                          int lanes);
+  void TracePiece(const BeamLines& lines, const BeamBend& bend, const BeamImage& hu,
+                  BeamImage& echo, int first_lane, int lanes);
+  const float* ScatterRow(const BeamLines& lines, const BeamBend& bend, const BeamImage& hu, int k,
+                          int first_lane, int lanes);
 
   BModeOptions options_;
   ScanGrid grid_;

@@ -92,7 +92,7 @@ void SampleSlice(benchmark::State& state) {
   int n = 0;
   for (auto _ : state) {
     sampler.PlaceLines(grid, Pose(n++), lines);
-    sampler.Sample(lines, hu, 1);
+    sampler.Sample(lines, acus::ultrasound::BeamBend(), hu, 1);
     benchmark::DoNotOptimize(hu.row(0));
   }
 }

@@ -52,7 +52,7 @@ BeamImage SampleGrid(const CtSampler& sampler, const ScanGrid& grid, const Eigen
   BeamImage hu;
   sampler.PlaceLines(grid, pose, lines);
   hu.Resize(grid.lines(), grid.samples);
-  sampler.Sample(lines, hu, num_threads);
+  sampler.Sample(lines, BeamBend(), hu, num_threads);
   return hu;
 }
 

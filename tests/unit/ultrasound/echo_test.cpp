@@ -62,7 +62,7 @@ BeamImage Trace(const BModeOptions& options, const Hu& hu_at, int num_threads = 
       hu.row(k)[l] = static_cast<float>(hu_at(std::min(l, kLines - 1), k));
   }
   BeamImage echo;
-  tracer.Trace(lines, hu, echo, num_threads);
+  tracer.Trace(lines, BeamBend(), hu, echo, num_threads);
   return echo;
 }
 
