@@ -1,0 +1,127 @@
+#include "mechanics/sparse_factor.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "core/error.h"
+#include "mechanics/cholmod_handles.h"
+
+namespace acus::mechanics {
+namespace {
+
+/// The pattern of the matrix of blocks: one row and column per block, lower triangle.
+CholmodSparse BlockPattern(const Eigen::SparseMatrix<double>& lower, int block,
+                           CholmodCommon& common) {
+  const int num_blocks = static_cast<int>(lower.rows()) / block;
+  std::vector<SuiteSparse_long> first{0};
+  std::vector<SuiteSparse_long> rows;
+  std::vector<int> here;
+  for (int column = 0; column < num_blocks; ++column) {
+    here.assign(1, column);
+    for (int k = 0; k < block; ++k) {
+      Eigen::SparseMatrix<double>::InnerIterator it(lower, column * block + k);
+      for (; it; ++it) {
+        const int row = static_cast<int>(it.row()) / block;
+        if (row != here.back()) here.push_back(row);
+      }
+    }
+    std::ranges::sort(here);
+    here.erase(std::unique(here.begin(), here.end()), here.end());
+    rows.insert(rows.end(), here.begin(), here.end());
+    first.push_back(static_cast<SuiteSparse_long>(rows.size()));
+  }
+  const auto size = static_cast<std::size_t>(num_blocks);
+  CholmodSparse out(
+      cholmod_l_allocate_sparse(size, size, rows.size(), 1, 1, -1, CHOLMOD_PATTERN, common.get()),
+      CholmodDeleter{common.get()});
+  RequireCholmodOk(common, nullptr, "ordering the nodes");
+  std::ranges::copy(first, static_cast<SuiteSparse_long*>(out->p));
+  std::ranges::copy(rows, static_cast<SuiteSparse_long*>(out->i));
+  return out;
+}
+
+/// Order of elimination of the rows: METIS on blocks, whose rows stay beside each other.
+std::vector<SuiteSparse_long> Order(const Eigen::SparseMatrix<double>& lower, int block,
+                                    CholmodCommon& common) {
+  const CholmodSparse pattern = BlockPattern(lower, block, common);
+  std::vector<SuiteSparse_long> of_blocks(pattern->nrow);
+  cholmod_l_metis(pattern.get(), nullptr, 0, 1, of_blocks.data(), common.get());
+  RequireCholmodOk(common, nullptr, "ordering the nodes");
+  std::vector<SuiteSparse_long> of_rows;
+  of_rows.reserve(of_blocks.size() * static_cast<std::size_t>(block));
+  for (const SuiteSparse_long b : of_blocks) {
+    for (int k = 0; k < block; ++k) of_rows.push_back(b * block + k);
+  }
+  return of_rows;
+}
+
+}  // namespace
+
+struct SparseFactor::Impl {
+  CholmodCommon common;  // First: the factor is freed with it.
+  CholmodFactor factor{nullptr, CholmodDeleter{common.get()}};
+  double num_values = 0.0;
+  double num_operations = 0.0;
+
+  void Factor(const Eigen::SparseMatrix<double>& lower) {
+    const CholmodSparse matrix = ToCholmod(lower, common);
+    cholmod_l_factorize(matrix.get(), factor.get(), common.get());
+    RequireCholmodOk(common, factor.get(), "factoring the stiffness matrix");
+  }
+};
+
+SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& lower, int block)
+    : impl_(std::make_unique<Impl>()) {
+  ACUS_ASSERT(block > 0 && lower.rows() % block == 0);
+  Impl& impl = *impl_;
+  std::vector<SuiteSparse_long> order = Order(lower, block, impl.common);
+  impl.common->method[0].ordering = CHOLMOD_GIVEN;
+  const CholmodSparse matrix = ToCholmod(lower, impl.common);
+  impl.factor.reset(cholmod_l_analyze_p(matrix.get(), order.data(), nullptr, 0, impl.common.get()));
+  RequireCholmodOk(impl.common, nullptr, "ordering the stiffness matrix");
+  impl.num_values = impl.common->lnz;
+  impl.num_operations = impl.common->fl;
+  cholmod_l_factorize(matrix.get(), impl.factor.get(), impl.common.get());
+  RequireCholmodOk(impl.common, impl.factor.get(), "factoring the stiffness matrix");
+}
+
+SparseFactor::~SparseFactor() = default;
+SparseFactor::SparseFactor(SparseFactor&&) noexcept = default;
+SparseFactor& SparseFactor::operator=(SparseFactor&&) noexcept = default;
+
+Eigen::MatrixXd SparseFactor::Solve(const Eigen::Ref<const Eigen::MatrixXd>& right_sides) const {
+  ACUS_ASSERT(right_sides.rows() == num_rows());
+  Eigen::MatrixXd values = right_sides;
+  cholmod_dense b{};
+  b.nrow = static_cast<std::size_t>(values.rows());
+  b.ncol = static_cast<std::size_t>(values.cols());
+  b.nzmax = b.nrow * b.ncol;
+  b.d = b.nrow;
+  b.x = values.data();
+  b.xtype = CHOLMOD_REAL;
+  b.dtype = CHOLMOD_DOUBLE;
+  const CholmodDense x(cholmod_l_solve(CHOLMOD_A, impl_->factor.get(), &b, impl_->common.get()),
+                       CholmodDeleter{impl_->common.get()});
+  RequireCholmodOk(impl_->common, nullptr, "solving for displacements");
+  std::copy_n(static_cast<const double*>(x->x), values.size(), values.data());
+  return values;
+}
+
+void SparseFactor::Refactor(const Eigen::SparseMatrix<double>& lower) {
+  ACUS_ASSERT(lower.rows() == num_rows());
+  impl_->Factor(lower);
+}
+
+int SparseFactor::num_rows() const {
+  return static_cast<int>(impl_->factor->n);
+}
+
+double SparseFactor::num_values() const {
+  return impl_->num_values;
+}
+
+double SparseFactor::num_operations() const {
+  return impl_->num_operations;
+}
+
+}  // namespace acus::mechanics
