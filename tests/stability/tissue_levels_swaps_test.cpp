@@ -1,0 +1,100 @@
+// A million changes between stick and slip on the explicit inverse of the 2D model: how far the
+// forces drift from a fresh solve, and that the monitor keeps them.
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <gtest/gtest.h>
+#include <vector>
+
+#include "core/random.h"
+#include "mechanics/plane_strain.h"
+#include "mechanics/swept_matrix.h"
+
+namespace acus::tissue {
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// 30 nodes below one another in soft tissue with a stiff layer, thickness 30 mm.
+RowMajor NeedleCompliance() {
+  const mechanics::PlaneGrid grid{25, 33, 2.0};
+  std::vector<mechanics::ElasticTissue> tissue(grid.num_triangles(), {0.01, 0.49});
+  for (int t = 600; t < 700; ++t) tissue[t] = {0.5, 0.49};
+  std::vector<char> fixed(grid.num_nodes(), 0);
+  for (int n = 0; n < grid.num_nodes(); ++n) {
+    if (n % 25 == 0 || n % 25 == 24 || n / 25 == 32) fixed[n] = 1;
+  }
+  const auto inverse = mechanics::InvertPlane(grid, tissue, fixed, mechanics::Dilatation::kCell);
+  std::vector<int> dofs;
+  for (int row = 0; row < 30; ++row) {
+    const int dof = inverse.dof_of_node[grid.Node(12, row)];
+    dofs.insert(dofs.end(), {dof, dof + 1});
+  }
+  return inverse.matrix(dofs, dofs) / 30.0;
+}
+
+/// Largest error of a force in x against a new factorisation, N.
+double ErrorOfFreshSolve(const RowMajor& c, const mechanics::SweptMatrix& swept,
+                         const Eigen::VectorXd& y, const Eigen::VectorXd& x) {
+  std::vector<int> d;
+  std::vector<int> s;
+  for (int i = 0; i < swept.size(); ++i) (swept.IsDisplacement(i) ? d : s).push_back(i);
+  if (d.empty()) return 0.0;
+  Eigen::VectorXd right = y(d);
+  if (!s.empty()) right -= c(d, s) * y(s);
+  const Eigen::MatrixXd c_dd = c(d, d);
+  const Eigen::VectorXd force = c_dd.llt().solve(right);
+  return (force - x(d)).cwiseAbs().maxCoeff();
+}
+
+struct Outcome {
+  double worst_n = 0.0;
+  double largest_force_n = 0.0;
+  int num_rebuilds = 0;
+};
+
+/// Nodes stick with up to 5 mm and slip with up to 0.3 N, and so on, a million times.
+Outcome MillionSwaps(bool monitored) {
+  const RowMajor c = NeedleCompliance();
+  const int size = static_cast<int>(c.rows());
+  mechanics::SweptMatrix swept = mechanics::SweptMatrix::Of(c);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(size);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(size);
+  RandomStream random(1, "swaps");
+  Outcome out;
+  for (int n = 1; n <= 1'000'000; ++n) {
+    const int k = static_cast<int>(random.Uniform(0, size));
+    if (!swept.Swap(k)) ADD_FAILURE() << n;
+    y[k] = swept.IsDisplacement(k) ? random.Uniform(-5, 5) : random.Uniform(-0.3, 0.3);
+    const bool look = n % 1000 == 0;
+    if (monitored || look) swept.Solve(y.data(), x.data());
+    if (monitored && swept.ForceError(c.data(), size, y.data(), x.data()) > 1e-10) {
+      EXPECT_TRUE(swept.Rebuild(c.data(), size));
+      swept.Solve(y.data(), x.data());
+      ++out.num_rebuilds;
+    }
+    if (!look) continue;
+    out.worst_n = std::max(out.worst_n, ErrorOfFreshSolve(c, swept, y, x));
+    for (int i = 0; i < size; ++i) {
+      if (!swept.IsDisplacement(i)) continue;
+      out.largest_force_n = std::max(out.largest_force_n, std::abs(x[i]));
+    }
+  }
+  return out;
+}
+
+TEST(TissueLevelsSwaps, AMillionSwapsDriftButNotWithTheMonitor) {
+  const Outcome drifted = MillionSwaps(false);
+  const Outcome kept = MillionSwaps(true);
+  std::printf(
+      "1e6 swaps, forces up to %.3g N: error %.3g N without, %.3g N with the monitor, "
+      "%d rebuilds\n",
+      kept.largest_force_n, drifted.worst_n, kept.worst_n, kept.num_rebuilds);
+  EXPECT_LT(drifted.worst_n, 1e-3);
+  EXPECT_LE(kept.worst_n, 1e-9);
+  EXPECT_LT(kept.largest_force_n, 1e3);
+}
+
+}  // namespace
+}  // namespace acus::tissue
