@@ -5,58 +5,9 @@
 
 #include "core/error.h"
 #include "mechanics/cholmod_handles.h"
+#include "mechanics/elimination_order.h"
 
 namespace acus::mechanics {
-namespace {
-
-/// The pattern of the matrix of blocks: one row and column per block, lower triangle.
-CholmodSparse BlockPattern(const Eigen::SparseMatrix<double>& lower, int block,
-                           CholmodCommon& common) {
-  const int num_blocks = static_cast<int>(lower.rows()) / block;
-  std::vector<SuiteSparse_long> first{0};
-  std::vector<SuiteSparse_long> rows;
-  std::vector<int> here;
-  for (int column = 0; column < num_blocks; ++column) {
-    here.assign(1, column);
-    for (int k = 0; k < block; ++k) {
-      Eigen::SparseMatrix<double>::InnerIterator it(lower, column * block + k);
-      for (; it; ++it) {
-        const int row = static_cast<int>(it.row()) / block;
-        if (row != here.back()) here.push_back(row);
-      }
-    }
-    std::ranges::sort(here);
-    here.erase(std::unique(here.begin(), here.end()), here.end());
-    rows.insert(rows.end(), here.begin(), here.end());
-    first.push_back(static_cast<SuiteSparse_long>(rows.size()));
-  }
-  const auto size = static_cast<std::size_t>(num_blocks);
-  CholmodSparse out(
-      cholmod_l_allocate_sparse(size, size, rows.size(), 1, 1, -1, CHOLMOD_PATTERN, common.get()),
-      CholmodDeleter{common.get()});
-  RequireCholmodOk(common, nullptr, "ordering the nodes");
-  std::ranges::copy(first, static_cast<SuiteSparse_long*>(out->p));
-  std::ranges::copy(rows, static_cast<SuiteSparse_long*>(out->i));
-  return out;
-}
-
-/// Order of elimination of the rows: METIS on blocks, whose rows stay beside each other.
-std::vector<SuiteSparse_long> Order(const Eigen::SparseMatrix<double>& lower, int block,
-                                    CholmodCommon& common) {
-  const CholmodSparse pattern = BlockPattern(lower, block, common);
-  std::vector<SuiteSparse_long> of_blocks(pattern->nrow);
-  cholmod_l_metis(pattern.get(), nullptr, 0, 1, of_blocks.data(), common.get());
-  RequireCholmodOk(common, nullptr, "ordering the nodes");
-  std::vector<SuiteSparse_long> of_rows;
-  of_rows.reserve(of_blocks.size() * static_cast<std::size_t>(block));
-  for (const SuiteSparse_long b : of_blocks) {
-    for (int k = 0; k < block; ++k) of_rows.push_back(b * block + k);
-  }
-  return of_rows;
-}
-
-}  // namespace
-
 struct SparseFactor::Impl {
   CholmodCommon common;  // First: the factor is freed with it.
   CholmodFactor factor{nullptr, CholmodDeleter{common.get()}};
@@ -74,7 +25,7 @@ SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& lower, int block)
     : impl_(std::make_unique<Impl>()) {
   ACUS_ASSERT(block > 0 && lower.rows() % block == 0);
   Impl& impl = *impl_;
-  std::vector<SuiteSparse_long> order = Order(lower, block, impl.common);
+  std::vector<SuiteSparse_long> order = EliminationOrder(lower, block, {}, impl.common);
   impl.common->method[0].ordering = CHOLMOD_GIVEN;
   const CholmodSparse matrix = ToCholmod(lower, impl.common);
   impl.factor.reset(cholmod_l_analyze_p(matrix.get(), order.data(), nullptr, 0, impl.common.get()));

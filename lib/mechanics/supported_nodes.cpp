@@ -1,12 +1,11 @@
 #include "mechanics/supported_nodes.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
-#include <tuple>
 
 #include "core/error.h"
 #include "mesh/quality.h"
+#include "mesh/tetra_faces.h"
 
 namespace acus::mechanics {
 namespace {
@@ -26,19 +25,7 @@ void CheckSizes(const mesh::TetraMesh& mesh) {
 /// Piece of each tetrahedron: those joined by faces have the same, numbered from 0.
 std::vector<int> FaceConnectedPieces(const mesh::TetraMesh& mesh) {
   const int m = static_cast<int>(mesh.tetrahedra.cols());
-  std::vector<std::tuple<int, int, int, int>> faces;
-  faces.reserve(4 * static_cast<std::size_t>(m));
-  for (int t = 0; t < m; ++t) {
-    for (int skip = 0; skip < 4; ++skip) {
-      std::array<int, 3> f{};
-      for (int c = 0, k = 0; c < 4; ++c) {
-        if (c != skip) f[k++] = mesh.tetrahedra(c, t);
-      }
-      std::ranges::sort(f);
-      faces.emplace_back(f[0], f[1], f[2], t);
-    }
-  }
-  std::ranges::sort(faces);
+  const std::vector<mesh::TetraFace> faces = mesh::SortedFaces(mesh);
   std::vector<int> parent(m);
   std::iota(parent.begin(), parent.end(), 0);
   const auto find = [&](int i) {
@@ -46,10 +33,9 @@ std::vector<int> FaceConnectedPieces(const mesh::TetraMesh& mesh) {
     return i;
   };
   for (std::size_t i = 1; i < faces.size(); ++i) {
-    const auto& [a0, a1, a2, at] = faces[i - 1];
-    const auto& [b0, b1, b2, bt] = faces[i];
-    if (a0 != b0 || a1 != b1 || a2 != b2) continue;
-    const auto [low, high] = std::minmax({find(at), find(bt)});
+    if (!faces[i].IsSameFace(faces[i - 1])) continue;
+    const auto [low, high] =
+        std::minmax({find(faces[i - 1].tetrahedron), find(faces[i].tetrahedron)});
     parent[high] = low;
   }
   std::vector<int> piece(m);

@@ -4,8 +4,8 @@
 
 #include "config/json_file.h"
 #include "core/atomic_file.h"
+#include "core/cpu_time.h"
 #include "core/text_table.h"
-#include "replay/cpu_time.h"
 #include "replay/image_log.h"
 #include "replay/run_metrics.h"
 #include "replay/run_report.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "core/cpu_time.h"
 #include "core/csv.h"
-#include "replay/cpu_time.h"
 #include "session/pose_csv.h"
 
 namespace acus::replay {

@@ -1,0 +1,29 @@
+// What work costs: CPU time, whatever else the machine does, and memory. Reported, never computed
+// with.
+#pragma once
+
+#include <ctime>
+#include <sys/resource.h>
+
+namespace acus {
+
+inline double CpuSeconds(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+inline double ThreadCpuSeconds() {
+  return CpuSeconds(CLOCK_THREAD_CPUTIME_ID);
+}
+inline double ProcessCpuSeconds() {
+  return CpuSeconds(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+/// The most memory that this process has held so far, MiB. Pages of mapped files count.
+inline double PeakMemoryMib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+}  // namespace acus
