@@ -43,9 +43,15 @@ int BoxSolver::Bind(const Problem& problem, double* x) noexcept {
       status_[i] = ContactStatus::kStick;
     }
     switch (status_[i]) {
-      case ContactStatus::kOff: x[i] = 0.0; break;
-      case ContactStatus::kAtLow: x[i] = problem.low[i]; break;
-      case ContactStatus::kAtHigh: x[i] = problem.high[i]; break;
+      case ContactStatus::kOff:
+        x[i] = 0.0;
+        break;
+      case ContactStatus::kAtLow:
+        x[i] = problem.low[i];
+        break;
+      case ContactStatus::kAtHigh:
+        x[i] = problem.high[i];
+        break;
       case ContactStatus::kStick:
         x[i] = 0.0;
         free_.push_back(i);
@@ -102,15 +108,16 @@ int BoxSolver::MarkWrong(const Problem& problem, const double* x) noexcept {
         10.0 * slack_n * problem.matrix[i * problem.stride + i] + kForceTolerance * largest_mm;
     bool wrong = false;
     switch (status_[i]) {
-      case ContactStatus::kOff: break;
+      case ContactStatus::kOff:
+        break;
       case ContactStatus::kStick:
         wrong = !(x[i] >= problem.low[i] - slack_n && x[i] <= problem.high[i] + slack_n);
         break;
       case ContactStatus::kAtLow:
-        wrong = excess_[i] < -slack_mm && problem.low[i] < problem.high[i];
+        wrong = !(excess_[i] >= -slack_mm) && problem.low[i] < problem.high[i];
         break;
       case ContactStatus::kAtHigh:
-        wrong = excess_[i] > slack_mm && problem.low[i] < problem.high[i];
+        wrong = !(excess_[i] <= slack_mm) && problem.low[i] < problem.high[i];
         break;
     }
     wrong_[i] = wrong ? 1 : 0;
@@ -190,6 +197,7 @@ void BoxSolver::Project(const Problem& problem, double* x) noexcept {
       if (status_[i] == ContactStatus::kOff) continue;
       double excess = -problem.rhs[i];
       for (int j = 0; j < problem.size; ++j) excess += at(i, j) * x[j];
+      if (!std::isfinite(excess)) continue;
       x[i] = std::clamp(x[i] - excess / at(i, i), problem.low[i], problem.high[i]);
     }
   }

@@ -31,8 +31,8 @@ struct BoxCounts {
 ///
 /// Block principal pivoting as by Judice and Pires (1994, Computers & Operations Research 21,
 /// 587-596): all wrong unknowns are swapped at once; when that does not help for a while, only the
-/// one with the highest number, which must end (Murty 1974) as S is positive definite. The number of
-/// rounds is bounded; when it is used up, projected Gauss-Seidel gives forces that keep to their
+/// one with the highest number, which must end (Murty 1974) as S is positive definite. The number
+/// of rounds is bounded; when it is used up, projected Gauss-Seidel gives forces that keep to their
 /// bounds, and the next step goes on from there.
 ///
 /// Starts from the statuses of the last solve and keeps what is still right of its factor. The

@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kPointsPerCopy = 8;
 constexpr int kSolvesPerCheck = 16;
-// Of the largest displacement asked for, but at least of 1 mm. A force is wrong by no more than this
-// over the compliance of a point, some mm/N.
+// Of the largest displacement asked for, but at least of 1 mm. A force is wrong by no more than
+// this over the compliance of a point, some mm/N.
 constexpr double kLargestResidualShare = 1e-10;
 
 template <class T>
@@ -96,8 +96,9 @@ void ContactSystem::Restart(ContactState& state, const Eigen::Matrix3d& frame) c
 
 Eigen::Matrix3d ContactSystem::Between(const ContactPlace& a,
                                        const ContactPlace& b) const noexcept {
-  return compliance_.storage() == mechanics::Storage::kFloat ? SumBetween<float>(compliance_, a, b)
-                                                            : SumBetween<double>(compliance_, a, b);
+  return compliance_.storage() == mechanics::Storage::kFloat
+             ? SumBetween<float>(compliance_, a, b)
+             : SumBetween<double>(compliance_, a, b);
 }
 
 double ContactSystem::SlotBetween(const ContactState& state, int a, int b) const noexcept {
@@ -106,6 +107,12 @@ double ContactSystem::SlotBetween(const ContactState& state, int a, int b) const
   return state.slot_direction_[later].dot(
       Between(state.slot_place_[later], state.slot_place_[earlier]) *
       state.slot_direction_[earlier]);
+}
+
+Eigen::Vector3d ContactSystem::SlotToPoint(const ContactState& state, int slot,
+                                           const ContactPlace& point) const noexcept {
+  return state.frame_.transpose() *
+         (Between(state.slot_place_[slot], point).transpose() * state.slot_direction_[slot]);
 }
 
 Eigen::Vector3d ContactSystem::AppendPoint(ContactState& state, const ContactPlace& place,
@@ -123,10 +130,7 @@ Eigen::Vector3d ContactSystem::AppendPoint(ContactState& state, const ContactPla
 
   for (int s = 0; s < state.num_slots_; ++s) {
     Eigen::Vector3d block = Eigen::Vector3d::Zero();
-    if (state.slot_used_[s] != 0) {
-      block = frame.transpose() *
-              (Between(state.slot_place_[s], place).transpose() * state.slot_direction_[s]);
-    }
+    if (state.slot_used_[s] != 0) block = SlotToPoint(state, s, place);
     row_a[s] = block[0];
     row_b[s] = block[1];
     row_s[s] = block[2];
@@ -137,8 +141,8 @@ Eigen::Vector3d ContactSystem::AppendPoint(ContactState& state, const ContactPla
     Eigen::Matrix3d block = frame.transpose() * Between(place, other) * frame;
     if (q < n) displacement += block * state.PointForceN(q);
     if (q == n) {
-      block.diagonal() += Eigen::Vector3d(local.lateral_mm_per_n, local.lateral_mm_per_n,
-                                          local.axial_mm_per_n);
+      block.diagonal() +=
+          Eigen::Vector3d(local.lateral_mm_per_n, local.lateral_mm_per_n, local.axial_mm_per_n);
     }
     above_a[2 * q] = block(0, 0);
     above_b[2 * q] = block(1, 0);
@@ -161,7 +165,8 @@ Eigen::Vector3d ContactSystem::AppendPoint(ContactState& state, const ContactPla
     double* row = r == 0 ? row_a : row_b;
     factor.Append(above);
     SubtractRows(row, column + 1, above, state.w_.data(), state.stride_, 2 * n + r);
-    for (int j = 0; j <= column; ++j) row[j] /= above[2 * n + r];
+    const double inverse = 1.0 / above[2 * n + r];  // As TriangularFactor divides.
+    for (int j = 0; j <= column; ++j) row[j] *= inverse;
     axial[2 * n + r] = row[column];
   }
   SubtractRows(row_s, column + 1, axial, state.w_.data(), state.stride_, 2 * n + 2);
@@ -221,14 +226,12 @@ void ContactSystem::SetSlot(ContactState& state, int slot, const ContactPlace& p
 
   double* lateral = state.first_.data();
   double* row = state.second_.data();
-  const Eigen::RowVector3d along = direction.transpose();
   for (int s = 0; s < slots; ++s) {
     row[s] = state.slot_used_[s] != 0 ? SlotBetween(state, slot, s) : 0.0;
   }
   row[slot] += local_mm_per_n;
   for (int q = 0; q < n; ++q) {
-    const Eigen::RowVector3d block =
-        (along * Between(place, state.point_place_[q])) * state.frame_;
+    const Eigen::Vector3d block = SlotToPoint(state, slot, state.point_place_[q]);
     lateral[2 * q] = block[0];
     lateral[2 * q + 1] = block[1];
     row[slots + q] = block[2];
@@ -338,8 +341,7 @@ Eigen::Vector3d ContactSystem::DisplacementMm(const ContactState& state,
 double ContactSystem::ResidualMm(const ContactState& state, int point) const noexcept {
   const Eigen::Vector3d force_n = state.PointForceN(point);
   const LocalCompliance& local = state.point_local_[point];
-  Eigen::Vector3d u =
-      state.frame_.transpose() * DisplacementMm(state, state.point_place_[point]);
+  Eigen::Vector3d u = state.frame_.transpose() * DisplacementMm(state, state.point_place_[point]);
   u += Eigen::Vector3d(local.lateral_mm_per_n, local.lateral_mm_per_n, local.axial_mm_per_n)
            .cwiseProduct(force_n);
   const Eigen::Vector3d asked(

@@ -7,9 +7,9 @@
 //  - slots: one force along one direction within bounds (the needle's tip, nodes under a probe), in
 //    any order.
 // With A the compliance between them, the lateral unknowns l are eliminated by A_ll = U^T U and
-// W = U^-T A_lb, which leaves S = A_bb - W^T W for the bounded ones. U and W only ever change at their
-// end, and S is kept as sums over the rows of W from the first to the last, with copies every few
-// points to go back to. So nothing is ever updated downwards: whatever was appended and dropped
+// W = U^-T A_lb, which leaves S = A_bb - W^T W for the bounded ones. U and W only ever change at
+// their end, and S is kept as sums over the rows of W from the first to the last, with copies every
+// few points to go back to. So nothing is ever updated downwards: whatever was appended and dropped
 // before, U, W and S are bit for bit what a fresh start gives, and there is no drift.
 #pragma once
 
@@ -41,14 +41,19 @@ struct LocalCompliance {
 
 class ContactSystem;
 
-/// Which places are in contact, the factors, the forces. A plain value: a copy goes on with the same
-/// bits. Made by ContactSystem::NewState(), which takes all the memory that it will ever need.
+/// Which places are in contact, the factors, the forces. A plain value: a copy goes on with the
+/// same bits. Made by ContactSystem::NewState(), which takes all the memory that it will ever need.
 class ContactState {
  public:
   int num_points() const { return num_points_; }
   bool slot_in_use(int slot) const { return slot_used_[slot] != 0; }
   const ContactPlace& point_place(int point) const { return point_place_[point]; }
+  const LocalCompliance& point_local(int point) const { return point_local_[point]; }
   const Eigen::Matrix3d& frame() const { return frame_; }
+  int num_slots() const { return num_slots_; }
+  const ContactPlace& slot_place(int slot) const { return slot_place_[slot]; }
+  const Eigen::Vector3d& slot_direction(int slot) const { return slot_direction_[slot]; }
+  double slot_local_mm_per_n(int slot) const { return slot_local_[slot]; }
 
   /// What the next Solve() is asked for. Lateral displacement along the frame's first two columns.
   void SetLateral(int point, double first_mm, double second_mm) {
@@ -61,6 +66,13 @@ class ContactState {
   void SetSlotDemand(int slot, double displacement_mm, double low_n, double high_n) {
     SetBounded(slot, displacement_mm, low_n, high_n);
   }
+
+  /// What was asked for: of points' two lateral displacements; of columns (slots, then points).
+  double LateralMm(int row) const { return lateral_mm_[row]; }
+  double DemandMm(int column) const { return demand_mm_[column]; }
+  double LowN(int column) const { return low_n_[column]; }
+  double HighN(int column) const { return high_n_[column]; }
+  ContactStatus Status(int column) const { return solver_.status(column); }
 
   /// Forces on the tissue after Solve(): lateral, lateral, axial, in the frame.
   Eigen::Vector3d PointForceN(int point) const {
@@ -78,8 +90,12 @@ class ContactState {
   std::int64_t num_checks() const { return num_checks_; }
   double largest_residual_mm() const { return largest_residual_mm_; }
 
-  /// For tests of the residual monitor: spoils the factors.
-  void SpoilFactorForTest(double factor) { lateral_factor_.Row(0)[0] *= factor; }
+  /// For tests of the residual monitor: spoils the factor where all points depend on it.
+  void SpoilFactorForTest(double factor) {
+    for (int j = 1; j < 2 * num_points_; ++j) lateral_factor_.Row(0)[j] *= factor;
+  }
+  /// For tests of bits: the solve begins with this status.
+  void CopyStatusForTest(int column, ContactStatus status) { solver_.SetStatus(column, status); }
 
  private:
   friend class ContactSystem;
@@ -140,7 +156,7 @@ class ContactSystem {
   void Restart(ContactState& state, const Eigen::Matrix3d& frame) const noexcept;
 
   /// Adds a point at the end, free of force. @return its displacement by the present forces, in the
-  /// frame. @pre there is room, see Capacity.
+  /// frame. @pre there is room, see Capacity; both parts of `local` > 0.
   /// Cost O(n^2 + n * slots).
   Eigen::Vector3d AppendPoint(ContactState& state, const ContactPlace& place,
                               const LocalCompliance& local) const noexcept;
@@ -149,7 +165,7 @@ class ContactSystem {
   void TruncatePoints(ContactState& state, int count) const noexcept;
 
   /// Takes a slot into use or moves it. @param direction  unit length. Its force stays until the
-  /// next Solve().
+  /// next Solve(). @pre the place has a row, or local_mm_per_n > 0.
   void SetSlot(ContactState& state, int slot, const ContactPlace& place,
                const Eigen::Vector3d& direction, double local_mm_per_n) const noexcept;
   void ClearSlot(ContactState& state, int slot) const noexcept;
@@ -181,6 +197,8 @@ class ContactSystem {
   void SaveCopy(ContactState& state, int index) const noexcept;
   std::ptrdiff_t CopyBegin(int index) const noexcept;
   double SlotBetween(const ContactState& state, int a, int b) const noexcept;
+  Eigen::Vector3d SlotToPoint(const ContactState& state, int slot,
+                              const ContactPlace& point) const noexcept;
 
   mechanics::Compliance compliance_;
   Capacity capacity_;

@@ -6,8 +6,8 @@
 
 namespace acus::tissue {
 
-/// acc[j] -= sum over k of coefficient[k] * rows[k * stride + j], j < width, k ascending for each j:
-/// the same bits however the work is cut up.
+/// acc[j] -= sum over k of coefficient[k] * rows[k * stride + j], j < width, k ascending for each
+/// j: the same bits however the work is cut up.
 void SubtractRows(double* acc, int width, const double* coefficient, const double* rows,
                   std::ptrdiff_t stride, int num_rows) noexcept;
 
@@ -31,7 +31,8 @@ class TriangularFactor {
   bool Append(double* column) noexcept;
 
   /// Appends `count` columns at once; same bits as one by one. The caller has put A's values on and
-  /// above the diagonal where U's will be, see Row(). @return number of pivots that had to be raised.
+  /// above the diagonal where U's will be, see Row(). @return number of pivots that had to be
+  /// raised.
   int FinishColumns(int count) noexcept;
 
   /// Row k; entries j >= k are U's.
