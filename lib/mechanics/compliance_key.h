@@ -1,0 +1,23 @@
+// What a compliance depends on, as hashes: whether a stored one still holds.
+#pragma once
+
+#include <string>
+
+#include "mechanics/elasticity_table.h"
+#include "mechanics/stiffness.h"
+#include "mesh/tetra_mesh.h"
+
+namespace acus::mechanics {
+
+struct ComplianceKey {
+  std::string mesh_sha256;        ///< Of nodes, tetrahedra, tissues and fixed flags, as hex.
+  std::string elasticity_sha256;  ///< Of the constants of those tissues that can be deformed.
+  std::string element;            ///< As ElementName.
+};
+
+/// Goes by content: file names, and rows of the table that the mesh has no use for, do not count.
+/// @throws InputError if the table has no row for a tissue that can be deformed.
+ComplianceKey KeyOf(const mesh::TetraMesh& mesh, const ElasticityTable& elasticity,
+                    ElementKind element);
+
+}  // namespace acus::mechanics

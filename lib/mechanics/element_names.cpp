@@ -1,0 +1,29 @@
+#include "mechanics/element_names.h"
+
+#include "core/error.h"
+
+namespace acus::mechanics {
+namespace {
+
+constexpr ElementKind kKinds[] = {ElementKind::kLinear};
+
+}  // namespace
+
+std::string_view ElementName(ElementKind kind) {
+  switch (kind) {
+    case ElementKind::kLinear:
+      return "linear";
+  }
+  ACUS_ASSERT(false);
+}
+
+ElementKind ElementNamed(std::string_view name, const std::string& what) {
+  std::string known;
+  for (const ElementKind kind : kKinds) {
+    if (ElementName(kind) == name) return kind;
+    known += Message(known.empty() ? "" : ", ", ElementName(kind));
+  }
+  throw InputError(Message(what, ": there is no element \"", name, "\"; known: ", known));
+}
+
+}  // namespace acus::mechanics
