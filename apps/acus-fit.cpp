@@ -8,7 +8,7 @@
 #include "config/json_file.h"
 #include "core/atomic_file.h"
 #include "core/run_main.h"
-#include "forces/fit_report.h"
+#include "fitting/fit_report.h"
 #include "report/svg_plot.h"
 #include "volume/labels.h"
 
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 /// Measured force with the fit over it, and what is left, over `x` (depth or time).
 std::vector<report::Plot> Plots(const forces::ForceCurve& curve,
-                                const forces::PunctureCurveFit& fit, const std::vector<double>& x,
+                                const fitting::PunctureCurveFit& fit, const std::vector<double>& x,
                                 const char* x_label) {
   report::Series measured{.name = "measured", .x = x, .y = curve.force_n};
   report::Series fitted{.name = "fit", .style = report::Style::kPoints};
@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
   return RunMain(app, argc, argv, [&](RunContext& context) {
     if (!tissue.empty()) volume::LabelOf(tissue);
     AtomicFolder folder(output, context.overwrite);
-    std::vector<forces::PunctureCurveFit> fits;
+    std::vector<fitting::PunctureCurveFit> fits;
     std::vector<report::Plot> overview;
     nlohmann::json results = nlohmann::json::array();
     std::string failures;
@@ -68,9 +68,9 @@ int main(int argc, char** argv) {
       context.Checkpoint("fitting", static_cast<double>(i) / static_cast<double>(inputs.size()));
       context.provenance.AddInput(inputs[i]);
       const forces::ForceCurve curve = forces::ReadForceCurve(inputs[i]);
-      const forces::PunctureCurveFit& fit = fits.emplace_back(forces::FitPunctureCurve(curve));
+      const fitting::PunctureCurveFit& fit = fits.emplace_back(fitting::FitPunctureCurve(curve));
       if (!fit.converged) failures += "\n  " + inputs[i].string() + ": " + fit.message;
-      results.push_back(forces::FitJson(curve, fit));
+      results.push_back(fitting::FitJson(curve, fit));
       const auto by_depth = Plots(curve, fit, curve.depth_mm, "depth [mm]");
       overview.insert(overview.end(), by_depth.begin(), by_depth.end());
       const fs::path plot = folder.path() / (curve.name + "_over_time.svg");
@@ -78,20 +78,20 @@ int main(int argc, char** argv) {
                    "' too; rename one");
       report::WriteSvg(plot, Plots(curve, fit, curve.time_s, "time [s]"));
     }
-    if (!std::ranges::any_of(fits, &forces::PunctureCurveFit::converged)) {
+    if (!std::ranges::any_of(fits, &fitting::PunctureCurveFit::converged)) {
       throw NoAnswerError("no curve could be fitted, nothing is written:" + failures);
     }
     config::WriteJson(folder.path() / "fit.json",
-                      {{"curves", results}, {"median", forces::SummaryJson(fits)}});
+                      {{"curves", results}, {"median", fitting::SummaryJson(fits)}});
     report::WriteSvg(folder.path() / "fit.svg", overview);
     if (!tissue.empty()) {
       const auto base = config::ReadJson(config::FindConfig("forces/default.json", "."));
       config::WriteJson(folder.path() / "forces.json",
-                        forces::TableWithFittedTissue(base, tissue, fits, diameter_mm));
+                        fitting::TableWithFittedTissue(base, tissue, fits, diameter_mm));
     }
     config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
     folder.Commit();
-    std::cout << forces::FitTable(fits);
+    std::cout << fitting::FitTable(fits);
     if (!failures.empty())
       throw NoAnswerError("the other curves are fitted, but not these:" + failures);
     return ExitCode::kOk;

@@ -1,4 +1,4 @@
-#include "forces/least_squares.h"
+#include "fitting/least_squares.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "math/statistics.h"
 
-namespace acus::forces {
+namespace acus::fitting {
 namespace {
 
 constexpr double kHuberDeviations = 2.5;
@@ -188,4 +188,4 @@ ModelFit FitModel(const SampleModel& model, std::span<const double> x, std::span
   return fit;
 }
 
-}  // namespace acus::forces
+}  // namespace acus::fitting

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace acus::forces {
+namespace acus::fitting {
 
 /// One fitted number. The interval is for this number alone; AmongSeveral gives the wider one that
 /// holds for several numbers at once.
@@ -57,4 +57,4 @@ double StudentQuantile(double degrees, double normal_quantile = 1.95996398454005
 /// The normal quantile for k simultaneous two-sided 95 % intervals (Bonferroni).
 double JointNormalQuantile(int num_intervals);
 
-}  // namespace acus::forces
+}  // namespace acus::fitting

@@ -1,27 +1,22 @@
-#include "forces/curve_fit.h"
+#include "fitting/curve_fit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/error.h"
-#include "forces/curve_models.h"
+#include "fitting/curve_fit_phases.h"
 #include "math/statistics.h"
 
-namespace acus::forces {
+namespace acus::fitting {
 namespace {
 
-constexpr double kStickMm = 4.0;         // An embedded needle's shaft slides after this travel.
 constexpr double kShortestRiseMm = 0.3;  // A rise over less depth has no shape to fit.
 constexpr double kShortestLineMm = 3.0;  // Nor does a line.
 constexpr double kBaselineMm = 2.0;      // Taken along before a rise inside the tissue.
 constexpr double kLongestRiseMm = 15.0;  // Inside the tissue; farther back it is another matter.
 constexpr double kEarlierShare = 0.4;  // A peak this high, relative to the fall, is an earlier one.
 constexpr double kRoundedShare = 0.9;  // Of the height of a peak that is not sharp.
-constexpr double kReversalMm = 3.0;    // Travel in which friction has turned round, at least...
-constexpr double kReversalShare = 0.2;  // ...or this share of the way out.
-constexpr double kShortestHoldS = 1.0;
-constexpr double kRelaxationS = 10.0;  // One exponential describes so long a hold, not minutes.
 
 /// One recording on its way to a fit.
 class Fitter {
@@ -37,10 +32,10 @@ class Fitter {
       fit_.message = "the drive does not advance; are depth and force in the right columns?";
       return std::move(fit_);
     }
-    FitOffset();
-    FitAdvance();
-    FitRetraction();
-    FitHold();
+    FitOffset(curve_, fit_);
+    FitAdvance(curve_, fit_);
+    FitRetraction(curve_, fit_);
+    FitHold(curve_, fit_);
     if (phases().punctures.empty()) {
       fit_.message = Message("no puncture: the force never falls by ", phases().least_drop_n,
                              " N within 3 mm while the needle advances");
@@ -55,17 +50,6 @@ class Fitter {
   const CurvePhases& phases() const { return fit_.phases; }
   const PunctureEvent& main_event() const { return phases().punctures[fit_.main]; }
 
-  void Draw(const ModelFit& fit, const SampleModel& model, const Samples& samples) {
-    std::vector<double> gradient(fit.parameters.size());
-    for (std::size_t i = 0; i < samples.x.size(); ++i) {
-      fit_.model_n[samples.index[i]] = model(fit.parameters, samples.x[i], gradient);
-    }
-  }
-
-  void FitOffset();
-  void FitAdvance();
-  void FitRetraction();
-  void FitHold();
   void FitRise();
   void HoldOtherTerm(RiseLaw law, const Samples& rise);
   bool TryRise(const RiseLaw& law, const Samples& rise, double last_mm);
@@ -82,56 +66,13 @@ class Fitter {
   Estimate A2() const { return law_.has_a2 ? rise_->Of(law_.has_a1 ? 3 : 2) : held_; }
   void FitPlateau();
   void LocatePuncture(const ModelFit& rise);
-  double FirstForceMm() const;
-  /// Zero, with the offset's uncertainty times `factor`.
-  Estimate OffsetError(double factor) const {
-    if (!fit_.offset_n) return {};
-    const double half = factor * (fit_.offset_n->high - fit_.offset_n->value);
-    return {0.0, factor * fit_.offset_n->standard_error, -half, half};
-  }
-  double OffsetN() const { return fit_.offset_n ? fit_.offset_n->value : 0.0; }
 
   const ForceCurve& curve_;
   PunctureCurveFit fit_;
-  Samples rest_;
   std::optional<ModelFit> rise_;
   RiseLaw law_;
   Estimate held_;  ///< Of the term that is held at 0.
 };
-
-void Fitter::FitOffset() {
-  for (std::size_t i = phases().rest.begin; i < phases().rest.end; ++i) {
-    rest_.Add(i, curve_.depth_mm[i], curve_.force_n[i]);
-  }
-  const SampleModel constant = [](std::span<const double> p, double, std::span<double> gradient) {
-    gradient[0] = 1.0;
-    return p[0];
-  };
-  if (rest_.x.size() < 10) return;
-  const ModelFit fit = FitModel(constant, rest_.x, rest_.y, {math::Median(rest_.y)}, true);
-  if (fit.converged) fit_.offset_n = fit.Of(0);
-}
-
-/// The trend of the whole insertion, and whether it began inside the tissue.
-void Fitter::FitAdvance() {
-  Samples all;
-  const double begin_mm = curve_.depth_mm[phases().advance.begin];
-  double early_n[2] = {0.0, 0.0};
-  for (std::size_t i = phases().advance.begin; i < phases().advance.end; ++i) {
-    const double travel_mm = curve_.depth_mm[i] - begin_mm;
-    if (travel_mm < kStickMm) early_n[0] = phases().smooth_n[i] - OffsetN();
-    if (travel_mm < 2.0 * kStickMm) early_n[1] = phases().smooth_n[i] - OffsetN();
-    if (phases().moving_in[i] && travel_mm > kStickMm)
-      all.Add(i, curve_.depth_mm[i], curve_.force_n[i]);
-  }
-  if (all.Span() < 2.0 * kStickMm) return;
-  const bool early_peak = !phases().punctures.empty() &&
-                          curve_.depth_mm[phases().punctures[0].peak] - begin_mm < 2.0 * kStickMm;
-  fit_.starts_in_tissue = !early_peak && early_n[0] > phases().least_drop_n &&
-                          early_n[0] > 2.0 * (early_n[1] - early_n[0]);
-  const ModelFit fit = FitLine(all, math::Mean(all.x));
-  if (fit.converged && fit_.starts_in_tissue) fit_.advance_slope_n_per_mm = fit.Of(1);
-}
 
 /// Samples of the rise before the main puncture, and the depth they begin at.
 Samples Fitter::RiseSamples(double slope_n_per_mm, double& from_mm) const {
@@ -165,7 +106,9 @@ Samples Fitter::RiseSamples(double slope_n_per_mm, double& from_mm) const {
   double base_n = top_n;
   for (std::size_t i = begin; i < event.peak; ++i) base_n = std::min(base_n, smooth[i]);
   Samples rise;
-  if (free_approach) rise = rest_;  // In air the force is the sensor's offset, at rest as before.
+  if (free_approach)
+    rise = RestSamples(curve_,
+                       phases());  // In air the force is the sensor's offset, at rest as before.
   for (std::size_t i = begin; i <= event.peak; ++i) {
     if (curve_.depth_mm[i] < from_mm) continue;
     // A peak that is not sharp is rounded: the membrane tears little by little. Its law ends there.
@@ -220,7 +163,7 @@ void Fitter::FitRise() {
   fit_.contact_depth_mm = rise_->Of(0);
   fit_.a1_n_per_mm = A1();
   fit_.a2_n_per_mm2 = A2();
-  Draw(*rise_, law_, rise);
+  Draw(*rise_, law_, rise, fit_);
   fit_.converged = true;
   LocatePuncture(*rise_);
   if (fit_.puncture_n->low > 0.0) return;
@@ -292,7 +235,7 @@ void Fitter::FitPlateau() {
   if (!line.converged) return;
   fit_.plateau_slope_n_per_mm = line.Of(1);
   fit_.plateau_n = fit_.offset_n ? Difference(line.Of(0), *fit_.offset_n) : line.Of(0);
-  Draw(line, Line(puncture_mm), plateau);
+  Draw(line, Line(puncture_mm), plateau, fit_);
   if (!rise_ || !fit_.converged) return;
   std::vector<double> gradient(rise_->parameters.size());
   const double before_n = law_(rise_->parameters, puncture_mm, gradient);
@@ -302,86 +245,6 @@ void Fitter::FitPlateau() {
   const double half_mm = 0.5 * (curve_.depth_mm[event.trough] - curve_.depth_mm[event.peak]);
   const double slope = law_.slope_n_per_mm - gradient[0] - line.parameters[1];
   fit_.drop_n = Widened(Difference(rise_->Of(before_n, g), line.Of(0)), std::abs(slope) * half_mm);
-}
-
-/// Drive depth at which a force is first felt: on the way out the needle leaves the tissue there.
-double Fitter::FirstForceMm() const {
-  for (std::size_t i = phases().advance.begin; i < phases().advance.end; ++i) {
-    if (phases().smooth_n[i] > OffsetN() + phases().least_drop_n) return curve_.depth_mm[i];
-  }
-  return curve_.depth_mm[phases().advance.begin];
-}
-
-void Fitter::FitRetraction() {
-  const SampleRange range = phases().retract;
-  if (range.size() < 20) return;
-  const double deepest_mm = curve_.depth_mm[range.begin];
-  const double least_mm = curve_.depth_mm[range.end - 1];
-  const double turned_mm =
-      deepest_mm - std::max(kReversalMm, kReversalShare * (deepest_mm - least_mm));
-  const double surface_mm = fit_.starts_in_tissue ? least_mm + kStickMm : FirstForceMm();
-  Samples samples;
-  for (std::size_t i = range.begin; i < range.end; ++i) {
-    const double depth_mm = curve_.depth_mm[i];
-    if (depth_mm < turned_mm && depth_mm > surface_mm) samples.Add(i, depth_mm, curve_.force_n[i]);
-  }
-  if (samples.Span() < kShortestLineMm) return;
-  const double middle_mm = math::Mean(samples.x);
-  const ModelFit line = FitLine(samples, middle_mm);
-  fit_.friction_rms_n = line.rms_n;
-  if (!line.converged) return;
-  fit_.friction_n_per_mm = line.Of(1, -1.0);
-  Draw(line, Line(middle_mm), samples);
-}
-
-void Fitter::FitHold() {
-  SampleRange range = phases().hold;
-  while (range.size() > 20 &&
-         curve_.time_s[range.end - 1] - curve_.time_s[range.begin] > kRelaxationS) {
-    --range.end;
-  }
-  if (range.size() < 20 ||
-      curve_.time_s[range.end - 1] - curve_.time_s[range.begin] < kShortestHoldS) {
-    return;
-  }
-  // The drive stopped where its straight advance meets the greatest depth.
-  const std::size_t last = phases().advance.end - 1;
-  std::size_t moving = last;
-  while (moving > phases().advance.begin && !phases().moving_in[moving]) --moving;
-  const double hold_mm = curve_.depth_mm[range.begin + range.size() / 2];
-  const double start_s = std::clamp(
-      curve_.time_s[moving] + (hold_mm - curve_.depth_mm[moving]) / phases().advance_mm_per_s,
-      curve_.time_s[moving], curve_.time_s[range.begin]);
-  Samples samples;
-  for (std::size_t i = range.begin; i < range.end; ++i) {
-    samples.Add(i, curve_.time_s[i], curve_.force_n[i]);
-  }
-  const double end_n = math::Median(std::span(samples.y).last(samples.y.size() / 4));
-  const double begin_n = math::Median(std::span(samples.y).first(samples.y.size() / 50 + 3));
-  const double third_n = end_n + (begin_n - end_n) / std::exp(1.0);
-  double tau_s = 0.2 * (samples.x.back() - start_s);
-  for (std::size_t i = range.begin; i < range.end; ++i) {
-    if ((phases().smooth_n[i] - third_n) * (begin_n - end_n) > 0.0) continue;
-    tau_s = std::max(0.02, curve_.time_s[i] - start_s);
-    break;
-  }
-  const SampleModel model = Relaxation(start_s);
-  const ModelFit fit =
-      FitModel(model, samples.x, samples.y, {end_n, begin_n - end_n, std::log(tau_s)}, true);
-  fit_.relaxation_rms_n = fit.rms_n;
-  if (!fit.converged) return;
-  const double tau = std::exp(fit.parameters[2]);
-  const double base_n = fit.parameters[0] - OffsetN();
-  const double total_n = base_n + fit.parameters[1];
-  if (!(std::abs(total_n) > 1e-9) || tau > 3.0 * (samples.x.back() - start_s)) return;
-  Eigen::VectorXd gradient(3);
-  gradient << -fit.parameters[1] / (total_n * total_n), base_n / (total_n * total_n), 0.0;
-  const double from_offset = std::abs(fit.parameters[1]) / (total_n * total_n);
-  fit_.relaxation_fraction =
-      Difference(fit.Of(fit.parameters[1] / total_n, gradient), OffsetError(from_offset));
-  gradient << 0.0, 0.0, tau;
-  fit_.relaxation_time_s = fit.Of(tau, gradient);
-  Draw(fit, model, samples);
 }
 
 }  // namespace
@@ -411,4 +274,4 @@ PunctureCurveFit FitPunctureCurve(const ForceCurve& curve) {
   return Fitter(curve).Run();
 }
 
-}  // namespace acus::forces
+}  // namespace acus::fitting

@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
-#include "forces/curve_fit.h"
+#include "fitting/curve_fit.h"
 
-namespace acus::forces {
+namespace acus::fitting {
 
 /// One fit: estimates with 95 % intervals (alone, and for all parameters at once), phases,
 /// punctures, residuals by phase, and why there is no answer if there is none.
@@ -28,4 +28,4 @@ nlohmann::json TableWithFittedTissue(nlohmann::json base, const std::string& tis
                                      std::span<const PunctureCurveFit> fits,
                                      double measured_diameter_mm);
 
-}  // namespace acus::forces
+}  // namespace acus::fitting

@@ -2,12 +2,14 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "forces/curve_fit.h"
+#include "fitting/curve_fit.h"
 #include "math/statistics.h"
 #include "support/shared_data.h"
 
-namespace acus::forces {
+namespace acus::fitting {
 namespace {
+
+using forces::ReadForceCurve;
 
 std::vector<std::filesystem::path> Recordings() {
   std::vector<std::filesystem::path> folders;
@@ -79,4 +81,4 @@ TEST(HumanLiver, FitsTheSameBitsAgain) {
 }
 
 }  // namespace
-}  // namespace acus::forces
+}  // namespace acus::fitting

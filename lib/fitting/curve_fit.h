@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "forces/curve_phases.h"
+#include "fitting/curve_phases.h"
+#include "fitting/least_squares.h"
 #include "forces/force_curve.h"
-#include "forces/least_squares.h"
 
-namespace acus::forces {
+namespace acus::fitting {
 
 /// A result in the unit of its name. Empty where the recording has no such phase.
 struct PunctureCurveFit {
@@ -53,4 +53,4 @@ struct PunctureCurveFit {
 /// too short, or the fit of the rise did not converge; the other phases are fitted all the same.
 PunctureCurveFit FitPunctureCurve(const ForceCurve& curve);
 
-}  // namespace acus::forces
+}  // namespace acus::fitting

@@ -1,11 +1,11 @@
-#include "forces/curve_phases.h"
+#include "fitting/curve_phases.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "math/statistics.h"
 
-namespace acus::forces {
+namespace acus::fitting {
 namespace {
 
 constexpr double kSpeedWindowS = 0.025;  // Half width over which the drive's speed is taken.
@@ -154,4 +154,4 @@ CurvePhases FindPhases(const ForceCurve& curve) {
   return phases;
 }
 
-}  // namespace acus::forces
+}  // namespace acus::fitting

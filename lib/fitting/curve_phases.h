@@ -7,7 +7,9 @@
 
 #include "forces/force_curve.h"
 
-namespace acus::forces {
+namespace acus::fitting {
+
+using forces::ForceCurve;
 
 /// Samples [begin, end).
 struct SampleRange {
@@ -43,4 +45,4 @@ struct CurvePhases {
 /// Any of the ranges may be empty; nothing is thrown for an odd recording.
 CurvePhases FindPhases(const ForceCurve& curve);
 
-}  // namespace acus::forces
+}  // namespace acus::fitting

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "forces/least_squares.h"
+#include "fitting/least_squares.h"
 
-namespace acus::forces {
+namespace acus::fitting {
 
 /// Samples chosen for one fit, with their index in the recording.
 struct Samples {
@@ -51,4 +51,4 @@ std::vector<double> StartOfRise(const Samples& samples, const RiseLaw& law, doub
 /// Parameters: F, A, logarithm of tau.
 SampleModel Relaxation(double start_s);
 
-}  // namespace acus::forces
+}  // namespace acus::fitting

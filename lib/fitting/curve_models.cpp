@@ -1,4 +1,4 @@
-#include "forces/curve_models.h"
+#include "fitting/curve_models.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 #include "math/statistics.h"
 
-namespace acus::forces {
+namespace acus::fitting {
 
 void Samples::Add(std::size_t i, double at, double value) {
   index.push_back(i);
@@ -98,4 +98,4 @@ std::vector<double> StartOfRise(const Samples& samples, const RiseLaw& law, doub
   return best;
 }
 
-}  // namespace acus::forces
+}  // namespace acus::fitting

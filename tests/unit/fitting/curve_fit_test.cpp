@@ -1,4 +1,4 @@
-#include "forces/curve_fit.h"
+#include "fitting/curve_fit.h"
 
 #include <cmath>
 #include <gmock/gmock.h>
@@ -6,8 +6,12 @@
 
 #include "core/random.h"
 
-namespace acus::forces {
+namespace acus::fitting {
 namespace {
+
+using forces::CurveParameters;
+using forces::DrivePlan;
+using forces::SynthesizeForceCurve;
 
 using testing::HasSubstr;
 
@@ -158,4 +162,4 @@ TEST(FitPunctureCurve, SurvivesNonsense) {
 }
 
 }  // namespace
-}  // namespace acus::forces
+}  // namespace acus::fitting

@@ -1,4 +1,4 @@
-#include "forces/fit_report.h"
+#include "fitting/fit_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "forces/force_table.h"
 #include "math/statistics.h"
 
-namespace acus::forces {
+namespace acus::fitting {
 namespace {
 
 using nlohmann::json;
@@ -158,11 +158,11 @@ json TableWithFittedTissue(json base, const std::string& tissue,
     *known = row;
   }
   try {
-    ForceTableFromJson(base, "the fitted table");
+    forces::ForceTableFromJson(base, "the fitted table");
   } catch (const InputError& error) {
     throw NoAnswerError(error.what());
   }
   return base;
 }
 
-}  // namespace acus::forces
+}  // namespace acus::fitting
