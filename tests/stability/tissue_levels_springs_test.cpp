@@ -1,0 +1,144 @@
+// Hard cases of the springs, each with its bound.
+#include <cmath>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <limits>
+#include <memory>
+
+#include "core/random.h"
+#include "support/layered_tissue.h"
+#include "tissue/spring_model.h"
+
+namespace acus::tissue {
+namespace {
+
+using Eigen::Vector3d;
+using testing_support::Layers;
+using testing_support::LevelInsertion;
+
+const Layers kBody{{{0, "skin"},
+                    {2, "fat"},
+                    {20, "liver"},
+                    {45, "vessel"},
+                    {47, "liver"},
+                    {90, "bone"},
+                    {110, "fat"}}};
+
+SpringModel Body() {
+  return SpringModel({}, testing_support::RoundForces(), testing_support::Trocar18(),
+                     testing_support::RoundElasticity(), kBody.Tissues(), kBody.At());
+}
+
+ToolSample Wild(RandomStream& random, double& time_s) {
+  ToolSample sample;
+  time_s += random.Uniform() < 0.01 ? -0.5 : random.Uniform(1e-4, 1e-2);
+  sample.time_s = random.Uniform() < 0.01 ? std::nan("") : time_s;
+  sample.needle_valid = random.Uniform() > 0.02;
+  sample.tip_in_ct_mm =
+      Vector3d(random.Uniform(-5, 5), random.Uniform(-5, 5), random.Uniform(-10, 120));
+  if (random.Uniform() < 0.01) sample.tip_in_ct_mm.x() = std::nan("");
+  if (random.Uniform() < 0.01) sample.tip_in_ct_mm *= 1e6;
+  sample.axis_in_ct = Vector3d(random.Normal(), random.Normal(), 3.0);
+  if (random.Uniform() < 0.01) sample.axis_in_ct.setZero();
+  return sample;
+}
+
+TEST(TissueLevelsSprings, WildSamplesStayFiniteAndBounded) {
+  const SpringModel model = Body();
+  SpringState state = model.NewState();
+  RandomStream random(1, "wild");
+  TissueLoad load;
+  SpringField field(model);
+  double time_s = 0.0;
+  for (int n = 0; n < 200'000; ++n) {
+    const auto force = model.Step(state, Wild(random, time_s));
+    ASSERT_TRUE(force.force_in_ct_n.allFinite()) << n;
+    ASSERT_LE(force.force_in_ct_n.norm(), model.table().settings.largest_force_n * (1 + 1e-12));
+    ASSERT_LE(state.num_nodes, SpringState::kMaxNodes);
+    if (n % 50 != 0) continue;
+    model.LoadOf(state, load);
+    field.Update(load);
+    const Vector3d moved = field.DisplacementMm(Vector3d(1, 1, random.Uniform(-10, 100)));
+    ASSERT_LE(moved.norm(), 12.0 * (1 + 1e-12)) << n;
+  }
+  EXPECT_GT(state.gate.num_rejected, 1000);
+  EXPECT_GT(state.gate.num_time_back, 1000);
+}
+
+TEST(TissueLevelsSprings, ACopyGoesOnWithTheSameBits) {
+  const SpringModel model = Body();
+  SpringState state = model.NewState();
+  RandomStream random(2, "wild");
+  double time_s = 0.0;
+  for (int n = 0; n < 500; ++n) model.Step(state, Wild(random, time_s));
+  SpringState copy = state;
+  for (int n = 0; n < 5000; ++n) {
+    const ToolSample sample = Wild(random, time_s);
+    const Vector3d a = model.Step(state, sample).force_in_ct_n;
+    const Vector3d b = model.Step(copy, sample).force_in_ct_n;
+    ASSERT_EQ(std::memcmp(a.data(), b.data(), sizeof(double) * 3), 0) << n;
+  }
+}
+
+// 0.1 ms to 10 ms per step, and 50 mm in one.
+TEST(TissueLevelsSprings, TheForceDoesNotDependOnTheStep) {
+  const SpringModel model = Body();
+  double force_n[4] = {};
+  int i = 0;
+  for (const double dt_s : {1e-4, 1e-3, 1e-2}) {
+    LevelInsertion<SpringModel> insertion{model};
+    insertion.MoveToDepth(70.0, 20.0, dt_s);
+    force_n[i++] = insertion.last.AxialN();
+  }
+  LevelInsertion<SpringModel> jumps{model};
+  for (const double z : {-1.0, 20.0, 70.0, 70.0, 70.0}) jumps.StepTo(Vector3d(0, 0, z));
+  EXPECT_NEAR(force_n[0], force_n[1], 0.02);
+  EXPECT_NEAR(force_n[1], force_n[2], 0.05);
+  // The friction of what a jump cut is not built up yet: the force is less, never more.
+  EXPECT_LE(jumps.last.AxialN(), force_n[1] + 0.02);
+  EXPECT_GT(jumps.last.AxialN(), 0.5);
+}
+
+TEST(TissueLevelsSprings, StandingStillKeepsItsBits) {
+  const SpringModel model = Body();
+  LevelInsertion<SpringModel> insertion{model};
+  insertion.MoveToDepth(33.3);
+  for (int n = 0; n < 50; ++n) insertion.StepTo(insertion.tip_mm);
+  const Vector3d force = insertion.last.force_in_ct_n;
+  for (int n = 0; n < 5000; ++n) {
+    insertion.StepTo(insertion.tip_mm);
+    ASSERT_EQ(insertion.last.force_in_ct_n, force);
+  }
+}
+
+TEST(TissueLevelsSprings, ALostNeedleKeepsItsForceAndLetsGoSlowly) {
+  const SpringModel model = Body();
+  LevelInsertion<SpringModel> insertion{model};
+  insertion.MoveToDepth(33.0);
+  const Vector3d before = insertion.last.force_in_ct_n;
+  ToolSample lost;
+  lost.needle_valid = false;
+  lost.time_s = insertion.time_s + 0.001;
+  EXPECT_EQ(model.Step(insertion.state, lost).force_in_ct_n, before);
+  lost.time_s = insertion.time_s + 100.0;
+  EXPECT_EQ(model.Step(insertion.state, lost).force_in_ct_n.norm(), 0.0);
+  EXPECT_GT(insertion.StepTo(insertion.tip_mm, 101.0).force_in_ct_n.norm(), 0.1);
+}
+
+TEST(TissueLevelsSprings, GoesInAndOutAHundredTimes) {
+  const SpringModel model = Body();
+  LevelInsertion<SpringModel> insertion{model};
+  double first_n = 0.0;
+  for (int n = 0; n < 100; ++n) {
+    insertion.MoveToDepth(40.0, 400.0);
+    if (n == 0) first_n = insertion.last.AxialN();
+    EXPECT_NEAR(insertion.last.AxialN(), first_n, 1e-6);
+    insertion.MoveToDepth(-1.0, 400.0);
+    EXPECT_EQ(insertion.state.num_nodes, 0);
+  }
+  EXPECT_EQ(insertion.Count(forces::NeedleEvent::kWithdrawal), 100);
+  EXPECT_GT(insertion.work_n_mm, 0.0);
+}
+
+}  // namespace
+}  // namespace acus::tissue
