@@ -12,7 +12,7 @@
 namespace acus::mechanics {
 namespace {
 
-constexpr int kColumnsAtOnce = 96;  ///< Enough for dense kernels, few enough for little memory.
+constexpr int kColumnsAtOnce = 256;  ///< Enough for dense kernels, few enough for little memory.
 
 /// Writes one of the matrices and collects the checksum of each piece of it.
 class PieceWriter {
