@@ -6,15 +6,17 @@
 #include "meshing/mesh_folder.h"
 
 int main(int argc, char** argv) {
-  std::filesystem::path labels, surface, config_path, folder;
-  std::string from, to, tissue = "soft_tissue";
+  std::filesystem::path labels, surface, mesh, config_path, folder;
+  std::string from, to, probe, tissue = "soft_tissue";
+  bool condenses = false;
   CLI::App app{
       "Divide a patient into tetrahedra with a tissue each: faces along skin and bone, fine "
       "along the needle's way, bone nodes marked fixed.",
       "acus-mesh"};
   app.footer(
       "Writes mesh.vtu (ParaView: cell data tissue, point data fixed), quality.json and "
-      "quality.svg.\n"
+      "quality.svg;\nwith --condense also compliance.acc and condensation.json, for scenes with "
+      "deformable tissue.\n"
       "\nEXAMPLE\n"
       "  acus-mesh labels.seg.nrrd -o mesh\n"
       "  acus-mesh labels.seg.nrrd --corridor-from 0,120,0 --corridor-to 0,30,0 -o fine\n");
@@ -24,6 +26,9 @@ int main(int argc, char** argv) {
   app.add_option("--surface", surface, "Fill this closed surface instead (.stl, .obj, .ply, .vtp)")
       ->check(CLI::ExistingFile)
       ->excludes(labels_option);
+  auto* mesh_option = app.add_option("--mesh", mesh, "Condense this mesh (.vtu of acus-mesh)")
+                          ->check(CLI::ExistingFile)
+                          ->excludes(labels_option);
   app.add_option("--tissue", tissue, "Tissue inside the surface")->capture_default_str();
   app.add_option("--config", config_path,
                  "Settings (format acus-mesh/1); default: the preset meshes/default.json")
@@ -33,22 +38,33 @@ int main(int argc, char** argv) {
   auto* to_option = app.add_option("--corridor-to", to, "Its other end; elements are fine between");
   from_option->needs(to_option);
   to_option->needs(from_option);
+  auto* condense_option =
+      app.add_flag("--condense", condenses, "Compute the compliance that the needle's way needs");
+  mesh_option->needs(condense_option);
+  app.add_option("--probe-at", probe, "Where a probe presses the skin, x,y,z in mm")
+      ->needs(condense_option);
   app.add_option("-o,--output", folder, "Folder to write")->required();
   app.callback([&] {
-    if (labels.empty() && surface.empty()) {
-      throw CLI::ValidationError("a label map is needed, or --surface FILE");
+    if (labels.empty() && surface.empty() && mesh.empty()) {
+      throw CLI::ValidationError("a label map is needed, or --surface FILE, or --mesh FILE");
     }
   });
 
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     if (config_path.empty()) config_path = acus::config::FindConfig("meshes/default.json", ".");
     context.provenance.AddInput(config_path);
-    auto config =
-        acus::meshing::MeshConfigFromJson(acus::config::ReadConfig(config_path, "acus-mesh"));
+    const auto document = acus::config::ReadConfig(config_path, "acus-mesh");
+    auto config = acus::meshing::MeshConfigFromJson(document);
     if (!from.empty()) acus::meshing::SetCorridor(config, from, to);
-    const std::filesystem::path& input = surface.empty() ? labels : surface;
+    if (condenses) {
+      acus::meshing::RequestCondensation(config, document, config_path.parent_path(), probe);
+      context.provenance.AddInput(config.condense->elasticity.file);
+    }
+    const std::filesystem::path& input = !mesh.empty() ? mesh : surface.empty() ? labels : surface;
     context.provenance.AddInput(input);
-    if (surface.empty()) {
+    if (!mesh.empty()) {
+      acus::meshing::CondenseMeshToFolder(input, config, folder, context);
+    } else if (surface.empty()) {
       acus::meshing::MeshLabelsToFolder(input, config, folder, context);
     } else {
       acus::meshing::MeshSurfaceToFolder(input, tissue, config, folder, context);

@@ -22,8 +22,8 @@ void WriteSurface(const std::filesystem::path& path, const Surface& surface);
 /// @throws InputError if the extension is not .vtu or the file cannot be written.
 void WriteTetraMesh(const std::filesystem::path& path, const TetraMesh& mesh);
 
-/// Reads what WriteTetraMesh wrote, or any .vtu of tetrahedra; without `tissue` all are 1, without
-/// `fixed` no node is. @throws InputError if the file is broken, has cells that are not
+/// Reads what WriteTetraMesh wrote, or any .vtu of tetrahedra; without `tissue` the mesh has none,
+/// without `fixed` no node is. @throws InputError if the file is broken, has cells that are not
 /// tetrahedra, or a tetrahedron without positive volume.
 TetraMesh ReadTetraMesh(const std::filesystem::path& path);
 

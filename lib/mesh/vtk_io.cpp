@@ -109,7 +109,8 @@ std::string LoadTetraMesh(const std::filesystem::path& path) {
       tetrahedra.push_back(CheckedNode(corners[i], data.GetNumberOfPoints()));
     }
   }
-  const auto tissue = Flags(data.GetCellData()->GetArray("tissue"), num_cells, 1);
+  vtkDataArray* tissue_array = data.GetCellData()->GetArray("tissue");
+  const auto tissue = Flags(tissue_array, tissue_array == nullptr ? 0 : num_cells, 0);
   const auto fixed = Flags(data.GetPointData()->GetArray("fixed"), nodes.size() / 3, 0);
   ByteWriter out;
   out.Put(nodes.data(), nodes.size());

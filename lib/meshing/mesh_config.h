@@ -2,8 +2,10 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
+#include "meshing/condense_mesh.h"
 #include "meshing/label_mesher.h"
 #include "meshing/surface_mesher.h"
 
@@ -12,6 +14,7 @@ namespace acus::meshing {
 struct MeshConfig {
   LabelMeshSettings labels;
   SurfaceMeshSettings surface;
+  std::optional<CondenseSettings> condense;  ///< Only if asked for: see RequestCondensation.
 };
 
 /// @param document  Of format acus-mesh/1, checked and with defaults (config::ReadConfig).
@@ -22,5 +25,10 @@ Eigen::Vector3d PointFromText(const std::string& text, const std::string& what);
 
 /// Sets the corridor's ends; without one in the config it gets the schema's radius and size.
 void SetCorridor(MeshConfig& config, const std::string& from, const std::string& to);
+
+/// Sets config.condense from the document that `config` was made from; as CondenseSettingsFromJson.
+/// @throws InputError also if there is no corridor.
+void RequestCondensation(MeshConfig& config, const nlohmann::json& document,
+                         const std::filesystem::path& relative_to, const std::string& probe_at);
 
 }  // namespace acus::meshing

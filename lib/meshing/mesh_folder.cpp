@@ -15,9 +15,20 @@ namespace {
 
 using nlohmann::json;
 
+/// Condenses the mesh if that was asked for.
+void FinishFolder(AtomicFolder& folder, const mesh::TetraMesh& mesh, const MeshConfig& config,
+                  const RunContext& context) {
+  if (config.condense) {
+    WriteCondensed(folder.path(), mesh, *config.labels.sizes.corridor, *config.condense, context);
+  }
+  config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
+  folder.Commit();
+}
+
 void WriteFolder(const std::filesystem::path& target, const mesh::TetraMesh& mesh,
                  const std::vector<TissueVolume>& tissues, const Eigen::Vector3d& centre_mm,
-                 double min_dihedral_deg, const json& about, const RunContext& context) {
+                 double min_dihedral_deg, const json& about, const MeshConfig& config,
+                 const RunContext& context) {
   context.Checkpoint("writing the mesh", 0.9);
   AtomicFolder folder(target, context.overwrite);
   mesh::WriteTetraMesh(folder.path() / "mesh.vtu", mesh);
@@ -28,8 +39,7 @@ void WriteFolder(const std::filesystem::path& target, const mesh::TetraMesh& mes
   config::WriteJson(folder.path() / "quality.json", quality);
   WriteTextFile(folder.path() / "quality.svg",
                 MeshPictureSvg(mesh, tissues, centre_mm, min_dihedral_deg));
-  config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
-  folder.Commit();
+  FinishFolder(folder, mesh, config, context);
 }
 
 }  // namespace
@@ -48,7 +58,7 @@ void MeshLabelsToFolder(const std::filesystem::path& labels, const MeshConfig& c
   const Eigen::Vector3d centre_mm =
       corridor ? Eigen::Vector3d(0.5 * (corridor->from_mm + corridor->to_mm)) : CentreOf(out.mesh);
   WriteFolder(folder, out.mesh, out.tissues, centre_mm, config.labels.min_dihedral_deg, about,
-              context);
+              config, context);
 }
 
 void MeshSurfaceToFolder(const std::filesystem::path& surface, const std::string& tissue,
@@ -65,7 +75,20 @@ void MeshSurfaceToFolder(const std::filesystem::path& surface, const std::string
       {settings.tissue, tissue, out.surface_ml, out.mesh_ml, !out.is_remeshed}};
   const json about = {{"repairs", out.repairs}, {"surface_was_made_anew", out.is_remeshed}};
   WriteFolder(folder, out.mesh, tissues, CentreOf(out.mesh), settings.min_dihedral_deg, about,
-              context);
+              config, context);
+}
+
+void CondenseMeshToFolder(const std::filesystem::path& mesh, const MeshConfig& config,
+                          const std::filesystem::path& folder, const RunContext& context) {
+  ACUS_ASSERT(config.condense && config.labels.sizes.corridor);
+  context.Checkpoint("reading the mesh", 0.0);
+  const mesh::TetraMesh content = mesh::ReadTetraMesh(mesh);
+  ACUS_REQUIRE(!content.tissue.empty(), mesh.string(),
+               ": has no tissue ids (cell data \"tissue\"), so that its stiffness is not known; "
+               "mesh the label map with acus-mesh");
+  AtomicFolder out(folder, context.overwrite);
+  mesh::WriteTetraMesh(out.path() / "mesh.vtu", content);
+  FinishFolder(out, content, config, context);
 }
 
 }  // namespace acus::meshing

@@ -27,3 +27,22 @@ acus_add_cli_case(acus-mesh.bad_config EXIT 3 LEAVES_NOTHING
   BEFORE "${mesh_cube}\necho '{\"format\": \"acus-mesh/1\", \"smoothing\": 2}' > c.json"
   STDERR "/smoothing: unknown key; did you mean \"smoothing_mm\""
   COMMAND acus-mesh --surface cube.obj --config c.json -o mesh)
+acus_add_cli_case(acus-mesh.condense_without_corridor EXIT 3 LEAVES_NOTHING BEFORE "${mesh_cube}"
+  STDERR "give --corridor-from and --corridor-to"
+  COMMAND acus-mesh --surface cube.obj --condense -o mesh)
+acus_add_cli_case(acus-mesh.condense_without_fixed_nodes EXIT 3 LEAVES_NOTHING BEFORE "${mesh_cube}"
+  STDERR "no node of the mesh is fixed" "fixed_tissues"
+  COMMAND acus-mesh --surface cube.obj --tissue liver --condense
+          --corridor-from 4,4,9 --corridor-to 4,4,2 -o mesh)
+acus_add_cli_case(acus-mesh.condense_nothing_to_move EXIT 3 LEAVES_NOTHING BEFORE "${mesh_cube}"
+  STDERR "every node of the mesh is held"
+  COMMAND acus-mesh --surface cube.obj --tissue bone --condense
+          --corridor-from 4,4,9 --corridor-to 4,4,2 -o mesh)
+acus_add_cli_case(acus-mesh.mesh_without_condense EXIT 2 LEAVES_NOTHING BEFORE "echo x > mesh.vtu"
+  STDERR "--mesh requires --condense" COMMAND acus-mesh --mesh mesh.vtu -o out)
+acus_add_cli_case(acus-mesh.broken_mesh EXIT 3 LEAVES_NOTHING BEFORE "echo x > mesh.vtu"
+  STDERR "mesh.vtu: cannot be used" COMMAND acus-mesh --mesh mesh.vtu --condense
+          --corridor-from 4,4,9 --corridor-to 4,4,2 -o out)
+acus_add_cli_case(acus-mesh.bad_probe EXIT 3 LEAVES_NOTHING BEFORE "echo x > mesh.vtu"
+  STDERR "--probe-at: '1,2' is not a point" COMMAND acus-mesh --mesh mesh.vtu --condense
+          --corridor-from 4,4,9 --corridor-to 4,4,2 --probe-at 1,2 -o out)
