@@ -28,8 +28,9 @@ namespace acus::tissue {
 /// A place in the tissue at rest: weights of rows of the compliance. Nodes that do not move or
 /// cannot be reached have no row, so the weights may add up to less than 1.
 struct ContactPlace {
-  std::array<int, 4> row{};
-  std::array<double, 4> weight{};
+  static constexpr int kMostRows = 32;
+  std::array<int, kMostRows> row{};
+  std::array<double, kMostRows> weight{};
   int num_rows = 0;
 };
 

@@ -1,0 +1,31 @@
+// What the sources of the needle contact share. Private to this module.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "forces/needle_force.h"
+
+namespace acus::tissue {
+
+inline constexpr double kRigidMpa = 1e3;      ///< Of tissue whose nodes are all held still.
+inline constexpr double kTurnCosine = 0.966;  ///< Beyond 15 degrees the frame follows the needle.
+inline constexpr double kLeastCosine = 0.5;   ///< Beyond 60 degrees in one step contact is lost.
+inline constexpr double kOutsideMm = 1.0;     ///< Certainly off the skin that it just left.
+
+inline Eigen::Matrix3d FrameAlong(const Eigen::Vector3d& axis) {
+  Eigen::Matrix3d frame;
+  const Eigen::Vector3d first = axis.unitOrthogonal();
+  frame << first, axis.cross(first), axis;
+  return frame;
+}
+
+inline void ScaleForce(double share, forces::NeedleForce& force) {
+  force.puncture_n *= share;
+  force.cutting_n *= share;
+  force.friction_n *= share;
+  force.bone_n *= share;
+  force.lateral_n *= share;
+  force.force_in_ct_n *= share;
+}
+
+}  // namespace acus::tissue
