@@ -10,17 +10,18 @@ namespace acus::mesh {
 namespace {
 
 constexpr double kTolerance = 1e-9;
-constexpr double kTetrahedraPerCell = 2.0;
 
 }  // namespace
 
-PointLocation::PointLocation(const TetraMesh& mesh) {
+PointLocation::PointLocation(const TetraMesh& mesh, double tetrahedra_per_cell) {
+  ACUS_ASSERT(tetrahedra_per_cell > 0.0);
   const Eigen::Index count = mesh.tetrahedra.cols();
   ACUS_REQUIRE(count > 0, "the mesh holds no tetrahedron");
   low_ = mesh.nodes_mm.rowwise().minCoeff();
   high_ = mesh.nodes_mm.rowwise().maxCoeff();
   const Eigen::Vector3d extent = (high_ - low_).cwiseMax(1e-9);
-  const double edge_mm = std::cbrt(extent.prod() * kTetrahedraPerCell / static_cast<double>(count));
+  const double edge_mm =
+      std::cbrt(extent.prod() * tetrahedra_per_cell / static_cast<double>(count));
   for (int d = 0; d < 3; ++d) {
     size_[d] = std::clamp(static_cast<int>(extent[d] / edge_mm), 1, 512);
     cell_mm_[d] = extent[d] / size_[d];

@@ -17,8 +17,11 @@ struct Location {
 /// A grid over the mesh. Looking up neither allocates nor depends on earlier look-ups.
 class PointLocation {
  public:
-  /// Keeps a copy of what it needs; the mesh may go. @throws InputError if the mesh is empty.
-  explicit PointLocation(const TetraMesh& mesh);
+  /// Keeps a copy of what it needs; the mesh may go.
+  /// @param tetrahedra_per_cell  Of the grid: fewer find faster and take more memory (2: 50 bytes a
+  ///     tetrahedron beside 100 for its shape, 0.25: 250). What is found does not depend on it.
+  /// @throws InputError if the mesh is empty.
+  explicit PointLocation(const TetraMesh& mesh, double tetrahedra_per_cell = 2.0);
 
   /// The tetrahedron that holds the point; on a face, edge or node the one with the lowest number.
   /// Points outside by less than 1e-9 of a tetrahedron's height count as inside.
