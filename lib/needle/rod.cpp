@@ -76,7 +76,9 @@ class Solver {
   double Residual() noexcept;
   bool Predict() noexcept;
   bool Step() noexcept;
-  bool TryDirection(bool curved) noexcept;
+  double Try(double fraction) noexcept;
+  bool FindDirection(bool curved) noexcept;
+  bool Shorten(double fraction) noexcept;
   RodStart MovedHub(double fraction) const noexcept;
   Eigen::Matrix<double, 6, 1> HubStep(BaseModel& base) noexcept;
 
@@ -198,17 +200,25 @@ RodStart Solver::MovedHub(double fraction) const noexcept {
   return hub;
 }
 
-/// A step along the Newton (curved) or Gauss-Newton direction that lowers the energy.
-bool Solver::TryDirection(bool curved) noexcept {
+/// The energy of a step of this length along the last direction; the shape is in the trial.
+double Solver::Try(double fraction) noexcept {
+  const RodStart hub = MovedHub(fraction);
+  const double energy = LayOutStep(model_, hub, fraction, state_) + springs_.Energy(hub);
+  return std::isfinite(energy) ? energy : std::numeric_limits<double>::infinity();
+}
+
+/// Finds the direction of Newton's (curved) or the Gauss-Newton step. False if it was repaired.
+bool Solver::FindDirection(bool curved) noexcept {
   BaseModel base = TipToBase(model_, curved, state_);
   hub_step_ = HubStep(base);
-  if (base.repaired) ++state_.num_repaired;
-  const double slack = kEnergyRounding * (1.0 + std::abs(energy_));
-  double fraction = 1.0;
+  return !base.repaired;
+}
+
+/// Takes a shorter and shorter step along the last direction, until one lowers the energy.
+bool Solver::Shorten(double fraction) noexcept {
   for (int halving = 0; halving < kHalvings; ++halving, fraction *= 0.5) {
-    const RodStart hub = MovedHub(fraction);
-    const double energy = LayOutStep(model_, hub, fraction, state_) + springs_.Energy(hub);
-    if (std::isfinite(energy) && energy <= energy_ + (halving == 0 ? slack : 0.0)) {
+    const double energy = Try(fraction);
+    if (energy < energy_) {
       TakeTrial(energy);
       return true;
     }
@@ -216,8 +226,39 @@ bool Solver::TryDirection(bool curved) noexcept {
   return false;
 }
 
+/// One step that does not raise the energy. False if there is none.
 bool Solver::Step() noexcept {
-  return TryDirection(true) || TryDirection(false);
+  const double slack = kEnergyRounding * (1.0 + std::abs(energy_));
+  if (FindDirection(true)) {
+    const double energy = Try(1.0);
+    if (energy <= energy_ + slack) {
+      TakeTrial(energy);
+      return true;
+    }
+    if (Shorten(0.5)) return true;
+    FindDirection(false);
+    return Shorten(1.0);
+  }
+  // Far from rest, where Gauss-Newton is better, or buckling, where it hardly moves.
+  ++state_.num_repaired;
+  double fraction = 1.0;
+  double newton = Try(1.0);
+  for (const double shorter : {0.5, 0.25, 0.125}) {
+    const double energy = Try(shorter);
+    if (energy >= newton) continue;
+    newton = energy;
+    fraction = shorter;
+  }
+  FindDirection(false);
+  const double gauss = Try(1.0);
+  if (gauss < energy_ && gauss <= newton) {
+    TakeTrial(gauss);
+    return true;
+  }
+  FindDirection(true);
+  if (Shorten(fraction)) return true;
+  FindDirection(false);
+  return Shorten(1.0);
 }
 
 RodResult Solver::Run() noexcept {
