@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 void CurvedPath::Begin(const PathNode& at) noexcept {
   num_nodes = 1;
   node[0] = at;
-  node[0].depth_mm = 0.0;
+  node[0].depth_mm = node[0].support_n_per_mm = 0.0;
 }
 
 void CurvedPath::Advance(const Vector3d& direction, double distance_mm,
@@ -20,23 +20,43 @@ void CurvedPath::Advance(const Vector3d& direction, double distance_mm,
       !std::isfinite(norm)) {
     return;
   }
-  PathNode tip_node = tissue;
-  tip_node.position_mm = tip().position_mm + distance_mm / norm * direction;
-  if (num_nodes == 1) ++num_nodes;  // The first node stays on the skin.
-  const auto length = [&] {
-    return (tip_node.position_mm - node[num_nodes - 2].position_mm).norm();
-  };
-  while (length() > 1.5 * spacing_mm && num_nodes < kMaxNodes) {
-    const PathNode& before = node[num_nodes - 2];
+  // In short steps, so that a corner is cut by less than a spacing. Far beyond the last node that
+  // there is room for, one step does.
+  const Vector3d unit = direction / norm;
+  const double reach_mm = std::min(distance_mm, kMaxNodes * spacing_mm);
+  const int steps = static_cast<int>(std::ceil(reach_mm / (0.4 * spacing_mm)));
+  for (int i = 0; i < steps; ++i) StepForward(unit, reach_mm / steps, tissue);
+  if (distance_mm > reach_mm) StepForward(unit, distance_mm - reach_mm, tissue);
+}
+
+void CurvedPath::StepForward(const Vector3d& unit, double step_mm,
+                             const PathNode& tissue) noexcept {
+  PathNode moved = tissue;
+  moved.position_mm = tip().position_mm + step_mm * unit;
+  moved.support_n_per_mm = tip().support_n_per_mm + step_mm * tissue.stiffness_n_per_mm2;
+  if (num_nodes == 1) node[num_nodes++] = node[0];  // The first node stays on the skin.
+  const PathNode& before = node[num_nodes - 2];
+  const Vector3d piece_mm = moved.position_mm - before.position_mm;
+  double length_mm = piece_mm.norm();
+  const double passed_mm = tip().depth_mm - before.depth_mm;
+  if (passed_mm < spacing_mm) {
+    const double gained_mm = length_mm - passed_mm;
+    const double share =
+        gained_mm > 0.0 ? std::min(1.0, (spacing_mm - passed_mm) / gained_mm) : 1.0;
+    support_at_spacing_n_per_mm =
+        tip().support_n_per_mm + share * (moved.support_n_per_mm - tip().support_n_per_mm);
+  }
+  if (length_mm > 1.5 * spacing_mm && num_nodes < kMaxNodes) {
     PathNode& placed = node[num_nodes - 1];
     placed = tissue;
-    placed.position_mm =
-        before.position_mm + spacing_mm / length() * (tip_node.position_mm - before.position_mm);
+    placed.position_mm = before.position_mm + spacing_mm / length_mm * piece_mm;
     placed.depth_mm = before.depth_mm + spacing_mm;
+    placed.support_n_per_mm = support_at_spacing_n_per_mm;
     ++num_nodes;
+    length_mm -= spacing_mm;
   }
-  tip_node.depth_mm = node[num_nodes - 2].depth_mm + length();
-  node[num_nodes - 1] = tip_node;
+  moved.depth_mm = node[num_nodes - 2].depth_mm + length_mm;
+  node[num_nodes - 1] = moved;
 }
 
 void CurvedPath::Retract(double distance_mm) noexcept {
@@ -50,9 +70,13 @@ void CurvedPath::Retract(double distance_mm) noexcept {
       last.position_mm =
           before.position_mm + left_mm / piece_mm * (last.position_mm - before.position_mm);
       last.depth_mm = before.depth_mm + left_mm;
+      last.support_n_per_mm =
+          before.support_n_per_mm +
+          left_mm / piece_mm * (last.support_n_per_mm - before.support_n_per_mm);
       // Near the node before, that one goes: the tip takes its place, on the piece behind it.
       if (left_mm < 0.5 * spacing_mm && num_nodes > 2) {
         const PathNode tip_node = last;
+        support_at_spacing_n_per_mm = before.support_n_per_mm;
         --num_nodes;
         PathNode& end = node[num_nodes - 1];
         const Vector3d behind_mm = node[num_nodes - 2].position_mm;
@@ -90,10 +114,14 @@ Vector3d CurvedPath::PositionMm(double depth_mm) const noexcept {
          (depth_mm - node[i].depth_mm) * Direction(depth_mm, Vector3d::Zero());
 }
 
-double CurvedPath::StiffnessNPerMm2(double depth_mm) const noexcept {
-  // The tissue of the piece that ends at the next node.
-  return num_nodes < 2 ? node[0].stiffness_n_per_mm2
-                       : node[PieceAt(depth_mm) + 1].stiffness_n_per_mm2;
+double CurvedPath::SupportNPerMm(double depth_mm) const noexcept {
+  if (num_nodes < 2 || !(depth_mm > 0.0)) return 0.0;
+  if (depth_mm >= tip().depth_mm) return tip().support_n_per_mm;
+  const int i = PieceAt(depth_mm);
+  const double piece_mm = node[i + 1].depth_mm - node[i].depth_mm;
+  const double share = piece_mm > 0.0 ? (depth_mm - node[i].depth_mm) / piece_mm : 0.0;
+  return node[i].support_n_per_mm +
+         share * (node[i + 1].support_n_per_mm - node[i].support_n_per_mm);
 }
 
 BevelTip::Heading BevelTip::After(double distance_mm, const Vector3d& heading,

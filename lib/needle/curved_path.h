@@ -15,7 +15,8 @@ namespace acus::needle {
 struct PathNode {
   Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
   double depth_mm = 0.0;             ///< Along the channel, from the skin.
-  double stiffness_n_per_mm2 = 0.0;  ///< Of the tissue around, across the channel, per mm of it.
+  double stiffness_n_per_mm2 = 0.0;  ///< Of the tissue here, across the channel, per mm of it.
+  double support_n_per_mm = 0.0;     ///< The same, summed from the skin to here.
   std::uint8_t tissue = 0;           ///< The caller's label.
 };
 
@@ -27,6 +28,9 @@ struct CurvedPath {
   double spacing_mm = 1.0;  ///< > 0
   int num_nodes = 0;        ///< 0: outside the body. 1: the tip is on the skin.
   std::array<PathNode, kMaxNodes> node{};
+
+  /// Support one spacing beyond the last node but one, once the tip has passed there.
+  double support_at_spacing_n_per_mm = 0.0;
 
   bool empty() const noexcept { return num_nodes == 0; }
   const PathNode& entry() const noexcept { return node[0]; }  ///< @pre not empty
@@ -49,10 +53,12 @@ struct CurvedPath {
   Eigen::Vector3d PositionMm(double depth_mm) const noexcept;
   Eigen::Vector3d Direction(
       double depth_mm, const Eigen::Vector3d& fallback = Eigen::Vector3d::UnitZ()) const noexcept;
-  double StiffnessNPerMm2(double depth_mm) const noexcept;
+  /// Stiffness across the channel of all tissue from the skin to this depth.
+  double SupportNPerMm(double depth_mm) const noexcept;
 
  private:
   int PieceAt(double depth_mm) const noexcept;
+  void StepForward(const Eigen::Vector3d& unit, double step_mm, const PathNode& tissue) noexcept;
 };
 
 /// A bevel tip is pushed off its way by the tissue it cuts: the path bends with a constant

@@ -35,7 +35,9 @@ int CoupleToPath(const RodModel& rod, const CurvedPath& path, const CouplingOpti
     const double buried_mm = (i + 1) * h - begin_mm;
     if (buried_mm <= 0.0) continue;
     const double middle_mm = begin_mm + 0.5 * buried_mm;
-    put(middle_mm, buried_mm * path.StiffnessNPerMm2(middle_mm - skin_arc_mm), true);
+    const double support = path.SupportNPerMm(begin_mm + buried_mm - skin_arc_mm) -
+                           path.SupportNPerMm(begin_mm - skin_arc_mm);
+    put(middle_mm, support, true);
   }
   return count;
 }

@@ -16,9 +16,10 @@ struct CouplingOptions {
 };
 
 /// Springs from the needle's buried part to the channel: for each element of the rod one, in the
-/// middle of what of it is buried, with the tissue's stiffness times that length; the tip's; and
-/// the skin's. Places along the needle are matched by length from the tip, so that the springs do
-/// not depend on how finely rod and path are cut, and change without a step as the needle goes in.
+/// middle of what of it is buried, with the stiffness of the tissue along that piece; the tip's;
+/// and the skin's. Places along the needle are matched by length from the tip, so that the springs
+/// do not depend on how finely rod and path are cut, and change without a step as the needle goes
+/// in.
 ///
 /// Springs across act perpendicular to the channel. (The paper projects on the plane perpendicular
 /// to the needle there: the same to second order in the angle between them. With the channel's,
