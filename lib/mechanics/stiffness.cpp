@@ -1,9 +1,10 @@
 #include "mechanics/stiffness.h"
 
+#include <algorithm>
 #include <vector>
 
-#include "core/error.h"
 #include "mechanics/block_matrix.h"
+#include "mechanics/dilatation_patches.h"
 #include "mechanics/linear_tetrahedron.h"
 
 namespace acus::mechanics {
@@ -20,28 +21,60 @@ std::vector<int> Resisting(const mesh::TetraMesh& mesh, std::span<const std::uin
   return out;
 }
 
+std::vector<std::vector<int>> Patches(const mesh::TetraMesh& mesh, ElementKind kind,
+                                      const std::vector<int>& resisting) {
+  if (kind == ElementKind::kAveragedDilatation) return DilatationPatches(mesh, resisting);
+  std::vector<std::vector<int>> single;
+  single.reserve(resisting.size());
+  for (const int t : resisting) single.push_back({t});
+  return single;
+}
+
+std::vector<int> NodesOf(const mesh::TetraMesh& mesh, const std::vector<int>& patch) {
+  std::vector<int> nodes;
+  for (const int t : patch) {
+    for (const int node : mesh.tetrahedra.col(t)) nodes.push_back(node);
+  }
+  std::ranges::sort(nodes);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+/// Adds the stiffness of one patch: each tetrahedron against change of shape, all together against
+/// the mean change of volume, K V mean^2 / 2 with V mean = b u.
+void AddPatch(const mesh::TetraMesh& mesh, const ElasticTissue& tissue,
+              const std::vector<int>& patch, const std::vector<int>& nodes, BlockMatrix& matrix) {
+  const auto size = static_cast<Eigen::Index>(3 * nodes.size());
+  Eigen::VectorXd volume_gradient_mm2 = Eigen::VectorXd::Zero(size);
+  double volume_mm3 = 0.0;
+  for (const int t : patch) {
+    const LinearTetrahedron element = LinearTetrahedronOf(mesh, t);
+    const Eigen::Vector4i corners = mesh.tetrahedra.col(t);
+    matrix.Add({corners.data(), 4}, DeviatoricStiffness(element, tissue.ShearModulusMpa()));
+    const Eigen::Matrix<double, 12, 1> b = VolumeGradientMm2(element);
+    for (int c = 0; c < 4; ++c) {
+      const auto at = std::ranges::lower_bound(nodes, corners[c]) - nodes.begin();
+      volume_gradient_mm2.segment<3>(3 * at) += b.segment<3>(3 * c);
+    }
+    volume_mm3 += element.volume_mm3;
+  }
+  matrix.Add(nodes, tissue.BulkModulusMpa() / volume_mm3 * volume_gradient_mm2 *
+                        volume_gradient_mm2.transpose());
+}
+
 }  // namespace
 
 Eigen::SparseMatrix<double> AssembleStiffness(const mesh::TetraMesh& mesh,
                                               const ElasticityTable& table, ElementKind kind,
                                               std::span<const std::uint8_t> is_left_out) {
-  ACUS_ASSERT(kind == ElementKind::kLinear);
   const std::vector<int> resisting = Resisting(mesh, is_left_out);
+  const std::vector<std::vector<int>> patches = Patches(mesh, kind, resisting);
   std::vector<std::vector<int>> nodes;
-  nodes.reserve(resisting.size());
-  for (const int t : resisting) {
-    const auto corners = mesh.tetrahedra.col(t);
-    nodes.push_back({corners[0], corners[1], corners[2], corners[3]});
-  }
+  nodes.reserve(patches.size());
+  for (const std::vector<int>& patch : patches) nodes.push_back(NodesOf(mesh, patch));
   BlockMatrix matrix(static_cast<int>(mesh.nodes_mm.cols()), nodes);
-  for (std::size_t i = 0; i < resisting.size(); ++i) {
-    const int t = resisting[i];
-    const ElasticTissue& tissue = table.At(mesh.tissue[t]);
-    const LinearTetrahedron element = LinearTetrahedronOf(mesh, t);
-    const Eigen::Matrix<double, 12, 1> b = VolumeGradientMm2(element);
-    TetrahedronMatrix k = DeviatoricStiffness(element, tissue.ShearModulusMpa());
-    k += tissue.BulkModulusMpa() / element.volume_mm3 * b * b.transpose();
-    matrix.Add(nodes[i], k);
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    AddPatch(mesh, table.At(mesh.tissue[patches[p][0]]), patches[p], nodes[p], matrix);
   }
   return std::move(matrix).Take();
 }

@@ -13,7 +13,12 @@ namespace acus::mechanics {
 
 /// What is assumed inside a tetrahedron; docs/models/tissue_elasticity.md has errors and costs.
 enum class ElementKind {
-  kLinear,  ///< Constant strain (CalculiX: C3D4). Far too stiff near a Poisson's ratio of 0.5.
+  /// Constant strain (CalculiX: C3D4). Far too stiff near a Poisson's ratio of 0.5.
+  kLinear,
+  /// The same, but for the change of volume, which is averaged over patches of one tissue
+  /// (mechanics/dilatation_patches.h): right up to 0.4999. After de Souza Neto et al. 2005, small
+  /// strains.
+  kAveragedDilatation,
 };
 
 /// Stiffness of the whole mesh in N/mm: 3n x 3n over all nodes, rows 3 node + axis (LPS),

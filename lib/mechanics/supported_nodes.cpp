@@ -1,11 +1,10 @@
 #include "mechanics/supported_nodes.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/error.h"
+#include "mechanics/face_neighbours.h"
 #include "mesh/quality.h"
-#include "mesh/tetra_faces.h"
 
 namespace acus::mechanics {
 namespace {
@@ -24,23 +23,25 @@ void CheckSizes(const mesh::TetraMesh& mesh) {
 
 /// Piece of each tetrahedron: those joined by faces have the same, numbered from 0.
 std::vector<int> FaceConnectedPieces(const mesh::TetraMesh& mesh) {
-  const int m = static_cast<int>(mesh.tetrahedra.cols());
-  const std::vector<mesh::TetraFace> faces = mesh::SortedFaces(mesh);
-  std::vector<int> parent(m);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto find = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (std::size_t i = 1; i < faces.size(); ++i) {
-    if (!faces[i].IsSameFace(faces[i - 1])) continue;
-    const auto [low, high] =
-        std::minmax({find(faces[i - 1].tetrahedron), find(faces[i].tetrahedron)});
-    parent[high] = low;
-  }
-  std::vector<int> piece(m);
+  const Eigen::Matrix4Xi neighbours = FaceNeighbours(mesh);
+  std::vector<int> piece(static_cast<std::size_t>(mesh.tetrahedra.cols()), -1);
+  std::vector<int> reached;
   int count = 0;
-  for (int t = 0; t < m; ++t) piece[t] = find(t) == t ? count++ : piece[find(t)];
+  for (int seed = 0; seed < mesh.tetrahedra.cols(); ++seed) {
+    if (piece[seed] >= 0) continue;
+    piece[seed] = count;
+    reached.assign(1, seed);
+    while (!reached.empty()) {
+      const int t = reached.back();
+      reached.pop_back();
+      for (const int next : neighbours.col(t)) {
+        if (next < 0 || piece[next] >= 0) continue;
+        piece[next] = count;
+        reached.push_back(next);
+      }
+    }
+    ++count;
+  }
   return piece;
 }
 

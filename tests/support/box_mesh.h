@@ -76,4 +76,41 @@ inline void Fix(mesh::TetraMesh& mesh, const std::function<bool(const Eigen::Vec
   }
 }
 
+struct RenumberedMesh {
+  mesh::TetraMesh mesh;
+  std::vector<int> old_node;         ///< Of each new node.
+  std::vector<int> old_tetrahedron;  ///< Of each new tetrahedron.
+};
+
+/// The same mesh with nodes, tetrahedra and the corners of each in another order.
+inline RenumberedMesh Renumbered(const mesh::TetraMesh& mesh, std::uint64_t seed) {
+  RandomStream random(seed, "renumbered");
+  const auto shuffled = [&](std::size_t size) {
+    std::vector<int> order(size);
+    std::iota(order.begin(), order.end(), 0);
+    for (std::size_t i = size; i > 1; --i) {
+      std::swap(order[i - 1],
+                order[static_cast<std::size_t>(random.Uniform() * static_cast<double>(i))]);
+    }
+    return order;
+  };
+  RenumberedMesh out{mesh, shuffled(mesh.fixed_nodes.size()), shuffled(mesh.tissue.size())};
+  std::vector<int> new_node(out.old_node.size());
+  for (std::size_t i = 0; i < out.old_node.size(); ++i) {
+    new_node[out.old_node[i]] = static_cast<int>(i);
+    out.mesh.nodes_mm.col(static_cast<Eigen::Index>(i)) = mesh.nodes_mm.col(out.old_node[i]);
+    out.mesh.fixed_nodes[i] = mesh.fixed_nodes[out.old_node[i]];
+  }
+  constexpr int kTurns[4][4] = {{0, 1, 2, 3}, {1, 2, 0, 3}, {3, 2, 1, 0}, {2, 3, 0, 1}};
+  for (std::size_t t = 0; t < out.old_tetrahedron.size(); ++t) {
+    out.mesh.tissue[t] = mesh.tissue[out.old_tetrahedron[t]];
+    const auto& turn = kTurns[random.Next() % 4];
+    for (int c = 0; c < 4; ++c) {
+      out.mesh.tetrahedra(c, static_cast<Eigen::Index>(t)) =
+          new_node[mesh.tetrahedra(turn[c], out.old_tetrahedron[t])];
+    }
+  }
+  return out;
+}
+
 }  // namespace acus::testing_support

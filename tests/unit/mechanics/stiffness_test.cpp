@@ -30,7 +30,8 @@ Eigen::VectorXd Displaced(const mesh::TetraMesh& mesh, const Eigen::Matrix3d& gr
 
 class Stiffness : public testing::TestWithParam<ElementKind> {};
 
-INSTANTIATE_TEST_SUITE_P(Elements, Stiffness, testing::Values(ElementKind::kLinear));
+INSTANTIATE_TEST_SUITE_P(Elements, Stiffness,
+                         testing::Values(ElementKind::kLinear, ElementKind::kAveragedDilatation));
 
 TEST_P(Stiffness, MotionWithoutStrainNeedsNoForce) {
   const mesh::TetraMesh box = BoxMesh({3, 4, 2}, {-10, 0, 5}, {20, 30, 40}, 0.15);
