@@ -5,7 +5,7 @@
 namespace acus::mechanics {
 namespace {
 
-constexpr ElementKind kKinds[] = {ElementKind::kLinear};
+constexpr ElementKind kKinds[] = {ElementKind::kLinear, ElementKind::kAveragedDilatation};
 
 }  // namespace
 
@@ -13,6 +13,8 @@ std::string_view ElementName(ElementKind kind) {
   switch (kind) {
     case ElementKind::kLinear:
       return "linear";
+    case ElementKind::kAveragedDilatation:
+      return "averaged_dilatation";
   }
   ACUS_ASSERT(false);
 }

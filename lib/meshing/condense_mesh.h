@@ -20,7 +20,7 @@ struct CondenseSettings {
   std::optional<mechanics::SkinPatch> probe;
   double image_radius_mm = 0.0;  ///< 0: no image block.
   mechanics::Storage storage = mechanics::Storage::kDouble;
-  mechanics::ElementKind element = mechanics::ElementKind::kLinear;
+  mechanics::ElementKind element = mechanics::ElementKind::kAveragedDilatation;
   mechanics::ElasticityTable elasticity;
   double max_memory_mib = 0.0;
 };
