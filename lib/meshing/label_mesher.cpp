@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "mesh/quality.h"
 #include "meshing/improve.h"
@@ -18,6 +20,9 @@ constexpr double kGoalDeg =
     15.0;  ///< Improvement stops there; the margin over the limit asked for.
 constexpr double kFloorDeg = 13.0;  ///< Nodes return to their interface only above this.
 constexpr int kVolumeRounds = 7;
+constexpr int kBudgetRounds = 6;  ///< Divisions tried for a wanted number of nodes.
+constexpr double kFirstGainMm = 12.0;
+constexpr double kFullBudget = 0.93;
 constexpr int kAttempts = 3;  ///< Each with finer elements, where a limit was missed.
 constexpr double kRefinement = 0.7;
 /// Nodes by which a finer mesh grows: between surface (2.0) and volume (2.9) for that refinement.
@@ -40,15 +45,24 @@ std::array<double, 256> MapVolumesMm3(const volume::LabelMap& labels) {
   return out;
 }
 
-/// 0 outside, 1 all tissues that need no surface of their own, then the conforming ones.
+bool AllConform(const LabelMeshSettings& settings) {
+  return std::ranges::count(settings.conforming_tissues, "all") > 0;
+}
+
+/// 0 outside, 1 all tissues that need no surface of their own, then the conforming ones. Where all
+/// conform, the largest is 1: its surface is what the others leave.
 MaterialOfLabel Materials(const volume::LabelMap& labels, const std::array<double, 256>& map_mm3,
                           const LabelMeshSettings& settings, int& num_materials) {
   MaterialOfLabel out{};
   std::fill(out.begin() + 1, out.end(), std::uint8_t{1});
   num_materials = 2;
+  const auto& wanted = settings.conforming_tissues;
+  const bool all_conform = AllConform(settings);
+  const auto largest = std::max_element(map_mm3.begin() + 1, map_mm3.end()) - map_mm3.begin();
   for (int l = 1; l < 256; ++l) {
-    const auto& wanted = settings.conforming_tissues;
-    if (map_mm3[l] <= 0.0 || std::ranges::find(wanted, NameOf(labels, l)) == wanted.end()) continue;
+    if (map_mm3[l] <= 0.0 || (all_conform && l == largest)) continue;
+    if (all_conform && std::ranges::count(settings.except_tissues, NameOf(labels, l)) > 0) continue;
+    if (!all_conform && std::ranges::find(wanted, NameOf(labels, l)) == wanted.end()) continue;
     ACUS_REQUIRE(num_materials < 64, "more than 62 conforming tissues; list fewer");
     out[l] = static_cast<std::uint8_t>(num_materials++);
   }
@@ -90,9 +104,7 @@ class LabelMesher {
         field_(MakeField()) {}
 
   LabelMesh Run() {
-    TetraEditor editor = Lattice();
-    context_.Checkpoint("cutting at interfaces", 0.3);
-    CutAtInterfaces(editor, field_);
+    TetraEditor editor = Divide();
     ImproveSettings improve;
     improve.goal_deg = std::max(kGoalDeg, settings_.min_dihedral_deg + 2.0);
     Improve(editor, &field_, improve, context_);
@@ -114,6 +126,8 @@ class LabelMesher {
     const ElementSizes& s = settings_.sizes;
     double finest = std::min(s.interface_mm, s.skin_mm);
     if (s.corridor) finest = std::min(finest, s.corridor->element_size_mm);
+    // Not to a share of the finest elements of all, of which there are few: memory.
+    if (s.finest_mm > 0.0) finest = std::min(finest, 1.7 * s.finest_mm);
     const double padding = 1.5 * std::max(s.skin_mm, finest);
     context_.Checkpoint("smoothing labels", 0.0);
     return MaterialField(labels_, material_of_label_, num_materials_, 0.3 * finest,
@@ -125,15 +139,57 @@ class LabelMesher {
     return labels_.geometry.direction.transpose() * (x - labels_.geometry.origin_mm);
   }
 
-  TetraEditor Lattice() const {
+  /// The body divided and cut at interfaces; with finest_mm, the finest division within the wanted
+  /// number of nodes, or the coarsest of all if that has more.
+  TetraEditor Divide() const {
+    if (settings_.sizes.finest_mm <= 0.0) return Lattice({});
+    const InterfaceShape shape(field_, BlocksOf(field_, settings_.sizes),
+                               labels_.geometry.spacing_mm);
+    const auto wanted = static_cast<double>(settings_.wanted_nodes);
+    TetraEditor best = Lattice({});
+    if (NodesOfBody(best) > wanted) {
+      context_.Warn(Message("the element sizes alone give more than ", settings_.wanted_nodes,
+                            " nodes (refinement/nodes); nothing is refined"));
+      return best;
+    }
+    double too_fine_mm = 0.0;
+    double gain_mm = kFirstGainMm;
+    for (int round = 0; round < kBudgetRounds; ++round) {
+      TetraEditor editor = Lattice({&shape, gain_mm});
+      const double nodes = NodesOfBody(editor);
+      if (nodes > wanted) {
+        too_fine_mm = std::max(too_fine_mm, gain_mm);
+      } else {
+        best = std::move(editor);
+        if (nodes > kFullBudget * wanted) break;
+      }
+      // Nodes go about as 1 / gain^1.6; never back to what was too fine.
+      const double next = gain_mm * std::pow(nodes / (0.97 * wanted), 1.0 / 1.6);
+      gain_mm = next > too_fine_mm ? next : 0.5 * (gain_mm + too_fine_mm);
+    }
+    return best;
+  }
+
+  static double NodesOfBody(const TetraEditor& editor) {
+    std::size_t count = 0;
+    for (int n = 0; n < editor.num_nodes(); ++n) {
+      count += std::ranges::any_of(editor.star(n), [&](int t) { return editor.material(t) != 0; });
+    }
+    return static_cast<double>(count);
+  }
+
+  TetraEditor Lattice(const ShapeLimit& limit) const {
     ElementSizes sizes = settings_.sizes;
     if (sizes.corridor) {
       sizes.corridor->from_mm = GridFromCt(sizes.corridor->from_mm);
       sizes.corridor->to_mm = GridFromCt(sizes.corridor->to_mm);
     }
-    const Eigen::Matrix3Xd points = LatticePoints(field_, sizes, settings_.max_nodes);
+    const Eigen::Matrix3Xd points = LatticePoints(field_, sizes, limit, settings_.max_nodes);
     context_.Checkpoint("tetrahedra", 0.0);
-    return TetraEditor(points, DelaunayTetrahedra(points, context_));
+    TetraEditor out(points, DelaunayTetrahedra(points, context_));
+    context_.Checkpoint("cutting at interfaces", 0.3);
+    CutAtInterfaces(out, field_);
+    return out;
   }
 
   /// Target volume of each material; islands that will be dropped are part of it.
@@ -253,8 +309,11 @@ class LabelMesher {
     }
     for (int l = 1; l < 256; ++l) {
       if (map_mm3_[l] <= 0.0) continue;
+      // With "all", what is left is one tissue, whose surface is what the others leave.
+      const bool is_conforming =
+          material_of_label_[l] > 1 || (AllConform(settings_) && settings_.except_tissues.empty());
       out.tissues.push_back({static_cast<std::uint8_t>(l), NameOf(labels_, l), map_mm3_[l] / 1000.0,
-                             mesh_mm3[l] / 1000.0, material_of_label_[l] > 1});
+                             mesh_mm3[l] / 1000.0, is_conforming});
       out.body_map_ml += map_mm3_[l] / 1000.0;
       out.body_mesh_ml += mesh_mm3[l] / 1000.0;
     }
@@ -269,6 +328,10 @@ class LabelMesher {
   MaterialField field_;
 };
 
+bool MissesVolume(double mesh_ml, double map_ml, const LabelMeshSettings& settings) {
+  return std::abs(mesh_ml - map_ml) > settings.volume_tolerance * map_ml;
+}
+
 /// What the mesh misses, in words; empty if it is good.
 std::string Shortfall(const LabelMesh& out, const LabelMeshSettings& settings) {
   const mesh::QualityReport quality = mesh::MeasureQuality(out.mesh);
@@ -277,20 +340,34 @@ std::string Shortfall(const LabelMesh& out, const LabelMeshSettings& settings) {
     return Message("the smallest dihedral angle is ", quality.min_dihedral_deg, " degrees at (",
                    at[0], ", ", at[1], ", ", at[2], ") mm; asked for: ", settings.min_dihedral_deg);
   }
-  const auto misses = [&](double mesh_ml, double map_ml) {
-    return std::abs(mesh_ml - map_ml) > settings.volume_tolerance * map_ml;
-  };
-  if (misses(out.body_mesh_ml, out.body_map_ml)) {
+  if (MissesVolume(out.body_mesh_ml, out.body_map_ml, settings)) {
     return Message("the body has ", out.body_mesh_ml, " ml in the mesh and ", out.body_map_ml,
                    " ml in the label map; ", out.dropped_ml, " ml of it are loose islands");
   }
   for (const TissueVolume& tissue : out.tissues) {
-    if (tissue.is_conforming && misses(tissue.mesh_ml, tissue.map_ml)) {
+    if (tissue.is_conforming && MissesVolume(tissue.mesh_ml, tissue.map_ml, settings)) {
       return Message(tissue.name, " has ", tissue.mesh_ml, " ml in the mesh and ", tissue.map_ml,
                      " ml in the label map");
     }
   }
   return {};
+}
+
+/// With "all": takes the tissues whose volume is missed from the conforming ones, but for the
+/// largest, which has what the others leave. Their names.
+std::string GiveUpThinTissues(const LabelMesh& out, LabelMeshSettings& settings) {
+  if (!AllConform(settings)) return {};
+  const auto largest = std::ranges::max_element(out.tissues, {}, &TissueVolume::map_ml);
+  std::string names;
+  for (const TissueVolume& tissue : out.tissues) {
+    if (!tissue.is_conforming || tissue.label == largest->label ||
+        !MissesVolume(tissue.mesh_ml, tissue.map_ml, settings)) {
+      continue;
+    }
+    settings.except_tissues.push_back(tissue.name);
+    names += (names.empty() ? "" : ", ") + tissue.name;
+  }
+  return names;
 }
 
 }  // namespace
@@ -312,11 +389,31 @@ LabelMesh MeshLabelMap(const volume::LabelMap& labels, const LabelMeshSettings& 
                                   " nodes; try smaller elements, another smoothing_mm, or wider "
                                   "limits in the config"));
     }
+    if (finer.sizes.finest_mm > 0.0 && attempt == 0) {
+      finer.wanted_nodes = static_cast<std::size_t>(1.5 * static_cast<double>(finer.wanted_nodes));
+      context.Warn(Message(shortfall, "; meshing again with ", finer.wanted_nodes, " nodes"));
+      continue;
+    }
+    const std::string thin = GiveUpThinTissues(out, finer);
+    if (!thin.empty()) {
+      context.Warn(Message(shortfall, "; meshing again without surfaces of their own for ", thin,
+                           ", which are too thin for the elements: told apart one by one"));
+      continue;
+    }
     finer.sizes.interface_mm *= kRefinement;
     finer.sizes.skin_mm = std::max(finer.sizes.interface_mm, finer.sizes.skin_mm * kRefinement);
     finer.smoothing_mm = std::min(finer.smoothing_mm, 0.2 * finer.sizes.interface_mm);
     context.Warn(Message(shortfall, "; meshing again with elements of ", finer.sizes.interface_mm,
                          " mm at interfaces"));
+  }
+}
+
+void AddSurfaceDistances(const volume::LabelMap& labels, int num_threads, LabelMesh& mesh) {
+  for (const SurfaceDistance& d : MeasureSurfaceDistances(labels, mesh.mesh, num_threads)) {
+    if (d.label == 0) mesh.body_surface = d;
+    for (TissueVolume& tissue : mesh.tissues) {
+      if (tissue.label == d.label) tissue.surface = d;
+    }
   }
 }
 

@@ -20,49 +20,34 @@ double DistanceToSegment(const Eigen::Vector3d& x, const Corridor& corridor) {
   return (x - corridor.from_mm - t * along).norm();
 }
 
-/// Blocks of all levels: level 0 is finest, a block of level k is 2^k finest blocks wide.
+/// Blocks that are divided until each is as small as is wanted there.
 class Octree {
  public:
-  Octree(const MaterialField& field, const ElementSizes& sizes) : field_(field), sizes_(sizes) {
-    finest_ = std::min({sizes.interface_mm, sizes.skin_mm, sizes.interior_mm});
-    if (sizes.corridor) finest_ = std::min(finest_, sizes.corridor->element_size_mm);
-    const double ratio = sizes.interior_mm / finest_;
-    top_ = std::clamp(static_cast<int>(std::floor(std::log2(ratio) + 1e-9)), 0, 6);
-    const Eigen::Vector3d extent = field.high_mm() - field.low_mm();
-    const double coarsest = finest_ * std::exp2(top_);
-    double blocks = 1.0;
-    for (int d = 0; d < 3; ++d) {
-      top_size_[d] = static_cast<int>(std::ceil(extent[d] / coarsest));
-      blocks *= static_cast<double>(top_size_[d]) * std::exp2(top_);
-    }
-    ACUS_REQUIRE(blocks < 4e8, "an element size of ", finest_, " mm over ", extent[0], " x ",
-                 extent[1], " x ", extent[2], " mm is too fine; choose a larger one");
-    origin_ = field.low_mm() - 0.5 * (top_size_.cast<double>() * coarsest - extent);
+  Octree(const MaterialField& field, const ElementSizes& sizes, const ShapeLimit& limit)
+      : field_(field), sizes_(sizes), limit_(limit), grid_(BlocksOf(field, sizes)) {
     Divide();
   }
 
   /// Calls visit(level, block) for each leaf, coarse to fine, in order of place.
   template <typename Visit>
   void ForEachLeaf(const Visit& visit) const {
-    for (int level = top_; level >= 0; --level) {
+    for (int level = grid_.top; level >= 0; --level) {
       ForEachBlock(level, [&](const Eigen::Vector3i& block) {
-        const bool exists = level == top_ || IsDivided(level + 1, block / 2);
+        const bool exists = level == grid_.top || IsDivided(level + 1, block / 2);
         if (exists && !IsDivided(level, block)) visit(level, block);
       });
     }
   }
 
   Eigen::Vector3d Place(const Eigen::Vector3d& finest_blocks) const {
-    return origin_ + finest_ * finest_blocks;
+    return grid_.origin_mm + grid_.finest_mm * finest_blocks;
   }
-  double SizeMm(int level) const { return finest_ * std::exp2(level); }
+  double SizeMm(int level) const { return grid_.finest_mm * std::exp2(level); }
 
  private:
-  Eigen::Vector3i Size(int level) const { return top_size_ * (1 << (top_ - level)); }
-
   template <typename Visit>
   void ForEachBlock(int level, const Visit& visit) const {
-    const Eigen::Vector3i size = Size(level);
+    const Eigen::Vector3i size = grid_.Size(level);
     Eigen::Vector3i block;
     for (block[2] = 0; block[2] < size[2]; ++block[2]) {
       for (block[1] = 0; block[1] < size[1]; ++block[1]) {
@@ -70,12 +55,8 @@ class Octree {
       }
     }
   }
-  std::size_t Index(int level, const Eigen::Vector3i& b) const {
-    const Eigen::Vector3i size = Size(level);
-    return (static_cast<std::size_t>(b[2]) * size[1] + b[1]) * size[0] + b[0];
-  }
   bool IsDivided(int level, const Eigen::Vector3i& block) const {
-    return level > 0 && divided_[level][Index(level, block)] != 0;
+    return level > 0 && divided_[level][grid_.Index(level, block)] != 0;
   }
 
   /// Whether a block of this level is larger than what is wanted anywhere in it.
@@ -88,27 +69,31 @@ class Octree {
     if (sizes_.interior_mm < limit) return true;
     if (sizes_.skin_mm < limit && field_.BoxHolds(low, high, What::kSkin)) return true;
     if (sizes_.interface_mm < limit && field_.BoxHolds(low, high, What::kInterface)) return true;
+    if (limit_.shape != nullptr &&
+        size * limit_.shape->Roughness(level, grid_.Index(level, block)) > limit_.gain_mm) {
+      return true;
+    }
     return sizes_.corridor && sizes_.corridor->element_size_mm < limit &&
            DistanceToSegment(0.5 * (low + high), *sizes_.corridor) <
                sizes_.corridor->radius_mm + 0.87 * size;
   }
 
   void Divide() {
-    divided_.resize(top_ + 1);
-    for (int level = 1; level <= top_; ++level) {
-      divided_[level].assign(static_cast<std::size_t>(Size(level).cast<double>().prod()), 0);
+    divided_.resize(grid_.top + 1);
+    for (int level = 1; level <= grid_.top; ++level) {
+      divided_[level].assign(static_cast<std::size_t>(grid_.Size(level).cast<double>().prod()), 0);
       ForEachBlock(level, [&](const Eigen::Vector3i& block) {
-        if (IsTooLarge(level, block)) divided_[level][Index(level, block)] = 1;
+        if (IsTooLarge(level, block)) divided_[level][grid_.Index(level, block)] = 1;
       });
       // Where a block one level finer is divided, all that touch it must exist at its own level.
       if (level == 1) continue;
-      const Eigen::Vector3i finer_size = Size(level - 1);
+      const Eigen::Vector3i finer_size = grid_.Size(level - 1);
       ForEachBlock(level - 1, [&](const Eigen::Vector3i& finer) {
         if (!IsDivided(level - 1, finer)) return;
         for (int n = 0; n < 27; ++n) {
           const Eigen::Vector3i next = finer + Eigen::Vector3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
           if ((next.array() < 0).any() || (next.array() >= finer_size.array()).any()) continue;
-          divided_[level][Index(level, next / 2)] = 1;
+          divided_[level][grid_.Index(level, next / 2)] = 1;
         }
       });
     }
@@ -116,18 +101,37 @@ class Octree {
 
   const MaterialField& field_;
   const ElementSizes& sizes_;
-  double finest_ = 1.0;
-  int top_ = 0;
-  Eigen::Vector3i top_size_ = Eigen::Vector3i::Zero();
-  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
+  const ShapeLimit& limit_;
+  BlockGrid grid_;
   std::vector<std::vector<std::uint8_t>> divided_;  ///< By level, then block.
 };
 
 }  // namespace
 
+BlockGrid BlocksOf(const MaterialField& field, const ElementSizes& sizes) {
+  BlockGrid out;
+  double& finest = out.finest_mm;
+  finest = std::min({sizes.interface_mm, sizes.skin_mm, sizes.interior_mm});
+  if (sizes.corridor) finest = std::min(finest, sizes.corridor->element_size_mm);
+  if (sizes.finest_mm > 0.0) finest = std::min(finest, sizes.finest_mm);
+  const double ratio = sizes.interior_mm / finest;
+  out.top = std::clamp(static_cast<int>(std::floor(std::log2(ratio) + 1e-9)), 0, 6);
+  const Eigen::Vector3d extent = field.high_mm() - field.low_mm();
+  const double coarsest = finest * std::exp2(out.top);
+  double blocks = 1.0;
+  for (int d = 0; d < 3; ++d) {
+    out.top_size[d] = static_cast<int>(std::ceil(extent[d] / coarsest));
+    blocks *= static_cast<double>(out.top_size[d]) * std::exp2(out.top);
+  }
+  ACUS_REQUIRE(blocks < 4e8, "an element size of ", finest, " mm over ", extent[0], " x ",
+               extent[1], " x ", extent[2], " mm is too fine; choose a larger one");
+  out.origin_mm = field.low_mm() - 0.5 * (out.top_size.cast<double>() * coarsest - extent);
+  return out;
+}
+
 Eigen::Matrix3Xd LatticePoints(const MaterialField& field, const ElementSizes& sizes,
-                               std::size_t max_points) {
-  const Octree octree(field, sizes);
+                               const ShapeLimit& limit, std::size_t max_points) {
+  const Octree octree(field, sizes, limit);
   std::vector<std::array<int, 3>> halves;  // In halves of the finest block, to be whole numbers.
   octree.ForEachLeaf([&](int level, const Eigen::Vector3i& block) {
     const int width = 1 << level;

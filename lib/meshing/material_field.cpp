@@ -112,14 +112,14 @@ void MaterialField::MatchVolumes(const std::vector<double>& voxels_of_material) 
 }
 
 void MaterialField::FindInterfaces() {
-  std::vector<std::uint8_t> material(fields_[0].size(), 0);
-  for (std::size_t n = 0; n < material.size(); ++n) {
+  material_.assign(fields_[0].size(), 0);
+  for (std::size_t n = 0; n < material_.size(); ++n) {
     double best = fields_[0][n] + offsets_[0];
     for (int m = 1; m < num_materials(); ++m) {
       const double value = fields_[m][n] + offsets_[m];
       if (value > best) {
         best = value;
-        material[n] = static_cast<std::uint8_t>(m);
+        material_[n] = static_cast<std::uint8_t>(m);
       }
     }
   }
@@ -132,12 +132,12 @@ void MaterialField::FindInterfaces() {
     for (int j = 0; j < size_[1]; ++j) {
       std::array<std::int32_t, 3> row{};
       for (int i = 0; i < size_[0]; ++i) {
-        const std::uint8_t here = material[Index(i, j, k)];
+        const std::uint8_t here = material_[Index(i, j, k)];
         std::array<bool, 3> is{here != 0, false, false};
         for (int d = 0; d < 3; ++d) {
           Eigen::Vector3i next(i, j, k);
           if (++next[d] >= size_[d]) continue;
-          const std::uint8_t there = material[Index(next[0], next[1], next[2])];
+          const std::uint8_t there = material_[Index(next[0], next[1], next[2])];
           is[1] = is[1] || (here != there && (here == 0 || there == 0));
           is[2] = is[2] || (here != there && here != 0 && there != 0);
         }

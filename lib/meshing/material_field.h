@@ -47,6 +47,11 @@ class MaterialField {
   const Eigen::Vector3d& low_mm() const { return low_; }
   Eigen::Vector3d high_mm() const;
   const Eigen::Vector3d& spacing_mm() const { return spacing_; }
+  const Eigen::Vector3i& size() const { return size_; }  ///< Of the field, in its own voxels.
+  /// The material at the centre of a voxel of the field, before any offset was changed.
+  std::uint8_t MaterialOfVoxel(const Eigen::Vector3i& v) const {
+    return material_[Index(v[0], v[1], v[2])];
+  }
 
  private:
   struct Cell {
@@ -73,6 +78,7 @@ class MaterialField {
   Eigen::Vector3d spacing_ = Eigen::Vector3d::Ones();  ///< Of the field.
   std::vector<std::vector<float>> fields_;
   std::vector<double> offsets_;
+  std::vector<std::uint8_t> material_;               ///< By voxel of the field.
   std::array<std::vector<std::int32_t>, 3> counts_;  ///< Summed-volume tables, by What.
 };
 

@@ -32,6 +32,10 @@ MeshConfig MeshConfigFromJson(const json& document) {
   if (document.contains("corridor")) {
     out.labels.sizes.corridor = CorridorFromJson(document.at("corridor"));
   }
+  if (document.contains("refinement")) {
+    out.labels.sizes.finest_mm = document.at("refinement").at("finest_mm").get<double>();
+    out.labels.wanted_nodes = document.at("refinement").at("nodes").get<std::size_t>();
+  }
   document.at("conforming_tissues").get_to(out.labels.conforming_tissues);
   document.at("fixed_tissues").get_to(out.labels.fixed_tissues);
   out.labels.smoothing_mm = document.at("smoothing_mm").get<double>();

@@ -47,9 +47,15 @@ void WriteFolder(const std::filesystem::path& target, const mesh::TetraMesh& mes
 void MeshLabelsToFolder(const std::filesystem::path& labels, const MeshConfig& config,
                         const std::filesystem::path& folder, const RunContext& context) {
   context.Checkpoint("reading labels", 0.0);
-  const LabelMesh out = MeshLabelMap(volume::ReadLabelMap(labels), config.labels, context);
+  const volume::LabelMap map = volume::ReadLabelMap(labels);
+  LabelMesh out = MeshLabelMap(map, config.labels, context);
+  context.Checkpoint("measuring the mesh", 0.8);
+  AddSurfaceDistances(map, context.num_threads, out);
   const auto& corridor = config.labels.sizes.corridor;
-  const json about = {{"body", {{"label_map_ml", out.body_map_ml}, {"mesh_ml", out.body_mesh_ml}}},
+  const json about = {{"body",
+                       {{"label_map_ml", out.body_map_ml},
+                        {"mesh_ml", out.body_mesh_ml},
+                        {"surface_distance", ToJson(*out.body_surface)}}},
                       {"dropped_islands_ml", out.dropped_ml},
                       {"element_size_mm",
                        {{"interface", out.sizes.interface_mm},

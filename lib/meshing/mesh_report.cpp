@@ -154,8 +154,17 @@ json DescribeMesh(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& 
          {"difference_percent", 100.0 * (tissue.mesh_ml / tissue.map_ml - 1.0)},
          {"tetrahedra", elements[tissue.label]},
          {"has_own_surface", tissue.is_conforming}});
+    if (tissue.surface) out["tissues"].back()["surface_distance"] = ToJson(*tissue.surface);
   }
   return out;
+}
+
+json ToJson(const SurfaceDistance& distance) {
+  // A tissue that the mesh has lost is infinitely far: null.
+  return {{"p95_mm", distance.p95_mm},
+          {"p95_voxels", distance.p95_voxels},
+          {"mean_mm", distance.mean_mm},
+          {"samples", distance.num_samples}};
 }
 
 std::string MeshPictureSvg(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& tissues,

@@ -13,6 +13,9 @@ namespace acus::meshing {
 /// Counts, angles, histogram, and per tissue its volumes, their difference and the element count.
 nlohmann::json DescribeMesh(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& tissues);
 
+/// {p95_mm, p95_voxels, mean_mm, samples}; null for a distance to what is not there.
+nlohmann::json ToJson(const SurfaceDistance& distance);
+
 /// SVG: two cuts through the mesh at `centre_mm` (axial, sagittal) coloured by tissue, a histogram
 /// of the dihedral angles with the limit, and a table of volumes.
 std::string MeshPictureSvg(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& tissues,

@@ -66,7 +66,8 @@ class Assignment {
     for (int l = 0; l < 256; ++l) {
       target_mm3_[l] *= labels.geometry.voxel_volume_mm3();
       const std::uint8_t m = material_of_label[l];
-      if (m != 0 && target_mm3_[l] > target_mm3_[commonest_[m]]) {
+      if (l == 0 || target_mm3_[l] <= 0.0) continue;
+      if (commonest_[m] == 0 || target_mm3_[l] > target_mm3_[commonest_[m]]) {
         commonest_[m] = static_cast<std::uint8_t>(l);
       }
     }

@@ -129,6 +129,73 @@ TEST(MeshLabelMap, FollowsSeveralTissuesAtOnce) {
     EXPECT_EQ(tissue.is_conforming, tissue.name != "skin");
 }
 
+TEST(MeshLabelMap, FollowsAllTissuesWithinAVoxel) {
+  LabelMeshSettings settings;
+  settings.sizes = {5.0, 8.0, 16.0, std::nullopt, 0.0};
+  settings.conforming_tissues = {"all"};
+  settings.volume_tolerance = 0.02;
+  settings.min_dihedral_deg = 10.0;
+  volume::LabelMap labels = label_maps::NestedBalls();
+  std::ranges::replace(labels.voxels, label_maps::kSkin, kFat);
+  LabelMesh out = MeshLabelMap(labels, settings, {});
+  ExpectSound(out);
+  AddSurfaceDistances(labels, 1, out);
+  EXPECT_LT(out.body_surface.value().p95_voxels, 0.7);
+  for (const TissueVolume& tissue : out.tissues) {
+    EXPECT_TRUE(tissue.is_conforming) << tissue.name;
+    EXPECT_NEAR(tissue.mesh_ml, tissue.map_ml, 0.02 * tissue.map_ml) << tissue.name;
+    EXPECT_LT(tissue.surface.value().p95_voxels, 1.0) << tissue.name;
+  }
+}
+
+TEST(MeshLabelMap, TellsThinTissuesApartWhereTheirSurfaceIsTooFine) {
+  LabelMeshSettings settings = Coarse();
+  settings.conforming_tissues = {"all"};
+  settings.volume_tolerance = 0.02;
+  const auto threads = label_maps::Make(40, 1.5, [](const auto& x) -> std::uint8_t {
+    if (x.norm() > 28.0) return 0;
+    const Eigen::Vector2d cell(std::remainder(x[0], 12.0), std::remainder(x[1], 12.0));
+    return cell.norm() < 1.6 ? label_maps::kLiver : kFat;
+  });
+  std::string warnings;
+  RunContext context;
+  context.on_warning = [&](std::string_view text) { warnings += text; };
+  const LabelMesh out = MeshLabelMap(threads, settings, context);
+  EXPECT_THAT(warnings, HasSubstr("without surfaces of their own for liver"));
+  for (const TissueVolume& tissue : out.tissues) {
+    EXPECT_FALSE(tissue.is_conforming) << tissue.name;
+    EXPECT_NEAR(tissue.mesh_ml, tissue.map_ml, 0.06 * tissue.map_ml) << tissue.name;
+  }
+}
+
+TEST(MeshLabelMap, SpendsItsNodesWhereSurfacesBend) {
+  LabelMeshSettings settings;
+  settings.sizes = {8.0, 8.0, 16.0, std::nullopt, 2.0};
+  settings.conforming_tissues = {"all"};
+  settings.volume_tolerance = 0.2;
+  settings.wanted_nodes = 9000;
+  const volume::LabelMap labels = label_maps::NestedBalls();
+  LabelMesh refined = MeshLabelMap(labels, settings, {});
+  EXPECT_LE(refined.mesh.nodes_mm.cols(), 9900);  // Counted before the elements are improved.
+  EXPECT_GT(refined.mesh.nodes_mm.cols(), 6000);
+  settings.sizes.finest_mm = 0.0;
+  LabelMesh even = MeshLabelMap(labels, settings, {});
+  AddSurfaceDistances(labels, 1, refined);
+  AddSurfaceDistances(labels, 1, even);
+  for (std::size_t n = 0; n < even.tissues.size(); ++n) {
+    EXPECT_LT(refined.tissues[n].surface.value().p95_mm, even.tissues[n].surface.value().p95_mm)
+        << even.tissues[n].name;
+  }
+}
+
+TEST(MeshLabelMap, GivesEveryTetrahedronATissue) {
+  // A splinter of bone that no sample of its tetrahedra may hit.
+  LabelMeshSettings settings = Coarse();
+  const volume::LabelMap labels = label_maps::NestedBalls();
+  const LabelMesh out = MeshLabelMap(labels, settings, {});
+  EXPECT_EQ(std::ranges::count(out.mesh.tissue, 0), 0);
+}
+
 TEST(MeshLabelMap, IsFinerInTheCorridor) {
   LabelMeshSettings settings = Coarse();
   settings.sizes.corridor = Corridor{{0, -40, 20}, {0, 20, 20}, 5.0, 2.5};
