@@ -19,10 +19,12 @@ LocalCompliance ShaftCompliance(const mechanics::ElasticTissue& tissue, double e
                                 double radius_mm, double length_mm) {
   const double nu = tissue.poissons_ratio;
   const double shear_n_per_mm = tissue.ShearModulusMpa() * length_mm;
-  const double logarithm =
-      std::max(std::log(kLineRadiusShare * element_mm / radius_mm), kLeastLogarithm);
-  return {(3.0 - 4.0 * nu) * logarithm / (8.0 * std::numbers::pi * shear_n_per_mm * (1.0 - nu)),
-          logarithm / (2.0 * std::numbers::pi * shear_n_per_mm)};
+  const auto logarithm = [&](double share) {
+    return std::max(std::log(share * element_mm / radius_mm), kLeastLogarithm);
+  };
+  return {(3.0 - 4.0 * nu) * logarithm(kLateralRadiusShare) /
+              (8.0 * std::numbers::pi * shear_n_per_mm * (1.0 - nu)),
+          logarithm(kAxialRadiusShare) / (2.0 * std::numbers::pi * shear_n_per_mm)};
 }
 
 double LumpRadiusMm(const mechanics::ElasticTissue& tissue, double force_n, bool on_surface,

@@ -14,14 +14,17 @@
 namespace acus::tissue {
 
 /// The radius that the mesh does resolve around a line of points, over the edge of its elements.
-/// Found by comparing meshes, see docs/models/tissue_contact.md.
-inline constexpr double kLineRadiusShare = 0.30;
+/// Found with a rigid wire in a round tube, for which forces are known (tests/physics/
+/// tissue_contact_test.cpp): along the wire one number for all meshes; across, from 0.51 (nu 0.3)
+/// to 0.6 (nu 0.45) with linear tetrahedra.
+inline constexpr double kAxialRadiusShare = 0.47;
+inline constexpr double kLateralRadiusShare = 0.55;
 
 /// A piece of shaft that stands for `length_mm` of line: Kelvin's line load along the needle (anti-
-/// plane shear) and across it (plane strain), between radii r and R = kLineRadiusShare * edge:
+/// plane shear) and across it (plane strain), between radii r and R = share * edge:
 ///   axial   ln(R/r) / (2 pi G L)
 ///   lateral (3 - 4 nu) ln(R/r) / (8 pi G (1 - nu) L)
-/// The logarithm is at least 0.2, so that several points in one element keep A positive definite.
+/// The logarithms are at least 0.2, so that several points in one element keep A positive definite.
 LocalCompliance ShaftCompliance(const mechanics::ElasticTissue& tissue, double element_mm,
                                 double radius_mm, double length_mm);
 

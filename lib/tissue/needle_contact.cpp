@@ -10,7 +10,7 @@
 namespace acus::tissue {
 namespace {
 
-constexpr double kFarthestMm = 1e5;         // Coordinates beyond it are not positions in a room.
+constexpr double kFarthestMm = 1e5;         // A probe beyond it is not in a room.
 constexpr double kLongestSearchMm = 400.0;  // From inside the body back to the skin.
 constexpr double kReentryMm = 1.0;        // So near the old entry, the tip finds the channel again.
 constexpr double kReentryCosine = 0.996;  // And with less than 5 degrees to it.
@@ -70,52 +70,28 @@ FemNeedleState FemNeedleModel::NewState() const {
 struct FemNeedleModel::Outcome {
   forces::NeedleEvent event = forces::NeedleEvent::kNone;
   double tip_n = 0.0;
-  /// The first of the order that forces::NeedleEvent states wins.
-  void Happened(forces::NeedleEvent what) {
-    using enum forces::NeedleEvent;
-    constexpr forces::NeedleEvent kOrder[] = {kBoneContact, kPuncture,    kContact,
-                                              kInterface,   kBoneRelease, kWithdrawal};
-    for (const forces::NeedleEvent one : kOrder) {
-      if (event == one) return;
-      if (what == one) {
-        event = one;
-        return;
-      }
-    }
-  }
+  void Happened(forces::NeedleEvent what) { event = FirstOf(event, what); }
 };
 
 forces::NeedleForce FemNeedleModel::Step(FemNeedleState& state,
                                          const ToolSample& sample) const noexcept {
-  if (!std::isfinite(sample.time_s)) {
-    ++state.num_rejected;
-    return {};
-  }
-  if (state.started && sample.time_s <= state.time_s) {
-    ++state.num_time_back;
-    return HeldForce(state);
-  }
-  state.time_s = sample.time_s;
-  StepProbe(state, sample);
-
-  const double axis_length = sample.axis_in_ct.norm();
-  const bool rejected =
-      sample.needle_valid && !(axis_length > 1e-9 && axis_length < 1e9 &&
-                               sample.axis_in_ct.allFinite() && IsPosition(sample.tip_in_ct_mm));
-  if (rejected) ++state.num_rejected;
-  if (!sample.needle_valid || rejected) {
-    // The needle stays where it was; the probe goes on.
-    if (probe_) {
+  const bool is_later =
+      std::isfinite(sample.time_s) && !(state.started && sample.time_s <= state.time_s);
+  const SampleGate::Verdict verdict = state.Judge(sample);
+  if (is_later) StepProbe(state, sample);
+  if (verdict != SampleGate::Verdict::kStep) {
+    if (is_later && probe_) {  // The needle stays where it was; the probe goes on.
       if (state.phase == NeedlePhase::kInside) Demand(state);
       system_.Solve(state.contact);
       if (state.phase == NeedlePhase::kInside) FollowSlip(state);
       state.probe_force = probe_->ForceOf(state.contact, state.probe);
     }
-    return rejected || !state.started ? forces::NeedleForce{} : HeldForce(state);
+    return verdict == SampleGate::Verdict::kHold ? state.Held(table_.settings)
+                                                 : forces::NeedleForce{};
   }
 
   Outcome outcome;
-  state.axis_in_ct = sample.axis_in_ct / axis_length;
+  state.axis_in_ct = sample.axis_in_ct.normalized();
   state.tip_in_ct_mm = sample.tip_in_ct_mm;
   if (state.phase != NeedlePhase::kInside) {
     Touch(state, sample.tip_in_ct_mm, state.axis_in_ct, outcome);
@@ -127,26 +103,11 @@ forces::NeedleForce FemNeedleModel::Step(FemNeedleState& state,
   }
   if (state.phase != NeedlePhase::kFree || probe_) system_.Solve(state.contact);
   outcome.tip_n = state.phase == NeedlePhase::kFree ? 0.0 : state.contact.SlotForceN(0);
-  const forces::NeedleForce out = [&] {
-    forces::NeedleForce force = ForceOf(state, outcome);
-    After(state, outcome);
-    force.event = outcome.event;
-    return force;
-  }();
+  forces::NeedleForce out = ForceOf(state, outcome);
+  After(state, outcome);
+  out.event = outcome.event;
   if (probe_) state.probe_force = probe_->ForceOf(state.contact, state.probe);
-  state.started = true;
-  state.valid_time_s = sample.time_s;
-  state.held = out;
-  return out;
-}
-
-forces::NeedleForce FemNeedleModel::HeldForce(const FemNeedleState& state) const noexcept {
-  const double late_s = state.time_s - state.valid_time_s - table_.settings.invalid_hold_s;
-  const double ramp_s = table_.settings.invalid_ramp_s;
-  const double share = late_s <= 0.0 ? 1.0 : (late_s < ramp_s ? 1.0 - late_s / ramp_s : 0.0);
-  forces::NeedleForce out = state.held;
-  ScaleForce(share, out);
-  out.event = forces::NeedleEvent::kNone;
+  state.Accept(sample, out);
   return out;
 }
 
@@ -295,7 +256,15 @@ forces::NeedleForce FemNeedleModel::ForceOf(const FemNeedleState& state,
   if (state.phase == NeedlePhase::kFree) return out;
   out.depth_mm = state.depth_mm;
   Eigen::Vector3d sum_n = Eigen::Vector3d::Zero();
-  for (int p = 0; p < state.contact.num_points(); ++p) sum_n += state.contact.PointForceN(p);
+  const double cosine = std::max(state.axis_in_ct.dot(state.frame.col(2)), kLeastCosine);
+  for (int p = 0; p < state.contact.num_points(); ++p) {
+    const NeedlePoint& point = state.point[static_cast<std::size_t>(p)];
+    const Eigen::Vector3d force_n = state.contact.PointForceN(p);
+    const double behind_mm = point.axial_mm + point.moved_mm - state.depth_mm;
+    const Eigen::Vector3d arm_mm = (behind_mm / cosine) * state.axis_in_ct;
+    out.torque_in_ct_n_mm -= arm_mm.cross(state.frame * force_n);
+    sum_n += force_n;
+  }
   out.friction_n = sum_n[2];
   out.lateral_n = sum_n.head<2>().norm();
   if (state.end_is_bone) {
@@ -310,10 +279,7 @@ forces::NeedleForce FemNeedleModel::ForceOf(const FemNeedleState& state,
   }
   sum_n[2] += outcome.tip_n;
   out.force_in_ct_n = -(state.frame * sum_n);
-  const double size_n = out.force_in_ct_n.norm();
-  if (size_n > table_.settings.largest_force_n) {
-    ScaleForce(table_.settings.largest_force_n / size_n, out);
-  }
+  LimitTo(out, table_.settings.largest_force_n);
   if (!out.force_in_ct_n.allFinite()) return {};
   return out;
 }

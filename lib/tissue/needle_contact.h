@@ -17,6 +17,7 @@
 #include "tissue/contact_mesh.h"
 #include "tissue/contact_system.h"
 #include "tissue/probe_contact.h"
+#include "tissue/sample_gate.h"
 #include "tissue/tissue_load.h"
 #include "tissue/tool_sample.h"
 
@@ -48,18 +49,12 @@ struct NeedlePoint {
 
 /// All that the model remembers. A plain value: a copy goes on with the same bits. Made by
 /// FemNeedleModel::NewState(), which takes all the memory that it will ever need.
-struct FemNeedleState {
+struct FemNeedleState : SampleGate {
   ContactState contact;
   ProbeState probe;
   ProbeForce probe_force;  ///< Of the last step.
 
-  bool started = false;
-  double time_s = 0.0;
-  double valid_time_s = 0.0;
-  double probe_time_s = 0.0;
-  forces::NeedleForce held;       ///< Of the last valid sample.
-  std::int64_t num_rejected = 0;  ///< As in forces::NeedleForceState.
-  std::int64_t num_time_back = 0;
+  double probe_time_s = 0.0;  ///< Of the probe's last valid sample.
 
   NeedlePhase phase = NeedlePhase::kFree;
   bool has_previous = false;  ///< There was a sample outside of the tissue before, at:
@@ -118,7 +113,6 @@ class FemNeedleModel {
   struct Outcome;
 
   // needle_contact.cpp
-  forces::NeedleForce HeldForce(const FemNeedleState& state) const noexcept;
   void StepProbe(FemNeedleState& state, const ToolSample& sample) const noexcept;
   void Touch(FemNeedleState& state, const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& axis,
              Outcome& outcome) const noexcept;

@@ -3,8 +3,6 @@
 
 #include <Eigen/Geometry>
 
-#include "forces/needle_force.h"
-
 namespace acus::tissue {
 
 inline constexpr double kRigidMpa = 1e3;      ///< Of tissue whose nodes are all held still.
@@ -17,15 +15,6 @@ inline Eigen::Matrix3d FrameAlong(const Eigen::Vector3d& axis) {
   const Eigen::Vector3d first = axis.unitOrthogonal();
   frame << first, axis.cross(first), axis;
   return frame;
-}
-
-inline void ScaleForce(double share, forces::NeedleForce& force) {
-  force.puncture_n *= share;
-  force.cutting_n *= share;
-  force.friction_n *= share;
-  force.bone_n *= share;
-  force.lateral_n *= share;
-  force.force_in_ct_n *= share;
 }
 
 }  // namespace acus::tissue

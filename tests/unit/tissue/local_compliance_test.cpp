@@ -13,12 +13,15 @@ TEST(ShaftCompliance, IsKelvinsLineLoadBetweenTwoRadii) {
   // Around a line load per length q in an infinite solid, u(r) - u(R) = q / (2 pi G) ln(R / r)
   // along it. Between 0.5 mm and what elements of 10 mm resolve, for 2 mm of shaft:
   const double shear_mpa = 0.03 / 2.9;
-  const double resolved_mm = kLineRadiusShare * 10.0;
   const LocalCompliance local = ShaftCompliance(kTissue, 10.0, 0.5, 2.0);
   EXPECT_NEAR(local.axial_mm_per_n,
-              std::log(resolved_mm / 0.5) / (2.0 * std::numbers::pi * shear_mpa * 2.0), 1e-12);
-  // Across: (3 - 4 nu) / (4 (1 - nu)) of it, 0.5454 at nu = 0.45.
-  EXPECT_NEAR(local.lateral_mm_per_n / local.axial_mm_per_n, 1.2 / 2.2, 1e-12);
+              std::log(kAxialRadiusShare * 10.0 / 0.5) / (2.0 * std::numbers::pi * shear_mpa * 2.0),
+              1e-12);
+  // Across, (3 - 4 nu) / (8 pi G (1 - nu)), 0.5454 of it at nu = 0.45.
+  EXPECT_NEAR(local.lateral_mm_per_n,
+              1.2 * std::log(kLateralRadiusShare * 10.0 / 0.5) /
+                  (8.0 * std::numbers::pi * shear_mpa * 0.55 * 2.0),
+              1e-12);
 }
 
 TEST(ShaftCompliance, AddsUpToTheSameHoweverTheShaftIsCut) {
