@@ -1,5 +1,6 @@
 #include "mechanics/swept_matrix.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -121,6 +122,15 @@ bool SweptMatrix::Rebuild(const double* compliance, int stride) noexcept {
     good = Swap(k) && good;
   }
   return good;
+}
+
+void SweptMatrix::Reset(const Eigen::MatrixXd& compliance) noexcept {
+  ACUS_ASSERT(compliance.rows() == capacity());
+  // Symmetric: its columns are the rows, without the buffer that a change of order would take.
+  for (int i = 0; i < capacity(); ++i)
+    a_.row(i).head(i + 1) = compliance.col(i).head(i + 1).transpose();
+  std::fill(displacement_.begin(), displacement_.end(), 0);
+  size_ = capacity();
 }
 
 void SweptMatrix::Rotate(int k, double cosine, double sine) noexcept {

@@ -60,6 +60,9 @@ class SweptMatrix {
   /// history of swaps has left. O(size^2 |D|). @return false if a pivot was not positive.
   bool Rebuild(const double* compliance, int stride) noexcept;
 
+  /// Starts again from all of a compliance of the same size, every force given.
+  void Reset(const Eigen::MatrixXd& compliance) noexcept;
+
   /// Turns the pair (k, k + 1) of degrees of freedom to other axes in their plane: new first axis =
   /// cosine * first + sine * second. @pre both forces are given.
   void Rotate(int k, double cosine, double sine) noexcept;
