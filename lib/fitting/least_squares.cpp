@@ -73,22 +73,6 @@ std::vector<double> Residuals(const SampleModel& model, std::span<const double> 
   return residual;
 }
 
-/// 1 + 2 (rho_1 + ...), up to the first lag that is not positive or a quarter of the record.
-double Inflation(const std::vector<double>& residual) {
-  const std::size_t n = residual.size();
-  double variance = 0.0;
-  for (const double r : residual) variance += r * r;
-  if (!(variance > 0.0)) return 1.0;
-  double sum = 1.0;
-  for (std::size_t lag = 1; lag < std::min(n / 4, kLongestLag); ++lag) {
-    double product = 0.0;
-    for (std::size_t i = 0; i + lag < n; ++i) product += residual[i] * residual[i + lag];
-    if (product <= 0.0) break;
-    sum += 2.0 * product / variance;
-  }
-  return sum;
-}
-
 void AddCovariance(const SampleModel& model, std::span<const double> x,
                    const std::vector<double>& weight, const std::vector<double>& residual,
                    ModelFit& fit) {
@@ -115,6 +99,21 @@ void AddCovariance(const SampleModel& model, std::span<const double> x,
 }
 
 }  // namespace
+
+double Inflation(std::span<const double> residual) {
+  const std::size_t n = residual.size();
+  double variance = 0.0;
+  for (const double r : residual) variance += r * r;
+  if (!(variance > 0.0)) return 1.0;
+  double sum = 1.0;
+  for (std::size_t lag = 1; lag < std::min(n / 4, kLongestLag); ++lag) {
+    double product = 0.0;
+    for (std::size_t i = 0; i + lag < n; ++i) product += residual[i] * residual[i + lag];
+    if (product <= 0.0) break;
+    sum += 2.0 * product / variance;
+  }
+  return sum;
+}
 
 double StudentQuantile(double degrees, double z) {
   const double d = std::max(degrees, 3.0);

@@ -51,6 +51,10 @@ struct ModelFit {
 ModelFit FitModel(const SampleModel& model, std::span<const double> x, std::span<const double> y,
                   std::vector<double> start, bool robust);
 
+/// Samples per independent one: 1 + 2 (rho_1 + ...), the autocorrelations summed up to the first
+/// that is not positive or a quarter of the record; >= 1.
+double Inflation(std::span<const double> residual);
+
 /// The 97.5 % quantile of Student's t with this many degrees of freedom (Cornish-Fisher).
 double StudentQuantile(double degrees, double normal_quantile = 1.959963984540054);
 
