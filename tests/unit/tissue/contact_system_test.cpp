@@ -1,6 +1,7 @@
 #include "tissue/contact_system.h"
 
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include "core/random.h"
 #include "support/elastic_box.h"
@@ -74,6 +75,59 @@ TEST(ContactSystem, OnePointOnAKnownCompliance) {
   EXPECT_EQ(state.PointStatus(0), ContactStatus::kAtHigh);
   EXPECT_NEAR(state.PointExcessMm(0), 0.5 * 5.0 - 10.0, 1e-15);
   EXPECT_NEAR(system.ResidualMm(state, 0), 0.0, 1e-15);
+}
+
+TEST(ContactSystem, TheLoopOfAPointDrivenToAndFroIsItsFrictionWork) {
+  // Elastic and dry friction in series: driven by +-A, it slips 2 (A - f c) each way at force f.
+  constexpr double kFrictionN = 0.2;
+  constexpr double kCompliance = 5.0;
+  constexpr double kAmplitudeMm = 3.0;
+  const auto compliance = mechanics::Compliance::FromMatrix({0}, 2.0 * Eigen::Matrix3d::Identity(),
+                                                            mechanics::Storage::kDouble);
+  const ContactSystem system(compliance, {.points = 1, .slots = 0});
+  ContactState state = system.NewState();
+  system.Restart(state, Eigen::Matrix3d::Identity());
+  system.AppendPoint(state, ContactPlace{{0}, {1.0}, 1}, {1.0, kCompliance - 2.0});
+  double slip_mm = 0.0;
+  double work_n_mm = 0.0;
+  double last_mm = 0.0;
+  double last_n = 0.0;
+  state.SetLateral(0, 0.0, 0.0);
+  constexpr int kSteps = 4000;
+  for (int step = 1; step <= 3 * kSteps; ++step) {
+    const double at_mm = kAmplitudeMm * std::sin(2.0 * std::numbers::pi * step / kSteps);
+    state.SetPointAxial(0, at_mm - slip_mm, -kFrictionN, kFrictionN);
+    system.Solve(state);
+    slip_mm -= state.PointExcessMm(0);
+    const double force_n = state.PointForceN(0)[2];
+    if (step > 2 * kSteps) work_n_mm += 0.5 * (force_n + last_n) * (at_mm - last_mm);
+    last_mm = at_mm;
+    last_n = force_n;
+  }
+  const double slip_each_way_mm = 2.0 * (kAmplitudeMm - kFrictionN * kCompliance);
+  EXPECT_NEAR(work_n_mm, 2.0 * kFrictionN * slip_each_way_mm, 1e-5);
+}
+
+TEST(ContactSystem, PointsInASymmetricLayoutFeelSymmetricForces) {
+  mesh::TetraMesh box = BoxMesh({4, 4, 4}, {-20, -20, 0}, {20, 20, 40});
+  testing_support::Fix(box, [](const Eigen::Vector3d& x) { return x.z() < 0.1 || x.z() > 39.9; });
+  // The six tetrahedra of a cell are the same seen from the opposite corner.
+  const auto compliance = testing_support::ComplianceOf(
+      box, testing_support::ElasticLabels({{4, {0.01, 0.45}}}), mechanics::Storage::kDouble,
+      [](const Eigen::Vector3d&) { return true; });
+  const ContactMesh places(box, compliance);
+  const ContactSystem system(compliance, {.points = 10, .slots = 0});
+  ContactState state = system.NewState();
+  system.Restart(state, Eigen::Matrix3d::Identity());
+  for (int p = 0; p < 10; ++p) {
+    system.AppendPoint(state, places.Find({0.0, 0.0, 2.0 + 4.0 * p}).place, kLocal);
+    state.SetLateral(p, 0.4, 0.1);
+    state.SetPointAxial(p, 0.3, -0.02, 0.02);
+  }
+  system.Solve(state);
+  for (int p = 0; p < 5; ++p) {
+    EXPECT_LT((state.PointForceN(p) - state.PointForceN(9 - p)).norm(), 1e-12) << p;
+  }
 }
 
 TEST(ContactSystem, SolvesWhatADenseSolveGivesOverRandomHistories) {
