@@ -1,0 +1,224 @@
+// Hard cases of meshes and constants: the answer is right, bounded, or a clear error.
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+#include "mechanics/static_solver.h"
+#include "support/box_mesh.h"
+#include "support/elastic_loads.h"
+
+namespace acus::mechanics {
+namespace {
+
+using namespace testing_support;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// Inner displacements of a block whose surface is moved as by a constant strain, against that
+/// strain, as a share of it: the patch test.
+double PatchError(mesh::TetraMesh mesh, const ElasticityTable& table, ElementKind kind) {
+  FixSurface(mesh);
+  Eigen::Matrix3d gradient;
+  gradient << 0.03, 0.02, -0.01, 0.01, -0.02, 0.04, -0.02, 0.03, 0.01;
+  const Eigen::Matrix3Xd exact = gradient * mesh.nodes_mm;
+  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, exact.cols());
+  const Eigen::Matrix3Xd u = StaticSolver(mesh, table, kind).Displacements(none, exact);
+  return (u - exact).norm() / exact.norm();
+}
+
+/// The node nearest to a place.
+Eigen::Index NodeAt(const mesh::TetraMesh& mesh, const Eigen::Vector3d& x_mm) {
+  Eigen::Index at = 0;
+  (mesh.nodes_mm.colwise() - x_mm).colwise().norm().minCoeff(&at);
+  return at;
+}
+
+/// Moves a node of the 10 mm lattice of a box towards the face across one of its tetrahedra, until
+/// the flattest tetrahedron there has `share` of the height that it had.
+void Flatten(mesh::TetraMesh& mesh, const Eigen::Vector3d& place_mm, double share) {
+  const Eigen::Index node = NodeAt(mesh, place_mm);
+  mesh.nodes_mm.col(node).x() -= 10.0 * (1.0 - share);
+}
+
+TEST(MechanicsStability, SliversKeepThePatchTest) {
+  for (const ElementKind kind : kBothElements) {
+    for (const double share : {1e-1, 1e-3, 1e-5, 1e-7}) {
+      mesh::TetraMesh box = BoxMesh({5, 5, 5}, {0, 0, 0}, {50, 50, 50});
+      Flatten(box, {20, 20, 20}, share);
+      Flatten(box, {40, 30, 20}, share);
+      // Round-off grows as elements get flat: their gradients are differences over a small height.
+      EXPECT_LT(PatchError(box, UniformTable(0.01, 0.49), kind), std::max(1e-10, 1e-15 / share))
+          << share;
+    }
+  }
+}
+
+TEST(MechanicsStability, SliversHardlyChangeWhatALoadDoes) {
+  mesh::TetraMesh box = BoxMesh({6, 6, 6}, {0, 0, 0}, {60, 60, 60});
+  Fix(box, [](const Eigen::Vector3d& x) { return x.z() == 0.0; });
+  const auto on_top = [](const Eigen::Vector3d& x) { return x.z() == 60.0; };
+  const auto push = [](const Eigen::Vector3d&) { return Eigen::Vector3d(0, 0, -1e-4); };
+  for (const ElementKind kind : kBothElements) {
+    const ElasticityTable table = UniformTable(0.01, 0.45);
+    const Eigen::Matrix3Xd load = TractionLoad(box, on_top, push);
+    const double regular =
+        load.cwiseProduct(StaticSolver(box, table, kind).Displacements(load)).sum();
+    for (const double share : {1e-2, 1e-4, 1e-6}) {
+      mesh::TetraMesh flat = box;
+      Flatten(flat, {30, 30, 30}, share);
+      const Eigen::Matrix3Xd u = StaticSolver(flat, table, kind).Displacements(load);
+      EXPECT_TRUE(u.allFinite());
+      // A flat element is stiff in one way only: the body gets stiffer, by less than 5 %.
+      const double work = load.cwiseProduct(u).sum();
+      EXPECT_GT(work, 0.95 * regular) << share;
+      EXPECT_LT(work, 1.05 * regular) << share;
+    }
+  }
+}
+
+TEST(MechanicsStability, FlatAndInvertedElementsAreRefusedWithTheirPlace) {
+  for (const double share : {1e-14, 0.0, -0.5}) {
+    mesh::TetraMesh box = BoxMesh({5, 5, 5}, {0, 0, 0}, {50, 50, 50});
+    Fix(box, [](const Eigen::Vector3d& x) { return x.z() == 0.0; });
+    Flatten(box, {20, 20, 20}, share);
+    for (const ElementKind kind : kBothElements) {
+      EXPECT_THAT(([&] { StaticSolver(box, UniformTable(0.01, 0.45), kind); }),
+                  ThrowsMessage<InputError>(
+                      AllOf(HasSubstr("tetrahedron "), HasSubstr(") mm"), HasSubstr("flat"))))
+          << share;
+    }
+  }
+}
+
+TEST(MechanicsStability, StiffnessContrastOf1000KeepsTheLoadsBalance) {
+  mesh::TetraMesh box = BoxMesh({8, 8, 8}, {0, 0, 0}, {40, 40, 40}, 0.17);
+  Fix(box, [](const Eigen::Vector3d& x) { return x.z() == 0.0; });
+  for (std::size_t t = 0; t < box.tissue.size(); ++t) {
+    box.tissue[t] = static_cast<std::uint8_t>(1 + t / 6 % 2);  // Cells of both, mixed.
+  }
+  const Eigen::Matrix3Xd load = TractionLoad(
+      box, [](const Eigen::Vector3d& x) { return x.z() == 40.0; },
+      [](const Eigen::Vector3d&) { return Eigen::Vector3d(2e-5, 0, -1e-4); });
+  for (const ElementKind kind : kBothElements) {
+    ElasticityTable table = UniformTable(0.003, 0.49);
+    const double soft = load.cwiseProduct(StaticSolver(box, table, kind).Displacements(load)).sum();
+    table.tissue[2] = {3.0, 0.49};
+    const StaticSolver solver(box, table, kind);
+    const Eigen::Matrix3Xd u = solver.Displacements(load);
+    const double mixed = load.cwiseProduct(u).sum();
+    // Between a block of the soft one and one of the stiff one.
+    EXPECT_LT(mixed, soft);
+    EXPECT_GT(mixed, soft / 1000.0);
+    const Eigen::Matrix3Xd forces_n = solver.Forces(u);
+    double residual_n = 0.0;
+    for (const int node : solver.free().mesh_node) {
+      residual_n = std::max(residual_n, (forces_n - load).col(node).norm());
+    }
+    EXPECT_LT(residual_n, 1e-11 * load.colwise().norm().maxCoeff() * 1000.0);
+    EXPECT_LT(forces_n.rowwise().sum().norm(), 1e-9 * load.rowwise().sum().norm());
+  }
+}
+
+TEST(MechanicsStability, ContrastOf1000KeepsThePatchTestLayerByLayer) {
+  mesh::TetraMesh box = BoxMesh({4, 4, 8}, {0, 0, 0}, {20, 20, 40});
+  ElasticityTable table = UniformTable(0.003, 0.49);
+  table.tissue[2] = {3.0, 0.49};
+  for (std::size_t t = 0; t < box.tissue.size(); ++t) {
+    const mesh::Corners c = mesh::CornersOf(box, static_cast<int>(t));
+    box.tissue[t] = (c[0] + c[1] + c[2] + c[3]).z() < 80.0 ? 1 : 2;
+  }
+  FixSurface(box);
+  const Eigen::Matrix3Xd exact = AtNodes(box, [](const Eigen::Vector3d& x) {
+    return Eigen::Vector3d(0, 0, std::min(x.z(), 20.0) + std::max(x.z() - 20.0, 0.0) / 1000.0);
+  });
+  for (const ElementKind kind : kBothElements) {
+    const Eigen::Matrix3Xd u = StaticSolver(box, table, kind)
+                                   .Displacements(Eigen::Matrix3Xd::Zero(3, exact.cols()), exact);
+    EXPECT_LT((u - exact).norm(), 1e-10 * exact.norm());
+  }
+}
+
+TEST(MechanicsStability, PoissonsRatioUpToTheLimitStaysBoundedAndSolvable) {
+  mesh::TetraMesh box = BoxMesh({8, 8, 8}, {0, 0, 0}, {40, 40, 40}, 0.17);
+  Fix(box, [](const Eigen::Vector3d& x) { return x.z() == 0.0; });
+  const Eigen::Matrix3Xd load = TractionLoad(
+      box, [](const Eigen::Vector3d& x) { return x.z() == 40.0; },
+      [](const Eigen::Vector3d& x) { return Eigen::Vector3d(0, 0, x.x() < 20.0 ? -1e-4 : 0.0); });
+  double before = 1e300;
+  for (const double nu : {0.0, 0.3, 0.45, 0.49, 0.499, 0.4999}) {
+    const Eigen::Matrix3Xd u =
+        StaticSolver(box, UniformTable(0.01, nu), ElementKind::kAveragedDilatation)
+            .Displacements(load);
+    const double work = load.cwiseProduct(u).sum();
+    EXPECT_GT(work, 0.0);
+    EXPECT_LT(work, 1.1 * before) << nu;
+    EXPECT_GT(work, 0.5 * 1e-4 * 800.0 * 0.1) << nu;  // No locking: the block still gives way.
+    before = work;
+  }
+}
+
+TEST(MechanicsStability, OneTetrahedronThickLayersDoNotLock) {
+  // Skin of one layer of elements on fat: the patches of each are within it.
+  mesh::TetraMesh box = BoxMesh({12, 12, 6}, {0, 0, 0}, {60, 60, 30}, 0.12);
+  for (Eigen::Index i = 0; i < box.nodes_mm.cols(); ++i) {
+    double& z = box.nodes_mm(2, i);
+    if (std::abs(z - 25.0) < 1.0) z = 25.0;
+  }
+  Fix(box, [](const Eigen::Vector3d& x) { return x.z() == 0.0; });
+  ElasticityTable table = UniformTable(0.01, 0.499);
+  const Eigen::Matrix3Xd load = TractionLoad(
+      box, [](const Eigen::Vector3d& x) { return x.z() == 30.0; },
+      [](const Eigen::Vector3d& x) {
+        return Eigen::Vector3d(0, 0,
+                               (x.head<2>().array() - 30.0).abs().maxCoeff() < 10 ? -1e-3 : 0);
+      });
+  const auto work = [&](ElementKind kind) {
+    return load.cwiseProduct(StaticSolver(box, table, kind).Displacements(load)).sum();
+  };
+  const double whole = work(ElementKind::kAveragedDilatation);
+  for (std::size_t t = 0; t < box.tissue.size(); ++t) {
+    const mesh::Corners c = mesh::CornersOf(box, static_cast<int>(t));
+    box.tissue[t] = (c[0] + c[1] + c[2] + c[3]).z() > 100.0 ? 1 : 2;
+  }
+  // The same constants under two names: only the patches differ.
+  EXPECT_NEAR(work(ElementKind::kAveragedDilatation) / whole, 1.0, 0.05);
+  EXPECT_LT(work(ElementKind::kLinear) / whole, 0.75);
+}
+
+TEST(MechanicsStability, IslandsAreLeftOutOrRefused) {
+  mesh::TetraMesh box = BoxMesh({6, 6, 6}, {0, 0, 0}, {60, 60, 60});
+  Fix(box, [](const Eigen::Vector3d& x) { return x.z() == 0.0; });
+  const mesh::TetraMesh crumb = BoxMesh({1, 1, 1}, {100, 100, 100}, {105, 105, 105});
+  const auto with = [&](const mesh::TetraMesh& other) {
+    mesh::TetraMesh both = box;
+    const auto n = box.nodes_mm.cols();
+    both.nodes_mm.conservativeResize(3, n + other.nodes_mm.cols());
+    both.nodes_mm.rightCols(other.nodes_mm.cols()) = other.nodes_mm;
+    const auto m = box.tetrahedra.cols();
+    both.tetrahedra.conservativeResize(4, m + other.tetrahedra.cols());
+    both.tetrahedra.rightCols(other.tetrahedra.cols()) =
+        other.tetrahedra.array() + static_cast<int>(n);
+    both.tissue.resize(static_cast<std::size_t>(both.tetrahedra.cols()), 4);
+    both.fixed_nodes.resize(static_cast<std::size_t>(both.nodes_mm.cols()), 0);
+    return both;
+  };
+  const Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Constant(3, box.nodes_mm.cols(), 1e-4);
+  Eigen::Matrix3Xd load_both = Eigen::Matrix3Xd::Constant(3, box.nodes_mm.cols() + 8, 1e-4);
+  for (const ElementKind kind : kBothElements) {
+    const ElasticityTable table = UniformTable(0.01, 0.45);
+    const Eigen::Matrix3Xd alone = StaticSolver(box, table, kind).Displacements(load);
+    const StaticSolver solver(with(crumb), table, kind);
+    ASSERT_EQ(solver.free().loose.size(), 1u);
+    const Eigen::Matrix3Xd u = solver.Displacements(load_both);
+    EXPECT_LT((u.leftCols(alone.cols()) - alone).norm(), 1e-12 * alone.norm());
+    EXPECT_TRUE(u.rightCols(8).isZero(0.0));
+    EXPECT_THAT(
+        ([&] {
+          StaticSolver(with(BoxMesh({2, 2, 2}, {100, 100, 100}, {140, 140, 140})), table, kind);
+        }),
+        ThrowsMessage<InputError>(HasSubstr("(120, 120, 120) mm")));
+  }
+}
+
+}  // namespace
+}  // namespace acus::mechanics
