@@ -392,6 +392,42 @@ TEST(NeedleRod, WhatIsNotANumberIsRefusedAndChangesNothing) {
   EXPECT_LT(LargestDifferenceMm(state, before), 1e-9);
 }
 
+// Held by springs, the hub follows the hand through jumps and turns as a clamped one does.
+TEST(NeedleRod, ASprungHubSurvivesJumpsAndTurns) {
+  const RodModel model = Rod(25);
+  Inserted calm;
+  calm.base.sprung = true;
+  calm.base.stiffness_n_per_mm = 0.5;
+  calm.base.stiffness_n_mm_per_rad = 2000.0;
+  RodState settled = model.NewState();
+  ASSERT_TRUE(model.Solve(settled, calm.input()).converged());
+  RodState state = settled;
+  RandomStream random(23, "hand");
+  const auto unit = [&] {
+    return Vector3d(random.Uniform() - 0.5, random.Uniform() - 0.5, random.Uniform() - 0.5)
+        .normalized();
+  };
+  int slow = 0;
+  for (int i = 0; i < 1000; ++i) {
+    Inserted wild = calm;
+    wild.base.position_mm += 50.0 * unit();
+    const double turn_rad = i % 5 == 0 ? std::numbers::pi : random.Uniform();
+    wild.base.orientation =
+        Quaterniond(Eigen::AngleAxisd(turn_rad, unit())) * wild.base.orientation;
+    const RodResult result = model.Solve(state, wild.input());
+    ASSERT_TRUE(result.base_force_n.allFinite() && result.base_torque_n_mm.allFinite());
+    ASSERT_LT(LongestStretchMm(model, state), 1e-9);
+    slow += !result.converged();
+    if (i % 10 == 9) {
+      for (int calls = 0; calls < 4; ++calls) model.Solve(state, calm.input());
+      ASSERT_TRUE(state.last.converged()) << i;
+      ASSERT_LT(LargestDifferenceMm(state, settled), 2e-3) << i;
+    }
+  }
+  std::printf("slow %d\n", slow);
+  EXPECT_LT(slow, 50);
+}
+
 // A load far beyond what any needle bears: bounded, and gone when it is gone.
 TEST(NeedleRod, AnyLoadIsBornOrCountedAndForgotten) {
   const RodModel model = Rod(25);
