@@ -1,6 +1,10 @@
 // Stiffness of a needle's shaft from its diameters and material.
 #pragma once
 
+#include <filesystem>
+
+#include "needle/rod.h"
+
 namespace acus::needle {
 
 /// A round tube, or a rod if the inner diameter is 0.
@@ -15,5 +19,11 @@ struct Tube {
   double BendingStiffnessNMm2() const noexcept;  ///< E I
   double TwistStiffnessNMm2() const noexcept;    ///< G J with J = 2 I
 };
+
+/// A straight rod of this tube.
+RodProperties RodOf(const Tube& tube, double length_mm);
+
+/// Length and tube of configs/needles/*.json (format acus-needle/1) as a rod. @throws InputError
+RodProperties ReadRod(const std::filesystem::path& needle);
 
 }  // namespace acus::needle

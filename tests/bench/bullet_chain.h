@@ -12,7 +12,7 @@ namespace acus::bench {
 
 /// The spring acts with torque, as explicit springs must: bodies have to be heavy for the step to
 /// be stable, and the chain then is slow to come to rest. Mass, inertia and damping below are the
-/// best of a search over 4 x 4 x 3 x 4 settings for the fewest microseconds to 1 % at 25 nodes; for
+/// best of a search over 384 settings for the fewest microseconds to 1 % at 25 nodes; for
 /// other numbers of nodes they follow the limit of stability (mass with nodes^3, inertia with
 /// nodes).
 struct ChainOptions {

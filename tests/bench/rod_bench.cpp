@@ -236,8 +236,30 @@ class Scene {
   int step_ = 0;
 };
 
+/// A bent needle with its front half in tissue: shape and force on the hand.
+RodState BentInTissue(const RodModel& model) {
+  needle::PathNode tissue;
+  tissue.stiffness_n_per_mm2 = 0.3;
+  needle::CurvedPath path;
+  path.Begin(tissue);
+  path.Advance(Vector3d::UnitZ(), 75.0, tissue);
+  std::vector<needle::RodContact> contacts(model.num_elements() + 2);
+  const int count = needle::CoupleToPath(model, path, {}, contacts);
+  RodInput input;
+  input.contacts = {contacts.data(), static_cast<std::size_t>(count)};
+  input.base.position_mm = {8.0, -3.0, -74.5};
+  input.base.orientation = Eigen::AngleAxisd(0.1, Vector3d::UnitY());
+  RodState state = model.NewState();
+  model.Solve(state, input);
+  return state;
+}
+
 void PrintSteps() {
-  std::printf("\nA step in tissue (path, coupling, rod), thread CPU time\n");
+  std::printf(
+      "\nA step in tissue (path, coupling, rod), thread CPU time; bent in tissue, against "
+      "1201 nodes\n");
+  const RodModel fine = Rod(1201);
+  const RodState reference = BentInTissue(fine);
   for (const int num_nodes : {15, 25, 50, 100}) {
     Scene scene(num_nodes);
     std::vector<double> times;
@@ -251,9 +273,20 @@ void PrintSteps() {
       failed += !result.converged();
     }
     std::ranges::sort(times);
+    const RodModel model = Rod(num_nodes);
+    const RodState bent = BentInTissue(model);
+    double off_mm = 0.0;
+    for (double arc_mm = 0.0; arc_mm <= kLengthMm; arc_mm += 1.0) {
+      off_mm = std::max(
+          off_mm, (model.PositionMm(bent, arc_mm) - fine.PositionMm(reference, arc_mm)).norm());
+    }
+    const double force_n = reference.last.base_force_n.norm();
+    const double force_percent =
+        100.0 * (bent.last.base_force_n - reference.last.base_force_n).norm() / force_n;
     std::printf(
-        "%3d nodes: median %5.1f us, 99 %% %5.1f us; at most %d iterations, %d not converged\n",
-        num_nodes, times[10000], times[19800], most, failed);
+        "%3d nodes: median %5.1f us, 99 %% %5.1f us; at most %d iterations, %d not converged; "
+        "shape within %.4f mm, hand's %.2f N within %.2f %%\n",
+        num_nodes, times[10000], times[19800], most, failed, off_mm, force_n, force_percent);
   }
 }
 

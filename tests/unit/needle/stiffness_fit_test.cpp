@@ -32,7 +32,7 @@ TEST(FitBendingStiffness, OneStiffnessReproducesTheMeasuredSixteenGaugeNeedle) {
     EXPECT_NEAR(bent_mm, m.deflection_mm, 0.035 * m.deflection_mm) << m.force_n;
     EXPECT_NEAR(bent_mm, m.deflection_mm, 0.85) << m.force_n;
   }
-  // Steel, 193 GPa, between 16-gauge tubes of thin (0.15 mm) and of regular wall (0.23 mm).
+  // In steel of 193 GPa that is a wall between 0.15 mm and the preset's 0.23 mm.
   const Tube thin{1.65, 1.35, 193e3};
   const Tube regular{1.65, 1.19, 193e3};
   EXPECT_GT(stiffness, thin.BendingStiffnessNMm2());
