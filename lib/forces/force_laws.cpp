@@ -25,6 +25,13 @@ double TrackingWall::Advance(double tip_mm, double cutting_n, double stiffness_n
   return std::clamp(stiffness_n_per_mm * (tip_mm - wall_mm), 0.0, cutting_n);
 }
 
+double TrackingWall::AdvanceBothWays(double tip_mm, double cutting_n, double withdrawal_n,
+                                     double stiffness_n_per_mm) noexcept {
+  wall_mm = std::clamp(wall_mm, tip_mm - cutting_n / stiffness_n_per_mm,
+                       tip_mm + withdrawal_n / stiffness_n_per_mm);
+  return std::clamp(stiffness_n_per_mm * (tip_mm - wall_mm), -withdrawal_n, cutting_n);
+}
+
 double BristleFriction::Slide(double travel_mm, double z0_mm) noexcept {
   if (travel_mm != 0.0) {
     const double steady_mm = std::copysign(z0_mm, travel_mm);

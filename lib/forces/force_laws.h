@@ -31,6 +31,11 @@ struct TrackingWall {
   /// Moves the wall for a tip at `tip_mm` and returns the force, in [0, cutting_n].
   /// @pre stiffness_n_per_mm > 0, cutting_n >= 0.
   double Advance(double tip_mm, double cutting_n, double stiffness_n_per_mm) noexcept;
+
+  /// The same with a wall that also follows a tip that is drawn back, as in the paper: the spring
+  /// then pulls, by up to withdrawal_n. Returns the force, in [-withdrawal_n, cutting_n].
+  double AdvanceBothWays(double tip_mm, double cutting_n, double withdrawal_n,
+                         double stiffness_n_per_mm) noexcept;
 };
 
 /// Dry friction with elastic bristles: LuGre (Alamilla-2021 eq. 4-6) without its velocity terms,

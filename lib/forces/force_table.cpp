@@ -23,6 +23,7 @@ TissueForce Tissue(const json& row, const std::string& where) {
   tissue.membrane = {row.at("a1_n_per_mm"), row.at("a2_n_per_mm2"), row.at("puncture_n")};
   tissue.cutting_n = row.at("cutting_n");
   tissue.friction_n_per_mm = row.at("friction_n_per_mm");
+  tissue.cutting_stiffness_n_per_mm = row.at("cutting_stiffness_n_per_mm");
   tissue.impenetrable = row.at("impenetrable");
   for (const json& name : row.at("no_membrane_from")) {
     tissue.no_membrane_from.set(LabelAt(name, where + "/no_membrane_from"));
@@ -60,6 +61,9 @@ ForceTable ForceTableFromJson(json document, const std::string& label) {
   table.description = document.at("description");
   table.reference_diameter_mm = document.at("reference_diameter_mm");
   table.settings = Settings(document);
+  table.alamilla = AlamillaFromJson(document.at("alamilla"));
+  table.vidal = VidalFromJson(document.at("vidal"), label + ": /vidal");
+  table.hu_tissues = HuTissuesFromJson(document.at("hu_tissues"), label + ": /hu_tissues");
   const json& rows = document.at("tissues");
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::string where = Message(label, ": /tissues/", i);
@@ -95,6 +99,10 @@ ForceTable ForceTable::ScaledTo(double outer_diameter_mm) const {
     row.cutting_n *= ratio;
     row.friction_n_per_mm *= ratio;
   }
+  scaled.vidal.resistance_n_s_per_mm = vidal.resistance_n_s_per_mm * ratio;
+  scaled.vidal.withdrawal_n_s_per_mm *= ratio;
+  scaled.vidal.skin_n_per_mm *= ratio;
+  scaled.vidal.puncture_n *= ratio;
   return scaled;
 }
 

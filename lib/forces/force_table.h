@@ -8,16 +8,18 @@
 #include <string>
 
 #include "forces/force_laws.h"
+#include "forces/model_settings.h"
 #include "volume/labels.h"
 
 namespace acus::forces {
 
 /// One tissue, for the table's reference needle.
 struct TissueForce {
-  PuncturePolynomial membrane;        ///< Met on entering the tissue; puncture_n = 0: none.
-  double cutting_n = 0.0;             ///< At the tip while it advances through fresh tissue.
-  double friction_n_per_mm = 0.0;     ///< Per mm of shaft in the tissue while it slides.
-  bool impenetrable = false;          ///< Bone: the tip stops at the surface.
+  PuncturePolynomial membrane;              ///< Met on entering the tissue; puncture_n = 0: none.
+  double cutting_n = 0.0;                   ///< At the tip while it advances through fresh tissue.
+  double friction_n_per_mm = 0.0;           ///< Per mm of shaft in the tissue while it slides.
+  double cutting_stiffness_n_per_mm = 0.0;  ///< K_t of the model alamilla; 0: the table's.
+  bool impenetrable = false;                ///< Bone: the tip stops at the surface.
   std::bitset<256> no_membrane_from;  ///< Labels from which this tissue is entered without one.
 };
 
@@ -42,6 +44,9 @@ struct ForceTable {
   double reference_diameter_mm = 1.0;  ///< Outer diameter of the needle that the rows are for.
   ForceSettings settings;
   std::array<TissueForce, 256> tissue{};
+  AlamillaSettings alamilla;
+  VidalSettings vidal;
+  HuTissues hu_tissues;
   std::bitset<256> named;  ///< Labels that the file has a row for.
 
   /// The table for a needle of another outer diameter: all soft-tissue forces scale with it, as

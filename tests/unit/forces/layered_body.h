@@ -73,6 +73,7 @@ struct Insertion {
 inline ForceTable SimpleTable() {
   return ForceTableFromJson(nlohmann::json::parse(R"({
     "format": "acus-forces/1", "reference_diameter_mm": 1.27, "interface_hysteresis_mm": 0.2,
+    "bone": {"stiffness_n_per_mm": 10},
     "tissues": [
       {"tissue": "soft_tissue", "source": "test", "cutting_n": 0.5, "friction_n_per_mm": 0.02},
       {"tissue": "skin", "source": "test", "a1_n_per_mm": 0.1, "a2_n_per_mm2": 0.05, "puncture_n": 2.1,

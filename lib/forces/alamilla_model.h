@@ -1,0 +1,54 @@
+// The force on a needle after Alamilla-2021, all of eq. 1 to 12.
+//
+// Before the puncture a polynomial, then a tracking wall for cutting and withdrawal, LuGre
+// friction, a virtual fixture that clamps the needle's direction and place, and a knock on bone.
+// Tissues and events are those of the layered model. Equations and decisions:
+// docs/models/forces_alamilla.md.
+#pragma once
+
+#include "forces/force_laws.h"
+#include "forces/force_table.h"
+#include "forces/hard_contact.h"
+#include "forces/lugre.h"
+#include "forces/needle_sample.h"
+#include "forces/needle_track.h"
+#include "forces/virtual_fixture.h"
+
+namespace acus::forces {
+
+/// All that the model remembers. A plain value: copy it to save, assign it to restore.
+struct AlamillaState : NeedleTrack {
+  TrackingWall wall;
+  double wall_n = 0.0;         ///< Its last force.
+  double wall_n_per_mm = 0.0;  ///< Its last stiffness.
+  LuGre friction;
+  HardContact knock;
+  Fixture fixture;                                        ///< Once pierced.
+  Eigen::Vector3d axis_in_ct = Eigen::Vector3d::UnitZ();  ///< Of the last sample.
+  double play_mm = 0.0;  ///< Depth with a play, so that a tremor is not an advance.
+};
+
+/// The model of one needle. Const after construction: any number of states may step side by side.
+class AlamillaModel {
+ public:
+  /// The table is scaled to the needle's diameter.
+  AlamillaModel(const ForceTable& table, const NeedleProperties& needle);
+
+  /// Takes in the next sample. Bad samples and the bound on the force: as NeedleForceModel::Step.
+  /// cutting_n is below 0 while the needle is withdrawn; lateral_n and torque_in_ct_n_mm clamp it.
+  NeedleForce Step(AlamillaState& state, const NeedleInput& input) const noexcept;
+
+  const ForceTable& table() const { return table_; }
+
+ private:
+  NeedleForce InBody(AlamillaState& state, const NeedleMotion& motion, bool touched) const noexcept;
+  void AlongThePath(AlamillaState& state, const NeedleMotion& motion, const TrackStep& step,
+                    NeedleForce& out) const noexcept;
+  void AcrossThePath(AlamillaState& state, const NeedleMotion& motion, const TrackStep& step,
+                     NeedleForce& out) const noexcept;
+  double WallN(AlamillaState& state, double previous_mm) const noexcept;
+
+  ForceTable table_;
+};
+
+}  // namespace acus::forces

@@ -1,0 +1,74 @@
+// What the force models of the papers need beside the rows by tissue: blocks of a force table.
+#pragma once
+
+#include <Eigen/Core>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "forces/hard_contact.h"
+#include "forces/hu_resistance.h"
+#include "forces/lugre.h"
+#include "forces/surface_proxy.h"
+#include "forces/virtual_fixture.h"
+#include "volume/labels.h"
+
+namespace acus::forces {
+
+/// Block "alamilla".
+struct AlamillaSettings {
+  double withdrawal_share = 0.0;  ///< Withdrawal force as a share of the tissue's cutting force.
+  LuGreParameters friction;
+  FixtureSettings clamping;
+  HardContactSettings hard_contact;
+};
+
+/// Block "vidal": needle and probe.
+struct VidalSettings {
+  CubicBSpline resistance_n_s_per_mm;  ///< By HU: the table of eq. 5.
+  double edge_factor = 1.0;            ///< K_edge > 1.
+  double edge_hu_per_mm = 0.0;         ///< Gradient above which the tip is at an interface.
+  double withdrawal_n_s_per_mm = 0.0;
+  double averaging_s = 0.0;       ///< m steps of eq. 3.
+  bool passive_average = true;    ///< False: the mean as printed, which gives energy to the hand.
+  double largest_n_per_mm = 0.0;  ///< Stiffness that the passive mean never exceeds.
+
+  SurfaceProxySettings skin;  ///< Before the puncture.
+  double skin_n_per_mm = 0.0;
+  double puncture_n = 0.0;
+  double bone_hu = 0.0;
+
+  double guidance_n_per_mm = 0.0;     ///< K3 of eq. 8.
+  double guidance_averaging_s = 0.0;  ///< n steps.
+  double guidance_clamp_n = 0.0;      ///< Standard deviation of the Gaussian in K2, > 0.
+  double orientation_depth_mm = 0.0;
+  Eigen::Vector3d gravity_in_ct_n = Eigen::Vector3d::Zero();  ///< G of eq. 1.
+
+  struct Probe {
+    SurfaceProxySettings skin;
+    double skin_n_per_mm = 0.0;
+    SurfaceProxySettings bone;
+    double bone_n_per_mm = 0.0;  ///< Beyond the surface of bone, on top of the skin's.
+    double damping_n_s_per_mm = 0.0;
+    double smoothing_s = 0.0;
+    double largest_force_n = 0.0;
+  } probe;
+};
+
+/// Tissues by HU for scenes without a label map: each from its HU up to that of the next.
+struct HuTissues {
+  struct Row {
+    double from_hu = 0.0;
+    volume::Label tissue = 0;
+  };
+  std::vector<Row> rows;  ///< Rising; below the first it is outside.
+
+  volume::Label At(double hu) const noexcept;
+};
+
+/// From a checked document of format acus-forces/1. @throws InputError naming the place.
+AlamillaSettings AlamillaFromJson(const nlohmann::json& block);
+VidalSettings VidalFromJson(const nlohmann::json& block, const std::string& where);
+HuTissues HuTissuesFromJson(const nlohmann::json& rows, const std::string& where);
+
+}  // namespace acus::forces
