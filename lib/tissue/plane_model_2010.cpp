@@ -151,6 +151,12 @@ bool PlaneModel2010::HasMembrane(volume::Label from, volume::Label to) const noe
   return tissue.membrane.puncture_n > 0.0 && !tissue.no_membrane_from.test(from);
 }
 
+PlaneModel2010 PlaneModel2010::WithUpdate(PlaneUpdate update) const {
+  PlaneModel2010 other = *this;
+  other.settings_.update = update;
+  return other;
+}
+
 PlaneState PlaneModel2010::NewState() const {
   PlaneState state;
   const int capacity = std::min(kMostNodes, std::max(grid_.rows, grid_.columns));

@@ -93,6 +93,9 @@ class PlaneModel2010 {
                  const forces::ForceTable& forces, const forces::NeedleProperties& needle,
                  const mechanics::ElasticityTable& elasticity, TissueAt tissue_at);
 
+  /// The same plane (and the same inverse in memory) with the other kind of update.
+  PlaneModel2010 WithUpdate(PlaneUpdate update) const;
+
   PlaneState NewState() const;
 
   /// Takes in the next sample; bad ones as forces::NeedleForceModel::Step. What is out of the plane
