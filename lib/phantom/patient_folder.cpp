@@ -72,6 +72,8 @@ Json WriteInsertion(const std::filesystem::path& folder, const PatientField& fie
   WritePoints(folder / "markers_mannequin.csv",
               LocateOnMannequin(markers, config.markers, context.seed));
   WritePoints(folder / "target_ct.csv", {{"target", plan.target_ct_mm}});
+  WritePoints(folder / "corridor_ct.csv",
+              {{"entry", plan.entry_ct_mm}, {"target", plan.target_ct_mm}});
   const ScriptedSession scripted =
       PlayScript(field, plan, config.session, config.markers.reference_from_ct, context);
   std::filesystem::create_directory(folder / "sessions");

@@ -9,8 +9,8 @@
 namespace acus::phantom {
 
 /// Makes a patient from `config` and context.seed and writes ct.nrrd, labels.seg.nrrd, truth.json,
-/// markers_ct.csv, markers_mannequin.csv, target_ct.csv, force_curves/, sessions/ and
-/// provenance.json, as one folder, whole or not at all.
+/// markers_ct.csv, markers_mannequin.csv, target_ct.csv, corridor_ct.csv, force_curves/, sessions/
+/// and provenance.json, as one folder, whole or not at all.
 /// @throws NoAnswerError if no path leads to the target.
 void WritePatient(const std::filesystem::path& folder, const PhantomConfig& config,
                   const RunContext& context);

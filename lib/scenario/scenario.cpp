@@ -1,5 +1,7 @@
 #include "scenario/scenario.h"
 
+#include <map>
+
 #include "config/json_file.h"
 #include "core/error.h"
 #include "math/rigid.h"
@@ -13,8 +15,12 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 /// Paths that overrides may set, which are relative to the working folder then.
-constexpr const char* kPaths[] = {"/patient/ct", "/patient/labels",
-                                  "/patient/ct_from_reference_file", "/session/plus_config"};
+constexpr const char* kPaths[] = {"/patient/ct",
+                                  "/patient/labels",
+                                  "/patient/mesh",
+                                  "/patient/corridor",
+                                  "/patient/ct_from_reference_file",
+                                  "/session/plus_config"};
 
 void Apply(json& document, const Override& change) {
   const json::json_pointer pointer(change.pointer);
@@ -78,6 +84,9 @@ Patient ReadPatient(const json& object, const fs::path& folder, const std::strin
   Patient patient;
   patient.ct = ExistingPath(object, "ct", folder, where);
   patient.labels = ExistingPath(object, "labels", folder, where);
+  patient.mesh = ExistingPath(object, "mesh", folder, where);
+  if (fs::is_directory(patient.mesh)) patient.mesh /= "mesh.vtu";
+  patient.corridor = ExistingPath(object, "corridor", folder, where);
   patient.dicom_series = object.at("series");
   ACUS_REQUIRE(!(object.contains("ct_from_reference") && object.contains("ct_from_reference_file")),
                where, ": give ct_from_reference or ct_from_reference_file, not both");
@@ -88,6 +97,49 @@ Patient ReadPatient(const json& object, const fs::path& folder, const std::strin
   const fs::path transform = ExistingPath(object, "ct_from_reference_file", folder, where);
   if (!transform.empty()) patient.ct_from_reference = registration::ReadTransform(transform);
   return patient;
+}
+
+TissueEffect ReadTissueEffect(const json& object, const fs::path& folder) {
+  static const std::map<std::string, TissueModelKind> kModels = {
+      {"displacement_functions", TissueModelKind::kDisplacementFunctions},
+      {"springs", TissueModelKind::kSprings},
+      {"fe_2d", TissueModelKind::kPlane2010},
+      {"fe_3d", TissueModelKind::kFem3d}};
+  TissueEffect effect;
+  effect.model = kModels.at(object.at("model"));
+  effect.elasticity = config::FindConfig(object.at("elasticity").get<std::string>(), folder);
+  effect.table = config::FindConfig(object.at("table").get<std::string>(), folder);
+  effect.image = object.at("image");
+  effect.warp_spacing_mm = object.at("warp_spacing_mm");
+  const json& springs = object.at("springs");
+  effect.path_spacing_mm = springs.at("path_spacing_mm");
+  effect.influence_radius_mm = effect.model == TissueModelKind::kSprings
+                                   ? springs.at("influence_radius_mm")
+                                   : object.at("displacement_functions").at("influence_radius_mm");
+  const json& plane = object.at("fe_2d");
+  effect.plane_spacing_mm = plane.at("spacing_mm");
+  effect.plane_width_mm = plane.at("width_mm");
+  effect.plane_beyond_mm = plane.at("beyond_mm");
+  effect.plane_thickness_mm = plane.at("thickness_mm");
+  effect.contact_spacing_mm = object.at("fe_3d").at("contact_spacing_mm");
+  effect.probe_contact = object.at("fe_3d").at("probe_contact");
+  return effect;
+}
+
+/// What the schema cannot say: effects that lean on one another.
+void CheckTogether(const Scenario& s) {
+  const std::string file = s.file.string();
+  if (s.needle_force && s.needle_force->model == NeedleForceModelKind::kTissue) {
+    ACUS_REQUIRE(s.tissue && s.tissue->TouchesNeedle(), file,
+                 ": /effects/needle_force/model is \"tissue\", but no effects/tissue knows forces "
+                 "on the needle; give it one of the models springs, fe_2d or fe_3d");
+  }
+  if (s.tissue && !s.tissue->TouchesNeedle()) {
+    ACUS_REQUIRE(s.needle_force, file,
+                 ": /effects/tissue/model \"displacement_functions\" moves tissue by the forces "
+                 "of effects/needle_force, which is not there; add it, for example "
+                 "--set /effects/needle_force/model=layered");
+  }
 }
 
 }  // namespace
@@ -126,9 +178,15 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
 
   const json& effects = document.at("effects");
   if (effects.contains("needle_force")) {
-    const std::string table = effects["needle_force"].at("table");
+    const json& effect = effects["needle_force"];
+    const std::string table = effect.at("table");
     scenario.needle_force =
-        NeedleForceEffect{NeedleForceModelKind::kLayered, config::FindConfig(table, folder)};
+        NeedleForceEffect{effect.at("model") == "tissue" ? NeedleForceModelKind::kTissue
+                                                         : NeedleForceModelKind::kLayered,
+                          config::FindConfig(table, folder)};
+  }
+  if (effects.contains("tissue")) {
+    scenario.tissue = ReadTissueEffect(effects["tissue"], folder);
   }
   if (effects.contains("ultrasound")) {
     const json& effect = effects["ultrasound"];
@@ -139,6 +197,7 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
   if (effects.contains("ct_slice")) {
     scenario.ct_slice = CtSliceEffect{effects["ct_slice"].at("needle")};
   }
+  CheckTogether(scenario);
   scenario.effective = std::move(document);
   return scenario;
 }

@@ -17,13 +17,37 @@ struct Patient {
   std::filesystem::path ct;
   std::string dicom_series;  ///< Picks one of several series; may be empty.
   std::filesystem::path labels;
+  std::filesystem::path mesh;      ///< mesh.vtu, with the compliance beside it.
+  std::filesystem::path corridor;  ///< CSV of the points entry and target.
   Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
 };
 
-enum class NeedleForceModelKind { kLayered };
+enum class NeedleForceModelKind { kLayered, kTissue };
 struct NeedleForceEffect {
   NeedleForceModelKind model = NeedleForceModelKind::kLayered;
   std::filesystem::path table;
+};
+
+enum class TissueModelKind { kDisplacementFunctions, kSprings, kPlane2010, kFem3d };
+
+/// Tissue that tools deform. Only the settings of its model are read.
+struct TissueEffect {
+  TissueModelKind model = TissueModelKind::kDisplacementFunctions;
+  std::filesystem::path elasticity;
+  std::filesystem::path table;  ///< Force table, for models that touch the needle.
+  bool image = true;            ///< The images show the deformation.
+  double warp_spacing_mm = 0.0;
+  double influence_radius_mm = 0.0;  ///< displacement_functions, springs.
+  double path_spacing_mm = 0.0;      ///< springs.
+  double plane_spacing_mm = 0.0;     ///< fe_2d, as all of the plane's.
+  double plane_width_mm = 0.0;
+  double plane_beyond_mm = 0.0;
+  double plane_thickness_mm = 0.0;
+  double contact_spacing_mm = 0.0;  ///< fe_3d.
+  bool probe_contact = false;       ///< fe_3d.
+
+  /// True if the model steps with the samples and knows forces on the needle by itself.
+  bool TouchesNeedle() const { return model != TissueModelKind::kDisplacementFunctions; }
 };
 
 enum class UltrasoundModel { kColumns2010 };
@@ -48,6 +72,7 @@ struct Scenario {
 
   // The effects that the scene calls for.
   std::optional<NeedleForceEffect> needle_force;
+  std::optional<TissueEffect> tissue;
   std::optional<UltrasoundEffect> ultrasound;
   std::optional<CtSliceEffect> ct_slice;
 

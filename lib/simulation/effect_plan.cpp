@@ -11,43 +11,65 @@ namespace {
 using scenario::Scenario;
 using Names = std::vector<std::string_view>;
 
+bool FromTissue(const Scenario& s) {
+  return s.needle_force && s.needle_force->model == scenario::NeedleForceModelKind::kTissue;
+}
+
+/// What tissue under a tool is computed from, besides the tool.
+Names TissueInputs(const Scenario& s) {
+  if (!s.tissue) return {};
+  Names reads{"needle", "elasticity"};
+  switch (s.tissue->model) {
+    case scenario::TissueModelKind::kDisplacementFunctions:
+    case scenario::TissueModelKind::kSprings:
+      reads.push_back("labels");
+      break;
+    case scenario::TissueModelKind::kPlane2010:
+      reads.insert(reads.end(), {"labels", "corridor"});
+      break;
+    case scenario::TissueModelKind::kFem3d:
+      reads.push_back("mesh");
+      break;
+  }
+  if (s.tissue->TouchesNeedle()) reads.push_back("force table");
+  if (s.tissue->probe_contact) reads.insert(reads.end(), {"probe poses", "probe"});
+  return reads;
+}
+
+/// What an image reads: the probe, the CT, the needle if it shows, the deformation if it shows.
+Names ImageInputs(const Scenario& s, bool needle) {
+  Names reads{"probe", "ct"};
+  if (needle) reads.push_back("needle");
+  if (s.tissue && s.tissue->image) reads.push_back("rest map");
+  return reads;
+}
+
+/// What the deformation in the images comes from.
+Names DeformationInputs(const Scenario& s) {
+  if (!s.tissue) return {};
+  return s.tissue->TouchesNeedle() ? Names{"contact"} : Names{"force", "labels", "elasticity"};
+}
+
 /// All stages that there are, in the order in which they run.
 std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
-  const auto with_needle = [](Names reads, bool needle) {
-    if (needle) reads.push_back("needle");
-    return reads;
+  const auto step = [](StageId id, std::string_view name, Names reads, Names writes) {
+    return PlannedStage{id, name, "step", std::move(reads), std::move(writes), false, ""};
+  };
+  const auto image = [](StageId id, std::string_view name, Names reads, Names writes) {
+    return PlannedStage{id, name, "image", std::move(reads), std::move(writes), false, ""};
   };
   return {
-      {StageId::kNeedlePose, "needle pose", "step", {"needle poses"}, {"needle"}, false, ""},
-      {StageId::kTissueLookup,
-       "tissue lookup",
-       "step",
-       {"needle", "labels"},
-       {"tissue"},
-       false,
-       ""},
-      {StageId::kNeedleForce,
-       "needle force",
-       "step",
-       {"needle", "tissue", "force table"},
-       {"force"},
-       false,
-       ""},
-      {StageId::kProbePose, "probe pose", "image", {"probe poses"}, {"probe"}, false, ""},
-      {StageId::kCtSlice,
-       "CT slice",
-       "image",
-       with_needle({"probe", "ct"}, s.ct_slice && s.ct_slice->needle),
-       {"CT picture"},
-       false,
-       ""},
-      {StageId::kUltrasound,
-       "B-mode",
-       "image",
-       with_needle({"probe", "ct"}, s.ultrasound && s.ultrasound->needle),
-       {"B-mode picture"},
-       false,
-       ""},
+      step(StageId::kNeedlePose, "needle pose", {"needle poses"}, {"needle"}),
+      step(StageId::kTissueLookup, "tissue lookup", {"needle", "labels"}, {"tissue"}),
+      step(StageId::kTissueContact, "tissue contact", TissueInputs(s), {"contact"}),
+      step(StageId::kNeedleForce, "needle force",
+           FromTissue(s) ? Names{"contact"} : Names{"needle", "tissue", "force table"}, {"force"}),
+      image(StageId::kProbePose, "probe pose", {"probe poses"}, {"probe"}),
+      image(StageId::kDeformation, "deformation", DeformationInputs(s), {"rest map"}),
+      image(StageId::kCtSlice, "CT slice", ImageInputs(s, s.ct_slice && s.ct_slice->needle),
+            {"CT picture"}),
+      image(StageId::kUltrasound, "B-mode", ImageInputs(s, s.ultrasound && s.ultrasound->needle),
+            {"B-mode picture"}),
   };
 }
 
@@ -60,6 +82,7 @@ struct Goal {
 std::vector<Goal> Goals(const Scenario& s) {
   std::vector<Goal> goals;
   if (s.needle_force) goals.push_back({StageId::kNeedleForce, "needle_force"});
+  if (s.tissue && s.tissue->TouchesNeedle()) goals.push_back({StageId::kTissueContact, "tissue"});
   if (s.ct_slice) goals.push_back({StageId::kCtSlice, "ct_slice"});
   if (s.ultrasound) goals.push_back({StageId::kUltrasound, "ultrasound"});
   return goals;
@@ -78,7 +101,12 @@ std::vector<Input> Inputs(const Scenario& s, const AvailableInputs& available) {
       {"probe poses", available.probe_poses, "the session has no probe stream"},
       {"ct", !s.patient.ct.empty(), "/patient/ct is not given"},
       {"labels", !s.patient.labels.empty(), "/patient/labels is not given"},
+      {"mesh", !s.patient.mesh.empty(),
+       "/patient/mesh is not given; acus-mesh --condense makes one"},
+      {"corridor", !s.patient.corridor.empty(),
+       "/patient/corridor is not given: a CSV with the points entry and target"},
       {"force table", true, ""},
+      {"elasticity", true, ""},
   };
 }
 

@@ -14,12 +14,14 @@ namespace acus::simulation {
 enum class StageId {
   kNeedlePose,
   kTissueLookup,
+  kTissueContact,
   kNeedleForce,
   kProbePose,
+  kDeformation,
   kCtSlice,
   kUltrasound,
 };
-inline constexpr int kNumStages = 6;
+inline constexpr int kNumStages = 8;
 
 /// A stage in the plan, or one that is left out.
 struct PlannedStage {

@@ -74,7 +74,7 @@ TEST(WritePatient, GivesTheSameBitsForOneAndTwoThreadsAndOthersForAnotherSeed) {
   WritePatient(folder / "b", Coarse("liver"), Context(5, 2));
   WritePatient(folder / "c", Coarse("liver"), Context(6, 2));
   for (const char* file : {"ct.nrrd", "labels.seg.nrrd", "truth.json", "markers_mannequin.csv",
-                           "target_ct.csv", "sessions/liver_biopsy/needle.csv",
+                           "target_ct.csv", "corridor_ct.csv", "sessions/liver_biopsy/needle.csv",
                            "sessions/liver_biopsy/probe.csv", "force_curves/liver_capsule_1.csv"}) {
     EXPECT_EQ(ReadTextFile(folder / "a" / file), ReadTextFile(folder / "b" / file)) << file;
     EXPECT_NE(ReadTextFile(folder / "a" / file), ReadTextFile(folder / "c" / file)) << file;
