@@ -2,18 +2,54 @@
 
 #include <algorithm>
 #include <fstream>
+#include <limits>
 
 #include "core/cpu_time.h"
 #include "core/csv.h"
 #include "session/pose_csv.h"
 
 namespace acus::replay {
+namespace {
+
+/// Hands images the load of their moment, as the steps pass it.
+class ImageLoads {
+ public:
+  ImageLoads(const simulation::Scene& scene, const simulation::Simulation& simulation,
+             std::span<simulation::Snapshot> images, StepLog& log)
+      : simulation_(simulation), log_(log) {
+    if (scene.plan.Has(simulation::StageId::kDeformation)) images_ = images;
+  }
+
+  /// To all images before `time_ns`: the state after the last step.
+  void GiveBefore(std::int64_t time_ns) {
+    while (!images_.empty() && images_.front().time_ns < time_ns) {
+      if (!log_.steps.empty() &&
+          simulation_.LoadOf(log_.final_state, log_.steps.back(), load_)) {
+        log_.loads.push_back(load_);
+        images_.front().load = &log_.loads.back();
+      }
+      images_ = images_.subspan(1);
+    }
+  }
+
+ private:
+  const simulation::Simulation& simulation_;
+  StepLog& log_;
+  std::span<simulation::Snapshot> images_;
+  tissue::TissueLoad load_;
+};
+
+}  // namespace
 
 StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
-                 simulation::StageTimes* times, const RunContext& context) {
+                 std::span<simulation::Snapshot> images, simulation::StageTimes* times,
+                 const RunContext& context) {
   StepLog log;
   if (!scene.plan.Has(simulation::StageId::kNeedlePose)) return log;
   const simulation::Simulation simulation(scene);
+  log.final_state = simulation.NewState();
+  const bool probe = scene.plan.Has(simulation::StageId::kTissueContact) && !session.probe.empty();
+  ImageLoads loads(scene, simulation, images, log);
   const std::size_t count = session.needle.size();
   log.steps.reserve(count);
   const std::size_t piece = count / 50 + 1;
@@ -22,10 +58,17 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
     if (i % piece == 0) {
       context.Checkpoint("forces", static_cast<double>(i) / static_cast<double>(count));
     }
-    const session::PoseSample& sample = session.needle[i];
-    log.steps.push_back(simulation.Step(
-        log.final_state, {sample.time_ns, sample.reference_from_tool, sample.valid}, times));
+    const session::PoseSample& needle = session.needle[i];
+    simulation::Sample sample{needle.time_ns, needle.reference_from_tool, needle.valid};
+    if (probe) {
+      const session::PoseSample pose = session::PoseAt(session.probe, needle.time_ns);
+      sample.reference_from_probe = pose.reference_from_tool;
+      sample.probe_valid = pose.valid;
+    }
+    loads.GiveBefore(sample.time_ns);
+    log.steps.push_back(simulation.Step(log.final_state, sample, times));
   }
+  loads.GiveBefore(std::numeric_limits<std::int64_t>::max());
   log.cpu_s = ThreadCpuSeconds() - begin_s;
   return log;
 }

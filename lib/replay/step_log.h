@@ -1,12 +1,15 @@
 // The steps of a replay: forces and states by sample.
 #pragma once
 
+#include <deque>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/run_context.h"
 #include "session/session.h"
+#include "simulation/image_renderer.h"
 #include "simulation/simulation.h"
 
 namespace acus::replay {
@@ -14,14 +17,17 @@ namespace acus::replay {
 /// Every step of a session, in order of time.
 struct StepLog {
   std::vector<simulation::StepOutput> steps;  ///< One per needle sample; empty without a needle.
+  std::deque<tissue::TissueLoad> loads;       ///< Of those images that show tissue deformed.
   simulation::State final_state;
   double cpu_s = 0.0;  ///< Thread CPU time of all steps together.
 };
 
-/// Runs Step over all needle samples of a session. Adds the cost of each stage to `times`, if
-/// given.
+/// Runs Step over all needle samples of a session. If the plan has a deformation, each image of
+/// `images` (ascending times) is given the load after the last step before it, kept in the log.
+/// Adds the cost of each stage to `times`, if given.
 StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
-                 simulation::StageTimes* times, const RunContext& context);
+                 std::span<simulation::Snapshot> images, simulation::StageTimes* times,
+                 const RunContext& context);
 
 /// Name of a label in the scene's label map.
 std::string TissueName(const simulation::Scene& scene, volume::Label label);

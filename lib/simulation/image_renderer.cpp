@@ -13,6 +13,9 @@ void Blacken(const ultrasound::ImageGeometry& picture, ultrasound::GrayImage& im
 }  // namespace
 
 ImageRenderer::ImageRenderer(const Scene& scene) : scene_(scene) {
+  if (scene.plan.Has(StageId::kDeformation)) {
+    deformed_.emplace(*scene.tissue, scene.warp_spacing_mm);
+  }
   if (scene.plan.Has(StageId::kCtSlice)) {
     ct_slice_.emplace(*scene.ct, ultrasound::PictureOf(*scene.probe),
                       scene.probe->slice_thickness_mm);
@@ -32,10 +35,19 @@ std::optional<ultrasound::NeedleInImage> ImageRenderer::NeedleOf(const Snapshot&
 void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* times) {
   Stopwatch watch(times);
   const auto needle = NeedleOf(snapshot);
+  const ultrasound::RestMap* rest = nullptr;
+  if (deformed_) {
+    const bool asleep = snapshot.load == nullptr || !snapshot.probe_valid;
+    if (!asleep) {
+      deformed_->Update(*snapshot.load);
+      rest = &*deformed_;
+    }
+    watch.EndOf(StageId::kDeformation, asleep);
+  }
   if (ct_slice_) {
     if (snapshot.probe_valid) {
       ct_slice_->Render(snapshot.ct_from_probe, scene_.needle_in_ct_slice ? needle : std::nullopt,
-                        out.ct_slice);
+                        out.ct_slice, 1, rest);
     } else {
       Blacken(ct_slice_->picture(), out.ct_slice);
     }
@@ -44,7 +56,7 @@ void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* ti
   if (b_mode_) {
     if (snapshot.probe_valid) {
       b_mode_->Render(snapshot.ct_from_probe, scene_.needle_in_b_mode ? needle : std::nullopt,
-                      out.b_mode);
+                      out.b_mode, 1, rest);
     } else {
       Blacken(b_mode_->picture(), out.b_mode);
     }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "simulation/deformed_tissue.h"
 #include "simulation/scene.h"
 #include "simulation/stage_timing.h"
 #include "ultrasound/bmode.h"
@@ -19,6 +20,8 @@ struct Snapshot {
   Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
   /// Nothing if there is no needle to see.
   std::optional<Eigen::Isometry3d> ct_from_needle = std::nullopt;
+  /// Null if nothing deforms the tissue; must live until the image is made.
+  const tissue::TissueLoad* load = nullptr;
 };
 
 struct Images {
@@ -41,6 +44,7 @@ class ImageRenderer {
   std::optional<ultrasound::NeedleInImage> NeedleOf(const Snapshot& snapshot) const;
 
   const Scene& scene_;
+  std::optional<DeformedTissue> deformed_;
   std::optional<ultrasound::BModeRenderer> b_mode_;
   std::optional<ultrasound::CtSliceRenderer> ct_slice_;
 };

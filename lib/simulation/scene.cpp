@@ -17,7 +17,8 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     context.provenance.AddInput(scenario.patient.ct);
   }
   if (plan.Needs("labels")) {
-    scene.labels = volume::ReadTissues(scenario.patient.labels);
+    scene.labels =
+        std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
     context.provenance.AddInput(scenario.patient.labels);
   }
   if (plan.Needs("needle")) {

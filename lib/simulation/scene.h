@@ -1,12 +1,14 @@
 // Everything constant that a plan's stages read, loaded once: only what the plan needs.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "core/run_context.h"
 #include "forces/needle_force.h"
 #include "scenario/scenario.h"
 #include "simulation/effect_plan.h"
+#include "tissue/tissue_model.h"
 #include "ultrasound/bmode_options.h"
 #include "ultrasound/probe.h"
 #include "volume/volume.h"
@@ -20,11 +22,14 @@ struct Scene {
   double image_rate_hz = 0.0;
   bool needle_in_ct_slice = false;
   bool needle_in_b_mode = false;
+  bool force_from_tissue = false;  ///< What is felt is what the deformed tissue does.
+  double warp_spacing_mm = 0.0;
 
   std::optional<volume::CtVolume> ct;              ///< If the plan reads "ct".
-  std::optional<volume::LabelMap> labels;          ///< If the plan reads "labels".
+  std::shared_ptr<const volume::LabelMap> labels;  ///< If the plan reads "labels".
   std::optional<forces::NeedleProperties> needle;  ///< If the plan reads "needle".
   std::optional<forces::NeedleForceModel> forces;  ///< If the plan has the needle force.
+  std::optional<tissue::TissueModel> tissue;       ///< If the plan has contact or deformation.
   std::optional<ultrasound::Probe> probe;          ///< If the plan reads "probe".
   std::optional<ultrasound::BModeOptions> b_mode;  ///< If the plan has the B-mode.
 };

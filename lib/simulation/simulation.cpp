@@ -1,5 +1,6 @@
 #include "simulation/simulation.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace acus::simulation {
@@ -16,36 +17,75 @@ volume::Label LabelAt(const volume::LabelMap& labels, const Eigen::Affine3d& ind
 
 Simulation::Simulation(const Scene& scene)
     : scene_(scene),
-      runs_tissue_(scene.plan.Has(StageId::kTissueLookup)),
+      runs_lookup_(scene.plan.Has(StageId::kTissueLookup)),
+      runs_contact_(scene.plan.Has(StageId::kTissueContact)),
       runs_force_(scene.plan.Has(StageId::kNeedleForce)) {
-  if (runs_tissue_) index_from_ct_ = scene.labels->geometry.index_from_ct();
+  if (runs_lookup_) index_from_ct_ = scene.labels->geometry.index_from_ct();
 }
 
-StepOutput Simulation::Step(State& state, const NeedleSample& sample,
-                            StageTimes* times) const noexcept {
+State Simulation::NewState() const {
+  State state;
+  if (runs_contact_) state.tissue = scene_.tissue->NewState();
+  return state;
+}
+
+StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* times) const noexcept {
   Stopwatch watch(times);
   ++state.steps;
   StepOutput out;
   out.time_ns = sample.time_ns;
   out.ct_from_needle = scene_.ct_from_reference * sample.reference_from_needle;
+  const double time_s = 1e-9 * static_cast<double>(sample.time_ns);
   const Eigen::Vector3d tip_in_ct_mm = out.ct_from_needle.translation();
+  const Eigen::Vector3d axis_in_ct = out.ct_from_needle.linear().col(2);
   watch.EndOf(StageId::kNeedlePose);
-  if (runs_tissue_) {
+  if (runs_lookup_) {
     out.tissue_at_tip = LabelAt(*scene_.labels, index_from_ct_, tip_in_ct_mm);
     watch.EndOf(StageId::kTissueLookup);
   }
-  if (runs_force_) {
+  if (runs_contact_) {
+    out.tissue = scene_.tissue->Step(
+        state.tissue,
+        {.time_s = time_s,
+         .needle_valid = sample.needle_valid,
+         .tip_in_ct_mm = tip_in_ct_mm,
+         .axis_in_ct = axis_in_ct,
+         .probe_valid = sample.probe_valid,
+         .ct_from_probe = scene_.ct_from_reference * sample.reference_from_probe});
+    watch.EndOf(StageId::kTissueContact, !out.tissue.touched);
+  }
+  if (runs_force_ && scene_.force_from_tissue) {
+    out.force = out.tissue.needle;
+    out.tissue_at_tip = out.tissue.tissue_at_tip;
+    watch.EndOf(StageId::kNeedleForce, !out.tissue.touched);
+  } else if (runs_force_) {
     // Nothing to do while the needle is in free space; the law itself then returns at once.
     const bool asleep = out.tissue_at_tip == 0 && !state.force.in_body;
-    out.force =
-        scene_.forces->Step(state.force, {.time_s = 1e-9 * static_cast<double>(sample.time_ns),
-                                          .tip_in_ct_mm = tip_in_ct_mm,
-                                          .axis_in_ct = out.ct_from_needle.linear().col(2),
-                                          .tissue_at_tip = out.tissue_at_tip,
-                                          .valid = sample.valid});
+    out.force = scene_.forces->Step(state.force, {.time_s = time_s,
+                                                  .tip_in_ct_mm = tip_in_ct_mm,
+                                                  .axis_in_ct = axis_in_ct,
+                                                  .tissue_at_tip = out.tissue_at_tip,
+                                                  .valid = sample.needle_valid});
     watch.EndOf(StageId::kNeedleForce, asleep);
   }
   return out;
+}
+
+bool Simulation::LoadOf(const State& state, const StepOutput& output,
+                        tissue::TissueLoad& out) const noexcept {
+  if (runs_contact_) return scene_.tissue->LoadOf(state.tissue, out);
+  const forces::NeedleForceState& needle = state.force;
+  if (!needle.in_body) return false;
+  out = {};
+  out.needle = {.in_contact = true,
+                .pierced = needle.pierced,
+                .entry_in_ct_mm = needle.path.entry_in_ct_mm,
+                .tip_in_ct_mm = output.ct_from_needle.translation(),
+                .axis_in_ct = needle.path.direction_in_ct,
+                .pre_puncture_n = std::max(0.0, output.force.puncture_n),
+                .cutting_n = std::max(0.0, output.force.cutting_n),
+                .friction_n = output.force.friction_n};
+  return true;
 }
 
 }  // namespace acus::simulation

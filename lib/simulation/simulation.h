@@ -7,15 +7,19 @@
 #include "forces/needle_force.h"
 #include "simulation/scene.h"
 #include "simulation/stage_timing.h"
+#include "tissue/tissue_model.h"
 #include "volume/volume.h"
 
 namespace acus::simulation {
 
-/// One reading of the needle, in the session's reference frame.
-struct NeedleSample {
+/// One reading of the tools, in the session's reference frame.
+struct Sample {
   std::int64_t time_ns = 0;
   Eigen::Isometry3d reference_from_needle = Eigen::Isometry3d::Identity();
-  bool valid = false;
+  bool needle_valid = false;
+  /// Only read if tissue is pressed by the probe.
+  Eigen::Isometry3d reference_from_probe = Eigen::Isometry3d::Identity();
+  bool probe_valid = false;
 };
 
 /// What one step gives.
@@ -24,11 +28,14 @@ struct StepOutput {
   Eigen::Isometry3d ct_from_needle = Eigen::Isometry3d::Identity();
   volume::Label tissue_at_tip = 0;
   forces::NeedleForce force;
+  tissue::TissueForce tissue;  ///< Zero if the plan has no tissue contact.
 };
 
-/// All that changes. Small and copyable: save it, restore it, run many side by side.
+/// All that changes. A plain value: save it, restore it, run many side by side. Made by
+/// Simulation::NewState.
 struct State {
   forces::NeedleForceState force;
+  tissue::TissueState tissue;  ///< Empty if the plan has no tissue contact.
   std::int64_t steps = 0;
 };
 
@@ -38,17 +45,24 @@ class Simulation {
   /// @param scene  Must outlive the simulation.
   explicit Simulation(const Scene& scene);
 
+  State NewState() const;
+
   /// Advances to `sample.time_ns`. Allocates nothing, takes no lock, prints nothing. A sample that
   /// is not valid, not finite or not later than the last one is dealt with by the force model:
   /// the force stays finite and bounded.
   /// @param times  If given, each stage's time is added to it; the results stay the same.
-  StepOutput Step(State& state, const NeedleSample& sample,
-                  StageTimes* times = nullptr) const noexcept;
+  StepOutput Step(State& state, const Sample& sample, StageTimes* times = nullptr) const noexcept;
+
+  /// What the images need to show the tissue as it is after a step. False if nothing deforms it:
+  /// then `out` is not written.
+  /// @pre the plan has a deformation stage.
+  bool LoadOf(const State& state, const StepOutput& output, tissue::TissueLoad& out) const noexcept;
 
  private:
   const Scene& scene_;
   Eigen::Affine3d index_from_ct_ = Eigen::Affine3d::Identity();
-  bool runs_tissue_ = false;
+  bool runs_lookup_ = false;
+  bool runs_contact_ = false;
   bool runs_force_ = false;
 };
 

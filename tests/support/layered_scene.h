@@ -51,7 +51,7 @@ inline simulation::Scene LayeredScene(const simulation::EffectPlan& plan, bool n
   scene.b_mode = ultrasound::ReadBModeOptions(configs / "acoustics/hu_textured.json");
 
   scene.ct.emplace(geometry, std::int16_t{-1000});
-  scene.labels.emplace(geometry);
+  auto labels = std::make_shared<volume::LabelMap>(geometry);
   for (int k = 0; k < geometry.size[2]; ++k) {
     const double z_mm = geometry.origin_mm[2] + geometry.spacing_mm[2] * k;
     for (int j = 0; j < geometry.size[1]; ++j) {
@@ -61,18 +61,19 @@ inline simulation::Scene LayeredScene(const simulation::EffectPlan& plan, bool n
         for (const Layer& layer : kLayers) {
           if (z_mm < layer.from_z_mm) continue;
           scene.ct->At(i, j, k) = layer.hu;
-          scene.labels->At(i, j, k) = volume::LabelOf(layer.tissue);
+          labels->At(i, j, k) = volume::LabelOf(layer.tissue);
         }
         if (z_mm > 60.0 && std::abs(x_mm) < 10.0 && y_mm > 10.0) {
           scene.ct->At(i, j, k) = 900;
-          scene.labels->At(i, j, k) = volume::LabelOf("bone");
+          labels->At(i, j, k) = volume::LabelOf("bone");
         }
       }
     }
   }
   for (const auto& label : volume::StandardLabels()) {
-    scene.labels->names[label.label] = std::string(label.name);
+    labels->names[label.label] = std::string(label.name);
   }
+  scene.labels = std::move(labels);
   return scene;
 }
 

@@ -65,6 +65,47 @@ TEST_F(ScenarioFile, TakesChangesFromTheCommandLine) {
               ThrowsMessage<InputError>(HasSubstr("--set /needle/x")));
 }
 
+constexpr const char* kTissueText = R"({"format": "acus-scenario/1", "patient": {"mesh": "mesh"},
+  "needle": "needle.json", "probe": "probe.json",
+  "effects": {"needle_force": {"model": "tissue", "table": "table.json"},
+              "tissue": {"model": "fe_3d", "elasticity": "table.json", "table": "table.json"}}})";
+
+TEST_F(ScenarioFile, ReadsTheTissueEffectWithTheSettingsOfItsModel) {
+  fs::create_directory(folder_ / "mesh");
+  const Scenario s = Read(kTissueText, {ParseOverride("/effects/tissue/fe_3d/probe_contact=true")});
+  ASSERT_TRUE(s.tissue.has_value());
+  EXPECT_EQ(s.tissue->model, TissueModelKind::kFem3d);
+  EXPECT_TRUE(s.tissue->TouchesNeedle());
+  EXPECT_TRUE(s.tissue->probe_contact);
+  EXPECT_TRUE(s.tissue->image);
+  EXPECT_EQ(s.tissue->contact_spacing_mm, 2.0);
+  EXPECT_EQ(s.patient.mesh, folder_ / "mesh" / "mesh.vtu");
+  EXPECT_EQ(s.needle_force->model, NeedleForceModelKind::kTissue);
+  const Scenario springs =
+      Read(kTissueText, {ParseOverride("/effects/tissue/model=springs"),
+                         ParseOverride("/effects/tissue/springs/influence_radius_mm=7")});
+  EXPECT_EQ(springs.tissue->influence_radius_mm, 7.0);
+}
+
+TEST_F(ScenarioFile, RefusesEffectsThatLeanOnOneThatIsNotThere) {
+  fs::create_directory(folder_ / "mesh");
+  EXPECT_THAT([&] { Read(kTissueText, {ParseOverride("/effects/tissue=null")}); },
+              ThrowsMessage<InputError>(HasSubstr("springs, fe_2d or fe_3d")));
+  EXPECT_THAT(
+      [&] {
+        Read(kTissueText, {ParseOverride("/effects/tissue/model=displacement_functions"),
+                           ParseOverride("/effects/needle_force=null")});
+      },
+      ThrowsMessage<InputError>(HasSubstr("/effects/needle_force/model=layered")));
+  EXPECT_THAT(
+      [&] { Read(kTissueText, {ParseOverride("/effects/tissue/model=displacement_functions")}); },
+      ThrowsMessage<InputError>(HasSubstr("knows forces")));
+  EXPECT_THAT([&] { Read(kTissueText, {ParseOverride("/effects/tissue/warp_spacing_mm=0")}); },
+              ThrowsMessage<InputError>(HasSubstr("/effects/tissue/warp_spacing_mm")));
+  EXPECT_THAT([&] { Read(kTissueText, {ParseOverride("/effects/tissue/model=fe_4d")}); },
+              ThrowsMessage<InputError>(HasSubstr("fe_3d")));
+}
+
 TEST_F(ScenarioFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(
       [&] {

@@ -76,5 +76,66 @@ TEST(PlanEffects, NamesEveryMissingInputAtOnce) {
                   HasSubstr("the session has no needle stream"), HasSubstr("--set /effects/"))));
 }
 
+scenario::Scenario WithTissue(scenario::TissueModelKind model) {
+  scenario::Scenario s = AllEffects();
+  s.patient.mesh = "mesh/mesh.vtu";
+  s.patient.corridor = "corridor.csv";
+  s.tissue.emplace().model = model;
+  return s;
+}
+
+TEST(PlanEffects, PutsDeformationBeforeThePicturesThatShowIt) {
+  scenario::Scenario s = WithTissue(scenario::TissueModelKind::kFem3d);
+  s.needle_force->model = scenario::NeedleForceModelKind::kTissue;
+  s.patient.labels.clear();  // The mesh knows its tissues.
+  const EffectPlan plan = PlanEffects(s, kAll);
+  EXPECT_THAT(StagesIn(plan),
+              testing::ElementsAre("needle pose", "tissue contact", "needle force", "probe pose",
+                                   "deformation", "CT slice", "B-mode"));
+  EXPECT_TRUE(plan.Needs("mesh"));
+  EXPECT_FALSE(plan.Needs("labels"));
+  EXPECT_FALSE(plan.Needs("corridor"));
+}
+
+TEST(PlanEffects, DisplacementFunctionsFollowTheForcesAndAreOnlyForPictures) {
+  scenario::Scenario s = WithTissue(scenario::TissueModelKind::kDisplacementFunctions);
+  EXPECT_THAT(StagesIn(PlanEffects(s, kAll)),
+              testing::ElementsAre("needle pose", "tissue lookup", "needle force", "probe pose",
+                                   "deformation", "CT slice", "B-mode"));
+  s.tissue->image = false;
+  EXPECT_FALSE(PlanEffects(s, kAll).Has(StageId::kDeformation));
+  s.tissue->image = true;
+  s.ultrasound.reset();
+  s.ct_slice.reset();
+  EXPECT_FALSE(PlanEffects(s, kAll).Has(StageId::kDeformation));
+}
+
+TEST(PlanEffects, SceneWithoutTissueNeedsNothingOfIt) {
+  scenario::Scenario s = WithTissue(scenario::TissueModelKind::kFem3d);
+  s.tissue.reset();
+  s.patient.mesh.clear();
+  const EffectPlan plan = PlanEffects(s, kAll);
+  EXPECT_FALSE(plan.Has(StageId::kTissueContact));
+  EXPECT_FALSE(plan.Has(StageId::kDeformation));
+  EXPECT_FALSE(plan.Needs("mesh"));
+  EXPECT_FALSE(plan.Needs("elasticity"));
+}
+
+TEST(PlanEffects, NamesWhatTissueLacks) {
+  scenario::Scenario s = WithTissue(scenario::TissueModelKind::kFem3d);
+  s.patient.mesh.clear();
+  EXPECT_THAT([&] { PlanEffects(s, kAll); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("tissue contact (effect tissue"),
+                                              HasSubstr("acus-mesh --condense"))));
+  s = WithTissue(scenario::TissueModelKind::kPlane2010);
+  s.patient.corridor.clear();
+  EXPECT_THAT([&] { PlanEffects(s, kAll); },
+              ThrowsMessage<InputError>(HasSubstr("/patient/corridor")));
+  s = WithTissue(scenario::TissueModelKind::kFem3d);
+  s.tissue->probe_contact = true;
+  EXPECT_THAT([&] { PlanEffects(s, {.needle_poses = true}); },
+              ThrowsMessage<InputError>(HasSubstr("tissue contact")));
+}
+
 }  // namespace
 }  // namespace acus::simulation

@@ -18,8 +18,8 @@ using testing_support::PlanOf;
 constexpr std::int64_t kMs = 1'000'000;
 
 /// Straight down at 20 mm/s from 5 mm above the skin, at (x, y).
-NeedleSample Inserting(int ms, double x_mm, double y_mm) {
-  NeedleSample sample{.time_ns = ms * kMs, .valid = true};
+Sample Inserting(int ms, double x_mm, double y_mm) {
+  Sample sample{.time_ns = ms * kMs, .needle_valid = true};
   sample.reference_from_needle.translation() << x_mm, y_mm, -5.0 + 0.02 * ms;
   return sample;
 }
@@ -111,11 +111,11 @@ TEST(Step, StaysFiniteWhateverTheTrackerSays) {
   const Simulation simulation(scene);
   State state;
   for (int ms = 0; ms < 2000; ++ms) {
-    NeedleSample sample = Inserting(ms, 0.0, 20.0);
+    Sample sample = Inserting(ms, 0.0, 20.0);
     if (ms % 7 == 0) sample.reference_from_needle.translation()[ms % 3] = std::nan("");
     if (ms % 11 == 0) sample.time_ns -= 50 * kMs;
     if (ms % 13 == 0) sample.reference_from_needle.translation() *= 1e12;
-    if (ms % 17 == 0) sample.valid = false;
+    if (ms % 17 == 0) sample.needle_valid = false;
     if (ms % 19 == 0) sample.reference_from_needle.linear().setZero();
     const StepOutput out = simulation.Step(state, sample);
     ASSERT_TRUE(out.force.force_in_ct_n.allFinite()) << ms;

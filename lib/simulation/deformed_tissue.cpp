@@ -1,0 +1,16 @@
+#include "simulation/deformed_tissue.h"
+
+#include "math/inverse_map.h"
+
+namespace acus::simulation {
+
+Eigen::Vector3d DeformedTissue::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm) const noexcept {
+  // A hundredth of a millimetre is far below a picture's pixel.
+  constexpr math::InverseSettings kSettings{.max_iterations = 12, .tolerance_mm = 0.01};
+  const auto displacement = [this](const Eigen::Vector3d& rest_mm) {
+    return field_.DisplacementMm(rest_mm);
+  };
+  return math::InvertDisplacement(displacement, place_in_ct_mm, place_in_ct_mm, kSettings).rest_mm;
+}
+
+}  // namespace acus::simulation

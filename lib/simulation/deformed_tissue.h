@@ -1,0 +1,27 @@
+// Where tissue that a picture shows was at rest.
+#pragma once
+
+#include "tissue/tissue_model.h"
+#include "ultrasound/beam_bend.h"
+
+namespace acus::simulation {
+
+/// Inverts a tissue model's displacements, for one image at a time. One for each thread.
+class DeformedTissue : public ultrasound::RestMap {
+ public:
+  /// @param model  Must outlive this.
+  DeformedTissue(const tissue::TissueModel& model, double spacing_mm)
+      : field_(model.NewField()), spacing_mm_(spacing_mm) {}
+
+  /// Takes in the forces on the tissue. Allocates nothing after the first call.
+  void Update(const tissue::TissueLoad& load) { field_.Update(load); }
+
+  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_in_ct_mm) const noexcept override;
+  double SpacingMm() const noexcept override { return spacing_mm_; }
+
+ private:
+  tissue::TissueField field_;
+  double spacing_mm_;
+};
+
+}  // namespace acus::simulation
