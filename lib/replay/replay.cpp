@@ -178,8 +178,8 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   const double begin_s = ProcessCpuSeconds();
   std::vector<simulation::Snapshot> images = Snapshots(scene, run.session, &run.times);
   run.steps = RunSteps(scene, run.session, images, &run.times, context);
-  run.images = RenderImages(scene, images, run.steps, folder ? folder->path() : fs::path(),
-                            options, &run.times, context);
+  run.images = RenderImages(scene, images, run.steps, folder ? folder->path() : fs::path(), options,
+                            &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
   run.metrics = MetricsOf(scene, run.session, run.steps);
   if (folder) {

@@ -23,8 +23,7 @@ class ImageLoads {
   /// To all images before `time_ns`: the state after the last step.
   void GiveBefore(std::int64_t time_ns) {
     while (!images_.empty() && images_.front().time_ns < time_ns) {
-      if (!log_.steps.empty() &&
-          simulation_.LoadOf(log_.final_state, log_.steps.back(), load_)) {
+      if (!log_.steps.empty() && simulation_.LoadOf(log_.final_state, log_.steps.back(), load_)) {
         log_.loads.push_back(load_);
         images_.front().load = &log_.loads.back();
       }

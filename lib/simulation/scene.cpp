@@ -1,5 +1,6 @@
 #include "simulation/scene.h"
 
+#include "simulation/tissue_scene.h"
 #include "volume/volume_io.h"
 
 namespace acus::simulation {
@@ -17,15 +18,20 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     context.provenance.AddInput(scenario.patient.ct);
   }
   if (plan.Needs("labels")) {
-    scene.labels =
-        std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
+    scene.labels = std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
     context.provenance.AddInput(scenario.patient.labels);
   }
   if (plan.Needs("needle")) {
     scene.needle = forces::ReadNeedle(scenario.needle);
     context.provenance.AddInput(scenario.needle);
   }
-  if (plan.Has(StageId::kNeedleForce)) {
+  if (plan.Has(StageId::kTissueContact) || plan.Has(StageId::kDeformation)) {
+    scene.tissue = LoadTissue(scenario, scene.labels, context);
+    scene.warp_spacing_mm = scenario.tissue->warp_spacing_mm;
+  }
+  scene.force_from_tissue = scenario.needle_force &&
+                            scenario.needle_force->model == scenario::NeedleForceModelKind::kTissue;
+  if (plan.Has(StageId::kNeedleForce) && !scene.force_from_tissue) {
     scene.forces.emplace(forces::ReadForceTable(scenario.needle_force->table), *scene.needle);
     context.provenance.AddInput(scenario.needle_force->table);
   }

@@ -45,13 +45,12 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   }
   if (runs_contact_) {
     out.tissue = scene_.tissue->Step(
-        state.tissue,
-        {.time_s = time_s,
-         .needle_valid = sample.needle_valid,
-         .tip_in_ct_mm = tip_in_ct_mm,
-         .axis_in_ct = axis_in_ct,
-         .probe_valid = sample.probe_valid,
-         .ct_from_probe = scene_.ct_from_reference * sample.reference_from_probe});
+        state.tissue, {.time_s = time_s,
+                       .needle_valid = sample.needle_valid,
+                       .tip_in_ct_mm = tip_in_ct_mm,
+                       .axis_in_ct = axis_in_ct,
+                       .probe_valid = sample.probe_valid,
+                       .ct_from_probe = scene_.ct_from_reference * sample.reference_from_probe});
     watch.EndOf(StageId::kTissueContact, !out.tissue.touched);
   }
   if (runs_force_ && scene_.force_from_tissue) {
