@@ -149,6 +149,81 @@ TEST(Effects, OffAndOnButInactiveGiveIdenticalBits) {
   EXPECT_NE(without.b_mode.pixels, shown.b_mode.pixels);
 }
 
+/// A scene whose pictures show tissue moved by displacement functions.
+Scene SceneWithMovedTissue(bool moved) {
+  scenario::Scenario s;
+  s.patient.ct = "ct";
+  s.patient.labels = "labels";
+  s.needle_force.emplace();
+  s.ultrasound.emplace();
+  s.ct_slice.emplace();
+  if (moved) s.tissue.emplace().model = scenario::TissueModelKind::kDisplacementFunctions;
+  Scene scene = LayeredScene(PlanEffects(s, {.needle_poses = true, .probe_poses = true}), false);
+  if (moved) {
+    scene.tissue.emplace(
+        tissue::DisplacementFunctions({}, [](const Eigen::Vector3d&) { return 0.02; }));
+    scene.warp_spacing_mm = 2.0;
+  }
+  return scene;
+}
+
+TEST(Effects, TissueThatNothingDeformsGivesTheBitsOfOneThatIsOff) {
+  const Scene on = SceneWithMovedTissue(true);
+  const Scene off = SceneWithMovedTissue(false);
+  Snapshot snapshot{.probe_valid = true, .ct_from_probe = ProbeOnSkin()};
+  Images without, inactive, touched, shown;
+  ImageRenderer(off).Render(snapshot, without);
+  ImageRenderer renderer(on);
+  renderer.Render(snapshot, inactive);
+  EXPECT_EQ(without.b_mode.pixels, inactive.b_mode.pixels);
+  EXPECT_EQ(without.ct_slice.pixels, inactive.ct_slice.pixels);
+
+  const tissue::TissueLoad nothing;
+  snapshot.load = &nothing;
+  renderer.Render(snapshot, touched);
+  EXPECT_EQ(without.b_mode.pixels, touched.b_mode.pixels);
+  EXPECT_EQ(without.ct_slice.pixels, touched.ct_slice.pixels);
+
+  // And with the needle in the tissue, the pictures do change: the comparisons above could fail.
+  const Simulation simulation(on);
+  State state = simulation.NewState();
+  StepOutput out;
+  tissue::TissueLoad load;
+  for (int ms = 0; ms < 250; ++ms) out = simulation.Step(state, Inserting(ms, 0.0, 0.0));
+  EXPECT_FALSE(simulation.LoadOf(state, out, load));  // Not at the skin yet.
+  for (int ms = 250; ms < 1200; ++ms) out = simulation.Step(state, Inserting(ms, 0.0, 0.0));
+  ASSERT_TRUE(simulation.LoadOf(state, out, load));
+  snapshot.load = &load;
+  renderer.Render(snapshot, shown);
+  EXPECT_NE(without.b_mode.pixels, shown.b_mode.pixels);
+  EXPECT_NE(without.ct_slice.pixels, shown.ct_slice.pixels);
+  // The same moment again gives the same bits, whatever was rendered between.
+  Images again;
+  snapshot.load = nullptr;
+  renderer.Render(snapshot, again);
+  EXPECT_EQ(without.b_mode.pixels, again.b_mode.pixels);
+  snapshot.load = &load;
+  ImageRenderer(on).Render(snapshot, again);
+  EXPECT_EQ(shown.b_mode.pixels, again.b_mode.pixels);
+}
+
+TEST(ImageRenderer, AllocatesNothingForMovedTissueAfterTheFirstPicture) {
+  const Scene scene = SceneWithMovedTissue(true);
+  const Simulation simulation(scene);
+  State state = simulation.NewState();
+  StepOutput out;
+  for (int ms = 0; ms < 1200; ++ms) out = simulation.Step(state, Inserting(ms, 0.0, 0.0));
+  tissue::TissueLoad load;
+  ASSERT_TRUE(simulation.LoadOf(state, out, load));
+  Snapshot snapshot{.probe_valid = true, .ct_from_probe = ProbeOnSkin(), .load = &load};
+  ImageRenderer renderer(scene);
+  Images images;
+  renderer.Render(snapshot, images);
+  const long before = testing_support::num_allocations.load();
+  for (int i = 0; i < 3; ++i) renderer.Render(snapshot, images);
+  EXPECT_EQ(testing_support::num_allocations.load() - before, 0);
+}
+
 TEST(ImageRenderer, IsBlackWhereTheProbeIsNotSeen) {
   const Scene scene = LayeredScene(PlanOf(false, true, true, false), false);
   ImageRenderer renderer(scene);
