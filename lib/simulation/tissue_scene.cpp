@@ -1,5 +1,6 @@
 #include "simulation/tissue_scene.h"
 
+#include <bitset>
 #include <utility>
 
 #include "core/error.h"
@@ -12,24 +13,57 @@ namespace {
 using scenario::TissueEffect;
 using scenario::TissueModelKind;
 
-/// Young's modulus by place, from a label map. The table must know all tissues that are there.
-class ModulusMap {
+/// The label map at any place, for as long as anybody asks.
+class TissueMap {
  public:
-  ModulusMap(std::shared_ptr<const volume::LabelMap> labels, mechanics::ElasticityTable table)
-      : labels_(std::move(labels)),
-        table_(std::make_shared<mechanics::ElasticityTable>(std::move(table))),
-        index_from_ct_(labels_->geometry.index_from_ct()) {}
+  explicit TissueMap(std::shared_ptr<const volume::LabelMap> labels)
+      : labels_(std::move(labels)), index_from_ct_(labels_->geometry.index_from_ct()) {}
 
-  /// MPa; 0 outside the body, and where a tissue has no row.
-  double operator()(const Eigen::Vector3d& rest_in_ct_mm) const {
-    return table_->tissue[LabelAt(*labels_, index_from_ct_, rest_in_ct_mm)].youngs_modulus_mpa;
+  volume::Label operator()(const Eigen::Vector3d& rest_in_ct_mm) const {
+    return LabelAt(*labels_, index_from_ct_, rest_in_ct_mm);
+  }
+
+  std::bitset<256> Tissues() const {
+    std::bitset<256> found;
+    for (const volume::Label label : labels_->voxels) found.set(label);
+    return found;
   }
 
  private:
   std::shared_ptr<const volume::LabelMap> labels_;
-  std::shared_ptr<const mechanics::ElasticityTable> table_;
   Eigen::Affine3d index_from_ct_;
 };
+
+tissue::TissueModel Functions(const TissueEffect& effect, const TissueMap& tissues,
+                              const mechanics::ElasticityTable& elasticity) {
+  // MPa; 0 where a tissue has no row, such as outside the body: nothing moves there.
+  const auto modulus = [tissues, rows = elasticity.tissue](const Eigen::Vector3d& rest_in_ct_mm) {
+    return rows[tissues(rest_in_ct_mm)].youngs_modulus_mpa;
+  };
+  return tissue::TissueModel(
+      tissue::DisplacementFunctions({.influence_radius_mm = effect.influence_radius_mm}, modulus));
+}
+
+/// What models that touch the needle need of it.
+struct NeedleParts {
+  forces::ForceTable table;
+  forces::NeedleProperties needle;
+};
+
+NeedleParts ReadNeedleParts(const scenario::Scenario& scenario, RunContext& context) {
+  context.provenance.AddInput(scenario.tissue->table);
+  context.provenance.AddInput(scenario.needle);
+  return {forces::ReadForceTable(scenario.tissue->table), forces::ReadNeedle(scenario.needle)};
+}
+
+tissue::TissueModel Springs(const TissueEffect& effect, const TissueMap& tissues,
+                            const mechanics::ElasticityTable& elasticity,
+                            const NeedleParts& parts) {
+  return tissue::TissueModel(
+      tissue::SpringModel({.node_spacing_mm = effect.path_spacing_mm,
+                           .influence_radius_mm = effect.influence_radius_mm},
+                          parts.table, parts.needle, elasticity, tissues.Tissues(), tissues));
+}
 
 }  // namespace
 
@@ -37,14 +71,14 @@ tissue::TissueModel LoadTissue(const scenario::Scenario& scenario,
                                std::shared_ptr<const volume::LabelMap> labels,
                                RunContext& context) {
   const TissueEffect& effect = *scenario.tissue;
-  mechanics::ElasticityTable elasticity = mechanics::ReadElasticityTable(effect.elasticity);
+  const mechanics::ElasticityTable elasticity = mechanics::ReadElasticityTable(effect.elasticity);
   context.provenance.AddInput(effect.elasticity);
   switch (effect.model) {
     case TissueModelKind::kDisplacementFunctions:
-      return tissue::TissueModel(
-          tissue::DisplacementFunctions({.influence_radius_mm = effect.influence_radius_mm},
-                                        ModulusMap(std::move(labels), std::move(elasticity))));
+      return Functions(effect, TissueMap(std::move(labels)), elasticity);
     case TissueModelKind::kSprings:
+      return Springs(effect, TissueMap(std::move(labels)), elasticity,
+                     ReadNeedleParts(scenario, context));
     case TissueModelKind::kPlane2010:
     case TissueModelKind::kFem3d:
       break;

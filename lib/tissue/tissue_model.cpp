@@ -12,6 +12,19 @@ concept Stepping = requires(const Model& model) {
 template <Stepping Model>
 using StateOf = decltype(std::declval<const Model&>().NewState());
 
+/// What a level knows beside the force on the needle.
+void Describe(const SpringState& state, TissueForce& out) noexcept {
+  out.touched = state.num_nodes > 0;
+  out.tissue_at_tip = state.tissue_at_tip;
+}
+
+SpringField FieldOf(const SpringModel& model) {
+  return SpringField(model);
+}
+DisplacementFunctionsField FieldOf(const DisplacementFunctions& model) {
+  return DisplacementFunctionsField(model);
+}
+
 }  // namespace
 
 void TissueField::Update(const TissueLoad& load) {
@@ -34,40 +47,37 @@ TissueState TissueModel::NewState() const {
       level_);
 }
 
-TissueForce TissueModel::Step([[maybe_unused]] TissueState& state,
-                              [[maybe_unused]] const ToolSample& sample) const noexcept {
-  return std::visit(
-      [&]<class Model>(const Model& model) -> TissueForce {
+TissueForce TissueModel::Step(TissueState& state, const ToolSample& sample) const noexcept {
+  TissueForce out;
+  std::visit(
+      [&]<class Model>(const Model& model) {
         if constexpr (Stepping<Model>) {
-          return model.Step(*std::get_if<StateOf<Model>>(&state), sample);
-        } else {
-          static_cast<void>(model);
-          return {};
+          auto& its_state = *std::get_if<StateOf<Model>>(&state);
+          out.needle = model.Step(its_state, sample);
+          Describe(its_state, out);
         }
       },
       level_);
+  return out;
 }
 
-bool TissueModel::LoadOf([[maybe_unused]] const TissueState& state,
-                         [[maybe_unused]] TissueLoad& out) const noexcept {
+bool TissueModel::LoadOf(const TissueState& state, TissueLoad& out) const noexcept {
   return std::visit(
-      [&]<class Model>(const Model& model) -> bool {
+      [&]<class Model>(const Model& model) {
         if constexpr (Stepping<Model>) {
-          return model.LoadOf(*std::get_if<StateOf<Model>>(&state), out);
-        } else {
-          static_cast<void>(model);
-          return false;
+          const auto& its_state = *std::get_if<StateOf<Model>>(&state);
+          TissueForce what;
+          Describe(its_state, what);
+          if (what.touched) model.LoadOf(its_state, out);
+          return what.touched;
         }
+        return false;
       },
       level_);
 }
 
 TissueField TissueModel::NewField() const {
-  return std::visit(
-      []<class Model>(const Model& model) -> TissueField {
-        return TissueField(DisplacementFunctionsField(model));
-      },
-      level_);
+  return std::visit([](const auto& model) { return TissueField(FieldOf(model)); }, level_);
 }
 
 }  // namespace acus::tissue

@@ -6,6 +6,7 @@
 
 #include "forces/needle_force.h"
 #include "tissue/displacement_functions.h"
+#include "tissue/spring_model.h"
 #include "tissue/tissue_load.h"
 #include "tissue/tool_sample.h"
 #include "volume/volume.h"
@@ -21,13 +22,13 @@ struct TissueForce {
 };
 
 /// All that a level remembers between steps. A plain value: a copy goes on with the same bits.
-using TissueState = std::variant<std::monostate>;
+using TissueState = std::variant<std::monostate, SpringState>;
 
 /// Displacements at rest points by the forces of one moment. One for each thread; keeps a
 /// reference to its model.
 class TissueField {
  public:
-  using Level = std::variant<DisplacementFunctionsField>;
+  using Level = std::variant<DisplacementFunctionsField, SpringField>;
   explicit TissueField(Level level) : level_(std::move(level)) {}
 
   /// Takes in the forces. Allocates nothing after the first call.
@@ -43,7 +44,7 @@ class TissueField {
 /// at once.
 class TissueModel {
  public:
-  using Level = std::variant<DisplacementFunctions>;
+  using Level = std::variant<DisplacementFunctions, SpringModel>;
   explicit TissueModel(Level level) : level_(std::move(level)) {}
 
   TissueState NewState() const;
