@@ -7,6 +7,7 @@
 #include "core/cpu_time.h"
 #include "core/csv.h"
 #include "session/pose_csv.h"
+#include "volume/labels.h"
 
 namespace acus::replay {
 namespace {
@@ -73,11 +74,17 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
 }
 
 std::string TissueName(const simulation::Scene& scene, volume::Label label) {
-  if (!scene.labels) return "";
   if (label == 0) return "outside";
-  const auto found = scene.labels->names.find(label);
-  if (found == scene.labels->names.end()) return Message("label_", int{label});
-  std::string name = found->second;
+  std::string name;
+  if (scene.labels) {
+    const auto found = scene.labels->names.find(label);
+    if (found != scene.labels->names.end()) name = found->second;
+  } else {
+    for (const auto& standard : volume::StandardLabels()) {
+      if (standard.label == label) name = standard.name;
+    }
+  }
+  if (name.empty()) return Message("label_", int{label});
   std::ranges::replace_if(
       name, [](char c) { return c == ',' || c == '\n' || c == '\r'; }, ' ');
   return name;  // Segments may be called anything; in a CSV they may not.

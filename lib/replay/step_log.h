@@ -29,7 +29,7 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
                  std::span<simulation::Snapshot> images, simulation::StageTimes* times,
                  const RunContext& context);
 
-/// Name of a label in the scene's label map.
+/// Name of a label: in the scene's label map, or the standard one if there is none.
 std::string TissueName(const simulation::Scene& scene, volume::Label label);
 
 /// "bone contact": an event in words.

@@ -121,6 +121,7 @@ TissueEffect ReadTissueEffect(const json& object, const fs::path& folder) {
   effect.plane_width_mm = plane.at("width_mm");
   effect.plane_beyond_mm = plane.at("beyond_mm");
   effect.plane_thickness_mm = plane.at("thickness_mm");
+  effect.element = object.at("fe_3d").at("element");
   effect.contact_spacing_mm = object.at("fe_3d").at("contact_spacing_mm");
   effect.probe_contact = object.at("fe_3d").at("probe_contact");
   return effect;

@@ -43,6 +43,7 @@ struct TissueEffect {
   double plane_width_mm = 0.0;
   double plane_beyond_mm = 0.0;
   double plane_thickness_mm = 0.0;
+  std::string element;              ///< fe_3d: as acus-mesh condensed the mesh.
   double contact_spacing_mm = 0.0;  ///< fe_3d.
   bool probe_contact = false;       ///< fe_3d.
 

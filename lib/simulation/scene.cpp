@@ -25,10 +25,6 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     scene.needle = forces::ReadNeedle(scenario.needle);
     context.provenance.AddInput(scenario.needle);
   }
-  if (plan.Has(StageId::kTissueContact) || plan.Has(StageId::kDeformation)) {
-    scene.tissue = LoadTissue(scenario, scene.labels, context);
-    scene.warp_spacing_mm = scenario.tissue->warp_spacing_mm;
-  }
   scene.force_from_tissue = scenario.needle_force &&
                             scenario.needle_force->model == scenario::NeedleForceModelKind::kTissue;
   if (plan.Has(StageId::kNeedleForce) && !scene.force_from_tissue) {
@@ -42,6 +38,14 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   if (plan.Has(StageId::kUltrasound)) {
     scene.b_mode = ultrasound::ReadBModeOptions(scenario.ultrasound->acoustics);
     context.provenance.AddInput(scenario.ultrasound->acoustics);
+  }
+  if (plan.Has(StageId::kTissueContact) || plan.Has(StageId::kDeformation)) {
+    scene.tissue = LoadTissue(scenario,
+                              {.labels = scene.labels,
+                               .probe = scene.probe ? &*scene.probe : nullptr,
+                               .shows_deformation = plan.Has(StageId::kDeformation)},
+                              context);
+    scene.warp_spacing_mm = scenario.tissue->warp_spacing_mm;
   }
   return scene;
 }

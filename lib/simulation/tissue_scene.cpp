@@ -1,10 +1,14 @@
 #include "simulation/tissue_scene.h"
 
 #include <bitset>
+#include <cmath>
 #include <utility>
 
 #include "core/error.h"
+#include "mechanics/compliance_file.h"
 #include "mechanics/elasticity_table.h"
+#include "mechanics/element_names.h"
+#include "mesh/surface_io.h"
 #include "simulation/simulation.h"
 
 namespace acus::simulation {
@@ -65,22 +69,53 @@ tissue::TissueModel Springs(const TissueEffect& effect, const TissueMap& tissues
                           parts.table, parts.needle, elasticity, tissues.Tissues(), tissues));
 }
 
+/// The face of a probe, as far as the skin feels it.
+tissue::ProbeFace FaceOf(const ultrasound::Probe& probe) {
+  const bool flat = probe.kind == ultrasound::ProbeKind::kLinear;
+  return {.length_mm = flat ? probe.width_mm
+                            : 2.0 * probe.radius_mm * std::sin(0.5 * probe.field_of_view_rad),
+          .radius_mm = flat ? 0.0 : probe.radius_mm};
+}
+
+tissue::TissueModel Fem(const scenario::Scenario& scenario, const TissueInputs& inputs,
+                        const mechanics::ElasticityTable& elasticity, const NeedleParts& parts,
+                        RunContext& context) {
+  const TissueEffect& effect = *scenario.tissue;
+  const std::filesystem::path& file = scenario.patient.mesh;
+  context.Checkpoint("reading the mesh", 0.0);
+  const mesh::TetraMesh mesh = mesh::ReadTetraMesh(file);
+  context.provenance.AddInput(file);
+  const mechanics::CondensedTissue condensed = mechanics::OpenCompliance(
+      file.parent_path() / "compliance.acc", mesh, elasticity,
+      mechanics::ElementNamed(effect.element,
+                              scenario.file.string() + ": /effects/tissue/fe_3d/element"));
+  tissue::FemContactSettings settings{.contact_spacing_mm = effect.contact_spacing_mm};
+  if (effect.probe_contact) settings.probe = FaceOf(*inputs.probe);
+  tissue::FemLevel level{tissue::FemNeedleModel(mesh, condensed.compliance, elasticity, parts.table,
+                                                parts.needle, settings),
+                         nullptr};
+  if (inputs.shows_deformation) {
+    level.image = std::make_shared<const tissue::FemImage>(mesh, condensed);
+  }
+  return tissue::TissueModel(std::move(level));
+}
+
 }  // namespace
 
-tissue::TissueModel LoadTissue(const scenario::Scenario& scenario,
-                               std::shared_ptr<const volume::LabelMap> labels,
+tissue::TissueModel LoadTissue(const scenario::Scenario& scenario, const TissueInputs& inputs,
                                RunContext& context) {
   const TissueEffect& effect = *scenario.tissue;
   const mechanics::ElasticityTable elasticity = mechanics::ReadElasticityTable(effect.elasticity);
   context.provenance.AddInput(effect.elasticity);
   switch (effect.model) {
     case TissueModelKind::kDisplacementFunctions:
-      return Functions(effect, TissueMap(std::move(labels)), elasticity);
+      return Functions(effect, TissueMap(inputs.labels), elasticity);
     case TissueModelKind::kSprings:
-      return Springs(effect, TissueMap(std::move(labels)), elasticity,
+      return Springs(effect, TissueMap(inputs.labels), elasticity,
                      ReadNeedleParts(scenario, context));
-    case TissueModelKind::kPlane2010:
     case TissueModelKind::kFem3d:
+      return Fem(scenario, inputs, elasticity, ReadNeedleParts(scenario, context), context);
+    case TissueModelKind::kPlane2010:
       break;
   }
   throw InputError(Message(scenario.file.string(), ": /effects/tissue/model: not there yet"));

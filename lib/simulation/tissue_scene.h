@@ -6,14 +6,21 @@
 #include "core/run_context.h"
 #include "scenario/scenario.h"
 #include "tissue/tissue_model.h"
+#include "ultrasound/probe.h"
 #include "volume/volume.h"
 
 namespace acus::simulation {
 
-/// @param labels  For levels that read tissues from the label map; others ignore it.
+/// What the scene has loaded already.
+struct TissueInputs {
+  std::shared_ptr<const volume::LabelMap> labels;  ///< Null if the level does not read it.
+  const ultrasound::Probe* probe = nullptr;        ///< Null if the probe does not press.
+  bool shows_deformation = false;                  ///< An image shows what the tissue does.
+};
+
 /// @pre scenario.tissue is there.
 /// @throws InputError if a file that the level needs is missing, not readable or does not fit.
-tissue::TissueModel LoadTissue(const scenario::Scenario& scenario,
-                               std::shared_ptr<const volume::LabelMap> labels, RunContext& context);
+tissue::TissueModel LoadTissue(const scenario::Scenario& scenario, const TissueInputs& inputs,
+                               RunContext& context);
 
 }  // namespace acus::simulation

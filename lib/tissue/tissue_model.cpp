@@ -3,26 +3,50 @@
 namespace acus::tissue {
 namespace {
 
-/// Levels that touch the tools have a state; formulas do not.
-template <class Model>
-concept Stepping = requires(const Model& model) {
-  model.NewState();
+/// The part of a level that steps with the samples; null for formulas, which have no state.
+const SpringModel* Contact(const SpringModel& level) {
+  return &level;
+}
+const FemNeedleModel* Contact(const FemLevel& level) {
+  return &level.needle;
+}
+std::nullptr_t Contact(const DisplacementFunctions&) {
+  return nullptr;
+}
+
+template <class Level>
+concept Stepping = requires(const Level& level) {
+  Contact(level)->NewState();
 };
 
-template <Stepping Model>
-using StateOf = decltype(std::declval<const Model&>().NewState());
+template <Stepping Level>
+using StateOf = decltype(Contact(std::declval<const Level&>())->NewState());
 
 /// What a level knows beside the force on the needle.
-void Describe(const SpringState& state, TissueForce& out) noexcept {
+void Describe(const SpringModel&, const SpringState& state, TissueForce& out) noexcept {
   out.touched = state.num_nodes > 0;
   out.tissue_at_tip = state.tissue_at_tip;
 }
 
-SpringField FieldOf(const SpringModel& model) {
-  return SpringField(model);
+void Describe(const FemNeedleModel& model, const FemNeedleState& state, TissueForce& out) noexcept {
+  out.touched = state.phase != NeedlePhase::kFree || state.probe_force.num_nodes > 0;
+  out.probe_in_ct_n = state.probe_force.force_in_ct_n;
+  if (state.phase == NeedlePhase::kFree) return;
+  // At the end of its cut the tip is where it cut last; drawn back, somewhere along the cut.
+  const Eigen::Vector3d axis = state.frame.col(2);
+  const bool drawn_back = state.depth_mm < (state.end_mm - state.entry_mm).dot(axis);
+  out.tissue_at_tip = drawn_back ? model.mesh().Find(state.entry_mm + state.depth_mm * axis).tissue
+                                 : state.end_tissue;
 }
-DisplacementFunctionsField FieldOf(const DisplacementFunctions& model) {
-  return DisplacementFunctionsField(model);
+
+DisplacementFunctionsField FieldOf(const DisplacementFunctions& level) {
+  return DisplacementFunctionsField(level);
+}
+SpringField FieldOf(const SpringModel& level) {
+  return SpringField(level);
+}
+FemField FieldOf(const FemLevel& level) {
+  return FemField(*level.image);
 }
 
 }  // namespace
@@ -37,9 +61,9 @@ Eigen::Vector3d TissueField::DisplacementMm(const Eigen::Vector3d& rest_in_ct_mm
 
 TissueState TissueModel::NewState() const {
   return std::visit(
-      [](const auto& model) -> TissueState {
-        if constexpr (Stepping<std::decay_t<decltype(model)>>) {
-          return model.NewState();
+      []<class Level>(const Level& level) -> TissueState {
+        if constexpr (Stepping<Level>) {
+          return Contact(level)->NewState();
         } else {
           return std::monostate();
         }
@@ -50,11 +74,11 @@ TissueState TissueModel::NewState() const {
 TissueForce TissueModel::Step(TissueState& state, const ToolSample& sample) const noexcept {
   TissueForce out;
   std::visit(
-      [&]<class Model>(const Model& model) {
-        if constexpr (Stepping<Model>) {
-          auto& its_state = *std::get_if<StateOf<Model>>(&state);
-          out.needle = model.Step(its_state, sample);
-          Describe(its_state, out);
+      [&]<class Level>(const Level& level) {
+        if constexpr (Stepping<Level>) {
+          auto& its_state = *std::get_if<StateOf<Level>>(&state);
+          out.needle = Contact(level)->Step(its_state, sample);
+          Describe(*Contact(level), its_state, out);
         }
       },
       level_);
@@ -63,12 +87,12 @@ TissueForce TissueModel::Step(TissueState& state, const ToolSample& sample) cons
 
 bool TissueModel::LoadOf(const TissueState& state, TissueLoad& out) const noexcept {
   return std::visit(
-      [&]<class Model>(const Model& model) {
-        if constexpr (Stepping<Model>) {
-          const auto& its_state = *std::get_if<StateOf<Model>>(&state);
+      [&]<class Level>(const Level& level) {
+        if constexpr (Stepping<Level>) {
+          const auto& its_state = *std::get_if<StateOf<Level>>(&state);
           TissueForce what;
-          Describe(its_state, what);
-          if (what.touched) model.LoadOf(its_state, out);
+          Describe(*Contact(level), its_state, what);
+          if (what.touched) Contact(level)->LoadOf(its_state, out);
           return what.touched;
         }
         return false;
@@ -77,7 +101,7 @@ bool TissueModel::LoadOf(const TissueState& state, TissueLoad& out) const noexce
 }
 
 TissueField TissueModel::NewField() const {
-  return std::visit([](const auto& model) { return TissueField(FieldOf(model)); }, level_);
+  return std::visit([](const auto& level) { return TissueField(FieldOf(level)); }, level_);
 }
 
 }  // namespace acus::tissue

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <variant>
 
 #include "forces/needle_force.h"
 #include "tissue/displacement_functions.h"
+#include "tissue/fem_field.h"
+#include "tissue/needle_contact.h"
 #include "tissue/spring_model.h"
 #include "tissue/tissue_load.h"
 #include "tissue/tool_sample.h"
@@ -21,14 +24,20 @@ struct TissueForce {
   Eigen::Vector3d probe_in_ct_n = Eigen::Vector3d::Zero();  ///< On the probe.
 };
 
+/// Finite elements in 3D: contact in the step, and the block that images are deformed by.
+struct FemLevel {
+  FemNeedleModel needle;
+  std::shared_ptr<const FemImage> image;  ///< Null if no image shows the deformation.
+};
+
 /// All that a level remembers between steps. A plain value: a copy goes on with the same bits.
-using TissueState = std::variant<std::monostate, SpringState>;
+using TissueState = std::variant<std::monostate, SpringState, FemNeedleState>;
 
 /// Displacements at rest points by the forces of one moment. One for each thread; keeps a
 /// reference to its model.
 class TissueField {
  public:
-  using Level = std::variant<DisplacementFunctionsField, SpringField>;
+  using Level = std::variant<DisplacementFunctionsField, SpringField, FemField>;
   explicit TissueField(Level level) : level_(std::move(level)) {}
 
   /// Takes in the forces. Allocates nothing after the first call.
@@ -44,7 +53,7 @@ class TissueField {
 /// at once.
 class TissueModel {
  public:
-  using Level = std::variant<DisplacementFunctions, SpringModel>;
+  using Level = std::variant<DisplacementFunctions, SpringModel, FemLevel>;
   explicit TissueModel(Level level) : level_(std::move(level)) {}
 
   TissueState NewState() const;
@@ -56,6 +65,7 @@ class TissueModel {
   /// What the fields need. False, and `out` untouched, if nothing deforms the tissue.
   bool LoadOf(const TissueState& state, TissueLoad& out) const noexcept;
 
+  /// @pre the level is not FemLevel without an image.
   TissueField NewField() const;
 
  private:
