@@ -1,5 +1,6 @@
 #include "simulation/tissue_scene.h"
 
+#include <algorithm>
 #include <bitset>
 #include <cmath>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "mechanics/elasticity_table.h"
 #include "mechanics/element_names.h"
 #include "mesh/surface_io.h"
+#include "registration/landmarks.h"
 #include "simulation/simulation.h"
 
 namespace acus::simulation {
@@ -69,6 +71,45 @@ tissue::TissueModel Springs(const TissueEffect& effect, const TissueMap& tissues
                           parts.table, parts.needle, elasticity, tissues.Tissues(), tissues));
 }
 
+/// Through entry and target of the needle's way, as nearly transverse as that allows: the slice of
+/// the CT that a probe beside the needle shows.
+tissue::PlanePlacement PlaneThrough(const std::filesystem::path& corridor, double& length_mm) {
+  const registration::Landmarks points = registration::ReadLandmarks(corridor);
+  const auto find = [&](const char* name) -> Eigen::Vector3d {
+    const auto at = std::ranges::find(points.names, name);
+    ACUS_REQUIRE(at != points.names.end(), corridor.string(), ": has no point named \"", name,
+                 "\"; the points entry and target are needed (CT space, LPS, mm)");
+    return points.points_mm.col(at - points.names.begin());
+  };
+  tissue::PlanePlacement plane;
+  plane.entry_in_ct_mm = find("entry");
+  const Eigen::Vector3d way_mm = find("target") - plane.entry_in_ct_mm;
+  length_mm = way_mm.norm();
+  ACUS_REQUIRE(length_mm > 1.0, corridor.string(), ": entry and target are ", length_mm,
+               " mm apart; they must be more than 1 mm apart");
+  plane.axis_in_ct = way_mm / length_mm;
+  const Eigen::Vector3d across = plane.axis_in_ct.cross(Eigen::Vector3d::UnitZ());
+  // A needle along the body has no transverse plane: any other does.
+  plane.across_in_ct = across.norm() > 0.1 ? across : Eigen::Vector3d::UnitX();
+  return plane;
+}
+
+tissue::TissueModel Plane(const scenario::Scenario& scenario, const TissueMap& tissues,
+                          const mechanics::ElasticityTable& elasticity, const NeedleParts& parts,
+                          RunContext& context) {
+  const TissueEffect& effect = *scenario.tissue;
+  double length_mm = 0.0;
+  const tissue::PlanePlacement plane = PlaneThrough(scenario.patient.corridor, length_mm);
+  context.provenance.AddInput(scenario.patient.corridor);
+  context.Checkpoint("inverting the plane", 0.0);
+  return tissue::TissueModel(tissue::PlaneModel2010({.spacing_mm = effect.plane_spacing_mm,
+                                                     .width_mm = effect.plane_width_mm,
+                                                     .depth_mm = length_mm + effect.plane_beyond_mm,
+                                                     .thickness_mm = effect.plane_thickness_mm},
+                                                    plane, parts.table, parts.needle, elasticity,
+                                                    tissues));
+}
+
 /// The face of a probe, as far as the skin feels it.
 tissue::ProbeFace FaceOf(const ultrasound::Probe& probe) {
   const bool flat = probe.kind == ultrasound::ProbeKind::kLinear;
@@ -116,9 +157,10 @@ tissue::TissueModel LoadTissue(const scenario::Scenario& scenario, const TissueI
     case TissueModelKind::kFem3d:
       return Fem(scenario, inputs, elasticity, ReadNeedleParts(scenario, context), context);
     case TissueModelKind::kPlane2010:
-      break;
+      return Plane(scenario, TissueMap(inputs.labels), elasticity,
+                   ReadNeedleParts(scenario, context), context);
   }
-  throw InputError(Message(scenario.file.string(), ": /effects/tissue/model: not there yet"));
+  ACUS_ASSERT(false);
 }
 
 }  // namespace acus::simulation

@@ -7,6 +7,9 @@ namespace {
 const SpringModel* Contact(const SpringModel& level) {
   return &level;
 }
+const PlaneModel2010* Contact(const PlaneModel2010& level) {
+  return &level;
+}
 const FemNeedleModel* Contact(const FemLevel& level) {
   return &level.needle;
 }
@@ -28,6 +31,11 @@ void Describe(const SpringModel&, const SpringState& state, TissueForce& out) no
   out.tissue_at_tip = state.tissue_at_tip;
 }
 
+void Describe(const PlaneModel2010&, const PlaneState& state, TissueForce& out) noexcept {
+  out.touched = state.in_body;
+  out.tissue_at_tip = state.tissue_at_tip;
+}
+
 void Describe(const FemNeedleModel& model, const FemNeedleState& state, TissueForce& out) noexcept {
   out.touched = state.phase != NeedlePhase::kFree || state.probe_force.num_nodes > 0;
   out.probe_in_ct_n = state.probe_force.force_in_ct_n;
@@ -44,6 +52,9 @@ DisplacementFunctionsField FieldOf(const DisplacementFunctions& level) {
 }
 SpringField FieldOf(const SpringModel& level) {
   return SpringField(level);
+}
+PlaneField2010 FieldOf(const PlaneModel2010& level) {
+  return PlaneField2010(level);
 }
 FemField FieldOf(const FemLevel& level) {
   return FemField(*level.image);

@@ -9,6 +9,7 @@
 #include "tissue/displacement_functions.h"
 #include "tissue/fem_field.h"
 #include "tissue/needle_contact.h"
+#include "tissue/plane_model_2010.h"
 #include "tissue/spring_model.h"
 #include "tissue/tissue_load.h"
 #include "tissue/tool_sample.h"
@@ -31,13 +32,13 @@ struct FemLevel {
 };
 
 /// All that a level remembers between steps. A plain value: a copy goes on with the same bits.
-using TissueState = std::variant<std::monostate, SpringState, FemNeedleState>;
+using TissueState = std::variant<std::monostate, SpringState, PlaneState, FemNeedleState>;
 
 /// Displacements at rest points by the forces of one moment. One for each thread; keeps a
 /// reference to its model.
 class TissueField {
  public:
-  using Level = std::variant<DisplacementFunctionsField, SpringField, FemField>;
+  using Level = std::variant<DisplacementFunctionsField, SpringField, PlaneField2010, FemField>;
   explicit TissueField(Level level) : level_(std::move(level)) {}
 
   /// Takes in the forces. Allocates nothing after the first call.
@@ -53,7 +54,7 @@ class TissueField {
 /// at once.
 class TissueModel {
  public:
-  using Level = std::variant<DisplacementFunctions, SpringModel, FemLevel>;
+  using Level = std::variant<DisplacementFunctions, SpringModel, PlaneModel2010, FemLevel>;
   explicit TissueModel(Level level) : level_(std::move(level)) {}
 
   TissueState NewState() const;
