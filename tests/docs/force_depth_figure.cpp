@@ -12,7 +12,7 @@
 
 namespace {
 
-/// The first insertion: from the skin to the greatest depth.
+/// From the skin to the greatest depth.
 acus::report::Series Insertion(const std::string& name, const std::filesystem::path& run) {
   const acus::CsvTable table(run / "forces.csv");
   const std::vector<double> depth_mm = table.Numbers("depth_mm");
