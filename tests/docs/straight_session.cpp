@@ -1,6 +1,7 @@
 // Writes a session of one straight insertion, for figures:
 //   straight_session CORRIDOR.csv SESSION_FOLDER
 // From 5 mm above the point "entry" to the point "target" at 5 mm/s, 1 kHz, in CT space.
+#include <algorithm>
 #include <iostream>
 
 #include "core/error.h"
@@ -9,6 +10,16 @@
 #include "registration/landmarks.h"
 #include "session/session_io.h"
 
+namespace {
+
+Eigen::Vector3d PointOf(const acus::registration::Landmarks& points, const std::string& name) {
+  const auto found = std::ranges::find(points.names, name);
+  ACUS_REQUIRE(found != points.names.end(), points.source, ": has no point ", name);
+  return points.points_mm.col(found - points.names.begin());
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   if (argc != 3) {
     std::cerr << "usage: straight_session CORRIDOR.csv SESSION_FOLDER\n";
@@ -16,13 +27,8 @@ int main(int argc, char** argv) {
   }
   try {
     const acus::registration::Landmarks points = acus::registration::ReadLandmarks(argv[1]);
-    Eigen::Vector3d entry_mm, target_mm;
-    for (std::size_t i = 0; i < points.names.size(); ++i) {
-      const Eigen::Vector3d point_mm = points.points_mm.col(static_cast<Eigen::Index>(i));
-      if (points.names[i] == "entry") entry_mm = point_mm;
-      if (points.names[i] == "target") target_mm = point_mm;
-    }
-    const Eigen::Vector3d way_mm = target_mm - entry_mm;
+    const Eigen::Vector3d entry_mm = PointOf(points, "entry");
+    const Eigen::Vector3d way_mm = PointOf(points, "target") - entry_mm;
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.linear() =
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), way_mm).toRotationMatrix();
