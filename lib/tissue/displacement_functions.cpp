@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "core/error.h"
@@ -13,6 +14,7 @@ namespace {
 constexpr double kPrintedLengthMm = 1.0;
 constexpr double kProbeDepthMm = 1.0;       // The skin's modulus is asked for so far inside it.
 constexpr double kShallowestShaftMm = 1.0;  // Friction is spread over at least this length.
+constexpr double kLongestBlend = 4.0;       // Of R_max.
 constexpr double kFarthestMm = 1e5;
 
 bool IsUsable(const NeedleLoad& needle) {
@@ -52,8 +54,11 @@ DisplacementFunctions::DisplacementFunctions(const DisplacementFunctionSettings&
     : settings_(settings), modulus_(std::move(modulus)) {
   ACUS_REQUIRE(settings.influence_radius_mm > 0.0 && std::isfinite(settings.influence_radius_mm),
                "influence_radius_mm is ", settings.influence_radius_mm, "; allowed: above 0");
-  ACUS_REQUIRE(settings.tip_length_mm > 0.0, "tip_length_mm is ", settings.tip_length_mm,
-               "; allowed: above 0");
+  ACUS_REQUIRE(settings.tip_length_mm >= 0.0, "tip_length_mm is ", settings.tip_length_mm,
+               "; allowed: above 0, or 0 for 4 pi / 5 of influence_radius_mm");
+  if (settings_.tip_length_mm == 0.0) {
+    settings_.tip_length_mm = 0.8 * std::numbers::pi * settings.influence_radius_mm;
+  }
   ACUS_REQUIRE(settings.largest_share > 0.0, "largest_share is ", settings.largest_share,
                "; allowed: above 0, at most 0.66 for a field that does not fold");
   ACUS_REQUIRE(settings.transition_mm >= 0.0 && settings.modulus_blend_mm >= 0.0,
@@ -74,6 +79,7 @@ DisplacementFunctions::Prepared DisplacementFunctions::Prepare(const TissueLoad&
   if (!(modulus_mpa > 0.0)) return out;  // No tissue where the needle is said to be in contact.
   out.entry_compliance_per_mpa = 1.0 / modulus_mpa;
   out.active = true;
+  out.blend_mm = settings_.modulus_blend_mm;
   double shaft_now_mm = 0.0;
   if (out.pierced) {
     out.shaft_mpa_mm = needle.friction_n / std::max(out.depth_mm, kShallowestShaftMm);
@@ -86,14 +92,24 @@ DisplacementFunctions::Prepared DisplacementFunctions::Prepare(const TissueLoad&
                          ? out.depth_mm / ComplianceAt(out, needle.tip_in_ct_mm)
                          : needle.pre_puncture_n / settings_.tip_length_mm;
   }
+  const double limit_mm = settings_.largest_share * settings_.influence_radius_mm;
+  const double shaft_mm = std::clamp(shaft_now_mm, -limit_mm, limit_mm);
+  const double tip_compliance = ComplianceAt(out, needle.tip_in_ct_mm);
+  const double tip_mm =
+      std::min(out.tip_mpa_mm * std::max(out.entry_compliance_per_mpa, tip_compliance), limit_mm);
   if (settings_.transition_mm > 0.0) {
-    const double limit_mm = settings_.largest_share * settings_.influence_radius_mm;
-    const double shaft_mm = std::clamp(shaft_now_mm, -limit_mm, limit_mm);
-    const double tip_mm = std::min(out.tip_mpa_mm * out.entry_compliance_per_mpa, limit_mm);
     // Twice the difference holds the slope along the needle to 0.4; steeper than 1, tissue folds.
     const double wanted_mm = std::max({settings_.transition_mm, 2.0 * std::abs(shaft_mm - tip_mm),
                                        0.7 * std::max(std::abs(shaft_mm), tip_mm)});
     out.half_transition_mm = std::min(wanted_mm, settings_.influence_radius_mm);
+  }
+  if (out.pierced && settings_.modulus_blend_mm > 0.0) {
+    const double most_per_mpa = std::max(out.entry_compliance_per_mpa, tip_compliance);
+    const double largest_mm =
+        most_per_mpa * std::max(std::abs(out.shaft_mpa_mm), std::abs(out.tip_mpa_mm));
+    out.blend_mm = std::clamp(
+        2.0 * largest_mm, settings_.modulus_blend_mm,
+        std::max(settings_.modulus_blend_mm, kLongestBlend * settings_.influence_radius_mm));
   }
   return out;
 }
@@ -107,7 +123,7 @@ double DisplacementFunctions::CompliancePoint(const Prepared& prepared,
 
 double DisplacementFunctions::ComplianceAt(const Prepared& prepared,
                                            const Eigen::Vector3d& rest_mm) const noexcept {
-  const double spacing_mm = settings_.modulus_blend_mm;
+  const double spacing_mm = prepared.blend_mm;
   if (spacing_mm == 0.0) return CompliancePoint(prepared, rest_mm);
   const Eigen::Vector3d cell = rest_mm / spacing_mm;
   const Eigen::Vector3d low = cell.array().floor();

@@ -25,17 +25,18 @@ double ShaftFade(double t) noexcept;
 struct DisplacementFunctionSettings {
   double influence_radius_mm = 20.0;  ///< R_max: nothing moves farther from the needle.
 
-  /// The length that eq. 13 and 14 lack below the tip, where they print force / E, an area. The
-  /// default makes the mean displacement in the ball of R_max that of a point force in an endless
-  /// incompressible solid (Kelvin): 0.84 R_max.
-  double tip_length_mm = 16.8;
+  /// The length that eq. 13 and 14 lack below the tip, where they print force / E, an area. 0: 4 pi
+  /// R_max / 5, for which the mean displacement in the ball of R_max is that of a point force in
+  /// incompressible tissue (Kelvin), less what it is at R_max, where here nothing moves.
+  double tip_length_mm = 0.0;
 
   /// Half the length over which the zone along the shaft goes over into the zone below the tip;
   /// more where they differ much, so that tissue does not fold. 0: a step, as printed.
   double transition_mm = 3.0;
 
   /// 1/E is interpolated linearly between points so far apart, so that the field has no step where
-  /// the tissue changes. 0: E at the point, as printed.
+  /// the tissue changes; twice the largest displacement if that is more, so that it does not fold.
+  /// 0: E at the point, as printed.
   double modulus_blend_mm = 2.0;
 
   /// At the shaft, g(2 - t) is 5; divided by 5 the tissue there moves as the formula's factor says.
@@ -66,6 +67,7 @@ class DisplacementFunctions {
     double shaft_mpa_mm = 0.0;              ///< After: at the shaft, times E. Signed.
     double tip_mpa_mm = 0.0;                ///< Just below the tip, times E.
     double half_transition_mm = 0.0;
+    double blend_mm = 0.0;
   };
   Prepared Prepare(const TissueLoad& load) const;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <numbers>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -102,7 +103,8 @@ TEST(DisplacementFunctions, AfterThePunctureGoesWithForceAndWithOneOverE) {
   const Vector3d below(0, 5, 52);
   const double e = 0.1;
   EXPECT_NEAR(at(e, load, shaft).z(), 1.2 / (40.0 * e) * ShaftFade(0.25) / 5.0, 1e-12);
-  EXPECT_NEAR(at(e, load, below).z(), 0.6 / (16.8 * e) * Fade(13.0 / 20.0), 1e-12);
+  EXPECT_NEAR(at(e, load, below).z(), 0.6 / (16.0 * std::numbers::pi * e) * Fade(13.0 / 20.0),
+              1e-12);
   EXPECT_NEAR(at(2 * e, load, shaft).z(), 0.5 * at(e, load, shaft).z(), 1e-12);
   EXPECT_NEAR(at(2 * e, load, below).z(), 0.5 * at(e, load, below).z(), 1e-12);
   // A needle drawn back takes the tissue along its shaft outwards.
@@ -145,7 +147,7 @@ TEST(DisplacementFunctions, HaveNoStepAnywhereAndDoNotFold) {
         for (double z = -20.99; z < 82.0; z += 0.01) {
           const double now = functions.DisplacementMm(prepared, Vector3d(x, 0, z)).z();
           ASSERT_LT(std::abs(now - before), 0.13) << x << " " << z;
-          if (stiff_mpa == 0.02) {
+          if (stiff_mpa == 0.02 || prepared.pierced) {
             ASSERT_GT(now - before, -0.01)
                 << "folds at x " << x << ", z " << z << ", depth " << load.needle.tip_in_ct_mm.z();
           }
@@ -199,7 +201,7 @@ TEST(DisplacementFunctions, RefuseSettingsOutOfRange) {
     settings.influence_radius_mm = bad;
     EXPECT_THROW(DisplacementFunctions(settings, modulus), InputError);
     settings = {};
-    settings.tip_length_mm = bad;
+    settings.tip_length_mm = bad - 0.1;
     EXPECT_THROW(DisplacementFunctions(settings, modulus), InputError);
     settings = {};
     settings.largest_share = bad;
