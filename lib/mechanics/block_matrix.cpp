@@ -9,12 +9,12 @@
 namespace acus::mechanics {
 namespace {
 
-/// Nodes with at least the number of each node that share a group with it: first, rows.
+/// Nodes with at least the number of each node that share a patch with it: first, rows.
 std::pair<std::vector<int>, std::vector<int>> LowerNeighbours(
-    int num_nodes, std::span<const std::vector<int>> groups) {
+    int num_nodes, std::span<const ElementPatch> patches) {
   std::vector<std::vector<int>> of_node(static_cast<std::size_t>(num_nodes));
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    for (const int node : groups[g]) of_node[node].push_back(static_cast<int>(g));
+  for (std::size_t g = 0; g < patches.size(); ++g) {
+    for (const int node : patches[g].nodes) of_node[node].push_back(static_cast<int>(g));
   }
   std::vector<int> first{0};
   std::vector<int> rows;
@@ -22,7 +22,8 @@ std::pair<std::vector<int>, std::vector<int>> LowerNeighbours(
   for (int node = 0; node < num_nodes; ++node) {
     here.clear();
     for (const int g : of_node[node]) {
-      std::ranges::copy_if(groups[g], std::back_inserter(here), [&](int i) { return i >= node; });
+      std::ranges::copy_if(patches[g].nodes, std::back_inserter(here),
+                           [&](int i) { return i >= node; });
     }
     std::ranges::sort(here);
     here.erase(std::unique(here.begin(), here.end()), here.end());
@@ -34,9 +35,9 @@ std::pair<std::vector<int>, std::vector<int>> LowerNeighbours(
 
 }  // namespace
 
-BlockMatrix::BlockMatrix(int num_nodes, std::span<const std::vector<int>> groups)
+BlockMatrix::BlockMatrix(int num_nodes, std::span<const ElementPatch> patches)
     : matrix_(3 * num_nodes, 3 * num_nodes) {
-  std::tie(first_, rows_) = LowerNeighbours(num_nodes, groups);
+  std::tie(first_, rows_) = LowerNeighbours(num_nodes, patches);
   std::size_t num_values = 0;
   for (int node = 0; node < num_nodes; ++node) {
     const int blocks = first_[node + 1] - first_[node];

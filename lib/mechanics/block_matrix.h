@@ -7,16 +7,18 @@
 #include <utility>
 #include <vector>
 
+#include "mechanics/element_patches.h"
+
 namespace acus::mechanics {
 
 /// The lower triangle of a symmetric matrix of 3 x 3 blocks, one per pair of nodes that are in a
-/// group together. Made with all its places first, so that adding costs no memory.
+/// patch together. Made with all its places first, so that adding costs no memory.
 class BlockMatrix {
  public:
-  /// @param groups  Nodes that are coupled; each node once per group.
-  BlockMatrix(int num_nodes, std::span<const std::vector<int>> groups);
+  /// @param patches  Their nodes are coupled.
+  BlockMatrix(int num_nodes, std::span<const ElementPatch> patches);
 
-  /// Adds a symmetric matrix of 3 rows per node of a group that the constructor was given.
+  /// Adds a symmetric matrix of 3 rows per node; all nodes are in one patch.
   void Add(std::span<const int> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block);
 
   /// 3 num_nodes rows, lower triangle, compressed. Diagonal blocks of nodes in no group are absent.

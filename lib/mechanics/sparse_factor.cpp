@@ -58,6 +58,15 @@ Eigen::MatrixXd SparseFactor::Solve(const Eigen::Ref<const Eigen::MatrixXd>& rig
   return values;
 }
 
+bool SparseFactor::TryRefactor(const Eigen::SparseMatrix<double>& lower) {
+  ACUS_ASSERT(lower.rows() == num_rows());
+  const CholmodSparse matrix = ToCholmod(lower, impl_->common);
+  cholmod_l_factorize(matrix.get(), impl_->factor.get(), impl_->common.get());
+  if (impl_->common->status == CHOLMOD_NOT_POSDEF) return false;
+  RequireCholmodOk(impl_->common, impl_->factor.get(), "factoring the stiffness matrix");
+  return true;
+}
+
 void SparseFactor::Refactor(const Eigen::SparseMatrix<double>& lower) {
   ACUS_ASSERT(lower.rows() == num_rows());
   impl_->Factor(lower);

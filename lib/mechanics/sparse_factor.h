@@ -26,6 +26,9 @@ class SparseFactor {
   /// The same matrix with other values in the same places: keeps the order.
   void Refactor(const Eigen::SparseMatrix<double>& lower);
 
+  /// The same, but false if the matrix is not positive definite; then only another Refactor helps.
+  [[nodiscard]] bool TryRefactor(const Eigen::SparseMatrix<double>& lower);
+
   int num_rows() const;
   double num_values() const;      ///< Stored in the factor.
   double num_operations() const;  ///< Of the factorisation, floating point.

@@ -4,50 +4,21 @@
 #include <vector>
 
 #include "mechanics/block_matrix.h"
-#include "mechanics/dilatation_patches.h"
+#include "mechanics/element_patches.h"
 #include "mechanics/linear_tetrahedron.h"
 
 namespace acus::mechanics {
 namespace {
 
-std::vector<int> Resisting(const mesh::TetraMesh& mesh, std::span<const std::uint8_t> is_left_out) {
-  std::vector<int> out;
-  for (int t = 0; t < mesh.tetrahedra.cols(); ++t) {
-    if (!is_left_out.empty() && is_left_out[t]) continue;
-    bool moves = mesh.fixed_nodes.empty();
-    for (int c = 0; c < 4 && !moves; ++c) moves = !mesh.fixed_nodes[mesh.tetrahedra(c, t)];
-    if (moves) out.push_back(t);
-  }
-  return out;
-}
-
-std::vector<std::vector<int>> Patches(const mesh::TetraMesh& mesh, ElementKind kind,
-                                      const std::vector<int>& resisting) {
-  if (kind == ElementKind::kAveragedDilatation) return DilatationPatches(mesh, resisting);
-  std::vector<std::vector<int>> single;
-  single.reserve(resisting.size());
-  for (const int t : resisting) single.push_back({t});
-  return single;
-}
-
-std::vector<int> NodesOf(const mesh::TetraMesh& mesh, const std::vector<int>& patch) {
-  std::vector<int> nodes;
-  for (const int t : patch) {
-    for (const int node : mesh.tetrahedra.col(t)) nodes.push_back(node);
-  }
-  std::ranges::sort(nodes);
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return nodes;
-}
-
 /// Adds the stiffness of one patch: each tetrahedron against change of shape, all together against
 /// the mean change of volume, K V mean^2 / 2 with V mean = b u.
-void AddPatch(const mesh::TetraMesh& mesh, const ElasticTissue& tissue,
-              const std::vector<int>& patch, const std::vector<int>& nodes, BlockMatrix& matrix) {
+void AddPatch(const mesh::TetraMesh& mesh, const ElasticTissue& tissue, const ElementPatch& patch,
+              BlockMatrix& matrix) {
+  const std::vector<int>& nodes = patch.nodes;
   const auto size = static_cast<Eigen::Index>(3 * nodes.size());
   Eigen::VectorXd volume_gradient_mm2 = Eigen::VectorXd::Zero(size);
   double volume_mm3 = 0.0;
-  for (const int t : patch) {
+  for (const int t : patch.tetrahedra) {
     const LinearTetrahedron element = LinearTetrahedronOf(mesh, t);
     const Eigen::Vector4i corners = mesh.tetrahedra.col(t);
     matrix.Add({corners.data(), 4}, DeviatoricStiffness(element, tissue.ShearModulusMpa()));
@@ -67,14 +38,10 @@ void AddPatch(const mesh::TetraMesh& mesh, const ElasticTissue& tissue,
 Eigen::SparseMatrix<double> AssembleStiffness(const mesh::TetraMesh& mesh,
                                               const ElasticityTable& table, ElementKind kind,
                                               std::span<const std::uint8_t> is_left_out) {
-  const std::vector<int> resisting = Resisting(mesh, is_left_out);
-  const std::vector<std::vector<int>> patches = Patches(mesh, kind, resisting);
-  std::vector<std::vector<int>> nodes;
-  nodes.reserve(patches.size());
-  for (const std::vector<int>& patch : patches) nodes.push_back(NodesOf(mesh, patch));
-  BlockMatrix matrix(static_cast<int>(mesh.nodes_mm.cols()), nodes);
-  for (std::size_t p = 0; p < patches.size(); ++p) {
-    AddPatch(mesh, table.At(mesh.tissue[patches[p][0]]), patches[p], nodes[p], matrix);
+  const std::vector<ElementPatch> patches = ElementPatches(mesh, kind, is_left_out);
+  BlockMatrix matrix(static_cast<int>(mesh.nodes_mm.cols()), patches);
+  for (const ElementPatch& patch : patches) {
+    AddPatch(mesh, table.At(mesh.tissue[patch.tetrahedra[0]]), patch, matrix);
   }
   return std::move(matrix).Take();
 }
