@@ -1,6 +1,9 @@
 #include "mechanics/condensed_factor.h"
 
 #include <algorithm>
+#include <cmath>
+#include <malloc.h>
+#include <numeric>
 #include <utility>
 
 #include "core/error.h"
@@ -24,6 +27,39 @@ void CoupleLast(Eigen::SparseMatrix<double>& lower, std::span<const int> last) {
   Eigen::SparseMatrix<double> chain(lower.rows(), lower.cols());
   chain.setFromTriplets(zeros.begin(), zeros.end());
   lower = Eigen::SparseMatrix<double>(lower + chain);
+}
+
+/// The lower triangle of P K P^T. CHOLMOD would do this itself, with two more copies of K in memory
+/// beside the factor.
+CholmodSparse Permuted(const Eigen::SparseMatrix<double>& lower, std::span<const long> order,
+                       CholmodCommon& common) {
+  const auto size = static_cast<std::size_t>(lower.rows());
+  std::vector<long> rank(size);
+  for (std::size_t k = 0; k < size; ++k) rank[order[k]] = static_cast<long>(k);
+  std::vector<long> next(size + 1, 0);
+  const auto for_each = [&](const auto& visit) {
+    for (int j = 0; j < lower.outerSize(); ++j) {
+      for (Eigen::SparseMatrix<double>::InnerIterator it(lower, j); it; ++it) {
+        const auto [column, row] = std::minmax(rank[j], rank[it.row()]);
+        visit(column, row, it.value());
+      }
+    }
+  };
+  for_each([&](long column, long, double) { ++next[column + 1]; });
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  CholmodSparse out(
+      cholmod_l_allocate_sparse(size, size, static_cast<std::size_t>(lower.nonZeros()), 0, 1, -1,
+                                CHOLMOD_REAL, common.get()),
+      CholmodDeleter{common.get()});
+  RequireCholmodOk(common, nullptr, "ordering the stiffness matrix");
+  std::ranges::copy(next, static_cast<long*>(out->p));
+  auto* rows = static_cast<long*>(out->i);
+  auto* values = static_cast<double*>(out->x);
+  for_each([&](long column, long row, double value) {
+    rows[next[column]] = row;
+    values[next[column]++] = value;
+  });
+  return out;
 }
 
 /// Copies the lower triangle over the upper one, in tiles that stay in the cache.
@@ -61,9 +97,10 @@ struct CondensedFactor::Impl {
 void CondensedFactor::Impl::Analyze(cholmod_sparse& matrix, std::vector<long> order,
                                     double max_memory_mib) {
   common->method[0].ordering = CHOLMOD_GIVEN;
-  // Larger supernodes cost some stored zeros, and make the dense kernels 15 % faster.
+  // Larger supernodes make the dense kernels faster; large ones may not cost stored zeros, which
+  // would be memory.
   constexpr std::size_t kColumns[] = {4, 16, 64};
-  constexpr double kZeros[] = {0.5, 0.05, 0.01};
+  constexpr double kZeros[] = {0.2, 0.01, 0.0};
   std::ranges::copy(kColumns, common->nrelax);
   std::ranges::copy(kZeros, common->zrelax);
   factor.reset(cholmod_l_analyze_p(&matrix, order.data(), nullptr, 0, common.get()));
@@ -102,7 +139,7 @@ void CondensedFactor::Impl::Invert() {
   Mirror(block, size, stride);
 }
 
-CondensedFactor::CondensedFactor(Eigen::SparseMatrix<double> lower_n_per_mm,
+CondensedFactor::CondensedFactor(Eigen::SparseMatrix<double>&& lower_n_per_mm,
                                  std::span<const int> last, double max_memory_mib,
                                  const RunContext& context)
     : impl_(std::make_unique<Impl>()) {
@@ -112,9 +149,12 @@ CondensedFactor::CondensedFactor(Eigen::SparseMatrix<double> lower_n_per_mm,
   context.Checkpoint("ordering the nodes", 0.05);
   std::vector<long> order = EliminationOrder(lower_n_per_mm, 3, last, impl.common);
   CoupleLast(lower_n_per_mm, last);
-  const CholmodSparse matrix = ToCholmod(lower_n_per_mm, impl.common);
-  lower_n_per_mm.resize(0, 0);
-  impl.Analyze(*matrix, std::move(order), max_memory_mib);
+  impl.Analyze(*ToCholmod(lower_n_per_mm, impl.common), std::move(order), max_memory_mib);
+  const CholmodSparse matrix = Permuted(
+      lower_n_per_mm, {static_cast<const long*>(impl.factor->Perm), impl.factor->n}, impl.common);
+  Eigen::SparseMatrix<double>().swap(lower_n_per_mm);  // Gives its memory back; resize() would not.
+  impl.factor->ordering = CHOLMOD_NATURAL;             // It is in order already.
+  malloc_trim(0);  // What assembly left in small pieces, some 200 MiB, is for the factor to have.
   context.Checkpoint("factoring the stiffness", 0.1);
   cholmod_l_factorize(matrix.get(), impl.factor.get(), impl.common.get());
   RequireCholmodOk(impl.common, impl.factor.get(), "factoring the stiffness matrix");

@@ -30,10 +30,11 @@ struct Supernodes {
 class CondensedFactor {
  public:
   /// @param lower_n_per_mm  Stiffness of the free nodes (3 rows each), lower triangle, compressed.
+  ///     Is emptied: the factor needs the memory.
   /// @param last  Rows of free nodes to condense to, ascending, each once, at least one.
   /// @param max_memory_mib  What the factor may take.
   /// @throws NoAnswerError if it would take more, or the matrix is not positive definite.
-  CondensedFactor(Eigen::SparseMatrix<double> lower_n_per_mm, std::span<const int> last,
+  CondensedFactor(Eigen::SparseMatrix<double>&& lower_n_per_mm, std::span<const int> last,
                   double max_memory_mib, const RunContext& context);
   ~CondensedFactor();
   CondensedFactor(CondensedFactor&&) noexcept;
