@@ -19,7 +19,8 @@ int main(int argc, char** argv) {
       "deformable tissue.\n"
       "\nEXAMPLE\n"
       "  acus-mesh labels.seg.nrrd -o mesh\n"
-      "  acus-mesh labels.seg.nrrd --corridor-from 0,120,0 --corridor-to 0,30,0 -o fine\n");
+      "  acus-mesh labels.seg.nrrd --corridor-from 0,120,0 --corridor-to 0,30,0 --condense "
+      "-o fine\n");
   auto* labels_option =
       app.add_option("labels", labels, "Label map, such as acus-segment's labels.seg.nrrd")
           ->check(CLI::ExistingFile);

@@ -46,3 +46,16 @@ acus_add_cli_case(acus-mesh.broken_mesh EXIT 3 LEAVES_NOTHING BEFORE "echo x > m
 acus_add_cli_case(acus-mesh.bad_probe EXIT 3 LEAVES_NOTHING BEFORE "echo x > mesh.vtu"
   STDERR "--probe-at: '1,2' is not a point" COMMAND acus-mesh --mesh mesh.vtu --condense
           --corridor-from 4,4,9 --corridor-to 4,4,2 --probe-at 1,2 -o out)
+# With a tolerance that it meets at once.
+set(coarse_patient "ln -s $INPUTS/labels.seg.nrrd .\nsed s/0.5/0.9/ $INPUTS/coarse_mesh.json > coarse_mesh.json")
+acus_add_cli_case(acus-mesh.condense EXIT 0 NEEDS inputs TIMEOUT 200
+  BEFORE "${coarse_patient}"
+  CREATES mesh/mesh.vtu mesh/quality.json mesh/compliance.acc mesh/condensation.json
+          mesh/provenance.json
+  COMMAND acus-mesh labels.seg.nrrd --config coarse_mesh.json --condense
+          --corridor-from 0,120,0 --corridor-to 0,30,0 --probe-at 0,80,20 -o mesh)
+acus_add_cli_case(acus-mesh.corridor_outside EXIT 3 LEAVES_NOTHING NEEDS inputs TIMEOUT 200
+  BEFORE "${coarse_patient}"
+  STDERR "is outside the mesh, which reaches from"
+  COMMAND acus-mesh labels.seg.nrrd --config coarse_mesh.json --condense
+          --corridor-from 900,120,0 --corridor-to 900,30,0 -o mesh)

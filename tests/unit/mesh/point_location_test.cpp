@@ -88,6 +88,21 @@ TEST(PointLocation, ChoosesTheLowestNumberOnNodesEdgesAndFaces) {
   }
 }
 
+TEST(PointLocation, FindsTheSameOnAnyGrid) {
+  const TetraMesh mesh = Cubes(4);
+  const PointLocation coarse(mesh, 50.0), fine(mesh, 0.1);
+  RandomStream random(/*seed=*/3, "places");
+  for (int k = 0; k < 500; ++k) {
+    Eigen::Vector3d x = 4.4 * Eigen::Vector3d(random.Uniform(), random.Uniform(), random.Uniform());
+    if (k % 5 == 0) x = x.array().round();  // On nodes.
+    const auto a = coarse.Find(x), b = fine.Find(x);
+    ASSERT_EQ(a.has_value(), b.has_value());
+    if (a) {
+      EXPECT_EQ(a->tetrahedron, b->tetrahedron);
+    }
+  }
+}
+
 TEST(PointLocation, FindsNothingOutsideOrAtNotANumber) {
   const PointLocation location(shapes::TwoTetrahedra());
   EXPECT_FALSE(location.Find({-0.1, 0.2, 0.2}));
