@@ -22,7 +22,7 @@ constexpr double kLengthMm = 100.0;
 constexpr double kHeightMm = 4.0;
 
 mesh::TetraMesh Strip() {
-  mesh::TetraMesh strip = BoxMesh({80, 2, 6}, {0, 0, 0}, {kLengthMm, 2, kHeightMm}, 0.1);
+  mesh::TetraMesh strip = BoxMesh({100, 2, 8}, {0, 0, 0}, {kLengthMm, 2, kHeightMm}, 0.1);
   Fix(strip, [](const Eigen::Vector3d& x) { return x.x() == 0.0; });
   return strip;
 }
