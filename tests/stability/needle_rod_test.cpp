@@ -190,6 +190,38 @@ TEST(NeedleRod, StepSizeDoesNotMatter) {
   }
 }
 
+// What the hand puts in is what is stored: nothing is made, whatever way the hand takes.
+TEST(NeedleRod, TheWorkOfTheHandIsTheEnergyStored) {
+  const RodModel model = Rod(25, 1e-5);
+  RodState state = model.NewState();
+  Inserted hand;
+  RodResult last = model.Solve(state, hand.input());
+  const double begin = last.energy_n_mm;
+  RandomStream random(17, "hand");
+  Vector3d speed_mm = Vector3d::Zero();
+  Vector3d turn_rad = Vector3d::Zero();
+  const auto kick = [&] {
+    return Vector3d(random.Uniform() - 0.5, random.Uniform() - 0.5, random.Uniform() - 0.5);
+  };
+  double work_n_mm = 0.0;
+  double moved_n_mm = 0.0;
+  for (int i = 0; i < 20000; ++i) {
+    speed_mm = 0.99 * speed_mm + 0.01 * kick() - 1e-4 * (hand.base.position_mm - Vector3d(4, 0, 0));
+    turn_rad = 0.99 * turn_rad + 1e-4 * kick();
+    hand.base.position_mm += speed_mm;
+    hand.base.orientation = TurnQuaternion(turn_rad) * hand.base.orientation;
+    const RodResult now = model.Solve(state, hand.input());
+    ASSERT_TRUE(now.converged()) << i;
+    const double step_n_mm = -0.5 * ((last.base_force_n + now.base_force_n).dot(speed_mm) +
+                                     (last.base_torque_n_mm + now.base_torque_n_mm).dot(turn_rad));
+    work_n_mm += step_n_mm;
+    moved_n_mm += std::abs(step_n_mm);
+    ASSERT_NEAR(work_n_mm, now.energy_n_mm - begin, 0.01) << i;  // 10 uJ
+    last = now;
+  }
+  EXPECT_GT(moved_n_mm, 1000.0);
+}
+
 TEST(NeedleRod, PulledOutWhileBentItBecomesStraightWithoutAJump) {
   const RodModel model = Rod(25);
   RodState state = model.NewState();
