@@ -1,10 +1,12 @@
 // The bendable needle against the paper's rigid bodies: error and time, in one run.
-// Run: build/tests/bench_rod (the tables; then Google Benchmark's list of steps).
+// Run: build/tests/bench_rod (the tables; then, unless --tables is given, Google Benchmark's list
+// of steps).
 #include <algorithm>
 #include <benchmark/benchmark.h>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <string_view>
 #include <vector>
 
 #include "bench/bullet_chain.h"
@@ -308,11 +310,15 @@ BENCHMARK(BulletSubstep)->Arg(15)->Arg(25)->Arg(50);
 }  // namespace acus::bench
 
 int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  const bool only_tables = argc == 2 && std::string_view(argv[1]) == "--tables";
+  if (!only_tables) {
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  }
   acus::bench::PrintDeflections();
   acus::bench::PrintTracking();
   acus::bench::PrintSteps();
+  if (only_tables) return 0;
   std::printf("\n");
   benchmark::RunSpecifiedBenchmarks();
   return 0;
