@@ -20,12 +20,12 @@ constexpr double kJumpRad = 0.1;
 constexpr double kEnergyRounding = 1e-13;
 
 bool IsUsable(const RodBase& base) noexcept {
-  if (!base.position_mm.allFinite() || !base.orientation.coeffs().allFinite()) return false;
+  if (!IsNear(base.position_mm) || !base.orientation.coeffs().allFinite()) return false;
   const double norm2 = base.orientation.squaredNorm();
   if (!(norm2 > 1e-12 && norm2 < 1e12)) return false;
   if (!base.sprung) return true;
   return base.stiffness_n_per_mm > 0.0 && base.stiffness_n_mm_per_rad > 0.0 &&
-         std::isfinite(base.stiffness_n_per_mm) && std::isfinite(base.stiffness_n_mm_per_rad);
+         base.stiffness_n_per_mm <= kStiffest && base.stiffness_n_mm_per_rad <= kStiffest;
 }
 
 /// Rotation vector of the shorter turn, rad.
@@ -74,7 +74,7 @@ class Solver {
   void Start() noexcept;
   void StartAfterJump() noexcept;
   double Residual() noexcept;
-  bool Predict() noexcept;
+  double Predict() noexcept;
   bool Step() noexcept;
   double Try(double fraction) noexcept;
   bool FindDirection(bool curved) noexcept;
@@ -109,46 +109,43 @@ void Solver::Start() noexcept {
     return;
   }
   energy_ = Place(model_, state_) + springs_.Energy(HubOf(state_));
-  const double moved_mm = springs_.OffMm(HubOf(state_)).norm();
-  const double turned_rad = springs_.TurnRad(HubOf(state_)).norm();
+  // A clamped hub is where its target was; a sprung one may be far from it for good.
+  const RodStart before =
+      springs_.base.sprung ? RodStart{state_.target_mm, state_.target_orientation} : HubOf(state_);
+  const double moved_mm = springs_.OffMm(before).norm();
+  const double turned_rad = springs_.TurnRad(before).norm();
   if (moved_mm > kJumpMm || turned_rad > kJumpRad) {
     StartAfterJump();
   } else if (!springs_.base.sprung && (moved_mm > 0.0 || turned_rad > 0.0)) {
-    Predict();
+    TakeTrial(Predict());
   }
 }
 
-/// The hub is moved with the Newton matrix of the shape before: what tissue holds stays about where
-/// it is. False, and nothing changed, if that is no shape.
-bool Solver::Predict() noexcept {
+/// Lays out the shape with the hub at its target by the Newton matrix of the shape before: what
+/// tissue holds stays about where it is. Into the trial; returns its energy.
+double Solver::Predict() noexcept {
   ++iterations_;
   Balance(model_, state_);
   if (TipToBase(model_, true, state_).repaired) TipToBase(model_, false, state_);
-  const double energy = LayOutStep(model_, target_, 1.0, state_);
-  if (!std::isfinite(energy)) {
-    TakeTrial(LayOut(model_, target_, state_.point, state_));
-    return false;
-  }
-  TakeTrial(energy);
-  return true;
+  return LayOutStep(model_, target_, 1.0, state_);
 }
 
+/// The best of the shape moved along as it is, of the predicted one, and of the needle without
+/// load.
 void Solver::StartAfterJump() noexcept {
-  const double rigid = LayOut(model_, target_, state_.point, state_);
-  ++iterations_;
-  Balance(model_, state_);
-  if (TipToBase(model_, true, state_).repaired) TipToBase(model_, false, state_);
-  const double predicted = LayOutStep(model_, target_, 1.0, state_);
+  const double infinite = std::numeric_limits<double>::infinity();
+  const auto usable = [&](double energy) { return std::isfinite(energy) ? energy : infinite; };
+  const double rigid = usable(LayOut(model_, target_, state_.point, state_));
+  const double predicted = usable(Predict());
   for (RodPoint& point : state_.trial) {
     point.curvature_per_mm = model_.properties().rest_curvature_per_mm;
   }
-  const double straight = LayOut(model_, target_, state_.trial, state_);
-  double old = springs_.base.sprung ? energy_ : std::numeric_limits<double>::infinity();
-  if (!std::isfinite(old)) old = std::numeric_limits<double>::infinity();
-  const double best =
-      std::min({rigid, straight, std::isfinite(predicted) ? predicted : rigid, old});
-  if (best == old) return;  // A sprung hub follows by itself.
-  if (best == predicted) {
+  const double straight = usable(LayOut(model_, target_, state_.trial, state_));
+  // A sprung hub may also stay and follow by itself.
+  const double old = springs_.base.sprung ? usable(energy_) : infinite;
+  const double best = std::min({old, predicted, rigid, straight});
+  if (springs_.base.sprung && best == old) return;
+  if (best == predicted && best < infinite) {
     TakeTrial(LayOutStep(model_, target_, 1.0, state_));
   } else if (best == rigid) {
     TakeTrial(LayOut(model_, target_, state_.point, state_));
@@ -264,6 +261,8 @@ bool Solver::Step() noexcept {
 RodResult Solver::Run() noexcept {
   RodResult result;
   Start();
+  state_.target_mm = target_.position_mm;
+  state_.target_orientation = target_.orientation;
   result.status = RodStatus::kIterationLimit;
   for (;; ++iterations_) {
     result.moment_residual_n_mm = Residual();

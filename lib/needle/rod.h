@@ -38,7 +38,8 @@ struct RodOptions {
 struct RodContact {
   double arc_mm = 0.0;  ///< In [0, length]; values beyond are taken as the end.
   Eigen::Vector3d anchor_mm = Eigen::Vector3d::Zero();
-  /// Unit: the spring does not act along it (the channel lets the shaft slide). Zero: acts in 3D.
+  /// The spring does not act along it (the channel lets the shaft slide); any length. Zero: acts
+  /// in 3D.
   Eigen::Vector3d free_axis = Eigen::Vector3d::Zero();
   double stiffness_n_per_mm = 0.0;  ///< >= 0
 };
@@ -69,7 +70,8 @@ enum class RodStatus : std::uint8_t {
   kConverged,
   kIterationLimit,  ///< The best shape so far; the next call goes on from it.
   kStalled,         ///< No step lowers the energy further, though moments are not balanced.
-  kRejected,        ///< An input is not finite, negative, or too many: nothing was changed.
+  kRejected,        ///< An input is not finite, negative, beyond 100 m, 1e9 N/mm or 1e6 N, or too
+                    ///< many: nothing was changed.
 };
 std::string_view NameOf(RodStatus status) noexcept;
 
@@ -121,6 +123,8 @@ struct RodSweep {
 struct RodState {
   std::vector<RodPoint> point;  ///< The shape, base first; the last one has no element.
   bool started = false;
+  Eigen::Vector3d target_mm = Eigen::Vector3d::Zero();  ///< Of the hub, in the last call.
+  Eigen::Quaterniond target_orientation = Eigen::Quaterniond::Identity();
   RodResult last;
 
   std::int64_t num_rejected = 0;

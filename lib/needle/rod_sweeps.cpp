@@ -76,9 +76,9 @@ void Begin(const RodStart& start, RodPoint& first) noexcept {
 }
 
 bool IsUsable(const RodContact& contact) noexcept {
-  return std::isfinite(contact.arc_mm) && contact.anchor_mm.allFinite() &&
-         contact.free_axis.allFinite() && std::isfinite(contact.stiffness_n_per_mm) &&
-         contact.stiffness_n_per_mm >= 0.0;
+  return std::isfinite(contact.arc_mm) && IsNear(contact.anchor_mm) &&
+         contact.free_axis.allFinite() && contact.stiffness_n_per_mm >= 0.0 &&
+         contact.stiffness_n_per_mm <= kStiffest;
 }
 
 /// A total order that depends on what an action is, not on where it stood in its list.
@@ -228,7 +228,10 @@ bool TakeActions(const RodModel& model, const RodInput& input, RodState& state) 
     if (!IsUsable(contact)) return false;
   }
   for (const RodLoad& load : input.loads) {
-    if (!std::isfinite(load.arc_mm) || !load.force_n.allFinite()) return false;
+    if (!std::isfinite(load.arc_mm) || !load.force_n.allFinite() ||
+        load.force_n.cwiseAbs().maxCoeff() > kLargestN) {
+      return false;
+    }
   }
   int count = 0;
   for (const RodContact& contact : input.contacts) {
@@ -237,7 +240,7 @@ bool TakeActions(const RodModel& model, const RodInput& input, RodState& state) 
     action.arc_mm = contact.arc_mm;
     action.stiffness_n_per_mm = contact.stiffness_n_per_mm;
     action.anchor_mm = contact.anchor_mm;
-    action.free_axis = contact.free_axis;
+    action.free_axis = contact.free_axis.stableNormalized();
     Insert(model, action, state.action, count);
   }
   for (const RodLoad& load : input.loads) {

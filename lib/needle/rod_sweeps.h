@@ -5,6 +5,14 @@
 
 namespace acus::needle {
 
+/// Beyond these an input is not of a needle: 100 m, N/mm or N mm/rad, N.
+inline constexpr double kFarthestMm = 1e5;
+inline constexpr double kStiffest = 1e9;
+inline constexpr double kLargestN = 1e6;
+inline bool IsNear(const Eigen::Vector3d& place_mm) noexcept {
+  return place_mm.allFinite() && place_mm.cwiseAbs().maxCoeff() <= kFarthestMm;
+}
+
 /// Where the rod starts, in the sweep's sense.
 struct RodStart {
   Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
@@ -12,7 +20,8 @@ struct RodStart {
 };
 
 /// Takes contacts and loads into state.action, by place along the needle.
-/// False if there are too many or one is not finite or negative; the state keeps its shape.
+/// False if there are too many, or one is not finite, negative or far beyond any needle; the state
+/// keeps its shape.
 bool TakeActions(const RodModel& model, const RodInput& input, RodState& state) noexcept;
 
 /// Lays `curvature_per_mm` of each `from` point out from `start` into `to`. Returns the energy.

@@ -418,6 +418,14 @@ TEST(NeedleRod, WhatIsNotANumberIsRefusedAndChangesNothing) {
   sick.base.sprung = true;  // With no stiffness.
   expect_refused(sick.input());
   sick = good;
+  sick.contacts[0].stiffness_n_per_mm = 1e10;
+  expect_refused(sick.input());
+  sick = good;
+  sick.contacts[0].anchor_mm.x() = 1e300;
+  expect_refused(sick.input());
+  const RodLoad planet = TipLoad({0.0, 1e9, 0.0});
+  expect_refused(Input({}, {&planet, 1}));
+  sick = good;
   sick.contacts.resize(model.max_actions() + 1, sick.contacts[0]);
   expect_refused(sick.input());
   EXPECT_TRUE(model.Solve(state, good.input()).converged());
@@ -457,6 +465,36 @@ TEST(NeedleRod, ASprungHubSurvivesJumpsAndTurns) {
     }
   }
   EXPECT_LT(slow, 20);  // 2 %
+}
+
+// A soft spring leaves the hub far from the hand for good; that is rest, not a jump a step.
+TEST(NeedleRod, ASoftlySprungHubComesToRestFarFromTheHand) {
+  const RodModel model = Rod(25);
+  Inserted hand;
+  hand.base.position_mm = {40.0, 0.0, 0.0};
+  hand.base.sprung = true;
+  hand.base.stiffness_n_per_mm = 0.01;
+  hand.base.stiffness_n_mm_per_rad = 100.0;
+  RodState state = model.NewState();
+  ASSERT_TRUE(model.Solve(state, hand.input()).converged());
+  ASSERT_GT((state.point[0].position_mm - hand.base.position_mm).norm(), 10.0);
+  const RodState settled = state;
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_EQ(model.Solve(state, hand.input()).iterations, 0);
+    ASSERT_TRUE(SameBits(state, settled));
+  }
+}
+
+TEST(NeedleRod, TheLengthOfAFreeAxisDoesNotMatter) {
+  const RodModel model = Rod(25);
+  Inserted one;
+  Inserted other;
+  for (RodContact& contact : other.contacts) contact.free_axis *= 8.0;
+  RodState a = model.NewState();
+  RodState b = model.NewState();
+  model.Solve(a, one.input());
+  model.Solve(b, other.input());
+  EXPECT_LT(LargestDifferenceMm(a, b), 1e-9);
 }
 
 // A load far beyond what any needle bears: bounded, and gone when it is gone.
