@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/error.h"
@@ -42,9 +43,12 @@ class TissueMap {
 
 tissue::TissueModel Functions(const TissueEffect& effect, const TissueMap& tissues,
                               const mechanics::ElasticityTable& elasticity) {
-  // MPa; 0 where a tissue has no row, such as outside the body: nothing moves there.
+  // MPa. Bone has no row: nothing moves there.
   const auto modulus = [tissues, rows = elasticity.tissue](const Eigen::Vector3d& rest_in_ct_mm) {
-    return rows[tissues(rest_in_ct_mm)].youngs_modulus_mpa;
+    const volume::Label tissue = tissues(rest_in_ct_mm);
+    const double modulus_mpa = rows[tissue].youngs_modulus_mpa;
+    if (tissue == 0 || modulus_mpa > 0.0) return modulus_mpa;
+    return std::numeric_limits<double>::infinity();
   };
   return tissue::TissueModel(
       tissue::DisplacementFunctions({.influence_radius_mm = effect.influence_radius_mm}, modulus));

@@ -88,9 +88,11 @@ DisplacementFunctions::Prepared DisplacementFunctions::Prepare(const TissueLoad&
   } else {
     shaft_now_mm = out.shaft_mm = out.depth_mm;
     // "Exactly equal to the displacement of this same tip": the length is the one that gives this.
-    out.tip_mpa_mm = settings_.shaft_factor_at_axis
-                         ? out.depth_mm / ComplianceAt(out, needle.tip_in_ct_mm)
-                         : needle.pre_puncture_n / settings_.tip_length_mm;
+    const double compliance = ComplianceAt(out, needle.tip_in_ct_mm);
+    out.tip_mpa_mm = needle.pre_puncture_n / settings_.tip_length_mm;
+    if (settings_.shaft_factor_at_axis) {
+      out.tip_mpa_mm = compliance > 0.0 ? out.depth_mm / compliance : 0.0;  // 0: on bone.
+    }
   }
   const double limit_mm = settings_.largest_share * settings_.influence_radius_mm;
   const double shaft_mm = std::clamp(shaft_now_mm, -limit_mm, limit_mm);

@@ -11,7 +11,8 @@
 
 namespace acus::tissue {
 
-/// Young's modulus of the tissue at rest at a place of CT space, MPa; <= 0 outside the body.
+/// Young's modulus of the tissue at rest at a place of CT space, MPa; <= 0 outside the body, infinite
+/// where nothing moves (bone).
 using ModulusAt = std::function<double(const Eigen::Vector3d& rest_in_ct_mm)>;
 
 /// g of the paper, 1 - 3 t^2 + 2 t^3: from 1 at t = 0 to 0 at t = 1, level at both ends. 1 below 0,

@@ -172,6 +172,14 @@ TEST(DisplacementFunctions, BoneStaysWhereItIs) {
   const TissueLoad load = Inside(18.0, 1.0, 1.0);
   EXPECT_LT(functions.DisplacementMm(load, Vector3d(0, 0, 24)).norm(), 1e-5);
   EXPECT_GT(functions.DisplacementMm(load, Vector3d(0, 0, 17)).norm(), 1.0);
+  // Infinitely stiff: not at all, not even where the needle touches nothing else.
+  const double inf = std::numeric_limits<double>::infinity();
+  const DisplacementFunctions rigid({}, Layers(0.02, inf, 20.0));
+  EXPECT_EQ(rigid.DisplacementMm(load, Vector3d(0, 0, 30)).norm(), 0.0);
+  const DisplacementFunctions all_bone({}, Layers(inf, inf, 20.0));
+  EXPECT_EQ(all_bone.DisplacementMm(load, Vector3d(0, 0, 10)).norm(), 0.0);
+  const Vector3d pressed = all_bone.DisplacementMm(Indenting(0.1, 3.0), Vector3d(0, 0, 10));
+  EXPECT_EQ(pressed.norm(), 0.0);
 }
 
 TEST(DisplacementFunctions, NothingMovesWithoutContactOrWithRubbish) {
