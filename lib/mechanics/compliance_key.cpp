@@ -3,6 +3,7 @@
 #include <bitset>
 #include <vector>
 
+#include "core/error.h"
 #include "core/provenance.h"
 #include "mechanics/element_names.h"
 #include "mesh/byte_stream.h"
@@ -44,6 +45,10 @@ std::string HashOf(const ElasticityTable& table, const mesh::TetraMesh& mesh) {
 
 ComplianceKey KeyOf(const mesh::TetraMesh& mesh, const ElasticityTable& elasticity,
                     ElementKind element) {
+  ACUS_REQUIRE(mesh.tissue.size() == static_cast<std::size_t>(mesh.tetrahedra.cols()),
+               "the mesh has no tissue ids (cell data \"tissue\"), so that its stiffness is not "
+               "known; mesh the label map with acus-mesh");
+  ACUS_ASSERT(mesh.fixed_nodes.size() == static_cast<std::size_t>(mesh.nodes_mm.cols()));
   return {HashOf(mesh), HashOf(elasticity, mesh), std::string(ElementName(element))};
 }
 

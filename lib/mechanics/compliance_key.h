@@ -16,7 +16,8 @@ struct ComplianceKey {
 };
 
 /// Goes by content: file names, and rows of the table that the mesh has no use for, do not count.
-/// @throws InputError if the table has no row for a tissue that can be deformed.
+/// @throws InputError if the mesh has no tissue ids, or the table no row for a tissue that can be
+///     deformed.
 ComplianceKey KeyOf(const mesh::TetraMesh& mesh, const ElasticityTable& elasticity,
                     ElementKind element);
 

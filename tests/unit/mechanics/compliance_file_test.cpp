@@ -139,6 +139,12 @@ TEST_F(ComplianceFile, TissuesAndFixedNodesBelongToTheMesh) {
   ExpectRefused("another mesh");
 }
 
+TEST_F(ComplianceFile, CannotBelongToAMeshWithoutTissues) {
+  Write();
+  box_.mesh.tissue.clear();
+  EXPECT_THAT([&] { Open(); }, ThrowsMessage<InputError>(HasSubstr("has no tissue ids")));
+}
+
 TEST_F(ComplianceFile, ForOtherElasticConstantsSaysSo) {
   Write();
   box_.elasticity.tissue[4].poissons_ratio = 0.46;

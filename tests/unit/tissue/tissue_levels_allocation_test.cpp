@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "support/allocation_counter.h"
+#include "support/box_mesh.h"
 #include "support/layered_tissue.h"
 #include "tissue/displacement_functions.h"
+#include "tissue/fem_field.h"
 #include "tissue/plane_model_2010.h"
 #include "tissue/spring_model.h"
 
@@ -103,6 +105,32 @@ TEST(TissueLevels, DisplacementFunctionsTakeNoMemory) {
   }
   EXPECT_EQ(NumTaken() - before, 0);
   EXPECT_GT(sum, 1.0);
+}
+
+TEST(TissueLevels, TheImageOfFiniteElementsTakesNoMemory) {
+  const mesh::TetraMesh box = testing_support::BoxMesh({6, 6, 6}, {0, 0, 0}, {30, 30, 30}, 0.15);
+  std::vector<int> nodes;
+  for (int i = 0; i < box.nodes_mm.cols(); i += i % 3 == 0 ? 1 : 2) nodes.push_back(i);
+  const auto size = static_cast<Eigen::Index>(3 * nodes.size());
+  const FemImage image(
+      box, {mechanics::Compliance::FromMatrix(nodes, Eigen::MatrixXd::Identity(size, size),
+                                              mechanics::Storage::kDouble),
+            mechanics::ImageBlock::FromMatrix(nodes, Eigen::MatrixXf::Identity(size, size))});
+  FemField field(image);
+  TissueLoad load;
+  load.num_points = TissueLoad::kMaxPoints;
+  Vector3d sum = Vector3d::Zero();
+  const long before = NumTaken();
+  for (int n = 0; n < 50; ++n) {
+    for (int p = 0; p < load.num_points; ++p) {
+      // Also at nodes, outside, and where nodes are not stored.
+      load.point[p] = {Vector3d(0.17 * p, 15 + 0.1 * n, 0.3 * ((p * p) % 100)), Vector3d(1, 2, 3)};
+    }
+    field.Update(load);
+    sum += field.DisplacementMm(Vector3d(15, 15, 0.5 * n));
+  }
+  EXPECT_EQ(NumTaken() - before, 0);
+  EXPECT_GT(sum.norm(), 1.0);
 }
 
 }  // namespace
