@@ -25,13 +25,13 @@ inline mechanics::ElasticityTable ElasticLabels(
 
 /// One column per degree of freedom of the free nodes that `is_reachable` says yes to.
 template <class IsReachable>
-mechanics::Compliance ComplianceOf(const mesh::TetraMesh& mesh,
-                                   const mechanics::ElasticityTable& table,
-                                   mechanics::Storage storage, const IsReachable& is_reachable) {
+mechanics::Compliance ComplianceOf(
+    const mesh::TetraMesh& mesh, const mechanics::ElasticityTable& table,
+    mechanics::Storage storage, const IsReachable& is_reachable,
+    mechanics::ElementKind element = mechanics::ElementKind::kLinear) {
   const mechanics::FreeNodes free = mechanics::FindFreeNodes(mesh);
   const mechanics::SparseFactor factor(mechanics::FreeStiffness(
-      mechanics::AssembleStiffness(mesh, table, mechanics::ElementKind::kLinear, free.is_left_out),
-      free));
+      mechanics::AssembleStiffness(mesh, table, element, free.is_left_out), free));
   std::vector<int> nodes;
   std::vector<int> rows;
   for (std::size_t r = 0; r < free.mesh_node.size(); ++r) {
