@@ -35,6 +35,29 @@ Eigen::Matrix3d SumBetween(const mechanics::Compliance& compliance, const Contac
   return sum;
 }
 
+/// Of one place with itself, along a direction: half of the blocks, as the compliance is symmetric.
+template <class T>
+double SumWithin(const mechanics::Compliance& compliance, const ContactPlace& place,
+                 const Eigen::Vector3d& direction) noexcept {
+  double sum = 0.0;
+  for (int i = 0; i < place.num_rows; ++i) {
+    const T* x = compliance.Values<T>(3 * place.row[i]);
+    const T* y = compliance.Values<T>(3 * place.row[i] + 1);
+    const T* z = compliance.Values<T>(3 * place.row[i] + 2);
+    for (int j = 0; j <= i; ++j) {
+      const int column = 3 * place.row[j];
+      double block = 0.0;
+      for (int d = 0; d < 3; ++d) {
+        block += direction[d] * (direction[0] * static_cast<double>(x[column + d]) +
+                                 direction[1] * static_cast<double>(y[column + d]) +
+                                 direction[2] * static_cast<double>(z[column + d]));
+      }
+      sum += (i == j ? 1.0 : 2.0) * place.weight[i] * place.weight[j] * block;
+    }
+  }
+  return sum;
+}
+
 }  // namespace
 
 ContactSystem::ContactSystem(mechanics::Compliance compliance, Capacity capacity)
@@ -102,6 +125,11 @@ Eigen::Matrix3d ContactSystem::Between(const ContactPlace& a,
 }
 
 double ContactSystem::SlotBetween(const ContactState& state, int a, int b) const noexcept {
+  if (a == b) {
+    return compliance_.storage() == mechanics::Storage::kFloat
+               ? SumWithin<float>(compliance_, state.slot_place_[a], state.slot_direction_[a])
+               : SumWithin<double>(compliance_, state.slot_place_[a], state.slot_direction_[a]);
+  }
   const int later = std::max(a, b);  // In one order only: the same bits whichever is asked first.
   const int earlier = std::min(a, b);
   return state.slot_direction_[later].dot(

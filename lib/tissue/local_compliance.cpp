@@ -11,7 +11,7 @@ constexpr double kLeastLogarithm = 0.2;
 constexpr double kLeastShare = 0.02;
 // A ball with the weights of ContactMesh::Ball moves as much as a rigid sphere of 1 / 1.5 its
 // radius.
-constexpr double kBallOverSphere = 1.5;
+constexpr double kBallOverSphere = 1.85;
 
 }  // namespace
 

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kFarthestMm = 1e5;         // A probe beyond it is not in a room.
 constexpr double kLongestSearchMm = 400.0;  // From inside the body back to the skin.
+constexpr double kSamePlaceMm = 0.1;      // On the skin; the tip's compliance is found anew beyond.
+constexpr double kSameCosine = 0.9998;    // 1 degree.
 constexpr double kReentryMm = 1.0;        // So near the old entry, the tip finds the channel again.
 constexpr double kReentryCosine = 0.996;  // And with less than 5 degrees to it.
 
@@ -172,7 +174,10 @@ void FemNeedleModel::Touch(FemNeedleState& state, const Eigen::Vector3d& tip_mm,
 
 void FemNeedleModel::PressSkin(FemNeedleState& state) const noexcept {
   state.depth_mm = (state.tip_in_ct_mm - state.entry_mm).dot(state.frame.col(2));
-  PlaceTip(state, state.frame.col(2));
+  const bool same = state.contact.slot_in_use(0) &&
+                    (state.end_mm - state.placed_mm).norm() < kSamePlaceMm &&
+                    state.contact.slot_direction(0).dot(state.frame.col(2)) > kSameCosine;
+  if (!same) PlaceTip(state, state.frame.col(2));
   state.contact.SetSlotDemand(0, state.depth_mm, 0.0, TipLimitN(state));
 }
 

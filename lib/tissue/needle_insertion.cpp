@@ -10,10 +10,10 @@
 namespace acus::tissue {
 namespace {
 
-constexpr int kMostNewPoints = 4;    // Per step: the rest follows in the next ones.
-constexpr double kMarchMm = 0.5;     // So closely the tip looks for other tissues on its way.
-constexpr int kHalvings = 12;        // Finds an interface to 0.1 um of that.
-constexpr double kReplaceMm = 0.25;  // Of cutting, after which the tip's compliance is found anew.
+constexpr int kMostNewPoints = 4;   // Per step: the rest follows in the next ones.
+constexpr double kMarchMm = 0.5;    // So closely the tip looks for other tissues on its way.
+constexpr int kHalvings = 12;       // Finds an interface to 0.1 um of that.
+constexpr double kReplaceMm = 0.5;  // Of cutting, after which the tip's compliance is found anew.
 constexpr double kChannelMm =
     1.0;  // Further aside, the tip leaves its old cut and makes a new one.
 constexpr double kNothingMmPerN = 1e6;  // Around a place without tissue.

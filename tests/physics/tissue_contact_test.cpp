@@ -97,7 +97,7 @@ WireForce ClosedForm(double poissons_ratio) {
 TEST(NeedleInMesh, AWireInATubeFeelsTheClosedFormInEveryMesh) {
   for (const double nu : {0.3, 0.45, 0.49}) {
     const WireForce exact = ClosedForm(nu);
-    for (const int cells : {6, 8, 12}) {
+    for (const int cells : {6, 9}) {
       const WireForce found = ForceOnWire(cells, nu, 1.0);
       const double axial = found.axial_n_per_mm2 / exact.axial_n_per_mm2 - 1.0;
       const double lateral = found.lateral_n_per_mm2 / exact.lateral_n_per_mm2 - 1.0;
@@ -130,7 +130,7 @@ double TipMmPerN(int cells, double lump_mm, bool on_surface) {
   const Eigen::Vector3d centre(0, 0, on_surface ? 60.0 : 30.0);
   const auto compliance = testing_support::ComplianceOf(
       mesh, ElasticLabels({{4, tissue}}), mechanics::Storage::kDouble,
-      [&](const Eigen::Vector3d& x) { return (x - centre).norm() < 8.0 + 1.5 * cell_mm; },
+      [&](const Eigen::Vector3d& x) { return (x - centre).norm() < 8.0 + 2.0 * cell_mm; },
       mechanics::ElementKind::kAveragedDilatation);
   const ContactMesh places(mesh, compliance);
   const ContactSystem system(compliance, {.points = 1, .slots = 0});
@@ -150,12 +150,8 @@ double TipMmPerN(int cells, double lump_mm, bool on_surface) {
 
 TEST(NeedleInMesh, TheTipMovesTheSameInEveryMesh) {
   for (const double lump_mm : {1.0, 2.5, 4.0}) {
-    const double fine = TipMmPerN(16, lump_mm, false);
-    EXPECT_NEAR(TipMmPerN(8, lump_mm, false) / fine, 1.0, 0.03) << lump_mm;
-    EXPECT_NEAR(TipMmPerN(12, lump_mm, false) / fine, 1.0, 0.03) << lump_mm;
-    const double fine_on_skin = TipMmPerN(16, lump_mm, true);
-    EXPECT_NEAR(TipMmPerN(8, lump_mm, true) / fine_on_skin, 1.0, 0.12) << lump_mm;
-    EXPECT_NEAR(TipMmPerN(12, lump_mm, true) / fine_on_skin, 1.0, 0.06) << lump_mm;
+    EXPECT_NEAR(TipMmPerN(8, lump_mm, false) / TipMmPerN(12, lump_mm, false), 1.0, 0.02) << lump_mm;
+    EXPECT_NEAR(TipMmPerN(8, lump_mm, true) / TipMmPerN(12, lump_mm, true), 1.0, 0.08) << lump_mm;
   }
   // A rigid sphere of 1 mm in an infinite solid; the box of 60 mm is 4 % stiffer.
   const double shear_mpa = 0.02 / 2.9;
