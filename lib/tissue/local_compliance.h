@@ -13,13 +13,12 @@
 
 namespace acus::tissue {
 
-/// The radius that the mesh does resolve around a line of points, over the edge of its elements.
-/// Found with a rigid wire in a round tube, for which forces are known (tests/physics/
-/// tissue_contact_test.cpp): along the wire one number for all meshes and elements; across, with
-/// the averaged dilatation that acus-mesh uses, from 0.40 (nu 0.3) to 0.355 (nu 0.499). Plain
-/// linear tetrahedra, which are too stiff across, would ask for 0.5 to 0.6.
-inline constexpr double kAxialRadiusShare = 0.47;
-inline constexpr double kLateralRadiusShare = 0.37;
+/// The radius that the mesh does resolve around a line of points, over the edge of its elements. Found
+/// with a rigid wire in a round tube, for which forces are known (tests/physics/
+/// tissue_contact_test.cpp), as a mean over where the wire runs through the elements and with the
+/// averaged dilatation that acus-mesh uses. Plain linear tetrahedra are too stiff across.
+inline constexpr double kAxialRadiusShare = 0.43;
+inline constexpr double kLateralRadiusShare = 0.33;
 
 /// A piece of shaft that stands for `length_mm` of line: Kelvin's line load along the needle (anti-
 /// plane shear) and across it (plane strain), between radii r and R = share * edge:
