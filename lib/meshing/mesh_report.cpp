@@ -161,9 +161,10 @@ json DescribeMesh(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& 
 
 json ToJson(const SurfaceDistance& distance) {
   // A tissue that the mesh has lost is infinitely far: null.
-  return {{"p95_mm", distance.p95_mm},
-          {"p95_voxels", distance.p95_voxels},
-          {"mean_mm", distance.mean_mm},
+  const auto known = [](double value) { return std::isfinite(value) ? json(value) : json(); };
+  return {{"p95_mm", known(distance.p95_mm)},
+          {"p95_voxels", known(distance.p95_voxels)},
+          {"mean_mm", known(distance.mean_mm)},
           {"samples", distance.num_samples}};
 }
 

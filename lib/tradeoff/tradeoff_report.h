@@ -1,0 +1,25 @@
+// Rows of a sweep as files: tradeoff.csv, tradeoff.json, tradeoff.svg, tradeoff.html.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/run_context.h"
+#include "tradeoff/sweep.h"
+
+namespace acus::tradeoff {
+
+/// Header and one line per row; what was not measured is an empty cell.
+std::string CsvText(const std::vector<Row>& rows);
+
+/// The rows on a terminal, one table per knob.
+std::string TableText(const std::vector<Row>& rows);
+
+/// Runs a sweep and writes the four files and provenance.json; the folder appears whole or not at
+/// all. @returns the rows.
+/// @throws NoAnswerError if no row may be used.
+std::vector<Row> SweepToFolder(const Sweep& sweep, bool quick, const std::filesystem::path& folder,
+                               const RunContext& context);
+
+}  // namespace acus::tradeoff
