@@ -58,6 +58,18 @@ std::vector<std::vector<std::string>> ShownRows(const std::vector<Row>& rows,
   return out;
 }
 
+/// Below this share of the largest an error is rounding: it would stretch the axis over many
+/// decades in which nothing is. Tables have it.
+constexpr double kShownShare = 1e-4;
+
+double LargestError(const std::vector<Row>& rows, const std::string& unit) {
+  double out = 0.0;
+  for (const Row& row : rows) {
+    if (row.error_unit == unit && row.unusable.empty()) out = std::max(out, row.error);
+  }
+  return out;
+}
+
 /// Error over a cost, both on logarithmic axes; what is 0 or unusable has no place there.
 report::Plot ErrorOver(const std::vector<Row>& rows, const std::string& unit, double Row::*cost,
                        const std::string& cost_label) {
@@ -66,6 +78,7 @@ report::Plot ErrorOver(const std::vector<Row>& rows, const std::string& unit, do
   plot.y_label = "error [" + unit + "]";
   plot.log_x = plot.log_y = true;
   plot.height_px = 360;
+  const double largest = LargestError(rows, unit);
   report::Series ours{.name = "default", .style = report::Style::kPoints};
   report::Series papers{.name = "paper", .style = report::Style::kPoints};
   for (const std::string& knob : Knobs(rows)) {
@@ -75,7 +88,7 @@ report::Plot ErrorOver(const std::vector<Row>& rows, const std::string& unit, do
     }
     for (const Row& row : rows) {
       if (row.knob != knob || row.error_unit != unit || !row.unusable.empty()) continue;
-      if (!(row.error > 0.0) || !(row.*cost > 0.0)) continue;
+      if (!(row.error > kShownShare * largest) || !(row.*cost > 0.0)) continue;
       series.x.push_back(row.*cost);
       series.y.push_back(row.error);
       if (row.is_default || row.is_paper) {
@@ -190,7 +203,8 @@ std::vector<Row> SweepToFolder(const Sweep& sweep, bool quick, const std::filesy
   const std::vector<report::Plot> plots = PlotsOf(rows);
   WriteTextFile(out.path() / "tradeoff.csv", CsvText(rows));
   config::WriteJson(out.path() / "tradeoff.json", ToJson(sweep, rows));
-  report::WriteSvg(out.path() / "tradeoff.svg", plots.front());
+  report::WriteSvg(out.path() / "tradeoff.svg", plots[0]);
+  report::WriteSvg(out.path() / "tradeoff_preparation.svg", plots[1]);
   WriteHtml(out.path() / "tradeoff.html", sweep, rows, plots, context);
   config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
   out.Commit();

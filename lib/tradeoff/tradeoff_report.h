@@ -1,4 +1,5 @@
-// Rows of a sweep as files: tradeoff.csv, tradeoff.json, tradeoff.svg, tradeoff.html.
+// Rows of a sweep as files: tradeoff.csv, tradeoff.json, tradeoff.svg and
+// tradeoff_preparation.svg, tradeoff.html.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +17,7 @@ std::string CsvText(const std::vector<Row>& rows);
 /// The rows on a terminal, one table per knob.
 std::string TableText(const std::vector<Row>& rows);
 
-/// Runs a sweep and writes the four files and provenance.json; the folder appears whole or not at
+/// Runs a sweep and writes these files and provenance.json; the folder appears whole or not at
 /// all. @returns the rows.
 /// @throws NoAnswerError if no row may be used.
 std::vector<Row> SweepToFolder(const Sweep& sweep, bool quick, const std::filesystem::path& folder,
