@@ -17,9 +17,12 @@ double LuGre::Advance(const LuGreParameters& law, double travel_mm, double dt_s,
 
   const double speed_mm_per_s = travel_mm / dt_s;
   const double kept = law.speed_filter_s > 0.0 ? std::exp(-dt_s / law.speed_filter_s) : 0.0;
+  const double before_mm_per_s = kept > 0.0 ? filtered_mm_per_s : speed_mm_per_s;
   filtered_mm_per_s = speed_mm_per_s + (filtered_mm_per_s - speed_mm_per_s) * kept;
 
-  const double g = law.Stribeck(filtered_mm_per_s);
+  // The mean over the step: with an encoder nothing moves but in steps, in which the filtered speed
+  // is at its highest.
+  const double g = law.Stribeck(0.5 * (before_mm_per_s + filtered_mm_per_s));
   double bristle_speed_mm_per_s = 0.0;
   double sigma1 = law.sigma1_s_per_mm;
   if (travel_mm != 0.0) {

@@ -9,6 +9,7 @@ namespace {
 constexpr int kMostSlides = 4;
 constexpr double kLongestSlideMm = 1.0;  // Per slide: the surface must be found again.
 constexpr double kNearestMm = 1e-6;
+constexpr double kNoiseMm = 1e-5;  // The surface is found to 1e-6 mm.
 
 /// Towards lower values; the one before where the field is flat.
 Eigen::Vector3d Outward(const HuField& field, const Eigen::Vector3d& place,
@@ -57,7 +58,7 @@ void SurfaceProxy::Follow(const HuField& field, const SurfaceProxySettings& sett
     const Eigen::Vector3d next =
         BackToSurface(field, settings.hu, at_in_ct_mm + along, outward_in_ct, kLongestSlideMm);
     // Over a sharp edge or at noise the nearest place may be the one before: never go farther off.
-    if ((device - next).squaredNorm() >= to_device.squaredNorm()) break;
+    if ((device - next).norm() >= to_device.norm() + kNoiseMm) break;
     at_in_ct_mm = next;
     outward_in_ct = Outward(field, next, outward_in_ct);
   }

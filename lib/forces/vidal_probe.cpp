@@ -7,6 +7,7 @@ namespace acus::forces {
 namespace {
 
 constexpr double kFarthestSkinMm = 20.0;  // The skin is sought at most so far behind the probe.
+constexpr double kFastestMmPerS = 500.0;  // Beyond it, it is the tracker that jumped.
 constexpr double kSuddenN = 0.05;  // A rise beyond what the springs give for the way is smoothed.
 
 }  // namespace
@@ -43,12 +44,15 @@ ProbeForce VidalProbe::Step(VidalProbeState& state, const ProbeInput& input) con
     const Eigen::Vector3d bone_mm = state.bone.PenetrationMm(place);
     out.skin_mm = skin_mm.norm();
     out.bone_mm = bone_mm.norm();
-    force_n = law_.skin_n_per_mm * skin_mm + law_.bone_n_per_mm * bone_mm -
-              law_.damping_n_s_per_mm * travel_mm / dt_s;
+    const Eigen::Vector3d spring_n = law_.skin_n_per_mm * skin_mm + law_.bone_n_per_mm * bone_mm;
+    Eigen::Vector3d damping_n = -law_.damping_n_s_per_mm * travel_mm / dt_s;
+    const double most_n = spring_n.norm();  // A jump is not a speed.
+    if (damping_n.norm() > most_n) damping_n *= most_n / damping_n.norm();
+    force_n = spring_n + damping_n;
     const double outwards_n = force_n.dot(state.skin.outward_in_ct);
     if (outwards_n < 0.0) force_n -= outwards_n * state.skin.outward_in_ct;  // Skin never pulls.
   }
-  force_n = Smoothed(state, force_n, travel_mm, dt_s);
+  force_n *= ShareToGive(state, force_n.norm(), travel_mm.norm(), dt_s);
   const double size_n = force_n.norm();
   if (size_n > law_.largest_force_n) force_n *= law_.largest_force_n / size_n;
   out.force_in_ct_n = force_n;
@@ -102,17 +106,18 @@ void VidalProbe::MeetBone(VidalProbeState& state, const Eigen::Vector3d& place) 
 }
 
 /// A rise that the springs do not explain by the way made is spread over the smoothing time.
-Eigen::Vector3d VidalProbe::Smoothed(VidalProbeState& state, const Eigen::Vector3d& force_n,
-                                     const Eigen::Vector3d& travel_mm, double dt_s) const noexcept {
-  state.smoothed_n *= law_.smoothing_s > 0.0 ? std::exp(-dt_s / law_.smoothing_s) : 0.0;
-  const double expected_n =
-      kSuddenN + 2.0 * (law_.skin_n_per_mm + law_.bone_n_per_mm + law_.damping_n_s_per_mm / dt_s) *
-                     travel_mm.norm();
-  if (law_.smoothing_s > 0.0 && force_n.norm() > state.model_n.norm() + expected_n) {
-    state.smoothed_n += state.model_n - force_n;
+double VidalProbe::ShareToGive(VidalProbeState& state, double force_n, double travel_mm,
+                               double dt_s) const noexcept {
+  if (law_.smoothing_s <= 0.0) return 1.0;
+  state.held_back *= std::exp(-dt_s / law_.smoothing_s);
+  const double stiffest = law_.skin_n_per_mm + law_.bone_n_per_mm + law_.damping_n_s_per_mm / dt_s;
+  const double rise_n = kSuddenN + 2.0 * stiffest * std::min(travel_mm, kFastestMmPerS * dt_s);
+  if (force_n > state.model_n + rise_n) {
+    const double before_n = (1.0 - state.held_back) * state.model_n;
+    state.held_back = 1.0 - before_n / force_n;
   }
   state.model_n = force_n;
-  return force_n + state.smoothed_n;
+  return 1.0 - state.held_back;
 }
 
 }  // namespace acus::forces

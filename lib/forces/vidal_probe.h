@@ -30,8 +30,8 @@ struct VidalProbeState : SampleGate {
   SurfaceProxy skin;
   SurfaceProxy bone;
   Eigen::Vector3d place_in_ct_mm = Eigen::Vector3d::Zero();  ///< Of the last valid sample.
-  Eigen::Vector3d smoothed_n = Eigen::Vector3d::Zero();      ///< What is still held back of a rise.
-  Eigen::Vector3d model_n = Eigen::Vector3d::Zero();         ///< The last force before smoothing.
+  double held_back = 0.0;  ///< Share of the force that is still held back after a sudden rise.
+  double model_n = 0.0;    ///< Size of the last force before that.
   ProbeForce last;
 };
 
@@ -48,8 +48,8 @@ class VidalProbe {
  private:
   void MeetSkin(VidalProbeState& state, const Eigen::Vector3d& place, bool first) const noexcept;
   void MeetBone(VidalProbeState& state, const Eigen::Vector3d& place) const noexcept;
-  Eigen::Vector3d Smoothed(VidalProbeState& state, const Eigen::Vector3d& force_n,
-                           const Eigen::Vector3d& travel_mm, double dt_s) const noexcept;
+  double ShareToGive(VidalProbeState& state, double force_n, double travel_mm,
+                     double dt_s) const noexcept;
 
   ForceSettings settings_;
   VidalSettings::Probe law_;

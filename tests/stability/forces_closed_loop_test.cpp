@@ -49,12 +49,12 @@ TEST(ForcesClosedLoop, NoShippedModelGeneratesEnergy) {
     const NeedleForceModel layered(ShippedTable(table), Trocar18G());
     const AlamillaModel alamilla(ShippedTable(table), Trocar18G());
     const VidalModel vidal(ShippedTable(table), Trocar18G(), body);
-    const Report a =
-        RandomInteraction("layered", {}, [&] { return DrivenLayered{layered, body}; });
+    const Report a = RandomInteraction("layered", {}, [&] { return DrivenLayered{layered, body}; });
     EXPECT_LE(a.worst_mj, 1.0);
     EXPECT_GT(a.least_taken_mj, 1.0);
-    const Report b =
-        RandomInteraction("alamilla", {}, [&] { return DrivenAlamilla{alamilla, body}; });
+    const Report b = RandomInteraction("alamilla", {}, [&] {
+      return DrivenAlamilla{alamilla, body};
+    });
     EXPECT_LE(b.worst_mj, 1.0);
     EXPECT_GT(b.least_taken_mj, 1.0);
     const Report c = RandomInteraction("vidal", {}, [&] { return DrivenVidal{vidal, body}; });
