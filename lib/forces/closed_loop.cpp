@@ -61,6 +61,10 @@ LoopResult RunClosedLoop(const HapticDevice& device, const Hand& hand, const For
   const double hand_n_s_per_mm = hand.damping_n_s_per_m * 1e-3;
   const double damping = (device.damping_n_s_per_m + hand.damping_n_s_per_m) * 1e-3;
 
+  // What dry friction takes off the speed in one step; slower than that it holds the device.
+  const double stopped_mm_per_s =
+      dt_s * per_mass * device.dry_friction_n / (1.0 + dt_s * per_mass * damping);
+
   LoopResult result;
   PassivityObserver observer;
   Eigen::Vector3d place_mm = hand.wants_in_ct_mm(0.0);
@@ -83,6 +87,9 @@ LoopResult RunClosedLoop(const HapticDevice& device, const Hand& hand, const For
       wanted_mm = next_mm;
       velocity_mm_per_s =
           (velocity_mm_per_s + dt_s * per_mass * pull_n) / (1.0 + dt_s * per_mass * damping);
+      const double speed_mm_per_s = velocity_mm_per_s.norm();
+      velocity_mm_per_s *=
+          speed_mm_per_s > stopped_mm_per_s ? 1.0 - stopped_mm_per_s / speed_mm_per_s : 0.0;
       const Eigen::Vector3d travel_mm = dt_s * velocity_mm_per_s;
       place_mm += travel_mm;
       observer.Add(force_n, travel_mm);

@@ -15,7 +15,8 @@ namespace acus::forces {
 struct HapticDevice {
   double mass_kg = 0.1;
   double damping_n_s_per_m = 0.5;
-  double encoder_mm = 0.02;  ///< 0: exact.
+  double dry_friction_n = 0.0;  ///< Of the device itself; 0.04 to 0.3 N in those on the market.
+  double encoder_mm = 0.02;     ///< 0: exact.
   double rate_hz = 1000.0;
   int delay_steps = 1;  ///< From the sample to its force: 1 is the force of the sample before.
 };
