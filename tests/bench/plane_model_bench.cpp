@@ -12,6 +12,7 @@
 
 #include "core/cpu_time.h"
 #include "support/layered_tissue.h"
+#include "tissue/displacement_functions.h"
 #include "tissue/plane_model_2010.h"
 #include "tissue/spring_model.h"
 
@@ -177,6 +178,57 @@ void Field(benchmark::State& run) {
   run.counters["points"] = load.num_points;
 }
 
+/// A picture of 512 x 512 points, 0.15 mm apart, in the plane of the needle.
+template <class Field>
+void Picture(benchmark::State& run, Field& field) {
+  double sum = 0.0;
+  for (auto _ : run) {
+    for (int row = 0; row < 512; ++row) {
+      for (int column = 0; column < 512; ++column) {
+        sum += field.DisplacementMm(Eigen::Vector3d(0.15 * (column - 256), 1.0, 0.15 * row)).z();
+      }
+    }
+  }
+  if (!(std::abs(sum) > 1.0)) run.SkipWithError("nothing moves");
+  run.counters["ns_per_point"] =
+      benchmark::Counter(512.0 * 512.0 * 1e-9, benchmark::Counter::kIsIterationInvariantRate |
+                                                   benchmark::Counter::kInvert);
+}
+
+void FunctionsPicture(benchmark::State& run) {
+  const TissueAt tissue_at = kBody.At();
+  const DisplacementFunctions functions(
+      {}, [&](const Eigen::Vector3d& p) { return tissue_at(p) == 0 ? 0.0 : 0.01; });
+  DisplacementFunctionsField field(functions);
+  TissueLoad load;
+  load.needle.in_contact = load.needle.pierced = true;
+  load.needle.tip_in_ct_mm = Eigen::Vector3d(0, 0, 50);
+  load.needle.cutting_n = load.needle.friction_n = 1.0;
+  field.Update(load);
+  Picture(run, field);
+}
+
+template <class Model, class ModelField>
+void LevelPicture(benchmark::State& run, const Model& model) {
+  testing_support::LevelInsertion<Model> insertion{model};
+  insertion.MoveToDepth(50.0, 200.0);
+  TissueLoad load;
+  model.LoadOf(insertion.state, load);
+  ModelField field(model);
+  field.Update(load);
+  Picture(run, field);
+}
+
+void SpringsPicture(benchmark::State& run) {
+  const SpringModel model({}, testing_support::RoundForces(), testing_support::Trocar18(),
+                          testing_support::RoundElasticity(), kBody.Tissues(), kBody.At());
+  LevelPicture<SpringModel, SpringField>(run, model);
+}
+
+void PlanePicture(benchmark::State& run) {
+  LevelPicture<PlaneModel2010, PlaneField2010>(run, Model(1000));
+}
+
 void Nodes(benchmark::internal::Benchmark* b) {
   for (const int nodes : {121, 361, 1000, 2000, 4000}) b->Arg(nodes);
 }
@@ -193,6 +245,9 @@ BENCHMARK_CAPTURE(Step, full, PlaneUpdate::kFull)
     ->Arg(1000)
     ->Iterations(2000)
     ->Unit(benchmark::kMicrosecond);
+BENCHMARK(FunctionsPicture)->Unit(benchmark::kMillisecond);
+BENCHMARK(SpringsPicture)->Unit(benchmark::kMillisecond);
+BENCHMARK(PlanePicture)->Unit(benchmark::kMillisecond);
 BENCHMARK(SpringStep)->Unit(benchmark::kMicrosecond);
 BENCHMARK(Field)->Arg(1000)->Arg(4000)->Unit(benchmark::kMicrosecond);
 
