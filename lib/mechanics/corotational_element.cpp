@@ -6,10 +6,17 @@
 namespace acus::mechanics {
 namespace {
 
-/// Stress along the rotation: of the mean stress, and what the trace takes from the shape's part.
+// Averaged dilatation leaves single tetrahedra soft against a change of volume of their own. That
+// does no harm near rest, but at strains of 30 % some would collapse one by one. This term keeps
+// them: G V kOwnDilatation tr^4, which is nothing near rest.
+constexpr double kOwnDilatation = 10.0;
+
+/// Stress along the rotation: of the mean stress, of the tetrahedron's own dilatation, and what the
+/// trace takes from the shape's part.
 double StressAlongRotation(const RotatedTetrahedron& state, double shear_modulus_mpa,
                            double mean_stress_mpa) {
-  return mean_stress_mpa - 2.0 / 3.0 * shear_modulus_mpa * state.Dilatation();
+  const double own = state.Dilatation();
+  return mean_stress_mpa + shear_modulus_mpa * own * (4.0 * kOwnDilatation * own * own - 2.0 / 3.0);
 }
 
 }  // namespace
@@ -37,7 +44,8 @@ double ShapeEnergyNmm(const LinearTetrahedron& element, const RotatedTetrahedron
                       double shear_modulus_mpa) {
   const double trace = state.Dilatation();
   return element.volume_mm3 * shear_modulus_mpa *
-         ((state.stretches.array() - 1.0).matrix().squaredNorm() - trace * trace / 3.0);
+         ((state.stretches.array() - 1.0).matrix().squaredNorm() - trace * trace / 3.0 +
+          kOwnDilatation * trace * trace * trace * trace);
 }
 
 CornerVectors CornerForcesN(const LinearTetrahedron& element, const RotatedTetrahedron& state,
@@ -69,7 +77,8 @@ TetrahedronMatrix CornerStiffness(const LinearTetrahedron& element, const Rotate
   }
   const CornerVectors along = state.rotation * g;
   const Eigen::Map<const Corners> a(along.data());
-  k -= twice_shear / 3.0 * a * a.transpose();
+  const double own = state.Dilatation();
+  k += twice_shear * (6.0 * kOwnDilatation * own * own - 1.0 / 3.0) * a * a.transpose();
   // Turning about each axis of stretch: the stiffness is that of the stress held there.
   const double stress = StressAlongRotation(state, shear_modulus_mpa, mean_stress_mpa);
   for (int axis = 0; axis < 3; ++axis) {

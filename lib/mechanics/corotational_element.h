@@ -24,7 +24,8 @@ struct RotatedTetrahedron {
 
 RotatedTetrahedron Rotated(const LinearTetrahedron& element, const CornerVectors& displacement_mm);
 
-/// Energy of the change of shape, G V |dev(S - 1)|^2, in N mm.
+/// Energy of the change of shape, G V |dev(S - 1)|^2, in N mm, and of what keeps a single
+/// tetrahedron from collapsing at large strains.
 double ShapeEnergyNmm(const LinearTetrahedron& element, const RotatedTetrahedron& state,
                       double shear_modulus_mpa);
 
