@@ -87,6 +87,9 @@ ContactPlace ContactMesh::Ball(const Eigen::Vector3d& rest_in_ct_mm,
     radius2 = candidate[kMost].distance2;
     count = kMost;
   }
+  // Neighbours in the compliance one after the other.
+  std::sort(candidate.begin(), candidate.begin() + count,
+            [](const Candidate& a, const Candidate& b) { return a.node < b.node; });
   ContactPlace place;
   double sum = 0.0;
   for (std::size_t c = 0; c < count; ++c) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "tissue/compliance_sums.h"
 
 namespace acus::tissue {
 namespace {
@@ -13,50 +14,6 @@ constexpr int kSolvesPerCheck = 16;
 // Of the largest displacement asked for, but at least of 1 mm. A force is wrong by no more than
 // this over the compliance of a point, some mm/N.
 constexpr double kLargestResidualShare = 1e-10;
-
-template <class T>
-Eigen::Matrix3d SumBetween(const mechanics::Compliance& compliance, const ContactPlace& a,
-                           const ContactPlace& b) noexcept {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (int i = 0; i < a.num_rows; ++i) {
-    const T* x = compliance.Values<T>(3 * a.row[i]);
-    const T* y = compliance.Values<T>(3 * a.row[i] + 1);
-    const T* z = compliance.Values<T>(3 * a.row[i] + 2);
-    for (int j = 0; j < b.num_rows; ++j) {
-      const int column = 3 * b.row[j];
-      const double weight = a.weight[i] * b.weight[j];
-      for (int d = 0; d < 3; ++d) {
-        sum(0, d) += weight * static_cast<double>(x[column + d]);
-        sum(1, d) += weight * static_cast<double>(y[column + d]);
-        sum(2, d) += weight * static_cast<double>(z[column + d]);
-      }
-    }
-  }
-  return sum;
-}
-
-/// Of one place with itself, along a direction: half of the blocks, as the compliance is symmetric.
-template <class T>
-double SumWithin(const mechanics::Compliance& compliance, const ContactPlace& place,
-                 const Eigen::Vector3d& direction) noexcept {
-  double sum = 0.0;
-  for (int i = 0; i < place.num_rows; ++i) {
-    const T* x = compliance.Values<T>(3 * place.row[i]);
-    const T* y = compliance.Values<T>(3 * place.row[i] + 1);
-    const T* z = compliance.Values<T>(3 * place.row[i] + 2);
-    for (int j = 0; j <= i; ++j) {
-      const int column = 3 * place.row[j];
-      double block = 0.0;
-      for (int d = 0; d < 3; ++d) {
-        block += direction[d] * (direction[0] * static_cast<double>(x[column + d]) +
-                                 direction[1] * static_cast<double>(y[column + d]) +
-                                 direction[2] * static_cast<double>(z[column + d]));
-      }
-      sum += (i == j ? 1.0 : 2.0) * place.weight[i] * place.weight[j] * block;
-    }
-  }
-  return sum;
-}
 
 }  // namespace
 
@@ -84,6 +41,8 @@ ContactState ContactSystem::NewState() const {
   state.s_.resize(columns * stride, 0.0);
   state.birth_.resize(points * stride, 0.0);
   state.copies_.resize(CopyBegin(capacity_.points / kPointsPerCopy + 1), 0.0);
+  state.seen_mm_per_n_.resize(compliance_.num_nodes(), Eigen::Vector3d::Zero());
+  state.seen_when_.resize(compliance_.num_nodes(), 0);
   state.solver_ = BoxSolver(static_cast<int>(columns));
   for (auto* of_points : {&state.lateral_mm_, &state.lateral_n_, &state.reduced_mm_, &state.first_,
                           &state.second_, &state.third_}) {
@@ -137,10 +96,29 @@ double ContactSystem::SlotBetween(const ContactState& state, int a, int b) const
       state.slot_direction_[earlier]);
 }
 
-Eigen::Vector3d ContactSystem::SlotToPoint(const ContactState& state, int slot,
+/// Displacement of a node by 1 N on a slot.
+Eigen::Vector3d ContactSystem::SlotToNode(ContactState& state, int slot, int row) const noexcept {
+  const bool is_kept = slot == state.seen_slot_;
+  if (is_kept && state.seen_when_[row] == state.seen_now_) return state.seen_mm_per_n_[row];
+  const ContactPlace& place = state.slot_place_[slot];
+  const Eigen::Vector3d& direction = state.slot_direction_[slot];
+  const Eigen::Vector3d moved = compliance_.storage() == mechanics::Storage::kFloat
+                                    ? SumAtNode<float>(compliance_, row, place, direction)
+                                    : SumAtNode<double>(compliance_, row, place, direction);
+  if (is_kept) {
+    state.seen_mm_per_n_[row] = moved;
+    state.seen_when_[row] = state.seen_now_;
+  }
+  return moved;
+}
+
+Eigen::Vector3d ContactSystem::SlotToPoint(ContactState& state, int slot,
                                            const ContactPlace& point) const noexcept {
-  return state.frame_.transpose() *
-         (Between(state.slot_place_[slot], point).transpose() * state.slot_direction_[slot]);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int j = 0; j < point.num_rows; ++j) {
+    sum += point.weight[j] * SlotToNode(state, slot, point.row[j]);
+  }
+  return state.frame_.transpose() * sum;
 }
 
 Eigen::Vector3d ContactSystem::AppendPoint(ContactState& state, const ContactPlace& place,
@@ -251,6 +229,8 @@ void ContactSystem::SetSlot(ContactState& state, int slot, const ContactPlace& p
   state.slot_direction_[slot] = direction;
   state.slot_local_[slot] = local_mm_per_n;
   state.slot_used_[slot] = 1;
+  state.seen_slot_ = slot;
+  ++state.seen_now_;
 
   double* lateral = state.first_.data();
   double* row = state.second_.data();
@@ -290,6 +270,7 @@ void ContactSystem::ClearSlot(ContactState& state, int slot) const noexcept {
   state.slot_used_[slot] = 0;
   state.bounded_n_[slot] = 0.0;
   for (int k = 0; k < 2 * state.num_points_; ++k) state.W(k)[slot] = 0.0;
+  if (state.seen_slot_ == slot) state.seen_slot_ = -1;
   state.solver_.SetStatus(slot, ContactStatus::kOff);
   state.solver_.Forget(slot);
 }

@@ -131,6 +131,12 @@ class ContactState {
   std::vector<double> lateral_mm_, demand_mm_, low_n_, high_n_;
   std::vector<double> lateral_n_, bounded_n_;
   std::vector<double> rhs_, reduced_mm_, first_, second_, third_;  ///< Work space.
+  // What the slot that was set last does at nodes, mm/N: many points share a node.
+  std::vector<Eigen::Vector3d> seen_mm_per_n_;
+  std::vector<int> seen_when_;
+  int seen_now_ = 0;
+  int seen_slot_ = -1;
+
   int check_next_ = 0;
   std::int64_t num_solves_ = 0;
   std::int64_t num_refactors_ = 0;
@@ -198,7 +204,8 @@ class ContactSystem {
   void SaveCopy(ContactState& state, int index) const noexcept;
   std::ptrdiff_t CopyBegin(int index) const noexcept;
   double SlotBetween(const ContactState& state, int a, int b) const noexcept;
-  Eigen::Vector3d SlotToPoint(const ContactState& state, int slot,
+  Eigen::Vector3d SlotToNode(ContactState& state, int slot, int row) const noexcept;
+  Eigen::Vector3d SlotToPoint(ContactState& state, int slot,
                               const ContactPlace& point) const noexcept;
 
   mechanics::Compliance compliance_;

@@ -10,7 +10,7 @@
 namespace acus::tissue {
 namespace {
 
-constexpr int kMostNewPoints = 4;   // Per step: the rest follows in the next ones.
+constexpr int kMostNewPoints = 3;   // Per step: the rest follows in the next ones.
 constexpr double kMarchMm = 0.5;    // So closely the tip looks for other tissues on its way.
 constexpr int kHalvings = 12;       // Finds an interface to 0.1 um of that.
 constexpr double kReplaceMm = 0.5;  // Of cutting, after which the tip's compliance is found anew.

@@ -57,7 +57,7 @@ void ContactStep(benchmark::State& state) {
 BENCHMARK(ContactStep)
     ->ArgNames({"cells", "points"})
     ->ArgsProduct({{21, 30, 38, 48}, {20, 60}})
-    ->Iterations(100'000)
+    ->Iterations(50'000)
     ->UseManualTime()
     ->Unit(benchmark::kMicrosecond);
 
