@@ -53,6 +53,33 @@ TEST(MechanicsStability, SliversKeepThePatchTest) {
   }
 }
 
+/// Moves an inner node to the middle of the face across one of its tetrahedra, but for `share` of
+/// the way: a sliver, flat although its edges are long.
+void MakeSliver(mesh::TetraMesh& mesh, const Eigen::Vector3d& place_mm, double share) {
+  const auto node = static_cast<int>(NodeAt(mesh, place_mm));
+  for (Eigen::Index t = 0; t < mesh.tetrahedra.cols(); ++t) {
+    const Eigen::Vector4i corners = mesh.tetrahedra.col(t);
+    if ((corners.array() != node).all()) continue;
+    Eigen::Vector3d middle = -mesh.nodes_mm.col(node);
+    for (const int corner : corners) middle += mesh.nodes_mm.col(corner);
+    middle /= 3.0;
+    mesh.nodes_mm.col(node) = middle + share * (mesh.nodes_mm.col(node) - middle);
+    return;
+  }
+}
+
+TEST(MechanicsStability, FlatTetrahedraWithLongEdgesKeepThePatchTest) {
+  for (const ElementKind kind : kBothElements) {
+    for (const double share : {1e-2, 1e-4, 1e-7}) {
+      mesh::TetraMesh box = BoxMesh({5, 5, 5}, {0, 0, 0}, {50, 50, 50});
+      MakeSliver(box, {20, 20, 20}, share);
+      MakeSliver(box, {40, 30, 20}, share);
+      EXPECT_LT(PatchError(box, UniformTable(0.01, 0.49), kind), std::max(1e-10, 1e-15 / share))
+          << share;
+    }
+  }
+}
+
 TEST(MechanicsStability, SliversHardlyChangeWhatALoadDoes) {
   mesh::TetraMesh box = BoxMesh({6, 6, 6}, {0, 0, 0}, {60, 60, 60});
   Fix(box, [](const Eigen::Vector3d& x) { return x.z() == 0.0; });
@@ -183,6 +210,32 @@ TEST(MechanicsStability, OneTetrahedronThickLayersDoNotLock) {
   // The same constants under two names: only the patches differ.
   EXPECT_NEAR(work(ElementKind::kAveragedDilatation) / whole, 1.0, 0.05);
   EXPECT_LT(work(ElementKind::kLinear) / whole, 0.75);
+}
+
+TEST(MechanicsStability, SpreadLoadsConvergeWherePointLoadsDoNot) {
+  const auto depression_mm = [](int cells, bool is_spread) {
+    mesh::TetraMesh box = BoxMesh({cells, cells, cells / 2}, {-40, -40, -40}, {40, 40, 0});
+    Fix(box, [](const Eigen::Vector3d& x) { return x.z() == -40.0; });
+    Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Zero(3, box.nodes_mm.cols());
+    if (is_spread) {
+      load = TractionLoad(
+          box, [](const Eigen::Vector3d& x) { return x.z() == 0.0; },
+          [](const Eigen::Vector3d& x) {
+            return Eigen::Vector3d(0, 0, x.cwiseAbs().maxCoeff() < 10.0 ? -1.0 / 400.0 : 0.0);
+          },
+          8);
+    } else {
+      load(2, NodeAt(box, {0, 0, 0})) = -1.0;
+    }
+    const StaticSolver solver(box, UniformTable(0.01, 0.49), ElementKind::kAveragedDilatation);
+    return load.cwiseProduct(solver.Displacements(load)).sum();
+  };
+  const double spread[] = {depression_mm(8, true), depression_mm(16, true),
+                           depression_mm(24, true)};
+  EXPECT_LT(std::abs(spread[2] - spread[1]), 0.5 * std::abs(spread[1] - spread[0]));
+  EXPECT_LT(std::abs(spread[2] / spread[1] - 1.0), 0.05);
+  // Under a point load it grows with the number of elements along an edge.
+  EXPECT_GT(depression_mm(24, false), 1.3 * depression_mm(16, false));
 }
 
 TEST(MechanicsStability, IslandsAreLeftOutOrRefused) {
