@@ -1,12 +1,13 @@
 #include "tradeoff/sweep.h"
 
 #include "core/error.h"
+#include "tradeoff/needle_sweep.h"
 #include "tradeoff/tissue_sweep.h"
 
 namespace acus::tradeoff {
 
 const std::vector<Sweep>& Sweeps() {
-  static const std::vector<Sweep> sweeps = {TissueSweep()};
+  static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep()};
   return sweeps;
 }
 
