@@ -28,6 +28,8 @@ std::string NameOf(volume::Label label) {
 }  // namespace
 
 const ElasticTissue& ElasticityTable::At(volume::Label label) const {
+  ACUS_REQUIRE(label != 0, "the mesh holds tetrahedra of 'outside' (label 0), which is free space ",
+               "and has no stiffness; mesh the label map again with acus-mesh");
   ACUS_REQUIRE(named.test(label), "the mesh holds ", NameOf(label), " but ", file,
                " has no row for it; add a row with youngs_modulus_kpa and poissons_ratio, or mesh ",
                "with that tissue among the fixed_tissues");

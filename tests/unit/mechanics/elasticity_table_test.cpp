@@ -43,6 +43,7 @@ TEST(ElasticityTable, ATissueWithoutARowIsRefusedWithTheRemedy) {
                                               HasSubstr("add a row"), HasSubstr("fixed_tissues"))));
   EXPECT_THAT([&] { table.At(200); },
               ThrowsMessage<InputError>(HasSubstr("label 200, which is no standard label")));
+  EXPECT_THAT([&] { table.At(0); }, ThrowsMessage<InputError>(HasSubstr("mesh the label map")));
 }
 
 TEST(ElasticityTable, SaysWhatIsWrong) {

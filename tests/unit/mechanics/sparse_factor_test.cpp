@@ -65,6 +65,10 @@ TEST(SparseFactor, AMatrixThatIsNotPositiveDefiniteIsToldWithItsRow) {
               ThrowsMessage<NoAnswerError>(HasSubstr("not positive definite at row 4")));
   SparseFactor factor(LowerOf(Eigen::MatrixXd::Identity(9, 9)));
   EXPECT_THROW(factor.Refactor(LowerOf(k)), NoAnswerError);
+  EXPECT_FALSE(factor.TryRefactor(LowerOf(k)));
+  // And is of use again.
+  EXPECT_TRUE(factor.TryRefactor(LowerOf(2.0 * Eigen::MatrixXd::Identity(9, 9))));
+  EXPECT_TRUE(factor.Solve(Eigen::VectorXd::Ones(9)).isApproxToConstant(0.5, 1e-15));
 }
 
 }  // namespace
