@@ -8,6 +8,16 @@ namespace {
 
 constexpr double kPlayMm = 0.5;  // Going back and forth by less is not an advance.
 
+/// What holds the tip: also on its way out, and in again. A membrane that is only pressed has let
+/// nothing of what is behind it through; a tremor at an interface is on one side of it.
+volume::Label TissueAtTip(const NeedleTrack& track, volume::Label before,
+                          double hysteresis_mm) noexcept {
+  if (track.pressing) return track.cut_tissue;
+  const volume::Label above = track.path.TissueAt(track.depth_mm - hysteresis_mm);
+  const volume::Label below = track.path.TissueAt(track.depth_mm + hysteresis_mm);
+  return above == below ? above : before;
+}
+
 }  // namespace
 
 AlamillaModel::AlamillaModel(const ForceTable& table, const NeedleProperties& needle)
@@ -32,6 +42,7 @@ NeedleForce AlamillaModel::Step(AlamillaState& state, const NeedleInput& input) 
     state.friction = {};
     state.knock.Stop();
     state.fixture = {};
+    state.held_by = 0;
   }
   if (!state.started || touched) state.axis_in_ct = motion.axis;
   if (state.in_body) out = InBody(state, motion, touched);
@@ -54,6 +65,7 @@ NeedleForce AlamillaModel::InBody(AlamillaState& state, const NeedleMotion& moti
         WithoutTwist(Eigen::Quaterniond::Identity(), state.path.direction_in_ct);
     state.wall.wall_mm = state.depth_mm;  // Eq. 2: the force drops to 0, then the wall builds up.
     state.play_mm = state.depth_mm;
+    state.held_by = state.cut_tissue;
   }
   AlongThePath(state, motion, step, out);
   out.force_in_ct_n = -out.AxialN() * state.path.direction_in_ct;
@@ -66,7 +78,7 @@ NeedleForce AlamillaModel::InBody(AlamillaState& state, const NeedleMotion& moti
 /// Eq. 3, in both directions. A stiffer tissue takes the force over as it is; in a softer one the
 /// spring keeps its length: neither gives energy.
 double AlamillaModel::WallN(AlamillaState& state, double previous_mm) const noexcept {
-  const TissueForce& tissue = table_.tissue[state.cut_tissue];
+  const TissueForce& tissue = table_.tissue[state.held_by];
   const double own = tissue.cutting_stiffness_n_per_mm;
   const double stiffness = own > 0.0 ? own : table_.settings.cutting_stiffness_n_per_mm;
   if (stiffness > state.wall_n_per_mm && state.wall_n_per_mm > 0.0) {
@@ -82,10 +94,16 @@ double AlamillaModel::WallN(AlamillaState& state, double previous_mm) const noex
 void AlamillaModel::AlongThePath(AlamillaState& state, const NeedleMotion& motion,
                                  const TrackStep& step, NeedleForce& out) const noexcept {
   if (state.pierced) {
+    const volume::Label held_by =
+        TissueAtTip(state, state.held_by, table_.settings.interface_hysteresis_mm);
+    if (held_by != state.held_by && state.held_by != 0) {
+      out.event = FirstOf(out.event, NeedleEvent::kInterface);
+    }
+    state.held_by = held_by;
     out.cutting_n = WallN(state, step.previous_mm);
     const double travel_mm = step.was_pierced ? state.depth_mm - step.previous_mm : 0.0;
     out.friction_n = state.friction.Advance(table_.alamilla.friction, travel_mm, motion.dt_s,
-                                            table_.tissue[state.cut_tissue].cutting_n);
+                                            table_.tissue[state.held_by].cutting_n);
     state.channel_mm = std::max(state.channel_mm, state.depth_mm);
   }
   const PressedMembrane membrane = ActiveMembrane(table_, state);

@@ -21,6 +21,7 @@ struct AlamillaState : NeedleTrack {
   TrackingWall wall;
   double wall_n = 0.0;         ///< Its last force.
   double wall_n_per_mm = 0.0;  ///< Its last stiffness.
+  volume::Label held_by = 0;   ///< The tissue around the tip, also in the channel.
   LuGre friction;
   HardContact knock;
   Fixture fixture;                                        ///< Once pierced.
@@ -35,7 +36,9 @@ class AlamillaModel {
   AlamillaModel(const ForceTable& table, const NeedleProperties& needle);
 
   /// Takes in the next sample. Bad samples and the bound on the force: as NeedleForceModel::Step.
-  /// cutting_n is below 0 while the needle is withdrawn; lateral_n and torque_in_ct_n_mm clamp it.
+  /// cutting_n is below 0 while the needle is withdrawn. Each layer holds the tip by its own force,
+  /// also on its way out and in again, and that is an interface each time. lateral_n and
+  /// torque_in_ct_n_mm clamp it.
   NeedleForce Step(AlamillaState& state, const NeedleInput& input) const noexcept;
 
   const ForceTable& table() const { return table_; }

@@ -21,6 +21,13 @@ volume::Label NeedlePath::LastTissue() const noexcept {
   return num_segments > 0 ? segment[num_segments - 1].tissue : volume::Label{0};
 }
 
+volume::Label NeedlePath::TissueAt(double depth_mm) const noexcept {
+  for (int i = 0; i < num_segments; ++i) {
+    if (depth_mm < segment[i].end_mm) return segment[i].tissue;
+  }
+  return LastTissue();
+}
+
 void NeedlePath::ExtendTo(double end_mm) noexcept {
   if (num_segments > 0) segment[num_segments - 1].end_mm = std::max(EndMm(), end_mm);
 }

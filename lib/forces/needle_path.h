@@ -32,6 +32,9 @@ struct NeedlePath {
   /// Tissue of the last segment; 0 (outside) if there is none.
   volume::Label LastTissue() const noexcept;
 
+  /// Tissue of the segment that this depth is in; of the first before it, of the last behind it.
+  volume::Label TissueAt(double depth_mm) const noexcept;
+
   /// Moves the end of the last segment. @pre there is one.
   void ExtendTo(double end_mm) noexcept;
   /// Starts a segment at the present end. With all kMaxSegments in use, the two shallowest become

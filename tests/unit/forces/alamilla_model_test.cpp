@@ -68,13 +68,23 @@ TEST_F(AlamillaTest, TrackingWallCutsAndWithdraws) {
   EXPECT_NEAR(driven.last.cutting_n, 2.0, 1e-9);
   MoveTo(26.0);
   EXPECT_NEAR(driven.last.cutting_n, 1.0, 1e-3);
-  MoveTo(10.0);
+  MoveTo(13.0);
   EXPECT_NEAR(driven.last.cutting_n, -2.0, 1e-3);
   EXPECT_LT(driven.last.friction_n, 0.0);
   place_mm.z() = 5.0;
   MoveTo(-1.0);
   EXPECT_EQ(driven.last.AxialN(), 0.0);
   EXPECT_EQ(events.back(), NeedleEvent::kWithdrawal);
+}
+
+TEST_F(AlamillaTest, EachLayerHoldsTheNeedleOnItsWayOutByItsOwnForce) {
+  MoveTo(55.0);
+  EXPECT_NEAR(driven.last.cutting_n, 2.5, 1e-9);
+  MoveTo(41.0, 40.0);
+  MoveTo(30.0, 40.0);
+  EXPECT_NEAR(driven.last.cutting_n, -2.0, 1e-9);  // Muscle, not tendon.
+  MoveTo(9.0, 40.0);
+  EXPECT_NEAR(driven.last.cutting_n, -1.0, 1e-9);  // Skin.
 }
 
 // Eq. 6: F_n (g(v) + sigma2 v) with F_n the tissue's cutting force.
