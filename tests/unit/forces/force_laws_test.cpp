@@ -107,7 +107,7 @@ TEST(BoneSpring, PushesOutOnlyAndIsBounded) {
 }
 
 // A sampled spring held over each step gives energy away, k/2 per squared step; the damping takes
-// b/T. The default of 0.01 N s/mm is twice what 10 N/mm needs at 1 kHz, which also pays for the
+// b/T. 0.01 N s/mm is twice what 10 N/mm needs at 1 kHz without delay, which also pays for the
 // step on which contact begins.
 TEST(BoneSpring, DoesNotGiveEnergyWhenPressedAndReleased) {
   const BoneSpring bone{10.0, 0.01, 20.0};
