@@ -49,6 +49,43 @@ bool AllConform(const LabelMeshSettings& settings) {
   return std::ranges::count(settings.conforming_tissues, "all") > 0;
 }
 
+/// Faces between voxels of `label` and voxels of each other label.
+std::array<std::size_t, 256> TouchingFaces(const volume::LabelMap& labels, int label) {
+  std::array<std::size_t, 256> out{};
+  const Eigen::Array3i& size = labels.geometry.size;
+  for (int k = 0; k < size[2]; ++k) {
+    for (int j = 0; j < size[1]; ++j) {
+      for (int i = 0; i < size[0]; ++i) {
+        const volume::Label here = labels.At(i, j, k);
+        for (int d = 0; d < 3; ++d) {
+          const Eigen::Array3i next(i + (d == 0), j + (d == 1), k + (d == 2));
+          if ((next >= size).any()) continue;
+          const volume::Label there = labels.At(next[0], next[1], next[2]);
+          if (here == there) continue;
+          if (here == label) ++out[there];
+          if (there == label) ++out[here];
+        }
+      }
+    }
+  }
+  return out;
+}
+
+/// Tissues without a surface of their own go with the conforming one that they touch most: a lesion
+/// is then told apart within the liver, and both get their volumes.
+void JoinNeighbours(const volume::LabelMap& labels, const std::vector<int>& joining,
+                    MaterialOfLabel& materials) {
+  for (const int label : joining) {
+    const auto faces = TouchingFaces(labels, label);
+    std::size_t most = 0;
+    for (int other = 1; other < 256; ++other) {
+      if (faces[other] <= most || std::ranges::count(joining, other) > 0) continue;
+      most = faces[other];
+      materials[label] = materials[other];
+    }
+  }
+}
+
 /// 0 outside, 1 all tissues that need no surface of their own, then the conforming ones. Where all
 /// conform, the largest is 1: its surface is what the others leave.
 MaterialOfLabel Materials(const volume::LabelMap& labels, const std::array<double, 256>& map_mm3,
@@ -59,13 +96,18 @@ MaterialOfLabel Materials(const volume::LabelMap& labels, const std::array<doubl
   const auto& wanted = settings.conforming_tissues;
   const bool all_conform = AllConform(settings);
   const auto largest = std::max_element(map_mm3.begin() + 1, map_mm3.end()) - map_mm3.begin();
+  std::vector<int> joining;
   for (int l = 1; l < 256; ++l) {
     if (map_mm3[l] <= 0.0 || (all_conform && l == largest)) continue;
-    if (all_conform && std::ranges::count(settings.except_tissues, NameOf(labels, l)) > 0) continue;
+    if (all_conform && std::ranges::count(settings.except_tissues, NameOf(labels, l)) > 0) {
+      joining.push_back(l);
+      continue;
+    }
     if (!all_conform && std::ranges::find(wanted, NameOf(labels, l)) == wanted.end()) continue;
     ACUS_REQUIRE(num_materials < 64, "more than 62 conforming tissues; list fewer");
     out[l] = static_cast<std::uint8_t>(num_materials++);
   }
+  JoinNeighbours(labels, joining, out);
   return out;
 }
 
@@ -310,8 +352,12 @@ class LabelMesher {
     for (int l = 1; l < 256; ++l) {
       if (map_mm3_[l] <= 0.0) continue;
       // With "all", what is left is one tissue, whose surface is what the others leave.
+      int sharers = 0;
+      for (int k = 1; k < 256; ++k) {
+        sharers += map_mm3_[k] > 0.0 && material_of_label_[k] == material_of_label_[l];
+      }
       const bool is_conforming =
-          material_of_label_[l] > 1 || (AllConform(settings_) && settings_.except_tissues.empty());
+          sharers == 1 && (material_of_label_[l] > 1 || AllConform(settings_));
       out.tissues.push_back({static_cast<std::uint8_t>(l), NameOf(labels_, l), map_mm3_[l] / 1000.0,
                              mesh_mm3[l] / 1000.0, is_conforming});
       out.body_map_ml += map_mm3_[l] / 1000.0;

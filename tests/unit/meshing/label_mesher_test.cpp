@@ -168,6 +168,23 @@ TEST(MeshLabelMap, TellsThinTissuesApartWhereTheirSurfaceIsTooFine) {
   }
 }
 
+TEST(MeshLabelMap, TellsASmallTissueApartWithinTheOneAroundIt) {
+  LabelMeshSettings settings = Coarse();
+  settings.conforming_tissues = {"all"};
+  settings.except_tissues = {"liver"};
+  settings.volume_tolerance = 0.05;
+  // A small ball of liver inside a ball of bone inside fat.
+  const auto labels = label_maps::Make(50, 1.5, [](const auto& x) -> std::uint8_t {
+    if ((x - Eigen::Vector3d(2, 1, 3)).norm() < 7.0) return label_maps::kLiver;
+    return x.norm() < 20.0 ? kBone : x.norm() < 33.0 ? kFat : 0;
+  });
+  const LabelMesh out = MeshLabelMap(labels, settings, {});
+  for (const TissueVolume& tissue : out.tissues) {
+    EXPECT_EQ(tissue.is_conforming, tissue.name == "fat") << tissue.name;
+    EXPECT_NEAR(tissue.mesh_ml, tissue.map_ml, 0.05 * tissue.map_ml) << tissue.name;
+  }
+}
+
 TEST(MeshLabelMap, SpendsItsNodesWhereSurfacesBend) {
   LabelMeshSettings settings;
   settings.sizes = {8.0, 8.0, 16.0, std::nullopt, 2.0};
