@@ -46,6 +46,20 @@ acus_add_cli_case(acus-mesh.broken_mesh EXIT 3 LEAVES_NOTHING BEFORE "echo x > m
 acus_add_cli_case(acus-mesh.bad_probe EXIT 3 LEAVES_NOTHING BEFORE "echo x > mesh.vtu"
   STDERR "--probe-at: '1,2' is not a point" COMMAND acus-mesh --mesh mesh.vtu --condense
           --corridor-from 4,4,9 --corridor-to 4,4,2 --probe-at 1,2 -o out)
+acus_add_cli_case(acus-mesh.condense_mesh EXIT 0 NEEDS inputs
+  BEFORE "ln -s $INPUTS/box.vtu ." CREATES out/mesh.vtu out/compliance.acc out/condensation.json
+          out/provenance.json
+  COMMAND acus-mesh --mesh box.vtu --condense --corridor-from 7,7,25 --corridor-to 7,7,10
+          --probe-at 7,7,20 -o out)
+acus_add_cli_case(acus-mesh.no_tissue_ids EXIT 3 LEAVES_NOTHING NEEDS inputs
+  BEFORE "sed s/tissue/colour/ $INPUTS/box.vtu > box.vtu"
+  STDERR "box.vtu: has no tissue ids" "mesh the label map with acus-mesh"
+  COMMAND acus-mesh --mesh box.vtu --condense --corridor-from 7,7,25 --corridor-to 7,7,10 -o out)
+acus_add_cli_case(acus-mesh.no_elasticity EXIT 3 LEAVES_NOTHING NEEDS inputs
+  BEFORE "ln -s $INPUTS/box.vtu .\necho '{\"format\": \"acus-elasticity/1\", \"tissues\": [{\"tissue\": \"fat\", \"source\": \"test\", \"youngs_modulus_kpa\": 3}]}' > fat.json\necho '{\"format\": \"acus-mesh/1\", \"condensation\": {\"elasticity\": \"fat.json\"}}' > c.json"
+  STDERR "'liver'" "fat.json has no row for it" "add a row"
+  COMMAND acus-mesh --mesh box.vtu --condense --config c.json --corridor-from 7,7,25
+          --corridor-to 7,7,10 -o out)
 # With a tolerance that it meets at once.
 set(coarse_patient "ln -s $INPUTS/labels.seg.nrrd .\nsed s/0.5/0.9/ $INPUTS/coarse_mesh.json > coarse_mesh.json")
 acus_add_cli_case(acus-mesh.condense EXIT 0 NEEDS inputs TIMEOUT 200

@@ -58,4 +58,4 @@ awk 'BEGIN {
   print "endsolid block"
 }' >block.stl
 
-cp "$source/testdata/coarse_mesh.json" .
+cp "$source/testdata/coarse_mesh.json" "$source/testdata/box.vtu" .
