@@ -104,7 +104,8 @@ forces::NeedleForce FemNeedleModel::Step(FemNeedleState& state,
     PressSkin(state);
   }
   if (state.phase != NeedlePhase::kFree || probe_) system_.Solve(state.contact);
-  outcome.tip_n = state.phase == NeedlePhase::kFree ? 0.0 : state.contact.SlotForceN(0);
+  outcome.tip_n =
+      state.phase == NeedlePhase::kFree ? 0.0 : std::max(0.0, state.contact.SlotForceN(0));
   forces::NeedleForce out = ForceOf(state, outcome);
   After(state, outcome);
   out.event = outcome.event;
