@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kLargestDepthMm = 2000.0;
 constexpr double kLargestForceN = 1000.0;
+constexpr double kLeastTravelMm = 1.0;
+constexpr double kLargestHu = 1e5;
 constexpr std::size_t kFewestSamples = 20;
 
 /// One column over time, as read, with the table kept for messages.
@@ -45,6 +47,19 @@ void RequireEnough(const std::filesystem::path& path, std::size_t count) {
                " are needed. Is the recording cut off?");
 }
 
+/// A depth in metres: an insertion of 10 to 300 mm would be one of 0.01 to 0.3 "mm", over which
+/// tissue makes no forces that rise and fall for seconds.
+void RequireMillimetres(const std::filesystem::path& path, const ForceCurve& curve) {
+  const auto [low_mm, high_mm] = std::ranges::minmax(curve.depth_mm);
+  const auto [low_n, high_n] = std::ranges::minmax(curve.force_n);
+  const double travel_mm = high_mm - low_mm;
+  const double duration_s = curve.time_s.back() - curve.time_s.front();
+  const bool is_tiny = travel_mm > 0.0 && travel_mm < kLeastTravelMm;
+  ACUS_REQUIRE(!is_tiny || duration_s < 2.0 || high_n - low_n < 0.05, path.string(),
+               ": the depth changes by ", travel_mm, " in all over ", duration_s,
+               " s: it seems to be in metres. It is needed in mm: multiply the column by 1000");
+}
+
 ForceCurve ReadFolder(const std::filesystem::path& folder) {
   const Signal depth = ReadSignal(folder / "time_displacement.csv", "depth_mm", kLargestDepthMm,
                                   "mm", /*has_header=*/false);
@@ -65,6 +80,7 @@ ForceCurve ReadFolder(const std::filesystem::path& folder) {
     curve.force_n.push_back(force.value[i]);
   }
   RequireEnough(folder, curve.size());
+  RequireMillimetres(folder, curve);
   return curve;
 }
 
@@ -101,8 +117,24 @@ ForceCurve ReadForceCurve(const std::filesystem::path& path) {
   Signal depth = ReadSignal(path, "depth_mm", kLargestDepthMm, "mm", /*has_header=*/true);
   Signal force = ReadSignal(path, "force_n", kLargestForceN, "N", /*has_header=*/true);
   RequireEnough(path, depth.time_s.size());
-  return {path.stem().string(), std::move(depth.time_s), std::move(depth.value),
-          std::move(force.value)};
+  ForceCurve curve{path.stem().string(),
+                   std::move(depth.time_s),
+                   std::move(depth.value),
+                   std::move(force.value),
+                   {},
+                   {}};
+  const auto read_if_any = [&](const char* column, std::vector<double>& into) {
+    if (!force.table.Has(column)) return;
+    into = force.table.Numbers(column);
+    for (std::size_t i = 0; i < into.size(); ++i) {
+      ACUS_REQUIRE(std::abs(into[i]) <= kLargestHu, force.table.Where(i), ": ", column, " is ",
+                   into[i], "; allowed: -100000 to 100000");
+    }
+  };
+  read_if_any("hu", curve.hu);
+  read_if_any("hu_gradient_per_mm", curve.hu_gradient_per_mm);
+  RequireMillimetres(path, curve);
+  return curve;
 }
 
 void WriteForceCurve(const std::filesystem::path& path, const ForceCurve& curve) {

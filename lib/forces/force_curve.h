@@ -15,18 +15,21 @@ struct ForceCurve {
   std::vector<double> time_s;
   std::vector<double> depth_mm;
   std::vector<double> force_n;
+  std::vector<double> hu;                  ///< Of the CT at the tip; empty if not known.
+  std::vector<double> hu_gradient_per_mm;  ///< Magnitude of the CT's gradient there; or empty.
 
   std::size_t size() const { return time_s.size(); }
 };
 
 /// Reads either
-///  - a CSV with columns time_s, depth_mm, force_n, or
+///  - a CSV with columns time_s, depth_mm, force_n, and hu and hu_gradient_per_mm if there are, or
 ///  - a folder with the headerless time_displacement.csv (s, mm) and time_force.csv (s, N). Their
 ///    clocks may differ: the depth is interpolated linearly at the times of the force, and force
 ///    samples outside the depth's time span are left out.
 /// The name is the file's stem or the folder's name.
 /// @throws InputError with file:row if a value is not finite or beyond 2 m or 1 kN, time does not
-///     increase, or fewer than 20 samples are left.
+///     increase, or fewer than 20 samples are left; and if the depth looks like
+///     metres: all of it within 1 mm over more than 2 s, with forces that differ by 0.05 N or more.
 ForceCurve ReadForceCurve(const std::filesystem::path& path);
 
 /// Writes the CSV form, whole or not at all.
