@@ -1,15 +1,14 @@
 // acus-fit: force-depth recordings to the parameters of a puncture.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "config/json_file.h"
 #include "core/atomic_file.h"
 #include "core/run_main.h"
+#include "fitting/fit_models.h"
 #include "fitting/fit_report.h"
-#include "report/svg_plot.h"
 #include "volume/labels.h"
 
 namespace {
@@ -17,40 +16,36 @@ namespace {
 using namespace acus;  // NOLINT: a program may.
 namespace fs = std::filesystem;
 
-/// Measured force with the fit over it, and what is left, over `x` (depth or time).
-std::vector<report::Plot> Plots(const forces::ForceCurve& curve,
-                                const fitting::PunctureCurveFit& fit, const std::vector<double>& x,
-                                const char* x_label) {
-  report::Series measured{.name = "measured", .x = x, .y = curve.force_n};
-  report::Series fitted{.name = "fit", .style = report::Style::kPoints};
-  report::Series residual{.name = "measured - fit", .style = report::Style::kPoints};
-  for (std::size_t i = 0; i < curve.size(); ++i) {
-    if (!std::isfinite(fit.model_n[i])) continue;
-    fitted.x.push_back(x[i]);
-    fitted.y.push_back(fit.model_n[i]);
-    residual.x.push_back(x[i]);
-    residual.y.push_back(curve.force_n[i] - fit.model_n[i]);
-  }
-  report::Plot force{.title = curve.name, .x_label = x_label, .y_label = "force [N]"};
-  force.series = {measured, fitted};
-  for (const auto& event : fit.phases.punctures) force.marks.push_back({x[event.peak], ""});
-  report::Plot rest{.x_label = x_label, .y_label = "residual [N]", .height_px = 180};
-  rest.series = {residual};
-  return {force, rest};
+/// Writes a curve's pictures into `folder`.
+void WritePlots(const fs::path& folder, const fitting::FittedCurve& fitted) {
+  const std::string& name = fitted.curve.name;
+  report::WriteSvg(folder / (name + "_over_time.svg"),
+                   fitting::PuncturePlots(fitted, fitted.curve.time_s, "time [s]"));
+  if (!fitted.gaussians && !fitted.mechanical && !fitted.lugre) return;
+  report::WriteSvg(folder / (name + "_models.svg"), fitting::DepthPlots(fitted));
+  report::WriteSvg(folder / (name + "_replay.svg"), fitting::TimePlots(fitted));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Fits force-depth recordings: puncture, plateau, friction", "acus-fit");
+  CLI::App app("Fits force-depth recordings: puncture, plateau, friction, whole recordings",
+               "acus-fit");
   std::vector<fs::path> inputs;
   fs::path output;
   std::string tissue;
+  std::vector<std::string> model_names = {"gaussians", "mechanical"};
   double diameter_mm = 1.27;
   app.add_option("CURVES", inputs, "CSV files (time_s,depth_mm,force_n) or two-file recordings")
       ->required()
       ->check(CLI::ExistingPath);
   app.add_option("-o,--output", output, "Folder to make: fit.json, plots as SVG")->required();
+  app.add_option(
+         "--models", model_names,
+         "What to fit beside the puncture: gaussians, mechanical, lugre, hu-table, all, none")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"gaussians", "mechanical", "lugre", "hu-table", "all", "none"}))
+      ->capture_default_str();
   app.add_option("--tissue", tissue, "Also write a force table with this tissue's fitted row");
   app.add_option("--diameter-mm", diameter_mm, "Outer diameter of the needle that was used")
       ->check(CLI::Range(0.2, 5.0))
@@ -59,39 +54,45 @@ int main(int argc, char** argv) {
 
   return RunMain(app, argc, argv, [&](RunContext& context) {
     if (!tissue.empty()) volume::LabelOf(tissue);
+    const auto models = fitting::FitModels::FromNames(model_names);
     AtomicFolder folder(output, context.overwrite);
-    std::vector<fitting::PunctureCurveFit> fits;
+    std::vector<fitting::FittedCurve> fits;
+    std::vector<fitting::PunctureCurveFit> punctures;
     std::vector<report::Plot> overview;
     nlohmann::json results = nlohmann::json::array();
     std::string failures;
     for (std::size_t i = 0; i < inputs.size(); ++i) {
       context.Checkpoint("fitting", static_cast<double>(i) / static_cast<double>(inputs.size()));
       context.provenance.AddInput(inputs[i]);
-      const forces::ForceCurve curve = forces::ReadForceCurve(inputs[i]);
-      const fitting::PunctureCurveFit& fit = fits.emplace_back(fitting::FitPunctureCurve(curve));
-      if (!fit.converged) failures += "\n  " + inputs[i].string() + ": " + fit.message;
-      results.push_back(fitting::FitJson(curve, fit));
-      const auto by_depth = Plots(curve, fit, curve.depth_mm, "depth [mm]");
-      overview.insert(overview.end(), by_depth.begin(), by_depth.end());
-      const fs::path plot = folder.path() / (curve.name + "_over_time.svg");
-      ACUS_REQUIRE(!fs::exists(plot), inputs[i].string(), ": another curve is named '", curve.name,
+      const fitting::FittedCurve& fit =
+          fits.emplace_back(fitting::FitModelsTo(forces::ReadForceCurve(inputs[i]), models));
+      punctures.push_back(fit.puncture);
+      if (!fit.puncture.converged) {
+        failures += "\n  " + inputs[i].string() + ": " + fit.puncture.message;
+      }
+      results.push_back(fitting::CurveJson(fit));
+      const auto plots = fitting::PuncturePlots(fit, fit.curve.depth_mm, "depth [mm]");
+      overview.insert(overview.end(), plots.begin(), plots.end());
+      ACUS_REQUIRE(!fs::exists(folder.path() / (fit.curve.name + "_over_time.svg")),
+                   inputs[i].string(), ": another curve is named '", fit.curve.name,
                    "' too; rename one");
-      report::WriteSvg(plot, Plots(curve, fit, curve.time_s, "time [s]"));
+      WritePlots(folder.path(), fit);
     }
-    if (!std::ranges::any_of(fits, &fitting::PunctureCurveFit::converged)) {
+    if (!std::ranges::any_of(punctures, &fitting::PunctureCurveFit::converged)) {
       throw NoAnswerError("no curve could be fitted, nothing is written:" + failures);
     }
-    config::WriteJson(folder.path() / "fit.json",
-                      {{"curves", results}, {"median", fitting::SummaryJson(fits)}});
+    nlohmann::json document = fitting::TogetherJson(fits, models);
+    document["curves"] = results;
+    config::WriteJson(folder.path() / "fit.json", document);
     report::WriteSvg(folder.path() / "fit.svg", overview);
     if (!tissue.empty()) {
       const auto base = config::ReadJson(config::FindConfig("forces/default.json", "."));
       config::WriteJson(folder.path() / "forces.json",
-                        fitting::TableWithFittedTissue(base, tissue, fits, diameter_mm));
+                        fitting::TableWithFittedTissue(base, tissue, punctures, diameter_mm));
     }
     config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
     folder.Commit();
-    std::cout << fitting::FitTable(fits);
+    std::cout << fitting::FitTable(punctures) << fitting::ModelTable(fits);
     if (!failures.empty())
       throw NoAnswerError("the other curves are fitted, but not these:" + failures);
     return ExitCode::kOk;
