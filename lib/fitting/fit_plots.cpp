@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "fitting/depth_bins.h"
 #include "fitting/fit_models.h"
 #include "fitting/shared_fit.h"
 
@@ -119,10 +120,12 @@ std::vector<Plot> TimePlots(const FittedCurve& fitted) {
     force.series.push_back(model);
   }
   if (fitted.lugre && fitted.lugre->converged) {
-    const Series model =
-        Part("LuGre", curve.time_s,
-             ReplayLuGre(fitted.lugre->parameters, curve.time_s, curve.depth_mm), moving);
-    rest.series.push_back(Left("LuGre", model, measured));
+    // An encoder's steps are leaps at 1 kHz; their mean is the motion.
+    const ForceCurve thin = Thinned(curve, moving, 0.02);
+    const Series model{.name = "LuGre",
+                       .x = thin.time_s,
+                       .y = ReplayLuGre(fitted.lugre->parameters, thin.time_s, thin.depth_mm)};
+    rest.series.push_back(Left("LuGre", model, {.y = thin.force_n}));
     force.series.push_back(model);
   }
   return {force, rest};

@@ -40,26 +40,30 @@ void AddRows(const ForceCurve& curve, const CurvePhases& phases, double offset_n
   const bool has_gradient = !curve.hu_gradient_per_mm.empty();
   Row sum;
   double count = 0.0;
-  double from_mm = begin_mm + kBuildUpMm;
-  double from_s = 0.0;
+  double from_mm = 0.0;  // Depth and time of the sample before the step.
+  double from_s = -1.0;
   for (std::size_t i = phases.advance.begin; i < phases.advance.end; ++i) {
     const double depth = curve.depth_mm[i];
-    if (depth < from_mm || !phases.moving_in[i]) continue;
-    if (count == 0.0) from_s = curve.time_s[i];
+    if (depth < begin_mm + kBuildUpMm || !phases.moving_in[i] || from_s < 0.0) {
+      from_mm = depth;
+      from_s = depth < begin_mm + kBuildUpMm ? -1.0 : curve.time_s[i];
+      sum = {};
+      count = 0.0;
+      continue;
+    }
     sum.hu += curve.hu[i];
     sum.gradient += has_gradient ? curve.hu_gradient_per_mm[i] : 0.0;
     sum.travel_mm += depth - begin_mm;
     sum.force_n += curve.force_n[i] - offset_n;
     count += 1.0;
-    if (depth - from_mm < kStepMm || count < 2.0) continue;
-    const double elapsed_s = curve.time_s[i] - from_s;
-    rows.push_back({sum.hu / count, sum.gradient / count, (depth - from_mm) / elapsed_s,
-                    sum.travel_mm / count, sum.force_n / count, fold});
-    // A mean that spans the drive's first moments is no steady sliding.
-    if (std::abs(rows.back().speed / phases.advance_mm_per_s - 1.0) > 0.5) rows.pop_back();
+    if (depth - from_mm < kStepMm) continue;
+    rows.push_back({sum.hu / count, sum.gradient / count,
+                    (depth - from_mm) / (curve.time_s[i] - from_s), sum.travel_mm / count,
+                    sum.force_n / count, fold});
     sum = {};
     count = 0.0;
     from_mm = depth;
+    from_s = curve.time_s[i];
   }
 }
 

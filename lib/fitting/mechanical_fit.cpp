@@ -18,8 +18,7 @@ constexpr double kEventStepMm = 0.15;  // ...or, to find events, over so much tr
 constexpr double kShortestMm = 3.0;
 constexpr double kFreeKnotMm = 8.0;  // Of the profiles beside which the shared part is fitted.
 constexpr double kShortestHoldS = 1.0;
-constexpr double kLeastEventN = 0.05;
-constexpr double kLeastReleaseN = 0.08;
+constexpr double kLeastEventN = 0.08;  // Smaller ones are the tissue's texture.
 
 /// `model` with a knot every kFreeKnotMm: what punctures do to the force must not be taken for
 /// build-up or relaxation.
@@ -287,7 +286,7 @@ void MechanicalFitter::FindEvents() {
   for (const FoundPuncture& found : fit_.punctures) model.punctures.push_back(found.law);
   if (!has_out_) return;
   fit_.releases = FindReleases(PhaseRows(model, curve_, phases_, false, step_s),
-                               {std::max(kLeastReleaseN, phases_.least_drop_n), 8}, model.out);
+                               {std::max(kLeastEventN, phases_.least_drop_n), 8}, model.out);
   for (const FoundRelease& found : fit_.releases) model.releases.push_back(found.law);
 }
 

@@ -27,12 +27,13 @@ struct FoundRelease {
 
 /// How events are told from noise.
 struct SearchLimits {
-  double least_n = 0.05;  ///< Smaller peaks and steps are not looked at, N.
+  double least_n = 0.08;  ///< Smaller peaks and steps are not looked at, N.
   int most_events = 16;
 };
 
-/// Adds events as long as the Bayesian information criterion falls (with the number of independent
-/// samples, from the autocorrelation of what is left), then fits all with the profile's forces.
+/// Adds the event that leaves least, and so on; keeps as many as Akaike's criterion is least for
+/// (with the number of independent samples, from the autocorrelation of what is left); then fits
+/// all with the profile's forces.
 /// @param profile  in: its knots; out: its forces beside the events.
 std::vector<FoundPuncture> FindInternalPunctures(const StrainedRows& rows,
                                                  const SearchLimits& limits,

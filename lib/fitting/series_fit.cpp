@@ -197,8 +197,12 @@ SeriesFit FitSeries(const SeriesModel& model, std::span<const double> y,
     fit.message = free.empty() ? "nothing to fit" : "too few samples";
     return fit;
   }
-  fit.converged = Solve(cost, options.most_iterations, free);
   std::vector<double> residual;
+  if (!cost.Residuals(free, residual)) {
+    fit.message = "the model is not finite where the fit starts";
+    return fit;
+  }
+  fit.converged = Solve(cost, options.most_iterations, free);
   for (int round = 0; options.robust && round < 8; ++round) {
     weight = given;
     if (!cost.Residuals(free, residual)) break;

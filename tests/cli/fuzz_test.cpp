@@ -95,7 +95,7 @@ const Entrance kEntrances[] = {
     {"fit_curve",
      {"force_curves/skin_and_fascia_1.csv"},
      "force_curves/skin_and_fascia_1.csv",
-     "acus-fit force_curves/skin_and_fascia_1.csv -o out"},
+     "acus-fit force_curves/skin_and_fascia_1.csv --models none -o out"},
     {"replay_scenario", kReplayed, "scenario.json", kReplay},
     {"replay_needle", kReplayed, "session/needle.csv", kReplay},
     {"replay_session", kReplayed, "session/session.json", kReplay},

@@ -1,8 +1,10 @@
 // Fits of the 20 public insertions into human liver (de Jong & Dankelman 2017).
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <gtest/gtest.h>
 
-#include "fitting/curve_fit.h"
+#include "fitting/fit_models.h"
 #include "math/statistics.h"
 #include "support/shared_data.h"
 
@@ -77,6 +79,137 @@ TEST(HumanLiver, FitsTheSameBitsAgain) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a[i].second.value, b[i].second.value) << a[i].first;
     EXPECT_EQ(a[i].second.low, b[i].second.low) << a[i].first;
+  }
+}
+
+/// All recordings with all models; fitted once for all tests below.
+const std::vector<FittedCurve>& Fitted() {
+  static const std::vector<FittedCurve> kFitted = [] {
+    std::vector<FittedCurve> fitted;
+    for (const auto& folder : Recordings()) {
+      fitted.push_back(FitModelsTo(ReadForceCurve(folder), FitModels{}));
+    }
+    return fitted;
+  }();
+  return kFitted;
+}
+
+#define SKIP_WITHOUT_DATA() \
+  if (Recordings().empty()) GTEST_SKIP() << "test data forces/human_liver is not here"
+
+/// The best straight line over depth of the samples in `range`, by hand.
+double LineRms(const ForceCurve& curve, const SampleRange& range) {
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    const double d = curve.depth_mm[i] - 40.0;
+    const double f = curve.force_n[i];
+    n += 1.0, x += d, y += f, xx += d * d, xy += d * f, yy += f * f;
+  }
+  const double sxx = xx - x * x / n, sxy = xy - x * y / n, syy = yy - y * y / n;
+  return std::sqrt(std::max(0.0, syy - sxy * sxy / sxx) / n);
+}
+
+TEST(HumanLiver, EightGaussiansFollowEveryInsertionWithin0p06N) {
+  SKIP_WITHOUT_DATA();
+  for (const FittedCurve& f : Fitted()) {
+    SCOPED_TRACE(f.curve.name);
+    ASSERT_TRUE(f.gaussians->converged);
+    EXPECT_EQ(f.gaussians->terms.size(), 8u);
+    EXPECT_LE(f.gaussians->rms_n, 0.06);
+    double squares = 0.0;
+    const SampleRange& range = f.puncture.phases.advance;
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      squares += std::pow(SumN(f.gaussians->terms, f.curve.depth_mm[i]) - f.curve.force_n[i], 2);
+    }
+    EXPECT_NEAR(f.gaussians->rms_n, std::sqrt(squares / static_cast<double>(range.size())), 1e-9);
+  }
+}
+
+TEST(HumanLiver, ConstantParametersReplayedAreAsGoodAsTheBestStraightLines) {
+  SKIP_WITHOUT_DATA();
+  for (const FittedCurve& f : Fitted()) {
+    SCOPED_TRACE(f.curve.name);
+    ASSERT_TRUE(f.mechanical->converged) << f.mechanical->message;
+    const CurvePhases& phases = f.puncture.phases;
+    const PhaseRms rms = ReplayRms(f.mechanical->constant, f.curve, phases);
+    EXPECT_LE(rms.insertion_n, 1.05 * LineRms(f.curve, phases.advance));
+    EXPECT_LE(rms.retraction_n, 1.05 * LineRms(f.curve, phases.retract));
+    EXPECT_EQ(f.mechanical->constant.in.depth_mm.size(), 2u);
+    EXPECT_EQ(f.mechanical->constant.out.depth_mm.size(), 2u);
+    EXPECT_LE(rms.hold_n, 0.10);
+  }
+}
+
+TEST(HumanLiver, WithInternalPuncturesWithin0p10N) {
+  SKIP_WITHOUT_DATA();
+  int insertions = 0;
+  int retractions = 0;
+  for (const FittedCurve& f : Fitted()) {
+    const PhaseRms rms = ReplayRms(f.mechanical->eventful, f.curve, f.puncture.phases);
+    insertions += rms.insertion_n <= 0.10 ? 1 : 0;
+    retractions += rms.retraction_n <= 0.10 ? 1 : 0;
+    EXPECT_LE(rms.hold_n, 0.10) << f.curve.name;
+    EXPECT_GE(f.mechanical->punctures.size(), 1u) << f.curve.name;
+    EXPECT_LE(f.mechanical->punctures.size(), 16u) << f.curve.name;
+    // The largest fall that the phases list is among what was found.
+    const auto& events = f.puncture.phases.punctures;
+    const auto largest = std::ranges::max_element(events, {}, &PunctureEvent::drop_n);
+    const double at_mm = f.curve.depth_mm[largest->peak];
+    const bool found = std::ranges::any_of(f.mechanical->punctures, [&](const FoundPuncture& p) {
+      return std::abs(p.law.contact_mm + p.law.puncture_mm - at_mm) < 1.5;
+    });
+    EXPECT_TRUE(found || largest->drop_n < 0.2) << f.curve.name << " at " << at_mm;
+  }
+  EXPECT_GE(insertions, 15);
+  EXPECT_GE(retractions, 15);
+}
+
+TEST(HumanLiver, TheOthersOfALiverForetellARecordingAsWellAsTheirMean) {
+  SKIP_WITHOUT_DATA();
+  for (const std::size_t liver : {0u, 1u}) {
+    std::vector<JointRecording> recordings;
+    for (std::size_t k = 10 * liver; k < 10 * liver + 10; ++k) {
+      const FittedCurve& f = Fitted()[k];
+      recordings.push_back({&f.curve, &f.puncture.phases, &*f.mechanical});
+    }
+    const std::vector<Prediction> predictions = LeaveOneOut(recordings);
+    ASSERT_EQ(predictions.size(), 10u);
+    for (const Prediction& p : predictions) {
+      EXPECT_LE(p.model.insertion_n, 1.1 * p.mean_curve.insertion_n) << p.name;
+      EXPECT_LE(p.model.retraction_n, 1.1 * p.mean_curve.retraction_n) << p.name;
+      EXPECT_GT(p.mean_curve.insertion_n, 0.03) << p.name;  // It is not the recording's own.
+    }
+  }
+}
+
+/// The table of docs/models/force_fit.md.
+TEST(HumanLiver, PrintsTheTableOfTheDocumentation) {
+  SKIP_WITHOUT_DATA();
+  std::vector<Prediction> predictions;
+  for (const std::size_t liver : {0u, 1u}) {
+    std::vector<JointRecording> recordings;
+    for (std::size_t k = 10 * liver; k < 10 * liver + 10; ++k) {
+      const FittedCurve& f = Fitted()[k];
+      recordings.push_back({&f.curve, &f.puncture.phases, &*f.mechanical});
+    }
+    for (Prediction& p : LeaveOneOut(recordings)) predictions.push_back(std::move(p));
+  }
+  ASSERT_EQ(predictions.size(), Fitted().size());
+  for (std::size_t k = 0; k < predictions.size(); ++k) {
+    const FittedCurve& f = Fitted()[k];
+    const MechanicalFit& m = *f.mechanical;
+    const Prediction& p = predictions[k];
+    std::printf(
+        "| %s | %.3f | %.3f | %.2f | %.2f | %.3f | %zu | %.3f | %.3f | %.2f (%.2f) | %.2f (%.2f) "
+        "|\n",
+        f.curve.name.c_str(), f.gaussians->rms_n, m.line.insertion_n,
+        m.constant_rms.insertion_n / m.line.insertion_n,
+        m.constant_rms.retraction_n / m.line.retraction_n, m.eventful_rms.insertion_n,
+        m.punctures.size(), m.eventful_rms.retraction_n, m.constant_rms.hold_n,
+        p.model.insertion_n / p.mean_curve.insertion_n,
+        p.two_knots.insertion_n / p.mean_curve.insertion_n,
+        p.model.retraction_n / p.mean_curve.retraction_n,
+        p.two_knots.retraction_n / p.mean_curve.retraction_n);
   }
 }
 
