@@ -17,19 +17,24 @@ constexpr int kCentres = 90;  // Grid of starts, over the insertion...
 constexpr int kWidths = 14;   // ...and from kNarrowest of it upwards.
 constexpr double kNarrowest = 0.005;
 constexpr double kWidest = 1.5;
-constexpr int kMostRounds = 4;  // Of taking terms out and looking for better ones.
+constexpr double kLogNarrow = -7.0;  // Logarithms of widths in mm...
+constexpr double kLogWide = 12.0;    // ...that are told apart.
+constexpr double kFar = 25.0;        // In widths: a term is 0 there.
+constexpr int kMostRounds = 4;       // Of taking terms out and looking for better ones.
 
 /// Parameters: height, centre, logarithm of the width, for each term.
 double Evaluate(std::span<const double> p, double x, std::span<double> gradient) {
   double sum = 0.0;
   for (std::size_t k = 0; k + 2 < p.size(); k += 3) {
-    const double inverse_width = std::exp(-p[k + 2]);
-    const double u = (x - p[k + 1]) * inverse_width;
+    // A term may wander to any width on its way; far from its centre it is 0 with all derivatives.
+    const double logarithm = std::clamp(p[k + 2], kLogNarrow, kLogWide);
+    const double inverse_width = std::exp(-logarithm);
+    const double u = std::clamp((x - p[k + 1]) * inverse_width, -kFar, kFar);
     const double bell = std::exp(-u * u);
     sum += p[k] * bell;
     gradient[k] = bell;
     gradient[k + 1] = 2.0 * p[k] * bell * u * inverse_width;
-    gradient[k + 2] = 2.0 * p[k] * bell * u * u;
+    gradient[k + 2] = logarithm == p[k + 2] ? 2.0 * p[k] * bell * u * u : 0.0;
   }
   return sum;
 }
@@ -141,7 +146,7 @@ GaussianFit Sorted(const ModelFit& fit) {
   for (std::size_t k = 0; k < fit.parameters.size(); k += 3) order.push_back(k);
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return fit.parameters[k + 1]; });
   for (const std::size_t k : order) {
-    const double width = std::exp(fit.parameters[k + 2]);
+    const double width = std::exp(std::clamp(fit.parameters[k + 2], kLogNarrow, kLogWide));
     result.terms.push_back({fit.parameters[k], fit.parameters[k + 1], width});
     if (!fit.converged) continue;
     result.height_n.push_back(fit.Of(k));

@@ -52,3 +52,32 @@ acus_add_cli_case(acus-fit.output_exists EXIT 3 LEAVES_NOTHING
 acus_add_cli_case(acus-fit.two_of_a_name EXIT 3 LEAVES_NOTHING
   BEFORE "${fit_inputs}\nmkdir b\ncp a.csv b/a.csv"
   STDERR "b/a.csv: another curve is named 'a' too" COMMAND acus-fit a.csv b/a.csv -o fit)
+acus_add_cli_case(acus-fit.models EXIT 0 BEFORE "${fit_inputs}"
+  STDOUT "RMS of what the models leave, N" "^a +0\\.[0-9]+ +0\\.[0-9]+"
+  CREATES fit/fit.json fit/a_models.svg fit/a_replay.svg
+  COMMAND acus-fit a.csv --models gaussians,mechanical -o fit)
+acus_add_cli_case(acus-fit.several EXIT 0
+  BEFORE "${fit_inputs}\ncp a.csv b.csv\ncp a.csv c.csv"
+  STDOUT "\"foretold_by_the_others\"" "\"knots_in\""
+  COMMAND bash -c "acus-fit a.csv b.csv c.csv --models mechanical -o fit >/dev/null && cat fit/fit.json")
+acus_add_cli_case(acus-fit.one_speed EXIT 0 BEFORE "${fit_inputs}"
+  STDOUT "the needle moves at one speed only"
+  COMMAND bash -c "acus-fit a.csv --models lugre -o fit >/dev/null && cat fit/fit.json")
+acus_add_cli_case(acus-fit.hu_table EXIT 0
+  BEFORE "${fit_inputs}\nawk -F, 'NR == 1 {print $0 \",hu\"} NR > 1 {print $0 \",\" 50 + $2}' a.csv > hu.csv"
+  STDOUT "\"n_s_per_mm\""
+  COMMAND bash -c "acus-fit hu.csv --models hu-table -o fit >/dev/null && cat fit/fit.json")
+acus_add_cli_case(acus-fit.wrong_hu EXIT 3 LEAVES_NOTHING
+  BEFORE "${fit_inputs}\nawk -F, 'NR == 1 {print $0 \",hu\"} NR > 1 {print $0 \",1e9\"}' a.csv > hu.csv"
+  STDERR "hu.csv:2: hu is 1e" COMMAND acus-fit hu.csv --models hu-table -o fit)
+acus_add_cli_case(acus-fit.unknown_model EXIT 2 LEAVES_NOTHING BEFORE "${fit_inputs}"
+  STDERR "gausians" COMMAND acus-fit a.csv --models gausians -o fit)
+acus_add_cli_case(acus-fit.metres EXIT 3 LEAVES_NOTHING
+  BEFORE "${fit_inputs}\nawk -F, 'NR == 1 {print} NR > 1 {print $1 \",\" $2 / 1000 \",\" $3}' a.csv > metres.csv"
+  STDERR "metres.csv: the depth changes by 0.05 in all.*it seems to be in metres"
+  COMMAND acus-fit metres.csv -o fit)
+acus_add_cli_case(acus-fit.one_sample EXIT 3 LEAVES_NOTHING
+  BEFORE "${fit_inputs}\nhead -n 2 a.csv > one.csv"
+  STDERR "one.csv: has 1 usable samples; at least 20 are needed" COMMAND acus-fit one.csv -o fit)
+acus_add_cli_case(acus-fit.empty EXIT 3 LEAVES_NOTHING BEFORE "touch empty.csv"
+  STDERR "empty.csv" COMMAND acus-fit empty.csv -o fit)

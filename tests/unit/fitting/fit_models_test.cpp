@@ -55,7 +55,9 @@ TEST(FitModels, FortmeierParametersFollowFromInsertionAndWithdrawal) {
   EXPECT_NEAR(fit->a1_n_per_mm.value, 0.1, 0.06);
   EXPECT_NEAR(fit->a2_n_per_mm2.value, 0.03, 0.015);
   EXPECT_NEAR(fit->capsule_cut_n.value, 0.1 * 4.0 + 0.03 * 16.0, 0.1);
-  EXPECT_NEAR(fit->cut_n.value, 0.1, 0.05);                // 0.3 N in, 0.2 N out at the start.
+  // 0.3 N in, 0.2 N out at the start; the puncture leans on the line of the way in.
+  EXPECT_TRUE(fit->cut_n.Contains(0.1));
+  EXPECT_NEAR(fit->cut_n.value, 0.1, 0.1);
   EXPECT_NEAR(fit->friction_n.value, 2.0 * 0.010, 0.002);  // R of a node for 2 mm of shaft.
   EXPECT_NEAR(fit->stiffness_n_per_mm.value, 2.0 * 0.010 / 1.2, 0.005);
   EXPECT_FALSE(Fortmeier(FitModelsTo(fitted.curve, FitModels::FromNames({"none"}))).has_value());

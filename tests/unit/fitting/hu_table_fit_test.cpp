@@ -54,7 +54,7 @@ TEST(HuTableFit, SeveralPathsGiveTheTableTheEdgeAndTheShaft) {
   ASSERT_TRUE(fit.converged) << fit.message;
   EXPECT_NEAR(fit.table.edge_factor, 1.6, 0.05);
   EXPECT_NEAR(fit.friction_n_per_mm.value, 0.01, 0.002);
-  EXPECT_LT(fit.rms_n, 0.03);
+  EXPECT_LT(fit.rms_n, 0.035);  // Noise, and steps of 0.1 mm that an edge of up to 1 N divides.
   for (double hu = -95.0; hu < 120.0; hu += 5.0) {
     EXPECT_NEAR(fit.table.ResistanceNSPerMm(hu), TruthNSPerMm(hu), 0.012) << hu;
   }

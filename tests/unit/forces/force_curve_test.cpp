@@ -145,5 +145,32 @@ TEST(ReadForceCurve, SurvivesTruncationAndFlippedBits) {
   }
 }
 
+TEST(ReadForceCurve, FindsOutADepthInMetres) {
+  std::string text = "time_s,depth_mm,force_n\n";
+  for (int i = 0; i < 400; ++i) {
+    text += Message(0.05 * i, ",", 0.08 * std::min(1.0, i / 300.0), ",", 0.01 * i, "\n");
+  }
+  WriteTextFile(Temp("metres.csv"), text);
+  EXPECT_THAT([] { ReadForceCurve(Temp("metres.csv")); },
+              ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("metres.csv: the depth changes by 0.08 in all over"),
+                        HasSubstr("seems to be in metres"), HasSubstr("multiply"))));
+  // A short but real motion of half a second stays what it is.
+  text = "time_s,depth_mm,force_n\n";
+  for (int i = 0; i < 400; ++i) text += Message(0.001 * i, ",", 0.002 * i, ",", 0.01 * i, "\n");
+  WriteTextFile(Temp("short.csv"), text);
+  EXPECT_EQ(ReadForceCurve(Temp("short.csv")).size(), 400u);
+}
+
+TEST(ReadForceCurve, TakesHounsfieldUnitsAlongIfTheyAreThere) {
+  std::string text = "time_s,depth_mm,force_n,hu,hu_gradient_per_mm\n";
+  for (int i = 0; i < 30; ++i) text += Message(0.1 * i, ",", i, ",0.5,", 40 + i, ",", 2 * i, "\n");
+  WriteTextFile(Temp("hu.csv"), text);
+  const ForceCurve curve = ReadForceCurve(Temp("hu.csv"));
+  ASSERT_EQ(curve.hu.size(), 30u);
+  EXPECT_EQ(curve.hu[29], 69.0);
+  EXPECT_EQ(curve.hu_gradient_per_mm[29], 58.0);
+}
+
 }  // namespace
 }  // namespace acus::forces
