@@ -40,10 +40,9 @@ int main(int argc, char** argv) {
       ->required()
       ->check(CLI::ExistingPath);
   app.add_option("-o,--output", output, "Folder to make: fit.json, plots as SVG")->required();
-  app.add_option(
-         "--models", model_names,
-         "What to fit beside the puncture: gaussians, mechanical, lugre, hu-table, all, none")
+  app.add_option("--models", model_names, "What to fit beside the puncture, joined by commas")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember({"gaussians", "mechanical", "lugre", "hu-table", "all", "none"}))
       ->capture_default_str();
   app.add_option("--tissue", tissue, "Also write a force table with this tissue's fitted row");

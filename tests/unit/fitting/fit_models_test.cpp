@@ -1,5 +1,6 @@
 #include "fitting/fit_models.h"
 
+#include <algorithm>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -85,6 +86,59 @@ TEST(FitModels, DocumentsHaveABlockForEachModel) {
   EXPECT_EQ(DepthPlots(fitted[0]).size(), 2u);
   EXPECT_GE(DepthPlots(fitted[0])[0].series.size(), 5u);
   EXPECT_EQ(TimePlots(fitted[0])[0].series.size(), 3u);
+}
+
+/// Whatever a reader lets through must be fitted or declined: no crash, no endless loop, finite
+/// JSON.
+TEST(FitModels, OddRecordingsAreFittedOrDeclined) {
+  const DriveMotion drive{.rate_hz = 50.0, .rest_s = 0.5, .end_mm = 30.0, .hold_s = 3.0};
+  const forces::ForceCurve sound = Recording(WithPuncture(drive), drive, 0.01, 1);
+  for (int kind = 0; kind < 20; ++kind) {
+    RandomStream random(static_cast<std::uint64_t>(kind), "odd");
+    forces::ForceCurve odd = sound;
+    const auto some = [&] {
+      return static_cast<std::size_t>(random.Uniform() * 0.999 * static_cast<double>(odd.size()));
+    };
+    switch (kind % 10) {
+      case 0:
+        for (double& f : odd.force_n) f = 0.0;
+        break;
+      case 1:
+        for (double& f : odd.force_n) f = 1000.0 * random.Normal() / 5.0;
+        break;
+      case 2:
+        for (double& d : odd.depth_mm) d = random.Uniform(-2000.0, 2000.0);
+        break;
+      case 3:
+        for (double& d : odd.depth_mm) d = -d;
+        break;
+      case 4:
+        for (int n = 0; n < 8; ++n) odd.force_n[some()] = random.Uniform(-1000.0, 1000.0);
+        break;
+      case 5:
+        for (int n = 0; n < 8; ++n) odd.depth_mm[some()] = random.Uniform(-2000.0, 2000.0);
+        break;
+      case 6:
+        for (double& f : odd.force_n) f = -f;
+        break;
+      case 7:
+        for (double& t : odd.time_s) t *= 1e6;
+        break;
+      case 8:
+        for (double& t : odd.time_s) t *= 1e-6;
+        break;
+      default: {
+        const std::size_t size = 20 + some() / 4;
+        for (auto* column : {&odd.time_s, &odd.depth_mm, &odd.force_n}) column->resize(size);
+      }
+    }
+    const FittedCurve fitted = FitModelsTo(std::move(odd), FitModels::FromNames({"all"}));
+    // A number that is not finite is written as null.
+    EXPECT_EQ(CurveJson(fitted).dump().find("null,\"high_95"), std::string::npos) << kind;
+    TogetherJson({&fitted, 1}, FitModels::FromNames({"all"}));
+    DepthPlots(fitted);
+    TimePlots(fitted);
+  }
 }
 
 }  // namespace
