@@ -12,8 +12,9 @@ constexpr int kMostSteps = 64;
 
 }  // namespace
 
-Eigen::Vector3d HuField::GradientHuPerMm(const Eigen::Vector3d& place) const noexcept {
-  const double h = ResolutionMm();
+Eigen::Vector3d HuField::GradientHuPerMm(const Eigen::Vector3d& place,
+                                         double reach_mm) const noexcept {
+  const double h = std::max(ResolutionMm(), reach_mm);
   Eigen::Vector3d gradient;
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(axis);

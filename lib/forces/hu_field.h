@@ -18,8 +18,9 @@ class HuField {
   /// Length over which the field can change much: step of searches and differences, > 0.
   virtual double ResolutionMm() const noexcept = 0;
 
-  /// Central differences over a resolution length to each side, HU/mm.
-  Eigen::Vector3d GradientHuPerMm(const Eigen::Vector3d& place_in_ct_mm) const noexcept;
+  /// Central differences over `reach_mm` to each side, but no less than a resolution length, HU/mm.
+  Eigen::Vector3d GradientHuPerMm(const Eigen::Vector3d& place_in_ct_mm,
+                                  double reach_mm = 0.0) const noexcept;
 
   /// The first place on the way from `from` to `to` where the field comes from below to `hu`, as a
   /// share of the way; above 1 if there is none. Steps of half a resolution length (longer on ways

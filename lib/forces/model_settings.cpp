@@ -65,7 +65,7 @@ VidalSettings VidalFromJson(const json& block, const std::string& where) {
   settings.averaging_s = Seconds(block, "averaging_ms");
   settings.passive_average = block.at("passive_average");
   settings.largest_n_per_mm = block.at("largest_stiffness_n_per_mm");
-  settings.skin = {skin.at("hu"), skin.at("friction")};
+  settings.skin = {skin.at("hu"), skin.at("friction"), 0.0};
   settings.skin_n_per_mm = skin.at("stiffness_n_per_mm");
   settings.puncture_n = skin.at("puncture_n");
   settings.bone_hu = block.at("bone_hu");
@@ -77,9 +77,10 @@ VidalSettings VidalFromJson(const json& block, const std::string& where) {
   settings.orientation_depth_mm = block.at("orientation_depth_mm");
   const auto gravity = block.at("gravity_in_ct_n").get<std::vector<double>>();
   settings.gravity_in_ct_n = Eigen::Vector3d(gravity.at(0), gravity.at(1), gravity.at(2));
-  settings.probe = {.skin = {settings.skin.hu, probe.at("friction")},
+  const double face_mm = probe.at("face_mm");
+  settings.probe = {.skin = {settings.skin.hu, probe.at("friction"), face_mm},
                     .skin_n_per_mm = probe.at("skin_n_per_mm"),
-                    .bone = {settings.bone_hu, probe.at("friction")},
+                    .bone = {settings.bone_hu, probe.at("friction"), 0.5 * face_mm},
                     .bone_n_per_mm = probe.at("bone_n_per_mm"),
                     .damping_n_s_per_mm = probe.at("damping_n_s_per_mm"),
                     .smoothing_s = Seconds(probe, "smoothing_ms"),

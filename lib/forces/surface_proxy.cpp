@@ -10,11 +10,13 @@ constexpr int kMostSlides = 4;
 constexpr double kLongestSlideMm = 1.0;  // Per slide: the surface must be found again.
 constexpr double kNearestMm = 1e-6;
 constexpr double kNoiseMm = 1e-5;  // The surface is found to 1e-6 mm.
+constexpr double kRoughMm =
+    0.02;  // The same under a broad face, whose normal is not the place's own.
 
 /// Towards lower values; the one before where the field is flat.
-Eigen::Vector3d Outward(const HuField& field, const Eigen::Vector3d& place,
+Eigen::Vector3d Outward(const HuField& field, double face_mm, const Eigen::Vector3d& place,
                         const Eigen::Vector3d& before) noexcept {
-  const Eigen::Vector3d gradient = field.GradientHuPerMm(place);
+  const Eigen::Vector3d gradient = field.GradientHuPerMm(place, 0.5 * face_mm);
   const double size = gradient.norm();
   return size > 1e-6 ? Eigen::Vector3d(-gradient / size) : before;
 }
@@ -38,15 +40,17 @@ Eigen::Vector3d BackToSurface(const HuField& field, double hu, const Eigen::Vect
 
 }  // namespace
 
-void SurfaceProxy::Touch(const HuField& field, const Eigen::Vector3d& place) noexcept {
+void SurfaceProxy::Touch(const HuField& field, const SurfaceProxySettings& settings,
+                         const Eigen::Vector3d& place) noexcept {
   touching = true;
   at_in_ct_mm = place;
-  outward_in_ct = Outward(field, place, outward_in_ct);
+  outward_in_ct = Outward(field, settings.face_mm, place, outward_in_ct);
 }
 
 void SurfaceProxy::Follow(const HuField& field, const SurfaceProxySettings& settings,
                           const Eigen::Vector3d& device) noexcept {
   if (!touching) return;
+  const double noise_mm = settings.face_mm > 0.0 ? kRoughMm : kNoiseMm;
   for (int slide = 0; slide < kMostSlides; ++slide) {
     const Eigen::Vector3d to_device = device - at_in_ct_mm;
     const double height_mm = to_device.dot(outward_in_ct);
@@ -58,9 +62,9 @@ void SurfaceProxy::Follow(const HuField& field, const SurfaceProxySettings& sett
     const Eigen::Vector3d next =
         BackToSurface(field, settings.hu, at_in_ct_mm + along, outward_in_ct, kLongestSlideMm);
     // Over a sharp edge or at noise the nearest place may be the one before: never go farther off.
-    if ((device - next).norm() >= to_device.norm() + kNoiseMm) break;
+    if ((device - next).norm() >= to_device.norm() + noise_mm) break;
     at_in_ct_mm = next;
-    outward_in_ct = Outward(field, next, outward_in_ct);
+    outward_in_ct = Outward(field, settings.face_mm, next, outward_in_ct);
   }
   if ((device - at_in_ct_mm).dot(outward_in_ct) > 0.0) touching = false;
 }

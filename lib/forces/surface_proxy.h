@@ -11,6 +11,7 @@ namespace acus::forces {
 struct SurfaceProxySettings {
   double hu = 0.0;        ///< The surface: where the field passes this value.
   double friction = 0.0;  ///< Coefficient: the proxy slides only beyond the cone, >= 0.
+  double face_mm = 0.0;   ///< The normal is that over such a length: a broad tool feels no noise.
 };
 
 /// A plain value.
@@ -25,7 +26,8 @@ struct SurfaceProxy {
   }
 
   /// Begins contact at this place.
-  void Touch(const HuField& field, const Eigen::Vector3d& place_in_ct_mm) noexcept;
+  void Touch(const HuField& field, const SurfaceProxySettings& settings,
+             const Eigen::Vector3d& place_in_ct_mm) noexcept;
 
   /// Moves the proxy along the surface towards the point that is nearest to the device; lets go
   /// when the device is on the outer side. Does nothing unless touching.

@@ -73,7 +73,7 @@ bool VidalModel::MeetSkin(VidalState& state, const NeedleMotion& motion) const n
   static_cast<SampleGate&>(state) = gate;
   state.in_body = true;
   state.skin.outward_in_ct = -motion.axis;
-  state.skin.Touch(field_, from + crossing * (motion.tip_mm - from));
+  state.skin.Touch(field_, table_.vidal.skin, from + crossing * (motion.tip_mm - from));
   return true;
 }
 

@@ -75,7 +75,7 @@ void VidalProbe::MeetSkin(VidalProbeState& state, const Eigen::Vector3d& place,
     if (crossing <= 1.0) {
       state.skin.outward_in_ct = length_mm > 0.0 ? Eigen::Vector3d(-way / length_mm)
                                                  : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
-      state.skin.Touch(field_, from + crossing * (place - from));
+      state.skin.Touch(field_, law_.skin, from + crossing * (place - from));
       state.skin.Follow(field_, law_.skin, place);
     }
   }
@@ -95,12 +95,12 @@ void VidalProbe::MeetBone(VidalProbeState& state, const Eigen::Vector3d& place) 
   const Eigen::Vector3d travel_mm = place - state.place_in_ct_mm;
   state.bone.outward_in_ct = state.skin.outward_in_ct;
   if (beyond_mm <= travel_mm.norm() + field_.ResolutionMm()) {
-    state.bone.Touch(field_, state.skin.at_in_ct_mm + crossing * line);
+    state.bone.Touch(field_, law_.bone, state.skin.at_in_ct_mm + crossing * line);
   } else if (field_.HuAt(place) >= law_.bone.hu) {
     // Pushed into its side: bone pushes back from where the device came in. A device that slid
     // below a bone through soft tissue feels nothing of it: a force out of nowhere would throw it.
     const double side = field_.FirstCrossing(state.place_in_ct_mm, place, law_.bone.hu);
-    state.bone.Touch(field_, state.place_in_ct_mm + std::min(side, 1.0) * travel_mm);
+    state.bone.Touch(field_, law_.bone, state.place_in_ct_mm + std::min(side, 1.0) * travel_mm);
   }
   state.bone.Follow(field_, law_.bone, place);
 }

@@ -18,9 +18,9 @@ struct Ball : HuField {
 
 TEST(SurfaceProxy, IsTheNearestPointOfABall) {
   const Ball ball;
-  const SurfaceProxySettings settings{0.0, 0.0};
+  const SurfaceProxySettings settings{0.0, 0.0, 0.0};
   SurfaceProxy proxy;
-  proxy.Touch(ball, Vector3d(0, 0, 50));
+  proxy.Touch(ball, {}, Vector3d(0, 0, 50));
   Vector3d device(0, 0, 50);
   for (int i = 0; i < 2000; ++i) {
     device = Eigen::AngleAxisd(0.0005 * i, Vector3d::UnitX()) * Vector3d(0, 0, 50 - 0.005 * i);
@@ -35,10 +35,10 @@ TEST(SurfaceProxy, IsTheNearestPointOfABall) {
 TEST(SurfaceProxy, LetsGoOutside) {
   const Ball ball;
   SurfaceProxy proxy;
-  proxy.Touch(ball, Vector3d(0, 0, 50));
-  proxy.Follow(ball, {0.0, 0.0}, Vector3d(0, 0, 49.9));
+  proxy.Touch(ball, {}, Vector3d(0, 0, 50));
+  proxy.Follow(ball, {0.0, 0.0, 0.0}, Vector3d(0, 0, 49.9));
   EXPECT_TRUE(proxy.touching);
-  proxy.Follow(ball, {0.0, 0.0}, Vector3d(0, 0, 50.1));
+  proxy.Follow(ball, {0.0, 0.0, 0.0}, Vector3d(0, 0, 50.1));
   EXPECT_FALSE(proxy.touching);
   EXPECT_EQ(proxy.PenetrationMm(Vector3d(0, 0, 40)).norm(), 0.0);
 }
@@ -46,10 +46,10 @@ TEST(SurfaceProxy, LetsGoOutside) {
 TEST(SurfaceProxy, FrictionHoldsItWithinTheCone) {
   Ball flat;
   flat.radius_mm = 1e6;
-  const SurfaceProxySettings settings{0.0, 0.3};
+  const SurfaceProxySettings settings{0.0, 0.3, 0.0};
   SurfaceProxy proxy;
   const Vector3d top(0, 0, 1e6);
-  proxy.Touch(flat, top);
+  proxy.Touch(flat, {}, top);
   proxy.Follow(flat, settings, top + Vector3d(0.5, 0, -2.0));  // Within 0.6.
   EXPECT_NEAR((proxy.at_in_ct_mm - top).norm(), 0.0, 1e-6);
   proxy.Follow(flat, settings, top + Vector3d(1.0, 0, -2.0));
@@ -59,9 +59,9 @@ TEST(SurfaceProxy, FrictionHoldsItWithinTheCone) {
 // A frictionless proxy is a potential: no path gives work.
 TEST(SurfaceProxy, NoLoopGivesWork) {
   const Ball ball;
-  const SurfaceProxySettings settings{0.0, 0.0};
+  const SurfaceProxySettings settings{0.0, 0.0, 0.0};
   SurfaceProxy proxy;
-  proxy.Touch(ball, Vector3d(0, 0, 50));
+  proxy.Touch(ball, {}, Vector3d(0, 0, 50));
   double work = 0.0;
   Vector3d device(0, 0, 50);
   Vector3d force = Vector3d::Zero();
