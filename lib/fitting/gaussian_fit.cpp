@@ -11,10 +11,9 @@
 namespace acus::fitting {
 namespace {
 
-constexpr double kBinMm = 0.1;
-constexpr std::size_t kMostBins = 2000;
-constexpr int kCentres = 90;  // Grid of starts, over the insertion...
-constexpr int kWidths = 14;   // ...and from kNarrowest of it upwards.
+constexpr double kSteps = 900.0;  // The fit's samples.
+constexpr int kCentres = 90;      // Grid of starts, over the insertion...
+constexpr int kWidths = 14;       // ...and from kNarrowest of it upwards.
 constexpr double kNarrowest = 0.005;
 constexpr double kWidest = 1.5;
 constexpr double kLogNarrow = -7.0;  // Logarithms of widths in mm...
@@ -42,10 +41,11 @@ double Evaluate(std::span<const double> p, double x, std::span<double> gradient)
 class GaussianFitter {
  public:
   GaussianFitter(const std::vector<double>& x, const std::vector<double>& y) : x_(x), y_(y) {
-    const double span = x.back() - x.front();
+    const auto [first, last] = std::ranges::minmax(x);
+    const double span = last - first;
     for (int c = 0; c < kCentres; ++c) {
       for (int w = 0; w < kWidths; ++w) {
-        const double centre = x.front() + span * (1.1 * c / (kCentres - 1) - 0.05);
+        const double centre = first + span * (1.1 * c / (kCentres - 1) - 0.05);
         const double width =
             span * kNarrowest * std::pow(kWidest / kNarrowest, w / (kWidths - 1.0));
         candidates_.push_back({1.0, centre, width});
@@ -171,15 +171,20 @@ double SumN(std::span<const Gaussian> terms, double depth_mm) {
 
 GaussianFit FitGaussians(const ForceCurve& curve, const CurvePhases& phases, int count) {
   ACUS_ASSERT(count >= 1 && count <= 32);
-  const DepthBins bins = BinByDepth(curve, phases.advance, kBinMm, kMostBins);
   GaussianFit result;
-  if (bins.depth_mm.size() < static_cast<std::size_t>(4 * count) ||
-      bins.depth_mm.back() - bins.depth_mm.front() < 1.0) {
-    result.message = Message("an insertion over ", bins.depth_mm.size(),
-                             " steps of depth is too short for ", count, " Gaussians");
+  const SampleRange& range = phases.advance;
+  // Means over equal times: every sample counts the same, as in the RMS.
+  const double duration_s =
+      range.size() > 1 ? curve.time_s[range.end - 1] - curve.time_s[range.begin] : 0.0;
+  const ForceCurve thin = Thinned(curve, range, duration_s / kSteps);
+  const auto [low, high] = thin.size() > 0 ? std::ranges::minmax(thin.depth_mm)
+                                           : std::ranges::minmax_result<double>{0.0, 0.0};
+  if (thin.size() < static_cast<std::size_t>(4 * count) || high - low < 1.0) {
+    result.message = Message("an insertion over ", high - low, " mm with ", thin.size(),
+                             " steps is too short for ", count, " Gaussians");
     return result;
   }
-  const ModelFit fit = GaussianFitter(bins.depth_mm, bins.force_n).Run(count);
+  const ModelFit fit = GaussianFitter(thin.depth_mm, thin.force_n).Run(count);
   result = Sorted(fit);
   result.converged = true;
   if (!fit.converged) result.message = "the terms cannot be told apart: no intervals";
