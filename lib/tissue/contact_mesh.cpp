@@ -1,9 +1,7 @@
 #include "tissue/contact_mesh.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <numbers>
 
@@ -11,18 +9,6 @@
 
 namespace acus::tissue {
 namespace {
-
-/// A number that looks drawn at random, but belongs to the place (SplitMix64's mixing).
-std::uint64_t LotOf(const Eigen::Vector3d& x_mm) {
-  std::uint64_t out = 0x9E3779B97F4A7C15ULL;
-  for (const double value : x_mm) {
-    out ^= std::bit_cast<std::uint64_t>(value);
-    out = (out ^ (out >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    out = (out ^ (out >> 27)) * 0x94D049BB133111EBULL;
-    out ^= out >> 31;
-  }
-  return out;
-}
 
 /// Outward corner order of the faces of a tetrahedron of positive volume.
 constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
@@ -54,7 +40,7 @@ ContactMesh::ContactMesh(const mesh::TetraMesh& mesh, const mechanics::Complianc
     const std::size_t at = static_cast<std::size_t>(node);
     if (is_near[at] == 0) continue;
     const int row = mesh.fixed_nodes[at] != 0 ? -1 : compliance.RowOf(node);
-    nodes_.push_back({mesh.nodes_mm.col(node), row, LotOf(mesh.nodes_mm.col(node))});
+    nodes_.push_back({mesh.nodes_mm.col(node), row});
   }
 }
 
@@ -82,25 +68,23 @@ ContactPlace ContactMesh::Ball(const Eigen::Vector3d& rest_in_ct_mm,
   struct Candidate {
     double distance2;
     int node;
-    std::uint64_t lot;
   };
-  constexpr std::size_t kMostCandidates = 2048;
+  constexpr std::size_t kMostCandidates = 512;
   constexpr std::size_t kMost = ContactPlace::kMostRows;
   std::array<Candidate, kMostCandidates> candidate;
   std::size_t count = 0;
-  const double radius2 = radius_mm * radius_mm;
+  double radius2 = radius_mm * radius_mm;
   for (std::size_t n = 0; n < nodes_.size() && count < kMostCandidates; ++n) {
     const double distance2 = (nodes_[n].rest_in_ct_mm - rest_in_ct_mm).squaredNorm();
-    if (distance2 < radius2) {
-      candidate[count++] = {distance2, static_cast<int>(n), nodes_[n].lot};
-    }
+    if (distance2 < radius2) candidate[count++] = {distance2, static_cast<int>(n)};
   }
-  // The nearest ones would be a smaller ball, and a softer tip the finer the mesh is.
   if (count > kMost) {
     std::nth_element(candidate.begin(), candidate.begin() + kMost, candidate.begin() + count,
-                     [](const Candidate& x, const Candidate& y) {
-                       return x.lot != y.lot ? x.lot < y.lot : x.node < y.node;
+                     [](const Candidate& a, const Candidate& b) {
+                       return a.distance2 != b.distance2 ? a.distance2 < b.distance2
+                                                         : a.node < b.node;
                      });
+    radius2 = candidate[kMost].distance2;
     count = kMost;
   }
   // Neighbours in the compliance one after the other.

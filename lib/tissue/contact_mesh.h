@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cstdint>
 #include <vector>
 
 #include "mechanics/compliance.h"
@@ -31,10 +30,9 @@ class ContactMesh {
   Spot Find(const Eigen::Vector3d& rest_in_ct_mm) const noexcept;
 
   /// The mean displacement of a ball: nodes within `radius_mm`, each with weight (1 -
-  /// d^2/radius^2)^2. Of a ball of more than
-  /// ContactPlace::kMostRows nodes so many are drawn, by a hash of their places: spread over all of
-  /// it, the same while they are in it, and whatever their numbers are. Nodes that are held or out
-  /// of reach count as held still. Without a node near, there are no rows. O(nodes in reach).
+  /// d^2/radius^2)^2. A ball of more than ContactPlace::kMostRows nodes shrinks to those. Nodes
+  /// that are held or out of reach count as held still. Without a node near, there are no rows.
+  /// O(nodes in reach).
   ContactPlace Ball(const Eigen::Vector3d& rest_in_ct_mm, double radius_mm) const noexcept;
 
   /// Where the segment from a place outside to one inside crosses the surface, the inner side of
@@ -50,8 +48,7 @@ class ContactMesh {
   };
   struct Node {
     Eigen::Vector3d rest_in_ct_mm;
-    int row;            ///< -1: held still.
-    std::uint64_t lot;  ///< Drawn by its place at rest.
+    int row;  ///< -1: held still.
   };
   mesh::PointLocation location_;
   std::vector<Node> nodes_;  ///< Of all elements with a node in reach.
