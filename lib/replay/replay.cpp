@@ -61,7 +61,7 @@ double SpanSeconds(const session::Session& session) {
 
 std::vector<std::string> WarningsOf(const Run& run) {
   std::vector<std::string> warnings = run.warnings;
-  const auto& state = run.steps.final_state.force;
+  const auto& state = forces::TrackOf(run.steps.final_state.force);
   if (state.num_rejected > 0) {
     warnings.push_back(Message(state.num_rejected, " needle samples were not finite"));
   }

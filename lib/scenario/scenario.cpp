@@ -181,10 +181,13 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
   if (effects.contains("needle_force")) {
     const json& effect = effects["needle_force"];
     const std::string table = effect.at("table");
+    static const std::map<std::string, NeedleForceModelKind> kModels = {
+        {"layered", NeedleForceModelKind::kLayered},
+        {"alamilla", NeedleForceModelKind::kAlamilla},
+        {"vidal", NeedleForceModelKind::kVidal},
+        {"tissue", NeedleForceModelKind::kTissue}};
     scenario.needle_force =
-        NeedleForceEffect{effect.at("model") == "tissue" ? NeedleForceModelKind::kTissue
-                                                         : NeedleForceModelKind::kLayered,
-                          config::FindConfig(table, folder)};
+        NeedleForceEffect{kModels.at(effect.at("model")), config::FindConfig(table, folder)};
   }
   if (effects.contains("tissue")) {
     scenario.tissue = ReadTissueEffect(effects["tissue"], folder);

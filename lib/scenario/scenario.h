@@ -22,7 +22,7 @@ struct Patient {
   Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
 };
 
-enum class NeedleForceModelKind { kLayered, kTissue };
+enum class NeedleForceModelKind { kLayered, kAlamilla, kVidal, kTissue };
 struct NeedleForceEffect {
   NeedleForceModelKind model = NeedleForceModelKind::kLayered;
   std::filesystem::path table;

@@ -15,6 +15,17 @@ bool FromTissue(const Scenario& s) {
   return s.needle_force && s.needle_force->model == scenario::NeedleForceModelKind::kTissue;
 }
 
+/// What the force on the needle is computed from. The CT itself tells Vidal's model what it meets;
+/// tissues are looked up for the log.
+Names ForceInputs(const Scenario& s) {
+  if (FromTissue(s)) return {"contact"};
+  Names reads{"needle", "tissue", "force table"};
+  if (s.needle_force && s.needle_force->model == scenario::NeedleForceModelKind::kVidal) {
+    reads.push_back("ct");
+  }
+  return reads;
+}
+
 /// What tissue under a tool is computed from, besides the tool.
 Names TissueInputs(const Scenario& s) {
   if (!s.tissue) return {};
@@ -60,10 +71,12 @@ std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
   };
   return {
       step(StageId::kNeedlePose, "needle pose", {"needle poses"}, {"needle"}),
-      step(StageId::kTissueLookup, "tissue lookup", {"needle", "labels"}, {"tissue"}),
+      // Without a label map, from the HU of the CT.
+      step(StageId::kTissueLookup, "tissue lookup",
+           {"needle", s.patient.labels.empty() && !s.patient.ct.empty() ? "ct" : "labels"},
+           {"tissue"}),
       step(StageId::kTissueContact, "tissue contact", TissueInputs(s), {"contact"}),
-      step(StageId::kNeedleForce, "needle force",
-           FromTissue(s) ? Names{"contact"} : Names{"needle", "tissue", "force table"}, {"force"}),
+      step(StageId::kNeedleForce, "needle force", ForceInputs(s), {"force"}),
       image(StageId::kProbePose, "probe pose", {"probe poses"}, {"probe"}),
       image(StageId::kDeformation, "deformation", DeformationInputs(s), {"rest map"}),
       image(StageId::kCtSlice, "CT slice", ImageInputs(s, s.ct_slice && s.ct_slice->needle),

@@ -5,6 +5,29 @@
 
 namespace acus::simulation {
 
+namespace {
+
+void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scene& scene,
+                RunContext& context) {
+  const forces::ForceTable table = forces::ReadForceTable(scenario.needle_force->table);
+  const bool by_hu = scenario.needle_force->model == scenario::NeedleForceModelKind::kVidal;
+  const bool looks_in_ct = plan.Has(StageId::kTissueLookup) && !scene.labels;
+  if (by_hu || looks_in_ct) scene.hu = std::make_shared<forces::CtField>(*scene.ct);
+  if (looks_in_ct) {
+    context.Warn("there is no label map: tissues are told by the CT's HU, as the force table says");
+    scene.hu_tissues = table.hu_tissues;
+  }
+  if (by_hu) {
+    scene.forces.emplace(forces::VidalModel(table, *scene.needle, *scene.hu));
+  } else if (scenario.needle_force->model == scenario::NeedleForceModelKind::kAlamilla) {
+    scene.forces.emplace(forces::AlamillaModel(table, *scene.needle));
+  } else {
+    scene.forces.emplace(forces::NeedleForceModel(table, *scene.needle));
+  }
+}
+
+}  // namespace
+
 Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context) {
   Scene scene;
   scene.plan = plan;
@@ -14,7 +37,8 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   scene.needle_in_b_mode = scenario.ultrasound && scenario.ultrasound->needle;
   if (plan.Needs("ct")) {
     context.Checkpoint("reading the CT", 0.0);
-    scene.ct = volume::ReadCt(scenario.patient.ct, scenario.patient.dicom_series, context);
+    scene.ct = std::make_shared<volume::CtVolume>(
+        volume::ReadCt(scenario.patient.ct, scenario.patient.dicom_series, context));
     context.provenance.AddInput(scenario.patient.ct);
   }
   if (plan.Needs("labels")) {
@@ -28,7 +52,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   scene.force_from_tissue = scenario.needle_force &&
                             scenario.needle_force->model == scenario::NeedleForceModelKind::kTissue;
   if (plan.Has(StageId::kNeedleForce) && !scene.force_from_tissue) {
-    scene.forces.emplace(forces::ReadForceTable(scenario.needle_force->table), *scene.needle);
+    LoadForces(scenario, plan, scene, context);
     context.provenance.AddInput(scenario.needle_force->table);
   }
   if (plan.Needs("probe")) {

@@ -5,7 +5,8 @@
 #include <optional>
 
 #include "core/run_context.h"
-#include "forces/needle_force.h"
+#include "forces/force_model.h"
+#include "forces/hu_field.h"
 #include "scenario/scenario.h"
 #include "simulation/effect_plan.h"
 #include "tissue/tissue_model.h"
@@ -25,10 +26,12 @@ struct Scene {
   bool force_from_tissue = false;  ///< What is felt is what the deformed tissue does.
   double warp_spacing_mm = 0.0;
 
-  std::optional<volume::CtVolume> ct;              ///< If the plan reads "ct".
+  std::shared_ptr<const volume::CtVolume> ct;      ///< If the plan reads "ct".
   std::shared_ptr<const volume::LabelMap> labels;  ///< If the plan reads "labels".
   std::optional<forces::NeedleProperties> needle;  ///< If the plan reads "needle".
-  std::optional<forces::NeedleForceModel> forces;  ///< If the plan has the needle force.
+  std::shared_ptr<const forces::CtField> hu;       ///< Of the CT, if forces read it.
+  std::optional<forces::HuTissues> hu_tissues;     ///< If tissues are looked up without labels.
+  std::optional<forces::ForceModel> forces;        ///< If the plan has the needle force.
   std::optional<tissue::TissueModel> tissue;       ///< If the plan has contact or deformation.
   std::optional<ultrasound::Probe> probe;          ///< If the plan reads "probe".
   std::optional<ultrasound::BModeOptions> b_mode;  ///< If the plan has the B-mode.

@@ -20,12 +20,16 @@ Simulation::Simulation(const Scene& scene)
       runs_lookup_(scene.plan.Has(StageId::kTissueLookup)),
       runs_contact_(scene.plan.Has(StageId::kTissueContact)),
       runs_force_(scene.plan.Has(StageId::kNeedleForce)) {
-  if (runs_lookup_) index_from_ct_ = scene.labels->geometry.index_from_ct();
+  if (runs_lookup_) {
+    lookup_ = scene.labels ? forces::TissueLookup(*scene.labels)
+                           : forces::TissueLookup(*scene.hu, *scene.hu_tissues);
+  }
 }
 
 State Simulation::NewState() const {
   State state;
   if (runs_contact_) state.tissue = scene_.tissue->NewState();
+  if (scene_.forces) state.force = scene_.forces->NewState();
   return state;
 }
 
@@ -40,7 +44,7 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   const Eigen::Vector3d axis_in_ct = out.ct_from_needle.linear().col(2);
   watch.EndOf(StageId::kNeedlePose);
   if (runs_lookup_) {
-    out.tissue_at_tip = LabelAt(*scene_.labels, index_from_ct_, tip_in_ct_mm);
+    out.tissue_at_tip = lookup_->At(tip_in_ct_mm);
     watch.EndOf(StageId::kTissueLookup);
   }
   if (runs_contact_) {
@@ -59,7 +63,7 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
     watch.EndOf(StageId::kNeedleForce, !out.tissue.touched);
   } else if (runs_force_) {
     // Nothing to do while the needle is in free space; the law itself then returns at once.
-    const bool asleep = out.tissue_at_tip == 0 && !state.force.in_body;
+    const bool asleep = out.tissue_at_tip == 0 && !forces::TrackOf(state.force).in_body;
     out.force = scene_.forces->Step(state.force, {.time_s = time_s,
                                                   .tip_in_ct_mm = tip_in_ct_mm,
                                                   .axis_in_ct = axis_in_ct,
@@ -73,7 +77,7 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
 bool Simulation::LoadOf(const State& state, const StepOutput& output,
                         tissue::TissueLoad& out) const noexcept {
   if (runs_contact_) return scene_.tissue->LoadOf(state.tissue, out);
-  const forces::NeedleForceState& needle = state.force;
+  const forces::NeedleTrack& needle = forces::TrackOf(state.force);
   if (!needle.in_body) return false;
   out = {};
   out.needle = {.in_contact = true,

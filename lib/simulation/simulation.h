@@ -4,7 +4,8 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 
-#include "forces/needle_force.h"
+#include "forces/force_model.h"
+#include "forces/tissue_lookup.h"
 #include "simulation/scene.h"
 #include "simulation/stage_timing.h"
 #include "tissue/tissue_model.h"
@@ -34,7 +35,7 @@ struct StepOutput {
 /// All that changes. A plain value: save it, restore it, run many side by side. Made by
 /// Simulation::NewState.
 struct State {
-  forces::NeedleForceState force;
+  forces::ForceState force;
   tissue::TissueState tissue;  ///< Empty if the plan has no tissue contact.
   std::int64_t steps = 0;
 };
@@ -60,7 +61,7 @@ class Simulation {
 
  private:
   const Scene& scene_;
-  Eigen::Affine3d index_from_ct_ = Eigen::Affine3d::Identity();
+  std::optional<forces::TissueLookup> lookup_;
   bool runs_lookup_ = false;
   bool runs_contact_ = false;
   bool runs_force_ = false;

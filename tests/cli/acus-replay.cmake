@@ -22,8 +22,9 @@ acus_add_cli_case(acus-replay.mistyped_effect EXIT 3 NEEDS inputs LEAVES_NOTHING
   COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run
           --set /effects/ultrasond/needle=false)
 acus_add_cli_case(acus-replay.missing_input EXIT 3 NEEDS inputs LEAVES_NOTHING
-  STDERR "needs labels: /patient/labels is not given" "take the effect out"
-  COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session --ct $INPUTS/ct.nrrd -o run)
+  STDERR "needs ct: /patient/ct is not given" "take the effect out"
+  COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session -o run
+          --labels $INPUTS/labels.seg.nrrd)
 acus_add_cli_case(acus-replay.time_going_back EXIT 3 NEEDS inputs
   BEFORE "cp -rL $INPUTS/session s && awk -F, -v OFS=, 'NR==50{$1=0.001}1' s/needle.csv > n && mv n s/needle.csv"
   STDERR "s/needle.csv:50: "

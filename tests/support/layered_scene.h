@@ -46,11 +46,12 @@ inline simulation::Scene LayeredScene(const simulation::EffectPlan& plan, bool n
   scene.image_rate_hz = 30.0;
   scene.needle_in_ct_slice = scene.needle_in_b_mode = needle_in_images;
   scene.needle = forces::ReadNeedle(configs / "needles/spinal_22g.json");
-  scene.forces.emplace(forces::ReadForceTable(configs / "forces/default.json"), *scene.needle);
+  scene.forces.emplace(forces::NeedleForceModel(
+      forces::ReadForceTable(configs / "forces/default.json"), *scene.needle));
   scene.probe = ultrasound::ReadProbe(configs / "probes/linear_l14.json");
   scene.b_mode = ultrasound::ReadBModeOptions(configs / "acoustics/hu_textured.json");
 
-  scene.ct.emplace(geometry, std::int16_t{-1000});
+  auto ct = std::make_shared<volume::CtVolume>(geometry, std::int16_t{-1000});
   auto labels = std::make_shared<volume::LabelMap>(geometry);
   for (int k = 0; k < geometry.size[2]; ++k) {
     const double z_mm = geometry.origin_mm[2] + geometry.spacing_mm[2] * k;
@@ -60,11 +61,11 @@ inline simulation::Scene LayeredScene(const simulation::EffectPlan& plan, bool n
         const double y_mm = geometry.origin_mm[1] + geometry.spacing_mm[1] * j;
         for (const Layer& layer : kLayers) {
           if (z_mm < layer.from_z_mm) continue;
-          scene.ct->At(i, j, k) = layer.hu;
+          ct->At(i, j, k) = layer.hu;
           labels->At(i, j, k) = volume::LabelOf(layer.tissue);
         }
         if (z_mm > 60.0 && std::abs(x_mm) < 10.0 && y_mm > 10.0) {
-          scene.ct->At(i, j, k) = 900;
+          ct->At(i, j, k) = 900;
           labels->At(i, j, k) = volume::LabelOf("bone");
         }
       }
@@ -74,6 +75,7 @@ inline simulation::Scene LayeredScene(const simulation::EffectPlan& plan, bool n
     labels->names[label.label] = std::string(label.name);
   }
   scene.labels = std::move(labels);
+  scene.ct = std::move(ct);
   return scene;
 }
 

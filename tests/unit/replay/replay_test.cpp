@@ -94,7 +94,7 @@ TEST_F(Replay, ThatFailsLeavesTheCallersWarningsAsTheyWere) {
   RunContext context;
   context.on_warning = [&heard](std::string_view text) { heard.emplace_back(text); };
   const auto scenario = scenario::ReadScenario(
-      folder_ / "scene.json", std::vector<scenario::Override>{{"/patient/labels", nullptr}});
+      folder_ / "scene.json", std::vector<scenario::Override>{{"/patient/ct", nullptr}});
   EXPECT_THROW(ReplaySession(scenario, folder_ / "session", {}, context), InputError);
   heard.clear();
   context.Warn("after");
@@ -191,6 +191,49 @@ TEST_F(Replay, LeavesNothingBehindWhenStopped) {
   for (const auto& entry : fs::directory_iterator(folder_)) {
     EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr("stopped")));
   }
+}
+
+TEST_F(Replay, EveryForceModelStopsAtBoneAndIsFeltInTheTissue) {
+  for (const std::string model : {"layered", "alamilla", "vidal"}) {
+    SCOPED_TRACE(model);
+    const std::string table = model == "layered" ? "default" : model;
+    const std::vector<scenario::Override> overrides = {
+        {"/effects/needle_force/model", model},
+        {"/effects/needle_force/table", "forces/" + table + ".json"},
+        {"/effects/ultrasound", nullptr},
+        {"/effects/ct_slice", nullptr}};
+    Run((model + "_1").c_str(), 1, overrides);
+    Run((model + "_2").c_str(), 2, overrides);
+    EXPECT_EQ(ReadTextFile(folder_ / (model + "_1") / "forces.csv"),
+              ReadTextFile(folder_ / (model + "_2") / "forces.csv"));
+    const CsvTable forces(folder_ / (model + "_1") / "forces.csv");
+    const auto axial_n = forces.Numbers("force_axial_n");
+    const auto bone_n = forces.Numbers("bone_n");
+    EXPECT_GT(*std::ranges::max_element(axial_n), 1.0);
+    EXPECT_LT(*std::ranges::max_element(axial_n), 30.0);
+    EXPECT_GT(*std::ranges::max_element(bone_n), 1.0);
+    EXPECT_EQ(axial_n.front(), 0.0);
+    EXPECT_EQ(axial_n.back(), 0.0);
+    EXPECT_THAT(forces.Texts("tissue"), testing::Contains("muscle"));
+    EXPECT_THAT(forces.Texts("event"), testing::Contains("bone_contact"));
+  }
+}
+
+TEST_F(Replay, TellsTissuesByHuWhereThereIsNoLabelMap) {
+  RunContext context;
+  std::vector<std::string> warnings;
+  context.on_warning = [&](std::string_view text) { warnings.emplace_back(text); };
+  ReplayOptions options;
+  options.run_folder = folder_ / "by_hu";
+  const std::vector<scenario::Override> overrides = {{"/patient/labels", nullptr},
+                                                     {"/effects/ultrasound", nullptr},
+                                                     {"/effects/ct_slice", nullptr}};
+  ReplaySession(scenario::ReadScenario(folder_ / "scene.json", overrides), folder_ / "session",
+                options, context);
+  EXPECT_THAT(warnings, testing::Contains(HasSubstr("no label map")));
+  const CsvTable forces(folder_ / "by_hu" / "forces.csv");
+  EXPECT_THAT(forces.Texts("tissue"), testing::Contains("fat"));
+  EXPECT_THAT(forces.Texts("event"), testing::Contains("bone_contact"));
 }
 
 }  // namespace

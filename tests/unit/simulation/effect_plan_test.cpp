@@ -70,10 +70,26 @@ TEST(PlanEffects, KeepsTheNeedlePoseForAnImageThatShowsTheNeedle) {
 TEST(PlanEffects, NamesEveryMissingInputAtOnce) {
   scenario::Scenario s = AllEffects();
   s.patient.labels.clear();
+  s.patient.ct.clear();
   EXPECT_THAT([&] { PlanEffects(s, {.needle_poses = false, .probe_poses = true}); },
               ThrowsMessage<InputError>(AllOf(
                   HasSubstr("tissue lookup (needed by needle force) needs labels"),
                   HasSubstr("the session has no needle stream"), HasSubstr("--set /effects/"))));
+}
+
+TEST(PlanEffects, ForcesGoByTheCtWhereThereAreNoLabelsOrTheModelAsksForIt) {
+  scenario::Scenario s = AllEffects();
+  s.ultrasound.reset();
+  s.ct_slice.reset();
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs("ct"));
+  s.needle_force->model = scenario::NeedleForceModelKind::kVidal;
+  EXPECT_TRUE(PlanEffects(s, kAll).Needs("ct"));
+  EXPECT_TRUE(PlanEffects(s, kAll).Needs("labels"));
+  s.needle_force->model = scenario::NeedleForceModelKind::kAlamilla;
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs("ct"));
+  s.patient.labels.clear();
+  EXPECT_TRUE(PlanEffects(s, kAll).Needs("ct"));
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs("labels"));
 }
 
 scenario::Scenario WithTissue(scenario::TissueModelKind model) {
