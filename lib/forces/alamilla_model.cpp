@@ -24,13 +24,9 @@ AlamillaModel::AlamillaModel(const ForceTable& table, const NeedleProperties& ne
     : table_(table.ScaledTo(needle.beam.outer_diameter_mm)) {}
 
 NeedleForce AlamillaModel::Step(AlamillaState& state, const NeedleInput& input) const noexcept {
-  switch (state.Judge(input)) {
-    case SampleGate::Verdict::kZero:
-      return {};
-    case SampleGate::Verdict::kHold:
-      return state.Held(table_.settings);
-    case SampleGate::Verdict::kStep:
-      break;
+  const auto verdict = state.Judge(input);
+  if (verdict != SampleGate::Verdict::kStep) {
+    return state.ForceInstead(verdict, table_.settings);
   }
   const NeedleMotion motion = MotionOf(state, input);
   NeedleForce out;

@@ -49,6 +49,11 @@ struct ForceTable {
   HuTissues hu_tissues;
   std::bitset<256> named;  ///< Labels that the file has a row for.
 
+  /// True if a tip that comes from one tissue meets a membrane where the other begins.
+  bool HasMembrane(volume::Label from, volume::Label to) const noexcept {
+    return tissue[to].membrane.puncture_n > 0.0 && !tissue[to].no_membrane_from.test(from);
+  }
+
   /// The table for a needle of another outer diameter: all soft-tissue forces scale with it, as
   /// both the cut's length and the shaft's circumference do. Puncture depths stay.
   ForceTable ScaledTo(double outer_diameter_mm) const;

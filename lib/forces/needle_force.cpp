@@ -19,13 +19,9 @@ NeedleForceModel::NeedleForceModel(const ForceTable& table, const NeedleProperti
 
 NeedleForce NeedleForceModel::Step(NeedleForceState& state,
                                    const NeedleInput& input) const noexcept {
-  switch (state.Judge(input)) {
-    case SampleGate::Verdict::kZero:
-      return {};
-    case SampleGate::Verdict::kHold:
-      return state.Held(table_.settings);
-    case SampleGate::Verdict::kStep:
-      break;
+  const auto verdict = state.Judge(input);
+  if (verdict != SampleGate::Verdict::kStep) {
+    return state.ForceInstead(verdict, table_.settings);
   }
   const NeedleMotion motion = MotionOf(state, input);
   NeedleForce out;

@@ -11,11 +11,6 @@ constexpr double kSkinTremorMm = 1.0;
 constexpr double kBoneReleaseMm = 0.1;
 constexpr double kBoneSlipMm = 1.0;  // Sideways shift after which the tip may slide off.
 
-bool HasMembrane(const ForceTable& table, volume::Label from, volume::Label to) noexcept {
-  const TissueForce& tissue = table.tissue[to];
-  return tissue.membrane.puncture_n > 0.0 && !tissue.no_membrane_from.test(from);
-}
-
 }  // namespace
 
 NeedleMotion MotionOf(const NeedleTrack& track, const NeedleInput& input) noexcept {
@@ -41,7 +36,7 @@ void TouchSkin(const ForceTable& table, NeedleTrack& track, const NeedleMotion& 
   track.path.entry_in_ct_mm = motion.tip_mm - inside_mm * motion.axis;
   track.path.direction_in_ct = motion.axis;
   track.path.Append(motion.label, table.tissue[motion.label].friction_n_per_mm);
-  track.pressing = HasMembrane(table, 0, motion.label);
+  track.pressing = table.HasMembrane(0, motion.label);
   track.membrane_mm = 0.0;
   track.membrane_of = motion.label;
   track.pierced = !track.pressing;
@@ -121,7 +116,7 @@ NeedleEvent MeetTissue(const ForceTable& table, NeedleTrack& track, volume::Labe
   }
   if (depth_mm - track.candidate_mm < hysteresis_mm) return NeedleEvent::kNone;
 
-  const bool membrane = !track.pressing && HasMembrane(table, path.LastTissue(), label);
+  const bool membrane = !track.pressing && table.HasMembrane(path.LastTissue(), label);
   path.ExtendTo(track.candidate_mm);
   path.Append(label, table.tissue[label].friction_n_per_mm);
   path.ExtendTo(depth_mm);
@@ -138,7 +133,7 @@ NeedleEvent MeetTissue(const ForceTable& table, NeedleTrack& track, volume::Labe
 
 PressedMembrane ActiveMembrane(const ForceTable& table, const NeedleTrack& track) noexcept {
   if (track.pressing) return {&table.tissue[track.membrane_of].membrane, track.membrane_mm};
-  if (track.has_candidate && HasMembrane(table, track.path.LastTissue(), track.candidate)) {
+  if (track.has_candidate && table.HasMembrane(track.path.LastTissue(), track.candidate)) {
     return {&table.tissue[track.candidate].membrane, track.candidate_mm};
   }
   return {};

@@ -34,6 +34,10 @@ struct SampleGate {
   double HeldShare(const ForceSettings& settings) const noexcept;
   /// The last force times that share, without its event.
   NeedleForce Held(const ForceSettings& settings) const noexcept;
+  /// The answer to a sample that is not stepped on. @pre `verdict` is not kStep.
+  NeedleForce ForceInstead(Verdict verdict, const ForceSettings& settings) const noexcept {
+    return verdict == Verdict::kHold ? Held(settings) : NeedleForce{};
+  }
 
   void Accept(double sample_time_s, const NeedleForce& force) noexcept {
     started = true;

@@ -38,13 +38,9 @@ VidalModel::VidalModel(const ForceTable& table, const NeedleProperties& needle,
 }
 
 NeedleForce VidalModel::Step(VidalState& state, const NeedleInput& input) const noexcept {
-  switch (state.Judge(input)) {
-    case SampleGate::Verdict::kZero:
-      return {};
-    case SampleGate::Verdict::kHold:
-      return state.Held(table_.settings);
-    case SampleGate::Verdict::kStep:
-      break;
+  const auto verdict = state.Judge(input);
+  if (verdict != SampleGate::Verdict::kStep) {
+    return state.ForceInstead(verdict, table_.settings);
   }
   NeedleMotion motion = MotionOf(state, input);
   NeedleForce out;

@@ -5,6 +5,7 @@
 
 #include "config/json_file.h"
 #include "session/training_metrics.h"
+#include "volume/label_lookup.h"
 
 namespace acus::replay {
 namespace {
@@ -52,7 +53,7 @@ void AddTissue(const simulation::Scene& scene, const session::Session& session,
   const Eigen::Affine3d index_from_reference =
       scene.labels->geometry.index_from_ct() * scene.ct_from_reference;
   const auto inside = [&](const Eigen::Vector3d& point_in_reference_mm) {
-    return simulation::LabelAt(*scene.labels, index_from_reference, point_in_reference_mm) != 0;
+    return volume::LabelAt(*scene.labels, index_from_reference, point_in_reference_mm) != 0;
   };
   const auto tissue = session::ComputeTissueMetrics(session.needle, inside);
   metrics.push_back({"needle time in tissue", "s", tissue.time_in_tissue_s});

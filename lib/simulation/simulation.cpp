@@ -1,26 +1,14 @@
 #include "simulation/simulation.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace acus::simulation {
 
-volume::Label LabelAt(const volume::LabelMap& labels, const Eigen::Affine3d& index_from_ct,
-                      const Eigen::Vector3d& point_in_ct_mm) noexcept {
-  const Eigen::Array3d index = (index_from_ct * point_in_ct_mm).array() + 0.5;
-  const Eigen::Array3d size = labels.geometry.size.cast<double>();
-  // Written so that NaN fails it.
-  if (!((index >= 0.0).all() && (index < size).all())) return 0;
-  return labels.At(static_cast<int>(index[0]), static_cast<int>(index[1]),
-                   static_cast<int>(index[2]));
-}
-
 Simulation::Simulation(const Scene& scene)
     : scene_(scene),
-      runs_lookup_(scene.plan.Has(StageId::kTissueLookup)),
       runs_contact_(scene.plan.Has(StageId::kTissueContact)),
       runs_force_(scene.plan.Has(StageId::kNeedleForce)) {
-  if (runs_lookup_) {
+  if (scene.plan.Has(StageId::kTissueLookup)) {
     lookup_ = scene.labels ? forces::TissueLookup(*scene.labels)
                            : forces::TissueLookup(*scene.hu, *scene.hu_tissues);
   }
@@ -43,7 +31,7 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   const Eigen::Vector3d tip_in_ct_mm = out.ct_from_needle.translation();
   const Eigen::Vector3d axis_in_ct = out.ct_from_needle.linear().col(2);
   watch.EndOf(StageId::kNeedlePose);
-  if (runs_lookup_) {
+  if (lookup_) {
     out.tissue_at_tip = lookup_->At(tip_in_ct_mm);
     watch.EndOf(StageId::kTissueLookup);
   }

@@ -61,14 +61,9 @@ class Simulation {
 
  private:
   const Scene& scene_;
-  std::optional<forces::TissueLookup> lookup_;
-  bool runs_lookup_ = false;
+  std::optional<forces::TissueLookup> lookup_;  ///< If the plan looks tissues up.
   bool runs_contact_ = false;
   bool runs_force_ = false;
 };
-
-/// The label at a point, 0 outside the volume. Never throws; a point that is not finite is outside.
-volume::Label LabelAt(const volume::LabelMap& labels, const Eigen::Affine3d& index_from_ct,
-                      const Eigen::Vector3d& point_in_ct_mm) noexcept;
 
 }  // namespace acus::simulation

@@ -12,7 +12,7 @@
 #include "mechanics/element_names.h"
 #include "mesh/surface_io.h"
 #include "registration/landmarks.h"
-#include "simulation/simulation.h"
+#include "volume/label_lookup.h"
 
 namespace acus::simulation {
 namespace {
@@ -27,7 +27,7 @@ class TissueMap {
       : labels_(std::move(labels)), index_from_ct_(labels_->geometry.index_from_ct()) {}
 
   volume::Label operator()(const Eigen::Vector3d& rest_in_ct_mm) const {
-    return LabelAt(*labels_, index_from_ct_, rest_in_ct_mm);
+    return volume::LabelAt(*labels_, index_from_ct_, rest_in_ct_mm);
   }
 
   std::bitset<256> Tissues() const {

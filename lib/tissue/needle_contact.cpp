@@ -164,7 +164,7 @@ void FemNeedleModel::Touch(FemNeedleState& state, const Eigen::Vector3d& tip_mm,
     state.beyond = spot.tissue;
     state.end_is_bone = table_.tissue[spot.tissue].impenetrable;
     state.membrane_n =
-        HasMembrane(0, spot.tissue) ? table_.tissue[spot.tissue].membrane.puncture_n : 0.0;
+        table_.HasMembrane(0, spot.tissue) ? table_.tissue[spot.tissue].membrane.puncture_n : 0.0;
     state.on_bone = false;
     state.tip_offset_mm = 0.0;
   }

@@ -136,7 +136,6 @@ class FemNeedleModel {
   double TipLimitN(const FemNeedleState& state) const noexcept;
   double FrictionLengthMm(const FemNeedleState& state, int point) const noexcept;
   Eigen::Vector2d LineMm(const FemNeedleState& state, double axial_mm) const noexcept;
-  bool HasMembrane(volume::Label from, volume::Label to) const noexcept;
 
   forces::ForceTable table_;
   std::array<mechanics::ElasticTissue, 256> elastic_{};

@@ -20,11 +20,6 @@ constexpr double kNothingMmPerN = 1e6;  // Around a place without tissue.
 
 }  // namespace
 
-bool FemNeedleModel::HasMembrane(volume::Label from, volume::Label to) const noexcept {
-  const forces::TissueForce& tissue = table_.tissue[to];
-  return tissue.membrane.puncture_n > 0.0 && !tissue.no_membrane_from.test(from);
-}
-
 double FemNeedleModel::TipLimitN(const FemNeedleState& state) const noexcept {
   if (state.end_is_bone) return table_.settings.bone.largest_n;
   const double cutting_n = table_.tissue[state.end_tissue].cutting_n;
@@ -165,7 +160,7 @@ forces::NeedleEvent FemNeedleModel::Cut(FemNeedleState& state) const noexcept {
       (mesh_.Find(middle).tissue == state.end_tissue ? before : beyond) = middle;
     }
     const bool bone = table_.tissue[label].impenetrable;
-    const bool membrane = HasMembrane(state.end_tissue, label);
+    const bool membrane = table_.HasMembrane(state.end_tissue, label);
     state.end_mm = bone || membrane ? before : beyond;
     if (bone) {
       state.end_is_bone = true;

@@ -146,11 +146,6 @@ volume::Label PlaneModel2010::LabelOnPath(const PlaneState& state, double at_mm)
   return LabelAt(state.entry_mm + at_mm * state.along);
 }
 
-bool PlaneModel2010::HasMembrane(volume::Label from, volume::Label to) const noexcept {
-  const forces::TissueForce& tissue = table_.tissue[to];
-  return tissue.membrane.puncture_n > 0.0 && !tissue.no_membrane_from.test(from);
-}
-
 PlaneModel2010 PlaneModel2010::WithUpdate(PlaneUpdate update) const {
   PlaneModel2010 other = *this;
   other.settings_.update = update;
@@ -167,13 +162,9 @@ PlaneState PlaneModel2010::NewState() const {
 
 forces::NeedleForce PlaneModel2010::Step(PlaneState& state,
                                          const ToolSample& sample) const noexcept {
-  switch (state.gate.Judge(sample)) {
-    case SampleGate::Verdict::kZero:
-      return {};
-    case SampleGate::Verdict::kHold:
-      return state.gate.Held(table_.settings);
-    case SampleGate::Verdict::kStep:
-      break;
+  const auto verdict = state.gate.Judge(sample);
+  if (verdict != SampleGate::Verdict::kStep) {
+    return state.gate.ForceInstead(verdict, table_.settings);
   }
   const bool started = state.gate.started;
   const double dt_s = started ? sample.time_s - state.gate.valid_time_s : 1.0;
@@ -240,7 +231,7 @@ bool PlaneModel2010::Touch(PlaneState& state, const Motion& motion) const noexce
   state.cut_tissue = state.membrane_of = tissue;
   state.on_bone = table_.tissue[tissue].impenetrable;
   state.bone_at_mm = 0.0;
-  state.pressing = !state.on_bone && HasMembrane(0, tissue);
+  state.pressing = !state.on_bone && table_.HasMembrane(0, tissue);
   state.pierced = !state.pressing && !state.on_bone;
   state.engaged = state.pierced;
   state.node[0].reference_mm.x() = 0.0;  // It is the skin that is touched, at 0.

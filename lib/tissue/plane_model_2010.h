@@ -127,7 +127,6 @@ class PlaneModel2010 {
   void MakePlane(const mechanics::ElasticityTable& elasticity);
   volume::Label LabelAt(const Eigen::Vector2d& plane_mm) const noexcept;
   volume::Label LabelOnPath(const PlaneState& state, double at_mm) const noexcept;
-  bool HasMembrane(volume::Label from, volume::Label to) const noexcept;
 
   bool Touch(PlaneState& state, const Motion& motion) const noexcept;
   void StartPath(PlaneState& state, const Eigen::Vector2d& along,

@@ -252,7 +252,7 @@ NeedleEvent PlaneModel2010::AdvanceChannel(PlaneState& state, double to_mm) cons
       state.bone_at_mm = state.needle_mm;
       return NeedleEvent::kBoneContact;
     }
-    if (HasMembrane(state.cut_tissue, next)) {
+    if (table_.HasMembrane(state.cut_tissue, next)) {
       state.pressing = true;
       state.membrane_of = next;
       // What is left of this step does not go through the membrane, it presses it in.

@@ -89,13 +89,9 @@ SpringModel::SpringModel(const SpringSettings& settings, const forces::ForceTabl
 }
 
 forces::NeedleForce SpringModel::Step(SpringState& state, const ToolSample& sample) const noexcept {
-  switch (state.gate.Judge(sample)) {
-    case SampleGate::Verdict::kZero:
-      return {};
-    case SampleGate::Verdict::kHold:
-      return state.gate.Held(table_.settings);
-    case SampleGate::Verdict::kStep:
-      break;
+  const auto verdict = state.gate.Judge(sample);
+  if (verdict != SampleGate::Verdict::kStep) {
+    return state.gate.ForceInstead(verdict, table_.settings);
   }
   const bool started = state.gate.started;
   const double dt_s = started ? sample.time_s - state.gate.valid_time_s : 1.0;
@@ -147,7 +143,7 @@ void SpringModel::Touch(SpringState& state, const Eigen::Vector3d& before_mm,
   state.node[0].rest_in_ct_mm = skin_mm;
   SetTissue(state.node[0], tissue);
   state.on_bone = table_.tissue[tissue].impenetrable;
-  state.pressing = !state.on_bone && HasMembrane(0, tissue);
+  state.pressing = !state.on_bone && table_.HasMembrane(0, tissue);
   state.pierced = !state.pressing && !state.on_bone;
   state.membrane_of = tissue;
   state.cut_n = state.bone_from_mm = state.ahead_mm = state.friction_n = 0.0;
@@ -270,7 +266,7 @@ NeedleEvent SpringModel::Meet(SpringState& state, volume::Label next,
         std::min(state.ahead_mm, state.cut_n / table_.settings.cutting_stiffness_n_per_mm);
     return NeedleEvent::kBoneContact;
   }
-  if (HasMembrane(before.tissue, next)) {
+  if (table_.HasMembrane(before.tissue, next)) {
     state.pressing = true;
     state.membrane_of = next;
   } else {
@@ -318,11 +314,6 @@ void SpringModel::SetTissue(PathNode& node, volume::Label tissue) const noexcept
   node.lateral_n_per_mm = of.lateral_n_per_mm;
   node.friction_n = of.friction_n;
   node.offset_mm = FrictionOffsetMm(node.offset_mm, 0.0, of.axial_n_per_mm, of.friction_n);
-}
-
-bool SpringModel::HasMembrane(volume::Label from, volume::Label to) const noexcept {
-  const forces::TissueForce& tissue = table_.tissue[to];
-  return tissue.membrane.puncture_n > 0.0 && !tissue.no_membrane_from.test(from);
 }
 
 double SpringModel::Weight(const SpringState& state, int i) const noexcept {

@@ -114,7 +114,6 @@ class SpringModel {
   void MoveTip(SpringState& state, const Eigen::Vector3d& to_mm) const noexcept;
   void AppendTip(SpringState& state) const noexcept;
   void SetTissue(PathNode& node, volume::Label tissue) const noexcept;
-  bool HasMembrane(volume::Label from, volume::Label to) const noexcept;
   void Forces(SpringState& state, double dt_s, double ahead_before_mm) const noexcept;
 
   SpringSettings settings_;

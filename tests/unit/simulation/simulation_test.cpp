@@ -8,6 +8,7 @@
 #include "simulation/image_renderer.h"
 #include "support/allocation_counter.h"
 #include "support/layered_scene.h"
+#include "volume/label_lookup.h"
 
 namespace acus::simulation {
 namespace {
@@ -41,7 +42,7 @@ TEST(LabelAt, IsTheNearestVoxelAndOutsideBeyond) {
   const Scene scene = LayeredScene(PlanOf(true, false, false, false), false);
   const Eigen::Affine3d index_from_ct = scene.labels->geometry.index_from_ct();
   const auto at = [&](double x, double y, double z) {
-    return LabelAt(*scene.labels, index_from_ct, {x, y, z});
+    return volume::LabelAt(*scene.labels, index_from_ct, {x, y, z});
   };
   EXPECT_EQ(at(0, 0, -1.0), 0);
   EXPECT_EQ(at(0, 0, 5.0), volume::LabelOf("fat"));
