@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace acus::forces {
 
@@ -45,16 +44,6 @@ double BoneSpring::ForceN(double penetration_mm, double speed_mm_per_s) const no
   if (penetration_mm <= 0.0) return 0.0;
   return std::clamp(stiffness_n_per_mm * penetration_mm + damping_n_s_per_mm * speed_mm_per_s, 0.0,
                     largest_n);
-}
-
-double NeedleBeam::SecondMomentMm4() const noexcept {
-  const double outer2 = outer_diameter_mm * outer_diameter_mm;
-  const double inner2 = inner_diameter_mm * inner_diameter_mm;
-  return std::numbers::pi / 64.0 * (outer2 * outer2 - inner2 * inner2);
-}
-
-double NeedleBeam::EndStiffnessNPerMm(double length_mm) const noexcept {
-  return 3.0 * youngs_modulus_mpa * SecondMomentMm4() / (length_mm * length_mm * length_mm);
 }
 
 }  // namespace acus::forces

@@ -62,15 +62,4 @@ struct BoneSpring {
   double ForceN(double penetration_mm, double speed_mm_per_s) const noexcept;
 };
 
-/// A needle as a slender tube (Augmented-2010, section II.D).
-struct NeedleBeam {
-  double outer_diameter_mm = 0.0;
-  double inner_diameter_mm = 0.0;  ///< 0 for a solid needle.
-  double youngs_modulus_mpa = 0.0;
-
-  double SecondMomentMm4() const noexcept;
-  /// Force per deflection at the end of a cantilever of this length: 3 E I / L^3.
-  double EndStiffnessNPerMm(double length_mm) const noexcept;
-};
-
 }  // namespace acus::forces

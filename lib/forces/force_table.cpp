@@ -106,18 +106,4 @@ ForceTable ForceTable::ScaledTo(double outer_diameter_mm) const {
   return scaled;
 }
 
-NeedleProperties ReadNeedle(const std::filesystem::path& path) {
-  const json document = config::ReadConfig(path, "acus-needle");
-  NeedleProperties needle;
-  needle.name = document.at("name");
-  needle.gauge = document.at("gauge");
-  needle.length_mm = document.at("length_mm");
-  needle.beam = {document.at("outer_diameter_mm"), document.at("inner_diameter_mm"),
-                 document.at("youngs_modulus_gpa").get<double>() * 1e3};
-  ACUS_REQUIRE(needle.beam.inner_diameter_mm < needle.beam.outer_diameter_mm, path.string(),
-               ": /inner_diameter_mm: is ", needle.beam.inner_diameter_mm,
-               "; it must be below outer_diameter_mm, ", needle.beam.outer_diameter_mm);
-  return needle;
-}
-
 }  // namespace acus::forces

@@ -1,4 +1,4 @@
-// What each tissue does to a needle, and what the needle is: configs/forces and configs/needles.
+// What each tissue does to a needle: configs/forces.
 #pragma once
 
 #include <array>
@@ -9,6 +9,7 @@
 
 #include "forces/force_laws.h"
 #include "forces/model_settings.h"
+#include "needle/needle_preset.h"
 #include "volume/labels.h"
 
 namespace acus::forces {
@@ -65,13 +66,7 @@ ForceTable ReadForceTable(const std::filesystem::path& path);
 /// The same for a document in memory; `label` stands for the file name in messages.
 ForceTable ForceTableFromJson(nlohmann::json document, const std::string& label);
 
-/// Reads configs/needles/*.json (format acus-needle/1).
-struct NeedleProperties {
-  std::string name;
-  int gauge = 0;
-  double length_mm = 0.0;
-  NeedleBeam beam;
-};
-NeedleProperties ReadNeedle(const std::filesystem::path& path);
+using needle::NeedleProperties;
+using needle::ReadNeedle;
 
 }  // namespace acus::forces

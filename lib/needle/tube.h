@@ -1,13 +1,11 @@
 // Stiffness of a needle's shaft from its diameters and material.
 #pragma once
 
-#include <filesystem>
-
 #include "needle/rod.h"
 
 namespace acus::needle {
 
-/// A round tube, or a rod if the inner diameter is 0.
+/// A slender round tube, or a rod if the inner diameter is 0.
 struct Tube {
   double outer_diameter_mm = 0.0;
   double inner_diameter_mm = 0.0;
@@ -18,12 +16,11 @@ struct Tube {
   double SecondMomentMm4() const noexcept;
   double BendingStiffnessNMm2() const noexcept;  ///< E I
   double TwistStiffnessNMm2() const noexcept;    ///< G J with J = 2 I
+  /// Force per deflection at the end of a cantilever of this length: 3 E I / L^3, N/mm.
+  double EndStiffnessNPerMm(double length_mm) const noexcept;
 };
 
 /// A straight rod of this tube.
 RodProperties RodOf(const Tube& tube, double length_mm);
-
-/// Length and tube of configs/needles/*.json (format acus-needle/1) as a rod. @throws InputError
-RodProperties ReadRod(const std::filesystem::path& needle);
 
 }  // namespace acus::needle

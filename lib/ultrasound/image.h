@@ -7,6 +7,8 @@
 #include <new>
 #include <vector>
 
+#include "math/polyline.h"
+
 namespace acus::ultrasound {
 
 /// pixels[row * width + column], 0 = black. Row 0 is at the probe's face, column 0 on its -x side.
@@ -45,12 +47,15 @@ struct ImageGeometry {
   }
 };
 
-/// A needle as a picture sees it: a straight cylinder with a sharp tip.
+/// A needle as a picture sees it: a cylinder with a sharp tip, straight unless it has a shape.
 struct NeedleInImage {
   Eigen::Vector3d tip_in_ct_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis_in_ct = Eigen::Vector3d::UnitZ();  ///< Unit, from the hub to the tip.
   double length_mm = 0.0;
   double radius_mm = 0.0;
+  /// From the tip to the hub, in CT space. With two points or more it takes the place of tip, axis
+  /// and length.
+  math::Polyline shape = {};
 };
 
 /// Floats that vector instructions load and store at full speed: aligned to 64 bytes.

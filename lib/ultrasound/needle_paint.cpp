@@ -27,14 +27,22 @@ struct Shadowgraph {
   }
 };
 
-/// The part of the shaft within `half_slab_mm` of the plane; false if there is none.
-bool Project(const NeedleInImage& needle, const Eigen::Isometry3d& ct_from_probe,
-             double half_slab_mm, Shadowgraph& seen) {
+/// A straight piece of the shaft.
+struct Piece {
+  Eigen::Vector3d near_in_ct_mm;  ///< Its end nearer to the tip.
+  Eigen::Vector3d axis_in_ct;     ///< Unit, towards the tip.
+  double length_mm;
+  double from_tip_mm;  ///< Along the shaft, to near_in_ct_mm.
+};
+
+/// The part of the piece within `half_slab_mm` of the plane; false if there is none.
+bool Project(const Piece& piece, const Eigen::Isometry3d& ct_from_probe, double half_slab_mm,
+             double radius_mm, Shadowgraph& seen) {
   const Eigen::Isometry3d probe_from_ct = ct_from_probe.inverse();
-  const Eigen::Vector3d tip = probe_from_ct * needle.tip_in_ct_mm;
-  const Eigen::Vector3d back = -(probe_from_ct.linear() * needle.axis_in_ct.normalized());
+  const Eigen::Vector3d tip = probe_from_ct * piece.near_in_ct_mm;
+  const Eigen::Vector3d back = -(probe_from_ct.linear() * piece.axis_in_ct);
   double near_s = 0.0;
-  double far_s = needle.length_mm;
+  double far_s = piece.length_mm;
   if (std::abs(back.z()) < 1e-9) {
     if (std::abs(tip.z()) > half_slab_mm) return false;
   } else {
@@ -49,9 +57,9 @@ bool Project(const NeedleInImage& needle, const Eigen::Isometry3d& ct_from_probe
   seen.near_mm = tip.head<2>() + near_s * in_plane;
   seen.along = slope > 1e-6 ? Eigen::Vector2d(in_plane / slope) : Eigen::Vector2d::UnitX();
   seen.length_mm = slope > 1e-6 ? (far_s - near_s) * slope : 0.0;
-  seen.near_s_mm = near_s;
-  seen.far_s_mm = far_s;
-  seen.radius_mm = needle.radius_mm;
+  seen.near_s_mm = piece.from_tip_mm + near_s;
+  seen.far_s_mm = piece.from_tip_mm + far_s;
+  seen.radius_mm = radius_mm;
   return true;
 }
 
@@ -87,21 +95,44 @@ void PaintLine(const Shadowgraph& seen, const ScanGrid& grid, int line, double h
   }
 }
 
+void PaintPiece(const Piece& piece, double radius_mm, const Eigen::Isometry3d& ct_from_probe,
+                double slice_thickness_mm, const ScanGrid& grid, BeamImage& hu) {
+  Shadowgraph seen;
+  if (!Project(piece, ct_from_probe, 0.5 * slice_thickness_mm + radius_mm, radius_mm, seen)) return;
+  const double lateral_mm = grid.lines() > 1 ? grid.LateralSpacingMm(grid.samples - 1) : 0.0;
+  const double half_pixel_mm = 0.5 * std::max(grid.step_mm, lateral_mm);
+  for (int line = 0; line < grid.lines(); ++line) PaintLine(seen, grid, line, half_pixel_mm, hu);
+}
+
 }  // namespace
 
 void PaintNeedle(const NeedleInImage& needle, const Eigen::Isometry3d& ct_from_probe,
                  double slice_thickness_mm, const ScanGrid& grid, BeamImage& hu) {
+  ACUS_REQUIRE(std::isfinite(needle.radius_mm) && needle.radius_mm >= 0.0,
+               "needle in the image: radius ", needle.radius_mm, " mm; it may not be negative");
+  const math::Polyline& shape = needle.shape;
+  if (shape.num_points >= 2) {
+    double from_tip_mm = 0.0;
+    for (int i = 1; i < shape.num_points; ++i) {
+      const Eigen::Vector3d step_mm = shape.At(i - 1) - shape.At(i);
+      const double length_mm = step_mm.norm();
+      ACUS_REQUIRE(std::isfinite(length_mm) && shape.At(i).allFinite(),
+                   "needle in the image: point ", i, " of its shape is not finite");
+      if (length_mm == 0.0) continue;
+      PaintPiece({shape.At(i - 1), step_mm / length_mm, length_mm, from_tip_mm}, needle.radius_mm,
+                 ct_from_probe, slice_thickness_mm, grid, hu);
+      from_tip_mm += length_mm;
+    }
+    return;
+  }
   ACUS_REQUIRE(needle.tip_in_ct_mm.allFinite() && needle.axis_in_ct.allFinite() &&
-                   std::isfinite(needle.length_mm) && std::isfinite(needle.radius_mm),
+                   std::isfinite(needle.length_mm),
                "needle in the image: has a value that is not finite");
   ACUS_REQUIRE(needle.axis_in_ct.norm() > 1e-6, "needle in the image: its axis has no direction");
-  ACUS_REQUIRE(needle.length_mm >= 0.0 && needle.radius_mm >= 0.0, "needle in the image: length ",
-               needle.length_mm, " mm, radius ", needle.radius_mm, " mm; neither may be negative");
-  Shadowgraph seen;
-  if (!Project(needle, ct_from_probe, 0.5 * slice_thickness_mm + needle.radius_mm, seen)) return;
-  const double lateral_mm = grid.lines() > 1 ? grid.LateralSpacingMm(grid.samples - 1) : 0.0;
-  const double half_pixel_mm = 0.5 * std::max(grid.step_mm, lateral_mm);
-  for (int line = 0; line < grid.lines(); ++line) PaintLine(seen, grid, line, half_pixel_mm, hu);
+  ACUS_REQUIRE(needle.length_mm >= 0.0, "needle in the image: length ", needle.length_mm,
+               " mm; it may not be negative");
+  PaintPiece({needle.tip_in_ct_mm, needle.axis_in_ct.normalized(), needle.length_mm, 0.0},
+             needle.radius_mm, ct_from_probe, slice_thickness_mm, grid, hu);
 }
 
 }  // namespace acus::ultrasound

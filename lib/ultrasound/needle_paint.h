@@ -15,7 +15,8 @@ inline constexpr float kNeedleHu = 4000.0F;  ///< Augmented-2010, section II-C.
 ///
 /// The part of the shaft whose surface comes within slice_thickness_mm / 2 of the plane is seen; it
 /// is projected onto the plane. Its end tapers to a point over three radii. At least one sample
-/// wide, so that a thin needle in a coarse picture is not broken up.
+/// wide, so that a thin needle in a coarse picture is not broken up. A bent needle is painted piece
+/// by piece.
 /// @throws InputError if the needle is not finite, has no direction or a negative size.
 void PaintNeedle(const NeedleInImage& needle, const Eigen::Isometry3d& ct_from_probe,
                  double slice_thickness_mm, const ScanGrid& grid, BeamImage& hu);

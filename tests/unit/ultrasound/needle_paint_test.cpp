@@ -137,10 +137,70 @@ TEST(PaintNeedle, ANeedleOfNoLengthIsAPoint) {
   EXPECT_LE(canvas.Painted().area_mm2, 5 * kPx * kPx);
 }
 
+/// A circular arc in the plane from the tip at (0, 35) towards the hub, turning to +x.
+NeedleInImage Arc(double radius_of_bend_mm, double length_mm, int pieces) {
+  NeedleInImage needle{.radius_mm = 0.5};
+  for (int i = 0; i <= pieces; ++i) {
+    const double angle = length_mm / radius_of_bend_mm * i / pieces;
+    needle.shape.Add({radius_of_bend_mm * (1.0 - std::cos(angle)),
+                      35.0 - radius_of_bend_mm * std::sin(angle), 0.0});
+  }
+  return needle;
+}
+
+TEST(PaintNeedle, ABentNeedleIsWhereItsShapeIs) {
+  Canvas canvas;
+  canvas.Paint(Arc(40.0, 30.0, 24), 1.0);
+  const auto blob = canvas.Painted();
+  // As much area as the straight needle: the length of the arc times its width, less the point.
+  EXPECT_NEAR(blob.area_mm2, 30.0 * 1.0 - 0.5 * 1.5, 0.06 * 30.0);
+  const double end = 30.0 / 40.0;
+  EXPECT_NEAR(blob.low_mm.y(), 35.0 - 40.0 * std::sin(end), 0.6);
+  EXPECT_NEAR(blob.high_mm.y(), 35.0, 2 * kPx);
+  EXPECT_NEAR(blob.high_mm.x(), 40.0 * (1.0 - std::cos(end)), 0.6);
+  // Every painted sample is within the shaft of the true arc, whose centre is (40, 35).
+  for (int k = 0; k < kSize; ++k) {
+    for (int l = 0; l < kSize; ++l) {
+      if (canvas.hu.row(k)[l] != kNeedleHu) continue;
+      const Eigen::Vector2d at(canvas.grid.start_mm[l].x(), k * kPx);
+      EXPECT_NEAR((at - Eigen::Vector2d(40.0, 35.0)).norm(), 40.0, 0.5 + 0.01);
+    }
+  }
+}
+
+TEST(PaintNeedle, AStraightShapeIsTheStraightNeedle) {
+  Canvas straight, in_pieces;
+  straight.Paint(Needle({3, 30, 0}, {0.2, 1, 0}, 20, 0.6), 1.0);
+  NeedleInImage needle = Needle({3, 30, 0}, {0.2, 1, 0}, 20, 0.6);
+  for (int i = 0; i <= 10; ++i) {
+    needle.shape.Add(needle.tip_in_ct_mm - 2.0 * i * needle.axis_in_ct);
+  }
+  in_pieces.Paint(needle, 1.0);
+  EXPECT_NEAR(straight.Painted().area_mm2, in_pieces.Painted().area_mm2, 0.1);
+  EXPECT_NEAR((straight.Painted().centre_mm - in_pieces.Painted().centre_mm).norm(), 0.0, 0.02);
+}
+
+TEST(PaintNeedle, OnlyTheBentPartInTheSliceIsSeen) {
+  // Bends out of the plane: seen from the tip to where it is half a slice and a radius off.
+  NeedleInImage needle{.radius_mm = 0.5};
+  const double bend_mm = 50.0;
+  for (int i = 0; i <= 60; ++i) {
+    const double angle = 0.5 * i / bend_mm;
+    needle.shape.Add({0.0, 35.0 - bend_mm * std::sin(angle), bend_mm * (1.0 - std::cos(angle))});
+  }
+  Canvas canvas;
+  canvas.Paint(needle, 2.0);
+  const double seen = std::acos(1.0 - 1.5 / bend_mm);  // Rises by 1 + 0.5 mm.
+  EXPECT_NEAR(canvas.Painted().low_mm.y(), 35.0 - bend_mm * std::sin(seen) - 0.5, 0.4);
+}
+
 TEST(PaintNeedle, RefusesANeedleThatIsNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Canvas canvas;
   NeedleInImage needle = Needle({0, 20, 0}, {0, 1, 0}, 10, 0.5);
+  NeedleInImage bent = Arc(40.0, 30.0, 8);
+  bent.shape.point_mm[3].x() = std::nan("");
+  EXPECT_THROW(Canvas().Paint(bent, 1.0), InputError);
   needle.tip_in_ct_mm.x() = nan;
   EXPECT_THROW(canvas.Paint(needle, 2.0), InputError);
   needle = Needle({0, 20, 0}, {0, 1, 0}, 10, 0.5);
