@@ -3,6 +3,7 @@
 #include <atomic>
 #include <gmock/gmock.h>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace acus {
@@ -34,6 +35,28 @@ TEST(ParallelFor, RethrowsAndStops) {
                              }),
                  std::runtime_error);
   }
+}
+
+TEST(ParallelFor, LoopsWithinLoopsAndBesideLoopsCallEachIndexOnce) {
+  constexpr int kOuter = 6;
+  constexpr int kInner = 50;
+  std::vector<int> calls(kOuter * kInner, 0);
+  const auto inner = [&calls](int o) {
+    ParallelFor(kInner, 3,
+                [&calls, o](int i) { ++calls[static_cast<std::size_t>(o * kInner + i)]; });
+  };
+  ParallelFor(kOuter, 3, inner);
+  EXPECT_THAT(calls, testing::Each(1));
+  {
+    // Threads of the caller's own, at the same time, again and again.
+    std::vector<std::jthread> callers;
+    for (int o = 0; o < kOuter; ++o) {
+      callers.emplace_back([&inner, o] {
+        for (int n = 0; n < 100; ++n) inner(o);
+      });
+    }
+  }
+  EXPECT_THAT(calls, testing::Each(101));
 }
 
 TEST(ParallelFor, SaysNothingWhenThereAreFewerCoresThanThreads) {

@@ -1,0 +1,66 @@
+// What pictures are timed on: a CT as large as a real abdomen, probes whose pictures lie in it
+// entirely, and a hand that moves and tilts.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "support/synthetic_ct.h"
+#include "ultrasound/image.h"
+#include "ultrasound/probe.h"
+
+namespace acus::testing_support {
+
+/// 512 x 512 x 300 voxels of 0.7 mm: air above y = 100 mm, then tissue with the noise of a CT, and
+/// a bar of bone along z.
+inline volume::CtVolume AbdomenCt() {
+  std::uint32_t random = 1;
+  return SyntheticCt({512, 512, 300}, 0.7, [&random](double x, double y, double) {
+    random = random * 1664525U + 1013904223U;
+    const double noise = 40.0 * ((random >> 8) / 16777216.0 - 0.5);
+    if (y < 100.0) return -1000.0;
+    return std::hypot(x - 180.0, y - 130.0) < 6.0 ? 700.0 : 50.0 + noise;
+  });
+}
+
+/// 512 x 512 pixels, 512 lines of 512 samples: no black side saves anything.
+inline ultrasound::Probe FullLinearProbe() {
+  return {.name = "full picture",
+          .kind = ultrasound::ProbeKind::kLinear,
+          .frequency_mhz = 10,
+          .scan_lines = 512,
+          .width_mm = 60.2,
+          .depth_mm = 60.0,
+          .image_width_px = 512,
+          .image_height_px = 512,
+          .slice_thickness_mm = 3,
+          .pulse_length_mm = 0.7,
+          .beam_width_mm = 1.2,
+          .dynamic_range_db = 60,
+          .gain_db = 6};
+}
+
+/// The n-th pose: each picture reads other voxels. All are oblique to the voxels' axes.
+inline Eigen::Isometry3d SwayingProbe(int n) {
+  return Eigen::Translation3d(180 + 5 * std::sin(0.02 * n), 99.9, 100 + 20 * std::sin(0.01 * n)) *
+         Eigen::AngleAxisd(0.3 + 0.1 * std::sin(0.03 * n), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitX());
+}
+
+/// In the plane of that pose.
+inline ultrasound::NeedleInImage NeedleInPlane(const Eigen::Isometry3d& ct_from_probe) {
+  ultrasound::NeedleInImage needle;
+  needle.tip_in_ct_mm = ct_from_probe * Eigen::Vector3d(-10, 20, 0.2);
+  needle.axis_in_ct = ct_from_probe.linear() * Eigen::Vector3d(0.8, 0.6, 0.0);
+  needle.length_mm = 90;
+  needle.radius_mm = 0.45;
+  return needle;
+}
+
+inline double MeanGrey(const ultrasound::GrayImage& image) {
+  double sum = 0.0;
+  for (const std::uint8_t pixel : image.pixels) sum += pixel;
+  return sum / static_cast<double>(image.pixels.size());
+}
+
+}  // namespace acus::testing_support
