@@ -8,6 +8,7 @@
 #include "ultrasound/ct_sampler.h"
 #include "ultrasound/image.h"
 #include "ultrasound/probe.h"
+#include "ultrasound/scan_conversion.h"
 
 namespace acus::ultrasound {
 
@@ -28,27 +29,14 @@ class EchoDisplay {
   void Show(const BeamImage& echo, GrayImage& out, int num_threads);
 
  private:
-  void MakeScanConversion();
   void CompressLine(const BeamImage& echo, int k, float* scratch, std::uint8_t* grey) const;
-  void ShowLinear(const BeamImage& echo, GrayImage& out, int num_threads);
-  void ShowFan(const BeamImage& echo, GrayImage& out, int num_threads);
 
-  Probe probe_;
-  ScanGrid grid_;
-  ImageGeometry picture_;
+  ScanConversion conversion_;
   std::vector<float> along_;   ///< Half window, samples.
   std::vector<float> across_;  ///< Half window, lines.
   std::vector<float> gain_;    ///< a times the gains, by sample.
   float scale_ = 0.0F;
   BeamImage scratch_;  ///< Two rows per piece of work.
-  std::vector<std::uint8_t> grey_;
-
-  // Fan only: where each pixel reads.
-  int grey_stride_ = 0;
-  AlignedFloats across_fraction_;
-  AlignedFloats along_fraction_;
-  AlignedFloats offset_storage_;  ///< Holds int32.
-  std::int32_t* offset_ = nullptr;
 };
 
 }  // namespace acus::ultrasound

@@ -7,14 +7,13 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
+#include "ultrasound/coupling.h"
 
 namespace acus::ultrasound {
 namespace {
 
 constexpr int kLanesPerPiece = BeamBend::kMaxLanes;
 constexpr float kMetalAboveHu = 3500.0F;  ///< Beyond bone and the 12 bits of a CT: only the needle.
-constexpr float kAirBelowHu = -200.0F;    ///< Below all fat: neither tissue nor gel.
-constexpr double kSkinBlurMm = 2.0;
 
 enum WorkRow { kEnergy, kReflected, kWeight, kScattered, kNepers, kFirstImpedance };
 
@@ -83,8 +82,6 @@ EchoTracer::EchoTracer(const ScanGrid& grid, double frequency_mhz, const BModeOp
   echo_row_.boosted_per_sample = per_sample(options.boosted_reflection);
   echo_row_.metal_per_sample = per_sample(options.needle_reflection);
   echo_row_.metal_impedance = ValueOf(impedance_, kMetalAboveHu);
-  blur_samples_ = static_cast<int>(kSkinBlurMm / grid.step_mm);
-  gap_samples_ = static_cast<int>(std::floor(options.coupling_gap_mm / grid.step_mm + 1e-9));
   if (options.angle_exponent > 0) {
     for (int k = 0; k < grid.samples; ++k) {
       const double spacing = grid.lines() > 1 ? grid.LateralSpacingMm(k) : 1.0;
@@ -116,21 +113,6 @@ void EchoTracer::MakeTile(double grain_mm, const volume::Geometry& ct_geometry) 
   tile_ = {.data = tile_data_.data(), .log2_size = kLog2Size, .per_index = {}, .unit = kUnit};
   for (int a = 0; a < 3; ++a) {
     tile_.per_index[a] = static_cast<float>(ct_geometry.spacing_mm[a] / grain_mm);
-  }
-}
-
-void EchoTracer::FillCouplingGap(BeamImage& hu) const {
-  const int reach = std::min(gap_samples_, hu.samples() - 1);
-  for (int l = 0; l < hu.lines(); ++l) {
-    int k = 0;
-    while (k < reach && hu.row(k)[l] < kAirBelowHu) ++k;
-    if (hu.row(k)[l] < kAirBelowHu) continue;
-    // The CT blurs the skin: with gel on it, there is no slope from air up to skin.
-    const int end = std::min(k + blur_samples_, hu.samples() - 1);
-    while (k < end && hu.row(k + 1)[l] > hu.row(k)[l]) ++k;
-    // Gel matches the skin: it takes the value below it, so that the face itself gives no echo.
-    const float skin = hu.row(k)[l];
-    for (int above = 0; above < k; ++above) hu.row(above)[l] = skin;
   }
 }
 
@@ -200,7 +182,7 @@ void EchoTracer::Trace(const BeamLines& lines, const BeamBend& bend, BeamImage& 
                        int num_threads) {
   echo.Resize(hu.lines(), hu.samples());
   work_.Resize(hu.lines(), kFirstImpedance + span_ + 1);
-  FillCouplingGap(hu);
+  FillCouplingGap(options_.coupling_gap_mm, grid_.step_mm, hu);
   if (options_.angle_exponent > 0) {
     for (int k = 0; k < hu.samples(); ++k) hu.FillMargins(k);
   }

@@ -37,7 +37,6 @@ class EchoTracer {
  private:
   struct Piece;
   void MakeTile(double grain_mm, const volume::Geometry& ct_geometry);
-  void FillCouplingGap(BeamImage& hu) const;
   void StartEnergy(const BeamImage& hu);
   void TracePiece(const BeamLines& lines, const BeamBend& bend, const BeamImage& hu,
                   BeamImage& echo, int first_lane, int lanes);
@@ -51,8 +50,6 @@ class EchoTracer {
   kernels::Curve scatter_;  ///< Share per sample.
   kernels::EchoRow echo_row_;
   int span_ = 1;
-  int gap_samples_ = 0;
-  int blur_samples_ = 0;
   std::vector<float> per_two_lateral_mm_;  ///< By sample; empty if the angle stage is off.
   std::vector<std::uint8_t> tile_data_;    ///< Empty if the texture stage is off.
   kernels::Tile tile_{};
