@@ -1,13 +1,14 @@
 #include "tradeoff/sweep.h"
 
 #include "core/error.h"
+#include "tradeoff/forces_sweep.h"
 #include "tradeoff/needle_sweep.h"
 #include "tradeoff/tissue_sweep.h"
 
 namespace acus::tradeoff {
 
 const std::vector<Sweep>& Sweeps() {
-  static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep()};
+  static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep(), ForcesSweep()};
   return sweeps;
 }
 

@@ -9,6 +9,10 @@ ${CMAKE_CURRENT_LIST_DIR}/check_tradeoff.sh t/tradeoff.csv"
 acus_add_cli_case(acus-tradeoff.needle EXIT 0 TIMEOUT 120 STDOUT "^num_nodes" "^step_ms" "default$"
   CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
   COMMAND acus-tradeoff needle --quick -o t)
+acus_add_cli_case(acus-tradeoff.forces EXIT 0 TIMEOUT 120
+  STDOUT "^friction, explicit Euler: step_ms" "^level" "UNUSABLE" "default$"
+  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
+  COMMAND acus-tradeoff forces --quick -o t)
 acus_add_cli_case(acus-tradeoff.unknown_sweep EXIT 2 LEAVES_NOTHING STDERR "tissues" "tissue"
   COMMAND acus-tradeoff tissues -o t)
 acus_add_cli_case(acus-tradeoff.no_output EXIT 2 LEAVES_NOTHING STDERR "--output"

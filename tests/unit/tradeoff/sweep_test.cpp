@@ -21,7 +21,7 @@ TEST(Sweeps, AreFoundByName) {
   EXPECT_EQ(SweepNamed("tissue").name, "tissue");
   EXPECT_THAT(
       [] { SweepNamed("tissues"); },
-      ThrowsMessage<InputError>(HasSubstr("there is no sweep 'tissues'; there are: tissue")));
+      ThrowsMessage<InputError>(HasSubstr("there is no sweep 'tissues'; there are: tissue, needle, forces")));
 }
 
 std::vector<Row> TwoRows() {

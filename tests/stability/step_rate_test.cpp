@@ -1,0 +1,65 @@
+// The same motion at 500 Hz to 4 kHz gives the same forces in every force model.
+#include <cstdio>
+#include <gmock/gmock.h>
+
+#include "tradeoff/force_levels.h"
+
+namespace acus::tradeoff {
+namespace {
+
+// Stated in docs/models/forces_stability.md, for a step of T ms: 3 mN + 2 mN T root mean square,
+// 20 mN + 60 mN T at most. It is the moment at which a skin, an interface or a membrane is met that
+// a step finds only to its half; the force then runs off by up to 150 N/s.
+TEST(StepRate, EveryForceModelFeelsTheSameFrom500HzTo4KHz) {
+  const std::vector<ForceLevel> levels = ForceLevels({}, {});
+  ASSERT_EQ(levels.size(), 6u);
+  for (const ForceLevel& level : levels) {
+    const SampledRun reference = level.run(SamplesEvery(0.0625));
+    EXPECT_EQ(WhyUnusable(reference, level.largest_n), "");
+    EXPECT_GE(reference.event_s.size(), 5u) << level.name;  // Contact, punctures, interfaces, out.
+    for (const double step_ms : {2.0, 1.0, 0.5, 0.25}) {
+      const ForceDifference off = Difference(level.run(SamplesEvery(step_ms)), reference, step_ms);
+      std::printf("  %-16s %4.0f Hz: rms %.4f N, largest %.4f N\n", level.name.c_str(),
+                  1e3 / step_ms, off.rms_n, off.largest_n);
+      EXPECT_LT(off.rms_n, 0.003 + 0.002 * step_ms) << level.name << ", " << step_ms << " ms";
+      EXPECT_LT(off.largest_n, 0.02 + 0.06 * step_ms) << level.name << ", " << step_ms << " ms";
+      EXPECT_GT(off.largest_n, 0.0) << level.name;
+    }
+  }
+}
+
+// The comparison sees a force that depends on the step: a mean over m samples instead of over time.
+TEST(StepRate, AMeanOverStepsInsteadOfTimeIsFound) {
+  struct MeanOverSteps {
+    struct State {
+      double mean_mm = 0.0;
+    };
+    State NewState() const { return {}; }
+    forces::NeedleForce Step(State& state, const tissue::ToolSample& sample) const {
+      state.mean_mm += 0.1 * (sample.tip_in_ct_mm.z() - state.mean_mm);
+      forces::NeedleForce out;
+      out.force_in_ct_n.z() = -0.05 * state.mean_mm;
+      return out;
+    }
+  };
+  const SampledRun reference = RunSampled(MeanOverSteps{}, SamplesEvery(0.0625), 16);
+  const ForceDifference off =
+      Difference(RunSampled(MeanOverSteps{}, SamplesEvery(2.0), 16), reference, 2.0);
+  EXPECT_GT(off.rms_n, 0.007);
+}
+
+// Across the needle the rod is felt, so that the bound above is on it too.
+TEST(StepRate, TheBendableNeedleIsNotTheRigidOne) {
+  const std::vector<ForceLevel> levels = ForceLevels({.element_mm = 12.0}, {});
+  const auto samples = SamplesEvery(1.0);
+  const SampledRun rigid = levels.front().run(samples);
+  const SampledRun bent = levels.back().run(samples);
+  double most_n = 0.0;
+  for (std::size_t n = 0; n < bent.force_n.size(); ++n) {
+    most_n = std::max(most_n, (bent.force_n[n] - rigid.force_n[n]).norm());
+  }
+  EXPECT_GT(most_n, 0.1);
+}
+
+}  // namespace
+}  // namespace acus::tradeoff
