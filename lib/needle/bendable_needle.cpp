@@ -1,5 +1,6 @@
 #include "needle/bendable_needle.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -43,7 +44,7 @@ BendableNeedleState BendableNeedle::NewState() const {
   BendableNeedleState state;
   state.rod = rod_.NewState();
   state.path.spacing_mm = options_.path_spacing_mm;
-  state.contacts.resize(rod_.num_elements() + 2);
+  state.contacts.resize(rod_.num_elements() + 3);
   return state;
 }
 
@@ -52,10 +53,10 @@ void BendableNeedle::MovePath(BendableNeedleState& state,
   const RodPoint& tip = state.rod.point.back();
   if (state.path.empty()) {
     if (!input.touches) return;
-    PathNode entry = input.tissue;
-    entry.position_mm = input.tip_mm;
-    state.path.Begin(entry);
     state.heading = input.hand.normalized() * Vector3d::UnitZ();
+    PathNode entry = input.tissue;
+    entry.position_mm = input.tip_mm - std::max(0.0, input.advance_mm) * state.heading;
+    state.path.Begin(entry);
     if (input.advance_mm > 0.0) {
       state.path.Advance(state.heading, input.advance_mm, input.tissue);
     }
@@ -105,20 +106,40 @@ BendableNeedleStep BendableNeedle::Step(BendableNeedleState& state,
   if (!state.rod.started) rod_.Solve(state.rod, InHand(state, input));
   MovePath(state, input);
   state.num_contacts = CoupleToPath(rod_, state.path, options_.coupling, state.contacts);
+  if (options_.hand_has_potential && !state.path.empty()) {
+    const Vector3d axis = input.hand.normalized() * Vector3d::UnitZ();
+    RodContact& hub = state.contacts[state.num_contacts++];
+    hub.arc_mm = 0.0;
+    hub.anchor_mm = input.tip_mm - rod_.properties().length_mm * axis;
+    hub.free_axis = state.path.Direction(0.0, axis);
+    hub.stiffness_n_per_mm = options_.kappa_n_per_mm;
+  }
   step.rod = rod_.Solve(state.rod, InHand(state, input));
   step.tip_direction = options_.bevel.curvature_per_mm != 0.0 && !state.path.empty()
                            ? state.heading
                            : state.rod.point.back().tangent;
-  if (state.path.empty()) return step;
+  if (!state.path.empty()) HandOf(state, input, step);
+  return step;
+}
+
+void BendableNeedle::HandOf(const BendableNeedleState& state, const BendableNeedleInput& input,
+                            BendableNeedleStep& step) const noexcept {
   const double length_mm = rod_.properties().length_mm;
   const Quaterniond hand = input.hand.normalized();
-  const Vector3d hub_in_hand_mm = input.tip_mm - length_mm * (hand * Vector3d::UnitZ());
-  step.hand_force_n =
-      HandForceN(options_.kappa_n_per_mm, state.rod.point[0].position_mm, hub_in_hand_mm,
-                 state.path.Direction(0.0, hand * Vector3d::UnitZ()));
-  step.hand_torque_n_mm = HandTorqueNMm(options_.hand.stiffness_n_mm_per_rad, hand,
-                                        rod_.Tangent(state.rod, length_mm - state.path.LengthMm()));
-  return step;
+  const Vector3d axis = hand * Vector3d::UnitZ();
+  const double outside_mm = length_mm - state.path.LengthMm();
+  step.hand_force_n = HandForceN(options_.kappa_n_per_mm, state.rod.point[0].position_mm,
+                                 input.tip_mm - length_mm * axis, state.path.Direction(0.0, axis));
+  if (!options_.hand_has_potential) {
+    step.hand_torque_n_mm = HandTorqueNMm(options_.hand.stiffness_n_mm_per_rad, hand,
+                                          rod_.Tangent(state.rod, outside_mm));
+    return;
+  }
+  // The hand's turn about tip_mm turns the orientation that draws the hub, moves the place that
+  // draws it, and the end of the spring of eq. 8.
+  step.hand_torque_n_mm = step.rod.base_torque_n_mm -
+                          outside_mm * axis.cross(step.rod.base_force_n) -
+                          length_mm * axis.cross(step.hand_force_n);
 }
 
 }  // namespace acus::needle

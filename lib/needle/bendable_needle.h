@@ -16,16 +16,22 @@ struct BendableNeedleOptions {
   CouplingOptions coupling;
   HandSpring hand;
   double kappa_n_per_mm = 0.5;  ///< Eq. 8: between the hub and the hand.
-  BevelTip bevel;               ///< Curvature 0: the tip goes where it points.
+  /// The spring of eq. 8 pulls the hub, too, and the torque is the slope of the needle's energy by
+  /// the hand's turn: the hand then gets back what it put in. False, as in the paper: it pulls the
+  /// hand only, and the torque is that of a spring from its axis to the needle at the skin.
+  bool hand_has_potential = false;
+  BevelTip bevel;  ///< Curvature 0: the tip goes where it points.
 };
 
 /// Where the hand is, and what the tip did.
 struct BendableNeedleInput {
   Eigen::Vector3d tip_mm = Eigen::Vector3d::Zero();          ///< Of the needle if it were not bent.
   Eigen::Quaterniond hand = Eigen::Quaterniond::Identity();  ///< +z along the needle, to its tip.
-  bool touches = false;     ///< That tip is in the body: begins a path if there is none.
-  double advance_mm = 0.0;  ///< Of the tip in the tissue since the last step; < 0 back.
-  PathNode tissue;          ///< At the tip: label and stiffness.
+  bool touches = false;  ///< That tip is in the body: begins a path if there is none.
+  /// Of the tip in the tissue since the last step; < 0 back. In the step that begins a path, how
+  /// far behind tip_mm the skin is.
+  double advance_mm = 0.0;
+  PathNode tissue;  ///< At the tip: label and stiffness.
 };
 
 /// A value: copy it to save, assign it to restore.
@@ -39,9 +45,10 @@ struct BendableNeedleState {
 
 struct BendableNeedleStep {
   RodResult rod;
-  Eigen::Vector3d hand_force_n = Eigen::Vector3d::Zero();      ///< Eq. 8.
-  Eigen::Vector3d hand_torque_n_mm = Eigen::Vector3d::Zero();  ///< To the needle at the skin.
-  Eigen::Vector3d tip_direction = Eigen::Vector3d::UnitZ();    ///< Where the next advance goes.
+  Eigen::Vector3d hand_force_n = Eigen::Vector3d::Zero();  ///< Eq. 8.
+  /// On the hand. With hand_has_potential: about tip_mm.
+  Eigen::Vector3d hand_torque_n_mm = Eigen::Vector3d::Zero();
+  Eigen::Vector3d tip_direction = Eigen::Vector3d::UnitZ();  ///< Where the next advance goes.
 };
 
 class BendableNeedle {
@@ -64,6 +71,8 @@ class BendableNeedle {
   void MovePath(BendableNeedleState& state, const BendableNeedleInput& input) const noexcept;
   RodInput InHand(const BendableNeedleState& state,
                   const BendableNeedleInput& input) const noexcept;
+  void HandOf(const BendableNeedleState& state, const BendableNeedleInput& input,
+              BendableNeedleStep& step) const noexcept;
 
   RodModel rod_;
   BendableNeedleOptions options_;

@@ -133,5 +133,48 @@ TEST(BendableNeedle, RefusesWhatIsNotFiniteAndKeepsItsShape) {
   EXPECT_THROW(Needle(options), InputError);
 }
 
+TEST(BendableNeedle, APathBegunDeepHasItsSkinBehindTheTip) {
+  const BendableNeedle needle = Needle();
+  BendableNeedleState state = needle.NewState();
+  const BendableNeedleStep step = needle.Step(state, In(4.0, 4.0));
+  EXPECT_NEAR(state.path.entry().position_mm.z(), 0.0, 1e-12);
+  EXPECT_NEAR(state.path.LengthMm(), 4.0, 1e-12);
+  EXPECT_LT(step.hand_force_n.norm(), 1e-9);
+}
+
+// The hand moves and turns with the needle 40 mm deep: what it puts in is what the needle stores.
+TEST(BendableNeedle, WithAPotentialTheWorkOfTheHandIsTheEnergyStored) {
+  BendableNeedleOptions options;
+  options.hand_has_potential = true;
+  options.rod.tolerance_mm = 1e-6;
+  const BendableNeedle needle = Needle(options);
+  BendableNeedleState state = needle.NewState();
+  for (int i = 0; i <= 80; ++i) needle.Step(state, In(0.5 * i, i == 0 ? 0.0 : 0.5));
+  BendableNeedleInput input = In(40.0, 0.0);
+  BendableNeedleStep before = needle.Step(state, input);
+  double work_n_mm = 0.0, moved_n_mm = 0.0, largest_n_mm = 0.0;
+  for (int i = 1; i <= 8000; ++i) {
+    const double t = 1e-3 * i;
+    BendableNeedleInput next = input;
+    next.tip_mm = Vector3d(5.0 * std::sin(2.0 * t), 4.0 * (1.0 - std::cos(3.0 * t)), 40.0);
+    next.hand = Eigen::AngleAxisd(0.2 * std::sin(1.3 * t), Vector3d::UnitX()) *
+                Eigen::AngleAxisd(0.3 * std::sin(1.9 * t), Vector3d::UnitY());
+    const BendableNeedleStep now = needle.Step(state, next);
+    ASSERT_TRUE(now.rod.converged());
+    const Eigen::AngleAxisd turn(next.hand * input.hand.conjugate());
+    const double work =
+        -0.5 * ((before.hand_force_n + now.hand_force_n).dot(next.tip_mm - input.tip_mm) +
+                (before.hand_torque_n_mm + now.hand_torque_n_mm).dot(turn.angle() * turn.axis()));
+    work_n_mm += work;
+    moved_n_mm += std::abs(work);
+    largest_n_mm = std::max(largest_n_mm, now.rod.energy_n_mm);
+    ASSERT_NEAR(work_n_mm, now.rod.energy_n_mm, 0.01) << i;  // 10 uJ.
+    before = now;
+    input = next;
+  }
+  EXPECT_GT(largest_n_mm, 5.0);
+  EXPECT_GT(moved_n_mm, 50.0);
+}
+
 }  // namespace
 }  // namespace acus::needle
