@@ -14,6 +14,17 @@ constexpr double kShortestFreeMm = 10.0;  // The hand's end of the beam never ge
 
 }  // namespace
 
+double LateralStiffnessNPerMm(const NeedleProperties& needle, const ForceSettings& settings,
+                              double depth_mm) noexcept {
+  const double buried_mm = std::clamp(depth_mm, 0.0, needle.length_mm);
+  // The shaft turns about the skin, so its deviation grows linearly to the tip: a force at the tip
+  // with the same moment is a third of what it would be if all of the shaft were displaced.
+  const double tissue = settings.tissue_lateral_stiffness_n_per_mm2 * buried_mm / 3.0;
+  const double free_mm = std::max(needle.length_mm - buried_mm, kShortestFreeMm);
+  const double beam = needle.beam.EndStiffnessNPerMm(free_mm);
+  return tissue > 0.0 ? beam * tissue / (beam + tissue) : 0.0;
+}
+
 NeedleForceModel::NeedleForceModel(const ForceTable& table, const NeedleProperties& needle)
     : table_(table.ScaledTo(needle.beam.outer_diameter_mm)), needle_(needle) {}
 
@@ -145,16 +156,6 @@ void NeedleForceModel::Finish(const NeedleForceState& state, const NeedleMotion&
     if (size_mm > 0.0) out.force_in_ct_n -= (out.lateral_n / size_mm) * deviation_mm;
   }
   LimitTo(out, table_.settings.largest_force_n);
-}
-
-double NeedleForceModel::LateralStiffnessNPerMm(double depth_mm) const noexcept {
-  const double buried_mm = std::clamp(depth_mm, 0.0, needle_.length_mm);
-  // The shaft turns about the skin, so its deviation grows linearly to the tip: a force at the tip
-  // with the same moment is a third of what it would be if all of the shaft were displaced.
-  const double tissue = table_.settings.tissue_lateral_stiffness_n_per_mm2 * buried_mm / 3.0;
-  const double free_mm = std::max(needle_.length_mm - buried_mm, kShortestFreeMm);
-  const double beam = needle_.beam.EndStiffnessNPerMm(free_mm);
-  return tissue > 0.0 ? beam * tissue / (beam + tissue) : 0.0;
 }
 
 }  // namespace acus::forces

@@ -15,6 +15,11 @@
 
 namespace acus::forces {
 
+/// Stiffness across the path of a needle this deep: the free part of the shaft as a cantilever, in
+/// series with the tissue around the buried part (Augmented-2010, section II.D). N/mm.
+double LateralStiffnessNPerMm(const NeedleProperties& needle, const ForceSettings& settings,
+                              double depth_mm) noexcept;
+
 /// All that the model remembers. A plain value: copy it to save, assign it to restore.
 struct NeedleForceState : NeedleTrack {
   TrackingWall wall;
@@ -39,9 +44,9 @@ class NeedleForceModel {
   const ForceTable& table() const { return table_; }
   const NeedleProperties& needle() const { return needle_; }
 
-  /// Stiffness across the path at this depth: the free part of the shaft as a cantilever, in
-  /// series with the tissue around the buried part. N/mm.
-  double LateralStiffnessNPerMm(double depth_mm) const noexcept;
+  double LateralStiffnessNPerMm(double depth_mm) const noexcept {
+    return forces::LateralStiffnessNPerMm(needle_, table_.settings, depth_mm);
+  }
 
  private:
   NeedleForce InBody(NeedleForceState& state, const NeedleMotion& motion,

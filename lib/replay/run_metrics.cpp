@@ -79,6 +79,11 @@ std::vector<Metric> MetricsOf(const simulation::Scene& scene, const session::Ses
   if (scene.labels && !session.needle.empty()) AddTissue(scene, session, metrics);
   const bool forces = scene.plan.Has(simulation::StageId::kNeedleForce) && !log.steps.empty();
   if (forces) AddForces(log, metrics);
+  if (scene.shape && scene.shape->bendable() && !log.steps.empty()) {
+    const double most_mm =
+        log.most_bent.empty() ? 0.0 : log.steps[log.most_bent_step].shape.tip_deflection_mm;
+    metrics.push_back({"largest tip deflection", "mm", most_mm});
+  }
   return metrics;
 }
 

@@ -79,6 +79,48 @@ report::Plot ForceOverDepth(const StepLog& log) {
   return plot;
 }
 
+report::Plot DeflectionPlot(const StepLog& log) {
+  report::Plot plot;
+  plot.title = "Deflection of the needle's tip";
+  plot.x_label = "time [s]";
+  plot.y_label = "deflection [mm]";
+  plot.height_px = 220;
+  plot.y_from_zero = true;
+  plot.series = {SeriesOf(log, "", [](const StepOutput& s) { return s.shape.tip_deflection_mm; })};
+  if (!log.most_bent.empty()) {
+    plot.marks.push_back({SecondsOf(log, log.steps[log.most_bent_step]), "most bent"});
+  }
+  return plot;
+}
+
+/// The needle in the plane in which its tip is bent, the hub on the left, at its largest
+/// deflection.
+report::Plot ShapePlot(const StepLog& log) {
+  const math::Polyline& line = log.most_bent;
+  const int hub = line.num_points - 1;
+  const auto at = [&](int i) -> Eigen::Vector3d { return line.At(hub - i) - line.At(hub); };
+  // The hub's direction from its first two pieces; exact for a circle.
+  const Eigen::Vector3d axis =
+      (1.5 * at(1).normalized() - 0.5 * (at(2) - at(1)).normalized()).normalized();
+  Eigen::Vector3d side = at(hub) - at(hub).dot(axis) * axis;
+  if (side.norm() > 0.0) side.normalize();
+  report::Series bent{.name = "needle"};
+  for (int i = 0; i <= hub; ++i) {
+    bent.x.push_back(at(i).dot(axis));
+    bent.y.push_back(at(i).dot(side));
+  }
+  report::Series straight{.name = "line of the hub", .x = {0.0, bent.x.back()}, .y = {0.0, 0.0}};
+  report::Plot plot;
+  const StepOutput& step = log.steps[log.most_bent_step];
+  plot.title =
+      Message("Shape at the largest deflection, ", Rounded(step.shape.tip_deflection_mm), " mm at ",
+              Rounded(SecondsOf(log, step)), " s, ", Rounded(step.force.depth_mm), " mm deep");
+  plot.x_label = "along the hub's line [mm]";
+  plot.y_label = "off it [mm]";
+  plot.series = {std::move(bent), std::move(straight)};
+  return plot;
+}
+
 void AddEvents(report::HtmlReport& html, const StepLog& log, const simulation::Scene& scene) {
   std::vector<std::vector<std::string>> rows;
   for (const StepOutput& step : log.steps) {
@@ -111,6 +153,11 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
     report::WriteSvg(folder / "forces.svg", plots);
     html.Plots(plots);
     html.Plots(std::vector{ForceOverDepth(log)});
+    if (scene.shape && scene.shape->bendable()) {
+      html.Section("Shape of the needle");
+      html.Plots(std::vector{DeflectionPlot(log)});
+      if (!log.most_bent.empty()) html.Plots(std::vector{ShapePlot(log)});
+    }
     AddEvents(html, log, scene);
   }
   html.Section("Metrics");

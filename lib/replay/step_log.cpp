@@ -12,32 +12,56 @@
 namespace acus::replay {
 namespace {
 
-/// Hands images the load of their moment, as the steps pass it.
-class ImageLoads {
+/// Hands images the load and the needle's shape of their moment, as the steps pass it.
+class ImageStates {
  public:
-  ImageLoads(const simulation::Scene& scene, const simulation::Simulation& simulation,
-             std::span<simulation::Snapshot> images, StepLog& log)
-      : simulation_(simulation), log_(log) {
-    if (scene.plan.Has(simulation::StageId::kDeformation)) images_ = images;
+  ImageStates(const simulation::Scene& scene, const simulation::Simulation& simulation,
+              std::span<simulation::Snapshot> images, StepLog& log)
+      : simulation_(simulation),
+        log_(log),
+        loads_(scene.plan.Has(simulation::StageId::kDeformation)),
+        shapes_(scene.plan.Has(simulation::StageId::kNeedleShape)) {
+    if (loads_ || shapes_) images_ = images;
   }
 
   /// To all images before `time_ns`: the state after the last step.
   void GiveBefore(std::int64_t time_ns) {
     while (!images_.empty() && images_.front().time_ns < time_ns) {
-      if (!log_.steps.empty() && simulation_.LoadOf(log_.final_state, log_.steps.back(), load_)) {
-        log_.loads.push_back(load_);
-        images_.front().load = &log_.loads.back();
-      }
+      if (!log_.steps.empty()) Give(images_.front());
       images_ = images_.subspan(1);
     }
   }
 
  private:
+  void Give(simulation::Snapshot& image) {
+    if (loads_ && simulation_.LoadOf(log_.final_state, log_.steps.back(), load_)) {
+      log_.loads.push_back(load_);
+      image.load = &log_.loads.back();
+    }
+    if (shapes_ && simulation_.ShapeOf(log_.final_state, shape_)) {
+      log_.shapes.push_back(shape_);
+      image.needle_shape = &log_.shapes.back();
+    }
+  }
+
   const simulation::Simulation& simulation_;
   StepLog& log_;
+  bool loads_;
+  bool shapes_;
   std::span<simulation::Snapshot> images_;
   tissue::TissueLoad load_;
+  math::Polyline shape_;
 };
+
+/// Keeps the needle's shape at its largest deflection.
+void KeepMostBent(const simulation::Simulation& simulation, StepLog& log) {
+  const simulation::NeedleShape& shape = log.steps.back().shape;
+  const double most_mm =
+      log.most_bent.empty() ? 0.0 : log.steps[log.most_bent_step].shape.tip_deflection_mm;
+  if (!shape.bent || shape.tip_deflection_mm <= most_mm) return;
+  simulation.ShapeOf(log.final_state, log.most_bent);
+  log.most_bent_step = log.steps.size() - 1;
+}
 
 }  // namespace
 
@@ -49,7 +73,7 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
   const simulation::Simulation simulation(scene);
   log.final_state = simulation.NewState();
   const bool probe = scene.plan.Has(simulation::StageId::kTissueContact) && !session.probe.empty();
-  ImageLoads loads(scene, simulation, images, log);
+  ImageStates states(scene, simulation, images, log);
   const std::size_t count = session.needle.size();
   log.steps.reserve(count);
   const std::size_t piece = count / 50 + 1;
@@ -65,10 +89,11 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
       sample.reference_from_probe = pose.reference_from_tool;
       sample.probe_valid = pose.valid;
     }
-    loads.GiveBefore(sample.time_ns);
+    states.GiveBefore(sample.time_ns);
     log.steps.push_back(simulation.Step(log.final_state, sample, times));
+    KeepMostBent(simulation, log);
   }
-  loads.GiveBefore(std::numeric_limits<std::int64_t>::max());
+  states.GiveBefore(std::numeric_limits<std::int64_t>::max());
   log.cpu_s = ThreadCpuSeconds() - begin_s;
   return log;
 }
@@ -96,11 +121,18 @@ std::string EventWords(forces::NeedleEvent event) {
   return words;
 }
 
+/// What a needle that bends adds: the torque on it about the hand's tip, how far its tip is off the
+/// line along which the hub points, and where the tip is in CT space.
+constexpr const char* kShapeColumns =
+    "torque_x_n_mm,torque_y_n_mm,torque_z_n_mm,deflection_mm,tip_x_mm,tip_y_mm,tip_z_mm,";
+
 void WriteForces(const std::filesystem::path& path, const StepLog& log,
                  const simulation::Scene& scene) {
+  const bool bendable = scene.shape && scene.shape->bendable();
   std::ofstream out(path, std::ios::binary);
   out << "time_s,depth_mm,tissue,force_axial_n,puncture_n,cutting_n,friction_n,bone_n,lateral_n,"
-         "force_x_n,force_y_n,force_z_n,event\n";
+         "force_x_n,force_y_n,force_z_n,"
+      << (bendable ? kShapeColumns : "") << "event\n";
   std::string row;
   for (const simulation::StepOutput& step : log.steps) {
     const forces::NeedleForce& f = step.force;
@@ -113,6 +145,11 @@ void WriteForces(const std::filesystem::path& path, const StepLog& log,
       add(value);
     }
     for (int i = 0; i < 3; ++i) add(f.force_in_ct_n[i]);
+    if (bendable) {
+      for (int i = 0; i < 3; ++i) add(f.torque_in_ct_n_mm[i]);
+      add(step.shape.tip_deflection_mm);
+      for (int i = 0; i < 3; ++i) add(step.shape.tip_in_ct_mm[i]);
+    }
     row += ',';
     if (f.event != forces::NeedleEvent::kNone) row += forces::NameOf(f.event);
     out << row << '\n';

@@ -18,12 +18,16 @@ namespace acus::replay {
 struct StepLog {
   std::vector<simulation::StepOutput> steps;  ///< One per needle sample; empty without a needle.
   std::deque<tissue::TissueLoad> loads;       ///< Of those images that show tissue deformed.
+  std::deque<math::Polyline> shapes;          ///< Of those images that show the needle bent.
+  math::Polyline most_bent;                   ///< The needle at its largest deflection, if any.
+  std::size_t most_bent_step = 0;
   simulation::State final_state;
   double cpu_s = 0.0;  ///< Thread CPU time of all steps together.
 };
 
-/// Runs Step over all needle samples of a session. If the plan has a deformation, each image of
-/// `images` (ascending times) is given the load after the last step before it, kept in the log.
+/// Runs Step over all needle samples of a session. If the plan has a deformation or a needle shape,
+/// each image of `images` (ascending times) is given the load and shape after the last step before
+/// it, kept in the log.
 /// Adds the cost of each stage to `times`, if given.
 StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
                  std::span<simulation::Snapshot> images, simulation::StageTimes* times,

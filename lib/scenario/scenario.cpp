@@ -127,6 +127,26 @@ TissueEffect ReadTissueEffect(const json& object, const fs::path& folder) {
   return effect;
 }
 
+NeedleEffect ReadNeedleEffect(const json& object, const fs::path& folder) {
+  static const std::map<std::string, NeedleModelKind> kModels = {
+      {"rigid", NeedleModelKind::kRigid},
+      {"lateral_beam", NeedleModelKind::kLateralBeam},
+      {"bendable", NeedleModelKind::kBendable}};
+  NeedleEffect effect;
+  effect.model = kModels.at(object.at("model"));
+  effect.axis_lock = object.at("axis_lock");
+  effect.elasticity = config::FindConfig(object.at("elasticity").get<std::string>(), folder);
+  effect.influence_radius_mm = object.at("influence_radius_mm");
+  effect.nodes = object.at("nodes");
+  effect.path_spacing_mm = object.at("path_spacing_mm");
+  effect.tip_stiffness_n_per_mm = object.at("tip_stiffness_n_per_mm");
+  effect.hand_n_per_mm = object.at("hand").at("stiffness_n_per_mm");
+  effect.hand_n_mm_per_rad = object.at("hand").at("stiffness_n_mm_per_rad");
+  effect.kappa_n_per_mm = object.at("hand").at("kappa_n_per_mm");
+  effect.bevel = object.at("bevel");
+  return effect;
+}
+
 /// What the schema cannot say: effects that lean on one another.
 void CheckTogether(const Scenario& s) {
   const std::string file = s.file.string();
@@ -134,6 +154,14 @@ void CheckTogether(const Scenario& s) {
     ACUS_REQUIRE(s.tissue && s.tissue->TouchesNeedle(), file,
                  ": /effects/needle_force/model is \"tissue\", but no effects/tissue knows forces "
                  "on the needle; give it one of the models springs, fe_2d or fe_3d");
+  }
+  if (s.shape) {
+    ACUS_REQUIRE(s.needle_force, file,
+                 ": /effects/needle says what is across the path of effects/needle_force, which is "
+                 "not there; add it, for example --set /effects/needle_force/model=layered");
+    ACUS_REQUIRE(!(s.shape->axis_lock && s.shape->model == NeedleModelKind::kBendable), file,
+                 ": /effects/needle/axis_lock holds a straight needle on its path; a bendable one "
+                 "follows it anyway. Leave axis_lock out, or take the model lateral_beam");
   }
   if (s.tissue && !s.tissue->TouchesNeedle()) {
     ACUS_REQUIRE(s.needle_force, file,
@@ -188,6 +216,9 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
         {"tissue", NeedleForceModelKind::kTissue}};
     scenario.needle_force =
         NeedleForceEffect{kModels.at(effect.at("model")), config::FindConfig(table, folder)};
+  }
+  if (effects.contains("needle")) {
+    scenario.shape = ReadNeedleEffect(effects["needle"], folder);
   }
   if (effects.contains("tissue")) {
     scenario.tissue = ReadTissueEffect(effects["tissue"], folder);

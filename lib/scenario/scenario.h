@@ -51,6 +51,23 @@ struct TissueEffect {
   bool TouchesNeedle() const { return model != TissueModelKind::kDisplacementFunctions; }
 };
 
+enum class NeedleModelKind { kRigid, kLateralBeam, kBendable };
+
+/// The needle's shape, and what it does across its path.
+struct NeedleEffect {
+  NeedleModelKind model = NeedleModelKind::kRigid;
+  bool axis_lock = false;            ///< rigid, lateral_beam: once punctured, shown on its path.
+  std::filesystem::path elasticity;  ///< bendable, as all that follows.
+  double influence_radius_mm = 20.0;
+  int nodes = 25;
+  double path_spacing_mm = 1.0;
+  double tip_stiffness_n_per_mm = 0.5;
+  double hand_n_per_mm = 0.5;
+  double hand_n_mm_per_rad = 500.0;
+  double kappa_n_per_mm = 0.5;
+  bool bevel = true;  ///< The needle's bevel steers.
+};
+
 enum class UltrasoundModel { kColumns2010 };
 struct UltrasoundEffect {
   UltrasoundModel model = UltrasoundModel::kColumns2010;
@@ -73,6 +90,7 @@ struct Scenario {
 
   // The effects that the scene calls for.
   std::optional<NeedleForceEffect> needle_force;
+  std::optional<NeedleEffect> shape;  ///< effects/needle.
   std::optional<TissueEffect> tissue;
   std::optional<UltrasoundEffect> ultrasound;
   std::optional<CtSliceEffect> ct_slice;

@@ -51,7 +51,17 @@ Names TissueInputs(const Scenario& s) {
 Names ImageInputs(const Scenario& s, bool needle) {
   Names reads{"probe", "ct"};
   if (needle) reads.push_back("needle");
+  if (needle && s.shape) reads.push_back("shape");
   if (s.tissue && s.tissue->image) reads.push_back("rest map");
+  return reads;
+}
+
+/// What the needle's shape comes from: the path that the force model knows, and the tissue on it.
+Names ShapeInputs(const Scenario& s) {
+  Names reads{"needle", "force"};
+  if (s.shape && s.shape->model == scenario::NeedleModelKind::kBendable) {
+    reads.insert(reads.end(), {FromTissue(s) ? "contact" : "tissue", "elasticity"});
+  }
   return reads;
 }
 
@@ -77,6 +87,7 @@ std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
            {"tissue"}),
       step(StageId::kTissueContact, "tissue contact", TissueInputs(s), {"contact"}),
       step(StageId::kNeedleForce, "needle force", ForceInputs(s), {"force"}),
+      step(StageId::kNeedleShape, "needle shape", ShapeInputs(s), {"shape"}),
       image(StageId::kProbePose, "probe pose", {"probe poses"}, {"probe"}),
       image(StageId::kDeformation, "deformation", DeformationInputs(s), {"rest map"}),
       image(StageId::kCtSlice, "CT slice", ImageInputs(s, s.ct_slice && s.ct_slice->needle),
@@ -95,6 +106,7 @@ struct Goal {
 std::vector<Goal> Goals(const Scenario& s) {
   std::vector<Goal> goals;
   if (s.needle_force) goals.push_back({StageId::kNeedleForce, "needle_force"});
+  if (s.shape) goals.push_back({StageId::kNeedleShape, "needle"});
   if (s.tissue && s.tissue->TouchesNeedle()) goals.push_back({StageId::kTissueContact, "tissue"});
   if (s.ct_slice) goals.push_back({StageId::kCtSlice, "ct_slice"});
   if (s.ultrasound) goals.push_back({StageId::kUltrasound, "ultrasound"});

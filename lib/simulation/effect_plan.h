@@ -16,12 +16,13 @@ enum class StageId {
   kTissueLookup,
   kTissueContact,
   kNeedleForce,
+  kNeedleShape,
   kProbePose,
   kDeformation,
   kCtSlice,
   kUltrasound,
 };
-inline constexpr int kNumStages = 8;
+inline constexpr int kNumStages = 9;
 
 /// A stage in the plan, or one that is left out.
 struct PlannedStage {

@@ -27,9 +27,11 @@ ImageRenderer::ImageRenderer(const Scene& scene) : scene_(scene) {
 
 std::optional<ultrasound::NeedleInImage> ImageRenderer::NeedleOf(const Snapshot& snapshot) const {
   if (!snapshot.ct_from_needle) return std::nullopt;
-  return ultrasound::NeedleInImage{
+  ultrasound::NeedleInImage needle{
       snapshot.ct_from_needle->translation(), snapshot.ct_from_needle->linear().col(2),
       scene_.needle->length_mm, 0.5 * scene_.needle->beam.outer_diameter_mm};
+  if (snapshot.needle_shape != nullptr) needle.shape = *snapshot.needle_shape;
+  return needle;
 }
 
 void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* times) {

@@ -20,6 +20,9 @@ struct Snapshot {
   Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
   /// Nothing if there is no needle to see.
   std::optional<Eigen::Isometry3d> ct_from_needle = std::nullopt;
+  /// As Simulation::ShapeOf gives it; null: straight in the hand. Must live until the image is
+  /// made.
+  const math::Polyline* needle_shape = nullptr;
   /// Null if nothing deforms the tissue; must live until the image is made.
   const tissue::TissueLoad* load = nullptr;
 };

@@ -1,5 +1,6 @@
 #include "simulation/scene.h"
 
+#include "mechanics/elasticity_table.h"
 #include "simulation/tissue_scene.h"
 #include "volume/volume_io.h"
 
@@ -24,6 +25,39 @@ void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scen
   } else {
     scene.forces.emplace(forces::NeedleForceModel(table, *scene.needle));
   }
+}
+
+/// Labels of the map; without one, the tissues that HU tell apart, or all that can be deformed.
+std::bitset<256> TissuesOf(const Scene& scene, const mechanics::ElasticityTable& elasticity) {
+  std::bitset<256> found;
+  if (scene.labels) {
+    for (const volume::Label label : scene.labels->voxels) found.set(label);
+  } else if (scene.hu_tissues) {
+    for (const auto& row : scene.hu_tissues->rows) found.set(row.tissue);
+  } else {
+    for (std::size_t i = 1; i < 256; ++i) {
+      found.set(i, elasticity.tissue[i].youngs_modulus_mpa > 0.0);
+    }
+  }
+  return found;
+}
+
+void LoadShape(const scenario::Scenario& scenario, Scene& scene, RunContext& context) {
+  const scenario::NeedleEffect& effect = *scenario.shape;
+  const forces::ForceTable table = scene.force_from_tissue
+                                       ? forces::ReadForceTable(scenario.tissue->table)
+                                             .ScaledTo(scene.needle->beam.outer_diameter_mm)
+                                       : scene.forces->table();
+  std::optional<mechanics::ElasticityTable> elasticity;
+  std::bitset<256> tissues;
+  if (effect.model == scenario::NeedleModelKind::kBendable) {
+    elasticity = mechanics::ReadElasticityTable(effect.elasticity);
+    context.provenance.AddInput(effect.elasticity);
+    tissues = TissuesOf(scene, *elasticity);
+  }
+  const bool has_beam = scenario.needle_force->model == scenario::NeedleForceModelKind::kLayered;
+  scene.shape.emplace(effect, *scene.needle, table, elasticity ? &*elasticity : nullptr, tissues,
+                      has_beam);
 }
 
 }  // namespace
@@ -55,6 +89,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     LoadForces(scenario, plan, scene, context);
     context.provenance.AddInput(scenario.needle_force->table);
   }
+  if (plan.Has(StageId::kNeedleShape)) LoadShape(scenario, scene, context);
   if (plan.Needs("probe")) {
     scene.probe = ultrasound::ReadProbe(scenario.probe);
     context.provenance.AddInput(scenario.probe);

@@ -9,6 +9,7 @@
 #include "forces/hu_field.h"
 #include "scenario/scenario.h"
 #include "simulation/effect_plan.h"
+#include "simulation/needle_shape.h"
 #include "tissue/tissue_model.h"
 #include "ultrasound/bmode_options.h"
 #include "ultrasound/probe.h"
@@ -32,6 +33,7 @@ struct Scene {
   std::shared_ptr<const forces::CtField> hu;       ///< Of the CT, if forces read it.
   std::optional<forces::HuTissues> hu_tissues;     ///< If tissues are looked up without labels.
   std::optional<forces::ForceModel> forces;        ///< If the plan has the needle force.
+  std::optional<NeedleShapeModel> shape;           ///< If the plan has the needle's shape.
   std::optional<tissue::TissueModel> tissue;       ///< If the plan has contact or deformation.
   std::optional<ultrasound::Probe> probe;          ///< If the plan reads "probe".
   std::optional<ultrasound::BModeOptions> b_mode;  ///< If the plan has the B-mode.

@@ -18,6 +18,7 @@ State Simulation::NewState() const {
   State state;
   if (runs_contact_) state.tissue = scene_.tissue->NewState();
   if (scene_.forces) state.force = scene_.forces->NewState();
+  if (scene_.shape) state.shape = scene_.shape->NewState();
   return state;
 }
 
@@ -32,17 +33,22 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   const Eigen::Vector3d axis_in_ct = out.ct_from_needle.linear().col(2);
   watch.EndOf(StageId::kNeedlePose);
   if (lookup_) {
-    out.tissue_at_tip = lookup_->At(tip_in_ct_mm);
+    // A bent needle's tip is where it was bent to in the step before.
+    out.tissue_at_tip = lookup_->At(
+        scene_.shape ? Eigen::Vector3d(tip_in_ct_mm + state.shape.tip_offset_mm) : tip_in_ct_mm);
     watch.EndOf(StageId::kTissueLookup);
   }
   if (runs_contact_) {
     out.tissue = scene_.tissue->Step(
-        state.tissue, {.time_s = time_s,
-                       .needle_valid = sample.needle_valid,
-                       .tip_in_ct_mm = tip_in_ct_mm,
-                       .axis_in_ct = axis_in_ct,
-                       .probe_valid = sample.probe_valid,
-                       .ct_from_probe = scene_.ct_from_reference * sample.reference_from_probe});
+        state.tissue,
+        {.time_s = time_s,
+         .needle_valid = sample.needle_valid,
+         .tip_in_ct_mm = tip_in_ct_mm,
+         .axis_in_ct =
+             scene_.shape ? scene_.shape->LockedAxis(state.shape, axis_in_ct) : axis_in_ct,
+         .tip_direction_in_ct = state.shape.tip_direction_in_ct,
+         .probe_valid = sample.probe_valid,
+         .ct_from_probe = scene_.ct_from_reference * sample.reference_from_probe});
     watch.EndOf(StageId::kTissueContact, !out.tissue.touched);
   }
   if (runs_force_ && scene_.force_from_tissue) {
@@ -59,7 +65,27 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
                                                   .valid = sample.needle_valid});
     watch.EndOf(StageId::kNeedleForce, asleep);
   }
+  if (scene_.shape) {
+    ShapeNeedle(state, sample, out);
+    watch.EndOf(StageId::kNeedleShape, scene_.shape->IsAsleep(state.shape));
+  }
   return out;
+}
+
+void Simulation::ShapeNeedle(State& state, const Sample& sample, StepOutput& out) const noexcept {
+  NeedleShapeInput input{.time_s = 1e-9 * static_cast<double>(sample.time_ns),
+                         .valid = sample.needle_valid,
+                         .ct_from_needle = out.ct_from_needle,
+                         .tissue_at_tip = out.tissue_at_tip,
+                         .pierced = out.tissue.pierced};
+  PathLine path;
+  if (!scene_.force_from_tissue) {
+    const forces::NeedleTrack& track = forces::TrackOf(state.force);
+    path = {track.in_body && track.pierced, track.path.entry_in_ct_mm, track.path.direction_in_ct};
+    input.path = &path;
+  }
+  scene_.shape->Step(state.shape, input, out.force);
+  out.shape = state.shape.shape;
 }
 
 bool Simulation::LoadOf(const State& state, const StepOutput& output,

@@ -29,6 +29,7 @@ struct StepOutput {
   Eigen::Isometry3d ct_from_needle = Eigen::Isometry3d::Identity();
   volume::Label tissue_at_tip = 0;
   forces::NeedleForce force;
+  NeedleShape shape;           ///< Not bent if the plan has no needle shape.
   tissue::TissueForce tissue;  ///< Zero if the plan has no tissue contact.
 };
 
@@ -36,6 +37,7 @@ struct StepOutput {
 /// Simulation::NewState.
 struct State {
   forces::ForceState force;
+  NeedleShapeState shape;      ///< Only used if the plan has the needle's shape.
   tissue::TissueState tissue;  ///< Empty if the plan has no tissue contact.
   std::int64_t steps = 0;
 };
@@ -59,7 +61,15 @@ class Simulation {
   /// @pre the plan has a deformation stage.
   bool LoadOf(const State& state, const StepOutput& output, tissue::TissueLoad& out) const noexcept;
 
+  /// The needle as the images show it after a step, from the tip to the hub, in CT space. False,
+  /// and `out` not written, if it is straight where the hand holds it.
+  bool ShapeOf(const State& state, math::Polyline& out) const noexcept {
+    return scene_.shape && scene_.shape->ShapeOf(state.shape, out);
+  }
+
  private:
+  void ShapeNeedle(State& state, const Sample& sample, StepOutput& out) const noexcept;
+
   const Scene& scene_;
   std::optional<forces::TissueLookup> lookup_;  ///< If the plan looks tissues up.
   bool runs_contact_ = false;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "core/error.h"
+#include "tissue/shaft_springs.h"
 
 namespace acus::tissue {
 namespace {
@@ -68,22 +68,15 @@ SpringModel::SpringModel(const SpringSettings& settings, const forces::ForceTabl
   ACUS_REQUIRE(outer_mm > 2.0 * needle_mm && std::isfinite(outer_mm), "influence_radius_mm is ",
                outer_mm, "; allowed: more than the needle's diameter, ", 2.0 * needle_mm, " mm");
   ACUS_ASSERT(tissue_at_ != nullptr);
-  // A rigid rod in the middle of a cylinder of tissue that is held at its outside, per mm: moved
-  // along itself (shear between two cylinders) and across (incompressible; the same equations as
-  // slow flow around a rod in a pipe).
-  const double log_ratio = std::log(outer_mm / needle_mm);
-  const double along = 2.0 * std::numbers::pi / log_ratio;
-  const double a2 = needle_mm * needle_mm;
-  const double r2 = outer_mm * outer_mm;
-  const double across = 4.0 * std::numbers::pi / (log_ratio - (r2 - a2) / (r2 + a2));
+  const ShaftStiffness shaft = ShaftInCylinder(needle_mm, outer_mm);
   for (int label = 0; label < 256; ++label) {
     PathNode& node = node_of_[label];
     const auto tissue = static_cast<volume::Label>(label);
     node.tissue = tissue;
     if (label == 0 || !tissues.test(label) || table_.tissue[label].impenetrable) continue;
     const double per_mm = elasticity.At(tissue).ShearModulusMpa() * settings.node_spacing_mm;
-    node.axial_n_per_mm = along * per_mm;
-    node.lateral_n_per_mm = across * per_mm;
+    node.axial_n_per_mm = shaft.along * per_mm;
+    node.lateral_n_per_mm = shaft.across * per_mm;
     node.friction_n = table_.tissue[label].friction_n_per_mm * settings.node_spacing_mm;
   }
 }
@@ -100,6 +93,10 @@ forces::NeedleForce SpringModel::Step(SpringState& state, const ToolSample& samp
   const bool was_outside = started && state.tissue_at_tip == 0;
   state.device_in_ct_mm = sample.tip_in_ct_mm;
   state.axis_in_ct = sample.axis_in_ct.normalized();
+  const double direction_norm = sample.tip_direction_in_ct.norm();
+  state.bends = direction_norm > 0.5 && direction_norm < 2.0;
+  state.tip_direction_in_ct =
+      state.bends ? Eigen::Vector3d(sample.tip_direction_in_ct / direction_norm) : state.axis_in_ct;
   state.tissue_at_tip = tissue_at_(state.device_in_ct_mm);
 
   NeedleEvent event = NeedleEvent::kNone;
@@ -201,7 +198,7 @@ NeedleEvent SpringModel::Advance(SpringState& state) const noexcept {
   const double stiffness = table_.settings.cutting_stiffness_n_per_mm;
   for (int i = 0; i < kMostSubsteps; ++i) {
     PathNode& tip = state.node[state.num_nodes - 1];
-    state.ahead_mm = (state.device_in_ct_mm - tip.rest_in_ct_mm).dot(state.axis_in_ct);
+    state.ahead_mm = (state.device_in_ct_mm - tip.rest_in_ct_mm).dot(state.tip_direction_in_ct);
     if (state.ahead_mm <= 0.0) {
       const bool unpierced = state.num_nodes == 1 && !state.pierced;
       if (!unpierced) state.pressing = state.on_bone = false;
@@ -225,11 +222,11 @@ NeedleEvent SpringModel::Advance(SpringState& state) const noexcept {
         TipAdvanceMm(state.ahead_mm, stiffness, 0.0, table_.tissue[tip.tissue].cutting_n);
     if (advance_mm <= kTinyMm) break;
     const double step_mm = std::min(advance_mm, 0.5 * settings_.node_spacing_mm);
-    const Eigen::Vector3d to_mm = tip.rest_in_ct_mm + step_mm * state.axis_in_ct;
+    const Eigen::Vector3d to_mm = tip.rest_in_ct_mm + step_mm * state.tip_direction_in_ct;
     const volume::Label next = tissue_at_(to_mm);
     const bool is_other =
-        next != tip.tissue &&
-        next == tissue_at_(to_mm + table_.settings.interface_hysteresis_mm * state.axis_in_ct);
+        next != tip.tissue && next == tissue_at_(to_mm + table_.settings.interface_hysteresis_mm *
+                                                             state.tip_direction_in_ct);
     if (is_other) {
       event = FirstOf(event, Meet(state, next, step_mm));
     } else {
@@ -253,11 +250,11 @@ NeedleEvent SpringModel::GiveWay(SpringState& state) const noexcept {
 NeedleEvent SpringModel::Meet(SpringState& state, volume::Label next,
                               double step_mm) const noexcept {
   const PathNode before = state.node[state.num_nodes - 1];
-  const Eigen::Vector3d to_mm = before.rest_in_ct_mm + step_mm * state.axis_in_ct;
+  const Eigen::Vector3d to_mm = before.rest_in_ct_mm + step_mm * state.tip_direction_in_ct;
   MoveTip(state, BoundaryMm(before.rest_in_ct_mm, to_mm,
                             [&](const Eigen::Vector3d& p) { return tissue_at_(p) != next; }));
   PathNode& tip = state.node[state.num_nodes - 1];
-  state.ahead_mm = (state.device_in_ct_mm - tip.rest_in_ct_mm).dot(state.axis_in_ct);
+  state.ahead_mm = (state.device_in_ct_mm - tip.rest_in_ct_mm).dot(state.tip_direction_in_ct);
   state.cut_n = table_.tissue[before.tissue].cutting_n;
   if (table_.tissue[next].impenetrable) {
     state.on_bone = true;
@@ -356,7 +353,9 @@ void SpringModel::Forces(SpringState& state, double dt_s, double ahead_before_mm
     const double weight = Weight(state, i);
     friction_n += node.axial_n_per_mm * weight * node.offset_mm;
     depth_mm += weight * settings_.node_spacing_mm;
-    lateral_n += LateralForceN(state, i, state.device_in_ct_mm, state.axis_in_ct);
+    if (!state.bends) {
+      lateral_n += LateralForceN(state, i, state.device_in_ct_mm, state.axis_in_ct);
+    }
   }
   const double largest_n = settings_.friction_rate_n_per_s * dt_s;
   state.friction_n += std::clamp(friction_n - state.friction_n, -largest_n, largest_n);
@@ -380,8 +379,9 @@ void SpringModel::LoadOf(const SpringState& state, TissueLoad& out) const noexce
     if (i == 0) continue;
     const double axial_n =
         state.node[i].axial_n_per_mm * Weight(state, i) * state.node[i].offset_mm;
-    out.point[i].force_in_ct_n =
-        axial_n * state.axis_in_ct -
+    out.point[i].force_in_ct_n = axial_n * state.axis_in_ct;
+    if (state.bends) continue;  // It lies in its path: what its springs still do is not shown.
+    out.point[i].force_in_ct_n -=
         state.lateral_share * LateralForceN(state, i, state.device_in_ct_mm, state.axis_in_ct);
   }
   const forces::NeedleForce& force = state.force;
@@ -390,7 +390,12 @@ void SpringModel::LoadOf(const SpringState& state, TissueLoad& out) const noexce
   out.needle.in_contact = true;
   out.needle.pierced = state.pierced;
   out.needle.entry_in_ct_mm = state.node[0].rest_in_ct_mm;
-  out.needle.tip_in_ct_mm = state.device_in_ct_mm - force.bone_penetration_mm * state.axis_in_ct;
+  out.needle.tip_in_ct_mm =
+      state.bends
+          ? state.node[state.num_nodes - 1].rest_in_ct_mm +
+                (std::max(state.ahead_mm, 0.0) - force.bone_penetration_mm) *
+                    state.tip_direction_in_ct
+          : Eigen::Vector3d(state.device_in_ct_mm - force.bone_penetration_mm * state.axis_in_ct);
   out.needle.axis_in_ct = state.axis_in_ct;
   out.needle.pre_puncture_n = force.puncture_n;
   out.needle.cutting_n = force.cutting_n + force.bone_n;

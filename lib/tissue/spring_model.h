@@ -1,7 +1,8 @@
 // Tissue as linear springs along the path of the needle: no mesh, about a microsecond per step.
 //
 // Fortmeier-2016, section 2.3 (algorithm 1, eq. 4 to 7) for a rigid needle; the path may turn with
-// it. Equations and where they differ from the print: docs/models/tissue_functions_and_springs.md.
+// it. For a needle that bends (eq. 8), the sample gives the direction of its tip. Equations and
+// where they differ from the print: docs/models/tissue_functions_and_springs.md.
 #pragma once
 
 #include <array>
@@ -48,6 +49,8 @@ struct SpringState {
   Eigen::Vector3d device_in_ct_mm =
       Eigen::Vector3d::Zero();  ///< X: where the needle's tip is held.
   Eigen::Vector3d axis_in_ct = Eigen::Vector3d::UnitZ();
+  bool bends = false;  ///< The tip's direction is given: the springs across act on the bent needle.
+  Eigen::Vector3d tip_direction_in_ct = Eigen::Vector3d::UnitZ();  ///< d_l; the axis if rigid.
   double ahead_mm = 0.0;  ///< Delta d: of the device beyond the tip of the path.
   volume::Label tissue_at_tip = 0;
 

@@ -28,16 +28,20 @@ using StateOf = decltype(Contact(std::declval<const Level&>())->NewState());
 /// What a level knows beside the force on the needle.
 void Describe(const SpringModel&, const SpringState& state, TissueForce& out) noexcept {
   out.touched = state.num_nodes > 0;
-  out.tissue_at_tip = state.tissue_at_tip;
+  out.pierced = state.pierced;
+  out.tissue_at_tip = state.bends && state.num_nodes > 0 ? state.node[state.num_nodes - 1].tissue
+                                                         : state.tissue_at_tip;
 }
 
 void Describe(const PlaneModel2010&, const PlaneState& state, TissueForce& out) noexcept {
   out.touched = state.in_body;
+  out.pierced = state.in_body && state.pierced;
   out.tissue_at_tip = state.tissue_at_tip;
 }
 
 void Describe(const FemNeedleModel& model, const FemNeedleState& state, TissueForce& out) noexcept {
   out.touched = state.phase != NeedlePhase::kFree || state.probe_force.num_nodes > 0;
+  out.pierced = state.phase == NeedlePhase::kInside;
   out.probe_in_ct_n = state.probe_force.force_in_ct_n;
   if (state.phase == NeedlePhase::kFree) return;
   // At the end of its cut the tip is where it cut last; drawn back, somewhere along the cut.

@@ -22,6 +22,7 @@ struct TissueForce {
   bool touched = false;        ///< A tool deforms the tissue.
   forces::NeedleForce needle;  ///< On the needle.
   volume::Label tissue_at_tip = 0;
+  bool pierced = false;                                     ///< The needle is through the skin.
   Eigen::Vector3d probe_in_ct_n = Eigen::Vector3d::Zero();  ///< On the probe.
 };
 

@@ -13,6 +13,9 @@ struct ToolSample {
   bool needle_valid = true;  ///< False: the tracker lost the needle.
   Eigen::Vector3d tip_in_ct_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis_in_ct = Eigen::Vector3d::UnitZ();  ///< Insertion direction; any length > 0.
+  /// Where the tip of a needle that bends goes next, unit length; zero: along the axis. Read by
+  /// SpringModel, whose path then bends, too.
+  Eigen::Vector3d tip_direction_in_ct = Eigen::Vector3d::Zero();
 
   bool probe_valid = false;  ///< False: no probe in the scene, or the tracker lost it.
   /// Probe frame: origin at the middle of the face, +x to the marked side, +y into the body.
