@@ -16,7 +16,8 @@ class DeformedTissue : public ultrasound::RestMap {
   /// Takes in the forces on the tissue. Allocates nothing after the first call.
   void Update(const tissue::TissueLoad& load) { field_.Update(load); }
 
-  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_in_ct_mm) const noexcept override;
+  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
+                             const Eigen::Vector3d& guess_in_ct_mm) const noexcept override;
   double SpacingMm() const noexcept override { return spacing_mm_; }
 
  private:

@@ -51,14 +51,15 @@ void BeamBend::Set(const ScanGrid& grid, const Eigen::Isometry3d& ct_from_probe,
   if (laid_for_mm_ != rest->SpacingMm()) Lay(grid, rest->SpacingMm());
   std::size_t n = 0;
   for (const int k : along_.knot) {
+    Eigen::Vector3d moved_mm = Eigen::Vector3d::Zero();  // From the place to its rest.
     for (const int line : across_.knot) {
       const auto l = static_cast<std::size_t>(std::min(line, grid.lines() - 1));
       const Eigen::Vector2d in_plane_mm =
           grid.start_mm[l] + static_cast<double>(k) * grid.step_mm * grid.direction[l];
       const Eigen::Vector3d place_mm =
           ct_from_probe * Eigen::Vector3d(in_plane_mm[0], in_plane_mm[1], 0.0);
-      const Eigen::Vector3d offset =
-          index_from_ct.linear() * (rest->RestInCtMm(place_mm) - place_mm);
+      moved_mm = rest->RestInCtMm(place_mm, place_mm + moved_mm) - place_mm;
+      const Eigen::Vector3d offset = index_from_ct.linear() * moved_mm;
       for (std::size_t a = 0; a < 3; ++a) {
         offset_[a][n] = static_cast<float>(offset[static_cast<Eigen::Index>(a)]);
       }

@@ -16,7 +16,9 @@ class RestMap {
  public:
   virtual ~RestMap() = default;
   /// Both in CT space. Places that have not moved come back as they are, bit for bit.
-  virtual Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_in_ct_mm) const noexcept = 0;
+  /// @param guess_in_ct_mm  Where to begin to look: what a neighbour gave, moved along.
+  virtual Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
+                                     const Eigen::Vector3d& guess_in_ct_mm) const noexcept = 0;
   /// Distance over which the map may be taken as linear.
   virtual double SpacingMm() const noexcept = 0;
 };

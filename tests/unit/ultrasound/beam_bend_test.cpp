@@ -16,7 +16,10 @@ class Moved : public RestMap {
  public:
   Moved(std::function<Eigen::Vector3d(const Eigen::Vector3d&)> rest, double spacing_mm)
       : rest_(std::move(rest)), spacing_mm_(spacing_mm) {}
-  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& x) const noexcept override { return rest_(x); }
+  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& x,
+                             const Eigen::Vector3d&) const noexcept override {
+    return rest_(x);
+  }
   double SpacingMm() const noexcept override { return spacing_mm_; }
 
  private:
@@ -90,7 +93,7 @@ TEST(BeamBend, SamplesAnAffineMotionExactlyAtAnySpacing) {
       for (int l = 0; l < grid.lines(); ++l) {
         const auto n = static_cast<std::size_t>(l);
         const Eigen::Vector2d p = grid.start_mm[n] + k * grid.step_mm * grid.direction[n];
-        const Eigen::Vector3d x = rest.RestInCtMm(origin + Eigen::Vector3d(p[0], p[1], 0));
+        const Eigen::Vector3d x = rest.RestInCtMm(origin + Eigen::Vector3d(p[0], p[1], 0), origin);
         // Positions are floats: some 1e-5 of a voxel, times the ramp's 10 HU.
         ASSERT_NEAR(sampled.hu.row(k)[l], sampler.At(x), 2e-3)
             << l << ' ' << k << ' ' << spacing_mm;
