@@ -1,50 +1,11 @@
 #include "ultrasound/bmode.h"
 
-#include <cmath>
-
-#include "core/error.h"
 #include "ultrasound/ct_sampler.h"
 #include "ultrasound/display.h"
 #include "ultrasound/echo.h"
 #include "ultrasound/needle_paint.h"
 
 namespace acus::ultrasound {
-namespace {
-
-/// Probes are also made in code, past the schema: here is what the stages rely on.
-const Probe& Checked(const Probe& probe) {
-  constexpr int kMinPx = 16;
-  constexpr int kMaxPx = 4096;
-  ACUS_REQUIRE(probe.image_width_px >= kMinPx && probe.image_width_px <= kMaxPx &&
-                   probe.image_height_px >= kMinPx && probe.image_height_px <= kMaxPx,
-               "probe: picture of ", probe.image_width_px, " x ", probe.image_height_px,
-               " pixels; allowed is ", kMinPx, " to ", kMaxPx, " each way");
-  ACUS_REQUIRE(probe.depth_mm > 0.0 && std::isfinite(probe.depth_mm), "probe: depth ",
-               probe.depth_mm, " mm; it must be above 0");
-  if (probe.kind == ProbeKind::kLinear) {
-    ACUS_REQUIRE(probe.width_mm > 0.0 && std::isfinite(probe.width_mm), "probe: width ",
-                 probe.width_mm, " mm; it must be above 0");
-  } else {
-    ACUS_REQUIRE(probe.radius_mm > 0.0 && std::isfinite(probe.radius_mm) &&
-                     probe.field_of_view_rad > 0.0 && probe.field_of_view_rad < 3.0 &&
-                     probe.scan_lines >= kMinPx && probe.scan_lines <= kMaxPx,
-                 "probe: radius ", probe.radius_mm, " mm, field of view ", probe.field_of_view_rad,
-                 " rad, ", probe.scan_lines, " lines; allowed is above 0, 0 to 3, ", kMinPx, " to ",
-                 kMaxPx);
-  }
-  ACUS_REQUIRE(probe.dynamic_range_db > 0.0 && probe.dynamic_range_db <= 120.0,
-               "probe: dynamic range ", probe.dynamic_range_db, " dB; allowed is above 0 to 120");
-  ACUS_REQUIRE(std::isfinite(probe.gain_db) && std::isfinite(probe.tgc_db_per_cm),
-               "probe: its gain is not finite");
-  ACUS_REQUIRE(
-      probe.slice_thickness_mm >= 0.0 && probe.pulse_length_mm >= 0.0 && probe.beam_width_mm >= 0.0,
-      "probe: slice thickness ", probe.slice_thickness_mm, " mm, pulse length ",
-      probe.pulse_length_mm, " mm, beam width ", probe.beam_width_mm, " mm; none may be negative");
-  return probe;
-}
-
-}  // namespace
-
 struct BModeRenderer::State {
   State(const volume::CtVolume& ct, const Probe& checked_probe, const BModeOptions& options)
       : probe(checked_probe),
@@ -68,7 +29,7 @@ struct BModeRenderer::State {
 
 BModeRenderer::BModeRenderer(const volume::CtVolume& ct, const Probe& probe,
                              const BModeOptions& options)
-    : state_(std::make_unique<State>(ct, Checked(probe), options)) {}
+    : state_(std::make_unique<State>(ct, CheckedProbe(probe), options)) {}
 BModeRenderer::~BModeRenderer() = default;
 BModeRenderer::BModeRenderer(BModeRenderer&&) noexcept = default;
 BModeRenderer& BModeRenderer::operator=(BModeRenderer&&) noexcept = default;

@@ -4,10 +4,9 @@
 #include "core/error.h"
 
 namespace acus::ultrasound {
-namespace {
 
-std::vector<HuKnot> ReadCurve(const nlohmann::json& json, const char* key,
-                              const std::string& label) {
+std::vector<HuKnot> ReadHuCurve(const nlohmann::json& json, const char* key,
+                                const std::string& label) {
   std::vector<HuKnot> knots;
   for (const auto& knot : json.at(key)) {
     knots.push_back({knot.at("hu").get<double>(), knot.at("value").get<double>()});
@@ -19,10 +18,12 @@ std::vector<HuKnot> ReadCurve(const nlohmann::json& json, const char* key,
   return knots;
 }
 
+namespace {
+
 BModeOptions FromJson(const nlohmann::json& json, const std::string& label) {
   BModeOptions options;
   options.name = json.at("name");
-  options.impedance_mrayl = ReadCurve(json, "impedance_mrayl", label);
+  options.impedance_mrayl = ReadHuCurve(json, "impedance_mrayl", label);
   for (const HuKnot& knot : options.impedance_mrayl) {
     ACUS_REQUIRE(knot.value > 0.0, label, ": /impedance_mrayl: ", knot.value, " MRayl at ", knot.hu,
                  " HU; an impedance is above 0 (air: 0.0004)");
@@ -33,13 +34,13 @@ BModeOptions FromJson(const nlohmann::json& json, const std::string& label) {
   options.needle_reflection = json.at("needle_reflection");
   options.angle_exponent = json.at("angle_exponent");
   options.attenuation = json.at("attenuation");
-  options.attenuation_db_per_cm_mhz = ReadCurve(json, "attenuation_db_per_cm_mhz", label);
+  options.attenuation_db_per_cm_mhz = ReadHuCurve(json, "attenuation_db_per_cm_mhz", label);
   for (const HuKnot& knot : options.attenuation_db_per_cm_mhz) {
     ACUS_REQUIRE(knot.value >= 0.0, label, ": /attenuation_db_per_cm_mhz: ", knot.value, " at ",
                  knot.hu, " HU; tissue cannot amplify, give 0 or more");
   }
   options.texture = json.at("texture");
-  options.backscatter_db = ReadCurve(json, "backscatter_db", label);
+  options.backscatter_db = ReadHuCurve(json, "backscatter_db", label);
   options.texture_grain_mm = json.at("texture_grain_mm");
   options.coupling_gap_mm = json.at("coupling_gap_mm");
   return options;

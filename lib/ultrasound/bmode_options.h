@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,11 @@ struct HuKnot {
   double hu = 0.0;
   double value = 0.0;
 };
+
+/// The array of {hu, value} under `key`. @throws InputError if the knots are not in order of HU;
+/// `label` names the file.
+std::vector<HuKnot> ReadHuCurve(const nlohmann::json& json, const char* key,
+                                const std::string& label);
 
 /// As in configs/schema/acus-acoustics.schema.json, where the ranges, defaults and sources are.
 /// A stage that is off needs no table and costs nothing.

@@ -37,6 +37,10 @@ struct Probe {
 /// @throws InputError listing all problems, or naming the size that its kind of probe lacks.
 Probe ReadProbe(const std::filesystem::path& path);
 
+/// The same probe. Probes are also made in code, past the schema: here is what images rely on.
+/// @throws InputError naming the first value that is out of range.
+const Probe& CheckedProbe(const Probe& probe);
+
 /// Pixels are square. The depth fills the height; a picture wider than the probe has black sides.
 /// If the probe is wider than the picture, pixels grow until it fits.
 ImageGeometry PictureOf(const Probe& probe);
