@@ -224,10 +224,7 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
     scenario.tissue = ReadTissueEffect(effects["tissue"], folder);
   }
   if (effects.contains("ultrasound")) {
-    const json& effect = effects["ultrasound"];
-    const std::string table = effect.at("acoustics");
-    scenario.ultrasound = UltrasoundEffect{UltrasoundModel::kColumns2010,
-                                           config::FindConfig(table, folder), effect.at("needle")};
+    scenario.ultrasound = ReadUltrasoundEffect(effects["ultrasound"], folder);
   }
   if (effects.contains("ct_slice")) {
     scenario.ct_slice = CtSliceEffect{effects["ct_slice"].at("needle")};

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "scenario/ultrasound_effect.h"
 #include "session/session_import.h"
 
 namespace acus::scenario {
@@ -66,13 +67,6 @@ struct NeedleEffect {
   double hand_n_mm_per_rad = 500.0;
   double kappa_n_per_mm = 0.5;
   bool bevel = true;  ///< The needle's bevel steers.
-};
-
-enum class UltrasoundModel { kColumns2010 };
-struct UltrasoundEffect {
-  UltrasoundModel model = UltrasoundModel::kColumns2010;
-  std::filesystem::path acoustics;  ///< Acoustics by HU, and which stages the image is made of.
-  bool needle = true;
 };
 
 struct CtSliceEffect {

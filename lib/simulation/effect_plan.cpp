@@ -47,9 +47,10 @@ Names TissueInputs(const Scenario& s) {
   return reads;
 }
 
-/// What an image reads: the probe, the CT, the needle if it shows, the deformation if it shows.
-Names ImageInputs(const Scenario& s, bool needle) {
-  Names reads{"probe", "ct"};
+/// What an image reads besides the patient: the probe, the needle and the deformation if they show.
+Names ImageInputs(const Scenario& s, bool needle, Names patient) {
+  Names reads = std::move(patient);
+  reads.push_back("probe");
   if (needle) reads.push_back("needle");
   if (needle && s.shape) reads.push_back("shape");
   if (s.tissue && s.tissue->image) reads.push_back("rest map");
@@ -63,6 +64,14 @@ Names ShapeInputs(const Scenario& s) {
     reads.insert(reads.end(), {FromTissue(s) ? "contact" : "tissue", "elasticity"});
   }
   return reads;
+}
+
+Names UltrasoundInputs(const Scenario& s) {
+  if (!s.ultrasound) return {};
+  Names patient;
+  if (s.ultrasound->ReadsCt()) patient.push_back("ct");
+  if (s.ultrasound->ReadsLabels()) patient.push_back("labels");
+  return ImageInputs(s, s.ultrasound->needle, std::move(patient));
 }
 
 /// What the deformation in the images comes from.
@@ -90,10 +99,9 @@ std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
       step(StageId::kNeedleShape, "needle shape", ShapeInputs(s), {"shape"}),
       image(StageId::kProbePose, "probe pose", {"probe poses"}, {"probe"}),
       image(StageId::kDeformation, "deformation", DeformationInputs(s), {"rest map"}),
-      image(StageId::kCtSlice, "CT slice", ImageInputs(s, s.ct_slice && s.ct_slice->needle),
+      image(StageId::kCtSlice, "CT slice", ImageInputs(s, s.ct_slice && s.ct_slice->needle, {"ct"}),
             {"CT picture"}),
-      image(StageId::kUltrasound, "B-mode", ImageInputs(s, s.ultrasound && s.ultrasound->needle),
-            {"B-mode picture"}),
+      image(StageId::kUltrasound, "B-mode", UltrasoundInputs(s), {"B-mode picture"}),
   };
 }
 

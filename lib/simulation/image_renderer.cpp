@@ -21,7 +21,7 @@ ImageRenderer::ImageRenderer(const Scene& scene) : scene_(scene) {
                       scene.probe->slice_thickness_mm);
   }
   if (scene.plan.Has(StageId::kUltrasound)) {
-    b_mode_.emplace(*scene.ct, *scene.probe, *scene.b_mode);
+    b_mode_.emplace(ImagePatient{scene.ct.get(), scene.labels.get()}, *scene.probe, *scene.b_mode);
   }
 }
 

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "simulation/deformed_tissue.h"
+#include "simulation/image_level.h"
 #include "simulation/scene.h"
 #include "simulation/stage_timing.h"
-#include "ultrasound/bmode.h"
 #include "ultrasound/ct_slice.h"
 #include "ultrasound/image.h"
 
@@ -48,7 +48,7 @@ class ImageRenderer {
 
   const Scene& scene_;
   std::optional<DeformedTissue> deformed_;
-  std::optional<ultrasound::BModeRenderer> b_mode_;
+  std::optional<ImageLevel> b_mode_;
   std::optional<ultrasound::CtSliceRenderer> ct_slice_;
 };
 

@@ -95,7 +95,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     context.provenance.AddInput(scenario.probe);
   }
   if (plan.Has(StageId::kUltrasound)) {
-    scene.b_mode = ultrasound::ReadBModeOptions(scenario.ultrasound->acoustics);
+    scene.b_mode = ReadImageSettings(*scenario.ultrasound);
     context.provenance.AddInput(scenario.ultrasound->acoustics);
   }
   if (plan.Has(StageId::kTissueContact) || plan.Has(StageId::kDeformation)) {

@@ -9,9 +9,9 @@
 #include "forces/hu_field.h"
 #include "scenario/scenario.h"
 #include "simulation/effect_plan.h"
+#include "simulation/image_level.h"
 #include "simulation/needle_shape.h"
 #include "tissue/tissue_model.h"
-#include "ultrasound/bmode_options.h"
 #include "ultrasound/probe.h"
 #include "volume/volume.h"
 
@@ -36,7 +36,7 @@ struct Scene {
   std::optional<NeedleShapeModel> shape;           ///< If the plan has the needle's shape.
   std::optional<tissue::TissueModel> tissue;       ///< If the plan has contact or deformation.
   std::optional<ultrasound::Probe> probe;          ///< If the plan reads "probe".
-  std::optional<ultrasound::BModeOptions> b_mode;  ///< If the plan has the B-mode.
+  std::optional<ImageSettings> b_mode;             ///< If the plan has the B-mode.
 };
 
 /// Loads what `plan` needs of the scenario, and nothing else.

@@ -65,6 +65,19 @@ TEST_F(ScenarioFile, TakesChangesFromTheCommandLine) {
               ThrowsMessage<InputError>(HasSubstr("--set /needle/x")));
 }
 
+TEST_F(ScenarioFile, TakesTheLevelOfTheUltrasoundWithItsOwnSettings) {
+  const Scenario old = Read(kText, {ParseOverride("/effects/ultrasound/acoustics=table.json")});
+  EXPECT_EQ(old.ultrasound->model, UltrasoundModel::kColumns2010);
+  EXPECT_EQ(old.ultrasound->acoustics, folder_ / "table.json");
+  const Scenario vidal =
+      Read(kText, {ParseOverride("/effects/ultrasound/model=vidal_2008"),
+                   ParseOverride("/effects/ultrasound/vidal_2008/acoustics=table.json")});
+  EXPECT_EQ(vidal.ultrasound->model, UltrasoundModel::kVidal2008);
+  EXPECT_EQ(vidal.ultrasound->acoustics, folder_ / "table.json");
+  EXPECT_THAT([&] { Read(kText, {ParseOverride("/effects/ultrasound/model=vidal")}); },
+              ThrowsMessage<InputError>(HasSubstr("vidal_2008")));
+}
+
 constexpr const char* kTissueText = R"({"format": "acus-scenario/1", "patient": {"mesh": "mesh"},
   "needle": "needle.json", "probe": "probe.json",
   "effects": {"needle_force": {"model": "tissue", "table": "table.json"},

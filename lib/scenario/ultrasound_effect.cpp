@@ -1,0 +1,26 @@
+#include "scenario/ultrasound_effect.h"
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "config/json_file.h"
+
+namespace acus::scenario {
+
+UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
+                                      const std::filesystem::path& folder) {
+  static const std::map<std::string, UltrasoundModel> kModels = {
+      {"vidal_2008", UltrasoundModel::kVidal2008}, {"columns_2010", UltrasoundModel::kColumns2010}};
+  const std::string model = effect.at("model");
+  UltrasoundEffect out;
+  out.model = kModels.at(model);
+  out.needle = effect.at("needle");
+  // The 2010 level came first: its acoustics lie beside the model.
+  const nlohmann::json& settings =
+      out.model == UltrasoundModel::kColumns2010 ? effect : effect.at(model);
+  out.acoustics = config::FindConfig(settings.at("acoustics").get<std::string>(), folder);
+  return out;
+}
+
+}  // namespace acus::scenario

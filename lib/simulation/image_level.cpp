@@ -1,0 +1,49 @@
+#include "simulation/image_level.h"
+
+namespace acus::simulation {
+namespace {
+
+using Renderer = std::variant<ultrasound::VidalRenderer, ultrasound::BModeRenderer>;
+
+/// The renderer that goes with each kind of settings.
+struct MakeRenderer {
+  const ImagePatient& patient;
+  const ultrasound::Probe& probe;
+
+  Renderer operator()(const ultrasound::VidalOptions& options) const {
+    return Renderer(std::in_place_type<ultrasound::VidalRenderer>, *patient.ct, probe, options);
+  }
+  Renderer operator()(const ultrasound::BModeOptions& options) const {
+    return Renderer(std::in_place_type<ultrasound::BModeRenderer>, *patient.ct, probe, options);
+  }
+};
+
+}  // namespace
+
+ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect) {
+  switch (effect.model) {
+    case scenario::UltrasoundModel::kVidal2008:
+      return ultrasound::ReadVidalOptions(effect.acoustics);
+    case scenario::UltrasoundModel::kColumns2010:
+      break;
+  }
+  return ultrasound::ReadBModeOptions(effect.acoustics);
+}
+
+ImageLevel::ImageLevel(const ImagePatient& patient, const ultrasound::Probe& probe,
+                       const ImageSettings& settings)
+    : renderer_(std::visit(MakeRenderer{patient, probe}, settings)) {}
+
+void ImageLevel::Render(const Eigen::Isometry3d& ct_from_probe,
+                        const std::optional<ultrasound::NeedleInImage>& needle,
+                        ultrasound::GrayImage& out, int num_threads,
+                        const ultrasound::RestMap* rest) {
+  std::visit([&](auto& r) { r.Render(ct_from_probe, needle, out, num_threads, rest); }, renderer_);
+}
+
+const ultrasound::ImageGeometry& ImageLevel::picture() const {
+  return std::visit(
+      [](const auto& r) -> const auto& { return r.picture(); }, renderer_);
+}
+
+}  // namespace acus::simulation

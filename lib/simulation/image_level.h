@@ -1,0 +1,49 @@
+// The levels of ultrasound, from cheap to dear, behind one call.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <optional>
+#include <variant>
+
+#include "scenario/ultrasound_effect.h"
+#include "ultrasound/bmode.h"
+#include "ultrasound/vidal.h"
+#include "volume/volume.h"
+
+namespace acus::simulation {
+
+/// What a level was told to do. Its type says which level it is.
+using ImageSettings = std::variant<ultrasound::VidalOptions, ultrasound::BModeOptions>;
+
+/// Reads the settings of the scenario's level. @throws InputError listing all problems.
+ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect);
+
+/// What levels read of the patient; null if the plan does not need it.
+struct ImagePatient {
+  const volume::CtVolume* ct = nullptr;
+  const volume::LabelMap* labels = nullptr;
+};
+
+/// Renders with the level that the settings are of. Not for two threads at a time.
+class ImageLevel {
+ public:
+  /// Keeps references to the patient, which must outlive this.
+  /// @throws InputError if the probe or a setting is out of range.
+  ImageLevel(const ImagePatient& patient, const ultrasound::Probe& probe,
+             const ImageSettings& settings);
+
+  /// As BModeRenderer::Render: allocation-free after the first call, the same bits with any
+  /// `num_threads`.
+  void Render(const Eigen::Isometry3d& ct_from_probe,
+              const std::optional<ultrasound::NeedleInImage>& needle, ultrasound::GrayImage& out,
+              int num_threads = 1, const ultrasound::RestMap* rest = nullptr);
+
+  const ultrasound::ImageGeometry& picture() const;
+
+ private:
+  using Renderer = std::variant<ultrasound::VidalRenderer, ultrasound::BModeRenderer>;
+  Renderer renderer_;
+};
+
+}  // namespace acus::simulation
