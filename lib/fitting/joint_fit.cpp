@@ -14,8 +14,9 @@
 namespace acus::fitting {
 namespace {
 
-constexpr int kKnots[] = {2, 3, 4, 6, 8, 10, 12, 16, 20};
-constexpr double kStepS = 0.02;  // Means over so long.
+constexpr int kKnots[] = {2, 3, 4, 6, 8, 10, 12, 16, 20, 30, 40, 60};
+constexpr double kFinestMm = 1.0;  // Least distance of knots.
+constexpr double kStepS = 0.02;    // Means over so long.
 constexpr double kBinMm = 0.1;
 constexpr std::size_t kMostBins = 20000;
 
@@ -91,7 +92,36 @@ std::vector<double> Solve(const std::vector<Normal>& normals, std::size_t withou
   return SolveProfile(matrix, right);
 }
 
-/// The profile of one direction, with the number of knots that foretells best.
+/// A profile with one number of knots, and how badly each recording is foretold by the others.
+struct Choice {
+  ResistanceProfile profile;
+  std::vector<double> left;  ///< Logarithm of the mean square, by recording.
+};
+
+Choice ChoiceOf(const std::vector<StrainedRows>& rows, const std::vector<double>& knots) {
+  std::vector<Normal> normals;
+  for (const StrainedRows& r : rows) normals.push_back(NormalOf(r, knots));
+  Choice choice{{knots, Solve(normals, rows.size())}, {}};
+  for (std::size_t k = 0; k < rows.size() && rows.size() > 1; ++k) {
+    choice.left.push_back(std::log(normals[k].Squares(Solve(normals, k)) + 1e-12));
+  }
+  return choice;
+}
+
+/// Is `other` as good as `best`, but for the standard error of their paired difference?
+bool IsAsGood(const Choice& other, const Choice& best) {
+  if (best.left.size() < 3) return false;
+  std::vector<double> worse;
+  for (std::size_t k = 0; k < best.left.size(); ++k) worse.push_back(other.left[k] - best.left[k]);
+  const double mean = math::Mean(worse);
+  double squares = 0.0;
+  for (const double w : worse) squares += (w - mean) * (w - mean);
+  const auto n = static_cast<double>(worse.size());
+  return mean <= std::sqrt(squares / (n - 1.0) / n);
+}
+
+/// The profile of one direction. Of all numbers of knots that foretell as well as the best one, the
+/// finest: it is closest to what all have in common, and fails no single recording.
 ResistanceProfile JointProfile(const std::vector<StrainedRows>& rows, int knots) {
   double first_mm = rows[0].depth_mm[0];
   double last_mm = first_mm;
@@ -100,24 +130,21 @@ ResistanceProfile JointProfile(const std::vector<StrainedRows>& rows, int knots)
     first_mm = std::min(first_mm, low);
     last_mm = std::max(last_mm, high);
   }
-  ResistanceProfile best;
-  double least = 0.0;
+  std::vector<Choice> choices;
   for (const int count : kKnots) {
     if (knots >= 2 ? count != knots : (rows.size() < 3 && count > 2)) continue;
-    const std::vector<double> at = EvenKnots(first_mm, last_mm, count);
-    std::vector<Normal> normals;
-    for (const StrainedRows& r : rows) normals.push_back(NormalOf(r, at));
-    double score = 0.0;
-    for (std::size_t k = 0; k < rows.size() && rows.size() > 1; ++k) {
-      score += std::log(normals[k].Squares(Solve(normals, k)) + 1e-12);
-    }
-    if (best.depth_mm.empty() || score < least) {
-      least = score;
-      best = {at, Solve(normals, rows.size())};
-    }
+    const bool is_fine = (last_mm - first_mm) / (count - 1) < kFinestMm;
+    if (knots == 0 && is_fine && !choices.empty()) continue;
+    choices.push_back(ChoiceOf(rows, EvenKnots(first_mm, last_mm, count)));
   }
-  ACUS_ASSERT(!best.depth_mm.empty());
-  return best;
+  ACUS_ASSERT(!choices.empty());
+  const auto best = std::ranges::min_element(
+      choices, {}, [](const Choice& c) { return c.left.empty() ? 0.0 : math::Mean(c.left); });
+  std::size_t chosen = static_cast<std::size_t>(best - choices.begin());
+  for (std::size_t c = chosen + 1; c < choices.size(); ++c) {
+    if (IsAsGood(choices[c], *best)) chosen = c;
+  }
+  return std::move(choices[chosen].profile);
 }
 
 /// Mean of other recordings' curves, each read at its nearest bins.
