@@ -15,6 +15,7 @@
 #include "needle/bendable_needle.h"
 #include "needle/needle_preset.h"
 #include "tissue/needle_contact.h"
+#include "tissue/plane_model_2010.h"
 #include "tissue/spring_model.h"
 #include "tradeoff/tissue_block.h"
 #include "volume/labels.h"
@@ -148,6 +149,11 @@ ForceLevel Level(std::string name, std::string full_name, double largest_n, int 
   level.run = [model, steps_per_timing](const std::vector<tissue::ToolSample>& samples) {
     return RunSampled(*model, samples, steps_per_timing);
   };
+  level.begin = [model] {
+    return [model, state = model->NewState()](const tissue::ToolSample& sample) mutable {
+      return model->Step(state, sample);
+    };
+  };
   return level;
 }
 
@@ -160,6 +166,30 @@ ForceLevel Springs(const TissueBlockTables& tables) {
                      tissue::SpringSettings{}, tables.forces, tables.needle, tables.elasticity,
                      labels, TissueBlock::TissueAt);
                });
+}
+
+ForceLevel Plane(const TissueBlockTables& tables) {
+  std::shared_ptr<const tissue::PlaneModel2010> made;
+  ForceLevel level = Level(
+      "fe_2d", "the plane of Augmented-2010, 361 nodes", tables.forces.settings.largest_force_n, 1,
+      [&] {
+        tissue::PlaneSettings settings;
+        settings.width_mm = 90.0;
+        settings.depth_mm = 78.0;
+        settings.spacing_mm = 5.0;
+        const tissue::ToolSample start = SmoothInsertion(0.0);
+        tissue::PlanePlacement placement;
+        placement.axis_in_ct = start.axis_in_ct;
+        placement.entry_in_ct_mm =
+            start.tip_in_ct_mm - start.axis_in_ct * (start.tip_in_ct_mm.z() / start.axis_in_ct.z());
+        placement.across_in_ct = Eigen::Vector3d::UnitY();  // The needle is pushed along y.
+        made = std::make_shared<const tissue::PlaneModel2010>(settings, placement, tables.forces,
+                                                              tables.needle, tables.elasticity,
+                                                              TissueBlock::TissueAt);
+        return made;
+      });
+  level.memory_mb = static_cast<double>(made->compliance().size() * sizeof(double)) / kBytesPerMb;
+  return level;
 }
 
 ForceLevel Fem(double element_mm, const TissueBlockTables& tables, const RunContext& context) {
@@ -180,6 +210,7 @@ ForceLevel Bendable(int num_nodes, std::shared_ptr<const TissueBlockTables> tabl
       tables->forces.settings.largest_force_n, 1, [&] {
         needle::BendableNeedleOptions options;
         options.rod.num_nodes = num_nodes;
+        options.hand_has_potential = true;
         return std::shared_ptr<const BendableInBlock>(new BendableInBlock{
             forces::NeedleForceModel(tables->forces, tables->needle),
             needle::BendableNeedle(needle::RodOf(tables->needle), options), tables->elasticity});
@@ -188,6 +219,7 @@ ForceLevel Bendable(int num_nodes, std::shared_ptr<const TissueBlockTables> tabl
   level.run = [tables, run = std::move(level.run)](const std::vector<tissue::ToolSample>& samples) {
     return run(samples);
   };
+  level.begin = [tables, begin = std::move(level.begin)] { return begin(); };
   return level;
 }
 
@@ -217,6 +249,7 @@ std::vector<ForceLevel> ForceLevels(const ForceLevelOptions& options, const RunC
     return std::make_shared<const VidalInBlock>(table("forces/vidal.json"), tables->needle);
   }));
   levels.push_back(Springs(*tables));
+  levels.push_back(Plane(*tables));
   context.Checkpoint("mesh of " + std::to_string(static_cast<int>(options.element_mm)) + " mm",
                      0.05);
   levels.push_back(Fem(options.element_mm, *tables, context));

@@ -16,6 +16,8 @@ struct ForceLevel {
   std::string full_name;  ///< For the report.
   /// Steps a fresh needle through the samples.
   std::function<SampledRun(const std::vector<tissue::ToolSample>&)> run;
+  /// A fresh needle: each call takes it to its next sample. It must not outlive this.
+  std::function<std::function<forces::NeedleForce(const tissue::ToolSample&)>()> begin;
   double largest_n = 0.0;      ///< Bound that its forces keep.
   double preparation_s = 0.0;  ///< CPU time.
   double memory_mb = 0.0;      ///< What steps read: compliance, or model and state.

@@ -12,7 +12,7 @@ namespace {
 // a step finds only to its half; the force then runs off by up to 150 N/s.
 TEST(StepRate, EveryForceModelFeelsTheSameFrom500HzTo4KHz) {
   const std::vector<ForceLevel> levels = ForceLevels({}, {});
-  ASSERT_EQ(levels.size(), 6u);
+  ASSERT_EQ(levels.size(), 7u);
   for (const ForceLevel& level : levels) {
     const SampledRun reference = level.run(SamplesEvery(0.0625));
     EXPECT_EQ(WhyUnusable(reference, level.largest_n), "");

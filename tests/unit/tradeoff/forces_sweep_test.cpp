@@ -98,10 +98,10 @@ TEST(ForcesSweep, CoversStepMethodAndLevelAndMarksWhatMustNotBeUsed) {
   }
   for (const char* knob : {"friction, exact over the step: step_ms", "layered: step_ms",
                            "alamilla: step_ms", "vidal: step_ms", "springs: step_ms",
-                           "fe_3d: step_ms", "bendable needle: step_ms", "level"}) {
+                           "fe_2d: step_ms", "fe_3d: step_ms", "bendable needle: step_ms", "level"}) {
     EXPECT_EQ(defaults[knob], 2) << knob;  // RMS and largest.
   }
-  EXPECT_EQ(knobs["level"], 12);
+  EXPECT_EQ(knobs["level"], 14);
 }
 
 }  // namespace
