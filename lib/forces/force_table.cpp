@@ -63,6 +63,7 @@ ForceTable ForceTableFromJson(json document, const std::string& label) {
   table.settings = Settings(document);
   table.alamilla = AlamillaFromJson(document.at("alamilla"));
   table.vidal = VidalFromJson(document.at("vidal"), label + ": /vidal");
+  table.multi_proxy = MultiProxyFromJson(document.at("multi_proxy"), label + ": /multi_proxy");
   table.hu_tissues = HuTissuesFromJson(document.at("hu_tissues"), label + ": /hu_tissues");
   const json& rows = document.at("tissues");
   for (std::size_t i = 0; i < rows.size(); ++i) {

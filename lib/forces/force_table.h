@@ -47,6 +47,7 @@ struct ForceTable {
   std::array<TissueForce, 256> tissue{};
   AlamillaSettings alamilla;
   VidalSettings vidal;
+  MultiProxySettings multi_proxy;
   HuTissues hu_tissues;
   std::bitset<256> named;  ///< Labels that the file has a row for.
 

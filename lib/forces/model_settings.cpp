@@ -13,6 +13,18 @@ double Seconds(const json& block, const char* key) {
   return block.at(key).get<double>() * 1e-3;
 }
 
+volume::Label LabelAt(const json& name, const std::string& where) {
+  try {
+    return volume::LabelOf(name.get<std::string>());
+  } catch (const InputError& error) {
+    throw InputError(Message(where, ": ", error.what()));
+  }
+}
+
+MultiProxySettings::Repulsion RepulsionOf(const json& row) {
+  return {row.at("a1_n_per_mm"), row.at("a2_n_per_mm2"), row.at("friction")};
+}
+
 }  // namespace
 
 volume::Label HuTissues::At(double hu) const noexcept {
@@ -88,17 +100,39 @@ VidalSettings VidalFromJson(const json& block, const std::string& where) {
   return settings;
 }
 
+MultiProxySettings MultiProxyFromJson(const json& block, const std::string& where) {
+  const json& rows = block.at("structures");
+  MultiProxySettings settings;
+  settings.skin_hu = block.at("skin").at("hu");
+  settings.skin = RepulsionOf(block.at("skin"));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string place = Message(where, "/structures/", i);
+    MultiProxySettings::Structure structure;
+    structure.tissue = LabelAt(rows[i].at("tissue"), place + "/tissue");
+    ACUS_REQUIRE(structure.tissue != 0, place, "/tissue: 'outside' is free space");
+    if (rows[i].contains("from_hu")) {
+      structure.from_hu = rows[i].at("from_hu").get<double>();
+      ACUS_REQUIRE(*structure.from_hu > settings.skin_hu, place, "/from_hu: is ",
+                   *structure.from_hu, "; what is under the skin must be above the skin's ",
+                   settings.skin_hu, " HU (", where, "/skin/hu)");
+    }
+    structure.repulsion = RepulsionOf(rows[i]);
+    settings.structures.push_back(structure);
+  }
+  settings.damping_n_s_per_mm = block.at("damping_n_s_per_mm");
+  settings.face_mm = block.at("face_mm");
+  settings.smoothing_s = Seconds(block, "smoothing_ms");
+  settings.largest_force_n = block.at("largest_force_n");
+  return settings;
+}
+
 HuTissues HuTissuesFromJson(const json& rows, const std::string& where) {
   HuTissues tissues;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::string place = Message(where, "/", i);
     HuTissues::Row row;
     row.from_hu = rows[i].at("from_hu");
-    try {
-      row.tissue = volume::LabelOf(rows[i].at("tissue").get<std::string>());
-    } catch (const InputError& error) {
-      throw InputError(Message(place, "/tissue: ", error.what()));
-    }
+    row.tissue = LabelAt(rows[i].at("tissue"), place + "/tissue");
     ACUS_REQUIRE(tissues.rows.empty() || row.from_hu > tissues.rows.back().from_hu, place,
                  "/from_hu: is ", row.from_hu, "; it must be above the row before, ",
                  tissues.rows.back().from_hu);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,31 @@ struct VidalSettings {
   } probe;
 };
 
+/// Block "multi_proxy": a probe or a fingertip on the skin.
+struct MultiProxySettings {
+  static constexpr std::size_t kMostStructures = 3;
+
+  /// a1 d + a2 d^2 by depth, and a friction cone.
+  struct Repulsion {
+    double a1_n_per_mm = 0.0;
+    double a2_n_per_mm2 = 0.0;
+    double friction = 0.0;
+  };
+  /// Something under the skin that is felt through it.
+  struct Structure {
+    volume::Label tissue = 0;
+    std::optional<double> from_hu;  ///< None: only label maps tell it.
+    Repulsion repulsion;            ///< On top of the skin's, by the depth behind its surface.
+  };
+  double skin_hu = 0.0;
+  Repulsion skin;
+  std::vector<Structure> structures;  ///< At most kMostStructures.
+  double damping_n_s_per_mm = 0.0;
+  double face_mm = 0.0;
+  double smoothing_s = 0.0;
+  double largest_force_n = 0.0;
+};
+
 /// Tissues by HU for scenes without a label map: each from its HU up to that of the next.
 struct HuTissues {
   struct Row {
@@ -69,6 +95,7 @@ struct HuTissues {
 /// From a checked document of format acus-forces/1. @throws InputError naming the place.
 AlamillaSettings AlamillaFromJson(const nlohmann::json& block);
 VidalSettings VidalFromJson(const nlohmann::json& block, const std::string& where);
+MultiProxySettings MultiProxyFromJson(const nlohmann::json& block, const std::string& where);
 HuTissues HuTissuesFromJson(const nlohmann::json& rows, const std::string& where);
 
 }  // namespace acus::forces

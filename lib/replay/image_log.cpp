@@ -125,7 +125,12 @@ class ImageWriter {
                             (reference_from_ct * *snapshot.ct_from_needle).matrix(), true);
     }
     if (const auto* step = StepAt(steps_, snapshot.time_ns)) {
-      fields.emplace_back("NeedleAxialForceN", NumberText(step->force.AxialN()));
+      if (scene_.plan.Has(StageId::kNeedleForce)) {
+        fields.emplace_back("NeedleAxialForceN", NumberText(step->force.AxialN()));
+      }
+      if (scene_.plan.Has(StageId::kProbeForce)) {
+        fields.emplace_back("ProbeForceN", NumberText(step->probe.force_in_ct_n.norm()));
+      }
     }
     sequence_->AddFrame(snapshot.time_ns, image.pixels, fields);
   }

@@ -1,5 +1,6 @@
 #include "replay/replay.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "config/json_file.h"
@@ -59,11 +60,22 @@ double SpanSeconds(const session::Session& session) {
   return span_s;
 }
 
-std::vector<std::string> WarningsOf(const Run& run) {
+std::vector<std::string> WarningsOf(const Scene& scene, const Run& run) {
   std::vector<std::string> warnings = run.warnings;
   const auto& state = forces::TrackOf(run.steps.final_state.force);
   if (state.num_rejected > 0) {
     warnings.push_back(Message(state.num_rejected, " needle samples were not finite"));
+  }
+  const auto& probe = forces::GateOf(run.steps.final_state.probe);
+  if (probe.num_rejected > 0) {
+    warnings.push_back(Message(probe.num_rejected, " probe samples were no poses in a room"));
+  }
+  const bool felt =
+      std::ranges::any_of(run.steps.steps, [](const auto& step) { return step.probe.on_skin; });
+  if (scene.plan.Has(StageId::kProbeForce) && !felt) {
+    warnings.emplace_back(
+        "the probe never touched the skin: is the transform right? On a mannequin that does not "
+        "yield it only lies on it; /effects/probe_force/press_mm takes it deeper");
   }
   return warnings;
 }
@@ -92,13 +104,16 @@ void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, cons
                            {"images", run.images.num_images},
                            {"effect_plan", stages},
                            {"cpu_seconds", run.cpu_s},
-                           {"warnings", WarningsOf(run)}});
+                           {"warnings", WarningsOf(scene, run)}});
 }
 
 void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, const Scene& scene,
                     const Run& run, const ReplayOptions& options, const RunContext& context) {
   if (scene.plan.Has(StageId::kNeedleForce)) {
     WriteForces(folder / "forces.csv", run.steps, scene);
+  }
+  if (scene.plan.Has(StageId::kProbeForce)) {
+    WriteProbeForces(folder / "probe_forces.csv", run.steps, scene);
   }
   WriteMetrics(folder / "metrics.json", run.metrics);
   WriteRunJson(folder / "run.json", scenario, scene, run, context);
@@ -111,7 +126,7 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
                    {"probe samples", std::to_string(run.session.probe.size())},
                    {"images", std::to_string(run.images.num_images)},
                    {"CPU time of the run", Rounded(run.cpu_s) + " s"}};
-  content.warnings = WarningsOf(run);
+  content.warnings = WarningsOf(scene, run);
   content.metrics = run.metrics;
   content.pictures = run.images.pngs;
   content.has_film = options.film && run.images.num_images > 0;

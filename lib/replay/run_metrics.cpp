@@ -48,6 +48,26 @@ void AddForces(const StepLog& log, std::vector<Metric>& metrics) {
       {"bone contacts", "", static_cast<double>(CountOf(log, NeedleEvent::kBoneContact))});
 }
 
+void AddProbeForces(const StepLog& log, std::vector<Metric>& metrics) {
+  double largest_n = 0.0;
+  double deepest_mm = 0.0;
+  double on_skin = 0.0;
+  double on_bone = 0.0;
+  for (const simulation::StepOutput& step : log.steps) {
+    largest_n = std::max(largest_n, step.probe.force_in_ct_n.norm());
+    deepest_mm = std::max(deepest_mm, step.probe.skin_mm);
+    if (step.probe.on_skin) on_skin += 1.0;
+    if (step.probe.on_bone) on_bone += 1.0;
+  }
+  const double n = static_cast<double>(log.steps.size());
+  const double span_s =
+      1e-9 * static_cast<double>(log.steps.back().time_ns - log.steps.front().time_ns);
+  metrics.push_back({"largest probe force", "N", largest_n});
+  metrics.push_back({"greatest depth of the probe", "mm", deepest_mm});
+  metrics.push_back({"probe time on the skin", "s", span_s * on_skin / n});
+  metrics.push_back({"probe time on bone", "s", span_s * on_bone / n});
+}
+
 void AddTissue(const simulation::Scene& scene, const session::Session& session,
                std::vector<Metric>& metrics) {
   const Eigen::Affine3d index_from_reference =
@@ -84,6 +104,8 @@ std::vector<Metric> MetricsOf(const simulation::Scene& scene, const session::Ses
         log.most_bent.empty() ? 0.0 : log.steps[log.most_bent_step].shape.tip_deflection_mm;
     metrics.push_back({"largest tip deflection", "mm", most_mm});
   }
+  const bool probe = scene.plan.Has(simulation::StageId::kProbeForce) && !log.steps.empty();
+  if (probe) AddProbeForces(log, metrics);
   return metrics;
 }
 

@@ -18,7 +18,8 @@ struct Metric {
 
 /// Of the session: elapsed time and path lengths of needle and probe; with a label map, time and
 /// path in tissue. Of the forces: largest and RMS axial and lateral force, impulse, insertions,
-/// punctures, bone contacts, greatest depth. Of a needle that bends: its largest deflection.
+/// punctures, bone contacts, greatest depth. Of a needle that bends: its largest deflection. Of the
+/// probe: largest force, depth, time on skin and bone.
 std::vector<Metric> MetricsOf(const simulation::Scene& scene, const session::Session& session,
                               const StepLog& log);
 

@@ -64,6 +64,22 @@ std::vector<report::Plot> ForcePlots(const StepLog& log) {
   return {axial, lateral, depth};
 }
 
+std::vector<report::Plot> ProbePlots(const StepLog& log) {
+  report::Plot force;
+  force.title = "Force on the probe";
+  force.x_label = "time [s]";
+  force.y_label = "force [N]";
+  force.height_px = 220;
+  force.series = {
+      SeriesOf(log, "", [](const StepOutput& s) { return s.probe.force_in_ct_n.norm(); })};
+  report::Plot depth = force;
+  depth.title = "How deep the probe is beyond skin and bone at rest";
+  depth.y_label = "depth [mm]";
+  depth.series = {SeriesOf(log, "skin", [](const StepOutput& s) { return s.probe.skin_mm; }),
+                  SeriesOf(log, "bone", [](const StepOutput& s) { return s.probe.bone_mm; })};
+  return {force, depth};
+}
+
 report::Plot ForceOverDepth(const StepLog& log) {
   report::Plot plot;
   plot.title = "Force over depth";
@@ -159,6 +175,12 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
       if (!log.most_bent.empty()) html.Plots(std::vector{ShapePlot(log)});
     }
     AddEvents(html, log, scene);
+  }
+  if (scene.plan.Has(simulation::StageId::kProbeForce) && !log.steps.empty()) {
+    html.Section("Probe");
+    const auto plots = ProbePlots(log);
+    report::WriteSvg(folder / "probe_forces.svg", plots);
+    html.Plots(plots);
   }
   html.Section("Metrics");
   std::vector<std::vector<std::string>> rows;

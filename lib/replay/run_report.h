@@ -24,7 +24,7 @@ struct ReportContent {
   PlanTable plan;
 };
 
-/// Writes report.html and forces.svg into `folder`.
+/// Writes report.html and the plots forces.svg and probe_forces.svg of what was felt into `folder`.
 void WriteReport(const std::filesystem::path& folder, const ReportContent& content,
                  const StepLog& log, const simulation::Scene& scene, const Provenance& provenance);
 

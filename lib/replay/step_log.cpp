@@ -69,12 +69,17 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
                  std::span<simulation::Snapshot> images, simulation::StageTimes* times,
                  const RunContext& context) {
   StepLog log;
-  if (!scene.plan.Has(simulation::StageId::kNeedlePose)) return log;
+  const bool has_needle = scene.plan.Has(simulation::StageId::kNeedlePose);
+  const bool feels_probe = scene.plan.Has(simulation::StageId::kProbeForce);
+  if (!has_needle && !feels_probe) return log;
   const simulation::Simulation simulation(scene);
   log.final_state = simulation.NewState();
-  const bool probe = scene.plan.Has(simulation::StageId::kTissueContact) && !session.probe.empty();
   ImageStates states(scene, simulation, images, log);
-  const std::size_t count = session.needle.size();
+  const bool presses = scene.plan.Has(simulation::StageId::kTissueContact);
+  const bool has_probe = (feels_probe || presses) && !session.probe.empty();
+  // The needle's samples come at the rate of forces. Where nobody asks for it, the probe's count.
+  const session::PoseStream& clock = has_needle ? session.needle : session.probe;
+  const std::size_t count = clock.size();
   log.steps.reserve(count);
   const std::size_t piece = count / 50 + 1;
   const double begin_s = ThreadCpuSeconds();
@@ -82,10 +87,15 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
     if (i % piece == 0) {
       context.Checkpoint("forces", static_cast<double>(i) / static_cast<double>(count));
     }
-    const session::PoseSample& needle = session.needle[i];
-    simulation::Sample sample{needle.time_ns, needle.reference_from_tool, needle.valid};
-    if (probe) {
-      const session::PoseSample pose = session::PoseAt(session.probe, needle.time_ns);
+    simulation::Sample sample;
+    sample.time_ns = clock[i].time_ns;
+    if (has_needle) {
+      sample.reference_from_needle = clock[i].reference_from_tool;
+      sample.needle_valid = clock[i].valid;
+    }
+    if (has_probe) {
+      const session::PoseSample pose =
+          has_needle ? session::PoseAt(session.probe, sample.time_ns) : clock[i];
       sample.reference_from_probe = pose.reference_from_tool;
       sample.probe_valid = pose.valid;
     }
@@ -152,6 +162,29 @@ void WriteForces(const std::filesystem::path& path, const StepLog& log,
     }
     row += ',';
     if (f.event != forces::NeedleEvent::kNone) row += forces::NameOf(f.event);
+    out << row << '\n';
+  }
+  out.close();
+  ACUS_REQUIRE(out, path.string(), ": cannot be written; is the disk full?");
+}
+
+void WriteProbeForces(const std::filesystem::path& path, const StepLog& log,
+                      const simulation::Scene& scene) {
+  std::ofstream out(path, std::ios::binary);
+  out << "time_s,force_n,force_x_n,force_y_n,force_z_n,torque_x_n_mm,torque_y_n_mm,torque_z_n_mm,"
+         "skin_mm,bone_mm,proxies,structure\n";
+  std::string row;
+  for (const simulation::StepOutput& step : log.steps) {
+    const forces::ProbeForce& f = step.probe;
+    row = session::SecondsText(step.time_ns);
+    const auto add = [&row](double value) { row += ',' + NumberText(value); };
+    add(f.force_in_ct_n.norm());
+    for (int i = 0; i < 3; ++i) add(f.force_in_ct_n[i]);
+    for (int i = 0; i < 3; ++i) add(f.torque_in_ct_n_mm[i]);
+    add(f.skin_mm);
+    add(f.bone_mm);
+    row += ',' + std::to_string(f.num_on_skin) + ',';
+    if (f.structure != 0) row += TissueName(scene, f.structure);
     out << row << '\n';
   }
   out.close();

@@ -16,7 +16,7 @@ namespace acus::replay {
 
 /// Every step of a session, in order of time.
 struct StepLog {
-  std::vector<simulation::StepOutput> steps;  ///< One per needle sample; empty without a needle.
+  std::vector<simulation::StepOutput> steps;  ///< One per needle sample; none without tools.
   std::deque<tissue::TissueLoad> loads;       ///< Of those images that show tissue deformed.
   std::deque<math::Polyline> shapes;          ///< Of those images that show the needle bent.
   math::Polyline most_bent;                   ///< The needle at its largest deflection, if any.
@@ -25,9 +25,9 @@ struct StepLog {
   double cpu_s = 0.0;  ///< Thread CPU time of all steps together.
 };
 
-/// Runs Step over all needle samples of a session. If the plan has a deformation or a needle shape,
-/// each image of `images` (ascending times) is given the load and shape after the last step before
-/// it, kept in the log.
+/// Runs Step over all needle samples of a session, or over the probe's if no stage in the plan
+/// reads the needle. If the plan has a deformation or a needle shape, each image of `images`
+/// (ascending times) is given the load and shape after the last step before it, kept in the log.
 /// Adds the cost of each stage to `times`, if given.
 StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
                  std::span<simulation::Snapshot> images, simulation::StageTimes* times,
@@ -43,5 +43,9 @@ std::string EventWords(forces::NeedleEvent event);
 /// force_axial_n is + where it pushes the needle out.
 void WriteForces(const std::filesystem::path& path, const StepLog& log,
                  const simulation::Scene& scene);
+
+/// Writes probe_forces.csv: one row per step, what the probe or the fingertip feels, in CT axes.
+void WriteProbeForces(const std::filesystem::path& path, const StepLog& log,
+                      const simulation::Scene& scene);
 
 }  // namespace acus::replay

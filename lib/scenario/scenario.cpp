@@ -99,6 +99,22 @@ Patient ReadPatient(const json& object, const fs::path& folder, const std::strin
   return patient;
 }
 
+ProbeForceEffect ReadProbeForce(const json& object, const fs::path& folder) {
+  const json& settings = object.at("multi_proxy");
+  ProbeForceEffect effect;
+  effect.model = object.at("model") == "vidal" ? ProbeForceModelKind::kVidal
+                                               : ProbeForceModelKind::kMultiProxy;
+  effect.table = config::FindConfig(object.at("table").get<std::string>(), folder);
+  effect.press_mm = object.at("press_mm");
+  effect.reads_labels =
+      effect.model == ProbeForceModelKind::kMultiProxy && settings.at("reads") == "labels";
+  effect.is_fingertip = settings.at("tool") == "fingertip";
+  effect.num_proxies = settings.at("proxies");
+  effect.face_width_mm = settings.at("face_width_mm");
+  effect.fingertip_radius_mm = settings.at("fingertip_radius_mm");
+  return effect;
+}
+
 TissueEffect ReadTissueEffect(const json& object, const fs::path& folder) {
   static const std::map<std::string, TissueModelKind> kModels = {
       {"displacement_functions", TissueModelKind::kDisplacementFunctions},
@@ -219,6 +235,9 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
   }
   if (effects.contains("needle")) {
     scenario.shape = ReadNeedleEffect(effects["needle"], folder);
+  }
+  if (effects.contains("probe_force")) {
+    scenario.probe_force = ReadProbeForce(effects["probe_force"], folder);
   }
   if (effects.contains("tissue")) {
     scenario.tissue = ReadTissueEffect(effects["tissue"], folder);

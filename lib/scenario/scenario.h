@@ -29,6 +29,24 @@ struct NeedleForceEffect {
   std::filesystem::path table;
 };
 
+enum class ProbeForceModelKind { kVidal, kMultiProxy };
+/// Forces on the probe or on a fingertip. Only the settings of its model are read.
+struct ProbeForceEffect {
+  ProbeForceModelKind model = ProbeForceModelKind::kVidal;
+  std::filesystem::path table;
+  double press_mm = 0.0;      ///< Deeper along the beam than recorded.
+  bool reads_labels = false;  ///< multi_proxy, as all that follow. False: the CT.
+  bool is_fingertip = false;  ///< False: the face of the probe preset.
+  int num_proxies = 0;
+  double face_width_mm = 0.0;  ///< Of a probe, across the image plane.
+  double fingertip_radius_mm = 0.0;
+
+  /// True if it depends on what the probe looks like.
+  bool NeedsProbePreset() const {
+    return model == ProbeForceModelKind::kMultiProxy && !is_fingertip;
+  }
+};
+
 enum class TissueModelKind { kDisplacementFunctions, kSprings, kPlane2010, kFem3d };
 
 /// Tissue that tools deform. Only the settings of its model are read.
@@ -85,6 +103,7 @@ struct Scenario {
   // The effects that the scene calls for.
   std::optional<NeedleForceEffect> needle_force;
   std::optional<NeedleEffect> shape;  ///< effects/needle.
+  std::optional<ProbeForceEffect> probe_force;
   std::optional<TissueEffect> tissue;
   std::optional<UltrasoundEffect> ultrasound;
   std::optional<CtSliceEffect> ct_slice;

@@ -47,6 +47,14 @@ Names TissueInputs(const Scenario& s) {
   return reads;
 }
 
+/// What the force on the probe is computed from, at every sample.
+Names ProbeForceInputs(const Scenario& s) {
+  if (!s.probe_force) return {};
+  Names reads{"probe poses", "force table", s.probe_force->reads_labels ? "labels" : "ct"};
+  if (s.probe_force->NeedsProbePreset()) reads.push_back("probe preset");
+  return reads;
+}
+
 /// What an image reads besides the patient: the probe, the needle and the deformation if they show.
 Names ImageInputs(const Scenario& s, bool needle, Names patient) {
   Names reads = std::move(patient);
@@ -97,6 +105,7 @@ std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
       step(StageId::kTissueContact, "tissue contact", TissueInputs(s), {"contact"}),
       step(StageId::kNeedleForce, "needle force", ForceInputs(s), {"force"}),
       step(StageId::kNeedleShape, "needle shape", ShapeInputs(s), {"shape"}),
+      step(StageId::kProbeForce, "probe force", ProbeForceInputs(s), {"probe force"}),
       image(StageId::kProbePose, "probe pose", {"probe poses"}, {"probe"}),
       image(StageId::kDeformation, "deformation", DeformationInputs(s), {"rest map"}),
       image(StageId::kCtSlice, "CT slice", ImageInputs(s, s.ct_slice && s.ct_slice->needle, {"ct"}),
@@ -115,6 +124,7 @@ std::vector<Goal> Goals(const Scenario& s) {
   std::vector<Goal> goals;
   if (s.needle_force) goals.push_back({StageId::kNeedleForce, "needle_force"});
   if (s.shape) goals.push_back({StageId::kNeedleShape, "needle"});
+  if (s.probe_force) goals.push_back({StageId::kProbeForce, "probe_force"});
   if (s.tissue && s.tissue->TouchesNeedle()) goals.push_back({StageId::kTissueContact, "tissue"});
   if (s.ct_slice) goals.push_back({StageId::kCtSlice, "ct_slice"});
   if (s.ultrasound) goals.push_back({StageId::kUltrasound, "ultrasound"});
@@ -140,6 +150,7 @@ std::vector<Input> Inputs(const Scenario& s, const AvailableInputs& available) {
        "/patient/corridor is not given: a CSV with the points entry and target"},
       {"force table", true, ""},
       {"elasticity", true, ""},
+      {"probe preset", true, ""},
   };
 }
 

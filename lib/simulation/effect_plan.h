@@ -17,12 +17,13 @@ enum class StageId {
   kTissueContact,
   kNeedleForce,
   kNeedleShape,
+  kProbeForce,
   kProbePose,
   kDeformation,
   kCtSlice,
   kUltrasound,
 };
-inline constexpr int kNumStages = 9;
+inline constexpr int kNumStages = 10;
 
 /// A stage in the plan, or one that is left out.
 struct PlannedStage {

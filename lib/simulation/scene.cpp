@@ -1,6 +1,7 @@
 #include "simulation/scene.h"
 
 #include "mechanics/elasticity_table.h"
+#include "simulation/probe_scene.h"
 #include "simulation/tissue_scene.h"
 #include "volume/volume_io.h"
 
@@ -13,7 +14,7 @@ void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scen
   const forces::ForceTable table = forces::ReadForceTable(scenario.needle_force->table);
   const bool by_hu = scenario.needle_force->model == scenario::NeedleForceModelKind::kVidal;
   const bool looks_in_ct = plan.Has(StageId::kTissueLookup) && !scene.labels;
-  if (by_hu || looks_in_ct) scene.hu = std::make_shared<forces::CtField>(*scene.ct);
+  if ((by_hu || looks_in_ct) && !scene.hu) scene.hu = std::make_shared<forces::CtField>(*scene.ct);
   if (looks_in_ct) {
     context.Warn("there is no label map: tissues are told by the CT's HU, as the force table says");
     scene.hu_tissues = table.hu_tissues;
@@ -90,9 +91,13 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     context.provenance.AddInput(scenario.needle_force->table);
   }
   if (plan.Has(StageId::kNeedleShape)) LoadShape(scenario, scene, context);
-  if (plan.Needs("probe")) {
+  if (plan.Needs("probe") || plan.Needs("probe preset")) {
     scene.probe = ultrasound::ReadProbe(scenario.probe);
     context.provenance.AddInput(scenario.probe);
+  }
+  if (plan.Has(StageId::kProbeForce)) {
+    LoadProbeForce(*scenario.probe_force, scene);
+    context.provenance.AddInput(scenario.probe_force->table);
   }
   if (plan.Has(StageId::kUltrasound)) {
     scene.b_mode = ReadImageSettings(*scenario.ultrasound);

@@ -7,6 +7,7 @@
 #include "core/run_context.h"
 #include "forces/force_model.h"
 #include "forces/hu_field.h"
+#include "forces/probe_force_model.h"
 #include "scenario/scenario.h"
 #include "simulation/effect_plan.h"
 #include "simulation/image_level.h"
@@ -34,9 +35,12 @@ struct Scene {
   std::optional<forces::HuTissues> hu_tissues;     ///< If tissues are looked up without labels.
   std::optional<forces::ForceModel> forces;        ///< If the plan has the needle force.
   std::optional<NeedleShapeModel> shape;           ///< If the plan has the needle's shape.
-  std::optional<tissue::TissueModel> tissue;       ///< If the plan has contact or deformation.
-  std::optional<ultrasound::Probe> probe;          ///< If the plan reads "probe".
-  std::optional<ImageSettings> b_mode;             ///< If the plan has the B-mode.
+  std::vector<std::shared_ptr<const forces::HuField>> palpated;  ///< Labels that the probe feels.
+  double probe_press_mm = 0.0;  ///< Deeper along the beam than recorded, for the probe's force.
+  std::optional<forces::ProbeForceModel> probe_force;  ///< If the plan has the probe force.
+  std::optional<tissue::TissueModel> tissue;           ///< If the plan has contact or deformation.
+  std::optional<ultrasound::Probe> probe;              ///< If the plan reads "probe" or its preset.
+  std::optional<ImageSettings> b_mode;                 ///< If the plan has the B-mode.
 };
 
 /// Loads what `plan` needs of the scenario, and nothing else.

@@ -6,8 +6,10 @@ namespace acus::simulation {
 
 Simulation::Simulation(const Scene& scene)
     : scene_(scene),
+      runs_needle_(scene.plan.Has(StageId::kNeedlePose)),
       runs_contact_(scene.plan.Has(StageId::kTissueContact)),
-      runs_force_(scene.plan.Has(StageId::kNeedleForce)) {
+      runs_force_(scene.plan.Has(StageId::kNeedleForce)),
+      runs_probe_(scene.plan.Has(StageId::kProbeForce)) {
   if (scene.plan.Has(StageId::kTissueLookup)) {
     lookup_ = scene.labels ? forces::TissueLookup(*scene.labels)
                            : forces::TissueLookup(*scene.hu, *scene.hu_tissues);
@@ -19,6 +21,7 @@ State Simulation::NewState() const {
   if (runs_contact_) state.tissue = scene_.tissue->NewState();
   if (scene_.forces) state.force = scene_.forces->NewState();
   if (scene_.shape) state.shape = scene_.shape->NewState();
+  if (scene_.probe_force) state.probe = scene_.probe_force->NewState();
   return state;
 }
 
@@ -27,11 +30,13 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   ++state.steps;
   StepOutput out;
   out.time_ns = sample.time_ns;
-  out.ct_from_needle = scene_.ct_from_reference * sample.reference_from_needle;
   const double time_s = 1e-9 * static_cast<double>(sample.time_ns);
+  if (runs_needle_) {
+    out.ct_from_needle = scene_.ct_from_reference * sample.reference_from_needle;
+    watch.EndOf(StageId::kNeedlePose);
+  }
   const Eigen::Vector3d tip_in_ct_mm = out.ct_from_needle.translation();
   const Eigen::Vector3d axis_in_ct = out.ct_from_needle.linear().col(2);
-  watch.EndOf(StageId::kNeedlePose);
   if (lookup_) {
     // A bent needle's tip is where it was bent to in the step before.
     out.tissue_at_tip = lookup_->At(
@@ -68,6 +73,15 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   if (scene_.shape) {
     ShapeNeedle(state, sample, out);
     watch.EndOf(StageId::kNeedleShape, scene_.shape->IsAsleep(state.shape));
+  }
+  if (runs_probe_) {
+    const Eigen::Isometry3d ct_from_probe = scene_.ct_from_reference * sample.reference_from_probe;
+    out.probe = scene_.probe_force->Step(
+        state.probe,
+        {.time_s = time_s,
+         .ct_from_probe = ct_from_probe * Eigen::Translation3d(0.0, scene_.probe_press_mm, 0.0),
+         .valid = sample.probe_valid});
+    watch.EndOf(StageId::kProbeForce, !out.probe.on_skin);
   }
   return out;
 }

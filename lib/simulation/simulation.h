@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "forces/force_model.h"
+#include "forces/probe_force_model.h"
 #include "forces/tissue_lookup.h"
 #include "simulation/scene.h"
 #include "simulation/stage_timing.h"
@@ -18,7 +19,7 @@ struct Sample {
   std::int64_t time_ns = 0;
   Eigen::Isometry3d reference_from_needle = Eigen::Isometry3d::Identity();
   bool needle_valid = false;
-  /// Only read if tissue is pressed by the probe.
+  /// Only read if the probe's force or the tissue that it presses is in the plan.
   Eigen::Isometry3d reference_from_probe = Eigen::Isometry3d::Identity();
   bool probe_valid = false;
 };
@@ -30,6 +31,7 @@ struct StepOutput {
   volume::Label tissue_at_tip = 0;
   forces::NeedleForce force;
   NeedleShape shape;           ///< Not bent if the plan has no needle shape.
+  forces::ProbeForce probe;    ///< Zero if the plan has no probe force.
   tissue::TissueForce tissue;  ///< Zero if the plan has no tissue contact.
 };
 
@@ -37,7 +39,8 @@ struct StepOutput {
 /// Simulation::NewState.
 struct State {
   forces::ForceState force;
-  NeedleShapeState shape;      ///< Only used if the plan has the needle's shape.
+  NeedleShapeState shape;  ///< Only used if the plan has the needle's shape.
+  forces::ProbeForceState probe;
   tissue::TissueState tissue;  ///< Empty if the plan has no tissue contact.
   std::int64_t steps = 0;
 };
@@ -50,9 +53,9 @@ class Simulation {
 
   State NewState() const;
 
-  /// Advances to `sample.time_ns`. Allocates nothing, takes no lock, prints nothing. A sample that
-  /// is not valid, not finite or not later than the last one is dealt with by the force model:
-  /// the force stays finite and bounded.
+  /// Advances to `sample.time_ns`; what no stage in the plan reads of it may be left out. Allocates
+  /// nothing, takes no lock, prints nothing. A sample that is not valid, not finite or not later
+  /// than the last one is dealt with by the force model: the force stays finite and bounded.
   /// @param times  If given, each stage's time is added to it; the results stay the same.
   StepOutput Step(State& state, const Sample& sample, StageTimes* times = nullptr) const noexcept;
 
@@ -72,8 +75,10 @@ class Simulation {
 
   const Scene& scene_;
   std::optional<forces::TissueLookup> lookup_;  ///< If the plan looks tissues up.
+  bool runs_needle_ = false;
   bool runs_contact_ = false;
   bool runs_force_ = false;
+  bool runs_probe_ = false;
 };
 
 }  // namespace acus::simulation

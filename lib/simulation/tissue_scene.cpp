@@ -114,14 +114,6 @@ tissue::TissueModel Plane(const scenario::Scenario& scenario, const TissueMap& t
                                                     tissues));
 }
 
-/// The face of a probe, as far as the skin feels it.
-tissue::ProbeFace FaceOf(const ultrasound::Probe& probe) {
-  const bool flat = probe.kind == ultrasound::ProbeKind::kLinear;
-  return {.length_mm = flat ? probe.width_mm
-                            : 2.0 * probe.radius_mm * std::sin(0.5 * probe.field_of_view_rad),
-          .radius_mm = flat ? 0.0 : probe.radius_mm};
-}
-
 tissue::TissueModel Fem(const scenario::Scenario& scenario, const TissueInputs& inputs,
                         const mechanics::ElasticityTable& elasticity, const NeedleParts& parts,
                         RunContext& context) {
@@ -135,7 +127,9 @@ tissue::TissueModel Fem(const scenario::Scenario& scenario, const TissueInputs& 
       mechanics::ElementNamed(effect.element,
                               scenario.file.string() + ": /effects/tissue/fe_3d/element"));
   tissue::FemContactSettings settings{.contact_spacing_mm = effect.contact_spacing_mm};
-  if (effect.probe_contact) settings.probe = FaceOf(*inputs.probe);
+  if (effect.probe_contact)
+    settings.probe = {.length_mm = ultrasound::FaceLengthMm(*inputs.probe),
+                      .radius_mm = ultrasound::FaceRadiusMm(*inputs.probe)};
   tissue::FemLevel level{tissue::FemNeedleModel(mesh, condensed.compliance, elasticity, parts.table,
                                                 parts.needle, settings),
                          nullptr};

@@ -114,6 +114,15 @@ const Probe& CheckedProbe(const Probe& probe) {
   return probe;
 }
 
+double FaceLengthMm(const Probe& probe) {
+  if (probe.kind == ProbeKind::kLinear) return probe.width_mm;
+  return 2.0 * probe.radius_mm * std::sin(0.5 * probe.field_of_view_rad);
+}
+
+double FaceRadiusMm(const Probe& probe) {
+  return probe.kind == ProbeKind::kLinear ? 0.0 : probe.radius_mm;
+}
+
 ImageGeometry PictureOf(const Probe& probe) {
   double width_mm = probe.width_mm;
   double height_mm = probe.depth_mm;

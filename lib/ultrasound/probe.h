@@ -41,6 +41,10 @@ Probe ReadProbe(const std::filesystem::path& path);
 /// @throws InputError naming the first value that is out of range.
 const Probe& CheckedProbe(const Probe& probe);
 
+/// The face as far as the skin feels it: its length as the crow flies, and its radius (0: flat).
+double FaceLengthMm(const Probe& probe);
+double FaceRadiusMm(const Probe& probe);
+
 /// Pixels are square. The depth fills the height; a picture wider than the probe has black sides.
 /// If the probe is wider than the picture, pixels grow until it fits.
 ImageGeometry PictureOf(const Probe& probe);

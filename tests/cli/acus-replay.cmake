@@ -37,3 +37,22 @@ acus_add_cli_case(acus-replay.keeps_an_earlier_run EXIT 3 NEEDS inputs LEAVES_NO
   BEFORE "mkdir run && echo mine > run/notes.txt"
   STDERR "not the output of an earlier run"
   COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run --overwrite)
+
+# The force on the probe.
+acus_add_cli_case(acus-replay.probe_force EXIT 0 NEEDS inputs
+  STDOUT "largest probe force"
+  CREATES run/probe_forces.csv run/probe_forces.svg run/report.html
+  COMMAND acus-replay scenarios/palpation.json $INPUTS/session ${patient} -o run
+          --set /effects/probe_force/press_mm=8)
+acus_add_cli_case(acus-replay.mistyped_probe_model EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "/effects/probe_force/model: must be one of .*multi_proxy.*got .multi-proxy"
+  COMMAND acus-replay scenarios/palpation.json $INPUTS/session ${patient} -o run
+          --set /effects/probe_force/model=multi-proxy)
+acus_add_cli_case(acus-replay.too_many_proxies EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "/effects/probe_force/multi_proxy/proxies: .*64.*got 65"
+  COMMAND acus-replay scenarios/palpation.json $INPUTS/session ${patient} -o run
+          --set /effects/probe_force/multi_proxy/proxies=65)
+acus_add_cli_case(acus-replay.probe_force_without_labels EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "probe force .effect probe_force is called for. needs labels"
+  COMMAND acus-replay scenarios/palpation.json $INPUTS/session --ct $INPUTS/ct.nrrd -o run
+          --set /effects/probe_force/multi_proxy/reads=labels)

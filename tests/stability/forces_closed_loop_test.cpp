@@ -11,8 +11,10 @@ namespace {
 using testing_support::Abdomen;
 using testing_support::DrivenAlamilla;
 using testing_support::DrivenLayered;
+using testing_support::DrivenPalpation;
 using testing_support::DrivenProbe;
 using testing_support::DrivenVidal;
+using testing_support::FieldsOf;
 using testing_support::LayeredBodyField;
 using testing_support::ShippedTable;
 using testing_support::Trocar18G;
@@ -71,6 +73,29 @@ TEST(ForcesClosedLoop, TheProbeGeneratesNoEnergy) {
   motion.across_mm = 30.0;
   const Report report = RandomInteraction("probe", motion, [&] { return DrivenProbe{probe}; });
   EXPECT_LE(report.worst_mj, 1.0);
+}
+
+TEST(ForcesClosedLoop, ManyProxiesGenerateNoEnergy) {
+  const LayeredBodyField body({{0.0, "fat", -100}, {8.0, "bone", 900}});
+  const ForceTable table = ShippedTable("vidal.json");
+  RandomHand motion;
+  motion.to_mm = 20.0;
+  motion.across_mm = 30.0;
+  for (const double tilt_rad : {0.0, 0.3}) {
+    for (const auto& [name, tool] :
+         {std::pair{"face, 16 proxies", ProbeFaceNodes(40.0, 12.0, 0.0, 16)},
+          std::pair{"fingertip, 9 proxies", FingertipNodes(8.0, 9)}}) {
+      const MultiProxyProbe model(table, tool, FieldsOf(table, body));
+      const Report report = RandomInteraction(name, motion, [&] {
+        DrivenPalpation driven{model};
+        driven.ct_from_tool_turn =
+            Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d(1, 1, 0).normalized()) *
+            DrivenPalpation::BeamAlongZ();
+        return driven;
+      });
+      EXPECT_LE(report.worst_mj, 1.0);
+    }
+  }
 }
 
 /// A hand that goes in to `to_mm` within `in_s` and then stays there.
@@ -178,6 +203,34 @@ TEST(ForcesClosedLoop, BoneAloneGeneratesNoEnergyAndHasNoLimitCycle) {
     check("alamilla", [&] { return DrivenAlamilla{alamilla, body}; });
     check("vidal", [&] { return DrivenVidal{vidal, body}; });
   }
+}
+
+// The skin's spring takes energy that bone could give: here it is soft, and bone right under it.
+TEST(ForcesClosedLoop, OnTopOfBoneAProbeHasNoLimitCycle) {
+  const LayeredBodyField body({{0.0, "fat", -100}, {3.0, "bone", 900}});
+  const ForceTable table = ShippedTable("vidal.json");
+  const VidalProbe vidal(table, body);
+  const MultiProxyProbe face(table, ProbeFaceNodes(40.0, 12.0, 0.0, 16), FieldsOf(table, body));
+  const MultiProxyProbe finger(table, FingertipNodes(8.0, 16), FieldsOf(table, body));
+  const auto check = [&](const char* name, auto make) {
+    for (const double mass_kg : {0.05, 0.1, 0.3}) {
+      for (const double dry_friction_n : {0.0, 0.05}) {
+        HapticDevice device;
+        device.mass_kg = mass_kg;
+        device.dry_friction_n = dry_friction_n;
+        auto driven = make();
+        const LoopResult held = RunClosedLoop(device, GoesTo(16.0, 2.0), driven.Loop(), 10.0);
+        EXPECT_TRUE(driven.last.on_bone) << name;
+        EXPECT_EQ(driven.last.structure, volume::LabelOf("bone")) << name;
+        std::printf("  %-9s %.2f kg, dry friction %.2f N: swing %.4f mm, chatter %.4f N\n", name,
+                    mass_kg, dry_friction_n, held.SwingMm(6.0, 10.0), held.ChatterN(6.0, 10.0));
+        EXPECT_LE(held.SwingMm(6.0, 10.0), dry_friction_n > 0.0 ? 1e-6 : 0.02) << name;
+      }
+    }
+  };
+  check("vidal", [&] { return DrivenProbe{vidal}; });
+  check("face", [&] { return DrivenPalpation{face}; });
+  check("fingertip", [&] { return DrivenPalpation{finger}; });
 }
 
 TEST(ForcesClosedLoop, StandingStillInTissueThereIsNoLimitCycle) {

@@ -205,26 +205,40 @@ TEST(Puncture, ExactlyAtTheThreshold) {
   EXPECT_FALSE(punctured(layered, NeedleForceState(), std::nextafter(4.0, 0.0)));
 }
 
-TEST(Probe, WildPlacesStayBoundedAndRepeat) {
-  const LayeredBodyField body = Abdomen();
-  const VidalProbe probe(ShippedTable("vidal.json"), body);
-  DrivenProbe first{probe};
-  DrivenProbe second{probe};
+/// Poses that turn as wildly as they move, some of them no rotations.
+template <typename Model, typename Driven>
+void CheckWildProbe(const Model& probe) {
+  Driven first{probe};
+  Driven second{probe};
   WildHand hand(9);
   const long before = testing_support::num_allocations;
-  for (int i = 0; i < 100000; ++i) {
+  for (int i = 0; i < 50000; ++i) {
     const NeedleInput needle = hand.Next();
     ProbeInput input;
     input.time_s = needle.time_s;
     input.ct_from_probe.translation() = needle.tip_in_ct_mm;
+    input.ct_from_probe.linear() =
+        Eigen::AngleAxisd(0.01 * i, Vector3d(1.0, 0.3 * (i % 7), 0.2).normalized())
+            .toRotationMatrix();
+    if (i % 101 == 0) input.ct_from_probe.linear() *= 1e9;
+    if (i % 103 == 0) input.ct_from_probe.linear()(1, 2) = NAN;
     input.valid = needle.valid;
     const ProbeForce a = probe.Step(first.state, input);
     const ProbeForce b = probe.Step(second.state, input);
-    ASSERT_TRUE(a.force_in_ct_n.allFinite());
+    ASSERT_TRUE(a.force_in_ct_n.allFinite() && a.torque_in_ct_n_mm.allFinite());
     ASSERT_LE(a.force_in_ct_n.norm(), 15.0 * (1.0 + 1e-12));
     ASSERT_EQ(a.force_in_ct_n, b.force_in_ct_n);
+    ASSERT_EQ(a.torque_in_ct_n_mm, b.torque_in_ct_n_mm);
   }
   EXPECT_EQ(testing_support::num_allocations - before, 0);
+}
+
+TEST(Probe, WildPosesStayBoundedAndRepeat) {
+  const LayeredBodyField body = Abdomen();
+  const ForceTable table = ShippedTable("vidal.json");
+  CheckWildProbe<VidalProbe, DrivenProbe>(VidalProbe(table, body));
+  CheckWildProbe<MultiProxyProbe, testing_support::DrivenPalpation>(MultiProxyProbe(
+      table, ProbeFaceNodes(40.0, 12.0, 60.0, 16), testing_support::FieldsOf(table, body)));
 }
 
 }  // namespace

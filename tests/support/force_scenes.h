@@ -3,10 +3,12 @@
 
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <vector>
 
 #include "forces/alamilla_model.h"
 #include "forces/closed_loop.h"
+#include "forces/multi_proxy_probe.h"
 #include "forces/needle_force.h"
 #include "forces/vidal_model.h"
 #include "forces/vidal_probe.h"
@@ -89,14 +91,21 @@ using DrivenAlamilla = Driven<forces::AlamillaModel, forces::AlamillaState>;
 using DrivenVidal = Driven<forces::VidalModel, forces::VidalState>;
 
 /// The probe pressed into the body, its face's normal along +z.
-struct DrivenProbe {
-  const forces::VidalProbe& model;
-  forces::VidalProbeState state{};
+template <typename Model, typename State>
+struct DrivenTool {
+  const Model& model;
+  State state{};
   forces::ProbeForce last{};
+  Eigen::Matrix3d ct_from_tool_turn = BeamAlongZ();
 
+  /// +y of the tool, the beam, along +z.
+  static Eigen::Matrix3d BeamAlongZ() {
+    return Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  }
   const forces::ProbeForce& Step(double time_s, const Eigen::Vector3d& place_mm) {
     forces::ProbeInput input;
     input.time_s = time_s;
+    input.ct_from_probe.linear() = ct_from_tool_turn;
     input.ct_from_probe.translation() = place_mm;
     last = model.Step(state, input);
     return last;
@@ -107,5 +116,17 @@ struct DrivenProbe {
     };
   }
 };
+using DrivenProbe = DrivenTool<forces::VidalProbe, forces::VidalProbeState>;
+using DrivenPalpation = DrivenTool<forces::MultiProxyProbe, forces::MultiProxyState>;
+
+/// What the block multi_proxy of a table makes of a field in HU.
+inline forces::PalpationFields FieldsOf(const forces::ForceTable& table,
+                                        const forces::HuField& field) {
+  forces::PalpationFields fields{&field, table.multi_proxy.skin_hu, {}};
+  for (const auto& law : table.multi_proxy.structures) {
+    if (law.from_hu) fields.structures.push_back({&field, *law.from_hu, law});
+  }
+  return fields;
+}
 
 }  // namespace acus::testing_support

@@ -219,6 +219,72 @@ TEST_F(Replay, EveryForceModelStopsAtBoneAndIsFeltInTheTissue) {
   }
 }
 
+TEST_F(Replay, FeelsTheProbeAlsoWithoutANeedle) {
+  session::Session pressing;  // In by 12 mm along the beam and out again; the skin is at z = 0.
+  for (int ms = 0; ms < 2000; ms += 5) {
+    Eigen::Isometry3d probe = Eigen::Isometry3d::Identity();
+    probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+    probe.translation() << 0.0, 0.0, -2.0 + 14.0 * (1.0 - std::abs(ms - 1000) / 1000.0);
+    pressing.probe.push_back({ms * std::int64_t{1'000'000}, probe, true});
+  }
+  session::WriteSession(folder_ / "pressing", pressing, context_);
+  for (const char* effect :
+       {R"({"model": "vidal"})", R"({"model": "multi_proxy"})",
+        R"({"model": "multi_proxy", "multi_proxy": {"reads": "labels", "tool": "fingertip"}})"}) {
+    SCOPED_TRACE(effect);
+    const std::vector<scenario::Override> overrides = {
+        {"/effects", {{"probe_force", nlohmann::json::parse(effect)}}}};
+    for (const int threads : {1, 2}) {
+      RunContext context;
+      context.num_threads = threads;
+      context.overwrite = true;
+      ReplayOptions options;
+      options.run_folder = folder_ / Message("felt_", threads);
+      ReplaySession(scenario::ReadScenario(folder_ / "scene.json", overrides), folder_ / "pressing",
+                    options, context);
+    }
+    EXPECT_EQ(ReadTextFile(folder_ / "felt_1/probe_forces.csv"),
+              ReadTextFile(folder_ / "felt_2/probe_forces.csv"));
+    EXPECT_FALSE(fs::exists(folder_ / "felt_1/forces.csv"));
+    EXPECT_TRUE(fs::exists(folder_ / "felt_1/probe_forces.svg"));
+    const CsvTable felt(folder_ / "felt_1/probe_forces.csv");
+    ASSERT_EQ(felt.num_rows(), 400U);
+    const auto z_force_n = felt.Numbers("force_z_n");
+    const auto skin_mm = felt.Numbers("skin_mm");
+    EXPECT_EQ(z_force_n.front(), 0.0);
+    EXPECT_EQ(z_force_n.back(), 0.0);
+    EXPECT_LT(z_force_n[200], -1.5);  // Pushed out, along -z.
+    EXPECT_NEAR(skin_mm[200], 12.0, 1.0);
+    const auto metrics = config::ReadJson(folder_ / "felt_1/metrics.json").at("metrics");
+    const auto largest = std::ranges::find_if(
+        metrics, [](const auto& m) { return m.at("name") == "largest probe force"; });
+    ASSERT_NE(largest, metrics.end());
+    EXPECT_NEAR(largest->at("value").get<double>(), std::abs(z_force_n[200]), 0.3);
+  }
+}
+
+// With a needle the probe is felt at the needle's samples, and the needle's forces stay the same.
+TEST_F(Replay, TheProbesForceLeavesTheNeedlesAsItIs) {
+  const std::vector<scenario::Override> no_images = {{"/effects/ultrasound", nullptr},
+                                                     {"/effects/ct_slice", nullptr}};
+  auto with_probe = no_images;
+  with_probe.push_back({"/effects/probe_force", nlohmann::json::object()});
+  Run("needle", 1, no_images);
+  Run("both", 1, with_probe);
+  EXPECT_EQ(ReadTextFile(folder_ / "needle/forces.csv"), ReadTextFile(folder_ / "both/forces.csv"));
+  EXPECT_FALSE(fs::exists(folder_ / "needle/probe_forces.csv"));
+  const CsvTable lying(folder_ / "both/probe_forces.csv");
+  ASSERT_EQ(lying.num_rows(), 6000U);
+  EXPECT_EQ(std::ranges::max(lying.Numbers("force_n")), 0.0);
+  EXPECT_THAT(ReadTextFile(folder_ / "both/run.json"), HasSubstr("press_mm"));
+  // The probe lies half a millimetre above the skin.
+  with_probe.back().value = {{"press_mm", 5.5}};
+  Run("pressed", 1, with_probe);
+  const CsvTable pressed(folder_ / "pressed/probe_forces.csv");
+  EXPECT_NEAR(pressed.Numbers("skin_mm").back(), 5.0, 0.5);
+  EXPECT_GT(pressed.Numbers("force_n").back(), 1.5);
+}
+
 TEST_F(Replay, TellsTissuesByHuWhereThereIsNoLabelMap) {
   RunContext context;
   std::vector<std::string> warnings;

@@ -45,6 +45,33 @@ TEST_F(ScenarioFile, HoldsOnlyTheEffectsItNamesWithDefaultsFilledIn) {
   EXPECT_EQ(s.session.reference_frame, "Reference");
 }
 
+TEST_F(ScenarioFile, HoldsTheProbeForceOfItsModel) {
+  const auto read = [this](const std::string& effect) {
+    return Read(R"({"format": "acus-scenario/1", "patient": {},
+      "effects": {"probe_force": )" +
+                effect + "}}");
+  };
+  const Scenario vidal = read(R"({"table": "table.json", "multi_proxy": {"reads": "labels"}})");
+  ASSERT_TRUE(vidal.probe_force.has_value());
+  EXPECT_EQ(vidal.probe_force->model, ProbeForceModelKind::kVidal);
+  EXPECT_FALSE(vidal.probe_force->reads_labels);  // The paper's reads the CT.
+  const Scenario many = read(R"({"table": "table.json", "model": "multi_proxy",
+    "multi_proxy": {"reads": "labels", "tool": "fingertip", "proxies": 9}})");
+  EXPECT_EQ(many.probe_force->model, ProbeForceModelKind::kMultiProxy);
+  EXPECT_TRUE(many.probe_force->reads_labels && many.probe_force->is_fingertip);
+  EXPECT_EQ(many.probe_force->num_proxies, 9);
+  EXPECT_EQ(many.probe_force->fingertip_radius_mm, 8.0);
+  EXPECT_THAT([&] { read(R"({"table": "table.json", "model": "vidla"})"); },
+              ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("/effects/probe_force/model"), HasSubstr("multi_proxy"))));
+  for (const char* bad : {"0", "65", "2.5", "\"many\""}) {
+    EXPECT_THROW(
+        read(std::string(R"({"table": "table.json", "multi_proxy": {"proxies": )") + bad + "}}"),
+        InputError)
+        << bad;
+  }
+}
+
 TEST_F(ScenarioFile, TakesChangesFromTheCommandLine) {
   const Scenario s =
       Read(kText, {ParseOverride("/effects/ct_slice=null"),

@@ -137,6 +137,27 @@ TEST(PlanEffects, SceneWithoutTissueNeedsNothingOfIt) {
   EXPECT_FALSE(plan.Needs("elasticity"));
 }
 
+TEST(PlanEffects, AProbeForceNeedsOnlyWhatItsModelReads) {
+  scenario::Scenario s;
+  s.file = "scene.json";
+  s.patient.ct = "ct.nrrd";
+  s.probe_force.emplace();
+  const EffectPlan vidal = PlanEffects(s, {.probe_poses = true});  // No needle.
+  EXPECT_THAT(StagesIn(vidal), testing::ElementsAre("probe force"));
+  EXPECT_TRUE(vidal.Needs("ct"));
+  EXPECT_FALSE(vidal.Needs("labels"));
+  EXPECT_FALSE(vidal.Needs("probe preset"));
+  s.probe_force->model = scenario::ProbeForceModelKind::kMultiProxy;
+  EXPECT_TRUE(PlanEffects(s, {.probe_poses = true}).Needs("probe preset"));
+  s.probe_force->is_fingertip = true;
+  EXPECT_FALSE(PlanEffects(s, {.probe_poses = true}).Needs("probe preset"));
+  s.probe_force->reads_labels = true;
+  EXPECT_THAT([&] { PlanEffects(s, {.needle_poses = true}); },
+              ThrowsMessage<InputError>(AllOf(
+                  HasSubstr("probe force (effect probe_force is called for) needs probe poses"),
+                  HasSubstr("/patient/labels is not given"))));
+}
+
 TEST(PlanEffects, NamesWhatTissueLacks) {
   scenario::Scenario s = WithTissue(scenario::TissueModelKind::kFem3d);
   s.patient.mesh.clear();
