@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "fitting/depth_bins.h"
+#include "fitting/least_squares.h"
 #include "fitting/shared_fit.h"
 #include "math/statistics.h"
 
@@ -15,8 +16,9 @@ namespace acus::fitting {
 namespace {
 
 constexpr int kKnots[] = {2, 3, 4, 6, 8, 10, 12, 16, 20, 30, 40, 60};
-constexpr double kFinestMm = 1.0;  // Least distance of knots.
-constexpr double kStepS = 0.02;    // Means over so long.
+constexpr double kNormal95 = 1.645;  // One-sided quantile of the normal distribution.
+constexpr double kFinestMm = 1.0;    // Least distance of knots.
+constexpr double kStepS = 0.02;      // Means over so long.
 constexpr double kBinMm = 0.1;
 constexpr std::size_t kMostBins = 20000;
 
@@ -108,7 +110,7 @@ Choice ChoiceOf(const std::vector<StrainedRows>& rows, const std::vector<double>
   return choice;
 }
 
-/// Is `other` as good as `best`, but for the standard error of their paired difference?
+/// Is `other` as good as `best`? Not if the paired differences say otherwise with 95 %.
 bool IsAsGood(const Choice& other, const Choice& best) {
   if (best.left.size() < 3) return false;
   std::vector<double> worse;
@@ -117,7 +119,7 @@ bool IsAsGood(const Choice& other, const Choice& best) {
   double squares = 0.0;
   for (const double w : worse) squares += (w - mean) * (w - mean);
   const auto n = static_cast<double>(worse.size());
-  return mean <= std::sqrt(squares / (n - 1.0) / n);
+  return mean <= StudentQuantile(n - 1.0, kNormal95) * std::sqrt(squares / (n - 1.0) / n);
 }
 
 /// The profile of one direction. Of all numbers of knots that foretell as well as the best one, the

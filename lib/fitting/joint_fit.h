@@ -31,8 +31,8 @@ struct JointModel {
 /// Build-up and relaxation are medians of the recordings'; the profile is least squares over all,
 /// each recording with the same weight. The number of knots, 2 to 60 and 1 mm or more apart, is
 /// chosen by how well the recordings are foretold by the others (leave one out, mean of the
-/// logarithms of the squares): the finest that is as good as the best within the standard error of
-/// their paired difference.
+/// logarithms of the squares): the finest that is not worse than the best by a paired t-test (95
+/// %).
 /// @param knots  2 or more holds their number; 0 chooses.
 /// @pre at least one usable recording; with fewer than three, two knots.
 JointModel FitJoint(std::span<const JointRecording> recordings, int knots = 0);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/random.h"
+#include "needle/bendable_needle.h"
 #include "needle/rod.h"
 #include "support/allocation_counter.h"
 #include "unit/needle/rods.h"
@@ -164,6 +165,37 @@ TEST(NeedleRod, AStepAllocatesNothing) {
   }
   const long allocated = acus::testing_support::num_allocations - before;
   EXPECT_EQ(allocated, 0);
+}
+
+// The whole needle in a hand: in, leaning, back and forth, out, in again, with jumps and a bevel.
+TEST(NeedleRod, AStepInAHandAllocatesNothing) {
+  RodProperties properties;
+  properties.length_mm = kLengthMm;
+  properties.bending_n_mm2 = kBending;
+  properties.twist_n_mm2 = kBending / 1.3;
+  BendableNeedleOptions options;
+  options.bevel.curvature_per_mm = 0.0045;
+  const BendableNeedle needle(properties, options);
+  BendableNeedleState state = needle.NewState();
+  BendableNeedleInput input;
+  input.tissue.stiffness_n_per_mm2 = 0.2;
+  const long before = acus::testing_support::num_allocations;
+  double depth_mm = -5.0;
+  int buried = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const double next_mm = 40.0 * std::sin(0.004 * i) + 5.0 * std::sin(0.03 * i);
+    input.tip_mm = {i % 700 == 0 ? 30.0 : 1.0 * std::sin(0.01 * i), 0.0, next_mm};
+    input.hand = Eigen::AngleAxisd(0.2 * std::sin(0.013 * i), Vector3d::UnitY());
+    input.touches = next_mm >= 0.0;
+    input.advance_mm = std::max(0.0, next_mm) - std::max(0.0, depth_mm);
+    depth_mm = next_mm;
+    const BendableNeedleStep step = needle.Step(state, input);
+    ASSERT_TRUE(step.hand_force_n.allFinite());
+    buried += !state.path.empty();
+  }
+  const long allocated = acus::testing_support::num_allocations - before;
+  EXPECT_EQ(allocated, 0);
+  EXPECT_GT(buried, 2000);
 }
 
 // The way there does not matter, only where the hand is.
