@@ -14,6 +14,11 @@ namespace {
 
 constexpr int kMaxHalfAlong = 128;
 
+/// The lines of a phased probe start at one place: their distance in the middle counts.
+double SpacingAtFaceMm(const Probe& probe, const ScanGrid& grid) {
+  return grid.LateralSpacingMm(probe.kind == ProbeKind::kPhased ? grid.samples / 2 : 0);
+}
+
 }  // namespace
 
 std::vector<float> HalfHanning(double length_mm, double spacing_mm, int max_half) {
@@ -37,7 +42,7 @@ EchoDisplay::EchoDisplay(const Probe& probe, const ScanGrid& grid) : conversion_
   // depends neither on the pulse nor on how finely the beam is sampled.
   const float peak = along_[0];
   for (float& weight : along_) weight /= peak;
-  const double lateral_mm = grid.lines() > 1 ? grid.LateralSpacingMm(0) : 1e9;
+  const double lateral_mm = grid.lines() > 1 ? SpacingAtFaceMm(probe, grid) : 1e9;
   across_ = HalfHanning(probe.beam_width_mm, lateral_mm, BeamImage::kMargin);
   const double a = std::pow(10.0, probe.dynamic_range_db / 10.0);
   scale_ = static_cast<float>(255.0 / std::log2(1.0 + a));

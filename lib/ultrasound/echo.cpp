@@ -85,7 +85,9 @@ EchoTracer::EchoTracer(const ScanGrid& grid, double frequency_mhz, const BModeOp
   if (options.angle_exponent > 0) {
     for (int k = 0; k < grid.samples; ++k) {
       const double spacing = grid.lines() > 1 ? grid.LateralSpacingMm(k) : 1.0;
-      per_two_lateral_mm_.push_back(static_cast<float>(0.5 / spacing));
+      // The lines of a phased probe start at one place.
+      per_two_lateral_mm_.push_back(
+          static_cast<float>(0.5 / std::max(spacing, 1e-3 * grid.step_mm)));
     }
   }
   if (options.attenuation) {

@@ -6,9 +6,12 @@
 
 #include "config/json_file.h"
 #include "core/error.h"
+#include "ultrasound/plus_simulator.h"
 
 namespace acus::ultrasound {
 namespace {
+
+using nlohmann::json;
 
 /// How far the outermost lines of a curved face start above its middle.
 double SagMm(const Probe& probe) {
@@ -28,7 +31,8 @@ ScanGrid LinearGrid(const Probe& probe) {
   if ((picture.width_px - columns) % 2 != 0) columns += columns > 1 ? -1 : 1;
   ScanGrid grid;
   grid.step_mm = picture.axial_mm_per_px;
-  grid.samples = std::min(picture.height_px, SamplesOf(probe, grid.step_mm));
+  const int above = RowsAboveFace(picture);
+  grid.samples = std::min(picture.height_px - above, SamplesOf(probe, grid.step_mm));
   for (int c = 0; c < columns; ++c) {
     grid.start_mm.emplace_back((c - 0.5 * (columns - 1)) * pitch_mm, 0.0);
     grid.direction.emplace_back(0.0, 1.0);
@@ -36,10 +40,10 @@ ScanGrid LinearGrid(const Probe& probe) {
   return grid;
 }
 
-ScanGrid FanGrid(const Probe& probe) {
+ScanGrid FanGrid(const Probe& probe, int samples, double step_mm) {
   ScanGrid grid;
-  grid.step_mm = PictureOf(probe).axial_mm_per_px;
-  grid.samples = SamplesOf(probe, grid.step_mm);
+  grid.step_mm = step_mm;
+  grid.samples = samples;
   for (int l = 0; l < probe.scan_lines; ++l) {
     const double angle =
         probe.field_of_view_rad * (static_cast<double>(l) / (probe.scan_lines - 1) - 0.5);
@@ -50,36 +54,69 @@ ScanGrid FanGrid(const Probe& probe) {
   return grid;
 }
 
+Probe FromJson(const json& document) {
+  Probe probe;
+  probe.name = document.at("name");
+  const std::string kind = document.at("kind");
+  probe.kind = kind == "linear"   ? ProbeKind::kLinear
+               : kind == "phased" ? ProbeKind::kPhased
+                                  : ProbeKind::kCurvilinear;
+  probe.scan_lines = document.at("scan_lines");
+  probe.samples_per_line = document.at("samples_per_line");
+  probe.frequency_mhz = document.at("frequency_mhz");
+  probe.depth_mm = document.at("depth_mm");
+  probe.image_width_px = document.at("image_width_px");
+  probe.image_height_px = document.at("image_height_px");
+  probe.slice_thickness_mm = document.at("slice_thickness_mm");
+  probe.pulse_length_mm = document.at("pulse_length_mm");
+  probe.beam_width_mm = document.at("beam_width_mm");
+  probe.focus_mm = document.at("focus_mm");
+  probe.dynamic_range_db = document.at("dynamic_range_db");
+  probe.gain_db = document.at("gain_db");
+  probe.tgc_db_per_cm = document.at("tgc_db_per_cm");
+  probe.fractional_bandwidth = document.at("fractional_bandwidth");
+  probe.elements = document.at("elements");
+  probe.pitch_mm = document.at("pitch_mm");
+  probe.f_number = document.at("f_number");
+  probe.elevation_aperture_mm = document.at("elevation_aperture_mm");
+  probe.elevation_focus_mm = document.at("elevation_focus_mm");
+  return probe;
+}
+
 }  // namespace
 
+double Probe::ArrayLengthMm() const {
+  return kind == ProbeKind::kCurvilinear ? radius_mm * field_of_view_rad : width_mm;
+}
+
+Probe DefaultProbe() {
+  const json smallest = {{"format", "acus-probe/1"},
+                         {"name", "default"},
+                         {"kind", "linear"},
+                         {"frequency_mhz", 5},
+                         {"depth_mm", 60}};
+  return FromJson(config::CheckedConfig(smallest, "acus-probe", "default probe"));
+}
+
 Probe ReadProbe(const std::filesystem::path& path) {
-  const auto json = config::ReadConfig(path, "acus-probe");
-  const auto need = [&](const char* key, const char* kind) {
-    ACUS_REQUIRE(json.contains(key), path.string(), ": /", key, ": missing; a ", kind,
-                 " probe needs it");
-    return json.at(key).get<double>();
+  if (IsPlusConfiguration(path)) return ReadPlusProbe(path);
+  const json document = config::ReadConfig(path, "acus-probe");
+  Probe probe = FromJson(document);
+  const auto need = [&](const char* key) {
+    ACUS_REQUIRE(document.contains(key), path.string(), ": /", key, ": missing; a ",
+                 document.at("kind").get<std::string>(), " probe needs it");
+    return document.at(key).get<double>();
   };
-  Probe probe;
-  probe.name = json.at("name");
-  probe.kind = json.at("kind") == "linear" ? ProbeKind::kLinear : ProbeKind::kCurvilinear;
-  if (probe.kind == ProbeKind::kLinear) {
-    probe.width_mm = need("width_mm", "linear");
-  } else {
-    probe.radius_mm = need("radius_mm", "curvilinear");
-    probe.field_of_view_rad = need("field_of_view_deg", "curvilinear") * std::numbers::pi / 180.0;
-    probe.scan_lines = json.at("scan_lines");
+  if (probe.kind != ProbeKind::kCurvilinear) probe.width_mm = need("width_mm");
+  if (probe.kind == ProbeKind::kCurvilinear) probe.radius_mm = need("radius_mm");
+  if (probe.kind != ProbeKind::kLinear) {
+    probe.field_of_view_rad = need("field_of_view_deg") * std::numbers::pi / 180.0;
   }
-  probe.frequency_mhz = json.at("frequency_mhz");
-  probe.depth_mm = json.at("depth_mm");
-  probe.image_width_px = json.at("image_width_px");
-  probe.image_height_px = json.at("image_height_px");
-  probe.slice_thickness_mm = json.at("slice_thickness_mm");
-  probe.pulse_length_mm = json.at("pulse_length_mm");
-  probe.beam_width_mm = json.at("beam_width_mm");
-  probe.focus_mm = json.at("focus_mm");
-  probe.dynamic_range_db = json.at("dynamic_range_db");
-  probe.gain_db = json.at("gain_db");
-  probe.tgc_db_per_cm = json.at("tgc_db_per_cm");
+  const double elements_mm = probe.pitch_mm * probe.elements;
+  ACUS_REQUIRE(elements_mm <= 1.1 * probe.ArrayLengthMm() + 1e-9, path.string(),
+               ": /pitch_mm: ", probe.elements, " elements with a pitch of ", probe.pitch_mm,
+               " mm are longer than the face (", probe.ArrayLengthMm(),
+               " mm); give a smaller pitch, fewer elements or a longer face");
   return probe;
 }
 
@@ -96,12 +133,14 @@ const Probe& CheckedProbe(const Probe& probe) {
     ACUS_REQUIRE(probe.width_mm > 0.0 && std::isfinite(probe.width_mm), "probe: width ",
                  probe.width_mm, " mm; it must be above 0");
   } else {
-    ACUS_REQUIRE(probe.radius_mm > 0.0 && std::isfinite(probe.radius_mm) &&
-                     probe.field_of_view_rad > 0.0 && probe.field_of_view_rad < 3.0 &&
-                     probe.scan_lines >= kMinPx && probe.scan_lines <= kMaxPx,
+    const bool round = probe.kind == ProbeKind::kCurvilinear;
+    ACUS_REQUIRE((round ? probe.radius_mm > 0.0 : probe.radius_mm == 0.0) &&
+                     std::isfinite(probe.radius_mm) && probe.field_of_view_rad > 0.0 &&
+                     probe.field_of_view_rad < 3.0 && probe.scan_lines >= kMinPx &&
+                     probe.scan_lines <= kMaxPx,
                  "probe: radius ", probe.radius_mm, " mm, field of view ", probe.field_of_view_rad,
-                 " rad, ", probe.scan_lines, " lines; allowed is above 0, 0 to 3, ", kMinPx, " to ",
-                 kMaxPx);
+                 " rad, ", probe.scan_lines, " lines; allowed is above 0 (phased: 0), 0 to 3, ",
+                 kMinPx, " to ", kMaxPx);
   }
   ACUS_REQUIRE(probe.dynamic_range_db > 0.0 && probe.dynamic_range_db <= 120.0,
                "probe: dynamic range ", probe.dynamic_range_db, " dB; allowed is above 0 to 120");
@@ -115,19 +154,20 @@ const Probe& CheckedProbe(const Probe& probe) {
 }
 
 double FaceLengthMm(const Probe& probe) {
-  if (probe.kind == ProbeKind::kLinear) return probe.width_mm;
+  if (probe.kind != ProbeKind::kCurvilinear) return probe.width_mm;
   return 2.0 * probe.radius_mm * std::sin(0.5 * probe.field_of_view_rad);
 }
 
 double FaceRadiusMm(const Probe& probe) {
-  return probe.kind == ProbeKind::kLinear ? 0.0 : probe.radius_mm;
+  return probe.kind != ProbeKind::kCurvilinear ? 0.0 : probe.radius_mm;
 }
 
 ImageGeometry PictureOf(const Probe& probe) {
+  if (probe.picture) return *probe.picture;
   double width_mm = probe.width_mm;
   double height_mm = probe.depth_mm;
   double top_mm = 0.0;
-  if (probe.kind == ProbeKind::kCurvilinear) {
+  if (probe.kind != ProbeKind::kLinear) {
     top_mm = -SagMm(probe);
     height_mm = probe.depth_mm - top_mm;
     width_mm = 2.0 * (probe.radius_mm + probe.depth_mm) * std::sin(0.5 * probe.field_of_view_rad);
@@ -141,6 +181,11 @@ ImageGeometry PictureOf(const Probe& probe) {
           .depth_of_top_row_mm = top_mm};
 }
 
+int RowsAboveFace(const ImageGeometry& picture) {
+  return static_cast<int>(
+      std::lround(std::max(0.0, -picture.depth_of_top_row_mm / picture.axial_mm_per_px)));
+}
+
 double ScanGrid::LateralSpacingMm(int k) const {
   const Eigen::Vector2d a = start_mm[0] + k * step_mm * direction[0];
   const Eigen::Vector2d b = start_mm[1] + k * step_mm * direction[1];
@@ -148,7 +193,26 @@ double ScanGrid::LateralSpacingMm(int k) const {
 }
 
 ScanGrid ScanGridOf(const Probe& probe) {
-  return probe.kind == ProbeKind::kLinear ? LinearGrid(probe) : FanGrid(probe);
+  if (probe.kind == ProbeKind::kLinear) return LinearGrid(probe);
+  const double step_mm = PictureOf(probe).axial_mm_per_px;
+  return FanGrid(probe, SamplesOf(probe, step_mm), step_mm);
+}
+
+ScanGrid BeamGridOf(const Probe& probe) {
+  ACUS_REQUIRE(probe.scan_lines >= 2 && probe.samples_per_line >= 2 && probe.depth_mm > 0.0,
+               "probe: ", probe.scan_lines, " lines of ", probe.samples_per_line, " samples over ",
+               probe.depth_mm, " mm; give 2 or more of each and a depth above 0");
+  const double step_mm = probe.depth_mm / (probe.samples_per_line - 1);
+  if (probe.kind != ProbeKind::kLinear) return FanGrid(probe, probe.samples_per_line, step_mm);
+  ScanGrid grid;
+  grid.samples = probe.samples_per_line;
+  grid.step_mm = step_mm;
+  for (int l = 0; l < probe.scan_lines; ++l) {
+    const double place = static_cast<double>(l) / (probe.scan_lines - 1) - 0.5;
+    grid.start_mm.emplace_back(place * probe.width_mm, 0.0);
+    grid.direction.emplace_back(0.0, 1.0);
+  }
+  return grid;
 }
 
 ScanGrid ScanGridOf(const ImageGeometry& picture) {

@@ -15,7 +15,7 @@ ScanConversion::ScanConversion(const Probe& probe, const ScanGrid& grid)
       lines_(grid.lines()),
       samples_(grid.samples),
       step_mm_(grid.step_mm),
-      fan_(probe.kind == ProbeKind::kCurvilinear) {
+      fan_(probe.kind != ProbeKind::kLinear) {
   if (fan_) PlacePixels(probe);
 }
 
@@ -63,19 +63,21 @@ void ScanConversion::ShowLinear(const GreyRow& grey_row, GrayImage& out, int num
   const int lanes = kernels::RoundUp(lines_);
   grey_.resize(static_cast<std::size_t>(lanes) * Pieces(samples_));
   const int left = (out.width - lines_) / 2;
+  const int above = RowsAboveFace(picture_);
+  std::fill_n(out.pixels.begin(), static_cast<std::ptrdiff_t>(above) * out.width, std::uint8_t{0});
   const auto piece = [&](int p) {
     std::uint8_t* grey = grey_.data() + static_cast<std::ptrdiff_t>(p) * lanes;
     const int end = std::min(samples_, (p + 1) * kRowsPerPiece);
     for (int k = p * kRowsPerPiece; k < end; ++k) {
       grey_row(k, p, grey);
-      std::uint8_t* row = out.pixels.data() + static_cast<std::ptrdiff_t>(k) * out.width;
+      std::uint8_t* row = out.pixels.data() + static_cast<std::ptrdiff_t>(above + k) * out.width;
       std::memset(row, 0, static_cast<std::size_t>(left));
       std::memcpy(row + left, grey, static_cast<std::size_t>(lines_));
       std::memset(row + left + lines_, 0, static_cast<std::size_t>(out.width - left - lines_));
     }
   };
   ParallelFor(Pieces(samples_), num_threads, std::ref(piece));
-  std::fill(out.pixels.begin() + static_cast<std::ptrdiff_t>(samples_) * out.width,
+  std::fill(out.pixels.begin() + static_cast<std::ptrdiff_t>(above + samples_) * out.width,
             out.pixels.end(), std::uint8_t{0});
 }
 

@@ -65,6 +65,78 @@ TEST(Probe, ALinearProbeWithoutWidthSaysSo) {
               ThrowsMessage<InputError>(AllOf(HasSubstr("/width_mm"), HasSubstr("linear"))));
 }
 
+TEST(Probe, APhasedProbeSteersFromTheMiddleOfItsFace) {
+  const Probe probe = ReadProbe(Preset("phased_s5_1.json"));
+  EXPECT_EQ(probe.kind, ProbeKind::kPhased);
+  EXPECT_EQ(probe.ArrayLengthMm(), 22.4);
+  for (const ScanGrid& grid : {ScanGridOf(probe), BeamGridOf(probe)}) {
+    EXPECT_EQ(grid.lines(), 192);
+    EXPECT_EQ(grid.start_mm.front(), Eigen::Vector2d(0, 0));
+    EXPECT_EQ(grid.start_mm.back(), Eigen::Vector2d(0, 0));
+    const double angle = std::atan2(grid.direction.back().x(), grid.direction.back().y());
+    EXPECT_NEAR(angle, 40.0 * M_PI / 180.0, 1e-12);
+  }
+  // The whole sector is in the picture, its tip at the top.
+  const ImageGeometry picture = PictureOf(probe);
+  EXPECT_EQ(picture.depth_of_top_row_mm, 0.0);
+  EXPECT_GE(picture.width_px * picture.lateral_mm_per_px,
+            2 * 160 * std::sin(40 * M_PI / 180) - 1e-9);
+}
+
+TEST(Probe, BeamsReachFromFaceToDepthOverTheWholeWidth) {
+  Probe probe = ReadProbe(Preset("linear_l14_5.json"));
+  const ScanGrid linear = BeamGridOf(probe);
+  EXPECT_EQ(linear.lines(), 256);
+  EXPECT_EQ(linear.samples, 2048);
+  EXPECT_DOUBLE_EQ(linear.start_mm.front().x(), -19.2);
+  EXPECT_DOUBLE_EQ(linear.start_mm.back().x(), 19.2);
+  EXPECT_DOUBLE_EQ(linear.step_mm * 2047, 50.0);
+  const ScanGrid fan = BeamGridOf(ReadProbe(Preset("curvilinear_c5_2.json")));
+  const Eigen::Vector2d end = fan.start_mm[0] + fan.step_mm * 2047 * fan.direction[0];
+  EXPECT_NEAR((end + Eigen::Vector2d(0, 60)).norm(), 210.0, 1e-9);
+  probe.scan_lines = 1;
+  EXPECT_THROW(BeamGridOf(probe), InputError);
+  probe.scan_lines = 2;
+  probe.depth_mm = 0;
+  EXPECT_THROW(BeamGridOf(probe), InputError);
+}
+
+TEST(Probe, ExtremesWorkOrSayWhatIsAllowed) {
+  const testing_support::TemporaryFolder folder;
+  const auto path = folder / "probe.json";
+  const auto read = [&](const char* pointer, const nlohmann::json& value) {
+    auto document = config::ReadJson(Preset("curvilinear_c5_2.json"));
+    document["pitch_mm"] = 0;
+    document[nlohmann::json::json_pointer(pointer)] = value;
+    config::WriteJson(path, document);
+    return ReadProbe(path);
+  };
+  const auto refuses = [&](const char* pointer, const nlohmann::json& value) {
+    EXPECT_THAT([&] { read(pointer, value); }, ThrowsMessage<InputError>(HasSubstr(pointer)))
+        << value;
+  };
+  EXPECT_EQ(ScanGridOf(read("/field_of_view_deg", 10)).lines(), 256);
+  EXPECT_EQ(BeamGridOf(read("/depth_mm", 100)).samples, 2048);
+  EXPECT_EQ(BeamGridOf(read("/radius_mm", 100)).samples, 2048);
+  refuses("/depth_mm", 0);
+  refuses("/depth_mm", 301);
+  refuses("/field_of_view_deg", 4.9);
+  refuses("/field_of_view_deg", 161);
+  refuses("/fractional_bandwidth", 0.04);
+  refuses("/fractional_bandwidth", 1.6);
+  refuses("/elements", 7);
+  refuses("/elements", 1025);
+  refuses("/pitch_mm", -0.1);
+  refuses("/pitch_mm", 0.6);  // Longer than the face.
+  refuses("/f_number", 0.4);
+  refuses("/f_number", 21);
+  refuses("/elevation_aperture_mm", 0.4);
+  refuses("/elevation_focus_mm", 301);
+  refuses("/samples_per_line", 63);
+  refuses("/samples_per_line", 8193);
+  refuses("/kind", "convex");
+}
+
 TEST(Probe, DamagedFilesAreReadOrRefused) {
   const testing_support::TemporaryFolder folder;
   const std::string valid = ReadTextFile(Preset("curvilinear_c5.json"));
