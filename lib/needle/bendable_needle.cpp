@@ -57,10 +57,7 @@ void BendableNeedle::MovePath(BendableNeedleState& state,
     PathNode entry = input.tissue;
     entry.position_mm = input.tip_mm - std::max(0.0, input.advance_mm) * state.heading;
     state.path.Begin(entry);
-    if (input.advance_mm > 0.0) {
-      state.path.Advance(state.heading, input.advance_mm, input.tissue);
-    }
-    return;
+    if (!(input.advance_mm > 0.0)) return;
   }
   if (input.advance_mm < 0.0) {
     state.path.Retract(-input.advance_mm);

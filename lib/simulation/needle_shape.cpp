@@ -96,7 +96,7 @@ void NeedleShapeModel::Step(NeedleShapeState& state, const NeedleShapeInput& inp
       Follow(state, input, force.depth_mm);
       if (model_ == NeedleModelKind::kLateralBeam && !keeps_force_)
         across = Beam(state, tip_in_ct_mm);
-      if (bendable_) across = Bend(state, input);
+      if (bendable_) across = Bend(state, input, force);
       state.gate.Accept(input.time_s, across);
       break;
   }
@@ -141,8 +141,8 @@ NeedleForce NeedleShapeModel::Beam(const NeedleShapeState& state,
 }
 
 /// Fortmeier-2016: the tip cuts on where it points, the rod follows, eq. 8 is felt.
-NeedleForce NeedleShapeModel::Bend(NeedleShapeState& state,
-                                   const NeedleShapeInput& input) const noexcept {
+NeedleForce NeedleShapeModel::Bend(NeedleShapeState& state, const NeedleShapeInput& input,
+                                   const NeedleForce& along) const noexcept {
   NeedleForce across;
   needle::CurvedPath& path = state.needle.path;
   const bool in_air = !state.line.pierced;
@@ -181,27 +181,31 @@ NeedleForce NeedleShapeModel::Bend(NeedleShapeState& state,
   across.torque_in_ct_n_mm = step.hand_torque_n_mm;
   across.lateral_n = step.hand_force_n.norm();
   forces::LimitTo(across, settings_.lateral_limit_n);
-  const double dt_s = input.time_s - state.gate.valid_time_s;
+  const double dt_s = state.gate.started ? input.time_s - state.gate.valid_time_s : 0.0;
+  const double spent_n_mm = std::max(0.0, (along.cutting_n + along.friction_n) * hand.advance_mm) +
+                            kGiftNMmPerS * std::min(dt_s, 0.1);
   if (begins) {
     state.hand_mm = hand.tip_mm;
     state.hand = hand.hand;
   }
-  Return(state, hand, step.rod.energy_n_mm, state.gate.started ? dt_s : 0.0, across);
+  Return(state, hand, step.rod.energy_n_mm, spent_n_mm, across);
   return across;
 }
 
-/// The needle gives the hand no more than the hand has put in. What bends it beyond that is the
-/// advance, whose force is the axial model's; without this a hand could lean, advance, and get the
-/// difference for nothing.
+/// The needle gives the hand no more than the hand has put in: by moving and turning the hub, and
+/// by what cutting and friction take of an advance (`spent_n_mm`), which can pay for the bending
+/// that the advance does. Without this a hand could lean, advance and get the difference for
+/// nothing, as the axial models do not know of the bending.
 void NeedleShapeModel::Return(NeedleShapeState& state, const needle::BendableNeedleInput& hand,
-                              double energy_n_mm, double dt_s, NeedleForce& across) const noexcept {
+                              double energy_n_mm, double spent_n_mm,
+                              NeedleForce& across) const noexcept {
   const NeedleForce& before = state.gate.held;
   const Vector3d force_n = before.force_in_ct_n + state.share * across.force_in_ct_n;
   const Vector3d torque_n_mm = before.torque_in_ct_n_mm + state.share * across.torque_in_ct_n_mm;
-  state.paid_n_mm -= 0.5 * (force_n.dot(hand.tip_mm - state.hand_mm) +
-                            torque_n_mm.dot(TurnRad(state.hand, hand.hand)));
-  state.paid_n_mm += kGiftNMmPerS * std::min(dt_s, 0.1);
-  state.paid_n_mm = std::clamp(state.paid_n_mm, 0.0, energy_n_mm + kCreditNMm);
+  double paid_n_mm = state.paid_n_mm - 0.5 * (force_n.dot(hand.tip_mm - state.hand_mm) +
+                                              torque_n_mm.dot(TurnRad(state.hand, hand.hand)));
+  paid_n_mm += std::clamp(energy_n_mm - paid_n_mm, 0.0, spent_n_mm);
+  state.paid_n_mm = std::clamp(paid_n_mm, 0.0, energy_n_mm + kCreditNMm);
   state.share = energy_n_mm > kTinyNMm ? std::clamp(state.paid_n_mm / energy_n_mm, 0.0, 1.0) : 1.0;
   state.hand_mm = hand.tip_mm;
   state.hand = hand.hand;

@@ -101,9 +101,10 @@ class NeedleShapeModel {
               double depth_mm) const noexcept;
   forces::NeedleForce Beam(const NeedleShapeState& state,
                            const Eigen::Vector3d& tip_in_ct_mm) const noexcept;
-  forces::NeedleForce Bend(NeedleShapeState& state, const NeedleShapeInput& input) const noexcept;
+  forces::NeedleForce Bend(NeedleShapeState& state, const NeedleShapeInput& input,
+                           const forces::NeedleForce& along) const noexcept;
   void Return(NeedleShapeState& state, const needle::BendableNeedleInput& hand, double energy_n_mm,
-              double dt_s, forces::NeedleForce& across) const noexcept;
+              double spent_n_mm, forces::NeedleForce& across) const noexcept;
 
   scenario::NeedleModelKind model_;
   bool axis_lock_;

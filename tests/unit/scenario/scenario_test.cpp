@@ -72,6 +72,47 @@ TEST_F(ScenarioFile, HoldsTheProbeForceOfItsModel) {
   }
 }
 
+TEST_F(ScenarioFile, KnowsTheNeedlesShape) {
+  EXPECT_FALSE(Read(kText).shape.has_value());
+  const auto with = [&](const char* needle) {
+    return Read(kText, {ParseOverride(std::string("/effects/needle=") + needle),
+                        ParseOverride("/effects/needle/elasticity=table.json")});
+  };
+  const Scenario s = with(R"({"model": "bendable", "nodes": 50, "bevel": false})");
+  ASSERT_TRUE(s.shape.has_value());
+  EXPECT_EQ(s.shape->model, NeedleModelKind::kBendable);
+  EXPECT_EQ(s.shape->nodes, 50);
+  EXPECT_FALSE(s.shape->bevel);
+  EXPECT_EQ(s.shape->path_spacing_mm, 1.0);
+  EXPECT_EQ(s.shape->kappa_n_per_mm, 0.5);
+  EXPECT_EQ(s.shape->hand_n_mm_per_rad, 500.0);
+  EXPECT_TRUE(with(R"({"model": "lateral_beam", "axis_lock": true})").shape->axis_lock);
+  EXPECT_THAT(
+      [&] { with(R"({"model": "bendy"})"); },
+      ThrowsMessage<InputError>(AllOf(HasSubstr("/effects/needle/model"), HasSubstr("bendable"))));
+  EXPECT_THAT([&] { with(R"({"model": "bendable", "node": 50})"); },
+              ThrowsMessage<InputError>(HasSubstr("node")));
+  for (const char* bad :
+       {R"({"model": "bendable", "nodes": 3})", R"({"model": "bendable", "nodes": 129})",
+        R"({"model": "bendable", "path_spacing_mm": 0.1})",
+        R"({"model": "bendable", "path_spacing_mm": 21})",
+        R"({"model": "bendable", "hand": {"kappa_n_per_mm": 0}})",
+        R"({"model": "bendable", "hand": {"stiffness_n_per_mm": 101}})",
+        R"({"model": "bendable", "tip_stiffness_n_per_mm": -1})",
+        R"({"model": "bendable", "influence_radius_mm": 0})"}) {
+    EXPECT_THROW(with(bad), InputError) << bad;
+  }
+  EXPECT_THAT([&] { with(R"({"model": "bendable", "axis_lock": true})"); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("axis_lock"), HasSubstr("lateral_beam"))));
+  EXPECT_THAT(
+      [&] {
+        Read(kText, {ParseOverride("/effects/needle/model=rigid"),
+                     ParseOverride("/effects/needle/elasticity=table.json"),
+                     ParseOverride("/effects/needle_force=null")});
+      },
+      ThrowsMessage<InputError>(AllOf(HasSubstr("/effects/needle "), HasSubstr("needle_force"))));
+}
+
 TEST_F(ScenarioFile, TakesChangesFromTheCommandLine) {
   const Scenario s =
       Read(kText, {ParseOverride("/effects/ct_slice=null"),

@@ -67,6 +67,20 @@ TEST(PlanEffects, KeepsTheNeedlePoseForAnImageThatShowsTheNeedle) {
   EXPECT_EQ(plan.stages().front().reason, "needed by B-mode");
 }
 
+TEST(PlanEffects, TheNeedlesShapeComesBetweenItsForceAndThePictures) {
+  scenario::Scenario s = AllEffects();
+  s.shape.emplace().model = scenario::NeedleModelKind::kBendable;
+  const EffectPlan plan = PlanEffects(s, kAll);
+  EXPECT_THAT(StagesIn(plan),
+              testing::ElementsAre("needle pose", "tissue lookup", "needle force", "needle shape",
+                                   "probe pose", "CT slice", "B-mode"));
+  EXPECT_TRUE(plan.Needs("shape"));
+  EXPECT_TRUE(plan.Needs("elasticity"));
+  s.shape->model = scenario::NeedleModelKind::kRigid;
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs("elasticity"));
+  EXPECT_FALSE(PlanEffects(AllEffects(), kAll).Has(StageId::kNeedleShape));
+}
+
 TEST(PlanEffects, NamesEveryMissingInputAtOnce) {
   scenario::Scenario s = AllEffects();
   s.patient.labels.clear();
