@@ -166,14 +166,16 @@ ForceComparison CompareForces(const CsvTable& a, const CsvTable& b,
                                             Taken(b.Texts(column), rows.b), result.time_s,
                                             tolerances.tissue_percent));
     }
-    const bool is_depth = column == "depth_mm";
-    if (!is_depth && !column.ends_with("_n")) continue;
+    const bool is_torque = column.ends_with("_n_mm");
+    const bool is_length = column.ends_with("_mm") && !is_torque;
+    if (!is_length && !is_torque && !column.ends_with("_n")) continue;
     auto in_a = Taken(a.Numbers(column), rows.a);
     auto in_b = Taken(b.Numbers(column), rows.b);
     const Difference difference = DifferenceOf(in_a, in_b, result.time_s);
-    if (is_depth) {
-      result.checks.push_back(AtMost("depth_mm: largest difference", "mm", difference.max,
-                                     tolerances.depth_max_mm, At(difference)));
+    if (is_length || is_torque) {
+      result.checks.push_back(
+          AtMost(column + ": largest difference", is_torque ? "N mm" : "mm", difference.max,
+                 is_torque ? tolerances.torque_max_n_mm : tolerances.depth_max_mm, At(difference)));
       continue;
     }
     const ForceLimit& limit = tolerances.Of(column);

@@ -32,6 +32,7 @@ Tolerances TolerancesFrom(const json& document, const std::string& label) {
     tolerances.forces.by_column[column] = {limit.at("rms_n"), limit.at("max_n")};
   }
   tolerances.forces.depth_max_mm = forces.at("depth_max_mm");
+  tolerances.forces.torque_max_n_mm = forces.at("torque_max_n_mm");
   tolerances.forces.tissue_percent = forces.at("tissue_percent");
   tolerances.forces.event_time_s = forces.at("event_time_s");
   const json& images = checked.at("images");

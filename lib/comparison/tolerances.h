@@ -17,7 +17,8 @@ struct ForceTolerances {
   double time_max_s = 0.0;
   ForceLimit any;  ///< For columns that are not in by_column.
   std::map<std::string, ForceLimit> by_column;
-  double depth_max_mm = 0.0;
+  double depth_max_mm = 0.0;  ///< Also of other lengths.
+  double torque_max_n_mm = 0.0;
   double tissue_percent = 0.0;
   double event_time_s = 0.0;
 

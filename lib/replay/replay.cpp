@@ -77,6 +77,11 @@ std::vector<std::string> WarningsOf(const Scene& scene, const Run& run) {
         "the probe never touched the skin: is the transform right? On a mannequin that does not "
         "yield it only lies on it; /effects/probe_force/press_mm takes it deeper");
   }
+  const auto& rod = run.steps.final_state.shape.needle.rod;
+  if (rod.num_not_converged > 0) {
+    warnings.push_back(Message("the bendable needle was not quite at rest in ",
+                               rod.num_not_converged, " steps; it went on in the next"));
+  }
   return warnings;
 }
 

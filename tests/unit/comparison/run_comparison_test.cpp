@@ -31,6 +31,7 @@ struct SmallRun {
   int puncture_at = 80;         ///< Sample of the event.
   std::string event = "puncture";
   std::string extra_column;
+  std::string extra_value = "1";
   int frames = 5;
   int size = 24;
   int gray_offset = 0;  ///< Added to every pixel of frame 3.
@@ -46,7 +47,8 @@ struct SmallRun {
       const double friction_n = 0.2 + (i == 50 ? spike_n : 0.0);
       csv += NumberText(i * 1e-3) + "," + NumberText(0.1 * i) + "," + (i < 100 ? "skin" : "fat") +
              "," + NumberText(axial_n) + "," + NumberText(friction_n) + "," +
-             (i == puncture_at ? event : "") + (extra_column.empty() ? "" : ",1") + "\n";
+             (i == puncture_at ? event : "") + (extra_column.empty() ? "" : "," + extra_value) +
+             "\n";
     }
     WriteTextFile(folder / "forces.csv", csv);
     config::WriteJson(folder / "metrics.json",
@@ -131,6 +133,20 @@ TEST_F(RunComparisonTest, StatesForceDifferencesAsTheyAre) {
       {"forces",
        {{"rms_n", 0.005}, {"components", {{"friction_n", {{"rms_n", 0.1}, {"max_n", 1}}}}}}}};
   EXPECT_TRUE(CompareWritten(lenient).passed());
+}
+
+TEST_F(RunComparisonTest, HoldsTheShapeOfANeedleThatBends) {
+  const auto with = [](const char* column, const char* value) {
+    SmallRun run;
+    run.extra_column = column;
+    run.extra_value = value;
+    return run;
+  };
+  EXPECT_TRUE(Compare(with("deflection_mm", "1"), with("deflection_mm", "1.005")).passed());
+  EXPECT_FALSE(Compare(with("deflection_mm", "1"), with("deflection_mm", "1.02")).passed());
+  EXPECT_TRUE(Compare(with("torque_x_n_mm", "5"), with("torque_x_n_mm", "5.05")).passed());
+  EXPECT_FALSE(Compare(with("torque_x_n_mm", "5"), with("torque_x_n_mm", "5.2")).passed());
+  EXPECT_FALSE(Compare(with("deflection_mm", "1"), SmallRun()).passed());  // A column is missing.
 }
 
 TEST_F(RunComparisonTest, StatesImageDifferencesAsTheyAre) {

@@ -101,6 +101,50 @@ TEST_F(Replay, ThatFailsLeavesTheCallersWarningsAsTheyWere) {
   EXPECT_EQ(heard, std::vector<std::string>{"after"});
 }
 
+TEST_F(Replay, LogsAndDrawsANeedleThatBends) {
+  Run("plain", 2);
+  const CsvTable plain(folder_ / "plain/forces.csv");
+  EXPECT_FALSE(plain.Has("deflection_mm"));
+  const std::string about = "Shape of the needle";
+  EXPECT_EQ(ReadTextFile(folder_ / "plain/report.html").find(about), std::string::npos);
+
+  WriteTextFile(folder_ / "bevel.json", R"({"format": "acus-needle/1", "name": "bevel",
+    "gauge": 22, "outer_diameter_mm": 0.72, "inner_diameter_mm": 0.41, "length_mm": 90,
+    "bevel_curvature_per_mm": 0.004})");
+  const std::vector<scenario::Override> bends = {{"/effects/needle", {{"model", "bendable"}}},
+                                                 {"/needle", "bevel.json"}};
+  const ReplayResult result = Run("bent", 2, bends);
+  EXPECT_THAT(result.plan_text, HasSubstr("needle shape"));
+  const CsvTable bent(folder_ / "bent/forces.csv");
+  const auto depth_mm = bent.Numbers("depth_mm");
+  const auto deflection_mm = bent.Numbers("deflection_mm");
+  const auto tip_x_mm = bent.Numbers("tip_x_mm");
+  const auto tip_z_mm = bent.Numbers("tip_z_mm");
+  EXPECT_EQ(deflection_mm[0], 0.0);
+  EXPECT_EQ(tip_z_mm[0], -5.0);
+  const double largest_mm = *std::ranges::max_element(deflection_mm);
+  // The circle of the bevel at the greatest depth, from which the tissue holds it back a little.
+  const double deepest_mm = *std::ranges::max_element(depth_mm);
+  const double aside_mm = 250.0 * (1.0 - std::cos(deepest_mm / 250.0));
+  EXPECT_GT(aside_mm, 5.0);
+  EXPECT_NEAR(*std::ranges::max_element(tip_x_mm), aside_mm, 0.15 * aside_mm);
+  EXPECT_GT(largest_mm, 1.0);
+  EXPECT_EQ(deflection_mm.back(), 0.0);  // Out again.
+  for (const char* axis : {"torque_x_n_mm", "torque_y_n_mm", "torque_z_n_mm"}) {
+    EXPECT_TRUE(bent.Has(axis));
+  }
+  EXPECT_NE(ReadTextFile(folder_ / "bent/report.html").find(about), std::string::npos);
+  EXPECT_NE(ReadTextFile(folder_ / "bent/metrics.json").find("largest tip deflection"),
+            std::string::npos);
+  // The same bytes with one thread, pictures and all.
+  Run("again", 1, bends);
+  for (const char* name : {"forces.csv", "images.igs.mha", "metrics.json"}) {
+    EXPECT_EQ(ReadTextFile(folder_ / "bent" / name), ReadTextFile(folder_ / "again" / name));
+  }
+  EXPECT_NE(ReadTextFile(folder_ / "bent/images.igs.mha"),
+            ReadTextFile(folder_ / "plain/images.igs.mha"));
+}
+
 TEST_F(Replay, LogsWhatTheNeedleMeets) {
   Run("run", 2);
   const CsvTable forces(folder_ / "run/forces.csv");
