@@ -12,6 +12,7 @@ constexpr double kShortestLineMm = 3.0;  // A line over less depth has no slope 
 constexpr double kReversalMm = 3.0;      // Travel in which friction has turned round, at least...
 constexpr double kReversalShare = 0.2;   // ...or this share of the way out.
 constexpr double kShortestHoldS = 1.0;
+constexpr double kEntryShare = 0.5;    // Of the largest fall, that the entry's has at least.
 constexpr double kRelaxationS = 10.0;  // One exponential describes so long a hold, not minutes.
 
 /// Zero, with the offset's uncertainty times `factor`.
@@ -21,19 +22,18 @@ Estimate OffsetError(const PunctureCurveFit& fit, double factor) {
   return {0.0, factor * fit.offset_n->standard_error, -half, half};
 }
 
-/// Drive depth at which a force is first felt: on the way out the needle leaves the tissue there.
+}  // namespace
+
+double OffsetN(const PunctureCurveFit& fit) {
+  return fit.offset_n ? fit.offset_n->value : 0.0;
+}
+
 double FirstForceMm(const ForceCurve& curve, const PunctureCurveFit& fit) {
   const CurvePhases& phases = fit.phases;
   for (std::size_t i = phases.advance.begin; i < phases.advance.end; ++i) {
     if (phases.smooth_n[i] > OffsetN(fit) + phases.least_drop_n) return curve.depth_mm[i];
   }
   return curve.depth_mm[phases.advance.begin];
-}
-
-}  // namespace
-
-double OffsetN(const PunctureCurveFit& fit) {
-  return fit.offset_n ? fit.offset_n->value : 0.0;
 }
 
 Samples RestSamples(const ForceCurve& curve, const CurvePhases& phases) {
@@ -76,8 +76,14 @@ void FitAdvance(const ForceCurve& curve, PunctureCurveFit& fit) {
       all.Add(i, curve.depth_mm[i], curve.force_n[i]);
   }
   if (all.Span() < 2.0 * kStickMm) return;
-  const bool early_peak = !phases.punctures.empty() &&
-                          curve.depth_mm[phases.punctures[0].peak] - begin_mm < 2.0 * kStickMm;
+  // A needle that comes from outside begins with a puncture; one that is inside may soon meet
+  // something small.
+  double largest_n = 0.0;
+  for (const PunctureEvent& event : phases.punctures) largest_n = std::max(largest_n, event.drop_n);
+  const bool early_peak = std::ranges::any_of(phases.punctures, [&](const PunctureEvent& event) {
+    return curve.depth_mm[event.peak] - begin_mm < 2.0 * kStickMm &&
+           event.drop_n >= kEntryShare * largest_n;
+  });
   fit.starts_in_tissue = !early_peak && early_n[0] > phases.least_drop_n &&
                          early_n[0] > 2.0 * (early_n[1] - early_n[0]);
   const ModelFit line = FitLine(all, math::Mean(all.x));

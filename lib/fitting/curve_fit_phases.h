@@ -9,6 +9,8 @@ namespace acus::fitting {
 inline constexpr double kStickMm = 4.0;  ///< An embedded needle's shaft slides after this travel.
 
 double OffsetN(const PunctureCurveFit& fit);  ///< 0 where there is no rest to tell it from.
+/// Drive depth at which a force is first felt: on the way out the needle leaves the tissue there.
+double FirstForceMm(const ForceCurve& curve, const PunctureCurveFit& fit);
 Samples RestSamples(const ForceCurve& curve, const CurvePhases& phases);
 
 /// Writes a fitted law into fit.model_n at its samples.

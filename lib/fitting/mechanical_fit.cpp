@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "fitting/curve_fit_phases.h"
 #include "fitting/curve_models.h"
 #include "fitting/depth_bins.h"
 #include "fitting/shared_fit.h"
@@ -51,8 +52,9 @@ MechanicalModel EmptyModel(const ForceCurve& curve, const PunctureCurveFit& punc
   const double begin_mm = curve.depth_mm[phases.advance.begin];
   double first_mm = begin_mm;
   if (!puncture.starts_in_tissue && puncture.contact_depth_mm) {
-    first_mm = std::clamp(puncture.contact_depth_mm->value, begin_mm,
-                          curve.depth_mm[phases.advance.end - 1] - kShortestMm);
+    // The fitted puncture may be far behind the surface: that is where a force is felt at all.
+    first_mm = std::min(puncture.contact_depth_mm->value, FirstForceMm(curve, puncture));
+    first_mm = std::clamp(first_mm, begin_mm, curve.depth_mm[phases.advance.end - 1] - kShortestMm);
     model.surface_mm = first_mm;
   }
   model.in.depth_mm = {first_mm, curve.depth_mm[phases.advance.end - 1]};

@@ -95,6 +95,31 @@ TEST(MechanicalFit, FindsPuncturesAndReleasesWhereTheyAre) {
   EXPECT_LE(fit.releases.size(), 2u);
 }
 
+// A needle that is inside from the start and soon meets something small has not come in there; and
+// the surface is never behind a force, wherever the largest puncture is.
+TEST(MechanicalFit, AnEarlySmallPunctureIsNotTheSurface) {
+  for (const double early_mm : {0.5, 2.0, 4.0}) {
+    const DriveMotion drive;
+    MechanicalModel truth = PlainTruth(drive);
+    truth.punctures = {
+        {.contact_mm = early_mm, .puncture_mm = 1.5, .a1_n_per_mm = 0.1, .recovery_mm = 0.3},
+        {.contact_mm = 40.0, .puncture_mm = 5.0, .a1_n_per_mm = 0.15, .recovery_mm = 0.6}};
+    const forces::ForceCurve curve = Recording(truth, drive, 0.005, 11);
+    const PunctureCurveFit puncture = FitPunctureCurve(curve);
+    ASSERT_LT(curve.depth_mm[puncture.phases.punctures[0].peak], 8.0);  // It is seen.
+    EXPECT_TRUE(puncture.starts_in_tissue) << early_mm;
+    const MechanicalFit fit = FitMechanical(curve, puncture);
+    ASSERT_TRUE(fit.converged);
+    EXPECT_LT(fit.constant_rms.insertion_n, 1.05 * fit.line.insertion_n) << early_mm;
+    EXPECT_LT(fit.eventful_rms.insertion_n, 0.03) << early_mm;
+
+    PunctureCurveFit mistaken = puncture;
+    mistaken.starts_in_tissue = false;
+    EXPECT_LT(FitMechanical(curve, mistaken).constant_rms.insertion_n, 1.1 * fit.line.insertion_n)
+        << early_mm;
+  }
+}
+
 TEST(MechanicalFit, FindsNoEventsWhereThereAreNone) {
   const DriveMotion drive;
   const MechanicalFit fit = Fit(Recording(PlainTruth(drive), drive, 0.02, 5));
