@@ -128,8 +128,12 @@ fs::path FindConfig(const fs::path& name, const fs::path& relative_to) {
   if (fs::exists(near)) return near;
   const fs::path installed = ConfigsFolder() / name;
   if (!name.is_absolute() && fs::exists(installed)) return installed;
-  throw InputError(
-      Message(name.string(), ": no such file; tried ", near.string(), " and ", installed.string()));
+  // A change on the command line (--set) is told as seen from there.
+  std::error_code ignored;
+  const fs::path here = fs::current_path(ignored) / name;
+  if (fs::exists(here)) return here;
+  throw InputError(Message(name.string(), ": no such file; tried ", near.string(), ", ",
+                           installed.string(), " and ", here.string()));
 }
 
 }  // namespace acus::config

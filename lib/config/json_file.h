@@ -34,7 +34,7 @@ std::vector<std::string> SchemaNames();
 std::string_view SchemaText(std::string_view schema_name);
 
 /// Finds a preset such as "tissues/default.json": first as a path relative to `relative_to` (a
-/// folder), then in the installed or built configs folder.
+/// folder), then in the installed or built configs folder, then relative to the working folder.
 /// @throws InputError naming every place that was tried.
 std::filesystem::path FindConfig(const std::filesystem::path& name,
                                  const std::filesystem::path& relative_to);

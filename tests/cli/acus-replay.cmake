@@ -11,6 +11,11 @@ acus_add_cli_case(acus-replay.explain EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "effect ultrasound is called for" "us/run" "^CT slice +image +out"
   COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session ${patient} --explain
           --set /effects/ct_slice=null)
+acus_add_cli_case(acus-replay.fitted_table EXIT 0 NEEDS inputs STDOUT "needle force" ": fits"
+  BEFORE "bash ${CMAKE_CURRENT_LIST_DIR}/fit_inputs.sh
+$ACUS_BIN/acus-fit a.csv recording --tissue liver -o fit >/dev/null"
+  COMMAND acus-replay $INPUTS/scenario.json ${patient} --check
+          --set /effects/needle_force/table=fit/forces.json)
 acus_add_cli_case(acus-replay.check EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "needle force" ": fits"
   COMMAND acus-replay $INPUTS/scenario.json ${patient} --check)
