@@ -102,18 +102,21 @@ void CtSampler::PlaceLines(const ScanGrid& grid, const Eigen::Isometry3d& ct_fro
   }
 }
 
+kernels::Voxels CtSampler::Voxels() const {
+  return {.data = voxels_,
+          .last = {static_cast<float>(size_[0] - 1), static_cast<float>(size_[1] - 1),
+                   static_cast<float>(size_[2] - 1)},
+          .edge = {static_cast<float>(ct_.geometry.size[0]) - 0.5F,
+                   static_cast<float>(ct_.geometry.size[1]) - 0.5F,
+                   static_cast<float>(ct_.geometry.size[2]) - 0.5F},
+          .row_bytes = 2 * size_[0],
+          .slice_bytes = 2 * size_[0] * size_[1],
+          .outside = kOutsideHu};
+}
+
 void CtSampler::Sample(const BeamLines& lines, const BeamBend& bend, BeamImage& hu,
                        int num_threads) const {
-  const kernels::Voxels voxels{
-      .data = voxels_,
-      .last = {static_cast<float>(size_[0] - 1), static_cast<float>(size_[1] - 1),
-               static_cast<float>(size_[2] - 1)},
-      .edge = {static_cast<float>(ct_.geometry.size[0]) - 0.5F,
-               static_cast<float>(ct_.geometry.size[1]) - 0.5F,
-               static_cast<float>(ct_.geometry.size[2]) - 0.5F},
-      .row_bytes = 2 * size_[0],
-      .slice_bytes = 2 * size_[0] * size_[1],
-      .outside = kOutsideHu};
+  const kernels::Voxels voxels = Voxels();
   const int lanes = kernels::RoundUp(hu.lines());
   const auto piece = [&](int p) {
     const int end = std::min(hu.samples(), (p + 1) * kRowsPerPiece);

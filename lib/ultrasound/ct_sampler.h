@@ -63,6 +63,9 @@ class CtSampler {
   /// `num_threads` threads. Where `bend` is active, samples lie off the lines.
   void Sample(const BeamLines& lines, const BeamBend& bend, BeamImage& hu, int num_threads) const;
 
+  /// For the kernels. Valid as long as this.
+  kernels::Voxels Voxels() const;
+
   const Eigen::Affine3d& index_from_ct() const { return index_from_ct_; }
 
   const volume::Geometry& geometry() const { return ct_.geometry; }

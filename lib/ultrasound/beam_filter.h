@@ -1,0 +1,53 @@
+// The point spread of the probe: complex echoes of all lines to intensities.
+#pragma once
+
+#include <vector>
+
+#include "ultrasound/beam_options.h"
+#include "ultrasound/ct_sampler.h"
+#include "ultrasound/probe.h"
+
+namespace acus::ultrasound {
+
+/// Echoes before the point spread, in phase and in quadrature.
+struct ComplexBeams {
+  BeamImage re;
+  BeamImage im;
+};
+
+/// A separable window, Gaussian along and across the beam (widths: beam_width.h), whose width
+/// across varies with depth. The peak along the beam is 1 and the sum across is 1: a flat reflector
+/// gives an envelope of its reflection. The grain of the speckle is part of the window: speckle is
+/// filtered by the rest, and the echoes of interfaces are spread by Spread() first.
+class BeamFilter {
+ public:
+  BeamFilter(const Probe& probe, const BeamOptions& options, const ScanGrid& grid);
+
+  double grain_mm() const { return grain_mm_; }  ///< Lattice of the speckle.
+  /// Of the speckle of one sample, so that its envelope has the root mean square asked for.
+  float SpeckleGain(int k) const { return speckle_gain_[static_cast<std::size_t>(k)]; }
+  /// Window that an interface is spread with along the beam: half of it, with the middle.
+  const std::vector<float>& Spread() const { return spread_; }
+
+  /// Rows [first, last) of `intensity`, from echoes with any margins.
+  /// @param scratch  Two rows of at least in.re.stride() floats, aligned.
+  void Apply(const ComplexBeams& in, int first, int last, float* scratch,
+             BeamImage& intensity) const;
+
+ private:
+  void MakeAxial(const Probe& probe, double reach);
+  void MakeLateral(const Probe& probe, double reach);
+
+  const ScanGrid& grid_;
+  bool on_;
+  double grain_mm_ = 0.0;
+  double grain_sigma_mm_ = 0.0;
+  std::vector<float> along_;
+  std::vector<float> spread_;
+  std::vector<float> speckle_gain_;
+  std::vector<int> across_half_;  ///< By sample.
+  std::vector<std::size_t> across_at_;
+  std::vector<float> across_;
+};
+
+}  // namespace acus::ultrasound

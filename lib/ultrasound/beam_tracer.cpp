@@ -1,0 +1,376 @@
+#include "ultrasound/beam_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/error.h"
+
+namespace acus::ultrasound {
+namespace {
+
+/// Half the logarithm of 1 MRayl: gas and most lung are below, all soft tissue above.
+constexpr float kAirLogImpedance = 0.0F;
+/// A CT blurs the skin over this: with gel on it there is no slope from air up to skin.
+constexpr double kSkinBlurMm = 2.0;
+/// Changes of zeta that are flatter than this are no interface.
+constexpr double kFlattestPerMm = 0.01;
+constexpr std::size_t kEchoesPerLane = 96;
+constexpr double kFaintest = 1e-4;
+
+std::size_t At(int n) {
+  return static_cast<std::size_t>(n);
+}
+
+}  // namespace
+
+struct BeamTracer::Pass {
+  Work& work;
+  const BeamPath& path;
+  ComplexBeams& out;
+  const NeedleMark* mark;
+  const NeedleMark* last_mark;
+  double ring_samples;
+  int first;  ///< Lane of the picture that is lane 0 of the block.
+  int lanes;
+  double weight;
+  double speckle_weight;
+  bool add;  ///< To what other planes have left.
+};
+
+BeamTracer::BeamTracer(const BeamTissue& tissue, const BeamOptions& options,
+                       const BeamMaterials& materials, const BeamFilter& filter,
+                       const ScanGrid& grid)
+    : tissue_(tissue),
+      options_(options),
+      materials_(materials),
+      filter_(filter),
+      grid_(grid),
+      normals_(tissue) {
+  if (tissue.ct != nullptr) {
+    sampler_.emplace(*tissue.ct);
+    ct_ = sampler_->Voxels();
+  }
+  if (tissue.labels != nullptr) {
+    const auto& size = tissue.labels->geometry.size;
+    labels_ = {.data = tissue.labels->voxels.data(),
+               .last_word = static_cast<std::int32_t>(tissue.labels->voxels.size()) - 4,
+               .edge = {static_cast<float>(size[0]) - 0.5F, static_cast<float>(size[1]) - 0.5F,
+                        static_cast<float>(size[2]) - 0.5F},
+               .row_bytes = size[0],
+               .slice_bytes = size[0] * size[1]};
+  }
+  strong_transmission_ = std::pow(10.0, options.strong_transmission_db / 20.0);
+  gel_samples_ = static_cast<int>(options.coupling_gap_mm / grid.step_mm + 1e-9);
+  skin_samples_ = tissue.labels != nullptr ? 0 : static_cast<int>(kSkinBlurMm / grid.step_mm);
+  min_step_ = static_cast<float>(kFlattestPerMm * grid.step_mm);
+  min_run_ = static_cast<float>(tissue.labels != nullptr && tissue.ct == nullptr
+                                    ? 1e-5
+                                    : std::atanh(options.smallest_reflection));
+  work_.resize(At((grid.lines() + kLanesPerBlock - 1) / kLanesPerBlock));
+  for (Work& work : work_) work.echoes.reserve(kEchoesPerLane * kLanesPerBlock);
+}
+
+void BeamTracer::TraceBlock(const std::vector<ElevationPlane>& planes, const BeamNeedle& needle,
+                            int block, ComplexBeams& out) {
+  const int first = block * kLanesPerBlock;
+  const int lanes = std::min(kLanesPerBlock, kernels::RoundUp(grid_.lines()) - first);
+  Work& work = work_[At(block)];
+  work.echoes.clear();
+  for (std::size_t p = 0; p < planes.size(); ++p) {
+    Pass pass{.work = work,
+              .path = planes[p].path,
+              .out = out,
+              .mark = needle.begin(block),
+              .last_mark = needle.end(block),
+              .ring_samples = needle.ring_samples(),
+              .first = first,
+              .lanes = lanes,
+              .weight = planes[p].weight,
+              .speckle_weight = planes[p].speckle_weight,
+              .add = p > 0};
+    TracePlane(pass);
+  }
+  Pass pass{.work = work,
+            .path = planes[0].path,
+            .out = out,
+            .mark = nullptr,
+            .last_mark = nullptr,
+            .ring_samples = 0.0,
+            .first = first,
+            .lanes = lanes,
+            .weight = 1.0,
+            .speckle_weight = 1.0,
+            .add = true};
+  PutEchoes(pass);
+}
+
+void BeamTracer::TracePlane(Pass& pass) {
+  Work& work = pass.work;
+  std::fill_n(work.energy[0], kLanesPerBlock, 1.0F);
+  std::fill_n(work.moment, kLanesPerBlock, 0.0F);
+  std::fill_n(work.quiet_until, kLanesPerBlock, 1);
+  std::fill_n(work.dry, kLanesPerBlock, true);
+  std::fill_n(work.strong_count, kLanesPerBlock, 0);
+  const bool fibres = !materials_.fibres().empty() && tissue_.labels != nullptr;
+  for (int k = 0; k < grid_.samples; ++k) {
+    const int piece = pass.path.PieceAt(k);
+    const auto s = static_cast<float>(k);
+    SampleTissue(pass, k, pass.path.Voxels(piece, pass.first));
+    if (k <= gel_samples_ + skin_samples_) MeetSkin(work, k);
+    bool any = false;
+    if (options_.interfaces) {
+      any = kernels::FindInterfacesRow({.log_impedance = work.log_impedance,
+                                        .previous = work.previous,
+                                        .start = work.start,
+                                        .moment = work.moment,
+                                        .run = work.run,
+                                        .place = work.place,
+                                        .k = s,
+                                        .min_step = min_step_,
+                                        .min_run = min_run_},
+                                       pass.lanes);
+    }
+    const float* energy = work.energy[k % kRing];
+    float* after = work.energy[(k + 1) % kRing];
+    float* re = pass.out.re.row(k) + pass.first;
+    float* im = pass.out.im.row(k) + pass.first;
+    if (options_.speckle) {
+      kernels::SpeckleEchoRow(
+          {.lattice = fibres ? Stretched(pass, k, piece) : pass.path.Lattice(piece, pass.first),
+           .scatter = work.scatter,
+           .decay = work.decay,
+           .energy = energy,
+           .energy_after = after,
+           .gain = filter_.SpeckleGain(k) * static_cast<float>(pass.speckle_weight),
+           .re = re,
+           .im = im},
+          s, pass.lanes, pass.add);
+    } else {
+      if (!pass.add) {
+        std::fill_n(re, pass.lanes, 0.0F);
+        std::fill_n(im, pass.lanes, 0.0F);
+      }
+      kernels::DecayRow(energy, work.decay, pass.lanes, after);
+    }
+    if (any) AnswerInterfaces(pass, k, piece);
+    for (; pass.mark != pass.last_mark && pass.mark->sample == k; ++pass.mark) {
+      AnswerNeedle(pass, *pass.mark, pass.ring_samples);
+    }
+  }
+}
+
+void BeamTracer::SampleTissue(Pass& pass, int k, const kernels::Lines& voxels) {
+  Work& work = pass.work;
+  const auto s = static_cast<float>(k);
+  const kernels::TissueRow tissue{work.log_impedance, work.decay, work.scatter};
+  float* hu = work.value[k % kRing];
+  std::int32_t* label = work.label[k % kRing];
+  if (tissue_.labels == nullptr) {
+    kernels::SampleRow(ct_, voxels, s, pass.lanes, hu);
+    kernels::TissueOfHuRow(materials_.hu_curves(), hu, pass.lanes, tissue);
+    return;
+  }
+  kernels::LabelRow(labels_, voxels, s, pass.lanes, label);
+  kernels::TissueOfLabelRow(materials_.label_tables(), label, pass.lanes, tissue);
+  if (tissue_.ct == nullptr) return;
+  if (std::find(label, label + pass.lanes, 0) == label + pass.lanes) return;
+  kernels::SampleRow(ct_, voxels, s, pass.lanes, hu);
+  const kernels::TissueRow of_hu{work.of_hu[0], work.of_hu[1], work.of_hu[2]};
+  kernels::TissueOfHuRow(materials_.hu_curves(), hu, pass.lanes, of_hu);
+  kernels::FillUnlabelledRow(label, of_hu, pass.lanes, tissue);
+}
+
+void BeamTracer::MeetSkin(Work& work, int k) const {
+  for (int l = 0; l < kLanesPerBlock; ++l) {
+    const bool air = work.log_impedance[l] < kAirLogImpedance;
+    if (work.dry[l] && air) {
+      // Gel fills a gap; a face that sees nothing but air radiates nothing into the body.
+      work.scatter[l] = 0.0F;
+      work.decay[l] = 1.0F;
+      work.quiet_until[l] = k + 2;
+      if (k >= gel_samples_) {
+        work.energy[k % kRing][l] = 0.0F;
+        work.dry[l] = false;
+      }
+    } else if (work.dry[l]) {
+      work.dry[l] = false;
+      work.quiet_until[l] = k > 0 ? k + 1 + skin_samples_ : 1;
+    }
+    if (k < work.quiet_until[l]) {
+      work.previous[l] = work.start[l] = work.log_impedance[l];
+      work.moment[l] = 0.0F;
+    }
+  }
+}
+
+kernels::Lines BeamTracer::Stretched(Pass& pass, int k, int piece) const {
+  Work& work = pass.work;
+  const kernels::Lines straight = pass.path.Lattice(piece, pass.first);
+  const std::int32_t* label = work.label[k % kRing];
+  bool any = false;
+  for (const FibreLabel& fibre : materials_.fibres()) {
+    any = any || std::find(label, label + pass.lanes, fibre.label) != label + pass.lanes;
+  }
+  if (!any) return straight;
+  kernels::Lines stretched{};
+  for (int a = 0; a < 3; ++a) {
+    std::copy_n(straight.start[a], pass.lanes, work.lattice[2 * a]);
+    std::copy_n(straight.step[a], pass.lanes, work.lattice[2 * a + 1]);
+    stretched.start[a] = work.lattice[2 * a];
+    stretched.step[a] = work.lattice[2 * a + 1];
+  }
+  for (const FibreLabel& fibre : materials_.fibres()) {
+    const Eigen::Vector3f grain = fibre.grain_in_lattice.cast<float>();
+    const Eigen::Vector3f dual = fibre.dual_in_lattice.cast<float>();
+    const auto shrink = static_cast<float>(1.0 / fibre.ratio - 1.0);
+    const auto grains_per_step = static_cast<float>(filter_.grain_mm() / grid_.step_mm);
+    for (int l = 0; l < pass.lanes; ++l) {
+      if (label[l] != fibre.label) continue;
+      Eigen::Vector3f step(straight.step[0][l], straight.step[1][l], straight.step[2][l]);
+      const Eigen::Vector3f start(straight.start[0][l], straight.start[1][l], straight.start[2][l]);
+      const float cosine = dual.dot(step) * grains_per_step;
+      work.decay[l] *=
+          std::exp(static_cast<float>(-fibre.extra_nepers_per_sample) * cosine * cosine);
+      for (int a = 0; a < 3; ++a) {
+        work.lattice[2 * a][l] += shrink * dual.dot(start) * grain[a];
+        work.lattice[2 * a + 1][l] += shrink * dual.dot(step) * grain[a];
+      }
+    }
+  }
+  return stretched;
+}
+
+void BeamTracer::AnswerInterfaces(Pass& pass, int k, int piece) {
+  for (int l = 0; l < pass.lanes; ++l) {
+    if (pass.work.run[l] != 0.0F) AnswerInterface(pass, k, piece, l);
+  }
+}
+
+void BeamTracer::AnswerInterface(Pass& pass, int k, int piece, int lane) {
+  Work& work = pass.work;
+  const double change = work.run[lane];
+  const double place = std::clamp<double>(work.place[lane], std::max(0, k - kRing + 2), k - 1);
+  const int above = static_cast<int>(place);
+  const double share = place - above;
+  const auto energy = [&](int n) -> float& { return work.energy[n % kRing][lane]; };
+  const double arriving = energy(above) + share * (energy(above + 1) - energy(above));
+  if (arriving < kFaintest) return;
+
+  InterfaceEcho answer;
+  answer.reflection = std::tanh(change);
+  double lobe = 1.0;
+  const bool labelled = tissue_.labels != nullptr;
+  if (options_.angle) {
+    const kernels::Lines lines = pass.path.Voxels(piece, pass.first);
+    Eigen::Vector3d index;
+    Eigen::Vector3d step;
+    for (int a = 0; a < 3; ++a) {
+      step[a] = lines.step[a][lane];
+      index[a] = lines.start[a][lane] + place * step[a];
+    }
+    const int before = std::max({0, k - kRing + 1, above - (labelled ? 0 : 1)});
+    const auto side = [&](int n) {
+      return labelled ? static_cast<float>(work.label[n % kRing][lane])
+                      : work.value[n % kRing][lane];
+    };
+    const float first = side(before);
+    const float second = side(k - 1);
+    const double cosine = normals_.CosIncidence(index, step, first, second);
+    const auto speed = [&](float of) {
+      return labelled ? materials_.SpeedAtLabel(static_cast<int>(of)) : materials_.SpeedAtHu(of);
+    };
+    answer.reflection =
+        FresnelReflection(std::exp(2.0 * change), speed(second) / speed(first), cosine);
+    lobe = MirrorLobe(cosine, options_.lobe_deg, options_.diffuse_share);
+  }
+  answer.echo = answer.reflection * lobe;
+  answer.transmission = 1.0 - answer.reflection * answer.reflection;
+  const bool strong = std::abs(answer.reflection) >= options_.strong_reflection;
+  if (strong && options_.shadow) answer.transmission *= strong_transmission_;
+
+  const auto left = static_cast<float>(answer.transmission);
+  for (int n = above + 1; n <= k + 1; ++n) {
+    energy(n) *= left;
+    if (n > k || pass.add) continue;
+    pass.out.re.row(n)[pass.first + lane] *= left;
+    pass.out.im.row(n)[pass.first + lane] *= left;
+  }
+  const double amplitude = pass.weight * arriving * answer.echo;
+  AddEcho(pass, place, lane, amplitude);
+  const bool gas = answer.reflection < -0.9 || work.previous[lane] < kAirLogImpedance;
+  if (gas && options_.comet_tail) {
+    RingBehind(pass, place, options_.gas_ring_spacing_mm / grid_.step_mm, lane, amplitude,
+               options_.gas_ring_decay);
+  }
+  if (options_.multiple_reflections && std::abs(answer.reflection) > 0.1) {
+    Reverberate(pass, place, lane, amplitude, answer.reflection);
+  }
+}
+
+void BeamTracer::RingBehind(Pass& pass, double place, double spacing, int lane, double amplitude,
+                            double decay) const {
+  for (int n = 1; n <= 16; ++n) {
+    amplitude *= decay;
+    const double at = place + n * spacing;
+    if (at >= grid_.samples || std::abs(amplitude) < kFaintest) return;
+    AddEcho(pass, at, lane, amplitude);
+  }
+}
+
+void BeamTracer::Reverberate(Pass& pass, double place, int lane, double amplitude,
+                             double reflection) const {
+  Work& work = pass.work;
+  // Between the face and this interface: each round trip is reflected by both once more.
+  double again = amplitude;
+  for (int n = 2; n <= 6 && n * place < grid_.samples; ++n) {
+    again *= -options_.face_reflection * amplitude / pass.weight;
+    if (std::abs(again) < kFaintest) break;
+    AddEcho(pass, n * place, lane, again);
+  }
+  // Between an earlier interface and this one.
+  for (int s = 0; s < work.strong_count[lane]; ++s) {
+    const Strong& earlier = work.strong[lane][s];
+    RingBehind(pass, place, place - earlier.place, lane, amplitude,
+               -earlier.reflection * reflection);
+  }
+  if (work.strong_count[lane] < kStrongest) {
+    work.strong[lane][work.strong_count[lane]++] = {static_cast<float>(place),
+                                                    static_cast<float>(reflection)};
+  }
+}
+
+void BeamTracer::AnswerNeedle(Pass& pass, const NeedleMark& mark, double ring_samples) const {
+  const int lane = mark.line - pass.first;
+  float& after = pass.work.energy[(mark.sample + 1) % kRing][lane];
+  const double amplitude = pass.weight * pass.work.energy[mark.sample % kRing][lane] * mark.echo;
+  after *= mark.transmission;
+  if (std::abs(amplitude) < kFaintest) return;
+  AddEcho(pass, mark.sample, lane, amplitude);
+  if (options_.comet_tail) {
+    RingBehind(pass, mark.sample, ring_samples, lane, amplitude, options_.needle_ring_decay);
+  }
+}
+
+void BeamTracer::AddEcho(Pass& pass, double place, int lane, double amplitude) const {
+  // Put in at the nearest sample, so that its strength does not depend on where it falls between.
+  if (pass.work.echoes.size() < pass.work.echoes.capacity()) {
+    pass.work.echoes.push_back(
+        {static_cast<int>(std::lround(place)), lane, static_cast<float>(amplitude)});
+  }
+}
+
+void BeamTracer::PutEchoes(Pass& pass) const {
+  const std::vector<float>& spread = filter_.Spread();
+  const int half = static_cast<int>(spread.size()) - 1;
+  for (const Echo& echo : pass.work.echoes) {
+    const int low = std::max(0, echo.sample - half);
+    const int high = std::min(grid_.samples - 1, echo.sample + half);
+    for (int k = low; k <= high; ++k) {
+      pass.out.re.row(k)[pass.first + echo.lane] +=
+          echo.amplitude * spread[At(std::abs(k - echo.sample))];
+    }
+  }
+}
+
+}  // namespace acus::ultrasound

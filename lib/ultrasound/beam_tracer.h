@@ -1,0 +1,108 @@
+// Follows scan lines down through the tissue: what arrives, what comes back.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "ultrasound/beam_filter.h"
+#include "ultrasound/beam_interface.h"
+#include "ultrasound/beam_kernels.h"
+#include "ultrasound/beam_materials.h"
+#include "ultrasound/beam_needle.h"
+#include "ultrasound/beam_options.h"
+#include "ultrasound/beam_path.h"
+#include "ultrasound/ct_sampler.h"
+
+namespace acus::ultrasound {
+
+/// One elevation plane and its share of the slice.
+struct ElevationPlane {
+  BeamPath path;
+  double weight = 1.0;          ///< Of interfaces; all sum up to 1.
+  double speckle_weight = 1.0;  ///< The squares sum up to 1.
+};
+
+/// With E the amplitude that arrives, there and back, from 1 at the face (0 against air):
+///   echo = E * (reflection of an interface that lies here) + E * backscatter * noise,
+///   E    = E * (1 - R^2) behind an interface, and * exp(-2 alpha step) at each sample.
+class BeamTracer {
+ public:
+  static constexpr int kLanesPerBlock = 64;
+
+  /// Keeps references to all of them. @throws InputError if the volumes do not fit each other.
+  BeamTracer(const BeamTissue& tissue, const BeamOptions& options, const BeamMaterials& materials,
+             const BeamFilter& filter, const ScanGrid& grid);
+
+  int blocks() const { return static_cast<int>(work_.size()); }
+
+  /// Fills lanes [64 * block, 64 * block + 64) of `out` (without margins). Blocks are independent.
+  void TraceBlock(const std::vector<ElevationPlane>& planes, const BeamNeedle& needle, int block,
+                  ComplexBeams& out);
+
+ private:
+  /// An echo of an interface or the needle, put in when the speckle is complete.
+  struct Echo {
+    int sample;
+    int lane;
+    float amplitude;
+  };
+  /// Earlier samples are kept, for interfaces that are known only when they have been passed.
+  static constexpr int kRing = 16;
+  static constexpr int kStrongest = 4;
+  struct Strong {
+    float place = 0.0F;
+    float reflection = 0.0F;
+  };
+  struct Work {
+    alignas(64) float value[kRing][kLanesPerBlock];  ///< HU, where there are no labels.
+    alignas(64) std::int32_t label[kRing][kLanesPerBlock];
+    alignas(64) float energy[kRing][kLanesPerBlock];
+    alignas(64) float log_impedance[kLanesPerBlock];
+    alignas(64) float decay[kLanesPerBlock];
+    alignas(64) float scatter[kLanesPerBlock];
+    alignas(64) float of_hu[3][kLanesPerBlock];
+    alignas(64) float previous[kLanesPerBlock];
+    alignas(64) float start[kLanesPerBlock];
+    alignas(64) float moment[kLanesPerBlock];
+    alignas(64) float run[kLanesPerBlock];
+    alignas(64) float place[kLanesPerBlock];
+    alignas(64) float lattice[6][kLanesPerBlock];
+    int quiet_until[kLanesPerBlock];  ///< Interfaces above are gel and skin.
+    bool dry[kLanesPerBlock];         ///< Nothing but air so far.
+    Strong strong[kLanesPerBlock][kStrongest];
+    int strong_count[kLanesPerBlock];
+    std::vector<Echo> echoes;
+  };
+  struct Pass;  ///< One block of one plane.
+
+  void TracePlane(Pass& pass);
+  void SampleTissue(Pass& pass, int k, const kernels::Lines& voxels);
+  void MeetSkin(Work& work, int k) const;
+  kernels::Lines Stretched(Pass& pass, int k, int piece) const;
+  void AnswerInterfaces(Pass& pass, int k, int piece);
+  void AnswerInterface(Pass& pass, int k, int piece, int lane);
+  void RingBehind(Pass& pass, double place, double spacing, int lane, double amplitude,
+                  double decay) const;
+  void Reverberate(Pass& pass, double place, int lane, double amplitude, double reflection) const;
+  void AnswerNeedle(Pass& pass, const NeedleMark& mark, double ring_samples) const;
+  void AddEcho(Pass& pass, double place, int lane, double amplitude) const;
+  void PutEchoes(Pass& pass) const;
+
+  const BeamTissue& tissue_;
+  const BeamOptions& options_;
+  const BeamMaterials& materials_;
+  const BeamFilter& filter_;
+  const ScanGrid& grid_;
+  SurfaceNormals normals_;
+  std::optional<CtSampler> sampler_;
+  kernels::Voxels ct_{};
+  kernels::LabelVoxels labels_{};
+  double strong_transmission_ = 0.0;
+  int gel_samples_ = 0;
+  int skin_samples_ = 0;
+  float min_step_ = 0.0F;
+  float min_run_ = 0.0F;
+  std::vector<Work> work_;
+};
+
+}  // namespace acus::ultrasound
