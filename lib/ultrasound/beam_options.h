@@ -56,7 +56,7 @@ struct BeamTissue {
   const TissueAcousticsTable* acoustics = nullptr;
   std::string labels_file = "labels";  ///< For messages.
   /// Direction of the fibres by tissue name, in CT space (LPS) at rest. Need not be unit vectors.
-  std::map<std::string, Eigen::Vector3d> fibres_in_ct;
+  std::map<std::string, Eigen::Vector3d> fibres_in_ct{};
 };
 
 }  // namespace acus::ultrasound
