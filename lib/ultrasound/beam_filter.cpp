@@ -70,6 +70,7 @@ BeamFilter::BeamFilter(const Probe& probe, const BeamOptions& options, const Sca
   if (!on_) {
     along_ = spread_ = {1.0F};
     speckle_gain_.assign(static_cast<std::size_t>(grid.samples), 1.0F);
+    across_over_along_.assign(static_cast<std::size_t>(grid.samples), 0.0);
     return;
   }
   MakeAxial(probe, options.point_spread_reach);
@@ -101,6 +102,7 @@ void BeamFilter::MakeLateral(const Probe& probe, double reach) {
     const std::vector<double> across = HalfGauss(std::max(sigma, 1e-3), reach, kMaxHalfAcross);
     double sum = -1.0;
     for (const double value : across) sum += 2.0 * value;
+    across_over_along_.push_back(sigma * spacing_mm / SigmaOfFwhm(AxialFwhmMm(probe)));
     across_half_.push_back(static_cast<int>(across.size()) - 1);
     across_at_.push_back(across_.size());
     AppendTo(across_, across, 1.0 / sum);

@@ -26,6 +26,8 @@ class BeamFilter {
   double grain_mm() const { return grain_mm_; }  ///< Lattice of the speckle.
   /// Of the speckle of one sample, so that its envelope has the root mean square asked for.
   float SpeckleGain(int k) const { return speckle_gain_[static_cast<std::size_t>(k)]; }
+  /// Width of the window across over that along the beam, in mm.
+  double AcrossOverAlong(int k) const { return across_over_along_[static_cast<std::size_t>(k)]; }
   /// Window that an interface is spread with along the beam: half of it, with the middle.
   const std::vector<float>& Spread() const { return spread_; }
 
@@ -45,6 +47,7 @@ class BeamFilter {
   std::vector<float> along_;
   std::vector<float> spread_;
   std::vector<float> speckle_gain_;
+  std::vector<double> across_over_along_;
   std::vector<int> across_half_;  ///< By sample.
   std::vector<std::size_t> across_at_;
   std::vector<float> across_;

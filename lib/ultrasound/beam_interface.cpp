@@ -71,12 +71,53 @@ Eigen::Vector3d SurfaceNormals::At(const Eigen::Vector3d& index, float before, f
   return length > 0.0 ? Eigen::Vector3d(normal / length) : Eigen::Vector3d::Zero();
 }
 
-double SurfaceNormals::CosIncidence(const Eigen::Vector3d& index, const Eigen::Vector3d& step,
-                                    float before, float after) const {
+SurfaceNormals::Angles SurfaceNormals::AnglesTo(const Eigen::Vector3d& index,
+                                                const Eigen::Vector3d& step,
+                                                const Eigen::Vector3d& across, float before,
+                                                float after) const {
   const Eigen::Vector3d normal = At(index, before, after);
-  if (normal.isZero(0.0)) return 1.0;
-  const Eigen::Vector3d along = step.array() * spacing_mm_;
-  return std::min(1.0, std::abs(along.dot(normal)) / along.norm());
+  if (normal.isZero(0.0)) return {};
+  const Eigen::Vector3d along = (step.array() * spacing_mm_).matrix().normalized();
+  const Eigen::Vector3d sideways_mm = across.array() * spacing_mm_;
+  const Eigen::Vector3d sideways = (sideways_mm - along.dot(sideways_mm) * along).normalized();
+  const double cosine = std::min(1.0, std::abs(along.dot(normal)));
+  return {cosine, std::abs(sideways.dot(normal)) / std::max(cosine, 1e-3)};
+}
+
+double SurfaceNormals::SideAt(const Eigen::Vector3d& index, int before, int after) const {
+  const Eigen::Array3d inside = index.array().max(0.0).min((size_ - 1).cast<double>());
+  const Eigen::Array3i low = inside.floor().cast<int>();
+  const Eigen::Array3i high = (low + 1).min(size_ - 1);
+  const Eigen::Array3d share = inside - low.cast<double>();
+  double sum = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    Eigen::Array3i at;
+    double weight = 1.0;
+    for (int a = 0; a < 3; ++a) {
+      const bool up = (corner >> a & 1) != 0;
+      at[a] = up ? high[a] : low[a];
+      weight *= up ? share[a] : 1.0 - share[a];
+    }
+    const int label = tissue_.labels->At(at[0], at[1], at[2]);
+    sum += label == after ? weight : label == before ? -weight : 0.0;
+  }
+  return sum;
+}
+
+double SurfaceNormals::SamplesToSurface(const Eigen::Vector3d& index, const Eigen::Vector3d& step,
+                                        float before, float after) const {
+  if (tissue_.labels == nullptr || before == after) return 0.0;
+  constexpr double kReachVoxels = 0.75;
+  const double reach = kReachVoxels / step.norm();
+  const auto side = [&](double samples) {
+    return SideAt(index + samples * step, static_cast<int>(before), static_cast<int>(after));
+  };
+  const double middle = side(0.0);
+  if (middle == 0.0) return 0.0;
+  const double other_at = middle > 0.0 ? -reach : reach;
+  const double other = side(other_at);
+  if (middle * other > 0.0) return other_at;
+  return other_at * middle / (middle - other);
 }
 
 }  // namespace acus::ultrasound

@@ -29,16 +29,28 @@ class SurfaceNormals {
  public:
   explicit SurfaceNormals(const BeamTissue& tissue);
 
+  /// How a beam meets the surface.
+  struct Angles {
+    double cos_incidence = 1.0;  ///< |cos| between the beam and the normal.
+    double tan_in_plane = 0.0;   ///< Slope of the surface along the next line, in the plane.
+  };
+
   /// Unit normal at a place (voxel indices), in mm along the voxel axes; zero where there is none.
   /// `before`, `after`: label (or Hounsfield unit) on both sides.
   Eigen::Vector3d At(const Eigen::Vector3d& index, float before, float after) const;
 
-  /// |cos| between a step of the beam (voxel indices) and the normal; 1 where there is none.
-  double CosIncidence(const Eigen::Vector3d& index, const Eigen::Vector3d& step, float before,
-                      float after) const;
+  /// `step`: along the beam, `across`: to the next line, both in voxels.
+  Angles AnglesTo(const Eigen::Vector3d& index, const Eigen::Vector3d& step,
+                  const Eigen::Vector3d& across, float before, float after) const;
+
+  /// Steps of the beam from a place between two labels to where they weigh the same, trilinearly:
+  /// there are no stairs then. 0 in a CT, which is smooth.
+  double SamplesToSurface(const Eigen::Vector3d& index, const Eigen::Vector3d& step, float before,
+                          float after) const;
 
  private:
   Eigen::Vector3d OfLabels(const Eigen::Array3i& voxel, int before, int after) const;
+  double SideAt(const Eigen::Vector3d& index, int before, int after) const;
   Eigen::Vector3d OfHu(const Eigen::Array3i& voxel) const;
 
   const BeamTissue& tissue_;

@@ -16,27 +16,12 @@ constexpr double kSkinBlurMm = 2.0;
 /// Changes of zeta that are flatter than this are no interface.
 constexpr double kFlattestPerMm = 0.01;
 constexpr std::size_t kEchoesPerLane = 96;
-constexpr double kFaintest = 1e-4;
 
 std::size_t At(int n) {
   return static_cast<std::size_t>(n);
 }
 
 }  // namespace
-
-struct BeamTracer::Pass {
-  Work& work;
-  const BeamPath& path;
-  ComplexBeams& out;
-  const NeedleMark* mark;
-  const NeedleMark* last_mark;
-  double ring_samples;
-  int first;  ///< Lane of the picture that is lane 0 of the block.
-  int lanes;
-  double weight;
-  double speckle_weight;
-  bool add;  ///< To what other planes have left.
-};
 
 BeamTracer::BeamTracer(const BeamTissue& tissue, const BeamOptions& options,
                        const BeamMaterials& materials, const BeamFilter& filter,
@@ -239,138 +224,6 @@ kernels::Lines BeamTracer::Stretched(Pass& pass, int k, int piece) const {
     }
   }
   return stretched;
-}
-
-void BeamTracer::AnswerInterfaces(Pass& pass, int k, int piece) {
-  for (int l = 0; l < pass.lanes; ++l) {
-    if (pass.work.run[l] != 0.0F) AnswerInterface(pass, k, piece, l);
-  }
-}
-
-void BeamTracer::AnswerInterface(Pass& pass, int k, int piece, int lane) {
-  Work& work = pass.work;
-  const double change = work.run[lane];
-  const double place = std::clamp<double>(work.place[lane], std::max(0, k - kRing + 2), k - 1);
-  const int above = static_cast<int>(place);
-  const double share = place - above;
-  const auto energy = [&](int n) -> float& { return work.energy[n % kRing][lane]; };
-  const double arriving = energy(above) + share * (energy(above + 1) - energy(above));
-  if (arriving < kFaintest) return;
-
-  InterfaceEcho answer;
-  answer.reflection = std::tanh(change);
-  double lobe = 1.0;
-  const bool labelled = tissue_.labels != nullptr;
-  if (options_.angle) {
-    const kernels::Lines lines = pass.path.Voxels(piece, pass.first);
-    Eigen::Vector3d index;
-    Eigen::Vector3d step;
-    for (int a = 0; a < 3; ++a) {
-      step[a] = lines.step[a][lane];
-      index[a] = lines.start[a][lane] + place * step[a];
-    }
-    const int before = std::max({0, k - kRing + 1, above - (labelled ? 0 : 1)});
-    const auto side = [&](int n) {
-      return labelled ? static_cast<float>(work.label[n % kRing][lane])
-                      : work.value[n % kRing][lane];
-    };
-    const float first = side(before);
-    const float second = side(k - 1);
-    const double cosine = normals_.CosIncidence(index, step, first, second);
-    const auto speed = [&](float of) {
-      return labelled ? materials_.SpeedAtLabel(static_cast<int>(of)) : materials_.SpeedAtHu(of);
-    };
-    answer.reflection =
-        FresnelReflection(std::exp(2.0 * change), speed(second) / speed(first), cosine);
-    lobe = MirrorLobe(cosine, options_.lobe_deg, options_.diffuse_share);
-  }
-  answer.echo = answer.reflection * lobe;
-  answer.transmission = 1.0 - answer.reflection * answer.reflection;
-  const bool strong = std::abs(answer.reflection) >= options_.strong_reflection;
-  if (strong && options_.shadow) answer.transmission *= strong_transmission_;
-
-  const auto left = static_cast<float>(answer.transmission);
-  for (int n = above + 1; n <= k + 1; ++n) {
-    energy(n) *= left;
-    if (n > k || pass.add) continue;
-    pass.out.re.row(n)[pass.first + lane] *= left;
-    pass.out.im.row(n)[pass.first + lane] *= left;
-  }
-  const double amplitude = pass.weight * arriving * answer.echo;
-  AddEcho(pass, place, lane, amplitude);
-  const bool gas = answer.reflection < -0.9 || work.previous[lane] < kAirLogImpedance;
-  if (gas && options_.comet_tail) {
-    RingBehind(pass, place, options_.gas_ring_spacing_mm / grid_.step_mm, lane, amplitude,
-               options_.gas_ring_decay);
-  }
-  if (options_.multiple_reflections && std::abs(answer.reflection) > 0.1) {
-    Reverberate(pass, place, lane, amplitude, answer.reflection);
-  }
-}
-
-void BeamTracer::RingBehind(Pass& pass, double place, double spacing, int lane, double amplitude,
-                            double decay) const {
-  for (int n = 1; n <= 16; ++n) {
-    amplitude *= decay;
-    const double at = place + n * spacing;
-    if (at >= grid_.samples || std::abs(amplitude) < kFaintest) return;
-    AddEcho(pass, at, lane, amplitude);
-  }
-}
-
-void BeamTracer::Reverberate(Pass& pass, double place, int lane, double amplitude,
-                             double reflection) const {
-  Work& work = pass.work;
-  // Between the face and this interface: each round trip is reflected by both once more.
-  double again = amplitude;
-  for (int n = 2; n <= 6 && n * place < grid_.samples; ++n) {
-    again *= -options_.face_reflection * amplitude / pass.weight;
-    if (std::abs(again) < kFaintest) break;
-    AddEcho(pass, n * place, lane, again);
-  }
-  // Between an earlier interface and this one.
-  for (int s = 0; s < work.strong_count[lane]; ++s) {
-    const Strong& earlier = work.strong[lane][s];
-    RingBehind(pass, place, place - earlier.place, lane, amplitude,
-               -earlier.reflection * reflection);
-  }
-  if (work.strong_count[lane] < kStrongest) {
-    work.strong[lane][work.strong_count[lane]++] = {static_cast<float>(place),
-                                                    static_cast<float>(reflection)};
-  }
-}
-
-void BeamTracer::AnswerNeedle(Pass& pass, const NeedleMark& mark, double ring_samples) const {
-  const int lane = mark.line - pass.first;
-  float& after = pass.work.energy[(mark.sample + 1) % kRing][lane];
-  const double amplitude = pass.weight * pass.work.energy[mark.sample % kRing][lane] * mark.echo;
-  after *= mark.transmission;
-  if (std::abs(amplitude) < kFaintest) return;
-  AddEcho(pass, mark.sample, lane, amplitude);
-  if (options_.comet_tail) {
-    RingBehind(pass, mark.sample, ring_samples, lane, amplitude, options_.needle_ring_decay);
-  }
-}
-
-void BeamTracer::AddEcho(Pass& pass, double place, int lane, double amplitude) const {
-  // Put in at the nearest sample, so that its strength does not depend on where it falls between.
-  if (pass.work.echoes.size() < pass.work.echoes.capacity()) {
-    pass.work.echoes.push_back(
-        {static_cast<int>(std::lround(place)), lane, static_cast<float>(amplitude)});
-  }
-}
-
-void BeamTracer::PutEchoes(Pass& pass) const {
-  const std::vector<float>& spread = filter_.Spread();
-  const int half = static_cast<int>(spread.size()) - 1;
-  for (const Echo& echo : pass.work.echoes) {
-    const int low = std::max(0, echo.sample - half);
-    const int high = std::min(grid_.samples - 1, echo.sample + half);
-    for (int k = low; k <= high; ++k) {
-      pass.out.re.row(k)[pass.first + echo.lane] +=
-          echo.amplitude * spread[At(std::abs(k - echo.sample))];
-    }
-  }
 }
 
 }  // namespace acus::ultrasound

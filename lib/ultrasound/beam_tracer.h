@@ -73,7 +73,33 @@ class BeamTracer {
     int strong_count[kLanesPerBlock];
     std::vector<Echo> echoes;
   };
-  struct Pass;  ///< One block of one plane.
+  /// One block of one plane.
+  struct Pass {
+    Work& work;
+    const BeamPath& path;
+    ComplexBeams& out;
+    const NeedleMark* mark;
+    const NeedleMark* last_mark;
+    double ring_samples;
+    int first;  ///< Lane of the picture that is lane 0 of the block.
+    int lanes;
+    double weight;
+    double speckle_weight;
+    bool add;  ///< To what other planes have left.
+  };
+  /// Where a line passes through an interface, in the tissue at rest.
+  struct Crossing {
+    int k;  ///< Sample at which it is known.
+    int lane;
+    double place;            ///< Sample number.
+    Eigen::Vector3d index;   ///< Voxel indices.
+    Eigen::Vector3d step;    ///< Along the line, voxels per sample.
+    Eigen::Vector3d across;  ///< To the neighbouring line, voxels.
+    double first_speed;      ///< m/s, on this side and the other.
+    double second_speed;
+    float first;  ///< Label, or Hounsfield unit.
+    float second;
+  };
 
   void TracePlane(Pass& pass);
   void SampleTissue(Pass& pass, int k, const kernels::Lines& voxels);
@@ -81,6 +107,9 @@ class BeamTracer {
   kernels::Lines Stretched(Pass& pass, int k, int piece) const;
   void AnswerInterfaces(Pass& pass, int k, int piece);
   void AnswerInterface(Pass& pass, int k, int piece, int lane);
+  Crossing CrossingAt(const Pass& pass, int k, int piece, int lane) const;
+  /// Echo of an interface whose step of zeta is `change`; moves its place to the smooth surface.
+  InterfaceEcho EchoOf(double change, Crossing& at) const;
   void RingBehind(Pass& pass, double place, double spacing, int lane, double amplitude,
                   double decay) const;
   void Reverberate(Pass& pass, double place, int lane, double amplitude, double reflection) const;
