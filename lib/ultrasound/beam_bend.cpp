@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/error.h"
+
 namespace acus::ultrasound {
 namespace {
 
@@ -17,6 +19,28 @@ int StepOf(double spacing_mm, double unit_mm) {
 }
 
 }  // namespace
+
+void PlaceLines(const ScanGrid& grid, const Eigen::Affine3d& index_from_ct,
+                const Eigen::Isometry3d& ct_from_probe, BeamLines& lines) {
+  ACUS_REQUIRE(ct_from_probe.matrix().allFinite(), "probe pose: has a value that is not finite");
+  const Eigen::Affine3d index_from_probe = index_from_ct * ct_from_probe;
+  // Far outside is outside: keeps indices within what an int holds.
+  constexpr double kFar = 1e8;
+  const int lanes = kernels::RoundUp(grid.lines());
+  for (int a = 0; a < 3; ++a) {
+    lines.start[a].Reserve(static_cast<std::size_t>(lanes));
+    lines.step[a].Reserve(static_cast<std::size_t>(lanes));
+    const Eigen::RowVector2d row = index_from_probe.linear().block<1, 2>(a, 0);
+    const double offset = index_from_probe.translation()[a];
+    for (int l = 0; l < lanes; ++l) {
+      const std::size_t line = static_cast<std::size_t>(std::min(l, grid.lines() - 1));
+      const double start = offset + row * grid.start_mm[line];
+      const double step = grid.step_mm * (row * grid.direction[line])(0);
+      lines.start[a].data()[l] = static_cast<float>(std::clamp(start, -kFar, kFar));
+      lines.step[a].data()[l] = static_cast<float>(std::clamp(step, -kFar, kFar));
+    }
+  }
+}
 
 void BeamBend::Axis::Spread(int count, int step, int rounded_count) {
   knot.clear();

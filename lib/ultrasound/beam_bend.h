@@ -30,6 +30,11 @@ struct BeamLines {
   AlignedFloats step[3];   ///< Per sample.
 };
 
+/// The straight lines of `grid` as seen from a pose. Allocation-free once `lines` is large enough.
+/// @throws InputError if the pose has a value that is not finite.
+void PlaceLines(const ScanGrid& grid, const Eigen::Affine3d& index_from_ct,
+                const Eigen::Isometry3d& ct_from_probe, BeamLines& lines);
+
 /// Offsets from the straight lines, bilinear in line and sample between the knots of a lattice.
 /// Exact at the knots, continuous everywhere.
 class BeamBend {
