@@ -1,0 +1,50 @@
+// What Alamilla's image makes of each tissue.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace acus::ultrasound {
+
+enum class TissueTexture {
+  kSpeckle,      ///< Round grains.
+  kThickFibres,  ///< Streaks along the fibres, dots across them (muscle).
+  kThinFibres,   ///< Speckle blurred along the fibres (tendon, ligament).
+};
+
+struct AlamillaTissue {
+  std::string tissue;     ///< Name of a label.
+  double grey = 0.0;      ///< Mean share of white, right under the probe.
+  double contrast = 0.0;  ///< Of the texture: grey times 1 - c to 1 + c.
+  double grain_mm = 0.5;
+  TissueTexture texture = TissueTexture::kSpeckle;
+  double absorption_per_cm = 0.0;  ///< Grey falls as exp(-this times depth in cm).
+  double reflection = 0.0;         ///< Share of white that its surface adds, met at a right angle.
+  bool blocks = false;             ///< Bone and gas: shadow behind its surface.
+};
+
+/// As in configs/schema/acus-image-alamilla.schema.json, where the ranges and defaults are.
+/// A stage that is off is not computed.
+struct AlamillaOptions {
+  std::string name;
+  std::string file;  ///< For messages.
+  std::vector<AlamillaTissue> tissues;
+  bool reflection = true;
+  bool shadow = true;
+  bool absorption = true;
+  bool speckle = true;
+  bool fibres = true;              ///< Off: fibrous tissues have round grains.
+  double surface_mm = 0.0;         ///< Thickness of a reflection's line.
+  double shadow_share = 0.0;       ///< Left of the grey behind bone and gas.
+  int angle_exponent = 0;          ///< Reflections fall with cos^n of the angle.
+  double thick_fibre_ratio = 1.0;  ///< Length of a streak over its width.
+  double thin_fibre_mm = 0.0;      ///< Length of the blur along thin fibres.
+  double coupling_gap_mm = 0.0;
+};
+
+/// Reads configs/acoustics/<name>.json (format acus-image-alamilla/1).
+/// @throws InputError listing all problems.
+AlamillaOptions ReadAlamillaOptions(const std::filesystem::path& path);
+
+}  // namespace acus::ultrasound
