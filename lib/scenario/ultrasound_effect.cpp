@@ -11,7 +11,9 @@ namespace acus::scenario {
 UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
                                       const std::filesystem::path& folder) {
   static const std::map<std::string, UltrasoundModel> kModels = {
-      {"vidal_2008", UltrasoundModel::kVidal2008}, {"columns_2010", UltrasoundModel::kColumns2010}};
+      {"vidal_2008", UltrasoundModel::kVidal2008},
+      {"alamilla_2021", UltrasoundModel::kAlamilla2021},
+      {"columns_2010", UltrasoundModel::kColumns2010}};
   const std::string model = effect.at("model");
   UltrasoundEffect out;
   out.model = kModels.at(model);

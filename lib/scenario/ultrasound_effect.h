@@ -7,7 +7,7 @@
 namespace acus::scenario {
 
 /// From the cheapest to the dearest.
-enum class UltrasoundModel { kVidal2008, kColumns2010 };
+enum class UltrasoundModel { kVidal2008, kAlamilla2021, kColumns2010 };
 
 struct UltrasoundEffect {
   UltrasoundModel model = UltrasoundModel::kColumns2010;
@@ -15,8 +15,8 @@ struct UltrasoundEffect {
   bool needle = true;
 
   /// What the level reads of the patient.
-  bool ReadsCt() const { return true; }
-  bool ReadsLabels() const { return false; }
+  bool ReadsCt() const { return model != UltrasoundModel::kAlamilla2021; }
+  bool ReadsLabels() const { return model == UltrasoundModel::kAlamilla2021; }
 };
 
 /// @param effect  /effects/ultrasound, checked against the schema.

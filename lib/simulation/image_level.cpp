@@ -3,7 +3,7 @@
 namespace acus::simulation {
 namespace {
 
-using Renderer = std::variant<ultrasound::VidalRenderer, ultrasound::BModeRenderer>;
+using Renderer = ImageLevel::Renderer;
 
 /// The renderer that goes with each kind of settings.
 struct MakeRenderer {
@@ -12,6 +12,10 @@ struct MakeRenderer {
 
   Renderer operator()(const ultrasound::VidalOptions& options) const {
     return Renderer(std::in_place_type<ultrasound::VidalRenderer>, *patient.ct, probe, options);
+  }
+  Renderer operator()(const ultrasound::AlamillaOptions& options) const {
+    return Renderer(std::in_place_type<ultrasound::AlamillaRenderer>, *patient.labels, probe,
+                    options);
   }
   Renderer operator()(const ultrasound::BModeOptions& options) const {
     return Renderer(std::in_place_type<ultrasound::BModeRenderer>, *patient.ct, probe, options);
@@ -24,6 +28,8 @@ ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect) {
   switch (effect.model) {
     case scenario::UltrasoundModel::kVidal2008:
       return ultrasound::ReadVidalOptions(effect.acoustics);
+    case scenario::UltrasoundModel::kAlamilla2021:
+      return ultrasound::ReadAlamillaOptions(effect.acoustics);
     case scenario::UltrasoundModel::kColumns2010:
       break;
   }

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "scenario/ultrasound_effect.h"
+#include "ultrasound/alamilla.h"
 #include "ultrasound/bmode.h"
 #include "ultrasound/vidal.h"
 #include "volume/volume.h"
@@ -14,7 +15,8 @@
 namespace acus::simulation {
 
 /// What a level was told to do. Its type says which level it is.
-using ImageSettings = std::variant<ultrasound::VidalOptions, ultrasound::BModeOptions>;
+using ImageSettings =
+    std::variant<ultrasound::VidalOptions, ultrasound::AlamillaOptions, ultrasound::BModeOptions>;
 
 /// Reads the settings of the scenario's level. @throws InputError listing all problems.
 ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect);
@@ -28,6 +30,9 @@ struct ImagePatient {
 /// Renders with the level that the settings are of. Not for two threads at a time.
 class ImageLevel {
  public:
+  using Renderer = std::variant<ultrasound::VidalRenderer, ultrasound::AlamillaRenderer,
+                                ultrasound::BModeRenderer>;
+
   /// Keeps references to the patient, which must outlive this.
   /// @throws InputError if the probe or a setting is out of range.
   ImageLevel(const ImagePatient& patient, const ultrasound::Probe& probe,
@@ -42,7 +47,6 @@ class ImageLevel {
   const ultrasound::ImageGeometry& picture() const;
 
  private:
-  using Renderer = std::variant<ultrasound::VidalRenderer, ultrasound::BModeRenderer>;
   Renderer renderer_;
 };
 

@@ -90,7 +90,7 @@ void AlamillaRenderer::FillTissues() {
       out.tile_from_index[static_cast<std::size_t>(a)] = static_cast<float>(tile(a / 3, a % 3));
     }
   }
-  tissue_[kNeedle] = {.grey = 0.9F, .reflection = 1.0F, .blocks = true};
+  tissue_[kNeedle] = {.grey = 0.9F, .reflection = 1.0F};
 }
 
 void AlamillaRenderer::SampleRow(int k) {
@@ -251,8 +251,10 @@ void AlamillaRenderer::ShadeLine(int line) {
   const Surface* const end = surface + num_surfaces_[l];
   const int thick = std::max(1, static_cast<int>(std::lround(options_.surface_mm / grid_.step_mm)));
   const auto shadow_share = static_cast<float>(options_.shadow_share);
+  const auto needle_share = static_cast<float>(options_.needle_share);
   float left = 1.0F;  // Of the grey, after absorption.
   int shadow_from = grid_.samples;
+  int needle_shadow_from = grid_.samples;
   int line_from = -thick;
   float line_grey = 0.0F;
   for (int k = 0; k < grid_.samples; ++k) {
@@ -265,6 +267,9 @@ void AlamillaRenderer::ShadeLine(int line) {
         const float noise = tissue.thin_fibres ? BlurredNoise(k, line) : noise_.row(k)[line];
         grey *= std::max(0.0F, 1.0F + tissue.contrast * (2.0F * noise - 1.0F));
       }
+      if (options_.shadow && label == kNeedle) {
+        needle_shadow_from = std::min(needle_shadow_from, k + thick);
+      }
       if (options_.shadow && tissue.blocks) shadow_from = std::min(shadow_from, k + thick);
       if (options_.reflection && surface != end && surface->sample == k) {
         line_from = k;
@@ -274,7 +279,9 @@ void AlamillaRenderer::ShadeLine(int line) {
       const int behind = k - line_from;
       if (behind < thick)
         grey += line_grey * (1.0F - static_cast<float>(behind) / static_cast<float>(thick));
-      grey *= left * (k >= shadow_from ? shadow_share : 1.0F);
+      grey *= left * (k >= shadow_from          ? shadow_share
+                      : k >= needle_shadow_from ? needle_share
+                                                : 1.0F);
       left *= tissue.passed;
     }
     grey_.row(k)[line] = grey;

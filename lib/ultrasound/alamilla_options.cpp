@@ -39,6 +39,7 @@ AlamillaOptions ReadAlamillaOptions(const std::filesystem::path& path) {
   options.fibres = json.at("fibres");
   options.surface_mm = json.at("surface_mm");
   options.shadow_share = json.at("shadow_share");
+  options.needle_share = json.at("needle_share");
   options.angle_exponent = json.at("angle_exponent");
   options.thick_fibre_ratio = json.at("thick_fibre_ratio");
   options.thin_fibre_mm = json.at("thin_fibre_mm");

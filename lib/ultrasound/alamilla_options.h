@@ -37,6 +37,7 @@ struct AlamillaOptions {
   bool fibres = true;              ///< Off: fibrous tissues have round grains.
   double surface_mm = 0.0;         ///< Thickness of a reflection's line.
   double shadow_share = 0.0;       ///< Left of the grey behind bone and gas.
+  double needle_share = 1.0;       ///< The same behind the needle, which is thinner than the slice.
   int angle_exponent = 0;          ///< Reflections fall with cos^n of the angle.
   double thick_fibre_ratio = 1.0;  ///< Length of a streak over its width.
   double thin_fibre_mm = 0.0;      ///< Length of the blur along thin fibres.

@@ -18,6 +18,8 @@ void Check(const VidalOptions& o) {
                "; it must be above 0");
   ACUS_REQUIRE(o.noise_contrast >= 0.0 && o.noise_contrast <= 1.0, "noise/contrast: is ",
                o.noise_contrast, "; allowed is 0 to 1");
+  ACUS_REQUIRE(o.needle_share >= 0.0 && o.needle_share <= 1.0, "shadow/needle_share: is ",
+               o.needle_share, "; allowed is 0 to 1");
   ACUS_REQUIRE(o.surface_mm >= 0.0 && o.surface_mm < 1e3, "shadow/surface_mm: is ", o.surface_mm,
                "; it may not be negative");
   ACUS_REQUIRE(o.shadow_share >= 0.0 && o.shadow_share <= 1.0, "shadow/share: is ", o.shadow_share,
@@ -60,15 +62,20 @@ VidalRenderer::VidalRenderer(const volume::CtVolume& ct, const Probe& probe,
 }
 
 void VidalRenderer::FindShadows() {
-  shadow_from_.assign(static_cast<std::size_t>(kernels::RoundUp(hu_.lines())), hu_.samples());
+  const auto lanes = static_cast<std::size_t>(kernels::RoundUp(hu_.lines()));
+  shadow_from_.assign(lanes, hu_.samples());
+  needle_from_.assign(lanes, hu_.samples());
   if (!options_.shadow) return;
   const auto bone = static_cast<float>(options_.bone_above_hu);
   const auto gas = static_cast<float>(options_.gas_below_hu);
   int* from = shadow_from_.data();
+  int* needle_from = needle_from_.data();
   for (int k = 0; k < hu_.samples(); ++k) {
     const float* hu = hu_.row(k);
     for (int l = 0; l < hu_.lines(); ++l) {
-      const bool blocks = hu[l] > bone || hu[l] < gas;
+      const bool needle = hu[l] == kNeedleHu;
+      const bool blocks = (hu[l] > bone || hu[l] < gas) && !needle;
+      needle_from[l] = needle ? std::min(needle_from[l], k) : needle_from[l];
       from[l] = blocks ? std::min(from[l], k) : from[l];
     }
   }
@@ -122,7 +129,11 @@ void VidalRenderer::GreyRow(int k, int piece, std::uint8_t* grey) {
     const auto share = static_cast<float>(options_.shadow_share);
     const int* from = shadow_from_.data();
     const int behind = k - surface_samples_;
-    for (int l = 0; l < lanes; ++l) value[l] *= behind > from[l] ? share : 1.0F;
+    const auto needle_share = static_cast<float>(options_.needle_share);
+    const int* needle_from = needle_from_.data();
+    for (int l = 0; l < lanes; ++l) {
+      value[l] *= behind > from[l] ? share : (behind > needle_from[l] ? needle_share : 1.0F);
+    }
   }
   kernels::WindowRow(value, static_cast<float>(255.0 * options_.brightness),
                      static_cast<float>(255.0 * options_.contrast), lanes, grey);

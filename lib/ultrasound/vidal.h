@@ -55,6 +55,7 @@ class VidalRenderer {
   BeamImage hu_;
   int surface_samples_ = 0;
   std::vector<int> shadow_from_;  ///< By line: first sample of bone or gas.
+  std::vector<int> needle_from_;  ///< The same of the needle.
   BeamImage scratch_;             ///< Two rows per piece of work.
 };
 

@@ -21,6 +21,7 @@ VidalOptions FromJson(const nlohmann::json& json, const std::string& label) {
   ACUS_REQUIRE(options.gas_below_hu < options.bone_above_hu, label, ": /shadow: gas is below ",
                options.gas_below_hu, " HU and bone above ", options.bone_above_hu,
                " HU; the first must be the lower one");
+  options.needle_share = shadow.at("needle_share");
   const auto& noise = json.at("noise");
   options.noise = noise.at("on");
   options.noise_grain_mm = noise.at("grain_mm");

@@ -20,6 +20,7 @@ struct VidalOptions {
   double gas_below_hu = 0.0;
   double surface_mm = 0.0;    ///< Of bone and gas that is seen before the shadow begins.
   double shadow_share = 0.0;  ///< Left of what lies behind.
+  double needle_share = 1.0;  ///< The same behind the needle, which is thinner than the slice.
 
   bool noise = true;
   double noise_grain_mm = 0.0;

@@ -40,6 +40,19 @@ TEST(PlanEffects, RunsProducersBeforeConsumers) {
   EXPECT_TRUE(plan.Needs("labels"));
 }
 
+TEST(PlanEffects, EachLevelOfTheUltrasoundReadsItsOwnVolume) {
+  scenario::Scenario s = AllEffects();
+  s.needle_force.reset();
+  s.ct_slice.reset();
+  s.ultrasound->model = scenario::UltrasoundModel::kVidal2008;
+  EXPECT_TRUE(PlanEffects(s, kAll).Needs("ct"));
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs("labels"));
+  s.ultrasound->model = scenario::UltrasoundModel::kAlamilla2021;
+  s.patient.ct.clear();
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs("ct"));
+  EXPECT_TRUE(PlanEffects(s, kAll).Needs("labels"));
+}
+
 TEST(PlanEffects, LeavesOutWhatNoEffectNeeds) {
   scenario::Scenario forces_only = AllEffects();
   forces_only.ultrasound.reset();

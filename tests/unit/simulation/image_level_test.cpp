@@ -14,6 +14,7 @@ using scenario::UltrasoundModel;
 /// Every level with the preset that it takes by default.
 const std::pair<UltrasoundModel, const char*> kLevels[] = {
     {UltrasoundModel::kVidal2008, "acoustics/vidal_2008.json"},
+    {UltrasoundModel::kAlamilla2021, "acoustics/alamilla_2021.json"},
     {UltrasoundModel::kColumns2010, "acoustics/hu_textured.json"},
 };
 

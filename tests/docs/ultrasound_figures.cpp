@@ -1,0 +1,190 @@
+// Panels of ultrasound for the documentation, from a folder that acus-phantom made:
+//   ultrasound_figures PATIENT PROBE.json FIGURE OUT.png
+// FIGURE: levels - the same moment by every level; vidal, alamilla - the effects of one level, one
+// after the other.
+#include <functional>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "config/json_file.h"
+#include "core/error.h"
+#include "core/run_context.h"
+#include "session/session_io.h"
+#include "ultrasound/alamilla.h"
+#include "ultrasound/annotate.h"
+#include "ultrasound/bmode.h"
+#include "ultrasound/ct_slice.h"
+#include "ultrasound/png.h"
+#include "ultrasound/vidal.h"
+#include "volume/volume_io.h"
+
+namespace acus {
+namespace {
+
+namespace fs = std::filesystem;
+using ultrasound::GrayImage;
+
+/// What every panel shows.
+struct Moment {
+  volume::CtVolume ct;
+  volume::LabelMap labels;
+  ultrasound::Probe probe;
+  Eigen::Isometry3d ct_from_probe;
+  ultrasound::NeedleInImage needle;
+};
+
+Eigen::Isometry3d CtFromReference(const fs::path& patient) {
+  const auto truth = config::ReadJson(patient / "truth.json").at("reference_from_ct");
+  Eigen::Isometry3d reference_from_ct = Eigen::Isometry3d::Identity();
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 4; ++c) reference_from_ct(r, c) = truth[r][c];
+  }
+  return reference_from_ct.inverse();
+}
+
+/// The recorded session where the needle is at its deepest.
+Moment MomentOf(const fs::path& patient, const fs::path& probe) {
+  const RunContext context;
+  const fs::path folder = fs::directory_iterator(patient / "sessions")->path();
+  const session::Session session = session::ReadSession(folder, context);
+  const Eigen::Isometry3d ct_from_reference = CtFromReference(patient);
+  Moment moment{.ct = volume::ReadCt(patient / "ct.nrrd", "", RunContext()),
+                .labels = volume::ReadTissues(patient / "labels.seg.nrrd"),
+                .probe = ultrasound::ReadProbe(probe),
+                .ct_from_probe = Eigen::Isometry3d::Identity(),
+                .needle = {}};
+  const Eigen::Vector3d start = session.needle.front().reference_from_tool.translation();
+  double deepest_mm = 0.0;
+  for (const auto& sample : session.needle) {
+    const double way_mm = (sample.reference_from_tool.translation() - start).norm();
+    if (!sample.valid || way_mm < deepest_mm) continue;
+    deepest_mm = way_mm;
+    const Eigen::Isometry3d pose = ct_from_reference * sample.reference_from_tool;
+    moment.needle.tip_in_ct_mm = pose.translation();
+    moment.needle.axis_in_ct = pose.linear().col(2);
+    const auto probe_sample =
+        std::ranges::lower_bound(session.probe, sample.time_ns, {}, &session::PoseSample::time_ns);
+    if (probe_sample != session.probe.end()) {
+      moment.ct_from_probe = ct_from_reference * probe_sample->reference_from_tool;
+    }
+  }
+  moment.needle.length_mm = 150.0;
+  moment.needle.radius_mm = 0.6;
+  return moment;
+}
+
+struct Panel {
+  std::string title;
+  GrayImage picture;
+};
+
+/// Side by side, `columns` in a row, each with its title.
+GrayImage Joined(const std::vector<Panel>& panels, int columns) {
+  const int width = panels.front().picture.width;
+  const int height = panels.front().picture.height;
+  const int rows = (static_cast<int>(panels.size()) + columns - 1) / columns;
+  GrayImage out;
+  out.Resize(columns * width, rows * height);
+  for (std::size_t n = 0; n < panels.size(); ++n) {
+    GrayImage picture = panels[n].picture;
+    ultrasound::DrawText(picture, 8, 8, panels[n].title, 255, 1.2);
+    const int left = static_cast<int>(n) % columns * width;
+    const int top = static_cast<int>(n) / columns * height;
+    for (int r = 0; r < height; ++r) {
+      std::copy_n(picture.pixels.data() + static_cast<std::ptrdiff_t>(r) * width, width,
+                  out.pixels.data() + static_cast<std::ptrdiff_t>(top + r) * out.width + left);
+    }
+  }
+  return out;
+}
+
+fs::path Acoustics(const char* name) {
+  return fs::path(ACUS_SOURCE_DIR) / "configs/acoustics" / name;
+}
+
+GrayImage Vidal(const Moment& m, const ultrasound::VidalOptions& options) {
+  GrayImage image;
+  ultrasound::VidalRenderer(m.ct, m.probe, options).Render(m.ct_from_probe, m.needle, image);
+  return image;
+}
+
+GrayImage Alamilla(const Moment& m, const ultrasound::AlamillaOptions& options) {
+  GrayImage image;
+  ultrasound::AlamillaRenderer(m.labels, m.probe, options).Render(m.ct_from_probe, m.needle, image);
+  return image;
+}
+
+GrayImage Columns(const Moment& m, const char* acoustics) {
+  GrayImage image;
+  ultrasound::BModeRenderer(m.ct, m.probe, ultrasound::ReadBModeOptions(Acoustics(acoustics)))
+      .Render(m.ct_from_probe, m.needle, image);
+  return image;
+}
+
+GrayImage CtSlice(const Moment& m) {
+  GrayImage image;
+  ultrasound::CtSliceRenderer(m.ct, ultrasound::PictureOf(m.probe), m.probe.slice_thickness_mm)
+      .Render(m.ct_from_probe, m.needle, image);
+  return image;
+}
+
+std::vector<Panel> Levels(const Moment& m) {
+  return {{"CT slice", CtSlice(m)},
+          {"vidal_2008", Vidal(m, ultrasound::ReadVidalOptions(Acoustics("vidal_2008.json")))},
+          {"alamilla_2021",
+           Alamilla(m, ultrasound::ReadAlamillaOptions(Acoustics("alamilla_2021.json")))},
+          {"columns_2010", Columns(m, "hu_textured.json")}};
+}
+
+std::vector<Panel> VidalSteps(const Moment& m) {
+  auto options = ultrasound::ReadVidalOptions(Acoustics("vidal_2008.json"));
+  options.shadow = options.noise = options.reflections = false;
+  std::vector<Panel> panels{{"look-up table", Vidal(m, options)}};
+  options.noise = true;
+  panels.push_back({"+ noise volume", Vidal(m, options)});
+  options.reflections = true;
+  panels.push_back({"+ Sobel reflections", Vidal(m, options)});
+  options.shadow = true;
+  panels.push_back({"+ shadow mask", Vidal(m, options)});
+  return panels;
+}
+
+std::vector<Panel> AlamillaSteps(const Moment& m) {
+  auto options = ultrasound::ReadAlamillaOptions(Acoustics("alamilla_2021.json"));
+  options.reflection = options.shadow = options.absorption = options.speckle = false;
+  options.fibres = false;
+  std::vector<Panel> panels{{"labels in grey", Alamilla(m, options)}};
+  options.speckle = true;
+  panels.push_back({"+ Perlin speckle", Alamilla(m, options)});
+  options.fibres = true;
+  panels.push_back({"+ fibres", Alamilla(m, options)});
+  options.reflection = options.shadow = options.absorption = true;
+  panels.push_back({"+ surfaces, shadow, absorption", Alamilla(m, options)});
+  return panels;
+}
+
+void Run(const fs::path& patient, const fs::path& probe, const std::string& figure,
+         const fs::path& out) {
+  const Moment moment = MomentOf(patient, probe);
+  const auto panels = figure == "levels"  ? Levels(moment)
+                      : figure == "vidal" ? VidalSteps(moment)
+                                          : AlamillaSteps(moment);
+  ultrasound::WritePng(out, Joined(panels, 2));
+}
+
+}  // namespace
+}  // namespace acus
+
+int main(int argc, char** argv) {
+  if (argc != 5) {
+    std::cerr << "usage: ultrasound_figures PATIENT PROBE.json levels|vidal|alamilla OUT.png\n";
+    return 2;
+  }
+  try {
+    acus::Run(argv[1], argv[2], argv[3], argv[4]);
+  } catch (const std::exception& error) {
+    std::cerr << "ultrasound_figures: " << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}
