@@ -99,6 +99,24 @@ TEST(TissueLevelsSprings, TheForceDoesNotDependOnTheStep) {
   EXPECT_GT(jumps.last.AxialN(), 0.5);
 }
 
+// A force of exactly the threshold is enough, one bit less is not: 0.25 N/mm, 4 mm, 1 N.
+TEST(TissueLevelsSprings, PunctureExactlyAtTheThreshold) {
+  forces::ForceTable table = testing_support::RoundForces();
+  table.tissue[volume::LabelOf("skin")].membrane = {0.25, 0.0, 1.0};
+  const SpringModel model({}, table, testing_support::Trocar18(),
+                          testing_support::RoundElasticity(), kBody.Tissues(), kBody.At());
+  const auto event_at = [&](double depth_mm) {
+    SpringState state = model.NewState();
+    ToolSample sample;  // Starting on the skin: the path begins at 0 exactly.
+    model.Step(state, sample);
+    sample.time_s = 0.001;
+    sample.tip_in_ct_mm.z() = depth_mm;
+    return model.Step(state, sample).event;
+  };
+  EXPECT_EQ(event_at(4.0), forces::NeedleEvent::kPuncture);
+  EXPECT_NE(event_at(std::nextafter(4.0, 0.0)), forces::NeedleEvent::kPuncture);
+}
+
 TEST(TissueLevelsSprings, StandingStillKeepsItsBits) {
   const SpringModel model = Body();
   LevelInsertion<SpringModel> insertion{model};
