@@ -18,6 +18,9 @@ class MotionMap {
   /// False: world and rest are the same, and every map returns its argument bit for bit.
   bool moves() const noexcept { return weights_.count > 0; }
 
+  const MotionField& field() const { return *field_; }
+  const MotionWeights& weights() const { return weights_; }
+
   Eigen::Vector3d DisplacementMm(const Eigen::Vector3d& rest_mm) const noexcept {
     return field_->DisplacementMm(weights_, rest_mm);
   }

@@ -29,6 +29,20 @@ struct GrayImage {
   }
 };
 
+/// rgb[3 * (row * width + column)], sRGB.
+struct ColourImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;
+
+  /// Allocates only if the size changes.
+  void Resize(int new_width, int new_height) {
+    width = new_width;
+    height = new_height;
+    rgb.resize(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  }
+};
+
 /// A picture in the probe's plane: columns run along +x (the marked side), rows along +y (depth).
 /// The centre of pixel (c, r) is at x = (c - (width_px - 1) / 2) * lateral_mm_per_px and
 /// y = depth_of_top_row_mm + r * axial_mm_per_px.

@@ -1,4 +1,4 @@
-// Grey pictures as PNG.
+// Pictures as PNG.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,12 @@
 
 namespace acus::ultrasound {
 
-/// Writes an 8-bit grey PNG, whole or not at all. The same picture gives the same bytes.
+/// Writes an 8-bit PNG, grey or RGB, whole or not at all. The same picture gives the same bytes.
 /// @param comment  Goes into the file as text, such as Provenance::OneLine(); may be empty.
 /// @throws InputError if the picture has no pixel or the file cannot be written.
 void WritePng(const std::filesystem::path& path, const GrayImage& image,
+              std::string_view comment = {});
+void WritePng(const std::filesystem::path& path, const ColourImage& image,
               std::string_view comment = {});
 
 }  // namespace acus::ultrasound

@@ -1,0 +1,37 @@
+// The needle and the probe as surfaces.
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "mesh/surface.h"
+#include "ultrasound/image.h"
+#include "ultrasound/probe.h"
+
+namespace acus::rendering {
+
+/// A round tube along points, from a closed end to a closed end.
+/// @param radius_mm  One for each point: a tip has 0.
+/// @throws InputError for fewer than two points, another number of radii, or one that is not
+///     finite.
+mesh::Surface Tube(const Eigen::Matrix3Xd& points_mm, const Eigen::VectorXd& radius_mm);
+
+/// The needle with a pointed tip. @param least_radius_mm  Drawn no thinner than that.
+/// @throws InputError if it is not finite or has no length.
+mesh::Surface NeedleShaft(const ultrasound::NeedleInImage& needle, double least_radius_mm);
+/// What the hand holds, at the end of the shaft.
+mesh::Surface NeedleHub(const ultrasound::NeedleInImage& needle);
+
+/// A probe of usual shape around the face that `probe` has, in the probe's frame.
+mesh::Surface ProbeBody(const ultrasound::Probe& probe);
+/// The ridge on its marked side.
+mesh::Surface ProbeMark(const ultrasound::Probe& probe);
+
+/// The plane of a picture: two triangles in the probe's frame; node n shows pixel
+/// pixel_of_node.col(n).
+struct ImagePlane {
+  mesh::Surface surface;
+  Eigen::Matrix2Xf pixel_of_node;
+};
+ImagePlane PlaneOf(const ultrasound::ImageGeometry& picture);
+
+}  // namespace acus::rendering

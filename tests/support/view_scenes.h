@@ -1,0 +1,123 @@
+// Things to look at whose place in a picture is known.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "breathing/motion_map.h"
+#include "mesh/surface.h"
+#include "rendering/patient_view.h"
+
+namespace acus::testing_support {
+
+/// A ball of 300 HU in air, with a rim of partial volume of some 3 mm: -335 HU, where skin begins
+/// to show, exactly at its radius.
+inline std::shared_ptr<volume::CtVolume> BallCt(const Eigen::Vector3d& centre_mm,
+                                                double radius_mm) {
+  volume::Geometry grid;
+  grid.size = {80, 90, 70};
+  grid.spacing_mm = {1.5, 1.5, 2.0};
+  grid.origin_mm = {-60, -70, -60};
+  auto ct = std::make_shared<volume::CtVolume>(grid, std::int16_t{-1000});
+  const Eigen::Affine3d ct_from_index = grid.ct_from_index();
+  for (int k = 0; k < grid.size[2]; ++k) {
+    for (int j = 0; j < grid.size[1]; ++j) {
+      for (int i = 0; i < grid.size[0]; ++i) {
+        const Eigen::Vector3d place = ct_from_index * Eigen::Vector3d(i, j, k);
+        const double depth_mm = radius_mm - (place - centre_mm).norm();
+        ct->At(i, j, k) = static_cast<std::int16_t>(
+            std::lround(std::clamp(400.0 * depth_mm - 335.0, -1000.0, 300.0)));
+      }
+    }
+  }
+  return ct;
+}
+
+/// Triangles of a ball, counter-clockwise seen from outside.
+inline mesh::Surface BallSurface(const Eigen::Vector3d& centre_mm, double radius_mm,
+                                 int rings = 48) {
+  mesh::Surface out;
+  const int around = 2 * rings;
+  out.nodes_mm.resize(3, (rings + 1) * around);
+  for (int r = 0; r <= rings; ++r) {
+    const double polar = std::numbers::pi * r / rings;
+    for (int a = 0; a < around; ++a) {
+      const double angle = 2.0 * std::numbers::pi * a / around;
+      out.nodes_mm.col(r * around + a) =
+          centre_mm + radius_mm * Eigen::Vector3d(std::sin(polar) * std::cos(angle),
+                                                  std::sin(polar) * std::sin(angle),
+                                                  std::cos(polar));
+    }
+  }
+  out.triangles.resize(3, 2 * rings * around);
+  for (int r = 0; r < rings; ++r) {
+    for (int a = 0; a < around; ++a) {
+      const int low = r * around;
+      const int next = (a + 1) % around;
+      out.triangles.col(2 * (low + a)) << low + a, low + around + a, low + next;
+      out.triangles.col(2 * (low + a) + 1) << low + next, low + around + a, low + around + next;
+    }
+  }
+  return out;
+}
+
+/// Breath that moves the upper part down and forward, and squeezes and shears what is between:
+/// strains up to some 0.3.
+inline Eigen::Vector3d DiaphragmMm(const Eigen::Vector3d& place_mm) {
+  const double share = 0.5 + 0.5 * std::tanh(place_mm[2] / 40.0);
+  return {2.0 * std::sin(place_mm[1] / 25.0), -4.0 * share + 1.5 * std::cos(place_mm[0] / 20.0),
+          -18.0 * share};
+}
+
+template <class Displacement>
+breathing::MotionField FieldOf(const Displacement& displacement_mm, int nodes_each_way = 48) {
+  volume::Geometry nodes;
+  nodes.size.setConstant(nodes_each_way);
+  nodes.spacing_mm.setConstant(200.0 / (nodes_each_way - 1));
+  nodes.origin_mm = {-100, -100, -100};
+  breathing::MotionField field(nodes, 1);
+  std::vector<float> values;
+  const Eigen::Affine3d ct_from_index = nodes.ct_from_index();
+  for (int k = 0; k < nodes.size[2]; ++k) {
+    for (int j = 0; j < nodes.size[1]; ++j) {
+      for (int i = 0; i < nodes.size[0]; ++i) {
+        for (const double mm : displacement_mm(ct_from_index * Eigen::Vector3d(i, j, k))) {
+          values.push_back(static_cast<float>(mm));
+        }
+      }
+    }
+  }
+  field.SetComponent(0, values);
+  return field;
+}
+
+inline breathing::MotionMap At(const breathing::MotionField& field, double amount) {
+  breathing::MotionWeights weights;
+  weights.Add(0, amount);
+  return {field, weights};
+}
+
+/// Where a picture is covered: its middle and size, pixels.
+struct Blob {
+  Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
+  double diameter_px = 0.0;  ///< Of a circle of the same area.
+};
+inline Blob CoveredPart(const rendering::ViewPicture& picture) {
+  Blob out;
+  double sum = 0.0;
+  for (int row = 0; row < picture.colour.height; ++row) {
+    for (int column = 0; column < picture.colour.width; ++column) {
+      const double share =
+          picture.coverage[static_cast<std::size_t>(row * picture.colour.width + column)] / 255.0;
+      sum += share;
+      out.middle_px += share * Eigen::Vector2d(column, row);
+    }
+  }
+  out.middle_px /= sum;
+  out.diameter_px = std::sqrt(4.0 * sum / std::numbers::pi);
+  return out;
+}
+
+}  // namespace acus::testing_support
