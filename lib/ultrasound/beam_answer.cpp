@@ -20,21 +20,21 @@ std::size_t At(int n) {
 
 }  // namespace
 
-void BeamTracer::AnswerInterfaces(Pass& pass, int k, int piece) {
+void BeamTracer::AnswerInterfaces(Pass& pass, int k) {
   for (int l = 0; l < pass.lanes; ++l) {
-    if (pass.work.run[l] != 0.0F) AnswerInterface(pass, k, piece, l);
+    if (pass.work.run[l] != 0.0F) AnswerInterface(pass, k, l);
   }
 }
 
-BeamTracer::Crossing BeamTracer::CrossingAt(const Pass& pass, int k, int piece, int lane) const {
+BeamTracer::Crossing BeamTracer::CrossingAt(const Pass& pass, int k, int lane) const {
   const Work& work = pass.work;
   Crossing at{};
   at.k = k;
   at.lane = lane;
   at.place = std::clamp<double>(work.place[lane], std::max(0, k - kRing + 2), k - 1);
-  const kernels::Lines lines = pass.path.Voxels(piece, pass.first);
+  const kernels::Lines& lines = pass.voxels;
   const int other = lane + 1 < pass.lanes ? lane + 1 : lane - 1;
-  const auto s = static_cast<float>(at.place);
+  const auto s = static_cast<float>(pass.s + (at.place - k));
   for (int a = 0; a < 3; ++a) {
     at.step[a] = lines.step[a][lane];
     at.index[a] = lines.start[a][lane] + s * lines.step[a][lane];
@@ -77,9 +77,9 @@ InterfaceEcho BeamTracer::EchoOf(double change, Crossing& at) const {
   return answer;
 }
 
-void BeamTracer::AnswerInterface(Pass& pass, int k, int piece, int lane) {
+void BeamTracer::AnswerInterface(Pass& pass, int k, int lane) {
   Work& work = pass.work;
-  Crossing at = CrossingAt(pass, k, piece, lane);
+  Crossing at = CrossingAt(pass, k, lane);
   const int above = static_cast<int>(at.place);
   const auto energy = [&](int n) -> float& { return work.energy[n % kRing][lane]; };
   const double arriving = energy(above) + (at.place - above) * (energy(above + 1) - energy(above));
@@ -92,6 +92,13 @@ void BeamTracer::AnswerInterface(Pass& pass, int k, int piece, int lane) {
     if (n > k || pass.add) continue;
     pass.out.re.row(n)[pass.first + lane] *= left;
     pass.out.im.row(n)[pass.first + lane] *= left;
+  }
+  if (options_.refraction) {
+    const Eigen::Vector3d normal = normals_.At(at.index, at.first, at.second);
+    if (!normal.isZero(0.0)) {
+      work.march.Bend(lane, normal, spacing_mm_, at.second_speed / at.first_speed,
+                      k + 1 - at.place);
+    }
   }
   const double amplitude = pass.weight * arriving * answer.echo;
   AddEcho(pass, at.place, lane, amplitude);
@@ -137,15 +144,30 @@ void BeamTracer::Reverberate(Pass& pass, double place, int lane, double amplitud
   }
 }
 
-void BeamTracer::AnswerNeedle(Pass& pass, const NeedleMark& mark, double ring_samples) const {
+void BeamTracer::AnswerNeedle(Pass& pass, int k) {
+  if (!marched_) {
+    for (; pass.mark != pass.last_mark && pass.mark->sample <= k; ++pass.mark) {
+      AnswerMark(pass, k, *pass.mark);
+    }
+    return;
+  }
+  // Each line passes the shaft at its own time.
+  for (const NeedleMark* mark = pass.mark; mark != pass.last_mark; ++mark) {
+    if (pass.work.march.Passed(mark->line - pass.first, static_cast<float>(mark->sample))) {
+      AnswerMark(pass, k, *mark);
+    }
+  }
+}
+
+void BeamTracer::AnswerMark(Pass& pass, int k, const NeedleMark& mark) const {
   const int lane = mark.line - pass.first;
-  float& after = pass.work.energy[(mark.sample + 1) % kRing][lane];
-  const double amplitude = pass.weight * pass.work.energy[mark.sample % kRing][lane] * mark.echo;
+  float& after = pass.work.energy[(k + 1) % kRing][lane];
+  const double amplitude = pass.weight * pass.work.energy[k % kRing][lane] * mark.echo;
   after *= mark.transmission;
   if (std::abs(amplitude) < kFaintest) return;
-  AddEcho(pass, mark.sample, lane, amplitude);
+  AddEcho(pass, k, lane, amplitude);
   if (options_.comet_tail) {
-    RingBehind(pass, mark.sample, ring_samples, lane, amplitude, options_.needle_ring_decay);
+    RingBehind(pass, k, pass.ring_samples, lane, amplitude, options_.needle_ring_decay);
   }
 }
 

@@ -23,11 +23,16 @@ struct BeamMaterials::Values {
   double scatter;
 };
 
+double BeamMaterials::StepMm(const TissueAcoustics& tissue) const {
+  // At their time of flight, samples are further apart where sound is faster.
+  return time_of_flight_ ? step_mm_ * tissue.speed_m_per_s / kScannerSpeedMPerS : step_mm_;
+}
+
 BeamMaterials::Values BeamMaterials::ValuesOf(const TissueAcoustics& tissue) const {
   Values values{};
   values.log_impedance = 0.5 * std::log(tissue.impedance_mrayl);
   if (attenuation_) {
-    values.nepers = NepersPerSample(tissue.AttenuationDbPerCm(frequency_mhz_), step_mm_);
+    values.nepers = NepersPerSample(tissue.AttenuationDbPerCm(frequency_mhz_), StepMm(tissue));
   }
   // Scatterers in the length of the pulse add their intensities.
   if (speckle_) {
@@ -42,6 +47,7 @@ BeamMaterials::BeamMaterials(const BeamTissue& tissue, const BeamOptions& option
       step_mm_(step_mm),
       // The integral of exp(-z^2 / sigma^2), the pulse squared.
       pulse_mm_(SigmaOfFwhm(AxialFwhmMm(probe)) * std::sqrt(std::numbers::pi)),
+      time_of_flight_(options.time_of_flight),
       attenuation_(options.attenuation),
       speckle_(options.speckle) {
   ACUS_REQUIRE(tissue.acoustics != nullptr, "beams: no table of tissue acoustics is given");
@@ -65,8 +71,8 @@ BeamMaterials::BeamMaterials(const BeamTissue& tissue, const BeamOptions& option
       FibreLabel fibre{.label = label, .direction_in_ct = direction.normalized()};
       if (attenuation_) {
         fibre.extra_nepers_per_sample =
-            NepersPerSample(of.AttenuationDbPerCm(frequency_mhz_, 1.0), step_mm_) -
-            NepersPerSample(of.AttenuationDbPerCm(frequency_mhz_, 0.0), step_mm_);
+            NepersPerSample(of.AttenuationDbPerCm(frequency_mhz_, 1.0), StepMm(of)) -
+            NepersPerSample(of.AttenuationDbPerCm(frequency_mhz_, 0.0), StepMm(of));
       }
       if (options.fibre_texture && speckle_) fibre.ratio = of.fibre_ratio;
       fibres_.push_back(fibre);

@@ -42,12 +42,14 @@ class BeamMaterials {
 
  private:
   struct Values;
+  double StepMm(const TissueAcoustics& tissue) const;
   Values ValuesOf(const TissueAcoustics& tissue) const;
   void MakeCurves(const TissueAcousticsTable& table);
 
   double frequency_mhz_;
   double step_mm_;
   double pulse_mm_;  ///< Length over which a pulse gathers intensity.
+  bool time_of_flight_;
   bool attenuation_;
   bool speckle_;
   alignas(64) std::array<float, 256> log_impedance_{};

@@ -30,8 +30,11 @@ class BeamPath {
   /// @pre the pose is finite.
   void Set(const Eigen::Isometry3d& ct_from_probe, const RestMap* rest);
 
-  /// Piece that sample `k` lies on.
-  int PieceAt(int k) const { return piece_of_[static_cast<std::size_t>(k)]; }
+  /// Piece that sample `k` lies on; beyond the last sample: the last.
+  int PieceAt(int k) const {
+    const auto n = static_cast<std::size_t>(k);
+    return n < piece_of_.size() ? piece_of_[n] : piece_of_.back();
+  }
   /// From lane `first` on: place of sample k is start + k * step.
   kernels::Lines Voxels(int piece, int first) const { return LinesAt(2 * piece, first); }
   kernels::Lines Lattice(int piece, int first) const { return LinesAt(2 * piece + 1, first); }

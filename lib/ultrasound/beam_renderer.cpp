@@ -120,7 +120,8 @@ struct BeamRenderer::State {
         grid(BeamGridOf(probe)),
         materials(tissue, options, probe, grid.step_mm),
         filter(probe, options, grid),
-        tracer(tissue, options, materials, filter, grid),
+        lattice_from_index(LatticeFromIndex(geometry(), filter.grain_mm())),
+        tracer(tissue, options, materials, filter, grid, lattice_from_index),
         needle(probe, options, grid),
         display(probe, grid) {
     MakePlanes();
@@ -131,14 +132,16 @@ struct BeamRenderer::State {
     scratch.Reserve(scratch_stride * static_cast<std::size_t>(Pieces(grid.samples)));
   }
 
+  const volume::Geometry& geometry() const {
+    return tissue.labels != nullptr ? tissue.labels->geometry : tissue.ct->geometry;
+  }
+
   void MakePlanes() {
-    const volume::Geometry& geometry =
-        tissue.labels != nullptr ? tissue.labels->geometry : tissue.ct->geometry;
     BeamPath::Frame frame;
     frame.grid = &grid;
-    frame.index_from_ct = geometry.index_from_ct();
-    frame.lattice_from_index = LatticeFromIndex(geometry, filter.grain_mm());
-    materials.TurnFibres(frame.lattice_from_index * geometry.index_from_ct().linear(),
+    frame.index_from_ct = geometry().index_from_ct();
+    frame.lattice_from_index = lattice_from_index;
+    materials.TurnFibres(frame.lattice_from_index * geometry().index_from_ct().linear(),
                          filter.grain_mm());
     double sum = 0.0;
     for (int p = 0; p < options.elevation_planes; ++p) {
@@ -168,6 +171,7 @@ struct BeamRenderer::State {
   ScanGrid grid;
   BeamMaterials materials;
   BeamFilter filter;
+  Eigen::Matrix3d lattice_from_index;
   BeamTracer tracer;
   BeamNeedle needle;
   BeamDisplay display;

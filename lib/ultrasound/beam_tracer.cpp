@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "ultrasound/beam_width.h"
 
 namespace acus::ultrasound {
 namespace {
@@ -25,13 +26,18 @@ std::size_t At(int n) {
 
 BeamTracer::BeamTracer(const BeamTissue& tissue, const BeamOptions& options,
                        const BeamMaterials& materials, const BeamFilter& filter,
-                       const ScanGrid& grid)
+                       const ScanGrid& grid, const Eigen::Matrix3d& lattice_from_index)
     : tissue_(tissue),
       options_(options),
       materials_(materials),
       filter_(filter),
       grid_(grid),
-      normals_(tissue) {
+      normals_(tissue),
+      lattice_from_index_(lattice_from_index.cast<float>()),
+      spacing_mm_(
+          (tissue.labels != nullptr ? tissue.labels->geometry : tissue.ct->geometry).spacing_mm),
+      marched_(options.time_of_flight || options.refraction),
+      fibres_(!materials.fibres().empty()) {
   if (tissue.ct != nullptr) {
     sampler_.emplace(*tissue.ct);
     ct_ = sampler_->Voxels();
@@ -97,12 +103,12 @@ void BeamTracer::TracePlane(Pass& pass) {
   std::fill_n(work.quiet_until, kLanesPerBlock, 1);
   std::fill_n(work.dry, kLanesPerBlock, true);
   std::fill_n(work.strong_count, kLanesPerBlock, 0);
-  const bool fibres = !materials_.fibres().empty() && tissue_.labels != nullptr;
+  if (marched_) work.march.Start();
   for (int k = 0; k < grid_.samples; ++k) {
-    const int piece = pass.path.PieceAt(k);
-    const auto s = static_cast<float>(k);
-    SampleTissue(pass, k, pass.path.Voxels(piece, pass.first));
+    PlaceSample(pass, k);
+    SampleTissue(pass, k);
     if (k <= gel_samples_ + skin_samples_) MeetSkin(work, k);
+    if (fibres_) FollowFibres(pass, k);
     bool any = false;
     if (options_.interfaces) {
       any = kernels::FindInterfacesRow({.log_impedance = work.log_impedance,
@@ -111,7 +117,7 @@ void BeamTracer::TracePlane(Pass& pass) {
                                         .moment = work.moment,
                                         .run = work.run,
                                         .place = work.place,
-                                        .k = s,
+                                        .k = static_cast<float>(k),
                                         .min_step = min_step_,
                                         .min_run = min_run_},
                                        pass.lanes);
@@ -121,16 +127,16 @@ void BeamTracer::TracePlane(Pass& pass) {
     float* re = pass.out.re.row(k) + pass.first;
     float* im = pass.out.im.row(k) + pass.first;
     if (options_.speckle) {
-      kernels::SpeckleEchoRow(
-          {.lattice = fibres ? Stretched(pass, k, piece) : pass.path.Lattice(piece, pass.first),
-           .scatter = work.scatter,
-           .decay = work.decay,
-           .energy = energy,
-           .energy_after = after,
-           .gain = filter_.SpeckleGain(k) * static_cast<float>(pass.speckle_weight),
-           .re = re,
-           .im = im},
-          s, pass.lanes, pass.add);
+      const auto weight = static_cast<float>(pass.speckle_weight);
+      kernels::SpeckleEchoRow({.lattice = pass.lattice,
+                               .scatter = work.scatter,
+                               .decay = work.decay,
+                               .energy = energy,
+                               .energy_after = after,
+                               .gain = filter_.SpeckleGain(k) * weight,
+                               .re = re,
+                               .im = im},
+                              pass.s, pass.lanes, pass.add);
     } else {
       if (!pass.add) {
         std::fill_n(re, pass.lanes, 0.0F);
@@ -138,29 +144,57 @@ void BeamTracer::TracePlane(Pass& pass) {
       }
       kernels::DecayRow(energy, work.decay, pass.lanes, after);
     }
-    if (any) AnswerInterfaces(pass, k, piece);
-    for (; pass.mark != pass.last_mark && pass.mark->sample == k; ++pass.mark) {
-      AnswerNeedle(pass, *pass.mark, pass.ring_samples);
-    }
+    if (marched_) GoOn(pass, k);
+    if (any) AnswerInterfaces(pass, k);
+    AnswerNeedle(pass, k);
   }
 }
 
-void BeamTracer::SampleTissue(Pass& pass, int k, const kernels::Lines& voxels) {
+void BeamTracer::PlaceSample(Pass& pass, int k) const {
+  if (marched_) {
+    pass.work.march.Place(pass.path, lattice_from_index_, pass.first, pass.lanes);
+    pass.voxels = pass.work.march.Voxels();
+    pass.lattice = pass.work.march.Lattice();
+    pass.s = 0.0F;
+    return;
+  }
+  const int piece = pass.path.PieceAt(k);
+  pass.voxels = pass.path.Voxels(piece, pass.first);
+  pass.lattice = pass.path.Lattice(piece, pass.first);
+  pass.s = static_cast<float>(k);
+}
+
+void BeamTracer::GoOn(Pass& pass, int k) const {
   Work& work = pass.work;
-  const auto s = static_cast<float>(k);
+  if (!options_.time_of_flight) {
+    std::fill_n(work.speed_ratio, pass.lanes, 1.0F);
+  } else {
+    for (int l = 0; l < pass.lanes; ++l) {
+      const int label = tissue_.labels != nullptr ? work.label[k % kRing][l] : 0;
+      const bool by_hu = tissue_.ct != nullptr && label == 0;
+      const double speed =
+          by_hu ? materials_.SpeedAtHu(work.value[k % kRing][l]) : materials_.SpeedAtLabel(label);
+      work.speed_ratio[l] = static_cast<float>(speed / kScannerSpeedMPerS);
+    }
+  }
+  work.march.Advance(work.speed_ratio, pass.lanes);
+}
+
+void BeamTracer::SampleTissue(Pass& pass, int k) {
+  Work& work = pass.work;
   const kernels::TissueRow tissue{work.log_impedance, work.decay, work.scatter};
   float* hu = work.value[k % kRing];
   std::int32_t* label = work.label[k % kRing];
   if (tissue_.labels == nullptr) {
-    kernels::SampleRow(ct_, voxels, s, pass.lanes, hu);
+    kernels::SampleRow(ct_, pass.voxels, pass.s, pass.lanes, hu);
     kernels::TissueOfHuRow(materials_.hu_curves(), hu, pass.lanes, tissue);
     return;
   }
-  kernels::LabelRow(labels_, voxels, s, pass.lanes, label);
+  kernels::LabelRow(labels_, pass.voxels, pass.s, pass.lanes, label);
   kernels::TissueOfLabelRow(materials_.label_tables(), label, pass.lanes, tissue);
   if (tissue_.ct == nullptr) return;
   if (std::find(label, label + pass.lanes, 0) == label + pass.lanes) return;
-  kernels::SampleRow(ct_, voxels, s, pass.lanes, hu);
+  kernels::SampleRow(ct_, pass.voxels, pass.s, pass.lanes, hu);
   const kernels::TissueRow of_hu{work.of_hu[0], work.of_hu[1], work.of_hu[2]};
   kernels::TissueOfHuRow(materials_.hu_curves(), hu, pass.lanes, of_hu);
   kernels::FillUnlabelledRow(label, of_hu, pass.lanes, tissue);
@@ -189,30 +223,29 @@ void BeamTracer::MeetSkin(Work& work, int k) const {
   }
 }
 
-kernels::Lines BeamTracer::Stretched(Pass& pass, int k, int piece) const {
+void BeamTracer::FollowFibres(Pass& pass, int k) const {
   Work& work = pass.work;
-  const kernels::Lines straight = pass.path.Lattice(piece, pass.first);
+  const kernels::Lines straight = pass.lattice;
   const std::int32_t* label = work.label[k % kRing];
-  bool any = false;
+  bool stretched = false;
   for (const FibreLabel& fibre : materials_.fibres()) {
-    any = any || std::find(label, label + pass.lanes, fibre.label) != label + pass.lanes;
-  }
-  if (!any) return straight;
-  kernels::Lines stretched{};
-  for (int a = 0; a < 3; ++a) {
-    std::copy_n(straight.start[a], pass.lanes, work.lattice[2 * a]);
-    std::copy_n(straight.step[a], pass.lanes, work.lattice[2 * a + 1]);
-    stretched.start[a] = work.lattice[2 * a];
-    stretched.step[a] = work.lattice[2 * a + 1];
-  }
-  for (const FibreLabel& fibre : materials_.fibres()) {
+    if (std::find(label, label + pass.lanes, fibre.label) == label + pass.lanes) continue;
+    if (!stretched) {
+      stretched = true;
+      for (int a = 0; a < 3; ++a) {
+        std::copy_n(straight.start[a], pass.lanes, work.lattice[2 * a]);
+        std::copy_n(straight.step[a], pass.lanes, work.lattice[2 * a + 1]);
+        pass.lattice.start[a] = work.lattice[2 * a];
+        pass.lattice.step[a] = work.lattice[2 * a + 1];
+      }
+    }
     const Eigen::Vector3f grain = fibre.grain_in_lattice.cast<float>();
     const Eigen::Vector3f dual = fibre.dual_in_lattice.cast<float>();
     const auto shrink = static_cast<float>(1.0 / fibre.ratio - 1.0);
     const auto grains_per_step = static_cast<float>(filter_.grain_mm() / grid_.step_mm);
     for (int l = 0; l < pass.lanes; ++l) {
       if (label[l] != fibre.label) continue;
-      Eigen::Vector3f step(straight.step[0][l], straight.step[1][l], straight.step[2][l]);
+      const Eigen::Vector3f step(straight.step[0][l], straight.step[1][l], straight.step[2][l]);
       const Eigen::Vector3f start(straight.start[0][l], straight.start[1][l], straight.start[2][l]);
       const float cosine = dual.dot(step) * grains_per_step;
       work.decay[l] *=
@@ -223,7 +256,6 @@ kernels::Lines BeamTracer::Stretched(Pass& pass, int k, int piece) const {
       }
     }
   }
-  return stretched;
 }
 
 }  // namespace acus::ultrasound

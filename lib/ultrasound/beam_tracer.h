@@ -7,6 +7,7 @@
 #include "ultrasound/beam_filter.h"
 #include "ultrasound/beam_interface.h"
 #include "ultrasound/beam_kernels.h"
+#include "ultrasound/beam_march.h"
 #include "ultrasound/beam_materials.h"
 #include "ultrasound/beam_needle.h"
 #include "ultrasound/beam_options.h"
@@ -31,7 +32,8 @@ class BeamTracer {
 
   /// Keeps references to all of them. @throws InputError if the volumes do not fit each other.
   BeamTracer(const BeamTissue& tissue, const BeamOptions& options, const BeamMaterials& materials,
-             const BeamFilter& filter, const ScanGrid& grid);
+             const BeamFilter& filter, const ScanGrid& grid,
+             const Eigen::Matrix3d& lattice_from_index);
 
   int blocks() const { return static_cast<int>(work_.size()); }
 
@@ -67,6 +69,8 @@ class BeamTracer {
     alignas(64) float run[kLanesPerBlock];
     alignas(64) float place[kLanesPerBlock];
     alignas(64) float lattice[6][kLanesPerBlock];
+    alignas(64) float speed_ratio[kLanesPerBlock];
+    BeamMarch march;
     int quiet_until[kLanesPerBlock];  ///< Interfaces above are gel and skin.
     bool dry[kLanesPerBlock];         ///< Nothing but air so far.
     Strong strong[kLanesPerBlock][kStrongest];
@@ -86,6 +90,10 @@ class BeamTracer {
     double weight;
     double speckle_weight;
     bool add;  ///< To what other planes have left.
+    // Of the current sample: where the lines are at s.
+    kernels::Lines voxels{};
+    kernels::Lines lattice{};
+    float s = 0.0F;
   };
   /// Where a line passes through an interface, in the tissue at rest.
   struct Crossing {
@@ -102,18 +110,21 @@ class BeamTracer {
   };
 
   void TracePlane(Pass& pass);
-  void SampleTissue(Pass& pass, int k, const kernels::Lines& voxels);
+  void PlaceSample(Pass& pass, int k) const;
+  void SampleTissue(Pass& pass, int k);
+  void GoOn(Pass& pass, int k) const;
   void MeetSkin(Work& work, int k) const;
-  kernels::Lines Stretched(Pass& pass, int k, int piece) const;
-  void AnswerInterfaces(Pass& pass, int k, int piece);
-  void AnswerInterface(Pass& pass, int k, int piece, int lane);
-  Crossing CrossingAt(const Pass& pass, int k, int piece, int lane) const;
+  void FollowFibres(Pass& pass, int k) const;
+  void AnswerInterfaces(Pass& pass, int k);
+  void AnswerInterface(Pass& pass, int k, int lane);
+  Crossing CrossingAt(const Pass& pass, int k, int lane) const;
   /// Echo of an interface whose step of zeta is `change`; moves its place to the smooth surface.
   InterfaceEcho EchoOf(double change, Crossing& at) const;
   void RingBehind(Pass& pass, double place, double spacing, int lane, double amplitude,
                   double decay) const;
   void Reverberate(Pass& pass, double place, int lane, double amplitude, double reflection) const;
-  void AnswerNeedle(Pass& pass, const NeedleMark& mark, double ring_samples) const;
+  void AnswerNeedle(Pass& pass, int k);
+  void AnswerMark(Pass& pass, int k, const NeedleMark& mark) const;
   void AddEcho(Pass& pass, double place, int lane, double amplitude) const;
   void PutEchoes(Pass& pass) const;
 
@@ -126,6 +137,10 @@ class BeamTracer {
   std::optional<CtSampler> sampler_;
   kernels::Voxels ct_{};
   kernels::LabelVoxels labels_{};
+  Eigen::Matrix3f lattice_from_index_;
+  Eigen::Array3d spacing_mm_;
+  bool marched_;  ///< Lines are followed sample by sample.
+  bool fibres_;
   double strong_transmission_ = 0.0;
   int gel_samples_ = 0;
   int skin_samples_ = 0;
