@@ -43,13 +43,13 @@ double MedianOf(std::span<const PunctureCurveFit> fits,
 }
 
 /// What is left of the plateau's force when the friction of the buried shaft is taken off.
-double MedianCuttingN(std::span<const PunctureCurveFit> fits) {
+double MedianCuttingN(std::span<const PunctureCurveFit> fits, double friction_n_per_mm) {
   std::vector<double> values;
   for (const PunctureCurveFit& fit : fits) {
     if (!fit.converged || !fit.plateau_n || !fit.friction_n_per_mm) continue;
     const double buried_mm =
         fit.puncture_depth_mm->value + (fit.starts_in_tissue ? fit.contact_depth_mm->value : 0.0);
-    values.push_back(fit.plateau_n->value - fit.friction_n_per_mm->value * buried_mm);
+    values.push_back(fit.plateau_n->value - friction_n_per_mm * buried_mm);
   }
   if (values.empty()) throw NoAnswerError("no fit has both a plateau and a retraction");
   return std::max(0.0, math::Median(values));
@@ -140,12 +140,18 @@ std::string FitTable(std::span<const PunctureCurveFit> fits) {
 json TableWithFittedTissue(json base, const std::string& tissue,
                            std::span<const PunctureCurveFit> fits, double measured_diameter_mm) {
   const double ratio = base.value("reference_diameter_mm", 1.27) / measured_diameter_mm;
+  const double out_n_per_mm = MedianOf(fits, &PunctureCurveFit::friction_n_per_mm);
+  // Behind the puncture the force grows with the buried shaft: its slope is the friction on the way
+  // in. One that falls is something else (a layer that ends); then there is only the way out.
+  const double slope_n_per_mm = MedianOf(fits, &PunctureCurveFit::plateau_slope_n_per_mm);
+  const double in_n_per_mm = slope_n_per_mm > 0.0 ? slope_n_per_mm : out_n_per_mm;
   json row = {{"tissue", tissue},
               {"a1_n_per_mm", ratio * MedianOf(fits, &PunctureCurveFit::a1_n_per_mm)},
               {"a2_n_per_mm2", ratio * MedianOf(fits, &PunctureCurveFit::a2_n_per_mm2)},
               {"puncture_n", ratio * MedianOf(fits, &PunctureCurveFit::puncture_n)},
-              {"cutting_n", ratio * MedianCuttingN(fits)},
-              {"friction_n_per_mm", ratio * MedianOf(fits, &PunctureCurveFit::friction_n_per_mm)}};
+              {"cutting_n", ratio * MedianCuttingN(fits, in_n_per_mm)},
+              {"friction_n_per_mm", ratio * in_n_per_mm},
+              {"withdrawal_friction_n_per_mm", ratio * std::max(0.0, out_n_per_mm)}};
   row["source"] = Message("acus-fit: medians of ", fits.size(), " recordings, needle of ",
                           measured_diameter_mm, " mm");
   json& rows = base.at("tissues");

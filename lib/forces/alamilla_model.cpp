@@ -4,24 +4,11 @@
 #include <cmath>
 
 namespace acus::forces {
-namespace {
 
-constexpr double kPlayMm = 0.5;  // Going back and forth by less is not an advance.
-
-/// What holds the tip: also on its way out, and in again. A membrane that is only pressed has let
-/// nothing of what is behind it through; a tremor at an interface is on one side of it.
-volume::Label TissueAtTip(const NeedleTrack& track, volume::Label before,
-                          double hysteresis_mm) noexcept {
-  if (track.pressing) return track.cut_tissue;
-  const volume::Label above = track.path.TissueAt(track.depth_mm - hysteresis_mm);
-  const volume::Label below = track.path.TissueAt(track.depth_mm + hysteresis_mm);
-  return above == below ? above : before;
-}
-
-}  // namespace
-
-AlamillaModel::AlamillaModel(const ForceTable& table, const NeedleProperties& needle)
-    : table_(table.ScaledTo(needle.beam.outer_diameter_mm)) {}
+AlamillaModel::AlamillaModel(const ForceTable& table, const NeedleProperties& needle,
+                             GuidanceKind guidance)
+    : table_(table.ScaledTo(needle.beam.outer_diameter_mm)),
+      guidance_(guidance == GuidanceKind::kOwn ? GuidanceKind::kVirtualFixture : guidance) {}
 
 NeedleForce AlamillaModel::Step(AlamillaState& state, const NeedleInput& input) const noexcept {
   const auto verdict = state.Judge(input);
@@ -34,15 +21,15 @@ NeedleForce AlamillaModel::Step(AlamillaState& state, const NeedleInput& input) 
   if (touched) {
     TouchSkin(table_, state, motion);
     state.wall = {};
-    state.wall_n = state.wall_n_per_mm = state.play_mm = 0.0;
+    state.wall_n = state.wall_n_per_mm = 0.0;
     state.friction = {};
     state.knock.Stop();
-    state.fixture = {};
+    state.guide = {};
     state.held_by = 0;
   }
-  if (!state.started || touched) state.axis_in_ct = motion.axis;
+  if (!state.started || touched) state.guide.axis_in_ct = motion.axis;
   if (state.in_body) out = InBody(state, motion, touched);
-  state.axis_in_ct = motion.axis;
+  state.guide.axis_in_ct = motion.axis;
   state.tip_in_ct_mm = motion.tip_mm;
   state.tissue_at_tip = motion.label;
   state.Accept(input.time_s, out);
@@ -52,20 +39,23 @@ NeedleForce AlamillaModel::Step(AlamillaState& state, const NeedleInput& input) 
 NeedleForce AlamillaModel::InBody(AlamillaState& state, const NeedleMotion& motion,
                                   bool touched) const noexcept {
   NeedleForce out;
+  if (state.pierced) TurnPath(guidance_, table_, state, motion);
   const TrackStep step = FollowPath(table_, state, motion, touched);
   out.event = step.event;
   if (step.left) return out;
-  if (state.pierced && (touched || !step.was_pierced)) {  // Eq. 7: q0 is stored as it pierces.
-    state.fixture = {};
-    state.fixture.ct_from_reference =
-        WithoutTwist(Eigen::Quaterniond::Identity(), state.path.direction_in_ct);
+  if (state.pierced && (touched || !step.was_pierced)) {
     state.wall.wall_mm = state.depth_mm;  // Eq. 2: the force drops to 0, then the wall builds up.
-    state.play_mm = state.depth_mm;
     state.held_by = state.cut_tissue;
   }
   AlongThePath(state, motion, step, out);
   out.force_in_ct_n = -out.AxialN() * state.path.direction_in_ct;
-  if (state.pierced) AcrossThePath(state, motion, step, out);
+  if (state.pierced) {
+    const GuidanceForce guided =
+        GuideNeedle(guidance_, table_, state.guide, state, motion, step.was_pierced);
+    out.lateral_n = guided.force_n.norm();
+    out.force_in_ct_n += guided.force_n;
+    out.torque_in_ct_n_mm = guided.torque_n_mm;
+  }
   out.depth_mm = state.depth_mm;
   LimitTo(out, table_.settings.largest_force_n);
   return out;
@@ -90,12 +80,7 @@ double AlamillaModel::WallN(AlamillaState& state, double previous_mm) const noex
 void AlamillaModel::AlongThePath(AlamillaState& state, const NeedleMotion& motion,
                                  const TrackStep& step, NeedleForce& out) const noexcept {
   if (state.pierced) {
-    const volume::Label held_by =
-        TissueAtTip(state, state.held_by, table_.settings.interface_hysteresis_mm);
-    if (held_by != state.held_by && state.held_by != 0) {
-      out.event = FirstOf(out.event, NeedleEvent::kInterface);
-    }
-    state.held_by = held_by;
+    state.held_by = TissueAroundTip(state, state.held_by, table_.settings.interface_hysteresis_mm);
     out.cutting_n = WallN(state, step.previous_mm);
     const double travel_mm = step.was_pierced ? state.depth_mm - step.previous_mm : 0.0;
     out.friction_n = state.friction.Advance(table_.alamilla.friction, travel_mm, motion.dt_s,
@@ -119,34 +104,6 @@ void AlamillaModel::AlongThePath(AlamillaState& state, const NeedleMotion& motio
       step.bone_n + state.knock.Advance(knock, step.device_speed_mm_per_s * motion.dt_s,
                                         motion.dt_s, step.bone_n, table_.settings.bone.largest_n);
   out.bone_penetration_mm = step.bone_penetration_mm;
-}
-
-void AlamillaModel::AcrossThePath(AlamillaState& state, const NeedleMotion& motion,
-                                  const TrackStep& step, NeedleForce& out) const noexcept {
-  FixtureMotion move;
-  move.ct_from_needle = WithoutTwist(state.fixture.ct_from_reference, motion.axis);
-  move.offset_mm = state.path.DeviationMm(motion.tip_mm);
-  const double dt_s = motion.dt_s;
-  move.velocity_mm_per_s = (motion.tip_mm - motion.previous_mm) / dt_s;
-  const Eigen::Vector3d cross = state.axis_in_ct.cross(motion.axis);
-  const double sine = cross.norm();
-  const double angle_rad = std::atan2(sine, state.axis_in_ct.dot(motion.axis));
-  if (sine > 0.0) move.angular_velocity_rad_per_s = cross * (angle_rad / (sine * dt_s));
-  const double play_before_mm = state.play_mm;
-  state.play_mm = std::clamp(state.play_mm, state.depth_mm - kPlayMm, state.depth_mm);
-  if (step.was_pierced) move.advance_mm = std::max(0.0, state.play_mm - play_before_mm);
-
-  const FixtureForce clamping = StepFixture(table_.alamilla.clamping, state.fixture, move);
-  if (clamping.trajectory_moved) {  // The needle's depth stays.
-    const Eigen::Vector3d direction = state.fixture.DirectionInCt();
-    const Eigen::Vector3d offset_mm =
-        state.fixture.offset_mm - state.fixture.offset_mm.dot(direction) * direction;
-    state.path.direction_in_ct = direction;
-    state.path.entry_in_ct_mm = motion.tip_mm - offset_mm - state.device_mm * direction;
-  }
-  out.lateral_n = clamping.force_n.norm();
-  out.force_in_ct_n += clamping.force_n;
-  out.torque_in_ct_n_mm = clamping.torque_n_mm;
 }
 
 }  // namespace acus::forces

@@ -8,11 +8,11 @@
 
 #include "forces/force_laws.h"
 #include "forces/force_table.h"
+#include "forces/guidance.h"
 #include "forces/hard_contact.h"
 #include "forces/lugre.h"
 #include "forces/needle_sample.h"
 #include "forces/needle_track.h"
-#include "forces/virtual_fixture.h"
 
 namespace acus::forces {
 
@@ -24,21 +24,19 @@ struct AlamillaState : NeedleTrack {
   volume::Label held_by = 0;   ///< The tissue around the tip, also in the channel.
   LuGre friction;
   HardContact knock;
-  Fixture fixture;                                        ///< Once pierced.
-  Eigen::Vector3d axis_in_ct = Eigen::Vector3d::UnitZ();  ///< Of the last sample.
-  double play_mm = 0.0;  ///< Depth with a play, so that a tremor is not an advance.
+  GuidanceState guide;
 };
 
 /// The model of one needle. Const after construction: any number of states may step side by side.
 class AlamillaModel {
  public:
   /// The table is scaled to the needle's diameter.
-  AlamillaModel(const ForceTable& table, const NeedleProperties& needle);
+  AlamillaModel(const ForceTable& table, const NeedleProperties& needle,
+                GuidanceKind guidance = GuidanceKind::kOwn);
 
   /// Takes in the next sample. Bad samples and the bound on the force: as NeedleForceModel::Step.
   /// cutting_n is below 0 while the needle is withdrawn. Each layer holds the tip by its own force,
-  /// also on its way out and in again, and that is an interface each time. lateral_n and
-  /// torque_in_ct_n_mm clamp it.
+  /// also on its way out and in again. lateral_n and torque_in_ct_n_mm clamp it.
   NeedleForce Step(AlamillaState& state, const NeedleInput& input) const noexcept;
 
   const ForceTable& table() const { return table_; }
@@ -47,11 +45,10 @@ class AlamillaModel {
   NeedleForce InBody(AlamillaState& state, const NeedleMotion& motion, bool touched) const noexcept;
   void AlongThePath(AlamillaState& state, const NeedleMotion& motion, const TrackStep& step,
                     NeedleForce& out) const noexcept;
-  void AcrossThePath(AlamillaState& state, const NeedleMotion& motion, const TrackStep& step,
-                     NeedleForce& out) const noexcept;
   double WallN(AlamillaState& state, double previous_mm) const noexcept;
 
   ForceTable table_;
+  GuidanceKind guidance_;
 };
 
 }  // namespace acus::forces

@@ -23,6 +23,8 @@ TissueForce Tissue(const json& row, const std::string& where) {
   tissue.membrane = {row.at("a1_n_per_mm"), row.at("a2_n_per_mm2"), row.at("puncture_n")};
   tissue.cutting_n = row.at("cutting_n");
   tissue.friction_n_per_mm = row.at("friction_n_per_mm");
+  tissue.withdrawal_friction_n_per_mm =
+      row.value("withdrawal_friction_n_per_mm", tissue.friction_n_per_mm);
   tissue.cutting_stiffness_n_per_mm = row.at("cutting_stiffness_n_per_mm");
   tissue.impenetrable = row.at("impenetrable");
   for (const json& name : row.at("no_membrane_from")) {
@@ -99,6 +101,7 @@ ForceTable ForceTable::ScaledTo(double outer_diameter_mm) const {
     row.membrane.puncture_n *= ratio;
     row.cutting_n *= ratio;
     row.friction_n_per_mm *= ratio;
+    row.withdrawal_friction_n_per_mm *= ratio;
   }
   scaled.vidal.resistance_n_s_per_mm = vidal.resistance_n_s_per_mm * ratio;
   scaled.vidal.withdrawal_n_s_per_mm *= ratio;

@@ -16,11 +16,12 @@ namespace acus::forces {
 
 /// One tissue, for the table's reference needle.
 struct TissueForce {
-  PuncturePolynomial membrane;              ///< Met on entering the tissue; puncture_n = 0: none.
-  double cutting_n = 0.0;                   ///< At the tip while it advances through fresh tissue.
-  double friction_n_per_mm = 0.0;           ///< Per mm of shaft in the tissue while it slides.
-  double cutting_stiffness_n_per_mm = 0.0;  ///< K_t of the model alamilla; 0: the table's.
-  bool impenetrable = false;                ///< Bone: the tip stops at the surface.
+  PuncturePolynomial membrane;     ///< Met on entering the tissue; puncture_n = 0: none.
+  double cutting_n = 0.0;          ///< At the tip while it advances through fresh tissue.
+  double friction_n_per_mm = 0.0;  ///< Per mm of shaft in the tissue while it slides in.
+  double withdrawal_friction_n_per_mm = 0.0;  ///< The same while it slides out.
+  double cutting_stiffness_n_per_mm = 0.0;    ///< K_t of the model alamilla; 0: the table's.
+  bool impenetrable = false;                  ///< Bone: the tip stops at the surface.
   std::bitset<256> no_membrane_from;  ///< Labels from which this tissue is entered without one.
 };
 

@@ -25,8 +25,9 @@ double LateralStiffnessNPerMm(const NeedleProperties& needle, const ForceSetting
   return tissue > 0.0 ? beam * tissue / (beam + tissue) : 0.0;
 }
 
-NeedleForceModel::NeedleForceModel(const ForceTable& table, const NeedleProperties& needle)
-    : table_(table.ScaledTo(needle.beam.outer_diameter_mm)), needle_(needle) {}
+NeedleForceModel::NeedleForceModel(const ForceTable& table, const NeedleProperties& needle,
+                                   GuidanceKind guidance)
+    : table_(table.ScaledTo(needle.beam.outer_diameter_mm)), needle_(needle), guidance_(guidance) {}
 
 NeedleForce NeedleForceModel::Step(NeedleForceState& state,
                                    const NeedleInput& input) const noexcept {
@@ -42,8 +43,11 @@ NeedleForce NeedleForceModel::Step(NeedleForceState& state,
     state.wall = {};
     state.bristle = {};
     state.redirecting = false;
+    state.guide = {};
   }
+  if (!state.started || touched) state.guide.axis_in_ct = motion.axis;
   if (state.in_body) out = InBody(state, motion, touched);
+  state.guide.axis_in_ct = motion.axis;
   state.tip_in_ct_mm = motion.tip_mm;
   state.tissue_at_tip = motion.label;
   state.Accept(input.time_s, out);
@@ -53,7 +57,8 @@ NeedleForce NeedleForceModel::Step(NeedleForceState& state,
 NeedleForce NeedleForceModel::InBody(NeedleForceState& state, const NeedleMotion& motion,
                                      bool touched) const noexcept {
   NeedleForce out;
-  Guide(state, motion);
+  if (guidance_ == GuidanceKind::kOwn) Guide(state, motion);
+  if (state.pierced) TurnPath(guidance_, table_, state, motion);
   const TrackStep step = FollowPath(table_, state, motion, touched);
   out.event = step.event;
   if (step.left) return out;
@@ -68,9 +73,10 @@ NeedleForce NeedleForceModel::InBody(NeedleForceState& state, const NeedleMotion
   if (step.was_pierced) {
     state.bristle.Slide(state.depth_mm - step.previous_mm, table_.settings.friction_buildup_mm);
   }
-  Redirect(state, motion);
+  // Guidance that knows where the needle may turn does so itself.
+  if (guidance_ == GuidanceKind::kOwn || guidance_ == GuidanceKind::kNone) Redirect(state, motion);
   TipForces(state, out);
-  Finish(state, motion, out);
+  Finish(state, motion, step.was_pierced, out);
   return out;
 }
 
@@ -134,8 +140,11 @@ void NeedleForceModel::TipForces(NeedleForceState& state, NeedleForce& out) cons
     state.channel_mm = std::max(state.channel_mm, buried_mm);
     out.cutting_n = state.wall.Advance(state.depth_mm, table_.tissue[state.cut_tissue].cutting_n,
                                        table_.settings.cutting_stiffness_n_per_mm);
-    out.friction_n = state.path.FrictionN(std::min(buried_mm, needle_.length_mm)) *
-                     state.bristle.Slide(0.0, table_.settings.friction_buildup_mm);
+    const double shaft_mm = std::min(buried_mm, needle_.length_mm);
+    const double share = state.bristle.Slide(0.0, table_.settings.friction_buildup_mm);
+    // Each sign has its own spring of bristles, and both begin at 0: no energy comes of it.
+    out.friction_n = share * (share < 0.0 ? state.path.WithdrawalFrictionN(shaft_mm)
+                                          : state.path.FrictionN(shaft_mm));
   }
   if (membrane.law != nullptr) {
     // The larger of the two acts: the tip leaves the tissue before only when it presses harder.
@@ -144,11 +153,17 @@ void NeedleForceModel::TipForces(NeedleForceState& state, NeedleForce& out) cons
   }
 }
 
-void NeedleForceModel::Finish(const NeedleForceState& state, const NeedleMotion& motion,
+void NeedleForceModel::Finish(NeedleForceState& state, const NeedleMotion& motion, bool was_pierced,
                               NeedleForce& out) const noexcept {
   out.depth_mm = state.depth_mm;
   out.force_in_ct_n = -out.AxialN() * state.path.direction_in_ct;
-  if (state.pierced) {
+  if (state.pierced && guidance_ != GuidanceKind::kOwn) {
+    const GuidanceForce guided =
+        GuideNeedle(guidance_, table_, state.guide, state, motion, was_pierced);
+    out.lateral_n = guided.force_n.norm();
+    out.force_in_ct_n += guided.force_n;
+    out.torque_in_ct_n_mm = guided.torque_n_mm;
+  } else if (state.pierced) {
     const Eigen::Vector3d deviation_mm = state.path.DeviationMm(motion.tip_mm);
     const double size_mm = deviation_mm.norm();
     out.lateral_n =

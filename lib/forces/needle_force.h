@@ -10,6 +10,7 @@
 
 #include "forces/force_laws.h"
 #include "forces/force_table.h"
+#include "forces/guidance.h"
 #include "forces/needle_sample.h"
 #include "forces/needle_track.h"
 
@@ -24,6 +25,7 @@ double LateralStiffnessNPerMm(const NeedleProperties& needle, const ForceSetting
 struct NeedleForceState : NeedleTrack {
   TrackingWall wall;
   BristleFriction bristle;
+  GuidanceState guide;
   bool redirecting = false;  ///< Drawn back far enough to be turned to a new path.
   double lowest_mm = 0.0;    ///< Least depth since then.
 };
@@ -32,7 +34,8 @@ struct NeedleForceState : NeedleTrack {
 class NeedleForceModel {
  public:
   /// The table is scaled to the needle's diameter.
-  NeedleForceModel(const ForceTable& table, const NeedleProperties& needle);
+  NeedleForceModel(const ForceTable& table, const NeedleProperties& needle,
+                   GuidanceKind guidance = GuidanceKind::kOwn);
 
   /// Takes in the next sample. Cost O(tissues met on the path); under 1 us.
   ///  - a value that is not finite, or an axis of length 0: zero force, counted, state kept;
@@ -54,11 +57,12 @@ class NeedleForceModel {
   void Guide(NeedleForceState& state, const NeedleMotion& motion) const noexcept;
   void Redirect(NeedleForceState& state, const NeedleMotion& motion) const noexcept;
   void TipForces(NeedleForceState& state, NeedleForce& out) const noexcept;
-  void Finish(const NeedleForceState& state, const NeedleMotion& motion,
+  void Finish(NeedleForceState& state, const NeedleMotion& motion, bool was_pierced,
               NeedleForce& out) const noexcept;
 
   ForceTable table_;
   NeedleProperties needle_;
+  GuidanceKind guidance_;
 };
 
 }  // namespace acus::forces

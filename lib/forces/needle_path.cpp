@@ -32,20 +32,23 @@ void NeedlePath::ExtendTo(double end_mm) noexcept {
   if (num_segments > 0) segment[num_segments - 1].end_mm = std::max(EndMm(), end_mm);
 }
 
-void NeedlePath::Append(volume::Label tissue, double friction_n_per_mm) noexcept {
+void NeedlePath::Append(volume::Label tissue, double friction_n_per_mm,
+                        double withdrawal_n_per_mm) noexcept {
   if (num_segments == kMaxSegments) {
     Segment& first = segment[0];
     Segment& second = segment[1];
     if (second.end_mm > 0.0) {
-      second.friction_n_per_mm = (first.friction_n_per_mm * first.end_mm +
-                                  second.friction_n_per_mm * (second.end_mm - first.end_mm)) /
-                                 second.end_mm;
+      for (double Segment::*per_mm : {&Segment::friction_n_per_mm, &Segment::withdrawal_n_per_mm}) {
+        second.*per_mm =
+            (first.*per_mm * first.end_mm + second.*per_mm * (second.end_mm - first.end_mm)) /
+            second.end_mm;
+      }
     }
     std::move(segment.begin() + 1, segment.end(), segment.begin());
     --num_segments;
   }
   const double begin_mm = EndMm();
-  segment[num_segments++] = {begin_mm, tissue, friction_n_per_mm};
+  segment[num_segments++] = {begin_mm, tissue, friction_n_per_mm, withdrawal_n_per_mm};
 }
 
 void NeedlePath::CutOffAt(double end_mm) noexcept {
@@ -56,12 +59,20 @@ void NeedlePath::CutOffAt(double end_mm) noexcept {
 }
 
 double NeedlePath::FrictionN(double depth_mm) const noexcept {
+  return SumN(depth_mm, &Segment::friction_n_per_mm);
+}
+
+double NeedlePath::WithdrawalFrictionN(double depth_mm) const noexcept {
+  return SumN(depth_mm, &Segment::withdrawal_n_per_mm);
+}
+
+double NeedlePath::SumN(double depth_mm, double Segment::*per_mm) const noexcept {
   double total_n = 0.0;
   double begin_mm = 0.0;
   for (int i = 0; i < num_segments && begin_mm < depth_mm; ++i) {
     const bool last = i + 1 == num_segments;  // The last tissue goes on as far as is asked.
     const double end_mm = last ? depth_mm : std::min(segment[i].end_mm, depth_mm);
-    total_n += segment[i].friction_n_per_mm * (end_mm - begin_mm);
+    total_n += segment[i].*per_mm * (end_mm - begin_mm);
     begin_mm = segment[i].end_mm;
   }
   return total_n;

@@ -16,7 +16,8 @@ struct NeedlePath {
   struct Segment {
     double end_mm = 0.0;
     volume::Label tissue = 0;
-    double friction_n_per_mm = 0.0;
+    double friction_n_per_mm = 0.0;    ///< On the way in.
+    double withdrawal_n_per_mm = 0.0;  ///< On the way out.
   };
 
   Eigen::Vector3d entry_in_ct_mm = Eigen::Vector3d::Zero();
@@ -39,12 +40,17 @@ struct NeedlePath {
   void ExtendTo(double end_mm) noexcept;
   /// Starts a segment at the present end. With all kMaxSegments in use, the two shallowest become
   /// one with their mean friction, so that total friction is kept.
-  void Append(volume::Label tissue, double friction_n_per_mm) noexcept;
+  void Append(volume::Label tissue, double friction_n_per_mm, double withdrawal_n_per_mm) noexcept;
   /// Forgets everything deeper.
   void CutOffAt(double end_mm) noexcept;
 
-  /// Full sliding friction of a shaft buried from 0 to `depth_mm`, N.
+  /// Full sliding friction of a shaft buried from 0 to `depth_mm` that is pushed in, N.
   double FrictionN(double depth_mm) const noexcept;
+  /// The same while it is drawn out.
+  double WithdrawalFrictionN(double depth_mm) const noexcept;
+
+ private:
+  double SumN(double depth_mm, double Segment::*per_mm) const noexcept;
 };
 
 }  // namespace acus::forces

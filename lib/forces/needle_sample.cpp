@@ -3,15 +3,16 @@
 namespace acus::forces {
 
 std::string_view NameOf(NeedleEvent event) noexcept {
-  constexpr std::string_view kNames[] = {"none",         "contact",      "puncture",  "interface",
-                                         "bone_contact", "bone_release", "withdrawal"};
+  constexpr std::string_view kNames[] = {"none",       "contact",          "puncture",
+                                         "interface",  "bone_contact",     "bone_release",
+                                         "withdrawal", "channel_interface"};
   return kNames[static_cast<std::size_t>(event)];
 }
 
 NeedleEvent FirstOf(NeedleEvent a, NeedleEvent b) noexcept {
   using enum NeedleEvent;
-  for (const NeedleEvent event :
-       {kBoneContact, kPuncture, kContact, kInterface, kBoneRelease, kWithdrawal}) {
+  for (const NeedleEvent event : {kBoneContact, kPuncture, kContact, kInterface, kBoneRelease,
+                                  kWithdrawal, kChannelInterface}) {
     if (a == event || b == event) return event;
   }
   return kNone;

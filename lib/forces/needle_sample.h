@@ -18,15 +18,16 @@ struct NeedleInput {
 };
 
 /// At most one per step; the first of this order that applies: bone contact, puncture, contact,
-/// interface, bone release, withdrawal.
+/// interface, bone release, withdrawal, channel interface.
 enum class NeedleEvent : std::uint8_t {
   kNone,
   kContact,    ///< The tip touches the skin.
   kPuncture,   ///< A membrane gave way.
-  kInterface,  ///< The tip reached another tissue.
+  kInterface,  ///< The tip reached another tissue, which it had not cut before.
   kBoneContact,
   kBoneRelease,
-  kWithdrawal,  ///< The needle left the body.
+  kWithdrawal,        ///< The needle left the body.
+  kChannelInterface,  ///< In the channel that is cut already, out or in again, to another tissue.
 };
 std::string_view NameOf(NeedleEvent event) noexcept;
 

@@ -35,13 +35,14 @@ void TouchSkin(const ForceTable& table, NeedleTrack& track, const NeedleMotion& 
   track.path = NeedlePath();
   track.path.entry_in_ct_mm = motion.tip_mm - inside_mm * motion.axis;
   track.path.direction_in_ct = motion.axis;
-  track.path.Append(motion.label, table.tissue[motion.label].friction_n_per_mm);
+  track.path.Append(motion.label, table.tissue[motion.label].friction_n_per_mm,
+                    table.tissue[motion.label].withdrawal_friction_n_per_mm);
   track.pressing = table.HasMembrane(0, motion.label);
   track.membrane_mm = 0.0;
   track.membrane_of = motion.label;
   track.pierced = !track.pressing;
   track.device_mm = track.depth_mm = track.channel_mm = 0.0;
-  track.cut_tissue = motion.label;
+  track.cut_tissue = track.around_tip = motion.label;
   track.has_candidate = track.on_bone = track.seen_outside = false;
 }
 
@@ -118,7 +119,8 @@ NeedleEvent MeetTissue(const ForceTable& table, NeedleTrack& track, volume::Labe
 
   const bool membrane = !track.pressing && table.HasMembrane(path.LastTissue(), label);
   path.ExtendTo(track.candidate_mm);
-  path.Append(label, table.tissue[label].friction_n_per_mm);
+  path.Append(label, table.tissue[label].friction_n_per_mm,
+              table.tissue[label].withdrawal_friction_n_per_mm);
   path.ExtendTo(depth_mm);
   track.has_candidate = false;
   if (membrane) {
@@ -156,6 +158,32 @@ double TryPuncture(const ForceTable& table, NeedleTrack& track, const NeedleMoti
   return pressed_n;
 }
 
+volume::Label TissueAroundTip(const NeedleTrack& track, volume::Label before,
+                              double hysteresis_mm) noexcept {
+  if (track.pressing) return track.cut_tissue;
+  const volume::Label above = track.path.TissueAt(track.depth_mm - hysteresis_mm);
+  const volume::Label below = track.path.TissueAt(track.depth_mm + hysteresis_mm);
+  return above == below ? above : before;
+}
+
+namespace {
+
+/// Passing from tissue to tissue in the channel is told apart from cutting into one for the first
+/// time, which is the event that the step has already.
+NeedleEvent PassInChannel(const ForceTable& table, NeedleTrack& track,
+                          const TrackStep& step) noexcept {
+  const volume::Label before = track.around_tip;
+  if (step.punctured_n > 0.0 || (step.event == NeedleEvent::kInterface && !track.pressing)) {
+    track.around_tip = track.cut_tissue;
+    return NeedleEvent::kNone;
+  }
+  track.around_tip = TissueAroundTip(track, before, table.settings.interface_hysteresis_mm);
+  const bool is_cut = track.depth_mm < track.path.EndMm();
+  return is_cut && track.around_tip != before ? NeedleEvent::kChannelInterface : NeedleEvent::kNone;
+}
+
+}  // namespace
+
 TrackStep FollowPath(const ForceTable& table, NeedleTrack& track, const NeedleMotion& motion,
                      bool touched) noexcept {
   TrackStep step;
@@ -179,6 +207,7 @@ TrackStep FollowPath(const ForceTable& table, NeedleTrack& track, const NeedleMo
     step.bone_n = table.settings.bone.ForceN(step.bone_penetration_mm, step.device_speed_mm_per_s);
   }
   step.punctured_n = TryPuncture(table, track, motion, step.bone_n);
+  step.event = FirstOf(step.event, PassInChannel(table, track, step));
   if (touched) step.event = FirstOf(step.event, NeedleEvent::kContact);
   if (step.punctured_n > 0.0) step.event = FirstOf(step.event, NeedleEvent::kPuncture);
   return step;

@@ -24,6 +24,9 @@ struct NeedleTrack : SampleGate {
   double channel_mm = 0.0;  ///< Depth to which tissue is cut.
   volume::Label cut_tissue = 0;  ///< What the tip cuts, or would if it advanced.
 
+  volume::Label around_tip =
+      0;  ///< What holds the tip; unlike the map's label it does not flicker.
+
   bool pressing = false;  ///< On the membrane of `membrane_of`, at rest at `membrane_mm`.
   double membrane_mm = 0.0;
   volume::Label membrane_of = 0;
@@ -85,6 +88,12 @@ PressedMembrane ActiveMembrane(const ForceTable& table, const NeedleTrack& track
 /// @return the force at which it gave way; 0 if it did not.
 double TryPuncture(const ForceTable& table, NeedleTrack& track, const NeedleMotion& motion,
                    double bone_n) noexcept;
+
+/// What holds the tip: also on its way out, and in again. A membrane that is only pressed has let
+/// nothing of what is behind it through; a tremor at an interface is on one side of it.
+/// @param before  what held it before.
+volume::Label TissueAroundTip(const NeedleTrack& track, volume::Label before,
+                              double hysteresis_mm) noexcept;
 
 /// What happened on the path in one step.
 struct TrackStep {

@@ -8,31 +8,15 @@ namespace {
 
 constexpr double kFarthestSkinMm = 5.0;  // The skin is sought at most so far behind the tip.
 constexpr double kEdgeHysteresis = 0.8;  // An interface ends below this share of its threshold.
-constexpr double kPivotMm = 0.5;         // Less deep a line through skin and tip has no direction.
 constexpr double kNoResistance = 1e-9;   // N s/mm.
-
-/// Turns the path towards the needle's axis as far as that brings it nearer to the tip: the tissue
-/// near the skin lets a needle be turned, and a line that moves to the needle gives it no energy.
-void Turn(NeedlePath& path, const NeedleMotion& motion) noexcept {
-  const Eigen::Vector3d from = path.direction_in_ct;
-  const Eigen::Vector3d across = motion.axis - motion.axis.dot(from) * from;
-  const double size = across.norm();
-  if (size < 1e-12) return;
-  const Eigen::Vector3d aside = across / size;
-  const Eigen::Vector3d to_tip = motion.tip_mm - path.entry_in_ct_mm;
-  const double axis_rad = std::atan2(size, motion.axis.dot(from));
-  const double tip_rad = std::atan2(to_tip.dot(aside), to_tip.dot(from));
-  const double turn_rad = std::clamp(tip_rad, 0.0, axis_rad);
-  if (turn_rad <= 0.0) return;
-  path.direction_in_ct = (std::cos(turn_rad) * from + std::sin(turn_rad) * aside).normalized();
-}
 
 }  // namespace
 
 VidalModel::VidalModel(const ForceTable& table, const NeedleProperties& needle,
-                       const HuField& field)
+                       const HuField& field, GuidanceKind guidance)
     : table_(table.ScaledTo(needle.beam.outer_diameter_mm)),
       field_(field),
+      guidance_(guidance == GuidanceKind::kOwn ? GuidanceKind::kVidal : guidance),
       bone_(volume::LabelOf("bone")) {
   table_.tissue[bone_].impenetrable = true;  // Here bone is what the CT says is bone.
 }
@@ -49,6 +33,7 @@ NeedleForce VidalModel::Step(VidalState& state, const NeedleInput& input) const 
   if (touched) out.event = FirstOf(out.event, NeedleEvent::kContact);
   out.force_in_ct_n += table_.vidal.gravity_in_ct_n;
   LimitTo(out, table_.settings.largest_force_n);
+  state.guide.axis_in_ct = motion.axis;
   state.tip_in_ct_mm = motion.tip_mm;
   state.tissue_at_tip = motion.label;
   state.Accept(input.time_s, out);
@@ -110,11 +95,8 @@ NeedleForce VidalModel::InTissue(VidalState& state, NeedleMotion& motion) const 
     state.in_body = state.pierced = false;
     return out;
   }
-  double device_mm = state.path.DepthMm(motion.tip_mm);
-  if (device_mm > kPivotMm && device_mm < table_.vidal.orientation_depth_mm) {
-    Turn(state.path, motion);
-    device_mm = state.path.DepthMm(motion.tip_mm);
-  }
+  TurnPath(guidance_, table_, state, motion);
+  const double device_mm = state.path.DepthMm(motion.tip_mm);
   const double speed_mm_per_s = (device_mm - state.device_mm) / motion.dt_s;
   out.event = MeetBone(table_, state, motion, device_mm);
   state.device_mm = device_mm;
@@ -126,8 +108,9 @@ NeedleForce VidalModel::InTissue(VidalState& state, NeedleMotion& motion) const 
   }
   out.depth_mm = state.depth_mm;
   Resistance(state, motion, hu, out);
-  const Eigen::Vector3d guidance_n = GuidanceN(state, motion);
-  out.force_in_ct_n += guidance_n;
+  const GuidanceForce guided = GuideNeedle(guidance_, table_, state.guide, state, motion, true);
+  out.force_in_ct_n += guided.force_n;
+  out.torque_in_ct_n_mm = guided.torque_n_mm;
   const Eigen::Vector3d& along = state.path.direction_in_ct;
   out.lateral_n = (out.force_in_ct_n - out.force_in_ct_n.dot(along) * along).norm();
   return out;
@@ -139,7 +122,10 @@ NeedleEvent VidalModel::SeeEdge(VidalState& state, const Eigen::Vector3d& tip_mm
   const double gradient = field_.GradientHuPerMm(tip_mm).norm();
   const bool before = state.at_edge;
   state.at_edge = gradient >= (before ? kEdgeHysteresis * threshold : threshold);
-  return state.at_edge && !before ? NeedleEvent::kInterface : NeedleEvent::kNone;
+  const bool is_cut = state.depth_mm < state.channel_mm;
+  state.channel_mm = std::max(state.channel_mm, state.depth_mm);
+  if (!state.at_edge || before) return NeedleEvent::kNone;
+  return is_cut ? NeedleEvent::kChannelInterface : NeedleEvent::kInterface;
 }
 
 /// F1, eq. 2 to 7: a resistance to speed, averaged.
@@ -180,29 +166,6 @@ void VidalModel::Resistance(VidalState& state, const NeedleMotion& motion, doubl
   const double axial_n = law.passive_average || out.bone_n == 0.0 ? -force_n.dot(along) : 0.0;
   (axial_n > 0.0 ? out.cutting_n : out.friction_n) = axial_n;
   out.force_in_ct_n = force_n - force_n.dot(along) * along - out.AxialN() * along;
-}
-
-/// F2, eq. 8. The mean comes late by half its window, and a late spring gives energy: a damping of
-/// its stiffness times that time takes just as much.
-Eigen::Vector3d VidalModel::GuidanceN(VidalState& state,
-                                      const NeedleMotion& motion) const noexcept {
-  const VidalSettings& law = table_.vidal;
-  const Eigen::Vector3d offset_mm = state.path.DeviationMm(motion.tip_mm);
-  const Eigen::Vector3d mean_mm =
-      state.offset_mean.Add(offset_mm, motion.dt_s, law.guidance_averaging_s);
-  const Eigen::Vector3d wanted_n = -law.guidance_n_per_mm * mean_mm;
-  const double share = wanted_n.norm() / law.guidance_clamp_n;
-  const double gauss = std::exp(-0.5 * share * share);
-  const double slope = 1.0 - gauss + share * share * gauss;  // d(K2 F) / dF.
-  const Eigen::Vector3d& along = state.path.direction_in_ct;
-  const Eigen::Vector3d travel_mm = motion.tip_mm - motion.previous_mm;
-  const Eigen::Vector3d across_mm_per_s = (travel_mm - travel_mm.dot(along) * along) / motion.dt_s;
-  const double damping = slope * law.guidance_n_per_mm * 0.5 * law.guidance_averaging_s;
-  Eigen::Vector3d force_n = (1.0 - gauss) * wanted_n - damping * across_mm_per_s;
-  const double size_n = force_n.norm();
-  const double limit_n = table_.settings.lateral_limit_n;
-  if (size_n > limit_n) force_n *= limit_n / size_n;
-  return force_n;
 }
 
 }  // namespace acus::forces

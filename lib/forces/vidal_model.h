@@ -6,6 +6,7 @@
 #pragma once
 
 #include "forces/force_table.h"
+#include "forces/guidance.h"
 #include "forces/hu_field.h"
 #include "forces/needle_sample.h"
 #include "forces/needle_track.h"
@@ -20,7 +21,7 @@ struct VidalState : NeedleTrack {
   Eigen::Vector3d resistance_in_ct_n = Eigen::Vector3d::Zero();  ///< F1, by the passive mean.
   double resistance_n_per_mm = 0.0;  ///< Its stiffness in the last step.
   WindowAverage resistance_mean;     ///< F1, by the mean as printed.
-  WindowAverage offset_mean;         ///< opp of eq. 8.
+  GuidanceState guide;
   bool at_edge = false;
 };
 
@@ -30,7 +31,8 @@ class VidalModel {
  public:
   /// The table is scaled to the needle's diameter. Keeps a reference to `field`, which must outlive
   /// this.
-  VidalModel(const ForceTable& table, const NeedleProperties& needle, const HuField& field);
+  VidalModel(const ForceTable& table, const NeedleProperties& needle, const HuField& field,
+             GuidanceKind guidance = GuidanceKind::kOwn);
 
   /// Takes in the next sample; its tissue_at_tip is not used. Bad samples and the bound on the
   /// force: as NeedleForceModel::Step. puncture_n is the skin's force, cutting_n the resistance
@@ -47,10 +49,10 @@ class VidalModel {
   NeedleEvent SeeEdge(VidalState& state, const Eigen::Vector3d& tip_mm) const noexcept;
   void Resistance(VidalState& state, const NeedleMotion& motion, double hu,
                   NeedleForce& out) const noexcept;
-  Eigen::Vector3d GuidanceN(VidalState& state, const NeedleMotion& motion) const noexcept;
 
   ForceTable table_;
   const HuField& field_;
+  GuidanceKind guidance_;
   volume::Label bone_;
 };
 

@@ -7,6 +7,7 @@
 #include "core/atomic_file.h"
 #include "core/cpu_time.h"
 #include "core/text_table.h"
+#include "replay/event_log.h"
 #include "replay/image_log.h"
 #include "replay/run_metrics.h"
 #include "replay/run_report.h"
@@ -108,6 +109,7 @@ void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, cons
                              {"seconds", SpanSeconds(run.session)}}},
                            {"images", run.images.num_images},
                            {"effect_plan", stages},
+                           {"events", EventsJson(EventsOf(scene, run.steps))},
                            {"cpu_seconds", run.cpu_s},
                            {"warnings", WarningsOf(scene, run)}});
 }
@@ -116,6 +118,7 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
                     const Run& run, const ReplayOptions& options, const RunContext& context) {
   if (scene.plan.Has(StageId::kNeedleForce)) {
     WriteForces(folder / "forces.csv", run.steps, scene);
+    WriteEvents(folder / "events.csv", EventsOf(scene, run.steps));
   }
   if (scene.plan.Has(StageId::kProbeForce)) {
     WriteProbeForces(folder / "probe_forces.csv", run.steps, scene);

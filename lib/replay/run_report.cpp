@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text_table.h"
+#include "replay/event_log.h"
 #include "report/html_report.h"
 #include "report/svg_plot.h"
 
@@ -139,14 +140,15 @@ report::Plot ShapePlot(const StepLog& log) {
 
 void AddEvents(report::HtmlReport& html, const StepLog& log, const simulation::Scene& scene) {
   std::vector<std::vector<std::string>> rows;
-  for (const StepOutput& step : log.steps) {
-    if (step.force.event == NeedleEvent::kNone) continue;
-    rows.push_back({Rounded(SecondsOf(log, step)), EventWords(step.force.event),
-                    TissueName(scene, step.tissue_at_tip), Rounded(step.force.depth_mm),
-                    Rounded(step.force.AxialN())});
+  for (const LoggedEvent& event : EventsOf(scene, log)) {
+    rows.push_back({Rounded(1e-9 * static_cast<double>(event.time_ns - log.steps.front().time_ns)),
+                    EventWords(event.event), event.tissue, Rounded(event.depth_mm),
+                    Rounded(event.force_before_n), Rounded(event.force_axial_n)});
   }
   html.Section("Events");
-  html.Table({"time [s]", "event", "tissue at the tip", "depth [mm]", "force [N]"}, rows);
+  html.Table(
+      {"time [s]", "event", "tissue at the tip", "depth [mm]", "force before [N]", "force [N]"},
+      rows);
 }
 
 }  // namespace

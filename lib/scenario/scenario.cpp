@@ -179,6 +179,16 @@ void CheckTogether(const Scenario& s) {
                  ": /effects/needle/axis_lock holds a straight needle on its path; a bendable one "
                  "follows it anyway. Leave axis_lock out, or take the model lateral_beam");
   }
+  if (s.needle_force && s.needle_force->guidance != GuidanceKind::kOwn) {
+    ACUS_REQUIRE(s.needle_force->model != NeedleForceModelKind::kTissue, file,
+                 ": /effects/needle_force/guidance: model \"tissue\" guides the needle by the "
+                 "tissue that it deforms; leave guidance at \"own\"");
+    ACUS_REQUIRE(
+        !s.shape, file,
+        ": /effects/needle_force/guidance: effects/needle says already what is felt across "
+        "the path; leave guidance at \"own\", or take effects/needle out "
+        "(--set /effects/needle=null)");
+  }
   if (s.tissue && !s.tissue->TouchesNeedle()) {
     ACUS_REQUIRE(s.needle_force, file,
                  ": /effects/tissue/model \"displacement_functions\" moves tissue by the forces "
@@ -230,8 +240,14 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
         {"alamilla", NeedleForceModelKind::kAlamilla},
         {"vidal", NeedleForceModelKind::kVidal},
         {"tissue", NeedleForceModelKind::kTissue}};
+    static const std::map<std::string, GuidanceKind> kGuidance = {
+        {"own", GuidanceKind::kOwn},
+        {"none", GuidanceKind::kNone},
+        {"vidal", GuidanceKind::kVidal},
+        {"virtual_fixture", GuidanceKind::kVirtualFixture}};
     scenario.needle_force =
-        NeedleForceEffect{kModels.at(effect.at("model")), config::FindConfig(table, folder)};
+        NeedleForceEffect{kModels.at(effect.at("model")), kGuidance.at(effect.at("guidance")),
+                          config::FindConfig(table, folder)};
   }
   if (effects.contains("needle")) {
     scenario.shape = ReadNeedleEffect(effects["needle"], folder);

@@ -24,8 +24,11 @@ struct Patient {
 };
 
 enum class NeedleForceModelKind { kLayered, kAlamilla, kVidal, kTissue };
+/// What holds the needle on its line.
+enum class GuidanceKind { kOwn, kNone, kVidal, kVirtualFixture };
 struct NeedleForceEffect {
   NeedleForceModelKind model = NeedleForceModelKind::kLayered;
+  GuidanceKind guidance = GuidanceKind::kOwn;
   std::filesystem::path table;
 };
 

@@ -77,6 +77,14 @@ void FindInvalidRuns(const PoseStream& stream, IntegrityReport& report) {
   }
 }
 
+double ExtentMm(const PoseStream& stream) {
+  Eigen::AlignedBox3d box;
+  for (const PoseSample& sample : stream) {
+    if (sample.valid) box.extend(sample.reference_from_tool.translation());
+  }
+  return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+}
+
 std::string Sentence(const std::string& tool, const std::vector<IntegrityEvent>& events,
                      const char* what, const char* unit) {
   const auto worst = std::ranges::max_element(events, {}, &IntegrityEvent::amount);
@@ -96,6 +104,7 @@ IntegrityReport CheckIntegrity(const PoseStream& stream, const IntegrityLimits& 
   FindIntervals(stream, limits, report);
   FindJumps(stream, limits, report);
   FindInvalidRuns(stream, report);
+  report.extent_mm = ExtentMm(stream);
   return report;
 }
 
@@ -116,6 +125,14 @@ std::vector<std::string> Describe(const IntegrityReport& report, const std::stri
     sentences.push_back(
         Message(Sentence(tool, report.invalid_runs, "times the tool was not seen", "samples"),
                 ", together ", report.num_invalid, " of ", report.num_samples, " samples"));
+  }
+  // A hand that moved for seconds comes at least this far; a tool that lies still shows no more
+  // than the tracker's noise.
+  if (report.duration_s > 2.0 && report.extent_mm > 0.05 && report.extent_mm < 2.0) {
+    sentences.push_back(Message(tool, ": moves by no more than ", report.extent_mm, " mm in ",
+                                report.duration_s,
+                                " s. If it did move, its coordinates are in metres: they are "
+                                "needed in mm, multiply them by 1000"));
   }
   return sentences;
 }

@@ -34,6 +34,7 @@ struct IntegrityReport {
   std::size_t num_repeated =
       0;  ///< Samples with the time stamp of the one before, or an earlier one.
   std::size_t num_frozen = 0;  ///< Valid samples whose pose equals the one before in every bit.
+  double extent_mm = 0.0;      ///< Of the valid positions, along the axis where it is largest.
   std::vector<IntegrityEvent> gaps;
   std::vector<IntegrityEvent> jumps;
   std::vector<IntegrityEvent> invalid_runs;

@@ -1,5 +1,6 @@
 #include "simulation/scene.h"
 
+#include "core/error.h"
 #include "mechanics/elasticity_table.h"
 #include "simulation/probe_scene.h"
 #include "simulation/tissue_scene.h"
@@ -8,6 +9,20 @@
 namespace acus::simulation {
 
 namespace {
+
+forces::GuidanceKind GuidanceOf(scenario::GuidanceKind kind) {
+  switch (kind) {
+    case scenario::GuidanceKind::kOwn:
+      return forces::GuidanceKind::kOwn;
+    case scenario::GuidanceKind::kNone:
+      return forces::GuidanceKind::kNone;
+    case scenario::GuidanceKind::kVidal:
+      return forces::GuidanceKind::kVidal;
+    case scenario::GuidanceKind::kVirtualFixture:
+      return forces::GuidanceKind::kVirtualFixture;
+  }
+  ACUS_ASSERT(false);
+}
 
 void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scene& scene,
                 RunContext& context) {
@@ -19,12 +34,13 @@ void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scen
     context.Warn("there is no label map: tissues are told by the CT's HU, as the force table says");
     scene.hu_tissues = table.hu_tissues;
   }
+  const forces::GuidanceKind guidance = GuidanceOf(scenario.needle_force->guidance);
   if (by_hu) {
-    scene.forces.emplace(forces::VidalModel(table, *scene.needle, *scene.hu));
+    scene.forces.emplace(forces::VidalModel(table, *scene.needle, *scene.hu, guidance));
   } else if (scenario.needle_force->model == scenario::NeedleForceModelKind::kAlamilla) {
-    scene.forces.emplace(forces::AlamillaModel(table, *scene.needle));
+    scene.forces.emplace(forces::AlamillaModel(table, *scene.needle, guidance));
   } else {
-    scene.forces.emplace(forces::NeedleForceModel(table, *scene.needle));
+    scene.forces.emplace(forces::NeedleForceModel(table, *scene.needle, guidance));
   }
 }
 

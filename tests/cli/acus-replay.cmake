@@ -4,7 +4,7 @@ set(patient --ct $INPUTS/ct.nrrd --labels $INPUTS/labels.seg.nrrd
 
 acus_add_cli_case(acus-replay.run EXIT 0 NEEDS inputs
   STDOUT "^Replayed " "^Report: run/report.html"
-  CREATES run/report.html run/forces.csv run/images.igs.mha run/film.mp4 run/metrics.json
+  CREATES run/report.html run/forces.csv run/events.csv run/images.igs.mha run/film.mp4 run/metrics.json
           run/run.json run/provenance.json
   COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run)
 acus_add_cli_case(acus-replay.explain EXIT 0 NEEDS inputs LEAVES_NOTHING
@@ -61,3 +61,11 @@ acus_add_cli_case(acus-replay.probe_force_without_labels EXIT 3 NEEDS inputs LEA
   STDERR "probe force .effect probe_force is called for. needs labels"
   COMMAND acus-replay scenarios/palpation.json $INPUTS/session --ct $INPUTS/ct.nrrd -o run
           --set /effects/probe_force/multi_proxy/reads=labels)
+acus_add_cli_case(acus-replay.guidance EXIT 0 NEEDS inputs
+  STDOUT "largest lateral force: 0 N"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run
+          --set /effects/needle_force/guidance=none --set /effects/ultrasound=null --set /effects/ct_slice=null)
+acus_add_cli_case(acus-replay.mistyped_guidance EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "/effects/needle_force/guidance: must be one of .*virtual_fixture"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run
+          --set /effects/needle_force/guidance=fixture)

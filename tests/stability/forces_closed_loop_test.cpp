@@ -65,6 +65,45 @@ TEST(ForcesClosedLoop, NoShippedModelGeneratesEnergy) {
   }
 }
 
+// Every guidance with every force along the needle. A hand that bears against its path by up to 8
+// mm.
+TEST(ForcesClosedLoop, NoGuidanceGeneratesEnergy) {
+  const LayeredBodyField body = Abdomen();
+  const ForceTable table = ShippedTable("default.json");
+  RandomHand motion;
+  motion.across_mm = 8.0;
+  for (const auto& [name, kind] :
+       {std::pair{"none", GuidanceKind::kNone}, std::pair{"vidal", GuidanceKind::kVidal},
+        std::pair{"virtual fixture", GuidanceKind::kVirtualFixture}}) {
+    std::printf(" guidance %s\n", name);
+    const NeedleForceModel layered(table, Trocar18G(), kind);
+    const AlamillaModel alamilla(table, Trocar18G(), kind);
+    const VidalModel vidal(table, Trocar18G(), body, kind);
+    const auto check = [&](const char* model, auto make) {
+      EXPECT_LE(RandomInteraction(model, motion, make).worst_mj, 1.0) << name << " " << model;
+    };
+    check("layered", [&] { return DrivenLayered{layered, body}; });
+    check("alamilla", [&] { return DrivenAlamilla{alamilla, body}; });
+    check("vidal", [&] { return DrivenVidal{vidal, body}; });
+  }
+}
+
+// The shaft is drawn out with less friction than it is pushed in, or with more.
+TEST(ForcesClosedLoop, WithdrawalFrictionOfItsOwnGeneratesNoEnergy) {
+  const LayeredBodyField body = Abdomen();
+  for (const double share : {0.0, 0.65, 2.0}) {
+    ForceTable table = ShippedTable("default.json");
+    for (TissueForce& tissue : table.tissue) {
+      tissue.withdrawal_friction_n_per_mm = share * tissue.friction_n_per_mm;
+    }
+    const NeedleForceModel layered(table, Trocar18G());
+    const Report report = RandomInteraction("layered", {}, [&] {
+      return DrivenLayered{layered, body};
+    });
+    EXPECT_LE(report.worst_mj, 1.0) << share;
+  }
+}
+
 TEST(ForcesClosedLoop, TheProbeGeneratesNoEnergy) {
   const LayeredBodyField body({{0.0, "fat", -100}, {8.0, "bone", 900}});
   const VidalProbe probe(ShippedTable("vidal.json"), body);

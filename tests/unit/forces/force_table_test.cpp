@@ -53,6 +53,19 @@ TEST(ForceTable, ScalesWithTheNeedle) {
   EXPECT_NEAR(thin_liver.membrane.PunctureDepthMm(), liver.membrane.PunctureDepthMm(), 1e-12);
 }
 
+TEST(ForceTable, WithdrawalFrictionIsThatOfInsertionUnlessItIsGiven) {
+  json document = Minimal();
+  document["tissues"][0]["friction_n_per_mm"] = 0.016;
+  const volume::Label soft = volume::LabelOf("soft_tissue");
+  EXPECT_EQ(ForceTableFromJson(document, "t").tissue[soft].withdrawal_friction_n_per_mm, 0.016);
+  document["tissues"][0]["withdrawal_friction_n_per_mm"] = 0.0105;
+  const ForceTable table = ForceTableFromJson(document, "t");
+  EXPECT_EQ(table.tissue[soft].friction_n_per_mm, 0.016);
+  EXPECT_EQ(table.tissue[soft].withdrawal_friction_n_per_mm, 0.0105);
+  const ForceTable thin = table.ScaledTo(0.5 * table.reference_diameter_mm);
+  EXPECT_DOUBLE_EQ(thin.tissue[soft].withdrawal_friction_n_per_mm, 0.5 * 0.0105);
+}
+
 TEST(ForceTable, SaysWhatIsWrong) {
   const auto with = [](const char* pointer, const json& value) {
     json document = Minimal();
@@ -73,6 +86,28 @@ TEST(ForceTable, SaysWhatIsWrong) {
   EXPECT_THAT(with("/tissues/0/cutting_n", 101.0), ThrowsMessage<InputError>(HasSubstr("got 101")));
   EXPECT_THAT(with("/friction_buildup_mm", 0.0), ThrowsMessage<InputError>(HasSubstr("got 0")));
   EXPECT_THAT(with("/friction_buildup_mm", 11.0), ThrowsMessage<InputError>(HasSubstr("got 11")));
+  EXPECT_THAT(with("/tissues/0/cutting_stiffness_n_per_mm", -2.0),
+              ThrowsMessage<InputError>(HasSubstr("/tissues/0/cutting_stiffness_n_per_mm")));
+  EXPECT_THAT(with("/bone/stiffness_n_per_mm", -5.0),
+              ThrowsMessage<InputError>(HasSubstr("got -5")));
+  EXPECT_THAT(with("/tissues/0/withdrawal_friction_n_per_mm", -0.01),
+              ThrowsMessage<InputError>(HasSubstr("got -0.01")));
+  EXPECT_THAT(with("/tissues/0/withdrawal_friction_n_per_mm", 5.1),
+              ThrowsMessage<InputError>(HasSubstr("got 5.1")));
+  const auto structure = [](const char* tissue, double from_hu) {
+    return json::array({{{"tissue", tissue}, {"from_hu", from_hu}, {"a1_n_per_mm", 1.0}}});
+  };
+  EXPECT_THAT(with("/multi_proxy/structures", structure("bonne", 300.0)),
+              ThrowsMessage<InputError>(AllOf(HasSubstr("/multi_proxy/structures/0/tissue"),
+                                              HasSubstr("did you mean 'bone'"))));
+  EXPECT_THAT(with("/multi_proxy/structures", structure("outside", 300.0)),
+              ThrowsMessage<InputError>(HasSubstr("free space")));
+  EXPECT_THAT(with("/multi_proxy/structures", structure("bone", -400.0)),
+              ThrowsMessage<InputError>(HasSubstr("above the skin's -300 HU")));
+  EXPECT_THAT(with("/multi_proxy/skin/a1_n_per_mm", -0.1),
+              ThrowsMessage<InputError>(HasSubstr("got -0.1")));
+  EXPECT_THAT(with("/multi_proxy/largest_force_n", 101.0),
+              ThrowsMessage<InputError>(HasSubstr("got 101")));
   EXPECT_THAT(with("/tissues/0/no_membrane_from", json::array({"livr"})),
               ThrowsMessage<InputError>(HasSubstr("no_membrane_from")));
 }

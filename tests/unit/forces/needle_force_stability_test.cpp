@@ -148,12 +148,13 @@ TEST(NeedlePath, FoldsItsShallowestTissuesWhenFull) {
   double expected_n = 0.0;
   for (int i = 0; i < 300; ++i) {
     const double friction = 0.01 * (1 + i % 5);
-    path.Append(static_cast<volume::Label>(1 + i % 5), friction);
+    path.Append(static_cast<volume::Label>(1 + i % 5), friction, 0.5 * friction);
     path.ExtendTo(0.4 * (i + 1));
     expected_n += 0.4 * friction;
   }
   EXPECT_EQ(path.num_segments, NeedlePath::kMaxSegments);
   EXPECT_NEAR(path.FrictionN(0.4 * 300), expected_n, 1e-9);
+  EXPECT_NEAR(path.WithdrawalFrictionN(0.4 * 300), 0.5 * expected_n, 1e-9);
   EXPECT_NEAR(path.EndMm(), 120.0, 1e-9);
   path.CutOffAt(110.0);
   EXPECT_NEAR(path.EndMm(), 110.0, 1e-12);

@@ -39,6 +39,56 @@ TEST_F(NeedleForceTest, PressesOnTheSkinByThePolynomialAndDropsAtPuncture) {
   EXPECT_NEAR(insertion.last.AxialN(), 0.4, 1e-9);  // Fat cuts at 0.4 N; no friction yet.
 }
 
+// Bovine liver: 0.016 N/mm on the way in, 0.0105 out. The way in is the same to the bit.
+TEST_F(NeedleForceTest, FrictionOnTheWayOutIsItsOwn) {
+  ForceTable table = SimpleTable();
+  table.tissue[kFat].withdrawal_friction_n_per_mm = 0.004;
+  const NeedleForceModel apart(table, Trocar());
+  Insertion drive{apart, fat_and_liver};
+  drive.MoveTo(25.0);
+  insertion.MoveTo(25.0);
+  EXPECT_EQ(drive.last.force_in_ct_n, insertion.last.force_in_ct_n);
+  drive.MoveTo(15.0);
+  insertion.MoveTo(15.0);
+  EXPECT_NEAR(insertion.last.friction_n, -(0.03 * 2.0 + 0.01 * 13.0), 1e-3);
+  EXPECT_NEAR(drive.last.friction_n, -(0.03 * 2.0 + 0.004 * 13.0), 1e-3);
+  // Round and round in the channel: the bristles give back what they hold, and no more.
+  const double before_n_mm = drive.work_n_mm;
+  const double held_n_mm =
+      0.5 * std::abs(drive.last.friction_n) * table.settings.friction_buildup_mm;
+  for (int i = 0; i < 20; ++i) {
+    drive.MoveTo(15.0 + 0.1 * i);
+    EXPECT_GE(drive.work_n_mm, before_n_mm - held_n_mm) << i;
+    drive.MoveTo(15.0);
+    EXPECT_GE(drive.work_n_mm, before_n_mm - held_n_mm) << i;
+  }
+  EXPECT_GT(drive.work_n_mm, before_n_mm + 1.0);
+}
+
+// Out through the interface and in again: told apart from the first time, and once each time.
+TEST_F(NeedleForceTest, InterfacesInTheChannelAreEventsOfTheirOwn) {
+  insertion.MoveTo(45.0);
+  EXPECT_EQ(insertion.Count(NeedleEvent::kChannelInterface), 0);
+  const int fresh = insertion.Count(NeedleEvent::kInterface);
+  EXPECT_EQ(fresh, 2);  // Skin to fat, fat to liver.
+  for (int i = 1; i <= 3; ++i) {
+    insertion.MoveTo(20.0);
+    EXPECT_EQ(insertion.Count(NeedleEvent::kChannelInterface), 2 * i - 1);
+    insertion.MoveTo(44.0);
+    EXPECT_EQ(insertion.Count(NeedleEvent::kChannelInterface), 2 * i);
+  }
+  for (int i = 0; i < 500; ++i) insertion.StepTo(30.0 + 0.05 * std::sin(0.3 * i));  // A tremor.
+  EXPECT_EQ(insertion.Count(NeedleEvent::kChannelInterface), 6);
+  EXPECT_EQ(insertion.Count(NeedleEvent::kInterface), fresh);
+  insertion.MoveTo(-2.0);
+  EXPECT_EQ(insertion.Count(NeedleEvent::kWithdrawal), 1);
+  const int out = insertion.Count(NeedleEvent::kChannelInterface);
+  insertion.MoveTo(45.0);  // A new channel: everything is fresh again.
+  EXPECT_EQ(insertion.Count(NeedleEvent::kContact), 2);
+  EXPECT_EQ(insertion.Count(NeedleEvent::kInterface), 2 * fresh);
+  EXPECT_EQ(insertion.Count(NeedleEvent::kChannelInterface), out);
+}
+
 TEST_F(NeedleForceTest, PlateauIsCuttingPlusFrictionOfTheBuriedTissues) {
   insertion.MoveTo(25.0);
   EXPECT_NEAR(insertion.last.cutting_n, 0.4, 1e-12);

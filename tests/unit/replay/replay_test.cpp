@@ -329,6 +329,61 @@ TEST_F(Replay, TheProbesForceLeavesTheNeedlesAsItIs) {
   EXPECT_GT(pressed.Numbers("force_n").back(), 1.5);
 }
 
+// The layers are at 0, 2, 15 and 60 mm; labels change half way between voxels, as these do. The
+// models by label wait for interface_hysteresis_mm before an interface counts.
+TEST_F(Replay, LogsEventsWhereTheTruthIs) {
+  for (const std::string model : {"layered", "alamilla", "vidal"}) {
+    SCOPED_TRACE(model);
+    Run(model.c_str(), 1,
+        {{"/effects/needle_force/model", model},
+         {"/effects/ultrasound", nullptr},
+         {"/effects/ct_slice", nullptr}});
+    const CsvTable events(folder_ / model / "events.csv");
+    const auto names = events.Texts("event");
+    const auto tissues = events.Texts("tissue");
+    const auto depth_mm = events.Numbers("depth_mm");
+    const auto time_s = events.Numbers("time_s");
+    const auto before_n = events.Numbers("force_before_n");
+    const auto after_n = events.Numbers("force_axial_n");
+    const auto find = [&](const std::string& name, const std::string& tissue) {
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        if (names[i] == name && (tissue.empty() || tissues[i] == tissue)) return i;
+      }
+      ADD_FAILURE() << name << " in " << tissue;
+      return std::size_t{0};
+    };
+    const std::size_t contact = find("contact", "skin");
+    // By HU bone begins a little above the voxels that are called so.
+    const std::size_t bone = find("bone_contact", model == "vidal" ? "" : "bone");
+    const std::size_t withdrawal = find("withdrawal", "outside");
+    // Vidal's skin and bone are where the CT, between voxels, passes their HU.
+    const double off_mm = model == "vidal" ? 0.6 : 0.06;
+    EXPECT_NEAR(0.025 * (1000.0 * time_s[contact] - 200.0), 0.0, off_mm + 0.03);
+    EXPECT_NEAR(depth_mm[bone], 60.0, off_mm);
+    EXPECT_GT(time_s[withdrawal], time_s[bone]);
+    EXPECT_LT(depth_mm[withdrawal], 0.5);
+    const auto puncture =
+        static_cast<std::size_t>(std::ranges::find(names, "puncture") - names.begin());
+    ASSERT_LT(puncture, names.size());
+    EXPECT_GT(before_n[puncture], after_n[puncture]);
+    EXPECT_GT(before_n[puncture], 0.5);
+    EXPECT_EQ(std::ranges::count(names, "withdrawal"), 1);
+    const auto logged = config::ReadJson(folder_ / model / "run.json").at("events");
+    ASSERT_EQ(logged.size(), names.size());
+    EXPECT_EQ(logged.at(bone).at("event"), "bone_contact");
+    EXPECT_EQ(logged.at(bone).at("depth_mm"), depth_mm[bone]);
+    if (model == "vidal") continue;
+    EXPECT_NEAR(depth_mm[find("interface", "fat")], 2.0 + 0.3, 0.06);
+    EXPECT_NEAR(depth_mm[find("interface", "muscle")], 15.0 + 0.3, 0.06);
+    // On the way out the same two, in the channel that is cut. The layered model waits for nothing
+    // there: drawn back so far, the needle may take a new path, and the old one is forgotten.
+    const double out_mm = model == "layered" ? 0.0 : 0.3;
+    EXPECT_NEAR(depth_mm[find("channel_interface", "fat")], 15.0 - out_mm, 0.06);
+    EXPECT_NEAR(depth_mm[find("channel_interface", "skin")], 2.0 - out_mm, 0.06);
+    EXPECT_EQ(std::ranges::count(names, "channel_interface"), 2);
+  }
+}
+
 TEST_F(Replay, TellsTissuesByHuWhereThereIsNoLabelMap) {
   RunContext context;
   std::vector<std::string> warnings;

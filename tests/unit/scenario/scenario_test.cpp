@@ -45,6 +45,22 @@ TEST_F(ScenarioFile, HoldsOnlyTheEffectsItNamesWithDefaultsFilledIn) {
   EXPECT_EQ(s.session.reference_frame, "Reference");
 }
 
+TEST_F(ScenarioFile, TakesGuidanceWithAnyModelButTheOnesThatGuideThemselves) {
+  EXPECT_EQ(Read(kText).needle_force->guidance, GuidanceKind::kOwn);
+  EXPECT_EQ(Read(kText, {ParseOverride("/effects/needle_force/guidance=virtual_fixture")})
+                .needle_force->guidance,
+            GuidanceKind::kVirtualFixture);
+  EXPECT_THAT([&] { Read(kText, {ParseOverride("/effects/needle_force/guidance=fixture")}); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("/effects/needle_force/guidance"),
+                                              HasSubstr("virtual_fixture"))));
+  EXPECT_THAT(
+      [&] {
+        Read(kText, {ParseOverride("/effects/needle_force/guidance=none"),
+                     ParseOverride(R"(/effects/needle={"model": "rigid"})")});
+      },
+      ThrowsMessage<InputError>(HasSubstr("effects/needle says already")));
+}
+
 TEST_F(ScenarioFile, HoldsTheProbeForceOfItsModel) {
   const auto read = [this](const std::string& effect) {
     return Read(R"({"format": "acus-scenario/1", "patient": {},

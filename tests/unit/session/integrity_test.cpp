@@ -112,6 +112,25 @@ TEST(Integrity, CountsRepeatedStampsAndTimeThatGoesBack) {
   EXPECT_THAT(Describe(CheckIntegrity(stream), "needle"), ElementsAre(HasSubstr("2 samples")));
 }
 
+TEST(Integrity, TellsOfCoordinatesThatSeemToBeInMetres) {
+  const auto sweep = [](double extent) {
+    PoseStream stream;
+    for (int i = 0; i <= 300; ++i) {
+      PoseSample sample{.time_ns = i * std::int64_t{10'000'000}};
+      sample.reference_from_tool =
+          Eigen::Isometry3d(Eigen::Translation3d(0.2, 0.1, extent * i / 300.0));
+      stream.push_back(sample);
+    }
+    return Describe(CheckIntegrity(stream), "needle");
+  };
+  const auto in_metres = sweep(0.08);
+  ASSERT_EQ(in_metres.size(), 1U);
+  EXPECT_NE(in_metres[0].find("metres"), std::string::npos);
+  EXPECT_TRUE(sweep(80.0).empty());
+  EXPECT_TRUE(sweep(0.0).empty());   // It lies still.
+  EXPECT_TRUE(sweep(0.03).empty());  // And trembles.
+}
+
 TEST(Integrity, LooksThroughEmptyAndSingleStreams) {
   EXPECT_EQ(CheckIntegrity({}).num_samples, 0U);
   EXPECT_TRUE(CheckIntegrity(Steady(1, 1)).clean());
