@@ -123,6 +123,13 @@ double RecordedBreath::CycleAt(double sample) const noexcept {
   return std::clamp(cycle - std::floor(cycle), 0.0, std::nextafter(1.0, 0.0));
 }
 
+Breath RecordedBreath::Normalised(const Breath& breath) const noexcept {
+  const double span = inspiration_level_ - expiration_level_;
+  return {.cycle = breath.cycle,
+          .level = (breath.level - expiration_level_) / span,
+          .level_per_s = breath.level_per_s / span};
+}
+
 Breath RecordedBreath::At(double time_s) const noexcept {
   const double last = static_cast<double>(level_.size() - 1);
   double sample = time_s / step_s_;

@@ -52,6 +52,9 @@ class RecordedBreath {
 
   int num_breaths() const { return static_cast<int>(peaks_.size()) - 1; }
   double duration_s() const { return step_s_ * static_cast<double>(level_.size() - 1); }
+  /// With this recording's median levels at the ends of inspiration and expiration as 1 and 0.
+  Breath Normalised(const Breath& breath) const noexcept;
+
   /// Median levels at the ends of inspiration and of expiration.
   double inspiration_level() const { return inspiration_level_; }
   double expiration_level() const { return expiration_level_; }

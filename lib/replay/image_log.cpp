@@ -204,6 +204,7 @@ std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& sess
     Snapshot snapshot;
     snapshot.time_ns = first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
     if (snapshot.time_ns > last_ns) break;
+    snapshot.session_s = 1e-9 * static_cast<double>(snapshot.time_ns - session.start_ns());
     const session::PoseSample probe = session::PoseAt(session.probe, snapshot.time_ns);
     snapshot.probe_valid = probe.valid;
     snapshot.ct_from_probe = scene.ct_from_reference * probe.reference_from_tool;

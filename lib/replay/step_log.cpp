@@ -19,7 +19,7 @@ class ImageStates {
               std::span<simulation::Snapshot> images, StepLog& log)
       : simulation_(simulation),
         log_(log),
-        loads_(scene.plan.Has(simulation::StageId::kDeformation)),
+        loads_(scene.tools_deform_images),
         shapes_(scene.plan.Has(simulation::StageId::kNeedleShape)) {
     if (loads_ || shapes_) images_ = images;
   }
@@ -38,7 +38,7 @@ class ImageStates {
       log_.loads.push_back(load_);
       image.load = &log_.loads.back();
     }
-    if (shapes_ && simulation_.ShapeOf(log_.final_state, shape_)) {
+    if (shapes_ && simulation_.ShapeOf(log_.final_state, log_.steps.back(), shape_)) {
       log_.shapes.push_back(shape_);
       image.needle_shape = &log_.shapes.back();
     }
@@ -59,7 +59,7 @@ void KeepMostBent(const simulation::Simulation& simulation, StepLog& log) {
   const double most_mm =
       log.most_bent.empty() ? 0.0 : log.steps[log.most_bent_step].shape.tip_deflection_mm;
   if (!shape.bent || shape.tip_deflection_mm <= most_mm) return;
-  simulation.ShapeOf(log.final_state, log.most_bent);
+  simulation.ShapeOf(log.final_state, log.steps.back(), log.most_bent);
   log.most_bent_step = log.steps.size() - 1;
 }
 
@@ -73,7 +73,7 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
   const bool feels_probe = scene.plan.Has(simulation::StageId::kProbeForce);
   if (!has_needle && !feels_probe) return log;
   const simulation::Simulation simulation(scene);
-  log.final_state = simulation.NewState();
+  log.final_state = simulation.NewState(session.start_ns());
   ImageStates states(scene, simulation, images, log);
   const bool presses = scene.plan.Has(simulation::StageId::kTissueContact);
   const bool has_probe = (feels_probe || presses) && !session.probe.empty();

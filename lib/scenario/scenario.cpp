@@ -163,6 +163,29 @@ NeedleEffect ReadNeedleEffect(const json& object, const fs::path& folder) {
   return effect;
 }
 
+BreathingEffect ReadBreathingEffect(const json& object, const fs::path& folder,
+                                    const std::string& where) {
+  BreathingEffect effect;
+  effect.motion = ExistingPath(object, "motion", folder, where);
+  effect.signal = ExistingPath(object, "signal", folder, where);
+  effect.amplitude = object.at("amplitude");
+  effect.signal_file = {object.at("column"), object.at("rate_hz")};
+  effect.recorded = {object.at("smoothing_s"), object.at("repeat")};
+  effect.normalise = object.at("normalise");
+  const json& pattern = object.at("pattern");
+  effect.pattern = {.period_s = pattern.at("period_s"),
+                    .exponent = pattern.at("exponent"),
+                    .period_spread = pattern.at("period_spread"),
+                    .speed_spread = pattern.at("speed_spread"),
+                    .level_spread = pattern.at("level_spread"),
+                    .level = pattern.at("level"),
+                    .seed = pattern.at("seed")};
+  for (const json& hold : object.at("hold")) effect.holds.push_back({hold.at(0), hold.at(1)});
+  effect.image = object.at("image");
+  effect.warp_spacing_mm = object.at("warp_spacing_mm");
+  return effect;
+}
+
 /// What the schema cannot say: effects that lean on one another.
 void CheckTogether(const Scenario& s) {
   const std::string file = s.file.string();
@@ -257,6 +280,10 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
   }
   if (effects.contains("tissue")) {
     scenario.tissue = ReadTissueEffect(effects["tissue"], folder);
+  }
+  if (effects.contains("breathing")) {
+    scenario.breathing =
+        ReadBreathingEffect(effects["breathing"], folder, path.string() + ": /effects/breathing");
   }
   if (effects.contains("ultrasound")) {
     scenario.ultrasound = ReadUltrasoundEffect(effects["ultrasound"], folder);

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "breathing/breath_source.h"
 #include "scenario/ultrasound_effect.h"
 #include "session/session_import.h"
 
@@ -90,6 +91,23 @@ struct NeedleEffect {
   bool bevel = true;  ///< The needle's bevel steers.
 };
 
+/// A patient who breathes.
+struct BreathingEffect {
+  std::filesystem::path motion;  ///< Folder of acus-breathing.
+  double amplitude = 1.0;        ///< Of the motion; 0 holds the patient in the reference state.
+
+  std::filesystem::path signal;  ///< A recording; empty: the pattern.
+  breathing::SignalFileOptions signal_file;
+  breathing::RecordedBreathSettings recorded;
+  bool normalise = true;  ///< The recording's own levels stand for normal breath.
+  /// period_s 0: that of the motion.
+  breathing::PatternSettings pattern;
+  std::vector<breathing::BreathHold> holds;  ///< Seconds since the session began.
+
+  bool image = true;  ///< The images show the motion.
+  double warp_spacing_mm = 0.0;
+};
+
 struct CtSliceEffect {
   bool needle = true;
 };
@@ -108,6 +126,7 @@ struct Scenario {
   std::optional<NeedleEffect> shape;  ///< effects/needle.
   std::optional<ProbeForceEffect> probe_force;
   std::optional<TissueEffect> tissue;
+  std::optional<BreathingEffect> breathing;
   std::optional<UltrasoundEffect> ultrasound;
   std::optional<CtSliceEffect> ct_slice;
 

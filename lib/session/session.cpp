@@ -20,4 +20,10 @@ PoseSample PoseAt(const PoseStream& stream, std::int64_t time_ns) {
           a.valid && b.valid};
 }
 
+std::int64_t Session::start_ns() const {
+  if (needle.empty()) return probe.empty() ? 0 : probe.front().time_ns;
+  return probe.empty() ? needle.front().time_ns
+                       : std::min(needle.front().time_ns, probe.front().time_ns);
+}
+
 }  // namespace acus::session

@@ -34,6 +34,9 @@ struct Session {
   std::string reference_frame = "Reference";
   PoseStream needle;  ///< Empty if no needle was tracked.
   PoseStream probe;   ///< Empty if no probe was tracked.
+
+  /// Time of the first reading of any tool; 0 if there is none.
+  std::int64_t start_ns() const;
 };
 
 }  // namespace acus::session

@@ -47,11 +47,17 @@ Names TissueInputs(const Scenario& s) {
   return reads;
 }
 
+/// True if the images show tissue elsewhere than the CT does.
+bool ShowsDeformation(const Scenario& s) {
+  return (s.tissue && s.tissue->image) || (s.breathing && s.breathing->image);
+}
+
 /// What the force on the probe is computed from, at every sample.
 Names ProbeForceInputs(const Scenario& s) {
   if (!s.probe_force) return {};
   Names reads{"probe poses", "force table", s.probe_force->reads_labels ? "labels" : "ct"};
   if (s.probe_force->NeedsProbePreset()) reads.push_back("probe preset");
+  if (s.breathing) reads.push_back("breath");
   return reads;
 }
 
@@ -61,7 +67,7 @@ Names ImageInputs(const Scenario& s, bool needle, Names patient) {
   reads.push_back("probe");
   if (needle) reads.push_back("needle");
   if (needle && s.shape) reads.push_back("shape");
-  if (s.tissue && s.tissue->image) reads.push_back("rest map");
+  if (ShowsDeformation(s)) reads.push_back("rest map");
   return reads;
 }
 
@@ -84,8 +90,12 @@ Names UltrasoundInputs(const Scenario& s) {
 
 /// What the deformation in the images comes from.
 Names DeformationInputs(const Scenario& s) {
-  if (!s.tissue) return {};
-  return s.tissue->TouchesNeedle() ? Names{"contact"} : Names{"force", "labels", "elasticity"};
+  Names reads;
+  if (s.tissue && s.tissue->image) {
+    reads = s.tissue->TouchesNeedle() ? Names{"contact"} : Names{"force", "labels", "elasticity"};
+  }
+  if (s.breathing && s.breathing->image) reads.push_back("breath");
+  return reads;
 }
 
 /// All stages that there are, in the order in which they run.
@@ -97,7 +107,9 @@ std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
     return PlannedStage{id, name, "image", std::move(reads), std::move(writes), false, ""};
   };
   return {
-      step(StageId::kNeedlePose, "needle pose", {"needle poses"}, {"needle"}),
+      step(StageId::kBreathing, "breathing", {"motion"}, {"breath"}),
+      step(StageId::kNeedlePose, "needle pose",
+           s.breathing ? Names{"needle poses", "breath"} : Names{"needle poses"}, {"needle"}),
       // Without a label map, from the HU of the CT.
       step(StageId::kTissueLookup, "tissue lookup",
            {"needle", s.patient.labels.empty() && !s.patient.ct.empty() ? "ct" : "labels"},
@@ -148,6 +160,7 @@ std::vector<Input> Inputs(const Scenario& s, const AvailableInputs& available) {
        "/patient/mesh is not given; acus-mesh --condense makes one"},
       {"corridor", !s.patient.corridor.empty(),
        "/patient/corridor is not given: a CSV with the points entry and target"},
+      {"motion", true, ""},
       {"force table", true, ""},
       {"elasticity", true, ""},
       {"probe preset", true, ""},

@@ -12,6 +12,7 @@ namespace acus::simulation {
 
 /// A piece of work. kStep stages run at every sample, kImage stages at every image.
 enum class StageId {
+  kBreathing,
   kNeedlePose,
   kTissueLookup,
   kTissueContact,

@@ -13,7 +13,7 @@ void Blacken(const ultrasound::ImageGeometry& picture, ultrasound::GrayImage& im
 }  // namespace
 
 ImageRenderer::ImageRenderer(const Scene& scene) : scene_(scene) {
-  if (scene.plan.Has(StageId::kDeformation)) {
+  if (scene.tools_deform_images) {
     deformed_.emplace(*scene.tissue, scene.warp_spacing_mm);
   }
   if (scene.plan.Has(StageId::kCtSlice)) {
@@ -44,8 +44,13 @@ void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* ti
       deformed_->Update(*snapshot.load);
       rest = &*deformed_;
     }
-    watch.EndOf(StageId::kDeformation, asleep);
   }
+  std::optional<BreathingRest> breathing;
+  if (scene_.breathing && scene_.breathing->image && snapshot.probe_valid) {
+    breathing.emplace(*scene_.breathing, snapshot.session_s, rest);
+    if (breathing->moves()) rest = &*breathing;
+  }
+  if (scene_.plan.Has(StageId::kDeformation)) watch.EndOf(StageId::kDeformation, rest == nullptr);
   if (ct_slice_) {
     if (snapshot.probe_valid) {
       ct_slice_->Render(snapshot.ct_from_probe, scene_.needle_in_ct_slice ? needle : std::nullopt,

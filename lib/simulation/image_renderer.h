@@ -16,6 +16,7 @@ namespace acus::simulation {
 /// What an image needs to know of a moment.
 struct Snapshot {
   std::int64_t time_ns = 0;
+  double session_s = 0.0;  ///< Since the session began: what breath goes by.
   bool probe_valid = false;
   Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
   /// Nothing if there is no needle to see.

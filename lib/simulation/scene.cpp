@@ -86,6 +86,10 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   scene.image_rate_hz = scenario.image_rate_hz;
   scene.needle_in_ct_slice = scenario.ct_slice && scenario.ct_slice->needle;
   scene.needle_in_b_mode = scenario.ultrasound && scenario.ultrasound->needle;
+  if (plan.Has(StageId::kBreathing)) {
+    context.Checkpoint("reading the motion", 0.0);
+    scene.breathing.emplace(LoadBreathing(scenario, context));
+  }
   if (plan.Needs("ct")) {
     context.Checkpoint("reading the CT", 0.0);
     scene.ct = std::make_shared<volume::CtVolume>(
@@ -119,11 +123,13 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     scene.b_mode = ReadImageSettings(*scenario.ultrasound);
     context.provenance.AddInput(scenario.ultrasound->acoustics);
   }
-  if (plan.Has(StageId::kTissueContact) || plan.Has(StageId::kDeformation)) {
+  scene.tools_deform_images =
+      plan.Has(StageId::kDeformation) && scenario.tissue && scenario.tissue->image;
+  if (plan.Has(StageId::kTissueContact) || scene.tools_deform_images) {
     scene.tissue = LoadTissue(scenario,
                               {.labels = scene.labels,
                                .probe = scene.probe ? &*scene.probe : nullptr,
-                               .shows_deformation = plan.Has(StageId::kDeformation)},
+                               .shows_deformation = scene.tools_deform_images},
                               context);
     scene.warp_spacing_mm = scenario.tissue->warp_spacing_mm;
   }

@@ -9,6 +9,7 @@
 #include "forces/hu_field.h"
 #include "forces/probe_force_model.h"
 #include "scenario/scenario.h"
+#include "simulation/breathing_scene.h"
 #include "simulation/effect_plan.h"
 #include "simulation/image_level.h"
 #include "simulation/needle_shape.h"
@@ -25,9 +26,11 @@ struct Scene {
   double image_rate_hz = 0.0;
   bool needle_in_ct_slice = false;
   bool needle_in_b_mode = false;
-  bool force_from_tissue = false;  ///< What is felt is what the deformed tissue does.
+  bool force_from_tissue = false;    ///< What is felt is what the deformed tissue does.
+  bool tools_deform_images = false;  ///< Images show what tools do to the tissue.
   double warp_spacing_mm = 0.0;
 
+  std::optional<Breathing> breathing;              ///< If the plan has breathing.
   std::shared_ptr<const volume::CtVolume> ct;      ///< If the plan reads "ct".
   std::shared_ptr<const volume::LabelMap> labels;  ///< If the plan reads "labels".
   std::optional<forces::NeedleProperties> needle;  ///< If the plan reads "needle".

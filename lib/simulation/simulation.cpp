@@ -16,8 +16,9 @@ Simulation::Simulation(const Scene& scene)
   }
 }
 
-State Simulation::NewState() const {
+State Simulation::NewState(std::int64_t session_start_ns) const {
   State state;
+  state.session_start_ns = session_start_ns;
   if (runs_contact_) state.tissue = scene_.tissue->NewState();
   if (scene_.forces) state.force = scene_.forces->NewState();
   if (scene_.shape) state.shape = scene_.shape->NewState();
@@ -31,12 +32,15 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   StepOutput out;
   out.time_ns = sample.time_ns;
   const double time_s = 1e-9 * static_cast<double>(sample.time_ns);
+  const Tools tools = ToolsOf(state, sample);
+  if (scene_.breathing) watch.EndOf(StageId::kBreathing, !tools.tissue_moves);
   if (runs_needle_) {
     out.ct_from_needle = scene_.ct_from_reference * sample.reference_from_needle;
+    out.needle_at_rest = tools.needle;
     watch.EndOf(StageId::kNeedlePose);
   }
-  const Eigen::Vector3d tip_in_ct_mm = out.ct_from_needle.translation();
-  const Eigen::Vector3d axis_in_ct = out.ct_from_needle.linear().col(2);
+  const Eigen::Vector3d tip_in_ct_mm = tools.needle.ct_from_tool.translation();
+  const Eigen::Vector3d axis_in_ct = tools.needle.ct_from_tool.linear().col(2);
   if (lookup_) {
     // A bent needle's tip is where it was bent to in the step before.
     out.tissue_at_tip = lookup_->At(
@@ -53,7 +57,7 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
              scene_.shape ? scene_.shape->LockedAxis(state.shape, axis_in_ct) : axis_in_ct,
          .tip_direction_in_ct = state.shape.tip_direction_in_ct,
          .probe_valid = sample.probe_valid,
-         .ct_from_probe = scene_.ct_from_reference * sample.reference_from_probe});
+         .ct_from_probe = tools.probe.ct_from_tool});
     watch.EndOf(StageId::kTissueContact, !out.tissue.touched);
   }
   if (runs_force_ && scene_.force_from_tissue) {
@@ -75,21 +79,64 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
     watch.EndOf(StageId::kNeedleShape, scene_.shape->IsAsleep(state.shape));
   }
   if (runs_probe_) {
-    const Eigen::Isometry3d ct_from_probe = scene_.ct_from_reference * sample.reference_from_probe;
     out.probe = scene_.probe_force->Step(
-        state.probe,
-        {.time_s = time_s,
-         .ct_from_probe = ct_from_probe * Eigen::Translation3d(0.0, scene_.probe_press_mm, 0.0),
-         .valid = sample.probe_valid});
+        state.probe, {.time_s = time_s,
+                      .ct_from_probe = tools.probe.ct_from_tool *
+                                       Eigen::Translation3d(0.0, scene_.probe_press_mm, 0.0),
+                      .valid = sample.probe_valid});
     watch.EndOf(StageId::kProbeForce, !out.probe.on_skin);
   }
+  if (tools.tissue_moves) TurnForces(tools, out);
   return out;
+}
+
+Simulation::Tools Simulation::ToolsOf(State& state, const Sample& sample) const noexcept {
+  Tools tools;
+  tools.needle.ct_from_tool = scene_.ct_from_reference * sample.reference_from_needle;
+  tools.probe.ct_from_tool = scene_.ct_from_reference * sample.reference_from_probe;
+  if (!scene_.breathing) return tools;
+  const breathing::MotionMap patient =
+      scene_.breathing->At(1e-9 * static_cast<double>(sample.time_ns - state.session_start_ns));
+  tools.tissue_moves = patient.moves();
+  if (runs_needle_) {
+    tools.needle = breathing::AtRest(patient, tools.needle.ct_from_tool, Eigen::Vector3d::UnitZ(),
+                                     state.needle_track);
+  }
+  if (sample.probe_valid && (runs_probe_ || runs_contact_)) {
+    tools.probe = breathing::AtRest(patient, tools.probe.ct_from_tool, Eigen::Vector3d::UnitY(),
+                                    state.probe_track);
+  }
+  return tools;
+}
+
+void Simulation::TurnForces(const Tools& tools, StepOutput& out) const noexcept {
+  const auto turn = [](const Eigen::Quaterniond& world_from_rest, Eigen::Vector3d& vector) {
+    vector = world_from_rest * vector;
+  };
+  turn(tools.needle.world_from_rest, out.force.force_in_ct_n);
+  turn(tools.needle.world_from_rest, out.force.torque_in_ct_n_mm);
+  turn(tools.probe.world_from_rest, out.probe.force_in_ct_n);
+}
+
+bool Simulation::ShapeOf(const State& state, const StepOutput& output,
+                         math::Polyline& out) const noexcept {
+  if (!scene_.shape || !scene_.shape->ShapeOf(state.shape, out)) return false;
+  if (!scene_.breathing) return true;
+  const breathing::ToolAtRest& rest = output.needle_at_rest;
+  const Eigen::Isometry3d world_from_rest =
+      Eigen::Translation3d(output.ct_from_needle.translation()) * rest.world_from_rest *
+      Eigen::Translation3d(-rest.ct_from_tool.translation());
+  for (int n = 0; n < out.num_points; ++n) {
+    Eigen::Vector3d& point_mm = out.point_mm[static_cast<std::size_t>(n)];
+    point_mm = world_from_rest * point_mm;
+  }
+  return true;
 }
 
 void Simulation::ShapeNeedle(State& state, const Sample& sample, StepOutput& out) const noexcept {
   NeedleShapeInput input{.time_s = 1e-9 * static_cast<double>(sample.time_ns),
                          .valid = sample.needle_valid,
-                         .ct_from_needle = out.ct_from_needle,
+                         .ct_from_needle = out.needle_at_rest.ct_from_tool,
                          .tissue_at_tip = out.tissue_at_tip,
                          .pierced = out.tissue.pierced};
   PathLine path;
@@ -111,7 +158,7 @@ bool Simulation::LoadOf(const State& state, const StepOutput& output,
   out.needle = {.in_contact = true,
                 .pierced = needle.pierced,
                 .entry_in_ct_mm = needle.path.entry_in_ct_mm,
-                .tip_in_ct_mm = output.ct_from_needle.translation(),
+                .tip_in_ct_mm = output.needle_at_rest.ct_from_tool.translation(),
                 .axis_in_ct = needle.path.direction_in_ct,
                 .pre_puncture_n = std::max(0.0, output.force.puncture_n),
                 .cutting_n = std::max(0.0, output.force.cutting_n),

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 
+#include "breathing/tool_at_rest.h"
 #include "forces/force_model.h"
 #include "forces/probe_force_model.h"
 #include "forces/tissue_lookup.h"
@@ -28,6 +29,8 @@ struct Sample {
 struct StepOutput {
   std::int64_t time_ns = 0;
   Eigen::Isometry3d ct_from_needle = Eigen::Isometry3d::Identity();
+  /// Where it would lie in the CT: elsewhere only in a patient who breathes.
+  breathing::ToolAtRest needle_at_rest;
   volume::Label tissue_at_tip = 0;
   forces::NeedleForce force;
   NeedleShape shape;           ///< Not bent if the plan has no needle shape.
@@ -41,7 +44,10 @@ struct State {
   forces::ForceState force;
   NeedleShapeState shape;  ///< Only used if the plan has the needle's shape.
   forces::ProbeForceState probe;
-  tissue::TissueState tissue;  ///< Empty if the plan has no tissue contact.
+  tissue::TissueState tissue;         ///< Empty if the plan has no tissue contact.
+  std::int64_t session_start_ns = 0;  ///< Breath is a matter of the time since then.
+  breathing::ToolTrack needle_track;
+  breathing::ToolTrack probe_track;
   std::int64_t steps = 0;
 };
 
@@ -51,7 +57,8 @@ class Simulation {
   /// @param scene  Must outlive the simulation.
   explicit Simulation(const Scene& scene);
 
-  State NewState() const;
+  /// @param session_start_ns  Of the first reading of any tool.
+  State NewState(std::int64_t session_start_ns = 0) const;
 
   /// Advances to `sample.time_ns`; what no stage in the plan reads of it may be left out. Allocates
   /// nothing, takes no lock, prints nothing. A sample that is not valid, not finite or not later
@@ -66,11 +73,17 @@ class Simulation {
 
   /// The needle as the images show it after a step, from the tip to the hub, in CT space. False,
   /// and `out` not written, if it is straight where the hand holds it.
-  bool ShapeOf(const State& state, math::Polyline& out) const noexcept {
-    return scene_.shape && scene_.shape->ShapeOf(state.shape, out);
-  }
+  bool ShapeOf(const State& state, const StepOutput& output, math::Polyline& out) const noexcept;
 
  private:
+  /// The tools as they would lie in the CT.
+  struct Tools {
+    breathing::ToolAtRest needle;
+    breathing::ToolAtRest probe;
+    bool tissue_moves = false;  ///< By breath.
+  };
+  Tools ToolsOf(State& state, const Sample& sample) const noexcept;
+  void TurnForces(const Tools& tools, StepOutput& out) const noexcept;
   void ShapeNeedle(State& state, const Sample& sample, StepOutput& out) const noexcept;
 
   const Scene& scene_;

@@ -42,6 +42,14 @@ TEST(RecordedBreath, FindsLevelRateAndCycleOfASine) {
   }
 }
 
+TEST(RecordedBreath, NormalisedItsMedianBreathRunsFromOneToZero) {
+  const RecordedBreath breath(Sine(30.0), {.smoothing_s = 0.05});
+  EXPECT_NEAR(breath.Normalised(breath.At(kPeriodS)).level, 1.0, 0.01);
+  EXPECT_NEAR(breath.Normalised(breath.At(1.5 * kPeriodS)).level, 0.0, 0.01);
+  const Breath falling = breath.Normalised(breath.At(1.25 * kPeriodS));
+  EXPECT_NEAR(falling.level_per_s, -std::numbers::pi / kPeriodS, 0.02);
+}
+
 TEST(RecordedBreath, IsHeldAfterItsEndOrGoesRoundWithoutAStep) {
   const RecordedBreath held(Sine(30.0), {});
   EXPECT_EQ(held.At(1000.0).level, held.At(30.0).level);

@@ -1,0 +1,51 @@
+// A scene's breathing: the patient's motion, driven by a recording or a pattern.
+#pragma once
+
+#include "breathing/breath_source.h"
+#include "breathing/motion_file.h"
+#include "breathing/motion_map.h"
+#include "core/run_context.h"
+#include "scenario/scenario.h"
+#include "ultrasound/beam_bend.h"
+
+namespace acus::simulation {
+
+/// Const after loading; shared by all stages and threads.
+struct Breathing {
+  breathing::PatientMotion motion;
+  breathing::BreathSource source;
+  double amplitude = 1.0;
+  bool normalise = true;         ///< A recording's own levels stand for normal breath.
+  bool image = true;             ///< The images show the motion.
+  double warp_spacing_mm = 5.0;  ///< Of the knots at which they ask for it.
+
+  /// The patient at a moment, in seconds since the session began. Allocates nothing.
+  breathing::MotionMap At(double session_s) const noexcept;
+};
+
+/// @pre scenario.breathing is there.
+/// @throws InputError if the motion or the signal is not readable, or a setting is out of range.
+Breathing LoadBreathing(const scenario::Scenario& scenario, RunContext& context);
+
+/// Where tissue that a picture shows was in the reference image, and what lay there at rest if
+/// tools have deformed it besides. One for each thread.
+class BreathingRest : public ultrasound::RestMap {
+ public:
+  /// @param deformed  Null if no tool deforms the tissue. Both must outlive this.
+  BreathingRest(const Breathing& breathing, double session_s, const ultrasound::RestMap* deformed)
+      : map_(breathing.At(session_s)),
+        spacing_mm_(breathing.warp_spacing_mm),
+        deformed_(deformed) {}
+
+  bool moves() const { return map_.moves(); }
+  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
+                             const Eigen::Vector3d& guess_in_ct_mm) const noexcept override;
+  double SpacingMm() const noexcept override;
+
+ private:
+  breathing::MotionMap map_;
+  double spacing_mm_;
+  const ultrasound::RestMap* deformed_;
+};
+
+}  // namespace acus::simulation
