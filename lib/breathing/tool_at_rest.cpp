@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kMostIterations = 4;
 constexpr int kFirstIterations = 30;
-constexpr double kToleranceMm = 0.02;
+constexpr double kToleranceMm = 0.002;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ ToolAtRest AtRest(const MotionMap& map, const Eigen::Isometry3d& ct_from_tool,
       map.RestOf(world_mm, start_mm,
                  {.max_iterations = track.started ? kMostIterations : kFirstIterations,
                   .tolerance_mm = kToleranceMm});
-  track = {true, world_mm, found.rest_mm};
+  track = {true, world_mm, found.rest_mm, Eigen::Quaterniond::Identity()};
   out.residual_mm = found.residual_mm;
   out.ct_from_tool.translation() = found.rest_mm;
 
@@ -36,6 +36,7 @@ ToolAtRest AtRest(const MotionMap& map, const Eigen::Isometry3d& ct_from_tool,
   // Where the field folds, directions mean nothing: then they stay.
   if (!(gradient.determinant() > 0.0) || !rest_axis.allFinite()) return out;
   out.world_from_rest = Eigen::Quaterniond::FromTwoVectors(rest_axis, world_axis);
+  track.world_from_rest = out.world_from_rest;
   out.ct_from_tool.linear() = out.world_from_rest.conjugate() * ct_from_tool.linear();
   return out;
 }

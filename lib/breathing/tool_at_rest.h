@@ -13,6 +13,7 @@ struct ToolTrack {
   bool started = false;
   Eigen::Vector3d world_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d rest_mm = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond world_from_rest = Eigen::Quaterniond::Identity();
 };
 
 struct ToolAtRest {
@@ -26,7 +27,7 @@ struct ToolAtRest {
 /// frame) becomes the direction at rest that the motion has turned to it, eq. 3, and a force along
 /// one becomes a force along the other.
 ///
-/// One iteration a step in normal breathing; up to four where that leaves more than 0.02 mm, as
+/// One iteration a step in normal breathing; up to four where that leaves more than 2 um, as
 /// after a jump. Bounded and finite for any pose that is finite; a pose that is not comes back as
 /// it is. Allocates nothing.
 ToolAtRest AtRest(const MotionMap& map, const Eigen::Isometry3d& ct_from_tool,

@@ -38,7 +38,7 @@ class ImageStates {
       log_.loads.push_back(load_);
       image.load = &log_.loads.back();
     }
-    if (shapes_ && simulation_.ShapeOf(log_.final_state, log_.steps.back(), shape_)) {
+    if (shapes_ && simulation_.ShapeOf(log_.final_state, shape_)) {
       log_.shapes.push_back(shape_);
       image.needle_shape = &log_.shapes.back();
     }
@@ -59,7 +59,7 @@ void KeepMostBent(const simulation::Simulation& simulation, StepLog& log) {
   const double most_mm =
       log.most_bent.empty() ? 0.0 : log.steps[log.most_bent_step].shape.tip_deflection_mm;
   if (!shape.bent || shape.tip_deflection_mm <= most_mm) return;
-  simulation.ShapeOf(log.final_state, log.steps.back(), log.most_bent);
+  simulation.ShapeOf(log.final_state, log.most_bent);
   log.most_bent_step = log.steps.size() - 1;
 }
 

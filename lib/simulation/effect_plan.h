@@ -23,8 +23,9 @@ enum class StageId {
   kDeformation,
   kCtSlice,
   kUltrasound,
+  kEnd,  ///< No stage: it comes after the last one.
 };
-inline constexpr int kNumStages = 10;
+inline constexpr int kNumStages = static_cast<int>(StageId::kEnd);
 
 /// A stage in the plan, or one that is left out.
 struct PlannedStage {

@@ -116,19 +116,16 @@ void Simulation::TurnForces(const Tools& tools, StepOutput& out) const noexcept 
   turn(tools.needle.world_from_rest, out.force.force_in_ct_n);
   turn(tools.needle.world_from_rest, out.force.torque_in_ct_n_mm);
   turn(tools.probe.world_from_rest, out.probe.force_in_ct_n);
+  turn(tools.probe.world_from_rest, out.probe.torque_in_ct_n_mm);
 }
 
-bool Simulation::ShapeOf(const State& state, const StepOutput& output,
-                         math::Polyline& out) const noexcept {
+bool Simulation::ShapeOf(const State& state, math::Polyline& out) const noexcept {
   if (!scene_.shape || !scene_.shape->ShapeOf(state.shape, out)) return false;
-  if (!scene_.breathing) return true;
-  const breathing::ToolAtRest& rest = output.needle_at_rest;
-  const Eigen::Isometry3d world_from_rest =
-      Eigen::Translation3d(output.ct_from_needle.translation()) * rest.world_from_rest *
-      Eigen::Translation3d(-rest.ct_from_tool.translation());
+  const breathing::ToolTrack& track = state.needle_track;
+  if (!track.started) return true;
   for (int n = 0; n < out.num_points; ++n) {
     Eigen::Vector3d& point_mm = out.point_mm[static_cast<std::size_t>(n)];
-    point_mm = world_from_rest * point_mm;
+    point_mm = track.world_mm + track.world_from_rest * (point_mm - track.rest_mm);
   }
   return true;
 }

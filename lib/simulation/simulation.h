@@ -73,7 +73,7 @@ class Simulation {
 
   /// The needle as the images show it after a step, from the tip to the hub, in CT space. False,
   /// and `out` not written, if it is straight where the hand holds it.
-  bool ShapeOf(const State& state, const StepOutput& output, math::Polyline& out) const noexcept;
+  bool ShapeOf(const State& state, math::Polyline& out) const noexcept;
 
  private:
   /// The tools as they would lie in the CT.

@@ -1,5 +1,6 @@
 #include "simulation/effect_plan.h"
 
+#include <algorithm>
 #include <gmock/gmock.h>
 
 #include "core/error.h"
@@ -77,7 +78,8 @@ TEST(PlanEffects, KeepsTheNeedlePoseForAnImageThatShowsTheNeedle) {
   images.ct_slice.reset();
   const EffectPlan plan = PlanEffects(images, kAll);
   EXPECT_THAT(StagesIn(plan), testing::ElementsAre("needle pose", "probe pose", "B-mode"));
-  EXPECT_EQ(plan.stages().front().reason, "needed by B-mode");
+  EXPECT_EQ(std::ranges::find(plan.stages(), StageId::kNeedlePose, &PlannedStage::id)->reason,
+            "needed by B-mode");
 }
 
 TEST(PlanEffects, TheNeedlesShapeComesBetweenItsForceAndThePictures) {

@@ -163,6 +163,7 @@ Scene SceneWithMovedTissue(bool moved) {
   if (moved) {
     scene.tissue.emplace(
         tissue::DisplacementFunctions({}, [](const Eigen::Vector3d&) { return 0.02; }));
+    scene.tools_deform_images = true;
     scene.warp_spacing_mm = 2.0;
   }
   return scene;
