@@ -43,7 +43,7 @@ struct BeamOptions {
   double needle_lobe_deg = 30.0;
   double needle_diffuse_share = 0.08;   ///< What a roughened shaft sends back at any angle.
   double needle_transmission_db = -12;  ///< Behind a shaft in the middle of the slice.
-  double needle_ring_decay = 0.5;       ///< Amplitude from one reverberation to the next.
+  double needle_ring_decay = 0.3;       ///< Amplitude from one reverberation to the next.
   double gas_ring_decay = 0.6;
   double gas_ring_spacing_mm = 1.2;
 };

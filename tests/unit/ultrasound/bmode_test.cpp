@@ -8,6 +8,7 @@
 #include "core/random.h"
 #include "support/allocation_counter.h"
 #include "support/synthetic_ct.h"
+#include "ultrasound/beam_renderer.h"
 
 namespace acus::ultrasound {
 namespace {
@@ -95,6 +96,30 @@ TEST(BMode, AllocatesNothingAfterTheFirstPicture) {
     const long before = testing_support::num_allocations;
     for (int n = 0; n < 5; ++n) {
       renderer.Render(OnTheSkin() * Eigen::Translation3d(n, 0, 0.1 * n), SomeNeedle(), image);
+    }
+    EXPECT_EQ(testing_support::num_allocations - before, 0);
+  }
+}
+
+TEST(BMode, TheBeamLevelAllocatesNothingAfterTheFirstPicture) {
+  const volume::CtVolume ct = NoisyBody();
+  const TissueAcousticsTable table{.name = "test",
+                                   .file = "test table",
+                                   .tissues = {{"air", {.impedance_mrayl = 0.0004}}, {"liver", {}}},
+                                   .by_hu = {{-1000, "air"}, {-300, "air"}, {0, "liver"}}};
+  for (const ProbeKind kind : {ProbeKind::kLinear, ProbeKind::kCurvilinear}) {
+    BeamOptions options;
+    options.elevation_planes = 3;
+    options.time_of_flight = options.refraction = options.multiple_reflections = true;
+    Probe probe = SmallProbe(kind);
+    probe.scan_lines = 64;
+    probe.samples_per_line = 200;
+    BeamRenderer renderer({.ct = &ct, .acoustics = &table}, probe, options);
+    GrayImage image;
+    renderer.Render(OnTheSkin(), SomeNeedle(), image, 2);
+    const long before = testing_support::num_allocations;
+    for (int n = 0; n < 5; ++n) {
+      renderer.Render(OnTheSkin() * Eigen::Translation3d(n, 0, 0.1 * n), SomeNeedle(), image, 2);
     }
     EXPECT_EQ(testing_support::num_allocations - before, 0);
   }
