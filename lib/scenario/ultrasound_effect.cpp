@@ -1,7 +1,6 @@
 #include "scenario/ultrasound_effect.h"
 
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "config/json_file.h"
@@ -13,7 +12,10 @@ UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
   static const std::map<std::string, UltrasoundModel> kModels = {
       {"vidal_2008", UltrasoundModel::kVidal2008},
       {"alamilla_2021", UltrasoundModel::kAlamilla2021},
-      {"columns_2010", UltrasoundModel::kColumns2010}};
+      {"columns_2010", UltrasoundModel::kColumns2010},
+      {"beams", UltrasoundModel::kBeams}};
+  static const std::map<std::string, BeamVolume> kVolumes = {
+      {"labels", BeamVolume::kLabels}, {"ct", BeamVolume::kCt}, {"both", BeamVolume::kBoth}};
   const std::string model = effect.at("model");
   UltrasoundEffect out;
   out.model = kModels.at(model);
@@ -22,6 +24,10 @@ UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
   const nlohmann::json& settings =
       out.model == UltrasoundModel::kColumns2010 ? effect : effect.at(model);
   out.acoustics = config::FindConfig(settings.at("acoustics").get<std::string>(), folder);
+  if (out.model == UltrasoundModel::kBeams) {
+    out.beams = settings;
+    out.volume = kVolumes.at(settings.at("volume").get<std::string>());
+  }
   return out;
 }
 

@@ -2,21 +2,32 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 namespace acus::scenario {
 
 /// From the cheapest to the dearest.
-enum class UltrasoundModel { kVidal2008, kAlamilla2021, kColumns2010 };
+enum class UltrasoundModel { kVidal2008, kAlamilla2021, kColumns2010, kBeams };
+
+/// What beams follow their lines through.
+enum class BeamVolume { kLabels, kCt, kBoth };
 
 struct UltrasoundEffect {
   UltrasoundModel model = UltrasoundModel::kColumns2010;
   std::filesystem::path acoustics;  ///< What the level makes of tissue, in its own format.
   bool needle = true;
+  BeamVolume volume = BeamVolume::kLabels;  ///< beams, as all that follows.
+  nlohmann::json beams;                     ///< Its effects, checked against the schema.
 
   /// What the level reads of the patient.
-  bool ReadsCt() const { return model != UltrasoundModel::kAlamilla2021; }
-  bool ReadsLabels() const { return model == UltrasoundModel::kAlamilla2021; }
+  bool ReadsCt() const {
+    return model == UltrasoundModel::kBeams ? volume != BeamVolume::kLabels
+                                            : model != UltrasoundModel::kAlamilla2021;
+  }
+  bool ReadsLabels() const {
+    return model == UltrasoundModel::kBeams ? volume != BeamVolume::kCt
+                                            : model == UltrasoundModel::kAlamilla2021;
+  }
 };
 
 /// @param effect  /effects/ultrasound, checked against the schema.

@@ -20,16 +20,26 @@ struct MakeRenderer {
   Renderer operator()(const ultrasound::BModeOptions& options) const {
     return Renderer(std::in_place_type<ultrasound::BModeRenderer>, *patient.ct, probe, options);
   }
+  Renderer operator()(const BeamSettings& settings) const {
+    const ultrasound::BeamTissue tissue{.ct = settings.from_ct ? patient.ct : nullptr,
+                                        .labels = settings.from_labels ? patient.labels : nullptr,
+                                        .acoustics = &settings.acoustics,
+                                        .fibres_in_ct = settings.fibres_in_ct};
+    return Renderer(std::in_place_type<ultrasound::BeamRenderer>, tissue, probe, settings.options);
+  }
 };
 
 }  // namespace
 
-ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect) {
+ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
+                                const volume::LabelMap* labels) {
   switch (effect.model) {
     case scenario::UltrasoundModel::kVidal2008:
       return ultrasound::ReadVidalOptions(effect.acoustics);
     case scenario::UltrasoundModel::kAlamilla2021:
       return ultrasound::ReadAlamillaOptions(effect.acoustics);
+    case scenario::UltrasoundModel::kBeams:
+      return ReadBeamSettings(effect, labels);
     case scenario::UltrasoundModel::kColumns2010:
       break;
   }

@@ -7,7 +7,9 @@
 #include <variant>
 
 #include "scenario/ultrasound_effect.h"
+#include "simulation/beam_settings.h"
 #include "ultrasound/alamilla.h"
+#include "ultrasound/beam_renderer.h"
 #include "ultrasound/bmode.h"
 #include "ultrasound/vidal.h"
 #include "volume/volume.h"
@@ -15,11 +17,13 @@
 namespace acus::simulation {
 
 /// What a level was told to do. Its type says which level it is.
-using ImageSettings =
-    std::variant<ultrasound::VidalOptions, ultrasound::AlamillaOptions, ultrasound::BModeOptions>;
+using ImageSettings = std::variant<ultrasound::VidalOptions, ultrasound::AlamillaOptions,
+                                   ultrasound::BModeOptions, BeamSettings>;
 
 /// Reads the settings of the scenario's level. @throws InputError listing all problems.
-ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect);
+/// @param labels  Of the patient, if the level reads them; else null.
+ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
+                                const volume::LabelMap* labels);
 
 /// What levels read of the patient; null if the plan does not need it.
 struct ImagePatient {
@@ -31,7 +35,7 @@ struct ImagePatient {
 class ImageLevel {
  public:
   using Renderer = std::variant<ultrasound::VidalRenderer, ultrasound::AlamillaRenderer,
-                                ultrasound::BModeRenderer>;
+                                ultrasound::BModeRenderer, ultrasound::BeamRenderer>;
 
   /// Keeps references to the patient, which must outlive this.
   /// @throws InputError if the probe or a setting is out of range.

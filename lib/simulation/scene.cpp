@@ -120,7 +120,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     context.provenance.AddInput(scenario.probe_force->table);
   }
   if (plan.Has(StageId::kUltrasound)) {
-    scene.b_mode = ReadImageSettings(*scenario.ultrasound);
+    scene.b_mode = ReadImageSettings(*scenario.ultrasound, scene.labels.get());
     context.provenance.AddInput(scenario.ultrasound->acoustics);
   }
   scene.tools_deform_images =

@@ -3,20 +3,21 @@
 #include <gtest/gtest.h>
 #include <set>
 
+#include "config/json_file.h"
 #include "support/layered_scene.h"
 
 namespace acus::simulation {
 namespace {
 
-using scenario::UltrasoundEffect;
-using scenario::UltrasoundModel;
-
-/// Every level with the preset that it takes by default.
-const std::pair<UltrasoundModel, const char*> kLevels[] = {
-    {UltrasoundModel::kVidal2008, "acoustics/vidal_2008.json"},
-    {UltrasoundModel::kAlamilla2021, "acoustics/alamilla_2021.json"},
-    {UltrasoundModel::kColumns2010, "acoustics/hu_textured.json"},
-};
+/// A level as a scenario that says no more than its name has it.
+scenario::UltrasoundEffect EffectOf(const std::string& model) {
+  nlohmann::json document = {{"format", "acus-scenario/1"},
+                             {"patient", nlohmann::json::object()},
+                             {"effects", {{"ultrasound", {{"model", model}}}}}};
+  document = config::CheckedConfig(std::move(document), "acus-scenario", "test");
+  return scenario::ReadUltrasoundEffect(document.at("effects").at("ultrasound"),
+                                        std::filesystem::path(ACUS_SOURCE_DIR) / "configs");
+}
 
 /// Straight down on the layers of layered_scene.h.
 Eigen::Isometry3d OnTheSkin() {
@@ -30,20 +31,20 @@ TEST(ImageLevel, EveryLevelReadsItsPresetAndShowsTheScene) {
   const Scene scene =
       testing_support::LayeredScene(testing_support::PlanOf(false, true, false, false), false);
   std::set<std::vector<std::uint8_t>> pictures;
-  for (const auto& [model, preset] : kLevels) {
-    UltrasoundEffect effect;
-    effect.model = model;
-    effect.acoustics = std::filesystem::path(ACUS_SOURCE_DIR) / "configs" / preset;
-    ImageLevel level({scene.ct.get(), scene.labels.get()}, *scene.probe, ReadImageSettings(effect));
+  const std::vector<std::string> levels = {"vidal_2008", "alamilla_2021", "columns_2010", "beams"};
+  for (const std::string& name : levels) {
+    const scenario::UltrasoundEffect effect = EffectOf(name);
+    ImageLevel level({scene.ct.get(), scene.labels.get()}, *scene.probe,
+                     ReadImageSettings(effect, scene.labels.get()));
     ultrasound::GrayImage image;
     level.Render(OnTheSkin(), std::nullopt, image, 2);
     EXPECT_EQ(image.width, level.picture().width_px);
     int bright = 0;
     for (const std::uint8_t pixel : image.pixels) bright += pixel > 30 ? 1 : 0;
-    EXPECT_GT(bright, 1000) << preset;
+    EXPECT_GT(bright, 1000) << name;
     pictures.insert(image.pixels);
   }
-  EXPECT_EQ(pictures.size(), std::size(kLevels)) << "two levels gave the same picture";
+  EXPECT_EQ(pictures.size(), levels.size()) << "two levels gave the same picture";
 }
 
 }  // namespace

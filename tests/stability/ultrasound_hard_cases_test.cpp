@@ -1,0 +1,341 @@
+// Hard cases of the image, for every level: nothing may crash, hang or depend on threads or on what
+// was drawn before, and each picture has a bound that it keeps.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <gtest/gtest.h>
+#include <hwy/highway.h>
+#include <limits>
+
+#include "core/error.h"
+#include "support/allocation_counter.h"
+#include "support/beam_targets.h"
+#include "ultrasound/alamilla.h"
+#include "ultrasound/bmode.h"
+#include "ultrasound/vidal.h"
+#include "volume/labels.h"
+
+namespace acus::ultrasound {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The same body as CT and as labels.
+struct Body {
+  volume::CtVolume ct;
+  volume::LabelMap labels;
+};
+
+/// `tissue` by place, mm; -1 at air.
+template <typename TissueAt>
+Body MakeBody(const TissueAt& tissue_at) {
+  Body body;
+  volume::Geometry geometry;
+  geometry.size = {64, 72, 48};
+  geometry.origin_mm.setConstant(0.5);
+  body.ct = volume::CtVolume(geometry, std::int16_t{-1000});
+  body.labels = volume::LabelMap(geometry);
+  for (int k = 0; k < 48; ++k) {
+    for (int j = 0; j < 72; ++j) {
+      for (int i = 0; i < 64; ++i) {
+        const std::string_view tissue = tissue_at(i + 0.5, j + 0.5, k + 0.5);
+        const double hu = tissue == "bone"     ? 1200.0
+                          : tissue == "muscle" ? 55.0 + (i * 7 + j * 11 + k * 5) % 13
+                                               : -1000.0;
+        body.ct.At(i, j, k) = static_cast<std::int16_t>(hu);
+        body.labels.At(i, j, k) = tissue == "outside" ? volume::Label{0} : volume::LabelOf(tissue);
+      }
+    }
+  }
+  for (const auto& label : volume::StandardLabels()) {
+    body.labels.names[label.label] = std::string(label.name);
+  }
+  return body;
+}
+
+/// Muscle from y = 5 mm on, under air.
+std::string_view Muscle(double, double y, double) {
+  return y > 5.0 ? "muscle" : "outside";
+}
+
+Probe SmallProbe(ProbeKind kind = ProbeKind::kLinear) {
+  Probe probe = testing_support::TargetProbe();
+  probe.kind = kind;
+  probe.width_mm = 30.0;
+  probe.scan_lines = 96;
+  probe.samples_per_line = 320;
+  probe.image_width_px = 160;
+  probe.image_height_px = 200;
+  probe.slice_thickness_mm = 3.0;
+  probe.pulse_length_mm = 0.7;
+  probe.beam_width_mm = 1.2;
+  probe.gain_db = 20.0;
+  if (kind != ProbeKind::kLinear) probe.field_of_view_rad = 1.0;
+  if (kind == ProbeKind::kCurvilinear) probe.radius_mm = 40.0;
+  return probe;
+}
+
+fs::path Acoustics(const char* name) {
+  return fs::path(ACUS_SOURCE_DIR) / "configs/acoustics" / name;
+}
+
+using Render = std::function<void(const Eigen::Isometry3d&, const std::optional<NeedleInImage>&,
+                                  GrayImage&, int, const RestMap*)>;
+
+struct Level {
+  const char* name;
+  std::function<Render(const Body&, const Probe&)> make;
+};
+
+template <typename Renderer>
+Render Shared(std::shared_ptr<Renderer> renderer) {
+  return [renderer](const Eigen::Isometry3d& pose, const std::optional<NeedleInImage>& needle,
+                    GrayImage& out, int threads,
+                    const RestMap* rest) { renderer->Render(pose, needle, out, threads, rest); };
+}
+
+Render MakeBeams(const Body& body, Probe probe, bool dear) {
+  probe.tgc_db_per_cm = 8.0;  // The other levels lose nothing in muscle.
+  probe.gain_db += 10.0;
+  static const TissueAcousticsTable table = ReadTissueAcoustics(Acoustics("tissues.json"));
+  BeamOptions options;
+  options.elevation_planes = dear ? 3 : 1;
+  options.refraction = options.time_of_flight = options.multiple_reflections = dear;
+  const BeamTissue tissue{.ct = dear ? nullptr : &body.ct,
+                          .labels = dear ? &body.labels : nullptr,
+                          .acoustics = &table};
+  return Shared(std::make_shared<BeamRenderer>(tissue, probe, options));
+}
+
+const std::vector<Level>& Levels() {
+  static const std::vector<Level> levels = {
+      {"vidal_2008",
+       [](const Body& body, const Probe& probe) {
+         return Shared(std::make_shared<VidalRenderer>(body.ct, probe, DefaultVidalOptions()));
+       }},
+      {"alamilla_2021",
+       [](const Body& body, const Probe& probe) {
+         return Shared(std::make_shared<AlamillaRenderer>(
+             body.labels, probe, ReadAlamillaOptions(Acoustics("alamilla_2021.json"))));
+       }},
+      {"columns_2010",
+       [](const Body& body, const Probe& probe) {
+         return Shared(std::make_shared<BModeRenderer>(
+             body.ct, probe, ReadBModeOptions(Acoustics("hu_textured.json"))));
+       }},
+      {"beams on a CT",
+       [](const Body& body, const Probe& probe) { return MakeBeams(body, probe, false); }},
+      {"beams on labels, all effects",
+       [](const Body& body, const Probe& probe) { return MakeBeams(body, probe, true); }},
+  };
+  return levels;
+}
+
+const Eigen::Isometry3d kPose(Eigen::Translation3d(32.0, 4.5, 24.0));
+
+NeedleInImage Needle(const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& axis) {
+  NeedleInImage needle;
+  needle.tip_in_ct_mm = tip_mm;
+  needle.axis_in_ct = axis.normalized();
+  needle.length_mm = 80.0;
+  needle.radius_mm = 0.6;
+  return needle;
+}
+
+GrayImage Picture(const Render& render, const Eigen::Isometry3d& pose,
+                  const std::optional<NeedleInImage>& needle = std::nullopt, int threads = 1,
+                  const RestMap* rest = nullptr) {
+  GrayImage image;
+  render(pose, needle, image, threads, rest);
+  return image;
+}
+
+int Brightest(const GrayImage& image) {
+  return *std::ranges::max_element(image.pixels);
+}
+
+int Largest(const GrayImage& a, const GrayImage& b) {
+  int most = 0;
+  for (std::size_t n = 0; n < a.pixels.size(); ++n) {
+    most = std::max(most, std::abs(a.pixels[n] - b.pixels[n]));
+  }
+  return most;
+}
+
+/// Mean grey of columns [low, high) of some rows.
+double MeanGrey(const GrayImage& image, int low, int high, int first_row, int end_row) {
+  double sum = 0.0;
+  for (int r = first_row; r < end_row; ++r) {
+    for (int c = low; c < high; ++c) sum += image.At(c, r);
+  }
+  return sum / ((high - low) * (end_row - first_row));
+}
+
+class HardImage : public testing::TestWithParam<int> {
+ protected:
+  const Level& level() const { return Levels()[static_cast<std::size_t>(GetParam())]; }
+};
+INSTANTIATE_TEST_SUITE_P(Levels, HardImage, testing::Range(0, 5));
+
+TEST_P(HardImage, PlanesOutsideTheVolumeAreDark) {
+  const Body body = MakeBody(Muscle);
+  const Render render = level().make(body, SmallProbe(ProbeKind::kCurvilinear));
+  ASSERT_GT(Brightest(Picture(render, kPose)), 40) << level().name;
+  for (const double far_mm : {-60.0, -1e3, 1e3, 1e9}) {
+    // Beams take what is outside for water, which scatters a little.
+    const GrayImage image = Picture(render, Eigen::Translation3d(0, 0, far_mm) * kPose);
+    EXPECT_LT(MeanGrey(image, 0, 160, 0, 200), 1.0)
+        << level().name << " " << far_mm;
+  }
+}
+
+TEST_P(HardImage, GrazingPlanesAndFacesAreFinite) {
+  const Body body = MakeBody(Muscle);
+  for (const ProbeKind kind : {ProbeKind::kLinear, ProbeKind::kCurvilinear}) {
+    const Render render = level().make(body, SmallProbe(kind));
+    for (const double z_mm : {0.0, 0.5, 1e-12, 47.5, 48.0}) {
+      Eigen::Isometry3d pose = kPose;
+      pose.translation().z() = z_mm;
+      EXPECT_EQ(Picture(render, pose).pixels.size(), 160U * 200U);
+    }
+    // The face along the skin, along the volume's edge, and upside down.
+    for (const double deg : {45.0, 89.999, 90.0, 180.0}) {
+      const Eigen::Isometry3d pose =
+          kPose * Eigen::AngleAxisd(deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ());
+      const GrayImage image = Picture(render, pose);
+      EXPECT_EQ(image.pixels, Picture(render, pose, std::nullopt, 3).pixels) << level().name;
+      if (deg == 180.0) {
+        EXPECT_LT(MeanGrey(image, 0, 160, 60, 200), 2.0) << "looks into air";
+      }
+    }
+  }
+}
+
+TEST_P(HardImage, OneVoxelOfBoneIsSeenAndShadows) {
+  const auto with_bone = [](double x, double y, double z) -> std::string_view {
+    const bool bone = y > 25.0 && y < 26.0 && x > 26.0 && x < 38.0 && z > 4.0;
+    return bone ? "bone" : Muscle(x, y, z);
+  };
+  const Body body = MakeBody(with_bone);
+  const Body without = MakeBody(Muscle);
+  const Render render = level().make(body, SmallProbe());
+  const GrayImage image = Picture(render, kPose);
+  const GrayImage free = Picture(level().make(without, SmallProbe()), kPose);
+  const int bone_row = static_cast<int>((25.0 - 4.5) / 40.0 * 199.0);
+  int line = 0;
+  for (int r = bone_row - 3; r < bone_row + 12; ++r) line = std::max<int>(line, image.At(80, r));
+  EXPECT_GT(line, MeanGrey(free, 75, 85, bone_row - 3, bone_row + 12) + 40.0) << level().name;
+  const double shadow = MeanGrey(image, 75, 85, bone_row + 35, 195);
+  EXPECT_LT(shadow, 0.5 * MeanGrey(free, 75, 85, bone_row + 35, 195)) << level().name;
+}
+
+TEST_P(HardImage, AllGasIsDark) {
+  const Body gas = MakeBody([](double, double, double) { return "gas"; });
+  const Render render = level().make(gas, SmallProbe());
+  const GrayImage image = Picture(render, Eigen::Isometry3d(Eigen::Translation3d(32, 10, 24)));
+  EXPECT_LT(MeanGrey(image, 0, 160, 40, 200), 20.0) << level().name;
+}
+
+TEST_P(HardImage, NeedlesInThePlaneAndAcrossIt) {
+  const Body body = MakeBody(Muscle);
+  const Render render = level().make(body, SmallProbe());
+  const GrayImage bare = Picture(render, kPose);
+  const Eigen::Vector3d tip_mm(32.0, 25.0, 24.0);
+  const GrayImage in_plane = Picture(render, kPose, Needle(tip_mm, {1.0, 0.3, 0.0}));
+  EXPECT_GT(Largest(bare, in_plane), 60) << level().name;
+  const GrayImage across =
+      Picture(render, kPose, Needle(tip_mm + Eigen::Vector3d(0, 0, 20), Eigen::Vector3d::UnitZ()));
+  EXPECT_GT(Largest(bare, across), 25) << level().name;
+  // Along the beam, without length, without radius, and far away.
+  NeedleInImage odd = Needle(tip_mm, Eigen::Vector3d::UnitY());
+  Picture(render, kPose, odd);
+  odd.length_mm = 0.0;
+  Picture(render, kPose, odd);
+  odd = Needle(tip_mm, {1.0, 0.2, 0.0});
+  odd.radius_mm = 0.0;
+  Picture(render, kPose, odd);
+  const GrayImage away = Picture(render, kPose, Needle({32.0, 25.0, 1e6}, {1.0, 0.0, 0.0}));
+  EXPECT_EQ(away.pixels, bare.pixels) << level().name;
+  NeedleInImage broken = Needle(tip_mm, {1.0, 0.0, 0.0});
+  broken.tip_in_ct_mm.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(Picture(render, kPose, broken), InputError) << level().name;
+}
+
+TEST_P(HardImage, DepthsFromNothingToHundredMillimetres) {
+  const Body body = MakeBody(Muscle);
+  for (const double depth_mm : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    Probe probe = SmallProbe();
+    probe.depth_mm = depth_mm;
+    EXPECT_THROW(level().make(body, probe), InputError) << level().name << " " << depth_mm;
+  }
+  // 10 degrees, and 100 mm of face and depth: more than the body.
+  Probe narrow = SmallProbe(ProbeKind::kCurvilinear);
+  narrow.field_of_view_rad = 10.0 * std::numbers::pi / 180.0;
+  Probe wide = SmallProbe();
+  wide.width_mm = wide.depth_mm = 100.0;
+  Probe shallow = SmallProbe();
+  shallow.depth_mm = 5.0;
+  shallow.width_mm = 10.0;
+  shallow.pulse_length_mm = 0.2;
+  shallow.beam_width_mm = 0.4;
+  for (const Probe& probe : {narrow, wide, shallow}) {
+    const Render render = level().make(body, probe);
+    const GrayImage image = Picture(render, kPose, Needle({32, 20, 24}, {1.0, 0.4, 0.1}));
+    EXPECT_GT(Brightest(image), 20) << level().name;
+    EXPECT_EQ(image.pixels,
+              Picture(render, kPose, Needle({32, 20, 24}, {1.0, 0.4, 0.1}), 2).pixels);
+  }
+}
+
+class Press : public RestMap {
+ public:
+  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_mm,
+                             const Eigen::Vector3d&) const noexcept override {
+    const double far = (place_mm - Eigen::Vector3d(32, 20, 24)).squaredNorm();
+    return place_mm - Eigen::Vector3d(0.3, 1.5, 0.2) * std::exp(-far / 150.0);
+  }
+  double SpacingMm() const noexcept override { return 3.0; }
+};
+
+TEST_P(HardImage, BitsDoNotDependOnThreadsAndNothingIsAllocated) {
+  const Body body = MakeBody(Muscle);
+  const Press press;
+  const NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
+  for (const ProbeKind kind : {ProbeKind::kLinear, ProbeKind::kCurvilinear}) {
+    const Render render = level().make(body, SmallProbe(kind));
+    const GrayImage one = Picture(render, kPose, needle, 1, &press);
+    for (const int threads : {2, 3, 8}) {
+      EXPECT_EQ(one.pixels, Picture(render, kPose, needle, threads, &press).pixels)
+          << level().name << ", " << threads << " threads";
+    }
+    for (const int threads : {1, 2}) {
+      GrayImage image;
+      render(kPose, needle, image, threads, &press);
+      const long before = testing_support::num_allocations;
+      for (int n = 0; n < 5; ++n) {
+        render(Eigen::Translation3d(0.1 * n, 0, 0) * kPose, needle, image, threads, &press);
+      }
+      EXPECT_EQ(testing_support::num_allocations, before)
+          << level().name << ", " << threads << " threads";
+    }
+  }
+}
+
+TEST_P(HardImage, EveryInstructionSetGivesTheSameWithinOneGreyLevel) {
+  const Body body = MakeBody(Muscle);
+  const Press press;
+  const NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
+  const Render render = level().make(body, SmallProbe(ProbeKind::kCurvilinear));
+  const GrayImage best = Picture(render, kPose, needle, 1, &press);
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    EXPECT_LE(Largest(best, Picture(render, kPose, needle, 1, &press)), 1)
+        << level().name << " on " << hwy::TargetName(target);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+}  // namespace
+}  // namespace acus::ultrasound
