@@ -50,15 +50,18 @@ void Screen::DrawMarks(const Probe& probe) {
         std::lround((depth_mm - picture_.depth_of_top_row_mm) / picture_.axial_mm_per_px));
   };
   const double tick_mm = probe.depth_mm > 100.0 ? 10.0 : 5.0;
+  // The last tick whose label fits in, which also says the unit.
+  int last = static_cast<int>(probe.depth_mm / tick_mm + 1e-9) / 2 * 2;
+  while (last > 0 && row_of(last * tick_mm) + kLetterHeight > picture_.height_px) last -= 2;
   for (int panel = 0; panel < panels_; ++panel) {
     const int left = panel * picture_.width_px;
     for (int n = 0; n * tick_mm <= probe.depth_mm + 1e-9; ++n) {
       const int row = row_of(n * tick_mm);
       const bool labelled = n % 2 == 0;
       cv::line(view, {left, row}, {left + (labelled ? 8 : 4), row}, cv::Scalar(200), 1);
-      if (!labelled || n == 0 || row + kLetterHeight > picture_.height_px) continue;
+      if (!labelled || n == 0 || n > last) continue;
       DrawText(marks, left + 11, row - kLetterHeight / 2,
-               std::to_string(static_cast<int>(n * tick_mm)), 200, 0.85);
+               Message(std::lround(0.1 * n * tick_mm), n == last ? " cm" : ""), 200, 0.85);
     }
     const int right = left + picture_.width_px - 1;
     cv::circle(view, {right - 2 * kEdge, 2 * kEdge}, 5, cv::Scalar(230), 1, cv::LINE_AA);
@@ -72,9 +75,10 @@ void Screen::DrawMarks(const Probe& probe) {
     const cv::Point triangle[] = {{right, row - 5}, {right, row + 5}, {right - 8, row}};
     cv::fillConvexPoly(view, triangle, 3, cv::Scalar(200));
   }
-  std::string about =
-      probe.name + "  " + Message(probe.frequency_mhz, " MHz  ", probe.depth_mm, " mm");
-  DrawText(marks, 44, picture_.height_px - kLetterHeight - kEdge, about, 160, 0.85);
+  std::string about = probe.name + "  " +
+                      Message(probe.frequency_mhz, " MHz  ", 0.1 * probe.depth_mm, " cm  gain ",
+                              probe.gain_db, "  DR ", probe.dynamic_range_db, " dB");
+  DrawText(marks, 52, picture_.height_px - kLetterHeight - kEdge, about, 160, 0.85);
   for (std::size_t n = 0; n < marks.pixels.size(); ++n) {
     if (marks.pixels[n] != 0) marks_.emplace_back(n, marks.pixels[n]);
   }
