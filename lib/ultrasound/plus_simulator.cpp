@@ -196,6 +196,11 @@ PlusSimulator ReadPlusSimulator(const std::filesystem::path& path) {
   out.probe = ProbeFrom(reader);
   out.acoustics.name = path.stem().string();
   out.acoustics.file = reader.label();
+  const XmlElement* algorithm = reader.Find("vtkPlusUsSimulatorAlgo");
+  out.reference_frame = "Reference";
+  if (algorithm != nullptr) {
+    out.reference_frame = algorithm->Attribute("ReferenceCoordinateFrame").value_or("Reference");
+  }
   int place = 0;
   for (const XmlElement& element : reader.elements()) {
     if (element.name != "SpatialModel") continue;

@@ -24,6 +24,7 @@ struct PlusSurface {
 struct PlusSimulator {
   Probe probe;
   TissueAcousticsTable acoustics;  ///< The model without a surface is also "outside".
+  std::string reference_frame;     ///< ReferenceCoordinateFrame: that of tissue.
   std::vector<PlusSurface> surfaces;
 };
 
