@@ -1,6 +1,7 @@
 #include "replay/replay.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "config/json_file.h"
@@ -8,6 +9,7 @@
 #include "core/cpu_time.h"
 #include "core/text_table.h"
 #include "replay/event_log.h"
+#include "replay/fluoroscopy_log.h"
 #include "replay/image_log.h"
 #include "replay/run_metrics.h"
 #include "replay/run_report.h"
@@ -45,6 +47,7 @@ struct Run {
   session::Session session;
   StepLog steps;
   ImageLog images;
+  ImageLog fluoroscopy;
   std::vector<Metric> metrics;
   simulation::StageTimes times;
   std::vector<std::string> warnings;
@@ -108,6 +111,7 @@ void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, cons
                              {"probe_samples", run.session.probe.size()},
                              {"seconds", SpanSeconds(run.session)}}},
                            {"images", run.images.num_images},
+                           {"fluoroscopy_images", run.fluoroscopy.num_images},
                            {"effect_plan", stages},
                            {"events", EventsJson(EventsOf(scene, run.steps))},
                            {"cpu_seconds", run.cpu_s},
@@ -137,7 +141,10 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
   content.warnings = WarningsOf(scene, run);
   content.metrics = run.metrics;
   content.pictures = run.images.pngs;
+  content.pictures.insert(content.pictures.end(), run.fluoroscopy.pngs.begin(),
+                          run.fluoroscopy.pngs.end());
   content.has_film = options.film && run.images.num_images > 0;
+  content.has_fluoroscopy_film = options.film && run.fluoroscopy.num_images > 0;
   content.plan = TableOfPlan(scene.plan, &run.times);
   WriteReport(folder, content, run.steps, scene, context.provenance);
 }
@@ -200,9 +207,19 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
 
   const double begin_s = ProcessCpuSeconds();
   std::vector<simulation::Snapshot> images = Snapshots(scene, run.session, &run.times);
-  run.steps = RunSteps(scene, run.session, images, &run.times, context);
+  std::vector<simulation::Snapshot> fluoroscopy = FluoroscopySnapshots(scene, run.session);
+  // The steps go through both kinds of moments in one order of time.
+  std::vector<simulation::Snapshot> moments;
+  std::ranges::merge(images, fluoroscopy, std::back_inserter(moments), {},
+                     &simulation::Snapshot::time_ns, &simulation::Snapshot::time_ns);
+  run.steps = RunSteps(scene, run.session, moments, &run.times, context);
+  std::ranges::partition_copy(moments, fluoroscopy.begin(), images.begin(),
+                              &simulation::Snapshot::for_c_arm);
   run.images = RenderImages(scene, images, run.steps, folder ? folder->path() : fs::path(), options,
                             &run.times, context);
+  run.fluoroscopy =
+      RenderFluoroscopy(scene, fluoroscopy, run.steps, folder ? folder->path() : fs::path(),
+                        options, &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
   run.metrics = MetricsOf(scene, run.session, run.steps);
   if (folder) {

@@ -159,8 +159,10 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   html.Warnings(content.warnings);
   html.Section("Summary");
   html.KeyValues(content.facts);
-  if (content.has_film || !content.pictures.empty()) html.Section("Pictures");
+  if (content.has_film || content.has_fluoroscopy_film || !content.pictures.empty())
+    html.Section("Pictures");
   if (content.has_film) html.Film("film.mp4", "Film of the session");
+  if (content.has_fluoroscopy_film) html.Film("fluoroscopy.mp4", "Fluoroscopy of the session");
   for (const WrittenPng& picture : content.pictures) {
     html.Picture(folder / picture.file, picture.caption, picture.caption);
   }

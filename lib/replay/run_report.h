@@ -21,6 +21,7 @@ struct ReportContent {
   std::vector<Metric> metrics;
   std::vector<WrittenPng> pictures;
   bool has_film = false;
+  bool has_fluoroscopy_film = false;
   PlanTable plan;
 };
 

@@ -17,6 +17,7 @@ using nlohmann::json;
 /// Paths that overrides may set, which are relative to the working folder then.
 constexpr const char* kPaths[] = {"/patient/ct",
                                   "/patient/labels",
+                                  "/patient/surfaces",
                                   "/patient/mesh",
                                   "/patient/corridor",
                                   "/patient/ct_from_reference_file",
@@ -84,6 +85,9 @@ Patient ReadPatient(const json& object, const fs::path& folder, const std::strin
   Patient patient;
   patient.ct = ExistingPath(object, "ct", folder, where);
   patient.labels = ExistingPath(object, "labels", folder, where);
+  patient.surfaces = ExistingPath(object, "surfaces", folder, where);
+  ACUS_REQUIRE(patient.surfaces.empty() || (patient.ct.empty() && patient.labels.empty()), where,
+               ": surfaces stand in place of ct and labels; give those, or surfaces, not both");
   patient.mesh = ExistingPath(object, "mesh", folder, where);
   if (fs::is_directory(patient.mesh)) patient.mesh /= "mesh.vtu";
   patient.corridor = ExistingPath(object, "corridor", folder, where);
@@ -289,7 +293,12 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
     scenario.ultrasound = ReadUltrasoundEffect(effects["ultrasound"], folder);
   }
   if (effects.contains("ct_slice")) {
-    scenario.ct_slice = CtSliceEffect{effects["ct_slice"].at("needle")};
+    const json& effect = effects["ct_slice"];
+    scenario.ct_slice = CtSliceEffect{effect.at("needle"), effect.at("window").at("centre_hu"),
+                                      effect.at("window").at("width_hu")};
+  }
+  if (effects.contains("fluoroscopy")) {
+    scenario.fluoroscopy = ReadFluoroscopyEffect(effects["fluoroscopy"], folder);
   }
   CheckTogether(scenario);
   scenario.effective = std::move(document);

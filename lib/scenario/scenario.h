@@ -9,6 +9,7 @@
 #include <string>
 
 #include "breathing/breath_source.h"
+#include "scenario/fluoroscopy_effect.h"
 #include "scenario/ultrasound_effect.h"
 #include "session/session_import.h"
 
@@ -19,6 +20,7 @@ struct Patient {
   std::filesystem::path ct;
   std::string dicom_series;  ///< Picks one of several series; may be empty.
   std::filesystem::path labels;
+  std::filesystem::path surfaces;  ///< List of surfaces, in place of CT and labels.
   std::filesystem::path mesh;      ///< mesh.vtu, with the compliance beside it.
   std::filesystem::path corridor;  ///< CSV of the points entry and target.
   Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
@@ -110,6 +112,8 @@ struct BreathingEffect {
 
 struct CtSliceEffect {
   bool needle = true;
+  double centre_hu = 0.0;  ///< Middle grey.
+  double width_hu = 0.0;   ///< From black to white.
 };
 
 struct Scenario {
@@ -129,6 +133,7 @@ struct Scenario {
   std::optional<BreathingEffect> breathing;
   std::optional<UltrasoundEffect> ultrasound;
   std::optional<CtSliceEffect> ct_slice;
+  std::optional<FluoroscopyEffect> fluoroscopy;
 
   nlohmann::json effective;  ///< The file with overrides and defaults, for provenance.
 };

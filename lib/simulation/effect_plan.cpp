@@ -88,6 +88,14 @@ Names UltrasoundInputs(const Scenario& s) {
   return ImageInputs(s, s.ultrasound->needle, std::move(patient));
 }
 
+Names FluoroscopyInputs(const Scenario& s) {
+  Names reads{"ct"};
+  if (s.fluoroscopy && s.fluoroscopy->needle) reads.push_back("needle");
+  if (s.fluoroscopy && s.fluoroscopy->needle && s.shape) reads.push_back("shape");
+  if (ShowsDeformation(s)) reads.push_back("rest map");
+  return reads;
+}
+
 /// What the deformation in the images comes from.
 Names DeformationInputs(const Scenario& s) {
   Names reads;
@@ -123,6 +131,7 @@ std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
       image(StageId::kCtSlice, "CT slice", ImageInputs(s, s.ct_slice && s.ct_slice->needle, {"ct"}),
             {"CT picture"}),
       image(StageId::kUltrasound, "B-mode", UltrasoundInputs(s), {"B-mode picture"}),
+      image(StageId::kFluoroscopy, "fluoroscopy", FluoroscopyInputs(s), {"fluoroscopy picture"}),
   };
 }
 
@@ -140,6 +149,7 @@ std::vector<Goal> Goals(const Scenario& s) {
   if (s.tissue && s.tissue->TouchesNeedle()) goals.push_back({StageId::kTissueContact, "tissue"});
   if (s.ct_slice) goals.push_back({StageId::kCtSlice, "ct_slice"});
   if (s.ultrasound) goals.push_back({StageId::kUltrasound, "ultrasound"});
+  if (s.fluoroscopy) goals.push_back({StageId::kFluoroscopy, "fluoroscopy"});
   return goals;
 }
 
@@ -154,8 +164,9 @@ std::vector<Input> Inputs(const Scenario& s, const AvailableInputs& available) {
   return {
       {"needle poses", available.needle_poses, "the session has no needle stream"},
       {"probe poses", available.probe_poses, "the session has no probe stream"},
-      {"ct", !s.patient.ct.empty(), "/patient/ct is not given"},
-      {"labels", !s.patient.labels.empty(), "/patient/labels is not given"},
+      {"ct", !s.patient.ct.empty() || !s.patient.surfaces.empty(), "/patient/ct is not given"},
+      {"labels", !s.patient.labels.empty() || !s.patient.surfaces.empty(),
+       "/patient/labels is not given"},
       {"mesh", !s.patient.mesh.empty(),
        "/patient/mesh is not given; acus-mesh --condense makes one"},
       {"corridor", !s.patient.corridor.empty(),

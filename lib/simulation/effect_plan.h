@@ -23,6 +23,7 @@ enum class StageId {
   kDeformation,
   kCtSlice,
   kUltrasound,
+  kFluoroscopy,
   kEnd,  ///< No stage: it comes after the last one.
 };
 inline constexpr int kNumStages = static_cast<int>(StageId::kEnd);

@@ -18,25 +18,26 @@ ImageRenderer::ImageRenderer(const Scene& scene) : scene_(scene) {
   }
   if (scene.plan.Has(StageId::kCtSlice)) {
     ct_slice_.emplace(*scene.ct, ultrasound::PictureOf(*scene.probe),
-                      scene.probe->slice_thickness_mm);
+                      scene.probe->slice_thickness_mm, scene.ct_window);
   }
   if (scene.plan.Has(StageId::kUltrasound)) {
     b_mode_.emplace(ImagePatient{scene.ct.get(), scene.labels.get()}, *scene.probe, *scene.b_mode);
   }
 }
 
-std::optional<ultrasound::NeedleInImage> ImageRenderer::NeedleOf(const Snapshot& snapshot) const {
+std::optional<ultrasound::NeedleInImage> NeedleInPicture(const Scene& scene,
+                                                         const Snapshot& snapshot) {
   if (!snapshot.ct_from_needle) return std::nullopt;
   ultrasound::NeedleInImage needle{
       snapshot.ct_from_needle->translation(), snapshot.ct_from_needle->linear().col(2),
-      scene_.needle->length_mm, 0.5 * scene_.needle->beam.outer_diameter_mm};
+      scene.needle->length_mm, 0.5 * scene.needle->beam.outer_diameter_mm};
   if (snapshot.needle_shape != nullptr) needle.shape = *snapshot.needle_shape;
   return needle;
 }
 
 void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* times) {
   Stopwatch watch(times);
-  const auto needle = NeedleOf(snapshot);
+  const auto needle = NeedleInPicture(scene_, snapshot);
   const ultrasound::RestMap* rest = nullptr;
   if (deformed_) {
     const bool asleep = snapshot.load == nullptr || !snapshot.probe_valid;

@@ -26,7 +26,12 @@ struct Snapshot {
   const math::Polyline* needle_shape = nullptr;
   /// Null if nothing deforms the tissue; must live until the image is made.
   const tissue::TissueLoad* load = nullptr;
+  bool for_c_arm = false;  ///< A moment at which the C-arm looks, not the probe.
 };
+
+/// The needle of a moment as pictures see it; nothing if there is none.
+std::optional<ultrasound::NeedleInImage> NeedleInPicture(const Scene& scene,
+                                                         const Snapshot& snapshot);
 
 struct Images {
   ultrasound::GrayImage b_mode;    ///< Empty if the plan has no B-mode.
@@ -45,8 +50,6 @@ class ImageRenderer {
   void Render(const Snapshot& snapshot, Images& out, StageTimes* times = nullptr);
 
  private:
-  std::optional<ultrasound::NeedleInImage> NeedleOf(const Snapshot& snapshot) const;
-
   const Scene& scene_;
   std::optional<DeformedTissue> deformed_;
   std::optional<ImageLevel> b_mode_;

@@ -4,6 +4,7 @@
 #include "mechanics/elasticity_table.h"
 #include "simulation/probe_scene.h"
 #include "simulation/tissue_scene.h"
+#include "surfaces/surface_scene.h"
 #include "volume/volume_io.h"
 
 namespace acus::simulation {
@@ -77,6 +78,36 @@ void LoadShape(const scenario::Scenario& scenario, Scene& scene, RunContext& con
                       has_beam);
 }
 
+/// Labels, and a CT of constant HU in each tissue, where the patient is a list of surfaces.
+void LoadSurfaces(const scenario::Scenario& scenario, const EffectPlan& plan, Scene& scene,
+                  RunContext& context) {
+  if (!plan.Needs("ct") && !plan.Needs("labels")) return;
+  const surfaces::SurfaceScene list = surfaces::ReadSurfaceScene(scenario.patient.surfaces);
+  auto labels = surfaces::LabelsOfSurfaces(list, context);
+  if (plan.Needs("ct")) {
+    scene.ct = std::make_shared<volume::CtVolume>(surfaces::CtOfLabels(list, labels));
+  }
+  if (plan.Needs("labels")) {
+    scene.labels = std::make_shared<volume::LabelMap>(std::move(labels));
+  }
+  context.provenance.AddInput(scenario.patient.surfaces);
+  for (const auto& surface : list.surfaces) context.provenance.AddInput(surface.file);
+}
+
+/// @pre the CT is there.
+void LoadFluoroscopy(const scenario::Scenario& scenario, Scene& scene, RunContext& context) {
+  const scenario::FluoroscopyEffect& effect = *scenario.fluoroscopy;
+  const volume::Geometry& geometry = scene.ct->geometry;
+  const Eigen::Vector3d middle_mm =
+      geometry.ct_from_index() * (0.5 * (geometry.size - 1).cast<double>()).matrix().eval();
+  scene.fluoroscopy = FluoroscopySettings{
+      .c_arm = ultrasound::ReadCArm(effect.c_arm),
+      .pose = {effect.isocentre_in_ct_mm.value_or(middle_mm), effect.lao_rad, effect.cranial_rad},
+      .rate_hz = effect.rate_hz,
+      .needle = effect.needle};
+  context.provenance.AddInput(effect.c_arm);
+}
+
 }  // namespace
 
 Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context) {
@@ -84,19 +115,25 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   scene.plan = plan;
   scene.ct_from_reference = scenario.patient.ct_from_reference;
   scene.image_rate_hz = scenario.image_rate_hz;
-  scene.needle_in_ct_slice = scenario.ct_slice && scenario.ct_slice->needle;
+  if (scenario.ct_slice) {
+    scene.needle_in_ct_slice = scenario.ct_slice->needle;
+    scene.ct_window = {scenario.ct_slice->centre_hu, scenario.ct_slice->width_hu};
+  }
   scene.needle_in_b_mode = scenario.ultrasound && scenario.ultrasound->needle;
   if (plan.Has(StageId::kBreathing)) {
     context.Checkpoint("reading the motion", 0.0);
     scene.breathing.emplace(LoadBreathing(scenario, context));
   }
-  if (plan.Needs("ct")) {
+  if (!scenario.patient.surfaces.empty()) {
+    LoadSurfaces(scenario, plan, scene, context);
+  } else if (plan.Needs("ct")) {
     context.Checkpoint("reading the CT", 0.0);
     scene.ct = std::make_shared<volume::CtVolume>(
         volume::ReadCt(scenario.patient.ct, scenario.patient.dicom_series, context));
     context.provenance.AddInput(scenario.patient.ct);
   }
-  if (plan.Needs("labels")) {
+  if (plan.Has(StageId::kFluoroscopy)) LoadFluoroscopy(scenario, scene, context);
+  if (plan.Needs("labels") && scenario.patient.surfaces.empty()) {
     scene.labels = std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
     context.provenance.AddInput(scenario.patient.labels);
   }

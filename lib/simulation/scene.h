@@ -14,10 +14,20 @@
 #include "simulation/image_level.h"
 #include "simulation/needle_shape.h"
 #include "tissue/tissue_model.h"
+#include "ultrasound/c_arm.h"
+#include "ultrasound/ct_slice.h"
 #include "ultrasound/probe.h"
 #include "volume/volume.h"
 
 namespace acus::simulation {
+
+/// A C-arm at its place.
+struct FluoroscopySettings {
+  ultrasound::CArm c_arm;
+  ultrasound::CArmPose pose;
+  double rate_hz = 0.0;
+  bool needle = true;
+};
 
 /// Immutable after LoadScene; shared by any number of simulations and threads.
 struct Scene {
@@ -25,6 +35,7 @@ struct Scene {
   Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
   double image_rate_hz = 0.0;
   bool needle_in_ct_slice = false;
+  ultrasound::HuWindow ct_window;  ///< Of the CT slice.
   bool needle_in_b_mode = false;
   bool force_from_tissue = false;    ///< What is felt is what the deformed tissue does.
   bool tools_deform_images = false;  ///< Images show what tools do to the tissue.
@@ -43,6 +54,7 @@ struct Scene {
   std::optional<forces::ProbeForceModel> probe_force;  ///< If the plan has the probe force.
   std::optional<tissue::TissueModel> tissue;           ///< If the plan has contact or deformation.
   std::optional<ultrasound::Probe> probe;              ///< If the plan reads "probe" or its preset.
+  std::optional<FluoroscopySettings> fluoroscopy;      ///< If the plan has the fluoroscopy.
   std::optional<ImageSettings> b_mode;                 ///< If the plan has the B-mode.
 };
 

@@ -1,0 +1,34 @@
+// The fluoroscopy of a scene at one moment.
+#pragma once
+
+#include <optional>
+
+#include "simulation/deformed_tissue.h"
+#include "simulation/image_renderer.h"
+#include "simulation/scene.h"
+#include "simulation/stage_timing.h"
+#include "ultrasound/fluoroscope.h"
+
+namespace acus::simulation {
+
+/// Holds a copy of the CT as the C-arm reads it: one for all threads, which share each picture.
+class FluoroscopyRenderer {
+ public:
+  /// @param scene  Must outlive the renderer. @pre the plan has the fluoroscopy.
+  /// @throws InputError if the C-arm does not see the patient.
+  FluoroscopyRenderer(const Scene& scene, int num_threads);
+
+  /// The same bits for the same snapshot, whatever was rendered before and with any number of
+  /// threads. The needle is straight in the hand if its tracker sees it and nothing bends it.
+  void Render(const Snapshot& snapshot, ultrasound::GrayImage& out, int num_threads,
+              StageTimes* times = nullptr);
+
+  const ultrasound::Fluoroscope& fluoroscope() const { return fluoroscope_; }
+
+ private:
+  const Scene& scene_;
+  std::optional<DeformedTissue> deformed_;
+  ultrasound::Fluoroscope fluoroscope_;
+};
+
+}  // namespace acus::simulation
