@@ -69,10 +69,10 @@ void Screen::DrawMarks(const Probe& probe) {
     const int width = cv::getTextSize(name, kFont, kFontScale, 1, nullptr).width;
     DrawText(marks, right - 4 * kEdge - width, kEdge, name, 200);
   }
-  const int right = picture_.width_px - 1;
   if (probe.focus_mm > 0.0 && probe.focus_mm <= probe.depth_mm) {
     const int row = row_of(probe.focus_mm);
-    const cv::Point triangle[] = {{right, row - 5}, {right, row + 5}, {right - 8, row}};
+    // Beside the scale, which it points to.
+    const cv::Point triangle[] = {{38, row - 5}, {38, row + 5}, {30, row}};
     cv::fillConvexPoly(view, triangle, 3, cv::Scalar(200));
   }
   std::string about = probe.name + "  " +

@@ -20,8 +20,8 @@ class Screen {
  public:
   /// One panel for the B-mode, and one on its right for the CT slice if `with_ct_slice`. Both have
   /// the same scale. Depth ticks each 5 mm (10 mm for depths above 100 mm), labelled each second
-  /// one in cm; a triangle at the focus; a ring at the top on the marked side; below the probe's
-  /// name, frequency, depth, gain and dynamic range.
+  /// one in cm; a triangle beside them at the focus; a ring at the top on the marked side; below
+  /// the probe's name, frequency, depth, gain and dynamic range.
   Screen(const Probe& probe, bool with_ct_slice);
 
   /// @param ct_slice  Must be given if and only if the screen has a panel for it.

@@ -36,8 +36,8 @@ TEST(Screen, TicksAreAtTheirDepth) {
     EXPECT_EQ(out.At(1, r) > 0, r % 25 == 0) << r;
     EXPECT_EQ(out.At(7, r) > 0, r % 50 == 0) << r;
   }
-  EXPECT_GT(out.At(299, 150), 0);  // The focus, at 30 mm.
-  EXPECT_EQ(out.At(299, 100), 0);
+  EXPECT_GT(out.At(35, 150), 0);  // The focus, at 30 mm.
+  EXPECT_EQ(out.At(35, 125), 0);
 }
 
 TEST(Screen, PanelsKeepTheirPixelsWhereNothingIsDrawn) {
