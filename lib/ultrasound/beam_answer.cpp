@@ -165,18 +165,22 @@ void BeamTracer::AnswerMark(Pass& pass, int k, const NeedleMark& mark) const {
   const double amplitude = pass.weight * pass.work.energy[k % kRing][lane] * mark.echo;
   after *= mark.transmission;
   if (std::abs(amplitude) < kFaintest) return;
-  AddEcho(pass, k, lane, amplitude);
+  const double place = k + double{mark.beside};
+  AddEcho(pass, place, lane, amplitude);
   if (options_.comet_tail) {
-    RingBehind(pass, k, pass.ring_samples, lane, amplitude, options_.needle_ring_decay);
+    RingBehind(pass, place, pass.ring_samples, lane, amplitude, options_.needle_ring_decay);
   }
 }
 
 void BeamTracer::AddEcho(Pass& pass, double place, int lane, double amplitude) const {
-  // Put in at the nearest sample, so that its strength does not depend on where it falls between.
-  if (pass.work.echoes.size() < pass.work.echoes.capacity()) {
-    pass.work.echoes.push_back(
-        {static_cast<int>(std::lround(place)), lane, static_cast<float>(amplitude)});
-  }
+  std::vector<Echo>& echoes = pass.work.echoes;
+  if (echoes.size() + 2 > echoes.capacity()) return;
+  const int nearest = static_cast<int>(std::lround(place));
+  const BeamFilter::Shares shares = filter_.SharesAt(place - nearest);
+  echoes.push_back({nearest, lane, static_cast<float>(amplitude * shares.nearest)});
+  if (shares.neighbour < 1e-3) return;
+  const int neighbour = place > nearest ? nearest + 1 : nearest - 1;
+  echoes.push_back({neighbour, lane, static_cast<float>(amplitude * shares.neighbour)});
 }
 
 void BeamTracer::PutEchoes(Pass& pass) const {

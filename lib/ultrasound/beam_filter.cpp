@@ -84,11 +84,25 @@ void BeamFilter::MakeAxial(const Probe& probe, double reach) {
   const std::vector<double> along = HalfGauss(rest, reach, kMaxHalfAlong);
   const std::vector<double> spread = HalfGauss(grain, reach, kMaxHalfAlong);
   double peak = 0.0;
-  for (int t = -kMaxHalfAlong; t <= kMaxHalfAlong; ++t) peak += At(along, t) * At(spread, t);
+  for (int t = -kMaxHalfAlong; t <= kMaxHalfAlong; ++t) {
+    peak += At(along, t) * At(spread, t);
+    pulse_at_neighbour_ += At(along, t) * At(spread, t + 1);
+  }
+  pulse_at_neighbour_ /= peak;
   AppendTo(along_, along, 1.0);
   AppendTo(spread_, spread, 1.0 / peak);
   const double gain = 1.0 / std::sqrt(Variance(along, 1.0, grain));
   speckle_gain_.assign(static_cast<std::size_t>(grid_.samples), static_cast<float>(gain));
+}
+
+BeamFilter::Shares BeamFilter::SharesAt(double fraction) const {
+  if (pulse_at_neighbour_ <= 0.0) return {};
+  // With p the pulse one sample away: nearest + p neighbour = 1, and p nearest + neighbour is the
+  // Gaussian pulse there over that at the nearest sample, p^(1 - 2 |fraction|).
+  const double p = pulse_at_neighbour_;
+  const double there = std::pow(p, 1.0 - 2.0 * std::abs(fraction));
+  const double neighbour = (there - p) / (1.0 - p * p);
+  return {1.0 - p * neighbour, neighbour};
 }
 
 void BeamFilter::MakeLateral(const Probe& probe, double reach) {

@@ -28,6 +28,14 @@ class BeamFilter {
   float SpeckleGain(int k) const { return speckle_gain_[static_cast<std::size_t>(k)]; }
   /// Width of the window across over that along the beam, in mm.
   double AcrossOverAlong(int k) const { return across_over_along_[static_cast<std::size_t>(k)]; }
+  /// Shares of an echo that lies `fraction` (-0.5 to 0.5) of a sample beside a sample: of that
+  /// sample and of the neighbour on that side. The filtered echo peaks at 1 on the grid wherever it
+  /// lies, and the neighbour is as strong as a pulse at the true place makes it.
+  struct Shares {
+    double nearest = 1.0;
+    double neighbour = 0.0;
+  };
+  Shares SharesAt(double fraction) const;
   /// Window that an interface is spread with along the beam: half of it, with the middle.
   const std::vector<float>& Spread() const { return spread_; }
 
@@ -44,6 +52,7 @@ class BeamFilter {
   bool on_;
   double grain_mm_ = 0.0;
   double grain_sigma_mm_ = 0.0;
+  double pulse_at_neighbour_ = 0.0;  ///< Filtered echo of a sample at the next one.
   std::vector<float> along_;
   std::vector<float> spread_;
   std::vector<float> speckle_gain_;

@@ -60,6 +60,7 @@ void BeamNeedle::AddMark(const Eigen::Vector3d& place_mm, const Eigen::Vector3d&
       options_.needle_shadow ? std::pow(10.0, options_.needle_transmission_db / 20.0) : 1.0;
   marks_.push_back({.line = line,
                     .sample = sample,
+                    .beside = static_cast<float>(front - sample),
                     .echo = static_cast<float>(options_.needle_reflection * weight * lobe),
                     .transmission = static_cast<float>(1.0 - weight * (1.0 - behind))});
 }

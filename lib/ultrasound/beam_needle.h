@@ -15,6 +15,7 @@ namespace acus::ultrasound {
 struct NeedleMark {
   int line = 0;
   int sample = 0;
+  float beside = 0.0F;        ///< Of the echo, from that sample, -0.5 to 0.5 samples.
   float echo = 0.0F;          ///< Amplitude, of what arrives there.
   float transmission = 1.0F;  ///< Left behind it.
 };

@@ -16,7 +16,7 @@ constexpr float kAirLogImpedance = 0.0F;
 constexpr double kSkinBlurMm = 2.0;
 /// Changes of zeta that are flatter than this are no interface.
 constexpr double kFlattestPerMm = 0.01;
-constexpr std::size_t kEchoesPerLane = 96;
+constexpr std::size_t kEchoesPerLane = 192;
 
 std::size_t At(int n) {
   return static_cast<std::size_t>(n);

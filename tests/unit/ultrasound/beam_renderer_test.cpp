@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "support/synthetic_ct.h"
+#include "ultrasound/beam_interface.h"
 
 namespace acus::ultrasound {
 namespace {
@@ -183,6 +184,30 @@ TEST(BeamRenderer, AFlatInterfaceSendsBackWhatFresnelSays) {
     renderer.Render(Eigen::Isometry3d(Eigen::Translation3d(25, 1, 15)), std::nullopt, image);
     const double expected = (2.0 - 1.5) / (2.0 + 1.5);
     EXPECT_NEAR(20 * std::log10(LargestOfLine(renderer.envelope(), 40) / expected), 0.0, 0.1);
+  }
+}
+
+TEST(BeamRenderer, ATiltedInterfaceFollowsTheLawOfItsAngle) {
+  TissueAcousticsTable table = Table();
+  table.tissues["gel"].speed_m_per_s = 1600;
+  const volume::LabelMap labels = Layers(20.0, "gel");
+  Probe probe = TestProbe();
+  probe.samples_per_line = 1600;
+  BeamOptions options;
+  options.attenuation = false;
+  options.speckle = false;
+  BeamRenderer renderer({.labels = &labels, .acoustics = &table}, probe, options);
+  for (const double tilt_rad : {0.05, 0.1, 0.2, 0.3}) {
+    GrayImage image;
+    renderer.Render(Eigen::Isometry3d(Eigen::Translation3d(25, 1, 15)) *
+                        Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitZ()),
+                    std::nullopt, image);
+    const double cosine = std::cos(tilt_rad);
+    const double expected = FresnelReflection(2.0 / 1.5, 1600.0 / 1500.0, cosine) *
+                            MirrorLobe(cosine, options.lobe_deg, options.diffuse_share);
+    double mean = 0.0;
+    for (int line = 30; line < 50; ++line) mean += LargestOfLine(renderer.envelope(), line) / 20.0;
+    EXPECT_NEAR(20 * std::log10(mean / expected), 0.0, 0.2) << tilt_rad;
   }
 }
 
