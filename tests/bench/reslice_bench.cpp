@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <benchmark/benchmark.h>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 
 #include "support/paired_times.h"
 #include "support/reslice_scene.h"
 #include "support/vtk_reslice.h"
+#include "ultrasound/beam_renderer.h"
 #include "ultrasound/bmode.h"
 #include "ultrasound/ct_slice.h"
 
@@ -83,6 +86,56 @@ void Columns2010Share(benchmark::State& state, VtkReslice::Threads threads) {
 }
 BENCHMARK_CAPTURE(Columns2010Share, multithreader, VtkReslice::Threads::kMultiThreader);
 BENCHMARK_CAPTURE(Columns2010Share, smp, VtkReslice::Threads::kSmp);
+
+/// Every standard effect on: deformation and breathing, needle, reflection by angle, attenuation,
+/// shadow, comet tails, speckle, point spread, compression.
+struct AllEffects {
+  AllEffects(const volume::CtVolume& ct, const Probe& probe, int planes) {
+    BeamOptions options;
+    options.elevation_planes = planes;
+    table = ReadTissueAcoustics(std::filesystem::path(ACUS_SOURCE_DIR) /
+                                "configs/acoustics/tissues.json");
+    renderer.emplace(BeamTissue{.ct = &ct, .acoustics = &table}, probe, options);
+  }
+  const GrayImage& Render(const Eigen::Isometry3d& pose) {
+    const NeedleInImage needle = NeedleInPlane(pose);
+    const testing_support::BreathingAndNeedle rest(n++, needle.tip_in_ct_mm);
+    renderer->Render(pose, needle, image, kThreads, &rest);
+    return image;
+  }
+  TissueAcousticsTable table;
+  std::optional<BeamRenderer> renderer;
+  GrayImage image;
+  int n = 0;
+};
+
+void BeamsShare(benchmark::State& state, VtkReslice::Threads threads) {
+  AllEffects beams(Ct(), testing_support::FullBeamProbe(256, 512), 1);
+  ReportShare(state, threads, [&](const Eigen::Isometry3d& pose) -> const GrayImage& {
+    return beams.Render(pose);
+  });
+}
+BENCHMARK_CAPTURE(BeamsShare, multithreader, VtkReslice::Threads::kMultiThreader);
+BENCHMARK_CAPTURE(BeamsShare, smp, VtkReslice::Threads::kSmp);
+
+/// Images per second on two threads: lines, samples, planes, width and height of the picture.
+void BeamsRate(benchmark::State& state) {
+  Probe probe = testing_support::FullBeamProbe(static_cast<int>(state.range(0)),
+                                               static_cast<int>(state.range(1)));
+  probe.image_width_px = static_cast<int>(state.range(3));
+  probe.image_height_px = static_cast<int>(state.range(4));
+  AllEffects beams(Ct(), probe, static_cast<int>(state.range(2)));
+  int n = 0;
+  LeastTime least;
+  for (auto _ : state) {
+    const Eigen::Isometry3d pose = SwayingProbe(n++);
+    least.Add([&] { benchmark::DoNotOptimize(beams.Render(pose).pixels.data()); });
+  }
+  if (testing_support::MeanGrey(beams.image) < 5.0) state.SkipWithError("the image is black");
+  state.counters["images_per_s"] = 1e3 / least.wall_ms;
+  state.counters["cpu_ms"] = least.cpu_ms;
+}
+BENCHMARK(BeamsRate)->Args({256, 4096, 1, 500, 500})->Args({256, 2048, 5, 820, 616});
 
 }  // namespace
 }  // namespace acus::ultrasound

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "support/synthetic_ct.h"
+#include "ultrasound/beam_bend.h"
 #include "ultrasound/image.h"
 #include "ultrasound/probe.h"
 
@@ -55,6 +56,44 @@ inline ultrasound::NeedleInImage NeedleInPlane(const Eigen::Isometry3d& ct_from_
   needle.length_mm = 90;
   needle.radius_mm = 0.45;
   return needle;
+}
+
+/// A patient who breathes, and a needle that takes tissue along: everything in the picture has
+/// moved, and moves again with each picture.
+class BreathingAndNeedle : public ultrasound::RestMap {
+ public:
+  BreathingAndNeedle(int n, const Eigen::Vector3d& tip_in_ct_mm)
+      : breath_mm_(4.0 * std::sin(0.05 * n)), tip_mm_(tip_in_ct_mm) {}
+  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_mm,
+                             const Eigen::Vector3d& /*guess_mm*/) const noexcept override {
+    const double breath = breath_mm_ * std::cos(0.01 * place_mm.x());
+    const double near = std::exp(-(place_mm - tip_mm_).squaredNorm() / 200.0);
+    return place_mm - Eigen::Vector3d(0.1 * breath, 1.2 * near, breath);
+  }
+  double SpacingMm() const noexcept override { return 2.0; }
+
+ private:
+  double breath_mm_;
+  Eigen::Vector3d tip_mm_;
+};
+
+/// The beam level's probe: `lines` of `samples` over the same picture as FullLinearProbe.
+inline ultrasound::Probe FullBeamProbe(int lines, int samples) {
+  ultrasound::Probe probe = ultrasound::DefaultProbe();
+  const ultrasound::Probe full = FullLinearProbe();
+  probe.kind = full.kind;
+  probe.frequency_mhz = 7.5;
+  probe.scan_lines = lines;
+  probe.samples_per_line = samples;
+  probe.width_mm = full.width_mm;
+  probe.depth_mm = full.depth_mm;
+  probe.focus_mm = 30.0;
+  probe.image_width_px = full.image_width_px;
+  probe.image_height_px = full.image_height_px;
+  probe.dynamic_range_db = 60.0;
+  probe.gain_db = 20.0;
+  probe.tgc_db_per_cm = 6.0;
+  return probe;
 }
 
 inline double MeanGrey(const ultrasound::GrayImage& image) {
