@@ -2,13 +2,15 @@
 
 #include "core/error.h"
 #include "tradeoff/forces_sweep.h"
+#include "tradeoff/image_sweep.h"
 #include "tradeoff/needle_sweep.h"
 #include "tradeoff/tissue_sweep.h"
 
 namespace acus::tradeoff {
 
 const std::vector<Sweep>& Sweeps() {
-  static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep(), ForcesSweep()};
+  static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep(), ForcesSweep(),
+                                            ImageSweep()};
   return sweeps;
 }
 

@@ -6,6 +6,9 @@ acus_add_cli_case(acus-tradeoff.errors_fall EXIT 0 TIMEOUT 300
   BEFORE "$ACUS_BIN/acus-tradeoff tissue --quick --quiet -o t > table.txt
 ${CMAKE_CURRENT_LIST_DIR}/check_tradeoff.sh t/tradeoff.csv"
   COMMAND acus-tradeoff --version)
+acus_add_cli_case(acus-tradeoff.image EXIT 0 TIMEOUT 120 STDOUT "^lines" "^elevation_planes" "default$"
+  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
+  COMMAND acus-tradeoff image --quick -o t)
 acus_add_cli_case(acus-tradeoff.needle EXIT 0 TIMEOUT 120 STDOUT "^num_nodes" "^step_ms" "default$"
   CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
   COMMAND acus-tradeoff needle --quick -o t)

@@ -1,7 +1,7 @@
 // Panels of ultrasound for the documentation, from a folder that acus-phantom made:
 //   ultrasound_figures PATIENT PROBE.json FIGURE OUT.png
-// FIGURE: levels - the same moment by every level; vidal, alamilla - the effects of one level, one
-// after the other.
+// FIGURE: levels - the same moment by every level; vidal, alamilla, beams - the effects of one
+// level, one after the other; dear - the dearer effects of the beams.
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -12,6 +12,7 @@
 #include "session/session_io.h"
 #include "ultrasound/alamilla.h"
 #include "ultrasound/annotate.h"
+#include "ultrasound/beam_renderer.h"
 #include "ultrasound/bmode.h"
 #include "ultrasound/ct_slice.h"
 #include "ultrasound/png.h"
@@ -53,6 +54,7 @@ Moment MomentOf(const fs::path& patient, const fs::path& probe) {
                 .probe = ultrasound::ReadProbe(probe),
                 .ct_from_probe = Eigen::Isometry3d::Identity(),
                 .needle = {}};
+  moment.probe.image_width_px = moment.probe.image_height_px = 340;  // Speckle hardly compresses.
   const Eigen::Vector3d start = session.needle.front().reference_from_tool.translation();
   double deepest_mm = 0.0;
   for (const auto& sample : session.needle) {
@@ -87,7 +89,7 @@ GrayImage Joined(const std::vector<Panel>& panels, int columns) {
   out.Resize(columns * width, rows * height);
   for (std::size_t n = 0; n < panels.size(); ++n) {
     GrayImage picture = panels[n].picture;
-    ultrasound::DrawText(picture, 8, 8, panels[n].title, 255, 1.2);
+    ultrasound::DrawText(picture, 8, 8, panels[n].title, 255, 0.9);
     const int left = static_cast<int>(n) % columns * width;
     const int top = static_cast<int>(n) / columns * height;
     for (int r = 0; r < height; ++r) {
@@ -121,6 +123,18 @@ GrayImage Columns(const Moment& m, const char* acoustics) {
   return image;
 }
 
+GrayImage Beams(const Moment& m, const ultrasound::BeamOptions& options) {
+  const auto table = ultrasound::ReadTissueAcoustics(Acoustics("tissues.json"));
+  ultrasound::Probe probe = m.probe;
+  probe.frequency_mhz = 3.5;
+  probe.gain_db = 22.0;
+  probe.tgc_db_per_cm = 4.0;
+  GrayImage image;
+  ultrasound::BeamRenderer({.labels = &m.labels, .acoustics = &table}, probe, options)
+      .Render(m.ct_from_probe, m.needle, image);
+  return image;
+}
+
 GrayImage CtSlice(const Moment& m) {
   GrayImage image;
   ultrasound::CtSliceRenderer(m.ct, ultrasound::PictureOf(m.probe), m.probe.slice_thickness_mm)
@@ -128,12 +142,49 @@ GrayImage CtSlice(const Moment& m) {
   return image;
 }
 
+ultrasound::BeamOptions ThreePlanes() {
+  ultrasound::BeamOptions options;
+  options.elevation_planes = 3;
+  options.coupling_gap_mm = 10.0;
+  return options;
+}
+
+/// All standard effects, and each picture without one of them.
+std::vector<Panel> BeamSteps(const Moment& m) {
+  std::vector<Panel> panels{{"all standard effects", Beams(m, ThreePlanes())}};
+  const auto without = [&](const char* title, auto&& change) {
+    ultrasound::BeamOptions options = ThreePlanes();
+    change(options);
+    panels.push_back({title, Beams(m, options)});
+  };
+  using Options = ultrasound::BeamOptions;
+  without("no point spread", [](Options& o) { o.point_spread = false; });
+  without("no speckle", [](Options& o) { o.speckle = false; });
+  without("no interfaces", [](Options& o) { o.interfaces = false; });
+  without("no attenuation", [](Options& o) { o.attenuation = false; });
+  without("no needle shadow, no tails", [](Options& o) { o.needle_shadow = o.comet_tail = false; });
+  return panels;
+}
+
+std::vector<Panel> DearSteps(const Moment& m) {
+  std::vector<Panel> panels{{"standard effects", Beams(m, ThreePlanes())}};
+  ultrasound::BeamOptions options = ThreePlanes();
+  options.refraction = options.time_of_flight = true;
+  panels.push_back({"+ refraction, time of flight", Beams(m, options)});
+  options.multiple_reflections = true;
+  panels.push_back({"+ multiple reflections", Beams(m, options)});
+  options.elevation_planes = 9;
+  panels.push_back({"+ 9 elevation planes", Beams(m, options)});
+  return panels;
+}
+
 std::vector<Panel> Levels(const Moment& m) {
   return {{"CT slice", CtSlice(m)},
           {"vidal_2008", Vidal(m, ultrasound::ReadVidalOptions(Acoustics("vidal_2008.json")))},
           {"alamilla_2021",
            Alamilla(m, ultrasound::ReadAlamillaOptions(Acoustics("alamilla_2021.json")))},
-          {"columns_2010", Columns(m, "hu_textured.json")}};
+          {"columns_2010", Columns(m, "hu_textured.json")},
+          {"beams", Beams(m, ThreePlanes())}};
 }
 
 std::vector<Panel> VidalSteps(const Moment& m) {
@@ -168,8 +219,10 @@ void Run(const fs::path& patient, const fs::path& probe, const std::string& figu
   const Moment moment = MomentOf(patient, probe);
   const auto panels = figure == "levels"  ? Levels(moment)
                       : figure == "vidal" ? VidalSteps(moment)
+                      : figure == "beams" ? BeamSteps(moment)
+                      : figure == "dear"  ? DearSteps(moment)
                                           : AlamillaSteps(moment);
-  ultrasound::WritePng(out, Joined(panels, 2));
+  ultrasound::WritePng(out, Joined(panels, panels.size() > 4 ? 3 : 2));
 }
 
 }  // namespace
@@ -177,7 +230,8 @@ void Run(const fs::path& patient, const fs::path& probe, const std::string& figu
 
 int main(int argc, char** argv) {
   if (argc != 5) {
-    std::cerr << "usage: ultrasound_figures PATIENT PROBE.json levels|vidal|alamilla OUT.png\n";
+    std::cerr << "usage: ultrasound_figures PATIENT PROBE.json levels|vidal|alamilla|beams|dear "
+                 "OUT.png\n";
     return 2;
   }
   try {
