@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/error.h"
 #include "needle/rod_sweeps.h"
@@ -75,6 +76,15 @@ void BendableNeedle::MovePath(BendableNeedleState& state,
   }
 }
 
+BendableNeedle::Entry BendableNeedle::EntryNow(const BendableNeedleState& state,
+                                               const BendableNeedleInput& input) const noexcept {
+  const Vector3d& rest_mm = state.path.entry().position_mm;
+  const Vector3d direction = state.path.Direction(0.0, input.hand.normalized() * Vector3d::UnitZ());
+  if (input.motion == nullptr) return {rest_mm, direction};
+  const Vector3d now_mm = input.motion->NowMm(rest_mm);
+  return {now_mm, (input.motion->NowMm(rest_mm + direction) - now_mm).normalized()};
+}
+
 RodInput BendableNeedle::InHand(const BendableNeedleState& state,
                                 const BendableNeedleInput& input) const noexcept {
   RodInput rod;
@@ -84,7 +94,7 @@ RodInput BendableNeedle::InHand(const BendableNeedleState& state,
     rod.base.position_mm = input.tip_mm - length_mm * (input.hand.normalized() * Vector3d::UnitZ());
     return rod;
   }
-  rod.base = BaseFromHand(state.path.entry().position_mm, length_mm - state.path.LengthMm(),
+  rod.base = BaseFromHand(EntryNow(state, input).position_mm, length_mm - state.path.LengthMm(),
                           input.hand.normalized(), options_.hand);
   rod.contacts = {state.contacts.data(), static_cast<std::size_t>(state.num_contacts)};
   return rod;
@@ -103,12 +113,15 @@ BendableNeedleStep BendableNeedle::Step(BendableNeedleState& state,
   if (!state.rod.started) rod_.Solve(state.rod, InHand(state, input));
   MovePath(state, input);
   state.num_contacts = CoupleToPath(rod_, state.path, options_.coupling, state.contacts);
+  if (input.motion != nullptr) {
+    MoveContacts(*input.motion, std::span(state.contacts).first(state.num_contacts));
+  }
   if (options_.hand_has_potential && !state.path.empty()) {
     const Vector3d axis = input.hand.normalized() * Vector3d::UnitZ();
     RodContact& hub = state.contacts[state.num_contacts++];
     hub.arc_mm = 0.0;
     hub.anchor_mm = input.tip_mm - rod_.properties().length_mm * axis;
-    hub.free_axis = state.path.Direction(0.0, axis);
+    hub.free_axis = EntryNow(state, input).direction;
     hub.stiffness_n_per_mm = options_.kappa_n_per_mm;
   }
   step.rod = rod_.Solve(state.rod, InHand(state, input));
@@ -126,7 +139,7 @@ void BendableNeedle::HandOf(const BendableNeedleState& state, const BendableNeed
   const Vector3d axis = hand * Vector3d::UnitZ();
   const double outside_mm = length_mm - state.path.LengthMm();
   step.hand_force_n = HandForceN(options_.kappa_n_per_mm, state.rod.point[0].position_mm,
-                                 input.tip_mm - length_mm * axis, state.path.Direction(0.0, axis));
+                                 input.tip_mm - length_mm * axis, EntryNow(state, input).direction);
   if (!options_.hand_has_potential) {
     step.hand_torque_n_mm = HandTorqueNMm(options_.hand.stiffness_n_mm_per_rad, hand,
                                           rod_.Tangent(state.rod, outside_mm));

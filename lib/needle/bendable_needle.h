@@ -31,7 +31,8 @@ struct BendableNeedleInput {
   /// Of the tip in the tissue since the last step; < 0 back. In the step that begins a path, how
   /// far behind tip_mm the skin is.
   double advance_mm = 0.0;
-  PathNode tissue;  ///< At the tip: label and stiffness.
+  PathNode tissue;                     ///< At the tip: label and stiffness.
+  const PathMotion* motion = nullptr;  ///< Null: tissue stays where the path was cut.
 };
 
 /// A value: copy it to save, assign it to restore.
@@ -69,6 +70,11 @@ class BendableNeedle {
 
  private:
   void MovePath(BendableNeedleState& state, const BendableNeedleInput& input) const noexcept;
+  struct Entry {
+    Eigen::Vector3d position_mm;
+    Eigen::Vector3d direction;  ///< Of the path there, unit.
+  };
+  Entry EntryNow(const BendableNeedleState& state, const BendableNeedleInput& input) const noexcept;
   RodInput InHand(const BendableNeedleState& state,
                   const BendableNeedleInput& input) const noexcept;
   void HandOf(const BendableNeedleState& state, const BendableNeedleInput& input,

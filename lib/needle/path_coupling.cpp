@@ -42,6 +42,15 @@ int CoupleToPath(const RodModel& rod, const CurvedPath& path, const CouplingOpti
   return count;
 }
 
+void MoveContacts(const PathMotion& motion, std::span<RodContact> contacts) noexcept {
+  for (RodContact& contact : contacts) {
+    const Vector3d rest_mm = contact.anchor_mm;
+    contact.anchor_mm = motion.NowMm(rest_mm);
+    if (contact.free_axis.isZero(0.0)) continue;
+    contact.free_axis = motion.NowMm(rest_mm + contact.free_axis) - contact.anchor_mm;
+  }
+}
+
 RodBase BaseFromHand(const Vector3d& insertion_mm, double length_outside_mm,
                      const Quaterniond& hand, const HandSpring& spring) noexcept {
   RodBase base;

@@ -15,6 +15,14 @@ struct CouplingOptions {
   double entry_stiffness_n_per_mm = 0.0;  ///< Skin around the shaft, across it; 0: none.
 };
 
+/// Where the tissue of the path is now, in the space in which the rod is: it may move by itself, as
+/// a patient breathes.
+class PathMotion {
+ public:
+  virtual ~PathMotion() = default;
+  virtual Eigen::Vector3d NowMm(const Eigen::Vector3d& rest_mm) const noexcept = 0;
+};
+
 /// Springs from the needle's buried part to the channel: for each element of the rod one, in the
 /// middle of what of it is buried, with the stiffness of the tissue along that piece; the tip's;
 /// and the skin's. Places along the needle are matched by length from the tip, so that the springs
@@ -29,6 +37,9 @@ struct CouplingOptions {
 /// @return how many of `contacts` were filled: at most rod.num_elements() + 2.
 int CoupleToPath(const RodModel& rod, const CurvedPath& path, const CouplingOptions& options,
                  std::span<RodContact> contacts) noexcept;
+
+/// Takes the springs to where the tissue is now; a channel turns with it.
+void MoveContacts(const PathMotion& motion, std::span<RodContact> contacts) noexcept;
 
 /// The hub as the paper holds it in its base spring: drawn to v = s - l q_z, where s is the
 /// insertion point as it is now, l the length outside, and q the orientation of the hand.

@@ -155,6 +155,7 @@ NeedleForce NeedleShapeModel::Bend(NeedleShapeState& state, const NeedleShapeInp
   if (std::abs(hand.advance_mm) < kStillMm) hand.advance_mm = 0.0;
   hand.tissue.tissue = input.tissue_at_tip;
   hand.tissue.stiffness_n_per_mm2 = stiffness_n_per_mm2_[input.tissue_at_tip];
+  hand.motion = input.motion;
   const bool begins = path.empty();
   const needle::BendableNeedleStep step = bendable_->Step(state.needle, hand);
   if (step.rod.status == needle::RodStatus::kRejected) return across;

@@ -33,6 +33,8 @@ struct NeedleShapeInput {
   /// Null: the model knows no line (deformed tissue); one is then kept from the puncture on.
   const PathLine* path = nullptr;
   bool pierced = false;  ///< Read if there is no line.
+  /// Null: tissue does not move by itself. Only a bendable needle asks.
+  const needle::PathMotion* motion = nullptr;
 };
 
 /// The same for the log.

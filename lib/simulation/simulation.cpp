@@ -75,7 +75,7 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
     watch.EndOf(StageId::kNeedleForce, asleep);
   }
   if (scene_.shape) {
-    ShapeNeedle(state, sample, out);
+    ShapeNeedle(state, sample, tools, out);
     watch.EndOf(StageId::kNeedleShape, scene_.shape->IsAsleep(state.shape));
   }
   if (runs_probe_) {
@@ -95,8 +95,8 @@ Simulation::Tools Simulation::ToolsOf(State& state, const Sample& sample) const 
   tools.needle.ct_from_tool = scene_.ct_from_reference * sample.reference_from_needle;
   tools.probe.ct_from_tool = scene_.ct_from_reference * sample.reference_from_probe;
   if (!scene_.breathing) return tools;
-  const breathing::MotionMap patient =
-      scene_.breathing->At(1e-9 * static_cast<double>(sample.time_ns - state.session_start_ns));
+  const breathing::MotionMap& patient = tools.patient.emplace(
+      scene_.breathing->At(1e-9 * static_cast<double>(sample.time_ns - state.session_start_ns)));
   tools.tissue_moves = patient.moves();
   if (runs_needle_) {
     tools.needle = breathing::AtRest(patient, tools.needle.ct_from_tool, Eigen::Vector3d::UnitZ(),
@@ -130,7 +130,27 @@ bool Simulation::ShapeOf(const State& state, math::Polyline& out) const noexcept
   return true;
 }
 
-void Simulation::ShapeNeedle(State& state, const Sample& sample, StepOutput& out) const noexcept {
+namespace {
+
+/// Breath, as a needle that is drawn as at rest sees it: what its tip does is taken off.
+class BreathOnPath : public needle::PathMotion {
+ public:
+  BreathOnPath(const breathing::MotionMap& patient, const breathing::ToolTrack& track)
+      : patient_(patient), track_(track) {}
+  Eigen::Vector3d NowMm(const Eigen::Vector3d& rest_mm) const noexcept override {
+    return track_.rest_mm +
+           track_.world_from_rest.conjugate() * (patient_.WorldMm(rest_mm) - track_.world_mm);
+  }
+
+ private:
+  const breathing::MotionMap& patient_;
+  const breathing::ToolTrack& track_;
+};
+
+}  // namespace
+
+void Simulation::ShapeNeedle(State& state, const Sample& sample, const Tools& tools,
+                             StepOutput& out) const noexcept {
   NeedleShapeInput input{.time_s = 1e-9 * static_cast<double>(sample.time_ns),
                          .valid = sample.needle_valid,
                          .ct_from_needle = out.needle_at_rest.ct_from_tool,
@@ -141,6 +161,10 @@ void Simulation::ShapeNeedle(State& state, const Sample& sample, StepOutput& out
     const forces::NeedleTrack& track = forces::TrackOf(state.force);
     path = {track.in_body && track.pierced, track.path.entry_in_ct_mm, track.path.direction_in_ct};
     input.path = &path;
+  }
+  std::optional<BreathOnPath> motion;
+  if (tools.tissue_moves && state.needle_track.started) {
+    input.motion = &motion.emplace(*tools.patient, state.needle_track);
   }
   scene_.shape->Step(state.shape, input, out.force);
   out.shape = state.shape.shape;

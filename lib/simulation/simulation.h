@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <optional>
 
 #include "breathing/tool_at_rest.h"
 #include "forces/force_model.h"
@@ -80,11 +81,13 @@ class Simulation {
   struct Tools {
     breathing::ToolAtRest needle;
     breathing::ToolAtRest probe;
-    bool tissue_moves = false;  ///< By breath.
+    std::optional<breathing::MotionMap> patient;  ///< If the scene has breathing.
+    bool tissue_moves = false;                    ///< By breath.
   };
   Tools ToolsOf(State& state, const Sample& sample) const noexcept;
   void TurnForces(const Tools& tools, StepOutput& out) const noexcept;
-  void ShapeNeedle(State& state, const Sample& sample, StepOutput& out) const noexcept;
+  void ShapeNeedle(State& state, const Sample& sample, const Tools& tools,
+                   StepOutput& out) const noexcept;
 
   const Scene& scene_;
   std::optional<forces::TissueLookup> lookup_;  ///< If the plan looks tissues up.

@@ -6,6 +6,7 @@
 
 #include "simulation/image_renderer.h"
 #include "simulation/simulation.h"
+#include "support/bending_scene.h"
 #include "support/layered_scene.h"
 
 namespace acus::simulation {
@@ -139,6 +140,60 @@ TEST(Breathing, AProbeThatMovesWithThePatientShowsTheSamePicture) {
   };
   EXPECT_LT(mean_difference(with), 0.3);
   EXPECT_GT(mean_difference(held), 2.0);
+}
+
+/// Tissue that moves sideways, the more the deeper it lies: 6 mm at 60 mm, at end expiration.
+Breathing Shearing() {
+  Breathing breathing = Shifting(1.0);
+  const volume::Geometry nodes = breathing.motion.model.field().nodes();
+  breathing::MotionField field(nodes, 1);
+  std::vector<float> values;
+  for (int k = 0; k < nodes.size[2]; ++k) {
+    const double z_mm = nodes.origin_mm[2] + nodes.spacing_mm[2] * k;
+    for (int n = 0; n < nodes.size[0] * nodes.size[1]; ++n) {
+      values.insert(values.end(), {static_cast<float>(0.1 * z_mm), 0.0F, 0.0F});
+    }
+  }
+  field.SetComponent(0, values);
+  breathing.motion.model = breathing::MotionModel::Sinusoid(std::move(field), 1.0);
+  return breathing;
+}
+
+/// A needle that was led 60 mm straight in during inspiration, and then held by the hand.
+StepOutput HeldForABreath(const Scene& scene, int until_ms) {
+  const Simulation simulation(scene);
+  State state = simulation.NewState(0);
+  StepOutput out;
+  for (int ms = 0; ms < until_ms; ++ms) {
+    const double depth_mm = std::min(60.0, -2.0 + 0.5 * ms);
+    out = simulation.Step(state, testing_support::NeedleAt(1e-3 * ms, {0.0, 0.0, depth_mm}));
+  }
+  return out;
+}
+
+TEST(Breathing, TissueThatMovesBesideABendableNeedleBendsIt) {
+  Scene scene = testing_support::BendingScene{}.Make();
+  scene.breathing.emplace(Shearing());
+  const StepOutput inspired = HeldForABreath(scene, 130);
+  const StepOutput expired = HeldForABreath(scene, 1000);
+  EXPECT_LT(inspired.shape.tip_deflection_mm, 0.5);
+  EXPECT_GT(expired.shape.tip_deflection_mm, 1.0);
+  EXPECT_GT(expired.force.lateral_n, inspired.force.lateral_n + 0.02);
+  EXPECT_TRUE(expired.force.force_in_ct_n.allFinite());
+}
+
+TEST(Breathing, ABendableNeedleThatMovesWithThePatientStaysStraight) {
+  Scene scene = testing_support::BendingScene{}.Make();
+  scene.breathing.emplace(Shifting(1.0));
+  const Simulation simulation(scene);
+  State state = simulation.NewState(0);
+  StepOutput out;
+  for (int ms = 0; ms < 1200; ++ms) {
+    const Eigen::Vector3d tip_mm(0.0, 0.0, std::min(40.0, -2.0 + 0.05 * ms));
+    out = simulation.Step(state, testing_support::NeedleAt(1e-3 * ms, tip_mm + ShiftAt(ms)));
+  }
+  EXPECT_TRUE(out.shape.bent);
+  EXPECT_LT(out.shape.tip_deflection_mm, 0.02);
 }
 
 }  // namespace
