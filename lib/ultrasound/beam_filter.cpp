@@ -4,13 +4,14 @@
 #include <array>
 #include <cmath>
 
+#include "core/error.h"
 #include "ultrasound/beam_kernels.h"
 #include "ultrasound/beam_width.h"
 
 namespace acus::ultrasound {
 namespace {
 
-constexpr int kMaxHalfAlong = 96;
+constexpr int kMaxHalfAlong = 256;
 constexpr int kMaxHalfAcross = BeamImage::kMargin;
 
 /// Standard deviation of the Gaussian window whose autocorrelation is that of the interpolated
@@ -81,6 +82,9 @@ void BeamFilter::MakeAxial(const Probe& probe, double reach) {
   const double sigma = SigmaOfFwhm(AxialFwhmMm(probe)) / grid_.step_mm;
   const double grain = grain_sigma_mm_ / grid_.step_mm;
   const double rest = std::sqrt(sigma * sigma - grain * grain);
+  ACUS_REQUIRE(reach * std::max(rest, grain) <= kMaxHalfAlong, "probe: its pulse is longer than ",
+               2 * kMaxHalfAlong, " samples of ", grid_.step_mm,
+               " mm; give fewer samples_per_line, a greater depth or a higher frequency");
   const std::vector<double> along = HalfGauss(rest, reach, kMaxHalfAlong);
   const std::vector<double> spread = HalfGauss(grain, reach, kMaxHalfAlong);
   double peak = 0.0;

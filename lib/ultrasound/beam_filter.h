@@ -21,6 +21,7 @@ struct ComplexBeams {
 /// filtered by the rest, and the echoes of interfaces are spread by Spread() first.
 class BeamFilter {
  public:
+  /// @throws InputError if the pulse covers more samples than the window may.
   BeamFilter(const Probe& probe, const BeamOptions& options, const ScanGrid& grid);
 
   double grain_mm() const { return grain_mm_; }  ///< Lattice of the speckle.

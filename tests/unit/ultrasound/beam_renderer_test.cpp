@@ -268,6 +268,11 @@ TEST(BeamRenderer, SaysWhatIsWrong) {
   Probe flat = TestProbe();
   flat.depth_mm = 0.0;
   EXPECT_THROW(BeamRenderer(scene.tissue, flat, BeamOptions{}), InputError);
+  Probe fine = TestProbe();
+  fine.frequency_mhz = 0.5;
+  fine.depth_mm = 2.0;
+  fine.samples_per_line = 8000;
+  EXPECT_THROW(BeamRenderer(scene.tissue, fine, BeamOptions{}), InputError);
   BeamOptions even;
   even.elevation_planes = 2;
   EXPECT_THROW(BeamRenderer(scene.tissue, TestProbe(), even), InputError);
