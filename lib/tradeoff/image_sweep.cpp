@@ -152,13 +152,14 @@ class ImageSweeper {
   }
 
   /// Two rows: pixel by pixel, and of local means, both in dB of the display.
-  void Add(Row row, const GrayImage& image, const GrayImage& reference) {
+  /// @param change  What an effect does is no error: it has a unit of its own.
+  void Add(Row row, const GrayImage& image, const GrayImage& reference, bool change = false) {
     constexpr double kDbPerGrey = kDynamicRangeDb / 255.0;
     row.error = kDbPerGrey * RmsDifference(image.pixels, reference.pixels);
-    row.error_unit = "dB, pixels";
+    row.error_unit = change ? "dB of change, pixels" : "dB, pixels";
     rows_.push_back(row);
     row.error = kDbPerGrey * RmsDifference(LocalMeans(image), LocalMeans(reference));
-    row.error_unit = "dB, means over 1.5 mm";
+    row.error_unit = change ? "dB of change, means over 1.5 mm" : "dB, means over 1.5 mm";
     rows_.push_back(std::move(row));
   }
 
@@ -187,7 +188,7 @@ class ImageSweeper {
       const Picture picture = Beams(setting);
       Row row = RowOf("effect", name, picture);
       row.reference = "all standard effects";
-      Add(std::move(row), picture.image, reference);
+      Add(std::move(row), picture.image, reference, true);
     };
     using Options = ultrasound::BeamOptions;
     without("no speckle", [](Options& o) { o.speckle = false; });
