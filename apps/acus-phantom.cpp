@@ -3,18 +3,22 @@
 
 #include "config/json_file.h"
 #include "core/run_main.h"
+#include "phantom/breathing_folder.h"
 #include "phantom/patient_folder.h"
+#include "segmentation/patient_segmentation.h"
 #include "volume/volume_io.h"
 
 int main(int argc, char** argv) {
-  std::string kind;
-  std::filesystem::path config_path, labels_path, folder;
+  std::string kind, series;
+  std::filesystem::path config_path, labels_path, ct_path, folder;
+  acus::phantom::BreathingFolderSettings breath;
   CLI::App app{"Make a synthetic patient with exact truth, or a scene on another patient.",
                "acus-phantom"};
   app.footer(
       "EXAMPLE\n"
       "  acus-phantom patient lumbar --seed 1 -o patient\n"
-      "  acus-phantom scene patient/labels.seg.nrrd -o scene\n");
+      "  acus-phantom scene patient/labels.seg.nrrd -o scene\n"
+      "  acus-phantom warp liver_patient/ct.nrrd --phases 4 -o moving\n");
   app.require_subcommand(1);
   app.fallthrough();
 
@@ -28,6 +32,28 @@ int main(int argc, char** argv) {
   scene->add_option("labels", labels_path, "Label map, such as acus-segment's labels.seg.nrrd")
       ->required()
       ->check(CLI::ExistingFile);
+  CLI::App* warp = app.add_subcommand(
+      "warp", "A 4D CT with exactly known motion from one CT, taken as end expiration");
+  warp->add_option("ct", ct_path, "CT: DICOM folder, .nii.gz, .nrrd, .mha")
+      ->required()
+      ->check(CLI::ExistingPath);
+  warp->add_option("--series", series, "Which series of a DICOM folder");
+  warp->add_option("--labels", labels_path, "Its tissues; default: found as acus-segment does")
+      ->check(CLI::ExistingFile);
+  warp->add_option("--phases", breath.num_phases, "Phases of a breath")->check(CLI::Range(4, 60));
+  warp->add_option("--diaphragm-mm", breath.motion.diaphragm_mm, "Way of the diaphragm")
+      ->check(CLI::Range(0.0, 80.0));
+  warp->add_option("--chest-mm", breath.motion.chest_mm, "Way of chest and belly forwards")
+      ->check(CLI::Range(0.0, 30.0));
+  warp->add_option("--hysteresis-mm", breath.motion.hysteresis_mm, "Half the loop's width")
+      ->check(CLI::Range(0.0, 20.0));
+  warp->add_option("--period-s", breath.motion.period_s, "Of a breath")
+      ->check(CLI::Range(0.5, 60.));
+  warp->add_option("--noise-hu", breath.noise_sd_hu, "Standard deviation, new in every phase")
+      ->check(CLI::Range(0.0, 200.0));
+  warp->add_option("--landmarks", breath.num_landmarks, "Random points in lung and liver")
+      ->check(CLI::Range(0, 100000));
+  warp->add_option("-o,--output", folder, "Folder to write")->required();
   for (CLI::App* command : {patient, scene}) {
     command
         ->add_option("--config", config_path,
@@ -37,6 +63,13 @@ int main(int argc, char** argv) {
   }
 
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
+    if (warp->parsed()) {
+      context.provenance.AddInput(ct_path);
+      const auto ct = acus::volume::ReadCt(ct_path, series, context);
+      acus::phantom::WriteBreathingPatient(
+          folder, ct, acus::segmentation::TissuesOf(ct, labels_path, context), breath, context);
+      return acus::ExitCode::kOk;
+    }
     if (config_path.empty()) {
       const std::string preset = scene->parsed() ? "scene" : kind;
       config_path = acus::config::FindConfig("phantoms/" + preset + ".json", ".");

@@ -40,6 +40,15 @@ std::string_view NameOf(MotionKind kind) {
   return "";
 }
 
+MotionKind MotionKindOf(std::string_view name) {
+  for (const MotionKind kind : {MotionKind::kSinusoid, MotionKind::kFullCycle,
+                                MotionKind::kHalfCycle, MotionKind::kSurrogate}) {
+    if (name == NameOf(kind)) return kind;
+  }
+  throw InputError(Message("no motion model is named '", name,
+                           "'; sinusoid, full_cycle, half_cycle and surrogate are"));
+}
+
 MotionModel MotionModel::Sinusoid(MotionField field, double reference_level) {
   ACUS_REQUIRE(std::isfinite(reference_level), "motion model: the reference level is not finite");
   MotionModel model(MotionKind::kSinusoid, std::move(field));

@@ -17,6 +17,8 @@ enum class MotionKind {
   kSurrogate,  ///< Linear in the signal and its derivative, eq. 11-13: both.
 };
 std::string_view NameOf(MotionKind kind);
+/// @throws InputError if no model has that name.
+MotionKind MotionKindOf(std::string_view name);
 
 /// One displacement field at a known moment of breath.
 struct KeyFrame {

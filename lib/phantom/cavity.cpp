@@ -277,6 +277,25 @@ int LungTop(const volume::Grid<Label>& labels, const Kinds& kinds) {
   return g.size[2];
 }
 
+/// Fills what of each column along the body lies between cavity within 45 mm: rays do not see
+/// behind folds, and organs would be pressed on the ledges that are left.
+void FillColumns(Mask& inside, const Mask& bone) {
+  const volume::Geometry& g = inside.geometry;
+  const int longest = static_cast<int>(45.0 / kGridMm);
+  for (int j = 0; j < g.size[1]; ++j) {
+    for (int i = 0; i < g.size[0]; ++i) {
+      int last = -1;
+      for (int k = 0; k < g.size[2]; ++k) {
+        if (inside.At(i, j, k) == 0) continue;
+        for (int gap = last + 1; last >= 0 && k - last <= longest && gap < k; ++gap) {
+          if (bone.At(i, j, gap) == 0) inside.At(i, j, gap) = 1;
+        }
+        last = k;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Cavity FindCavity(const volume::LabelMap& labels, const RunContext& context) {
@@ -298,6 +317,7 @@ Cavity FindCavity(const volume::LabelMap& labels, const RunContext& context) {
         !above && ((inside.voxels[n] != 0 && bone.voxels[n] == 0) || lung.voxels[n] != 0);
     inside.voxels[n] = in ? 1 : 0;
   }
+  FillColumns(inside, bone);
   const auto parts = segmentation::ConnectedComponents(inside);
   const auto largest = std::ranges::max_element(parts.num_voxels) - parts.num_voxels.begin();
   inside = segmentation::Kept(parts, [&](std::int32_t number) { return number == largest; });

@@ -205,6 +205,19 @@ std::string AgreementTable(const std::vector<Agreement>& agreement) {
   return TextTable({"tissue", "Dice", "HD95 mm", "reference ml", "ours ml"}, rows);
 }
 
+volume::LabelMap TissuesOf(const volume::CtVolume& ct, const fs::path& labels,
+                           RunContext& context) {
+  if (labels.empty()) {
+    const fs::path preset = config::FindConfig("segmentation/default.json", ".");
+    return SegmentPatient(ct, ReadSegmentationConfig(preset), {}, context);
+  }
+  context.provenance.AddInput(labels);
+  volume::LabelMap map = volume::ReadTissues(labels);
+  ACUS_REQUIRE(map.geometry.Matches(ct.geometry), labels.string(),
+               ": lies on another grid than the CT; segment this CT");
+  return map;
+}
+
 void WritePatientFolder(const fs::path& folder, const volume::CtVolume& ct,
                         const volume::LabelMap& labels, const SegmentationConfig& config,
                         const std::vector<Agreement>& agreement, const RunContext& context) {

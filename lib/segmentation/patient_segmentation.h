@@ -49,6 +49,11 @@ volume::LabelMap SegmentPatient(const volume::CtVolume& ct, const SegmentationCo
                                 const std::optional<ForeignLabels>& import,
                                 const RunContext& context);
 
+/// The tissues of a CT: as in `labels`, or, if that is empty, found with the preset default.json.
+/// @throws InputError if the labels lie on another grid.
+volume::LabelMap TissuesOf(const volume::CtVolume& ct, const std::filesystem::path& labels,
+                           RunContext& context);
+
 /// Writes labels.seg.nrrd, skin.stl, bone.stl, three previews, volumes.csv, agreement.csv (if there
 /// is a reference) and provenance.json into a new folder, whole or not at all.
 void WritePatientFolder(const std::filesystem::path& folder, const volume::CtVolume& ct,

@@ -236,6 +236,9 @@ DicomHeader HeaderFrom(const Walker& dicom, const fs::path& path) {
   header.file = path;
   header.transfer_syntax = dicom.Text(kTransferSyntax);
   header.series_uid = dicom.Text(0x0020000EU);
+  if (const auto time = dicom.Decimals(0x00200100U, 1); !time.empty()) {
+    header.temporal_position = static_cast<int>(std::clamp(time[0], 0.0, 1e6));
+  }
   header.description = dicom.Text(0x0008103EU);
   header.modality = dicom.Text(0x00080060U);
   header.image_type = dicom.Text(0x00080008U);

@@ -13,8 +13,9 @@ struct DicomHeader {
   std::string transfer_syntax;  ///< UID; empty for a file without a meta header.
   std::string series_uid;       ///< May be empty.
   std::string description;
-  std::string modality;    ///< "CT", "MR", "SEG", ...
-  std::string image_type;  ///< For example "ORIGINAL\PRIMARY\LOCALIZER".
+  int temporal_position = 0;  ///< Temporal Position Identifier, of a scan over time; 0: none.
+  std::string modality;       ///< "CT", "MR", "SEG", ...
+  std::string image_type;     ///< For example "ORIGINAL\PRIMARY\LOCALIZER".
   int columns = 0;
   int rows = 0;
   int num_frames = 1;

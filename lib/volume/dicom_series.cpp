@@ -25,8 +25,8 @@ struct Group {
   std::vector<DicomHeader> headers;  ///< In order along the slice normal.
 };
 
-/// Slices that can form one volume: same series, size, orientation and pixel spacing.
-using GroupKey = std::tuple<std::string, int, int, std::string>;
+/// Slices that can form one volume: same series, moment, size, orientation and pixel spacing.
+using GroupKey = std::tuple<std::string, int, int, int, std::string>;
 
 GroupKey KeyOf(const DicomHeader& header) {
   std::string plane;
@@ -36,7 +36,7 @@ GroupKey KeyOf(const DicomHeader& header) {
   }
   plane += Message(std::lround(header.spacing_mm[0] * 1e4), ",",
                    std::lround(header.spacing_mm[1] * 1e4));
-  return {header.series_uid, header.columns, header.rows, plane};
+  return {header.series_uid, header.temporal_position, header.columns, header.rows, plane};
 }
 
 Eigen::Vector3d NormalOf(const DicomHeader& header) {
@@ -82,6 +82,7 @@ std::vector<Group> GroupsIn(const fs::path& folder, int num_threads) {
     const int part = ++parts[uid];
     group.series = {.uid = part == 1 ? uid : Message(uid, "#", part),
                     .description = first.description,
+                    .temporal_position = first.temporal_position,
                     .files = {},
                     .image_size = {first.columns, first.rows}};
     for (const DicomHeader& header : group.headers) group.series.files.push_back(header.file);

@@ -196,7 +196,7 @@ std::uint64_t MostVoxelBytes(const fs::path& path) {
   return on_disk * (extension == ".nii" ? 1 : kMostDeflateRatio);
 }
 
-void CheckMetaImageHeader(const fs::path& path) {
+void CheckMetaImageHeader(const fs::path& path, int channels) {
   const auto fields = HeaderLines(path, '=', "ElementDataFile");
   const auto text = [&](const std::string& key) {
     const auto found = fields.find(key);
@@ -219,9 +219,10 @@ void CheckMetaImageHeader(const fs::path& path) {
                  ": ", key, " needs ", sizes.size() * sizes.size(), " numbers, got ",
                  values.size());
   }
-  const std::string channels = text("ElementNumberOfChannels");
-  ACUS_REQUIRE(channels.empty() || channels == "1", path.string(), ": has ", channels,
-               " channels; a CT or label map has one");
+  const std::string stated_channels = text("ElementNumberOfChannels");
+  const std::string found_channels = stated_channels.empty() ? "1" : stated_channels;
+  ACUS_REQUIRE(found_channels == std::to_string(channels), path.string(), ": has ", found_channels,
+               " channels; a CT or label map has one, a displacement field three");
   const std::string data = text("ElementDataFile");
   const std::string extension = path.extension().string();
   ACUS_REQUIRE(extension != ".mha" || data == "LOCAL", path.string(), ": ElementDataFile is '",
@@ -234,7 +235,7 @@ void CheckMetaImageHeader(const fs::path& path) {
   std::error_code error;
   ACUS_REQUIRE(fs::is_regular_file(file, error), path.string(), ": its data file ", file.string(),
                " is not there; keep the two files together");
-  double needed = bytes_each;
+  double needed = bytes_each * channels;
   for (const double size : sizes) needed *= size;
   const std::uint64_t begin = data == "LOCAL" ? DataBegin(path) : 0;
   const std::string compressed = text("CompressedData");
@@ -252,7 +253,7 @@ void CheckMetaImageHeader(const fs::path& path) {
   }
 }
 
-void CheckNiftiHeader(const fs::path& path) {
+void CheckNiftiHeader(const fs::path& path, int channels) {
   const NiftiHeader header = ReadNiftiHeader(path);
   const auto num_dimensions = header.At<std::int16_t>(40);
   ACUS_REQUIRE(num_dimensions >= 1 && num_dimensions <= 7, path.string(), ": dim[0] is ",
@@ -263,6 +264,11 @@ void CheckNiftiHeader(const fs::path& path) {
     if (d <= 3 || size != 1) sizes.push_back(size);
   }
   RequireVolumeSizes(sizes, path);
+  if (channels > 1) {
+    ACUS_REQUIRE(sizes.size() == 4 && sizes[3] == channels, path.string(), ": does not hold ",
+                 channels, " numbers for each voxel; it is not a displacement field");
+    sizes.pop_back();
+  }
   ACUS_REQUIRE(sizes.size() == 3, path.string(), ": holds ", sizes.back(),
                " volumes over time or channels; export a single one");
   for (std::size_t d = 1; d <= 3; ++d) {
@@ -284,7 +290,7 @@ void CheckNiftiHeader(const fs::path& path) {
   ACUS_REQUIRE(bytes_each > 0 && header.At<std::int16_t>(72) == 8 * bytes_each, path.string(),
                ": datatype ", header.At<std::int16_t>(70), " with ", header.At<std::int16_t>(72),
                " bits per voxel is not a plain number; save it as 16-bit integers");
-  const double needed = offset + bytes_each * sizes[0] * sizes[1] * sizes[2];
+  const double needed = offset + bytes_each * channels * sizes[0] * sizes[1] * sizes[2];
   if (path.extension() == ".gz") {
     RequireBytes(fs::file_size(path) * kMostDeflateRatio, needed, path);
     RequireBytes(InflatedBytes(path, 0, fs::file_size(path)), needed, path);
@@ -298,7 +304,7 @@ bool NiftiIsPlaced(const fs::path& path) {
   return header.At<std::int16_t>(252) > 0 || header.At<std::int16_t>(254) > 0;
 }
 
-void CheckNrrdHeader(const fs::path& path) {
+void CheckNrrdHeader(const fs::path& path, int channels) {
   std::ifstream file(path, std::ios::binary);
   std::string magic(4, '\0');
   file.read(magic.data(), 4);
@@ -307,9 +313,14 @@ void CheckNrrdHeader(const fs::path& path) {
   auto fields = HeaderLines(path, ':', "");
   ACUS_REQUIRE(fields.contains("sizes"), path.string(),
                ": has no 'sizes' line; the header is broken");
-  const auto sizes = NumbersIn(fields["sizes"], path, "sizes");
+  auto sizes = NumbersIn(fields["sizes"], path, "sizes");
+  if (channels > 1) {
+    ACUS_REQUIRE(sizes.size() == 4 && sizes[0] == channels, path.string(), ": does not hold ",
+                 channels, " numbers for each voxel; it is not a displacement field");
+    sizes.erase(sizes.begin());
+  }
   RequireVolumeSizes(sizes, path);
-  RequireBytes(MostVoxelBytes(path), sizes[0] * sizes[1] * sizes[2], path);
+  RequireBytes(MostVoxelBytes(path), channels * sizes[0] * sizes[1] * sizes[2], path);
 }
 
 }  // namespace acus::volume

@@ -12,19 +12,20 @@ namespace acus::volume {
 std::uint64_t MostVoxelBytes(const std::filesystem::path& path);
 
 /// Reads the text header of a MetaImage (.mha, .mhd) and refuses what its reader cannot survive.
+/// @param channels  Numbers per voxel: 1, or 3 for displacements.
 /// @throws InputError
-void CheckMetaImageHeader(const std::filesystem::path& path);
+void CheckMetaImageHeader(const std::filesystem::path& path, int channels = 1);
 
 /// Reads the binary header of a NIfTI file (.nii, .nii.gz) and refuses what its reader cannot
 /// survive or would place wrongly.
 /// @throws InputError
-void CheckNiftiHeader(const std::filesystem::path& path);
+void CheckNiftiHeader(const std::filesystem::path& path, int channels = 1);
 
 /// True if a NIfTI file says where it lies in the patient (qform or sform code above 0).
 bool NiftiIsPlaced(const std::filesystem::path& path);
 
 /// Reads the text header of an NRRD (.nrrd, .nhdr) and refuses what its reader cannot survive.
 /// @throws InputError
-void CheckNrrdHeader(const std::filesystem::path& path);
+void CheckNrrdHeader(const std::filesystem::path& path, int channels = 1);
 
 }  // namespace acus::volume

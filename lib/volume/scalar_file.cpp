@@ -110,14 +110,15 @@ Component ComponentOf(ScalarType type) {
   return Component::UNKNOWNCOMPONENTTYPE;
 }
 
-Geometry GeometryOf(itk::ImageIOBase& io, const fs::path& path) {
+Geometry GeometryOf(itk::ImageIOBase& io, const fs::path& path, int num_components) {
   const unsigned num_dimensions = io.GetNumberOfDimensions();
   ACUS_REQUIRE(num_dimensions >= 3 && num_dimensions <= 4, path.string(), ": has ", num_dimensions,
                " dimensions; a single 3-D volume is needed");
   ACUS_REQUIRE(num_dimensions == 3 || io.GetDimensions(3) == 1, path.string(), ": holds ",
                io.GetDimensions(3), " volumes; export a single one");
-  ACUS_REQUIRE(io.GetNumberOfComponents() == 1, path.string(), ": has ", io.GetNumberOfComponents(),
-               " values per voxel; a CT or label map has one");
+  ACUS_REQUIRE(io.GetNumberOfComponents() == static_cast<unsigned>(num_components), path.string(),
+               ": has ", io.GetNumberOfComponents(),
+               " values per voxel; a CT or label map has one, a displacement field three");
   Geometry geometry;
   for (unsigned d = 0; d < 3; ++d) {
     ACUS_REQUIRE(io.GetDimensions(d) >= 1 && io.GetDimensions(d) <= 65535, path.string(),
@@ -131,14 +132,14 @@ Geometry GeometryOf(itk::ImageIOBase& io, const fs::path& path) {
   return geometry;
 }
 
-void CheckHeader(const fs::path& path) {
+void CheckHeader(const fs::path& path, int num_components) {
   switch (FormatOf(path)) {
     case Format::kNifti:
-      return CheckNiftiHeader(path);
+      return CheckNiftiHeader(path, num_components);
     case Format::kNrrd:
-      return CheckNrrdHeader(path);
+      return CheckNrrdHeader(path, num_components);
     case Format::kMetaImage:
-      return CheckMetaImageHeader(path);
+      return CheckMetaImageHeader(path, num_components);
     case Format::kUnknown:
       break;
   }
@@ -152,16 +153,18 @@ std::string Reason(const itk::ExceptionObject& error) {
   return text.substr(0, 200);
 }
 
-ScalarFile ReadChecked(const fs::path& path) {
+ScalarFile ReadChecked(const fs::path& path, int num_components) {
   const auto io = MakeImageIo(path);
   io->SetFileName(path.string());
   io->ReadImageInformation();
   ScalarFile file;
-  file.geometry = GeometryOf(*io, path);
+  file.num_components = num_components;
+  file.geometry = GeometryOf(*io, path, num_components);
   file.type = TypeOf(io->GetComponentType(), path);
   // A NIfTI file with a slope or an intercept holds smaller integers than it is read as; how many
   // bytes it needs was checked with its header.
-  const std::uint64_t num_voxels = file.geometry.num_voxels();
+  const std::uint64_t num_voxels =
+      file.geometry.num_voxels() * static_cast<std::uint64_t>(num_components);
   const std::uint64_t stored =
       num_voxels * (FormatOf(path) == Format::kNifti ? 1 : BytesOf(file.type));
   ACUS_REQUIRE(stored <= MostVoxelBytes(path), path.string(), ": its header promises ", stored,
@@ -177,6 +180,25 @@ ScalarFile ReadChecked(const fs::path& path) {
   file.bytes.resize(num_voxels * BytesOf(file.type));
   io->Read(file.bytes.data());
   return file;
+}
+
+ScalarFile ReadFile(const fs::path& path, int num_components) {
+  std::error_code error;
+  ACUS_REQUIRE(fs::is_regular_file(path, error), path.string(), ": no such file");
+  ACUS_REQUIRE(fs::file_size(path, error) > 0, path.string(), ": is empty");
+  MakeImageIo(path);  // Refuses unknown endings before anything is read.
+  CheckHeader(path, num_components);
+  try {
+    ScalarFile file = ReadChecked(path, num_components);
+    RequireUsable(file.geometry, path);
+    MakeRightHanded(file);
+    return file;
+  } catch (const itk::ExceptionObject& exception) {
+    throw InputError(Message(path.string(), ": cannot be read: ", Reason(exception),
+                             " (cut off or broken? Export or copy it again)"));
+  } catch (const std::length_error&) {
+    throw InputError(Message(path.string(), ": its header is broken; export it again"));
+  }
 }
 
 }  // namespace
@@ -235,22 +257,11 @@ void MakeRightHanded(ScalarFile& file) {
 }
 
 ScalarFile ReadScalarFile(const fs::path& path) {
-  std::error_code error;
-  ACUS_REQUIRE(fs::is_regular_file(path, error), path.string(), ": no such file");
-  ACUS_REQUIRE(fs::file_size(path, error) > 0, path.string(), ": is empty");
-  MakeImageIo(path);  // Refuses unknown endings before anything is read.
-  CheckHeader(path);
-  try {
-    ScalarFile file = ReadChecked(path);
-    RequireUsable(file.geometry, path);
-    MakeRightHanded(file);
-    return file;
-  } catch (const itk::ExceptionObject& exception) {
-    throw InputError(Message(path.string(), ": cannot be read: ", Reason(exception),
-                             " (cut off or broken? Export or copy it again)"));
-  } catch (const std::length_error&) {
-    throw InputError(Message(path.string(), ": its header is broken; export it again"));
-  }
+  return ReadFile(path, 1);
+}
+
+ScalarFile ReadVectorFile(const fs::path& path) {
+  return ReadFile(path, 3);
 }
 
 void WriteScalarFile(const fs::path& path, const ScalarFile& file) {
@@ -272,8 +283,9 @@ void WriteScalarFile(const fs::path& path, const ScalarFile& file) {
       io->SetDirection(d, std::vector<double>{axis[0], axis[1], axis[2]});
       region.SetSize(d, size);
     }
-    io->SetPixelType(itk::IOPixelEnum::SCALAR);
-    io->SetNumberOfComponents(1);
+    io->SetPixelType(file.num_components == 1 ? itk::IOPixelEnum::SCALAR
+                                              : itk::IOPixelEnum::VECTOR);
+    io->SetNumberOfComponents(static_cast<unsigned>(file.num_components));
     io->SetComponentType(ComponentOf(file.type));
     io->SetUseCompression(true);
     io->SetCompressionLevel(kCompressionLevel);

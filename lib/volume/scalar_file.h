@@ -28,7 +28,8 @@ enum class ScalarType {
 struct ScalarFile {
   Geometry geometry;
   ScalarType type = ScalarType::kInt16;
-  std::vector<std::byte> bytes;             ///< geometry.num_voxels() scalars.
+  int num_components = 1;                   ///< Scalars per voxel; 3: a vector.
+  std::vector<std::byte> bytes;             ///< num_components for each voxel.
   std::map<std::string, std::string> keys;  ///< Text fields of the header (NRRD key := value).
 };
 
@@ -43,6 +44,9 @@ bool IsScalarFileName(const std::filesystem::path& path);
 /// @throws InputError if the file is broken, cut off, not a single 3-D scalar volume, or its
 ///     voxel axes are not perpendicular.
 ScalarFile ReadScalarFile(const std::filesystem::path& path);
+
+/// The same for a file of three numbers per voxel.
+ScalarFile ReadVectorFile(const std::filesystem::path& path);
 
 /// Writes NIfTI, NRRD or MetaImage, by extension; compressed; not atomically.
 /// @throws InputError if the extension is none of .nii, .nii.gz, .nrrd, .mha, or writing fails.

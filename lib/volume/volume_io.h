@@ -14,6 +14,7 @@ namespace acus::volume {
 struct DicomSeries {
   std::string uid;
   std::string description;
+  int temporal_position = 0;                 ///< Of a scan over time; 0: none.
   std::vector<std::filesystem::path> files;  ///< In order along the slice normal.
   Eigen::Array2i image_size;                 ///< Columns, rows.
 };

@@ -31,3 +31,14 @@ acus_add_cli_case(acus-phantom.no_way EXIT 4
 acus_add_cli_case(acus-phantom.scene_of_rubbish EXIT 3 LEAVES_NOTHING
   BEFORE "head -c 500 ${small} > labels.seg.nrrd"
   STDERR "labels.seg.nrrd" COMMAND acus-phantom scene labels.seg.nrrd -o s)
+acus_add_cli_case(acus-phantom.warp EXIT 0 NEEDS inputs
+  CREATES p/phase_00.nrrd p/phase_03.nrrd p/deeper.nrrd p/phases.csv p/signal.csv p/landmarks.csv
+          p/truth/phase_00.nrrd p/cavity.seg.nrrd p/motion_truth.json p/provenance.json
+  COMMAND acus-phantom warp $INPUTS/liver_patient/ct.nrrd --quiet --phases 4 --diaphragm-mm 35
+          --labels $INPUTS/liver_patient/labels.seg.nrrd -o p)
+acus_add_cli_case(acus-phantom.warp_without_lung EXIT 3 NEEDS inputs
+  STDERR "diaphragm"
+  COMMAND acus-phantom warp $INPUTS/ct.nrrd --labels $INPUTS/labels.seg.nrrd --quiet -o p)
+acus_add_cli_case(acus-phantom.warp_other_labels EXIT 3 NEEDS inputs
+  STDERR "another grid"
+  COMMAND acus-phantom warp $INPUTS/liver_patient/ct.nrrd --labels $INPUTS/labels.seg.nrrd --quiet -o p)

@@ -10,6 +10,11 @@ mkdir -p "$(dirname "$INPUTS")"
 acus-phantom patient lumbar --config "$source/testdata/small_lumbar.json" --seed 1 -o "$INPUTS"
 cd "$INPUTS"
 
+# A patient with lungs, and the same breathing, as a 4D CT of four phases.
+acus-phantom patient liver --config "$source/testdata/small_liver.json" --seed 1 -o liver_patient
+acus-phantom warp liver_patient/ct.nrrd --labels liver_patient/labels.seg.nrrd --phases 4 \
+  --noise-hu 5 -o breathing_patient
+
 ln -s sessions/insertion session
 ln -s markers_mannequin.csv mannequin.csv
 ln -s markers_ct.csv ct.csv

@@ -25,6 +25,7 @@ struct DicomSlice {
   bool is_signed = true;
   double slope = 1.0;
   double intercept = 0.0;
+  int temporal_position = 0;         ///< 0: not written.
   std::vector<std::int16_t> stored;  ///< columns x rows.
 };
 
@@ -80,6 +81,9 @@ inline void WriteDicomSlice(const std::filesystem::path& path, const DicomSlice&
   body.Element(0x20, 0x0E, "UI", slice.series_uid);
   body.Element(0x20, 0x32, "DS", DicomText(slice.position_mm));
   body.Element(0x20, 0x37, "DS", DicomText(slice.column_axis) + "\\" + DicomText(slice.row_axis));
+  if (slice.temporal_position > 0) {
+    body.Element(0x20, 0x100, "IS", std::to_string(slice.temporal_position));
+  }
   body.Short(0x28, 2, 1);
   body.Element(0x28, 4, "CS", "MONOCHROME2");
   body.Short(0x28, 0x10, slice.rows);

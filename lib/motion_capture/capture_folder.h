@@ -1,0 +1,20 @@
+// The folder that acus-breathing writes.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/run_context.h"
+#include "motion_capture/capture.h"
+
+namespace acus::motion_capture {
+
+/// Writes the motion (motion.json, fields.raw, fields.nhdr), phases.csv, models.csv, report.html,
+/// difference.png and provenance.json into a new folder, whole or not at all.
+void WriteCapture(const std::filesystem::path& folder, const Capture& capture,
+                  const RunContext& context);
+
+/// A table for people: errors of every model; and of the landmarks, if there are any.
+std::string CaptureText(const Capture& capture);
+
+}  // namespace acus::motion_capture
