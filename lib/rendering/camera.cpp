@@ -91,7 +91,7 @@ Camera LookAt(const Viewpoint& viewpoint, const PictureSize& size) {
 }
 
 Viewpoint ViewFrom(std::string_view side, const Eigen::AlignedBox3d& box_in_ct_mm,
-                   const PictureSize& size) {
+                   const PictureSize& size, double view_angle_deg) {
   const auto& sides = Sides();
   const auto* found = std::ranges::find(sides, side, &Side::name);
   if (found == sides.end()) {
@@ -102,6 +102,7 @@ Viewpoint ViewFrom(std::string_view side, const Eigen::AlignedBox3d& box_in_ct_m
   ACUS_REQUIRE(!box_in_ct_mm.isEmpty() && box_in_ct_mm.diagonal().norm() > 0.0,
                "camera: there is nothing to look at");
   Viewpoint out;
+  out.view_angle_deg = view_angle_deg;
   out.focus_in_ct_mm = box_in_ct_mm.center();
   out.up_in_ct = found->up;
   const Eigen::Vector3d back = found->from.normalized();

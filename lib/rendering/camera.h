@@ -49,6 +49,6 @@ Camera LookAt(const Viewpoint& viewpoint, const PictureSize& size);
 ///     from in front, the patient's right and above.
 /// @throws InputError for another side, or an empty box.
 Viewpoint ViewFrom(std::string_view side, const Eigen::AlignedBox3d& box_in_ct_mm,
-                   const PictureSize& size);
+                   const PictureSize& size, double view_angle_deg = 30.0);
 
 }  // namespace acus::rendering

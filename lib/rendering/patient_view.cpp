@@ -124,7 +124,7 @@ void PatientView::Content::AddTool(const mesh::Surface& surface,
 
 void PatientView::Content::AddPlane(const ProbeInView& probe) {
   const ultrasound::ImageGeometry picture = ultrasound::PictureOf(*probe.probe);
-  plane = PlaneOf(picture);
+  plane = PlaneOf(*probe.probe);
   AddTool(plane.surface, probe.ct_from_probe, kPane);
   Drawing& drawing = drawings.back();
   drawing.normals = nullptr;
@@ -142,12 +142,8 @@ void PatientView::Content::AddPlane(const ProbeInView& probe) {
     drawing.texture_at = &plane.pixel_of_node;
   }
   // A frame, so that a black picture is seen as well.
-  Eigen::Matrix3Xd corners(3, 5);
-  corners << plane.surface.nodes_mm, plane.surface.nodes_mm.col(0);
-  for (Eigen::Index n = 0; n < 4; ++n) {
-    AddTool(Tube(corners.middleCols(n, 2), Eigen::Vector2d(0.35, 0.35)), probe.ct_from_probe,
-            kPane);
-  }
+  AddTool(Tube(plane.outline_mm, Eigen::VectorXd::Constant(plane.outline_mm.cols(), 0.35)),
+          probe.ct_from_probe, kPane);
 }
 
 void PatientView::Content::PlaceTools(const Camera& camera, const ViewMoment& moment) {

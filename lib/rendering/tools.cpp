@@ -151,8 +151,8 @@ mesh::Surface ProbeBody(const ultrasound::Probe& probe) {
   for (const ProbeRing& ring : shape) {
     Eigen::Matrix3Xd nodes(3, kPoints);
     for (int n = 0; n < kPoints; ++n) {
-      // A rectangle with round corners: a superellipse. From +x towards +z: clockwise seen upwards.
-      const double angle = kTwoPi * n / kPoints;
+      // A rectangle with round corners: a superellipse.
+      const double angle = -kTwoPi * n / kPoints;
       const auto round = [](double value) {
         return std::copysign(std::pow(std::abs(value), 0.5), value);
       };
@@ -175,21 +175,42 @@ mesh::Surface ProbeMark(const ultrasound::Probe& probe) {
   return Tube(points, Eigen::Vector4d(0.4, 1.8, 1.8, 0.4));
 }
 
-ImagePlane PlaneOf(const ultrasound::ImageGeometry& picture) {
+ImagePlane PlaneOf(const ultrasound::Probe& probe) {
+  const ultrasound::ImageGeometry picture = ultrasound::PictureOf(probe);
+  const ultrasound::ScanGrid grid = ultrasound::ScanGridOf(probe);
+  // A strip of lines from the face to the depth.
+  constexpr int kMostLines = 64;
+  const int stride = std::max(1, (grid.lines() - 1) / kMostLines);
+  std::vector<std::size_t> lines;
+  for (int n = 0; n < grid.lines() - 1; n += stride) lines.push_back(static_cast<std::size_t>(n));
+  lines.push_back(static_cast<std::size_t>(grid.lines() - 1));
+  const auto count = static_cast<Eigen::Index>(lines.size());
+  const double depth_mm = grid.step_mm * (grid.samples - 1);
   ImagePlane out;
-  const double right = picture.width_px - 1;
-  const double bottom = picture.height_px - 1;
-  Eigen::Matrix2Xd pixels(2, 4);
-  pixels << 0.0, right, right, 0.0, 0.0, 0.0, bottom, bottom;
-  const Eigen::Affine3d probe_from_image = picture.probe_from_image();
-  out.surface.nodes_mm.resize(3, 4);
-  for (Eigen::Index n = 0; n < 4; ++n) {
-    out.surface.nodes_mm.col(n) =
-        probe_from_image * Eigen::Vector3d(pixels(0, n), pixels(1, n), 0.0);
+  out.surface.nodes_mm.setZero(3, 2 * count);
+  for (Eigen::Index n = 0; n < count; ++n) {
+    const std::size_t line = lines[static_cast<std::size_t>(n)];
+    out.surface.nodes_mm.col(n).head<2>() = grid.start_mm[line];
+    out.surface.nodes_mm.col(count + n).head<2>() =
+        grid.start_mm[line] + depth_mm * grid.direction[line];
   }
-  out.surface.triangles.resize(3, 2);
-  out.surface.triangles << 0, 0, 1, 2, 2, 3;
-  out.pixel_of_node = pixels.cast<float>();
+  out.surface.triangles.resize(3, 2 * (count - 1));
+  const auto across = static_cast<int>(count);
+  for (int n = 0; n + 1 < across; ++n) {
+    out.surface.triangles.col(2 * n) << n, across + n, n + 1;
+    out.surface.triangles.col(2 * n + 1) << n + 1, across + n, across + n + 1;
+  }
+  out.pixel_of_node =
+      (picture.probe_from_image().inverse() * out.surface.nodes_mm).topRows<2>().cast<float>();
+  Eigen::Matrix3Xd around(3, 2 * count + 1);
+  around << out.surface.nodes_mm.leftCols(count),
+      out.surface.nodes_mm.rightCols(count).rowwise().reverse(), out.surface.nodes_mm.col(0);
+  // All lines of a phased probe begin at one point.
+  Eigen::Index kept = 1;
+  for (Eigen::Index n = 1; n < around.cols(); ++n) {
+    if ((around.col(n) - around.col(kept - 1)).norm() > 1e-3) around.col(kept++) = around.col(n);
+  }
+  out.outline_mm = around.leftCols(kept);
   return out;
 }
 

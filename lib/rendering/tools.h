@@ -26,12 +26,13 @@ mesh::Surface ProbeBody(const ultrasound::Probe& probe);
 /// The ridge on its marked side.
 mesh::Surface ProbeMark(const ultrasound::Probe& probe);
 
-/// The plane of a picture: two triangles in the probe's frame; node n shows pixel
-/// pixel_of_node.col(n).
+/// What a probe sees: a piece of its plane, in its frame. Node n shows pixel pixel_of_node.col(n).
 struct ImagePlane {
   mesh::Surface surface;
   Eigen::Matrix2Xf pixel_of_node;
+  Eigen::Matrix3Xd outline_mm;  ///< Closed: the last point is the first.
 };
-ImagePlane PlaneOf(const ultrasound::ImageGeometry& picture);
+/// Without the black corners of its picture.
+ImagePlane PlaneOf(const ultrasound::Probe& probe);
 
 }  // namespace acus::rendering

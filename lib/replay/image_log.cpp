@@ -25,7 +25,8 @@ using simulation::StageId;
 constexpr int kBatch = 16;
 
 bool HasImages(const Scene& scene) {
-  return scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice);
+  return scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice) ||
+         scene.plan.Has(StageId::kView3d);
 }
 
 /// The step at or before a time; nothing before the first.
@@ -88,7 +89,8 @@ class ImageWriter {
   }
 
   void Write(int index, const Images& images) {
-    if (folder_.empty()) return;
+    // A plan may have nothing but the view in three dimensions.
+    if (folder_.empty() || MainImage(images).pixels.empty()) return;
     const Snapshot& snapshot = snapshots_[static_cast<std::size_t>(index)];
     if (options_.sequence) WriteToSequence(snapshot, MainImage(images));
     if (!options_.film && !WantsPicture(index)) return;
@@ -195,17 +197,19 @@ class ImageWriter {
 std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& session,
                                 simulation::StageTimes* times) {
   std::vector<Snapshot> snapshots;
-  if (!HasImages(scene) || session.probe.empty()) return snapshots;
   const bool needle = scene.plan.Has(StageId::kNeedlePose) && !session.needle.empty();
-  const std::int64_t first_ns = session.probe.front().time_ns;
-  const std::int64_t last_ns = session.probe.back().time_ns;
+  const auto& stream = session.probe.empty() && needle ? session.needle : session.probe;
+  if (!HasImages(scene) || stream.empty()) return snapshots;
+  const std::int64_t first_ns = stream.front().time_ns;
+  const std::int64_t last_ns = stream.back().time_ns;
   for (std::int64_t i = 0;; ++i) {
     simulation::Stopwatch watch(times);
     Snapshot snapshot;
     snapshot.time_ns = first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
     if (snapshot.time_ns > last_ns) break;
     snapshot.session_s = 1e-9 * static_cast<double>(snapshot.time_ns - session.start_ns());
-    const session::PoseSample probe = session::PoseAt(session.probe, snapshot.time_ns);
+    session::PoseSample probe{.time_ns = snapshot.time_ns, .valid = false};
+    if (!session.probe.empty()) probe = session::PoseAt(session.probe, snapshot.time_ns);
     snapshot.probe_valid = probe.valid;
     snapshot.ct_from_probe = scene.ct_from_reference * probe.reference_from_tool;
     if (needle) {

@@ -13,6 +13,7 @@
 #include "replay/image_log.h"
 #include "replay/run_metrics.h"
 #include "replay/run_report.h"
+#include "replay/view_log.h"
 #include "session/integrity.h"
 #include "session/session_import.h"
 #include "simulation/scene.h"
@@ -48,6 +49,7 @@ struct Run {
   StepLog steps;
   ImageLog images;
   ImageLog fluoroscopy;
+  ImageLog view;
   std::vector<Metric> metrics;
   simulation::StageTimes times;
   std::vector<std::string> warnings;
@@ -143,8 +145,11 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
   content.pictures = run.images.pngs;
   content.pictures.insert(content.pictures.end(), run.fluoroscopy.pngs.begin(),
                           run.fluoroscopy.pngs.end());
-  content.has_film = options.film && run.images.num_images > 0;
   content.has_fluoroscopy_film = options.film && run.fluoroscopy.num_images > 0;
+  content.pictures.insert(content.pictures.end(), run.view.pngs.begin(), run.view.pngs.end());
+  content.has_view_film = options.film && run.view.num_images > 0;
+  content.has_film = options.film && run.images.num_images > 0 &&
+                     (scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice));
   content.plan = TableOfPlan(scene.plan, &run.times);
   WriteReport(folder, content, run.steps, scene, context.provenance);
 }
@@ -220,6 +225,8 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   run.fluoroscopy =
       RenderFluoroscopy(scene, fluoroscopy, run.steps, folder ? folder->path() : fs::path(),
                         options, &run.times, context);
+  run.view =
+      RenderView(scene, images, folder ? folder->path() : fs::path(), options, &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
   run.metrics = MetricsOf(scene, run.session, run.steps);
   if (folder) {

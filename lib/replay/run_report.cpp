@@ -159,10 +159,11 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   html.Warnings(content.warnings);
   html.Section("Summary");
   html.KeyValues(content.facts);
-  if (content.has_film || content.has_fluoroscopy_film || !content.pictures.empty())
-    html.Section("Pictures");
+  const bool has_film = content.has_film || content.has_fluoroscopy_film || content.has_view_film;
+  if (has_film || !content.pictures.empty()) html.Section("Pictures");
   if (content.has_film) html.Film("film.mp4", "Film of the session");
   if (content.has_fluoroscopy_film) html.Film("fluoroscopy.mp4", "Fluoroscopy of the session");
+  if (content.has_view_film) html.Film("view_3d.mp4", "The patient in three dimensions");
   for (const WrittenPng& picture : content.pictures) {
     html.Picture(folder / picture.file, picture.caption, picture.caption);
   }

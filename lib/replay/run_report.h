@@ -22,6 +22,7 @@ struct ReportContent {
   std::vector<WrittenPng> pictures;
   bool has_film = false;
   bool has_fluoroscopy_film = false;
+  bool has_view_film = false;
   PlanTable plan;
 };
 

@@ -300,6 +300,9 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
   if (effects.contains("fluoroscopy")) {
     scenario.fluoroscopy = ReadFluoroscopyEffect(effects["fluoroscopy"], folder);
   }
+  if (effects.contains("view_3d")) {
+    scenario.view_3d = ReadView3dEffect(effects["view_3d"], path.string() + ": /effects/view_3d");
+  }
   CheckTogether(scenario);
   scenario.effective = std::move(document);
   return scenario;

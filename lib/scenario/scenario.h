@@ -11,6 +11,7 @@
 #include "breathing/breath_source.h"
 #include "scenario/fluoroscopy_effect.h"
 #include "scenario/ultrasound_effect.h"
+#include "scenario/view_effect.h"
 #include "session/session_import.h"
 
 namespace acus::scenario {
@@ -134,6 +135,7 @@ struct Scenario {
   std::optional<UltrasoundEffect> ultrasound;
   std::optional<CtSliceEffect> ct_slice;
   std::optional<FluoroscopyEffect> fluoroscopy;
+  std::optional<View3dEffect> view_3d;
 
   nlohmann::json effective;  ///< The file with overrides and defaults, for provenance.
 };

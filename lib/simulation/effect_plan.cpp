@@ -106,6 +106,20 @@ Names DeformationInputs(const Scenario& s) {
   return reads;
 }
 
+/// What the view in three dimensions shows.
+Names ViewInputs(const Scenario& s) {
+  if (!s.view_3d) return {};
+  Names reads;
+  if (!s.view_3d->layers.empty()) reads.push_back("ct");
+  if (!s.view_3d->surfaces.empty()) reads.push_back("labels");
+  if (s.view_3d->needle) reads.push_back("needle");
+  if (s.view_3d->needle && s.shape) reads.push_back("shape");
+  if (s.view_3d->probe) reads.push_back("probe");
+  if (s.view_3d->probe && s.view_3d->picture && s.ultrasound) reads.push_back("B-mode picture");
+  if (s.breathing && s.breathing->image) reads.push_back("breath");
+  return reads;
+}
+
 /// All stages that there are, in the order in which they run.
 std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
   const auto step = [](StageId id, std::string_view name, Names reads, Names writes) {
@@ -132,6 +146,7 @@ std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
             {"CT picture"}),
       image(StageId::kUltrasound, "B-mode", UltrasoundInputs(s), {"B-mode picture"}),
       image(StageId::kFluoroscopy, "fluoroscopy", FluoroscopyInputs(s), {"fluoroscopy picture"}),
+      image(StageId::kView3d, "view in 3D", ViewInputs(s), {"view"}),
   };
 }
 
@@ -150,6 +165,7 @@ std::vector<Goal> Goals(const Scenario& s) {
   if (s.ct_slice) goals.push_back({StageId::kCtSlice, "ct_slice"});
   if (s.ultrasound) goals.push_back({StageId::kUltrasound, "ultrasound"});
   if (s.fluoroscopy) goals.push_back({StageId::kFluoroscopy, "fluoroscopy"});
+  if (s.view_3d) goals.push_back({StageId::kView3d, "view_3d"});
   return goals;
 }
 

@@ -24,6 +24,7 @@ enum class StageId {
   kCtSlice,
   kUltrasound,
   kFluoroscopy,
+  kView3d,
   kEnd,  ///< No stage: it comes after the last one.
 };
 inline constexpr int kNumStages = static_cast<int>(StageId::kEnd);

@@ -156,6 +156,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     LoadProbeForce(*scenario.probe_force, scene);
     context.provenance.AddInput(scenario.probe_force->table);
   }
+  if (plan.Has(StageId::kView3d)) scene.view_3d = scenario.view_3d;
   if (plan.Has(StageId::kUltrasound)) {
     scene.b_mode = ReadImageSettings(*scenario.ultrasound, scene.labels.get());
     context.provenance.AddInput(scenario.ultrasound->acoustics);

@@ -55,6 +55,7 @@ struct Scene {
   std::optional<tissue::TissueModel> tissue;           ///< If the plan has contact or deformation.
   std::optional<ultrasound::Probe> probe;              ///< If the plan reads "probe" or its preset.
   std::optional<FluoroscopySettings> fluoroscopy;      ///< If the plan has the fluoroscopy.
+  std::optional<scenario::View3dEffect> view_3d;       ///< If the plan has the view in 3D.
   std::optional<ImageSettings> b_mode;                 ///< If the plan has the B-mode.
 };
 

@@ -63,6 +63,8 @@ struct FilmWriter::Encoder {
   void MakeFrame();
   void Drain();
   void Encode(const GrayImage& image);
+  void Encode(const ColourImage& image);
+  void Send();
 
   std::string name;
   int width;
@@ -151,9 +153,47 @@ void FilmWriter::Encoder::Encode(const GrayImage& image) {
                       image.width,
                       frame->data[0] + static_cast<std::ptrdiff_t>(r) * frame->linesize[0]);
   }
+  Send();
+}
+
+void FilmWriter::Encoder::Send() {
   frame->pts = frames++;
   Require(avcodec_send_frame(codec.get(), frame.get()), "encode");
   Drain();
+}
+
+/// ITU-R BT.601 in the range of video, in whole numbers; colour from 2 x 2 pixels.
+void FilmWriter::Encoder::Encode(const ColourImage& image) {
+  Require(av_frame_make_writable(frame.get()), "hold a picture of");
+  const auto pixel = [&](int column, int row) {
+    const auto at = static_cast<std::size_t>(std::min(row, image.height - 1)) *
+                        static_cast<std::size_t>(image.width) +
+                    static_cast<std::size_t>(std::min(column, image.width - 1));
+    return image.rgb.data() + 3 * at;
+  };
+  for (int r = 0; r < codec->height; ++r) {
+    std::uint8_t* luma = frame->data[0] + static_cast<std::ptrdiff_t>(r) * frame->linesize[0];
+    for (int c = 0; c < codec->width; ++c) {
+      const std::uint8_t* p = pixel(c, r);
+      luma[c] = static_cast<std::uint8_t>(16 + ((66 * p[0] + 129 * p[1] + 25 * p[2] + 128) >> 8));
+    }
+  }
+  for (int r = 0; r < codec->height / 2; ++r) {
+    for (int c = 0; c < codec->width / 2; ++c) {
+      int sum[3] = {0, 0, 0};
+      for (int n = 0; n < 4; ++n) {
+        const std::uint8_t* p = pixel(2 * c + n % 2, 2 * r + n / 2);
+        for (int k = 0; k < 3; ++k) sum[k] += p[k];
+      }
+      const int blue = (-38 * sum[0] - 74 * sum[1] + 112 * sum[2] + 512) >> 10;
+      const int red = (112 * sum[0] - 94 * sum[1] - 18 * sum[2] + 512) >> 10;
+      frame->data[1][static_cast<std::ptrdiff_t>(r) * frame->linesize[1] + c] =
+          static_cast<std::uint8_t>(128 + blue);
+      frame->data[2][static_cast<std::ptrdiff_t>(r) * frame->linesize[2] + c] =
+          static_cast<std::uint8_t>(128 + red);
+    }
+  }
+  Send();
 }
 
 /// Encodes queued pictures in their order on one thread.
@@ -255,6 +295,15 @@ void FilmWriter::Add(const GrayImage& image) {
   } else {
     encoder_->Encode(image);
   }
+  ++num_frames_;
+}
+
+void FilmWriter::Add(const ColourImage& image) {
+  ACUS_REQUIRE(image.width == encoder_->width && image.height == encoder_->height, encoder_->name,
+               ": picture ", num_frames_, " is ", image.width, " x ", image.height,
+               " pixels, but the film is ", encoder_->width, " x ", encoder_->height);
+  if (worker_ != nullptr) worker_->Wait();
+  encoder_->Encode(image);
   ++num_frames_;
 }
 

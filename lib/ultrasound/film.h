@@ -1,4 +1,4 @@
-// Films: grey pictures as H.264 in MP4, which every browser plays.
+// Films: pictures as H.264 in MP4, which every browser plays.
 #pragma once
 
 #include <filesystem>
@@ -30,6 +30,8 @@ class FilmWriter {
   /// later call.
   /// @throws InputError if the picture has another size, or the disk is full.
   void Add(const GrayImage& image);
+  /// At once, also in the background after what is queued. A film is of one kind of picture.
+  void Add(const ColourImage& image);
 
   int num_frames() const { return num_frames_; }
 

@@ -96,6 +96,24 @@ TEST(PlanEffects, TheNeedlesShapeComesBetweenItsForceAndThePictures) {
   EXPECT_FALSE(PlanEffects(AllEffects(), kAll).Has(StageId::kNeedleShape));
 }
 
+TEST(PlanEffects, TheViewReadsWhatItShowsAndNothingElse) {
+  scenario::Scenario s;
+  s.file = "scene.json";
+  s.patient.labels = "labels.seg.nrrd";
+  s.view_3d.emplace().surfaces = {{"liver", 1.0, std::nullopt}};
+  s.view_3d->probe = false;
+  const EffectPlan plan = PlanEffects(s, {.needle_poses = true});
+  EXPECT_THAT(StagesIn(plan), testing::ElementsAre("needle pose", "view in 3D"));
+  EXPECT_FALSE(plan.Needs("ct"));
+  // The picture in the probe's plane is that of the ultrasound.
+  s.patient.ct = "ct.nrrd";
+  s.view_3d->probe = true;
+  s.ultrasound.emplace();
+  EXPECT_THAT(StagesIn(PlanEffects(s, kAll)),
+              testing::ElementsAre("needle pose", "probe pose", "B-mode", "view in 3D"));
+  EXPECT_FALSE(PlanEffects(AllEffects(), kAll).Has(StageId::kView3d));
+}
+
 TEST(PlanEffects, NamesEveryMissingInputAtOnce) {
   scenario::Scenario s = AllEffects();
   s.patient.labels.clear();

@@ -1,0 +1,115 @@
+#include "simulation/view_scene.h"
+
+#include <algorithm>
+#include <set>
+
+#include "segmentation/surface_extraction.h"
+#include "volume/labels.h"
+
+namespace acus::simulation {
+namespace {
+
+/// The outer border of all that is labelled.
+constexpr std::string_view kSkin = "skin";
+constexpr double kLeastPartMl = 0.1;
+
+segmentation::Mask MaskOf(const volume::LabelMap& labels, std::string_view tissue) {
+  const volume::Label wanted = volume::LabelOf(tissue);
+  segmentation::Mask mask(labels.geometry);
+  std::ranges::transform(labels.voxels, mask.voxels.begin(), [&](volume::Label label) {
+    return static_cast<std::uint8_t>(tissue == kSkin ? label != 0 : label == wanted);
+  });
+  return mask;
+}
+
+Eigen::Array3f StandardColour(std::string_view tissue) {
+  const auto rgb = volume::ColourOf(volume::LabelOf(tissue));
+  return Eigen::Array3f(rgb[0], rgb[1], rgb[2]) / 255.0F;
+}
+
+rendering::PatientInView PatientOf(const Scene& scene, const RunContext& context) {
+  const scenario::View3dEffect& effect = *scene.view_3d;
+  rendering::PatientInView patient;
+  if (!effect.layers.empty()) patient.ct = scene.ct;
+  for (const auto& layer : effect.layers) patient.layers.push_back({layer.preset, layer.opacity});
+  if (!effect.surfaces.empty()) patient.surfaces = SurfacesOf(effect, *scene.labels, context);
+  if (scene.breathing && scene.breathing->image) {
+    patient.field = &scene.breathing->motion.model.field();
+  }
+  return patient;
+}
+
+rendering::ViewSettings SettingsOf(const scenario::View3dEffect& effect) {
+  rendering::ViewSettings settings;
+  settings.rays.step_mm = effect.step_mm;
+  settings.rays.warp.max_iterations = effect.inverse_iterations;
+  settings.rays.tool_shine = effect.tool_shine;
+  settings.supersampling = effect.supersampling;
+  settings.tool_shadows = effect.shadows;
+  return settings;
+}
+
+rendering::Camera CameraOf(const scenario::View3dEffect& effect, const Eigen::AlignedBox3d& box) {
+  const rendering::PictureSize size{effect.width_px, effect.height_px};
+  if (!effect.eye_in_ct_mm) {
+    return LookAt(rendering::ViewFrom(effect.from, box, size, effect.view_angle_deg), size);
+  }
+  return LookAt({.eye_in_ct_mm = *effect.eye_in_ct_mm,
+                 .focus_in_ct_mm = *effect.focus_in_ct_mm,
+                 .up_in_ct = effect.up_in_ct,
+                 .view_angle_deg = effect.view_angle_deg},
+                size);
+}
+
+}  // namespace
+
+std::vector<rendering::SurfaceInView> SurfacesOf(const scenario::View3dEffect& effect,
+                                                 const volume::LabelMap& labels,
+                                                 const RunContext& context) {
+  std::vector<rendering::SurfaceInView> out;
+  for (const auto& surface : effect.surfaces) {
+    const segmentation::Mask mask = MaskOf(labels, surface.tissue);
+    const double ml =
+        1e-3 * static_cast<double>(segmentation::Count(mask)) * labels.geometry.voxel_volume_mm3();
+    if (ml < kLeastPartMl) continue;
+    context.Checkpoint("surfaces of the view", 0.0);
+    segmentation::SurfaceOptions options;
+    options.grid_mm = effect.surface_grid_mm;
+    options.min_part_ml = kLeastPartMl;
+    rendering::SurfaceInView seen;
+    seen.name = surface.tissue;
+    seen.opacity = surface.opacity;
+    seen.colour = surface.colour ? *surface.colour : StandardColour(surface.tissue);
+    seen.surface = segmentation::ExtractSurface(mask, options, context.num_threads);
+    out.push_back(std::move(seen));
+  }
+  ACUS_REQUIRE(!out.empty() || !effect.layers.empty(),
+               "view_3d: the label map has none of the tissues that are to be shown");
+  return out;
+}
+
+ViewRenderer::ViewRenderer(const Scene& scene, const RunContext& context)
+    : scene_(scene),
+      view_(PatientOf(scene, context), SettingsOf(*scene.view_3d)),
+      camera_(CameraOf(*scene.view_3d, view_.box_in_ct_mm())) {}
+
+void ViewRenderer::Render(const Snapshot& snapshot, const ultrasound::GrayImage* b_mode,
+                          rendering::ViewPicture& out, int num_threads) {
+  const scenario::View3dEffect& effect = *scene_.view_3d;
+  rendering::ViewMoment moment;
+  std::optional<breathing::MotionMap> motion;
+  if (scene_.breathing && scene_.breathing->image) {
+    motion.emplace(scene_.breathing->At(snapshot.session_s));
+    moment.motion = &*motion;
+  }
+  if (effect.needle) moment.needle = NeedleInPicture(scene_, snapshot);
+  if (effect.probe && snapshot.probe_valid) {
+    moment.probe.emplace();
+    moment.probe->ct_from_probe = snapshot.ct_from_probe;
+    moment.probe->probe = &*scene_.probe;
+    if (b_mode != nullptr && !b_mode->pixels.empty()) moment.probe->b_mode = b_mode;
+  }
+  view_.Render(camera_, moment, out, num_threads);
+}
+
+}  // namespace acus::simulation

@@ -1,0 +1,37 @@
+// What the view in three dimensions shows of a scene.
+#pragma once
+
+#include "core/run_context.h"
+#include "rendering/patient_view.h"
+#include "scenario/view_effect.h"
+#include "simulation/image_renderer.h"
+#include "simulation/scene.h"
+
+namespace acus::simulation {
+
+/// Surfaces of the tissues that `effect` names and `labels` hold; those of other tissues are left
+/// out.
+/// @throws InputError for a tissue that there is none of in any patient, or if all are left out.
+std::vector<rendering::SurfaceInView> SurfacesOf(const scenario::View3dEffect& effect,
+                                                 const volume::LabelMap& labels,
+                                                 const RunContext& context);
+
+/// Renders the view of a plan that has it. Not for two threads at a time.
+class ViewRenderer {
+ public:
+  /// @param scene  Must outlive the renderer.
+  /// @throws InputError if the view's settings do not fit the patient.
+  ViewRenderer(const Scene& scene, const RunContext& context);
+
+  /// The same bits with any number of threads.
+  /// @param b_mode  Of the same moment; null or empty: none.
+  void Render(const Snapshot& snapshot, const ultrasound::GrayImage* b_mode,
+              rendering::ViewPicture& out, int num_threads);
+
+ private:
+  const Scene& scene_;
+  rendering::PatientView view_;
+  rendering::Camera camera_;
+};
+
+}  // namespace acus::simulation

@@ -1,0 +1,178 @@
+// What a picture of a breathing patient costs: volume, fields of several sizes, vertices, and the
+// way not taken: the whole volume resampled for each picture.
+#include <benchmark/benchmark.h>
+#include <cmath>
+#include <memory>
+
+#include "core/parallel.h"
+#include "rendering/moving_surface.h"
+#include "support/view_scenes.h"
+
+namespace {
+
+using namespace acus;  // NOLINT: a program of one file.
+
+/// A trunk of 360 x 260 x 300 mm with ribs, noise and a backbone; CT as large as the paper's small
+/// one.
+std::shared_ptr<volume::CtVolume> TrunkCt() {
+  volume::Geometry grid;
+  grid.size.setConstant(256);
+  grid.spacing_mm = {1.5, 1.2, 1.2};
+  grid.origin_mm = -0.5 * 255 * grid.spacing_mm.matrix();
+  auto ct = std::make_shared<volume::CtVolume>(grid, std::int16_t{-1000});
+  for (int k = 0; k < 256; ++k) {
+    for (int j = 0; j < 256; ++j) {
+      for (int i = 0; i < 256; ++i) {
+        const Eigen::Vector3d p = grid.ct_from_index() * Eigen::Vector3d(i, j, k);
+        const double shell = std::hypot(p[0] / 170.0, p[1] / 120.0);
+        if (shell > 1.0 || std::abs(p[2]) > 140.0) continue;
+        const bool rib =
+            shell > 0.85 && shell < 0.92 && std::fmod(p[2] + 150.0 - 0.3 * p[1], 24.0) < 8.0;
+        const bool spine = std::hypot(p[0], p[1] - 75.0) < 18.0;
+        const int noise = static_cast<int>((i * 31 + j * 17 + k * 7) % 23) - 11;
+        ct->At(i, j, k) = static_cast<std::int16_t>((rib || spine   ? 700
+                                                     : shell > 0.93 ? -90
+                                                                    : 50) +
+                                                    noise);
+      }
+    }
+  }
+  return ct;
+}
+
+/// Two components, as a key-frame model mixes them.
+breathing::MotionField Field(int nodes_each_way) {
+  volume::Geometry nodes;
+  nodes.size.setConstant(nodes_each_way);
+  nodes.spacing_mm.setConstant(400.0 / (nodes_each_way - 1));
+  nodes.origin_mm.setConstant(-200.0);
+  breathing::MotionField field(nodes, 2);
+  std::vector<float> values;
+  const Eigen::Affine3d ct_from_index = nodes.ct_from_index();
+  for (int k = 0; k < nodes_each_way; ++k) {
+    for (int j = 0; j < nodes_each_way; ++j) {
+      for (int i = 0; i < nodes_each_way; ++i) {
+        for (const double mm :
+             testing_support::DiaphragmMm(ct_from_index * Eigen::Vector3d(i, j, k))) {
+          values.push_back(static_cast<float>(mm));
+        }
+      }
+    }
+  }
+  field.SetComponent(0, values);
+  for (float& value : values) value *= 0.4F;
+  field.SetComponent(1, values);
+  return field;
+}
+
+breathing::MotionMap MapOf(const breathing::MotionField& field) {
+  breathing::MotionWeights weights;
+  weights.Add(0, 0.6);
+  weights.Add(1, 0.4);
+  return {field, weights};
+}
+
+const char* const kLayers[] = {"skin", "bone", "soft_tissue"};
+
+/// Arguments: layer, width, height, nodes of the field each way (0: no breathing), iterations.
+void BM_Volume(benchmark::State& state) {
+  static const auto ct = TrunkCt();
+  const auto nodes = static_cast<int>(state.range(3));
+  std::optional<breathing::MotionField> field;
+  if (nodes > 0) field.emplace(Field(nodes));
+  rendering::PatientInView patient;
+  patient.ct = ct;
+  patient.layers = {{kLayers[state.range(0)], 1.0}};
+  patient.field = field ? &*field : nullptr;
+  rendering::ViewSettings settings;
+  settings.rays.warp.max_iterations = static_cast<int>(state.range(4));
+  rendering::PatientView view(patient, settings);
+  const rendering::PictureSize size{static_cast<int>(state.range(1)),
+                                    static_cast<int>(state.range(2))};
+  const auto camera = LookAt(ViewFrom("oblique", view.box_in_ct_mm(), size), size);
+  std::optional<breathing::MotionMap> motion;
+  if (field) motion.emplace(MapOf(*field));
+  rendering::ViewPicture picture;
+  for (auto _ : state) {
+    view.Render(camera, {.motion = motion ? &*motion : nullptr}, picture, 1);
+  }
+  state.SetLabel(kLayers[state.range(0)]);
+}
+void VolumeArguments(benchmark::internal::Benchmark* b) {
+  for (const int layer : {0, 1, 2}) {
+    for (const int nodes : {0, 64, 128, 256}) b->Args({layer, 512, 512, nodes, 5});
+  }
+  b->Args({0, 512, 512, 64, 1})->Args({0, 512, 512, 64, 50});
+  b->Args({0, 1224, 1014, 0, 5})->Args({0, 1224, 1014, 128, 5});
+  b->Args({1, 1224, 1014, 0, 5})->Args({1, 1224, 1014, 128, 5});
+}
+BENCHMARK(BM_Volume)->Apply(VolumeArguments)->Unit(benchmark::kMillisecond)->MinTime(0.4);
+
+/// The way not taken: the inverse at every knot of a lattice (argument: its spacing, mm), five
+/// iterations from the knot before; what any volume mapper would then have to resample from.
+void BM_InverseLattice(benchmark::State& state) {
+  const auto field = Field(128);
+  const auto motion = MapOf(field);
+  const double spacing_mm = static_cast<double>(state.range(0));
+  const int count = static_cast<int>(360.0 / spacing_mm);
+  for (auto _ : state) {
+    double sum = 0.0;
+    for (int k = 0; k < count; ++k) {
+      for (int j = 0; j < count; ++j) {
+        Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
+        for (int i = 0; i < count; ++i) {
+          const Eigen::Vector3d world =
+              spacing_mm * Eigen::Vector3d(i, j, k) - Eigen::Vector3d::Constant(180.0);
+          const auto found = motion.RestOf(world, world - displacement,
+                                           {.max_iterations = 5, .tolerance_mm = 0.05});
+          displacement = world - found.rest_mm;
+          sum += displacement[2];
+        }
+      }
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+}
+BENCHMARK(BM_InverseLattice)->Arg(8)->Arg(4)->Arg(2)->Unit(benchmark::kMillisecond);
+
+/// Arguments: vertices (of the paper's bone, skin and vessels), nodes of the field each way.
+void BM_Vertices(benchmark::State& state) {
+  const auto field = Field(static_cast<int>(state.range(1)));
+  const auto motion = MapOf(field);
+  Eigen::Matrix3Xf rest(3, state.range(0));
+  for (Eigen::Index n = 0; n < rest.cols(); ++n) {
+    const auto a = static_cast<float>(n) * 2e-4F;
+    rest.col(n) << 160.0F * std::cos(40.0F * a), 110.0F * std::sin(40.0F * a),
+        -140.0F + 280.0F * static_cast<float>(n) / static_cast<float>(rest.cols());
+  }
+  Eigen::Matrix3Xf world = rest;
+  for (auto _ : state) rendering::DisplaceVertices(&motion, rest, world, 1);
+}
+BENCHMARK(BM_Vertices)
+    ->Args({430578, 128})
+    ->Args({145648, 128})
+    ->Args({12026, 128})
+    ->Args({430578, 64})
+    ->Args({430578, 256})
+    ->Unit(benchmark::kMicrosecond);
+
+/// A surface of 430,000 vertices and its normals, drawn at 512 x 512.
+void BM_Surface(benchmark::State& state) {
+  const auto field = Field(128);
+  const auto motion = MapOf(field);
+  rendering::PatientInView patient;
+  patient.surfaces = {{"ball", testing_support::BallSurface(Eigen::Vector3d::Zero(), 120.0, 463)}};
+  patient.field = &field;
+  rendering::PatientView view(patient, {});
+  const rendering::PictureSize size{512, 512};
+  const auto camera = LookAt(ViewFrom("oblique", view.box_in_ct_mm(), size), size);
+  rendering::ViewPicture picture;
+  for (auto _ : state) {
+    view.Render(camera, {.motion = state.range(0) != 0 ? &motion : nullptr}, picture, 1);
+  }
+}
+BENCHMARK(BM_Surface)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+
+BENCHMARK_MAIN();
