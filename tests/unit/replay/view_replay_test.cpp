@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "breathing/motion_file.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "replay/replay.h"
@@ -75,6 +76,32 @@ TEST_F(ViewReplay, ShowsTheCtIfALayerAsksForIt) {
   Run("layers", 1, with_ct);
   EXPECT_NE(ReadTextFile(folder_ / "layers/view_3d.png"),
             ReadTextFile(folder_ / "surfaces/view_3d.png"));
+}
+
+TEST_F(ViewReplay, BreathesWithThePatientUnlessHeldAtRest) {
+  volume::Geometry nodes;
+  nodes.size.setConstant(2);
+  nodes.spacing_mm.setConstant(200.0);
+  nodes.origin_mm.setConstant(-100.0);
+  breathing::MotionField field(nodes, 1);
+  std::vector<float> values(3 * nodes.num_voxels(), 0.0F);
+  for (std::size_t n = 2; n < values.size(); n += 3) values[n] = -20.0F;
+  field.SetComponent(0, values);
+  fs::create_directories(folder_ / "motion");
+  breathing::WritePatientMotion(
+      folder_ / "motion",
+      {.name = "down", .model = breathing::MotionModel::Sinusoid(std::move(field), 1.0)});
+  const auto with = [](double amplitude) {
+    const nlohmann::json effect = {{"motion", "motion"}, {"amplitude", amplitude}};
+    return std::vector<scenario::Override>{{"/effects/breathing", effect}};
+  };
+  Run("never", 1);
+  const ReplayResult result = Run("moved", 1, with(1.0));
+  Run("held", 1, with(0.0));
+  EXPECT_THAT(result.plan_text, HasSubstr("breathing"));
+  const std::string never = ReadTextFile(folder_ / "never/view_3d.mp4");
+  EXPECT_NE(ReadTextFile(folder_ / "moved/view_3d.mp4"), never);
+  EXPECT_EQ(ReadTextFile(folder_ / "held/view_3d.mp4"), never);
 }
 
 TEST_F(ViewReplay, SaysWhatDoesNotFit) {
