@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/worker_pool.h"
+#include "core/parallel.h"
 #include "ultrasound/beam_display.h"
 #include "ultrasound/beam_filter.h"
 #include "ultrasound/beam_materials.h"
@@ -181,8 +181,6 @@ struct BeamRenderer::State {
   BeamImage envelope;
   AlignedFloats scratch;
   std::size_t scratch_stride = 0;
-  std::unique_ptr<WorkerPool> pool;
-  int pool_threads = 0;
 };
 
 BeamRenderer::BeamRenderer(const BeamTissue& tissue, const Probe& probe, const BeamOptions& options)
@@ -198,16 +196,12 @@ void BeamRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
                           int num_threads, const RestMap* rest) {
   State& s = *state_;
   ACUS_REQUIRE(ct_from_probe.matrix().allFinite(), "probe pose: has a value that is not finite");
-  if (s.pool == nullptr || s.pool_threads != num_threads) {
-    s.pool = std::make_unique<WorkerPool>(num_threads);
-    s.pool_threads = num_threads;
-  }
   s.needle.Set(needle, ct_from_probe, BeamTracer::kLanesPerBlock);
   for (ElevationPlane& plane : s.planes) plane.path.Set(ct_from_probe, rest);
   out.Resize(s.display.picture().width_px, s.display.picture().height_px);
-  s.pool->Run(s.tracer.blocks(),
+  ParallelFor(s.tracer.blocks(), num_threads,
               [&s](int block) { s.tracer.TraceBlock(s.planes, s.needle, block, s.echoes); });
-  s.pool->Run(Pieces(s.grid.samples), [&s](int piece) {
+  ParallelFor(Pieces(s.grid.samples), num_threads, [&s](int piece) {
     const int first = piece * kRowsPerPiece;
     const int last = std::min(s.grid.samples, first + kRowsPerPiece);
     s.filter.Apply(s.echoes, first, last,
@@ -215,7 +209,7 @@ void BeamRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
                    s.intensity);
     s.display.Compress(s.intensity, first, last);
   });
-  s.pool->Run(Pieces(out.height), [&s, &out](int piece) {
+  ParallelFor(Pieces(out.height), num_threads, [&s, &out](int piece) {
     const int first = piece * kRowsPerPiece;
     s.display.Convert(first, std::min(out.height, first + kRowsPerPiece), out);
   });
