@@ -7,7 +7,7 @@
 #include "session/sequence_file.h"
 #include "session/session_io.h"
 #include "support/layered_scene.h"
-#include "support/temporary_folder.h"
+#include "support/replay_folder.h"
 #include "volume/volume_io.h"
 
 namespace acus::replay {
@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 /// A layered patient and an insertion of two seconds, without any probe.
-class FluoroscopyReplay : public testing::Test {
+class FluoroscopyReplay : public testing_support::ReplayFolder {
  protected:
   void SetUp() override {
     setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
@@ -40,20 +40,6 @@ class FluoroscopyReplay : public testing::Test {
       "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"},
       "effects": {"fluoroscopy": {"rate_hz": 5, "lao_deg": 30}}})");
   }
-
-  ReplayResult Run(const char* run_folder, int num_threads,
-                   const std::vector<scenario::Override>& overrides = {}) {
-    RunContext context;
-    context.num_threads = num_threads;
-    ReplayOptions options;
-    if (run_folder != nullptr) options.run_folder = folder_ / run_folder;
-    return ReplaySession(scenario::ReadScenario(folder_ / "scene.json", overrides),
-                         folder_ / "session", options, context);
-  }
-
-  testing_support::TemporaryFolder temporary_;
-  fs::path folder_ = temporary_.path();
-  RunContext context_;
 };
 
 TEST_F(FluoroscopyReplay, MakesPicturesAtItsOwnRateWithoutAProbe) {

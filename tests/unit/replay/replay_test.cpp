@@ -10,7 +10,7 @@
 #include "math/rigid.h"
 #include "session/session_io.h"
 #include "support/layered_scene.h"
-#include "support/temporary_folder.h"
+#include "support/replay_folder.h"
 #include "volume/volume_io.h"
 
 namespace acus::replay {
@@ -22,7 +22,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 /// A layered patient, a scripted session of three seconds and a scenario, on disk.
-class Replay : public testing::Test {
+class Replay : public testing_support::ReplayFolder {
  protected:
   void SetUp() override {
     const auto scene =
@@ -56,20 +56,6 @@ class Replay : public testing::Test {
     }
     return session;
   }
-
-  ReplayResult Run(const char* run_folder, int num_threads,
-                   const std::vector<scenario::Override>& overrides = {}) {
-    RunContext context;
-    context.num_threads = num_threads;
-    ReplayOptions options;
-    if (run_folder != nullptr) options.run_folder = folder_ / run_folder;
-    return ReplaySession(scenario::ReadScenario(folder_ / "scene.json", overrides),
-                         folder_ / "session", options, context);
-  }
-
-  testing_support::TemporaryFolder temporary_;
-  fs::path folder_ = temporary_.path();
-  RunContext context_;
 };
 
 TEST_F(Replay, GivesTheSameBytesAgainAndWithMoreThreads) {

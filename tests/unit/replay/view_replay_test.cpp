@@ -6,7 +6,7 @@
 #include "replay/replay.h"
 #include "session/session_io.h"
 #include "support/layered_scene.h"
-#include "support/temporary_folder.h"
+#include "support/replay_folder.h"
 #include "volume/volume_io.h"
 
 namespace acus::replay {
@@ -17,7 +17,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 /// A layered patient, a needle above him for a second, and a view of both, on disk.
-class ViewReplay : public testing::Test {
+class ViewReplay : public testing_support::ReplayFolder {
  protected:
   void SetUp() override {
     const auto scene =
@@ -38,20 +38,6 @@ class ViewReplay : public testing::Test {
       "image_rate_hz": 10})");
     setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
   }
-
-  ReplayResult Run(const char* run_folder, int num_threads,
-                   const std::vector<scenario::Override>& overrides = {}) {
-    RunContext context;
-    context.num_threads = num_threads;
-    ReplayOptions options;
-    if (run_folder != nullptr) options.run_folder = folder_ / run_folder;
-    return ReplaySession(scenario::ReadScenario(folder_ / "scene.json", overrides),
-                         folder_ / "session", options, context);
-  }
-
-  testing_support::TemporaryFolder temporary_;
-  fs::path folder_ = temporary_.path();
-  RunContext context_;
 };
 
 TEST_F(ViewReplay, NeedsNeitherProbeNorCtAndGivesTheSameBytesOnMoreThreads) {
