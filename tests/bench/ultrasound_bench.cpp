@@ -9,6 +9,7 @@
 #include "ultrasound/bmode.h"
 #include "ultrasound/ct_slice.h"
 #include "ultrasound/film.h"
+#include "ultrasound/fluoroscope.h"
 
 namespace acus::ultrasound {
 namespace {
@@ -109,6 +110,27 @@ void RenderCtSlice(benchmark::State& state) {
   }
 }
 BENCHMARK(RenderCtSlice);
+
+/// A radiograph of 512 x 512 pixels of the whole volume, by the length of the voxels that are
+/// summed.
+void RenderFluoroscopy(benchmark::State& state) {
+  const CArm c_arm{.name = "bench", .detail = static_cast<int>(state.range(0))};
+  const CArmPose pose{.isocentre_in_ct_mm = {180.0, 180.0, 105.0}, .lao_rad = 0.35};
+  const auto threads = static_cast<int>(state.range(1));
+  Fluoroscope fluoroscope(Ct(), c_arm, pose, threads);
+  GrayImage image;
+  int n = 0;
+  for (auto _ : state) {
+    fluoroscope.Render(Needle(++n), image, threads);
+    benchmark::DoNotOptimize(image.pixels.data());
+  }
+}
+BENCHMARK(RenderFluoroscopy)
+    ->ArgsProduct({{1, 2, 4}, {1, 2}})
+    ->ArgNames({"detail", "threads"})
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 /// One frame of a film of B-mode and CT slice, 1024 x 512, with all that is drawn on it.
 void FilmFrame(benchmark::State& state) {
