@@ -1,0 +1,34 @@
+// A picture as a video camera gives it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace acus::camera {
+
+/// pixels[channels * (row * width_px + column) + channel]; row 0 is at the top. Centres of pixels
+/// are at whole numbers.
+struct Picture {
+  int width_px = 0;
+  int height_px = 0;
+  int channels = 1;  ///< 1: grey; 3: red, green, blue (sRGB).
+  std::vector<std::uint8_t> pixels;
+  std::int64_t time_ns = 0;  ///< When it arrived, CLOCK_MONOTONIC; 0: not known.
+
+  bool empty() const { return pixels.empty(); }
+  /// Allocates only if the picture grows. The content is undefined afterwards.
+  void Resize(int new_width_px, int new_height_px, int new_channels);
+};
+
+/// Grey of a colour picture (luma of ITU-R BT.601), or a copy. Keeps the time.
+void ToGrey(const Picture& picture, Picture& grey);
+
+/// PNG, JPEG, TIFF, BMP or PNM, by content; 8 bits of each colour.
+/// @throws InputError if the file cannot be read or is no picture, or has more than 8192 pixels in
+///     a direction.
+Picture ReadPicture(const std::filesystem::path& path);
+/// By the extension of the name (.png, .jpg, .ppm), whole or not at all. @throws InputError.
+void WritePicture(const std::filesystem::path& path, const Picture& picture);
+
+}  // namespace acus::camera
