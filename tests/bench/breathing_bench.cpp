@@ -1,10 +1,13 @@
 // What breathing costs: displacements for a needle's nodes, the inverse for a tool and for the
-// knots of a picture. Run: build/tests/bench_breathing
+// knots of a picture, and a whole step by every motion model. Run: build/tests/bench_breathing
 #include <benchmark/benchmark.h>
 #include <cmath>
 
 #include "breathing/motion_map.h"
 #include "breathing/tool_at_rest.h"
+#include "simulation/simulation.h"
+#include "support/bending_scene.h"
+#include "support/breathing_patients.h"
 
 namespace acus::breathing {
 namespace {
@@ -81,6 +84,39 @@ void PictureKnots(benchmark::State& state) {
   }
 }
 BENCHMARK(PictureKnots)->Arg(64)->Arg(128)->Arg(256);
+
+/// Layered forces and a needle of 25 nodes, 45 mm deep in tissue that moves across it. Arguments:
+/// the model (4: no breathing), nodes of its field each way.
+void NeedleStep(benchmark::State& state) {
+  testing_support::BendingScene bending;
+  bending.tissue = nullptr;
+  simulation::Scene scene = bending.Make();
+  const auto kind = static_cast<std::size_t>(state.range(0));
+  if (kind < testing_support::kAllMotionKinds.size()) {
+    testing_support::BreathingPatient patient{.kind = testing_support::kAllMotionKinds[kind],
+                                              .nodes_per_axis = static_cast<int>(state.range(1))};
+    patient.box.size.setConstant(301);
+    patient.box.origin_mm = {-150.0, -150.0, -70.0};
+    patient.towards = {0.0, 1.0, 0.3};
+    scene.breathing.emplace(patient.Make());
+    state.SetLabel(std::string(NameOf(patient.kind)));
+  }
+  const simulation::Simulation simulation(scene);
+  simulation::State of_simulation = simulation.NewState();
+  int step = 0;
+  for (auto _ : state) {
+    const double t = 1e-3 * step++;
+    const double depth_mm = t < 1.0 ? 45.0 * t - 2.0 : 43.0 + 8.0 * std::sin(2.0 * t - 2.0);
+    benchmark::DoNotOptimize(simulation.Step(
+        of_simulation,
+        testing_support::NeedleAt(t, {std::sin(3.0 * t), std::cos(2.1 * t), depth_mm},
+                                  {0.1 * std::sin(2.5 * t), 0.05, 0.0})));
+  }
+}
+BENCHMARK(NeedleStep)
+    ->Args({4, 0})
+    ->ArgsProduct({{0, 1, 2, 3}, {64, 128, 256}})
+    ->ArgNames({"model", "nodes"});
 
 }  // namespace
 }  // namespace acus::breathing
