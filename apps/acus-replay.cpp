@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   std::filesystem::path ct_path;
   std::filesystem::path labels_path;
   std::filesystem::path transform_path;
+  std::filesystem::path exercise_path;
   std::vector<std::string> changes;
   std::string png = "events";
   bool explain = false;
@@ -39,6 +40,10 @@ int main(int argc, char** argv) {
   app.add_option("--set", changes,
                  "Change one value of the scenario: /json/pointer=value; =null takes it out");
   app.add_option("-o,--output", options.run_folder, "Run folder to make");
+  app.add_option("--exercise", exercise_path,
+                 "Goals to judge the session by (acus-exercise JSON): a file, or a preset such as\n"
+                 "exercises/lumbar_puncture.json");
+  app.add_option("--trainee", options.trainee, "Code of who did it, kept in training.json");
   app.add_option("--png", png, "Frames as PNG: those at events, all, or none")
       ->check(CLI::IsMember({"events", "all", "none"}))
       ->capture_default_str();
@@ -69,6 +74,9 @@ int main(int argc, char** argv) {
     const auto file = acus::config::FindConfig(scenario_path, std::filesystem::current_path());
     const auto scenario = acus::scenario::ReadScenario(file, overrides);
     context.provenance.AddInput(file);
+    if (!exercise_path.empty()) {
+      options.exercise = acus::config::FindConfig(exercise_path, std::filesystem::current_path());
+    }
     if (check) {
       std::cout << acus::replay::CheckText(scenario);
       return acus::ExitCode::kOk;

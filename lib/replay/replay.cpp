@@ -13,6 +13,7 @@
 #include "replay/image_log.h"
 #include "replay/run_metrics.h"
 #include "replay/run_report.h"
+#include "replay/training_log.h"
 #include "replay/view_log.h"
 #include "session/integrity.h"
 #include "session/session_import.h"
@@ -51,6 +52,7 @@ struct Run {
   ImageLog fluoroscopy;
   ImageLog view;
   std::vector<Metric> metrics;
+  std::optional<training::Assessment> assessment;  ///< If there is an exercise.
   simulation::StageTimes times;
   std::vector<std::string> warnings;
   double cpu_s = 0.0;  ///< Of steps and images with their writing, all threads.
@@ -130,6 +132,9 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
     WriteProbeForces(folder / "probe_forces.csv", run.steps, scene);
   }
   WriteMetrics(folder / "metrics.json", run.metrics);
+  if (run.assessment) {
+    config::WriteJson(folder / "training.json", training::ToJson(*run.assessment));
+  }
   WriteRunJson(folder / "run.json", scenario, scene, run, context);
   config::WriteJson(folder / "provenance.json", context.provenance.ToJson());
   ReportContent content;
@@ -142,6 +147,7 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
                    {"CPU time of the run", Rounded(run.cpu_s) + " s"}};
   content.warnings = WarningsOf(scene, run);
   content.metrics = run.metrics;
+  content.assessment = run.assessment;
   content.pictures = run.images.pngs;
   content.pictures.insert(content.pictures.end(), run.fluoroscopy.pngs.begin(),
                           run.fluoroscopy.pngs.end());
@@ -186,6 +192,9 @@ std::string SummaryOf(const Run& run, const ReplayOptions& options) {
     text += Message("  ", metric.name, ": ", Rounded(metric.value), metric.unit.empty() ? "" : " ",
                     metric.unit, "\n");
   }
+  if (run.assessment) {
+    text += training::GoalsText(*run.assessment);
+  }
   if (!options.run_folder.empty()) {
     text += Message("Report: ", (options.run_folder / "report.html").string(), "\n");
   }
@@ -203,6 +212,11 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   std::optional<AtomicFolder> folder;
   if (!options.run_folder.empty()) folder.emplace(options.run_folder, context.overwrite);
 
+  std::optional<training::Exercise> exercise;
+  if (!options.exercise.empty()) {
+    exercise = training::ReadExercise(options.exercise);
+    context.provenance.AddInput(options.exercise);
+  }
   Run run;
   const WarningsKept kept(context, run.warnings);
   run.session = ReadSessionFor(scenario, session_path, context);
@@ -228,7 +242,12 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   run.view =
       RenderView(scene, images, folder ? folder->path() : fs::path(), options, &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
-  run.metrics = MetricsOf(scene, run.session, run.steps);
+  run.metrics = MetricsOf(scene, run.session, run.steps, exercise ? &*exercise : nullptr);
+  if (exercise) {
+    run.assessment = Assess(*exercise, scenario, scene, run.session, run.metrics, context);
+    run.assessment->trainee = options.trainee;
+    run.metrics = run.assessment->metrics;
+  }
   if (folder) {
     WriteRunFolder(folder->path(), scenario, scene, run, options, context);
     folder->Commit();

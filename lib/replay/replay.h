@@ -20,6 +20,8 @@ struct ReplayOptions {
   PngChoice png = PngChoice::kEvents;
   bool film = true;
   bool sequence = true;
+  std::filesystem::path exercise;  ///< acus-exercise file; empty: none.
+  std::string trainee;             ///< Code of who did it, for training.json.
 };
 
 struct ReplayResult {

@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "config/json_file.h"
-#include "session/training_metrics.h"
-#include "volume/label_lookup.h"
+#include "training/session_metrics.h"
 
 namespace acus::replay {
 namespace {
@@ -68,35 +67,18 @@ void AddProbeForces(const StepLog& log, std::vector<Metric>& metrics) {
   metrics.push_back({"probe time on bone", "s", span_s * on_bone / n});
 }
 
-void AddTissue(const simulation::Scene& scene, const session::Session& session,
-               std::vector<Metric>& metrics) {
-  const Eigen::Affine3d index_from_reference =
-      scene.labels->geometry.index_from_ct() * scene.ct_from_reference;
-  const auto inside = [&](const Eigen::Vector3d& point_in_reference_mm) {
-    return volume::LabelAt(*scene.labels, index_from_reference, point_in_reference_mm) != 0;
-  };
-  const auto tissue = session::ComputeTissueMetrics(session.needle, inside);
-  metrics.push_back({"needle time in tissue", "s", tissue.time_in_tissue_s});
-  metrics.push_back({"needle path in tissue", "mm", tissue.path_in_tissue_mm});
-  metrics.push_back({"tissue damage", "mm^2", tissue.tissue_damage_mm2});
-  metrics.push_back({"insertions", "", static_cast<double>(tissue.num_insertions)});
-}
-
 }  // namespace
 
 std::vector<Metric> MetricsOf(const simulation::Scene& scene, const session::Session& session,
-                              const StepLog& log) {
-  std::vector<Metric> metrics;
-  const auto add_motion = [&metrics](const char* tool, const session::PoseStream& stream) {
-    if (stream.empty()) return;
-    const session::MotionMetrics motion = session::ComputeMotionMetrics(stream);
-    metrics.push_back({Message(tool, " elapsed time"), "s", motion.elapsed_time_s});
-    metrics.push_back({Message(tool, " path length"), "mm", motion.path_length_mm});
-    metrics.push_back({Message(tool, " largest speed"), "mm/s", motion.max_speed_mm_per_s});
-  };
-  add_motion("needle", session.needle);
-  add_motion("probe", session.probe);
-  if (scene.labels && !session.needle.empty()) AddTissue(scene, session, metrics);
+                              const StepLog& log, const training::Exercise* exercise) {
+  std::vector<Metric> metrics = training::MotionMetricsOf(session);
+  if (scene.labels && !session.needle.empty()) {
+    const auto needle = training::NeedleMetricsOf(
+        session, {*scene.labels, scene.ct_from_reference},
+        exercise == nullptr ? training::PassOptions{} : exercise->passes,
+        exercise == nullptr ? training::PlaneOptions{} : exercise->image_plane);
+    metrics.insert(metrics.end(), needle.begin(), needle.end());
+  }
   const bool forces = scene.plan.Has(simulation::StageId::kNeedleForce) && !log.steps.empty();
   if (forces) AddForces(log, metrics);
   if (scene.shape && scene.shape->bendable() && !log.steps.empty()) {

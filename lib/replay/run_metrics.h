@@ -7,21 +7,20 @@
 
 #include "replay/step_log.h"
 #include "session/session.h"
+#include "training/exercise.h"
+#include "training/metric.h"
 
 namespace acus::replay {
 
-struct Metric {
-  std::string name;
-  std::string unit;
-  double value = 0.0;
-};
+using training::Metric;
 
-/// Of the session: elapsed time and path lengths of needle and probe; with a label map, time and
-/// path in tissue. Of the forces: largest and RMS axial and lateral force, impulse, insertions,
+/// Of the session: elapsed time and path lengths of needle and probe; with a label map, what
+/// training::NeedleMetricsOf gives. Of the forces: largest and RMS axial and lateral force,
 /// punctures, bone contacts, greatest depth. Of a needle that bends: its largest deflection. Of the
 /// probe: largest force, depth, time on skin and bone.
+/// @param exercise  If given, its definitions of passes and of the image plane hold.
 std::vector<Metric> MetricsOf(const simulation::Scene& scene, const session::Session& session,
-                              const StepLog& log);
+                              const StepLog& log, const training::Exercise* exercise = nullptr);
 
 /// metrics.json: {"format": "acus-metrics/1", "metrics": [{"name", "unit", "value"}, ...]}.
 void WriteMetrics(const std::filesystem::path& path, const std::vector<Metric>& metrics);

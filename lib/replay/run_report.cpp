@@ -151,6 +151,27 @@ void AddEvents(report::HtmlReport& html, const StepLog& log, const simulation::S
       rows);
 }
 
+void AddExercise(report::HtmlReport& html, const training::Assessment& assessment) {
+  html.Section("Exercise");
+  html.Paragraph(Message(assessment.exercise, assessment.trainee.empty() ? "" : ", trainee ",
+                         assessment.trainee, ": ", assessment.NumMet(), " of ",
+                         assessment.goals.size(), " goals met."));
+  std::vector<std::vector<std::string>> goals;
+  for (const training::GoalResult& result : assessment.goals) {
+    goals.push_back({result.met ? "met" : "not met", result.goal.metric,
+                     result.value ? Rounded(*result.value) : "-", result.unit,
+                     GoalText(result.goal, result.unit), result.goal.why});
+  }
+  html.Table({"", "goal", "value", "unit", "asked for", "why"}, goals);
+  std::vector<std::vector<std::string>> structures;
+  for (const training::NamedStructure& structure : assessment.structures) {
+    structures.push_back({structure.name, std::to_string(structure.entered.num_entries),
+                          Rounded(structure.entered.path_mm)});
+  }
+  html.Table({"tissue", "entries of the tip", "way of the tip [mm]"}, structures,
+             "What the tip went through");
+}
+
 }  // namespace
 
 void WriteReport(const std::filesystem::path& folder, const ReportContent& content,
@@ -159,6 +180,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   html.Warnings(content.warnings);
   html.Section("Summary");
   html.KeyValues(content.facts);
+  if (content.assessment) AddExercise(html, *content.assessment);
   const bool has_film = content.has_film || content.has_fluoroscopy_film || content.has_view_film;
   if (has_film || !content.pictures.empty()) html.Section("Pictures");
   if (content.has_film) html.Film("film.mp4", "Film of the session");

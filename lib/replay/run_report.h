@@ -11,6 +11,7 @@
 #include "replay/plan_table.h"
 #include "replay/run_metrics.h"
 #include "replay/step_log.h"
+#include "training/assessment.h"
 
 namespace acus::replay {
 
@@ -19,6 +20,7 @@ struct ReportContent {
   std::vector<std::pair<std::string, std::string>> facts;
   std::vector<std::string> warnings;
   std::vector<Metric> metrics;
+  std::optional<training::Assessment> assessment;  ///< If there was an exercise.
   std::vector<WrittenPng> pictures;
   bool has_film = false;
   bool has_fluoroscopy_film = false;

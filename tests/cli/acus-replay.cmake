@@ -69,3 +69,11 @@ acus_add_cli_case(acus-replay.mistyped_guidance EXIT 3 NEEDS inputs LEAVES_NOTHI
   STDERR "/effects/needle_force/guidance: must be one of .*virtual_fixture"
   COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run
           --set /effects/needle_force/guidance=fixture)
+acus_add_cli_case(acus-replay.exercise EXIT 0 NEEDS inputs
+  STDOUT "^Goals met: [0-9] of 7" CREATES run/training.json run/report.html
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run --trainee A7 --no-film
+          --set /patient/corridor=$INPUTS/target_ct.csv --exercise exercises/lumbar_puncture.json)
+acus_add_cli_case(acus-replay.exercise_without_target EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "has a goal for .tip to target at the end." "they give: needle elapsed time"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run --no-film
+          --exercise exercises/lumbar_puncture.json)

@@ -30,6 +30,13 @@ acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd \
   --transform ct_from_reference.tfm --no-film --png none -o reference_run >/dev/null
 cp -r reference_run new_run
 
+# Two sessions of an exercise, for acus-training.
+acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd \
+  --transform ct_from_reference.tfm --set /patient/corridor=target_ct.csv \
+  --set /effects/ultrasound=null --set /effects/ct_slice=null \
+  --exercise exercises/lumbar_puncture.json --trainee A7 -o first_run >/dev/null
+cp -r first_run second_run
+
 # A pointer 180 mm long that is turned about (10, 20, 30): 25 poses, one 4 x 4 matrix a file.
 mkdir poses
 awk 'BEGIN {

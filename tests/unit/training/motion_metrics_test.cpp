@@ -1,4 +1,4 @@
-#include "session/training_metrics.h"
+#include "training/motion_metrics.h"
 
 #include <cmath>
 #include <gmock/gmock.h>
@@ -7,8 +7,12 @@
 #include "core/error.h"
 #include "math/rigid.h"
 
-namespace acus::session {
+namespace acus::training {
 namespace {
+
+using session::Pose;
+using session::PoseSample;
+using session::PoseStream;
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -141,4 +145,4 @@ TEST(Metrics, RefuseOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace acus::session
+}  // namespace acus::training

@@ -1,4 +1,4 @@
-#include "session/training_metrics.h"
+#include "training/motion_metrics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 
-namespace acus::session {
+namespace acus::training {
 namespace {
 
 constexpr double kShaftStepMm = 0.5;
@@ -23,19 +23,19 @@ void Check(const MetricOptions& options) {
                "withdrawal_mm is ", options.withdrawal_mm, "; it must not be negative");
 }
 
-std::vector<const PoseSample*> ValidSamples(const PoseStream& stream) {
-  std::vector<const PoseSample*> valid;
-  for (const PoseSample& sample : stream) {
+std::vector<const session::PoseSample*> ValidSamples(const session::PoseStream& stream) {
+  std::vector<const session::PoseSample*> valid;
+  for (const session::PoseSample& sample : stream) {
     if (sample.valid) valid.push_back(&sample);
   }
   return valid;
 }
 
-Eigen::Vector3d Origin(const PoseSample& sample) {
+Eigen::Vector3d Origin(const session::PoseSample& sample) {
   return sample.reference_from_tool.translation();
 }
 
-double SecondsBetween(const PoseSample& a, const PoseSample& b) {
+double SecondsBetween(const session::PoseSample& a, const session::PoseSample& b) {
   return static_cast<double>(b.time_ns - a.time_ns) * kSecondsPerNs;
 }
 
@@ -44,7 +44,7 @@ double TriangleArea(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Ei
 }
 
 /// Largest mean speed over pieces that last at least the window (all of it, if it is shorter).
-double MaxSpeed(const std::vector<const PoseSample*>& samples, double window_s) {
+double MaxSpeed(const std::vector<const session::PoseSample*>& samples, double window_s) {
   double fastest = 0.0;
   double path_mm = 0.0;
   std::size_t begin = 0;
@@ -63,7 +63,8 @@ double MaxSpeed(const std::vector<const PoseSample*>& samples, double window_s) 
 
 }  // namespace
 
-MotionMetrics ComputeMotionMetrics(const PoseStream& stream, const MetricOptions& options) {
+MotionMetrics ComputeMotionMetrics(const session::PoseStream& stream,
+                                   const MetricOptions& options) {
   Check(options);
   MotionMetrics metrics;
   const auto samples = ValidSamples(stream);
@@ -77,15 +78,15 @@ MotionMetrics ComputeMotionMetrics(const PoseStream& stream, const MetricOptions
   return metrics;
 }
 
-TissueMetrics ComputeTissueMetrics(const PoseStream& needle, const InsideTissue& inside,
+TissueMetrics ComputeTissueMetrics(const session::PoseStream& needle, const InsideTissue& inside,
                                    const MetricOptions& options) {
   Check(options);
   TissueMetrics metrics;
   bool was_inside = false;
   double outside_path_mm = std::numeric_limits<double>::infinity();  // Since the last exit.
   Eigen::Vector3d last_exit_mm = Eigen::Vector3d::Zero();
-  const PoseSample* last = nullptr;
-  for (const PoseSample* sample : ValidSamples(needle)) {
+  const session::PoseSample* last = nullptr;
+  for (const session::PoseSample* sample : ValidSamples(needle)) {
     const Eigen::Vector3d tip_mm = Origin(*sample);
     const bool is_inside = inside(tip_mm);
     const Eigen::Vector3d exit_mm =
@@ -132,4 +133,4 @@ Eigen::Vector3d ShaftExit(const Eigen::Isometry3d& reference_from_needle,
   } while (true);
 }
 
-}  // namespace acus::session
+}  // namespace acus::training

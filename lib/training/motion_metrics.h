@@ -6,7 +6,7 @@
 
 #include "session/session.h"
 
-namespace acus::session {
+namespace acus::training {
 
 /// Whether a point, in the session's reference frame (mm), lies in tissue.
 using InsideTissue = std::function<bool(const Eigen::Vector3d& point_in_reference_mm)>;
@@ -43,10 +43,11 @@ struct MetricOptions {
 
 /// @throws InputError if an option is out of its range. All zero if fewer than two samples are
 /// valid.
-MotionMetrics ComputeMotionMetrics(const PoseStream& stream, const MetricOptions& options = {});
+MotionMetrics ComputeMotionMetrics(const session::PoseStream& stream,
+                                   const MetricOptions& options = {});
 
 /// @throws InputError as above.
-TissueMetrics ComputeTissueMetrics(const PoseStream& needle, const InsideTissue& inside,
+TissueMetrics ComputeTissueMetrics(const session::PoseStream& needle, const InsideTissue& inside,
                                    const MetricOptions& options = {});
 
 /// Where the shaft leaves the tissue, going from a tip in tissue along the needle's -z: exact to
@@ -55,4 +56,4 @@ TissueMetrics ComputeTissueMetrics(const PoseStream& needle, const InsideTissue&
 Eigen::Vector3d ShaftExit(const Eigen::Isometry3d& reference_from_needle,
                           const InsideTissue& inside, double length_mm);
 
-}  // namespace acus::session
+}  // namespace acus::training
