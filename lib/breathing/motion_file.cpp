@@ -126,6 +126,14 @@ Breath PatientMotion::InTermsOfSignal(const Breath& normal) const noexcept {
           .level_per_s = span * normal.level_per_s};
 }
 
+Breath PatientMotion::Normal(const Breath& of_signal) const noexcept {
+  const double span = inspiration_level - expiration_level;
+  if (span == 0.0) return {.cycle = of_signal.cycle, .level = 1.0, .level_per_s = 0.0};
+  return {.cycle = of_signal.cycle,
+          .level = (of_signal.level - expiration_level) / span,
+          .level_per_s = of_signal.level_per_s / span};
+}
+
 void WritePatientMotion(const std::filesystem::path& folder, const PatientMotion& motion) {
   const MotionModel& model = motion.model;
   const MotionField& field = model.field();

@@ -140,6 +140,7 @@ std::vector<Snapshot> FluoroscopySnapshots(const Scene& scene, const session::Se
                        std::llround(1e9 * static_cast<double>(i) / scene.fluoroscopy->rate_hz);
     if (snapshot.time_ns > clock.back().time_ns) break;
     snapshot.session_s = 1e-9 * static_cast<double>(snapshot.time_ns - session.start_ns());
+    snapshot.breath = BreathOf(session, snapshot.time_ns);
     if (needle) {
       const session::PoseSample pose = session::PoseAt(session.needle, snapshot.time_ns);
       if (pose.valid) snapshot.ct_from_needle = scene.ct_from_reference * pose.reference_from_tool;

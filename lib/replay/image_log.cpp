@@ -208,6 +208,7 @@ std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& sess
     snapshot.time_ns = first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
     if (snapshot.time_ns > last_ns) break;
     snapshot.session_s = 1e-9 * static_cast<double>(snapshot.time_ns - session.start_ns());
+    snapshot.breath = BreathOf(session, snapshot.time_ns);
     session::PoseSample probe{.time_ns = snapshot.time_ns, .valid = false};
     if (!session.probe.empty()) probe = session::PoseAt(session.probe, snapshot.time_ns);
     snapshot.probe_valid = probe.valid;

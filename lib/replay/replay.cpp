@@ -221,7 +221,9 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   const WarningsKept kept(context, run.warnings);
   run.session = ReadSessionFor(scenario, session_path, context);
   const simulation::EffectPlan plan =
-      simulation::PlanEffects(scenario, {!run.session.needle.empty(), !run.session.probe.empty()});
+      simulation::PlanEffects(scenario, {.needle_poses = !run.session.needle.empty(),
+                                         .probe_poses = !run.session.probe.empty(),
+                                         .breath = !run.session.breath.empty()});
   const Scene scene = simulation::LoadScene(scenario, plan, context);
 
   const double begin_s = ProcessCpuSeconds();
@@ -256,8 +258,8 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
 }
 
 std::string CheckText(const scenario::Scenario& scenario) {
-  const simulation::EffectPlan plan =
-      simulation::PlanEffects(scenario, {.needle_poses = true, .probe_poses = true});
+  const simulation::EffectPlan plan = simulation::PlanEffects(
+      scenario, {.needle_poses = true, .probe_poses = true, .breath = true});
   return TextOf(TableOfPlan(plan, nullptr)) + scenario.file.string() + ": fits.\n";
 }
 

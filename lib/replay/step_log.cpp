@@ -65,6 +65,12 @@ void KeepMostBent(const simulation::Simulation& simulation, StepLog& log) {
 
 }  // namespace
 
+breathing::Breath BreathOf(const session::Session& session, std::int64_t time_ns) {
+  if (session.breath.empty()) return {};
+  const session::BreathSample sample = session::BreathAt(session.breath, time_ns);
+  return {.cycle = sample.cycle, .level = sample.level, .level_per_s = sample.level_per_s};
+}
+
 StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
                  std::span<simulation::Snapshot> images, simulation::StageTimes* times,
                  const RunContext& context) {
@@ -99,6 +105,7 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
       sample.reference_from_probe = pose.reference_from_tool;
       sample.probe_valid = pose.valid;
     }
+    sample.breath = BreathOf(session, sample.time_ns);
     states.GiveBefore(sample.time_ns);
     log.steps.push_back(simulation.Step(log.final_state, sample, times));
     KeepMostBent(simulation, log);

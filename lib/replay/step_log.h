@@ -14,6 +14,9 @@
 
 namespace acus::replay {
 
+/// The patient's breath at a time, if the session says it; else breath at rest.
+breathing::Breath BreathOf(const session::Session& session, std::int64_t time_ns);
+
 /// Every step of a session, in order of time.
 struct StepLog {
   std::vector<simulation::StepOutput> steps;  ///< One per needle sample; none without tools.

@@ -15,12 +15,9 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 /// Paths that overrides may set, which are relative to the working folder then.
-constexpr const char* kPaths[] = {"/patient/ct",
-                                  "/patient/labels",
-                                  "/patient/surfaces",
-                                  "/patient/mesh",
-                                  "/patient/corridor",
-                                  "/patient/ct_from_reference_file",
+constexpr const char* kPaths[] = {"/patient/ct",         "/patient/labels",
+                                  "/patient/surfaces",   "/patient/mesh",
+                                  "/patient/corridor",   "/patient/ct_from_reference_file",
                                   "/session/plus_config"};
 
 void Apply(json& document, const Override& change) {
@@ -184,6 +181,9 @@ BreathingEffect ReadBreathingEffect(const json& object, const fs::path& folder,
                     .level_spread = pattern.at("level_spread"),
                     .level = pattern.at("level"),
                     .seed = pattern.at("seed")};
+  const std::string from_session = object.at("from_session");
+  if (from_session == "always") effect.from_session = SessionBreath::kAlways;
+  if (from_session == "never") effect.from_session = SessionBreath::kNever;
   for (const json& hold : object.at("hold")) effect.holds.push_back({hold.at(0), hold.at(1)});
   effect.image = object.at("image");
   effect.warp_spacing_mm = object.at("warp_spacing_mm");

@@ -94,6 +94,9 @@ struct NeedleEffect {
   bool bevel = true;  ///< The needle's bevel steers.
 };
 
+/// Whether a session that recorded the patient's breath says how he breathes.
+enum class SessionBreath { kIfRecorded, kAlways, kNever };
+
 /// A patient who breathes.
 struct BreathingEffect {
   std::filesystem::path motion;  ///< Folder of acus-breathing.
@@ -106,6 +109,8 @@ struct BreathingEffect {
   /// period_s 0: that of the motion.
   breathing::PatternSettings pattern;
   std::vector<breathing::BreathHold> holds;  ///< Seconds since the session began.
+  /// The signal or pattern is then only for a live session without a belt.
+  SessionBreath from_session = SessionBreath::kIfRecorded;
 
   bool image = true;  ///< The images show the motion.
   double warp_spacing_mm = 0.0;

@@ -20,6 +20,17 @@ PoseStream ReadPoseCsv(const std::filesystem::path& path, const RunContext& cont
 /// @throws InputError if a time does not increase or a pose is not finite.
 void WritePoseCsv(const std::filesystem::path& path, const PoseStream& stream);
 
+/// The header of a stream.
+inline constexpr std::string_view kPoseHeader = "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,status";
+/// Farthest coordinate of a pose: a kilometre, no tracker sees that far.
+inline constexpr double kMaxCoordinateMm = 1e6;
+
+/// Appends one row with its line end. @throws InputError if the pose is not finite.
+void AppendPoseRow(std::string& text, const PoseSample& sample);
+
+/// Writes `text` as a whole file, not atomically. @throws InputError
+void WriteAll(const std::filesystem::path& path, std::string_view text);
+
 /// "12.000000001": seconds, exact to the nanosecond, without trailing zeros.
 std::string SecondsText(std::int64_t time_ns);
 

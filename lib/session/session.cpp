@@ -10,8 +10,8 @@ namespace acus::session {
 PoseSample PoseAt(const PoseStream& stream, std::int64_t time_ns) {
   ACUS_ASSERT(!stream.empty());
   const auto after = std::ranges::lower_bound(stream, time_ns, {}, &PoseSample::time_ns);
-  if (after == stream.begin()) return stream.front();
   if (after == stream.end()) return stream.back();
+  if (after == stream.begin() || after->time_ns == time_ns) return *after;
   const PoseSample& a = *(after - 1);
   const PoseSample& b = *after;
   const double fraction =

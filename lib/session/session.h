@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "session/pose.h"
+#include "session/signals.h"
 
 namespace acus::session {
 
@@ -21,8 +22,9 @@ struct PoseSample {
 /// The readings of one tool, in order of time (strictly increasing).
 using PoseStream = std::vector<PoseSample>;
 
-/// The pose at a time, interpolated between readings; before the first and after the last, that
-/// one. Valid only if both neighbours are. @pre stream is not empty.
+/// The pose at a time: that of a reading at this very time, bit for bit, else interpolated between
+/// its neighbours and valid only if both are; before the first and after the last, that one. @pre
+/// stream is not empty.
 PoseSample PoseAt(const PoseStream& stream, std::int64_t time_ns);
 
 /// A recording in one reference frame (the mannequin's or the tracker's "Reference").
@@ -32,8 +34,10 @@ PoseSample PoseAt(const PoseStream& stream, std::int64_t time_ns);
 struct Session {
   std::string name;
   std::string reference_frame = "Reference";
-  PoseStream needle;  ///< Empty if no needle was tracked.
-  PoseStream probe;   ///< Empty if no probe was tracked.
+  PoseStream needle;                   ///< Empty if no needle was tracked.
+  PoseStream probe;                    ///< Empty if no probe was tracked.
+  BreathStream breath = {};            ///< Empty if the patient's breath was not recorded.
+  std::vector<Command> commands = {};  ///< Of a live session, in order of time.
 
   /// Time of the first reading of any tool; 0 if there is none.
   std::int64_t start_ns() const;

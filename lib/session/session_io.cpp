@@ -41,26 +41,54 @@ Session ReadSession(const fs::path& folder, const RunContext& context) {
     stream = ReadPoseCsv(
         StreamPath(folder, streams[i].at("file").get<std::string>(), where + "/file"), context);
   }
+  const auto signal = [&](const char* key) {
+    return StreamPath(folder, document.at(key).get<std::string>(),
+                      Message(description.string(), ": /", key));
+  };
+  if (document.contains("breathing")) session.breath = ReadBreathCsv(signal("breathing"), context);
+  if (document.contains("commands")) {
+    session.commands = ReadCommandsCsv(signal("commands"), context);
+  }
   return session;
+}
+
+json SessionDescription(const StreamNames& streams, const std::string& name,
+                        const std::string& reference_frame) {
+  json document = {{"format", "acus-session/1"},
+                   {"name", name},
+                   {"reference_frame", reference_frame},
+                   {"streams", json::array()}};
+  if (streams.needle) document["streams"].push_back({{"tool", "needle"}, {"file", kNeedleFile}});
+  if (streams.probe) document["streams"].push_back({{"tool", "probe"}, {"file", kProbeFile}});
+  if (streams.breathing) document["breathing"] = kBreathingFile;
+  if (streams.commands) document["commands"] = kCommandsFile;
+  if (streams.tracker) document["tracker"] = kTrackerFile;
+  return document;
 }
 
 void WriteSession(const fs::path& folder, const Session& session, const RunContext& context) {
   ACUS_REQUIRE(!session.needle.empty() || !session.probe.empty(), folder.string(),
                ": the session has neither needle nor probe samples; nothing is written");
   AtomicFolder output(folder, context.overwrite);
-  json streams = json::array();
-  if (!session.needle.empty()) {
-    WritePoseCsv(output.path() / "needle.csv", session.needle);
-    streams.push_back({{"tool", "needle"}, {"file", "needle.csv"}});
+  if (!session.needle.empty()) WritePoseCsv(output.path() / kNeedleFile, session.needle);
+  if (!session.probe.empty()) WritePoseCsv(output.path() / kProbeFile, session.probe);
+  if (!session.breath.empty()) {
+    std::string text = std::string(kBreathHeader) + '\n';
+    for (const BreathSample& sample : session.breath) AppendBreathRow(text, sample);
+    WriteAll(output.path() / kBreathingFile, text);
   }
-  if (!session.probe.empty()) {
-    WritePoseCsv(output.path() / "probe.csv", session.probe);
-    streams.push_back({{"tool", "probe"}, {"file", "probe.csv"}});
+  if (!session.commands.empty()) {
+    std::string text = std::string(kCommandHeader) + '\n';
+    for (const Command& command : session.commands) AppendCommandRow(text, command);
+    WriteAll(output.path() / kCommandsFile, text);
   }
-  config::WriteJson(output.path() / "session.json", {{"format", "acus-session/1"},
-                                                     {"name", session.name},
-                                                     {"reference_frame", session.reference_frame},
-                                                     {"streams", streams}});
+  config::WriteJson(output.path() / "session.json",
+                    SessionDescription({.needle = !session.needle.empty(),
+                                        .probe = !session.probe.empty(),
+                                        .breathing = !session.breath.empty(),
+                                        .commands = !session.commands.empty(),
+                                        .tracker = false},
+                                       session.name, session.reference_frame));
   config::WriteJson(output.path() / "provenance.json", context.provenance.ToJson());
   output.Commit();
 }

@@ -20,25 +20,39 @@ breathing::BreathSource::Signal SignalOf(const scenario::BreathingEffect& effect
 
 }  // namespace
 
-breathing::MotionMap Breathing::At(double session_s) const noexcept {
-  breathing::Breath breath = source.At(session_s);
-  const auto* recorded = std::get_if<breathing::RecordedBreath>(&source.signal());
+breathing::MotionMap Breathing::At(double session_s,
+                                   const breathing::Breath& of_session) const noexcept {
+  breathing::Breath breath = from_session ? of_session : source.At(session_s);
+  const auto* recorded =
+      from_session ? nullptr : std::get_if<breathing::RecordedBreath>(&source.signal());
   if (recorded != nullptr && normalise) breath = recorded->Normalised(breath);
   if (recorded == nullptr || normalise) breath = motion.InTermsOfSignal(breath);
   return {motion.model.field(), motion.model.WeightsAt(breath, amplitude)};
 }
 
-Breathing LoadBreathing(const scenario::Scenario& scenario, RunContext& context) {
+breathing::Breath Breathing::NormalAt(double session_s) const noexcept {
+  const breathing::Breath breath = source.At(session_s);
+  const auto* recorded = std::get_if<breathing::RecordedBreath>(&source.signal());
+  if (recorded == nullptr) return breath;
+  return normalise ? recorded->Normalised(breath) : motion.Normal(breath);
+}
+
+Breathing LoadBreathing(const scenario::Scenario& scenario, bool from_session,
+                        RunContext& context) {
   const scenario::BreathingEffect& effect = *scenario.breathing;
   breathing::PatientMotion motion = breathing::ReadPatientMotion(effect.motion);
   context.provenance.AddInput(effect.motion);
-  auto signal = SignalOf(effect, motion, context);
-  return {.motion = std::move(motion),
-          .source = breathing::BreathSource(std::move(signal), effect.holds),
-          .amplitude = effect.amplitude,
-          .normalise = effect.normalise,
-          .image = effect.image,
-          .warp_spacing_mm = effect.warp_spacing_mm};
+  breathing::BreathSource::Signal signal = breathing::BreathingPattern({});
+  if (!from_session) signal = SignalOf(effect, motion, context);
+  return {
+      .motion = std::move(motion),
+      .source = breathing::BreathSource(
+          std::move(signal), from_session ? std::vector<breathing::BreathHold>() : effect.holds),
+      .amplitude = effect.amplitude,
+      .normalise = effect.normalise,
+      .image = effect.image,
+      .warp_spacing_mm = effect.warp_spacing_mm,
+      .from_session = from_session};
 }
 
 Eigen::Vector3d BreathingRest::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,

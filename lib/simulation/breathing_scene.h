@@ -18,22 +18,29 @@ struct Breathing {
   bool normalise = true;         ///< A recording's own levels stand for normal breath.
   bool image = true;             ///< The images show the motion.
   double warp_spacing_mm = 5.0;  ///< Of the knots at which they ask for it.
+  bool from_session = false;     ///< The session says how the patient breathes; `source` is idle.
+
+  /// The breath of `source` in terms of a normal one, as sessions hold it.
+  breathing::Breath NormalAt(double session_s) const noexcept;
 
   /// The patient at a moment, in seconds since the session began. Allocates nothing.
-  breathing::MotionMap At(double session_s) const noexcept;
+  /// @param of_session  His breath in terms of a normal one; only read if `from_session`.
+  breathing::MotionMap At(double session_s, const breathing::Breath& of_session) const noexcept;
 };
 
+/// @param from_session  The session says how the patient breathes: no signal is read.
 /// @pre scenario.breathing is there.
 /// @throws InputError if the motion or the signal is not readable, or a setting is out of range.
-Breathing LoadBreathing(const scenario::Scenario& scenario, RunContext& context);
+Breathing LoadBreathing(const scenario::Scenario& scenario, bool from_session, RunContext& context);
 
 /// Where tissue that a picture shows was in the reference image, and what lay there at rest if
 /// tools have deformed it besides. One for each thread.
 class BreathingRest : public ultrasound::RestMap {
  public:
   /// @param deformed  Null if no tool deforms the tissue. Both must outlive this.
-  BreathingRest(const Breathing& breathing, double session_s, const ultrasound::RestMap* deformed)
-      : map_(breathing.At(session_s)),
+  BreathingRest(const Breathing& breathing, double session_s, const breathing::Breath& of_session,
+                const ultrasound::RestMap* deformed)
+      : map_(breathing.At(session_s, of_session)),
         spacing_mm_(breathing.warp_spacing_mm),
         deformed_(deformed) {}
 

@@ -120,6 +120,13 @@ Names ViewInputs(const Scenario& s) {
   return reads;
 }
 
+Names BreathingInputs(const Scenario& s) {
+  if (!s.breathing || s.breathing->from_session != scenario::SessionBreath::kAlways) {
+    return {"motion"};
+  }
+  return {"motion", "session's breath"};
+}
+
 /// All stages that there are, in the order in which they run.
 std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
   const auto step = [](StageId id, std::string_view name, Names reads, Names writes) {
@@ -129,7 +136,7 @@ std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
     return PlannedStage{id, name, "image", std::move(reads), std::move(writes), false, ""};
   };
   return {
-      step(StageId::kBreathing, "breathing", {"motion"}, {"breath"}),
+      step(StageId::kBreathing, "breathing", BreathingInputs(s), {"breath"}),
       step(StageId::kNeedlePose, "needle pose",
            s.breathing ? Names{"needle poses", "breath"} : Names{"needle poses"}, {"needle"}),
       // Without a label map, from the HU of the CT.
@@ -188,6 +195,9 @@ std::vector<Input> Inputs(const Scenario& s, const AvailableInputs& available) {
       {"corridor", !s.patient.corridor.empty(),
        "/patient/corridor is not given: a CSV with the points entry and target"},
       {"motion", true, ""},
+      {"session's breath", available.breath,
+       "the session has no breathing stream; /effects/breathing/from_session \"if_recorded\" would "
+       "take the scenario's"},
       {"force table", true, ""},
       {"elasticity", true, ""},
       {"probe preset", true, ""},
@@ -209,6 +219,8 @@ bool EffectPlan::Needs(std::string_view data) const {
 EffectPlan PlanEffects(const Scenario& scenario, const AvailableInputs& available) {
   EffectPlan plan;
   plan.stages_ = DeclaredStages(scenario);
+  plan.breath_from_session_ = scenario.breathing && available.breath &&
+                              scenario.breathing->from_session != scenario::SessionBreath::kNever;
   auto& stages = plan.stages_;
   for (const Goal& goal : Goals(scenario)) {
     auto& stage = *std::ranges::find(stages, goal.stage, &PlannedStage::id);

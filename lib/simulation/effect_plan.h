@@ -45,6 +45,7 @@ struct PlannedStage {
 struct AvailableInputs {
   bool needle_poses = false;
   bool probe_poses = false;
+  bool breath = false;  ///< The session says how the patient breathes.
 };
 
 class EffectPlan {
@@ -56,9 +57,13 @@ class EffectPlan {
   /// loaded.
   bool Needs(std::string_view data) const;
 
+  /// True if the patient breathes as the session says, not as the scenario does.
+  bool breath_from_session() const { return breath_from_session_; }
+
  private:
   friend EffectPlan PlanEffects(const scenario::Scenario&, const AvailableInputs&);
   std::vector<PlannedStage> stages_;
+  bool breath_from_session_ = false;
 };
 
 /// Picks the stages whose outputs the called-for effects need, directly or through other stages.

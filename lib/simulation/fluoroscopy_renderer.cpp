@@ -22,7 +22,7 @@ void FluoroscopyRenderer::Render(const Snapshot& snapshot, ultrasound::GrayImage
   }
   std::optional<BreathingRest> breathing;
   if (scene_.breathing && scene_.breathing->image) {
-    breathing.emplace(*scene_.breathing, snapshot.session_s, rest);
+    breathing.emplace(*scene_.breathing, snapshot.session_s, snapshot.breath, rest);
     if (breathing->moves()) rest = &*breathing;
   }
   fluoroscope_.Render(scene_.fluoroscopy->needle ? NeedleInPicture(scene_, snapshot) : std::nullopt,

@@ -48,7 +48,7 @@ void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* ti
   }
   std::optional<BreathingRest> breathing;
   if (scene_.breathing && scene_.breathing->image && snapshot.probe_valid) {
-    breathing.emplace(*scene_.breathing, snapshot.session_s, rest);
+    breathing.emplace(*scene_.breathing, snapshot.session_s, snapshot.breath, rest);
     if (breathing->moves()) rest = &*breathing;
   }
   if (scene_.plan.Has(StageId::kDeformation)) watch.EndOf(StageId::kDeformation, rest == nullptr);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "breathing/breath.h"
 #include "simulation/deformed_tissue.h"
 #include "simulation/image_level.h"
 #include "simulation/scene.h"
@@ -16,7 +17,8 @@ namespace acus::simulation {
 /// What an image needs to know of a moment.
 struct Snapshot {
   std::int64_t time_ns = 0;
-  double session_s = 0.0;  ///< Since the session began: what breath goes by.
+  double session_s = 0.0;         ///< Since the session began: what breath goes by ...
+  breathing::Breath breath = {};  ///< ... unless the session says it: then this.
   bool probe_valid = false;
   Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
   /// Nothing if there is no needle to see.

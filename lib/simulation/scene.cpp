@@ -122,7 +122,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   scene.needle_in_b_mode = scenario.ultrasound && scenario.ultrasound->needle;
   if (plan.Has(StageId::kBreathing)) {
     context.Checkpoint("reading the motion", 0.0);
-    scene.breathing.emplace(LoadBreathing(scenario, context));
+    scene.breathing.emplace(LoadBreathing(scenario, plan.breath_from_session(), context));
   }
   if (!scenario.patient.surfaces.empty()) {
     LoadSurfaces(scenario, plan, scene, context);

@@ -95,8 +95,8 @@ Simulation::Tools Simulation::ToolsOf(State& state, const Sample& sample) const 
   tools.needle.ct_from_tool = scene_.ct_from_reference * sample.reference_from_needle;
   tools.probe.ct_from_tool = scene_.ct_from_reference * sample.reference_from_probe;
   if (!scene_.breathing) return tools;
-  const breathing::MotionMap& patient = tools.patient.emplace(
-      scene_.breathing->At(1e-9 * static_cast<double>(sample.time_ns - state.session_start_ns)));
+  const breathing::MotionMap& patient = tools.patient.emplace(scene_.breathing->At(
+      1e-9 * static_cast<double>(sample.time_ns - state.session_start_ns), sample.breath));
   tools.tissue_moves = patient.moves();
   if (runs_needle_) {
     tools.needle = breathing::AtRest(patient, tools.needle.ct_from_tool, Eigen::Vector3d::UnitZ(),

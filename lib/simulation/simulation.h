@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "breathing/breath.h"
 #include "breathing/tool_at_rest.h"
 #include "forces/force_model.h"
 #include "forces/probe_force_model.h"
@@ -24,6 +25,8 @@ struct Sample {
   /// Only read if the probe's force or the tissue that it presses is in the plan.
   Eigen::Isometry3d reference_from_probe = Eigen::Isometry3d::Identity();
   bool probe_valid = false;
+  /// In terms of a normal breath. Only read if the session says how the patient breathes.
+  breathing::Breath breath = {};
 };
 
 /// What one step gives.

@@ -99,7 +99,7 @@ void ViewRenderer::Render(const Snapshot& snapshot, const ultrasound::GrayImage*
   rendering::ViewMoment moment;
   std::optional<breathing::MotionMap> motion;
   if (scene_.breathing && scene_.breathing->image) {
-    motion.emplace(scene_.breathing->At(snapshot.session_s));
+    motion.emplace(scene_.breathing->At(snapshot.session_s, snapshot.breath));
     moment.motion = &*motion;
   }
   if (effect.needle) moment.needle = NeedleInPicture(scene_, snapshot);

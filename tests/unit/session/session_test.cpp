@@ -33,10 +33,7 @@ TEST(PoseAt, HoldsTheEndsAndGivesSamplesThemselves) {
   const PoseStream stream = {{10, Turned(0.3, 1.0), true}, {20, Turned(0.7, 2.0), true}};
   EXPECT_EQ(PoseAt(stream, 0).reference_from_tool, stream[0].reference_from_tool);
   EXPECT_EQ(PoseAt(stream, 99).reference_from_tool, stream[1].reference_from_tool);
-  EXPECT_LT(
-      (PoseAt(stream, 20).reference_from_tool.matrix() - stream[1].reference_from_tool.matrix())
-          .norm(),
-      1e-15);
+  EXPECT_EQ(PoseAt(stream, 20).reference_from_tool, stream[1].reference_from_tool);
 }
 
 TEST(PoseAt, IsValidOnlyBetweenValidSamples) {
@@ -44,6 +41,8 @@ TEST(PoseAt, IsValidOnlyBetweenValidSamples) {
   EXPECT_FALSE(PoseAt(stream, 5).valid);
   EXPECT_FALSE(PoseAt(stream, 15).valid);
   EXPECT_TRUE(PoseAt(stream, 25).valid);
+  EXPECT_FALSE(PoseAt(stream, 10).valid);
+  EXPECT_TRUE(PoseAt(stream, 20).valid);  // A reading itself, whatever was before it.
 }
 
 }  // namespace

@@ -97,6 +97,32 @@ TEST(Breathing, ANeedleHeldStillFeelsThePatientMove) {
   EXPECT_GT(most - least, 0.3);
 }
 
+TEST(Breathing, AsTheSessionRecordedItGivesTheBitsOfTheSourceItCameFrom) {
+  const Scene from_source = Patient(true);
+  Scene from_session = Patient(true);
+  from_session.breathing->from_session = true;
+  const Simulation a(from_source);
+  const Simulation b(from_session);
+  State of_source = a.NewState(kStartNs);
+  State of_session = b.NewState(kStartNs);
+  Sample sample;
+  for (int ms = 0; ms < 2500; ++ms) {
+    sample = Inserting(ms, ShiftAt(ms));
+    const StepOutput x = a.Step(of_source, sample);
+    sample.breath = from_source.breathing->NormalAt(1e-9 * static_cast<double>(ms * kMs));
+    const StepOutput y = b.Step(of_session, sample);
+    ASSERT_EQ(x.force.force_in_ct_n, y.force.force_in_ct_n) << ms;
+  }
+  Snapshot snapshot{.session_s = 0.8, .probe_valid = true};
+  snapshot.ct_from_probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  Images expected, images;
+  ImageRenderer(from_source).Render(snapshot, expected);
+  snapshot.breath = from_source.breathing->NormalAt(0.8);
+  snapshot.session_s = 0.0;
+  ImageRenderer(from_session).Render(snapshot, images);
+  EXPECT_EQ(images.b_mode.pixels, expected.b_mode.pixels);
+}
+
 TEST(Breathing, HeldStillItGivesTheBitsOfAPatientWhoDoesNotBreathe) {
   const Scene still = Patient(false);
   const Scene held = Patient(true, 0.0);

@@ -221,5 +221,25 @@ TEST(PlanEffects, NamesWhatTissueLacks) {
               ThrowsMessage<InputError>(HasSubstr("tissue contact")));
 }
 
+TEST(EffectPlan, TheSessionSaysHowThePatientBreathesIfItRecordedIt) {
+  scenario::Scenario s;
+  s.file = "breathing.json";
+  s.patient.labels = "labels";
+  s.needle_force.emplace();
+  s.breathing.emplace();
+  AvailableInputs recorded = kAll;
+  recorded.breath = true;
+  EXPECT_FALSE(PlanEffects(s, kAll).breath_from_session());
+  EXPECT_TRUE(PlanEffects(s, recorded).breath_from_session());
+  s.breathing->from_session = scenario::SessionBreath::kNever;
+  EXPECT_FALSE(PlanEffects(s, recorded).breath_from_session());
+  s.breathing->from_session = scenario::SessionBreath::kAlways;
+  EXPECT_TRUE(PlanEffects(s, recorded).breath_from_session());
+  EXPECT_THAT([&] { PlanEffects(s, kAll); },
+              ThrowsMessage<InputError>(HasSubstr("the session has no breathing stream")));
+  s.breathing.reset();
+  EXPECT_FALSE(PlanEffects(s, recorded).breath_from_session());
+}
+
 }  // namespace
 }  // namespace acus::simulation
