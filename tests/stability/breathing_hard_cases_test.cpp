@@ -1,0 +1,370 @@
+// Hard cases of breathing, each with a bound: what can be wrong with fields, signals and time.
+#include <cmath>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <limits>
+
+#include "breathing/tool_at_rest.h"
+#include "core/error.h"
+#include "rendering/warped_ray.h"
+#include "support/breathing_patients.h"
+#include "support/temporary_folder.h"
+
+namespace acus::breathing {
+namespace {
+
+using Eigen::Vector3d;
+using testing::HasSubstr;
+using testing_support::BreathingPatient;
+using testing_support::kAllMotionKinds;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+BreathingPatient Patient(MotionKind kind, double largest_mm = 20.0) {
+  BreathingPatient patient{.kind = kind, .nodes_per_axis = 48};
+  patient.box.size.setConstant(201);
+  patient.largest_mm = largest_mm;
+  return patient;
+}
+
+/// Displacement along z of a component by place.
+template <typename Along>
+MotionField FieldAlongZ(int per_axis, const Along& along_mm) {
+  volume::Geometry box;
+  box.size.setConstant(201);
+  const volume::Geometry nodes = NodesOver(box, per_axis);
+  MotionField field(nodes, 1);
+  std::vector<float> values;
+  const Eigen::Affine3d ct_from_index = nodes.ct_from_index();
+  for (int k = 0; k < per_axis; ++k) {
+    for (int j = 0; j < per_axis; ++j) {
+      for (int i = 0; i < per_axis; ++i) {
+        values.insert(values.end(),
+                      {0.0F, 0.0F,
+                       static_cast<float>(along_mm(Vector3d(ct_from_index * Vector3d(i, j, k))))});
+      }
+    }
+  }
+  field.SetComponent(0, values);
+  return field;
+}
+
+MotionMap Whole(const MotionField& field, double share = 1.0) {
+  MotionWeights weights;
+  weights.Add(0, share);
+  return {field, weights};
+}
+
+Eigen::Isometry3d PoseAt(const Vector3d& place_mm) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = place_mm;
+  return pose;
+}
+
+/// Whatever the field does, the answer is finite, not worse than the guess, and no farther away
+/// than tissue moves.
+void ExpectGuarded(const MotionMap& map, const Vector3d& world, const Vector3d& start,
+                   double largest_mm) {
+  constexpr int kIterations = 20;
+  const auto found = map.RestOf(world, start, {.max_iterations = kIterations, .tolerance_mm = 0.0});
+  ASSERT_TRUE(found.rest_mm.allFinite());
+  ASSERT_LE(found.iterations, kIterations);
+  ASSERT_LE(found.residual_mm, (map.WorldMm(start) - world).norm() * (1.0 + 1e-12));
+  ASSERT_NEAR(found.residual_mm, (map.WorldMm(found.rest_mm) - world).norm(), 1e-9);
+  ASSERT_LE((found.rest_mm - world).norm(), largest_mm + found.residual_mm + 1e-9);
+}
+
+// 150 mm over 200: strains to 2.4, the field folds over itself in the middle.
+TEST(BreathingHardCases, AFoldingFieldCostsABoundedTimeAndGivesTheBestPlaceMet) {
+  for (const MotionKind kind : kAllMotionKinds) {
+    const BreathingPatient patient = Patient(kind, 150.0);
+    const MotionModel model = patient.Model();
+    const MotionMap map(model.field(), model.WeightsAt(patient.BreathAt(0.5)));
+    bool folds = false;
+    for (double z = -10.0; z < 211.0; z += 1.7) {
+      const Vector3d world(100.0, 90.0, z);
+      folds = folds || map.GradientAt(world).determinant() < 0.0;
+      ExpectGuarded(map, world, world, 160.0);
+      ExpectGuarded(map, world, world + Vector3d(30.0, -20.0, 50.0), 160.0);
+    }
+    EXPECT_TRUE(folds) << NameOf(kind);
+  }
+}
+
+// As it breathes back out of the fold, at six times the speed of normal breath, the hand's inverse
+// is right again 20 ms after the field is one to one.
+TEST(BreathingHardCases, AToolComesOutOfAFold) {
+  const BreathingPatient patient = Patient(MotionKind::kFullCycle, 120.0);
+  const MotionModel model = patient.Model();
+  const Eigen::Isometry3d pose = PoseAt({100.0, 95.0, 60.0});
+  ToolTrack track;
+  int good_steps = 0;
+  double worst_after_mm = 0.0;
+  double turned_most = 0.0;
+  for (int n = 0; n < 4000; ++n) {
+    const double cycle = n / 4000.0;
+    const MotionMap map(model.field(), model.WeightsAt(patient.BreathAt(cycle)));
+    const ToolAtRest tool = AtRest(map, pose, Vector3d::UnitZ(), track);
+    ASSERT_TRUE(tool.ct_from_tool.matrix().allFinite());
+    ASSERT_NEAR(tool.world_from_rest.norm(), 1.0, 1e-9);
+    ASSERT_LE(tool.residual_mm, 150.0);
+    turned_most =
+        std::max(turned_most, tool.world_from_rest.angularDistance(Eigen::Quaterniond::Identity()));
+    // One to one: strains below 1 everywhere.
+    const double strain = 120.0 * (0.5 - 0.5 * std::cos(2.0 * M_PI * cycle)) * M_PI / 200.0;
+    good_steps = strain < 0.6 ? good_steps + 1 : 0;
+    if (good_steps > 20) worst_after_mm = std::max(worst_after_mm, tool.residual_mm);
+  }
+  EXPECT_LT(worst_after_mm, 0.1);
+  EXPECT_GT(turned_most, 0.05);
+}
+
+// A strain of -3 everywhere: no step lowers the residual unless it is halved, twice over.
+TEST(BreathingHardCases, AnInversionThatDoesNotConvergeIsCaught) {
+  const MotionField field =
+      FieldAlongZ(11, [](const Vector3d& place) { return -3.0 * (place.z() - 100.0); });
+  const MotionMap map = Whole(field);
+  for (double z = 20.0; z < 180.0; z += 3.3) {
+    ExpectGuarded(map, {100.0, 100.0, z}, {100.0, 100.0, z}, 300.0);
+  }
+}
+
+// Lung against ribs: 20 mm on one side of a plane, nothing on the other, between two nodes 5 mm
+// apart. Two nodes away the inverse is as good as anywhere; at the interface it is bounded by the
+// jump; and where tissue is torn apart there is no answer but the best one.
+TEST(BreathingHardCases, ASlidingInterfaceIsBoundedByItsJump) {
+  constexpr double kJumpMm = 20.0;
+  const auto slides = [](const Vector3d& place) { return place.x() < 100.0 ? 0.0 : kJumpMm; };
+  const MotionField field = FieldAlongZ(41, slides);
+  const MotionMap map = Whole(field);
+  double worst_away_mm = 0.0;
+  double worst_near_mm = 0.0;
+  for (double x = 80.0; x < 120.0; x += 0.3) {
+    rendering::WarpedRay ray(map, {.max_iterations = 5, .tolerance_mm = 0.0});
+    for (double z = 30.0; z < 170.0; z += 1.0) {
+      const Vector3d world(x, 100.0, z);
+      const Vector3d rest = ray.RestOf(world, Vector3d::UnitZ());
+      ASSERT_TRUE(rest.allFinite());
+      // Sliding: only x tells how far, and x does not change.
+      const double off_mm = (map.WorldMm(rest) - world).norm();
+      double& worst = std::abs(x - 100.0) > 10.0 ? worst_away_mm : worst_near_mm;
+      worst = std::max(worst, off_mm);
+    }
+  }
+  EXPECT_LT(worst_away_mm, 1e-9);
+  EXPECT_LT(worst_near_mm, 1e-3);
+  // Across: pressed together and torn apart within one cell, strains of +-4.
+  for (const double sign : {1.0, -1.0}) {
+    const MotionField torn = FieldAlongZ(
+        41, [sign](const Vector3d& place) { return place.z() < 100.0 ? 0.0 : sign * kJumpMm; });
+    const MotionMap across = Whole(torn);
+    for (double z = 60.0; z < 140.0; z += 0.3) {
+      const Vector3d world(100.0, 100.0, z);
+      ExpectGuarded(across, world, world, kJumpMm);
+      const auto found = across.RestOf(world, world, {.max_iterations = 50, .tolerance_mm = 0.0});
+      ASSERT_LE(found.residual_mm, kJumpMm);
+      if (std::abs(z - 100.0) > kJumpMm + 5.0) {
+        EXPECT_LT(found.residual_mm, 0.05) << z;
+      }
+    }
+  }
+}
+
+TEST(BreathingHardCases, BeyondTheFieldItIsAsAtItsBorderAndNeverWild) {
+  const BreathingPatient patient = Patient(MotionKind::kSurrogate);
+  const MotionModel model = patient.Model();
+  const MotionMap map(model.field(), model.WeightsAt(patient.BreathAt(0.4)));
+  const MotionField all = FieldAlongZ(5, [](const Vector3d&) { return 20.0; });
+  for (const double far_mm : {250.0, 1e4, 1e9, 1e300}) {
+    for (const Vector3d& way : {Vector3d(1, 0, 0), Vector3d(0, -1, 0), Vector3d(-1, 1, 1)}) {
+      ExpectGuarded(map, far_mm * way, far_mm * way, 60.0);
+      EXPECT_NEAR(Whole(all).DisplacementMm(far_mm * way).z(), 20.0, 1e-3);
+    }
+  }
+  // What is no place comes back as it is, and the next good one is right.
+  ToolTrack track;
+  for (const double rubbish : {kNan, kInfinity, -kInfinity}) {
+    const ToolAtRest tool = AtRest(map, PoseAt({rubbish, 0.0, 1.0}), Vector3d::UnitZ(), track);
+    EXPECT_EQ(tool.residual_mm, 0.0);
+    EXPECT_FALSE(track.started);
+    const ToolAtRest next = AtRest(map, PoseAt({100.0, 90.0, 80.0}), Vector3d::UnitZ(), track);
+    EXPECT_LT(next.residual_mm, 0.005);
+  }
+}
+
+// Three times as deep as the key frames, and breathed out far below them: where models go on, on a
+// line; where they do not (full cycle), as in normal breath. The inverse holds while strain is < 1.
+TEST(BreathingHardCases, DeeperBreathThanTheKeyFramesStaysOnALine) {
+  for (const MotionKind kind : kAllMotionKinds) {
+    const BreathingPatient patient = Patient(kind);
+    const MotionModel model = patient.Model();
+    const Vector3d place(100.0, 100.0, 70.0);
+    for (const double level : {-2.0, -1.0, 1.5, 3.0}) {
+      const Breath breath{.cycle = 0.5, .level = level, .level_per_s = 0.0};
+      const MotionMap map(model.field(), model.WeightsAt(breath));
+      const Vector3d moved = map.DisplacementMm(place);
+      if (kind == MotionKind::kFullCycle) {
+        EXPECT_LT(moved.norm(), 25.0);
+      } else {
+        EXPECT_LT((moved - patient.DisplacementMm(breath, place)).norm(), 0.1)
+            << NameOf(kind) << " " << level;
+      }
+      ExpectGuarded(map, place, place, 80.0);
+      const auto found = map.RestOf(place, place, {.max_iterations = 50, .tolerance_mm = 0.0});
+      EXPECT_LT(found.residual_mm, 0.05) << NameOf(kind) << " " << level;
+    }
+  }
+}
+
+// A pant of 0.5 s, five times the speed of normal breath at the same depth: 190 mm/s.
+TEST(BreathingHardCases, VeryFastBreathIsFollowed) {
+  const BreathSource source(BreathingPattern({.period_s = 0.5, .exponent = 3}), {});
+  for (const MotionKind kind : kAllMotionKinds) {
+    BreathingPatient patient = Patient(kind);
+    patient.period_s = 0.5;
+    const MotionModel model = patient.Model();
+    const Vector3d world(100.0, 90.0, 60.0);
+    ToolTrack track;
+    Vector3d one = world;
+    double worst_mm = 0.0;
+    double worst_of_one_mm = 0.0;
+    for (int n = 0; n < 3000; ++n) {
+      const MotionMap map(model.field(), model.WeightsAt(source.At(1e-3 * n)));
+      worst_mm =
+          std::max(worst_mm, AtRest(map, PoseAt(world), Vector3d::UnitZ(), track).residual_mm);
+      one = map.RestOf(world, one, {.max_iterations = 1, .tolerance_mm = 0.0}).rest_mm;
+      worst_of_one_mm = std::max(worst_of_one_mm, (map.WorldMm(one) - world).norm());
+    }
+    EXPECT_LT(worst_mm, 0.01) << NameOf(kind);
+    EXPECT_LT(worst_of_one_mm, 0.15) << NameOf(kind);
+  }
+}
+
+// Ten minutes: nothing creeps, and breath goes on where it stopped.
+TEST(BreathingHardCases, ALongHoldStandsStillBitForBit) {
+  const PatternSettings uneven{.period_s = 4.0,
+                               .exponent = 2,
+                               .period_spread = 0.1,
+                               .speed_spread = 0.3,
+                               .level_spread = 0.1,
+                               .level = 1.0,
+                               .seed = 5};
+  const BreathSource source(BreathingPattern(uneven), {{.begin_s = 10.3, .end_s = 610.3}});
+  const Breath held = source.At(11.0);
+  EXPECT_EQ(held.level_per_s, 0.0);
+  for (double t = 10.9; t < 609.7; t += 7.7) {
+    EXPECT_EQ(source.At(t).level, held.level);
+    EXPECT_EQ(source.At(t).cycle, held.cycle);
+  }
+  // 600 s of hold let one ramp's worth of breath pass: 0.5 s.
+  const BreathSource free(BreathingPattern(uneven), {});
+  EXPECT_NEAR(source.At(620.0).level, free.At(620.0 - 600.0 + 0.5).level, 1e-9);
+}
+
+// Phase after an hour of a regular breath, and of a recording that goes round: as in the first
+// minute, to a millionth of a breath; and a tool that was followed for an hour is where one that
+// begins now is.
+TEST(BreathingHardCases, AnHourDoesNotDriftInPhaseOrPlace) {
+  const BreathingPattern regular({.period_s = 3.7, .exponent = 2});
+  for (int n = 0; n < 20; ++n) {
+    const double t = 0.17 * n + 0.05;
+    const double later = t + 3.7 * 973;  // Just over an hour.
+    EXPECT_NEAR(regular.At(later).level, regular.At(t).level, 1e-6);
+    EXPECT_NEAR(regular.At(later).level_per_s, regular.At(t).level_per_s, 1e-6);
+  }
+  BreathSignal signal{.start_s = 0.0, .step_s = 0.02, .level = {}};
+  for (int n = 0; n < 2000; ++n) signal.level.push_back(std::cos(2.0 * M_PI * 0.02 * n / 3.7));
+  const RecordedBreath recorded(signal, {.smoothing_s = 0.05, .repeat = true});
+  const double round_s = recorded.duration_s();
+  for (int n = 0; n < 20; ++n) {
+    const double t = 1.9 * n + 0.05;
+    const double later = t + round_s * std::ceil(3600.0 / round_s);
+    EXPECT_NEAR(recorded.At(later).level, recorded.At(t).level, 1e-6);
+    EXPECT_NEAR(recorded.At(later).cycle, recorded.At(t).cycle, 1e-6);
+  }
+  const BreathingPatient patient = Patient(MotionKind::kSurrogate);
+  const MotionModel model = patient.Model();
+  const BreathSource source(regular, {});
+  const Eigen::Isometry3d pose = PoseAt({110.0, 90.0, 70.0});
+  ToolTrack old;
+  for (int n = 0; n <= 360'000; ++n) {
+    const MotionMap map(model.field(), model.WeightsAt(source.At(1e-2 * n)));
+    const ToolAtRest tool = AtRest(map, pose, Vector3d::UnitZ(), old);
+    ASSERT_LT(tool.residual_mm, 0.05);
+  }
+  const MotionMap map(model.field(), model.WeightsAt(source.At(3600.0)));
+  ToolTrack fresh;
+  AtRest(map, pose, Vector3d::UnitZ(), fresh);
+  EXPECT_LT((old.rest_mm - fresh.rest_mm).norm(), 0.006);  // Each is good to 2 um.
+  EXPECT_LT(old.world_from_rest.angularDistance(fresh.world_from_rest), 1e-4);
+}
+
+TEST(BreathingHardCases, TimeThatIsNoneIsTheBeginningAndASignalThatIsNoneMovesNothing) {
+  const BreathSource source(BreathingPattern({.period_s = 4.0, .exponent = 1}), {});
+  for (const double t : {kNan, -kInfinity, -1e9}) EXPECT_EQ(source.At(t).level, 1.0);
+  EXPECT_TRUE(std::isfinite(source.At(kInfinity).level));
+  EXPECT_TRUE(std::isfinite(source.At(1e300).level));
+  for (const MotionKind kind : kAllMotionKinds) {
+    const MotionModel model = Patient(kind).Model();
+    for (const double rubbish : {kNan, kInfinity}) {
+      EXPECT_EQ(model.WeightsAt({.cycle = rubbish}).count, 0);
+      EXPECT_EQ(model.WeightsAt({.level = rubbish}).count, 0);
+      EXPECT_EQ(model.WeightsAt({.level_per_s = rubbish}).count, 0);
+      EXPECT_EQ(model.WeightsAt({.level = 0.2}, rubbish).count, 0);
+    }
+  }
+}
+
+class SignalHardCases : public testing::Test {
+ protected:
+  /// A CSV of `seconds` at 25 Hz of what `level` says.
+  template <typename Level>
+  std::filesystem::path Csv(double seconds, const Level& level) {
+    const std::filesystem::path path = folder_ / "signal.csv";
+    std::ofstream out(path);
+    out << "time_s,level\n";
+    for (int n = 0; n < static_cast<int>(25.0 * seconds); ++n) {
+      const std::string text = level(0.04 * n);
+      if (!text.empty()) out << 0.04 * n << "," << text << "\n";
+    }
+    return path;
+  }
+
+ private:
+  testing_support::TemporaryFolder folder_;
+};
+
+TEST_F(SignalHardCases, GapsConstantsAndRubbishAreClearErrors) {
+  const auto breath = [](double t) { return std::to_string(std::cos(2.0 * M_PI * t / 4.0)); };
+  EXPECT_NO_THROW(ReadBreathSignal(Csv(30.0, breath), {}));
+  EXPECT_THAT(
+      [&] {
+        ReadBreathSignal(Csv(30.0, [&](double t) { return t > 10.0 && t < 12.0 ? "" : breath(t); }),
+                         {});
+      },
+      testing::ThrowsMessage<InputError>(HasSubstr("gap")));
+  EXPECT_THAT([&] { ReadBreathSignal(Csv(30.0, [](double) { return "0.7"; }), {}); },
+              testing::ThrowsMessage<InputError>(HasSubstr("nobody breathes")));
+  for (const char* rubbish : {"nan", "inf", "-inf", "cough", "1e999"}) {
+    EXPECT_THROW(
+        ReadBreathSignal(
+            Csv(30.0, [&](double t) { return t > 10.0 && t < 10.1 ? rubbish : breath(t); }), {}),
+        InputError)
+        << rubbish;
+  }
+  // A sensor that comes loose half way: what is there of breath is used, and nothing jumps.
+  const BreathSignal loose = ReadBreathSignal(
+      Csv(60.0, [&](double t) { return t < 30.0 ? breath(t) : std::string("-1"); }), {});
+  const RecordedBreath recorded(loose, {});
+  for (double t = 0.0; t < 80.0; t += 0.01) {
+    const Breath at = recorded.At(t);
+    ASSERT_TRUE(std::isfinite(at.level) && std::isfinite(at.level_per_s));
+    ASSERT_LE(std::abs(at.level), 1.05);
+    ASSERT_LE(std::abs(at.level_per_s), 5.0);
+    ASSERT_TRUE(at.cycle >= 0.0 && at.cycle < 1.0);
+  }
+}
+
+}  // namespace
+}  // namespace acus::breathing
