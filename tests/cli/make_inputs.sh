@@ -37,6 +37,15 @@ acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd \
   --exercise exercises/lumbar_puncture.json --trainee A7 -o first_run >/dev/null
 cp -r first_run second_run
 
+# A suite of one session, for acus-regression.
+mkdir suite
+cat >suite/suite.json <<'JSON'
+{"format": "acus-regression/1", "cases": [{"name": "insertion", "scenario": "../scenario.json",
+ "session": "../sessions/insertion", "set": ["/effects/ultrasound=null", "/image_rate_hz=1"],
+ "patient": {"ct": "../ct.nrrd", "labels": "../labels.seg.nrrd",
+             "ct_from_reference_file": "../ct_from_reference.tfm"}}]}
+JSON
+
 # A pointer 180 mm long that is turned about (10, 20, 30): 25 poses, one 4 x 4 matrix a file.
 mkdir poses
 awk 'BEGIN {

@@ -1,0 +1,64 @@
+// acus-regression: recorded sessions whose outcome is to stay.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "core/atomic_file.h"
+#include "core/run_main.h"
+#include "regression/regression_report.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace acus::regression;
+
+acus::ExitCode Run(const Suite& suite, const fs::path& output, acus::RunContext& context) {
+  acus::AtomicFolder folder(output, context.overwrite);
+  const SuiteResult result = RunSuite(suite, folder.path(), context);
+  WriteResult(folder.path(), result, context);
+  folder.Commit();
+  std::cout << TextOf(result) << "Page: " << (output / "regression.html").string() << std::endl;
+  if (result.passed()) return acus::ExitCode::kOk;
+  throw acus::NoAnswerError(
+      acus::Message("the outcome is not what is expected; look at the page, and if it is right, ",
+                    "acus-regression accept makes it the expected one"));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  fs::path suite_path, output, result;
+  std::vector<std::string> cases;
+  CLI::App app{
+      "Replay a suite of recorded sessions and hold each run against what is expected of it.\n"
+      "Exit code 0 if all are as expected, 4 if one moved, is new or gave no result.",
+      "acus-regression"};
+  app.require_subcommand(1);
+  auto* run = app.add_subcommand("run", "Replay and compare");
+  auto* accept = app.add_subcommand("accept", "Make a result the expected outcome, as it is");
+  for (CLI::App* command : {run, accept}) {
+    command
+        ->add_option("suite", suite_path,
+                     "Suite (acus-regression JSON), or the folder of suite.json")
+        ->required()
+        ->check(CLI::ExistingPath);
+    command->add_option("--case", cases, "Only this case; may be given several times");
+  }
+  run->add_option("-o,--output", output, "Folder to make: regression.html, .json, all runs")
+      ->required();
+  accept->add_option("result", result, "Folder that acus-regression run made")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  app.footer(
+      "EXAMPLE\n"
+      "  acus-regression run suite -o result || true\n"
+      "  acus-regression accept suite result\n"
+      "  acus-regression run suite -o second_result");
+  return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
+    const Suite suite = Only(ReadSuite(suite_path), cases);
+    context.provenance.AddInput(fs::is_directory(suite_path) ? suite_path / "suite.json"
+                                                             : suite_path);
+    if (run->parsed()) return Run(suite, output, context);
+    std::cout << AcceptResult(suite, result) << std::flush;
+    return acus::ExitCode::kOk;
+  });
+}
