@@ -18,16 +18,16 @@ enum class SourceState {
 /// "stopped", "connecting", "connected".
 const char* Name(SourceState state);
 
-/// Every message that came is in exactly one of `readings` (per tool), `other_messages` and
-/// `bad_*`.
+/// What came and what became of it: nothing is dropped without being counted here.
 struct SourceCounts {
-  std::uint64_t messages = 0;      ///< Whole messages (or camera pictures) that came.
-  std::uint64_t readings = 0;      ///< Readings of our tools, seen or not.
-  std::uint64_t not_seen = 0;      ///< Of these: the tracker said that the tool is not in view.
-  std::uint64_t bad_poses = 0;     ///< Of these: NaN, or not rigid; published as not valid.
-  std::uint64_t out_of_order = 0;  ///< Of these: stamp before the last one; published all the same.
-  std::uint64_t repeated = 0;      ///< Of these: stamp equal to the last one.
-  std::uint64_t other_tools = 0;   ///< Readings of tools that were not asked for.
+  std::uint64_t messages = 0;        ///< Whole and right messages (or camera pictures).
+  std::uint64_t readings = 0;        ///< Readings of our tools; all of them were published.
+  std::uint64_t not_seen = 0;        ///< Of these: the source says that the tool is not in view.
+  std::uint64_t bad_poses = 0;       ///< Of these: NaN, or not rigid; published as not valid.
+  std::uint64_t out_of_order = 0;    ///< Of these: stamp before the last one.
+  std::uint64_t repeated = 0;        ///< Of these: stamp equal to the last one.
+  std::uint64_t fell_silent = 0;     ///< Published as not valid because nothing came for too long.
+  std::uint64_t other_tools = 0;     ///< Readings of tools that were not asked for.
   std::uint64_t other_messages = 0;  ///< Of a type that is not ours.
   std::uint64_t bad_messages = 0;    ///< Checksum, size or content wrong.
   std::uint64_t skipped_bytes = 0;   ///< Thrown away in search of the next message.
@@ -40,6 +40,7 @@ struct ClockStatus {
   bool known = false;
   std::int64_t offset_ns = 0;      ///< Ours minus the source's, at the last reading.
   double drift_ppm = 0.0;          ///< Rate of the offset: positive if the source's clock is slow.
+  int times_set = 0;               ///< How often the source's clock was set meanwhile.
   std::int64_t last_delay_ns = 0;  ///< Of the last reading, beyond the shortest.
   std::int64_t max_delay_ns = 0;   ///< Largest since the link came about.
 };
