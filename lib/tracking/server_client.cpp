@@ -21,7 +21,7 @@ bool ServerClient::AddPicture(const std::string& stream, const SharedBytes& byte
 
 void ServerClient::StartTrackingData(int interval_ms) {
   interval_ms_ = interval_ms;
-  due_ns_ = INT64_MIN;
+  due_ns_ = INT64_MIN / 2;  // At once; sums with it do not overflow.
 }
 
 void ServerClient::AddTrackingData(const SharedBytes& bytes, std::int64_t time_ns) {
