@@ -1,6 +1,7 @@
 #include "tradeoff/sweep.h"
 
 #include "core/error.h"
+#include "tradeoff/breathing_sweep.h"
 #include "tradeoff/forces_sweep.h"
 #include "tradeoff/image_sweep.h"
 #include "tradeoff/needle_sweep.h"
@@ -10,7 +11,7 @@ namespace acus::tradeoff {
 
 const std::vector<Sweep>& Sweeps() {
   static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep(), ForcesSweep(),
-                                            ImageSweep()};
+                                            ImageSweep(), BreathingSweep()};
   return sweeps;
 }
 

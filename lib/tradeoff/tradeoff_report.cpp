@@ -83,7 +83,7 @@ report::Plot ErrorOver(const std::vector<Row>& rows, const std::string& unit, do
   report::Series papers{.name = "paper", .style = report::Style::kPoints};
   for (const std::string& knob : Knobs(rows)) {
     report::Series series{.name = knob};
-    if (knob == "level" || knob == "element" || knob == "storage") {
+    if (knob == "level" || knob == "model" || knob == "element" || knob == "storage") {
       series.style = report::Style::kPoints;  // No order to join them in.
     }
     for (const Row& row : rows) {
@@ -116,6 +116,8 @@ std::vector<report::Plot> PlotsOf(const std::vector<Row>& rows) {
     out.back().title = "error against the time of a step";
     out.push_back(ErrorOver(rows, unit, &Row::preparation_s, "preparation [s of CPU]"));
     out.back().title = "error against preparation";
+    out.push_back(ErrorOver(rows, unit, &Row::memory_mb, "memory that steps read [MB]"));
+    out.back().title = "error against memory";
   }
   return out;
 }
@@ -158,7 +160,9 @@ void WriteHtml(const std::filesystem::path& path, const Sweep& sweep, const std:
   }
   html.Warnings(warnings);
   html.Section("Error against time");
-  for (const report::Plot& plot : plots) html.Plots(std::vector<report::Plot>{plot});
+  for (const report::Plot& plot : plots) {
+    if (!plot.series.empty()) html.Plots(std::vector<report::Plot>{plot});
+  }
   for (const std::string& knob : Knobs(rows)) {
     html.Section(knob);
     html.Table(kShownHeader, ShownRows(rows, knob));
@@ -205,6 +209,7 @@ std::vector<Row> SweepToFolder(const Sweep& sweep, bool quick, const std::filesy
   config::WriteJson(out.path() / "tradeoff.json", ToJson(sweep, rows));
   report::WriteSvg(out.path() / "tradeoff.svg", plots[0]);
   report::WriteSvg(out.path() / "tradeoff_preparation.svg", plots[1]);
+  report::WriteSvg(out.path() / "tradeoff_memory.svg", plots[2]);
   WriteHtml(out.path() / "tradeoff.html", sweep, rows, plots, context);
   config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
   out.Commit();
