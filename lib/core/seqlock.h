@@ -22,7 +22,6 @@ class Seqlock {
     std::memcpy(words.data(), &value, sizeof(T));
     const std::uint64_t version = version_.load(std::memory_order_relaxed);
     version_.store(version + 1, std::memory_order_relaxed);
-    std::atomic_thread_fence(std::memory_order_release);
     for (std::size_t i = 0; i < kNumWords; ++i) {
       // Release: a reader that sees this word sees that the version is odd.
       words_[i].store(words[i], std::memory_order_release);
@@ -32,19 +31,24 @@ class Seqlock {
 
   /// Any thread. What the last complete Store() wrote; before the first one, all bits zero.
   T Load() const noexcept {
-    Words words{};
-    std::uint64_t before = 0;
-    std::uint64_t after = 0;
-    do {
-      before = version_.load(std::memory_order_acquire);
-      for (std::size_t i = 0; i < kNumWords; ++i) {
-        words[i] = words_[i].load(std::memory_order_acquire);
-      }
-      after = version_.load(std::memory_order_relaxed);
-    } while (before != after || (before & 1U) != 0);
     T value;
-    std::memcpy(&value, words.data(), sizeof(T));
+    while (!TryLoad(value)) {
+      // The writer came in between.
+    }
     return value;
+  }
+
+  /// For threads that may not wait, not even for a writer that was interrupted: false, and `value`
+  /// is as it was, if the writer is at it.
+  bool TryLoad(T& value) const noexcept {
+    const std::uint64_t before = version_.load(std::memory_order_acquire);
+    Words words{};
+    for (std::size_t i = 0; i < kNumWords; ++i) {
+      words[i] = words_[i].load(std::memory_order_acquire);
+    }
+    if (version_.load(std::memory_order_relaxed) != before || (before & 1U) != 0) return false;
+    std::memcpy(&value, words.data(), sizeof(T));
+    return true;
   }
 
   /// Number of values stored so far.

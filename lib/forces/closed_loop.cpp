@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "math/driven_mass.h"
 
 namespace acus::forces {
 namespace {
@@ -56,42 +57,30 @@ LoopResult RunClosedLoop(const HapticDevice& device, const Hand& hand, const For
   ACUS_REQUIRE(hand.wants_in_ct_mm != nullptr, "the hand has nowhere to go");
   const double sample_s = 1.0 / device.rate_hz;
   const double dt_s = sample_s / kStepsPerSample;
-  const double per_mass = 1e3 / device.mass_kg;  // N to mm/s^2.
-  const double hand_n_per_mm = hand.stiffness_n_per_m * 1e-3;
-  const double hand_n_s_per_mm = hand.damping_n_s_per_m * 1e-3;
-  const double damping = (device.damping_n_s_per_m + hand.damping_n_s_per_m) * 1e-3;
-
-  // What dry friction takes off the speed in one step; slower than that it holds the device.
-  const double stopped_mm_per_s =
-      dt_s * per_mass * device.dry_friction_n / (1.0 + dt_s * per_mass * damping);
+  const math::DrivenMass mass{.mass_kg = device.mass_kg,
+                              .damping_n_s_per_mm = device.damping_n_s_per_m * 1e-3,
+                              .hand_n_per_mm = hand.stiffness_n_per_m * 1e-3,
+                              .hand_n_s_per_mm = hand.damping_n_s_per_m * 1e-3,
+                              .dry_friction_n = device.dry_friction_n};
 
   LoopResult result;
   PassivityObserver observer;
-  Eigen::Vector3d place_mm = hand.wants_in_ct_mm(0.0);
-  Eigen::Vector3d velocity_mm_per_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d wanted_mm = place_mm;
+  math::DrivenMass::State state;
+  state.place_mm = hand.wants_in_ct_mm(0.0);
+  state.wanted_mm = state.place_mm;
   std::deque<Eigen::Vector3d> late(static_cast<std::size_t>(std::max(0, device.delay_steps)),
                                    Eigen::Vector3d::Zero());
   const auto num_samples = static_cast<std::size_t>(std::llround(duration_s * device.rate_hz));
   result.samples.reserve(num_samples);
   for (std::size_t n = 0; n < num_samples; ++n) {
     const double time_s = static_cast<double>(n) * sample_s;
-    late.push_back(model(time_s, Measured(place_mm, device.encoder_mm)));
+    late.push_back(model(time_s, Measured(state.place_mm, device.encoder_mm)));
     const Eigen::Vector3d force_n = late.front();
     late.pop_front();
-    result.samples.push_back({time_s, place_mm, velocity_mm_per_s, force_n});
+    result.samples.push_back({time_s, state.place_mm, state.velocity_mm_s, force_n});
     for (int i = 1; i <= kStepsPerSample; ++i) {
-      const Eigen::Vector3d next_mm = hand.wants_in_ct_mm(time_s + i * dt_s);
-      const Eigen::Vector3d pull_n = force_n + hand_n_per_mm * (next_mm - place_mm) +
-                                     hand_n_s_per_mm * (next_mm - wanted_mm) / dt_s;
-      wanted_mm = next_mm;
-      velocity_mm_per_s =
-          (velocity_mm_per_s + dt_s * per_mass * pull_n) / (1.0 + dt_s * per_mass * damping);
-      const double speed_mm_per_s = velocity_mm_per_s.norm();
-      velocity_mm_per_s *=
-          speed_mm_per_s > stopped_mm_per_s ? 1.0 - stopped_mm_per_s / speed_mm_per_s : 0.0;
-      const Eigen::Vector3d travel_mm = dt_s * velocity_mm_per_s;
-      place_mm += travel_mm;
+      const Eigen::Vector3d wanted_mm = hand.wants_in_ct_mm(time_s + i * dt_s);
+      const Eigen::Vector3d travel_mm = mass.Step(state, wanted_mm, force_n, dt_s);
       observer.Add(force_n, travel_mm);
     }
   }

@@ -15,7 +15,9 @@ struct DeviceReading {
   Eigen::Vector3d velocity_mm_s = Eigen::Vector3d::Zero();               ///< Device frame.
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();      ///< Device frame.
   unsigned buttons = 0;  ///< Bit i: button i is held.
-  bool valid = false;    ///< To a servo: false means that the pose is the last good one.
+  bool motors_on =
+      true;            ///< False: the device itself holds them off (emergency stop, its dead-man).
+  bool valid = false;  ///< To a servo: false means that the pose is the last good one.
 };
 
 /// On the handle, device frame.

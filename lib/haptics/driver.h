@@ -30,6 +30,9 @@ class GuardedServo {
 
   /// Reports an error of the vendor's library by its number; Driver::FaultText() words it.
   virtual void Report(DriverFault fault, int code) noexcept = 0;
+
+  /// Something the user should know, in plain words. From Run() only, not from a servo thread.
+  virtual void Notice(const std::string& text) = 0;
 };
 
 class Driver {

@@ -83,6 +83,8 @@ const char* Words(GuardAct act) noexcept {
       return "the computed force was not a number";
     case GuardAct::kDeadManOpen:
       return "the dead-man switch is open";
+    case GuardAct::kMotorsOff:
+      return "the device has its motors switched off";
     case GuardAct::kInhibited:
       return "forces are held at zero";
     case GuardAct::kForceMagnitude:
@@ -151,12 +153,14 @@ void ForceGuard::JudgeTime(std::int64_t time_ns) noexcept {
   has_seen_ = true;
 }
 
-void ForceGuard::JudgeConditions(unsigned buttons, const GuardConditions& conditions) noexcept {
+void ForceGuard::JudgeConditions(const DeviceReading& reading,
+                                 const GuardConditions& conditions) noexcept {
+  if (reading.valid && !reading.motors_on) Note(GuardAct::kMotorsOff);
   if (conditions.inhibited) Note(GuardAct::kInhibited);
   if (settings_.dead_man == DeadMan::kNone) return;
   const bool is_held = settings_.dead_man == DeadMan::kPedal
                            ? conditions.pedal_held
-                           : (buttons & settings_.dead_man_buttons) != 0;
+                           : (reading.buttons & settings_.dead_man_buttons) != 0;
   // A switch that is stuck is no switch: it must have been open once.
   dead_man_was_open_ = dead_man_was_open_ || !is_held;
   if (!is_held || !dead_man_was_open_) Note(GuardAct::kDeadManOpen);
@@ -167,7 +171,7 @@ DeviceReading ForceGuard::Admit(const DeviceReading& reading,
   acts_ = 0;
   JudgeTime(reading.time_ns);
   const bool reading_is_good = JudgeReading(reading);
-  JudgeConditions(reading.buttons, conditions);
+  JudgeConditions(reading, conditions);
   const bool is_good = acts_ == 0;
   if (is_good && !is_steady_) steady_since_ns_ = reading.time_ns;
   is_steady_ = is_good;

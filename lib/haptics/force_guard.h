@@ -28,7 +28,7 @@ struct GuardSettings {
   double settle_s = 0.05;  ///< Readings must be good for so long before the ramp begins.
   double late_s = 0.01;    ///< Later than this after the one before, or after its reading: fault.
   double jump_mm = 20.0;   ///< Further than this from one reading to the next: fault.
-  double jump_rad = 0.8;
+  double jump_rad = 0.785;
   DeadMan dead_man = DeadMan::kNone;
   unsigned dead_man_buttons = 1;  ///< Bits; any of them.
 
@@ -46,6 +46,7 @@ enum class GuardAct : std::uint8_t {
   kStepLate,     ///< The servo took too long.
   kForceNotFinite,
   kDeadManOpen,  ///< Or its button has never been seen open since the start.
+  kMotorsOff,    ///< DeviceReading::motors_on.
   kInhibited,    ///< By GuardConditions::inhibited: the tracker is lost, for one.
   kForceMagnitude,
   kTorqueMagnitude,
@@ -102,7 +103,7 @@ class ForceGuard {
  private:
   void JudgeTime(std::int64_t time_ns) noexcept;
   bool JudgeReading(const DeviceReading& reading) noexcept;
-  void JudgeConditions(unsigned buttons, const GuardConditions& conditions) noexcept;
+  void JudgeConditions(const DeviceReading& reading, const GuardConditions& conditions) noexcept;
   double RampShare() const noexcept;
   void Note(GuardAct act) noexcept;
   void Publish() noexcept;

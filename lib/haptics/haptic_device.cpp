@@ -96,6 +96,7 @@ struct HapticDevice::Impl final : GuardedServo {
   DeviceForce Tick(const DeviceReading& reading,
                    std::int64_t (*clock)() noexcept) noexcept override;
   void Report(DriverFault fault, int code) noexcept override;
+  void Notice(const std::string& notice) override;
 
   void Watch();
   bool WatchOnce(std::int64_t now_ns);
@@ -136,6 +137,7 @@ struct HapticDevice::Impl final : GuardedServo {
   bool stopping = false;
   DeviceState state = DeviceState::kStopped;
   std::string text;
+  std::vector<std::string> notices;
   std::int64_t num_reopened = 0;
   std::int64_t num_overruns = 0;
 };
@@ -175,6 +177,11 @@ void HapticDevice::Impl::Report(DriverFault kind, int code) noexcept {
   // The first one tells why; a fatal one comes after nothing.
   std::uint64_t none = 0;
   fault.compare_exchange_strong(none, PackFault(kind, code), std::memory_order_acq_rel);
+}
+
+void HapticDevice::Impl::Notice(const std::string& notice) {
+  const std::lock_guard lock(mutex);
+  if (std::ranges::find(notices, notice) == notices.end()) notices.push_back(notice);
 }
 
 void HapticDevice::Impl::SetState(DeviceState to, const std::string& why) {
@@ -332,6 +339,7 @@ DeviceStatus HapticDevice::status() const {
     const std::lock_guard lock(me.mutex);
     status.state = me.state;
     status.text = me.text;
+    status.notices = me.notices;
     status.num_reopened = me.num_reopened;
     status.num_overruns = me.num_overruns;
   }

@@ -35,7 +35,8 @@ enum class DeviceState {
 
 struct DeviceStatus {
   DeviceState state = DeviceState::kStopped;
-  std::string text;  ///< The last fault in plain words, and what to do; or empty.
+  std::string text;                  ///< The last fault in plain words, and what to do; or empty.
+  std::vector<std::string> notices;  ///< Since the start: no real-time priority, for one.
   std::int64_t ticks = 0;
   std::int64_t num_warnings = 0;  ///< Errors of the driver that it runs on after: warm motors.
   std::int64_t num_reopened = 0;
