@@ -1,0 +1,108 @@
+// Random documents that a JSON schema allows, its extremes among them.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/random.h"
+
+namespace acus::testing_support {
+
+/// Draws what our schemas are made of: objects, enums, constants, booleans, numbers and whole
+/// numbers with ranges. Strings and arrays are drawn from `choices` by their JSON pointer, and left
+/// out where there is none; so is whatever has an empty list of choices.
+class SchemaSampler {
+ public:
+  using Choices = std::map<std::string, std::vector<nlohmann::json>>;
+
+  SchemaSampler(nlohmann::json schema, Choices choices)
+      : schema_(std::move(schema)), choices_(std::move(choices)) {}
+
+  nlohmann::json Draw(std::uint64_t seed) const {
+    RandomStream random(seed, "schema");
+    return *DrawNode(schema_, "", random);
+  }
+
+ private:
+  using Json = nlohmann::json;
+
+  std::optional<Json> DrawNode(const Json& node, const std::string& pointer,
+                               RandomStream& random) const {
+    if (const auto own = choices_.find(pointer); own != choices_.end()) {
+      if (own->second.empty()) return std::nullopt;
+      return own->second[random.Next() % own->second.size()];
+    }
+    if (node.contains("const")) return node["const"];
+    if (node.contains("enum")) return node["enum"][random.Next() % node["enum"].size()];
+    const std::string type = node.value("type", "");
+    if (type == "boolean") return random.Next() % 2 == 0;
+    if (type == "number" || type == "integer") return DrawNumber(node, type == "integer", random);
+    if (type == "object") return DrawObject(node, pointer, random);
+    return std::nullopt;
+  }
+
+  Json DrawObject(const Json& node, const std::string& pointer, RandomStream& random) const {
+    Json object = Json::object();
+    const Json required = node.value("required", Json::array());
+    if (!node.contains("properties")) return object;
+    for (const auto& [key, property] : node["properties"].items()) {
+      // Drawn in any case, so that one property more does not change all that follow.
+      const auto value = DrawNode(property, pointer + "/" + key, random);
+      const bool wanted = random.Uniform() < 0.5;
+      const bool is_required = std::find(required.begin(), required.end(), key) != required.end();
+      if (value && (wanted || is_required)) object[key] = *value;
+    }
+    return object;
+  }
+
+  /// Each end of the range once in ten draws; over decades where the range spans them.
+  static Json DrawNumber(const Json& node, bool is_integer, RandomStream& random) {
+    const bool open = node.contains("exclusiveMinimum");
+    double low = open ? node["exclusiveMinimum"].get<double>() : node.value("minimum", 0.0);
+    const double high = node.value("maximum", 1e6);
+    if (open) low = low == 0.0 ? 1e-4 * high : low * (1.0 + 1e-9);
+    const double kind = random.Uniform();
+    double value = random.Uniform(low, high);
+    if (kind < 0.1) value = low;
+    if (kind > 0.9) value = high;
+    if (low > 0.0 && high / low > 50.0 && kind >= 0.1 && kind <= 0.9) {
+      value = low * std::pow(high / low, random.Uniform());
+    }
+    if (is_integer) return static_cast<std::int64_t>(std::floor(value));
+    return value;
+  }
+
+  Json schema_;
+  Choices choices_;
+};
+
+/// The same failure in fewer keys: takes out one key after the other, deepest last, as long as it
+/// `fails` without it.
+inline nlohmann::json Shrunk(nlohmann::json document,
+                             const std::function<bool(const nlohmann::json&)>& fails) {
+  for (bool smaller = true; smaller;) {
+    smaller = false;
+    std::vector<nlohmann::json::json_pointer> objects = {nlohmann::json::json_pointer("")};
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const nlohmann::json object = document.at(objects[i]);
+      for (const auto& [key, value] : object.items()) {
+        nlohmann::json without = document;
+        without.at(objects[i]).erase(key);
+        if (fails(without)) {
+          document = std::move(without);
+          smaller = true;
+        } else if (value.is_object()) {
+          objects.push_back(objects[i] / key);
+        }
+      }
+    }
+  }
+  return document;
+}
+
+}  // namespace acus::testing_support
