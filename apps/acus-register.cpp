@@ -30,7 +30,9 @@ acus::ExitCode RegisterLandmarks(const Options& options, acus::RunContext& conte
                              options.leave_out);
   std::optional<Landmarks> targets;
   if (!options.target.empty()) targets = Read(options.target, context);
-  const RegistrationReport report = Register(pairs, targets, options.fle_mm);
+  RegistrationSettings settings;
+  settings.fle_rms_mm = options.fle_mm;
+  const RegistrationReport report = Register(pairs, targets, settings);
   for (const std::string& warning : report.warnings) context.Warn(warning);
   const auto plot = acus::report::ResidualPlot("Residuals after registration", pairs.names,
                                                ResidualsMm(report), ErrorsByOthersMm(report));

@@ -56,6 +56,36 @@ class Collector {
   std::set<std::string> seen_;
 };
 
+/// The localisation error of each point, if the table has it: see ReadLandmarks.
+Markers DeviationsFrom(const CsvTable& table) {
+  const auto count = static_cast<Eigen::Index>(table.num_rows());
+  Markers sd_mm(3, 0);
+  const std::array<const char*, 3> columns = {"sd_x_mm", "sd_y_mm", "sd_z_mm"};
+  if (table.Has("fle_mm")) {
+    const std::vector<double> fle_mm = table.Numbers("fle_mm");
+    sd_mm.resize(3, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      sd_mm.col(i).setConstant(fle_mm[static_cast<std::size_t>(i)] / std::sqrt(3.0));
+    }
+  } else if (table.Has(columns[0]) || table.Has(columns[1]) || table.Has(columns[2])) {
+    sd_mm.resize(3, count);
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::vector<double> values = table.Numbers(columns[static_cast<std::size_t>(axis)]);
+      for (Eigen::Index i = 0; i < count; ++i) {
+        sd_mm(axis, i) = values[static_cast<std::size_t>(i)];
+      }
+    }
+  }
+  for (Eigen::Index i = 0; i < sd_mm.cols(); ++i) {
+    const double least = sd_mm.col(i).minCoeff();
+    const double most = sd_mm.col(i).maxCoeff();
+    ACUS_REQUIRE(least > 0.0 && most <= 1000.0, table.Where(static_cast<std::size_t>(i)),
+                 ": the localisation error must be above 0 mm and at most 1000 mm, got ",
+                 least > 0.0 ? most : least);
+  }
+  return sd_mm;
+}
+
 Landmarks FromTable(const CsvTable& table, const std::string& name_column,
                     const std::array<const char*, 3>& columns, bool is_ras) {
   const auto x = table.Numbers(columns[0]);
@@ -67,7 +97,9 @@ Landmarks FromTable(const CsvTable& table, const std::string& name_column,
   for (std::size_t i = 0; i < table.num_rows(); ++i) {
     collector.Add(names[i], {x[i], y[i], z[i]}, is_ras, table.Where(i));
   }
-  return collector.Take();
+  Landmarks landmarks = collector.Take();
+  landmarks.sd_mm = DeviationsFrom(table);
+  return landmarks;
 }
 
 Landmarks ReadCsv(const std::filesystem::path& path) {
@@ -190,11 +222,24 @@ std::string Joined(const std::vector<std::string>& words) {
   return text;
 }
 
+/// The columns of the first or second members; nothing of nothing.
+Markers Chosen(const Markers& all, const std::vector<std::pair<Eigen::Index, Eigen::Index>>& matches,
+               bool second) {
+  if (all.cols() == 0) return Markers(3, 0);
+  Markers chosen(3, static_cast<Eigen::Index>(matches.size()));
+  for (std::size_t k = 0; k < matches.size(); ++k) {
+    chosen.col(static_cast<Eigen::Index>(k)) =
+        all.col(second ? matches[k].second : matches[k].first);
+  }
+  return chosen;
+}
+
 MarkerPairs MatchByOrder(const Landmarks& reference, const Landmarks& ct) {
   ACUS_REQUIRE(reference.points_mm.cols() == ct.points_mm.cols(), reference.source, " has ",
                reference.points_mm.cols(), " points, ", ct.source, " has ", ct.points_mm.cols(),
                ", and they have no name in common; give the same point the same name in both");
-  MarkerPairs pairs{reference.names, reference.points_mm, ct.points_mm, {}};
+  MarkerPairs pairs{reference.names, reference.points_mm, ct.points_mm,
+                    {},              reference.sd_mm,     ct.sd_mm};
   for (std::size_t i = 0; i < pairs.names.size(); ++i) {
     if (pairs.names[i].empty()) pairs.names[i] = Message("#", i + 1);
   }
@@ -244,6 +289,8 @@ MarkerPairs MatchLandmarks(const Landmarks& reference, const Landmarks& ct) {
     pairs.reference_mm.col(static_cast<Eigen::Index>(k)) = reference.points_mm.col(i);
     pairs.ct_mm.col(static_cast<Eigen::Index>(k)) = ct.points_mm.col(j);
   }
+  pairs.reference_sd_mm = Chosen(reference.sd_mm, matches, /*second=*/false);
+  pairs.ct_sd_mm = Chosen(ct.sd_mm, matches, /*second=*/true);
   const auto warn = [&pairs](const std::vector<std::string>& names, const std::string& has,
                              const std::string& has_not) {
     if (names.empty()) return;
@@ -277,6 +324,10 @@ MarkerPairs Without(const MarkerPairs& pairs, const std::vector<std::string>& na
   }
   rest.reference_mm = pairs.reference_mm(Eigen::all, kept);
   rest.ct_mm = pairs.ct_mm(Eigen::all, kept);
+  if (pairs.reference_sd_mm.cols() > 0) {
+    rest.reference_sd_mm = pairs.reference_sd_mm(Eigen::all, kept);
+  }
+  if (pairs.ct_sd_mm.cols() > 0) rest.ct_sd_mm = pairs.ct_sd_mm(Eigen::all, kept);
   return rest;
 }
 

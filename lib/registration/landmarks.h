@@ -15,11 +15,15 @@ struct Landmarks {
   std::string source;              ///< The file, for messages.
   std::vector<std::string> names;  ///< One per point; all empty if the file has no names.
   Markers points_mm;               ///< 3 x n.
+  /// Localisation error along the axes of the file's frame, standard deviations; empty if the file
+  /// does not say.
+  Markers sd_mm = {};
 };
 
 /// Reads points from
 ///  - CSV with columns name (may be missing), x_mm, y_mm, z_mm, in the frame of whoever wrote it,
-///    or as Slicer exports tables: label and l, p, s or r, a, s (columns r, a, s become LPS);
+///    or as Slicer exports tables: label and l, p, s or r, a, s (columns r, a, s become LPS); with
+///    the localisation error in columns fle_mm (RMS length) or sd_x_mm, sd_y_mm, sd_z_mm, if known;
 ///  - `.mrk.json` of 3D Slicer: all defined points of all point lists, RAS turned to LPS
 ///    (coordinateSystem "LPS" or 1, "RAS" or 0; LPS if it is not said);
 ///  - `.fcsv` of 3D Slicer, the same.
@@ -38,6 +42,8 @@ struct MarkerPairs {
   Markers reference_mm;
   Markers ct_mm;
   std::vector<std::string> warnings;  ///< What was left out, and how the rest was matched.
+  Markers reference_sd_mm = {};       ///< As Landmarks::sd_mm; empty if not known.
+  Markers ct_sd_mm = {};
 };
 
 /// Matches by name. Points that only one side has are left out with a warning. If the two have no

@@ -8,16 +8,12 @@
 #include "config/json_file.h"
 #include "core/error.h"
 #include "core/text_table.h"
-#include "math/distributions.h"
 #include "registration/transform_file.h"
 
 namespace acus::registration {
 namespace {
 
 using nlohmann::json;
-
-/// Markers whose spread across the line is below this share of that along it give a poor rotation.
-constexpr double kThinSpreadRatio = 0.1;
 
 json Row(const Eigen::Ref<const Eigen::Vector3d>& v) {
   return {v.x(), v.y(), v.z()};
@@ -38,34 +34,6 @@ Eigen::Vector3d PrincipalDeviations(const Eigen::Matrix3d& covariance) {
   return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().reverse();
 }
 
-void AddWarnings(RegistrationReport& report) {
-  auto& warnings = report.warnings;
-  if (report.pairs.ct_mm.cols() == 3) {
-    warnings.emplace_back(
-        "with 3 points a wrong one cannot be found, and the errors are estimated "
-        "from 3 degrees of freedom; use 4 or more");
-  }
-  if (report.spread_mm[1] < kThinSpreadRatio * report.spread_mm[0]) {
-    warnings.push_back(Message("the points are nearly on a line (spread along it ",
-                               FixedText(report.spread_mm[0], 1), " mm, across it ",
-                               FixedText(report.spread_mm[1], 1),
-                               " mm): the rotation about it is poorly determined"));
-  }
-  for (const Outlier& outlier : report.outliers) {
-    warnings.push_back(Message(
-        "point '", report.pairs.names[static_cast<std::size_t>(outlier.marker)],
-        "' does not fit the others: it is ", FixedText(outlier.evidence.predicted_error_mm, 2),
-        " mm from where they put it; without it FRE is ",
-        FixedText(outlier.evidence.fre_without_mm, 3), " mm (p = ", outlier.evidence.p_value,
-        "); measure it again, or add --leave-out"));
-  }
-  if (report.fre_p_value && *report.fre_p_value < 0.01) {
-    warnings.push_back(
-        Message("FRE is larger than the given FLE explains (p = ", *report.fre_p_value, ")"));
-  }
-  for (const std::string& mistake : CommonMistakes(report.pairs)) warnings.push_back(mistake);
-}
-
 json LeaveOneOutJson(const LeaveOneOut& result) {
   return {{"predicted_error_mm", result.predicted_error_mm},
           {"fre_without_mm", result.fre_without_mm},
@@ -73,40 +41,6 @@ json LeaveOneOutJson(const LeaveOneOut& result) {
 }
 
 }  // namespace
-
-RegistrationReport Register(const MarkerPairs& pairs, const std::optional<Landmarks>& targets_ct,
-                            std::optional<double> fle_rms_mm) {
-  RegistrationReport report;
-  report.pairs = pairs;
-  report.warnings = pairs.warnings;
-  report.fit = FitMarkers(pairs.reference_mm, pairs.ct_mm);
-  report.spread_mm = SpreadMm(pairs.ct_mm);
-  const auto count = static_cast<int>(pairs.ct_mm.cols());
-  report.fle_is_given = fle_rms_mm.has_value();
-  report.fle_rms_mm = FleFromFreMm(report.fit.fre_rms_mm, count);
-  if (fle_rms_mm) {
-    ACUS_REQUIRE(std::isfinite(*fle_rms_mm) && *fle_rms_mm > 0.0,
-                 "the localisation error must be above 0 mm, got ", *fle_rms_mm);
-    report.fle_rms_mm = *fle_rms_mm;
-    const double variance_mm2 = *fle_rms_mm * *fle_rms_mm / 3.0;
-    report.fre_p_value = math::ChiSquareUpperTail(
-        report.fit.residual_mm.squaredNorm() / variance_mm2, 3.0 * count - 6.0);
-  }
-  if (count >= 4) {
-    report.leave_one_out = LeaveEachOut(pairs.reference_mm, pairs.ct_mm);
-    report.outliers = FindOutliers(pairs.reference_mm, pairs.ct_mm);
-  }
-  if (targets_ct) {
-    for (Eigen::Index i = 0; i < targets_ct->points_mm.cols(); ++i) {
-      const Eigen::Vector3d ct_mm = targets_ct->points_mm.col(i);
-      const std::string& name = targets_ct->names[static_cast<std::size_t>(i)];
-      report.targets.push_back({name.empty() ? Message("#", i + 1) : name, ct_mm,
-                                ExpectedTre(pairs.ct_mm, report.fle_rms_mm, ct_mm)});
-    }
-  }
-  AddWarnings(report);
-  return report;
-}
 
 std::vector<double> ResidualsMm(const RegistrationReport& report) {
   const Eigen::VectorXd length_mm = report.fit.residual_mm.colwise().norm();
@@ -137,14 +71,18 @@ std::string TableText(const RegistrationReport& report) {
   text += Message("\nFRE ", FixedText(report.fit.fre_rms_mm, 3), " mm over ", rows.size(),
                   " points; FLE ", FixedText(report.fle_rms_mm, 3), " mm (",
                   report.fle_is_given ? "given" : "from FRE", ")\n");
+  for (const std::string& name : report.left_out) text += "left out: " + name + "\n";
+  for (const std::string& note : report.notes) text += "note: " + note + "\n";
   if (report.targets.empty()) return text;
   rows.clear();
   for (const TargetError& target : report.targets) {
     const Eigen::Vector3d sd_mm = PrincipalDeviations(target.tre.covariance_mm2);
-    rows.push_back({target.name, FixedText(target.tre.rms_mm, 3), FixedText(sd_mm[0], 3)});
+    rows.push_back({target.name, FixedText(target.tre.rms_mm, 3), FixedText(sd_mm[0], 3),
+                    FixedText(target.bound_mm, 3)});
   }
+  const std::string bound = Message(100.0 * report.confidence, " % below mm");
   return text + "\n" +
-         TextTable({"target", "expected TRE mm (RMS)", "SD in its worst direction mm"}, rows);
+         TextTable({"target", "expected TRE mm (RMS)", "SD in its worst direction mm", bound}, rows);
 }
 
 json ToJson(const RegistrationReport& report) {
@@ -161,9 +99,9 @@ json ToJson(const RegistrationReport& report) {
     }
   }
   json outliers = json::array();
-  for (const Outlier& outlier : report.outliers) {
-    outliers.push_back({{"name", report.pairs.names[static_cast<std::size_t>(outlier.marker)]},
-                        {"evidence", LeaveOneOutJson(outlier.evidence)}});
+  for (std::size_t i = 0; i < report.outliers.size(); ++i) {
+    outliers.push_back({{"name", report.outlier_names[i]},
+                        {"evidence", LeaveOneOutJson(report.outliers[i].evidence)}});
   }
   json targets = json::array();
   for (const TargetError& target : report.targets) {
@@ -171,6 +109,7 @@ json ToJson(const RegistrationReport& report) {
                        {"ct_mm", Row(target.ct_mm)},
                        {"reference_mm", Row(report.fit.ct_from_reference.inverse() * target.ct_mm)},
                        {"tre_rms_mm", target.tre.rms_mm},
+                       {"tre_bound_mm", target.bound_mm},
                        {"principal_sd_mm", Row(PrincipalDeviations(target.tre.covariance_mm2))}});
   }
   json document = {{"format", "acus-registration/1"},
@@ -178,7 +117,12 @@ json ToJson(const RegistrationReport& report) {
                    {"num_points", report.pairs.names.size()},
                    {"fre_rms_mm", report.fit.fre_rms_mm},
                    {"fle_rms_mm", report.fle_rms_mm},
-                   {"fle_source", report.fle_is_given ? "given" : "residuals"},
+                   {"fle_source", report.is_weighted    ? "points"
+                                  : report.fle_is_given ? "given"
+                                                        : "residuals"},
+                   {"confidence", report.confidence},
+                   {"left_out", report.left_out},
+                   {"notes", report.notes},
                    {"spread_mm", Row(report.spread_mm)},
                    {"points", points},
                    {"outliers", outliers},

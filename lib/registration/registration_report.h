@@ -8,35 +8,10 @@
 #include <vector>
 
 #include "core/run_context.h"
+#include "registration/landmark_registration.h"
 #include "registration/pivot.h"
-#include "registration/rigid_registration.h"
 
 namespace acus::registration {
-
-struct TargetError {
-  std::string name;
-  Eigen::Vector3d ct_mm;
-  TreEstimate tre;
-};
-
-struct RegistrationReport {
-  MarkerPairs pairs;
-  MarkerFit fit;
-  Eigen::Vector3d spread_mm;  ///< Of the CT markers, see SpreadMm().
-  double fle_rms_mm = 0.0;
-  bool fle_is_given = false;          ///< Otherwise it is estimated from FRE.
-  std::optional<double> fre_p_value;  ///< Chance of such an FRE or a larger one, if FLE is given.
-  std::vector<std::optional<LeaveOneOut>> leave_one_out;  ///< Per marker; empty with 3 markers.
-  std::vector<Outlier> outliers;
-  std::vector<TargetError> targets;
-  std::vector<std::string> warnings;
-};
-
-/// Registers the pairs, estimates the errors at the targets (points in CT), looks for outliers and
-/// for the usual mistakes. `fle_rms_mm` is the localisation error if it is known from elsewhere.
-/// @throws InputError as FitMarkers does, or if fle_rms_mm is not positive.
-RegistrationReport Register(const MarkerPairs& pairs, const std::optional<Landmarks>& targets_ct,
-                            std::optional<double> fle_rms_mm);
 
 /// Per point: the length of its residual, and its distance from where the others put it.
 std::vector<double> ResidualsMm(const RegistrationReport& report);

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "math/distributions.h"
+#include "registration/correspondence.h"
 
 namespace acus::registration {
 namespace {
@@ -57,6 +58,8 @@ MarkerFit FitMarkers(const Markers& reference_mm, const Markers& ct_mm) {
                ct_mm.cols());
   for (const auto& [space, markers_mm] : {std::pair{"reference", &reference_mm}, {"CT", &ct_mm}}) {
     const Vector3d spread_mm = SpreadMm(*markers_mm);
+    ACUS_REQUIRE(spread_mm[0] >= kMinSpreadMm, "the points are all at the same place in the ", space,
+                 " frame (spread ", spread_mm[0], " mm); was one point recorded again and again?");
     ACUS_REQUIRE(!IsDegenerate(spread_mm), "the points lie on a line in the ", space,
                  " frame (spread along it ", spread_mm[0], " mm, across it ", spread_mm[1],
                  " mm): the rotation about it cannot be found; add a point beside the line");
@@ -193,6 +196,23 @@ void AddExchange(const MarkerPairs& pairs, double fre_mm, std::vector<std::strin
   if (!best.empty()) mistakes.push_back(best);
 }
 
+void AddOrder(const MarkerPairs& pairs, std::vector<std::string>& mistakes) {
+  const auto order = BetterOrder(pairs.reference_mm, pairs.ct_mm);
+  if (!order) return;
+  std::vector<std::string> moved;
+  for (std::size_t i = 0; i < order->ct_of.size(); ++i) {
+    if (order->ct_of[i] != static_cast<Index>(i)) moved.push_back(pairs.names[i]);
+  }
+  const std::string what =
+      moved.size() == 2
+          ? Message("'", moved[0], "' and '", moved[1],
+                    "' seem to be exchanged: with their names swapped, FRE would be ")
+          : Message("the points seem to be in another order (", DescribeOrder(*order, pairs.names),
+                    "): then FRE would be ");
+  mistakes.push_back(Message(what, order->fre_rms_mm,
+                             " mm; put the names right, or let --find-order do it"));
+}
+
 }  // namespace
 
 std::vector<std::string> CommonMistakes(const MarkerPairs& pairs) {
@@ -203,7 +223,11 @@ std::vector<std::string> CommonMistakes(const MarkerPairs& pairs) {
   AddScale(pairs, fre_mm, mistakes);
   if (pairs.ct_mm.cols() >= 4) {
     AddMirror(pairs, fre_mm, mistakes);
-    if (pairs.ct_mm.cols() <= kMostToExchange) AddExchange(pairs, fre_mm, mistakes);
+  }
+  if (pairs.ct_mm.cols() <= kMostToOrder) {
+    AddOrder(pairs, mistakes);
+  } else if (pairs.ct_mm.cols() <= kMostToExchange) {
+    AddExchange(pairs, fre_mm, mistakes);
   }
   return mistakes;
 }

@@ -34,33 +34,39 @@ Landmarks Target(const Vector3d& ct_mm) {
   return {"targets.csv", {"canal"}, ct_mm};
 }
 
+RegistrationSettings Fle(double fle_rms_mm) {
+  RegistrationSettings settings;
+  settings.fle_rms_mm = fle_rms_mm;
+  return settings;
+}
+
 TEST(Register, ScalesTheTargetErrorWithTheGivenLocalisationError) {
   const MarkerPairs pairs = Pairs(6, 0.3);
-  const auto one = Register(pairs, Target({10, 20, 30}), 1.0);
-  const auto two = Register(pairs, Target({10, 20, 30}), 2.0);
+  const auto one = Register(pairs, Target({10, 20, 30}), Fle(1.0));
+  const auto two = Register(pairs, Target({10, 20, 30}), Fle(2.0));
   EXPECT_NEAR(two.targets[0].tre.rms_mm, 2 * one.targets[0].tre.rms_mm, 1e-12);
-  const auto own = Register(pairs, Target({10, 20, 30}), std::nullopt);
+  const auto own = Register(pairs, Target({10, 20, 30}));
   EXPECT_NEAR(own.targets[0].tre.rms_mm, own.fle_rms_mm * one.targets[0].tre.rms_mm, 1e-12);
   EXPECT_GT(*one.fre_p_value, 0.9);
-  const auto tight = Register(pairs, std::nullopt, 0.05);
+  const auto tight = Register(pairs, std::nullopt, Fle(0.05));
   EXPECT_LT(*tight.fre_p_value, 1e-6);
   EXPECT_THAT(tight.warnings, Contains(HasSubstr("larger than the given FLE explains")));
-  EXPECT_THAT([&] { Register(pairs, std::nullopt, 0.0); },
+  EXPECT_THAT([&] { Register(pairs, std::nullopt, Fle(0.0)); },
               ThrowsMessage<InputError>(HasSubstr("above 0")));
 }
 
 TEST(Register, WarnsOfWhatMakesItWorse) {
-  EXPECT_THAT(Register(Pairs(6, 0.3), std::nullopt, std::nullopt).warnings, IsEmpty());
-  EXPECT_THAT(Register(Pairs(3, 0.3), std::nullopt, std::nullopt).warnings,
+  EXPECT_THAT(Register(Pairs(6, 0.3), std::nullopt).warnings, IsEmpty());
+  EXPECT_THAT(Register(Pairs(3, 0.3), std::nullopt).warnings,
               Contains(HasSubstr("with 3 points")));
   MarkerPairs thin = Pairs(6, 0.0);
   thin.reference_mm.bottomRows<2>() *= 0.02;
   thin.ct_mm = thin.reference_mm;
-  EXPECT_THAT(Register(thin, std::nullopt, std::nullopt).warnings,
+  EXPECT_THAT(Register(thin, std::nullopt).warnings,
               Contains(HasSubstr("nearly on a line")));
   MarkerPairs wrong = Pairs(6, 0.3);
   wrong.ct_mm.col(4) += Vector3d(0, 8, 0);
-  const auto report = Register(wrong, std::nullopt, std::nullopt);
+  const auto report = Register(wrong, std::nullopt);
   EXPECT_THAT(report.warnings, Contains(HasSubstr("point 'm4' does not fit the others")));
   EXPECT_THAT(TableText(report), HasSubstr("m4"));
 }
@@ -69,7 +75,7 @@ TEST(WriteResult, HoldsTheSameTransformTwice) {
   const testing_support::TemporaryFolder folder;
   MarkerPairs pairs = Pairs(5, 0.3);
   pairs.ct_mm.colwise() += Vector3d(100, -200, 300);
-  const auto report = Register(pairs, Target({1, 2, 3}), std::nullopt);
+  const auto report = Register(pairs, Target({1, 2, 3}));
   WriteResult(folder.path(), report, RunContext{});
   const auto document = config::ReadJson(folder / "registration.json");
   const Eigen::Isometry3d read = ReadTransform(folder / "ct_from_reference.tfm");

@@ -59,7 +59,7 @@ TEST(FitMarkers, RefusesPointsOnALine) {
   EXPECT_THAT([&] { FitMarkers(line_mm, line_mm); },
               ThrowsMessage<InputError>(HasSubstr("on a line")));
   EXPECT_THAT([&] { FitMarkers(Markers::Zero(3, 5), Spread(5)); },
-              ThrowsMessage<InputError>(HasSubstr("on a line in the reference frame")));
+              ThrowsMessage<InputError>(HasSubstr("at the same place in the reference frame")));
   EXPECT_THAT([&] { FitMarkers(Spread(2), Spread(2)); },
               ThrowsMessage<InputError>(HasSubstr("at least 3 points, got 2")));
   line_mm(0, 1) += 1.0;  // A millimetre beside the line is enough for an answer.
