@@ -13,7 +13,8 @@ using Eigen::MatrixXd;
 
 constexpr double kTellingFactor = 0.2;
 constexpr double kAlikeFactor = 1.5;
-constexpr double kLeastFreMm = 0.05;  ///< Nobody touches better: keeps exact data from looking clear.
+constexpr double kLeastFreMm =
+    0.05;  ///< Nobody touches better: keeps exact data from looking clear.
 
 MatrixXd Distances(const Markers& markers_mm) {
   MatrixXd distances(markers_mm.cols(), markers_mm.cols());
@@ -49,7 +50,8 @@ class Search {
       return;
     }
     for (Index candidate = 0; candidate < ct_mm_.cols(); ++candidate) {
-      if (std::ranges::find(ct_of_, candidate) != ct_of_.end() || !Agrees(next, candidate)) continue;
+      if (std::ranges::find(ct_of_, candidate) != ct_of_.end() || !Agrees(next, candidate))
+        continue;
       ct_of_.push_back(candidate);
       Extend();
       ct_of_.pop_back();

@@ -18,9 +18,9 @@ struct Order {
   double fre_rms_mm = 0.0;
 };
 
-/// The orders of the CT markers that fit the reference markers with an FRE of at most `limit_mm`, best
-/// first, at most `most`. Markers i and j can only be a and b if the distance is the same to within
-/// 2 sqrt(n) limit_mm, so that few of the n! orders are tried, and none is missed.
+/// The orders of the CT markers that fit the reference markers with an FRE of at most `limit_mm`,
+/// best first, at most `most`. Markers i and j can only be a and b if the distance is the same to
+/// within 2 sqrt(n) limit_mm, so that few of the n! orders are tried, and none is missed.
 /// @pre n <= kMostToOrder, both sets determine a pose.
 std::vector<Order> FindOrders(const Markers& reference_mm, const Markers& ct_mm, double limit_mm,
                               std::size_t most = 10);
@@ -28,9 +28,9 @@ std::vector<Order> FindOrders(const Markers& reference_mm, const Markers& ct_mm,
 /// The order that fits at least five times better than the present one, if there is one.
 std::optional<Order> BetterOrder(const Markers& reference_mm, const Markers& ct_mm);
 
-/// Orders other than the present one that fit about as well (FRE less than 1.5 times as large): then
-/// the layout is so symmetrical that a wrong order would not be noticed. Empty for FRE above a tenth of
-/// the spread, where nothing fits.
+/// Orders other than the present one that fit about as well (FRE less than 1.5 times as large):
+/// then the layout is so symmetrical that a wrong order would not be noticed. Empty for FRE above a
+/// tenth of the spread, where nothing fits.
 std::vector<Order> EquallyGoodOrders(const Markers& reference_mm, const Markers& ct_mm);
 
 /// "A is C, C is A": what changes, in names. Empty if nothing does.

@@ -11,8 +11,8 @@
 namespace acus::registration {
 namespace {
 
-constexpr int kNodes = 32;         ///< Of each integral.
-constexpr int kMixtureNodes = 64;  ///< Of the unknown variance.
+constexpr int kNodes = 32;          ///< Of each integral.
+constexpr int kMixtureNodes = 64;   ///< Of the unknown variance.
 constexpr double kThinnest = 1e-4;  ///< Of the largest deviation: a flat covariance gets this much.
 
 double NormalInside(double half_width, double deviation) {
@@ -67,9 +67,8 @@ double Solve(double low, double high, double wanted, const F& increasing) {
 
 double ChiSquareQuantile(double probability, double degrees_of_freedom) {
   const double high = degrees_of_freedom + 60.0 * std::sqrt(2.0 * degrees_of_freedom) + 100.0;
-  return Solve(0.0, high, probability, [&](double x) {
-    return 1.0 - math::ChiSquareUpperTail(x, degrees_of_freedom);
-  });
+  return Solve(0.0, high, probability,
+               [&](double x) { return 1.0 - math::ChiSquareUpperTail(x, degrees_of_freedom); });
 }
 
 }  // namespace

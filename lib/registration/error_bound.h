@@ -5,8 +5,8 @@
 
 namespace acus::registration {
 
-/// The length that a normal error of mean 0 stays below with probability `confidence`: the covariance
-/// may be flat (needle-like or disc-like).
+/// The length that a normal error of mean 0 stays below with probability `confidence`: the
+/// covariance may be flat (needle-like or disc-like).
 /// @pre 0 < confidence < 1, the covariance is symmetric and has no negative eigenvalue.
 double LengthBoundMm(const Eigen::Matrix3d& covariance_mm2, double confidence);
 

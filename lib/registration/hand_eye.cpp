@@ -196,7 +196,8 @@ HandEye CalibrateHandEye(Poses device_from_handle, Poses tracker_from_marker, do
   ACUS_REQUIRE(device_from_handle.size() == tracker_from_marker.size(), "there are ",
                device_from_handle.size(), " poses of the handle, but ", tracker_from_marker.size(),
                " of the marker; each needs its partner of the same moment");
-  ACUS_REQUIRE(device_from_handle.size() >= 4, "a hand-eye calibration needs at least 4 pairs of poses, got ",
+  ACUS_REQUIRE(device_from_handle.size() >= 4,
+               "a hand-eye calibration needs at least 4 pairs of poses, got ",
                device_from_handle.size());
   HandEye result;
   result.turn_deg = WeakTurnDeg(device_from_handle);

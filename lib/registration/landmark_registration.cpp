@@ -51,10 +51,9 @@ void WarnOfPointsAtOnePlace(RegistrationReport& report) {
       const double reference_mm = (pairs.reference_mm.col(i) - pairs.reference_mm.col(j)).norm();
       const double ct_mm = (pairs.ct_mm.col(i) - pairs.ct_mm.col(j)).norm();
       if (std::min(reference_mm, ct_mm) > kSamePlaceMm) continue;
-      report.warnings.push_back(Message(NameOf(pairs, i), " and ", NameOf(pairs, j),
-                                        " are at the same place in the ",
-                                        reference_mm < ct_mm ? "reference frame" : "CT",
-                                        "; was one recorded twice?"));
+      report.warnings.push_back(
+          Message(NameOf(pairs, i), " and ", NameOf(pairs, j), " are at the same place in the ",
+                  reference_mm < ct_mm ? "reference frame" : "CT", "; was one recorded twice?"));
     }
   }
 }
@@ -83,23 +82,23 @@ void AddWarnings(RegistrationReport& report) {
 /// Puts the points right where the order of another choice fits far better.
 MarkerPairs Ordered(const MarkerPairs& pairs, bool find_order, RegistrationReport& report) {
   if (pairs.ct_mm.cols() > kMostToOrder) {
-    ACUS_REQUIRE(!find_order, "the order of at most ", kMostToOrder, " points can be found, there are ",
-                 pairs.ct_mm.cols(), "; name the same point alike in both files");
+    ACUS_REQUIRE(!find_order, "the order of at most ", kMostToOrder,
+                 " points can be found, there are ", pairs.ct_mm.cols(),
+                 "; name the same point alike in both files");
     return pairs;
   }
   const auto same = EquallyGoodOrders(pairs.reference_mm, pairs.ct_mm);
   if (!same.empty()) {
-    report.notes.push_back(
-        Message("the layout is so symmetrical that another order fits as well (",
-                DescribeOrder(same.front(), pairs.names), ": FRE ",
-                FixedText(same.front().fre_rms_mm, 3),
-                " mm): a wrong order would not be noticed; move a marker"));
+    report.notes.push_back(Message("the layout is so symmetrical that another order fits as well (",
+                                   DescribeOrder(same.front(), pairs.names), ": FRE ",
+                                   FixedText(same.front().fre_rms_mm, 3),
+                                   " mm): a wrong order would not be noticed; move a marker"));
   }
   if (!find_order) return pairs;
   const auto order = BetterOrder(pairs.reference_mm, pairs.ct_mm);
   if (!order) return pairs;
-  report.notes.push_back(Message("the points were put in another order: ",
-                                 DescribeOrder(*order, pairs.names)));
+  report.notes.push_back(
+      Message("the points were put in another order: ", DescribeOrder(*order, pairs.names)));
   return Reordered(pairs, *order);
 }
 
@@ -128,14 +127,14 @@ void TreatOutliers(const RegistrationSettings& settings, RegistrationReport& rep
                                 .fre_without_mm = found.fre_without_mm,
                                 .p_value = found.p_value}});
     report.outlier_names.push_back(pairs.names[static_cast<std::size_t>(marker)]);
-    report.warnings.push_back(Message(
-        "point ", NameOf(pairs, marker), " does not fit the others: it is ",
-        FixedText(error_mm, 2), " mm from where they put it; without ",
-        found.wrong.size() > 1 ? "the points that do not fit" : "it", " FRE is ",
-        FixedText(found.fre_without_mm, 3), " mm (p = ", found.p_value, "); ",
-        settings.leave_out_outliers ? "it was left out"
-                                    : "measure it again, or add --robust or --leave-out",
-        unclear ? "; but it may be " + Joined(pairs, found.instead) + " instead" : ""));
+    report.warnings.push_back(
+        Message("point ", NameOf(pairs, marker), " does not fit the others: it is ",
+                FixedText(error_mm, 2), " mm from where they put it; without ",
+                found.wrong.size() > 1 ? "the points that do not fit" : "it", " FRE is ",
+                FixedText(found.fre_without_mm, 3), " mm (p = ", found.p_value, "); ",
+                settings.leave_out_outliers ? "it was left out"
+                                            : "measure it again, or add --robust or --leave-out",
+                unclear ? "; but it may be " + Joined(pairs, found.instead) + " instead" : ""));
   }
   if (!settings.leave_out_outliers) return;
   report.left_out = report.outlier_names;
@@ -167,8 +166,8 @@ void Fit(const RegistrationSettings& settings, RegistrationReport& report) {
   if (settings.fle_rms_mm) {
     report.fle_rms_mm = *settings.fle_rms_mm;
     const double variance_mm2 = report.fle_rms_mm * report.fle_rms_mm / 3.0;
-    report.fre_p_value = math::ChiSquareUpperTail(
-        report.fit.residual_mm.squaredNorm() / variance_mm2, freedom);
+    report.fre_p_value =
+        math::ChiSquareUpperTail(report.fit.residual_mm.squaredNorm() / variance_mm2, freedom);
   }
   if (report.fle_rms_mm > 0.0) {
     report.pose_error = ErrorOfUnweightedFit(pairs.reference_mm, report.fit.ct_from_reference,
@@ -210,8 +209,8 @@ RegistrationReport Register(const MarkerPairs& pairs, const std::optional<Landma
   if (targets_ct) {
     for (Index i = 0; i < targets_ct->points_mm.cols(); ++i) {
       const std::string& name = targets_ct->names[static_cast<std::size_t>(i)];
-      report.targets.push_back(ErrorAt(name.empty() ? Message("#", i + 1) : name,
-                                       targets_ct->points_mm.col(i), report));
+      report.targets.push_back(
+          ErrorAt(name.empty() ? Message("#", i + 1) : name, targets_ct->points_mm.col(i), report));
     }
   }
   AddWarnings(report);

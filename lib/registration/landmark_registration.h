@@ -10,7 +10,8 @@
 namespace acus::registration {
 
 struct RegistrationSettings {
-  std::optional<double> fle_rms_mm = {};  ///< Localisation error, if known; else from the residuals.
+  std::optional<double> fle_rms_mm =
+      {};                           ///< Localisation error, if known; else from the residuals.
   bool leave_out_outliers = false;  ///< Wrong points are left out, not only named.
   bool find_order = false;          ///< A better order of the points is taken, not only named.
   double confidence = 0.95;         ///< Of TargetError::bound_mm.
@@ -46,7 +47,8 @@ struct RegistrationReport {
 /// for the usual mistakes. With localisation errors in the pairs the fit is weighted by them.
 /// @throws InputError as FitMarkers does, if fle_rms_mm is not positive, or if it is given beside
 ///     localisation errors of the points.
-/// @throws NoAnswerError if outliers are to be left out, but the points cannot tell which are wrong.
+/// @throws NoAnswerError if outliers are to be left out, but the points cannot tell which are
+/// wrong.
 RegistrationReport Register(const MarkerPairs& pairs, const std::optional<Landmarks>& targets_ct,
                             const RegistrationSettings& settings = {});
 

@@ -223,8 +223,8 @@ std::string Joined(const std::vector<std::string>& words) {
 }
 
 /// The columns of the first or second members; nothing of nothing.
-Markers Chosen(const Markers& all, const std::vector<std::pair<Eigen::Index, Eigen::Index>>& matches,
-               bool second) {
+Markers Chosen(const Markers& all,
+               const std::vector<std::pair<Eigen::Index, Eigen::Index>>& matches, bool second) {
   if (all.cols() == 0) return Markers(3, 0);
   Markers chosen(3, static_cast<Eigen::Index>(matches.size()));
   for (std::size_t k = 0; k < matches.size(); ++k) {
@@ -238,8 +238,8 @@ MarkerPairs MatchByOrder(const Landmarks& reference, const Landmarks& ct) {
   ACUS_REQUIRE(reference.points_mm.cols() == ct.points_mm.cols(), reference.source, " has ",
                reference.points_mm.cols(), " points, ", ct.source, " has ", ct.points_mm.cols(),
                ", and they have no name in common; give the same point the same name in both");
-  MarkerPairs pairs{reference.names, reference.points_mm, ct.points_mm,
-                    {},              reference.sd_mm,     ct.sd_mm};
+  MarkerPairs pairs{reference.names, reference.points_mm, ct.points_mm, {}, reference.sd_mm,
+                    ct.sd_mm};
   for (std::size_t i = 0; i < pairs.names.size(); ++i) {
     if (pairs.names[i].empty()) pairs.names[i] = Message("#", i + 1);
   }

@@ -82,7 +82,8 @@ std::string TableText(const RegistrationReport& report) {
   }
   const std::string bound = Message(100.0 * report.confidence, " % below mm");
   return text + "\n" +
-         TextTable({"target", "expected TRE mm (RMS)", "SD in its worst direction mm", bound}, rows);
+         TextTable({"target", "expected TRE mm (RMS)", "SD in its worst direction mm", bound},
+                   rows);
 }
 
 json ToJson(const RegistrationReport& report) {

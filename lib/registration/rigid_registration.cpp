@@ -58,8 +58,9 @@ MarkerFit FitMarkers(const Markers& reference_mm, const Markers& ct_mm) {
                ct_mm.cols());
   for (const auto& [space, markers_mm] : {std::pair{"reference", &reference_mm}, {"CT", &ct_mm}}) {
     const Vector3d spread_mm = SpreadMm(*markers_mm);
-    ACUS_REQUIRE(spread_mm[0] >= kMinSpreadMm, "the points are all at the same place in the ", space,
-                 " frame (spread ", spread_mm[0], " mm); was one point recorded again and again?");
+    ACUS_REQUIRE(spread_mm[0] >= kMinSpreadMm, "the points are all at the same place in the ",
+                 space, " frame (spread ", spread_mm[0],
+                 " mm); was one point recorded again and again?");
     ACUS_REQUIRE(!IsDegenerate(spread_mm), "the points lie on a line in the ", space,
                  " frame (spread along it ", spread_mm[0], " mm, across it ", spread_mm[1],
                  " mm): the rotation about it cannot be found; add a point beside the line");
@@ -204,13 +205,12 @@ void AddOrder(const MarkerPairs& pairs, std::vector<std::string>& mistakes) {
     if (order->ct_of[i] != static_cast<Index>(i)) moved.push_back(pairs.names[i]);
   }
   const std::string what =
-      moved.size() == 2
-          ? Message("'", moved[0], "' and '", moved[1],
-                    "' seem to be exchanged: with their names swapped, FRE would be ")
-          : Message("the points seem to be in another order (", DescribeOrder(*order, pairs.names),
-                    "): then FRE would be ");
-  mistakes.push_back(Message(what, order->fre_rms_mm,
-                             " mm; put the names right, or let --find-order do it"));
+      moved.size() == 2 ? Message("'", moved[0], "' and '", moved[1],
+                                  "' seem to be exchanged: with their names swapped, FRE would be ")
+                        : Message("the points seem to be in another order (",
+                                  DescribeOrder(*order, pairs.names), "): then FRE would be ");
+  mistakes.push_back(
+      Message(what, order->fre_rms_mm, " mm; put the names right, or let --find-order do it"));
 }
 
 }  // namespace

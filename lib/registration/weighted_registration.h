@@ -16,7 +16,8 @@ struct MarkerNoise {
   Eigen::Matrix3d ct_mm2 = Eigen::Matrix3d::Zero();
 };
 
-/// How badly a pose is known, to first order: x_ct errs by rotation x (x_ct - centre) + translation.
+/// How badly a pose is known, to first order: x_ct errs by rotation x (x_ct - centre) +
+/// translation.
 struct PoseError {
   Eigen::Vector3d centre_ct_mm = Eigen::Vector3d::Zero();
   Matrix6 covariance = Matrix6::Zero();  ///< Of (rotation about CT axes in rad, translation in mm).

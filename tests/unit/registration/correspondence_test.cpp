@@ -48,7 +48,8 @@ TEST(EquallyGoodOrders, TellsASymmetricalLayout) {
   square_mm.col(0).head<2>().array() += 20.0;
   EXPECT_THAT(EquallyGoodOrders(square_mm, NoisyMarkers(KnownPose() * square_mm, 0.3, 1)),
               testing::SizeIs(1));  // Still its own mirror image in the diagonal.
-  EXPECT_THAT(EquallyGoodOrders(SpreadMarkers(6), NoisyMarkers(SpreadMarkers(6), 0.3, 1)), IsEmpty());
+  EXPECT_THAT(EquallyGoodOrders(SpreadMarkers(6), NoisyMarkers(SpreadMarkers(6), 0.3, 1)),
+              IsEmpty());
 }
 
 TEST(Order, IsSaidInNames) {

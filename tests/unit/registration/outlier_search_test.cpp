@@ -40,8 +40,8 @@ TEST(SearchOutliers, NamesOneWrongPoint) {
   }
 }
 
-// Three of eight moved by the same way (the marker sheet slipped): they hide each other from a search
-// that takes one at a time.
+// Three of eight moved by the same way (the marker sheet slipped): they hide each other from a
+// search that takes one at a time.
 TEST(SearchOutliers, FindsPointsThatHideEachOther) {
   int greedy = 0, thorough = 0;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
@@ -89,7 +89,8 @@ TEST(SearchOutliers, SaysWhenItCannotTell) {
 }
 
 TEST(SearchOutliers, IsQuietWithoutNoiseAndWithFewPoints) {
-  EXPECT_THAT(SearchOutliers(SpreadMarkers(7), KnownPose() * SpreadMarkers(7), {}).wrong, IsEmpty());
+  EXPECT_THAT(SearchOutliers(SpreadMarkers(7), KnownPose() * SpreadMarkers(7), {}).wrong,
+              IsEmpty());
   EXPECT_THAT(SearchOutliers(SpreadMarkers(3), NoisyMarkers(SpreadMarkers(3), 5, 0), {}).wrong,
               IsEmpty());
   Markers ct_mm = KnownPose() * SpreadMarkers(7);

@@ -57,13 +57,11 @@ TEST(Register, ScalesTheTargetErrorWithTheGivenLocalisationError) {
 
 TEST(Register, WarnsOfWhatMakesItWorse) {
   EXPECT_THAT(Register(Pairs(6, 0.3), std::nullopt).warnings, IsEmpty());
-  EXPECT_THAT(Register(Pairs(3, 0.3), std::nullopt).warnings,
-              Contains(HasSubstr("with 3 points")));
+  EXPECT_THAT(Register(Pairs(3, 0.3), std::nullopt).warnings, Contains(HasSubstr("with 3 points")));
   MarkerPairs thin = Pairs(6, 0.0);
   thin.reference_mm.bottomRows<2>() *= 0.02;
   thin.ct_mm = thin.reference_mm;
-  EXPECT_THAT(Register(thin, std::nullopt).warnings,
-              Contains(HasSubstr("nearly on a line")));
+  EXPECT_THAT(Register(thin, std::nullopt).warnings, Contains(HasSubstr("nearly on a line")));
   MarkerPairs wrong = Pairs(6, 0.3);
   wrong.ct_mm.col(4) += Vector3d(0, 8, 0);
   const auto report = Register(wrong, std::nullopt);

@@ -16,8 +16,8 @@ using testing::ThrowsMessage;
 using testing_support::KnownPose;
 using testing_support::SpreadMarkers;
 
-/// A stereo camera: four times worse along its axis z, and the second half of the markers, seen from
-/// the side, twice as bad as the first.
+/// A stereo camera: four times worse along its axis z, and the second half of the markers, seen
+/// from the side, twice as bad as the first.
 std::vector<MarkerNoise> CameraNoise(int count) {
   std::vector<MarkerNoise> noise(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
@@ -34,7 +34,8 @@ struct Draw {
   Markers ct_mm;
 };
 
-Draw Drawn(const Markers& reference_mm, const std::vector<MarkerNoise>& noise, std::uint64_t index) {
+Draw Drawn(const Markers& reference_mm, const std::vector<MarkerNoise>& noise,
+           std::uint64_t index) {
   RandomStream random(9, "camera noise", index);
   const auto normal = [&random](const Matrix3d& covariance) {
     return Vector3d(covariance.llt().matrixL() *
@@ -50,11 +51,10 @@ Draw Drawn(const Markers& reference_mm, const std::vector<MarkerNoise>& noise, s
 
 TEST(FitMarkersWeighted, IsThePlainFitForEqualIsotropicNoise) {
   const Markers reference_mm = SpreadMarkers(6);
-  const Markers ct_mm =
-      testing_support::NoisyMarkers(KnownPose() * reference_mm, 2.0, 1);
+  const Markers ct_mm = testing_support::NoisyMarkers(KnownPose() * reference_mm, 2.0, 1);
   const WeightedFit fit = FitMarkersWeighted(reference_mm, ct_mm, IsotropicNoise(6, 0.7));
-  EXPECT_TRUE(fit.fit.ct_from_reference.isApprox(
-      FitMarkers(reference_mm, ct_mm).ct_from_reference, 1e-10));
+  EXPECT_TRUE(
+      fit.fit.ct_from_reference.isApprox(FitMarkers(reference_mm, ct_mm).ct_from_reference, 1e-10));
   EXPECT_NEAR(fit.chi_square, fit.fit.residual_mm.squaredNorm() / (0.49 / 3.0), 1e-8);
 }
 
@@ -69,8 +69,9 @@ TEST(FitMarkersWeighted, RecoversAnExactPoseWhateverTheWeights) {
 TEST(FitMarkersWeighted, RefusesAMarkerWithoutError) {
   auto noise = IsotropicNoise(4, 1.0);
   noise[2].ct_mm2(1, 1) = 0.0;
-  EXPECT_THAT([&] { FitMarkersWeighted(SpreadMarkers(4), SpreadMarkers(4), noise); },
-              ThrowsMessage<InputError>(HasSubstr("marker 3: its localisation error is 0 in some")));
+  EXPECT_THAT(
+      [&] { FitMarkersWeighted(SpreadMarkers(4), SpreadMarkers(4), noise); },
+      ThrowsMessage<InputError>(HasSubstr("marker 3: its localisation error is 0 in some")));
   noise[2].ct_mm2.setZero();
   EXPECT_THAT([&] { FitMarkersWeighted(SpreadMarkers(4), SpreadMarkers(4), noise); },
               ThrowsMessage<InputError>(HasSubstr("must be above 0")));
@@ -86,8 +87,8 @@ TEST(ErrorOfUnweightedFit, IsFitzpatricksFormulaForIsotropicNoise) {
   }
 }
 
-// What the formulas promise against 8000 simulated registrations: the TRE of both fits, its covariance,
-// the chi-square of the residuals, and how often the error is below the bound.
+// What the formulas promise against 8000 simulated registrations: the TRE of both fits, its
+// covariance, the chi-square of the residuals, and how often the error is below the bound.
 TEST(WeightedRegistration, ErrorsAreThosePredicted) {
   constexpr int kTrials = 8000;
   const Markers reference_mm = SpreadMarkers(7, 21);
