@@ -257,8 +257,12 @@ bool SaysValid(const Metadata& metadata) {
 }
 
 Bytes PackTransform(std::string_view device, std::int64_t time_ns, const session::Pose& pose) {
+  return PackMatrix(device, time_ns, pose.matrix());
+}
+
+Bytes PackMatrix(std::string_view device, std::int64_t time_ns, const Eigen::Matrix4d& matrix) {
   ByteWriter body;
-  Put(body, pose.matrix());
+  Put(body, matrix);
   return Whole("TRANSFORM", device, time_ns, body);
 }
 

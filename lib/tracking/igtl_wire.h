@@ -72,6 +72,8 @@ bool SaysValid(const Metadata& metadata);
 
 /// Whole messages, ready to be sent. Names that are too long are cut.
 Bytes PackTransform(std::string_view device, std::int64_t time_ns, const session::Pose& pose);
+/// Any numbers as a TRANSFORM: for tests of what is not a pose.
+Bytes PackMatrix(std::string_view device, std::int64_t time_ns, const Eigen::Matrix4d& matrix);
 /// As protocol 3, with PLUS's metadata: the only way to say that a tool is not seen.
 Bytes PackTransformWithStatus(std::string_view device, std::int64_t time_ns,
                               const session::Pose& pose, bool valid);

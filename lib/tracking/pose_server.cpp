@@ -82,7 +82,7 @@ class PoseServer::Network {
   const PoseServerOptions options_;
   const std::int64_t utc_offset_ns_ = UtcOffsetNs();
   Descriptor listener_;
-  int port_ = 0;
+  std::atomic<int> port_{0};
   WakeUp wake_;
   std::thread thread_;
   std::atomic<bool> stopping_{true};  ///< Not running yet, or no longer.
@@ -94,7 +94,7 @@ class PoseServer::Network {
 
 void PoseServer::Network::Start() {
   if (thread_.joinable()) return;
-  listener_ = ListenTcp(options_.host, options_.port);
+  listener_ = ListenTcp(options_.host, port_ != 0 ? port_.load() : options_.port);
   port_ = PortOf(listener_);
   stopping_ = false;
   thread_ = std::thread([this] { Run(); });
@@ -271,6 +271,10 @@ void PoseServer::Stop() noexcept {
 
 int PoseServer::port() const {
   return network_->port();
+}
+
+std::int64_t PoseServer::UtcNs(std::int64_t time_ns) const {
+  return network_->UtcNs(time_ns);
 }
 
 PoseServerStatus PoseServer::status() const {

@@ -61,8 +61,11 @@ class PoseServer {
 
   /// @throws InputError if the port is taken.
   void Start();
+  /// Closes all links and the port. Start() opens the same port again, also if it was chosen.
   void Stop() noexcept;
   int port() const;
+  /// MonotonicNs() as UTC, as it is sent.
+  std::int64_t UtcNs(std::int64_t time_ns) const;
   PoseServerStatus status() const;
 
   /// The tools at one instant. @param time_ns  MonotonicNs() of the measurement; sent as UTC.

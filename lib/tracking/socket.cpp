@@ -23,7 +23,9 @@ using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
 
 Addresses LookUp(const std::string& host, int port, bool to_listen, std::string& error) {
   addrinfo hints{};
-  hints.ai_family = AF_UNSPEC;
+  // Programs of others look for "localhost" at 127.0.0.1 only.
+  const bool is_plain = to_listen && (host.empty() || host == "localhost");
+  hints.ai_family = is_plain ? AF_INET : AF_UNSPEC;
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_NUMERICSERV | (to_listen ? AI_PASSIVE : 0);
   addrinfo* found = nullptr;

@@ -1,0 +1,174 @@
+#include "devices/playback.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <thread>
+
+#include "core/error.h"
+#include "core/monotonic_time.h"
+#include "devices/scripted_hand.h"
+#include "support/wait_until.h"
+#include "tracking/igtl_source.h"
+
+namespace acus::devices {
+namespace {
+
+using testing_support::WaitUntil;
+
+TEST(Faults, AreReadFromText) {
+  const Fault fault = ParseFault("occlude@5:2.5");
+  EXPECT_EQ(fault.kind, FaultKind::kOcclude);
+  EXPECT_EQ(fault.begin_ns, 5'000'000'000);
+  EXPECT_EQ(fault.end_ns, 7'500'000'000);
+  EXPECT_EQ(ParseFault("drop@0").end_ns, 1'000'000'000) << "a second, if it is not said";
+  for (const char* bad : {"", "drop", "drop@", "drop@-1", "drop@1:0", "drop@1:-1", "drop@x", "@1",
+                          "explode@1", "drop@1:2:3", "drop@nan", "drop:1@2"}) {
+    EXPECT_THROW(ParseFault(bad), InputError) << bad;
+    EXPECT_THAT(FaultProblem(bad), testing::HasSubstr("occlude@5:2")) << bad;
+  }
+  EXPECT_TRUE(IsOn({fault}, FaultKind::kOcclude, fault.begin_ns));
+  EXPECT_FALSE(IsOn({fault}, FaultKind::kOcclude, fault.end_ns));
+  EXPECT_FALSE(IsOn({fault}, FaultKind::kDrop, fault.begin_ns));
+}
+
+/// Plays a hand at 200 Hz in a thread of its own, until it is told to stop.
+class Playing {
+ public:
+  explicit Playing(PlaybackOptions options, PictureSource* pictures = nullptr) {
+    options.server.host = "127.0.0.1";
+    options.server.port = 0;
+    options.wait_for_client = true;
+    options.on_listening = [this](int port) { port_ = port; };
+    thread_ = std::thread([this, options, pictures] {
+      HandScript script;
+      script.rate_hz = 200.0;
+      script.tremor_mm = 0.0;
+      script.insertion_mm_s = 1.0;
+      RunContext context;
+      context.stop = &stop_;
+      report_ = Play(*ScriptedHand(script, {}, 1), pictures, options, context);
+    });
+    EXPECT_TRUE(WaitUntil([this] { return port_ != 0; }));
+  }
+  ~Playing() { Stop(); }
+  PlaybackReport Stop() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+    return report_;
+  }
+  int port() const { return port_; }
+
+ private:
+  std::atomic<int> port_{0};
+  std::atomic<bool> stop_{false};
+  PlaybackReport report_;
+  std::thread thread_;
+};
+
+std::unique_ptr<tracking::IgtlSource> Listening(int port) {
+  tracking::IgtlOptions options;
+  options.host = "127.0.0.1";
+  options.port = port;
+  options.tools = {{.tool = "needle", .device = "NeedleToReference"},
+                   {.tool = "probe", .device = "ProbeToReference"}};
+  options.keep_images = true;
+  auto source = std::make_unique<tracking::IgtlSource>(options);
+  source->Start();
+  return source;
+}
+
+TEST(Playback, SendsTheMotionUntilItIsStopped) {
+  Playing playing({});
+  const auto source = Listening(playing.port());
+  ASSERT_TRUE(WaitUntil([&] { return source->board().Latest(0).number > 100; }));
+  EXPECT_TRUE(source->board().Latest(0).valid);
+  EXPECT_TRUE(source->board().Latest(1).valid);
+  // The needle hovers 40 mm above the skin and moves slowly.
+  EXPECT_NEAR(source->board().Latest(0).reference_from_tool.translation().z(), 40.0, 1.0);
+  const PlaybackReport report = playing.Stop();
+  EXPECT_GT(report.sent, 100u);
+  EXPECT_NEAR(report.played_s, double(report.sent) / 200.0, 0.5);
+  EXPECT_THAT(Text(report), testing::HasSubstr("instants"));
+}
+
+TEST(Playback, EndsWithTheMotionOrAfterItsSeconds) {
+  session::Session session;
+  for (int i = 0; i < 5; ++i) session.needle.push_back({.time_ns = i * 20'000'000});
+  PlaybackOptions options;
+  options.server.port = 0;
+  options.server.host = "127.0.0.1";
+  EXPECT_EQ(Play(*RecordedMotion(session, {}), nullptr, options, {}).sent, 5u);
+  options.speed = 2.0;
+  options.seconds = 0.025;  // 50 ms of the motion.
+  EXPECT_EQ(Play(*RecordedMotion(session, {}), nullptr, options, {}).sent, 3u);
+  options.speed = 0.0;
+  EXPECT_THROW(Play(*RecordedMotion(session, {}), nullptr, options, {}), InputError);
+}
+
+// Each fault shows at the client as what it is, and is over when it is over.
+TEST(Playback, FaultsShowAndEnd) {
+  const struct {
+    const char* fault;
+    bool keeps_link;
+  } cases[] = {{"drop@0.3:0.5", false},
+               {"freeze@0.3:0.5", true},
+               {"occlude@0.3:0.5", true},
+               {"nan@0.3:0.5", true}};
+  for (const auto& one : cases) {
+    PlaybackOptions options;
+    options.faults = {ParseFault(one.fault)};
+    options.server.send_validity = true;
+    Playing playing(options);
+    const auto source = Listening(playing.port());
+    const auto is_seen = [&] { return source->board().Latest(0).valid; };
+    ASSERT_TRUE(WaitUntil(is_seen)) << one.fault;
+    EXPECT_TRUE(WaitUntil([&] { return !is_seen(); })) << one.fault;
+    EXPECT_TRUE(WaitUntil(is_seen)) << one.fault;
+    const tracking::SourceCounts counts = source->status().counts;
+    EXPECT_EQ(counts.connects == 1, one.keeps_link) << one.fault;
+    EXPECT_EQ(counts.bad_poses > 0, std::string(one.fault).starts_with("nan")) << one.fault;
+    EXPECT_EQ(counts.not_seen > 0, std::string(one.fault).starts_with("occlude")) << one.fault;
+    EXPECT_EQ(counts.bad_messages, 0u) << one.fault;
+  }
+}
+
+TEST(Playback, AJumpIsFiftyMillimetresAndGarbageIsSkipped) {
+  PlaybackOptions options;
+  options.faults = {ParseFault("jump@0.3:0.5"), ParseFault("garbage@0:100")};
+  Playing playing(options);
+  const auto source = Listening(playing.port());
+  const auto x_mm = [&] { return source->board().Latest(0).reference_from_tool.translation().x(); };
+  EXPECT_TRUE(WaitUntil([&] { return std::abs(x_mm() - 50.0) < 1e-3; }));
+  EXPECT_TRUE(WaitUntil([&] { return std::abs(x_mm()) < 1e-3; }));
+  EXPECT_TRUE(WaitUntil([&] { return source->status().counts.skipped_bytes > 1000; }));
+  EXPECT_EQ(source->status().counts.connects, 1u);
+}
+
+class GreyPictures final : public PictureSource {
+ public:
+  std::string stream() const override { return "Video"; }
+  double rate_hz() const override { return 50.0; }
+  tracking::Picture Draw(std::span<const tracking::NamedPose> poses, std::int64_t) override {
+    if (fails) throw InputError("the camera is made of wood");
+    return {.width = 2, .height = 1, .channels = 1, .pixels = {1, std::uint8_t(poses.size())}};
+  }
+  std::atomic<bool> fails{false};
+};
+
+TEST(Playback, SendsPicturesOfWhatTheToolsDo) {
+  GreyPictures pictures;
+  Playing playing({}, &pictures);
+  const auto source = Listening(playing.port());
+  ASSERT_TRUE(WaitUntil([&] {
+    const auto image = source->Image("Video");
+    return image != nullptr && image->number >= 3;
+  }));
+  EXPECT_EQ(source->Image("Video")->picture.pixels, (std::vector<std::uint8_t>{1, 2}));
+  pictures.fails = true;  // No more pictures; poses go on.
+  const auto number = source->board().Latest(0).number;
+  EXPECT_TRUE(WaitUntil([&] { return source->board().Latest(0).number > number + 20; }));
+  EXPECT_GE(playing.Stop().pictures, 3u);
+}
+
+}  // namespace
+}  // namespace acus::devices
