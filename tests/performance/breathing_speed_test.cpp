@@ -216,7 +216,7 @@ double ShareOfBreathing(simulation::ImageLevel& level, const simulation::Breathi
     const auto needle = testing_support::NeedleInPlane(pose);
     still.Add([&] { level.Render(pose, needle, image, 1, nullptr); });
     breathing.Add([&] {
-      const simulation::BreathingRest rest(patient, 0.8 + 0.033 * n, nullptr);
+      const simulation::BreathingRest rest(patient, 0.8 + 0.033 * n, {}, nullptr);
       level.Render(pose, needle, image, 1, &rest);
     });
   }
