@@ -34,8 +34,8 @@ struct ObjectPose {
 
 struct PoseSettings {
   double largest_residual_px = 2.0;       ///< Corners further off are left out.
-  double smallest_ambiguity_ratio = 2.0;  ///< Below it a pose is ambiguous.
-  double corner_sigma_px = 0.02;          ///< Least standard deviation of a corner.
+  double smallest_ambiguity_ratio = 2.5;  ///< Below it a pose is ambiguous.
+  double corner_sigma_px = 0.03;          ///< Least standard deviation of a corner.
 };
 
 /// Nothing if fewer than four corners of the object's markers are there or fit one pose.

@@ -38,8 +38,8 @@ struct PictureMaking {
   bool colour = true;           ///< Otherwise grey.
 };
 
-/// A torso of 340 x 500 x 220 mm that lies on its back along x with the origin of its object on top
-/// of it in the middle, z up: for mannequins without a skin surface.
+/// A trunk of 340 x 500 x 220 mm along y, with its object's origin on top of it in the middle, z
+/// up: for mannequins without a skin surface.
 mesh::Surface PlainTorso();
 
 /// Renders by itself; the same input gives the same bits. Not for two threads at a time.

@@ -1,0 +1,218 @@
+// Views that are hard on a tracker: each must be found within a bound, or not be found, or be said
+// to be uncertain. Never a wrong pose that claims to be good.
+#include <gtest/gtest.h>
+#include <iostream>
+
+#include "support/facet_views.h"
+
+namespace acus::camera {
+namespace {
+
+using namespace testing_support;
+
+class HardView : public testing::Test {
+ protected:
+  CameraModel camera_ = ReadCamera(ConfigPath("cameras/webcam_720p.json"));
+  FacetSet set_ = ReadFacets(ConfigPath("facets/training.json"));
+  Eigen::Isometry3d truth_ = FacingPose({30, -100, 1000}, 25, 60, 10);
+
+  Picture Take(const PictureMaking& making) {
+    MannequinCamera maker(camera_, set_, {}, making);
+    Picture picture;
+    const ObjectInView shown[] = {{"Reference", truth_}};
+    maker.Render(shown, 1, picture);
+    return picture;
+  }
+  std::optional<ObjectPose> Locate(const Picture& picture,
+                                   const std::optional<Eigen::Isometry3d>& previous = {}) {
+    MarkerDetector detector(set_.dictionary);
+    return LocateObject(*set_.Find("Reference"), detector.Detect(picture, &camera_), camera_, {},
+                        previous);
+  }
+  void ExpectGood(const std::optional<ObjectPose>& pose, double position_mm, double angle_deg) {
+    ASSERT_TRUE(pose);
+    const PoseError error = ErrorOf(pose->camera_from_object, truth_);
+    std::cout << error.position_mm << " mm, " << error.angle_deg << " deg, " << pose->corners_used
+              << " corners, " << pose->corners_rejected << " rejected\n";
+    EXPECT_LT(error.position_mm, position_mm);
+    EXPECT_LT(error.angle_deg, angle_deg);
+  }
+};
+
+std::uint8_t* PixelAt(Picture& picture, double column, double row) {
+  return picture.pixels.data() +
+         (static_cast<int>(row) * picture.width_px + static_cast<int>(column));
+}
+
+void Cover(Picture& picture, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+           std::uint8_t level) {
+  for (int row = static_cast<int>(from[1]); row < to[1]; ++row) {
+    std::fill(PixelAt(picture, from[0], row), PixelAt(picture, to[0], row), level);
+  }
+}
+
+TEST_F(HardView, OutOfFocus) {
+  ExpectGood(Locate(Take({.blur_sigma_px = 1.5, .colour = false})), 0.5, 0.5);
+}
+
+TEST_F(HardView, FarOutOfFocus) {
+  // A blur of half a module: the code shines into the edges. It must at least be said.
+  const auto pose = Locate(Take({.blur_sigma_px = 3.0, .colour = false}));
+  ExpectGood(pose, 5.0, 1.0);
+  EXPECT_LT(ErrorOf(pose->camera_from_object, truth_).position_mm, 3.0 * pose->PositionSigmaMm());
+}
+
+TEST_F(HardView, Noise) {
+  ExpectGood(Locate(Take({.noise_sigma = 15.0, .colour = false})), 0.5, 0.5);
+}
+
+TEST_F(HardView, DimAndUneven) {
+  ExpectGood(Locate(Take({.black = 20, .white = 90, .light_gradient = 0.9, .colour = false})), 0.5,
+             0.5);
+}
+
+TEST_F(HardView, Grazing) {
+  // One facet of the roof at 80 degrees from facing, the other at 20.
+  truth_ = FacingPose({0, 0, 1000}, 50, 90, 0);
+  ExpectGood(Locate(Take({.colour = false})), 0.5, 0.5);
+}
+
+TEST_F(HardView, FarAndTiny) {
+  // 3 m: 18 px a side.
+  truth_ = FacingPose({100, 50, 3000}, 25, 60, 10);
+  ExpectGood(Locate(Take({.colour = false})), 5.0, 0.5);
+}
+
+TEST_F(HardView, HalfOutOfThePicture) {
+  truth_ = FacingPose({520, -100, 1000}, 25, 60, 10);
+  ExpectGood(Locate(Take({.colour = false})), 0.5, 0.5);
+}
+
+TEST_F(HardView, HandOverSixOfEightMarkers) {
+  Picture picture = Take({.colour = false});
+  const auto corner_of = [&](int marker, std::size_t corner) {
+    for (const Marker& known : set_.Find("Reference")->markers) {
+      if (known.id == marker) return *camera_.Project(truth_ * known.CornersInObjectMm()[corner]);
+    }
+    return Eigen::Vector2d(0, 0);
+  };
+  // All of the right facet and the top of the left one.
+  Eigen::AlignedBox2d box;
+  for (const int id : {4, 5, 6, 7}) {
+    for (std::size_t k = 0; k < 4; ++k) box.extend(corner_of(id, k));
+  }
+  Cover(picture, box.min(), box.max().cwiseMin(Eigen::Vector2d(1279, 719)), 110);
+  const auto pose = Locate(picture);
+  ASSERT_TRUE(pose);
+  EXPECT_LE(pose->corners_used, 16);
+  ExpectGood(pose, 0.5, 0.5);
+}
+
+TEST_F(HardView, FingerOverAnEdge) {
+  // A finger from outside covers a third of one marker's edge: that marker cannot be read, or its
+  // edge is found from the rest.
+  Picture picture = Take({.colour = false});
+  const Marker& marker = set_.Find("Reference")->markers[0];
+  const Eigen::Vector2d a = *camera_.Project(truth_ * marker.CornersInObjectMm()[0]);
+  const Eigen::Vector2d b = *camera_.Project(truth_ * marker.CornersInObjectMm()[1]);
+  const Eigen::Vector2d middle = 0.5 * (a + b);
+  Cover(picture, middle - Eigen::Vector2d(6, 20), middle + Eigen::Vector2d(6, 2), 150);
+  ExpectGood(Locate(picture), 0.5, 0.5);
+}
+
+TEST_F(HardView, Mirrored) {
+  Picture picture = Take({.colour = false});
+  for (int row = 0; row < picture.height_px; ++row) {
+    std::reverse(PixelAt(picture, 0, row), PixelAt(picture, 0, row) + picture.width_px);
+  }
+  EXPECT_FALSE(Locate(picture));
+}
+
+TEST_F(HardView, ASheetThatIsThereTwice) {
+  // A copy of one marker elsewhere in the picture: the other seven say which one is ours.
+  FacetSet twice = set_;
+  Marker copy = twice.objects[0].markers[2];
+  copy.object_from_marker = Eigen::Translation3d(-250, 60, 40) * copy.object_from_marker;
+  twice.objects[0].markers.push_back(copy);
+  MannequinCamera maker(camera_, twice, {}, {.colour = false});
+  Picture picture;
+  const ObjectInView shown[] = {{"Reference", truth_}};
+  maker.Render(shown, 1, picture);
+  const auto pose = Locate(picture);
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->corners_used, 32);
+  ExpectGood(pose, 0.5, 0.5);
+}
+
+TEST_F(HardView, ASheetThatHasSlipped) {
+  // One marker was stuck on 8 mm beside its place: its corners are left out, and counted.
+  FacetSet slipped = set_;
+  slipped.objects[0].markers[5].object_from_marker =
+      Eigen::Translation3d(0, 8, 0) * slipped.objects[0].markers[5].object_from_marker;
+  MannequinCamera maker(camera_, slipped, {}, {.colour = false});
+  Picture picture;
+  const ObjectInView shown[] = {{"Reference", truth_}};
+  maker.Render(shown, 1, picture);
+  const auto pose = Locate(picture);
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->corners_rejected, 4);
+  ExpectGood(pose, 0.5, 0.5);
+}
+
+TEST_F(HardView, NothingThere) {
+  Picture picture = Take({.colour = false});
+  std::fill(picture.pixels.begin(), picture.pixels.end(), std::uint8_t{120});
+  EXPECT_FALSE(Locate(picture));
+  EXPECT_FALSE(Locate(Picture{}));
+}
+
+TEST_F(HardView, NothingButNoise) {
+  Picture picture = Take({.colour = false});
+  RandomStream random(5, "static");
+  for (std::uint8_t& level : picture.pixels)
+    level = static_cast<std::uint8_t>(random.Next() & 0xff);
+  EXPECT_FALSE(Locate(picture));
+}
+
+/// One small marker from the front has two poses.
+class TwoPoses : public HardView {
+ protected:
+  TwoPoses() { set_ = OneMarker(30.0); }
+};
+
+TEST_F(TwoPoses, AWrongOneIsNeverSaidToBeSure) {
+  int unsure = 0;
+  int wrong = 0;
+  int count = 0;
+  for (int i = 0; i < 40; ++i) {
+    RandomStream random(11, "flat", static_cast<std::uint64_t>(i));
+    truth_ = FacingPose({random.Uniform(-200, 200), random.Uniform(-100, 100), 1200},
+                        random.Uniform(0, 35), random.Uniform(0, 360), random.Uniform(0, 360));
+    const auto pose = Locate(Take({.noise_sigma = 4.0, .colour = false}));
+    ASSERT_TRUE(pose);
+    ++count;
+    unsure += pose->ambiguous ? 1 : 0;
+    const double off = ErrorOf(pose->camera_from_object, truth_).angle_deg;
+    if (off < 5.0) continue;
+    ++wrong;
+    EXPECT_TRUE(pose->ambiguous) << off << " deg, ratio " << pose->ambiguity_ratio;
+  }
+  std::cout << count << " views, " << wrong << " wrong, " << unsure << " said to be ambiguous\n";
+  EXPECT_GT(wrong, 0);               // Otherwise this tests nothing.
+  EXPECT_LT(unsure, 3 * count / 4);  // Nor may all be called ambiguous.
+}
+
+TEST_F(TwoPoses, ThePictureBeforeTellsWhich) {
+  for (int i = 0; i < 20; ++i) {
+    RandomStream random(12, "flat", static_cast<std::uint64_t>(i));
+    const double azimuth = random.Uniform(0, 360);
+    truth_ = FacingPose({50, 20, 1200}, 18, azimuth, 30);
+    const Eigen::Isometry3d before = FacingPose({52, 19, 1198}, 16, azimuth + 4, 29);
+    const auto pose = Locate(Take({.noise_sigma = 4.0, .colour = false}), before);
+    ASSERT_TRUE(pose);
+    EXPECT_LT(ErrorOf(pose->camera_from_object, truth_).angle_deg, 5.0) << i;
+  }
+}
+
+}  // namespace
+}  // namespace acus::camera
