@@ -12,12 +12,14 @@
 #include "core/monotonic_time.h"
 #include "core/seqlock.h"
 #include "haptics/driver.h"
+#include "haptics/real_time.h"
 #include "haptics/zero_forces.h"
 
 namespace acus::haptics {
 namespace {
 
 constexpr std::int64_t kPedalNs = 300'000'000;
+constexpr int kWatchdogPriority = 85;  ///< Above the servo, which may be stuck.
 constexpr double kSilentS = 0.5;  ///< A servo that is not called for so long is dead.
 constexpr auto kLongestPause = std::chrono::milliseconds(2000);
 
@@ -270,6 +272,8 @@ bool HapticDevice::Impl::WatchOnce(std::int64_t now_ns) {
 }
 
 void HapticDevice::Impl::Watch() {
+  const std::string notice = RequestRealTime(kWatchdogPriority);
+  if (!notice.empty()) Notice(notice);
   const auto period = std::chrono::milliseconds(
       std::clamp(static_cast<int>(guard.settings().late_s * 500.0), 1, 10));
   while (PauseFor(period)) {

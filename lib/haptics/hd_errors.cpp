@@ -58,7 +58,9 @@ unsigned InitByName(const Api& api, const char* name, unsigned& error) {
   }
   if (error == kSuccess && handle == kNoDevice) error = kDeviceFault;
   const bool is_usable = error == kSuccess || KindOf(error) == DriverFault::kWarning;
-  return is_usable ? handle : kNoDevice;
+  if (is_usable) return handle;
+  if (handle != kNoDevice) api.DisableDevice(handle);
+  return kNoDevice;
 }
 
 }  // namespace
