@@ -5,9 +5,6 @@
 #include <limits>
 
 #include "core/cpu_time.h"
-#include "core/csv.h"
-#include "session/pose_csv.h"
-#include "volume/labels.h"
 
 namespace acus::replay {
 namespace {
@@ -63,6 +60,21 @@ void KeepMostBent(const simulation::Simulation& simulation, StepLog& log) {
   log.most_bent_step = log.steps.size() - 1;
 }
 
+template <typename Append>
+void WriteRows(const std::filesystem::path& path, const std::string& header, const StepLog& log,
+               const Append& append) {
+  std::ofstream out(path, std::ios::binary);
+  out << header << '\n';
+  std::string row;
+  for (const simulation::StepOutput& step : log.steps) {
+    row.clear();
+    append(row, step);
+    out << row;
+  }
+  out.close();
+  ACUS_REQUIRE(out, path.string(), ": cannot be written; is the disk full?");
+}
+
 }  // namespace
 
 breathing::Breath BreathOf(const session::Session& session, std::int64_t time_ns) {
@@ -115,87 +127,23 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
   return log;
 }
 
-std::string TissueName(const simulation::Scene& scene, volume::Label label) {
-  if (label == 0) return "outside";
-  std::string name;
-  if (scene.labels) {
-    const auto found = scene.labels->names.find(label);
-    if (found != scene.labels->names.end()) name = found->second;
-  } else {
-    for (const auto& standard : volume::StandardLabels()) {
-      if (standard.label == label) name = standard.name;
-    }
-  }
-  if (name.empty()) return Message("label_", int{label});
-  std::ranges::replace_if(
-      name, [](char c) { return c == ',' || c == '\n' || c == '\r'; }, ' ');
-  return name;  // Segments may be called anything; in a CSV they may not.
-}
-
 std::string EventWords(forces::NeedleEvent event) {
   std::string words(forces::NameOf(event));
   std::ranges::replace(words, '_', ' ');
   return words;
 }
 
-/// What a needle that bends adds: the torque on it about the hand's tip, how far its tip is off the
-/// line along which the hub points, and where the tip is in CT space.
-constexpr const char* kShapeColumns =
-    "torque_x_n_mm,torque_y_n_mm,torque_z_n_mm,deflection_mm,tip_x_mm,tip_y_mm,tip_z_mm,";
-
 void WriteForces(const std::filesystem::path& path, const StepLog& log,
                  const simulation::Scene& scene) {
-  const bool bendable = scene.shape && scene.shape->bendable();
-  std::ofstream out(path, std::ios::binary);
-  out << "time_s,depth_mm,tissue,force_axial_n,puncture_n,cutting_n,friction_n,bone_n,lateral_n,"
-         "force_x_n,force_y_n,force_z_n,"
-      << (bendable ? kShapeColumns : "") << "event\n";
-  std::string row;
-  for (const simulation::StepOutput& step : log.steps) {
-    const forces::NeedleForce& f = step.force;
-    row = session::SecondsText(step.time_ns);
-    const auto add = [&row](double value) { row += ',' + NumberText(value); };
-    add(f.depth_mm);
-    row += ',' + TissueName(scene, step.tissue_at_tip);
-    for (const double value :
-         {f.AxialN(), f.puncture_n, f.cutting_n, f.friction_n, f.bone_n, f.lateral_n}) {
-      add(value);
-    }
-    for (int i = 0; i < 3; ++i) add(f.force_in_ct_n[i]);
-    if (bendable) {
-      for (int i = 0; i < 3; ++i) add(f.torque_in_ct_n_mm[i]);
-      add(step.shape.tip_deflection_mm);
-      for (int i = 0; i < 3; ++i) add(step.shape.tip_in_ct_mm[i]);
-    }
-    row += ',';
-    if (f.event != forces::NeedleEvent::kNone) row += forces::NameOf(f.event);
-    out << row << '\n';
-  }
-  out.close();
-  ACUS_REQUIRE(out, path.string(), ": cannot be written; is the disk full?");
+  WriteRows(path, ForceHeader(scene), log,
+            [&scene](std::string& row, const auto& step) { AppendForceRow(row, step, scene); });
 }
 
 void WriteProbeForces(const std::filesystem::path& path, const StepLog& log,
                       const simulation::Scene& scene) {
-  std::ofstream out(path, std::ios::binary);
-  out << "time_s,force_n,force_x_n,force_y_n,force_z_n,torque_x_n_mm,torque_y_n_mm,torque_z_n_mm,"
-         "skin_mm,bone_mm,proxies,structure\n";
-  std::string row;
-  for (const simulation::StepOutput& step : log.steps) {
-    const forces::ProbeForce& f = step.probe;
-    row = session::SecondsText(step.time_ns);
-    const auto add = [&row](double value) { row += ',' + NumberText(value); };
-    add(f.force_in_ct_n.norm());
-    for (int i = 0; i < 3; ++i) add(f.force_in_ct_n[i]);
-    for (int i = 0; i < 3; ++i) add(f.torque_in_ct_n_mm[i]);
-    add(f.skin_mm);
-    add(f.bone_mm);
-    row += ',' + std::to_string(f.num_on_skin) + ',';
-    if (f.structure != 0) row += TissueName(scene, f.structure);
-    out << row << '\n';
-  }
-  out.close();
-  ACUS_REQUIRE(out, path.string(), ": cannot be written; is the disk full?");
+  WriteRows(path, ProbeForceHeader(), log, [&scene](std::string& row, const auto& step) {
+    AppendProbeForceRow(row, step, scene);
+  });
 }
 
 }  // namespace acus::replay

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/run_context.h"
+#include "replay/force_rows.h"
 #include "session/session.h"
 #include "simulation/image_renderer.h"
 #include "simulation/simulation.h"
@@ -35,9 +36,6 @@ struct StepLog {
 StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
                  std::span<simulation::Snapshot> images, simulation::StageTimes* times,
                  const RunContext& context);
-
-/// Name of a label: in the scene's label map, or the standard one if there is none.
-std::string TissueName(const simulation::Scene& scene, volume::Label label);
 
 /// "bone contact": an event in words.
 std::string EventWords(forces::NeedleEvent event);

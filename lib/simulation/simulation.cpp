@@ -32,16 +32,19 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   StepOutput out;
   out.time_ns = sample.time_ns;
   const double time_s = 1e-9 * static_cast<double>(sample.time_ns);
+  state.needle_seen |= sample.needle_valid;
   const Tools tools = ToolsOf(state, sample);
   if (scene_.breathing) watch.EndOf(StageId::kBreathing, !tools.tissue_moves);
   if (runs_needle_) {
-    out.ct_from_needle = scene_.ct_from_reference * sample.reference_from_needle;
+    if (state.needle_seen) {
+      out.ct_from_needle = scene_.ct_from_reference * sample.reference_from_needle;
+    }
     out.needle_at_rest = tools.needle;
     watch.EndOf(StageId::kNeedlePose);
   }
   const Eigen::Vector3d tip_in_ct_mm = tools.needle.ct_from_tool.translation();
   const Eigen::Vector3d axis_in_ct = tools.needle.ct_from_tool.linear().col(2);
-  if (lookup_) {
+  if (lookup_ && state.needle_seen) {
     // A bent needle's tip is where it was bent to in the step before.
     out.tissue_at_tip = lookup_->At(
         scene_.shape ? Eigen::Vector3d(tip_in_ct_mm + state.shape.tip_offset_mm) : tip_in_ct_mm);
@@ -92,13 +95,15 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
 
 Simulation::Tools Simulation::ToolsOf(State& state, const Sample& sample) const noexcept {
   Tools tools;
-  tools.needle.ct_from_tool = scene_.ct_from_reference * sample.reference_from_needle;
+  if (state.needle_seen) {
+    tools.needle.ct_from_tool = scene_.ct_from_reference * sample.reference_from_needle;
+  }
   tools.probe.ct_from_tool = scene_.ct_from_reference * sample.reference_from_probe;
   if (!scene_.breathing) return tools;
   const breathing::MotionMap& patient = tools.patient.emplace(scene_.breathing->At(
       1e-9 * static_cast<double>(sample.time_ns - state.session_start_ns), sample.breath));
   tools.tissue_moves = patient.moves();
-  if (runs_needle_) {
+  if (runs_needle_ && state.needle_seen) {
     tools.needle = breathing::AtRest(patient, tools.needle.ct_from_tool, Eigen::Vector3d::UnitZ(),
                                      state.needle_track);
   }

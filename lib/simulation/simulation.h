@@ -50,6 +50,8 @@ struct State {
   forces::ProbeForceState probe;
   tissue::TissueState tissue;         ///< Empty if the plan has no tissue contact.
   std::int64_t session_start_ns = 0;  ///< Breath is a matter of the time since then.
+  /// Until then its pose is not looked at: a live session does not know it, a replay does.
+  bool needle_seen = false;
   breathing::ToolTrack needle_track;
   breathing::ToolTrack probe_track;
   std::int64_t steps = 0;

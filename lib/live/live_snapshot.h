@@ -1,0 +1,45 @@
+// A moment of a live session, for those who draw it.
+#pragma once
+
+#include <optional>
+
+#include "math/polyline.h"
+#include "session/signals.h"
+#include "simulation/image_renderer.h"
+#include "simulation/simulation.h"
+#include "tissue/tissue_load.h"
+
+namespace acus::live {
+
+/// A plain value of fixed size that points to nothing: it can be copied from thread to thread.
+struct LiveSnapshot {
+  /// Without shape and load: see ForRenderer().
+  simulation::Snapshot moment;
+  bool has_shape = false;
+  math::Polyline shape;
+  bool has_load = false;
+  tissue::TissueLoad load;
+
+  simulation::StepOutput output;
+  bool needle_valid = false;
+  double needle_force_n = 0.0;  ///< Asked of the device; its guard may give less.
+  double probe_force_n = 0.0;
+  session::BreathSample breath;
+  bool breath_held = false;
+  bool frozen = false;
+  bool hands_swapped = false;
+  bool forces_paused = false;
+  std::optional<Eigen::Vector3d> target_in_ct_mm;
+  /// CLOCK_MONOTONIC, ns: when the probe's pose (else the needle's) was measured.
+  std::int64_t measured_ns = 0;
+
+  /// What the image renderers take. Valid as long as this is neither moved nor changed.
+  simulation::Snapshot ForRenderer() const {
+    simulation::Snapshot out = moment;
+    if (has_shape) out.needle_shape = &shape;
+    if (has_load) out.load = &load;
+    return out;
+  }
+};
+
+}  // namespace acus::live
