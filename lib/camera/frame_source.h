@@ -1,4 +1,4 @@
-// Where pictures come from: a video device, a film, a folder of pictures, a pipe.
+// Where pictures come from: a video device, a film, a folder of pictures, a pipe, the network.
 #pragma once
 
 #include <cstdint>
@@ -30,13 +30,20 @@ class FrameSource {
   virtual FrameSourceStatus status() const = 0;
 };
 
+struct FrameSourceOptions {
+  /// Films, folders and files are given at this rate; 0: as fast as they are asked for.
+  double pace_hz = 0.0;
+};
+
 /// @param place
 ///     "device:0" or "device:/dev/video0": a camera of this computer;
-///     "film:PATH": a film that ffmpeg reads; "folder:PATH": pictures of a folder by name;
-///     "pipe:PATH": a named pipe or file of binary PGM or PPM pictures, one after the other.
-///     Films and folders begin anew at their end with "film-loop:" and "folder-loop:".
-/// A device or pipe that is not there now is waited for.
+///     "film:PATH": a film that ffmpeg reads; "folder:PATH": pictures of a folder by name; with
+///     "film-loop:" and "folder-loop:" they begin anew at their end;
+///     "pipe:PATH": a named pipe or file of binary PGM or PPM pictures, one after the other;
+///     "igtl:HOST:PORT" or "igtl:HOST:PORT/STREAM": pictures of an OpenIGTLink server.
+/// A device, pipe or server that is not there now is waited for.
 /// @throws InputError for another kind of place, or a film or folder that is not there.
-std::unique_ptr<FrameSource> OpenFrameSource(const std::string& place);
+std::unique_ptr<FrameSource> OpenFrameSource(const std::string& place,
+                                             const FrameSourceOptions& options = {});
 
 }  // namespace acus::camera

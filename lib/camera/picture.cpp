@@ -1,7 +1,10 @@
 #include "camera/picture.h"
 
+#include <algorithm>
+#include <cctype>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 #include "camera/opencv_picture.h"
 #include "core/atomic_file.h"
@@ -67,6 +70,23 @@ Picture ReadPicture(const std::filesystem::path& path) {
     decoded.copyTo(out);
   }
   return picture;
+}
+
+std::vector<std::filesystem::path> PictureFiles(const std::filesystem::path& folder) {
+  static const std::set<std::string> kExtensions = {".png",  ".jpg", ".jpeg", ".tif",
+                                                    ".tiff", ".bmp", ".pgm",  ".ppm"};
+  ACUS_REQUIRE(std::filesystem::is_directory(folder), folder.string(), ": there is no such folder");
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::string extension = entry.path().extension().string();
+    for (char& letter : extension) letter = static_cast<char>(std::tolower(letter));
+    if (entry.is_regular_file() && kExtensions.contains(extension)) files.push_back(entry.path());
+  }
+  ACUS_REQUIRE(!files.empty(), folder.string(),
+               ": there is no picture in it (.png, .jpg, .tif, "
+               ".bmp, .pgm, .ppm)");
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 void WritePicture(const std::filesystem::path& path, const Picture& picture) {

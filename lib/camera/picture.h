@@ -28,6 +28,9 @@ void ToGrey(const Picture& picture, Picture& grey);
 /// @throws InputError if the file cannot be read or is no picture, or has more than 8192 pixels in
 ///     a direction.
 Picture ReadPicture(const std::filesystem::path& path);
+/// The pictures of a folder by name, in order: .png, .jpg, .jpeg, .tif, .tiff, .bmp, .pgm, .ppm.
+/// @throws InputError if there is no such folder, or no picture in it.
+std::vector<std::filesystem::path> PictureFiles(const std::filesystem::path& folder);
 /// By the extension of the name (.png, .jpg, .ppm), whole or not at all. @throws InputError.
 void WritePicture(const std::filesystem::path& path, const Picture& picture);
 
