@@ -10,7 +10,7 @@ namespace {
 constexpr int kGapPx = 2;
 
 int StatusHeight(int height_px) {
-  return std::clamp(height_px / 8, 60, 140);
+  return std::clamp(height_px * 2 / 15, 60, 160);
 }
 
 /// Splits a row into `count` places of nearly the same width.
@@ -74,7 +74,7 @@ Layout LayOut(int width_px, int height_px, const std::vector<ViewKind>& shown,
     return layout;
   }
   Rectangle upper = room;
-  upper.height = static_cast<int>(std::lround(0.55 * (room.height - kGapPx)));
+  upper.height = static_cast<int>(std::lround(0.58 * (room.height - kGapPx)));
   Rectangle lower = room;
   lower.top = upper.height + kGapPx;
   lower.height = room.height - lower.top;

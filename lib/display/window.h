@@ -10,6 +10,7 @@
 #include "display/command.h"
 #include "display/frame.h"
 #include "display/layout.h"
+#include "display/x_display.h"
 #include "ultrasound/image.h"
 
 namespace acus::display {
@@ -31,9 +32,6 @@ struct WindowSettings {
   /// The teaching view is drawn anew in each n-th Show().
   int teaching_view_each = 1;
 };
-
-/// @throws InputError if there is no display to open a window on, with what to do about it.
-void CheckDisplay();
 
 /// A window. All calls from the thread that made it.
 class Window {

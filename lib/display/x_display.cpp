@@ -1,0 +1,49 @@
+#include "display/x_display.h"
+
+#include <X11/XKBlib.h>
+#include <X11/Xlib.h>
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+#include "core/error.h"
+
+namespace acus::display {
+namespace {
+
+/// A server whose last client has left begins anew, and is deaf meanwhile.
+Display* Connect() {
+  constexpr int kTries = 4;
+  for (int i = 0; i < kTries; ++i) {
+    if (i > 0) std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    if (Display* display = XOpenDisplay(nullptr)) return display;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+// VTK ends the program where there is no X server: one has to look before.
+XConnection::XConnection() {
+  constexpr const char* kRemedy =
+      " Start the program from the desktop, or with a display of its own by xvfb-run, or without "
+      "windows by --headless.";
+  const char* name = std::getenv("DISPLAY");
+  ACUS_REQUIRE(name != nullptr && *name != '\0',
+               "display: there is no screen to open a window on: DISPLAY is not set.", kRemedy);
+  Display* display = Connect();
+  ACUS_REQUIRE(display != nullptr, "display: there is no screen to open a window on: the X server ",
+               name, " (DISPLAY) does not answer or does not let us in.", kRemedy);
+  XkbSetDetectableAutoRepeat(display, True, nullptr);
+  display_ = display;
+}
+
+XConnection::~XConnection() {
+  XCloseDisplay(static_cast<Display*>(display_));
+}
+
+void CheckDisplay() {
+  const XConnection connection;
+}
+
+}  // namespace acus::display
