@@ -12,7 +12,7 @@ constexpr std::array<std::string_view, 7> kSides = {"anterior", "posterior", "le
                                                     "superior", "inferior",  "oblique"};
 constexpr double kRadPerPx = 0.008;
 constexpr int kObliquePreset = 7;
-constexpr double kNarrow = 1.2;  // Width over height.
+constexpr double kNarrow = 1.6;  // Width over height that presets are made for.
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 #include "display/screen.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <optional>
 #include <vtkCallbackCommand.h>
@@ -116,6 +117,11 @@ std::vector<InputEvent> Screen::TakeEvents() {
   std::vector<InputEvent> out;
   std::swap(out, content_->events);
   return out;
+}
+
+bool Screen::HasHeldKeys() const {
+  const auto id = reinterpret_cast<std::uintptr_t>(content_->window->GetGenericWindowId());
+  return content_->connection.HasHeldKeys(id);
 }
 
 void Screen::Render() {

@@ -45,6 +45,8 @@ class Screen {
   void Add(vtkRenderer* renderer, int layer);
   /// What happened since the last call.
   std::vector<InputEvent> TakeEvents();
+  /// False: keys that were held are so no more, whether their release was told or not.
+  bool HasHeldKeys() const;
   /// Draws all layers and shows them.
   void Render();
   /// Of the whole window, for red-cyan glasses.

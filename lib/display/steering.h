@@ -41,6 +41,11 @@ class Steering {
   void Handle(std::span<const InputEvent> events, const Layout& layout,
               std::span<const ViewKind> shown);
 
+  /// Of keys whose release was not told: a pedal must not stay down when the window is left.
+  void ReleaseKeys() { held_keys_.clear(); }
+
+  bool HoldsKeys() const { return !held_keys_.empty(); }
+
   const ViewChoice& choice() const { return choice_; }
   bool closed() const { return closed_; }
   std::vector<Command> TakeCommands();

@@ -120,6 +120,7 @@ struct Window::Content {
   void HandleEvents() {
     const std::vector<InputEvent> events = screen.TakeEvents();
     steering.Handle(events, layout, shown);
+    if (steering.HoldsKeys() && !screen.HasHeldKeys()) steering.ReleaseKeys();
     const Layout::View* view = layout.Find(ViewKind::kTeaching);
     teaching.Move(steering.TakeEyeMotion(), view == nullptr ? 1 : view->place.height);
   }

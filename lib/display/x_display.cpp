@@ -2,6 +2,8 @@
 
 #include <X11/XKBlib.h>
 #include <X11/Xlib.h>
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <thread>
@@ -40,6 +42,17 @@ XConnection::XConnection() {
 
 XConnection::~XConnection() {
   XCloseDisplay(static_cast<Display*>(display_));
+}
+
+bool XConnection::HasHeldKeys(unsigned long window) const {
+  auto* display = static_cast<Display*>(display_);
+  Window focus = 0;
+  int revert_to = 0;
+  XGetInputFocus(display, &focus, &revert_to);
+  if (focus != window && focus != PointerRoot) return false;
+  std::array<char, 32> keys{};
+  XQueryKeymap(display, keys.data());
+  return std::ranges::any_of(keys, [](char bits) { return bits != 0; });
 }
 
 void CheckDisplay() {

@@ -15,6 +15,10 @@ class XConnection {
   XConnection(const XConnection&) = delete;
   XConnection& operator=(const XConnection&) = delete;
 
+  /// False if no key is down, or another window gets the keys: then the release of a key that was
+  /// held in ours is never told.
+  bool HasHeldKeys(unsigned long window) const;
+
   void* display() const { return display_; }  ///< Xlib's Display*.
 
  private:
