@@ -1,6 +1,5 @@
 #include "haptics/shared_library.h"
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -12,9 +11,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <poll.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
+#include <spawn.h>
 #include <sys/wait.h>
 #include <system_error>
 #include <thread>
@@ -25,14 +22,7 @@
 namespace acus::haptics {
 namespace {
 
-constexpr int kLoaded = 0;
-constexpr int kNotLoaded = 3;
-
-/// What became of loading in the child.
-struct Probe {
-  bool is_good = false;
-  std::string text;
-};
+constexpr auto kProbePause = std::chrono::milliseconds(5);
 
 std::string LoaderError() {
   const char* text = dlerror();
@@ -43,74 +33,74 @@ int Flags(const LibraryRequest& request) {
   return RTLD_NOW | (request.shares_symbols ? RTLD_GLOBAL : RTLD_LOCAL);
 }
 
-/// In the child: the handlers of this program must not run there, and nobody wants its core file.
-void BeOnOnesOwn() {
-  for (int number = 1; number < NSIG; ++number) std::signal(number, SIG_DFL);
+/// This process's environment, with the library to be loaded before anything else.
+std::vector<std::string> ProbeEnvironment(const LibraryRequest& request, const std::string& name) {
+  std::vector<std::string> environment;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    if (std::strncmp(*entry, "LD_PRELOAD=", 11) != 0) environment.emplace_back(*entry);
+  }
+  std::string first = "LD_PRELOAD=";
+  for (const std::string& before : request.preload) first += before + ":";
+  environment.push_back(first + name);
+  environment.emplace_back("LD_BIND_NOW=1");
+  return environment;
+}
+
+/// Starts a program that does nothing, with the library loaded into it; -1 if it cannot be. (A fork
+/// of this program could hang by itself: other threads may hold the loader's lock.)
+pid_t StartProbe(const LibraryRequest& request, const std::string& name) {
+  std::vector<std::string> environment = ProbeEnvironment(request, name);
+  std::vector<char*> entries;
+  for (std::string& entry : environment) entries.push_back(entry.data());
+  entries.push_back(nullptr);
+  std::string program = "/bin/true";
+  std::array<char*, 2> arguments = {program.data(), nullptr};
+
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawnattr_init(&attributes);
+  for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    posix_spawn_file_actions_addopen(&actions, file, "/dev/null", O_RDWR, 0);
+  }
+  sigset_t all;
   sigset_t none;
+  sigfillset(&all);
   sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-  if (nowhere >= 0) {
-    dup2(nowhere, STDOUT_FILENO);
-    dup2(nowhere, STDERR_FILENO);
-  }
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+  pid_t child = -1;
+  const int error =
+      posix_spawn(&child, program.c_str(), &actions, &attributes, arguments.data(), entries.data());
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  return error == 0 ? child : -1;
 }
 
-[[noreturn]] void LoadInChild(const LibraryRequest& request, const std::string& name, int answer) {
-  BeOnOnesOwn();
-  for (const std::string& first : request.preload) dlopen(first.c_str(), RTLD_NOW | RTLD_GLOBAL);
-  if (dlopen(name.c_str(), Flags(request)) != nullptr) _exit(kLoaded);
-  const std::string text = LoaderError();
-  const bool is_written = write(answer, text.data(), text.size()) > 0;
-  _exit(is_written ? kNotLoaded : kNotLoaded + 1);
-}
-
-/// All that the child writes until it ends or the time is over; false if it is over.
-bool ReadUntilEnd(int answer, double timeout_s, std::string& text) {
+/// What is wrong with loading the library, as far as only a process of its own may find out; or
+/// empty. A file that is not there is no such thing: the loader says that better.
+std::string TryInChild(const LibraryRequest& request, const std::string& name) {
   using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
-  while (true) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
-    pollfd waiting{answer, POLLIN, 0};
-    const int ready = poll(&waiting, 1, static_cast<int>(std::max<long>(0, left.count())));
-    if (ready < 0 && errno == EINTR) continue;
-    if (ready <= 0) return false;
-    std::array<char, 512> buffer{};
-    const ssize_t length = read(answer, buffer.data(), buffer.size());
-    if (length <= 0) return true;
-    text.append(buffer.data(), static_cast<std::size_t>(length));
-  }
-}
-
-Probe TryInChild(const LibraryRequest& request, const std::string& name) {
-  std::array<int, 2> pipe_ends{};
-  ACUS_REQUIRE(pipe2(pipe_ends.data(), O_CLOEXEC) == 0, request.product,
-               ": no pipe can be made to try its library; too many files are open");
-  const pid_t child = fork();
-  if (child == 0) LoadInChild(request, name, pipe_ends[1]);
-  close(pipe_ends[1]);
-  Probe probe;
-  const bool in_time = child > 0 && ReadUntilEnd(pipe_ends[0], request.timeout_s, probe.text);
-  close(pipe_ends[0]);
-  ACUS_REQUIRE(child > 0, request.product,
-               ": no process can be made to try its library: ", std::strerror(errno));
-  if (!in_time) kill(child, SIGKILL);
+  // The loader takes these for separators.
+  if (name.find_first_of(" :") != std::string::npos) return "";
+  const pid_t child = StartProbe(request, name);
+  if (child < 0) return "";
+  const auto end = Clock::now() + std::chrono::duration<double>(request.timeout_s);
   int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  pid_t ended = 0;
+  while ((ended = waitpid(child, &status, WNOHANG)) == 0 || (ended < 0 && errno == EINTR)) {
+    if (Clock::now() > end) {
+      kill(child, SIGKILL);
+      waitpid(child, &status, 0);
+      return Message(name, " does not return from loading (waited ", request.timeout_s,
+                     " s): is its service running, and does it ask something on the screen?");
+    }
+    std::this_thread::sleep_for(kProbePause);
   }
-  if (!in_time) {
-    probe.text = Message("does not return from loading (waited ", request.timeout_s,
-                         " s): is its service running, and does it ask something on the screen?");
-  } else if (WIFSIGNALED(status)) {
-    probe.text = Message("crashes while it is loaded (", strsignal(WTERMSIG(status)),
-                         "): it may be made for another system");
-  } else {
-    probe.is_good = WIFEXITED(status) && WEXITSTATUS(status) == kLoaded;
-  }
-  return probe;
+  if (ended < 0 || !WIFSIGNALED(status)) return "";
+  return Message(name, " crashes while it is loaded (", strsignal(WTERMSIG(status)),
+                 "): it may be made for another system");
 }
 
 /// Handles of what was loaded before, by name and flags.
@@ -140,19 +130,19 @@ void* OpenFirst(const LibraryRequest& request, const std::vector<std::string>& n
   std::string tried;
   for (const std::string& name : names) {
     if (void* handle = AllLoaded().Find(name); handle != nullptr) return handle;
-    const Probe probe = TryInChild(request, name);
-    if (probe.is_good) {
+    std::string problem = TryInChild(request, name);
+    if (problem.empty()) {
       for (const std::string& first : request.preload) {
         dlopen(first.c_str(), RTLD_NOW | RTLD_GLOBAL);
       }
-      void* handle = dlopen(name.c_str(), Flags(request));
-      ACUS_REQUIRE(handle != nullptr, request.product, ": ", name, ": ", LoaderError());
-      AllLoaded().Keep(name, handle);
-      return handle;
+      if (void* handle = dlopen(name.c_str(), Flags(request)); handle != nullptr) {
+        AllLoaded().Keep(name, handle);
+        return handle;
+      }
+      problem = LoaderError();
     }
     if (!tried.empty()) tried += "; ";
-    // The loader's own words begin with the name.
-    tried += probe.text.starts_with(name) ? probe.text : name + " " + probe.text;
+    tried += problem;
   }
   throw InputError(
       Message(request.product, ": its library cannot be loaded: ", tried, ". ", request.advice));
@@ -180,22 +170,26 @@ void PatientCalls::Call(const std::string& what, double timeout_s, std::function
     std::mutex mutex;
     std::condition_variable done;
     bool is_done = false;
-    std::exception_ptr error;
+    bool has_failed = false;
+    std::string error;  // The words, not the exception: that would be shared by two threads.
   };
   ACUS_REQUIRE(!is_busy_->exchange(true), what,
                " has not returned yet: end this program, and switch the device off and on");
   const auto outcome = std::make_shared<Outcome>();
   try {
     std::thread([outcome, busy = is_busy_, function = std::move(function)] {
-      std::exception_ptr error;
+      bool has_failed = false;
+      std::string error;
       try {
         function();
-      } catch (...) {
-        error = std::current_exception();
+      } catch (const std::exception& thrown) {
+        has_failed = true;
+        error = thrown.what();
       }
       *busy = false;
       const std::lock_guard lock(outcome->mutex);
-      outcome->error = error;
+      outcome->has_failed = has_failed;
+      outcome->error = std::move(error);
       outcome->is_done = true;
       outcome->done.notify_all();
     }).detach();
@@ -208,7 +202,7 @@ void PatientCalls::Call(const std::string& what, double timeout_s, std::function
                                               [&] { return outcome->is_done; });
   ACUS_REQUIRE(in_time, what, " does not return (waited ", timeout_s,
                " s): is the device plugged in and switched on, and is no other program using it?");
-  if (outcome->error) std::rethrow_exception(outcome->error);
+  if (outcome->has_failed) throw InputError(outcome->error);
 }
 
 }  // namespace acus::haptics

@@ -39,9 +39,9 @@ struct LibraryRequest {
   double timeout_s = 5.0;            ///< For its constructors.
 };
 
-/// Loads the library and fills the table. The library is first loaded by a child process: some
-/// hang or abort at that, and then only the child does. It is never unloaded: some fail when
-/// they are loaded a second time. Asking again for the same one is cheap.
+/// Loads the library and fills the table. The library is first loaded by a process of its own:
+/// some hang or abort at that, and then only that process does. It is never unloaded: some fail
+/// when they are loaded a second time. Asking again for the same one is cheap.
 /// @throws InputError naming the library, what was tried, the loader's own words, and for a symbol
 ///     that is missing, which.
 void LoadLibrary(const LibraryRequest& request, std::span<const Symbol> symbols);
@@ -53,7 +53,7 @@ class PatientCalls {
   /// thread is left behind with what `function` holds: give it copies. Until it returns, later
   /// calls fail at once.
   /// @param what  "hdInitDevice of OpenHaptics", for the message.
-  /// @throws InputError after `timeout_s`, and what `function` throws.
+  /// @throws InputError after `timeout_s`, and with the words of what `function` throws.
   void Call(const std::string& what, double timeout_s, std::function<void()> function);
 
  private:
