@@ -4,7 +4,7 @@
 
 #include "core/run_main.h"
 #include "motion_capture/capture_folder.h"
-#include "motion_capture/patient_tissue.h"
+#include "motion_capture/capture_inputs.h"
 
 namespace {
 
@@ -12,45 +12,22 @@ namespace fs = std::filesystem;
 using namespace acus::motion_capture;
 
 struct Options {
-  fs::path folder, fields, single, signal, labels, landmarks, output;
-  std::string column, model = "surrogate";
-  double diaphragm_mm = 20.0;
+  CaptureInputs inputs;
+  std::string model = "surrogate";
+  fs::path output;
   bool no_sliding = false;
   CaptureSettings settings;
 };
 
-Capture FromImages(const Options& options, const PhaseFiles& files, acus::RunContext& context) {
-  const auto reference = ReadPhase(files.phases[ReferenceOf(files)], context);
-  const auto tissue = TissueOf(reference, options.labels, !options.no_sliding, context);
-  fs::path landmarks = options.landmarks;
-  if (landmarks.empty() && fs::exists(options.folder / "landmarks.csv")) {
-    landmarks = options.folder / "landmarks.csv";
-  }
-  return CaptureMotion(files, reference, tissue,
-                       landmarks.empty() ? KnownLandmarks{} : ReadKnownLandmarks(landmarks),
-                       options.settings, context);
-}
-
 acus::ExitCode Run(Options& options, acus::RunContext& context) {
+  CaptureInputs& inputs = options.inputs;
+  inputs.sliding = !options.no_sliding;
   options.settings.kind = acus::breathing::MotionKindOf(options.model);
-  std::optional<acus::breathing::BreathSignal> signal;
-  for (const fs::path& path : {options.folder, options.fields, options.single, options.signal}) {
+  for (const fs::path& path :
+       {inputs.phases, inputs.fields, inputs.ct, inputs.single, inputs.signal}) {
     if (!path.empty()) context.provenance.AddInput(path);
   }
-  if (!options.signal.empty()) {
-    signal = acus::breathing::ReadBreathSignal(options.signal, {.column = options.column});
-  }
-  Capture capture = [&] {
-    if (!options.single.empty()) {
-      const auto ct = acus::volume::ReadCt(options.single, "", context);
-      return CaptureSingle(acus::segmentation::TissuesOf(ct, options.labels, context),
-                           options.diaphragm_mm, options.settings, context);
-    }
-    if (!options.fields.empty()) {
-      return CaptureFields(FindPhases(options.fields, signal), nullptr, options.settings, context);
-    }
-    return FromImages(options, FindPhases(options.folder, signal), context);
-  }();
+  const Capture capture = CaptureFrom(inputs, options.settings, context);
   WriteCapture(options.output, capture, context);
   std::cout << CaptureText(capture);
   return acus::ExitCode::kOk;
@@ -60,23 +37,28 @@ acus::ExitCode Run(Options& options, acus::RunContext& context) {
 
 int main(int argc, char** argv) {
   Options o;
+  CaptureInputs& in = o.inputs;
   CLI::App app{"Register the phases of a 4D CT and make a model of how the patient breathes.",
                "acus-breathing"};
   auto* from = app.add_option_group("from", "One of");
-  from->add_option("phases", o.folder,
+  from->add_option("phases", in.phases,
                    "4D CT: folder of phases (DICOM with temporal position, NIfTI, MetaImage, NRRD)")
       ->check(CLI::ExistingDirectory);
-  from->add_option("--fields", o.fields, "Folder of displacement fields instead of images")
-      ->check(CLI::ExistingDirectory);
-  from->add_option("--single", o.single, "A CT at end expiration: a synthetic breath fitted to it")
+  auto* given_fields =
+      from->add_option("--fields", in.fields, "Folder of displacement fields instead of images")
+          ->check(CLI::ExistingDirectory);
+  from->add_option("--single", in.single, "A CT at end expiration: a synthetic breath fitted to it")
       ->check(CLI::ExistingPath);
   from->require_option(1);
-  app.add_option("--signal", o.signal, "Recorded surrogate: levels of the phases")
+  app.add_option("--signal", in.signal, "Recorded surrogate: levels of phases, period")
       ->check(CLI::ExistingFile);
-  app.add_option("--column", o.column, "Of the signal's file");
-  app.add_option("--labels", o.labels, "Tissues of the reference; default: found")
+  app.add_option("--column", in.column, "Of the signal's file");
+  app.add_option("--ct", in.ct, "The patient's CT, which --fields must lie on")
+      ->check(CLI::ExistingPath)
+      ->needs(given_fields);
+  app.add_option("--labels", in.labels, "Tissues of the reference; default: found")
       ->check(CLI::ExistingFile);
-  app.add_option("--landmarks", o.landmarks, "Known places; default: landmarks.csv of the folder")
+  app.add_option("--landmarks", in.landmarks, "Known places; default: landmarks.csv of the folder")
       ->check(CLI::ExistingFile);
   app.add_option("--model", o.model, "What to write")
       ->check(CLI::IsMember({"sinusoid", "full_cycle", "half_cycle", "surrogate"}));
@@ -84,9 +66,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(16, 256));
   app.add_option("--modes", o.settings.num_modes, "Principal components over time; 0: all")
       ->check(CLI::Range(0, 60));
-  app.add_option("--spacing-mm", o.settings.registration.spacing_mm, "Of the registration's grid")
+  app.add_option("--spacing-mm", o.settings.registration.spacing_mm,
+                 "Of the registration's grid; default: 2, or a voxel's if that is larger")
       ->check(CLI::Range(0.5, 20.0));
-  app.add_option("--diaphragm-mm", o.diaphragm_mm, "Way of the diaphragm, with --single")
+  app.add_option("--diaphragm-mm", in.diaphragm_mm, "Way of the diaphragm, with --single")
       ->check(CLI::Range(0.0, 80.0));
   app.add_flag("--no-sliding", o.no_sliding, "Organs do not slide along the ribs");
   app.add_option("-o,--output", o.output, "Folder to write")->required();

@@ -52,6 +52,10 @@ class RecordedBreath {
 
   int num_breaths() const { return static_cast<int>(peaks_.size()) - 1; }
   double duration_s() const { return step_s_ * static_cast<double>(level_.size() - 1); }
+  /// Mean length of a breath.
+  double period_s() const {
+    return step_s_ * static_cast<double>(peaks_.back() - peaks_.front()) / num_breaths();
+  }
   /// With this recording's median levels at the ends of inspiration and expiration as 1 and 0.
   Breath Normalised(const Breath& breath) const noexcept;
 

@@ -256,7 +256,10 @@ KnownLandmarks ReadKnownLandmarks(const std::filesystem::path& path) {
   KnownLandmarks out;
   for (std::size_t n = 0; n < names.size(); ++n) {
     const auto [found, is_new] = place.try_emplace(names[n], out.points.size());
-    if (is_new) out.points.push_back({.tissue = tissues[n], .wall_mm = wall[n], .at_mm = {}});
+    if (is_new) {
+      out.points.push_back(
+          {.name = names[n], .tissue = tissues[n], .wall_mm = wall[n], .at_mm = {}});
+    }
     const bool added =
         out.points[found->second].at_mm.try_emplace(files[n], x[n], y[n], z[n]).second;
     ACUS_REQUIRE(added, table.Where(n), ": ", names[n], " is given twice for ", files[n]);

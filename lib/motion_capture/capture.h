@@ -17,6 +17,7 @@ namespace acus::motion_capture {
 /// Points of tissue whose places are known in every phase: landmarks.csv.
 struct KnownLandmarks {
   struct Point {
+    std::string name;
     std::string tissue;
     double wall_mm = 0.0;  ///< Distance to the wall along which tissue slides.
     std::map<std::string, Eigen::Vector3d> at_mm;  ///< By file of the phase; CT space.

@@ -149,6 +149,21 @@ void WriteTables(const fs::path& folder, const Capture& capture) {
                         models));
 }
 
+/// Error of the registration at each landmark.
+void WriteLandmarkErrors(const fs::path& path, const Capture& capture) {
+  Rows rows;
+  const auto& points = capture.landmarks.points;
+  for (const PhaseResult& phase : capture.phases) {
+    if (phase.landmark_error_mm.size() != points.size()) continue;
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      rows.push_back({phase.file.name, points[n].name, points[n].tissue,
+                      NumberText(points[n].wall_mm), NumberText(phase.landmark_error_mm[n])});
+    }
+  }
+  if (rows.empty()) return;
+  WriteTextFile(path, CsvText({"phase", "name", "tissue", "wall_mm", "error_mm"}, rows));
+}
+
 /// Before and after side by side, black where they are equal, three pixels for each.
 void WriteDifference(const fs::path& path, const DifferencePicture& picture) {
   constexpr int kZoom = 3;
@@ -253,6 +268,7 @@ void WriteCapture(const fs::path& folder, const Capture& capture, const RunConte
   AtomicFolder out(folder, context.overwrite);
   breathing::WritePatientMotion(out.path(), capture.motion);
   WriteTables(out.path(), capture);
+  WriteLandmarkErrors(out.path() / "landmark_errors.csv", capture);
   WriteReport(out.path(), capture, context);
   config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
   out.Commit();

@@ -9,8 +9,9 @@
 
 namespace acus::motion_capture {
 
-/// Writes the motion (motion.json, fields.raw, fields.nhdr), phases.csv, models.csv, report.html,
-/// difference.png and provenance.json into a new folder, whole or not at all.
+/// Writes the motion (motion.json, fields.raw, fields.nhdr), phases.csv, models.csv,
+/// landmark_errors.csv (if landmarks are known), report.html, difference.png and provenance.json
+/// into a new folder, whole or not at all.
 void WriteCapture(const std::filesystem::path& folder, const Capture& capture,
                   const RunContext& context);
 

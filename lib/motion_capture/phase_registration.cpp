@@ -11,8 +11,9 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kWallMm = 1e6;   // Where nothing slides, all is far from the wall.
-constexpr float kOutlier = 8.0F;  // In units of noise, on the finest grid.
+constexpr double kWallMm = 1e6;  // Where nothing slides, all is far from the wall.
+constexpr double kDefaultMm = 2.0, kCoarsestMm = 20.0;  // Spacing of the finest grid.
+constexpr float kOutlier = 8.0F;                        // In units of noise, on the finest grid.
 constexpr float kCoarser = 4.0F;  // Times more on each coarser one: there edges are far apart yet.
 
 Eigen::Array3i VoxelOf(const volume::Geometry& g, std::size_t v) {
@@ -125,8 +126,11 @@ PhaseRegistration::PhaseRegistration(const volume::CtVolume& reference, const Ti
                                      const RegistrationSettings& settings,
                                      const RunContext& context)
     : settings_(settings), ct_(reference.geometry) {
-  ACUS_REQUIRE(settings.spacing_mm >= 0.5 && settings.spacing_mm <= 20.0,
-               "registration: a grid of ", settings.spacing_mm, " mm; it must be in [0.5, 20]");
+  if (settings.spacing_mm == 0.0) {
+    settings_.spacing_mm = std::clamp(ct_.spacing_mm.maxCoeff(), kDefaultMm, kCoarsestMm);
+  }
+  ACUS_REQUIRE(settings_.spacing_mm >= 0.5 && settings_.spacing_mm <= kCoarsestMm,
+               "registration: a grid of ", settings_.spacing_mm, " mm; it must be in [0.5, 20]");
   ACUS_REQUIRE(settings.levels >= 1 && settings.levels <= 6, "registration: ", settings.levels,
                " levels; 1 to 6 are possible");
   ACUS_REQUIRE(settings.smoothness > 0.0 && settings.noise > 0.0,
@@ -134,7 +138,7 @@ PhaseRegistration::PhaseRegistration(const volume::CtVolume& reference, const Ti
   volume::Grid<float> image;
   for (int n = 0; n < settings.levels; ++n) {
     context.Checkpoint("preparing the reference", static_cast<double>(n) / settings.levels);
-    const volume::Geometry grid = CubicGrid(ct_, settings.spacing_mm * (1 << n));
+    const volume::Geometry grid = CubicGrid(ct_, settings_.spacing_mm * (1 << n));
     if (n > 0 && (grid.size < 8).any()) break;
     image = n == 0 ? Averaged(reference, grid, context.num_threads)
                    : Averaged(image, grid, context.num_threads);

@@ -12,7 +12,9 @@
 namespace acus::motion_capture {
 
 struct RegistrationSettings {
-  double spacing_mm = 2.0;  ///< Of the finest grid; each coarser one has twice the last's.
+  /// Of the finest grid; each coarser one has twice the last's. 0: 2 mm, or the longest side of a
+  /// voxel if that is more: a finer grid costs time and says nothing.
+  double spacing_mm = 0.0;
   int levels = 3;
   int iterations = 6;          ///< Linearisations on each grid.
   int solver_iterations = 25;  ///< Conjugate gradients in each.

@@ -12,6 +12,7 @@ namespace {
 using Field = SlidingGrid::Field;
 
 constexpr int kChunk = 8192;
+constexpr float kDamping = 1e-4F;  // Of a step, in units of the stiffness.
 
 /// Calls body(n) for all n in fixed chunks; returns the sum of its results, added up in order.
 double SumOver(int count, int num_threads, const std::function<double(int, int)>& chunk) {
@@ -62,7 +63,7 @@ Eigen::Matrix3f SlidingGrid::Stiffness(int n) const noexcept {
       sum += Eigen::Matrix3f::Identity();
     } else {
       const Eigen::Vector3f normal = NormalBetween(n, m);
-      sum += normal * normal.transpose();
+      sum += (1.0F - kDrag) * normal * normal.transpose() + kDrag * Eigen::Matrix3f::Identity();
     }
   }
   return sum;
@@ -148,6 +149,7 @@ SlidingGrid::Field SolveStep(const SlidingGrid& grid, const DataTerm& data, floa
   const auto size = static_cast<std::size_t>(count);
   Field x(size, Eigen::Vector3f::Zero()), r = data.force, z(size), p(size), ap(size);
   std::vector<Eigen::Matrix3f> inverse(size);
+  const float damping = kDamping * stiffness;
   // z = M^-1 r; returns r . z.
   const auto precondition = [&](int begin, int end) {
     double sum = 0.0;
@@ -163,8 +165,10 @@ SlidingGrid::Field SolveStep(const SlidingGrid& grid, const DataTerm& data, floa
       const auto n = static_cast<std::size_t>(i);
       const Eigen::Vector3f& g = data.gradient[n];
       const Eigen::Matrix3f block =
-          g * g.transpose() + stiffness * grid.Stiffness(i) + 1e-6F * Eigen::Matrix3f::Identity();
-      inverse[n] = block.inverse();
+          g * g.transpose() + stiffness * grid.Stiffness(i) + damping * Eigen::Matrix3f::Identity();
+      // In floats, blocks of nodes with few ties would get an inverse that is not positive, and
+      // conjugate gradients break down.
+      inverse[n] = block.cast<double>().inverse().cast<float>();
     }
     return precondition(begin, end);
   });
@@ -176,7 +180,7 @@ SlidingGrid::Field SolveStep(const SlidingGrid& grid, const DataTerm& data, floa
       for (int i = begin; i < end; ++i) {
         const auto n = static_cast<std::size_t>(i);
         const Eigen::Vector3f& g = data.gradient[n];
-        ap[n] = g.dot(p[n]) * g + stiffness * grid.Pull(p, i) + 1e-6F * p[n];
+        ap[n] = g.dot(p[n]) * g + stiffness * grid.Pull(p, i) + damping * p[n];
         sum += static_cast<double>(p[n].dot(ap[n]));
       }
       return sum;

@@ -14,9 +14,9 @@ namespace acus::motion_capture {
 enum class Side : std::uint8_t { kNone, kWall, kCavity };
 
 /// Nodes of a grid that are tissue, their neighbours, and the smoothness that ties them: all of the
-/// difference of neighbours on the same side; across the wall only what is normal to it, so that
-/// tissue slides, but neither parts nor overlaps (direction-dependent regularisation,
-/// Schmidt-Richberg et al. 2012).
+/// difference of neighbours on the same side; across the wall what is normal to it and hardly
+/// anything of what is along it, so that tissue slides, but neither parts nor overlaps
+/// (direction-dependent regularisation, Schmidt-Richberg et al. 2012).
 class SlidingGrid {
  public:
   /// @param side    One for each node of `geometry`.
@@ -24,6 +24,11 @@ class SlidingGrid {
   /// wall.
   SlidingGrid(const volume::Geometry& geometry, const std::vector<Side>& side,
               const std::vector<Eigen::Vector3f>& normal);
+
+  /// Share of its smoothness that drags tissue along as it slides. Without it, the few nodes that
+  /// the other side surrounds are free to go anywhere along the wall; more than a thousandth costs
+  /// accuracy at the wall.
+  static constexpr float kDrag = 1e-4F;
 
   using Field = std::vector<Eigen::Vector3f>;  ///< One vector for each node that is tissue.
 
@@ -45,7 +50,7 @@ class SlidingGrid {
         sum += difference;
       } else {
         const Eigen::Vector3f normal = NormalBetween(n, m);
-        sum += normal.dot(difference) * normal;
+        sum += (1.0F - kDrag) * normal.dot(difference) * normal + kDrag * difference;
       }
     }
     return sum;
@@ -82,8 +87,9 @@ struct DataTerm {
   SlidingGrid::Field force;
 };
 
-/// Solves (gradient gradient^T + stiffness * Laplacian) step = force by conjugate gradients,
-/// preconditioned by the blocks on the diagonal. The same bits for any number of threads.
+/// Solves (gradient gradient^T + stiffness * (Laplacian + 1e-4)) step = force by conjugate
+/// gradients, preconditioned by the blocks on the diagonal; the 1e-4 damps steps of nodes that
+/// nothing ties. The same bits for any number of threads.
 SlidingGrid::Field SolveStep(const SlidingGrid& grid, const DataTerm& data, float stiffness,
                              int iterations, int num_threads);
 

@@ -14,6 +14,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr double kBeyondWallMm = 8.0;  // Nodes there serve points within.
+constexpr double kSteepest = 2.0;      // Level over half a cell's diagonal (0.87), with a margin.
 constexpr double kLungBelowHu = -300.0;
 
 /// What the flow brings to each place of the cavity: where it came from, and by how much it grew.
@@ -26,16 +27,28 @@ class BackwardFlow {
     grid_.origin_mm = box.min();
     grid_.size = (box.sizes().array() / node_mm_).ceil().cast<int>() + 1;
     shift_.assign(grid_.num_voxels(), Vector3f::Zero());
+    wall_mm_.assign(grid_.num_voxels(), 0.0F);
     ParallelFor(grid_.size[2], num_threads, [&](int k) {
       for (int j = 0; j < grid_.size[1]; ++j) {
         for (int i = 0; i < grid_.size[0]; ++i) {
           const Vector3d p = grid_.origin_mm + node_mm_ * Vector3d(i, j, k);
-          if (motion.cavity().wall.LevelMm(p) > kBeyondWallMm) continue;
+          const double wall_mm = motion.cavity().wall.LevelMm(p);
+          wall_mm_[grid_.Index(i, j, k)] = static_cast<float>(wall_mm);
+          if (wall_mm > kBeyondWallMm) continue;
           shift_[grid_.Index(i, j, k)] = (motion.BeforeSlidingMm(p, breath) - p).cast<float>();
         }
       }
     });
   }
+
+  /// Distance to the wall of a node that is at most half a cell away along each axis.
+  double NearbyWallMm(const Vector3d& p) const {
+    const Eigen::Array3i n = ((p - grid_.origin_mm).array() / node_mm_ + 0.5).cast<int>();
+    const Eigen::Array3i at = n.max(0).min(grid_.size - 1);
+    return static_cast<double>(wall_mm_[grid_.Index(at[0], at[1], at[2])]);
+  }
+  /// Where the level of a node has this size, all of its surroundings are on its side.
+  double ClearMm() const { return kSteepest * node_mm_; }
 
   /// Value and, over a cell, determinant of the gradient of the map.
   Vector3d RestMm(const Vector3d& p, double& thinning) const {
@@ -70,6 +83,7 @@ class BackwardFlow {
   double node_mm_;
   volume::Geometry grid_;
   std::vector<Vector3f> shift_;
+  std::vector<float> wall_mm_;
 };
 
 double HuAt(const volume::CtVolume& ct, const Vector3d& index) {
@@ -131,7 +145,10 @@ volume::CtVolume ScanAt(const volume::CtVolume& ct, const BreathingMotion& motio
         const Vector3d world = ct_from_index * Vector3d(i, j, k);
         Vector3d rest = motion.BeforeChestMm(world, breath);
         double thinning = 1.0;
-        if (motion.InCavity(rest)) rest = flow.RestMm(rest, thinning);
+        // The wall itself is only asked where it is near: it is the costly part of a voxel.
+        const double wall_mm = flow.NearbyWallMm(rest);
+        const bool in = std::abs(wall_mm) > flow.ClearMm() ? wall_mm < 0.0 : motion.InCavity(rest);
+        if (in) rest = flow.RestMm(rest, thinning);
         double hu = HuAt(ct, index_from_ct * rest);
         if (hu < kLungBelowHu) hu = -1000.0 + (hu + 1000.0) * thinning;
         if (settings.noise_sd_hu > 0.0) hu += settings.noise_sd_hu * random.Normal();

@@ -99,23 +99,29 @@ SmoothLevel::Sample SmoothLevel::At(const Eigen::Vector3d& point_ct_mm) const no
   const std::array<SplineWeights, 3> w = {SplineWeights(index[0] - base[0]),
                                           SplineWeights(index[1] - base[1]),
                                           SplineWeights(index[2] - base[2])};
+  const auto from = [&](int axis, std::size_t n) {
+    return std::clamp(base[axis] + static_cast<int>(n) - 1, 0, g.size[axis] - 1);
+  };
+  const std::array<int, 4> i = {from(0, 0), from(0, 1), from(0, 2), from(0, 3)};
   Sample out;
   for (std::size_t c = 0; c < 4; ++c) {
-    const int k = std::clamp(base[2] + static_cast<int>(c) - 1, 0, g.size[2] - 1);
+    double value = 0.0, slope_x = 0.0, slope_y = 0.0;  // Of the plane c.
     for (std::size_t b = 0; b < 4; ++b) {
-      const int j = std::clamp(base[1] + static_cast<int>(b) - 1, 0, g.size[1] - 1);
-      double value = 0.0, slope = 0.0;
+      const float* row = &coefficients_.voxels[g.Index(0, from(1, b), from(2, c))];
+      double along = 0.0, slope = 0.0;
       for (std::size_t a = 0; a < 4; ++a) {
-        const int i = std::clamp(base[0] + static_cast<int>(a) - 1, 0, g.size[0] - 1);
-        const double sample = static_cast<double>(coefficients_.At(i, j, k));
-        value += w[0].value[a] * sample;
+        const double sample = static_cast<double>(row[i[a]]);
+        along += w[0].value[a] * sample;
         slope += w[0].slope[a] * sample;
       }
-      out.level_mm += w[2].value[c] * w[1].value[b] * value;
-      out.gradient.x() += w[2].value[c] * w[1].value[b] * slope;
-      out.gradient.y() += w[2].value[c] * w[1].slope[b] * value;
-      out.gradient.z() += w[2].slope[c] * w[1].value[b] * value;
+      value += w[1].value[b] * along;
+      slope_x += w[1].value[b] * slope;
+      slope_y += w[1].slope[b] * along;
     }
+    out.level_mm += w[2].value[c] * value;
+    out.gradient.x() += w[2].value[c] * slope_x;
+    out.gradient.y() += w[2].value[c] * slope_y;
+    out.gradient.z() += w[2].slope[c] * value;
   }
   out.gradient.array() /= g.spacing_mm;
   return out;
