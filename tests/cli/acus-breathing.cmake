@@ -30,6 +30,20 @@ acus_add_cli_case(acus-breathing.fields_in_voxels EXIT 3 NEEDS inputs
   STDERR "not a displacement field"
   BEFORE "cp -r $INPUTS/breathing_patient/truth f && rm f/deeper.nrrd && cp $INPUTS/ct.nrrd f/phase_01.nrrd"
   COMMAND acus-breathing --fields f --quiet -o m)
+acus_add_cli_case(acus-breathing.fields_on_their_ct EXIT 0 NEEDS inputs CREATES m/motion.json
+  BEFORE "cp -r $INPUTS/breathing_patient/truth f && rm f/deeper.nrrd"
+  COMMAND acus-breathing --fields f --ct $INPUTS/liver_patient/ct.nrrd --resolution 16 --quiet -o m)
+acus_add_cli_case(acus-breathing.fields_in_another_space EXIT 3 NEEDS inputs
+  STDERR "another space"
+  BEFORE "cp -r $INPUTS/breathing_patient/truth f && rm f/deeper.nrrd && \
+sed -i -a 's/^space origin: (/space origin: (9/' f/phase_0[0-3].nrrd"
+  COMMAND acus-breathing --fields f --ct $INPUTS/liver_patient/ct.nrrd --resolution 16 --quiet -o m)
+acus_add_cli_case(acus-breathing.ct_without_fields EXIT 2 NEEDS inputs LEAVES_NOTHING
+  COMMAND acus-breathing $INPUTS/breathing_patient --ct $INPUTS/ct.nrrd -o m)
+acus_add_cli_case(acus-breathing.field_cut_off EXIT 3 NEEDS inputs
+  STDERR "phase_02" BEFORE "cp -r $INPUTS/breathing_patient/truth f && rm f/deeper.nrrd && \
+truncate -s 700 f/phase_02.nrrd"
+  COMMAND acus-breathing --fields f --quiet -o m)
 acus_add_cli_case(acus-breathing.constant_signal EXIT 3 NEEDS inputs
   STDERR "s.csv" BEFORE "(echo time_s,level && seq 0 0.1 9 | sed s/\\$/,1/) > s.csv"
   COMMAND acus-breathing $INPUTS/breathing_patient --signal s.csv --quiet -o m)

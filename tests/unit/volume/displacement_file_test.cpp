@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
+#include "support/fuzz.h"
 #include "support/temporary_folder.h"
 #include "volume/scalar_file.h"
 
@@ -46,6 +48,18 @@ TEST(DisplacementFile, RefusesWhatIsNone) {
   EXPECT_THROW(ReadDisplacementField(folder / "nan.nrrd"), InputError);
   field.displacement_in_ct_mm.pop_back();
   EXPECT_THROW(WriteDisplacementField(folder / "short.nrrd", field), InputError);
+}
+
+TEST(DisplacementFile, DamagedFilesAreReadOrRefused) {
+  const testing_support::TemporaryFolder folder;
+  for (const char* name : {"u.nrrd", "u.mha", "u.nii.gz"}) {
+    WriteDisplacementField(folder / name, SmallField());
+    const std::string valid = ReadTextFile(folder / name);
+    const auto path = folder / Message("damaged_", name);
+    const int refused =
+        testing_support::ReadDamagedCopies(valid, path, 200, [&] { ReadDisplacementField(path); });
+    EXPECT_GT(refused, 100) << name;
+  }
 }
 
 }  // namespace
