@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::int64_t kPedalNs = 300'000'000;
 constexpr int kWatchdogPriority = 85;  ///< Above the servo, which may be stuck.
-constexpr double kSilentS = 0.5;  ///< A servo that is not called for so long is dead.
+constexpr double kSilentS = 0.5;       ///< A servo that is not called for so long is dead.
 constexpr auto kLongestPause = std::chrono::milliseconds(2000);
 
 /// A reading and its force as plain numbers, for the lock-free exchange.

@@ -229,6 +229,8 @@ void Device::ZeroNow() noexcept {
   output_is_off_.store(true, std::memory_order_release);
   api_.MakeCurrentDevice(device);
   api_.Disable(hd::kForceOutput);
+  // Again: the servo may have come in between, and switched the motors on before they were off.
+  output_is_off_.store(true, std::memory_order_release);
 }
 
 void Device::Halt() noexcept {

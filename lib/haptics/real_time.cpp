@@ -25,7 +25,7 @@ constexpr std::int64_t kSecondNs = 1'000'000'000;
 /// it: then rather not.
 std::string LockMemoryOnce() {
   static std::once_flag once;
-  static std::string notice;
+  static std::string& notice = *new std::string;  // exit() leaves servo threads running.
   std::call_once(once, [] {
     rlimit limit{};
     getrlimit(RLIMIT_MEMLOCK, &limit);

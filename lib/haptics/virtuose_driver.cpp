@@ -213,6 +213,8 @@ void Device::ZeroNow() noexcept {
   output_is_off_ = true;
   Write(DeviceForce());
   api_.SetPowerOn(context_, 0);
+  // Again: the servo may have come in between, and switched the motors on before they were off.
+  output_is_off_ = true;
 }
 
 void Device::Halt() noexcept {

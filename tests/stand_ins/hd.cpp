@@ -8,6 +8,7 @@
 #include <deque>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 #include "simulated_arm.h"
 
@@ -35,8 +36,13 @@ Vector force_n{};
 Vector torque_nm{};
 bool in_frame = false;
 bool is_calibrated = false;
-Callback callback = nullptr;
-void* callback_context = nullptr;
+struct Scheduled {
+  Callback callback;
+  void* context;
+  unsigned long handle;
+};
+std::vector<Scheduled> callbacks;
+unsigned num_devices = 0;                   ///< That are open; they share the arm.
 std::thread& scheduler = *new std::thread;  // Outlives exit().
 std::atomic<bool> scheduler_runs{false};
 
@@ -45,18 +51,22 @@ void Raise(unsigned code) {
   errors.push_back(code);
 }
 
+void Unschedule(unsigned long handle) {
+  const std::lock_guard lock(mutex);
+  std::erase_if(callbacks, [=](const Scheduled& s) { return s.handle == handle; });
+}
+
 void Schedule() {
   while (scheduler_runs) {
-    Callback call = nullptr;
-    void* context = nullptr;
+    std::vector<Scheduled> due;
     {
       const std::lock_guard lock(mutex);
-      call = callback;
-      context = callback_context;
+      due = callbacks;
     }
-    if (call != nullptr && !Arm::Get().HasCome("loop_dies") && call(context) == 0) {
-      const std::lock_guard lock(mutex);
-      callback = nullptr;
+    for (const Scheduled& next : due) {
+      if (!Arm::Get().HasCome("loop_dies") && next.callback(next.context) == 0) {
+        Unschedule(next.handle);
+      }
     }
     std::this_thread::sleep_for(std::chrono::duration<double>(Arm::Get().SleepSeconds()));
   }
@@ -83,13 +93,16 @@ ACUS_EXPORT unsigned hdInitDevice(const char* name) {
     return 0xFFFFFFFF;
   }
   if (arm.Fault("license") != 0.0) Raise(0x600);
-  if (arm.Fault("no_device") != 0.0 || !arm.Open()) Raise(0x300);
   is_calibrated = arm.Fault("calibration") == 0.0;
-  return 7;
+  if (arm.Fault("no_device") != 0.0 || !arm.Open()) {
+    Raise(0x300);
+    return 0xFFFFFFFF;
+  }
+  return 7 + num_devices++;
 }
 ACUS_EXPORT void hdDisableDevice(unsigned) {
   Arm::Get().Log("hdDisableDevice");
-  Arm::Get().Close();
+  if (num_devices > 0 && --num_devices == 0) Arm::Get().Close();
   if (Arm::Get().Fault("disable_fails") != 0.0) Raise(0x302);
 }
 ACUS_EXPORT void hdMakeCurrentDevice(unsigned) {}
@@ -192,14 +205,13 @@ ACUS_EXPORT unsigned long hdScheduleAsynchronous(Callback function, void* contex
     Raise(0x501);
     return 0;
   }
+  static unsigned long num_scheduled = 0;
   const std::lock_guard lock(mutex);
-  callback = function;
-  callback_context = context;
-  return 1;
+  callbacks.push_back({function, context, ++num_scheduled});
+  return num_scheduled;
 }
 #endif
-ACUS_EXPORT void hdUnschedule(unsigned long) {
+ACUS_EXPORT void hdUnschedule(unsigned long handle) {
   Arm::Get().Log("hdUnschedule");
-  const std::lock_guard lock(mutex);
-  callback = nullptr;
+  Unschedule(handle);
 }

@@ -10,6 +10,7 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "haptics/open_device.h"
+#include "haptics/real_time.h"
 #include "haptics/zero_forces.h"
 #include "support/stand_in.h"
 
@@ -205,6 +206,39 @@ TEST(Virtuose, TheEmergencyStopAndTheDeadManSwitchForcesOffAndTheyComeBackSlowly
   device->Stop();
 }
 
+TEST(OpenHaptics, TwoDevicesShareTheSchedulerWhichIsStoppedWithTheLast) {
+  const StandIn library("hd", "");
+  DeviceConfig config = Quick(library, DriverKind::kOpenHaptics);
+  config.vendor.device = "Right Device";
+  const auto needle = OpenDevice(config);
+  config.vendor.device = "Left Device";
+  const auto probe = OpenDevice(config);
+  for (HapticDevice* device : {needle.get(), probe.get()}) {
+    device->Start({.tick = &PushSideways, .context = nullptr});
+  }
+  ASSERT_TRUE(WaitFor([&] { return needle->status().force.force_n.norm() > 1.8; }));
+  ASSERT_TRUE(WaitFor([&] { return probe->status().force.force_n.norm() > 1.8; }));
+  needle->Stop();
+  EXPECT_THAT(library.Log(), testing::Not(HasSubstr("hdStopScheduler")));
+  const std::int64_t ticks = probe->status().ticks;
+  EXPECT_TRUE(WaitFor([&] { return probe->status().ticks > ticks + 50; }));
+  probe->Stop();
+  EXPECT_THAT(library.Log(), HasSubstr("hdStopScheduler\nmotors off\nhdDisableDevice"));
+  EXPECT_EQ(library.Value("is_open"), 0.0);
+}
+
+TEST(RealTime, WhatIsNotPermittedIsSaidWithTheCure) {
+  std::string notice;
+  std::thread([&] { notice = RequestRealTime(80); }).join();
+  if (!notice.empty()) {
+    EXPECT_THAT(notice, HasSubstr("/etc/security/limits.d/haptics.conf"));
+  }
+  std::string refused;
+  std::thread([&] { refused = RequestRealTime(1000); }).join();  // There is no such priority.
+  EXPECT_THAT(refused, HasSubstr("no real-time priority (Invalid argument)"));
+  EXPECT_THAT(refused, HasSubstr("rtprio 90"));
+}
+
 TEST(ForceDimension, OpensTheDeviceWithTheSerialNumber) {
   const StandIn library("dhd", "");
   DeviceConfig config = Quick(library, DriverKind::kForceDimension);
@@ -284,6 +318,9 @@ TEST_P(ProcessEnds, ByAnExceptionThatNobodyCaught) {
   ExpectZero();
 }
 TEST_P(ProcessEnds, ByASegmentationFault) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer wants this signal for itself";
+#endif
   EXPECT_EXIT(PushAnd([] { std::raise(SIGSEGV); }), testing::KilledBySignal(SIGSEGV), "");
   ExpectZero();
 }
