@@ -3,40 +3,44 @@
 #include <iostream>
 
 #include "core/run_main.h"
-#include "devices/playback.h"
+#include "devices/mannequin_pictures.h"
 #include "devices/scripted_hand.h"
 #include "session/session_import.h"
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace acus::devices;
 
 struct Options {
-  fs::path session;
+  std::filesystem::path session;
   std::optional<double> rate_hz;
   bool loop = false;
   std::vector<double> entry_mm = {0, 0, 0}, target_mm = {0, 0, -60};
   HandScript script;
-  ToolNames names;
+  std::vector<std::string> names = {ToolNames().needle, ToolNames().probe};
+  std::vector<std::filesystem::path> camera;
   std::vector<std::string> faults;
   PlaybackOptions playback;
 };
 
 std::unique_ptr<ToolMotion> Motion(const Options& options, bool from_session,
                                    acus::RunContext& context) {
+  const ToolNames names{.needle = options.names[0], .probe = options.names[1]};
   if (!from_session) {
     HandScript script = options.script;
     script.entry_mm = Eigen::Vector3d::Map(options.entry_mm.data());
     script.target_mm = Eigen::Vector3d::Map(options.target_mm.data());
     script.rate_hz = options.rate_hz.value_or(script.rate_hz);
-    return ScriptedHand(script, options.names, context.seed);
+    return ScriptedHand(script, names, context.seed);
   }
   auto session = acus::session::ReadAnySession(options.session, {}, context).session;
-  auto motion = options.rate_hz
-                    ? ResampledMotion(std::move(session), options.names, *options.rate_hz)
-                    : RecordedMotion(std::move(session), options.names);
+  auto motion = options.rate_hz ? ResampledMotion(std::move(session), names, *options.rate_hz)
+                                : RecordedMotion(std::move(session), names);
   return options.loop ? ForthAndBack(std::move(motion)) : std::move(motion);
+}
+
+void SayPort(int port) {
+  std::cout << "listening on port " << port << std::endl;  // At once: others wait for it.
 }
 
 }  // namespace
@@ -44,7 +48,6 @@ std::unique_ptr<ToolMotion> Motion(const Options& options, bool from_session,
 int main(int argc, char** argv) {
   Options options;
   PlaybackOptions& playback = options.playback;
-  playback.server.host = "localhost";
   CLI::App app{
       "Stand in for a tracker: send the poses of a recorded session, or of a scripted hand,\n"
       "to every OpenIGTLink client (TRANSFORM, and TDATA on request). Prints the port.\n"
@@ -58,24 +61,19 @@ int main(int argc, char** argv) {
   play->add_flag("--loop", options.loop, "Forth and back without end");
   CLI::App* hand = app.add_subcommand("hand", "Insert a needle again and again");
   hand->add_option("--entry", options.entry_mm, "On the skin: x y z, mm")->expected(3);
-  hand->add_option("--target", options.target_mm, "Where the needle is led to: x y z, mm")
-      ->expected(3);
+  hand->add_option("--target", options.target_mm, "Of the needle: x y z, mm")->expected(3);
   hand->add_option("--insertion-mm-s", options.script.insertion_mm_s, "Mean speed of the tip");
   hand->add_option("--tremor-mm", options.script.tremor_mm, "RMS of each axis");
-  app.add_option("--host", playback.server.host, "Address to listen on; '' for all of this machine")
-      ->capture_default_str();
+  app.add_option("--host", playback.server.host, "Address to listen on, else localhost; '' is all");
   app.add_option("--port", playback.server.port, "0 chooses a free one")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   app.add_option("--rate-hz", options.rate_hz, "Poses a second; as recorded, or 100 of the hand")
       ->check(CLI::Range(0.1, 5000.0));
   app.add_option("--speed", playback.speed, "Times the recorded speed")
-      ->check(CLI::Range(0.01, 100.0))
-      ->capture_default_str();
+      ->check(CLI::Range(0.01, 100.0));
   app.add_option("--seconds", playback.seconds, "End after this")->check(CLI::Range(0.0, 1e7));
-  app.add_option("--needle-name", options.names.needle, "Name of its poses in the messages")
-      ->capture_default_str();
-  app.add_option("--probe-name", options.names.probe, "Name of its poses")->capture_default_str();
+  app.add_option("--names", options.names, "Of needle and probe in the messages")->expected(2);
   app.add_flag("--wait", playback.wait_for_client, "Begin when the first client is there");
   app.add_flag("--send-validity", playback.server.send_validity,
                "Say what is not seen, as PLUS does with protocol 3; else leave it out");
@@ -83,6 +81,9 @@ int main(int argc, char** argv) {
                  "What goes wrong, when and how long, s: drop, freeze, occlude, nan, jump (50 mm)\n"
                  "or garbage, as in occlude@5:2; may be given again")
       ->check(FaultProblem);
+  app.add_option("--camera", options.camera, "Send pictures: files of a camera and of facets")
+      ->expected(2)
+      ->check(CLI::ExistingFile);
   app.footer(
       "EXAMPLE\n"
       "  acus-devices play session --port 0 --seconds 1 --fault occlude@0.2:0.3\n"
@@ -90,10 +91,10 @@ int main(int argc, char** argv) {
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     for (const std::string& fault : options.faults) playback.faults.push_back(ParseFault(fault));
     const auto motion = Motion(options, play->parsed(), context);
-    playback.on_listening = [](int port) {
-      std::cout << "listening on port " << port << std::endl;
-    };
-    std::cout << Text(Play(*motion, /*pictures=*/nullptr, playback, context));
+    playback.on_listening = SayPort;
+    std::unique_ptr<PictureSource> pictures;
+    if (!options.camera.empty()) pictures = MannequinPictures(options.camera[0], options.camera[1]);
+    std::cout << Text(Play(*motion, pictures.get(), playback, context));
     return acus::ExitCode::kOk;
   });
 }

@@ -19,8 +19,10 @@ struct NamedPose {
 
 struct PoseServerOptions {
   std::string name = "Acus";  ///< Device name of TDATA, STATUS and CAPABILITY.
-  std::string host = "";      ///< Address of this machine to listen on; "" for all.
-  int port = 18944;           ///< 0 chooses a free one.
+  /// Address of this machine to listen on: "localhost" is heard here only, "" by all of the
+  /// network.
+  std::string host = "localhost";
+  int port = 18944;  ///< 0 chooses a free one.
   /// Protocol 3 with PLUS's metadata, which can say that a tool is not seen. Without it (protocol
   /// 2, which older receivers need) the transform of a tool that is not seen is not sent, as PLUS
   /// does by default.
