@@ -29,7 +29,9 @@ IgtlOptions Options(int port) {
   options.host = "127.0.0.1";
   options.port = port;
   options.tools = {{.tool = "needle", .device = "NeedleToReference"}};
-  options.message_ms = 20'000;  // A loaded machine is no slow peer.
+  // A loaded machine is no slow peer.
+  options.message_ms = 20'000;
+  options.lost_after_ms = 5'000;
   return options;
 }
 PoseServerOptions AnyPort() {
@@ -283,7 +285,9 @@ TEST(IgtlSource, HearsAnotherProcessThroughItsFaults) {
   }
   int port = 0;
   ASSERT_EQ(read(port_pipe[0], &port, sizeof(port)), ssize_t{sizeof(port)});
-  IgtlSource source(Options(port));
+  IgtlOptions options = Options(port);
+  options.lost_after_ms = 200;
+  IgtlSource source(options);
   source.Start();
   const auto hears = [&] { return source.board().Latest(0).valid; };
   const auto is_deaf = [&] { return !source.board().Latest(0).valid; };
