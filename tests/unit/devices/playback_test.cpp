@@ -72,6 +72,8 @@ std::unique_ptr<tracking::IgtlSource> Listening(int port) {
   options.tools = {{.tool = "needle", .device = "NeedleToReference"},
                    {.tool = "probe", .device = "ProbeToReference"}};
   options.keep_images = true;
+  options.journal_capacity = 100'000;
+  options.message_ms = 20'000;  // A loaded machine is no slow peer.
   auto source = std::make_unique<tracking::IgtlSource>(options);
   source->Start();
   return source;
@@ -105,30 +107,31 @@ TEST(Playback, EndsWithTheMotionOrAfterItsSeconds) {
   EXPECT_THROW(Play(*RecordedMotion(session, {}), nullptr, options, {}), InputError);
 }
 
-// Each fault shows at the client as what it is, and is over when it is over.
+// Each fault shows at the client as what it is, and is over when it is over. Judged by counts,
+// which a loaded machine cannot miss.
 TEST(Playback, FaultsShowAndEnd) {
+  using tracking::SourceCounts;
   const struct {
     const char* fault;
-    bool keeps_link;
-  } cases[] = {{"drop@0.3:0.5", false},
-               {"freeze@0.3:0.5", true},
-               {"occlude@0.3:0.5", true},
-               {"nan@0.3:0.5", true}};
+    std::uint64_t SourceCounts::*shows;
+    std::uint64_t more_than;
+  } cases[] = {{"drop@0.3:0.5", &SourceCounts::connects, 1},
+               {"freeze@0.3:0.5", &SourceCounts::fell_silent, 1},
+               {"occlude@0.3:0.5", &SourceCounts::not_seen, 10},
+               {"nan@0.3:0.5", &SourceCounts::bad_poses, 10}};
   for (const auto& one : cases) {
     PlaybackOptions options;
     options.faults = {ParseFault(one.fault)};
     options.server.send_validity = true;
     Playing playing(options);
     const auto source = Listening(playing.port());
-    const auto is_seen = [&] { return source->board().Latest(0).valid; };
-    ASSERT_TRUE(WaitUntil(is_seen)) << one.fault;
-    EXPECT_TRUE(WaitUntil([&] { return !is_seen(); })) << one.fault;
-    EXPECT_TRUE(WaitUntil(is_seen)) << one.fault;
-    const tracking::SourceCounts counts = source->status().counts;
-    EXPECT_EQ(counts.connects == 1, one.keeps_link) << one.fault;
-    EXPECT_EQ(counts.bad_poses > 0, std::string(one.fault).starts_with("nan")) << one.fault;
-    EXPECT_EQ(counts.not_seen > 0, std::string(one.fault).starts_with("occlude")) << one.fault;
-    EXPECT_EQ(counts.bad_messages, 0u) << one.fault;
+    const auto counts = [&] { return source->status().counts; };
+    EXPECT_TRUE(WaitUntil([&] { return counts().*one.shows > one.more_than; })) << one.fault;
+    EXPECT_TRUE(WaitUntil([&] { return source->board().Latest(0).valid; })) << one.fault;
+    EXPECT_EQ(counts().connects == 1, one.shows != &SourceCounts::connects) << one.fault;
+    EXPECT_EQ(counts().bad_poses > 0, one.shows == &SourceCounts::bad_poses) << one.fault;
+    EXPECT_EQ(counts().not_seen > 0, one.shows == &SourceCounts::not_seen) << one.fault;
+    EXPECT_EQ(counts().bad_messages, 0u) << one.fault;
   }
 }
 
@@ -137,9 +140,21 @@ TEST(Playback, AJumpIsFiftyMillimetresAndGarbageIsSkipped) {
   options.faults = {ParseFault("jump@0.3:0.5"), ParseFault("garbage@0:100")};
   Playing playing(options);
   const auto source = Listening(playing.port());
-  const auto x_mm = [&] { return source->board().Latest(0).reference_from_tool.translation().x(); };
-  EXPECT_TRUE(WaitUntil([&] { return std::abs(x_mm() - 50.0) < 1e-3; }));
-  EXPECT_TRUE(WaitUntil([&] { return std::abs(x_mm()) < 1e-3; }));
+  std::vector<tracking::ToolReading> taken(1000);
+  int aside = 0, back = 0;
+  ASSERT_TRUE(WaitUntil([&] {
+    const std::size_t count = source->board().TakeReadings(taken);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto& [tool, pose] = taken[i];
+      if (tool != 0 || !pose.valid) continue;
+      const double x_mm = pose.reference_from_tool.translation().x();
+      EXPECT_TRUE(std::abs(x_mm) < 1e-3 || std::abs(x_mm - 50.0) < 1e-3) << x_mm;
+      aside += x_mm > 1.0 ? 1 : 0;
+      back += aside > 0 && x_mm < 1.0 ? 1 : 0;
+    }
+    return back > 10;
+  }));
+  EXPECT_GE(aside, 10);
   EXPECT_TRUE(WaitUntil([&] { return source->status().counts.skipped_bytes > 1000; }));
   EXPECT_EQ(source->status().counts.connects, 1u);
 }
