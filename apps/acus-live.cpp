@@ -1,0 +1,72 @@
+// acus-live: a training session with devices.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "config/json_file.h"
+#include "core/run_main.h"
+#include "live/live_session.h"
+#include "replay/replay.h"
+#include "training/exercise.h"
+
+int main(int argc, char** argv) {
+  std::filesystem::path scenario_path, devices_path, exercise_path;
+  std::vector<std::string> changes;
+  bool headless = false;
+  bool check = false;
+  acus::live::LiveOptions options;
+
+  CLI::App app{
+      "Run a training session: forces at the rate of the device, pictures beside it, all of it\n"
+      "recorded in a session folder that acus-replay reproduces bit for bit.",
+      "acus-live"};
+  app.add_option("scenario", scenario_path, "Scenario (acus-scenario JSON): a file or a preset")
+      ->required();
+  app.add_option("--devices", devices_path,
+                 "What is attached (acus-devices JSON): a file, or a preset such as\n"
+                 "devices/virtual.json")
+      ->required();
+  app.add_option("-o,--output", options.session_folder, "Session folder to make");
+  app.add_option("--hand", options.hand, "Virtual hands follow this recorded session")
+      ->check(CLI::ExistingPath);
+  app.add_option("--duration", options.duration_s, "End by itself after so many seconds")
+      ->check(CLI::Range(0.0, 86400.0));
+  app.add_option("--exercise", exercise_path, "What the trainee is asked to do (acus-exercise)")
+      ->check(CLI::ExistingFile);
+  app.add_option("--set", changes,
+                 "Change one value of the scenario: /json/pointer=value; =null takes it out");
+  app.add_flag("--headless", headless, "Without windows");
+  app.add_flag("--check", check, "Check scenario, files and devices; start nothing");
+  app.callback([&] {
+    if (options.session_folder.empty() && !check) throw CLI::RequiredError("--output");
+  });
+  app.footer(
+      "EXAMPLE\n"
+      "  acus-live scenario.json --devices devices/virtual.json --hand session --headless \\\n"
+      "    --duration 2 -o live_session --set /patient/ct=ct.nrrd \\\n"
+      "    --set /patient/labels=labels.seg.nrrd --overwrite\n"
+      "  acus-replay scenario.json live_session --ct ct.nrrd --labels labels.seg.nrrd -o live_run\n"
+      "  live_run/forces.csv is then live_session/forces.csv, byte for byte.");
+
+  return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
+    std::vector<acus::scenario::Override> overrides;
+    for (const auto& change : changes) {
+      overrides.push_back(acus::scenario::ParseOverride(change));
+    }
+    const auto here = std::filesystem::current_path();
+    const auto scenario =
+        acus::scenario::ReadScenario(acus::config::FindConfig(scenario_path, here), overrides);
+    const auto devices = acus::live::ReadLiveDevices(acus::config::FindConfig(devices_path, here));
+    if (!exercise_path.empty()) {
+      options.name = acus::training::ReadExercise(exercise_path).name;
+      context.provenance.AddInput(exercise_path);
+    }
+    acus::live::LiveSession session(scenario, devices, options, context);
+    if (check) {
+      std::cout << acus::replay::CheckText(scenario) << session.DevicesText();
+      return acus::ExitCode::kOk;
+    }
+    const bool good = acus::live::RunHeadless(session);
+    std::cout << session.SummaryText();
+    return good ? acus::ExitCode::kOk : acus::ExitCode::kNoAnswer;
+  });
+}

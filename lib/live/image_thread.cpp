@@ -1,0 +1,104 @@
+#include "live/image_thread.h"
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "core/monotonic_time.h"
+#include "simulation/fluoroscopy_renderer.h"
+
+namespace acus::live {
+
+struct ImageThread::Renderers {
+  explicit Renderers(const simulation::Scene& scene) : images(scene) {
+    if (scene.plan.Has(simulation::StageId::kFluoroscopy)) {
+      fluoroscopy.emplace(scene, 1);
+      fluoroscopy_interval_ns = std::llround(1e9 / scene.fluoroscopy->rate_hz);
+    }
+  }
+  simulation::ImageRenderer images;
+  std::optional<simulation::FluoroscopyRenderer> fluoroscopy;
+  std::int64_t fluoroscopy_interval_ns = 0;
+};
+
+double PictureStatistics::per_s() const {
+  const double span_s = 1e-9 * static_cast<double>(last_ns - first_ns);
+  return span_s > 0.0 ? static_cast<double>(pictures - 1) / span_s : 0.0;
+}
+
+nlohmann::json PictureStatistics::ToJson() const {
+  return {{"pictures", pictures.load()},
+          {"late", late.load()},
+          {"per_s", per_s()},
+          {"render", render.ToJson()},
+          {"interval", interval.ToJson()},
+          {"tracker_to_picture", tracker_to_picture.ToJson()}};
+}
+
+ImageThread::ImageThread(const simulation::Scene& scene, TripleBuffer<LiveSnapshot>& snapshots,
+                         double rate_hz, std::function<void(const LivePicture&)> on_picture)
+    : snapshots_(snapshots),
+      rate_hz_(rate_hz),
+      on_picture_(std::move(on_picture)),
+      renderers_(std::make_unique<Renderers>(scene)) {}
+
+ImageThread::~ImageThread() {
+  Stop();
+}
+
+void ImageThread::Start() {
+  thread_ = std::thread([this] { Run(); });
+}
+
+void ImageThread::Stop() noexcept {
+  stopping_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void ImageThread::Run() {
+  const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 / rate_hz_));
+  std::int64_t due_ns = MonotonicNs();
+  while (!stopping_) {
+    const std::int64_t begin_ns = MonotonicNs();
+    if (begin_ns < due_ns) {
+      std::this_thread::sleep_for(
+          std::chrono::nanoseconds(std::min<std::int64_t>(due_ns - begin_ns, 20'000'000)));
+      continue;
+    }
+    due_ns += period_ns;
+    while (due_ns <= begin_ns) {
+      due_ns += period_ns;
+      ++statistics_.late;
+    }
+    if (!snapshots_.Refresh()) continue;  // Before the first step, or the device is silent.
+    LivePicture& out = pictures_.Back();
+    Render(out);
+    const std::int64_t end_ns = MonotonicNs();
+    statistics_.render.Add(end_ns - begin_ns);
+    if (number_ > 1) statistics_.interval.Add(end_ns - statistics_.last_ns);
+    if (number_ == 1) statistics_.first_ns = end_ns;
+    statistics_.last_ns = end_ns;
+    statistics_.tracker_to_picture.Add(end_ns - out.snapshot.measured_ns);
+    ++statistics_.pictures;
+    if (on_picture_) on_picture_(out);
+    pictures_.Publish();
+  }
+}
+
+void ImageThread::Render(LivePicture& out) {
+  out.snapshot = snapshots_.Front();
+  out.number = ++number_;
+  const simulation::Snapshot moment = out.snapshot.ForRenderer();
+  if (!out.snapshot.frozen) {
+    renderers_->images.Render(moment, last_images_);
+    if (renderers_->fluoroscopy && moment.time_ns >= fluoroscopy_due_ns_) {
+      renderers_->fluoroscopy->Render(moment, last_fluoroscopy_, 1);
+      fluoroscopy_due_ns_ = moment.time_ns + renderers_->fluoroscopy_interval_ns;
+    }
+  }
+  out.images = last_images_;
+  out.fluoroscopy = last_fluoroscopy_;
+}
+
+}  // namespace acus::live

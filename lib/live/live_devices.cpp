@@ -1,0 +1,128 @@
+#include "live/live_devices.h"
+
+#include <cmath>
+
+#include "config/json_file.h"
+#include "core/error.h"
+#include "registration/transform_file.h"
+
+namespace acus::live {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+Eigen::Vector3d VectorOf(const json& node) {
+  const auto v = node.get<std::vector<double>>();
+  return {v[0], v[1], v[2]};
+}
+
+Eigen::Isometry3d PoseOf(const json& node, const std::string& where) {
+  const auto q = node.at("quaternion_wxyz").get<std::vector<double>>();
+  const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
+  ACUS_REQUIRE(std::abs(rotation.norm() - 1.0) <= 1e-3, where, "/quaternion_wxyz: has length ",
+               rotation.norm(), "; it must be 1");
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = rotation.normalized().toRotationMatrix();
+  pose.translation() = VectorOf(node.at("translation_mm"));
+  return pose;
+}
+
+Eigen::Isometry3d PlaceOf(const json& device, const fs::path& folder, const std::string& where) {
+  const std::string file = device.at("reference_from_device_file");
+  if (!file.empty()) return registration::ReadTransform(folder / file);
+  return PoseOf(device.at("reference_from_device"), where + "/reference_from_device");
+}
+
+TrackerConfig TrackerOf(const json& node, const std::string& where) {
+  TrackerConfig tracker;
+  tracking::IgtlOptions& options = tracker.options;
+  options.name = node.at("name");
+  options.host = node.at("host");
+  options.port = node.at("port");
+  options.listen = node.at("listen");
+  options.journal_capacity = 1U << 15;
+  tracker.stale_s = node.at("stale_s");
+  const json& tools = node.at("tools");
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    options.tools.push_back({.tool = tools[i].at("tool"),
+                             .device = tools[i].at("device"),
+                             .relative_to = tools[i].at("relative_to"),
+                             .marker_from_tool = PoseOf(tools[i], Message(where, "/tools/", i))});
+  }
+  return tracker;
+}
+
+BeltConfig BeltOf(const json& node, const std::string& where) {
+  BeltConfig belt{.tool = node.at("tool"),
+                  .axis = VectorOf(node.at("axis")),
+                  .expiration_mm = node.at("expiration_mm"),
+                  .inspiration_mm = node.at("inspiration_mm")};
+  ACUS_REQUIRE(belt.axis.norm() > 1e-6, where, "/axis: has no length");
+  ACUS_REQUIRE(std::abs(belt.inspiration_mm - belt.expiration_mm) > 0.1, where,
+               ": inspiration_mm and expiration_mm must be at least 0.1 mm apart");
+  belt.axis.normalize();
+  return belt;
+}
+
+void CheckTools(const LiveDevices& devices, const std::string& file) {
+  std::map<std::string, int> tracked;
+  for (const TrackerConfig& tracker : devices.trackers) {
+    for (const tracking::IgtlTool& tool : tracker.options.tools) {
+      ACUS_REQUIRE(++tracked[tool.tool] == 1, file, ": /trackers: tool \"", tool.tool,
+                   "\" is tracked twice; name another one otherwise");
+    }
+  }
+  for (const auto& [tool, config] :
+       {std::pair{"needle", &devices.haptics.needle}, {"probe", &devices.haptics.probe}}) {
+    ACUS_REQUIRE(config->device.empty() || !devices.FindTracked(tool), file, ": the ", tool,
+                 " is on the device \"", config->device, "\" and tracked as well; leave one out");
+  }
+  ACUS_REQUIRE(devices.has_needle() || devices.has_probe(), file,
+               ": neither needle nor probe is on a device or tracked; give /needle/device, or a "
+               "tool \"needle\" or \"probe\" in /trackers");
+  ACUS_REQUIRE(!devices.belt || devices.FindTracked(devices.belt->tool), file,
+               ": /breath/tool: no "
+               "tracker has a tool \"",
+               devices.belt ? devices.belt->tool : "", "\"");
+}
+
+}  // namespace
+
+std::optional<LiveDevices::Place> LiveDevices::FindTracked(const std::string& tool) const {
+  for (std::size_t t = 0; t < trackers.size(); ++t) {
+    const auto& tools = trackers[t].options.tools;
+    for (std::size_t i = 0; i < tools.size(); ++i) {
+      if (tools[i].tool == tool) return Place{t, i};
+    }
+  }
+  return {};
+}
+
+LiveDevices ReadLiveDevices(const fs::path& path) {
+  LiveDevices devices;
+  devices.haptics = haptics::ReadDevices(path);
+  devices.name = devices.haptics.name;
+  const json document = config::ReadConfig(path, "acus-devices");
+  const std::string file = path.string();
+  const json& list = document.at("devices");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    devices.reference_from_device[list[i].at("name")] =
+        PlaceOf(list[i], path.parent_path(), Message(file, ": /devices/", i));
+  }
+  const json& trackers = document.at("trackers");
+  for (std::size_t i = 0; i < trackers.size(); ++i) {
+    devices.trackers.push_back(TrackerOf(trackers[i], Message(file, ": /trackers/", i)));
+  }
+  if (document.contains("breath")) {
+    devices.belt = BeltOf(document.at("breath"), file + ": /breath");
+  }
+  if (document.contains("send_out")) {
+    const json& out = document.at("send_out");
+    devices.send_out = SendOut{.host = out.at("host"), .port = out.at("port")};
+  }
+  CheckTools(devices, file);
+  return devices;
+}
+
+}  // namespace acus::live

@@ -1,0 +1,181 @@
+// A whole session in this process: threads, trackers that fail, and how it ends.
+#include "live/live_session.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "config/json_file.h"
+#include "core/atomic_file.h"
+#include "core/monotonic_time.h"
+#include "session/session_io.h"
+#include "support/layered_scene.h"
+#include "support/replay_folder.h"
+#include "tracking/pose_server.h"
+#include "volume/volume_io.h"
+
+namespace acus::live {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+using testing::Contains;
+using testing::Field;
+using testing::HasSubstr;
+
+Eigen::Isometry3d ProbeOnSkin() {
+  Eigen::Isometry3d probe = Eigen::Isometry3d::Identity();
+  probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  probe.translation() << 0.0, 20.0, 2.0;
+  return probe;
+}
+
+class Session : public testing_support::ReplayFolder {
+ protected:
+  void SetUp() override {
+    const auto scene =
+        testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
+    volume::WriteCt(folder_ / "ct.nrrd", *scene.ct);
+    volume::WriteLabelMap(folder_ / "labels.seg.nrrd", *scene.labels);
+    WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1", "name": "Layers",
+      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"},
+      "probe": "probes/linear_l14.json",
+      "effects": {"needle_force": {}, "probe_force": {"press_mm": 5}, "ct_slice": {}},
+      "image_rate_hz": 30})");
+    setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
+  }
+
+  /// A virtual needle and a tracked probe.
+  LiveDevices Devices(int port) {
+    WriteTextFile(folder_ / "devices.json",
+                  Message(R"({"format": "acus-devices/1", "devices": [{"name": "right",
+      "driver": "virtual_hand", "virtual_hand": {"repeats": true, "path": [
+        {"time_s": 0, "translation_mm": [0, 20, -5]}, {"time_s": 1, "translation_mm": [0, 20, 20]},
+        {"time_s": 2, "translation_mm": [0, 20, -5]}]}}],
+      "needle": {"device": "right"},
+      "trackers": [{"name": "tracker", "port": )",
+                          port, R"(, "tools": [
+        {"tool": "probe", "device": "ProbeToReference"}]}]})"));
+    return ReadLiveDevices(folder_ / "devices.json");
+  }
+
+  /// Polls until `done`, sending the probe's pose while `sends`.
+  void PollUntil(LiveSession& session, tracking::PoseServer& server,
+                 const std::function<bool()>& done) {
+    const std::int64_t give_up_ns = MonotonicNs() + 30'000'000'000;
+    while (!done() && MonotonicNs() < give_up_ns && session.Poll()) {
+      if (sends_) {
+        server.SendPoses(
+            std::vector<tracking::NamedPose>{
+                {.name = "ProbeToReference", .reference_from_tool = pose_, .valid = true}},
+            MonotonicNs());
+      }
+      if (session.pictures().Refresh()) snapshot_ = session.pictures().Front().snapshot;
+      std::this_thread::sleep_for(milliseconds(10));
+    }
+    EXPECT_TRUE(done());
+  }
+
+  bool sends_ = true;
+  Eigen::Isometry3d pose_ = ProbeOnSkin();
+  LiveSnapshot snapshot_;
+};
+
+TEST_F(Session, OutlivesItsTrackerAndReplaysToTheSameForces) {
+  tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
+  server.Start();
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", {}), Devices(server.port()),
+                      options, context_);
+  session.Start();
+  const auto feels = [&] { return snapshot_.probe_force_n > 0.1; };
+  PollUntil(session, server, feels);
+
+  // Silent: not seen, no force, and the screen says so.
+  sends_ = false;
+  PollUntil(session, server, [&] { return !snapshot_.moment.probe_valid; });
+  EXPECT_EQ(snapshot_.probe_force_n, 0.0);
+  EXPECT_THAT(session.Status(), Contains(Field(&StatusLine::text, HasSubstr("does not see"))));
+  sends_ = true;
+  PollUntil(session, server, feels);
+
+  // A jump of 50 mm is not used; a probe that stays there is believed again.
+  pose_.translation().x() += 50.0;
+  PollUntil(session, server, [&] { return !snapshot_.moment.probe_valid; });
+  EXPECT_EQ(snapshot_.probe_force_n, 0.0);
+  pose_.translation().x() -= 50.0;
+  PollUntil(session, server, feels);
+
+  // Rubbish, then gone and back.
+  const std::vector<std::uint8_t> rubbish(5000, 0xA7);
+  server.SendRaw(rubbish);
+  PollUntil(session, server, feels);
+  server.Stop();
+  sends_ = false;
+  PollUntil(session, server, [&] { return !snapshot_.moment.probe_valid; });
+  EXPECT_THAT(session.Status(), Contains(Field(&StatusLine::text, HasSubstr("Tracker tracker: "))));
+  server.Start();
+  sends_ = true;
+  PollUntil(session, server, feels);
+
+  session.Stop();
+  EXPECT_EQ(session.end(), SessionEnd::kStopped);
+  const auto summary = nlohmann::json::parse(ReadTextFile(folder_ / "s/summary.json"));
+  EXPECT_EQ(summary.at("recording").at("steps_lost"), 0);
+  EXPECT_EQ(summary.at("steps").at("missed_by_computation"), 0);
+  EXPECT_GE(summary.at("trackers").at(0).at("connects"), 2);
+  EXPECT_GT(summary.at("steps").at("probe_readings").at("jumped"), 0);
+
+  replay::ReplayOptions replay;
+  replay.run_folder = folder_ / "r";
+  replay::ReplaySession(scenario::ReadScenario(folder_ / "scene.json", {}), folder_ / "s", replay,
+                        context_);
+  for (const char* file : {"forces.csv", "probe_forces.csv"}) {
+    EXPECT_TRUE(ReadTextFile(folder_ / "s" / file) == ReadTextFile(folder_ / "r" / file)) << file;
+  }
+}
+
+TEST_F(Session, ATrackedNeedleMakesTheSteps) {
+  tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
+  server.Start();
+  WriteTextFile(folder_ / "devices.json",
+                Message(R"({"format": "acus-devices/1", "devices": [], "trackers": [
+      {"port": )",
+                        server.port(), R"(, "tools": [
+        {"tool": "needle", "device": "ProbeToReference"}]}]})"));
+  const std::vector<scenario::Override> changes = {{"/effects/probe_force", nullptr},
+                                                   {"/effects/ct_slice", nullptr}};
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", changes),
+                      ReadLiveDevices(folder_ / "devices.json"), options, context_);
+  session.Start();
+  pose_ = Eigen::Isometry3d(Eigen::Translation3d(0.0, 20.0, -5.0));
+  PollUntil(session, server, [&] {
+    pose_.translation().z() = std::min(20.0, pose_.translation().z() + 0.2);
+    return snapshot_.needle_force_n > 0.1;
+  });
+  sends_ = false;
+  PollUntil(session, server, [&] { return !snapshot_.needle_valid; });
+  EXPECT_EQ(snapshot_.needle_force_n, 0.0);
+  session.Stop();
+  EXPECT_GT(session.statistics().steps, 20);
+  replay::ReplayOptions replay;
+  replay.run_folder = folder_ / "r";
+  replay::ReplaySession(scenario::ReadScenario(folder_ / "scene.json", changes), folder_ / "s",
+                        replay, context_);
+  EXPECT_TRUE(ReadTextFile(folder_ / "s/forces.csv") == ReadTextFile(folder_ / "r/forces.csv"));
+}
+
+TEST_F(Session, ThatCannotBeginLeavesNothingRunning) {
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  WriteTextFile(folder_ / "s", "a file is in the way");
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", {}), Devices(1), options,
+                      context_);
+  EXPECT_THROW(session.Start(), InputError);
+  EXPECT_EQ(ReadTextFile(folder_ / "s"), "a file is in the way");
+}
+
+}  // namespace
+}  // namespace acus::live
