@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
       std::cout << acus::replay::CheckText(scenario) << session.DevicesText();
       return acus::ExitCode::kOk;
     }
-    const bool good = acus::live::RunHeadless(session);
+    const bool good = acus::live::RunHeadless(session, context);
     std::cout << session.SummaryText();
     return good ? acus::ExitCode::kOk : acus::ExitCode::kNoAnswer;
   });

@@ -1,6 +1,7 @@
 #include "live/live_session.h"
 
 #include <chrono>
+#include <set>
 #include <thread>
 
 #include "config/json_file.h"
@@ -41,6 +42,8 @@ haptics::GoalPath PathOf(const session::PoseStream& stream, std::int64_t start_n
   path.repeats = true;
   return path;
 }
+
+constexpr std::size_t kWordsThatTell = 40;  // Of a status line: what follows are numbers.
 
 /// What a replay of the recording will load, too.
 simulation::Scene LoadSceneFor(const scenario::Scenario& scenario, const LiveDevices& devices,
@@ -220,7 +223,7 @@ bool LiveSession::Poll() {
   if (end_ != SessionEnd::kRunning) return false;
   if (context_.stop != nullptr && context_.stop->load(std::memory_order_relaxed)) {
     end_ = SessionEnd::kStopped;
-  } else if (options_.duration_s > 0.0 && session_s() >= options_.duration_s) {
+  } else if (options_.duration_s > 0.0 && seconds_running() >= options_.duration_s) {
     end_ = SessionEnd::kDuration;
   } else if (servo_device_->status().state == haptics::DeviceState::kFailed) {
     end_ = SessionEnd::kDeviceFailed;
@@ -273,11 +276,31 @@ void LiveSession::SendOut(const LivePicture& picture) {
   server_->SendPicture("Ultrasound", out, picture.snapshot.measured_ns);
 }
 
-bool RunHeadless(LiveSession& session) {
+double LiveSession::seconds_running() const {
+  // By the clock: a device that is silent makes no steps.
+  return 1e-9 * static_cast<double>(MonotonicNs() - core_settings_.origin_ns);
+}
+
+bool LiveSession::complete() const {
+  return end_ != SessionEnd::kDeviceFailed && recorder_->status().steps_lost == 0;
+}
+
+bool RunHeadless(LiveSession& session, const RunContext& context) {
   session.Start();
-  while (session.Poll()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  std::set<std::string> said;
+  for (int i = 0; session.Poll(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (i < 50 || i % 10 != 0) continue;  // Links take a moment to come about.
+    std::set<std::string> now;
+    for (const StatusLine& line : session.Status()) {
+      const std::string what = line.text.substr(0, kWordsThatTell);
+      if (line.severity >= Severity::kWarning && !said.contains(what)) context.Warn(line.text);
+      now.insert(what);
+    }
+    said = std::move(now);
+  }
   session.Stop();
-  return session.end() != SessionEnd::kDeviceFailed;
+  return session.complete();
 }
 
 }  // namespace acus::live

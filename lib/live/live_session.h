@@ -70,12 +70,15 @@ class LiveSession {
   void Stop() noexcept;
 
   SessionEnd end() const { return end_; }
+  /// No device failed for good, and no step is missing from the recording.
+  bool complete() const;
   const simulation::Scene& scene() const { return scene_; }
   /// @pre Start() was called, as for all that follows.
   CommandQueue& commands() { return core_->commands(); }
   TripleBuffer<LivePicture>& pictures() { return images_->pictures(); }
   const CoreStatistics& statistics() const { return core_->statistics(); }
   const PictureStatistics& picture_statistics() const { return images_->statistics(); }
+  double seconds_running() const;
   double session_s() const { return 1e-9 * static_cast<double>(core_->session_ns()); }
 
   /// What the screen should say, the worst first; empty if all is well.
@@ -115,7 +118,8 @@ class LiveSession {
   bool stopped_ = false;
 };
 
-/// Runs a session without windows, to its end. @returns false if a device failed.
-bool RunHeadless(LiveSession& session);
+/// Runs a session without windows, to its end, and warns of what its status says on the way.
+/// @returns session.complete().
+bool RunHeadless(LiveSession& session, const RunContext& context);
 
 }  // namespace acus::live

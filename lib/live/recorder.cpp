@@ -258,12 +258,14 @@ RecordingStatus Recorder::status() const {
   }
   status.refusals = refusals_;
   status.longest_write_s = 1e-9 * static_cast<double>(longest_write_ns_);
-  if (const int error = error_; error != 0) {
+  const int error = error_;
+  if (error != 0 && !closed) {
     const double waiting_s = 1e-9 * static_cast<double>(taken_ns_ - on_disk_ns_);
     status.trouble = TroubleText(error, folder_, waiting_s, lost_in_memory_ > 0);
   } else if (status.steps_lost > 0) {
-    status.trouble = Message("Recording: ", status.steps_lost,
-                             " steps are missing; replay will differ after the first of them.");
+    status.trouble = Message("Recording: ", status.steps_lost, " steps are missing",
+                             error != 0 ? Message(" (", std::strerror(error), ")") : std::string(),
+                             "; a replay differs after the first of them.");
   }
   return status;
 }
