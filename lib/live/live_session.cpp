@@ -121,7 +121,11 @@ void LiveSession::FollowSession(LiveDevices& devices, const fs::path& path) {
 
 void LiveSession::OpenDevices(const LiveDevices& devices) {
   const auto open = [&](const haptics::ToolConfig& tool) {
-    return haptics::OpenDevice(*devices.haptics.Find(tool.device));
+    const haptics::DeviceConfig& config = *devices.haptics.Find(tool.device);
+    if (config.driver != haptics::DriverKind::kVirtualHand) return haptics::OpenDevice(config);
+    const auto steering = std::make_shared<haptics::HandSteering>();
+    steering_[tool.device] = steering;
+    return haptics::OpenDevice(config, steering);
   };
   const auto mount = [&](const haptics::ToolConfig& tool) {
     return ToolMount{devices.reference_from_device.at(tool.device), tool.handle_from_tool};
@@ -274,6 +278,17 @@ void LiveSession::SendOut(const LivePicture& picture) {
   out.reference_from_pixel = reference_from_ct.matrix() * moment.ct_from_probe.matrix() *
                              ultrasound::PictureOf(*scene_.probe).probe_from_image().matrix();
   server_->SendPicture("Ultrasound", out, picture.snapshot.measured_ns);
+}
+
+haptics::HandSteering* LiveSession::steering(bool of_needle) const {
+  const auto& tool = of_needle ? devices_.haptics.needle : devices_.haptics.probe;
+  const auto found = steering_.find(tool.device);
+  return found != steering_.end() ? found->second.get() : nullptr;
+}
+
+void LiveSession::HoldPedal() {
+  servo_device_->HoldPedal();
+  if (other_device_) other_device_->HoldPedal();
 }
 
 double LiveSession::seconds_running() const {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -75,6 +76,10 @@ class LiveSession {
   const simulation::Scene& scene() const { return scene_; }
   /// @pre Start() was called, as for all that follows.
   CommandQueue& commands() { return core_->commands(); }
+  /// Moves the virtual hand that holds the needle, or the probe; null if a real hand does.
+  haptics::HandSteering* steering(bool of_needle) const;
+  /// To be called while a pedal or its key is down: see HapticDevice.
+  void HoldPedal();
   TripleBuffer<LivePicture>& pictures() { return images_->pictures(); }
   const CoreStatistics& statistics() const { return core_->statistics(); }
   const PictureStatistics& picture_statistics() const { return images_->statistics(); }
@@ -105,6 +110,7 @@ class LiveSession {
 
   std::vector<std::unique_ptr<tracking::IgtlSource>> trackers_;
   std::unique_ptr<Bridge> bridge_;  ///< Between the other device and the core.
+  std::map<std::string, std::shared_ptr<haptics::HandSteering>> steering_;  ///< By virtual hand.
   std::unique_ptr<haptics::HapticDevice> servo_device_;
   std::unique_ptr<haptics::HapticDevice> other_device_;
   CoreSettings core_settings_;
