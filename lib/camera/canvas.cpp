@@ -60,10 +60,10 @@ void PaintTriangle(const Corner& a, const Corner& b, const Corner& c, const Eige
 
 /// From a line of sight (x, y, 1) to a place on a marker's plane, times w: a homography. The third
 /// row is w; above 0 where the plane is before the camera.
-Eigen::Matrix3d PlaneFromSlope(const Eigen::Isometry3d& camera_from_marker) {
+Eigen::Matrix3d PlaneFromSlope(const Eigen::Isometry3d& camera_from_sheet) {
   Eigen::Matrix3d slope_from_plane;
-  slope_from_plane << camera_from_marker.linear().col(0), camera_from_marker.linear().col(1),
-      camera_from_marker.translation();
+  slope_from_plane << camera_from_sheet.linear().col(0), camera_from_sheet.linear().col(1),
+      camera_from_sheet.translation();
   Eigen::Matrix3d inverse = slope_from_plane.inverse();
   // w = 1/z of the point, up to here.
   return inverse;
@@ -74,15 +74,16 @@ struct Box {
 };
 
 /// Pixels around the sheet's outline, by points along it; empty if one of them is not seen.
-Box BoxOf(const Eigen::Isometry3d& camera_from_marker, double half_mm, const CameraModel& camera) {
+Box BoxOf(const Eigen::Isometry3d& camera_from_sheet, const Eigen::Array2d& half_mm,
+          const CameraModel& camera) {
   Eigen::AlignedBox2d box;
   constexpr int kSteps = 8;
   for (int i = 0; i < kSteps; ++i) {
-    const double t = half_mm * (2.0 * i / kSteps - 1.0);
-    for (const Eigen::Vector3d& at :
-         {Eigen::Vector3d(t, half_mm, 0), Eigen::Vector3d(half_mm, -t, 0),
-          Eigen::Vector3d(-t, -half_mm, 0), Eigen::Vector3d(-half_mm, t, 0)}) {
-      const auto pixel = camera.Project(camera_from_marker * at);
+    const double t = 2.0 * i / kSteps - 1.0;
+    for (const Eigen::Array2d& share : {Eigen::Array2d(t, 1), Eigen::Array2d(1, -t),
+                                        Eigen::Array2d(-t, -1), Eigen::Array2d(-1, t)}) {
+      const Eigen::Vector3d at(share[0] * half_mm[0], share[1] * half_mm[1], 0.0);
+      const auto pixel = camera.Project(camera_from_sheet * at);
       if (!pixel) return {0, 0, -1, -1};
       box.extend(*pixel);
     }
@@ -97,31 +98,31 @@ Box BoxOf(const Eigen::Isometry3d& camera_from_marker, double half_mm, const Cam
           std::min(p.height_px - 1, clamped(std::ceil(box.max()[1]) + 1, p.height_px))};
 }
 
-/// Share of white in one marker, by place.
+/// What is where on a sheet.
 class Print {
  public:
-  explicit Print(const PrintedMarker& marker, bool from_behind)
-      : marker_(marker),
-        modules_(static_cast<double>(marker.bits.size()) + 2.0),
-        half_mm_(0.5 * marker.side_mm * (1.0 + 2.0 / modules_)),
+  Print(const PrintedSheet& sheet, bool from_behind)
+      : sheet_(sheet),
+        columns_(static_cast<double>(sheet.bits[0].size())),
+        rows_(static_cast<double>(sheet.bits.size())),
+        half_mm_(0.5 * sheet.module_mm * Eigen::Array2d(columns_, rows_) + sheet.margin_mm),
         from_behind_(from_behind) {}
-  double half_mm() const { return half_mm_; }
+  const Eigen::Array2d& half_mm() const { return half_mm_; }
   bool OnPaper(double x_mm, double y_mm) const {
-    return std::abs(x_mm) <= half_mm_ && std::abs(y_mm) <= half_mm_;
+    return std::abs(x_mm) <= half_mm_[0] && std::abs(y_mm) <= half_mm_[1];
   }
   bool White(double x_mm, double y_mm) const {
     if (from_behind_) return true;
-    const int column = static_cast<int>(std::floor((x_mm / marker_.side_mm + 0.5) * modules_)) - 1;
-    const int row = static_cast<int>(std::floor((0.5 - y_mm / marker_.side_mm) * modules_)) - 1;
-    const int bits = static_cast<int>(marker_.bits.size());
-    if (column < -1 || row < -1 || column > bits || row > bits) return true;  // Paper around it.
-    if (column < 0 || row < 0 || column >= bits || row >= bits) return false;
-    return marker_.bits[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+    const double column = std::floor(x_mm / sheet_.module_mm + 0.5 * columns_);
+    const double row = std::floor(0.5 * rows_ - y_mm / sheet_.module_mm);
+    if (column < 0.0 || row < 0.0 || column >= columns_ || row >= rows_) return true;
+    return sheet_.bits[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
   }
 
  private:
-  const PrintedMarker& marker_;
-  double modules_, half_mm_;
+  const PrintedSheet& sheet_;
+  double columns_, rows_;
+  Eigen::Array2d half_mm_;
   bool from_behind_;
 };
 
@@ -216,14 +217,27 @@ void PaintBody(const ShadedBody& body, const Eigen::Isometry3d& camera_from_body
   }
 }
 
-void PaintMarker(const PrintedMarker& marker, const Eigen::Isometry3d& camera_from_marker,
-                 const Ink& ink, const CameraModel& camera, const RayTable& rays, Canvas& canvas) {
-  Eigen::Vector3d normal = camera_from_marker.linear().col(2);
-  const bool from_behind = normal.dot(camera_from_marker.translation()) > 0.0;
+PrintedSheet PrintMarker(const std::string& dictionary, int id, double side_mm) {
+  const auto code = MarkerBits(dictionary, id);
+  const std::size_t modules = code.size() + 2;
+  PrintedSheet sheet;
+  sheet.module_mm = side_mm / static_cast<double>(modules);
+  sheet.margin_mm = sheet.module_mm;
+  sheet.bits.assign(modules, std::vector<bool>(modules, false));
+  for (std::size_t row = 0; row < code.size(); ++row) {
+    std::copy(code[row].begin(), code[row].end(), sheet.bits[row + 1].begin() + 1);
+  }
+  return sheet;
+}
+
+void PaintSheet(const PrintedSheet& sheet, const Eigen::Isometry3d& camera_from_sheet,
+                const Ink& ink, const CameraModel& camera, const RayTable& rays, Canvas& canvas) {
+  Eigen::Vector3d normal = camera_from_sheet.linear().col(2);
+  const bool from_behind = normal.dot(camera_from_sheet.translation()) > 0.0;
   if (from_behind) normal = -normal;
-  const Print print(marker, from_behind);
-  const Box box = BoxOf(camera_from_marker, print.half_mm(), camera);
-  const Eigen::Matrix3d plane_from_slope = PlaneFromSlope(camera_from_marker);
+  const Print print(sheet, from_behind);
+  const Box box = BoxOf(camera_from_sheet, print.half_mm(), camera);
+  const Eigen::Matrix3d plane_from_slope = PlaneFromSlope(camera_from_sheet);
   const float light = Lambert(normal);
   const std::vector<Eigen::Vector2d> places = SamplePlaces(ink.samples);
   const auto count = static_cast<int>(places.size());

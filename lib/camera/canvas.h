@@ -51,17 +51,22 @@ ShadedBody PrepareBody(const mesh::Surface& surface, const Eigen::Array3f& srgb)
 void PaintBody(const ShadedBody& body, const Eigen::Isometry3d& camera_from_body,
                const CameraModel& camera, Canvas& canvas);
 
-/// A marker with a margin of one module of white paper. Seen from behind it is blank paper.
-struct PrintedMarker {
-  double side_mm = 0.0;
-  std::vector<std::vector<bool>> bits;  ///< Without the border, see MarkerBits().
+/// Black and white squares on paper, origin in the middle, x to the right and y up as printed. Seen
+/// from behind it is blank.
+struct PrintedSheet {
+  double module_mm = 1.0;               ///< Side of a square.
+  double margin_mm = 0.0;               ///< White paper around them.
+  std::vector<std::vector<bool>> bits;  ///< bits[row][column], row 0 at the top; true is white.
 };
+/// A marker with its black border and a margin of one module.
+PrintedSheet PrintMarker(const std::string& dictionary, int id, double side_mm);
+
 struct Ink {
   float black = 0.0F;
   float white = 255.0F;
   int samples = 4;  ///< Each way in a pixel.
 };
-void PaintMarker(const PrintedMarker& marker, const Eigen::Isometry3d& camera_from_marker,
-                 const Ink& ink, const CameraModel& camera, const RayTable& rays, Canvas& canvas);
+void PaintSheet(const PrintedSheet& sheet, const Eigen::Isometry3d& camera_from_sheet,
+                const Ink& ink, const CameraModel& camera, const RayTable& rays, Canvas& canvas);
 
 }  // namespace acus::camera

@@ -45,7 +45,7 @@ struct MannequinCamera::Content {
   PictureMaking making;
   RayTable rays;
   std::vector<std::pair<std::string, ShadedBody>> bodies;  ///< With the object that carries each.
-  std::vector<std::vector<PrintedMarker>> prints;          ///< By object, by marker.
+  std::vector<std::vector<PrintedSheet>> prints;           ///< By object, by marker.
   std::vector<float> noise;
   Canvas canvas;
 
@@ -62,7 +62,7 @@ struct MannequinCamera::Content {
   void PaintObjects(std::span<const ObjectInView> objects) {
     struct Job {
       double z_mm;
-      const PrintedMarker* print;
+      const PrintedSheet* print;
       Eigen::Isometry3d pose;
     };
     std::vector<Job> jobs;
@@ -86,7 +86,7 @@ struct MannequinCamera::Content {
                      [](const Job& a, const Job& b) { return a.z_mm > b.z_mm; });
     const Ink ink{static_cast<float>(making.black), static_cast<float>(making.white),
                   making.samples};
-    for (const Job& job : jobs) PaintMarker(*job.print, job.pose, ink, camera, rays, canvas);
+    for (const Job& job : jobs) PaintSheet(*job.print, job.pose, ink, camera, rays, canvas);
   }
 
   void Expose(std::uint64_t noise_index, Picture& out) {
@@ -168,9 +168,9 @@ MannequinCamera::MannequinCamera(const CameraModel& camera, FacetSet facets,
     content_->bodies.emplace_back(body.object, PrepareBody(body.surface, body.colour));
   }
   for (const FacetObject& object : content_->facets.objects) {
-    std::vector<PrintedMarker>& prints = content_->prints.emplace_back();
+    std::vector<PrintedSheet>& prints = content_->prints.emplace_back();
     for (const Marker& marker : object.markers) {
-      prints.push_back({marker.side_mm, MarkerBits(content_->facets.dictionary, marker.id)});
+      prints.push_back(PrintMarker(content_->facets.dictionary, marker.id, marker.side_mm));
     }
   }
 }
@@ -186,6 +186,27 @@ void MannequinCamera::Render(std::span<const ObjectInView> objects, std::uint64_
   content_->PaintBackground();
   content_->PaintObjects(objects);
   content_->Expose(noise_index, out);
+}
+
+void RenderBoard(const CameraModel& camera, const CalibrationBoard& board,
+                 const Eigen::Isometry3d& camera_from_board, const PictureMaking& making,
+                 std::uint64_t noise_index, Picture& out) {
+  MannequinCamera::Content content{.camera = camera,
+                                   .facets = {},
+                                   .making = Checked(making),
+                                   .rays = RayTable(camera),
+                                   .bodies = {},
+                                   .prints = {},
+                                   .noise = NoiseTile(making.noise_sigma),
+                                   .canvas = {}};
+  const CameraParameters& p = camera.parameters();
+  content.canvas.Resize(p.width_px, p.height_px, making.colour ? 3 : 1);
+  content.PaintBackground();
+  const PrintedSheet sheet{
+      .module_mm = board.ModuleMm(), .margin_mm = 0.4 * board.square_mm, .bits = board.Modules()};
+  const Ink ink{static_cast<float>(making.black), static_cast<float>(making.white), making.samples};
+  PaintSheet(sheet, camera_from_board, ink, camera, content.rays, content.canvas);
+  content.Expose(noise_index, out);
 }
 
 }  // namespace acus::camera

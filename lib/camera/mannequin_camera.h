@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "camera/board.h"
 #include "camera/camera_model.h"
 #include "camera/facets.h"
 #include "camera/picture.h"
@@ -45,6 +46,8 @@ mesh::Surface PlainTorso();
 /// Renders by itself; the same input gives the same bits. Not for two threads at a time.
 class MannequinCamera {
  public:
+  struct Content;
+
   /// @throws InputError for a setting out of range, or a body of an object that is not in the set.
   MannequinCamera(const CameraModel& camera, FacetSet facets, std::vector<BodyInView> bodies,
                   const PictureMaking& making);
@@ -58,8 +61,12 @@ class MannequinCamera {
   void Render(std::span<const ObjectInView> objects, std::uint64_t noise_index, Picture& out);
 
  private:
-  struct Content;
   std::unique_ptr<Content> content_;
 };
+
+/// A calibration board before the same background. @throws InputError as MannequinCamera does.
+void RenderBoard(const CameraModel& camera, const CalibrationBoard& board,
+                 const Eigen::Isometry3d& camera_from_board, const PictureMaking& making,
+                 std::uint64_t noise_index, Picture& out);
 
 }  // namespace acus::camera

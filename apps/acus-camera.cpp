@@ -1,0 +1,99 @@
+// acus-camera: print boards and facets, calibrate a camera, track facets in pictures.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "camera/calibration.h"
+#include "camera/sheet.h"
+#include "camera/tracking_run.h"
+#include "config/json_file.h"
+#include "core/atomic_file.h"
+#include "core/run_main.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace acus::camera;
+
+struct Options {
+  fs::path board = "cameras/board_a4.json", facets = "facets/training.json", pictures, output;
+  fs::path camera = "cameras/webcam_720p.json";
+  CalibrationSettings calibration;
+  double rate_hz = 30.0;
+  int count = 20;
+};
+
+fs::path Find(const fs::path& name, acus::RunContext& context) {
+  const fs::path path = acus::config::FindConfig(name, fs::current_path());
+  context.provenance.AddInput(path);
+  return path;
+}
+
+std::vector<fs::path> Files(const Options& o, acus::RunContext& context) {
+  const auto files = PictureFiles(o.pictures);
+  for (const fs::path& file : files) context.provenance.AddInput(file);
+  return files;
+}
+
+void Print(const Options& o, const fs::path& folder, acus::RunContext& context) {
+  WriteSheets(folder, "board", {BoardSheet(ReadBoard(Find(o.board, context)))});
+  WriteSheets(folder, "facets", FacetSheets(ReadFacets(Find(o.facets, context))));
+  acus::config::WriteJson(folder / "provenance.json", context.provenance.ToJson());
+}
+
+void Calibrate(const Options& o, const fs::path& folder, acus::RunContext& context) {
+  const auto result =
+      CalibrateCamera(Files(o, context), ReadBoard(Find(o.board, context)), o.calibration, context);
+  for (const std::string& warning : result.warnings) context.Warn(warning);
+  WriteResult(folder, result, context);
+  std::cout << TableText(result);
+}
+
+void Track(const Options& o, const fs::path& folder, acus::RunContext& context) {
+  const auto run = TrackPictures(Files(o, context), ReadCamera(Find(o.camera, context)),
+                                 ReadFacets(Find(o.facets, context)), o.rate_hz, context);
+  WriteResult(folder, run, context);
+  std::cout << TableText(run);
+}
+
+void Sample(const Options& o, const fs::path& folder, acus::RunContext& context) {
+  WriteSamples(folder, ReadCamera(Find(o.camera, context)), ReadBoard(Find(o.board, context)),
+               ReadFacets(Find(o.facets, context)), o.count, context);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options o;
+  CLI::App app{"Prepare an ordinary camera as a tracker and for the overlay.", "acus-camera"};
+  app.require_subcommand(1);
+  app.add_option("-o,--output", o.output, "Folder to make")->required();
+  app.add_option("--board", o.board, "Calibration board")->capture_default_str();
+  app.add_option("--facets", o.facets, "Facets on mannequin and tools")->capture_default_str();
+  app.add_option("--camera", o.camera, "Camera file")->capture_default_str();
+  auto* print = app.add_subcommand("print", "Sheets at true scale: PDF, SVG, PNG")->fallthrough();
+  auto* calibrate = app.add_subcommand("calibrate", "Pictures of the board to a camera file");
+  auto* track = app.add_subcommand("track", "Pictures of facets to poses, with their jitter");
+  auto* sample = app.add_subcommand("sample", "Draw pictures to try the others with");
+  for (CLI::App* command : {calibrate, track}) {
+    command->fallthrough()
+        ->add_option("pictures", o.pictures, "Folder")
+        ->required()
+        ->check(CLI::ExistingDirectory);
+  }
+  calibrate->add_flag("--fit-k3", o.calibration.fit_k3, "For wide lenses: fit k3 too");
+  track->add_option("--rate-hz", o.rate_hz, "Of the pictures")->check(CLI::Range(0.01, 1e4));
+  sample->fallthrough()->add_option("--count", o.count, "Pictures")->check(CLI::Range(1, 9999));
+  app.footer(
+      "EXAMPLE\n  acus-camera sample --count 12 -o sample\n"
+      "  acus-camera calibrate sample/board -o calibrated\n"
+      "  acus-camera track sample/facets --camera calibrated/camera.json -o tracked");
+  return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
+    acus::AtomicFolder folder(o.output, context.overwrite);
+    (print->parsed()       ? Print
+     : calibrate->parsed() ? Calibrate
+     : track->parsed()     ? Track
+                           : Sample)(o, folder.path(), context);
+    folder.Commit();
+    return acus::ExitCode::kOk;
+  });
+}

@@ -1,0 +1,25 @@
+acus_add_cli_case(acus-camera.example EXIT 0 TIMEOUT 300
+  STDOUT "^Reference +12 +0" "^Probe +12 +0" "^Needle +12 +0"
+  CREATES sample/board/0000.png sample/facets/0011.png sample/truth/Probe.csv
+          calibrated/camera.json calibrated/calibration.json calibrated/provenance.json
+          tracked/Reference.csv tracked/Probe.csv tracked/Needle.csv tracked/provenance.json
+  COMMAND bash -c "acus-camera sample --count 12 -o sample && acus-camera calibrate sample/board -o calibrated && acus-camera track sample/facets --camera calibrated/camera.json -o tracked")
+acus_add_cli_case(acus-camera.print EXIT 0
+  CREATES sheets/board.pdf sheets/board.svg sheets/board.png sheets/facets.pdf
+          sheets/Reference_mannequin_left.svg sheets/provenance.json
+  COMMAND acus-camera print -o sheets)
+acus_add_cli_case(acus-camera.no_board EXIT 4 LEAVES_NOTHING TIMEOUT 300
+  BEFORE "acus-camera sample --count 1 -o sample"
+  STDERR "only 1 pictures show enough of the board, 6 are needed"
+  COMMAND acus-camera calibrate sample/board -o calibrated)
+acus_add_cli_case(acus-camera.no_picture EXIT 3 LEAVES_NOTHING BEFORE "mkdir empty"
+  STDERR "empty: there is no picture in it" COMMAND acus-camera calibrate empty -o calibrated)
+acus_add_cli_case(acus-camera.broken_picture EXIT 3 LEAVES_NOTHING
+  BEFORE "mkdir broken\necho no > broken/a.png"
+  STDERR "broken/a.png: is not a picture" COMMAND acus-camera track broken -o tracked)
+acus_add_cli_case(acus-camera.other_size EXIT 3 LEAVES_NOTHING TIMEOUT 300
+  BEFORE "acus-camera sample --count 1 -o sample"
+  STDERR "has 1280 x 720 pixels, the camera's file says 640 x 480"
+  COMMAND acus-camera track sample/facets --camera cameras/micron_tracker_2010.json -o tracked)
+acus_add_cli_case(acus-camera.no_camera EXIT 3 LEAVES_NOTHING STDERR "none.json"
+  COMMAND acus-camera sample --camera none.json -o sample)
