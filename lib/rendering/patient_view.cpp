@@ -1,6 +1,7 @@
 #include "rendering/patient_view.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <deque>
@@ -26,6 +27,8 @@ const Eigen::Array3f kMark{0.15F, 0.55F, 0.95F};
 const Eigen::Array3f kPane{0.45F, 0.75F, 1.0F};
 /// A needle of a third of a pixel could not be seen.
 constexpr double kLeastNeedlePx = 1.1;
+/// Rays of a tile look for the first tissue together.
+constexpr int kTilePx = 16;
 
 void CheckSettings(const ViewSettings& s) {
   ACUS_REQUIRE(s.rays.step_mm >= 0.05 && s.rays.step_mm <= 20.0, "view: samples on rays are ",
@@ -34,6 +37,9 @@ void CheckSettings(const ViewSettings& s) {
                "view: ", s.rays.warp.max_iterations, " inversion iterations; allowed is 1 to 1000");
   ACUS_REQUIRE(s.rays.warp.tolerance_mm >= 0.0 && s.rays.warp.tolerance_mm <= 10.0,
                "view: an inversion tolerance of ", s.rays.warp.tolerance_mm,
+               " mm; allowed is 0 to 10 mm");
+  ACUS_REQUIRE(s.rays.warp.lattice_mm >= 0.0 && s.rays.warp.lattice_mm <= 10.0,
+               "view: a tolerance between knots of the warp of ", s.rays.warp.lattice_mm,
                " mm; allowed is 0 to 10 mm");
   ACUS_REQUIRE(s.rays.tool_shine >= 0.0 && s.rays.tool_shine <= 1.0,
                "view: tools shine through by ", s.rays.tool_shine, "; allowed is 0 to 1");
@@ -61,6 +67,8 @@ struct PatientView::Content {
                const Eigen::Array3f& colour);
   void AddPlane(const ProbeInView& probe);
   void CastShadows(const Light& light);
+  std::vector<float> EmptyTiles(const RayCaster& caster, const Camera& fine, int top,
+                                int rows) const;
   void RenderBand(const RayCaster& caster, const Camera& fine, int band,
                   std::vector<RayColour>& pixels, TriangleBands::Band& scratch,
                   const VolumeScene& scene) const;
@@ -72,6 +80,7 @@ struct PatientView::Content {
   TransferFunction transfer;
   std::optional<VisibleBlocks> blocks;
   volume::CtVolume slopes;
+  HiddenCells hidden;
   std::vector<MovingSurface> surfaces;
   Eigen::AlignedBox3d box;
 
@@ -81,6 +90,7 @@ struct PatientView::Content {
   std::vector<Drawing> drawings;
   TriangleBands bands;
   std::optional<ShadowMap> shadows;
+  WarpLattice lattice;
 };
 
 PatientView::Content::Content(PatientInView given, const ViewSettings& view_settings)
@@ -94,6 +104,7 @@ PatientView::Content::Content(PatientInView given, const ViewSettings& view_sett
                  "view: the CT must have at least two voxels along each axis");
     blocks.emplace(*patient.ct, transfer, patient.field);
     slopes = Smoothed(*patient.ct, 1);
+    hidden = HiddenCells(*patient.ct, transfer);
   }
   for (const SurfaceInView& surface : patient.surfaces) {
     ACUS_REQUIRE(surface.opacity >= 0.0 && surface.opacity <= 1.0, "view: surface \"", surface.name,
@@ -186,6 +197,23 @@ void PatientView::Content::CastShadows(const Light& light) {
   }
 }
 
+/// For each kTilePx columns of a band: how far all their rays are empty.
+std::vector<float> PatientView::Content::EmptyTiles(const RayCaster& caster, const Camera& fine,
+                                                    int top, int rows) const {
+  std::vector<float> out;
+  if (!blocks) return std::vector<float>(static_cast<std::size_t>(fine.width_px / kTilePx + 1));
+  for (int left = 0; left < fine.width_px; left += kTilePx) {
+    const double right = std::min(left + kTilePx, fine.width_px) - 1;
+    const double bottom = top + rows - 1;
+    const auto ray = [&](double column, double row) {
+      return Eigen::Vector3d(fine.DirectionInCt({column, row}).normalized());
+    };
+    const std::array rim{ray(left, top), ray(right, top), ray(left, bottom), ray(right, bottom)};
+    out.push_back(caster.EmptyUntilMm(ray(0.5 * (left + right), 0.5 * (top + bottom)), rim));
+  }
+  return out;
+}
+
 void PatientView::Content::RenderBand(const RayCaster& caster, const Camera& fine, int band,
                                       std::vector<RayColour>& pixels, TriangleBands::Band& scratch,
                                       const VolumeScene& scene) const {
@@ -194,6 +222,7 @@ void PatientView::Content::RenderBand(const RayCaster& caster, const Camera& fin
   const int rows = std::min(TriangleBands::kRows, fine.height_px - top);
   std::vector<Fragment> met;
   std::size_t pixel = 0;
+  const std::vector<float> empty_mm = EmptyTiles(caster, fine, top, rows);
   for (int row = top; row < top + rows; ++row) {
     for (int column = 0; column < fine.width_px; ++column, ++pixel) {
       met.clear();
@@ -209,7 +238,8 @@ void PatientView::Content::RenderBand(const RayCaster& caster, const Camera& fin
           std::ranges::find_if(met, [](const Fragment& f) { return f.opacity >= 1.0F; });
       if (opaque != met.end()) met.erase(opaque + 1, met.end());
       const Eigen::Vector3d direction = fine.DirectionInCt({column, row}).normalized();
-      pixels[pixel] = caster.Cast(direction, met);
+      pixels[pixel] =
+          caster.Cast(direction, met, empty_mm[static_cast<std::size_t>(column / kTilePx)]);
     }
   }
 }
@@ -266,6 +296,11 @@ void PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewPic
                "view: the motion is of another field than the one the view was made with");
   const breathing::MotionMap* motion = moves ? moment.motion : nullptr;
   if (c.blocks) c.blocks->Update(motion, c.settings.rays.step_mm);
+  c.lattice.Clear();
+  if (c.blocks && motion != nullptr) {
+    c.lattice.Update(*motion, *c.blocks, c.patient.ct->geometry.index_from_ct(),
+                     c.settings.rays.warp.lattice_mm, num_threads);
+  }
 
   c.tools.clear();
   c.drawings.clear();
@@ -294,6 +329,8 @@ void PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewPic
     scene.slopes = &c.slopes;
     scene.transfer = &c.transfer;
     scene.blocks = &*c.blocks;
+    scene.lattice = &c.lattice;
+    scene.hidden = &c.hidden;
   }
   const Camera fine = camera.Magnified(c.settings.supersampling);
   c.bands.Sort(fine, c.drawings, num_threads);

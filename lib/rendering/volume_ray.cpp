@@ -31,9 +31,12 @@ struct RayCaster::March {
   Eigen::Array3f shine_colour = Eigen::Array3f::Zero();
 
   bool has_before = false;
+  bool hidden_before = false;  ///< The sample before needed no voxel: hu_before is not known.
+  float hu_before = kOutsideHu;
+  Eigen::Vector3f index_before;
   std::optional<WarpedRay> warped;
   void Jump() {
-    has_before = false;
+    has_before = hidden_before = false;
     if (warped) warped->Jump();
   }
 
@@ -159,19 +162,26 @@ int RayCaster::NextVisible(const March& march, int sample, const Eigen::Vector3f
   return sample + std::max(1, steps);
 }
 
-Eigen::Vector3f RayCaster::RestIndex(March& march, int sample) const {
+Eigen::Vector3f RayCaster::RestIndex(March& march, int sample, const Eigen::Vector3f& in_blocks,
+                                     const Eigen::Array3i& block) const {
   const double distance_mm = sample * settings_.step_mm;
-  if (!march.warped) return eye_in_index_ + static_cast<float>(distance_mm) * march.index_step;
+  const Eigen::Vector3f straight =
+      eye_in_index_ + static_cast<float>(distance_mm) * march.index_step;
+  if (!march.warped) return straight;
+  if (scene_.lattice != nullptr && scene_.lattice->IsSmooth(block)) {
+    march.warped->Jump();
+    return straight + scene_.lattice->OffsetAt(block, in_blocks);
+  }
   const Eigen::Vector3d rest_mm = march.warped->RestOf(eye_mm_ + distance_mm * march.direction,
                                                        settings_.step_mm * march.direction);
   return index_from_ct_ * rest_mm.cast<float>();
 }
 
-void RayCaster::CastVolume(March& march) const {
+void RayCaster::CastVolume(March& march, float empty_mm) const {
   const VisibleBlocks& blocks = *scene_.blocks;
   const auto step_mm = static_cast<float>(settings_.step_mm);
   // Where the ray is within the blocks at all.
-  float enter_mm = 0.0F;
+  float enter_mm = empty_mm;
   float leave_mm = march.fragments.empty() || march.fragments.back().opacity < 1.0F
                        ? std::numeric_limits<float>::max()
                        : march.fragments.back().distance_mm;
@@ -188,13 +198,12 @@ void RayCaster::CastVolume(March& march) const {
     leave_mm = std::min(leave_mm, std::max(a, b));
   }
   if (!(enter_mm < leave_mm)) return;
-  float hu_before = kOutsideHu;
   const int last = static_cast<int>(std::ceil(leave_mm / step_mm));
   for (int n = static_cast<int>(enter_mm / step_mm); n <= last && march.passing > kDark;) {
     const float at_mm = static_cast<float>(n) * step_mm;
     const Eigen::Vector3f in_blocks = eye_in_blocks_ + at_mm * march.blocks_step;
-    const Eigen::Array3i block = in_blocks.array().floor().cast<int>();
-    if ((block < 0).any() || (block >= blocks.size()).any()) {
+    const Eigen::Array3i block = in_blocks.array().cast<int>();  // Towards zero.
+    if ((in_blocks.array() < 0.0F).any() || (block >= blocks.size()).any()) {
       march.Jump();
       ++n;
       continue;
@@ -204,21 +213,64 @@ void RayCaster::CastVolume(March& march) const {
       n = NextVisible(march, n, in_blocks, block, distance);
       continue;
     }
-    const Eigen::Vector3f index = RestIndex(march, n);
-    const float hu = HuAt(*scene_.ct, index);
-    const float before_mm = at_mm - step_mm;
-    if (march.has_before) {
-      PassFragments(march, before_mm);
-      Absorb(march, scene_.transfer->Between(hu_before, hu), before_mm, at_mm, index);
-    }
-    march.has_before = true;
-    hu_before = hu;
+    TakeSample(march, RestIndex(march, n, in_blocks, block), at_mm);
     ++n;
   }
 }
 
-RayColour RayCaster::Cast(const Eigen::Vector3d& direction,
-                          std::span<const Fragment> fragments) const {
+/// What is between the sample before and this one. Between two that are hidden nothing is.
+void RayCaster::TakeSample(March& march, const Eigen::Vector3f& index, float at_mm) const {
+  const bool hidden = scene_.hidden != nullptr && scene_.hidden->Hides(index);
+  if (hidden && (march.hidden_before || !march.has_before)) {
+    march.has_before = march.hidden_before = true;
+    march.index_before = index;
+    return;
+  }
+  const float hu = HuAt(*scene_.ct, index);
+  if (march.has_before) {
+    if (march.hidden_before) march.hu_before = HuAt(*scene_.ct, march.index_before);
+    const float before_mm = at_mm - static_cast<float>(settings_.step_mm);
+    PassFragments(march, before_mm);
+    Absorb(march, scene_.transfer->Between(march.hu_before, hu), before_mm, at_mm, index);
+  }
+  march.has_before = true;
+  march.hidden_before = hidden;
+  march.hu_before = hu;
+  march.index_before = index;
+}
+
+float RayCaster::EmptyUntilMm(const Eigen::Vector3d& middle,
+                              std::span<const Eigen::Vector3d> rim) const {
+  if (scene_.ct == nullptr || scene_.blocks->nothing_visible()) return 0.0F;
+  const VisibleBlocks& blocks = *scene_.blocks;
+  const Eigen::Matrix3f& turn = blocks.blocks_from_ct().linear();
+  const Eigen::Vector3f step = turn * middle.cast<float>();
+  float spread = 0.0F;
+  for (const Eigen::Vector3d& ray : rim) {
+    const Eigen::Vector3f aside = turn * (ray - middle).cast<float>();
+    spread = std::max(spread, 1.02F * aside.cwiseAbs().maxCoeff());
+  }
+  const float speed = step.cwiseAbs().maxCoeff() + spread;
+  const Eigen::Array3f last = blocks.size().cast<float>() - 1e-3F;
+  const float far_mm = 1e5F;
+  float at_mm = 0.0F;
+  while (at_mm < far_mm) {
+    const Eigen::Array3f place = (eye_in_blocks_ + at_mm * step).array();
+    const Eigen::Array3f inside = place.max(0.0F).min(last);
+    const float outside = (place - inside).abs().maxCoeff();
+    // All that is nearer than this, in the sense of the largest coordinate, is empty; so is all
+    // beyond the blocks.
+    const auto distance = static_cast<float>(blocks.DistanceOf(inside.cast<int>()));
+    const float empty = std::max(outside, distance - 1.0F - outside);
+    const float way_mm = (empty - spread * at_mm) / speed;
+    if (!(way_mm > static_cast<float>(settings_.step_mm))) break;
+    at_mm += way_mm;
+  }
+  return std::max(0.0F, at_mm - static_cast<float>(settings_.step_mm));
+}
+
+RayColour RayCaster::Cast(const Eigen::Vector3d& direction, std::span<const Fragment> fragments,
+                          float empty_mm) const {
   March march;
   march.direction = direction;
   march.fragments = fragments;
@@ -226,7 +278,7 @@ RayColour RayCaster::Cast(const Eigen::Vector3d& direction,
     march.index_step = index_from_ct_.linear() * direction.cast<float>();
     march.blocks_step = scene_.blocks->blocks_from_ct().linear() * direction.cast<float>();
     if (scene_.motion != nullptr) march.warped.emplace(*scene_.motion, settings_.warp);
-    CastVolume(march);
+    CastVolume(march, empty_mm);
   }
   PassFragments(march, std::numeric_limits<float>::max());
   march.out.opacity = 1.0F - march.passing;

@@ -6,10 +6,12 @@
 
 #include "breathing/motion_map.h"
 #include "rendering/fragments.h"
+#include "rendering/hidden_cells.h"
 #include "rendering/shading.h"
 #include "rendering/shadow_map.h"
 #include "rendering/transfer_function.h"
 #include "rendering/visible_blocks.h"
+#include "rendering/warp_lattice.h"
 #include "rendering/warped_ray.h"
 #include "volume/volume.h"
 
@@ -28,7 +30,9 @@ struct VolumeScene {
   const volume::CtVolume* slopes = nullptr;  ///< What light falls on: `ct`, smoothed.
   const TransferFunction* transfer = nullptr;
   const VisibleBlocks* blocks = nullptr;
+  const HiddenCells* hidden = nullptr;           ///< Null: every sample is looked at.
   const breathing::MotionMap* motion = nullptr;  ///< Null: at rest.
+  const WarpLattice* lattice = nullptr;          ///< Of `motion`; null: every sample is inverted.
   const ShadowMap* shadows = nullptr;            ///< Null: none.
   Light light;
 };
@@ -45,14 +49,22 @@ class RayCaster {
  public:
   RayCaster(const VolumeScene& scene, const RaySettings& settings, const Eigen::Vector3d& eye_mm);
 
+  /// Distance up to which nothing of the CT can show on any ray within the cone around `middle`
+  /// that the rays of `rim` span: so far neighbours need not look for themselves. Unit, CT space.
+  float EmptyUntilMm(const Eigen::Vector3d& middle, std::span<const Eigen::Vector3d> rim) const;
+
   /// @param direction  Unit, CT space.
   /// @param fragments  By rising distance.
-  RayColour Cast(const Eigen::Vector3d& direction, std::span<const Fragment> fragments) const;
+  /// @param empty_mm  Nothing of the CT shows before that.
+  RayColour Cast(const Eigen::Vector3d& direction, std::span<const Fragment> fragments,
+                 float empty_mm = 0.0F) const;
 
  private:
   struct March;
-  void CastVolume(March& march) const;
-  Eigen::Vector3f RestIndex(March& march, int sample) const;
+  void CastVolume(March& march, float empty_mm) const;
+  void TakeSample(March& march, const Eigen::Vector3f& index, float at_mm) const;
+  Eigen::Vector3f RestIndex(March& march, int sample, const Eigen::Vector3f& in_blocks,
+                            const Eigen::Array3i& block) const;
   float HuAt(const volume::CtVolume& ct, const Eigen::Vector3f& index) const noexcept;
   Eigen::Vector3f GradientAt(const Eigen::Vector3f& index) const noexcept;
   Eigen::Array3f ColourAt(const March& march, const Eigen::Array3f& colour,

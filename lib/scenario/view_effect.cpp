@@ -55,6 +55,7 @@ View3dEffect ReadView3dEffect(const json& object, const std::string& where) {
   effect.supersampling = object.at("supersampling");
   effect.step_mm = object.at("step_mm");
   effect.inverse_iterations = object.at("inverse_iterations");
+  effect.warp_tolerance_mm = object.at("warp_tolerance_mm");
   return effect;
 }
 

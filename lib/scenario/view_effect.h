@@ -40,6 +40,7 @@ struct View3dEffect {
   int supersampling = 0;
   double step_mm = 0.0;
   int inverse_iterations = 0;
+  double warp_tolerance_mm = 0.0;
 };
 
 /// @param effect  /effects/view_3d, checked against the schema.

@@ -43,6 +43,7 @@ rendering::ViewSettings SettingsOf(const scenario::View3dEffect& effect) {
   rendering::ViewSettings settings;
   settings.rays.step_mm = effect.step_mm;
   settings.rays.warp.max_iterations = effect.inverse_iterations;
+  settings.rays.warp.lattice_mm = effect.warp_tolerance_mm;
   settings.rays.tool_shine = effect.tool_shine;
   settings.supersampling = effect.supersampling;
   settings.tool_shadows = effect.shadows;

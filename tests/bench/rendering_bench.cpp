@@ -6,39 +6,12 @@
 
 #include "core/parallel.h"
 #include "rendering/moving_surface.h"
+#include "support/trunk_ct.h"
 #include "support/view_scenes.h"
 
 namespace {
 
 using namespace acus;  // NOLINT: a program of one file.
-
-/// A trunk of 360 x 260 x 300 mm with ribs, noise and a backbone; CT as large as the paper's small
-/// one.
-std::shared_ptr<volume::CtVolume> TrunkCt() {
-  volume::Geometry grid;
-  grid.size.setConstant(256);
-  grid.spacing_mm = {1.5, 1.2, 1.2};
-  grid.origin_mm = -0.5 * 255 * grid.spacing_mm.matrix();
-  auto ct = std::make_shared<volume::CtVolume>(grid, std::int16_t{-1000});
-  for (int k = 0; k < 256; ++k) {
-    for (int j = 0; j < 256; ++j) {
-      for (int i = 0; i < 256; ++i) {
-        const Eigen::Vector3d p = grid.ct_from_index() * Eigen::Vector3d(i, j, k);
-        const double shell = std::hypot(p[0] / 170.0, p[1] / 120.0);
-        if (shell > 1.0 || std::abs(p[2]) > 140.0) continue;
-        const bool rib =
-            shell > 0.85 && shell < 0.92 && std::fmod(p[2] + 150.0 - 0.3 * p[1], 24.0) < 8.0;
-        const bool spine = std::hypot(p[0], p[1] - 75.0) < 18.0;
-        const int noise = static_cast<int>((i * 31 + j * 17 + k * 7) % 23) - 11;
-        ct->At(i, j, k) = static_cast<std::int16_t>((rib || spine   ? 700
-                                                     : shell > 0.93 ? -90
-                                                                    : 50) +
-                                                    noise);
-      }
-    }
-  }
-  return ct;
-}
 
 /// Two components, as a key-frame model mixes them.
 breathing::MotionField Field(int nodes_each_way) {
@@ -74,9 +47,10 @@ breathing::MotionMap MapOf(const breathing::MotionField& field) {
 
 const char* const kLayers[] = {"skin", "bone", "soft_tissue"};
 
-/// Arguments: layer, width, height, nodes of the field each way (0: no breathing), iterations.
+/// Arguments: layer, width, height, nodes of the field each way (0: no breathing), iterations,
+/// tolerance of the lattice in um (0: every sample is inverted).
 void BM_Volume(benchmark::State& state) {
-  static const auto ct = TrunkCt();
+  static const auto ct = testing_support::TrunkCt(256);
   const auto nodes = static_cast<int>(state.range(3));
   std::optional<breathing::MotionField> field;
   if (nodes > 0) field.emplace(Field(nodes));
@@ -86,6 +60,7 @@ void BM_Volume(benchmark::State& state) {
   patient.field = field ? &*field : nullptr;
   rendering::ViewSettings settings;
   settings.rays.warp.max_iterations = static_cast<int>(state.range(4));
+  settings.rays.warp.lattice_mm = 1e-3 * static_cast<double>(state.range(5));
   rendering::PatientView view(patient, settings);
   const rendering::PictureSize size{static_cast<int>(state.range(1)),
                                     static_cast<int>(state.range(2))};
@@ -100,11 +75,12 @@ void BM_Volume(benchmark::State& state) {
 }
 void VolumeArguments(benchmark::internal::Benchmark* b) {
   for (const int layer : {0, 1, 2}) {
-    for (const int nodes : {0, 64, 128, 256}) b->Args({layer, 512, 512, nodes, 5});
+    for (const int nodes : {0, 64, 128, 256}) b->Args({layer, 512, 512, nodes, 5, 150});
+    b->Args({layer, 512, 512, 128, 5, 0});
   }
-  b->Args({0, 512, 512, 64, 1})->Args({0, 512, 512, 64, 50});
-  b->Args({0, 1224, 1014, 0, 5})->Args({0, 1224, 1014, 128, 5});
-  b->Args({1, 1224, 1014, 0, 5})->Args({1, 1224, 1014, 128, 5});
+  b->Args({0, 512, 512, 64, 1, 0})->Args({0, 512, 512, 64, 50, 0});
+  b->Args({0, 1224, 1014, 0, 5, 150})->Args({0, 1224, 1014, 128, 5, 150});
+  b->Args({1, 1224, 1014, 0, 5, 150})->Args({1, 1224, 1014, 128, 5, 150});
 }
 BENCHMARK(BM_Volume)->Apply(VolumeArguments)->Unit(benchmark::kMillisecond)->MinTime(0.4);
 
