@@ -8,6 +8,7 @@
 #include "rendering/moving_surface.h"
 #include "support/trunk_ct.h"
 #include "support/view_scenes.h"
+#include "support/vtk_volume.h"
 
 namespace {
 
@@ -83,6 +84,30 @@ void VolumeArguments(benchmark::internal::Benchmark* b) {
   b->Args({1, 1224, 1014, 0, 5, 150})->Args({1, 1224, 1014, 128, 5, 150});
 }
 BENCHMARK(BM_Volume)->Apply(VolumeArguments)->Unit(benchmark::kMillisecond)->MinTime(0.4);
+
+/// The same picture at rest by VTK's ray caster for CPUs, one thread, under a display (Xvfb).
+/// Argument: layer. CPU time of the process: the thread of its mapper is not ours.
+void BM_VtkFixedPoint(benchmark::State& state) {
+  static const auto ct = testing_support::TrunkCt(256);
+  const char* layer = kLayers[state.range(0)];
+  const rendering::PictureSize size{512, 512};
+  rendering::PatientView ours({.ct = ct, .layers = {{layer, 1.0}}, .surfaces = {}}, {});
+  const auto camera = LookAt(ViewFrom("oblique", ours.box_in_ct_mm(), size), size);
+  try {
+    testing_support::VtkVolume theirs(*ct, rendering::TransferPreset(layer), camera, 1.0, 1);
+    theirs.Render();  // Gradients are made in the first.
+    for (auto _ : state) theirs.Render();
+    state.counters["covered"] = theirs.CoveredShare();
+    state.SetLabel(layer);
+  } catch (const std::exception& error) {
+    state.SkipWithError(error.what());
+  }
+}
+BENCHMARK(BM_VtkFixedPoint)
+    ->DenseRange(0, 2)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->MinTime(0.4);
 
 /// The way not taken: the inverse at every knot of a lattice (argument: its spacing, mm), five
 /// iterations from the knot before; what any volume mapper would then have to resample from.
