@@ -162,6 +162,7 @@ MannequinCamera::MannequinCamera(const CameraModel& camera, FacetSet facets,
                            .prints = {},
                            .noise = NoiseTile(making.noise_sigma),
                            .canvas = {}}) {
+  HoldOpenCvToOneThread();
   for (const BodyInView& body : bodies) {
     ACUS_REQUIRE(content_->facets.Find(body.object) != nullptr, "a body is carried by '",
                  body.object, "', which is not in the facet set '", content_->facets.name, "'");

@@ -143,6 +143,7 @@ MarkerDetector::MarkerDetector(const std::string& dictionary, const DetectorSett
                settings.search_px, " px; allowed is 1 to 20");
   ACUS_REQUIRE(settings.magnification == 1 || settings.magnification == 2,
                "marker detector: magnification ", settings.magnification, "; allowed are 1 and 2");
+  HoldOpenCvToOneThread();
   content_->dictionary = cv::aruco::getPredefinedDictionary(OpenCvDictionary(dictionary));
   content_->settings = settings;
   // Neighbours on a sheet are not one marker seen twice.

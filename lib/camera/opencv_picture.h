@@ -15,6 +15,10 @@ namespace acus::camera {
 /// picture is const.
 cv::Mat MatOf(const Picture& picture);
 
+/// OpenCV would take all cores for each picture, at the cost of whoever feels forces meanwhile.
+/// Holds for the whole process.
+void HoldOpenCvToOneThread();
+
 /// The number that OpenCV gives to a dictionary. @throws InputError for another name.
 int OpenCvDictionary(const std::string& name);
 /// How many markers it has. @throws InputError for another name.

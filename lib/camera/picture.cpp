@@ -17,6 +17,10 @@ constexpr int kLargestPx = 8192;
 
 }  // namespace
 
+void HoldOpenCvToOneThread() {
+  cv::setNumThreads(1);
+}
+
 cv::Mat MatOf(const Picture& picture) {
   return {picture.height_px, picture.width_px, CV_8UC(picture.channels),
           const_cast<std::uint8_t*>(picture.pixels.data())};

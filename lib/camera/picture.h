@@ -31,7 +31,8 @@ Picture ReadPicture(const std::filesystem::path& path);
 /// The pictures of a folder by name, in order: .png, .jpg, .jpeg, .tif, .tiff, .bmp, .pgm, .ppm.
 /// @throws InputError if there is no such folder, or no picture in it.
 std::vector<std::filesystem::path> PictureFiles(const std::filesystem::path& folder);
-/// By the extension of the name (.png, .jpg, .ppm), whole or not at all. @throws InputError.
+/// By the extension of the name (.png, .jpg, .tif; .pgm if grey, .ppm if not), whole or not at all.
+/// @throws InputError for another extension, no pixels, or a file that cannot be written.
 void WritePicture(const std::filesystem::path& path, const Picture& picture);
 
 }  // namespace acus::camera

@@ -14,6 +14,7 @@ struct Straightener::Map {
 };
 
 Straightener::Straightener(const CameraModel& camera) : map_(std::make_unique<Map>(camera)) {
+  HoldOpenCvToOneThread();
   if (!camera.has_distortion()) return;
   const CameraParameters& p = camera.parameters();
   map_->columns.create(p.height_px, p.width_px, CV_32FC1);
