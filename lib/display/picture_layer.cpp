@@ -57,9 +57,11 @@ struct Sheet {
       image->SetDimensions(width, height, 1);
       image->AllocateScalars(VTK_UNSIGNED_CHAR, components);
     }
-    std::memcpy(image->GetScalarPointer(), pixels,
-                static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-                    static_cast<std::size_t>(components));
+    // What is there already is not sent to the graphics again.
+    const std::size_t bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                              static_cast<std::size_t>(components);
+    if (std::memcmp(image->GetScalarPointer(), pixels, bytes) == 0) return;
+    std::memcpy(image->GetScalarPointer(), pixels, bytes);
     image->Modified();
   }
 

@@ -59,6 +59,20 @@ void Project(const rendering::Camera& camera, const DepthRange& range, vtkMatrix
   out.SetElement(3, 2, -1.0);
 }
 
+/// Triangles whose corners do not lie on a line: others stop the thinning.
+Eigen::Matrix3Xi WithArea(const mesh::Surface& surface) {
+  Eigen::Matrix3Xi out(3, surface.triangles.cols());
+  Eigen::Index kept = 0;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const Eigen::Vector3d a = surface.nodes_mm.col(surface.triangles(0, t));
+    const Eigen::Vector3d b = surface.nodes_mm.col(surface.triangles(1, t));
+    const Eigen::Vector3d c = surface.nodes_mm.col(surface.triangles(2, t));
+    if ((b - a).cross(c - a).norm() > 1e-6) out.col(kept++) = surface.triangles.col(t);
+  }
+  out.conservativeResize(3, kept);
+  return out;
+}
+
 struct Eye {
   vtkNew<vtkRenderer> renderer;
   vtkNew<vtkMatrix4x4> projection;
@@ -119,9 +133,11 @@ struct SpaceLayer::Thing {
       texture->SetColorModeToDirectScalars();
       actor->SetTexture(texture);
     }
-    std::memcpy(image->GetScalarPointer(), pixels,
-                static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-                    static_cast<std::size_t>(components));
+    // What is there already is not sent to the graphics again.
+    const std::size_t bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                              static_cast<std::size_t>(components);
+    if (std::memcmp(image->GetScalarPointer(), pixels, bytes) == 0) return;
+    std::memcpy(image->GetScalarPointer(), pixels, bytes);
     image->Modified();
   }
 };
@@ -212,6 +228,7 @@ int SpaceLayer::Add(const mesh::Surface& surface, const Look& look) {
                     static_cast<double>(look.colour[2]));
   property.SetOpacity(look.opacity);
   property.SetLighting(look.lit);
+  property.SetAmbient(look.lit ? 0.22 : 0.0);
   property.SetSpecular(look.lit ? 0.12 : 0.0);
   property.SetSpecularPower(18.0);
   property.SetBackfaceCulling(look.both_sides ? 0 : 1);
@@ -287,7 +304,7 @@ mesh::Surface Thinned(const mesh::Surface& surface, int max_triangles) {
   points->SetDataTypeToFloat();
   vtkNew<vtkCellArray> cells;
   FillPoints(surface.nodes_mm.cast<float>(), *points);
-  FillCells(surface.triangles, *cells);
+  FillCells(WithArea(surface), *cells);
   vtkNew<vtkPolyData> whole;
   whole->SetPoints(points);
   whole->SetPolys(cells);

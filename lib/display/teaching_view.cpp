@@ -9,8 +9,10 @@
 namespace acus::display {
 namespace {
 
-/// From the front, above and a little from the patient's left: as from a lamp over a bed.
-const Eigen::Vector3d kTowardsLight(0.3, -1.0, 0.4);
+/// Of a patient on his back whom nobody works on yet: a lamp over the bed.
+const Eigen::Vector3d kOverTheBed(0.3, -1.0, 0.4);
+/// The lamp is moved when less than this (a cosine) of it comes from the side that is worked on.
+constexpr double kFromBehind = 0.45;
 constexpr double kLeastNeedleRadiusMm = 0.9;
 constexpr double kTargetRadiusMm = 3.0;
 constexpr std::string_view kSkin = "skin";
@@ -39,7 +41,6 @@ mesh::Surface Placeholder() {
 TeachingView::TeachingView(const std::vector<rendering::SurfaceInView>& surfaces,
                            int max_triangles) {
   layer_.SetBackground({0.17F, 0.20F, 0.24F}, {0.05F, 0.06F, 0.08F});
-  layer_.SetLight(kTowardsLight);
   double all = 0.0;
   for (const auto& seen : surfaces) all += static_cast<double>(seen.surface.triangles.cols());
   const auto add = [&](const rendering::SurfaceInView& seen) {
@@ -88,12 +89,40 @@ TeachingView::TeachingView(const std::vector<rendering::SurfaceInView>& surfaces
   for (const auto& seen : surfaces) {
     if (seen.name == kSkin) add(seen);
   }
-  if (has_skin_) {
-    shadows_ = std::make_unique<ShadowTexture>(skin_surface_, kTowardsLight);
-    layer_.SetTexturePlaces(skin_, shadows_->PlacesOf(skin_surface_.nodes_mm));
-    layer_.SetTexture(skin_, shadows_->Finish(lit_opacity_));
-  }
+  SetLight(kOverTheBed);
   orbit_ = std::make_unique<Orbit>(box_in_ct_mm_);
+}
+
+void TeachingView::SetLight(const Eigen::Vector3d& towards) {
+  towards_light_ = towards.normalized();
+  layer_.SetLight(towards_light_);
+  if (!has_skin_) return;
+  shadows_ = std::make_unique<ShadowTexture>(skin_surface_, towards_light_);
+  layer_.SetTexturePlaces(skin_, shadows_->PlacesOf(skin_surface_.nodes_mm));
+  layer_.SetTexture(skin_, shadows_->Finish(lit_opacity_));
+}
+
+void TeachingView::AimLight(const DisplayFrame& frame) {
+  Eigen::Vector3d tool;
+  if (frame.needle) {
+    const ultrasound::NeedleInImage& needle = *frame.needle;
+    tool = needle.shape.num_points >= 2
+               ? needle.shape.At(needle.shape.num_points - 1)
+               : Eigen::Vector3d(needle.tip_in_ct_mm - needle.length_mm * needle.axis_in_ct);
+  } else if (frame.ct_from_probe) {
+    tool = frame.ct_from_probe->translation();
+  } else {
+    return;
+  }
+  Eigen::Vector3d side = tool - box_in_ct_mm_.center();
+  side[2] = 0.0;  // A patient is long: what counts is where around him.
+  if (side.norm() < 1.0) return;
+  side.normalize();
+  if (side.dot(towards_light_) >= kFromBehind) return;
+  // Aslant, or shadows would hide behind their tools; and from the head, as no preset looks.
+  Eigen::Vector3d aslant = side.cross(Eigen::Vector3d::UnitZ());
+  if (aslant.dot(kOverTheBed) < 0.0) aslant = -aslant;
+  SetLight(side + 0.35 * aslant + 0.9 * Eigen::Vector3d::UnitZ());
 }
 
 void TeachingView::Move(const EyeMotion& motion, int height_px) {
@@ -121,6 +150,7 @@ void TeachingView::Update(const DisplayFrame& frame) {
   if (has_target) {
     layer_.SetPose(target_, Eigen::Isometry3d(Eigen::Translation3d(*frame.target_in_ct_mm)));
   }
+  AimLight(frame);
   if (has_skin_) UpdateShadows(frame);
 }
 

@@ -37,6 +37,8 @@ class TeachingView {
   void UpdateNeedle(const DisplayFrame& frame);
   void UpdateProbe(const DisplayFrame& frame);
   void UpdateShadows(const DisplayFrame& frame);
+  void AimLight(const DisplayFrame& frame);
+  void SetLight(const Eigen::Vector3d& towards);
 
   SpaceLayer layer_;
   std::vector<Organ> organs_;
@@ -46,6 +48,7 @@ class TeachingView {
   mesh::Surface skin_surface_;
   bool has_skin_ = false;
   double lit_opacity_ = 1.0;  ///< Of the skin, as a share of that of a shadow on it.
+  Eigen::Vector3d towards_light_ = Eigen::Vector3d::Zero();
   int skin_ = -1;
   int shaft_ = -1;
   int hub_ = -1;

@@ -81,7 +81,8 @@ std::vector<rendering::SurfaceInView> Surfaces(const volume::LabelMap& labels) {
   };
   for (const char* tissue : {"bone", "kidney", "vessel", "lesion"}) add(tissue, 1.0);
   add("liver", 0.55);
-  add("skin", 0.30);
+  effect.surfaces.push_back(
+      {.tissue = "skin", .opacity = 0.38, .colour = Eigen::Array3f(0.96F, 0.82F, 0.72F)});
   return simulation::SurfacesOf(effect, labels, RunContext());
 }
 
@@ -154,12 +155,13 @@ Demo Load(const fs::path& patient) {
   return demo;
 }
 
-/// As PNG with few colours: photographs in the text, not measurements.
+/// Smaller than on the screen: photographs in the text, not measurements.
 void Save(const ultrasound::ColourImage& picture, const fs::path& path) {
   const cv::Mat rgb(picture.height, picture.width, CV_8UC3,
                     const_cast<std::uint8_t*>(picture.rgb.data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  cv::resize(bgr, bgr, {}, 0.75, 0.75, cv::INTER_AREA);
   cv::imwrite(path.string(), bgr, {cv::IMWRITE_PNG_COMPRESSION, 9});
 }
 
@@ -181,8 +183,11 @@ void MakeFigures(Demo& demo, const fs::path& out) {
   save("all");
   for (const char* name : {"video", "ultrasound", "3d", "ct", "fluoroscopy"}) {
     input.Key("v");
+    // From the patient's right, where the tools are.
+    if (std::string(name) == "3d") input.Key("4");
     save(name);
   }
+  input.Key("7");
   input.Key("a");
   input.Key("h");
   save("help");

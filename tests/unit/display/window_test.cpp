@@ -207,6 +207,27 @@ TEST_F(WindowTest, FaultsAreRedInTheBarAndFrozenPicturesSaySo) {
   EXPECT_GT(ShotOf(window, frame).Count(ultrasound, is_amber), before + 800);
 }
 
+TEST_F(WindowTest, ToolsThrowShadowsOnTheSkin) {
+  PatientOnDisplay patient = Patient();
+  patient.in_teaching_view.pop_back();  // Skin only, and hardly transparent.
+  patient.in_teaching_view[0].opacity = 0.9;
+  patient.in_teaching_view[0].colour = {0.9F, 0.9F, 0.9F};
+  Window window(patient, Settings());
+  DisplayFrame frame;
+  // Over the front of the ball, far enough off that it does not hide its shadow.
+  frame.needle = Frame().needle;
+  frame.needle->axis_in_ct = Eigen::Vector3d::UnitX();
+  frame.needle->tip_in_ct_mm = {45.0, -140.0, 30.0};
+  const Rectangle all{.left = 0, .top = 40, .width = 1280, .height = 600};
+  const auto is_shade = [](int r, int g, int b) {
+    return r < 90 && std::abs(r - g) < 15 && std::abs(g - b) < 15 && r > 30;
+  };
+  const int with = ShotOf(window, frame).Count(all, is_shade);
+  frame.needle->tip_in_ct_mm[1] = 140.0;  // Behind him: no shadow, and the needle hidden.
+  const int without = ShotOf(window, frame).Count(all, is_shade);
+  EXPECT_GT(with, without + 300);
+}
+
 TEST_F(WindowTest, StereoShowsTwoEyes) {
   Window window(Patient(), Settings());
   testing_support::WindowInput input;
