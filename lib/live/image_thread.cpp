@@ -1,23 +1,38 @@
 #include "live/image_thread.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/error.h"
 #include "core/monotonic_time.h"
 #include "simulation/fluoroscopy_renderer.h"
 
 namespace acus::live {
+namespace {
+
+constexpr double kMostGainDb = 60.0;
+constexpr double kLeastDepthMm = 20.0;
+constexpr double kMostDepthMm = 300.0;
+
+}  // namespace
 
 struct ImageThread::Renderers {
-  explicit Renderers(const simulation::Scene& scene) : images(scene) {
+  explicit Renderers(const simulation::Scene& of_scene) : scene(of_scene) {
+    if (scene.probe) probe = std::make_shared<const ultrasound::Probe>(*scene.probe);
+    images.emplace(scene, probe.get());
     if (scene.plan.Has(simulation::StageId::kFluoroscopy)) {
       fluoroscopy.emplace(scene, 1);
       fluoroscopy_interval_ns = std::llround(1e9 / scene.fluoroscopy->rate_hz);
     }
   }
-  simulation::ImageRenderer images;
+  const simulation::Scene& scene;
+  std::shared_ptr<const ultrasound::Probe> probe;
+  std::optional<double> gain_db;  ///< As it was asked for last.
+  std::optional<double> depth_mm;
+  std::optional<simulation::ImageRenderer> images;
   std::optional<simulation::FluoroscopyRenderer> fluoroscopy;
   std::int64_t fluoroscopy_interval_ns = 0;
 };
@@ -86,17 +101,36 @@ void ImageThread::Run() {
   }
 }
 
+void ImageThread::SetProbe(const LiveSnapshot& snapshot) {
+  Renderers& r = *renderers_;
+  if (!r.probe || (snapshot.gain_db == r.gain_db && snapshot.depth_mm == r.depth_mm)) return;
+  r.gain_db = snapshot.gain_db;
+  r.depth_mm = snapshot.depth_mm;
+  auto probe = std::make_shared<ultrasound::Probe>(*r.scene.probe);
+  probe->gain_db = std::clamp(r.gain_db.value_or(probe->gain_db), -kMostGainDb, kMostGainDb);
+  probe->depth_mm = std::clamp(r.depth_mm.value_or(probe->depth_mm), kLeastDepthMm, kMostDepthMm);
+  try {
+    ultrasound::CheckedProbe(*probe);
+    r.images.emplace(r.scene, probe.get());
+    r.probe = std::move(probe);
+  } catch (const InputError&) {
+    r.images.emplace(r.scene, r.probe.get());  // What this probe cannot do is left undone.
+  }
+}
+
 void ImageThread::Render(LivePicture& out) {
   out.snapshot = snapshots_.Front();
   out.number = ++number_;
   const simulation::Snapshot moment = out.snapshot.ForRenderer();
   if (!out.snapshot.frozen) {
-    renderers_->images.Render(moment, last_images_);
+    SetProbe(out.snapshot);
+    renderers_->images->Render(moment, last_images_);
     if (renderers_->fluoroscopy && moment.time_ns >= fluoroscopy_due_ns_) {
       renderers_->fluoroscopy->Render(moment, last_fluoroscopy_, 1);
       fluoroscopy_due_ns_ = moment.time_ns + renderers_->fluoroscopy_interval_ns;
     }
   }
+  out.probe = renderers_->probe;
   out.images = last_images_;
   out.fluoroscopy = last_fluoroscopy_;
 }

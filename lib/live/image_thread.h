@@ -20,7 +20,9 @@ struct LivePicture {
   LiveSnapshot snapshot;
   simulation::Images images;
   ultrasound::GrayImage fluoroscopy;  ///< Empty without one in the plan.
-  std::int64_t number = 0;            ///< 0: none yet.
+  /// As it is set: gain, depth. Null without one in the plan.
+  std::shared_ptr<const ultrasound::Probe> probe;
+  std::int64_t number = 0;  ///< 0: none yet.
 };
 
 struct PictureStatistics {
@@ -62,6 +64,7 @@ class ImageThread {
   struct Renderers;
   void Run();
   void Render(LivePicture& out);
+  void SetProbe(const LiveSnapshot& snapshot);
 
   TripleBuffer<LiveSnapshot>& snapshots_;
   double rate_hz_;

@@ -118,14 +118,22 @@ void LiveCore::Obey(const CommandQueue::Order& order) noexcept {
       }
       break;
     case CommandKind::kSwapHands:
-      if (settings_.other) hands_swapped_ = !hands_swapped_;
+      if (!settings_.other) break;
+      hands_swapped_ = !hands_swapped_;
+      if (settings_.tools_change_handles) {
+        std::swap(settings_.servo.handle_from_tool, settings_.other->mount.handle_from_tool);
+      }
       break;
     case CommandKind::kPauseForces:
     case CommandKind::kResumeForces:
       forces_paused_ = order.kind == CommandKind::kPauseForces;
       break;
     case CommandKind::kGain:
+      gain_db_ = order.value;
+      break;
     case CommandKind::kDepth:
+      depth_mm_ = order.value;
+      break;
     case CommandKind::kView:
       break;  // Of the window: only recorded.
   }
@@ -261,6 +269,8 @@ void LiveCore::Show(const DeviceForce& on_needle, const DeviceForce& on_probe) n
   out.frozen = frozen_;
   out.hands_swapped = hands_swapped_;
   out.forces_paused = forces_paused_;
+  out.gain_db = gain_db_;
+  out.depth_mm = depth_mm_;
   out.target_in_ct_mm = target_in_ct_mm_;
   out.measured_ns = probe_.sample.valid ? probe_.measured_ns : needle_.measured_ns;
   snapshots_.Publish();

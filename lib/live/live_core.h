@@ -51,6 +51,8 @@ struct CoreSettings {
   std::optional<BoardTool> other;  ///< The other tool, if there is one.
   std::optional<BoardBelt> belt;
   PoseGateSettings gate;
+  /// When hands are swapped, what is fixed to the handles goes along: both are haptic devices.
+  bool tools_change_handles = false;
   double snapshot_s = 0.004;  ///< At most this often.
 };
 
@@ -79,6 +81,7 @@ class LiveCore {
   const CoreStatistics& statistics() const noexcept { return statistics_; }
   /// Session time of the last step, ns. Any thread.
   std::int64_t session_ns() const noexcept { return session_ns_.load(std::memory_order_relaxed); }
+  bool hands_swapped() const noexcept { return hands_swapped_.load(std::memory_order_relaxed); }
 
  private:
   /// A tool as read, in the reference frame.
@@ -131,7 +134,9 @@ class LiveCore {
   bool started_ = false;
   std::int64_t last_reading_ns_ = 0;
   std::int64_t shown_ns_ = 0;
-  bool hands_swapped_ = false;
+  std::atomic<bool> hands_swapped_{false};
+  std::optional<double> gain_db_;
+  std::optional<double> depth_mm_;
   bool frozen_ = false;
   bool forces_paused_ = false;
   std::optional<Eigen::Vector3d> target_in_ct_mm_;

@@ -65,6 +65,26 @@ BeltConfig BeltOf(const json& node, const std::string& where) {
   return belt;
 }
 
+CameraConfig CameraOf(const json& node, const fs::path& folder, const std::string& where) {
+  CameraConfig camera;
+  camera.model = config::FindConfig(node.at("model").get<std::string>(), folder);
+  camera.facets = config::FindConfig(node.at("facets").get<std::string>(), folder);
+  camera.stale_s = node.at("stale_s");
+  camera::CameraTrackerOptions& options = camera.options;
+  options.name = node.at("name");
+  options.place = node.at("place");
+  options.reference = node.at("reference");
+  options.hold_reference_ms = node.at("hold_reference_ms");
+  options.journal_capacity = 1U << 12;
+  const json& tools = node.at("tools");
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    options.tools.push_back({.tool = tools[i].at("tool"),
+                             .object = tools[i].at("object"),
+                             .object_from_tool = PoseOf(tools[i], Message(where, "/tools/", i))});
+  }
+  return camera;
+}
+
 void CheckTools(const LiveDevices& devices, const std::string& file) {
   std::map<std::string, int> tracked;
   for (const TrackerConfig& tracker : devices.trackers) {
@@ -72,6 +92,11 @@ void CheckTools(const LiveDevices& devices, const std::string& file) {
       ACUS_REQUIRE(++tracked[tool.tool] == 1, file, ": /trackers: tool \"", tool.tool,
                    "\" is tracked twice; name another one otherwise");
     }
+  }
+  for (std::size_t i = 0; devices.camera && i < devices.camera->options.tools.size(); ++i) {
+    const std::string& tool = devices.camera->options.tools[i].tool;
+    ACUS_REQUIRE(++tracked[tool] == 1, file, ": /camera/tools: tool \"", tool,
+                 "\" is tracked twice; name another one otherwise");
   }
   for (const auto& [tool, config] :
        {std::pair{"needle", &devices.haptics.needle}, {"probe", &devices.haptics.probe}}) {
@@ -93,8 +118,11 @@ std::optional<LiveDevices::Place> LiveDevices::FindTracked(const std::string& to
   for (std::size_t t = 0; t < trackers.size(); ++t) {
     const auto& tools = trackers[t].options.tools;
     for (std::size_t i = 0; i < tools.size(); ++i) {
-      if (tools[i].tool == tool) return Place{t, i};
+      if (tools[i].tool == tool) return Place{t, i, trackers[t].stale_s};
     }
+  }
+  for (std::size_t i = 0; camera && i < camera->options.tools.size(); ++i) {
+    if (camera->options.tools[i].tool == tool) return Place{trackers.size(), i, camera->stale_s};
   }
   return {};
 }
@@ -113,6 +141,9 @@ LiveDevices ReadLiveDevices(const fs::path& path) {
   const json& trackers = document.at("trackers");
   for (std::size_t i = 0; i < trackers.size(); ++i) {
     devices.trackers.push_back(TrackerOf(trackers[i], Message(file, ": /trackers/", i)));
+  }
+  if (document.contains("camera")) {
+    devices.camera = CameraOf(document.at("camera"), path.parent_path(), file + ": /camera");
   }
   if (document.contains("breath")) {
     devices.belt = BeltOf(document.at("breath"), file + ": /breath");

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "camera/camera_tracker.h"
 #include "haptics/devices_file.h"
 #include "tracking/igtl_source.h"
 
@@ -32,19 +33,30 @@ struct TrackerConfig {
   double stale_s = 0.2;  ///< News older than this: the tool is not seen.
 };
 
+/// A camera whose video is shown, and which may track tools.
+struct CameraConfig {
+  std::filesystem::path model;
+  std::filesystem::path facets;
+  camera::CameraTrackerOptions options;
+  double stale_s = 0.2;
+};
+
 struct LiveDevices {
   std::string name;
   haptics::DevicesFile haptics;
   /// By haptic device. mm.
   std::map<std::string, Eigen::Isometry3d> reference_from_device;
   std::vector<TrackerConfig> trackers;
+  std::optional<CameraConfig> camera;
   std::optional<BeltConfig> belt;
   std::optional<SendOut> send_out;
 
-  /// The tracker with the tool of that name, and its number there.
+  /// The tracker with the tool of that name (the camera comes after the others), and its number
+  /// there.
   struct Place {
     std::size_t tracker = 0;
     std::size_t tool = 0;
+    double stale_s = 0.0;
   };
   std::optional<Place> FindTracked(const std::string& tool) const;
 

@@ -95,6 +95,13 @@ LiveSession::LiveSession(const scenario::Scenario& scenario, const LiveDevices& 
   for (const TrackerConfig& tracker : devices_.trackers) {
     trackers_.push_back(std::make_unique<tracking::IgtlSource>(tracker.options));
   }
+  if (devices_.camera) {
+    auto tracker = std::make_unique<camera::CameraTracker>(
+        camera::ReadCamera(devices_.camera->model), camera::ReadFacets(devices_.camera->facets),
+        devices_.camera->options);
+    camera_ = tracker.get();
+    trackers_.push_back(std::move(tracker));
+  }
   OpenDevices(devices_);
 }
 
@@ -136,7 +143,7 @@ void LiveSession::OpenDevices(const LiveDevices& devices) {
     return BoardTool{.board = &trackers_[place->tracker]->board(),
                      .tool = place->tool,
                      .mount = {},
-                     .stale_s = devices.trackers[place->tracker].stale_s};
+                     .stale_s = place->stale_s};
   };
   const haptics::ToolConfig& needle = devices.haptics.needle;
   const haptics::ToolConfig& probe = devices.haptics.probe;
@@ -149,6 +156,7 @@ void LiveSession::OpenDevices(const LiveDevices& devices) {
       bridge_ = std::make_unique<Bridge>();
       core_settings_.other =
           BoardTool{.board = &bridge_->board, .tool = 0, .mount = mount(probe), .stale_s = 0.02};
+      core_settings_.tools_change_handles = true;
     } else {
       core_settings_.other = tracked("probe");
     }
@@ -280,10 +288,26 @@ void LiveSession::SendOut(const LivePicture& picture) {
   server_->SendPicture("Ultrasound", out, picture.snapshot.measured_ns);
 }
 
-haptics::HandSteering* LiveSession::steering(bool of_needle) const {
-  const auto& tool = of_needle ? devices_.haptics.needle : devices_.haptics.probe;
-  const auto found = steering_.find(tool.device);
-  return found != steering_.end() ? found->second.get() : nullptr;
+HeldTool LiveSession::HeldBy(bool needle) const {
+  const haptics::DevicesFile& file = devices_.haptics;
+  const bool swapped = core_ && core_->hands_swapped();
+  const haptics::ToolConfig& device = needle != swapped ? file.needle : file.probe;
+  const haptics::ToolConfig& tool = needle ? file.needle : file.probe;
+  const auto found = steering_.find(device.device);
+  if (found == steering_.end()) return {};
+  return {.hand = found->second, .handle_from_tool = tool.handle_from_tool};
+}
+
+ForceLimits LiveSession::force_limits() const {
+  const auto limit = [this](const haptics::ToolConfig& tool, bool is_needle) {
+    const haptics::DeviceConfig* config = devices_.haptics.Find(tool.device);
+    if (config == nullptr) return 0.0;
+    const bool is_servo = core_settings_.servo_is_needle == is_needle;
+    const haptics::HapticDevice& device = is_servo ? *servo_device_ : *other_device_;
+    return std::min(config->safety.max_force_n, device.info().max_force_n);
+  };
+  return {.needle_n = limit(devices_.haptics.needle, true),
+          .probe_n = limit(devices_.haptics.probe, false)};
 }
 
 void LiveSession::HoldPedal() {

@@ -48,6 +48,18 @@ enum class SessionEnd { kRunning, kDuration, kStopped, kDeviceFailed };
 /// "duration", "stopped", "device failed".
 std::string_view NameOf(SessionEnd end);
 
+/// A tool on a haptic device.
+struct HeldTool {
+  std::shared_ptr<haptics::HandSteering> hand = nullptr;  ///< Null: no virtual hand holds it.
+  Eigen::Isometry3d handle_from_tool = Eigen::Isometry3d::Identity();  ///< mm.
+};
+
+/// The largest forces that guards let through; 0: no motor.
+struct ForceLimits {
+  double needle_n = 0.0;
+  double probe_n = 0.0;
+};
+
 class LiveSession {
  public:
   /// Reads the scenario's data and opens the devices, motors off.
@@ -76,8 +88,11 @@ class LiveSession {
   const simulation::Scene& scene() const { return scene_; }
   /// @pre Start() was called, as for all that follows.
   CommandQueue& commands() { return core_->commands(); }
-  /// Moves the virtual hand that holds the needle, or the probe; null if a real hand does.
-  haptics::HandSteering* steering(bool of_needle) const;
+  /// Who holds the needle, or the probe, at present.
+  HeldTool HeldBy(bool needle) const;
+  /// The camera whose video is shown; null if there is none.
+  const camera::CameraTracker* video() const { return camera_; }
+  ForceLimits force_limits() const;
   /// To be called while a pedal or its key is down: see HapticDevice.
   void HoldPedal();
   TripleBuffer<LivePicture>& pictures() { return images_->pictures(); }
@@ -108,7 +123,8 @@ class LiveSession {
   simulation::Scene scene_;
   std::optional<simulation::Breathing> partner_;
 
-  std::vector<std::unique_ptr<tracking::IgtlSource>> trackers_;
+  std::vector<std::unique_ptr<tracking::PoseSource>> trackers_;  ///< The camera last.
+  const camera::CameraTracker* camera_ = nullptr;
   std::unique_ptr<Bridge> bridge_;  ///< Between the other device and the core.
   std::map<std::string, std::shared_ptr<haptics::HandSteering>> steering_;  ///< By virtual hand.
   std::unique_ptr<haptics::HapticDevice> servo_device_;

@@ -29,6 +29,8 @@ struct LiveSnapshot {
   bool frozen = false;
   bool hands_swapped = false;
   bool forces_paused = false;
+  std::optional<double> gain_db;   ///< Of the probe, if somebody has set it.
+  std::optional<double> depth_mm;  ///< The same.
   std::optional<Eigen::Vector3d> target_in_ct_mm;
   /// CLOCK_MONOTONIC, ns: when the probe's pose (else the needle's) was measured.
   std::int64_t measured_ns = 0;

@@ -12,16 +12,17 @@ void Blacken(const ultrasound::ImageGeometry& picture, ultrasound::GrayImage& im
 
 }  // namespace
 
-ImageRenderer::ImageRenderer(const Scene& scene) : scene_(scene) {
+ImageRenderer::ImageRenderer(const Scene& scene, const ultrasound::Probe* probe) : scene_(scene) {
+  if (probe == nullptr && scene.probe) probe = &*scene.probe;
   if (scene.tools_deform_images) {
     deformed_.emplace(*scene.tissue, scene.warp_spacing_mm);
   }
   if (scene.plan.Has(StageId::kCtSlice)) {
-    ct_slice_.emplace(*scene.ct, ultrasound::PictureOf(*scene.probe),
-                      scene.probe->slice_thickness_mm, scene.ct_window);
+    ct_slice_.emplace(*scene.ct, ultrasound::PictureOf(*probe), probe->slice_thickness_mm,
+                      scene.ct_window);
   }
   if (scene.plan.Has(StageId::kUltrasound)) {
-    b_mode_.emplace(ImagePatient{scene.ct.get(), scene.labels.get()}, *scene.probe, *scene.b_mode);
+    b_mode_.emplace(ImagePatient{scene.ct.get(), scene.labels.get()}, *probe, *scene.b_mode);
   }
 }
 

@@ -44,7 +44,8 @@ struct Images {
 class ImageRenderer {
  public:
   /// @param scene  Must outlive the renderer.
-  explicit ImageRenderer(const Scene& scene);
+  /// @param probe  In place of the scene's, set otherwise: gain, depth; null: the scene's.
+  explicit ImageRenderer(const Scene& scene, const ultrasound::Probe* probe = nullptr);
 
   /// The same bits for the same snapshot, whatever was rendered before. Where the probe is not
   /// seen by the tracker, the pictures are black. Allocates nothing after the first call.

@@ -25,12 +25,15 @@ constexpr const char* kAll = R"({"format": "acus-devices/1", "name": "all",
       {"tool": "probe", "device": "ProbeToTracker", "relative_to": "ReferenceToTracker",
        "translation_mm": [0, 0, 7]},
       {"tool": "belt", "device": "BeltToReference"}]}],
+  "camera": {"place": "device:0", "model": "cameras/webcam_720p.json",
+             "facets": "facets/training.json", "tools": [{"tool": "pointer", "object": "Pointer"}]},
   "breath": {"tool": "belt", "axis": [0, 0.6, 0.8], "inspiration_mm": 12},
   "send_out": {}})";
 
 class LiveDevicesFile : public testing::Test {
  protected:
   LiveDevicesFile() {
+    setenv("ACUS_CONFIGS", (std::filesystem::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
     Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
     place.linear() = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()).toRotationMatrix();
     registration::WriteTransform(folder_ / "left.tfm", place, "test");
@@ -60,6 +63,8 @@ TEST_F(LiveDevicesFile, IsReadWhole) {
   EXPECT_EQ(devices.trackers[0].options.tools[0].marker_from_tool.translation().z(), 7.0);
   EXPECT_EQ(devices.FindTracked("belt")->tool, 1U);
   EXPECT_FALSE(devices.FindTracked("needle"));
+  EXPECT_EQ(devices.FindTracked("pointer")->tracker, 1U);  // The camera comes last.
+  EXPECT_EQ(devices.camera->options.tools[0].object, "Pointer");
   EXPECT_TRUE(devices.has_needle());
   EXPECT_TRUE(devices.has_probe());
   EXPECT_NEAR(devices.belt->axis.norm(), 1.0, 1e-15);
@@ -73,6 +78,8 @@ TEST_F(LiveDevicesFile, SaysWhatContradictsItself) {
               "the probe is on the device \"left\" and tracked as well");
   ExpectFails(Changed(R"("tool": "belt", "device")", R"("tool": "probe", "device")"),
               "tool \"probe\" is tracked twice");
+  ExpectFails(Changed(R"("tool": "pointer")", R"("tool": "probe")"),
+              "/camera/tools: tool \"probe\" is tracked twice");
   ExpectFails(Changed(R"({"tool": "belt", "axis")", R"({"tool": "vest", "axis")"),
               "no tracker has a tool \"vest\"");
   ExpectFails(Changed("[0, 0.6, 0.8]", "[0, 0, 0]"), "/breath/axis: has no length");

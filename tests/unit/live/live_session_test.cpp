@@ -69,7 +69,11 @@ class Session : public testing_support::ReplayFolder {
                 {.name = "ProbeToReference", .reference_from_tool = pose_, .valid = true}},
             MonotonicNs());
       }
-      if (session.pictures().Refresh()) snapshot_ = session.pictures().Front().snapshot;
+      if (session.pictures().Refresh()) {
+        snapshot_ = session.pictures().Front().snapshot;
+        probe_ = session.pictures().Front().probe;
+        width_px_ = session.pictures().Front().images.ct_slice.width;
+      }
       std::this_thread::sleep_for(milliseconds(10));
     }
     EXPECT_TRUE(done());
@@ -78,6 +82,8 @@ class Session : public testing_support::ReplayFolder {
   bool sends_ = true;
   Eigen::Isometry3d pose_ = ProbeOnSkin();
   LiveSnapshot snapshot_;
+  std::shared_ptr<const ultrasound::Probe> probe_;
+  int width_px_ = 0;
 };
 
 TEST_F(Session, OutlivesItsTrackerAndReplaysToTheSameForces) {
@@ -90,6 +96,20 @@ TEST_F(Session, OutlivesItsTrackerAndReplaysToTheSameForces) {
   session.Start();
   const auto feels = [&] { return snapshot_.probe_force_n > 0.1; };
   PollUntil(session, server, feels);
+
+  // Depth and gain are those of the pictures from now on; what makes no sense is held back.
+  session.commands().Give(session::CommandKind::kDepth, 55.0);
+  session.commands().Give(session::CommandKind::kGain, 1e9);
+  PollUntil(session, server, [&] { return probe_ && probe_->depth_mm == 55.0; });
+  PollUntil(session, server, [&] { return probe_->gain_db == 60.0; });
+  EXPECT_GT(width_px_, 0);
+
+  // A virtual hand holds the needle, and nobody the tracked probe.
+  EXPECT_NE(session.HeldBy(/*needle=*/true).hand, nullptr);
+  EXPECT_EQ(session.HeldBy(/*needle=*/false).hand, nullptr);
+  EXPECT_EQ(session.force_limits().needle_n, 3.0);
+  EXPECT_EQ(session.force_limits().probe_n, 0.0);
+  EXPECT_EQ(session.video(), nullptr);
 
   // Silent: not seen, no force, and the screen says so.
   sends_ = false;
