@@ -12,6 +12,7 @@
 #include "core/csv.h"
 #include "core/error.h"
 #include "core/spelling.h"
+#include "session/xml_scan.h"
 
 namespace acus::registration {
 namespace {
@@ -185,6 +186,26 @@ Landmarks ReadMarkupsJson(const std::filesystem::path& path) {
   return collector.Take();
 }
 
+/// The landmarks of a phantom definition in a PLUS configuration.
+Landmarks ReadPlusPhantom(const std::filesystem::path& path) {
+  Collector collector(path);
+  for (const auto& element : session::ScanXml(ReadTextFile(path), path.string())) {
+    if (element.name != "Landmark") continue;
+    const std::string name = element.Attribute("Name").value_or("");
+    std::istringstream position(element.Attribute("Position").value_or(""));
+    Eigen::Vector3d point_mm;
+    std::string rest;
+    const bool complete =
+        static_cast<bool>(position >> point_mm[0] >> point_mm[1] >> point_mm[2]) &&
+        !(position >> rest);
+    ACUS_REQUIRE(complete, path.string(), ": landmark '", name,
+                 "': Position must be three numbers, got \"",
+                 element.Attribute("Position").value_or(""), "\"");
+    collector.Add(name, point_mm, /*is_ras=*/false, path.string());
+  }
+  return collector.Take();
+}
+
 void WriteCsv(const std::filesystem::path& path, const Landmarks& landmarks) {
   std::string text = "name,x_mm,y_mm,z_mm\n";
   for (Eigen::Index i = 0; i < landmarks.points_mm.cols(); ++i) {
@@ -254,8 +275,9 @@ Landmarks ReadLandmarks(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
   if (name.ends_with(".json")) return ReadMarkupsJson(path);
   if (name.ends_with(".fcsv")) return ReadFcsv(path);
+  if (name.ends_with(".xml")) return ReadPlusPhantom(path);
   ACUS_REQUIRE(name.ends_with(".csv"), path.string(),
-               ": is of an unknown kind; landmarks are read from .csv, .mrk.json and .fcsv");
+               ": is of an unknown kind; landmarks are read from .csv, .mrk.json, .fcsv and .xml");
   return ReadCsv(path);
 }
 

@@ -26,7 +26,8 @@ struct Landmarks {
 ///    the localisation error in columns fle_mm (RMS length) or sd_x_mm, sd_y_mm, sd_z_mm, if known;
 ///  - `.mrk.json` of 3D Slicer: all defined points of all point lists, RAS turned to LPS
 ///    (coordinateSystem "LPS" or 1, "RAS" or 0; LPS if it is not said);
-///  - `.fcsv` of 3D Slicer, the same.
+///  - `.fcsv` of 3D Slicer, the same;
+///  - `.xml` of PLUS: the landmarks of its phantom definition, in the phantom's frame.
 /// @throws InputError with file and place if the file is broken, holds no point, a name twice, a
 ///     coordinate that is not finite or is beyond a kilometre, or a unit other than mm.
 Landmarks ReadLandmarks(const std::filesystem::path& path);
