@@ -106,7 +106,8 @@ CLI::App* AddHandEye(CLI::App& app, HandEyeTask& task) {
       ->check(ExistingPath);
   command->add_option("--tool", task.tracker.tool, "Name of the marker in the tracker's recording");
   command->add_option("--reference", task.tracker.reference, "Name of the tracker's frame");
-  command->add_option("--device-tool", task.device.tool, "Name of the tool in the device's session");
+  command->add_option("--device-tool", task.device.tool,
+                      "Name of the tool in the device's session");
   command->add_option("--delay-s", task.delay_s, "Added to the tracker's times")
       ->check(Range(-1e9, 1e9));
   return command;

@@ -80,8 +80,7 @@ FacetMarkers MarkersOf(const std::vector<Facet>& facets, const std::vector<Marke
 std::string FacetTable(const FacetModel& model) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t f = 0; f < model.facets.size(); ++f) {
-    rows.push_back({model.facets[f].name,
-                    VectorText(model.object_from_facet[f].translation(), 2),
+    rows.push_back({model.facets[f].name, VectorText(model.object_from_facet[f].translation(), 2),
                     FixedText(model.facet_rms_mm[f], 3), Message(model.num_seen[f])});
   }
   return TextTable({"facet", "place on the object mm", "noise mm RMS", "seen with others"}, rows) +
@@ -109,11 +108,23 @@ void WarnOfMovedFacets(const FacetModel& model, const FacetMarkers& object,
   std::vector<std::size_t> facet_of;
   for (const std::string& name : pairs.names) {
     const auto found = std::ranges::find(object.landmarks.names, name);
-    facet_of.push_back(object.facet_of[static_cast<std::size_t>(found - object.landmarks.names.begin())]);
+    facet_of.push_back(
+        object.facet_of[static_cast<std::size_t>(found - object.landmarks.names.begin())]);
   }
   std::vector<std::string> names;
   for (const Facet& facet : model.facets) names.push_back(facet.name);
-  for (const MovedFacet& moved : FindMovedFacets(pairs.reference_mm, pairs.ct_mm, facet_of, names)) {
+  const auto all = FindMovedFacets(pairs.reference_mm, pairs.ct_mm, facet_of, names);
+  if (names.size() == 2 && !all.empty()) {
+    context.Warn(Message("facets '", names[0], "' and '", names[1],
+                         "' do not lie as in CT: the points of "
+                         "one are ",
+                         FixedText(all.front().moved_mm, 2),
+                         " mm from where the other puts "
+                         "them (p = ",
+                         all.front().p_value, "); one has moved, two cannot tell which"));
+    return;
+  }
+  for (const MovedFacet& moved : all) {
     context.Warn(Message("facet '", moved.name, "' does not fit the others: its points are ",
                          FixedText(moved.moved_mm, 2), " mm from where they put them (p = ",
                          moved.p_value, "); has it moved since the CT?"));
@@ -123,9 +134,8 @@ void WarnOfMovedFacets(const FacetModel& model, const FacetMarkers& object,
 }  // namespace
 
 std::string Run(const LandmarkTask& task, const fs::path& folder, RunContext& context) {
-  const auto pairs =
-      Without(MatchLandmarks(ReadPoints(task.from, context), ReadPoints(task.to, context)),
-              task.leave_out);
+  const auto pairs = Without(
+      MatchLandmarks(ReadPoints(task.from, context), ReadPoints(task.to, context)), task.leave_out);
   const auto report = Register(pairs, Targets(task.target, context), task.settings);
   return WriteRegistration(report, folder, context, [](const fs::path&) {});
 }
@@ -157,14 +167,20 @@ std::string Run(const PivotTask& task, const fs::path& folder, RunContext& conte
 std::string Run(const TouchTask& task, const fs::path& folder, RunContext& context) {
   const Eigen::Vector3d tip_mm =
       task.pivot.empty() ? TipFrom(task.tip_mm) : ReadTip(task.pivot, context);
-  const auto touches = FindTouches(ReadTool(task.pointer, context), tip_mm, task.touches);
   const Landmarks known = ReadPoints(task.known, context);
+  const auto rests = FindTouches(ReadTool(task.pointer, context), tip_mm, task.touches);
+  const auto touches = ChooseTouches(rests, known);
   const Landmarks touched = NamedTouches(touches, known, task.pointer.log.string());
   const auto report =
       Register(MatchLandmarks(touched, known), Targets(task.target, context), task.settings);
-  return WriteRegistration(report, folder, context, [&](const fs::path& path) {
+  std::string text = WriteRegistration(report, folder, context, [&](const fs::path& path) {
     WritePointsCsv(path / "touched.csv", touched, touches);
   });
+  if (touches.size() < rests.size()) {
+    text +=
+        Message("note: of ", rests.size(), " rests those were taken that lie like the points\n");
+  }
+  return text;
 }
 
 std::string Run(const FacetTask& task, const fs::path& folder, RunContext& context) {
@@ -189,8 +205,7 @@ std::string Run(const FacetTask& task, const fs::path& folder, RunContext& conte
       MatchLandmarks(object.landmarks, MarkersOf(in_ct, ct_mm, task.ct.string()).landmarks);
   WarnOfMovedFacets(model, object, pairs, context);
   const auto report = Register(pairs, Targets(task.target, context), task.settings);
-  return FacetTable(model) +
-         WriteRegistration(report, folder, context, [&](const fs::path& path) {
+  return FacetTable(model) + WriteRegistration(report, folder, context, [&](const fs::path& path) {
            config::WriteJson(path / "object.json", ToJson(model));
          });
 }

@@ -18,9 +18,13 @@ namespace fs = std::filesystem;
 using registration::Facet;
 using registration::FacetPoses;
 
-bool IsCsv(const fs::path& path) { return path.extension() == ".csv"; }
+bool IsCsv(const fs::path& path) {
+  return path.extension() == ".csv";
+}
 
-bool IsSessionFolder(const fs::path& path) { return fs::exists(path / "session.json"); }
+bool IsSessionFolder(const fs::path& path) {
+  return fs::exists(path / "session.json");
+}
 
 std::string Joined(const std::vector<std::string>& words) {
   std::string text;
@@ -44,8 +48,10 @@ session::PoseStream ReadTool(const LogTool& tool, RunContext& context) {
   if (IsSessionFolder(tool.log)) {
     const session::Session session = session::ReadSession(tool.log, context);
     const bool is_probe = tool.tool == "probe";
-    ACUS_REQUIRE(is_probe || tool.tool == "needle", tool.log.string(), ": a session folder has the tools "
-                 "needle and probe, not '", tool.tool, "'; choose one with --tool");
+    ACUS_REQUIRE(is_probe || tool.tool == "needle", tool.log.string(),
+                 ": a session folder has the tools "
+                 "needle and probe, not '",
+                 tool.tool, "'; choose one with --tool");
     const session::PoseStream& poses = is_probe ? session.probe : session.needle;
     ACUS_REQUIRE(!poses.empty(), tool.log.string(), ": has no poses of the ", tool.tool);
     return poses;

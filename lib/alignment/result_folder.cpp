@@ -8,7 +8,9 @@ namespace acus::alignment {
 
 using nlohmann::json;
 
-json Row(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+json Row(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 json MatrixRows(const Eigen::Isometry3d& transform) {
   json rows = json::array();
@@ -41,7 +43,8 @@ Eigen::Vector3d TipFrom(const std::vector<double>& numbers) {
                numbers.size());
   const Eigen::Vector3d tip_mm(numbers.data());
   ACUS_REQUIRE(tip_mm.allFinite() && tip_mm.norm() <= 2000.0,
-               "the tip must be within 2000 mm of the tool's origin, got (", tip_mm.transpose(), ")");
+               "the tip must be within 2000 mm of the tool's origin, got (", tip_mm.transpose(),
+               ")");
   return tip_mm;
 }
 
@@ -49,7 +52,8 @@ Eigen::Vector3d ReadTip(const std::filesystem::path& path, RunContext& context) 
   context.provenance.AddInput(path);
   const json document = config::ReadJson(path);
   const bool is_pivot = document.is_object() && document.value("format", json()) == "acus-pivot/1";
-  ACUS_REQUIRE(is_pivot && document.contains("tip_mm") && document["tip_mm"].is_array(), path.string(),
+  ACUS_REQUIRE(is_pivot && document.contains("tip_mm") && document["tip_mm"].is_array(),
+               path.string(),
                ": is not a pivot calibration (format acus-pivot/1); make one with "
                "'acus-register pivot'");
   std::vector<double> numbers;

@@ -119,8 +119,8 @@ warping::MannequinSkin MannequinFrom(const WarpTask& task, RunContext& context) 
 std::string QualityText(const warping::WarpQuality& q) {
   return Message("skin to mannequin   ", FixedText(q.before_rms_mm, 2), " mm RMS before, ",
                  FixedText(q.after_rms_mm, 2), " after (95 % ", FixedText(q.after_p95_mm, 2),
-                 ", largest ", FixedText(q.after_largest_mm, 2), ")\n",
-                 "points              ", q.num_points, " used, ", q.num_left_out, " left out\n",
+                 ", largest ", FixedText(q.after_largest_mm, 2), ")\n", "points              ",
+                 q.num_points, " used, ", q.num_left_out, " left out\n",
                  "displacement        up to ", FixedText(q.largest_mm, 1), " mm\n",
                  "volume of tissue    ", FixedText(q.smallest_volume, 2), " to ",
                  FixedText(q.largest_volume, 2), " of before (Jacobian; no folding)\n",
@@ -147,11 +147,11 @@ std::string Run(const SurfaceTask& task, const fs::path& folder, RunContext& con
                          "landmarks) or sweep more of the skin"));
   }
   json document = ToJson(fit);
-  std::string text = Message("distance ", FixedText(fit.rms_mm, 3), " mm RMS over ",
-                             std::ranges::count(fit.used, true), " of ", fit.used.size(),
-                             " points, ", fit.num_iterations, " iterations\nheld least: ",
-                             fit.motions.front().text, ", ", FixedText(fit.motions.front().hold, 2),
-                             " mm off the surface per mm\n");
+  std::string text =
+      Message("distance ", FixedText(fit.rms_mm, 3), " mm RMS over ",
+              std::ranges::count(fit.used, true), " of ", fit.used.size(), " points, ",
+              fit.num_iterations, " iterations\nheld least: ", fit.motions.front().text, ", ",
+              FixedText(fit.motions.front().hold, 2), " mm off the surface per mm\n");
   text += TargetText(task.target, fit, document, context);
   AtomicFolder output(folder, context.overwrite);
   WriteResult(output.path(), document, context);

@@ -23,8 +23,8 @@ struct LandmarkTask {
   registration::RegistrationSettings settings = {};
 };
 
-/// A tool in a recording: a pose CSV, a session folder (tools "needle" and "probe"), or a sequence of
-/// PLUS or Slicer, in which transforms connect the tool with the reference.
+/// A tool in a recording: a pose CSV, a session folder (tools "needle" and "probe"), or a sequence
+/// of PLUS or Slicer, in which transforms connect the tool with the reference.
 struct LogTool {
   std::filesystem::path log = {};
   std::string tool = "Stylus";
@@ -40,8 +40,8 @@ struct PivotTask {
 /// Points touched with a pointer, found in its recording, to those of a file.
 struct TouchTask {
   LogTool pointer = {};
-  std::vector<double> tip_mm = {};     ///< Three numbers; or empty:
-  std::filesystem::path pivot = {};    ///< registration.json of a pivot calibration.
+  std::vector<double> tip_mm = {};   ///< Three numbers; or empty:
+  std::filesystem::path pivot = {};  ///< registration.json of a pivot calibration.
   std::filesystem::path known = {};
   std::filesystem::path target = {};
   registration::TouchSettings touches = {};

@@ -31,7 +31,8 @@ report::Plot JitterPlot(const session::PoseStream& stream, const Jitter& jitter)
     report::Series series{.name = names[axis]};
     for (std::size_t i = jitter.first; i <= jitter.last; ++i) {
       if (!stream[i].valid) continue;
-      series.x.push_back(static_cast<double>(stream[i].time_ns - stream[jitter.first].time_ns) * 1e-9);
+      series.x.push_back(static_cast<double>(stream[i].time_ns - stream[jitter.first].time_ns) *
+                         1e-9);
       series.y.push_back(stream[i].reference_from_tool.translation()[axis] - jitter.mean_mm[axis]);
     }
     plot.series.push_back(std::move(series));
@@ -81,8 +82,10 @@ json ToJson(const PlaceAccuracy& a) {
                          {"true_mm", d.true_mm},
                          {"error_mm", d.error_mm}});
   }
-  json document = {{"rms_mm", a.rms_mm},         {"mean_mm", a.mean_mm},
-                   {"largest_mm", a.largest_mm}, {"scale", a.scale},
+  json document = {{"rms_mm", a.rms_mm},
+                   {"mean_mm", a.mean_mm},
+                   {"largest_mm", a.largest_mm},
+                   {"scale", a.scale},
                    {"distances", distances}};
   if (a.has_places) document["place_rms_mm"] = a.place_rms_mm;
   return document;
@@ -131,8 +134,10 @@ PosePairs PairUp(const session::PoseStream& device, const session::PoseStream& t
     pairs.device_from_handle.push_back(at.reference_from_tool);
     pairs.tracker_from_marker.push_back(sample.reference_from_tool);
   }
-  ACUS_REQUIRE(!pairs.device_from_handle.empty(), "the two recordings have no moment in common: the "
-               "device's runs from ", static_cast<double>(device.front().time_ns) * 1e-9, " to ",
+  ACUS_REQUIRE(!pairs.device_from_handle.empty(),
+               "the two recordings have no moment in common: the "
+               "device's runs from ",
+               static_cast<double>(device.front().time_ns) * 1e-9, " to ",
                static_cast<double>(device.back().time_ns) * 1e-9, " s, the tracker's from ",
                static_cast<double>(tracker.front().time_ns) * 1e-9, " to ",
                static_cast<double>(tracker.back().time_ns) * 1e-9, " s; --delay-s shifts it");
@@ -166,7 +171,7 @@ std::string Run(const TrackerTask& task, const fs::path& folder, RunContext& con
   AtomicFolder output(folder, context.overwrite);
   if (has_places) {
     const auto accuracy = MeasureAccuracy(
-        MatchLandmarks(ReadPoints(task.measured, context), ReadPoints(task.known, context)));
+        MatchLandmarks(ReadPoints(task.measured, context), ReadPoints(task.known, context), 2));
     document["accuracy"] = ToJson(accuracy);
     report::WriteSvg(output.path() / "accuracy.svg", AccuracyPlot(accuracy));
     text += AccuracyText(accuracy);
@@ -209,9 +214,8 @@ std::string Run(const HandEyeTask& task, const fs::path& folder, RunContext& con
                  "standard errors                ", VectorText(result.handle_sd_mm, 3), " and ",
                  VectorText(result.device_sd_mm, 3), " mm along their principal directions\n",
                  "what remains                   ", FixedText(result.rms_mm, 3), " mm, ",
-                 FixedText(result.rms_deg, 3), " deg RMS\n",
-                 "turned by                      ", FixedText(result.turn_deg, 1),
-                 " deg RMS beside the main axis\n",
+                 FixedText(result.rms_deg, 3), " deg RMS\n", "turned by                      ",
+                 FixedText(result.turn_deg, 1), " deg RMS beside the main axis\n",
                  "pairs used                     ", num_used, " of ", result.used.size(), "\n");
 }
 

@@ -111,7 +111,8 @@ std::string Joined(const MarkerPairs& pairs, const std::vector<Index>& markers) 
 /// Looks for wrong points, and takes them out if asked for.
 void TreatOutliers(const RegistrationSettings& settings, RegistrationReport& report) {
   const MarkerPairs pairs = report.pairs;
-  if (pairs.ct_mm.cols() < 4) return;
+  // In a wrong order several points are off; CommonMistakes says so.
+  if (pairs.ct_mm.cols() < 4 || BetterOrder(pairs.reference_mm, pairs.ct_mm)) return;
   const auto found = SearchOutliers(pairs.reference_mm, pairs.ct_mm, settings.fle_rms_mm);
   const bool unclear = !found.instead.empty();
   if (unclear && settings.leave_out_outliers) {

@@ -290,7 +290,7 @@ void WriteLandmarks(const std::filesystem::path& path, const Landmarks& landmark
   WriteMarkupsJson(path, landmarks);
 }
 
-MarkerPairs MatchLandmarks(const Landmarks& reference, const Landmarks& ct) {
+MarkerPairs MatchLandmarks(const Landmarks& reference, const Landmarks& ct, std::size_t least) {
   std::vector<std::pair<Eigen::Index, Eigen::Index>> matches;
   std::vector<std::string> lonely;
   for (std::size_t i = 0; i < reference.names.size(); ++i) {
@@ -325,9 +325,9 @@ MarkerPairs MatchLandmarks(const Landmarks& reference, const Landmarks& ct) {
     if (std::ranges::find(pairs.names, name) == pairs.names.end()) lonely.push_back(name);
   }
   warn(lonely, ct.source, reference.source);
-  ACUS_REQUIRE(matches.size() >= 3, reference.source, " and ", ct.source, " have only ",
-               matches.size(), " names in common (", Joined(pairs.names),
-               "); a rigid registration needs at least 3 points");
+  ACUS_REQUIRE(matches.size() >= least, reference.source, " and ", ct.source, " have only ",
+               matches.size(), " names in common (", Joined(pairs.names), "); at least ", least,
+               " points are needed");
   return pairs;
 }
 

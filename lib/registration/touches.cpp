@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "core/error.h"
 #include "core/text_table.h"
 #include "math/statistics.h"
+#include "registration/rigid_registration.h"
 
 namespace acus::registration {
 namespace {
@@ -13,6 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kShaftMm = 100.0;
+constexpr int kMostChoices = 20000;
 
 struct TipSample {
   std::int64_t time_ns;
@@ -172,6 +176,42 @@ std::vector<Touch> FindTouches(const session::PoseStream& reference_from_tool,
     touches.push_back(place.touch);
   }
   return touches;
+}
+
+std::vector<Touch> ChooseTouches(const std::vector<Touch>& touches, const Landmarks& known) {
+  const auto wanted = static_cast<std::size_t>(known.points_mm.cols());
+  if (touches.size() <= wanted || wanted < 4) return touches;
+  std::vector<std::size_t> chosen(wanted);
+  std::iota(chosen.begin(), chosen.end(), 0U);
+  std::vector<std::size_t> best;
+  double best_mm = std::numeric_limits<double>::infinity();
+  double second_mm = best_mm;
+  for (int tried = 0; tried < kMostChoices; ++tried) {
+    Markers touched_mm(3, known.points_mm.cols());
+    for (std::size_t i = 0; i < wanted; ++i) {
+      touched_mm.col(static_cast<Eigen::Index>(i)) = touches[chosen[i]].reference_mm;
+    }
+    const Vector3d spread_mm = SpreadMm(touched_mm);
+    const double fre_mm = spread_mm[1] < 1.0 ? std::numeric_limits<double>::infinity()
+                                             : FitMarkers(touched_mm, known.points_mm).fre_rms_mm;
+    if (fre_mm < best_mm) {
+      second_mm = std::exchange(best_mm, fre_mm);
+      best = chosen;
+    } else {
+      second_mm = std::min(second_mm, fre_mm);
+    }
+    std::size_t at = wanted;
+    while (at > 0 && chosen[at - 1] == touches.size() - wanted + at - 1) --at;
+    if (at == 0) break;
+    ++chosen[at - 1];
+    for (std::size_t i = at; i < wanted; ++i) chosen[i] = chosen[i - 1] + 1;
+  }
+  // Clear only if the points fit well, and no other choice does.
+  const bool clear = best_mm < 0.05 * SpreadMm(known.points_mm).norm() && second_mm > 3.0 * best_mm;
+  if (!clear) return touches;
+  std::vector<Touch> result;
+  for (const std::size_t i : best) result.push_back(touches[i]);
+  return result;
 }
 
 Landmarks NamedTouches(const std::vector<Touch>& touches, const Landmarks& known,

@@ -38,6 +38,11 @@ struct Touch {
 std::vector<Touch> FindTouches(const session::PoseStream& reference_from_tool,
                                const Eigen::Vector3d& tip_mm, const TouchSettings& settings);
 
+/// Those of too many rests (the pointer lay on the table before) whose layout is that of the
+/// points, in their order: the best choice, if it fits to a twentieth of their spread and no other
+/// fits within three times its FRE. All touches where there are not too many, or it is not clear.
+std::vector<Touch> ChooseTouches(const std::vector<Touch>& touches, const Landmarks& known);
+
 /// The touches as landmarks, named like the points they should be, in order.
 /// @throws InputError if there are not as many as points, saying when each was found.
 Landmarks NamedTouches(const std::vector<Touch>& touches, const Landmarks& known,

@@ -154,8 +154,8 @@ void ElasticLattice::Multiply(const Vectors& u, Vectors& force, int num_threads)
           }
           Vector3d part = Vector3d::Zero();
           for (int other = 0; other < 8; ++other) {
-            const std::size_t node = lattice_.Index(x + (other & 1), y + ((other >> 1) & 1),
-                                                    z + ((other >> 2) & 1));
+            const std::size_t node =
+                lattice_.Index(x + (other & 1), y + ((other >> 1) & 1), z + ((other >> 2) & 1));
             part += element_.block<3, 3>(3 * c, 3 * other) * u[node];
           }
           sum += modulus_[(static_cast<std::size_t>(z) * (size[1] - 1) + y) * (size[0] - 1) + x] *

@@ -8,8 +8,8 @@
 
 namespace acus::warping {
 
-/// Displacements at the nodes of a lattice along the axes of CT space, trilinear between them, beyond
-/// the lattice as at its border. A value; const access from any number of threads.
+/// Displacements at the nodes of a lattice along the axes of CT space, trilinear between them,
+/// beyond the lattice as at its border. A value; const access from any number of threads.
 class LatticeField {
  public:
   LatticeField() = default;
@@ -55,8 +55,8 @@ struct Spring {
   double stiffness = 1.0;  ///< Force per mm, in the unit of Young's modulus times mm.
 };
 
-/// Linear elasticity (Poisson 0.3) with trilinear cubes, each with its own Young's modulus in any one
-/// unit. Small strains and turns: right for what is left after a rigid registration.
+/// Linear elasticity (Poisson 0.3) with trilinear cubes, each with its own Young's modulus in any
+/// one unit. Small strains and turns: right for what is left after a rigid registration.
 class ElasticLattice {
  public:
   /// @param modulus  At a place, > 0; averaged over eight places of each cell.
@@ -64,8 +64,8 @@ class ElasticLattice {
                  const std::function<double(const Eigen::Vector3d&)>& modulus, int num_threads);
 
   /// Solves for the displacements at rest under the springs, from those in `field`, by conjugate
-  /// gradients, until no node would move by more than 1e-5 mm if its neighbours stayed. The same bits
-  /// for any number of threads.
+  /// gradients, until no node would move by more than 1e-5 mm if its neighbours stayed. The same
+  /// bits for any number of threads.
   /// @returns the number of iterations; the limit of 2000 if it was not enough.
   int Solve(std::span<const Spring> springs, LatticeField& field, int num_threads) const;
 
@@ -75,7 +75,7 @@ class ElasticLattice {
   std::vector<Eigen::Matrix3d> Diagonal() const;
 
   LatticeField lattice_;
-  std::vector<double> modulus_;  ///< Per cell, i fastest.
+  std::vector<double> modulus_;            ///< Per cell, i fastest.
   Eigen::Matrix<double, 24, 24> element_;  ///< Of a cube with this spacing and modulus 1.
 };
 

@@ -19,17 +19,19 @@ using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kFacing = 0.3;      ///< Cosine between normals that still belong together.
-constexpr double kEndMm = 6.0;       ///< The skin's cut edge at the CT's ends.
+constexpr double kFacing = 0.3;       ///< Cosine between normals that still belong together.
+constexpr double kEndMm = 6.0;        ///< The skin's cut edge at the CT's ends.
 constexpr double kLungModulus = 0.3;  ///< Of soft tissue.
 
 void Check(const WarpSettings& s, const MannequinSkin& mannequin) {
-  ACUS_REQUIRE(mannequin.points_mm.cols() >= 100, "a warp needs at least 100 points of the mannequin, got ",
+  ACUS_REQUIRE(mannequin.points_mm.cols() >= 100,
+               "a warp needs at least 100 points of the mannequin, got ",
                mannequin.points_mm.cols());
   ACUS_REQUIRE(mannequin.points_mm.allFinite(), "a point of the mannequin is not finite");
   ACUS_REQUIRE(s.lattice_mm >= 2.0 && s.lattice_mm <= 50.0, "the lattice must be 2 to 50 mm, got ",
                s.lattice_mm);
-  ACUS_REQUIRE(s.reach_mm > 0.0 && s.compliance_mm > 0.0, "reach and compliance must be above 0 mm");
+  ACUS_REQUIRE(s.reach_mm > 0.0 && s.compliance_mm > 0.0,
+               "reach and compliance must be above 0 mm");
   ACUS_REQUIRE(s.bone_modulus >= 1.0 && s.bone_modulus <= 1e5,
                "bone must be 1 to 100,000 times as stiff as soft tissue, got ", s.bone_modulus);
   ACUS_REQUIRE(s.air_modulus > 0.0 && s.air_modulus <= 1.0,
@@ -81,7 +83,8 @@ class Tissues {
 Eigen::AlignedBox3d BoxOf(const volume::Geometry& geometry) {
   Eigen::AlignedBox3d box;
   for (int c = 0; c < 8; ++c) {
-    const Vector3d corner((c & 1) * (geometry.size[0] - 1.0), ((c >> 1) & 1) * (geometry.size[1] - 1.0),
+    const Vector3d corner((c & 1) * (geometry.size[0] - 1.0),
+                          ((c >> 1) & 1) * (geometry.size[1] - 1.0),
                           ((c >> 2) & 1) * (geometry.size[2] - 1.0));
     box.extend(Vector3d(geometry.ct_from_index() * corner));
   }
@@ -133,8 +136,7 @@ std::vector<Pair> Match(const mesh::Surface& skin, const MannequinSkin& mannequi
       const mesh::NearestPoint found = nearest.Find(q_mm);
       Pair& pair = pairs[i];
       for (int k = 0; k < 3; ++k) {
-        pair.rest_mm +=
-            found.weights[k] * skin.nodes_mm.col(skin.triangles(k, found.triangle));
+        pair.rest_mm += found.weights[k] * skin.nodes_mm.col(skin.triangles(k, found.triangle));
       }
       pair.direction = nearest.Normal(found.triangle);
       pair.gap_mm = pair.direction.dot(q_mm - found.point_mm);
@@ -215,8 +217,7 @@ void MeasureInside(const LatticeField& field, const Tissues& tissues, WarpQualit
           if (!tissues.IsBone(place_mm)) continue;
           bone_mm.push_back(place_mm);
           moved_mm.push_back(place_mm + u_mm);
-          const Matrix3d strain =
-              0.5 * (gradient.transpose() * gradient - Matrix3d::Identity());
+          const Matrix3d strain = 0.5 * (gradient.transpose() * gradient - Matrix3d::Identity());
           strains.push_back(Eigen::SelfAdjointEigenSolver<Matrix3d>(strain, Eigen::EigenvaluesOnly)
                                 .eigenvalues()
                                 .cwiseAbs()
@@ -226,8 +227,10 @@ void MeasureInside(const LatticeField& field, const Tissues& tissues, WarpQualit
     }
   }
   if (bone_mm.size() < 10) return;
-  const Eigen::Map<const Matrix3Xd> from(bone_mm.front().data(), 3, static_cast<Index>(bone_mm.size()));
-  const Eigen::Map<const Matrix3Xd> to(moved_mm.front().data(), 3, static_cast<Index>(bone_mm.size()));
+  const Eigen::Map<const Matrix3Xd> from(bone_mm.front().data(), 3,
+                                         static_cast<Index>(bone_mm.size()));
+  const Eigen::Map<const Matrix3Xd> to(moved_mm.front().data(), 3,
+                                       static_cast<Index>(bone_mm.size()));
   Isometry3d rigid;
   rigid.matrix() = Eigen::umeyama(from, to, false);
   const Matrix3Xd off_mm = to - rigid * Matrix3Xd(from);
@@ -247,7 +250,8 @@ void Judge(const std::vector<Pair>& last, const WarpSettings& settings, WarpQual
                                 " of its volume (allowed: ", settings.smallest_volume,
                                 "): it folds. The mannequin is too different from the patient, or "
                                 "badly registered; register it better, take a smaller reach, or "
-                                "softer bone (now ", settings.bone_modulus, " times soft tissue)"));
+                                "softer bone (now ",
+                                settings.bone_modulus, " times soft tissue)"));
   }
 }
 
@@ -260,7 +264,8 @@ MannequinSkin PointsOf(const mesh::Surface& mannequin, const Isometry3d& ct_from
   skin.normals.resize(3, mannequin.triangles.cols());
   for (Index t = 0; t < mannequin.triangles.cols(); ++t) {
     Vector3d centre_mm = Vector3d::Zero();
-    for (int k = 0; k < 3; ++k) centre_mm += mannequin.nodes_mm.col(mannequin.triangles(k, t)) / 3.0;
+    for (int k = 0; k < 3; ++k)
+      centre_mm += mannequin.nodes_mm.col(mannequin.triangles(k, t)) / 3.0;
     skin.points_mm.col(t) = ct_from_reference * centre_mm;
     skin.normals.col(t) = ct_from_reference.linear() * triangles.Normal(static_cast<int>(t));
   }

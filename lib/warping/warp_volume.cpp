@@ -14,7 +14,8 @@ using Eigen::Vector3d;
 constexpr math::InverseSettings kInverse{.max_iterations = 40, .tolerance_mm = 0.01};
 constexpr std::int16_t kPaddingHu = -1024;
 
-/// Calls visit(index of the output voxel, continuous index in the source) for all voxels of slice k.
+/// Calls visit(index of the output voxel, continuous index in the source) for all voxels of slice
+/// k.
 template <class Visit>
 void ForSlice(const volume::Geometry& target, const Eigen::Affine3d& index_from_ct,
               const LatticeField& field, int k, const Visit& visit) {

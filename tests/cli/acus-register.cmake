@@ -35,3 +35,73 @@ acus_add_cli_case(acus-register.on_a_line EXIT 3 LEAVES_NOTHING
 acus_add_cli_case(acus-register.pivot_without_turning EXIT 4 LEAVES_NOTHING
   BEFORE "${register_inputs}\ncp poses/1.txt poses/2.txt\nrm poses/[345].txt\ncp poses/1.txt poses/3.txt"
   STDERR "the pointer turned by only" COMMAND acus-register pivot poses -o pointer)
+acus_add_cli_case(acus-register.robust EXIT 0
+  BEFORE "${register_inputs}\nsed -i s/70.1,199.8/78.1,199.8/ ct.csv"
+  STDERR "warning: point 'D' does not fit the others.*it was left out" STDOUT "over 5 points" "left out: D"
+  COMMAND acus-register --from mannequin.csv --to ct.csv --robust -o registered)
+acus_add_cli_case(acus-register.wrong_order EXIT 0
+  BEFORE "${register_inputs}\nsed -i -e s/^A,/X,/ -e s/^B,/A,/ -e s/^C,/B,/ -e s/^X,/C,/ ct.csv"
+  STDERR "warning: the points seem to be in another order .'A' is 'C', 'B' is 'A', 'C' is 'B'.: then FRE would be 0.[0-9]+ mm"
+  COMMAND acus-register --from mannequin.csv --to ct.csv -o registered)
+acus_add_cli_case(acus-register.find_order EXIT 0
+  BEFORE "${register_inputs}\nsed -i -e s/^A,/X,/ -e s/^B,/A,/ -e s/^C,/B,/ -e s/^X,/C,/ ct.csv"
+  STDOUT "FRE 0\\.[0-9]+ mm over 6 points" "the points were put in another order"
+  COMMAND acus-register --from mannequin.csv --to ct.csv --find-order -o registered)
+acus_add_cli_case(acus-register.same_place EXIT 3 LEAVES_NOTHING
+  BEFORE "printf 'name,x_mm,y_mm,z_mm\\nA,1,2,3\\nB,1,2,3\\nC,1,2,3\\n' > one.csv"
+  STDERR "all at the same place" COMMAND acus-register --from one.csv --to one.csv -o registered)
+acus_add_cli_case(acus-register.weights EXIT 0
+  BEFORE "${register_inputs}\nsed -i -e '2,9s:$:,0.1,0.1,0.4:' -e '1s:$:,sd_x_mm,sd_y_mm,sd_z_mm:' mannequin.csv"
+  STDOUT "FLE 0.424 mm .given" "canal +0\\.[0-9]+"
+  COMMAND acus-register --from mannequin.csv --to ct.csv --target target.csv -o registered)
+acus_add_cli_case(acus-register.touch EXIT 0 BEFORE "${register_inputs}"
+  STDOUT "FRE 0\\.[0-9]+ mm over 6 points" "of 7 rests those were taken"
+  CREATES touched/touched.csv touched/ct_from_reference.tfm touched/residuals.svg
+  COMMAND acus-register touch touches.csv --tip-mm 0,0,100 --known ct.csv -o touched)
+acus_add_cli_case(acus-register.touch_too_few EXIT 3 LEAVES_NOTHING
+  BEFORE "${register_inputs}\nhead -150 touches.csv > short.csv"
+  STDERR "the tip rested at 3 places .at 0.0 s, .* but ct.csv has 6 points"
+  COMMAND acus-register touch short.csv --tip-mm 0,0,100 --known ct.csv -o touched)
+acus_add_cli_case(acus-register.touch_pivot_file EXIT 3 LEAVES_NOTHING
+  BEFORE "${register_inputs}\necho '{}' > wrong.json"
+  STDERR "is not a pivot calibration"
+  COMMAND acus-register touch touches.csv --pivot wrong.json --known ct.csv -o touched)
+acus_add_cli_case(acus-register.tracker EXIT 0 BEFORE "${register_inputs}"
+  STDOUT "^still +0.12[0-9] " "accuracy 2.100 mm RMS over 1 known distances"
+  CREATES tracker/jitter.svg tracker/accuracy.svg tracker/registration.json
+  COMMAND acus-register tracker still.csv --measured measured.csv --known known.csv -o tracker)
+acus_add_cli_case(acus-register.tracker_nothing EXIT 3 LEAVES_NOTHING
+  STDERR "a recording of still tools, or measured and known places" COMMAND acus-register tracker -o t)
+acus_add_cli_case(acus-register.hand_eye EXIT 0 BEFORE "${register_inputs}"
+  STDOUT "marker in the handle's frame +10\\.000 +20\\.000 +30\\.000"
+         "tracker in the device's frame +-?0\\.000 +-?0\\.000 +-500\\.000"
+  CREATES eye/handle_from_marker.tfm eye/device_from_tracker.tfm eye/residuals.svg
+  COMMAND acus-register hand-eye --device handle.csv --tracker marker.csv -o eye)
+acus_add_cli_case(acus-register.hand_eye_still EXIT 4 BEFORE "${register_inputs}" LEAVES_NOTHING
+  STDERR "the body turned by only" 
+  COMMAND acus-register hand-eye --device still.csv --tracker still.csv -o eye)
+acus_add_cli_case(acus-register.facets EXIT 0 BEFORE "${register_inputs}"
+  STDOUT "^side +100\\.00 +-?0\\.00 +-?0\\.00" "FRE 0\\.000 mm over 8 points"
+  CREATES facets/object.json facets/ct_from_reference.tfm
+  COMMAND acus-register facets --points facets.csv --poses facet_poses.csv --ct facets_ct.csv -o facets)
+acus_add_cli_case(acus-register.facet_moved EXIT 0
+  BEFORE "${register_inputs}\nsed -i -e s/^side,a,7,/side,a,9,/ -e s/^side,b,7,/side,b,9,/ -e s/^side,c,-33,/side,c,-31,/ -e s/^side,d,-33,/side,d,-31,/ facets_ct.csv"
+  STDERR "warning: facets 'front' and 'side' do not lie as in CT: the points of one are 2.00 mm"
+  COMMAND acus-register facets --points facets.csv --poses facet_poses.csv --ct facets_ct.csv -o facets)
+acus_add_cli_case(acus-register.surface EXIT 0 BEFORE "${register_inputs}"
+  STDOUT "distance 0\\.0[0-9]+ mm RMS" "held least: (sliding|turning)"
+  CREATES surface/ct_from_reference.tfm surface/distances.svg
+  COMMAND acus-register surface sweep.csv --skin skin.obj --start start.txt -o surface)
+acus_add_cli_case(acus-register.surface_too_few EXIT 3 LEAVES_NOTHING
+  BEFORE "${register_inputs}\nhead -9 sweep.csv > few.csv"
+  STDERR "needs at least 12 points, got 8"
+  COMMAND acus-register surface few.csv --skin skin.obj -o surface)
+acus_add_cli_case(acus-register.warp EXIT 0 BEFORE "${register_inputs}" TIMEOUT 120
+  STDOUT "skin to mannequin +[0-9.]+ mm RMS before, 0\\.[0-3][0-9] after" "no folding"
+  CREATES warped/ct.nrrd warped/labels.seg.nrrd warped/displacement.nrrd warped/registration.json
+  COMMAND acus-register warp --ct body_ct.nrrd --labels body_labels.nrrd --skin skin.obj
+          --mannequin mannequin.obj --lattice-mm 10 -o warped)
+acus_add_cli_case(acus-register.warp_far EXIT 4 BEFORE "${register_inputs}" LEAVES_NOTHING
+  STDERR "is the registration right"
+  COMMAND acus-register warp --ct body_ct.nrrd --labels body_labels.nrrd --skin skin.obj
+          --mannequin mannequin.obj --transform far.txt -o warped)

@@ -80,3 +80,15 @@ awk 'BEGIN {
 }' >block.stl
 
 cp "$source/testdata/coarse_mesh.json" "$source/testdata/box.vtu" .
+
+# The same pointer, not turned, rests for 2 s at each marker of the mannequin; and one that lies still.
+awk -F, 'BEGIN { print "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,status"; t = 0 }
+  function pose(x, y, z) {
+    printf "%.2f,%.4f,%.4f,%.4f,1,0,0,0,OK\n", t, x + 0.03 * sin(7 * t) + 5, y + 0.02 * cos(11 * t) - 2, z - 180
+    t += 0.05
+  }
+  NR > 1 { for (i = 0; i < 10; ++i) pose(0.1 * i * $2, 0.1 * i * $3, 0.1 * i * $4 + 60)
+           for (i = 0; i < 40; ++i) pose($2, $3, $4) }' markers_mannequin.csv > touches.csv
+awk 'BEGIN { print "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,status"
+  for (i = 0; i < 200; ++i) printf "%.2f,%.4f,%.4f,%.4f,1,0,0,0,OK\n", 0.05 * i,
+    100 + 0.1 * sin(17 * i), 0.1 * sin(29 * i), 900 + 0.1 * sin(41 * i) }' > still.csv

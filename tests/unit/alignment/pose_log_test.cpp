@@ -32,8 +32,9 @@ TEST(ReadFacetPoints, GroupsPointsByFacet) {
   EXPECT_THAT(facets[1].point_names, ElementsAre("a", "b", "c", "d"));
   EXPECT_EQ(facets[1].points_mm(2, 3), 1.0);
   WriteTextFile(folder.path() / "points.csv", kPoints + "side,a,1,2,3\n");
-  EXPECT_THAT([&] { ReadFacetPoints(folder.path() / "points.csv"); },
-              ThrowsMessage<InputError>(HasSubstr("points.csv:9: facet 'side' has the point 'a' twice")));
+  EXPECT_THAT(
+      [&] { ReadFacetPoints(folder.path() / "points.csv"); },
+      ThrowsMessage<InputError>(HasSubstr("points.csv:9: facet 'side' has the point 'a' twice")));
 }
 
 TEST(ReadFacetPoses, GroupsPosesByMoment) {
@@ -66,7 +67,8 @@ TEST(FacetFiles, SurviveDamage) {
                                                [&] { ReadFacetPoses(poses, facets); }),
             30);
   EXPECT_GT(
-      testing_support::ReadDamagedCopies(kPoints, points, 300, [&] { ReadFacetPoints(points); }), 30);
+      testing_support::ReadDamagedCopies(kPoints, points, 300, [&] { ReadFacetPoints(points); }),
+      30);
 }
 
 TEST(ReadTool, SaysWhichToolsThereAre) {

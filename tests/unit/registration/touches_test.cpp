@@ -93,6 +93,25 @@ TEST(NamedTouches, SaysWhenAPointIsMissing) {
       ThrowsMessage<InputError>(HasSubstr("run: the tip rested at 4 places (at 5.0 s, 8.")));
 }
 
+TEST(ChooseTouches, PassesOverRestsElsewhere) {
+  auto places_mm = kPlacesMm;
+  places_mm.insert(places_mm.begin(), Vector3d(150, 20, 90));  // On the table before.
+  places_mm.insert(places_mm.begin() + 3, Vector3d(30, 90, 40));
+  const auto touches = FindTouches(Recorded(places_mm, 0.0), kTipMm, {});
+  ASSERT_THAT(touches, SizeIs(6));
+  Landmarks known{"known.csv", {"A", "B", "C", "D"}, Markers(3, 4)};
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    known.points_mm.col(i) =
+        AngleAxisd(1.0, Vector3d::UnitZ()) * kPlacesMm[static_cast<std::size_t>(i)];
+  }
+  const auto chosen = ChooseTouches(touches, known);
+  ASSERT_THAT(chosen, SizeIs(4));
+  EXPECT_EQ(chosen[0].start_ns, touches[1].start_ns);
+  EXPECT_EQ(chosen[2].start_ns, touches[4].start_ns);
+  known.points_mm *= 3.0;  // Another layout: nothing is chosen.
+  EXPECT_THAT(ChooseTouches(touches, known), SizeIs(6));
+}
+
 TEST(SweptPoints, KeepsTheirDistance) {
   const Landmarks swept = SweptPoints(Recorded(kPlacesMm, 0.3), kTipMm, 5.0, "run");
   ASSERT_GT(swept.points_mm.cols(), 20);

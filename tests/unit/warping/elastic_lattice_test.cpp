@@ -11,7 +11,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-Eigen::AlignedBox3d Box() { return {Vector3d(-20, -10, 0), Vector3d(20, 30, 50)}; }
+Eigen::AlignedBox3d Box() {
+  return {Vector3d(-20, -10, 0), Vector3d(20, 30, 50)};
+}
 
 /// Springs that hold all three coordinates of places to an affine displacement.
 std::vector<Spring> Held(const Matrix3d& gradient, const Vector3d& shift_mm, bool border_only) {
@@ -60,7 +62,8 @@ TEST(ElasticLattice, PassesThePatchTest) {
   gradient << 0.01, 0.02, -0.03, 0.04, -0.01, 0.02, 0.0, 0.03, 0.05;
   const Vector3d shift_mm(1, -2, 3);
   LatticeField field(Box(), 5.0);
-  const ElasticLattice body(field, [](const Vector3d&) { return 1.0; }, 1);
+  const ElasticLattice body(
+      field, [](const Vector3d&) { return 1.0; }, 1);
   EXPECT_LT(body.Solve(Held(gradient, shift_mm, true), field, 1), 2000);
   for (int i = 1; i < 8; ++i) {
     const Vector3d x_mm(4.0 * i - 17, 3.0 * i, 5.0 * i + 2);
@@ -68,11 +71,12 @@ TEST(ElasticLattice, PassesThePatchTest) {
   }
 }
 
-// A bar of two materials in series, pulled at its ends and free to contract at its sides: strains are
-// as the inverse of the moduli.
+// A bar of two materials in series, pulled at its ends and free to contract at its sides: strains
+// are as the inverse of the moduli.
 TEST(ElasticLattice, SharesStrainByStiffness) {
   LatticeField field({Vector3d(0, 0, 0), Vector3d(200, 20, 20)}, 10.0);
-  const ElasticLattice body(field, [](const Vector3d& x) { return x.x() < 100 ? 1.0 : 4.0; }, 1);
+  const ElasticLattice body(
+      field, [](const Vector3d& x) { return x.x() < 100 ? 1.0 : 4.0; }, 1);
   std::vector<Spring> springs;
   for (const double x : {0.0, 200.0}) {
     for (const double y : {0.0, 10.0, 20.0}) {

@@ -78,11 +78,12 @@ WarpSettings Coarse() {
   return settings;
 }
 
-// A known warp of the skin: the skin arrives, nothing folds, bone stays rigid, and the field goes back.
+// A known warp of the skin: the skin arrives, nothing folds, bone stays rigid, and the field goes
+// back.
 TEST(WarpToMannequin, CarriesTheSkinAndKeepsBoneRigid) {
   const Patient patient = MakePatient();
-  const SurfaceWarp warp = WarpToMannequin(patient.labels, patient.skin, Mannequin(2500, 0.0), Coarse(),
-                                           RunContext{});
+  const SurfaceWarp warp =
+      WarpToMannequin(patient.labels, patient.skin, Mannequin(2500, 0.0), Coarse(), RunContext{});
   const WarpQuality& q = warp.quality;
   EXPECT_GT(q.before_rms_mm, 3.5);
   EXPECT_LT(q.after_rms_mm, 0.35);
@@ -137,20 +138,22 @@ TEST(WarpToMannequin, SaysWhenItCannotWork) {
   const Patient patient = MakePatient();
   MannequinSkin far = Mannequin(500, 0.0);
   far.points_mm.row(0).array() += 300.0;
-  EXPECT_THAT(
-      [&] { WarpToMannequin(patient.labels, patient.skin, far, Coarse(), RunContext{}); },
-      ThrowsMessage<NoAnswerError>(HasSubstr("is the registration right?")));
+  EXPECT_THAT([&] { WarpToMannequin(patient.labels, patient.skin, far, Coarse(), RunContext{}); },
+              ThrowsMessage<NoAnswerError>(HasSubstr("is the registration right?")));
   WarpSettings settings = Coarse();
   settings.smallest_volume = 0.99;
   settings.num_rounds = 2;
-  EXPECT_THAT([&] {
-    WarpToMannequin(patient.labels, patient.skin, Mannequin(500, 0.0), settings, RunContext{});
-  }, ThrowsMessage<NoAnswerError>(HasSubstr("it folds")));
+  EXPECT_THAT(
+      [&] {
+        WarpToMannequin(patient.labels, patient.skin, Mannequin(500, 0.0), settings, RunContext{});
+      },
+      ThrowsMessage<NoAnswerError>(HasSubstr("it folds")));
   const auto refused = [&](auto change) {
     WarpSettings bad = Coarse();
     change(bad);
-    EXPECT_THROW(WarpToMannequin(patient.labels, patient.skin, Mannequin(500, 0.0), bad, RunContext{}),
-                 InputError);
+    EXPECT_THROW(
+        WarpToMannequin(patient.labels, patient.skin, Mannequin(500, 0.0), bad, RunContext{}),
+        InputError);
   };
   using S = WarpSettings;
   refused([](S& s) { s.lattice_mm = 1.9; });
@@ -163,16 +166,17 @@ TEST(WarpToMannequin, SaysWhenItCannotWork) {
   refused([](S& s) { s.num_rounds = 0; });
   refused([](S& s) { s.most_points = 99; });
   refused([](S& s) { s.smallest_volume = 1; });
-  EXPECT_THROW(WarpToMannequin(patient.labels, patient.skin, Mannequin(99, 0.0), Coarse(), RunContext{}),
-               InputError);
+  EXPECT_THROW(
+      WarpToMannequin(patient.labels, patient.skin, Mannequin(99, 0.0), Coarse(), RunContext{}),
+      InputError);
 }
 
 TEST(WarpVolume, ShowsTheTissueWhereItWent) {
   const Patient patient = MakePatient();
   WarpSettings quick = Coarse();
   quick.num_rounds = 2;
-  const auto warp = WarpToMannequin(patient.labels, patient.skin, Mannequin(800, 0.0), quick,
-                                    RunContext{});
+  const auto warp =
+      WarpToMannequin(patient.labels, patient.skin, Mannequin(800, 0.0), quick, RunContext{});
   const auto labels = WarpLabels(patient.labels, warp.field, RunContext{});
   const auto ct = WarpCt(patient.ct, warp.field, RunContext{});
   ASSERT_TRUE(ct.geometry.Matches(labels.geometry));
@@ -182,8 +186,7 @@ TEST(WarpVolume, ShowsTheTissueWhereItWent) {
     for (int j = 4; j < 44; j += 3) {
       for (int i = 4; i < 62; i += 3) {
         const Vector3d rest_mm = patient.ct.geometry.ct_from_index() * Vector3d(i, j, k);
-        const Vector3d at =
-            labels.geometry.index_from_ct() * (rest_mm + warp.field.At(rest_mm));
+        const Vector3d at = labels.geometry.index_from_ct() * (rest_mm + warp.field.At(rest_mm));
         const Eigen::Array3i near = at.array().round().cast<int>();
         ASSERT_TRUE(labels.geometry.Contains(near[0], near[1], near[2]));
         ++looked;
