@@ -1,5 +1,6 @@
 #include "registration/landmarks.h"
 
+#include <cmath>
 #include <gmock/gmock.h>
 
 #include "core/atomic_file.h"
@@ -121,6 +122,37 @@ TEST(ReadLandmarks, SurvivesBrokenFiles) {
                      "# CoordinateSystem = LPS\n0,1.5,-2,3,0,0,0,1,1,1,0,nose,,\n"
                      "1,2,3,4,0,0,0,1,1,1,0,ear,,\n"),
             100);
+  EXPECT_GT(refusals("errors.csv",
+                     "name,x_mm,y_mm,z_mm,sd_x_mm,sd_y_mm,sd_z_mm\nA,1,2,3,0.1,0.1,0.4\n"
+                     "B,4.25,5,6,0.1,0.2,0.4\nC,7,8,-9,0.1,0.1,0.3\n"),
+            100);
+  EXPECT_GT(refusals("phantom.xml",
+                     "<PlusConfiguration><PhantomDefinition><Geometry><Landmarks>\n"
+                     "<Landmark Name=\"#1\" Position=\"104.3 5.0 20.0\"/>\n"
+                     "<Landmark Name=\"#2\" Position=\"104.3 45.0 20.0\"/>\n"
+                     "</Landmarks></Geometry></PhantomDefinition></PlusConfiguration>\n"),
+            100);
+}
+
+TEST(ReadLandmarks, ReadsLocalisationErrorsAndPlusPhantoms) {
+  const auto path = Scratch() / "errors.csv";
+  WriteTextFile(path, "name,x_mm,y_mm,z_mm,fle_mm\nA,1,2,3,0.3\nB,4,5,6,0.6\n");
+  EXPECT_NEAR(ReadLandmarks(path).sd_mm(2, 1), 0.6 / std::sqrt(3.0), 1e-12);
+  WriteTextFile(path, "name,x_mm,y_mm,z_mm,fle_mm\nA,1,2,3,0\n");
+  EXPECT_THAT(
+      [&] { ReadLandmarks(path); },
+      ThrowsMessage<InputError>(HasSubstr("errors.csv:2: the localisation error must be above 0")));
+  const auto phantom = Scratch() / "phantom.xml";
+  WriteTextFile(phantom,
+                "<PlusConfiguration><Landmark Name=\"#1\" Position=\"104.3 5.0 20.0\"/>"
+                "</PlusConfiguration>");
+  EXPECT_EQ(ReadLandmarks(phantom).points_mm.col(0), Eigen::Vector3d(104.3, 5, 20));
+  EXPECT_EQ(ReadLandmarks(phantom).names[0], "#1");
+  WriteTextFile(phantom,
+                "<PlusConfiguration><Landmark Name=\"#1\" Position=\"104.3 5.0\"/>"
+                "</PlusConfiguration>");
+  EXPECT_THAT([&] { ReadLandmarks(phantom); },
+              ThrowsMessage<InputError>(HasSubstr("Position must be three numbers")));
 }
 
 Landmarks Points(std::vector<std::string> names) {
