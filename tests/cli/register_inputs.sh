@@ -99,7 +99,7 @@ awk 'function place(i, j, wide) {
 # The CT of that body, as text NRRD: 5 mm voxels; soft tissue within an ellipsoid, bone in its middle.
 for what in ct labels; do
   [[ $what == ct ]] && type=short || type=uchar
-  printf 'NRRD0004\ntype: %s\ndimension: 3\nsizes: 38 28 48\nspace: left-posterior-superior\nspace directions: (5,0,0) (0,5,0) (0,0,5)\nspace origin: (-92.5,-67.5,-117.5)\nencoding: text\n\n' $type > body_$what.nrrd
+  printf 'NRRD0004\ntype: %s\ndimension: 3\nsizes: 38 28 48\nspace: left-posterior-superior\nspace directions: (5,0,0) (0,5,0) (0,0,5)\nspace origin: (-92.5,-67.5,-117.5)\nencoding: text\n\n' "$type" > body_$what.nrrd
   awk -v what=$what 'BEGIN { for (k = 0; k < 48; ++k) for (j = 0; j < 28; ++j) { row = ""
     for (i = 0; i < 38; ++i) {
       x = -92.5 + 5 * i; y = -67.5 + 5 * j; z = -117.5 + 5 * k
