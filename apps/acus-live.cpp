@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "config/json_file.h"
+#include "console/run_with_window.h"
 #include "core/run_main.h"
 #include "live/live_session.h"
 #include "replay/replay.h"
@@ -14,6 +15,7 @@ int main(int argc, char** argv) {
   bool headless = false;
   bool check = false;
   acus::live::LiveOptions options;
+  acus::console::ConsoleSettings console;
 
   CLI::App app{
       "Run a training session: forces at the rate of the device, pictures beside it, all of it\n"
@@ -34,7 +36,8 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option("--set", changes,
                  "Change one value of the scenario: /json/pointer=value; =null takes it out");
-  app.add_flag("--headless", headless, "Without windows");
+  app.add_flag("--headless", headless, "Without a window; otherwise there must be a display");
+  app.add_option("--screenshot", console.screenshot, "PNG of the window, taken at the end");
   app.add_flag("--check", check, "Check scenario, files and devices; start nothing");
   app.callback([&] {
     if (options.session_folder.empty() && !check) throw CLI::RequiredError("--output");
@@ -65,7 +68,8 @@ int main(int argc, char** argv) {
       std::cout << acus::replay::CheckText(scenario) << session.DevicesText();
       return acus::ExitCode::kOk;
     }
-    const bool good = acus::live::RunHeadless(session, context);
+    const bool good = headless ? acus::live::RunHeadless(session, context)
+                               : acus::console::RunWithWindow(scenario, session, console, context);
     std::cout << session.SummaryText();
     return good ? acus::ExitCode::kOk : acus::ExitCode::kNoAnswer;
   });

@@ -5,6 +5,7 @@
 #include "config/json_file.h"
 #include "core/error.h"
 #include "registration/transform_file.h"
+#include "tracking/trackers_file.h"
 
 namespace acus::live {
 namespace {
@@ -32,25 +33,6 @@ Eigen::Isometry3d PlaceOf(const json& device, const fs::path& folder, const std:
   const std::string file = device.at("reference_from_device_file");
   if (!file.empty()) return registration::ReadTransform(folder / file);
   return PoseOf(device.at("reference_from_device"), where + "/reference_from_device");
-}
-
-TrackerConfig TrackerOf(const json& node, const std::string& where) {
-  TrackerConfig tracker;
-  tracking::IgtlOptions& options = tracker.options;
-  options.name = node.at("name");
-  options.host = node.at("host");
-  options.port = node.at("port");
-  options.listen = node.at("listen");
-  options.journal_capacity = 1U << 15;
-  tracker.stale_s = node.at("stale_s");
-  const json& tools = node.at("tools");
-  for (std::size_t i = 0; i < tools.size(); ++i) {
-    options.tools.push_back({.tool = tools[i].at("tool"),
-                             .device = tools[i].at("device"),
-                             .relative_to = tools[i].at("relative_to"),
-                             .marker_from_tool = PoseOf(tools[i], Message(where, "/tools/", i))});
-  }
-  return tracker;
 }
 
 BeltConfig BeltOf(const json& node, const std::string& where) {
@@ -138,9 +120,10 @@ LiveDevices ReadLiveDevices(const fs::path& path) {
     devices.reference_from_device[list[i].at("name")] =
         PlaceOf(list[i], path.parent_path(), Message(file, ": /devices/", i));
   }
-  const json& trackers = document.at("trackers");
-  for (std::size_t i = 0; i < trackers.size(); ++i) {
-    devices.trackers.push_back(TrackerOf(trackers[i], Message(file, ": /trackers/", i)));
+  for (tracking::IgtlOptions& options : tracking::ReadTrackers(path)) {
+    options.journal_capacity = 1U << 15;
+    devices.trackers.push_back(
+        {.options = options, .stale_s = 1e-3 * static_cast<double>(options.lost_after_ms)});
   }
   if (document.contains("camera")) {
     devices.camera = CameraOf(document.at("camera"), path.parent_path(), file + ": /camera");

@@ -77,7 +77,7 @@ TEST_F(LiveDevicesFile, SaysWhatContradictsItself) {
                       R"("needle": {"device": "right"}, "probe": {"device": "left"},)"),
               "the probe is on the device \"left\" and tracked as well");
   ExpectFails(Changed(R"("tool": "belt", "device")", R"("tool": "probe", "device")"),
-              "tool \"probe\" is tracked twice");
+              "there are two 'probe'");
   ExpectFails(Changed(R"("tool": "pointer")", R"("tool": "probe")"),
               "/camera/tools: tool \"probe\" is tracked twice");
   ExpectFails(Changed(R"({"tool": "belt", "axis")", R"({"tool": "vest", "axis")"),

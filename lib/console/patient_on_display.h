@@ -1,0 +1,19 @@
+// The patient of a scenario as the windows of a live session show him.
+#pragma once
+
+#include "core/run_context.h"
+#include "display/frame.h"
+#include "scenario/scenario.h"
+#include "simulation/scene.h"
+
+namespace acus::console {
+
+/// Surfaces for the teaching view and the CT that is laid over the video: what effects/view_3d of
+/// the scenario says, else bone, organs and transparent skin. Windows show the patient whether or
+/// not an effect reads him: what the scene has not loaded is loaded here, if there is a file of it.
+/// @throws InputError if a file is not readable.
+display::PatientOnDisplay PatientOnDisplayOf(const scenario::Scenario& scenario,
+                                             const simulation::Scene& scene,
+                                             const RunContext& context);
+
+}  // namespace acus::console

@@ -1,0 +1,25 @@
+// A live session with its window.
+#pragma once
+
+#include "core/run_context.h"
+#include "display/window.h"
+#include "live/live_session.h"
+#include "scenario/scenario.h"
+
+namespace acus::console {
+
+struct ConsoleSettings {
+  display::WindowSettings window;
+  double rate_hz = 30.0;  ///< Of the window; pictures themselves are made at a rate of their own.
+  /// PNG of the window, written at the end. Empty: none.
+  std::filesystem::path screenshot;
+};
+
+/// Opens the window, starts the session and runs it until it is over or the person ends it. Keys
+/// become orders to the session; mouse and arrow keys move virtual hands.
+/// @returns false if a device failed for good.
+/// @throws InputError if there is no display, or the session does not start.
+bool RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
+                   const ConsoleSettings& settings, RunContext& context);
+
+}  // namespace acus::console

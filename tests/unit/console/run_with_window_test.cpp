@@ -1,0 +1,86 @@
+// A whole session with a real window, on a display without a screen.
+#include "console/run_with_window.h"
+
+#include <gmock/gmock.h>
+
+#include "camera/picture.h"
+#include "core/atomic_file.h"
+#include "support/layered_scene.h"
+#include "support/replay_folder.h"
+#include "support/virtual_display.h"
+#include "volume/volume_io.h"
+
+namespace acus::console {
+namespace {
+
+namespace fs = std::filesystem;
+
+class WindowedSession : public testing_support::ReplayFolder {
+ protected:
+  void SetUp() override {
+    const auto scene =
+        testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
+    volume::WriteCt(folder_ / "ct.nrrd", *scene.ct);
+    volume::WriteLabelMap(folder_ / "labels.seg.nrrd", *scene.labels);
+    WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1", "name": "Layers",
+      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"},
+      "probe": "probes/linear_l14.json",
+      "effects": {"needle_force": {}, "ultrasound": {}, "ct_slice": {}}, "image_rate_hz": 30})");
+    WriteTextFile(folder_ / "devices.json", R"({"format": "acus-devices/1", "devices": [
+      {"name": "right", "driver": "virtual_hand", "virtual_hand": {"path": [
+        {"time_s": 0, "translation_mm": [0, 20, -5]}, {"time_s": 2, "translation_mm": [0, 20, 25]}]}},
+      {"name": "left", "driver": "virtual_hand", "virtual_hand": {"path": [
+        {"time_s": 0, "translation_mm": [0, 20, -0.5],
+         "quaternion_wxyz": [0.7071067811865476, 0.7071067811865476, 0, 0]}]}}],
+      "needle": {"device": "right"}, "probe": {"device": "left"}})");
+    setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
+  }
+};
+
+TEST_F(WindowedSession, ShowsRecordsAndReplaysToTheSameForces) {
+  const testing_support::VirtualDisplay display(1280, 800);
+  live::LiveOptions options;
+  options.session_folder = folder_ / "session";
+  options.duration_s = 4.0;
+  const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
+  live::LiveSession session(scenario, live::ReadLiveDevices(folder_ / "devices.json"), options,
+                            context_);
+  ConsoleSettings settings;
+  settings.screenshot = folder_ / "window.png";
+  EXPECT_TRUE(RunWithWindow(scenario, session, settings, context_));
+  EXPECT_EQ(session.end(), live::SessionEnd::kDuration);
+  EXPECT_GT(session.statistics().steps, 500);
+  EXPECT_GT(session.picture_statistics().pictures, 3);
+
+  // Pictures are on the screen, and the patient in colours of tissue, which nothing else has.
+  const camera::Picture window = camera::ReadPicture(settings.screenshot);
+  EXPECT_EQ(window.width_px, 1280);
+  std::size_t bright = 0;
+  std::size_t coloured = 0;
+  for (std::size_t i = 0; i + 2 < window.pixels.size(); i += 3) {
+    const int r = window.pixels[i];
+    const int b = window.pixels[i + 2];
+    bright += r > 60;
+    coloured += r - b > 8;
+  }
+  EXPECT_GT(bright, 20000);
+  EXPECT_GT(coloured, 10000) << bright;
+
+  Run("run", 1);
+  EXPECT_EQ(ReadTextFile(folder_ / "run/forces.csv"), ReadTextFile(folder_ / "session/forces.csv"));
+}
+
+TEST_F(WindowedSession, WithoutADisplayItSaysWhatToDo) {
+  unsetenv("DISPLAY");
+  live::LiveOptions options;
+  options.session_folder = folder_ / "session";
+  const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
+  live::LiveSession session(scenario, live::ReadLiveDevices(folder_ / "devices.json"), options,
+                            context_);
+  EXPECT_THAT([&] { RunWithWindow(scenario, session, {}, context_); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("--headless")));
+  EXPECT_FALSE(fs::exists(folder_ / "session"));
+}
+
+}  // namespace
+}  // namespace acus::console
