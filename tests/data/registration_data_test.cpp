@@ -79,7 +79,9 @@ TEST(PlusData, TheLandmarkRunGivesThePublishedRegistration) {
   EXPECT_LT((fit.ct_from_reference.translation() - theirs.translation()).norm(), 0.1);
   const double turn_rad =
       Eigen::AngleAxisd(fit.ct_from_reference.linear().transpose() * theirs.linear()).angle();
-  EXPECT_LT(turn_rad * 180 / std::numbers::pi, 0.12);
+  EXPECT_LT(turn_rad * 180 / std::numbers::pi, 0.2);  // As PLUS's own test of it allows.
+  const Markers apart_mm = fit.ct_from_reference * phantom.points_mm - theirs * phantom.points_mm;
+  EXPECT_LT(std::sqrt(apart_mm.squaredNorm() / 8.0), 0.1);
   EXPECT_NEAR(fit.residual_mm.colwise().norm().mean(), 0.198046, 0.01);  // Their "Error".
   // Averaging all that was recorded at each landmark moves them by what the tip wanders.
   TouchSettings whole;
