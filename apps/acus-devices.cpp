@@ -2,13 +2,13 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "config/json_file.h"
 #include "core/run_main.h"
 #include "devices/mannequin_pictures.h"
 #include "devices/scripted_hand.h"
 #include "session/session_import.h"
 
 namespace {
-
 using namespace acus::devices;
 
 struct Options {
@@ -81,9 +81,8 @@ int main(int argc, char** argv) {
                  "What goes wrong, when and how long, s: drop, freeze, occlude, nan, jump (50 mm)\n"
                  "or garbage, as in occlude@5:2; may be given again")
       ->check(FaultProblem);
-  app.add_option("--camera", options.camera, "Send pictures: files of a camera and of facets")
-      ->expected(2)
-      ->check(CLI::ExistingFile);
+  app.add_option("--camera", options.camera, "Send pictures: a camera and facets, files or presets")
+      ->expected(2);
   app.footer(
       "EXAMPLE\n"
       "  acus-devices play session --port 0 --seconds 1 --fault occlude@0.2:0.3\n"
@@ -93,6 +92,7 @@ int main(int argc, char** argv) {
     const auto motion = Motion(options, play->parsed(), context);
     playback.on_listening = SayPort;
     std::unique_ptr<PictureSource> pictures;
+    for (auto& file : options.camera) file = acus::config::FindConfig(file, ".");
     if (!options.camera.empty()) pictures = MannequinPictures(options.camera[0], options.camera[1]);
     std::cout << Text(Play(*motion, pictures.get(), playback, context));
     return acus::ExitCode::kOk;
