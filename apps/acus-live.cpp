@@ -5,6 +5,7 @@
 #include "config/json_file.h"
 #include "console/run_with_window.h"
 #include "core/run_main.h"
+#include "core/text_table.h"
 #include "live/live_session.h"
 #include "replay/replay.h"
 #include "training/exercise.h"
@@ -68,8 +69,14 @@ int main(int argc, char** argv) {
       std::cout << acus::replay::CheckText(scenario) << session.DevicesText();
       return acus::ExitCode::kOk;
     }
-    const bool good = headless ? acus::live::RunHeadless(session, context)
-                               : acus::console::RunWithWindow(scenario, session, console, context);
+    bool good = false;
+    if (headless) {
+      good = acus::live::RunHeadless(session, context);
+    } else {
+      const auto run = acus::console::RunWithWindow(scenario, session, console, context);
+      good = run.complete;
+      std::cout << "Window: " << acus::FixedText(run.frames_per_s, 1) << " frames a second.\n";
+    }
     std::cout << session.SummaryText();
     return good ? acus::ExitCode::kOk : acus::ExitCode::kNoAnswer;
   });

@@ -29,11 +29,20 @@ class Loop {
     const live::LivePicture& picture = session_.pictures().Front();
     const camera::CameraTracker* tracker = session_.video();
     const auto video = tracker == nullptr ? nullptr : tracker->Latest();
-    if (picture.number > 0) window_.Show(frames_.Make(picture, video.get()));
+    if (picture.number > 0) {
+      window_.Show(frames_.Make(picture, video.get()));
+      if (num_shown_++ == 0) first_shown_ns_ = MonotonicNs();
+      last_shown_ns_ = MonotonicNs();
+    }
     window_.HandleEvents();
     if (!Obey(picture)) return false;
     Move(dt_s);
     return !window_.closed();
+  }
+
+  double FramesPerS() const {
+    const double span_s = 1e-9 * static_cast<double>(last_shown_ns_ - first_shown_ns_);
+    return span_s > 0.0 ? static_cast<double>(num_shown_ - 1) / span_s : 0.0;
   }
 
   void TakeScreenshot() {
@@ -67,12 +76,15 @@ class Loop {
   FrameMaker frames_;
   bool steers_needle_ = true;
   std::int64_t last_ns_ = 0;
+  std::int64_t num_shown_ = 0;
+  std::int64_t first_shown_ns_ = 0;
+  std::int64_t last_shown_ns_ = 0;
 };
 
 }  // namespace
 
-bool RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
-                   const ConsoleSettings& settings, RunContext& context) {
+WindowRun RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
+                        const ConsoleSettings& settings, RunContext& context) {
   display::Window window(PatientOnDisplayOf(scenario, session.scene(), context), settings.window);
   session.Start();
   Loop loop(session, window, settings);
@@ -85,7 +97,7 @@ bool RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& sessio
   }
   loop.TakeScreenshot();
   session.Stop();
-  return session.end() != live::SessionEnd::kDeviceFailed;
+  return {session.complete(), loop.FramesPerS()};
 }
 
 }  // namespace acus::console

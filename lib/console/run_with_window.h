@@ -15,11 +15,15 @@ struct ConsoleSettings {
   std::filesystem::path screenshot;
 };
 
+struct WindowRun {
+  bool complete = false;      ///< LiveSession::complete().
+  double frames_per_s = 0.0;  ///< Shown in the window.
+};
+
 /// Opens the window, starts the session and runs it until it is over or the person ends it. Keys
 /// become orders to the session; mouse and arrow keys move virtual hands.
-/// @returns false if a device failed for good.
 /// @throws InputError if there is no display, or the session does not start.
-bool RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
-                   const ConsoleSettings& settings, RunContext& context);
+WindowRun RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
+                        const ConsoleSettings& settings, RunContext& context);
 
 }  // namespace acus::console

@@ -36,7 +36,7 @@ acus_add_cli_case(acus-breathing.fields_on_their_ct EXIT 0 NEEDS inputs CREATES 
 acus_add_cli_case(acus-breathing.fields_in_another_space EXIT 3 NEEDS inputs
   STDERR "another space"
   BEFORE "cp -r $INPUTS/breathing_patient/truth f && rm f/deeper.nrrd && \
-sed -i -a 's/^space origin: (/space origin: (9/' f/phase_0[0-3].nrrd"
+LC_ALL=C sed -i 's/^space origin: (/space origin: (9/' f/phase_0[0-3].nrrd"
   COMMAND acus-breathing --fields f --ct $INPUTS/liver_patient/ct.nrrd --resolution 16 --quiet -o m)
 acus_add_cli_case(acus-breathing.ct_without_fields EXIT 2 NEEDS inputs LEAVES_NOTHING
   COMMAND acus-breathing $INPUTS/breathing_patient --ct $INPUTS/ct.nrrd -o m)

@@ -47,7 +47,10 @@ TEST_F(WindowedSession, ShowsRecordsAndReplaysToTheSameForces) {
                             context_);
   ConsoleSettings settings;
   settings.screenshot = folder_ / "window.png";
-  EXPECT_TRUE(RunWithWindow(scenario, session, settings, context_));
+  const WindowRun run = RunWithWindow(scenario, session, settings, context_);
+  EXPECT_TRUE(run.complete);
+  EXPECT_GT(run.frames_per_s, 1.0);
+  EXPECT_LT(run.frames_per_s, 32.0);
   EXPECT_EQ(session.end(), live::SessionEnd::kDuration);
   EXPECT_GT(session.statistics().steps, 500);
   EXPECT_GT(session.picture_statistics().pictures, 3);
