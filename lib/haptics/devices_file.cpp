@@ -1,10 +1,10 @@
 #include "haptics/devices_file.h"
 
-#include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "config/json_file.h"
+#include "config/pose_json.h"
 #include "core/error.h"
 #include "haptics/axes.h"
 
@@ -25,18 +25,6 @@ DriverKind DriverOf(const std::string& word) {
 DeadMan DeadManOf(const std::string& word) {
   if (word == "button") return DeadMan::kButton;
   return word == "pedal" ? DeadMan::kPedal : DeadMan::kNone;
-}
-
-Eigen::Isometry3d PoseOf(const json& node, const std::string& where) {
-  const auto t = node.at("translation_mm").get<std::vector<double>>();
-  const auto q = node.at("quaternion_wxyz").get<std::vector<double>>();
-  const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
-  ACUS_REQUIRE(std::abs(rotation.norm() - 1.0) <= 1e-3, where, "/quaternion_wxyz: has length ",
-               rotation.norm(), "; it must be 1");
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = rotation.normalized().toRotationMatrix();
-  pose.translation() = Eigen::Vector3d(t[0], t[1], t[2]);
-  return pose;
 }
 
 GuardSettings SafetyOf(const json& node) {
@@ -75,7 +63,7 @@ VirtualHandSettings HandOf(const json& node, double rate_hz, const std::string& 
   const json& path = node.at("path");
   for (std::size_t i = 0; i < path.size(); ++i) {
     const std::string place = Message(where, "/path/", i);
-    hand.path.points.push_back({path[i].at("time_s"), PoseOf(path[i], place)});
+    hand.path.points.push_back({path[i].at("time_s"), config::PoseFrom(path[i], place)});
     ACUS_REQUIRE(i == 0 || hand.path.points[i].time_s > hand.path.points[i - 1].time_s, place,
                  "/time_s: is ", hand.path.points[i].time_s,
                  " s, not after the point before it; times must increase");
@@ -99,7 +87,7 @@ DeviceConfig DeviceOf(const json& node, const std::string& where) {
 }
 
 ToolConfig ToolOf(const json& node, const std::string& where, const DevicesFile& file) {
-  ToolConfig tool{.device = node.at("device"), .handle_from_tool = PoseOf(node, where)};
+  ToolConfig tool{.device = node.at("device"), .handle_from_tool = config::PoseFrom(node, where)};
   std::string names;
   for (const DeviceConfig& device : file.devices) names += " '" + device.name + "'";
   ACUS_REQUIRE(tool.device.empty() || file.Find(tool.device) != nullptr, where, "/device: is '",

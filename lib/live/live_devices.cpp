@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "config/json_file.h"
+#include "config/pose_json.h"
 #include "core/error.h"
 #include "registration/transform_file.h"
 #include "tracking/trackers_file.h"
@@ -18,21 +19,10 @@ Eigen::Vector3d VectorOf(const json& node) {
   return {v[0], v[1], v[2]};
 }
 
-Eigen::Isometry3d PoseOf(const json& node, const std::string& where) {
-  const auto q = node.at("quaternion_wxyz").get<std::vector<double>>();
-  const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
-  ACUS_REQUIRE(std::abs(rotation.norm() - 1.0) <= 1e-3, where, "/quaternion_wxyz: has length ",
-               rotation.norm(), "; it must be 1");
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = rotation.normalized().toRotationMatrix();
-  pose.translation() = VectorOf(node.at("translation_mm"));
-  return pose;
-}
-
 Eigen::Isometry3d PlaceOf(const json& device, const fs::path& folder, const std::string& where) {
   const std::string file = device.at("reference_from_device_file");
   if (!file.empty()) return registration::ReadTransform(folder / file);
-  return PoseOf(device.at("reference_from_device"), where + "/reference_from_device");
+  return config::PoseFrom(device.at("reference_from_device"), where + "/reference_from_device");
 }
 
 BeltConfig BeltOf(const json& node, const std::string& where) {
@@ -60,9 +50,10 @@ CameraConfig CameraOf(const json& node, const fs::path& folder, const std::strin
   options.journal_capacity = 1U << 12;
   const json& tools = node.at("tools");
   for (std::size_t i = 0; i < tools.size(); ++i) {
-    options.tools.push_back({.tool = tools[i].at("tool"),
-                             .object = tools[i].at("object"),
-                             .object_from_tool = PoseOf(tools[i], Message(where, "/tools/", i))});
+    options.tools.push_back(
+        {.tool = tools[i].at("tool"),
+         .object = tools[i].at("object"),
+         .object_from_tool = config::PoseFrom(tools[i], Message(where, "/tools/", i))});
   }
   return camera;
 }

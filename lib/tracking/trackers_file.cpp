@@ -1,9 +1,9 @@
 #include "tracking/trackers_file.h"
 
-#include <cmath>
 #include <set>
 
 #include "config/json_file.h"
+#include "config/pose_json.h"
 #include "core/error.h"
 
 namespace acus::tracking {
@@ -11,20 +11,11 @@ namespace {
 
 using nlohmann::json;
 
-Eigen::Isometry3d PoseOf(const json& node, const std::string& where) {
-  const auto t = node.at("translation_mm").get<std::vector<double>>();
-  const auto q = node.at("quaternion_wxyz").get<std::vector<double>>();
-  const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
-  ACUS_REQUIRE(std::abs(rotation.norm() - 1.0) <= 1e-3, where, "/quaternion_wxyz: has length ",
-               rotation.norm(), "; it must be 1");
-  return Eigen::Translation3d(t[0], t[1], t[2]) * rotation.normalized();
-}
-
 IgtlTool ToolOf(const json& node, const std::string& where) {
   IgtlTool tool{.tool = node.at("tool"),
                 .device = node.at("device"),
                 .relative_to = node.at("relative_to"),
-                .marker_from_tool = PoseOf(node, where)};
+                .marker_from_tool = config::PoseFrom(node, where)};
   ACUS_REQUIRE(tool.relative_to != tool.device, where, "/relative_to: is '", tool.relative_to,
                "', the device itself");
   return tool;

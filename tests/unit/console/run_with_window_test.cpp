@@ -5,7 +5,7 @@
 
 #include "camera/picture.h"
 #include "core/atomic_file.h"
-#include "support/layered_scene.h"
+#include "support/layered_folder.h"
 #include "support/replay_folder.h"
 #include "support/virtual_display.h"
 #include "volume/volume_io.h"
@@ -18,14 +18,8 @@ namespace fs = std::filesystem;
 class WindowedSession : public testing_support::ReplayFolder {
  protected:
   void SetUp() override {
-    const auto scene =
-        testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
-    volume::WriteCt(folder_ / "ct.nrrd", *scene.ct);
-    volume::WriteLabelMap(folder_ / "labels.seg.nrrd", *scene.labels);
-    WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1", "name": "Layers",
-      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"},
-      "probe": "probes/linear_l14.json",
-      "effects": {"needle_force": {}, "ultrasound": {}, "ct_slice": {}}, "image_rate_hz": 30})");
+    testing_support::WriteLayeredFolder(
+        folder_, R"({"needle_force": {}, "ultrasound": {}, "ct_slice": {}})");
     WriteTextFile(folder_ / "devices.json", R"({"format": "acus-devices/1", "devices": [
       {"name": "right", "driver": "virtual_hand", "virtual_hand": {"path": [
         {"time_s": 0, "translation_mm": [0, 20, -5]}, {"time_s": 2, "translation_mm": [0, 20, 25]}]}},
@@ -33,7 +27,6 @@ class WindowedSession : public testing_support::ReplayFolder {
         {"time_s": 0, "translation_mm": [0, 20, -0.5],
          "quaternion_wxyz": [0.7071067811865476, 0.7071067811865476, 0, 0]}]}}],
       "needle": {"device": "right"}, "probe": {"device": "left"}})");
-    setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
   }
 };
 

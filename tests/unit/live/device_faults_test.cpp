@@ -6,7 +6,7 @@
 #include "core/atomic_file.h"
 #include "core/monotonic_time.h"
 #include "live/live_session.h"
-#include "support/layered_scene.h"
+#include "support/layered_folder.h"
 #include "support/replay_folder.h"
 #include "support/stand_in.h"
 #include "volume/volume_io.h"
@@ -34,16 +34,7 @@ void PrintTo(const DeviceFault& fault, std::ostream* out) {
 class FaultOfTheDevice : public testing_support::ReplayFolder,
                          public testing::WithParamInterface<DeviceFault> {
  protected:
-  void SetUp() override {
-    const auto scene =
-        testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
-    volume::WriteCt(folder_ / "ct.nrrd", *scene.ct);
-    volume::WriteLabelMap(folder_ / "labels.seg.nrrd", *scene.labels);
-    WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1", "name": "Layers",
-      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"},
-      "effects": {"needle_force": {}}})");
-    setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
-  }
+  void SetUp() override { testing_support::WriteLayeredFolder(folder_, R"({"needle_force": {}})"); }
 };
 
 TEST_P(FaultOfTheDevice, EndsNoSessionAndSpoilsNoRecording) {

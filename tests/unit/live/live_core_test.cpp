@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "math/rigid.h"
 #include "session/session_io.h"
-#include "support/layered_scene.h"
+#include "support/layered_folder.h"
 #include "support/replay_folder.h"
 #include "volume/volume_io.h"
 
@@ -31,17 +31,9 @@ constexpr std::int64_t kOriginNs = 123'456'789'000;
 class LiveReplay : public testing_support::ReplayFolder {
  protected:
   void SetUp() override {
-    const auto scene =
-        testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
-    volume::WriteCt(folder_ / "ct.nrrd", *scene.ct);
-    volume::WriteLabelMap(folder_ / "labels.seg.nrrd", *scene.labels);
-    WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1", "name": "Layers",
-      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"},
-      "probe": "probes/linear_l14.json",
-      "effects": {"needle_force": {}}, "image_rate_hz": 10})");
+    testing_support::WriteLayeredFolder(folder_, R"({"needle_force": {}})", 10);
     fs::create_directories(folder_ / "motion");
     WriteMotion(folder_ / "motion");
-    setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
   }
 
   static void WriteMotion(const fs::path& folder) {

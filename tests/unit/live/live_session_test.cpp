@@ -8,7 +8,7 @@
 #include "core/atomic_file.h"
 #include "core/monotonic_time.h"
 #include "session/session_io.h"
-#include "support/layered_scene.h"
+#include "support/layered_folder.h"
 #include "support/replay_folder.h"
 #include "tracking/pose_server.h"
 #include "volume/volume_io.h"
@@ -32,16 +32,8 @@ Eigen::Isometry3d ProbeOnSkin() {
 class Session : public testing_support::ReplayFolder {
  protected:
   void SetUp() override {
-    const auto scene =
-        testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
-    volume::WriteCt(folder_ / "ct.nrrd", *scene.ct);
-    volume::WriteLabelMap(folder_ / "labels.seg.nrrd", *scene.labels);
-    WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1", "name": "Layers",
-      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"},
-      "probe": "probes/linear_l14.json",
-      "effects": {"needle_force": {}, "probe_force": {"press_mm": 5}, "ct_slice": {}},
-      "image_rate_hz": 30})");
-    setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
+    testing_support::WriteLayeredFolder(
+        folder_, R"({"needle_force": {}, "probe_force": {"press_mm": 5}, "ct_slice": {}})");
   }
 
   /// A virtual needle and a tracked probe.

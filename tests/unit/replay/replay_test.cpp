@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "math/rigid.h"
 #include "session/session_io.h"
-#include "support/layered_scene.h"
+#include "support/layered_folder.h"
 #include "support/replay_folder.h"
 #include "volume/volume_io.h"
 
@@ -25,16 +25,9 @@ using testing::ThrowsMessage;
 class Replay : public testing_support::ReplayFolder {
  protected:
   void SetUp() override {
-    const auto scene =
-        testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
-    volume::WriteCt(folder_ / "ct.nrrd", *scene.ct);
-    volume::WriteLabelMap(folder_ / "labels.seg.nrrd", *scene.labels);
+    testing_support::WriteLayeredFolder(
+        folder_, R"({"needle_force": {}, "ultrasound": {}, "ct_slice": {}})", 10);
     session::WriteSession(folder_ / "session", InsertionToBone(), context_);
-    WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1", "name": "Layers",
-      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"},
-      "probe": "probes/linear_l14.json",
-      "effects": {"needle_force": {}, "ultrasound": {}, "ct_slice": {}}, "image_rate_hz": 10})");
-    setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
   }
 
   /// In at 25 mm/s to 2 mm into bone at 61 mm, half a second there, out again.

@@ -1,0 +1,16 @@
+// Poses in configuration files.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace acus::config {
+
+/// The pose that the keys translation_mm (x, y, z) and quaternion_wxyz of `node` say; checked
+/// against a schema already. The quaternion is normalised.
+/// @param where  Names the place in messages: "devices.json: /devices/0".
+/// @throws InputError if the quaternion's length is off 1 by more than 1e-3.
+Eigen::Isometry3d PoseFrom(const nlohmann::json& node, const std::string& where);
+
+}  // namespace acus::config

@@ -1,0 +1,30 @@
+#include "config/pose_json.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+
+namespace acus::config {
+namespace {
+
+using nlohmann::json;
+
+TEST(PoseJson, IsReadAndNormalised) {
+  // A quarter of a turn about z; 0.05 % too long.
+  const json node = {{"translation_mm", {1.0, 2.0, 3.0}},
+                     {"quaternion_wxyz", {0.70746, 0.0, 0.0, 0.70746}}};
+  const Eigen::Isometry3d pose = PoseFrom(node, "x");
+  EXPECT_LT((pose * Eigen::Vector3d(1.0, 0.0, 0.0) - Eigen::Vector3d(1.0, 3.0, 3.0)).norm(), 1e-12);
+  EXPECT_NEAR(pose.linear().determinant(), 1.0, 1e-15);
+}
+
+TEST(PoseJson, RefusesWhatIsNoRotation) {
+  const json node = {{"translation_mm", {0, 0, 0}}, {"quaternion_wxyz", {0.9, 0, 0, 0}}};
+  EXPECT_THAT([&] { PoseFrom(node, "d.json: /needle"); },
+              testing::ThrowsMessage<InputError>(
+                  testing::HasSubstr("d.json: /needle/quaternion_wxyz: has length 0.9")));
+}
+
+}  // namespace
+}  // namespace acus::config
