@@ -29,8 +29,8 @@ struct ErrorInfo {
 
 constexpr VendorAxes kAxes{{0, 1, 2}};
 
-std::mutex mutex;  // Of all below.
-std::deque<unsigned> errors;
+std::mutex mutex;                                          // Of all below.
+std::deque<unsigned>& errors = *new std::deque<unsigned>;  // As all below, outlives exit().
 Pose pose{};
 Vector force_n{};
 Vector torque_nm{};
@@ -41,7 +41,7 @@ struct Scheduled {
   void* context;
   unsigned long handle;
 };
-std::vector<Scheduled> callbacks;
+std::vector<Scheduled>& callbacks = *new std::vector<Scheduled>;
 unsigned num_devices = 0;                   ///< That are open; they share the arm.
 std::thread& scheduler = *new std::thread;  // Outlives exit().
 std::atomic<bool> scheduler_runs{false};
