@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/cpu_time.h"
+#include "core/error.h"
 #include "simulation/breathing_scene.h"
 #include "simulation/image_level.h"
 #include "simulation/simulation.h"
@@ -86,22 +87,27 @@ StepTimes TimeSteps(simulation::Scene& breathing_scene, double step_s) {
 TEST(BreathingSpeed, AStepWithTwentyFiveNodesTakesAtMostFiveMicrosecondsMore) {
   simulation::Scene scene = NeedleScene();
   for (const MotionKind kind : kAllMotionKinds) {
-    std::map<int, double> added_us;
-    for (const int nodes : kResolutions) {
-      scene.breathing.emplace(AroundTheNeedle(kind, nodes).Make());
-      StepTimes best = TimeSteps(scene, 1e-3);
-      for (int again = 0; again < 3 && best.added_us > 5.0; ++again) {
+    std::map<int, StepTimes> best;
+    const auto measure = [&] {
+      for (const int nodes : kResolutions) {
+        scene.breathing.emplace(AroundTheNeedle(kind, nodes).Make());
         const StepTimes next = TimeSteps(scene, 1e-3);
-        if (next.added_us < best.added_us) best = next;
+        const auto [at, is_first] = best.try_emplace(nodes, next);
+        if (!is_first && next.added_us < at->second.added_us) at->second = next;
       }
-      std::printf("  %-10s %3d^3: %5.2f us without, %5.2f more\n",
-                  std::string(NameOf(kind)).c_str(), nodes, best.still_us, best.added_us);
-      EXPECT_LT(best.added_us, 5.0) << NameOf(kind) << " " << nodes;
-      EXPECT_LT(best.still_us + best.added_us, 50.0) << NameOf(kind) << " " << nodes;
-      added_us[nodes] = best.added_us;
-    }
+    };
     // Of what breathing adds, less what the clock cannot tell.
-    EXPECT_LT(added_us[256], 1.2 * added_us[64] + 0.1) << NameOf(kind);
+    const auto most_at_256_us = [&] { return 1.2 * best[64].added_us + 0.1; };
+    testing_support::MeasureUntil(1, 6, measure, [&] {
+      return best[64].added_us < 5.0 && best[256].added_us < std::min(5.0, most_at_256_us());
+    });
+    for (const auto& [nodes, times] : best) {
+      std::printf("  %-10s %3d^3: %5.2f us without, %5.2f more\n",
+                  std::string(NameOf(kind)).c_str(), nodes, times.still_us, times.added_us);
+      EXPECT_LT(times.added_us, 5.0) << NameOf(kind) << " " << nodes;
+      EXPECT_LT(times.still_us + times.added_us, 50.0) << NameOf(kind) << " " << nodes;
+    }
+    EXPECT_LT(best[256].added_us, most_at_256_us()) << NameOf(kind);
   }
 }
 
@@ -126,31 +132,36 @@ TEST(BreathingSpeed, TenKilohertzInAll) {
 
 /// What the 25 places of the needle's nodes cost alone.
 double NodesUs(const breathing::MotionMap& map) {
-  double least_us = 1e9;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int round = 0; round < 50; ++round) {
-    constexpr int kTimes = 200;
-    const double begin_s = ThreadCpuSeconds();
-    for (int n = 0; n < kTimes; ++n) {
-      for (int node = 0; node < 25; ++node) {
-        sum += map.DisplacementMm({0.02 * n, 0.5 * node - 10.0, 4.8 * node - 40.0});
-      }
+  constexpr int kTimes = 200;
+  const double begin_s = ThreadCpuSeconds();
+  for (int n = 0; n < kTimes; ++n) {
+    for (int node = 0; node < 25; ++node) {
+      sum += map.DisplacementMm({0.02 * n, 0.5 * node - 10.0, 4.8 * node - 40.0});
     }
-    least_us = std::min(least_us, 1e6 * (ThreadCpuSeconds() - begin_s) / kTimes);
   }
+  const double us = 1e6 * (ThreadCpuSeconds() - begin_s) / kTimes;
   EXPECT_TRUE(sum.allFinite());
-  return least_us;
+  return us;
 }
 
 // Measured 0.9 us for one field, 1.3 for two, 1.7 for three.
 TEST(BreathingSpeed, TwentyFiveDisplacementsTakeTwoMicrosecondsAtAnyResolution) {
   for (const MotionKind kind : kAllMotionKinds) {
+    std::map<int, breathing::MotionModel> models;
     std::map<int, double> us;
     for (const int nodes : kResolutions) {
-      const BreathingPatient patient = AroundTheNeedle(kind, nodes);
-      const breathing::MotionModel model = patient.Model();
-      us[nodes] = NodesUs({model.field(), model.WeightsAt(patient.BreathAt(0.3))});
+      models.emplace(nodes, AroundTheNeedle(kind, nodes).Model());
+      us[nodes] = 1e9;
     }
+    const auto measure = [&] {
+      for (const auto& [nodes, model] : models) {
+        const auto breath = AroundTheNeedle(kind, nodes).BreathAt(0.3);
+        us[nodes] = std::min(us[nodes], NodesUs({model.field(), model.WeightsAt(breath)}));
+      }
+    };
+    testing_support::MeasureUntil(50, 2000, measure,
+                                  [&] { return us[256] < std::min(5.0, 1.2 * us[64]); });
     std::printf("  %-10s %.2f / %.2f / %.2f us\n", std::string(NameOf(kind)).c_str(), us[64],
                 us[128], us[256]);
     EXPECT_LT(us[256], 5.0) << NameOf(kind);
@@ -204,43 +215,57 @@ class Pictures {
   volume::LabelMap labels_;
 };
 
-/// Least CPU time of a picture with breathing over that of one without.
-double ShareOfBreathing(simulation::ImageLevel& level, const simulation::Breathing& patient,
-                        double limit) {
+/// A picture without breathing, and with it, by nodes of the field along each axis.
+struct PictureTimes {
   testing_support::LeastTime still;
-  testing_support::LeastTime breathing;
+  std::map<int, testing_support::LeastTime> breathing;
+
+  double ShareOf(int nodes) const { return breathing.at(nodes).cpu_ms / still.cpu_ms; }
+  double FinerOverCoarser() const { return breathing.at(256).cpu_ms / breathing.at(64).cpu_ms; }
+  bool KeepTheBounds() const {
+    return std::max(ShareOf(64), ShareOf(256)) < 1.4 && FinerOverCoarser() < 1.2;
+  }
+};
+
+PictureTimes TimePictures(simulation::ImageLevel& level,
+                          const std::map<int, simulation::Breathing>& patients) {
+  PictureTimes times;
   ultrasound::GrayImage image;
-  const auto share = [&] { return breathing.cpu_ms / still.cpu_ms; };
-  for (int n = 0; n < 15 || (n < 200 && share() > limit); ++n) {
+  int n = 0;
+  const auto measure = [&] {
     const Eigen::Isometry3d pose = testing_support::SwayingProbe(n);
     const auto needle = testing_support::NeedleInPlane(pose);
-    still.Add([&] { level.Render(pose, needle, image, 1, nullptr); });
-    breathing.Add([&] {
-      const simulation::BreathingRest rest(patient, 0.8 + 0.033 * n, {}, nullptr);
-      level.Render(pose, needle, image, 1, &rest);
-    });
-  }
-  return share();
+    times.still.Add([&] { level.Render(pose, needle, image, 1, nullptr); });
+    for (const auto& [nodes, patient] : patients) {
+      times.breathing[nodes].Add([&] {
+        const simulation::BreathingRest rest(patient, 0.8 + 0.033 * n, {}, nullptr);
+        level.Render(pose, needle, image, 1, &rest);
+      });
+    }
+    ++n;
+  };
+  testing_support::MeasureUntil(15, 400, measure, [&] { return times.KeepTheBounds(); });
+  return times;
 }
 
-// Issue: at most 40 %, for every model of motion. Measured 2 to 18 %, alamilla_2021 23 to 31.
+// Issue: at most 40 %, for every model of motion, and less than a fifth more from 64^3 to 256^3
+// nodes. Measured 2 to 18 %, alamilla_2021 23 to 31.
 TEST(BreathingSpeed, APictureTakesAtMostFortyPercentMore) {
   const Pictures pictures;
   auto levels = pictures.Levels();
   for (const MotionKind kind : kAllMotionKinds) {
-    std::map<std::string, std::map<int, double>> shares;
+    std::map<int, simulation::Breathing> patients;
     for (const int nodes : {64, 256}) {
-      const simulation::Breathing patient = pictures.Patient(kind, nodes).Make();
-      for (auto& [name, level] : levels) {
-        const double share = ShareOfBreathing(level, patient, 1.4);
-        std::printf("  %-10s %3d^3, %-15s %.2f times\n", std::string(NameOf(kind)).c_str(), nodes,
-                    name.c_str(), share);
-        EXPECT_LT(share, 1.4) << NameOf(kind) << " " << nodes << " " << name;
-        shares[name][nodes] = share;
-      }
+      patients.emplace(nodes, pictures.Patient(kind, nodes).Make());
     }
-    for (auto& [name, share] : shares) {
-      EXPECT_LT(share[256], 1.2 * share[64]) << NameOf(kind) << " " << name;
+    for (auto& [name, level] : levels) {
+      const PictureTimes times = TimePictures(level, patients);
+      const std::string what = Message(NameOf(kind), " ", name);
+      std::printf("  %-32s %.2f times with 64^3, %.2f with 256^3\n", what.c_str(),
+                  times.ShareOf(64), times.ShareOf(256));
+      EXPECT_LT(times.ShareOf(64), 1.4) << what;
+      EXPECT_LT(times.ShareOf(256), 1.4) << what;
+      EXPECT_LT(times.FinerOverCoarser(), 1.2) << what;
     }
   }
 }

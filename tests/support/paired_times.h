@@ -29,4 +29,11 @@ struct LeastTime {
   }
 };
 
+/// Measures `at_least` times, and on until `holds`, at most `at_most` times: what does hold on this
+/// machine holds as soon as others leave it alone for a moment.
+template <typename Measure, typename Holds>
+void MeasureUntil(int at_least, int at_most, const Measure& measure, const Holds& holds) {
+  for (int n = 0; n < at_least || (n < at_most && !holds()); ++n) measure();
+}
+
 }  // namespace acus::testing_support
