@@ -1,0 +1,218 @@
+#include "stability_page/stability_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+
+namespace acus::stability_page {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Files of a folder with an extension, by name; none if it is not there.
+std::vector<fs::path> Files(const fs::path& folder, const char* extension) {
+  std::vector<fs::path> files;
+  if (!fs::is_directory(folder)) return files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == extension) files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+/// Calls `use` with each line's JSON; names file and line of what is wrong.
+template <typename Use>
+void ForEachLine(const fs::path& file, const Use& use) {
+  std::istringstream lines(ReadTextFile(file));
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    try {
+      use(json::parse(line));
+    } catch (const json::exception& error) {
+      throw InputError(
+          Message(file.string(), ":", number, ": not a record of a test: ", error.what()));
+    }
+  }
+}
+
+Origin OriginOf(const json& record) {
+  return {.module = record.at("module"),
+          .suite = record.at("suite"),
+          .test = record.at("test"),
+          .file = record.at("file"),
+          .hard = record.at("hard")};
+}
+
+double NumberOr(const json& value, double otherwise) {
+  return value.is_number() ? value.get<double>() : otherwise;
+}
+
+BoundedValue ValueOf(const json& record) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  return {.origin = OriginOf(record),
+          .quantity = record.at("quantity"),
+          .unit = record.at("unit"),
+          .sense = record.at("sense"),
+          .bound = NumberOr(record.at("bound"), kNone),
+          .measured = NumberOr(record.at("measured"), kNone),
+          .holds = record.at("holds")};
+}
+
+/// Points that a plot can show: finite, and positive on a logarithmic axis.
+report::Plot PlotOf(const json& record) {
+  report::Plot plot{.title = record.at("title"),
+                    .x_label = record.at("x_label"),
+                    .y_label = record.at("y_label"),
+                    .log_x = record.at("log_x"),
+                    .log_y = record.at("log_y")};
+  for (const json& curve : record.at("curves")) {
+    report::Series series{.name = curve.at("name")};
+    const json& x = curve.at("x");
+    const json& y = curve.at("y");
+    for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) {
+      if (!x[i].is_number() || !y[i].is_number()) continue;
+      if (plot.log_x && x[i].get<double>() <= 0.0) continue;
+      if (plot.log_y && y[i].get<double>() <= 0.0) continue;
+      series.x.push_back(x[i]);
+      series.y.push_back(y[i]);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+void ReadBounds(const fs::path& file, StabilityRun& run) {
+  std::map<std::string, std::size_t> at;
+  ForEachLine(file, [&](const json& record) {
+    const std::string kind = record.at("kind");
+    if (kind == "plot") run.plots.push_back({OriginOf(record), PlotOf(record)});
+    if (kind == "note")
+      run.notes.push_back({OriginOf(record), record.at("name"), record.at("value")});
+    if (kind != "bound") return;
+    BoundedValue value = ValueOf(record);
+    // Stated more than once (in a loop, in a run again): one that fails stays, else the last.
+    const std::string key = value.origin.suite + "." + value.origin.test + "\n" + value.quantity;
+    const auto [found, is_new] = at.emplace(key, run.values.size());
+    if (is_new) {
+      run.values.push_back(std::move(value));
+    } else if (run.values[found->second].holds) {
+      run.values[found->second] = std::move(value);
+    }
+  });
+}
+
+void ReadTests(const fs::path& file, StabilityRun& run) {
+  try {
+    const json results = json::parse(ReadTextFile(file));
+    for (const json& suite : results.at("testsuites")) {
+      for (const json& test : suite.at("testsuite")) {
+        const std::string seconds = test.at("time");
+        TestOutcome outcome{.program = file.stem().string(),
+                            .suite = suite.at("name"),
+                            .test = test.at("name"),
+                            .skipped = test.value("result", "") == "SKIPPED",
+                            .seconds = std::strtod(seconds.c_str(), nullptr),
+                            .message = ""};
+        for (const json& failure : test.value("failures", json::array())) {
+          outcome.message += failure.at("failure").get<std::string>() + "\n";
+        }
+        run.tests.push_back(std::move(outcome));
+      }
+    }
+  } catch (const json::exception& error) {
+    throw InputError(Message(file.string(), ": not a result of tests: ", error.what()));
+  }
+}
+
+}  // namespace
+
+std::string Origin::Name() const {
+  std::string name;
+  for (std::size_t i = 0; i < test.size() && test[i] != '/'; ++i) {
+    const char letter = test[i];
+    const bool upper = letter >= 'A' && letter <= 'Z';
+    const bool digit = letter >= '0' && letter <= '9';
+    const bool after_digit = i > 0 && test[i - 1] >= '0' && test[i - 1] <= '9';
+    if (i > 0 && (upper || (digit && !after_digit))) name += ' ';
+    name += upper && i > 0 ? static_cast<char>(letter - 'A' + 'a') : letter;
+  }
+  return name;
+}
+
+double BoundedValue::Margin() const {
+  if (sense == "==") return holds ? 1.0 : 0.0;
+  const bool is_least = sense.front() == '>';
+  const double over = is_least ? measured : bound;
+  const double under = is_least ? bound : measured;
+  return under == 0.0 ? std::numeric_limits<double>::infinity() : over / under;
+}
+
+std::vector<const BoundedValue*> StabilityRun::Failing() const {
+  std::vector<const BoundedValue*> failing;
+  for (const BoundedValue& value : values) {
+    if (!value.holds) failing.push_back(&value);
+  }
+  return failing;
+}
+
+std::vector<const TestOutcome*> StabilityRun::FailedTests() const {
+  std::vector<const TestOutcome*> failed;
+  for (const TestOutcome& test : tests) {
+    if (!test.message.empty()) failed.push_back(&test);
+  }
+  return failed;
+}
+
+std::vector<const ProgramRun*> StabilityRun::Crashed() const {
+  std::set<std::string> tell;
+  for (const TestOutcome* test : FailedTests()) tell.insert(test->program);
+  std::vector<const ProgramRun*> crashed;
+  for (const ProgramRun& program : programs) {
+    if (program.exit_code != 0 && !tell.contains(program.program)) crashed.push_back(&program);
+  }
+  return crashed;
+}
+
+bool StabilityRun::AllHold() const {
+  return Failing().empty() && FailedTests().empty() && Crashed().empty();
+}
+
+std::vector<std::string> StabilityRun::Modules() const {
+  std::vector<std::string> modules;
+  for (const BoundedValue& value : values) {
+    if (std::ranges::find(modules, value.origin.module) == modules.end()) {
+      modules.push_back(value.origin.module);
+    }
+  }
+  return modules;
+}
+
+StabilityRun ReadStabilityRun(const fs::path& folder) {
+  StabilityRun run;
+  for (const fs::path& file : Files(folder / "bounds", ".jsonl")) ReadBounds(file, run);
+  ACUS_REQUIRE(!run.values.empty(), (folder / "bounds").string(),
+               ": no test stated a bound there; run pipelines/stability");
+  for (const fs::path& file : Files(folder / "tests", ".json")) ReadTests(file, run);
+  if (fs::exists(folder / "programs.jsonl")) {
+    ForEachLine(folder / "programs.jsonl", [&run](const json& record) {
+      if (record.contains("settings")) {
+        run.settings = record["settings"];
+      } else {
+        run.programs.push_back(
+            {record.at("program"), record.at("exit_code"), record.at("seconds")});
+      }
+    });
+  }
+  return run;
+}
+
+}  // namespace acus::stability_page
