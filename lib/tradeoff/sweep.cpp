@@ -5,13 +5,14 @@
 #include "tradeoff/forces_sweep.h"
 #include "tradeoff/image_sweep.h"
 #include "tradeoff/needle_sweep.h"
+#include "tradeoff/probe_sweep.h"
 #include "tradeoff/tissue_sweep.h"
 
 namespace acus::tradeoff {
 
 const std::vector<Sweep>& Sweeps() {
   static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep(), ForcesSweep(),
-                                            ImageSweep(), BreathingSweep()};
+                                            ImageSweep(), BreathingSweep(), ProbeSweep()};
   return sweeps;
 }
 
