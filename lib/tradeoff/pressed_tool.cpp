@@ -24,8 +24,8 @@ int ForEachPlace(const PressedTool& tool, const Action& action) {
         action(PressedTool::kFingertipMm *
                Vector3d(across * std::cos(turn), a - 1.0, across * std::sin(turn)));
       } else {
-        action(Vector3d((a - 0.5) * PressedTool::kFaceMm, 0.0,
-                        (b - 0.5) * PressedTool::kFaceWidthMm));
+        action(
+            Vector3d((a - 0.5) * PressedTool::kFaceMm, 0.0, (b - 0.5) * PressedTool::kFaceWidthMm));
       }
     }
   }
@@ -49,9 +49,8 @@ std::string_view PressedTool::name() const {
 }
 
 forces::PalpationTool PressedTool::Nodes(int num_nodes) const {
-  return kind == Kind::kFingertip
-             ? forces::FingertipNodes(kFingertipMm, num_nodes)
-             : forces::ProbeFaceNodes(kFaceMm, kFaceWidthMm, 0.0, num_nodes);
+  return kind == Kind::kFingertip ? forces::FingertipNodes(kFingertipMm, num_nodes)
+                                  : forces::ProbeFaceNodes(kFaceMm, kFaceWidthMm, 0.0, num_nodes);
 }
 
 Eigen::Isometry3d PressedTool::BodyFromTool(double depth_mm, double aside_mm) const {

@@ -35,8 +35,7 @@ class BodyField : public forces::HuField {
 
 /// The shipped springs without friction, damping and smoothing: what is left has an exact answer.
 forces::ForceTable SpringsAlone() {
-  forces::ForceTable table =
-      forces::ReadForceTable(config::FindConfig("forces/default.json", "."));
+  forces::ForceTable table = forces::ReadForceTable(config::FindConfig("forces/default.json", "."));
   forces::MultiProxySettings& law = table.multi_proxy;
   law.skin.friction = 0.0;
   law.damping_n_s_per_mm = law.smoothing_s = 0.0;

@@ -7,12 +7,13 @@
 #include "tradeoff/needle_sweep.h"
 #include "tradeoff/probe_sweep.h"
 #include "tradeoff/tissue_sweep.h"
+#include "tradeoff/views_sweep.h"
 
 namespace acus::tradeoff {
 
 const std::vector<Sweep>& Sweeps() {
   static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep(), ForcesSweep(),
-                                            ImageSweep(), BreathingSweep(), ProbeSweep()};
+                                            ImageSweep(), BreathingSweep(), ProbeSweep(), ViewsSweep()};
   return sweeps;
 }
 
