@@ -5,6 +5,7 @@
 #include "alignment/result_folder.h"
 #include "alignment/tasks.h"
 #include "config/json_file.h"
+#include "config/pose_json.h"
 #include "core/atomic_file.h"
 #include "core/csv.h"
 #include "core/error.h"
@@ -17,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace registration;
+using config::MatrixRows;
 
 std::optional<Landmarks> Targets(const fs::path& target, RunContext& context) {
   if (target.empty()) return std::nullopt;

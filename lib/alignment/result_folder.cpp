@@ -8,19 +8,6 @@ namespace acus::alignment {
 
 using nlohmann::json;
 
-json Row(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-json MatrixRows(const Eigen::Isometry3d& transform) {
-  json rows = json::array();
-  for (int i = 0; i < 4; ++i) {
-    const Eigen::RowVector4d row = transform.matrix().row(i);
-    rows.push_back({row[0], row[1], row[2], row[3]});
-  }
-  return rows;
-}
-
 std::string VectorText(const Eigen::Vector3d& v, int decimals) {
   return FixedText(v.x(), decimals) + "  " + FixedText(v.y(), decimals) + "  " +
          FixedText(v.z(), decimals);

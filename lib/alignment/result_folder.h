@@ -11,8 +11,6 @@
 
 namespace acus::alignment {
 
-nlohmann::json Row(const Eigen::Vector3d& v);
-nlohmann::json MatrixRows(const Eigen::Isometry3d& transform);
 std::string VectorText(const Eigen::Vector3d& v, int decimals);
 
 /// registration.json and provenance.json.

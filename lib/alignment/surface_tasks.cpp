@@ -5,6 +5,7 @@
 #include "alignment/pose_log.h"
 #include "alignment/result_folder.h"
 #include "alignment/tasks.h"
+#include "config/pose_json.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/text_table.h"
@@ -21,6 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace registration;
+using config::MatrixRows;
+using config::Row;
 using nlohmann::json;
 
 Landmarks PointsFrom(const SurfaceTask& task, RunContext& context) {

@@ -4,6 +4,7 @@
 #include "alignment/pose_log.h"
 #include "alignment/result_folder.h"
 #include "alignment/tasks.h"
+#include "config/pose_json.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/text_table.h"
@@ -17,6 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace registration;
+using config::MatrixRows;
+using config::Row;
 using Eigen::Isometry3d;
 using nlohmann::json;
 

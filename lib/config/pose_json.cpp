@@ -20,4 +20,25 @@ Eigen::Isometry3d PoseFrom(const nlohmann::json& node, const std::string& where)
   return pose;
 }
 
+nlohmann::json Row(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+nlohmann::json MatrixRows(const Eigen::Isometry3d& pose) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::RowVector4d row = pose.matrix().row(i);
+    rows.push_back({row[0], row[1], row[2], row[3]});
+  }
+  return rows;
+}
+
+Eigen::Isometry3d PoseFromRows(const nlohmann::json& rows) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 4; ++c) pose(r, c) = rows.at(r).at(c).get<double>();
+  }
+  return pose;
+}
+
 }  // namespace acus::config

@@ -2,9 +2,14 @@
 
 #include <algorithm>
 
+#include "live/picture_bounds.h"
+
 namespace acus::console {
 
 using display::Command;
+using live::kLargestDepthMm;
+using live::kLargestGainDb;
+using live::kLeastDepthMm;
 using session::CommandKind;
 
 std::optional<live::CommandQueue::Order> OrderOf(Command command,

@@ -11,9 +11,6 @@ namespace acus::console {
 
 inline constexpr double kGainStepDb = 3.0;
 inline constexpr double kDepthStepMm = 10.0;
-inline constexpr double kLargestGainDb = 60.0;  ///< Up and down.
-inline constexpr double kLeastDepthMm = 20.0;
-inline constexpr double kLargestDepthMm = 300.0;
 
 /// How the picture is set at present.
 struct PictureSetting {

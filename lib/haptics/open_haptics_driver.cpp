@@ -4,14 +4,13 @@
 
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <mutex>
-#include <thread>
 
 #include "core/error.h"
 #include "core/monotonic_time.h"
 #include "haptics/axes.h"
+#include "haptics/callback_gate.h"
 #include "haptics/hd_api.h"
 #include "haptics/hd_errors.h"
 #include "haptics/shared_library.h"
@@ -23,7 +22,6 @@ using hd::kNoDevice;
 
 constexpr double kSafeForceN = 3.3;  ///< Of the weakest device, if one does not say.
 constexpr double kMostTorqueNmm = 188.0;
-constexpr auto kLastTickTimeout = std::chrono::milliseconds(200);
 
 /// The vendor's scheduler, one for all devices.
 class Scheduler {
@@ -65,8 +63,11 @@ class Device final : public Driver {
  private:
   void Calibrate() const;
   DeviceInfo Describe() const;
-  static unsigned OnTick(void* me) { return static_cast<Device*>(me)->OnTick(); }
-  unsigned OnTick() noexcept;
+  static unsigned OnTick(void* me) {
+    auto* const device = static_cast<Device*>(me);
+    const bool goes_on = device->gate_.Pass([device]() noexcept { return device->Tick(); });
+    return goes_on ? hd::kContinue : hd::kDone;
+  }
   bool Tick() noexcept;
   DeviceReading Read() const noexcept;
   void Write(const DeviceForce& force) noexcept;
@@ -81,9 +82,7 @@ class Device final : public Driver {
   unsigned long callback_ = 0;
   bool is_scheduled_ = false;
   bool uses_scheduler_ = false;
-  std::atomic<bool> stopping_{false};
-  std::atomic<bool> has_ended_{true};
-  std::atomic<bool> is_in_callback_{false};
+  CallbackGate gate_;
   std::atomic<bool> output_is_off_{false};  ///< By ZeroNow().
 };
 
@@ -139,8 +138,7 @@ DeviceInfo Device::Open() {
 
 void Device::Run(GuardedServo& servo) {
   servo_ = &servo;
-  stopping_ = false;
-  has_ended_ = false;
+  gate_.Open();
   output_is_off_ = false;
   api_.MakeCurrentDevice(device_);
   // The device's own limits are a second line behind ours.
@@ -152,7 +150,7 @@ void Device::Run(GuardedServo& servo) {
   callback_ = api_.ScheduleAsynchronous(&Device::OnTick, this, hd::kMostPriority);
   const unsigned error = hd::DrainErrors(api_);
   if (hd::KindOf(error) >= DriverFault::kReopen || callback_ == 0) {
-    has_ended_ = true;
+    gate_.Shut();
     throw InputError("OpenHaptics: " + hd::Text(api_, error != 0 ? error : hd::kNoCallback));
   }
   is_scheduled_ = true;
@@ -197,7 +195,7 @@ bool Device::Tick() noexcept {
   // The numbers of a frame with an error are not to be trusted; a warning is no such error.
   unsigned error = hd::DrainErrors(api_);
   reading.valid = hd::KindOf(error) < DriverFault::kReopen;
-  if (stopping_.load(std::memory_order_acquire)) {
+  if (gate_.is_last()) {
     Write(DeviceForce());
     api_.EndFrame(device_);
     return false;
@@ -210,17 +208,6 @@ bool Device::Tick() noexcept {
   if (hd::KindOf(error) < hd::KindOf(late_error)) error = late_error;
   servo_->Report(hd::KindOf(error), static_cast<int>(error));
   return hd::KindOf(error) < DriverFault::kReopen;
-}
-
-unsigned Device::OnTick() noexcept {
-  is_in_callback_.store(true, std::memory_order_release);
-  bool goes_on = false;
-  if (!has_ended_.load(std::memory_order_acquire)) {
-    goes_on = Tick();
-    if (!goes_on) has_ended_.store(true, std::memory_order_release);
-  }
-  is_in_callback_.store(false, std::memory_order_release);
-  return goes_on ? hd::kContinue : hd::kDone;
 }
 
 void Device::ZeroNow() noexcept {
@@ -237,16 +224,9 @@ void Device::Halt() noexcept {
   if (device_ == kNoDevice) return;
   if (is_scheduled_) {
     // The callback sends a last zero and ends by itself, if it is still called.
-    stopping_.store(true, std::memory_order_release);
-    for (auto waited = std::chrono::milliseconds(0);
-         !has_ended_.load(std::memory_order_acquire) && waited < kLastTickTimeout; ++waited) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    if (!has_ended_.exchange(true, std::memory_order_acq_rel)) ZeroNow();
+    if (!gate_.AwaitLastTick()) ZeroNow();
     api_.Unschedule(callback_);
-    while (is_in_callback_.load(std::memory_order_acquire)) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    gate_.AwaitNobodyInside();
     is_scheduled_ = false;
   }
   if (uses_scheduler_) TheScheduler().Stop(api_);

@@ -2,12 +2,11 @@
 
 #include <array>
 #include <atomic>
-#include <chrono>
-#include <thread>
 
 #include "core/error.h"
 #include "core/monotonic_time.h"
 #include "haptics/axes.h"
+#include "haptics/callback_gate.h"
 #include "haptics/shared_library.h"
 #include "haptics/virtuose_api.h"
 
@@ -19,7 +18,6 @@ constexpr double kMaxTorqueNmm = 3000.0;
 constexpr float kOwnLimitN = 30.0F;  ///< Of the device, behind ours.
 constexpr float kOwnLimitNm = 3.0F;
 constexpr int kTicksPerAlarm = 50;
-constexpr auto kLastTickTimeout = std::chrono::milliseconds(200);
 
 virtuose::Context OpenAt(const virtuose::Api& api, const std::string& address) {
   virtuose::Context context = api.Open(address.c_str());
@@ -44,8 +42,11 @@ class Device final : public Driver {
 
  private:
   void Must(int result, const char* what) const;
-  static void OnTick(virtuose::Context, void* me) { static_cast<Device*>(me)->OnTick(); }
-  void OnTick() noexcept;
+  /// The vendor's loop goes on calling after an error, until it is stopped.
+  static void OnTick(virtuose::Context, void* me) {
+    auto* const device = static_cast<Device*>(me);
+    device->gate_.Pass([device]() noexcept { return device->Tick(); });
+  }
   bool Tick() noexcept;
   DeviceReading Read(int& error) noexcept;
   int CheckMotors() noexcept;
@@ -62,9 +63,7 @@ class Device final : public Driver {
   bool loops_ = false;
   bool was_stopped_ = false;
   int num_ticks_ = 0;
-  std::atomic<bool> stopping_{false};
-  std::atomic<bool> has_ended_{true};
-  std::atomic<bool> is_in_callback_{false};
+  CallbackGate gate_;
   std::atomic<bool> output_is_off_{false};
 };
 
@@ -103,8 +102,7 @@ DeviceInfo Device::Open() {
 
 void Device::Run(GuardedServo& servo) {
   servo_ = &servo;
-  stopping_ = false;
-  has_ended_ = false;
+  gate_.Open();
   output_is_off_ = false;
   was_stopped_ = false;
   num_ticks_ = 0;
@@ -182,7 +180,7 @@ int Device::Write(const DeviceForce& force) const noexcept {
 }
 
 bool Device::Tick() noexcept {
-  if (stopping_.load(std::memory_order_acquire)) {
+  if (gate_.is_last()) {
     Write(DeviceForce());
     return false;
   }
@@ -199,15 +197,6 @@ bool Device::Tick() noexcept {
   return virtuose::KindOf(error) < DriverFault::kReopen;
 }
 
-void Device::OnTick() noexcept {
-  is_in_callback_.store(true, std::memory_order_release);
-  // The vendor's loop goes on calling after an error, until it is stopped.
-  if (!has_ended_.load(std::memory_order_acquire) && !Tick()) {
-    has_ended_.store(true, std::memory_order_release);
-  }
-  is_in_callback_.store(false, std::memory_order_release);
-}
-
 void Device::ZeroNow() noexcept {
   if (context_ == nullptr) return;
   output_is_off_ = true;
@@ -220,16 +209,9 @@ void Device::ZeroNow() noexcept {
 void Device::Halt() noexcept {
   if (context_ == nullptr) return;
   if (loops_) {
-    stopping_.store(true, std::memory_order_release);
-    for (auto waited = std::chrono::milliseconds(0);
-         !has_ended_.load(std::memory_order_acquire) && waited < kLastTickTimeout; ++waited) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    if (!has_ended_.exchange(true, std::memory_order_acq_rel)) ZeroNow();
+    if (!gate_.AwaitLastTick()) ZeroNow();
     api_.StopLoop(context_);
-    while (is_in_callback_.load(std::memory_order_acquire)) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    gate_.AwaitNobodyInside();
     loops_ = false;
   }
   Write(DeviceForce());

@@ -8,16 +8,10 @@
 
 #include "core/error.h"
 #include "core/monotonic_time.h"
+#include "live/picture_bounds.h"
 #include "simulation/fluoroscopy_renderer.h"
 
 namespace acus::live {
-namespace {
-
-constexpr double kMostGainDb = 60.0;
-constexpr double kLeastDepthMm = 20.0;
-constexpr double kMostDepthMm = 300.0;
-
-}  // namespace
 
 struct ImageThread::Renderers {
   explicit Renderers(const simulation::Scene& of_scene) : scene(of_scene) {
@@ -107,8 +101,9 @@ void ImageThread::SetProbe(const LiveSnapshot& snapshot) {
   r.gain_db = snapshot.gain_db;
   r.depth_mm = snapshot.depth_mm;
   auto probe = std::make_shared<ultrasound::Probe>(*r.scene.probe);
-  probe->gain_db = std::clamp(r.gain_db.value_or(probe->gain_db), -kMostGainDb, kMostGainDb);
-  probe->depth_mm = std::clamp(r.depth_mm.value_or(probe->depth_mm), kLeastDepthMm, kMostDepthMm);
+  probe->gain_db = std::clamp(r.gain_db.value_or(probe->gain_db), -kLargestGainDb, kLargestGainDb);
+  probe->depth_mm =
+      std::clamp(r.depth_mm.value_or(probe->depth_mm), kLeastDepthMm, kLargestDepthMm);
   try {
     ultrasound::CheckedProbe(*probe);
     r.images.emplace(r.scene, probe.get());

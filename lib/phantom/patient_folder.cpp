@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "config/json_file.h"
+#include "config/pose_json.h"
 #include "core/atomic_file.h"
 #include "core/random.h"
 #include "session/session_io.h"
@@ -15,33 +16,18 @@ namespace {
 using Eigen::Vector3d;
 using Json = nlohmann::json;
 
-Json ToJson(const Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-Json ToJson(const Eigen::Isometry3d& target_from_source) {
-  Json rows = Json::array();
-  for (int row = 0; row < 4; ++row) {
-    Json cells = Json::array();
-    for (int column = 0; column < 4; ++column)
-      cells.push_back(target_from_source.matrix()(row, column));
-    rows.push_back(cells);
-  }
-  return rows;
-}
-
 Json ToJson(const InsertionPlan& plan) {
-  Json json = {{"entry_ct_mm", ToJson(plan.entry_ct_mm)},
-               {"target_ct_mm", ToJson(plan.target_ct_mm)},
-               {"direction", ToJson(plan.direction)},
-               {"skin_normal", ToJson(plan.skin_normal)},
-               {"heading", ToJson(plan.heading)},
+  Json json = {{"entry_ct_mm", config::Row(plan.entry_ct_mm)},
+               {"target_ct_mm", config::Row(plan.target_ct_mm)},
+               {"direction", config::Row(plan.direction)},
+               {"skin_normal", config::Row(plan.skin_normal)},
+               {"heading", config::Row(plan.heading)},
                {"length_mm", plan.length_mm()},
                {"bone_angle_deg", nullptr},
                {"bone_depth_mm", nullptr}};
   if (plan.bone_angle_rad) {
     json["bone_angle_deg"] = *plan.bone_angle_rad * 180.0 / std::numbers::pi;
-    json["bone_axis"] = ToJson(plan.bone_axis);
+    json["bone_axis"] = config::Row(plan.bone_axis);
     json["bone_depth_mm"] = plan.bone_depth_mm;
   }
   return json;
@@ -86,11 +72,11 @@ Json WriteInsertion(const std::filesystem::path& folder, const PatientField& fie
                       {"depth_mm", event.depth_mm}});
   }
   Json points = Json::object();
-  for (const NamedPoint& marker : markers) points[marker.name] = ToJson(marker.position_mm);
+  for (const NamedPoint& marker : markers) points[marker.name] = config::Row(marker.position_mm);
   return {{"format", "acus-truth/1"},
           {"seed", context.seed},
           {"config", config.document},
-          {"reference_from_ct", ToJson(config.markers.reference_from_ct)},
+          {"reference_from_ct", config::MatrixRows(config.markers.reference_from_ct)},
           {"fle_mm", config.markers.fle_mm},
           {"markers_ct_mm", points},
           {"insertion", ToJson(plan)},
@@ -175,7 +161,7 @@ void WritePatient(const std::filesystem::path& folder, const PhantomConfig& conf
   truth["hu"] = config.document.at("scanner").at("hu");
   truth["volumes_ml"] = VolumesMl(scan.labels);
   for (const auto& [name, point] : anatomy.landmarks())
-    truth["landmarks_ct_mm"][name] = ToJson(point);
+    truth["landmarks_ct_mm"][name] = config::Row(point);
   config::WriteJson(out.path() / "truth.json", truth);
   config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
   out.Commit();

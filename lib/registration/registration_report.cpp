@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "config/json_file.h"
+#include "config/pose_json.h"
 #include "core/error.h"
 #include "core/text_table.h"
 #include "registration/transform_file.h"
@@ -13,20 +14,9 @@
 namespace acus::registration {
 namespace {
 
+using config::MatrixRows;
+using config::Row;
 using nlohmann::json;
-
-json Row(const Eigen::Ref<const Eigen::Vector3d>& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-json MatrixRows(const Eigen::Isometry3d& transform) {
-  json rows = json::array();
-  for (int i = 0; i < 4; ++i) {
-    const Eigen::RowVector4d row = transform.matrix().row(i);
-    rows.push_back({row[0], row[1], row[2], row[3]});
-  }
-  return rows;
-}
 
 /// Standard deviations along the principal axes of a covariance, largest first.
 Eigen::Vector3d PrincipalDeviations(const Eigen::Matrix3d& covariance) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "config/json_file.h"
+#include "config/pose_json.h"
 #include "core/error.h"
 #include "core/run_context.h"
 #include "session/session_io.h"
@@ -35,12 +36,8 @@ struct Moment {
 };
 
 Eigen::Isometry3d CtFromReference(const fs::path& patient) {
-  const auto truth = config::ReadJson(patient / "truth.json").at("reference_from_ct");
-  Eigen::Isometry3d reference_from_ct = Eigen::Isometry3d::Identity();
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 4; ++c) reference_from_ct(r, c) = truth[r][c];
-  }
-  return reference_from_ct.inverse();
+  return config::PoseFromRows(config::ReadJson(patient / "truth.json").at("reference_from_ct"))
+      .inverse();
 }
 
 /// The recorded session where the needle is at its deepest.

@@ -12,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "config/json_file.h"
+#include "config/pose_json.h"
 #include "core/csv.h"
 #include "core/run_context.h"
 #include "display/window.h"
@@ -37,12 +38,8 @@ struct Demo {
 };
 
 Eigen::Isometry3d CtFromReference(const fs::path& patient) {
-  const auto truth = config::ReadJson(patient / "truth.json").at("reference_from_ct");
-  Eigen::Isometry3d reference_from_ct = Eigen::Isometry3d::Identity();
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 4; ++c) reference_from_ct(r, c) = truth[r][c];
-  }
-  return reference_from_ct.inverse();
+  return config::PoseFromRows(config::ReadJson(patient / "truth.json").at("reference_from_ct"))
+      .inverse();
 }
 
 /// Needle and probe of the recorded session, at this share of the needle's way.

@@ -26,5 +26,16 @@ TEST(PoseJson, RefusesWhatIsNoRotation) {
                   testing::HasSubstr("d.json: /needle/quaternion_wxyz: has length 0.9")));
 }
 
+TEST(PoseJson, RowsAreReadBackBitForBit) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(0.1, -20.0, 1.0 / 3.0);
+  const json rows = json::parse(MatrixRows(pose).dump());
+  EXPECT_EQ(rows.at(0).at(3), 0.1);
+  EXPECT_EQ(rows.at(3), json({0.0, 0.0, 0.0, 1.0}));
+  EXPECT_EQ(PoseFromRows(rows).matrix(), pose.matrix());
+  EXPECT_EQ(Row(pose.translation()), json({0.1, -20.0, 1.0 / 3.0}));
+}
+
 }  // namespace
 }  // namespace acus::config

@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include "console/steering.h"
+#include "live/picture_bounds.h"
 
 namespace acus::console {
 namespace {
 
 using display::Command;
+using live::kLargestDepthMm;
+using live::kLargestGainDb;
+using live::kLeastDepthMm;
 using session::CommandKind;
 
 TEST(Orders, AKeySwitchesOnAndOff) {
