@@ -284,7 +284,7 @@ void LiveSession::SendOut(const LivePicture& picture) {
   tracking::Picture out{
       .width = image.width, .height = image.height, .channels = 1, .pixels = image.pixels};
   out.reference_from_pixel = reference_from_ct.matrix() * moment.ct_from_probe.matrix() *
-                             ultrasound::PictureOf(*scene_.probe).probe_from_image().matrix();
+                             ultrasound::PictureOf(*picture.probe).probe_from_image().matrix();
   server_->SendPicture("Ultrasound", out, picture.snapshot.measured_ns);
 }
 

@@ -10,7 +10,9 @@
 #include "session/session_io.h"
 #include "support/layered_folder.h"
 #include "support/replay_folder.h"
+#include "tracking/igtl_source.h"
 #include "tracking/pose_server.h"
+#include "tracking/socket.h"
 #include "volume/volume_io.h"
 
 namespace acus::live {
@@ -177,6 +179,54 @@ TEST_F(Session, ATrackedNeedleMakesTheSteps) {
   replay::ReplaySession(scenario::ReadScenario(folder_ / "scene.json", changes), folder_ / "s",
                         replay, context_);
   EXPECT_TRUE(ReadTextFile(folder_ / "s/forces.csv") == ReadTextFile(folder_ / "r/forces.csv"));
+}
+
+// What 3D Slicer gets to see: the tools, and each picture where its probe was.
+TEST_F(Session, SendsPosesAndPicturesOut) {
+  tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
+  server.Start();
+  const int port = tracking::PortOf(tracking::ListenTcp("127.0.0.1", 0));
+  LiveDevices devices = Devices(server.port());
+  devices.send_out = {.host = "localhost", .port = port};
+  const std::vector<scenario::Override> b_mode = {{"/effects/ultrasound", nlohmann::json::object()},
+                                                  {"/effects/ct_slice", nullptr}};
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", b_mode), std::move(devices),
+                      options, context_);
+  session.Start();
+  tracking::IgtlOptions watcher_options{.port = port,
+                                        .tools = {{.tool = "needle", .device = "NeedleToReference"},
+                                                  {.tool = "probe", .device = "ProbeToReference"}},
+                                        .keep_images = true};
+  tracking::IgtlSource watcher(watcher_options);
+  watcher.Start();
+  const auto picture = [&] { return watcher.Image("Ultrasound"); };
+  PollUntil(session, server, [&] { return picture() && watcher.board().Latest(0).valid; });
+  EXPECT_TRUE(
+      watcher.board().Latest(1).reference_from_tool.isometry().isApprox(ProbeOnSkin(), 1e-6));
+  EXPECT_NEAR(watcher.board().Latest(0).reference_from_tool.translation().y(), 20.0, 5.0);
+
+  // A deeper picture has larger pixels; its first row stays at the face.
+  const auto expect_in_place = [&] {
+    const auto sent = picture();
+    ASSERT_EQ(sent->picture.width, probe_->image_width_px);
+    ASSERT_EQ(sent->picture.height, probe_->image_height_px);
+    const auto [darkest, brightest] = std::ranges::minmax(sent->picture.pixels);
+    EXPECT_GT(brightest - darkest, 50);
+    const Eigen::Matrix4d expected =
+        ProbeOnSkin().matrix() * ultrasound::PictureOf(*probe_).probe_from_image().matrix();
+    EXPECT_TRUE(sent->picture.reference_from_pixel.isApprox(expected, 1e-5))
+        << sent->picture.reference_from_pixel << "\n"
+        << expected;
+  };
+  expect_in_place();
+  session.commands().Give(session::CommandKind::kDepth, 90.0);
+  PollUntil(session, server, [&] { return probe_ && probe_->depth_mm == 90.0; });
+  const auto before = picture()->number;
+  PollUntil(session, server, [&] { return picture()->number > before + 2; });
+  expect_in_place();
+  session.Stop();
 }
 
 TEST_F(Session, ThatCannotBeginLeavesNothingRunning) {
