@@ -202,7 +202,8 @@ TEST_F(Session, SendsPosesAndPicturesOut) {
   tracking::IgtlSource watcher(watcher_options);
   watcher.Start();
   const auto picture = [&] { return watcher.Image("Ultrasound"); };
-  PollUntil(session, server, [&] { return picture() && watcher.board().Latest(0).valid; });
+  PollUntil(session, server,
+            [&] { return probe_ && picture() && watcher.board().Latest(0).valid; });
   EXPECT_TRUE(
       watcher.board().Latest(1).reference_from_tool.isometry().isApprox(ProbeOnSkin(), 1e-6));
   EXPECT_NEAR(watcher.board().Latest(0).reference_from_tool.translation().y(), 20.0, 5.0);
