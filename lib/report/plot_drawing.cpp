@@ -10,6 +10,7 @@
 #include "core/csv.h"
 #include "core/error.h"
 #include "report/markup.h"
+#include "report/plot_symbols.h"
 #include "report/thinning.h"
 
 namespace acus::report {
@@ -19,6 +20,7 @@ namespace {
 // white.
 constexpr std::array<const char*, 7> kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                  "#e69f00", "#56b4e9", "#444444"};
+constexpr const char* kInk = "#222222";
 constexpr const char* kGrid = "#dedede";
 constexpr const char* kMinorGrid = "#f1f1f1";
 constexpr double kFontPx = 12.0;
@@ -36,6 +38,17 @@ std::string Rectangle(double x1, double y1, double x2, double y2, const std::str
   return Message("<rect x=\"", Px(std::min(x1, x2)), "\" y=\"", Px(std::min(y1, y2)), "\" width=\"",
                  Px(std::abs(x2 - x1)), "\" height=\"", Px(std::abs(y2 - y1)), "\" ", extra,
                  "/>\n");
+}
+
+const char* ColourOf(const Series& series, std::size_t index) {
+  return series.colour == Colour::kInk ? kInk : kColours[index % kColours.size()];
+}
+
+/// Lines beyond the palette are told apart by their dashes.
+const char* DashesOf(const Series& series, std::size_t index) {
+  if (series.dashed) return " stroke-dasharray=\"4 3\"";
+  const bool again = series.colour == Colour::kOwn && index >= kColours.size();
+  return again ? " stroke-dasharray=\"6 3\"" : "";
 }
 
 std::string PathOf(const std::vector<PixelPoint>& points) {
@@ -131,16 +144,14 @@ std::string LegendText(const Plot& plot, const std::vector<LegendEntry>& entries
   std::string out;
   for (const LegendEntry& entry : entries) {
     const Series& series = plot.series[entry.series];
-    const char* colour = kColours[entry.series % kColours.size()];
+    const char* colour = ColourOf(series, entry.series);
     const double y = top + 10.0 + 17.0 * entry.row;
     if (series.style == Style::kLine) {
-      out +=
-          LineBetween(entry.x, y, entry.x + 22.0, y,
-                      Message("stroke=\"", colour, "\" stroke-width=\"2.5\"",
-                              entry.series >= kColours.size() ? " stroke-dasharray=\"6 3\"" : ""));
+      out += LineBetween(
+          entry.x, y, entry.x + 22.0, y,
+          Message("stroke=\"", colour, "\" stroke-width=\"2.5\"", DashesOf(series, entry.series)));
     } else if (series.style == Style::kPoints) {
-      out += Message("<circle cx=\"", Px(entry.x + 11.0), "\" cy=\"", Px(y), "\" r=\"3\" fill=\"",
-                     colour, "\"/>\n");
+      out += SymbolText(series.symbol, {entry.x + 11.0, y}, colour) + "\n";
     } else {
       out += Rectangle(entry.x, y - 5.0, entry.x + 22.0, y + 5.0,
                        Message("fill=\"", colour, "\" fill-opacity=\"",
@@ -181,6 +192,8 @@ class PlotDrawing {
       }
     }
     DrawMarkTexts();
+    DrawLimits();
+    DrawLabels();
     out_ += Rectangle(frame_.left, frame_.top, frame_.right(), frame_.bottom(),
                       "fill=\"none\" stroke=\"#888888\"");
     return std::move(out_) + "</g>\n";
@@ -293,13 +306,13 @@ class PlotDrawing {
     const Series& series = plot_.series[index];
     if (series.x.empty()) return;
     const int budget = kMaxPathPoints / static_cast<int>(plot_.series.size());
-    const char* colour = kColours[index % kColours.size()];
+    const char* colour = ColourOf(series, index);
     const std::string name =
         Message("<g class=\"series\" data-name=\"", Escaped(series.name), "\">");
     out_ += name;
     switch (series.style) {
       case Style::kLine:
-        DrawLine(series, colour, budget, index >= kColours.size());
+        DrawLine(series, colour, budget, DashesOf(series, index));
         break;
       case Style::kPoints:
         DrawPoints(series, colour, budget);
@@ -314,12 +327,11 @@ class PlotDrawing {
     out_ += "</g>\n";
   }
 
-  void DrawLine(const Series& series, const char* colour, int budget, bool dashed) {
+  void DrawLine(const Series& series, const char* colour, int budget, const char* dashes) {
     const auto points = ThinnedLine(Pixels(series.x, series.y), budget);
     if (points.size() == 1) return DrawPoints(series, colour, budget);
     out_ += Message("<path d=\"", PathOf(points), "\" fill=\"none\" stroke=\"", colour,
-                    "\" stroke-width=\"1.5\" stroke-linejoin=\"round\"",
-                    dashed ? " stroke-dasharray=\"6 3\"" : "", "/>");
+                    "\" stroke-width=\"1.5\" stroke-linejoin=\"round\"", dashes, "/>");
   }
 
   void DrawPoints(const Series& series, const char* colour, int budget) {
@@ -329,8 +341,53 @@ class PlotDrawing {
       path += "M" + Px(point.x) + "," + Px(point.y) + "h0";
     }
     const char* diameter = series.x.size() > 1000 ? "2.5" : "5";
-    out_ += Message("<path d=\"", path, "\" fill=\"none\" stroke=\"", colour, "\" stroke-width=\"",
-                    diameter, "\" stroke-linecap=\"round\"/>");
+    const bool dots = series.symbol == Symbol::kDot;
+    out_ += Message("<path d=\"", path, "\" fill=\"none\" stroke=\"", dots ? colour : "none",
+                    "\" stroke-width=\"", diameter, "\" stroke-linecap=\"round\"/>");
+    DrawBarsThroughPoints(series, colour);
+    for (std::size_t i = 0; !dots && i < series.x.size(); ++i) {
+      out_ += SymbolText(series.symbol, {PixelX(series.x[i]), PixelY(series.y[i])}, colour);
+    }
+  }
+
+  void DrawBarsThroughPoints(const Series& series, const char* colour) {
+    std::string path;
+    if (!series.low.empty()) {
+      path += BarsPath(Pixels(series.x, series.low), Pixels(series.x, series.high));
+    }
+    if (!series.x_low.empty()) {
+      path += BarsPath(Pixels(series.x_low, series.y), Pixels(series.x_high, series.y));
+    }
+    if (path.empty()) return;
+    out_ += Message("<path d=\"", path, "\" fill=\"none\" stroke=\"", colour,
+                    "\" stroke-width=\"1\" stroke-opacity=\"0.8\"/>");
+  }
+
+  void DrawLimits() {
+    for (const Limit& limit : plot_.limits) {
+      const double y = PixelY(limit.y);
+      out_ += LineBetween(frame_.left, y, frame_.right(), y,
+                          "stroke=\"#777777\" stroke-dasharray=\"4 3\"");
+      out_ += TextAt(frame_.left + 5.0, y - 4.0, limit.text,
+                     "font-size=\"10\" fill=\"#444444\" paint-order=\"stroke\" "
+                     "stroke=\"#ffffff\" stroke-width=\"2\" stroke-opacity=\"0.8\"");
+    }
+  }
+
+  void DrawLabels() {
+    LabelPlacer placer(frame_);
+    for (const Series& series : plot_.series) {
+      for (std::size_t i = 0; i < series.labels.size(); ++i) {
+        placer.Avoid({PixelX(series.x[i]), PixelY(series.y[i])});
+      }
+    }
+    for (std::size_t n = 0; n < plot_.series.size(); ++n) {
+      const Series& series = plot_.series[n];
+      for (std::size_t i = 0; i < series.labels.size(); ++i) {
+        out_ += placer.Place({PixelX(series.x[i]), PixelY(series.y[i])}, series.labels[i],
+                             ColourOf(series, n));
+      }
+    }
   }
 
   void DrawBand(const Series& series, const char* colour, int budget) {

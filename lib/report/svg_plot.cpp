@@ -28,16 +28,30 @@ void CheckColumn(const Plot& plot, const Series& series, const std::vector<doubl
 void Check(const Plot& plot) {
   for (const Series& series : plot.series) {
     CheckColumn(plot, series, series.x, "x", plot.log_x);
-    if (series.style == Style::kBand) {
+    const bool band = series.style == Style::kBand;
+    if (!band) CheckColumn(plot, series, series.y, "y", plot.log_y);
+    if (band || !series.low.empty() || !series.high.empty()) {
       CheckColumn(plot, series, series.low, "low", plot.log_y);
       CheckColumn(plot, series, series.high, "high", plot.log_y);
-    } else {
-      CheckColumn(plot, series, series.y, "y", plot.log_y);
     }
+    if (!series.x_low.empty() || !series.x_high.empty()) {
+      CheckColumn(plot, series, series.x_low, "x_low", plot.log_x);
+      CheckColumn(plot, series, series.x_high, "x_high", plot.log_x);
+    }
+    ACUS_REQUIRE(series.labels.empty() || series.labels.size() == series.x.size(), "plot '",
+                 plot.title, "', series '", series.name, "': ", series.labels.size(),
+                 " labels for ", series.x.size(), " points");
+  }
+  for (const Limit& limit : plot.limits) {
+    ACUS_REQUIRE(std::isfinite(limit.y) && (!plot.log_y || limit.y > 0.0), "plot '", plot.title,
+                 "', limit '", limit.text, "': y is ", limit.y,
+                 "; it must be finite, and positive on a logarithmic axis");
   }
   for (const Mark& mark : plot.marks) {
     ACUS_REQUIRE(std::isfinite(mark.x), "plot '", plot.title, "', mark '", mark.text,
                  "': x is not finite");
+    ACUS_REQUIRE(!(mark.widens && plot.log_x && mark.x <= 0.0), "plot '", plot.title, "', mark '",
+                 mark.text, "': x is ", mark.x, "; a logarithmic axis needs positive values");
   }
   for (const Span& span : plot.spans) {
     ACUS_REQUIRE(std::isfinite(span.from_x) && std::isfinite(span.to_x), "plot '", plot.title,
@@ -50,9 +64,16 @@ Extent ExtentX(std::span<const Plot> plots) {
   for (const Plot& plot : plots) {
     for (const Series& series : plot.series) {
       extent.Add(series.x);
+      extent.Add(series.x_low);
+      extent.Add(series.x_high);
       if (series.style != Style::kBars || series.x.empty() || plot.log_x) continue;
       extent.Add(extent.low - HalfBar(series));
       extent.Add(extent.high + HalfBar(series));
+    }
+  }
+  for (const Plot& plot : plots) {
+    for (const Mark& mark : plot.marks) {
+      if (mark.widens) extent.Add(mark.x);
     }
   }
   if (!extent.empty) return extent;
@@ -77,9 +98,11 @@ bool StartsAtZero(const Plot& plot) {
 Extent ExtentY(const Plot& plot) {
   Extent extent;
   for (const Series& series : plot.series) {
-    extent.Add(series.style == Style::kBand ? series.low : series.y);
-    if (series.style == Style::kBand) extent.Add(series.high);
+    if (series.style != Style::kBand) extent.Add(series.y);
+    extent.Add(series.low);
+    extent.Add(series.high);
   }
+  for (const Limit& limit : plot.limits) extent.Add(limit.y);
   if (StartsAtZero(plot) && !plot.log_y) extent.Add(0.0);
   return extent;
 }

@@ -15,18 +15,45 @@ enum class Style {
   kBars,    ///< Histogram: a bar from 0 to y around each x, as wide as the smallest gap.
 };
 
+/// Of the points of a series.
+enum class Symbol {
+  kDot,
+  kRing,     ///< Around a dot of another series: "this one".
+  kDiamond,  ///< As large as the ring, of lines as well.
+  kStar,     ///< Filled, larger than a dot: what the plot is about.
+};
+
+/// Of a series: the next one of the palette, or that of texts, which stands for remarks on others.
+enum class Colour { kOwn, kInk };
+
 struct Series {
   std::string name = {};  ///< In the legend; empty keeps it out.
   std::vector<double> x = {};
   std::vector<double> y = {};
   Style style = Style::kLine;
-  std::vector<double> low = {};   ///< Of a band, as long as x.
-  std::vector<double> high = {};  ///< Of a band, as long as x.
+  /// Of a band, as long as x. Of points: the ends of a bar through each, or empty.
+  std::vector<double> low = {};
+  std::vector<double> high = {};
+  // Of points only, each as long as x, or empty.
+  std::vector<double> x_low = {};  ///< Ends of a level bar through each.
+  std::vector<double> x_high = {};
+  std::vector<std::string> labels =
+      {};  ///< Beside the points; those that find no room are left out.
+  Symbol symbol = Symbol::kDot;
+  Colour colour = Colour::kOwn;
+  bool dashed = false;  ///< Of a line.
 };
 
 /// A vertical line with a text: an event.
 struct Mark {
   double x = 0.0;
+  std::string text = {};
+  bool widens = false;  ///< The x axis reaches it, instead of leaving it out.
+};
+
+/// A dashed level line with a text: a limit. The y axis reaches it.
+struct Limit {
+  double y = 0.0;
   std::string text = {};
 };
 
@@ -46,8 +73,9 @@ struct Plot {
   bool y_from_zero = false;               ///< The y axis reaches down (or up) to 0.
   std::vector<std::string> x_names = {};  ///< Stand at x = 0, 1, 2, ... instead of numbers.
   std::vector<Series> series = {};
-  std::vector<Mark> marks = {};  ///< Those outside the x range are left out.
+  std::vector<Mark> marks = {};  ///< Those outside the x range are left out, unless they widen it.
   std::vector<Span> spans = {};
+  std::vector<Limit> limits = {};
   int width_px = 860;
   int height_px = 300;
 };

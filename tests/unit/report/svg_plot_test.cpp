@@ -168,5 +168,92 @@ TEST(SvgText, DrawsBarsFromZero) {
   EXPECT_NEAR(heights[2] / heights[0], 0.5, 0.01);
 }
 
+Plot Tradeoff() {
+  Plot plot{.title = "Tradeoff", .log_x = true, .log_y = true};
+  plot.series.push_back({.name = "needle_nodes",
+                         .x = {10, 20, 40},
+                         .y = {1, 0.5, 0.25},
+                         .style = Style::kPoints,
+                         .low = {0.9, 0.4, 0.2},
+                         .high = {1.1, 0.6, 0.3},
+                         .x_low = {9, 18, 36},
+                         .x_high = {11, 22, 44},
+                         .labels = {"8", "15", "25"}});
+  plot.series.push_back({.name = "default",
+                         .x = {20},
+                         .y = {0.5},
+                         .style = Style::kPoints,
+                         .symbol = Symbol::kRing,
+                         .colour = Colour::kInk});
+  return plot;
+}
+
+TEST(SvgText, PointsHaveTheirBarsLabelsAndSymbols) {
+  const std::string svg = SvgText(Tradeoff());
+  for (const char* label : {">8</text>", ">15</text>", ">25</text>"}) {
+    EXPECT_THAT(svg, HasSubstr(label));
+  }
+  // Six bars of three lines each: the bar and its caps.
+  const std::size_t bars = svg.find("stroke-opacity=\"0.8\"/>");
+  const std::size_t begin = svg.rfind("<path", bars);
+  const std::string path = svg.substr(begin, bars - begin);
+  EXPECT_EQ(std::ranges::count(path, 'M'), 18);
+  // The ring: once in the legend, once around its point.
+  const std::regex ring(R"re(<circle [^>]*fill="none" stroke="#222222")re");
+  EXPECT_EQ(std::distance(std::sregex_iterator(svg.begin(), svg.end(), ring), {}), 2);
+}
+
+TEST(SvgText, LimitsAndWideningMarksAreWithinTheAxes) {
+  Plot plot = Tradeoff();
+  plot.limits.push_back({0.001, "accurate enough"});
+  plot.marks.push_back({5000.0, "budget", true});
+  plot.marks.push_back({1e9, "far away"});
+  const std::string svg = SvgText(plot);
+  EXPECT_THAT(svg,
+              AllOf(HasSubstr("accurate enough"), HasSubstr("budget"), Not(HasSubstr("far away"))));
+  std::smatch m;
+  ASSERT_TRUE(std::regex_search(
+      svg, m, std::regex(R"re(data-x="(\S+) (\S+) log" data-y="(\S+) (\S+) log")re")));
+  EXPECT_GE(std::stod(m[2]), 5000.0);
+  EXPECT_LT(std::stod(m[2]), 1e5);
+  EXPECT_LE(std::stod(m[3]), 0.001);
+}
+
+TEST(SvgText, WhatIsWrongWithPointsIsSaid) {
+  Plot plot = Tradeoff();
+  plot.series[0].labels.pop_back();
+  EXPECT_THAT([&] { SvgText(plot); }, ThrowsMessage<InputError>(HasSubstr("2 labels for 3")));
+  plot = Tradeoff();
+  plot.series[0].low[1] = 0.0;
+  EXPECT_THAT([&] { SvgText(plot); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("row 1"), HasSubstr("low is 0"))));
+  plot = Tradeoff();
+  plot.series[0].x_high.pop_back();
+  EXPECT_THAT([&] { SvgText(plot); }, ThrowsMessage<InputError>(HasSubstr("x_high has 2 values")));
+  plot = Tradeoff();
+  plot.limits.push_back({0.0, "none"});
+  EXPECT_THAT([&] { SvgText(plot); }, ThrowsMessage<InputError>(HasSubstr("limit 'none'")));
+  plot = Tradeoff();
+  plot.marks.push_back({-1.0, "gone", true});
+  EXPECT_THAT([&] { SvgText(plot); }, ThrowsMessage<InputError>(HasSubstr("mark 'gone'")));
+}
+
+TEST(SvgText, LabelsDoNotLieOnOneAnother) {
+  Plot plot{.title = "Crowd"};
+  Series crowd{.name = "crowd", .style = Style::kPoints};
+  for (int i = 0; i < 40; ++i) {
+    crowd.x.push_back(i % 2);
+    crowd.y.push_back(1.0);
+    crowd.labels.push_back("label " + std::to_string(i));
+  }
+  plot.series.push_back(crowd);
+  const std::string svg = SvgText(plot);
+  int count = 0;
+  for (std::size_t at = svg.find(">label "); at != svg.npos; at = svg.find(">label ", at + 1))
+    ++count;
+  EXPECT_GE(count, 4);
+  EXPECT_LE(count, 12);  // Two places with room for six each.
+}
+
 }  // namespace
 }  // namespace acus::report
