@@ -39,12 +39,15 @@ Eigen::Vector2d FemNeedleModel::LineMm(const FemNeedleState& state,
 }
 
 /// Length of shaft that a point stands for: half way to its neighbours, the last one up to the tip.
+/// Never negative: seen along a needle that was turned, points of a crooked channel can stand in
+/// another order than they were set, and friction would drive the needle.
 double FemNeedleModel::FrictionLengthMm(const FemNeedleState& state, int point) const noexcept {
   const NeedlePoint* const p = state.point.data() + point;
-  const double before_mm = point > 0 ? 0.5 * (p->axial_mm - p[-1].axial_mm) : 0.0;
-  if (point + 1 < state.contact.num_points()) {
-    return before_mm + 0.5 * (p[1].axial_mm - p->axial_mm);
-  }
+  const auto half_mm = [](const NeedlePoint& a, const NeedlePoint& b) {
+    return std::max(0.0, 0.5 * (b.axial_mm - a.axial_mm));
+  };
+  const double before_mm = point > 0 ? half_mm(p[-1], *p) : 0.0;
+  if (point + 1 < state.contact.num_points()) return before_mm + half_mm(*p, p[1]);
   const double most_mm = point + 1 < max_points_ ? spacing_mm_ : std::numeric_limits<double>::max();
   return before_mm + std::clamp(state.depth_mm - p->axial_mm - p->moved_mm, 0.0, most_mm);
 }

@@ -6,13 +6,23 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "support/bound.h"
 #include "support/layered_tissue.h"
+#include "support/stability_length.h"
 #include "tissue/plane_model_2010.h"
 
 namespace acus::tissue {
 namespace {
 
 using Eigen::Vector3d;
+using testing_support::Above;
+using testing_support::AtLeast;
+using testing_support::AtMost;
+using testing_support::Below;
+using testing_support::BoundPlot;
+using testing_support::Exactly;
+using testing_support::HardCase;
+using testing_support::Largest;
 using testing_support::Layers;
 using testing_support::LevelInsertion;
 using Insertion = LevelInsertion<PlaneModel2010>;
@@ -86,6 +96,12 @@ ToolSample Wild(RandomStream& random, double& time_s) {
 }
 
 TEST(TissueLevelsPlane, WildSamplesStayFiniteAndBounded) {
+  const HardCase hard("Jumps, broken numbers, time that goes back, lost poses, at random.");
+  Largest force_n;
+  Largest energy_n_mm;
+  Largest error_n;
+  Largest moved_mm;
+  const int num_steps = testing_support::StabilitySteps(50'000);
   PlaneSettings coarse;
   coarse.spacing_mm = 5.0;
   const PlaneModel2010 model = Body(coarse);
@@ -94,17 +110,22 @@ TEST(TissueLevelsPlane, WildSamplesStayFiniteAndBounded) {
   TissueLoad load;
   PlaneField2010 field(model);
   double time_s = 0.0;
-  for (int n = 0; n < 50'000; ++n) {
+  for (int n = 0; n < num_steps; ++n) {
     const auto force = model.Step(state, Wild(random, time_s));
-    ASSERT_TRUE(force.force_in_ct_n.allFinite()) << n;
-    ASSERT_LE(force.force_in_ct_n.norm(), model.table().settings.largest_force_n * (1 + 1e-12));
-    ASSERT_TRUE(std::abs(EnergyNmm(state)) < 100.0) << n;
+    force_n.Add(force.force_in_ct_n.norm());
+    energy_n_mm.Add(std::abs(EnergyNmm(state)));
     if (n % 50 != 0) continue;
-    ASSERT_LT(ErrorOfFreshSolveN(state.contact), 1e-9) << n;
+    error_n.Add(ErrorOfFreshSolveN(state.contact));
     model.LoadOf(state, load);
     field.Update(load);
-    ASSERT_LT(field.DisplacementMm(Vector3d(1, 1, random.Uniform(-10, 80))).norm(), 20.0) << n;
+    moved_mm.Add(field.DisplacementMm(Vector3d(1, 1, random.Uniform(-10, 80))).norm());
   }
+  hard.Expect("largest force", force_n,
+              AtMost(model.table().settings.largest_force_n * (1 + 1e-12)), "N");
+  hard.Expect("elastic energy", energy_n_mm, Below(100.0), "mJ");
+  hard.Expect("force against a new factorisation", error_n, Below(1e-9), "N");
+  hard.Expect("largest displacement in the image", moved_mm, Below(20.0), "mm");
+  hard.Note("wild steps", std::to_string(num_steps));
   EXPECT_GT(state.gate.num_rejected, 100);
   EXPECT_GT(state.gate.num_time_back, 100);
   EXPECT_EQ(state.contact.num_unresolved(), 0);
@@ -113,12 +134,17 @@ TEST(TissueLevelsPlane, WildSamplesStayFiniteAndBounded) {
 // One million swaps by a needle that goes to and fro: by so much that all nodes slip at once, and
 // by so little that many stick.
 TEST(TissueLevelsPlane, AMillionSwapsKeepTheForcesOfAFreshSolve) {
+  const HardCase hard("A million changes between stick and slip by a needle that goes to and fro.");
   const PlaneModel2010 model = Body();
   Insertion insertion{model};
   insertion.MoveToDepth(60.0);
-  double worst_n = 0.0;
-  double largest_n = 0.0;
-  double largest_energy = 0.0;
+  Largest worst_n;
+  Largest largest_n;
+  Largest largest_energy;
+  BoundPlot plot{.title = "Elastic energy in the tissue during a million changes",
+                 .x_label = "changes between stick and slip",
+                 .y_label = "energy [mJ]",
+                 .curves = {{}}};
   RandomStream random(7, "strokes");
   double z = 60.0;
   std::int64_t num_sticking = 0;
@@ -128,25 +154,27 @@ TEST(TissueLevelsPlane, AMillionSwapsKeepTheForcesOfAFreshSolve) {
     z += z > 52.0 ? -stroke_mm : stroke_mm;
     num_sticking += NumSticking(insertion.state.contact);
     insertion.StepTo(Vector3d(random.Uniform(-0.5, 0.5), 0, z));
-    largest_n = std::max(largest_n, insertion.last.force_in_ct_n.norm());
-    largest_energy = std::max(largest_energy, std::abs(EnergyNmm(insertion.state)));
-    worst_n = std::max(worst_n, ErrorOfFreshSolveN(insertion.state.contact));
+    const double energy_n_mm = EnergyNmm(insertion.state);
+    largest_n.Add(insertion.last.force_in_ct_n.norm());
+    largest_energy.Add(std::abs(energy_n_mm));
+    worst_n.Add(ErrorOfFreshSolveN(insertion.state.contact));
     insertion.log.clear();
+    if (n % 50 != 0) continue;
+    plot.curves[0].Add(static_cast<double>(insertion.state.contact.num_swaps()), energy_n_mm);
   }
-  std::printf(
-      "%lld swaps: force error %.3g N, %lld rebuilds, %lld unresolved, forces to %.3g N, "
-      "energy to %.3g N mm\n",
-      static_cast<long long>(insertion.state.contact.num_swaps()), worst_n,
-      static_cast<long long>(insertion.state.contact.num_rebuilds()),
-      static_cast<long long>(insertion.state.contact.num_unresolved()), largest_n, largest_energy);
-  EXPECT_LE(worst_n, 1e-9);
+  hard.Expect("force against a new factorisation", worst_n, AtMost(1e-9), "N");
   EXPECT_GT(num_sticking, 100'000);
-  EXPECT_EQ(insertion.state.contact.num_unresolved(), 0);
-  EXPECT_LT(largest_n, 20.0);
-  EXPECT_LT(largest_energy, 100.0);
+  hard.Expect("steps without an answer",
+              static_cast<double>(insertion.state.contact.num_unresolved()), Exactly(0));
+  hard.Expect("largest force", largest_n, Below(20.0), "N");
+  hard.Expect("elastic energy", largest_energy, Below(100.0), "mJ");
+  hard.Note("new inverses", std::to_string(insertion.state.contact.num_rebuilds()));
+  hard.Plot(plot);
 }
 
 TEST(TissueLevelsPlane, ACopyGoesOnWithTheSameBits) {
+  const HardCase hard("A state that is saved in the middle of wild samples goes on as the other.");
+  int num_differ = 0;
   for (const PlaneUpdate update : {PlaneUpdate::kRestricted, PlaneUpdate::kFull}) {
     PlaneSettings coarse;
     coarse.spacing_mm = 9.0;
@@ -161,12 +189,14 @@ TEST(TissueLevelsPlane, ACopyGoesOnWithTheSameBits) {
       const ToolSample sample = Wild(random, time_s);
       const Vector3d a = model.Step(state, sample).force_in_ct_n;
       const Vector3d b = model.Step(copy, sample).force_in_ct_n;
-      ASSERT_EQ(std::memcmp(a.data(), b.data(), sizeof(double) * 3), 0) << n;
+      num_differ += std::memcmp(a.data(), b.data(), sizeof(double) * 3) == 0 ? 0 : 1;
     }
   }
+  hard.Expect("forces that differ in a bit, of 2000", num_differ, Exactly(0));
 }
 
 TEST(TissueLevelsPlane, TheForceDoesNotDependOnTheStep) {
+  const HardCase hard("Steps of 0.1 to 10 ms, and 50 mm in one step.");
   const PlaneModel2010 model = Body();
   double force_n[4] = {};
   int i = 0;
@@ -178,11 +208,17 @@ TEST(TissueLevelsPlane, TheForceDoesNotDependOnTheStep) {
   Insertion jumps{model};
   for (const double z : {-1.0, 12.0, 62.0, 62.0}) jumps.StepTo(Vector3d(0, 0, z));
   force_n[3] = jumps.last.AxialN();
-  for (const double other_n : force_n) EXPECT_NEAR(other_n, force_n[0], 0.03);
+  Largest off_n;
+  for (const double other_n : force_n) off_n.Add(std::abs(other_n - force_n[0]));
+  hard.Expect("force against that at 0.1 ms", off_n, AtMost(0.03), "N");
   EXPECT_GT(force_n[0], 1.0);
 }
 
 TEST(TissueLevelsPlane, StandingStillComesToRestAndKeepsItsBits) {
+  const HardCase hard(
+      "A needle that stands still, in tissue, in a vessel and on bone, feels no change.");
+  Largest relaxed_n;
+  Largest change_n;
   const PlaneModel2010 model = Body();
   for (const double depth_mm : {4.0, 33.3, 46.0, 71.0}) {
     Insertion insertion{model};
@@ -190,12 +226,14 @@ TEST(TissueLevelsPlane, StandingStillComesToRestAndKeepsItsBits) {
     const double moving_n = insertion.last.AxialN() - insertion.last.bone_n;
     for (int n = 0; n < 100; ++n) insertion.StepTo(insertion.tip_mm);
     const Vector3d force = insertion.last.force_in_ct_n;
-    EXPECT_NEAR(insertion.last.AxialN() - insertion.last.bone_n, moving_n, 0.05) << depth_mm;
+    relaxed_n.Add(std::abs(insertion.last.AxialN() - insertion.last.bone_n - moving_n));
     for (int n = 0; n < 1000; ++n) {
       insertion.StepTo(insertion.tip_mm);
-      ASSERT_LT((insertion.last.force_in_ct_n - force).norm(), 1e-9) << depth_mm;
+      change_n.Add((insertion.last.force_in_ct_n - force).norm());
     }
   }
+  hard.Expect("change within 0.1 s after it stopped", relaxed_n, AtMost(0.05), "N");
+  hard.Expect("change in a second after that", change_n, Below(1e-9), "N");
 }
 
 TEST(TissueLevelsPlane, ALostNeedleKeepsItsForceAndLetsGoSlowly) {
@@ -213,6 +251,9 @@ TEST(TissueLevelsPlane, ALostNeedleKeepsItsForceAndLetsGoSlowly) {
 }
 
 TEST(TissueLevelsPlane, GoesInAndOutAndSidewaysAHundredTimes) {
+  const HardCase hard("Torn sideways through tissue a hundred times: nothing may be left of it.");
+  Largest drift_n;
+  Largest lateral_n;
   PlaneSettings coarse;
   coarse.spacing_mm = 5.0;
   const PlaneModel2010 model = Body(coarse);
@@ -222,18 +263,22 @@ TEST(TissueLevelsPlane, GoesInAndOutAndSidewaysAHundredTimes) {
   for (int n = 0; n < 100; ++n) {
     insertion.MoveToDepth(40.0, 400.0);
     if (n == 0) first_n = insertion.last.AxialN();
-    EXPECT_NEAR(insertion.last.AxialN(), first_n, 1e-6);
+    drift_n.Add(std::abs(insertion.last.AxialN() - first_n));
     insertion.MoveTo(Vector3d(15, 0, 40), 400.0);  // Torn through the tissue.
-    EXPECT_LE(insertion.last.lateral_n, model.table().settings.lateral_limit_n + 1e-12);
+    lateral_n.Add(insertion.last.lateral_n);
     insertion.MoveTo(Vector3d(0, 0, 40), 400.0);
     insertion.MoveToDepth(-1.5, 400.0);
     EXPECT_EQ(insertion.state.num_nodes, 0) << n;
   }
-  EXPECT_GT(insertion.work_n_mm, 0.0);
+  hard.Expect("force at 40 mm against the first time", drift_n, AtMost(1e-6), "N");
+  hard.Expect("force sideways", lateral_n, AtMost(model.table().settings.lateral_limit_n + 1e-12),
+              "N");
+  hard.Expect("work of the hand", insertion.work_n_mm, Above(0.0), "mJ");
 }
 
 // 1000:1 between the layers, and islands that hang on nothing.
 TEST(TissueLevelsPlane, HighContrastAndIslandsAreNoTrouble) {
+  const HardCase hard("Layers of 1 kPa and 1 MPa, and an island of tissue in the air.");
   const auto elasticity = mechanics::ElasticityTableFromJson(nlohmann::json::parse(R"({
     "format": "acus-elasticity/1", "tissues": [
       {"tissue": "fat", "source": "test", "youngs_modulus_kpa": 1},
@@ -252,11 +297,11 @@ TEST(TissueLevelsPlane, HighContrastAndIslandsAreNoTrouble) {
   insertion.tip_mm.x() = 20.0;
   insertion.MoveToDepth(60.0, 50.0);
   EXPECT_EQ(insertion.state.contact.num_unresolved(), 0);
-  EXPECT_LT(ErrorOfFreshSolveN(insertion.state.contact), 1e-9);
-  for (const forces::NeedleForce& force : insertion.log) {
-    ASSERT_TRUE(force.force_in_ct_n.allFinite());
-    ASSERT_LT(force.force_in_ct_n.norm(), 4.0);
-  }
+  hard.Expect("force against a new factorisation", ErrorOfFreshSolveN(insertion.state.contact),
+              Below(1e-9), "N");
+  Largest force_n;
+  for (const forces::NeedleForce& force : insertion.log) force_n.Add(force.force_in_ct_n.norm());
+  hard.Expect("largest force", force_n, Below(4.0), "N");
 }
 
 }  // namespace

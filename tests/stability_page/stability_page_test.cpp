@@ -56,6 +56,16 @@ TEST_F(StabilityPageTest, AValueHasAMarginAndItsTestAName) {
   EXPECT_THAT(page, Not(HasSubstr("What fails")));
 }
 
+TEST_F(StabilityPageTest, TestsOfOneNameAreToldApartByTheirSuites) {
+  json other = Record("StandsStill/2", "error", 0.5, true);
+  other["suite"] = "RodInTissue/1";
+  Bounds({Record("StandsStill", "error", 0.5, true), other, Record("Other", "error", 0.5, true)});
+  const StabilityRun run = Read();
+  EXPECT_EQ(run.values.at(0).origin.Name(), "Stands still (Rod)");
+  EXPECT_EQ(run.values.at(1).origin.Name(), "Stands still (Rod in tissue)");
+  EXPECT_EQ(run.values.at(2).origin.Name(), "Other");
+}
+
 TEST_F(StabilityPageTest, MarginsOfLeastValuesEqualitiesAndZero) {
   BoundedValue value;
   value.sense = ">=";

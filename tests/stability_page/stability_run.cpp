@@ -49,7 +49,8 @@ Origin OriginOf(const json& record) {
           .suite = record.at("suite"),
           .test = record.at("test"),
           .file = record.at("file"),
-          .hard = record.at("hard")};
+          .hard = record.at("hard"),
+          .shares_name = false};
 }
 
 double NumberOr(const json& value, double otherwise) {
@@ -133,19 +134,40 @@ void ReadTests(const fs::path& file, StabilityRun& run) {
   }
 }
 
+/// "Step size of 10 us" of StepSizeOf10Us; what follows a slash (a parameter) is left out.
+std::string InWords(const std::string& name) {
+  std::string words;
+  for (std::size_t i = 0; i < name.size() && name[i] != '/'; ++i) {
+    const char letter = name[i];
+    const bool upper = letter >= 'A' && letter <= 'Z';
+    const bool digit = letter >= '0' && letter <= '9';
+    const bool after_digit = i > 0 && name[i - 1] >= '0' && name[i - 1] <= '9';
+    if (i > 0 && (upper || (digit && !after_digit))) words += ' ';
+    words += upper && i > 0 ? static_cast<char>(letter - 'A' + 'a') : letter;
+  }
+  return words;
+}
+
+/// Marks tests of one name in several suites of a module.
+void MarkSharedNames(StabilityRun& run) {
+  std::map<std::string, std::set<std::string>> suites;
+  const auto key = [](const Origin& origin) {
+    return origin.module + "." + origin.test.substr(0, origin.test.find('/'));
+  };
+  for (const BoundedValue& value : run.values) {
+    const std::string& suite = value.origin.suite;
+    suites[key(value.origin)].insert(suite.substr(0, suite.find('/')));
+  }
+  const auto mark = [&](Origin& origin) { origin.shares_name = suites[key(origin)].size() > 1; };
+  for (BoundedValue& value : run.values) mark(value.origin);
+  for (OriginPlot& plot : run.plots) mark(plot.origin);
+  for (Note& note : run.notes) mark(note.origin);
+}
+
 }  // namespace
 
 std::string Origin::Name() const {
-  std::string name;
-  for (std::size_t i = 0; i < test.size() && test[i] != '/'; ++i) {
-    const char letter = test[i];
-    const bool upper = letter >= 'A' && letter <= 'Z';
-    const bool digit = letter >= '0' && letter <= '9';
-    const bool after_digit = i > 0 && test[i - 1] >= '0' && test[i - 1] <= '9';
-    if (i > 0 && (upper || (digit && !after_digit))) name += ' ';
-    name += upper && i > 0 ? static_cast<char>(letter - 'A' + 'a') : letter;
-  }
-  return name;
+  return shares_name ? InWords(test) + " (" + InWords(suite) + ")" : InWords(test);
 }
 
 double BoundedValue::Margin() const {
@@ -201,6 +223,7 @@ StabilityRun ReadStabilityRun(const fs::path& folder) {
   for (const fs::path& file : Files(folder / "bounds", ".jsonl")) ReadBounds(file, run);
   ACUS_REQUIRE(!run.values.empty(), (folder / "bounds").string(),
                ": no test stated a bound there; run pipelines/stability");
+  MarkSharedNames(run);
   for (const fs::path& file : Files(folder / "tests", ".json")) ReadTests(file, run);
   if (fs::exists(folder / "programs.jsonl")) {
     ForEachLine(folder / "programs.jsonl", [&run](const json& record) {

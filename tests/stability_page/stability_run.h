@@ -19,8 +19,11 @@ struct Origin {
   std::string file;
   std::string hard;  ///< What is hard about it, one sentence.
 
-  /// "Step size does not matter" of the test StepSizeDoesNotMatter.
+  /// "Step size does not matter" of the test StepSizeDoesNotMatter; with "in tissue levels plane"
+  /// of its suite where the module has another test of that name.
   std::string Name() const;
+
+  bool shares_name = false;
 };
 
 /// One measured value and what it is held to.
