@@ -37,6 +37,8 @@ BeltConfig BeltOf(const json& node, const std::string& where) {
   return belt;
 }
 
+constexpr double kFilmRateHz = 30.0;  ///< Of films and folders in place of a camera.
+
 CameraConfig CameraOf(const json& node, const fs::path& folder, const std::string& where) {
   CameraConfig camera;
   camera.model = config::FindConfig(node.at("model").get<std::string>(), folder);
@@ -45,6 +47,7 @@ CameraConfig CameraOf(const json& node, const fs::path& folder, const std::strin
   camera::CameraTrackerOptions& options = camera.options;
   options.name = node.at("name");
   options.place = node.at("place");
+  options.source.pace_hz = kFilmRateHz;
   options.reference = node.at("reference");
   options.hold_reference_ms = node.at("hold_reference_ms");
   options.journal_capacity = 1U << 12;

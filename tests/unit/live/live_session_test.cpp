@@ -8,6 +8,7 @@
 #include "core/atomic_file.h"
 #include "core/monotonic_time.h"
 #include "session/session_io.h"
+#include "support/facet_views.h"
 #include "support/layered_folder.h"
 #include "support/replay_folder.h"
 #include "tracking/igtl_source.h"
@@ -62,11 +63,13 @@ class Session : public testing_support::ReplayFolder {
             std::vector<tracking::NamedPose>{
                 {.name = "ProbeToReference", .reference_from_tool = pose_, .valid = true}},
             MonotonicNs());
+        if (video_.width > 0) server.SendPicture("Video", video_, MonotonicNs());
       }
       if (session.pictures().Refresh()) {
         snapshot_ = session.pictures().Front().snapshot;
         probe_ = session.pictures().Front().probe;
         width_px_ = session.pictures().Front().images.ct_slice.width;
+        fluoroscopy_ = session.pictures().Front().fluoroscopy;
       }
       std::this_thread::sleep_for(milliseconds(10));
     }
@@ -78,6 +81,8 @@ class Session : public testing_support::ReplayFolder {
   LiveSnapshot snapshot_;
   std::shared_ptr<const ultrasound::Probe> probe_;
   int width_px_ = 0;
+  ultrasound::GrayImage fluoroscopy_;
+  tracking::Picture video_;  ///< What a camera sees, if there is one.
 };
 
 TEST_F(Session, OutlivesItsTrackerAndReplaysToTheSameForces) {
@@ -227,6 +232,81 @@ TEST_F(Session, SendsPosesAndPicturesOut) {
   const auto before = picture()->number;
   PollUntil(session, server, [&] { return picture()->number > before + 2; });
   expect_in_place();
+  session.Stop();
+}
+
+// One camera for a tool and for the overlay; its cable is pulled and put back.
+TEST_F(Session, AProbeIsTrackedByACamera) {
+  const camera::CameraModel model =
+      camera::ReadCamera(testing_support::ConfigPath("cameras/micron_tracker_2010.json"));
+  const camera::FacetSet set =
+      camera::ReadFacets(testing_support::ConfigPath("facets/training.json"));
+  const Eigen::Isometry3d mannequin = testing_support::FacingPose({0, -140, 900}, 20, 0, 0);
+  const Eigen::Isometry3d object = testing_support::FacingPose({0, -60, 600}, 15, 20, 10) *
+                                   Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()) *
+                                   Eigen::Translation3d(0, 110, 0);
+  camera::Picture seen;
+  camera::MannequinCamera(model, set, {}, {.colour = false})
+      .Render(std::vector<camera::ObjectInView>{{"Reference", mannequin}, {"Probe", object}}, 0,
+              seen);
+  video_ = {.width = seen.width_px, .height = seen.height_px, .channels = 1, .pixels = seen.pixels};
+  tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
+  server.Start();
+  // The calibration puts the probe's face where the patient is.
+  const session::Pose from_object = (mannequin.inverse() * object).inverse() * ProbeOnSkin();
+  const Eigen::Vector3d t = from_object.isometry().translation();
+  const Eigen::Quaterniond& q = from_object.quaternion();
+  WriteTextFile(folder_ / "devices.json",
+                Message(R"({"format": "acus-devices/1", "devices": [],
+      "camera": {"place": "igtl:localhost:)",
+                        server.port(), R"(/Video", "model": "cameras/micron_tracker_2010.json",
+        "facets": "facets/training.json", "tools": [{"tool": "probe", "object": "Probe",
+        "translation_mm": [)",
+                        t.x(), ",", t.y(), ",", t.z(), R"(], "quaternion_wxyz": [)", q.w(), ",",
+                        q.x(), ",", q.y(), ",", q.z(), "]}]}}"));
+  const std::vector<scenario::Override> without_needle = {{"/effects/needle_force", nullptr},
+                                                          {"/effects/ct_slice/needle", false}};
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", without_needle),
+                      ReadLiveDevices(folder_ / "devices.json"), options, context_);
+  session.Start();
+  PollUntil(session, server, [&] { return snapshot_.moment.probe_valid && width_px_ > 0; });
+  EXPECT_NE(session.video(), nullptr);
+  const auto error = testing_support::ErrorOf(snapshot_.moment.ct_from_probe, ProbeOnSkin());
+  EXPECT_LT(error.position_mm, 0.5);
+  EXPECT_LT(error.angle_deg, 0.5);
+  sends_ = false;
+  PollUntil(session, server, [&] { return !snapshot_.moment.probe_valid; });
+  EXPECT_THAT(session.Status(), Contains(Field(&StatusLine::text, HasSubstr("does not see"))));
+  sends_ = true;
+  PollUntil(session, server, [&] { return snapshot_.moment.probe_valid; });
+  session.Stop();
+  EXPECT_EQ(nlohmann::json::parse(ReadTextFile(folder_ / "s/summary.json"))
+                .at("recording")
+                .at("steps_lost"),
+            0);
+}
+
+TEST_F(Session, FluoroscopyFollowsTheNeedle) {
+  tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
+  server.Start();
+  const std::vector<scenario::Override> c_arm = {{"/effects/fluoroscopy", nlohmann::json::object()},
+                                                 {"/effects/probe_force", nullptr}};
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", c_arm), Devices(server.port()),
+                      options, context_);
+  session.Start();
+  PollUntil(session, server, [&] { return !fluoroscopy_.pixels.empty(); });
+  const ultrasound::GrayImage first = fluoroscopy_;
+  PollUntil(session, server, [&] { return fluoroscopy_.pixels != first.pixels; });
+  // Only the needle moves: most of the picture stays.
+  int changed = 0;
+  for (std::size_t i = 0; i < first.pixels.size(); ++i) {
+    changed += first.pixels[i] != fluoroscopy_.pixels[i] ? 1 : 0;
+  }
+  EXPECT_LT(changed, static_cast<int>(first.pixels.size()) / 10);
   session.Stop();
 }
 
