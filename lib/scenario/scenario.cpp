@@ -14,28 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// Paths that overrides may set, which are relative to the working folder then.
-constexpr const char* kPaths[] = {"/patient/ct",         "/patient/labels",
-                                  "/patient/surfaces",   "/patient/mesh",
-                                  "/patient/corridor",   "/patient/ct_from_reference_file",
-                                  "/session/plus_config"};
-
-void Apply(json& document, const Override& change) {
-  const json::json_pointer pointer(change.pointer);
-  if (change.value.is_null()) {
-    json& parent = document[pointer.parent_pointer()];
-    if (parent.is_object()) parent.erase(pointer.back());
-    return;
-  }
-  json value = change.value;
-  for (const char* path : kPaths) {
-    if (change.pointer == path && value.is_string()) {
-      value = fs::absolute(value.get<std::string>()).string();
-    }
-  }
-  document[pointer] = value;
-}
-
 /// 16 numbers, row by row. The schema has made sure of their count.
 Eigen::Matrix4d MatrixOf(const json& rows) {
   Eigen::Matrix4d matrix;
@@ -226,26 +204,8 @@ void CheckTogether(const Scenario& s) {
 
 }  // namespace
 
-Override ParseOverride(const std::string& text) {
-  const auto equals = text.find('=');
-  ACUS_REQUIRE(equals != text.npos && text.starts_with("/"), "--set ", text,
-               ": must be /json/pointer=value, for example /effects/ultrasound/needle=false");
-  const std::string raw = text.substr(equals + 1);
-  json value = json::parse(raw, nullptr, /*allow_exceptions=*/false);
-  if (value.is_discarded()) value = raw;
-  return {text.substr(0, equals), value};
-}
-
 Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides) {
-  json document = config::ReadJson(path);
-  for (const Override& change : overrides) {
-    try {
-      Apply(document, change);
-    } catch (const json::exception&) {
-      throw InputError(Message("--set ", change.pointer, ": cannot be set: ", path.string(),
-                               " has no such place, or a value and no object lies above it"));
-    }
-  }
+  json document = ScenarioDocument(path, overrides);
   document = config::CheckedConfig(std::move(document), "acus-scenario", path.string());
   const fs::path folder = fs::absolute(path).parent_path();
 
@@ -304,6 +264,7 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
     scenario.view_3d = ReadView3dEffect(effects["view_3d"], path.string() + ": /effects/view_3d");
   }
   CheckTogether(scenario);
+  if (document.contains("evidence")) scenario.evidence = EvidenceFrom(document["evidence"]);
   scenario.effective = std::move(document);
   return scenario;
 }

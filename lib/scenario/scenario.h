@@ -9,7 +9,9 @@
 #include <string>
 
 #include "breathing/breath_source.h"
+#include "scenario/evidence.h"
 #include "scenario/fluoroscopy_effect.h"
+#include "scenario/scenario_document.h"
 #include "scenario/ultrasound_effect.h"
 #include "scenario/view_effect.h"
 #include "session/session_import.h"
@@ -142,18 +144,10 @@ struct Scenario {
   std::optional<FluoroscopyEffect> fluoroscopy;
   std::optional<View3dEffect> view_3d;
 
+  std::optional<Evidence> evidence;  ///< Of values that acus-tradeoff chose.
+
   nlohmann::json effective;  ///< The file with overrides and defaults, for provenance.
 };
-
-/// One change to a scenario from the command line: JSON pointer and value.
-struct Override {
-  std::string pointer;  ///< "/effects/ultrasound/needle"
-  nlohmann::json value;
-};
-
-/// Parses "/pointer=value". The value is JSON, or else a string; "null" removes the key, which
-/// switches an effect off. @throws InputError if there is no '=' or no leading '/'.
-Override ParseOverride(const std::string& text);
 
 /// Reads a scenario, applies overrides, checks it against its schema and resolves paths.
 ///

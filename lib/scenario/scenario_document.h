@@ -1,0 +1,38 @@
+// A scenario as a document: read, changed, and written again in another place.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace acus::scenario {
+
+/// One change to a scenario from the command line: JSON pointer and value.
+struct Override {
+  std::string pointer;  ///< "/effects/ultrasound/needle"
+  nlohmann::json value;
+};
+
+/// Parses "/pointer=value". The value is JSON, or else a string; "null" removes the key, which
+/// switches an effect off. @throws InputError if there is no '=' or no leading '/'.
+Override ParseOverride(const std::string& text);
+
+/// The file with changes applied, as it stands: not checked, defaults not filled in. Of changes,
+/// paths of the patient are relative to the working folder, and become absolute.
+/// @throws InputError if it is no JSON, or has no such place as a change names.
+nlohmann::json ScenarioDocument(const std::filesystem::path& path,
+                                std::span<const Override> changes);
+
+/// Places (JSON pointers) of paths that are relative to the scenario file.
+std::span<const std::string_view> PathPointers();
+
+/// Places of presets, which are also looked up in the installed configs.
+std::span<const std::string_view> PresetPointers();
+
+/// The document for another folder: what its paths find from `folder` they find from anywhere, as
+/// they are absolute then. Presets of the installation stay names.
+nlohmann::json ForAnyFolder(nlohmann::json document, const std::filesystem::path& folder);
+
+}  // namespace acus::scenario
