@@ -73,6 +73,13 @@ std::string CommandLineProblem(const CLI::App& app, int argc, const char* const*
   return parser_says;
 }
 
+/// Ctrl-C, a polite kill, and the end of the terminal - unless nohup said to outlive it.
+void StopOnSignals() {
+  std::signal(SIGINT, RequestStop);
+  std::signal(SIGTERM, RequestStop);
+  if (std::signal(SIGHUP, RequestStop) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+}
+
 }  // namespace
 
 int RunMain(CLI::App& app, int argc, const char* const* argv,
@@ -114,8 +121,7 @@ int RunMain(CLI::App& app, int argc, const char* const* argv,
   for (int i = 1; i < argc; ++i) context.provenance.command_line += " " + Quoted(argv[i]);
 
   stop_requested.store(false);
-  std::signal(SIGINT, RequestStop);
-  std::signal(SIGTERM, RequestStop);
+  StopOnSignals();
   context.stop = &stop_requested;
   ProgressBar bar(isatty(STDERR_FILENO) != 0);
   if (!quiet) {

@@ -126,7 +126,12 @@ void ZeroForcesOnSignals() {
       action.sa_sigaction = &OnSignal;
       action.sa_flags = SA_SIGINFO | SA_ONSTACK;
       sigemptyset(&action.sa_mask);
-      sigaction(number, &action, &previous_actions[static_cast<std::size_t>(number)]);
+      struct sigaction& previous = previous_actions[static_cast<std::size_t>(number)];
+      sigaction(number, &action, &previous);
+      // What was to be ignored (SIGHUP after nohup) ends nothing, and cuts no force.
+      if ((previous.sa_flags & SA_SIGINFO) == 0 && previous.sa_handler == SIG_IGN) {
+        sigaction(number, &previous, nullptr);
+      }
     }
   });
 }

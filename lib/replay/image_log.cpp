@@ -138,8 +138,12 @@ class ImageWriter {
   }
 
   void Compose(const Snapshot& snapshot, const Images& images) {
+    using Shows = ultrasound::Screen::Shows;
     const bool both = !images.b_mode.pixels.empty() && !images.ct_slice.pixels.empty();
-    if (!screen_) screen_.emplace(*scene_.probe, both);
+    if (!screen_) {
+      const Shows alone = images.b_mode.pixels.empty() ? Shows::kCtSlice : Shows::kBMode;
+      screen_.emplace(*scene_.probe, both ? Shows::kBoth : alone);
+    }
     const auto* step = StepAt(steps_, snapshot.time_ns);
     char text[80];
     std::snprintf(text, sizeof text, "%8.3f s", 1e-9 * static_cast<double>(snapshot.time_ns));

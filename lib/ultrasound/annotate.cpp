@@ -36,8 +36,7 @@ void DrawText(GrayImage& picture, int column, int row, std::string_view text, st
               cv::Scalar(grey), 1, cv::LINE_AA);
 }
 
-Screen::Screen(const Probe& probe, bool with_ct_slice)
-    : picture_(PictureOf(probe)), panels_(with_ct_slice ? 2 : 1) {
+Screen::Screen(const Probe& probe, Shows shows) : picture_(PictureOf(probe)), shows_(shows) {
   DrawMarks(probe);
 }
 
@@ -53,7 +52,7 @@ void Screen::DrawMarks(const Probe& probe) {
   // The last tick whose label fits in, which also says the unit.
   int last = static_cast<int>(probe.depth_mm / tick_mm + 1e-9) / 2 * 2;
   while (last > 0 && row_of(last * tick_mm) + kLetterHeight > picture_.height_px) last -= 2;
-  for (int panel = 0; panel < panels_; ++panel) {
+  for (int panel = 0; panel < panels(); ++panel) {
     const int left = panel * picture_.width_px;
     for (int n = 0; n * tick_mm <= probe.depth_mm + 1e-9; ++n) {
       const int row = row_of(n * tick_mm);
@@ -65,26 +64,29 @@ void Screen::DrawMarks(const Probe& probe) {
     }
     const int right = left + picture_.width_px - 1;
     cv::circle(view, {right - 2 * kEdge, 2 * kEdge}, 5, cv::Scalar(230), 1, cv::LINE_AA);
-    const char* name = panel == 0 ? "B-mode" : "CT";
+    const char* name = panel == 0 && shows_ != Shows::kCtSlice ? "B-mode" : "CT";
     const int width = cv::getTextSize(name, kFont, kFontScale, 1, nullptr).width;
     DrawText(marks, right - 4 * kEdge - width, kEdge, name, 200);
   }
-  if (probe.focus_mm > 0.0 && probe.focus_mm <= probe.depth_mm) {
+  const bool has_b_mode = shows_ != Shows::kCtSlice;
+  if (has_b_mode && probe.focus_mm > 0.0 && probe.focus_mm <= probe.depth_mm) {
     const int row = row_of(probe.focus_mm);
     // Beside the scale, which it points to.
     const cv::Point triangle[] = {{38, row - 5}, {38, row + 5}, {30, row}};
     cv::fillConvexPoly(view, triangle, 3, cv::Scalar(200));
   }
-  std::string about = probe.name + "  " +
-                      Message(probe.frequency_mhz, " MHz  ", 0.1 * probe.depth_mm, " cm  gain ",
-                              probe.gain_db, "  DR ", probe.dynamic_range_db, " dB");
+  std::string about = Message(probe.name, "  ", 0.1 * probe.depth_mm, " cm");
+  if (has_b_mode) {
+    about += Message("  ", probe.frequency_mhz, " MHz  gain ", probe.gain_db, "  DR ",
+                     probe.dynamic_range_db, " dB");
+  }
   DrawText(marks, 52, picture_.height_px - kLetterHeight - kEdge, about, 160, 0.85);
   for (std::size_t n = 0; n < marks.pixels.size(); ++n) {
     if (marks.pixels[n] != 0) marks_.emplace_back(n, marks.pixels[n]);
   }
 }
 
-void Screen::Compose(const GrayImage& bmode, const GrayImage* ct_slice, std::string_view text,
+void Screen::Compose(const GrayImage& left, const GrayImage* ct_slice, std::string_view text,
                      GrayImage& out) const {
   const auto require_size = [&](const GrayImage& image, const char* what) {
     ACUS_REQUIRE(image.width == picture_.width_px && image.height == picture_.height_px,
@@ -92,11 +94,11 @@ void Screen::Compose(const GrayImage& bmode, const GrayImage* ct_slice, std::str
                  " pixels, but the probe's picture is ", picture_.width_px, " x ",
                  picture_.height_px);
   };
-  ACUS_REQUIRE((ct_slice != nullptr) == (panels_ == 2), "screen: ",
+  ACUS_REQUIRE((ct_slice != nullptr) == (shows_ == Shows::kBoth), "screen: ",
                ct_slice != nullptr ? "has no panel for a CT slice" : "needs a CT slice");
-  require_size(bmode, "B-mode");
+  require_size(left, "picture");
   out.Resize(width_px(), height_px());
-  CopyPanel(bmode, 0, out);
+  CopyPanel(left, 0, out);
   if (ct_slice != nullptr) {
     require_size(*ct_slice, "CT slice");
     CopyPanel(*ct_slice, 1, out);

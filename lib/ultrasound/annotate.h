@@ -18,26 +18,30 @@ void DrawText(GrayImage& picture, int column, int row, std::string_view text,
 /// Lays out the picture that films show. Marks are drawn once, so that a frame costs two copies.
 class Screen {
  public:
-  /// One panel for the B-mode, and one on its right for the CT slice if `with_ct_slice`. Both have
-  /// the same scale. Depth ticks each 5 mm (10 mm for depths above 100 mm), labelled each second
-  /// one in cm; a triangle beside them at the focus; a ring at the top on the marked side; below
-  /// the probe's name, frequency, depth, gain and dynamic range.
-  Screen(const Probe& probe, bool with_ct_slice);
+  enum class Shows { kBMode, kCtSlice, kBoth };
 
-  /// @param ct_slice  Must be given if and only if the screen has a panel for it.
+  /// Of both, the B-mode is on the left; they have the same scale. Depth ticks each 5 mm (10 mm for
+  /// depths above 100 mm), labelled each second one in cm; a ring at the top on the marked side;
+  /// below the probe's name and depth. With a B-mode also a triangle beside the ticks at the focus,
+  /// and frequency, gain and dynamic range.
+  Screen(const Probe& probe, Shows shows);
+
+  /// @param left  The B-mode, or the CT slice alone.
+  /// @param ct_slice  Beside a B-mode: must be given if and only if the screen shows both.
   /// @param text  One line at the top left, such as the time and the force.
   /// @throws InputError if a picture has another size than the probe's.
-  void Compose(const GrayImage& bmode, const GrayImage* ct_slice, std::string_view text,
+  void Compose(const GrayImage& left, const GrayImage* ct_slice, std::string_view text,
                GrayImage& out) const;
 
-  int width_px() const { return panels_ * picture_.width_px; }
+  int width_px() const { return panels() * picture_.width_px; }
   int height_px() const { return picture_.height_px; }
 
  private:
   void DrawMarks(const Probe& probe);
+  int panels() const { return shows_ == Shows::kBoth ? 2 : 1; }
 
   ImageGeometry picture_;
-  int panels_;
+  Shows shows_;
   std::vector<std::pair<std::size_t, std::uint8_t>> marks_;  ///< Pixel of the screen, grey.
 };
 

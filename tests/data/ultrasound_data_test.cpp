@@ -58,7 +58,7 @@ class RealAbdomen : public ::testing::Test {
     slice_->Render(pose, std::nullopt, slice);
     if (const char* folder = std::getenv("ACUS_KEEP_PICTURES")) {
       GrayImage both;
-      Screen(probe, true).Compose(bmode_, &slice, file, both);
+      Screen(probe, Screen::Shows::kBoth).Compose(bmode_, &slice, file, both);
       WritePng(fs::path(folder) / file, both);
     }
     margin_px_ = (probe.image_width_px - ScanGridOf(probe).lines()) / 2;

@@ -123,15 +123,28 @@ TEST(RunMain, NamesTheMistypedSubcommandAndItsOptions) {
 }
 
 TEST(RunMain, StopsAtTheNextCheckpointOnASignal) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const Result result = RunThing({"in.csv"}, [signal](RunContext& context) {
+      context.Checkpoint("before", 0.0);
+      std::raise(signal);
+      context.Checkpoint("after", 0.5);
+      ADD_FAILURE() << "went on after the signal";
+      return ExitCode::kOk;
+    });
+    EXPECT_EQ(result.code, 130);
+    EXPECT_THAT(result.stderr_text, HasSubstr("stopped on request"));
+  }
+}
+
+TEST(RunMain, OutlivesItsTerminalAfterNohup) {
+  const auto before = std::signal(SIGHUP, SIG_IGN);
   const Result result = RunThing({"in.csv"}, [](RunContext& context) {
-    context.Checkpoint("before", 0.0);
-    std::raise(SIGTERM);
+    std::raise(SIGHUP);
     context.Checkpoint("after", 0.5);
-    ADD_FAILURE() << "went on after the signal";
     return ExitCode::kOk;
   });
-  EXPECT_EQ(result.code, 130);
-  EXPECT_THAT(result.stderr_text, HasSubstr("stopped on request"));
+  EXPECT_EQ(result.code, 0);
+  std::signal(SIGHUP, before);
 }
 
 TEST(RunMain, PrintsWarningsUnlessQuiet) {

@@ -346,5 +346,18 @@ TEST(EndOfProcess, AHandlerOfTheProgramIsCalledAfterwards) {
       testing::ExitedWithCode(7), "");
 }
 
+// nohup: the session outlives its terminal, and goes on pushing.
+TEST(EndOfProcess, WhatIsIgnoredCutsNoForce) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        std::signal(SIGHUP, SIG_IGN);
+        ZeroForcesOnSignals();
+        std::raise(SIGHUP);
+        _exit(ForcesAreCut() ? 8 : 7);
+      },
+      testing::ExitedWithCode(7), "");
+}
+
 }  // namespace
 }  // namespace acus::haptics

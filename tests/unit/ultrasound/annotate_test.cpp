@@ -28,7 +28,7 @@ GrayImage Grey(std::uint8_t grey) {
 }
 
 TEST(Screen, TicksAreAtTheirDepth) {
-  const Screen screen(TestProbe(), false);
+  const Screen screen(TestProbe(), Screen::Shows::kBMode);
   GrayImage out;
   screen.Compose(Grey(0), nullptr, "", out);
   // 0.2 mm per row: a tick each 25 rows, longer each second one.
@@ -41,7 +41,7 @@ TEST(Screen, TicksAreAtTheirDepth) {
 }
 
 TEST(Screen, PanelsKeepTheirPixelsWhereNothingIsDrawn) {
-  const Screen screen(TestProbe(), true);
+  const Screen screen(TestProbe(), Screen::Shows::kBoth);
   GrayImage out;
   const GrayImage slice = Grey(90);
   screen.Compose(Grey(40), &slice, "", out);
@@ -54,8 +54,27 @@ TEST(Screen, PanelsKeepTheirPixelsWhereNothingIsDrawn) {
   EXPECT_GT(out.At(602 - 1 - 12 + 5, 12), 100);
 }
 
+// A slice of the CT has neither focus nor gain.
+TEST(Screen, ASliceAloneIsNotMarkedAsUltrasound) {
+  GrayImage slice;
+  GrayImage b_mode;
+  Screen(TestProbe(), Screen::Shows::kCtSlice).Compose(Grey(0), nullptr, "", slice);
+  Screen(TestProbe(), Screen::Shows::kBMode).Compose(Grey(0), nullptr, "", b_mode);
+  EXPECT_EQ(slice.width, 301);
+  EXPECT_EQ(slice.At(35, 150), 0);
+  EXPECT_GT(b_mode.At(35, 150), 0);
+  // Less is written, at the top right and below; the ring is the same.
+  const auto letters = [](const GrayImage& image, int from_row, int to_row) {
+    return std::count_if(image.pixels.begin() + from_row * 301, image.pixels.begin() + to_row * 301,
+                         [](std::uint8_t grey) { return grey > 0; });
+  };
+  EXPECT_LT(letters(slice, 0, 20), letters(b_mode, 0, 20));
+  EXPECT_LT(letters(slice, 285, 301), letters(b_mode, 285, 301));
+  EXPECT_EQ(slice.At(301 - 1 - 12 + 5, 12), b_mode.At(301 - 1 - 12 + 5, 12));
+}
+
 TEST(Screen, TextIsNotLeftOverFromTheFrameBefore) {
-  const Screen screen(TestProbe(), false);
+  const Screen screen(TestProbe(), Screen::Shows::kBMode);
   GrayImage with;
   GrayImage without;
   screen.Compose(Grey(0), nullptr, "t = 1.5 s", with);
@@ -68,12 +87,16 @@ TEST(Screen, TextIsNotLeftOverFromTheFrameBefore) {
 TEST(Screen, RefusesPicturesThatDoNotFit) {
   GrayImage out;
   const GrayImage slice = Grey(90);
-  EXPECT_THROW(Screen(TestProbe(), true).Compose(Grey(0), nullptr, "", out), InputError);
-  EXPECT_THROW(Screen(TestProbe(), false).Compose(Grey(0), &slice, "", out), InputError);
+  EXPECT_THROW(Screen(TestProbe(), Screen::Shows::kBoth).Compose(Grey(0), nullptr, "", out),
+               InputError);
+  EXPECT_THROW(Screen(TestProbe(), Screen::Shows::kBMode).Compose(Grey(0), &slice, "", out),
+               InputError);
   GrayImage small;
   small.Resize(300, 301);
-  EXPECT_THROW(Screen(TestProbe(), false).Compose(small, nullptr, "", out), InputError);
-  EXPECT_THROW(Screen(TestProbe(), true).Compose(Grey(0), &small, "", out), InputError);
+  EXPECT_THROW(Screen(TestProbe(), Screen::Shows::kBMode).Compose(small, nullptr, "", out),
+               InputError);
+  EXPECT_THROW(Screen(TestProbe(), Screen::Shows::kBoth).Compose(Grey(0), &small, "", out),
+               InputError);
 }
 
 TEST(DrawText, IsCutOffAtTheBorder) {
