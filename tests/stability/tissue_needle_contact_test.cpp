@@ -86,7 +86,7 @@ TEST(FemNeedleStability, AJumpAsideLosesContactWithinTheLargestForce) {
 TEST(FemNeedleStability, RandomHandlingStaysWithinBoundsAndExact) {
   const HardCase hard(
       "In, out, sideways, tilted and jumping at random, through skin, inside and bone.");
-  const int num_steps = testing_support::StabilitySteps(300'000);
+  const int num_steps = testing_support::StabilitySteps(20000);
   FemScene scene(Layers());
   RandomStream random(31, "handling");
   double depth_mm = -5.0;
@@ -142,6 +142,27 @@ TEST(FemNeedleStability, RandomHandlingStaysWithinBoundsAndExact) {
   }
   hard.Expect("force against a fresh dense solve", worst_n, Below(1e-11), "N");
   hard.Expect("breach of a stick or slip condition", worst_breach, Below(1e-10));
+}
+
+// Points of a crooked channel stand in another order along a needle that is turned: found once in a
+// million random steps, and put there by hand here.
+TEST(FemNeedleStability, TurnedInACrookedChannelFrictionStaysFriction) {
+  const HardCase hard("A needle turned in a channel that winds: points pass one another along it.");
+  FemScene scene(Layers());
+  scene.Move(-1.0, 25.0);
+  for (const std::size_t point : {1u, 5u, 6u}) scene.state.point[point].axial_mm -= 2.0;
+  Largest reversed_n;
+  for (int step = 0; step < 200; ++step) {
+    scene.StepAt(25.0 + 0.5 * std::sin(0.1 * step));
+    const ContactState& contact = scene.state.contact;
+    for (int column = contact.num_slots(); column < contact.num_slots() + contact.num_points();
+         ++column) {
+      reversed_n.Add(contact.LowN(column) - contact.HighN(column));
+    }
+  }
+  hard.Expect("least friction above the largest", reversed_n, AtMost(0.0), "N");
+  hard.Expect("solutions whose residual was over its limit",
+              static_cast<double>(scene.state.contact.num_refactors()), Exactly(0));
 }
 
 TEST(FemNeedleStability, AlongNodesEdgesAndFacesItIsAsNextToThem) {
