@@ -18,6 +18,8 @@
 #include <string>
 #include <vector>
 
+#include "core/error.h"
+
 namespace acus::testing_support {
 
 /// What a measured value is held to. None holds for what is not a number.
@@ -122,23 +124,11 @@ class HardCase {
   /// Fails the test, and goes on, if `measured` is not within `bound` or not a number.
   /// @param quantity  What was measured, and at which setting: it names the row of the page.
   /// @param unit      "" for a count or a share.
-  void Expect(const std::string& quantity, double measured, Bound bound,
+  template <typename Value>
+  void Expect(const std::string& quantity, const Value& measured, Bound bound,
               const std::string& unit = "",
               std::source_location where = std::source_location::current()) const {
-    const bool holds =
-        std::isfinite(measured) && std::isfinite(bound.value) && bound.Holds(measured);
-    Keep({{"kind", "bound"},
-          {"quantity", quantity},
-          {"unit", unit},
-          {"sense", bound.Sign()},
-          {"bound", bound.value},
-          {"measured", measured},
-          {"holds", holds}});
-    if (holds) return;
-    ADD_FAILURE_AT(where.file_name(), static_cast<int>(where.line()))
-        << quantity << ": " << measured << " " << unit << " is not " << bound.Sign() << " "
-        << bound.value << " " << unit << "\n"
-        << what_is_hard_;
+    ExpectNumber(quantity, static_cast<double>(measured), bound, unit, where);
   }
 
   /// A picture beside the values.
@@ -162,6 +152,24 @@ class HardCase {
   }
 
  private:
+  void ExpectNumber(const std::string& quantity, double measured, Bound bound,
+                    const std::string& unit, const std::source_location& where) const {
+    const bool holds =
+        std::isfinite(measured) && std::isfinite(bound.value) && bound.Holds(measured);
+    Keep({{"kind", "bound"},
+          {"quantity", quantity},
+          {"unit", unit},
+          {"sense", bound.Sign()},
+          {"bound", bound.value},
+          {"measured", measured},
+          {"holds", holds}});
+    if (holds) return;
+    ADD_FAILURE_AT(where.file_name(), static_cast<int>(where.line()))
+        << quantity << ": " << measured << " " << unit << " is not " << bound.Sign() << " "
+        << bound.value << " " << unit << "\n"
+        << what_is_hard_;
+  }
+
   static std::string FileBelowRoot(const std::string& file) {
     const auto tests = file.rfind("/tests/");
     return tests == std::string::npos ? file : file.substr(tests + 1);
