@@ -6,7 +6,9 @@
 #include <numbers>
 
 #include "support/allocation_counter.h"
+#include "support/bound.h"
 #include "support/force_scenes.h"
+#include "support/stability_length.h"
 #include "support/wild_hand.h"
 
 namespace acus::forces {
@@ -14,11 +16,17 @@ namespace {
 
 using Eigen::Vector3d;
 using testing_support::Abdomen;
+using testing_support::AtMost;
+using testing_support::Below;
+using testing_support::BoundPlot;
 using testing_support::Driven;
 using testing_support::DrivenAlamilla;
 using testing_support::DrivenLayered;
 using testing_support::DrivenProbe;
 using testing_support::DrivenVidal;
+using testing_support::Exactly;
+using testing_support::HardCase;
+using testing_support::Largest;
 using testing_support::LayeredBodyField;
 using testing_support::SameBits;
 using testing_support::ShippedTable;
@@ -31,6 +39,7 @@ struct Kind;
 template <>
 struct Kind<DrivenLayered> {
   static constexpr const char* kTable = "default.json";
+  static constexpr const char* kName = "layered";
   static NeedleForceModel Make(const ForceTable& table, const HuField&) {
     return NeedleForceModel(table, Trocar18G());
   }
@@ -38,6 +47,7 @@ struct Kind<DrivenLayered> {
 template <>
 struct Kind<DrivenAlamilla> {
   static constexpr const char* kTable = "alamilla.json";
+  static constexpr const char* kName = "alamilla";
   static AlamillaModel Make(const ForceTable& table, const HuField&) {
     return AlamillaModel(table, Trocar18G());
   }
@@ -45,6 +55,7 @@ struct Kind<DrivenAlamilla> {
 template <>
 struct Kind<DrivenVidal> {
   static constexpr const char* kTable = "vidal.json";
+  static constexpr const char* kName = "vidal";
   static VidalModel Make(const ForceTable& table, const HuField& field) {
     return VidalModel(table, Trocar18G(), field);
   }
@@ -57,30 +68,40 @@ class EveryModel : public testing::Test {
   const LayeredBodyField body = Abdomen();
   const decltype(Kind<D>::Make(table, body)) model = Kind<D>::Make(table, body);
   D New() const { return D{model, body}; }
+  static std::string Of(const std::string& what) { return what + ", " + Kind<D>::kName; }
 };
 using Models = testing::Types<DrivenLayered, DrivenAlamilla, DrivenVidal>;
 TYPED_TEST_SUITE(EveryModel, Models);
 
 TYPED_TEST(EveryModel, HalfAMillionWildStepsStayFiniteAndBounded) {
+  const HardCase hard(
+      "Tremor, pushes, jumps of 50 mm, turns, lost poses, NaN, time that goes back.");
   const double bound_n = this->table.settings.largest_force_n * (1.0 + 1e-12);
+  const int num_steps = testing_support::StabilitySteps(500'000);
+  Largest largest_n;
+  Largest off_unit;
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     WildHand hand(seed);
     auto driven = this->New();
-    for (int i = 0; i < 100000; ++i) {
+    for (int i = 0; i < num_steps / 5; ++i) {
       const NeedleForce out = this->model.Step(driven.state, hand.Next());
       ASSERT_TRUE(out.force_in_ct_n.allFinite() && out.torque_in_ct_n_mm.allFinite() &&
                   std::isfinite(out.AxialN()) && std::isfinite(out.depth_mm))
           << seed << " " << i;
-      ASSERT_LE(out.force_in_ct_n.norm(), bound_n) << seed << " " << i;
-      ASSERT_NEAR(driven.state.path.direction_in_ct.norm(), 1.0, 1e-9);
+      largest_n.Add(out.force_in_ct_n.norm());
+      off_unit.Add(std::abs(driven.state.path.direction_in_ct.norm() - 1.0));
       ASSERT_GE(out.bone_n, 0.0);
     }
     EXPECT_GT(driven.state.num_rejected, 0);
     EXPECT_GT(driven.state.num_time_back, 0);
   }
+  hard.Expect(this->Of("largest force"), largest_n, AtMost(bound_n), "N");
+  hard.Expect(this->Of("length of the path's direction, off one"), off_unit, AtMost(1e-9));
+  hard.Note(this->Of("wild steps"), std::to_string(num_steps));
 }
 
 TYPED_TEST(EveryModel, TheSameSamplesGiveTheSameBitsAlsoFromASavedState) {
+  const HardCase hard("Wild samples twice, and once from a state that was saved on the way.");
   WildHand a(3);
   WildHand b(3);
   auto first = this->New();
@@ -96,19 +117,26 @@ TYPED_TEST(EveryModel, TheSameSamplesGiveTheSameBitsAlsoFromASavedState) {
                   saved.time_s == second.state.time_s);
     }
   }
-  EXPECT_TRUE(SameBits(saved.held, second.state.held));
+  hard.Expect(this->Of("same bits at the end"), SameBits(saved.held, second.state.held),
+              Exactly(1));
 }
 
 TYPED_TEST(EveryModel, AStepAllocatesNothing) {
+  const HardCase hard("Memory taken in a step of 1 ms can make it late.");
   WildHand hand(5);
   auto driven = this->New();
   this->model.Step(driven.state, hand.Next());
   const long before = testing_support::num_allocations;
   for (int i = 0; i < 20000; ++i) this->model.Step(driven.state, hand.Next());
-  EXPECT_EQ(testing_support::num_allocations - before, 0);
+  const long allocated = testing_support::num_allocations - before;
+  hard.Expect(this->Of("allocations in 20000 wild steps"), allocated, Exactly(0));
 }
 
 TYPED_TEST(EveryModel, ZeroHugeAndReversingSpeeds) {
+  const HardCase hard(
+      "0 to 1 km/s, reversed at each step of 0.1 to 10 ms: friction is stiff there.");
+  Largest largest_n;
+  Largest drift_n;
   const double bound_n = this->table.settings.largest_force_n * (1.0 + 1e-12);
   for (const double dt_s : {1e-4, 1e-3, 1e-2}) {
     for (const double speed : {0.0, 1e-9, 1.0, 200.0, 1e4, 1e6}) {
@@ -119,18 +147,20 @@ TYPED_TEST(EveryModel, ZeroHugeAndReversingSpeeds) {
         const double half_mm = std::min(speed * dt_s, 50.0);
         const NeedleForce& out =
             driven.Step(t += dt_s, {0, 0, 25.0 + (i % 2 == 0 ? half_mm : 0.0)});
-        ASSERT_TRUE(out.force_in_ct_n.allFinite());
-        ASSERT_LE(out.force_in_ct_n.norm(), bound_n);
+        largest_n.Add(out.force_in_ct_n.norm());
       }
       const double last_n = driven.last.AxialN();
       const Vector3d place(0, 0, 25.0);
       for (int i = 0; i < 3000; ++i) driven.Step(t += 1e-3, place);
       const double rest_n = driven.last.AxialN();
-      for (int i = 0; i < 1000; ++i)
-        ASSERT_NEAR(driven.Step(t += 1e-3, place).AxialN(), rest_n, 1e-9);
+      for (int i = 0; i < 1000; ++i) {
+        drift_n.Add(std::abs(driven.Step(t += 1e-3, place).AxialN() - rest_n));
+      }
       EXPECT_TRUE(std::isfinite(last_n));
     }
   }
+  hard.Expect(this->Of("largest force"), largest_n, AtMost(bound_n), "N");
+  hard.Expect(this->Of("drift in a second at rest after it"), drift_n, AtMost(1e-9), "N");
 }
 
 /// In and out again: skin, tissue, bone, a turn, a way out; smooth, so that samples at any rate are
@@ -149,6 +179,14 @@ double Scripted(double t) {
 // half; where a force jumps (puncture, bone), a coarse sample comes up to one step later, and that
 // step is left out.
 TYPED_TEST(EveryModel, TheRateOfTheStepsDoesNotMatter) {
+  const HardCase hard(
+      "One motion at 500 Hz to 16 kHz, through skin, tissue and bone and out again.");
+  BoundPlot plot{.title = std::string("Difference from 16 kHz, ") + Kind<TypeParam>::kName,
+                 .x_label = "rate [Hz]",
+                 .y_label = "difference [N]",
+                 .log_x = true,
+                 .log_y = true,
+                 .curves = {{.name = "root mean square"}, {.name = "largest"}}};
   constexpr int kRate = 16000;
   std::vector<double> events_s;
   const auto run = [&](int rate_hz) {
@@ -181,13 +219,19 @@ TYPED_TEST(EveryModel, TheRateOfTheStepsDoesNotMatter) {
     const double rms_n = std::sqrt(sum / static_cast<double>(forces.size()));
     std::printf("  %-14s %4d Hz: rms %.4f N, worst %.4f N\n", Kind<TypeParam>::kTable, rate_hz,
                 rms_n, worst_n);
-    EXPECT_LT(rms_n, 0.015 * 1000.0 / rate_hz);
-    EXPECT_LT(worst_n, 0.12 * 1000.0 / rate_hz);
+    hard.Expect(this->Of(Message("root mean square difference from 16 kHz at ", rate_hz, " Hz")),
+                rms_n, Below(0.015 * 1000.0 / rate_hz), "N");
+    hard.Expect(this->Of(Message("largest difference from 16 kHz at ", rate_hz, " Hz")), worst_n,
+                Below(0.12 * 1000.0 / rate_hz), "N");
+    plot.curves[0].Add(rate_hz, rms_n);
+    plot.curves[1].Add(rate_hz, worst_n);
   }
+  hard.Plot(plot);
 }
 
 // A force of exactly the threshold is enough, one bit less is not.
 TEST(Puncture, ExactlyAtTheThreshold) {
+  const HardCase hard("A force of exactly the threshold is enough, one bit less is not.");
   ForceTable table = ShippedTable("alamilla.json");
   const volume::Label skin = volume::LabelOf("skin");
   table.tissue[skin].membrane = {0.25, 0.0, 1.0};  // 4 mm, exactly.
@@ -199,20 +243,27 @@ TEST(Puncture, ExactlyAtTheThreshold) {
     return model.Step(state, {0.001, Vector3d(0, 0, to_mm), Vector3d::UnitZ(), skin, true}).event ==
            NeedleEvent::kPuncture;
   };
-  EXPECT_TRUE(punctured(alamilla, AlamillaState(), 4.0));
-  EXPECT_FALSE(punctured(alamilla, AlamillaState(), std::nextafter(4.0, 0.0)));
-  EXPECT_TRUE(punctured(layered, NeedleForceState(), 4.0));
-  EXPECT_FALSE(punctured(layered, NeedleForceState(), std::nextafter(4.0, 0.0)));
+  const double less_mm = std::nextafter(4.0, 0.0);
+  hard.Expect(
+      "models of two that puncture at the threshold",
+      punctured(alamilla, AlamillaState(), 4.0) + punctured(layered, NeedleForceState(), 4.0),
+      Exactly(2));
+  hard.Expect("models of two that puncture one bit before",
+              punctured(alamilla, AlamillaState(), less_mm) +
+                  punctured(layered, NeedleForceState(), less_mm),
+              Exactly(0));
 }
 
 /// Poses that turn as wildly as they move, some of them no rotations.
 template <typename Model, typename Driven>
-void CheckWildProbe(const Model& probe) {
+void CheckWildProbe(const HardCase& hard, const std::string& name, const Model& probe) {
+  const int num_steps = testing_support::StabilitySteps(50'000);
+  Largest largest_n;
   Driven first{probe};
   Driven second{probe};
   WildHand hand(9);
   const long before = testing_support::num_allocations;
-  for (int i = 0; i < 50000; ++i) {
+  for (int i = 0; i < num_steps; ++i) {
     const NeedleInput needle = hand.Next();
     ProbeInput input;
     input.time_s = needle.time_s;
@@ -226,19 +277,25 @@ void CheckWildProbe(const Model& probe) {
     const ProbeForce a = probe.Step(first.state, input);
     const ProbeForce b = probe.Step(second.state, input);
     ASSERT_TRUE(a.force_in_ct_n.allFinite() && a.torque_in_ct_n_mm.allFinite());
-    ASSERT_LE(a.force_in_ct_n.norm(), 15.0 * (1.0 + 1e-12));
+    largest_n.Add(a.force_in_ct_n.norm());
     ASSERT_EQ(a.force_in_ct_n, b.force_in_ct_n);
     ASSERT_EQ(a.torque_in_ct_n_mm, b.torque_in_ct_n_mm);
   }
-  EXPECT_EQ(testing_support::num_allocations - before, 0);
+  const long allocated = testing_support::num_allocations - before;
+  hard.Expect("allocations, " + name, allocated, Exactly(0));
+  hard.Expect("largest force, " + name, largest_n, AtMost(15.0 * (1.0 + 1e-12)), "N");
+  hard.Note("wild steps, " + name, std::to_string(num_steps));
 }
 
 TEST(Probe, WildPosesStayBoundedAndRepeat) {
+  const HardCase hard("A probe that turns as wildly as it moves, some poses no rotations at all.");
   const LayeredBodyField body = Abdomen();
   const ForceTable table = ShippedTable("vidal.json");
-  CheckWildProbe<VidalProbe, DrivenProbe>(VidalProbe(table, body));
-  CheckWildProbe<MultiProxyProbe, testing_support::DrivenPalpation>(MultiProxyProbe(
-      table, ProbeFaceNodes(40.0, 12.0, 60.0, 16), testing_support::FieldsOf(table, body)));
+  CheckWildProbe<VidalProbe, DrivenProbe>(hard, "one proxy", VidalProbe(table, body));
+  CheckWildProbe<MultiProxyProbe, testing_support::DrivenPalpation>(
+      hard, "16 proxies",
+      MultiProxyProbe(table, ProbeFaceNodes(40.0, 12.0, 60.0, 16),
+                      testing_support::FieldsOf(table, body)));
 }
 
 }  // namespace
