@@ -5,6 +5,7 @@
 #include "simulation/image_renderer.h"
 #include "support/allocation_counter.h"
 #include "support/bending_scene.h"
+#include "support/bound.h"
 #include "support/breathing_patients.h"
 
 namespace acus::simulation {
@@ -12,9 +13,16 @@ namespace {
 
 using breathing::MotionKind;
 using Eigen::Vector3d;
+using testing_support::Above;
+using testing_support::AtMost;
+using testing_support::Below;
 using testing_support::BendingScene;
+using testing_support::BoundPlot;
 using testing_support::BreathingPatient;
+using testing_support::Exactly;
+using testing_support::HardCase;
 using testing_support::kAllMotionKinds;
+using testing_support::Largest;
 using testing_support::NeedleAt;
 
 constexpr scenario::NeedleForceModelKind kForces[] = {scenario::NeedleForceModelKind::kLayered,
@@ -32,11 +40,18 @@ BreathingPatient Around(MotionKind kind, double largest_mm, double box_mm = 300.
   return patient;
 }
 
+const char* NameOf(scenario::NeedleForceModelKind force) {
+  if (force == scenario::NeedleForceModelKind::kTissue) return "tissue";
+  return force == scenario::NeedleForceModelKind::kAlamilla ? "alamilla" : "layered";
+}
+
+double LargestN(const Scene& scene) {
+  return scene.force_from_tissue ? 30.0 : scene.forces->table().settings.largest_force_n;
+}
+
 void ExpectSound(const Scene& scene, const StepOutput& out) {
-  const double largest_n =
-      scene.force_from_tissue ? 30.0 : scene.forces->table().settings.largest_force_n;
   ASSERT_TRUE(out.force.force_in_ct_n.allFinite());
-  ASSERT_LE(out.force.force_in_ct_n.norm(), largest_n * (1.0 + 1e-12));
+  ASSERT_LE(out.force.force_in_ct_n.norm(), LargestN(scene) * (1.0 + 1e-12));
   ASSERT_TRUE(out.force.torque_in_ct_n_mm.allFinite());
   ASSERT_LT(out.force.torque_in_ct_n_mm.norm(), 5000.0);
   ASSERT_TRUE(std::isfinite(out.shape.tip_deflection_mm));
@@ -79,6 +94,8 @@ Held HoldThreeBreaths(const Scene& scene, double period_s) {
 // The hand holds still, the patient does not: 20 mm to and fro. Each breath feels like the one
 // before; no step of the force is larger than what a cut or a stick can give.
 TEST(BreathingNeedle, HeldByTheTissueItFeelsEachBreathAlike) {
+  const HardCase hard(
+      "The hand holds still, the patient moves by 20 mm: each breath as the one before.");
   for (const auto force : kForces) {
     for (const MotionKind kind : kAllMotionKinds) {
       BendingScene bending;
@@ -89,9 +106,10 @@ TEST(BreathingNeedle, HeldByTheTissueItFeelsEachBreathAlike) {
       std::printf("  force model %d, %-10s: to %.2f N, steps to %.3f N, breaths differ by %.3f N\n",
                   static_cast<int>(force), std::string(NameOf(kind)).c_str(), held.largest_n,
                   held.largest_step_n, held.breath_to_breath);
+      const std::string of = Message(", ", NameOf(force), ", ", NameOf(kind));
       EXPECT_GT(held.largest_n, 0.3);
-      EXPECT_LT(held.largest_step_n, 0.5);
-      EXPECT_LT(held.breath_to_breath, 0.1);
+      hard.Expect("step of the force" + of, held.largest_step_n, Below(0.5), "N");
+      hard.Expect("third breath against the second" + of, held.breath_to_breath, Below(0.1), "N");
     }
   }
 }
@@ -99,6 +117,7 @@ TEST(BreathingNeedle, HeldByTheTissueItFeelsEachBreathAlike) {
 // 120 mm over 200 folds the tissue around the needle: forces stay what the models allow, and after
 // the fold the needle is felt as before.
 TEST(BreathingNeedle, AFieldThatFoldsAroundItStaysBounded) {
+  const HardCase hard("Tissue that folds over itself around the needle: 120 mm over 200.");
   for (const auto force : kForces) {
     BendingScene bending;
     bending.force = force;
@@ -106,10 +125,12 @@ TEST(BreathingNeedle, AFieldThatFoldsAroundItStaysBounded) {
     scene.breathing.emplace(Around(MotionKind::kFullCycle, 120.0, 200.0).Make());
     const Simulation simulation(scene);
     State state = simulation.NewState();
+    Largest force_share;
     for (int n = 0; n < 12000; ++n) {
       const double t = 1e-3 * n;
       const StepOutput step = simulation.Step(state, NeedleAt(t, InsertedMm(t)));
       ExpectSound(scene, step);
+      force_share.Add(step.force.force_in_ct_n.norm() / LargestN(scene));
       math::Polyline line;
       if (!simulation.ShapeOf(state, line)) continue;
       for (int i = 0; i < line.num_points; ++i) ASSERT_TRUE(line.At(i).allFinite());
@@ -119,7 +140,10 @@ TEST(BreathingNeedle, AFieldThatFoldsAroundItStaysBounded) {
     for (int n = 12000; n < 13000; ++n) {
       out = simulation.Step(state, NeedleAt(1e-3 * n, {0.0, 0.0, -150.0}));
     }
-    EXPECT_LT(out.force.force_in_ct_n.norm(), 1e-6) << static_cast<int>(force);
+    hard.Expect(Message("largest force, of its limit, ", NameOf(force)), force_share,
+                AtMost(1.0 + 1e-12));
+    hard.Expect(Message("force when out again, ", NameOf(force)), out.force.force_in_ct_n.norm(),
+                Below(1e-6), "N");
   }
 }
 
@@ -146,6 +170,7 @@ Breathing SlidingLayers() {
 
 // A needle across the liver's capsule and the ribs' inside: bent by one cell of shear 4.
 TEST(BreathingNeedle, ThroughASlidingInterfaceItStaysBoundedAndWhole) {
+  const HardCase hard("Through an interface that slides by 20 mm: bent by one cell of shear 4.");
   for (const auto force : kForces) {
     BendingScene bending;
     bending.force = force;
@@ -153,27 +178,34 @@ TEST(BreathingNeedle, ThroughASlidingInterfaceItStaysBoundedAndWhole) {
     scene.breathing.emplace(SlidingLayers());
     const Simulation simulation(scene);
     State state = simulation.NewState();
-    double longest_mm = 0.0;
-    double most_bent_mm = 0.0;
+    Largest longest_mm;
+    Largest most_bent_mm;
     for (int n = 0; n < 9000; ++n) {
       const double t = 1e-3 * n;
       const StepOutput step = simulation.Step(state, NeedleAt(t, InsertedMm(t)));
       ExpectSound(scene, step);
-      most_bent_mm = std::max(most_bent_mm, step.shape.tip_deflection_mm);
+      most_bent_mm.Add(step.shape.tip_deflection_mm);
       math::Polyline line;
       if (!simulation.ShapeOf(state, line)) continue;
       double length_mm = 0.0;
       for (int i = 1; i < line.num_points; ++i) length_mm += (line.At(i) - line.At(i - 1)).norm();
-      longest_mm = std::max(longest_mm, length_mm);
+      longest_mm.Add(length_mm);
     }
-    EXPECT_LE(longest_mm, scene.needle->length_mm + 1e-6);
-    EXPECT_GT(most_bent_mm, 1.0);
+    hard.Expect(Message("length of the needle, ", NameOf(force)), longest_mm,
+                AtMost(scene.needle->length_mm + 1e-6), "mm");
+    hard.Expect(Message("deflection of the tip, at least, ", NameOf(force)), most_bent_mm,
+                Above(1.0), "mm");
   }
 }
 
 // A minute of held breath after the needle went in: what is felt creeps by no more than the 0.3 mJ
 // a minute allow that a bent needle gives back of what the hand has not put in.
 TEST(BreathingNeedle, HeldBreathHoldsTheForceStill) {
+  const HardCase hard("A minute of held breath: what is felt must not creep.");
+  BoundPlot plot{.title = "Force on a needle that is held, breath held from 2 s on",
+                 .x_label = "time [s]",
+                 .y_label = "force [N]",
+                 .curves = {{}}};
   Scene scene = BendingScene{}.Make();
   scene.breathing.emplace(Around(MotionKind::kSurrogate, 20.0).Make());
   scene.breathing->source = breathing::BreathSource(
@@ -181,20 +213,25 @@ TEST(BreathingNeedle, HeldBreathHoldsTheForceStill) {
   const Simulation simulation(scene);
   State state = simulation.NewState();
   Vector3d at_rest_n = Vector3d::Zero();
-  double largest_drift_n = 0.0;
+  Largest largest_drift_n;
   for (int n = 0; n < 64000; ++n) {
     const double t = 1e-3 * n;
     const StepOutput step = simulation.Step(state, NeedleAt(t, InsertedMm(t)));
     if (n == 5000) at_rest_n = step.force.force_in_ct_n;
     if (n > 5000) {
-      largest_drift_n = std::max(largest_drift_n, (step.force.force_in_ct_n - at_rest_n).norm());
+      largest_drift_n.Add((step.force.force_in_ct_n - at_rest_n).norm());
     }
+    if (n % 100 == 0) plot.curves[0].Add(t, step.force.force_in_ct_n.norm());
   }
   EXPECT_GT(at_rest_n.norm(), 0.1);
-  EXPECT_LT(largest_drift_n, 0.05);  // Of 2.8 N.
+  hard.Expect("drift in a minute, of 2.8 N", largest_drift_n, Below(0.05), "N");
+  hard.Plot(plot);
 }
 
 TEST(BreathingNeedle, JumpsTimeAndRubbishOfTheHandStayBounded) {
+  const HardCase hard(
+      "Jumps, time that goes back and an hour ahead, NaN, while the patient breathes.");
+  Largest force_share;
   for (const MotionKind kind : kAllMotionKinds) {
     Scene scene = BendingScene{}.Make();
     scene.breathing.emplace(Around(kind, 30.0).Make());
@@ -210,11 +247,14 @@ TEST(BreathingNeedle, JumpsTimeAndRubbishOfTheHandStayBounded) {
       if (n == 3000) sample.time_ns += 3'600'000'000'000;
       const StepOutput step = simulation.Step(state, sample);
       ExpectSound(scene, step);
+      force_share.Add(step.force.force_in_ct_n.norm() / LargestN(scene));
     }
   }
+  hard.Expect("largest force, of its limit", force_share, AtMost(1.0 + 1e-12));
 }
 
 TEST(BreathingNeedle, AStepAllocatesNothing) {
+  const HardCase hard("Memory taken in a step of 1 ms can make it late.");
   Scene scene = BendingScene{}.Make();
   scene.breathing.emplace(Around(MotionKind::kSurrogate, 20.0).Make());
   const Simulation simulation(scene);
@@ -223,12 +263,14 @@ TEST(BreathingNeedle, AStepAllocatesNothing) {
   for (int n = 0; n < 3000; ++n) {
     simulation.Step(state, NeedleAt(1e-3 * n, InsertedMm(1e-3 * n)));
   }
-  EXPECT_EQ(testing_support::num_allocations, before);
+  const long allocated = testing_support::num_allocations - before;
+  hard.Expect("allocations in 3000 steps", allocated, Exactly(0));
 }
 
 // Pictures of a field that folds, and that tears: finite, the same bits again, no more than five
 // iterations a knot.
 TEST(BreathingPictures, AFoldingFieldGivesAPictureAndTheSameAgain) {
+  const HardCase hard("A picture of a field that folds, and the same again after another one.");
   Scene scene =
       testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
   for (const double largest_mm : {60.0, 150.0}) {
@@ -243,8 +285,10 @@ TEST(BreathingPictures, AFoldingFieldGivesAPictureAndTheSameAgain) {
     EXPECT_NE(first.b_mode.pixels, second.b_mode.pixels);
     snapshot.session_s = 2.0;
     renderer.Render(snapshot, second);
-    EXPECT_EQ(first.b_mode.pixels, second.b_mode.pixels);
-    EXPECT_EQ(first.ct_slice.pixels, second.ct_slice.pixels);
+    const bool same = first.b_mode.pixels == second.b_mode.pixels &&
+                      first.ct_slice.pixels == second.ct_slice.pixels;
+    hard.Expect(Message("same pictures of one moment, field of ", largest_mm, " mm over 120"), same,
+                Exactly(1));
   }
 }
 

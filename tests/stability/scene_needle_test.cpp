@@ -7,6 +7,8 @@
 #include "forces/closed_loop.h"
 #include "support/allocation_counter.h"
 #include "support/bending_scene.h"
+#include "support/bound.h"
+#include "support/stability_length.h"
 #include "support/wild_hand.h"
 
 namespace acus::simulation {
@@ -14,11 +16,23 @@ namespace {
 
 using Eigen::Vector3d;
 using scenario::NeedleForceModelKind;
+using testing_support::Above;
+using testing_support::AtMost;
+using testing_support::Below;
 using testing_support::BendingScene;
+using testing_support::BoundPlot;
+using testing_support::Exactly;
+using testing_support::HardCase;
+using testing_support::Largest;
 using testing_support::NeedleAt;
 
 constexpr NeedleForceModelKind kForces[] = {
     NeedleForceModelKind::kLayered, NeedleForceModelKind::kAlamilla, NeedleForceModelKind::kTissue};
+
+const char* NameOf(NeedleForceModelKind force) {
+  if (force == NeedleForceModelKind::kTissue) return "tissue";
+  return force == NeedleForceModelKind::kAlamilla ? "alamilla" : "layered";
+}
 
 Scene SceneWith(NeedleForceModelKind force, const char* tissue) {
   BendingScene bending;
@@ -49,6 +63,7 @@ void ExpectSound(const Scene& scene, const State& state, const StepOutput& out) 
 // A minute of a hand that goes in and out, sideways, and turns: energy that the needle gives beyond
 // what it took, with the force of a step held until the next.
 TEST(BendableHardCases, ARandomHandGetsNoEnergy) {
+  const HardCase hard("A minute in and out, sideways and turning: the bent needle stores energy.");
   for (const NeedleForceModelKind force : kForces) {
     for (const std::uint64_t seed : {1u, 2u}) {
       const Scene scene = SceneWith(force, seed == 1 ? "muscle" : nullptr);
@@ -81,8 +96,9 @@ TEST(BendableHardCases, ARandomHandGetsNoEnergy) {
         }
         before = out;
       }
-      EXPECT_LE(generated_mj, 0.2) << static_cast<int>(force) << " " << seed;
-      EXPECT_GT(returned_mj, 10.0);  // It does push back.
+      const std::string of = Message(", ", NameOf(force), ", hand ", seed);
+      hard.Expect("energy generated" + of, generated_mj, AtMost(0.2), "mJ");
+      hard.Expect("energy given back of what it took" + of, returned_mj, Above(10.0), "mJ");
       EXPECT_EQ(state.shape.needle.rod.num_rejected, 0);
       std::printf("  force %d, hand %d: generated %.4f mJ, returned %.0f mJ\n",
                   static_cast<int>(force), static_cast<int>(seed), generated_mj, returned_mj);
@@ -91,12 +107,17 @@ TEST(BendableHardCases, ARandomHandGetsNoEnergy) {
 }
 
 TEST(BendableHardCases, AWildHandAndABrokenTrackerStayBounded) {
+  const HardCase hard(
+      "Jumps, broken numbers, time that goes back, lost poses, with a needle that bends.");
+  const int num_steps = testing_support::StabilitySteps(20000);
   for (const NeedleForceModelKind force : kForces) {
+    Largest force_share;
+    Largest deflection_mm;
     const Scene scene = SceneWith(force, nullptr);
     const Simulation simulation(scene);
     State state = simulation.NewState();
     testing_support::WildHand hand(7);
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < num_steps; ++i) {
       const forces::NeedleInput input = hand.Next();
       Sample sample{.needle_valid = input.valid};
       sample.time_ns = std::isfinite(input.time_s) && std::abs(input.time_s) < 1e9
@@ -107,11 +128,20 @@ TEST(BendableHardCases, AWildHandAndABrokenTrackerStayBounded) {
       const StepOutput out = simulation.Step(state, sample);
       ExpectSound(scene, state, out);
       if (HasFatalFailure()) FAIL() << "step " << i << ", force " << static_cast<int>(force);
+      force_share.Add(out.force.force_in_ct_n.norm() / LargestN(scene));
+      deflection_mm.Add(out.shape.tip_deflection_mm);
     }
+    hard.Expect(Message("largest force, of its limit, ", NameOf(force)), force_share,
+                AtMost(1.0 + 1e-12));
+    hard.Expect(Message("deflection of the tip, ", NameOf(force)), deflection_mm,
+                AtMost(scene.needle->length_mm), "mm");
+    hard.Note(Message("wild steps, ", NameOf(force)), std::to_string(num_steps));
   }
 }
 
 TEST(BendableHardCases, BadSamplesAreDealtWithAsByTheForceModel) {
+  const HardCase hard(
+      "Time that goes back, no number, a lost needle: held, let go, and taken up again.");
   const Scene scene = SceneWith(NeedleForceModelKind::kLayered, "muscle");
   const Simulation simulation(scene);
   State state = simulation.NewState();
@@ -152,12 +182,19 @@ TEST(BendableHardCases, BadSamplesAreDealtWithAsByTheForceModel) {
   EXPECT_TRUE(out.force.torque_in_ct_n_mm.isZero());
   // And back where it was, it goes on.
   out = simulation.Step(state, NeedleAt(t += 0.001, {0, 0, 30}, {0, 0.2, 0}));
-  EXPECT_NEAR(out.force.lateral_n, held.force.lateral_n, 0.02 * held.force.lateral_n);
-  EXPECT_NEAR((out.shape.tip_in_ct_mm - held.shape.tip_in_ct_mm).norm(), 0.0, 0.01);
+  hard.Expect("force across when found again, change as a share",
+              std::abs(out.force.lateral_n / held.force.lateral_n - 1.0), AtMost(0.02));
+  hard.Expect("tip when found again", (out.shape.tip_in_ct_mm - held.shape.tip_in_ct_mm).norm(),
+              AtMost(0.01), "mm");
 }
 
 TEST(BendableHardCases, PulledOutWhileBentItIsStraightAndTheForceHasNoJump) {
+  const HardCase hard("Drawn out while bent: what the tissue held is let go little by little.");
+  BoundPlot plot{.title = "Force across a bent needle that is drawn out",
+                 .x_label = "drawn out [mm]",
+                 .y_label = "force [N]"};
   for (const NeedleForceModelKind force : kForces) {
+    plot.curves.push_back({.name = NameOf(force)});
     const Scene scene = SceneWith(force, "muscle");
     const Simulation simulation(scene);
     State state = simulation.NewState();
@@ -172,7 +209,7 @@ TEST(BendableHardCases, PulledOutWhileBentItIsStraightAndTheForceHasNoJump) {
     const double bent_mm = out.shape.tip_deflection_mm;
     EXPECT_GT(bent_mm, 0.5);
     const Vector3d axis(std::sin(0.3), 0.0, std::cos(0.3));
-    double largest_step_n = 0.0;
+    Largest largest_step_n;
     for (int i = 1; i <= 2200; ++i) {
       const double before_n = out.force.lateral_n;
       out = simulation.Step(
@@ -180,16 +217,23 @@ TEST(BendableHardCases, PulledOutWhileBentItIsStraightAndTheForceHasNoJump) {
       ExpectSound(scene, state, out);
       // What is still held when the tip leaves the skin is let go with it.
       if (out.shape.bent) {
-        largest_step_n = std::max(largest_step_n, std::abs(out.force.lateral_n - before_n));
+        largest_step_n.Add(std::abs(out.force.lateral_n - before_n));
       }
+      if (i % 5 == 0) plot.curves.back().Add(0.02 * i, out.force.lateral_n);
     }
-    EXPECT_LT(largest_step_n, 0.05) << static_cast<int>(force);
+    hard.Expect(Message("step of the force across, ", NameOf(force)), largest_step_n, Below(0.05),
+                "N");
     EXPECT_FALSE(out.shape.bent);
-    EXPECT_TRUE(out.force.force_in_ct_n.isZero());
+    hard.Expect(Message("force when out, ", NameOf(force)), out.force.force_in_ct_n.norm(),
+                Exactly(0), "N");
   }
+  hard.Plot(plot);
 }
 
 TEST(BendableHardCases, TurnedBy180DegreesAndBackItIsAsBefore) {
+  const HardCase hard("The hand turns by 180 degrees within a step, with the needle in tissue.");
+  Largest tip_mm;
+  Largest lateral_n;
   const Scene scene = SceneWith(NeedleForceModelKind::kLayered, "muscle");
   const Simulation simulation(scene);
   State state = simulation.NewState();
@@ -206,14 +250,17 @@ TEST(BendableHardCases, TurnedBy180DegreesAndBackItIsAsBefore) {
                             NeedleAt(t += 0.001, {0, 0, 40.0}, i < 10 ? turn : Vector3d(0, 0, 0)));
       ExpectSound(scene, state, out);
     }
-    EXPECT_NEAR((out.shape.tip_in_ct_mm - before.shape.tip_in_ct_mm).norm(), 0.0, 0.05);
-    EXPECT_NEAR(out.force.lateral_n, 0.0, 0.05);
+    tip_mm.Add((out.shape.tip_in_ct_mm - before.shape.tip_in_ct_mm).norm());
+    lateral_n.Add(out.force.lateral_n);
   }
+  hard.Expect("tip when turned back", tip_mm, AtMost(0.05), "mm");
+  hard.Expect("force across when turned back", lateral_n, AtMost(0.05), "N");
 }
 
 // A hand that presses with all its strength on bone: the axial force is the bone's, bounded; the
 // needle leans with the hand but does not run away.
 TEST(BendableHardCases, PressedOnBoneBeyondItsBucklingLoadItStaysBounded) {
+  const HardCase hard("Pressed on bone with more than the load at which the needle buckles.");
   const Scene scene = SceneWith(NeedleForceModelKind::kLayered, nullptr);
   const Simulation simulation(scene);
   State state = simulation.NewState();
@@ -231,12 +278,13 @@ TEST(BendableHardCases, PressedOnBoneBeyondItsBucklingLoadItStaysBounded) {
                          scene.needle->beam.BendingStiffnessNMm2() / (free_mm * free_mm);
   std::printf("  bone %.1f N, Euler %.1f N, deflection %.2f mm\n", largest_n, euler_n,
               out.shape.tip_deflection_mm);
-  EXPECT_GT(largest_n, 5.0);
-  EXPECT_LT(out.shape.tip_deflection_mm, 5.0);
-  EXPECT_EQ(state.shape.needle.rod.num_not_converged, 0);
+  hard.Expect("force of the bone", largest_n, Above(5.0), "N");
+  hard.Expect("deflection of the tip", out.shape.tip_deflection_mm, Below(5.0), "mm");
+  hard.Expect("steps that did not converge", state.shape.needle.rod.num_not_converged, Exactly(0));
 }
 
 TEST(BendableHardCases, AStepAllocatesNothing) {
+  const HardCase hard("Memory taken in a step of 1 ms can make it late.");
   for (const NeedleForceModelKind force : kForces) {
     const Scene scene = SceneWith(force, nullptr);
     const Simulation simulation(scene);
@@ -249,7 +297,8 @@ TEST(BendableHardCases, AStepAllocatesNothing) {
       out = simulation.Step(state, NeedleAt(t, {std::sin(t), 0, 50.0 * t - 5.0}, {0.1 * t, 0, t}));
       simulation.ShapeOf(state, line);
     }
-    EXPECT_EQ(testing_support::num_allocations.load() - before, 0);
+    const long allocated = testing_support::num_allocations.load() - before;
+    hard.Expect(Message("allocations in 1500 steps, ", NameOf(force)), allocated, Exactly(0));
     EXPECT_TRUE(out.shape.bent);
   }
 }
