@@ -44,7 +44,7 @@ nlohmann::json MachineFacts() {
   const bool is_virtual = flags.find(" hypervisor ") != flags.npos;
   return {{"cpu", LineOf("/proc/cpuinfo", "model name", ':')},
           {"cores", std::thread::hardware_concurrency()},
-          {"memory_gb", std::round(memory_kb / 1e6)},
+          {"memory_gb", std::lround(memory_kb / 1e6)},
           {"system", LineOf("/etc/os-release", "PRETTY_NAME", '=')},
           {"virtual", is_virtual ? "a virtual machine" : "a machine of its own"},
           {"compiler", Compiler()},

@@ -47,9 +47,8 @@ const Row* Find(const std::vector<Row>& rows, const std::string& knob, const std
   return found == rows.end() ? nullptr : &*found;
 }
 
-/// Sweeps have ';' where a comma would make a new cell; '|' would make one in Markdown.
+/// A '|' would make a cell in Markdown.
 std::string ValueText(std::string text) {
-  std::ranges::replace(text, ';', ',');
   std::ranges::replace(text, '|', '/');
   return text;
 }
@@ -118,14 +117,15 @@ class Figure {
       if (!std::isfinite(x) || !std::isfinite(y)) continue;
       if (plot_.log_x && x <= 0.0) continue;
       if (plot_.log_y && y <= 1e-4 * largest_) continue;  // Rounding: it would stretch the axis.
-      if (row->is_default) AddTo(ours_, x, y);
-      if (row->is_paper) AddTo(papers_, x, y);
-      if (knob.key == "line") {
-        AddTo(line, x, y);
+      if (knob.key == "points") {                         // A mark would lie on the dot.
+        const char* mark = row->is_default ? " (default)" : row->is_paper ? " (paper)" : "";
+        plot_.series.push_back(Points(ValueText(value) + mark));
+        AddTo(plot_.series.back(), x, y);
         continue;
       }
-      plot_.series.push_back(Points(ValueText(value)));
-      AddTo(plot_.series.back(), x, y);
+      if (row->is_default) AddTo(ours_, x, y);
+      if (row->is_paper) AddTo(papers_, x, y);
+      AddTo(line, x, y);
     }
     if (!line.x.empty()) plot_.series.push_back(std::move(line));
   }

@@ -93,7 +93,12 @@ std::vector<std::string> Parts(std::string_view text, char separator) {
 
 std::vector<Row> ReadRows(const fs::path& csv) {
   const CsvTable table(csv);
-  const auto cells = [&](const char* column) { return table.Texts(column); };
+  // Where a text has a comma, its cell has a semicolon.
+  const auto cells = [&](const char* column) {
+    auto texts = table.Texts(column);
+    for (std::string& text : texts) std::ranges::replace(text, ';', ',');
+    return texts;
+  };
   const auto knob = cells("knob"), value = cells("value"), level = cells("level");
   const auto error = cells("error"), unit = cells("error_unit"), reference = cells("reference");
   const auto median = cells("step_us_median"), p999 = cells("step_us_p999");

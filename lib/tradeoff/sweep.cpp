@@ -6,14 +6,16 @@
 #include "tradeoff/image_sweep.h"
 #include "tradeoff/needle_sweep.h"
 #include "tradeoff/probe_sweep.h"
+#include "tradeoff/registration_sweep.h"
 #include "tradeoff/tissue_sweep.h"
 #include "tradeoff/views_sweep.h"
 
 namespace acus::tradeoff {
 
 const std::vector<Sweep>& Sweeps() {
-  static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep(), ForcesSweep(),
-                                            ImageSweep(), BreathingSweep(), ProbeSweep(), ViewsSweep()};
+  static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep(),      ForcesSweep(),
+                                            ImageSweep(),  BreathingSweep(),   ProbeSweep(),
+                                            ViewsSweep(),  RegistrationSweep()};
   return sweeps;
 }
 

@@ -12,14 +12,14 @@
 
 namespace acus::tradeoff {
 
-/// 3D finite elements. Defaults: those of acus-mesh (corridor and condensation) and of
-/// tissue::FemContactSettings.
+/// 3D finite elements. Defaults: those of acus-mesh (corridor and condensation) and of a scenario's
+/// effects/tissue/fe_3d.
 struct FemSetting {
   double element_mm = 4.0;
   mechanics::ElementKind element = mechanics::ElementKind::kAveragedDilatation;
   double corridor_radius_mm = 6.0;
   mechanics::Storage storage = mechanics::Storage::kDouble;
-  double contact_spacing_mm = 1.5;
+  double contact_spacing_mm = 2.0;
 };
 
 struct MeasuredRun {

@@ -27,6 +27,9 @@ acus_add_cli_case(acus-tradeoff.views EXIT 0 TIMEOUT 120
   STDOUT "^fluoroscopy: detail" "^volume rendering: ray step_mm, skin" "default$"
   CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
   COMMAND acus-tradeoff views --quick -o t)
+acus_add_cli_case(acus-tradeoff.registration EXIT 0 TIMEOUT 120 STDOUT "^spacing_mm" "^wall" "default$"
+  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
+  COMMAND acus-tradeoff registration --quick -o t)
 acus_add_cli_case(acus-tradeoff.unknown_sweep EXIT 2 LEAVES_NOTHING STDERR "tissues" "tissue"
   COMMAND acus-tradeoff tissues -o t)
 acus_add_cli_case(acus-tradeoff.no_output EXIT 2 LEAVES_NOTHING STDERR "--output"

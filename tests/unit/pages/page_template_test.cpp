@@ -36,7 +36,7 @@ PageData Data() {
     rows.push_back(RowOf("size_mm", value, 3.0 * size, "%", 12.0 / size));
   }
   rows[2].is_default = rows[3].is_default = true;
-  rows.push_back(RowOf("level", "2D; coarse", 0.7, "N", 1.0));
+  rows.push_back(RowOf("level", "2D, coarse", 0.7, "N", 1.0));
   rows.back().is_paper = true;
   rows.push_back(RowOf("level", "wild", 1e9, "N", 0.5));
   rows.back().unusable = "diverged";
@@ -156,7 +156,7 @@ TEST(MeasuredTables, DrawFigures) {
   const Page page = MakePage(std::string("{{") + asked + "}}", Data(), Claims::kMustHold);
   EXPECT_EQ(page.text, "![Costs](figures/f.svg)");
   const std::string& svg = page.figures.at("f");
-  for (const char* text : {">size<", ">2D, coarse<", ">default<", ">paper<", "Costs"}) {
+  for (const char* text : {">size<", ">2D, coarse (paper)<", ">default<", "Costs"}) {
     EXPECT_TRUE(svg.find(text) != svg.npos) << text;
   }
   EXPECT_TRUE(svg.find("wild") == svg.npos) << "it must not be used";
@@ -170,6 +170,7 @@ TEST(PageData, ReadsWhatASweepHasWritten) {
   WriteTextFile(folder.path() / "machine.json", "{\"cores\": 2}");
   const PageData data = PageData::Read(folder.path());
   EXPECT_EQ(tradeoff::CsvText(data.Sweep("tissue")), tradeoff::CsvText(rows));
+  EXPECT_DOUBLE_EQ(ValueOf("[tissue | level | 2D, coarse | error N]", data), 0.7);
   EXPECT_DOUBLE_EQ(ValueOf("[machine | cores]", data), 2.0);
   WriteTextFile(folder.path() / "tissue.csv", "knob,value\n1,2\n");
   EXPECT_THROW(PageData::Read(folder.path()), InputError);

@@ -64,8 +64,8 @@ TEST(ViewsSweep, ErrorsFallTowardsTheDearest) {
             error("volume rendering: picture_px", "128"));
   EXPECT_LT(error("volume rendering: supersampling", "2"),
             error("volume rendering: supersampling", "1"));
-  EXPECT_LT(error("volume rendering: warp_tolerance_mm", "0.05"),
-            error("volume rendering: warp_tolerance_mm", "2"));
+  EXPECT_LT(error("volume rendering: warp_tolerance_mm", "0.002"),
+            error("volume rendering: warp_tolerance_mm", "0.15"));
   EXPECT_LT(error("volume rendering: warp_iterations", "5"),
             error("volume rendering: warp_iterations", "1"));
   EXPECT_GT(error("volume rendering: breath, skin", "at rest"), 1.0);
