@@ -3,6 +3,7 @@
 #pragma once
 
 #include <ctime>
+#include <malloc.h>
 #include <sys/resource.h>
 
 namespace acus {
@@ -24,6 +25,12 @@ inline double PeakMemoryMib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+/// What this process holds on its heap just now, 10^6 bytes. Mapped files do not count.
+inline double HeapMb() {
+  const struct mallinfo2 heap = mallinfo2();
+  return 1e-6 * static_cast<double>(heap.uordblks + heap.hblkhd);
 }
 
 }  // namespace acus

@@ -90,6 +90,7 @@ void AddTissue(const Scenario& s, Table& table) {
                 "mm", effect + "/fe_3d/contact_spacing_mm", ActsOn::kBoth, {8, 4, 3, 2, 1.5, 1});
       Knob& mesh = table.Add("mesh", "mesh of the tissue", "", "/patient/mesh", ActsOn::kBoth, {});
       mesh.is_folder = true;
+      mesh.scenario_value = s.patient.mesh.string();
       break;
     }
     case TissueModelKind::kDisplacementFunctions:
@@ -150,12 +151,13 @@ void AddBreathing(const Scenario& s, Table& table) {
   Knob& motion = table.Add("motion", "motion of the breathing patient: model and resolution", "",
                            effect + "/motion", ActsOn::kBoth, {});
   motion.is_folder = true;
+  motion.scenario_value = s.breathing->motion.string();
   if (!s.breathing->image || !(s.ultrasound || s.ct_slice)) return;
   table.Add("breathing_warp_spacing_mm", "knots at which pictures ask for the patient's breath",
             "mm", effect + "/warp_spacing_mm", ActsOn::kImage, {20, 10, 5, 2, 1});
 }
 
-void AddBeams(const Scenario& s, Table& table) {
+void AddBeams(Table& table) {
   const std::string effect = "/effects/ultrasound/beams/";
   const std::vector<json> off_on = {false, true};
   const std::pair<const char*, const char*> parts[] = {
@@ -172,7 +174,6 @@ void AddBeams(const Scenario& s, Table& table) {
   }
   table.Add("elevation_planes", "planes over the thickness of the slice", "",
             effect + "elevation_planes", ActsOn::kImage, {1, 3, 5, 7, 11, 15});
-  static_cast<void>(s);
 }
 
 void AddUltrasound(const Scenario& s, Table& table) {
@@ -182,7 +183,7 @@ void AddUltrasound(const Scenario& s, Table& table) {
   model.papers = {{"vidal_2008", "Vidal-2008"},
                   {"alamilla_2021", "Alamilla-2021"},
                   {"columns_2010", "Augmented-2010"}};
-  if (s.ultrasound->model == scenario::UltrasoundModel::kBeams) AddBeams(s, table);
+  if (s.ultrasound->model == scenario::UltrasoundModel::kBeams) AddBeams(table);
 }
 
 }  // namespace

@@ -15,13 +15,19 @@ struct NumberField {
   const char* key;
   double Measured::*value;
 };
-constexpr NumberField kNumbers[] = {
-    {"step_us_median", &Measured::step_us_median}, {"step_us_p999", &Measured::step_us_p999},
-    {"step_us_mean", &Measured::step_us_mean},     {"image_ms_median", &Measured::image_ms_median},
-    {"image_ms_p95", &Measured::image_ms_p95},     {"image_ms_mean", &Measured::image_ms_mean},
-    {"preparation_s", &Measured::preparation_s},   {"memory_mb", &Measured::memory_mb},
-    {"force_rms_n", &Measured::force_rms_n},       {"force_largest_n", &Measured::force_largest_n},
-    {"image_rms_grey", &Measured::image_rms_grey}, {"image_ssim", &Measured::image_ssim}};
+constexpr NumberField kNumbers[] = {{"step_us_median", &Measured::step_us_median},
+                                    {"step_us_p999", &Measured::step_us_p999},
+                                    {"step_us_mean", &Measured::step_us_mean},
+                                    {"image_ms_median", &Measured::image_ms_median},
+                                    {"image_ms_p95", &Measured::image_ms_p95},
+                                    {"image_ms_mean", &Measured::image_ms_mean},
+                                    {"preparation_s", &Measured::preparation_s},
+                                    {"memory_mb", &Measured::memory_mb},
+                                    {"force_felt_n", &Measured::force_felt_n},
+                                    {"force_rms_n", &Measured::force_rms_n},
+                                    {"force_largest_n", &Measured::force_largest_n},
+                                    {"image_rms_grey", &Measured::image_rms_grey},
+                                    {"image_ssim", &Measured::image_ssim}};
 
 double NumberOrNothing(const json& value) {
   return value.is_null() ? kNotMeasured : value.get<double>();

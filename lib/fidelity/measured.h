@@ -40,6 +40,8 @@ struct Measured {
   double preparation_s = kNotMeasured;    ///< CPU time of loading the scene, s.
   double memory_mb = kNotMeasured;        ///< What the scene holds, 10^6 bytes.
 
+  double force_felt_n = kNotMeasured;  ///< Largest force on needle or probe, N.
+
   // Against the reference: the same session with the dearest level, and the same seed.
   bool is_reference = false;              ///< Its errors are zero, as it is the reference.
   double force_rms_n = kNotMeasured;      ///< RMS of the difference of forces, N.

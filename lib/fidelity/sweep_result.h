@@ -29,6 +29,7 @@ struct SettingResult {
   Estimate image_ms_p95;
   Estimate preparation_s;
   Estimate memory_mb;
+  Estimate force_felt_n;
   Estimate force_rms_n;
   Estimate force_largest_n;
   Estimate image_rms_grey;

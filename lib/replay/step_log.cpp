@@ -85,7 +85,7 @@ breathing::Breath BreathOf(const session::Session& session, std::int64_t time_ns
 
 StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
                  std::span<simulation::Snapshot> images, simulation::StageTimes* times,
-                 const RunContext& context) {
+                 const RunContext& context, std::vector<double>* step_cpu_s) {
   StepLog log;
   const bool has_needle = scene.plan.Has(simulation::StageId::kNeedlePose);
   const bool feels_probe = scene.plan.Has(simulation::StageId::kProbeForce);
@@ -119,7 +119,9 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
     }
     sample.breath = BreathOf(session, sample.time_ns);
     states.GiveBefore(sample.time_ns);
+    const double step_begin_s = step_cpu_s != nullptr ? ThreadCpuSeconds() : 0.0;
     log.steps.push_back(simulation.Step(log.final_state, sample, times));
+    if (step_cpu_s != nullptr) step_cpu_s->push_back(ThreadCpuSeconds() - step_begin_s);
     KeepMostBent(simulation, log);
   }
   states.GiveBefore(std::numeric_limits<std::int64_t>::max());

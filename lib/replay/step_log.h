@@ -32,10 +32,11 @@ struct StepLog {
 /// Runs Step over all needle samples of a session, or over the probe's if no stage in the plan
 /// reads the needle. If the plan has a deformation or a needle shape, each image of `images`
 /// (ascending times) is given the load and shape after the last step before it, kept in the log.
-/// Adds the cost of each stage to `times`, if given.
+/// Adds the cost of each stage to `times`, if given. Appends the thread CPU time of each step to
+/// `step_cpu_s`, if given.
 StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
                  std::span<simulation::Snapshot> images, simulation::StageTimes* times,
-                 const RunContext& context);
+                 const RunContext& context, std::vector<double>* step_cpu_s = nullptr);
 
 /// "bone contact": an event in words.
 std::string EventWords(forces::NeedleEvent event);

@@ -30,9 +30,43 @@ acus_add_cli_case(acus-tradeoff.views EXIT 0 TIMEOUT 120
 acus_add_cli_case(acus-tradeoff.registration EXIT 0 TIMEOUT 120 STDOUT "^spacing_mm" "^wall" "default$"
   CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
   COMMAND acus-tradeoff registration --quick -o t)
-acus_add_cli_case(acus-tradeoff.unknown_sweep EXIT 2 LEAVES_NOTHING STDERR "tissues" "tissue"
+acus_add_cli_case(acus-tradeoff.unknown_sweep EXIT 2 LEAVES_NOTHING
+  STDERR "unknown command .tissues." "Did you mean tissue[?]"
   COMMAND acus-tradeoff tissues -o t)
 acus_add_cli_case(acus-tradeoff.no_output EXIT 2 LEAVES_NOTHING STDERR "--output"
   COMMAND acus-tradeoff tissue)
 acus_add_cli_case(acus-tradeoff.folder_exists EXIT 3 LEAVES_NOTHING BEFORE "mkdir t\necho mine > t/notes.txt"
   STDERR "--overwrite" COMMAND acus-tradeoff tissue --quick -o t)
+
+# The knobs of a scenario over a session.
+set(scene scene $INPUTS/scenario.json $INPUTS/session --ct $INPUTS/ct.nrrd
+    --labels $INPUTS/labels.seg.nrrd --transform $INPUTS/ct_from_reference.tfm)
+list(JOIN scene " " scene_text)
+acus_add_cli_case(acus-tradeoff.scene EXIT 0 NEEDS inputs TIMEOUT 120
+  STDOUT "^step_rate_hz +step us" " reference$"
+         "^step_rate_hz 500 instead of 2000: force [0-9.]+ N RMS more error"
+  CREATES t/tradeoff.csv t/tradeoff.json t/provenance.json t/plan.json
+  COMMAND acus-tradeoff ${scene} --knob step_rate_hz=500,2000 --repetitions 2 -o t)
+acus_add_cli_case(acus-tradeoff.scene_taken_up EXIT 0 NEEDS inputs TIMEOUT 120
+  BEFORE "$ACUS_BIN/acus-tradeoff ${scene_text} --seconds 2 --knob step_rate_hz=500,2000 -o t > /dev/null 2>&1
+rm t/runs/step_rate_hz-500-r1.json"
+  STDOUT "Taken up: 5 of 6 runs were there"
+  COMMAND acus-tradeoff ${scene} --seconds 2 --knob step_rate_hz=500,2000 -o t)
+acus_add_cli_case(acus-tradeoff.scene_other_plan EXIT 3 NEEDS inputs TIMEOUT 120 LEAVES_NOTHING
+  BEFORE "$ACUS_BIN/acus-tradeoff ${scene_text} --seconds 1 --knob step_rate_hz=500,2000 --repetitions 1 -o t > /dev/null 2>&1"
+  STDERR "/to_s: 1.0 there, 2.0 now" "--overwrite"
+  COMMAND acus-tradeoff ${scene} --seconds 2 --knob step_rate_hz=500,2000 --repetitions 1 -o t)
+acus_add_cli_case(acus-tradeoff.scene_list EXIT 0 NEEDS inputs LEAVES_NOTHING
+  STDOUT "^case step_rate_hz-500-r0 after step_rate_hz-2000-r0" "^Left out: force_model=tissue"
+  COMMAND acus-tradeoff ${scene} --list --knob step_rate_hz=500,2000 --knob force_model)
+acus_add_cli_case(acus-tradeoff.scene_knob_typo EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "did you mean step_rate_hz[?]" "ultrasound_model"
+  COMMAND acus-tradeoff ${scene} --knob step_rate -o t)
+acus_add_cli_case(acus-tradeoff.scene_level_typo EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "did you mean beams[?]" "vidal_2008, alamilla_2021, columns_2010, beams"
+  COMMAND acus-tradeoff ${scene} --knob ultrasound_model=columns_2010,beam -o t)
+acus_add_cli_case(acus-tradeoff.scene_no_output EXIT 2 NEEDS inputs LEAVES_NOTHING STDERR "--output"
+  COMMAND acus-tradeoff ${scene})
+acus_add_cli_case(acus-tradeoff.scene_not_a_sweep EXIT 3 NEEDS inputs
+  BEFORE "mkdir t && echo mine > t/notes.txt" STDERR "no folder of a sweep"
+  COMMAND acus-tradeoff ${scene} --knob step_rate_hz -o t --overwrite)

@@ -1,0 +1,45 @@
+// A planned sweep, run: what is there already is not run again.
+#pragma once
+
+#include <string>
+
+#include "core/run_context.h"
+#include "fidelity/run_store.h"
+#include "fidelity/sweep_plan.h"
+#include "fidelity/sweep_result.h"
+
+namespace acus::fidelity {
+
+/// Runs a setting of the plan's knobs, in the plan or not, with the seed of that repetition. Its
+/// errors are not filled in: Compare its series with that of a reference for that.
+/// @throws InputError as RunCase.
+CaseRun RunSetting(const SweepPlan& plan, const Setting& setting, int repetition,
+                   RunContext& context);
+
+/// How near to an event two settings' forces are not compared: two steps of the slower one, s.
+double AroundEventS(const SweepPlan& plan, const Setting& a, const Setting& b);
+
+/// How much of a plan there is.
+struct Progress {
+  int planned = 0;
+  int done = 0;
+};
+Progress ProgressOf(const SweepPlan& plan, const RunStore& store);
+
+/// Runs the cases that are not there, or only the one that is named (`only_case`, if not empty)
+/// with the reference that it needs. Several processes may do so in the same folder. Stopping at
+/// any moment loses the case that is running, no other.
+/// @throws InputError if there is no case of that name, or an input is not usable.
+void RunCases(const SweepPlan& plan, const RunStore& store, const std::string& only_case,
+              RunContext& context);
+
+/// What the finished runs say. @throws InputError if some are missing, saying how many.
+SweepResult Collect(const SweepPlan& plan, const RunStore& store);
+
+/// Statistics over repetitions of each setting of the plan. @param runs  One of each case.
+std::vector<SettingResult> SettingsOf(const SweepPlan& plan, const std::vector<Measured>& runs);
+
+/// "Intel(R) Xeon(R) ..., 2 threads"
+std::string MachineName();
+
+}  // namespace acus::fidelity
