@@ -65,6 +65,10 @@ void RunStore::Keep(const std::string& case_name, const Measured& measured) cons
   WriteTextFile(folder_ / "runs" / (case_name + ".json"), RunText(measured));
 }
 
+void RunStore::Forget(const std::string& case_name) const {
+  fs::remove(folder_ / "runs" / (case_name + ".json"));
+}
+
 fs::path RunStore::ReferenceFile(const std::string& reference_name) const {
   return folder_ / "references" / (reference_name + ".bin");
 }

@@ -34,6 +34,9 @@ class RunStore {
   /// Keeps a finished run. Two processes may keep the same one: one of the files stays.
   void Keep(const std::string& case_name, const Measured& measured) const;
 
+  /// Removes a run, if it is there.
+  void Forget(const std::string& case_name) const;
+
   /// Where the series of a reference is or will be.
   std::filesystem::path ReferenceFile(const std::string& reference_name) const;
 

@@ -71,11 +71,13 @@ SweepRequest RequestOf(const Options& options, const RunContext& context) {
   return request;
 }
 
-std::string ListText(const SweepPlan& plan) {
+/// @param store  Null: nobody has said where it will be.
+std::string ListText(const SweepPlan& plan, const RunStore* store) {
   std::string text = LeftOutText(plan);
   for (const Case& one : plan.cases) {
-    text +=
-        Message("case ", one.name, one.is_reference ? "" : " after " + one.reference_case, "\n");
+    const bool there = store != nullptr && store->Find(one.name);
+    text += Message("case ", one.name, one.is_reference ? "" : " after " + one.reference_case,
+                    there ? " (there)" : "", "\n");
   }
   return text;
 }
@@ -83,8 +85,12 @@ std::string ListText(const SweepPlan& plan) {
 std::string Run(const Options& options, RunContext& context) {
   const SweepPlan plan = MakePlan(RequestOf(options, context), context);
   context.provenance.AddInput(plan.request.scene.scenario);
-  if (options.list) return ListText(plan);
-  const RunStore store(options.folder, IdentityOf(plan), context.overwrite);
+  if (options.list && options.folder.empty()) return ListText(plan, nullptr);
+  // Of one case only that is run again: others may be running beside it.
+  const bool renews = context.overwrite && options.only_case.empty();
+  const RunStore store(options.folder, IdentityOf(plan), renews);
+  if (options.list) return ListText(plan, &store);
+  if (context.overwrite && !renews) store.Forget(options.only_case);
   const Progress before = ProgressOf(plan, store);
   try {
     RunCases(plan, store, options.only_case, context);
@@ -159,7 +165,8 @@ std::function<std::string(RunContext& context)> AddSceneOptions(CLI::App& comman
       "Folder of the sweep: tradeoff.csv, tradeoff.json, and every run. If it has runs of\n"
       "the same command, only what is missing is run");
   command.add_option("--case", options->only_case, "Run one case only, to run several at a time");
-  auto* list = command.add_flag("--list", options->list, "Print the cases, run nothing");
+  auto* list = command.add_flag("--list", options->list,
+                                "Print the cases, run nothing; with -o, which of them are there");
   command.callback([output, list] {
     if (output->count() == 0 && list->count() == 0) throw CLI::RequiredError("--output");
   });

@@ -39,9 +39,11 @@ acus_add_cli_case(acus-tradeoff.folder_exists EXIT 3 LEAVES_NOTHING BEFORE "mkdi
   STDERR "--overwrite" COMMAND acus-tradeoff tissue --quick -o t)
 
 # The knobs of a scenario over a session.
-set(scene scene $INPUTS/scenario.json $INPUTS/session --ct $INPUTS/ct.nrrd
+set(subject $INPUTS/scenario.json $INPUTS/session --ct $INPUTS/ct.nrrd
     --labels $INPUTS/labels.seg.nrrd --transform $INPUTS/ct_from_reference.tfm)
-list(JOIN scene " " scene_text)
+list(JOIN subject " " subject_text)
+set(scene scene ${subject})
+set(scene_text "scene ${subject_text}")
 acus_add_cli_case(acus-tradeoff.scene EXIT 0 NEEDS inputs TIMEOUT 120
   STDOUT "^step_rate_hz +step us" " reference$"
          "^step_rate_hz 500 instead of 2000: force [0-9.]+ N RMS more error"
@@ -70,3 +72,21 @@ acus_add_cli_case(acus-tradeoff.scene_no_output EXIT 2 NEEDS inputs LEAVES_NOTHI
 acus_add_cli_case(acus-tradeoff.scene_not_a_sweep EXIT 3 NEEDS inputs
   BEFORE "mkdir t && echo mine > t/notes.txt" STDERR "no folder of a sweep"
   COMMAND acus-tradeoff ${scene} --knob step_rate_hz -o t --overwrite)
+acus_add_cli_case(acus-tradeoff.scene_case_by_case EXIT 0 NEEDS inputs TIMEOUT 120
+  BEFORE "$ACUS_BIN/acus-tradeoff ${scene_text} --seconds 3 --knob step_rate_hz=500,2000 --repetitions 1 -o t --list > list
+! test -e t/tradeoff.csv
+$ACUS_BIN/acus-tradeoff ${scene_text} --seconds 3 --knob step_rate_hz=500,2000 --repetitions 1 -o t --case step_rate_hz-500-r0"
+  STDOUT "^case step_rate_hz-500-r0 after step_rate_hz-2000-r0 .there." "^case step_rate_hz-2000-r0 .there."
+  COMMAND acus-tradeoff ${scene} --seconds 3 --knob step_rate_hz=500,2000 --repetitions 1 -o t --list)
+find_program(ACUS_SNAKEMAKE snakemake)
+if(ACUS_SNAKEMAKE)
+  # Several at a time, by Snakemake: the same errors as one after the other.
+  acus_add_cli_case(acus-tradeoff.scene_parallel EXIT 0 NEEDS inputs TIMEOUT 300
+    BEFORE "$ACUS_BIN/acus-tradeoff ${scene_text} --images 3 --knob step_rate_hz=500,2000 --knob ultrasound_model=columns_2010,beams --repetitions 2 -o serial > /dev/null 2>&1
+${CMAKE_SOURCE_DIR}/pipelines/tradeoff --jobs 2 ${subject_text} --images 3 --knob step_rate_hz=500,2000 --knob ultrasound_model=columns_2010,beams --repetitions 2 -o parallel > table 2>&1
+grep -q 'Taken up: 8 of 8 runs were there' table"
+    COMMAND ${ACUS_BASH} ${CMAKE_CURRENT_LIST_DIR}/same_errors.sh serial/tradeoff.csv parallel/tradeoff.csv)
+  acus_add_cli_case(acus-tradeoff.scene_parallel_typo EXIT 3 NEEDS inputs LEAVES_NOTHING
+    STDERR "did you mean step_rate_hz[?]"
+    COMMAND ${ACUS_BASH} ${CMAKE_SOURCE_DIR}/pipelines/tradeoff --jobs 2 ${subject} --knob step_rate -o t)
+endif()
