@@ -1,307 +1,295 @@
-// Random legal scenarios: no crash, nothing that is no number, no force over its limit, no energy
-// from nowhere. Each runs in a process of its own; one that fails is shrunk to a small scenario
-// file that does the same. ACUS_STABILITY_SECONDS=600 goes on for ten minutes.
-#include <cmath>
-#include <csignal>
-#include <cstdlib>
-#include <gtest/gtest.h>
-#include <limits>
-#include <sys/wait.h>
-#include <unistd.h>
+// Random legal scenarios, and legal ones at the ends of what the schema allows: no crash, nothing
+// that is no number, no force over its limit, no energy from nowhere. Each runs in a process of its
+// own; one that fails is shrunk to a small scenario file that does the same, and kept with a
+// session. ACUS_STABILITY_SECONDS=600 goes on for ten minutes.
+#include <gmock/gmock.h>
 
-#include "breathing/motion_file.h"
-#include "config/json_file.h"
-#include "core/atomic_file.h"
 #include "core/cpu_time.h"
-#include "core/error.h"
-#include "forces/closed_loop.h"
-#include "simulation/image_renderer.h"
-#include "simulation/simulation.h"
-#include "support/breathing_box.h"
-#include "support/layered_scene.h"
-#include "support/schema_sampler.h"
+#include "replay/replay.h"
+#include "support/bound.h"
+#include "support/child_process.h"
+#include "support/kept_failure.h"
+#include "support/random_patient.h"
+#include "support/stability_length.h"
 #include "support/temporary_folder.h"
-#include "support/wild_hand.h"
-#include "volume/volume_io.h"
 
-namespace acus::simulation {
+namespace acus::testing_support {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kEnergyLimitMj = 0.1;  // In four seconds; 1 mJ a minute is what is felt.
-constexpr int kHandSteps = 4000;
-constexpr int kWildSteps = 1500;
-constexpr int kChildSeconds = 60;
-
-class Violation : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-void Require(bool holds, const std::string& what) {
-  if (!holds) throw Violation(what);
-}
-
-/// Keeps the rules between effects, which are not in the schema: what they forbid is tested where
-/// they are checked, and would here only waste most of the draws.
-json Mended(json document) {
-  json& effects = document["effects"];
-  const auto model_of = [&effects](const char* effect) {
-    return effects.contains(effect) ? effects[effect].value("model", "") : std::string();
-  };
-  if (effects.contains("needle") || model_of("tissue") == "displacement_functions") {
-    effects.emplace("needle_force", json::object());
-  }
-  if (model_of("needle_force") == "tissue" && model_of("tissue") != "springs" &&
-      model_of("tissue") != "fe_2d") {
-    effects["needle_force"].erase("model");
-  }
-  if (effects.contains("needle") || model_of("needle_force") == "tissue") {
-    if (effects.contains("needle_force")) effects["needle_force"].erase("guidance");
-  }
-  if (model_of("needle") == "bendable") effects["needle"].erase("axis_lock");
-  if (effects.empty()) effects["ct_slice"] = json::object();
-  return document;
-}
-
-/// The layered patient on disk, with all that effects may ask for but a mesh.
 class RandomScenarios : public testing::Test {
  protected:
   void SetUp() override {
-    setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
-    const Scene scene =
-        testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
-    volume::WriteCt(folder_ / "ct.nrrd", *scene.ct);
-    volume::WriteLabelMap(folder_ / "labels.seg.nrrd", *scene.labels);
-    WriteTextFile(folder_ / "corridor.csv", "name,x_mm,y_mm,z_mm\nentry,0,0,0\ntarget,0,0,50\n");
-    for (const char* kind : {"sinusoid", "full_cycle", "half_cycle", "surrogate"}) {
-      breathing::PatientMotion motion{
-          .name = kind,
-          .model =
-              breathing::BuildModel(breathing::MotionKindOf(kind), testing_support::TruePhases(8))};
-      fs::create_directories(folder_ / kind);
-      breathing::WritePatientMotion(folder_ / kind, motion);
-    }
+    fs::create_directories(folder_);
+    WriteRandomPatient(folder_);
   }
 
-  testing_support::SchemaSampler Sampler() const {
-    testing_support::SchemaSampler::Choices choices = {
-        {"/patient",
-         {{{"ct", "ct.nrrd"}, {"labels", "labels.seg.nrrd"}, {"corridor", "corridor.csv"}}}},
-        {"/session", {}},
-        {"/needle",
-         {"needles/spinal_22g.json", "needles/bevel_22g.json", "needles/trocar_18g.json"}},
-        {"/probe", {"probes/linear_l14.json", "probes/curvilinear_c5.json"}},
-        // Needs a condensed mesh, which has hard cases of its own.
-        {"/effects/tissue/model", {"displacement_functions", "springs", "fe_2d"}},
-        {"/effects/breathing/motion", {"sinusoid", "full_cycle", "half_cycle", "surrogate"}},
-        {"/effects/breathing/from_session", {}},
-        {"/effects/breathing/hold", {json::array(), {{1.0, 2.5}}}},
-        // A film; its pictures have tests of their own.
-        {"/effects/view_3d", {}}};
-    return {json::parse(config::SchemaText("acus-scenario")), choices};
-  }
-
-  /// @throws Violation, or InputError where the scenario is not one after all.
-  void Run(const json& document, std::uint64_t seed) const {
-    const fs::path file = folder_ / Message("scenario_", seed, ".json");
-    config::WriteJson(file, document);
+  /// Loads the scenario at `file` as acus-replay does and tries it.
+  void Try(const fs::path& file, std::uint64_t seed) {
     const auto scenario = scenario::ReadScenario(file, {});
     RunContext context;
-    const Scene scene = LoadScene(
+    simulation::Scene scene = simulation::LoadScene(
         scenario,
-        PlanEffects(scenario, {.needle_poses = true, .probe_poses = true, .breath = false}),
+        simulation::PlanEffects(scenario,
+                                {.needle_poses = true, .probe_poses = true, .breath = false}),
         context);
-    Felt(scene, seed);
-    Wild(scene, seed);
+    ScenarioTrial(std::move(scene), *trace_, also_).Run(seed);
   }
 
-  enum class End { kSound, kRefused, kViolated, kCrashed };
-  struct Outcome {
-    End end = End::kSound;
-    std::string what;
-  };
+  Outcome TryInChild(const json& document, std::uint64_t seed) {
+    const fs::path file = folder_ / "drawn.json";
+    config::WriteJson(file, document);
+    *trace_ = TrialTrace();
+    return InChild([&] { Try(file, seed); });
+  }
 
-  /// In a process of its own, so that a crash is an outcome like others.
-  Outcome InChild(const json& document, std::uint64_t seed) const {
-    int pipe_ends[2];
-    if (pipe(pipe_ends) != 0) throw std::runtime_error("no pipe");
-    std::fflush(nullptr);
-    const pid_t child = fork();
-    if (child == 0) {
-      alarm(kChildSeconds);
-      Outcome outcome;
-      try {
-        Run(document, seed);
-      } catch (const InputError& error) {
-        outcome = {End::kRefused, error.what()};
-      } catch (const std::exception& error) {
-        outcome = {End::kViolated, error.what()};
-      }
-      const auto written [[maybe_unused]] = write(pipe_ends[1], outcome.what.data(),
-                                                  std::min<std::size_t>(outcome.what.size(), 4000));
-      _exit(static_cast<int>(outcome.end));
+  /// Tries it; if it fails, finds the smallest scenario that does, and keeps it.
+  End TryAndKeep(const json& document, std::uint64_t seed) {
+    const Outcome outcome = TryInChild(document, seed);
+    ++num_run_;
+    if (outcome.end == End::kSound) {
+      force_share_.Add(trace_->largest_force_share);
+      generated_mj_.Add(trace_->generated_mj);
+      loop_mj_.Add(trace_->loop_mj);
     }
-    close(pipe_ends[1]);
-    std::string what;
-    char buffer[512];
-    for (ssize_t n = 0; (n = read(pipe_ends[0], buffer, sizeof buffer)) > 0;) {
-      what.append(buffer, static_cast<std::size_t>(n));
+    if (outcome.end == End::kRefused) {
+      ++num_refused_;
+      if (std::getenv("ACUS_STABILITY_VERBOSE") != nullptr)
+        std::printf("  %s\n", outcome.what.c_str());
     }
-    close(pipe_ends[0]);
-    int status = 0;
-    waitpid(child, &status, 0);
-    if (!WIFEXITED(status)) {
-      return {End::kCrashed, Message("signal ", WTERMSIG(status),
-                                     WTERMSIG(status) == SIGALRM ? " (took too long)" : "")};
-    }
-    return {static_cast<End>(WEXITSTATUS(status)), what};
+    if (outcome.end == End::kSound || outcome.end == End::kRefused) return outcome.end;
+    const json small = Shrunk(document, [&](const json& smaller) {
+      return TryInChild(smaller, seed).end == outcome.end;
+    });
+    const Outcome again = TryInChild(small, seed);
+    const fs::path kept = failures_ / std::to_string(++num_failed_);
+    fs::remove(folder_ / "drawn.json");
+    KeepFailure(kept, {.scenario = small, .what = again.what, .seed = seed}, *trace_, folder_);
+    if (expects_failures_) return outcome.end;
+    ADD_FAILURE() << "seed " << seed << ": " << again.what << "\n"
+                  << small.dump(2) << "\nkept in " << kept << ": see what.txt there";
+    return outcome.end;
   }
 
- private:
-  static void CheckStep(const Scene& scene, const Simulation& simulation, const State& state,
-                        const StepOutput& out) {
-    const double most_n = scene.force_from_tissue || !scene.forces
-                              ? 30.0
-                              : scene.forces->table().settings.largest_force_n;
-    Require(out.force.force_in_ct_n.allFinite(), "force is not finite");
-    Require(out.force.force_in_ct_n.norm() <= most_n * (1.0 + 1e-9),
-            Message("force of ", out.force.force_in_ct_n.norm(), " N is over ", most_n));
-    Require(out.force.torque_in_ct_n_mm.allFinite(), "torque is not finite");
-    Require(out.force.torque_in_ct_n_mm.norm() < 1e5, "torque is beyond all measure");
-    Require(out.probe.force_in_ct_n.allFinite(), "probe force is not finite");
-    Require(out.probe.force_in_ct_n.norm() <= 100.0, "probe force is over 100 N");
-    Require(std::isfinite(out.shape.tip_deflection_mm), "deflection is not finite");
-    math::Polyline line;
-    if (!simulation.ShapeOf(state, line)) return;
-    for (int i = 0; i < line.num_points; ++i)
-      Require(line.At(i).allFinite(), "shape is not finite");
+  void State(const HardCase& hard) const {
+    hard.Expect("scenarios that crash, give no number, too much force or energy", num_failed_,
+                Exactly(0));
+    hard.Expect("largest force, of its limit", force_share_, AtMost(1.0 + 1e-9));
+    hard.Expect("energy given to a hand in 4 s", generated_mj_,
+                AtMost(ScenarioTrial::kEnergyLimitMj), "mJ");
+    hard.Expect("energy given to a device and a hand in 3 s", loop_mj_,
+                AtMost(ScenarioTrial::kLoopLimitMj), "mJ");
+    hard.Note("scenarios run", std::to_string(num_run_));
+    hard.Note("of these refused, as effects do not go together", std::to_string(num_refused_));
   }
 
-  static Eigen::Isometry3d ProbeOnSkin(double t) {
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-    pose.translation() << 2.0 * std::sin(t), 3.0, std::sin(2.0 * t);
-    return pose;
-  }
-
-  static void Look(const Scene& scene, const Simulation& simulation, const State& state,
-                   const StepOutput& out, double t) {
-    Snapshot snapshot{.time_ns = out.time_ns, .session_s = t};
-    snapshot.probe_valid = true;
-    snapshot.ct_from_probe = ProbeOnSkin(t);
-    snapshot.ct_from_needle = out.ct_from_needle;
-    math::Polyline line;
-    if (simulation.ShapeOf(state, line)) snapshot.needle_shape = &line;
-    tissue::TissueLoad load;
-    if (scene.plan.Has(StageId::kDeformation) && simulation.LoadOf(state, out, load)) {
-      snapshot.load = &load;
-    }
-    ImageRenderer renderer(scene);
-    Images images;
-    Images again;
-    renderer.Render(snapshot, images);
-    renderer.Render(snapshot, again);
-    Require(images.b_mode.pixels == again.b_mode.pixels, "two B-modes of one moment differ");
-    Require(images.ct_slice.pixels == again.ct_slice.pixels, "two slices of one moment differ");
-  }
-
-  /// A hand in and out of the tissue: sound, and it gets no energy.
-  static void Felt(const Scene& scene, std::uint64_t seed) {
-    const Simulation simulation(scene);
-    State state = simulation.NewState();
-    forces::RandomHand hand{.across_mm = 3.0};
-    hand.to_mm = 58.0;
-    hand.slowest_s = 1.0;
-    const auto place = forces::RandomMotion(hand, 1e-3 * kHandSteps, seed);
-    double balance_mj = 0.0;
-    double generated_mj = 0.0;
-    StepOutput before;
-    for (int i = 0; i < kHandSteps; ++i) {
-      const double t = 1e-3 * i;
-      Sample sample{.time_ns = std::llround(1e9 * t), .needle_valid = true};
-      sample.reference_from_needle.translation() = place(t);
-      sample.probe_valid = true;
-      sample.reference_from_probe = ProbeOnSkin(t);
-      const StepOutput out = simulation.Step(state, sample);
-      CheckStep(scene, simulation, state, out);
-      const Eigen::Vector3d moved_mm =
-          out.ct_from_needle.translation() - before.ct_from_needle.translation();
-      balance_mj -= before.force.force_in_ct_n.dot(moved_mm);
-      generated_mj = std::max(generated_mj, -balance_mj);
-      if (out.force.force_in_ct_n.isZero() && out.force.torque_in_ct_n_mm.isZero())
-        balance_mj = 0.0;
-      before = out;
-      if (i == 1500 || i == kHandSteps - 1) Look(scene, simulation, state, out, t);
-    }
-    // A patient who breathes does work on the needle.
-    if (scene.breathing) return;
-    Require(generated_mj <= kEnergyLimitMj, Message("gave ", generated_mj, " mJ"));
-  }
-
-  /// Jumps, lost poses, numbers that are none.
-  static void Wild(const Scene& scene, std::uint64_t seed) {
-    const Simulation simulation(scene);
-    State state = simulation.NewState();
-    testing_support::WildHand hand(seed);
-    for (int i = 0; i < kWildSteps; ++i) {
-      const forces::NeedleInput input = hand.Next();
-      Sample sample{.needle_valid = input.valid};
-      sample.time_ns = std::isfinite(input.time_s) && std::abs(input.time_s) < 1e9
-                           ? std::llround(1e9 * input.time_s)
-                           : std::numeric_limits<std::int64_t>::min();
-      sample.reference_from_needle.linear().col(2) = input.axis_in_ct;
-      sample.reference_from_needle.translation() = input.tip_in_ct_mm;
-      sample.probe_valid = i % 7 != 0;
-      sample.reference_from_probe = ProbeOnSkin(0.01 * i);
-      if (i % 100 == 0) sample.reference_from_probe.translation() = input.tip_in_ct_mm;
-      CheckStep(scene, simulation, state, simulation.Step(state, sample));
-    }
-  }
-
-  testing_support::TemporaryFolder temporary_;
-
- protected:
-  fs::path folder_ = temporary_.path();
+  TemporaryFolder temporary_;
+  fs::path folder_ = temporary_ / "patient";
+  fs::path failures_ = [] {
+    const char* asked = std::getenv("ACUS_STABILITY_FAILURES");
+    return asked != nullptr ? fs::path(asked)
+                            : fs::path(ACUS_BUILD_DIR) / "random_scenarios" /
+                                  testing::UnitTest::GetInstance()->current_test_info()->name();
+  }();
+  Shared<TrialTrace> trace_;
+  ScenarioTrial::StepCheck also_;
+  bool expects_failures_ = false;
+  int num_run_ = 0;
+  int num_refused_ = 0;
+  int num_failed_ = 0;
+  Largest force_share_;
+  Largest generated_mj_;
+  Largest loop_mj_;
 };
 
 TEST_F(RandomScenarios, AreSound) {
-  const char* asked = std::getenv("ACUS_STABILITY_SECONDS");
-  const char* first = std::getenv("ACUS_STABILITY_SEED");
-  const double wanted_s = asked == nullptr ? 0.0 : std::atof(asked);
-  const std::uint64_t seed_0 = first == nullptr ? 1 : std::strtoull(first, nullptr, 10);
-  const auto sampler = Sampler();
+  const HardCase hard("Scenarios drawn from the schema: any effects, models and numbers together.");
+  const auto sampler = ScenarioSampler();
+  const std::uint64_t first = StabilitySeed();
   const double begin_s = CpuSeconds(CLOCK_MONOTONIC);
   const auto elapsed_s = [begin_s] { return CpuSeconds(CLOCK_MONOTONIC) - begin_s; };
-  int num_run = 0;
-  int num_refused = 0;
-  int num_failed = 0;
-  for (std::uint64_t seed = seed_0; num_run < 40 || elapsed_s() < wanted_s; ++seed) {
-    const json document = Mended(sampler.Draw(seed));
-    const Outcome outcome = InChild(document, seed);
-    ++num_run;
-    if (outcome.end == End::kSound) continue;
-    if (outcome.end == End::kRefused) {
-      ++num_refused;
-      if (std::getenv("ACUS_STABILITY_VERBOSE") != nullptr)
-        std::printf("  %s\n", outcome.what.c_str());
-      continue;
-    }
-    const json small = testing_support::Shrunk(
-        document, [&](const json& smaller) { return InChild(smaller, seed).end == outcome.end; });
-    const fs::path kept = fs::path(ACUS_BUILD_DIR) / "random_scenarios" / Message("seed_", seed);
-    fs::create_directories(kept);
-    fs::copy(folder_, kept, fs::copy_options::recursive | fs::copy_options::overwrite_existing);
-    config::WriteJson(kept / "scenario.json", small);
-    ADD_FAILURE() << "seed " << seed << ": " << outcome.what << "\n"
-                  << small.dump(2) << "\nkept in " << kept;
-    if (++num_failed == 5) break;
+  std::uint64_t seed = first;
+  for (; num_failed_ < 5 && (num_run_ < 30 || elapsed_s() < StabilitySeconds()); ++seed) {
+    TryAndKeep(Mended(sampler.Draw(seed)), seed);
   }
-  std::printf("  %d scenarios, %d refused\n", num_run, num_refused);
+  std::printf("  %d scenarios, %d refused, %.0f s\n", num_run_, num_refused_, elapsed_s());
+  State(hard);
   // What the schema allows is mostly a scenario.
-  EXPECT_LT(num_refused, num_run / 2);
+  hard.Expect("scenarios refused, as a share", static_cast<double>(num_refused_) / num_run_,
+              Below(0.5));
+  hard.Note("seeds", Message(first, " to ", seed - 1));
+  hard.Note("time", Message(std::lround(elapsed_s()), " s"));
+}
+
+/// Each number of the schema at its smallest and its largest, in each model of its effect.
+class ExtremeScenarios : public RandomScenarios {
+ protected:
+  struct Extreme {
+    json::json_pointer pointer;
+    json value;
+    json::json_pointer model_pointer;  ///< Empty if its effect has no models.
+    json model;
+  };
+
+  std::vector<Extreme> Extremes() const {
+    std::vector<Extreme> extremes;
+    for (const auto& range : sampler_.Ranges()) {
+      const std::string text = range.pointer.to_string();
+      const std::string effect = text.substr(0, text.find('/', std::strlen("/effects/")));
+      const std::string model_pointer = effect + "/model";
+      std::vector<json> models = sampler_.ValuesAt(model_pointer);
+      if (models.empty()) models.emplace_back();
+      for (const json& model : models) {
+        // A block that is of another model.
+        if (model.is_string() && OfAnother(text, models, model)) continue;
+        for (const json& value : {range.low, range.high}) {
+          extremes.push_back(
+              {range.pointer, value,
+               model.is_null() ? json::json_pointer() : json::json_pointer(model_pointer), model});
+        }
+      }
+    }
+    return extremes;
+  }
+
+  json DocumentOf(const std::vector<Extreme>& extremes, std::uint64_t seed) const {
+    std::vector<std::pair<json::json_pointer, json>> values;
+    for (const Extreme& extreme : extremes) {
+      if (!extreme.model.is_null()) values.emplace_back(extreme.model_pointer, extreme.model);
+      values.emplace_back(extreme.pointer, extreme.value);
+    }
+    return Mended(sampler_.Least(values, seed));
+  }
+
+  const SchemaSampler sampler_ = ScenarioSampler();
+
+ private:
+  static bool OfAnother(const std::string& text, const std::vector<json>& models,
+                        const json& model) {
+    for (const json& other : models) {
+      const bool named = text.find("/" + other.get<std::string>() + "/") != std::string::npos;
+      if (named && other != model) return true;
+    }
+    return false;
+  }
+};
+
+TEST_F(ExtremeScenarios, AreSoundOneByOne) {
+  const HardCase hard("Each number of the schema at its smallest and largest, the rest at rest.");
+  const auto extremes = Extremes();
+  ASSERT_GT(extremes.size(), 60u);
+  // All of them on demand; every seventh in the short form.
+  const std::size_t stride = StabilitySeconds() > 0.0 ? 1 : 7;
+  for (std::size_t i = StabilitySeed() % stride; i < extremes.size() && num_failed_ < 5;
+       i += stride) {
+    TryAndKeep(DocumentOf({extremes[i]}, i), i);
+  }
+  std::printf("  %d of %zu extremes, %d refused\n", num_run_, extremes.size(), num_refused_);
+  State(hard);
+  hard.Note("extremes of the schema", std::to_string(extremes.size()));
+}
+
+TEST_F(ExtremeScenarios, AreSoundInPairs) {
+  const HardCase hard("Two numbers of the schema at an end of their range, any two.");
+  const auto extremes = Extremes();
+  const double begin_s = CpuSeconds(CLOCK_MONOTONIC);
+  const double asked_s = 0.25 * StabilitySeconds();
+  RandomStream random(StabilitySeed(), "pairs");
+  while (num_failed_ < 5 && (num_run_ < 8 || CpuSeconds(CLOCK_MONOTONIC) - begin_s < asked_s)) {
+    const Extreme& a = extremes[random.Next() % extremes.size()];
+    const Extreme& b = extremes[random.Next() % extremes.size()];
+    if (a.pointer == b.pointer) continue;
+    TryAndKeep(DocumentOf({a, b}, static_cast<std::uint64_t>(num_run_)),
+               static_cast<std::uint64_t>(num_run_));
+  }
+  State(hard);
+  hard.Note("seed", std::to_string(StabilitySeed()));
+}
+
+// Runs a failure again that was kept: pipelines/stability --reproduce FOLDER.
+TEST_F(RandomScenarios, AGivenScenarioIsSound) {
+  const char* file = std::getenv("ACUS_STABILITY_SCENARIO");
+  if (file == nullptr) GTEST_SKIP() << "ACUS_STABILITY_SCENARIO names no scenario";
+  const Outcome outcome = InChild([&] { Try(file, StabilitySeed()); });
+  EXPECT_EQ(static_cast<int>(outcome.end), static_cast<int>(End::kSound))
+      << outcome.what << "\nin: " << ScenarioTrial::NameOf(trace_->phase) << ", step "
+      << trace_->num_steps;
+}
+
+/// A check that is broken on purpose: it fails on forces that are quite all right.
+class FailingScenarios : public RandomScenarios {
+ protected:
+  FailingScenarios() {
+    expects_failures_ = true;
+    also_ = [](const simulation::StepOutput& out) {
+      Require(out.force.force_in_ct_n.norm() < 0.2, "a force of 0.2 N, which is none too large");
+    };
+    failures_ = temporary_ / "kept";
+  }
+};
+
+TEST_F(FailingScenarios, AreShrunkAndKeptSoThatTheyCanBeReplayed) {
+  // Much that has nothing to do with it.
+  const json document = {
+      {"format", "acus-scenario/1"},
+      {"patient", {{"ct", "ct.nrrd"}, {"labels", "labels.seg.nrrd"}, {"corridor", "corridor.csv"}}},
+      {"image_rate_hz", 10.0},
+      {"effects",
+       {{"needle_force", {{"model", "layered"}, {"guidance", "none"}}},
+        {"tissue", {{"model", "springs"}, {"springs", {{"path_spacing_mm", 5.0}}}}},
+        {"ultrasound", {{"model", "columns_2010"}, {"needle", false}}},
+        {"ct_slice", json::object()}}}};
+  ASSERT_EQ(TryAndKeep(document, 7), End::kViolated);
+  const fs::path kept = failures_ / "1";
+  const json small = config::ReadJson(kept / "scenario.json");
+  EXPECT_FALSE(small.contains("image_rate_hz")) << small;
+  EXPECT_FALSE(small["effects"].contains("ultrasound")) << small;
+  EXPECT_FALSE(small["effects"].contains("ct_slice")) << small;
+  EXPECT_TRUE(small["effects"].contains("needle_force") || small["effects"].contains("tissue"));
+  EXPECT_THAT(ReadTextFile(kept / "what.txt"), testing::HasSubstr("a force of 0.2 N"));
+  EXPECT_THAT(ReadTextFile(kept / "what.txt"), testing::HasSubstr("seed 7"));
+  EXPECT_NE(fs::status(kept / "reproduce.sh").permissions() & fs::perms::owner_exec,
+            fs::perms::none);
+
+  // As acus-replay runs it: the same force in the last row, and below it before.
+  RunContext context;
+  replay::ReplayOptions options;
+  options.run_folder = kept / "run";
+  replay::ReplaySession(scenario::ReadScenario(kept / "scenario.json", {}), kept / "session",
+                        options, context);
+  std::istringstream rows(ReadTextFile(kept / "run/forces.csv"));
+  std::vector<double> force_n;
+  std::string row;
+  std::getline(rows, row);
+  EXPECT_TRUE(row.starts_with("time_s,depth_mm,tissue,force_axial_n")) << row;
+  while (std::getline(rows, row)) {
+    std::istringstream cells(row);
+    std::string cell;
+    for (int i = 0; i < 4; ++i) std::getline(cells, cell, ',');
+    force_n.push_back(std::abs(std::stod(cell)));
+  }
+  ASSERT_EQ(force_n.size(), static_cast<std::size_t>(trace_->num_steps));
+  EXPECT_GE(force_n.back(), 0.2);
+  EXPECT_LT(*std::max_element(force_n.begin(), force_n.end() - 1), 0.2);
+
+  // And by the test, alone.
+  const Outcome again = InChild([&] { Try(kept / "trial.json", 7); });
+  EXPECT_EQ(static_cast<int>(again.end), static_cast<int>(End::kViolated));
+}
+
+TEST_F(FailingScenarios, ACrashIsKeptWithTheStepThatDidIt) {
+  also_ = [this](const simulation::StepOutput&) {
+    if (trace_->num_steps == 100) std::abort();
+  };
+  const json document = {{"format", "acus-scenario/1"},
+                         {"patient", {{"ct", "ct.nrrd"}, {"labels", "labels.seg.nrrd"}}},
+                         {"effects", {{"needle_force", json::object()}}}};
+  ASSERT_EQ(TryAndKeep(document, 3), End::kCrashed);
+  EXPECT_THAT(ReadTextFile(failures_ / "1/what.txt"), testing::HasSubstr("step 100"));
+  EXPECT_EQ(session::ReadSession(failures_ / "1/session", {}).needle.size(), 100u);
 }
 
 }  // namespace
-}  // namespace acus::simulation
+}  // namespace acus::testing_support

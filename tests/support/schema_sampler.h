@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,99 @@ class SchemaSampler {
     return *DrawNode(schema_, "", random);
   }
 
+  /// A key that takes numbers, and the ends of what it may be.
+  struct Range {
+    nlohmann::json::json_pointer pointer;
+    nlohmann::json low;
+    nlohmann::json high;
+  };
+
+  /// All of them but those that have choices, in order of name.
+  std::vector<Range> Ranges() const {
+    std::vector<Range> ranges;
+    AddRanges(schema_, "", ranges);
+    return ranges;
+  }
+
+  /// A document with as little as can be besides these keys: what is required on the way to them,
+  /// drawn.
+  nlohmann::json Least(
+      const std::vector<std::pair<nlohmann::json::json_pointer, nlohmann::json>>& values,
+      std::uint64_t seed) const {
+    RandomStream random(seed, "schema");
+    nlohmann::json document = DrawRequired(schema_, "", random);
+    for (const auto& [pointer, value] : values) {
+      std::vector<nlohmann::json::json_pointer> ancestors;
+      for (auto at = pointer.parent_pointer(); !at.empty(); at = at.parent_pointer()) {
+        ancestors.insert(ancestors.begin(), at);
+      }
+      for (const auto& at : ancestors) {
+        if (document.contains(at)) continue;
+        document[at] = DrawRequired(NodeAt(at.to_string()), at.to_string(), random);
+      }
+      document[pointer] = value;
+    }
+    return document;
+  }
+
+  /// What an enum allows at a place; empty if it is none there or is chosen. Choices count.
+  std::vector<nlohmann::json> ValuesAt(const std::string& pointer) const {
+    if (const auto own = choices_.find(pointer); own != choices_.end()) return own->second;
+    const Json node = NodeAt(pointer);
+    return node.value("enum", std::vector<nlohmann::json>{});
+  }
+
  private:
   using Json = nlohmann::json;
+
+  Json NodeAt(const std::string& pointer) const {
+    const Json* node = &schema_;
+    std::istringstream parts(pointer);
+    std::string part;
+    std::getline(parts, part, '/');
+    while (std::getline(parts, part, '/')) {
+      if (!node->contains("properties") || !(*node)["properties"].contains(part)) return Json::object();
+      node = &(*node)["properties"][part];
+    }
+    return *node;
+  }
+
+  Json DrawRequired(const Json& node, const std::string& pointer, RandomStream& random) const {
+    Json object = Json::object();
+    for (const Json& key : node.value("required", Json::array())) {
+      const std::string name = key;
+      const auto value = DrawNode(node["properties"][name], pointer + "/" + name, random);
+      if (value) object[name] = *value;
+    }
+    return object;
+  }
+
+  void AddRanges(const Json& node, const std::string& pointer, std::vector<Range>& ranges) const {
+    if (choices_.contains(pointer)) return;
+    const std::string type = node.value("type", "");
+    if (type == "object" && node.contains("properties")) {
+      for (const auto& [key, property] : node["properties"].items()) {
+        AddRanges(property, pointer + "/" + key, ranges);
+      }
+    }
+    if ((type != "number" && type != "integer") || node.contains("enum")) return;
+    const auto [low, high] = Ends(node);
+    const Json::json_pointer at(pointer);
+    if (type == "integer") {
+      ranges.push_back({at, static_cast<std::int64_t>(low), static_cast<std::int64_t>(high)});
+    } else {
+      ranges.push_back({at, low, high});
+    }
+  }
+
+  /// Smallest and largest; where the smallest is excluded, little more than it.
+  static std::pair<double, double> Ends(const Json& node) {
+    const bool open = node.contains("exclusiveMinimum");
+    double low = open ? node["exclusiveMinimum"].get<double>() : node.value("minimum", 0.0);
+    const double high = node.value("maximum", 1e6);
+    if (open) low = low == 0.0 ? 1e-4 * high : low * (1.0 + 1e-9);
+    return {low, high};
+  }
 
   std::optional<Json> DrawNode(const Json& node, const std::string& pointer,
                                RandomStream& random) const {
@@ -62,10 +154,7 @@ class SchemaSampler {
 
   /// Each end of the range once in ten draws; over decades where the range spans them.
   static Json DrawNumber(const Json& node, bool is_integer, RandomStream& random) {
-    const bool open = node.contains("exclusiveMinimum");
-    double low = open ? node["exclusiveMinimum"].get<double>() : node.value("minimum", 0.0);
-    const double high = node.value("maximum", 1e6);
-    if (open) low = low == 0.0 ? 1e-4 * high : low * (1.0 + 1e-9);
+    const auto [low, high] = Ends(node);
     const double kind = random.Uniform();
     double value = random.Uniform(low, high);
     if (kind < 0.1) value = low;
