@@ -100,6 +100,7 @@ void ImageThread::SetProbe(const LiveSnapshot& snapshot) {
   if (!r.probe || (snapshot.gain_db == r.gain_db && snapshot.depth_mm == r.depth_mm)) return;
   r.gain_db = snapshot.gain_db;
   r.depth_mm = snapshot.depth_mm;
+  shown_.reset();
   auto probe = std::make_shared<ultrasound::Probe>(*r.scene.probe);
   probe->gain_db = std::clamp(r.gain_db.value_or(probe->gain_db), -kLargestGainDb, kLargestGainDb);
   probe->depth_mm =
@@ -119,9 +120,16 @@ void ImageThread::Render(LivePicture& out) {
   const simulation::Snapshot moment = out.snapshot.ForRenderer();
   if (!out.snapshot.frozen) {
     SetProbe(out.snapshot);
-    renderers_->images->Render(moment, last_images_);
+    std::optional<simulation::Snapshot> shown;
+    if (shown_) shown = shown_->ForRenderer();
+    renderers_->images->Render(moment, last_images_, &stage_times_, shown ? &*shown : nullptr);
+    shown_ = out.snapshot;
     if (renderers_->fluoroscopy && moment.time_ns >= fluoroscopy_due_ns_) {
-      renderers_->fluoroscopy->Render(moment, last_fluoroscopy_, 1);
+      shown.reset();
+      if (shown_by_c_arm_) shown = shown_by_c_arm_->ForRenderer();
+      renderers_->fluoroscopy->Render(moment, last_fluoroscopy_, 1, &stage_times_,
+                                      shown ? &*shown : nullptr);
+      shown_by_c_arm_ = out.snapshot;
       fluoroscopy_due_ns_ = moment.time_ns + renderers_->fluoroscopy_interval_ns;
     }
   }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <thread>
 
 #include "live/duration_histogram.h"
@@ -58,6 +59,8 @@ class ImageThread {
   /// For one reader: the window, or whoever shows pictures.
   TripleBuffer<LivePicture>& pictures() noexcept { return pictures_; }
   const PictureStatistics& statistics() const noexcept { return statistics_; }
+  /// What the stages of the pictures did. Only to be read after Stop().
+  const simulation::StageTimes& stage_times() const noexcept { return stage_times_; }
   double rate_hz() const noexcept { return rate_hz_; }
 
  private:
@@ -72,8 +75,12 @@ class ImageThread {
   std::unique_ptr<Renderers> renderers_;
   TripleBuffer<LivePicture> pictures_;
   PictureStatistics statistics_;
+  simulation::StageTimes stage_times_;
   simulation::Images last_images_;
   ultrasound::GrayImage last_fluoroscopy_;
+  /// The moments that these two show; nothing if they are to be made anew.
+  std::optional<LiveSnapshot> shown_;
+  std::optional<LiveSnapshot> shown_by_c_arm_;
   std::int64_t number_ = 0;
   std::int64_t fluoroscopy_due_ns_ = 0;
   std::atomic<bool> stopping_{false};

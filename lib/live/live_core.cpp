@@ -219,7 +219,7 @@ void LiveCore::Step() noexcept {
     sample.reference_from_probe = probe_.sample.reference_from_tool;
     sample.probe_valid = probe_.sample.valid;
   }
-  record_.output = simulation_.Step(state_, sample);
+  record_.output = simulation_.Step(state_, sample, &stage_times_);
   Add(statistics_.steps);
 }
 

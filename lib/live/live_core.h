@@ -79,6 +79,8 @@ class LiveCore {
   CommandQueue& commands() noexcept { return commands_; }
   TripleBuffer<LiveSnapshot>& snapshots() noexcept { return snapshots_; }
   const CoreStatistics& statistics() const noexcept { return statistics_; }
+  /// What the stages of the steps did. Only to be read while nobody calls Tick().
+  const simulation::StageTimes& stage_times() const noexcept { return stage_times_; }
   /// Session time of the last step, ns. Any thread.
   std::int64_t session_ns() const noexcept { return session_ns_.load(std::memory_order_relaxed); }
   bool hands_swapped() const noexcept { return hands_swapped_.load(std::memory_order_relaxed); }
@@ -109,6 +111,7 @@ class LiveCore {
   Recorder* recorder_;
   simulation::Simulation simulation_;
   simulation::State state_;
+  simulation::StageTimes stage_times_;
   bool steps_needle_ = false;
   bool steps_probe_ = false;
   bool steps_ = false;

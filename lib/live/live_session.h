@@ -105,6 +105,8 @@ class LiveSession {
   std::vector<StatusLine> Status() const;
   /// What is attached, for people: one line for each device and tracker.
   std::string DevicesText() const;
+  /// What the stages of the effect plan did. @pre Stop() was called, as for Summary().
+  simulation::StageTimes stage_times() const;
   nlohmann::json Summary() const;
   std::string SummaryText() const;
 

@@ -5,6 +5,7 @@
 #include "core/monotonic_time.h"
 #include "core/text_table.h"
 #include "live/live_session.h"
+#include "simulation/plan_json.h"
 
 namespace acus::live {
 namespace {
@@ -111,6 +112,12 @@ std::string LiveSession::DevicesText() const {
   return text;
 }
 
+simulation::StageTimes LiveSession::stage_times() const {
+  simulation::StageTimes times = core_->stage_times();
+  times.Add(images_->stage_times());
+  return times;
+}
+
 json LiveSession::Summary() const {
   const RecordingStatus recording = recorder_->status();
   json devices = json::array({DeviceJson(*servo_device_)});
@@ -123,6 +130,7 @@ json LiveSession::Summary() const {
           {"ended_by", NameOf(end_)},
           {"steps", statistics().ToJson()},
           {"pictures", picture_statistics().ToJson()},
+          {"effect_plan", simulation::PlanJson(scene_.plan, stage_times())},
           {"recording",
            {{"steps_on_disk", recording.steps_on_disk},
             {"steps_lost", recording.steps_lost},

@@ -164,7 +164,8 @@ ImageLog RenderFluoroscopy(const Scene& scene, const std::vector<Snapshot>& snap
   for (std::size_t i = 0; i < snapshots.size(); ++i) {
     context.Checkpoint("fluoroscopy",
                        static_cast<double>(i) / static_cast<double>(snapshots.size()));
-    renderer.Render(snapshots[i], image, context.num_threads, times);
+    renderer.Render(snapshots[i], image, context.num_threads, times,
+                    i > 0 ? &snapshots[i - 1] : nullptr);
     writer.Write(snapshots[i], image);
     const bool wanted =
         options.png == PngChoice::kAll || (options.png == PngChoice::kEvents && i == best);

@@ -18,6 +18,7 @@ namespace {
 
 using simulation::Images;
 using simulation::Scene;
+using simulation::Sleep;
 using simulation::Snapshot;
 using simulation::StageId;
 
@@ -207,7 +208,7 @@ std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& sess
   const std::int64_t first_ns = stream.front().time_ns;
   const std::int64_t last_ns = stream.back().time_ns;
   for (std::int64_t i = 0;; ++i) {
-    simulation::Stopwatch watch(times);
+    auto watch = simulation::Stopwatch::OfStep(times, i);
     Snapshot snapshot;
     snapshot.time_ns = first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
     if (snapshot.time_ns > last_ns) break;
@@ -222,7 +223,7 @@ std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& sess
       if (pose.valid) snapshot.ct_from_needle = scene.ct_from_reference * pose.reference_from_tool;
     }
     snapshots.push_back(snapshot);
-    watch.EndOf(StageId::kProbePose, !probe.valid);
+    watch.EndOf(StageId::kProbePose, probe.valid ? Sleep::kAwake : Sleep::kProbeUnseen);
   }
   return snapshots;
 }
@@ -238,6 +239,12 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
   std::vector<simulation::StageTimes> slot_times(static_cast<std::size_t>(context.num_threads));
   for (int i = 0; i < context.num_threads; ++i) renderers.emplace_back(scene);
 
+  // A picture that is the same as the one before is not made again, but copied.
+  const auto same = [&](StageId id, int i) {
+    const auto at = static_cast<std::size_t>(i);
+    return i > 0 && renderers[0].Sleeps(id, snapshots[at], snapshots[at - 1]);
+  };
+
   // Two batches take turns: while one is rendered, the other is written.
   std::vector<Images> batches[2] = {std::vector<Images>(kBatch), std::vector<Images>(kBatch)};
   ImageWriter writer(scene, snapshots, steps, folder, options);
@@ -245,16 +252,24 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
   for (int begin = 0; begin < log.num_images; begin += kBatch) {
     context.Checkpoint("images", static_cast<double>(begin) / log.num_images);
     std::vector<Images>& batch = batches[begin / kBatch % 2];
+    const std::vector<Images>& other = batches[(begin / kBatch + 1) % 2];
     const int count = std::min(kBatch, log.num_images - begin);
     // One renderer for each thread: thread t makes images t, t + threads, ...
     ParallelFor(context.num_threads, context.num_threads, [&](int thread) {
       const auto slot = static_cast<std::size_t>(thread);
       for (int i = thread; i < count; i += context.num_threads) {
-        renderers[slot].Render(snapshots[static_cast<std::size_t>(begin + i)],
-                               batch[static_cast<std::size_t>(i)],
-                               times != nullptr ? &slot_times[slot] : nullptr);
+        const Snapshot* snapshot = &snapshots[static_cast<std::size_t>(begin + i)];
+        renderers[slot].Render(*snapshot, batch[static_cast<std::size_t>(i)],
+                               times != nullptr ? &slot_times[slot] : nullptr,
+                               begin + i > 0 ? snapshot - 1 : nullptr);
       }
     });
+    for (int i = 0; i < count; ++i) {
+      const Images& before = i > 0 ? batch[static_cast<std::size_t>(i) - 1] : other.back();
+      Images& now = batch[static_cast<std::size_t>(i)];
+      if (same(StageId::kUltrasound, begin + i)) now.b_mode = before.b_mode;
+      if (same(StageId::kCtSlice, begin + i)) now.ct_slice = before.ct_slice;
+    }
     if (written.valid()) written.get();
     const auto write = [&writer, &batch, begin, count] {
       for (int i = 0; i < count; ++i) writer.Write(begin + i, batch[static_cast<std::size_t>(i)]);

@@ -17,6 +17,7 @@
 #include "replay/view_log.h"
 #include "session/integrity.h"
 #include "session/session_import.h"
+#include "simulation/plan_json.h"
 #include "simulation/scene.h"
 
 namespace acus::replay {
@@ -95,17 +96,6 @@ std::vector<std::string> WarningsOf(const Scene& scene, const Run& run) {
 
 void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, const Scene& scene,
                   const Run& run, const RunContext& context) {
-  nlohmann::json stages = nlohmann::json::array();
-  for (const auto& stage : scene.plan.stages()) {
-    const auto& cost = run.times.Of(stage.id);
-    stages.push_back({{"stage", stage.name},
-                      {"rate", stage.rate},
-                      {"in", stage.in},
-                      {"reason", stage.reason},
-                      {"runs", cost.runs},
-                      {"asleep", cost.asleep},
-                      {"seconds", cost.seconds}});
-  }
   config::WriteJson(path, {{"format", "acus-run/1"},
                            {"provenance", context.provenance.ToJson()},
                            {"scenario", scenario.effective},
@@ -116,7 +106,7 @@ void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, cons
                              {"seconds", SpanSeconds(run.session)}}},
                            {"images", run.images.num_images},
                            {"fluoroscopy_images", run.fluoroscopy.num_images},
-                           {"effect_plan", stages},
+                           {"effect_plan", simulation::PlanJson(scene.plan, run.times)},
                            {"events", EventsJson(EventsOf(scene, run.steps))},
                            {"cpu_seconds", run.cpu_s},
                            {"warnings", WarningsOf(scene, run)}});
@@ -260,6 +250,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
 std::string CheckText(const scenario::Scenario& scenario) {
   const simulation::EffectPlan plan = simulation::PlanEffects(
       scenario, {.needle_poses = true, .probe_poses = true, .breath = true});
+  simulation::RequireFiles(plan, scenario);
   return TextOf(TableOfPlan(plan, nullptr)) + scenario.file.string() + ": fits.\n";
 }
 

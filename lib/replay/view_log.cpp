@@ -67,18 +67,23 @@ ImageLog RenderView(const Scene& scene, const std::vector<simulation::Snapshot>&
       std::max(1, static_cast<int>(std::lround(scene.image_rate_hz / scene.view_3d->rate_hz)));
   simulation::ViewRenderer renderer(scene, context);
   std::optional<simulation::ImageRenderer> images;
-  if (scene.view_3d->picture && scene.plan.Has(StageId::kUltrasound)) images.emplace(scene);
+  if (scene.plan.Reads(StageId::kView3d, "B-mode picture")) {
+    images.emplace(scene, nullptr, simulation::Pictures::kBModeOnly);
+  }
   ViewWriter writer(folder, options, scene.image_rate_hz / stride);
   simulation::Images plane;
   rendering::ViewPicture picture;
   const int count = static_cast<int>(snapshots.size());
+  const simulation::Snapshot* shown = nullptr;
   for (int i = 0; i < count; i += stride) {
     context.Checkpoint("view", static_cast<double>(i) / count);
     const simulation::Snapshot& snapshot = snapshots[static_cast<std::size_t>(i)];
-    if (images) images->Render(snapshot, plane);
-    simulation::Stopwatch watch(times);
-    renderer.Render(snapshot, images ? &plane.b_mode : nullptr, picture, context.num_threads);
-    watch.EndOf(StageId::kView3d);
+    if (images) images->Render(snapshot, plane, times, shown);
+    const bool same_plane =
+        shown == nullptr || !images || images->Sleeps(StageId::kUltrasound, snapshot, *shown);
+    renderer.Render(snapshot, images ? &plane.b_mode : nullptr, picture, context.num_threads, times,
+                    same_plane ? shown : nullptr);
+    shown = &snapshot;
     writer.Write(log.num_images++, i <= count / 2 && i + stride > count / 2, picture.colour);
   }
   log.pngs = writer.Finish();

@@ -29,10 +29,16 @@ Eigen::Isometry3d RigidOf(const json& rows, const std::string& where) {
   }
 }
 
+/// Of a file that need not be there: only effects that read it ask for it.
+fs::path PathOf(const json& object, const char* key, const fs::path& folder) {
+  if (!object.contains(key)) return {};
+  return (folder / object.at(key).get<std::string>()).lexically_normal();
+}
+
 fs::path ExistingPath(const json& object, const char* key, const fs::path& folder,
                       const std::string& where) {
-  if (!object.contains(key)) return {};
-  const fs::path path = (folder / object.at(key).get<std::string>()).lexically_normal();
+  const fs::path path = PathOf(object, key, folder);
+  if (path.empty()) return {};
   ACUS_REQUIRE(fs::exists(path), where, "/", key, ": ", path.string(),
                ": no such file or folder; paths are relative to the scenario file");
   return path;
@@ -58,14 +64,14 @@ session::ImportOptions ReadImport(const json& object, const fs::path& folder,
 Patient ReadPatient(const json& object, const fs::path& folder, const std::string& file) {
   const std::string where = file + ": /patient";
   Patient patient;
-  patient.ct = ExistingPath(object, "ct", folder, where);
-  patient.labels = ExistingPath(object, "labels", folder, where);
-  patient.surfaces = ExistingPath(object, "surfaces", folder, where);
+  patient.ct = PathOf(object, "ct", folder);
+  patient.labels = PathOf(object, "labels", folder);
+  patient.surfaces = PathOf(object, "surfaces", folder);
   ACUS_REQUIRE(patient.surfaces.empty() || (patient.ct.empty() && patient.labels.empty()), where,
                ": surfaces stand in place of ct and labels; give those, or surfaces, not both");
-  patient.mesh = ExistingPath(object, "mesh", folder, where);
+  patient.mesh = PathOf(object, "mesh", folder);
   if (fs::is_directory(patient.mesh)) patient.mesh /= "mesh.vtu";
-  patient.corridor = ExistingPath(object, "corridor", folder, where);
+  patient.corridor = PathOf(object, "corridor", folder);
   patient.dicom_series = object.at("series");
   ACUS_REQUIRE(!(object.contains("ct_from_reference") && object.contains("ct_from_reference_file")),
                where, ": give ct_from_reference or ct_from_reference_file, not both");
@@ -142,11 +148,10 @@ NeedleEffect ReadNeedleEffect(const json& object, const fs::path& folder) {
   return effect;
 }
 
-BreathingEffect ReadBreathingEffect(const json& object, const fs::path& folder,
-                                    const std::string& where) {
+BreathingEffect ReadBreathingEffect(const json& object, const fs::path& folder) {
   BreathingEffect effect;
-  effect.motion = ExistingPath(object, "motion", folder, where);
-  effect.signal = ExistingPath(object, "signal", folder, where);
+  effect.motion = PathOf(object, "motion", folder);
+  effect.signal = PathOf(object, "signal", folder);
   effect.amplitude = object.at("amplitude");
   effect.signal_file = {object.at("column"), object.at("rate_hz")};
   effect.recorded = {object.at("smoothing_s"), object.at("repeat")};
@@ -246,8 +251,7 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
     scenario.tissue = ReadTissueEffect(effects["tissue"], folder);
   }
   if (effects.contains("breathing")) {
-    scenario.breathing =
-        ReadBreathingEffect(effects["breathing"], folder, path.string() + ": /effects/breathing");
+    scenario.breathing = ReadBreathingEffect(effects["breathing"], folder);
   }
   if (effects.contains("ultrasound")) {
     scenario.ultrasound = ReadUltrasoundEffect(effects["ultrasound"], folder);

@@ -18,7 +18,8 @@
 
 namespace acus::scenario {
 
-/// Where the prepared patient is. Paths are absolute; what no effect needs may be empty.
+/// Where the prepared patient is. Paths are absolute; what no effect needs may be empty, or a file
+/// that is not there.
 struct Patient {
   std::filesystem::path ct;
   std::string dicom_series;  ///< Picks one of several series; may be empty.
@@ -153,7 +154,7 @@ struct Scenario {
 ///
 /// Paths of the patient are relative to the scenario file (those of overrides to the working
 /// folder); presets are also looked up in the installed configs. Reads the transform, but no
-/// volume.
+/// volume: whether that is there matters only to effects that read it (simulation::RequireFiles).
 /// @throws InputError listing what is wrong.
 Scenario ReadScenario(const std::filesystem::path& path, std::span<const Override> overrides);
 

@@ -41,6 +41,9 @@ struct View3dEffect {
   double step_mm = 0.0;
   int inverse_iterations = 0;
   double warp_tolerance_mm = 0.0;
+
+  /// True if the B-mode is shown in the plane of the probe, if there is one.
+  bool ShowsPicture() const { return probe && picture; }
 };
 
 /// @param effect  /effects/view_3d, checked against the schema.

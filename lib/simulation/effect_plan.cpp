@@ -1,207 +1,75 @@
 #include "simulation/effect_plan.h"
 
 #include <algorithm>
-#include <set>
 
 #include "core/error.h"
+#include "simulation/declared_stages.h"
 
 namespace acus::simulation {
 namespace {
 
 using scenario::Scenario;
-using Names = std::vector<std::string_view>;
+using Stages = std::vector<PlannedStage>;
 
-bool FromTissue(const Scenario& s) {
-  return s.needle_force && s.needle_force->model == scenario::NeedleForceModelKind::kTissue;
+PlannedStage& StageOf(Stages& stages, StageId id) {
+  return *std::ranges::find(stages, id, &PlannedStage::id);
 }
 
-/// What the force on the needle is computed from. The CT itself tells Vidal's model what it meets;
-/// tissues are looked up for the log.
-Names ForceInputs(const Scenario& s) {
-  if (FromTissue(s)) return {"contact"};
-  Names reads{"needle", "tissue", "force table"};
-  if (s.needle_force && s.needle_force->model == scenario::NeedleForceModelKind::kVidal) {
-    reads.push_back("ct");
+bool Reads(const PlannedStage& stage, std::string_view data) {
+  return std::ranges::find(stage.reads, data) != stage.reads.end();
+}
+
+void WorkFor(PlannedStage& stage, std::string_view effect) {
+  if (std::ranges::find(stage.effects, effect) == stage.effects.end()) {
+    stage.effects.push_back(effect);
   }
-  return reads;
 }
 
-/// What tissue under a tool is computed from, besides the tool.
-Names TissueInputs(const Scenario& s) {
-  if (!s.tissue) return {};
-  Names reads{"needle", "elasticity"};
-  switch (s.tissue->model) {
-    case scenario::TissueModelKind::kDisplacementFunctions:
-    case scenario::TissueModelKind::kSprings:
-      reads.push_back("labels");
-      break;
-    case scenario::TissueModelKind::kPlane2010:
-      reads.insert(reads.end(), {"labels", "corridor"});
-      break;
-    case scenario::TissueModelKind::kFem3d:
-      reads.push_back("mesh");
-      break;
+/// Backwards: a stage is in if one behind it reads what it writes.
+void PickStages(const Scenario& scenario, Stages& stages) {
+  for (const Goal& goal : GoalsOf(scenario)) {
+    PlannedStage& stage = StageOf(stages, goal.stage);
+    stage.in = true;
+    stage.reason = Message("effect ", goal.effect, " is called for");
+    WorkFor(stage, goal.effect);
   }
-  if (s.tissue->TouchesNeedle()) reads.push_back("force table");
-  if (s.tissue->probe_contact) reads.insert(reads.end(), {"probe poses", "probe"});
-  return reads;
-}
-
-/// True if the images show tissue elsewhere than the CT does.
-bool ShowsDeformation(const Scenario& s) {
-  return (s.tissue && s.tissue->image) || (s.breathing && s.breathing->image);
-}
-
-/// What the force on the probe is computed from, at every sample.
-Names ProbeForceInputs(const Scenario& s) {
-  if (!s.probe_force) return {};
-  Names reads{"probe poses", "force table", s.probe_force->reads_labels ? "labels" : "ct"};
-  if (s.probe_force->NeedsProbePreset()) reads.push_back("probe preset");
-  if (s.breathing) reads.push_back("breath");
-  return reads;
-}
-
-/// What an image reads besides the patient: the probe, the needle and the deformation if they show.
-Names ImageInputs(const Scenario& s, bool needle, Names patient) {
-  Names reads = std::move(patient);
-  reads.push_back("probe");
-  if (needle) reads.push_back("needle");
-  if (needle && s.shape) reads.push_back("shape");
-  if (ShowsDeformation(s)) reads.push_back("rest map");
-  return reads;
-}
-
-/// What the needle's shape comes from: the path that the force model knows, and the tissue on it.
-Names ShapeInputs(const Scenario& s) {
-  Names reads{"needle", "force"};
-  if (s.shape && s.shape->model == scenario::NeedleModelKind::kBendable) {
-    reads.insert(reads.end(), {FromTissue(s) ? "contact" : "tissue", "elasticity"});
+  for (auto reader = stages.rbegin(); reader != stages.rend(); ++reader) {
+    if (!reader->in) continue;
+    for (PlannedStage& writer : stages) {
+      if (std::ranges::find_first_of(writer.writes, reader->reads) == writer.writes.end()) continue;
+      for (const std::string_view effect : reader->effects) WorkFor(writer, effect);
+      if (writer.in) continue;
+      writer.in = true;
+      writer.reason = Message("needed by ", reader->name);
+    }
   }
-  return reads;
-}
-
-Names UltrasoundInputs(const Scenario& s) {
-  if (!s.ultrasound) return {};
-  Names patient;
-  if (s.ultrasound->ReadsCt()) patient.push_back("ct");
-  if (s.ultrasound->ReadsLabels()) patient.push_back("labels");
-  return ImageInputs(s, s.ultrasound->needle, std::move(patient));
-}
-
-Names FluoroscopyInputs(const Scenario& s) {
-  Names reads{"ct"};
-  if (s.fluoroscopy && s.fluoroscopy->needle) reads.push_back("needle");
-  if (s.fluoroscopy && s.fluoroscopy->needle && s.shape) reads.push_back("shape");
-  if (ShowsDeformation(s)) reads.push_back("rest map");
-  return reads;
-}
-
-/// What the deformation in the images comes from.
-Names DeformationInputs(const Scenario& s) {
-  Names reads;
-  if (s.tissue && s.tissue->image) {
-    reads = s.tissue->TouchesNeedle() ? Names{"contact"} : Names{"force", "labels", "elasticity"};
+  for (PlannedStage& stage : stages) {
+    if (!stage.in) stage.reason = "no effect of the scenario needs it";
   }
-  if (s.breathing && s.breathing->image) reads.push_back("breath");
-  return reads;
-}
-
-/// What the view in three dimensions shows.
-Names ViewInputs(const Scenario& s) {
-  if (!s.view_3d) return {};
-  Names reads;
-  if (!s.view_3d->layers.empty()) reads.push_back("ct");
-  if (!s.view_3d->surfaces.empty()) reads.push_back("labels");
-  if (s.view_3d->needle) reads.push_back("needle");
-  if (s.view_3d->needle && s.shape) reads.push_back("shape");
-  if (s.view_3d->probe) reads.push_back("probe");
-  if (s.view_3d->probe && s.view_3d->picture && s.ultrasound) reads.push_back("B-mode picture");
-  if (s.breathing && s.breathing->image) reads.push_back("breath");
-  return reads;
-}
-
-Names BreathingInputs(const Scenario& s) {
-  if (!s.breathing || s.breathing->from_session != scenario::SessionBreath::kAlways) {
-    return {"motion"};
+  for (const Goal& helper : HelpersOf(scenario)) {
+    PlannedStage& stage = StageOf(stages, helper.stage);
+    if (stage.in) {
+      WorkFor(stage, helper.effect);
+    } else {
+      stage.reason = Message("effect ", helper.effect, " is called for, but none that it changes");
+    }
   }
-  return {"motion", "session's breath"};
 }
 
-/// All stages that there are, in the order in which they run.
-std::vector<PlannedStage> DeclaredStages(const Scenario& s) {
-  const auto step = [](StageId id, std::string_view name, Names reads, Names writes) {
-    return PlannedStage{id, name, "step", std::move(reads), std::move(writes), false, ""};
-  };
-  const auto image = [](StageId id, std::string_view name, Names reads, Names writes) {
-    return PlannedStage{id, name, "image", std::move(reads), std::move(writes), false, ""};
-  };
-  return {
-      step(StageId::kBreathing, "breathing", BreathingInputs(s), {"breath"}),
-      step(StageId::kNeedlePose, "needle pose",
-           s.breathing ? Names{"needle poses", "breath"} : Names{"needle poses"}, {"needle"}),
-      // Without a label map, from the HU of the CT.
-      step(StageId::kTissueLookup, "tissue lookup",
-           {"needle", s.patient.labels.empty() && !s.patient.ct.empty() ? "ct" : "labels"},
-           {"tissue"}),
-      step(StageId::kTissueContact, "tissue contact", TissueInputs(s), {"contact"}),
-      step(StageId::kNeedleForce, "needle force", ForceInputs(s), {"force"}),
-      step(StageId::kNeedleShape, "needle shape", ShapeInputs(s), {"shape"}),
-      step(StageId::kProbeForce, "probe force", ProbeForceInputs(s), {"probe force"}),
-      image(StageId::kProbePose, "probe pose", {"probe poses"}, {"probe"}),
-      image(StageId::kDeformation, "deformation", DeformationInputs(s), {"rest map"}),
-      image(StageId::kCtSlice, "CT slice", ImageInputs(s, s.ct_slice && s.ct_slice->needle, {"ct"}),
-            {"CT picture"}),
-      image(StageId::kUltrasound, "B-mode", UltrasoundInputs(s), {"B-mode picture"}),
-      image(StageId::kFluoroscopy, "fluoroscopy", FluoroscopyInputs(s), {"fluoroscopy picture"}),
-      image(StageId::kView3d, "view in 3D", ViewInputs(s), {"view"}),
-  };
+/// "\n  tissue lookup (needed by needle force) needs labels: ..., for effects/needle_force"
+std::string Lack(const PlannedStage& stage, std::string_view input, std::string_view why) {
+  std::string text =
+      Message("\n  ", stage.name, " (", stage.reason, ") needs ", input, ": ", why, "; for ");
+  for (const std::string_view effect : stage.effects) {
+    text += Message(effect == stage.effects.front() ? "effects/" : ", effects/", effect);
+  }
+  return text;
 }
 
-/// What a stage produces that no other stage reads: it is there for an effect's sake.
-struct Goal {
-  StageId stage;
-  std::string effect;
-};
-
-std::vector<Goal> Goals(const Scenario& s) {
-  std::vector<Goal> goals;
-  if (s.needle_force) goals.push_back({StageId::kNeedleForce, "needle_force"});
-  if (s.shape) goals.push_back({StageId::kNeedleShape, "needle"});
-  if (s.probe_force) goals.push_back({StageId::kProbeForce, "probe_force"});
-  if (s.tissue && s.tissue->TouchesNeedle()) goals.push_back({StageId::kTissueContact, "tissue"});
-  if (s.ct_slice) goals.push_back({StageId::kCtSlice, "ct_slice"});
-  if (s.ultrasound) goals.push_back({StageId::kUltrasound, "ultrasound"});
-  if (s.fluoroscopy) goals.push_back({StageId::kFluoroscopy, "fluoroscopy"});
-  if (s.view_3d) goals.push_back({StageId::kView3d, "view_3d"});
-  return goals;
-}
-
-/// Inputs from outside and what to do when one is missing.
-struct Input {
-  std::string_view name;
-  bool there;
-  const char* remedy;
-};
-
-std::vector<Input> Inputs(const Scenario& s, const AvailableInputs& available) {
-  return {
-      {"needle poses", available.needle_poses, "the session has no needle stream"},
-      {"probe poses", available.probe_poses, "the session has no probe stream"},
-      {"ct", !s.patient.ct.empty() || !s.patient.surfaces.empty(), "/patient/ct is not given"},
-      {"labels", !s.patient.labels.empty() || !s.patient.surfaces.empty(),
-       "/patient/labels is not given"},
-      {"mesh", !s.patient.mesh.empty(),
-       "/patient/mesh is not given; acus-mesh --condense makes one"},
-      {"corridor", !s.patient.corridor.empty(),
-       "/patient/corridor is not given: a CSV with the points entry and target"},
-      {"motion", true, ""},
-      {"session's breath", available.breath,
-       "the session has no breathing stream; /effects/breathing/from_session \"if_recorded\" would "
-       "take the scenario's"},
-      {"force table", true, ""},
-      {"elasticity", true, ""},
-      {"probe preset", true, ""},
-  };
+void RequireNothing(const std::string& lacks, const Scenario& scenario) {
+  ACUS_REQUIRE(lacks.empty(), scenario.file.string(), ": effects lack inputs:", lacks,
+               "\nGive the input, or take the effect out of the scenario (--set "
+               "/effects/NAME=null).");
 }
 
 }  // namespace
@@ -210,49 +78,54 @@ bool EffectPlan::Has(StageId id) const {
   return std::ranges::any_of(stages_, [id](const auto& s) { return s.id == id && s.in; });
 }
 
+const PlannedStage& EffectPlan::Of(StageId id) const {
+  const auto found = std::ranges::find(stages_, id, &PlannedStage::id);
+  ACUS_ASSERT(found != stages_.end());
+  return *found;
+}
+
+bool EffectPlan::Reads(StageId id, std::string_view data) const {
+  return Has(id) && simulation::Reads(Of(id), data);
+}
+
 bool EffectPlan::Needs(std::string_view data) const {
-  return std::ranges::any_of(stages_, [data](const auto& s) {
-    return s.in && std::ranges::find(s.reads, data) != s.reads.end();
-  });
+  return std::ranges::any_of(
+      stages_, [data](const auto& stage) { return stage.in && simulation::Reads(stage, data); });
 }
 
 EffectPlan PlanEffects(const Scenario& scenario, const AvailableInputs& available) {
   EffectPlan plan;
-  plan.stages_ = DeclaredStages(scenario);
   plan.breath_from_session_ = scenario.breathing && available.breath &&
                               scenario.breathing->from_session != scenario::SessionBreath::kNever;
-  auto& stages = plan.stages_;
-  for (const Goal& goal : Goals(scenario)) {
-    auto& stage = *std::ranges::find(stages, goal.stage, &PlannedStage::id);
-    stage.in = true;
-    stage.reason = "effect " + goal.effect + " is called for";
-  }
-  // Backwards: a stage is in if one behind it reads what it writes.
-  for (auto reader = stages.rbegin(); reader != stages.rend(); ++reader) {
-    if (!reader->in) continue;
-    for (auto& writer : stages) {
-      const bool feeds =
-          std::ranges::find_first_of(writer.writes, reader->reads) != writer.writes.end();
-      if (!feeds || writer.in) continue;
-      writer.in = true;
-      writer.reason = Message("needed by ", reader->name);
-    }
-  }
-  const auto inputs = Inputs(scenario, available);
-  std::string missing;
-  for (auto& stage : stages) {
-    if (!stage.in) stage.reason = "no effect of the scenario needs it";
+  plan.stages_ = DeclaredStages(scenario, plan.breath_from_session_);
+  PickStages(scenario, plan.stages_);
+  const auto inputs = DeclaredInputs(scenario, available);
+  std::string lacks;
+  for (const PlannedStage& stage : plan.stages_) {
     if (!stage.in) continue;
-    for (const auto& input : inputs) {
-      if (input.there || std::ranges::find(stage.reads, input.name) == stage.reads.end()) continue;
-      missing += Message("\n  ", stage.name, " (", stage.reason, ") needs ", input.name, ": ",
-                         input.remedy);
+    for (const auto& [input, missing] : inputs) {
+      if (!missing.empty() && Reads(stage, input.name)) lacks += Lack(stage, input.name, missing);
     }
   }
-  ACUS_REQUIRE(missing.empty(), scenario.file.string(), ": effects lack inputs:", missing,
-               "\nGive the input, or take the effect out of the scenario (--set "
-               "/effects/NAME=null).");
+  RequireNothing(lacks, scenario);
+  for (const auto& [input, missing] : inputs) {
+    if (plan.Needs(input.name)) plan.inputs_.push_back(input);
+  }
   return plan;
+}
+
+void RequireFiles(const EffectPlan& plan, const Scenario& scenario) {
+  std::string lacks;
+  for (const PlannedInput& input : plan.inputs()) {
+    if (input.file.empty() || std::filesystem::exists(input.file)) continue;
+    for (const PlannedStage& stage : plan.stages()) {
+      if (!stage.in || !Reads(stage, input.name)) continue;
+      lacks += Lack(stage, input.name,
+                    Message(input.where, ": ", input.file.string(),
+                            ": no such file or folder; paths are relative to the scenario file"));
+    }
+  }
+  RequireNothing(lacks, scenario);
 }
 
 }  // namespace acus::simulation

@@ -1,7 +1,7 @@
 // The effect plan: just the stages that the scene's effects need, in order, and why.
 #pragma once
 
-#include <span>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,11 +34,20 @@ struct PlannedStage {
   StageId id;
   std::string_view name;
   std::string_view rate;  ///< "step" or "image".
-  std::vector<std::string_view>
-      reads;  ///< Data that must be there before: inputs or other stages'.
+  /// Data that must be there before: inputs or what other stages write. It touches nothing else.
+  std::vector<std::string_view> reads;
   std::vector<std::string_view> writes;
   bool in = false;
   std::string reason;  ///< Why it is in or out.
+  /// Keys of the scenario's effects that it works for, directly or through other stages.
+  std::vector<std::string_view> effects = {};
+};
+
+/// Something from outside that stages in the plan read.
+struct PlannedInput {
+  std::string_view name;       ///< As in PlannedStage::reads.
+  std::filesystem::path file;  ///< Empty for what the session holds.
+  std::string where;           ///< JSON pointer into the scenario: "/patient/ct"; or empty.
 };
 
 /// What the recording and the patient can give.
@@ -52,6 +61,13 @@ class EffectPlan {
  public:
   const std::vector<PlannedStage>& stages() const { return stages_; }
   bool Has(StageId id) const;
+  const PlannedStage& Of(StageId id) const;
+
+  /// True if that stage is in the plan and reads `data`.
+  bool Reads(StageId id, std::string_view data) const;
+
+  /// What the stages in the plan read from outside; all of it is there. Nothing else is loaded.
+  const std::vector<PlannedInput>& inputs() const { return inputs_; }
 
   /// True if any stage in the plan reads `data`: "ct", "labels", ... What nobody reads is not
   /// loaded.
@@ -63,11 +79,17 @@ class EffectPlan {
  private:
   friend EffectPlan PlanEffects(const scenario::Scenario&, const AvailableInputs&);
   std::vector<PlannedStage> stages_;
+  std::vector<PlannedInput> inputs_;
   bool breath_from_session_ = false;
 };
 
 /// Picks the stages whose outputs the called-for effects need, directly or through other stages.
-/// @throws InputError naming every input that a called-for effect needs and that is missing.
+/// Looks at no file.
+/// @throws InputError naming every input that a called-for effect needs and that is not given.
 EffectPlan PlanEffects(const scenario::Scenario& scenario, const AvailableInputs& available);
+
+/// @throws InputError naming every file that a stage in the plan reads and that is not there, with
+///     the stages and effects that it is for. Files that no stage reads need not exist.
+void RequireFiles(const EffectPlan& plan, const scenario::Scenario& scenario);
 
 }  // namespace acus::simulation

@@ -1,6 +1,7 @@
 #include "simulation/fluoroscopy_renderer.h"
 
 #include "simulation/breathing_scene.h"
+#include "simulation/picture_sleep.h"
 
 namespace acus::simulation {
 
@@ -13,21 +14,30 @@ FluoroscopyRenderer::FluoroscopyRenderer(const Scene& scene, int num_threads)
 }
 
 void FluoroscopyRenderer::Render(const Snapshot& snapshot, ultrasound::GrayImage& out,
-                                 int num_threads, StageTimes* times) {
-  Stopwatch watch(times);
+                                 int num_threads, StageTimes* times, const Snapshot* shown) {
+  auto watch = Stopwatch::OfThreads(times, num_threads);
+  const bool with_needle = scene_.fluoroscopy->needle;
+  const bool asleep = shown != nullptr && TissueHasStayed(scene_, *shown, snapshot) &&
+                      (!with_needle || NeedleHasStayed(*shown, snapshot));
   const ultrasound::RestMap* rest = nullptr;
-  if (deformed_ && snapshot.load != nullptr) {
+  if (!asleep && deformed_ && snapshot.load != nullptr) {
     deformed_->Update(*snapshot.load);
     rest = &*deformed_;
   }
   std::optional<BreathingRest> breathing;
-  if (scene_.breathing && scene_.breathing->image) {
+  if (!asleep && scene_.breathing && scene_.breathing->image) {
     breathing.emplace(*scene_.breathing, snapshot.session_s, snapshot.breath, rest);
     if (breathing->moves()) rest = &*breathing;
   }
-  fluoroscope_.Render(scene_.fluoroscopy->needle ? NeedleInPicture(scene_, snapshot) : std::nullopt,
-                      out, num_threads, rest);
-  watch.EndOf(StageId::kFluoroscopy);
+  if (scene_.plan.Reads(StageId::kFluoroscopy, "rest map")) {
+    const Sleep idle = asleep ? Sleep::kNothingMoved : Sleep::kUndeformed;
+    watch.EndOf(StageId::kDeformation, rest != nullptr ? Sleep::kAwake : idle);
+  }
+  if (!asleep) {
+    fluoroscope_.Render(with_needle ? NeedleInPicture(scene_, snapshot) : std::nullopt, out,
+                        num_threads, rest);
+  }
+  watch.EndOf(StageId::kFluoroscopy, asleep ? Sleep::kNothingMoved : Sleep::kAwake);
 }
 
 }  // namespace acus::simulation

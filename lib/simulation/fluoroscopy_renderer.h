@@ -20,8 +20,9 @@ class FluoroscopyRenderer {
 
   /// The same bits for the same snapshot, whatever was rendered before and with any number of
   /// threads. The needle is straight in the hand if its tracker sees it and nothing bends it.
+  /// @param times, shown  As of ImageRenderer::Render.
   void Render(const Snapshot& snapshot, ultrasound::GrayImage& out, int num_threads,
-              StageTimes* times = nullptr);
+              StageTimes* times = nullptr, const Snapshot* shown = nullptr);
 
   const ultrasound::Fluoroscope& fluoroscope() const { return fluoroscope_; }
 

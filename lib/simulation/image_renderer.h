@@ -40,20 +40,34 @@ struct Images {
   ultrasound::GrayImage ct_slice;  ///< Empty if the plan has no CT slice.
 };
 
+/// Which of the plan's pictures somebody wants.
+enum class Pictures { kAll, kBModeOnly };
+
 /// Renders the images of the plan. Holds buffers: one renderer for each thread.
 class ImageRenderer {
  public:
   /// @param scene  Must outlive the renderer.
   /// @param probe  In place of the scene's, set otherwise: gain, depth; null: the scene's.
-  explicit ImageRenderer(const Scene& scene, const ultrasound::Probe* probe = nullptr);
+  explicit ImageRenderer(const Scene& scene, const ultrasound::Probe* probe = nullptr,
+                         Pictures pictures = Pictures::kAll);
 
   /// The same bits for the same snapshot, whatever was rendered before. Where the probe is not
   /// seen by the tracker, the pictures are black. Allocates nothing after the first call.
-  /// @param times  If given, each stage's time is added to it.
-  void Render(const Snapshot& snapshot, Images& out, StageTimes* times = nullptr);
+  /// @param times  If given, what each stage did is added to it.
+  /// @param shown  The moment that `out` shows already, by a renderer of the same probe: a picture
+  ///     that would be the same is left as it is, its stage sleeps. Null: there is none.
+  void Render(const Snapshot& snapshot, Images& out, StageTimes* times = nullptr,
+              const Snapshot* shown = nullptr);
+
+  /// True if the picture of that stage is the same at both moments.
+  bool Sleeps(StageId id, const Snapshot& snapshot, const Snapshot& shown) const noexcept;
 
  private:
+  bool ReadsRestMap() const;
+  Sleep SleepOf(StageId id, const Snapshot& snapshot, const Snapshot* shown) const noexcept;
+
   const Scene& scene_;
+  double needle_reach_mm_ = 0.0;
   std::optional<DeformedTissue> deformed_;
   std::optional<ImageLevel> b_mode_;
   std::optional<ultrasound::CtSliceRenderer> ct_slice_;

@@ -29,7 +29,7 @@ void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scen
                 RunContext& context) {
   const forces::ForceTable table = forces::ReadForceTable(scenario.needle_force->table);
   const bool by_hu = scenario.needle_force->model == scenario::NeedleForceModelKind::kVidal;
-  const bool looks_in_ct = plan.Has(StageId::kTissueLookup) && !scene.labels;
+  const bool looks_in_ct = plan.Reads(StageId::kTissueLookup, "ct");
   if ((by_hu || looks_in_ct) && !scene.hu) scene.hu = std::make_shared<forces::CtField>(*scene.ct);
   if (looks_in_ct) {
     context.Warn("there is no label map: tissues are told by the CT's HU, as the force table says");
@@ -46,9 +46,10 @@ void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scen
 }
 
 /// Labels of the map; without one, the tissues that HU tell apart, or all that can be deformed.
+/// A map that is there for other stages' sake says nothing here.
 std::bitset<256> TissuesOf(const Scene& scene, const mechanics::ElasticityTable& elasticity) {
   std::bitset<256> found;
-  if (scene.labels) {
+  if (scene.plan.Reads(StageId::kNeedleShape, "labels")) {
     for (const volume::Label label : scene.labels->voxels) found.set(label);
   } else if (scene.hu_tissues) {
     for (const auto& row : scene.hu_tissues->rows) found.set(row.tissue);
@@ -111,6 +112,7 @@ void LoadFluoroscopy(const scenario::Scenario& scenario, Scene& scene, RunContex
 }  // namespace
 
 Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context) {
+  RequireFiles(plan, scenario);
   Scene scene;
   scene.plan = plan;
   scene.ct_from_reference = scenario.patient.ct_from_reference;
@@ -137,7 +139,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     scene.labels = std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
     context.provenance.AddInput(scenario.patient.labels);
   }
-  if (plan.Needs("needle")) {
+  if (plan.Needs("needle preset")) {
     scene.needle = forces::ReadNeedle(scenario.needle);
     context.provenance.AddInput(scenario.needle);
   }
@@ -148,7 +150,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     context.provenance.AddInput(scenario.needle_force->table);
   }
   if (plan.Has(StageId::kNeedleShape)) LoadShape(scenario, scene, context);
-  if (plan.Needs("probe") || plan.Needs("probe preset")) {
+  if (plan.Needs("probe preset")) {
     scene.probe = ultrasound::ReadProbe(scenario.probe);
     context.provenance.AddInput(scenario.probe);
   }
@@ -158,7 +160,9 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   }
   if (plan.Has(StageId::kView3d)) scene.view_3d = scenario.view_3d;
   if (plan.Has(StageId::kUltrasound)) {
-    scene.b_mode = ReadImageSettings(*scenario.ultrasound, scene.labels.get());
+    const bool by_labels = plan.Reads(StageId::kUltrasound, "labels");
+    scene.b_mode =
+        ReadImageSettings(*scenario.ultrasound, by_labels ? scene.labels.get() : nullptr);
     context.provenance.AddInput(scenario.ultrasound->acoustics);
   }
   scene.tools_deform_images =

@@ -44,7 +44,7 @@ struct Scene {
   std::optional<Breathing> breathing;              ///< If the plan has breathing.
   std::shared_ptr<const volume::CtVolume> ct;      ///< If the plan reads "ct".
   std::shared_ptr<const volume::LabelMap> labels;  ///< If the plan reads "labels".
-  std::optional<forces::NeedleProperties> needle;  ///< If the plan reads "needle".
+  std::optional<forces::NeedleProperties> needle;  ///< If the plan reads "needle preset".
   std::shared_ptr<const forces::CtField> hu;       ///< Of the CT, if forces read it.
   std::optional<forces::HuTissues> hu_tissues;     ///< If tissues are looked up without labels.
   std::optional<forces::ForceModel> forces;        ///< If the plan has the needle force.
@@ -53,14 +53,14 @@ struct Scene {
   double probe_press_mm = 0.0;  ///< Deeper along the beam than recorded, for the probe's force.
   std::optional<forces::ProbeForceModel> probe_force;  ///< If the plan has the probe force.
   std::optional<tissue::TissueModel> tissue;           ///< If the plan has contact or deformation.
-  std::optional<ultrasound::Probe> probe;              ///< If the plan reads "probe" or its preset.
+  std::optional<ultrasound::Probe> probe;              ///< If the plan reads "probe preset".
   std::optional<FluoroscopySettings> fluoroscopy;      ///< If the plan has the fluoroscopy.
   std::optional<scenario::View3dEffect> view_3d;       ///< If the plan has the view in 3D.
   std::optional<ImageSettings> b_mode;                 ///< If the plan has the B-mode.
 };
 
 /// Loads what `plan` needs of the scenario, and nothing else.
-/// @throws InputError if a file is not readable.
+/// @throws InputError if a file is not there (as RequireFiles) or not readable.
 Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context);
 
 }  // namespace acus::simulation

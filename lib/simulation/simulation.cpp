@@ -3,6 +3,14 @@
 #include <algorithm>
 
 namespace acus::simulation {
+namespace {
+
+/// Why there is nothing to do for a needle that is in no tissue.
+Sleep Outside(Sleep unseen) {
+  return unseen == Sleep::kAwake ? Sleep::kNeedleOutside : unseen;
+}
+
+}  // namespace
 
 Simulation::Simulation(const Scene& scene)
     : scene_(scene),
@@ -27,28 +35,33 @@ State Simulation::NewState(std::int64_t session_start_ns) const {
 }
 
 StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* times) const noexcept {
-  Stopwatch watch(times);
+  auto watch = Stopwatch::OfStep(times, state.steps);
   ++state.steps;
   StepOutput out;
   out.time_ns = sample.time_ns;
   const double time_s = 1e-9 * static_cast<double>(sample.time_ns);
   state.needle_seen |= sample.needle_valid;
   const Tools tools = ToolsOf(state, sample);
-  if (scene_.breathing) watch.EndOf(StageId::kBreathing, !tools.tissue_moves);
+  if (scene_.breathing) {
+    watch.EndOf(StageId::kBreathing, tools.tissue_moves ? Sleep::kAwake : Sleep::kAtRest);
+  }
+  const Sleep unseen = state.needle_seen ? Sleep::kAwake : Sleep::kNeedleUnseen;
   if (runs_needle_) {
     if (state.needle_seen) {
       out.ct_from_needle = scene_.ct_from_reference * sample.reference_from_needle;
     }
     out.needle_at_rest = tools.needle;
-    watch.EndOf(StageId::kNeedlePose);
+    watch.EndOf(StageId::kNeedlePose, unseen);
   }
   const Eigen::Vector3d tip_in_ct_mm = tools.needle.ct_from_tool.translation();
   const Eigen::Vector3d axis_in_ct = tools.needle.ct_from_tool.linear().col(2);
-  if (lookup_ && state.needle_seen) {
+  if (lookup_) {
     // A bent needle's tip is where it was bent to in the step before.
-    out.tissue_at_tip = lookup_->At(
-        scene_.shape ? Eigen::Vector3d(tip_in_ct_mm + state.shape.tip_offset_mm) : tip_in_ct_mm);
-    watch.EndOf(StageId::kTissueLookup);
+    if (state.needle_seen) {
+      out.tissue_at_tip = lookup_->At(
+          scene_.shape ? Eigen::Vector3d(tip_in_ct_mm + state.shape.tip_offset_mm) : tip_in_ct_mm);
+    }
+    watch.EndOf(StageId::kTissueLookup, unseen);
   }
   if (runs_contact_) {
     out.tissue = scene_.tissue->Step(
@@ -61,25 +74,26 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
          .tip_direction_in_ct = state.shape.tip_direction_in_ct,
          .probe_valid = sample.probe_valid,
          .ct_from_probe = tools.probe.ct_from_tool});
-    watch.EndOf(StageId::kTissueContact, !out.tissue.touched);
+    watch.EndOf(StageId::kTissueContact, out.tissue.touched ? Sleep::kAwake : Sleep::kUntouched);
   }
   if (runs_force_ && scene_.force_from_tissue) {
     out.force = out.tissue.needle;
     out.tissue_at_tip = out.tissue.tissue_at_tip;
-    watch.EndOf(StageId::kNeedleForce, !out.tissue.touched);
+    watch.EndOf(StageId::kNeedleForce, out.tissue.touched ? Sleep::kAwake : Sleep::kUntouched);
   } else if (runs_force_) {
     // Nothing to do while the needle is in free space; the law itself then returns at once.
-    const bool asleep = out.tissue_at_tip == 0 && !forces::TrackOf(state.force).in_body;
+    const bool outside = out.tissue_at_tip == 0 && !forces::TrackOf(state.force).in_body;
     out.force = scene_.forces->Step(state.force, {.time_s = time_s,
                                                   .tip_in_ct_mm = tip_in_ct_mm,
                                                   .axis_in_ct = axis_in_ct,
                                                   .tissue_at_tip = out.tissue_at_tip,
                                                   .valid = sample.needle_valid});
-    watch.EndOf(StageId::kNeedleForce, asleep);
+    watch.EndOf(StageId::kNeedleForce, outside ? Outside(unseen) : Sleep::kAwake);
   }
   if (scene_.shape) {
     ShapeNeedle(state, sample, tools, out);
-    watch.EndOf(StageId::kNeedleShape, scene_.shape->IsAsleep(state.shape));
+    watch.EndOf(StageId::kNeedleShape,
+                scene_.shape->IsAsleep(state.shape) ? Outside(unseen) : Sleep::kAwake);
   }
   if (runs_probe_) {
     out.probe = scene_.probe_force->Step(
@@ -87,7 +101,8 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
                       .ct_from_probe = tools.probe.ct_from_tool *
                                        Eigen::Translation3d(0.0, scene_.probe_press_mm, 0.0),
                       .valid = sample.probe_valid});
-    watch.EndOf(StageId::kProbeForce, !out.probe.on_skin);
+    const Sleep off = sample.probe_valid ? Sleep::kProbeOffSkin : Sleep::kProbeUnseen;
+    watch.EndOf(StageId::kProbeForce, out.probe.on_skin ? Sleep::kAwake : off);
   }
   if (tools.tissue_moves) TurnForces(tools, out);
   return out;

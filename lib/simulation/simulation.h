@@ -69,7 +69,7 @@ class Simulation {
   /// Advances to `sample.time_ns`; what no stage in the plan reads of it may be left out. Allocates
   /// nothing, takes no lock, prints nothing. A sample that is not valid, not finite or not later
   /// than the last one is dealt with by the force model: the force stays finite and bounded.
-  /// @param times  If given, each stage's time is added to it; the results stay the same.
+  /// @param times  If given, what each stage did is added to it; the results stay the same.
   StepOutput Step(State& state, const Sample& sample, StageTimes* times = nullptr) const noexcept;
 
   /// What the images need to show the tissue as it is after a step. False if nothing deforms it:

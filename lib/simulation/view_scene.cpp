@@ -4,6 +4,7 @@
 #include <set>
 
 #include "segmentation/surface_extraction.h"
+#include "simulation/picture_sleep.h"
 #include "volume/labels.h"
 
 namespace acus::simulation {
@@ -94,8 +95,20 @@ ViewRenderer::ViewRenderer(const Scene& scene, const RunContext& context)
       view_(PatientOf(scene, context), SettingsOf(*scene.view_3d)),
       camera_(CameraOf(*scene.view_3d, view_.box_in_ct_mm())) {}
 
+bool ViewRenderer::HasStayed(const Snapshot& before, const Snapshot& now) const noexcept {
+  return (!scene_.view_3d->needle || NeedleHasStayed(before, now)) &&
+         (!scene_.view_3d->probe || ProbeHasStayed(before, now)) &&
+         BreathHasStayed(scene_, before, now);
+}
+
 void ViewRenderer::Render(const Snapshot& snapshot, const ultrasound::GrayImage* b_mode,
-                          rendering::ViewPicture& out, int num_threads) {
+                          rendering::ViewPicture& out, int num_threads, StageTimes* times,
+                          const Snapshot* shown) {
+  auto watch = Stopwatch::OfThreads(times, num_threads);
+  if (shown != nullptr && HasStayed(*shown, snapshot)) {
+    watch.EndOf(StageId::kView3d, Sleep::kNothingMoved);
+    return;
+  }
   const scenario::View3dEffect& effect = *scene_.view_3d;
   rendering::ViewMoment moment;
   std::optional<breathing::MotionMap> motion;
@@ -111,6 +124,7 @@ void ViewRenderer::Render(const Snapshot& snapshot, const ultrasound::GrayImage*
     if (b_mode != nullptr && !b_mode->pixels.empty()) moment.probe->b_mode = b_mode;
   }
   view_.Render(camera_, moment, out, num_threads);
+  watch.EndOf(StageId::kView3d);
 }
 
 }  // namespace acus::simulation

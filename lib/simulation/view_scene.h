@@ -25,10 +25,17 @@ class ViewRenderer {
 
   /// The same bits with any number of threads.
   /// @param b_mode  Of the same moment; null or empty: none.
+  /// @param times  If given, what the stage did is added to it.
+  /// @param shown  The moment that `out` shows already, with the same `b_mode`: if the picture
+  /// would
+  ///     be the same, it is left as it is. Null: there is none.
   void Render(const Snapshot& snapshot, const ultrasound::GrayImage* b_mode,
-              rendering::ViewPicture& out, int num_threads);
+              rendering::ViewPicture& out, int num_threads, StageTimes* times = nullptr,
+              const Snapshot* shown = nullptr);
 
  private:
+  bool HasStayed(const Snapshot& before, const Snapshot& now) const noexcept;
+
   const Scene& scene_;
   rendering::PatientView view_;
   rendering::Camera camera_;

@@ -90,9 +90,9 @@ TEST(PlanEffects, TheNeedlesShapeComesBetweenItsForceAndThePictures) {
               testing::ElementsAre("needle pose", "tissue lookup", "needle force", "needle shape",
                                    "probe pose", "CT slice", "B-mode"));
   EXPECT_TRUE(plan.Needs("shape"));
-  EXPECT_TRUE(plan.Needs("elasticity"));
+  EXPECT_TRUE(plan.Needs("needle's elasticity"));
   s.shape->model = scenario::NeedleModelKind::kRigid;
-  EXPECT_FALSE(PlanEffects(s, kAll).Needs("elasticity"));
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs("needle's elasticity"));
   EXPECT_FALSE(PlanEffects(AllEffects(), kAll).Has(StageId::kNeedleShape));
 }
 
@@ -181,7 +181,8 @@ TEST(PlanEffects, SceneWithoutTissueNeedsNothingOfIt) {
   EXPECT_FALSE(plan.Has(StageId::kTissueContact));
   EXPECT_FALSE(plan.Has(StageId::kDeformation));
   EXPECT_FALSE(plan.Needs("mesh"));
-  EXPECT_FALSE(plan.Needs("elasticity"));
+  EXPECT_FALSE(plan.Needs("tissue's elasticity"));
+  EXPECT_FALSE(plan.Needs("tissue's force table"));
 }
 
 TEST(PlanEffects, AProbeForceNeedsOnlyWhatItsModelReads) {
@@ -203,6 +204,58 @@ TEST(PlanEffects, AProbeForceNeedsOnlyWhatItsModelReads) {
               ThrowsMessage<InputError>(AllOf(
                   HasSubstr("probe force (effect probe_force is called for) needs probe poses"),
                   HasSubstr("/patient/labels is not given"))));
+}
+
+TEST(PlanEffects, AProbeThatPressesTissueNeedsNoPictures) {
+  scenario::Scenario s = WithTissue(scenario::TissueModelKind::kFem3d);
+  s.needle_force->model = scenario::NeedleForceModelKind::kTissue;
+  s.ultrasound.reset();
+  s.ct_slice.reset();
+  s.tissue->probe_contact = true;
+  const EffectPlan plan = PlanEffects(s, kAll);
+  EXPECT_THAT(StagesIn(plan),
+              testing::ElementsAre("needle pose", "tissue contact", "needle force"));
+  EXPECT_TRUE(plan.Reads(StageId::kTissueContact, "probe preset"));
+}
+
+TEST(PlanEffects, StagesKnowTheEffectsThatTheyWorkFor) {
+  scenario::Scenario s = WithTissue(scenario::TissueModelKind::kSprings);
+  s.breathing.emplace();
+  const EffectPlan plan = PlanEffects(s, kAll);
+  EXPECT_THAT(plan.Of(StageId::kNeedlePose).effects,
+              testing::UnorderedElementsAre("needle_force", "tissue", "ct_slice", "ultrasound"));
+  EXPECT_THAT(plan.Of(StageId::kProbePose).effects,
+              testing::UnorderedElementsAre("ct_slice", "ultrasound"));
+  EXPECT_THAT(plan.Of(StageId::kDeformation).effects,
+              testing::UnorderedElementsAre("tissue", "breathing", "ct_slice", "ultrasound"));
+  EXPECT_THAT(plan.Of(StageId::kFluoroscopy).effects, testing::IsEmpty());
+}
+
+TEST(PlanEffects, SaysSoWhereNothingIsThereForAnEffectToChange) {
+  scenario::Scenario s = AllEffects();
+  s.needle_force.reset();
+  s.ultrasound.reset();
+  s.ct_slice->needle = false;
+  s.breathing.emplace().image = false;
+  const EffectPlan plan = PlanEffects(s, kAll);
+  EXPECT_FALSE(plan.Has(StageId::kBreathing));
+  EXPECT_EQ(plan.Of(StageId::kBreathing).reason,
+            "effect breathing is called for, but none that it changes");
+  EXPECT_FALSE(plan.Needs("motion"));
+}
+
+TEST(RequireFiles, NamesFilesThatStagesReadAndThatAreNotThere) {
+  scenario::Scenario s = AllEffects();
+  s.needle = s.probe = s.needle_force->table = s.ultrasound->acoustics = ACUS_SOURCE_DIR;
+  s.patient.labels = ACUS_SOURCE_DIR;
+  EXPECT_THAT([&] { RequireFiles(PlanEffects(s, kAll), s); },
+              ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("CT slice (effect ct_slice is called for) needs ct: /patient/ct: "
+                                  "ct.nrrd: no such file or folder"),
+                        HasSubstr("for effects/ultrasound"), HasSubstr("--set /effects/"))));
+  s.ultrasound.reset();
+  s.ct_slice.reset();
+  EXPECT_NO_THROW(RequireFiles(PlanEffects(s, kAll), s));
 }
 
 TEST(PlanEffects, NamesWhatTissueLacks) {
