@@ -66,7 +66,8 @@ int main(int argc, char** argv) {
     }
     acus::live::LiveSession session(scenario, devices, options, context);
     if (check) {
-      std::cout << acus::replay::CheckText(scenario) << session.DevicesText();
+      std::cout << acus::replay::CheckText(scenario, {}, acus::replay::PlanDetail::kStages, context)
+                << session.DevicesText();
       return acus::ExitCode::kOk;
     }
     bool good = false;

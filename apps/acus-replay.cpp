@@ -49,9 +49,12 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("!--no-film", options.film, "Make no film.mp4");
   app.add_flag("!--no-sequence", options.sequence, "Write no images.igs.mha");
-  app.add_flag("--explain", explain, "Print the effect plan: stages, reasons, measured cost");
+  app.add_flag("--explain", explain,
+               "Print the effect plan: stages and why they are in, out or asleep, what they read\n"
+               "and write, measured cost. Without a session: what is known beforehand");
   app.add_flag("--check", check, "Check the scenario and its files, run nothing");
   app.callback([&] {
+    check = check || (explain && session_path.empty());
     if (session_path.empty() && !check) throw CLI::RequiredError("session");
   });
   app.footer(
@@ -78,7 +81,9 @@ int main(int argc, char** argv) {
       options.exercise = acus::config::FindConfig(exercise_path, std::filesystem::current_path());
     }
     if (check) {
-      std::cout << acus::replay::CheckText(scenario);
+      using acus::replay::PlanDetail;
+      const auto detail = explain ? PlanDetail::kAll : PlanDetail::kStages;
+      std::cout << acus::replay::CheckText(scenario, session_path, detail, context);
       return acus::ExitCode::kOk;
     }
     const auto result = acus::replay::ReplaySession(scenario, session_path, options, context);

@@ -11,6 +11,7 @@
 #include "replay/event_log.h"
 #include "replay/fluoroscopy_log.h"
 #include "replay/image_log.h"
+#include "replay/plan_table.h"
 #include "replay/run_metrics.h"
 #include "replay/run_report.h"
 #include "replay/training_log.h"
@@ -43,6 +44,12 @@ session::Session ReadSessionFor(const scenario::Scenario& scenario, const fs::pa
     }
   }
   return session;
+}
+
+simulation::AvailableInputs AvailableIn(const session::Session& session) {
+  return {.needle_poses = !session.needle.empty(),
+          .probe_poses = !session.probe.empty(),
+          .breath = !session.breath.empty()};
 }
 
 /// Everything that a run gave, before it is written down.
@@ -146,7 +153,7 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
   content.has_view_film = options.film && run.view.num_images > 0;
   content.has_film = options.film && run.images.num_images > 0 &&
                      (scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice));
-  content.plan = TableOfPlan(scene.plan, &run.times);
+  content.times = run.times;
   WriteReport(folder, content, run.steps, scene, context.provenance);
 }
 
@@ -169,10 +176,6 @@ class WarningsKept {
   RunContext& context_;
   std::function<void(std::string_view)> before_;
 };
-
-std::string TextOf(const PlanTable& table) {
-  return TextTable(table.header, table.rows);
-}
 
 std::string SummaryOf(const Run& run, const ReplayOptions& options) {
   std::string text = Message("Replayed ", Rounded(SpanSeconds(run.session)),
@@ -210,10 +213,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   Run run;
   const WarningsKept kept(context, run.warnings);
   run.session = ReadSessionFor(scenario, session_path, context);
-  const simulation::EffectPlan plan =
-      simulation::PlanEffects(scenario, {.needle_poses = !run.session.needle.empty(),
-                                         .probe_poses = !run.session.probe.empty(),
-                                         .breath = !run.session.breath.empty()});
+  const simulation::EffectPlan plan = simulation::PlanEffects(scenario, AvailableIn(run.session));
   const Scene scene = simulation::LoadScene(scenario, plan, context);
 
   const double begin_s = ProcessCpuSeconds();
@@ -244,14 +244,22 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
     WriteRunFolder(folder->path(), scenario, scene, run, options, context);
     folder->Commit();
   }
-  return {TextOf(TableOfPlan(scene.plan, &run.times)), SummaryOf(run, options)};
+  return {PlanText(scene.plan, &run.times), SummaryOf(run, options)};
 }
 
-std::string CheckText(const scenario::Scenario& scenario) {
-  const simulation::EffectPlan plan = simulation::PlanEffects(
-      scenario, {.needle_poses = true, .probe_poses = true, .breath = true});
+std::string CheckText(const scenario::Scenario& scenario, const fs::path& session_path,
+                      PlanDetail detail, RunContext& context) {
+  simulation::AvailableInputs available{.needle_poses = true, .probe_poses = true, .breath = true};
+  if (!session_path.empty()) {
+    const session::Session session = ReadSessionFor(scenario, session_path, context);
+    available = AvailableIn(session);
+  }
+  const simulation::EffectPlan plan = simulation::PlanEffects(scenario, available);
   simulation::RequireFiles(plan, scenario);
-  return TextOf(TableOfPlan(plan, nullptr)) + scenario.file.string() + ": fits.\n";
+  const PlanTable table = TableOfPlan(plan, nullptr);
+  return (detail == PlanDetail::kAll ? PlanText(plan, nullptr)
+                                     : TextTable(table.header, table.rows)) +
+         scenario.file.string() + ": fits.\n";
 }
 
 }  // namespace acus::replay

@@ -38,7 +38,13 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario,
                            const std::filesystem::path& session_path, const ReplayOptions& options,
                            RunContext& context);
 
-/// What `--check` prints: effects, and that every file they need is there.
-std::string CheckText(const scenario::Scenario& scenario);
+/// Whether what stages read and write is told besides.
+enum class PlanDetail { kStages, kAll };
+
+/// What `--check` prints: the effect plan, and that every file that it needs is there.
+/// @param session_path  What the session holds is taken from it; empty: it is taken to hold all.
+/// @throws InputError if an effect lacks an input.
+std::string CheckText(const scenario::Scenario& scenario, const std::filesystem::path& session_path,
+                      PlanDetail detail, RunContext& context);
 
 }  // namespace acus::replay

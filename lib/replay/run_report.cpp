@@ -4,6 +4,8 @@
 
 #include "core/text_table.h"
 #include "replay/event_log.h"
+#include "replay/plan_picture.h"
+#include "replay/plan_table.h"
 #include "report/html_report.h"
 #include "report/svg_plot.h"
 
@@ -172,6 +174,18 @@ void AddExercise(report::HtmlReport& html, const training::Assessment& assessmen
              "What the tip went through");
 }
 
+void AddPlan(report::HtmlReport& html, const simulation::EffectPlan& plan,
+             const simulation::StageTimes& times) {
+  html.Drawing(PlanSvg(plan, times),
+               "What the scenario's effects call for, from inputs to outputs. Place the mouse on a "
+               "stage for its reasons.");
+  for (const std::string& line : SleepLines(plan, times)) html.Paragraph("Asleep - " + line + ".");
+  const PlanTable table = TableOfPlan(plan, &times);
+  html.Table(table.header, table.rows, "The stages, and the CPU time that they took in this run.");
+  const PlanTable flow = FlowOfPlan(plan);
+  html.Table(flow.header, flow.rows, "What they read and write. They touch nothing else.");
+}
+
 }  // namespace
 
 void WriteReport(const std::filesystem::path& folder, const ReportContent& content,
@@ -216,9 +230,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   }
   html.Table({"metric", "value", "unit"}, rows);
   html.Section("Effect plan");
-  html.Table(content.plan.header, content.plan.rows,
-             "The stages that the scenario's effects call for, and the wall-clock time that they "
-             "took in this run.");
+  AddPlan(html, scene.plan, content.times);
   html.SetProvenance(provenance.ToJson());
   html.Write(folder / "report.html");
 }

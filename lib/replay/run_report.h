@@ -8,7 +8,6 @@
 
 #include "core/provenance.h"
 #include "replay/image_log.h"
-#include "replay/plan_table.h"
 #include "replay/run_metrics.h"
 #include "replay/step_log.h"
 #include "training/assessment.h"
@@ -25,7 +24,7 @@ struct ReportContent {
   bool has_film = false;
   bool has_fluoroscopy_film = false;
   bool has_view_film = false;
-  PlanTable plan;
+  simulation::StageTimes times;  ///< What the stages of the scene's plan did.
 };
 
 /// Writes report.html and the plots forces.svg and probe_forces.svg of what was felt into `folder`.

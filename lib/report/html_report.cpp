@@ -85,6 +85,10 @@ void HtmlReport::Plots(std::span<const Plot> plots, const std::string& caption) 
   Figure(StackedSvgText(plots), caption);
 }
 
+void HtmlReport::Drawing(const std::string& svg, const std::string& caption) {
+  Figure(svg, caption);
+}
+
 void HtmlReport::Picture(const std::filesystem::path& png, const std::string& alt,
                          const std::string& caption) {
   Figure(Message("<img src=\"", PngDataUri(png), "\" alt=\"", Escaped(alt), "\">"), caption);
