@@ -195,6 +195,10 @@ class ImageSweeper {
     without("no point spread", [](Options& o) { o.point_spread = false; });
     without("no interfaces", [](Options& o) { o.interfaces = false; });
     without("no attenuation", [](Options& o) { o.attenuation = false; });
+    without("no angles", [](Options& o) { o.angle = false; });
+    without("no shadow", [](Options& o) { o.shadow = false; });
+    without("no shadow of the needle", [](Options& o) { o.needle_shadow = false; });
+    without("no comet tails", [](Options& o) { o.comet_tail = false; });
     without("with refraction", [](Options& o) { o.refraction = true; });
     without("with time of flight", [](Options& o) { o.time_of_flight = true; });
     without("with multiple reflections", [](Options& o) { o.multiple_reflections = true; });

@@ -33,7 +33,8 @@ struct RigidPath {
   }
 };
 
-/// From 3 mm above the skin to beyond the deepest tip: the needle's way.
+}  // namespace
+
 mechanics::Capsule WayOf(const std::vector<tissue::ToolSample>& samples, double radius_mm) {
   mechanics::Capsule out;
   out.from_mm = samples.front().tip_in_ct_mm;
@@ -44,8 +45,6 @@ mechanics::Capsule WayOf(const std::vector<tissue::ToolSample>& samples, double 
   out.radius_mm = radius_mm;
   return out;
 }
-
-}  // namespace
 
 MeasuredRun RunFem(const FemSetting& setting, const TissueBlockTables& tables,
                    const std::vector<tissue::ToolSample>& samples, const RunContext& context) {
@@ -79,10 +78,9 @@ MeasuredRun RunFem(const FemSetting& setting, const TissueBlockTables& tables,
   return out;
 }
 
-MeasuredRun RunPlane(double spacing_mm, double width_mm, double depth_mm,
-                     const TissueBlockTables& tables,
-                     const std::vector<tissue::ToolSample>& samples) {
-  const double before_s = ThreadCpuSeconds();
+tissue::PlaneModel2010 PlaneOf(double spacing_mm, double width_mm, double depth_mm,
+                               const TissueBlockTables& tables,
+                               const std::vector<tissue::ToolSample>& samples) {
   tissue::PlaneSettings settings;
   settings.spacing_mm = spacing_mm;
   settings.width_mm = width_mm;
@@ -93,8 +91,15 @@ MeasuredRun RunPlane(double spacing_mm, double width_mm, double depth_mm,
   placement.entry_in_ct_mm -=
       placement.axis_in_ct * (placement.entry_in_ct_mm[2] / placement.axis_in_ct[2]);
   placement.across_in_ct = Eigen::Vector3d::UnitY();  // The needle is pushed aside along y.
-  const tissue::PlaneModel2010 model(settings, placement, tables.forces, tables.needle,
-                                     tables.elasticity, TissueBlock::TissueAt);
+  return {settings,      placement,         tables.forces,
+          tables.needle, tables.elasticity, TissueBlock::TissueAt};
+}
+
+MeasuredRun RunPlane(double spacing_mm, double width_mm, double depth_mm,
+                     const TissueBlockTables& tables,
+                     const std::vector<tissue::ToolSample>& samples) {
+  const double before_s = ThreadCpuSeconds();
+  const tissue::PlaneModel2010 model = PlaneOf(spacing_mm, width_mm, depth_mm, tables, samples);
   MeasuredRun out;
   out.preparation_s = ThreadCpuSeconds() - before_s;
   out.memory_mb = static_cast<double>(model.compliance().size()) * sizeof(double) / kBytesPerMb;
@@ -103,15 +108,18 @@ MeasuredRun RunPlane(double spacing_mm, double width_mm, double depth_mm,
   return out;
 }
 
-MeasuredRun RunSprings(double node_spacing_mm, const TissueBlockTables& tables,
-                       const std::vector<tissue::ToolSample>& samples) {
-  const double before_s = ThreadCpuSeconds();
+tissue::SpringModel SpringsOf(double node_spacing_mm, const TissueBlockTables& tables) {
   std::bitset<256> labels;
   for (const char* name : {"skin", "fat", "muscle", "liver"}) labels.set(volume::LabelOf(name));
   tissue::SpringSettings settings;
   settings.node_spacing_mm = node_spacing_mm;
-  const tissue::SpringModel model(settings, tables.forces, tables.needle, tables.elasticity, labels,
-                                  TissueBlock::TissueAt);
+  return {settings, tables.forces, tables.needle, tables.elasticity, labels, TissueBlock::TissueAt};
+}
+
+MeasuredRun RunSprings(double node_spacing_mm, const TissueBlockTables& tables,
+                       const std::vector<tissue::ToolSample>& samples) {
+  const double before_s = ThreadCpuSeconds();
+  const tissue::SpringModel model = SpringsOf(node_spacing_mm, tables);
   MeasuredRun out;
   out.preparation_s = ThreadCpuSeconds() - before_s;
   out.memory_mb = static_cast<double>(sizeof(model) + sizeof(tissue::SpringState)) / kBytesPerMb;

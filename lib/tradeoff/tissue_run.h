@@ -6,7 +6,10 @@
 
 #include "core/run_context.h"
 #include "mechanics/compliance.h"
+#include "mechanics/reachable.h"
 #include "mechanics/stiffness.h"
+#include "tissue/plane_model_2010.h"
+#include "tissue/spring_model.h"
 #include "tradeoff/insertion.h"
 #include "tradeoff/tissue_block.h"
 
@@ -28,6 +31,15 @@ struct MeasuredRun {
   double memory_mb = 0.0;      ///< Of the compliance, or of what the level has instead.
   int num_nodes = 0;           ///< Of the mesh; 0: none.
 };
+
+/// From 3 mm above the skin to beyond the deepest tip: the needle's way.
+mechanics::Capsule WayOf(const std::vector<tissue::ToolSample>& samples, double radius_mm);
+
+/// The models that the runs below insert the needle into.
+tissue::PlaneModel2010 PlaneOf(double spacing_mm, double width_mm, double depth_mm,
+                               const TissueBlockTables& tables,
+                               const std::vector<tissue::ToolSample>& samples);
+tissue::SpringModel SpringsOf(double node_spacing_mm, const TissueBlockTables& tables);
 
 /// Meshes the block, condenses it, inserts the needle.
 MeasuredRun RunFem(const FemSetting& setting, const TissueBlockTables& tables,

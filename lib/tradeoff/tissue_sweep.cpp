@@ -1,10 +1,12 @@
 #include "tradeoff/tissue_sweep.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "core/text_table.h"
+#include "tradeoff/tissue_picture.h"
 #include "tradeoff/tissue_run.h"
 
 namespace acus::tradeoff {
@@ -33,6 +35,7 @@ class TissueSweeper {
     Storages();
     ContactSpacings();
     Levels();
+    Pictures();
     return std::move(rows_);
   }
 
@@ -190,6 +193,55 @@ class TissueSweeper {
             finest_name_);
   }
 
+  void AddPicture(const std::string& knob, const std::string& value, const std::string& level,
+                  const TissuePicture& picture, const TissuePicture& reference,
+                  const std::string& reference_name) {
+    Row row;
+    row.knob = knob;
+    row.value = value;
+    row.level = level;
+    row.error = RmsDifferenceMm(picture, reference);
+    row.error_unit = "mm";
+    row.reference = reference_name;
+    row.step_us_median = Quantile(picture.picture_us, 0.5);
+    row.step_us_p999 = Quantile(picture.picture_us, 1.0);
+    row.preparation_s = picture.preparation_s;
+    row.memory_mb = picture.memory_mb;
+    if (!std::isfinite(row.error)) row.unusable = "a displacement is not finite";
+    rows_.push_back(std::move(row));
+  }
+
+  /// Where tissue is seen: by size of elements, and by level.
+  void Pictures() {
+    RunContext quiet;
+    quiet.stop = context_.stop;
+    const double finest_mm = quick_ ? 4.0 : 3.0;
+    const std::string name = "elements of " + RoundedText(finest_mm, 3) + " mm";
+    Progress("pictures", 0.97);
+    const TissuePicture finest = PictureOfFem(finest_mm, tables_, samples_, quiet);
+    TissuePicture usual;
+    for (const double size_mm : {12.0, 6.0, 4.0}) {
+      usual = PictureOfFem(size_mm, tables_, samples_, quiet);
+      AddPicture("picture, element_size_mm", RoundedText(size_mm, 3), kFem, usual, finest, name);
+      rows_.back().is_default = size_mm == kDefaultElementMm;
+    }
+    AddPicture("picture, element_size_mm", RoundedText(finest_mm, 3), kFem, finest, finest, name);
+    const std::string knob = "picture, level";
+    AddPicture(knob, "3D", kFem, usual, finest, name);
+    AddPicture(knob, "2D, 361 nodes", "2D of 2010", PictureOfPlane(tables_, samples_), finest,
+               name);
+    AddPicture(knob, "springs", "springs of 2016", PictureOfSprings(tables_, samples_), finest,
+               name);
+    AddPicture(knob, "displacement functions", "functions of 2021",
+               PictureOfFunctions(tables_, samples_), finest, name);
+    for (std::size_t n = rows_.size() - 3; n < rows_.size(); ++n) rows_[n].is_paper = true;
+    TissuePicture still = finest;
+    std::ranges::fill(still.moved_mm, Eigen::Vector3d(Eigen::Vector3d::Zero()));
+    still.picture_us.assign(1, kNotMeasured);
+    AddPicture(knob, "no deformation", "none", still, finest, name);
+    rows_.back().preparation_s = rows_.back().memory_mb = kNotMeasured;
+  }
+
   bool quick_;
   const RunContext& context_;
   Provenance provenance_;
@@ -209,7 +261,8 @@ Sweep TissueSweep() {
       "tissue", "Tissue under the needle",
       "One scripted insertion at 1 kHz, 50 mm into skin (4 mm), fat (16 mm), muscle (16 mm) and "
       "liver, 4 degrees askew, pushed aside by 1 mm and drawn out. Errors in N are root mean "
-      "squares over all samples of the difference of forces.",
+      "squares over all samples of the difference of forces. Pictures: tissue in the plane of the "
+      "needle, 60 x 60 mm, 256 x 256 places, when its tip is 30 mm deep; a step is one picture.",
       [](bool quick, const RunContext& context) { return TissueSweeper(quick, context).Run(); }};
 }
 
