@@ -17,25 +17,29 @@ void FluoroscopyRenderer::Render(const Snapshot& snapshot, ultrasound::GrayImage
                                  int num_threads, StageTimes* times, const Snapshot* shown) {
   auto watch = Stopwatch::OfThreads(times, num_threads);
   const bool with_needle = scene_.fluoroscopy->needle;
-  const bool asleep = shown != nullptr && TissueHasStayed(scene_, *shown, snapshot) &&
-                      (!with_needle || NeedleHasStayed(*shown, snapshot));
+  const bool still = shown != nullptr && TissueHasStayed(scene_, *shown, snapshot);
+  const bool asleep = still && (!with_needle || NeedleHasStayed(*shown, snapshot));
   const ultrasound::RestMap* rest = nullptr;
-  if (!asleep && deformed_ && snapshot.load != nullptr) {
+  if (!still && deformed_ && snapshot.load != nullptr) {
     deformed_->Update(*snapshot.load);
     rest = &*deformed_;
   }
   std::optional<BreathingRest> breathing;
-  if (!asleep && scene_.breathing && scene_.breathing->image) {
+  if (!still && scene_.breathing && scene_.breathing->image) {
     breathing.emplace(*scene_.breathing, snapshot.session_s, snapshot.breath, rest);
     if (breathing->moves()) rest = &*breathing;
   }
   if (scene_.plan.Reads(StageId::kFluoroscopy, "rest map")) {
-    const Sleep idle = asleep ? Sleep::kNothingMoved : Sleep::kUndeformed;
+    const Sleep idle = still ? Sleep::kNothingMoved : Sleep::kUndeformed;
     watch.EndOf(StageId::kDeformation, rest != nullptr ? Sleep::kAwake : idle);
   }
   if (!asleep) {
-    fluoroscope_.Render(with_needle ? NeedleInPicture(scene_, snapshot) : std::nullopt, out,
-                        num_threads, rest);
+    const auto needle = with_needle ? NeedleInPicture(scene_, snapshot) : std::nullopt;
+    if (still) {
+      fluoroscope_.RenderNeedle(needle, out);
+    } else {
+      fluoroscope_.Render(needle, out, num_threads, rest);
+    }
   }
   watch.EndOf(StageId::kFluoroscopy, asleep ? Sleep::kNothingMoved : Sleep::kAwake);
 }

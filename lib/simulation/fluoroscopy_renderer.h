@@ -20,7 +20,10 @@ class FluoroscopyRenderer {
 
   /// The same bits for the same snapshot, whatever was rendered before and with any number of
   /// threads. The needle is straight in the hand if its tracker sees it and nothing bends it.
-  /// @param times, shown  As of ImageRenderer::Render.
+  /// @param times  As of ImageRenderer::Render.
+  /// @param shown  The moment of the last picture, which `out` shows already. Where the patient has
+  ///     stayed since, only the needle's shadow is made anew, and where the needle has, too,
+  ///     nothing. Null: all is made.
   void Render(const Snapshot& snapshot, ultrasound::GrayImage& out, int num_threads,
               StageTimes* times = nullptr, const Snapshot* shown = nullptr);
 

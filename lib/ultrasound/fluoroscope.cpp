@@ -44,7 +44,7 @@ Fluoroscope::Fluoroscope(const volume::CtVolume& ct, const CArm& c_arm, const CA
       source_(volume_.slices_from_ct() * geometry_.source_in_ct_mm()),
       stride_(Tiles(c_arm.width_px, kTileColumns) * kTileColumns) {
   const int rows = Tiles(c_arm.height_px, kTileRows) * kTileRows;
-  sums_.Reserve(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows));
+  sums_.Reserve(num_sums());
   const int columns = stride_ / kTileColumns;
   tiles_.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows / kTileRows));
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
@@ -95,6 +95,11 @@ void Fluoroscope::PlaceTile(int first_column, int first_row, Tile& tile) const {
   }
 }
 
+std::size_t Fluoroscope::num_sums() const {
+  const int rows = Tiles(c_arm_.height_px, kTileRows) * kTileRows;
+  return static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows);
+}
+
 void Fluoroscope::SumAll(int num_threads) {
   const int columns = Tiles(c_arm_.width_px, kTileColumns);
   const kernels::Slices slices = volume_.slices();
@@ -137,6 +142,14 @@ void Fluoroscope::Render(const std::optional<NeedleInImage>& needle, GrayImage& 
                          int num_threads, const RestMap* rest) {
   volume_.Deform(rest, num_threads);
   SumAll(num_threads);
+  patient_.Reserve(num_sums());
+  std::copy_n(sums_.data(), num_sums(), patient_.data());
+  if (needle) shadow_.Add(*needle, c_arm_, geometry_, sums_.data(), stride_);
+  Show(out);
+}
+
+void Fluoroscope::RenderNeedle(const std::optional<NeedleInImage>& needle, GrayImage& out) {
+  std::copy_n(patient_.data(), num_sums(), sums_.data());
   if (needle) shadow_.Add(*needle, c_arm_, geometry_, sums_.data(), stride_);
   Show(out);
 }

@@ -32,6 +32,11 @@ class Fluoroscope {
   void Render(const std::optional<NeedleInImage>& needle, GrayImage& out, int num_threads = 1,
               const RestMap* rest = nullptr);
 
+  /// The same picture where the patient lies as in the last Render: only the needle's shadow is
+  /// new.
+  /// @pre Render was called.
+  void RenderNeedle(const std::optional<NeedleInImage>& needle, GrayImage& out);
+
   /// Sum of attenuation of pixel (column, row) of the last picture, no unit: -ln of the intensity.
   float Sum(int column, int row) const {
     return sums_.data()[static_cast<std::ptrdiff_t>(row) * stride_ + column];
@@ -53,6 +58,7 @@ class Fluoroscope {
   };
   void PlaceTile(int first_column, int first_row, Tile& tile) const;
   void PlaceRay(const Eigen::Vector3d& pixel_mm, int number, Tile& tile) const;
+  std::size_t num_sums() const;
   void SumAll(int num_threads);
   void ChooseWindow();
   void Show(GrayImage& out) const;
@@ -66,6 +72,7 @@ class Fluoroscope {
   double high_ = 1.0;
   int stride_;
   std::vector<Tile> tiles_;
+  AlignedFloats patient_;  ///< The sums without the needle.
   AlignedFloats sums_;
 };
 

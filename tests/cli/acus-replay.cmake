@@ -11,6 +11,22 @@ acus_add_cli_case(acus-replay.explain EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "effect ultrasound is called for" "us/run" "^CT slice +image +out"
   COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session ${patient} --explain
           --set /effects/ct_slice=null)
+acus_add_cli_case(acus-replay.explain_sleep EXIT 0 NEEDS inputs LEAVES_NOTHING
+  STDOUT "^needle force +force +needle, tissue, needle preset, force table"
+         "needle force: needle outside the tissue in [0-9.]+ % of the steps"
+  COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session ${patient} --explain
+          --set /effects/ct_slice=null --set /effects/ultrasound=null)
+acus_add_cli_case(acus-replay.explain_without_session EXIT 0 NEEDS inputs LEAVES_NOTHING
+  STDOUT "^B-mode +image +in +effect ultrasound is called for" "^B-mode +B-mode picture +ct, acoustics"
+  COMMAND acus-replay $INPUTS/scenario.json ${patient} --explain)
+acus_add_cli_case(acus-replay.check_a_session EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "mkdir s && cp $INPUTS/session/needle.csv s && echo '{\"format\": \"acus-session/1\", \"name\": \"n\", \"reference_frame\": \"Reference\", \"streams\": [{\"file\": \"needle.csv\", \"tool\": \"needle\"}]}' > s/session.json"
+  STDERR "needs probe poses: the session has no probe stream; for effects/"
+  COMMAND acus-replay $INPUTS/scenario.json s ${patient} --check)
+acus_add_cli_case(acus-replay.unneeded_file_is_not_there EXIT 0 NEEDS inputs LEAVES_NOTHING
+  STDOUT ": fits"
+  COMMAND acus-replay $INPUTS/scenario.json ${patient} --check --set /patient/mesh=nowhere
+          --set /patient/corridor=nowhere.csv)
 acus_add_cli_case(acus-replay.fitted_table EXIT 0 NEEDS inputs STDOUT "needle force" ": fits"
   BEFORE "bash ${CMAKE_CURRENT_LIST_DIR}/fit_inputs.sh
 $ACUS_BIN/acus-fit a.csv recording --tissue liver -o fit >/dev/null"

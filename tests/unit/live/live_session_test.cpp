@@ -144,6 +144,17 @@ TEST_F(Session, OutlivesItsTrackerAndReplaysToTheSameForces) {
   EXPECT_EQ(summary.at("steps").at("missed_by_computation"), 0);
   EXPECT_GE(summary.at("trackers").at(0).at("connects"), 2);
   EXPECT_GT(summary.at("steps").at("probe_readings").at("jumped"), 0);
+  // What each stage did, and how often the probe was not there for it.
+  for (const auto& stage : summary.at("effect_plan")) {
+    if (stage.at("stage") == "probe force") {
+      EXPECT_EQ(stage.at("runs"), session.statistics().steps.load());
+      EXPECT_GT(stage.at("asleep_because").at("the tracker does not see the probe"), 0);
+      EXPECT_GT(stage.at("seconds"), 0.0);
+    }
+    if (stage.at("stage") == "CT slice") {
+      EXPECT_EQ(stage.at("runs"), session.picture_statistics().pictures.load());
+    }
+  }
 
   replay::ReplayOptions replay;
   replay.run_folder = folder_ / "r";

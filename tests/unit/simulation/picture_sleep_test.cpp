@@ -84,6 +84,32 @@ TEST(PictureSleep, WhatSleepsWouldHaveGivenTheSameBits) {
   }
 }
 
+TEST(PictureSleep, OnlyTheNeedlesShadowIsNewWhileThePatientStays) {
+  const testing_support::EffectsPatient patient;
+  const auto s = patient.With({{"fluoroscopy", json::object()}});
+  RunContext context;
+  const Scene scene = LoadScene(s, PlanEffects(s, {.needle_poses = true}), context);
+  FluoroscopyRenderer kept(scene, 1);
+  FluoroscopyRenderer anew(scene, 1);
+  ultrasound::GrayImage shadow, shadow_anew, first;
+  Snapshot before;
+  kept.Render(before, first, 1);
+  StageTimes times;
+  for (const double z_mm : {10.0, 20.0, 20.0, 35.0}) {
+    Snapshot now;
+    now.ct_from_needle = Eigen::Translation3d(1.0, 0.0, z_mm) * Eigen::Isometry3d::Identity();
+    kept.Render(now, shadow, 1, &times, &before);
+    anew.Render(now, shadow_anew, 1);
+    EXPECT_EQ(shadow.pixels, shadow_anew.pixels) << z_mm;
+    EXPECT_NE(shadow.pixels, first.pixels);
+    before = now;
+  }
+  EXPECT_EQ(times.Of(StageId::kFluoroscopy).asleep, 1);
+  // The needle is gone: so is its shadow.
+  kept.Render({}, shadow, 1, &times, &before);
+  EXPECT_EQ(shadow.pixels, first.pixels);
+}
+
 TEST(PictureSleep, LoadsAndShapesThatDifferInOneBitWakeIt) {
   const Scene scene = [] {
     Scene s = testing_support::LayeredScene(testing_support::PlanOf(true, true, false, true), true);
