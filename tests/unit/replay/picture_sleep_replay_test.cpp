@@ -67,7 +67,7 @@ TEST_F(PictureSleepReplay, AreThoseThatWouldHaveBeenMade) {
     EXPECT_GT(asleep(simulation::Sleep::kNothingMoved), 5);
     EXPECT_GT(asleep(simulation::Sleep::kNeedleOffPlane), 20);
     EXPECT_GT(asleep(simulation::Sleep::kProbeUnseen), 2);
-    EXPECT_LT(cost.asleep, 50);
+    EXPECT_LT(cost.asleep, 57);  // The probe moves, is lost and found; the needle comes and goes.
     // As often with any number of threads.
     if (num_threads == 1) first = times;
     EXPECT_EQ(cost.asleep_for, first.Of(simulation::StageId::kUltrasound).asleep_for);
