@@ -221,12 +221,13 @@ session::Session Resampled(const session::Session& session, double rate_hz) {
 std::vector<scenario::Override> SeedChanges(const scenario::Scenario& scenario,
                                             std::uint64_t seed) {
   std::vector<scenario::Override> changes;
-  if (scenario.breathing) {
-    const auto& pattern = scenario.breathing->pattern;
-    if (scenario.breathing->signal.empty() &&
-        (pattern.period_spread > 0.0 || pattern.speed_spread > 0.0 || pattern.level_spread > 0.0)) {
-      changes.push_back({"/effects/breathing/pattern/seed", seed});
-    }
+  if (scenario.ultrasound) {
+    changes.push_back({"/effects/ultrasound/seed", scenario.ultrasound->seed + seed});
+  }
+  if (!scenario.breathing || !scenario.breathing->signal.empty()) return changes;
+  const auto& pattern = scenario.breathing->pattern;
+  if (pattern.period_spread > 0.0 || pattern.speed_spread > 0.0 || pattern.level_spread > 0.0) {
+    changes.push_back({"/effects/breathing/pattern/seed", pattern.seed + seed});
   }
   return changes;
 }

@@ -49,7 +49,8 @@ double RecordedRateHz(const session::Session& session);
 /// k / rate_hz since its first sample, between the recorded poses. @pre rate_hz > 0.
 session::Session Resampled(const session::Session& session, double rate_hz);
 
-/// What `seed` changes in a scenario; none if nothing in it is random.
+/// What `seed` changes in a scenario: it is added to the scenario's own seeds, of speckle and of
+/// breath that varies. None if nothing in it is random.
 std::vector<scenario::Override> SeedChanges(const scenario::Scenario& scenario, std::uint64_t seed);
 
 /// Runs a setting. The series is the same bits each time; times are of one thread.

@@ -99,6 +99,8 @@ void AddTissue(const Scenario& s, Table& table) {
   if (s.tissue->image && (s.ultrasound || s.ct_slice)) {
     table.Add("tissue_warp_spacing_mm", "knots at which pictures ask for the tissue's motion", "mm",
               effect + "/warp_spacing_mm", ActsOn::kImage, {16, 8, 4, 2, 1, 0.5});
+    table.Add("tissue_inverse_iterations", "iterations to find where a knot was at rest", "",
+              effect + "/inverse_iterations", ActsOn::kImage, {1, 2, 4, 8, 12, 24});
   }
 }
 
@@ -111,7 +113,7 @@ void AddNeedle(const Scenario& s, Table& table) {
   table
       .Add("needle_nodes", "nodes of the bendable needle", "", effect + "/nodes", ActsOn::kBoth,
            {8, 15, 25, 50, 100})
-      .papers = {{25, "Fortmeier-2016, section 2.4"},
+      .papers = {{25, "Fortmeier-2016, table 1"},
                  {15, "Fortmeier-2016, figure 13"},
                  {50, "Fortmeier-2016, figure 13"}};
   table.Add("needle_path_spacing_mm", "nodes of the path that the bendable needle has cut", "mm",
@@ -131,7 +133,7 @@ void AddForces(const Scenario& s, double recorded_rate_hz, Table& table) {
         .Add("probe_force_model", "law of the force on the probe", "", effect + "/model",
              ActsOn::kForce, {"vidal", "multi_proxy"})
         .papers = {{"vidal", "Vidal-2008, section 3.3.1"},
-                   {"multi_proxy", "Fortmeier-2016, section 2.3"}};
+                   {"multi_proxy", "Fortmeier-2016, palpation"}};
     if (s.probe_force->model == scenario::ProbeForceModelKind::kMultiProxy) {
       table.Add("probe_proxies", "proxies on the face of the probe", "",
                 effect + "/multi_proxy/proxies", ActsOn::kForce, {1, 4, 8, 16, 32, 64});
@@ -155,6 +157,10 @@ void AddBreathing(const Scenario& s, Table& table) {
   if (!s.breathing->image || !(s.ultrasound || s.ct_slice)) return;
   table.Add("breathing_warp_spacing_mm", "knots at which pictures ask for the patient's breath",
             "mm", effect + "/warp_spacing_mm", ActsOn::kImage, {20, 10, 5, 2, 1});
+  table
+      .Add("breathing_inverse_iterations", "iterations to find where a knot was at rest", "",
+           effect + "/inverse_iterations", ActsOn::kImage, {1, 2, 3, 5, 10, 50})
+      .papers = {{5, "Fortmeier-2016, figure 11"}, {50, "Fortmeier-2016, figure 11"}};
 }
 
 void AddBeams(Table& table) {
@@ -176,6 +182,29 @@ void AddBeams(Table& table) {
             effect + "elevation_planes", ActsOn::kImage, {1, 3, 5, 7, 11, 15});
 }
 
+/// Lines and samples of each, which the probe preset has unless the scenario says otherwise.
+void AddLines(const Scenario& s, Table& table) {
+  const ultrasound::Probe probe = ultrasound::ReadProbe(s.probe);
+  const bool is_beams = s.ultrasound->model == scenario::UltrasoundModel::kBeams;
+  const bool is_fan = s.ultrasound->model == scenario::UltrasoundModel::kColumns2010 &&
+                      probe.kind != ultrasound::ProbeKind::kLinear;
+  const auto add = [&table](const char* name, const char* title, const std::string& key,
+                            std::vector<json> levels, int preset, int scenario) {
+    Knob& knob =
+        table.Add(name, title, "", "/effects/ultrasound/" + key, ActsOn::kImage, std::move(levels));
+    knob.default_value = preset;
+    knob.scenario_value = scenario > 0 ? scenario : preset;
+  };
+  if (is_beams || is_fan) {
+    add("image_lines", "scan lines of the image", "scan_lines", {64, 128, 192, 256, 384, 512},
+        probe.scan_lines, s.ultrasound->scan_lines);
+  }
+  if (is_beams) {
+    add("image_samples", "samples of each scan line", "samples_per_line",
+        {256, 512, 1024, 2048, 4096}, probe.samples_per_line, s.ultrasound->samples_per_line);
+  }
+}
+
 void AddUltrasound(const Scenario& s, Table& table) {
   Knob& model =
       table.Add("ultrasound_model", "what makes the B-mode image", "", "/effects/ultrasound/model",
@@ -183,6 +212,7 @@ void AddUltrasound(const Scenario& s, Table& table) {
   model.papers = {{"vidal_2008", "Vidal-2008"},
                   {"alamilla_2021", "Alamilla-2021"},
                   {"columns_2010", "Augmented-2010"}};
+  AddLines(s, table);
   if (s.ultrasound->model == scenario::UltrasoundModel::kBeams) AddBeams(table);
 }
 

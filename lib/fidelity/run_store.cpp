@@ -1,5 +1,10 @@
 #include "fidelity/run_store.h"
 
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+
 #include "config/json_file.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -12,9 +17,17 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* kPlan = "plan.json";
+/// As AtomicFile names what is being written: .partial-PROCESS-NUMBER-NAME
+constexpr std::string_view kPartial = ".partial-";
 
-bool IsEmptyOrAbsent(const fs::path& folder) {
-  return !fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder));
+/// Not there, or nothing in it but what another process that lays it out just now has made.
+bool IsFree(const fs::path& folder) {
+  if (!fs::exists(folder)) return true;
+  if (!fs::is_directory(folder)) return false;
+  return std::ranges::all_of(fs::directory_iterator(folder), [](const fs::directory_entry& entry) {
+    const std::string name = entry.path().filename().string();
+    return name == kPlan || name == "runs" || name == "references" || name.starts_with(kPartial);
+  });
 }
 
 /// "/seconds: 2 there, 5 now": the first place where plans differ.
@@ -38,21 +51,21 @@ std::string FirstDifference(const json& there, const json& now) {
 RunStore::RunStore(fs::path folder, const json& plan, bool overwrite) : folder_(std::move(folder)) {
   const fs::path plan_file = folder_ / kPlan;
   const bool has_plan = fs::is_regular_file(plan_file);
-  ACUS_REQUIRE(has_plan || IsEmptyOrAbsent(folder_), folder_.string(),
+  ACUS_REQUIRE(has_plan || IsFree(folder_), folder_.string(),
                ": exists and is no folder of a sweep (it has no ", kPlan, "); name another one");
   if (has_plan && overwrite) fs::remove_all(folder_);
-  if (has_plan && !overwrite) {
-    const json there = config::ReadJson(plan_file);
-    ACUS_REQUIRE(there == plan, folder_.string(), ": holds the runs of another sweep (",
-                 FirstDifference(there, plan),
-                 "); name another folder, or replace it with --overwrite");
-  }
+  if (!fs::exists(plan_file)) config::WriteJson(plan_file, plan);
+  const json there = config::ReadJson(plan_file);
+  // As it is written: names of files may hold bytes that JSON may not.
+  const json now = json::parse(plan.dump(-1, ' ', false, json::error_handler_t::replace));
+  ACUS_REQUIRE(there == now, folder_.string(), ": holds the runs of another sweep (",
+               FirstDifference(there, now),
+               "); name another folder, or replace it with --overwrite");
   std::error_code failed;
   for (const char* name : {"runs", "references"}) {
     fs::create_directories(folder_ / name, failed);
     ACUS_REQUIRE(!failed, (folder_ / name).string(), ": cannot be made: ", failed.message());
   }
-  if (!fs::exists(plan_file)) config::WriteJson(plan_file, plan);
 }
 
 std::optional<Measured> RunStore::Find(const std::string& case_name) const {
@@ -67,6 +80,20 @@ void RunStore::Keep(const std::string& case_name, const Measured& measured) cons
 
 void RunStore::Forget(const std::string& case_name) const {
   fs::remove(folder_ / "runs" / (case_name + ".json"));
+}
+
+void RunStore::Tidy() const {
+  for (const char* name : {"", "runs", "references"}) {
+    for (const auto& entry : fs::directory_iterator(folder_ / name)) {
+      const std::string file = entry.path().filename().string();
+      int process = 0;
+      if (!file.starts_with(kPartial)) continue;
+      std::from_chars(file.data() + kPartial.size(), file.data() + file.size(), process);
+      std::error_code ignored;
+      const bool alive = process <= 0 || ::kill(process, 0) == 0 || errno != ESRCH;
+      if (!alive) fs::remove_all(entry.path(), ignored);
+    }
+  }
 }
 
 fs::path RunStore::ReferenceFile(const std::string& reference_name) const {

@@ -37,6 +37,10 @@ class RunStore {
   /// Removes a run, if it is there.
   void Forget(const std::string& case_name) const;
 
+  /// Removes what processes of this machine that were killed left half written. To be called when
+  /// all is there: another machine's process might still be writing.
+  void Tidy() const;
+
   /// Where the series of a reference is or will be.
   std::filesystem::path ReferenceFile(const std::string& reference_name) const;
 

@@ -101,6 +101,7 @@ std::string Run(const Options& options, RunContext& context) {
   if (!options.only_case.empty()) return {};
   const SweepResult result = Collect(plan, store);
   WriteResult(options.folder, result, context);
+  store.Tidy();
   std::string text = LeftOutText(plan);
   if (before.done > 0) {
     text += Message("Taken up: ", before.done, " of ", before.planned, " runs were there.\n");

@@ -112,6 +112,7 @@ TissueEffect ReadTissueEffect(const json& object, const fs::path& folder) {
   effect.table = config::FindConfig(object.at("table").get<std::string>(), folder);
   effect.image = object.at("image");
   effect.warp_spacing_mm = object.at("warp_spacing_mm");
+  effect.inverse_iterations = object.at("inverse_iterations");
   const json& springs = object.at("springs");
   effect.path_spacing_mm = springs.at("path_spacing_mm");
   effect.influence_radius_mm = effect.model == TissueModelKind::kSprings
@@ -170,6 +171,7 @@ BreathingEffect ReadBreathingEffect(const json& object, const fs::path& folder) 
   for (const json& hold : object.at("hold")) effect.holds.push_back({hold.at(0), hold.at(1)});
   effect.image = object.at("image");
   effect.warp_spacing_mm = object.at("warp_spacing_mm");
+  effect.inverse_iterations = object.at("inverse_iterations");
   return effect;
 }
 

@@ -66,6 +66,7 @@ struct TissueEffect {
   std::filesystem::path table;  ///< Force table, for models that touch the needle.
   bool image = true;            ///< The images show the deformation.
   double warp_spacing_mm = 0.0;
+  int inverse_iterations = 0;
   double influence_radius_mm = 0.0;  ///< displacement_functions, springs.
   double path_spacing_mm = 0.0;      ///< springs.
   double plane_spacing_mm = 0.0;     ///< fe_2d, as all of the plane's.
@@ -117,6 +118,7 @@ struct BreathingEffect {
 
   bool image = true;  ///< The images show the motion.
   double warp_spacing_mm = 0.0;
+  int inverse_iterations = 0;  ///< Of the images.
 };
 
 struct CtSliceEffect {

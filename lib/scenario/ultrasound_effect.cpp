@@ -20,6 +20,9 @@ UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
   UltrasoundEffect out;
   out.model = kModels.at(model);
   out.needle = effect.at("needle");
+  out.scan_lines = effect.value("scan_lines", 0);
+  out.samples_per_line = effect.value("samples_per_line", 0);
+  out.seed = effect.at("seed");
   // The 2010 level came first: its acoustics lie beside the model.
   const nlohmann::json& settings =
       out.model == UltrasoundModel::kColumns2010 ? effect : effect.at(model);

@@ -1,6 +1,7 @@
 // The ultrasound of a scenario: which level makes the image, and with what settings.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -16,6 +17,9 @@ struct UltrasoundEffect {
   UltrasoundModel model = UltrasoundModel::kColumns2010;
   std::filesystem::path acoustics;  ///< What the level makes of tissue, in its own format.
   bool needle = true;
+  int scan_lines = 0;                       ///< 0: as the probe preset says.
+  int samples_per_line = 0;                 ///< 0: as the probe preset says.
+  std::uint64_t seed = 0;                   ///< Of speckle and noise.
   BeamVolume volume = BeamVolume::kLabels;  ///< beams, as all that follows.
   nlohmann::json beams;                     ///< Its effects, checked against the schema.
 

@@ -52,6 +52,7 @@ BeamSettings ReadBeamSettings(const scenario::UltrasoundEffect& effect,
   const nlohmann::json& json = effect.beams;
   BeamSettings settings;
   settings.options = OptionsFrom(json);
+  settings.options.seed = effect.seed;
   settings.acoustics = ultrasound::ReadTissueAcoustics(effect.acoustics);
   settings.from_ct = effect.ReadsCt();
   settings.from_labels = effect.ReadsLabels();

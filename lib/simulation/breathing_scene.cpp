@@ -53,14 +53,14 @@ Breathing LoadBreathing(const scenario::Scenario& scenario, bool from_session,
       .normalise = effect.normalise,
       .image = effect.image,
       .warp_spacing_mm = effect.warp_spacing_mm,
+      .inverse_iterations = effect.inverse_iterations,
       .from_session = from_session};
 }
 
 Eigen::Vector3d BreathingRest::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
                                           const Eigen::Vector3d& guess_in_ct_mm) const noexcept {
-  // Fortmeier-2016 finds five iterations as good as fifty.
-  constexpr math::InverseSettings kSettings{.max_iterations = 5, .tolerance_mm = 0.02};
-  const Eigen::Vector3d rest_mm = map_.RestOf(place_in_ct_mm, guess_in_ct_mm, kSettings).rest_mm;
+  const math::InverseSettings settings{.max_iterations = iterations_, .tolerance_mm = 0.02};
+  const Eigen::Vector3d rest_mm = map_.RestOf(place_in_ct_mm, guess_in_ct_mm, settings).rest_mm;
   return deformed_ == nullptr ? rest_mm : deformed_->RestInCtMm(rest_mm, rest_mm);
 }
 

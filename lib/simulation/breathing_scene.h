@@ -18,6 +18,7 @@ struct Breathing {
   bool normalise = true;         ///< A recording's own levels stand for normal breath.
   bool image = true;             ///< The images show the motion.
   double warp_spacing_mm = 5.0;  ///< Of the knots at which they ask for it.
+  int inverse_iterations = 5;    ///< To find what was there at rest.
   bool from_session = false;     ///< The session says how the patient breathes; `source` is idle.
 
   /// The breath of `source` in terms of a normal one, as sessions hold it.
@@ -42,6 +43,7 @@ class BreathingRest : public ultrasound::RestMap {
                 const ultrasound::RestMap* deformed)
       : map_(breathing.At(session_s, of_session)),
         spacing_mm_(breathing.warp_spacing_mm),
+        iterations_(breathing.inverse_iterations),
         deformed_(deformed) {}
 
   bool moves() const { return map_.moves(); }
@@ -52,6 +54,7 @@ class BreathingRest : public ultrasound::RestMap {
  private:
   breathing::MotionMap map_;
   double spacing_mm_;
+  int iterations_;
   const ultrasound::RestMap* deformed_;
 };
 

@@ -10,8 +10,8 @@ namespace acus::simulation {
 class DeformedTissue : public ultrasound::RestMap {
  public:
   /// @param model  Must outlive this.
-  DeformedTissue(const tissue::TissueModel& model, double spacing_mm)
-      : field_(model.NewField()), spacing_mm_(spacing_mm) {}
+  DeformedTissue(const tissue::TissueModel& model, double spacing_mm, int iterations)
+      : field_(model.NewField()), spacing_mm_(spacing_mm), iterations_(iterations) {}
 
   /// Takes in the forces on the tissue. Allocates nothing after the first call.
   void Update(const tissue::TissueLoad& load) { field_.Update(load); }
@@ -23,6 +23,7 @@ class DeformedTissue : public ultrasound::RestMap {
  private:
   tissue::TissueField field_;
   double spacing_mm_;
+  int iterations_;
 };
 
 }  // namespace acus::simulation

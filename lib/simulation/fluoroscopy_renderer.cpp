@@ -9,7 +9,7 @@ FluoroscopyRenderer::FluoroscopyRenderer(const Scene& scene, int num_threads)
     : scene_(scene),
       fluoroscope_(*scene.ct, scene.fluoroscopy->c_arm, scene.fluoroscopy->pose, num_threads) {
   if (scene.tools_deform_images) {
-    deformed_.emplace(*scene.tissue, scene.warp_spacing_mm);
+    deformed_.emplace(*scene.tissue, scene.warp_spacing_mm, scene.inverse_iterations);
   }
 }
 

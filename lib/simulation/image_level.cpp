@@ -29,21 +29,27 @@ struct MakeRenderer {
   }
 };
 
+template <typename Options>
+Options Seeded(Options options, std::uint64_t seed) {
+  options.seed = seed;
+  return options;
+}
+
 }  // namespace
 
 ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
                                 const volume::LabelMap* labels) {
   switch (effect.model) {
     case scenario::UltrasoundModel::kVidal2008:
-      return ultrasound::ReadVidalOptions(effect.acoustics);
+      return Seeded(ultrasound::ReadVidalOptions(effect.acoustics), effect.seed);
     case scenario::UltrasoundModel::kAlamilla2021:
-      return ultrasound::ReadAlamillaOptions(effect.acoustics);
+      return Seeded(ultrasound::ReadAlamillaOptions(effect.acoustics), effect.seed);
     case scenario::UltrasoundModel::kBeams:
       return ReadBeamSettings(effect, labels);
     case scenario::UltrasoundModel::kColumns2010:
       break;
   }
-  return ultrasound::ReadBModeOptions(effect.acoustics);
+  return Seeded(ultrasound::ReadBModeOptions(effect.acoustics), effect.seed);
 }
 
 ImageLevel::ImageLevel(const ImagePatient& patient, const ultrasound::Probe& probe,

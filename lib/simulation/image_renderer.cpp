@@ -30,7 +30,7 @@ ImageRenderer::ImageRenderer(const Scene& scene, const ultrasound::Probe* probe,
   const bool has_ct_slice = pictures == Pictures::kAll && scene.plan.Has(StageId::kCtSlice);
   if (!has_b_mode && !has_ct_slice) return;
   if (scene.tools_deform_images) {
-    deformed_.emplace(*scene.tissue, scene.warp_spacing_mm);
+    deformed_.emplace(*scene.tissue, scene.warp_spacing_mm, scene.inverse_iterations);
   }
   if (has_ct_slice) {
     ct_slice_.emplace(*scene.ct, ultrasound::PictureOf(*probe), probe->slice_thickness_mm,

@@ -95,6 +95,12 @@ void LoadSurfaces(const scenario::Scenario& scenario, const EffectPlan& plan, Sc
   for (const auto& surface : list.surfaces) context.provenance.AddInput(surface.file);
 }
 
+/// What a scenario says of the lines goes before what the preset says.
+void SetLines(const scenario::UltrasoundEffect& effect, ultrasound::Probe& probe) {
+  if (effect.scan_lines > 0) probe.scan_lines = effect.scan_lines;
+  if (effect.samples_per_line > 0) probe.samples_per_line = effect.samples_per_line;
+}
+
 /// @pre the CT is there.
 void LoadFluoroscopy(const scenario::Scenario& scenario, Scene& scene, RunContext& context) {
   const scenario::FluoroscopyEffect& effect = *scenario.fluoroscopy;
@@ -152,6 +158,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   if (plan.Has(StageId::kNeedleShape)) LoadShape(scenario, scene, context);
   if (plan.Needs("probe preset")) {
     scene.probe = ultrasound::ReadProbe(scenario.probe);
+    if (scenario.ultrasound) SetLines(*scenario.ultrasound, *scene.probe);
     context.provenance.AddInput(scenario.probe);
   }
   if (plan.Has(StageId::kProbeForce)) {
@@ -174,6 +181,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
                                .shows_deformation = scene.tools_deform_images},
                               context);
     scene.warp_spacing_mm = scenario.tissue->warp_spacing_mm;
+    scene.inverse_iterations = scenario.tissue->inverse_iterations;
   }
   return scene;
 }

@@ -40,6 +40,7 @@ struct Scene {
   bool force_from_tissue = false;    ///< What is felt is what the deformed tissue does.
   bool tools_deform_images = false;  ///< Images show what tools do to the tissue.
   double warp_spacing_mm = 0.0;
+  int inverse_iterations = 12;  ///< ... at whose knots it is looked for what was there at rest.
 
   std::optional<Breathing> breathing;              ///< If the plan has breathing.
   std::shared_ptr<const volume::CtVolume> ct;      ///< If the plan reads "ct".

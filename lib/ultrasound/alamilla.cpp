@@ -63,7 +63,7 @@ void AlamillaRenderer::FillTissues() {
     fibrous[label] = options_.fibres && found->texture != TissueTexture::kSpeckle;
   }
   if (options_.speckle) {
-    noise_tile_ = NoiseTile::Perlin(kVoxelsPerGrain, 1, "speckle");
+    noise_tile_ = NoiseTile::Perlin(kVoxelsPerGrain, 1, "speckle", options_.seed);
     if (fibrous.any()) fibres_.emplace(labels_, fibrous);
   }
   const Eigen::Affine3d ct_from_index = labels_.geometry.ct_from_index();

@@ -1,6 +1,7 @@
 // What Alamilla's image makes of each tissue.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -34,6 +35,7 @@ struct AlamillaOptions {
   bool shadow = true;
   bool absorption = true;
   bool speckle = true;
+  std::uint64_t seed = 0;          ///< Of the speckle.
   bool fibres = true;              ///< Off: fibrous tissues have round grains.
   double surface_mm = 0.0;         ///< Thickness of a reflection's line.
   double shadow_share = 0.0;       ///< Left of the grey behind bone and gas.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <map>
 #include <string>
 
@@ -20,6 +21,7 @@ struct BeamOptions {
   bool shadow = true;       ///< Bone and gas let through `strong_transmission_db` only.
   bool comet_tail = true;   ///< Ring-down behind gas, and reverberation within the needle.
   bool speckle = true;
+  std::uint64_t seed = 0;     ///< Of the speckle.
   bool fibre_texture = true;  ///< Speckle is longer along fibres, where their direction is known.
   bool point_spread = true;
   bool needle_shadow = true;

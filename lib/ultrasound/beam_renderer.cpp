@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/random.h"
 #include "ultrasound/beam_display.h"
 #include "ultrasound/beam_filter.h"
 #include "ultrasound/beam_materials.h"
@@ -97,10 +98,17 @@ const BeamOptions& Checked(const BeamOptions& options) {
 
 /// The lattice of the speckle is turned against all axes of the volume, so that no row of samples
 /// runs along its points, and sheared so that its tetrahedra are as long in all directions (the
-/// body-centred lattice of simplex noise).
-Eigen::Matrix3d LatticeFromIndex(const volume::Geometry& geometry, double grain_mm) {
-  const Eigen::Matrix3d turn =
+/// body-centred lattice of simplex noise). Another seed turns it otherwise: other scatterers, at no
+/// cost per sample.
+Eigen::Matrix3d LatticeFromIndex(const volume::Geometry& geometry, double grain_mm,
+                                 std::uint64_t seed) {
+  Eigen::Matrix3d turn =
       Eigen::AngleAxisd(0.9273, Eigen::Vector3d(0.36, 0.48, 0.8)).toRotationMatrix();
+  if (seed != 0) {
+    RandomStream random(seed, "lattice of the speckle");
+    const Eigen::Vector3d axis(random.Normal(), random.Normal(), random.Normal());
+    turn = Eigen::AngleAxisd(random.Uniform(0.3, 2.8), axis.normalized()) * turn;
+  }
   const Eigen::Matrix3d shear = Eigen::Matrix3d::Identity() + Eigen::Matrix3d::Constant(1.0 / 3.0);
   return shear * turn * geometry.direction * geometry.spacing_mm.matrix().asDiagonal() / grain_mm;
 }
@@ -120,7 +128,7 @@ struct BeamRenderer::State {
         grid(BeamGridOf(probe)),
         materials(tissue, options, probe, grid.step_mm),
         filter(probe, options, grid),
-        lattice_from_index(LatticeFromIndex(geometry(), filter.grain_mm())),
+        lattice_from_index(LatticeFromIndex(geometry(), filter.grain_mm(), options.seed)),
         tracer(tissue, options, materials, filter, grid, lattice_from_index),
         needle(probe, options, grid),
         display(probe, grid) {

@@ -1,6 +1,7 @@
 // What B-mode does with Hounsfield units: acoustic tables by HU, and which stages take part.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -38,6 +39,7 @@ struct BModeOptions {
   std::vector<HuKnot> attenuation_db_per_cm_mhz;  ///< One way, by HU.
 
   bool texture = false;
+  std::uint64_t seed = 0;              ///< Of the texture.
   std::vector<HuKnot> backscatter_db;  ///< Share per mm of tissue, by HU.
   double texture_grain_mm = 0.4;
 

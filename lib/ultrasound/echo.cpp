@@ -97,17 +97,18 @@ EchoTracer::EchoTracer(const ScanGrid& grid, double frequency_mhz, const BModeOp
   }
   if (options.texture) {
     scatter_ = CurveOf(FromDecibel(options.backscatter_db, grid.step_mm));
-    MakeTile(options.texture_grain_mm, ct_geometry);
+    MakeTile(options.texture_grain_mm, ct_geometry, options.seed);
   }
 }
 
-void EchoTracer::MakeTile(double grain_mm, const volume::Geometry& ct_geometry) {
+void EchoTracer::MakeTile(double grain_mm, const volume::Geometry& ct_geometry,
+                          std::uint64_t seed) {
   ACUS_REQUIRE(grain_mm > 0.0, "texture_grain_mm: is ", grain_mm, "; it must be above 0");
   // Fully developed speckle: the intensity of a complex normal field is exponentially distributed.
   constexpr int kLog2Size = 7;
   constexpr float kUnit = 1.0F / 64.0F;  // Amplitudes to 4 times the root mean square fit a byte.
   tile_data_.resize((std::size_t{1} << (3 * kLog2Size)) + 4);
-  RandomStream random(0, "speckle tile");
+  RandomStream random(seed, "speckle tile");
   for (std::uint8_t& byte : tile_data_) {
     const double amplitude = std::sqrt(-std::log(1.0 - random.Uniform()));
     byte = static_cast<std::uint8_t>(std::min(255.0, std::round(amplitude / kUnit)));

@@ -36,7 +36,7 @@ class EchoTracer {
 
  private:
   struct Piece;
-  void MakeTile(double grain_mm, const volume::Geometry& ct_geometry);
+  void MakeTile(double grain_mm, const volume::Geometry& ct_geometry, std::uint64_t seed);
   void StartEnergy(const BeamImage& hu);
   void TracePiece(const BeamLines& lines, const BeamBend& bend, const BeamImage& hu,
                   BeamImage& echo, int first_lane, int lanes);

@@ -86,9 +86,9 @@ namespace {
 /// fades. Within [-1, 1], 0 at the lattice points.
 class GradientNoise {
  public:
-  GradientNoise(int cells, std::string_view name, std::uint64_t octave)
+  GradientNoise(int cells, std::string_view name, std::uint64_t octave, std::uint64_t seed)
       : cells_(cells), gradient_(static_cast<std::size_t>(cells) * cells * cells) {
-    RandomStream random(0, name, octave);
+    RandomStream random(seed, name, octave);
     for (std::uint8_t& g : gradient_) g = static_cast<std::uint8_t>(random.Next() % 12);
   }
 
@@ -130,9 +130,9 @@ class GradientNoise {
 
 }  // namespace
 
-NoiseTile NoiseTile::White(std::string_view name) {
+NoiseTile NoiseTile::White(std::string_view name, std::uint64_t seed) {
   NoiseTile tile;
-  RandomStream random(0, name);
+  RandomStream random(seed, name);
   for (int row = 0; row < kSize * kSize; ++row) {
     for (int i = 0; i < kSize; ++i) {
       tile.bytes_[static_cast<std::size_t>(row * kRow + i)] =
@@ -143,7 +143,8 @@ NoiseTile NoiseTile::White(std::string_view name) {
   return tile;
 }
 
-NoiseTile NoiseTile::Perlin(int voxels_per_cell, int octaves, std::string_view name) {
+NoiseTile NoiseTile::Perlin(int voxels_per_cell, int octaves, std::string_view name,
+                            std::uint64_t seed) {
   ACUS_REQUIRE(
       octaves >= 1 && voxels_per_cell >= 2 << (octaves - 1) && kSize % voxels_per_cell == 0,
       "gradient noise: ", octaves, " octaves in cells of ", voxels_per_cell,
@@ -151,7 +152,7 @@ NoiseTile NoiseTile::Perlin(int voxels_per_cell, int octaves, std::string_view n
   std::vector<GradientNoise> noises;
   double amplitude_sum = 0.0;
   for (int o = 0; o < octaves; ++o) {
-    noises.emplace_back((kSize / voxels_per_cell) << o, name, static_cast<std::uint64_t>(o));
+    noises.emplace_back((kSize / voxels_per_cell) << o, name, static_cast<std::uint64_t>(o), seed);
     amplitude_sum += std::ldexp(1.0, -o);
   }
   NoiseTile tile;

@@ -17,12 +17,13 @@ class NoiseTile {
   static constexpr int kSize = 1 << kLog2Size;
 
   /// Every voxel drawn by itself, uniformly: Vidal's stack of noisy slices.
-  static NoiseTile White(std::string_view name);
+  static NoiseTile White(std::string_view name, std::uint64_t seed = 0);
 
   /// Gradient noise on lattices of kSize / `voxels_per_cell` cells a side and, for each further
   /// octave, twice that many at half the amplitude. 0.5 is its mean.
   /// @throws InputError if the finest lattice would have less than two voxels per cell.
-  static NoiseTile Perlin(int voxels_per_cell, int octaves, std::string_view name);
+  static NoiseTile Perlin(int voxels_per_cell, int octaves, std::string_view name,
+                          std::uint64_t seed = 0);
 
   /// out[l] = noise at the voxel index of each lane (of the CT) times tile_per_index.
   void Row(const kernels::Lines& lines, float sample, const float tile_per_index[3], int lanes,

@@ -42,7 +42,7 @@ VidalRenderer::VidalRenderer(const volume::CtVolume& ct, const Probe& probe,
   Check(options);
   surface_samples_ = static_cast<int>(std::lround(options.surface_mm / grid_.step_mm));
   if (options.noise) {
-    noise_ = NoiseTile::White("noise volume");
+    noise_ = NoiseTile::White("noise volume", options.seed);
     for (int a = 0; a < 3; ++a) {
       tile_per_index_[a] = static_cast<float>(ct.geometry.spacing_mm[a] / options.noise_grain_mm);
     }

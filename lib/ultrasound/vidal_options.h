@@ -1,6 +1,7 @@
 // What Vidal's image does with Hounsfield units.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@ struct VidalOptions {
   double needle_share = 1.0;  ///< The same behind the needle, which is thinner than the slice.
 
   bool noise = true;
+  std::uint64_t seed = 0;  ///< Of the noise.
   double noise_grain_mm = 0.0;
   double noise_contrast = 0.0;  ///< 0: none; 1: from black to the table's grey.
 

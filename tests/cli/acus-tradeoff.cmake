@@ -78,6 +78,10 @@ acus_add_cli_case(acus-tradeoff.scene_case_by_case EXIT 0 NEEDS inputs TIMEOUT 1
 $ACUS_BIN/acus-tradeoff ${scene_text} --seconds 3 --knob step_rate_hz=500,2000 --repetitions 1 -o t --case step_rate_hz-500-r0"
   STDOUT "^case step_rate_hz-500-r0 after step_rate_hz-2000-r0 .there." "^case step_rate_hz-2000-r0 .there."
   COMMAND acus-tradeoff ${scene} --seconds 3 --knob step_rate_hz=500,2000 --repetitions 1 -o t --list)
+# Killed in the middle, it goes on: the same errors as in one go.
+acus_add_cli_case(acus-tradeoff.scene_killed EXIT 0 NEEDS inputs TIMEOUT 300 STDOUT "^Taken up"
+  COMMAND ${ACUS_BASH} ${CMAKE_CURRENT_LIST_DIR}/kill_sweep.sh ${subject} --images 3
+          --knob step_rate_hz=500,2000 --knob ultrasound_model=columns_2010,beams --repetitions 2)
 find_program(ACUS_SNAKEMAKE snakemake)
 if(ACUS_SNAKEMAKE)
   # Several at a time, by Snakemake: the same errors as one after the other.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -71,6 +72,18 @@ TEST_F(RunStoreTest, AFolderOfSomethingElseIsNeverTouched) {
                 ThrowsMessage<InputError>(HasSubstr("no folder of a sweep")));
   }
   EXPECT_EQ(ReadTextFile(folder_ / "notes.txt"), "mine");
+}
+
+TEST_F(RunStoreTest, WhatTheKilledLeftIsTidiedAndWhatTheLivingWriteStays) {
+  const RunStore store(folder_, plan_, false);
+  // No process has a number as large as this.
+  const fs::path dead = folder_ / "runs/.partial-2147483646-0-a.json";
+  const fs::path living = folder_ / Message("runs/.partial-", getpid(), "-0-b.json");
+  WriteTextFile(dead, "half");
+  WriteTextFile(living, "half");
+  store.Tidy();
+  EXPECT_FALSE(fs::exists(dead));
+  EXPECT_TRUE(fs::exists(living));
 }
 
 // A run is there as it was written, or it is not there.

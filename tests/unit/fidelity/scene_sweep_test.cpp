@@ -102,6 +102,42 @@ TEST_F(SceneSweep, KnobsOfThePictureChangeThePictureAlone) {
   EXPECT_EQ(result.runs.front().images, 2);
 }
 
+TEST_F(SceneSweep, LinesSamplesAndInversionsReachThePicture) {
+  Make(R"({"needle_force": {}, "tissue": {"model": "displacement_functions"},
+           "ultrasound": {"model": "beams", "beams": {"speckle": false}}})");
+  request_.knobs = {"image_lines=64,256", "image_samples=256,1024", "tissue_warp_spacing_mm=8,1",
+                    "tissue_inverse_iterations=1,12"};
+  const SweepResult result = Sweep("a");
+  for (const Measured& run : result.runs) {
+    EXPECT_EQ(run.image_rms_grey == 0.0, run.is_reference) << TextOf(run.setting);
+  }
+  // The defaults are those of the preset: naming them changes nothing.
+  const auto knobs = KnobsOf(scenario::ReadScenario(folder_ / "scene.json", {}), 0.0);
+  const Knob& lines = KnobNamed(knobs, "image_lines");
+  const auto plain = RunSetting(Plan(), {}, 0, context_);
+  const auto named = RunSetting(Plan(), {{"image_lines", lines.default_value}}, 0, context_);
+  EXPECT_EQ(plain.series.pixels, named.series.pixels);
+}
+
+// What is random in a scene is another in each repetition, and the same in all settings.
+TEST_F(SceneSweep, RepetitionsDrawAnewAndPairTheirSeeds) {
+  Make(R"({"ultrasound": {"model": "beams"}})");
+  request_.knobs = {"elevation_planes=1,3", "point_spread=off,on"};
+  request_.repetitions = 2;
+  const SweepPlan plan = Plan();
+  const auto first = RunSetting(plan, {}, 0, context_);
+  EXPECT_NE(first.series.pixels, RunSetting(plan, {}, 1, context_).series.pixels);
+  EXPECT_EQ(first.series.pixels, RunSetting(plan, {}, 0, context_).series.pixels);
+  const SweepResult result = Sweep("a");
+  const auto& coarse = Of(result, {{"elevation_planes", 1}});
+  EXPECT_GT(coarse.image_rms_grey.half_width, 0.0);
+  // Each repetition has a reference of its own.
+  EXPECT_EQ(Of(result, {{"elevation_planes", 3}}).image_rms_grey.mean, 0.0);
+  for (const Measured& run : result.runs) {
+    EXPECT_EQ(run.seed, static_cast<std::uint64_t>(run.repetition));
+  }
+}
+
 TEST_F(SceneSweep, TakenUpAgainTheErrorsAreTheSame) {
   Make(kBendableEffects);
   request_.knobs = {"needle_nodes=8,15,50", "needle_path_spacing_mm=4,1"};

@@ -184,6 +184,28 @@ TEST_F(ScenarioFile, ReadsTheTissueEffectWithTheSettingsOfItsModel) {
   EXPECT_EQ(springs.tissue->influence_radius_mm, 7.0);
 }
 
+TEST_F(ScenarioFile, FidelityOfImagesHasItsDefaultsAndItsBounds) {
+  fs::create_directory(folder_ / "mesh");
+  const auto with = [this](const char* change) {
+    return Read(kTissueText,
+                {ParseOverride("/effects/ultrasound/model=beams"), ParseOverride(change)});
+  };
+  const Scenario s = with("/effects/ultrasound/seed=7");
+  EXPECT_EQ(s.tissue->inverse_iterations, 12);
+  EXPECT_EQ(s.ultrasound->scan_lines, 0);  // As the probe preset says.
+  EXPECT_EQ(s.ultrasound->samples_per_line, 0);
+  EXPECT_EQ(s.ultrasound->seed, 7U);
+  EXPECT_EQ(with("/effects/ultrasound/scan_lines=16").ultrasound->scan_lines, 16);
+  EXPECT_EQ(with("/effects/ultrasound/samples_per_line=64").ultrasound->samples_per_line, 64);
+  for (const char* bad :
+       {"/effects/ultrasound/scan_lines=15", "/effects/ultrasound/scan_lines=4097",
+        "/effects/ultrasound/samples_per_line=63", "/effects/ultrasound/samples_per_line=8193",
+        "/effects/ultrasound/seed=-1", "/effects/tissue/inverse_iterations=0",
+        "/effects/tissue/inverse_iterations=101"}) {
+    EXPECT_THROW(with(bad), InputError) << bad;
+  }
+}
+
 TEST_F(ScenarioFile, RefusesEffectsThatLeanOnOneThatIsNotThere) {
   fs::create_directory(folder_ / "mesh");
   EXPECT_THAT([&] { Read(kTissueText, {ParseOverride("/effects/tissue=null")}); },
