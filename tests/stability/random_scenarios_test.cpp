@@ -35,7 +35,7 @@ class RandomScenarios : public testing::Test {
         simulation::PlanEffects(scenario,
                                 {.needle_poses = true, .probe_poses = true, .breath = false}),
         context);
-    ScenarioTrial(std::move(scene), *trace_, also_).Run(seed);
+    ScenarioTrial(std::move(scene), scenario, *trace_, also_).Run(seed);
   }
 
   Outcome TryInChild(const json& document, std::uint64_t seed) {
@@ -53,6 +53,7 @@ class RandomScenarios : public testing::Test {
       force_share_.Add(trace_->largest_force_share);
       generated_mj_.Add(trace_->generated_mj);
       loop_mj_.Add(trace_->loop_mj);
+      strained_mj_.Add(trace_->strained_mj);
     }
     if (outcome.end == End::kRefused) {
       ++num_refused_;
@@ -81,6 +82,7 @@ class RandomScenarios : public testing::Test {
                 AtMost(ScenarioTrial::kEnergyLimitMj), "mJ");
     hard.Expect("energy given to a device and a hand in 3 s", loop_mj_,
                 AtMost(ScenarioTrial::kLoopLimitMj), "mJ");
+    hard.Note("energy given in held breath, strained tissue: most", Message(strained_mj_, " mJ"));
     hard.Note("scenarios run", std::to_string(num_run_));
     hard.Note("of these refused, as effects do not go together", std::to_string(num_refused_));
   }
@@ -102,6 +104,7 @@ class RandomScenarios : public testing::Test {
   Largest force_share_;
   Largest generated_mj_;
   Largest loop_mj_;
+  Largest strained_mj_;
 };
 
 TEST_F(RandomScenarios, AreSound) {
