@@ -24,6 +24,7 @@ class RandomScenarios : public testing::Test {
   void SetUp() override {
     fs::create_directories(folder_);
     WriteRandomPatient(folder_);
+    if (std::getenv("ACUS_STABILITY_FAILURES") == nullptr) fs::remove_all(failures_);
   }
 
   /// Loads the scenario at `file` as acus-replay does and tries it.
@@ -65,7 +66,10 @@ class RandomScenarios : public testing::Test {
       return TryInChild(smaller, seed).end == outcome.end;
     });
     const Outcome again = TryInChild(small, seed);
-    const fs::path kept = failures_ / std::to_string(++num_failed_);
+    ++num_failed_;
+    int number = 1;  // Those of earlier tests stay.
+    while (fs::exists(failures_ / std::to_string(number))) ++number;
+    const fs::path kept = failures_ / std::to_string(number);
     fs::remove(folder_ / "drawn.json");
     KeepFailure(kept, {.scenario = small, .what = again.what, .seed = seed}, *trace_, folder_);
     if (expects_failures_) return outcome.end;
