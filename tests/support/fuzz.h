@@ -6,11 +6,13 @@
 #include <filesystem>
 #include <functional>
 #include <gtest/gtest.h>
+#include <source_location>
 #include <string>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "support/bound.h"
 
 namespace acus::testing_support {
 
@@ -18,8 +20,11 @@ namespace acus::testing_support {
 /// off, bits flipped, bytes replaced, a piece removed or doubled. Anything thrown but InputError
 /// fails the test. @returns how many of the copies were refused.
 inline int ReadDamagedCopies(const std::string& valid, const std::filesystem::path& path, int count,
-                             const std::function<void()>& read) {
+                             const std::function<void()>& read,
+                             std::source_location where = std::source_location::current()) {
+  const HardCase hard("A file that was cut off, or whose bits, bytes or pieces are others.", where);
   int refused = 0;
+  int neither = 0;
   for (int i = 0; i < count; ++i) {
     RandomStream random(/*seed=*/17, "damage", static_cast<std::uint64_t>(i));
     const auto place = [&] {
@@ -57,9 +62,13 @@ inline int ReadDamagedCopies(const std::string& valid, const std::filesystem::pa
     } catch (const InputError&) {
       ++refused;
     } catch (const std::exception& error) {
+      ++neither;
       ADD_FAILURE() << "damaged copy " << i << ": not an InputError: " << error.what();
     }
   }
+  hard.Expect(Message("copies neither read nor refused, of ", count, " damaged ",
+                      path.extension().string(), " files"),
+              neither, Exactly(0));
   return refused;
 }
 
