@@ -122,7 +122,7 @@ TEST(LongSession, NothingDriftsGrowsOrSlowsDown) {
     Session session = RunFor(BreathingScene(force), num_strokes);
     EXPECT_GT(session.force_n, 0.5) << name;
     hard.Expect("largest force" + of, session.force_n, AtMost(30.0), "N");
-    hard.Expect("drift of the force at equal poses" + of, session.drift_n, Below(1e-3), "N");
+    hard.Expect("drift of the force at equal poses" + of, session.drift_n, Below(1e-9), "N");
     hard.Expect("memory taken from the third stroke on" + of, session.grown_bytes, AtMost(0.0),
                 "bytes");
     const auto& us = session.stroke_us;

@@ -91,22 +91,52 @@ report::Plot PlotOf(const json& record) {
   return plot;
 }
 
+/// Puts a record into a list; in the place of the one with the same key, if there is one.
+template <typename Entry>
+class Latest {
+ public:
+  explicit Latest(std::vector<Entry>& entries) : entries_(entries) {}
+
+  /// Null if it is the first of its key.
+  Entry* Find(const std::string& key) {
+    const auto found = at_.find(key);
+    return found == at_.end() ? nullptr : &entries_[found->second];
+  }
+  void Put(const std::string& key, Entry entry) {
+    if (Entry* old = Find(key)) {
+      *old = std::move(entry);
+      return;
+    }
+    at_.emplace(key, entries_.size());
+    entries_.push_back(std::move(entry));
+  }
+
+ private:
+  std::vector<Entry>& entries_;
+  std::map<std::string, std::size_t> at_;
+};
+
+/// What is stated more than once (in a loop, in a longer run): the last; of values one that fails.
 void ReadBounds(const fs::path& file, StabilityRun& run) {
-  std::map<std::string, std::size_t> at;
+  Latest values(run.values);
+  Latest plots(run.plots);
+  Latest notes(run.notes);
   ForEachLine(file, [&](const json& record) {
     const std::string kind = record.at("kind");
-    if (kind == "plot") run.plots.push_back({OriginOf(record), PlotOf(record)});
-    if (kind == "note")
-      run.notes.push_back({OriginOf(record), record.at("name"), record.at("value")});
-    if (kind != "bound") return;
-    BoundedValue value = ValueOf(record);
-    // Stated more than once (in a loop, in a run again): one that fails stays, else the last.
-    const std::string key = value.origin.suite + "." + value.origin.test + "\n" + value.quantity;
-    const auto [found, is_new] = at.emplace(key, run.values.size());
-    if (is_new) {
-      run.values.push_back(std::move(value));
-    } else if (run.values[found->second].holds) {
-      run.values[found->second] = std::move(value);
+    const Origin origin = OriginOf(record);
+    const std::string test = origin.suite + "." + origin.test + "\n";
+    if (kind == "plot") {
+      report::Plot plot = PlotOf(record);
+      const std::string key = test + plot.title;
+      plots.Put(key, {origin, std::move(plot)});
+    } else if (kind == "note") {
+      const Note note{origin, record.at("name"), record.at("value")};
+      notes.Put(test + note.name, note);
+    } else if (kind == "bound") {
+      const BoundedValue value = ValueOf(record);
+      const std::string key = test + value.quantity;
+      const BoundedValue* old = values.Find(key);
+      if (old == nullptr || old->holds) values.Put(key, value);
     }
   });
 }
