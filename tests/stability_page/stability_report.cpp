@@ -201,7 +201,7 @@ std::string Machine() {
   utsname system{};
   uname(&system);
   return Message(cpu, ", ", std::thread::hardware_concurrency(), " cores, ",
-                 std::lround(memory_kb / 1048576.0), " GB, ", system.sysname, " ", system.release);
+                 std::lround(memory_kb / 1048576.0), " GB, ", system.sysname);
 }
 
 std::string StabilityPage(const StabilityRun& run, const Provenance& provenance) {

@@ -10,7 +10,7 @@
 
 namespace acus::stability_page {
 
-/// "AMD EPYC 7B13, 2 cores, 8 GB, Linux 6.1", as far as the system tells.
+/// "AMD EPYC 7B13, 2 cores, 8 GB, Linux", as far as the system tells.
 std::string Machine();
 
 /// Self-contained page: what fails first, then module by module, with plots.
