@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace acus {
 
@@ -12,5 +13,8 @@ std::string_view Trimmed(std::string_view text);
 
 /// "a, b, c"
 std::string Joined(std::span<const std::string> words, std::string_view separator = ", ");
+
+/// The lines of a text, without their ends.
+std::vector<std::string> LinesOf(std::string_view text);
 
 }  // namespace acus

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "fidelity/soundness.h"
 #include "math/statistics.h"
+#include "replay/cost_check.h"
 #include "replay/image_log.h"
 #include "replay/step_log.h"
 #include "session/session_import.h"
@@ -33,16 +34,6 @@ void CutAfter(session::PoseStream& stream, std::int64_t last_ns) {
   const auto end =
       std::ranges::upper_bound(stream, last_ns, {}, [](const auto& s) { return s.time_ns; });
   stream.erase(end, stream.end());
-}
-
-/// What reading the clock twice costs, s: it is in the time of every step.
-double ClockCostS() {
-  std::vector<double> costs(501);
-  for (double& cost : costs) {
-    const double begin_s = ThreadCpuSeconds();
-    cost = ThreadCpuSeconds() - begin_s;
-  }
-  return math::Median(costs);
 }
 
 /// The part of a session that is looked at.
@@ -96,7 +87,7 @@ void TakeForces(const replay::StepLog& log, const Window& window, std::int64_t s
 
 void TakeStepTimes(const replay::StepLog& log, const std::vector<double>& cpu_s,
                    const Window& window, Measured& out) {
-  const double clock_s = ClockCostS();
+  const double clock_s = replay::CpuClockCostSeconds();
   std::vector<double> times_us;
   for (std::size_t i = 0; i < log.steps.size(); ++i) {
     if (!window.Holds(log.steps[i].time_ns)) continue;

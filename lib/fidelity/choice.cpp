@@ -47,6 +47,13 @@ class Search {
   }
 
   Choice Run() {
+    AsGiven();
+    if (settings_.keep_given && Meets(choice_.measured[0].measured, goal_)) {
+      choice_.measured[0].predicted = choice_.measured[0].measured;
+      choice_.num_one_at_a_time = 1;
+      choice_.chosen = 0;
+      return std::move(choice_);
+    }
     OneAtATime();
     choice_.num_one_at_a_time = static_cast<int>(choice_.measured.size());
     PrepareFronts();
@@ -70,7 +77,7 @@ class Search {
   }
 
  private:
-  void OneAtATime() {
+  void AsGiven() {
     const Outcome given = measure_(given_);
     for (int part = 0; part < kNumParts; ++part) {
       ACUS_REQUIRE(!LimitOf(goal_, part) || !std::isnan(PartOf(given, part).cost), "the goal ",
@@ -80,6 +87,9 @@ class Search {
     }
     model_.AddGiven(given);
     Keep(given_, given);
+  }
+
+  void OneAtATime() {
     for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
       if (!IsTurned(knobs_[knob])) continue;
       for (int level = 0; level < knobs_[knob].num_levels; ++level) {
@@ -143,14 +153,15 @@ class Search {
     return score;
   }
 
-  /// A cost that is less by no more than the noise is not less.
+  /// A cost that is less by no more than the noise is not less. Of settings that fit a budget and
+  /// are as accurate, none is better: less time was not asked for, and knobs are not turned for it.
   bool IsBetter(const Score& a, const Score& b) const {
-    if (a.miss != b.miss) return a.miss < b.miss;
+    const double worth_miss = a.miss > 0.0 && b.miss > 0.0 ? std::log1p(settings_.noise) : 0.0;
+    if (std::abs(a.miss - b.miss) > worth_miss) return a.miss < b.miss;
     const bool budget = goal_.kind == GoalKind::kBudget;
     const double worth_merit = budget ? 0.0 : settings_.noise * std::abs(b.merit);
-    const double worth_tie = budget ? settings_.noise * std::abs(b.tie) : 0.0;
     if (std::abs(a.merit - b.merit) > worth_merit) return a.merit < b.merit;
-    return a.tie < b.tie - worth_tie;
+    return !budget && a.tie < b.tie;
   }
 
   std::size_t BestMeasured() const {

@@ -51,7 +51,9 @@ struct ChoiceSettings {
   int most_joint = 24;  ///< At most so many settings are measured after the one-at-a-time ones.
   /// A knob whose cost differs from the given setting's by less than this share of it costs the
   /// same: times are noisy, and a knob should not be turned for noise.
-  double noise = 0.02;
+  double noise = 0.05;
+  /// If the given setting meets the goal, it is chosen, and no other one is measured.
+  bool keep_given = false;
 };
 
 struct Choice {

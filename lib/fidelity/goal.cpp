@@ -121,6 +121,14 @@ Goal ParseAccuracy(const std::string& text) {
   return Parse(AccuracyGrammar(), GoalKind::kAccuracy, text);
 }
 
+double ParseForceAccuracyN(const std::string& text) {
+  const Goal goal = ParseAccuracy(text);
+  ACUS_REQUIRE(goal.force && !goal.image, "--accuracy ", text,
+               ": the sweep of one model tells errors of forces only; allowed: force=NUMBER with "
+               "the unit N or mN, such as --accuracy force=0.05N");
+  return *goal.force;
+}
+
 Goal LiveBudget(double force_rate_hz, double image_rate_hz) {
   ACUS_ASSERT(force_rate_hz > 0.0 && image_rate_hz > 0.0);
   return {.kind = GoalKind::kBudget, .force = 1e6 / force_rate_hz, .image = 1e3 / image_rate_hz};

@@ -30,6 +30,9 @@ Goal ParseBudget(const std::string& text);
 /// @throws InputError that says what is wrong and what is allowed.
 Goal ParseAccuracy(const std::string& text);
 
+/// "force=0.05N" alone, N. @throws InputError as ParseAccuracy, and if it names the image.
+double ParseForceAccuracyN(const std::string& text);
+
 /// What a live session needs: a force step at `force_rate_hz`, an image at `image_rate_hz`.
 /// @pre both > 0.
 Goal LiveBudget(double force_rate_hz, double image_rate_hz);

@@ -112,7 +112,7 @@ std::string WithInterval(const Estimate& estimate) {
   return text;
 }
 
-std::string TableOf(const std::vector<const SettingResult*>& settings) {
+KnobTable TableOf(const std::vector<const SettingResult*>& settings) {
   constexpr Column kShown[] = {
       {"step us", &SettingResult::step_us_median},   {"p99.9", &SettingResult::step_us_p999},
       {"image ms", &SettingResult::image_ms_median}, {"p95", &SettingResult::image_ms_p95},
@@ -135,7 +135,7 @@ std::string TableOf(const std::vector<const SettingResult*>& settings) {
     row.push_back(Marks(*setting));
     rows.push_back(std::move(row));
   }
-  return TextTable(header, rows);
+  return {settings.front()->knob, std::move(header), std::move(rows)};
 }
 
 /// Settings by knob, in their order.
@@ -232,9 +232,17 @@ json ToJson(const SweepResult& result) {
           {"runs", runs}};
 }
 
+std::vector<KnobTable> TablesOf(const SweepResult& result) {
+  std::vector<KnobTable> tables;
+  for (const auto& settings : ByKnob(result)) tables.push_back(TableOf(settings));
+  return tables;
+}
+
 std::string TableText(const SweepResult& result) {
   std::string text;
-  for (const auto& settings : ByKnob(result)) text += TableOf(settings) + "\n";
+  for (const KnobTable& table : TablesOf(result)) {
+    text += TextTable(table.header, table.rows) + "\n";
+  }
   return text;
 }
 

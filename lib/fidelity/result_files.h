@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "core/run_context.h"
 #include "fidelity/sweep_plan.h"
@@ -17,6 +18,14 @@ std::string CsvText(const SweepResult& result);
 
 /// All of the result: knobs, settings with intervals, every run (format acus-tradeoff-scene/1).
 nlohmann::json ToJson(const SweepResult& result);
+
+/// The settings of one knob's sweep, for people.
+struct KnobTable {
+  std::string knob;
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+};
+std::vector<KnobTable> TablesOf(const SweepResult& result);
 
 /// Settings on a terminal, one table per knob.
 std::string TableText(const SweepResult& result);

@@ -6,8 +6,10 @@
 #include "config/json_file.h"
 #include "core/text_table.h"
 #include "core/words.h"
+#include "fidelity/budget_command.h"
 #include "fidelity/result_files.h"
 #include "fidelity/scene_sweep.h"
+#include "fidelity/tradeoff_page.h"
 
 namespace acus::fidelity {
 namespace {
@@ -23,6 +25,7 @@ struct Options {
   std::vector<std::string> changes;
   std::string seconds;
   SweepRequest request;
+  BudgetOptions budget;
   fs::path folder;
   std::string only_case;
   bool list = false;
@@ -82,8 +85,21 @@ std::string ListText(const SweepPlan& plan, const RunStore* store) {
   return text;
 }
 
+std::string RunQuestion(const Options& options, const SweepRequest& request, RunContext& context) {
+  ACUS_REQUIRE(!options.list && options.only_case.empty(),
+               "--list and --case are for sweeps: which settings a goal needs is found on the way");
+  try {
+    return RunBudget(options.budget, request, options.folder, context);
+  } catch (const Cancelled&) {
+    throw Stopped(
+        "stopped on request; finished runs are kept, the same command goes on from there");
+  }
+}
+
 std::string Run(const Options& options, RunContext& context) {
-  const SweepPlan plan = MakePlan(RequestOf(options, context), context);
+  const SweepRequest request = RequestOf(options, context);
+  if (options.budget.AnyGiven()) return RunQuestion(options, request, context);
+  const SweepPlan plan = MakePlan(request, context);
   context.provenance.AddInput(plan.request.scene.scenario);
   if (options.list && options.folder.empty()) return ListText(plan, nullptr);
   // Of one case only that is run again: others may be running beside it.
@@ -101,6 +117,10 @@ std::string Run(const Options& options, RunContext& context) {
   if (!options.only_case.empty()) return {};
   const SweepResult result = Collect(plan, store);
   WriteResult(options.folder, result, context);
+  PageContent page;
+  page.sentences = LinesOf(Sentences(result));
+  page.remarks = LinesOf(LeftOutText(plan));
+  WritePage(options.folder, result, page, context);
   store.Tidy();
   std::string text = LeftOutText(plan);
   if (before.done > 0) {
@@ -161,6 +181,7 @@ std::function<std::string(RunContext& context)> AddSceneOptions(CLI::App& comman
                   "Pictures of each run at most, evenly over that time")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
+  AddBudgetOptions(command, options->budget);
   auto* output = command.add_option(
       "-o,--output", options->folder,
       "Folder of the sweep: tradeoff.csv, tradeoff.json, and every run. If it has runs of\n"

@@ -1,12 +1,11 @@
 #include "fidelity/scene_sweep.h"
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <set>
-#include <thread>
 
 #include "core/error.h"
+#include "core/machine.h"
 #include "core/spelling.h"
 
 namespace acus::fidelity {
@@ -245,14 +244,8 @@ std::vector<SettingResult> SettingsOf(const SweepPlan& plan, const std::vector<M
   return results;
 }
 
-SweepResult Collect(const SweepPlan& plan, const RunStore& store) {
+SweepResult Summarise(const SweepPlan& plan, std::vector<Measured> runs) {
   SweepResult result;
-  for (const Case& one : plan.cases) {
-    if (auto run = store.Find(one.name)) result.runs.push_back(std::move(*run));
-  }
-  const std::size_t missing = plan.cases.size() - result.runs.size();
-  ACUS_REQUIRE(missing == 0, store.folder().string(), ": ", missing, " of ", plan.cases.size(),
-               " runs are missing; run the same command without --collect");
   result.scenario = plan.scenario_name;
   result.scenario_file = plan.request.scene.scenario;
   result.session = plan.request.scene.session;
@@ -264,20 +257,20 @@ SweepResult Collect(const SweepPlan& plan, const RunStore& store) {
   result.is_subset = plan.is_subset;
   result.repetitions = plan.request.repetitions;
   result.knobs = plan.knobs;
-  result.settings = SettingsOf(plan, result.runs);
+  result.settings = SettingsOf(plan, runs);
+  result.runs = std::move(runs);
   return result;
 }
 
-std::string MachineName() {
-  std::ifstream file("/proc/cpuinfo");
-  std::string name = "unknown processor";
-  for (std::string line; std::getline(file, line);) {
-    if (!line.starts_with("model name")) continue;
-    const std::size_t colon = line.find(": ");
-    if (colon != line.npos) name = line.substr(colon + 2);
-    break;
+SweepResult Collect(const SweepPlan& plan, const RunStore& store) {
+  std::vector<Measured> runs;
+  for (const Case& one : plan.cases) {
+    if (auto run = store.Find(one.name)) runs.push_back(std::move(*run));
   }
-  return Message(name, ", ", std::thread::hardware_concurrency(), " threads");
+  const std::size_t missing = plan.cases.size() - runs.size();
+  ACUS_REQUIRE(missing == 0, store.folder().string(), ": ", missing, " of ", plan.cases.size(),
+               " runs are missing; run the same command without --collect");
+  return Summarise(plan, std::move(runs));
 }
 
 }  // namespace acus::fidelity

@@ -33,13 +33,13 @@ Progress ProgressOf(const SweepPlan& plan, const RunStore& store);
 void RunCases(const SweepPlan& plan, const RunStore& store, const std::string& only_case,
               RunContext& context);
 
+/// What runs say: statistics of each setting, and what they are of. @param runs  One of each case.
+SweepResult Summarise(const SweepPlan& plan, std::vector<Measured> runs);
+
 /// What the finished runs say. @throws InputError if some are missing, saying how many.
 SweepResult Collect(const SweepPlan& plan, const RunStore& store);
 
 /// Statistics over repetitions of each setting of the plan. @param runs  One of each case.
 std::vector<SettingResult> SettingsOf(const SweepPlan& plan, const std::vector<Measured>& runs);
-
-/// "Intel(R) Xeon(R) ..., 2 threads"
-std::string MachineName();
 
 }  // namespace acus::fidelity

@@ -108,6 +108,13 @@ void AddSweep(const std::string& knob, const std::vector<Setting>& settings,
   for (std::size_t i = 0; i < last; ++i) add(i);
 }
 
+/// "4.0.2": the number of the level of each knob.
+std::string LevelsWord(const std::vector<int>& levels) {
+  std::string word;
+  for (const int level : levels) word += Message(word.empty() ? "" : ".", level);
+  return FileWord(word);
+}
+
 /// All combinations, or a subset, the dearest of all last.
 void Combine(SweepPlan& plan, std::vector<Setting>& settings, std::vector<std::string>& words) {
   std::vector<int> sizes;
@@ -137,17 +144,36 @@ void Combine(SweepPlan& plan, std::vector<Setting>& settings, std::vector<std::s
   chosen.push_back(dearest);
   for (const std::vector<int>& levels : chosen) {
     Setting setting;
-    std::string word;
     for (std::size_t k = 0; k < plan.knobs.size(); ++k) {
       setting[plan.knobs[k].name] = plan.knobs[k].levels[static_cast<std::size_t>(levels[k])];
-      word += Message(k == 0 ? "" : ".", levels[k]);
     }
     settings.push_back(std::move(setting));
-    words.push_back(FileWord(word));
+    words.push_back(LevelsWord(levels));
   }
 }
 
 }  // namespace
+
+Case JointCase(const SweepPlan& plan, const std::vector<int>& levels, int repetition) {
+  const auto name = [](const std::vector<int>& l, int r) {
+    return Message("jointly-", LevelsWord(l), "-r", r);
+  };
+  std::vector<int> dearest;
+  Case one;
+  for (std::size_t k = 0; k < plan.knobs.size(); ++k) {
+    const Knob& knob = plan.knobs[k];
+    dearest.push_back(static_cast<int>(knob.levels.size()) - 1);
+    one.setting[knob.name] = knob.levels[static_cast<std::size_t>(levels[k])];
+    one.reference_setting[knob.name] = knob.Dearest();
+  }
+  one.name = name(levels, repetition);
+  one.knob = "jointly";
+  one.repetition = repetition;
+  one.is_reference = levels == dearest && (repetition == 0 || !plan.one_reference);
+  one.reference = plan.one_reference ? "jointly" : Message("jointly-r", repetition);
+  one.reference_case = name(dearest, plan.one_reference ? 0 : repetition);
+  return one;
+}
 
 std::vector<std::vector<int>> SpreadCombinations(const std::vector<int>& sizes, int count,
                                                  std::uint64_t seed) {
@@ -207,7 +233,8 @@ SweepPlan MakePlan(const SweepRequest& request, const RunContext& context) {
   if (scenario.ultrasound || scenario.ct_slice) plan.image_period_ms = 1e3 / scenario.image_rate_hz;
 
   // Without anything random in the scene, all repetitions have the same reference.
-  const bool shared = SeedChanges(scenario, 0).empty();
+  plan.one_reference = SeedChanges(scenario, 0).empty();
+  const bool shared = plan.one_reference;
   std::vector<Setting> joint;
   std::vector<std::string> joint_words;
   if (request.jointly) Combine(plan, joint, joint_words);

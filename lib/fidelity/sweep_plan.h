@@ -52,6 +52,7 @@ struct SweepPlan {
   std::vector<LeftOut> left_out;
   bool is_subset = false;     ///< Not all combinations.
   double combinations = 0.0;  ///< Of all levels, jointly.
+  bool one_reference = true;  ///< All repetitions have the same: nothing in the scene is random.
 
   // Of scenario and session.
   std::string scenario_name;
@@ -64,6 +65,9 @@ struct SweepPlan {
 /// missing, or an input) are left out; if the user named them, that is an error.
 /// @throws InputError for a knob or level that is not there, or if nothing is left to turn.
 SweepPlan MakePlan(const SweepRequest& request, const RunContext& context);
+
+/// One run of a joint setting, by the level of each knob of the plan, against the dearest of all.
+Case JointCase(const SweepPlan& plan, const std::vector<int>& levels, int repetition);
 
 /// What identifies the sweep: scenario with its changes, session by its hash, knobs, version. Two
 /// plans with the same identity have the same cases, but for the number of repetitions: there may

@@ -6,6 +6,7 @@
 #include <future>
 #include <optional>
 
+#include "core/cpu_time.h"
 #include "core/csv.h"
 #include "core/parallel.h"
 #include "session/sequence_writer.h"
@@ -24,6 +25,7 @@ using simulation::StageId;
 
 /// Images rendered before the writer takes over: enough that both threads stay busy.
 constexpr int kBatch = 16;
+constexpr double kNotCounted = -1.0;  ///< In place of an image's time.
 
 bool HasImages(const Scene& scene) {
   return scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice) ||
@@ -249,6 +251,7 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
   std::vector<Images> batches[2] = {std::vector<Images>(kBatch), std::vector<Images>(kBatch)};
   ImageWriter writer(scene, snapshots, steps, folder, options);
   std::future<void> written;
+  log.cpu_s.resize(snapshots.size());
   for (int begin = 0; begin < log.num_images; begin += kBatch) {
     context.Checkpoint("images", static_cast<double>(begin) / log.num_images);
     std::vector<Images>& batch = batches[begin / kBatch % 2];
@@ -259,16 +262,23 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
       const auto slot = static_cast<std::size_t>(thread);
       for (int i = thread; i < count; i += context.num_threads) {
         const Snapshot* snapshot = &snapshots[static_cast<std::size_t>(begin + i)];
+        const double begin_s = ThreadCpuSeconds();
         renderers[slot].Render(*snapshot, batch[static_cast<std::size_t>(i)],
                                times != nullptr ? &slot_times[slot] : nullptr,
                                begin + i > 0 ? snapshot - 1 : nullptr);
+        log.cpu_s[static_cast<std::size_t>(begin + i)] = ThreadCpuSeconds() - begin_s;
       }
     });
     for (int i = 0; i < count; ++i) {
       const Images& before = i > 0 ? batch[static_cast<std::size_t>(i) - 1] : other.back();
       Images& now = batch[static_cast<std::size_t>(i)];
-      if (same(StageId::kUltrasound, begin + i)) now.b_mode = before.b_mode;
-      if (same(StageId::kCtSlice, begin + i)) now.ct_slice = before.ct_slice;
+      const bool same_b_mode = same(StageId::kUltrasound, begin + i);
+      const bool same_ct_slice = same(StageId::kCtSlice, begin + i);
+      if (same_b_mode) now.b_mode = before.b_mode;
+      if (same_ct_slice) now.ct_slice = before.ct_slice;
+      if (same_b_mode || same_ct_slice || begin + i < context.num_threads) {
+        log.cpu_s[static_cast<std::size_t>(begin + i)] = kNotCounted;
+      }
     }
     if (written.valid()) written.get();
     const auto write = [&writer, &batch, begin, count] {
@@ -278,6 +288,7 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
     written = std::async(policy, write);
   }
   if (written.valid()) written.get();
+  std::erase_if(log.cpu_s, [](double cpu_s) { return cpu_s == kNotCounted; });
   writer.Finish();
   log.pngs = writer.TakePngs();
   for (const auto& slot : slot_times) {

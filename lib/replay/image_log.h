@@ -29,6 +29,9 @@ struct WrittenPng {
 struct ImageLog {
   int num_images = 0;
   std::vector<WrittenPng> pngs;
+  /// Thread CPU time of the pictures of the probe that were made anew, s. The first of each thread
+  /// is not in it: it makes room for the others.
+  std::vector<double> cpu_s;
 };
 
 /// Renders all snapshots and writes images.igs.mha, film.mp4 and PNG files into `folder`, or

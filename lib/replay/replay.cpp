@@ -7,7 +7,9 @@
 #include "config/json_file.h"
 #include "core/atomic_file.h"
 #include "core/cpu_time.h"
+#include "core/machine.h"
 #include "core/text_table.h"
+#include "replay/cost_check.h"
 #include "replay/event_log.h"
 #include "replay/fluoroscopy_log.h"
 #include "replay/image_log.h"
@@ -63,7 +65,8 @@ struct Run {
   std::optional<training::Assessment> assessment;  ///< If there is an exercise.
   simulation::StageTimes times;
   std::vector<std::string> warnings;
-  double cpu_s = 0.0;  ///< Of steps and images with their writing, all threads.
+  std::optional<CostCheck> cost;  ///< If the scenario has evidence.
+  double cpu_s = 0.0;             ///< Of steps and images with their writing, all threads.
 };
 
 double SpanSeconds(const session::Session& session) {
@@ -103,20 +106,22 @@ std::vector<std::string> WarningsOf(const Scene& scene, const Run& run) {
 
 void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, const Scene& scene,
                   const Run& run, const RunContext& context) {
-  config::WriteJson(path, {{"format", "acus-run/1"},
-                           {"provenance", context.provenance.ToJson()},
-                           {"scenario", scenario.effective},
-                           {"session",
-                            {{"name", run.session.name},
-                             {"needle_samples", run.session.needle.size()},
-                             {"probe_samples", run.session.probe.size()},
-                             {"seconds", SpanSeconds(run.session)}}},
-                           {"images", run.images.num_images},
-                           {"fluoroscopy_images", run.fluoroscopy.num_images},
-                           {"effect_plan", simulation::PlanJson(scene.plan, run.times)},
-                           {"events", EventsJson(EventsOf(scene, run.steps))},
-                           {"cpu_seconds", run.cpu_s},
-                           {"warnings", WarningsOf(scene, run)}});
+  nlohmann::json document = {{"format", "acus-run/1"},
+                             {"provenance", context.provenance.ToJson()},
+                             {"scenario", scenario.effective},
+                             {"session",
+                              {{"name", run.session.name},
+                               {"needle_samples", run.session.needle.size()},
+                               {"probe_samples", run.session.probe.size()},
+                               {"seconds", SpanSeconds(run.session)}}},
+                             {"images", run.images.num_images},
+                             {"fluoroscopy_images", run.fluoroscopy.num_images},
+                             {"effect_plan", simulation::PlanJson(scene.plan, run.times)},
+                             {"events", EventsJson(EventsOf(scene, run.steps))},
+                             {"cpu_seconds", run.cpu_s},
+                             {"warnings", WarningsOf(scene, run)}};
+  if (run.cost) document["cost_check"] = ToJson(*run.cost);
+  config::WriteJson(path, document);
 }
 
 void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, const Scene& scene,
@@ -142,6 +147,10 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
                    {"probe samples", std::to_string(run.session.probe.size())},
                    {"images", std::to_string(run.images.num_images)},
                    {"CPU time of the run", Rounded(run.cpu_s) + " s"}};
+  if (run.cost) {
+    const auto facts = FactsOf(*run.cost);
+    content.facts.insert(content.facts.end(), facts.begin(), facts.end());
+  }
   content.warnings = WarningsOf(scene, run);
   content.metrics = run.metrics;
   content.assessment = run.assessment;
@@ -188,6 +197,7 @@ std::string SummaryOf(const Run& run, const ReplayOptions& options) {
   if (run.assessment) {
     text += training::GoalsText(*run.assessment);
   }
+  if (run.cost) text += TextOf(*run.cost);
   if (!options.run_folder.empty()) {
     text += Message("Report: ", (options.run_folder / "report.html").string(), "\n");
   }
@@ -199,6 +209,19 @@ std::string SummaryOf(const Run& run, const ReplayOptions& options) {
 std::map<std::string, PngChoice> PngChoices() {
   return {{"events", PngChoice::kEvents}, {"all", PngChoice::kAll}, {"none", PngChoice::kNone}};
 }
+
+namespace {
+
+/// Steps without what it took to look at the clock. Their stages are timed in one step of sixteen:
+/// that is in the percentile, a few us of it.
+CostCheck CheckCost(const scenario::Evidence& evidence, std::vector<double> step_cpu_s,
+                    const std::vector<double>& image_cpu_s) {
+  const double clock_s = CpuClockCostSeconds();
+  for (double& step_s : step_cpu_s) step_s = std::max(0.0, step_s - clock_s);
+  return {evidence, CostOf(step_cpu_s, image_cpu_s), MachineName()};
+}
+
+}  // namespace
 
 ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& session_path,
                            const ReplayOptions& options, RunContext& context) {
@@ -223,7 +246,9 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   std::vector<simulation::Snapshot> moments;
   std::ranges::merge(images, fluoroscopy, std::back_inserter(moments), {},
                      &simulation::Snapshot::time_ns, &simulation::Snapshot::time_ns);
-  run.steps = RunSteps(scene, run.session, moments, &run.times, context);
+  std::vector<double> step_cpu_s;
+  run.steps = RunSteps(scene, run.session, moments, &run.times, context,
+                       scenario.evidence ? &step_cpu_s : nullptr);
   std::ranges::partition_copy(moments, fluoroscopy.begin(), images.begin(),
                               &simulation::Snapshot::for_c_arm);
   run.images = RenderImages(scene, images, run.steps, folder ? folder->path() : fs::path(), options,
@@ -234,6 +259,9 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   run.view =
       RenderView(scene, images, folder ? folder->path() : fs::path(), options, &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
+  if (scenario.evidence) {
+    run.cost = CheckCost(*scenario.evidence, std::move(step_cpu_s), run.images.cpu_s);
+  }
   run.metrics = MetricsOf(scene, run.session, run.steps, exercise ? &*exercise : nullptr);
   if (exercise) {
     run.assessment = Assess(*exercise, scenario, scene, run.session, run.metrics, context);

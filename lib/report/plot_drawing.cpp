@@ -41,13 +41,15 @@ std::string Rectangle(double x1, double y1, double x2, double y2, const std::str
 }
 
 const char* ColourOf(const Series& series, std::size_t index) {
-  return series.colour == Colour::kInk ? kInk : kColours[index % kColours.size()];
+  if (series.colour == Colour::kInk) return kInk;
+  return kColours[series.colour_of.value_or(index) % kColours.size()];
 }
 
 /// Lines beyond the palette are told apart by their dashes.
 const char* DashesOf(const Series& series, std::size_t index) {
   if (series.dashed) return " stroke-dasharray=\"4 3\"";
-  const bool again = series.colour == Colour::kOwn && index >= kColours.size();
+  const bool again =
+      series.colour == Colour::kOwn && series.colour_of.value_or(index) >= kColours.size();
   return again ? " stroke-dasharray=\"6 3\"" : "";
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,7 +24,7 @@ enum class Symbol {
   kStar,     ///< Filled, larger than a dot: what the plot is about.
 };
 
-/// Of a series: the next one of the palette, or that of texts, which stands for remarks on others.
+/// Of a series: that of its place in the plot, or that of texts, which stands for remarks on others.
 enum class Colour { kOwn, kInk };
 
 struct Series {
@@ -41,6 +42,7 @@ struct Series {
       {};  ///< Beside the points; those that find no room are left out.
   Symbol symbol = Symbol::kDot;
   Colour colour = Colour::kOwn;
+  std::optional<std::size_t> colour_of = std::nullopt;  ///< That of the series at this place.
   bool dashed = false;  ///< Of a line.
 };
 

@@ -94,3 +94,51 @@ grep -q 'Taken up: 8 of 8 runs were there' table"
     STDERR "did you mean step_rate_hz[?]"
     COMMAND ${ACUS_BASH} ${CMAKE_SOURCE_DIR}/pipelines/tradeoff --jobs 2 ${subject} --knob step_rate -o t)
 endif()
+
+# The setting for a budget, for an accuracy, for a live session.
+set(short ${scene} --seconds 1 --images 4 --repetitions 1)
+list(JOIN short " " short_text)
+set(bending --set /effects/needle_force/model=tissue --set /effects/tissue/model=springs
+    --set /effects/needle/model=bendable --knob needle_nodes --knob tissue_warp_spacing_mm)
+list(JOIN bending " " bending_text)
+acus_add_cli_case(acus-tradeoff.scene_budget EXIT 0 NEEDS inputs TIMEOUT 120
+  STDOUT "^Chosen for force=1000ms,image=1000ms among [0-9]+ settings measured: "
+         "^It takes .* of 1000 ms per force step"
+         "^Of an image B-mode takes" "^Written: b/scenario.json"
+  CREATES b/scenario.json b/tradeoff.html b/tradeoff.csv b/psnr.svg b/provenance.json
+  COMMAND acus-tradeoff ${short} ${bending} --budget force=1s,image=1s -o b)
+acus_add_cli_case(acus-tradeoff.scene_budget_is_replayed EXIT 0 NEEDS inputs TIMEOUT 120
+  BEFORE "$ACUS_BIN/acus-tradeoff ${short_text} ${bending_text} --budget image=1s -o b > /dev/null 2>&1
+mkdir elsewhere && mv b/scenario.json elsewhere"
+  STDOUT "^Values chosen by acus-tradeoff --budget image=1s, predicted on " "image, median: .* predicted" CREATES run/run.json
+  COMMAND acus-replay elsewhere/scenario.json $INPUTS/session --no-film --png none -o run)
+acus_add_cli_case(acus-tradeoff.scene_accuracy EXIT 0 NEEDS inputs TIMEOUT 120
+  STDOUT "^Chosen for image=20dB among" CREATES b/scenario.json
+  COMMAND acus-tradeoff ${short} ${bending} --accuracy image=20dB -o b)
+acus_add_cli_case(acus-tradeoff.scene_impossible_budget EXIT 4 NEEDS inputs TIMEOUT 120
+  STDERR "None of the [0-9]+ settings measured fits image=0.001ms" "The cheapest .* takes "
+         "^Of an image B-mode takes"
+  CREATES b/tradeoff.html
+  COMMAND acus-tradeoff ${short} ${bending} --budget image=1us -o b)
+acus_add_cli_case(acus-tradeoff.scene_live EXIT 0 NEEDS inputs TIMEOUT 120
+  STDOUT "^Yes, this machine runs the scene live: .* of 1 ms per force step"
+  CREATES b/scenario.json
+  COMMAND acus-tradeoff ${short} ${bending} --live -o b)
+acus_add_cli_case(acus-tradeoff.scene_broken_budget EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "'abc' of force does not begin with a number" "force=0.5ms,image=16ms"
+  COMMAND acus-tradeoff ${scene} --budget force=abc -o b)
+acus_add_cli_case(acus-tradeoff.scene_budget_and_accuracy EXIT 2 NEEDS inputs LEAVES_NOTHING
+  STDERR "--accuracy excludes --budget|--budget excludes --accuracy"
+  COMMAND acus-tradeoff ${scene} --budget force=1ms --accuracy force=1N -o b)
+acus_add_cli_case(acus-tradeoff.scene_budget_for_a_rate EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "step_rate_hz.*said by the device"
+  COMMAND acus-tradeoff ${scene} --budget force=1ms --knob step_rate_hz -o b)
+acus_add_cli_case(acus-tradeoff.scene_budget_without_knobs EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "calls for nothing that can be simulated coarser or finer by a number"
+  COMMAND acus-tradeoff ${scene} --set /effects/ultrasound=null --budget force=1ms -o b)
+acus_add_cli_case(acus-tradeoff.enough EXIT 0 TIMEOUT 120
+  STDOUT "^element_size_mm: no setting measured is enough for 0.05 N; the nearest, 6, is"
+         "^contact_spacing_mm: 3 is enough for 0.05 N"
+  CREATES t/tradeoff.html COMMAND acus-tradeoff tissue --quick --accuracy force=50mN -o t)
+acus_add_cli_case(acus-tradeoff.enough_of_what EXIT 3 LEAVES_NOTHING
+  STDERR "errors of forces only" COMMAND acus-tradeoff tissue --quick --accuracy image=30dB -o t)

@@ -20,5 +20,11 @@ TEST(Joined, PutsTheSeparatorBetweenAllWordsAlsoEmptyOnes) {
   EXPECT_EQ(Joined(std::vector<std::string>{"a", "b"}, ","), "a,b");
 }
 
+TEST(LinesOf, HaveNoEndsAndTheLastMayLackOne) {
+  EXPECT_EQ(LinesOf("a\n\nb"), (std::vector<std::string>{"a", "", "b"}));
+  EXPECT_EQ(LinesOf("a\n"), (std::vector<std::string>{"a"}));
+  EXPECT_TRUE(LinesOf("").empty());
+}
+
 }  // namespace
 }  // namespace acus

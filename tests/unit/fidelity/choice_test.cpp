@@ -268,6 +268,25 @@ TEST(ChooseSetting, TurnsNoKnobForNoise) {
   EXPECT_EQ(choice.measured[*choice.chosen].levels, (Levels{1}));
 }
 
+TEST(ChooseSetting, KeepsWhatIsGivenIfToldSo) {
+  const SyntheticScene scene(3, 1.0);
+  int count = 0;
+  const auto measure = [&](const Levels& levels) {
+    ++count;
+    return scene.Of(levels);
+  };
+  const ChoiceSettings keep{.most_joint = 40, .noise = 0.0, .keep_given = true};
+  const Goal wide{.kind = GoalKind::kBudget, .force = 1e9, .image = 1e9};
+  const Choice kept = ChooseSetting(scene.knobs, wide, keep, measure);
+  EXPECT_EQ(count, 1);
+  EXPECT_EQ(kept.chosen, std::optional<std::size_t>(0));
+  const Goal tight{
+      .kind = GoalKind::kBudget, .force = 1e9, .image = 0.9 * kept.measured[0].measured.image_ms};
+  const Choice other = ChooseSetting(scene.knobs, tight, keep, measure);
+  EXPECT_GT(count, 2);
+  EXPECT_NE(other.chosen, std::optional<std::size_t>(0));
+}
+
 TEST(ChooseSetting, RefusesAGoalForAPartThatTheSceneHasNot) {
   const std::vector<ChoiceKnob> knobs = {
       {.name = "lines", .num_levels = 2, .given = 1, .acts_on_image = true}};

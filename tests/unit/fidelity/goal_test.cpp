@@ -30,6 +30,12 @@ TEST(Goal, AccuracyIsReadInEveryUnit) {
   }
 }
 
+TEST(Goal, OfAModelNamesTheForceOnly) {
+  EXPECT_DOUBLE_EQ(ParseForceAccuracyN("force=50mN"), 0.05);
+  EXPECT_THROW(ParseForceAccuracyN("image=30dB"), InputError);
+  EXPECT_THROW(ParseForceAccuracyN("force=0.1N,image=30dB"), InputError);
+}
+
 TEST(Goal, MayNameOnePart) {
   EXPECT_FALSE(ParseBudget("force=1ms").image);
   EXPECT_FALSE(ParseAccuracy("image=30dB").force);

@@ -51,6 +51,31 @@ class Replay : public testing_support::ReplayFolder {
   }
 };
 
+TEST_F(Replay, EvidenceInTheScenarioChangesNoByteButIsHeldAgainstWhatIsMeasured) {
+  const std::vector<scenario::Override> evidence = {scenario::ParseOverride(
+      R"(/evidence={"asked": "--budget force=1ms", "machine": "another one",)"
+      R"( "measured": {"step_us_median": 1, "image_ms_median": 5, "image_ms_p95": 8}})")};
+  Run("without", 2);
+  const replay::ReplayResult with = Run("with", 2, evidence);
+  int compared = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "without")) {
+    const fs::path name = entry.path().filename();
+    if (name == "run.json" || name == "report.html") continue;
+    EXPECT_EQ(ReadTextFile(entry.path()), ReadTextFile(folder_ / "with" / name)) << name;
+    ++compared;
+  }
+  EXPECT_GE(compared, 6);
+  EXPECT_THAT(with.summary, AllOf(HasSubstr("--budget force=1ms, predicted on another one"),
+                                  HasSubstr("image, median: "), HasSubstr("another machine")));
+  EXPECT_THAT(ReadTextFile(folder_ / "with" / "report.html"), HasSubstr("predicted 5 ms"));
+  const auto run = config::ReadJson(folder_ / "with" / "run.json");
+  const auto& check = run.at("cost_check");
+  EXPECT_EQ(check.at("predicted").at("image_ms_p95"), 8);
+  EXPECT_GT(check.at("measured").at("step_us_median"), 0.0);
+  EXPECT_GT(check.at("measured").at("image_ms_median"), 0.0);
+  EXPECT_FALSE(config::ReadJson(folder_ / "without" / "run.json").contains("cost_check"));
+}
+
 TEST_F(Replay, GivesTheSameBytesAgainAndWithMoreThreads) {
   Run("one", 1);
   Run("again", 1);
