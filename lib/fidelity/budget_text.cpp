@@ -74,7 +74,7 @@ std::string StagesText(const MeasuredSetting& setting) {
     for (const auto& stage : setting.stages) {
       if (stage.rate != rate || stage.share < 0.005) continue;
       parts.push_back(stage.stage + (parts.empty() ? " takes " : " ") +
-                      RoundedText(100.0 * stage.share, 2) + " %");
+                      FixedText(100.0 * stage.share, 0) + " %");
     }
     if (!parts.empty()) text += std::string("Of ") + what + " " + Joined(parts, ", ") + ".\n";
   }

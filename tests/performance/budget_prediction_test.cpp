@@ -92,8 +92,8 @@ TEST(BudgetPrediction, HoldsOnASecondSession) {
                         SessionOf({.name = "second",
                                    .x_mm = 4.0,
                                    .angle_rad = 0.15,
-                                   .speed_mm_per_s = 30.0,
-                                   .depth_mm = 42.0,
+                                   .speed_mm_per_s = 22.0,
+                                   .depth_mm = 47.0,
                                    .sway_mm = 4.0,
                                    .sway_period_s = 2.2}),
                         context);
@@ -129,11 +129,11 @@ TEST(BudgetPrediction, HoldsOnASecondSession) {
     std::printf("%sthe machine is %.2f times as slow as before\n", AnswerText(answer).c_str(),
                 slower);
     worst = 0.0;
-    for (const auto& [name, value] :
-         {std::pair{"step, median [us]", &scenario::Cost::step_us_median},
-          {"step, 99.9 % [us]", &scenario::Cost::step_us_p999},
-          {"image, median [ms]", &scenario::Cost::image_ms_median},
-          {"image, 95 % [ms]", &scenario::Cost::image_ms_p95}}) {
+    // What budgets are about. The median of steps says how long a hand rests, not what a step
+    // takes.
+    for (const auto& [name, value] : {std::pair{"step, 99.9 % [us]", &scenario::Cost::step_us_p999},
+                                      {"image, median [ms]", &scenario::Cost::image_ms_median},
+                                      {"image, 95 % [ms]", &scenario::Cost::image_ms_p95}}) {
       const double ratio = measured.*value / (predicted.*value);
       std::printf("%-20s predicted %8.3f, measured on the second session %8.3f: ratio %.3f\n", name,
                   predicted.*value, measured.*value, ratio);
