@@ -26,12 +26,14 @@ CostAndError PartOf(const Outcome& outcome, int part) {
 }
 
 void SetPart(Outcome& outcome, int part, const CostAndError& value) {
+  // Sums of changes may come out below zero; NaN stays NaN.
   const double error = std::max(value.error, 0.0);
+  const double cost = std::max(value.cost, 0.0);
   if (part == 0) {
-    outcome.step_us = value.cost;
+    outcome.step_us = cost;
     outcome.force_error_n = std::isnan(value.error) ? value.error : std::sqrt(error);
   } else {
-    outcome.image_ms = value.cost;
+    outcome.image_ms = cost;
     outcome.image_error_db = std::isnan(value.error) ? value.error : -10.0 * std::log10(error);
   }
 }

@@ -20,7 +20,7 @@ bool Touches(const ChoiceKnob& knob, int part);
 /// of the squared grey range. Infinite if it is not usable, NaN if the scene has no such part.
 CostAndError PartOf(const Outcome& outcome, int part);
 
-/// The same back into an outcome's units.
+/// The same back into an outcome's units; what is below zero becomes zero.
 void SetPart(Outcome& outcome, int part, const CostAndError& value);
 
 /// How costs of several knobs go together: those of different stages add up, those of lines and

@@ -73,7 +73,7 @@ std::vector<std::pair<std::string, std::string>> FactsOf(const CostCheck& check)
     const double predicted = check.evidence.measured.*line.value;
     const double measured = check.measured.*line.value;
     facts.emplace_back(
-        std::string("CPU time of a ") + line.name,
+        std::string("CPU time, ") + line.name,
         Message(RoundedText(measured, 3), " ", line.unit, ", predicted ", RoundedText(predicted, 3),
                 " ", line.unit, " (", ChangeText(measured / predicted), ")"));
   }

@@ -304,6 +304,25 @@ TEST(ChooseSetting, RefusesAGoalForAPartThatTheSceneHasNot) {
   }
 }
 
+TEST(ChooseSetting, PredictsNoCostBelowZero) {
+  // Each knob alone takes most of the time away; both together cannot take more than there is.
+  const std::vector<ChoiceKnob> knobs = {
+      {.name = "a", .num_levels = 2, .given = 1, .acts_on_force = true},
+      {.name = "b", .num_levels = 2, .given = 1, .acts_on_force = true}};
+  const auto measure = [](const Levels& levels) {
+    Outcome out;
+    out.step_us = (levels[0] == 0 ? 0.1 : 1.0) * (levels[1] == 0 ? 0.1 : 1.0) * 100.0;
+    out.force_error_n = 0.1 * (2 - levels[0] - levels[1]);
+    return out;
+  };
+  const Goal goal{.kind = GoalKind::kBudget, .force = 2.0};
+  const Choice choice = ChooseSetting(knobs, goal, {}, measure);
+  ASSERT_TRUE(choice.chosen.has_value());
+  const Candidate& chosen = choice.measured[*choice.chosen];
+  EXPECT_EQ(chosen.levels, (Levels{0, 0}));
+  EXPECT_EQ(chosen.predicted.step_us, 0.0);
+}
+
 TEST(Meets, HoldsEveryLimitThatIsNamed) {
   Outcome out;
   out.step_us = 10.0;
