@@ -138,7 +138,7 @@ void FilmFrame(benchmark::State& state) {
   const Probe probe = FullProbe(ProbeKind::kLinear);
   BModeRenderer bmode(Ct(), probe, DefaultBModeOptions());
   CtSliceRenderer slice(Ct(), bmode.picture(), 3.0);
-  const Screen screen(probe, true);
+  const Screen screen(probe, Screen::Shows::kBoth);
   GrayImage left[kFrames];
   GrayImage right[kFrames];
   for (int n = 0; n < kFrames; ++n) {
