@@ -106,7 +106,7 @@ TEST(BudgetPrediction, HoldsOnASecondSession) {
 
   // Others use the machine: a pair of measurements that they disturbed is taken again.
   double worst = 0.0;
-  for (int attempt = 0; attempt < 4; ++attempt) {
+  for (int attempt = 0; attempt < 8; ++attempt) {
     const fs::path sweep = folder / Message("sweep_", attempt);
     const RunStore store(sweep, IdentityOf(plan), false);
     const double calibration_before_s = regression::CalibrationSeconds();

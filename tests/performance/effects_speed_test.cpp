@@ -17,8 +17,8 @@ namespace {
 using nlohmann::json;
 
 constexpr int kSteps = 400;
-constexpr int kRounds = 3;    // Before the first judgement ...
-constexpr int kPatience = 8;  // ... and once more each time that noise may have spoiled it.
+constexpr int kRounds = 3;     // Before the first judgement ...
+constexpr int kPatience = 20;  // ... and once more each time that noise may have spoiled it.
 constexpr double kNoise = 1.05;
 constexpr double kNoiseMs = 0.02;
 
