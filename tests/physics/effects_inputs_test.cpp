@@ -223,6 +223,7 @@ TEST(EffectInputs, ForcesAloneLoadNoImageAndImagesAloneFactorNoMatrix) {
     RunAll(scene);
     return scene;
   };
+  Patient();  // To make him takes factorisations of its own.
   num_factorisations = 0;
   const Scene forces =
       load({{"needle_force", {{"model", "layered"}}}, {"needle", {{"model", "bendable"}}}});
