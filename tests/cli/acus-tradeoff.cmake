@@ -105,7 +105,7 @@ acus_add_cli_case(acus-tradeoff.scene_budget EXIT 0 NEEDS inputs TIMEOUT 120
   STDOUT "^Chosen for force=1000ms,image=1000ms among [0-9]+ settings measured: "
          "^It takes .* of 1000 ms per force step"
          "^Of an image B-mode takes" "^Written: b/scenario.json"
-  CREATES b/scenario.json b/tradeoff.html b/tradeoff.csv b/psnr.svg b/provenance.json
+  CREATES b/scenario.json b/tradeoff.html b/tradeoff.csv b/provenance.json
   COMMAND acus-tradeoff ${short} ${bending} --budget force=1s,image=1s -o b)
 acus_add_cli_case(acus-tradeoff.scene_budget_is_replayed EXIT 0 NEEDS inputs TIMEOUT 120
   BEFORE "$ACUS_BIN/acus-tradeoff ${short_text} ${bending_text} --budget image=1s -o b > /dev/null 2>&1
