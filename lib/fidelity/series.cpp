@@ -19,12 +19,12 @@ constexpr std::size_t kSumSize = 64;
 class Packer {
  public:
   template <typename T>
-  void Add(const T& value) {
+  void operator()(const T& value) {
     text_.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
   template <typename T>
-  void AddAll(const std::vector<T>& values) {
-    Add(static_cast<std::uint64_t>(values.size()));
+  void operator()(const std::vector<T>& values) {
+    (*this)(static_cast<std::uint64_t>(values.size()));
     text_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
   }
   std::string& text() { return text_; }
@@ -38,15 +38,15 @@ class Unpacker {
  public:
   explicit Unpacker(std::string_view text) : text_(text) {}
   template <typename T>
-  void Take(T& value) {
+  void operator()(T& value) {
     ACUS_REQUIRE(text_.size() >= sizeof value, "series: ends too early");
     std::memcpy(&value, text_.data(), sizeof value);
     text_.remove_prefix(sizeof value);
   }
   template <typename T>
-  void TakeAll(std::vector<T>& values) {
+  void operator()(std::vector<T>& values) {
     std::uint64_t count = 0;
-    Take(count);
+    (*this)(count);
     ACUS_REQUIRE(count <= text_.size() / sizeof(T), "series: ends too early");
     values.resize(count);
     if (count != 0) std::memcpy(values.data(), text_.data(), count * sizeof(T));
@@ -56,6 +56,17 @@ class Unpacker {
  private:
   std::string_view text_;
 };
+
+/// All of a series, in the order of the file.
+template <typename Archive, typename AnySeries>
+void VisitFields(Archive& archive, AnySeries& series) {
+  archive(series.force_n);
+  archive(series.first_s);
+  archive(series.event_s);
+  archive(series.width);
+  archive(series.height);
+  archive(series.pixels);
+}
 
 double LargestN(const Series& series) {
   double largest_n = 0.0;
@@ -130,12 +141,7 @@ void Compare(const Series& run, const Series& reference, double around_event_s, 
 
 void WriteSeries(const std::filesystem::path& path, const Series& series) {
   Packer body;
-  body.AddAll(series.force_n);
-  body.Add(series.first_s);
-  body.AddAll(series.event_s);
-  body.Add(series.width);
-  body.Add(series.height);
-  body.AddAll(series.pixels);
+  VisitFields(body, series);
   std::string text = std::string(kMagic) + Sha256OfText(body.text());
   text += body.text();
   WriteTextFile(path, text);
@@ -150,12 +156,7 @@ std::optional<Series> ReadSeries(const std::filesystem::path& path) {
   if (Sha256OfText(body) != text.substr(kMagic.size(), kSumSize)) return std::nullopt;
   Series series;
   Unpacker unpacker(body);
-  unpacker.TakeAll(series.force_n);
-  unpacker.Take(series.first_s);
-  unpacker.TakeAll(series.event_s);
-  unpacker.Take(series.width);
-  unpacker.Take(series.height);
-  unpacker.TakeAll(series.pixels);
+  VisitFields(unpacker, series);
   return series;
 }
 

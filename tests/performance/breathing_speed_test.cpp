@@ -11,6 +11,7 @@
 
 #include "core/cpu_time.h"
 #include "core/error.h"
+#include "math/statistics.h"
 #include "simulation/breathing_scene.h"
 #include "simulation/image_level.h"
 #include "simulation/simulation.h"
@@ -27,12 +28,6 @@ using testing_support::BreathingPatient;
 using testing_support::kAllMotionKinds;
 
 constexpr int kResolutions[] = {64, 128, 256};
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 /// A trunk around the block of BendingScene, that moves across the needle.
 BreathingPatient AroundTheNeedle(MotionKind kind, int nodes_per_axis) {
@@ -81,8 +76,8 @@ StepTimes TimeSteps(simulation::Scene& breathing_scene, double step_s) {
     breathing_us.push_back(1e6 * (end_s - middle_s));
   }
   EXPECT_GT(still_us.size(), 3000u);
-  const double median_us = MedianOf(still_us);
-  return {median_us, MedianOf(breathing_us) - median_us};
+  const double median_us = math::Median(still_us);
+  return {median_us, math::Median(breathing_us) - median_us};
 }
 
 // Issue: at most 5 us, whatever the model, and less than a fifth more from 64^3 to 256^3 nodes. The
@@ -129,7 +124,7 @@ TEST(BreathingSpeed, TenKilohertzInAll) {
   }
   std::ranges::sort(times_us);
   const double p99_us = times_us[times_us.size() * 99 / 100];
-  std::printf("  median %.1f us, 99 %% %.1f us\n", MedianOf(times_us), p99_us);
+  std::printf("  median %.1f us, 99 %% %.1f us\n", math::Median(times_us), p99_us);
   EXPECT_LT(p99_us, 100.0);
 }
 

@@ -5,17 +5,12 @@
 
 #include "core/cpu_time.h"
 #include "forces/vidal_probe.h"
+#include "math/statistics.h"
 #include "support/force_scenes.h"
 #include "tradeoff/force_levels.h"
 
 namespace acus::tradeoff {
 namespace {
-
-/// The middle of all steps, us of CPU time.
-double Median(std::vector<double> times_us) {
-  std::ranges::nth_element(times_us, times_us.begin() + static_cast<long>(times_us.size() / 2));
-  return times_us[times_us.size() / 2];
-}
 
 // Every force model, tissue of every level, a needle of 25 nodes, and the probe, one after the
 // other in one step: more than any scene calls for. Measured 16 us (2.6 GHz).
@@ -52,10 +47,10 @@ TEST(ForceStepSpeed, EveryComponentTogetherTakesLessThanFiftyMicroseconds) {
   EXPECT_GT(felt_n, 1000.0);
   for (std::size_t i = 0; i < part_us.size(); ++i) {
     std::printf("  %-16s %6.2f us\n", i < levels.size() ? levels[i].name.c_str() : "probe",
-                Median(part_us[i]));
+                math::Median(part_us[i]));
   }
-  std::printf("  %-16s %6.2f us\n", "all", Median(all_us));
-  EXPECT_LT(Median(all_us), 50.0);
+  std::printf("  %-16s %6.2f us\n", "all", math::Median(all_us));
+  EXPECT_LT(math::Median(all_us), 50.0);
 }
 
 }  // namespace

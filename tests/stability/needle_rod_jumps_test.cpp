@@ -23,7 +23,6 @@ using acus::testing_support::HardCase;
 using acus::testing_support::Largest;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-using testing_support::Channel;
 using testing_support::Input;
 using testing_support::Inserted;
 using testing_support::kBending;
@@ -34,7 +33,6 @@ using testing_support::Rod;
 using testing_support::SameBits;
 using testing_support::TipLoad;
 using testing_support::TipMm;
-using testing_support::TipSpring;
 
 TEST(NeedleRod, PulledOutWhileBentItBecomesStraightWithoutAJump) {
   const HardCase hard("Drawn back while bent: the last of the tissue lets go of a loaded spring.");

@@ -23,7 +23,6 @@ using acus::testing_support::BoundPlot;
 using acus::testing_support::Exactly;
 using acus::testing_support::HardCase;
 using acus::testing_support::Largest;
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using testing_support::Channel;
 using testing_support::Input;
@@ -31,10 +30,8 @@ using testing_support::Inserted;
 using testing_support::kBending;
 using testing_support::kLengthMm;
 using testing_support::LargestDifferenceMm;
-using testing_support::LongestStretchMm;
 using testing_support::Rod;
 using testing_support::SameBits;
-using testing_support::TipLoad;
 using testing_support::TipMm;
 using testing_support::TipSpring;
 

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <malloc.h>
+#include <span>
 
 #include "core/cpu_time.h"
+#include "math/statistics.h"
 #include "support/bending_scene.h"
 #include "support/bound.h"
 #include "support/breathing_patients.h"
@@ -60,12 +62,6 @@ Sample OnStroke(std::int64_t step) {
 double BytesInUse() {
   const auto info = mallinfo2();
   return static_cast<double>(info.uordblks + info.hblkhd);
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 struct Session {
@@ -126,12 +122,12 @@ TEST(LongSession, NothingDriftsGrowsOrSlowsDown) {
     hard.Expect("memory taken from the third stroke on" + of, session.grown_bytes, AtMost(0.0),
                 "bytes");
     const auto& us = session.stroke_us;
-    const auto part = static_cast<std::ptrdiff_t>(std::max<std::size_t>(1, us.size() / 5));
+    const std::size_t part = std::max<std::size_t>(1, us.size() / 5);
     // CPU time on a machine that others use: caches that are cold count.
     hard.Expect("time of a step in the last fifth, of that in the first" + of,
-                Median({us.end() - part, us.end()}) / Median({us.begin(), us.begin() + part}),
+                math::Median(std::span(us).last(part)) / math::Median(std::span(us).first(part)),
                 Below(2.0));
-    hard.Note("time of a step" + of, Message(std::lround(Median(us)), " us"));
+    hard.Note("time of a step" + of, Message(std::lround(math::Median(us)), " us"));
     session.drift.name = name;
     plot.curves.push_back(std::move(session.drift));
   }

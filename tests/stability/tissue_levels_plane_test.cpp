@@ -16,7 +16,6 @@ namespace {
 
 using Eigen::Vector3d;
 using testing_support::Above;
-using testing_support::AtLeast;
 using testing_support::AtMost;
 using testing_support::Below;
 using testing_support::BoundPlot;

@@ -16,10 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 using testing_support::Above;
-using testing_support::AtLeast;
 using testing_support::AtMost;
-using testing_support::Below;
-using testing_support::BoundPlot;
 using testing_support::Exactly;
 using testing_support::HardCase;
 using testing_support::Largest;

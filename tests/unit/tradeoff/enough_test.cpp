@@ -9,7 +9,6 @@ namespace acus::tradeoff {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 
 Row Mesh(const std::string& value, double error, double preparation_s) {
   Row row;
