@@ -2,14 +2,14 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "core/run_main.h"
-#include "motion_capture/capture_folder.h"
-#include "motion_capture/capture_inputs.h"
+#include "acus/base/core/run_main.h"
+#include "acus/patient/breathing_registration/capture_folder.h"
+#include "acus/patient/breathing_registration/capture_inputs.h"
 
 namespace {
 
 namespace fs = std::filesystem;
-using namespace acus::motion_capture;
+using namespace acus::breathing_registration;
 
 struct Options {
   CaptureInputs inputs;

@@ -2,12 +2,12 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "camera/calibration.h"
-#include "camera/sheet.h"
-#include "camera/tracking_run.h"
-#include "config/json_file.h"
-#include "core/atomic_file.h"
-#include "core/run_main.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/run_main.h"
+#include "acus/rig/camera/calibration.h"
+#include "acus/rig/camera/sheet.h"
+#include "acus/rig/camera/tracking_run.h"
 
 namespace {
 

@@ -2,10 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "comparison/run_comparison.h"
-#include "config/json_file.h"
-#include "core/atomic_file.h"
-#include "core/run_main.h"
+#include "acus/assess/comparison/run_comparison.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/run_main.h"
 
 int main(int argc, char** argv) {
   namespace fs = std::filesystem;

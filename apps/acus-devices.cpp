@@ -2,14 +2,14 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "config/json_file.h"
-#include "core/run_main.h"
-#include "devices/mannequin_pictures.h"
-#include "devices/scripted_hand.h"
-#include "session/session_import.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/run_main.h"
+#include "acus/data/session/session_import.h"
+#include "acus/rig/simulators/mannequin_pictures.h"
+#include "acus/rig/simulators/scripted_hand.h"
 
 namespace {
-using namespace acus::devices;
+using namespace acus::simulators;
 
 struct Options {
   std::filesystem::path session;

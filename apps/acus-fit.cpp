@@ -4,12 +4,12 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "config/json_file.h"
-#include "core/atomic_file.h"
-#include "core/run_main.h"
-#include "fitting/fit_models.h"
-#include "fitting/fit_report.h"
-#include "volume/labels.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/run_main.h"
+#include "acus/data/volume/labels.h"
+#include "acus/patient/fitting/fit_models.h"
+#include "acus/patient/fitting/fit_report.h"
 
 namespace {
 

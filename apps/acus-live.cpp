@@ -2,13 +2,13 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "config/json_file.h"
-#include "console/run_with_window.h"
-#include "core/run_main.h"
-#include "core/text_table.h"
-#include "live/live_session.h"
-#include "replay/replay.h"
-#include "training/exercise.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/run_main.h"
+#include "acus/base/core/text_table.h"
+#include "acus/run/live/live_session.h"
+#include "acus/run/replay/replay.h"
+#include "acus/run/training/exercise.h"
+#include "acus/window/run_with_window.h"
 
 int main(int argc, char** argv) {
   std::filesystem::path scenario_path, devices_path, exercise_path;
@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   bool headless = false;
   bool check = false;
   acus::live::LiveOptions options;
-  acus::console::ConsoleSettings console;
+  acus::window::ConsoleSettings console;
 
   CLI::App app{
       "Run a training session: forces at the rate of the device, pictures beside it, all of it\n"
@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
     if (headless) {
       good = acus::live::RunHeadless(session, context);
     } else {
-      const auto run = acus::console::RunWithWindow(scenario, session, console, context);
+      const auto run = acus::window::RunWithWindow(scenario, session, console, context);
       good = run.complete;
       std::cout << "Window: " << acus::FixedText(run.frames_per_s, 1) << " frames a second.\n";
     }

@@ -1,9 +1,9 @@
 // acus-mesh: label map or closed surface to a tetrahedral mesh.
 #include <CLI/CLI.hpp>
 
-#include "config/json_file.h"
-#include "core/run_main.h"
-#include "meshing/mesh_folder.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/run_main.h"
+#include "acus/patient/meshing/mesh_folder.h"
 
 int main(int argc, char** argv) {
   std::filesystem::path labels, surface, mesh, config_path, folder;

@@ -1,12 +1,12 @@
 // acus-phantom: synthetic patients with known truth, and scenes on other patients.
 #include <CLI/CLI.hpp>
 
-#include "config/json_file.h"
-#include "core/run_main.h"
-#include "phantom/breathing_folder.h"
-#include "phantom/patient_folder.h"
-#include "segmentation/patient_segmentation.h"
-#include "volume/volume_io.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/run_main.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/patient/phantom/breathing_folder.h"
+#include "acus/patient/phantom/patient_folder.h"
+#include "acus/patient/segmentation/patient_segmentation.h"
 
 int main(int argc, char** argv) {
   std::string kind, series;

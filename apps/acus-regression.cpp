@@ -2,9 +2,9 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "core/atomic_file.h"
-#include "core/run_main.h"
-#include "regression/regression_report.h"
+#include "acus/assess/regression/regression_report.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/run_main.h"
 
 namespace {
 

@@ -2,9 +2,9 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "config/json_file.h"
-#include "core/run_main.h"
-#include "replay/replay.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/run_main.h"
+#include "acus/run/replay/replay.h"
 
 int main(int argc, char** argv) {
   std::filesystem::path scenario_path;

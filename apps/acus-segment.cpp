@@ -2,10 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "config/json_file.h"
-#include "core/run_main.h"
-#include "segmentation/patient_segmentation.h"
-#include "volume/volume_io.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/run_main.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/patient/segmentation/patient_segmentation.h"
 
 int main(int argc, char** argv) {
   std::filesystem::path ct_path, config_path, import_path, reference_path, mapping_path, folder;

@@ -2,9 +2,9 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "core/atomic_file.h"
-#include "core/run_main.h"
-#include "training/progress.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/run_main.h"
+#include "acus/run/training/progress.h"
 
 int main(int argc, char** argv) {
   namespace fs = std::filesystem;

@@ -16,9 +16,16 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 add_library(acus_flags INTERFACE)
 target_compile_features(acus_flags INTERFACE cxx_std_20)
 # -ffp-contract=off: the same source must give the same bits, whether or not the compiler finds an FMA.
+# Warnings are ours: whoever builds against an installed Acus chooses their own.
 target_compile_options(acus_flags INTERFACE
-  -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Werror -ffp-contract=off)
-target_include_directories(acus_flags INTERFACE ${CMAKE_SOURCE_DIR}/lib)
+  "$<BUILD_INTERFACE:-Wall;-Wextra;-Wshadow;-Wconversion;-Wno-sign-conversion;-Werror>"
+  -ffp-contract=off)
+target_include_directories(acus_flags INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/lib>
+                                                $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+
+# No program searches for libraries anywhere but where the system does: an RPATH with an empty or
+# relative entry would run what lies in the working directory (tests/checks/library_path_test.cpp).
+set(CMAKE_SKIP_RPATH TRUE)
 
 if(ACUS_SANITIZE STREQUAL "address")
   set(sanitizers -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
@@ -34,27 +41,90 @@ if(sanitizers)
   add_compile_definitions(_GLIBCXX_ASSERTIONS)
 endif()
 
+# acus_join_sources(TARGET): compiles several sources as one translation unit. Most of the time of a
+# compiler goes into the same templates of Eigen and JSON in each; this halves a build and more.
+function(acus_join_sources target)
+  if(ACUS_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ACUS_UNITY})
+    # A class in a source may hold types of its anonymous namespace: it is still seen only there.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
+endfunction()
+
+# "wing module dependency dependency ...", a module a row, wings from the lowest to the highest.
 set(ACUS_MODULE_GRAPH ${CMAKE_BINARY_DIR}/modules.txt)
 file(WRITE ${ACUS_MODULE_GRAPH} "")
 
+# acus_add_wing(NAME): the modules that follow lie in lib/acus/NAME.
+macro(acus_add_wing name)
+  set(ACUS_WING ${name})
+endmacro()
+
+# Where a module lies. A wing of one module is that module.
+function(acus_module_folder module out)
+  if(module STREQUAL ACUS_WING)
+    set(${out} acus/${module} PARENT_SCOPE)
+  else()
+    set(${out} acus/${ACUS_WING}/${module} PARENT_SCOPE)
+  endif()
+endfunction()
+
+# acus_compile_alone(MODULE file...): sources that cannot share a translation unit with others: macros of
+# X11, code that Highway compiles several times, two vendors' interfaces under the same names.
+function(acus_compile_alone module)
+  acus_module_folder(${module} folder)
+  list(TRANSFORM ARGN PREPEND ${folder}/)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION TRUE)
+endfunction()
+
+# acus_optimise(MODULE file...): sources of the wing's module MODULE whose loops are worth -O3.
+function(acus_optimise module)
+  acus_module_folder(${module} folder)
+  list(TRANSFORM ARGN PREPEND ${folder}/)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O3
+                              SKIP_UNITY_BUILD_INCLUSION TRUE)
+endfunction()
+
 # acus_add_module(NAME [DEPENDS module...] [LIBRARIES target...] [PRIVATE_LIBRARIES target...])
 #
-# One static library from all sources in lib/NAME. DEPENDS is the whole list of modules whose headers
-# lib/NAME may include; a test holds every #include against it (modules.txt: "name dep dep ...").
+# One static library from all sources of the wing's folder NAME. DEPENDS is the whole list of modules
+# whose headers it may include; a test holds every #include against it.
 # LIBRARIES appear in public headers, PRIVATE_LIBRARIES only in sources.
 function(acus_add_module name)
   cmake_parse_arguments(arg "" "" "DEPENDS;LIBRARIES;PRIVATE_LIBRARIES" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
+  acus_module_folder(${name} folder)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
   if(NOT sources)
-    message(FATAL_ERROR "lib/${name} has no source file")
+    message(FATAL_ERROR "lib/${folder} has no source file")
   endif()
   add_library(acus_${name} STATIC ${sources})
   add_library(acus::${name} ALIAS acus_${name})
   list(TRANSFORM arg_DEPENDS PREPEND acus:: OUTPUT_VARIABLE dependencies)
   target_link_libraries(acus_${name} PUBLIC acus_flags ${dependencies} ${arg_LIBRARIES}
                         PRIVATE ${arg_PRIVATE_LIBRARIES})
+  acus_join_sources(acus_${name})
+  set_target_properties(acus_${name} PROPERTIES EXPORT_NAME ${name})
+  install(TARGETS acus_${name} EXPORT AcusTargets
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/acus COMPONENT library)
   list(JOIN arg_DEPENDS " " row)
-  file(APPEND ${ACUS_MODULE_GRAPH} "${name} ${row}\n")
+  file(APPEND ${ACUS_MODULE_GRAPH} "${ACUS_WING} ${name} ${row}\n")
+endfunction()
+
+# acus_install_library(): headers, libraries and what find_package(Acus) reads.
+function(acus_install_library)
+  set_target_properties(acus_flags PROPERTIES EXPORT_NAME flags)
+  install(TARGETS acus_flags EXPORT AcusTargets COMPONENT library)
+  install(DIRECTORY ${CMAKE_SOURCE_DIR}/lib/acus DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+          COMPONENT library FILES_MATCHING PATTERN "*.h")
+  set(folder ${CMAKE_INSTALL_LIBDIR}/cmake/Acus)
+  install(EXPORT AcusTargets NAMESPACE acus:: DESTINATION ${folder} COMPONENT library)
+  include(CMakePackageConfigHelpers)
+  write_basic_package_version_file(${CMAKE_BINARY_DIR}/AcusConfigVersion.cmake
+                                   COMPATIBILITY SameMinorVersion)
+  install(FILES ${CMAKE_SOURCE_DIR}/lib/AcusConfig.cmake
+                ${CMAKE_SOURCE_DIR}/lib/acus_dependencies.cmake
+                ${CMAKE_BINARY_DIR}/AcusConfigVersion.cmake
+          DESTINATION ${folder} COMPONENT library)
 endfunction()
 
 add_custom_target(programs)
@@ -82,7 +152,7 @@ function(acus_embed_schemas target)
   endforeach()
   set(source ${CMAKE_BINARY_DIR}/generated/schemas.cpp)
   file(CONFIGURE OUTPUT ${source} @ONLY CONTENT [[
-#include "config/schemas.h"
+#include "acus/base/config/schemas.h"
 
 namespace acus::config {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "config/json_file.h"
-#include "config/schema_check.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/config/schema_check.h"
 
 namespace acus {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/atomic_file.h"
+#include "acus/base/core/atomic_file.h"
 
 namespace acus {
 namespace {

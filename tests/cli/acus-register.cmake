@@ -105,3 +105,7 @@ acus_add_cli_case(acus-register.warp_far EXIT 4 BEFORE "${register_inputs}" LEAV
   STDERR "is the registration right"
   COMMAND acus-register warp --ct body_ct.nrrd --labels body_labels.nrrd --skin skin.obj
           --mannequin mannequin.obj --transform far.txt -o warped)
+acus_add_cli_case(acus-register.warp_ignores_no_option EXIT 2 LEAVES_NOTHING BEFORE "${register_inputs}"
+  STDERR "--fle-mm: is not for warp"
+  COMMAND acus-register warp --ct body_ct.nrrd --labels body_labels.nrrd --skin skin.obj
+          --mannequin skin.obj --fle-mm 1 -o warped)

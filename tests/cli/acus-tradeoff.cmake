@@ -1,43 +1,3 @@
-acus_add_cli_case(acus-tradeoff.tissue EXIT 0 TIMEOUT 300
-  STDOUT "^element_size_mm" "default$" "paper$"
-  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
-  COMMAND acus-tradeoff tissue --quick -o t)
-acus_add_cli_case(acus-tradeoff.errors_fall EXIT 0 TIMEOUT 300
-  BEFORE "$ACUS_BIN/acus-tradeoff tissue --quick --quiet -o t > table.txt
-${CMAKE_CURRENT_LIST_DIR}/check_tradeoff.sh t/tradeoff.csv"
-  COMMAND acus-tradeoff --version)
-acus_add_cli_case(acus-tradeoff.image EXIT 0 TIMEOUT 120 STDOUT "^lines" "^elevation_planes" "default$"
-  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
-  COMMAND acus-tradeoff image --quick -o t)
-acus_add_cli_case(acus-tradeoff.needle EXIT 0 TIMEOUT 120 STDOUT "^num_nodes" "^step_ms" "default$"
-  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
-  COMMAND acus-tradeoff needle --quick -o t)
-acus_add_cli_case(acus-tradeoff.forces EXIT 0 TIMEOUT 120
-  STDOUT "^friction, explicit Euler: step_ms" "^level" "UNUSABLE" "default$"
-  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
-  COMMAND acus-tradeoff forces --quick -o t)
-acus_add_cli_case(acus-tradeoff.breathing EXIT 0 TIMEOUT 120
-  STDOUT "^field_nodes" "^key_frames" "^model" "^haptic_iterations" "^pixel_iterations" "default$" "paper$"
-  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
-  COMMAND acus-tradeoff breathing --quick -o t)
-acus_add_cli_case(acus-tradeoff.probe EXIT 0 TIMEOUT 120 STDOUT "^proxies, face on round skin" "default$"
-  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
-  COMMAND acus-tradeoff probe --quick -o t)
-acus_add_cli_case(acus-tradeoff.views EXIT 0 TIMEOUT 120
-  STDOUT "^fluoroscopy: detail" "^volume rendering: ray step_mm, skin" "default$"
-  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
-  COMMAND acus-tradeoff views --quick -o t)
-acus_add_cli_case(acus-tradeoff.registration EXIT 0 TIMEOUT 120 STDOUT "^spacing_mm" "^wall" "default$"
-  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
-  COMMAND acus-tradeoff registration --quick -o t)
-acus_add_cli_case(acus-tradeoff.unknown_sweep EXIT 2 LEAVES_NOTHING
-  STDERR "unknown command .tissues." "Did you mean tissue[?]"
-  COMMAND acus-tradeoff tissues -o t)
-acus_add_cli_case(acus-tradeoff.no_output EXIT 2 LEAVES_NOTHING STDERR "--output"
-  COMMAND acus-tradeoff tissue)
-acus_add_cli_case(acus-tradeoff.folder_exists EXIT 3 LEAVES_NOTHING BEFORE "mkdir t\necho mine > t/notes.txt"
-  STDERR "--overwrite" COMMAND acus-tradeoff tissue --quick -o t)
-
 # The knobs of a scenario over a session.
 set(subject $INPUTS/scenario.json $INPUTS/session --ct $INPUTS/ct.nrrd
     --labels $INPUTS/labels.seg.nrrd --transform $INPUTS/ct_from_reference.tfm)
@@ -136,9 +96,6 @@ acus_add_cli_case(acus-tradeoff.scene_budget_for_a_rate EXIT 3 NEEDS inputs LEAV
 acus_add_cli_case(acus-tradeoff.scene_budget_without_knobs EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "calls for nothing that can be simulated coarser or finer by a number"
   COMMAND acus-tradeoff ${scene} --set /effects/ultrasound=null --budget force=1ms -o b)
-acus_add_cli_case(acus-tradeoff.enough EXIT 0 TIMEOUT 120
-  STDOUT "^element_size_mm: no setting measured is enough for 0.05 N; the nearest, 6, is"
-         "^contact_spacing_mm: 3 is enough for 0.05 N"
-  CREATES t/tradeoff.html COMMAND acus-tradeoff tissue --quick --accuracy force=50mN -o t)
-acus_add_cli_case(acus-tradeoff.enough_of_what EXIT 3 LEAVES_NOTHING
-  STDERR "errors of forces only" COMMAND acus-tradeoff tissue --quick --accuracy image=30dB -o t)
+acus_add_cli_case(acus-tradeoff.unknown_command EXIT 2 LEAVES_NOTHING
+  STDERR "unknown command .scenes." "Did you mean scene[?]"
+  COMMAND acus-tradeoff scenes -o t)

@@ -18,7 +18,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "core/random.h"
+#include "acus/base/core/random.h"
 
 namespace acus {
 namespace {

@@ -1,7 +1,7 @@
 // Real surrogates of breathing: a belt at 1 kHz, and two signals without times.
 #include <gtest/gtest.h>
 
-#include "breathing/recorded_breath.h"
+#include "acus/physics/breathing/recorded_breath.h"
 #include "support/shared_data.h"
 
 namespace acus::breathing {

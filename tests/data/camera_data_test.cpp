@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <iostream>
 
-#include "camera/marker_detector.h"
-#include "math/statistics.h"
+#include "acus/base/math/statistics.h"
+#include "acus/rig/camera/marker_detector.h"
 #include "support/shared_data.h"
 
 namespace acus::camera {

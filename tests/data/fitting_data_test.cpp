@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <gtest/gtest.h>
 
-#include "fitting/fit_models.h"
-#include "math/statistics.h"
+#include "acus/base/math/statistics.h"
+#include "acus/patient/fitting/fit_models.h"
 #include "support/shared_data.h"
 
 namespace acus::fitting {

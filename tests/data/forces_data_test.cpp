@@ -2,10 +2,10 @@
 #include <cstdio>
 #include <gmock/gmock.h>
 
-#include "core/run_context.h"
+#include "acus/base/core/run_context.h"
+#include "acus/data/volume/volume_io.h"
 #include "support/force_scenes.h"
 #include "support/shared_data.h"
-#include "volume/volume_io.h"
 
 namespace acus::forces {
 namespace {

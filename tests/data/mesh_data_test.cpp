@@ -4,15 +4,15 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "config/json_file.h"
-#include "core/error.h"
-#include "mesh/quality.h"
-#include "mesh/surface_io.h"
-#include "meshing/label_mesher.h"
-#include "meshing/mesh_config.h"
-#include "meshing/surface_mesher.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/error.h"
+#include "acus/data/mesh/quality.h"
+#include "acus/data/mesh/surface_io.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/patient/meshing/label_mesher.h"
+#include "acus/patient/meshing/mesh_config.h"
+#include "acus/patient/meshing/surface_mesher.h"
 #include "support/shared_data.h"
-#include "volume/volume_io.h"
 
 namespace acus::meshing {
 namespace {

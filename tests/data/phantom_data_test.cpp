@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 #include <map>
 
-#include "config/json_file.h"
-#include "phantom/patient_folder.h"
-#include "session/session_io.h"
+#include "acus/base/config/json_file.h"
+#include "acus/data/session/session_io.h"
+#include "acus/data/volume/labels.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/patient/phantom/patient_folder.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
-#include "volume/labels.h"
-#include "volume/volume_io.h"
 
 namespace acus::phantom {
 namespace {

@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "core/random.h"
-#include "registration/landmark_registration.h"
-#include "registration/pivot.h"
-#include "registration/touches.h"
-#include "registration/tracker_quality.h"
-#include "session/plus_config.h"
-#include "session/session_import.h"
+#include "acus/base/core/random.h"
+#include "acus/data/session/plus_config.h"
+#include "acus/data/session/session_import.h"
+#include "acus/patient/registration/landmark_registration.h"
+#include "acus/patient/registration/pivot.h"
+#include "acus/patient/registration/touches.h"
+#include "acus/patient/registration/tracker_quality.h"
 #include "support/shared_data.h"
 
 namespace acus::registration {

@@ -2,16 +2,16 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
-#include "core/atomic_file.h"
-#include "math/rigid.h"
-#include "registration/transform_file.h"
-#include "replay/replay.h"
-#include "session/plus_config.h"
-#include "session/sequence_file.h"
-#include "session/session_import.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/math/rigid.h"
+#include "acus/data/session/plus_config.h"
+#include "acus/data/session/sequence_file.h"
+#include "acus/data/session/session_import.h"
+#include "acus/data/transforms/transform_file.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/run/replay/replay.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
-#include "volume/volume_io.h"
 
 namespace acus::replay {
 namespace {
@@ -55,7 +55,7 @@ TEST(ReplayOnRealData, PlusFreehandSweepOverAnAbdomen) {
   ct_from_probe.translation() = SkinFromTheFront(ct);
   const Eigen::Isometry3d ct_from_reference =
       ct_from_probe * sweep[10].reference_from_tool.inverse();
-  registration::WriteTransform(folder / "ct_from_reference.tfm", ct_from_reference, "");
+  transforms::WriteTransform(folder / "ct_from_reference.tfm", ct_from_reference, "");
 
   const auto scenario = scenario::ReadScenario(
       fs::path(ACUS_SOURCE_DIR) / "configs/scenarios/tracked_probe.json",

@@ -1,10 +1,10 @@
 // The judged numbers, on real CTs.
 #include <gmock/gmock.h>
 
-#include "segmentation/patient_segmentation.h"
+#include "acus/data/volume/labels.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/patient/segmentation/patient_segmentation.h"
 #include "support/shared_data.h"
-#include "volume/labels.h"
-#include "volume/volume_io.h"
 
 namespace acus::segmentation {
 namespace {

@@ -7,16 +7,16 @@
 #include <map>
 #include <numbers>
 
-#include "core/atomic_file.h"
-#include "math/rigid.h"
-#include "session/itk_transform_file.h"
-#include "session/plus_config.h"
-#include "session/sequence_file.h"
-#include "session/session_import.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/math/rigid.h"
+#include "acus/data/session/plus_config.h"
+#include "acus/data/session/sequence_file.h"
+#include "acus/data/session/session_import.h"
+#include "acus/data/transforms/itk_transform_file.h"
+#include "acus/run/training/motion_metrics.h"
 #include "support/fuzz.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
-#include "training/motion_metrics.h"
 
 namespace acus::session {
 namespace {

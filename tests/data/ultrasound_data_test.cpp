@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 #include <optional>
 
+#include "acus/data/image/png.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/imaging/slicing/ct_slice.h"
+#include "acus/imaging/ultrasound/annotate.h"
+#include "acus/imaging/ultrasound/bmode.h"
 #include "support/shared_data.h"
-#include "ultrasound/annotate.h"
-#include "ultrasound/bmode.h"
-#include "ultrasound/ct_slice.h"
-#include "ultrasound/png.h"
-#include "volume/volume_io.h"
 
 namespace acus::ultrasound {
 namespace {

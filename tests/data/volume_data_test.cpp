@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <gmock/gmock.h>
 
+#include "acus/data/volume/volume_io.h"
 #include "support/shared_data.h"
-#include "volume/volume_io.h"
 
 namespace acus::volume {
 namespace {

@@ -1,15 +1,15 @@
 // Makes the pages about accuracy and time from stored results; pipelines/accuracy-and-time runs it.
 #include <CLI/CLI.hpp>
 
-#include "config/json_file.h"
-#include "core/atomic_file.h"
-#include "core/run_main.h"
-#include "pages/machine.h"
-#include "pages/page_folder.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/run_main.h"
+#include "benchmarks/machine.h"
+#include "benchmarks/page_folder.h"
 
 int main(int argc, char** argv) {
   namespace fs = std::filesystem;
-  using acus::pages::Claims;
+  using acus::benchmarks::Claims;
   fs::path templates = fs::path(ACUS_SOURCE_DIR) / "docs" / "templates";
   fs::path data, folder, machine;
   bool strict = false;
@@ -22,10 +22,10 @@ int main(int argc, char** argv) {
   app.add_option("--machine", machine, "Write down this machine instead, to this file");
   app.footer("EXAMPLE\n  accuracy_pages --data docs/data -o pages");
   return acus::RunMain(app, argc, argv, [&](acus::RunContext&) {
-    if (!machine.empty()) acus::config::WriteJson(machine, acus::pages::MachineFacts());
+    if (!machine.empty()) acus::config::WriteJson(machine, acus::benchmarks::MachineFacts());
     if (folder.empty()) return acus::ExitCode::kOk;
-    const auto files =
-        acus::pages::MakePages(templates, data, strict ? Claims::kMustHold : Claims::kAreMarked);
+    const auto files = acus::benchmarks::MakePages(templates, data,
+                                                   strict ? Claims::kMustHold : Claims::kAreMarked);
     fs::create_directories(folder / "figures");
     for (const auto& [name, text] : files) acus::WriteTextFile(folder / name, text);
     return acus::ExitCode::kOk;

@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
 
-#include "core/atomic_file.h"
-#include "core/error.h"
-#include "pages/page_folder.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "benchmarks/page_folder.h"
 #include "support/temporary_folder.h"
 
 namespace acus {
@@ -14,7 +14,8 @@ namespace {
 
 TEST(AccuracyPages, AreWhatTheStoredResultsGive) {
   const std::filesystem::path docs = std::filesystem::path(ACUS_SOURCE_DIR) / "docs";
-  const auto files = pages::MakePages(docs / "templates", docs / "data", pages::Claims::kMustHold);
+  const auto files =
+      benchmarks::MakePages(docs / "templates", docs / "data", benchmarks::Claims::kMustHold);
   EXPECT_GT(files.size(), 5u);
   for (const auto& [name, text] : files) {
     if (std::getenv("ACUS_WRITE_DOCS") != nullptr) {
@@ -46,10 +47,11 @@ TEST(AccuracyPages, AreMadeOfAFewSettingsToo) {
     }
     WriteTextFile(few.path() / entry.path().filename(), kept);
   }
-  const auto files = pages::MakePages(docs / "templates", few.path(), pages::Claims::kAreMarked);
+  const auto files =
+      benchmarks::MakePages(docs / "templates", few.path(), benchmarks::Claims::kAreMarked);
   EXPECT_NE(files.at("accuracy-and-time.md").find("**(not measured in this run)**"),
             std::string::npos);
-  EXPECT_THROW(pages::MakePages(docs / "templates", few.path(), pages::Claims::kMustHold),
+  EXPECT_THROW(benchmarks::MakePages(docs / "templates", few.path(), benchmarks::Claims::kMustHold),
                InputError);
 }
 

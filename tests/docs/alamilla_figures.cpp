@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <iostream>
 
-#include "core/error.h"
-#include "report/svg_plot.h"
+#include "acus/base/core/error.h"
+#include "acus/base/report/svg_plot.h"
 #include "support/force_scenes.h"
 
 namespace acus::forces {

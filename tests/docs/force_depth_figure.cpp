@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/csv.h"
-#include "core/error.h"
-#include "report/svg_plot.h"
+#include "acus/base/core/csv.h"
+#include "acus/base/core/error.h"
+#include "acus/base/report/svg_plot.h"
 
 namespace {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <iostream>
 
-#include "breathing/motion_map.h"
-#include "core/parallel.h"
+#include "acus/base/core/parallel.h"
+#include "acus/data/image/png.h"
+#include "acus/physics/breathing/motion_map.h"
 #include "support/breathing_liver.h"
-#include "ultrasound/png.h"
 
 namespace {
 
@@ -59,13 +59,13 @@ class Sheet {
           std::lround(255.0 * std::clamp(colour[static_cast<Eigen::Index>(c)], 0.0, 1.0)));
     }
   }
-  void Write(const std::filesystem::path& path) const { ultrasound::WritePng(path, image_); }
+  void Write(const std::filesystem::path& path) const { image::WritePng(path, image_); }
 
  private:
   static constexpr int kGap = 4;
   int width_;
   int height_;
-  ultrasound::ColourImage image_;
+  image::ColourImage image_;
 };
 
 Array3d OfHue(double hue) {

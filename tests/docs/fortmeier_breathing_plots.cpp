@@ -3,13 +3,13 @@
 #include <cmath>
 #include <iostream>
 
-#include "breathing/tool_at_rest.h"
-#include "report/svg_plot.h"
-#include "simulation/simulation.h"
+#include "acus/base/report/svg_plot.h"
+#include "acus/data/volume/label_lookup.h"
+#include "acus/physics/breathing/tool_at_rest.h"
+#include "acus/scene/simulation/simulation.h"
 #include "support/bending_scene.h"
 #include "support/breathing_liver.h"
 #include "support/fortmeier_liver.h"
-#include "volume/label_lookup.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // Repeats the upper half of figure 5 of Fortmeier-2016: fortmeier_figure_5 OUT.svg
 #include <iostream>
 
-#include "report/svg_plot.h"
+#include "acus/base/report/svg_plot.h"
 #include "support/fortmeier_liver.h"
 
 namespace {

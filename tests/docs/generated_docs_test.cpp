@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "config/json_file.h"
-#include "core/atomic_file.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
 
 namespace acus {
 namespace {

@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <iostream>
 
-#include "core/error.h"
-#include "core/run_context.h"
-#include "math/rigid.h"
-#include "registration/landmarks.h"
-#include "session/session_io.h"
+#include "acus/base/core/error.h"
+#include "acus/base/core/run_context.h"
+#include "acus/base/math/rigid.h"
+#include "acus/data/session/session_io.h"
+#include "acus/data/transforms/landmarks.h"
 
 namespace {
 
-Eigen::Vector3d PointOf(const acus::registration::Landmarks& points, const std::string& name) {
+Eigen::Vector3d PointOf(const acus::transforms::Landmarks& points, const std::string& name) {
   const auto found = std::ranges::find(points.names, name);
   ACUS_REQUIRE(found != points.names.end(), points.source, ": has no point ", name);
   return points.points_mm.col(found - points.names.begin());
@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    const acus::registration::Landmarks points = acus::registration::ReadLandmarks(argv[1]);
+    const acus::transforms::Landmarks points = acus::transforms::ReadLandmarks(argv[1]);
     const Eigen::Vector3d entry_mm = PointOf(points, "entry");
     const Eigen::Vector3d way_mm = PointOf(points, "target") - entry_mm;
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();

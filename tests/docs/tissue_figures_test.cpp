@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <string>
 
-#include "core/atomic_file.h"
-#include "tissue/displacement_functions.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/physics/tissue/displacement_functions.h"
 
 namespace acus::tissue {
 namespace {

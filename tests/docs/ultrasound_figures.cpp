@@ -6,33 +6,33 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "config/json_file.h"
-#include "config/pose_json.h"
-#include "core/error.h"
-#include "core/run_context.h"
-#include "session/session_io.h"
-#include "ultrasound/alamilla.h"
-#include "ultrasound/annotate.h"
-#include "ultrasound/beam_renderer.h"
-#include "ultrasound/bmode.h"
-#include "ultrasound/ct_slice.h"
-#include "ultrasound/png.h"
-#include "ultrasound/vidal.h"
-#include "volume/volume_io.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/config/pose_json.h"
+#include "acus/base/core/error.h"
+#include "acus/base/core/run_context.h"
+#include "acus/data/image/png.h"
+#include "acus/data/session/session_io.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/imaging/slicing/ct_slice.h"
+#include "acus/imaging/ultrasound/alamilla.h"
+#include "acus/imaging/ultrasound/annotate.h"
+#include "acus/imaging/ultrasound/beam_renderer.h"
+#include "acus/imaging/ultrasound/bmode.h"
+#include "acus/imaging/ultrasound/vidal.h"
 
 namespace acus {
 namespace {
 
 namespace fs = std::filesystem;
-using ultrasound::GrayImage;
+using image::GrayImage;
 
 /// What every panel shows.
 struct Moment {
   volume::CtVolume ct;
   volume::LabelMap labels;
-  ultrasound::Probe probe;
+  acoustics::Probe probe;
   Eigen::Isometry3d ct_from_probe;
-  ultrasound::NeedleInImage needle;
+  image::NeedleInImage needle;
 };
 
 Eigen::Isometry3d CtFromReference(const fs::path& patient) {
@@ -48,7 +48,7 @@ Moment MomentOf(const fs::path& patient, const fs::path& probe) {
   const Eigen::Isometry3d ct_from_reference = CtFromReference(patient);
   Moment moment{.ct = volume::ReadCt(patient / "ct.nrrd", "", RunContext()),
                 .labels = volume::ReadTissues(patient / "labels.seg.nrrd"),
-                .probe = ultrasound::ReadProbe(probe),
+                .probe = acoustics::ReadProbe(probe),
                 .ct_from_probe = Eigen::Isometry3d::Identity(),
                 .needle = {}};
   moment.probe.image_width_px = moment.probe.image_height_px = 340;  // Speckle hardly compresses.
@@ -121,8 +121,8 @@ GrayImage Columns(const Moment& m, const char* acoustics) {
 }
 
 GrayImage Beams(const Moment& m, const ultrasound::BeamOptions& options) {
-  const auto table = ultrasound::ReadTissueAcoustics(Acoustics("tissues.json"));
-  ultrasound::Probe probe = m.probe;
+  const auto table = acoustics::ReadTissueAcoustics(Acoustics("tissues.json"));
+  acoustics::Probe probe = m.probe;
   probe.frequency_mhz = 3.5;
   probe.gain_db = 22.0;
   probe.tgc_db_per_cm = 4.0;
@@ -134,7 +134,7 @@ GrayImage Beams(const Moment& m, const ultrasound::BeamOptions& options) {
 
 GrayImage CtSlice(const Moment& m) {
   GrayImage image;
-  ultrasound::CtSliceRenderer(m.ct, ultrasound::PictureOf(m.probe), m.probe.slice_thickness_mm)
+  slicing::CtSliceRenderer(m.ct, acoustics::PictureOf(m.probe), m.probe.slice_thickness_mm)
       .Render(m.ct_from_probe, m.needle, image);
   return image;
 }
@@ -219,7 +219,7 @@ void Run(const fs::path& patient, const fs::path& probe, const std::string& figu
                       : figure == "beams" ? BeamSteps(moment)
                       : figure == "dear"  ? DearSteps(moment)
                                           : AlamillaSteps(moment);
-  ultrasound::WritePng(out, Joined(panels, panels.size() > 4 ? 3 : 2));
+  image::WritePng(out, Joined(panels, panels.size() > 4 ? 3 : 2));
 }
 
 }  // namespace

@@ -11,18 +11,18 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "config/json_file.h"
-#include "config/pose_json.h"
-#include "core/csv.h"
-#include "core/run_context.h"
-#include "display/window.h"
-#include "session/session_io.h"
-#include "simulation/view_scene.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/config/pose_json.h"
+#include "acus/base/core/csv.h"
+#include "acus/base/core/run_context.h"
+#include "acus/data/session/session_io.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/imaging/fluoroscopy/fluoroscope.h"
+#include "acus/imaging/slicing/ct_slice.h"
+#include "acus/imaging/ultrasound/beam_renderer.h"
+#include "acus/scene/simulation/view_scene.h"
+#include "acus/window/window.h"
 #include "support/window_input.h"
-#include "ultrasound/beam_renderer.h"
-#include "ultrasound/ct_slice.h"
-#include "ultrasound/fluoroscope.h"
-#include "volume/volume_io.h"
 
 namespace acus {
 namespace {
@@ -33,8 +33,8 @@ const fs::path kConfigs = fs::path(ACUS_SOURCE_DIR) / "configs";
 
 struct Demo {
   volume::LabelMap labels;
-  display::PatientOnDisplay patient;
-  display::DisplayFrame frame;
+  window::PatientOnDisplay patient;
+  window::DisplayFrame frame;
 };
 
 Eigen::Isometry3d CtFromReference(const fs::path& patient) {
@@ -43,7 +43,7 @@ Eigen::Isometry3d CtFromReference(const fs::path& patient) {
 }
 
 /// Needle and probe of the recorded session, at this share of the needle's way.
-void PlaceTools(const fs::path& patient, double share, display::DisplayFrame& frame) {
+void PlaceTools(const fs::path& patient, double share, window::DisplayFrame& frame) {
   const fs::path folder = fs::directory_iterator(patient / "sessions")->path();
   const session::Session session = session::ReadSession(folder, RunContext());
   const Eigen::Isometry3d ct_from_reference = CtFromReference(patient);
@@ -70,7 +70,7 @@ void PlaceTools(const fs::path& patient, double share, display::DisplayFrame& fr
   }
 }
 
-std::vector<rendering::SurfaceInView> Surfaces(const volume::LabelMap& labels) {
+std::vector<volume_rendering::SurfaceInView> Surfaces(const volume::LabelMap& labels) {
   scenario::View3dEffect effect;
   effect.surface_grid_mm = 3.0;
   const auto add = [&](const char* tissue, double opacity) {
@@ -85,23 +85,24 @@ std::vector<rendering::SurfaceInView> Surfaces(const volume::LabelMap& labels) {
 
 /// A mannequin on a table, as a camera at its feet on the right side sees it.
 void FilmMannequin(Demo& demo) {
-  rendering::PatientInView mannequin;
+  volume_rendering::PatientInView mannequin;
   mannequin.surfaces.push_back(demo.patient.in_teaching_view.back());
   mannequin.surfaces.back().opacity = 1.0;
   mannequin.surfaces.back().colour = {0.86F, 0.72F, 0.62F};
-  rendering::ViewSettings look;
+  volume_rendering::ViewSettings look;
   look.background_top = {0.44F, 0.47F, 0.50F};
   look.background_bottom = {0.30F, 0.36F, 0.40F};
-  rendering::PatientView view(mannequin, look);
-  display::VideoPicture& video = demo.frame.video.emplace();
+  volume_rendering::PatientView view(mannequin, look);
+  window::VideoPicture& video = demo.frame.video.emplace();
   const Eigen::Vector3d middle = view.box_in_ct_mm().center();
-  video.camera = rendering::LookAt({.eye_in_ct_mm = middle + Eigen::Vector3d(-620, -560, 230),
-                                    .focus_in_ct_mm = middle + Eigen::Vector3d(-20, 0, 0),
-                                    .up_in_ct = Eigen::Vector3d(0.0, -1.0, 0.0),
-                                    .view_angle_deg = 34.0},
-                                   {.width_px = 640, .height_px = 480});
-  rendering::ViewPicture picture;
-  rendering::ViewMoment moment;
+  video.camera =
+      volume_rendering::LookAt({.eye_in_ct_mm = middle + Eigen::Vector3d(-620, -560, 230),
+                                .focus_in_ct_mm = middle + Eigen::Vector3d(-20, 0, 0),
+                                .up_in_ct = Eigen::Vector3d(0.0, -1.0, 0.0),
+                                .view_angle_deg = 34.0},
+                               {.width_px = 640, .height_px = 480});
+  volume_rendering::ViewPicture picture;
+  volume_rendering::ViewMoment moment;
   moment.needle = demo.frame.needle;
   moment.probe.emplace();
   moment.probe->ct_from_probe = *demo.frame.ct_from_probe;
@@ -120,22 +121,22 @@ Demo Load(const fs::path& patient) {
   const CsvTable target(patient / "target_ct.csv");
   demo.frame.target_in_ct_mm = Eigen::Vector3d(target.Numbers("x_mm")[0], target.Numbers("y_mm")[0],
                                                target.Numbers("z_mm")[0]);
-  ultrasound::Probe probe = ultrasound::ReadProbe(kConfigs / "probes/curvilinear_c5.json");
+  acoustics::Probe probe = acoustics::ReadProbe(kConfigs / "probes/curvilinear_c5.json");
   probe.frequency_mhz = 3.5;
   probe.gain_db = 22.0;
   probe.tgc_db_per_cm = 4.0;
-  const auto table = ultrasound::ReadTissueAcoustics(kConfigs / "acoustics/tissues.json");
+  const auto table = acoustics::ReadTissueAcoustics(kConfigs / "acoustics/tissues.json");
   ultrasound::BeamOptions options;
   options.coupling_gap_mm = 10.0;
-  display::DisplayFrame& frame = demo.frame;
+  window::DisplayFrame& frame = demo.frame;
   ultrasound::BeamRenderer({.labels = &demo.labels, .acoustics = &table}, probe, options)
       .Render(*frame.ct_from_probe, frame.needle, frame.ultrasound.picture);
-  frame.ultrasound.probe = std::make_shared<ultrasound::Probe>(probe);
-  ultrasound::CtSliceRenderer(*ct, ultrasound::PictureOf(probe), 1.0)
+  frame.ultrasound.probe = std::make_shared<acoustics::Probe>(probe);
+  slicing::CtSliceRenderer(*ct, acoustics::PictureOf(probe), 1.0)
       .Render(*frame.ct_from_probe, frame.needle, frame.ct_slice);
-  ultrasound::CArmPose c_arm;
+  fluoroscopy::CArmPose c_arm;
   c_arm.isocentre_in_ct_mm = *frame.target_in_ct_mm;
-  ultrasound::Fluoroscope(*ct, ultrasound::ReadCArm(kConfigs / "c_arms/mobile.json"), c_arm)
+  fluoroscopy::Fluoroscope(*ct, fluoroscopy::ReadCArm(kConfigs / "c_arms/mobile.json"), c_arm)
       .Render(frame.needle, frame.fluoroscopy, 2);
   demo.patient.in_teaching_view = Surfaces(demo.labels);
   demo.patient.in_overlay.ct = ct;
@@ -147,13 +148,13 @@ Demo Load(const fs::path& patient) {
                    .tracker_to_picture_ms = 48.0,
                    .pictures_per_s = 30.0,
                    .missed_steps = 0};
-  frame.status = {{display::Severity::kGood, "Needle and probe are seen. Forces are on."},
-                  {display::Severity::kNote, "Recording: liver biopsy, trainee T07."}};
+  frame.status = {{window::Severity::kGood, "Needle and probe are seen. Forces are on."},
+                  {window::Severity::kNote, "Recording: liver biopsy, trainee T07."}};
   return demo;
 }
 
 /// Smaller than on the screen: photographs in the text, not measurements.
-void Save(const ultrasound::ColourImage& picture, const fs::path& path) {
+void Save(const image::ColourImage& picture, const fs::path& path) {
   const cv::Mat rgb(picture.height, picture.width, CV_8UC3,
                     const_cast<std::uint8_t*>(picture.rgb.data()));
   cv::Mat bgr;
@@ -162,16 +163,16 @@ void Save(const ultrasound::ColourImage& picture, const fs::path& path) {
   cv::imwrite(path.string(), bgr, {cv::IMWRITE_PNG_COMPRESSION, 9});
 }
 
-void Settle(display::Window& window, const display::DisplayFrame& frame) {
+void Settle(window::Window& window, const window::DisplayFrame& frame) {
   for (int i = 0; i < 4; ++i) window.Show(frame);
 }
 
 void MakeFigures(Demo& demo, const fs::path& out) {
-  display::WindowSettings settings;
+  window::WindowSettings settings;
   settings.overlay_in_background = false;
   settings.overlay_scale = 1.0;
   settings.max_triangles = 60000;
-  display::Window window(demo.patient, settings);
+  window::Window window(demo.patient, settings);
   testing_support::WindowInput input;
   const auto save = [&](const char* name) {
     Settle(window, demo.frame);
@@ -192,10 +193,10 @@ void MakeFigures(Demo& demo, const fs::path& out) {
   demo.frame.ultrasound.frozen = true;
   demo.frame.force.needle_n = 4.97;
   demo.frame.status = {
-      {display::Severity::kFault,
+      {window::Severity::kFault,
        "The tracker does not see the needle: forces are off. Turn it towards the camera."},
-      {display::Severity::kWarning, "Forces were limited to 5 N."},
-      {display::Severity::kNote, "Recording: liver biopsy, trainee T07."}};
+      {window::Severity::kWarning, "Forces were limited to 5 N."},
+      {window::Severity::kNote, "Recording: liver biopsy, trainee T07."}};
   save("fault");
   demo.frame.ultrasound.frozen = false;
   input.Key("s");
@@ -215,7 +216,7 @@ double Seconds(clockid_t clock) {
 
 /// What each view costs alone.
 void MeasureViews(const Demo& demo) {
-  display::Window window(demo.patient, display::WindowSettings());
+  window::Window window(demo.patient, window::WindowSettings());
   testing_support::WindowInput input;
   constexpr int kFrames = 60;
   for (const char* what : {"all", "video", "ultrasound", "3D", "CT", "fluoroscopy"}) {
@@ -230,9 +231,9 @@ void MeasureViews(const Demo& demo) {
 
 /// Everything moves: needle, probe, camera, pictures.
 void MeasureRate(const Demo& demo) {
-  display::Window window(demo.patient, display::WindowSettings());
+  window::Window window(demo.patient, window::WindowSettings());
   testing_support::WindowInput input;
-  display::DisplayFrame frame = demo.frame;
+  window::DisplayFrame frame = demo.frame;
   constexpr int kFrames = 150;
   Settle(window, frame);
   for (const char* what : {"still", "tools move", "camera moves too"}) {

@@ -9,12 +9,12 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
-#include "core/monotonic_time.h"
+#include "acus/base/core/monotonic_time.h"
+#include "acus/rig/tracking/igtl_source.h"
+#include "acus/rig/tracking/pose_server.h"
+#include "acus/rig/tracking/socket.h"
 #include "support/temporary_folder.h"
 #include "support/wait_until.h"
-#include "tracking/igtl_source.h"
-#include "tracking/pose_server.h"
-#include "tracking/socket.h"
 
 #ifndef ACUS_IGTL_PROGRAMS
 #define ACUS_IGTL_PROGRAMS ""
@@ -88,7 +88,7 @@ class OpenIgtLinkExamples : public testing::Test {
   /// Poses 20 times a second, until `done`.
   bool Serve(const std::function<bool()>& done) {
     return WaitUntil([&] {
-      const session::Pose pose(Eigen::Isometry3d(Eigen::Translation3d(11.5, -22.25, 33.125)));
+      const transforms::Pose pose(Eigen::Isometry3d(Eigen::Translation3d(11.5, -22.25, 33.125)));
       const NamedPose poses[] = {{.name = "NeedleToReference", .reference_from_tool = pose}};
       server_.SendPoses(poses, MonotonicNs());
       usleep(50'000);

@@ -9,12 +9,12 @@
 #include <set>
 #include <thread>
 
-#include "core/cpu_time.h"
-#include "core/error.h"
-#include "math/statistics.h"
-#include "simulation/breathing_scene.h"
-#include "simulation/image_level.h"
-#include "simulation/simulation.h"
+#include "acus/base/core/cpu_time.h"
+#include "acus/base/core/error.h"
+#include "acus/base/math/statistics.h"
+#include "acus/scene/simulation/breathing_scene.h"
+#include "acus/scene/simulation/image_level.h"
+#include "acus/scene/simulation/simulation.h"
 #include "support/bending_scene.h"
 #include "support/breathing_patients.h"
 #include "support/paired_times.h"
@@ -184,15 +184,15 @@ class Pictures {
   std::map<std::string, simulation::ImageLevel> Levels() const {
     const std::filesystem::path acoustics =
         std::filesystem::path(ACUS_SOURCE_DIR) / "configs/acoustics";
-    const ultrasound::Probe probe = testing_support::FullLinearProbe();
+    const acoustics::Probe probe = testing_support::FullLinearProbe();
     simulation::BeamSettings beams;
-    beams.acoustics = ultrasound::ReadTissueAcoustics(acoustics / "tissues.json");
+    beams.acoustics = acoustics::ReadTissueAcoustics(acoustics / "tissues.json");
     simulation::BeamSettings beams_of_ct = beams;
     beams_of_ct.from_ct = true;
     beams_of_ct.from_labels = false;
     const simulation::ImagePatient patient{&ct_, &labels_};
     std::map<std::string, simulation::ImageLevel> levels;
-    const auto add = [&](const char* name, const ultrasound::Probe& by,
+    const auto add = [&](const char* name, const acoustics::Probe& by,
                          const simulation::ImageSettings& settings) {
       levels.try_emplace(name, patient, by, settings);
     };
@@ -228,7 +228,7 @@ struct PictureTimes {
 PictureTimes TimePictures(simulation::ImageLevel& level,
                           const std::map<int, simulation::Breathing>& patients) {
   PictureTimes times;
-  ultrasound::GrayImage image;
+  image::GrayImage image;
   int n = 0;
   const auto measure = [&] {
     const Eigen::Isometry3d pose = testing_support::SwayingProbe(n);

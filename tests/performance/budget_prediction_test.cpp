@@ -6,15 +6,15 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "fidelity/budget.h"
-#include "fidelity/budget_scenario.h"
-#include "fidelity/case_run.h"
-#include "regression/calibration.h"
-#include "session/session_io.h"
+#include "acus/assess/regression/calibration.h"
+#include "acus/assess/tuning/budget.h"
+#include "acus/assess/tuning/budget_scenario.h"
+#include "acus/assess/tuning/case_run.h"
+#include "acus/data/session/session_io.h"
 #include "support/layered_folder.h"
 #include "support/temporary_folder.h"
 
-namespace acus::fidelity {
+namespace acus::tuning {
 namespace {
 
 namespace fs = std::filesystem;
@@ -145,4 +145,4 @@ TEST(BudgetPrediction, HoldsOnASecondSession) {
 }
 
 }  // namespace
-}  // namespace acus::fidelity
+}  // namespace acus::tuning

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
-#include "core/cpu_time.h"
-#include "mechanics/reachable.h"
+#include "acus/base/core/cpu_time.h"
+#include "acus/physics/mechanics/reachable.h"
+#include "acus/physics/tissue/fem_field.h"
 #include "support/box_mesh.h"
-#include "tissue/fem_field.h"
 
 namespace acus {
 namespace {

@@ -6,8 +6,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/cpu_time.h"
-#include "core/error.h"
+#include "acus/base/core/cpu_time.h"
+#include "acus/base/core/error.h"
 #include "support/effects_patient.h"
 #include "support/effects_run.h"
 

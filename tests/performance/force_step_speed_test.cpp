@@ -3,13 +3,13 @@
 #include <cstdio>
 #include <gtest/gtest.h>
 
-#include "core/cpu_time.h"
-#include "forces/vidal_probe.h"
-#include "math/statistics.h"
+#include "acus/base/core/cpu_time.h"
+#include "acus/base/math/statistics.h"
+#include "acus/physics/forces/vidal_probe.h"
+#include "benchmarks/force_levels.h"
 #include "support/force_scenes.h"
-#include "tradeoff/force_levels.h"
 
-namespace acus::tradeoff {
+namespace acus::benchmarks {
 namespace {
 
 // Every force model, tissue of every level, a needle of 25 nodes, and the probe, one after the
@@ -54,4 +54,4 @@ TEST(ForceStepSpeed, EveryComponentTogetherTakesLessThanFiftyMicroseconds) {
 }
 
 }  // namespace
-}  // namespace acus::tradeoff
+}  // namespace acus::benchmarks

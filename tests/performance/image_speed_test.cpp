@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 #include <optional>
 
+#include "acus/imaging/slicing/ct_slice.h"
+#include "acus/imaging/ultrasound/beam_renderer.h"
+#include "acus/imaging/ultrasound/bmode.h"
 #include "support/paired_times.h"
 #include "support/reslice_scene.h"
 #include "support/vtk_reslice.h"
-#include "ultrasound/beam_renderer.h"
-#include "ultrasound/bmode.h"
-#include "ultrasound/ct_slice.h"
 
 namespace acus::ultrasound {
 namespace {

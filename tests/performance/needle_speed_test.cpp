@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "core/cpu_time.h"
-#include "needle/bendable_needle.h"
-#include "needle/curved_path.h"
-#include "needle/path_coupling.h"
-#include "needle/rod.h"
+#include "acus/base/core/cpu_time.h"
+#include "acus/physics/needle/bendable_needle.h"
+#include "acus/physics/needle/curved_path.h"
+#include "acus/physics/needle/path_coupling.h"
+#include "acus/physics/needle/rod.h"
 #include "support/bending_scene.h"
 
 namespace acus::needle {

@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "config/json_file.h"
-#include "core/atomic_file.h"
-#include "replay/replay.h"
-#include "session/session_io.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/data/session/session_io.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/run/replay/replay.h"
 #include "support/layered_scene.h"
-#include "volume/volume_io.h"
 
 namespace acus::replay {
 namespace {

@@ -2,7 +2,7 @@
 // at the hand's rate, and in pictures (Fortmeier-2016, sections 2.1, 2.2 and fig. 11).
 #include <gtest/gtest.h>
 
-#include "rendering/warped_ray.h"
+#include "acus/imaging/volume_rendering/warped_ray.h"
 #include "support/breathing_patients.h"
 
 namespace acus::breathing {
@@ -125,7 +125,7 @@ TEST(BreathingInversion, OneIterationPerSampleFollowsARay) {
     const MotionMap map(model.field(), model.WeightsAt(patient.BreathAt(0.45)));
     double worst_mm = 0.0;
     for (double y = 30.0; y < 180.0; y += 15.0) {
-      rendering::WarpedRay ray(map, {.max_iterations = 1, .tolerance_mm = 0.0});
+      volume_rendering::WarpedRay ray(map, {.max_iterations = 1, .tolerance_mm = 0.0});
       const Eigen::Vector3d step = Eigen::Vector3d(0.5, 0.2, 0.9).normalized();
       for (int n = 0; n < 170; ++n) {
         const Eigen::Vector3d world = Eigen::Vector3d(20.0, y, 10.0) + n * step;

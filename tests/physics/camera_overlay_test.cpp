@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <iostream>
 
-#include "registration/rigid_registration.h"
+#include "acus/patient/registration/rigid_registration.h"
 #include "support/facet_views.h"
 
 namespace acus::camera {
@@ -63,7 +63,7 @@ TEST(CameraOverlay, CtMarkersFallOnThoseOfThePicture) {
   for (std::uint64_t i = 0; i < 20; ++i) {
     RandomStream random(3, "overlay", i);
     // CT to mannequin from landmarks that both sides know with an error.
-    registration::Markers in_ct(3, 6), in_reference(3, 6);
+    transforms::Markers in_ct(3, 6), in_reference(3, 6);
     for (Eigen::Index m = 0; m < 6; ++m) {
       const Eigen::Vector3d at =
           fiducials.markers[static_cast<std::size_t>(m)].object_from_marker.translation();

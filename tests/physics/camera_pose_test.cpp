@@ -6,7 +6,7 @@
 #include <iomanip>
 #include <iostream>
 
-#include "math/statistics.h"
+#include "acus/base/math/statistics.h"
 #include "support/facet_views.h"
 
 namespace acus::camera {

@@ -3,7 +3,7 @@
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 
-#include "core/error.h"
+#include "acus/base/core/error.h"
 #include "support/effects_patient.h"
 #include "support/effects_run.h"
 
@@ -37,7 +37,7 @@ using testing_support::EffectChoice;
 constexpr AvailableInputs kAll{.needle_poses = true, .probe_poses = true, .breath = true};
 constexpr const char* kNowhere = "/nowhere/at/all";
 
-const testing_support::EffectsPatient& Patient() {
+const testing_support::EffectsPatient& EffectsInputsPatient() {
   static const testing_support::EffectsPatient patient;
   return patient;
 }
@@ -97,7 +97,7 @@ void RunAll(const Scene& scene) {
 TEST(EffectInputs, EveryEffectRunsWithNothingButWhatItsStagesDeclare) {
   for (const EffectChoice& choice : testing_support::AllEffectChoices()) {
     SCOPED_TRACE(choice.name);
-    Scenario s = Patient().With(choice.effects);
+    Scenario s = EffectsInputsPatient().With(choice.effects);
     const EffectPlan plan = PlanEffects(s, {.needle_poses = true, .probe_poses = true});
     if (choice.effect == "breathing") {
       EXPECT_FALSE(plan.Has(StageId::kBreathing));  // Nobody is there to be moved.
@@ -119,7 +119,7 @@ TEST(EffectInputs, EveryPairOfEffectsRunsWithNothingButWhatItsStagesDeclare) {
       json effects = a.effects;
       effects.update(b.effects);
       SCOPED_TRACE(a.name + " and " + b.name);
-      Scenario s = Patient().With(effects);
+      Scenario s = EffectsInputsPatient().With(effects);
       const EffectPlan plan = PlanEffects(s, {.needle_poses = true, .probe_poses = true});
       HideUndeclared(plan, s);
       RunContext context;
@@ -156,7 +156,7 @@ TEST(EffectInputs, EveryMissingInputOfEveryEffectIsAnErrorThatNamesBoth) {
   for (const EffectChoice& choice : testing_support::AllEffectChoices()) {
     json effects = choice.effects;
     if (IsSeenOnly(choice)) effects["ct_slice"] = json::object();
-    const Scenario whole = Patient().With(effects);
+    const Scenario whole = EffectsInputsPatient().With(effects);
     AvailableInputs there = kAll;
     there.breath = false;
     const EffectPlan plan = PlanEffects(whole, there);
@@ -193,12 +193,12 @@ TEST(EffectInputs, EveryMissingInputOfEveryEffectIsAnErrorThatNamesBoth) {
 }
 
 TEST(EffectInputs, WhatIsDeclaredIsRead) {
-  const fs::path rubbish = Patient().folder() / "rubbish.json";
+  const fs::path rubbish = EffectsInputsPatient().folder() / "rubbish.json";
   WriteTextFile(rubbish, "{\"format\": \"rubbish/1\"}");
   for (const EffectChoice& choice : testing_support::AllEffectChoices()) {
     json effects = choice.effects;
     if (IsSeenOnly(choice)) effects["ct_slice"] = json::object();
-    const Scenario whole = Patient().With(effects);
+    const Scenario whole = EffectsInputsPatient().With(effects);
     const EffectPlan plan = PlanEffects(whole, {.needle_poses = true, .probe_poses = true});
     for (const PlannedInput& input : plan.inputs()) {
       if (input.file.empty()) continue;
@@ -215,7 +215,7 @@ TEST(EffectInputs, WhatIsDeclaredIsRead) {
 
 TEST(EffectInputs, ForcesAloneLoadNoImageAndImagesAloneFactorNoMatrix) {
   const auto load = [](const json& effects) {
-    Scenario s = Patient().With(effects);
+    Scenario s = EffectsInputsPatient().With(effects);
     const EffectPlan plan = PlanEffects(s, {.needle_poses = true, .probe_poses = true});
     HideUndeclared(plan, s);
     RunContext context;
@@ -223,7 +223,7 @@ TEST(EffectInputs, ForcesAloneLoadNoImageAndImagesAloneFactorNoMatrix) {
     RunAll(scene);
     return scene;
   };
-  Patient();  // To make him takes factorisations of its own.
+  EffectsInputsPatient();  // To make him takes factorisations of its own.
   num_factorisations = 0;
   const Scene forces =
       load({{"needle_force", {{"model", "layered"}}}, {"needle", {{"model", "bendable"}}}});

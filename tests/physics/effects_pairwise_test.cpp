@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-#include "core/error.h"
+#include "acus/base/core/error.h"
 #include "support/effects_patient.h"
 #include "support/effects_run.h"
 
@@ -17,13 +17,13 @@ using testing_support::Outputs;
 
 constexpr int kSteps = 320;
 
-const testing_support::EffectsPatient& Patient() {
+const testing_support::EffectsPatient& EffectsPairwisePatient() {
   static const testing_support::EffectsPatient patient;
   return patient;
 }
 
 Outputs RunOf(const json& effects, const Hands& hands) {
-  const auto s = Patient().With(effects);
+  const auto s = EffectsPairwisePatient().With(effects);
   RunContext context;
   const Scene scene =
       LoadScene(s, PlanEffects(s, {.needle_poses = true, .probe_poses = true}), context);

@@ -1,8 +1,8 @@
 // A slender cantilever bent far, against the elastica; and what the linear level makes of it.
 #include <gtest/gtest.h>
 
-#include "mechanics/corotational.h"
-#include "mechanics/static_solver.h"
+#include "acus/physics/mechanics/corotational.h"
+#include "acus/physics/mechanics/static_solver.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
 

@@ -2,8 +2,8 @@
 // stands for an infinite body: its outer nodes are moved to where they would be in that.
 #include <gtest/gtest.h>
 
-#include "mechanics/static_solver.h"
-#include "mesh/point_location.h"
+#include "acus/data/mesh/point_location.h"
+#include "acus/physics/mechanics/static_solver.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
 #include "support/half_space.h"
@@ -23,14 +23,14 @@ void Grade(mesh::TetraMesh& mesh) {
       mesh.nodes_mm.unaryExpr([&](double x) { return x * (0.55 + 0.45 * std::abs(x) / far_mm); });
 }
 
-struct Errors {
+struct MechanicsPointForceErrors {
   double root_mean_square = 0.0;  ///< From 2.5 half widths of the load on, of the same mean of u.
   double largest = 0.0;           ///< From 4 half widths on, of the displacement at the node.
 };
 
-Errors AwayFromTheLoad(const mesh::TetraMesh& mesh, const Eigen::Matrix3Xd& u,
-                       const Eigen::Matrix3Xd& exact) {
-  Errors errors;
+MechanicsPointForceErrors AwayFromTheLoad(const mesh::TetraMesh& mesh, const Eigen::Matrix3Xd& u,
+                                          const Eigen::Matrix3Xd& exact) {
+  MechanicsPointForceErrors errors;
   double size = 0.0;
   for (Eigen::Index i = 0; i < u.cols(); ++i) {
     const double distance_mm = mesh.nodes_mm.col(i).norm();
@@ -45,7 +45,8 @@ Errors AwayFromTheLoad(const mesh::TetraMesh& mesh, const Eigen::Matrix3Xd& u,
   return errors;
 }
 
-void ExpectWithin3Percent(const Errors& errors, ElementKind kind, double poissons_ratio) {
+void ExpectWithin3Percent(const MechanicsPointForceErrors& errors, ElementKind kind,
+                          double poissons_ratio) {
   EXPECT_LT(errors.root_mean_square, 0.03) << static_cast<int>(kind) << " " << poissons_ratio;
   EXPECT_LT(errors.largest, 0.03) << static_cast<int>(kind) << " " << poissons_ratio;
 }

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include "acus/physics/tissue/contact_mesh.h"
+#include "acus/physics/tissue/contact_system.h"
+#include "acus/physics/tissue/local_compliance.h"
 #include "support/elastic_box.h"
-#include "tissue/contact_mesh.h"
-#include "tissue/contact_system.h"
-#include "tissue/local_compliance.h"
 
 namespace acus::tissue {
 namespace {

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <optional>
 
-#include "core/random.h"
+#include "acus/base/core/random.h"
+#include "acus/imaging/slicing/ct_slice.h"
+#include "acus/imaging/ultrasound/bmode.h"
 #include "support/synthetic_ct.h"
-#include "ultrasound/bmode.h"
-#include "ultrasound/ct_slice.h"
 
 namespace acus::ultrasound {
 namespace {

@@ -20,7 +20,7 @@ BeamOptions SpeckleOnly() {
   return options;
 }
 
-volume::LabelMap Homogeneous() {
+volume::LabelMap UltrasoundSpeckleHomogeneous() {
   return LabelledBlock({60, 90, 200}, 0.5, {{1, "liver"}},
                        [](double, double, double) { return volume::Label{1}; });
 }
@@ -36,7 +36,7 @@ constexpr double kBeamMm = 0.886 * kLambdaMm * 2.0;
 
 TEST(BeamSpeckle, EnvelopeIsRayleighOverTenThousandCells) {
   const auto table = TableOf({{"liver", Scattering()}});
-  const auto labels = Homogeneous();
+  const auto labels = UltrasoundSpeckleHomogeneous();
   const Probe probe = TargetProbe();
   BeamRenderer renderer({.labels = &labels, .acoustics = &table}, probe, SpeckleOnly());
   double sum = 0.0;
@@ -150,7 +150,7 @@ Widths PointAtTheFocus(BeamRenderer& renderer) {
 TEST(BeamSpeckle, IsCorrelatedOverThePointSpreadWhichIsThatOfTheAperture) {
   TissueAcousticsTable table =
       TableOf({{"liver", Scattering()}, {"clear", testing_support::Clear()}});
-  const auto labels = Homogeneous();
+  const auto labels = UltrasoundSpeckleHomogeneous();
   volume::LabelMap clear = labels;
   clear.names[1] = "clear";
   Probe probe = TargetProbe();
@@ -250,7 +250,7 @@ double Moved(const BeamImage& before, const BeamImage& after, int line, int k, i
 
 TEST(BeamSpeckle, TrackedSpeckleTellsTheStrain) {
   const auto table = TableOf({{"liver", Scattering()}});
-  const auto labels = Homogeneous();
+  const auto labels = UltrasoundSpeckleHomogeneous();
   Probe probe = TargetProbe();
   probe.samples_per_line = 801;  // 0.05 mm
   BeamRenderer renderer({.labels = &labels, .acoustics = &table}, probe, SpeckleOnly());
@@ -288,7 +288,7 @@ TEST(BeamSpeckle, TrackedSpeckleTellsTheStrain) {
 
 TEST(BeamNeedle, IsGoneOneAndAHalfSlicesFromThePlane) {
   const auto table = TableOf({{"liver", Scattering()}});
-  const auto labels = Homogeneous();
+  const auto labels = UltrasoundSpeckleHomogeneous();
   Probe probe = TargetProbe();
   probe.elevation_aperture_mm = 5.0;
   probe.elevation_focus_mm = 20.0;

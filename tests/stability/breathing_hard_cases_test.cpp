@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <limits>
 
-#include "breathing/tool_at_rest.h"
-#include "core/error.h"
-#include "rendering/warped_ray.h"
+#include "acus/base/core/error.h"
+#include "acus/imaging/volume_rendering/warped_ray.h"
+#include "acus/physics/breathing/tool_at_rest.h"
 #include "support/bound.h"
 #include "support/breathing_patients.h"
 #include "support/temporary_folder.h"
@@ -166,7 +166,7 @@ TEST(BreathingHardCases, ASlidingInterfaceIsBoundedByItsJump) {
   Largest worst_away_mm;
   Largest worst_near_mm;
   for (double x = 80.0; x < 120.0; x += 0.3) {
-    rendering::WarpedRay ray(map, {.max_iterations = 5, .tolerance_mm = 0.0});
+    volume_rendering::WarpedRay ray(map, {.max_iterations = 5, .tolerance_mm = 0.0});
     for (double z = 30.0; z < 170.0; z += 1.0) {
       const Vector3d world(x, 100.0, z);
       const Vector3d rest = ray.RestOf(world, Vector3d::UnitZ());

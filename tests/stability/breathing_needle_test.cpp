@@ -2,7 +2,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "simulation/image_renderer.h"
+#include "acus/scene/simulation/image_renderer.h"
 #include "support/allocation_counter.h"
 #include "support/bending_scene.h"
 #include "support/bound.h"

@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <gmock/gmock.h>
 
-#include "forces/closed_loop.h"
+#include "acus/physics/forces/closed_loop.h"
+#include "benchmarks/force_levels.h"
 #include "support/bound.h"
-#include "tradeoff/force_levels.h"
 
-namespace acus::tradeoff {
+namespace acus::benchmarks {
 namespace {
 
 using Eigen::Vector3d;
@@ -86,4 +86,4 @@ TEST_F(LevelsInTheLoop, StandingStillInTissueThereIsNoLimitCycle) {
 }
 
 }  // namespace
-}  // namespace acus::tradeoff
+}  // namespace acus::benchmarks

@@ -2,12 +2,12 @@
 // million steps through each. Finite, bounded, and no energy that the hand did not put in.
 #include <gmock/gmock.h>
 
-#include "forces/closed_loop.h"
+#include "acus/physics/forces/closed_loop.h"
+#include "benchmarks/force_levels.h"
 #include "support/bound.h"
 #include "support/stability_length.h"
-#include "tradeoff/force_levels.h"
 
-namespace acus::tradeoff {
+namespace acus::benchmarks {
 namespace {
 
 using Eigen::Vector3d;
@@ -71,4 +71,4 @@ TEST(RandomHandInLevels, EveryModelStaysBoundedAndGivesNoEnergy) {
 }
 
 }  // namespace
-}  // namespace acus::tradeoff
+}  // namespace acus::benchmarks

@@ -2,10 +2,10 @@
 #include <cstdio>
 #include <gmock/gmock.h>
 
+#include "benchmarks/force_levels.h"
 #include "support/bound.h"
-#include "tradeoff/force_levels.h"
 
-namespace acus::tradeoff {
+namespace acus::benchmarks {
 namespace {
 
 using testing_support::Above;
@@ -80,4 +80,4 @@ TEST(StepRate, TheBendableNeedleIsNotTheRigidOne) {
 }
 
 }  // namespace
-}  // namespace acus::tradeoff
+}  // namespace acus::benchmarks

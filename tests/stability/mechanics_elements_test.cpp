@@ -1,8 +1,8 @@
 // Hard cases of meshes and constants: the answer is right, bounded, or a clear error.
 #include <gmock/gmock.h>
 
-#include "core/error.h"
-#include "mechanics/static_solver.h"
+#include "acus/base/core/error.h"
+#include "acus/physics/mechanics/static_solver.h"
 #include "support/bound.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
@@ -15,7 +15,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-const char* NameOf(ElementKind kind) {
+const char* MechanicsElementsNameOf(ElementKind kind) {
   return kind == ElementKind::kLinear ? "linear" : "averaged";
 }
 
@@ -54,15 +54,15 @@ TEST(MechanicsStability, SliversKeepThePatchTest) {
                  .log_x = true,
                  .log_y = true};
   for (const ElementKind kind : kBothElements) {
-    plot.curves.push_back({.name = NameOf(kind)});
+    plot.curves.push_back({.name = MechanicsElementsNameOf(kind)});
     for (const double share : {1e-1, 1e-3, 1e-5, 1e-7}) {
       mesh::TetraMesh box = BoxMesh({5, 5, 5}, {0, 0, 0}, {50, 50, 50});
       Flatten(box, {20, 20, 20}, share);
       Flatten(box, {40, 30, 20}, share);
       const double error = PatchError(box, UniformTable(0.01, 0.49), kind);
       // Round-off grows as elements get flat: their gradients are differences over a small height.
-      hard.Expect(Message("error of strain, ", NameOf(kind), ", height ", share), error,
-                  Below(std::max(1e-10, 1e-15 / share)));
+      hard.Expect(Message("error of strain, ", MechanicsElementsNameOf(kind), ", height ", share),
+                  error, Below(std::max(1e-10, 1e-15 / share)));
       plot.curves.back().Add(share, error);
     }
   }
@@ -91,7 +91,7 @@ TEST(MechanicsStability, FlatTetrahedraWithLongEdgesKeepThePatchTest) {
       mesh::TetraMesh box = BoxMesh({5, 5, 5}, {0, 0, 0}, {50, 50, 50});
       MakeSliver(box, {20, 20, 20}, share);
       MakeSliver(box, {40, 30, 20}, share);
-      hard.Expect(Message("error of strain, ", NameOf(kind), ", height ", share),
+      hard.Expect(Message("error of strain, ", MechanicsElementsNameOf(kind), ", height ", share),
                   PatchError(box, UniformTable(0.01, 0.49), kind),
                   Below(std::max(1e-10, 1e-15 / share)));
     }
@@ -116,8 +116,9 @@ TEST(MechanicsStability, SliversHardlyChangeWhatALoadDoes) {
       EXPECT_TRUE(u.allFinite());
       // A flat element is stiff in one way only: the body gets stiffer, by less than 5 %.
       const double work = load.cwiseProduct(u).sum();
-      hard.Expect(Message("change of the load's work, ", NameOf(kind), ", height ", share),
-                  std::abs(work / regular - 1.0), Below(0.05));
+      hard.Expect(
+          Message("change of the load's work, ", MechanicsElementsNameOf(kind), ", height ", share),
+          std::abs(work / regular - 1.0), Below(0.05));
     }
   }
 }
@@ -159,7 +160,7 @@ TEST(MechanicsStability, StiffnessContrastOf1000KeepsTheLoadsBalance) {
     const Eigen::Matrix3Xd u = solver.Displacements(load);
     const double mixed = load.cwiseProduct(u).sum();
     // Between a block of the soft one and one of the stiff one.
-    const std::string of = Message(", ", NameOf(kind));
+    const std::string of = Message(", ", MechanicsElementsNameOf(kind));
     hard.Expect("work as a share of the soft block's" + of, mixed / soft, Below(1.0));
     hard.Expect("least work as a share of the soft block's" + of, mixed / soft, Above(1e-3));
     const Eigen::Matrix3Xd forces_n = solver.Forces(u);
@@ -190,8 +191,8 @@ TEST(MechanicsStability, ContrastOf1000KeepsThePatchTestLayerByLayer) {
   for (const ElementKind kind : kBothElements) {
     const Eigen::Matrix3Xd u = StaticSolver(box, table, kind)
                                    .Displacements(Eigen::Matrix3Xd::Zero(3, exact.cols()), exact);
-    hard.Expect(Message("error of displacement, ", NameOf(kind)), (u - exact).norm() / exact.norm(),
-                Below(1e-10));
+    hard.Expect(Message("error of displacement, ", MechanicsElementsNameOf(kind)),
+                (u - exact).norm() / exact.norm(), Below(1e-10));
   }
 }
 
@@ -323,7 +324,7 @@ TEST(MechanicsStability, IslandsAreLeftOutOrRefused) {
     const StaticSolver solver(with(crumb), table, kind);
     ASSERT_EQ(solver.free().loose.size(), 1u);
     const Eigen::Matrix3Xd u = solver.Displacements(load_both);
-    hard.Expect(Message("change of the rest by a crumb, ", NameOf(kind)),
+    hard.Expect(Message("change of the rest by a crumb, ", MechanicsElementsNameOf(kind)),
                 (u.leftCols(alone.cols()) - alone).norm() / alone.norm(), Below(1e-12));
     EXPECT_TRUE(u.rightCols(8).isZero(0.0));
     EXPECT_THAT(

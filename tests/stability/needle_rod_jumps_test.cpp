@@ -6,11 +6,11 @@
 #include <numbers>
 #include <vector>
 
-#include "core/random.h"
-#include "needle/rod.h"
+#include "acus/base/core/random.h"
+#include "acus/physics/needle/rod.h"
 #include "support/bound.h"
 #include "support/inserted_rod.h"
-#include "unit/needle/rods.h"
+#include "unit/physics/needle/rods.h"
 
 namespace acus::needle {
 namespace {

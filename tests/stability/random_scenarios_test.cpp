@@ -4,8 +4,8 @@
 // session. ACUS_STABILITY_SECONDS=600 goes on for ten minutes.
 #include <gmock/gmock.h>
 
-#include "core/cpu_time.h"
-#include "replay/replay.h"
+#include "acus/base/core/cpu_time.h"
+#include "acus/run/replay/replay.h"
 #include "support/bound.h"
 #include "support/child_process.h"
 #include "support/kept_failure.h"

@@ -6,8 +6,8 @@
 #include <malloc.h>
 #include <span>
 
-#include "core/cpu_time.h"
-#include "math/statistics.h"
+#include "acus/base/core/cpu_time.h"
+#include "acus/base/math/statistics.h"
 #include "support/bending_scene.h"
 #include "support/bound.h"
 #include "support/breathing_patients.h"

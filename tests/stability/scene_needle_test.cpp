@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "forces/closed_loop.h"
+#include "acus/physics/forces/closed_loop.h"
 #include "support/allocation_counter.h"
 #include "support/bending_scene.h"
 #include "support/bound.h"
@@ -26,10 +26,10 @@ using testing_support::HardCase;
 using testing_support::Largest;
 using testing_support::NeedleAt;
 
-constexpr NeedleForceModelKind kForces[] = {
+constexpr NeedleForceModelKind kSceneNeedleForces[] = {
     NeedleForceModelKind::kLayered, NeedleForceModelKind::kAlamilla, NeedleForceModelKind::kTissue};
 
-const char* NameOf(NeedleForceModelKind force) {
+const char* SceneNeedleNameOf(NeedleForceModelKind force) {
   if (force == NeedleForceModelKind::kTissue) return "tissue";
   return force == NeedleForceModelKind::kAlamilla ? "alamilla" : "layered";
 }
@@ -41,14 +41,14 @@ Scene SceneWith(NeedleForceModelKind force, const char* tissue) {
   return bending.Make();
 }
 
-double LargestN(const Scene& scene) {
+double SceneNeedleLargestN(const Scene& scene) {
   return scene.force_from_tissue ? 30.0 : scene.forces->table().settings.largest_force_n;
 }
 
 /// Nothing that is shown, felt or kept is anything but a number of reasonable size.
-void ExpectSound(const Scene& scene, const State& state, const StepOutput& out) {
+void SceneNeedleExpectSound(const Scene& scene, const State& state, const StepOutput& out) {
   ASSERT_TRUE(out.force.force_in_ct_n.allFinite());
-  ASSERT_LE(out.force.force_in_ct_n.norm(), LargestN(scene) * (1.0 + 1e-12));
+  ASSERT_LE(out.force.force_in_ct_n.norm(), SceneNeedleLargestN(scene) * (1.0 + 1e-12));
   ASSERT_TRUE(out.force.torque_in_ct_n_mm.allFinite());
   ASSERT_LT(out.force.torque_in_ct_n_mm.norm(), 5000.0);
   ASSERT_TRUE(std::isfinite(out.shape.tip_deflection_mm));
@@ -64,7 +64,7 @@ void ExpectSound(const Scene& scene, const State& state, const StepOutput& out) 
 // what it took, with the force of a step held until the next.
 TEST(BendableHardCases, ARandomHandGetsNoEnergy) {
   const HardCase hard("A minute in and out, sideways and turning: the bent needle stores energy.");
-  for (const NeedleForceModelKind force : kForces) {
+  for (const NeedleForceModelKind force : kSceneNeedleForces) {
     for (const std::uint64_t seed : {1u, 2u}) {
       const Scene scene = SceneWith(force, seed == 1 ? "muscle" : nullptr);
       const Simulation simulation(scene);
@@ -96,7 +96,7 @@ TEST(BendableHardCases, ARandomHandGetsNoEnergy) {
         }
         before = out;
       }
-      const std::string of = Message(", ", NameOf(force), ", hand ", seed);
+      const std::string of = Message(", ", SceneNeedleNameOf(force), ", hand ", seed);
       hard.Expect("energy generated" + of, generated_mj, AtMost(0.2), "mJ");
       hard.Expect("energy given back of what it took" + of, returned_mj, Above(10.0), "mJ");
       EXPECT_EQ(state.shape.needle.rod.num_rejected, 0);
@@ -110,7 +110,7 @@ TEST(BendableHardCases, AWildHandAndABrokenTrackerStayBounded) {
   const HardCase hard(
       "Jumps, broken numbers, time that goes back, lost poses, with a needle that bends.");
   const int num_steps = testing_support::StabilitySteps(20000);
-  for (const NeedleForceModelKind force : kForces) {
+  for (const NeedleForceModelKind force : kSceneNeedleForces) {
     Largest force_share;
     Largest deflection_mm;
     const Scene scene = SceneWith(force, nullptr);
@@ -126,16 +126,16 @@ TEST(BendableHardCases, AWildHandAndABrokenTrackerStayBounded) {
       sample.reference_from_needle.linear().col(2) = input.axis_in_ct;
       sample.reference_from_needle.translation() = input.tip_in_ct_mm;
       const StepOutput out = simulation.Step(state, sample);
-      ExpectSound(scene, state, out);
+      SceneNeedleExpectSound(scene, state, out);
       if (HasFatalFailure()) FAIL() << "step " << i << ", force " << static_cast<int>(force);
-      force_share.Add(out.force.force_in_ct_n.norm() / LargestN(scene));
+      force_share.Add(out.force.force_in_ct_n.norm() / SceneNeedleLargestN(scene));
       deflection_mm.Add(out.shape.tip_deflection_mm);
     }
-    hard.Expect(Message("largest force, of its limit, ", NameOf(force)), force_share,
+    hard.Expect(Message("largest force, of its limit, ", SceneNeedleNameOf(force)), force_share,
                 AtMost(1.0 + 1e-12));
-    hard.Expect(Message("deflection of the tip, ", NameOf(force)), deflection_mm,
+    hard.Expect(Message("deflection of the tip, ", SceneNeedleNameOf(force)), deflection_mm,
                 AtMost(scene.needle->length_mm), "mm");
-    hard.Note(Message("wild steps, ", NameOf(force)), std::to_string(num_steps));
+    hard.Note(Message("wild steps, ", SceneNeedleNameOf(force)), std::to_string(num_steps));
   }
 }
 
@@ -193,8 +193,8 @@ TEST(BendableHardCases, PulledOutWhileBentItIsStraightAndTheForceHasNoJump) {
   BoundPlot plot{.title = "Force across a bent needle that is drawn out",
                  .x_label = "drawn out [mm]",
                  .y_label = "force [N]"};
-  for (const NeedleForceModelKind force : kForces) {
-    plot.curves.push_back({.name = NameOf(force)});
+  for (const NeedleForceModelKind force : kSceneNeedleForces) {
+    plot.curves.push_back({.name = SceneNeedleNameOf(force)});
     const Scene scene = SceneWith(force, "muscle");
     const Simulation simulation(scene);
     State state = simulation.NewState();
@@ -214,18 +214,18 @@ TEST(BendableHardCases, PulledOutWhileBentItIsStraightAndTheForceHasNoJump) {
       const double before_n = out.force.lateral_n;
       out = simulation.Step(
           state, NeedleAt(t += 0.001, Vector3d(0, 0, 40) - 0.02 * i * axis, {0, 0.3, 0}));
-      ExpectSound(scene, state, out);
+      SceneNeedleExpectSound(scene, state, out);
       // What is still held when the tip leaves the skin is let go with it.
       if (out.shape.bent) {
         largest_step_n.Add(std::abs(out.force.lateral_n - before_n));
       }
       if (i % 5 == 0) plot.curves.back().Add(0.02 * i, out.force.lateral_n);
     }
-    hard.Expect(Message("step of the force across, ", NameOf(force)), largest_step_n, Below(0.05),
-                "N");
+    hard.Expect(Message("step of the force across, ", SceneNeedleNameOf(force)), largest_step_n,
+                Below(0.05), "N");
     EXPECT_FALSE(out.shape.bent);
-    hard.Expect(Message("force when out, ", NameOf(force)), out.force.force_in_ct_n.norm(),
-                Exactly(0), "N");
+    hard.Expect(Message("force when out, ", SceneNeedleNameOf(force)),
+                out.force.force_in_ct_n.norm(), Exactly(0), "N");
   }
   hard.Plot(plot);
 }
@@ -248,7 +248,7 @@ TEST(BendableHardCases, TurnedBy180DegreesAndBackItIsAsBefore) {
     for (int i = 0; i < 20; ++i) {
       out = simulation.Step(state,
                             NeedleAt(t += 0.001, {0, 0, 40.0}, i < 10 ? turn : Vector3d(0, 0, 0)));
-      ExpectSound(scene, state, out);
+      SceneNeedleExpectSound(scene, state, out);
     }
     tip_mm.Add((out.shape.tip_in_ct_mm - before.shape.tip_in_ct_mm).norm());
     lateral_n.Add(out.force.lateral_n);
@@ -269,7 +269,7 @@ TEST(BendableHardCases, PressedOnBoneBeyondItsBucklingLoadItStaysBounded) {
   double largest_n = 0.0;
   for (double z = -2.0; z < 80.0; z += 0.05) {
     out = simulation.Step(state, NeedleAt(t += 0.001, {0, 20.0, z}, {0, 1e-4 * z, 0}));
-    ExpectSound(scene, state, out);
+    SceneNeedleExpectSound(scene, state, out);
     largest_n = std::max(largest_n, out.force.bone_n);
   }
   // Clamped at one end and guided at the other over what is outside, the needle buckles at this.
@@ -285,7 +285,7 @@ TEST(BendableHardCases, PressedOnBoneBeyondItsBucklingLoadItStaysBounded) {
 
 TEST(BendableHardCases, AStepAllocatesNothing) {
   const HardCase hard("Memory taken in a step of 1 ms can make it late.");
-  for (const NeedleForceModelKind force : kForces) {
+  for (const NeedleForceModelKind force : kSceneNeedleForces) {
     const Scene scene = SceneWith(force, nullptr);
     const Simulation simulation(scene);
     State state = simulation.NewState();
@@ -298,7 +298,8 @@ TEST(BendableHardCases, AStepAllocatesNothing) {
       simulation.ShapeOf(state, line);
     }
     const long allocated = testing_support::num_allocations.load() - before;
-    hard.Expect(Message("allocations in 1500 steps, ", NameOf(force)), allocated, Exactly(0));
+    hard.Expect(Message("allocations in 1500 steps, ", SceneNeedleNameOf(force)), allocated,
+                Exactly(0));
     EXPECT_TRUE(out.shape.bent);
   }
 }

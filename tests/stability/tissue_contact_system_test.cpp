@@ -1,13 +1,13 @@
 // Stick and slip for a long time, and where it is hard. Bounds: docs/models/tissue_contact.md.
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "acus/base/core/random.h"
+#include "acus/physics/tissue/contact_mesh.h"
+#include "acus/physics/tissue/contact_system.h"
 #include "support/allocation_counter.h"
 #include "support/bound.h"
 #include "support/elastic_box.h"
 #include "support/fresh_contact.h"
-#include "tissue/contact_mesh.h"
-#include "tissue/contact_system.h"
 
 namespace acus::testing_support {
 

@@ -5,11 +5,11 @@
 #include <cstring>
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "acus/base/core/random.h"
+#include "acus/physics/tissue/plane_model_2010.h"
 #include "support/bound.h"
 #include "support/layered_tissue.h"
 #include "support/stability_length.h"
-#include "tissue/plane_model_2010.h"
 
 namespace acus::tissue {
 namespace {

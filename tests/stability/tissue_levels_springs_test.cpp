@@ -5,11 +5,11 @@
 #include <limits>
 #include <memory>
 
-#include "core/random.h"
+#include "acus/base/core/random.h"
+#include "acus/physics/tissue/spring_model.h"
 #include "support/bound.h"
 #include "support/layered_tissue.h"
 #include "support/stability_length.h"
-#include "tissue/spring_model.h"
 
 namespace acus::tissue {
 namespace {
@@ -23,20 +23,21 @@ using testing_support::Largest;
 using testing_support::Layers;
 using testing_support::LevelInsertion;
 
-const Layers kBody{{{0, "skin"},
-                    {2, "fat"},
-                    {20, "liver"},
-                    {45, "vessel"},
-                    {47, "liver"},
-                    {90, "bone"},
-                    {110, "fat"}}};
+const Layers kTissueLevelsSpringsBody{{{0, "skin"},
+                                       {2, "fat"},
+                                       {20, "liver"},
+                                       {45, "vessel"},
+                                       {47, "liver"},
+                                       {90, "bone"},
+                                       {110, "fat"}}};
 
-SpringModel Body() {
+SpringModel TissueLevelsSpringsBody() {
   return SpringModel({}, testing_support::RoundForces(), testing_support::Trocar18(),
-                     testing_support::RoundElasticity(), kBody.Tissues(), kBody.At());
+                     testing_support::RoundElasticity(), kTissueLevelsSpringsBody.Tissues(),
+                     kTissueLevelsSpringsBody.At());
 }
 
-ToolSample Wild(RandomStream& random, double& time_s) {
+ToolSample TissueLevelsSpringsWild(RandomStream& random, double& time_s) {
   ToolSample sample;
   time_s += random.Uniform() < 0.01 ? -0.5 : random.Uniform(1e-4, 1e-2);
   sample.time_s = random.Uniform() < 0.01 ? std::nan("") : time_s;
@@ -55,14 +56,14 @@ TEST(TissueLevelsSprings, WildSamplesStayFiniteAndBounded) {
   Largest force_n;
   Largest moved_mm;
   const int num_steps = testing_support::StabilitySteps(200'000);
-  const SpringModel model = Body();
+  const SpringModel model = TissueLevelsSpringsBody();
   SpringState state = model.NewState();
   RandomStream random(1, "wild");
   TissueLoad load;
   SpringField field(model);
   double time_s = 0.0;
   for (int n = 0; n < num_steps; ++n) {
-    const auto force = model.Step(state, Wild(random, time_s));
+    const auto force = model.Step(state, TissueLevelsSpringsWild(random, time_s));
     force_n.Add(force.force_in_ct_n.norm());
     ASSERT_LE(state.num_nodes, SpringState::kMaxNodes);
     if (n % 50 != 0) continue;
@@ -82,14 +83,14 @@ TEST(TissueLevelsSprings, WildSamplesStayFiniteAndBounded) {
 TEST(TissueLevelsSprings, ACopyGoesOnWithTheSameBits) {
   const HardCase hard("A state that is saved in the middle of wild samples goes on as the other.");
   int num_differ = 0;
-  const SpringModel model = Body();
+  const SpringModel model = TissueLevelsSpringsBody();
   SpringState state = model.NewState();
   RandomStream random(2, "wild");
   double time_s = 0.0;
-  for (int n = 0; n < 500; ++n) model.Step(state, Wild(random, time_s));
+  for (int n = 0; n < 500; ++n) model.Step(state, TissueLevelsSpringsWild(random, time_s));
   SpringState copy = state;
   for (int n = 0; n < 5000; ++n) {
-    const ToolSample sample = Wild(random, time_s);
+    const ToolSample sample = TissueLevelsSpringsWild(random, time_s);
     const Vector3d a = model.Step(state, sample).force_in_ct_n;
     const Vector3d b = model.Step(copy, sample).force_in_ct_n;
     num_differ += std::memcmp(a.data(), b.data(), sizeof(double) * 3) == 0 ? 0 : 1;
@@ -100,7 +101,7 @@ TEST(TissueLevelsSprings, ACopyGoesOnWithTheSameBits) {
 // 0.1 ms to 10 ms per step, and 50 mm in one.
 TEST(TissueLevelsSprings, TheForceDoesNotDependOnTheStep) {
   const HardCase hard("Steps of 0.1 to 10 ms, and 50 mm in one step.");
-  const SpringModel model = Body();
+  const SpringModel model = TissueLevelsSpringsBody();
   double force_n[4] = {};
   int i = 0;
   for (const double dt_s : {1e-4, 1e-3, 1e-2}) {
@@ -124,7 +125,8 @@ TEST(TissueLevelsSprings, PunctureExactlyAtTheThreshold) {
   forces::ForceTable table = testing_support::RoundForces();
   table.tissue[volume::LabelOf("skin")].membrane = {0.25, 0.0, 1.0};
   const SpringModel model({}, table, testing_support::Trocar18(),
-                          testing_support::RoundElasticity(), kBody.Tissues(), kBody.At());
+                          testing_support::RoundElasticity(), kTissueLevelsSpringsBody.Tissues(),
+                          kTissueLevelsSpringsBody.At());
   const auto event_at = [&](double depth_mm) {
     SpringState state = model.NewState();
     ToolSample sample;  // Starting on the skin: the path begins at 0 exactly.
@@ -143,7 +145,7 @@ TEST(TissueLevelsSprings, StandingStillKeepsItsBits) {
   const HardCase hard(
       "A needle that stands still must feel nothing change, not even in the last bit.");
   Largest change_n;
-  const SpringModel model = Body();
+  const SpringModel model = TissueLevelsSpringsBody();
   LevelInsertion<SpringModel> insertion{model};
   insertion.MoveToDepth(33.3);
   for (int n = 0; n < 50; ++n) insertion.StepTo(insertion.tip_mm);
@@ -156,7 +158,7 @@ TEST(TissueLevelsSprings, StandingStillKeepsItsBits) {
 }
 
 TEST(TissueLevelsSprings, ALostNeedleKeepsItsForceAndLetsGoSlowly) {
-  const SpringModel model = Body();
+  const SpringModel model = TissueLevelsSpringsBody();
   LevelInsertion<SpringModel> insertion{model};
   insertion.MoveToDepth(33.0);
   const Vector3d before = insertion.last.force_in_ct_n;
@@ -172,7 +174,7 @@ TEST(TissueLevelsSprings, ALostNeedleKeepsItsForceAndLetsGoSlowly) {
 TEST(TissueLevelsSprings, GoesInAndOutAHundredTimes) {
   const HardCase hard("What is left of one insertion would add up over a hundred.");
   Largest drift_n;
-  const SpringModel model = Body();
+  const SpringModel model = TissueLevelsSpringsBody();
   LevelInsertion<SpringModel> insertion{model};
   double first_n = 0.0;
   for (int n = 0; n < 100; ++n) {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "core/random.h"
-#include "mechanics/plane_strain.h"
-#include "mechanics/swept_matrix.h"
+#include "acus/base/core/random.h"
+#include "acus/physics/mechanics/plane_strain.h"
+#include "acus/physics/mechanics/swept_matrix.h"
 #include "support/bound.h"
 
 namespace acus::tissue {

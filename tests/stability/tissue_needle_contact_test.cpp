@@ -4,14 +4,14 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
-#include "core/random.h"
+#include "acus/base/core/random.h"
 #include "support/bound.h"
 #include "support/fem_needle_scene.h"
 #include "support/fresh_contact.h"
 #include "support/stability_length.h"
 
 namespace acus::testing_support {
-long NumAllocations();  // In tissue_contact_system_test.cpp, which counts them.
+long TissueNeedleContactNumAllocations();  // In tissue_contact_system_test.cpp, which counts them.
 }
 
 namespace acus::tissue {

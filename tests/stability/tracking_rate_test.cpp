@@ -8,12 +8,12 @@
 #include <sys/wait.h>
 #include <vector>
 
-#include "core/cpu_time.h"
-#include "core/monotonic_time.h"
+#include "acus/base/core/cpu_time.h"
+#include "acus/base/core/monotonic_time.h"
+#include "acus/rig/tracking/igtl_source.h"
+#include "acus/rig/tracking/pose_server.h"
 #include "support/bound.h"
 #include "support/wait_until.h"
-#include "tracking/igtl_source.h"
-#include "tracking/pose_server.h"
 
 namespace acus::tracking {
 namespace {
@@ -58,7 +58,7 @@ struct Hello {
     const std::int64_t due_ns = start_ns + set * kNsPerMs;
     while (MonotonicNs() < due_ns) usleep(100);
     // The number of the set is in the pose: exact in a float up to 16 million.
-    const session::Pose pose(
+    const transforms::Pose pose(
         Eigen::Isometry3d(Eigen::Translation3d(static_cast<double>(set), 0.0, 0.0)));
     for (NamedPose& one : poses) one.reference_from_tool = pose;
     server.SendPoses(poses, MonotonicNs());

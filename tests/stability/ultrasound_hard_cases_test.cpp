@@ -7,14 +7,14 @@
 #include <hwy/highway.h>
 #include <limits>
 
-#include "core/error.h"
+#include "acus/base/core/error.h"
+#include "acus/data/volume/labels.h"
+#include "acus/imaging/ultrasound/alamilla.h"
+#include "acus/imaging/ultrasound/bmode.h"
+#include "acus/imaging/ultrasound/vidal.h"
 #include "support/allocation_counter.h"
 #include "support/beam_targets.h"
 #include "support/bound.h"
-#include "ultrasound/alamilla.h"
-#include "ultrasound/bmode.h"
-#include "ultrasound/vidal.h"
-#include "volume/labels.h"
 
 namespace acus::ultrasound {
 namespace {
@@ -28,15 +28,15 @@ using testing_support::HardCase;
 using testing_support::Largest;
 
 /// The same body as CT and as labels.
-struct Body {
+struct UltrasoundHardCasesBody {
   volume::CtVolume ct;
   volume::LabelMap labels;
 };
 
 /// `tissue` by place, mm; -1 at air.
 template <typename TissueAt>
-Body MakeBody(const TissueAt& tissue_at) {
-  Body body;
+UltrasoundHardCasesBody MakeBody(const TissueAt& tissue_at) {
+  UltrasoundHardCasesBody body;
   volume::Geometry geometry;
   geometry.size = {64, 72, 48};
   geometry.origin_mm.setConstant(0.5);
@@ -91,7 +91,7 @@ using Render = std::function<void(const Eigen::Isometry3d&, const std::optional<
 
 struct Level {
   const char* name;
-  std::function<Render(const Body&, const Probe&)> make;
+  std::function<Render(const UltrasoundHardCasesBody&, const Probe&)> make;
 };
 
 template <typename Renderer>
@@ -101,7 +101,7 @@ Render Shared(std::shared_ptr<Renderer> renderer) {
                     const RestMap* rest) { renderer->Render(pose, needle, out, threads, rest); };
 }
 
-Render MakeBeams(const Body& body, Probe probe, bool dear) {
+Render MakeBeams(const UltrasoundHardCasesBody& body, Probe probe, bool dear) {
   probe.tgc_db_per_cm = 8.0;  // The other levels lose nothing in muscle.
   probe.gain_db += 10.0;
   static const TissueAcousticsTable table = ReadTissueAcoustics(Acoustics("tissues.json"));
@@ -117,23 +117,25 @@ Render MakeBeams(const Body& body, Probe probe, bool dear) {
 const std::vector<Level>& Levels() {
   static const std::vector<Level> levels = {
       {"vidal_2008",
-       [](const Body& body, const Probe& probe) {
+       [](const UltrasoundHardCasesBody& body, const Probe& probe) {
          return Shared(std::make_shared<VidalRenderer>(body.ct, probe, DefaultVidalOptions()));
        }},
       {"alamilla_2021",
-       [](const Body& body, const Probe& probe) {
+       [](const UltrasoundHardCasesBody& body, const Probe& probe) {
          return Shared(std::make_shared<AlamillaRenderer>(
              body.labels, probe, ReadAlamillaOptions(Acoustics("alamilla_2021.json"))));
        }},
       {"columns_2010",
-       [](const Body& body, const Probe& probe) {
+       [](const UltrasoundHardCasesBody& body, const Probe& probe) {
          return Shared(std::make_shared<BModeRenderer>(
              body.ct, probe, ReadBModeOptions(Acoustics("hu_textured.json"))));
        }},
-      {"beams on a CT",
-       [](const Body& body, const Probe& probe) { return MakeBeams(body, probe, false); }},
+      {"beams on a CT", [](const UltrasoundHardCasesBody& body,
+                           const Probe& probe) { return MakeBeams(body, probe, false); }},
       {"beams on labels, all effects",
-       [](const Body& body, const Probe& probe) { return MakeBeams(body, probe, true); }},
+       [](const UltrasoundHardCasesBody& body, const Probe& probe) {
+         return MakeBeams(body, probe, true);
+       }},
   };
   return levels;
 }
@@ -188,7 +190,7 @@ INSTANTIATE_TEST_SUITE_P(Levels, HardImage, testing::Range(0, 5));
 TEST_P(HardImage, PlanesOutsideTheVolumeAreDark) {
   const HardCase hard("The probe's plane beside the volume, up to 1000 km away.");
   Largest grey;
-  const Body body = MakeBody(Muscle);
+  const UltrasoundHardCasesBody body = MakeBody(Muscle);
   const Render render = level().make(body, SmallProbe(ProbeKind::kCurvilinear));
   ASSERT_GT(Brightest(Picture(render, kPose)), 40) << level().name;
   for (const double far_mm : {-60.0, -1e3, 1e3, 1e9}) {
@@ -202,7 +204,7 @@ TEST_P(HardImage, PlanesOutsideTheVolumeAreDark) {
 TEST_P(HardImage, GrazingPlanesAndFacesAreFinite) {
   const HardCase hard("The plane and the face along edges of the volume and of the skin.");
   Largest air_grey;
-  const Body body = MakeBody(Muscle);
+  const UltrasoundHardCasesBody body = MakeBody(Muscle);
   for (const ProbeKind kind : {ProbeKind::kLinear, ProbeKind::kCurvilinear}) {
     const Render render = level().make(body, SmallProbe(kind));
     for (const double z_mm : {0.0, 0.5, 1e-12, 47.5, 48.0}) {
@@ -230,8 +232,8 @@ TEST_P(HardImage, OneVoxelOfBoneIsSeenAndShadows) {
     const bool bone = y > 25.0 && y < 26.0 && x > 26.0 && x < 38.0 && z > 4.0;
     return bone ? "bone" : Muscle(x, y, z);
   };
-  const Body body = MakeBody(with_bone);
-  const Body without = MakeBody(Muscle);
+  const UltrasoundHardCasesBody body = MakeBody(with_bone);
+  const UltrasoundHardCasesBody without = MakeBody(Muscle);
   const Render render = level().make(body, SmallProbe());
   const GrayImage image = Picture(render, kPose);
   const GrayImage free = Picture(level().make(without, SmallProbe()), kPose);
@@ -247,7 +249,7 @@ TEST_P(HardImage, OneVoxelOfBoneIsSeenAndShadows) {
 
 TEST_P(HardImage, AllGasIsDark) {
   const HardCase hard("Nothing but gas: its impedance is 1/4000 of water's.");
-  const Body gas = MakeBody([](double, double, double) { return "gas"; });
+  const UltrasoundHardCasesBody gas = MakeBody([](double, double, double) { return "gas"; });
   const Render render = level().make(gas, SmallProbe());
   const GrayImage image = Picture(render, Eigen::Isometry3d(Eigen::Translation3d(32, 10, 24)));
   hard.Expect(Of("mean grey"), MeanGrey(image, 0, 160, 40, 200), Below(20.0));
@@ -256,7 +258,7 @@ TEST_P(HardImage, AllGasIsDark) {
 TEST_P(HardImage, NeedlesInThePlaneAndAcrossIt) {
   const HardCase hard(
       "A needle in the plane, across it, along the beam, without length, far away, NaN.");
-  const Body body = MakeBody(Muscle);
+  const UltrasoundHardCasesBody body = MakeBody(Muscle);
   const Render render = level().make(body, SmallProbe());
   const GrayImage bare = Picture(render, kPose);
   const Eigen::Vector3d tip_mm(32.0, 25.0, 24.0);
@@ -283,7 +285,7 @@ TEST_P(HardImage, NeedlesInThePlaneAndAcrossIt) {
 TEST_P(HardImage, DepthsFromNothingToHundredMillimetres) {
   const HardCase hard("No depth, 10 degrees, 100 mm of face and depth, 5 mm of depth.");
   int least_bright = 255;
-  const Body body = MakeBody(Muscle);
+  const UltrasoundHardCasesBody body = MakeBody(Muscle);
   for (const double depth_mm : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
     Probe probe = SmallProbe();
     probe.depth_mm = depth_mm;
@@ -324,7 +326,7 @@ TEST_P(HardImage, BitsDoNotDependOnThreadsAndNothingIsAllocated) {
       "1, 2, 3 and 8 threads share a picture: sums in another order have other bits.");
   int num_differ = 0;
   long allocated = 0;
-  const Body body = MakeBody(Muscle);
+  const UltrasoundHardCasesBody body = MakeBody(Muscle);
   const Press press;
   const NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
   for (const ProbeKind kind : {ProbeKind::kLinear, ProbeKind::kCurvilinear}) {
@@ -351,7 +353,7 @@ TEST_P(HardImage, BitsDoNotDependOnThreadsAndNothingIsAllocated) {
 TEST_P(HardImage, EveryInstructionSetGivesTheSameWithinOneGreyLevel) {
   const HardCase hard("Vectors of 128 to 512 bits, with fused multiply-add and without.");
   Largest off;
-  const Body body = MakeBody(Muscle);
+  const UltrasoundHardCasesBody body = MakeBody(Muscle);
   const Press press;
   const NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
   const Render render = level().make(body, SmallProbe(ProbeKind::kCurvilinear));

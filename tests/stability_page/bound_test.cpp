@@ -4,7 +4,7 @@
 #include <gtest/gtest-spi.h>
 #include <limits>
 
-#include "core/atomic_file.h"
+#include "acus/base/core/atomic_file.h"
 #include "support/temporary_folder.h"
 
 namespace acus::testing_support {

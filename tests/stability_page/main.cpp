@@ -2,8 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "core/atomic_file.h"
-#include "core/run_main.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/run_main.h"
 #include "stability_page/stability_report.h"
 
 int main(int argc, char** argv) {

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "core/atomic_file.h"
-#include "core/error.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
 #include "stability_page/stability_report.h"
 #include "support/bound.h"
 #include "support/temporary_folder.h"

@@ -8,9 +8,9 @@
 #include <sys/utsname.h>
 #include <thread>
 
-#include "core/atomic_file.h"
-#include "core/error.h"
-#include "report/html_report.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "acus/base/report/html_report.h"
 
 namespace acus::stability_page {
 namespace {

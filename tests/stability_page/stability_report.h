@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "core/provenance.h"
+#include "acus/base/core/provenance.h"
 #include "stability_page/stability_run.h"
 
 namespace acus::stability_page {

@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
-#include "core/atomic_file.h"
-#include "core/error.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
 
 namespace acus::stability_page {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "report/svg_plot.h"
+#include "acus/base/report/svg_plot.h"
 
 namespace acus::stability_page {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "ultrasound/beam_renderer.h"
+#include "acus/imaging/ultrasound/beam_renderer.h"
 
 namespace acus::testing_support {
 
@@ -34,9 +34,9 @@ volume::LabelMap LabelledBlock(const Eigen::Array3i& size, double spacing_mm,
 }
 
 /// Neither loss nor scatterers, unless said otherwise.
-inline ultrasound::TissueAcoustics Clear(double speed_m_per_s = 1540.0,
-                                         double impedance_mrayl = 1.6) {
-  ultrasound::TissueAcoustics tissue;
+inline acoustics::TissueAcoustics Clear(double speed_m_per_s = 1540.0,
+                                        double impedance_mrayl = 1.6) {
+  acoustics::TissueAcoustics tissue;
   tissue.speed_m_per_s = speed_m_per_s;
   tissue.impedance_mrayl = impedance_mrayl;
   tissue.attenuation_db_per_cm_mhz = 0.0;
@@ -45,15 +45,15 @@ inline ultrasound::TissueAcoustics Clear(double speed_m_per_s = 1540.0,
   return tissue;
 }
 
-inline ultrasound::TissueAcoustics Scattering(double backscatter_db = -30.0) {
-  ultrasound::TissueAcoustics tissue = Clear();
+inline acoustics::TissueAcoustics Scattering(double backscatter_db = -30.0) {
+  acoustics::TissueAcoustics tissue = Clear();
   tissue.backscatter_db = backscatter_db;
   return tissue;
 }
 
-inline ultrasound::TissueAcousticsTable TableOf(
-    std::map<std::string, ultrasound::TissueAcoustics> tissues) {
-  ultrasound::TissueAcousticsTable table{
+inline acoustics::TissueAcousticsTable TableOf(
+    std::map<std::string, acoustics::TissueAcoustics> tissues) {
+  acoustics::TissueAcousticsTable table{
       .name = "targets", .file = "targets", .tissues = std::move(tissues), .by_hu = {}};
   table.tissues["water"] = Clear();
   table.by_hu = {{0.0, "water"}};
@@ -61,9 +61,9 @@ inline ultrasound::TissueAcousticsTable TableOf(
 }
 
 /// 5 MHz, a line each 0.2 mm, a sample each 0.1 mm, focus at 20 mm, F-number 2.
-inline ultrasound::Probe TargetProbe() {
-  ultrasound::Probe probe = ultrasound::DefaultProbe();
-  probe.kind = ultrasound::ProbeKind::kLinear;
+inline acoustics::Probe TargetProbe() {
+  acoustics::Probe probe = acoustics::DefaultProbe();
+  probe.kind = acoustics::ProbeKind::kLinear;
   probe.frequency_mhz = 5.0;
   probe.fractional_bandwidth = 0.6;
   probe.width_mm = 25.6;
@@ -100,7 +100,7 @@ inline double Db(double amplitude) {
 }
 
 /// Mean over lines of the squared envelope of sample k.
-inline double MeanIntensity(const ultrasound::BeamImage& envelope, int k, int first_line,
+inline double MeanIntensity(const slicing::BeamImage& envelope, int k, int first_line,
                             int end_line) {
   double sum = 0.0;
   for (int l = first_line; l < end_line; ++l) {

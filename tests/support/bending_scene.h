@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "core/random.h"
-#include "simulation/simulation.h"
+#include "acus/base/core/random.h"
+#include "acus/data/volume/label_lookup.h"
+#include "acus/scene/simulation/simulation.h"
 #include "support/layered_scene.h"
-#include "volume/label_lookup.h"
 
 namespace acus::testing_support {
 

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
+#include "acus/base/core/error.h"
 
 namespace acus::testing_support {
 
@@ -175,7 +175,7 @@ class HardCase {
     return tests == std::string::npos ? file : file.substr(tests + 1);
   }
 
-  /// "needle" of tests/stability/needle_rod_test.cpp and of tests/unit/needle/rod_test.cpp.
+  /// "needle" of tests/stability/needle_rod_test.cpp and of tests/unit/physics/needle/rod_test.cpp.
   std::string Module() const {
     const std::filesystem::path path(file_);
     const std::string folder = path.parent_path().filename().string();

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <vector>
 
-#include "core/random.h"
-#include "mesh/tetra_mesh.h"
+#include "acus/base/core/random.h"
+#include "acus/data/mesh/tetra_mesh.h"
 
 namespace acus::testing_support {
 

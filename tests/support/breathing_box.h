@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "breathing/model_building.h"
+#include "acus/physics/breathing/model_building.h"
 
 namespace acus::testing_support {
 

@@ -4,10 +4,10 @@
 
 #include <filesystem>
 
-#include "breathing/model_building.h"
-#include "phantom/breathing_folder.h"
-#include "phantom/breathing_scan.h"
-#include "volume/volume_io.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/patient/phantom/breathing_folder.h"
+#include "acus/patient/phantom/breathing_scan.h"
+#include "acus/physics/breathing/model_building.h"
 
 namespace acus::testing_support {
 

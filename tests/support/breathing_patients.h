@@ -7,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
-#include "breathing/model_building.h"
-#include "simulation/breathing_scene.h"
+#include "acus/physics/breathing/model_building.h"
+#include "acus/scene/simulation/breathing_scene.h"
 
 namespace acus::testing_support {
 

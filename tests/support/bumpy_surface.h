@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "mesh/surface.h"
+#include "acus/data/mesh/surface.h"
 
 namespace acus::testing_support {
 

@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/error.h"
+#include "acus/base/core/error.h"
 #include "support/scenario_trial.h"
 
 namespace acus::testing_support {

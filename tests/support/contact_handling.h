@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "core/cpu_time.h"
-#include "core/random.h"
-#include "mechanics/condensation.h"
-#include "mechanics/reachable.h"
+#include "acus/base/core/cpu_time.h"
+#include "acus/base/core/random.h"
+#include "acus/physics/mechanics/condensation.h"
+#include "acus/physics/mechanics/reachable.h"
 #include "support/fem_needle_scene.h"
 #include "support/fresh_contact.h"
 

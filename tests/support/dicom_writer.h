@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
+#include "acus/base/core/error.h"
 
 namespace acus::testing_support {
 

@@ -7,17 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "breathing/motion_file.h"
-#include "config/json_file.h"
-#include "core/atomic_file.h"
-#include "mechanics/compliance_file.h"
-#include "mechanics/reachable.h"
-#include "mesh/surface_io.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/data/mesh/surface_io.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/physics/breathing/motion_file.h"
+#include "acus/physics/mechanics/compliance_file.h"
+#include "acus/physics/mechanics/reachable.h"
 #include "support/box_mesh.h"
 #include "support/breathing_box.h"
 #include "support/layered_scene.h"
 #include "support/temporary_folder.h"
-#include "volume/volume_io.h"
 
 namespace acus::testing_support {
 

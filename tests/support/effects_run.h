@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "simulation/fluoroscopy_renderer.h"
-#include "simulation/image_renderer.h"
-#include "simulation/simulation.h"
-#include "simulation/view_scene.h"
+#include "acus/scene/simulation/fluoroscopy_renderer.h"
+#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/simulation.h"
+#include "acus/scene/simulation/view_scene.h"
 
 namespace acus::testing_support {
 
@@ -90,7 +90,7 @@ class EffectsRun {
     out.ct_slice = pictures_.ct_slice.pixels;
     if (scene_.plan.Has(StageId::kFluoroscopy)) {
       if (!fluoroscopy_) fluoroscopy_.emplace(scene_, 1);
-      ultrasound::GrayImage picture;
+      image::GrayImage picture;
       fluoroscopy_->Render(now, picture, 1, times);
       out.fluoroscopy = picture.pixels;
     }
@@ -140,7 +140,7 @@ class EffectsRun {
   std::optional<simulation::FluoroscopyRenderer> fluoroscopy_;
   std::optional<simulation::ViewRenderer> view_;
   simulation::Images pictures_;
-  rendering::ViewPicture seen_;
+  volume_rendering::ViewPicture seen_;
 };
 
 }  // namespace acus::testing_support

@@ -4,9 +4,9 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "mechanics/compliance.h"
-#include "mechanics/sparse_factor.h"
-#include "mechanics/stiffness.h"
+#include "acus/physics/mechanics/compliance.h"
+#include "acus/physics/mechanics/sparse_factor.h"
+#include "acus/physics/mechanics/stiffness.h"
 #include "support/box_mesh.h"
 
 namespace acus::testing_support {

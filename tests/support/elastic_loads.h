@@ -6,11 +6,11 @@
 #include <functional>
 #include <vector>
 
-#include "mechanics/elasticity_table.h"
-#include "mechanics/stiffness.h"
-#include "mesh/quality.h"
-#include "mesh/tetra_faces.h"
-#include "mesh/tetra_mesh.h"
+#include "acus/data/mesh/quality.h"
+#include "acus/data/mesh/tetra_faces.h"
+#include "acus/data/mesh/tetra_mesh.h"
+#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/mechanics/stiffness.h"
 
 namespace acus::testing_support {
 

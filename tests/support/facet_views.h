@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "camera/facet_pose.h"
-#include "camera/mannequin_camera.h"
-#include "core/random.h"
-#include "math/rigid.h"
+#include "acus/base/core/random.h"
+#include "acus/base/math/rigid.h"
+#include "acus/rig/camera/facet_pose.h"
+#include "acus/rig/camera/mannequin_camera.h"
 
 namespace acus::testing_support {
 

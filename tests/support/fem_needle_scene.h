@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "acus/physics/tissue/needle_contact.h"
 #include "support/elastic_box.h"
-#include "tissue/needle_contact.h"
 
 namespace acus::testing_support {
 

@@ -6,12 +6,12 @@
 #include <numbers>
 #include <vector>
 
-#include "forces/alamilla_model.h"
-#include "forces/closed_loop.h"
-#include "forces/multi_proxy_probe.h"
-#include "forces/needle_force.h"
-#include "forces/vidal_model.h"
-#include "forces/vidal_probe.h"
+#include "acus/physics/forces/alamilla_model.h"
+#include "acus/physics/forces/closed_loop.h"
+#include "acus/physics/forces/multi_proxy_probe.h"
+#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/forces/vidal_model.h"
+#include "acus/physics/forces/vidal_probe.h"
 
 namespace acus::testing_support {
 

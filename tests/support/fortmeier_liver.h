@@ -1,5 +1,5 @@
 // The liver phantom of Fortmeier-2016, section 4.1, for the upper half of its figure 5: by
-// algorithm 1 as printed along one axis, and by the springs of lib/tissue.
+// algorithm 1 as printed along one axis, and by the springs of lib/acus/physics/tissue.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 #include <numbers>
 #include <vector>
 
-#include "forces/force_table.h"
-#include "mechanics/elasticity_table.h"
-#include "tissue/spring_model.h"
-#include "volume/labels.h"
+#include "acus/data/volume/labels.h"
+#include "acus/physics/forces/force_table.h"
+#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/tissue/spring_model.h"
 
 namespace acus::testing_support {
 

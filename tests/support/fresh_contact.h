@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tissue/contact_system.h"
+#include "acus/physics/tissue/contact_system.h"
 
 namespace acus::testing_support {
 

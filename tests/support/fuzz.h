@@ -9,9 +9,9 @@
 #include <source_location>
 #include <string>
 
-#include "core/atomic_file.h"
-#include "core/error.h"
-#include "core/random.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "acus/base/core/random.h"
 #include "support/bound.h"
 
 namespace acus::testing_support {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "needle/rod.h"
-#include "unit/needle/rods.h"
+#include "acus/physics/needle/rod.h"
+#include "unit/physics/needle/rods.h"
 
 namespace acus::needle::testing_support {
 

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "config/json_file.h"
-#include "core/atomic_file.h"
-#include "core/run_context.h"
-#include "session/session_io.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/run_context.h"
+#include "acus/data/session/session_io.h"
 #include "support/scenario_trial.h"
 
 namespace acus::testing_support {
@@ -29,11 +29,11 @@ inline session::Session SessionOf(const TrialTrace& trace) {
     const Eigen::Quaterniond turn =
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis.normalized());
     session.needle.push_back({.time_ns = place.time_ns,
-                              .reference_from_tool = session::Pose(turn, tip_mm),
+                              .reference_from_tool = transforms::Pose(turn, tip_mm),
                               .valid = place.valid});
-    session.probe.push_back(
-        {.time_ns = place.time_ns,
-         .reference_from_tool = session::Pose(ProbeOnSkin(1e-9 * static_cast<double>(last_ns)))});
+    session.probe.push_back({.time_ns = place.time_ns,
+                             .reference_from_tool = transforms::Pose(
+                                 ProbeOnSkin(1e-9 * static_cast<double>(last_ns)))});
   }
   return session;
 }

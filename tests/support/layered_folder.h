@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <string>
 
-#include "core/atomic_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/data/volume/volume_io.h"
 #include "support/layered_scene.h"
-#include "volume/volume_io.h"
 
 namespace acus::testing_support {
 

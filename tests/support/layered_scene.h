@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "simulation/scene.h"
-#include "volume/labels.h"
+#include "acus/data/volume/labels.h"
+#include "acus/scene/simulation/scene.h"
 
 namespace acus::testing_support {
 
@@ -48,7 +48,7 @@ inline simulation::Scene LayeredScene(const simulation::EffectPlan& plan, bool n
   scene.needle = forces::ReadNeedle(configs / "needles/spinal_22g.json");
   scene.forces.emplace(forces::NeedleForceModel(
       forces::ReadForceTable(configs / "forces/default.json"), *scene.needle));
-  scene.probe = ultrasound::ReadProbe(configs / "probes/linear_l14.json");
+  scene.probe = acoustics::ReadProbe(configs / "probes/linear_l14.json");
   scene.b_mode = ultrasound::ReadBModeOptions(configs / "acoustics/hu_textured.json");
 
   auto ct = std::make_shared<volume::CtVolume>(geometry, std::int16_t{-1000});

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "forces/force_table.h"
-#include "forces/needle_force.h"
-#include "mechanics/elasticity_table.h"
-#include "tissue/tissue_at.h"
-#include "tissue/tool_sample.h"
+#include "acus/physics/forces/force_table.h"
+#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/tissue/tissue_at.h"
+#include "acus/physics/tissue/tool_sample.h"
 
 namespace acus::testing_support {
 

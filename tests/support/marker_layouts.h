@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/random.h"
+#include "acus/base/core/random.h"
 
 namespace acus::testing_support {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "core/cpu_time.h"
+#include "acus/base/core/cpu_time.h"
 
 namespace acus::testing_support {
 

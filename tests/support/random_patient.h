@@ -5,13 +5,13 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "breathing/motion_file.h"
-#include "config/json_file.h"
-#include "core/atomic_file.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/physics/breathing/motion_file.h"
 #include "support/breathing_box.h"
 #include "support/layered_scene.h"
 #include "support/schema_sampler.h"
-#include "volume/volume_io.h"
 
 namespace acus::testing_support {
 

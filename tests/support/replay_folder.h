@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "replay/replay.h"
+#include "acus/run/replay/replay.h"
 #include "support/temporary_folder.h"
 
 namespace acus::testing_support {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdint>
 
+#include "acus/data/image/image.h"
+#include "acus/imaging/acoustics/probe.h"
+#include "acus/imaging/slicing/beam_bend.h"
 #include "support/synthetic_ct.h"
-#include "ultrasound/beam_bend.h"
-#include "ultrasound/image.h"
-#include "ultrasound/probe.h"
 
 namespace acus::testing_support {
 
@@ -25,9 +25,9 @@ inline volume::CtVolume AbdomenCt() {
 }
 
 /// 512 x 512 pixels, 512 lines of 512 samples: no black side saves anything.
-inline ultrasound::Probe FullLinearProbe() {
+inline acoustics::Probe FullLinearProbe() {
   return {.name = "full picture",
-          .kind = ultrasound::ProbeKind::kLinear,
+          .kind = acoustics::ProbeKind::kLinear,
           .frequency_mhz = 10,
           .scan_lines = 512,
           .width_mm = 60.2,
@@ -49,8 +49,8 @@ inline Eigen::Isometry3d SwayingProbe(int n) {
 }
 
 /// In the plane of that pose.
-inline ultrasound::NeedleInImage NeedleInPlane(const Eigen::Isometry3d& ct_from_probe) {
-  ultrasound::NeedleInImage needle;
+inline image::NeedleInImage NeedleInPlane(const Eigen::Isometry3d& ct_from_probe) {
+  image::NeedleInImage needle;
   needle.tip_in_ct_mm = ct_from_probe * Eigen::Vector3d(-10, 20, 0.2);
   needle.axis_in_ct = ct_from_probe.linear() * Eigen::Vector3d(0.8, 0.6, 0.0);
   needle.length_mm = 90;
@@ -60,7 +60,7 @@ inline ultrasound::NeedleInImage NeedleInPlane(const Eigen::Isometry3d& ct_from_
 
 /// A patient who breathes, and a needle that takes tissue along: everything in the picture has
 /// moved, and moves again with each picture.
-class BreathingAndNeedle : public ultrasound::RestMap {
+class BreathingAndNeedle : public slicing::RestMap {
  public:
   BreathingAndNeedle(int n, const Eigen::Vector3d& tip_in_ct_mm)
       : breath_mm_(4.0 * std::sin(0.05 * n)), tip_mm_(tip_in_ct_mm) {}
@@ -78,9 +78,9 @@ class BreathingAndNeedle : public ultrasound::RestMap {
 };
 
 /// The beam level's probe: `lines` of `samples` over the same picture as FullLinearProbe.
-inline ultrasound::Probe FullBeamProbe(int lines, int samples) {
-  ultrasound::Probe probe = ultrasound::DefaultProbe();
-  const ultrasound::Probe full = FullLinearProbe();
+inline acoustics::Probe FullBeamProbe(int lines, int samples) {
+  acoustics::Probe probe = acoustics::DefaultProbe();
+  const acoustics::Probe full = FullLinearProbe();
   probe.kind = full.kind;
   probe.frequency_mhz = 7.5;
   probe.scan_lines = lines;
@@ -96,7 +96,7 @@ inline ultrasound::Probe FullBeamProbe(int lines, int samples) {
   return probe;
 }
 
-inline double MeanGrey(const ultrasound::GrayImage& image) {
+inline double MeanGrey(const image::GrayImage& image) {
   double sum = 0.0;
   for (const std::uint8_t pixel : image.pixels) sum += pixel;
   return sum / static_cast<double>(image.pixels.size());

@@ -7,11 +7,11 @@
 #include <functional>
 #include <limits>
 
-#include "breathing/breath_source.h"
-#include "core/error.h"
-#include "forces/closed_loop.h"
-#include "simulation/image_renderer.h"
-#include "simulation/simulation.h"
+#include "acus/base/core/error.h"
+#include "acus/physics/breathing/breath_source.h"
+#include "acus/physics/forces/closed_loop.h"
+#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/simulation.h"
 #include "support/wild_hand.h"
 
 namespace acus::testing_support {

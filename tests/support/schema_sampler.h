@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/random.h"
+#include "acus/base/core/random.h"
 
 namespace acus::testing_support {
 
@@ -80,7 +80,8 @@ class SchemaSampler {
     std::string part;
     std::getline(parts, part, '/');
     while (std::getline(parts, part, '/')) {
-      if (!node->contains("properties") || !(*node)["properties"].contains(part)) return Json::object();
+      if (!node->contains("properties") || !(*node)["properties"].contains(part))
+        return Json::object();
       node = &(*node)["properties"][part];
     }
     return *node;

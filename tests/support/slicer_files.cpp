@@ -4,7 +4,7 @@
 #include <hdf5.h>
 #include <zip.h>
 
-#include "core/atomic_file.h"
+#include "acus/base/core/atomic_file.h"
 
 namespace acus::testing_support {
 namespace {

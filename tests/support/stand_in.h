@@ -8,7 +8,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "haptics/devices_file.h"
+#include "acus/rig/haptics/devices_file.h"
 
 namespace acus::testing_support {
 

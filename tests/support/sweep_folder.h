@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <string>
 
-#include "fidelity/scene_sweep.h"
-#include "session/session_io.h"
+#include "acus/assess/tuning/scene_sweep.h"
+#include "acus/data/session/session_io.h"
 #include "support/layered_folder.h"
 #include "support/temporary_folder.h"
 
@@ -47,28 +47,28 @@ class SweepFolder : public testing::Test {
     return session;
   }
 
-  fidelity::SweepPlan Plan() { return fidelity::MakePlan(request_, context_); }
+  tuning::SweepPlan Plan() { return tuning::MakePlan(request_, context_); }
 
   /// Runs all that is missing in `name`.
-  fidelity::SweepResult Sweep(const char* name) {
+  tuning::SweepResult Sweep(const char* name) {
     const auto plan = Plan();
-    const fidelity::RunStore store(folder_ / name, fidelity::IdentityOf(plan), false);
-    fidelity::RunCases(plan, store, "", context_);
-    return fidelity::Collect(plan, store);
+    const tuning::RunStore store(folder_ / name, tuning::IdentityOf(plan), false);
+    tuning::RunCases(plan, store, "", context_);
+    return tuning::Collect(plan, store);
   }
 
-  static const fidelity::SettingResult& Of(const fidelity::SweepResult& result,
-                                           const fidelity::Setting& setting) {
+  static const tuning::SettingResult& Of(const tuning::SweepResult& result,
+                                         const tuning::Setting& setting) {
     for (const auto& one : result.settings) {
       if (one.setting == setting) return one;
     }
-    throw std::runtime_error("not swept: " + fidelity::TextOf(setting));
+    throw std::runtime_error("not swept: " + tuning::TextOf(setting));
   }
 
   TemporaryFolder temporary_;
   std::filesystem::path folder_ = temporary_.path();
   RunContext context_;
-  fidelity::SweepRequest request_;
+  tuning::SweepRequest request_;
 };
 
 /// A needle that bends in springs, and no pictures: quick.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "volume/volume.h"
+#include "acus/data/volume/volume.h"
 
 namespace acus::testing_support {
 

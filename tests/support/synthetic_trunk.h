@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volume/labels.h"
+#include "acus/data/volume/labels.h"
 
 namespace acus::testing_support {
 

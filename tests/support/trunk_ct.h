@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "volume/volume.h"
+#include "acus/data/volume/volume.h"
 
 namespace acus::testing_support {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "haptics/devices_file.h"
-#include "haptics/force_guard.h"
+#include "acus/rig/haptics/devices_file.h"
+#include "acus/rig/haptics/force_guard.h"
 
 namespace acus::testing_support {
 

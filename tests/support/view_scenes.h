@@ -6,9 +6,9 @@
 #include <numbers>
 #include <vector>
 
-#include "breathing/motion_map.h"
-#include "mesh/surface.h"
-#include "rendering/patient_view.h"
+#include "acus/data/mesh/surface.h"
+#include "acus/imaging/volume_rendering/patient_view.h"
+#include "acus/physics/breathing/motion_map.h"
 
 namespace acus::testing_support {
 
@@ -104,7 +104,7 @@ struct Blob {
   Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
   double diameter_px = 0.0;  ///< Of a circle of the same area.
 };
-inline Blob CoveredPart(const rendering::ViewPicture& picture) {
+inline Blob CoveredPart(const volume_rendering::ViewPicture& picture) {
   Blob out;
   double sum = 0.0;
   for (int row = 0; row < picture.colour.height; ++row) {

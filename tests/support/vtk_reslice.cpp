@@ -10,7 +10,7 @@
 #include <vtkPointData.h>
 #include <vtkShortArray.h>
 
-#include "core/error.h"
+#include "acus/base/core/error.h"
 
 namespace acus::testing_support {
 
@@ -21,7 +21,7 @@ struct VtkReslice::State {
   vtkNew<vtkImageReslice> reslice;
 };
 
-VtkReslice::VtkReslice(const volume::CtVolume& ct, const ultrasound::ImageGeometry& picture,
+VtkReslice::VtkReslice(const volume::CtVolume& ct, const image::ImageGeometry& picture,
                        int num_threads, Threads threads)
     : state_(std::make_unique<State>()) {
   // Images of VTK have no direction here: slices are taken in the volume's own frame, from which
@@ -71,9 +71,9 @@ int VtkReslice::num_threads() const {
   return state_->reslice->GetNumberOfThreads();
 }
 
-double LargestDifferenceHu(VtkReslice& reslice, ultrasound::CtSliceRenderer& slice,
+double LargestDifferenceHu(VtkReslice& reslice, slicing::CtSliceRenderer& slice,
                            const Eigen::Isometry3d& ct_from_probe) {
-  ultrasound::GrayImage image;
+  image::GrayImage image;
   slice.Render(ct_from_probe, std::nullopt, image);
   const std::int16_t* theirs = reslice.Render(ct_from_probe);
   double largest = 0.0;

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <memory>
 
-#include "ultrasound/ct_slice.h"
-#include "ultrasound/image.h"
-#include "volume/volume.h"
+#include "acus/data/image/image.h"
+#include "acus/data/volume/volume.h"
+#include "acus/imaging/slicing/ct_slice.h"
 
 namespace acus::testing_support {
 
@@ -18,7 +18,7 @@ class VtkReslice {
   enum class Threads { kMultiThreader, kSmp };
 
   /// Keeps a reference to `ct`, whose voxels it shares; it must outlive this.
-  VtkReslice(const volume::CtVolume& ct, const ultrasound::ImageGeometry& picture, int num_threads,
+  VtkReslice(const volume::CtVolume& ct, const image::ImageGeometry& picture, int num_threads,
              Threads threads);
   ~VtkReslice();
 
@@ -34,7 +34,7 @@ class VtkReslice {
 };
 
 /// The largest difference of VTK's slice and ours at a pose. VTK rounds to whole numbers.
-double LargestDifferenceHu(VtkReslice& reslice, ultrasound::CtSliceRenderer& slice,
+double LargestDifferenceHu(VtkReslice& reslice, slicing::CtSliceRenderer& slice,
                            const Eigen::Isometry3d& ct_from_probe);
 
 }  // namespace acus::testing_support

@@ -29,8 +29,9 @@ struct VtkVolume::State {
   vtkNew<vtkRenderWindow> window;
 };
 
-VtkVolume::VtkVolume(const volume::CtVolume& ct, std::span<const rendering::OpacityNode> nodes,
-                     const rendering::Camera& camera, double step_mm, int num_threads)
+VtkVolume::VtkVolume(const volume::CtVolume& ct,
+                     std::span<const volume_rendering::OpacityNode> nodes,
+                     const volume_rendering::Camera& camera, double step_mm, int num_threads)
     : state_(std::make_unique<State>()) {
   if (std::getenv("DISPLAY") == nullptr) throw std::runtime_error("VTK needs a display");
   State& s = *state_;
@@ -51,7 +52,7 @@ VtkVolume::VtkVolume(const volume::CtVolume& ct, std::span<const rendering::Opac
   vtkNew<vtkColorTransferFunction> colour;
   vtkNew<vtkPiecewiseFunction> opacity;
   opacity->AddPoint(-1025.0, 0.0);
-  for (const rendering::OpacityNode& node : nodes) {
+  for (const volume_rendering::OpacityNode& node : nodes) {
     colour->AddRGBPoint(node.hu, node.colour[0], node.colour[1], node.colour[2]);
     opacity->AddPoint(node.hu, 1.0 - std::exp(-node.extinction_per_mm));
   }

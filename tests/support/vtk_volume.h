@@ -4,9 +4,9 @@
 
 #include <memory>
 
-#include "rendering/camera.h"
-#include "rendering/transfer_function.h"
-#include "volume/volume.h"
+#include "acus/data/volume/volume.h"
+#include "acus/imaging/volume_rendering/camera.h"
+#include "acus/imaging/volume_rendering/transfer_function.h"
 
 namespace acus::testing_support {
 
@@ -15,8 +15,8 @@ namespace acus::testing_support {
 class VtkVolume {
  public:
   /// @throws std::runtime_error if there is no display.
-  VtkVolume(const volume::CtVolume& ct, std::span<const rendering::OpacityNode> nodes,
-            const rendering::Camera& camera, double step_mm, int num_threads);
+  VtkVolume(const volume::CtVolume& ct, std::span<const volume_rendering::OpacityNode> nodes,
+            const volume_rendering::Camera& camera, double step_mm, int num_threads);
   ~VtkVolume();
 
   /// Draws the picture anew.

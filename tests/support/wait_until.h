@@ -1,11 +1,10 @@
 // Waiting for what another thread or process will do.
 #pragma once
 
+#include <functional>
 #include <unistd.h>
 
-#include <functional>
-
-#include "core/monotonic_time.h"
+#include "acus/base/core/monotonic_time.h"
 
 namespace acus::testing_support {
 

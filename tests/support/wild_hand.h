@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/random.h"
-#include "forces/needle_sample.h"
+#include "acus/base/core/random.h"
+#include "acus/physics/forces/needle_sample.h"
 
 namespace acus::testing_support {
 

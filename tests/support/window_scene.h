@@ -9,18 +9,18 @@
 #include <memory>
 #include <thread>
 
-#include "display/marks.h"
-#include "display/window.h"
+#include "acus/window/marks.h"
+#include "acus/window/window.h"
 #include "support/view_scenes.h"
 #include "support/virtual_display.h"
 
-namespace acus::display {
+namespace acus::window {
 
 inline constexpr const char* kTitle = "Acus window test";
 
 /// A screenshot with places in it.
 struct Shot {
-  ultrasound::ColourImage image;
+  image::ColourImage image;
 
   Eigen::Array3i At(int column, int row) const {
     const auto at = 3 * static_cast<std::size_t>(row * image.width + column);
@@ -67,17 +67,17 @@ inline bool IsRed(int r, int g, int b) {
   return r > 190 && g < 130 && b < 120;
 }
 
-inline ultrasound::GrayImage Grey(int width, int height, int level) {
-  ultrasound::GrayImage image;
+inline image::GrayImage Grey(int width, int height, int level) {
+  image::GrayImage image;
   image.Resize(width, height);
   std::ranges::fill(image.pixels, static_cast<std::uint8_t>(level));
   return image;
 }
 
-inline ultrasound::Probe Linear() {
-  ultrasound::Probe probe = ultrasound::DefaultProbe();
+inline acoustics::Probe Linear() {
+  acoustics::Probe probe = acoustics::DefaultProbe();
   probe.name = "test probe";
-  probe.kind = ultrasound::ProbeKind::kLinear;
+  probe.kind = acoustics::ProbeKind::kLinear;
   probe.frequency_mhz = 7.5;
   probe.width_mm = 40.0;
   probe.depth_mm = 50.0;
@@ -108,8 +108,8 @@ class WindowTest : public ::testing::Test {
   }
   static DisplayFrame Frame() {
     DisplayFrame frame;
-    const auto probe = std::make_shared<ultrasound::Probe>(Linear());
-    const auto picture = ultrasound::PictureOf(*probe);
+    const auto probe = std::make_shared<acoustics::Probe>(Linear());
+    const auto picture = acoustics::PictureOf(*probe);
     frame.ultrasound.picture = Grey(picture.width_px, picture.height_px, 60);
     frame.ultrasound.probe = probe;
     frame.ct_slice = Grey(picture.width_px, picture.height_px, 120);
@@ -129,11 +129,11 @@ class WindowTest : public ::testing::Test {
     VideoPicture video;
     video.picture.Resize(640, 480);
     std::ranges::fill(video.picture.rgb, std::uint8_t{0});
-    video.camera = rendering::LookAt({.eye_in_ct_mm = {60.0, -480.0, 90.0},
-                                      .focus_in_ct_mm = {0.0, 0.0, 0.0},
-                                      .up_in_ct = {0.0, 0.0, 1.0},
-                                      .view_angle_deg = 30.0},
-                                     {.width_px = 640, .height_px = 480});
+    video.camera = volume_rendering::LookAt({.eye_in_ct_mm = {60.0, -480.0, 90.0},
+                                             .focus_in_ct_mm = {0.0, 0.0, 0.0},
+                                             .up_in_ct = {0.0, 0.0, 1.0},
+                                             .view_angle_deg = 30.0},
+                                            {.width_px = 640, .height_px = 480});
     video.camera.focal_px[1] *= 1.03;  // As of a real camera: not square, not in the middle.
     video.camera.centre_px += Eigen::Vector2d(17.0, -11.0);
     video.pose_valid = true;
@@ -176,4 +176,4 @@ class WindowTest : public ::testing::Test {
   static inline std::unique_ptr<testing_support::VirtualDisplay> display_;
 };
 
-}  // namespace acus::display
+}  // namespace acus::window

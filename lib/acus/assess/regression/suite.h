@@ -1,0 +1,39 @@
+// A suite of recorded sessions whose outcome is to stay what it is.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "acus/scene/scenario/scenario.h"
+
+namespace acus::regression {
+
+/// One replay. Paths are absolute.
+struct Case {
+  std::string name;
+  std::filesystem::path scenario;
+  std::filesystem::path session;
+  std::vector<scenario::Override> changes;  ///< Of the patient, then those of /set.
+  std::filesystem::path tolerances;
+};
+
+struct Suite {
+  std::filesystem::path folder;  ///< Expectations are in its folder expected/<name of the case>.
+  std::string description;
+  double time_percent = 0.0;
+  double time_min_s = 0.0;
+  std::vector<Case> cases;
+
+  std::filesystem::path ExpectedOf(const Case& c) const { return folder / "expected" / c.name; }
+};
+
+/// Reads an acus-regression file, or suite.json of a folder.
+/// @throws InputError listing all that is wrong: keys, two cases of one name, files that are not
+///     there.
+Suite ReadSuite(const std::filesystem::path& file_or_folder);
+
+/// Keeps the named cases. @throws InputError naming the first that there is none of, and all.
+Suite Only(Suite suite, const std::vector<std::string>& names);
+
+}  // namespace acus::regression

@@ -1,0 +1,333 @@
+#include "acus/assess/tuning/choice.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "acus/assess/tuning/choice_model.h"
+#include "acus/base/core/error.h"
+
+namespace acus::tuning {
+namespace {
+
+constexpr std::size_t kMostShared = 256;  ///< Combinations of knobs that act on both parts.
+constexpr std::size_t kMostOnFront = 200;
+
+/// How good a setting is for the goal, or a part of it: less is better, in the order of members.
+struct Score {
+  double miss = 0.0;   ///< By which factor limits are broken, as a logarithm; 0: they are kept.
+  double merit = 0.0;  ///< What the goal leaves to be made small.
+  double tie = 0.0;    ///< The rest.
+
+  Score& operator+=(const Score& other) {
+    miss += other.miss;
+    merit += other.merit;
+    tie += other.tie;
+    return *this;
+  }
+};
+
+/// The limit of a part in the units of PartOf; nothing if the goal does not name it.
+std::optional<double> LimitOf(const Goal& goal, int part) {
+  const std::optional<double>& limit = part == 0 ? goal.force : goal.image;
+  if (!limit || goal.kind == GoalKind::kBudget) return limit;
+  return part == 0 ? *limit * *limit : std::pow(10.0, -0.1 * *limit);
+}
+
+class Search {
+ public:
+  Search(const std::vector<ChoiceKnob>& knobs, const Goal& goal, const ChoiceSettings& settings,
+         const std::function<Outcome(const Levels&)>& measure)
+      : knobs_(knobs),
+        goal_(goal),
+        settings_(settings),
+        measure_(measure),
+        model_(knobs, settings.noise) {
+    for (const ChoiceKnob& knob : knobs) given_.push_back(knob.given);
+  }
+
+  Choice Run() {
+    AsGiven();
+    if (settings_.keep_given && Meets(choice_.measured[0].measured, goal_)) {
+      choice_.measured[0].predicted = choice_.measured[0].measured;
+      choice_.num_one_at_a_time = 1;
+      choice_.chosen = 0;
+      return std::move(choice_);
+    }
+    OneAtATime();
+    choice_.num_one_at_a_time = static_cast<int>(choice_.measured.size());
+    PrepareFronts();
+    for (int n = 0; n < settings_.most_joint; ++n) {
+      // What is expected to be best; then what would be if it were cheaper than expected, by as
+      // much as expectations were wrong so far.
+      Levels next = MostPromising(false);
+      if (IsMeasured(next)) next = MostPromising(true);
+      if (IsMeasured(next)) break;
+      Measure(next);
+    }
+    for (Candidate& candidate : choice_.measured) {
+      for (int part = 0; part < kNumParts; ++part) {
+        SetPart(candidate.predicted, part, model_.Predicted(candidate.levels, part, kSum));
+      }
+    }
+    choice_.nearest = BestMeasured();
+    const Outcome& best = choice_.measured[choice_.nearest].measured;
+    if (Meets(best, goal_)) choice_.chosen = choice_.nearest;
+    return std::move(choice_);
+  }
+
+ private:
+  void AsGiven() {
+    const Outcome given = measure_(given_);
+    for (int part = 0; part < kNumParts; ++part) {
+      ACUS_REQUIRE(!LimitOf(goal_, part) || !std::isnan(PartOf(given, part).cost), "the goal ",
+                   TextOf(goal_), " names the ", part == 0 ? "force" : "image",
+                   ", but this scene has none; leave it out of the goal, or give the scenario such "
+                   "an effect");
+    }
+    model_.AddGiven(given);
+    Keep(given_, given);
+  }
+
+  void OneAtATime() {
+    for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
+      if (!IsTurned(knobs_[knob])) continue;
+      for (int level = 0; level < knobs_[knob].num_levels; ++level) {
+        if (level == knobs_[knob].given) continue;
+        Levels levels = given_;
+        levels[knob] = level;
+        const Outcome alone = measure_(levels);
+        model_.AddAlone(knob, level, alone);
+        Keep(levels, alone);
+      }
+    }
+  }
+
+  /// Knobs that act on nothing that the goal names stay as given.
+  bool IsTurned(const ChoiceKnob& knob) const {
+    return (knob.acts_on_force && goal_.force) || (knob.acts_on_image && goal_.image);
+  }
+
+  bool IsShared(const ChoiceKnob& knob) const {
+    return IsTurned(knob) && knob.acts_on_force && knob.acts_on_image;
+  }
+
+  void Measure(const Levels& levels) { Keep(levels, measure_(levels)); }
+
+  void Keep(const Levels& levels, const Outcome& outcome) {
+    model_.AddMeasured(levels, outcome);
+    choice_.measured.push_back({levels, outcome, {}});
+  }
+
+  bool IsMeasured(const Levels& levels) const {
+    return std::ranges::find(choice_.measured, levels, &Candidate::levels) !=
+           choice_.measured.end();
+  }
+
+  Score ScoreOf(const CostAndError& value, int part) const {
+    const std::optional<double> limit = LimitOf(goal_, part);
+    if (!limit) return {};
+    const bool budget = goal_.kind == GoalKind::kBudget;
+    const double held = budget ? value.cost : value.error;
+    const double cost = value.cost / model_.Given(part).cost;
+    const double error = value.error / model_.LargestError(part);
+    return {.miss = held > *limit ? std::log(held / *limit) : 0.0,
+            .merit = budget ? error : cost,
+            .tie = budget ? cost : error};
+  }
+
+  Score ScoreOf(const Levels& levels, bool hopeful) const {
+    Score score;
+    for (int part = 0; part < kNumParts; ++part) {
+      if (LimitOf(goal_, part)) score += ScoreOf(model_.Best(levels, part, hopeful), part);
+    }
+    return score;
+  }
+
+  /// By the setting's own run, not by what runs that share one part of it gave.
+  Score ScoreOf(const Candidate& candidate) const {
+    Score score;
+    for (int part = 0; part < kNumParts; ++part) {
+      if (LimitOf(goal_, part)) score += ScoreOf(PartOf(candidate.measured, part), part);
+    }
+    return score;
+  }
+
+  /// A cost that is less by no more than the noise is not less. Of settings that fit a budget and
+  /// are as accurate, none is better: less time was not asked for, and knobs are not turned for it.
+  bool IsBetter(const Score& a, const Score& b) const {
+    const double worth_miss = a.miss > 0.0 && b.miss > 0.0 ? std::log1p(settings_.noise) : 0.0;
+    if (std::abs(a.miss - b.miss) > worth_miss) return a.miss < b.miss;
+    const bool budget = goal_.kind == GoalKind::kBudget;
+    const double worth_merit = budget ? 0.0 : settings_.noise * std::abs(b.merit);
+    if (std::abs(a.merit - b.merit) > worth_merit) return a.merit < b.merit;
+    return !budget && a.tie < b.tie;
+  }
+
+  std::size_t BestMeasured() const {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < choice_.measured.size(); ++i) {
+      if (IsBetter(ScoreOf(choice_.measured[i]), ScoreOf(choice_.measured[best]))) best = i;
+    }
+    return best;
+  }
+
+  void PrepareFronts() {
+    for (int part = 0; part < kNumParts; ++part) {
+      if (!LimitOf(goal_, part)) continue;
+      auto& front = front_[static_cast<std::size_t>(part)];
+      front = FrontOf(part, kSum);
+      const std::vector<Levels> other = FrontOf(part, kProduct);
+      front.insert(front.end(), other.begin(), other.end());
+    }
+    shared_ = {given_};
+    for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
+      if (!IsShared(knobs_[knob])) continue;
+      const std::size_t count = shared_.size();
+      for (int level = 0; level < knobs_[knob].num_levels; ++level) {
+        if (level == knobs_[knob].given || !model_.IsUsable(knob, level)) continue;
+        for (std::size_t i = 0; i < count && shared_.size() < kMostShared; ++i) {
+          shared_.push_back(shared_[i]);
+          shared_.back()[knob] = level;
+        }
+      }
+    }
+  }
+
+  /// The settings of the knobs that act on this part alone that no other beats by the model; built
+  /// knob by knob, which loses none: what is beaten stays so whatever is added to both.
+  std::vector<Levels> FrontOf(int part, ProductShare law) const {
+    std::vector<Levels> front = {given_};
+    for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
+      if (!Touches(knobs_[knob], part) || !IsTurned(knobs_[knob]) || IsShared(knobs_[knob])) {
+        continue;
+      }
+      // As given first: of settings with the same sum, the one that turns the fewest knobs.
+      std::vector<Levels> wider = front;
+      for (int level = 0; level < knobs_[knob].num_levels; ++level) {
+        if (level == knobs_[knob].given || !model_.IsUsable(knob, level)) continue;
+        for (Levels levels : front) {
+          levels[knob] = level;
+          wider.push_back(std::move(levels));
+        }
+      }
+      front = Thinned(wider, part, law);
+    }
+    return front;
+  }
+
+  std::vector<Levels> Thinned(const std::vector<Levels>& settings, int part,
+                              ProductShare law) const {
+    std::vector<CostAndError> predicted;
+    for (const Levels& levels : settings) {
+      predicted.push_back(model_.Predicted(levels, part, law));
+    }
+    const std::vector<std::size_t> order = ParetoFront(predicted);
+    std::vector<Levels> front;
+    const std::size_t count = std::min(order.size(), kMostOnFront);
+    for (std::size_t i = 0; i < count; ++i) {
+      front.push_back(settings[order[count > 1 ? i * (order.size() - 1) / (count - 1) : 0]]);
+    }
+    return front;
+  }
+
+  /// The best setting by all that is known so far: of the fronts, and of those around the best
+  /// that was measured. One that was measured wins a tie.
+  Levels MostPromising(bool hopeful) const {
+    const Levels& incumbent = choice_.measured[BestMeasured()].levels;
+    Levels best = incumbent;
+    Score best_score = ScoreOf(best, false);
+    const auto consider = [&](const Levels& levels) {
+      const Score score = ScoreOf(levels, hopeful);
+      if (IsBetter(score, best_score)) {
+        best = levels;
+        best_score = score;
+      }
+    };
+    for (const Levels& shared : shared_) consider(WithBestParts(shared, hopeful));
+    Around(incumbent, consider);
+    return best;
+  }
+
+  /// The knobs of each part as is best for it, given those that act on both.
+  Levels WithBestParts(const Levels& shared, bool hopeful) const {
+    Levels out = shared;
+    for (int part = 0; part < kNumParts; ++part) {
+      const auto& front = front_[static_cast<std::size_t>(part)];
+      std::optional<Score> best_score;
+      Levels best = out;
+      for (const Levels& own : front) {
+        const Levels levels = Joined(out, own, part);
+        const Score score = ScoreOf(model_.Best(levels, part, hopeful), part);
+        if (!best_score || IsBetter(score, *best_score)) {
+          best = levels;
+          best_score = score;
+        }
+      }
+      out = best;
+    }
+    return out;
+  }
+
+  /// `base` with the knobs that act on this part alone from `own`.
+  Levels Joined(Levels base, const Levels& own, int part) const {
+    for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
+      if (Touches(knobs_[knob], part) && !IsShared(knobs_[knob])) base[knob] = own[knob];
+    }
+    return base;
+  }
+
+  /// All settings that turn one knob or two.
+  template <typename Consider>
+  void Around(const Levels& middle, const Consider& consider) const {
+    for (std::size_t a = 0; a < knobs_.size(); ++a) {
+      for (const Levels& one : Turned(middle, a)) {
+        consider(one);
+        for (std::size_t b = a + 1; b < knobs_.size(); ++b) {
+          for (const Levels& two : Turned(one, b)) consider(two);
+        }
+      }
+    }
+  }
+
+  std::vector<Levels> Turned(const Levels& middle, std::size_t knob) const {
+    std::vector<Levels> turned;
+    if (!IsTurned(knobs_[knob])) return turned;
+    for (int level = 0; level < knobs_[knob].num_levels; ++level) {
+      if (level == middle[knob] || !model_.IsUsable(knob, level)) continue;
+      turned.push_back(middle);
+      turned.back()[knob] = level;
+    }
+    return turned;
+  }
+
+  const std::vector<ChoiceKnob>& knobs_;
+  const Goal& goal_;
+  const ChoiceSettings& settings_;
+  const std::function<Outcome(const Levels&)>& measure_;
+  ChoiceModel model_;
+  Levels given_;
+  std::array<std::vector<Levels>, kNumParts> front_;  ///< Of parts that the goal names.
+  std::vector<Levels> shared_;
+  Choice choice_;
+};
+
+}  // namespace
+
+Choice ChooseSetting(const std::vector<ChoiceKnob>& knobs, const Goal& goal,
+                     const ChoiceSettings& settings,
+                     const std::function<Outcome(const Levels&)>& measure) {
+  return Search(knobs, goal, settings, measure).Run();
+}
+
+bool Meets(const Outcome& outcome, const Goal& goal) {
+  if (!outcome.usable) return false;
+  if (goal.kind == GoalKind::kBudget) {
+    return !(goal.force && !(outcome.step_us <= *goal.force)) &&
+           !(goal.image && !(outcome.image_ms <= *goal.image));
+  }
+  return !(goal.force && !(outcome.force_error_n <= *goal.force)) &&
+         !(goal.image && !(outcome.image_error_db >= *goal.image));
+}
+
+}  // namespace acus::tuning

@@ -1,0 +1,17 @@
+// Bounds that no setting may break, whatever it gains: a solver that has come apart can look fast.
+#pragma once
+
+#include <string>
+
+#include "acus/run/replay/step_log.h"
+#include "acus/scene/scenario/scenario.h"
+#include "acus/scene/simulation/scene.h"
+
+namespace acus::tuning {
+
+/// Why a run must not be used: a force that is not finite or above its limit, or energy that the
+/// hand got without having given it. Empty: it may be used.
+std::string WhyUnusable(const scenario::Scenario& scenario, const simulation::Scene& scene,
+                        const replay::StepLog& log);
+
+}  // namespace acus::tuning

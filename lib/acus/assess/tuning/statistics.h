@@ -1,0 +1,27 @@
+// Means over repetitions, and how sure they are.
+#pragma once
+
+#include <limits>
+#include <span>
+
+namespace acus::tuning {
+
+/// A mean and its 95 % confidence interval, mean +- half_width, by Student's t.
+struct Estimate {
+  double mean = std::numeric_limits<double>::quiet_NaN();  ///< Not a number if there is no value.
+  double half_width = std::numeric_limits<double>::quiet_NaN();  ///< ... or fewer than two.
+  int count = 0;
+};
+
+/// Of the values that are numbers. An infinite one makes the mean infinite.
+Estimate EstimateOf(std::span<const double> values);
+
+/// Of the differences a[i] - b[i], paired: what is common to both drops out. Pairs of which one is
+/// not a number are left out. @pre a.size() == b.size().
+Estimate PairedDifference(std::span<const double> a, std::span<const double> b);
+
+/// The t that a variable of Student's distribution exceeds with probability 2.5 %.
+/// @pre degrees_of_freedom >= 1.
+double StudentT975(int degrees_of_freedom);
+
+}  // namespace acus::tuning

@@ -1,0 +1,101 @@
+#include "acus/assess/tuning/tradeoff_page.h"
+
+#include <algorithm>
+
+#include "acus/assess/tuning/result_files.h"
+#include "acus/base/core/text_table.h"
+#include "acus/base/report/html_report.h"
+
+namespace acus::tuning {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Milliseconds(double ms) {
+  return ms > 0.0 ? RoundedText(ms, 4) + " ms" : std::string("none");
+}
+
+std::vector<std::pair<std::string, std::string>> Facts(const SweepResult& result) {
+  return {{"scenario", result.scenario},
+          {"scenario file", result.scenario_file.string()},
+          {"session", result.session.string()},
+          {"played", RoundedText(result.seconds, 4) + " s"},
+          {"time between samples", Milliseconds(result.step_period_ms)},
+          {"time between pictures", Milliseconds(result.image_period_ms)},
+          {"machine", result.machine},
+          {"runs of each setting", std::to_string(result.repetitions)}};
+}
+
+std::vector<std::string> Unusable(const SweepResult& result) {
+  std::vector<std::string> warnings;
+  for (const SettingResult& setting : result.settings) {
+    if (setting.unusable.empty()) continue;
+    warnings.push_back(TextOf(setting.setting) + " must not be used: " + setting.unusable);
+  }
+  return warnings;
+}
+
+const Knob* FindKnob(const SweepResult& result, const std::string& name) {
+  const auto found = std::ranges::find(result.knobs, name, &Knob::name);
+  return found == result.knobs.end() ? nullptr : &*found;
+}
+
+void AddPlots(const std::vector<report::Plot>& plots, report::HtmlReport& page) {
+  for (const report::Plot& plot : plots) page.Plots(std::vector<report::Plot>{plot});
+}
+
+void AddKnob(const SweepResult& result, const PageContent& content, const KnobTable& table,
+             report::HtmlReport& page) {
+  page.Section(table.knob);
+  if (const Knob* knob = FindKnob(result, table.knob)) {
+    std::string text =
+        "What it is: " + knob->title + ". It acts on: " + std::string(NameOf(knob->acts_on)) + ".";
+    for (const PaperValue& paper : knob->papers) {
+      text += " " + ValueText(paper.value) + ": " + paper.source + ".";
+    }
+    page.Paragraph(text);
+  }
+  page.Table(table.header, table.rows);
+  PlotRemarks remarks = content.plots;
+  remarks.knob = table.knob;
+  AddPlots(TradeoffPlots(result, remarks), page);
+}
+
+}  // namespace
+
+void WritePage(const fs::path& folder, const SweepResult& result, const PageContent& content,
+               const RunContext& context) {
+  report::HtmlReport page("What accuracy costs: " + result.scenario,
+                          "error and time of each setting, from the same run");
+  page.Warnings(Unusable(result));
+  if (!content.answer.empty()) {
+    page.Section("Answer");
+    for (const std::string& line : content.answer) page.Paragraph(line);
+  }
+  if (!content.sentences.empty()) {
+    page.Section("What each knob buys");
+    for (const std::string& line : content.sentences) page.Paragraph(line);
+  }
+  page.Section("What was measured");
+  page.KeyValues(Facts(result));
+  page.Paragraph(
+      "Times are CPU time of one thread on the machine named. Values are means over the runs of a "
+      "setting, \u00B1 and bars their 95 % confidence intervals. Errors are against the setting "
+      "marked as the reference, in the same session with the same seed; those of the reference, "
+      "which are zero, have no place on a logarithmic axis.");
+  for (const std::string& line : content.remarks) page.Paragraph(line);
+  page.Section("Error against time");
+  const std::vector<report::Plot> plots = TradeoffPlots(result, content.plots);
+  AddPlots(plots, page);
+  const std::vector<KnobTable> tables = TablesOf(result);
+  for (const KnobTable& table : tables) AddKnob(result, content, table, page);
+  page.SetProvenance(context.provenance.ToJson());
+  page.Write(folder / "tradeoff.html");
+  for (const report::Plot& plot : plots) {
+    const bool force = plot.title.starts_with("force");
+    const char* name = force ? "force.svg" : plot.log_y ? "ssim.svg" : "psnr.svg";
+    report::WriteSvg(folder / name, plot);
+  }
+}
+
+}  // namespace acus::tuning

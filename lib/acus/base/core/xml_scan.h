@@ -1,0 +1,25 @@
+// The elements of an XML file with their attributes: as much of XML as MRML scenes and PLUS
+// configurations use. Text between elements is skipped.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace acus::core {
+
+struct XmlElement {
+  std::string name;
+  int depth = 0;  ///< 0 for the root.
+  std::vector<std::pair<std::string, std::string>> attributes;
+
+  std::optional<std::string> Attribute(std::string_view key) const;
+};
+
+/// All elements in order of appearance. @throws InputError at label:line if the text is not XML, an
+/// element is not closed by its own name, or more than 1000 deep.
+std::vector<XmlElement> ScanXml(std::string_view text, const std::string& label);
+
+}  // namespace acus::core

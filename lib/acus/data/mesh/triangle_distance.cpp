@@ -1,0 +1,108 @@
+#include "acus/data/mesh/triangle_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace acus::mesh {
+
+double SquaredDistanceToTriangle(const Eigen::Vector3d& x, const Eigen::Vector3d& a,
+                                 const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const Eigen::Vector3d ab = b - a;
+  const Eigen::Vector3d ac = c - a;
+  const Eigen::Vector3d ax = x - a;
+  const double d1 = ab.dot(ax);
+  const double d2 = ac.dot(ax);
+  if (d1 <= 0.0 && d2 <= 0.0) return ax.squaredNorm();
+  const Eigen::Vector3d bx = x - b;
+  const double d3 = ab.dot(bx);
+  const double d4 = ac.dot(bx);
+  if (d3 >= 0.0 && d4 <= d3) return bx.squaredNorm();
+  const Eigen::Vector3d cx = x - c;
+  const double d5 = ab.dot(cx);
+  const double d6 = ac.dot(cx);
+  if (d6 >= 0.0 && d5 <= d6) return cx.squaredNorm();
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return (ax - d1 / (d1 - d3) * ab).squaredNorm();
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return (ax - d2 / (d2 - d6) * ac).squaredNorm();
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
+    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return (bx - w * (c - b)).squaredNorm();
+  }
+  const double sum = va + vb + vc;
+  return (ax - vb / sum * ab - vc / sum * ac).squaredNorm();
+}
+
+TriangleDistance::TriangleDistance(Eigen::Matrix3Xd corners) : corners_(std::move(corners)) {
+  const Eigen::Index count = corners_.cols() / 3;
+  first_.assign(2, 0);
+  if (count == 0) return;
+  low_ = corners_.rowwise().minCoeff();
+  const Eigen::Array3d extent = corners_.rowwise().maxCoeff().array() - low_;
+  double edges = 0.0;
+  for (Eigen::Index t = 0; t < count; ++t) {
+    edges += (corners_.col(3 * t + 1) - corners_.col(3 * t)).norm();
+  }
+  // Cells about as large as a triangle, but not many more of them than triangles.
+  cell_ = std::max({edges / static_cast<double>(count), extent.maxCoeff() / 256.0, 1e-9});
+  size_ = (extent / cell_).floor().cast<int>() + 1;
+  const auto for_cells = [&](Eigen::Index t, const auto& visit) {
+    const auto x = corners_.middleCols<3>(3 * t);
+    const Eigen::Array3i from =
+        ((x.rowwise().minCoeff().array() - low_) / cell_).floor().cast<int>().max(0);
+    const Eigen::Array3i to =
+        ((x.rowwise().maxCoeff().array() - low_) / cell_).floor().cast<int>().min(size_ - 1);
+    for (int k = from[2]; k <= to[2]; ++k) {
+      for (int j = from[1]; j <= to[1]; ++j) {
+        for (int i = from[0]; i <= to[0]; ++i) visit(Index(i, j, k));
+      }
+    }
+  };
+  first_.assign(Index(0, 0, size_[2]) + 1, 0);
+  for (Eigen::Index t = 0; t < count; ++t) {
+    for_cells(t, [&](std::size_t cell) { ++first_[cell + 1]; });
+  }
+  for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+  members_.resize(first_.back());
+  std::vector<int> next(first_.begin(), first_.end() - 1);
+  for (Eigen::Index t = 0; t < count; ++t) {
+    for_cells(t, [&](std::size_t cell) { members_[next[cell]++] = static_cast<int>(t); });
+  }
+}
+
+double TriangleDistance::At(const Eigen::Vector3d& x, double limit) const {
+  if (members_.empty()) return limit;
+  const Eigen::Array3d place = (x.array() - low_) / cell_;
+  const Eigen::Array3d last = (size_ - 1).cast<double>();
+  const Eigen::Array3i centre = place.floor().max(0.0).min(last).cast<int>();
+  // From x to the nearest wall of its cell, in cells; 0 outside the grid.
+  const double wall = std::max(0.0, 0.5 - (place - (centre.cast<double>() + 0.5)).abs().maxCoeff());
+  double best = limit * limit;
+  const auto search = [&](int i, int j, int k) {
+    const std::size_t cell = Index(i, j, k);
+    for (int m = first_[cell]; m < first_[cell + 1]; ++m) {
+      const Eigen::Index t = 3 * static_cast<Eigen::Index>(members_[m]);
+      best = std::min(best, SquaredDistanceToTriangle(x, corners_.col(t), corners_.col(t + 1),
+                                                      corners_.col(t + 2)));
+    }
+  };
+  for (int r = 0; r <= size_.maxCoeff(); ++r) {
+    const double away = cell_ * (r - 1.0 + wall);  // Of the ring of cells of radius r.
+    if (r > 0 && away * away >= best) break;
+    const Eigen::Array3i from = (centre - r).max(0);
+    const Eigen::Array3i to = (centre + r).min(size_ - 1);
+    for (int k = from[2]; k <= to[2]; ++k) {
+      for (int j = from[1]; j <= to[1]; ++j) {
+        const bool is_rim = std::abs(k - centre[2]) == r || std::abs(j - centre[1]) == r;
+        for (int i = from[0]; i <= to[0]; ++i) {
+          if (is_rim || std::abs(i - centre[0]) == r) search(i, j, k);
+        }
+      }
+    }
+  }
+  return std::sqrt(best);
+}
+
+}  // namespace acus::mesh

@@ -1,0 +1,34 @@
+#include "acus/data/session/plus_config.h"
+
+#include <algorithm>
+
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "acus/base/core/xml_scan.h"
+#include "acus/data/session/sequence_header.h"
+
+namespace acus::session {
+
+std::map<std::string, Eigen::Matrix4d> ReadPlusCalibrations(const std::filesystem::path& path) {
+  const auto elements = core::ScanXml(ReadTextFile(path), path.string());
+  ACUS_REQUIRE(elements.front().name == "PlusConfiguration", path.string(),
+               ": is not a PLUS configuration; its first element is '", elements.front().name, "'");
+  std::map<std::string, Eigen::Matrix4d> calibrations;
+  for (const core::XmlElement& element : elements) {
+    const auto from = element.Attribute("From");
+    const auto to = element.Attribute("To");
+    auto text = element.Attribute("Matrix");
+    if (element.name != "Transform" || !from || !to || !text) continue;
+    const std::string name = *from + "To" + *to;
+    std::ranges::replace_if(
+        *text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    const auto numbers = NumbersOf(*text);
+    ACUS_REQUIRE(numbers && numbers->size() == 16, path.string(), ": the matrix of ", name,
+                 " is not 16 finite numbers");
+    calibrations[name] =
+        Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers->data());
+  }
+  return calibrations;
+}
+
+}  // namespace acus::session

@@ -1,0 +1,205 @@
+#include "acus/data/transforms/transform_file.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/csv.h"
+#include "acus/base/core/error.h"
+#include "acus/base/core/words.h"
+#include "acus/base/math/rigid.h"
+
+namespace acus::transforms {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Matrix3d;
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+
+constexpr double kFarthestTranslationMm = 1e6;
+constexpr std::string_view kMagic = "#Insight Transform File V1.0";
+
+/// All numbers of a text; nothing else may be in it.
+std::vector<double> Numbers(std::string_view text, const std::string& where) {
+  constexpr std::string_view kSeparators = " \t\r\n,";
+  std::vector<double> numbers;
+  for (std::size_t begin = text.find_first_not_of(kSeparators); begin != text.npos;) {
+    const std::size_t end = std::min(text.find_first_of(kSeparators, begin), text.size());
+    const std::string_view word = text.substr(begin, end - begin);
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    ACUS_REQUIRE(error == std::errc() && stop == word.data() + word.size() && std::isfinite(value),
+                 where, ": '", word.substr(0, 40), "' is not a finite number");
+    numbers.push_back(value);
+    begin = text.find_first_not_of(kSeparators, end);
+  }
+  return numbers;
+}
+
+Eigen::Isometry3d RigidWithin(const Matrix4d& matrix, const std::string& label) {
+  ACUS_REQUIRE(math::IsRigid(matrix), label,
+               ": is not a rigid transform (rotation and translation); got the matrix ",
+               matrix.row(0), "; ", matrix.row(1), "; ", matrix.row(2));
+  const double farthest_mm = matrix.topRightCorner<3, 1>().cwiseAbs().maxCoeff();
+  ACUS_REQUIRE(farthest_mm <= kFarthestTranslationMm, label,
+               ": the translation is more than a kilometre; is the unit mm?");
+  // A file with all its digits keeps them; a rounded one is made rigid again.
+  return math::IsRigid(matrix, 1e-14) ? Eigen::Isometry3d(matrix) : math::RigidFromMatrix(matrix);
+}
+
+/// One "Transform:" block of a file.
+struct Block {
+  std::string type;
+  std::optional<std::vector<double>> parameters;
+  std::optional<std::vector<double>> fixed;
+};
+
+Block ReadBlock(std::string_view text, const std::string& file) {
+  Block block;
+  int line_number = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view line = Trimmed(text.substr(begin, end - begin));
+    begin = end + 1;
+    ++line_number;
+    if (line.empty() || line.front() == '#') continue;
+    const std::string where = Message(file, ":", line_number);
+    const auto colon = line.find(':');
+    ACUS_REQUIRE(colon != line.npos, where, ": 'key: value' is needed, got '", line.substr(0, 40),
+                 "'");
+    const std::string_view key = Trimmed(line.substr(0, colon));
+    const std::string_view value = Trimmed(line.substr(colon + 1));
+    if (key == "Transform") {
+      ACUS_REQUIRE(block.type.empty(), where,
+                   ": a second transform; save the one that is meant (in Slicer: harden it first)");
+      block.type = value;
+    } else if (key == "Parameters") {
+      block.parameters = Numbers(value, where);
+    } else if (key == "FixedParameters") {
+      block.fixed = Numbers(value, where);
+    } else {
+      throw InputError(Message(where, ": unknown key '", key.substr(0, 40),
+                               "'; Transform, Parameters and FixedParameters are known"));
+    }
+  }
+  ACUS_REQUIRE(
+      !block.type.empty() && block.parameters && block.fixed, file,
+      ": has no complete transform (Transform, Parameters, FixedParameters); is it cut off?");
+  return block;
+}
+
+/// The rotation of a versor given by its vector part. @throws InputError if that is too long.
+Matrix3d FromVersor(const Vector3d& vector, const std::string& file) {
+  const double squared = vector.squaredNorm();
+  ACUS_REQUIRE(squared <= 1.0 + 1e-9, file, ": the versor's vector part is longer than 1");
+  const double w = std::sqrt(std::max(0.0, 1.0 - squared));
+  return Eigen::Quaterniond(w, vector.x(), vector.y(), vector.z()).normalized().toRotationMatrix();
+}
+
+Matrix3d FromEuler(const Vector3d& angles_rad, bool zyx) {
+  const AngleAxisd x(angles_rad.x(), Vector3d::UnitX());
+  const AngleAxisd y(angles_rad.y(), Vector3d::UnitY());
+  const AngleAxisd z(angles_rad.z(), Vector3d::UnitZ());
+  return zyx ? (z * y * x).toRotationMatrix() : (z * x * y).toRotationMatrix();
+}
+
+/// Matrix and translation about the centre. ITK: x' = matrix (x - centre) + centre + translation.
+struct Parts {
+  Matrix3d matrix = Matrix3d::Identity();
+  Vector3d translation = Vector3d::Zero();
+};
+
+Parts PartsOf(const Block& block, const std::string& file) {
+  const std::vector<double>& p = *block.parameters;
+  const auto require_count = [&](std::size_t count) {
+    ACUS_REQUIRE(p.size() == count, file, ": ", block.type, " needs ", count, " parameters, got ",
+                 p.size());
+  };
+  const auto vector_at = [&p](std::size_t i) { return Vector3d(p[i], p[i + 1], p[i + 2]); };
+  const auto is = [&block](std::string_view kind) { return block.type.starts_with(kind); };
+  Parts parts;
+  if (is("AffineTransform_") || is("MatrixOffsetTransformBase_")) {
+    require_count(12);
+    parts.matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(p.data());
+    parts.translation = vector_at(9);
+  } else if (is("Euler3DTransform_")) {
+    require_count(6);
+    const bool zyx = block.fixed->size() >= 4 && (*block.fixed)[3] != 0.0;
+    parts.matrix = FromEuler(vector_at(0), zyx);
+    parts.translation = vector_at(3);
+  } else if (is("VersorRigid3DTransform_")) {
+    require_count(6);
+    parts.matrix = FromVersor(vector_at(0), file);
+    parts.translation = vector_at(3);
+  } else if (is("QuaternionRigidTransform_")) {
+    require_count(7);
+    const Eigen::Quaterniond rotation(p[3], p[0], p[1], p[2]);
+    ACUS_REQUIRE(std::abs(rotation.norm() - 1.0) < 1e-3, file, ": the quaternion's length is ",
+                 rotation.norm(), ", not 1");
+    parts.matrix = rotation.normalized().toRotationMatrix();
+    parts.translation = vector_at(4);
+  } else if (is("TranslationTransform_")) {
+    require_count(3);
+    parts.translation = vector_at(0);
+  } else {
+    ACUS_REQUIRE(is("IdentityTransform_"), file, ": transform '", block.type.substr(0, 60),
+                 "' is not read here; Affine, Euler3D, VersorRigid3D, QuaternionRigid, Translation "
+                 "and Identity are");
+  }
+  return parts;
+}
+
+Eigen::Isometry3d Parse(std::string_view text, const std::string& file) {
+  const Block block = ReadBlock(text, file);
+  ACUS_REQUIRE(block.type.ends_with("_3_3"), file, ": transform '", block.type.substr(0, 60),
+               "' is not three-dimensional");
+  const Parts parts = PartsOf(block, file);
+  Vector3d centre = Vector3d::Zero();
+  if (block.fixed->size() >= 3) centre = Vector3d(block.fixed->data());
+  Matrix4d matrix = Matrix4d::Identity();
+  matrix.topLeftCorner<3, 3>() = parts.matrix;
+  matrix.topRightCorner<3, 1>() = parts.translation + centre - parts.matrix * centre;
+  return RigidWithin(matrix, file);
+}
+
+}  // namespace
+
+void WriteTransform(const std::filesystem::path& path, const Eigen::Isometry3d& target_from_source,
+                    std::string_view comment) {
+  ACUS_REQUIRE(math::IsRigid(target_from_source.matrix()), path.string(),
+               ": the transform to be written is not rigid");
+  std::string text = Message(kMagic, "\n#Transform 0\n# ", comment.substr(0, comment.find('\n')),
+                             "\nTransform: AffineTransform_double_3_3\nParameters:");
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      text += " " + NumberText(target_from_source(row, column));
+    }
+  }
+  for (int row = 0; row < 3; ++row) text += " " + NumberText(target_from_source(row, 3));
+  WriteTextFile(path, text + "\nFixedParameters: 0 0 0\n");
+}
+
+Eigen::Isometry3d ReadTransform(const std::filesystem::path& path) {
+  const std::string text = ReadTextFile(path);
+  if (text.starts_with(kMagic)) return Parse(text, path.string());
+  ACUS_REQUIRE(!text.starts_with("\x89HDF"), path.string(),
+               ": is an HDF5 transform; save it as text (.tfm or .txt)");
+  return ParseRigidMatrix(text, path.string());
+}
+
+Eigen::Isometry3d ParseRigidMatrix(std::string_view text, const std::string& label) {
+  ACUS_REQUIRE(text.size() <= 10000, label, ": is not a transform: neither '", kMagic,
+               "' nor 16 numbers");
+  const std::vector<double> numbers = Numbers(text, label);
+  ACUS_REQUIRE(numbers.size() == 16, label, ": 16 numbers (4 x 4, row by row) are needed, got ",
+               numbers.size());
+  const Matrix4d matrix =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
+  return RigidWithin(matrix, label);
+}
+
+}  // namespace acus::transforms

@@ -1,0 +1,148 @@
+#include "acus/data/volume/dicom_pixels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <gdcmImageReader.h>
+#include <gdcmTrace.h>
+#include <sstream>
+
+#include "acus/base/core/error.h"
+
+namespace acus::volume {
+namespace {
+
+constexpr double kLowestHu = -1024.0;
+constexpr double kMaxPlausibleHu = 3072.0;  ///< A padding value above this is not tissue.
+
+/// The bytes of the pixel data element, or of its whole sequence of fragments.
+std::string PixelBytes(const DicomHeader& header) {
+  std::ifstream file(header.file, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(header.pixels_begin));
+  std::string bytes(header.pixels_end - header.pixels_begin, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  ACUS_REQUIRE(file.gcount() == static_cast<std::streamsize>(bytes.size()), header.file.string(),
+               ": its pixels cannot be read");
+  return bytes;
+}
+
+/// A DICOM file with nothing but what a decoder needs. GDCM stops the whole program at an
+/// assertion when it meets a broken element, so it is never given the original file.
+class MinimalDicom {
+ public:
+  MinimalDicom(const DicomHeader& header, const std::string& fragments) {
+    const std::string ct_image_storage = "1.2.840.10008.5.1.4.1.1.2";
+    bytes_ = std::string(128, '\0') + "DICM";
+    Element(2, 1, "OB", std::string("\0\1", 2));
+    Element(2, 2, "UI", ct_image_storage);
+    Element(2, 3, "UI", "1.2.3");
+    Element(2, 0x10, "UI", header.transfer_syntax);
+    Element(8, 0x16, "UI", ct_image_storage);
+    Element(8, 0x18, "UI", "1.2.3");
+    Number(0x02, 1);
+    Element(0x28, 4, "CS", "MONOCHROME2");
+    Number(0x10, header.rows);
+    Number(0x11, header.columns);
+    Number(0x100, header.bits_allocated);
+    Number(0x101, header.bits_stored);
+    Number(0x102, header.bits_stored - 1);
+    Number(0x103, header.is_signed ? 1 : 0);
+    Tag(0x7FE0, 0x10);
+    bytes_ += std::string("OB\0\0\xFF\xFF\xFF\xFF", 8) + fragments;
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  void Word(int value) {
+    bytes_ += static_cast<char>(value & 255);
+    bytes_ += static_cast<char>(value >> 8 & 255);
+  }
+  void Tag(int group, int element) {
+    Word(group);
+    Word(element);
+  }
+  void Number(int element, int value) {
+    Tag(0x28, element);
+    bytes_ += "US";
+    Word(2);
+    Word(value);
+  }
+  void Element(int group, int element, const std::string& vr, std::string value) {
+    if (value.size() % 2 == 1) value += vr == "UI" ? '\0' : ' ';
+    Tag(group, element);
+    bytes_ += vr;
+    if (vr == "OB") Word(0);
+    Word(static_cast<int>(value.size()));
+    if (vr == "OB") Word(0);
+    bytes_ += value;
+  }
+  std::string bytes_;
+};
+
+/// @returns columns x rows stored values of bits_allocated bits.
+std::string Decompressed(const DicomHeader& header, const std::string& fragments) {
+  const std::string name = header.file.string();
+  gdcm::Trace::DebugOff();
+  gdcm::Trace::WarningOff();
+  gdcm::Trace::ErrorOff();
+  std::istringstream stream(MinimalDicom(header, fragments).bytes());
+  gdcm::ImageReader reader;
+  reader.SetStream(stream);
+  ACUS_REQUIRE(reader.Read(), name, ": its pixels cannot be decoded (transfer syntax ",
+               header.transfer_syntax,
+               "); the file is broken or the compression is not known. "
+               "Try dcmdjpeg or gdcmconv --raw on the series");
+  const gdcm::Image& image = reader.GetImage();
+  const auto count =
+      static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows);
+  ACUS_REQUIRE(image.GetDimension(0) == static_cast<unsigned>(header.columns) &&
+                   image.GetDimension(1) == static_cast<unsigned>(header.rows) &&
+                   image.GetBufferLength() == count * (header.bits_allocated / 8U),
+               name, ": its compressed pixels do not fit its header; the file is broken");
+  std::string raw(image.GetBufferLength(), '\0');
+  ACUS_REQUIRE(image.GetBuffer(raw.data()), name,
+               ": its compressed pixels are broken; copy or export the file again");
+  return raw;
+}
+
+}  // namespace
+
+std::vector<std::int16_t> DecodedSlice(const DicomHeader& header) {
+  const std::string name = header.file.string();
+  const bool wide = header.bits_allocated == 16;
+  ACUS_REQUIRE((wide || header.bits_allocated == 8) && header.samples_per_pixel == 1 &&
+                   header.bits_stored >= 1 && header.bits_stored <= header.bits_allocated,
+               name, ": has ", header.samples_per_pixel, " samples of ", header.bits_allocated,
+               " bits (", header.bits_stored, " used) per pixel; one of 8 or 16 is needed");
+  std::string raw = PixelBytes(header);
+  if (header.is_encapsulated) raw = Decompressed(header, raw);
+  const auto count =
+      static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows);
+  ACUS_REQUIRE(raw.size() >= count * (wide ? 2 : 1), name, ": has ", raw.size(),
+               " bytes of pixels for ", header.columns, " x ", header.rows,
+               "; it is cut off or broken");
+  const double slope = header.rescale_slope;
+  const double intercept = header.rescale_intercept;
+  ACUS_REQUIRE(slope != 0.0 && std::abs(slope) < 1e4 && std::abs(intercept) < 1e5, name,
+               ": its rescale slope ", slope, " or intercept ", intercept, " is not usable");
+  const double padding = header.padding_value.value_or(0.0) * slope + intercept;
+  const bool has_high_padding = header.padding_value && padding > kMaxPlausibleHu;
+  std::vector<std::int16_t> hu(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto low = static_cast<std::uint8_t>(raw[wide ? 2 * i : i]);
+    std::int32_t stored = header.is_signed ? static_cast<std::int8_t>(low) : low;
+    if (wide) {
+      const auto word =
+          static_cast<std::uint16_t>(low | static_cast<std::uint8_t>(raw[2 * i + 1]) << 8);
+      stored = header.is_signed ? static_cast<std::int16_t>(word) : word;
+    }
+    const double value = std::round(stored * slope + intercept);
+    const bool is_padding = has_high_padding && value >= padding;
+    hu[i] =
+        static_cast<std::int16_t>(is_padding ? kLowestHu : std::clamp(value, kLowestHu, 32767.0));
+  }
+  return hu;
+}
+
+}  // namespace acus::volume

@@ -1,0 +1,273 @@
+#include "acus/data/volume/dicom_series.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "acus/base/core/parallel.h"
+#include "acus/base/math/statistics.h"
+#include "acus/data/volume/dicom_header.h"
+#include "acus/data/volume/dicom_pixels.h"
+#include "acus/data/volume/volume_io.h"
+
+namespace acus::volume {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMaxStepDeviation = 0.02;  ///< Of slice steps, relative to their median.
+constexpr double kMaxShiftMm = 0.05;        ///< Per slice; below it a tilt is rounding.
+
+struct Group {
+  DicomSeries series;
+  std::vector<DicomHeader> headers;  ///< In order along the slice normal.
+};
+
+/// Slices that can form one volume: same series, moment, size, orientation and pixel spacing.
+using GroupKey = std::tuple<std::string, int, int, int, std::string>;
+
+GroupKey KeyOf(const DicomHeader& header) {
+  std::string plane;
+  for (int d = 0; d < 3; ++d) {
+    plane += Message(std::lround(header.column_axis[d] * 1e3), ",",
+                     std::lround(header.row_axis[d] * 1e3), ",");
+  }
+  plane += Message(std::lround(header.spacing_mm[0] * 1e4), ",",
+                   std::lround(header.spacing_mm[1] * 1e4));
+  return {header.series_uid, header.temporal_position, header.columns, header.rows, plane};
+}
+
+Eigen::Vector3d NormalOf(const DicomHeader& header) {
+  return header.column_axis.cross(header.row_axis);
+}
+
+std::vector<fs::path> FilesIn(const fs::path& folder) {
+  std::error_code error;
+  ACUS_REQUIRE(fs::is_directory(folder, error), folder.string(), ": no such folder");
+  std::vector<fs::path> files;
+  const auto options = fs::directory_options::skip_permission_denied;
+  for (auto it = fs::recursive_directory_iterator(folder, options, error);
+       it != fs::recursive_directory_iterator(); it.increment(error)) {
+    if (!error && it->is_regular_file(error)) files.push_back(it->path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::vector<Group> GroupsIn(const fs::path& folder, int num_threads) {
+  const auto files = FilesIn(folder);
+  std::vector<std::optional<DicomHeader>> headers(files.size());
+  ParallelFor(static_cast<int>(files.size()), num_threads, [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    headers[at] = ReadDicomHeader(files[at]);
+  });
+  std::map<GroupKey, Group> groups;
+  for (const auto& header : headers) {
+    if (!header || !header->has_pixels) continue;
+    groups[KeyOf(*header)].headers.push_back(*header);
+  }
+  ACUS_REQUIRE(!groups.empty(), folder.string(), ": no DICOM image in it (", files.size(),
+               " files looked at); give the folder that holds the slices");
+  std::map<std::string, int> parts;
+  std::vector<Group> out;
+  for (auto& [key, group] : groups) {
+    const DicomHeader& first = group.headers.front();
+    const Eigen::Vector3d normal = NormalOf(first);
+    std::ranges::stable_sort(group.headers, {}, [&](const DicomHeader& header) {
+      return header.position_mm.dot(normal);
+    });
+    const std::string uid = first.series_uid.empty() ? "unnamed" : first.series_uid;
+    const int part = ++parts[uid];
+    group.series = {.uid = part == 1 ? uid : Message(uid, "#", part),
+                    .description = first.description,
+                    .temporal_position = first.temporal_position,
+                    .files = {},
+                    .image_size = {first.columns, first.rows}};
+    for (const DicomHeader& header : group.headers) group.series.files.push_back(header.file);
+    out.push_back(std::move(group));
+  }
+  std::ranges::stable_sort(
+      out, [](const Group& a, const Group& b) { return a.headers.size() > b.headers.size(); });
+  return out;
+}
+
+bool IsCtLike(const Group& group) {
+  return group.headers.size() >= 3 && group.headers.front().is_placed &&
+         (group.headers.front().modality == "CT" || group.headers.front().modality.empty());
+}
+
+std::string Listed(const std::vector<Group>& groups) {
+  std::string text;
+  for (const Group& group : groups) {
+    text += Message("\n  ", group.series.uid, "  ", group.headers.size(), " slices of ",
+                    group.series.image_size[0], " x ", group.series.image_size[1], "  ",
+                    group.headers.front().modality, "  ", group.series.description);
+  }
+  return text;
+}
+
+Group Chosen(const fs::path& folder, const std::string& wanted, std::vector<Group> groups) {
+  std::vector<Group> fitting;
+  for (Group& group : groups) {
+    const bool exact = group.series.uid == wanted;
+    const bool part = group.series.uid.find(wanted) != std::string::npos ||
+                      group.series.description.find(wanted) != std::string::npos;
+    if (exact) return std::move(group);
+    if (wanted.empty() ? IsCtLike(group) : part) fitting.push_back(group);
+  }
+  ACUS_REQUIRE(!fitting.empty(), folder.string(), ": ",
+               wanted.empty() ? "no series looks like a CT (at least 3 placed slices, modality CT)"
+                              : Message("no series is called '", wanted, "'"),
+               "; there are:", Listed(groups));
+  ACUS_REQUIRE(fitting.size() == 1, folder.string(), ": ", fitting.size(), " series ",
+               wanted.empty() ? "look like a CT" : Message("fit '", wanted, "'"),
+               "; choose one with --series and its UID or a part of it:", Listed(fitting));
+  return std::move(fitting.front());
+}
+
+/// How the slices lie: the step along the normal, and the shift within the plane from one slice to
+/// the next (of a tilted gantry), in mm along columns and rows.
+struct Stack {
+  double step_mm = 0.0;
+  Eigen::Array2d shift_mm = Eigen::Array2d::Zero();
+};
+
+Stack StackOf(const fs::path& folder, const std::vector<DicomHeader>& headers) {
+  const DicomHeader& first = headers.front();
+  const Eigen::Vector3d normal = NormalOf(first);
+  std::vector<double> steps;
+  for (std::size_t s = 1; s < headers.size(); ++s) {
+    steps.push_back((headers[s].position_mm - headers[s - 1].position_mm).dot(normal));
+  }
+  const double typical = math::Median(steps);
+  for (std::size_t s = 0; s < steps.size(); ++s) {
+    const std::string between = Message(headers[s].file.filename().string(), " and ",
+                                        headers[s + 1].file.filename().string());
+    ACUS_REQUIRE(steps[s] > 1e-3, folder.string(), ": ", between, " lie at the same place (",
+                 headers[s].position_mm.transpose(),
+                 " mm); two scans or copies are mixed in this "
+                 "series, keep one of them");
+    ACUS_REQUIRE(std::abs(steps[s] - typical) <= kMaxStepDeviation * typical + 1e-2,
+                 folder.string(), ": the slices are not evenly spaced: ", steps[s], " mm between ",
+                 between, ", ", typical, " mm elsewhere (", headers.size(),
+                 " slices). Slices are "
+                 "missing or it is a scan in blocks; export the whole series, or one block");
+  }
+  const Eigen::Vector3d span = headers.back().position_mm - first.position_mm;
+  const double count = static_cast<double>(steps.size());
+  Stack stack;
+  stack.step_mm = span.dot(normal) / count;
+  const Eigen::Array2d shift_mm(span.dot(first.column_axis) / count,
+                                span.dot(first.row_axis) / count);
+  for (std::size_t s = 0; s < headers.size(); ++s) {
+    const Eigen::Vector3d off = headers[s].position_mm - first.position_mm;
+    const Eigen::Array2d in_plane(off.dot(first.column_axis), off.dot(first.row_axis));
+    ACUS_REQUIRE((in_plane - shift_mm * static_cast<double>(s)).matrix().norm() < 0.5,
+                 folder.string(), ": slice ", headers[s].file.filename().string(),
+                 " does not lie above its neighbours; this series is not one straight stack");
+  }
+  if (shift_mm.matrix().norm() > kMaxShiftMm) stack.shift_mm = shift_mm;
+  return stack;
+}
+
+/// out(x, y) = in(x - shift[0], y - shift[1]), linear, padding outside.
+void PlaceShifted(const std::vector<std::int16_t>& slice, const DicomHeader& header,
+                  const Eigen::Array2d& shift_px, CtVolume& ct, int k) {
+  const auto at = [&](int x, int y) -> double {
+    const bool inside = x >= 0 && y >= 0 && x < header.columns && y < header.rows;
+    return inside
+               ? slice[static_cast<std::size_t>(y) * header.columns + static_cast<std::size_t>(x)]
+               : kPaddingHu;
+  };
+  for (int j = 0; j < ct.geometry.size[1]; ++j) {
+    const double y = j - shift_px[1];
+    const int y0 = static_cast<int>(std::floor(y));
+    for (int i = 0; i < ct.geometry.size[0]; ++i) {
+      const double x = i - shift_px[0];
+      const int x0 = static_cast<int>(std::floor(x));
+      const double fx = x - x0;
+      const double fy = y - y0;
+      const double value = (1 - fy) * ((1 - fx) * at(x0, y0) + fx * at(x0 + 1, y0)) +
+                           fy * ((1 - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
+      ct.At(i, j, k) = static_cast<std::int16_t>(std::lround(value));
+    }
+  }
+}
+
+/// The grid that holds all slices, and the shift of the first slice in it.
+std::pair<Geometry, Eigen::Array2d> GridOf(const std::vector<DicomHeader>& headers,
+                                           const Stack& stack) {
+  const DicomHeader& first = headers.front();
+  const double last = static_cast<double>(headers.size() - 1);
+  const Eigen::Array2d total_px = stack.shift_mm * last / first.spacing_mm;
+  const Eigen::Array2d first_px = (-total_px).max(0.0).ceil();
+  Geometry grid;
+  grid.size = {first.columns + static_cast<int>(std::ceil(std::abs(total_px[0]))),
+               first.rows + static_cast<int>(std::ceil(std::abs(total_px[1]))),
+               static_cast<int>(headers.size())};
+  grid.spacing_mm = {first.spacing_mm[0], first.spacing_mm[1], stack.step_mm};
+  grid.direction << first.column_axis, first.row_axis, NormalOf(first);
+  grid.origin_mm = first.position_mm - first.column_axis * (first_px[0] * first.spacing_mm[0]) -
+                   first.row_axis * (first_px[1] * first.spacing_mm[1]);
+  return {grid, first_px};
+}
+
+void RequireCtSlices(const fs::path& folder, const std::vector<DicomHeader>& headers) {
+  for (const DicomHeader& header : headers) {
+    ACUS_REQUIRE(header.is_placed, header.file.string(),
+                 ": has no usable position, orientation "
+                 "or pixel spacing, so it cannot be placed; export the original slices");
+    ACUS_REQUIRE(header.num_frames == 1, header.file.string(), ": holds ", header.num_frames,
+                 " frames; multi-frame DICOM is not read, convert it to NIfTI or NRRD first");
+  }
+  const std::string& modality = headers.front().modality;
+  ACUS_REQUIRE(modality == "CT" || modality.empty(), folder.string(), ": modality is ", modality,
+               "; a CT is needed, because tissues are told apart by Hounsfield units");
+  ACUS_REQUIRE(headers.size() >= 3, folder.string(), ": the series has only ", headers.size(),
+               " slices; at least 3 are needed");
+}
+
+}  // namespace
+
+std::vector<DicomSeries> ListDicomSeries(const fs::path& folder) {
+  std::vector<DicomSeries> series;
+  for (Group& group : GroupsIn(folder, 1)) series.push_back(std::move(group.series));
+  return series;
+}
+
+CtVolume ReadDicomCt(const fs::path& folder, const std::string& series, const RunContext& context) {
+  context.Checkpoint("reading DICOM headers", 0.0);
+  const Group group = Chosen(folder, series, GroupsIn(folder, context.num_threads));
+  const auto& headers = group.headers;
+  RequireCtSlices(folder, headers);
+  const Stack stack = StackOf(folder, headers);
+  const auto [grid, first_px] = GridOf(headers, stack);
+  const bool tilted = (stack.shift_mm != 0.0).any();
+  if (tilted) {
+    const double angle_rad = std::atan2(stack.shift_mm.matrix().norm(), stack.step_mm);
+    context.Warn(Message(folder.string(), ": the gantry was tilted by ", angle_rad * 180.0 / M_PI,
+                         " degrees; the slices are shifted onto a rectangular grid"));
+  }
+  CtVolume ct(grid, kPaddingHu);
+  constexpr int kSlicesAtOnce = 16;
+  const int count = static_cast<int>(headers.size());
+  for (int begin = 0; begin < count; begin += kSlicesAtOnce) {
+    context.Checkpoint("reading DICOM slices", begin / static_cast<double>(count));
+    ParallelFor(std::min(kSlicesAtOnce, count - begin), context.num_threads, [&](int i) {
+      const int k = begin + i;
+      const DicomHeader& header = headers[static_cast<std::size_t>(k)];
+      const auto slice = DecodedSlice(header);
+      if (tilted) {
+        PlaceShifted(slice, header, first_px + stack.shift_mm * k / header.spacing_mm, ct, k);
+      } else {
+        std::ranges::copy(slice,
+                          ct.voxels.begin() + static_cast<std::ptrdiff_t>(grid.Index(0, 0, k)));
+      }
+    });
+  }
+  context.Checkpoint("reading DICOM slices", 1.0);
+  return ct;
+}
+
+}  // namespace acus::volume

@@ -1,0 +1,326 @@
+#include "acus/data/volume/header_check.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <vector>
+#include <zlib.h>
+
+#include "acus/base/core/error.h"
+#include "acus/base/core/words.h"
+
+namespace acus::volume {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kMostDeflateRatio = 1032;
+constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20U;
+constexpr int kMaxHeaderLines = 100'000;
+
+/// "key<separator>value" lines up to `last_key` (kept) or, if that is empty, the first empty line.
+std::map<std::string, std::string> HeaderLines(const fs::path& path, char separator,
+                                               const std::string& last_key) {
+  std::ifstream file(path, std::ios::binary);
+  ACUS_REQUIRE(file, path.string(), ": cannot be read");
+  std::map<std::string, std::string> fields;
+  std::size_t total = 0;
+  std::string line;
+  for (int number = 0; number < kMaxHeaderLines && std::getline(file, line); ++number) {
+    total += line.size();
+    ACUS_REQUIRE(total <= kMaxHeaderBytes, path.string(), ": the text header does not end");
+    const std::string_view text = Trimmed(line);
+    if (text.empty() && last_key.empty()) return fields;
+    if (text.starts_with('#')) continue;
+    const auto at = text.find(separator);
+    if (at == text.npos) continue;
+    const std::string key(Trimmed(text.substr(0, at)));
+    fields[key] = Trimmed(text.substr(at + 1));
+    if (key == last_key) return fields;
+  }
+  ACUS_REQUIRE(last_key.empty(), path.string(), ": has no '", last_key,
+               "' line; it is cut off or no MetaImage");
+  return fields;
+}
+
+/// All numbers of a header line. @throws InputError if a word is not a finite number.
+std::vector<double> NumbersIn(const std::string& text, const fs::path& path,
+                              const std::string& key) {
+  std::vector<double> values;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    ACUS_REQUIRE(error == std::errc() && end == word.data() + word.size() && std::isfinite(value),
+                 path.string(), ": ", key, ": '", word, "' is not a number; the header is broken");
+    values.push_back(value);
+  }
+  return values;
+}
+
+void RequireVolumeSizes(const std::vector<double>& sizes, const fs::path& path) {
+  ACUS_REQUIRE(sizes.size() >= 3 && sizes.size() <= 4, path.string(), ": has ", sizes.size(),
+               " dimensions; a single 3-D volume is needed",
+               sizes.size() < 3 ? "" : " (export one volume, or one segment layer)");
+  for (const double size : sizes) {
+    ACUS_REQUIRE(size >= 1.0 && size <= 65535.0 && size == std::floor(size), path.string(),
+                 ": a size of ", size, " voxels is not possible; the header is broken");
+  }
+}
+
+/// Inflates (zlib or gzip) at most `limit` bytes from `offset` on and counts. @throws InputError if
+/// that fails.
+std::uint64_t InflatedBytes(const fs::path& path, std::uint64_t offset, std::uint64_t limit) {
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(offset));
+  z_stream stream{};
+  ACUS_REQUIRE(inflateInit2(&stream, 15 + 32) == Z_OK, path.string(), ": cannot be inflated");
+  std::vector<unsigned char> in(1U << 16U);
+  std::vector<unsigned char> out(1U << 20U);
+  std::uint64_t count = 0;
+  int status = Z_OK;
+  while (status == Z_OK && file) {
+    const std::uint64_t chunk = std::min<std::uint64_t>(in.size(), limit);
+    if (chunk == 0) break;
+    file.read(reinterpret_cast<char*>(in.data()), static_cast<std::streamsize>(chunk));
+    limit -= chunk;
+    stream.next_in = in.data();
+    stream.avail_in = static_cast<unsigned>(file.gcount());
+    while (status == Z_OK && stream.avail_in > 0) {
+      stream.next_out = out.data();
+      stream.avail_out = static_cast<unsigned>(out.size());
+      status = inflate(&stream, Z_NO_FLUSH);
+      count += out.size() - stream.avail_out;
+    }
+  }
+  inflateEnd(&stream);
+  ACUS_REQUIRE(status == Z_STREAM_END, path.string(),
+               ": its compressed data is cut off or broken; copy or export it again");
+  return count;
+}
+
+void RequireBytes(std::uint64_t got, double needed, const fs::path& path) {
+  ACUS_REQUIRE(static_cast<double>(got) >= needed, path.string(), ": has ", got,
+               " bytes of voxels but its header promises ", needed,
+               ", more than the file can hold; it is cut off or broken");
+}
+
+int BytesOfMetaType(const std::string& type) {
+  static const std::map<std::string, int> kBytes = {
+      {"MET_CHAR", 1},  {"MET_UCHAR", 1},  {"MET_SHORT", 2},     {"MET_USHORT", 2},
+      {"MET_INT", 4},   {"MET_UINT", 4},   {"MET_LONG", 4},      {"MET_ULONG", 4},
+      {"MET_FLOAT", 4}, {"MET_DOUBLE", 8}, {"MET_LONG_LONG", 8}, {"MET_ULONG_LONG", 8}};
+  const auto found = kBytes.find(type);
+  return found == kBytes.end() ? 0 : found->second;
+}
+
+struct NiftiHeader {
+  bool swapped = false;
+  std::array<std::uint8_t, 352> bytes{};
+
+  template <typename T>
+  T At(std::size_t offset) const {
+    std::array<std::uint8_t, sizeof(T)> raw{};
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      raw[i] = bytes[offset + (swapped ? sizeof(T) - 1 - i : i)];
+    }
+    T value;
+    std::memcpy(&value, raw.data(), sizeof(T));
+    return value;
+  }
+};
+
+NiftiHeader ReadNiftiHeader(const fs::path& path) {
+  NiftiHeader header;
+  gzFile file = gzopen(path.c_str(), "rb");  // Reads plain files too.
+  ACUS_REQUIRE(file != nullptr, path.string(), ": cannot be read");
+  const int got = gzread(file, header.bytes.data(), static_cast<unsigned>(header.bytes.size()));
+  gzclose(file);
+  ACUS_REQUIRE(got >= 348, path.string(), ": is cut off or no NIfTI file (", std::max(got, 0),
+               " bytes of a 348-byte header)");
+  if (header.At<std::int32_t>(0) != 348) header.swapped = true;
+  ACUS_REQUIRE(header.At<std::int32_t>(0) == 348 && std::memcmp(&header.bytes[344], "n+1", 3) == 0,
+               path.string(), ": is not a single-file NIfTI-1 (.nii or .nii.gz)");
+  return header;
+}
+
+/// Where the voxels begin in an .mha: after the line of ElementDataFile.
+std::uint64_t DataBegin(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  while (std::getline(file, line) && !line.starts_with("ElementDataFile")) {
+  }
+  return static_cast<std::uint64_t>(std::max<std::streamoff>(file.tellg(), 0));
+}
+
+/// Bytes per voxel of a NIfTI datatype code that is a plain number, or 0.
+int BytesOfNiftiType(int code) {
+  switch (code) {
+    case 2:
+    case 256:
+      return 1;
+    case 4:
+    case 512:
+      return 2;
+    case 8:
+    case 16:
+    case 768:
+      return 4;
+    case 64:
+    case 1024:
+    case 1280:
+      return 8;
+    default:
+      return 0;
+  }
+}
+
+}  // namespace
+
+std::uint64_t MostVoxelBytes(const fs::path& path) {
+  const std::string extension = path.extension().string();
+  std::error_code error;
+  std::uint64_t on_disk = fs::file_size(path, error);
+  ACUS_REQUIRE(!error, path.string(), ": cannot be read: ", error.message());
+  if (extension == ".nhdr" || extension == ".mhd") {
+    const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+      if (entry.is_regular_file(error)) on_disk += entry.file_size(error);
+    }
+  }
+  return on_disk * (extension == ".nii" ? 1 : kMostDeflateRatio);
+}
+
+void CheckMetaImageHeader(const fs::path& path, int channels) {
+  const auto fields = HeaderLines(path, '=', "ElementDataFile");
+  const auto text = [&](const std::string& key) {
+    const auto found = fields.find(key);
+    return found == fields.end() ? std::string() : found->second;
+  };
+  const auto dims = NumbersIn(text("NDims"), path, "NDims");
+  ACUS_REQUIRE(dims.size() == 1, path.string(), ": NDims is missing; the header is broken");
+  const auto sizes = NumbersIn(text("DimSize"), path, "DimSize");
+  ACUS_REQUIRE(static_cast<double>(sizes.size()) == dims[0], path.string(), ": DimSize has ",
+               sizes.size(), " numbers but NDims is ", dims[0]);
+  RequireVolumeSizes(sizes, path);
+  for (const char* key : {"ElementSpacing", "ElementSize", "Offset", "Position", "Origin"}) {
+    const auto values = NumbersIn(text(key), path, key);
+    ACUS_REQUIRE(values.empty() || values.size() == sizes.size(), path.string(), ": ", key,
+                 " needs ", sizes.size(), " numbers, got ", values.size());
+  }
+  for (const char* key : {"TransformMatrix", "Rotation", "Orientation"}) {
+    const auto values = NumbersIn(text(key), path, key);
+    ACUS_REQUIRE(values.empty() || values.size() == sizes.size() * sizes.size(), path.string(),
+                 ": ", key, " needs ", sizes.size() * sizes.size(), " numbers, got ",
+                 values.size());
+  }
+  const std::string stated_channels = text("ElementNumberOfChannels");
+  const std::string found_channels = stated_channels.empty() ? "1" : stated_channels;
+  ACUS_REQUIRE(found_channels == std::to_string(channels), path.string(), ": has ", found_channels,
+               " channels; a CT or label map has one, a displacement field three");
+  const std::string data = text("ElementDataFile");
+  const std::string extension = path.extension().string();
+  ACUS_REQUIRE(extension != ".mha" || data == "LOCAL", path.string(), ": ElementDataFile is '",
+               data, "'; in an .mha it must be LOCAL");
+  const int bytes_each = BytesOfMetaType(text("ElementType"));
+  ACUS_REQUIRE(bytes_each > 0, path.string(), ": ElementType '", text("ElementType"),
+               "' is not known; the header is broken");
+  if (data.find('%') != data.npos || data.starts_with("LIST")) return;  // One file per slice.
+  const fs::path file = data == "LOCAL" ? path : path.parent_path() / data;
+  std::error_code error;
+  ACUS_REQUIRE(fs::is_regular_file(file, error), path.string(), ": its data file ", file.string(),
+               " is not there; keep the two files together");
+  double needed = bytes_each * channels;
+  for (const double size : sizes) needed *= size;
+  const std::uint64_t begin = data == "LOCAL" ? DataBegin(path) : 0;
+  const std::string compressed = text("CompressedData");
+  if (!compressed.empty() && std::string_view("Tt1").find(compressed[0]) != std::string::npos) {
+    RequireBytes((fs::file_size(file) - begin) * kMostDeflateRatio, needed, path);
+    const auto stated = NumbersIn(text("CompressedDataSize"), path, "CompressedDataSize");
+    const double there = static_cast<double>(fs::file_size(file) - begin);
+    ACUS_REQUIRE(stated.size() <= 1 && (stated.empty() || (stated[0] >= 1 && stated[0] <= there)),
+                 path.string(), ": CompressedDataSize does not fit the ", there,
+                 " bytes that are there; the file is cut off or broken");
+    const double limit = stated.empty() ? there : stated[0];
+    RequireBytes(InflatedBytes(file, begin, static_cast<std::uint64_t>(limit)), needed, path);
+  } else {
+    RequireBytes(fs::file_size(file) - begin, needed, path);
+  }
+}
+
+void CheckNiftiHeader(const fs::path& path, int channels) {
+  const NiftiHeader header = ReadNiftiHeader(path);
+  const auto num_dimensions = header.At<std::int16_t>(40);
+  ACUS_REQUIRE(num_dimensions >= 1 && num_dimensions <= 7, path.string(), ": dim[0] is ",
+               num_dimensions, "; 3 is needed. The header is broken");
+  std::vector<double> sizes;
+  for (std::size_t d = 1; d <= static_cast<std::size_t>(num_dimensions); ++d) {
+    const auto size = header.At<std::int16_t>(40 + 2 * d);
+    if (d <= 3 || size != 1) sizes.push_back(size);
+  }
+  RequireVolumeSizes(sizes, path);
+  if (channels > 1) {
+    ACUS_REQUIRE(sizes.size() == 4 && sizes[3] == channels, path.string(), ": does not hold ",
+                 channels, " numbers for each voxel; it is not a displacement field");
+    sizes.pop_back();
+  }
+  ACUS_REQUIRE(sizes.size() == 3, path.string(), ": holds ", sizes.back(),
+               " volumes over time or channels; export a single one");
+  for (std::size_t d = 1; d <= 3; ++d) {
+    const auto spacing = header.At<float>(76 + 4 * d);
+    ACUS_REQUIRE(std::isfinite(spacing) && std::abs(spacing) > 1e-4F && std::abs(spacing) < 1e4F,
+                 path.string(), ": pixdim[", d, "] is ", spacing,
+                 " mm; the header is broken or the file has no spacing");
+  }
+  const auto offset = header.At<float>(108);
+  ACUS_REQUIRE(std::isfinite(offset) && offset >= 348.0F && offset < 1e8F, path.string(),
+               ": vox_offset is ", offset, "; the header is broken");
+  // The quaternion, offsets and rows of the sform: ITK's decomposition never ends on a NaN.
+  for (std::size_t at = 256; at < 328; at += 4) {
+    const auto value = header.At<float>(at);
+    ACUS_REQUIRE(std::isfinite(value) && std::abs(value) < 1e6F, path.string(),
+                 ": a number of its qform or sform is ", value, "; the header is broken");
+  }
+  const int bytes_each = BytesOfNiftiType(header.At<std::int16_t>(70));
+  ACUS_REQUIRE(bytes_each > 0 && header.At<std::int16_t>(72) == 8 * bytes_each, path.string(),
+               ": datatype ", header.At<std::int16_t>(70), " with ", header.At<std::int16_t>(72),
+               " bits per voxel is not a plain number; save it as 16-bit integers");
+  const double needed = offset + bytes_each * channels * sizes[0] * sizes[1] * sizes[2];
+  if (path.extension() == ".gz") {
+    RequireBytes(fs::file_size(path) * kMostDeflateRatio, needed, path);
+    RequireBytes(InflatedBytes(path, 0, fs::file_size(path)), needed, path);
+  } else {
+    RequireBytes(fs::file_size(path), needed, path);
+  }
+}
+
+bool NiftiIsPlaced(const fs::path& path) {
+  const NiftiHeader header = ReadNiftiHeader(path);
+  return header.At<std::int16_t>(252) > 0 || header.At<std::int16_t>(254) > 0;
+}
+
+void CheckNrrdHeader(const fs::path& path, int channels) {
+  std::ifstream file(path, std::ios::binary);
+  std::string magic(4, '\0');
+  file.read(magic.data(), 4);
+  ACUS_REQUIRE(file && magic == "NRRD", path.string(),
+               ": does not begin with 'NRRD'; it is not an NRRD file");
+  auto fields = HeaderLines(path, ':', "");
+  ACUS_REQUIRE(fields.contains("sizes"), path.string(),
+               ": has no 'sizes' line; the header is broken");
+  auto sizes = NumbersIn(fields["sizes"], path, "sizes");
+  if (channels > 1) {
+    ACUS_REQUIRE(sizes.size() == 4 && sizes[0] == channels, path.string(), ": does not hold ",
+                 channels, " numbers for each voxel; it is not a displacement field");
+    sizes.erase(sizes.begin());
+  }
+  RequireVolumeSizes(sizes, path);
+  RequireBytes(MostVoxelBytes(path), channels * sizes[0] * sizes[1] * sizes[2], path);
+}
+
+}  // namespace acus::volume

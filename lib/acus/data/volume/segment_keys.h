@@ -1,0 +1,19 @@
+// The header fields by which 3D Slicer recognises a segmentation in an NRRD file.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "acus/data/volume/volume.h"
+
+namespace acus::volume {
+
+/// Fields "Segment0_Name", "Segment0_LabelValue", ... for each label in `names`, with its colour
+/// and the extent of its voxels, plus the fields of the segmentation as a whole.
+std::map<std::string, std::string> SegmentKeys(const Grid<Label>& labels,
+                                               const std::map<Label, std::string>& names);
+
+/// The names by label in such fields; fields that are not understood are left out.
+std::map<Label, std::string> NamesFromKeys(const std::map<std::string, std::string>& keys);
+
+}  // namespace acus::volume

@@ -1,0 +1,228 @@
+#include "acus/data/volume/volume_io.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "acus/base/core/atomic_file.h"
+#include "acus/data/volume/dicom_header.h"
+#include "acus/data/volume/dicom_series.h"
+#include "acus/data/volume/header_check.h"
+#include "acus/data/volume/labels.h"
+#include "acus/data/volume/scalar_file.h"
+#include "acus/data/volume/segment_keys.h"
+#include "acus/data/volume/vti_file.h"
+
+namespace acus::volume {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Calls use(i, value) for every scalar of a file, in its own type.
+template <typename T, typename Use>
+void ForEachOf(const ScalarFile& file, const Use& use) {
+  for (std::size_t i = 0; i < file.geometry.num_voxels(); ++i) {
+    T value;
+    std::memcpy(&value, &file.bytes[i * sizeof(T)], sizeof(T));
+    use(i, value);
+  }
+}
+
+template <typename Use>
+void ForEach(const ScalarFile& file, const Use& use) {
+  switch (file.type) {
+    case ScalarType::kInt8:
+      return ForEachOf<std::int8_t>(file, use);
+    case ScalarType::kUint8:
+      return ForEachOf<std::uint8_t>(file, use);
+    case ScalarType::kInt16:
+      return ForEachOf<std::int16_t>(file, use);
+    case ScalarType::kUint16:
+      return ForEachOf<std::uint16_t>(file, use);
+    case ScalarType::kInt32:
+      return ForEachOf<std::int32_t>(file, use);
+    case ScalarType::kUint32:
+      return ForEachOf<std::uint32_t>(file, use);
+    case ScalarType::kInt64:
+      return ForEachOf<std::int64_t>(file, use);
+    case ScalarType::kUint64:
+      return ForEachOf<std::uint64_t>(file, use);
+    case ScalarType::kFloat32:
+      return ForEachOf<float>(file, use);
+    case ScalarType::kFloat64:
+      return ForEachOf<double>(file, use);
+  }
+}
+
+template <typename T>
+std::int16_t HuFrom(T value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    if (!std::isfinite(value)) return kPaddingHu;  // Resampling programs mark "no data" so.
+    return static_cast<std::int16_t>(
+        std::clamp(std::round(static_cast<double>(value)), -1024.0, 32767.0));
+  } else {
+    if (value < T{} && static_cast<std::int64_t>(value) < kPaddingHu) return kPaddingHu;
+    const bool too_high = value > T{} && static_cast<std::uint64_t>(value) > 32767U;
+    return too_high ? std::int16_t{32767} : static_cast<std::int16_t>(value);
+  }
+}
+
+template <typename T>
+std::int32_t IntegerFrom(T value, const fs::path& path) {
+  if constexpr (std::is_floating_point_v<T>) {
+    ACUS_REQUIRE(value == std::floor(value) && std::abs(value) <= T{1 << 24}, path.string(),
+                 ": value ", value,
+                 " is not an integer label; is this an image and not a label map?");
+  } else {
+    const bool too_large = value > T{} && static_cast<std::uint64_t>(value) > 0x7FFFFFFFU;
+    const bool too_small = value < T{} && static_cast<std::int64_t>(value) < -0x7FFFFFFF;
+    ACUS_REQUIRE(!too_large && !too_small, path.string(), ": label ", +value, " is too large");
+  }
+  return static_cast<std::int32_t>(value);
+}
+
+/// A CT without air or with only positive values was probably not stored in Hounsfield units.
+void WarnIfNotHounsfield(const CtVolume& ct, const fs::path& path, const RunContext& context) {
+  const auto [low, high] = std::ranges::minmax(ct.voxels);
+  ACUS_REQUIRE(low < high, path.string(), ": all voxels have the value ", low,
+               "; there is nothing in it");
+  const auto shifted =
+      std::ranges::count_if(ct.voxels, [](int hu) { return hu > 900 && hu < 1150; });
+  ACUS_REQUIRE(
+      low < -200 || static_cast<double>(shifted) < 0.2 * static_cast<double>(ct.voxels.size()),
+      path.string(), ": the lowest value is ", low, " and most tissue lies near 1024, so ",
+      "these are not Hounsfield units; subtract 1024 (the rescale intercept was lost)");
+  if (low >= -200) {
+    context.Warn(Message(path.string(), ": the lowest value is ", low,
+                         ", so there is no air in it. "
+                         "Are these Hounsfield units? (Some exports are shifted by 1024)"));
+  }
+}
+
+CtVolume CtFrom(const ScalarFile& file) {
+  CtVolume ct(file.geometry);
+  ForEach(file, [&](std::size_t i, auto value) { ct.voxels[i] = HuFrom(value); });
+  return ct;
+}
+
+ScalarFile ReadAnyFile(const fs::path& path) {
+  return path.extension() == ".vti" ? ReadVtiFile(path) : ReadScalarFile(path);
+}
+
+template <typename T>
+ScalarFile FileFrom(const Grid<T>& grid, ScalarType type) {
+  ACUS_REQUIRE(grid.voxels.size() == grid.geometry.num_voxels() && !grid.voxels.empty(),
+               "a volume to be written has ", grid.voxels.size(), " voxels for a grid of ",
+               grid.geometry.num_voxels());
+  ScalarFile file;
+  file.geometry = grid.geometry;
+  file.type = type;
+  file.bytes.resize(grid.voxels.size() * sizeof(T));
+  std::memcpy(file.bytes.data(), grid.voxels.data(), file.bytes.size());
+  return file;
+}
+
+std::map<Label, std::string> NamesFor(const LabelMap& labels,
+                                      const std::map<Label, std::string>& given) {
+  std::array<bool, 256> occurs{};
+  for (const Label label : labels.voxels) occurs[label] = true;
+  std::map<Label, std::string> names;
+  for (std::size_t value = 1; value < occurs.size(); ++value) {
+    if (!occurs[value]) continue;
+    const auto label = static_cast<Label>(value);
+    const auto found = given.find(label);
+    if (found != given.end()) {
+      names[label] = found->second;
+    } else if (value < StandardLabels().size()) {
+      names[label] = std::string(StandardLabels()[value].name);
+    } else {
+      names[label] = Message("label_", value);
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+CtVolume ReadCt(const fs::path& path, const std::string& series, const RunContext& context) {
+  ACUS_REQUIRE(fs::exists(path), path.string(), ": no such file or folder");
+  CtVolume ct;
+  if (fs::is_directory(path)) {
+    ct = ReadDicomCt(path, series, context);
+  } else {
+    ACUS_REQUIRE(IsScalarFileName(path) || !ReadDicomHeader(path), path.string(),
+                 ": is one DICOM slice; give the folder that holds the whole series");
+    context.Checkpoint("reading the CT", 0.0);
+    ct = CtFrom(ReadScalarFile(path));
+    const std::string name = path.filename().string();
+    if ((name.ends_with(".nii") || name.ends_with(".nii.gz")) && !NiftiIsPlaced(path)) {
+      context.Warn(Message(path.string(),
+                           ": qform_code and sform_code are 0, so the file does not "
+                           "say how the patient lies; left and right may be swapped"));
+    }
+  }
+  WarnIfNotHounsfield(ct, path, context);
+  context.Checkpoint("reading the CT", 1.0);
+  return ct;
+}
+
+LabelMap ReadLabelMap(const fs::path& path) {
+  const ScalarFile file = ReadAnyFile(path);
+  LabelMap labels(file.geometry);
+  ForEach(file, [&](std::size_t i, auto value) {
+    const std::int32_t label = IntegerFrom(value, path);
+    ACUS_REQUIRE(label >= 0 && label <= 255, path.string(), ": label ", label,
+                 " is outside 0 to 255; import it with a mapping (acus-segment --import)");
+    labels.voxels[i] = static_cast<Label>(label);
+  });
+  labels.names = NamesFor(labels, NamesFromKeys(file.keys));
+  return labels;
+}
+
+LabelMap ReadTissues(const fs::path& path) {
+  LabelMap labels = ReadLabelMap(path);
+  std::array<Label, 256> standard{};
+  std::map<Label, std::string> names;
+  for (const auto& [label, name] : labels.names) {
+    const auto known = FindLabel(name);
+    ACUS_REQUIRE(known || label >= StandardLabels().size(), path.string(), ": label ", int{label},
+                 " is called '", name, "', which is no tissue that the models know. Rename the ",
+                 "segment (", StandardLabels()[label].name,
+                 ", liver, ...), or bring the map in by "
+                 "acus-segment --import with a mapping");
+    standard[label] = known.value_or(label);
+    names[standard[label]] = name;
+  }
+  for (Label& voxel : labels.voxels) voxel = standard[voxel];
+  labels.names = std::move(names);
+  return labels;
+}
+
+Grid<std::int32_t> ReadIntegerVolume(const fs::path& path) {
+  const ScalarFile file = ReadAnyFile(path);
+  Grid<std::int32_t> grid(file.geometry);
+  ForEach(file, [&](std::size_t i, auto value) { grid.voxels[i] = IntegerFrom(value, path); });
+  return grid;
+}
+
+void WriteCt(const fs::path& path, const CtVolume& volume) {
+  const ScalarFile file = FileFrom(volume, ScalarType::kInt16);
+  AtomicFile out(path);
+  WriteScalarFile(out.path(), file);
+  out.Commit();
+}
+
+void WriteLabelMap(const fs::path& path, const LabelMap& labels) {
+  ACUS_REQUIRE(path.filename().string().ends_with(".nrrd"), path.string(),
+               ": label maps are written as .seg.nrrd");
+  ScalarFile file = FileFrom(labels, ScalarType::kUint8);
+  file.keys = SegmentKeys(labels, NamesFor(labels, labels.names));
+  AtomicFile out(path);
+  WriteScalarFile(out.path(), file);
+  out.Commit();
+}
+
+}  // namespace acus::volume

@@ -1,0 +1,42 @@
+// How wide the pulse and the beam of a probe are: closed forms from its bandwidth, aperture and
+// focus. Equations and their check: docs/models/ultrasound_probes.md.
+#pragma once
+
+#include "acus/imaging/acoustics/probe.h"
+
+namespace acus::acoustics {
+
+/// The speed that scanners assume when they turn time into depth.
+inline constexpr double kScannerSpeedMPerS = 1540.0;
+
+/// c / f.
+double WavelengthMm(const Probe& probe, double speed_m_per_s = kScannerSpeedMPerS);
+
+/// Full width at half maximum (-6 dB) of the envelope of an echo along the beam, for a Gaussian
+/// spectrum: 2 ln 2 / pi * c / (B f).
+double AxialFwhmMm(const Probe& probe, double speed_m_per_s = kScannerSpeedMPerS);
+
+/// Standard deviation of a Gaussian of this full width at half maximum.
+double SigmaOfFwhm(double fwhm);
+
+/// Active aperture on transmission: all elements that the F-number allows at the focus.
+double TransmitApertureMm(const Probe& probe);
+
+/// Active aperture on reception at a depth: grows with it until all elements work.
+double ReceiveApertureMm(const Probe& probe, double depth_mm);
+
+/// FWHM across the beam in the plane, there and back (amplitude, -6 dB), at a depth along the line:
+/// transmission is focused at focus_mm, reception at every depth.
+/// @pre depth_mm >= 0.
+double LateralFwhmMm(const Probe& probe, double depth_mm,
+                     double speed_m_per_s = kScannerSpeedMPerS);
+
+/// FWHM across the plane, there and back: one lens both ways.
+double ElevationFwhmMm(const Probe& probe, double depth_mm,
+                       double speed_m_per_s = kScannerSpeedMPerS);
+
+/// FWHM of one way's amplitude for a line aperture focused at `focus_mm`, as that of the Gaussian
+/// beam with the same width in the focus, 1.207 lambda focus / aperture (where sinc falls to half).
+double OneWayFwhmMm(double aperture_mm, double focus_mm, double depth_mm, double wavelength_mm);
+
+}  // namespace acus::acoustics

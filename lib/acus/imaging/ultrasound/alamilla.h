@@ -1,0 +1,92 @@
+// Ultrasound-like images of labelled scenes, after Alamilla et al. 2021, section V: reflection and
+// shadow from a depth map, absorption, Perlin noise for speckle, longitudinal and lateral texture
+// of thick tissue, and an oriented blur along the fibres of thin tissue. Needs no CT.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "acus/data/image/image.h"
+#include "acus/data/volume/volume.h"
+#include "acus/imaging/acoustics/probe.h"
+#include "acus/imaging/slicing/beam_bend.h"
+#include "acus/imaging/slicing/ct_sampler.h"
+#include "acus/imaging/ultrasound/alamilla_options.h"
+#include "acus/imaging/ultrasound/fibre_field.h"
+#include "acus/imaging/ultrasound/noise_tile.h"
+#include "acus/imaging/ultrasound/scan_conversion.h"
+
+namespace acus::ultrasound {
+
+/// Equations: docs/models/ultrasound_alamilla.md. Not for two threads at a time: it holds buffers.
+class AlamillaRenderer {
+ public:
+  /// Keeps a reference to `labels`, which must outlive this.
+  /// @throws InputError if the probe or an option is out of range, or the label map has a tissue
+  ///     without a row.
+  AlamillaRenderer(const volume::LabelMap& labels, const acoustics::Probe& probe,
+                   const AlamillaOptions& options);
+
+  /// Allocation-free after the first call. The same bits with any `num_threads`.
+  /// @throws InputError if the pose or the needle is not finite.
+  /// @param rest  Where the tissue was at rest; null: it has not moved. Textures move with it.
+  void Render(const Eigen::Isometry3d& ct_from_probe,
+              const std::optional<image::NeedleInImage>& needle, image::GrayImage& out,
+              int num_threads = 1, const slicing::RestMap* rest = nullptr);
+
+  const image::ImageGeometry& picture() const { return conversion_.picture(); }
+  const acoustics::Probe& probe() const { return probe_; }
+
+ private:
+  /// Surfaces that one line remembers; the deepest of more are not drawn as lines.
+  static constexpr int kMaxSurfaces = 48;
+  static constexpr int kMaxTaps = 64;  ///< Of the blur, to each side.
+
+  struct Surface {
+    int sample;
+    int label;  ///< Behind it.
+    float grey;
+  };
+  struct TissueRow {
+    float grey = 0.0F;
+    float contrast = 0.0F;
+    float passed = 1.0F;  ///< Share of grey left by one sample.
+    float reflection = 0.0F;
+    bool blocks = false;
+    bool thin_fibres = false;
+    std::array<float, 9> tile_from_index{};  ///< Row by row.
+  };
+
+  void FillTissues();
+  void SampleRow(int k);
+  void FillCoupling();
+  void FindSurfaces(int line);
+  void WeighSurfaces(int line);
+  float SlopeOf(int line, const Surface& surface) const;
+  float BlurredNoise(int k, int line) const;
+  void ShadeLine(int line);
+
+  const volume::LabelMap& labels_;
+  acoustics::Probe probe_;
+  AlamillaOptions options_;
+  acoustics::ScanGrid grid_;
+  ScanConversion conversion_;
+  Eigen::Affine3d index_from_ct_;
+  Eigen::Matrix3d probe_from_ct_ = Eigen::Matrix3d::Identity();  ///< Rotation, of the last pose.
+  std::optional<NoiseTile> noise_tile_;                          ///< Empty if there is no speckle.
+  std::optional<FibreField> fibres_;                             ///< Empty if nothing is fibrous.
+  std::array<TissueRow, 257> tissue_{};                          ///< By label; the last: needle.
+  slicing::BeamLines lines_;
+  slicing::BeamBend bend_;
+  slicing::BeamImage label_;  ///< Labels as floats, as PaintNeedle wants.
+  slicing::BeamImage noise_;  ///< 0 to 1.
+  slicing::BeamImage grey_;
+  std::vector<Surface> surface_;  ///< kMaxSurfaces per line.
+  std::vector<int> num_surfaces_;
+  std::vector<int> begins_;  ///< By line: first sample in the body; samples() if there is none.
+};
+
+}  // namespace acus::ultrasound

@@ -1,0 +1,159 @@
+#include "acus/imaging/ultrasound/beam_display.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "acus/imaging/ultrasound/beam_kernels.h"
+
+namespace acus::ultrasound {
+namespace {
+
+constexpr int kMaxWidthPx = 4096;
+
+}  // namespace
+
+BeamDisplay::BeamDisplay(const acoustics::Probe& probe, const acoustics::ScanGrid& grid)
+    : grid_(grid),
+      picture_(acoustics::PictureOf(probe)),
+      fan_(probe.kind != acoustics::ProbeKind::kLinear) {
+  // 10 log10(intensity) = 10 log10(2) log2(intensity).
+  const double grey_per_db = 255.0 / probe.dynamic_range_db;
+  scale_ = static_cast<float>(grey_per_db * 10.0 * std::log10(2.0));
+  for (int k = 0; k < grid.samples; ++k) {
+    const double gain_db = probe.gain_db + probe.tgc_db_per_cm * 0.1 * k * grid.step_mm;
+    offset_.push_back(static_cast<float>(255.0 + grey_per_db * gain_db));
+  }
+  stride_ = slicing::kernels::RoundUp(grid.lines());
+  grey_.assign(
+      static_cast<std::size_t>(stride_) * (static_cast<std::size_t>(grid.samples) + 2) + 16, 0);
+  seen_.resize(static_cast<std::size_t>(picture_.height_px));
+  if (fan_) {
+    MakeFan(probe);
+  } else {
+    MakeLinear();
+  }
+}
+
+void BeamDisplay::MakeLinear() {
+  const int lanes = slicing::kernels::RoundUp(picture_.width_px);
+  const double left_mm = grid_.start_mm.front().x();
+  const double spacing_mm = grid_.lines() > 1 ? grid_.LateralSpacingMm(0) : 1.0;
+  column_.assign(static_cast<std::size_t>(lanes) + slicing::kernels::kBlock, 0);
+  column_fraction_.Reserve(static_cast<std::size_t>(lanes));
+  int first = lanes;
+  int last = 0;
+  for (int c = 0; c < lanes; ++c) {
+    const double x_mm = (c - 0.5 * (picture_.width_px - 1)) * picture_.lateral_mm_per_px;
+    const double line = (x_mm - left_mm) / spacing_mm;
+    const double low = std::clamp(std::floor(line), 0.0, std::max(0.0, grid_.lines() - 2.0));
+    // The outermost lines are as wide as the others.
+    const bool seen = c < picture_.width_px && line >= -0.5 && line <= grid_.lines() - 0.5;
+    column_[static_cast<std::size_t>(c)] = static_cast<std::int32_t>(low);
+    column_fraction_.data()[c] = static_cast<float>(std::clamp(line - low, 0.0, 1.0));
+    if (seen) {
+      first = std::min(first, c);
+      last = c + 1;
+    }
+  }
+  for (int r = 0; r < picture_.height_px; ++r) {
+    const double sample =
+        (picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px) / grid_.step_mm;
+    const bool seen = sample >= -1e-6 && sample <= grid_.samples - 1 + 1e-6;
+    const double low = std::clamp(std::floor(sample), 0.0, std::max(0.0, grid_.samples - 2.0));
+    sample_.push_back(static_cast<std::int32_t>(low));
+    sample_fraction_.push_back(static_cast<float>(std::clamp(sample - low, 0.0, 1.0)));
+    if (seen && first < last) seen_[static_cast<std::size_t>(r)] = {first, last};
+  }
+}
+
+void BeamDisplay::MakeFan(const acoustics::Probe& probe) {
+  const int lanes = slicing::kernels::RoundUp(picture_.width_px);
+  const auto black = static_cast<std::int32_t>(grid_.samples) * stride_;
+  at_.assign(static_cast<std::size_t>(lanes) * picture_.height_px + slicing::kernels::kBlock,
+             black);
+  fractions_.assign(at_.size(), 0);
+  const double line_rad = probe.field_of_view_rad / (grid_.lines() - 1);
+  for (int r = 0; r < picture_.height_px; ++r) {
+    const double y = picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px + probe.radius_mm;
+    Span span{lanes, 0};
+    for (int c = 0; c < picture_.width_px; ++c) {
+      const double x = (c - 0.5 * (picture_.width_px - 1)) * picture_.lateral_mm_per_px;
+      const double sample = (std::hypot(x, y) - probe.radius_mm) / grid_.step_mm;
+      const double line = std::atan2(x, y) / line_rad + 0.5 * (grid_.lines() - 1);
+      if (!(sample >= 0.0 && sample <= grid_.samples - 1 && line >= 0.0 &&
+            line <= grid_.lines() - 1)) {
+        continue;
+      }
+      const double low_sample = std::min(std::floor(sample), grid_.samples - 2.0);
+      const double low_line = std::min(std::floor(line), grid_.lines() - 2.0);
+      const auto n = static_cast<std::size_t>(r) * lanes + c;
+      at_[n] = static_cast<std::int32_t>(low_sample * stride_ + low_line);
+      const auto part = [](double of) {
+        return static_cast<unsigned>(std::min(255.0, std::floor(256.0 * of)));
+      };
+      fractions_[n] =
+          static_cast<std::uint16_t>(part(line - low_line) + 256U * part(sample - low_sample));
+      span.first = std::min(span.first, c);
+      span.last = c + 1;
+    }
+    if (span.first < span.last) {
+      seen_[static_cast<std::size_t>(r)] = {
+          span.first / slicing::kernels::kBlock * slicing::kernels::kBlock,
+          slicing::kernels::RoundUp(span.last)};
+    }
+  }
+}
+
+void BeamDisplay::Compress(const slicing::BeamImage& intensity, int first, int last) {
+  for (int k = first; k < last; ++k) {
+    kernels::GreyRow(intensity.row(k), offset_[static_cast<std::size_t>(k)], scale_,
+                     slicing::kernels::RoundUp(grid_.lines()),
+                     grey_.data() + static_cast<std::ptrdiff_t>(k) * stride_);
+  }
+}
+
+void BeamDisplay::ConvertLinearRow(int r, std::uint8_t* out) const {
+  const auto n = static_cast<std::size_t>(r);
+  const std::uint8_t* upper = grey_.data() + static_cast<std::ptrdiff_t>(sample_[n]) * stride_;
+  const int first = seen_[n].first / slicing::kernels::kBlock * slicing::kernels::kBlock;
+  kernels::ResampleColumnsRow({.upper = upper,
+                               .lower = upper + stride_,
+                               .column = column_.data() + first,
+                               .across = column_fraction_.data() + first,
+                               .along = sample_fraction_[n]},
+                              slicing::kernels::RoundUp(seen_[n].last) - first, out + first);
+}
+
+void BeamDisplay::ConvertFanRow(int r, std::uint8_t* out) const {
+  const auto& [first, last] = seen_[static_cast<std::size_t>(r)];
+  const auto at =
+      static_cast<std::ptrdiff_t>(r) * slicing::kernels::RoundUp(picture_.width_px) + first;
+  kernels::InterpolatePackedRow(grey_.data(), stride_, at_.data() + at, fractions_.data() + at,
+                                last - first, out + first);
+}
+
+void BeamDisplay::Convert(int first, int last, image::GrayImage& out) const {
+  alignas(64) std::array<std::uint8_t, kMaxWidthPx + 2 * slicing::kernels::kBlock> row;
+  for (int r = first; r < last; ++r) {
+    std::uint8_t* pixels = out.pixels.data() + static_cast<std::ptrdiff_t>(r) * out.width;
+    Span seen = seen_[static_cast<std::size_t>(r)];
+    if (seen.first >= seen.last) {
+      std::memset(pixels, 0, static_cast<std::size_t>(out.width));
+      continue;
+    }
+    if (fan_) {
+      ConvertFanRow(r, row.data());
+    } else {
+      ConvertLinearRow(r, row.data());
+    }
+    seen.last = std::min(seen.last, out.width);
+    std::memset(pixels, 0, static_cast<std::size_t>(seen.first));
+    std::memcpy(pixels + seen.first, row.data() + seen.first,
+                static_cast<std::size_t>(seen.last - seen.first));
+    std::memset(pixels + seen.last, 0, static_cast<std::size_t>(out.width - seen.last));
+  }
+}
+
+}  // namespace acus::ultrasound

@@ -1,0 +1,252 @@
+#include "acus/imaging/ultrasound/beam_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "acus/base/core/error.h"
+#include "acus/base/core/parallel.h"
+#include "acus/base/core/random.h"
+#include "acus/imaging/acoustics/beam_width.h"
+#include "acus/imaging/ultrasound/beam_display.h"
+#include "acus/imaging/ultrasound/beam_filter.h"
+#include "acus/imaging/ultrasound/beam_materials.h"
+#include "acus/imaging/ultrasound/beam_needle.h"
+#include "acus/imaging/ultrasound/beam_path.h"
+#include "acus/imaging/ultrasound/beam_tracer.h"
+
+namespace acus::ultrasound {
+namespace {
+
+/// Rows of one piece of work.
+constexpr int kRowsPerTask = 32;
+
+int Pieces(int rows) {
+  return (rows + kRowsPerTask - 1) / kRowsPerTask;
+}
+
+template <typename Volume>
+void CheckVolume(const Volume& volume, const char* what) {
+  const volume::Geometry& geometry = volume.geometry;
+  ACUS_REQUIRE((geometry.size > 0).all() && volume.voxels.size() == geometry.num_voxels() &&
+                   volume.voxels.size() >= 4,
+               what, ": ", geometry.size[0], " x ", geometry.size[1], " x ", geometry.size[2],
+               " voxels by its geometry, ", volume.voxels.size(),
+               " in memory; give a volume of at least 4 voxels");
+  ACUS_REQUIRE(volume.voxels.size() < (std::size_t{1} << 30), what, ": ", volume.voxels.size(),
+               " voxels are too many for imaging; the limit is 2^30. Crop or resample it");
+  ACUS_REQUIRE((geometry.spacing_mm > 0.0).all() && geometry.index_from_ct().matrix().allFinite(),
+               what, ": its spacing or direction cannot be inverted");
+}
+
+const BeamTissue& Checked(const BeamTissue& tissue) {
+  ACUS_REQUIRE(tissue.ct != nullptr || tissue.labels != nullptr,
+               "beams: there is neither a CT nor a label map to image");
+  ACUS_REQUIRE(tissue.acoustics != nullptr, "beams: no table of tissue acoustics is given");
+  if (tissue.ct != nullptr) CheckVolume(*tissue.ct, "CT");
+  if (tissue.labels != nullptr) CheckVolume(*tissue.labels, "labels");
+  if (tissue.ct != nullptr && tissue.labels != nullptr) {
+    ACUS_REQUIRE(tissue.ct->geometry.Matches(tissue.labels->geometry),
+                 "beams: the CT and the label map have different grids; resample one to the other");
+  }
+  return tissue;
+}
+
+const acoustics::Probe& Checked(const acoustics::Probe& probe) {
+  constexpr int kMost = 4096;
+  const bool flat = probe.kind == acoustics::ProbeKind::kLinear;
+  ACUS_REQUIRE(probe.scan_lines >= 16 && probe.scan_lines <= kMost &&
+                   probe.samples_per_line >= 16 && probe.samples_per_line <= 2 * kMost,
+               "probe: ", probe.scan_lines, " lines of ", probe.samples_per_line,
+               " samples; allowed is 16 to ", kMost, " lines of 16 to ", 2 * kMost);
+  ACUS_REQUIRE(probe.depth_mm >= 1.0 && probe.depth_mm <= 500.0, "probe: depth ", probe.depth_mm,
+               " mm; allowed is 1 to 500");
+  ACUS_REQUIRE(flat ? probe.width_mm > 0.0 && probe.width_mm < 1000.0
+                    : probe.radius_mm >= 0.0 && probe.radius_mm < 1000.0 &&
+                          probe.field_of_view_rad > 0.0 && probe.field_of_view_rad < 3.0,
+               "probe: width ", probe.width_mm, " mm, radius ", probe.radius_mm,
+               " mm, field of view ", probe.field_of_view_rad,
+               " rad; give a width (linear), or a radius and an angle of 0 to 3");
+  ACUS_REQUIRE(probe.frequency_mhz > 0.0 && probe.frequency_mhz <= 100.0 &&
+                   probe.fractional_bandwidth > 0.0 && probe.fractional_bandwidth <= 2.0,
+               "probe: ", probe.frequency_mhz, " MHz with a fractional bandwidth of ",
+               probe.fractional_bandwidth, "; allowed is above 0 to 100 and above 0 to 2");
+  ACUS_REQUIRE(probe.dynamic_range_db > 0.0 && probe.dynamic_range_db <= 200.0 &&
+                   std::isfinite(probe.gain_db) && std::isfinite(probe.tgc_db_per_cm),
+               "probe: dynamic range ", probe.dynamic_range_db,
+               " dB; allowed is above 0 to 200, with finite gains");
+  ACUS_REQUIRE(probe.image_width_px >= 16 && probe.image_width_px <= kMost &&
+                   probe.image_height_px >= 16 && probe.image_height_px <= kMost,
+               "probe: picture of ", probe.image_width_px, " x ", probe.image_height_px,
+               " pixels; allowed is 16 to ", kMost, " each way");
+  return probe;
+}
+
+const BeamOptions& Checked(const BeamOptions& options) {
+  const int planes = options.elevation_planes;
+  ACUS_REQUIRE(planes >= 1 && planes <= 15 && planes % 2 == 1, "beams: elevation_planes is ",
+               planes, "; allowed is an odd number, 1 to 15");
+  ACUS_REQUIRE(options.point_spread_reach >= 1.0 && options.point_spread_reach <= 5.0,
+               "beams: point_spread_reach is ", options.point_spread_reach, "; allowed is 1 to 5");
+  ACUS_REQUIRE(options.smallest_reflection > 0.0 && options.smallest_reflection < 1.0,
+               "beams: smallest_reflection is ", options.smallest_reflection,
+               "; allowed is above 0 to below 1");
+  ACUS_REQUIRE(options.coupling_gap_mm >= 0.0 && options.coupling_gap_mm <= 100.0,
+               "beams: coupling_gap_mm is ", options.coupling_gap_mm, "; allowed is 0 to 100");
+  return options;
+}
+
+/// The lattice of the speckle is turned against all axes of the volume, so that no row of samples
+/// runs along its points, and sheared so that its tetrahedra are as long in all directions (the
+/// body-centred lattice of simplex noise). Another seed turns it otherwise: other scatterers, at no
+/// cost per sample.
+Eigen::Matrix3d LatticeFromIndex(const volume::Geometry& geometry, double grain_mm,
+                                 std::uint64_t seed) {
+  Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.9273, Eigen::Vector3d(0.36, 0.48, 0.8)).toRotationMatrix();
+  if (seed != 0) {
+    RandomStream random(seed, "lattice of the speckle");
+    const Eigen::Vector3d axis(random.Normal(), random.Normal(), random.Normal());
+    turn = Eigen::AngleAxisd(random.Uniform(0.3, 2.8), axis.normalized()) * turn;
+  }
+  const Eigen::Matrix3d shear = Eigen::Matrix3d::Identity() + Eigen::Matrix3d::Constant(1.0 / 3.0);
+  return shear * turn * geometry.direction * geometry.spacing_mm.matrix().asDiagonal() / grain_mm;
+}
+
+/// Gaussian weights of planes at multiples of 0.8 standard deviations.
+double PlaneOffset(int plane, int planes) {
+  return planes == 1 ? 0.0 : 0.8 * (plane - planes / 2);
+}
+
+}  // namespace
+
+struct BeamRenderer::State {
+  State(const BeamTissue& given, const acoustics::Probe& checked_probe,
+        const BeamOptions& checked_options)
+      : tissue(given),
+        probe(checked_probe),
+        options(checked_options),
+        grid(acoustics::BeamGridOf(probe)),
+        materials(tissue, options, probe, grid.step_mm),
+        filter(probe, options, grid),
+        lattice_from_index(LatticeFromIndex(geometry(), filter.grain_mm(), options.seed)),
+        tracer(tissue, options, materials, filter, grid, lattice_from_index),
+        needle(probe, options, grid),
+        display(probe, grid) {
+    MakePlanes();
+    echoes.re.Resize(grid.lines(), grid.samples);
+    echoes.im.Resize(grid.lines(), grid.samples);
+    intensity.Resize(grid.lines(), grid.samples);
+    scratch_stride = 2 * static_cast<std::size_t>(echoes.re.stride());
+    scratch.Reserve(scratch_stride * static_cast<std::size_t>(Pieces(grid.samples)));
+  }
+
+  const volume::Geometry& geometry() const {
+    return tissue.labels != nullptr ? tissue.labels->geometry : tissue.ct->geometry;
+  }
+
+  void MakePlanes() {
+    BeamPath::Frame frame;
+    frame.grid = &grid;
+    frame.index_from_ct = geometry().index_from_ct();
+    frame.lattice_from_index = lattice_from_index;
+    materials.TurnFibres(frame.lattice_from_index * geometry().index_from_ct().linear(),
+                         filter.grain_mm());
+    double sum = 0.0;
+    for (int p = 0; p < options.elevation_planes; ++p) {
+      const double offset = PlaneOffset(p, options.elevation_planes);
+      frame.elevation_mm.clear();
+      if (offset != 0.0) {
+        for (int k = 0; k < grid.samples; ++k) {
+          frame.elevation_mm.push_back(
+              offset * acoustics::SigmaOfFwhm(acoustics::ElevationFwhmMm(probe, k * grid.step_mm)));
+        }
+      }
+      planes.push_back({.path = BeamPath(frame), .weight = std::exp(-0.5 * offset * offset)});
+      sum += planes.back().weight;
+    }
+    double squares = 0.0;
+    for (ElevationPlane& plane : planes) {
+      plane.weight /= sum;
+      squares += plane.weight * plane.weight;
+    }
+    // Interfaces of all planes add up in phase, their speckle does not.
+    for (ElevationPlane& plane : planes) plane.speckle_weight = plane.weight / std::sqrt(squares);
+  }
+
+  BeamTissue tissue;
+  acoustics::Probe probe;
+  BeamOptions options;
+  acoustics::ScanGrid grid;
+  BeamMaterials materials;
+  BeamFilter filter;
+  Eigen::Matrix3d lattice_from_index;
+  BeamTracer tracer;
+  BeamNeedle needle;
+  BeamDisplay display;
+  std::vector<ElevationPlane> planes;
+  ComplexBeams echoes;
+  slicing::BeamImage intensity;
+  slicing::BeamImage envelope;
+  image::AlignedFloats scratch;
+  std::size_t scratch_stride = 0;
+};
+
+BeamRenderer::BeamRenderer(const BeamTissue& tissue, const acoustics::Probe& probe,
+                           const BeamOptions& options)
+    : state_(std::make_unique<State>(Checked(tissue), Checked(probe), Checked(options))) {
+  state_->tissue.acoustics = nullptr;  // It has been read.
+}
+BeamRenderer::~BeamRenderer() = default;
+BeamRenderer::BeamRenderer(BeamRenderer&&) noexcept = default;
+BeamRenderer& BeamRenderer::operator=(BeamRenderer&&) noexcept = default;
+
+void BeamRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
+                          const std::optional<image::NeedleInImage>& needle, image::GrayImage& out,
+                          int num_threads, const slicing::RestMap* rest) {
+  State& s = *state_;
+  ACUS_REQUIRE(ct_from_probe.matrix().allFinite(), "probe pose: has a value that is not finite");
+  s.needle.Set(needle, ct_from_probe, BeamTracer::kLanesPerBlock);
+  for (ElevationPlane& plane : s.planes) plane.path.Set(ct_from_probe, rest);
+  out.Resize(s.display.picture().width_px, s.display.picture().height_px);
+  ParallelFor(s.tracer.blocks(), num_threads,
+              [&s](int block) { s.tracer.TraceBlock(s.planes, s.needle, block, s.echoes); });
+  ParallelFor(Pieces(s.grid.samples), num_threads, [&s](int piece) {
+    const int first = piece * kRowsPerTask;
+    const int last = std::min(s.grid.samples, first + kRowsPerTask);
+    s.filter.Apply(s.echoes, first, last,
+                   s.scratch.data() + static_cast<std::size_t>(piece) * s.scratch_stride,
+                   s.intensity);
+    s.display.Compress(s.intensity, first, last);
+  });
+  ParallelFor(Pieces(out.height), num_threads, [&s, &out](int piece) {
+    const int first = piece * kRowsPerTask;
+    s.display.Convert(first, std::min(out.height, first + kRowsPerTask), out);
+  });
+}
+
+const slicing::BeamImage& BeamRenderer::envelope() {
+  State& s = *state_;
+  s.envelope.Resize(s.grid.lines(), s.grid.samples);
+  for (int k = 0; k < s.grid.samples; ++k) {
+    for (int l = 0; l < s.grid.lines(); ++l) {
+      s.envelope.row(k)[l] = std::sqrt(s.intensity.row(k)[l]);
+    }
+  }
+  return s.envelope;
+}
+
+const acoustics::ScanGrid& BeamRenderer::grid() const {
+  return state_->grid;
+}
+const image::ImageGeometry& BeamRenderer::picture() const {
+  return state_->display.picture();
+}
+const acoustics::Probe& BeamRenderer::probe() const {
+  return state_->probe;
+}
+const BeamOptions& BeamRenderer::options() const {
+  return state_->options;
+}
+
+}  // namespace acus::ultrasound

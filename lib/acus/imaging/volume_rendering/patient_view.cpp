@@ -1,0 +1,353 @@
+#include "acus/imaging/volume_rendering/patient_view.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <deque>
+
+#include "acus/base/core/error.h"
+#include "acus/base/core/parallel.h"
+#include "acus/imaging/volume_rendering/fragments.h"
+#include "acus/imaging/volume_rendering/moving_surface.h"
+#include "acus/imaging/volume_rendering/shadow_map.h"
+#include "acus/imaging/volume_rendering/smoothing.h"
+#include "acus/imaging/volume_rendering/tools.h"
+#include "acus/imaging/volume_rendering/visible_blocks.h"
+
+namespace acus::volume_rendering {
+namespace {
+
+/// Left of the camera, above and behind it.
+const Eigen::Vector3d kLampInCamera{-0.40, -0.55, -0.75};
+const Eigen::Array3f kSteel{0.92F, 0.94F, 0.97F};
+const Eigen::Array3f kHub{0.95F, 0.72F, 0.18F};
+const Eigen::Array3f kProbe{0.86F, 0.88F, 0.90F};
+const Eigen::Array3f kMark{0.15F, 0.55F, 0.95F};
+const Eigen::Array3f kPane{0.45F, 0.75F, 1.0F};
+/// A needle of a third of a pixel could not be seen.
+constexpr double kLeastNeedlePx = 1.1;
+/// Rays of a tile look for the first tissue together.
+constexpr int kTilePx = 16;
+
+void CheckSettings(const ViewSettings& s) {
+  ACUS_REQUIRE(s.rays.step_mm >= 0.05 && s.rays.step_mm <= 20.0, "view: samples on rays are ",
+               s.rays.step_mm, " mm apart; allowed is 0.05 to 20 mm");
+  ACUS_REQUIRE(s.rays.warp.max_iterations >= 1 && s.rays.warp.max_iterations <= 1000,
+               "view: ", s.rays.warp.max_iterations, " inversion iterations; allowed is 1 to 1000");
+  ACUS_REQUIRE(s.rays.warp.tolerance_mm >= 0.0 && s.rays.warp.tolerance_mm <= 10.0,
+               "view: an inversion tolerance of ", s.rays.warp.tolerance_mm,
+               " mm; allowed is 0 to 10 mm");
+  ACUS_REQUIRE(s.rays.warp.lattice_mm >= 0.0 && s.rays.warp.lattice_mm <= 10.0,
+               "view: a tolerance between knots of the warp of ", s.rays.warp.lattice_mm,
+               " mm; allowed is 0 to 10 mm");
+  ACUS_REQUIRE(s.rays.tool_shine >= 0.0 && s.rays.tool_shine <= 1.0,
+               "view: tools shine through by ", s.rays.tool_shine, "; allowed is 0 to 1");
+  ACUS_REQUIRE(s.supersampling == 1 || s.supersampling == 2 || s.supersampling == 4,
+               "view: supersampling by ", s.supersampling, "; allowed are 1, 2 and 4");
+}
+
+/// A tool's surface in the world, for one picture.
+struct Placed {
+  Placed(const mesh::Surface& surface, const Eigen::Isometry3d& ct_from_surface)
+      : moving({ct_from_surface * surface.nodes_mm, surface.triangles}) {}
+  MovingSurface moving;
+};
+
+std::uint8_t ByteOf(float share) {
+  return static_cast<std::uint8_t>(255.0F * std::clamp(share, 0.0F, 1.0F) + 0.5F);
+}
+
+}  // namespace
+
+struct PatientView::Content {
+  Content(PatientInView patient, const ViewSettings& settings);
+  void PlaceTools(const Camera& camera, const ViewMoment& moment);
+  void AddTool(const mesh::Surface& surface, const Eigen::Isometry3d& ct_from_surface,
+               const Eigen::Array3f& colour);
+  void AddPlane(const ProbeInView& probe);
+  void CastShadows(const Light& light);
+  std::vector<float> EmptyTiles(const RayCaster& caster, const Camera& fine, int top,
+                                int rows) const;
+  void RenderBand(const RayCaster& caster, const Camera& fine, int band,
+                  std::vector<RayColour>& pixels, TriangleBands::Band& scratch,
+                  const VolumeScene& scene) const;
+  void WriteRows(const std::vector<RayColour>& pixels, int band, const Camera& camera,
+                 ViewPicture& out) const;
+
+  PatientInView patient;
+  ViewSettings settings;
+  TransferFunction transfer;
+  std::optional<VisibleBlocks> blocks;
+  volume::CtVolume slopes;
+  HiddenCells hidden;
+  std::vector<MovingSurface> surfaces;
+  Eigen::AlignedBox3d box;
+
+  // Of one picture.
+  std::deque<Placed> tools;
+  ImagePlane plane;
+  std::vector<Drawing> drawings;
+  TriangleBands bands;
+  std::optional<ShadowMap> shadows;
+  WarpLattice lattice;
+};
+
+PatientView::Content::Content(PatientInView given, const ViewSettings& view_settings)
+    : patient(std::move(given)), settings(view_settings), transfer(patient.layers) {
+  CheckSettings(settings);
+  const bool shows_ct = patient.ct != nullptr && !transfer.empty();
+  ACUS_REQUIRE(patient.layers.empty() || patient.ct != nullptr,
+               "view: volume layers need a CT, and there is none");
+  if (shows_ct) {
+    ACUS_REQUIRE((patient.ct->geometry.size >= 2).all(),
+                 "view: the CT must have at least two voxels along each axis");
+    blocks.emplace(*patient.ct, transfer, patient.field);
+    slopes = Smoothed(*patient.ct, 1);
+    hidden = HiddenCells(*patient.ct, transfer);
+  }
+  for (const SurfaceInView& surface : patient.surfaces) {
+    ACUS_REQUIRE(surface.opacity >= 0.0 && surface.opacity <= 1.0, "view: surface \"", surface.name,
+                 "\" has an opacity of ", surface.opacity, "; allowed is 0 to 1");
+    if (surface.opacity == 0.0) continue;
+    surfaces.emplace_back(surface.surface);
+    box.extend(surfaces.back().RestBox());
+  }
+  ACUS_REQUIRE(shows_ct || !surfaces.empty(),
+               "view: there is nothing to show; give a layer of the CT, or a surface");
+  std::erase_if(patient.surfaces, [](const SurfaceInView& s) { return s.opacity == 0.0; });
+  for (SurfaceInView& surface : patient.surfaces) surface.surface = {};  // Not needed any more.
+  if (box.isEmpty()) box = blocks->VisibleBox();
+}
+
+void PatientView::Content::AddTool(const mesh::Surface& surface,
+                                   const Eigen::Isometry3d& ct_from_surface,
+                                   const Eigen::Array3f& colour) {
+  const MovingSurface& placed = tools.emplace_back(surface, ct_from_surface).moving;
+  Drawing drawing;
+  drawing.nodes_mm = &placed.nodes_mm();
+  drawing.normals = &placed.normals();
+  drawing.triangles = &placed.triangles();
+  drawing.colour = colour;
+  drawing.is_tool = true;
+  drawings.push_back(drawing);
+}
+
+void PatientView::Content::AddPlane(const ProbeInView& probe) {
+  const image::ImageGeometry picture = acoustics::PictureOf(*probe.probe);
+  plane = PlaneOf(*probe.probe);
+  AddTool(plane.surface, probe.ct_from_probe, kPane);
+  Drawing& drawing = drawings.back();
+  drawing.normals = nullptr;
+  drawing.closed = false;
+  drawing.opacity = 0.25F;
+  if (probe.b_mode != nullptr) {
+    ACUS_REQUIRE(
+        probe.b_mode->width == picture.width_px && probe.b_mode->height == picture.height_px,
+        "view: the picture in the probe's plane has ", probe.b_mode->width, " x ",
+        probe.b_mode->height, " pixels; the probe's has ", picture.width_px, " x ",
+        picture.height_px);
+    drawing.colour.setOnes();
+    drawing.opacity = 0.97F;
+    drawing.texture = probe.b_mode;
+    drawing.texture_at = &plane.pixel_of_node;
+  }
+  // A frame, so that a black picture is seen as well.
+  AddTool(Tube(plane.outline_mm, Eigen::VectorXd::Constant(plane.outline_mm.cols(), 0.35)),
+          probe.ct_from_probe, kPane);
+}
+
+void PatientView::Content::PlaceTools(const Camera& camera, const ViewMoment& moment) {
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  if (moment.needle) {
+    const image::NeedleInImage& needle = *moment.needle;
+    ACUS_REQUIRE(needle.tip_in_ct_mm.allFinite() && needle.axis_in_ct.allFinite() &&
+                     std::isfinite(needle.length_mm) && std::isfinite(needle.radius_mm),
+                 "view: the needle is at a place that is not finite");
+    const double depth_mm = (camera.camera_from_ct * needle.tip_in_ct_mm)[2];
+    const double mm_per_px = std::max(0.0, depth_mm) / camera.focal_px[0];
+    AddTool(NeedleShaft(needle, kLeastNeedlePx * mm_per_px), here, kSteel);
+    AddTool(NeedleHub(needle), here, kHub);
+  }
+  if (moment.probe) {
+    const ProbeInView& probe = *moment.probe;
+    ACUS_REQUIRE(probe.ct_from_probe.matrix().allFinite(),
+                 "view: the probe is at a place that is not finite");
+    ACUS_ASSERT(probe.probe != nullptr);
+    AddTool(ProbeBody(*probe.probe), probe.ct_from_probe, kProbe);
+    AddTool(ProbeMark(*probe.probe), probe.ct_from_probe, kMark);
+    if (probe.plane) AddPlane(probe);
+  }
+}
+
+void PatientView::Content::CastShadows(const Light& light) {
+  shadows.reset();
+  if (!settings.tool_shadows || tools.empty()) return;
+  Eigen::AlignedBox3f around;
+  const auto throws = [](const Drawing& d) { return d.is_tool && d.normals != nullptr; };
+  for (const Drawing& drawing : drawings) {
+    if (!throws(drawing)) continue;
+    around.extend(drawing.nodes_mm->rowwise().minCoeff());
+    around.extend(drawing.nodes_mm->rowwise().maxCoeff());
+  }
+  shadows.emplace();
+  shadows->Begin(light.to_lamp, around);
+  for (const Drawing& drawing : drawings) {
+    if (throws(drawing)) shadows->Add(*drawing.nodes_mm, *drawing.triangles);
+  }
+}
+
+/// For each kTilePx columns of a band: how far all their rays are empty.
+std::vector<float> PatientView::Content::EmptyTiles(const RayCaster& caster, const Camera& fine,
+                                                    int top, int rows) const {
+  std::vector<float> out;
+  if (!blocks) return std::vector<float>(static_cast<std::size_t>(fine.width_px / kTilePx + 1));
+  for (int left = 0; left < fine.width_px; left += kTilePx) {
+    const double right = std::min(left + kTilePx, fine.width_px) - 1;
+    const double bottom = top + rows - 1;
+    const auto ray = [&](double column, double row) {
+      return Eigen::Vector3d(fine.DirectionInCt({column, row}).normalized());
+    };
+    const std::array rim{ray(left, top), ray(right, top), ray(left, bottom), ray(right, bottom)};
+    out.push_back(caster.EmptyUntilMm(ray(0.5 * (left + right), 0.5 * (top + bottom)), rim));
+  }
+  return out;
+}
+
+void PatientView::Content::RenderBand(const RayCaster& caster, const Camera& fine, int band,
+                                      std::vector<RayColour>& pixels, TriangleBands::Band& scratch,
+                                      const VolumeScene& scene) const {
+  bands.Draw(band, scene.light, scene.shadows, scratch);
+  const int top = band * TriangleBands::kRows;
+  const int rows = std::min(TriangleBands::kRows, fine.height_px - top);
+  std::vector<Fragment> met;
+  std::size_t pixel = 0;
+  const std::vector<float> empty_mm = EmptyTiles(caster, fine, top, rows);
+  for (int row = top; row < top + rows; ++row) {
+    for (int column = 0; column < fine.width_px; ++column, ++pixel) {
+      met.clear();
+      if (const int n = scratch.opaque[pixel]; n >= 0) {
+        met.push_back(scratch.fragments[static_cast<std::size_t>(n)]);
+      }
+      for (int n = scratch.first[pixel]; n >= 0;
+           n = scratch.fragments[static_cast<std::size_t>(n)].next) {
+        met.push_back(scratch.fragments[static_cast<std::size_t>(n)]);
+      }
+      std::ranges::stable_sort(met, {}, &Fragment::distance_mm);
+      const auto opaque =
+          std::ranges::find_if(met, [](const Fragment& f) { return f.opacity >= 1.0F; });
+      if (opaque != met.end()) met.erase(opaque + 1, met.end());
+      const Eigen::Vector3d direction = fine.DirectionInCt({column, row}).normalized();
+      pixels[pixel] =
+          caster.Cast(direction, met, empty_mm[static_cast<std::size_t>(column / kTilePx)]);
+    }
+  }
+}
+
+void PatientView::Content::WriteRows(const std::vector<RayColour>& pixels, int band,
+                                     const Camera& camera, ViewPicture& out) const {
+  const int factor = settings.supersampling;
+  const int fine_width = camera.width_px * factor;
+  const float share = 1.0F / static_cast<float>(factor * factor);
+  const int top = band * TriangleBands::kRows / factor;
+  const int end = std::min(camera.height_px, top + TriangleBands::kRows / factor);
+  for (int row = top; row < end; ++row) {
+    const float down = static_cast<float>(row) / static_cast<float>(camera.height_px);
+    const Eigen::Array3f background =
+        settings.background_top + down * (settings.background_bottom - settings.background_top);
+    for (int column = 0; column < camera.width_px; ++column) {
+      Eigen::Array3f colour = Eigen::Array3f::Zero();
+      float opacity = 0.0F;
+      for (int j = 0; j < factor; ++j) {
+        for (int i = 0; i < factor; ++i) {
+          const RayColour& ray = pixels[static_cast<std::size_t>(
+              ((row - top) * factor + j) * fine_width + column * factor + i)];
+          colour += ray.colour.min(1.0F);
+          opacity += ray.opacity;
+        }
+      }
+      colour = share * colour + (1.0F - share * opacity) * background;
+      const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(camera.width_px) +
+                      static_cast<std::size_t>(column);
+      for (int c = 0; c < 3; ++c) {
+        out.colour.rgb[3 * at + static_cast<std::size_t>(c)] = ByteOf(colour[c]);
+      }
+      out.coverage[at] = ByteOf(share * opacity);
+    }
+  }
+}
+
+PatientView::PatientView(PatientInView patient, const ViewSettings& settings)
+    : content_(std::make_unique<Content>(std::move(patient), settings)) {}
+PatientView::~PatientView() = default;
+PatientView::PatientView(PatientView&&) noexcept = default;
+PatientView& PatientView::operator=(PatientView&&) noexcept = default;
+
+const Eigen::AlignedBox3d& PatientView::box_in_ct_mm() const {
+  return content_->box;
+}
+
+void PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewPicture& out,
+                         int num_threads) {
+  Content& c = *content_;
+  camera.Check();
+  const bool moves = moment.motion != nullptr && moment.motion->moves();
+  ACUS_REQUIRE(!moves || &moment.motion->field() == c.patient.field,
+               "view: the motion is of another field than the one the view was made with");
+  const breathing::MotionMap* motion = moves ? moment.motion : nullptr;
+  if (c.blocks) c.blocks->Update(motion, c.settings.rays.step_mm);
+  c.lattice.Clear();
+  if (c.blocks && motion != nullptr) {
+    c.lattice.Update(*motion, *c.blocks, c.patient.ct->geometry.index_from_ct(),
+                     c.settings.rays.warp.lattice_mm, num_threads);
+  }
+
+  c.tools.clear();
+  c.drawings.clear();
+  for (std::size_t n = 0; n < c.surfaces.size(); ++n) {
+    MovingSurface& surface = c.surfaces[n];
+    surface.Update(motion, num_threads);
+    Drawing drawing;
+    drawing.nodes_mm = &surface.nodes_mm();
+    drawing.normals = &surface.normals();
+    drawing.triangles = &surface.triangles();
+    drawing.colour = c.patient.surfaces[n].colour;
+    drawing.opacity = static_cast<float>(c.patient.surfaces[n].opacity);
+    drawing.in_shadow = true;
+    c.drawings.push_back(drawing);
+  }
+  c.PlaceTools(camera, moment);
+
+  VolumeScene scene;
+  scene.light.to_lamp =
+      (camera.camera_from_ct.linear().transpose() * kLampInCamera.normalized()).cast<float>();
+  c.CastShadows(scene.light);
+  if (c.shadows) scene.shadows = &*c.shadows;
+  scene.motion = motion;
+  if (c.blocks) {
+    scene.ct = c.patient.ct.get();
+    scene.slopes = &c.slopes;
+    scene.transfer = &c.transfer;
+    scene.blocks = &*c.blocks;
+    scene.lattice = &c.lattice;
+    scene.hidden = &c.hidden;
+  }
+  const Camera fine = camera.Magnified(c.settings.supersampling);
+  c.bands.Sort(fine, c.drawings, num_threads);
+  out.colour.Resize(camera.width_px, camera.height_px);
+  out.coverage.resize(out.colour.rgb.size() / 3);
+  const RayCaster caster(scene, c.settings.rays, camera.EyeInCtMm());
+  // Whichever thread is free takes the next band; each writes rows of its own.
+  std::atomic<int> next = 0;
+  ParallelFor(num_threads, num_threads, [&](int) {
+    TriangleBands::Band scratch;
+    std::vector<RayColour> pixels(static_cast<std::size_t>(TriangleBands::kRows) *
+                                  static_cast<std::size_t>(fine.width_px));
+    for (int band = next++; band < c.bands.num_bands(); band = next++) {
+      c.RenderBand(caster, fine, band, pixels, scratch, scene);
+      c.WriteRows(pixels, band, camera, out);
+    }
+  });
+}
+
+}  // namespace acus::volume_rendering

@@ -1,0 +1,92 @@
+// Pictures of a breathing patient in three dimensions: the CT by direct volume rendering, organs as
+// surfaces, and the tools.
+#pragma once
+
+#include <Eigen/Dense>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acus/data/image/image.h"
+#include "acus/data/mesh/surface.h"
+#include "acus/data/volume/volume.h"
+#include "acus/imaging/acoustics/probe.h"
+#include "acus/imaging/volume_rendering/camera.h"
+#include "acus/imaging/volume_rendering/transfer_function.h"
+#include "acus/imaging/volume_rendering/volume_ray.h"
+#include "acus/physics/breathing/motion_map.h"
+
+namespace acus::volume_rendering {
+
+struct SurfaceInView {
+  std::string name;
+  mesh::Surface surface;                                   ///< At rest, CT space; closed.
+  Eigen::Array3f colour = Eigen::Array3f::Constant(0.8F);  ///< sRGB, 0 to 1.
+  double opacity = 1.0;                                    ///< 1 hides what is behind.
+};
+
+/// All that is constant. What is not there is not shown and costs nothing.
+struct PatientInView {
+  std::shared_ptr<const volume::CtVolume> ct;  ///< May be null.
+  std::vector<VolumeLayer> layers;             ///< How the CT looks; empty: it does not show.
+  std::vector<SurfaceInView> surfaces;
+  /// What the patient breathes by; null: never. Must outlive the view.
+  const breathing::MotionField* field = nullptr;
+};
+
+struct ViewSettings {
+  RaySettings rays;
+  /// Pixels are the mean of this many each way: smooth edges. 1, 2 or 4.
+  int supersampling = 1;
+  bool tool_shadows = true;
+  Eigen::Array3f background_top = {0.20F, 0.23F, 0.27F};
+  Eigen::Array3f background_bottom = {0.05F, 0.06F, 0.08F};
+};
+
+/// The probe, and the plane that it sees.
+struct ProbeInView {
+  Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
+  const acoustics::Probe* probe = nullptr;
+  bool plane = true;
+  const image::GrayImage* b_mode = nullptr;  ///< Shown in the plane; null: an empty pane.
+};
+
+/// What a picture needs to know of a moment. Tools are in the world: where they are, not where
+/// that was at rest.
+struct ViewMoment {
+  const breathing::MotionMap* motion = nullptr;  ///< Of the field given before; null: at rest.
+  std::optional<image::NeedleInImage> needle = std::nullopt;
+  std::optional<ProbeInView> probe = std::nullopt;
+};
+
+/// A picture, and how much of each pixel the patient and the tools fill: for laying it over video.
+struct ViewPicture {
+  image::ColourImage colour;
+  std::vector<std::uint8_t> coverage;  ///< By pixel: 0 background, 255 opaque.
+};
+
+/// Renders by itself, without graphics hardware or display: the same input, the same bits, with any
+/// number of threads and whatever was rendered before. Not for two threads at a time.
+class PatientView {
+ public:
+  /// @throws InputError naming what is wrong: a setting out of range, a surface without triangles,
+  ///     a CT of fewer than two voxels along an axis, a layer without a preset, nothing to show.
+  PatientView(PatientInView patient, const ViewSettings& settings);
+  ~PatientView();
+  PatientView(PatientView&&) noexcept;
+  PatientView& operator=(PatientView&&) noexcept;
+
+  /// @throws InputError if the camera, the needle or the probe's pose is not finite or out of
+  ///     range, or the motion is of another field.
+  void Render(const Camera& camera, const ViewMoment& moment, ViewPicture& out, int num_threads);
+
+  /// Of the patient at rest: surfaces, or else the CT's visible part.
+  const Eigen::AlignedBox3d& box_in_ct_mm() const;
+
+ private:
+  struct Content;
+  std::unique_ptr<Content> content_;
+};
+
+}  // namespace acus::volume_rendering

@@ -1,0 +1,79 @@
+#include "acus/imaging/volume_rendering/shadow_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace acus::volume_rendering {
+namespace {
+
+constexpr float kNothing = -1e30F;
+/// Not in one's own shadow.
+constexpr float kClearMm = 1.0F;
+
+}  // namespace
+
+void ShadowMap::Begin(const Eigen::Vector3f& to_lamp, const Eigen::AlignedBox3f& box_mm) {
+  const Eigen::Vector3f x = to_lamp.unitOrthogonal();
+  lamp_from_ct_.row(0) = x;
+  lamp_from_ct_.row(1) = to_lamp.cross(x);
+  lamp_from_ct_.row(2) = to_lamp;
+  Eigen::AlignedBox3f box;
+  for (int n = 0; n < 8; ++n) {
+    box.extend(lamp_from_ct_ * box_mm.corner(static_cast<Eigen::AlignedBox3f::CornerType>(n)));
+  }
+  // Room for the soft edge.
+  mm_per_cell_ = std::max(0.2F, box.sizes().head<2>().maxCoeff() / (kSize - 8));
+  low_mm_ = box.min().head<2>() - Eigen::Vector2f::Constant(4.0F * mm_per_cell_);
+  height_mm_.assign(static_cast<std::size_t>(kSize * kSize), kNothing);
+}
+
+void ShadowMap::Add(const Eigen::Matrix3Xf& nodes_mm, const Eigen::Matrix3Xi& triangles) {
+  for (const auto& corners : triangles.colwise()) {
+    Eigen::Matrix3f at;
+    for (int n = 0; n < 3; ++n) at.col(n) = lamp_from_ct_ * nodes_mm.col(corners[n]);
+    at.topRows<2>() = (at.topRows<2>().colwise() - low_mm_) / mm_per_cell_;
+    const Eigen::Vector2f a = at.col(1).head<2>() - at.col(0).head<2>();
+    const Eigen::Vector2f b = at.col(2).head<2>() - at.col(0).head<2>();
+    const float area = a[0] * b[1] - a[1] * b[0];
+    if (area == 0.0F) continue;
+    const Eigen::Array2i low =
+        at.topRows<2>().rowwise().minCoeff().array().ceil().cast<int>().max(0);
+    const Eigen::Array2i high =
+        at.topRows<2>().rowwise().maxCoeff().array().floor().cast<int>().min(kSize - 1);
+    for (int v = low[1]; v <= high[1]; ++v) {
+      for (int u = low[0]; u <= high[0]; ++u) {
+        const Eigen::Vector2f p = Eigen::Vector2f(u, v) - at.col(0).head<2>();
+        const float along = (p[0] * b[1] - p[1] * b[0]) / area;
+        const float across = (a[0] * p[1] - a[1] * p[0]) / area;
+        if (along < 0.0F || across < 0.0F || along + across > 1.0F) continue;
+        const float height =
+            at(2, 0) + along * (at(2, 1) - at(2, 0)) + across * (at(2, 2) - at(2, 0));
+        float& cell = height_mm_[static_cast<std::size_t>(v * kSize + u)];
+        cell = std::max(cell, height);
+      }
+    }
+  }
+}
+
+float ShadowMap::LitAt(const Eigen::Vector3f& place_mm) const noexcept {
+  const Eigen::Vector3f at = lamp_from_ct_ * place_mm;
+  const Eigen::Vector2f cell = (at.head<2>() - low_mm_) / mm_per_cell_;
+  const auto u = static_cast<int>(std::floor(cell[0]));
+  const auto v = static_cast<int>(std::floor(cell[1]));
+  if (!(u >= 1 && v >= 1 && u < kSize - 2 && v < kSize - 2)) return 1.0F;
+  // The share of 4 x 4 cells in the light, each as far as it is within a square of 3 cells' width.
+  const float fu = cell[0] - static_cast<float>(u);
+  const float fv = cell[1] - static_cast<float>(v);
+  const float weights_u[4] = {1.0F - fu, 1.0F, 1.0F, fu};
+  const float weights_v[4] = {1.0F - fv, 1.0F, 1.0F, fv};
+  float shadow = 0.0F;
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 4; ++i) {
+      const float height = height_mm_[static_cast<std::size_t>((v - 1 + j) * kSize + u - 1 + i)];
+      if (height > at[2] + kClearMm) shadow += weights_u[i] * weights_v[j];
+    }
+  }
+  return 1.0F - shadow / 9.0F;
+}
+
+}  // namespace acus::volume_rendering

@@ -1,0 +1,217 @@
+#include "acus/imaging/volume_rendering/visible_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "acus/base/core/error.h"
+
+namespace acus::volume_rendering {
+namespace {
+
+constexpr double kBlockMm = 6.0;
+constexpr int kLargestMargin = 40;
+
+}  // namespace
+
+VisibleBlocks::VisibleBlocks(const volume::CtVolume& ct, const TransferFunction& transfer,
+                             const breathing::MotionField* field)
+    : index_from_ct_(ct.geometry.index_from_ct()) {
+  voxels_per_block_ = (kBlockMm / ct.geometry.spacing_mm).round().cast<int>().max(2).min(16);
+  const Eigen::Vector3d blocks_per_voxel = voxels_per_block_.cast<double>().inverse();
+  blocks_per_mm_ = (blocks_per_voxel.asDiagonal() * index_from_ct_.linear()).cast<float>();
+  // One more: a block reaches from its first voxel to the first one of the next.
+  rest_size_ = (ct.geometry.size + voxels_per_block_ - 1) / voxels_per_block_;
+  FindVisible(ct, transfer);
+  if (field != nullptr) FindRanges(ct, *field);
+}
+
+void VisibleBlocks::FindVisible(const volume::CtVolume& ct, const TransferFunction& transfer) {
+  const Eigen::Array3i& size = ct.geometry.size;
+  const Eigen::Array3i last = size - 1;
+  // Blocks -1 and beyond the end hold the step from air to the first voxel: the border shows too.
+  for (int bk = -1; bk < rest_size_[2]; ++bk) {
+    for (int bj = -1; bj < rest_size_[1]; ++bj) {
+      for (int bi = -1; bi < rest_size_[0]; ++bi) {
+        const Eigen::Array3i block(bi, bj, bk);
+        const Eigen::Array3i first = block * voxels_per_block_;
+        const Eigen::Array3i end = first + voxels_per_block_;
+        const bool border = (first < 0).any() || (end > last).any();
+        std::int16_t low = border ? std::int16_t{-1024} : std::numeric_limits<std::int16_t>::max();
+        std::int16_t high =
+            border ? std::int16_t{-1024} : std::numeric_limits<std::int16_t>::lowest();
+        const Eigen::Array3i from = first.max(0);
+        const Eigen::Array3i to = end.min(last);
+        for (int k = from[2]; k <= to[2]; ++k) {
+          for (int j = from[1]; j <= to[1]; ++j) {
+            const std::int16_t* row = &ct.voxels[ct.geometry.Index(0, j, k)];
+            for (int i = from[0]; i <= to[0]; ++i) {
+              low = std::min(low, row[i]);
+              high = std::max(high, row[i]);
+            }
+          }
+        }
+        if (transfer.Shows(low, high)) visible_.push_back({block, 0});
+      }
+    }
+  }
+}
+
+void VisibleBlocks::FindRanges(const volume::CtVolume& ct, const breathing::MotionField& field) {
+  num_components_ = field.num_components();
+  ranges_mm_.resize(visible_.size() * static_cast<std::size_t>(num_components_));
+  const Eigen::Affine3d node_from_index =
+      field.nodes().index_from_ct() * ct.geometry.ct_from_index();
+  const Eigen::Array3i last = field.nodes().size - 1;
+  std::size_t next = 0;
+  for (RestBlock& block : visible_) {
+    Eigen::AlignedBox3d box;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Array3i at(corner & 1, (corner >> 1) & 1, corner >> 2);
+      box.extend(node_from_index *
+                 ((block.at + at) * voxels_per_block_).cast<double>().matrix().eval());
+    }
+    const Eigen::Array3i from = box.min().array().floor().cast<int>().max(0).min(last);
+    const Eigen::Array3i to = box.max().array().ceil().cast<int>().max(0).min(last);
+    block.range = next;
+    for (int n = 0; n < num_components_; ++n) {
+      const std::span<const std::int16_t> stored = field.Stored(n);
+      Eigen::Array3i low = Eigen::Array3i::Constant(std::numeric_limits<int>::max());
+      Eigen::Array3i high = -low;
+      for (int k = from[2]; k <= to[2]; ++k) {
+        for (int j = from[1]; j <= to[1]; ++j) {
+          const std::int16_t* node = &stored[3 * field.nodes().Index(from[0], j, k)];
+          for (int i = from[0]; i <= to[0]; ++i, node += 3) {
+            const Eigen::Array3i value(node[0], node[1], node[2]);
+            low = low.min(value);
+            high = high.max(value);
+          }
+        }
+      }
+      const auto unit_mm = static_cast<float>(field.MmPerUnit(n));
+      ranges_mm_[next++] = {unit_mm * low.cast<float>(), unit_mm * high.cast<float>()};
+    }
+  }
+}
+
+Eigen::AlignedBox3d VisibleBlocks::VisibleBox() const {
+  Eigen::AlignedBox3d blocks;
+  for (const RestBlock& block : visible_) {
+    blocks.extend(block.at.cast<double>().matrix());
+    blocks.extend((block.at + 1).cast<double>().matrix());
+  }
+  if (blocks.isEmpty()) blocks = {Eigen::Vector3d::Zero(), rest_size_.cast<double>().matrix()};
+  const Eigen::Affine3d ct_from_index = index_from_ct_.inverse();
+  Eigen::AlignedBox3d out;
+  for (int n = 0; n < 8; ++n) {
+    const Eigen::Vector3d corner = blocks.corner(static_cast<Eigen::AlignedBox3d::CornerType>(n));
+    out.extend(ct_from_index *
+               corner.cwiseProduct(voxels_per_block_.cast<double>().matrix()).cwiseMax(0.0).eval());
+  }
+  return out;
+}
+
+VisibleBlocks::Range VisibleBlocks::RangeNow(const RestBlock& block,
+                                             const breathing::MotionWeights& weights) const {
+  Range sum{Eigen::Array3f::Zero(), Eigen::Array3f::Zero()};
+  for (std::size_t n = 0; n < static_cast<std::size_t>(weights.count); ++n) {
+    const Range& range = ranges_mm_[block.range + weights.component[n]];
+    const Eigen::Array3f low = weights.weight[n] * range.low_mm;
+    const Eigen::Array3f high = weights.weight[n] * range.high_mm;
+    sum.low_mm += low.min(high);
+    sum.high_mm += low.max(high);
+  }
+  return sum;
+}
+
+void VisibleBlocks::Resize(const Eigen::Array3i& margin_blocks) {
+  if ((margin_blocks == margin_).all()) return;
+  margin_ = margin_blocks;
+  size_ = rest_size_ + 1 + 2 * margin_;
+  distance_.resize(static_cast<std::size_t>(size_.cast<std::int64_t>().prod()));
+  const Eigen::Array3d scale = voxels_per_block_.cast<double>().inverse();
+  const Eigen::Affine3d blocks_from_index =
+      Eigen::Translation3d((margin_ + 1).cast<double>().matrix()) * Eigen::Scaling(scale.matrix());
+  blocks_from_ct_ = (blocks_from_index * index_from_ct_).cast<float>();
+}
+
+void VisibleBlocks::Mark(const Eigen::Array3i& low, const Eigen::Array3i& high) {
+  const Eigen::Array3i from = low.max(0);
+  const Eigen::Array3i to = high.min(size_ - 1);
+  for (int k = from[2]; k <= to[2]; ++k) {
+    for (int j = from[1]; j <= to[1]; ++j) {
+      const auto row = distance_.begin() + static_cast<std::ptrdiff_t>(k * size_[1] + j) * size_[0];
+      if (from[0] <= to[0]) std::fill(row + from[0], row + to[0] + 1, std::uint8_t{0});
+    }
+  }
+}
+
+/// Two sweeps with the 26 neighbours give the exact chessboard distance.
+void VisibleBlocks::SpreadDistance() {
+  const std::ptrdiff_t row = size_[0];
+  const std::ptrdiff_t slice = row * size_[1];
+  const auto nearest = [&](std::ptrdiff_t at, int i, int j, int k, int sign) {
+    int best = distance_[static_cast<std::size_t>(at)];
+    for (int dk = -1; dk <= 0; ++dk) {
+      for (int dj = -1; dj <= (dk < 0 ? 1 : 0); ++dj) {
+        for (int di = -1; di <= (dk < 0 || dj < 0 ? 1 : -1); ++di) {
+          const Eigen::Array3i to(i + sign * di, j + sign * dj, k + sign * dk);
+          if ((to < 0).any() || (to >= size_).any()) continue;
+          const std::ptrdiff_t step = sign * (di + row * dj + slice * dk);
+          best = std::min(best, 1 + distance_[static_cast<std::size_t>(at + step)]);
+        }
+      }
+    }
+    distance_[static_cast<std::size_t>(at)] = static_cast<std::uint8_t>(best);
+  };
+  for (int k = 0; k < size_[2]; ++k) {
+    for (int j = 0; j < size_[1]; ++j) {
+      for (int i = 0; i < size_[0]; ++i) nearest(slice * k + row * j + i, i, j, k, 1);
+    }
+  }
+  for (int k = size_[2] - 1; k >= 0; --k) {
+    for (int j = size_[1] - 1; j >= 0; --j) {
+      for (int i = size_[0] - 1; i >= 0; --i) nearest(slice * k + row * j + i, i, j, k, -1);
+    }
+  }
+}
+
+VisibleBlocks::Shift VisibleBlocks::ShiftOf(const RestBlock& block,
+                                            const breathing::MotionMap* motion,
+                                            const Eigen::Array3f& reach) const {
+  if (motion == nullptr) return {-reach, reach};
+  const Range mm = RangeNow(block, motion->weights());
+  // Whichever way the volume's axes run.
+  const Eigen::Array3f middle = blocks_per_mm_ * (0.5F * (mm.low_mm + mm.high_mm)).matrix();
+  const Eigen::Array3f half =
+      blocks_per_mm_.cwiseAbs() * (0.5F * (mm.high_mm - mm.low_mm)).matrix();
+  // Farther than any grid reaches, and still a whole number.
+  constexpr float kFar = 1e4F;
+  return {(middle - half - reach).max(-kFar), (middle + half + reach).min(kFar)};
+}
+
+void VisibleBlocks::Update(const breathing::MotionMap* motion, double ray_step_mm) {
+  if (motion != nullptr && !motion->moves()) motion = nullptr;
+  if (visible_.empty() || (motion == nullptr && still_ && step_mm_ == ray_step_mm)) return;
+  ACUS_ASSERT(motion == nullptr || num_components_ == motion->field().num_components());
+  // A sample on either side of whatever is visible.
+  const Eigen::Array3f reach =
+      static_cast<float>(ray_step_mm) * blocks_per_mm_.rowwise().norm().array() + 1e-3F;
+  Eigen::Array3f farthest = Eigen::Array3f::Zero();
+  for (const RestBlock& block : visible_) {
+    const Shift shift = ShiftOf(block, motion, reach);
+    farthest = farthest.max(shift.low.abs()).max(shift.high.abs());
+  }
+  Resize((farthest.ceil().cast<int>() + 1).min(kLargestMargin));
+  std::ranges::fill(distance_, std::uint8_t{200});
+  for (const RestBlock& block : visible_) {
+    const Shift shift = ShiftOf(block, motion, reach);
+    const Eigen::Array3f at = (block.at + 1 + margin_).cast<float>();
+    Mark((at + shift.low).floor().cast<int>(), (at + 1.0F + shift.high).floor().cast<int>());
+  }
+  SpreadDistance();
+  still_ = motion == nullptr;
+  step_mm_ = ray_step_mm;
+}
+
+}  // namespace acus::volume_rendering

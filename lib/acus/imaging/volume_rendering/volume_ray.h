@@ -1,0 +1,87 @@
+// One ray through the CT of a patient who breathes, with the surfaces that it meets.
+#pragma once
+
+#include <Eigen/Dense>
+#include <span>
+
+#include "acus/data/volume/volume.h"
+#include "acus/imaging/volume_rendering/fragments.h"
+#include "acus/imaging/volume_rendering/hidden_cells.h"
+#include "acus/imaging/volume_rendering/shading.h"
+#include "acus/imaging/volume_rendering/shadow_map.h"
+#include "acus/imaging/volume_rendering/transfer_function.h"
+#include "acus/imaging/volume_rendering/visible_blocks.h"
+#include "acus/imaging/volume_rendering/warp_lattice.h"
+#include "acus/imaging/volume_rendering/warped_ray.h"
+#include "acus/physics/breathing/motion_map.h"
+
+namespace acus::volume_rendering {
+
+/// How the volume is sampled.
+struct RaySettings {
+  double step_mm = 1.0;
+  WarpSettings warp;
+  double tool_shine = 0.35;  ///< What is seen of a tool behind tissue; 0: what light gets through.
+};
+
+/// What is there for all rays of a picture.
+struct VolumeScene {
+  const volume::CtVolume* ct = nullptr;      ///< Null: surfaces only.
+  const volume::CtVolume* slopes = nullptr;  ///< What light falls on: `ct`, smoothed.
+  const TransferFunction* transfer = nullptr;
+  const VisibleBlocks* blocks = nullptr;
+  const HiddenCells* hidden = nullptr;           ///< Null: every sample is looked at.
+  const breathing::MotionMap* motion = nullptr;  ///< Null: at rest.
+  const WarpLattice* lattice = nullptr;          ///< Of `motion`; null: every sample is inverted.
+  const ShadowMap* shadows = nullptr;            ///< Null: none.
+  Light light;
+};
+
+struct RayColour {
+  Eigen::Array3f colour = Eigen::Array3f::Zero();  ///< Weighted by opacity.
+  float opacity = 0.0F;
+};
+
+/// Light along rays from one eye: emission and absorption, front to back (Levoy 1988). Samples lie
+/// at whole multiples of the step from the eye, whatever is jumped over; where the patient
+/// breathes, a WarpedRay tells what is there.
+class RayCaster {
+ public:
+  RayCaster(const VolumeScene& scene, const RaySettings& settings, const Eigen::Vector3d& eye_mm);
+
+  /// Distance up to which nothing of the CT can show on any ray within the cone around `middle`
+  /// that the rays of `rim` span: so far neighbours need not look for themselves. Unit, CT space.
+  float EmptyUntilMm(const Eigen::Vector3d& middle, std::span<const Eigen::Vector3d> rim) const;
+
+  /// @param direction  Unit, CT space.
+  /// @param fragments  By rising distance.
+  /// @param empty_mm  Nothing of the CT shows before that.
+  RayColour Cast(const Eigen::Vector3d& direction, std::span<const Fragment> fragments,
+                 float empty_mm = 0.0F) const;
+
+ private:
+  struct March;
+  void CastVolume(March& march, float empty_mm) const;
+  void TakeSample(March& march, const Eigen::Vector3f& index, float at_mm) const;
+  Eigen::Vector3f RestIndex(March& march, int sample, const Eigen::Vector3f& in_blocks,
+                            const Eigen::Array3i& block) const;
+  float HuAt(const volume::CtVolume& ct, const Eigen::Vector3f& index) const noexcept;
+  Eigen::Vector3f GradientAt(const Eigen::Vector3f& index) const noexcept;
+  Eigen::Array3f ColourAt(const March& march, const Eigen::Array3f& colour,
+                          const Eigen::Vector3f& index, float distance_mm) const;
+  void Absorb(March& march, const TransferFunction::Emission& emission, float from_mm, float to_mm,
+              const Eigen::Vector3f& index) const;
+  void PassFragments(March& march, float to_mm) const;
+  int NextVisible(const March& march, int sample, const Eigen::Vector3f& in_blocks,
+                  const Eigen::Array3i& block, int distance) const;
+
+  VolumeScene scene_;
+  RaySettings settings_;
+  Eigen::Vector3d eye_mm_;
+  Eigen::Affine3f index_from_ct_ = Eigen::Affine3f::Identity();
+  Eigen::Array3f last_index_ = Eigen::Array3f::Zero();
+  Eigen::Vector3f eye_in_index_ = Eigen::Vector3f::Zero();
+  Eigen::Vector3f eye_in_blocks_ = Eigen::Vector3f::Zero();
+};
+
+}  // namespace acus::volume_rendering

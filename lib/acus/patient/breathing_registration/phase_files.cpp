@@ -1,0 +1,185 @@
+#include "acus/patient/breathing_registration/phase_files.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "acus/base/core/csv.h"
+#include "acus/data/volume/scalar_file.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/physics/breathing/breathing_pattern.h"
+
+namespace acus::breathing_registration {
+namespace {
+
+namespace fs = std::filesystem;
+using breathing::Breath;
+
+constexpr std::size_t kFewestPhases = 4;
+
+PhaseFiles FromTable(const fs::path& folder) {
+  const CsvTable table(folder / "phases.csv");
+  const auto files = table.Texts("file");
+  const auto cycle = table.Numbers("cycle");
+  const auto level = table.Numbers("level");
+  const auto rate = table.Numbers("level_per_s");
+  const auto use =
+      table.Has("use") ? table.Texts("use") : std::vector<std::string>(files.size(), "phase");
+  PhaseFiles out;
+  for (std::size_t n = 0; n < files.size(); ++n) {
+    const fs::path path = folder / files[n];
+    ACUS_REQUIRE(fs::exists(path), table.Where(n), ": the phase ", path.string(),
+                 " is missing; put it there or take its row out");
+    ACUS_REQUIRE(use[n] == "phase" || use[n] == "deeper", table.Where(n), ": use is '", use[n],
+                 "'; it must be phase or deeper");
+    ACUS_REQUIRE(cycle[n] >= 0.0 && cycle[n] < 1.0, table.Where(n), ": cycle is ", cycle[n],
+                 "; it must be in [0, 1)");
+    PhaseFile phase{.name = files[n],
+                    .path = path,
+                    .series = {},
+                    .breath = {.cycle = cycle[n], .level = level[n], .level_per_s = rate[n]}};
+    if (use[n] == "deeper") {
+      out.deeper = std::move(phase);
+    } else {
+      out.phases.push_back(std::move(phase));
+    }
+  }
+  std::ranges::stable_sort(out.phases, {}, [](const PhaseFile& p) { return p.breath.cycle; });
+  return out;
+}
+
+/// The last number in a name; nothing if there is none.
+std::optional<long> NumberIn(const std::string& name) {
+  std::size_t end = name.size();
+  while (end > 0 && std::isdigit(static_cast<unsigned char>(name[end - 1])) == 0) --end;
+  std::size_t begin = end;
+  while (begin > 0 && std::isdigit(static_cast<unsigned char>(name[begin - 1])) != 0) --begin;
+  if (begin == end || end - begin > 9) return std::nullopt;
+  return std::stol(name.substr(begin, end - begin));
+}
+
+std::string StemOf(const fs::path& path) {
+  std::string name = path.filename().string();
+  for (const char* ending : {".gz", ".nii", ".nrrd", ".nhdr", ".mha", ".mhd"}) {
+    if (name.ends_with(ending)) name.erase(name.size() - std::string(ending).size());
+  }
+  return name;
+}
+
+/// In the order of the numbers in the names, which must be evenly spaced; by name without numbers.
+void SortByNumber(std::vector<PhaseFile>& phases, const fs::path& folder) {
+  const bool numbered = std::ranges::all_of(
+      phases, [](const PhaseFile& phase) { return NumberIn(phase.name).has_value(); });
+  if (!numbered) {
+    std::ranges::sort(phases, {}, &PhaseFile::name);
+    return;
+  }
+  std::ranges::stable_sort(phases, {}, [](const PhaseFile& p) { return *NumberIn(p.name); });
+  long step = 0;
+  for (std::size_t n = 1; n < phases.size(); ++n) {
+    const long here = *NumberIn(phases[n].name) - *NumberIn(phases[n - 1].name);
+    step = n == 1 ? here : std::min(step, here);
+  }
+  for (std::size_t n = 1; n < phases.size(); ++n) {
+    const long here = *NumberIn(phases[n].name) - *NumberIn(phases[n - 1].name);
+    ACUS_REQUIRE(
+        here == step && step > 0, folder.string(), ": between ", phases[n - 1].name, " and ",
+        phases[n].name,
+        " a phase is missing or given twice: the numbers are not evenly spaced; add it, or "
+        "say in phases.csv where in the breath each phase lies");
+  }
+}
+
+std::vector<PhaseFile> VolumesIn(const fs::path& folder) {
+  std::vector<PhaseFile> phases;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const fs::path& path = entry.path();
+    if (!entry.is_regular_file() || !volume::IsScalarFileName(path)) continue;
+    if (path.filename().string().find(".seg.") != std::string::npos) continue;
+    phases.push_back({.name = StemOf(path), .path = path, .series = {}, .breath = {}});
+  }
+  SortByNumber(phases, folder);
+  return phases;
+}
+
+std::vector<PhaseFile> DicomIn(const fs::path& folder) {
+  auto series = volume::ListDicomSeries(folder);
+  const std::size_t slices = series.front().files.size();
+  // Scouts and dose reports have fewer slices.
+  std::erase_if(series, [&](const volume::DicomSeries& s) { return 2 * s.files.size() < slices; });
+  for (const volume::DicomSeries& s : series) {
+    ACUS_REQUIRE(s.files.size() == slices, folder.string(), ": series ", s.uid, " has ",
+                 s.files.size(), " slices, another ", slices,
+                 "; slices of a phase are missing, export the whole study again");
+  }
+  const bool timed = std::ranges::all_of(
+      series, [](const volume::DicomSeries& s) { return s.temporal_position > 0; });
+  std::vector<PhaseFile> phases;
+  for (const volume::DicomSeries& s : series) {
+    std::string name = Message("phase ", s.temporal_position);
+    if (!timed) name = s.description.empty() ? s.uid : s.description;
+    phases.push_back({.name = name, .path = folder, .series = s.uid, .breath = {}});
+  }
+  SortByNumber(phases, folder);
+  return phases;
+}
+
+/// Means of level and rate of the recorded breaths about one place in the cycle.
+Breath MeanBreath(const breathing::RecordedBreath& recorded, double cycle, double half_width) {
+  double level = 0.0, rate = 0.0, count = 0.0;
+  for (double t = 0.0; t < recorded.duration_s(); t += 0.02) {
+    const Breath breath = recorded.At(t);
+    const double off = breath.cycle - cycle - std::round(breath.cycle - cycle);
+    if (std::abs(off) > half_width) continue;
+    level += breath.level;
+    rate += breath.level_per_s;
+    count += 1.0;
+  }
+  ACUS_REQUIRE(count > 0.0, "the signal has no breath at ", cycle, " of a cycle");
+  return {.cycle = cycle, .level = level / count, .level_per_s = rate / count};
+}
+
+void SpreadOverBreath(std::vector<PhaseFile>& phases,
+                      const std::optional<breathing::BreathSignal>& signal) {
+  const auto count = static_cast<double>(phases.size());
+  std::optional<breathing::RecordedBreath> recorded;
+  if (signal) recorded.emplace(*signal, breathing::RecordedBreathSettings{});
+  const breathing::BreathingPattern pattern(breathing::PatternSettings{});
+  for (std::size_t n = 0; n < phases.size(); ++n) {
+    const double cycle = static_cast<double>(n) / count;
+    Breath& breath = phases[n].breath;
+    breath = recorded ? MeanBreath(*recorded, cycle, 0.25 / count)
+                      : pattern.At((1.0 + cycle) * pattern.settings().period_s);
+    breath.cycle = cycle;
+  }
+}
+
+}  // namespace
+
+PhaseFiles FindPhases(const fs::path& folder,
+                      const std::optional<breathing::BreathSignal>& signal) {
+  ACUS_REQUIRE(fs::is_directory(folder), folder.string(),
+               ": is not a folder; give the folder with one file, folder or series for each phase");
+  PhaseFiles out;
+  if (fs::exists(folder / "phases.csv")) {
+    out = FromTable(folder);
+  } else {
+    out.phases = VolumesIn(folder);
+    if (out.phases.empty()) out.phases = DicomIn(folder);
+    SpreadOverBreath(out.phases, signal);
+  }
+  ACUS_REQUIRE(out.phases.size() >= kFewestPhases, folder.string(), ": ", out.phases.size(),
+               " phases are found; at least ", kFewestPhases, " are needed");
+  for (std::size_t n = 1; n < out.phases.size(); ++n) {
+    ACUS_REQUIRE(out.phases[n].breath.cycle > out.phases[n - 1].breath.cycle, folder.string(), ": ",
+                 out.phases[n - 1].name, " and ", out.phases[n].name,
+                 " have the same place in the breath");
+  }
+  return out;
+}
+
+volume::CtVolume ReadPhase(const PhaseFile& phase, const RunContext& context) {
+  return volume::ReadCt(phase.path, phase.series, context);
+}
+
+}  // namespace acus::breathing_registration

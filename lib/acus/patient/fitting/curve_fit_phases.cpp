@@ -1,0 +1,166 @@
+#include "acus/patient/fitting/curve_fit_phases.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "acus/base/math/statistics.h"
+
+namespace acus::fitting {
+namespace {
+
+constexpr double kShortestPhaseMm = 3.0;  // A line over less depth has no slope to fit.
+constexpr double kReversalMm = 3.0;       // Travel in which friction has turned round, at least...
+constexpr double kReversalShare = 0.2;    // ...or this share of the way out.
+constexpr double kShortestHoldS = 1.0;
+constexpr double kEntryShare = 0.5;    // Of the largest fall, that the entry's has at least.
+constexpr double kRelaxationS = 10.0;  // One exponential describes so long a hold, not minutes.
+
+/// Zero, with the offset's uncertainty times `factor`.
+Estimate OffsetError(const PunctureCurveFit& fit, double factor) {
+  if (!fit.offset_n) return {};
+  const double half = factor * (fit.offset_n->high - fit.offset_n->value);
+  return {0.0, factor * fit.offset_n->standard_error, -half, half};
+}
+
+}  // namespace
+
+double OffsetN(const PunctureCurveFit& fit) {
+  return fit.offset_n ? fit.offset_n->value : 0.0;
+}
+
+double FirstForceMm(const ForceCurve& curve, const PunctureCurveFit& fit) {
+  const CurvePhases& phases = fit.phases;
+  for (std::size_t i = phases.advance.begin; i < phases.advance.end; ++i) {
+    if (phases.smooth_n[i] > OffsetN(fit) + phases.least_drop_n) return curve.depth_mm[i];
+  }
+  return curve.depth_mm[phases.advance.begin];
+}
+
+Samples RestSamples(const ForceCurve& curve, const CurvePhases& phases) {
+  Samples rest;
+  for (std::size_t i = phases.rest.begin; i < phases.rest.end; ++i) {
+    rest.Add(i, curve.depth_mm[i], curve.force_n[i]);
+  }
+  return rest;
+}
+
+void Draw(const ModelFit& law, const SampleModel& model, const Samples& samples,
+          PunctureCurveFit& fit) {
+  std::vector<double> gradient(law.parameters.size());
+  for (std::size_t i = 0; i < samples.x.size(); ++i) {
+    fit.model_n[samples.index[i]] = model(law.parameters, samples.x[i], gradient);
+  }
+}
+
+void FitOffset(const ForceCurve& curve, PunctureCurveFit& fit) {
+  Samples rest = RestSamples(curve, fit.phases);
+  const SampleModel constant = [](std::span<const double> p, double, std::span<double> gradient) {
+    gradient[0] = 1.0;
+    return p[0];
+  };
+  if (rest.x.size() < 10) return;
+  const ModelFit level = FitModel(constant, rest.x, rest.y, {math::Median(rest.y)}, true);
+  if (level.converged) fit.offset_n = level.Of(0);
+}
+
+void FitAdvance(const ForceCurve& curve, PunctureCurveFit& fit) {
+  const CurvePhases& phases = fit.phases;
+  Samples all;
+  const double begin_mm = curve.depth_mm[phases.advance.begin];
+  double early_n[2] = {0.0, 0.0};
+  for (std::size_t i = phases.advance.begin; i < phases.advance.end; ++i) {
+    const double travel_mm = curve.depth_mm[i] - begin_mm;
+    if (travel_mm < kStickMm) early_n[0] = phases.smooth_n[i] - OffsetN(fit);
+    if (travel_mm < 2.0 * kStickMm) early_n[1] = phases.smooth_n[i] - OffsetN(fit);
+    if (phases.moving_in[i] && travel_mm > kStickMm)
+      all.Add(i, curve.depth_mm[i], curve.force_n[i]);
+  }
+  if (all.Span() < 2.0 * kStickMm) return;
+  // A needle that comes from outside begins with a puncture; one that is inside may soon meet
+  // something small.
+  double largest_n = 0.0;
+  for (const PunctureEvent& event : phases.punctures) largest_n = std::max(largest_n, event.drop_n);
+  const bool early_peak = std::ranges::any_of(phases.punctures, [&](const PunctureEvent& event) {
+    return curve.depth_mm[event.peak] - begin_mm < 2.0 * kStickMm &&
+           event.drop_n >= kEntryShare * largest_n;
+  });
+  fit.starts_in_tissue = !early_peak && early_n[0] > phases.least_drop_n &&
+                         early_n[0] > 2.0 * (early_n[1] - early_n[0]);
+  const ModelFit line = FitLine(all, math::Mean(all.x));
+  if (line.converged && fit.starts_in_tissue) fit.advance_slope_n_per_mm = line.Of(1);
+}
+
+void FitRetraction(const ForceCurve& curve, PunctureCurveFit& fit) {
+  const SampleRange range = fit.phases.retract;
+  if (range.size() < 20) return;
+  const double deepest_mm = curve.depth_mm[range.begin];
+  const double least_mm = curve.depth_mm[range.end - 1];
+  const double turned_mm =
+      deepest_mm - std::max(kReversalMm, kReversalShare * (deepest_mm - least_mm));
+  const double surface_mm = fit.starts_in_tissue ? least_mm + kStickMm : FirstForceMm(curve, fit);
+  Samples samples;
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    const double depth_mm = curve.depth_mm[i];
+    if (depth_mm < turned_mm && depth_mm > surface_mm) samples.Add(i, depth_mm, curve.force_n[i]);
+  }
+  if (samples.Span() < kShortestPhaseMm) return;
+  const double middle_mm = math::Mean(samples.x);
+  const ModelFit line = FitLine(samples, middle_mm);
+  fit.friction_rms_n = line.rms_n;
+  if (!line.converged) return;
+  fit.friction_n_per_mm = line.Of(1, -1.0);
+  Draw(line, Line(middle_mm), samples, fit);
+}
+
+void FitHold(const ForceCurve& curve, PunctureCurveFit& fit) {
+  const CurvePhases& phases = fit.phases;
+  SampleRange range = phases.hold;
+  while (range.size() > 20 &&
+         curve.time_s[range.end - 1] - curve.time_s[range.begin] > kRelaxationS) {
+    --range.end;
+  }
+  if (range.size() < 20 ||
+      curve.time_s[range.end - 1] - curve.time_s[range.begin] < kShortestHoldS) {
+    return;
+  }
+  // The drive stopped where its straight advance meets the greatest depth.
+  const std::size_t last = phases.advance.end - 1;
+  std::size_t moving = last;
+  while (moving > phases.advance.begin && !phases.moving_in[moving]) --moving;
+  const double hold_mm = curve.depth_mm[range.begin + range.size() / 2];
+  const double start_s = std::clamp(
+      curve.time_s[moving] + (hold_mm - curve.depth_mm[moving]) / phases.advance_mm_per_s,
+      curve.time_s[moving], curve.time_s[range.begin]);
+  Samples samples;
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    samples.Add(i, curve.time_s[i], curve.force_n[i]);
+  }
+  const double end_n = math::Median(std::span(samples.y).last(samples.y.size() / 4));
+  const double begin_n = math::Median(std::span(samples.y).first(samples.y.size() / 50 + 3));
+  const double third_n = end_n + (begin_n - end_n) / std::exp(1.0);
+  double tau_s = 0.2 * (samples.x.back() - start_s);
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    if ((phases.smooth_n[i] - third_n) * (begin_n - end_n) > 0.0) continue;
+    tau_s = std::max(0.02, curve.time_s[i] - start_s);
+    break;
+  }
+  const SampleModel model = Relaxation(start_s);
+  const ModelFit decay =
+      FitModel(model, samples.x, samples.y, {end_n, begin_n - end_n, std::log(tau_s)}, true);
+  fit.relaxation_rms_n = decay.rms_n;
+  if (!decay.converged) return;
+  const double tau = std::exp(decay.parameters[2]);
+  const double base_n = decay.parameters[0] - OffsetN(fit);
+  const double total_n = base_n + decay.parameters[1];
+  if (!(std::abs(total_n) > 1e-9) || tau > 3.0 * (samples.x.back() - start_s)) return;
+  Eigen::VectorXd gradient(3);
+  gradient << -decay.parameters[1] / (total_n * total_n), base_n / (total_n * total_n), 0.0;
+  const double from_offset = std::abs(decay.parameters[1]) / (total_n * total_n);
+  fit.relaxation_fraction =
+      Difference(decay.Of(decay.parameters[1] / total_n, gradient), OffsetError(fit, from_offset));
+  gradient << 0.0, 0.0, tau;
+  fit.relaxation_time_s = decay.Of(tau, gradient);
+  Draw(decay, model, samples, fit);
+}
+
+}  // namespace acus::fitting

@@ -1,0 +1,27 @@
+// The phases of a recording around its puncture, each fitted by itself: a part of FitPunctureCurve.
+#pragma once
+
+#include "acus/patient/fitting/curve_fit.h"
+#include "acus/patient/fitting/curve_models.h"
+
+namespace acus::fitting {
+
+inline constexpr double kStickMm = 4.0;  ///< An embedded needle's shaft slides after this travel.
+
+double OffsetN(const PunctureCurveFit& fit);  ///< 0 where there is no rest to tell it from.
+/// Drive depth at which a force is first felt: on the way out the needle leaves the tissue there.
+double FirstForceMm(const ForceCurve& curve, const PunctureCurveFit& fit);
+Samples RestSamples(const ForceCurve& curve, const CurvePhases& phases);
+
+/// Writes a fitted law into fit.model_n at its samples.
+void Draw(const ModelFit& law, const SampleModel& model, const Samples& samples,
+          PunctureCurveFit& fit);
+
+// Each needs fit.phases, and FitOffset before the others; results go into the members of `fit`.
+void FitOffset(const ForceCurve& curve, PunctureCurveFit& fit);
+/// The trend of the whole insertion, and whether it began inside the tissue.
+void FitAdvance(const ForceCurve& curve, PunctureCurveFit& fit);
+void FitRetraction(const ForceCurve& curve, PunctureCurveFit& fit);
+void FitHold(const ForceCurve& curve, PunctureCurveFit& fit);
+
+}  // namespace acus::fitting

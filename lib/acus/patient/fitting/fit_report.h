@@ -1,0 +1,31 @@
+// Fits as JSON, as a table for the terminal, and as a row of a force table.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+
+#include "acus/patient/fitting/curve_fit.h"
+
+namespace acus::fitting {
+
+/// One fit: estimates with 95 % intervals (alone, and for all parameters at once), phases,
+/// punctures, residuals by phase, and why there is no answer if there is none.
+nlohmann::json FitJson(const ForceCurve& curve, const PunctureCurveFit& fit);
+
+/// Median, quartiles and number of each parameter over several fits; only usable ones count.
+nlohmann::json SummaryJson(std::span<const PunctureCurveFit> fits);
+
+/// A line per fit, aligned, with units in the head.
+std::string FitTable(std::span<const PunctureCurveFit> fits);
+
+/// `base` (a document of the format acus-forces/1) with the row of `tissue` replaced by the medians
+/// of the usable fits, scaled from the needle that was measured to the table's reference needle.
+///   cutting = plateau - friction x shaft in the tissue at the puncture, not below 0.
+/// @throws NoAnswerError if no fit has all of a1, a2, puncture, plateau and friction, or these are
+///     not a row that a table may have.
+nlohmann::json TableWithFittedTissue(nlohmann::json base, const std::string& tissue,
+                                     std::span<const PunctureCurveFit> fits,
+                                     double measured_diameter_mm);
+
+}  // namespace acus::fitting

@@ -1,0 +1,337 @@
+#include "acus/patient/fitting/mechanical_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "acus/base/core/error.h"
+#include "acus/base/math/statistics.h"
+#include "acus/patient/fitting/curve_fit_phases.h"
+#include "acus/patient/fitting/curve_models.h"
+#include "acus/patient/fitting/depth_bins.h"
+#include "acus/patient/fitting/shared_fit.h"
+
+namespace acus::fitting {
+namespace {
+
+constexpr double kIntegrationStepS = 0.02;  // The fit's samples: means over so long...
+constexpr double kEventStepMm = 0.15;       // ...or, to find events, over so much travel.
+constexpr double kShortestMm = 3.0;
+constexpr double kFreeKnotMm = 8.0;  // Of the profiles beside which the shared part is fitted.
+constexpr double kShortestRelaxationS = 1.0;
+constexpr double kLeastEventN = 0.08;  // Smaller ones are the tissue's texture.
+
+/// `model` with a knot every kFreeKnotMm: what punctures do to the force must not be taken for
+/// build-up or relaxation.
+MechanicalModel WithFreeProfiles(MechanicalModel model) {
+  const double first_mm = model.in.depth_mm.front();
+  const double last_mm = model.in.depth_mm.back();
+  const int intervals = std::max(1, static_cast<int>((last_mm - first_mm) / kFreeKnotMm));
+  model.in.depth_mm.clear();
+  for (int k = 0; k <= intervals; ++k) {
+    model.in.depth_mm.push_back(first_mm + (last_mm - first_mm) * k / intervals);
+  }
+  model.in.force_n.assign(model.in.depth_mm.size(), 0.0);
+  model.out = model.in;
+  return model;
+}
+
+double LineRms(const ForceCurve& curve, const SampleRange& range) {
+  if (range.size() < 3) return 0.0;
+  Samples samples;
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    samples.Add(i, curve.depth_mm[i], curve.force_n[i]);
+  }
+  return FitModel(Line(math::Mean(samples.x)), samples.x, samples.y, {0.0, 0.0}, false).rms_n;
+}
+
+/// Two knots over the insertion; events and profiles stand on it.
+MechanicalModel EmptyModel(const ForceCurve& curve, const PunctureCurveFit& puncture) {
+  MechanicalModel model;
+  const CurvePhases& phases = puncture.phases;
+  const double begin_mm = curve.depth_mm[phases.advance.begin];
+  double first_mm = begin_mm;
+  if (!puncture.starts_in_tissue && puncture.contact_depth_mm) {
+    // The fitted puncture may be far behind the surface: that is where a force is felt at all.
+    first_mm = std::min(puncture.contact_depth_mm->value, FirstForceMm(curve, puncture));
+    first_mm = std::clamp(first_mm, begin_mm, curve.depth_mm[phases.advance.end - 1] - kShortestMm);
+    model.surface_mm = first_mm;
+  }
+  model.in.depth_mm = {first_mm, curve.depth_mm[phases.advance.end - 1]};
+  model.in.force_n = {0.0, 0.0};
+  model.out = model.in;
+  model.offset_n = puncture.offset_n ? puncture.offset_n->value : 0.0;
+  model.reference_mm_per_s = std::max(0.01, phases.advance_mm_per_s);
+  model.start_s = curve.time_s[phases.advance.begin];
+  return model;
+}
+
+/// Sensor drift: only where the needle is out of the tissue again and rests.
+void SetDrift(const ForceCurve& curve, const PunctureCurveFit& puncture, MechanicalModel& model,
+              MechanicalFit& fit) {
+  const std::size_t end = puncture.phases.retract.end;
+  if (!puncture.offset_n) {
+    fit.warnings.push_back("offset_n: no rest before the insertion; taken as 0");
+  }
+  if (puncture.starts_in_tissue) {
+    fit.warnings.push_back("drift_n_per_s: the needle is never outside the tissue; taken as 0");
+    fit.warnings.push_back(
+        "cutting_n: the shaft is in the tissue from the start; what belongs to the tip and what to "
+        "the shaft follows only from the retraction");
+    return;
+  }
+  if (puncture.phases.retract.size() == 0 || end + 50 >= curve.size() ||
+      curve.depth_mm[end] > model.surface_mm) {
+    return;
+  }
+  const std::span<const double> after(curve.force_n.data() + end, curve.size() - end);
+  const double middle_s = 0.5 * (curve.time_s[end] + curve.time_s.back());
+  model.drift_n_per_s = (math::Median(after) - model.offset_n) / (middle_s - model.start_s);
+}
+
+/// Level at the profile's first knot and slope, of rows that are strained in one direction.
+ModelFit LevelAndSlope(const StrainedRows& rows, const ResistanceProfile& profile) {
+  const double first_mm = profile.depth_mm[0];
+  std::vector<double> index(rows.depth_mm.size());
+  for (std::size_t i = 0; i < index.size(); ++i) index[i] = static_cast<double>(i);
+  const SampleModel line = [&](std::span<const double> p, double at, std::span<double> gradient) {
+    const auto i = static_cast<std::size_t>(at);
+    gradient[0] = rows.strain[i];
+    gradient[1] = rows.strain[i] * (rows.depth_mm[i] - first_mm);
+    return p[0] * gradient[0] + p[1] * gradient[1];
+  };
+  return FitModel(line, index, rows.force_n, {0.0, 0.0}, false);
+}
+
+Estimate Exponential(const Estimate& logarithm, double shift = 0.0) {
+  const double value = std::exp(logarithm.value + shift);
+  return {value, value * logarithm.standard_error, std::exp(logarithm.low + shift),
+          std::exp(logarithm.high + shift)};
+}
+
+/// Force per travel where the strain is 0, of a level that is built up over `length_mm`.
+Estimate Stiffness(const Estimate& level_n, const Estimate& length_mm, double steady) {
+  const double value = level_n.value / (length_mm.value * steady);
+  const double error =
+      std::abs(value) * std::hypot(level_n.standard_error / std::max(1e-9, level_n.value),
+                                   length_mm.standard_error / length_mm.value);
+  return {value, error, value - 1.96 * error, value + 1.96 * error};
+}
+
+void AddEstimates(const PhaseSamples& samples, const SeriesFit& shared, MechanicalFit& fit) {
+  const auto add = [&](const char* name, const Estimate& estimate, bool undetermined) {
+    fit.estimates.emplace_back(name, estimate);
+    if (undetermined) fit.undetermined.push_back(name);
+  };
+  const MechanicalModel& model = fit.constant;
+  const std::vector<double> strain = Strains(model, samples.all);
+  const auto level = [&](const SampleRange& range, bool inwards) {
+    return LevelAndSlope(RowsOf(samples.all, strain, range, inwards, model.surface_mm),
+                         inwards ? model.in : model.out);
+  };
+  const ModelFit in = level(samples.in, true);
+  add("insertion_n", in.Of(0), !in.converged);
+  add("insertion_n_per_mm", in.Of(1), !in.converged);
+  const Estimate buildup_in = Exponential(shared.Bounded(kBuildupIn));
+  add("buildup_in_mm", buildup_in, shared.undetermined[kBuildupIn]);
+  add("tissue_stiffness_n_per_mm", Stiffness(in.Of(0), buildup_in, model.SteadyStrain(true)),
+      shared.undetermined[kBuildupIn]);
+  if (samples.out.size() > 10) {
+    const ModelFit out = level(samples.out, false);
+    add("withdrawal_n", out.Of(0), !out.converged);
+    add("withdrawal_n_per_mm", out.Of(1), !out.converged);
+    const Estimate buildup_out = Exponential(shared.Bounded(kBuildupOut));
+    add("buildup_out_mm", buildup_out, shared.undetermined[kBuildupOut]);
+    Eigen::VectorXd deepest(2);
+    deepest << 1.0, model.out.depth_mm[1] - model.out.depth_mm[0];
+    const Estimate end_n = out.Of(model.out.force_n[1], deepest);
+    add("reversal_stiffness_n_per_mm", Stiffness(end_n, buildup_out, model.SteadyStrain(false)),
+        shared.undetermined[kBuildupOut]);
+  }
+  if (fit.relaxing_branches == 0) return;
+  add("relaxing_share_1", shared.Bounded(kFirstShare), shared.undetermined[kFirstShare]);
+  add("relaxation_1_s", Exponential(shared.Bounded(kLogTau)), shared.undetermined[kLogTau]);
+  if (fit.relaxing_branches == 1) return;
+  const double rest = 1.0 - shared.parameters[kFirstShare];
+  const Estimate second = shared.Bounded(kSecondShare);
+  add("relaxing_share_2",
+      {rest * second.value, rest * second.standard_error, rest * second.low, rest * second.high},
+      shared.undetermined[kSecondShare]);
+  add("relaxation_2_s", Exponential(shared.Bounded(kLogRatio), shared.parameters[kLogTau]),
+      shared.undetermined[kLogRatio]);
+}
+
+/// Is the slope on the way in the slope on the way out, as Akaike's criterion sees it?
+bool OneFrictionIsEnough(const std::vector<std::pair<std::string, Estimate>>& estimates) {
+  const auto find = [&](const char* name) {
+    return std::ranges::find_if(estimates, [&](const auto& e) { return e.first == name; });
+  };
+  const auto in = find("insertion_n_per_mm");
+  const auto out = find("withdrawal_n_per_mm");
+  if (in == estimates.end() || out == estimates.end()) return false;
+  const double variance = in->second.standard_error * in->second.standard_error +
+                          out->second.standard_error * out->second.standard_error;
+  const double difference = in->second.value - out->second.value;
+  return difference * difference < 2.0 * variance;  // 2 per parameter is Akaike's price.
+}
+
+/// One recording on its way to a mechanical model.
+class MechanicalFitter {
+ public:
+  MechanicalFitter(const ForceCurve& curve, const PunctureCurveFit& puncture)
+      : curve_(curve), puncture_(puncture), phases_(puncture.phases) {}
+
+  MechanicalFit Run(const MechanicalOptions& options) {
+    if (phases_.advance.size() < 60 ||
+        curve_.depth_mm[phases_.advance.end - 1] - curve_.depth_mm[phases_.advance.begin] <
+            2.0 * kShortestMm) {
+      fit_.message = "the insertion is too short for a mechanical model";
+      return std::move(fit_);
+    }
+    Prepare();
+    FitBesideFreeProfiles();
+    fit_.eventful = WithHoldOf(empty_);
+    if (options.find_events) {
+      FindEvents();
+      // Build-up and relaxation again, now that the events are no longer in the way.
+      WeightedFit(fit_.eventful);
+    }
+    fit_.constant = WithHoldOf(empty_);
+    fit_.eventful = options.find_events ? WithHoldOf(fit_.eventful) : fit_.constant;
+    Judge();
+    return std::move(fit_);
+  }
+
+ private:
+  void Prepare();
+  void FitBesideFreeProfiles();
+  void WeightedFit(const MechanicalModel& model);
+  MechanicalModel WithHoldOf(const MechanicalModel& model) const;
+  void FindEvents();
+  void Judge();
+
+  const ForceCurve& curve_;
+  const PunctureCurveFit& puncture_;
+  const CurvePhases& phases_;
+  bool has_hold_ = false;
+  bool has_out_ = false;
+  MechanicalModel empty_;
+  PhaseSamples samples_;
+  SeriesFit shared_;
+  MechanicalFit fit_;
+};
+
+void MechanicalFitter::Prepare() {
+  empty_ = EmptyModel(curve_, puncture_);
+  SetDrift(curve_, puncture_, empty_, fit_);
+  const SampleRange hold = HoldRange(phases_);
+  has_hold_ = hold.size() > 20 &&
+              curve_.time_s[hold.end - 1] - curve_.time_s[hold.begin] > kShortestRelaxationS;
+  has_out_ = phases_.retract.size() > 50;
+  if (!has_hold_) fit_.warnings.push_back("relaxation: no hold shows it; none assumed");
+  if (!has_out_) {
+    fit_.warnings.push_back("withdrawal: no retraction shows it; taken as the insertion's");
+  }
+  samples_ = ThinPhases(curve_, phases_, empty_, kIntegrationStepS);
+}
+
+void MechanicalFitter::FitBesideFreeProfiles() {
+  SharedFit one(samples_, WithFreeProfiles(empty_));
+  shared_ = one.Run(SharedParameters(has_hold_, has_out_, 1), false);
+  fit_.relaxing_branches = has_hold_ ? 1 : 0;
+  if (has_hold_) {
+    SharedFit two(samples_, WithFreeProfiles(empty_));
+    SeriesFit both = two.Run(SharedParameters(has_hold_, has_out_, 2), false);
+    if (both.aic < shared_.aic) {
+      shared_ = std::move(both);
+      fit_.relaxing_branches = 2;
+    }
+  }
+  WeightedFit(WithFreeProfiles(empty_));
+}
+
+/// Each phase weighted by what it can say.
+void MechanicalFitter::WeightedFit(const MechanicalModel& model) {
+  std::vector<SeriesParameter> parameters =
+      SharedParameters(has_hold_, has_out_, fit_.relaxing_branches);
+  for (std::size_t k = 0; k < kNumShared; ++k) {
+    parameters[k].start = std::clamp(shared_.parameters[k], parameters[k].low, parameters[k].high);
+  }
+  SharedFit weighted(samples_, model);
+  weighted.WeighByResidual(shared_.parameters);
+  shared_ = weighted.Run(parameters, true);
+}
+
+/// The model with this recording's build-up, and its hold fitted: two constants end at another
+/// force than the recording, and the hold begins there.
+MechanicalModel MechanicalFitter::WithHoldOf(const MechanicalModel& model) const {
+  SharedFit fit(samples_, model);
+  std::vector<double> predicted(samples_.all.size());
+  fit.Predict(shared_.parameters, predicted);
+  if (!has_hold_) return fit.model();
+  std::vector<SeriesParameter> parameters = shared_.definition;
+  for (std::size_t k = 0; k < kNumShared; ++k) {
+    SeriesParameter& p = parameters[k];
+    p.start = std::clamp(shared_.parameters[k], p.low, p.high);
+    if (k == kBuildupIn || k == kBuildupOut) p.low = p.high = p.start;
+  }
+  fit.Run(parameters, false);
+  return fit.model();
+}
+
+void MechanicalFitter::FindEvents() {
+  MechanicalModel& model = fit_.eventful;
+  const double step_s = kEventStepMm / std::max(0.1, phases_.advance_mm_per_s);
+  fit_.punctures =
+      FindInternalPunctures(PhaseRows(model, curve_, phases_, true, step_s),
+                            {std::max(kLeastEventN, phases_.least_drop_n), 16}, model.in);
+  for (const FoundPuncture& found : fit_.punctures) model.punctures.push_back(found.law);
+  if (!has_out_) return;
+  fit_.releases = FindReleases(PhaseRows(model, curve_, phases_, false, step_s),
+                               {std::max(kLeastEventN, phases_.least_drop_n), 8}, model.out);
+  for (const FoundRelease& found : fit_.releases) model.releases.push_back(found.law);
+}
+
+void MechanicalFitter::Judge() {
+  fit_.converged = shared_.converged;
+  fit_.message = shared_.converged ? "" : shared_.message;
+  fit_.line = {LineRms(curve_, phases_.advance), 0.0, LineRms(curve_, phases_.retract)};
+  fit_.constant_rms = ReplayRms(fit_.constant, curve_, phases_);
+  fit_.eventful_rms = ReplayRms(fit_.eventful, curve_, phases_);
+  AddEstimates(samples_, shared_, fit_);
+  fit_.one_friction_is_enough = OneFrictionIsEnough(fit_.estimates);
+  for (const std::string& name : fit_.undetermined) {
+    fit_.warnings.push_back(name + ": the recording does not determine it");
+  }
+}
+
+}  // namespace
+
+std::vector<double> ReplayPhases(const MechanicalModel& model, const ForceCurve& curve,
+                                 const CurvePhases& phases) {
+  const std::size_t begin = phases.advance.begin;
+  const std::size_t end = std::max(HoldRange(phases).end, phases.retract.end);
+  return Replay(model, std::span(curve.time_s).subspan(begin, end - begin),
+                std::span(curve.depth_mm).subspan(begin, end - begin));
+}
+
+PhaseRms ReplayRms(const MechanicalModel& model, const ForceCurve& curve,
+                   const CurvePhases& phases) {
+  const std::vector<double> force = ReplayPhases(model, curve, phases);
+  const auto rms = [&](const SampleRange& range) {
+    double squares = 0.0;
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      const double left = force[i - phases.advance.begin] - curve.force_n[i];
+      squares += left * left;
+    }
+    return range.size() > 0 ? std::sqrt(squares / static_cast<double>(range.size())) : 0.0;
+  };
+  return {rms(phases.advance), rms(HoldRange(phases)), rms(phases.retract)};
+}
+
+MechanicalFit FitMechanical(const ForceCurve& curve, const PunctureCurveFit& puncture,
+                            const MechanicalOptions& options) {
+  return MechanicalFitter(curve, puncture).Run(options);
+}
+
+}  // namespace acus::fitting

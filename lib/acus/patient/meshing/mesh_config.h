@@ -1,0 +1,34 @@
+// Settings of acus-mesh from configs/meshes/*.json.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "acus/patient/meshing/condense_mesh.h"
+#include "acus/patient/meshing/label_mesher.h"
+#include "acus/patient/meshing/surface_mesher.h"
+
+namespace acus::meshing {
+
+struct MeshConfig {
+  LabelMeshSettings labels;
+  SurfaceMeshSettings surface;
+  std::optional<CondenseSettings> condense;  ///< Only if asked for: see RequestCondensation.
+};
+
+/// @param document  Of format acus-mesh/1, checked and with defaults (config::ReadConfig).
+MeshConfig MeshConfigFromJson(const nlohmann::json& document);
+
+/// "x,y,z" in mm. @throws InputError if it is not three finite numbers; `what` names it.
+Eigen::Vector3d PointFromText(const std::string& text, const std::string& what);
+
+/// Sets the corridor's ends; without one in the config it gets the schema's radius and size.
+void SetCorridor(MeshConfig& config, const std::string& from, const std::string& to);
+
+/// Sets config.condense from the document that `config` was made from; as CondenseSettingsFromJson.
+/// @throws InputError also if there is no corridor.
+void RequestCondensation(MeshConfig& config, const nlohmann::json& document,
+                         const std::filesystem::path& relative_to, const std::string& probe_at);
+
+}  // namespace acus::meshing

@@ -1,0 +1,100 @@
+#include "acus/patient/meshing/mesh_folder.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/data/mesh/surface_io.h"
+#include "acus/data/volume/labels.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/patient/meshing/mesh_report.h"
+
+namespace acus::meshing {
+namespace {
+
+using nlohmann::json;
+
+/// Condenses the mesh if that was asked for.
+void FinishFolder(AtomicFolder& folder, const mesh::TetraMesh& mesh, const MeshConfig& config,
+                  const RunContext& context) {
+  if (config.condense) {
+    WriteCondensed(folder.path(), mesh, *config.labels.sizes.corridor, *config.condense, context);
+  }
+  config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
+  folder.Commit();
+}
+
+void WriteFolder(const std::filesystem::path& target, const mesh::TetraMesh& mesh,
+                 const std::vector<TissueVolume>& tissues, const Eigen::Vector3d& centre_mm,
+                 double min_dihedral_deg, const json& about, const MeshConfig& config,
+                 const RunContext& context) {
+  context.Checkpoint("writing the mesh", 0.9);
+  AtomicFolder folder(target, context.overwrite);
+  mesh::WriteTetraMesh(folder.path() / "mesh.vtu", mesh);
+  json quality = DescribeMesh(mesh, tissues);
+  quality["format"] = "acus-mesh-quality/1";
+  quality["min_dihedral_limit_deg"] = min_dihedral_deg;
+  quality.update(about);
+  config::WriteJson(folder.path() / "quality.json", quality);
+  WriteTextFile(folder.path() / "quality.svg",
+                MeshPictureSvg(mesh, tissues, centre_mm, min_dihedral_deg));
+  FinishFolder(folder, mesh, config, context);
+}
+
+}  // namespace
+
+void MeshLabelsToFolder(const std::filesystem::path& labels, const MeshConfig& config,
+                        const std::filesystem::path& folder, const RunContext& context) {
+  context.Checkpoint("reading labels", 0.0);
+  const volume::LabelMap map = volume::ReadLabelMap(labels);
+  LabelMesh out = MeshLabelMap(map, config.labels, context);
+  context.Checkpoint("measuring the mesh", 0.8);
+  AddSurfaceDistances(map, context.num_threads, out);
+  const auto& corridor = config.labels.sizes.corridor;
+  const json about = {{"body",
+                       {{"label_map_ml", out.body_map_ml},
+                        {"mesh_ml", out.body_mesh_ml},
+                        {"surface_distance", ToJson(*out.body_surface)}}},
+                      {"dropped_islands_ml", out.dropped_ml},
+                      {"element_size_mm",
+                       {{"interface", out.sizes.interface_mm},
+                        {"skin", out.sizes.skin_mm},
+                        {"interior", out.sizes.interior_mm}}}};
+  const Eigen::Vector3d centre_mm =
+      corridor ? Eigen::Vector3d(0.5 * (corridor->from_mm + corridor->to_mm)) : CentreOf(out.mesh);
+  WriteFolder(folder, out.mesh, out.tissues, centre_mm, config.labels.min_dihedral_deg, about,
+              config, context);
+}
+
+void MeshSurfaceToFolder(const std::filesystem::path& surface, const std::string& tissue,
+                         const MeshConfig& config, const std::filesystem::path& folder,
+                         const RunContext& context) {
+  SurfaceMeshSettings settings = config.surface;
+  settings.tissue = volume::LabelOf(tissue);
+  ACUS_REQUIRE(settings.tissue != 0, "'", tissue,
+               "' is not a tissue; name what the surface encloses");
+  settings.is_fixed = std::ranges::count(config.labels.fixed_tissues, tissue) > 0;
+  const SurfaceMesh out =
+      MeshSurface(mesh::ReadSurface(surface), surface.string(), settings, context);
+  const std::vector<TissueVolume> tissues = {
+      {settings.tissue, tissue, out.surface_ml, out.mesh_ml, !out.is_remeshed}};
+  const json about = {{"repairs", out.repairs}, {"surface_was_made_anew", out.is_remeshed}};
+  WriteFolder(folder, out.mesh, tissues, CentreOf(out.mesh), settings.min_dihedral_deg, about,
+              config, context);
+}
+
+void CondenseMeshToFolder(const std::filesystem::path& mesh, const MeshConfig& config,
+                          const std::filesystem::path& folder, const RunContext& context) {
+  ACUS_ASSERT(config.condense && config.labels.sizes.corridor);
+  context.Checkpoint("reading the mesh", 0.0);
+  const mesh::TetraMesh content = mesh::ReadTetraMesh(mesh);
+  ACUS_REQUIRE(!content.tissue.empty(), mesh.string(),
+               ": has no tissue ids (cell data \"tissue\"), so that its stiffness is not known; "
+               "mesh the label map with acus-mesh");
+  AtomicFolder out(folder, context.overwrite);
+  mesh::WriteTetraMesh(out.path() / "mesh.vtu", content);
+  FinishFolder(out, content, config, context);
+}
+
+}  // namespace acus::meshing

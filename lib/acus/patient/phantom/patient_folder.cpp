@@ -1,0 +1,192 @@
+#include "acus/patient/phantom/patient_folder.h"
+
+#include <cmath>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/config/pose_json.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/random.h"
+#include "acus/data/session/session_io.h"
+#include "acus/data/volume/labels.h"
+#include "acus/data/volume/volume_io.h"
+
+namespace acus::phantom {
+namespace {
+
+using Eigen::Vector3d;
+using Json = nlohmann::json;
+
+Json ToJson(const InsertionPlan& plan) {
+  Json json = {{"entry_ct_mm", config::Row(plan.entry_ct_mm)},
+               {"target_ct_mm", config::Row(plan.target_ct_mm)},
+               {"direction", config::Row(plan.direction)},
+               {"skin_normal", config::Row(plan.skin_normal)},
+               {"heading", config::Row(plan.heading)},
+               {"length_mm", plan.length_mm()},
+               {"bone_angle_deg", nullptr},
+               {"bone_depth_mm", nullptr}};
+  if (plan.bone_angle_rad) {
+    json["bone_angle_deg"] = *plan.bone_angle_rad * 180.0 / std::numbers::pi;
+    json["bone_axis"] = config::Row(plan.bone_axis);
+    json["bone_depth_mm"] = plan.bone_depth_mm;
+  }
+  return json;
+}
+
+Json ToJson(const forces::CurveParameters& p) {
+  return {{"contact_depth_mm", p.contact_depth_mm},
+          {"a1_n_per_mm", p.a1_n_per_mm},
+          {"a2_n_per_mm2", p.a2_n_per_mm2},
+          {"puncture_depth_mm", p.puncture_depth_mm},
+          {"plateau_n", p.plateau_n},
+          {"plateau_slope_n_per_mm", p.plateau_slope_n_per_mm},
+          {"friction_n_per_mm", p.friction_n_per_mm},
+          {"relaxation_fraction", p.relaxation_fraction},
+          {"relaxation_time_s", p.relaxation_time_s},
+          {"offset_n", p.offset_n}};
+}
+
+/// Plans, places markers and plays the session; writes all of it and returns its part of the truth.
+Json WriteInsertion(const std::filesystem::path& folder, const PatientField& field,
+                    const InsertionPlan& plan, const PhantomConfig& config,
+                    const RunContext& context) {
+  if (!plan.bone_angle_rad) {
+    context.Warn("no bone lies near the path: the session is made without touching bone");
+  }
+  const auto markers = PlaceMarkers(field, plan, config.markers, context);
+  WritePoints(folder / "markers_ct.csv", markers);
+  WritePoints(folder / "markers_mannequin.csv",
+              LocateOnMannequin(markers, config.markers, context.seed));
+  WritePoints(folder / "target_ct.csv", {{"target", plan.target_ct_mm}});
+  WritePoints(folder / "corridor_ct.csv",
+              {{"entry", plan.entry_ct_mm}, {"target", plan.target_ct_mm}});
+  const ScriptedSession scripted =
+      PlayScript(field, plan, config.session, config.markers.reference_from_ct, context);
+  std::filesystem::create_directory(folder / "sessions");
+  session::WriteSession(folder / "sessions" / config.session.name, scripted.session, context);
+  Json events = Json::array();
+  for (const NeedleEvent& event : scripted.events) {
+    events.push_back({{"time_s", event.time_s},
+                      {"kind", event.kind},
+                      {"tissue", event.tissue},
+                      {"depth_mm", event.depth_mm}});
+  }
+  Json points = Json::object();
+  for (const NamedPoint& marker : markers) points[marker.name] = config::Row(marker.position_mm);
+  return {{"format", "acus-truth/1"},
+          {"seed", context.seed},
+          {"config", config.document},
+          {"reference_from_ct", config::MatrixRows(config.markers.reference_from_ct)},
+          {"fle_mm", config.markers.fle_mm},
+          {"markers_ct_mm", points},
+          {"insertion", ToJson(plan)},
+          {"sessions",
+           {{config.session.name,
+             {{"duration_s", 1e-9 * static_cast<double>(scripted.session.needle.back().time_ns)},
+              {"events", events}}}}}};
+}
+
+/// The settings' parameters, each varied by its spread.
+forces::CurveParameters Varied(const ForceCurveSettings& settings, std::uint64_t seed, int index) {
+  RandomStream random(seed, "parameters of force curve " + settings.name,
+                      static_cast<std::uint64_t>(index));
+  forces::CurveParameters p = settings.parameters;
+  for (double* value : {&p.a1_n_per_mm, &p.a2_n_per_mm2, &p.puncture_depth_mm, &p.plateau_n,
+                        &p.plateau_slope_n_per_mm, &p.friction_n_per_mm}) {
+    *value *= std::max(1.0 + 0.01 * settings.spread_percent * random.Normal(), 0.2);
+  }
+  return p;
+}
+
+Json WriteForceCurves(const std::filesystem::path& folder, const PhantomConfig& config,
+                      const RunContext& context) {
+  std::filesystem::create_directory(folder);
+  Json truth = Json::object();
+  for (const ForceCurveSettings& settings : config.force_curves) {
+    for (int i = 0; i < settings.count; ++i) {
+      const std::string name = settings.name + "_" + std::to_string(i + 1);
+      const forces::CurveParameters parameters = Varied(settings, context.seed, i);
+      RandomStream seeds(context.seed, "noise of force curve " + name);
+      const auto curve = forces::SynthesizeForceCurve(parameters, settings.drive, settings.noise_n,
+                                                      seeds.Next(), name);
+      forces::WriteForceCurve(folder / (name + ".csv"), curve);
+      truth[name] = ToJson(parameters);
+      truth[name]["noise_n"] = settings.noise_n;
+    }
+  }
+  return truth;
+}
+
+Json VolumesMl(const volume::LabelMap& labels) {
+  std::array<std::size_t, 256> count{};
+  for (const volume::Label label : labels.voxels) ++count[label];
+  Json volumes = Json::object();
+  for (const auto& [label, name] : labels.names) {
+    volumes[name] = 1e-3 * labels.geometry.voxel_volume_mm3() * static_cast<double>(count[label]);
+  }
+  return volumes;
+}
+
+/// Whether the volume's border cuts the body.
+bool IsCut(const volume::LabelMap& labels) {
+  const Eigen::Array3i last = labels.geometry.size - 1;
+  for (int k = 0; k <= last[2]; ++k) {
+    for (int j = 0; j <= last[1]; ++j) {
+      const bool edge_row = k == 0 || k == last[2] || j == 0 || j == last[1];
+      for (int i = 0; i <= last[0]; i += edge_row ? 1 : std::max(1, last[0])) {
+        if (labels.At(i, j, k) != 0) return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+void WritePatient(const std::filesystem::path& folder, const PhantomConfig& config,
+                  const RunContext& context) {
+  AtomicFolder out(folder, context.overwrite);
+  const Anatomy anatomy(config.body, context.seed);
+  const AnatomyField field(anatomy, config.grid);
+  ACUS_REQUIRE(!config.insertion.target.empty(),
+               "/insertion/target: name a landmark of the anatomy");
+  const Vector3d target = anatomy.Landmark(config.insertion.target) + config.insertion.offset_mm;
+  const InsertionPlan plan = PlanToTarget(field, target, config.insertion, context);
+  Json truth = WriteInsertion(out.path(), field, plan, config, context);
+  truth["force_curves"] = WriteForceCurves(out.path() / "force_curves", config, context);
+  const Scan scan = RenderScan(anatomy, config.grid, config.scanner, context);
+  volume::WriteCt(out.path() / "ct.nrrd", scan.ct);
+  volume::WriteLabelMap(out.path() / "labels.seg.nrrd", scan.labels);
+  truth["scale"] = anatomy.scale();
+  truth["hu"] = config.document.at("scanner").at("hu");
+  truth["volumes_ml"] = VolumesMl(scan.labels);
+  for (const auto& [name, point] : anatomy.landmarks())
+    truth["landmarks_ct_mm"][name] = config::Row(point);
+  config::WriteJson(out.path() / "truth.json", truth);
+  config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
+  out.Commit();
+}
+
+void WriteScene(const std::filesystem::path& folder, const volume::LabelMap& labels,
+                const PhantomConfig& config, const RunContext& context) {
+  AtomicFolder out(folder, context.overwrite);
+  const auto insert = [&](LabelMapField::Beyond beyond) {
+    const LabelMapField field(labels, beyond);
+    const InsertionPlan plan = PlanAnywhere(field, config.insertion, context);
+    return WriteInsertion(out.path(), field, plan, config, context);
+  };
+  Json truth;
+  try {
+    truth = insert(LabelMapField::Beyond::kSame);
+  } catch (const NoAnswerError& error) {
+    if (!IsCut(labels)) throw;
+    context.Warn(Message(error.what(), ". Where the volume's border cuts the body, it now takes ",
+                         "the place of the skin"));
+    truth = insert(LabelMapField::Beyond::kAir);
+  }
+  config::WriteJson(out.path() / "truth.json", truth);
+  config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
+  out.Commit();
+}
+
+}  // namespace acus::phantom

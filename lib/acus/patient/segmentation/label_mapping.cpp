@@ -1,0 +1,109 @@
+#include "acus/patient/segmentation/label_mapping.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/parallel.h"
+#include "acus/data/volume/labels.h"
+#include "acus/data/volume/volume_io.h"
+
+namespace acus::segmentation {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLeastOverlap = 0.01;
+
+/// Values by place of their voxel, or 0 outside `from`.
+volume::Grid<std::int32_t> OnGrid(const volume::Grid<std::int32_t>& from,
+                                  const volume::Geometry& grid, const fs::path& path,
+                                  const RunContext& context) {
+  if (from.geometry.Matches(grid)) return from;
+  context.Warn(Message(path.string(),
+                       ": lies on another grid than the CT; labels are taken from the "
+                       "nearest voxel"));
+  volume::Grid<std::int32_t> out(grid, 0);
+  std::vector<std::size_t> hits(static_cast<std::size_t>(grid.size[2]), 0);
+  const Eigen::Affine3d from_index_to_index = from.geometry.index_from_ct() * grid.ct_from_index();
+  ParallelFor(grid.size[2], context.num_threads, [&](int k) {
+    for (int j = 0; j < grid.size[1]; ++j) {
+      for (int i = 0; i < grid.size[0]; ++i) {
+        const Eigen::Vector3d at = from_index_to_index * Eigen::Vector3d(i, j, k);
+        const Eigen::Array3i voxel = at.array().round().cast<int>();
+        if (!from.geometry.Contains(voxel[0], voxel[1], voxel[2])) continue;
+        out.At(i, j, k) = from.At(voxel[0], voxel[1], voxel[2]);
+        ++hits[static_cast<std::size_t>(k)];
+      }
+    }
+  });
+  std::size_t total = 0;
+  for (const std::size_t h : hits) total += h;
+  ACUS_REQUIRE(static_cast<double>(total) >= kLeastOverlap * static_cast<double>(grid.num_voxels()),
+               path.string(),
+               ": does not overlap the CT; are the two from one patient, and both in "
+               "patient coordinates?");
+  return out;
+}
+
+}  // namespace
+
+LabelMapping ReadLabelMapping(const fs::path& path) {
+  const nlohmann::json document = config::ReadConfig(path, "acus-label-mapping");
+  LabelMapping mapping;
+  mapping.covers_body = document.at("covers_body").get<bool>();
+  for (const auto& row : document.at("labels")) {
+    const auto value = row.at("value").get<std::int32_t>();
+    const auto tissue = row.at("tissue").get<std::string>();
+    ACUS_REQUIRE(!mapping.tissue.contains(value), path.string(), ": value ", value,
+                 " is given twice");
+    try {
+      mapping.tissue[value] = volume::LabelOf(tissue);
+    } catch (const InputError& error) {
+      throw InputError(Message(path.string(), ": value ", value, ": ", error.what()));
+    }
+    mapping.name[value] = row.at("name").get<std::string>();
+  }
+  return mapping;
+}
+
+volume::LabelMap ImportLabels(const fs::path& path, const LabelMapping& mapping,
+                              const volume::Geometry& grid, const RunContext& context) {
+  const auto values = OnGrid(volume::ReadIntegerVolume(path), grid, path, context);
+  volume::LabelMap labels(grid);
+  std::set<std::int32_t> unknown;
+  std::int32_t last_value = 0;
+  volume::Label last_label = 0;
+  for (std::size_t i = 0; i < values.voxels.size(); ++i) {
+    const std::int32_t value = values.voxels[i];
+    if (value == 0) continue;
+    if (value != last_value) {  // Most voxels have the value of their neighbour.
+      const auto found = mapping.tissue.find(value);
+      if (found == mapping.tissue.end()) {
+        unknown.insert(value);
+        continue;
+      }
+      last_value = value;
+      last_label = found->second;
+    }
+    labels.voxels[i] = last_label;
+    if (last_label != 0)
+      labels.names[last_label] = std::string(volume::StandardLabels()[last_label].name);
+  }
+  std::string listed;
+  for (const std::int32_t value : unknown) listed += Message(" ", value);
+  ACUS_REQUIRE(unknown.empty(), path.string(), ": values that are not in the mapping:", listed,
+               "; add them to it (tissue 'outside' for what should be ignored)");
+  return labels;
+}
+
+void Overlay(const volume::LabelMap& over, volume::LabelMap& labels) {
+  ACUS_ASSERT(over.voxels.size() == labels.voxels.size());
+  for (std::size_t i = 0; i < over.voxels.size(); ++i) {
+    if (over.voxels[i] != 0) labels.voxels[i] = over.voxels[i];
+  }
+  labels.names.insert(over.names.begin(), over.names.end());
+}
+
+}  // namespace acus::segmentation

@@ -1,0 +1,34 @@
+// Label maps made elsewhere, translated by a table.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "acus/base/core/run_context.h"
+#include "acus/data/volume/volume.h"
+
+namespace acus::segmentation {
+
+/// A table from the values of a foreign label map to standard tissues; configs/label_maps.
+struct LabelMapping {
+  std::map<std::int32_t, volume::Label> tissue;  ///< By value. 0 (outside) = leave as it is.
+  std::map<std::int32_t, std::string> name;      ///< What the value means where it comes from.
+  bool covers_body = false;                      ///< Every voxel of the body has a value above 0.
+};
+
+/// @throws InputError if the file does not fit its schema, gives a value twice or names a tissue
+///     that is not a standard label.
+LabelMapping ReadLabelMapping(const std::filesystem::path& path);
+
+/// Reads a foreign label map and translates it onto `grid`: as it is if it lies on the same grid,
+/// otherwise by nearest voxel. Values that map to no tissue become 0.
+/// @throws InputError if a value is not in the table (all of them are named), or if the map does
+///     not overlap the grid.
+volume::LabelMap ImportLabels(const std::filesystem::path& path, const LabelMapping& mapping,
+                              const volume::Geometry& grid, const RunContext& context);
+
+/// Where `over` has a tissue, `labels` takes it.
+void Overlay(const volume::LabelMap& over, volume::LabelMap& labels);
+
+}  // namespace acus::segmentation

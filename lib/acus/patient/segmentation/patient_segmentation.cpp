@@ -1,0 +1,247 @@
+#include "acus/patient/segmentation/patient_segmentation.h"
+
+#include <array>
+#include <cmath>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/csv.h"
+#include "acus/base/core/text_table.h"
+#include "acus/base/core/words.h"
+#include "acus/data/mesh/surface_io.h"
+#include "acus/data/volume/labels.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/patient/segmentation/label_mapping.h"
+#include "acus/patient/segmentation/metrics.h"
+#include "acus/patient/segmentation/preview.h"
+
+namespace acus::segmentation {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+SurfaceOptions SurfaceFrom(const json& node) {
+  SurfaceOptions options;
+  options.grid_mm = node.at("grid_mm");
+  options.smoothing_iterations = node.at("smoothing_iterations");
+  options.smoothing_pass_band = node.at("smoothing_pass_band");
+  options.target_triangles = node.at("target_triangles");
+  options.min_part_ml = node.at("min_part_ml");
+  return options;
+}
+
+OrganSeed OrganFrom(const json& node) {
+  OrganSeed organ;
+  organ.tissue = node.at("tissue");
+  volume::LabelOf(organ.tissue);  // Refuses an unknown name.
+  for (const auto& point : node.at("seeds_mm")) {
+    organ.points_mm.emplace_back(point.at(0).get<double>(), point.at(1).get<double>(),
+                                 point.at(2).get<double>());
+  }
+  organ.method = node.at("method") == "level_set" ? OrganSeed::Method::kLevelSet
+                                                  : OrganSeed::Method::kRegionGrowing;
+  organ.lower_hu = node.at("lower_hu");
+  organ.upper_hu = node.at("upper_hu");
+  organ.radius_mm = node.at("radius_mm");
+  organ.smoothing_mm = node.at("smoothing_mm");
+  organ.curvature_weight = node.at("curvature_weight");
+  organ.iterations = node.at("iterations");
+  return organ;
+}
+
+/// Skin and bone stay; everything else inside the body may be organ.
+void AddOrgan(const Mask& organ, const std::string& tissue, volume::LabelMap& labels) {
+  const volume::Label label = volume::LabelOf(tissue);
+  const volume::Label skin = volume::LabelOf("skin");
+  const volume::Label bone = volume::LabelOf("bone");
+  for (std::size_t i = 0; i < organ.voxels.size(); ++i) {
+    const volume::Label here = labels.voxels[i];
+    if (organ.voxels[i] != 0 && here != 0 && here != skin && here != bone) labels.voxels[i] = label;
+  }
+  labels.names[label] = tissue;
+}
+
+Mask MaskOf(const volume::LabelMap& labels, std::optional<volume::Label> label) {
+  Mask mask(labels.geometry);
+  for (std::size_t i = 0; i < mask.voxels.size(); ++i) {
+    mask.voxels[i] = (label ? labels.voxels[i] == *label : labels.voxels[i] != 0) ? 1 : 0;
+  }
+  return mask;
+}
+
+Agreement Agree(const std::string& tissue, const Mask& ours, const Mask& reference,
+                const RunContext& context) {
+  const double ml = ours.geometry.voxel_volume_mm3() / 1000.0;
+  Agreement agreement;
+  agreement.tissue = tissue;
+  agreement.dice = Dice(ours, reference);
+  agreement.surface_distance95_mm = SurfaceDistance95Mm(ours, reference, context.num_threads);
+  agreement.ours_ml = static_cast<double>(Count(ours)) * ml;
+  agreement.reference_ml = static_cast<double>(Count(reference)) * ml;
+  return agreement;
+}
+
+void WriteVolumes(const fs::path& path, const volume::LabelMap& labels) {
+  std::array<std::size_t, 256> count{};
+  for (const volume::Label label : labels.voxels) ++count[label];
+  std::string text = "label,name,volume_ml\n";
+  for (const auto& [label, name] : labels.names) {
+    if (label == 0) continue;
+    const double ml =
+        static_cast<double>(count[label]) * labels.geometry.voxel_volume_mm3() / 1000.0;
+    text += Message(int{label}, ",", name, ",", NumberText(std::round(ml * 1000.0) / 1000.0), "\n");
+  }
+  WriteTextFile(path, text);
+}
+
+void WriteSurface(const fs::path& path, const Mask& mask, const SurfaceOptions& options,
+                  const RunContext& context) {
+  const std::string name = path.stem().string();
+  try {
+    mesh::WriteSurface(path, ExtractSurface(mask, options, context.num_threads));
+  } catch (const InputError& error) {
+    // A CT of soft tissue alone has no bone: the rest is still of use.
+    context.Warn(Message(name, ".stl is not written: ", error.what()));
+  }
+}
+
+}  // namespace
+
+SegmentationConfig ReadSegmentationConfig(const fs::path& path) {
+  const json document = config::ReadConfig(path, "acus-segmentation");
+  SegmentationConfig config;
+  TissueOptions& t = config.tissues;
+  const json& body = document.at("body");
+  t.body_threshold_hu = body.at("threshold_hu");
+  t.body_opening_mm = body.at("opening_mm");
+  t.body_min_part_ml = body.at("min_part_ml");
+  t.skin_thickness_mm = body.at("skin_thickness_mm");
+  t.fat_upper_hu = document.at("fat_upper_hu");
+  const json& air = document.at("air");
+  t.air_threshold_hu = air.at("threshold_hu");
+  t.gas_median_hu = air.at("gas_median_hu");
+  t.lung_min_ml = air.at("lung_min_ml");
+  t.lung_closing_mm = air.at("lung_closing_mm");
+  const json& bone = document.at("bone");
+  t.bone_lowest_hu = bone.at("lowest_hu");
+  t.bone_threshold_hu = bone.at("threshold_hu");
+  t.bone_certain_hu = bone.at("certain_hu");
+  t.bone_min_part_ml = bone.at("min_part_ml");
+  t.bone_closing_mm = bone.at("closing_mm");
+  t.contrast_core_mm = bone.at("contrast_core_mm");
+  t.contrast_max_spread = bone.at("contrast_max_spread");
+  ACUS_REQUIRE(t.bone_lowest_hu <= t.bone_threshold_hu && t.bone_threshold_hu <= t.bone_certain_hu,
+               path.string(),
+               ": /bone: lowest_hu, threshold_hu and certain_hu must be in that order, got ",
+               t.bone_lowest_hu, ", ", t.bone_threshold_hu, ", ", t.bone_certain_hu);
+  for (const json& organ : document.at("organs")) config.organs.push_back(OrganFrom(organ));
+  config.skin_surface = SurfaceFrom(document.at("skin_surface"));
+  config.bone_surface = SurfaceFrom(document.at("bone_surface"));
+  return config;
+}
+
+volume::LabelMap SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
+                                const std::optional<ForeignLabels>& import,
+                                const RunContext& context) {
+  volume::LabelMap labels = FindTissues(ct, config.tissues, context);
+  for (const OrganSeed& organ : config.organs) {
+    context.Checkpoint(Message("finding the ", organ.tissue), 0.0);
+    AddOrgan(FindOrgan(ct, organ, context), organ.tissue, labels);
+  }
+  if (import) {
+    context.Checkpoint("importing labels", 0.0);
+    Overlay(ImportLabels(import->file, ReadLabelMapping(import->mapping), ct.geometry, context),
+            labels);
+  }
+  return labels;
+}
+
+std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
+                                            const ForeignLabels& reference,
+                                            const RunContext& context) {
+  const LabelMapping mapping = ReadLabelMapping(reference.mapping);
+  const volume::LabelMap truth = ImportLabels(reference.file, mapping, labels.geometry, context);
+  std::vector<Agreement> agreement;
+  if (mapping.covers_body) {
+    context.Checkpoint("comparing the body", 0.0);
+    // Values without a tissue of their own are body as well.
+    volume::LabelMap body = truth;
+    LabelMapping any = mapping;
+    for (auto& [value, tissue] : any.tissue) tissue = volume::LabelOf("soft_tissue");
+    body = ImportLabels(reference.file, any, labels.geometry, context);
+    agreement.push_back(
+        Agree("body", MaskOf(labels, std::nullopt), MaskOf(body, std::nullopt), context));
+  }
+  std::vector<std::string> not_found;
+  for (const auto& [label, name] : truth.names) {
+    const Mask theirs = MaskOf(truth, label);
+    if (label == 0 || Count(theirs) == 0) continue;
+    context.Checkpoint(Message("comparing ", name), 0.0);
+    const Mask ours = MaskOf(labels, label);
+    if (Count(ours) == 0) {
+      not_found.push_back(name);
+    } else {
+      agreement.push_back(Agree(name, ours, theirs, context));
+    }
+  }
+  if (!not_found.empty()) {
+    context.Warn(Message("not compared, because only the reference has them: ", Joined(not_found)));
+  }
+  if (agreement.empty()) {
+    throw NoAnswerError(Message(reference.file.string(),
+                                ": has no tissue in common with the segmentation; "
+                                "is the mapping the right one?"));
+  }
+  return agreement;
+}
+
+std::string AgreementTable(const std::vector<Agreement>& agreement) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Agreement& a : agreement) {
+    rows.push_back({a.tissue, FixedText(a.dice, 4), FixedText(a.surface_distance95_mm, 2),
+                    FixedText(a.reference_ml, 1), FixedText(a.ours_ml, 1)});
+  }
+  return TextTable({"tissue", "Dice", "HD95 mm", "reference ml", "ours ml"}, rows);
+}
+
+volume::LabelMap TissuesOf(const volume::CtVolume& ct, const fs::path& labels,
+                           RunContext& context) {
+  if (labels.empty()) {
+    const fs::path preset = config::FindConfig("segmentation/default.json", ".");
+    return SegmentPatient(ct, ReadSegmentationConfig(preset), {}, context);
+  }
+  context.provenance.AddInput(labels);
+  volume::LabelMap map = volume::ReadTissues(labels);
+  ACUS_REQUIRE(map.geometry.Matches(ct.geometry), labels.string(),
+               ": lies on another grid than the CT; segment this CT");
+  return map;
+}
+
+void WritePatientFolder(const fs::path& folder, const volume::CtVolume& ct,
+                        const volume::LabelMap& labels, const SegmentationConfig& config,
+                        const std::vector<Agreement>& agreement, const RunContext& context) {
+  AtomicFolder out(folder, context.overwrite);
+  context.Checkpoint("writing labels", 0.0);
+  volume::WriteLabelMap(out.path() / "labels.seg.nrrd", labels);
+  WriteVolumes(out.path() / "volumes.csv", labels);
+  context.Checkpoint("drawing previews", 0.3);
+  WritePreviews(out.path(), ct, labels);
+  context.Checkpoint("extracting the skin", 0.5);
+  WriteSurface(out.path() / "skin.stl", MaskOf(labels, std::nullopt), config.skin_surface, context);
+  context.Checkpoint("extracting the bone", 0.8);
+  WriteSurface(out.path() / "bone.stl", MaskOf(labels, volume::LabelOf("bone")),
+               config.bone_surface, context);
+  if (!agreement.empty()) {
+    std::string text = "tissue,dice,surface_distance95_mm,reference_ml,ours_ml\n";
+    for (const Agreement& a : agreement) {
+      text += Message(a.tissue, ",", NumberText(a.dice), ",", NumberText(a.surface_distance95_mm),
+                      ",", NumberText(a.reference_ml), ",", NumberText(a.ours_ml), "\n");
+    }
+    WriteTextFile(out.path() / "agreement.csv", text);
+  }
+  config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
+  out.Commit();
+}
+
+}  // namespace acus::segmentation

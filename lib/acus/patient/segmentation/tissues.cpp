@@ -1,0 +1,75 @@
+#include "acus/patient/segmentation/tissues.h"
+
+#include <algorithm>
+
+#include "acus/data/volume/labels.h"
+#include "acus/patient/segmentation/crop.h"
+
+namespace acus::segmentation {
+namespace {
+
+/// The outermost layer of the body; where the border of the volume cuts the body there is no skin.
+Mask SkinOf(const Mask& body, double thickness_mm, int num_threads) {
+  // At least one voxel, so that a coarse CT has a skin too.
+  const double voxel_mm = 1.01 * body.geometry.spacing_mm.minCoeff();
+  const Mask inner = Eroded(body, std::max(thickness_mm, voxel_mm), num_threads);
+  Mask skin(body.geometry);
+  for (std::size_t i = 0; i < skin.voxels.size(); ++i) {
+    skin.voxels[i] = body.voxels[i] != 0 && inner.voxels[i] == 0 ? 1 : 0;
+  }
+  return skin;
+}
+
+volume::Label LabelAt(std::size_t i, const volume::CtVolume& ct, const Mask& bone,
+                      const AirSpaces& air, const Mask& skin, const TissueOptions& options) {
+  static const volume::Label kSkin = volume::LabelOf("skin");
+  static const volume::Label kFat = volume::LabelOf("fat");
+  static const volume::Label kSoft = volume::LabelOf("soft_tissue");
+  static const volume::Label kBone = volume::LabelOf("bone");
+  static const volume::Label kLung = volume::LabelOf("lung");
+  static const volume::Label kGas = volume::LabelOf("gas");
+  if (bone.voxels[i] != 0) return kBone;
+  if (air.lung.voxels[i] != 0) return kLung;
+  // Air within the outermost layer is the rounded edge of the body, not a cavity.
+  if (skin.voxels[i] != 0) return kSkin;
+  if (air.gas.voxels[i] != 0) return kGas;
+  return ct.voxels[i] < options.fat_upper_hu ? kFat : kSoft;
+}
+
+}  // namespace
+
+volume::LabelMap FindTissues(const volume::CtVolume& whole, const TissueOptions& options,
+                             const RunContext& context) {
+  const int num_threads = context.num_threads;
+  context.Checkpoint("finding the body", 0.0);
+  const Mask whole_body = FindBody(whole, options, num_threads);
+  // All that follows is inside the body: a third to a half of the volume is saved.
+  const Box box = BoundsOf(whole_body);
+  const volume::CtVolume ct = Cropped(whole, box);
+  const Mask body = Cropped(whole_body, box);
+  context.Checkpoint("finding lungs and gas", 0.3);
+  const AirSpaces air = FindAirSpaces(ct, body, options, num_threads);
+  context.Checkpoint("finding bone", 0.5);
+  const Mask bone = FindBone(ct, body, options, num_threads);
+  context.Checkpoint("finding the skin", 0.8);
+  const Mask skin = Cropped(SkinOf(whole_body, options.skin_thickness_mm, num_threads), box);
+  volume::LabelMap labels(whole.geometry);
+  const auto& size = ct.geometry.size;
+  for (int k = 0; k < size[2]; ++k) {
+    for (int j = 0; j < size[1]; ++j) {
+      for (int i = 0; i < size[0]; ++i) {
+        const std::size_t at = ct.geometry.Index(i, j, k);
+        if (body.voxels[at] == 0) continue;
+        labels.At(box.low[0] + i, box.low[1] + j, box.low[2] + k) =
+            LabelAt(at, ct, bone, air, skin, options);
+      }
+    }
+  }
+  for (const char* name : {"skin", "fat", "soft_tissue", "bone", "lung", "gas"}) {
+    labels.names[volume::LabelOf(name)] = name;
+  }
+  context.Checkpoint("finding the skin", 1.0);
+  return labels;
+}
+
+}  // namespace acus::segmentation

@@ -1,0 +1,36 @@
+// The force on a needle by any of the models, chosen by the scene.
+#pragma once
+
+#include <variant>
+
+#include "acus/physics/forces/alamilla_model.h"
+#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/forces/vidal_model.h"
+
+namespace acus::forces {
+
+/// All that a model remembers. A plain value: copy it to save, assign it to restore.
+using ForceState = std::variant<NeedleForceState, AlamillaState, VidalState>;
+
+/// What all states share: where the needle is in the body, and what was wrong with samples.
+const NeedleTrack& TrackOf(const ForceState& state) noexcept;
+
+/// One of the models. Const after construction: any number of states may step side by side.
+class ForceModel {
+ public:
+  using Level = std::variant<NeedleForceModel, AlamillaModel, VidalModel>;
+  explicit ForceModel(Level level) : level_(std::move(level)) {}
+
+  ForceState NewState() const;
+
+  /// Takes in the next sample, as NeedleForceModel::Step. Allocates nothing.
+  /// @pre `state` is of this model.
+  NeedleForce Step(ForceState& state, const NeedleInput& input) const noexcept;
+
+  const ForceTable& table() const;
+
+ private:
+  Level level_;
+};
+
+}  // namespace acus::forces

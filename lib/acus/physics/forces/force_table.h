@@ -1,0 +1,74 @@
+// What each tissue does to a needle: configs/forces.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "acus/data/volume/labels.h"
+#include "acus/physics/forces/force_laws.h"
+#include "acus/physics/forces/model_settings.h"
+#include "acus/physics/needle/needle_preset.h"
+
+namespace acus::forces {
+
+/// One tissue, for the table's reference needle.
+struct TissueForce {
+  PuncturePolynomial membrane;     ///< Met on entering the tissue; puncture_n = 0: none.
+  double cutting_n = 0.0;          ///< At the tip while it advances through fresh tissue.
+  double friction_n_per_mm = 0.0;  ///< Per mm of shaft in the tissue while it slides in.
+  double withdrawal_friction_n_per_mm = 0.0;  ///< The same while it slides out.
+  double cutting_stiffness_n_per_mm = 0.0;    ///< K_t of the model alamilla; 0: the table's.
+  bool impenetrable = false;                  ///< Bone: the tip stops at the surface.
+  std::bitset<256> no_membrane_from;  ///< Labels from which this tissue is entered without one.
+};
+
+/// Everything else that the force law needs. Defaults are those of the schema acus-forces.
+struct ForceSettings {
+  double cutting_stiffness_n_per_mm = 0.0;
+  double friction_buildup_mm = 0.0;
+  double interface_hysteresis_mm = 0.0;
+  double lateral_limit_n = 0.0;
+  double tissue_lateral_stiffness_n_per_mm2 = 0.0;
+  double redirect_depth_mm = 0.0;
+  BoneSpring bone;
+  double invalid_hold_s = 0.0;
+  double invalid_ramp_s = 0.0;
+  double largest_force_n = 0.0;
+};
+
+/// Forces by label. Labels that the file does not name behave as its "soft_tissue"; label 0
+/// ("outside") is free space.
+struct ForceTable {
+  std::string description;
+  double reference_diameter_mm = 1.0;  ///< Outer diameter of the needle that the rows are for.
+  ForceSettings settings;
+  std::array<TissueForce, 256> tissue{};
+  AlamillaSettings alamilla;
+  VidalSettings vidal;
+  MultiProxySettings multi_proxy;
+  HuTissues hu_tissues;
+  std::bitset<256> named;  ///< Labels that the file has a row for.
+
+  /// True if a tip that comes from one tissue meets a membrane where the other begins.
+  bool HasMembrane(volume::Label from, volume::Label to) const noexcept {
+    return tissue[to].membrane.puncture_n > 0.0 && !tissue[to].no_membrane_from.test(from);
+  }
+
+  /// The table for a needle of another outer diameter: all soft-tissue forces scale with it, as
+  /// both the cut's length and the shaft's circumference do. Puncture depths stay.
+  ForceTable ScaledTo(double outer_diameter_mm) const;
+};
+
+/// Reads configs/forces/*.json (format acus-forces/1). @throws InputError listing all problems.
+ForceTable ReadForceTable(const std::filesystem::path& path);
+
+/// The same for a document in memory; `label` stands for the file name in messages.
+ForceTable ForceTableFromJson(nlohmann::json document, const std::string& label);
+
+using needle::NeedleProperties;
+using needle::ReadNeedle;
+
+}  // namespace acus::forces

@@ -1,0 +1,36 @@
+// The force on a probe by any of the models, chosen by the scene.
+#pragma once
+
+#include <variant>
+
+#include "acus/physics/forces/multi_proxy_probe.h"
+#include "acus/physics/forces/vidal_probe.h"
+
+namespace acus::forces {
+
+/// All that a model remembers. A plain value: copy it to save, assign it to restore.
+using ProbeForceState = std::variant<VidalProbeState, MultiProxyState>;
+
+/// What all states share: what was wrong with samples.
+const SampleGate& GateOf(const ProbeForceState& state) noexcept;
+
+/// One of the models. Const after construction: any number of states may step side by side.
+class ProbeForceModel {
+ public:
+  using Level = std::variant<VidalProbe, MultiProxyProbe>;
+  explicit ProbeForceModel(Level level) : level_(std::move(level)) {}
+
+  ProbeForceState NewState() const;
+
+  /// Takes in the next sample. Bad samples: as NeedleForceModel::Step. Allocates nothing.
+  /// @pre `state` is of this model.
+  ProbeForce Step(ProbeForceState& state, const ProbeInput& input) const noexcept;
+
+  /// Bound on the magnitude of the force.
+  double LargestForceN() const noexcept;
+
+ private:
+  Level level_;
+};
+
+}  // namespace acus::forces

@@ -1,0 +1,55 @@
+#include "acus/physics/mechanics/compliance_key.h"
+
+#include <bitset>
+#include <vector>
+
+#include "acus/base/core/error.h"
+#include "acus/base/core/provenance.h"
+#include "acus/data/mesh/byte_stream.h"
+#include "acus/physics/mechanics/element_names.h"
+
+namespace acus::mechanics {
+namespace {
+
+std::string HashOf(const mesh::TetraMesh& mesh) {
+  mesh::ByteWriter bytes;
+  bytes.Put(mesh.nodes_mm.data(), static_cast<std::size_t>(mesh.nodes_mm.size()));
+  bytes.Put(mesh.tetrahedra.data(), static_cast<std::size_t>(mesh.tetrahedra.size()));
+  bytes.Put(mesh.tissue.data(), mesh.tissue.size());
+  bytes.Put(mesh.fixed_nodes.data(), mesh.fixed_nodes.size());
+  return Sha256OfText(bytes.Take());
+}
+
+std::string HashOf(const ElasticityTable& table, const mesh::TetraMesh& mesh) {
+  std::bitset<256> is_used;
+  for (Eigen::Index t = 0; t < mesh.tetrahedra.cols(); ++t) {
+    bool is_held = true;
+    for (const int node : mesh.tetrahedra.col(t)) {
+      is_held &= mesh.fixed_nodes[static_cast<std::size_t>(node)] != 0;
+    }
+    if (!is_held) is_used.set(mesh.tissue[static_cast<std::size_t>(t)]);
+  }
+  std::vector<double> rows;
+  for (int label = 0; label < 256; ++label) {
+    if (!is_used[static_cast<std::size_t>(label)]) continue;
+    const ElasticTissue& tissue = table.At(static_cast<volume::Label>(label));
+    rows.insert(rows.end(),
+                {static_cast<double>(label), tissue.youngs_modulus_mpa, tissue.poissons_ratio});
+  }
+  mesh::ByteWriter bytes;
+  bytes.Put(rows.data(), rows.size());
+  return Sha256OfText(bytes.Take());
+}
+
+}  // namespace
+
+ComplianceKey KeyOf(const mesh::TetraMesh& mesh, const ElasticityTable& elasticity,
+                    ElementKind element) {
+  ACUS_REQUIRE(mesh.tissue.size() == static_cast<std::size_t>(mesh.tetrahedra.cols()),
+               "the mesh has no tissue ids (cell data \"tissue\"), so that its stiffness is not "
+               "known; mesh the label map with acus-mesh");
+  ACUS_ASSERT(mesh.fixed_nodes.size() == static_cast<std::size_t>(mesh.nodes_mm.cols()));
+  return {HashOf(mesh), HashOf(elasticity, mesh), std::string(ElementName(element))};
+}
+
+}  // namespace acus::mechanics

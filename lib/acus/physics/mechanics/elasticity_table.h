@@ -1,0 +1,44 @@
+// How stiff each tissue is: configs/elasticity.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "acus/data/volume/labels.h"
+
+namespace acus::mechanics {
+
+/// Constants of an isotropic linear elastic solid.
+struct ElasticTissue {
+  double youngs_modulus_mpa = 0.0;
+  double poissons_ratio = 0.0;
+
+  double ShearModulusMpa() const { return youngs_modulus_mpa / (2.0 * (1.0 + poissons_ratio)); }
+  double BulkModulusMpa() const {
+    return youngs_modulus_mpa / (3.0 * (1.0 - 2.0 * poissons_ratio));
+  }
+};
+
+/// Elastic constants by label. There is no fallback: a stiffness nobody chose would change every
+/// force without a word.
+struct ElasticityTable {
+  std::string file;  ///< Where it was read, for messages.
+  std::string description;
+  std::array<ElasticTissue, 256> tissue{};
+  std::bitset<256> named;  ///< Labels that the file has a row for.
+
+  /// @throws InputError that names tissue, file and remedy if there is no row for `label`.
+  const ElasticTissue& At(volume::Label label) const;
+};
+
+/// Reads configs/elasticity/*.json (format acus-elasticity/1). @throws InputError listing all
+/// problems.
+ElasticityTable ReadElasticityTable(const std::filesystem::path& path);
+
+/// The same for a document in memory; `label` stands for the file name in messages.
+ElasticityTable ElasticityTableFromJson(nlohmann::json document, const std::string& label);
+
+}  // namespace acus::mechanics

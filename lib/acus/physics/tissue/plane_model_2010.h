@@ -1,0 +1,192 @@
+// The 2D tissue of 2010 as a level of its own: triangles in one plane through the planned path,
+// plane strain, an explicit inverse, and nodes that stick to the needle or slip along it.
+//
+// Augmented-2010, section II.B and III, after DiMaio and Salcudean; docs/models/tissue_2d_2010.md.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "acus/physics/forces/force_table.h"
+#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/mechanics/plane_strain.h"
+#include "acus/physics/tissue/plane_contact.h"
+#include "acus/physics/tissue/sample_gate.h"
+#include "acus/physics/tissue/tissue_at.h"
+#include "acus/physics/tissue/tissue_load.h"
+#include "acus/physics/tissue/tool_sample.h"
+
+namespace acus::tissue {
+
+struct PlaneSettings {
+  double spacing_mm = 3.0;  ///< Of the nodes.
+  double width_mm = 90.0;   ///< Of the region, across the planned path.
+  double depth_mm = 90.0;   ///< Of the region below the planned entry.
+  double above_mm = 12.0;   ///< And above it.
+  /// How thick a slab the plane stands for. 0: pi R / ln(R / a), R half the width and a the radius
+  /// of the needle, for which the shear stiffness of a shaft is that of a rod in 3D.
+  double thickness_mm = 0.0;
+  double lateral_limit_n_per_mm = 0.3;  ///< Force across the shaft at which tissue is torn.
+  double image_fade_mm = 20.0;          ///< Out of the plane, displacements fade to 0 within it.
+  double force_error_n = 1e-10;         ///< Bound of the residual monitor.
+  PlaneUpdate update = PlaneUpdate::kRestricted;
+};
+
+/// Where the plane is. Plane coordinates (x, y) are along `across` and `axis`, from the corner.
+struct PlanePlacement {
+  Eigen::Vector3d entry_in_ct_mm = Eigen::Vector3d::Zero();  ///< Planned, on the skin.
+  Eigen::Vector3d axis_in_ct = Eigen::Vector3d::UnitZ();     ///< Planned direction, any length > 0.
+  Eigen::Vector3d across_in_ct = Eigen::Vector3d::UnitX();   ///< Any not parallel to the axis.
+};
+
+/// A node that the needle touches.
+struct PlaneNode {
+  int node = 0;
+  double at_mm = 0.0;  ///< Along the path, at rest.
+  double friction_n_per_mm = 0.0;
+  /// Coordinates of the needle (along, across the path) for which the node, sticking, is at rest.
+  Eigen::Vector2d reference_mm = Eigen::Vector2d::Zero();
+};
+
+/// A plain value: copy it to save, assign it to restore; the model must outlive it.
+struct PlaneState {
+  SampleGate gate;
+  PlaneContact contact;         ///< Slot 2 q: along the path, 2 q + 1: across it, at node q.
+  std::vector<PlaneNode> node;  ///< The first num_nodes count, from the skin on.
+  int num_nodes = 0;
+  int next_layer = 0;  ///< Of the grid, in which the next node is sought.
+
+  Eigen::Vector2d tip_in_plane_mm = Eigen::Vector2d::Zero();  ///< Of the device.
+  Eigen::Vector2d axis_in_plane = Eigen::Vector2d::UnitY();
+  double out_of_plane_mm = 0.0;   ///< Distance of the device's tip from the plane.
+  double out_of_plane_rad = 0.0;  ///< Angle of its axis to the plane.
+  volume::Label tissue_at_tip = 0;
+
+  bool in_body = false;  ///< There is a path: the tip has touched the skin.
+  bool pierced = false;
+  bool pressing = false;  ///< The tip is held by the membrane of `membrane_of`.
+  bool engaged = false;   ///< The tip is at the end of its channel, not drawn back in it.
+  bool cutting = false;   ///< The channel got longer in the last substep.
+  bool on_bone = false;
+  Eigen::Vector2d entry_mm = Eigen::Vector2d::Zero();
+  Eigen::Vector2d along = Eigen::Vector2d::UnitY();
+  double device_mm = 0.0;    ///< Of the device's tip along the path.
+  double needle_mm = 0.0;    ///< Of the needle's tip: bone holds it back.
+  double aside_mm = 0.0;     ///< Of the tip from the path's line.
+  double slope = 0.0;        ///< Of the needle to the path.
+  double tip_rest_mm = 0.0;  ///< The tip, in tissue at rest.
+  double channel_mm = 0.0;   ///< Depth to which tissue is cut, at rest.
+  volume::Label cut_tissue = 0;
+  volume::Label membrane_of = 0;
+  double bone_at_mm = 0.0;  ///< The needle goes no farther.
+  forces::NeedleForce force;
+};
+
+class PlaneModel2010 {
+ public:
+  /// Cost: the inverse of the plane, see mechanics::InvertPlane.
+  /// @throws InputError for settings out of range, a tissue that `elasticity` has no row for, or a
+  ///     plane in which nothing can move.
+  PlaneModel2010(const PlaneSettings& settings, const PlanePlacement& placement,
+                 const forces::ForceTable& forces, const forces::NeedleProperties& needle,
+                 const mechanics::ElasticityTable& elasticity, TissueAt tissue_at);
+
+  /// The same plane (and the same inverse in memory) with the other kind of update.
+  PlaneModel2010 WithUpdate(PlaneUpdate update) const;
+
+  PlaneState NewState() const;
+
+  /// Takes in the next sample; bad ones as forces::NeedleForceModel::Step. What is out of the plane
+  /// is projected into it. The force's magnitude never exceeds the table's largest_force_n.
+  forces::NeedleForce Step(PlaneState& state, const ToolSample& sample) const noexcept;
+
+  /// Forces on the nodes that the needle touches.
+  void LoadOf(const PlaneState& state, TissueLoad& out) const noexcept;
+
+  const PlaneSettings& settings() const { return settings_; }
+  const mechanics::PlaneGrid& grid() const { return grid_; }
+  const std::vector<int>& dof_of_node() const { return dof_of_node_; }
+  /// mm/N, for the plane's thickness.
+  const Eigen::MatrixXd& compliance() const { return *compliance_; }
+  const forces::ForceTable& table() const { return table_; }
+  /// No tissue at any triangle of the node; other nodes that do not move are held.
+  bool IsAir(int node) const { return dof_of_node_[node] < 0 && held_[node] == 0; }
+  int num_free_nodes() const { return static_cast<int>(compliance_->rows()) / 2; }
+  double thickness_mm() const { return settings_.thickness_mm; }
+
+  Eigen::Vector3d ToPlaneMm(const Eigen::Vector3d& ct_mm) const;  ///< x, y, off the plane.
+  Eigen::Vector3d DirectionInPlane(const Eigen::Vector3d& in_ct) const;
+  Eigen::Vector3d ToCtMm(const Eigen::Vector2d& plane_mm) const;
+  Eigen::Vector3d DirectionInCt(const Eigen::Vector2d& plane) const;  ///< Of a vector.
+
+ private:
+  using Event = forces::NeedleEvent;
+  struct Motion;
+  void MakePlane(const mechanics::ElasticityTable& elasticity);
+  volume::Label LabelAt(const Eigen::Vector2d& plane_mm) const noexcept;
+  volume::Label LabelOnPath(const PlaneState& state, double at_mm) const noexcept;
+
+  bool Touch(PlaneState& state, const Motion& motion) const noexcept;
+  void StartPath(PlaneState& state, const Eigen::Vector2d& along,
+                 const Eigen::Vector2d& entry_mm) const noexcept;
+  bool AppendNode(PlaneState& state, double travel_mm) const noexcept;
+  int NodeOfLayer(const PlaneState& state, int layer) const noexcept;
+  static int LayerStep(const PlaneState& state) noexcept;
+  Event Substep(PlaneState& state, const Eigen::Vector2d& tip_mm,
+                const Eigen::Vector2d& axis) const noexcept;
+  Event Balance(PlaneState& state, double travel_mm) const noexcept;
+  void SetDemands(PlaneState& state, double lead_mm) const noexcept;
+  bool CanDropLast(const PlaneState& state) const noexcept;
+  void KeepSlips(PlaneState& state) const noexcept;
+  Event FollowTip(PlaneState& state) const noexcept;
+  Event AdvanceChannel(PlaneState& state, double to_mm) const noexcept;
+  Event Pierce(PlaneState& state) const noexcept;
+  bool HasLeft(const PlaneState& state) const noexcept;
+  void Leave(PlaneState& state) const noexcept;
+  double TipLimitN(const PlaneState& state) const noexcept;
+  double AcrossMm(const PlaneState& state, double at_mm) const noexcept;
+  double Hat(const PlaneState& state, int q, double at_mm) const noexcept;
+  double HatIntegral(const PlaneState& state, int q, double end_mm) const noexcept;
+  double AlongDisplacementMm(const PlaneState& state, double at_mm) const noexcept;
+  void Forces(PlaneState& state, double speed_mm_per_s) const noexcept;
+
+  PlaneSettings settings_;
+  forces::ForceTable table_;
+  TissueAt tissue_at_;
+  Eigen::Vector3d origin_in_ct_mm_;
+  Eigen::Matrix3d ct_from_plane_;  ///< Columns: across, axis, normal.
+  mechanics::PlaneGrid grid_;
+  std::vector<int> dof_of_node_;
+  std::vector<char> held_;  ///< By node: bone, or the border of the region.
+  std::shared_ptr<const Eigen::MatrixXd> compliance_;  ///< Shared, so that it stays where it is.
+};
+
+/// Displacements for the image: exact in the nodes, linear in the triangles, faded out of the
+/// plane. In the air above the skin they fade to 0, too, and nodes on the border of the region do
+/// not move, so the field is continuous everywhere. One for each thread; keeps a reference to the
+/// model.
+class PlaneField2010 {
+ public:
+  explicit PlaneField2010(const PlaneModel2010& model);
+
+  /// @param load  as made by PlaneModel2010::LoadOf. Allocates nothing. Cost O(nodes x points).
+  void Update(const TissueLoad& load) noexcept;
+  Eigen::Vector3d DisplacementMm(const Eigen::Vector3d& rest_in_ct_mm) const noexcept;
+
+ private:
+  /// A node in the air goes with a node of the skin.
+  struct AirNode {
+    int node = 0;
+    int with = 0;
+    double share = 0.0;
+  };
+  const PlaneModel2010* model_;
+  std::vector<AirNode> air_;
+  Eigen::VectorXd dof_mm_;    ///< As the rows of the compliance.
+  Eigen::Matrix2Xd node_mm_;  ///< In plane coordinates.
+  bool active_ = false;
+};
+
+}  // namespace acus::tissue

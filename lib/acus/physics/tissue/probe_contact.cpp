@@ -1,0 +1,105 @@
+#include "acus/physics/tissue/probe_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace acus::tissue {
+namespace {
+
+constexpr double kMarginMm = 1.0;         // A node is let go when it is this far off the face.
+constexpr double kDeepestMm = 60.0;       // Deeper in the probe: it is on another side of the body.
+constexpr double kLeastFaceCosine = 0.3;  // Skin steeper than this to the face is beside it.
+
+}  // namespace
+
+double ProbeFace::SurfaceMm(double x_mm) const noexcept {
+  if (radius_mm <= 0.0) return 0.0;
+  const double x = std::min(std::abs(x_mm), radius_mm);
+  return std::sqrt(radius_mm * radius_mm - x * x) - radius_mm;
+}
+
+ProbeContact::ProbeContact(std::vector<SurfaceNode> surface, const ProbeFace& face, int first_slot,
+                           int num_slots)
+    : surface_(std::move(surface)), face_(face), first_slot_(first_slot), num_slots_(num_slots) {}
+
+ProbeState ProbeContact::NewState() const {
+  ProbeState state;
+  state.node_of_slot.assign(static_cast<std::size_t>(num_slots_), -1);
+  state.has_slot.assign(surface_.size(), 0);
+  return state;
+}
+
+void ProbeContact::Place(const ContactSystem& system, ContactState& contact, ProbeState& state,
+                         const Eigen::Isometry3d& ct_from_probe) const noexcept {
+  // How far along its normal the node must move to clear the face; -infinity: it is not under it.
+  const auto demand_mm = [&](const SurfaceNode& node) {
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
+    const Eigen::Vector3d at =
+        ct_from_probe.linear().transpose() * (node.rest_in_ct_mm - ct_from_probe.translation());
+    if (!(std::abs(at.x()) <= 0.5 * face_.length_mm && std::abs(at.z()) <= 0.5 * face_.width_mm)) {
+      return kNone;
+    }
+    const double cosine = ct_from_probe.linear().col(1).dot(node.inward_in_ct);
+    const double inside_mm = face_.SurfaceMm(at.x()) - at.y();
+    if (cosine < kLeastFaceCosine || inside_mm > kDeepestMm) return kNone;
+    return inside_mm / cosine;
+  };
+  for (int s = 0; s < num_slots_; ++s) {
+    int& node = state.node_of_slot[static_cast<std::size_t>(s)];
+    if (node < 0) continue;
+    const double needed_mm = demand_mm(surface_[static_cast<std::size_t>(node)]);
+    if (needed_mm < -kMarginMm) {
+      system.ClearSlot(contact, first_slot_ + s);
+      state.has_slot[static_cast<std::size_t>(node)] = 0;
+      node = -1;
+      continue;
+    }
+    contact.SetSlotDemand(first_slot_ + s, needed_mm, 0.0, kLargestNodeN);
+  }
+  int slot = 0;
+  int num_new = 0;
+  for (std::size_t n = 0; n < surface_.size() && num_new < kMostNewNodes; ++n) {
+    if (state.has_slot[n] != 0) continue;
+    const double needed_mm = demand_mm(surface_[n]);
+    if (!(needed_mm > 0.0)) continue;
+    while (slot < num_slots_ && state.node_of_slot[static_cast<std::size_t>(slot)] >= 0) ++slot;
+    if (slot == num_slots_) {
+      ++state.num_without_slot;
+      continue;
+    }
+    const ContactPlace place{{surface_[n].row}, {1.0}, 1};
+    system.SetSlot(contact, first_slot_ + slot, place, surface_[n].inward_in_ct, 0.0);
+    contact.SetSlotDemand(first_slot_ + slot, needed_mm, 0.0, kLargestNodeN);
+    state.node_of_slot[static_cast<std::size_t>(slot)] = static_cast<int>(n);
+    state.has_slot[n] = 1;
+    ++num_new;
+  }
+}
+
+void ProbeContact::Lift(const ContactSystem& system, ContactState& contact,
+                        ProbeState& state) const noexcept {
+  for (int s = 0; s < num_slots_; ++s) {
+    int& node = state.node_of_slot[static_cast<std::size_t>(s)];
+    if (node < 0) continue;
+    system.ClearSlot(contact, first_slot_ + s);
+    state.has_slot[static_cast<std::size_t>(node)] = 0;
+    node = -1;
+  }
+}
+
+ProbeForce ProbeContact::ForceOf(const ContactState& contact,
+                                 const ProbeState& state) const noexcept {
+  ProbeForce out;
+  for (int s = 0; s < num_slots_; ++s) {
+    const int node = state.node_of_slot[static_cast<std::size_t>(s)];
+    if (node < 0 || contact.SlotForceN(first_slot_ + s) <= 0.0) continue;
+    out.force_in_ct_n -=
+        contact.SlotForceN(first_slot_ + s) * surface_[static_cast<std::size_t>(node)].inward_in_ct;
+    ++out.num_nodes;
+  }
+  return out;
+}
+
+}  // namespace acus::tissue

@@ -1,0 +1,406 @@
+#include "acus/physics/tissue/spring_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "acus/base/core/error.h"
+#include "acus/physics/tissue/shaft_springs.h"
+
+namespace acus::tissue {
+namespace {
+
+using forces::NeedleEvent;
+
+constexpr int kSpringMostSubsteps = 512;  // Of the tip in one step: half a spacing each.
+constexpr double kSpringSlackMm = 0.05;   // Off the skin by this: it left.
+constexpr double kSpringTremorMm = 1.0;   // The same before the skin is pierced.
+constexpr double kSpringEscapeMm = 20.0;  // Off the path by this and outside the body: it left.
+constexpr double kSpringTinyMm = 1e-9;
+constexpr int kSpringBisections = 30;
+
+/// Last place, going from a to b, whose label is that of a.
+template <typename SameAsA>
+Eigen::Vector3d BoundaryMm(Eigen::Vector3d a, Eigen::Vector3d b, const SameAsA& same) {
+  for (int i = 0; i < kSpringBisections; ++i) {
+    const Eigen::Vector3d middle = 0.5 * (a + b);
+    (same(middle) ? a : b) = middle;
+  }
+  return 0.5 * (a + b);
+}
+
+}  // namespace
+
+double TipAdvanceMm(double ahead_mm, double a1_n_per_mm, double a2_n_per_mm2,
+                    double cutting_n) noexcept {
+  if (ahead_mm <= 0.0) return ahead_mm;
+  if ((a2_n_per_mm2 * ahead_mm + a1_n_per_mm) * ahead_mm < cutting_n) return 0.0;
+  if (a2_n_per_mm2 > 0.0) {
+    const double gamma_1 = 0.5 * a1_n_per_mm / a2_n_per_mm2;
+    const double gamma_2 = cutting_n / a2_n_per_mm2;
+    return ahead_mm + gamma_1 - std::sqrt(gamma_1 * gamma_1 + gamma_2);
+  }
+  // The paper's gamma_2 divides by a2, which is 0 here; it is a1 that makes the spring hold f_cut.
+  return a1_n_per_mm > 0.0 ? ahead_mm - cutting_n / a1_n_per_mm : 0.0;
+}
+
+double FrictionOffsetMm(double offset_mm, double travel_mm, double stiffness_n_per_mm,
+                        double friction_n) noexcept {
+  if (!(stiffness_n_per_mm > 0.0)) return 0.0;
+  const double limit_mm = friction_n / stiffness_n_per_mm;
+  return std::clamp(offset_mm + travel_mm, -limit_mm, limit_mm);
+}
+
+SpringModel::SpringModel(const SpringSettings& settings, const forces::ForceTable& forces,
+                         const forces::NeedleProperties& needle,
+                         const mechanics::ElasticityTable& elasticity,
+                         const std::bitset<256>& tissues, TissueAt tissue_at)
+    : settings_(settings),
+      table_(forces.ScaledTo(needle.beam.outer_diameter_mm)),
+      node_of_(256),
+      tissue_at_(std::move(tissue_at)) {
+  ACUS_REQUIRE(settings.node_spacing_mm > 0.0 && std::isfinite(settings.node_spacing_mm),
+               "node_spacing_mm is ", settings.node_spacing_mm, "; allowed: above 0");
+  ACUS_REQUIRE(settings.friction_rate_n_per_s > 0.0, "friction_rate_n_per_s is ",
+               settings.friction_rate_n_per_s, "; allowed: above 0");
+  const double needle_mm = 0.5 * needle.beam.outer_diameter_mm;
+  const double outer_mm = settings.influence_radius_mm;
+  ACUS_REQUIRE(outer_mm > 2.0 * needle_mm && std::isfinite(outer_mm), "influence_radius_mm is ",
+               outer_mm, "; allowed: more than the needle's diameter, ", 2.0 * needle_mm, " mm");
+  ACUS_ASSERT(tissue_at_ != nullptr);
+  const ShaftStiffness shaft = ShaftInCylinder(needle_mm, outer_mm);
+  for (int label = 0; label < 256; ++label) {
+    PathNode& node = node_of_[label];
+    const auto tissue = static_cast<volume::Label>(label);
+    node.tissue = tissue;
+    if (label == 0 || !tissues.test(label) || table_.tissue[label].impenetrable) continue;
+    const double per_mm = elasticity.At(tissue).ShearModulusMpa() * settings.node_spacing_mm;
+    node.axial_n_per_mm = shaft.along * per_mm;
+    node.lateral_n_per_mm = shaft.across * per_mm;
+    node.friction_n = table_.tissue[label].friction_n_per_mm * settings.node_spacing_mm;
+  }
+}
+
+forces::NeedleForce SpringModel::Step(SpringState& state, const ToolSample& sample) const noexcept {
+  const auto verdict = state.gate.Judge(sample);
+  if (verdict != SampleGate::Verdict::kStep) {
+    return state.gate.ForceInstead(verdict, table_.settings);
+  }
+  const bool started = state.gate.started;
+  const double dt_s = started ? sample.time_s - state.gate.valid_time_s : 1.0;
+  const Eigen::Vector3d before_mm = started ? state.device_in_ct_mm : sample.tip_in_ct_mm;
+  const double ahead_before_mm = state.ahead_mm;
+  const bool was_outside = started && state.tissue_at_tip == 0;
+  state.device_in_ct_mm = sample.tip_in_ct_mm;
+  state.axis_in_ct = sample.axis_in_ct.normalized();
+  const double direction_norm = sample.tip_direction_in_ct.norm();
+  state.bends = direction_norm > 0.5 && direction_norm < 2.0;
+  state.tip_direction_in_ct =
+      state.bends ? Eigen::Vector3d(sample.tip_direction_in_ct / direction_norm) : state.axis_in_ct;
+  state.tissue_at_tip = tissue_at_(state.device_in_ct_mm);
+
+  NeedleEvent event = NeedleEvent::kNone;
+  if (state.num_nodes == 0 && state.tissue_at_tip != 0) {
+    Touch(state, before_mm, was_outside);
+    event = NeedleEvent::kContact;
+  } else if (state.num_nodes > 0) {
+    DragShaft(state, (state.device_in_ct_mm - before_mm).dot(state.axis_in_ct));
+  }
+  if (state.num_nodes > 0) {
+    const bool was_on_bone = state.on_bone;
+    event = FirstOf(event, Advance(state));
+    if (was_on_bone && !state.on_bone) event = FirstOf(event, NeedleEvent::kBoneRelease);
+  }
+  state.force = {};
+  if (state.num_nodes > 0 && HasLeft(state)) {
+    event = state.pierced ? NeedleEvent::kWithdrawal : NeedleEvent::kNone;
+    state.num_nodes = 0;
+    state.pierced = state.pressing = state.on_bone = false;
+    state.ahead_mm = state.friction_n = 0.0;
+  }
+  if (state.num_nodes > 0) Forces(state, dt_s, ahead_before_mm);
+  LimitTo(state.force, table_.settings.largest_force_n);
+  state.force.event = event;
+  state.gate.Accept(sample, state.force);
+  return state.force;
+}
+
+/// First contact: a node where the skin is between the last place outside and this one.
+void SpringModel::Touch(SpringState& state, const Eigen::Vector3d& before_mm,
+                        bool was_outside) const noexcept {
+  Eigen::Vector3d skin_mm = state.device_in_ct_mm;
+  if (was_outside) {
+    skin_mm = BoundaryMm(before_mm, state.device_in_ct_mm,
+                         [&](const Eigen::Vector3d& p) { return tissue_at_(p) == 0; });
+  }
+  const volume::Label below = tissue_at_(skin_mm + 1e-6 * (state.device_in_ct_mm - before_mm));
+  const volume::Label tissue = below != 0 ? below : state.tissue_at_tip;
+  state.num_nodes = 1;
+  state.node[0] = {};
+  state.node[0].rest_in_ct_mm = skin_mm;
+  SetTissue(state.node[0], tissue);
+  state.on_bone = table_.tissue[tissue].impenetrable;
+  state.pressing = !state.on_bone && table_.HasMembrane(0, tissue);
+  state.pierced = !state.pressing && !state.on_bone;
+  state.membrane_of = tissue;
+  state.cut_n = state.bone_from_mm = state.ahead_mm = state.friction_n = 0.0;
+}
+
+bool SpringModel::HasLeft(const SpringState& state) const noexcept {
+  const PathNode& tip = state.node[state.num_nodes - 1];
+  const Eigen::Vector3d off_mm = state.device_in_ct_mm - tip.rest_in_ct_mm;
+  const double ahead_mm = off_mm.dot(state.axis_in_ct);
+  const double aside_mm = (off_mm - ahead_mm * state.axis_in_ct).norm();
+  if (state.num_nodes == 1 && ahead_mm < -(state.pierced ? kSpringSlackMm : kSpringTremorMm))
+    return true;
+  if (state.tissue_at_tip != 0) return false;
+  return aside_mm > (state.pierced ? kSpringEscapeMm : kSpringTremorMm);
+}
+
+/// Eq. 6: the tissue sticks to the shaft until the spring holds as much as friction can.
+void SpringModel::DragShaft(SpringState& state, double travel_mm) const noexcept {
+  for (int i = 1; i < state.num_nodes; ++i) {
+    PathNode& node = state.node[i];
+    node.offset_mm =
+        FrictionOffsetMm(node.offset_mm, travel_mm, node.axial_n_per_mm, node.friction_n);
+  }
+}
+
+/// The tip of the path moves towards the node behind it.
+void SpringModel::DrawBack(SpringState& state, double back_mm) const noexcept {
+  while (back_mm > 0.0 && state.num_nodes >= 2) {
+    PathNode& tip = state.node[state.num_nodes - 1];
+    const PathNode& behind = state.node[state.num_nodes - 2];
+    const Eigen::Vector3d to_behind = behind.rest_in_ct_mm - tip.rest_in_ct_mm;
+    const double length_mm = to_behind.norm();
+    if (back_mm >= length_mm) {
+      --state.num_nodes;
+      back_mm -= length_mm;
+      continue;
+    }
+    tip.rest_in_ct_mm += (back_mm / length_mm) * to_behind;
+    back_mm = 0.0;
+    if (length_mm >= 0.5 * settings_.node_spacing_mm || state.num_nodes < 3) break;
+    // The two segments become one, with the same force in it.
+    const double tip_weight = Weight(state, state.num_nodes - 1);
+    const double behind_weight = Weight(state, state.num_nodes - 2);
+    PathNode merged = tip;
+    SetTissue(merged, behind.tissue);
+    merged.offset_mm = (tip_weight * tip.offset_mm + behind_weight * behind.offset_mm) /
+                       (tip_weight + behind_weight);
+    --state.num_nodes;
+    state.node[state.num_nodes - 1] = merged;
+  }
+}
+
+/// Eq. 4 and what follows from it, for all the tissues that the tip gets to in this step.
+NeedleEvent SpringModel::Advance(SpringState& state) const noexcept {
+  NeedleEvent event = NeedleEvent::kNone;
+  const double stiffness = table_.settings.cutting_stiffness_n_per_mm;
+  for (int i = 0; i < kSpringMostSubsteps; ++i) {
+    PathNode& tip = state.node[state.num_nodes - 1];
+    state.ahead_mm = (state.device_in_ct_mm - tip.rest_in_ct_mm).dot(state.tip_direction_in_ct);
+    if (state.ahead_mm <= 0.0) {
+      const bool unpierced = state.num_nodes == 1 && !state.pierced;
+      if (!unpierced) state.pressing = state.on_bone = false;
+      if (unpierced || state.num_nodes == 1) break;
+      DrawBack(state, -state.ahead_mm);
+      if (state.num_nodes > 1) state.ahead_mm = 0.0;
+      break;
+    }
+    if (state.on_bone) break;
+    if (state.pressing) {
+      const forces::PuncturePolynomial& law = table_.tissue[state.membrane_of].membrane;
+      if (law.ForceN(state.ahead_mm) < law.puncture_n) break;
+      event = FirstOf(event, GiveWay(state));
+      continue;
+    }
+    if (state.num_nodes == 1) {
+      AppendTip(state);
+      continue;
+    }
+    const double advance_mm =
+        TipAdvanceMm(state.ahead_mm, stiffness, 0.0, table_.tissue[tip.tissue].cutting_n);
+    if (advance_mm <= kSpringTinyMm) break;
+    const double step_mm = std::min(advance_mm, 0.5 * settings_.node_spacing_mm);
+    const Eigen::Vector3d to_mm = tip.rest_in_ct_mm + step_mm * state.tip_direction_in_ct;
+    const volume::Label next = tissue_at_(to_mm);
+    const bool is_other =
+        next != tip.tissue && next == tissue_at_(to_mm + table_.settings.interface_hysteresis_mm *
+                                                             state.tip_direction_in_ct);
+    if (is_other) {
+      event = FirstOf(event, Meet(state, next, step_mm));
+    } else {
+      MoveTip(state, to_mm);
+    }
+  }
+  return event;
+}
+
+NeedleEvent SpringModel::GiveWay(SpringState& state) const noexcept {
+  state.pressing = false;
+  if (!state.pierced) {
+    state.pierced = true;
+    AppendTip(state);
+  }
+  SetTissue(state.node[state.num_nodes - 1], state.membrane_of);
+  return NeedleEvent::kPuncture;
+}
+
+/// Moves the tip to the place where the tissue changes, and decides what happens there.
+NeedleEvent SpringModel::Meet(SpringState& state, volume::Label next,
+                              double step_mm) const noexcept {
+  const PathNode before = state.node[state.num_nodes - 1];
+  const Eigen::Vector3d to_mm = before.rest_in_ct_mm + step_mm * state.tip_direction_in_ct;
+  MoveTip(state, BoundaryMm(before.rest_in_ct_mm, to_mm,
+                            [&](const Eigen::Vector3d& p) { return tissue_at_(p) != next; }));
+  PathNode& tip = state.node[state.num_nodes - 1];
+  state.ahead_mm = (state.device_in_ct_mm - tip.rest_in_ct_mm).dot(state.tip_direction_in_ct);
+  state.cut_n = table_.tissue[before.tissue].cutting_n;
+  if (table_.tissue[next].impenetrable) {
+    state.on_bone = true;
+    // What cut the last tissue is pressed in already; the rest of the way to here was not.
+    state.bone_from_mm =
+        std::min(state.ahead_mm, state.cut_n / table_.settings.cutting_stiffness_n_per_mm);
+    return NeedleEvent::kBoneContact;
+  }
+  if (table_.HasMembrane(before.tissue, next)) {
+    state.pressing = true;
+    state.membrane_of = next;
+  } else {
+    SetTissue(tip, next);
+  }
+  return NeedleEvent::kInterface;
+}
+
+/// Puts nodes behind the tip where the last segment gets long.
+void SpringModel::MoveTip(SpringState& state, const Eigen::Vector3d& to_mm) const noexcept {
+  PathNode tip = state.node[state.num_nodes - 1];
+  tip.rest_in_ct_mm = to_mm;
+  while (true) {
+    const PathNode& behind = state.node[state.num_nodes - 2];
+    const Eigen::Vector3d segment = to_mm - behind.rest_in_ct_mm;
+    const double length_mm = segment.norm();
+    if (length_mm <= 1.5 * settings_.node_spacing_mm) break;
+    if (state.num_nodes == SpringState::kMaxNodes) {
+      ++state.num_path_full;
+      break;
+    }
+    PathNode between;
+    between.rest_in_ct_mm =
+        behind.rest_in_ct_mm + (settings_.node_spacing_mm / length_mm) * segment;
+    between.offset_mm = tip.offset_mm;
+    SetTissue(between, tissue_at_(between.rest_in_ct_mm));
+    state.node[state.num_nodes - 1] = between;
+    ++state.num_nodes;
+  }
+  state.node[state.num_nodes - 1] = tip;
+}
+
+/// The node on the skin stays; a new tip begins there.
+void SpringModel::AppendTip(SpringState& state) const noexcept {
+  ACUS_ASSERT(state.num_nodes == 1);
+  state.node[1] = state.node[0];
+  state.node[1].offset_mm = 0.0;
+  state.num_nodes = 2;
+}
+
+void SpringModel::SetTissue(PathNode& node, volume::Label tissue) const noexcept {
+  const PathNode& of = node_of_[tissue];
+  node.tissue = tissue;
+  node.axial_n_per_mm = of.axial_n_per_mm;
+  node.lateral_n_per_mm = of.lateral_n_per_mm;
+  node.friction_n = of.friction_n;
+  node.offset_mm = FrictionOffsetMm(node.offset_mm, 0.0, of.axial_n_per_mm, of.friction_n);
+}
+
+double SpringModel::Weight(const SpringState& state, int i) const noexcept {
+  return (state.node[i].rest_in_ct_mm - state.node[i - 1].rest_in_ct_mm).norm() /
+         settings_.node_spacing_mm;
+}
+
+Eigen::Vector3d SpringModel::LateralForceN(const SpringState& state, int i,
+                                           const Eigen::Vector3d& needle_in_ct_mm,
+                                           const Eigen::Vector3d& tangent_in_ct) const noexcept {
+  const Eigen::Vector3d off_mm = state.node[i].rest_in_ct_mm - needle_in_ct_mm;
+  const Eigen::Vector3d across_mm = off_mm - off_mm.dot(tangent_in_ct) * tangent_in_ct;
+  return state.node[i].lateral_n_per_mm * Weight(state, i) * across_mm;
+}
+
+/// Eq. 5 and 7, the membrane, bone, and the springs across the rigid needle.
+void SpringModel::Forces(SpringState& state, double dt_s, double ahead_before_mm) const noexcept {
+  forces::NeedleForce& out = state.force;
+  const PathNode& tip = state.node[state.num_nodes - 1];
+  const double ahead_mm = std::max(state.ahead_mm, 0.0);
+  const bool held = state.pressing || state.on_bone;
+  const double cutting_n = held ? state.cut_n : table_.tissue[tip.tissue].cutting_n;
+  if (state.pierced) {
+    out.cutting_n = std::min(table_.settings.cutting_stiffness_n_per_mm * ahead_mm, cutting_n);
+  }
+  if (state.pressing) {
+    const double pressed_n = table_.tissue[state.membrane_of].membrane.ForceN(ahead_mm);
+    out.puncture_n = std::max(0.0, pressed_n - out.cutting_n);
+  }
+  if (state.on_bone) {
+    out.bone_penetration_mm = std::max(0.0, ahead_mm - state.bone_from_mm);
+    out.bone_n =
+        table_.settings.bone.ForceN(out.bone_penetration_mm, (ahead_mm - ahead_before_mm) / dt_s);
+  }
+  double friction_n = 0.0;
+  double depth_mm = 0.0;
+  Eigen::Vector3d lateral_n = Eigen::Vector3d::Zero();
+  for (int i = 1; i < state.num_nodes; ++i) {
+    const PathNode& node = state.node[i];
+    const double weight = Weight(state, i);
+    friction_n += node.axial_n_per_mm * weight * node.offset_mm;
+    depth_mm += weight * settings_.node_spacing_mm;
+    if (!state.bends) {
+      lateral_n += LateralForceN(state, i, state.device_in_ct_mm, state.axis_in_ct);
+    }
+  }
+  const double largest_n = settings_.friction_rate_n_per_s * dt_s;
+  state.friction_n += std::clamp(friction_n - state.friction_n, -largest_n, largest_n);
+  out.friction_n = state.friction_n;
+  out.depth_mm = depth_mm + ahead_mm - out.bone_penetration_mm;
+  const double size_n = lateral_n.norm();
+  const double limit_n = table_.settings.lateral_limit_n;
+  state.lateral_share = size_n > limit_n ? limit_n / size_n : 1.0;
+  out.lateral_n = state.lateral_share * size_n;
+  out.force_in_ct_n = state.lateral_share * lateral_n - out.AxialN() * state.axis_in_ct;
+}
+
+void SpringModel::LoadOf(const SpringState& state, TissueLoad& out) const noexcept {
+  static_assert(SpringState::kMaxNodes <= TissueLoad::kMaxPoints);
+  out.num_points = state.num_nodes;
+  out.needle = {};
+  if (state.num_nodes == 0) return;
+  for (int i = 0; i < state.num_nodes; ++i) {
+    out.point[i].rest_in_ct_mm = state.node[i].rest_in_ct_mm;
+    out.point[i].force_in_ct_n.setZero();
+    if (i == 0) continue;
+    const double axial_n =
+        state.node[i].axial_n_per_mm * Weight(state, i) * state.node[i].offset_mm;
+    out.point[i].force_in_ct_n = axial_n * state.axis_in_ct;
+    if (state.bends) continue;  // It lies in its path: what its springs still do is not shown.
+    out.point[i].force_in_ct_n -=
+        state.lateral_share * LateralForceN(state, i, state.device_in_ct_mm, state.axis_in_ct);
+  }
+  const forces::NeedleForce& force = state.force;
+  const double tip_n = force.cutting_n + force.puncture_n + force.bone_n;
+  out.point[state.num_nodes - 1].force_in_ct_n += tip_n * state.axis_in_ct;
+  out.needle.in_contact = true;
+  out.needle.pierced = state.pierced;
+  out.needle.entry_in_ct_mm = state.node[0].rest_in_ct_mm;
+  out.needle.tip_in_ct_mm =
+      state.bends
+          ? state.node[state.num_nodes - 1].rest_in_ct_mm +
+                (std::max(state.ahead_mm, 0.0) - force.bone_penetration_mm) *
+                    state.tip_direction_in_ct
+          : Eigen::Vector3d(state.device_in_ct_mm - force.bone_penetration_mm * state.axis_in_ct);
+  out.needle.axis_in_ct = state.axis_in_ct;
+  out.needle.pre_puncture_n = force.puncture_n;
+  out.needle.cutting_n = force.cutting_n + force.bone_n;
+  out.needle.friction_n = force.friction_n;
+}
+
+}  // namespace acus::tissue

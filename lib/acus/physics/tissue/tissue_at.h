@@ -1,0 +1,15 @@
+// Which tissue is where, for levels that have no mesh.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+
+#include "acus/data/volume/volume.h"
+
+namespace acus::tissue {
+
+/// Label of the tissue at rest at a place of CT space; 0 outside the body. Must not throw, allocate
+/// or lock: it is called in the step.
+using TissueAt = std::function<volume::Label(const Eigen::Vector3d& rest_in_ct_mm)>;
+
+}  // namespace acus::tissue

@@ -1,0 +1,122 @@
+#include "acus/physics/tissue/tissue_model.h"
+
+namespace acus::tissue {
+namespace {
+
+/// The part of a level that steps with the samples; null for formulas, which have no state.
+const SpringModel* Contact(const SpringModel& level) {
+  return &level;
+}
+const PlaneModel2010* Contact(const PlaneModel2010& level) {
+  return &level;
+}
+const FemNeedleModel* Contact(const FemLevel& level) {
+  return &level.needle;
+}
+std::nullptr_t Contact(const DisplacementFunctions&) {
+  return nullptr;
+}
+
+template <class Level>
+concept Stepping = requires(const Level& level) {
+  Contact(level)->NewState();
+};
+
+template <Stepping Level>
+using StateOf = decltype(Contact(std::declval<const Level&>())->NewState());
+
+/// What a level knows beside the force on the needle.
+void Describe(const SpringModel&, const SpringState& state, TissueForce& out) noexcept {
+  out.touched = state.num_nodes > 0;
+  out.pierced = state.pierced;
+  out.tissue_at_tip = state.bends && state.num_nodes > 0 ? state.node[state.num_nodes - 1].tissue
+                                                         : state.tissue_at_tip;
+}
+
+void Describe(const PlaneModel2010&, const PlaneState& state, TissueForce& out) noexcept {
+  out.touched = state.in_body;
+  out.pierced = state.in_body && state.pierced;
+  out.tissue_at_tip = state.tissue_at_tip;
+}
+
+void Describe(const FemNeedleModel& model, const FemNeedleState& state, TissueForce& out) noexcept {
+  out.touched = state.phase != NeedlePhase::kFree || state.probe_force.num_nodes > 0;
+  out.pierced = state.phase == NeedlePhase::kInside;
+  out.probe_in_ct_n = state.probe_force.force_in_ct_n;
+  if (state.phase == NeedlePhase::kFree) return;
+  // At the end of its cut the tip is where it cut last; drawn back, somewhere along the cut.
+  const Eigen::Vector3d axis = state.frame.col(2);
+  const bool drawn_back = state.depth_mm < (state.end_mm - state.entry_mm).dot(axis);
+  out.tissue_at_tip = drawn_back ? model.mesh().Find(state.entry_mm + state.depth_mm * axis).tissue
+                                 : state.end_tissue;
+}
+
+DisplacementFunctionsField FieldOf(const DisplacementFunctions& level) {
+  return DisplacementFunctionsField(level);
+}
+SpringField FieldOf(const SpringModel& level) {
+  return SpringField(level);
+}
+PlaneField2010 FieldOf(const PlaneModel2010& level) {
+  return PlaneField2010(level);
+}
+FemField FieldOf(const FemLevel& level) {
+  return FemField(*level.image);
+}
+
+}  // namespace
+
+void TissueField::Update(const TissueLoad& load) {
+  std::visit([&](auto& field) { field.Update(load); }, level_);
+}
+
+Eigen::Vector3d TissueField::DisplacementMm(const Eigen::Vector3d& rest_in_ct_mm) const noexcept {
+  return std::visit([&](const auto& field) { return field.DisplacementMm(rest_in_ct_mm); }, level_);
+}
+
+TissueState TissueModel::NewState() const {
+  return std::visit(
+      []<class Level>(const Level& level) -> TissueState {
+        if constexpr (Stepping<Level>) {
+          return Contact(level)->NewState();
+        } else {
+          return std::monostate();
+        }
+      },
+      level_);
+}
+
+TissueForce TissueModel::Step(TissueState& state, const ToolSample& sample) const noexcept {
+  TissueForce out;
+  std::visit(
+      [&]<class Level>(const Level& level) {
+        if constexpr (Stepping<Level>) {
+          auto& its_state = *std::get_if<StateOf<Level>>(&state);
+          out.needle = Contact(level)->Step(its_state, sample);
+          Describe(*Contact(level), its_state, out);
+        }
+      },
+      level_);
+  return out;
+}
+
+bool TissueModel::LoadOf(const TissueState& state, TissueLoad& out) const noexcept {
+  return std::visit(
+      [&]<class Level>(const Level& level) {
+        if constexpr (Stepping<Level>) {
+          const auto& its_state = *std::get_if<StateOf<Level>>(&state);
+          TissueForce what;
+          Describe(*Contact(level), its_state, what);
+          if (what.touched) Contact(level)->LoadOf(its_state, out);
+          return what.touched;
+        }
+        return false;
+      },
+      level_);
+}
+
+TissueField TissueModel::NewField() const {
+  return std::visit([](const auto& level) { return TissueField(FieldOf(level)); }, level_);
+}
+
+}  // namespace acus::tissue

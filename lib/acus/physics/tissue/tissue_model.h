@@ -1,0 +1,77 @@
+// Tissue that tools deform: one interface for all levels, from two formulas to finite elements.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <variant>
+
+#include "acus/data/volume/volume.h"
+#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/tissue/displacement_functions.h"
+#include "acus/physics/tissue/fem_field.h"
+#include "acus/physics/tissue/needle_contact.h"
+#include "acus/physics/tissue/plane_model_2010.h"
+#include "acus/physics/tissue/spring_model.h"
+#include "acus/physics/tissue/tissue_load.h"
+#include "acus/physics/tissue/tool_sample.h"
+
+namespace acus::tissue {
+
+/// What one step gives.
+struct TissueForce {
+  bool touched = false;        ///< A tool deforms the tissue.
+  forces::NeedleForce needle;  ///< On the needle.
+  volume::Label tissue_at_tip = 0;
+  bool pierced = false;                                     ///< The needle is through the skin.
+  Eigen::Vector3d probe_in_ct_n = Eigen::Vector3d::Zero();  ///< On the probe.
+};
+
+/// Finite elements in 3D: contact in the step, and the block that images are deformed by.
+struct FemLevel {
+  FemNeedleModel needle;
+  std::shared_ptr<const FemImage> image;  ///< Null if no image shows the deformation.
+};
+
+/// All that a level remembers between steps. A plain value: a copy goes on with the same bits.
+using TissueState = std::variant<std::monostate, SpringState, PlaneState, FemNeedleState>;
+
+/// Displacements at rest points by the forces of one moment. One for each thread; keeps a
+/// reference to its model.
+class TissueField {
+ public:
+  using Level = std::variant<DisplacementFunctionsField, SpringField, PlaneField2010, FemField>;
+  explicit TissueField(Level level) : level_(std::move(level)) {}
+
+  /// Takes in the forces. Allocates nothing after the first call.
+  void Update(const TissueLoad& load);
+  /// CT space, mm; continuous.
+  Eigen::Vector3d DisplacementMm(const Eigen::Vector3d& rest_in_ct_mm) const noexcept;
+
+ private:
+  Level level_;
+};
+
+/// A level with its constants. Const after construction: any number of states and fields may use it
+/// at once.
+class TissueModel {
+ public:
+  using Level = std::variant<DisplacementFunctions, SpringModel, PlaneModel2010, FemLevel>;
+  explicit TissueModel(Level level) : level_(std::move(level)) {}
+
+  TissueState NewState() const;
+
+  /// Takes in the next sample. Allocates nothing, takes no lock. Bad samples are dealt with as by
+  /// forces::NeedleForceModel::Step. @pre `state` is of this model.
+  TissueForce Step(TissueState& state, const ToolSample& sample) const noexcept;
+
+  /// What the fields need. False, and `out` untouched, if nothing deforms the tissue.
+  bool LoadOf(const TissueState& state, TissueLoad& out) const noexcept;
+
+  /// @pre the level is not FemLevel without an image.
+  TissueField NewField() const;
+
+ private:
+  Level level_;
+};
+
+}  // namespace acus::tissue

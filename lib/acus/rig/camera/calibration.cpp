@@ -1,0 +1,306 @@
+#include "acus/rig/camera/calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <opencv2/calib3d.hpp>
+#include <set>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/error.h"
+#include "acus/base/core/text_table.h"
+#include "acus/base/math/statistics.h"
+
+namespace acus::camera {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kFieldsAcross = 8;
+constexpr int kFieldsDown = 6;
+constexpr double kLeastOutlierPx = 0.3;
+
+/// Corners of the pictures that are used, and which view each belongs to.
+struct Corners {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::vector<cv::Point3f>> on_board;
+  std::vector<std::vector<cv::Point2f>> in_picture;
+  std::vector<std::size_t> view;
+
+  void Remove(std::size_t i) {
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    on_board.erase(on_board.begin() + at);
+    in_picture.erase(in_picture.begin() + at);
+    view.erase(view.begin() + at);
+  }
+};
+
+/// On fewer than two rows or columns a view says next to nothing, and the solver may fail.
+bool Spread(const std::vector<BoardCorner>& corners, int columns) {
+  std::set<std::size_t> rows, columns_seen;
+  const auto across = static_cast<std::size_t>(columns - 1);
+  for (const BoardCorner& corner : corners) {
+    rows.insert(corner.number / across);
+    columns_seen.insert(corner.number % across);
+  }
+  return rows.size() >= 2 && columns_seen.size() >= 2;
+}
+
+Corners FindCorners(const std::vector<std::filesystem::path>& pictures,
+                    const CalibrationBoard& board, const CalibrationSettings& settings,
+                    const RunContext& context, std::vector<CalibrationView>& views) {
+  MarkerDetector detector(board.dictionary);
+  const auto on_board = board.CornersMm();
+  Corners all;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    context.Checkpoint("Looking for the board",
+                       static_cast<double>(i) / static_cast<double>(pictures.size()));
+    CalibrationView& view = views.emplace_back();
+    view.file = pictures[i].filename().string();
+    const Picture picture = ReadPicture(pictures[i]);
+    if (all.width_px == 0) {
+      all.width_px = picture.width_px;
+      all.height_px = picture.height_px;
+    }
+    if (picture.width_px != all.width_px || picture.height_px != all.height_px) {
+      view.rejected = Message("has ", picture.width_px, " x ", picture.height_px,
+                              " pixels, the first one ", all.width_px, " x ", all.height_px);
+      continue;
+    }
+    const auto found = FindBoardCorners(picture, board, detector);
+    view.corners = static_cast<int>(found.size());
+    if (view.corners < settings.least_corners || !Spread(found, board.columns)) {
+      view.rejected = Message("only ", view.corners, " corners of the board; ",
+                              settings.least_corners, " are needed, in two rows and columns");
+      continue;
+    }
+    std::vector<cv::Point3f>& from = all.on_board.emplace_back();
+    std::vector<cv::Point2f>& to = all.in_picture.emplace_back();
+    for (const BoardCorner& corner : found) {
+      const Eigen::Vector3f at = on_board[corner.number].cast<float>();
+      from.emplace_back(at[0], at[1], at[2]);
+      to.emplace_back(static_cast<float>(corner.pixel[0]), static_cast<float>(corner.pixel[1]));
+    }
+    all.view.push_back(i);
+  }
+  return all;
+}
+
+struct Solution {
+  cv::Mat matrix, distortion, sigma, view_rms;
+  std::vector<cv::Mat> turns, shifts;
+  double rms_px = 0.0;
+};
+
+Solution Solve(const Corners& corners, bool fit_k3) {
+  Solution s;
+  cv::Mat ignored;
+  try {
+    s.rms_px =
+        cv::calibrateCamera(corners.on_board, corners.in_picture,
+                            {corners.width_px, corners.height_px}, s.matrix, s.distortion, s.turns,
+                            s.shifts, s.sigma, ignored, s.view_rms, fit_k3 ? 0 : cv::CALIB_FIX_K3,
+                            {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-12});
+  } catch (const cv::Exception& error) {
+    throw NoAnswerError("the calibration failed (" + error.err +
+                        "); take pictures of the board at more different angles");
+  }
+  return s;
+}
+
+void CheckCount(const Corners& corners, const CalibrationSettings& settings) {
+  if (static_cast<int>(corners.view.size()) >= settings.least_views) return;
+  throw NoAnswerError(Message(
+      "only ", corners.view.size(), " pictures show enough of the board, ", settings.least_views,
+      " are needed: take 15 to 25 sharp ones, with the board at different angles of 20 to 50 "
+      "degrees, and in every corner of the picture"));
+}
+
+/// Leaves out views far worse than the rest. True if there were any.
+bool RejectBadViews(const Solution& solution, Corners& corners,
+                    std::vector<CalibrationView>& views) {
+  std::vector<double> rms;
+  for (int i = 0; i < solution.view_rms.rows; ++i) rms.push_back(solution.view_rms.at<double>(i));
+  const double limit = std::max(kLeastOutlierPx, 3.0 * math::Median(rms));
+  bool any = false;
+  for (std::size_t i = rms.size(); i-- > 0;) {
+    if (rms[i] <= limit) continue;
+    views[corners.view[i]].rejected = Message("does not fit the others: ", FixedText(rms[i], 2),
+                                              " px; blurred, or a bent board?");
+    corners.Remove(i);
+    any = true;
+  }
+  return any;
+}
+
+CameraModel ModelOf(const Solution& s, const Corners& corners) {
+  CameraParameters p;
+  p.name = "calibrated camera";
+  p.description = Message("Calibrated with ", corners.view.size(), " pictures");
+  p.width_px = corners.width_px;
+  p.height_px = corners.height_px;
+  p.focal_px = {s.matrix.at<double>(0, 0), s.matrix.at<double>(1, 1)};
+  p.centre_px = {s.matrix.at<double>(0, 2), s.matrix.at<double>(1, 2)};
+  const auto d = [&](int i) { return s.distortion.at<double>(i); };
+  p.radial = {d(0), d(1), d(4)};
+  p.tangential = {d(2), d(3)};
+  p.reprojection_rms_px = s.rms_px;
+  try {
+    return CameraModel(p);
+  } catch (const InputError& error) {
+    throw NoAnswerError(std::string("the pictures do not determine the camera: ") + error.what());
+  }
+}
+
+void DescribeViews(const Solution& s, const Corners& corners, std::vector<CalibrationView>& views) {
+  for (std::size_t i = 0; i < corners.view.size(); ++i) {
+    CalibrationView& view = views[corners.view[i]];
+    view.rms_px = s.view_rms.at<double>(static_cast<int>(i));
+    cv::Mat turn;
+    cv::Rodrigues(s.turns[i], turn);
+    view.tilt_deg =
+        std::acos(std::min(1.0, std::abs(turn.at<double>(2, 2)))) * 180.0 / std::numbers::pi;
+    view.distance_mm = cv::norm(s.shifts[i]);
+  }
+}
+
+double CoveredShare(const Corners& corners, bool& all_corners) {
+  std::set<int> fields;
+  for (const auto& picture : corners.in_picture) {
+    for (const cv::Point2f& at : picture) {
+      const int across =
+          std::clamp(static_cast<int>(at.x * kFieldsAcross / static_cast<float>(corners.width_px)),
+                     0, kFieldsAcross - 1);
+      const int down =
+          std::clamp(static_cast<int>(at.y * kFieldsDown / static_cast<float>(corners.height_px)),
+                     0, kFieldsDown - 1);
+      fields.insert(down * kFieldsAcross + across);
+    }
+  }
+  all_corners = fields.contains(0) && fields.contains(kFieldsAcross - 1) &&
+                fields.contains((kFieldsDown - 1) * kFieldsAcross) &&
+                fields.contains(kFieldsDown * kFieldsAcross - 1);
+  return static_cast<double>(fields.size()) / (kFieldsAcross * kFieldsDown);
+}
+
+void AddWarnings(const Corners& corners, Calibration& out) {
+  bool all_corners = false;
+  out.covered_share = CoveredShare(corners, all_corners);
+  if (out.covered_share < 0.7 || !all_corners) {
+    out.warnings.push_back(
+        Message("the board covers ", std::lround(100.0 * out.covered_share), " % of the picture",
+                all_corners ? "" : ", and not all of its corners",
+                ": there the lens is a guess; add pictures with the board there"));
+  }
+  double largest_tilt = 0.0;
+  int rejected = 0;
+  for (const CalibrationView& view : out.views) {
+    if (view.rejected.empty()) largest_tilt = std::max(largest_tilt, view.tilt_deg);
+    rejected += view.rejected.empty() ? 0 : 1;
+  }
+  if (largest_tilt < 20.0) {
+    out.warnings.push_back(Message("the board was never tilted by more than ",
+                                   std::lround(largest_tilt),
+                                   " degrees: the focal length is not sure; tilt it by 20 to 50"));
+  }
+  const double focal = out.camera.parameters().focal_px.minCoeff();
+  if (std::max(out.sigma[0], out.sigma[1]) > 0.005 * focal) {
+    out.warnings.push_back(
+        Message("the focal length is known to ",
+                FixedText(100.0 * std::max(out.sigma[0], out.sigma[1]) / focal, 1),
+                " % only; add pictures"));
+  }
+  if (out.rms_px > 1.0) {
+    out.warnings.push_back(
+        Message("corners are off by ", FixedText(out.rms_px, 2),
+                " px RMS: is the board flat, and its square as long as the file says?"));
+  }
+  if (rejected > 0) {
+    out.warnings.push_back(Message(rejected, " of ", out.views.size(), " pictures were not used"));
+  }
+}
+
+}  // namespace
+
+Calibration CalibrateCamera(const std::vector<std::filesystem::path>& pictures,
+                            const CalibrationBoard& board, const CalibrationSettings& settings,
+                            const RunContext& context) {
+  std::vector<CalibrationView> views;
+  Corners corners = FindCorners(pictures, board, settings, context, views);
+  CheckCount(corners, settings);
+  Solution solution = Solve(corners, settings.fit_k3);
+  if (RejectBadViews(solution, corners, views)) {
+    CheckCount(corners, settings);
+    solution = Solve(corners, settings.fit_k3);
+  }
+  DescribeViews(solution, corners, views);
+  Calibration out{.camera = ModelOf(solution, corners),
+                  .rms_px = solution.rms_px,
+                  .sigma = {},
+                  .views = std::move(views),
+                  .covered_share = 0.0,
+                  .warnings = {}};
+  // OpenCV's order: fx, fy, cx, cy, k1, k2, p1, p2, k3.
+  constexpr std::array<int, 9> kOrder = {0, 1, 2, 3, 4, 5, 8, 6, 7};
+  for (std::size_t i = 0; i < 9; ++i) out.sigma[i] = solution.sigma.at<double>(kOrder[i]);
+  AddWarnings(corners, out);
+  return out;
+}
+
+std::string TableText(const Calibration& calibration) {
+  std::vector<std::vector<std::string>> rows;
+  for (const CalibrationView& view : calibration.views) {
+    const bool used = view.rejected.empty();
+    rows.push_back({view.file, std::to_string(view.corners), used ? FixedText(view.rms_px, 3) : "-",
+                    used ? FixedText(view.tilt_deg, 0) : "-",
+                    used ? FixedText(view.distance_mm, 0) : "-", view.rejected});
+  }
+  const CameraParameters& p = calibration.camera.parameters();
+  const auto with_sigma = [&](double value, std::size_t i, int decimals) {
+    return FixedText(value, decimals) + " +- " + FixedText(calibration.sigma[i], decimals);
+  };
+  return TextTable({"picture", "corners", "RMS px", "tilt deg", "distance mm", "not used because"},
+                   rows) +
+         Message("reprojection ", FixedText(calibration.rms_px, 3), " px RMS\n", "focal ",
+                 with_sigma(p.focal_px[0], 0, 2), ", ", with_sigma(p.focal_px[1], 1, 2),
+                 " px; centre ", with_sigma(p.centre_px[0], 2, 2), ", ",
+                 with_sigma(p.centre_px[1], 3, 2), " px\nk1 ", with_sigma(p.radial[0], 4, 5),
+                 ", k2 ", with_sigma(p.radial[1], 5, 5), ", p1 ", with_sigma(p.tangential[0], 7, 5),
+                 ", p2 ", with_sigma(p.tangential[1], 8, 5), "\n",
+                 std::lround(100.0 * calibration.covered_share), " % of the picture covered; ",
+                 FixedText(calibration.camera.HorizontalAngleDeg(), 1), " degrees wide\n");
+}
+
+json ToJson(const Calibration& calibration) {
+  json views = json::array();
+  for (const CalibrationView& view : calibration.views) {
+    views.push_back({{"file", view.file},
+                     {"corners", view.corners},
+                     {"rms_px", view.rms_px},
+                     {"tilt_deg", view.tilt_deg},
+                     {"distance_mm", view.distance_mm},
+                     {"rejected", view.rejected}});
+  }
+  return {
+      {"format", "acus-camera-calibration/1"},
+      {"reprojection_rms_px", calibration.rms_px},
+      {"sigma_fx_fy_cx_cy_px",
+       {calibration.sigma[0], calibration.sigma[1], calibration.sigma[2], calibration.sigma[3]}},
+      {"sigma_radial", {calibration.sigma[4], calibration.sigma[5], calibration.sigma[6]}},
+      {"sigma_tangential", {calibration.sigma[7], calibration.sigma[8]}},
+      {"covered_share", calibration.covered_share},
+      {"horizontal_angle_deg", calibration.camera.HorizontalAngleDeg()},
+      {"views", views},
+      {"warnings", calibration.warnings}};
+}
+
+void WriteResult(const std::filesystem::path& folder, const Calibration& calibration,
+                 const RunContext& context) {
+  WriteCamera(folder / "camera.json", calibration.camera);
+  config::WriteJson(folder / "calibration.json", ToJson(calibration));
+  config::WriteJson(folder / "provenance.json", context.provenance.ToJson());
+}
+
+}  // namespace acus::camera

@@ -1,0 +1,76 @@
+// Tools and the mannequin tracked by an ordinary camera: a source of poses.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acus/rig/camera/facet_pose.h"
+#include "acus/rig/camera/frame_source.h"
+#include "acus/rig/camera/marker_detector.h"
+#include "acus/rig/tracking/pose_source.h"
+
+namespace acus::camera {
+
+/// A tool that is wanted, and which object of the facet set it is.
+struct CameraTool {
+  std::string tool;    ///< Our name: "probe".
+  std::string object;  ///< Of the facet set: "Probe".
+  /// Calibration: reference_from_tool = reference_from_object * object_from_tool.
+  Eigen::Isometry3d object_from_tool = Eigen::Isometry3d::Identity();
+};
+
+struct CameraTrackerOptions {
+  std::string name = "camera";  ///< For messages to the user.
+  std::string place;            ///< See OpenFrameSource.
+  FrameSourceOptions source;
+  /// The object whose frame poses are given in; empty: the camera's own frame.
+  std::string reference = "Reference";
+  std::vector<CameraTool> tools;
+  DetectorSettings detector;
+  PoseSettings pose;
+  /// A reference that is hidden keeps its last pose so long: hands come between. Only for a camera
+  /// and a mannequin that both stand still. 0: then no tool has a pose either.
+  int hold_reference_ms = 0;
+  /// All tools are published as not seen if no picture came for so long.
+  int lost_after_ms = 200;
+  std::size_t journal_capacity = 0;  ///< Of the board.
+};
+
+/// A picture with what was found in it, for an overlay that fits it exactly.
+struct CameraView {
+  Picture picture;           ///< As it came; its time is when it arrived.
+  std::uint64_t number = 0;  ///< Pictures so far, this one included.
+  std::vector<ObjectPose> objects;
+  std::optional<Eigen::Isometry3d> camera_from_reference;
+};
+
+/// One thread takes pictures, looks for markers and publishes: each tool gets one reading with each
+/// picture, valid or not. A camera that is unplugged is looked for again; nothing that it sends
+/// ends the thread. Ambiguous poses are published as not valid.
+class CameraTracker final : public tracking::PoseSource {
+ public:
+  /// @throws InputError if the set has no such object, a tool is there twice, or the place is not
+  ///     understood.
+  CameraTracker(CameraModel camera, FacetSet facets, CameraTrackerOptions options);
+  ~CameraTracker() override;
+
+  std::string name() const override;
+  void Start() override;
+  void Stop() noexcept override;
+  tracking::PoseBoard& board() noexcept override;
+  /// Pictures count as messages, pictures of a wrong size as bad ones.
+  tracking::SourceStatus status() const override;
+
+  const CameraModel& camera() const;
+  /// The newest picture; null before the first. Takes a short lock: not for the loop that feels
+  /// forces.
+  std::shared_ptr<const CameraView> Latest() const;
+
+ private:
+  class Worker;
+  std::unique_ptr<Worker> worker_;
+};
+
+}  // namespace acus::camera

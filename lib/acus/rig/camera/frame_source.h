@@ -1,0 +1,49 @@
+// Where pictures come from: a video device, a film, a folder of pictures, a pipe, the network.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "acus/rig/camera/picture.h"
+
+namespace acus::camera {
+
+struct FrameSourceStatus {
+  bool connected = false;
+  std::string text;  ///< For people: what is the matter and what is tried next.
+  std::uint64_t received = 0;
+  std::uint64_t bad = 0;         ///< Could not be read, or of another size than before.
+  std::uint64_t reconnects = 0;  ///< Times that it came back.
+};
+
+/// For one thread at a time.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  /// The next picture, in colour or grey. Waits at most `timeout_ms`, and less where there is
+  /// nothing to wait for. False if there is none: see status(). A source that is lost is opened
+  /// anew, at most once a second. Never throws for what the source does.
+  virtual bool Next(Picture& out, int timeout_ms) = 0;
+  /// No picture will ever come again: the end of a film or a folder that is not repeated.
+  virtual bool finished() const = 0;
+  virtual FrameSourceStatus status() const = 0;
+};
+
+struct FrameSourceOptions {
+  /// Films, folders and files are given at this rate; 0: as fast as they are asked for.
+  double pace_hz = 0.0;
+};
+
+/// @param place
+///     "device:0" or "device:/dev/video0": a camera of this computer;
+///     "film:PATH": a film that ffmpeg reads; "folder:PATH": pictures of a folder by name; with
+///     "film-loop:" and "folder-loop:" they begin anew at their end;
+///     "pipe:PATH": a named pipe or file of binary PGM or PPM pictures, one after the other;
+///     "igtl:HOST:PORT" or "igtl:HOST:PORT/STREAM": pictures of an OpenIGTLink server.
+/// A device, pipe or server that is not there now is waited for.
+/// @throws InputError for another kind of place, or a film or folder that is not there.
+std::unique_ptr<FrameSource> OpenFrameSource(const std::string& place,
+                                             const FrameSourceOptions& options = {});
+
+}  // namespace acus::camera

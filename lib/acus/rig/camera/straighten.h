@@ -1,0 +1,30 @@
+// Pictures without the lens: what a pinhole at the same place would have seen.
+#pragma once
+
+#include <memory>
+
+#include "acus/rig/camera/camera_model.h"
+#include "acus/rig/camera/picture.h"
+
+namespace acus::camera {
+
+/// Straight lines become straight, so that a picture rendered with a pinhole lies over the video.
+class Straightener {
+ public:
+  /// Pictures of `camera` to pictures of `camera.Pinhole()`, of the same size.
+  explicit Straightener(const CameraModel& camera);
+  ~Straightener();
+  Straightener(Straightener&&) noexcept;
+  Straightener& operator=(Straightener&&) noexcept;
+
+  const CameraModel& pinhole() const;
+  /// Bilinear; black where the camera did not see. Keeps time and channels. A camera without
+  /// distortion: a copy. @throws InputError if the picture is not of the camera's size.
+  void Straighten(const Picture& picture, Picture& out) const;
+
+ private:
+  struct Map;
+  std::unique_ptr<Map> map_;
+};
+
+}  // namespace acus::camera

@@ -1,0 +1,201 @@
+#include "acus/rig/camera/tracking_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/error.h"
+#include "acus/base/core/random.h"
+#include "acus/base/core/text_table.h"
+#include "acus/data/session/pose_csv.h"
+#include "acus/rig/camera/mannequin_camera.h"
+
+namespace acus::camera {
+namespace {
+
+std::string PictureName(int number) {
+  char name[32];
+  std::snprintf(name, sizeof name, "%04d.png", number);
+  return name;
+}
+
+std::int64_t TimeNs(std::size_t picture, double rate_hz) {
+  return std::llround(1e9 * static_cast<double>(picture) / rate_hz);
+}
+
+/// Seen from the camera: z of the object towards it, y up, tilted about an axis in the picture.
+Eigen::Isometry3d Facing(const Eigen::Vector3d& at_mm, double tilt_rad, double azimuth_rad) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  const Eigen::Vector3d axis(std::cos(azimuth_rad), std::sin(azimuth_rad), 0.0);
+  pose.linear() = (Eigen::AngleAxisd(tilt_rad, axis) *
+                   Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()))
+                      .toRotationMatrix();
+  pose.translation() = at_mm;
+  return pose;
+}
+
+void WriteMovingObjects(const std::filesystem::path& folder, const CameraModel& camera,
+                        const FacetSet& facets, int count, const RunContext& context) {
+  std::vector<BodyInView> bodies;
+  if (facets.Find("Reference") != nullptr) {
+    bodies.push_back({.object = "Reference", .surface = PlainTorso()});
+  }
+  MannequinCamera maker(camera, facets, std::move(bodies), {});
+  std::vector<session::PoseStream> truth(facets.objects.size());
+  Picture picture;
+  for (int i = 0; i < count; ++i) {
+    context.Checkpoint("Drawing", static_cast<double>(i) / count);
+    std::vector<ObjectInView> shown;
+    for (std::size_t o = 0; o < facets.objects.size(); ++o) {
+      const FacetObject& object = facets.objects[o];
+      // Each object's first facet towards the camera, side by side, swaying.
+      const double phase = 2.0 * std::numbers::pi * i / 60.0 + static_cast<double>(o);
+      const double place =
+          static_cast<double>(o) - 0.5 * static_cast<double>(facets.objects.size() - 1);
+      const Eigen::Vector3d at(280.0 * place + 20.0 * std::sin(phase), 15.0 * std::cos(phase),
+                               1000.0);
+      const Eigen::Isometry3d pose = Facing(at, 0.35 + 0.1 * std::sin(phase), 0.7 * phase) *
+                                     object.markers[0].object_from_marker.inverse();
+      shown.push_back({object.name, pose});
+      session::PoseSample sample;
+      sample.time_ns = TimeNs(static_cast<std::size_t>(i), 30.0);
+      sample.valid = true;
+      sample.reference_from_tool = transforms::Pose(pose);
+      truth[o].push_back(sample);
+    }
+    maker.Render(shown, static_cast<std::uint64_t>(i) + context.seed, picture);
+    WritePicture(folder / PictureName(i), picture);
+  }
+  for (std::size_t o = 0; o < truth.size(); ++o) {
+    session::WritePoseCsv(folder.parent_path() / "truth" / (facets.objects[o].name + ".csv"),
+                          truth[o]);
+  }
+}
+
+void WriteBoards(const std::filesystem::path& folder, const CameraModel& camera,
+                 const CalibrationBoard& board, int count, const RunContext& context) {
+  Picture picture;
+  // As far off as fills half of the picture with it.
+  const CameraParameters& p = camera.parameters();
+  const double z = 2.0 * board.square_mm * board.rows * p.focal_px[1] / p.height_px * 0.6;
+  for (int i = 0; i < count; ++i) {
+    context.Checkpoint("Drawing", static_cast<double>(i) / count);
+    RandomStream random(context.seed, "sample board", static_cast<std::uint64_t>(i));
+    const Eigen::Vector3d at((0.4 * (i % 4) - 0.6) * 0.6 * z * p.width_px / p.focal_px[0],
+                             (i / 4 % 3 - 1) * 0.3 * z * p.height_px / p.focal_px[1], z);
+    const Eigen::Isometry3d pose =
+        Facing(at, random.Uniform(0.2, 0.7), random.Uniform(0.0, 2.0 * std::numbers::pi)) *
+        Eigen::AngleAxisd(random.Uniform(-std::numbers::pi, std::numbers::pi),
+                          Eigen::Vector3d::UnitZ());
+    RenderBoard(camera, board, pose, {.colour = false}, static_cast<std::uint64_t>(i), picture);
+    WritePicture(folder / PictureName(i), picture);
+  }
+}
+
+}  // namespace
+
+int TrackedObject::Seen() const {
+  return static_cast<int>(
+      std::count_if(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }));
+}
+
+double TrackedObject::JitterMm() const {
+  if (Seen() < 2) return 0.0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& pose : poses) {
+    if (pose) mean += pose->camera_from_object.translation() / Seen();
+  }
+  double sum = 0.0;
+  for (const auto& pose : poses) {
+    if (pose) sum += (pose->camera_from_object.translation() - mean).squaredNorm();
+  }
+  return std::sqrt(sum / Seen());
+}
+
+TrackingRun TrackPictures(const std::vector<std::filesystem::path>& pictures,
+                          const CameraModel& camera, const FacetSet& facets, double rate_hz,
+                          const RunContext& context) {
+  ACUS_REQUIRE(rate_hz > 0.0 && rate_hz <= 10000.0, "pictures at ", rate_hz,
+               " Hz; allowed is above 0 to 10000");
+  TrackingRun run;
+  run.rate_hz = rate_hz;
+  for (const FacetObject& object : facets.objects) {
+    run.objects.push_back({.name = object.name, .poses = {}});
+  }
+  MarkerDetector detector(facets.dictionary);
+  const CameraParameters& p = camera.parameters();
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    context.Checkpoint("Tracking", static_cast<double>(i) / static_cast<double>(pictures.size()));
+    const Picture picture = ReadPicture(pictures[i]);
+    ACUS_REQUIRE(picture.width_px == p.width_px && picture.height_px == p.height_px,
+                 pictures[i].string(), ": has ", picture.width_px, " x ", picture.height_px,
+                 " pixels, the camera's file says ", p.width_px, " x ", p.height_px,
+                 "; use the camera's own file");
+    run.files.push_back(pictures[i].filename().string());
+    const auto seen = detector.Detect(picture, &camera);
+    for (std::size_t o = 0; o < facets.objects.size(); ++o) {
+      auto& poses = run.objects[o].poses;
+      std::optional<Eigen::Isometry3d> before;
+      if (!poses.empty() && poses.back() && !poses.back()->ambiguous) {
+        before = poses.back()->camera_from_object;
+      }
+      poses.push_back(LocateObject(facets.objects[o], seen, camera, {}, before));
+    }
+  }
+  return run;
+}
+
+std::string TableText(const TrackingRun& run) {
+  std::vector<std::vector<std::string>> rows;
+  for (const TrackedObject& object : run.objects) {
+    double rms = 0.0, sigma_mm = 0.0, sigma_deg = 0.0;
+    int ambiguous = 0;
+    const int seen = std::max(1, object.Seen());
+    for (const auto& pose : object.poses) {
+      if (!pose) continue;
+      rms += pose->rms_px * pose->rms_px / seen;
+      sigma_mm += pose->PositionSigmaMm() / seen;
+      sigma_deg += pose->AngleSigmaDeg() / seen;
+      ambiguous += pose->ambiguous ? 1 : 0;
+    }
+    rows.push_back({object.name, std::to_string(object.Seen()), std::to_string(ambiguous),
+                    FixedText(std::sqrt(rms), 3), FixedText(sigma_mm, 3), FixedText(sigma_deg, 3),
+                    FixedText(object.JitterMm(), 3)});
+  }
+  return TextTable({"object", "seen", "ambiguous", "corners RMS px", "expected mm", "expected deg",
+                    "about its mean, RMS mm"},
+                   rows) +
+         Message(run.files.size(), " pictures\n");
+}
+
+void WriteResult(const std::filesystem::path& folder, const TrackingRun& run,
+                 const RunContext& context) {
+  for (const TrackedObject& object : run.objects) {
+    session::PoseStream stream;
+    session::PoseSample sample;
+    for (std::size_t i = 0; i < object.poses.size(); ++i) {
+      sample.time_ns = TimeNs(i, run.rate_hz);
+      const auto& pose = object.poses[i];
+      sample.valid = pose && !pose->ambiguous;
+      if (sample.valid) sample.reference_from_tool = transforms::Pose(pose->camera_from_object);
+      stream.push_back(sample);
+    }
+    session::WritePoseCsv(folder / (object.name + ".csv"), stream);
+  }
+  config::WriteJson(folder / "provenance.json", context.provenance.ToJson());
+}
+
+void WriteSamples(const std::filesystem::path& folder, const CameraModel& camera,
+                  const CalibrationBoard& board, const FacetSet& facets, int count,
+                  const RunContext& context) {
+  for (const char* name : {"board", "facets", "truth"}) {
+    std::filesystem::create_directories(folder / name);
+  }
+  WriteBoards(folder / "board", camera, board, count, context);
+  WriteMovingObjects(folder / "facets", camera, facets, count, context);
+  config::WriteJson(folder / "provenance.json", context.provenance.ToJson());
+}
+
+}  // namespace acus::camera

@@ -1,0 +1,35 @@
+// How well a live session runs: counted by the real-time thread, read by anybody.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+
+#include "acus/run/live/duration_histogram.h"
+#include "acus/run/live/pose_gate.h"
+
+namespace acus::live {
+
+struct CoreStatistics {
+  using Count = std::atomic<std::int64_t>;
+  static constexpr std::size_t kNumVerdicts = static_cast<std::size_t>(PoseVerdict::kJumped) + 1;
+
+  Count ticks{0};
+  Count steps{0};
+  Count time_back{0};  ///< Readings not later than the one before: no step.
+  /// Ticks whose CPU time was longer than the device's period: the models are too slow.
+  Count missed_by_computation{0};
+  /// Readings that the device should have given between two that it gave: the machine was busy with
+  /// something else, or the device itself.
+  Count missed_by_machine{0};
+  std::array<Count, kNumVerdicts> needle{};  ///< By PoseVerdict, of steps.
+  std::array<Count, kNumVerdicts> probe{};
+  DurationHistogram step_cpu;         ///< CPU time of a tick.
+  DurationHistogram device_to_force;  ///< From the reading to the force that answers it.
+  DurationHistogram interval;         ///< From one reading to the next.
+
+  nlohmann::json ToJson() const;
+};
+
+}  // namespace acus::live

@@ -1,0 +1,141 @@
+#include "acus/run/live/image_thread.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "acus/base/core/error.h"
+#include "acus/base/core/monotonic_time.h"
+#include "acus/run/live/picture_bounds.h"
+#include "acus/scene/simulation/fluoroscopy_renderer.h"
+
+namespace acus::live {
+
+struct ImageThread::Renderers {
+  explicit Renderers(const simulation::Scene& of_scene) : scene(of_scene) {
+    if (scene.probe) probe = std::make_shared<const acoustics::Probe>(*scene.probe);
+    images.emplace(scene, probe.get());
+    if (scene.plan.Has(simulation::StageId::kFluoroscopy)) {
+      fluoroscopy.emplace(scene, 1);
+      fluoroscopy_interval_ns = std::llround(1e9 / scene.fluoroscopy->rate_hz);
+    }
+  }
+  const simulation::Scene& scene;
+  std::shared_ptr<const acoustics::Probe> probe;
+  std::optional<double> gain_db;  ///< As it was asked for last.
+  std::optional<double> depth_mm;
+  std::optional<simulation::ImageRenderer> images;
+  std::optional<simulation::FluoroscopyRenderer> fluoroscopy;
+  std::int64_t fluoroscopy_interval_ns = 0;
+};
+
+double PictureStatistics::per_s() const {
+  const double span_s = 1e-9 * static_cast<double>(last_ns - first_ns);
+  return span_s > 0.0 ? static_cast<double>(pictures - 1) / span_s : 0.0;
+}
+
+nlohmann::json PictureStatistics::ToJson() const {
+  return {{"pictures", pictures.load()},
+          {"late", late.load()},
+          {"per_s", per_s()},
+          {"render", render.ToJson()},
+          {"interval", interval.ToJson()},
+          {"tracker_to_picture", tracker_to_picture.ToJson()}};
+}
+
+ImageThread::ImageThread(const simulation::Scene& scene, TripleBuffer<LiveSnapshot>& snapshots,
+                         double rate_hz, std::function<void(const LivePicture&)> on_picture)
+    : snapshots_(snapshots),
+      rate_hz_(rate_hz),
+      on_picture_(std::move(on_picture)),
+      renderers_(std::make_unique<Renderers>(scene)) {}
+
+ImageThread::~ImageThread() {
+  Stop();
+}
+
+void ImageThread::Start() {
+  thread_ = std::thread([this] { Run(); });
+}
+
+void ImageThread::Stop() noexcept {
+  stopping_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void ImageThread::Run() {
+  const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 / rate_hz_));
+  std::int64_t due_ns = MonotonicNs();
+  while (!stopping_) {
+    const std::int64_t begin_ns = MonotonicNs();
+    if (begin_ns < due_ns) {
+      std::this_thread::sleep_for(
+          std::chrono::nanoseconds(std::min<std::int64_t>(due_ns - begin_ns, 20'000'000)));
+      continue;
+    }
+    due_ns += period_ns;
+    while (due_ns <= begin_ns) {
+      due_ns += period_ns;
+      ++statistics_.late;
+    }
+    if (!snapshots_.Refresh()) continue;  // Before the first step, or the device is silent.
+    LivePicture& out = pictures_.Back();
+    Render(out);
+    const std::int64_t end_ns = MonotonicNs();
+    statistics_.render.Add(end_ns - begin_ns);
+    if (number_ > 1) statistics_.interval.Add(end_ns - statistics_.last_ns);
+    if (number_ == 1) statistics_.first_ns = end_ns;
+    statistics_.last_ns = end_ns;
+    statistics_.tracker_to_picture.Add(end_ns - out.snapshot.measured_ns);
+    ++statistics_.pictures;
+    if (on_picture_) on_picture_(out);
+    pictures_.Publish();
+  }
+}
+
+void ImageThread::SetProbe(const LiveSnapshot& snapshot) {
+  Renderers& r = *renderers_;
+  if (!r.probe || (snapshot.gain_db == r.gain_db && snapshot.depth_mm == r.depth_mm)) return;
+  r.gain_db = snapshot.gain_db;
+  r.depth_mm = snapshot.depth_mm;
+  shown_.reset();
+  auto probe = std::make_shared<acoustics::Probe>(*r.scene.probe);
+  probe->gain_db = std::clamp(r.gain_db.value_or(probe->gain_db), -kLargestGainDb, kLargestGainDb);
+  probe->depth_mm =
+      std::clamp(r.depth_mm.value_or(probe->depth_mm), kLeastDepthMm, kLargestDepthMm);
+  try {
+    acoustics::CheckedProbe(*probe);
+    r.images.emplace(r.scene, probe.get());
+    r.probe = std::move(probe);
+  } catch (const InputError&) {
+    r.images.emplace(r.scene, r.probe.get());  // What this probe cannot do is left undone.
+  }
+}
+
+void ImageThread::Render(LivePicture& out) {
+  out.snapshot = snapshots_.Front();
+  out.number = ++number_;
+  const simulation::Snapshot moment = out.snapshot.ForRenderer();
+  if (!out.snapshot.frozen) {
+    SetProbe(out.snapshot);
+    std::optional<simulation::Snapshot> shown;
+    if (shown_) shown = shown_->ForRenderer();
+    renderers_->images->Render(moment, last_images_, &stage_times_, shown ? &*shown : nullptr);
+    shown_ = out.snapshot;
+    if (renderers_->fluoroscopy && moment.time_ns >= fluoroscopy_due_ns_) {
+      shown.reset();
+      if (shown_by_c_arm_) shown = shown_by_c_arm_->ForRenderer();
+      renderers_->fluoroscopy->Render(moment, last_fluoroscopy_, 1, &stage_times_,
+                                      shown ? &*shown : nullptr);
+      shown_by_c_arm_ = out.snapshot;
+      fluoroscopy_due_ns_ = moment.time_ns + renderers_->fluoroscopy_interval_ns;
+    }
+  }
+  out.probe = renderers_->probe;
+  out.images = last_images_;
+  out.fluoroscopy = last_fluoroscopy_;
+}
+
+}  // namespace acus::live

@@ -1,0 +1,90 @@
+// Pictures of a live session, beside the steps and never in their way.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <thread>
+
+#include "acus/run/live/duration_histogram.h"
+#include "acus/run/live/live_snapshot.h"
+#include "acus/run/live/triple_buffer.h"
+#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/scene.h"
+
+namespace acus::live {
+
+/// A moment with its pictures.
+struct LivePicture {
+  LiveSnapshot snapshot;
+  simulation::Images images;
+  image::GrayImage fluoroscopy;  ///< Empty without one in the plan.
+  /// As it is set: gain, depth. Null without one in the plan.
+  std::shared_ptr<const acoustics::Probe> probe;
+  std::int64_t number = 0;  ///< 0: none yet.
+};
+
+struct PictureStatistics {
+  std::atomic<std::int64_t> pictures{0};
+  std::atomic<std::int64_t> late{0};  ///< Moments of the grid at which a picture was still in work.
+  DurationHistogram render;           ///< Wall-clock time of one.
+  DurationHistogram interval;         ///< From one finished picture to the next.
+  DurationHistogram tracker_to_picture;  ///< From the measured pose to the finished picture.
+
+  std::atomic<std::int64_t> first_ns{0};  ///< When the first was finished, CLOCK_MONOTONIC ...
+  std::atomic<std::int64_t> last_ns{0};   ///< ... and the last.
+
+  double per_s() const;  ///< 0 for fewer than two.
+  nlohmann::json ToJson() const;
+};
+
+/// Renders the newest snapshot at a fixed rate. A snapshot that says "frozen" keeps the pictures
+/// that were there.
+class ImageThread {
+ public:
+  /// @param scene, snapshots  Must outlive this. @param on_picture  Called in this thread after
+  ///     each picture; may be empty; must not throw.
+  ImageThread(const simulation::Scene& scene, TripleBuffer<LiveSnapshot>& snapshots, double rate_hz,
+              std::function<void(const LivePicture&)> on_picture);
+  ~ImageThread();
+  ImageThread(const ImageThread&) = delete;
+  ImageThread& operator=(const ImageThread&) = delete;
+
+  void Start();
+  /// Lets the picture that is in work be finished. Twice is once.
+  void Stop() noexcept;
+
+  /// For one reader: the window, or whoever shows pictures.
+  TripleBuffer<LivePicture>& pictures() noexcept { return pictures_; }
+  const PictureStatistics& statistics() const noexcept { return statistics_; }
+  /// What the stages of the pictures did. Only to be read after Stop().
+  const simulation::StageTimes& stage_times() const noexcept { return stage_times_; }
+  double rate_hz() const noexcept { return rate_hz_; }
+
+ private:
+  struct Renderers;
+  void Run();
+  void Render(LivePicture& out);
+  void SetProbe(const LiveSnapshot& snapshot);
+
+  TripleBuffer<LiveSnapshot>& snapshots_;
+  double rate_hz_;
+  std::function<void(const LivePicture&)> on_picture_;
+  std::unique_ptr<Renderers> renderers_;
+  TripleBuffer<LivePicture> pictures_;
+  PictureStatistics statistics_;
+  simulation::StageTimes stage_times_;
+  simulation::Images last_images_;
+  image::GrayImage last_fluoroscopy_;
+  /// The moments that these two show; nothing if they are to be made anew.
+  std::optional<LiveSnapshot> shown_;
+  std::optional<LiveSnapshot> shown_by_c_arm_;
+  std::int64_t number_ = 0;
+  std::int64_t fluoroscopy_due_ns_ = 0;
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace acus::live

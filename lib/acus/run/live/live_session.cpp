@@ -1,0 +1,345 @@
+#include "acus/run/live/live_session.h"
+
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/error.h"
+#include "acus/base/core/monotonic_time.h"
+#include "acus/base/core/text_table.h"
+#include "acus/data/session/session_import.h"
+#include "acus/imaging/acoustics/probe.h"
+#include "acus/rig/haptics/open_device.h"
+#include "acus/rig/haptics/zero_forces.h"
+#include "acus/run/live/tracked_driver.h"
+
+namespace acus::live {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A device follows a recorded tool, forth and back without end.
+haptics::GoalPath PathOf(const session::PoseStream& stream, std::int64_t start_ns,
+                         const Eigen::Isometry3d& reference_from_device,
+                         const Eigen::Isometry3d& handle_from_tool) {
+  constexpr std::int64_t kLeastNs = 5'000'000;  // 200 points a second are enough for a hand.
+  haptics::GoalPath path;
+  path.between = haptics::GoalPath::Between::kLinear;
+  std::int64_t last_ns = 0;
+  for (const session::PoseSample& sample : stream) {
+    if (!sample.valid || (!path.points.empty() && sample.time_ns - last_ns < kLeastNs)) continue;
+    last_ns = sample.time_ns;
+    path.points.push_back({1e-9 * static_cast<double>(sample.time_ns - start_ns),
+                           reference_from_device.inverse() * sample.reference_from_tool.isometry() *
+                               handle_from_tool.inverse()});
+  }
+  const double end_s = path.points.empty() ? 0.0 : path.points.back().time_s;
+  for (std::size_t i = path.points.size(); i-- > 0;) {
+    if (path.points[i].time_s >= end_s) continue;
+    path.points.push_back({2.0 * end_s - path.points[i].time_s, path.points[i].device_from_handle});
+  }
+  path.repeats = true;
+  return path;
+}
+
+constexpr std::size_t kWordsThatTell = 40;  // Of a status line: what follows are numbers.
+
+/// What a replay of the recording will load, too.
+simulation::Scene LoadSceneFor(const scenario::Scenario& scenario, const LiveDevices& devices,
+                               RunContext& context) {
+  const bool follows =
+      scenario.breathing && scenario.breathing->from_session != scenario::SessionBreath::kNever;
+  const auto plan = simulation::PlanEffects(scenario, {.needle_poses = devices.has_needle(),
+                                                       .probe_poses = devices.has_probe(),
+                                                       .breath = follows});
+  return simulation::LoadScene(scenario, plan, context);
+}
+
+}  // namespace
+
+/// The servo of the device that does not run the steps.
+struct LiveSession::Bridge {
+  tracking::PoseBoard board{{"other"}};
+  std::atomic<LiveCore*> core{nullptr};
+
+  static haptics::DeviceForce Tick(void* context, const haptics::DeviceReading& reading) noexcept {
+    auto& bridge = *static_cast<Bridge*>(context);
+    tracking::TrackedPose pose;
+    pose.time_ns = pose.measured_ns = reading.time_ns;
+    pose.valid = reading.valid;
+    if (reading.valid) pose.reference_from_tool = reading.device_from_handle;
+    bridge.board.Publish(0, pose);
+    const LiveCore* core = bridge.core.load(std::memory_order_acquire);
+    return core == nullptr ? haptics::DeviceForce{} : core->OtherForce(reading.time_ns);
+  }
+};
+
+std::string_view NameOf(SessionEnd end) {
+  constexpr std::array<std::string_view, 4> kNames = {"running", "duration", "stopped",
+                                                      "device failed"};
+  return kNames[static_cast<std::size_t>(end)];
+}
+
+LiveSession::LiveSession(const scenario::Scenario& scenario, const LiveDevices& devices,
+                         const LiveOptions& options, RunContext& context)
+    : devices_(devices),
+      options_(options),
+      context_(context),
+      name_(!options.name.empty() ? options.name : scenario.name),
+      scene_(LoadSceneFor(scenario, devices, context)) {
+  if (scene_.breathing && scene_.plan.breath_from_session()) {
+    partner_.emplace(simulation::LoadBreathing(scenario, /*from_session=*/false, context));
+  }
+  if (!options.hand.empty()) FollowSession(devices_, options.hand);
+  for (const TrackerConfig& tracker : devices_.trackers) {
+    trackers_.push_back(std::make_unique<tracking::IgtlSource>(tracker.options));
+  }
+  if (devices_.camera) {
+    auto tracker = std::make_unique<camera::CameraTracker>(
+        camera::ReadCamera(devices_.camera->model), camera::ReadFacets(devices_.camera->facets),
+        devices_.camera->options);
+    camera_ = tracker.get();
+    trackers_.push_back(std::move(tracker));
+  }
+  OpenDevices(devices_);
+}
+
+LiveSession::~LiveSession() {
+  Stop();
+}
+
+void LiveSession::FollowSession(LiveDevices& devices, const fs::path& path) {
+  const session::Session session = session::ReadAnySession(path, {}, context_).session;
+  for (const auto& [tool, stream] : {std::pair{&devices.haptics.needle, &session.needle},
+                                     {&devices.haptics.probe, &session.probe}}) {
+    if (tool->device.empty() || stream->empty()) continue;
+    for (haptics::DeviceConfig& device : devices.haptics.devices) {
+      if (device.name != tool->device) continue;
+      ACUS_REQUIRE(device.driver == haptics::DriverKind::kVirtualHand, "--hand: the device \"",
+                   device.name, "\" is held by a real hand; only a virtual_hand can follow ",
+                   path.string());
+      device.hand.path =
+          PathOf(*stream, session.start_ns(), devices.reference_from_device.at(device.name),
+                 tool->handle_from_tool);
+    }
+  }
+}
+
+void LiveSession::OpenDevices(const LiveDevices& devices) {
+  const auto open = [&](const haptics::ToolConfig& tool) {
+    const haptics::DeviceConfig& config = *devices.haptics.Find(tool.device);
+    if (config.driver != haptics::DriverKind::kVirtualHand) return haptics::OpenDevice(config);
+    const auto steering = std::make_shared<haptics::HandSteering>();
+    steering_[tool.device] = steering;
+    return haptics::OpenDevice(config, steering);
+  };
+  const auto mount = [&](const haptics::ToolConfig& tool) {
+    return ToolMount{devices.reference_from_device.at(tool.device), tool.handle_from_tool};
+  };
+  const auto tracked = [&](const char* tool) -> std::optional<BoardTool> {
+    const auto place = devices.FindTracked(tool);
+    if (!place) return {};
+    return BoardTool{.board = &trackers_[place->tracker]->board(),
+                     .tool = place->tool,
+                     .mount = {},
+                     .stale_s = place->stale_s};
+  };
+  const haptics::ToolConfig& needle = devices.haptics.needle;
+  const haptics::ToolConfig& probe = devices.haptics.probe;
+  // Motors want steps at their rate: a device with motors runs them, rather than a tracker.
+  if (!needle.device.empty()) {
+    servo_device_ = open(needle);
+    core_settings_.servo = mount(needle);
+    if (!probe.device.empty()) {
+      other_device_ = open(probe);
+      bridge_ = std::make_unique<Bridge>();
+      core_settings_.other =
+          BoardTool{.board = &bridge_->board, .tool = 0, .mount = mount(probe), .stale_s = 0.02};
+      core_settings_.tools_change_handles = true;
+    } else {
+      core_settings_.other = tracked("probe");
+    }
+  } else if (!probe.device.empty()) {
+    servo_device_ = open(probe);
+    core_settings_.servo = mount(probe);
+    core_settings_.servo_is_needle = false;
+    core_settings_.other = tracked("needle");
+  } else {
+    const bool by_needle = devices.FindTracked("needle").has_value();
+    const BoardTool tool = *tracked(by_needle ? "needle" : "probe");
+    servo_device_ = std::make_unique<haptics::HapticDevice>(
+        std::make_unique<TrackedDriver>(*tool.board, tool.tool, tool.stale_s),
+        TrackedDriver::Guard());
+    core_settings_.servo_is_needle = by_needle;
+    if (by_needle) core_settings_.other = tracked("probe");
+  }
+  core_settings_.rate_hz = servo_device_->info().rate_hz;
+  if (devices.belt) {
+    const auto place = *devices.FindTracked(devices.belt->tool);
+    core_settings_.belt = BoardBelt{.board = &trackers_[place.tracker]->board(),
+                                    .tool = place.tool,
+                                    .axis = devices.belt->axis,
+                                    .expiration_mm = devices.belt->expiration_mm,
+                                    .inspiration_mm = devices.belt->inspiration_mm};
+  }
+}
+
+void LiveSession::MakeCore() {
+  core_settings_.origin_ns = MonotonicNs();
+  recorder_ =
+      std::make_unique<Recorder>(options_.session_folder, name_,
+                                 session::StreamNames{.needle = devices_.has_needle(),
+                                                      .probe = devices_.has_probe(),
+                                                      .breathing = partner_.has_value(),
+                                                      .commands = true,
+                                                      .tracker = !trackers_.empty()},
+                                 scene_, core_settings_.origin_ns, options_.recorder, context_);
+  std::vector<RecordedBoard> boards;
+  for (const auto& tracker : trackers_) {
+    boards.push_back({.prefix = tracker->name() + "/", .board = &tracker->board()});
+  }
+  recorder_->AddBoards(std::move(boards));
+  core_ = std::make_unique<LiveCore>(scene_, core_settings_, recorder_.get(),
+                                     partner_ ? &*partner_ : nullptr);
+  images_ = std::make_unique<ImageThread>(
+      scene_, core_->snapshots(), std::max(scene_.image_rate_hz, options_.least_picture_rate_hz),
+      [this](const LivePicture& picture) { SendOut(picture); });
+}
+
+void LiveSession::Start() {
+  haptics::ZeroForcesOnSignals();
+  try {
+    MakeCore();
+    if (devices_.send_out) {
+      tracking::PoseServerOptions options;
+      options.host = devices_.send_out->host;
+      options.port = devices_.send_out->port;
+      server_ = std::make_unique<tracking::PoseServer>(options);
+      server_->Start();
+    }
+    recorder_->Start();
+    for (const auto& tracker : trackers_) tracker->Start();
+    images_->Start();
+    started_ = true;
+    if (bridge_) bridge_->core = core_.get();
+    servo_device_->Start(core_->servo());
+    if (other_device_) other_device_->Start({.tick = &Bridge::Tick, .context = bridge_.get()});
+  } catch (...) {
+    Stop();
+    throw;
+  }
+}
+
+bool LiveSession::Poll() {
+  if (end_ != SessionEnd::kRunning) return false;
+  if (context_.stop != nullptr && context_.stop->load(std::memory_order_relaxed)) {
+    end_ = SessionEnd::kStopped;
+  } else if (options_.duration_s > 0.0 && seconds_running() >= options_.duration_s) {
+    end_ = SessionEnd::kDuration;
+  } else if (servo_device_->status().state == haptics::DeviceState::kFailed) {
+    end_ = SessionEnd::kDeviceFailed;
+  }
+  return end_ == SessionEnd::kRunning;
+}
+
+void LiveSession::Stop() noexcept {
+  if (servo_device_) servo_device_->Stop();
+  if (other_device_) other_device_->Stop();
+  if (bridge_) bridge_->core = nullptr;
+  if (images_) images_->Stop();
+  for (const auto& tracker : trackers_) tracker->Stop();
+  if (server_) server_->Stop();
+  if (recorder_) recorder_->Close();
+  if (!started_ || stopped_) return;
+  stopped_ = true;
+  if (end_ == SessionEnd::kRunning) end_ = SessionEnd::kStopped;
+  try {
+    config::WriteJson(options_.session_folder / "summary.json", Summary());
+  } catch (const std::exception& error) {
+    context_.Warn(Message("summary.json is not written: ", error.what()));
+  }
+}
+
+void LiveSession::SendOut(const LivePicture& picture) {
+  if (!server_ || server_->status().clients == 0) return;
+  const Eigen::Isometry3d reference_from_ct = scene_.ct_from_reference.inverse();
+  const simulation::Snapshot& moment = picture.snapshot.moment;
+  std::vector<tracking::NamedPose> poses;
+  if (devices_.has_probe()) {
+    poses.push_back(
+        {.name = "ProbeToReference",
+         .reference_from_tool = Eigen::Isometry3d(reference_from_ct * moment.ct_from_probe),
+         .valid = moment.probe_valid});
+  }
+  if (moment.ct_from_needle) {
+    poses.push_back(
+        {.name = "NeedleToReference",
+         .reference_from_tool = Eigen::Isometry3d(reference_from_ct * *moment.ct_from_needle),
+         .valid = true});
+  }
+  server_->SendPoses(poses, picture.snapshot.measured_ns);
+  const image::GrayImage& image = picture.images.b_mode;
+  if (image.pixels.empty()) return;
+  tracking::Picture out{
+      .width = image.width, .height = image.height, .channels = 1, .pixels = image.pixels};
+  out.reference_from_pixel = reference_from_ct.matrix() * moment.ct_from_probe.matrix() *
+                             acoustics::PictureOf(*picture.probe).probe_from_image().matrix();
+  server_->SendPicture("Ultrasound", out, picture.snapshot.measured_ns);
+}
+
+HeldTool LiveSession::HeldBy(bool needle) const {
+  const haptics::DevicesFile& file = devices_.haptics;
+  const bool swapped = core_ && core_->hands_swapped();
+  const haptics::ToolConfig& device = needle != swapped ? file.needle : file.probe;
+  const haptics::ToolConfig& tool = needle ? file.needle : file.probe;
+  const auto found = steering_.find(device.device);
+  if (found == steering_.end()) return {};
+  return {.hand = found->second, .handle_from_tool = tool.handle_from_tool};
+}
+
+ForceLimits LiveSession::force_limits() const {
+  const auto limit = [this](const haptics::ToolConfig& tool, bool is_needle) {
+    const haptics::DeviceConfig* config = devices_.haptics.Find(tool.device);
+    if (config == nullptr) return 0.0;
+    const bool is_servo = core_settings_.servo_is_needle == is_needle;
+    const haptics::HapticDevice& device = is_servo ? *servo_device_ : *other_device_;
+    return std::min(config->safety.max_force_n, device.info().max_force_n);
+  };
+  return {.needle_n = limit(devices_.haptics.needle, true),
+          .probe_n = limit(devices_.haptics.probe, false)};
+}
+
+void LiveSession::HoldPedal() {
+  servo_device_->HoldPedal();
+  if (other_device_) other_device_->HoldPedal();
+}
+
+double LiveSession::seconds_running() const {
+  // By the clock: a device that is silent makes no steps.
+  return 1e-9 * static_cast<double>(MonotonicNs() - core_settings_.origin_ns);
+}
+
+bool LiveSession::complete() const {
+  return end_ != SessionEnd::kDeviceFailed && recorder_->status().steps_lost == 0;
+}
+
+bool RunHeadless(LiveSession& session, const RunContext& context) {
+  session.Start();
+  std::set<std::string> said;
+  for (int i = 0; session.Poll(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (i < 50 || i % 10 != 0) continue;  // Links take a moment to come about.
+    std::set<std::string> now;
+    for (const StatusLine& line : session.Status()) {
+      const std::string what = line.text.substr(0, kWordsThatTell);
+      if (line.severity >= Severity::kWarning && !said.contains(what)) context.Warn(line.text);
+      now.insert(what);
+    }
+    said = std::move(now);
+  }
+  session.Stop();
+  return session.complete();
+}
+
+}  // namespace acus::live

@@ -1,0 +1,149 @@
+// A live session from start to end: which thread does what, and in which order they stop.
+//
+//   servo of a haptic device (1 kHz, real-time)   LiveCore::Tick: step, force, record, snapshot
+//   servo of the other device, if there is one    hands its pose in, takes its force out
+//   trackers                                      receive poses
+//   pictures (30 Hz or more)                      render the newest snapshot, send it out
+//   recorder                                      writes
+//   the caller                                    Poll(), status, windows, orders
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "acus/base/core/run_context.h"
+#include "acus/rig/haptics/haptic_device.h"
+#include "acus/rig/tracking/pose_server.h"
+#include "acus/run/live/image_thread.h"
+#include "acus/run/live/live_core.h"
+#include "acus/run/live/live_devices.h"
+#include "acus/run/live/recorder.h"
+#include "acus/scene/scenario/scenario.h"
+
+namespace acus::live {
+
+struct LiveOptions {
+  std::filesystem::path session_folder;
+  std::string name;         ///< Of the session; empty: the scenario's.
+  double duration_s = 0.0;  ///< 0: until somebody stops it.
+  /// A session whose needle and probe the virtual hands follow. Empty: as the devices file says.
+  std::filesystem::path hand;
+  double least_picture_rate_hz = 30.0;
+  RecorderSettings recorder;
+};
+
+enum class Severity { kGood, kNote, kWarning, kFault };
+
+/// A sentence for the person at the screen.
+struct StatusLine {
+  Severity severity = Severity::kNote;
+  std::string text;
+};
+
+enum class SessionEnd { kRunning, kDuration, kStopped, kDeviceFailed };
+/// "duration", "stopped", "device failed".
+std::string_view NameOf(SessionEnd end);
+
+/// A tool on a haptic device.
+struct HeldTool {
+  std::shared_ptr<haptics::HandSteering> hand = nullptr;  ///< Null: no virtual hand holds it.
+  Eigen::Isometry3d handle_from_tool = Eigen::Isometry3d::Identity();  ///< mm.
+};
+
+/// The largest forces that guards let through; 0: no motor.
+struct ForceLimits {
+  double needle_n = 0.0;
+  double probe_n = 0.0;
+};
+
+class LiveSession {
+ public:
+  /// Reads the scenario's data and opens the devices, motors off.
+  /// @throws InputError in plain words.
+  LiveSession(const scenario::Scenario& scenario, const LiveDevices& devices,
+              const LiveOptions& options, RunContext& context);
+  ~LiveSession();  ///< Stops.
+  LiveSession(const LiveSession&) = delete;
+  LiveSession& operator=(const LiveSession&) = delete;
+
+  /// Begins to record, then starts trackers, pictures and at last the devices.
+  /// @throws InputError; then nothing runs and motors are off.
+  void Start();
+
+  /// False when the session is over: its time is up, it was told to stop, or the device that runs
+  /// the steps has failed for good. To be called at least ten times a second.
+  bool Poll();
+
+  /// Zero force first; then the threads; then what is left is written, with summary.json. Twice is
+  /// once.
+  void Stop() noexcept;
+
+  SessionEnd end() const { return end_; }
+  /// No device failed for good, and no step is missing from the recording.
+  bool complete() const;
+  const simulation::Scene& scene() const { return scene_; }
+  /// @pre Start() was called, as for all that follows.
+  CommandQueue& commands() { return core_->commands(); }
+  /// Who holds the needle, or the probe, at present.
+  HeldTool HeldBy(bool needle) const;
+  /// The camera whose video is shown; null if there is none.
+  const camera::CameraTracker* video() const { return camera_; }
+  ForceLimits force_limits() const;
+  /// To be called while a pedal or its key is down: see HapticDevice.
+  void HoldPedal();
+  TripleBuffer<LivePicture>& pictures() { return images_->pictures(); }
+  const CoreStatistics& statistics() const { return core_->statistics(); }
+  const PictureStatistics& picture_statistics() const { return images_->statistics(); }
+  double seconds_running() const;
+  double session_s() const { return 1e-9 * static_cast<double>(core_->session_ns()); }
+
+  /// What the screen should say, the worst first; empty if all is well.
+  std::vector<StatusLine> Status() const;
+  /// What is attached, for people: one line for each device and tracker.
+  std::string DevicesText() const;
+  /// What the stages of the effect plan did. @pre Stop() was called, as for Summary().
+  simulation::StageTimes stage_times() const;
+  nlohmann::json Summary() const;
+  std::string SummaryText() const;
+
+ private:
+  struct Bridge;
+  void OpenDevices(const LiveDevices& devices);
+  void FollowSession(LiveDevices& devices, const std::filesystem::path& session);
+  void PlaceTools(const LiveDevices& devices);
+  void MakeCore();
+  void SendOut(const LivePicture& picture);
+
+  LiveDevices devices_;
+  LiveOptions options_;
+  RunContext& context_;
+  std::string name_;
+  simulation::Scene scene_;
+  std::optional<simulation::Breathing> partner_;
+
+  std::vector<std::unique_ptr<tracking::PoseSource>> trackers_;  ///< The camera last.
+  const camera::CameraTracker* camera_ = nullptr;
+  std::unique_ptr<Bridge> bridge_;  ///< Between the other device and the core.
+  std::map<std::string, std::shared_ptr<haptics::HandSteering>> steering_;  ///< By virtual hand.
+  std::unique_ptr<haptics::HapticDevice> servo_device_;
+  std::unique_ptr<haptics::HapticDevice> other_device_;
+  CoreSettings core_settings_;
+
+  std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<LiveCore> core_;
+  std::unique_ptr<ImageThread> images_;
+  std::unique_ptr<tracking::PoseServer> server_;
+  SessionEnd end_ = SessionEnd::kRunning;
+  bool started_ = false;
+  bool stopped_ = false;
+};
+
+/// Runs a session without windows, to its end, and warns of what its status says on the way.
+/// @returns session.complete().
+bool RunHeadless(LiveSession& session, const RunContext& context);
+
+}  // namespace acus::live

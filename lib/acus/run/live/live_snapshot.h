@@ -1,0 +1,47 @@
+// A moment of a live session, for those who draw it.
+#pragma once
+
+#include <optional>
+
+#include "acus/base/math/polyline.h"
+#include "acus/data/session/signals.h"
+#include "acus/physics/tissue/tissue_load.h"
+#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/simulation.h"
+
+namespace acus::live {
+
+/// A plain value of fixed size that points to nothing: it can be copied from thread to thread.
+struct LiveSnapshot {
+  /// Without shape and load: see ForRenderer().
+  simulation::Snapshot moment;
+  bool has_shape = false;
+  math::Polyline shape;
+  bool has_load = false;
+  tissue::TissueLoad load;
+
+  simulation::StepOutput output;
+  bool needle_valid = false;
+  double needle_force_n = 0.0;  ///< Asked of the device; its guard may give less.
+  double probe_force_n = 0.0;
+  session::BreathSample breath;
+  bool breath_held = false;
+  bool frozen = false;
+  bool hands_swapped = false;
+  bool forces_paused = false;
+  std::optional<double> gain_db;   ///< Of the probe, if somebody has set it.
+  std::optional<double> depth_mm;  ///< The same.
+  std::optional<Eigen::Vector3d> target_in_ct_mm;
+  /// CLOCK_MONOTONIC, ns: when the probe's pose (else the needle's) was measured.
+  std::int64_t measured_ns = 0;
+
+  /// What the image renderers take. Valid as long as this is neither moved nor changed.
+  simulation::Snapshot ForRenderer() const {
+    simulation::Snapshot out = moment;
+    if (has_shape) out.needle_shape = &shape;
+    if (has_load) out.load = &load;
+    return out;
+  }
+};
+
+}  // namespace acus::live

@@ -1,0 +1,273 @@
+#include "acus/run/live/recorder.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/csv.h"
+#include "acus/base/core/error.h"
+#include "acus/base/core/monotonic_time.h"
+#include "acus/base/core/text_table.h"
+#include "acus/data/session/pose_csv.h"
+#include "acus/run/replay/force_rows.h"
+
+namespace acus::live {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kTrackerHeader =
+    "time_s,source_time_s,tool,x_mm,y_mm,z_mm,qw,qx,qy,qz,status";
+
+// Rows of as many steps go to the disk together: what a full disk leaves out is not more than this.
+constexpr std::int64_t kStepsInBlock = 200;
+
+/// Makes an empty folder, in place of an earlier output if that is wanted.
+void MakeFolder(const fs::path& folder, bool overwrite) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
+    ACUS_REQUIRE(overwrite, folder.string(),
+                 ": is there already; choose another name, or replace it with --overwrite");
+    ACUS_REQUIRE(fs::exists(folder / "provenance.json"), folder.string(),
+                 ": is not the output of an earlier run (no provenance.json); it is not replaced");
+    fs::remove_all(folder, error);
+  }
+  if (!error) fs::create_directories(folder, error);
+  ACUS_REQUIRE(!error, folder.string(), ": cannot be made: ", error.message());
+}
+
+std::string TroubleText(int error, const fs::path& folder, double waiting_s, bool memory_is_full) {
+  const std::string cause =
+      error == ENOSPC ? "the disk is full" : Message("writing fails: ", std::strerror(error));
+  const std::string kept =
+      memory_is_full
+          ? "Memory for it is full as well: the session goes on, but is not recorded any more"
+          : Message("The last ", RoundedText(waiting_s, 3), " s are kept in memory");
+  return Message("Recording: ", cause, ". ", kept, ". Make room for ", folder.string(), ".");
+}
+
+}  // namespace
+
+Recorder::Recorder(const fs::path& folder, const std::string& name,
+                   const session::StreamNames& streams, const simulation::Scene& scene,
+                   std::int64_t origin_ns, const RecorderSettings& settings,
+                   const RunContext& context)
+    : folder_(folder),
+      scene_(scene),
+      origin_ns_(origin_ns),
+      settings_(settings),
+      readings_(4096),
+      ring_(settings.ring_steps) {
+  MakeFolder(folder, context.overwrite);
+  const auto open = [&](Stream stream, const char* file, std::string_view header) {
+    files_[stream] = std::make_unique<StreamFile>(settings_.open(folder_ / file), header);
+  };
+  config::WriteJson(folder_ / "provenance.json", context.provenance.ToJson());
+  if (streams.tracker) open(kTracker, session::kTrackerFile, kTrackerHeader);
+  if (streams.commands) open(kCommands, session::kCommandsFile, session::kCommandHeader);
+  if (streams.breathing) open(kBreathing, session::kBreathingFile, session::kBreathHeader);
+  if (streams.probe) open(kProbe, session::kProbeFile, session::kPoseHeader);
+  if (streams.needle) open(kNeedle, session::kNeedleFile, session::kPoseHeader);
+  if (scene.plan.Has(simulation::StageId::kNeedleForce)) {
+    open(kForces, "forces.csv", replay::ForceHeader(scene));
+  }
+  if (scene.plan.Has(simulation::StageId::kProbeForce)) {
+    open(kProbeForces, "probe_forces.csv", replay::ProbeForceHeader());
+  }
+  blocks_.emplace_back();
+  Flush();  // The headers.
+  ACUS_REQUIRE(error_ == 0, folder_.string(), ": cannot be written: ", std::strerror(error_));
+  config::WriteJson(folder_ / "session.json",
+                    session::SessionDescription(streams, name, "Reference"));
+}
+
+Recorder::~Recorder() {
+  Close();
+}
+
+void Recorder::AddBoards(std::vector<RecordedBoard> boards) {
+  boards_ = std::move(boards);
+}
+
+void Recorder::Start() {
+  thread_ = std::thread([this] { Run(); });
+}
+
+void Recorder::Push(const StepRecord& record) noexcept {
+  if (!ring_.Push(record)) lost_in_ring_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void Recorder::Run() noexcept {
+  const auto interval = std::chrono::duration<double>(std::clamp(settings_.write_s, 0.001, 0.5));
+  bool stop = false;
+  while (!stop) {
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait_for(lock, interval, [this] { return stop_; });
+      stop = stop_;
+    }
+    try {
+      TakeSteps();
+      TakeReadings();
+    } catch (const std::exception&) {
+      // No memory for the rows of one record: it is lost, the session goes on.
+      lost_in_memory_.fetch_add(1, std::memory_order_relaxed);
+    }
+    Flush();
+  }
+}
+
+void Recorder::BeginBlock() {
+  for (const auto& file : files_) {
+    if (file) file->BeginBlock();
+  }
+  blocks_.emplace_back();
+}
+
+void Recorder::TakeSteps() {
+  // No more than were there at first: a producer that is faster must not keep rows from the disk.
+  for (std::size_t left = ring_.size(); left > 0; --left) {
+    const StepRecord* record = ring_.Front();
+    if (record == nullptr) return;
+    if (pending_bytes_ > settings_.memory_bytes) {
+      lost_in_memory_.fetch_add(1, std::memory_order_relaxed);
+    } else {
+      // The longer the queue, the larger the blocks: a disk may be slow by the call.
+      const std::int64_t waiting = steps_taken_ - steps_on_disk_;
+      if (blocks_.back().steps >= std::max(kStepsInBlock, waiting / 4)) {
+        CountPending();
+        BeginBlock();
+      }
+      AppendStep(*record);
+      ++blocks_.back().steps;
+      blocks_.back().newest_ns = record->time_ns;
+      steps_taken_.fetch_add(1, std::memory_order_relaxed);
+      taken_ns_ = record->time_ns;
+    }
+    ring_.Pop();
+  }
+}
+
+void Recorder::CountPending() noexcept {
+  pending_bytes_ = 0;
+  for (const auto& file : files_) pending_bytes_ += file ? file->pending_bytes() : 0;
+}
+
+void Recorder::AppendStep(const StepRecord& record) {
+  for (int i = 0; i < record.num_commands && files_[kCommands]; ++i) {
+    session::AppendCommandRow(files_[kCommands]->rows(),
+                              record.command[static_cast<std::size_t>(i)]);
+  }
+  if (files_[kBreathing]) session::AppendBreathRow(files_[kBreathing]->rows(), record.breath);
+  if (files_[kProbeForces]) {
+    replay::AppendProbeForceRow(files_[kProbeForces]->rows(), record.output, scene_);
+  }
+  if (files_[kForces]) replay::AppendForceRow(files_[kForces]->rows(), record.output, scene_);
+  if (files_[kProbe]) session::AppendPoseRow(files_[kProbe]->rows(), record.probe);
+  if (files_[kNeedle]) session::AppendPoseRow(files_[kNeedle]->rows(), record.needle);
+}
+
+void Recorder::TakeReadings() {
+  if (!files_[kTracker]) return;
+  std::string& text = files_[kTracker]->rows();
+  for (const RecordedBoard& recorded : boards_) {
+    std::size_t count = 0;
+    do {
+      count = recorded.board->TakeReadings(readings_);
+      for (std::size_t i = 0; i < count; ++i) {
+        const tracking::ToolReading& reading = readings_[i];
+        const session::PoseSample sample{reading.pose.time_ns - origin_ns_,
+                                         reading.pose.reference_from_tool, reading.pose.valid};
+        std::string row;
+        session::AppendPoseRow(row, sample);
+        const std::size_t comma = row.find(',');
+        text += row.substr(0, comma + 1) + session::SecondsText(reading.pose.source_time_ns) + ',' +
+                recorded.prefix + recorded.board->tools()[reading.tool] + row.substr(comma);
+      }
+      readings_taken_.fetch_add(static_cast<std::int64_t>(count), std::memory_order_relaxed);
+    } while (count == readings_.size() && pending_bytes_ < settings_.memory_bytes);
+  }
+}
+
+int Recorder::FlushBlocks() noexcept {
+  while (true) {
+    for (const auto& file : files_) {
+      const int error = file ? file->FlushFirstBlock() : 0;
+      if (error != 0) return error;
+    }
+    steps_on_disk_ += blocks_.front().steps;
+    if (blocks_.front().steps > 0) on_disk_ns_ = blocks_.front().newest_ns;
+    if (blocks_.size() == 1) BeginBlock();
+    blocks_.pop_front();
+    for (const auto& file : files_) {
+      if (file) file->DropFirstBlock();
+    }
+    if (blocks_.size() == 1 && blocks_.front().steps == 0) return 0;
+  }
+}
+
+void Recorder::Flush() noexcept {
+  const std::int64_t begin_ns = MonotonicNs();
+  if (begin_ns < next_try_ns_) return;
+  const int error = FlushBlocks();
+  const std::int64_t end_ns = MonotonicNs();
+  longest_write_ns_ = std::max(longest_write_ns_.load(), end_ns - begin_ns);
+  error_ = error;
+  next_try_ns_ = 0;
+  if (error != 0) {
+    ++refusals_;
+    next_try_ns_ = end_ns + std::llround(1e9 * settings_.retry_s);
+  }
+  CountPending();
+}
+
+void Recorder::Close() noexcept {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+  // The producer has stopped: what is still there is all there will be.
+  const std::int64_t give_up_ns = MonotonicNs() + std::llround(1e9 * settings_.patience_s);
+  next_try_ns_ = 0;
+  Flush();
+  while (pending_bytes_ > 0 && MonotonicNs() < give_up_ns) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    next_try_ns_ = 0;
+    Flush();
+  }
+  closed_ = true;
+}
+
+RecordingStatus Recorder::status() const {
+  RecordingStatus status;
+  const bool closed = closed_;
+  status.steps_on_disk = steps_on_disk_;
+  const std::int64_t waiting =
+      steps_taken_ - status.steps_on_disk + static_cast<std::int64_t>(ring_.size());
+  status.steps_lost = lost_in_ring_ + lost_in_memory_ + (closed ? waiting : 0);
+  status.steps_waiting = closed ? 0 : waiting;
+  status.readings_recorded = readings_taken_;
+  for (const RecordedBoard& recorded : boards_) {
+    status.readings_lost += static_cast<std::int64_t>(recorded.board->lost_from_journal());
+  }
+  status.refusals = refusals_;
+  status.longest_write_s = 1e-9 * static_cast<double>(longest_write_ns_);
+  const int error = error_;
+  if (error != 0 && !closed) {
+    const double waiting_s = 1e-9 * static_cast<double>(taken_ns_ - on_disk_ns_);
+    status.trouble = TroubleText(error, folder_, waiting_s, lost_in_memory_ > 0);
+  } else if (status.steps_lost > 0) {
+    status.trouble = Message("Recording: ", status.steps_lost, " steps are missing",
+                             error != 0 ? Message(" (", std::strerror(error), ")") : std::string(),
+                             "; a replay differs after the first of them.");
+  }
+  return status;
+}
+
+}  // namespace acus::live

@@ -1,0 +1,173 @@
+// What a live session says about itself: on the screen, at its end, and in summary.json.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "acus/base/core/monotonic_time.h"
+#include "acus/base/core/text_table.h"
+#include "acus/run/live/live_session.h"
+#include "acus/scene/simulation/plan_json.h"
+
+namespace acus::live {
+namespace {
+
+using haptics::DeviceState;
+using nlohmann::json;
+
+constexpr std::array<const char*, 4> kStates = {"stopped", "running", "recovering", "failed"};
+
+json GuardJson(const haptics::GuardCounts& counts) {
+  json out = {{"ticks", counts.ticks}};
+  for (std::size_t i = 0; i < haptics::kNumGuardActs; ++i) {
+    out[haptics::Words(static_cast<haptics::GuardAct>(i))] = counts.of[i];
+  }
+  return out;
+}
+
+json DeviceJson(const haptics::HapticDevice& device) {
+  const haptics::DeviceStatus status = device.status();
+  return {{"name", device.info().name},
+          {"rate_hz", device.info().rate_hz},
+          {"state_at_end", kStates[static_cast<std::size_t>(status.state)]},
+          {"last_fault", status.text},
+          {"notices", device.info().notices},
+          {"reopened", status.num_reopened},
+          {"overruns", status.num_overruns},
+          {"longest_tick_ms", status.longest_tick_ms},
+          {"guard", GuardJson(status.guard)}};
+}
+
+json TrackerJson(const tracking::PoseSource& source) {
+  const tracking::SourceStatus status = source.status();
+  const tracking::SourceCounts& counts = status.counts;
+  return {{"name", source.name()},
+          {"last_error", status.last_error},
+          {"messages", counts.messages},
+          {"readings", counts.readings},
+          {"not_seen", counts.not_seen},
+          {"bad_poses", counts.bad_poses},
+          {"bad_messages", counts.bad_messages},
+          {"skipped_bytes", counts.skipped_bytes},
+          {"connects", counts.connects}};
+}
+
+void AddDevice(const haptics::HapticDevice& device, std::vector<StatusLine>& lines) {
+  const haptics::DeviceStatus status = device.status();
+  if (status.state == DeviceState::kFailed || status.state == DeviceState::kRecovering) {
+    lines.push_back({Severity::kFault, status.text});
+  } else if (status.guard.IsActing(haptics::GuardAct::kDeadManOpen)) {
+    lines.push_back({Severity::kNote, device.info().name + ": no force until its switch is held."});
+  }
+}
+
+}  // namespace
+
+std::vector<StatusLine> LiveSession::Status() const {
+  std::vector<StatusLine> lines;
+  AddDevice(*servo_device_, lines);
+  if (other_device_) AddDevice(*other_device_, lines);
+  const RecordingStatus recording = recorder_->status();
+  if (!recording.trouble.empty()) {
+    lines.push_back(
+        {recording.steps_lost > 0 ? Severity::kFault : Severity::kWarning, recording.trouble});
+  }
+  const std::int64_t now_ns = MonotonicNs();
+  for (std::size_t t = 0; t < trackers_.size(); ++t) {
+    const tracking::SourceStatus status = trackers_[t]->status();
+    if (status.state != tracking::SourceState::kConnected) {
+      lines.push_back({Severity::kFault,
+                       Message("Tracker ", trackers_[t]->name(), ": ",
+                               status.last_error.empty() ? "connecting" : status.last_error)});
+      continue;
+    }
+    const tracking::PoseBoard& board = trackers_[t]->board();
+    for (std::size_t i = 0; i < board.tools().size(); ++i) {
+      const tracking::TrackedPose pose = board.Latest(i);
+      if (pose.valid && pose.AgeNs(now_ns) < 200'000'000) continue;
+      lines.push_back({Severity::kWarning, Message("The tracker ", trackers_[t]->name(),
+                                                   " does not see the ", board.tools()[i], ".")});
+    }
+  }
+  if (statistics().missed_by_computation > 0) {
+    lines.push_back({Severity::kWarning, Message(statistics().missed_by_computation.load(),
+                                                 " steps took longer than the device's period; "
+                                                 "choose cheaper models (acus-tradeoff).")});
+  }
+  std::ranges::stable_sort(lines, std::ranges::greater(), &StatusLine::severity);
+  return lines;
+}
+
+std::string LiveSession::DevicesText() const {
+  std::string text;
+  const auto add = [&text](const char* what, const haptics::HapticDevice& device) {
+    text +=
+        Message(what, ": ", device.info().name, ", ", device.info().rate_hz, " Hz, ",
+                device.info().max_force_n > 0.0 ? Message("up to ", device.info().max_force_n, " N")
+                                                : std::string("no motors"),
+                '\n');
+    for (const std::string& notice : device.info().notices) text += "  " + notice + '\n';
+  };
+  add(core_settings_.servo_is_needle ? "Needle" : "Probe", *servo_device_);
+  if (other_device_) add("Probe", *other_device_);
+  for (const auto& tracker : trackers_) text += "Tracker: " + tracker->name() + '\n';
+  return text;
+}
+
+simulation::StageTimes LiveSession::stage_times() const {
+  simulation::StageTimes times = core_->stage_times();
+  times.Add(images_->stage_times());
+  return times;
+}
+
+json LiveSession::Summary() const {
+  const RecordingStatus recording = recorder_->status();
+  json devices = json::array({DeviceJson(*servo_device_)});
+  if (other_device_) devices.push_back(DeviceJson(*other_device_));
+  json trackers = json::array();
+  for (const auto& tracker : trackers_) trackers.push_back(TrackerJson(*tracker));
+  return {{"format", "acus-live-summary/1"},
+          {"name", name_},
+          {"seconds", session_s()},
+          {"ended_by", NameOf(end_)},
+          {"steps", statistics().ToJson()},
+          {"pictures", picture_statistics().ToJson()},
+          {"effect_plan", simulation::PlanJson(scene_.plan, stage_times())},
+          {"recording",
+           {{"steps_on_disk", recording.steps_on_disk},
+            {"steps_lost", recording.steps_lost},
+            {"readings", recording.readings_recorded},
+            {"readings_lost", recording.readings_lost},
+            {"refusals_of_the_disk", recording.refusals},
+            {"longest_write_s", recording.longest_write_s},
+            {"trouble", recording.trouble}}},
+          {"devices", devices},
+          {"trackers", trackers}};
+}
+
+std::string LiveSession::SummaryText() const {
+  const CoreStatistics& core = statistics();
+  const PictureStatistics& pictures = picture_statistics();
+  const auto ms = [](double ns) { return RoundedText(1e-6 * ns, 3) + " ms"; };
+  const RecordingStatus recording = recorder_->status();
+  std::string text =
+      Message("Session of ", RoundedText(session_s(), 4), " s: ", core.steps.load(), " steps, ",
+              pictures.pictures.load(), " pictures (", RoundedText(pictures.per_s(), 3),
+              " a second).\n  step: ", ms(core.step_cpu.QuantileNs(0.5)),
+              " of CPU time (99.9 %: ", ms(core.step_cpu.QuantileNs(0.999)),
+              "); too slow for the device: ", core.missed_by_computation.load(),
+              "; readings missed as the machine was busy: ", core.missed_by_machine.load(),
+              "\n  device to force: ", ms(core.device_to_force.QuantileNs(0.5)),
+              " (99.9 %: ", ms(core.device_to_force.QuantileNs(0.999)),
+              "), tracker to picture: ", ms(pictures.tracker_to_picture.QuantileNs(0.5)),
+              " (99 %: ", ms(pictures.tracker_to_picture.QuantileNs(0.99)),
+              ")\n  recorded: ", recording.steps_on_disk, " steps in ",
+              options_.session_folder.string(), "; lost: ", recording.steps_lost, "\n");
+  for (const auto* device : {servo_device_.get(), other_device_.get()}) {
+    if (device == nullptr) continue;
+    for (const std::string& notice : device->info().notices) text += "  " + notice + '\n';
+    if (!device->status().text.empty()) text += "  " + device->status().text + '\n';
+  }
+  if (!recording.trouble.empty()) text += "  " + recording.trouble + '\n';
+  return text;
+}
+
+}  // namespace acus::live

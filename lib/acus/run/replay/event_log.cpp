@@ -1,0 +1,56 @@
+#include "acus/run/replay/event_log.h"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "acus/base/core/csv.h"
+#include "acus/base/core/error.h"
+#include "acus/data/session/pose_csv.h"
+
+namespace acus::replay {
+
+std::vector<LoggedEvent> EventsOf(const simulation::Scene& scene, const StepLog& log) {
+  std::vector<LoggedEvent> events;
+  const simulation::StepOutput* before = nullptr;
+  for (const simulation::StepOutput& step : log.steps) {
+    const forces::NeedleForce& force = step.force;
+    if (force.event != forces::NeedleEvent::kNone) {
+      const bool left = force.event == forces::NeedleEvent::kWithdrawal && before != nullptr;
+      events.push_back({.time_ns = step.time_ns,
+                        .event = force.event,
+                        .tissue = TissueName(scene, step.tissue_at_tip),
+                        .depth_mm = left ? before->force.depth_mm : force.depth_mm,
+                        .force_axial_n = force.AxialN(),
+                        .force_before_n = before != nullptr ? before->force.AxialN() : 0.0});
+    }
+    before = &step;
+  }
+  return events;
+}
+
+void WriteEvents(const std::filesystem::path& path, const std::vector<LoggedEvent>& events) {
+  std::ofstream out(path, std::ios::binary);
+  out << "time_s,event,tissue,depth_mm,force_axial_n,force_before_n\n";
+  for (const LoggedEvent& event : events) {
+    out << session::SecondsText(event.time_ns) << ',' << forces::NameOf(event.event) << ','
+        << event.tissue << ',' << NumberText(event.depth_mm) << ','
+        << NumberText(event.force_axial_n) << ',' << NumberText(event.force_before_n) << '\n';
+  }
+  out.close();
+  ACUS_REQUIRE(out, path.string(), ": cannot be written; is the disk full?");
+}
+
+nlohmann::json EventsJson(const std::vector<LoggedEvent>& events) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const LoggedEvent& event : events) {
+    list.push_back({{"time_s", 1e-9 * static_cast<double>(event.time_ns)},
+                    {"event", forces::NameOf(event.event)},
+                    {"tissue", event.tissue},
+                    {"depth_mm", event.depth_mm},
+                    {"force_axial_n", event.force_axial_n},
+                    {"force_before_n", event.force_before_n}});
+  }
+  return list;
+}
+
+}  // namespace acus::replay

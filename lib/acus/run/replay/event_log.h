@@ -1,0 +1,31 @@
+// What happened to the needle: the events of a run, for its files and its report.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "acus/run/replay/step_log.h"
+
+namespace acus::replay {
+
+struct LoggedEvent {
+  std::int64_t time_ns = 0;
+  forces::NeedleEvent event = forces::NeedleEvent::kNone;
+  std::string tissue;           ///< At the tip.
+  double depth_mm = 0.0;        ///< Of the tip along its path; at a withdrawal, the step before.
+  double force_axial_n = 0.0;   ///< In this step: after a puncture, when the force has fallen.
+  double force_before_n = 0.0;  ///< In the step before: at a puncture, what it took.
+};
+
+/// In order of time.
+std::vector<LoggedEvent> EventsOf(const simulation::Scene& scene, const StepLog& log);
+
+/// events.csv: time_s,event,tissue,depth_mm,force_axial_n,force_before_n; one row per event.
+void WriteEvents(const std::filesystem::path& path, const std::vector<LoggedEvent>& events);
+
+/// The same as an array of objects, for run.json.
+nlohmann::json EventsJson(const std::vector<LoggedEvent>& events);
+
+}  // namespace acus::replay

@@ -1,0 +1,301 @@
+#include "acus/run/replay/image_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <future>
+#include <optional>
+
+#include "acus/base/core/cpu_time.h"
+#include "acus/base/core/csv.h"
+#include "acus/base/core/parallel.h"
+#include "acus/data/image/film.h"
+#include "acus/data/image/png.h"
+#include "acus/data/session/sequence_writer.h"
+#include "acus/imaging/ultrasound/annotate.h"
+
+namespace acus::replay {
+namespace {
+
+using simulation::Images;
+using simulation::Scene;
+using simulation::Sleep;
+using simulation::Snapshot;
+using simulation::StageId;
+
+/// Images rendered before the writer takes over: enough that both threads stay busy.
+constexpr int kBatch = 16;
+constexpr double kNotCounted = -1.0;  ///< In place of an image's time.
+
+bool HasImages(const Scene& scene) {
+  return scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice) ||
+         scene.plan.Has(StageId::kView3d);
+}
+
+/// The step at or before a time; nothing before the first.
+const simulation::StepOutput* StepAt(const StepLog& log, std::int64_t time_ns) {
+  const auto after =
+      std::ranges::upper_bound(log.steps, time_ns, {}, &simulation::StepOutput::time_ns);
+  return after == log.steps.begin() ? nullptr : &*(after - 1);
+}
+
+/// An image that deserves a picture of its own.
+struct EventImage {
+  int index;
+  std::string caption;
+};
+
+/// "bone contact at 17.80 s, 57.3 mm deep"
+std::string CaptionOf(const simulation::StepOutput& step) {
+  char text[64];
+  std::snprintf(text, sizeof text, " at %.2f s, %.1f mm deep",
+                1e-9 * static_cast<double>(step.time_ns), step.force.depth_mm);
+  return EventWords(step.force.event) + text;
+}
+
+/// The first image after each event that a hand feels; without any, the one in the middle.
+std::vector<EventImage> EventImages(const std::vector<Snapshot>& snapshots, const StepLog& log) {
+  std::vector<EventImage> chosen;
+  for (const simulation::StepOutput& step : log.steps) {
+    const auto event = step.force.event;
+    if (event != forces::NeedleEvent::kPuncture && event != forces::NeedleEvent::kBoneContact) {
+      continue;
+    }
+    const auto at = std::ranges::lower_bound(snapshots, step.time_ns, {}, &Snapshot::time_ns);
+    if (at == snapshots.end()) continue;
+    const int index = static_cast<int>(at - snapshots.begin());
+    if (!chosen.empty() && chosen.back().index == index) continue;
+    chosen.push_back({index, CaptionOf(step)});
+  }
+  if (chosen.empty()) {
+    chosen.push_back({static_cast<int>(snapshots.size() / 2), "middle of the session"});
+  }
+  return chosen;
+}
+
+/// What the sequence holds, and what is on the left of the film.
+const image::GrayImage& MainImage(const Images& images) {
+  return images.b_mode.pixels.empty() ? images.ct_slice : images.b_mode;
+}
+
+/// Writes images in order of time: sequence, film and single pictures.
+class ImageWriter {
+ public:
+  ImageWriter(const Scene& scene, const std::vector<Snapshot>& snapshots, const StepLog& steps,
+              std::filesystem::path folder, const ReplayOptions& options)
+      : scene_(scene),
+        snapshots_(snapshots),
+        steps_(steps),
+        folder_(std::move(folder)),
+        options_(options) {
+    if (options.png == PngChoice::kEvents) event_images_ = EventImages(snapshots, steps);
+  }
+
+  void Write(int index, const Images& images) {
+    // A plan may have nothing but the view in three dimensions.
+    if (folder_.empty() || MainImage(images).pixels.empty()) return;
+    const Snapshot& snapshot = snapshots_[static_cast<std::size_t>(index)];
+    if (options_.sequence) WriteToSequence(snapshot, MainImage(images));
+    if (!options_.film && !WantsPicture(index)) return;
+    Compose(snapshot, images);
+    if (options_.film) WriteToFilm();
+    if (WantsPicture(index)) WritePicture(index);
+  }
+
+  void Finish() {
+    if (sequence_) sequence_->Commit();
+    if (film_) film_->Finish();
+  }
+
+  std::vector<WrittenPng> TakePngs() { return std::move(pngs_); }
+
+ private:
+  void WriteToSequence(const Snapshot& snapshot, const image::GrayImage& image) {
+    if (!sequence_) {
+      session::SequenceFormat format;
+      format.width = static_cast<std::size_t>(image.width);
+      format.height = static_cast<std::size_t>(image.height);
+      const Eigen::Affine3d probe_from_image =
+          acoustics::PictureOf(*scene_.probe).probe_from_image();
+      format.fields["ImageToProbeTransform"] = session::TransformText(probe_from_image.matrix());
+      sequence_.emplace(folder_ / "images.igs.mha", format);
+    }
+    const Eigen::Isometry3d reference_from_ct = scene_.ct_from_reference.inverse();
+    session::SequenceFields fields;
+    session::AddTransform(fields, "ProbeToReference",
+                          (reference_from_ct * snapshot.ct_from_probe).matrix(),
+                          snapshot.probe_valid);
+    if (snapshot.ct_from_needle) {
+      session::AddTransform(fields, "NeedleToReference",
+                            (reference_from_ct * *snapshot.ct_from_needle).matrix(), true);
+    }
+    if (const auto* step = StepAt(steps_, snapshot.time_ns)) {
+      if (scene_.plan.Has(StageId::kNeedleForce)) {
+        fields.emplace_back("NeedleAxialForceN", NumberText(step->force.AxialN()));
+      }
+      if (scene_.plan.Has(StageId::kProbeForce)) {
+        fields.emplace_back("ProbeForceN", NumberText(step->probe.force_in_ct_n.norm()));
+      }
+    }
+    sequence_->AddFrame(snapshot.time_ns, image.pixels, fields);
+  }
+
+  void Compose(const Snapshot& snapshot, const Images& images) {
+    using Shows = ultrasound::Screen::Shows;
+    const bool both = !images.b_mode.pixels.empty() && !images.ct_slice.pixels.empty();
+    if (!screen_) {
+      const Shows alone = images.b_mode.pixels.empty() ? Shows::kCtSlice : Shows::kBMode;
+      screen_.emplace(*scene_.probe, both ? Shows::kBoth : alone);
+    }
+    const auto* step = StepAt(steps_, snapshot.time_ns);
+    char text[80];
+    std::snprintf(text, sizeof text, "%8.3f s", 1e-9 * static_cast<double>(snapshot.time_ns));
+    std::string line = text;
+    if (step != nullptr && scene_.plan.Has(StageId::kNeedleForce)) {
+      std::snprintf(text, sizeof text, "  %6.1f mm  %5.2f N", step->force.depth_mm,
+                    step->force.AxialN());
+      line += text;
+    }
+    screen_->Compose(MainImage(images), both ? &images.ct_slice : nullptr, line, composed_);
+  }
+
+  void WriteToFilm() {
+    if (!film_) {
+      image::FilmOptions film;
+      film.frames_per_s = scene_.image_rate_hz;
+      film_.emplace(folder_ / "film.mp4", composed_.width, composed_.height, film);
+    }
+    film_->Add(composed_);
+  }
+
+  bool WantsPicture(int index) const {
+    if (options_.png == PngChoice::kAll) return true;
+    return std::ranges::find(event_images_, index, &EventImage::index) != event_images_.end();
+  }
+
+  void WritePicture(int index) {
+    char name[32];
+    if (options_.png == PngChoice::kAll) {
+      std::snprintf(name, sizeof name, "image_%05d.png", index);
+      image::WritePng(folder_ / "frames" / name, composed_);
+      return;
+    }
+    const auto& event = *std::ranges::find(event_images_, index, &EventImage::index);
+    std::snprintf(name, sizeof name, "event_%02d.png", static_cast<int>(pngs_.size()) + 1);
+    image::WritePng(folder_ / name, composed_);
+    pngs_.push_back({name, event.caption});
+  }
+
+  const Scene& scene_;
+  const std::vector<Snapshot>& snapshots_;
+  const StepLog& steps_;
+  std::filesystem::path folder_;
+  ReplayOptions options_;
+  std::vector<EventImage> event_images_;
+  std::optional<session::SequenceWriter> sequence_;
+  std::optional<image::FilmWriter> film_;
+  std::optional<ultrasound::Screen> screen_;
+  image::GrayImage composed_;
+  std::vector<WrittenPng> pngs_;
+};
+
+}  // namespace
+
+std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& session,
+                                simulation::StageTimes* times) {
+  std::vector<Snapshot> snapshots;
+  const bool needle = scene.plan.Has(StageId::kNeedlePose) && !session.needle.empty();
+  const auto& stream = session.probe.empty() && needle ? session.needle : session.probe;
+  if (!HasImages(scene) || stream.empty()) return snapshots;
+  const std::int64_t first_ns = stream.front().time_ns;
+  const std::int64_t last_ns = stream.back().time_ns;
+  for (std::int64_t i = 0;; ++i) {
+    auto watch = simulation::Stopwatch::OfStep(times, i);
+    Snapshot snapshot;
+    snapshot.time_ns = first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
+    if (snapshot.time_ns > last_ns) break;
+    snapshot.session_s = 1e-9 * static_cast<double>(snapshot.time_ns - session.start_ns());
+    snapshot.breath = BreathOf(session, snapshot.time_ns);
+    session::PoseSample probe{.time_ns = snapshot.time_ns, .valid = false};
+    if (!session.probe.empty()) probe = session::PoseAt(session.probe, snapshot.time_ns);
+    snapshot.probe_valid = probe.valid;
+    snapshot.ct_from_probe = scene.ct_from_reference * probe.reference_from_tool;
+    if (needle) {
+      const session::PoseSample pose = session::PoseAt(session.needle, snapshot.time_ns);
+      if (pose.valid) snapshot.ct_from_needle = scene.ct_from_reference * pose.reference_from_tool;
+    }
+    snapshots.push_back(snapshot);
+    watch.EndOf(StageId::kProbePose, probe.valid ? Sleep::kAwake : Sleep::kProbeUnseen);
+  }
+  return snapshots;
+}
+
+ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots,
+                      const StepLog& steps, const std::filesystem::path& folder,
+                      const ReplayOptions& options, simulation::StageTimes* times,
+                      const RunContext& context) {
+  ImageLog log;
+  log.num_images = static_cast<int>(snapshots.size());
+  if (snapshots.empty()) return log;
+  std::vector<simulation::ImageRenderer> renderers;
+  std::vector<simulation::StageTimes> slot_times(static_cast<std::size_t>(context.num_threads));
+  for (int i = 0; i < context.num_threads; ++i) renderers.emplace_back(scene);
+
+  // A picture that is the same as the one before is not made again, but copied.
+  const auto same = [&](StageId id, int i) {
+    const auto at = static_cast<std::size_t>(i);
+    return i > 0 && renderers[0].Sleeps(id, snapshots[at], snapshots[at - 1]);
+  };
+
+  // Two batches take turns: while one is rendered, the other is written.
+  std::vector<Images> batches[2] = {std::vector<Images>(kBatch), std::vector<Images>(kBatch)};
+  ImageWriter writer(scene, snapshots, steps, folder, options);
+  std::future<void> written;
+  log.cpu_s.resize(snapshots.size());
+  for (int begin = 0; begin < log.num_images; begin += kBatch) {
+    context.Checkpoint("images", static_cast<double>(begin) / log.num_images);
+    std::vector<Images>& batch = batches[begin / kBatch % 2];
+    const std::vector<Images>& other = batches[(begin / kBatch + 1) % 2];
+    const int count = std::min(kBatch, log.num_images - begin);
+    // One renderer for each thread: thread t makes images t, t + threads, ...
+    ParallelFor(context.num_threads, context.num_threads, [&](int thread) {
+      const auto slot = static_cast<std::size_t>(thread);
+      for (int i = thread; i < count; i += context.num_threads) {
+        const Snapshot* snapshot = &snapshots[static_cast<std::size_t>(begin + i)];
+        const double begin_s = ThreadCpuSeconds();
+        renderers[slot].Render(*snapshot, batch[static_cast<std::size_t>(i)],
+                               times != nullptr ? &slot_times[slot] : nullptr,
+                               begin + i > 0 ? snapshot - 1 : nullptr);
+        log.cpu_s[static_cast<std::size_t>(begin + i)] = ThreadCpuSeconds() - begin_s;
+      }
+    });
+    for (int i = 0; i < count; ++i) {
+      const Images& before = i > 0 ? batch[static_cast<std::size_t>(i) - 1] : other.back();
+      Images& now = batch[static_cast<std::size_t>(i)];
+      const bool same_b_mode = same(StageId::kUltrasound, begin + i);
+      const bool same_ct_slice = same(StageId::kCtSlice, begin + i);
+      if (same_b_mode) now.b_mode = before.b_mode;
+      if (same_ct_slice) now.ct_slice = before.ct_slice;
+      if (same_b_mode || same_ct_slice || begin + i < context.num_threads) {
+        log.cpu_s[static_cast<std::size_t>(begin + i)] = kNotCounted;
+      }
+    }
+    if (written.valid()) written.get();
+    const auto write = [&writer, &batch, begin, count] {
+      for (int i = 0; i < count; ++i) writer.Write(begin + i, batch[static_cast<std::size_t>(i)]);
+    };
+    const auto policy = context.num_threads > 1 ? std::launch::async : std::launch::deferred;
+    written = std::async(policy, write);
+  }
+  if (written.valid()) written.get();
+  std::erase_if(log.cpu_s, [](double cpu_s) { return cpu_s == kNotCounted; });
+  writer.Finish();
+  log.pngs = writer.TakePngs();
+  for (const auto& slot : slot_times) {
+    if (times != nullptr) times->Add(slot);
+  }
+  context.Checkpoint("images", 1.0);
+  return log;
+}
+
+}  // namespace acus::replay

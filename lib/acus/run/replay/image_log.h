@@ -1,0 +1,45 @@
+// The images of a replay: rendered on several threads, written in order.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "acus/base/core/run_context.h"
+#include "acus/data/session/session.h"
+#include "acus/run/replay/replay.h"
+#include "acus/run/replay/step_log.h"
+#include "acus/scene/simulation/image_renderer.h"
+
+namespace acus::replay {
+
+/// The moments at which images are made: from the first to the last reading of the probe, at the
+/// scene's rate. Empty if the plan has no image. Adds the cost of the probe's poses to `times`, if
+/// given.
+std::vector<simulation::Snapshot> Snapshots(const simulation::Scene& scene,
+                                            const session::Session& session,
+                                            simulation::StageTimes* times);
+
+/// A picture that was written as PNG.
+struct WrittenPng {
+  std::filesystem::path file;  ///< Relative to the run folder.
+  std::string caption;
+};
+
+struct ImageLog {
+  int num_images = 0;
+  std::vector<WrittenPng> pngs;
+  /// Thread CPU time of the pictures of the probe that were made anew, s. The first of each thread
+  /// is not in it: it makes room for the others.
+  std::vector<double> cpu_s;
+};
+
+/// Renders all snapshots and writes images.igs.mha, film.mp4 and PNG files into `folder`, or
+/// nothing if `folder` is empty. The bytes do not depend on context.num_threads. Adds the cost of
+/// the image stages to `times`, if given.
+ImageLog RenderImages(const simulation::Scene& scene,
+                      const std::vector<simulation::Snapshot>& snapshots, const StepLog& steps,
+                      const std::filesystem::path& folder, const ReplayOptions& options,
+                      simulation::StageTimes* times, const RunContext& context);
+
+}  // namespace acus::replay

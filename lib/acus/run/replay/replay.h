@@ -1,0 +1,50 @@
+// A recorded session through a scenario, into a run folder.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "acus/base/core/run_context.h"
+#include "acus/scene/scenario/scenario.h"
+
+namespace acus::replay {
+
+enum class PngChoice { kEvents, kAll, kNone };
+
+/// The words of the command line.
+std::map<std::string, PngChoice> PngChoices();
+
+struct ReplayOptions {
+  std::filesystem::path run_folder;  ///< Empty: nothing is written.
+  PngChoice png = PngChoice::kEvents;
+  bool film = true;
+  bool sequence = true;
+  std::filesystem::path exercise;  ///< acus-exercise file; empty: none.
+  std::string trainee;             ///< Code of who did it, for training.json.
+};
+
+struct ReplayResult {
+  std::string plan_text;  ///< The effect plan with measured cost, as a table.
+  std::string summary;    ///< What was made and what came out, a few lines.
+};
+
+/// Runs every needle sample through Simulation::Step, renders images at the scenario's rate and
+/// writes the run folder (docs/reference/formats.md), whole or not at all.
+/// The same inputs give the same bytes with any number of threads, but for timings in run.json and
+/// report.html.
+/// @throws InputError if an effect lacks an input or a file is not usable.
+ReplayResult ReplaySession(const scenario::Scenario& scenario,
+                           const std::filesystem::path& session_path, const ReplayOptions& options,
+                           RunContext& context);
+
+/// Whether what stages read and write is told besides.
+enum class PlanDetail { kStages, kAll };
+
+/// What `--check` prints: the effect plan, and that every file that it needs is there.
+/// @param session_path  What the session holds is taken from it; empty: it is taken to hold all.
+/// @throws InputError if an effect lacks an input.
+std::string CheckText(const scenario::Scenario& scenario, const std::filesystem::path& session_path,
+                      PlanDetail detail, RunContext& context);
+
+}  // namespace acus::replay

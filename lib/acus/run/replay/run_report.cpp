@@ -1,0 +1,239 @@
+#include "acus/run/replay/run_report.h"
+
+#include <nlohmann/json.hpp>
+
+#include "acus/base/core/text_table.h"
+#include "acus/base/report/html_report.h"
+#include "acus/base/report/svg_plot.h"
+#include "acus/run/replay/event_log.h"
+#include "acus/run/replay/plan_picture.h"
+#include "acus/run/replay/plan_table.h"
+
+namespace acus::replay {
+namespace {
+
+using forces::NeedleEvent;
+using simulation::StepOutput;
+
+std::string FourDigits(double value) {
+  return RoundedText(value, 4);
+}
+
+/// Seconds since the first step.
+double SecondsOf(const StepLog& log, const StepOutput& step) {
+  return 1e-9 * static_cast<double>(step.time_ns - log.steps.front().time_ns);
+}
+
+report::Series SeriesOf(const StepLog& log, std::string name, double (*value)(const StepOutput&)) {
+  report::Series series;
+  series.name = std::move(name);
+  for (const StepOutput& step : log.steps) {
+    series.x.push_back(SecondsOf(log, step));
+    series.y.push_back(value(step));
+  }
+  return series;
+}
+
+/// Interfaces are many and small: only what a hand feels is marked.
+bool IsMarked(NeedleEvent event) {
+  return event == NeedleEvent::kContact || event == NeedleEvent::kPuncture ||
+         event == NeedleEvent::kBoneContact || event == NeedleEvent::kWithdrawal;
+}
+
+std::vector<report::Plot> ForcePlots(const StepLog& log) {
+  report::Plot axial;
+  axial.title = "Force along the needle (positive pushes it out)";
+  axial.x_label = "time [s]";
+  axial.y_label = "force [N]";
+  axial.series = {SeriesOf(log, "total", [](const StepOutput& s) { return s.force.AxialN(); }),
+                  SeriesOf(log, "puncture", [](const StepOutput& s) { return s.force.puncture_n; }),
+                  SeriesOf(log, "cutting", [](const StepOutput& s) { return s.force.cutting_n; }),
+                  SeriesOf(log, "friction", [](const StepOutput& s) { return s.force.friction_n; }),
+                  SeriesOf(log, "bone", [](const StepOutput& s) { return s.force.bone_n; })};
+  for (const StepOutput& step : log.steps) {
+    if (!IsMarked(step.force.event)) continue;
+    axial.marks.push_back({SecondsOf(log, step), EventWords(step.force.event)});
+  }
+  report::Plot lateral;
+  lateral.title = "Force across the needle";
+  lateral.x_label = "time [s]";
+  lateral.y_label = "force [N]";
+  lateral.height_px = 180;
+  lateral.series = {SeriesOf(log, "", [](const StepOutput& s) { return s.force.lateral_n; })};
+  report::Plot depth = lateral;
+  depth.title = "Depth of the tip along its path";
+  depth.y_label = "depth [mm]";
+  depth.series = {SeriesOf(log, "", [](const StepOutput& s) { return s.force.depth_mm; })};
+  return {axial, lateral, depth};
+}
+
+std::vector<report::Plot> ProbePlots(const StepLog& log) {
+  report::Plot force;
+  force.title = "Force on the probe";
+  force.x_label = "time [s]";
+  force.y_label = "force [N]";
+  force.height_px = 220;
+  force.series = {
+      SeriesOf(log, "", [](const StepOutput& s) { return s.probe.force_in_ct_n.norm(); })};
+  report::Plot depth = force;
+  depth.title = "How deep the probe is beyond skin and bone at rest";
+  depth.y_label = "depth [mm]";
+  depth.series = {SeriesOf(log, "skin", [](const StepOutput& s) { return s.probe.skin_mm; }),
+                  SeriesOf(log, "bone", [](const StepOutput& s) { return s.probe.bone_mm; })};
+  return {force, depth};
+}
+
+report::Plot ForceOverDepth(const StepLog& log) {
+  report::Plot plot;
+  plot.title = "Force over depth";
+  plot.x_label = "depth [mm]";
+  plot.y_label = "force along the needle [N]";
+  report::Series series;
+  for (const StepOutput& step : log.steps) {
+    if (step.force.depth_mm <= 0.0) continue;
+    series.x.push_back(step.force.depth_mm);
+    series.y.push_back(step.force.AxialN());
+  }
+  plot.series = {std::move(series)};
+  return plot;
+}
+
+report::Plot DeflectionPlot(const StepLog& log) {
+  report::Plot plot;
+  plot.title = "Deflection of the needle's tip";
+  plot.x_label = "time [s]";
+  plot.y_label = "deflection [mm]";
+  plot.height_px = 220;
+  plot.y_from_zero = true;
+  plot.series = {SeriesOf(log, "", [](const StepOutput& s) { return s.shape.tip_deflection_mm; })};
+  if (!log.most_bent.empty()) {
+    plot.marks.push_back({SecondsOf(log, log.steps[log.most_bent_step]), "most bent"});
+  }
+  return plot;
+}
+
+/// The needle in the plane in which its tip is bent, the hub on the left, at its largest
+/// deflection.
+report::Plot ShapePlot(const StepLog& log) {
+  const math::Polyline& line = log.most_bent;
+  const int hub = line.num_points - 1;
+  const auto at = [&](int i) -> Eigen::Vector3d { return line.At(hub - i) - line.At(hub); };
+  // The hub's direction from its first two pieces; exact for a circle.
+  const Eigen::Vector3d axis =
+      (1.5 * at(1).normalized() - 0.5 * (at(2) - at(1)).normalized()).normalized();
+  Eigen::Vector3d side = at(hub) - at(hub).dot(axis) * axis;
+  if (side.norm() > 0.0) side.normalize();
+  report::Series bent{.name = "needle"};
+  for (int i = 0; i <= hub; ++i) {
+    bent.x.push_back(at(i).dot(axis));
+    bent.y.push_back(at(i).dot(side));
+  }
+  report::Series straight{.name = "line of the hub", .x = {0.0, bent.x.back()}, .y = {0.0, 0.0}};
+  report::Plot plot;
+  const StepOutput& step = log.steps[log.most_bent_step];
+  plot.title = Message(
+      "Shape at the largest deflection, ", FourDigits(step.shape.tip_deflection_mm), " mm at ",
+      FourDigits(SecondsOf(log, step)), " s, ", FourDigits(step.force.depth_mm), " mm deep");
+  plot.x_label = "along the hub's line [mm]";
+  plot.y_label = "off it [mm]";
+  plot.series = {std::move(bent), std::move(straight)};
+  return plot;
+}
+
+void AddEvents(report::HtmlReport& html, const StepLog& log, const simulation::Scene& scene) {
+  std::vector<std::vector<std::string>> rows;
+  for (const LoggedEvent& event : EventsOf(scene, log)) {
+    rows.push_back(
+        {FourDigits(1e-9 * static_cast<double>(event.time_ns - log.steps.front().time_ns)),
+         EventWords(event.event), event.tissue, FourDigits(event.depth_mm),
+         FourDigits(event.force_before_n), FourDigits(event.force_axial_n)});
+  }
+  html.Section("Events");
+  html.Table(
+      {"time [s]", "event", "tissue at the tip", "depth [mm]", "force before [N]", "force [N]"},
+      rows);
+}
+
+void AddExercise(report::HtmlReport& html, const training::Assessment& assessment) {
+  html.Section("Exercise");
+  html.Paragraph(Message(assessment.exercise, assessment.trainee.empty() ? "" : ", trainee ",
+                         assessment.trainee, ": ", assessment.NumMet(), " of ",
+                         assessment.goals.size(), " goals met."));
+  std::vector<std::vector<std::string>> goals;
+  for (const training::GoalResult& result : assessment.goals) {
+    goals.push_back({result.met ? "met" : "not met", result.goal.metric,
+                     result.value ? FourDigits(*result.value) : "-", result.unit,
+                     GoalText(result.goal, result.unit), result.goal.why});
+  }
+  html.Table({"", "goal", "value", "unit", "asked for", "why"}, goals);
+  std::vector<std::vector<std::string>> structures;
+  for (const training::NamedStructure& structure : assessment.structures) {
+    structures.push_back({structure.name, std::to_string(structure.entered.num_entries),
+                          FourDigits(structure.entered.path_mm)});
+  }
+  html.Table({"tissue", "entries of the tip", "way of the tip [mm]"}, structures,
+             "What the tip went through");
+}
+
+void AddPlan(report::HtmlReport& html, const simulation::EffectPlan& plan,
+             const simulation::StageTimes& times) {
+  html.Drawing(PlanSvg(plan, times),
+               "What the scenario's effects call for, from inputs to outputs. Place the mouse on a "
+               "stage for its reasons.");
+  for (const std::string& line : SleepLines(plan, times)) html.Paragraph("Asleep - " + line + ".");
+  const PlanTable table = TableOfPlan(plan, &times);
+  html.Table(table.header, table.rows, "The stages, and the CPU time that they took in this run.");
+  const PlanTable flow = FlowOfPlan(plan);
+  html.Table(flow.header, flow.rows, "What they read and write. They touch nothing else.");
+}
+
+}  // namespace
+
+void WriteReport(const std::filesystem::path& folder, const ReportContent& content,
+                 const StepLog& log, const simulation::Scene& scene, const Provenance& provenance) {
+  report::HtmlReport html(content.title, "Replay of a recorded session");
+  html.Warnings(content.warnings);
+  html.Section("Summary");
+  html.KeyValues(content.facts);
+  if (content.assessment) AddExercise(html, *content.assessment);
+  const bool has_film = content.has_film || content.has_fluoroscopy_film || content.has_view_film;
+  if (has_film || !content.pictures.empty()) html.Section("Pictures");
+  if (content.has_film) html.Film("film.mp4", "Film of the session");
+  if (content.has_fluoroscopy_film) html.Film("fluoroscopy.mp4", "Fluoroscopy of the session");
+  if (content.has_view_film) html.Film("view_3d.mp4", "The patient in three dimensions");
+  for (const WrittenPng& picture : content.pictures) {
+    html.Picture(folder / picture.file, picture.caption, picture.caption);
+  }
+  const bool has_forces = scene.plan.Has(simulation::StageId::kNeedleForce) && !log.steps.empty();
+  if (has_forces) {
+    html.Section("Forces");
+    const auto plots = ForcePlots(log);
+    report::WriteSvg(folder / "forces.svg", plots);
+    html.Plots(plots);
+    html.Plots(std::vector{ForceOverDepth(log)});
+    if (scene.shape && scene.shape->bendable()) {
+      html.Section("Shape of the needle");
+      html.Plots(std::vector{DeflectionPlot(log)});
+      if (!log.most_bent.empty()) html.Plots(std::vector{ShapePlot(log)});
+    }
+    AddEvents(html, log, scene);
+  }
+  if (scene.plan.Has(simulation::StageId::kProbeForce) && !log.steps.empty()) {
+    html.Section("Probe");
+    const auto plots = ProbePlots(log);
+    report::WriteSvg(folder / "probe_forces.svg", plots);
+    html.Plots(plots);
+  }
+  html.Section("Metrics");
+  std::vector<std::vector<std::string>> rows;
+  for (const Metric& metric : content.metrics) {
+    rows.push_back({metric.name, FourDigits(metric.value), metric.unit});
+  }
+  html.Table({"metric", "value", "unit"}, rows);
+  html.Section("Effect plan");
+  AddPlan(html, scene.plan, content.times);
+  html.SetProvenance(provenance.ToJson());
+  html.Write(folder / "report.html");
+}
+
+}  // namespace acus::replay

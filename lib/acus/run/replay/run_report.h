@@ -1,0 +1,34 @@
+// report.html of a run: forces, pictures, events, metrics, effect plan, provenance.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "acus/base/core/provenance.h"
+#include "acus/run/replay/image_log.h"
+#include "acus/run/replay/run_metrics.h"
+#include "acus/run/replay/step_log.h"
+#include "acus/run/training/assessment.h"
+
+namespace acus::replay {
+
+struct ReportContent {
+  std::string title;
+  std::vector<std::pair<std::string, std::string>> facts;
+  std::vector<std::string> warnings;
+  std::vector<Metric> metrics;
+  std::optional<training::Assessment> assessment;  ///< If there was an exercise.
+  std::vector<WrittenPng> pictures;
+  bool has_film = false;
+  bool has_fluoroscopy_film = false;
+  bool has_view_film = false;
+  simulation::StageTimes times;  ///< What the stages of the scene's plan did.
+};
+
+/// Writes report.html and the plots forces.svg and probe_forces.svg of what was felt into `folder`.
+void WriteReport(const std::filesystem::path& folder, const ReportContent& content,
+                 const StepLog& log, const simulation::Scene& scene, const Provenance& provenance);
+
+}  // namespace acus::replay

@@ -1,0 +1,151 @@
+#include "acus/run/replay/step_log.h"
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+
+#include "acus/base/core/cpu_time.h"
+
+namespace acus::replay {
+namespace {
+
+/// Hands images the load and the needle's shape of their moment, as the steps pass it.
+class ImageStates {
+ public:
+  ImageStates(const simulation::Scene& scene, const simulation::Simulation& simulation,
+              std::span<simulation::Snapshot> images, StepLog& log)
+      : simulation_(simulation),
+        log_(log),
+        loads_(scene.tools_deform_images),
+        shapes_(scene.plan.Has(simulation::StageId::kNeedleShape)) {
+    if (loads_ || shapes_) images_ = images;
+  }
+
+  /// To all images before `time_ns`: the state after the last step.
+  void GiveBefore(std::int64_t time_ns) {
+    while (!images_.empty() && images_.front().time_ns < time_ns) {
+      if (!log_.steps.empty()) Give(images_.front());
+      images_ = images_.subspan(1);
+    }
+  }
+
+ private:
+  void Give(simulation::Snapshot& image) {
+    if (loads_ && simulation_.LoadOf(log_.final_state, log_.steps.back(), load_)) {
+      log_.loads.push_back(load_);
+      image.load = &log_.loads.back();
+    }
+    if (shapes_ && simulation_.ShapeOf(log_.final_state, shape_)) {
+      log_.shapes.push_back(shape_);
+      image.needle_shape = &log_.shapes.back();
+    }
+  }
+
+  const simulation::Simulation& simulation_;
+  StepLog& log_;
+  bool loads_;
+  bool shapes_;
+  std::span<simulation::Snapshot> images_;
+  tissue::TissueLoad load_;
+  math::Polyline shape_;
+};
+
+/// Keeps the needle's shape at its largest deflection.
+void KeepMostBent(const simulation::Simulation& simulation, StepLog& log) {
+  const simulation::NeedleShape& shape = log.steps.back().shape;
+  const double most_mm =
+      log.most_bent.empty() ? 0.0 : log.steps[log.most_bent_step].shape.tip_deflection_mm;
+  if (!shape.bent || shape.tip_deflection_mm <= most_mm) return;
+  simulation.ShapeOf(log.final_state, log.most_bent);
+  log.most_bent_step = log.steps.size() - 1;
+}
+
+template <typename Append>
+void WriteRows(const std::filesystem::path& path, const std::string& header, const StepLog& log,
+               const Append& append) {
+  std::ofstream out(path, std::ios::binary);
+  out << header << '\n';
+  std::string row;
+  for (const simulation::StepOutput& step : log.steps) {
+    row.clear();
+    append(row, step);
+    out << row;
+  }
+  out.close();
+  ACUS_REQUIRE(out, path.string(), ": cannot be written; is the disk full?");
+}
+
+}  // namespace
+
+breathing::Breath BreathOf(const session::Session& session, std::int64_t time_ns) {
+  if (session.breath.empty()) return {};
+  const session::BreathSample sample = session::BreathAt(session.breath, time_ns);
+  return {.cycle = sample.cycle, .level = sample.level, .level_per_s = sample.level_per_s};
+}
+
+StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
+                 std::span<simulation::Snapshot> images, simulation::StageTimes* times,
+                 const RunContext& context, std::vector<double>* step_cpu_s) {
+  StepLog log;
+  const bool has_needle = scene.plan.Has(simulation::StageId::kNeedlePose);
+  const bool feels_probe = scene.plan.Has(simulation::StageId::kProbeForce);
+  if (!has_needle && !feels_probe) return log;
+  const simulation::Simulation simulation(scene);
+  log.final_state = simulation.NewState(session.start_ns());
+  ImageStates states(scene, simulation, images, log);
+  const bool presses = scene.plan.Has(simulation::StageId::kTissueContact);
+  const bool has_probe = (feels_probe || presses) && !session.probe.empty();
+  // The needle's samples come at the rate of forces. Where nobody asks for it, the probe's count.
+  const session::PoseStream& clock = has_needle ? session.needle : session.probe;
+  const std::size_t count = clock.size();
+  log.steps.reserve(count);
+  const std::size_t piece = count / 50 + 1;
+  const double begin_s = ThreadCpuSeconds();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i % piece == 0) {
+      context.Checkpoint("forces", static_cast<double>(i) / static_cast<double>(count));
+    }
+    simulation::Sample sample;
+    sample.time_ns = clock[i].time_ns;
+    if (has_needle) {
+      sample.reference_from_needle = clock[i].reference_from_tool;
+      sample.needle_valid = clock[i].valid;
+    }
+    if (has_probe) {
+      const session::PoseSample pose =
+          has_needle ? session::PoseAt(session.probe, sample.time_ns) : clock[i];
+      sample.reference_from_probe = pose.reference_from_tool;
+      sample.probe_valid = pose.valid;
+    }
+    sample.breath = BreathOf(session, sample.time_ns);
+    states.GiveBefore(sample.time_ns);
+    const double step_begin_s = step_cpu_s != nullptr ? ThreadCpuSeconds() : 0.0;
+    log.steps.push_back(simulation.Step(log.final_state, sample, times));
+    if (step_cpu_s != nullptr) step_cpu_s->push_back(ThreadCpuSeconds() - step_begin_s);
+    KeepMostBent(simulation, log);
+  }
+  states.GiveBefore(std::numeric_limits<std::int64_t>::max());
+  log.cpu_s = ThreadCpuSeconds() - begin_s;
+  return log;
+}
+
+std::string EventWords(forces::NeedleEvent event) {
+  std::string words(forces::NameOf(event));
+  std::ranges::replace(words, '_', ' ');
+  return words;
+}
+
+void WriteForces(const std::filesystem::path& path, const StepLog& log,
+                 const simulation::Scene& scene) {
+  WriteRows(path, ForceHeader(scene), log,
+            [&scene](std::string& row, const auto& step) { AppendForceRow(row, step, scene); });
+}
+
+void WriteProbeForces(const std::filesystem::path& path, const StepLog& log,
+                      const simulation::Scene& scene) {
+  WriteRows(path, ProbeForceHeader(), log, [&scene](std::string& row, const auto& step) {
+    AppendProbeForceRow(row, step, scene);
+  });
+}
+
+}  // namespace acus::replay

@@ -1,0 +1,53 @@
+// The steps of a replay: forces and states by sample.
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "acus/base/core/run_context.h"
+#include "acus/data/session/session.h"
+#include "acus/run/replay/force_rows.h"
+#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/simulation.h"
+
+namespace acus::replay {
+
+/// The patient's breath at a time, if the session says it; else breath at rest.
+breathing::Breath BreathOf(const session::Session& session, std::int64_t time_ns);
+
+/// Every step of a session, in order of time.
+struct StepLog {
+  std::vector<simulation::StepOutput> steps;  ///< One per needle sample; none without tools.
+  std::deque<tissue::TissueLoad> loads;       ///< Of those images that show tissue deformed.
+  std::deque<math::Polyline> shapes;          ///< Of those images that show the needle bent.
+  math::Polyline most_bent;                   ///< The needle at its largest deflection, if any.
+  std::size_t most_bent_step = 0;
+  simulation::State final_state;
+  double cpu_s = 0.0;  ///< Thread CPU time of all steps together.
+};
+
+/// Runs Step over all needle samples of a session, or over the probe's if no stage in the plan
+/// reads the needle. If the plan has a deformation or a needle shape, each image of `images`
+/// (ascending times) is given the load and shape after the last step before it, kept in the log.
+/// Adds the cost of each stage to `times`, if given. Appends the thread CPU time of each step to
+/// `step_cpu_s`, if given.
+StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
+                 std::span<simulation::Snapshot> images, simulation::StageTimes* times,
+                 const RunContext& context, std::vector<double>* step_cpu_s = nullptr);
+
+/// "bone contact": an event in words.
+std::string EventWords(forces::NeedleEvent event);
+
+/// Writes forces.csv: one row per step, columns with units; forces are those on the needle,
+/// force_axial_n is + where it pushes the needle out.
+void WriteForces(const std::filesystem::path& path, const StepLog& log,
+                 const simulation::Scene& scene);
+
+/// Writes probe_forces.csv: one row per step, what the probe or the fingertip feels, in CT axes.
+void WriteProbeForces(const std::filesystem::path& path, const StepLog& log,
+                      const simulation::Scene& scene);
+
+}  // namespace acus::replay

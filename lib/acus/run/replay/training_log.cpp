@@ -1,0 +1,49 @@
+#include "acus/run/replay/training_log.h"
+
+#include <algorithm>
+
+#include "acus/base/core/error.h"
+#include "acus/data/transforms/landmarks.h"
+#include "acus/scene/simulation/scene.h"
+
+namespace acus::replay {
+namespace {
+
+Eigen::Vector3d TargetOf(const training::Exercise& exercise, const std::filesystem::path& file) {
+  const transforms::Landmarks points = transforms::ReadLandmarks(file);
+  const auto point = std::ranges::find(points.names, exercise.target_point);
+  ACUS_REQUIRE(point != points.names.end(), file.string(), ": has no point named \"",
+               exercise.target_point, "\", the exercise's target");
+  return points.points_mm.col(point - points.names.begin());
+}
+
+}  // namespace
+
+training::Assessment Assess(const training::Exercise& exercise, const scenario::Scenario& scenario,
+                            const simulation::Scene& scene, const session::Session& session,
+                            std::vector<Metric> metrics, RunContext& context) {
+  ACUS_REQUIRE(scene.labels != nullptr,
+               "an exercise needs to know the tissues: no effect of this scenario reads the label "
+               "map; call for needle_force with model layered, or leave --exercise out");
+  ACUS_REQUIRE(!session.needle.empty(), "an exercise needs a needle; this session has none");
+  const training::Anatomy anatomy{*scene.labels, scene.ct_from_reference};
+  const std::filesystem::path target =
+      exercise.target_file.empty() ? scenario.patient.corridor : exercise.target_file;
+  if (!target.empty()) {
+    context.provenance.AddInput(target);
+    const auto of_target =
+        training::TargetMetricsOf(session, anatomy, TargetOf(exercise, target), exercise);
+    metrics.insert(metrics.end(), of_target.begin(), of_target.end());
+  }
+  for (const std::string& name : training::NotInMap(exercise.avoid, *scene.labels)) {
+    context.Warn(
+        Message("the patient's label map has no ", name, ": whether it was spared cannot be told"));
+  }
+  auto structures = training::NamedStructuresOf(session, anatomy);
+  metrics.push_back(training::EntriesInto(exercise.avoid, structures));
+  auto goals = training::JudgeGoals(exercise.goals, metrics);
+  return {exercise.name,        "", session.name, std::move(metrics), std::move(goals),
+          std::move(structures)};
+}
+
+}  // namespace acus::replay

@@ -1,0 +1,22 @@
+// A replayed session held against an exercise.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "acus/run/replay/run_metrics.h"
+#include "acus/run/training/assessment.h"
+#include "acus/scene/scenario/scenario.h"
+
+namespace acus::replay {
+
+/// Metrics of the target and of what is to be spared, after those of the run, held against the
+/// exercise's goals. Warns of structures that the patient's map does not tell apart.
+/// @param metrics  As MetricsOf gives them.
+/// @throws InputError if the scene has no label map or the session no needle, the target's file is
+///     missing or has no such point, or a goal's metric is not there.
+training::Assessment Assess(const training::Exercise& exercise, const scenario::Scenario& scenario,
+                            const simulation::Scene& scene, const session::Session& session,
+                            std::vector<Metric> metrics, RunContext& context);
+
+}  // namespace acus::replay

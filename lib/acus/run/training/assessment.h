@@ -1,0 +1,51 @@
+// How a session did in an exercise: metrics held against goals.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acus/run/training/exercise.h"
+#include "acus/run/training/metric.h"
+#include "acus/run/training/session_metrics.h"
+
+namespace acus::training {
+
+struct GoalResult {
+  Goal goal;
+  std::string unit;
+  std::optional<double> value;  ///< Nothing if it did not come to it: such a goal is not met.
+  bool met = false;
+};
+
+struct Assessment {
+  std::string exercise;
+  std::string trainee;  ///< A code, not a name; may be empty.
+  std::string session;
+  std::vector<Metric> metrics;
+  std::vector<GoalResult> goals;
+  std::vector<NamedStructure> structures;  ///< That the tip went through.
+
+  std::size_t NumMet() const;
+};
+
+/// A goal for kTimeToTarget is not met if the target was not reached.
+/// @throws InputError if the session has no metric of a goal's name; lists those that it has.
+std::vector<GoalResult> JudgeGoals(const std::vector<Goal>& goals,
+                                   const std::vector<Metric>& metrics);
+
+/// "at most 3 mm", "at least 70 %, at most 90 %".
+std::string GoalText(const Goal& goal, const std::string& unit);
+
+/// "Goals met: 5 of 6", then a line for each goal that was not. Ends with '\n'.
+std::string GoalsText(const Assessment& assessment);
+
+/// training.json, format acus-training/1.
+nlohmann::json ToJson(const Assessment& assessment);
+
+/// Reads it back. @throws InputError if it is not such a file.
+Assessment ReadAssessment(const std::filesystem::path& path);
+
+}  // namespace acus::training

@@ -1,0 +1,40 @@
+// An exercise: where the tip is to go, what it must spare, and the values to reach.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acus/run/training/needle_passes.h"
+#include "acus/run/training/plane_share.h"
+
+namespace acus::training {
+
+/// A value to reach. At least one of the limits is set.
+struct Goal {
+  std::string metric;  ///< Name, as in metrics.json.
+  std::optional<double> at_most;
+  std::optional<double> at_least;
+  std::string why;  ///< May be empty.
+};
+
+struct Exercise {
+  std::string name;
+  std::string instructions;
+  std::filesystem::path scenario;     ///< As the file has it; may be empty.
+  std::filesystem::path target_file;  ///< Absolute; empty: the scenario's corridor.
+  std::string target_point = "target";
+  double target_radius_mm = 3.0;
+  std::vector<std::string> avoid;  ///< Names of labels.
+  PassOptions passes;
+  PlaneOptions image_plane;
+  std::vector<Goal> goals;
+};
+
+/// Reads an acus-exercise file; paths in it are relative to it.
+/// @throws InputError listing all that is wrong: keys, ranges, a goal whose limits exclude each
+///     other, a metric with two goals.
+Exercise ReadExercise(const std::filesystem::path& path);
+
+}  // namespace acus::training

@@ -1,0 +1,136 @@
+#include "acus/run/training/motion_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "acus/base/core/error.h"
+
+namespace acus::training {
+namespace {
+
+constexpr double kShaftStepMm = 0.5;
+constexpr double kExitToleranceMm = 1e-6;
+constexpr double kSecondsPerNs = 1e-9;
+
+void Check(const MetricOptions& options) {
+  ACUS_REQUIRE(options.speed_window_s > 0.0 && std::isfinite(options.speed_window_s),
+               "speed_window_s is ", options.speed_window_s, "; it must be positive");
+  ACUS_REQUIRE(options.needle_length_mm > 0.0 && options.needle_length_mm <= 1e4,
+               "needle_length_mm is ", options.needle_length_mm, "; it must lie in (0, 10000]");
+  ACUS_REQUIRE(options.withdrawal_mm >= 0.0 && std::isfinite(options.withdrawal_mm),
+               "withdrawal_mm is ", options.withdrawal_mm, "; it must not be negative");
+}
+
+std::vector<const session::PoseSample*> ValidSamples(const session::PoseStream& stream) {
+  std::vector<const session::PoseSample*> valid;
+  for (const session::PoseSample& sample : stream) {
+    if (sample.valid) valid.push_back(&sample);
+  }
+  return valid;
+}
+
+Eigen::Vector3d Origin(const session::PoseSample& sample) {
+  return sample.reference_from_tool.translation();
+}
+
+double SecondsBetween(const session::PoseSample& a, const session::PoseSample& b) {
+  return static_cast<double>(b.time_ns - a.time_ns) * kSecondsPerNs;
+}
+
+double TriangleArea(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  return 0.5 * (b - a).cross(c - a).norm();
+}
+
+/// Largest mean speed over pieces that last at least the window (all of it, if it is shorter).
+double MaxSpeed(const std::vector<const session::PoseSample*>& samples, double window_s) {
+  double fastest = 0.0;
+  double path_mm = 0.0;
+  std::size_t begin = 0;
+  for (std::size_t end = 1; end < samples.size(); ++end) {
+    path_mm += (Origin(*samples[end]) - Origin(*samples[end - 1])).norm();
+    while (begin + 1 < end && SecondsBetween(*samples[begin + 1], *samples[end]) >= window_s) {
+      path_mm -= (Origin(*samples[begin + 1]) - Origin(*samples[begin])).norm();
+      ++begin;
+    }
+    const double time_s = SecondsBetween(*samples[begin], *samples[end]);
+    const bool is_piece = time_s >= window_s || (begin == 0 && end + 1 == samples.size());
+    if (is_piece) fastest = std::max(fastest, path_mm / time_s);
+  }
+  return fastest;
+}
+
+}  // namespace
+
+MotionMetrics ComputeMotionMetrics(const session::PoseStream& stream,
+                                   const MetricOptions& options) {
+  Check(options);
+  MotionMetrics metrics;
+  const auto samples = ValidSamples(stream);
+  if (samples.size() < 2) return metrics;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    metrics.path_length_mm += (Origin(*samples[i]) - Origin(*samples[i - 1])).norm();
+  }
+  metrics.elapsed_time_s = SecondsBetween(*samples.front(), *samples.back());
+  metrics.mean_speed_mm_per_s = metrics.path_length_mm / metrics.elapsed_time_s;
+  metrics.max_speed_mm_per_s = MaxSpeed(samples, options.speed_window_s);
+  return metrics;
+}
+
+TissueMetrics ComputeTissueMetrics(const session::PoseStream& needle, const InsideTissue& inside,
+                                   const MetricOptions& options) {
+  Check(options);
+  TissueMetrics metrics;
+  bool was_inside = false;
+  double outside_path_mm = std::numeric_limits<double>::infinity();  // Since the last exit.
+  Eigen::Vector3d last_exit_mm = Eigen::Vector3d::Zero();
+  const session::PoseSample* last = nullptr;
+  for (const session::PoseSample* sample : ValidSamples(needle)) {
+    const Eigen::Vector3d tip_mm = Origin(*sample);
+    const bool is_inside = inside(tip_mm);
+    const Eigen::Vector3d exit_mm =
+        is_inside ? ShaftExit(sample->reference_from_tool, inside, options.needle_length_mm)
+                  : tip_mm;
+    const double step_mm = last == nullptr ? 0.0 : (tip_mm - Origin(*last)).norm();
+    if (is_inside && last != nullptr) {
+      metrics.time_in_tissue_s += SecondsBetween(*last, *sample);
+      metrics.path_in_tissue_mm += step_mm;
+    }
+    if (is_inside && was_inside) {
+      metrics.tissue_damage_mm2 += TriangleArea(tip_mm, Origin(*last), exit_mm) +
+                                   TriangleArea(exit_mm, last_exit_mm, Origin(*last));
+    }
+    if (is_inside && !was_inside && outside_path_mm >= options.withdrawal_mm) {
+      ++metrics.num_insertions;
+    }
+    outside_path_mm = is_inside ? 0.0 : outside_path_mm + step_mm;
+    was_inside = is_inside;
+    last_exit_mm = exit_mm;
+    last = sample;
+  }
+  return metrics;
+}
+
+Eigen::Vector3d ShaftExit(const Eigen::Isometry3d& reference_from_needle,
+                          const InsideTissue& inside, double length_mm) {
+  const Eigen::Vector3d tip_mm = reference_from_needle.translation();
+  const Eigen::Vector3d towards_hub = -reference_from_needle.linear().col(2);
+  double in_tissue_mm = 0.0;
+  double outside_mm = 0.0;
+  do {
+    in_tissue_mm = outside_mm;
+    outside_mm = std::min(outside_mm + kShaftStepMm, length_mm);
+    if (inside(tip_mm + outside_mm * towards_hub)) {
+      if (outside_mm >= length_mm) return tip_mm + length_mm * towards_hub;
+      continue;
+    }
+    while (outside_mm - in_tissue_mm > kExitToleranceMm) {
+      const double middle_mm = 0.5 * (in_tissue_mm + outside_mm);
+      (inside(tip_mm + middle_mm * towards_hub) ? in_tissue_mm : outside_mm) = middle_mm;
+    }
+    return tip_mm + outside_mm * towards_hub;
+  } while (true);
+}
+
+}  // namespace acus::training

@@ -1,0 +1,27 @@
+// The sessions of trainees side by side: how they get on from one to the next.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "acus/base/core/run_context.h"
+#include "acus/run/training/assessment.h"
+
+namespace acus::training {
+
+/// Reads training.json of each run folder, in the order given: the order of the sessions.
+/// @throws InputError naming the folder that has none and how to make it, or the first one whose
+///     exercise is another than that of the first.
+std::vector<Assessment> ReadAssessments(std::span<const std::filesystem::path> runs);
+
+/// For the terminal: one line per session with the values of all goals, those not met marked.
+std::string ProgressText(std::span<const Assessment> sessions);
+
+/// Writes progress.csv (one row per session, a column per metric), progress.html with a plot per
+/// goal, a line per trainee, and provenance.json into an existing folder.
+void WriteProgress(const std::filesystem::path& folder, std::span<const Assessment> sessions,
+                   const RunContext& context);
+
+}  // namespace acus::training

@@ -1,0 +1,56 @@
+// All metrics of a session that follow from its poses and the patient's labels.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acus/run/training/exercise.h"
+#include "acus/run/training/metric.h"
+#include "acus/run/training/structures.h"
+
+namespace acus::training {
+
+/// The patient that a session was in, at rest.
+struct Anatomy {
+  const volume::LabelMap& labels;
+  Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
+};
+
+/// A tissue by the name that its map gives it.
+struct NamedStructure {
+  std::string name;
+  StructureEntered entered;
+};
+
+/// Motion of both tools: elapsed time, path length, largest speed.
+std::vector<Metric> MotionMetricsOf(const session::Session& session);
+
+/// Of the needle in tissue: time, path, damage, attempts, passes, redirections; with a probe, how
+/// much of that time the image plane holds the tip and the shaft.
+std::vector<Metric> NeedleMetricsOf(const session::Session& session, const Anatomy& anatomy,
+                                    const PassOptions& passes = {}, const PlaneOptions& plane = {});
+
+inline constexpr const char* kTimeToTarget = "time until the target was reached";
+
+/// Distances of the tip to a target: closest, at the end (at the deepest point of the last pass;
+/// of the stream, if there is no pass), and kTimeToTarget, until it was within the radius; left out
+/// if it never was.
+std::vector<Metric> TargetMetricsOf(const session::Session& session, const Anatomy& anatomy,
+                                    const Eigen::Vector3d& target_ct_mm, const Exercise& exercise);
+
+/// What the tip went through, named.
+std::vector<NamedStructure> NamedStructuresOf(const session::Session& session,
+                                              const Anatomy& anatomy);
+
+/// "entries into what is to be spared": over all of `avoid`.
+Metric EntriesInto(const std::vector<std::string>& avoid,
+                   const std::vector<NamedStructure>& structures);
+
+/// Those of `avoid` that this patient's map does not tell from other tissue: standard labels that
+/// it does not name.
+/// @throws InputError if a name is neither in the map nor a standard label; lists those of the map.
+std::vector<std::string> NotInMap(const std::vector<std::string>& avoid,
+                                  const volume::LabelMap& labels);
+
+}  // namespace acus::training

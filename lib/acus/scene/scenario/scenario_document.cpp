@@ -1,0 +1,111 @@
+#include "acus/scene/scenario/scenario_document.h"
+
+#include <algorithm>
+#include <array>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/error.h"
+
+namespace acus::scenario {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Those that a change may set come first: they are relative to the working folder then.
+constexpr std::size_t kNumChangeable = 7;
+constexpr std::array<std::string_view, 9> kPaths = {
+    "/patient/ct",          "/patient/labels",           "/patient/surfaces",
+    "/patient/mesh",        "/patient/corridor",         "/patient/ct_from_reference_file",
+    "/session/plus_config", "/effects/breathing/motion", "/effects/breathing/signal"};
+constexpr std::array<std::string_view, 12> kPresets = {
+    "/needle",
+    "/probe",
+    "/effects/needle_force/table",
+    "/effects/needle/elasticity",
+    "/effects/probe_force/table",
+    "/effects/tissue/elasticity",
+    "/effects/tissue/table",
+    "/effects/ultrasound/acoustics",
+    "/effects/ultrasound/beams/acoustics",
+    "/effects/ultrasound/alamilla_2021/acoustics",
+    "/effects/ultrasound/vidal_2008/acoustics",
+    "/effects/fluoroscopy/c_arm"};
+
+void Apply(json& document, const Override& change) {
+  const json::json_pointer pointer(change.pointer);
+  if (change.value.is_null()) {
+    json& parent = document[pointer.parent_pointer()];
+    if (parent.is_object()) parent.erase(pointer.back());
+    return;
+  }
+  json value = change.value;
+  const auto changeable = std::span(kPaths).first(kNumChangeable);
+  if (value.is_string() && std::ranges::find(changeable, change.pointer) != changeable.end()) {
+    value = fs::absolute(value.get<std::string>()).string();
+  }
+  document[pointer] = value;
+}
+
+/// A path from `folder` as one from anywhere.
+std::string Absolute(const fs::path& path, const fs::path& folder) {
+  return fs::absolute(folder / path).lexically_normal().string();
+}
+
+}  // namespace
+
+Override ParseOverride(const std::string& text) {
+  const auto equals = text.find('=');
+  ACUS_REQUIRE(equals != text.npos && text.starts_with("/"), "--set ", text,
+               ": must be /json/pointer=value, for example /effects/ultrasound/needle=false");
+  const std::string raw = text.substr(equals + 1);
+  json value = json::parse(raw, nullptr, /*allow_exceptions=*/false);
+  if (value.is_discarded()) value = raw;
+  return {text.substr(0, equals), value};
+}
+
+json ScenarioDocument(const fs::path& path, std::span<const Override> changes) {
+  json document = config::ReadJson(path);
+  for (const Override& change : changes) {
+    try {
+      Apply(document, change);
+    } catch (const json::exception&) {
+      throw InputError(Message("--set ", change.pointer, ": cannot be set: ", path.string(),
+                               " has no such place, or a value and no object lies above it"));
+    }
+  }
+  return document;
+}
+
+std::span<const std::string_view> PathPointers() {
+  return kPaths;
+}
+
+std::span<const std::string_view> PresetPointers() {
+  return kPresets;
+}
+
+json ForAnyFolder(json document, const fs::path& folder) {
+  const auto at = [&document](std::string_view pointer) -> json* {
+    const json::json_pointer place{std::string(pointer)};
+    if (!document.contains(place) || !document.at(place).is_string()) return nullptr;
+    return &document.at(place);
+  };
+  for (const std::string_view pointer : kPaths) {
+    if (json* path = at(pointer)) *path = Absolute(path->get<std::string>(), folder);
+  }
+  for (const std::string_view pointer : kPresets) {
+    json* preset = at(pointer);
+    if (preset == nullptr) continue;
+    const fs::path name = preset->get<std::string>();
+    // As FindConfig looks for it: beside the scenario, among the presets, from here.
+    if (fs::exists(folder / name)) {
+      *preset = Absolute(name, folder);
+    } else if (!fs::exists(config::ConfigsFolder() / name) && fs::exists(name)) {
+      *preset = Absolute(name, fs::current_path());
+    }
+  }
+  return document;
+}
+
+}  // namespace acus::scenario

@@ -1,0 +1,37 @@
+#include "acus/scene/scenario/ultrasound_effect.h"
+
+#include <map>
+#include <string>
+
+#include "acus/base/config/json_file.h"
+
+namespace acus::scenario {
+
+UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
+                                      const std::filesystem::path& folder) {
+  static const std::map<std::string, UltrasoundModel> kModels = {
+      {"vidal_2008", UltrasoundModel::kVidal2008},
+      {"alamilla_2021", UltrasoundModel::kAlamilla2021},
+      {"columns_2010", UltrasoundModel::kColumns2010},
+      {"beams", UltrasoundModel::kBeams}};
+  static const std::map<std::string, BeamVolume> kVolumes = {
+      {"labels", BeamVolume::kLabels}, {"ct", BeamVolume::kCt}, {"both", BeamVolume::kBoth}};
+  const std::string model = effect.at("model");
+  UltrasoundEffect out;
+  out.model = kModels.at(model);
+  out.needle = effect.at("needle");
+  out.scan_lines = effect.value("scan_lines", 0);
+  out.samples_per_line = effect.value("samples_per_line", 0);
+  out.seed = effect.at("seed");
+  // The 2010 level came first: its acoustics lie beside the model.
+  const nlohmann::json& settings =
+      out.model == UltrasoundModel::kColumns2010 ? effect : effect.at(model);
+  out.acoustics = config::FindConfig(settings.at("acoustics").get<std::string>(), folder);
+  if (out.model == UltrasoundModel::kBeams) {
+    out.beams = settings;
+    out.volume = kVolumes.at(settings.at("volume").get<std::string>());
+  }
+  return out;
+}
+
+}  // namespace acus::scenario

@@ -1,0 +1,78 @@
+#include "acus/scene/simulation/beam_settings.h"
+
+#include <bitset>
+#include <nlohmann/json.hpp>
+
+#include "acus/base/core/error.h"
+#include "acus/imaging/ultrasound/fibre_field.h"
+
+namespace acus::simulation {
+namespace {
+
+ultrasound::BeamOptions OptionsFrom(const nlohmann::json& json) {
+  ultrasound::BeamOptions options;
+  options.interfaces = json.at("reflection");
+  options.angle = json.at("angle");
+  options.attenuation = json.at("attenuation");
+  options.shadow = json.at("shadow");
+  options.comet_tail = json.at("comet_tail");
+  options.speckle = json.at("speckle");
+  options.fibre_texture = json.at("fibre_texture");
+  options.point_spread = json.at("point_spread");
+  options.needle_shadow = json.at("needle_shadow");
+  options.refraction = json.at("refraction");
+  options.time_of_flight = json.at("time_of_flight");
+  options.multiple_reflections = json.at("multiple_reflections");
+  options.elevation_planes = json.at("elevation_planes");
+  options.coupling_gap_mm = json.at("coupling_gap_mm");
+  return options;
+}
+
+/// Tissues of the map whose fibres are seen or attenuate.
+std::bitset<256> FibrousLabels(const BeamSettings& settings, const volume::LabelMap& labels) {
+  std::bitset<256> fibrous;
+  for (const auto& [label, name] : labels.names) {
+    const auto found = settings.acoustics.tissues.find(name);
+    if (found == settings.acoustics.tissues.end() || settings.fibres_in_ct.contains(name)) continue;
+    const acoustics::TissueAcoustics& tissue = found->second;
+    const bool attenuates =
+        settings.options.attenuation &&
+        tissue.attenuation_along_fibres_db_per_cm_mhz != tissue.attenuation_db_per_cm_mhz;
+    const bool shows =
+        settings.options.speckle && settings.options.fibre_texture && tissue.fibre_ratio > 1.0;
+    fibrous[label] = attenuates || shows;
+  }
+  return fibrous;
+}
+
+}  // namespace
+
+BeamSettings ReadBeamSettings(const scenario::UltrasoundEffect& effect,
+                              const volume::LabelMap* labels) {
+  const nlohmann::json& json = effect.beams;
+  BeamSettings settings;
+  settings.options = OptionsFrom(json);
+  settings.options.seed = effect.seed;
+  settings.acoustics = acoustics::ReadTissueAcoustics(effect.acoustics);
+  settings.from_ct = effect.ReadsCt();
+  settings.from_labels = effect.ReadsLabels();
+  for (const auto& [tissue, direction] : json.at("fibres").items()) {
+    const Eigen::Vector3d in_ct(direction[0], direction[1], direction[2]);
+    ACUS_REQUIRE(in_ct.norm() > 1e-6, "/effects/ultrasound/beams/fibres/", tissue,
+                 ": has no direction; give a vector in CT space (LPS)");
+    settings.fibres_in_ct[tissue] = in_ct.normalized();
+  }
+  if (labels == nullptr || !settings.from_labels || !json.at("fibres_from_surfaces")) {
+    return settings;
+  }
+  const std::bitset<256> fibrous = FibrousLabels(settings, *labels);
+  if (fibrous.none()) return settings;
+  const ultrasound::FibreField field(*labels, fibrous);
+  for (const auto& [label, name] : labels->names) {
+    const Eigen::Vector3f main = field.MainDirection(label);
+    if (fibrous[label] && main.norm() > 0.5F) settings.fibres_in_ct[name] = main.cast<double>();
+  }
+  return settings;
+}
+
+}  // namespace acus::simulation

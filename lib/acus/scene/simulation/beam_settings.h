@@ -1,0 +1,29 @@
+// Settings of the level `beams`, from a scenario.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+
+#include "acus/data/volume/volume.h"
+#include "acus/imaging/acoustics/tissue_acoustics.h"
+#include "acus/imaging/ultrasound/beam_options.h"
+#include "acus/scene/scenario/ultrasound_effect.h"
+
+namespace acus::simulation {
+
+struct BeamSettings {
+  ultrasound::BeamOptions options;
+  acoustics::TissueAcousticsTable acoustics;
+  bool from_ct = false;
+  bool from_labels = true;
+  std::map<std::string, Eigen::Vector3d> fibres_in_ct;  ///< By tissue name, at rest.
+};
+
+/// @param labels  Tells the fibres of tissues that the scenario gives no direction for, if the
+///     table says that they have fibres and an effect shows it; may be null.
+/// @throws InputError listing all problems of the table.
+BeamSettings ReadBeamSettings(const scenario::UltrasoundEffect& effect,
+                              const volume::LabelMap* labels);
+
+}  // namespace acus::simulation

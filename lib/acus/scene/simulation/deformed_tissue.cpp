@@ -1,0 +1,19 @@
+#include "acus/scene/simulation/deformed_tissue.h"
+
+#include "acus/base/math/inverse_map.h"
+
+namespace acus::simulation {
+
+Eigen::Vector3d DeformedTissue::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
+                                           const Eigen::Vector3d& guess_in_ct_mm) const noexcept {
+  // A hundredth of a millimetre is far below a picture's pixel.
+  const math::InverseSettings settings{.max_iterations = iterations_, .tolerance_mm = 0.01};
+  const auto displacement = [this](const Eigen::Vector3d& rest_mm) {
+    return field_.DisplacementMm(rest_mm);
+  };
+  // Tissue that has not moved is its own answer, whatever its neighbour does.
+  if (displacement(place_in_ct_mm).isZero(0.0)) return place_in_ct_mm;
+  return math::InvertDisplacement(displacement, place_in_ct_mm, guess_in_ct_mm, settings).rest_mm;
+}
+
+}  // namespace acus::simulation

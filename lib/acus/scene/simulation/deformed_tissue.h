@@ -1,0 +1,29 @@
+// Where tissue that a picture shows was at rest.
+#pragma once
+
+#include "acus/imaging/slicing/beam_bend.h"
+#include "acus/physics/tissue/tissue_model.h"
+
+namespace acus::simulation {
+
+/// Inverts a tissue model's displacements, for one image at a time. One for each thread.
+class DeformedTissue : public slicing::RestMap {
+ public:
+  /// @param model  Must outlive this.
+  DeformedTissue(const tissue::TissueModel& model, double spacing_mm, int iterations)
+      : field_(model.NewField()), spacing_mm_(spacing_mm), iterations_(iterations) {}
+
+  /// Takes in the forces on the tissue. Allocates nothing after the first call.
+  void Update(const tissue::TissueLoad& load) { field_.Update(load); }
+
+  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
+                             const Eigen::Vector3d& guess_in_ct_mm) const noexcept override;
+  double SpacingMm() const noexcept override { return spacing_mm_; }
+
+ private:
+  tissue::TissueField field_;
+  double spacing_mm_;
+  int iterations_;
+};
+
+}  // namespace acus::simulation

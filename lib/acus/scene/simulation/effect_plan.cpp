@@ -1,0 +1,131 @@
+#include "acus/scene/simulation/effect_plan.h"
+
+#include <algorithm>
+
+#include "acus/base/core/error.h"
+#include "acus/scene/simulation/declared_stages.h"
+
+namespace acus::simulation {
+namespace {
+
+using scenario::Scenario;
+using Stages = std::vector<PlannedStage>;
+
+PlannedStage& StageOf(Stages& stages, StageId id) {
+  return *std::ranges::find(stages, id, &PlannedStage::id);
+}
+
+bool Reads(const PlannedStage& stage, std::string_view data) {
+  return std::ranges::find(stage.reads, data) != stage.reads.end();
+}
+
+void WorkFor(PlannedStage& stage, std::string_view effect) {
+  if (std::ranges::find(stage.effects, effect) == stage.effects.end()) {
+    stage.effects.push_back(effect);
+  }
+}
+
+/// Backwards: a stage is in if one behind it reads what it writes.
+void PickStages(const Scenario& scenario, Stages& stages) {
+  for (const Goal& goal : GoalsOf(scenario)) {
+    PlannedStage& stage = StageOf(stages, goal.stage);
+    stage.in = true;
+    stage.reason = Message("effect ", goal.effect, " is called for");
+    WorkFor(stage, goal.effect);
+  }
+  for (auto reader = stages.rbegin(); reader != stages.rend(); ++reader) {
+    if (!reader->in) continue;
+    for (PlannedStage& writer : stages) {
+      if (std::ranges::find_first_of(writer.writes, reader->reads) == writer.writes.end()) continue;
+      for (const std::string_view effect : reader->effects) WorkFor(writer, effect);
+      if (writer.in) continue;
+      writer.in = true;
+      writer.reason = Message("needed by ", reader->name);
+    }
+  }
+  for (PlannedStage& stage : stages) {
+    if (!stage.in) stage.reason = "no effect of the scenario needs it";
+  }
+  for (const Goal& helper : HelpersOf(scenario)) {
+    PlannedStage& stage = StageOf(stages, helper.stage);
+    if (stage.in) {
+      WorkFor(stage, helper.effect);
+    } else {
+      stage.reason = Message("effect ", helper.effect, " is called for, but none that it changes");
+    }
+  }
+}
+
+/// "\n  tissue lookup (needed by needle force) needs labels: ..., for effects/needle_force"
+std::string Lack(const PlannedStage& stage, std::string_view input, std::string_view why) {
+  std::string text =
+      Message("\n  ", stage.name, " (", stage.reason, ") needs ", input, ": ", why, "; for ");
+  for (const std::string_view effect : stage.effects) {
+    text += Message(effect == stage.effects.front() ? "effects/" : ", effects/", effect);
+  }
+  return text;
+}
+
+void RequireNothing(const std::string& lacks, const Scenario& scenario) {
+  ACUS_REQUIRE(lacks.empty(), scenario.file.string(), ": effects lack inputs:", lacks,
+               "\nGive the input, or take the effect out of the scenario (--set "
+               "/effects/NAME=null).");
+}
+
+}  // namespace
+
+bool EffectPlan::Has(StageId id) const {
+  return std::ranges::any_of(stages_, [id](const auto& s) { return s.id == id && s.in; });
+}
+
+const PlannedStage& EffectPlan::Of(StageId id) const {
+  const auto found = std::ranges::find(stages_, id, &PlannedStage::id);
+  ACUS_ASSERT(found != stages_.end());
+  return *found;
+}
+
+bool EffectPlan::Reads(StageId id, std::string_view data) const {
+  return Has(id) && simulation::Reads(Of(id), data);
+}
+
+bool EffectPlan::Needs(std::string_view data) const {
+  return std::ranges::any_of(
+      stages_, [data](const auto& stage) { return stage.in && simulation::Reads(stage, data); });
+}
+
+EffectPlan PlanEffects(const Scenario& scenario, const AvailableInputs& available) {
+  EffectPlan plan;
+  plan.breath_from_session_ = scenario.breathing && available.breath &&
+                              scenario.breathing->from_session != scenario::SessionBreath::kNever;
+  plan.stages_ = DeclaredStages(scenario, plan.breath_from_session_);
+  PickStages(scenario, plan.stages_);
+  const auto inputs = DeclaredInputs(scenario, available);
+  std::string lacks;
+  for (const PlannedStage& stage : plan.stages_) {
+    if (!stage.in) continue;
+    for (const auto& [input, missing] : inputs) {
+      if (!missing.empty() && Reads(stage, input.name)) lacks += Lack(stage, input.name, missing);
+    }
+  }
+  RequireNothing(lacks, scenario);
+  for (const auto& [input, missing] : inputs) {
+    if (plan.Needs(input.name)) plan.inputs_.push_back(input);
+  }
+  return plan;
+}
+
+void RequireFiles(const EffectPlan& plan, const Scenario& scenario) {
+  std::string lacks;
+  for (const PlannedInput& input : plan.inputs()) {
+    if (input.file.empty() || std::filesystem::exists(input.file)) continue;
+    for (const PlannedStage& stage : plan.stages()) {
+      if (!stage.in || !Reads(stage, input.name)) continue;
+      lacks += Lack(stage, input.name,
+                    Message(input.where, ": ", input.file.string(),
+                            ": no such file or folder; paths are relative to the scenario file"));
+    }
+  }
+  RequireNothing(lacks, scenario);
+}
+
+}  // namespace acus::simulation

@@ -1,0 +1,70 @@
+#include "acus/scene/simulation/image_level.h"
+
+namespace acus::simulation {
+namespace {
+
+using Renderer = ImageLevel::Renderer;
+
+/// The renderer that goes with each kind of settings.
+struct MakeRenderer {
+  const ImagePatient& patient;
+  const acoustics::Probe& probe;
+
+  Renderer operator()(const ultrasound::VidalOptions& options) const {
+    return Renderer(std::in_place_type<ultrasound::VidalRenderer>, *patient.ct, probe, options);
+  }
+  Renderer operator()(const ultrasound::AlamillaOptions& options) const {
+    return Renderer(std::in_place_type<ultrasound::AlamillaRenderer>, *patient.labels, probe,
+                    options);
+  }
+  Renderer operator()(const ultrasound::BModeOptions& options) const {
+    return Renderer(std::in_place_type<ultrasound::BModeRenderer>, *patient.ct, probe, options);
+  }
+  Renderer operator()(const BeamSettings& settings) const {
+    const ultrasound::BeamTissue tissue{.ct = settings.from_ct ? patient.ct : nullptr,
+                                        .labels = settings.from_labels ? patient.labels : nullptr,
+                                        .acoustics = &settings.acoustics,
+                                        .fibres_in_ct = settings.fibres_in_ct};
+    return Renderer(std::in_place_type<ultrasound::BeamRenderer>, tissue, probe, settings.options);
+  }
+};
+
+template <typename Options>
+Options Seeded(Options options, std::uint64_t seed) {
+  options.seed = seed;
+  return options;
+}
+
+}  // namespace
+
+ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
+                                const volume::LabelMap* labels) {
+  switch (effect.model) {
+    case scenario::UltrasoundModel::kVidal2008:
+      return Seeded(ultrasound::ReadVidalOptions(effect.acoustics), effect.seed);
+    case scenario::UltrasoundModel::kAlamilla2021:
+      return Seeded(ultrasound::ReadAlamillaOptions(effect.acoustics), effect.seed);
+    case scenario::UltrasoundModel::kBeams:
+      return ReadBeamSettings(effect, labels);
+    case scenario::UltrasoundModel::kColumns2010:
+      break;
+  }
+  return Seeded(ultrasound::ReadBModeOptions(effect.acoustics), effect.seed);
+}
+
+ImageLevel::ImageLevel(const ImagePatient& patient, const acoustics::Probe& probe,
+                       const ImageSettings& settings)
+    : renderer_(std::visit(MakeRenderer{patient, probe}, settings)) {}
+
+void ImageLevel::Render(const Eigen::Isometry3d& ct_from_probe,
+                        const std::optional<image::NeedleInImage>& needle, image::GrayImage& out,
+                        int num_threads, const slicing::RestMap* rest) {
+  std::visit([&](auto& r) { r.Render(ct_from_probe, needle, out, num_threads, rest); }, renderer_);
+}
+
+const image::ImageGeometry& ImageLevel::picture() const {
+  return std::visit(
+      [](const auto& r) -> const auto& { return r.picture(); }, renderer_);
+}
+
+}  // namespace acus::simulation

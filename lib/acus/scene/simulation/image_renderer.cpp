@@ -1,0 +1,120 @@
+#include "acus/scene/simulation/image_renderer.h"
+
+#include <algorithm>
+
+#include "acus/scene/simulation/picture_sleep.h"
+
+namespace acus::simulation {
+namespace {
+
+void Blacken(const image::ImageGeometry& picture, image::GrayImage& image) {
+  image.Resize(picture.width_px, picture.height_px);
+  std::ranges::fill(image.pixels, std::uint8_t{0});
+}
+
+/// Draws one picture, unless its stage sleeps.
+template <typename Renderer>
+void Draw(Renderer& renderer, Sleep sleep, const Snapshot& snapshot,
+          const std::optional<image::NeedleInImage>& needle, const slicing::RestMap* rest,
+          image::GrayImage& out) {
+  if (sleep == Sleep::kAwake) renderer.Render(snapshot.ct_from_probe, needle, out, 1, rest);
+  if (sleep == Sleep::kProbeUnseen) Blacken(renderer.picture(), out);
+}
+
+}  // namespace
+
+ImageRenderer::ImageRenderer(const Scene& scene, const acoustics::Probe* probe, Pictures pictures)
+    : scene_(scene) {
+  if (probe == nullptr && scene.probe) probe = &*scene.probe;
+  const bool has_b_mode = scene.plan.Has(StageId::kUltrasound);
+  const bool has_ct_slice = pictures == Pictures::kAll && scene.plan.Has(StageId::kCtSlice);
+  if (!has_b_mode && !has_ct_slice) return;
+  if (scene.tools_deform_images) {
+    deformed_.emplace(*scene.tissue, scene.warp_spacing_mm, scene.inverse_iterations);
+  }
+  if (has_ct_slice) {
+    ct_slice_.emplace(*scene.ct, acoustics::PictureOf(*probe), probe->slice_thickness_mm,
+                      scene.ct_window);
+  }
+  if (has_b_mode) {
+    b_mode_.emplace(ImagePatient{scene.ct.get(), scene.labels.get()}, *probe, *scene.b_mode);
+  }
+  if (scene.needle) {
+    needle_reach_mm_ = NeedleReachMm(*probe, 0.5 * scene.needle->beam.outer_diameter_mm);
+  }
+}
+
+std::optional<image::NeedleInImage> NeedleInPicture(const Scene& scene, const Snapshot& snapshot) {
+  if (!snapshot.ct_from_needle) return std::nullopt;
+  image::NeedleInImage needle{snapshot.ct_from_needle->translation(),
+                              snapshot.ct_from_needle->linear().col(2), scene.needle->length_mm,
+                              0.5 * scene.needle->beam.outer_diameter_mm};
+  if (snapshot.needle_shape != nullptr) needle.shape = *snapshot.needle_shape;
+  return needle;
+}
+
+bool ImageRenderer::ReadsRestMap() const {
+  return (ct_slice_ && scene_.plan.Reads(StageId::kCtSlice, "rest map")) ||
+         (b_mode_ && scene_.plan.Reads(StageId::kUltrasound, "rest map"));
+}
+
+Sleep ImageRenderer::SleepOf(StageId id, const Snapshot& snapshot,
+                             const Snapshot* shown) const noexcept {
+  if (!snapshot.probe_valid) return Sleep::kProbeUnseen;
+  if (shown == nullptr || !ProbeHasStayed(*shown, snapshot) ||
+      !TissueHasStayed(scene_, *shown, snapshot)) {
+    return Sleep::kAwake;
+  }
+  const bool with_needle =
+      id == StageId::kCtSlice ? scene_.needle_in_ct_slice : scene_.needle_in_b_mode;
+  if (!with_needle || NeedleHasStayed(*shown, snapshot)) return Sleep::kNothingMoved;
+  const bool unseen = NeedleIsOffPlane(scene_, *shown, needle_reach_mm_) &&
+                      NeedleIsOffPlane(scene_, snapshot, needle_reach_mm_);
+  return unseen ? Sleep::kNeedleOffPlane : Sleep::kAwake;
+}
+
+bool ImageRenderer::Sleeps(StageId id, const Snapshot& snapshot,
+                           const Snapshot& shown) const noexcept {
+  if (!snapshot.probe_valid) return !shown.probe_valid;  // Black after black.
+  return SleepOf(id, snapshot, &shown) != Sleep::kAwake;
+}
+
+void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* times,
+                           const Snapshot* shown) {
+  Stopwatch watch(times);
+  const Sleep none = Sleep::kNothingMoved;
+  const Sleep of_slice = ct_slice_ ? SleepOf(StageId::kCtSlice, snapshot, shown) : none;
+  const Sleep of_b_mode = b_mode_ ? SleepOf(StageId::kUltrasound, snapshot, shown) : none;
+  const bool draws = of_slice == Sleep::kAwake || of_b_mode == Sleep::kAwake;
+  const slicing::RestMap* rest = nullptr;
+  if (draws && deformed_ && snapshot.load != nullptr) {
+    deformed_->Update(*snapshot.load);
+    rest = &*deformed_;
+  }
+  std::optional<BreathingRest> breathing;
+  if (draws && scene_.breathing && scene_.breathing->image) {
+    breathing.emplace(*scene_.breathing, snapshot.session_s, snapshot.breath, rest);
+    if (breathing->moves()) rest = &*breathing;
+  }
+  if (ReadsRestMap()) {
+    const Sleep still = snapshot.probe_valid ? Sleep::kNothingMoved : Sleep::kProbeUnseen;
+    const Sleep idle = draws ? Sleep::kUndeformed : still;
+    watch.EndOf(StageId::kDeformation, rest != nullptr ? Sleep::kAwake : idle);
+  }
+  std::optional<image::NeedleInImage> needle;
+  if (draws && (scene_.needle_in_ct_slice || scene_.needle_in_b_mode)) {
+    needle = NeedleInPicture(scene_, snapshot);
+  }
+  if (ct_slice_) {
+    Draw(*ct_slice_, of_slice, snapshot, scene_.needle_in_ct_slice ? needle : std::nullopt, rest,
+         out.ct_slice);
+    watch.EndOf(StageId::kCtSlice, of_slice);
+  }
+  if (b_mode_) {
+    Draw(*b_mode_, of_b_mode, snapshot, scene_.needle_in_b_mode ? needle : std::nullopt, rest,
+         out.b_mode);
+    watch.EndOf(StageId::kUltrasound, of_b_mode);
+  }
+}
+
+}  // namespace acus::simulation

@@ -1,0 +1,75 @@
+// Images of a scene at one moment.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "acus/data/image/image.h"
+#include "acus/imaging/slicing/ct_slice.h"
+#include "acus/physics/breathing/breath.h"
+#include "acus/scene/simulation/deformed_tissue.h"
+#include "acus/scene/simulation/image_level.h"
+#include "acus/scene/simulation/scene.h"
+#include "acus/scene/simulation/stage_timing.h"
+
+namespace acus::simulation {
+
+/// What an image needs to know of a moment.
+struct Snapshot {
+  std::int64_t time_ns = 0;
+  double session_s = 0.0;         ///< Since the session began: what breath goes by ...
+  breathing::Breath breath = {};  ///< ... unless the session says it: then this.
+  bool probe_valid = false;
+  Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
+  /// Nothing if there is no needle to see.
+  std::optional<Eigen::Isometry3d> ct_from_needle = std::nullopt;
+  /// As Simulation::ShapeOf gives it; null: straight in the hand. Must live until the image is
+  /// made.
+  const math::Polyline* needle_shape = nullptr;
+  /// Null if nothing deforms the tissue; must live until the image is made.
+  const tissue::TissueLoad* load = nullptr;
+  bool for_c_arm = false;  ///< A moment at which the C-arm looks, not the probe.
+};
+
+/// The needle of a moment as pictures see it; nothing if there is none.
+std::optional<image::NeedleInImage> NeedleInPicture(const Scene& scene, const Snapshot& snapshot);
+
+struct Images {
+  image::GrayImage b_mode;    ///< Empty if the plan has no B-mode.
+  image::GrayImage ct_slice;  ///< Empty if the plan has no CT slice.
+};
+
+/// Which of the plan's pictures somebody wants.
+enum class Pictures { kAll, kBModeOnly };
+
+/// Renders the images of the plan. Holds buffers: one renderer for each thread.
+class ImageRenderer {
+ public:
+  /// @param scene  Must outlive the renderer.
+  /// @param probe  In place of the scene's, set otherwise: gain, depth; null: the scene's.
+  explicit ImageRenderer(const Scene& scene, const acoustics::Probe* probe = nullptr,
+                         Pictures pictures = Pictures::kAll);
+
+  /// The same bits for the same snapshot, whatever was rendered before. Where the probe is not
+  /// seen by the tracker, the pictures are black. Allocates nothing after the first call.
+  /// @param times  If given, what each stage did is added to it.
+  /// @param shown  The moment that `out` shows already, by a renderer of the same probe: a picture
+  ///     that would be the same is left as it is, its stage sleeps. Null: there is none.
+  void Render(const Snapshot& snapshot, Images& out, StageTimes* times = nullptr,
+              const Snapshot* shown = nullptr);
+
+  /// True if the picture of that stage is the same at both moments.
+  bool Sleeps(StageId id, const Snapshot& snapshot, const Snapshot& shown) const noexcept;
+
+ private:
+  bool ReadsRestMap() const;
+  Sleep SleepOf(StageId id, const Snapshot& snapshot, const Snapshot* shown) const noexcept;
+
+  const Scene& scene_;
+  double needle_reach_mm_ = 0.0;
+  std::optional<DeformedTissue> deformed_;
+  std::optional<ImageLevel> b_mode_;
+  std::optional<slicing::CtSliceRenderer> ct_slice_;
+};
+
+}  // namespace acus::simulation

@@ -1,0 +1,14 @@
+// The model of the force on the probe of a scene, from what its level reads.
+#pragma once
+
+#include "acus/scene/scenario/scenario.h"
+#include "acus/scene/simulation/scene.h"
+
+namespace acus::simulation {
+
+/// Fills in scene.probe_force, how the tool is held, and the fields that the model refers to.
+/// @pre the CT, the label map and the probe preset are loaded if the plan reads them.
+/// @throws InputError if the table is not readable or the tool's settings make no sense.
+void LoadProbeForce(const scenario::ProbeForceEffect& effect, Scene& scene);
+
+}  // namespace acus::simulation

@@ -1,0 +1,189 @@
+#include "acus/scene/simulation/scene.h"
+
+#include "acus/base/core/error.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/patient/segmentation/surface_scene.h"
+#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/scene/simulation/probe_scene.h"
+#include "acus/scene/simulation/tissue_scene.h"
+
+namespace acus::simulation {
+
+namespace {
+
+forces::GuidanceKind GuidanceOf(scenario::GuidanceKind kind) {
+  switch (kind) {
+    case scenario::GuidanceKind::kOwn:
+      return forces::GuidanceKind::kOwn;
+    case scenario::GuidanceKind::kNone:
+      return forces::GuidanceKind::kNone;
+    case scenario::GuidanceKind::kVidal:
+      return forces::GuidanceKind::kVidal;
+    case scenario::GuidanceKind::kVirtualFixture:
+      return forces::GuidanceKind::kVirtualFixture;
+  }
+  ACUS_ASSERT(false);
+}
+
+void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scene& scene,
+                RunContext& context) {
+  const forces::ForceTable table = forces::ReadForceTable(scenario.needle_force->table);
+  const bool by_hu = scenario.needle_force->model == scenario::NeedleForceModelKind::kVidal;
+  const bool looks_in_ct = plan.Reads(StageId::kTissueLookup, "ct");
+  if ((by_hu || looks_in_ct) && !scene.hu) scene.hu = std::make_shared<forces::CtField>(*scene.ct);
+  if (looks_in_ct) {
+    context.Warn("there is no label map: tissues are told by the CT's HU, as the force table says");
+    scene.hu_tissues = table.hu_tissues;
+  }
+  const forces::GuidanceKind guidance = GuidanceOf(scenario.needle_force->guidance);
+  if (by_hu) {
+    scene.forces.emplace(forces::VidalModel(table, *scene.needle, *scene.hu, guidance));
+  } else if (scenario.needle_force->model == scenario::NeedleForceModelKind::kAlamilla) {
+    scene.forces.emplace(forces::AlamillaModel(table, *scene.needle, guidance));
+  } else {
+    scene.forces.emplace(forces::NeedleForceModel(table, *scene.needle, guidance));
+  }
+}
+
+/// Labels of the map; without one, the tissues that HU tell apart, or all that can be deformed.
+/// A map that is there for other stages' sake says nothing here.
+std::bitset<256> TissuesOf(const Scene& scene, const mechanics::ElasticityTable& elasticity) {
+  std::bitset<256> found;
+  if (scene.plan.Reads(StageId::kNeedleShape, "labels")) {
+    for (const volume::Label label : scene.labels->voxels) found.set(label);
+  } else if (scene.hu_tissues) {
+    for (const auto& row : scene.hu_tissues->rows) found.set(row.tissue);
+  } else {
+    for (std::size_t i = 1; i < 256; ++i) {
+      found.set(i, elasticity.tissue[i].youngs_modulus_mpa > 0.0);
+    }
+  }
+  return found;
+}
+
+void LoadShape(const scenario::Scenario& scenario, Scene& scene, RunContext& context) {
+  const scenario::NeedleEffect& effect = *scenario.shape;
+  const forces::ForceTable table = scene.force_from_tissue
+                                       ? forces::ReadForceTable(scenario.tissue->table)
+                                             .ScaledTo(scene.needle->beam.outer_diameter_mm)
+                                       : scene.forces->table();
+  std::optional<mechanics::ElasticityTable> elasticity;
+  std::bitset<256> tissues;
+  if (effect.model == scenario::NeedleModelKind::kBendable) {
+    elasticity = mechanics::ReadElasticityTable(effect.elasticity);
+    context.provenance.AddInput(effect.elasticity);
+    tissues = TissuesOf(scene, *elasticity);
+  }
+  const bool has_beam = scenario.needle_force->model == scenario::NeedleForceModelKind::kLayered;
+  scene.shape.emplace(effect, *scene.needle, table, elasticity ? &*elasticity : nullptr, tissues,
+                      has_beam);
+}
+
+/// Labels, and a CT of constant HU in each tissue, where the patient is a list of surfaces.
+void LoadSurfaces(const scenario::Scenario& scenario, const EffectPlan& plan, Scene& scene,
+                  RunContext& context) {
+  if (!plan.Needs("ct") && !plan.Needs("labels")) return;
+  const segmentation::SurfaceScene list = segmentation::ReadSurfaceScene(scenario.patient.surfaces);
+  auto labels = segmentation::LabelsOfSurfaces(list, context);
+  if (plan.Needs("ct")) {
+    scene.ct = std::make_shared<volume::CtVolume>(segmentation::CtOfLabels(list, labels));
+  }
+  if (plan.Needs("labels")) {
+    scene.labels = std::make_shared<volume::LabelMap>(std::move(labels));
+  }
+  context.provenance.AddInput(scenario.patient.surfaces);
+  for (const auto& surface : list.surfaces) context.provenance.AddInput(surface.file);
+}
+
+/// What a scenario says of the lines goes before what the preset says.
+void SetLines(const scenario::UltrasoundEffect& effect, acoustics::Probe& probe) {
+  if (effect.scan_lines > 0) probe.scan_lines = effect.scan_lines;
+  if (effect.samples_per_line > 0) probe.samples_per_line = effect.samples_per_line;
+}
+
+/// @pre the CT is there.
+void LoadFluoroscopy(const scenario::Scenario& scenario, Scene& scene, RunContext& context) {
+  const scenario::FluoroscopyEffect& effect = *scenario.fluoroscopy;
+  const volume::Geometry& geometry = scene.ct->geometry;
+  const Eigen::Vector3d middle_mm =
+      geometry.ct_from_index() * (0.5 * (geometry.size - 1).cast<double>()).matrix().eval();
+  scene.fluoroscopy = FluoroscopySettings{
+      .c_arm = fluoroscopy::ReadCArm(effect.c_arm),
+      .pose = {effect.isocentre_in_ct_mm.value_or(middle_mm), effect.lao_rad, effect.cranial_rad},
+      .rate_hz = effect.rate_hz,
+      .needle = effect.needle};
+  context.provenance.AddInput(effect.c_arm);
+}
+
+}  // namespace
+
+Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context) {
+  RequireFiles(plan, scenario);
+  Scene scene;
+  scene.plan = plan;
+  scene.ct_from_reference = scenario.patient.ct_from_reference;
+  scene.image_rate_hz = scenario.image_rate_hz;
+  if (scenario.ct_slice) {
+    scene.needle_in_ct_slice = scenario.ct_slice->needle;
+    scene.ct_window = {scenario.ct_slice->centre_hu, scenario.ct_slice->width_hu};
+  }
+  scene.needle_in_b_mode = scenario.ultrasound && scenario.ultrasound->needle;
+  if (plan.Has(StageId::kBreathing)) {
+    context.Checkpoint("reading the motion", 0.0);
+    scene.breathing.emplace(LoadBreathing(scenario, plan.breath_from_session(), context));
+  }
+  if (!scenario.patient.surfaces.empty()) {
+    LoadSurfaces(scenario, plan, scene, context);
+  } else if (plan.Needs("ct")) {
+    context.Checkpoint("reading the CT", 0.0);
+    scene.ct = std::make_shared<volume::CtVolume>(
+        volume::ReadCt(scenario.patient.ct, scenario.patient.dicom_series, context));
+    context.provenance.AddInput(scenario.patient.ct);
+  }
+  if (plan.Has(StageId::kFluoroscopy)) LoadFluoroscopy(scenario, scene, context);
+  if (plan.Needs("labels") && scenario.patient.surfaces.empty()) {
+    scene.labels = std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
+    context.provenance.AddInput(scenario.patient.labels);
+  }
+  if (plan.Needs("needle preset")) {
+    scene.needle = forces::ReadNeedle(scenario.needle);
+    context.provenance.AddInput(scenario.needle);
+  }
+  scene.force_from_tissue = scenario.needle_force &&
+                            scenario.needle_force->model == scenario::NeedleForceModelKind::kTissue;
+  if (plan.Has(StageId::kNeedleForce) && !scene.force_from_tissue) {
+    LoadForces(scenario, plan, scene, context);
+    context.provenance.AddInput(scenario.needle_force->table);
+  }
+  if (plan.Has(StageId::kNeedleShape)) LoadShape(scenario, scene, context);
+  if (plan.Needs("probe preset")) {
+    scene.probe = acoustics::ReadProbe(scenario.probe);
+    if (scenario.ultrasound) SetLines(*scenario.ultrasound, *scene.probe);
+    context.provenance.AddInput(scenario.probe);
+  }
+  if (plan.Has(StageId::kProbeForce)) {
+    LoadProbeForce(*scenario.probe_force, scene);
+    context.provenance.AddInput(scenario.probe_force->table);
+  }
+  if (plan.Has(StageId::kView3d)) scene.view_3d = scenario.view_3d;
+  if (plan.Has(StageId::kUltrasound)) {
+    const bool by_labels = plan.Reads(StageId::kUltrasound, "labels");
+    scene.b_mode =
+        ReadImageSettings(*scenario.ultrasound, by_labels ? scene.labels.get() : nullptr);
+    context.provenance.AddInput(scenario.ultrasound->acoustics);
+  }
+  scene.tools_deform_images =
+      plan.Has(StageId::kDeformation) && scenario.tissue && scenario.tissue->image;
+  if (plan.Has(StageId::kTissueContact) || scene.tools_deform_images) {
+    scene.tissue = LoadTissue(scenario,
+                              {.labels = scene.labels,
+                               .probe = scene.probe ? &*scene.probe : nullptr,
+                               .shows_deformation = scene.tools_deform_images},
+                              context);
+    scene.warp_spacing_mm = scenario.tissue->warp_spacing_mm;
+    scene.inverse_iterations = scenario.tissue->inverse_iterations;
+  }
+  return scene;
+}
+
+}  // namespace acus::simulation

@@ -1,0 +1,67 @@
+// Everything constant that a plan's stages read, loaded once: only what the plan needs.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "acus/base/core/run_context.h"
+#include "acus/data/volume/volume.h"
+#include "acus/imaging/acoustics/probe.h"
+#include "acus/imaging/fluoroscopy/c_arm.h"
+#include "acus/imaging/slicing/ct_slice.h"
+#include "acus/physics/forces/force_model.h"
+#include "acus/physics/forces/hu_field.h"
+#include "acus/physics/forces/probe_force_model.h"
+#include "acus/physics/tissue/tissue_model.h"
+#include "acus/scene/scenario/scenario.h"
+#include "acus/scene/simulation/breathing_scene.h"
+#include "acus/scene/simulation/effect_plan.h"
+#include "acus/scene/simulation/image_level.h"
+#include "acus/scene/simulation/needle_shape.h"
+
+namespace acus::simulation {
+
+/// A C-arm at its place.
+struct FluoroscopySettings {
+  fluoroscopy::CArm c_arm;
+  fluoroscopy::CArmPose pose;
+  double rate_hz = 0.0;
+  bool needle = true;
+};
+
+/// Immutable after LoadScene; shared by any number of simulations and threads.
+struct Scene {
+  EffectPlan plan;
+  Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
+  double image_rate_hz = 0.0;
+  bool needle_in_ct_slice = false;
+  slicing::HuWindow ct_window;  ///< Of the CT slice.
+  bool needle_in_b_mode = false;
+  bool force_from_tissue = false;    ///< What is felt is what the deformed tissue does.
+  bool tools_deform_images = false;  ///< Images show what tools do to the tissue.
+  double warp_spacing_mm = 0.0;
+  int inverse_iterations = 12;  ///< ... at whose knots it is looked for what was there at rest.
+
+  std::optional<Breathing> breathing;              ///< If the plan has breathing.
+  std::shared_ptr<const volume::CtVolume> ct;      ///< If the plan reads "ct".
+  std::shared_ptr<const volume::LabelMap> labels;  ///< If the plan reads "labels".
+  std::optional<forces::NeedleProperties> needle;  ///< If the plan reads "needle preset".
+  std::shared_ptr<const forces::CtField> hu;       ///< Of the CT, if forces read it.
+  std::optional<forces::HuTissues> hu_tissues;     ///< If tissues are looked up without labels.
+  std::optional<forces::ForceModel> forces;        ///< If the plan has the needle force.
+  std::optional<NeedleShapeModel> shape;           ///< If the plan has the needle's shape.
+  std::vector<std::shared_ptr<const forces::HuField>> palpated;  ///< Labels that the probe feels.
+  double probe_press_mm = 0.0;  ///< Deeper along the beam than recorded, for the probe's force.
+  std::optional<forces::ProbeForceModel> probe_force;  ///< If the plan has the probe force.
+  std::optional<tissue::TissueModel> tissue;           ///< If the plan has contact or deformation.
+  std::optional<acoustics::Probe> probe;               ///< If the plan reads "probe preset".
+  std::optional<FluoroscopySettings> fluoroscopy;      ///< If the plan has the fluoroscopy.
+  std::optional<scenario::View3dEffect> view_3d;       ///< If the plan has the view in 3D.
+  std::optional<ImageSettings> b_mode;                 ///< If the plan has the B-mode.
+};
+
+/// Loads what `plan` needs of the scenario, and nothing else.
+/// @throws InputError if a file is not there (as RequireFiles) or not readable.
+Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context);
+
+}  // namespace acus::simulation

@@ -1,0 +1,80 @@
+// What stages cost and when they sleep, for a replay or a live session that explains itself.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <ctime>
+#include <string_view>
+
+#include "acus/scene/simulation/effect_plan.h"
+
+namespace acus::simulation {
+
+/// Why the scene gave a stage nothing to do. A stage asleep gives the bits that it would give
+/// awake.
+enum class Sleep {
+  kAwake,
+  kNeedleUnseen,
+  kNeedleOutside,
+  kUntouched,
+  kProbeUnseen,
+  kProbeOffSkin,
+  kAtRest,
+  kUndeformed,
+  kNothingMoved,
+  kNeedleOffPlane,
+  kEnd,
+};
+inline constexpr int kNumSleeps = static_cast<int>(Sleep::kEnd);
+
+/// "needle outside the tissue"; "awake" for kAwake.
+std::string_view WordsOf(Sleep sleep);
+
+/// CPU time and runs by stage. Only ever written by the stages: no model reads it.
+struct StageTimes {
+  struct Cost {
+    /// CPU time of all runs. Of stages at every sample, a sixteenth of the runs is measured and
+    /// stands for all: reading the clock takes as long as some of these stages do.
+    double seconds = 0.0;
+    std::int64_t runs = 0;
+    std::int64_t asleep = 0;                            ///< Runs with nothing to do, in all ...
+    std::array<std::int64_t, kNumSleeps> asleep_for{};  ///< ... and for each reason.
+  };
+  std::array<Cost, kNumStages> cost{};
+
+  Cost& Of(StageId id) { return cost[static_cast<std::size_t>(id)]; }
+  const Cost& Of(StageId id) const { return cost[static_cast<std::size_t>(id)]; }
+  void Add(const StageTimes& other);
+};
+
+/// Adds the CPU time since it was made, or since the last EndOf, to a stage - if there is anybody
+/// to tell; otherwise it does not even read the clock.
+class Stopwatch {
+ public:
+  /// Of this thread.
+  explicit Stopwatch(StageTimes* times) noexcept : Stopwatch(times, 1, CLOCK_THREAD_CPUTIME_ID) {}
+
+  /// For the `number`-th of many short runs: measures one in sixteen.
+  static Stopwatch OfStep(StageTimes* times, std::int64_t number) noexcept {
+    return {times, number % kMeasuredEvery == 0 ? kMeasuredEvery : 0, CLOCK_THREAD_CPUTIME_ID};
+  }
+
+  /// For work that `num_threads` share while the rest of the process waits.
+  static Stopwatch OfThreads(StageTimes* times, int num_threads) noexcept {
+    return {times, 1, num_threads > 1 ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_THREAD_CPUTIME_ID};
+  }
+
+  void EndOf(StageId id, Sleep sleep = Sleep::kAwake) noexcept;
+
+ private:
+  static constexpr int kMeasuredEvery = 16;
+
+  Stopwatch(StageTimes* times, int stands_for, clockid_t clock) noexcept;
+
+  StageTimes* times_;
+  int stands_for_;  ///< Runs; 0: not measured.
+  clockid_t clock_;
+  double last_s_ = 0.0;
+};
+
+}  // namespace acus::simulation

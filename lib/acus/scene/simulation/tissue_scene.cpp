@@ -1,0 +1,164 @@
+#include "acus/scene/simulation/tissue_scene.h"
+
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "acus/base/core/error.h"
+#include "acus/data/mesh/surface_io.h"
+#include "acus/data/transforms/landmarks.h"
+#include "acus/data/volume/label_lookup.h"
+#include "acus/physics/mechanics/compliance_file.h"
+#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/mechanics/element_names.h"
+
+namespace acus::simulation {
+namespace {
+
+using scenario::TissueEffect;
+using scenario::TissueModelKind;
+
+/// The label map at any place, for as long as anybody asks.
+class TissueMap {
+ public:
+  explicit TissueMap(std::shared_ptr<const volume::LabelMap> labels)
+      : labels_(std::move(labels)), index_from_ct_(labels_->geometry.index_from_ct()) {}
+
+  volume::Label operator()(const Eigen::Vector3d& rest_in_ct_mm) const {
+    return volume::LabelAt(*labels_, index_from_ct_, rest_in_ct_mm);
+  }
+
+  std::bitset<256> Tissues() const {
+    std::bitset<256> found;
+    for (const volume::Label label : labels_->voxels) found.set(label);
+    return found;
+  }
+
+ private:
+  std::shared_ptr<const volume::LabelMap> labels_;
+  Eigen::Affine3d index_from_ct_;
+};
+
+tissue::TissueModel Functions(const TissueEffect& effect, const TissueMap& tissues,
+                              const mechanics::ElasticityTable& elasticity) {
+  // MPa. Bone has no row: nothing moves there.
+  const auto modulus = [tissues, rows = elasticity.tissue](const Eigen::Vector3d& rest_in_ct_mm) {
+    const volume::Label tissue = tissues(rest_in_ct_mm);
+    const double modulus_mpa = rows[tissue].youngs_modulus_mpa;
+    if (tissue == 0 || modulus_mpa > 0.0) return modulus_mpa;
+    return std::numeric_limits<double>::infinity();
+  };
+  return tissue::TissueModel(
+      tissue::DisplacementFunctions({.influence_radius_mm = effect.influence_radius_mm}, modulus));
+}
+
+/// What models that touch the needle need of it.
+struct NeedleParts {
+  forces::ForceTable table;
+  forces::NeedleProperties needle;
+};
+
+NeedleParts ReadNeedleParts(const scenario::Scenario& scenario, RunContext& context) {
+  context.provenance.AddInput(scenario.tissue->table);
+  context.provenance.AddInput(scenario.needle);
+  return {forces::ReadForceTable(scenario.tissue->table), forces::ReadNeedle(scenario.needle)};
+}
+
+tissue::TissueModel Springs(const TissueEffect& effect, const TissueMap& tissues,
+                            const mechanics::ElasticityTable& elasticity,
+                            const NeedleParts& parts) {
+  return tissue::TissueModel(
+      tissue::SpringModel({.node_spacing_mm = effect.path_spacing_mm,
+                           .influence_radius_mm = effect.influence_radius_mm},
+                          parts.table, parts.needle, elasticity, tissues.Tissues(), tissues));
+}
+
+/// Through entry and target of the needle's way, as nearly transverse as that allows: the slice of
+/// the CT that a probe beside the needle shows.
+tissue::PlanePlacement PlaneThrough(const std::filesystem::path& corridor, double& length_mm) {
+  const transforms::Landmarks points = transforms::ReadLandmarks(corridor);
+  const auto find = [&](const char* name) -> Eigen::Vector3d {
+    const auto at = std::ranges::find(points.names, name);
+    ACUS_REQUIRE(at != points.names.end(), corridor.string(), ": has no point named \"", name,
+                 "\"; the points entry and target are needed (CT space, LPS, mm)");
+    return points.points_mm.col(at - points.names.begin());
+  };
+  tissue::PlanePlacement plane;
+  plane.entry_in_ct_mm = find("entry");
+  const Eigen::Vector3d way_mm = find("target") - plane.entry_in_ct_mm;
+  length_mm = way_mm.norm();
+  ACUS_REQUIRE(length_mm > 1.0, corridor.string(), ": entry and target are ", length_mm,
+               " mm apart; they must be more than 1 mm apart");
+  plane.axis_in_ct = way_mm / length_mm;
+  const Eigen::Vector3d across = plane.axis_in_ct.cross(Eigen::Vector3d::UnitZ());
+  // A needle along the body has no transverse plane: any other does.
+  plane.across_in_ct = across.norm() > 0.1 ? across : Eigen::Vector3d::UnitX();
+  return plane;
+}
+
+tissue::TissueModel Plane(const scenario::Scenario& scenario, const TissueMap& tissues,
+                          const mechanics::ElasticityTable& elasticity, const NeedleParts& parts,
+                          RunContext& context) {
+  const TissueEffect& effect = *scenario.tissue;
+  double length_mm = 0.0;
+  const tissue::PlanePlacement plane = PlaneThrough(scenario.patient.corridor, length_mm);
+  context.provenance.AddInput(scenario.patient.corridor);
+  context.Checkpoint("inverting the plane", 0.0);
+  return tissue::TissueModel(tissue::PlaneModel2010({.spacing_mm = effect.plane_spacing_mm,
+                                                     .width_mm = effect.plane_width_mm,
+                                                     .depth_mm = length_mm + effect.plane_beyond_mm,
+                                                     .thickness_mm = effect.plane_thickness_mm},
+                                                    plane, parts.table, parts.needle, elasticity,
+                                                    tissues));
+}
+
+tissue::TissueModel Fem(const scenario::Scenario& scenario, const TissueInputs& inputs,
+                        const mechanics::ElasticityTable& elasticity, const NeedleParts& parts,
+                        RunContext& context) {
+  const TissueEffect& effect = *scenario.tissue;
+  const std::filesystem::path& file = scenario.patient.mesh;
+  context.Checkpoint("reading the mesh", 0.0);
+  const mesh::TetraMesh mesh = mesh::ReadTetraMesh(file);
+  context.provenance.AddInput(file);
+  const mechanics::CondensedTissue condensed = mechanics::OpenCompliance(
+      file.parent_path() / "compliance.acc", mesh, elasticity,
+      mechanics::ElementNamed(effect.element,
+                              scenario.file.string() + ": /effects/tissue/fe_3d/element"));
+  tissue::FemContactSettings settings{.contact_spacing_mm = effect.contact_spacing_mm};
+  if (effect.probe_contact)
+    settings.probe = {.length_mm = acoustics::FaceLengthMm(*inputs.probe),
+                      .radius_mm = acoustics::FaceRadiusMm(*inputs.probe)};
+  tissue::FemLevel level{tissue::FemNeedleModel(mesh, condensed.compliance, elasticity, parts.table,
+                                                parts.needle, settings),
+                         nullptr};
+  if (inputs.shows_deformation) {
+    level.image = std::make_shared<const tissue::FemImage>(mesh, condensed);
+  }
+  return tissue::TissueModel(std::move(level));
+}
+
+}  // namespace
+
+tissue::TissueModel LoadTissue(const scenario::Scenario& scenario, const TissueInputs& inputs,
+                               RunContext& context) {
+  const TissueEffect& effect = *scenario.tissue;
+  const mechanics::ElasticityTable elasticity = mechanics::ReadElasticityTable(effect.elasticity);
+  context.provenance.AddInput(effect.elasticity);
+  switch (effect.model) {
+    case TissueModelKind::kDisplacementFunctions:
+      return Functions(effect, TissueMap(inputs.labels), elasticity);
+    case TissueModelKind::kSprings:
+      return Springs(effect, TissueMap(inputs.labels), elasticity,
+                     ReadNeedleParts(scenario, context));
+    case TissueModelKind::kFem3d:
+      return Fem(scenario, inputs, elasticity, ReadNeedleParts(scenario, context), context);
+    case TissueModelKind::kPlane2010:
+      return Plane(scenario, TissueMap(inputs.labels), elasticity,
+                   ReadNeedleParts(scenario, context), context);
+  }
+  ACUS_ASSERT(false);
+}
+
+}  // namespace acus::simulation

@@ -1,0 +1,26 @@
+// The tissue model of a scene, from the files that its level needs.
+#pragma once
+
+#include <memory>
+
+#include "acus/base/core/run_context.h"
+#include "acus/data/volume/volume.h"
+#include "acus/imaging/acoustics/probe.h"
+#include "acus/physics/tissue/tissue_model.h"
+#include "acus/scene/scenario/scenario.h"
+
+namespace acus::simulation {
+
+/// What the scene has loaded already.
+struct TissueInputs {
+  std::shared_ptr<const volume::LabelMap> labels;  ///< Null if the level does not read it.
+  const acoustics::Probe* probe = nullptr;         ///< Null if the probe does not press.
+  bool shows_deformation = false;                  ///< An image shows what the tissue does.
+};
+
+/// @pre scenario.tissue is there.
+/// @throws InputError if a file that the level needs is missing, not readable or does not fit.
+tissue::TissueModel LoadTissue(const scenario::Scenario& scenario, const TissueInputs& inputs,
+                               RunContext& context);
+
+}  // namespace acus::simulation

@@ -1,0 +1,79 @@
+#include "acus/window/command.h"
+
+#include <array>
+
+namespace acus::window {
+namespace {
+
+constexpr std::array kKeys = {
+    KeyHelp{Command::kFreeze, "F", "freeze the ultrasound picture, and let it go on"},
+    KeyHelp{Command::kGainUp, "G", "more gain"},
+    KeyHelp{Command::kGainDown, "Shift+G", "less gain"},
+    KeyHelp{Command::kDeeper, "D", "deeper"},
+    KeyHelp{Command::kShallower, "Shift+D", "shallower"},
+    KeyHelp{Command::kMarkTarget, "T", "mark the needle's tip as target"},
+    KeyHelp{Command::kHoldBreath, "B", "hold the breath, and breathe on"},
+    KeyHelp{Command::kSwapHands, "W", "swap needle and probe (left-handed)"},
+    KeyHelp{Command::kNextView, "V", "next view alone, then all again"},
+    KeyHelp{Command::kGrid, "A", "all views"},
+    KeyHelp{Command::kOverlayMore, "O", "more of the CT over the video"},
+    KeyHelp{Command::kOverlayLess, "Shift+O", "less of the CT over the video"},
+    KeyHelp{Command::kNeedleGuide, "N", "line ahead of the needle in the ultrasound"},
+    KeyHelp{Command::kCameraPreset, "1 to 7",
+            "3D from in front, behind, left, right, top, "
+            "bottom, oblique"},
+    KeyHelp{Command::kStereo, "S", "3D in stereo: side by side, red-cyan, off"},
+    KeyHelp{Command::kSteerOther, "Tab", "mouse and arrows move the other tool"},
+    KeyHelp{Command::kHelp, "H", "this page"},
+    KeyHelp{Command::kQuit, "Q", "end the session (press twice)"},
+};
+
+}  // namespace
+
+std::string_view NameOf(Command command) noexcept {
+  switch (command) {
+    case Command::kFreeze:
+      return "freeze";
+    case Command::kGainUp:
+      return "gain_up";
+    case Command::kGainDown:
+      return "gain_down";
+    case Command::kDeeper:
+      return "deeper";
+    case Command::kShallower:
+      return "shallower";
+    case Command::kSwapHands:
+      return "swap_hands";
+    case Command::kHoldBreath:
+      return "hold_breath";
+    case Command::kMarkTarget:
+      return "mark_target";
+    case Command::kSteerOther:
+      return "steer_other";
+    case Command::kQuit:
+      return "quit";
+    case Command::kNextView:
+      return "next_view";
+    case Command::kGrid:
+      return "grid";
+    case Command::kStereo:
+      return "stereo";
+    case Command::kOverlayMore:
+      return "overlay_more";
+    case Command::kOverlayLess:
+      return "overlay_less";
+    case Command::kNeedleGuide:
+      return "needle_guide";
+    case Command::kCameraPreset:
+      return "camera_preset";
+    case Command::kHelp:
+      return "help";
+  }
+  return "";
+}
+
+std::span<const KeyHelp> Keys() noexcept {
+  return kKeys;
+}
+
+}  // namespace acus::window

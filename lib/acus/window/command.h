@@ -1,0 +1,57 @@
+// What the person at the window wants.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string_view>
+
+namespace acus::window {
+
+/// Those up to kQuit are for the caller to carry out. The others the window carries out itself; the
+/// caller gets them too, for the record.
+enum class Command {
+  kFreeze,
+  kGainUp,
+  kGainDown,
+  kDeeper,
+  kShallower,
+  kSwapHands,
+  kHoldBreath,
+  kMarkTarget,
+  kSteerOther,  ///< Mouse and arrow keys move the other tool: needle or probe.
+  kQuit,        ///< By key, pressed twice, or by closing the window.
+  kNextView,    ///< Grid, then each view alone.
+  kGrid,
+  kStereo,  ///< Off, side by side, red-cyan.
+  kOverlayMore,
+  kOverlayLess,
+  kNeedleGuide,
+  kCameraPreset,
+  kHelp,
+};
+
+/// The name in recordings: "freeze", "gain_up".
+std::string_view NameOf(Command command) noexcept;
+
+struct KeyHelp {
+  Command command;
+  std::string_view keys;  ///< As printed: "G / Shift+G".
+  std::string_view text;
+};
+/// All keys, in the order of the help page.
+std::span<const KeyHelp> Keys() noexcept;
+
+/// How mouse and keyboard move the virtual hand, since it was last asked for. Device frame: x to
+/// the right, y up, z towards the user.
+struct HandInput {
+  Eigen::Vector3d moved_mm = Eigen::Vector3d::Zero();    ///< Left button: x and y.
+  Eigen::Vector3d turned_rad = Eigen::Vector3d::Zero();  ///< Right button: about x and y.
+  double advanced_mm = 0.0;  ///< Wheel: along the needle, forwards positive.
+  /// Each of -1, 0, 1 while keys are held: arrows (x, y), Page Down and Page Up (advance).
+  Eigen::Vector2d held = Eigen::Vector2d::Zero();
+  double held_advance = 0.0;
+  bool fine = false;   ///< Shift is held: a tenth of the speed.
+  bool pedal = false;  ///< The space bar is held.
+};
+
+}  // namespace acus::window

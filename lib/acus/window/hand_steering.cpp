@@ -1,0 +1,22 @@
+#include "acus/window/hand_steering.h"
+
+namespace acus::window {
+
+ToolWay WayOf(const HandInput& input, const Eigen::Isometry3d& device_from_tool, double dt_s) {
+  const double held_mm = kHeldMmPerS * dt_s * (input.fine ? 0.1 : 1.0);
+  const Eigen::Vector3d along = device_from_tool.linear().col(2);
+  ToolWay way;
+  way.way_mm = input.moved_mm + held_mm * Eigen::Vector3d(input.held.x(), input.held.y(), 0.0) +
+               (input.advanced_mm + held_mm * input.held_advance) * along;
+  way.turn_rad = input.turned_rad;
+  return way;
+}
+
+void Steer(haptics::HandSteering* hand, const Eigen::Isometry3d& handle_from_tool,
+           const HandInput& input, double dt_s) {
+  if (hand == nullptr) return;
+  const ToolWay way = WayOf(input, hand->goal() * handle_from_tool, dt_s);
+  if (!way.IsZero()) hand->Nudge(way.way_mm, way.turn_rad);
+}
+
+}  // namespace acus::window

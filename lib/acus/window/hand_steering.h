@@ -1,0 +1,28 @@
+// Mouse and keyboard move the virtual hands.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "acus/rig/haptics/virtual_hand.h"
+#include "acus/window/command.h"
+
+namespace acus::window {
+
+/// Keys that are held move a tool at this speed; with Shift at a tenth.
+inline constexpr double kHeldMmPerS = 30.0;
+
+/// The way and turn of a tool that `input` asks for within `dt_s`, device frame: along the needle,
+/// +z of the tool, and as the mouse goes.
+struct ToolWay {
+  Eigen::Vector3d way_mm = Eigen::Vector3d::Zero();
+  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();
+
+  bool IsZero() const { return way_mm.isZero(0.0) && turn_rad.isZero(0.0); }
+};
+ToolWay WayOf(const HandInput& input, const Eigen::Isometry3d& device_from_tool, double dt_s);
+
+/// Moves the goal of the hand that holds a tool. Null: a real hand does, and nothing happens.
+void Steer(haptics::HandSteering* hand, const Eigen::Isometry3d& handle_from_tool,
+           const HandInput& input, double dt_s);
+
+}  // namespace acus::window

@@ -1,0 +1,52 @@
+// Where in the window each view is.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace acus::window {
+
+enum class ViewKind { kVideo, kUltrasound, kTeaching, kCtSlice, kFluoroscopy };
+inline constexpr std::array kViewKinds = {ViewKind::kVideo, ViewKind::kUltrasound,
+                                          ViewKind::kTeaching, ViewKind::kCtSlice,
+                                          ViewKind::kFluoroscopy};
+std::string_view TitleOf(ViewKind view) noexcept;
+
+/// In pixels of the window, from its upper left corner, row 0 at the top.
+struct Rectangle {
+  int left = 0;
+  int top = 0;
+  int width = 0;
+  int height = 0;
+  bool empty() const { return width <= 0 || height <= 0; }
+  bool Contains(int column, int row) const {
+    return column >= left && column < left + width && row >= top && row < top + height;
+  }
+};
+
+struct Layout {
+  struct View {
+    ViewKind kind = ViewKind::kVideo;
+    Rectangle place;
+  };
+  std::vector<View> views;  ///< They do not overlap.
+  Rectangle status;         ///< The bar below them.
+
+  /// Null if it is not shown.
+  const View* Find(ViewKind kind) const;
+  /// Null if none is there.
+  const View* At(int column, int row) const;
+};
+
+/// Two views above, the others below them; one fills all.
+/// @param shown  Without repetition.
+/// @param alone  If among those shown: it gets all the room.
+Layout LayOut(int width_px, int height_px, const std::vector<ViewKind>& shown,
+              std::optional<ViewKind> alone);
+
+/// The largest rectangle of the given proportions within another, in its middle.
+Rectangle Fit(const Rectangle& room, double width, double height);
+
+}  // namespace acus::window

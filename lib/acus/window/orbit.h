@@ -1,0 +1,35 @@
+// The eye of the teaching view, moved around the patient.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string_view>
+
+#include "acus/imaging/volume_rendering/camera.h"
+
+namespace acus::window {
+
+class Orbit {
+ public:
+  explicit Orbit(const Eigen::AlignedBox3d& box_in_ct_mm);
+
+  /// 1 anterior, 2 posterior, 3 left, 4 right, 5 superior, 6 inferior, 7 oblique; others: nothing.
+  void SetPreset(int number);
+  /// By the way of the pointer, in pixels: right turns the patient to the right.
+  void Turn(double right_px, double down_px);
+  void Shift(double right_px, double down_px, int height_px);
+  /// Below 1: nearer.
+  void Zoom(double factor);
+
+  volume_rendering::Camera CameraFor(int width_px, int height_px) const;
+  /// One eye of two, `half_base_mm` beside the middle: negative for the left one. Both see the
+  /// focus at the same place (parallel axes, shifted pictures).
+  volume_rendering::Camera EyeFor(int width_px, int height_px, double half_base_mm) const;
+  double distance_mm() const;
+  double patient_size_mm() const { return box_.diagonal().norm(); }
+
+ private:
+  Eigen::AlignedBox3d box_;
+  volume_rendering::Viewpoint viewpoint_;
+};
+
+}  // namespace acus::window

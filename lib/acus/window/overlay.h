@@ -1,0 +1,78 @@
+// The CT over the video: rendered for the video's camera, fading towards the patient's outline.
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "acus/data/mesh/surface.h"
+#include "acus/imaging/volume_rendering/camera.h"
+#include "acus/imaging/volume_rendering/patient_view.h"
+#include "acus/physics/breathing/motion_map.h"
+
+namespace acus::window {
+
+/// Opacity of a pixel that lies `distance_px` inside the outline of the volume's projection:
+///   s(d / D), s(t) = t^2 (3 - 2 t), 0 for t <= 0 and 1 for t >= 1, D = falloff_px.
+/// The distance falloff of Augmented-2010, section II.A ("pixels become more transparent as they
+/// get closer to the 2D projected edge of the volume"), which names no formula.
+double EdgeOpacity(double distance_px, double falloff_px) noexcept;
+
+/// Distances of the pixels of `inside` (row by row, 0 is outside) from the next outside pixel, in
+/// pixels; 0 outside. What lies beyond the picture counts as inside.
+std::vector<float> DistanceToEdge(const std::vector<std::uint8_t>& inside, int width, int height);
+
+/// Pixels that a surface covers, 255, and others, 0. Triangles behind the eye are left out.
+std::vector<std::uint8_t> SilhouetteOf(const mesh::Surface& surface,
+                                       const volume_rendering::Camera& camera);
+
+/// The same camera with another number of pixels over the same field.
+volume_rendering::Camera Resampled(const volume_rendering::Camera& camera, int width_px,
+                                   int height_px);
+
+/// The largest distance in pixels by which places of the box move from one camera's picture to the
+/// other's; infinite if one of them cannot be seen.
+double LargestShiftPx(const volume_rendering::Camera& from, const volume_rendering::Camera& to,
+                      const Eigen::AlignedBox3d& box_in_ct_mm);
+
+struct OverlayPicture {
+  volume_rendering::Camera camera;  ///< That it was rendered for; of its own size in pixels.
+  std::vector<std::uint8_t> rgba;
+};
+
+struct OverlaySettings {
+  double scale = 0.5;           ///< Pixels each way, of those of the video.
+  double falloff_share = 0.10;  ///< Of the picture's width.
+  bool in_background = true;
+};
+
+/// Renders overlays one after the other in a thread of its own.
+class OverlayRenderer {
+ public:
+  /// @param outline  What the projected edge is taken of; null or empty: of what is visible.
+  /// @throws InputError as PatientView does.
+  OverlayRenderer(const volume_rendering::PatientInView& patient, const mesh::Surface* outline,
+                  const OverlaySettings& settings);
+  ~OverlayRenderer();
+  OverlayRenderer(const OverlayRenderer&) = delete;
+  OverlayRenderer& operator=(const OverlayRenderer&) = delete;
+
+  /// Renders for this camera of the video, unless the newest overlay does for it, or one is under
+  /// way. @param motion  Copied; null: at rest.
+  /// @throws InputError for a camera or motion that cannot be rendered, now or at a later call.
+  void Ask(const volume_rendering::Camera& video, const breathing::MotionMap* motion);
+  /// True if there is a newer one than at the last call; then it is in `out`.
+  bool Take(OverlayPicture& out);
+  /// Until nothing is under way.
+  void Wait();
+
+  const Eigen::AlignedBox3d& box_in_ct_mm() const;
+  long num_rendered() const;
+
+ private:
+  struct Content;
+  std::unique_ptr<Content> content_;
+};
+
+}  // namespace acus::window

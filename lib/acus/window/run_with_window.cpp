@@ -1,0 +1,103 @@
+#include "acus/window/run_with_window.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "acus/base/core/monotonic_time.h"
+#include "acus/data/image/png.h"
+#include "acus/window/frame_maker.h"
+#include "acus/window/hand_steering.h"
+#include "acus/window/orders.h"
+#include "acus/window/patient_on_display.h"
+
+namespace acus::window {
+namespace {
+
+/// One turn of the window's loop after the other.
+class Loop {
+ public:
+  Loop(live::LiveSession& session, Window& window, const ConsoleSettings& settings)
+      : session_(session), window_(window), settings_(settings), frames_(session) {}
+
+  /// False when the person has ended the session.
+  bool Turn() {
+    const std::int64_t now_ns = MonotonicNs();
+    const double dt_s = last_ns_ == 0 ? 0.0 : 1e-9 * static_cast<double>(now_ns - last_ns_);
+    last_ns_ = now_ns;
+    session_.pictures().Refresh();
+    const live::LivePicture& picture = session_.pictures().Front();
+    const camera::CameraTracker* tracker = session_.video();
+    const auto video = tracker == nullptr ? nullptr : tracker->Latest();
+    if (picture.number > 0) {
+      window_.Show(frames_.Make(picture, video.get()));
+      if (num_shown_++ == 0) first_shown_ns_ = MonotonicNs();
+      last_shown_ns_ = MonotonicNs();
+    }
+    window_.HandleEvents();
+    if (!Obey(picture)) return false;
+    Move(dt_s);
+    return !window_.closed();
+  }
+
+  double FramesPerS() const {
+    const double span_s = 1e-9 * static_cast<double>(last_shown_ns_ - first_shown_ns_);
+    return span_s > 0.0 ? static_cast<double>(num_shown_ - 1) / span_s : 0.0;
+  }
+
+  void TakeScreenshot() {
+    if (settings_.screenshot.empty()) return;
+    image::WritePng(settings_.screenshot, window_.Screenshot(), "Acus");
+  }
+
+ private:
+  bool Obey(const live::LivePicture& picture) {
+    for (const Command command : window_.TakeCommands()) {
+      if (command == Command::kQuit) return false;
+      if (command == Command::kSteerOther) steers_needle_ = !steers_needle_;
+      PictureSetting present;
+      if (picture.probe) present = {picture.probe->gain_db, picture.probe->depth_mm};
+      const auto order = OrderOf(command, picture.snapshot, present);
+      if (order) session_.commands().Give(order->kind, order->value);
+    }
+    return true;
+  }
+
+  void Move(double dt_s) {
+    const HandInput input = window_.TakeHandInput();
+    if (input.pedal) session_.HoldPedal();
+    const live::HeldTool held = session_.HeldBy(steers_needle_);
+    Steer(held.hand.get(), held.handle_from_tool, input, dt_s);
+  }
+
+  live::LiveSession& session_;
+  Window& window_;
+  const ConsoleSettings& settings_;
+  FrameMaker frames_;
+  bool steers_needle_ = true;
+  std::int64_t last_ns_ = 0;
+  std::int64_t num_shown_ = 0;
+  std::int64_t first_shown_ns_ = 0;
+  std::int64_t last_shown_ns_ = 0;
+};
+
+}  // namespace
+
+WindowRun RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
+                        const ConsoleSettings& settings, RunContext& context) {
+  Window window(PatientOnDisplayOf(scenario, session.scene(), context), settings.window);
+  session.Start();
+  Loop loop(session, window, settings);
+  const auto period_ns = static_cast<std::int64_t>(1e9 / settings.rate_hz);
+  std::int64_t due_ns = MonotonicNs();
+  while (session.Poll() && loop.Turn()) {
+    // A slow picture does not make the next ones hurry.
+    due_ns = std::max(due_ns + period_ns, MonotonicNs());
+    std::this_thread::sleep_for(std::chrono::nanoseconds(due_ns - MonotonicNs()));
+  }
+  loop.TakeScreenshot();
+  session.Stop();
+  return {session.complete(), loop.FramesPerS()};
+}
+
+}  // namespace acus::window

@@ -1,0 +1,29 @@
+// A live session with its window.
+#pragma once
+
+#include "acus/base/core/run_context.h"
+#include "acus/run/live/live_session.h"
+#include "acus/scene/scenario/scenario.h"
+#include "acus/window/window.h"
+
+namespace acus::window {
+
+struct ConsoleSettings {
+  WindowSettings window;
+  double rate_hz = 30.0;  ///< Of the window; pictures themselves are made at a rate of their own.
+  /// PNG of the window, written at the end. Empty: none.
+  std::filesystem::path screenshot;
+};
+
+struct WindowRun {
+  bool complete = false;      ///< LiveSession::complete().
+  double frames_per_s = 0.0;  ///< Shown in the window.
+};
+
+/// Opens the window, starts the session and runs it until it is over or the person ends it. Keys
+/// become orders to the session; mouse and arrow keys move virtual hands.
+/// @throws InputError if there is no display, or the session does not start.
+WindowRun RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
+                        const ConsoleSettings& settings, RunContext& context);
+
+}  // namespace acus::window

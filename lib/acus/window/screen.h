@@ -1,0 +1,64 @@
+// The window itself, and what the person does in it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "acus/data/image/image.h"
+
+class vtkRenderer;
+
+namespace acus::window {
+
+/// Something the person did. Places are pixels from the upper left corner.
+struct InputEvent {
+  enum class Kind {
+    kKeyDown,
+    kKeyUp,
+    kMove,
+    kButtonDown,
+    kButtonUp,
+    kWheelForward,
+    kWheelBackward,
+    kClose
+  };
+  Kind kind = Kind::kMove;
+  std::string key;  ///< X's name: "f", "G", "Tab", "space"; letters with Shift are capitals.
+  int button = 0;   ///< 1 left, 2 middle, 3 right.
+  int column = 0;
+  int row = 0;
+  bool shift = false;
+};
+
+/// Renderers are drawn in their layer's order. All calls from the thread that made it.
+class Screen {
+ public:
+  static constexpr int kNumLayers = 3;
+
+  /// @throws InputError if there is no display.
+  Screen(const std::string& title, int width_px, int height_px);
+  ~Screen();
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+
+  void Add(vtkRenderer* renderer, int layer);
+  /// What happened since the last call.
+  std::vector<InputEvent> TakeEvents();
+  /// False: keys that were held are so no more, whether their release was told or not.
+  bool HasHeldKeys() const;
+  /// Draws all layers and shows them.
+  void Render();
+  /// Of the whole window, for red-cyan glasses.
+  void SetAnaglyph(bool on);
+
+  int width_px() const;
+  int height_px() const;
+  image::ColourImage Screenshot();
+
+ private:
+  struct Content;
+  std::unique_ptr<Content> content_;
+};
+
+}  // namespace acus::window

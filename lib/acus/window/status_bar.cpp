@@ -1,0 +1,193 @@
+#include "acus/window/status_bar.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "acus/window/command.h"
+
+namespace acus::window {
+namespace {
+
+Eigen::Vector2i StatusBarCorner(int column, int row) {
+  return {column, row};
+}
+
+std::string ClockText(double session_s) {
+  const long seconds = std::isfinite(session_s) ? static_cast<long>(std::max(0.0, session_s)) : 0;
+  const auto two = [](long n) { return (n < 10 ? "0" : "") + std::to_string(n); };
+  return std::to_string(seconds / 60) + ":" + two(seconds % 60);
+}
+
+/// All lines that there is room for, the worst first.
+void DrawLines(const DisplayFrame& frame, const ViewChoice& choice, const Rectangle& place,
+               const TextSizes& sizes, Sketch& sketch) {
+  std::vector<StatusLine> lines = frame.status;
+  if (choice.quit_asked) {
+    lines.insert(lines.begin(),
+                 {.severity = Severity::kFault, .text = "Press Q again to end the session."});
+  }
+  if (lines.empty()) lines.push_back({.severity = Severity::kGood, .text = "All is well."});
+  // What is well needs no place before what is told; faults do.
+  std::ranges::stable_sort(lines, std::ranges::greater(), [](const StatusLine& line) {
+    return std::max(line.severity, Severity::kNote);
+  });
+  const int step = sketch.TextHeight(sizes.normal_px) + 7;
+  int row = place.top + 10;
+  for (const StatusLine& line : lines) {
+    if (row + step > place.top + place.height) break;
+    const Colour colour = ColourOf(line.severity);
+    sketch.Dot({place.left + 16.0, row + 0.5 * sketch.TextHeight(sizes.normal_px)}, 5.0, colour);
+    const bool stands_out = line.severity >= Severity::kWarning;
+    sketch.Text(StatusBarCorner(place.left + 30, row), line.text,
+                {.size_px = sizes.normal_px, .colour = stands_out ? colour : palette::kText},
+                place.width - 40);
+    row += step;
+  }
+}
+
+void DrawForce(std::string_view name, const std::optional<double>& force_n, double limit_n,
+               const Rectangle& place, const TextSizes& sizes, Sketch& sketch) {
+  const bool known = force_n && std::isfinite(*force_n);
+  sketch.Text(StatusBarCorner(place.left, place.top), name,
+              {.size_px = sizes.small_px, .colour = palette::kFaint});
+  sketch.Text(StatusBarCorner(place.left + place.width, place.top),
+              known ? Digits(*force_n, 2) + " N" : "-",
+              {.size_px = sizes.small_px, .align = Align::kRight});
+  const Rectangle bar{.left = place.left,
+                      .top = place.top + sketch.TextHeight(sizes.small_px) + 3,
+                      .width = place.width,
+                      .height = 6};
+  sketch.Fill(bar, palette::kRule);
+  if (!known || !(limit_n > 0.0)) return;
+  const double share = std::clamp(*force_n / limit_n, 0.0, 1.0);
+  Rectangle filled = bar;
+  filled.width = static_cast<int>(std::lround(share * bar.width));
+  sketch.Fill(filled, share >= 0.99   ? palette::kFault
+                      : share >= 0.75 ? palette::kWarning
+                                      : palette::kGood);
+}
+
+void DrawDistance(const DisplayFrame& frame, const Rectangle& place, const TextSizes& sizes,
+                  Sketch& sketch) {
+  const auto distance = TipToTargetMm(frame);
+  const int middle = place.left + place.width / 2;
+  sketch.Text(StatusBarCorner(middle, place.top), "Tip to target",
+              {.size_px = sizes.small_px, .colour = palette::kFaint, .align = Align::kMiddle},
+              place.width);
+  sketch.Text(StatusBarCorner(middle, place.top + sketch.TextHeight(sizes.small_px) + 3),
+              distance ? Digits(*distance, *distance < 9.95 ? 1 : 0) + " mm" : "-",
+              {.size_px = sizes.large_px,
+               .colour = distance ? palette::kText : palette::kFaint,
+               .align = Align::kMiddle,
+               .bold = true},
+              place.width);
+}
+
+void DrawNumbers(const DisplayFrame& frame, const ViewChoice& choice, const Rectangle& place,
+                 const TextSizes& sizes, Sketch& sketch) {
+  const int step = sketch.TextHeight(sizes.small_px) + 4;
+  int row = place.top;
+  const auto line = [&](std::string_view name, const std::string& value, Colour colour) {
+    if (row + step > place.top + place.height) return;
+    sketch.Text(StatusBarCorner(place.left, row), name,
+                {.size_px = sizes.small_px, .colour = palette::kFaint}, place.width);
+    sketch.Text(StatusBarCorner(place.left + place.width, row), value,
+                {.size_px = sizes.small_px, .colour = colour, .align = Align::kRight});
+    row += step;
+  };
+  const Latency& latency = frame.latency;
+  const auto known = [](double value, int digits, const char* unit) {
+    return value > 0.0 && std::isfinite(value) ? Digits(value, digits) + unit : std::string("-");
+  };
+  line("Time", ClockText(frame.session_s), palette::kText);
+  line("Device to force", known(latency.device_to_force_ms, 2, " ms"), palette::kText);
+  line("Tracker to picture", known(latency.tracker_to_picture_ms, 0, " ms"), palette::kText);
+  const bool slow = latency.pictures_per_s > 0.0 && latency.pictures_per_s < 29.5;
+  line("Pictures", known(latency.pictures_per_s, 0, " /s"),
+       slow ? palette::kWarning : palette::kText);
+  std::string hands = frame.left_handed ? "left-handed" : "right-handed";
+  if (frame.breath_held) hands += ", breath held";
+  line(choice.steers_probe ? "Mouse: probe" : "Mouse: needle", hands, palette::kFaint);
+}
+
+}  // namespace
+
+Colour ColourOf(Severity severity) noexcept {
+  switch (severity) {
+    case Severity::kGood:
+      return palette::kGood;
+    case Severity::kNote:
+      return palette::kFaint;
+    case Severity::kWarning:
+      return palette::kWarning;
+    case Severity::kFault:
+      return palette::kFault;
+  }
+  return palette::kText;
+}
+
+void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice, const Rectangle& place,
+                   const TextSizes& sizes, Sketch& sketch) {
+  sketch.SetClip(place);
+  sketch.Fill(place, palette::kBackground);
+  Rectangle rule = place;
+  rule.height = 1;
+  sketch.Fill(rule, palette::kRule);
+  const int numbers_width = std::min(15 * sizes.small_px, place.width / 4);
+  const int middle_width = std::min(12 * sizes.small_px, place.width / 5);
+  Rectangle part = place;
+  part.left = place.width - numbers_width - 12;
+  part.width = numbers_width;
+  part.top += 8;
+  part.height -= 10;
+  DrawNumbers(frame, choice, part, sizes, sketch);
+  part.left -= middle_width + 28;
+  part.width = middle_width;
+  DrawForce("Needle", frame.force.needle_n, frame.force.limit_n, part, sizes, sketch);
+  part.top += sketch.TextHeight(sizes.small_px) + 16;
+  DrawForce("Probe", frame.force.probe_n, frame.force.limit_n, part, sizes, sketch);
+  part.top = place.top + 12;
+  part.left -= middle_width + 20;
+  DrawDistance(frame, part, sizes, sketch);
+  const int help_row = place.top + place.height - sketch.TextHeight(sizes.small_px) - 8;
+  sketch.Text(StatusBarCorner(part.left + part.width / 2, help_row), "H: keys",
+              {.size_px = sizes.small_px, .colour = palette::kFaint, .align = Align::kMiddle},
+              part.width);
+  Rectangle lines = place;
+  lines.width = part.left - 12;
+  DrawLines(frame, choice, lines, sizes, sketch);
+}
+
+void DrawHelp(const Rectangle& window, const TextSizes& sizes, Sketch& sketch) {
+  const int step = sketch.TextHeight(sizes.normal_px) + 6;
+  const int rows = static_cast<int>(Keys().size()) + 8;
+  const int width = std::min(window.width - 20, 44 * sizes.normal_px);
+  const int height = std::min(window.height - 20, rows * step + 10);
+  const Rectangle page{.left = window.left + (window.width - width) / 2,
+                       .top = window.top + (window.height - height) / 2,
+                       .width = width,
+                       .height = height};
+  sketch.Fill(page, {.red = 15, .green = 19, .blue = 24, .opacity = 238});
+  sketch.Frame(page, palette::kRule);
+  int row = page.top + 14;
+  const int key_column = page.left + 24;
+  const int text_column = page.left + 24 + 8 * sizes.normal_px;
+  const auto line = [&](std::string_view keys, std::string_view text) {
+    if (row + step > page.top + page.height) return;
+    sketch.Text(StatusBarCorner(key_column, row), keys,
+                {.size_px = sizes.normal_px, .colour = palette::kNeedle, .bold = true});
+    sketch.Text(StatusBarCorner(text_column, row), text, {.size_px = sizes.normal_px},
+                page.left + page.width - text_column - 16);
+    row += step;
+  };
+  sketch.Text(StatusBarCorner(key_column, row), "Keys", {.size_px = sizes.large_px, .bold = true});
+  row += sketch.TextHeight(sizes.large_px, true) + 10;
+  for (const KeyHelp& key : Keys()) line(key.keys, key.text);
+  line("Space", "pedal: forces are on while it is held, where a pedal is asked for");
+  row += step / 3;
+  line("Mouse", "in 3D: left turns, middle shifts, right and wheel zoom");
+  line("", "elsewhere: left moves the tool, right turns it, wheel advances it");
+  line("Arrows", "move the tool; Page Down and Page Up advance it; Shift: finely");
+}
+
+}  // namespace acus::window

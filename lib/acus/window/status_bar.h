@@ -1,0 +1,20 @@
+// The bar below the views: what happened, forces, latency; and the page of keys.
+#pragma once
+
+#include "acus/window/frame.h"
+#include "acus/window/layout.h"
+#include "acus/window/marks.h"
+#include "acus/window/sketch.h"
+#include "acus/window/steering.h"
+
+namespace acus::window {
+
+Colour ColourOf(Severity severity) noexcept;
+
+void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice, const Rectangle& place,
+                   const TextSizes& sizes, Sketch& sketch);
+
+/// Over all views.
+void DrawHelp(const Rectangle& window, const TextSizes& sizes, Sketch& sketch);
+
+}  // namespace acus::window

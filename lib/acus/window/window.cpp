@@ -1,0 +1,274 @@
+#include "acus/window/window.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "acus/base/core/error.h"
+#include "acus/window/marks.h"
+#include "acus/window/picture_layer.h"
+#include "acus/window/screen.h"
+#include "acus/window/sketch_layer.h"
+#include "acus/window/status_bar.h"
+#include "acus/window/steering.h"
+#include "acus/window/teaching_view.h"
+#include "acus/window/video_view.h"
+
+namespace acus::window {
+namespace {
+
+void Check(const WindowSettings& settings) {
+  ACUS_REQUIRE(settings.width_px >= 320 && settings.height_px >= 240 && settings.width_px <= 8192 &&
+                   settings.height_px <= 8192,
+               "display: a window of ", settings.width_px, " x ", settings.height_px,
+               " pixels; allowed is 320 x 240 to 8192 x 8192");
+  ACUS_REQUIRE(settings.max_triangles >= 1000 && settings.max_triangles <= 5'000'000,
+               "display: surfaces of ", settings.max_triangles,
+               " triangles; allowed is 1000 to 5000000");
+  ACUS_REQUIRE(settings.overlay_scale >= 0.05 && settings.overlay_scale <= 2.0,
+               "display: overlay_scale is ", settings.overlay_scale, "; allowed is 0.05 to 2");
+  ACUS_REQUIRE(settings.edge_falloff_share >= 0.0 && settings.edge_falloff_share <= 1.0,
+               "display: edge_falloff_share is ", settings.edge_falloff_share,
+               "; allowed is 0 to 1");
+  ACUS_REQUIRE(settings.teaching_view_each >= 1, "display: teaching_view_each is ",
+               settings.teaching_view_each, "; allowed is 1 and more");
+}
+
+bool IsFinite(const image::NeedleInImage& needle) {
+  bool finite = needle.tip_in_ct_mm.allFinite() && needle.axis_in_ct.allFinite() &&
+                std::isfinite(needle.length_mm) && std::isfinite(needle.radius_mm);
+  for (int i = 0; i < needle.shape.num_points; ++i) {
+    finite = finite && needle.shape.At(i).allFinite();
+  }
+  return finite && (needle.length_mm > 0.0 || needle.shape.num_points >= 2);
+}
+
+bool IsWhole(const image::GrayImage& image) {
+  return image.width > 0 && image.height > 0 &&
+         image.pixels.size() ==
+             static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+}
+
+/// What cannot be drawn is taken out: a fault of a tracker is no reason to lose the picture.
+DisplayFrame Drawable(const DisplayFrame& frame) {
+  DisplayFrame out = frame;
+  if (out.needle && !IsFinite(*out.needle)) out.needle.reset();
+  if (out.ct_from_probe && !out.ct_from_probe->matrix().allFinite()) out.ct_from_probe.reset();
+  if (out.target_in_ct_mm && !out.target_in_ct_mm->allFinite()) out.target_in_ct_mm.reset();
+  const auto& probe = out.ultrasound.probe;
+  if (!IsWhole(out.ultrasound.picture) || !probe ||
+      out.ultrasound.picture.width != acoustics::PictureOf(*probe).width_px ||
+      out.ultrasound.picture.height != acoustics::PictureOf(*probe).height_px) {
+    out.ultrasound.picture = {};
+  }
+  if (!IsWhole(out.ct_slice)) out.ct_slice = {};
+  if (!IsWhole(out.fluoroscopy)) out.fluoroscopy = {};
+  if (out.video) {
+    const image::ColourImage& picture = out.video->picture;
+    const volume_rendering::Camera& camera = out.video->camera;
+    const bool whole = picture.width > 0 && picture.height > 0 &&
+                       picture.rgb.size() == 3 * static_cast<std::size_t>(picture.width) *
+                                                 static_cast<std::size_t>(picture.height);
+    if (!whole) {
+      out.video.reset();
+    } else if (!camera.camera_from_ct.matrix().allFinite() || !camera.centre_px.allFinite() ||
+               !(camera.focal_px.array() > 0.0).all() || camera.width_px != picture.width ||
+               camera.height_px != picture.height) {
+      out.video->pose_valid = false;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+struct Window::Content {
+  WindowSettings settings;
+  Screen screen;
+  FontAtlas atlas;
+  Sketch sketch{atlas};
+  PictureLayer pictures;
+  TeachingView teaching;
+  VideoView video;
+  SketchLayer marks;
+  Steering steering;
+  Layout layout;
+  std::vector<ViewKind> shown;
+  long frames = 0;
+
+  Content(const PatientOnDisplay& patient, const WindowSettings& s)
+      : settings(s),
+        screen(s.title, s.width_px, s.height_px),
+        teaching(patient.in_teaching_view, s.max_triangles),
+        video(patient.in_overlay, teaching.skin(),
+              {.scale = s.overlay_scale,
+               .falloff_share = s.edge_falloff_share,
+               .in_background = s.overlay_in_background}),
+        marks(atlas) {
+    screen.Add(pictures.renderer(), 0);
+    screen.Add(video.layer().renderer(0), 1);
+    screen.Add(teaching.layer().renderer(0), 1);
+    screen.Add(teaching.layer().renderer(1), 1);
+    screen.Add(marks.renderer(), 2);
+    // Its own background, over that of the pictures.
+    teaching.layer().PaintBackground();
+  }
+
+  Rectangle WindowPlace() const {
+    return {.left = 0, .top = 0, .width = screen.width_px(), .height = screen.height_px()};
+  }
+
+  void HandleEvents() {
+    const std::vector<InputEvent> events = screen.TakeEvents();
+    steering.Handle(events, layout, shown);
+    if (steering.HoldsKeys() && !screen.HasHeldKeys()) steering.ReleaseKeys();
+    const Layout::View* view = layout.Find(ViewKind::kTeaching);
+    teaching.Move(steering.TakeEyeMotion(), view == nullptr ? 1 : view->place.height);
+  }
+
+  void FindShown(const DisplayFrame& frame) {
+    shown.clear();
+    if (frame.video) shown.push_back(ViewKind::kVideo);
+    if (!frame.ultrasound.picture.pixels.empty()) shown.push_back(ViewKind::kUltrasound);
+    if (!teaching.empty()) shown.push_back(ViewKind::kTeaching);
+    if (!frame.ct_slice.pixels.empty()) shown.push_back(ViewKind::kCtSlice);
+    if (!frame.fluoroscopy.pixels.empty()) shown.push_back(ViewKind::kFluoroscopy);
+    std::optional<ViewKind> alone = steering.choice().alone;
+    // Both eyes of red-cyan glasses see the whole window: it is the teaching view's alone.
+    if (steering.choice().stereo == Stereo::kRedCyan) alone = ViewKind::kTeaching;
+    layout = LayOut(screen.width_px(), screen.height_px(), shown, alone);
+  }
+
+  Rectangle PlaceOf(ViewKind kind) const {
+    const Layout::View* view = layout.Find(kind);
+    return view == nullptr ? Rectangle{} : view->place;
+  }
+
+  void DrawVideo(const DisplayFrame& frame, const TextSizes& sizes) {
+    const Rectangle place = PlaceOf(ViewKind::kVideo);
+    if (place.empty()) {
+      pictures.Hide(ViewKind::kVideo);
+      video.Update(frame, {}, WindowPlace(), 0.0);
+      return;
+    }
+    const VideoPicture& seen = *frame.video;
+    const Rectangle fit =
+        Fit(PictureRoom(ViewKind::kVideo, place, sizes), seen.picture.width, seen.picture.height);
+    pictures.Show(seen.picture, seen.camera, seen.distortion, fit);
+    video.Update(frame, fit, WindowPlace(), steering.choice().overlay_share);
+    const int percent = static_cast<int>(std::lround(100.0 * steering.choice().overlay_share));
+    DrawTitle("Camera",
+              seen.pose_valid ? "CT " + std::to_string(percent) + " %"
+                              : std::string("patient's marker not seen"),
+              place, sizes, sketch);
+    DrawVideoMarks(frame, fit, sketch);
+  }
+
+  void DrawUltrasound(const DisplayFrame& frame, const TextSizes& sizes) {
+    const Rectangle place = PlaceOf(ViewKind::kUltrasound);
+    if (place.empty()) return pictures.Hide(ViewKind::kUltrasound);
+    const PlaneOnScreen plane = PlaneIn(frame, PictureRoom(ViewKind::kUltrasound, place, sizes));
+    pictures.Show(ViewKind::kUltrasound, frame.ultrasound.picture, plane.place);
+    DrawUltrasoundMarks(frame, place, plane, steering.choice(), sketch, sizes);
+  }
+
+  void DrawCtSlice(const DisplayFrame& frame, const TextSizes& sizes) {
+    const Rectangle place = PlaceOf(ViewKind::kCtSlice);
+    if (place.empty()) return pictures.Hide(ViewKind::kCtSlice);
+    Rectangle room = PictureRoom(ViewKind::kCtSlice, place, sizes);
+    const bool has_plane = frame.ultrasound.probe != nullptr;
+    PlaneOnScreen plane = has_plane ? PlaneIn(frame, room) : PlaneOnScreen{};
+    if (!has_plane) plane.place = Fit(room, frame.ct_slice.width, frame.ct_slice.height);
+    pictures.Show(ViewKind::kCtSlice, frame.ct_slice, plane.place);
+    DrawTitle(TitleOf(ViewKind::kCtSlice), "", place, sizes, sketch);
+    if (has_plane && frame.ct_from_probe) DrawSliceMarks(frame, plane, sketch);
+  }
+
+  void DrawFluoroscopy(const DisplayFrame& frame, const TextSizes& sizes) {
+    const Rectangle place = PlaceOf(ViewKind::kFluoroscopy);
+    if (place.empty()) return pictures.Hide(ViewKind::kFluoroscopy);
+    const Rectangle fit = Fit(PictureRoom(ViewKind::kFluoroscopy, place, sizes),
+                              frame.fluoroscopy.width, frame.fluoroscopy.height);
+    pictures.Show(ViewKind::kFluoroscopy, frame.fluoroscopy, fit);
+    DrawTitle(TitleOf(ViewKind::kFluoroscopy), "", place, sizes, sketch);
+  }
+
+  void DrawTeaching(const DisplayFrame& frame, const TextSizes& sizes) {
+    const Rectangle place = PlaceOf(ViewKind::kTeaching);
+    if (place.empty()) return teaching.Hide();
+    if (frames % settings.teaching_view_each == 0) teaching.Update(frame);
+    const Stereo stereo = steering.choice().stereo;
+    teaching.SetPlace(place, WindowPlace(), stereo);
+    DrawTitle(TitleOf(ViewKind::kTeaching),
+              stereo == Stereo::kSideBySide ? "side by side"
+              : stereo == Stereo::kRedCyan  ? "red-cyan glasses"
+                                            : "",
+              place, sizes, sketch);
+  }
+
+  static PlaneOnScreen PlaneIn(const DisplayFrame& frame, const Rectangle& room) {
+    PlaneOnScreen plane;
+    plane.geometry = acoustics::PictureOf(*frame.ultrasound.probe);
+    plane.place = Fit(room, plane.geometry.width_px * plane.geometry.lateral_mm_per_px,
+                      plane.geometry.height_px * plane.geometry.axial_mm_per_px);
+    if (frame.ct_from_probe) plane.ct_from_probe = *frame.ct_from_probe;
+    return plane;
+  }
+
+  void Show(const DisplayFrame& frame) {
+    FindShown(frame);
+    screen.SetAnaglyph(steering.choice().stereo == Stereo::kRedCyan && !teaching.empty());
+    const TextSizes sizes = SizesFor(screen.height_px());
+    pictures.SetWindowSize(screen.width_px(), screen.height_px());
+    sketch.Clear();
+    DrawVideo(frame, sizes);
+    DrawUltrasound(frame, sizes);
+    DrawCtSlice(frame, sizes);
+    DrawFluoroscopy(frame, sizes);
+    DrawTeaching(frame, sizes);
+    DrawStatusBar(frame, steering.choice(), layout.status, sizes, sketch);
+    if (steering.choice().help) DrawHelp(WindowPlace(), sizes, sketch);
+    marks.Draw(sketch, screen.height_px());
+    screen.Render();
+    ++frames;
+  }
+};
+
+Window::Window(const PatientOnDisplay& patient, const WindowSettings& settings) {
+  Check(settings);
+  content_ = std::make_unique<Content>(patient, settings);
+}
+
+Window::~Window() = default;
+Window::Window(Window&&) noexcept = default;
+Window& Window::operator=(Window&&) noexcept = default;
+
+void Window::Show(const DisplayFrame& frame) {
+  if (closed()) return;
+  content_->HandleEvents();
+  if (!closed()) content_->Show(Drawable(frame));
+}
+
+void Window::HandleEvents() {
+  if (!closed()) content_->HandleEvents();
+}
+
+std::vector<Command> Window::TakeCommands() {
+  return content_->steering.TakeCommands();
+}
+HandInput Window::TakeHandInput() {
+  return content_->steering.TakeHandInput();
+}
+bool Window::closed() const {
+  return content_->steering.closed();
+}
+Layout Window::layout() const {
+  return content_->layout;
+}
+image::ColourImage Window::Screenshot() {
+  return content_->screen.Screenshot();
+}
+long Window::num_overlays() const {
+  return content_->video.num_overlays();
+}
+
+}  // namespace acus::window

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Installs Acus into a folder, builds the example against it, and runs it on the small patient.
+#   run.sh BUILD SOURCE WORK; $INPUTS holds the patient (tests/cli/make_inputs.sh).
+set -euo pipefail
+build=$1 source=$2 work=$3
+rm -rf "$work"
+mkdir -p "$work"
+cmake --install "$build" --prefix "$work/acus" --component library >"$work/install.log"
+if grep -rlE -- "-Werror|$source" "$work/acus/lib"*/cmake "$work/acus/lib"*/*/cmake 2>/dev/null; then
+  echo "the installed package names the source tree, or makes warnings errors" >&2
+  exit 1
+fi
+cmake -S "$source/tests/install" -B "$work/build" -G Ninja -DCMAKE_PREFIX_PATH="$work/acus" \
+  -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" 2>&1 || { cat "$work/configure.log" >&2; exit 1; }
+cmake --build "$work/build" >"$work/build.log" 2>&1 || { cat "$work/build.log" >&2; exit 1; }
+python3 - "$INPUTS/scenario.json" "$INPUTS" >"$work/scenario.json" <<'PYTHON'
+import json, sys
+scenario = json.load(open(sys.argv[1]))
+folder = sys.argv[2]
+scenario["patient"].update(ct=folder + "/ct.nrrd", labels=folder + "/labels.seg.nrrd",
+                           ct_from_reference_file=folder + "/ct_from_reference.tfm")
+scenario["patient"].pop("ct_from_reference", None)
+json.dump(scenario, sys.stdout)
+PYTHON
+"$work/build/step_and_render" "$work/scenario.json" "$work/image.png" | tee "$work/output"
+grep -qE "^force on the needle: [0-9.]+ N$" "$work/output"
+test -s "$work/image.png"

@@ -1,0 +1,161 @@
+#include "acus/assess/regression/regression.h"
+
+#include <gmock/gmock.h>
+
+#include "acus/assess/regression/calibration.h"
+#include "acus/assess/regression/regression_report.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "acus/data/session/session_io.h"
+#include "acus/data/volume/volume_io.h"
+#include "support/layered_scene.h"
+#include "support/temporary_folder.h"
+
+namespace acus::regression {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// A suite of one short insertion, felt but not seen, and one that has no session any more.
+class Regression : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto scene =
+        testing_support::LayeredScene(testing_support::PlanOf(true, false, false, false), true);
+    volume::WriteLabelMap(folder_ / "labels.seg.nrrd", *scene.labels);
+    session::Session session;
+    for (int ms = 0; ms < 1000; ++ms) {
+      session::PoseSample needle{.time_ns = ms * std::int64_t{1'000'000}};
+      needle.reference_from_tool =
+          Eigen::Isometry3d(Eigen::Translation3d(0.0, 20.0, -5.0 + 0.025 * ms));
+      session.needle.push_back(needle);
+    }
+    session::WriteSession(folder_ / "session", session, context_);
+    WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1",
+      "patient": {"labels": "labels.seg.nrrd"}, "effects": {"needle_force": {}}})");
+    setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
+    WriteSuite("[]");
+  }
+
+  void WriteSuite(const std::string& changes) {
+    WriteTextFile(folder_ / "suite.json",
+                  R"({"format": "acus-regression/1", "time_min_s": 1000, "cases": [{"name": "in",
+        "scenario": "scene.json", "session": "session", "set": )" +
+                      changes + "}]}");
+  }
+
+  /// Runs the suite into a folder, with its page.
+  SuiteResult Run(const std::string& name) {
+    const fs::path result_folder = folder_ / name;
+    fs::create_directories(result_folder);
+    SuiteResult result = RunSuite(ReadSuite(folder_), result_folder, context_);
+    WriteResult(result_folder, result, context_);
+    return result;
+  }
+
+  testing_support::TemporaryFolder temporary_;
+  fs::path folder_ = temporary_.path();
+  RunContext context_;
+};
+
+TEST_F(Regression, IsNewThenAcceptedThenTheSame) {
+  const SuiteResult first = Run("first");
+  EXPECT_FALSE(first.passed());
+  ASSERT_EQ(first.cases.size(), 1);
+  EXPECT_EQ(first.cases[0].verdict, Verdict::kNew);
+  EXPECT_THAT(AcceptResult(ReadSuite(folder_), folder_ / "first"), HasSubstr("has one now"));
+  const SuiteResult second = Run("second");
+  EXPECT_TRUE(second.passed()) << TextOf(second);
+  EXPECT_THAT(AcceptResult(ReadSuite(folder_), folder_ / "second"), HasSubstr("was as expected"));
+}
+
+TEST_F(Regression, SaysWhatMovedAndAcceptsItOnlyWhenTold) {
+  Run("first");
+  AcceptResult(ReadSuite(folder_), folder_ / "first");
+  const std::string before = ReadTextFile(folder_ / "expected/in/forces.csv");
+  WriteSuite(R"(["/needle=needles/trocar_18g.json", "/effects/needle_force/model=alamilla"])");
+  const SuiteResult moved = Run("moved");
+  EXPECT_FALSE(moved.passed());
+  EXPECT_EQ(moved.cases[0].verdict, Verdict::kMoved);
+  EXPECT_THAT(TextOf(moved), AllOf(HasSubstr("MOVED"), HasSubstr("force_axial_n")));
+  EXPECT_THAT(ReadTextFile(folder_ / "moved/regression.html"),
+              AllOf(HasSubstr("force_axial_n"), HasSubstr(">expected<"), HasSubstr(">now<")));
+  EXPECT_EQ(ReadTextFile(folder_ / "expected/in/forces.csv"), before);
+  EXPECT_THAT(AcceptResult(ReadSuite(folder_), folder_ / "moved"),
+              AllOf(HasSubstr("in: old | new"), HasSubstr("force_axial_n: RMS difference: ")));
+  EXPECT_NE(ReadTextFile(folder_ / "expected/in/forces.csv"), before);
+  EXPECT_TRUE(Run("after").passed());
+}
+
+TEST_F(Regression, ACaseWithoutResultDoesNotStopTheOthers) {
+  WriteTextFile(folder_ / "suite.json", R"({"format": "acus-regression/1", "cases": [
+    {"name": "broken", "scenario": "scene.json", "session": "session", "patient": {"labels": "no.nrrd"}},
+    {"name": "in", "scenario": "scene.json", "session": "session"}]})");
+  const SuiteResult result = Run("result");
+  ASSERT_EQ(result.cases.size(), 2);
+  EXPECT_EQ(result.cases[0].verdict, Verdict::kNoResult);
+  EXPECT_THAT(result.cases[0].message, HasSubstr("no.nrrd"));
+  EXPECT_EQ(result.cases[1].verdict, Verdict::kNew);
+  EXPECT_THAT([&] { AcceptResult(ReadSuite(folder_), folder_ / "result"); },
+              ThrowsMessage<InputError>(HasSubstr("has no run of broken")));
+  EXPECT_FALSE(fs::exists(folder_ / "expected")) << "nothing is accepted by halves";
+  AcceptResult(Only(ReadSuite(folder_), {"in"}), folder_ / "result");
+  EXPECT_TRUE(fs::exists(folder_ / "expected/in/forces.csv"));
+}
+
+TEST_F(Regression, TimeIsComparedInCalibrationLoops) {
+  WriteTextFile(folder_ / "suite.json", R"({"format": "acus-regression/1", "time_min_s": 0,
+    "cases": [{"name": "in", "scenario": "scene.json", "session": "session"}]})");
+  Run("first");
+  AcceptResult(ReadSuite(folder_), folder_ / "first");
+  const fs::path timing = folder_ / "expected/in/timing.json";
+  // As if a machine that is 1000 times slower had taken a tenth of the work.
+  auto expected = config::ReadJson(timing);
+  expected["cpu_s"] = 100.0 * expected.at("cpu_s").get<double>();
+  expected["calibration_s"] = 1000.0 * expected.at("calibration_s").get<double>();
+  config::WriteJson(timing, expected);
+  const SuiteResult slow = Run("slow");
+  EXPECT_THAT(slow.cases[0].comparison->failed(),
+              testing::ElementsAre("CPU time, more than expected"));
+  // As if it had taken ten times the work: being faster is no fault.
+  expected["cpu_s"] = 100.0 * expected.at("cpu_s").get<double>();
+  config::WriteJson(timing, expected);
+  EXPECT_TRUE(Run("fast").passed());
+}
+
+TEST_F(Regression, RefusesSuitesAndResultsThatDoNotFit) {
+  const auto reading = [&](const std::string& cases) {
+    return [this, cases] {
+      WriteTextFile(folder_ / "suite.json",
+                    R"({"format": "acus-regression/1", "cases": [)" + cases + "]}");
+      ReadSuite(folder_);
+    };
+  };
+  const std::string one = R"({"name": "a", "scenario": "scene.json", "session": "session"})";
+  EXPECT_THAT(reading(one + "," + one),
+              ThrowsMessage<InputError>(HasSubstr("two are named \"a\"")));
+  EXPECT_THAT(reading(R"({"name": "a", "scenario": "scene.json", "session": "gone"})"),
+              ThrowsMessage<InputError>(HasSubstr("gone: no such session")));
+  EXPECT_THAT(reading(R"({"name": "../a", "scenario": "scene.json", "session": "session"})"),
+              ThrowsMessage<InputError>(HasSubstr("/cases/0/name")));
+  EXPECT_THAT(reading(""), ThrowsMessage<InputError>(HasSubstr("/cases")));
+  reading(one)();
+  EXPECT_THAT([&] { Only(ReadSuite(folder_), {"b"}); },
+              ThrowsMessage<InputError>(HasSubstr("there is no case \"b\"; the suite has: a")));
+  EXPECT_THAT([&] { AcceptResult(ReadSuite(folder_), folder_ / "session"); },
+              ThrowsMessage<InputError>(HasSubstr("is not a result of acus-regression run")));
+}
+
+TEST(Calibration, TakesAboutTheSameTwice) {
+  const double once_s = CalibrationSeconds();
+  const double again_s = CalibrationSeconds();
+  EXPECT_GT(once_s, 1e-3);
+  EXPECT_LT(std::max(once_s, again_s) / std::min(once_s, again_s), 2.0);
+}
+
+}  // namespace
+}  // namespace acus::regression

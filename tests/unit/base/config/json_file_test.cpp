@@ -1,0 +1,88 @@
+#include "acus/base/config/json_file.h"
+
+#include <gmock/gmock.h>
+
+#include "acus/base/config/schema_check.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "support/temporary_folder.h"
+
+namespace acus::config {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+const json kSchema = json::parse(R"({
+  "type": "object", "additionalProperties": false, "required": ["name"],
+  "properties": {
+    "name": {"type": "string"},
+    "depth_mm": {"type": "number", "minimum": 0, "maximum": 200, "default": 80},
+    "mode": {"enum": ["fast", "exact"], "default": "fast"},
+    "friction": {"$ref": "#/definitions/friction"},
+    "layers": {"type": "array", "items": {"$ref": "#/definitions/friction"}}
+  },
+  "definitions": {"friction": {
+    "type": "object", "additionalProperties": false, "default": {},
+    "properties": {"coulomb_n_per_mm": {"type": "number", "default": 0.01}}}}
+})");
+
+TEST(Problems, AreAllToldAtOnceWithPlaceValueAndRemedy) {
+  const json document = json::parse(R"({
+    "depth_mm": 300, "mode": "slow", "friction": {"coulomb_n_per_m": 1}, "layers": [{}, {"coulomb_n_per_mm": "x"}]})");
+  const auto problems = Problems(kSchema, document);
+  EXPECT_THAT(
+      problems,
+      testing::UnorderedElementsAre(
+          HasSubstr("/name: missing"),
+          AllOf(HasSubstr("/depth_mm: "), HasSubstr("200"), HasSubstr("got 300")),
+          AllOf(HasSubstr("/mode: must be one of"), HasSubstr("got \"slow\"")),
+          HasSubstr("/friction/coulomb_n_per_m: unknown key; did you mean \"coulomb_n_per_mm\"?"),
+          AllOf(HasSubstr("/layers/1/coulomb_n_per_mm: expected \"number\""),
+                HasSubstr("got \"x\""))));
+}
+
+TEST(FillDefaults, ReachesIntoObjectsAndItems) {
+  json document = json::parse(R"({"name": "a", "layers": [{}]})");
+  FillDefaults(kSchema, document);
+  EXPECT_EQ(document["depth_mm"], 80);
+  EXPECT_EQ(document["friction"]["coulomb_n_per_mm"], 0.01);
+  EXPECT_EQ(document["layers"][0]["coulomb_n_per_mm"], 0.01);
+}
+
+TEST(ReadJson, RefusesDuplicateKeysAndSaysWhereSyntaxBreaks) {
+  const testing_support::TemporaryFolder folder;
+  const auto path = folder / "config.json";
+  const auto read = [&](std::string_view text) {
+    return [&path, text] {
+      WriteTextFile(path, text);
+      ReadJson(path);
+    };
+  };
+  EXPECT_THAT(read(R"({"a": 1, "b": {"a": 2}, "a": 3})"),
+              ThrowsMessage<InputError>(HasSubstr("key 'a' is given twice")));
+  EXPECT_NO_THROW(read(R"({"a": 1, "b": {"a": 2}} // fine)")());
+  EXPECT_THAT(read("{\n\"a\": }"), ThrowsMessage<InputError>(HasSubstr("line 2")));
+}
+
+TEST(WriteJson, WritesValidJsonWhateverBytesANameHolds) {
+  const testing_support::TemporaryFolder folder;
+  const auto path = folder / "bytes.json";
+  WriteJson(path, {{"file", "p\xFFt.csv"}});
+  EXPECT_EQ(ReadJson(path).at("file"), "p\uFFFDt.csv");
+}
+
+TEST(Schemas, AreValidJsonWithDescribedStrictObjects) {
+  ASSERT_FALSE(SchemaNames().empty());
+  for (const std::string& name : SchemaNames()) {
+    const json schema = json::parse(SchemaText(name));
+    EXPECT_EQ(schema.at("additionalProperties"), false) << name;
+    EXPECT_EQ(schema.at("properties").at("format").at("const"), name + "/1");
+  }
+}
+
+}  // namespace
+}  // namespace acus::config

@@ -1,0 +1,155 @@
+// PNG and film, read back by another library.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "acus/data/image/film.h"
+#include "acus/data/image/png.h"
+#include "support/temporary_folder.h"
+
+namespace acus::image {
+namespace {
+
+namespace fs = std::filesystem;
+using testing_support::TemporaryFolder;
+
+/// Soft shades that depend on the frame, so that frames and places cannot be mixed up.
+GrayImage Shades(int width, int height, int frame) {
+  GrayImage image;
+  image.Resize(width, height);
+  for (int r = 0; r < height; ++r) {
+    for (int c = 0; c < width; ++c) {
+      image.pixels[static_cast<std::size_t>(r * width + c)] =
+          static_cast<std::uint8_t>((c * 160 / width + r * 60 / height + 9 * frame) % 256);
+    }
+  }
+  return image;
+}
+
+std::size_t NumFiles(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
+}
+
+TEST(WritePng, IsReadBackPixelByPixel) {
+  const TemporaryFolder folder;
+  for (const auto& [width, height] : {std::pair{1, 1}, {7, 3}, {512, 300}}) {
+    const GrayImage image = Shades(width, height, 3);
+    WritePng(folder / "a.png", image, "made by a test");
+    const cv::Mat read = cv::imread((folder / "a.png").string(), cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(read.type(), CV_8UC1);
+    ASSERT_EQ(read.cols, width);
+    ASSERT_EQ(read.rows, height);
+    EXPECT_TRUE(std::equal(image.pixels.begin(), image.pixels.end(), read.data));
+  }
+  EXPECT_THAT(ReadTextFile(folder / "a.png"), testing::HasSubstr("made by a test"));
+}
+
+TEST(WritePng, RefusesAnEmptyPictureAndLeavesNothing) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(WritePng(folder / "a.png", GrayImage{}), InputError);
+  GrayImage torn = Shades(4, 4, 0);
+  torn.pixels.pop_back();
+  EXPECT_THROW(WritePng(folder / "a.png", torn), InputError);
+  EXPECT_EQ(NumFiles(folder.path()), 0U);
+}
+
+void WriteFilm(const fs::path& path, int width, int height, int frames,
+               const FilmOptions& options = {}) {
+  FilmWriter film(path, width, height, options);
+  for (int n = 0; n < frames; ++n) film.Add(Shades(width, height, n));
+  film.Finish();
+}
+
+TEST(Film, IsReadBackFrameByFrame) {
+  const TemporaryFolder folder;
+  WriteFilm(folder / "film.mp4", 320, 240, 12, {.frames_per_s = 25, .quality = 10});
+  cv::VideoCapture film((folder / "film.mp4").string());
+  ASSERT_TRUE(film.isOpened());
+  EXPECT_EQ(film.get(cv::CAP_PROP_FRAME_COUNT), 12);
+  EXPECT_NEAR(film.get(cv::CAP_PROP_FPS), 25.0, 1e-6);
+  EXPECT_EQ(static_cast<int>(film.get(cv::CAP_PROP_FOURCC)),
+            cv::VideoWriter::fourcc('a', 'v', 'c', '1'));
+  cv::Mat frame;
+  int count = 0;
+  for (; film.read(frame); ++count) {
+    ASSERT_EQ(frame.cols, 320);
+    ASSERT_EQ(frame.rows, 240);
+    const GrayImage truth = Shades(320, 240, count);
+    double error = 0.0;
+    for (int r = 0; r < 240; ++r) {
+      for (int c = 0; c < 320; ++c)
+        error += std::abs(frame.at<cv::Vec3b>(r, c)[1] - truth.At(c, r));
+    }
+    EXPECT_LT(error / (320 * 240), 2.5) << "frame " << count;
+  }
+  EXPECT_EQ(count, 12);
+}
+
+TEST(Film, OddSizesArePaddedByOnePixel) {
+  const TemporaryFolder folder;
+  WriteFilm(folder / "film.mp4", 101, 77, 3);
+  cv::VideoCapture film((folder / "film.mp4").string());
+  EXPECT_EQ(film.get(cv::CAP_PROP_FRAME_WIDTH), 102);
+  EXPECT_EQ(film.get(cv::CAP_PROP_FRAME_HEIGHT), 78);
+}
+
+TEST(Film, TheSamePicturesGiveTheSameBytes) {
+  const TemporaryFolder folder;
+  WriteFilm(folder / "a.mp4", 256, 128, 40);
+  WriteFilm(folder / "b.mp4", 256, 128, 40);
+  WriteFilm(folder / "c.mp4", 256, 128, 40, {.background = true});
+  EXPECT_EQ(ReadTextFile(folder / "a.mp4"), ReadTextFile(folder / "b.mp4"));
+  EXPECT_EQ(ReadTextFile(folder / "a.mp4"), ReadTextFile(folder / "c.mp4"));
+}
+
+TEST(Film, ABackgroundThatIsLeftEarlyEndsAndLeavesNothing) {
+  const TemporaryFolder folder;
+  for (const int frames : {0, 1, 30}) {
+    FilmWriter film(folder / "film.mp4", 64, 64, {.background = true});
+    for (int n = 0; n < frames; ++n) film.Add(Shades(64, 64, n));
+    EXPECT_EQ(film.num_frames(), frames);
+  }
+  EXPECT_EQ(NumFiles(folder.path()), 0U);
+}
+
+TEST(Film, AppearsWholeOrNotAtAll) {
+  const TemporaryFolder folder;
+  {
+    FilmWriter film(folder / "film.mp4", 64, 64);
+    film.Add(Shades(64, 64, 0));
+    EXPECT_THROW(film.Add(Shades(64, 65, 0)), InputError);
+    EXPECT_FALSE(fs::exists(folder / "film.mp4"));
+  }
+  EXPECT_EQ(NumFiles(folder.path()), 0U);
+  FilmWriter empty(folder / "film.mp4", 64, 64);
+  EXPECT_THROW(empty.Finish(), InputError);
+}
+
+TEST(Film, RefusesWhatCannotBeFilmed) {
+  const TemporaryFolder folder;
+  const auto film = [&](int width, int height, const FilmOptions& options) {
+    FilmWriter(folder / "film.mp4", width, height, options);
+  };
+  EXPECT_THROW(film(15, 64, {}), InputError);
+  EXPECT_THROW(film(64, 8193, {}), InputError);
+  EXPECT_THROW(film(64, 64, {.frames_per_s = 0.9}), InputError);
+  EXPECT_THROW(film(64, 64, {.frames_per_s = 241}), InputError);
+  EXPECT_THROW(film(64, 64, {.quality = -1}), InputError);
+  EXPECT_THROW(film(64, 64, {.quality = 52}), InputError);
+  EXPECT_EQ(NumFiles(folder.path()), 0U);
+}
+
+}  // namespace
+
+TEST(VideoLuma, GoesFrom16To235) {
+  for (int grey = 0; grey < 256; ++grey) {
+    EXPECT_NEAR(VideoLuma(static_cast<std::uint8_t>(grey)), 16.0 + grey * 219.0 / 255.0, 0.75);
+  }
+  EXPECT_EQ(VideoLuma(0), 16);
+  EXPECT_EQ(VideoLuma(255), 235);
+}
+
+}  // namespace acus::image

@@ -1,0 +1,136 @@
+#include "acus/patient/breathing_registration/phase_registration.h"
+
+#include <gmock/gmock.h>
+
+#include "acus/base/core/random.h"
+#include "acus/base/math/statistics.h"
+#include "acus/patient/phantom/breathing_scan.h"
+#include "support/synthetic_trunk.h"
+
+namespace acus::breathing_registration {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The trunk with vessels: blobs of contrast in lung and liver, 14 mm apart.
+volume::CtVolume TexturedTrunk(const volume::LabelMap& labels) {
+  volume::CtVolume ct(labels.geometry);
+  for (std::size_t v = 0; v < ct.voxels.size(); ++v) {
+    const volume::Label label = labels.voxels[v];
+    ct.voxels[v] = label == 0                         ? -1000
+                   : label == volume::LabelOf("lung") ? -850
+                   : label == volume::LabelOf("bone") ? 500
+                   : label == volume::LabelOf("fat")  ? -100
+                                                      : 40;
+  }
+  RandomStream random(5, "vessels");
+  const volume::Geometry& g = labels.geometry;
+  for (int n = 0; n < 2500; ++n) {
+    const Eigen::Array3i c(static_cast<int>(random.Uniform(2, g.size[0] - 2)),
+                           static_cast<int>(random.Uniform(2, g.size[1] - 2)),
+                           static_cast<int>(random.Uniform(2, g.size[2] - 2)));
+    const bool lung = labels.At(c[0], c[1], c[2]) == volume::LabelOf("lung");
+    for (int a = 0; a < 8; ++a) {
+      const std::size_t v = g.Index(c[0] + (a & 1), c[1] + ((a >> 1) & 1), c[2] + (a >> 2));
+      if (labels.voxels[v] == labels.At(c[0], c[1], c[2]) && labels.voxels[v] != 0) {
+        ct.voxels[v] = static_cast<std::int16_t>(ct.voxels[v] + (lung ? 500 : 110));
+      }
+    }
+  }
+  return ct;
+}
+
+struct Trunk {
+  Trunk()
+      : labels(testing_support::SyntheticTrunk()),
+        ct(TexturedTrunk(labels)),
+        motion(phantom::FindCavity(labels, {}),
+               {.diaphragm_mm = 15.0, .chest_mm = 4.0, .hysteresis_mm = 0.0}) {
+    tissue.is_tissue = [this](const Vector3d& p) {
+      const Eigen::Array3i n = (labels.geometry.index_from_ct() * p).array().round().cast<int>();
+      return labels.geometry.Contains(n[0], n[1], n[2]) && labels.At(n[0], n[1], n[2]) != 0;
+    };
+    tissue.wall_mm = [this](const Vector3d& p) { return motion.cavity().wall.LevelMm(p); };
+    phase = phantom::ScanAt(ct, motion, {}, {.noise_sd_hu = 5.0}, {});
+  }
+
+  /// Errors at points of tissue in a layer about the wall, mm; from `low` to `high` mm from it.
+  std::vector<double> Errors(const PhaseField& field, double low, double high) const {
+    std::vector<double> errors_mm;
+    RandomStream random(7, "points");
+    while (errors_mm.size() < 200) {
+      const Vector3d p(random.Uniform(-125, 125), random.Uniform(-90, 90),
+                       random.Uniform(-90, 110));
+      const double wall_mm = motion.cavity().wall.LevelMm(p);
+      if (!tissue.is_tissue(p) || std::abs(wall_mm) < low || std::abs(wall_mm) > high) continue;
+      const Side side = wall_mm < 0.0 ? Side::kCavity : Side::kWall;
+      errors_mm.push_back((field.DisplacementMm(p, side) - (motion.WorldMm(p, {}) - p)).norm());
+    }
+    return errors_mm;
+  }
+
+  volume::LabelMap labels;
+  volume::CtVolume ct, phase;
+  phantom::BreathingMotion motion;
+  Tissue tissue;
+};
+
+const Trunk& TheTrunk() {
+  static const Trunk trunk;
+  return trunk;
+}
+
+const RegistrationSettings kCoarse{.spacing_mm = 4.0, .smoothness = 2.0};
+
+TEST(PhaseRegistration, FindsAKnownMotion) {
+  const Trunk& trunk = TheTrunk();
+  const PhaseRegistration registration(trunk.ct, trunk.tissue, kCoarse, {});
+  Residual residual;
+  const PhaseField field = registration.Register(trunk.phase, nullptr, {}, &residual);
+  EXPECT_LT(residual.after, 0.5 * residual.before);
+  const auto errors = trunk.Errors(field, 10.0, 60.0);
+  EXPECT_LT(math::Mean(errors), 1.0);
+  EXPECT_LT(math::Quantile(errors, 0.95), 2.5);
+}
+
+TEST(PhaseRegistration, SlidingIsBetterThanNoneAtTheWall) {
+  const Trunk& trunk = TheTrunk();
+  const auto near_wall = [&](const Tissue& tissue) {
+    const PhaseRegistration registration(trunk.ct, tissue, kCoarse, {});
+    return math::Mean(trunk.Errors(registration.Register(trunk.phase, nullptr, {}), 0.0, 8.0));
+  };
+  EXPECT_LT(near_wall(trunk.tissue), 0.75 * near_wall({trunk.tissue.is_tissue, {}}));
+}
+
+TEST(PhaseRegistration, TheSameBitsOnAnyThreads) {
+  const Trunk& trunk = TheTrunk();
+  RunContext one, three;
+  three.num_threads = 3;
+  const PhaseRegistration a(trunk.ct, trunk.tissue, {.spacing_mm = 8.0}, one);
+  const PhaseRegistration b(trunk.ct, trunk.tissue, {.spacing_mm = 8.0}, three);
+  EXPECT_EQ(a.Register(trunk.phase, nullptr, one).displacement_voxels(),
+            b.Register(trunk.phase, nullptr, three).displacement_voxels());
+}
+
+TEST(PhaseRegistration, AnImageIsWhereItIs) {
+  const Trunk& trunk = TheTrunk();
+  const PhaseRegistration registration(trunk.ct, trunk.tissue, {.spacing_mm = 8.0}, {});
+  const PhaseField field = registration.Register(trunk.ct, nullptr, {});
+  for (const auto& u : field.displacement_voxels()) EXPECT_LT(u.norm(), 1e-6);
+}
+
+TEST(PhaseRegistration, RefusesOtherGrids) {
+  const Trunk& trunk = TheTrunk();
+  const PhaseRegistration registration(trunk.ct, trunk.tissue, {.spacing_mm = 8.0}, {});
+  volume::CtVolume moved = trunk.phase;
+  moved.geometry.origin_mm.x() += 1.0;
+  EXPECT_THROW(registration.Register(moved, nullptr, {}), InputError);
+  EXPECT_THROW(PhaseRegistration(trunk.ct, trunk.tissue, {.spacing_mm = 0.1}, {}), InputError);
+  EXPECT_THROW(PhaseRegistration(trunk.ct, trunk.tissue, {.levels = 0}, {}), InputError);
+  EXPECT_THROW(
+      PhaseRegistration(trunk.ct, {[](const Vector3d&) { return false; }, {}}, kCoarse, {}),
+      InputError);
+}
+
+}  // namespace
+}  // namespace acus::breathing_registration

@@ -1,0 +1,77 @@
+#include "acus/patient/meshing/surface_mesher.h"
+
+#include <gmock/gmock.h>
+
+#include "unit/data/mesh/shapes.h"
+#include "acus/base/core/error.h"
+#include "acus/data/mesh/quality.h"
+#include "acus/patient/meshing/surface_voxels.h"
+
+namespace acus::meshing {
+namespace {
+
+using mesh::shapes::Joined;
+using mesh::shapes::Sphere;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(MeshSurface, FillsACubeExactly) {
+  SurfaceMeshSettings settings;
+  settings.tissue = 8;
+  settings.is_fixed = true;
+  const SurfaceMesh out = MeshSurface(mesh::shapes::Cube(10.0), "cube", settings, {});
+  EXPECT_FALSE(out.is_remeshed);
+  EXPECT_NEAR(out.mesh_ml, 1.0, 1e-12);
+  EXPECT_GE(mesh::MeasureQuality(out.mesh).min_dihedral_deg, 8.0);
+  EXPECT_THAT(out.mesh.tissue, testing::Each(8));
+  EXPECT_THAT(out.mesh.fixed_nodes, testing::Each(1));
+}
+
+TEST(MeshSurface, ObeysTheElementSize) {
+  SurfaceMeshSettings settings;
+  const auto coarse = MeshSurface(Sphere(20.0, 3), "sphere", settings, {});
+  settings.tetgen.element_size_mm = 2.0;
+  const auto fine = MeshSurface(Sphere(20.0, 3), "sphere", settings, {});
+  EXPECT_NEAR(coarse.mesh_ml, coarse.surface_ml, 1e-9 * coarse.surface_ml);
+  EXPECT_GT(fine.mesh.tetrahedra.cols(), 3 * coarse.mesh.tetrahedra.cols());
+}
+
+TEST(MeshSurface, MakesASurfaceOfThinTrianglesAnew) {
+  std::vector<std::string> warnings;
+  RunContext context;
+  context.on_warning = [&](std::string_view text) { warnings.emplace_back(text); };
+  SurfaceMeshSettings settings;
+  settings.min_dihedral_deg = 12.0;
+  mesh::Surface slivers = mesh::shapes::Cube(20.0);
+  slivers.nodes_mm(0, 7) += 0.6;  // Bent faces, of triangles that are far from even.
+  slivers.nodes_mm(1, 3) -= 19.0;
+  const SurfaceMesh out = MeshSurface(slivers, "slivers", settings, context);
+  EXPECT_GE(mesh::MeasureQuality(out.mesh).min_dihedral_deg, 12.0);
+  EXPECT_NEAR(out.mesh_ml, out.surface_ml, 0.03 * out.surface_ml);
+  EXPECT_EQ(out.is_remeshed, !warnings.empty());
+}
+
+TEST(MeshSurface, SaysWhatIsWrongAndWhere) {
+  const auto cut = Joined(Sphere(10.0, 2), Sphere(10.0, 2, {10, 0.1, 0.2}));
+  EXPECT_THAT([&] { MeshSurface(cut, "two.stl", {}, {}); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("two.stl: cannot be filled"),
+                                              HasSubstr("cut each other, the first at ("),
+                                              HasSubstr("try:"))));
+}
+
+TEST(VoxelsInside, CountTheVolumeOfOverlapsOnce) {
+  const double voxel_mm = 0.5;
+  const auto volume_of = [&](const mesh::Surface& surface) {
+    const volume::LabelMap labels = VoxelsInside(surface, voxel_mm, 3);
+    return static_cast<double>(std::ranges::count(labels.voxels, 3)) * std::pow(voxel_mm, 3);
+  };
+  const double one = SignedVolumeMm3(Sphere(10.0, 4));
+  EXPECT_NEAR(volume_of(Sphere(10.0, 4)), one, 0.005 * one);
+  EXPECT_NEAR(volume_of(mesh::shapes::Cube(10.0)), 1000.0, 30.0);
+  EXPECT_NEAR(volume_of(Joined(Sphere(10.0, 4), Sphere(5.0, 3))), one, 0.005 * one);
+  EXPECT_THROW(VoxelsInside(Sphere(10.0, 1), 0.001, 1), InputError);
+}
+
+}  // namespace
+}  // namespace acus::meshing

@@ -1,0 +1,85 @@
+#include "acus/physics/breathing/motion_file.h"
+
+#include <filesystem>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "acus/physics/breathing/model_building.h"
+#include "support/breathing_box.h"
+#include "support/fuzz.h"
+#include "support/temporary_folder.h"
+
+namespace acus::breathing {
+namespace {
+
+PatientMotion Motion(MotionKind kind) {
+  return {.name = "box",
+          .model = BuildModel(kind, testing_support::TruePhases(8)),
+          .inspiration_level = 1.0,
+          .expiration_level = -0.2,
+          .period_s = 3.5};
+}
+
+class MotionFile : public testing::Test {
+ protected:
+  const std::filesystem::path& folder() const { return folder_.path(); }
+  std::string Refusal() const {
+    try {
+      ReadPatientMotion(folder());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+  testing_support::TemporaryFolder folder_;
+};
+
+TEST_F(MotionFile, ReadsBackTheSameBitsForEveryModel) {
+  for (const MotionKind kind : {MotionKind::kSinusoid, MotionKind::kFullCycle,
+                                MotionKind::kHalfCycle, MotionKind::kSurrogate}) {
+    const PatientMotion written = Motion(kind);
+    WritePatientMotion(folder(), written);
+    const PatientMotion read = ReadPatientMotion(folder() / "motion.json");
+    EXPECT_EQ(read.model.kind(), kind);
+    EXPECT_EQ(read.period_s, 3.5);
+    for (const double share : {0.0, 0.13, 0.5, 0.77}) {
+      const Breath breath = testing_support::RegularBreath(share, 1.3);
+      const Eigen::Vector3d place(11, -7, 50);
+      EXPECT_EQ(read.model.field().DisplacementMm(read.model.WeightsAt(breath), place),
+                written.model.field().DisplacementMm(written.model.WeightsAt(breath), place))
+          << NameOf(kind) << " at " << share;
+    }
+  }
+}
+
+TEST_F(MotionFile, PutsNormalBreathIntoTheTermsOfTheSignal) {
+  const Breath breath = Motion(MotionKind::kSurrogate)
+                            .InTermsOfSignal({.cycle = 0.25, .level = 0.5, .level_per_s = -2.0});
+  EXPECT_EQ(breath.cycle, 0.25);
+  EXPECT_NEAR(breath.level, 0.4, 1e-12);
+  EXPECT_NEAR(breath.level_per_s, -2.4, 1e-12);
+}
+
+TEST_F(MotionFile, SaysWhatIsMissingOrDoesNotFit) {
+  WritePatientMotion(folder(), Motion(MotionKind::kSurrogate));
+  const auto fields = folder() / "fields.raw";
+  std::filesystem::resize_file(fields, std::filesystem::file_size(fields) - 2);
+  EXPECT_THAT(Refusal(), testing::HasSubstr("copied whole"));
+  std::filesystem::remove(fields);
+  EXPECT_THAT(Refusal(), testing::HasSubstr("belongs beside motion.json"));
+  std::filesystem::remove(folder() / "motion.json");
+  EXPECT_THAT(Refusal(), testing::HasSubstr("motion.json"));
+}
+
+TEST_F(MotionFile, SurvivesDamage) {
+  WritePatientMotion(folder(), Motion(MotionKind::kHalfCycle));
+  const auto path = folder() / "motion.json";
+  const int refused = testing_support::ReadDamagedCopies(ReadTextFile(path), path, 400,
+                                                         [&] { ReadPatientMotion(folder()); });
+  EXPECT_GT(refused, 200);
+}
+
+}  // namespace
+}  // namespace acus::breathing

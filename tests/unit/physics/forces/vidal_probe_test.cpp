@@ -1,0 +1,132 @@
+#include "acus/physics/forces/vidal_probe.h"
+
+#include <gmock/gmock.h>
+
+#include "support/force_scenes.h"
+
+namespace acus::forces {
+namespace {
+
+using Eigen::Vector3d;
+using testing_support::DrivenProbe;
+using testing_support::ShippedTable;
+
+/// Flat skin at z = 0 (-300 HU), a rib of radius 6 mm along y at (0, 14) in x and z (300 HU).
+struct Rib : HuField {
+  double HuAt(const Vector3d& p) const noexcept override {
+    const double soft = std::clamp(-300.0 + 400.0 * p.z(), -1000.0, 50.0);
+    const double bone = 300.0 + 300.0 * (6.0 - std::hypot(p.x(), p.z() - 14.0));
+    return std::max(soft, std::min(bone, 1000.0));
+  }
+  double ResolutionMm() const noexcept override { return 0.7; }
+};
+
+class ProbeTest : public testing::Test {
+ protected:
+  const ProbeForce& MoveTo(const Vector3d& to, double speed_mm_per_s = 30.0) {
+    const Vector3d way = to - place_mm;
+    const int steps =
+        std::max(1, static_cast<int>(std::ceil(way.norm() / (0.001 * speed_mm_per_s))));
+    const Vector3d from = place_mm;
+    for (int i = 1; i <= steps; ++i) {
+      place_mm = from + way * i / steps;
+      Step();
+    }
+    return driven.last;
+  }
+  const ProbeForce& Step() {
+    const Vector3d before_n = driven.last.force_in_ct_n;
+    driven.Step(time_s += 0.001, place_mm);
+    largest_jump_n = std::max(largest_jump_n, (driven.last.force_in_ct_n - before_n).norm());
+    return driven.last;
+  }
+  const ProbeForce& Rest() {
+    for (int i = 0; i < 300; ++i) Step();
+    return driven.last;
+  }
+
+  Rib body;
+  VidalProbe model{ShippedTable("vidal.json"), body};
+  DrivenProbe driven{model};
+  Vector3d place_mm{30.0, 0.0, -5.0};
+  double time_s = 0.0;
+  double largest_jump_n = 0.0;
+};
+
+TEST_F(ProbeTest, SkinIsASpring) {
+  MoveTo({30, 0, 5});
+  Rest();
+  EXPECT_TRUE(driven.last.on_skin);
+  EXPECT_FALSE(driven.last.on_bone);
+  EXPECT_TRUE(driven.last.force_in_ct_n.isApprox(Vector3d(0, 0, -0.4 * 5.0), 1e-3));
+  MoveTo({30, 0, -1});
+  EXPECT_EQ(driven.last.force_in_ct_n.norm(), 0.0);
+  EXPECT_FALSE(driven.last.on_skin);
+}
+
+// Above the rib (top at z = 8) the stiffness rises from 0.4 to 2.0 N/mm, without a jump.
+TEST_F(ProbeTest, BoneOnTheLineRaisesTheStiffness) {
+  MoveTo({0, 0, -5});
+  MoveTo({0, 0, 7.9});
+  Rest();
+  const double at_bone_n = -driven.last.force_in_ct_n.z();
+  EXPECT_NEAR(at_bone_n, 0.4 * 7.9, 5e-3);
+  MoveTo({0, 0, 9.0});
+  Rest();
+  EXPECT_TRUE(driven.last.on_bone);
+  EXPECT_NEAR(driven.last.bone_mm, 1.0, 0.01);
+  EXPECT_NEAR(-driven.last.force_in_ct_n.z(), 0.4 * 9.0 + 1.6 * 1.0, 0.02);
+  EXPECT_LT(largest_jump_n, 0.1);  // 2 N/mm times 0.03 mm, and the damping.
+}
+
+// The rib is felt when the probe slides over it, from the side and without a jump.
+TEST_F(ProbeTest, ARibIsFeltWhileSliding) {
+  MoveTo({30, 0, 9.0});
+  MoveTo({-30, 0, 9.0});
+  EXPECT_LT(largest_jump_n, 0.2);
+  MoveTo({0, 0, 9.0});
+  Rest();
+  EXPECT_TRUE(driven.last.on_bone);
+  EXPECT_GT(-driven.last.force_in_ct_n.z(), 0.4 * 9.0 + 1.0);
+}
+
+TEST_F(ProbeTest, ATrackerJumpIsSpreadAndBounded) {
+  place_mm = {0, 0, -5};
+  Step();
+  place_mm = {0, 0, 10.0};  // 15 mm in one sample, through skin and into the rib.
+  Step();
+  EXPECT_TRUE(driven.last.on_bone);
+  EXPECT_LT(driven.last.force_in_ct_n.norm(), 0.05);
+  double before_n = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    Step();
+    ASSERT_GE(driven.last.force_in_ct_n.norm(), before_n - 1e-9);
+    before_n = driven.last.force_in_ct_n.norm();
+  }
+  EXPECT_NEAR(before_n, 0.4 * 10.0 + 1.6 * 2.0, 0.05);
+  MoveTo({0, 0, 60.0});
+  EXPECT_LE(driven.last.force_in_ct_n.norm(), 15.0 + 1e-9);
+}
+
+TEST_F(ProbeTest, LostSamplesAreHeldAndFade) {
+  MoveTo({30, 0, 5});
+  Rest();
+  const double held_n = driven.last.force_in_ct_n.norm();
+  ProbeInput lost;
+  lost.valid = false;
+  lost.time_s = time_s + 0.05;
+  EXPECT_EQ(model.Step(driven.state, lost).force_in_ct_n.norm(), held_n);
+  lost.time_s = time_s + 0.2;
+  EXPECT_NEAR(model.Step(driven.state, lost).force_in_ct_n.norm(), 0.5 * held_n, 1e-9);
+  lost.time_s = time_s;
+  model.Step(driven.state, lost);
+  EXPECT_EQ(driven.state.num_time_back, 1);
+  ProbeInput bad;
+  bad.time_s = time_s + 0.3;
+  bad.ct_from_probe.translation() = Vector3d(NAN, 0, 0);
+  EXPECT_EQ(model.Step(driven.state, bad).force_in_ct_n.norm(), 0.0);
+  EXPECT_EQ(driven.state.num_rejected, 1);
+}
+
+}  // namespace
+}  // namespace acus::forces

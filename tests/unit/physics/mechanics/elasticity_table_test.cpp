@@ -1,0 +1,74 @@
+#include "acus/physics/mechanics/elasticity_table.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "acus/base/core/error.h"
+
+namespace acus::mechanics {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+json Minimal() {
+  return json::parse(R"({"format": "acus-elasticity/1",
+    "tissues": [{"tissue": "fat", "source": "test", "youngs_modulus_kpa": 3}]})");
+}
+
+TEST(ElasticityTable, DefaultHasEverySoftTissueAndNoBone) {
+  const ElasticityTable table = ReadElasticityTable(std::filesystem::path(ACUS_SOURCE_DIR) /
+                                                    "configs" / "elasticity" / "default.json");
+  for (const volume::StandardLabel& label : volume::StandardLabels()) {
+    const bool is_soft = label.name != "outside" && label.name != "bone";
+    EXPECT_EQ(table.named.test(label.label), is_soft) << label.name;
+  }
+  EXPECT_DOUBLE_EQ(table.At(volume::LabelOf("liver")).youngs_modulus_mpa, 0.0055);
+  EXPECT_EQ(table.At(volume::LabelOf("liver")).poissons_ratio, 0.49);
+}
+
+TEST(ElasticityTable, ModuliFollowFromYoungAndPoisson) {
+  const ElasticTissue tissue{.youngs_modulus_mpa = 0.012, .poissons_ratio = 0.2};
+  EXPECT_DOUBLE_EQ(tissue.ShearModulusMpa(), 0.005);
+  EXPECT_NEAR(tissue.BulkModulusMpa(), 0.012 / 1.8, 1e-17);
+  EXPECT_EQ(ElasticityTableFromJson(Minimal(), "t").At(2).youngs_modulus_mpa, 0.003);
+}
+
+TEST(ElasticityTable, ATissueWithoutARowIsRefusedWithTheRemedy) {
+  const ElasticityTable table = ElasticityTableFromJson(Minimal(), "t.json");
+  EXPECT_THAT([&] { table.At(volume::LabelOf("liver")); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("'liver' (label 8)"), HasSubstr("t.json"),
+                                              HasSubstr("add a row"), HasSubstr("fixed_tissues"))));
+  EXPECT_THAT([&] { table.At(200); },
+              ThrowsMessage<InputError>(HasSubstr("label 200, which is no standard label")));
+  EXPECT_THAT([&] { table.At(0); }, ThrowsMessage<InputError>(HasSubstr("mesh the label map")));
+}
+
+TEST(ElasticityTable, SaysWhatIsWrong) {
+  const auto with = [](const char* pointer, const json& value) {
+    json document = Minimal();
+    document[json::json_pointer(pointer)] = value;
+    return [document] { ElasticityTableFromJson(document, "t.json"); };
+  };
+  EXPECT_THAT(with("/tissues/0/tissue", "musle"),
+              ThrowsMessage<InputError>(AllOf(HasSubstr("t.json: /tissues/0/tissue"),
+                                              HasSubstr("did you mean 'muscle'"))));
+  EXPECT_THAT(with("/tissues/0/tissue", "outside"),
+              ThrowsMessage<InputError>(HasSubstr("free space")));
+  EXPECT_THAT(with("/tissues/1", Minimal()["tissues"][0]),
+              ThrowsMessage<InputError>(HasSubstr("has a row already")));
+  for (const auto& [key, value] : {std::pair<const char*, double>{"youngs_modulus_kpa", 0.0},
+                                   {"youngs_modulus_kpa", 2e8},
+                                   {"poissons_ratio", -0.01},
+                                   {"poissons_ratio", 0.5}}) {
+    EXPECT_THAT(with((std::string("/tissues/0/") + key).c_str(), value),
+                ThrowsMessage<InputError>(HasSubstr(key)))
+        << value;
+  }
+  EXPECT_THAT(with("/tissues", json::array()), ThrowsMessage<InputError>(HasSubstr("/tissues")));
+}
+
+}  // namespace
+}  // namespace acus::mechanics

@@ -1,0 +1,129 @@
+#include "acus/rig/camera/calibration.h"
+
+#include <gtest/gtest.h>
+
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "support/facet_views.h"
+#include "support/temporary_folder.h"
+
+namespace acus::camera {
+namespace {
+
+using namespace testing_support;
+
+class CalibrationTest : public testing::Test {
+ protected:
+  CameraModel truth_ = ReadCamera(ConfigPath("cameras/webcam_720p.json"));
+  CalibrationBoard board_ = ReadBoard(ConfigPath("cameras/board_a4.json"));
+  TemporaryFolder folder_;
+
+  /// Board in all parts of the picture, at angles up to `tilt_deg`.
+  void TakePictures(int count, double tilt_deg, double reach = 1.0, int samples = 2) {
+    for (int i = 0; i < count; ++i) {
+      RandomStream random(21, "board", static_cast<std::uint64_t>(i));
+      const double z = random.Uniform(350, 550);
+      const Eigen::Vector3d at(reach * (0.4 * (i % 4) - 0.6) * 0.55 * z,
+                               reach * (i / 4 % 3 - 1) * 0.2 * z, z);
+      Take(i,
+           FacingPose(at, random.Uniform(0.3 * tilt_deg, tilt_deg), random.Uniform(0, 360),
+                      random.Uniform(-180, 180)),
+           {.samples = samples});
+    }
+  }
+  void Take(int number, const Eigen::Isometry3d& camera_from_board, PictureMaking making = {}) {
+    making.colour = false;
+    Picture picture;
+    RenderBoard(truth_, board_, camera_from_board, making, static_cast<std::uint64_t>(number),
+                picture);
+    WritePicture(folder_ / (std::to_string(100 + number) + ".png"), picture);
+  }
+  Calibration Calibrate() {
+    return CalibrateCamera(PictureFiles(folder_.path()), board_, {}, RunContext{});
+  }
+};
+
+TEST_F(CalibrationTest, FindsTheBoardsCorners) {
+  const Eigen::Isometry3d pose = FacingPose({30, -20, 500}, 30, 40, 20);
+  Picture picture;
+  RenderBoard(truth_, board_, pose, {.colour = false}, 1, picture);
+  MarkerDetector detector(board_.dictionary);
+  const auto found = FindBoardCorners(picture, board_, detector);
+  const auto corners = board_.CornersMm();
+  EXPECT_EQ(found.size(), corners.size());
+  for (const BoardCorner& corner : found) {
+    EXPECT_LT((*truth_.Project(pose * corners[corner.number]) - corner.pixel).norm(), 0.15)
+        << corner.number;
+  }
+}
+
+TEST_F(CalibrationTest, FindsTheCameraThatTookThePictures) {
+  TakePictures(16, 40.0, 1.0, 4);
+  const Calibration found = Calibrate();
+  const CameraParameters& p = found.camera.parameters();
+  const CameraParameters& t = truth_.parameters();
+  std::cout << TableText(found);
+  EXPECT_LT(found.rms_px, 0.1);
+  EXPECT_NEAR(p.focal_px[0], t.focal_px[0], 0.002 * t.focal_px[0]);
+  EXPECT_NEAR(p.focal_px[1], t.focal_px[1], 0.002 * t.focal_px[1]);
+  EXPECT_LT((p.centre_px - t.centre_px).norm(), 2.0);
+  // What matters: where it puts the lines of sight, up to a turn of the whole camera.
+  double largest_px = 0.0;
+  for (int row = 60; row < 720; row += 120) {
+    for (int column = 60; column < 1280; column += 116) {
+      const auto ray = found.camera.Ray(Eigen::Vector2d(column, row));
+      ASSERT_TRUE(ray);
+      largest_px = std::max(largest_px,
+                            (*truth_.Project(1000.0 * *ray) - Eigen::Vector2d(column, row)).norm());
+    }
+  }
+  std::cout << "lines of sight off by at most " << largest_px << " px\n";
+  EXPECT_LT(largest_px, 2.0);
+  EXPECT_TRUE(found.warnings.empty()) << found.warnings[0];
+}
+
+TEST_F(CalibrationTest, BadViewsAreLeftOutAndNamed) {
+  TakePictures(7, 40.0);
+  Picture empty;
+  empty.Resize(1280, 720, 1);
+  std::fill(empty.pixels.begin(), empty.pixels.end(), std::uint8_t{90});
+  WritePicture(folder_ / "200.png", empty);
+  empty.Resize(640, 480, 1);
+  WritePicture(folder_ / "201.png", empty);
+  const Calibration found = Calibrate();
+  ASSERT_EQ(found.views.size(), 9U);
+  EXPECT_NE(found.views[7].rejected.find("only 0 corners"), std::string::npos);
+  EXPECT_NE(found.views[8].rejected.find("640 x 480"), std::string::npos);
+  EXPECT_FALSE(found.warnings.empty());
+}
+
+TEST_F(CalibrationTest, SaysWhatIsMissing) {
+  TakePictures(7, 8.0, 0.2);
+  const Calibration found = Calibrate();
+  std::string all;
+  for (const std::string& warning : found.warnings) all += warning + "\n";
+  EXPECT_NE(all.find("never tilted"), std::string::npos) << all;
+  EXPECT_NE(all.find("of the picture"), std::string::npos) << all;
+}
+
+TEST_F(CalibrationTest, TooFewPicturesGiveNoCamera) {
+  TakePictures(4, 40.0);
+  EXPECT_THROW(Calibrate(), NoAnswerError);
+  WriteTextFile(folder_ / "300.png", "no picture");
+  EXPECT_THROW(Calibrate(), InputError);
+}
+
+TEST(CalibrationBoard, RefusesWhatCannotBePrinted) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& numbers) {
+    WriteTextFile(folder / "b.json",
+                  R"({"format": "acus-camera-board/1", "name": "b", )" + numbers + "}");
+    EXPECT_THROW(ReadBoard(folder / "b.json"), InputError) << numbers;
+  };
+  refused(R"("dictionary": "aruco_4x4_50", "columns": 11, "rows": 11, "square_mm": 10)");
+  refused(R"("dictionary": "aruco_4x4_50", "columns": 6, "rows": 9, "square_mm": 40)");
+  refused(R"("dictionary": "aruco_4x4_50", "columns": 2, "rows": 9, "square_mm": 10)");
+}
+
+}  // namespace
+}  // namespace acus::camera

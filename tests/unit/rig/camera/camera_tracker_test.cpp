@@ -1,0 +1,201 @@
+#include "acus/rig/camera/camera_tracker.h"
+
+#include <chrono>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <thread>
+
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "acus/rig/tracking/pose_server.h"
+#include "support/facet_views.h"
+#include "support/temporary_folder.h"
+
+namespace acus::camera {
+namespace {
+
+using namespace testing_support;
+
+/// Waits for something that a thread does; the machine may be busy.
+bool Eventually(const std::function<bool()>& done) {
+  for (int i = 0; i < 3000; ++i) {
+    if (done()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+class Tracker : public testing::Test {
+ protected:
+  CameraModel camera_ = ReadCamera(ConfigPath("cameras/micron_tracker_2010.json"));
+  FacetSet set_ = ReadFacets(ConfigPath("facets/training.json"));
+  TemporaryFolder folder_;
+  Eigen::Isometry3d mannequin_ = FacingPose({0, -140, 900}, 20, 0, 0);
+  Eigen::Isometry3d probe_ = FacingPose({0, -60, 600}, 15, 20, 10) *
+                             Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()) *
+                             Eigen::Translation3d(0, 110, 0);
+
+  Picture Take(bool with_probe, std::uint64_t index) {
+    MannequinCamera maker(camera_, set_, {}, {.colour = false});
+    std::vector<ObjectInView> shown = {{"Reference", mannequin_}};
+    if (with_probe) shown.push_back({"Probe", probe_});
+    Picture picture;
+    maker.Render(shown, index, picture);
+    return picture;
+  }
+  CameraTrackerOptions Options(const std::string& place) {
+    CameraTrackerOptions options;
+    options.place = place;
+    options.tools = {{.tool = "probe", .object = "Probe"}};
+    return options;
+  }
+  void ExpectProbeIsRight(const tracking::TrackedPose& pose) {
+    EXPECT_TRUE(pose.valid);
+    const PoseError error = ErrorOf(pose.reference_from_tool, mannequin_.inverse() * probe_);
+    EXPECT_LT(error.position_mm, 0.5);
+    EXPECT_LT(error.angle_deg, 0.5);
+  }
+};
+
+TEST_F(Tracker, GivesAToolInTheMannequinsFrame) {
+  WritePicture(folder_ / "0.png", Take(true, 0));
+  WritePicture(folder_ / "1.png", Take(false, 1));
+  WriteTextFile(folder_ / "2.png", "no picture");
+  CameraTrackerOptions options = Options("folder:" + folder_.path().string());
+  options.journal_capacity = 16;
+  CameraTracker tracker(camera_, set_, options);
+  EXPECT_EQ(tracker.board().Latest(0).number, 0U);
+  tracker.Start();
+  ASSERT_TRUE(Eventually([&] { return tracker.status().counts.fell_silent == 1; }));
+  tracker.Stop();
+  std::array<tracking::ToolReading, 16> readings;
+  ASSERT_EQ(tracker.board().TakeReadings(readings), 3U);
+  ExpectProbeIsRight(readings[0].pose);
+  EXPECT_FALSE(readings[1].pose.valid);  // Not in the picture.
+  EXPECT_FALSE(readings[2].pose.valid);  // No picture came any more.
+  const auto status = tracker.status();
+  EXPECT_EQ(status.state, tracking::SourceState::kStopped);
+  EXPECT_EQ(status.counts.messages, 2U);
+  EXPECT_EQ(status.counts.not_seen, 1U);
+  EXPECT_EQ(status.counts.readings, 3U);
+  EXPECT_NE(status.last_error.find("2.png"), std::string::npos) << status.last_error;
+  const auto view = tracker.Latest();
+  ASSERT_NE(view, nullptr);
+  EXPECT_EQ(view->number, 2U);
+  ASSERT_TRUE(view->camera_from_reference);
+  EXPECT_LT(ErrorOf(*view->camera_from_reference, mannequin_).position_mm, 0.5);
+}
+
+TEST_F(Tracker, ACameraThatIsNotThereIsSaidAndWaitedFor) {
+  CameraTracker tracker(camera_, set_, Options("device:" + (folder_ / "video77").string()));
+  tracker.Start();
+  ASSERT_TRUE(Eventually([&] { return !tracker.status().last_error.empty(); }));
+  EXPECT_EQ(tracker.status().state, tracking::SourceState::kConnecting);
+  EXPECT_NE(tracker.status().last_error.find("there is no camera"), std::string::npos);
+  // And one that is there but is no camera.
+  WriteTextFile(folder_ / "video77", "no camera");
+  ASSERT_TRUE(Eventually([&] {
+    return tracker.status().last_error.find("cannot be opened") != std::string::npos;
+  })) << tracker.status().last_error;
+}
+
+TEST_F(Tracker, PicturesComeBackAfterThePlugWasPulled) {
+  const auto pipe = folder_ / "camera.pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  CameraTracker tracker(camera_, set_, Options("pipe:" + pipe.string()));
+  tracker.Start();
+  const Picture picture = Take(true, 0);
+  const auto send = [&](std::size_t bytes_of_second) {
+    std::FILE* file = std::fopen(pipe.c_str(), "wb");
+    ASSERT_NE(file, nullptr);
+    for (const std::size_t bytes : {picture.pixels.size(), bytes_of_second}) {
+      std::fprintf(file, "P5\n%d %d\n255\n", picture.width_px, picture.height_px);
+      std::fwrite(picture.pixels.data(), 1, bytes, file);
+    }
+    std::fclose(file);
+  };
+  send(1000);  // The second picture is torn off.
+  ASSERT_TRUE(Eventually([&] { return tracker.status().counts.fell_silent == 1; }));
+  EXPECT_EQ(tracker.status().counts.messages, 1U);
+  EXPECT_FALSE(tracker.board().Latest(0).valid);
+  EXPECT_EQ(tracker.status().state, tracking::SourceState::kConnecting);
+  send(picture.pixels.size());
+  ASSERT_TRUE(Eventually([&] { return tracker.status().counts.messages == 3; }));
+  EXPECT_EQ(tracker.status().counts.connects, 2U);
+}
+
+TEST_F(Tracker, PicturesComeOverTheNetwork) {
+  tracking::PoseServer server({.host = "127.0.0.1", .port = 0});
+  server.Start();
+  CameraTracker tracker(camera_, set_,
+                        Options("igtl:127.0.0.1:" + std::to_string(server.port()) + "/Camera"));
+  tracker.Start();
+  const Picture picture = Take(true, 0);
+  tracking::Picture sent;
+  sent.width = picture.width_px;
+  sent.height = picture.height_px;
+  sent.channels = picture.channels;
+  sent.pixels = picture.pixels;
+  ASSERT_TRUE(Eventually([&] {
+    server.SendPicture("Camera", sent, 1);
+    return tracker.status().counts.messages > 0;
+  }));
+  tracker.Stop();
+  EXPECT_EQ(tracker.Latest()->picture.pixels, picture.pixels);
+  EXPECT_LT(ErrorOf(*tracker.Latest()->camera_from_reference, mannequin_).position_mm, 0.5);
+}
+
+TEST_F(Tracker, PicturesOfAnotherSizeAreRefusedInWords) {
+  Picture small = Take(true, 0);
+  small.Resize(320, 240, 1);
+  WritePicture(folder_ / "0.png", small);
+  CameraTracker tracker(camera_, set_, Options("folder-loop:" + folder_.path().string()));
+  tracker.Start();
+  ASSERT_TRUE(Eventually([&] { return tracker.status().counts.bad_messages > 2; }));
+  EXPECT_NE(tracker.status().last_error.find("320 x 240"), std::string::npos);
+  EXPECT_EQ(tracker.Latest(), nullptr);
+}
+
+TEST_F(Tracker, RefusesWhatCanNeverWork) {
+  const auto refused = [&](const CameraTrackerOptions& options) {
+    EXPECT_THROW(CameraTracker(camera_, set_, options), InputError) << options.place;
+  };
+  refused(Options("0"));
+  refused(Options("device:"));
+  refused(Options("webcam:0"));
+  refused(Options("film:" + (folder_ / "none.mp4").string()));
+  refused(Options("folder:" + folder_.path().string()));
+  refused(Options("igtl:localhost"));
+  refused(Options("igtl:localhost:0"));
+  refused(Options("igtl:localhost:99999"));
+  CameraTrackerOptions options = Options("device:0");
+  options.tools[0].object = "Scalpel";
+  refused(options);
+  options = Options("device:0");
+  options.tools.push_back(options.tools[0]);
+  refused(options);
+}
+
+TEST(FrameSource, AFileOfPicturesSurvivesRubbish) {
+  const TemporaryFolder folder;
+  const std::string picture = "P5 4 2 255\n" + std::string(8, 'a');
+  const std::string colour = "P6\n1 1\n255\n" + std::string(3, 'P');
+  WriteTextFile(folder / "f", "xxPP5 0 3 255\n" + picture + "P5 99999999 1 255\n" + picture +
+                                  colour + "P7" + picture + "P5 4 2 255\nab");
+  const auto source = OpenFrameSource("pipe:" + (folder / "f").string());
+  Picture out;
+  int grey = 0;
+  int coloured = 0;
+  while (!source->finished()) {
+    if (!source->Next(out, 10)) continue;
+    (out.channels == 1 ? grey : coloured) += 1;
+    EXPECT_EQ(out.pixels,
+              std::vector<std::uint8_t>(out.channels == 1 ? 8 : 3, out.channels == 1 ? 'a' : 'P'));
+  }
+  EXPECT_EQ(grey, 3);
+  EXPECT_EQ(coloured, 1);
+  EXPECT_EQ(source->status().bad, 4U);  // Three stretches of rubbish, one torn picture.
+}
+
+}  // namespace
+}  // namespace acus::camera

@@ -1,0 +1,335 @@
+// A whole session in this process: threads, trackers that fail, and how it ends.
+#include "acus/run/live/live_session.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/monotonic_time.h"
+#include "acus/data/session/session_io.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/rig/tracking/igtl_source.h"
+#include "acus/rig/tracking/pose_server.h"
+#include "acus/rig/tracking/socket.h"
+#include "support/facet_views.h"
+#include "support/layered_folder.h"
+#include "support/replay_folder.h"
+
+namespace acus::live {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+using testing::Contains;
+using testing::Field;
+using testing::HasSubstr;
+
+Eigen::Isometry3d ProbeOnSkin() {
+  Eigen::Isometry3d probe = Eigen::Isometry3d::Identity();
+  probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  probe.translation() << 0.0, 20.0, 2.0;
+  return probe;
+}
+
+class Session : public testing_support::ReplayFolder {
+ protected:
+  void SetUp() override {
+    testing_support::WriteLayeredFolder(
+        folder_, R"({"needle_force": {}, "probe_force": {"press_mm": 5}, "ct_slice": {}})");
+  }
+
+  /// A virtual needle and a tracked probe.
+  LiveDevices Devices(int port) {
+    WriteTextFile(folder_ / "devices.json",
+                  Message(R"({"format": "acus-devices/1", "devices": [{"name": "right",
+      "driver": "virtual_hand", "virtual_hand": {"repeats": true, "path": [
+        {"time_s": 0, "translation_mm": [0, 20, -5]}, {"time_s": 1, "translation_mm": [0, 20, 20]},
+        {"time_s": 2, "translation_mm": [0, 20, -5]}]}}],
+      "needle": {"device": "right"},
+      "trackers": [{"name": "tracker", "port": )",
+                          port, R"(, "tools": [
+        {"tool": "probe", "device": "ProbeToReference"}]}]})"));
+    return ReadLiveDevices(folder_ / "devices.json");
+  }
+
+  /// Polls until `done`, sending the probe's pose while `sends`.
+  void PollUntil(LiveSession& session, tracking::PoseServer& server,
+                 const std::function<bool()>& done) {
+    const std::int64_t give_up_ns = MonotonicNs() + 30'000'000'000;
+    while (!done() && MonotonicNs() < give_up_ns && session.Poll()) {
+      if (sends_) {
+        server.SendPoses(
+            std::vector<tracking::NamedPose>{
+                {.name = "ProbeToReference", .reference_from_tool = pose_, .valid = true}},
+            MonotonicNs());
+        if (video_.width > 0) server.SendPicture("Video", video_, MonotonicNs());
+      }
+      if (session.pictures().Refresh()) {
+        snapshot_ = session.pictures().Front().snapshot;
+        probe_ = session.pictures().Front().probe;
+        width_px_ = session.pictures().Front().images.ct_slice.width;
+        fluoroscopy_ = session.pictures().Front().fluoroscopy;
+      }
+      std::this_thread::sleep_for(milliseconds(10));
+    }
+    EXPECT_TRUE(done());
+  }
+
+  bool sends_ = true;
+  Eigen::Isometry3d pose_ = ProbeOnSkin();
+  LiveSnapshot snapshot_;
+  std::shared_ptr<const acoustics::Probe> probe_;
+  int width_px_ = 0;
+  image::GrayImage fluoroscopy_;
+  tracking::Picture video_;  ///< What a camera sees, if there is one.
+};
+
+TEST_F(Session, OutlivesItsTrackerAndReplaysToTheSameForces) {
+  tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
+  server.Start();
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", {}), Devices(server.port()),
+                      options, context_);
+  session.Start();
+  const auto feels = [&] { return snapshot_.probe_force_n > 0.1; };
+  PollUntil(session, server, feels);
+
+  // Depth and gain are those of the pictures from now on; what makes no sense is held back.
+  session.commands().Give(session::CommandKind::kDepth, 55.0);
+  session.commands().Give(session::CommandKind::kGain, 1e9);
+  PollUntil(session, server, [&] { return probe_ && probe_->depth_mm == 55.0; });
+  PollUntil(session, server, [&] { return probe_->gain_db == 60.0; });
+  EXPECT_GT(width_px_, 0);
+
+  // A virtual hand holds the needle, and nobody the tracked probe.
+  EXPECT_NE(session.HeldBy(/*needle=*/true).hand, nullptr);
+  EXPECT_EQ(session.HeldBy(/*needle=*/false).hand, nullptr);
+  EXPECT_EQ(session.force_limits().needle_n, 3.0);
+  EXPECT_EQ(session.force_limits().probe_n, 0.0);
+  EXPECT_EQ(session.video(), nullptr);
+
+  // Silent: not seen, no force, and the screen says so.
+  sends_ = false;
+  PollUntil(session, server, [&] { return !snapshot_.moment.probe_valid; });
+  EXPECT_EQ(snapshot_.probe_force_n, 0.0);
+  EXPECT_THAT(session.Status(), Contains(Field(&StatusLine::text, HasSubstr("does not see"))));
+  sends_ = true;
+  PollUntil(session, server, feels);
+
+  // A jump of 50 mm is not used; a probe that stays there is believed again.
+  pose_.translation().x() += 50.0;
+  PollUntil(session, server, [&] { return !snapshot_.moment.probe_valid; });
+  EXPECT_EQ(snapshot_.probe_force_n, 0.0);
+  pose_.translation().x() -= 50.0;
+  PollUntil(session, server, feels);
+
+  // Rubbish, then gone and back.
+  const std::vector<std::uint8_t> rubbish(5000, 0xA7);
+  server.SendRaw(rubbish);
+  PollUntil(session, server, feels);
+  server.Stop();
+  sends_ = false;
+  PollUntil(session, server, [&] { return !snapshot_.moment.probe_valid; });
+  EXPECT_THAT(session.Status(), Contains(Field(&StatusLine::text, HasSubstr("Tracker tracker: "))));
+  server.Start();
+  sends_ = true;
+  PollUntil(session, server, feels);
+
+  session.Stop();
+  EXPECT_EQ(session.end(), SessionEnd::kStopped);
+  const auto summary = nlohmann::json::parse(ReadTextFile(folder_ / "s/summary.json"));
+  EXPECT_EQ(summary.at("recording").at("steps_lost"), 0);
+  EXPECT_EQ(summary.at("steps").at("missed_by_computation"), 0);
+  EXPECT_GE(summary.at("trackers").at(0).at("connects"), 2);
+  EXPECT_GT(summary.at("steps").at("probe_readings").at("jumped"), 0);
+  // What each stage did, and how often the probe was not there for it.
+  for (const auto& stage : summary.at("effect_plan")) {
+    if (stage.at("stage") == "probe force") {
+      EXPECT_EQ(stage.at("runs"), session.statistics().steps.load());
+      EXPECT_GT(stage.at("asleep_because").at("the tracker does not see the probe"), 0);
+      EXPECT_GT(stage.at("seconds"), 0.0);
+    }
+    if (stage.at("stage") == "CT slice") {
+      EXPECT_EQ(stage.at("runs"), session.picture_statistics().pictures.load());
+    }
+  }
+
+  replay::ReplayOptions replay;
+  replay.run_folder = folder_ / "r";
+  replay::ReplaySession(scenario::ReadScenario(folder_ / "scene.json", {}), folder_ / "s", replay,
+                        context_);
+  for (const char* file : {"forces.csv", "probe_forces.csv"}) {
+    EXPECT_TRUE(ReadTextFile(folder_ / "s" / file) == ReadTextFile(folder_ / "r" / file)) << file;
+  }
+}
+
+TEST_F(Session, ATrackedNeedleMakesTheSteps) {
+  tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
+  server.Start();
+  WriteTextFile(folder_ / "devices.json",
+                Message(R"({"format": "acus-devices/1", "devices": [], "trackers": [
+      {"port": )",
+                        server.port(), R"(, "tools": [
+        {"tool": "needle", "device": "ProbeToReference"}]}]})"));
+  const std::vector<scenario::Override> changes = {{"/effects/probe_force", nullptr},
+                                                   {"/effects/ct_slice", nullptr}};
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", changes),
+                      ReadLiveDevices(folder_ / "devices.json"), options, context_);
+  session.Start();
+  pose_ = Eigen::Isometry3d(Eigen::Translation3d(0.0, 20.0, -5.0));
+  PollUntil(session, server, [&] {
+    pose_.translation().z() = std::min(20.0, pose_.translation().z() + 0.2);
+    return snapshot_.needle_force_n > 0.1;
+  });
+  sends_ = false;
+  PollUntil(session, server, [&] { return !snapshot_.needle_valid; });
+  EXPECT_EQ(snapshot_.needle_force_n, 0.0);
+  session.Stop();
+  EXPECT_GT(session.statistics().steps, 20);
+  replay::ReplayOptions replay;
+  replay.run_folder = folder_ / "r";
+  replay::ReplaySession(scenario::ReadScenario(folder_ / "scene.json", changes), folder_ / "s",
+                        replay, context_);
+  EXPECT_TRUE(ReadTextFile(folder_ / "s/forces.csv") == ReadTextFile(folder_ / "r/forces.csv"));
+}
+
+// What 3D Slicer gets to see: the tools, and each picture where its probe was.
+TEST_F(Session, SendsPosesAndPicturesOut) {
+  tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
+  server.Start();
+  const int port = tracking::PortOf(tracking::ListenTcp("127.0.0.1", 0));
+  LiveDevices devices = Devices(server.port());
+  devices.send_out = {.host = "localhost", .port = port};
+  const std::vector<scenario::Override> b_mode = {{"/effects/ultrasound", nlohmann::json::object()},
+                                                  {"/effects/ct_slice", nullptr}};
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", b_mode), std::move(devices),
+                      options, context_);
+  session.Start();
+  tracking::IgtlOptions watcher_options{.port = port,
+                                        .tools = {{.tool = "needle", .device = "NeedleToReference"},
+                                                  {.tool = "probe", .device = "ProbeToReference"}},
+                                        .keep_images = true};
+  tracking::IgtlSource watcher(watcher_options);
+  watcher.Start();
+  const auto picture = [&] { return watcher.Image("Ultrasound"); };
+  PollUntil(session, server,
+            [&] { return probe_ && picture() && watcher.board().Latest(0).valid; });
+  EXPECT_TRUE(
+      watcher.board().Latest(1).reference_from_tool.isometry().isApprox(ProbeOnSkin(), 1e-6));
+  EXPECT_NEAR(watcher.board().Latest(0).reference_from_tool.translation().y(), 20.0, 5.0);
+
+  // A deeper picture has larger pixels; its first row stays at the face.
+  const auto expect_in_place = [&] {
+    const auto sent = picture();
+    ASSERT_EQ(sent->picture.width, probe_->image_width_px);
+    ASSERT_EQ(sent->picture.height, probe_->image_height_px);
+    const auto [darkest, brightest] = std::ranges::minmax(sent->picture.pixels);
+    EXPECT_GT(brightest - darkest, 50);
+    const Eigen::Matrix4d expected =
+        ProbeOnSkin().matrix() * acoustics::PictureOf(*probe_).probe_from_image().matrix();
+    EXPECT_TRUE(sent->picture.reference_from_pixel.isApprox(expected, 1e-5))
+        << sent->picture.reference_from_pixel << "\n"
+        << expected;
+  };
+  expect_in_place();
+  session.commands().Give(session::CommandKind::kDepth, 90.0);
+  PollUntil(session, server, [&] { return probe_ && probe_->depth_mm == 90.0; });
+  const auto before = picture()->number;
+  PollUntil(session, server, [&] { return picture()->number > before + 2; });
+  expect_in_place();
+  session.Stop();
+}
+
+// One camera for a tool and for the overlay; its cable is pulled and put back.
+TEST_F(Session, AProbeIsTrackedByACamera) {
+  const camera::CameraModel model =
+      camera::ReadCamera(testing_support::ConfigPath("cameras/micron_tracker_2010.json"));
+  const camera::FacetSet set =
+      camera::ReadFacets(testing_support::ConfigPath("facets/training.json"));
+  const Eigen::Isometry3d mannequin = testing_support::FacingPose({0, -140, 900}, 20, 0, 0);
+  const Eigen::Isometry3d object = testing_support::FacingPose({0, -60, 600}, 15, 20, 10) *
+                                   Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()) *
+                                   Eigen::Translation3d(0, 110, 0);
+  camera::Picture seen;
+  camera::MannequinCamera(model, set, {}, {.colour = false})
+      .Render(std::vector<camera::ObjectInView>{{"Reference", mannequin}, {"Probe", object}}, 0,
+              seen);
+  video_ = {.width = seen.width_px, .height = seen.height_px, .channels = 1, .pixels = seen.pixels};
+  tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
+  server.Start();
+  // The calibration puts the probe's face where the patient is.
+  const transforms::Pose from_object = (mannequin.inverse() * object).inverse() * ProbeOnSkin();
+  const Eigen::Vector3d t = from_object.isometry().translation();
+  const Eigen::Quaterniond& q = from_object.quaternion();
+  WriteTextFile(folder_ / "devices.json",
+                Message(R"({"format": "acus-devices/1", "devices": [],
+      "camera": {"place": "igtl:localhost:)",
+                        server.port(), R"(/Video", "model": "cameras/micron_tracker_2010.json",
+        "facets": "facets/training.json", "tools": [{"tool": "probe", "object": "Probe",
+        "translation_mm": [)",
+                        t.x(), ",", t.y(), ",", t.z(), R"(], "quaternion_wxyz": [)", q.w(), ",",
+                        q.x(), ",", q.y(), ",", q.z(), "]}]}}"));
+  const std::vector<scenario::Override> without_needle = {{"/effects/needle_force", nullptr},
+                                                          {"/effects/ct_slice/needle", false}};
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", without_needle),
+                      ReadLiveDevices(folder_ / "devices.json"), options, context_);
+  session.Start();
+  PollUntil(session, server, [&] { return snapshot_.moment.probe_valid && width_px_ > 0; });
+  EXPECT_NE(session.video(), nullptr);
+  const auto error = testing_support::ErrorOf(snapshot_.moment.ct_from_probe, ProbeOnSkin());
+  EXPECT_LT(error.position_mm, 0.5);
+  EXPECT_LT(error.angle_deg, 0.5);
+  sends_ = false;
+  PollUntil(session, server, [&] { return !snapshot_.moment.probe_valid; });
+  EXPECT_THAT(session.Status(), Contains(Field(&StatusLine::text, HasSubstr("does not see"))));
+  sends_ = true;
+  PollUntil(session, server, [&] { return snapshot_.moment.probe_valid; });
+  session.Stop();
+  EXPECT_EQ(nlohmann::json::parse(ReadTextFile(folder_ / "s/summary.json"))
+                .at("recording")
+                .at("steps_lost"),
+            0);
+}
+
+TEST_F(Session, FluoroscopyFollowsTheNeedle) {
+  tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
+  server.Start();
+  const std::vector<scenario::Override> c_arm = {{"/effects/fluoroscopy", nlohmann::json::object()},
+                                                 {"/effects/probe_force", nullptr}};
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", c_arm), Devices(server.port()),
+                      options, context_);
+  session.Start();
+  PollUntil(session, server, [&] { return !fluoroscopy_.pixels.empty(); });
+  const image::GrayImage first = fluoroscopy_;
+  PollUntil(session, server, [&] { return fluoroscopy_.pixels != first.pixels; });
+  // Only the needle moves: most of the picture stays.
+  int changed = 0;
+  for (std::size_t i = 0; i < first.pixels.size(); ++i) {
+    changed += first.pixels[i] != fluoroscopy_.pixels[i] ? 1 : 0;
+  }
+  EXPECT_LT(changed, static_cast<int>(first.pixels.size()) / 10);
+  session.Stop();
+}
+
+TEST_F(Session, ThatCannotBeginLeavesNothingRunning) {
+  LiveOptions options;
+  options.session_folder = folder_ / "s";
+  WriteTextFile(folder_ / "s", "a file is in the way");
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", {}), Devices(1), options,
+                      context_);
+  EXPECT_THROW(session.Start(), InputError);
+  EXPECT_EQ(ReadTextFile(folder_ / "s"), "a file is in the way");
+}
+
+}  // namespace
+}  // namespace acus::live

@@ -1,0 +1,77 @@
+#include "acus/run/replay/plan_table.h"
+
+#include <gmock/gmock.h>
+
+#include "acus/run/replay/plan_picture.h"
+
+namespace acus::replay {
+namespace {
+
+using simulation::Sleep;
+using simulation::StageId;
+using simulation::StageTimes;
+using testing::HasSubstr;
+
+simulation::EffectPlan ForceAndSlice() {
+  scenario::Scenario s;
+  s.file = "scene.json";
+  s.patient.ct = "ct";
+  s.patient.labels = "labels";
+  s.needle_force.emplace();
+  s.ct_slice.emplace();
+  return simulation::PlanEffects(s, {.needle_poses = true, .probe_poses = true});
+}
+
+StageTimes::Cost Slept(std::int64_t runs, std::int64_t asleep, Sleep why, double seconds) {
+  StageTimes::Cost cost{.seconds = seconds, .runs = runs, .asleep = asleep, .asleep_for = {}};
+  cost.asleep_for[static_cast<std::size_t>(why)] = asleep;
+  return cost;
+}
+
+StageTimes SomeTimes() {
+  StageTimes times;
+  times.Of(StageId::kNeedleForce) = Slept(1000, 340, Sleep::kNeedleOutside, 0.030);
+  times.Of(StageId::kCtSlice) = Slept(50, 50, Sleep::kProbeUnseen, 0.010);
+  return times;
+}
+
+TEST(PlanTable, TellsWhatIsInOutAndAsleepAndItsShareOfTheTime) {
+  const StageTimes times = SomeTimes();
+  const std::string text = PlanText(ForceAndSlice(), &times);
+  EXPECT_THAT(text, testing::ContainsRegex("needle force +step +in +effect needle_force is called "
+                                           "for +1000 +34\\.0 +30\\.0 +30\\.00 +75\\.0"));
+  EXPECT_THAT(text, testing::ContainsRegex("CT slice +image +asleep .* 50 +100\\.0 "));
+  EXPECT_THAT(text, testing::ContainsRegex("B-mode +image +out +no effect"));
+  EXPECT_THAT(text, testing::ContainsRegex("tissue lookup +tissue +needle, labels"));
+  EXPECT_THAT(text, HasSubstr("needle force: needle outside the tissue in 34 % of the steps\n"));
+  EXPECT_THAT(text,
+              HasSubstr("CT slice: the tracker does not see the probe in 100 % of the images\n"));
+}
+
+TEST(PlanTable, BeforeARunTellsWhatIsKnown) {
+  const std::string text = PlanText(ForceAndSlice(), nullptr);
+  EXPECT_THAT(text, testing::ContainsRegex("needle force +step +in +effect"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("us/run")));
+  EXPECT_THAT(text, testing::Not(HasSubstr("Asleep")));
+}
+
+TEST(PlanSvg, DrawsEveryStageOnceGreyIfOutHatchedAsFarAsItSlept) {
+  const std::string svg = PlanSvg(ForceAndSlice(), SomeTimes());
+  const auto count = [&svg](const std::string& text) {
+    int n = 0;
+    for (auto at = svg.find(text); at != svg.npos; at = svg.find(text, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(count("<g class=\"in\">"), 5);
+  EXPECT_EQ(count("<g class=\"out\">"), simulation::kNumStages - 5);
+  EXPECT_EQ(count("fill=\"url(#asleep)\""), 3);  // Two stages and the key.
+  EXPECT_EQ(count(">75.0 %, asleep 34 %<"), 1);
+  EXPECT_THAT(svg, HasSubstr("asleep in 340 of 1000 runs: needle outside the tissue"));
+  for (const char* word : {">ct<", ">labels<", ">needle poses<", ">force<", ">CT picture<"}) {
+    EXPECT_EQ(count(word), 1) << word;
+  }
+  EXPECT_EQ(count(">mesh<"), 0);
+}
+
+}  // namespace
+}  // namespace acus::replay

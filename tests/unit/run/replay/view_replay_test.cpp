@@ -1,0 +1,118 @@
+#include <gmock/gmock.h>
+
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "acus/data/session/session_io.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/physics/breathing/motion_file.h"
+#include "acus/run/replay/replay.h"
+#include "support/layered_scene.h"
+#include "support/replay_folder.h"
+
+namespace acus::replay {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// A layered patient, a needle above him for a second, and a view of both, on disk.
+class ViewReplay : public testing_support::ReplayFolder {
+ protected:
+  void SetUp() override {
+    const auto scene =
+        testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
+    volume::WriteCt(folder_ / "ct.nrrd", *scene.ct);
+    volume::WriteLabelMap(folder_ / "labels.seg.nrrd", *scene.labels);
+    session::Session session;
+    session.name = "above";
+    for (int ms = 0; ms < 1000; ++ms) {
+      session::PoseSample needle{.time_ns = ms * std::int64_t{1'000'000}};
+      needle.reference_from_tool = Eigen::Isometry3d(Eigen::Translation3d(0.0, 20.0, 0.03 * ms));
+      session.needle.push_back(needle);
+    }
+    session::WriteSession(folder_ / "session", session, context_);
+    WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1", "name": "Layers",
+      "patient": {"labels": "labels.seg.nrrd"},
+      "effects": {"view_3d": {"width_px": 96, "height_px": 64, "rate_hz": 3, "probe": false}},
+      "image_rate_hz": 10})");
+    setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
+  }
+};
+
+TEST_F(ViewReplay, NeedsNeitherProbeNorCtAndGivesTheSameBytesOnMoreThreads) {
+  const ReplayResult result = Run("one", 1);
+  Run("two", 2);
+  EXPECT_THAT(result.plan_text, HasSubstr("view in 3D"));
+  for (const char* name : {"view_3d.mp4", "view_3d.png"}) {
+    EXPECT_EQ(ReadTextFile(folder_ / "one" / name), ReadTextFile(folder_ / "two" / name)) << name;
+  }
+  EXPECT_THAT(ReadTextFile(folder_ / "one/report.html"), HasSubstr("view_3d.mp4"));
+  EXPECT_FALSE(fs::exists(folder_ / "one/film.mp4"));
+  EXPECT_FALSE(fs::exists(folder_ / "one/images.igs.mha"));
+}
+
+TEST_F(ViewReplay, ShowsTheCtIfALayerAsksForIt) {
+  const std::vector<scenario::Override> bone = {
+      {"/effects/view_3d/layers", nlohmann::json::array({nlohmann::json{{"preset", "bone"}}})}};
+  EXPECT_THAT([&] { Run(nullptr, 1, bone); }, ThrowsMessage<InputError>(HasSubstr("/patient/ct")));
+  Run("surfaces", 1);
+  std::vector<scenario::Override> with_ct = bone;
+  with_ct.push_back({"/patient/ct", (folder_ / "ct.nrrd").string()});
+  Run("layers", 1, with_ct);
+  EXPECT_NE(ReadTextFile(folder_ / "layers/view_3d.png"),
+            ReadTextFile(folder_ / "surfaces/view_3d.png"));
+}
+
+TEST_F(ViewReplay, BreathesWithThePatientUnlessHeldAtRest) {
+  volume::Geometry nodes;
+  nodes.size.setConstant(2);
+  nodes.spacing_mm.setConstant(200.0);
+  nodes.origin_mm.setConstant(-100.0);
+  breathing::MotionField field(nodes, 1);
+  std::vector<float> values(3 * nodes.num_voxels(), 0.0F);
+  for (std::size_t n = 2; n < values.size(); n += 3) values[n] = -20.0F;
+  field.SetComponent(0, values);
+  fs::create_directories(folder_ / "motion");
+  breathing::WritePatientMotion(
+      folder_ / "motion",
+      {.name = "down", .model = breathing::MotionModel::Sinusoid(std::move(field), 1.0)});
+  const auto with = [](double amplitude) {
+    const nlohmann::json effect = {{"motion", "motion"}, {"amplitude", amplitude}};
+    return std::vector<scenario::Override>{{"/effects/breathing", effect}};
+  };
+  Run("never", 1);
+  const ReplayResult result = Run("moved", 1, with(1.0));
+  Run("held", 1, with(0.0));
+  EXPECT_THAT(result.plan_text, HasSubstr("breathing"));
+  const std::string never = ReadTextFile(folder_ / "never/view_3d.mp4");
+  EXPECT_NE(ReadTextFile(folder_ / "moved/view_3d.mp4"), never);
+  EXPECT_EQ(ReadTextFile(folder_ / "held/view_3d.mp4"), never);
+}
+
+TEST_F(ViewReplay, SaysWhatDoesNotFit) {
+  const auto with = [this](const char* place, const nlohmann::json& value) {
+    return [this, place, value] {
+      const std::vector<scenario::Override> change = {{place, value}};
+      Run(nullptr, 1, change);
+    };
+  };
+  const auto tissue = [](const char* name) {
+    return nlohmann::json::array({nlohmann::json{{"tissue", name}}});
+  };
+  EXPECT_THAT(with("/effects/view_3d/probe", true),
+              ThrowsMessage<InputError>(HasSubstr("no probe stream")));
+  EXPECT_THAT(with("/effects/view_3d/surfaces", tissue("livr")),
+              ThrowsMessage<InputError>(HasSubstr("did you mean 'liver'")));
+  EXPECT_THAT(with("/effects/view_3d/surfaces", tissue("heart")),
+              ThrowsMessage<InputError>(HasSubstr("none of the tissues")));
+  EXPECT_THAT(with("/effects/view_3d/surfaces", nlohmann::json::array()),
+              ThrowsMessage<InputError>(HasSubstr("nothing to show")));
+  EXPECT_THAT(with("/effects/view_3d/camera/eye_mm", nlohmann::json::array({0, 0, 0})),
+              ThrowsMessage<InputError>(HasSubstr("go together")));
+  EXPECT_THAT(with("/effects/view_3d/supersampling", 3),
+              ThrowsMessage<InputError>(HasSubstr("supersampling")));
+}
+
+}  // namespace
+}  // namespace acus::replay

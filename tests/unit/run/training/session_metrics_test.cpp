@@ -1,0 +1,145 @@
+#include "acus/run/training/session_metrics.h"
+
+#include <cmath>
+#include <gmock/gmock.h>
+
+#include "acus/base/core/error.h"
+#include "acus/base/math/rigid.h"
+
+namespace acus::training {
+namespace {
+
+using session::PoseStream;
+using session::Session;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr volume::Label kSkin = 1;
+constexpr volume::Label kVessel = 11;
+
+/// 40 x 40 x 60 mm of skin, voxels of 1 mm centred at the origin in x and y, z from 0 on; a vessel
+/// 2 mm thick across it at z = 30.
+volume::LabelMap Tissue() {
+  volume::Geometry geometry;
+  geometry.size = {40, 40, 60};
+  geometry.spacing_mm = {1.0, 1.0, 1.0};
+  geometry.origin_mm = {-19.5, -19.5, 0.5};
+  volume::LabelMap labels(geometry);
+  for (int k = 0; k < 60; ++k) {
+    for (int j = 0; j < 40; ++j) {
+      for (int i = 0; i < 40; ++i) labels.At(i, j, k) = k == 30 || k == 31 ? kVessel : kSkin;
+    }
+  }
+  labels.names = {{0, "outside"}, {kSkin, "skin"}, {kVessel, "vessel"}};
+  return labels;
+}
+
+session::PoseSample At(double time_s, const Eigen::Vector3d& tip_mm,
+                       const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ()) {
+  return {static_cast<std::int64_t>(time_s * 1e9),
+          math::PoseFromAxes(tip_mm, axis, Eigen::Vector3d::UnitX()), true};
+}
+
+double ValueOf(const std::vector<Metric>& metrics, const std::string& name) {
+  for (const Metric& metric : metrics) {
+    if (metric.name == name) return metric.value;
+  }
+  ADD_FAILURE() << "there is no metric " << name;
+  return 0.0;
+}
+
+TEST(Structures, AQuickStabThroughAThinVesselIsSeen) {
+  const auto labels = Tissue();
+  Session session;
+  session.needle = {At(0.0, {0, 0, -5}), At(0.1, {0, 0, 20}), At(0.2, {0, 0, 40}),
+                    At(0.3, {0, 0, 20})};
+  const auto entered = NamedStructuresOf(session, {labels});
+  ASSERT_EQ(entered.size(), 2);
+  EXPECT_EQ(entered[1].name, "vessel");
+  EXPECT_EQ(entered[1].entered.num_entries, 2) << "in and out again";
+  EXPECT_NEAR(entered[1].entered.path_mm, 4.0, 0.5);
+  EXPECT_EQ(entered[1].entered.first_ns, 200'000'000);
+  EXPECT_EQ(EntriesInto({"vessel"}, entered).value, 2.0);
+  EXPECT_EQ(EntriesInto({"bowel"}, entered).value, 0.0);
+}
+
+TEST(Structures, TremorAtAWallIsOneEntry) {
+  const auto labels = Tissue();
+  Session session;
+  for (int i = 0; i < 40; ++i) session.needle.push_back(At(0.01 * i, {0, 0, i % 2 ? 30.2 : 29.8}));
+  const auto entered = NamedStructuresOf(session, {labels});
+  ASSERT_EQ(entered.size(), 2);
+  EXPECT_EQ(entered[1].entered.num_entries, 1);
+}
+
+TEST(Structures, SaysWhatThePatientsMapDoesNotTellApart) {
+  const auto labels = Tissue();
+  EXPECT_THAT(NotInMap({"vessel", "bowel"}, labels), ElementsAre("bowel"));
+  EXPECT_THAT(
+      [&] { NotInMap({"vesel"}, labels); },
+      ThrowsMessage<InputError>(testing::AllOf(HasSubstr("\"vesel\""), HasSubstr("skin, vessel"))));
+}
+
+TEST(SessionMetrics, MeasuresTheWayToTheTarget) {
+  const auto labels = Tissue();
+  Session session;
+  for (int i = 0; i <= 50; ++i) session.needle.push_back(At(0.1 * i, {3, 0, -10.0 + i}));
+  for (int i = 1; i <= 50; ++i) session.needle.push_back(At(5.0 + 0.1 * i, {3, 0, 40.0 - i}));
+  // The reference is 5 mm off the CT.
+  Anatomy anatomy{labels, Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 5.0))};
+  Exercise exercise;
+  exercise.target_radius_mm = 5.0;
+  const auto metrics = TargetMetricsOf(session, anatomy, {3.0, 4.0, 38.0}, exercise);
+  EXPECT_NEAR(ValueOf(metrics, "tip to target, closest"), 4.0, 1e-12);
+  // The deepest point is z = 40 of the reference, 45 of the CT: 7 deeper and 4 aside.
+  EXPECT_NEAR(ValueOf(metrics, "tip to target at the end"), std::hypot(4.0, 7.0), 1e-12);
+  // Within 5 mm from 3 mm before on: z = 30 of the reference, the 40th sample.
+  EXPECT_NEAR(ValueOf(metrics, kTimeToTarget), 4.0, 1e-9);
+  exercise.target_radius_mm = 3.0;
+  for (const Metric& m : TargetMetricsOf(session, anatomy, {3.0, 4.0, 38.0}, exercise)) {
+    EXPECT_NE(m.name, kTimeToTarget) << "it was never reached";
+  }
+}
+
+TEST(PlaneShare, CountsTheTimeThatTheImageShowsTheNeedle) {
+  const auto labels = Tissue();
+  Session session;
+  // In the plane z-y of the probe (its normal is x) for 2 s, then drawn 5 mm aside for 1 s, then
+  // crossing it at 30 degrees for 1 s.
+  for (int i = 0; i <= 400; ++i) {
+    const double time_s = 0.01 * i;
+    const double x_mm = time_s > 2.0 + 1e-9 && time_s < 3.0 + 1e-9 ? 5.0 : 0.0;
+    const bool crosses = time_s > 3.0 + 1e-9;
+    session.needle.push_back(
+        At(time_s, {x_mm, 0, 20},
+           crosses ? Eigen::Vector3d(0.5, 0.0, std::sqrt(0.75)) : Eigen::Vector3d::UnitZ()));
+  }
+  // Columns: x along the face, y the beam, z the normal.
+  Eigen::Matrix3d axes;
+  axes << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = axes;
+  session.probe = {{0, pose, true}, {10'000'000'000, pose, true}};
+  const auto metrics = NeedleMetricsOf(session, {labels});
+  EXPECT_NEAR(ValueOf(metrics, "tip in the image plane"), 75.0, 1e-6);
+  EXPECT_NEAR(ValueOf(metrics, "needle in the image plane"), 50.0, 1e-6);
+  EXPECT_NEAR(ValueOf(metrics, "needle time in tissue"), 4.0, 1e-9);
+}
+
+TEST(PlaneShare, IsNothingWhereOneOfTheToolsIsNotSeen) {
+  Session session;
+  for (int i = 0; i < 10; ++i) session.needle.push_back(At(0.1 * i, {0, 0, 20}));
+  const auto inside = [](const Eigen::Vector3d&) { return true; };
+  EXPECT_EQ(ComputePlaneShare(session, inside).seconds, 0.0);
+  session.probe = {At(0.0, {0, 0, 0}), At(1.0, {0, 0, 0})};
+  session.probe[0].valid = session.probe[1].valid = false;
+  EXPECT_EQ(ComputePlaneShare(session, inside).seconds, 0.0);
+  session.probe[0].valid = session.probe[1].valid = true;
+  EXPECT_NEAR(ComputePlaneShare(session, inside).seconds, 0.9, 1e-9);
+  session.needle[5].valid = false;
+  EXPECT_NEAR(ComputePlaneShare(session, inside).seconds, 0.7, 1e-9);
+}
+
+}  // namespace
+}  // namespace acus::training

@@ -1,0 +1,81 @@
+#include "acus/scene/scenario/scenario_document.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <set>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/scene/scenario/scenario.h"
+#include "support/temporary_folder.h"
+
+namespace acus::scenario {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// All places of a schema that hold a free text; items of lists are not places.
+void TextPlaces(const json& schema, const std::string& pointer, std::set<std::string>& out) {
+  if (schema.value("type", "") == "string" && !schema.contains("enum")) out.insert(pointer);
+  if (!schema.contains("properties")) return;
+  for (const auto& [key, property] : schema["properties"].items()) {
+    TextPlaces(property, pointer + "/" + key, out);
+  }
+}
+
+TEST(ScenarioDocument, KnowsOfEveryTextWhetherItIsAPath) {
+  std::set<std::string> places;
+  TextPlaces(json::parse(config::SchemaText("acus-scenario")), "", places);
+  for (const auto& pointers : {PathPointers(), PresetPointers()}) {
+    for (const std::string_view pointer : pointers) {
+      EXPECT_EQ(places.erase(std::string(pointer)), 1U) << pointer << " is no text of the schema";
+    }
+  }
+  // A new one belongs here, or among the paths: else a scenario written elsewhere would not find
+  // it.
+  const std::set<std::string> no_paths = {"/name",
+                                          "/patient/series",
+                                          "/session/reference_frame",
+                                          "/effects/tissue/fe_3d/element",
+                                          "/effects/breathing/column",
+                                          "/evidence/asked",
+                                          "/evidence/machine",
+                                          "/evidence/acus_version",
+                                          "/evidence/session/name"};
+  EXPECT_EQ(places, no_paths);
+}
+
+TEST(ScenarioDocument, FindsItsFilesFromAnotherFolder) {
+  setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
+  const testing_support::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  fs::create_directories(folder / "patient");
+  fs::create_directories(folder / "chosen" / "deep");
+  for (const char* name :
+       {"patient/ct.nrrd", "patient/labels.seg.nrrd", "patient/own_table.json"}) {
+    WriteTextFile(folder / name, "");
+  }
+  WriteTextFile(folder / "patient" / "scene.json", R"({"format": "acus-scenario/1",
+    "patient": {"ct": "ct.nrrd", "labels": "../patient/labels.seg.nrrd"},
+    "effects": {"needle_force": {"table": "own_table.json"}, "ct_slice": {}}})");
+  const std::vector<Override> changes = {ParseOverride("/image_rate_hz=12"),
+                                         ParseOverride("/effects/ct_slice=null")};
+  const json written = ForAnyFolder(ScenarioDocument(folder / "patient" / "scene.json", changes),
+                                    folder / "patient");
+  config::WriteJson(folder / "chosen" / "deep" / "scenario.json", written);
+  const Scenario before = ReadScenario(folder / "patient" / "scene.json", changes);
+  const Scenario after = ReadScenario(folder / "chosen" / "deep" / "scenario.json", {});
+  EXPECT_EQ(after.patient.ct, before.patient.ct);
+  EXPECT_EQ(after.patient.labels, before.patient.labels);
+  EXPECT_EQ(after.needle_force->table, before.needle_force->table);
+  EXPECT_EQ(after.needle, before.needle);
+  EXPECT_EQ(after.image_rate_hz, 12.0);
+  EXPECT_FALSE(after.ct_slice.has_value());
+  // What was not said is still not said, and presets are still presets.
+  EXPECT_FALSE(written.contains("needle"));
+  EXPECT_FALSE(written.contains("evidence"));
+}
+
+}  // namespace
+}  // namespace acus::scenario

@@ -1,0 +1,86 @@
+#include "acus/window/orders.h"
+
+#include <gtest/gtest.h>
+
+#include "acus/run/live/picture_bounds.h"
+#include "acus/window/hand_steering.h"
+
+namespace acus::window {
+namespace {
+
+using Command;
+using live::kLargestDepthMm;
+using live::kLargestGainDb;
+using live::kLeastDepthMm;
+using session::CommandKind;
+
+TEST(Orders, AKeySwitchesOnAndOff) {
+  live::LiveSnapshot snapshot;
+  EXPECT_EQ(OrderOf(Command::kFreeze, snapshot, {})->kind, CommandKind::kFreezeImage);
+  EXPECT_EQ(OrderOf(Command::kHoldBreath, snapshot, {})->kind, CommandKind::kHoldBreath);
+  snapshot.frozen = snapshot.breath_held = true;
+  EXPECT_EQ(OrderOf(Command::kFreeze, snapshot, {})->kind, CommandKind::kRunImage);
+  EXPECT_EQ(OrderOf(Command::kHoldBreath, snapshot, {})->kind, CommandKind::kBreatheOn);
+  EXPECT_EQ(OrderOf(Command::kSwapHands, snapshot, {})->kind, CommandKind::kSwapHands);
+  EXPECT_EQ(OrderOf(Command::kMarkTarget, snapshot, {})->kind, CommandKind::kMarkTarget);
+}
+
+TEST(Orders, GainAndDepthGoInStepsWithinBounds) {
+  const live::LiveSnapshot snapshot;
+  const PictureSetting present{.gain_db = 10.0, .depth_mm = 95.0};
+  EXPECT_EQ(OrderOf(Command::kGainUp, snapshot, present)->value, 13.0);
+  EXPECT_EQ(OrderOf(Command::kGainDown, snapshot, present)->value, 7.0);
+  EXPECT_EQ(OrderOf(Command::kDeeper, snapshot, present)->value, 105.0);
+  EXPECT_EQ(OrderOf(Command::kShallower, snapshot, present)->value, 85.0);
+  const PictureSetting least{.gain_db = -59.0, .depth_mm = 25.0};
+  EXPECT_EQ(OrderOf(Command::kGainDown, snapshot, least)->value, -kLargestGainDb);
+  EXPECT_EQ(OrderOf(Command::kShallower, snapshot, least)->value, kLeastDepthMm);
+  const PictureSetting most{.gain_db = 59.0, .depth_mm = 299.0};
+  EXPECT_EQ(OrderOf(Command::kGainUp, snapshot, most)->value, kLargestGainDb);
+  EXPECT_EQ(OrderOf(Command::kDeeper, snapshot, most)->value, kLargestDepthMm);
+}
+
+TEST(Orders, WhatTheWindowDoesItselfIsNoOrder) {
+  for (const Command command : {Command::kQuit, Command::kGrid, Command::kHelp, Command::kStereo,
+                                Command::kSteerOther, Command::kNextView}) {
+    EXPECT_FALSE(OrderOf(command, {}, {}).has_value());
+  }
+}
+
+TEST(Steering, MovesAlongTheNeedleAndAsTheMouseGoes) {
+  Eigen::Isometry3d device_from_tool = Eigen::Isometry3d::Identity();
+  device_from_tool.linear() = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  HandInput input;
+  input.moved_mm = {1.0, 2.0, 0.0};
+  input.advanced_mm = 4.0;
+  const ToolWay way = WayOf(input, device_from_tool, 0.1);
+  const Eigen::Vector3d expected(1.0, 2.0 - 4.0 * std::sin(0.5), 4.0 * std::cos(0.5));
+  EXPECT_LT((way.way_mm - expected).norm(), 1e-12);
+  // Keys that are held: 30 mm/s, a tenth of it with Shift.
+  HandInput held;
+  held.held = {-1.0, 0.0};
+  held.held_advance = 1.0;
+  EXPECT_LT(
+      (WayOf(held, Eigen::Isometry3d::Identity(), 0.1).way_mm - Eigen::Vector3d(-3.0, 0.0, 3.0))
+          .norm(),
+      1e-12);
+  held.fine = true;
+  EXPECT_NEAR(WayOf(held, Eigen::Isometry3d::Identity(), 0.1).way_mm.x(), -0.3, 1e-12);
+  EXPECT_TRUE(WayOf({}, device_from_tool, 0.1).IsZero());
+}
+
+TEST(Steering, TheGoalOfAVirtualHandFollows) {
+  haptics::HandSteering hand;
+  hand.SetGoal(Eigen::Isometry3d::Identity());
+  haptics::VirtualHand follower({}, &hand);
+  follower.Step({}, 0.001);
+  HandInput input;
+  input.advanced_mm = 10.0;
+  Steer(&hand, Eigen::Isometry3d::Identity(), input, 0.01);
+  for (int i = 0; i < 1000; ++i) follower.Step({}, 0.001);
+  EXPECT_NEAR(hand.goal().translation().z(), 10.0, 0.5);
+  Steer(nullptr, Eigen::Isometry3d::Identity(), input, 0.01);  // A real hand: nothing happens.
+}
+
+}  // namespace
+}  // namespace acus::window

@@ -1,0 +1,82 @@
+// A whole session with a real window, on a display without a screen.
+#include "acus/window/run_with_window.h"
+
+#include <gmock/gmock.h>
+
+#include "acus/base/core/atomic_file.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/rig/camera/picture.h"
+#include "support/layered_folder.h"
+#include "support/replay_folder.h"
+#include "support/virtual_display.h"
+
+namespace acus::window {
+namespace {
+
+namespace fs = std::filesystem;
+
+class WindowedSession : public testing_support::ReplayFolder {
+ protected:
+  void SetUp() override {
+    testing_support::WriteLayeredFolder(
+        folder_, R"({"needle_force": {}, "ultrasound": {}, "ct_slice": {}})");
+    WriteTextFile(folder_ / "devices.json", R"({"format": "acus-devices/1", "devices": [
+      {"name": "right", "driver": "virtual_hand", "virtual_hand": {"path": [
+        {"time_s": 0, "translation_mm": [0, 20, -5]}, {"time_s": 2, "translation_mm": [0, 20, 25]}]}},
+      {"name": "left", "driver": "virtual_hand", "virtual_hand": {"path": [
+        {"time_s": 0, "translation_mm": [0, 20, -0.5],
+         "quaternion_wxyz": [0.7071067811865476, 0.7071067811865476, 0, 0]}]}}],
+      "needle": {"device": "right"}, "probe": {"device": "left"}})");
+  }
+};
+
+TEST_F(WindowedSession, ShowsRecordsAndReplaysToTheSameForces) {
+  const testing_support::VirtualDisplay display(1280, 800);
+  live::LiveOptions options;
+  options.session_folder = folder_ / "session";
+  options.duration_s = 4.0;
+  const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
+  live::LiveSession session(scenario, live::ReadLiveDevices(folder_ / "devices.json"), options,
+                            context_);
+  ConsoleSettings settings;
+  settings.screenshot = folder_ / "window.png";
+  const WindowRun run = RunWithWindow(scenario, session, settings, context_);
+  EXPECT_TRUE(run.complete);
+  EXPECT_GT(run.frames_per_s, 1.0);
+  EXPECT_LT(run.frames_per_s, 32.0);
+  EXPECT_EQ(session.end(), live::SessionEnd::kDuration);
+  EXPECT_GT(session.statistics().steps, 500);
+  EXPECT_GT(session.picture_statistics().pictures, 3);
+
+  // Pictures are on the screen, and the patient in colours of tissue, which nothing else has.
+  const camera::Picture window = camera::ReadPicture(settings.screenshot);
+  EXPECT_EQ(window.width_px, 1280);
+  std::size_t bright = 0;
+  std::size_t coloured = 0;
+  for (std::size_t i = 0; i + 2 < window.pixels.size(); i += 3) {
+    const int r = window.pixels[i];
+    const int b = window.pixels[i + 2];
+    bright += r > 60;
+    coloured += r - b > 8;
+  }
+  EXPECT_GT(bright, 20000);
+  EXPECT_GT(coloured, 10000) << bright;
+
+  Run("run", 1);
+  EXPECT_EQ(ReadTextFile(folder_ / "run/forces.csv"), ReadTextFile(folder_ / "session/forces.csv"));
+}
+
+TEST_F(WindowedSession, WithoutADisplayItSaysWhatToDo) {
+  unsetenv("DISPLAY");
+  live::LiveOptions options;
+  options.session_folder = folder_ / "session";
+  const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
+  live::LiveSession session(scenario, live::ReadLiveDevices(folder_ / "devices.json"), options,
+                            context_);
+  EXPECT_THAT([&] { RunWithWindow(scenario, session, {}, context_); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("--headless")));
+  EXPECT_FALSE(fs::exists(folder_ / "session"));
+}
+
+}  // namespace
+}  // namespace acus::window

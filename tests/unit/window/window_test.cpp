@@ -1,0 +1,337 @@
+// A real window under a virtual X server.
+#include "acus/window/window.h"
+
+#include <cmath>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <limits>
+
+#include "acus/base/core/error.h"
+#include "support/window_events.h"
+#include "support/window_input.h"
+#include "support/window_scene.h"
+
+namespace acus::window {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+TEST_F(WindowTest, EveryViewShowsItsPicture) {
+  Window window(Patient(), Settings());
+  const DisplayFrame frame = Frame();
+  const Shot shot = ShotOf(window, frame);
+  ASSERT_EQ(shot.image.width, 1280);
+  ASSERT_EQ(shot.image.height, 800);
+  const Layout layout = window.layout();
+  ASSERT_EQ(layout.views.size(), 5U);
+  const auto grey_share = [&](ViewKind view, int level) {
+    const Rectangle& place = layout.Find(view)->place;
+    const int count = shot.Count(place, [&](int r, int g, int b) {
+      return std::abs(r - level) <= 2 && std::abs(g - level) <= 2 && std::abs(b - level) <= 2;
+    });
+    return static_cast<double>(count) / (place.width * place.height);
+  };
+  EXPECT_GT(grey_share(ViewKind::kUltrasound, 60), 0.25);
+  EXPECT_GT(grey_share(ViewKind::kCtSlice, 120), 0.3);
+  EXPECT_GT(grey_share(ViewKind::kFluoroscopy, 180), 0.3);
+  const Rectangle& teaching = layout.Find(ViewKind::kTeaching)->place;
+  EXPECT_GT(shot.Count(teaching, [](int r, int g, int b) { return r > 120 && r > b && g > 60; }),
+            1000)
+      << "bone";
+  for (const Layout::View& view : layout.views) {
+    Rectangle title = view.place;
+    title.height = 24;
+    title.width = 90;
+    EXPECT_GT(shot.Count(title, [](int r, int, int) { return r > 190; }), 30)
+        << "title of " << TitleOf(view.kind);
+  }
+}
+
+TEST_F(WindowTest, WhatIsNotThereLeavesItsPlaceToTheOthers) {
+  Window window(Patient(), Settings());
+  DisplayFrame frame = Frame();
+  frame.video.reset();
+  frame.fluoroscopy = {};
+  window.Show(frame);
+  EXPECT_EQ(window.layout().views.size(), 3U);
+  EXPECT_EQ(window.layout().Find(ViewKind::kVideo), nullptr);
+  Window empty({}, Settings());
+  empty.Show({});
+  EXPECT_TRUE(empty.layout().views.empty());
+}
+
+TEST_F(WindowTest, NeedleAndTargetAreMarkedWhereTheyAre) {
+  Window window(Patient(), Settings());
+  const DisplayFrame frame = Frame();
+  const Shot shot = ShotOf(window, frame);
+  const Rectangle video = VideoPlace(window);
+  const auto around = [](const Eigen::Vector2d& at) {
+    return Rectangle{.left = static_cast<int>(at[0]) - 11,
+                     .top = static_cast<int>(at[1]) - 11,
+                     .width = 23,
+                     .height = 23};
+  };
+  const auto& camera = frame.video->camera;
+  EXPECT_GT(shot.Count(around(OnScreen(video, camera.ProjectPx(*frame.target_in_ct_mm))), IsYellow),
+            40);
+  const Eigen::Vector3d on_shaft = frame.needle->tip_in_ct_mm - 60.0 * frame.needle->axis_in_ct;
+  EXPECT_GT(shot.Count(around(OnScreen(video, camera.ProjectPx(on_shaft))), IsCyan), 20);
+  // In the ultrasound picture: probe x and depth, at their scale.
+  const Layout layout = window.layout();
+  const auto picture = acoustics::PictureOf(*frame.ultrasound.probe);
+  const Rectangle place = Fit(
+      PictureRoom(ViewKind::kUltrasound, layout.Find(ViewKind::kUltrasound)->place, SizesFor(800)),
+      picture.width_px * picture.lateral_mm_per_px, picture.height_px * picture.axial_mm_per_px);
+  const double px_per_mm = place.width / (picture.width_px * picture.lateral_mm_per_px);
+  const Eigen::Vector2d target(place.left + 0.5 * place.width + px_per_mm * 5.0,
+                               place.top + px_per_mm * 25.0);
+  EXPECT_GT(shot.Count(around(target), IsYellow), 40);
+}
+
+TEST_F(WindowTest, KeysThroughTheXServerBecomeCommands) {
+  Window window(Patient(), Settings());
+  testing_support::WindowInput input;
+  const DisplayFrame frame = Frame();
+  window.Show(frame);
+  std::vector<Command> got;
+  const auto press = [&](const char* key, Command expected) {
+    input.Key(key);
+    got.clear();
+    return ShowUntil(window, frame, [&] {
+      for (const Command command : window.TakeCommands()) got.push_back(command);
+      return std::ranges::find(got, expected) != got.end();
+    });
+  };
+  for (const auto& [key, command] : {std::pair{"f", Command::kFreeze},
+                                     {"g", Command::kGainUp},
+                                     {"G", Command::kGainDown},
+                                     {"d", Command::kDeeper},
+                                     {"D", Command::kShallower},
+                                     {"t", Command::kMarkTarget},
+                                     {"b", Command::kHoldBreath},
+                                     {"w", Command::kSwapHands},
+                                     {"n", Command::kNeedleGuide},
+                                     {"Tab", Command::kSteerOther},
+                                     {"5", Command::kCameraPreset}}) {
+    EXPECT_TRUE(press(key, command)) << key;
+  }
+  EXPECT_TRUE(press("v", Command::kNextView));
+  EXPECT_EQ(window.layout().views.size(), 1U);
+  EXPECT_TRUE(press("a", Command::kGrid));
+  input.Key("q");
+  EXPECT_TRUE(press("q", Command::kQuit));
+}
+
+TEST_F(WindowTest, TheHelpPageLiesOverTheViews) {
+  Window window(Patient(), Settings());
+  testing_support::WindowInput input;
+  const DisplayFrame frame = Frame();
+  window.Show(frame);
+  const Rectangle middle{.left = 480, .top = 150, .width = 300, .height = 400};
+  const auto is_text = [](int r, int g, int b) {
+    return r > 150 && std::abs(r - b) < 25 && g > 150;
+  };
+  const int before = ShotOf(window, frame).Count(middle, is_text);
+  input.Key("h");
+  EXPECT_TRUE(ShowUntil(window, frame, [&] {
+    const Shot shot{window.Screenshot()};
+    return shot.Count(middle, [](int r, int g, int b) { return r < 30 && g < 35 && b < 40; }) >
+               80000 &&
+           shot.Count(middle, is_text) > before / 2 + 1000;
+  }));
+}
+
+TEST_F(WindowTest, TheMouseTurnsThe3dViewAndMovesTheTool) {
+  Window window(Patient(), Settings());
+  testing_support::WindowInput input;
+  const DisplayFrame frame = Frame();
+  const Shot before = ShotOf(window, frame);
+  const Layout layout = window.layout();
+  const auto drag = [&](ViewKind view) {
+    const Rectangle& place = layout.Find(view)->place;
+    input.Point(place.left + 60, place.top + 80);
+    window.Show(frame);
+    input.ButtonDown(1);
+    input.Point(place.left + 100, place.top + 80);
+    input.ButtonUp(1);
+  };
+  drag(ViewKind::kTeaching);
+  const Rectangle& place = layout.Find(ViewKind::kTeaching)->place;
+  EXPECT_TRUE(ShowUntil(window, frame, [&] {
+    const Shot now{window.Screenshot()};
+    int changed = 0;
+    for (int row = place.top; row < place.top + place.height; ++row) {
+      for (int column = place.left; column < place.left + place.width; ++column) {
+        changed += (now.At(column, row) - before.At(column, row)).abs().maxCoeff() > 20 ? 1 : 0;
+      }
+    }
+    return changed > 300;
+  })) << "the probe is seen from elsewhere";
+  EXPECT_EQ(window.TakeHandInput().moved_mm.norm(), 0.0);
+  drag(ViewKind::kUltrasound);
+  EXPECT_TRUE(ShowUntil(window, frame, [&] { return window.TakeHandInput().moved_mm[0] > 1.0; }));
+}
+
+TEST_F(WindowTest, ThePedalIsUpWhenTheKeyIs) {
+  Window window(Patient(), Settings());
+  testing_support::WindowInput input;
+  const DisplayFrame frame = Frame();
+  window.Show(frame);
+  input.KeyDown("space");
+  EXPECT_TRUE(ShowUntil(window, frame, [&] { return window.TakeHandInput().pedal; }));
+  for (int i = 0; i < 5; ++i) {
+    window.Show(frame);
+    EXPECT_TRUE(window.TakeHandInput().pedal) << "it stays down";
+  }
+  input.KeyUp("space");
+  EXPECT_TRUE(ShowUntil(window, frame, [&] { return !window.TakeHandInput().pedal; }));
+}
+
+TEST_F(WindowTest, FaultsAreRedInTheBarAndFrozenPicturesSaySo) {
+  Window window(Patient(), Settings());
+  DisplayFrame frame = Frame();
+  Rectangle lines = LayOut(1280, 800, {}, {}).status;
+  lines.width = 700;
+  EXPECT_EQ(ShotOf(window, frame).Count(lines, IsRed), 0);
+  frame.status.push_back({.severity = Severity::kFault,
+                          .text = "The tracker does not see the needle: forces are off."});
+  EXPECT_GT(ShotOf(window, frame).Count(lines, IsRed), 300);
+  const Rectangle ultrasound = window.layout().Find(ViewKind::kUltrasound)->place;
+  const auto is_amber = [](int r, int g, int b) {
+    return r > 180 && g > 120 && g < 200 && b < 110;
+  };
+  const int before = ShotOf(window, frame).Count(ultrasound, is_amber);
+  frame.ultrasound.frozen = true;
+  EXPECT_GT(ShotOf(window, frame).Count(ultrasound, is_amber), before + 800);
+}
+
+TEST_F(WindowTest, ToolsThrowShadowsOnTheSkin) {
+  PatientOnDisplay patient = Patient();
+  patient.in_teaching_view.pop_back();  // Skin only, and hardly transparent.
+  patient.in_teaching_view[0].opacity = 0.9;
+  patient.in_teaching_view[0].colour = {0.9F, 0.9F, 0.9F};
+  Window window(patient, Settings());
+  DisplayFrame frame;
+  // Over the front of the ball, far enough off that it does not hide its shadow.
+  frame.needle = Frame().needle;
+  frame.needle->axis_in_ct = Eigen::Vector3d::UnitX();
+  frame.needle->tip_in_ct_mm = {45.0, -140.0, 30.0};
+  const Rectangle all{.left = 0, .top = 40, .width = 1280, .height = 600};
+  const auto is_shade = [](int r, int g, int b) {
+    return r < 90 && std::abs(r - g) < 15 && std::abs(g - b) < 15 && r > 30;
+  };
+  const int with = ShotOf(window, frame).Count(all, is_shade);
+  frame.needle->tip_in_ct_mm[1] = 140.0;  // Behind him: no shadow, and the needle hidden.
+  const int without = ShotOf(window, frame).Count(all, is_shade);
+  EXPECT_GT(with, without + 300);
+}
+
+TEST_F(WindowTest, StereoShowsTwoEyes) {
+  Window window(Patient(), Settings());
+  testing_support::WindowInput input;
+  DisplayFrame frame;
+  frame.needle = Frame().needle;
+  window.Show(frame);
+  input.Key("s");
+  ASSERT_TRUE(ShowUntil(window, frame, [&] { return !window.TakeCommands().empty(); }));
+  Shot shot = ShotOf(window, frame);
+  int differ = 0;
+  int alike = 0;
+  for (int row = 100; row < 600; ++row) {
+    for (int column = 40; column < 600; ++column) {
+      const int by = (shot.At(column, row) - shot.At(column + 641, row)).abs().maxCoeff();
+      (by > 12 ? differ : alike) += 1;
+    }
+  }
+  EXPECT_GT(differ, 200) << "what is nearer is elsewhere";
+  EXPECT_GT(alike, 10 * differ) << "else it is the same scene";
+  input.Key("s");
+  ASSERT_TRUE(ShowUntil(window, frame, [&] { return !window.TakeCommands().empty(); }));
+  shot = ShotOf(window, frame);
+  const Rectangle all{.left = 0, .top = 40, .width = 1280, .height = 600};
+  EXPECT_GT(shot.Count(all, [](int r, int g, int b) { return r > b + 40 && r > g + 40; }), 200);
+  EXPECT_GT(shot.Count(all, [](int r, int g, int b) { return g > r + 40 && b > r + 30; }), 200);
+}
+
+TEST_F(WindowTest, FollowsItsSize) {
+  Window window(Patient(), Settings());
+  const DisplayFrame frame = Frame();
+  window.Show(frame);
+  ASSERT_TRUE(testing_support::ResizeWindow(kTitle, 900, 620));
+  EXPECT_TRUE(ShowUntil(window, frame, [&] {
+    const Layout layout = window.layout();
+    return layout.status.width == 900 && layout.status.top + layout.status.height == 620;
+  }));
+  const Shot shot = ShotOf(window, frame);
+  EXPECT_EQ(shot.image.width, 900);
+  const Rectangle place = window.layout().Find(ViewKind::kFluoroscopy)->place;
+  EXPECT_GT(shot.Count(place, [](int r, int, int) { return std::abs(r - 180) <= 2; }),
+            place.width * place.height / 4);
+  ASSERT_TRUE(testing_support::ResizeWindow(kTitle, 40, 30));
+  for (int i = 0; i < 5; ++i) window.Show(frame);
+}
+
+TEST_F(WindowTest, ClosingItDeliversQuit) {
+  Window window(Patient(), Settings());
+  const DisplayFrame frame = Frame();
+  window.Show(frame);
+  ASSERT_TRUE(testing_support::AskToClose(kTitle));
+  ASSERT_TRUE(ShowUntil(window, frame, [&] { return window.closed(); }));
+  EXPECT_THAT(window.TakeCommands(), Contains(Command::kQuit));
+  window.Show(frame);
+  EXPECT_TRUE(window.TakeCommands().empty());
+}
+
+TEST_F(WindowTest, WhatIsNotFiniteOrWholeIsNotDrawn) {
+  Window window(Patient(), Settings());
+  DisplayFrame frame = Frame();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  frame.needle->tip_in_ct_mm[1] = nan;
+  frame.ct_from_probe->translation()[0] = std::numeric_limits<double>::infinity();
+  frame.target_in_ct_mm->setConstant(nan);
+  frame.video->camera.camera_from_ct.translation()[2] = nan;
+  frame.fluoroscopy.pixels.resize(7);
+  frame.session_s = nan;
+  frame.force = {.needle_n = nan, .probe_n = nan, .limit_n = nan};
+  frame.latency.pictures_per_s = nan;
+  const Shot shot = ShotOf(window, frame);
+  EXPECT_EQ(window.layout().Find(ViewKind::kFluoroscopy), nullptr);
+  EXPECT_EQ(shot.Count(window.layout().Find(ViewKind::kVideo)->place, IsYellow), 0);
+  frame.ultrasound.probe.reset();
+  window.Show(frame);
+  EXPECT_EQ(window.layout().Find(ViewKind::kUltrasound), nullptr);
+}
+
+TEST_F(WindowTest, RefusesSettingsThatItCannotMeet) {
+  WindowSettings settings = Settings();
+  settings.width_px = 10;
+  EXPECT_THAT(([&] { Window(Patient(), settings); }),
+              ThrowsMessage<InputError>(HasSubstr("allowed is 320 x 240")));
+  settings = Settings();
+  settings.overlay_scale = 0.0;
+  EXPECT_THROW(Window(Patient(), settings), InputError);
+  settings = Settings();
+  settings.max_triangles = 10;
+  EXPECT_THROW(Window(Patient(), settings), InputError);
+  settings = Settings();
+  settings.edge_falloff_share = std::nan("");
+  EXPECT_THROW(Window(Patient(), settings), InputError);
+}
+
+TEST(NoDisplay, IsSaidWithWhatToDo) {
+  const char* before = std::getenv("DISPLAY");
+  const std::string kept = before == nullptr ? "" : before;
+  unsetenv("DISPLAY");
+  EXPECT_THAT([] { CheckDisplay(); }, ThrowsMessage<InputError>(testing::AllOf(
+                                          HasSubstr("DISPLAY is not set"), HasSubstr("xvfb-run"),
+                                          HasSubstr("--headless"))));
+  EXPECT_THROW(Window({}, {}), InputError);
+  setenv("DISPLAY", ":63999", 1);
+  EXPECT_THAT([] { CheckDisplay(); }, ThrowsMessage<InputError>(HasSubstr("the X server :63999")));
+  if (before != nullptr) setenv("DISPLAY", kept.c_str(), 1);
+}
+
+}  // namespace
+}  // namespace acus::window
