@@ -164,3 +164,16 @@ std::span<const EmbeddedSchema> EmbeddedSchemas() { return kSchemas; }
 ]])
   target_sources(${target} PRIVATE ${source})
 endfunction()
+
+# acus_name_build(TARGET): compiles into TARGET which build it is. Every build looks, since a commit
+# does not configure anew; what depends on it is compiled again only when the name has changed.
+function(acus_name_build target)
+  set(source ${CMAKE_BINARY_DIR}/generated/version.cpp)
+  add_custom_target(build_name BYPRODUCTS ${source} VERBATIM COMMENT ""
+    COMMAND ${CMAKE_COMMAND} -D SOURCE=${CMAKE_SOURCE_DIR} -D VERSION=${PROJECT_VERSION}
+            -D OUTPUT=${source} -P ${CMAKE_SOURCE_DIR}/lib/version.cmake)
+  # By itself: a new commit compiles these few lines, and not what they would be joined with.
+  set_source_files_properties(${source} PROPERTIES GENERATED TRUE SKIP_UNITY_BUILD_INCLUSION TRUE)
+  target_sources(${target} PRIVATE ${source})
+  add_dependencies(${target} build_name)
+endfunction()

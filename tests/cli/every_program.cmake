@@ -4,7 +4,7 @@ foreach(program ${ACUS_PROGRAMS})
     STDOUT "^Usage: .*${program}" "EXAMPLE" "^ +${program} [A-Za-z0-9./_-]" "--threads" "--seed" "--quiet"
     COMMAND ${program} --help)
   acus_add_cli_case(${program}.version EXIT 0 LEAVES_NOTHING
-    STDOUT "^${program} [0-9]+\\.[0-9]+\\.[0-9]+$"
+    STDOUT "^${program} [0-9]+\\.[0-9]+\\.[0-9]+( \\([-A-Za-z0-9._/+]+\\))?$"
     COMMAND ${program} --version)
   acus_add_cli_case(${program}.mistyped_option EXIT 2 LEAVES_NOTHING
     STDERR "--overwite" "[Dd]id you mean --overwrite\\?" "--help"

@@ -46,6 +46,11 @@ std::string FirstDifference(const json& there, const json& now) {
   return "they are the same";
 }
 
+/// The build that a plan names.
+std::string BuildOf(const json& plan) {
+  return plan.is_object() && plan.contains("build") ? plan["build"].dump() : "an unnamed one";
+}
+
 }  // namespace
 
 RunStore::RunStore(fs::path folder, const json& plan, bool overwrite) : folder_(std::move(folder)) {
@@ -58,6 +63,10 @@ RunStore::RunStore(fs::path folder, const json& plan, bool overwrite) : folder_(
   const json there = config::ReadJson(plan_file);
   // As it is written: names of files may hold bytes that JSON may not.
   const json now = json::parse(plan.dump(-1, ' ', false, json::error_handler_t::replace));
+  ACUS_REQUIRE(BuildOf(there) == BuildOf(now), folder_.string(),
+               ": holds runs of another build of Acus (", BuildOf(there), " there, ", BuildOf(now),
+               " now), whose errors and times may differ; go on with the build that made them, "
+               "name another folder, or replace it with --overwrite");
   ACUS_REQUIRE(there == now, folder_.string(), ": holds the runs of another sweep (",
                FirstDifference(there, now),
                "); name another folder, or replace it with --overwrite");

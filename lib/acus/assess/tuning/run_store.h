@@ -22,7 +22,8 @@ class RunStore {
   /// Makes the folder, or takes up what is there.
   /// @param plan       What identifies the sweep; compared as a whole.
   /// @param overwrite  What an earlier sweep left is removed first.
-  /// @throws InputError if the folder holds another plan (saying what differs), or something else.
+  /// @throws InputError if the folder holds another plan (saying what differs), runs of another
+  /// build of Acus (the plan's "build"), or something else.
   RunStore(std::filesystem::path folder, const nlohmann::json& plan, bool overwrite);
 
   const std::filesystem::path& folder() const { return folder_; }

@@ -152,6 +152,11 @@ void Combine(SweepPlan& plan, std::vector<Setting>& settings, std::vector<std::s
   }
 }
 
+/// Tells builds apart that have no commit of their own: changed sources, unpacked archives.
+std::string ProgramHash() {
+  return Sha256OfPath("/proc/self/exe").substr(0, 12);
+}
+
 }  // namespace
 
 Case JointCase(const SweepPlan& plan, const std::vector<int>& levels, int repetition) {
@@ -266,7 +271,7 @@ json IdentityOf(const SweepPlan& plan) {
   }
   const auto scenario = scenario::ReadScenario(scene.scenario, scene.changes);
   return {{"format", "acus-tradeoff-plan/1"},
-          {"version", Version()},
+          {"build", Message(Version(), ", program ", ProgramHash())},
           {"scenario", scenario.effective},
           {"changes", changes},
           {"session", {{"path", scene.session.string()}, {"sha256", Sha256OfPath(scene.session)}}},

@@ -69,9 +69,9 @@ SweepPlan MakePlan(const SweepRequest& request, const RunContext& context);
 /// One run of a joint setting, by the level of each knob of the plan, against the dearest of all.
 Case JointCase(const SweepPlan& plan, const std::vector<int>& levels, int repetition);
 
-/// What identifies the sweep: scenario with its changes, session by its hash, knobs, version. Two
-/// plans with the same identity have the same cases, but for the number of repetitions: there may
-/// be more another time.
+/// What identifies the sweep: scenario with its changes, session by its hash, knobs, and the build
+/// of the program. Two plans with the same identity have the same cases, but for the number of
+/// repetitions: there may be more another time.
 nlohmann::json IdentityOf(const SweepPlan& plan);
 
 /// `count` combinations of levels (sizes[k] of knob k), each a list of level numbers: every level

@@ -80,10 +80,6 @@ std::string Sha256OfText(const std::string& text) {
   return hash.Hex();
 }
 
-std::string Version() {
-  return ACUS_VERSION;
-}
-
 void Provenance::AddInput(const fs::path& path) {
   input_sha256[path.string()] = Sha256OfPath(path);
 }

@@ -7,6 +7,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "acus/base/core/version.h"
+
 namespace acus {
 
 /// SHA-256 of a file's bytes, or of a folder's files (names and bytes, in order of name), as hex.
@@ -15,9 +17,6 @@ std::string Sha256OfPath(const std::filesystem::path& path);
 
 /// SHA-256 of a text, as hex.
 std::string Sha256OfText(const std::string& text);
-
-/// The program's version, as `--version` prints it.
-std::string Version();
 
 /// Written into every output, so that any result can be traced and made again.
 struct Provenance {

@@ -14,6 +14,7 @@
 
 #include "acus/base/core/progress_bar.h"
 #include "acus/base/core/spelling.h"
+#include "acus/base/core/version.h"
 #include "acus/base/core/words.h"
 
 namespace acus {

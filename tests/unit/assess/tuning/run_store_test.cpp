@@ -64,6 +64,22 @@ TEST_F(RunStoreTest, IsTakenUpAgainWithTheSamePlanOnly) {
   EXPECT_FALSE(RunStore(folder_, other, true).Find("a").has_value());
 }
 
+TEST_F(RunStoreTest, RunsOfAnotherBuildAreNotTakenUp) {
+  plan_["build"] = "0.1.0 (034f33f), program 00aa";
+  RunStore(folder_, plan_, false).Keep("a", SomeRun());
+  nlohmann::json other = plan_;
+  other["build"] = "0.1.0 (034f33f-dirty), program 00bb";
+  EXPECT_THAT(
+      [&] { RunStore(folder_, other, false); },
+      ThrowsMessage<InputError>(AllOf(
+          HasSubstr("another build"), HasSubstr("\"0.1.0 (034f33f), program 00aa\" there"),
+          HasSubstr("\"0.1.0 (034f33f-dirty), program 00bb\" now"), HasSubstr("--overwrite"))));
+  other.erase("build");
+  EXPECT_THAT([&] { RunStore(folder_, other, false); },
+              ThrowsMessage<InputError>(HasSubstr("an unnamed one now")));
+  EXPECT_TRUE(RunStore(folder_, plan_, false).Find("a").has_value());
+}
+
 TEST_F(RunStoreTest, AFolderOfSomethingElseIsNeverTouched) {
   fs::create_directories(folder_);
   WriteTextFile(folder_ / "notes.txt", "mine");

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/version.h"
 #include "support/sweep_folder.h"
 
 namespace acus::tuning {
@@ -12,6 +13,8 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::MatchesRegex;
+using testing::StartsWith;
 using testing::ThrowsMessage;
 using testing_support::kBendableEffects;
 
@@ -89,6 +92,8 @@ TEST_F(PlanTest, AnotherSweepHasAnotherIdentity) {
   request_.knobs = {"needle_nodes=15,50"};
   const auto identity = IdentityOf(Plan());
   EXPECT_EQ(IdentityOf(Plan()), identity);
+  EXPECT_THAT(identity.at("build").get<std::string>(),
+              AllOf(StartsWith(Version()), MatchesRegex(".+, program [0-9a-f]{12}")));
   request_.repetitions = 5;  // More of the same.
   EXPECT_EQ(IdentityOf(Plan()), identity);
   request_.seed = 3;
