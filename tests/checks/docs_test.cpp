@@ -1,5 +1,5 @@
 // What the hand-written pages say about the tree is held against it.
-#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <regex>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "acus/base/core/atomic_file.h"
+#include "checks/module_graph.h"
 
 namespace acus {
 namespace {
@@ -16,7 +17,8 @@ namespace fs = std::filesystem;
 const fs::path kRoot = ACUS_SOURCE_DIR;
 
 std::vector<fs::path> Pages() {
-  std::vector<fs::path> pages{kRoot / "README.md"};
+  std::vector<fs::path> pages{kRoot / "README.md", kRoot / "CONTRIBUTING.md",
+                              kRoot / "CHANGELOG.md"};
   for (const auto& entry : fs::recursive_directory_iterator(kRoot / "docs")) {
     if (entry.path().extension() == ".md") pages.push_back(entry.path());
   }
@@ -53,19 +55,24 @@ TEST(Docs, FilesThatAreNamedAreThere) {
   }
 }
 
-TEST(Docs, ArchitectureListsTheModulesThatThereAre) {
+// In the order in which the build has them: from the lowest to the highest.
+TEST(Docs, ArchitectureListsTheWingsAndModulesThatThereAre) {
   const std::string text = ReadTextFile(kRoot / "docs" / "architecture.md");
-  const auto begin = text.find("## Modules of `lib/`");
+  const auto begin = text.find("## Wings and modules of `lib/`");
   ASSERT_NE(begin, text.npos);
   const std::string section = text.substr(begin, text.find("\n## ", begin) - begin);
-  auto listed = Matches(section, std::regex(R"re(\n\| `(\w+)` \|)re"));
-  std::ranges::sort(listed);
-  std::vector<std::string> there;
-  for (const auto& entry : fs::directory_iterator(kRoot / "lib")) {
-    if (entry.is_directory()) there.push_back(entry.path().filename().string());
-  }
-  std::ranges::sort(there);
-  EXPECT_EQ(listed, there);
+  const auto modules = checks::ReadModules();
+  EXPECT_EQ(Matches(section, std::regex(R"re(\n\d+\. \*\*(\w+)\*\*)re")), checks::WingsOf(modules));
+  std::vector<std::string> rows;
+  for (const auto& module : modules) rows.push_back(module.wing + "` | `" + module.name);
+  EXPECT_EQ(Matches(section, std::regex(R"re(\n\| `(\w+` \| `\w+)` \|)re")), rows);
+}
+
+TEST(Docs, TheFigureOfTheWingsIsThatOfTheBuild) {
+  const std::string root = kRoot.string();
+  const std::string command =
+      "python3 '" + root + "/pipelines/module-graph' --check '" ACUS_BUILD_DIR "/modules.txt'";
+  EXPECT_EQ(std::system(command.c_str()), 0) << "run pipelines/module-graph";
 }
 
 }  // namespace
