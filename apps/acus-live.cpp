@@ -14,7 +14,6 @@ int main(int argc, char** argv) {
   std::filesystem::path scenario_path, devices_path, exercise_path;
   std::vector<std::string> changes;
   bool headless = false;
-  bool check = false;
   acus::live::LiveOptions options;
   acus::window::ConsoleSettings console;
 
@@ -39,9 +38,12 @@ int main(int argc, char** argv) {
                  "Change one value of the scenario: /json/pointer=value; =null takes it out");
   app.add_flag("--headless", headless, "Without a window; otherwise there must be a display");
   app.add_option("--screenshot", console.screenshot, "PNG of the window, taken at the end");
-  app.add_flag("--check", check, "Check scenario, files and devices; start nothing");
+  app.add_flag("--check", options.only_checks,
+               "Check scenario, files and devices; start nothing, and load no driver: say which\n"
+               "library each device has");
   app.callback([&] {
-    if (options.session_folder.empty() && !check) throw CLI::RequiredError("--output");
+    if (options.session_folder.empty() && !options.only_checks)
+      throw CLI::RequiredError("--output");
   });
   app.footer(
       "EXAMPLE\n"
@@ -65,7 +67,7 @@ int main(int argc, char** argv) {
       context.provenance.AddInput(exercise_path);
     }
     acus::live::LiveSession session(scenario, devices, options, context);
-    if (check) {
+    if (options.only_checks) {
       std::cout << acus::replay::CheckText(scenario, {}, acus::replay::PlanDetail::kStages, context)
                 << session.DevicesText();
       return acus::ExitCode::kOk;

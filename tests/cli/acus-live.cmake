@@ -16,6 +16,47 @@ acus_add_cli_case(acus-live.killed_it_leaves_what_can_be_replayed EXIT 0 NEEDS i
 acus_add_cli_case(acus-live.check EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "needle force" "^Needle: virtual hand, 1000 Hz, up to [0-9]+ N" "^Probe: virtual hand"
   COMMAND acus-live $INPUTS/scenario.json ${virtual} ${live_patient} --check)
+
+# Vendors' libraries: tests/stand_ins/marker.cpp leaves the file code_ran where it is loaded.
+set(marker ${CMAKE_BINARY_DIR}/tests/stand_ins/marker/libacus_marker.so)
+# A file `d.json` with two devices, of which the second is as the argument says.
+set(hands "{\"name\": \"left\", \"driver\": \"virtual_hand\"}")
+function(devices_with text out)
+  set(${out} "echo '{\"format\": \"acus-devices/1\", \"devices\": [${hands}, {\"name\": \"right\", \
+\"driver\": \"force_dimension\"${text}}], \"needle\": {\"device\": \"right\"}, \
+\"probe\": {\"device\": \"left\"}}' > d.json" PARENT_SCOPE)
+endfunction()
+devices_with("" d_usual)
+devices_with(", \"library\": \"libacus_marker.so\"" d_name)
+devices_with(", \"library\": \"./libacus_marker.so\"" d_relative)
+devices_with(", \"library\": \"/nowhere/libdhd.so.3\"" d_gone)
+set(with_driver acus-live $INPUTS/scenario.json --devices d.json --headless ${live_patient})
+acus_add_cli_case(acus-live.check_loads_no_driver EXIT 0 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${d_name} && cp ${marker} ."
+  STDOUT "^Needle: Force Dimension SDK of /.*/libacus_marker.so .there, not loaded"
+         "^Probe: virtual hand"
+  COMMAND bash -c "LD_LIBRARY_PATH=$PWD exec \"$@\"" - ${with_driver} --check)
+acus_add_cli_case(acus-live.session_loads_the_driver EXIT 3 NEEDS inputs CREATES code_ran
+  BEFORE "${d_name} && cp ${marker} ." STDERR "device 'right': .*: its library lacks functions"
+  COMMAND bash -c "LD_LIBRARY_PATH=$PWD exec \"$@\"" - ${with_driver} -o s)
+acus_add_cli_case(acus-live.check_driver_is_not_there EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${d_gone}" STDERR "device 'right': .*/nowhere/libdhd.so.3: no such file"
+  COMMAND ${with_driver} --check)
+# Where the SDK is installed, the check finds that one.
+acus_add_cli_case(acus-live.check_driver_of_the_working_directory EXIT 0|3 NEEDS inputs
+  LEAVES_NOTHING BEFORE "${d_usual} && cp ${marker} libdhd.so.3"
+  COMMAND ${with_driver} --check)
+acus_add_cli_case(acus-live.driver_of_the_working_directory EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${d_usual} && cp ${marker} libdhd.so.3" STDERR "device 'right': "
+  COMMAND ${with_driver} -o s)
+acus_add_cli_case(acus-live.driver_by_an_empty_entry EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${d_usual} && cp ${marker} libdhd.so.3"
+  STDERR "device 'right': LD_LIBRARY_PATH is '/nowhere:': its entry '.' is the working directory"
+  COMMAND env LD_LIBRARY_PATH=/nowhere: ${with_driver} -o s)
+acus_add_cli_case(acus-live.driver_by_a_relative_path EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${d_relative} && cp ${marker} ."
+  STDERR "d.json: /devices/1/library: is './libacus_marker.so'.*allowed: an absolute path"
+  COMMAND ${with_driver} --check)
 acus_add_cli_case(acus-live.no_output EXIT 2 NEEDS inputs LEAVES_NOTHING
   STDERR "--output is required"
   COMMAND acus-live $INPUTS/scenario.json ${virtual})

@@ -21,9 +21,12 @@ class StandIn {
     folder_ = fs::temp_directory_path() /
               ("acus_stand_in_" + std::to_string(getpid()) + "_" + std::to_string(number++));
     fs::create_directories(folder_);
+    // Whatever the umask: what others may write is not loaded.
+    fs::permissions(folder_, fs::perms::owner_all);
     for (const auto& entry : fs::directory_iterator(fs::path(ACUS_STAND_INS) / variant)) {
       path_ = folder_ / entry.path().filename();
       fs::copy_file(entry.path(), path_);
+      fs::permissions(path_, fs::perms::owner_all);
     }
     setenv("ACUS_STAND_IN_FAULTS", faults.c_str(), 1);
   }

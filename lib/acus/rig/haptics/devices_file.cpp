@@ -7,6 +7,7 @@
 #include "acus/base/config/pose_json.h"
 #include "acus/base/core/error.h"
 #include "acus/rig/haptics/axes.h"
+#include "acus/rig/haptics/trusted_library.h"
 
 namespace acus::haptics {
 namespace {
@@ -80,6 +81,7 @@ DeviceConfig DeviceOf(const json& node, const std::string& where) {
                    .axes = node.at("axes"),
                    .rate_hz = node.at("rate_hz"),
                    .timeout_s = node.at("timeout_s")};
+  CheckLibraryWord(device.vendor.library, where + "/library");
   if (!device.vendor.axes.empty()) Axes(device.vendor.axes, where + "/axes");
   device.safety = SafetyOf(node.at("safety"));
   device.hand = HandOf(node.at("virtual_hand"), device.vendor.rate_hz, where + "/virtual_hand");

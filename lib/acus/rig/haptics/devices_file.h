@@ -40,8 +40,9 @@ struct DevicesFile {
   void SwapHands();
 };
 
-/// @throws InputError: what the schema says; two devices of one name; needle or probe on a device
-///     that is not there, or both on the same.
+/// @throws InputError: what the schema says; a library that is neither an absolute path nor a name
+///     without a slash (see trusted_library.h for the file itself); two devices of one name; needle
+///     or probe on a device that is not there, or both on the same.
 DevicesFile ReadDevices(const std::filesystem::path& path);
 
 }  // namespace acus::haptics

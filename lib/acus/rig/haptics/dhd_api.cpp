@@ -3,9 +3,20 @@
 #include <array>
 
 #include "acus/base/core/error.h"
-#include "acus/rig/haptics/shared_library.h"
 
 namespace acus::haptics::dhd {
+
+LibraryRequest Library(const std::string& library, double timeout_s) {
+  return {.product = "Force Dimension SDK",
+          .path = library,
+          .names = {"libdhd.so.3", "libdrd.so.3", "libdhd.so", "libdrd.so"},
+          .preload = {},
+          .shares_symbols = false,
+          .advice =
+              "Install the SDK of Force Dimension (for a Novint Falcon, too), or name the file "
+              "under 'library' in the devices file",
+          .timeout_s = timeout_s};
+}
 
 Api Load(const std::string& library, double timeout_s) {
   Api api;
@@ -34,16 +45,7 @@ Api Load(const std::string& library, double timeout_s) {
                       Required("dhdErrorGetLast", api.ErrorGetLast),
                       Optional("dhdErrorGetLastStr", api.ErrorGetLastStr)};
   };
-  const LibraryRequest request = {
-      .product = "Force Dimension SDK",
-      .path = library,
-      .names = {"libdhd.so.3", "libdrd.so.3", "libdhd.so", "libdrd.so"},
-      .preload = {},
-      .shares_symbols = false,
-      .advice =
-          "Install the SDK of Force Dimension (for a Novint Falcon, too), or name the file "
-          "under 'library' in the devices file",
-      .timeout_s = timeout_s};
+  const LibraryRequest request = Library(library, timeout_s);
   LoadLibrary(request, symbols("dhdGetOrientationFrame"));
   // The name that it had before version 3.
   if (api.GetOrientationFrame == nullptr) LoadLibrary(request, symbols("dhdGetRotatorMatrix"));

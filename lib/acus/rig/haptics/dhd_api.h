@@ -5,6 +5,7 @@
 #include <string>
 
 #include "acus/rig/haptics/driver.h"
+#include "acus/rig/haptics/shared_library.h"
 
 namespace acus::haptics::dhd {
 
@@ -61,6 +62,9 @@ struct Api {
   int (*ErrorGetLast)() = nullptr;
   const char* (*ErrorGetLastStr)() = nullptr;  ///< May be null.
 };
+
+/// What is loaded, and where it is looked for.  @param library  the user's choice; may be empty.
+LibraryRequest Library(const std::string& library, double timeout_s);
 
 /// @param library  the user's choice; empty: libdhd.so.3, libdrd.so.3 and so on.
 /// @throws InputError

@@ -2,9 +2,20 @@
 
 #include <array>
 
-#include "acus/rig/haptics/shared_library.h"
-
 namespace acus::haptics::hd {
+
+LibraryRequest Library(const std::string& library, double timeout_s) {
+  return {.product = "OpenHaptics",
+          .path = library,
+          .names = {"libHD.so", "libHD.so.3.4"},
+          // libHD looks for symbols of these without asking for them.
+          .preload = {"libncurses.so.5", "libPhantomIOLib42.so"},
+          .shares_symbols = true,
+          .advice =
+              "Install the Touch device driver and OpenHaptics of 3D Systems, or name the file "
+              "under 'library' in the devices file",
+          .timeout_s = timeout_s};
+}
 
 Api Load(const std::string& library, double timeout_s) {
   Api api;
@@ -30,16 +41,7 @@ Api Load(const std::string& library, double timeout_s) {
                               Optional("hdSetSchedulerRate", api.SetSchedulerRate),
                               Required("hdScheduleAsynchronous", api.ScheduleAsynchronous),
                               Required("hdUnschedule", api.Unschedule)};
-  LoadLibrary({.product = "OpenHaptics",
-               .path = library,
-               .names = {"libHD.so", "libHD.so.3.4"},
-               // libHD looks for symbols of these without asking for them.
-               .preload = {"libncurses.so.5", "libPhantomIOLib42.so"},
-               .shares_symbols = true,
-               .advice = "Install the Touch device driver and OpenHaptics of 3D Systems, or name "
-                         "the file under 'library' in the devices file",
-               .timeout_s = timeout_s},
-              symbols);
+  LoadLibrary(Library(library, timeout_s), symbols);
   return api;
 }
 

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "acus/rig/haptics/shared_library.h"
+
 namespace acus::haptics::hd {
 
 /// Returned by value: three words.
@@ -77,6 +79,9 @@ struct Api {
   unsigned long (*ScheduleAsynchronous)(Callback, void*, unsigned short) = nullptr;
   void (*Unschedule)(unsigned long) = nullptr;
 };
+
+/// What is loaded, and where it is looked for.  @param library  the user's choice; may be empty.
+LibraryRequest Library(const std::string& library, double timeout_s);
 
 /// @param library  the user's choice; empty: libHD.so.  @throws InputError
 Api Load(const std::string& library, double timeout_s);

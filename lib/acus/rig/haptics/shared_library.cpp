@@ -12,12 +12,15 @@
 #include <memory>
 #include <mutex>
 #include <spawn.h>
+#include <string_view>
 #include <sys/wait.h>
 #include <system_error>
 #include <thread>
 #include <unistd.h>
 
 #include "acus/base/core/error.h"
+#include "acus/rig/haptics/system_libraries.h"
+#include "acus/rig/haptics/trusted_library.h"
 
 namespace acus::haptics {
 namespace {
@@ -33,11 +36,14 @@ int Flags(const LibraryRequest& request) {
   return RTLD_NOW | (request.shares_symbols ? RTLD_GLOBAL : RTLD_LOCAL);
 }
 
-/// This process's environment, with the library to be loaded before anything else.
+/// This process's environment, with the library to be loaded before anything else. Of the loader's
+/// variables only LD_LIBRARY_PATH is handed on, which has been checked.
 std::vector<std::string> ProbeEnvironment(const LibraryRequest& request, const std::string& name) {
   std::vector<std::string> environment;
   for (char** entry = environ; *entry != nullptr; ++entry) {
-    if (std::strncmp(*entry, "LD_PRELOAD=", 11) != 0) environment.emplace_back(*entry);
+    const std::string_view variable = *entry;
+    const bool is_loaders = variable.starts_with("LD_");
+    if (!is_loaders || variable.starts_with("LD_LIBRARY_PATH=")) environment.emplace_back(variable);
   }
   std::string first = "LD_PRELOAD=";
   for (const std::string& before : request.preload) first += before + ":";
@@ -126,6 +132,16 @@ Loaded& AllLoaded() {
   return *loaded;
 }
 
+/// What the loader is asked for, one after the other, once nothing of it can be the working
+/// directory's.
+std::vector<std::string> WhatToLoad(const LibraryRequest& request) {
+  CheckLibraryWord(request.path, Message(request.product, ": library"));
+  CheckSearch(LoaderFolders());
+  if (request.path.empty()) return request.names;
+  if (request.path.front() != '/') return {request.path};
+  return {TrustedFile(request.path, request.product)};
+}
+
 void* OpenFirst(const LibraryRequest& request, const std::vector<std::string>& names) {
   std::string tried;
   for (const std::string& name : names) {
@@ -151,9 +167,7 @@ void* OpenFirst(const LibraryRequest& request, const std::vector<std::string>& n
 }  // namespace
 
 void LoadLibrary(const LibraryRequest& request, std::span<const Symbol> symbols) {
-  const std::vector<std::string> names =
-      request.path.empty() ? request.names : std::vector<std::string>{request.path};
-  void* handle = OpenFirst(request, names);
+  void* handle = OpenFirst(request, WhatToLoad(request));
   std::string missing;
   for (const Symbol& symbol : symbols) {
     dlerror();
@@ -163,6 +177,20 @@ void LoadLibrary(const LibraryRequest& request, std::span<const Symbol> symbols)
   }
   ACUS_REQUIRE(missing.empty(), request.product, ": its library lacks functions: ", missing,
                ". Install a version that has them");
+}
+
+std::filesystem::path FindLibrary(const LibraryRequest& request) {
+  std::string tried;
+  for (const std::string& name : WhatToLoad(request)) {
+    if (name.front() == '/') return name;
+    const std::filesystem::path file = FindSystemLibrary(name);
+    if (!file.empty()) return file;
+    tried += (tried.empty() ? "" : ", ") + name;
+  }
+  throw InputError(Message(request.product, ": there is no library ", tried,
+                           " in LD_LIBRARY_PATH and where the system keeps its libraries (see "
+                           "ldconfig -p). ",
+                           request.advice));
 }
 
 void PatientCalls::Call(const std::string& what, double timeout_s, std::function<void()> function) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
@@ -31,7 +32,7 @@ Symbol Optional(const char* name, Function*& pointer) {
 
 struct LibraryRequest {
   std::string product;               ///< "OpenHaptics", for messages.
-  std::string path;                  ///< The user's choice; empty: `names`.
+  std::string path;                  ///< The user's choice (CheckLibraryWord); empty: `names`.
   std::vector<std::string> names;    ///< Tried in this order.
   std::vector<std::string> preload;  ///< Loaded before it, where they are there.
   bool shares_symbols = false;       ///< RTLD_GLOBAL: parts of the product look for each other.
@@ -42,9 +43,17 @@ struct LibraryRequest {
 /// Loads the library and fills the table. The library is first loaded by a process of its own:
 /// some hang or abort at that, and then only that process does. It is never unloaded: some fail
 /// when they are loaded a second time. Asking again for the same one is cheap.
+/// A path is loaded if it is a TrustedFile(); a name is left to the system's search, which must not
+/// lead to the working directory (CheckSearch).
 /// @throws InputError naming the library, what was tried, the loader's own words, and for a symbol
 ///     that is missing, which.
 void LoadLibrary(const LibraryRequest& request, std::span<const Symbol> symbols);
+
+/// The file that LoadLibrary() would try first. Loads nothing and starts no process.
+/// @throws InputError as LoadLibrary() for what can be known without loading: the file is not
+/// there,
+///     or may not be loaded.
+std::filesystem::path FindLibrary(const LibraryRequest& request);
 
 /// Calls that may never return, one at a time.
 class PatientCalls {

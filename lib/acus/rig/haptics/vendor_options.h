@@ -6,7 +6,7 @@
 namespace acus::haptics {
 
 struct VendorOptions {
-  std::string library;  ///< Path or name; empty: the usual names.
+  std::string library;  ///< Absolute path, or name without a slash; empty: the usual names.
   std::string device;   ///< Name, serial number or address; empty: the default one.
   std::string axes;     ///< haptics/axes.h; empty: as the vendor has them.
   double rate_hz = 1000.0;

@@ -3,21 +3,23 @@
 #include <array>
 
 #include "acus/base/core/error.h"
-#include "acus/rig/haptics/shared_library.h"
 
 namespace acus::haptics::virtuose {
 
+LibraryRequest Library(const std::string& library, double timeout_s) {
+  return {.product = "VirtuoseAPI",
+          .path = library,
+          .names = {"libVirtuoseAPI.so", "virtuoseAPI.so"},
+          .preload = {},
+          .shares_symbols = false,
+          .advice =
+              "Install VirtuoseAPI 4 of Haption, or name the file under 'library' in the "
+              "devices file",
+          .timeout_s = timeout_s};
+}
+
 Api Load(const std::string& library, double timeout_s) {
-  const LibraryRequest request = {
-      .product = "VirtuoseAPI",
-      .path = library,
-      .names = {"libVirtuoseAPI.so", "virtuoseAPI.so"},
-      .preload = {},
-      .shares_symbols = false,
-      .advice =
-          "Install VirtuoseAPI 4 of Haption, or name the file under 'library' in the devices "
-          "file",
-      .timeout_s = timeout_s};
+  const LibraryRequest request = Library(library, timeout_s);
   Api api;
   void* version_3 = nullptr;
   const std::array look = {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "acus/rig/haptics/driver.h"
+#include "acus/rig/haptics/shared_library.h"
 
 namespace acus::haptics::virtuose {
 
@@ -63,6 +64,9 @@ struct Api {
   int (*SetTimeoutValue)(Context, float) = nullptr;        ///< May be null.
   int (*GetErrorCode)(Context) = nullptr;
 };
+
+/// What is loaded, and where it is looked for.  @param library  the user's choice; may be empty.
+LibraryRequest Library(const std::string& library, double timeout_s);
 
 /// @param library  the user's choice; empty: libVirtuoseAPI.so.
 /// @throws InputError; says so if it is version 3, which has other functions.

@@ -43,6 +43,20 @@ haptics::GoalPath PathOf(const session::PoseStream& stream, std::int64_t start_n
   return path;
 }
 
+/// Looks for the vendors' libraries of both tools before it says what is wrong with any.
+void CheckLibraries(const haptics::DevicesFile& file) {
+  std::string wrong;
+  for (const haptics::ToolConfig* tool : {&file.needle, &file.probe}) {
+    if (tool->device.empty()) continue;
+    try {
+      haptics::CheckDevice(*file.Find(tool->device));
+    } catch (const InputError& error) {
+      wrong += (wrong.empty() ? "" : ". Also, ") + std::string(error.what());
+    }
+  }
+  ACUS_REQUIRE(wrong.empty(), wrong);
+}
+
 constexpr std::size_t kWordsThatTell = 40;  // Of a status line: what follows are numbers.
 
 /// What a replay of the recording will load, too.
@@ -102,6 +116,7 @@ LiveSession::LiveSession(const scenario::Scenario& scenario, const LiveDevices& 
     camera_ = tracker.get();
     trackers_.push_back(std::move(tracker));
   }
+  if (options_.only_checks) CheckLibraries(devices_.haptics);
   OpenDevices(devices_);
 }
 
@@ -129,7 +144,9 @@ void LiveSession::FollowSession(LiveDevices& devices, const fs::path& path) {
 void LiveSession::OpenDevices(const LiveDevices& devices) {
   const auto open = [&](const haptics::ToolConfig& tool) {
     const haptics::DeviceConfig& config = *devices.haptics.Find(tool.device);
-    if (config.driver != haptics::DriverKind::kVirtualHand) return haptics::OpenDevice(config);
+    if (config.driver != haptics::DriverKind::kVirtualHand) {
+      return options_.only_checks ? haptics::CheckDevice(config) : haptics::OpenDevice(config);
+    }
     const auto steering = std::make_shared<haptics::HandSteering>();
     steering_[tool.device] = steering;
     return haptics::OpenDevice(config, steering);

@@ -32,6 +32,8 @@ struct LiveOptions {
   double duration_s = 0.0;  ///< 0: until somebody stops it.
   /// A session whose needle and probe the virtual hands follow. Empty: as the devices file says.
   std::filesystem::path hand;
+  /// No vendor's library is loaded, no device looked for, and the session cannot be started.
+  bool only_checks = false;
   double least_picture_rate_hz = 30.0;
   RecorderSettings recorder;
 };

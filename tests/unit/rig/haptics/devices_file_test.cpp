@@ -118,6 +118,8 @@ TEST(DevicesFile, SaysWhatIsWrong) {
   says(WithDevice(R"(, "axes": "+x +y -z")"), "mirror");
   says(WithDevice(R"(, "axes": "+x +y")"), "/devices/0/axes");
   says(WithDevice(R"(, "axes": "+x +y +z +x")"), "/devices/0/axes");
+  says(WithDevice(R"(, "library": "./libHD.so")"), "/devices/0/library: is './libHD.so'");
+  says(WithDevice(R"(, "library": "drivers/libHD.so")"), "allowed: an absolute path");
   says(WithDevice(R"(, "safety": {"max_force_n": 41})"), "max_force_n");
   says(WithDevice(R"(, "safety": {"max_force_n": -1})"), "max_force_n");
   says(WithDevice(R"(, "safety": {"late_s": 0.3})"), "late_s");
