@@ -23,8 +23,10 @@ target_compile_options(acus_flags INTERFACE
 target_include_directories(acus_flags INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/lib>
                                                 $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 
-# No program searches for libraries anywhere but where the system does: an RPATH with an empty or
-# relative entry would run what lies in the working directory (tests/checks/library_path_test.cpp).
+# No RUNPATH, neither built nor installed: programs find their libraries where the system keeps them.
+# CMake would join the folders of imported libraries, and an empty entry among them (that of HDF5
+# ends in a colon) is the working directory to the loader: what lies there would run
+# (tests/checks/library_path_test.cpp).
 set(CMAKE_SKIP_RPATH TRUE)
 
 if(ACUS_SANITIZE STREQUAL "address")
@@ -136,7 +138,8 @@ function(acus_add_program name)
   target_link_libraries(${name} PRIVATE acus_flags CLI11::CLI11 ${modules})
   add_dependencies(programs ${name})
   set_property(GLOBAL APPEND PROPERTY ACUS_PROGRAMS ${name})
-  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  # A component each, so that those that are built can be installed by themselves.
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${name})
 endfunction()
 
 # Compiles configs/schema/*.schema.json into TARGET, so that a program never runs without its schema.
