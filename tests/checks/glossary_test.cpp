@@ -1,0 +1,156 @@
+// The hand-written pages use the words of docs/glossary.md. The page is the single source: what
+// stands in code type in a column "not" is a regular expression for whole words.
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "acus/base/core/atomic_file.h"
+
+namespace acus {
+namespace {
+
+const std::filesystem::path kGlossaryRoot = ACUS_SOURCE_DIR;
+
+/// Pages, and folders of pages, that are not held against the glossary, with the reason.
+const std::vector<std::string> kGlossaryExceptions = {
+    "docs/glossary.md",           // Quotes the words to avoid.
+    "docs/reference/",            // Help texts and schemas, printed by the programs.
+    "docs/stability.md",          // Names of hard cases, printed by their tests.
+    "docs/accuracy-and-time.md",  // Generated: its template is held against the glossary.
+    "docs/papers-claims.md",      // Generated, likewise.
+    "docs/architecture.md",       // Lists modules, whose file names are also words.
+};
+
+struct GlossaryWord {
+  std::string say;
+  std::string avoid;
+  std::regex whole_word;
+};
+
+std::string InLowerCase(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+/// Replaces everything from `open` to the next `close` by blanks; lines stay where they are.
+void BlankBetween(std::string& text, std::string_view open, std::string_view close) {
+  for (auto begin = text.find(open); begin != text.npos; begin = text.find(open, begin)) {
+    auto end = text.find(close, begin + open.size());
+    end = end == text.npos ? text.size() : end + close.size();
+    std::replace_if(
+        text.begin() + static_cast<std::ptrdiff_t>(begin),
+        text.begin() + static_cast<std::ptrdiff_t>(end), [](char c) { return c != '\n'; }, ' ');
+    begin = end;
+  }
+}
+
+/// The lines of `text` without code, generated parts, formulas of templates and targets of links.
+std::vector<std::string> ProseLines(std::string text) {
+  BlankBetween(text, "{{", "}}");
+  BlankBetween(text, "\n```", "\n```");
+  BlankBetween(text, "<!-- faults: made by", "<!-- end of faults -->");
+  BlankBetween(text, "`", "`");
+  BlankBetween(text, "](", ")");
+  std::vector<std::string> lines;
+  std::istringstream in(InLowerCase(text));
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> TableCells(const std::string& row) {
+  std::vector<std::string> cells;
+  std::istringstream in(row.substr(1));
+  for (std::string cell; std::getline(in, cell, '|');) {
+    const auto begin = cell.find_first_not_of(' ');
+    const auto end = cell.find_last_not_of(' ');
+    cells.push_back(begin == cell.npos ? "" : cell.substr(begin, end - begin + 1));
+  }
+  return cells;
+}
+
+std::vector<GlossaryWord> WordsToAvoid() {
+  const std::regex code("`([^`]+)`");
+  std::vector<GlossaryWord> words;
+  std::ptrdiff_t column = -1;  // Of "not" in the table that is being read.
+  bool in_table = false;
+  std::istringstream in(ReadTextFile(kGlossaryRoot / "docs" / "glossary.md"));
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with("|")) {
+      in_table = false;
+      continue;
+    }
+    const std::vector<std::string> cells = TableCells(line);
+    if (!in_table) column = std::ranges::find(cells, "not") - cells.begin();
+    in_table = true;
+    if (column >= std::ssize(cells)) continue;
+    const std::string& avoid = cells[static_cast<std::size_t>(column)];
+    for (std::sregex_iterator match(avoid.begin(), avoid.end(), code), end; match != end; ++match) {
+      const std::string word = (*match)[1];
+      words.push_back({cells.front(), word, std::regex("\\b(?:" + word + ")\\b")});
+    }
+  }
+  return words;
+}
+
+std::vector<std::string> PagesWithProse() {
+  std::vector<std::string> pages{"README.md"};
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kGlossaryRoot / "docs")) {
+    const std::string name = entry.path().lexically_relative(kGlossaryRoot).generic_string();
+    const bool is_page = name.ends_with(".md") || name.ends_with(".template");
+    const bool is_exception =
+        std::ranges::any_of(kGlossaryExceptions, [&name](const std::string& exception) {
+          return exception.ends_with("/") ? name.starts_with(exception) : name == exception;
+        });
+    if (is_page && !is_exception) pages.push_back(name);
+  }
+  std::ranges::sort(pages);
+  return pages;
+}
+
+TEST(Glossary, PagesUseItsWords) {
+  const std::vector<GlossaryWord> words = WordsToAvoid();
+  ASSERT_GT(words.size(), 50u);
+  const std::vector<std::string> pages = PagesWithProse();
+  ASSERT_GT(pages.size(), 40u);
+  for (const std::string& page : pages) {
+    const std::string text = ReadTextFile(kGlossaryRoot / page);
+    EXPECT_EQ(std::ranges::count(text, '`') % 2, 0) << page << ": a code span does not end";
+    int number = 0;
+    for (const std::string& line : ProseLines(text)) {
+      ++number;
+      for (const GlossaryWord& word : words) {
+        EXPECT_FALSE(std::regex_search(line, word.whole_word))
+            << page << ":" << number << ": say '" << word.say << "', not '" << word.avoid
+            << "': " << line;
+      }
+    }
+  }
+}
+
+TEST(Glossary, ReadsProseAndNothingElse) {
+  const auto lines = ProseLines(
+      "One Picture.\n```\na picture\n```\nSee [it](picture.md), `picture`,\n{{text\npicture\n}}\n");
+  const std::vector<GlossaryWord> words = WordsToAvoid();
+  const auto picture = std::ranges::find(words, "pictures?", &GlossaryWord::avoid);
+  ASSERT_NE(picture, words.end());
+  std::vector<bool> found;
+  for (const std::string& line : lines) {
+    found.push_back(std::regex_search(line, picture->whole_word));
+  }
+  EXPECT_EQ(found, (std::vector<bool>{true, false, false, false, false, false, false, false}));
+}
+
+TEST(Glossary, ItsExceptionsAreThere) {
+  for (const std::string& exception : kGlossaryExceptions) {
+    EXPECT_TRUE(std::filesystem::exists(kGlossaryRoot / exception)) << exception;
+  }
+}
+
+}  // namespace
+}  // namespace acus
