@@ -11,7 +11,6 @@
 namespace acus::benchmarks {
 namespace {
 
-using Row;
 
 std::string One(const std::vector<AskedLine>& lines, const std::string& key,
                 const std::string& otherwise) {

@@ -14,8 +14,6 @@ namespace acus::benchmarks {
 namespace {
 
 namespace fs = std::filesystem;
-using kNotMeasured;
-using Row;
 
 /// NaN unless the whole text is a number.
 double NumberOf(std::string_view text) {

@@ -79,7 +79,7 @@ ForceDifference Difference(const SampledRun& run, const SampledRun& reference, d
   return out;
 }
 
-std::string SampledRunWhyUnusable(const SampledRun& run, double largest_n) {
+std::string WhyUnusable(const SampledRun& run, double largest_n) {
   double most_n = 0.0;
   for (const Eigen::Vector3d& force_n : run.force_n) {
     if (!force_n.allFinite()) return "a force is not finite";

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// On the skin, where the line from `inside` along `outwards` leaves the body; looking back inside.
-Eigen::Isometry3d ProbeOnSkin(const CtSampler& sampler, const Eigen::Vector3d& inside,
+Eigen::Isometry3d ProbeOnSkin(const slicing::CtSampler& sampler, const Eigen::Vector3d& inside,
                               const Eigen::Vector3d& outwards, const Eigen::Vector3d& marked_side) {
   // The last tissue on the line: gas within the body does not end it.
   double skin_mm = 0.0;
@@ -49,19 +49,19 @@ class RealAbdomen : public ::testing::Test {
   void Look(const char* acoustics, const Eigen::Vector3d& inside_mm,
             const Eigen::Vector3d& outwards, const Eigen::Vector3d& marked_side, const char* file) {
     const fs::path configs = fs::path(ACUS_SOURCE_DIR) / "configs";
-    const Probe probe = ReadProbe(configs / "probes" / "linear_l14.json");
-    const Eigen::Isometry3d pose = ProbeOnSkin(CtSampler(*ct_), inside_mm, outwards, marked_side);
+    const acoustics::Probe probe = acoustics::ReadProbe(configs / "probes" / "linear_l14.json");
+    const Eigen::Isometry3d pose = ProbeOnSkin(slicing::CtSampler(*ct_), inside_mm, outwards, marked_side);
     BModeRenderer renderer(*ct_, probe, ReadBModeOptions(configs / "acoustics" / acoustics));
     renderer.Render(pose, std::nullopt, bmode_);
     slice_.emplace(*ct_, renderer.picture(), probe.slice_thickness_mm);
-    GrayImage slice;
+    image::GrayImage slice;
     slice_->Render(pose, std::nullopt, slice);
     if (const char* folder = std::getenv("ACUS_KEEP_PICTURES")) {
-      GrayImage both;
+      image::GrayImage both;
       Screen(probe, Screen::Shows::kBoth).Compose(bmode_, &slice, file, both);
-      WritePng(fs::path(folder) / file, both);
+      image::WritePng(fs::path(folder) / file, both);
     }
-    margin_px_ = (probe.image_width_px - ScanGridOf(probe).lines()) / 2;
+    margin_px_ = (probe.image_width_px - acoustics::ScanGridOf(probe).lines()) / 2;
   }
 
   int Row(double depth_mm) const {
@@ -75,7 +75,7 @@ class RealAbdomen : public ::testing::Test {
 
   /// The first row of bone in a column, or -1.
   int BoneSurface(int column) const {
-    const BeamImage& hu = slice_->hu();
+    const slicing::BeamImage& hu = slice_->hu();
     int surface = -1;
     float peak = -1024.0F;
     for (int r = Row(3.0); r < Row(48.0); ++r) {
@@ -106,8 +106,8 @@ class RealAbdomen : public ::testing::Test {
   }
 
   static std::optional<volume::CtVolume> ct_;
-  GrayImage bmode_;
-  std::optional<CtSliceRenderer> slice_;
+  image::GrayImage bmode_;
+  std::optional<slicing::CtSliceRenderer> slice_;
   int margin_px_ = 0;
 };
 std::optional<volume::CtVolume> RealAbdomen::ct_;

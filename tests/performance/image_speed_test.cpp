@@ -33,7 +33,7 @@ const volume::CtVolume& Ct() {
 /// VTK's time is that of the faster of its two kinds of threads.
 template <typename Render>
 void ExpectShareAtMost(double limit, const Render& render) {
-  const ImageGeometry picture = PictureOf(FullLinearProbe());
+  const image::ImageGeometry picture = acoustics::PictureOf(FullLinearProbe());
   VtkReslice multithreader(Ct(), picture, kThreads, VtkReslice::Threads::kMultiThreader);
   VtkReslice smp(Ct(), picture, kThreads, VtkReslice::Threads::kSmp);
   LeastTime theirs;
@@ -55,9 +55,9 @@ void ExpectShareAtMost(double limit, const Render& render) {
 
 // Fast, but the same?
 TEST(ImageSpeed, TheSliceIsThatOfVtk) {
-  const ImageGeometry picture = PictureOf(FullLinearProbe());
+  const image::ImageGeometry picture = acoustics::PictureOf(FullLinearProbe());
   VtkReslice reslice(Ct(), picture, kThreads, VtkReslice::Threads::kMultiThreader);
-  CtSliceRenderer slice(Ct(), picture, 3.0);
+  slicing::CtSliceRenderer slice(Ct(), picture, 3.0);
   for (const int n : {0, 31, 57}) {
     EXPECT_LT(testing_support::LargestDifferenceHu(reslice, slice, SwayingProbe(n)), 1.0);
   }
@@ -66,7 +66,7 @@ TEST(ImageSpeed, TheSliceIsThatOfVtk) {
 // Measured 0.29 to 0.35 of the wall time, 0.24 to 0.33 of the CPU time.
 TEST(ImageSpeed, The2010LevelTakesFourTenthsOfASlice) {
   BModeRenderer renderer(Ct(), FullLinearProbe(), DefaultBModeOptions());
-  GrayImage image;
+  image::GrayImage image;
   ExpectShareAtMost(0.4, [&](const Eigen::Isometry3d& pose) {
     renderer.Render(pose, NeedleInPlane(pose), image, kThreads);
   });
@@ -76,22 +76,22 @@ TEST(ImageSpeed, The2010LevelTakesFourTenthsOfASlice) {
 /// Every standard effect on: deformation and breathing, needle, reflection by angle, attenuation,
 /// shadow, comet tails, speckle, point spread, compression.
 struct AllEffects {
-  AllEffects(const volume::CtVolume& ct, const Probe& probe, int planes) {
+  AllEffects(const volume::CtVolume& ct, const acoustics::Probe& probe, int planes) {
     BeamOptions options;
     options.elevation_planes = planes;
-    table = ReadTissueAcoustics(std::filesystem::path(ACUS_SOURCE_DIR) /
+    table = acoustics::ReadTissueAcoustics(std::filesystem::path(ACUS_SOURCE_DIR) /
                                 "configs/acoustics/tissues.json");
     renderer.emplace(BeamTissue{.ct = &ct, .acoustics = &table}, probe, options);
   }
-  const GrayImage& Render(const Eigen::Isometry3d& pose) {
-    const NeedleInImage needle = NeedleInPlane(pose);
+  const image::GrayImage& Render(const Eigen::Isometry3d& pose) {
+    const image::NeedleInImage needle = NeedleInPlane(pose);
     const testing_support::BreathingAndNeedle rest(n++, needle.tip_in_ct_mm);
     renderer->Render(pose, needle, image, kThreads, &rest);
     return image;
   }
-  TissueAcousticsTable table;
+  acoustics::TissueAcousticsTable table;
   std::optional<BeamRenderer> renderer;
-  GrayImage image;
+  image::GrayImage image;
   int n = 0;
 };
 
@@ -105,7 +105,7 @@ TEST(ImageSpeed, BeamsWithAllEffectsTakeTwoThirdsOfASlice) {
 /// Two cores at best: CPU time of both over two, where others leave no two cores to the test.
 void ExpectImagesPerSecond(double least_rate, int samples, int planes, int width_px,
                            int height_px) {
-  Probe probe = testing_support::FullBeamProbe(256, samples);
+  acoustics::Probe probe = testing_support::FullBeamProbe(256, samples);
   probe.image_width_px = width_px;
   probe.image_height_px = height_px;
   AllEffects beams(Ct(), probe, planes);

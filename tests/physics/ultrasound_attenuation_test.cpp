@@ -22,13 +22,13 @@ volume::LabelMap Homogeneous(const char* tissue) {
 
 /// dB per cm of depth that speckle falls, from the mean intensity over planes 1.5 mm apart.
 double SlopeDbPerCm(const BeamTissue& tissue, const BeamOptions& options) {
-  const Probe probe = TargetProbe();
+  const acoustics::Probe probe = TargetProbe();
   BeamRenderer renderer(tissue, probe, options);
   std::vector<double> sum(static_cast<std::size_t>(probe.samples_per_line), 0.0);
-  GrayImage image;
+  image::GrayImage image;
   for (double z_mm = 1.0; z_mm < 59.0; z_mm += 1.5) {
     renderer.Render(FaceAt(15.0, 0.5, z_mm), std::nullopt, image, 2);
-    const BeamImage& envelope = renderer.envelope();
+    const slicing::BeamImage& envelope = renderer.envelope();
     for (int k = 0; k < envelope.samples(); ++k) {
       sum[static_cast<std::size_t>(k)] +=
           testing_support::MeanIntensity(envelope, k, 4, envelope.lines() - 4);
@@ -45,7 +45,7 @@ double SlopeDbPerCm(const BeamTissue& tissue, const BeamOptions& options) {
 
 TEST(BeamAttenuation, SpeckleFallsByTwiceTheTable) {
   for (const double alpha : {0.3, 0.7, 1.2}) {
-    TissueAcoustics liver = Scattering();
+    acoustics::TissueAcoustics liver = Scattering();
     liver.attenuation_db_per_cm_mhz = liver.attenuation_along_fibres_db_per_cm_mhz = alpha;
     const auto table = TableOf({{"liver", liver}});
     const auto labels = Homogeneous("liver");
@@ -63,7 +63,7 @@ TEST(BeamAttenuation, SpeckleFallsByTwiceTheTable) {
 }
 
 TEST(BeamAttenuation, MuscleLosesMoreAlongItsFibres) {
-  TissueAcoustics muscle = Scattering();
+  acoustics::TissueAcoustics muscle = Scattering();
   muscle.attenuation_db_per_cm_mhz = 0.96;
   muscle.attenuation_along_fibres_db_per_cm_mhz = 1.40;
   const auto table = TableOf({{"muscle", muscle}});
@@ -87,7 +87,7 @@ TEST(BeamAttenuation, MuscleLosesMoreAlongItsFibres) {
 }
 
 /// Intensity behind a plate of 5 mm at 15 mm depth, over that without it, dB.
-double BehindPlateDb(const TissueAcoustics& plate, bool comet_tail) {
+double BehindPlateDb(const acoustics::TissueAcoustics& plate, bool comet_tail) {
   const auto table = TableOf({{"liver", Scattering()}, {"plate", plate}});
   const auto labels = LabelledBlock(
       {60, 90, 30}, 0.5, {{1, "liver"}, {2, "plate"}},
@@ -98,7 +98,7 @@ double BehindPlateDb(const TissueAcoustics& plate, bool comet_tail) {
     BeamOptions options;
     options.comet_tail = comet_tail;
     BeamRenderer renderer({.labels = &map, .acoustics = &table}, TargetProbe(), options);
-    GrayImage image;
+    image::GrayImage image;
     renderer.Render(FaceAt(15.0, 0.5, 7.5), std::nullopt, image, 2);
     double sum = 0.0;
     for (int k = 300; k < 390; ++k) {
@@ -110,10 +110,10 @@ double BehindPlateDb(const TissueAcoustics& plate, bool comet_tail) {
 }
 
 TEST(BeamShadow, BoneAndGasTakeFortyDecibels) {
-  TissueAcoustics bone = Clear(4080.0, 7.8);
+  acoustics::TissueAcoustics bone = Clear(4080.0, 7.8);
   bone.attenuation_db_per_cm_mhz = bone.attenuation_along_fibres_db_per_cm_mhz = 5.0;
   EXPECT_LT(BehindPlateDb(bone, true), -40.0);
-  const TissueAcoustics gas = Clear(343.0, 0.0004);
+  const acoustics::TissueAcoustics gas = Clear(343.0, 0.0004);
   EXPECT_LT(BehindPlateDb(gas, false), -40.0);
   EXPECT_LT(BehindPlateDb(gas, true), -40.0) << "where the comet's tail has tapered off";
   EXPECT_GT(BehindPlateDb(gas, true), BehindPlateDb(gas, false)) << "its comet's tail is seen";

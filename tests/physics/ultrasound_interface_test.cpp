@@ -25,7 +25,7 @@ volume::LabelMap TwoHalves(const char* above, const char* below) {
 }
 
 /// Reflected amplitude of a plane wave between fluids.
-double Fresnel(const TissueAcoustics& a, const TissueAcoustics& b, double angle_rad) {
+double Fresnel(const acoustics::TissueAcoustics& a, const acoustics::TissueAcoustics& b, double angle_rad) {
   const double sine = b.speed_m_per_s / a.speed_m_per_s * std::sin(angle_rad);
   const double cos_b = std::sqrt(1.0 - sine * sine);
   const double from = b.impedance_mrayl * std::cos(angle_rad);
@@ -35,7 +35,7 @@ double Fresnel(const TissueAcoustics& a, const TissueAcoustics& b, double angle_
 
 /// Largest envelope of each line near the middle, averaged over 21 lines. A parabola in dB finds
 /// the peak between samples.
-double PeakOfMiddleLines(const BeamImage& envelope) {
+double PeakOfMiddleLines(const slicing::BeamImage& envelope) {
   double sum = 0.0;
   const int middle = envelope.lines() / 2;
   for (int l = middle - 10; l <= middle + 10; ++l) {
@@ -53,17 +53,17 @@ double PeakOfMiddleLines(const BeamImage& envelope) {
 }
 
 TEST(BeamInterface, SendsBackWhatFresnelSaysAtAnyAngle) {
-  const TissueAcoustics fat = Clear(1450.0, 1.38);
-  const TissueAcoustics muscle = Clear(1580.0, 1.70);
+  const acoustics::TissueAcoustics fat = Clear(1450.0, 1.38);
+  const acoustics::TissueAcoustics muscle = Clear(1580.0, 1.70);
   const auto table = TableOf({{"fat", fat}, {"muscle", muscle}});
   const auto labels = TwoHalves("fat", "muscle");
   BeamOptions options = Bare();
   options.interfaces = options.angle = options.point_spread = true;
-  Probe probe = TargetProbe();
+  acoustics::Probe probe = TargetProbe();
   probe.samples_per_line = 1601;
   BeamRenderer renderer({.labels = &labels, .acoustics = &table}, probe, options);
   for (const double deg : {0.0, 5.0, 10.0, 20.0, 30.0}) {
-    GrayImage image;
+    image::GrayImage image;
     renderer.Render(FaceAt(20.0, 4.0, 4.0, deg * kDegree), std::nullopt, image, 2);
     EXPECT_NEAR(Db(PeakOfMiddleLines(renderer.envelope())), Db(Fresnel(fat, muscle, deg * kDegree)),
                 0.1)
@@ -81,7 +81,7 @@ TEST(BeamInterface, WhatIsReflectedIsMissingBehind) {
   const auto behind = [&](bool interfaces) {
     options.interfaces = interfaces;
     BeamRenderer renderer({.labels = &labels, .acoustics = &table}, TargetProbe(), options);
-    GrayImage image;
+    image::GrayImage image;
     renderer.Render(FaceAt(15.0, 0.5, 15.0), std::nullopt, image, 2);
     double sum = 0.0;
     for (int k = 200; k < 380; ++k) {
@@ -95,7 +95,7 @@ TEST(BeamInterface, WhatIsReflectedIsMissingBehind) {
 }
 
 /// Sample of the largest echo of the middle line, behind `from`.
-int EchoSample(const BeamImage& envelope, int from, int to) {
+int EchoSample(const slicing::BeamImage& envelope, int from, int to) {
   const int line = envelope.lines() / 2;
   int best = from;
   for (int k = from; k < std::min(to, envelope.samples()); ++k) {
@@ -111,7 +111,7 @@ TEST(BeamTimeOfFlight, EchoesLieWhereTheirTimePutsThem) {
     BeamOptions options = Bare();
     options.interfaces = options.point_spread = options.time_of_flight = true;
     BeamRenderer renderer({.labels = &labels, .acoustics = &table}, TargetProbe(), options);
-    GrayImage image;
+    image::GrayImage image;
     renderer.Render(FaceAt(30.0, 1.0, 4.0), std::nullopt, image, 2);
     const double shown_mm = EchoSample(renderer.envelope(), 20, 400) * renderer.grid().step_mm;
     EXPECT_NEAR(shown_mm, 19.0 * 1540.0 / speed, renderer.grid().step_mm) << speed << " m/s";
@@ -124,7 +124,7 @@ TEST(BeamRefraction, LinesBendBySnell) {
   constexpr double kWallMm = 40.0;
   for (const double deg : {10.0, 20.0, 30.0}) {
     for (const double speed : {1450.0, 1700.0}) {
-      TissueAcoustics grey = Scattering();
+      acoustics::TissueAcoustics grey = Scattering();
       grey.speed_m_per_s = speed;
       grey.impedance_mrayl = 1.7;
       const auto table =
@@ -135,15 +135,15 @@ TEST(BeamRefraction, LinesBendBySnell) {
                           if (y < 15.0) return 1;
                           return x < kWallMm ? 2 : 3;
                         });
-      Probe probe = TargetProbe();
+      acoustics::Probe probe = TargetProbe();
       probe.samples_per_line = 1601;
       BeamOptions options = Bare();
       options.speckle = options.interfaces = options.angle = options.refraction = true;
       BeamRenderer renderer({.labels = &labels, .acoustics = &table}, probe, options);
       const Eigen::Isometry3d pose = FaceAt(26.0, 1.0, 4.0, deg * kDegree);
-      GrayImage image;
+      image::GrayImage image;
       renderer.Render(pose, std::nullopt, image, 2);
-      const BeamImage& envelope = renderer.envelope();
+      const slicing::BeamImage& envelope = renderer.envelope();
       double sum_rad = 0.0;
       int count = 0;
       for (int l = 20; l < envelope.lines(); ++l) {
@@ -175,9 +175,9 @@ TEST(BeamReverberation, RepeatsAtMultiplesOfTheDepth) {
   options.interfaces = options.shadow = options.point_spread = true;
   options.multiple_reflections = true;
   BeamRenderer renderer({.labels = &labels, .acoustics = &table}, TargetProbe(), options);
-  GrayImage image;
+  image::GrayImage image;
   renderer.Render(FaceAt(15.0, 1.0, 4.0), std::nullopt, image, 2);
-  const BeamImage& envelope = renderer.envelope();
+  const slicing::BeamImage& envelope = renderer.envelope();
   const int line = envelope.lines() / 2;
   const int first = EchoSample(envelope, 20, 140);
   const int second = EchoSample(envelope, 190, 250);

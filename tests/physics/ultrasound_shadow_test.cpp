@@ -14,9 +14,9 @@ namespace acus::ultrasound {
 namespace {
 
 /// 0.1 mm per pixel, 512 columns wide and as deep.
-Probe FineProbe() {
+acoustics::Probe FineProbe() {
   return {.name = "test",
-          .kind = ProbeKind::kLinear,
+          .kind = acoustics::ProbeKind::kLinear,
           .frequency_mhz = 10,
           .width_mm = 51.2,
           .depth_mm = 51.1,
@@ -49,15 +49,15 @@ Eigen::Isometry3d Pose() {
   return Eigen::Isometry3d(Eigen::Translation3d(34.95, 5.0, 15.0));
 }
 
-GrayImage Render(const volume::CtVolume& ct, const std::optional<NeedleInImage>& needle,
-                 const Probe& probe = FineProbe()) {
+image::GrayImage Render(const volume::CtVolume& ct, const std::optional<image::NeedleInImage>& needle,
+                 const acoustics::Probe& probe = FineProbe()) {
   BModeRenderer renderer(ct, probe, DefaultBModeOptions());
-  GrayImage image;
+  image::GrayImage image;
   renderer.Render(Pose(), needle, image);
   return image;
 }
 
-double Mean(const GrayImage& image, int c0, int c1, int r0, int r1) {
+double Mean(const image::GrayImage& image, int c0, int c1, int r0, int r1) {
   double sum = 0.0;
   for (int r = r0; r < r1; ++r) {
     for (int c = c0; c < c1; ++c) sum += image.At(c, r);
@@ -73,7 +73,7 @@ TEST(Shadow, ABonePlateIsABrightLineAtItsDepthWithNothingBelow) {
     const bool plate = y >= 25.0 && y <= 35.0 && x > 30.0 && x < 45.0;
     return plate ? std::optional(1200.0) : std::nullopt;
   });
-  const GrayImage image = Render(ct, std::nullopt);
+  const image::GrayImage image = Render(ct, std::nullopt);
   // The surface lies between the voxels at 24.5 (soft) and 25 mm: rows 195 to 200.
   for (int c = 240; c < 320; c += 10) {
     int brightest = 0;
@@ -96,7 +96,7 @@ TEST(Shadow, GasShadowsAsWellAndWaterDoesNot) {
     const volume::CtVolume ct = Body([hu](double x, double y, double) {
       return std::hypot(x - 35.0, y - 25.0) < 6.0 ? std::optional(hu) : std::nullopt;
     });
-    const GrayImage image = Render(ct, std::nullopt);
+    const image::GrayImage image = Render(ct, std::nullopt);
     const double below = Mean(image, 240, 270, 320, 500);
     const double beside = Mean(image, 20, 120, 320, 500);
     if (shadows) {
@@ -108,8 +108,8 @@ TEST(Shadow, GasShadowsAsWellAndWaterDoesNot) {
   }
 }
 
-NeedleInImage InPlaneNeedle() {
-  NeedleInImage needle;
+image::NeedleInImage InPlaneNeedle() {
+  image::NeedleInImage needle;
   needle.tip_in_ct_mm << 40.0, 30.0, 15.0;
   needle.axis_in_ct = Eigen::Vector3d(1.0, 0.8, 0.0).normalized();
   needle.length_mm = 90.0;
@@ -119,7 +119,7 @@ NeedleInImage InPlaneNeedle() {
 
 /// Where a trainee sees the tip: the bright pixel farthest along the needle's axis.
 template <typename IsBright>
-Eigen::Vector2d FarthestBright(const NeedleInImage& needle, const IsBright& is_bright) {
+Eigen::Vector2d FarthestBright(const image::NeedleInImage& needle, const IsBright& is_bright) {
   double farthest = -1e9;
   Eigen::Vector2d tip(-1, -1);
   for (int r = 0; r < 512; ++r) {
@@ -136,11 +136,11 @@ Eigen::Vector2d FarthestBright(const NeedleInImage& needle, const IsBright& is_b
 
 TEST(NeedleInPicture, ItsTipIsWithinOnePixelOfTheTruth) {
   const volume::CtVolume ct = PlainBody();
-  CtSliceRenderer slice(ct, PictureOf(FineProbe()), 3.0);
+  slicing::CtSliceRenderer slice(ct, acoustics::PictureOf(FineProbe()), 3.0);
   for (const Eigen::Vector2d& shift : {Eigen::Vector2d(0, 0), Eigen::Vector2d(-3.03, 5.07)}) {
-    NeedleInImage needle = InPlaneNeedle();
+    image::NeedleInImage needle = InPlaneNeedle();
     needle.tip_in_ct_mm.head<2>() += shift;
-    GrayImage image;
+    image::GrayImage image;
     slice.Render(Pose(), needle, image);
     const Eigen::Vector3d truth =
         slice.picture().ct_from_image(Pose()).inverse() * needle.tip_in_ct_mm;
@@ -149,7 +149,7 @@ TEST(NeedleInPicture, ItsTipIsWithinOnePixelOfTheTruth) {
     EXPECT_LE((in_slice - truth.head<2>()).norm(), 1.0);
 
     // With a pulse, a beam and an interface of one pixel, B-mode is as exact.
-    Probe sharp = FineProbe();
+    acoustics::Probe sharp = FineProbe();
     sharp.pulse_length_mm = sharp.beam_width_mm = 0.0;
     BModeOptions options = DefaultBModeOptions();
     options.interface_span_mm = 0.0;
@@ -162,7 +162,7 @@ TEST(NeedleInPicture, ItsTipIsWithinOnePixelOfTheTruth) {
 }
 
 TEST(NeedleInPicture, InThePlaneItIsALineWithAShadow) {
-  const GrayImage image = Render(PlainBody(), InPlaneNeedle());
+  const image::GrayImage image = Render(PlainBody(), InPlaneNeedle());
   // Along the shaft, from the tip at pixel (306, 250) backwards.
   for (int n = 20; n < 250; n += 5) {
     const int c = 306 - n;
@@ -177,10 +177,10 @@ TEST(NeedleInPicture, InThePlaneItIsALineWithAShadow) {
 }
 
 TEST(NeedleInPicture, AcrossThePlaneItIsOneSpot) {
-  NeedleInImage needle = InPlaneNeedle();
+  image::NeedleInImage needle = InPlaneNeedle();
   needle.axis_in_ct << 0, 0, 1;
   needle.tip_in_ct_mm << 35.0, 25.0, 25.0;
-  const GrayImage image = Render(PlainBody(), needle);
+  const image::GrayImage image = Render(PlainBody(), needle);
   int bright = 0;
   double column = 0.0;
   for (int r = 0; r < 512; ++r) {
@@ -197,8 +197,8 @@ TEST(NeedleInPicture, AcrossThePlaneItIsOneSpot) {
 
 TEST(NeedleInPicture, OutOfThePlaneItChangesNoPixel) {
   const volume::CtVolume ct = PlainBody();
-  const GrayImage without = Render(ct, std::nullopt);
-  NeedleInImage needle = InPlaneNeedle();
+  const image::GrayImage without = Render(ct, std::nullopt);
+  image::NeedleInImage needle = InPlaneNeedle();
   for (const double aside_mm : {1.95, -1.95, 10.0}) {  // Half the slice and the radius are 1.9 mm.
     needle.tip_in_ct_mm.z() = 15.0 + aside_mm;
     EXPECT_EQ(Render(ct, needle).pixels, without.pixels) << aside_mm;
@@ -209,12 +209,12 @@ TEST(NeedleInPicture, OutOfThePlaneItChangesNoPixel) {
 
 TEST(NeedleInPicture, AThinnerSliceShowsLessOfAnObliqueNeedle) {
   const volume::CtVolume ct = PlainBody();
-  NeedleInImage needle = InPlaneNeedle();
+  image::NeedleInImage needle = InPlaneNeedle();
   needle.axis_in_ct = Eigen::Vector3d(1.0, 0.8, 0.3).normalized();
   needle.tip_in_ct_mm.z() += 3.0;
   const auto seen_px = [&](double thickness_mm) {
-    CtSliceRenderer slice(ct, PictureOf(FineProbe()), thickness_mm);
-    GrayImage image;
+    slicing::CtSliceRenderer slice(ct, acoustics::PictureOf(FineProbe()), thickness_mm);
+    image::GrayImage image;
     slice.Render(Pose(), needle, image);
     long n = 0;
     for (int r = 0; r < 512; ++r)
@@ -233,10 +233,10 @@ TEST(Sampling, AnInterfaceIsAsBrightHoweverFinelyTheBeamIsSampled) {
   });
   std::vector<int> peaks;
   for (const int pixels : {256, 512, 1024}) {
-    Probe probe = FineProbe();
+    acoustics::Probe probe = FineProbe();
     probe.image_width_px = probe.image_height_px = pixels;
     probe.beam_width_mm = 0.0;
-    const GrayImage image = Render(ct, std::nullopt, probe);
+    const image::GrayImage image = Render(ct, std::nullopt, probe);
     int peak = 0;
     for (int r = pixels / 4; r < pixels; ++r) peak = std::max<int>(peak, image.At(pixels / 2, r));
     peaks.push_back(peak);

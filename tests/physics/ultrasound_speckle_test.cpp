@@ -37,16 +37,16 @@ constexpr double kBeamMm = 0.886 * kLambdaMm * 2.0;
 TEST(BeamSpeckle, EnvelopeIsRayleighOverTenThousandCells) {
   const auto table = TableOf({{"liver", Scattering()}});
   const auto labels = UltrasoundSpeckleHomogeneous();
-  const Probe probe = TargetProbe();
+  const acoustics::Probe probe = TargetProbe();
   BeamRenderer renderer({.labels = &labels, .acoustics = &table}, probe, SpeckleOnly());
   double sum = 0.0;
   double square = 0.0;
   double count = 0.0;
   double cells = 0.0;
-  GrayImage image;
+  image::GrayImage image;
   for (double z_mm = 2.0; z_mm < 98.0; z_mm += kApartMm) {
     renderer.Render(FaceAt(15.0, 0.5, z_mm), std::nullopt, image, 2);
-    const BeamImage& envelope = renderer.envelope();
+    const slicing::BeamImage& envelope = renderer.envelope();
     for (int k = 50; k < 350; ++k) {
       for (int l = 10; l < envelope.lines() - 10; ++l) {
         const double value = envelope.row(k)[l];
@@ -89,9 +89,9 @@ Widths CorrelationAtTheFocus(BeamRenderer& renderer) {
   for (int pass = 0; pass < 2; ++pass) {
     for (int view = 0; view < 5 * 32; ++view) {
       const double z_mm = 2.0 + view % 32 * kApartMm;
-      GrayImage image;
+      image::GrayImage image;
       renderer.Render(FaceAt(15.0, 0.5 + 4.0 * (view / 32), z_mm), std::nullopt, image, 2);
-      const BeamImage& envelope = renderer.envelope();
+      const slicing::BeamImage& envelope = renderer.envelope();
       const auto intensity = [&](int k, int l) {
         return double{envelope.row(k)[l]} * envelope.row(k)[l];
       };
@@ -118,14 +118,14 @@ Widths CorrelationAtTheFocus(BeamRenderer& renderer) {
 
 /// Full widths at half maximum of the echo of a thin wire across the plane in the focus.
 Widths PointAtTheFocus(BeamRenderer& renderer) {
-  NeedleInImage wire;
+  image::NeedleInImage wire;
   wire.tip_in_ct_mm = {15.0, 20.5, 40.0};
   wire.axis_in_ct = -Eigen::Vector3d::UnitZ();
   wire.length_mm = 60.0;
   wire.radius_mm = 0.02;
-  GrayImage image;
+  image::GrayImage image;
   renderer.Render(FaceAt(15.0, 0.5, 60.0), wire, image, 2);
-  const BeamImage& envelope = renderer.envelope();
+  const slicing::BeamImage& envelope = renderer.envelope();
   int row = 0;
   int line = 0;
   for (int k = 100; k < envelope.samples() - 40; ++k) {
@@ -148,12 +148,12 @@ Widths PointAtTheFocus(BeamRenderer& renderer) {
 // The intensity of speckle is correlated over the width of the point spread's amplitude (both
 // Gaussian): the covariance is the square of the field's, exp(-x^2 / (2 sigma^2)).
 TEST(BeamSpeckle, IsCorrelatedOverThePointSpreadWhichIsThatOfTheAperture) {
-  TissueAcousticsTable table =
+  acoustics::TissueAcousticsTable table =
       TableOf({{"liver", Scattering()}, {"clear", testing_support::Clear()}});
   const auto labels = UltrasoundSpeckleHomogeneous();
   volume::LabelMap clear = labels;
   clear.names[1] = "clear";
-  Probe probe = TargetProbe();
+  acoustics::Probe probe = TargetProbe();
   probe.samples_per_line = 1201;  // 0.033 mm
   probe.scan_lines = 257;         // 0.1 mm
   BeamOptions options = SpeckleOnly();
@@ -184,10 +184,10 @@ TEST(BeamSpeckle, ALesionHasItsContrast) {
     double outside = 0.0;
     double count_inside = 0.0;
     double count_outside = 0.0;
-    GrayImage image;
+    image::GrayImage image;
     for (double z_mm = 2.0; z_mm < 98.0; z_mm += kApartMm) {
       renderer.Render(FaceAt(15.0, 0.0, z_mm), std::nullopt, image, 2);
-      const BeamImage& envelope = renderer.envelope();
+      const slicing::BeamImage& envelope = renderer.envelope();
       for (int k = 80; k < 320; ++k) {
         for (int l = 4; l < 125; ++l) {
           const Eigen::Vector2d start = renderer.grid().start_mm[static_cast<std::size_t>(l)];
@@ -204,7 +204,7 @@ TEST(BeamSpeckle, ALesionHasItsContrast) {
 }
 
 /// Tissue pressed together along the beam: what is now at y was at y (1 + strain).
-class Squeeze : public RestMap {
+class Squeeze : public slicing::RestMap {
  public:
   explicit Squeeze(double strain) : strain_(strain) {}
   Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_mm,
@@ -218,7 +218,7 @@ class Squeeze : public RestMap {
 };
 
 /// By how much the piece of a line around `k` has moved up, samples with fraction.
-double Moved(const BeamImage& before, const BeamImage& after, int line, int k, int most) {
+double Moved(const slicing::BeamImage& before, const slicing::BeamImage& after, int line, int k, int most) {
   constexpr int kHalf = 40;
   std::vector<double> match;
   for (int lag = -1; lag <= most + 1; ++lag) {
@@ -251,7 +251,7 @@ double Moved(const BeamImage& before, const BeamImage& after, int line, int k, i
 TEST(BeamSpeckle, TrackedSpeckleTellsTheStrain) {
   const auto table = TableOf({{"liver", Scattering()}});
   const auto labels = UltrasoundSpeckleHomogeneous();
-  Probe probe = TargetProbe();
+  acoustics::Probe probe = TargetProbe();
   probe.samples_per_line = 801;  // 0.05 mm
   BeamRenderer renderer({.labels = &labels, .acoustics = &table}, probe, SpeckleOnly());
   for (const double strain : {0.005, 0.02}) {
@@ -259,11 +259,11 @@ TEST(BeamSpeckle, TrackedSpeckleTellsTheStrain) {
     std::vector<double> depth;
     std::vector<double> moved;
     for (double z_mm = 2.0; z_mm < 98.0; z_mm += 4.0 * kApartMm) {
-      GrayImage image;
+      image::GrayImage image;
       renderer.Render(FaceAt(15.0, 0.0, z_mm), std::nullopt, image, 2);
-      const BeamImage before = [&] {
-        BeamImage copy;
-        const BeamImage& envelope = renderer.envelope();
+      const slicing::BeamImage before = [&] {
+        slicing::BeamImage copy;
+        const slicing::BeamImage& envelope = renderer.envelope();
         copy.Resize(envelope.lines(), envelope.samples());
         for (int k = 0; k < envelope.samples(); ++k) {
           std::copy_n(envelope.row(k), envelope.lines(), copy.row(k));
@@ -271,7 +271,7 @@ TEST(BeamSpeckle, TrackedSpeckleTellsTheStrain) {
         return copy;
       }();
       renderer.Render(FaceAt(15.0, 0.0, z_mm), std::nullopt, image, 2, &squeeze);
-      const BeamImage& after = renderer.envelope();
+      const slicing::BeamImage& after = renderer.envelope();
       for (int l = 8; l < 121; l += 3) {
         for (int k = 100; k < 700; k += 25) {
           const int most = static_cast<int>(strain * k) + 2;
@@ -289,7 +289,7 @@ TEST(BeamSpeckle, TrackedSpeckleTellsTheStrain) {
 TEST(BeamNeedle, IsGoneOneAndAHalfSlicesFromThePlane) {
   const auto table = TableOf({{"liver", Scattering()}});
   const auto labels = UltrasoundSpeckleHomogeneous();
-  Probe probe = TargetProbe();
+  acoustics::Probe probe = TargetProbe();
   probe.elevation_aperture_mm = 5.0;
   probe.elevation_focus_mm = 20.0;
   // In the focus of the lens, there and back: 0.886 lambda times focus over aperture.
@@ -298,7 +298,7 @@ TEST(BeamNeedle, IsGoneOneAndAHalfSlicesFromThePlane) {
   options.elevation_planes = 5;
   BeamRenderer renderer({.labels = &labels, .acoustics = &table}, probe, options);
   const auto picture = [&](std::optional<double> beside_mm) {
-    std::optional<NeedleInImage> needle;
+    std::optional<image::NeedleInImage> needle;
     if (beside_mm) {
       needle.emplace();
       needle->tip_in_ct_mm << 20.0, 20.5, 50.0 + *beside_mm;
@@ -306,18 +306,18 @@ TEST(BeamNeedle, IsGoneOneAndAHalfSlicesFromThePlane) {
       needle->length_mm = 40.0;
       needle->radius_mm = 0.2;
     }
-    GrayImage image;
+    image::GrayImage image;
     renderer.Render(FaceAt(15.0, 0.5, 50.0), needle, image, 2);
     return image;
   };
-  const auto most = [](const GrayImage& a, const GrayImage& b) {
+  const auto most = [](const image::GrayImage& a, const image::GrayImage& b) {
     int difference = 0;
     for (std::size_t n = 0; n < a.pixels.size(); ++n) {
       difference = std::max(difference, std::abs(a.pixels[n] - b.pixels[n]));
     }
     return difference;
   };
-  const GrayImage without = picture(std::nullopt);
+  const image::GrayImage without = picture(std::nullopt);
   EXPECT_GT(most(without, picture(0.0)), 50);
   EXPECT_GT(most(without, picture(0.4 * slice_mm)), 20);
   for (const double side : {-1.0, 1.0}) {

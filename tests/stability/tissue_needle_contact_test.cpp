@@ -32,7 +32,7 @@ using testing_support::SceneOptions;
 
 constexpr double kLargestN = 30.0;
 
-SceneOptions Layers() {
+SceneOptions LayeredSceneOptions() {
   SceneOptions options;
   options.inner_below_mm = 30.0;
   options.bone_below_mm = 10.0;
@@ -41,8 +41,8 @@ SceneOptions Layers() {
 
 TEST(FemNeedleStability, AJumpOf50MmIsBoundedAndForgotten) {
   const HardCase hard("The tracker jumps by 50 mm and more in a step, in and out of tissue.");
-  FemScene steady(Layers());
-  FemScene jumping(Layers());
+  FemScene steady(LayeredSceneOptions());
+  FemScene jumping(LayeredSceneOptions());
   steady.Move(-1.0, 25.0);
   jumping.StepAt(-25.0);
   Largest largest_n;
@@ -67,7 +67,7 @@ TEST(FemNeedleStability, AJumpOf50MmIsBoundedAndForgotten) {
 TEST(FemNeedleStability, AJumpAsideLosesContactWithinTheLargestForce) {
   const HardCase hard(
       "A jump of 20 mm sideways, and a turn by 70 degrees, with the needle in tissue.");
-  FemScene scene(Layers());
+  FemScene scene(LayeredSceneOptions());
   scene.Move(-1.0, 30.0);
   const NeedleForce force = scene.StepAt(30.0, 20.0, 20.0);
   hard.Expect("largest force", force.force_in_ct_n.norm(), AtMost(kLargestN + 1e-9), "N");
@@ -87,7 +87,7 @@ TEST(FemNeedleStability, RandomHandlingStaysWithinBoundsAndExact) {
   const HardCase hard(
       "In, out, sideways, tilted and jumping at random, through skin, inside and bone.");
   const int num_steps = testing_support::StabilitySteps(20000);
-  FemScene scene(Layers());
+  FemScene scene(LayeredSceneOptions());
   RandomStream random(31, "handling");
   double depth_mm = -5.0;
   double x_mm = 0.3;
@@ -148,7 +148,7 @@ TEST(FemNeedleStability, RandomHandlingStaysWithinBoundsAndExact) {
 // million random steps, and put there by hand here.
 TEST(FemNeedleStability, TurnedInACrookedChannelFrictionStaysFriction) {
   const HardCase hard("A needle turned in a channel that winds: points pass one another along it.");
-  FemScene scene(Layers());
+  FemScene scene(LayeredSceneOptions());
   scene.Move(-1.0, 25.0);
   for (const std::size_t point : {1u, 5u, 6u}) scene.state.point[point].axial_mm -= 2.0;
   Largest reversed_n;
@@ -191,7 +191,7 @@ TEST(FemNeedleStability, SpacingFarBelowTheElementsChangesLittle) {
                  .y_label = "force [N]"};
   plot.curves.push_back({.name = "3 mm"});
   // Elements of 11 mm; points every 0.5 to 3 mm.
-  SceneOptions options = Layers();
+  SceneOptions options = LayeredSceneOptions();
   options.contact.contact_spacing_mm = 3.0;
   FemScene coarse(options);
   std::vector<double> in_n;
@@ -223,7 +223,7 @@ TEST(FemNeedleStability, ForcesDoNotJumpWhenPointsComeAndGo) {
                  .x_label = "depth [mm]",
                  .y_label = "force [N]",
                  .curves = {{.name = "in"}, {.name = "out"}}};
-  FemScene scene(Layers());
+  FemScene scene(LayeredSceneOptions());
   double last_n = 0.0;
   Largest largest_jump_n;
   bool was_event = true;
@@ -305,8 +305,8 @@ FemScene Shuffled(const SceneOptions& options, std::uint64_t seed) {
 
 TEST(FemNeedleStability, RenumberedNodesAndElementsGiveTheSameForces) {
   const HardCase hard("The same tissue with its nodes and tetrahedra in another order.");
-  FemScene scene(Layers());
-  FemScene other = Shuffled(Layers(), 41);
+  FemScene scene(LayeredSceneOptions());
+  FemScene other = Shuffled(LayeredSceneOptions(), 41);
   Largest worst;
   for (int step = -10; step <= 900; ++step) {
     const double depth_mm = step <= 450 ? 0.1 * step : 45.0 + 5.0 * std::sin(0.05 * step);
@@ -328,7 +328,7 @@ TEST(FemNeedleStability, NoEnergyComesOutOfTheTissue) {
   // In the old channel the tissue is elastic and dry friction takes energy: over any closed cycle
   // of the hand the work done on it is positive, and just after the first half cycle it never gave
   // back more than was put in.
-  FemScene scene(Layers());
+  FemScene scene(LayeredSceneOptions());
   scene.Move(-1.0, 25.0);
   scene.Move(25.0, 15.0);
   double work_n_mm = 0.0;
@@ -362,7 +362,7 @@ TEST(FemNeedleStability, StandingStillChangesNothing) {
   const HardCase hard("A needle that stands still, in tissue and on bone, must feel no change.");
   Largest change_n;
   Largest on_bone_n;
-  FemScene scene(Layers());
+  FemScene scene(LayeredSceneOptions());
   scene.Move(-1.0, 33.0);
   for (int n = 0; n < 20; ++n) scene.StepAt(33.0, 0.3, -0.7, 0.1);
   const Eigen::Vector3d rest = scene.StepAt(33.0, 0.3, -0.7, 0.1).force_in_ct_n;

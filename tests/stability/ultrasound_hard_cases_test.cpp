@@ -65,8 +65,8 @@ std::string_view Muscle(double, double y, double) {
   return y > 5.0 ? "muscle" : "outside";
 }
 
-Probe SmallProbe(ProbeKind kind = ProbeKind::kLinear) {
-  Probe probe = testing_support::TargetProbe();
+acoustics::Probe SmallProbe(acoustics::ProbeKind kind = acoustics::ProbeKind::kLinear) {
+  acoustics::Probe probe = testing_support::TargetProbe();
   probe.kind = kind;
   probe.width_mm = 30.0;
   probe.scan_lines = 96;
@@ -77,8 +77,8 @@ Probe SmallProbe(ProbeKind kind = ProbeKind::kLinear) {
   probe.pulse_length_mm = 0.7;
   probe.beam_width_mm = 1.2;
   probe.gain_db = 20.0;
-  if (kind != ProbeKind::kLinear) probe.field_of_view_rad = 1.0;
-  if (kind == ProbeKind::kCurvilinear) probe.radius_mm = 40.0;
+  if (kind != acoustics::ProbeKind::kLinear) probe.field_of_view_rad = 1.0;
+  if (kind == acoustics::ProbeKind::kCurvilinear) probe.radius_mm = 40.0;
   return probe;
 }
 
@@ -86,25 +86,25 @@ fs::path Acoustics(const char* name) {
   return fs::path(ACUS_SOURCE_DIR) / "configs/acoustics" / name;
 }
 
-using Render = std::function<void(const Eigen::Isometry3d&, const std::optional<NeedleInImage>&,
-                                  GrayImage&, int, const RestMap*)>;
+using Render = std::function<void(const Eigen::Isometry3d&, const std::optional<image::NeedleInImage>&,
+                                  image::GrayImage&, int, const slicing::RestMap*)>;
 
 struct Level {
   const char* name;
-  std::function<Render(const UltrasoundHardCasesBody&, const Probe&)> make;
+  std::function<Render(const UltrasoundHardCasesBody&, const acoustics::Probe&)> make;
 };
 
 template <typename Renderer>
 Render Shared(std::shared_ptr<Renderer> renderer) {
-  return [renderer](const Eigen::Isometry3d& pose, const std::optional<NeedleInImage>& needle,
-                    GrayImage& out, int threads,
-                    const RestMap* rest) { renderer->Render(pose, needle, out, threads, rest); };
+  return [renderer](const Eigen::Isometry3d& pose, const std::optional<image::NeedleInImage>& needle,
+                    image::GrayImage& out, int threads,
+                    const slicing::RestMap* rest) { renderer->Render(pose, needle, out, threads, rest); };
 }
 
-Render MakeBeams(const UltrasoundHardCasesBody& body, Probe probe, bool dear) {
+Render MakeBeams(const UltrasoundHardCasesBody& body, acoustics::Probe probe, bool dear) {
   probe.tgc_db_per_cm = 8.0;  // The other levels lose nothing in muscle.
   probe.gain_db += 10.0;
-  static const TissueAcousticsTable table = ReadTissueAcoustics(Acoustics("tissues.json"));
+  static const acoustics::TissueAcousticsTable table = acoustics::ReadTissueAcoustics(Acoustics("tissues.json"));
   BeamOptions options;
   options.elevation_planes = dear ? 3 : 1;
   options.refraction = options.time_of_flight = options.multiple_reflections = dear;
@@ -117,23 +117,23 @@ Render MakeBeams(const UltrasoundHardCasesBody& body, Probe probe, bool dear) {
 const std::vector<Level>& Levels() {
   static const std::vector<Level> levels = {
       {"vidal_2008",
-       [](const UltrasoundHardCasesBody& body, const Probe& probe) {
+       [](const UltrasoundHardCasesBody& body, const acoustics::Probe& probe) {
          return Shared(std::make_shared<VidalRenderer>(body.ct, probe, DefaultVidalOptions()));
        }},
       {"alamilla_2021",
-       [](const UltrasoundHardCasesBody& body, const Probe& probe) {
+       [](const UltrasoundHardCasesBody& body, const acoustics::Probe& probe) {
          return Shared(std::make_shared<AlamillaRenderer>(
              body.labels, probe, ReadAlamillaOptions(Acoustics("alamilla_2021.json"))));
        }},
       {"columns_2010",
-       [](const UltrasoundHardCasesBody& body, const Probe& probe) {
+       [](const UltrasoundHardCasesBody& body, const acoustics::Probe& probe) {
          return Shared(std::make_shared<BModeRenderer>(
              body.ct, probe, ReadBModeOptions(Acoustics("hu_textured.json"))));
        }},
       {"beams on a CT", [](const UltrasoundHardCasesBody& body,
-                           const Probe& probe) { return MakeBeams(body, probe, false); }},
+                           const acoustics::Probe& probe) { return MakeBeams(body, probe, false); }},
       {"beams on labels, all effects",
-       [](const UltrasoundHardCasesBody& body, const Probe& probe) {
+       [](const UltrasoundHardCasesBody& body, const acoustics::Probe& probe) {
          return MakeBeams(body, probe, true);
        }},
   };
@@ -142,8 +142,8 @@ const std::vector<Level>& Levels() {
 
 const Eigen::Isometry3d kPose(Eigen::Translation3d(32.0, 4.5, 24.0));
 
-NeedleInImage Needle(const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& axis) {
-  NeedleInImage needle;
+image::NeedleInImage Needle(const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& axis) {
+  image::NeedleInImage needle;
   needle.tip_in_ct_mm = tip_mm;
   needle.axis_in_ct = axis.normalized();
   needle.length_mm = 80.0;
@@ -151,19 +151,19 @@ NeedleInImage Needle(const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& axis)
   return needle;
 }
 
-GrayImage Picture(const Render& render, const Eigen::Isometry3d& pose,
-                  const std::optional<NeedleInImage>& needle = std::nullopt, int threads = 1,
-                  const RestMap* rest = nullptr) {
-  GrayImage image;
+image::GrayImage Picture(const Render& render, const Eigen::Isometry3d& pose,
+                  const std::optional<image::NeedleInImage>& needle = std::nullopt, int threads = 1,
+                  const slicing::RestMap* rest = nullptr) {
+  image::GrayImage image;
   render(pose, needle, image, threads, rest);
   return image;
 }
 
-int Brightest(const GrayImage& image) {
+int Brightest(const image::GrayImage& image) {
   return *std::ranges::max_element(image.pixels);
 }
 
-int LargestOf(const GrayImage& a, const GrayImage& b) {
+int LargestOf(const image::GrayImage& a, const image::GrayImage& b) {
   int most = 0;
   for (std::size_t n = 0; n < a.pixels.size(); ++n) {
     most = std::max(most, std::abs(a.pixels[n] - b.pixels[n]));
@@ -172,7 +172,7 @@ int LargestOf(const GrayImage& a, const GrayImage& b) {
 }
 
 /// Mean grey of columns [low, high) of some rows.
-double MeanGrey(const GrayImage& image, int low, int high, int first_row, int end_row) {
+double MeanGrey(const image::GrayImage& image, int low, int high, int first_row, int end_row) {
   double sum = 0.0;
   for (int r = first_row; r < end_row; ++r) {
     for (int c = low; c < high; ++c) sum += image.At(c, r);
@@ -191,11 +191,11 @@ TEST_P(HardImage, PlanesOutsideTheVolumeAreDark) {
   const HardCase hard("The probe's plane beside the volume, up to 1000 km away.");
   Largest grey;
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
-  const Render render = level().make(body, SmallProbe(ProbeKind::kCurvilinear));
+  const Render render = level().make(body, SmallProbe(acoustics::ProbeKind::kCurvilinear));
   ASSERT_GT(Brightest(Picture(render, kPose)), 40) << level().name;
   for (const double far_mm : {-60.0, -1e3, 1e3, 1e9}) {
     // Beams take what is outside for water, which scatters a little.
-    const GrayImage image = Picture(render, Eigen::Translation3d(0, 0, far_mm) * kPose);
+    const image::GrayImage image = Picture(render, Eigen::Translation3d(0, 0, far_mm) * kPose);
     grey.Add(MeanGrey(image, 0, 160, 0, 200));
   }
   hard.Expect(Of("mean grey"), grey, Below(1.0));
@@ -205,7 +205,7 @@ TEST_P(HardImage, GrazingPlanesAndFacesAreFinite) {
   const HardCase hard("The plane and the face along edges of the volume and of the skin.");
   Largest air_grey;
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
-  for (const ProbeKind kind : {ProbeKind::kLinear, ProbeKind::kCurvilinear}) {
+  for (const acoustics::ProbeKind kind : {acoustics::ProbeKind::kLinear, acoustics::ProbeKind::kCurvilinear}) {
     const Render render = level().make(body, SmallProbe(kind));
     for (const double z_mm : {0.0, 0.5, 1e-12, 47.5, 48.0}) {
       Eigen::Isometry3d pose = kPose;
@@ -216,7 +216,7 @@ TEST_P(HardImage, GrazingPlanesAndFacesAreFinite) {
     for (const double deg : {45.0, 89.999, 90.0, 180.0}) {
       const Eigen::Isometry3d pose =
           kPose * Eigen::AngleAxisd(deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ());
-      const GrayImage image = Picture(render, pose);
+      const image::GrayImage image = Picture(render, pose);
       EXPECT_EQ(image.pixels, Picture(render, pose, std::nullopt, 3).pixels) << level().name;
       if (deg == 180.0) {
         air_grey.Add(MeanGrey(image, 0, 160, 60, 200));
@@ -235,8 +235,8 @@ TEST_P(HardImage, OneVoxelOfBoneIsSeenAndShadows) {
   const UltrasoundHardCasesBody body = MakeBody(with_bone);
   const UltrasoundHardCasesBody without = MakeBody(Muscle);
   const Render render = level().make(body, SmallProbe());
-  const GrayImage image = Picture(render, kPose);
-  const GrayImage free = Picture(level().make(without, SmallProbe()), kPose);
+  const image::GrayImage image = Picture(render, kPose);
+  const image::GrayImage free = Picture(level().make(without, SmallProbe()), kPose);
   const int bone_row = static_cast<int>((25.0 - 4.5) / 40.0 * 199.0);
   int line = 0;
   for (int r = bone_row - 3; r < bone_row + 12; ++r) line = std::max<int>(line, image.At(80, r));
@@ -251,7 +251,7 @@ TEST_P(HardImage, AllGasIsDark) {
   const HardCase hard("Nothing but gas: its impedance is 1/4000 of water's.");
   const UltrasoundHardCasesBody gas = MakeBody([](double, double, double) { return "gas"; });
   const Render render = level().make(gas, SmallProbe());
-  const GrayImage image = Picture(render, Eigen::Isometry3d(Eigen::Translation3d(32, 10, 24)));
+  const image::GrayImage image = Picture(render, Eigen::Isometry3d(Eigen::Translation3d(32, 10, 24)));
   hard.Expect(Of("mean grey"), MeanGrey(image, 0, 160, 40, 200), Below(20.0));
 }
 
@@ -260,24 +260,24 @@ TEST_P(HardImage, NeedlesInThePlaneAndAcrossIt) {
       "A needle in the plane, across it, along the beam, without length, far away, NaN.");
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
   const Render render = level().make(body, SmallProbe());
-  const GrayImage bare = Picture(render, kPose);
+  const image::GrayImage bare = Picture(render, kPose);
   const Eigen::Vector3d tip_mm(32.0, 25.0, 24.0);
-  const GrayImage in_plane = Picture(render, kPose, Needle(tip_mm, {1.0, 0.3, 0.0}));
+  const image::GrayImage in_plane = Picture(render, kPose, Needle(tip_mm, {1.0, 0.3, 0.0}));
   hard.Expect(Of("grey of a needle in the plane"), LargestOf(bare, in_plane), Above(60));
-  const GrayImage across =
+  const image::GrayImage across =
       Picture(render, kPose, Needle(tip_mm + Eigen::Vector3d(0, 0, 20), Eigen::Vector3d::UnitZ()));
   hard.Expect(Of("grey of a needle across it"), LargestOf(bare, across), Above(25));
   // Along the beam, without length, without radius, and far away.
-  NeedleInImage odd = Needle(tip_mm, Eigen::Vector3d::UnitY());
+  image::NeedleInImage odd = Needle(tip_mm, Eigen::Vector3d::UnitY());
   Picture(render, kPose, odd);
   odd.length_mm = 0.0;
   Picture(render, kPose, odd);
   odd = Needle(tip_mm, {1.0, 0.2, 0.0});
   odd.radius_mm = 0.0;
   Picture(render, kPose, odd);
-  const GrayImage away = Picture(render, kPose, Needle({32.0, 25.0, 1e6}, {1.0, 0.0, 0.0}));
+  const image::GrayImage away = Picture(render, kPose, Needle({32.0, 25.0, 1e6}, {1.0, 0.0, 0.0}));
   EXPECT_EQ(away.pixels, bare.pixels) << level().name;
-  NeedleInImage broken = Needle(tip_mm, {1.0, 0.0, 0.0});
+  image::NeedleInImage broken = Needle(tip_mm, {1.0, 0.0, 0.0});
   broken.tip_in_ct_mm.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(Picture(render, kPose, broken), InputError) << level().name;
 }
@@ -287,23 +287,23 @@ TEST_P(HardImage, DepthsFromNothingToHundredMillimetres) {
   int least_bright = 255;
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
   for (const double depth_mm : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
-    Probe probe = SmallProbe();
+    acoustics::Probe probe = SmallProbe();
     probe.depth_mm = depth_mm;
     EXPECT_THROW(level().make(body, probe), InputError) << level().name << " " << depth_mm;
   }
   // 10 degrees, and 100 mm of face and depth: more than the body.
-  Probe narrow = SmallProbe(ProbeKind::kCurvilinear);
+  acoustics::Probe narrow = SmallProbe(acoustics::ProbeKind::kCurvilinear);
   narrow.field_of_view_rad = 10.0 * std::numbers::pi / 180.0;
-  Probe wide = SmallProbe();
+  acoustics::Probe wide = SmallProbe();
   wide.width_mm = wide.depth_mm = 100.0;
-  Probe shallow = SmallProbe();
+  acoustics::Probe shallow = SmallProbe();
   shallow.depth_mm = 5.0;
   shallow.width_mm = 10.0;
   shallow.pulse_length_mm = 0.2;
   shallow.beam_width_mm = 0.4;
-  for (const Probe& probe : {narrow, wide, shallow}) {
+  for (const acoustics::Probe& probe : {narrow, wide, shallow}) {
     const Render render = level().make(body, probe);
-    const GrayImage image = Picture(render, kPose, Needle({32, 20, 24}, {1.0, 0.4, 0.1}));
+    const image::GrayImage image = Picture(render, kPose, Needle({32, 20, 24}, {1.0, 0.4, 0.1}));
     least_bright = std::min(least_bright, Brightest(image));
     EXPECT_EQ(image.pixels,
               Picture(render, kPose, Needle({32, 20, 24}, {1.0, 0.4, 0.1}), 2).pixels);
@@ -311,7 +311,7 @@ TEST_P(HardImage, DepthsFromNothingToHundredMillimetres) {
   hard.Expect(Of("brightest pixel of the darkest"), least_bright, Above(20));
 }
 
-class Press : public RestMap {
+class Press : public slicing::RestMap {
  public:
   Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_mm,
                              const Eigen::Vector3d&) const noexcept override {
@@ -328,16 +328,16 @@ TEST_P(HardImage, BitsDoNotDependOnThreadsAndNothingIsAllocated) {
   long allocated = 0;
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
   const Press press;
-  const NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
-  for (const ProbeKind kind : {ProbeKind::kLinear, ProbeKind::kCurvilinear}) {
+  const image::NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
+  for (const acoustics::ProbeKind kind : {acoustics::ProbeKind::kLinear, acoustics::ProbeKind::kCurvilinear}) {
     const Render render = level().make(body, SmallProbe(kind));
-    const GrayImage one = Picture(render, kPose, needle, 1, &press);
+    const image::GrayImage one = Picture(render, kPose, needle, 1, &press);
     for (const int threads : {2, 3, 8}) {
-      const GrayImage other = Picture(render, kPose, needle, threads, &press);
+      const image::GrayImage other = Picture(render, kPose, needle, threads, &press);
       num_differ += one.pixels == other.pixels ? 0 : 1;
     }
     for (const int threads : {1, 2}) {
-      GrayImage image;
+      image::GrayImage image;
       render(kPose, needle, image, threads, &press);
       const long before = testing_support::num_allocations;
       for (int n = 0; n < 5; ++n) {
@@ -355,9 +355,9 @@ TEST_P(HardImage, EveryInstructionSetGivesTheSameWithinOneGreyLevel) {
   Largest off;
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
   const Press press;
-  const NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
-  const Render render = level().make(body, SmallProbe(ProbeKind::kCurvilinear));
-  const GrayImage best = Picture(render, kPose, needle, 1, &press);
+  const image::NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
+  const Render render = level().make(body, SmallProbe(acoustics::ProbeKind::kCurvilinear));
+  const image::GrayImage best = Picture(render, kPose, needle, 1, &press);
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());

@@ -31,7 +31,7 @@ const volume::CtVolume& Ct() {
 }
 
 void Reslice(benchmark::State& state, VtkReslice::Threads threads) {
-  VtkReslice reslice(Ct(), PictureOf(FullLinearProbe()), kThreads, threads);
+  VtkReslice reslice(Ct(), acoustics::PictureOf(FullLinearProbe()), kThreads, threads);
   int n = 0;
   for (auto _ : state) benchmark::DoNotOptimize(reslice.Render(SwayingProbe(n++)));
 }
@@ -44,9 +44,9 @@ BENCHMARK_CAPTURE(Reslice, smp, VtkReslice::Threads::kSmp)->MeasureProcessCPUTim
 /// @param render  Makes the picture at a pose.
 template <typename Render>
 void ReportShare(benchmark::State& state, VtkReslice::Threads threads, const Render& render) {
-  const ImageGeometry picture = PictureOf(FullLinearProbe());
+  const image::ImageGeometry picture = acoustics::PictureOf(FullLinearProbe());
   VtkReslice reslice(Ct(), picture, kThreads, threads);
-  CtSliceRenderer slice(Ct(), picture, 3.0);
+  slicing::CtSliceRenderer slice(Ct(), picture, 3.0);
   LeastTime theirs;
   LeastTime ours;
   int n = 0;
@@ -67,9 +67,9 @@ void ReportShare(benchmark::State& state, VtkReslice::Threads threads, const Ren
 }
 
 void CtSliceShare(benchmark::State& state, VtkReslice::Threads threads) {
-  CtSliceRenderer renderer(Ct(), PictureOf(FullLinearProbe()), 3.0);
-  GrayImage image;
-  ReportShare(state, threads, [&](const Eigen::Isometry3d& pose) -> const GrayImage& {
+  slicing::CtSliceRenderer renderer(Ct(), acoustics::PictureOf(FullLinearProbe()), 3.0);
+  image::GrayImage image;
+  ReportShare(state, threads, [&](const Eigen::Isometry3d& pose) -> const image::GrayImage& {
     renderer.Render(pose, NeedleInPlane(pose), image, kThreads);
     return image;
   });
@@ -78,8 +78,8 @@ BENCHMARK_CAPTURE(CtSliceShare, smp, VtkReslice::Threads::kSmp);
 
 void Columns2010Share(benchmark::State& state, VtkReslice::Threads threads) {
   BModeRenderer renderer(Ct(), FullLinearProbe(), DefaultBModeOptions());
-  GrayImage image;
-  ReportShare(state, threads, [&](const Eigen::Isometry3d& pose) -> const GrayImage& {
+  image::GrayImage image;
+  ReportShare(state, threads, [&](const Eigen::Isometry3d& pose) -> const image::GrayImage& {
     renderer.Render(pose, NeedleInPlane(pose), image, kThreads);
     return image;
   });
@@ -90,28 +90,28 @@ BENCHMARK_CAPTURE(Columns2010Share, smp, VtkReslice::Threads::kSmp);
 /// Every standard effect on: deformation and breathing, needle, reflection by angle, attenuation,
 /// shadow, comet tails, speckle, point spread, compression.
 struct AllEffects {
-  AllEffects(const volume::CtVolume& ct, const Probe& probe, int planes) {
+  AllEffects(const volume::CtVolume& ct, const acoustics::Probe& probe, int planes) {
     BeamOptions options;
     options.elevation_planes = planes;
-    table = ReadTissueAcoustics(std::filesystem::path(ACUS_SOURCE_DIR) /
+    table = acoustics::ReadTissueAcoustics(std::filesystem::path(ACUS_SOURCE_DIR) /
                                 "configs/acoustics/tissues.json");
     renderer.emplace(BeamTissue{.ct = &ct, .acoustics = &table}, probe, options);
   }
-  const GrayImage& Render(const Eigen::Isometry3d& pose) {
-    const NeedleInImage needle = NeedleInPlane(pose);
+  const image::GrayImage& Render(const Eigen::Isometry3d& pose) {
+    const image::NeedleInImage needle = NeedleInPlane(pose);
     const testing_support::BreathingAndNeedle rest(n++, needle.tip_in_ct_mm);
     renderer->Render(pose, needle, image, kThreads, &rest);
     return image;
   }
-  TissueAcousticsTable table;
+  acoustics::TissueAcousticsTable table;
   std::optional<BeamRenderer> renderer;
-  GrayImage image;
+  image::GrayImage image;
   int n = 0;
 };
 
 void BeamsShare(benchmark::State& state, VtkReslice::Threads threads) {
   AllEffects beams(Ct(), testing_support::FullBeamProbe(256, 512), 1);
-  ReportShare(state, threads, [&](const Eigen::Isometry3d& pose) -> const GrayImage& {
+  ReportShare(state, threads, [&](const Eigen::Isometry3d& pose) -> const image::GrayImage& {
     return beams.Render(pose);
   });
 }
@@ -120,7 +120,7 @@ BENCHMARK_CAPTURE(BeamsShare, smp, VtkReslice::Threads::kSmp);
 
 /// Images per second on two threads: lines, samples, planes, width and height of the picture.
 void BeamsRate(benchmark::State& state) {
-  Probe probe = testing_support::FullBeamProbe(static_cast<int>(state.range(0)),
+  acoustics::Probe probe = testing_support::FullBeamProbe(static_cast<int>(state.range(0)),
                                                static_cast<int>(state.range(1)));
   probe.image_width_px = static_cast<int>(state.range(3));
   probe.image_height_px = static_cast<int>(state.range(4));

@@ -28,8 +28,8 @@ const volume::CtVolume& Ct() {
 }
 
 /// 512 lines of 512 samples: no black side saves anything.
-Probe FullProbe(ProbeKind kind) {
-  const bool linear = kind == ProbeKind::kLinear;
+acoustics::Probe FullProbe(acoustics::ProbeKind kind) {
+  const bool linear = kind == acoustics::ProbeKind::kLinear;
   return {.name = "bench",
           .kind = kind,
           .frequency_mhz = 10,
@@ -53,9 +53,9 @@ Eigen::Isometry3d Pose(int n) {
          Eigen::AngleAxisd(0.3 + 0.1 * std::sin(0.03 * n), Eigen::Vector3d::UnitY());
 }
 
-NeedleInImage Needle(int n) {
+image::NeedleInImage Needle(int n) {
   const Eigen::Isometry3d ct_from_probe = Pose(n);
-  NeedleInImage needle;
+  image::NeedleInImage needle;
   needle.tip_in_ct_mm = ct_from_probe * Eigen::Vector3d(-10, 20, 0.2);
   needle.axis_in_ct = ct_from_probe.linear() * Eigen::Vector3d(0.8, 0.6, 0.0);
   needle.length_mm = 90;
@@ -63,12 +63,12 @@ NeedleInImage Needle(int n) {
   return needle;
 }
 
-void RenderBMode(benchmark::State& state, ProbeKind kind, bool all_stages) {
+void RenderBMode(benchmark::State& state, acoustics::ProbeKind kind, bool all_stages) {
   BModeOptions options = DefaultBModeOptions();
   options.texture = options.attenuation = all_stages;
   options.angle_exponent = all_stages ? 1 : 0;
   BModeRenderer renderer(Ct(), FullProbe(kind), options);
-  GrayImage image;
+  image::GrayImage image;
   int n = 0;
   for (auto _ : state) {
     ++n;
@@ -76,19 +76,19 @@ void RenderBMode(benchmark::State& state, ProbeKind kind, bool all_stages) {
     benchmark::DoNotOptimize(image.pixels.data());
   }
 }
-BENCHMARK_CAPTURE(RenderBMode, linear_2010, ProbeKind::kLinear, false)
+BENCHMARK_CAPTURE(RenderBMode, linear_2010, acoustics::ProbeKind::kLinear, false)
     ->Arg(1)
     ->Arg(2)
     ->MeasureProcessCPUTime();
-BENCHMARK_CAPTURE(RenderBMode, linear_all_stages, ProbeKind::kLinear, true)->Arg(1);
-BENCHMARK_CAPTURE(RenderBMode, curvilinear_2010, ProbeKind::kCurvilinear, false)->Arg(1);
-BENCHMARK_CAPTURE(RenderBMode, curvilinear_all_stages, ProbeKind::kCurvilinear, true)->Arg(1);
+BENCHMARK_CAPTURE(RenderBMode, linear_all_stages, acoustics::ProbeKind::kLinear, true)->Arg(1);
+BENCHMARK_CAPTURE(RenderBMode, curvilinear_2010, acoustics::ProbeKind::kCurvilinear, false)->Arg(1);
+BENCHMARK_CAPTURE(RenderBMode, curvilinear_all_stages, acoustics::ProbeKind::kCurvilinear, true)->Arg(1);
 
 void SampleSlice(benchmark::State& state) {
-  const CtSampler sampler(Ct());
-  const ScanGrid grid = ScanGridOf(PictureOf(FullProbe(ProbeKind::kLinear)));
-  BeamLines lines;
-  BeamImage hu;
+  const slicing::CtSampler sampler(Ct());
+  const acoustics::ScanGrid grid = acoustics::ScanGridOf(acoustics::PictureOf(FullProbe(acoustics::ProbeKind::kLinear)));
+  slicing::BeamLines lines;
+  slicing::BeamImage hu;
   hu.Resize(grid.lines(), grid.samples);
   int n = 0;
   for (auto _ : state) {
@@ -100,8 +100,8 @@ void SampleSlice(benchmark::State& state) {
 BENCHMARK(SampleSlice);
 
 void RenderCtSlice(benchmark::State& state) {
-  CtSliceRenderer renderer(Ct(), PictureOf(FullProbe(ProbeKind::kLinear)), 3.0);
-  GrayImage image;
+  slicing::CtSliceRenderer renderer(Ct(), acoustics::PictureOf(FullProbe(acoustics::ProbeKind::kLinear)), 3.0);
+  image::GrayImage image;
   int n = 0;
   for (auto _ : state) {
     ++n;
@@ -114,11 +114,11 @@ BENCHMARK(RenderCtSlice);
 /// A radiograph of 512 x 512 pixels of the whole volume, by the length of the voxels that are
 /// summed.
 void RenderFluoroscopy(benchmark::State& state) {
-  const CArm c_arm{.name = "bench", .detail = static_cast<int>(state.range(0))};
-  const CArmPose pose{.isocentre_in_ct_mm = {180.0, 180.0, 105.0}, .lao_rad = 0.35};
+  const fluoroscopy::CArm c_arm{.name = "bench", .detail = static_cast<int>(state.range(0))};
+  const fluoroscopy::CArmPose pose{.isocentre_in_ct_mm = {180.0, 180.0, 105.0}, .lao_rad = 0.35};
   const auto threads = static_cast<int>(state.range(1));
-  Fluoroscope fluoroscope(Ct(), c_arm, pose, threads);
-  GrayImage image;
+  fluoroscopy::Fluoroscope fluoroscope(Ct(), c_arm, pose, threads);
+  image::GrayImage image;
   int n = 0;
   for (auto _ : state) {
     fluoroscope.Render(Needle(++n), image, threads);
@@ -135,19 +135,19 @@ BENCHMARK(RenderFluoroscopy)
 /// One frame of a film of B-mode and CT slice, 1024 x 512, with all that is drawn on it.
 void FilmFrame(benchmark::State& state) {
   constexpr int kFrames = 16;
-  const Probe probe = FullProbe(ProbeKind::kLinear);
+  const acoustics::Probe probe = FullProbe(acoustics::ProbeKind::kLinear);
   BModeRenderer bmode(Ct(), probe, DefaultBModeOptions());
-  CtSliceRenderer slice(Ct(), bmode.picture(), 3.0);
+  slicing::CtSliceRenderer slice(Ct(), bmode.picture(), 3.0);
   const Screen screen(probe, Screen::Shows::kBoth);
-  GrayImage left[kFrames];
-  GrayImage right[kFrames];
+  image::GrayImage left[kFrames];
+  image::GrayImage right[kFrames];
   for (int n = 0; n < kFrames; ++n) {
     bmode.Render(Pose(n), Needle(n), left[n]);
     slice.Render(Pose(n), Needle(n), right[n]);
   }
-  FilmWriter film(std::filesystem::temp_directory_path() / "acus_bench.mp4", screen.width_px(),
+  image::FilmWriter film(std::filesystem::temp_directory_path() / "acus_bench.mp4", screen.width_px(),
                   screen.height_px(), {.quality = static_cast<int>(state.range(0))});
-  GrayImage frame;
+  image::GrayImage frame;
   int n = 0;
   for (auto _ : state) {
     // There and back, so that no frame jumps.

@@ -13,7 +13,6 @@
 namespace acus::benchmarks {
 namespace {
 
-using Row;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 

@@ -8,7 +8,6 @@
 namespace acus::window {
 namespace {
 
-using Command;
 using live::kLargestDepthMm;
 using live::kLargestGainDb;
 using live::kLeastDepthMm;

@@ -113,7 +113,7 @@ TEST(BeamLevels, DepthIsThatOfTheTimeOfFlight) {
     BeamRenderer renderer({.labels = &labels, .acoustics = &table}, BeamLevelsTestProbe(), options);
     image::GrayImage image;
     renderer.Render(kPose, std::nullopt, image);
-    const double expected_mm = on ? 20.0 * kScannerSpeedMPerS / 1450.0 : 20.0;
+    const double expected_mm = on ? 20.0 * acoustics::kScannerSpeedMPerS / 1450.0 : 20.0;
     EXPECT_NEAR(DepthOfEcho(renderer, renderer.envelope(), 48, 10, 30), expected_mm,
                 renderer.grid().step_mm);
   }

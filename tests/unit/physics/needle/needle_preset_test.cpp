@@ -15,7 +15,7 @@ namespace {
 const std::filesystem::path kNeedles = std::filesystem::path(ACUS_SOURCE_DIR) / "configs/needles";
 
 NeedleProperties NeedleOf(const std::string& keys) {
-  const testing_support::TemporaryFolder folder;
+  const acus::testing_support::TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "needle.json";
   std::ofstream(path) << R"({"format": "acus-needle/1", "name": "x", "gauge": 16,
     "outer_diameter_mm": 1.2, "length_mm": 100)"

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 // The needle goes in along +z from the skin at z = 0; below `from` the tissue is ten times stiffer.
-ModulusAt Layers(double soft_mpa, double stiff_mpa, double from_mm) {
+ModulusAt TwoModuli(double soft_mpa, double stiff_mpa, double from_mm) {
   return [=](const Vector3d& p) {
     return p.z() < 0.0 ? 0.0 : (p.z() < from_mm ? soft_mpa : stiff_mpa);
   };
@@ -54,7 +54,7 @@ TEST(Fade, IsThePapersPolynomialAtItsSpecialPoints) {
 
 TEST(DisplacementFunctions, AsPrintedIsEquation13) {
   const DisplacementFunctions printed(DisplacementFunctionSettings::AsPrinted(),
-                                      Layers(0.5, 5.0, 12.0));
+                                      TwoModuli(0.5, 5.0, 12.0));
   const TissueLoad load = Indenting(4.0, 1.5);
   const auto d = [&](double x, double z) {
     return printed.DisplacementMm(load, Vector3d(x, 0, z)).z();
@@ -71,7 +71,7 @@ TEST(DisplacementFunctions, AsPrintedIsEquation13) {
 
 TEST(DisplacementFunctions, AsPrintedIsEquation14) {
   const DisplacementFunctions printed(DisplacementFunctionSettings::AsPrinted(),
-                                      Layers(0.5, 5.0, 30.0));
+                                      TwoModuli(0.5, 5.0, 30.0));
   const TissueLoad load = Inside(40.0, 0.8, 2.0);
   const auto d = [&](double x, double z) {
     return printed.DisplacementMm(load, Vector3d(x, 0, z)).z();
@@ -83,7 +83,7 @@ TEST(DisplacementFunctions, AsPrintedIsEquation14) {
 }
 
 TEST(DisplacementFunctions, TheTipTakesTheTissueWithItBeforeThePuncture) {
-  const DisplacementFunctions functions({}, Layers(0.02, 0.2, 12.0));
+  const DisplacementFunctions functions({}, TwoModuli(0.02, 0.2, 12.0));
   for (const double depth_mm : {0.1, 1.0, 3.0, 8.0, 11.9}) {
     const TissueLoad load = Indenting(depth_mm, 2.0);
     EXPECT_NEAR(functions.DisplacementMm(load, load.needle.tip_in_ct_mm).z(), depth_mm, 1e-12);
@@ -96,7 +96,7 @@ TEST(DisplacementFunctions, TheTipTakesTheTissueWithItBeforeThePuncture) {
 
 TEST(DisplacementFunctions, AfterThePunctureGoesWithForceAndWithOneOverE) {
   const auto at = [](double modulus_mpa, const TissueLoad& load, const Vector3d& p) {
-    return DisplacementFunctions({}, Layers(modulus_mpa, modulus_mpa, 0.0)).DisplacementMm(load, p);
+    return DisplacementFunctions({}, TwoModuli(modulus_mpa, modulus_mpa, 0.0)).DisplacementMm(load, p);
   };
   const TissueLoad load = Inside(40.0, 0.6, 1.2);
   const Vector3d shaft(3, 4, 15);
@@ -114,7 +114,7 @@ TEST(DisplacementFunctions, AfterThePunctureGoesWithForceAndWithOneOverE) {
 TEST(DisplacementFunctions, TurnWithTheNeedle) {
   const Eigen::Isometry3d turn =
       Eigen::Translation3d(30, -12, 7) * Eigen::AngleAxisd(0.8, Vector3d(1, 2, -0.5).normalized());
-  const ModulusAt layers = Layers(0.05, 0.5, 20.0);
+  const ModulusAt layers = TwoModuli(0.05, 0.5, 20.0);
   const ModulusAt turned_layers = [&](const Vector3d& p) { return layers(turn.inverse() * p); };
   DisplacementFunctionSettings at_point;
   at_point.modulus_blend_mm = 0.0;  // The grid of the blend does not turn.
@@ -137,7 +137,7 @@ TEST(DisplacementFunctions, TurnWithTheNeedle) {
 // Steps of 10 um across the whole field, interfaces, skin, both zones and the border.
 TEST(DisplacementFunctions, HaveNoStepAnywhereAndDoNotFold) {
   for (const double stiff_mpa : {0.02, 0.2, 20.0}) {
-    const DisplacementFunctions functions({}, Layers(0.02, stiff_mpa, 15.0));
+    const DisplacementFunctions functions({}, TwoModuli(0.02, stiff_mpa, 15.0));
     for (const TissueLoad& load : {Indenting(0.5, 1), Indenting(12, 3), Inside(0.2, 1, 0),
                                    Inside(14, 1, 1), Inside(40, 5, -3), Inside(60, 0, 30)}) {
       const auto prepared = functions.Prepare(load);
@@ -168,22 +168,22 @@ TEST(DisplacementFunctions, HaveNoStepAnywhereAndDoNotFold) {
 }
 
 TEST(DisplacementFunctions, BoneStaysWhereItIs) {
-  const DisplacementFunctions functions({}, Layers(0.02, 10000.0, 20.0));
+  const DisplacementFunctions functions({}, TwoModuli(0.02, 10000.0, 20.0));
   const TissueLoad load = Inside(18.0, 1.0, 1.0);
   EXPECT_LT(functions.DisplacementMm(load, Vector3d(0, 0, 24)).norm(), 1e-5);
   EXPECT_GT(functions.DisplacementMm(load, Vector3d(0, 0, 17)).norm(), 1.0);
   // Infinitely stiff: not at all, not even where the needle touches nothing else.
   const double inf = std::numeric_limits<double>::infinity();
-  const DisplacementFunctions rigid({}, Layers(0.02, inf, 20.0));
+  const DisplacementFunctions rigid({}, TwoModuli(0.02, inf, 20.0));
   EXPECT_EQ(rigid.DisplacementMm(load, Vector3d(0, 0, 30)).norm(), 0.0);
-  const DisplacementFunctions all_bone({}, Layers(inf, inf, 20.0));
+  const DisplacementFunctions all_bone({}, TwoModuli(inf, inf, 20.0));
   EXPECT_EQ(all_bone.DisplacementMm(load, Vector3d(0, 0, 10)).norm(), 0.0);
   const Vector3d pressed = all_bone.DisplacementMm(Indenting(0.1, 3.0), Vector3d(0, 0, 10));
   EXPECT_EQ(pressed.norm(), 0.0);
 }
 
 TEST(DisplacementFunctions, NothingMovesWithoutContactOrWithRubbish) {
-  const DisplacementFunctions functions({}, Layers(0.02, 0.2, 20.0));
+  const DisplacementFunctions functions({}, TwoModuli(0.02, 0.2, 20.0));
   const Vector3d p(1, 1, 5);
   EXPECT_EQ(functions.DisplacementMm(TissueLoad(), p).norm(), 0.0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -203,7 +203,7 @@ TEST(DisplacementFunctions, NothingMovesWithoutContactOrWithRubbish) {
 }
 
 TEST(DisplacementFunctions, RefuseSettingsOutOfRange) {
-  const ModulusAt modulus = Layers(0.02, 0.2, 20.0);
+  const ModulusAt modulus = TwoModuli(0.02, 0.2, 20.0);
   for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
     DisplacementFunctionSettings settings;
     settings.influence_radius_mm = bad;
