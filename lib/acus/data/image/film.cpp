@@ -147,10 +147,13 @@ void FilmWriter::Encoder::Drain() {
 
 void FilmWriter::Encoder::Encode(const GrayImage& image) {
   Require(av_frame_make_writable(frame.get()), "hold a picture of");
-  for (int r = 0; r < image.height; ++r) {
-    const std::uint8_t* grey = image.pixels.data() + static_cast<std::ptrdiff_t>(r) * image.width;
+  // Copies: bytes that are written may be anything, the size of the image included.
+  const int columns = image.width;
+  const int rows = image.height;
+  for (int r = 0; r < rows; ++r) {
+    const std::uint8_t* grey = image.pixels.data() + static_cast<std::ptrdiff_t>(r) * columns;
     std::uint8_t* luma = frame->data[0] + static_cast<std::ptrdiff_t>(r) * frame->linesize[0];
-    for (int c = 0; c < image.width; ++c) luma[c] = VideoLuma(grey[c]);
+    for (int c = 0; c < columns; ++c) luma[c] = VideoLuma(grey[c]);
   }
   Send();
 }
