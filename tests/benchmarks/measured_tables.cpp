@@ -11,7 +11,6 @@
 namespace acus::benchmarks {
 namespace {
 
-
 std::string One(const std::vector<AskedLine>& lines, const std::string& key,
                 const std::string& otherwise) {
   const auto found = std::ranges::find(lines, key, &AskedLine::key);

@@ -80,7 +80,8 @@ TEST(PlusData, TheLandmarkRunGivesThePublishedRegistration) {
   const double turn_rad =
       Eigen::AngleAxisd(fit.ct_from_reference.linear().transpose() * theirs.linear()).angle();
   EXPECT_LT(turn_rad * 180 / std::numbers::pi, 0.2);  // As PLUS's own test of it allows.
-  const transforms::Markers apart_mm = fit.ct_from_reference * phantom.points_mm - theirs * phantom.points_mm;
+  const transforms::Markers apart_mm =
+      fit.ct_from_reference * phantom.points_mm - theirs * phantom.points_mm;
   EXPECT_LT(std::sqrt(apart_mm.squaredNorm() / 8.0), 0.1);
   EXPECT_NEAR(fit.residual_mm.colwise().norm().mean(), 0.198046, 0.01);  // Their "Error".
   // Averaging all that was recorded at each landmark moves them by what the tip wanders.
@@ -97,7 +98,8 @@ TEST(PlusData, ExactLandmarksGiveThePublishedRegistration) {
   // Their simulated tracker touches the landmarks of a phantom that stands at (-75, -50, -150).
   const transforms::Landmarks phantom = transforms::ReadLandmarks(*published);
   ASSERT_EQ(phantom.points_mm.cols(), 8);
-  const transforms::Markers touched_mm = phantom.points_mm.colwise() + Eigen::Vector3d(-75, -50, -150);
+  const transforms::Markers touched_mm =
+      phantom.points_mm.colwise() + Eigen::Vector3d(-75, -50, -150);
   const auto fit = FitMarkers(phantom.points_mm, touched_mm);
   const auto theirs = session::ReadPlusCalibrations(*published).at("PhantomToReference");
   EXPECT_LT((fit.ct_from_reference.matrix() - theirs).cwiseAbs().maxCoeff(), 1e-3);

@@ -50,7 +50,8 @@ class RealAbdomen : public ::testing::Test {
             const Eigen::Vector3d& outwards, const Eigen::Vector3d& marked_side, const char* file) {
     const fs::path configs = fs::path(ACUS_SOURCE_DIR) / "configs";
     const acoustics::Probe probe = acoustics::ReadProbe(configs / "probes" / "linear_l14.json");
-    const Eigen::Isometry3d pose = ProbeOnSkin(slicing::CtSampler(*ct_), inside_mm, outwards, marked_side);
+    const Eigen::Isometry3d pose =
+        ProbeOnSkin(slicing::CtSampler(*ct_), inside_mm, outwards, marked_side);
     BModeRenderer renderer(*ct_, probe, ReadBModeOptions(configs / "acoustics" / acoustics));
     renderer.Render(pose, std::nullopt, bmode_);
     slice_.emplace(*ct_, renderer.picture(), probe.slice_thickness_mm);

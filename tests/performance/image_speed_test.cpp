@@ -1,6 +1,6 @@
 // Pictures against the time that vtkImageReslice takes for the slice alone: the same CT, the same
 // plane, two threads each, in turns. bench_reslice gives the numbers at length.
-#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <optional>
@@ -49,8 +49,8 @@ void ExpectShareAtMost(double limit, const Render& render) {
   const double cpu_share = ours.cpu_ms / theirs.cpu_ms;
   EXPECT_LE(wall_share(), limit) << ours.wall_ms << " ms against " << theirs.wall_ms;
   EXPECT_LE(cpu_share, limit) << ours.cpu_ms << " ms against " << theirs.cpu_ms;
-  testing::Test::RecordProperty("wall_share", std::to_string(wall_share()));
-  testing::Test::RecordProperty("cpu_share", std::to_string(cpu_share));
+  std::printf("%.2f ms, %.2f of a slice; CPU time %.2f of a slice's\n", ours.wall_ms, wall_share(),
+              cpu_share);
 }
 
 // Fast, but the same?
@@ -80,7 +80,7 @@ struct AllEffects {
     BeamOptions options;
     options.elevation_planes = planes;
     table = acoustics::ReadTissueAcoustics(std::filesystem::path(ACUS_SOURCE_DIR) /
-                                "configs/acoustics/tissues.json");
+                                           "configs/acoustics/tissues.json");
     renderer.emplace(BeamTissue{.ct = &ct, .acoustics = &table}, probe, options);
   }
   const image::GrayImage& Render(const Eigen::Isometry3d& pose) {
@@ -102,31 +102,24 @@ TEST(ImageSpeed, BeamsWithAllEffectsTakeTwoThirdsOfASlice) {
   EXPECT_GT(testing_support::MeanGrey(beams.image), 5.0);
 }
 
-/// Two cores at best: CPU time of both over two, where others leave no two cores to the test.
-void ExpectImagesPerSecond(double least_rate, int samples, int planes, int width_px,
-                           int height_px) {
+/// An image of so many samples a beam and planes of elevation, against VTK's slice in its pixels.
+void ExpectShareOfSlice(double limit, int samples, int planes, int width_px, int height_px) {
   acoustics::Probe probe = testing_support::FullBeamProbe(256, samples);
   probe.image_width_px = width_px;
   probe.image_height_px = height_px;
   AllEffects beams(Ct(), probe, planes);
-  LeastTime least;
-  for (int n = 0; n < 20 || (n < 300 && least.wall_ms > 1e3 / least_rate); ++n) {
-    least.Add([&] { beams.Render(SwayingProbe(n)); });
-  }
-  EXPECT_GE(1e3 / std::min(least.wall_ms, 0.5 * least.cpu_ms), least_rate)
-      << least.wall_ms << " ms, CPU " << least.cpu_ms << " ms";
-  testing::Test::RecordProperty("images_per_s", std::to_string(1e3 / least.wall_ms));
+  ExpectShareAtMost(limit, [&](const Eigen::Isometry3d& pose) { beams.Render(pose); });
   EXPECT_GT(testing_support::MeanGrey(beams.image), 5.0);
 }
 
-// Measured 190.
-TEST(ImageSpeed, FourThousandSamplesGive137ImagesPerSecond) {
-  ExpectImagesPerSecond(137.0, 4096, 1, 500, 500);
+// 137 images a second, where a slice takes 1.9 ms: there 190 were measured, here 2.8 slices.
+TEST(ImageSpeed, FourThousandSamplesTakeFourSlices) {
+  ExpectShareOfSlice(3.9, 4096, 1, 500, 500);
 }
 
-// Measured 109.
-TEST(ImageSpeed, FiveElevationPlanesGive60ImagesPerSecond) {
-  ExpectImagesPerSecond(60.0, 2048, 5, 820, 616);
+// 60 images a second, where a slice takes 1.9 ms, leave 8.9 slices. Measured 5.3.
+TEST(ImageSpeed, FiveElevationPlanesTakeSevenSlices) {
+  ExpectShareOfSlice(7.5, 2048, 5, 820, 616);
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ volume::LabelMap TwoHalves(const char* above, const char* below) {
 }
 
 /// Reflected amplitude of a plane wave between fluids.
-double Fresnel(const acoustics::TissueAcoustics& a, const acoustics::TissueAcoustics& b, double angle_rad) {
+double Fresnel(const acoustics::TissueAcoustics& a, const acoustics::TissueAcoustics& b,
+               double angle_rad) {
   const double sine = b.speed_m_per_s / a.speed_m_per_s * std::sin(angle_rad);
   const double cos_b = std::sqrt(1.0 - sine * sine);
   const double from = b.impedance_mrayl * std::cos(angle_rad);

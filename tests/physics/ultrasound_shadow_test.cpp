@@ -49,8 +49,9 @@ Eigen::Isometry3d Pose() {
   return Eigen::Isometry3d(Eigen::Translation3d(34.95, 5.0, 15.0));
 }
 
-image::GrayImage Render(const volume::CtVolume& ct, const std::optional<image::NeedleInImage>& needle,
-                 const acoustics::Probe& probe = FineProbe()) {
+image::GrayImage Render(const volume::CtVolume& ct,
+                        const std::optional<image::NeedleInImage>& needle,
+                        const acoustics::Probe& probe = FineProbe()) {
   BModeRenderer renderer(ct, probe, DefaultBModeOptions());
   image::GrayImage image;
   renderer.Render(Pose(), needle, image);

@@ -218,7 +218,8 @@ class Squeeze : public slicing::RestMap {
 };
 
 /// By how much the piece of a line around `k` has moved up, samples with fraction.
-double Moved(const slicing::BeamImage& before, const slicing::BeamImage& after, int line, int k, int most) {
+double Moved(const slicing::BeamImage& before, const slicing::BeamImage& after, int line, int k,
+             int most) {
   constexpr int kHalf = 40;
   std::vector<double> match;
   for (int lag = -1; lag <= most + 1; ++lag) {

@@ -86,8 +86,9 @@ fs::path Acoustics(const char* name) {
   return fs::path(ACUS_SOURCE_DIR) / "configs/acoustics" / name;
 }
 
-using Render = std::function<void(const Eigen::Isometry3d&, const std::optional<image::NeedleInImage>&,
-                                  image::GrayImage&, int, const slicing::RestMap*)>;
+using Render =
+    std::function<void(const Eigen::Isometry3d&, const std::optional<image::NeedleInImage>&,
+                       image::GrayImage&, int, const slicing::RestMap*)>;
 
 struct Level {
   const char* name;
@@ -96,15 +97,18 @@ struct Level {
 
 template <typename Renderer>
 Render Shared(std::shared_ptr<Renderer> renderer) {
-  return [renderer](const Eigen::Isometry3d& pose, const std::optional<image::NeedleInImage>& needle,
-                    image::GrayImage& out, int threads,
-                    const slicing::RestMap* rest) { renderer->Render(pose, needle, out, threads, rest); };
+  return
+      [renderer](const Eigen::Isometry3d& pose, const std::optional<image::NeedleInImage>& needle,
+                 image::GrayImage& out, int threads, const slicing::RestMap* rest) {
+        renderer->Render(pose, needle, out, threads, rest);
+      };
 }
 
 Render MakeBeams(const UltrasoundHardCasesBody& body, acoustics::Probe probe, bool dear) {
   probe.tgc_db_per_cm = 8.0;  // The other levels lose nothing in muscle.
   probe.gain_db += 10.0;
-  static const acoustics::TissueAcousticsTable table = acoustics::ReadTissueAcoustics(Acoustics("tissues.json"));
+  static const acoustics::TissueAcousticsTable table =
+      acoustics::ReadTissueAcoustics(Acoustics("tissues.json"));
   BeamOptions options;
   options.elevation_planes = dear ? 3 : 1;
   options.refraction = options.time_of_flight = options.multiple_reflections = dear;
@@ -130,8 +134,10 @@ const std::vector<Level>& Levels() {
          return Shared(std::make_shared<BModeRenderer>(
              body.ct, probe, ReadBModeOptions(Acoustics("hu_textured.json"))));
        }},
-      {"beams on a CT", [](const UltrasoundHardCasesBody& body,
-                           const acoustics::Probe& probe) { return MakeBeams(body, probe, false); }},
+      {"beams on a CT",
+       [](const UltrasoundHardCasesBody& body, const acoustics::Probe& probe) {
+         return MakeBeams(body, probe, false);
+       }},
       {"beams on labels, all effects",
        [](const UltrasoundHardCasesBody& body, const acoustics::Probe& probe) {
          return MakeBeams(body, probe, true);
@@ -152,8 +158,8 @@ image::NeedleInImage Needle(const Eigen::Vector3d& tip_mm, const Eigen::Vector3d
 }
 
 image::GrayImage Picture(const Render& render, const Eigen::Isometry3d& pose,
-                  const std::optional<image::NeedleInImage>& needle = std::nullopt, int threads = 1,
-                  const slicing::RestMap* rest = nullptr) {
+                         const std::optional<image::NeedleInImage>& needle = std::nullopt,
+                         int threads = 1, const slicing::RestMap* rest = nullptr) {
   image::GrayImage image;
   render(pose, needle, image, threads, rest);
   return image;
@@ -205,7 +211,8 @@ TEST_P(HardImage, GrazingPlanesAndFacesAreFinite) {
   const HardCase hard("The plane and the face along edges of the volume and of the skin.");
   Largest air_grey;
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
-  for (const acoustics::ProbeKind kind : {acoustics::ProbeKind::kLinear, acoustics::ProbeKind::kCurvilinear}) {
+  for (const acoustics::ProbeKind kind :
+       {acoustics::ProbeKind::kLinear, acoustics::ProbeKind::kCurvilinear}) {
     const Render render = level().make(body, SmallProbe(kind));
     for (const double z_mm : {0.0, 0.5, 1e-12, 47.5, 48.0}) {
       Eigen::Isometry3d pose = kPose;
@@ -251,7 +258,8 @@ TEST_P(HardImage, AllGasIsDark) {
   const HardCase hard("Nothing but gas: its impedance is 1/4000 of water's.");
   const UltrasoundHardCasesBody gas = MakeBody([](double, double, double) { return "gas"; });
   const Render render = level().make(gas, SmallProbe());
-  const image::GrayImage image = Picture(render, Eigen::Isometry3d(Eigen::Translation3d(32, 10, 24)));
+  const image::GrayImage image =
+      Picture(render, Eigen::Isometry3d(Eigen::Translation3d(32, 10, 24)));
   hard.Expect(Of("mean grey"), MeanGrey(image, 0, 160, 40, 200), Below(20.0));
 }
 
@@ -329,7 +337,8 @@ TEST_P(HardImage, BitsDoNotDependOnThreadsAndNothingIsAllocated) {
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
   const Press press;
   const image::NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
-  for (const acoustics::ProbeKind kind : {acoustics::ProbeKind::kLinear, acoustics::ProbeKind::kCurvilinear}) {
+  for (const acoustics::ProbeKind kind :
+       {acoustics::ProbeKind::kLinear, acoustics::ProbeKind::kCurvilinear}) {
     const Render render = level().make(body, SmallProbe(kind));
     const image::GrayImage one = Picture(render, kPose, needle, 1, &press);
     for (const int threads : {2, 3, 8}) {

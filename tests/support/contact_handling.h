@@ -56,6 +56,16 @@ struct StepCosts {
   double least_work_n_mm = 0.0;
   bool finite = true;
 
+  /// Of another run of the same steps.
+  void KeepLeast(const StepCosts& again) {
+    const auto least = [](std::vector<double>& of, const std::vector<double>& than) {
+      std::ranges::transform(of, than, of.begin(),
+                             [](double a, double b) { return std::min(a, b); });
+    };
+    least(all_us, again.all_us);
+    least(engaged_us, again.engaged_us);
+  }
+
   static double Percentile(std::vector<double> values, double share) {
     if (values.empty()) return 0.0;
     const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));

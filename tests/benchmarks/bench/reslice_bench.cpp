@@ -94,7 +94,7 @@ struct AllEffects {
     BeamOptions options;
     options.elevation_planes = planes;
     table = acoustics::ReadTissueAcoustics(std::filesystem::path(ACUS_SOURCE_DIR) /
-                                "configs/acoustics/tissues.json");
+                                           "configs/acoustics/tissues.json");
     renderer.emplace(BeamTissue{.ct = &ct, .acoustics = &table}, probe, options);
   }
   const image::GrayImage& Render(const Eigen::Isometry3d& pose) {
@@ -121,7 +121,7 @@ BENCHMARK_CAPTURE(BeamsShare, smp, VtkReslice::Threads::kSmp);
 /// Images per second on two threads: lines, samples, planes, width and height of the picture.
 void BeamsRate(benchmark::State& state) {
   acoustics::Probe probe = testing_support::FullBeamProbe(static_cast<int>(state.range(0)),
-                                               static_cast<int>(state.range(1)));
+                                                          static_cast<int>(state.range(1)));
   probe.image_width_px = static_cast<int>(state.range(3));
   probe.image_height_px = static_cast<int>(state.range(4));
   AllEffects beams(Ct(), probe, static_cast<int>(state.range(2)));

@@ -82,11 +82,13 @@ BENCHMARK_CAPTURE(RenderBMode, linear_2010, acoustics::ProbeKind::kLinear, false
     ->MeasureProcessCPUTime();
 BENCHMARK_CAPTURE(RenderBMode, linear_all_stages, acoustics::ProbeKind::kLinear, true)->Arg(1);
 BENCHMARK_CAPTURE(RenderBMode, curvilinear_2010, acoustics::ProbeKind::kCurvilinear, false)->Arg(1);
-BENCHMARK_CAPTURE(RenderBMode, curvilinear_all_stages, acoustics::ProbeKind::kCurvilinear, true)->Arg(1);
+BENCHMARK_CAPTURE(RenderBMode, curvilinear_all_stages, acoustics::ProbeKind::kCurvilinear, true)
+    ->Arg(1);
 
 void SampleSlice(benchmark::State& state) {
   const slicing::CtSampler sampler(Ct());
-  const acoustics::ScanGrid grid = acoustics::ScanGridOf(acoustics::PictureOf(FullProbe(acoustics::ProbeKind::kLinear)));
+  const acoustics::ScanGrid grid =
+      acoustics::ScanGridOf(acoustics::PictureOf(FullProbe(acoustics::ProbeKind::kLinear)));
   slicing::BeamLines lines;
   slicing::BeamImage hu;
   hu.Resize(grid.lines(), grid.samples);
@@ -100,7 +102,8 @@ void SampleSlice(benchmark::State& state) {
 BENCHMARK(SampleSlice);
 
 void RenderCtSlice(benchmark::State& state) {
-  slicing::CtSliceRenderer renderer(Ct(), acoustics::PictureOf(FullProbe(acoustics::ProbeKind::kLinear)), 3.0);
+  slicing::CtSliceRenderer renderer(
+      Ct(), acoustics::PictureOf(FullProbe(acoustics::ProbeKind::kLinear)), 3.0);
   image::GrayImage image;
   int n = 0;
   for (auto _ : state) {
@@ -145,8 +148,9 @@ void FilmFrame(benchmark::State& state) {
     bmode.Render(Pose(n), Needle(n), left[n]);
     slice.Render(Pose(n), Needle(n), right[n]);
   }
-  image::FilmWriter film(std::filesystem::temp_directory_path() / "acus_bench.mp4", screen.width_px(),
-                  screen.height_px(), {.quality = static_cast<int>(state.range(0))});
+  image::FilmWriter film(std::filesystem::temp_directory_path() / "acus_bench.mp4",
+                         screen.width_px(), screen.height_px(),
+                         {.quality = static_cast<int>(state.range(0))});
   image::GrayImage frame;
   int n = 0;
   for (auto _ : state) {

@@ -75,12 +75,12 @@ void VisibleBlocks::FindRanges(const volume::CtVolume& ct, const breathing::Moti
     const Eigen::Array3i to = box.max().array().ceil().cast<int>().max(0).min(last);
     block.range = next;
     for (int n = 0; n < num_components_; ++n) {
-      const std::span<const std::int16_t> stored = field.Stored(n);
       Eigen::Array3i low = Eigen::Array3i::Constant(std::numeric_limits<int>::max());
       Eigen::Array3i high = -low;
       for (int k = from[2]; k <= to[2]; ++k) {
         for (int j = from[1]; j <= to[1]; ++j) {
-          const std::int16_t* node = &stored[3 * field.nodes().Index(from[0], j, k)];
+          const std::int16_t* node =
+              &field.StoredRow(n, j, k)[3 * static_cast<std::size_t>(from[0])];
           for (int i = from[0]; i <= to[0]; ++i, node += 3) {
             const Eigen::Array3i value(node[0], node[1], node[2]);
             low = low.min(value);

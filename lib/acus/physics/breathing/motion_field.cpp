@@ -55,6 +55,15 @@ std::vector<std::int16_t> ZerosOnLargePages(std::size_t count) {
   return values;
 }
 
+/// Slices whose size is a multiple of a power of two put the same row of each into the same few
+/// lines of the cache, and a needle across them would throw out one node for the next. Five lines
+/// of 64 bytes more place 50 slices beside each other.
+std::size_t SpreadOverCache(std::size_t values_per_slice) {
+  constexpr std::size_t kLineValues = 32;
+  const std::size_t lines = (values_per_slice + kLineValues - 1) / kLineValues;
+  return (lines % 16 == 0 ? lines + 5 : lines) * kLineValues;
+}
+
 }  // namespace
 
 MotionField::MotionField(const volume::Geometry& nodes, int num_components) : nodes_(nodes) {
@@ -66,9 +75,25 @@ MotionField::MotionField(const volume::Geometry& nodes, int num_components) : no
   index_linear_ = index_from_ct.linear();
   index_offset_ = index_from_ct.translation();
   mm_per_unit_.assign(static_cast<std::size_t>(num_components), 0.0F);
-  // Nodes are read by four values at a time: one more than the last has.
+  row_stride_ = 3 * static_cast<std::size_t>(nodes.size[0]);
+  slice_stride_ = SpreadOverCache(row_stride_ * static_cast<std::size_t>(nodes.size[1]));
   for (int n = 0; n < num_components; ++n) {
-    values_.push_back(ZerosOnLargePages(3 * nodes.num_voxels() + 1));
+    values_.push_back(ZerosOnLargePages(ValuesPerComponent()));
+  }
+}
+
+std::size_t MotionField::ValuesPerComponent() const {
+  // Nodes are read by four values at a time: one more than the last has.
+  return slice_stride_ * static_cast<std::size_t>(nodes_.size[2]) + 1;
+}
+
+template <typename Row>
+void MotionField::ForEachRow(const Row& row) const {
+  std::size_t first_packed = 0;
+  for (int k = 0; k < nodes_.size[2]; ++k) {
+    for (int j = 0; j < nodes_.size[1]; ++j, first_packed += row_stride_) {
+      row(RowAt(j, k), first_packed);
+    }
   }
 }
 
@@ -86,22 +111,28 @@ void MotionField::SetComponent(int index, std::span<const float> displacement_in
   const auto n = static_cast<std::size_t>(index);
   mm_per_unit_[n] = static_cast<float>(largest_mm / kUnits);
   const double units_per_mm = largest_mm > 0.0 ? kUnits / largest_mm : 0.0;
-  std::ranges::transform(displacement_in_ct_mm, values_[n].begin(), [=](float mm) {
-    return static_cast<std::int16_t>(std::lround(units_per_mm * static_cast<double>(mm)));
+  std::int16_t* values = values_[n].data();
+  ForEachRow([&](std::size_t stored, std::size_t packed) {
+    std::ranges::transform(
+        displacement_in_ct_mm.subspan(packed, row_stride_), values + stored, [=](float mm) {
+          return static_cast<std::int16_t>(std::lround(units_per_mm * static_cast<double>(mm)));
+        });
   });
 }
 
 std::vector<float> MotionField::Component(int index) const {
-  const std::span<const std::int16_t> stored = Stored(index);
-  const float unit_mm = mm_per_unit_[static_cast<std::size_t>(index)];
-  std::vector<float> mm(stored.size());
-  std::ranges::transform(stored, mm.begin(),
-                         [=](std::int16_t units) { return unit_mm * static_cast<float>(units); });
+  const auto n = static_cast<std::size_t>(index);
+  const float unit_mm = mm_per_unit_[n];
+  std::vector<float> mm(3 * nodes_.num_voxels());
+  ForEachRow([&](std::size_t stored, std::size_t packed) {
+    std::transform(&values_[n][stored], &values_[n][stored] + row_stride_, &mm[packed],
+                   [=](std::int16_t units) { return unit_mm * static_cast<float>(units); });
+  });
   return mm;
 }
 
-std::span<const std::int16_t> MotionField::Stored(int index) const {
-  return std::span(values_[static_cast<std::size_t>(index)]).first(3 * nodes_.num_voxels());
+std::span<const std::int16_t> MotionField::StoredRow(int index, int j, int k) const {
+  return std::span(values_[static_cast<std::size_t>(index)]).subspan(RowAt(j, k), row_stride_);
 }
 
 void MotionField::SetStored(int index, std::span<const std::int16_t> values, double mm_per_unit) {
@@ -111,12 +142,15 @@ void MotionField::SetStored(int index, std::span<const std::int16_t> values, dou
   ACUS_REQUIRE(mm_per_unit >= 0.0 && mm_per_unit * kUnits <= 1.001 * kLargestMm,
                "motion component ", index, " has ", mm_per_unit, " mm per unit; allowed is 0 to ",
                kLargestMm / kUnits);
-  std::ranges::copy(values, values_[static_cast<std::size_t>(index)].begin());
+  std::int16_t* of_component = values_[static_cast<std::size_t>(index)].data();
+  ForEachRow([&](std::size_t stored, std::size_t packed) {
+    std::ranges::copy(values.subspan(packed, row_stride_), of_component + stored);
+  });
   mm_per_unit_[static_cast<std::size_t>(index)] = static_cast<float>(mm_per_unit);
 }
 
 std::size_t MotionField::bytes() const {
-  return values_.size() * (3 * nodes_.num_voxels() + 1) * sizeof(std::int16_t);
+  return values_.size() * ValuesPerComponent() * sizeof(std::int16_t);
 }
 
 Eigen::Vector3d MotionField::DisplacementMm(const MotionWeights& weights,
@@ -126,8 +160,8 @@ Eigen::Vector3d MotionField::DisplacementMm(const MotionWeights& weights,
   const Cell i = CellAt(position[0], nodes_.size[0]);
   const Cell j = CellAt(position[1], nodes_.size[1]);
   const Cell k = CellAt(position[2], nodes_.size[2]);
-  const std::size_t row = 3 * static_cast<std::size_t>(nodes_.size[0]);
-  const std::size_t slice = row * static_cast<std::size_t>(nodes_.size[1]);
+  const std::size_t row = row_stride_;
+  const std::size_t slice = slice_stride_;
   const std::size_t corner = 3 * i.node + row * j.node + slice * k.node;
   Float4 sum{};
   for (int n = 0; n < weights.count; ++n) {

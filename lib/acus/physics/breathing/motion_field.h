@@ -56,18 +56,30 @@ class MotionField {
   int num_components() const { return static_cast<int>(mm_per_unit_.size()); }
   std::size_t bytes() const;
 
-  /// 16-bit values as stored, and what one unit is in mm: for files.
-  std::span<const std::int16_t> Stored(int index) const;
+  /// x, y, z of each node along a row of the grid, in 16 bits as stored.
+  std::span<const std::int16_t> StoredRow(int index, int j, int k) const;
+  /// What one unit of a stored value is, mm.
   double MmPerUnit(int index) const { return mm_per_unit_[static_cast<std::size_t>(index)]; }
+  /// @param values  x, y, z of each node, i fastest.
   /// @throws InputError for another number of values.
   void SetStored(int index, std::span<const std::int16_t> values, double mm_per_unit);
 
  private:
+  template <typename Row>
+  void ForEachRow(const Row& row) const;
+  std::size_t RowAt(int j, int k) const {
+    return row_stride_ * static_cast<std::size_t>(j) + slice_stride_ * static_cast<std::size_t>(k);
+  }
+  std::size_t ValuesPerComponent() const;
+
   volume::Geometry nodes_;
   Eigen::Matrix3d index_linear_ = Eigen::Matrix3d::Identity();
   Eigen::Vector3d index_offset_ = Eigen::Vector3d::Zero();
   std::vector<float> mm_per_unit_;
-  std::vector<std::vector<std::int16_t>> values_;  ///< x, y, z of each node, and one more value.
+  // Rows and slices are longer than their nodes, see the constructor.
+  std::size_t row_stride_ = 0;
+  std::size_t slice_stride_ = 0;
+  std::vector<std::vector<std::int16_t>> values_;  ///< x, y, z of each node, by component.
 };
 
 }  // namespace acus::breathing

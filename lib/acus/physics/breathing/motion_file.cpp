@@ -68,9 +68,13 @@ std::string NrrdHeader(const MotionField& field) {
 void WriteFields(const std::filesystem::path& path, const MotionField& field) {
   std::ofstream out(path, std::ios::binary);
   for (int n = 0; n < field.num_components(); ++n) {
-    const auto stored = field.Stored(n);
-    out.write(reinterpret_cast<const char*>(stored.data()),
-              static_cast<std::streamsize>(stored.size_bytes()));
+    for (int k = 0; k < field.nodes().size[2]; ++k) {
+      for (int j = 0; j < field.nodes().size[1]; ++j) {
+        const auto row = field.StoredRow(n, j, k);
+        out.write(reinterpret_cast<const char*>(row.data()),
+                  static_cast<std::streamsize>(row.size_bytes()));
+      }
+    }
   }
   out.close();
   ACUS_REQUIRE(out.good(), path.string(), ": cannot be written; is the disk full?");

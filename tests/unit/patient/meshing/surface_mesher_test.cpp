@@ -2,10 +2,10 @@
 
 #include <gmock/gmock.h>
 
-#include "unit/data/mesh/shapes.h"
 #include "acus/base/core/error.h"
 #include "acus/data/mesh/quality.h"
 #include "acus/patient/meshing/surface_voxels.h"
+#include "unit/data/mesh/shapes.h"
 
 namespace acus::meshing {
 namespace {

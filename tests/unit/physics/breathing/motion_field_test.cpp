@@ -98,12 +98,21 @@ TEST(MotionField, WithoutWeightsNothingMoves) {
 TEST(MotionField, StoredValuesMakeTheSameField) {
   const MotionField field = TwoComponents();
   MotionField copy(field.nodes(), 2);
-  for (const int n : {0, 1}) copy.SetStored(n, field.Stored(n), field.MmPerUnit(n));
+  for (const int n : {0, 1}) {
+    std::vector<std::int16_t> values;
+    for (int k = 0; k < field.nodes().size[2]; ++k) {
+      for (int j = 0; j < field.nodes().size[1]; ++j) {
+        std::ranges::copy(field.StoredRow(n, j, k), std::back_inserter(values));
+      }
+    }
+    copy.SetStored(n, values, field.MmPerUnit(n));
+  }
   MotionWeights weights;
   weights.Add(1, 1.0);
   const Eigen::Vector3d place(5, 30, 15);
   EXPECT_EQ(copy.DisplacementMm(weights, place), field.DisplacementMm(weights, place));
-  EXPECT_EQ(field.bytes(), 2 * 2 * (3 * 7 * 6 * 5 + 1));
+  // A slice takes whole lines of the cache: 3 * 7 * 6 values fit into four.
+  EXPECT_EQ(field.bytes(), 2 * 2 * (4 * 32 * 5 + 1));
 }
 
 TEST(MotionField, RefusesFieldsThatCannotBe) {

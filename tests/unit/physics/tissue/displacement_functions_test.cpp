@@ -96,7 +96,8 @@ TEST(DisplacementFunctions, TheTipTakesTheTissueWithItBeforeThePuncture) {
 
 TEST(DisplacementFunctions, AfterThePunctureGoesWithForceAndWithOneOverE) {
   const auto at = [](double modulus_mpa, const TissueLoad& load, const Vector3d& p) {
-    return DisplacementFunctions({}, TwoModuli(modulus_mpa, modulus_mpa, 0.0)).DisplacementMm(load, p);
+    return DisplacementFunctions({}, TwoModuli(modulus_mpa, modulus_mpa, 0.0))
+        .DisplacementMm(load, p);
   };
   const TissueLoad load = Inside(40.0, 0.6, 1.2);
   const Vector3d shaft(3, 4, 15);
