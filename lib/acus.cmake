@@ -95,7 +95,9 @@ endfunction()
 function(acus_add_module name)
   cmake_parse_arguments(arg "" "" "DEPENDS;LIBRARIES;PRIVATE_LIBRARIES" ${ARGN})
   acus_module_folder(${name} folder)
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+  # A module of many parts has a folder for each of them.
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp
+       ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*/*.cpp)
   if(NOT sources)
     message(FATAL_ERROR "lib/${folder} has no source file")
   endif()

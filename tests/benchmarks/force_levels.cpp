@@ -13,11 +13,11 @@
 #include "acus/physics/forces/vidal_model.h"
 #include "acus/physics/mechanics/condensation.h"
 #include "acus/physics/mechanics/reachable.h"
-#include "acus/physics/needle/bendable_needle.h"
 #include "acus/physics/needle/needle_preset.h"
 #include "acus/physics/tissue/needle_contact.h"
 #include "acus/physics/tissue/plane_model_2010.h"
 #include "acus/physics/tissue/spring_model.h"
+#include "acus/scene/simulation/needle_shape.h"
 #include "benchmarks/tissue_block.h"
 
 namespace acus::benchmarks {
@@ -73,34 +73,30 @@ struct VidalInBlock {
   }
 };
 
-/// Along the needle the layered model, across it the rod.
+/// Along the needle the layered model, across it the needle's shape, as a scene joins them.
 struct BendableInBlock {
   forces::NeedleForceModel along;
-  needle::BendableNeedle across;
-  const mechanics::ElasticityTable& elasticity;
+  simulation::NeedleShapeModel across;
   struct State {
     forces::NeedleForceState along;
-    needle::BendableNeedleState across;
-    double depth_mm = 0.0;
+    simulation::NeedleShapeState across;
   };
-  State NewState() const { return {{}, across.NewState(), 0.0}; }
+  State NewState() const { return {{}, across.NewState()}; }
   forces::NeedleForce Step(State& state, const tissue::ToolSample& sample) const noexcept {
     forces::NeedleForce out = along.Step(state.along, InBlock(sample));
-    needle::BendableNeedleInput input;
-    input.tip_mm = sample.tip_in_ct_mm;
-    input.hand = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), sample.axis_in_ct);
-    input.touches = state.along.in_body;
-    const double depth_mm = state.along.in_body ? state.along.depth_mm : 0.0;
-    input.advance_mm = depth_mm - state.depth_mm;
-    state.depth_mm = depth_mm;
-    const volume::Label tissue = TissueBlock::TissueAt(sample.tip_in_ct_mm);
-    input.tissue.tissue = tissue;
-    // A rod pressed sideways into tissue meets about its modulus, per length.
-    input.tissue.stiffness_n_per_mm2 = tissue == 0 ? 0.0 : elasticity.At(tissue).youngs_modulus_mpa;
-    const needle::BendableNeedleStep step = across.Step(state.across, input);
-    const Eigen::Vector3d& direction = state.along.path.direction_in_ct;
-    if (state.along.in_body) out.force_in_ct_n = -out.AxialN() * direction + step.hand_force_n;
-    forces::LimitTo(out, along.table().settings.largest_force_n);
+    const simulation::PathLine path{state.along.in_body && state.along.pierced,
+                                    state.along.path.entry_in_ct_mm,
+                                    state.along.path.direction_in_ct};
+    simulation::NeedleShapeInput input;
+    input.time_s = sample.time_s;
+    input.valid = sample.needle_valid;
+    input.ct_from_needle.linear() =
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), sample.axis_in_ct)
+            .toRotationMatrix();
+    input.ct_from_needle.translation() = sample.tip_in_ct_mm;
+    input.tissue_at_tip = TissueBlock::TissueAt(sample.tip_in_ct_mm + state.across.tip_offset_mm);
+    input.path = &path;
+    across.Step(state.across, input, out);
     return out;
   }
 };
@@ -157,14 +153,18 @@ ForceLevel Level(std::string name, std::string full_name, double largest_n, int 
   return level;
 }
 
-ForceLevel Springs(const TissueBlockTables& tables) {
+std::bitset<256> BlockTissues() {
   std::bitset<256> labels;
   for (const char* name : {"skin", "fat", "muscle", "liver"}) labels.set(volume::LabelOf(name));
+  return labels;
+}
+
+ForceLevel Springs(const TissueBlockTables& tables) {
   return Level("springs", "springs along the path (Fortmeier-2016)",
                tables.forces.settings.largest_force_n, kCheapSteps, [&] {
                  return std::make_shared<const tissue::SpringModel>(
                      tissue::SpringSettings{}, tables.forces, tables.needle, tables.elasticity,
-                     labels, TissueBlock::TissueAt);
+                     BlockTissues(), TissueBlock::TissueAt);
                });
 }
 
@@ -203,24 +203,19 @@ ForceLevel Fem(double element_mm, const TissueBlockTables& tables, const RunCont
   return level;
 }
 
-ForceLevel Bendable(int num_nodes, std::shared_ptr<const TissueBlockTables> tables) {
-  ForceLevel level = Level(
-      "bendable needle",
-      "layered forces with an elastic rod of " + std::to_string(num_nodes) + " nodes",
-      tables->forces.settings.largest_force_n, 1, [&] {
-        needle::BendableNeedleOptions options;
-        options.rod.num_nodes = num_nodes;
-        options.hand_has_potential = true;
-        return std::shared_ptr<const BendableInBlock>(new BendableInBlock{
-            forces::NeedleForceModel(tables->forces, tables->needle),
-            needle::BendableNeedle(needle::RodOf(tables->needle), options), tables->elasticity});
-      });
-  // The model refers to the tables.
-  level.run = [tables, run = std::move(level.run)](const std::vector<tissue::ToolSample>& samples) {
-    return run(samples);
-  };
-  level.begin = [tables, begin = std::move(level.begin)] { return begin(); };
-  return level;
+ForceLevel Bendable(int num_nodes, const TissueBlockTables& tables) {
+  return Level("bendable needle",
+               "layered forces with an elastic rod of " + std::to_string(num_nodes) + " nodes",
+               tables.forces.settings.largest_force_n, 1, [&] {
+                 scenario::NeedleEffect effect;
+                 effect.model = scenario::NeedleModelKind::kBendable;
+                 effect.nodes = num_nodes;
+                 return std::shared_ptr<const BendableInBlock>(new BendableInBlock{
+                     forces::NeedleForceModel(tables.forces, tables.needle),
+                     simulation::NeedleShapeModel(effect, tables.needle, tables.forces,
+                                                  &tables.elasticity, BlockTissues(),
+                                                  /*force_has_beam=*/true)});
+               });
 }
 
 }  // namespace
@@ -253,7 +248,7 @@ std::vector<ForceLevel> ForceLevels(const ForceLevelOptions& options, const RunC
   context.Checkpoint("mesh of " + std::to_string(static_cast<int>(options.element_mm)) + " mm",
                      0.05);
   levels.push_back(Fem(options.element_mm, *tables, context));
-  levels.push_back(Bendable(options.num_nodes, tables));
+  levels.push_back(Bendable(options.num_nodes, *tables));
   return levels;
 }
 

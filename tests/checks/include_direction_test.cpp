@@ -29,7 +29,9 @@ std::map<std::string, std::size_t> PositionsOf(const std::vector<Module>& module
 /// The module in whose folder `path`, relative to lib/, lies. Nothing if it lies in none.
 std::optional<std::string> ModuleOf(const std::vector<Module>& modules, const fs::path& path) {
   for (const Module& module : modules) {
-    if (path.parent_path() == module.Folder()) return module.name;
+    // A module of many parts has a folder for each of them.
+    const fs::path folder = path.parent_path();
+    if (folder == module.Folder() || folder.parent_path() == module.Folder()) return module.name;
   }
   return std::nullopt;
 }

@@ -13,6 +13,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
+#include "acus/scene/effects/effect_list.h"
 
 namespace acus {
 namespace {
@@ -179,7 +180,8 @@ TEST(Docs, ConfigsAreThoseOfTheSchemas) {
       "for\n"
       "a name of your choice.\n";
   for (const std::string& name : config::SchemaNames()) {
-    const json schema = json::parse(config::SchemaText(name));
+    json schema = json::parse(config::SchemaText(name));
+    if (name == "acus-scenario") schema = effects::WithEffects(std::move(schema));
     page += "\n## " + name + "\n\n" + schema.value("title", std::string()) + "\n\n";
     if (schema.contains("description")) page += schema["description"].get<std::string>() + "\n\n";
     page += "| key | type | range | default | meaning |\n|---|---|---|---|---|\n";

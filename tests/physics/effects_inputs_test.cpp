@@ -42,9 +42,23 @@ const testing_support::EffectsPatient& EffectsInputsPatient() {
   return patient;
 }
 
-/// Every file that a scenario names, by its place in it.
-std::map<std::string, fs::path*> FilesOf(Scenario& s) {
-  std::map<std::string, fs::path*> files = {{"/patient/ct", &s.patient.ct},
+/// A file that a scenario names.
+class NamedFile {
+ public:
+  NamedFile() = default;
+  NamedFile(fs::path* path) : path_(path) {}
+  NamedFile(nlohmann::json* text) : text_(text) {}
+  bool empty() const { return path_ != nullptr && path_->empty(); }
+  void Set(const fs::path& to) const { path_ != nullptr ? void(*path_ = to) : void(*text_ = to); }
+
+ private:
+  fs::path* path_ = nullptr;
+  nlohmann::json* text_ = nullptr;
+};
+
+/// All of them, by their place.
+std::map<std::string, NamedFile> FilesOf(Scenario& s) {
+  std::map<std::string, NamedFile> files = {{"/patient/ct", &s.patient.ct},
                                             {"/patient/labels", &s.patient.labels},
                                             {"/patient/mesh", &s.patient.mesh},
                                             {"/patient/corridor", &s.patient.corridor},
@@ -59,6 +73,13 @@ std::map<std::string, fs::path*> FilesOf(Scenario& s) {
   if (s.breathing) files["/effects/breathing/signal"] = &s.breathing->signal;
   if (s.ultrasound) files["/effects/ultrasound"] = &s.ultrasound->acoustics;
   if (s.fluoroscopy) files["/effects/fluoroscopy/c_arm"] = &s.fluoroscopy->c_arm;
+  for (effects::CalledEffect& other : s.others) {
+    for (const effects::PathSetting& path : other.effect->Paths()) {
+      if (!other.settings.contains(path.key)) continue;
+      files["/effects/" + std::string(other.effect->key()) + "/" + path.key] =
+          &other.settings[path.key];
+    }
+  }
   return files;
 }
 
@@ -67,21 +88,22 @@ void HideUndeclared(const EffectPlan& plan, Scenario& s) {
   for (const auto& [where, file] : FilesOf(s)) {
     const bool declared = std::ranges::any_of(
         plan.inputs(), [&where](const PlannedInput& input) { return input.where == where; });
-    if (!declared && !file->empty()) *file = kNowhere;
+    if (!declared && !file.empty()) file.Set(kNowhere);
   }
 }
 
 void ExpectOnlyDeclaredData(const EffectPlan& plan, const Scene& scene) {
-  EXPECT_EQ(scene.ct != nullptr, plan.Needs("ct"));
-  EXPECT_EQ(scene.labels != nullptr, plan.Needs("labels"));
-  EXPECT_EQ(scene.needle.has_value(), plan.Needs("needle preset"));
-  EXPECT_EQ(scene.probe.has_value(), plan.Needs("probe preset"));
-  EXPECT_EQ(scene.breathing.has_value(), plan.Needs("motion"));
-  EXPECT_EQ(scene.tissue.has_value(), plan.Needs("tissue's elasticity"));
-  EXPECT_EQ(scene.b_mode.has_value(), plan.Needs("acoustics"));
-  EXPECT_EQ(scene.fluoroscopy.has_value(), plan.Needs("C-arm"));
+  EXPECT_EQ(scene.ct != nullptr, plan.Needs(effects::ports::kCt));
+  EXPECT_EQ(scene.labels != nullptr, plan.Needs(effects::ports::kLabels));
+  EXPECT_EQ(scene.needle.has_value(), plan.Needs(effects::ports::kNeedlePreset));
+  EXPECT_EQ(scene.probe.has_value(), plan.Needs(effects::ports::kProbePreset));
+  EXPECT_EQ(scene.breathing.has_value(), plan.Needs(effects::ports::kMotion));
+  EXPECT_EQ(scene.tissue.has_value(), plan.Needs(effects::ports::kTissueElasticity));
+  EXPECT_EQ(scene.b_mode.has_value(), plan.Needs(effects::ports::kAcoustics));
+  EXPECT_EQ(scene.fluoroscopy.has_value(), plan.Needs(effects::ports::kCArm));
   EXPECT_EQ(scene.forces.has_value(),
-            plan.Has(StageId::kNeedleForce) && plan.Reads(StageId::kNeedleForce, "force table"));
+            plan.Has(StageId::kNeedleForce) &&
+                plan.Reads(StageId::kNeedleForce, effects::ports::kForceTable));
   EXPECT_EQ(scene.shape.has_value(), plan.Has(StageId::kNeedleShape));
   EXPECT_EQ(scene.probe_force.has_value(), plan.Has(StageId::kProbeForce));
   EXPECT_EQ(scene.view_3d.has_value(), plan.Has(StageId::kView3d));
@@ -135,10 +157,11 @@ TEST(EffectInputs, EveryPairOfEffectsRunsWithNothingButWhatItsStagesDeclare) {
 
 /// Without a picture there would be nothing for it to change.
 bool IsSeenOnly(const EffectChoice& choice) {
-  return choice.effect == "breathing" || choice.name == "tissue displacement_functions";
+  return choice.effect == "breathing" || choice.effect == "pulsating_vessels" ||
+         choice.name == "tissue displacement_functions";
 }
 
-bool IsReadFor(const EffectPlan& plan, std::string_view input, const std::string& effect) {
+bool IsReadFor(const EffectPlan& plan, effects::PortRef input, const std::string& effect) {
   return std::ranges::any_of(plan.stages(), [&](const PlannedStage& stage) {
     return plan.Reads(stage.id, input) &&
            std::ranges::find(stage.effects, effect) != stage.effects.end();
@@ -161,32 +184,31 @@ TEST(EffectInputs, EveryMissingInputOfEveryEffectIsAnErrorThatNamesBoth) {
     there.breath = false;
     const EffectPlan plan = PlanEffects(whole, there);
     for (const PlannedInput& input : plan.inputs()) {
-      if (!IsReadFor(plan, input.name, choice.effect)) continue;  // The picture's.
-      SCOPED_TRACE(choice.name + " without " + std::string(input.name));
+      if (!IsReadFor(plan, input.port, choice.effect)) continue;  // The picture's.
+      SCOPED_TRACE(choice.name + " without " + std::string(input.port.name()));
+      const std::string needs = "needs " + std::string(input.port.name());
       Scenario s = whole;
       ++missing;
       if (input.file.empty()) {
         AvailableInputs less = there;
-        (input.name == "needle poses" ? less.needle_poses : less.probe_poses) = false;
+        (input.port == effects::ports::kNeedlePoses ? less.needle_poses : less.probe_poses) = false;
         EXPECT_THAT([&] { PlanEffects(s, less); },
                     testing::ThrowsMessage<InputError>(
-                        testing::AllOf(HasSubstr(std::string("needs ") + std::string(input.name)),
-                                       HasSubstr("effects/" + choice.effect))));
+                        testing::AllOf(HasSubstr(needs), HasSubstr("effects/" + choice.effect))));
         continue;
       }
-      *FilesOf(s).at(input.where) = kNowhere;
+      FilesOf(s).at(input.where).Set(kNowhere);
       RunContext context;
-      EXPECT_THAT([&] { LoadScene(s, PlanEffects(s, there), context); },
-                  testing::ThrowsMessage<InputError>(
-                      testing::AllOf(HasSubstr(std::string("needs ") + std::string(input.name)),
-                                     HasSubstr(kNowhere), HasSubstr("effects/" + choice.effect))));
+      EXPECT_THAT(
+          [&] { LoadScene(s, PlanEffects(s, there), context); },
+          testing::ThrowsMessage<InputError>(testing::AllOf(
+              HasSubstr(needs), HasSubstr(kNowhere), HasSubstr("effects/" + choice.effect))));
       if (!input.where.starts_with("/patient")) continue;
-      FilesOf(s).at(input.where)->clear();
-      if (input.name == "labels" && TissuesAreToldByTheCt(choice)) continue;
-      EXPECT_THAT([&] { PlanEffects(s, there); },
-                  testing::ThrowsMessage<InputError>(testing::AllOf(
-                      HasSubstr(std::string("needs ") + std::string(input.name)),
-                      HasSubstr("is not given"), HasSubstr("effects/" + choice.effect))));
+      FilesOf(s).at(input.where).Set({});
+      if (input.port == effects::ports::kLabels && TissuesAreToldByTheCt(choice)) continue;
+      EXPECT_THAT([&] { PlanEffects(s, there); }, testing::ThrowsMessage<InputError>(testing::AllOf(
+                                                      HasSubstr(needs), HasSubstr("is not given"),
+                                                      HasSubstr("effects/" + choice.effect))));
     }
   }
   EXPECT_GT(missing, 100);
@@ -202,9 +224,9 @@ TEST(EffectInputs, WhatIsDeclaredIsRead) {
     const EffectPlan plan = PlanEffects(whole, {.needle_poses = true, .probe_poses = true});
     for (const PlannedInput& input : plan.inputs()) {
       if (input.file.empty()) continue;
-      SCOPED_TRACE(choice.name + ": " + std::string(input.name));
+      SCOPED_TRACE(choice.name + ": " + std::string(input.port.name()));
       Scenario s = whole;
-      *FilesOf(s).at(input.where) = rubbish;
+      FilesOf(s).at(input.where).Set(rubbish);
       RunContext context;
       EXPECT_THROW(
           LoadScene(s, PlanEffects(s, {.needle_poses = true, .probe_poses = true}), context),

@@ -46,6 +46,7 @@ Idle IdleOf(const EffectChoice& choice) {
   if (choice.effect == "probe_force") idle.hands.probe_on = false;
   if (choice.effects.contains("tissue")) idle.hands = {.needle_in = false, .probe_on = false};
   if (choice.effect == "breathing") idle.effects["breathing"]["amplitude"] = 0;
+  if (choice.effect == "pulsating_vessels") idle.effects[choice.effect]["radial_strain"] = 0;
   return idle;
 }
 
@@ -117,6 +118,15 @@ TEST(Effects, ActiveOnesDoShow) {
   json with_needle = felt;
   with_needle["needle"] = {{"model", "bendable"}};
   EXPECT_NE(RunOf(with_needle, {}).needle_force, at_rest.needle_force);
+  const json vessels = {{"centrelines", "vessels.csv"}, {"radial_strain", 0.2}, {"reach_mm", 20}};
+  moved = pictures;
+  moved["pulsating_vessels"] = vessels;
+  EXPECT_NE(RunOf(moved, {}).ct_slice, before.ct_slice);
+  EXPECT_NE(RunOf(moved, {}).ultrasound, before.ultrasound);
+  json pulsed = felt;
+  pulsed["pulsating_vessels"] = vessels;
+  EXPECT_NE(RunOf(pulsed, {}).needle_force, at_rest.needle_force);
+  EXPECT_NE(RunOf(pulsed, {}).probe_force, at_rest.probe_force);
   const auto largest = [](const std::vector<double>& values) {
     return *std::ranges::max_element(values, {}, [](double v) { return std::abs(v); });
   };

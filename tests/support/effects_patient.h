@@ -78,6 +78,8 @@ inline std::vector<EffectChoice> AllEffectChoices() {
   layers["surfaces"] = Json::array();
   layers["layers"] = Json::array({{{"preset", "bone"}}});
   add("view_3d", "layers", layers);
+  add("pulsating_vessels", "",
+      {{"centrelines", "vessels.csv"}, {"radial_strain", 0.2}, {"reach_mm", 20}});
   return all;
 }
 
@@ -98,6 +100,9 @@ class EffectsPatient {
     volume::WriteLabelMap(folder() / "labels.seg.nrrd", *scene.labels);
     WriteTextFile(folder() / "corridor.csv",
                   "name,x_mm,y_mm,z_mm\nentry,0,-10,0\ntarget,0,-10,50\n");
+    // Past the needle's way, as near as an artery should be.
+    WriteTextFile(folder() / "vessels.csv",
+                  "vessel,x_mm,y_mm,z_mm,radius_mm\na,-40,-4,12,5\na,40,-4,12,5\n");
     for (const char* kind : {"sinusoid", "full_cycle", "half_cycle", "surrogate"}) {
       std::filesystem::create_directories(folder() / kind);
       breathing::WritePatientMotion(

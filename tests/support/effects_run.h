@@ -78,6 +78,7 @@ class EffectsRun {
     }
     if (simulation_.ShapeOf(state_, shape_)) now.needle_shape = &shape_;
     if (scene_.tools_deform_images && simulation_.LoadOf(state_, last_, load_)) now.load = &load_;
+    if (scene_.others.has_steps()) now.memory = &(memory_ = state_.effects);
     return now;
   }
 
@@ -136,6 +137,7 @@ class EffectsRun {
   int ms_ = 0;
   math::Polyline shape_;
   tissue::TissueLoad load_;
+  effects::Memory memory_;
   std::optional<simulation::ImageRenderer> images_;
   std::optional<simulation::FluoroscopyRenderer> fluoroscopy_;
   std::optional<simulation::ViewRenderer> view_;

@@ -48,8 +48,10 @@ inline SchemaSampler ScenarioSampler() {
       {"/effects/breathing/from_session", {}},
       {"/effects/breathing/hold", {json::array(), {{1.0, 2.5}}}},
       // A film; its pictures have tests of their own.
-      {"/effects/view_3d", {}}};
-  return {json::parse(config::SchemaText("acus-scenario")), choices};
+      {"/effects/view_3d", {}},
+      {"/effects/pulsating_vessels/centrelines", {}},
+      {"/effects/pulsating_vessels/tissue", {"vessel", "liver", "bone"}}};
+  return {scenario::ScenarioSchema(), choices};
 }
 
 /// Keeps the rules between effects, which are not in the schema: what they forbid is tested where

@@ -42,6 +42,8 @@ std::string_view TitleOf(ViewKind view) noexcept {
       return "CT in the probe's plane";
     case ViewKind::kFluoroscopy:
       return "Fluoroscopy";
+    case ViewKind::kEffect:
+      return "Effect";  // Its own title stands in the window.
   }
   return "";
 }

@@ -8,10 +8,10 @@
 
 namespace acus::window {
 
-enum class ViewKind { kVideo, kUltrasound, kTeaching, kCtSlice, kFluoroscopy };
-inline constexpr std::array kViewKinds = {ViewKind::kVideo, ViewKind::kUltrasound,
-                                          ViewKind::kTeaching, ViewKind::kCtSlice,
-                                          ViewKind::kFluoroscopy};
+enum class ViewKind { kVideo, kUltrasound, kTeaching, kCtSlice, kFluoroscopy, kEffect };
+inline constexpr std::array kViewKinds = {ViewKind::kVideo,       ViewKind::kUltrasound,
+                                          ViewKind::kTeaching,    ViewKind::kCtSlice,
+                                          ViewKind::kFluoroscopy, ViewKind::kEffect};
 std::string_view TitleOf(ViewKind view) noexcept;
 
 /// In pixels of the window, from its upper left corner, row 0 at the top.

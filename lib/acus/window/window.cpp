@@ -62,6 +62,7 @@ DisplayFrame Drawable(const DisplayFrame& frame) {
   }
   if (!IsWhole(out.ct_slice)) out.ct_slice = {};
   if (!IsWhole(out.fluoroscopy)) out.fluoroscopy = {};
+  if (!IsWhole(out.effect.image)) out.effect = {};
   if (out.video) {
     const image::ColourImage& picture = out.video->picture;
     const volume_rendering::Camera& camera = out.video->camera;
@@ -132,6 +133,7 @@ struct Window::Content {
     if (!teaching.empty()) shown.push_back(ViewKind::kTeaching);
     if (!frame.ct_slice.pixels.empty()) shown.push_back(ViewKind::kCtSlice);
     if (!frame.fluoroscopy.pixels.empty()) shown.push_back(ViewKind::kFluoroscopy);
+    if (!frame.effect.image.pixels.empty()) shown.push_back(ViewKind::kEffect);
     std::optional<ViewKind> alone = steering.choice().alone;
     // Both eyes of red-cyan glasses see the whole window: it is the teaching view's alone.
     if (steering.choice().stereo == Stereo::kRedCyan) alone = ViewKind::kTeaching;
@@ -183,13 +185,13 @@ struct Window::Content {
     if (has_plane && frame.ct_from_probe) DrawSliceMarks(frame, plane, sketch);
   }
 
-  void DrawFluoroscopy(const DisplayFrame& frame, const TextSizes& sizes) {
-    const Rectangle place = PlaceOf(ViewKind::kFluoroscopy);
-    if (place.empty()) return pictures.Hide(ViewKind::kFluoroscopy);
-    const Rectangle fit = Fit(PictureRoom(ViewKind::kFluoroscopy, place, sizes),
-                              frame.fluoroscopy.width, frame.fluoroscopy.height);
-    pictures.Show(ViewKind::kFluoroscopy, frame.fluoroscopy, fit);
-    DrawTitle(TitleOf(ViewKind::kFluoroscopy), "", place, sizes, sketch);
+  /// An image without marks.
+  void DrawPlain(ViewKind kind, const image::GrayImage& image, std::string_view title,
+                 const TextSizes& sizes) {
+    const Rectangle place = PlaceOf(kind);
+    if (place.empty()) return pictures.Hide(kind);
+    pictures.Show(kind, image, Fit(PictureRoom(kind, place, sizes), image.width, image.height));
+    DrawTitle(title, "", place, sizes, sketch);
   }
 
   void DrawTeaching(const DisplayFrame& frame, const TextSizes& sizes) {
@@ -223,7 +225,8 @@ struct Window::Content {
     DrawVideo(frame, sizes);
     DrawUltrasound(frame, sizes);
     DrawCtSlice(frame, sizes);
-    DrawFluoroscopy(frame, sizes);
+    DrawPlain(ViewKind::kFluoroscopy, frame.fluoroscopy, TitleOf(ViewKind::kFluoroscopy), sizes);
+    DrawPlain(ViewKind::kEffect, frame.effect.image, frame.effect.title, sizes);
     DrawTeaching(frame, sizes);
     DrawStatusBar(frame, steering.choice(), layout.status, sizes, sketch);
     if (steering.choice().help) DrawHelp(WindowPlace(), sizes, sketch);

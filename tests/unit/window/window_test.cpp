@@ -284,6 +284,25 @@ TEST_F(WindowTest, ClosingItDeliversQuit) {
   EXPECT_TRUE(window.TakeCommands().empty());
 }
 
+TEST_F(WindowTest, AnEffectsImageHasAPlaceAndATitle) {
+  Window window(Patient(), Settings());
+  DisplayFrame frame = Frame();
+  frame.effect.title = "Sway of the table";
+  frame.effect.image.Resize(100, 100);
+  std::ranges::fill(frame.effect.image.pixels, std::uint8_t{90});
+  const Shot shot = ShotOf(window, frame);
+  ASSERT_EQ(window.layout().views.size(), 6U);
+  const Layout layout = window.layout();
+  Rectangle place = layout.Find(ViewKind::kEffect)->place;
+  EXPECT_GT(shot.Count(place, [](int r, int, int) { return std::abs(r - 90) <= 2; }),
+            place.width * place.height / 4);
+  place.height = 24;
+  EXPECT_GT(shot.Count(place, [](int r, int, int) { return r > 190; }), 30);
+  frame.effect.image.pixels.resize(7);
+  window.Show(frame);
+  EXPECT_EQ(window.layout().Find(ViewKind::kEffect), nullptr);
+}
+
 TEST_F(WindowTest, WhatIsNotFiniteOrWholeIsNotDrawn) {
   Window window(Patient(), Settings());
   DisplayFrame frame = Frame();

@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "acus/assess/tuning/setting.h"
+#include "acus/scene/effects/effect.h"
 #include "acus/scene/scenario/scenario.h"
 
 namespace acus::tuning {
 
-enum class ActsOn { kForce, kImage, kBoth };
+using effects::ActsOn;
 
 /// "force", "image", "force and image"
 std::string_view NameOf(ActsOn acts_on);

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "acus/assess/tuning/knob.h"
-#include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
 #include "acus/imaging/acoustics/probe.h"
 
@@ -14,14 +13,10 @@ namespace {
 using nlohmann::json;
 using scenario::Scenario;
 
-const json& ScenarioSchema() {
-  static const json schema = json::parse(config::SchemaText("acus-scenario"));
-  return schema;
-}
-
 /// What the schema fills in at a place; null if it must be given.
 json SchemaDefault(const std::string& pointer) {
-  const json* node = &ScenarioSchema();
+  const json schema = scenario::ScenarioSchema();
+  const json* node = &schema;
   json::json_pointer place(pointer);
   std::vector<std::string> keys;
   for (; !place.empty(); place.pop_back()) keys.push_back(place.back());
@@ -225,6 +220,13 @@ std::vector<Knob> KnobsOf(const Scenario& scenario, double recorded_rate_hz) {
   AddForces(scenario, recorded_rate_hz, table);
   if (scenario.breathing) AddBreathing(scenario, table);
   if (scenario.ultrasound) AddUltrasound(scenario, table);
+  for (const effects::CalledEffect& other : scenario.others) {
+    for (const effects::Knob& knob : other.effect->Knobs()) {
+      table.Add(knob.name.c_str(), knob.title.c_str(), knob.unit.c_str(),
+                Message("/effects/", other.effect->key(), "/", knob.key), knob.acts_on,
+                knob.levels);
+    }
+  }
   return table.Take();
 }
 

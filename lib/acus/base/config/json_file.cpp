@@ -78,6 +78,12 @@ json ReadConfig(const fs::path& path, std::string_view schema_name) {
 }
 
 json CheckedConfig(json document, std::string_view schema_name, const std::string& label) {
+  return CheckedConfig(std::move(document), schema_name, label,
+                       json::parse(SchemaText(schema_name)));
+}
+
+json CheckedConfig(json document, std::string_view schema_name, const std::string& label,
+                   const json& schema) {
   const std::string format = Message(schema_name, "/1");
   ACUS_REQUIRE(document.is_object(), label,
                ": is not a JSON object; see docs/reference/formats.md");
@@ -85,7 +91,6 @@ json CheckedConfig(json document, std::string_view schema_name, const std::strin
                ": /format: must be \"", format, "\", got ",
                document.contains("format") ? document["format"].dump() : "nothing",
                "; is it another kind of file?");
-  const json schema = json::parse(SchemaText(schema_name));
   const auto problems = Problems(schema, document);
   if (!problems.empty()) {
     std::string text = label + ": does not fit its schema:";

@@ -24,6 +24,10 @@ nlohmann::json ReadConfig(const std::filesystem::path& path, std::string_view sc
 nlohmann::json CheckedConfig(nlohmann::json document, std::string_view schema_name,
                              const std::string& label);
 
+/// The same with a schema that has been added to.
+nlohmann::json CheckedConfig(nlohmann::json document, std::string_view schema_name,
+                             const std::string& label, const nlohmann::json& schema);
+
 /// Writes with two-space indentation, atomically. @throws InputError if a number is not finite.
 void WriteJson(const std::filesystem::path& path, const nlohmann::json& document);
 

@@ -14,7 +14,7 @@
 namespace acus::live {
 
 struct ImageThread::Renderers {
-  explicit Renderers(const simulation::Scene& of_scene) : scene(of_scene) {
+  explicit Renderers(const simulation::Scene& of_scene) : scene(of_scene), others(of_scene) {
     if (scene.probe) probe = std::make_shared<const acoustics::Probe>(*scene.probe);
     images.emplace(scene, probe.get());
     if (scene.plan.Has(simulation::StageId::kFluoroscopy)) {
@@ -29,6 +29,7 @@ struct ImageThread::Renderers {
   std::optional<simulation::ImageRenderer> images;
   std::optional<simulation::FluoroscopyRenderer> fluoroscopy;
   std::int64_t fluoroscopy_interval_ns = 0;
+  simulation::OtherImageRenderer others;
 };
 
 double PictureStatistics::per_s() const {
@@ -124,6 +125,7 @@ void ImageThread::Render(LivePicture& out) {
     if (shown_) shown = shown_->ForRenderer();
     renderers_->images->Render(moment, last_images_, &stage_times_, shown ? &*shown : nullptr);
     shown_ = out.snapshot;
+    renderers_->others.Render(moment, last_images_, last_others_, &stage_times_);
     if (renderers_->fluoroscopy && moment.time_ns >= fluoroscopy_due_ns_) {
       shown.reset();
       if (shown_by_c_arm_) shown = shown_by_c_arm_->ForRenderer();
@@ -136,6 +138,7 @@ void ImageThread::Render(LivePicture& out) {
   out.probe = renderers_->probe;
   out.images = last_images_;
   out.fluoroscopy = last_fluoroscopy_;
+  out.others = last_others_;
 }
 
 }  // namespace acus::live

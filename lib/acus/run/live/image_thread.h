@@ -7,11 +7,13 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "acus/run/live/duration_histogram.h"
 #include "acus/run/live/live_snapshot.h"
 #include "acus/run/live/triple_buffer.h"
 #include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/other_images.h"
 #include "acus/scene/simulation/scene.h"
 
 namespace acus::live {
@@ -20,7 +22,8 @@ namespace acus::live {
 struct LivePicture {
   LiveSnapshot snapshot;
   simulation::Images images;
-  image::GrayImage fluoroscopy;  ///< Empty without one in the plan.
+  image::GrayImage fluoroscopy;                ///< Empty without one in the plan.
+  std::vector<simulation::OtherImage> others;  ///< Of effects of the list.
   /// As it is set: gain, depth. Null without one in the plan.
   std::shared_ptr<const acoustics::Probe> probe;
   std::int64_t number = 0;  ///< 0: none yet.
@@ -78,6 +81,7 @@ class ImageThread {
   simulation::StageTimes stage_times_;
   simulation::Images last_images_;
   image::GrayImage last_fluoroscopy_;
+  std::vector<simulation::OtherImage> last_others_;
   /// The moments that these two show; nothing if they are to be made anew.
   std::optional<LiveSnapshot> shown_;
   std::optional<LiveSnapshot> shown_by_c_arm_;

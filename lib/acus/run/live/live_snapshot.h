@@ -19,6 +19,8 @@ struct LiveSnapshot {
   math::Polyline shape;
   bool has_load = false;
   tissue::TissueLoad load;
+  bool has_memory = false;
+  effects::Memory memory;  ///< Of the effects of the list.
 
   simulation::StepOutput output;
   bool needle_valid = false;
@@ -40,6 +42,7 @@ struct LiveSnapshot {
     simulation::Snapshot out = moment;
     if (has_shape) out.needle_shape = &shape;
     if (has_load) out.load = &load;
+    if (has_memory) out.memory = &memory;
     return out;
   }
 };

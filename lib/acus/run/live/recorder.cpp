@@ -77,6 +77,12 @@ Recorder::Recorder(const fs::path& folder, const std::string& name,
   if (scene.plan.Has(simulation::StageId::kProbeForce)) {
     open(kProbeForces, "probe_forces.csv", replay::ProbeForceHeader());
   }
+  for (const simulation::OtherEffect& other : scene.others.all()) {
+    if (other.columns.empty()) continue;
+    effects_.push_back(&other);
+    effect_files_.push_back(std::make_unique<StreamFile>(
+        settings_.open(folder_ / Message(other.key, ".csv")), replay::EffectHeader(other)));
+  }
   blocks_.emplace_back();
   Flush();  // The headers.
   ACUS_REQUIRE(error_ == 0, folder_.string(), ": cannot be written: ", std::strerror(error_));
@@ -120,10 +126,16 @@ void Recorder::Run() noexcept {
   }
 }
 
-void Recorder::BeginBlock() {
+template <typename Action>
+void Recorder::ForEachFile(const Action& action) {
+  for (const auto& file : effect_files_) action(*file);
   for (const auto& file : files_) {
-    if (file) file->BeginBlock();
+    if (file) action(*file);
   }
+}
+
+void Recorder::BeginBlock() {
+  ForEachFile([](StreamFile& file) { file.BeginBlock(); });
   blocks_.emplace_back();
 }
 
@@ -153,7 +165,7 @@ void Recorder::TakeSteps() {
 
 void Recorder::CountPending() noexcept {
   pending_bytes_ = 0;
-  for (const auto& file : files_) pending_bytes_ += file ? file->pending_bytes() : 0;
+  ForEachFile([this](StreamFile& file) { pending_bytes_ += file.pending_bytes(); });
 }
 
 void Recorder::AppendStep(const StepRecord& record) {
@@ -164,6 +176,9 @@ void Recorder::AppendStep(const StepRecord& record) {
   if (files_[kBreathing]) session::AppendBreathRow(files_[kBreathing]->rows(), record.breath);
   if (files_[kProbeForces]) {
     replay::AppendProbeForceRow(files_[kProbeForces]->rows(), record.output, scene_);
+  }
+  for (std::size_t n = 0; n < effects_.size(); ++n) {
+    replay::AppendEffectRow(effect_files_[n]->rows(), record.output, *effects_[n]);
   }
   if (files_[kForces]) replay::AppendForceRow(files_[kForces]->rows(), record.output, scene_);
   if (files_[kProbe]) session::AppendPoseRow(files_[kProbe]->rows(), record.probe);
@@ -194,17 +209,16 @@ void Recorder::TakeReadings() {
 
 int Recorder::FlushBlocks() noexcept {
   while (true) {
-    for (const auto& file : files_) {
-      const int error = file ? file->FlushFirstBlock() : 0;
-      if (error != 0) return error;
-    }
+    int error = 0;
+    ForEachFile([&error](StreamFile& file) {
+      if (error == 0) error = file.FlushFirstBlock();
+    });
+    if (error != 0) return error;
     steps_on_disk_ += blocks_.front().steps;
     if (blocks_.front().steps > 0) on_disk_ns_ = blocks_.front().newest_ns;
     if (blocks_.size() == 1) BeginBlock();
     blocks_.pop_front();
-    for (const auto& file : files_) {
-      if (file) file->DropFirstBlock();
-    }
+    ForEachFile([](StreamFile& file) { file.DropFirstBlock(); });
     if (blocks_.size() == 1 && blocks_.front().steps == 0) return 0;
   }
 }

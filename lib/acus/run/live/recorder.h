@@ -56,7 +56,7 @@ struct RecordedBoard {
 class Recorder {
  public:
   /// Makes the folder with session.json, provenance.json and the files of `streams`; forces.csv and
-  /// probe_forces.csv, if the scene's plan has these forces.
+  /// probe_forces.csv, if the scene's plan has these forces, and the files of other effects.
   /// @param scene  Must outlive this.
   /// @param origin_ns  CLOCK_MONOTONIC at time 0 of the session, for raw readings.
   /// @throws InputError if the folder is there already and may not be replaced (see AtomicFolder),
@@ -105,8 +105,14 @@ class Recorder {
   const simulation::Scene& scene_;
   std::int64_t origin_ns_;
   RecorderSettings settings_;
+  template <typename Action>
+  void ForEachFile(const Action& action);
+
   std::array<std::unique_ptr<StreamFile>, kCount> files_;
-  std::deque<Block> blocks_;  ///< In step with those of the files.
+  std::vector<std::unique_ptr<StreamFile>>
+      effect_files_;  ///< Of effects_, written before the others.
+  std::vector<const simulation::OtherEffect*> effects_;  ///< That write numbers down.
+  std::deque<Block> blocks_;                             ///< In step with those of the files.
   std::size_t pending_bytes_ = 0;
   std::vector<RecordedBoard> boards_;
   std::vector<tracking::ToolReading> readings_;  ///< Buffer of TakeReadings().

@@ -15,6 +15,11 @@ std::string TissueName(const simulation::Scene& scene, volume::Label label);
 std::string ForceHeader(const simulation::Scene& scene);
 std::string ProbeForceHeader();
 
+/// Header of an effect's file.
+std::string EffectHeader(const simulation::OtherEffect& other);
+void AppendEffectRow(std::string& text, const simulation::StepOutput& step,
+                     const simulation::OtherEffect& other);
+
 /// Appends one row with its line end. Forces are those on the needle; force_axial_n is + where it
 /// pushes the needle out. @throws InputError if a number is not finite.
 void AppendForceRow(std::string& text, const simulation::StepOutput& step,

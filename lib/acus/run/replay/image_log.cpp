@@ -29,7 +29,7 @@ constexpr double kNotCounted = -1.0;  ///< In place of an image's time.
 
 bool HasImages(const Scene& scene) {
   return scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice) ||
-         scene.plan.Has(StageId::kView3d);
+         scene.plan.Has(StageId::kView3d) || scene.others.has_images();
 }
 
 /// The step at or before a time; nothing before the first.

@@ -63,7 +63,9 @@ Place PlaceOf(StageId id) {
     case StageId::kEnd:
       break;
   }
-  ACUS_ASSERT(false);
+  // Those of other effects, below: at every sample first, at every image last.
+  const int other = static_cast<int>(id) - simulation::kNumStages;
+  return {other % 2 == 0 ? 1.0 : 6.0, 6.0 + other / 2};
 }
 
 double LeftOf(double column) {
@@ -74,13 +76,13 @@ double MiddleOf(double row) {
   return kTopPx + row * kRowPx + 0.5 * kBoxHeightPx;
 }
 
-bool Holds(const std::vector<std::string_view>& names, std::string_view name) {
-  return std::ranges::find(names, name) != names.end();
+bool Holds(const std::vector<effects::PortRef>& ports, effects::PortRef port) {
+  return std::ranges::find(ports, port) != ports.end();
 }
 
 /// What comes from outside, or goes out: a word at the picture's edge.
 struct Item {
-  std::string_view name;
+  effects::PortRef port;
   double wanted_px;  ///< The mean height of the stages that it belongs to.
   double y_px = 0.0;
 };
@@ -148,11 +150,11 @@ class PlanDrawing {
       double sum_px = 0.0;
       int readers = 0;
       for (const PlannedStage& stage : plan_.stages()) {
-        if (!stage.in || !Holds(stage.reads, input.name)) continue;
+        if (!stage.in || !Holds(stage.reads, input.port)) continue;
         sum_px += MiddleOf(PlaceOf(stage.id).row);
         ++readers;
       }
-      inputs_.push_back({input.name, sum_px / std::max(readers, 1)});
+      inputs_.push_back({input.port, sum_px / std::max(readers, 1)});
     }
   }
 
@@ -180,7 +182,7 @@ class PlanDrawing {
     const double x1 = LeftOf(to.column);
     const double y1 = MiddleOf(to.row);
     for (const Item& item : inputs_) {
-      if (Holds(stage.reads, item.name)) {
+      if (Holds(stage.reads, item.port)) {
         Curve(LeftOf(0) + kItemWidthPx, item.y_px, x1, y1, "#d3c7a8");
       }
     }
@@ -196,7 +198,7 @@ class PlanDrawing {
       }
     }
     for (const Item& item : outputs_) {
-      if (stage.writes.front() != item.name) continue;
+      if (!(stage.writes.front() == item.port)) continue;
       Curve(x1 + kBoxWidthPx, y1, LeftOf(kLastColumn), item.y_px, "#a9bf9f");
     }
   }
@@ -205,7 +207,7 @@ class PlanDrawing {
     const char* fill = column == 0 ? "#f6f0df" : "#e6f0e0";
     out_ += Message("<rect x=\"", Px(LeftOf(column)), "\" y=\"", Px(item.y_px - 7.5), "\" width=\"",
                     Px(kItemWidthPx), "\" height=\"15\" rx=\"3\" fill=\"", fill, "\"/>\n");
-    out_ += report::TextAt(LeftOf(column) + 5.0, item.y_px + 4.0, std::string(item.name),
+    out_ += report::TextAt(LeftOf(column) + 5.0, item.y_px + 4.0, std::string(item.port.name()),
                            "fill=\"#1c1e21\"");
   }
 

@@ -16,9 +16,9 @@ double Percent(double part, double whole) {
   return whole > 0.0 ? 100.0 * part / whole : 0.0;
 }
 
-std::string Listed(const std::vector<std::string_view>& names) {
+std::string Listed(const std::vector<effects::PortRef>& ports) {
   std::string text;
-  for (const std::string_view name : names) text += Message(text.empty() ? "" : ", ", name);
+  for (const effects::PortRef port : ports) text += Message(text.empty() ? "" : ", ", port.name());
   return text;
 }
 

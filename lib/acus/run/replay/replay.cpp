@@ -15,6 +15,7 @@
 #include "acus/run/replay/event_log.h"
 #include "acus/run/replay/fluoroscopy_log.h"
 #include "acus/run/replay/image_log.h"
+#include "acus/run/replay/other_image_log.h"
 #include "acus/run/replay/plan_table.h"
 #include "acus/run/replay/run_metrics.h"
 #include "acus/run/replay/run_report.h"
@@ -61,6 +62,7 @@ struct Run {
   ImageLog images;
   ImageLog fluoroscopy;
   ImageLog view;
+  OtherImageLog others;
   std::vector<Metric> metrics;
   std::optional<training::Assessment> assessment;  ///< If there is an exercise.
   simulation::StageTimes times;
@@ -133,6 +135,7 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
   if (scene.plan.Has(StageId::kProbeForce)) {
     WriteProbeForces(folder / "probe_forces.csv", run.steps, scene);
   }
+  WriteOtherEffects(folder, run.steps, scene);
   WriteMetrics(folder / "metrics.json", run.metrics);
   if (run.assessment) {
     config::WriteJson(folder / "training.json", training::ToJson(*run.assessment));
@@ -160,6 +163,8 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
   content.has_fluoroscopy_film = options.film && run.fluoroscopy.num_images > 0;
   content.pictures.insert(content.pictures.end(), run.view.pngs.begin(), run.view.pngs.end());
   content.has_view_film = options.film && run.view.num_images > 0;
+  content.pictures.insert(content.pictures.end(), run.others.pngs.begin(), run.others.pngs.end());
+  content.other_films = run.others.films;
   content.has_film = options.film && run.images.num_images > 0 &&
                      (scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice));
   content.times = run.times;
@@ -258,6 +263,8 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
                         options, &run.times, context);
   run.view =
       RenderView(scene, images, folder ? folder->path() : fs::path(), options, &run.times, context);
+  run.others = RenderOtherImages(scene, images, folder ? folder->path() : fs::path(), options,
+                                 &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
   if (scenario.evidence) {
     run.cost = CheckCost(*scenario.evidence, std::move(step_cpu_s), run.images.cpu_s);

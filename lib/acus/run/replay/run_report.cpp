@@ -187,6 +187,32 @@ void AddPlan(report::HtmlReport& html, const simulation::EffectPlan& plan,
   html.Table(flow.header, flow.rows, "What they read and write. They touch nothing else.");
 }
 
+/// What effects of the list wrote down, over time.
+void AddOtherEffects(report::HtmlReport& html, const StepLog& log, const simulation::Scene& scene) {
+  for (const simulation::OtherEffect& other : scene.others.all()) {
+    if (other.columns.empty() || log.steps.empty()) continue;
+    std::vector<report::Plot> plots;
+    for (std::size_t n = 0; n < other.columns.size(); ++n) {
+      const effects::Column& column = other.columns[n];
+      report::Series series;
+      for (const StepOutput& step : log.steps) {
+        series.x.push_back(SecondsOf(log, step));
+        series.y.push_back(step.effect[other.first_column + n]);
+      }
+      report::Plot plot;
+      plot.title = column.title;
+      plot.x_label = "time [s]";
+      plot.y_label =
+          column.unit.empty() ? column.name : Message(column.name, " [", column.unit, "]");
+      plot.height_px = 180;
+      plot.series = {std::move(series)};
+      plots.push_back(std::move(plot));
+    }
+    html.Section(std::string(other.title));
+    html.Plots(plots);
+  }
+}
+
 }  // namespace
 
 void WriteReport(const std::filesystem::path& folder, const ReportContent& content,
@@ -196,11 +222,13 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   html.Section("Summary");
   html.KeyValues(content.facts);
   if (content.assessment) AddExercise(html, *content.assessment);
-  const bool has_film = content.has_film || content.has_fluoroscopy_film || content.has_view_film;
+  const bool has_film = content.has_film || content.has_fluoroscopy_film || content.has_view_film ||
+                        !content.other_films.empty();
   if (has_film || !content.pictures.empty()) html.Section("Pictures");
   if (content.has_film) html.Film("film.mp4", "Film of the session");
   if (content.has_fluoroscopy_film) html.Film("fluoroscopy.mp4", "Fluoroscopy of the session");
   if (content.has_view_film) html.Film("view_3d.mp4", "The patient in three dimensions");
+  for (const WrittenFilm& film : content.other_films) html.Film(film.file, film.title);
   for (const WrittenPng& picture : content.pictures) {
     html.Picture(folder / picture.file, picture.caption, picture.caption);
   }
@@ -224,6 +252,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
     report::WriteSvg(folder / "probe_forces.svg", plots);
     html.Plots(plots);
   }
+  AddOtherEffects(html, log, scene);
   html.Section("Metrics");
   std::vector<std::vector<std::string>> rows;
   for (const Metric& metric : content.metrics) {

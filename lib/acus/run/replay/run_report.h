@@ -8,6 +8,7 @@
 
 #include "acus/base/core/provenance.h"
 #include "acus/run/replay/image_log.h"
+#include "acus/run/replay/other_image_log.h"
 #include "acus/run/replay/run_metrics.h"
 #include "acus/run/replay/step_log.h"
 #include "acus/run/training/assessment.h"
@@ -24,6 +25,7 @@ struct ReportContent {
   bool has_film = false;
   bool has_fluoroscopy_film = false;
   bool has_view_film = false;
+  std::vector<WrittenFilm> other_films;
   simulation::StageTimes times;  ///< What the stages of the scene's plan did.
 };
 

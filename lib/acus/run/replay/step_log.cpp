@@ -17,8 +17,9 @@ class ImageStates {
       : simulation_(simulation),
         log_(log),
         loads_(scene.tools_deform_images),
-        shapes_(scene.plan.Has(simulation::StageId::kNeedleShape)) {
-    if (loads_ || shapes_) images_ = images;
+        shapes_(scene.plan.Has(simulation::StageId::kNeedleShape)),
+        memories_(scene.others.has_steps()) {
+    if (loads_ || shapes_ || memories_) images_ = images;
   }
 
   /// To all images before `time_ns`: the state after the last step.
@@ -39,12 +40,17 @@ class ImageStates {
       log_.shapes.push_back(shape_);
       image.needle_shape = &log_.shapes.back();
     }
+    if (memories_) {
+      log_.memories.push_back(log_.final_state.effects);
+      image.memory = &log_.memories.back();
+    }
   }
 
   const simulation::Simulation& simulation_;
   StepLog& log_;
   bool loads_;
   bool shapes_;
+  bool memories_;
   std::span<simulation::Snapshot> images_;
   tissue::TissueLoad load_;
   math::Polyline shape_;
@@ -89,14 +95,15 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
   StepLog log;
   const bool has_needle = scene.plan.Has(simulation::StageId::kNeedlePose);
   const bool feels_probe = scene.plan.Has(simulation::StageId::kProbeForce);
-  if (!has_needle && !feels_probe) return log;
+  if (!has_needle && !feels_probe && !scene.others.has_steps()) return log;
   const simulation::Simulation simulation(scene);
   log.final_state = simulation.NewState(session.start_ns());
   ImageStates states(scene, simulation, images, log);
   const bool presses = scene.plan.Has(simulation::StageId::kTissueContact);
   const bool has_probe = (feels_probe || presses) && !session.probe.empty();
   // The needle's samples come at the rate of forces. Where nobody asks for it, the probe's count.
-  const session::PoseStream& clock = has_needle ? session.needle : session.probe;
+  const bool by_needle = has_needle || session.probe.empty();
+  const session::PoseStream& clock = by_needle ? session.needle : session.probe;
   const std::size_t count = clock.size();
   log.steps.reserve(count);
   const std::size_t piece = count / 50 + 1;
@@ -139,6 +146,15 @@ void WriteForces(const std::filesystem::path& path, const StepLog& log,
                  const simulation::Scene& scene) {
   WriteRows(path, ForceHeader(scene), log,
             [&scene](std::string& row, const auto& step) { AppendForceRow(row, step, scene); });
+}
+
+void WriteOtherEffects(const std::filesystem::path& folder, const StepLog& log,
+                       const simulation::Scene& scene) {
+  for (const simulation::OtherEffect& other : scene.others.all()) {
+    if (other.columns.empty()) continue;
+    WriteRows(folder / Message(other.key, ".csv"), EffectHeader(other), log,
+              [&other](std::string& row, const auto& step) { AppendEffectRow(row, step, other); });
+  }
 }
 
 void WriteProbeForces(const std::filesystem::path& path, const StepLog& log,

@@ -23,6 +23,7 @@ struct StepLog {
   std::vector<simulation::StepOutput> steps;  ///< One per needle sample; none without tools.
   std::deque<tissue::TissueLoad> loads;       ///< Of those images that show tissue deformed.
   std::deque<math::Polyline> shapes;          ///< Of those images that show the needle bent.
+  std::deque<effects::Memory> memories;       ///< Of all images, if effects have states.
   math::Polyline most_bent;                   ///< The needle at its largest deflection, if any.
   std::size_t most_bent_step = 0;
   simulation::State final_state;
@@ -30,10 +31,10 @@ struct StepLog {
 };
 
 /// Runs Step over all needle samples of a session, or over the probe's if no stage in the plan
-/// reads the needle. If the plan has a deformation or a needle shape, each image of `images`
-/// (ascending times) is given the load and shape after the last step before it, kept in the log.
-/// Adds the cost of each stage to `times`, if given. Appends the thread CPU time of each step to
-/// `step_cpu_s`, if given.
+/// reads the needle. Effects of the list go by either. If the plan has a deformation or a needle
+/// shape, each image of `images` (ascending times) is given the load and shape after the last step
+/// before it, kept in the log. Adds the cost of each stage to `times`, if given. Appends the thread
+/// CPU time of each step to `step_cpu_s`, if given.
 StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
                  std::span<simulation::Snapshot> images, simulation::StageTimes* times,
                  const RunContext& context, std::vector<double>* step_cpu_s = nullptr);
@@ -45,6 +46,10 @@ std::string EventWords(forces::NeedleEvent event);
 /// force_axial_n is + where it pushes the needle out.
 void WriteForces(const std::filesystem::path& path, const StepLog& log,
                  const simulation::Scene& scene);
+
+/// Writes KEY.csv for each effect of the list that writes numbers down: one row per step.
+void WriteOtherEffects(const std::filesystem::path& folder, const StepLog& log,
+                       const simulation::Scene& scene);
 
 /// Writes probe_forces.csv: one row per step, what the probe or the fingertip feels, in CT axes.
 void WriteProbeForces(const std::filesystem::path& path, const StepLog& log,

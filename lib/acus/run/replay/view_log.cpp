@@ -67,7 +67,7 @@ ImageLog RenderView(const Scene& scene, const std::vector<simulation::Snapshot>&
       std::max(1, static_cast<int>(std::lround(scene.image_rate_hz / scene.view_3d->rate_hz)));
   simulation::ViewRenderer renderer(scene, context);
   std::optional<simulation::ImageRenderer> images;
-  if (scene.plan.Reads(StageId::kView3d, "B-mode picture")) {
+  if (scene.plan.Reads(StageId::kView3d, effects::ports::kBMode)) {
     images.emplace(scene, nullptr, simulation::Pictures::kBModeOnly);
   }
   ViewWriter writer(folder, options, scene.image_rate_hz / stride);

@@ -175,6 +175,25 @@ BreathingEffect ReadBreathingEffect(const json& object, const fs::path& folder) 
   return effect;
 }
 
+/// Those of the list of effects that are called for, their paths as from anywhere.
+std::vector<effects::CalledEffect> OtherEffects(const json& called, const fs::path& folder) {
+  std::vector<effects::CalledEffect> found;
+  for (const effects::Effect* effect : effects::AllEffects()) {
+    if (!called.contains(effect->key())) continue;
+    json settings = called.at(std::string(effect->key()));
+    for (const effects::PathSetting& path : effect->Paths()) {
+      if (!settings.contains(path.key)) continue;
+      const auto text = settings[path.key].get<std::string>();
+      const bool is_preset = path.kind == effects::PathKind::kPreset;
+      settings[path.key] = (is_preset ? config::FindConfig(text, folder) : folder / text)
+                               .lexically_normal()
+                               .string();
+    }
+    found.push_back({effect, std::move(settings)});
+  }
+  return found;
+}
+
 /// What the schema cannot say: effects that lean on one another.
 void CheckTogether(const Scenario& s) {
   const std::string file = s.file.string();
@@ -211,9 +230,14 @@ void CheckTogether(const Scenario& s) {
 
 }  // namespace
 
+nlohmann::json ScenarioSchema() {
+  return effects::WithEffects(json::parse(config::SchemaText("acus-scenario")));
+}
+
 Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides) {
   json document = ScenarioDocument(path, overrides);
-  document = config::CheckedConfig(std::move(document), "acus-scenario", path.string());
+  document =
+      config::CheckedConfig(std::move(document), "acus-scenario", path.string(), ScenarioSchema());
   const fs::path folder = fs::absolute(path).parent_path();
 
   Scenario scenario;
@@ -269,6 +293,7 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
   if (effects.contains("view_3d")) {
     scenario.view_3d = ReadView3dEffect(effects["view_3d"], path.string() + ": /effects/view_3d");
   }
+  scenario.others = OtherEffects(effects, folder);
   CheckTogether(scenario);
   if (document.contains("evidence")) scenario.evidence = EvidenceFrom(document["evidence"]);
   scenario.effective = std::move(document);

@@ -10,6 +10,7 @@
 
 #include "acus/data/session/session_import.h"
 #include "acus/physics/breathing/breath_source.h"
+#include "acus/scene/effects/effect_list.h"
 #include "acus/scene/scenario/evidence.h"
 #include "acus/scene/scenario/fluoroscopy_effect.h"
 #include "acus/scene/scenario/scenario_document.h"
@@ -146,11 +147,15 @@ struct Scenario {
   std::optional<CtSliceEffect> ct_slice;
   std::optional<FluoroscopyEffect> fluoroscopy;
   std::optional<View3dEffect> view_3d;
+  std::vector<effects::CalledEffect> others;  ///< Of the list of effects, in its order.
 
   std::optional<Evidence> evidence;  ///< Of values that acus-tradeoff chose.
 
   nlohmann::json effective;  ///< The file with overrides and defaults, for provenance.
 };
+
+/// The schema of scenario files, with the parts of all effects.
+nlohmann::json ScenarioSchema();
 
 /// Reads a scenario, applies overrides, checks it against its schema and resolves paths.
 ///

@@ -5,6 +5,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
+#include "acus/scene/effects/effect_list.h"
 
 namespace acus::scenario {
 namespace {
@@ -47,6 +48,14 @@ void Apply(json& document, const Override& change) {
   document[pointer] = value;
 }
 
+void AddPathsOfEffects(effects::PathKind kind, std::vector<std::string>& pointers) {
+  for (const effects::Effect* effect : effects::AllEffects()) {
+    for (const effects::PathSetting& path : effect->Paths()) {
+      if (path.kind == kind) pointers.push_back(Message("/effects/", effect->key(), "/", path.key));
+    }
+  }
+}
+
 /// A path from `folder` as one from anywhere.
 std::string Absolute(const fs::path& path, const fs::path& folder) {
   return fs::absolute(folder / path).lexically_normal().string();
@@ -77,24 +86,28 @@ json ScenarioDocument(const fs::path& path, std::span<const Override> changes) {
   return document;
 }
 
-std::span<const std::string_view> PathPointers() {
-  return kPaths;
+std::vector<std::string> PathPointers() {
+  std::vector<std::string> pointers(kPaths.begin(), kPaths.end());
+  AddPathsOfEffects(effects::PathKind::kFile, pointers);
+  return pointers;
 }
 
-std::span<const std::string_view> PresetPointers() {
-  return kPresets;
+std::vector<std::string> PresetPointers() {
+  std::vector<std::string> pointers(kPresets.begin(), kPresets.end());
+  AddPathsOfEffects(effects::PathKind::kPreset, pointers);
+  return pointers;
 }
 
 json ForAnyFolder(json document, const fs::path& folder) {
-  const auto at = [&document](std::string_view pointer) -> json* {
-    const json::json_pointer place{std::string(pointer)};
+  const auto at = [&document](const std::string& pointer) -> json* {
+    const json::json_pointer place(pointer);
     if (!document.contains(place) || !document.at(place).is_string()) return nullptr;
     return &document.at(place);
   };
-  for (const std::string_view pointer : kPaths) {
+  for (const std::string& pointer : PathPointers()) {
     if (json* path = at(pointer)) *path = Absolute(path->get<std::string>(), folder);
   }
-  for (const std::string_view pointer : kPresets) {
+  for (const std::string& pointer : PresetPointers()) {
     json* preset = at(pointer);
     if (preset == nullptr) continue;
     const fs::path name = preset->get<std::string>();

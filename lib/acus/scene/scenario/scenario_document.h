@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace acus::scenario {
 
@@ -26,10 +27,10 @@ nlohmann::json ScenarioDocument(const std::filesystem::path& path,
                                 std::span<const Override> changes);
 
 /// Places (JSON pointers) of paths that are relative to the scenario file.
-std::span<const std::string_view> PathPointers();
+std::vector<std::string> PathPointers();
 
 /// Places of presets, which are also looked up in the installed configs.
-std::span<const std::string_view> PresetPointers();
+std::vector<std::string> PresetPointers();
 
 /// The document for another folder: what its paths find from `folder` they find from anywhere, as
 /// they are absolute then. Presets of the installation stay names.

@@ -1,40 +1,59 @@
 #include "acus/scene/simulation/declared_stages.h"
 
+#include <algorithm>
+#include <span>
+
 #include "acus/base/core/error.h"
+#include "acus/scene/effects/ports.h"
 
 namespace acus::simulation {
 namespace {
 
 namespace fs = std::filesystem;
+namespace ports = effects::ports;
+using effects::PortRef;
 using scenario::Scenario;
-using Names = std::vector<std::string_view>;
+using Ports = std::vector<PortRef>;
 
-void Add(Names& names, const Names& more) {
-  names.insert(names.end(), more.begin(), more.end());
+void Add(Ports& reads, const Ports& more) {
+  reads.insert(reads.end(), more.begin(), more.end());
 }
 
 bool FromTissue(const Scenario& s) {
   return s.needle_force && s.needle_force->model == scenario::NeedleForceModelKind::kTissue;
 }
 
+/// True if an effect of the list moves tissue, whatever the tools do.
+bool Moved(const Scenario& s) {
+  return std::ranges::any_of(s.others, &effects::CalledEffect::MovesTissue);
+}
+
 /// True if the images show tissue elsewhere than the CT does.
 bool ShowsDeformation(const Scenario& s) {
-  return (s.tissue && s.tissue->image) || (s.breathing && s.breathing->image);
+  return (s.tissue && s.tissue->image) || (s.breathing && s.breathing->image) || Moved(s);
 }
 
 /// A recorded signal is only read where the session does not say how the patient breathes.
-Names BreathingInputs(const Scenario& s, bool from_session) {
+Ports BreathingInputs(const Scenario& s, bool from_session) {
   if (!s.breathing) return {};
   if (from_session || s.breathing->from_session == scenario::SessionBreath::kAlways) {
-    return {"motion", "session's breath"};
+    return {ports::kMotion, ports::kSessionBreath};
   }
-  if (s.breathing->signal.empty()) return {"motion"};
-  return {"motion", "breath signal"};
+  if (s.breathing->signal.empty()) return {ports::kMotion};
+  return {ports::kMotion, ports::kBreathSignal};
+}
+
+/// What moves the tissue under a tool.
+void AddMotion(const Scenario& s, Ports& reads) {
+  if (s.breathing) reads.emplace_back(ports::kBreath);
+  if (Moved(s)) reads.emplace_back(ports::kTissueMotion);
 }
 
 /// A needle in a patient who breathes lies elsewhere in the CT.
-Names NeedlePoseInputs(const Scenario& s) {
-  return s.breathing ? Names{"needle poses", "breath"} : Names{"needle poses"};
+Ports NeedlePoseInputs(const Scenario& s) {
+  Ports reads{ports::kNeedlePoses};
+  AddMotion(s, reads);
+  return reads;
 }
 
 /// Without a label map tissues are told by the HU of the CT, as the force table says.
@@ -42,151 +61,192 @@ bool TissuesByHu(const Scenario& s) {
   return s.patient.labels.empty() && !s.patient.ct.empty();
 }
 
-Names TissueLookupInputs(const Scenario& s) {
-  return TissuesByHu(s) ? Names{"needle", "ct", "force table"} : Names{"needle", "labels"};
+Ports TissueLookupInputs(const Scenario& s) {
+  return TissuesByHu(s) ? Ports{ports::kNeedle, ports::kCt, ports::kForceTable}
+                        : Ports{ports::kNeedle, ports::kLabels};
 }
 
 /// What tissue under a tool is computed from, besides the tool.
-Names TissueStageInputs(const Scenario& s) {
+Ports TissueStageInputs(const Scenario& s) {
   if (!s.tissue) return {};
-  Names reads{"needle", "needle preset", "tissue's elasticity", "tissue's force table"};
+  Ports reads{ports::kNeedle, ports::kNeedlePreset, ports::kTissueElasticity,
+              ports::kTissueForceTable};
   switch (s.tissue->model) {
     case scenario::TissueModelKind::kDisplacementFunctions:
       return {};  // Nothing that steps: see DeformationInputs.
     case scenario::TissueModelKind::kSprings:
-      Add(reads, {"labels"});
+      Add(reads, {ports::kLabels});
       break;
     case scenario::TissueModelKind::kPlane2010:
-      Add(reads, {"labels", "corridor"});
+      Add(reads, {ports::kLabels, ports::kCorridor});
       break;
     case scenario::TissueModelKind::kFem3d:
-      Add(reads, {"mesh"});
-      if (s.tissue->probe_contact) Add(reads, {"probe poses", "probe preset"});
+      Add(reads, {ports::kMesh});
+      if (s.tissue->probe_contact) Add(reads, {ports::kProbePoses, ports::kProbePreset});
       break;
   }
-  if (s.tissue->probe_contact && s.breathing) Add(reads, {"breath"});
+  if (s.tissue->probe_contact) AddMotion(s, reads);
   return reads;
 }
 
 /// What the force on the needle is computed from. The CT itself tells Vidal's model what it meets;
 /// tissues are looked up for the log.
-Names ForceInputs(const Scenario& s) {
+Ports ForceInputs(const Scenario& s) {
   if (!s.needle_force) return {};
-  if (FromTissue(s)) return {"contact"};
-  Names reads{"needle", "tissue", "needle preset", "force table"};
-  if (s.needle_force->model == scenario::NeedleForceModelKind::kVidal) Add(reads, {"ct"});
+  if (FromTissue(s)) return {ports::kContact};
+  Ports reads{ports::kNeedle, ports::kTissue, ports::kNeedlePreset, ports::kForceTable};
+  if (s.needle_force->model == scenario::NeedleForceModelKind::kVidal) Add(reads, {ports::kCt});
   return reads;
 }
 
 /// What the needle's shape comes from: the path that the force model knows, and the tissue on it.
-Names ShapeInputs(const Scenario& s) {
+Ports ShapeInputs(const Scenario& s) {
   if (!s.shape) return {};
-  Names reads{"needle", "force", "needle preset",
-              FromTissue(s) ? "tissue's force table" : "force table"};
+  Ports reads{ports::kNeedle, ports::kForce, ports::kNeedlePreset,
+              FromTissue(s) ? ports::kTissueForceTable : ports::kForceTable};
   if (s.shape->model != scenario::NeedleModelKind::kBendable) return reads;
-  Add(reads, {FromTissue(s) ? "contact" : "tissue", "needle's elasticity"});
+  Add(reads, {FromTissue(s) ? PortRef(ports::kContact) : PortRef(ports::kTissue),
+              ports::kNeedleElasticity});
   // Which tissues there are; a mesh does not say, and all that can be deformed are taken.
   if (FromTissue(s) ? s.tissue->model != scenario::TissueModelKind::kFem3d : !TissuesByHu(s)) {
-    Add(reads, {"labels"});
+    Add(reads, {ports::kLabels});
   }
-  if (s.breathing) Add(reads, {"breath"});
+  if (s.breathing) Add(reads, {ports::kBreath});
   return reads;
 }
 
 /// What the force on the probe is computed from, at every sample.
-Names ProbeForceInputs(const Scenario& s) {
+Ports ProbeForceInputs(const Scenario& s) {
   if (!s.probe_force) return {};
-  Names reads{"probe poses", "probe's force table", s.probe_force->reads_labels ? "labels" : "ct"};
-  if (s.probe_force->NeedsProbePreset()) Add(reads, {"probe preset"});
-  if (s.breathing) Add(reads, {"breath"});
+  Ports reads{ports::kProbePoses, ports::kProbeForceTable,
+              s.probe_force->reads_labels ? PortRef(ports::kLabels) : PortRef(ports::kCt)};
+  if (s.probe_force->NeedsProbePreset()) Add(reads, {ports::kProbePreset});
+  AddMotion(s, reads);
   return reads;
 }
 
 /// What the deformation in the images comes from.
-Names DeformationInputs(const Scenario& s) {
-  Names reads;
+Ports DeformationInputs(const Scenario& s) {
+  Ports reads;
   if (s.tissue && s.tissue->image) {
-    reads = s.tissue->TouchesNeedle() ? Names{"contact"}
-                                      : Names{"force", "labels", "tissue's elasticity"};
-    if (s.tissue->model == scenario::TissueModelKind::kFem3d) reads.push_back("mesh");
+    reads = s.tissue->TouchesNeedle()
+                ? Ports{ports::kContact}
+                : Ports{ports::kForce, ports::kLabels, ports::kTissueElasticity};
+    if (s.tissue->model == scenario::TissueModelKind::kFem3d) reads.push_back(ports::kMesh);
   }
-  if (s.breathing && s.breathing->image) Add(reads, {"breath"});
+  if (s.breathing && s.breathing->image) Add(reads, {ports::kBreath});
+  if (Moved(s)) Add(reads, {ports::kTissueMotion});
   return reads;
 }
 
-void AddNeedleInPicture(const Scenario& s, Names& reads) {
-  Add(reads, {"needle", "needle preset"});
-  if (s.shape) Add(reads, {"shape"});
+void AddNeedleInPicture(const Scenario& s, Ports& reads) {
+  Add(reads, {ports::kNeedle, ports::kNeedlePreset});
+  if (s.shape) Add(reads, {ports::kShape});
 }
 
 /// What an image reads besides the patient: the probe, the needle and the deformation if they show.
-Names ImageInputs(const Scenario& s, bool needle, Names patient) {
-  Names reads = std::move(patient);
-  Add(reads, {"probe", "probe preset"});
+Ports ImageInputs(const Scenario& s, bool needle, Ports patient) {
+  Ports reads = std::move(patient);
+  Add(reads, {ports::kProbe, ports::kProbePreset});
   if (needle) AddNeedleInPicture(s, reads);
-  if (ShowsDeformation(s)) Add(reads, {"rest map"});
+  if (ShowsDeformation(s)) Add(reads, {ports::kRestMap});
   return reads;
 }
 
-Names CtSliceInputs(const Scenario& s) {
+Ports CtSliceInputs(const Scenario& s) {
   if (!s.ct_slice) return {};
-  return ImageInputs(s, s.ct_slice->needle, {"ct"});
+  return ImageInputs(s, s.ct_slice->needle, {ports::kCt});
 }
 
-Names UltrasoundInputs(const Scenario& s) {
+Ports UltrasoundInputs(const Scenario& s) {
   if (!s.ultrasound) return {};
-  Names patient;
-  if (s.ultrasound->ReadsCt()) patient.push_back("ct");
-  if (s.ultrasound->ReadsLabels()) patient.push_back("labels");
-  patient.push_back("acoustics");
+  Ports patient;
+  if (s.ultrasound->ReadsCt()) patient.push_back(ports::kCt);
+  if (s.ultrasound->ReadsLabels()) patient.push_back(ports::kLabels);
+  patient.push_back(ports::kAcoustics);
   return ImageInputs(s, s.ultrasound->needle, std::move(patient));
 }
 
-Names FluoroscopyInputs(const Scenario& s) {
+Ports FluoroscopyInputs(const Scenario& s) {
   if (!s.fluoroscopy) return {};
-  Names reads{"ct", "C-arm"};
+  Ports reads{ports::kCt, ports::kCArm};
   if (s.fluoroscopy->needle) AddNeedleInPicture(s, reads);
-  if (ShowsDeformation(s)) reads.push_back("rest map");
+  if (ShowsDeformation(s)) reads.push_back(ports::kRestMap);
   return reads;
 }
 
 /// What the view in three dimensions shows. Of what deforms the patient it shows breath only.
-Names ViewInputs(const Scenario& s) {
+Ports ViewInputs(const Scenario& s) {
   if (!s.view_3d) return {};
-  Names reads;
-  if (!s.view_3d->layers.empty()) reads.push_back("ct");
-  if (!s.view_3d->surfaces.empty()) reads.push_back("labels");
+  Ports reads;
+  if (!s.view_3d->layers.empty()) reads.push_back(ports::kCt);
+  if (!s.view_3d->surfaces.empty()) reads.push_back(ports::kLabels);
   if (s.view_3d->needle) AddNeedleInPicture(s, reads);
-  if (s.view_3d->probe) Add(reads, {"probe", "probe preset"});
-  if (s.view_3d->ShowsPicture() && s.ultrasound) reads.push_back("B-mode picture");
-  if (s.breathing && s.breathing->image) reads.push_back("breath");
+  if (s.view_3d->probe) Add(reads, {ports::kProbe, ports::kProbePreset});
+  if (s.view_3d->ShowsPicture() && s.ultrasound) reads.push_back(ports::kBMode);
+  if (s.breathing && s.breathing->image) reads.push_back(ports::kBreath);
   return reads;
+}
+
+bool ReadsWhatIsWritten(const effects::StageDeclaration& stage,
+                        std::span<const PlannedStage> writers) {
+  return std::ranges::any_of(writers, [&stage](const PlannedStage& writer) {
+    return std::ranges::find_first_of(writer.writes, stage.reads) != writer.writes.end();
+  });
+}
+
+PlannedStage Planned(StageId id, std::string_view rate, const effects::StageDeclaration& stage) {
+  return {id, stage.name, rate, stage.reads, stage.writes, false, "", {}};
+}
+
+/// Of the list of effects: at every sample those that read nothing of a tool's stages come right
+/// after breathing, so that tools see what they write; others after the tools. At every image they
+/// are last.
+void AddOthers(const Scenario& s, std::vector<PlannedStage>& stages) {
+  ACUS_REQUIRE(s.others.size() <= kMaxOthers, s.file.string(), ": calls for ", s.others.size(),
+               " effects besides those of tools and images; at most ", kMaxOthers, " are allowed");
+  const auto is_image = [](const PlannedStage& stage) { return stage.rate == "image"; };
+  for (std::size_t n = 0; n < s.others.size(); ++n) {
+    if (const auto step = s.others[n].step()) {
+      const auto end_of_steps = std::ranges::find_if(stages, is_image);
+      const auto first_of_tools =
+          std::ranges::find(stages, StageId::kNeedlePose, &PlannedStage::id);
+      const bool after = ReadsWhatIsWritten(*step, {first_of_tools, end_of_steps});
+      stages.insert(after ? end_of_steps : first_of_tools, Planned(StepStageOf(n), "step", *step));
+    }
+    if (const auto image = s.others[n].image()) {
+      stages.push_back(Planned(ImageStageOf(n), "image", *image));
+    }
+  }
 }
 
 }  // namespace
 
 std::vector<PlannedStage> DeclaredStages(const Scenario& s, bool breath_from_session) {
-  const auto step = [](StageId id, std::string_view name, Names reads, Names writes) {
+  const auto step = [](StageId id, std::string_view name, Ports reads, Ports writes) {
     return PlannedStage{id, name, "step", std::move(reads), std::move(writes), false, "", {}};
   };
-  const auto image = [](StageId id, std::string_view name, Names reads, Names writes) {
+  const auto image = [](StageId id, std::string_view name, Ports reads, Ports writes) {
     return PlannedStage{id, name, "image", std::move(reads), std::move(writes), false, "", {}};
   };
-  return {
-      step(StageId::kBreathing, "breathing", BreathingInputs(s, breath_from_session), {"breath"}),
-      step(StageId::kNeedlePose, "needle pose", NeedlePoseInputs(s), {"needle"}),
-      step(StageId::kTissueLookup, "tissue lookup", TissueLookupInputs(s), {"tissue"}),
-      step(StageId::kTissueContact, "tissue contact", TissueStageInputs(s), {"contact"}),
-      step(StageId::kNeedleForce, "needle force", ForceInputs(s), {"force"}),
-      step(StageId::kNeedleShape, "needle shape", ShapeInputs(s), {"shape"}),
-      step(StageId::kProbeForce, "probe force", ProbeForceInputs(s), {"probe force"}),
-      image(StageId::kProbePose, "probe pose", {"probe poses"}, {"probe"}),
-      image(StageId::kDeformation, "deformation", DeformationInputs(s), {"rest map"}),
-      image(StageId::kCtSlice, "CT slice", CtSliceInputs(s), {"CT picture"}),
-      image(StageId::kUltrasound, "B-mode", UltrasoundInputs(s), {"B-mode picture"}),
-      image(StageId::kFluoroscopy, "fluoroscopy", FluoroscopyInputs(s), {"fluoroscopy picture"}),
-      image(StageId::kView3d, "view in 3D", ViewInputs(s), {"view"}),
+  std::vector<PlannedStage> stages = {
+      step(StageId::kBreathing, "breathing", BreathingInputs(s, breath_from_session),
+           {ports::kBreath}),
+      step(StageId::kNeedlePose, "needle pose", NeedlePoseInputs(s), {ports::kNeedle}),
+      step(StageId::kTissueLookup, "tissue lookup", TissueLookupInputs(s), {ports::kTissue}),
+      step(StageId::kTissueContact, "tissue contact", TissueStageInputs(s), {ports::kContact}),
+      step(StageId::kNeedleForce, "needle force", ForceInputs(s), {ports::kForce}),
+      step(StageId::kNeedleShape, "needle shape", ShapeInputs(s), {ports::kShape}),
+      step(StageId::kProbeForce, "probe force", ProbeForceInputs(s), {ports::kProbeForce}),
+      image(StageId::kProbePose, "probe pose", {ports::kProbePoses}, {ports::kProbe}),
+      image(StageId::kDeformation, "deformation", DeformationInputs(s), {ports::kRestMap}),
+      image(StageId::kCtSlice, "CT slice", CtSliceInputs(s), {ports::kCtImage}),
+      image(StageId::kUltrasound, "B-mode", UltrasoundInputs(s), {ports::kBMode}),
+      image(StageId::kFluoroscopy, "fluoroscopy", FluoroscopyInputs(s), {ports::kFluoroscopy}),
+      image(StageId::kView3d, "view in 3D", ViewInputs(s), {ports::kView}),
   };
+  AddOthers(s, stages);
+  return stages;
 }
 
 std::vector<Goal> GoalsOf(const Scenario& s) {
@@ -199,6 +259,13 @@ std::vector<Goal> GoalsOf(const Scenario& s) {
   if (s.ultrasound) goals.push_back({StageId::kUltrasound, "ultrasound"});
   if (s.fluoroscopy) goals.push_back({StageId::kFluoroscopy, "fluoroscopy"});
   if (s.view_3d) goals.push_back({StageId::kView3d, "view_3d"});
+  for (std::size_t n = 0; n < s.others.size(); ++n) {
+    const std::string_view key = s.others[n].effect->key();
+    const auto step = s.others[n].step();
+    if (step && step->is_goal) goals.push_back({StepStageOf(n), key});
+    const auto image = s.others[n].image();
+    if (image && image->is_goal) goals.push_back({ImageStageOf(n), key});
+  }
   return goals;
 }
 
@@ -207,59 +274,73 @@ std::vector<Goal> HelpersOf(const Scenario& s) {
   if (s.breathing) helpers.push_back({StageId::kBreathing, "breathing"});
   if (s.tissue && s.tissue->image) helpers.push_back({StageId::kDeformation, "tissue"});
   if (s.breathing && s.breathing->image) helpers.push_back({StageId::kDeformation, "breathing"});
+  for (std::size_t n = 0; n < s.others.size(); ++n) {
+    const std::string_view key = s.others[n].effect->key();
+    const auto step = s.others[n].step();
+    if (step && !step->is_goal) helpers.push_back({StepStageOf(n), key});
+    if (s.others[n].MovesTissue()) helpers.push_back({StageId::kDeformation, key});
+  }
   return helpers;
 }
 
 namespace {
 
-DeclaredInput FromSession(std::string_view name, bool there, const char* remedy) {
-  return {{name, {}, ""}, there ? "" : remedy};
+DeclaredInput FromSession(PortRef port, bool there, const char* remedy) {
+  return {{port, {}, ""}, there ? "" : remedy};
 }
 
 /// A file of the patient, which the scenario may leave out if nobody reads it.
-DeclaredInput OfPatient(std::string_view name, const fs::path& file, const char* remedy) {
-  const std::string where = Message("/patient/", name);
-  return {{name, file, where}, file.empty() ? Message(where, " is not given", remedy) : ""};
+DeclaredInput OfPatient(PortRef port, const fs::path& file, const char* remedy) {
+  const std::string where = Message("/patient/", port.name());
+  return {{port, file, where}, file.empty() ? Message(where, " is not given", remedy) : ""};
 }
 
 /// CT and labels, or the list of surfaces from which both are made.
-DeclaredInput Volume(const Scenario& s, std::string_view name, const fs::path& file) {
-  if (s.patient.surfaces.empty()) return OfPatient(name, file, "");
-  return {{name, s.patient.surfaces, "/patient/surfaces"}, ""};
+DeclaredInput Volume(const Scenario& s, PortRef port, const fs::path& file) {
+  if (s.patient.surfaces.empty()) return OfPatient(port, file, "");
+  return {{port, s.patient.surfaces, "/patient/surfaces"}, ""};
 }
 
 }  // namespace
 
 std::vector<DeclaredInput> DeclaredInputs(const Scenario& s, const AvailableInputs& available) {
   std::vector<DeclaredInput> inputs = {
-      FromSession("needle poses", available.needle_poses, "the session has no needle stream"),
-      FromSession("probe poses", available.probe_poses, "the session has no probe stream"),
-      FromSession("session's breath", available.breath,
+      FromSession(ports::kNeedlePoses, available.needle_poses, "the session has no needle stream"),
+      FromSession(ports::kProbePoses, available.probe_poses, "the session has no probe stream"),
+      FromSession(ports::kSessionBreath, available.breath,
                   "the session has no breathing stream; /effects/breathing/from_session "
                   "\"if_recorded\" would take the scenario's"),
-      Volume(s, "ct", s.patient.ct),
-      Volume(s, "labels", s.patient.labels),
-      OfPatient("mesh", s.patient.mesh, "; acus-mesh --condense makes one"),
-      OfPatient("corridor", s.patient.corridor, ": a CSV with the points entry and target"),
-      {{"needle preset", s.needle, "/needle"}, ""},
-      {{"probe preset", s.probe, "/probe"}, ""},
+      Volume(s, ports::kCt, s.patient.ct),
+      Volume(s, ports::kLabels, s.patient.labels),
+      OfPatient(ports::kMesh, s.patient.mesh, "; acus-mesh --condense makes one"),
+      OfPatient(ports::kCorridor, s.patient.corridor, ": a CSV with the points entry and target"),
+      {{ports::kNeedlePreset, s.needle, "/needle"}, ""},
+      {{ports::kProbePreset, s.probe, "/probe"}, ""},
   };
-  const auto add = [&inputs](std::string_view name, const fs::path& file, const char* where) {
-    inputs.push_back({{name, file, where}, ""});
+  const auto add = [&inputs](PortRef port, const fs::path& file, const std::string& where) {
+    inputs.push_back({{port, file, where}, ""});
   };
   if (s.breathing) {
-    add("motion", s.breathing->motion, "/effects/breathing/motion");
-    add("breath signal", s.breathing->signal, "/effects/breathing/signal");
+    add(ports::kMotion, s.breathing->motion, "/effects/breathing/motion");
+    add(ports::kBreathSignal, s.breathing->signal, "/effects/breathing/signal");
   }
-  if (s.needle_force) add("force table", s.needle_force->table, "/effects/needle_force/table");
-  if (s.shape) add("needle's elasticity", s.shape->elasticity, "/effects/needle/elasticity");
-  if (s.probe_force) add("probe's force table", s.probe_force->table, "/effects/probe_force/table");
+  if (s.needle_force) add(ports::kForceTable, s.needle_force->table, "/effects/needle_force/table");
+  if (s.shape) add(ports::kNeedleElasticity, s.shape->elasticity, "/effects/needle/elasticity");
+  if (s.probe_force)
+    add(ports::kProbeForceTable, s.probe_force->table, "/effects/probe_force/table");
   if (s.tissue) {
-    add("tissue's elasticity", s.tissue->elasticity, "/effects/tissue/elasticity");
-    add("tissue's force table", s.tissue->table, "/effects/tissue/table");
+    add(ports::kTissueElasticity, s.tissue->elasticity, "/effects/tissue/elasticity");
+    add(ports::kTissueForceTable, s.tissue->table, "/effects/tissue/table");
   }
-  if (s.ultrasound) add("acoustics", s.ultrasound->acoustics, "/effects/ultrasound");
-  if (s.fluoroscopy) add("C-arm", s.fluoroscopy->c_arm, "/effects/fluoroscopy/c_arm");
+  if (s.ultrasound) add(ports::kAcoustics, s.ultrasound->acoustics, "/effects/ultrasound");
+  if (s.fluoroscopy) add(ports::kCArm, s.fluoroscopy->c_arm, "/effects/fluoroscopy/c_arm");
+  for (const effects::CalledEffect& other : s.others) {
+    for (const effects::PathSetting& path : other.effect->Paths()) {
+      if (!other.settings.contains(path.key)) continue;
+      add(path.port, other.settings[path.key].get<std::string>(),
+          Message("/effects/", other.effect->key(), "/", path.key));
+    }
+  }
   return inputs;
 }
 

@@ -15,7 +15,7 @@ PlannedStage& StageOf(Stages& stages, StageId id) {
   return *std::ranges::find(stages, id, &PlannedStage::id);
 }
 
-bool Reads(const PlannedStage& stage, std::string_view data) {
+bool Reads(const PlannedStage& stage, effects::PortRef data) {
   return std::ranges::find(stage.reads, data) != stage.reads.end();
 }
 
@@ -84,11 +84,11 @@ const PlannedStage& EffectPlan::Of(StageId id) const {
   return *found;
 }
 
-bool EffectPlan::Reads(StageId id, std::string_view data) const {
+bool EffectPlan::Reads(StageId id, effects::PortRef data) const {
   return Has(id) && simulation::Reads(Of(id), data);
 }
 
-bool EffectPlan::Needs(std::string_view data) const {
+bool EffectPlan::Needs(effects::PortRef data) const {
   return std::ranges::any_of(
       stages_, [data](const auto& stage) { return stage.in && simulation::Reads(stage, data); });
 }
@@ -104,12 +104,14 @@ EffectPlan PlanEffects(const Scenario& scenario, const AvailableInputs& availabl
   for (const PlannedStage& stage : plan.stages_) {
     if (!stage.in) continue;
     for (const auto& [input, missing] : inputs) {
-      if (!missing.empty() && Reads(stage, input.name)) lacks += Lack(stage, input.name, missing);
+      if (!missing.empty() && Reads(stage, input.port)) {
+        lacks += Lack(stage, input.port.name(), missing);
+      }
     }
   }
   RequireNothing(lacks, scenario);
   for (const auto& [input, missing] : inputs) {
-    if (plan.Needs(input.name)) plan.inputs_.push_back(input);
+    if (plan.Needs(input.port)) plan.inputs_.push_back(input);
   }
   return plan;
 }
@@ -119,8 +121,8 @@ void RequireFiles(const EffectPlan& plan, const Scenario& scenario) {
   for (const PlannedInput& input : plan.inputs()) {
     if (input.file.empty() || std::filesystem::exists(input.file)) continue;
     for (const PlannedStage& stage : plan.stages()) {
-      if (!stage.in || !Reads(stage, input.name)) continue;
-      lacks += Lack(stage, input.name,
+      if (!stage.in || !Reads(stage, input.port)) continue;
+      lacks += Lack(stage, input.port.name(),
                     Message(input.where, ": ", input.file.string(),
                             ": no such file or folder; paths are relative to the scenario file"));
     }

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "acus/scene/effects/ports.h"
 #include "acus/scene/scenario/scenario.h"
 
 namespace acus::simulation {
@@ -29,14 +30,25 @@ enum class StageId {
 };
 inline constexpr int kNumStages = static_cast<int>(StageId::kEnd);
 
+/// Stages of Scenario::others come after those: two numbers for each effect, by its place in the
+/// list.
+inline constexpr int kMaxOthers = 8;
+inline constexpr int kMaxStages = kNumStages + 2 * kMaxOthers;
+constexpr StageId StepStageOf(std::size_t other) {
+  return static_cast<StageId>(kNumStages + 2 * static_cast<int>(other));
+}
+constexpr StageId ImageStageOf(std::size_t other) {
+  return static_cast<StageId>(kNumStages + 2 * static_cast<int>(other) + 1);
+}
+
 /// A stage in the plan, or one that is left out.
 struct PlannedStage {
   StageId id;
   std::string_view name;
   std::string_view rate;  ///< "step" or "image".
   /// Data that must be there before: inputs or what other stages write. It touches nothing else.
-  std::vector<std::string_view> reads;
-  std::vector<std::string_view> writes;
+  std::vector<effects::PortRef> reads;
+  std::vector<effects::PortRef> writes;
   bool in = false;
   std::string reason;  ///< Why it is in or out.
   /// Keys of the scenario's effects that it works for, directly or through other stages.
@@ -45,7 +57,7 @@ struct PlannedStage {
 
 /// Something from outside that stages in the plan read.
 struct PlannedInput {
-  std::string_view name;       ///< As in PlannedStage::reads.
+  effects::PortRef port;       ///< As in PlannedStage::reads.
   std::filesystem::path file;  ///< Empty for what the session holds.
   std::string where;           ///< JSON pointer into the scenario: "/patient/ct"; or empty.
 };
@@ -64,14 +76,13 @@ class EffectPlan {
   const PlannedStage& Of(StageId id) const;
 
   /// True if that stage is in the plan and reads `data`.
-  bool Reads(StageId id, std::string_view data) const;
+  bool Reads(StageId id, effects::PortRef data) const;
 
   /// What the stages in the plan read from outside; all of it is there. Nothing else is loaded.
   const std::vector<PlannedInput>& inputs() const { return inputs_; }
 
-  /// True if any stage in the plan reads `data`: "ct", "labels", ... What nobody reads is not
-  /// loaded.
-  bool Needs(std::string_view data) const;
+  /// True if any stage in the plan reads `data`. What nobody reads is not loaded.
+  bool Needs(effects::PortRef data) const;
 
   /// True if the patient breathes as the session says, not as the scenario does.
   bool breath_from_session() const { return breath_from_session_; }

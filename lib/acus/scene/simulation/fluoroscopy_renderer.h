@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "acus/imaging/fluoroscopy/fluoroscope.h"
-#include "acus/scene/simulation/deformed_tissue.h"
 #include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/moment_rest.h"
 #include "acus/scene/simulation/scene.h"
 #include "acus/scene/simulation/stage_timing.h"
 
@@ -31,7 +31,7 @@ class FluoroscopyRenderer {
 
  private:
   const Scene& scene_;
-  std::optional<DeformedTissue> deformed_;
+  MomentRest rest_;
   fluoroscopy::Fluoroscope fluoroscope_;
 };
 

@@ -24,14 +24,11 @@ void Draw(Renderer& renderer, Sleep sleep, const Snapshot& snapshot,
 }  // namespace
 
 ImageRenderer::ImageRenderer(const Scene& scene, const acoustics::Probe* probe, Pictures pictures)
-    : scene_(scene) {
+    : scene_(scene), rest_(scene) {
   if (probe == nullptr && scene.probe) probe = &*scene.probe;
   const bool has_b_mode = scene.plan.Has(StageId::kUltrasound);
   const bool has_ct_slice = pictures == Pictures::kAll && scene.plan.Has(StageId::kCtSlice);
   if (!has_b_mode && !has_ct_slice) return;
-  if (scene.tools_deform_images) {
-    deformed_.emplace(*scene.tissue, scene.warp_spacing_mm, scene.inverse_iterations);
-  }
   if (has_ct_slice) {
     ct_slice_.emplace(*scene.ct, acoustics::PictureOf(*probe), probe->slice_thickness_mm,
                       scene.ct_window);
@@ -54,8 +51,8 @@ std::optional<image::NeedleInImage> NeedleInPicture(const Scene& scene, const Sn
 }
 
 bool ImageRenderer::ReadsRestMap() const {
-  return (ct_slice_ && scene_.plan.Reads(StageId::kCtSlice, "rest map")) ||
-         (b_mode_ && scene_.plan.Reads(StageId::kUltrasound, "rest map"));
+  return (ct_slice_ && scene_.plan.Reads(StageId::kCtSlice, effects::ports::kRestMap)) ||
+         (b_mode_ && scene_.plan.Reads(StageId::kUltrasound, effects::ports::kRestMap));
 }
 
 Sleep ImageRenderer::SleepOf(StageId id, const Snapshot& snapshot,
@@ -86,16 +83,7 @@ void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* ti
   const Sleep of_slice = ct_slice_ ? SleepOf(StageId::kCtSlice, snapshot, shown) : none;
   const Sleep of_b_mode = b_mode_ ? SleepOf(StageId::kUltrasound, snapshot, shown) : none;
   const bool draws = of_slice == Sleep::kAwake || of_b_mode == Sleep::kAwake;
-  const slicing::RestMap* rest = nullptr;
-  if (draws && deformed_ && snapshot.load != nullptr) {
-    deformed_->Update(*snapshot.load);
-    rest = &*deformed_;
-  }
-  std::optional<BreathingRest> breathing;
-  if (draws && scene_.breathing && scene_.breathing->image) {
-    breathing.emplace(*scene_.breathing, snapshot.session_s, snapshot.breath, rest);
-    if (breathing->moves()) rest = &*breathing;
-  }
+  const slicing::RestMap* rest = draws ? rest_.At(snapshot) : nullptr;
   if (ReadsRestMap()) {
     const Sleep still = snapshot.probe_valid ? Sleep::kNothingMoved : Sleep::kProbeUnseen;
     const Sleep idle = draws ? Sleep::kUndeformed : still;

@@ -7,29 +7,13 @@
 #include "acus/data/image/image.h"
 #include "acus/imaging/slicing/ct_slice.h"
 #include "acus/physics/breathing/breath.h"
-#include "acus/scene/simulation/deformed_tissue.h"
 #include "acus/scene/simulation/image_level.h"
+#include "acus/scene/simulation/moment_rest.h"
 #include "acus/scene/simulation/scene.h"
+#include "acus/scene/simulation/snapshot.h"
 #include "acus/scene/simulation/stage_timing.h"
 
 namespace acus::simulation {
-
-/// What an image needs to know of a moment.
-struct Snapshot {
-  std::int64_t time_ns = 0;
-  double session_s = 0.0;         ///< Since the session began: what breath goes by ...
-  breathing::Breath breath = {};  ///< ... unless the session says it: then this.
-  bool probe_valid = false;
-  Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
-  /// Nothing if there is no needle to see.
-  std::optional<Eigen::Isometry3d> ct_from_needle = std::nullopt;
-  /// As Simulation::ShapeOf gives it; null: straight in the hand. Must live until the image is
-  /// made.
-  const math::Polyline* needle_shape = nullptr;
-  /// Null if nothing deforms the tissue; must live until the image is made.
-  const tissue::TissueLoad* load = nullptr;
-  bool for_c_arm = false;  ///< A moment at which the C-arm looks, not the probe.
-};
 
 /// The needle of a moment as pictures see it; nothing if there is none.
 std::optional<image::NeedleInImage> NeedleInPicture(const Scene& scene, const Snapshot& snapshot);
@@ -67,7 +51,7 @@ class ImageRenderer {
 
   const Scene& scene_;
   double needle_reach_mm_ = 0.0;
-  std::optional<DeformedTissue> deformed_;
+  MomentRest rest_;
   std::optional<ImageLevel> b_mode_;
   std::optional<slicing::CtSliceRenderer> ct_slice_;
 };

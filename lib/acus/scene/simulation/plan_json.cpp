@@ -4,6 +4,16 @@
 
 namespace acus::simulation {
 
+namespace {
+
+nlohmann::json NamesOf(const std::vector<effects::PortRef>& ports) {
+  nlohmann::json names = nlohmann::json::array();
+  for (const effects::PortRef port : ports) names.push_back(port.name());
+  return names;
+}
+
+}  // namespace
+
 nlohmann::json PlanJson(const EffectPlan& plan, const StageTimes& times) {
   nlohmann::json stages = nlohmann::json::array();
   for (const PlannedStage& stage : plan.stages()) {
@@ -18,8 +28,8 @@ nlohmann::json PlanJson(const EffectPlan& plan, const StageTimes& times) {
                       {"in", stage.in},
                       {"reason", stage.reason},
                       {"effects", stage.effects},
-                      {"reads", stage.reads},
-                      {"writes", stage.writes},
+                      {"reads", NamesOf(stage.reads)},
+                      {"writes", NamesOf(stage.writes)},
                       {"runs", cost.runs},
                       {"asleep", cost.asleep},
                       {"asleep_because", because},

@@ -29,7 +29,7 @@ void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scen
                 RunContext& context) {
   const forces::ForceTable table = forces::ReadForceTable(scenario.needle_force->table);
   const bool by_hu = scenario.needle_force->model == scenario::NeedleForceModelKind::kVidal;
-  const bool looks_in_ct = plan.Reads(StageId::kTissueLookup, "ct");
+  const bool looks_in_ct = plan.Reads(StageId::kTissueLookup, effects::ports::kCt);
   if ((by_hu || looks_in_ct) && !scene.hu) scene.hu = std::make_shared<forces::CtField>(*scene.ct);
   if (looks_in_ct) {
     context.Warn("there is no label map: tissues are told by the CT's HU, as the force table says");
@@ -49,7 +49,7 @@ void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scen
 /// A map that is there for other stages' sake says nothing here.
 std::bitset<256> TissuesOf(const Scene& scene, const mechanics::ElasticityTable& elasticity) {
   std::bitset<256> found;
-  if (scene.plan.Reads(StageId::kNeedleShape, "labels")) {
+  if (scene.plan.Reads(StageId::kNeedleShape, effects::ports::kLabels)) {
     for (const volume::Label label : scene.labels->voxels) found.set(label);
   } else if (scene.hu_tissues) {
     for (const auto& row : scene.hu_tissues->rows) found.set(row.tissue);
@@ -82,13 +82,13 @@ void LoadShape(const scenario::Scenario& scenario, Scene& scene, RunContext& con
 /// Labels, and a CT of constant HU in each tissue, where the patient is a list of surfaces.
 void LoadSurfaces(const scenario::Scenario& scenario, const EffectPlan& plan, Scene& scene,
                   RunContext& context) {
-  if (!plan.Needs("ct") && !plan.Needs("labels")) return;
+  if (!plan.Needs(effects::ports::kCt) && !plan.Needs(effects::ports::kLabels)) return;
   const segmentation::SurfaceScene list = segmentation::ReadSurfaceScene(scenario.patient.surfaces);
   auto labels = segmentation::LabelsOfSurfaces(list, context);
-  if (plan.Needs("ct")) {
+  if (plan.Needs(effects::ports::kCt)) {
     scene.ct = std::make_shared<volume::CtVolume>(segmentation::CtOfLabels(list, labels));
   }
-  if (plan.Needs("labels")) {
+  if (plan.Needs(effects::ports::kLabels)) {
     scene.labels = std::make_shared<volume::LabelMap>(std::move(labels));
   }
   context.provenance.AddInput(scenario.patient.surfaces);
@@ -115,6 +115,14 @@ void LoadFluoroscopy(const scenario::Scenario& scenario, Scene& scene, RunContex
   context.provenance.AddInput(effect.c_arm);
 }
 
+/// What effects of the list may read of the patient: shared, so that it stays where it is.
+effects::PortValues DataOf(const Scene& scene) {
+  effects::PortValues values;
+  if (scene.ct) values.Set(effects::ports::kCt, scene.ct.get());
+  if (scene.labels) values.Set(effects::ports::kLabels, scene.labels.get());
+  return values;
+}
+
 }  // namespace
 
 Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context) {
@@ -134,18 +142,18 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   }
   if (!scenario.patient.surfaces.empty()) {
     LoadSurfaces(scenario, plan, scene, context);
-  } else if (plan.Needs("ct")) {
+  } else if (plan.Needs(effects::ports::kCt)) {
     context.Checkpoint("reading the CT", 0.0);
     scene.ct = std::make_shared<volume::CtVolume>(
         volume::ReadCt(scenario.patient.ct, scenario.patient.dicom_series, context));
     context.provenance.AddInput(scenario.patient.ct);
   }
   if (plan.Has(StageId::kFluoroscopy)) LoadFluoroscopy(scenario, scene, context);
-  if (plan.Needs("labels") && scenario.patient.surfaces.empty()) {
+  if (plan.Needs(effects::ports::kLabels) && scenario.patient.surfaces.empty()) {
     scene.labels = std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
     context.provenance.AddInput(scenario.patient.labels);
   }
-  if (plan.Needs("needle preset")) {
+  if (plan.Needs(effects::ports::kNeedlePreset)) {
     scene.needle = forces::ReadNeedle(scenario.needle);
     context.provenance.AddInput(scenario.needle);
   }
@@ -156,7 +164,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     context.provenance.AddInput(scenario.needle_force->table);
   }
   if (plan.Has(StageId::kNeedleShape)) LoadShape(scenario, scene, context);
-  if (plan.Needs("probe preset")) {
+  if (plan.Needs(effects::ports::kProbePreset)) {
     scene.probe = acoustics::ReadProbe(scenario.probe);
     if (scenario.ultrasound) SetLines(*scenario.ultrasound, *scene.probe);
     context.provenance.AddInput(scenario.probe);
@@ -167,7 +175,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   }
   if (plan.Has(StageId::kView3d)) scene.view_3d = scenario.view_3d;
   if (plan.Has(StageId::kUltrasound)) {
-    const bool by_labels = plan.Reads(StageId::kUltrasound, "labels");
+    const bool by_labels = plan.Reads(StageId::kUltrasound, effects::ports::kLabels);
     scene.b_mode =
         ReadImageSettings(*scenario.ultrasound, by_labels ? scene.labels.get() : nullptr);
     context.provenance.AddInput(scenario.ultrasound->acoustics);
@@ -182,6 +190,9 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
                               context);
     scene.warp_spacing_mm = scenario.tissue->warp_spacing_mm;
     scene.inverse_iterations = scenario.tissue->inverse_iterations;
+  }
+  if (!scenario.others.empty()) {
+    scene.others = OtherEffects(scenario, plan, DataOf(scene), context);
   }
   return scene;
 }

@@ -18,6 +18,7 @@
 #include "acus/scene/simulation/effect_plan.h"
 #include "acus/scene/simulation/image_level.h"
 #include "acus/scene/simulation/needle_shape.h"
+#include "acus/scene/simulation/other_effects.h"
 
 namespace acus::simulation {
 
@@ -58,6 +59,7 @@ struct Scene {
   std::optional<FluoroscopySettings> fluoroscopy;      ///< If the plan has the fluoroscopy.
   std::optional<scenario::View3dEffect> view_3d;       ///< If the plan has the view in 3D.
   std::optional<ImageSettings> b_mode;                 ///< If the plan has the B-mode.
+  OtherEffects others;                                 ///< Of the list of effects.
 };
 
 /// Loads what `plan` needs of the scenario, and nothing else.

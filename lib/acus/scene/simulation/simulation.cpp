@@ -31,6 +31,7 @@ State Simulation::NewState(std::int64_t session_start_ns) const {
   if (scene_.forces) state.force = scene_.forces->NewState();
   if (scene_.shape) state.shape = scene_.shape->NewState();
   if (scene_.probe_force) state.probe = scene_.probe_force->NewState();
+  scene_.others.Begin(state.effects);
   return state;
 }
 
@@ -41,6 +42,12 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   out.time_ns = sample.time_ns;
   const double time_s = 1e-9 * static_cast<double>(sample.time_ns);
   state.needle_seen |= sample.needle_valid;
+  const effects::StepTime effect_time{
+      sample.time_ns, 1e-9 * static_cast<double>(sample.time_ns - state.session_start_ns)};
+  if (scene_.others.has_steps()) {
+    effects::PortValues ports = scene_.others.data();
+    scene_.others.Step(false, state.effects, effect_time, ports, out.effect, watch);
+  }
   const Tools tools = ToolsOf(state, sample);
   if (scene_.breathing) {
     watch.EndOf(StageId::kBreathing, tools.tissue_moves ? Sleep::kAwake : Sleep::kAtRest);
@@ -105,6 +112,14 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
     watch.EndOf(StageId::kProbeForce, out.probe.on_skin ? Sleep::kAwake : off);
   }
   if (tools.tissue_moves) TurnForces(tools, out);
+  if (scene_.others.has_steps()) {
+    effects::PortValues ports = scene_.others.data();
+    ports.Set(effects::ports::kNeedle, &out.needle_at_rest);
+    ports.Set(effects::ports::kTissue, &out.tissue_at_tip);
+    ports.Set(effects::ports::kForce, &out.force);
+    ports.Set(effects::ports::kProbeForce, &out.probe);
+    scene_.others.Step(true, state.effects, effect_time, ports, out.effect, watch);
+  }
   return out;
 }
 
@@ -114,7 +129,19 @@ Simulation::Tools Simulation::ToolsOf(State& state, const Sample& sample) const 
     tools.needle.ct_from_tool = scene_.ct_from_reference * sample.reference_from_needle;
   }
   tools.probe.ct_from_tool = scene_.ct_from_reference * sample.reference_from_probe;
-  if (!scene_.breathing) return tools;
+  if (scene_.breathing) LayAtRest(state, sample, tools);
+  if (!scene_.others.moves_tissue()) return tools;
+  const auto lay = [&](breathing::ToolAtRest& tool) {
+    const Eigen::Vector3d place_mm = tool.ct_from_tool.translation();
+    tool.ct_from_tool.translation() = scene_.others.RestInCtMm(state.effects, place_mm);
+    return Eigen::Vector3d(place_mm - tool.ct_from_tool.translation());
+  };
+  if (runs_needle_ && state.needle_seen) state.needle_moved_mm = lay(tools.needle);
+  if (sample.probe_valid && (runs_probe_ || runs_contact_)) lay(tools.probe);
+  return tools;
+}
+
+void Simulation::LayAtRest(State& state, const Sample& sample, Tools& tools) const noexcept {
   const breathing::MotionMap& patient = tools.patient.emplace(scene_.breathing->At(
       1e-9 * static_cast<double>(sample.time_ns - state.session_start_ns), sample.breath));
   tools.tissue_moves = patient.moves();
@@ -126,7 +153,6 @@ Simulation::Tools Simulation::ToolsOf(State& state, const Sample& sample) const 
     tools.probe = breathing::AtRest(patient, tools.probe.ct_from_tool, Eigen::Vector3d::UnitY(),
                                     state.probe_track);
   }
-  return tools;
 }
 
 void Simulation::TurnForces(const Tools& tools, StepOutput& out) const noexcept {
@@ -141,6 +167,11 @@ void Simulation::TurnForces(const Tools& tools, StepOutput& out) const noexcept 
 
 bool Simulation::ShapeOf(const State& state, math::Polyline& out) const noexcept {
   if (!scene_.shape || !scene_.shape->ShapeOf(state.shape, out)) return false;
+  if (scene_.others.moves_tissue()) {
+    for (int n = 0; n < out.num_points; ++n) {
+      out.point_mm[static_cast<std::size_t>(n)] += state.needle_moved_mm;
+    }
+  }
   const breathing::ToolTrack& track = state.needle_track;
   if (!track.started) return true;
   for (int n = 0; n < out.num_points; ++n) {

@@ -40,6 +40,7 @@ struct StepOutput {
   NeedleShape shape;           ///< Not bent if the plan has no needle shape.
   forces::ProbeForce probe;    ///< Zero if the plan has no probe force.
   tissue::TissueForce tissue;  ///< Zero if the plan has no tissue contact.
+  EffectColumns effect{};      ///< What effects of the list write down.
 };
 
 /// All that changes. A plain value: save it, restore it, run many side by side. Made by
@@ -54,6 +55,9 @@ struct State {
   bool needle_seen = false;
   breathing::ToolTrack needle_track;
   breathing::ToolTrack probe_track;
+  effects::Memory effects;  ///< Of the effects of the list.
+  /// How far these have moved the tissue at the needle's tip.
+  Eigen::Vector3d needle_moved_mm = Eigen::Vector3d::Zero();
   std::int64_t steps = 0;
 };
 
@@ -90,6 +94,7 @@ class Simulation {
     bool tissue_moves = false;                    ///< By breath.
   };
   Tools ToolsOf(State& state, const Sample& sample) const noexcept;
+  void LayAtRest(State& state, const Sample& sample, Tools& tools) const noexcept;
   void TurnForces(const Tools& tools, StepOutput& out) const noexcept;
   void ShapeNeedle(State& state, const Sample& sample, const Tools& tools,
                    StepOutput& out) const noexcept;

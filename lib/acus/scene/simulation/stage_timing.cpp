@@ -27,6 +27,8 @@ std::string_view WordsOf(Sleep sleep) {
       return "nothing moved since the last picture";
     case Sleep::kNeedleOffPlane:
       return "only the needle moved, far from the image plane";
+    case Sleep::kEffectIdle:
+      return "the effect has nothing to do";
     case Sleep::kEnd:
       break;
   }

@@ -23,6 +23,7 @@ enum class Sleep {
   kUndeformed,
   kNothingMoved,
   kNeedleOffPlane,
+  kEffectIdle,
   kEnd,
 };
 inline constexpr int kNumSleeps = static_cast<int>(Sleep::kEnd);
@@ -40,7 +41,7 @@ struct StageTimes {
     std::int64_t asleep = 0;                            ///< Runs with nothing to do, in all ...
     std::array<std::int64_t, kNumSleeps> asleep_for{};  ///< ... and for each reason.
   };
-  std::array<Cost, kNumStages> cost{};
+  std::array<Cost, kMaxStages> cost{};
 
   Cost& Of(StageId id) { return cost[static_cast<std::size_t>(id)]; }
   const Cost& Of(StageId id) const { return cost[static_cast<std::size_t>(id)]; }

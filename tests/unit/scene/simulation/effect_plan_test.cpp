@@ -37,8 +37,8 @@ TEST(PlanEffects, RunsProducersBeforeConsumers) {
   const EffectPlan plan = PlanEffects(AllEffects(), kAll);
   EXPECT_THAT(StagesIn(plan), testing::ElementsAre("needle pose", "tissue lookup", "needle force",
                                                    "probe pose", "CT slice", "B-mode"));
-  EXPECT_TRUE(plan.Needs("ct"));
-  EXPECT_TRUE(plan.Needs("labels"));
+  EXPECT_TRUE(plan.Needs(effects::ports::kCt));
+  EXPECT_TRUE(plan.Needs(effects::ports::kLabels));
 }
 
 TEST(PlanEffects, EachLevelOfTheUltrasoundReadsItsOwnVolume) {
@@ -46,12 +46,12 @@ TEST(PlanEffects, EachLevelOfTheUltrasoundReadsItsOwnVolume) {
   s.needle_force.reset();
   s.ct_slice.reset();
   s.ultrasound->model = scenario::UltrasoundModel::kVidal2008;
-  EXPECT_TRUE(PlanEffects(s, kAll).Needs("ct"));
-  EXPECT_FALSE(PlanEffects(s, kAll).Needs("labels"));
+  EXPECT_TRUE(PlanEffects(s, kAll).Needs(effects::ports::kCt));
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs(effects::ports::kLabels));
   s.ultrasound->model = scenario::UltrasoundModel::kAlamilla2021;
   s.patient.ct.clear();
-  EXPECT_FALSE(PlanEffects(s, kAll).Needs("ct"));
-  EXPECT_TRUE(PlanEffects(s, kAll).Needs("labels"));
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs(effects::ports::kCt));
+  EXPECT_TRUE(PlanEffects(s, kAll).Needs(effects::ports::kLabels));
 }
 
 TEST(PlanEffects, LeavesOutWhatNoEffectNeeds) {
@@ -61,7 +61,7 @@ TEST(PlanEffects, LeavesOutWhatNoEffectNeeds) {
   forces_only.patient.ct.clear();  // Not needed, so it need not exist.
   const EffectPlan plan = PlanEffects(forces_only, {.needle_poses = true});
   EXPECT_THAT(StagesIn(plan), testing::ElementsAre("needle pose", "tissue lookup", "needle force"));
-  EXPECT_FALSE(plan.Needs("ct"));
+  EXPECT_FALSE(plan.Needs(effects::ports::kCt));
 
   scenario::Scenario images_only = AllEffects();
   images_only.needle_force.reset();
@@ -89,10 +89,10 @@ TEST(PlanEffects, TheNeedlesShapeComesBetweenItsForceAndThePictures) {
   EXPECT_THAT(StagesIn(plan),
               testing::ElementsAre("needle pose", "tissue lookup", "needle force", "needle shape",
                                    "probe pose", "CT slice", "B-mode"));
-  EXPECT_TRUE(plan.Needs("shape"));
-  EXPECT_TRUE(plan.Needs("needle's elasticity"));
+  EXPECT_TRUE(plan.Needs(effects::ports::kShape));
+  EXPECT_TRUE(plan.Needs(effects::ports::kNeedleElasticity));
   s.shape->model = scenario::NeedleModelKind::kRigid;
-  EXPECT_FALSE(PlanEffects(s, kAll).Needs("needle's elasticity"));
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs(effects::ports::kNeedleElasticity));
   EXPECT_FALSE(PlanEffects(AllEffects(), kAll).Has(StageId::kNeedleShape));
 }
 
@@ -104,7 +104,7 @@ TEST(PlanEffects, TheViewReadsWhatItShowsAndNothingElse) {
   s.view_3d->probe = false;
   const EffectPlan plan = PlanEffects(s, {.needle_poses = true});
   EXPECT_THAT(StagesIn(plan), testing::ElementsAre("needle pose", "view in 3D"));
-  EXPECT_FALSE(plan.Needs("ct"));
+  EXPECT_FALSE(plan.Needs(effects::ports::kCt));
   // The picture in the probe's plane is that of the ultrasound.
   s.patient.ct = "ct.nrrd";
   s.view_3d->probe = true;
@@ -128,15 +128,15 @@ TEST(PlanEffects, ForcesGoByTheCtWhereThereAreNoLabelsOrTheModelAsksForIt) {
   scenario::Scenario s = AllEffects();
   s.ultrasound.reset();
   s.ct_slice.reset();
-  EXPECT_FALSE(PlanEffects(s, kAll).Needs("ct"));
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs(effects::ports::kCt));
   s.needle_force->model = scenario::NeedleForceModelKind::kVidal;
-  EXPECT_TRUE(PlanEffects(s, kAll).Needs("ct"));
-  EXPECT_TRUE(PlanEffects(s, kAll).Needs("labels"));
+  EXPECT_TRUE(PlanEffects(s, kAll).Needs(effects::ports::kCt));
+  EXPECT_TRUE(PlanEffects(s, kAll).Needs(effects::ports::kLabels));
   s.needle_force->model = scenario::NeedleForceModelKind::kAlamilla;
-  EXPECT_FALSE(PlanEffects(s, kAll).Needs("ct"));
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs(effects::ports::kCt));
   s.patient.labels.clear();
-  EXPECT_TRUE(PlanEffects(s, kAll).Needs("ct"));
-  EXPECT_FALSE(PlanEffects(s, kAll).Needs("labels"));
+  EXPECT_TRUE(PlanEffects(s, kAll).Needs(effects::ports::kCt));
+  EXPECT_FALSE(PlanEffects(s, kAll).Needs(effects::ports::kLabels));
 }
 
 scenario::Scenario WithTissue(scenario::TissueModelKind model) {
@@ -155,9 +155,9 @@ TEST(PlanEffects, PutsDeformationBeforeThePicturesThatShowIt) {
   EXPECT_THAT(StagesIn(plan),
               testing::ElementsAre("needle pose", "tissue contact", "needle force", "probe pose",
                                    "deformation", "CT slice", "B-mode"));
-  EXPECT_TRUE(plan.Needs("mesh"));
-  EXPECT_FALSE(plan.Needs("labels"));
-  EXPECT_FALSE(plan.Needs("corridor"));
+  EXPECT_TRUE(plan.Needs(effects::ports::kMesh));
+  EXPECT_FALSE(plan.Needs(effects::ports::kLabels));
+  EXPECT_FALSE(plan.Needs(effects::ports::kCorridor));
 }
 
 TEST(PlanEffects, DisplacementFunctionsFollowTheForcesAndAreOnlyForPictures) {
@@ -180,9 +180,9 @@ TEST(PlanEffects, SceneWithoutTissueNeedsNothingOfIt) {
   const EffectPlan plan = PlanEffects(s, kAll);
   EXPECT_FALSE(plan.Has(StageId::kTissueContact));
   EXPECT_FALSE(plan.Has(StageId::kDeformation));
-  EXPECT_FALSE(plan.Needs("mesh"));
-  EXPECT_FALSE(plan.Needs("tissue's elasticity"));
-  EXPECT_FALSE(plan.Needs("tissue's force table"));
+  EXPECT_FALSE(plan.Needs(effects::ports::kMesh));
+  EXPECT_FALSE(plan.Needs(effects::ports::kTissueElasticity));
+  EXPECT_FALSE(plan.Needs(effects::ports::kTissueForceTable));
 }
 
 TEST(PlanEffects, AProbeForceNeedsOnlyWhatItsModelReads) {
@@ -192,13 +192,13 @@ TEST(PlanEffects, AProbeForceNeedsOnlyWhatItsModelReads) {
   s.probe_force.emplace();
   const EffectPlan vidal = PlanEffects(s, {.probe_poses = true});  // No needle.
   EXPECT_THAT(StagesIn(vidal), testing::ElementsAre("probe force"));
-  EXPECT_TRUE(vidal.Needs("ct"));
-  EXPECT_FALSE(vidal.Needs("labels"));
-  EXPECT_FALSE(vidal.Needs("probe preset"));
+  EXPECT_TRUE(vidal.Needs(effects::ports::kCt));
+  EXPECT_FALSE(vidal.Needs(effects::ports::kLabels));
+  EXPECT_FALSE(vidal.Needs(effects::ports::kProbePreset));
   s.probe_force->model = scenario::ProbeForceModelKind::kMultiProxy;
-  EXPECT_TRUE(PlanEffects(s, {.probe_poses = true}).Needs("probe preset"));
+  EXPECT_TRUE(PlanEffects(s, {.probe_poses = true}).Needs(effects::ports::kProbePreset));
   s.probe_force->is_fingertip = true;
-  EXPECT_FALSE(PlanEffects(s, {.probe_poses = true}).Needs("probe preset"));
+  EXPECT_FALSE(PlanEffects(s, {.probe_poses = true}).Needs(effects::ports::kProbePreset));
   s.probe_force->reads_labels = true;
   EXPECT_THAT([&] { PlanEffects(s, {.needle_poses = true}); },
               ThrowsMessage<InputError>(AllOf(
@@ -215,7 +215,7 @@ TEST(PlanEffects, AProbeThatPressesTissueNeedsNoPictures) {
   const EffectPlan plan = PlanEffects(s, kAll);
   EXPECT_THAT(StagesIn(plan),
               testing::ElementsAre("needle pose", "tissue contact", "needle force"));
-  EXPECT_TRUE(plan.Reads(StageId::kTissueContact, "probe preset"));
+  EXPECT_TRUE(plan.Reads(StageId::kTissueContact, effects::ports::kProbePreset));
 }
 
 TEST(PlanEffects, StagesKnowTheEffectsThatTheyWorkFor) {
@@ -241,7 +241,7 @@ TEST(PlanEffects, SaysSoWhereNothingIsThereForAnEffectToChange) {
   EXPECT_FALSE(plan.Has(StageId::kBreathing));
   EXPECT_EQ(plan.Of(StageId::kBreathing).reason,
             "effect breathing is called for, but none that it changes");
-  EXPECT_FALSE(plan.Needs("motion"));
+  EXPECT_FALSE(plan.Needs(effects::ports::kMotion));
 }
 
 TEST(RequireFiles, NamesFilesThatStagesReadAndThatAreNotThere) {

@@ -1,0 +1,105 @@
+// An effect: all that the rest of Acus knows of a piece of simulated nature that a scene may call
+// for. Schema, plan, loader, steps, logs, reports, live sessions and sweeps go by the list of effects.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "acus/base/core/run_context.h"
+#include "acus/scene/effects/port.h"
+#include "acus/scene/effects/stage.h"
+
+namespace acus::effects {
+
+/// How a path among an effect's settings is looked for.
+enum class PathKind {
+  kFile,    ///< Relative to the scenario file.
+  kPreset,  ///< Also among the installed configs.
+};
+
+/// A path among an effect's settings. If a stage reads the port, the file has to be there.
+struct PathSetting {
+  std::string key;  ///< Of the settings: "centrelines".
+  PathKind kind = PathKind::kFile;
+  PortRef port;
+};
+
+/// A stage, as the plan sees it.
+struct StageDeclaration {
+  std::string_view name;  ///< "pulse"; of static storage.
+  std::vector<PortRef> reads;
+  std::vector<PortRef> writes;
+  /// True: there for the effect's own sake. False: only if another stage reads what it writes.
+  bool is_goal = true;
+};
+
+/// A number that the effect's stage writes down at every sample.
+struct Column {
+  std::string name;   ///< With its unit: "radius_mm".
+  std::string title;  ///< Of the plot in reports.
+  std::string unit;
+};
+
+/// What a change of a setting acts on.
+enum class ActsOn { kForce, kImage, kBoth };
+
+/// A setting that can be coarser or finer.
+struct Knob {
+  std::string name;   ///< As in --knob, with its unit.
+  std::string title;  ///< "points along a vessel"
+  std::string unit;   ///< Empty for a pure number.
+  std::string key;    ///< Of the settings.
+  ActsOn acts_on = ActsOn::kBoth;
+  std::vector<nlohmann::json> levels;  ///< From cheap to expensive.
+};
+
+/// What an effect has loaded for a scene. Const from then on; shared by all threads.
+class LoadedEffect {
+ public:
+  virtual ~LoadedEffect() = default;
+  /// Null if the effect has no such stage.
+  virtual const StepStage* step() const { return nullptr; }
+  /// A new one for each caller; null if the effect has no such stage. Must not outlive this.
+  virtual std::unique_ptr<ImageStage> NewImageStage() const { return nullptr; }
+};
+
+/// A kind of effect. One object for each, of static storage.
+class Effect {
+ public:
+  virtual ~Effect() = default;
+
+  /// Key among the scenario's effects: "pulsating_vessels". Also names its log files.
+  virtual std::string_view key() const = 0;
+  /// "Pulsating vessels": heads its part of a report.
+  virtual std::string_view title() const = 0;
+  /// Its part of the scenario's schema. The "description" is its line in the reference.
+  virtual nlohmann::json Schema() const = 0;
+  virtual std::vector<PathSetting> Paths() const { return {}; }
+
+  /// At every sample, and at every image. Nothing if the settings call for no such stage.
+  virtual std::optional<StageDeclaration> StepStageOf(const nlohmann::json& /*settings*/) const {
+    return std::nullopt;
+  }
+  virtual std::optional<StageDeclaration> ImageStageOf(const nlohmann::json& /*settings*/) const {
+    return std::nullopt;
+  }
+  /// Of the stage at every sample; at most kMaxColumns over all effects of a scene.
+  virtual std::vector<Column> Columns() const { return {}; }
+  virtual std::vector<Knob> Knobs() const { return {}; }
+
+  /// @param settings  As the schema checked and completed them; paths are absolute.
+  /// @param scene  Holds what the stages read of the patient and of presets.
+  /// @throws InputError if a file is not readable or a setting does not fit the patient.
+  virtual std::unique_ptr<const LoadedEffect> Load(const nlohmann::json& settings,
+                                                   const PortValues& scene,
+                                                   RunContext& context) const = 0;
+};
+
+/// Numbers of all effects of a scene together, in a step.
+inline constexpr std::size_t kMaxColumns = 12;
+
+}  // namespace acus::effects

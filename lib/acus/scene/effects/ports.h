@@ -1,0 +1,66 @@
+// The ports of a scene: what comes from outside, and what its stages write.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+
+#include "acus/data/image/image.h"
+#include "acus/data/volume/volume.h"
+#include "acus/imaging/acoustics/probe.h"
+#include "acus/imaging/slicing/beam_bend.h"
+#include "acus/physics/breathing/breath.h"
+#include "acus/physics/breathing/tool_at_rest.h"
+#include "acus/physics/forces/force_model.h"
+#include "acus/physics/forces/needle_sample.h"
+#include "acus/physics/forces/probe_sample.h"
+#include "acus/scene/effects/port.h"
+
+namespace acus::effects::ports {
+
+/// A file that a stage reads; only its place goes through the port.
+using FilePort = Port<std::filesystem::path>;
+
+// What the session gives.
+inline constexpr Port<Eigen::Isometry3d> kNeedlePoses{"needle poses"};
+inline constexpr Port<Eigen::Isometry3d> kProbePoses{"probe poses"};
+inline constexpr Port<breathing::Breath> kSessionBreath{"session's breath"};
+
+// What the patient gives.
+inline constexpr Port<volume::CtVolume> kCt{"ct"};
+inline constexpr Port<volume::LabelMap> kLabels{"labels"};
+inline constexpr FilePort kMesh{"mesh"};
+inline constexpr FilePort kCorridor{"corridor"};
+
+// Presets and other files.
+inline constexpr Port<forces::NeedleProperties> kNeedlePreset{"needle preset"};
+inline constexpr Port<acoustics::Probe> kProbePreset{"probe preset"};
+inline constexpr FilePort kMotion{"motion"};
+inline constexpr FilePort kBreathSignal{"breath signal"};
+inline constexpr FilePort kForceTable{"force table"};
+inline constexpr FilePort kNeedleElasticity{"needle's elasticity"};
+inline constexpr FilePort kProbeForceTable{"probe's force table"};
+inline constexpr FilePort kTissueElasticity{"tissue's elasticity"};
+inline constexpr FilePort kTissueForceTable{"tissue's force table"};
+inline constexpr FilePort kAcoustics{"acoustics"};
+inline constexpr FilePort kCArm{"C-arm"};
+
+// What stages at every sample write.
+inline constexpr Port<breathing::Breath> kBreath{"breath"};
+/// Written by any number of stages: see StepStage::RestInCtMm.
+inline constexpr Port<void> kTissueMotion{"tissue motion"};
+inline constexpr Port<breathing::ToolAtRest> kNeedle{"needle"};
+inline constexpr Port<volume::Label> kTissue{"tissue"};
+inline constexpr Port<void> kContact{"contact"};
+inline constexpr Port<forces::NeedleForce> kForce{"force"};
+inline constexpr Port<void> kShape{"shape"};
+inline constexpr Port<forces::ProbeForce> kProbeForce{"probe force"};
+
+// What stages at every image write.
+inline constexpr Port<Eigen::Isometry3d> kProbe{"probe"};
+inline constexpr Port<slicing::RestMap> kRestMap{"rest map"};
+inline constexpr Port<image::GrayImage> kCtImage{"CT picture"};
+inline constexpr Port<image::GrayImage> kBMode{"B-mode picture"};
+inline constexpr Port<image::GrayImage> kFluoroscopy{"fluoroscopy picture"};
+inline constexpr Port<void> kView{"view"};
+
+}  // namespace acus::effects::ports

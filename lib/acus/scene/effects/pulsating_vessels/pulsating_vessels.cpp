@@ -1,0 +1,148 @@
+#include "acus/scene/effects/pulsating_vessels/pulsating_vessels.h"
+
+#include <algorithm>
+
+#include "acus/base/core/error.h"
+#include "acus/data/volume/labels.h"
+#include "acus/scene/effects/ports.h"
+#include "acus/scene/effects/pulsating_vessels/centrelines.h"
+#include "acus/scene/effects/pulsating_vessels/pulse.h"
+#include "acus/scene/effects/pulsating_vessels/vessel.h"
+
+namespace acus::effects {
+namespace {
+
+using nlohmann::json;
+
+constexpr ports::FilePort kCentrelines{"vessels' centrelines"};
+
+struct PulseState {
+  double strain = 0.0;  ///< Of all radii, now.
+};
+
+class VesselStage final : public StepStageOf<PulseState> {
+ public:
+  VesselStage(std::vector<Vessel> vessels, const Pulse& pulse, double strain)
+      : vessels_(std::move(vessels)), pulse_(pulse), strain_(strain) {
+    for (const Vessel& vessel : vessels_) {
+      largest_radius_mm_ = std::max(largest_radius_mm_, vessel.LargestRadiusMm());
+    }
+  }
+
+  Activity Step(PulseState& state, const StepTime& time, PortValues& /*ports*/,
+                std::span<double> columns) const noexcept override {
+    state.strain = strain_ * pulse_.At(time.session_s);
+    columns[0] = largest_radius_mm_ * state.strain;
+    return state.strain > 0.0 ? Activity::kActive : Activity::kIdle;
+  }
+
+  Eigen::Vector3d RestInCtMm(const PulseState& state,
+                             const Eigen::Vector3d& place_in_ct_mm) const noexcept override {
+    Eigen::Vector3d rest_mm = place_in_ct_mm;
+    for (const Vessel& vessel : vessels_) rest_mm = vessel.RestMm(rest_mm, state.strain);
+    return rest_mm;
+  }
+
+  bool IsSameMotion(const PulseState& a, const PulseState& b) const noexcept override {
+    return a.strain == b.strain;
+  }
+
+  /// The field changes over the radius of a vessel.
+  double MotionSpacingMm() const noexcept override { return 2.0; }
+
+ private:
+  std::vector<Vessel> vessels_;
+  Pulse pulse_;
+  double strain_;
+  double largest_radius_mm_ = 0.0;
+};
+
+class LoadedVessels final : public LoadedEffect {
+ public:
+  explicit LoadedVessels(VesselStage stage) : stage_(std::move(stage)) {}
+  const StepStage* step() const override { return &stage_; }
+
+ private:
+  VesselStage stage_;
+};
+
+class PulsatingVesselsEffect final : public Effect {
+ public:
+  std::string_view key() const override { return "pulsating_vessels"; }
+  std::string_view title() const override { return "Pulsating vessels"; }
+
+  json Schema() const override {
+    return json::parse(R"({
+      "type": "object",
+      "additionalProperties": false,
+      "description": "Arteries whose walls move with the heart, and the tissue around them; felt by needle and probe, seen in the images",
+      "properties": {
+        "tissue": {"type": "string", "default": "vessel", "description": "Tissue of the label map whose centrelines are followed; not read if centrelines are given"},
+        "centrelines": {"type": "string", "description": "CSV of centrelines (vessel,x_mm,y_mm,z_mm,radius_mm; CT space), in place of the label map"},
+        "heart_rate_per_min": {"type": "number", "exclusiveMinimum": 0, "maximum": 300, "default": 70, "description": "Beats per minute"},
+        "rise_share": {"type": "number", "minimum": 0.02, "maximum": 0.9, "default": 0.15, "description": "Share of the heart's cycle in which the wall moves out"},
+        "radial_strain": {"type": "number", "minimum": 0, "maximum": 0.3, "default": 0.08, "description": "Motion of the wall at the peak of systole, as a share of the radius. Abdominal aorta: 0.04 to 0.12"},
+        "reach_mm": {"type": "number", "minimum": 1, "maximum": 100, "default": 15, "description": "Tissue moves up to this far beyond the wall"},
+        "point_spacing_mm": {"type": "number", "minimum": 0.5, "maximum": 50, "default": 4, "description": "Distance of points along a centreline"}
+      }
+    })");
+  }
+
+  std::vector<PathSetting> Paths() const override {
+    return {{"centrelines", PathKind::kFile, kCentrelines}};
+  }
+
+  std::optional<StageDeclaration> StepStageOf(const json& settings) const override {
+    StageDeclaration stage{.name = "pulse", .reads = {}, .writes = {ports::kTissueMotion}};
+    stage.reads.push_back(settings.contains("centrelines") ? PortRef(kCentrelines)
+                                                           : PortRef(ports::kLabels));
+    stage.is_goal = false;
+    return stage;
+  }
+
+  std::vector<Column> Columns() const override {
+    return {{"wall_mm", "How far the wall of the largest vessel has moved out", "mm"}};
+  }
+
+  std::vector<Knob> Knobs() const override {
+    return {{.name = "vessel_point_spacing_mm",
+             .title = "points along the centreline of a pulsating vessel",
+             .unit = "mm",
+             .key = "point_spacing_mm",
+             .levels = {32, 16, 8, 4, 2, 1}}};
+  }
+
+  std::unique_ptr<const LoadedEffect> Load(const json& settings, const PortValues& scene,
+                                           RunContext& context) const override {
+    std::vector<Centreline> lines;
+    if (settings.contains("centrelines")) {
+      const std::filesystem::path file = settings.at("centrelines").get<std::string>();
+      lines = ReadCentrelines(file);
+      context.provenance.AddInput(file);
+    } else {
+      const std::string tissue = settings.at("tissue");
+      lines = CentrelinesOf(scene.Get(ports::kLabels), volume::LabelOf(tissue));
+      if (lines.empty()) {
+        context.Warn("effects/pulsating_vessels: the label map has no vessel of tissue \"" + tissue +
+                     "\" that can be followed over five slices; nothing pulsates");
+      }
+    }
+    const double strain = settings.at("radial_strain");
+    std::vector<Vessel> vessels;
+    for (const Centreline& line : lines) {
+      vessels.emplace_back(Resampled(line, settings.at("point_spacing_mm")),
+                           settings.at("reach_mm"), strain);
+    }
+    const Pulse pulse(settings.at("heart_rate_per_min"), settings.at("rise_share"));
+    return std::make_unique<LoadedVessels>(VesselStage(std::move(vessels), pulse, strain));
+  }
+};
+
+}  // namespace
+
+const Effect& PulsatingVessels() {
+  static const PulsatingVesselsEffect effect;
+  return effect;
+}
+
+}  // namespace acus::effects

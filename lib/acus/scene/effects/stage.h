@@ -1,0 +1,113 @@
+// Stages of an effect: the work that it adds to every sample and to every image.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "acus/data/image/image.h"
+#include "acus/imaging/slicing/beam_bend.h"
+#include "acus/scene/effects/memory.h"
+#include "acus/scene/effects/port.h"
+
+namespace acus::effects {
+
+/// Of StepStage::Step: whether there was anything to do.
+enum class Activity { kActive, kIdle };
+
+/// The moment of a step.
+struct StepTime {
+  std::int64_t time_ns = 0;
+  double session_s = 0.0;  ///< Since the session began.
+};
+
+/// The work of an effect at every sample. Const after loading: all that changes is in its state, a
+/// plain value of state_bytes() that the simulation keeps. Implement StepStageOf<State> instead.
+class StepStage {
+ public:
+  virtual ~StepStage() = default;
+
+  virtual std::size_t state_bytes() const noexcept = 0;
+  virtual void BeginIn(std::byte* state) const noexcept = 0;
+
+  /// Real time: must not allocate, lock, log or throw. The same inputs give the same bits.
+  /// @param ports  What the stage reads is set; it may set what it writes to parts of its state.
+  /// @param columns  One number for each of the effect's columns, zero before.
+  virtual Activity StepIn(std::byte* state, const StepTime& time, PortValues& ports,
+                          std::span<double> columns) const noexcept = 0;
+
+  /// Where tissue that is now at a place was without this effect, CT space. Only called if the stage
+  /// writes ports::kTissueMotion, by tools at every sample and by images at their knots.
+  virtual Eigen::Vector3d RestIn(const std::byte* /*state*/,
+                                 const Eigen::Vector3d& place_in_ct_mm) const noexcept {
+    return place_in_ct_mm;
+  }
+  /// True if tissue lies the same in both states: images that show it need not be made anew.
+  virtual bool IsSameMotionIn(const std::byte* /*a*/, const std::byte* /*b*/) const noexcept {
+    return true;
+  }
+  /// Distance over which the motion may be taken as linear.
+  virtual double MotionSpacingMm() const noexcept { return 1e3; }
+};
+
+/// A stage whose state is of a type of its own.
+template <PlainState State>
+class StepStageOf : public StepStage {
+ public:
+  virtual State Begin() const noexcept { return {}; }
+  virtual Activity Step(State& state, const StepTime& time, PortValues& ports,
+                        std::span<double> columns) const noexcept = 0;
+  virtual Eigen::Vector3d RestInCtMm(const State& /*state*/,
+                                     const Eigen::Vector3d& place_in_ct_mm) const noexcept {
+    return place_in_ct_mm;
+  }
+  virtual bool IsSameMotion(const State& /*a*/, const State& /*b*/) const noexcept { return true; }
+
+  static const State& StateAt(const std::byte* state) noexcept {
+    return *std::launder(reinterpret_cast<const State*>(state));
+  }
+
+  std::size_t state_bytes() const noexcept final { return sizeof(State); }
+  void BeginIn(std::byte* state) const noexcept final { new (state) State(Begin()); }
+  Activity StepIn(std::byte* state, const StepTime& time, PortValues& ports,
+                  std::span<double> columns) const noexcept final {
+    return Step(*std::launder(reinterpret_cast<State*>(state)), time, ports, columns);
+  }
+  Eigen::Vector3d RestIn(const std::byte* state,
+                         const Eigen::Vector3d& place_in_ct_mm) const noexcept final {
+    return RestInCtMm(StateAt(state), place_in_ct_mm);
+  }
+  bool IsSameMotionIn(const std::byte* a, const std::byte* b) const noexcept final {
+    return IsSameMotion(StateAt(a), StateAt(b));
+  }
+};
+
+/// The moment of an image.
+struct ImageMoment {
+  std::int64_t time_ns = 0;
+  double session_s = 0.0;
+  bool probe_valid = false;
+  Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
+  std::optional<Eigen::Isometry3d> ct_from_needle = std::nullopt;
+  /// Of the effect's stage at every sample, after the last step before the image; null if it has
+  /// none. See StepStageOf::StateAt.
+  const std::byte* state = nullptr;
+};
+
+/// The image that an effect adds. One for each thread.
+class ImageStage {
+ public:
+  virtual ~ImageStage() = default;
+
+  /// The same bits for the same moment, whatever was rendered before.
+  /// @param ports  What the stage reads is set.
+  virtual Activity Render(const ImageMoment& moment, const PortValues& ports,
+                          image::GrayImage& out) = 0;
+};
+
+}  // namespace acus::effects

@@ -1,0 +1,40 @@
+#include "acus/scene/simulation/moment_rest.h"
+
+#include <algorithm>
+
+namespace acus::simulation {
+
+Eigen::Vector3d OthersRest::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
+                                       const Eigen::Vector3d& /*guess_in_ct_mm*/) const noexcept {
+  const Eigen::Vector3d rest_mm = others_.RestInCtMm(memory_, place_in_ct_mm);
+  return next_ == nullptr ? rest_mm : next_->RestInCtMm(rest_mm, rest_mm);
+}
+
+double OthersRest::SpacingMm() const noexcept {
+  const double spacing_mm = others_.MotionSpacingMm();
+  return next_ == nullptr ? spacing_mm : std::min(spacing_mm, next_->SpacingMm());
+}
+
+MomentRest::MomentRest(const Scene& scene) : scene_(&scene) {
+  if (scene.tools_deform_images) {
+    deformed_.emplace(*scene.tissue, scene.warp_spacing_mm, scene.inverse_iterations);
+  }
+}
+
+const slicing::RestMap* MomentRest::At(const Snapshot& snapshot) {
+  const slicing::RestMap* rest = nullptr;
+  if (deformed_ && snapshot.load != nullptr) {
+    deformed_->Update(*snapshot.load);
+    rest = &*deformed_;
+  }
+  if (scene_->others.moves_tissue() && snapshot.memory != nullptr) {
+    rest = &others_.emplace(scene_->others, *snapshot.memory, rest);
+  }
+  if (scene_->breathing && scene_->breathing->image) {
+    breathing_.emplace(*scene_->breathing, snapshot.session_s, snapshot.breath, rest);
+    if (breathing_->moves()) rest = &*breathing_;
+  }
+  return rest;
+}
+
+}  // namespace acus::simulation

@@ -1,0 +1,49 @@
+// Where tissue that an image shows was at rest: what breath, effects and tools do to it, one after the
+// other.
+#pragma once
+
+#include <optional>
+
+#include "acus/scene/simulation/breathing_scene.h"
+#include "acus/scene/simulation/deformed_tissue.h"
+#include "acus/scene/simulation/scene.h"
+#include "acus/scene/simulation/snapshot.h"
+
+namespace acus::simulation {
+
+/// Tissue before the effects of the list moved it.
+class OthersRest : public slicing::RestMap {
+ public:
+  /// @param next  What moves tissue besides; may be null. All must outlive this.
+  OthersRest(const OtherEffects& others, const effects::Memory& memory,
+             const slicing::RestMap* next)
+      : others_(others), memory_(memory), next_(next) {}
+
+  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
+                             const Eigen::Vector3d& guess_in_ct_mm) const noexcept override;
+  double SpacingMm() const noexcept override;
+
+ private:
+  const OtherEffects& others_;
+  const effects::Memory& memory_;
+  const slicing::RestMap* next_;
+};
+
+/// The map of one moment at a time. One for each thread.
+class MomentRest {
+ public:
+  /// @param scene  Must outlive this.
+  explicit MomentRest(const Scene& scene);
+
+  /// Null if nothing moves the tissue. Valid until the next call, and as long as the snapshot is.
+  /// Allocates nothing after the first call.
+  const slicing::RestMap* At(const Snapshot& snapshot);
+
+ private:
+  const Scene* scene_;
+  std::optional<DeformedTissue> deformed_;
+  std::optional<OthersRest> others_;
+  std::optional<BreathingRest> breathing_;
+};
+
+}  // namespace acus::simulation

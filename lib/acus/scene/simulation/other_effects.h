@@ -1,0 +1,76 @@
+// The effects of the list that a scene calls for, as steps and images run them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "acus/base/core/run_context.h"
+#include "acus/scene/effects/effect_list.h"
+#include "acus/scene/simulation/effect_plan.h"
+#include "acus/scene/simulation/stage_timing.h"
+
+namespace acus::simulation {
+
+/// Numbers that effects write down in a step, those of all effects one after the other.
+using EffectColumns = std::array<double, effects::kMaxColumns>;
+
+/// One of them.
+struct OtherEffect {
+  std::string_view key;
+  std::string_view title;
+  StageId step_id{};
+  StageId image_id{};
+  std::shared_ptr<const effects::LoadedEffect> loaded;
+  const effects::StepStage* step = nullptr;  ///< Null: not in the plan.
+  bool has_image = false;                    ///< The plan has its stage at every image.
+  bool after_tools = false;                  ///< Its step reads what a tool's stage writes.
+  bool moves_tissue = false;
+  std::size_t state_at = 0;  ///< Bytes into the memory.
+  std::vector<effects::Column> columns;
+  std::size_t first_column = 0;
+
+  const std::byte* StateIn(const effects::Memory& memory) const {
+    return memory.bytes.data() + state_at;
+  }
+};
+
+/// Those of a plan, in the order of the list. Const after loading; copies share what is loaded.
+class OtherEffects {
+ public:
+  OtherEffects() = default;
+
+  /// @param data  What the plan has loaded.
+  /// @throws InputError if an effect cannot be loaded, reads a port that no stage writes, or the
+  ///     states or columns of all of them together are too many.
+  OtherEffects(const scenario::Scenario& scenario, const EffectPlan& plan,
+               const effects::PortValues& data, RunContext& context);
+
+  const std::vector<OtherEffect>& all() const { return all_; }
+  bool has_steps() const { return has_steps_; }
+  bool has_images() const;
+  bool moves_tissue() const { return moves_tissue_; }
+  const effects::PortValues& data() const { return data_; }
+
+  void Begin(effects::Memory& memory) const;
+
+  /// Runs those steps that come before, or after, the stages of the tools. Real time.
+  void Step(bool after_tools, effects::Memory& memory, const effects::StepTime& time,
+            effects::PortValues& ports, EffectColumns& columns, Stopwatch& watch) const noexcept;
+
+  /// Where tissue that is now at a place was without these effects.
+  Eigen::Vector3d RestInCtMm(const effects::Memory& memory,
+                             const Eigen::Vector3d& place_in_ct_mm) const noexcept;
+  /// True if tissue lies the same at both moments. Null: not moved.
+  bool IsSameMotion(const effects::Memory* a, const effects::Memory* b) const noexcept;
+  double MotionSpacingMm() const noexcept;
+
+ private:
+  std::vector<OtherEffect> all_;
+  effects::PortValues data_;
+  bool has_steps_ = false;
+  bool moves_tissue_ = false;
+};
+
+}  // namespace acus::simulation

@@ -1,0 +1,33 @@
+// What an image needs to know of a moment.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+
+#include "acus/base/math/polyline.h"
+#include "acus/physics/breathing/breath.h"
+#include "acus/physics/tissue/tissue_load.h"
+#include "acus/scene/effects/memory.h"
+
+namespace acus::simulation {
+
+struct Snapshot {
+  std::int64_t time_ns = 0;
+  double session_s = 0.0;         ///< Since the session began: what breath goes by ...
+  breathing::Breath breath = {};  ///< ... unless the session says it: then this.
+  bool probe_valid = false;
+  Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
+  /// Nothing if there is no needle to see.
+  std::optional<Eigen::Isometry3d> ct_from_needle = std::nullopt;
+  /// As Simulation::ShapeOf gives it; null: straight in the hand. Must live until the image is
+  /// made.
+  const math::Polyline* needle_shape = nullptr;
+  /// Null if nothing deforms the tissue; must live until the image is made.
+  const tissue::TissueLoad* load = nullptr;
+  /// Of effects, after the last step; null if there was none. The same.
+  const effects::Memory* memory = nullptr;
+  bool for_c_arm = false;  ///< A moment at which the C-arm looks, not the probe.
+};
+
+}  // namespace acus::simulation
