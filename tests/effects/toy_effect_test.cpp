@@ -1,6 +1,6 @@
 // An effect stands on its own: this file defines one and registers it, and without another line
-// anywhere it is in the schema, the plan, --explain, the log and report of a replay, a live session and
-// a sweep.
+// anywhere it is in the schema, the plan, --explain, the log and report of a replay, a live session
+// and a sweep.
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -162,10 +162,16 @@ class ToyEffect : public testing_support::SweepFolder {
 
 TEST_F(ToyEffect, IsInTheSchema) {
   EXPECT_EQ(Scene().effective.at("/effects/toy_sway/terms"_json_pointer), 8);
-  EXPECT_THAT([&] { Scene({{"/effects/toy_sway/amplitude_mm", 11}}); },
-              testing::ThrowsMessage<InputError>(HasSubstr("/effects/toy_sway/amplitude_mm")));
-  EXPECT_THAT([&] { Scene({{"/effects/toy_sway/term", 11}}); },
-              testing::ThrowsMessage<InputError>(HasSubstr("terms")));
+  EXPECT_THAT(
+      [&] {
+        Scene({{"/effects/toy_sway/amplitude_mm", 11}});
+      },
+      testing::ThrowsMessage<InputError>(HasSubstr("/effects/toy_sway/amplitude_mm")));
+  EXPECT_THAT(
+      [&] {
+        Scene({{"/effects/toy_sway/term", 11}});
+      },
+      testing::ThrowsMessage<InputError>(HasSubstr("terms")));
 }
 
 TEST_F(ToyEffect, IsInThePlanAndExplained) {
@@ -174,9 +180,9 @@ TEST_F(ToyEffect, IsInThePlanAndExplained) {
   EXPECT_THAT(text, testing::ContainsRegex("sway +step +in +effect toy_sway is called for"));
   EXPECT_THAT(text, testing::ContainsRegex("sway image +image +in +effect toy_sway"));
   EXPECT_THAT(text, testing::ContainsRegex("needle pose +needle +needle poses, tissue motion"));
-  const std::string without = replay::CheckText(Scene({{"/effects/toy_sway", nullptr}}),
-                                                folder_ / "session", replay::PlanDetail::kAll,
-                                                context_);
+  const std::string without =
+      replay::CheckText(Scene({{"/effects/toy_sway", nullptr}}), folder_ / "session",
+                        replay::PlanDetail::kAll, context_);
   EXPECT_THAT(without, testing::Not(HasSubstr("sway")));
 }
 
@@ -185,9 +191,9 @@ TEST_F(ToyEffect, IsInTheLogAndTheReportOfAReplay) {
   const CsvTable log(folder_ / "run" / "toy_sway.csv");
   const auto sway_mm = log.Numbers("sway_mm");
   ASSERT_EQ(sway_mm.size(), 1001U);
-  EXPECT_NEAR(sway_mm.front(), 2.0, 0.1);   // A triangle wave of 1 Hz ...
-  EXPECT_NEAR(sway_mm[500], -2.0, 0.1);     // ... from one side to the other ...
-  EXPECT_NEAR(sway_mm[250], 0.0, 1e-9);     // ... through the middle.
+  EXPECT_NEAR(sway_mm.front(), 2.0, 0.1);  // A triangle wave of 1 Hz ...
+  EXPECT_NEAR(sway_mm[500], -2.0, 0.1);    // ... from one side to the other ...
+  EXPECT_NEAR(sway_mm[250], 0.0, 1e-9);    // ... through the middle.
   const std::string report = Text("run/report.html");
   EXPECT_THAT(report, HasSubstr("Sway of the table"));
   EXPECT_THAT(report, HasSubstr("How far the table is aside"));

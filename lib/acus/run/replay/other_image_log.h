@@ -20,8 +20,8 @@ struct OtherImageLog {
   std::vector<WrittenFilm> films;
 };
 
-/// Renders them at the moments of the probe's images and writes KEY.mp4 and PNG files into `folder`, or
-/// nothing if that is empty. Adds the cost of the stages to `times`, if given.
+/// Renders them at the moments of the probe's images and writes KEY.mp4 and PNG files into
+/// `folder`, or nothing if that is empty. Adds the cost of the stages to `times`, if given.
 OtherImageLog RenderOtherImages(const simulation::Scene& scene,
                                 const std::vector<simulation::Snapshot>& snapshots,
                                 const std::filesystem::path& folder, const ReplayOptions& options,

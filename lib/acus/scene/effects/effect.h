@@ -1,5 +1,6 @@
 // An effect: all that the rest of Acus knows of a piece of simulated nature that a scene may call
-// for. Schema, plan, loader, steps, logs, reports, live sessions and sweeps go by the list of effects.
+// for. Schema, plan, loader, steps, logs, reports, live sessions and sweeps go by the list of
+// effects.
 #pragma once
 
 #include <filesystem>

@@ -18,8 +18,8 @@ std::vector<const Effect*>& List() {
 
 bool CalledEffect::MovesTissue() const {
   const auto stage = step();
-  return stage && std::ranges::find(stage->writes, PortRef(ports::kTissueMotion)) !=
-                      stage->writes.end();
+  return stage &&
+         std::ranges::find(stage->writes, PortRef(ports::kTissueMotion)) != stage->writes.end();
 }
 
 std::vector<const Effect*> AllEffects() {
@@ -28,9 +28,9 @@ std::vector<const Effect*> AllEffects() {
 
 void RegisterEffect(const Effect& effect) {
   const std::string_view key = effect.key();
-  ACUS_REQUIRE(!key.empty() && key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") ==
-                                   key.npos,
-               "effect '", key, "': a key has lower-case letters, digits and '_' only");
+  ACUS_REQUIRE(
+      !key.empty() && key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == key.npos,
+      "effect '", key, "': a key has lower-case letters, digits and '_' only");
   ACUS_REQUIRE(std::ranges::find(List(), key, &Effect::key) == List().end(), "effect '", key,
                "': there is one of that key already");
   List().push_back(&effect);

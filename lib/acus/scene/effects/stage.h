@@ -41,8 +41,8 @@ class StepStage {
   virtual Activity StepIn(std::byte* state, const StepTime& time, PortValues& ports,
                           std::span<double> columns) const noexcept = 0;
 
-  /// Where tissue that is now at a place was without this effect, CT space. Only called if the stage
-  /// writes ports::kTissueMotion, by tools at every sample and by images at their knots.
+  /// Where tissue that is now at a place was without this effect, CT space. Only called if the
+  /// stage writes ports::kTissueMotion, by tools at every sample and by images at their knots.
   virtual Eigen::Vector3d RestIn(const std::byte* /*state*/,
                                  const Eigen::Vector3d& place_in_ct_mm) const noexcept {
     return place_in_ct_mm;

@@ -1,5 +1,5 @@
-// Where tissue that an image shows was at rest: what breath, effects and tools do to it, one after the
-// other.
+// Where tissue that an image shows was at rest: what breath, effects and tools do to it, one after
+// the other.
 #pragma once
 
 #include <optional>

@@ -59,8 +59,8 @@ OtherEffects::OtherEffects(const scenario::Scenario& scenario, const EffectPlan&
       other.step = other.loaded->step();
       ACUS_ASSERT(other.step != nullptr);
       other.moves_tissue = called.MovesTissue();
-      other.after_tools = std::ranges::any_of(
-          called.step()->reads, [](PortRef port) { return Holds(kOfTools, port); });
+      other.after_tools = std::ranges::any_of(called.step()->reads,
+                                              [](PortRef port) { return Holds(kOfTools, port); });
       other.columns = called.effect->Columns();
       other.first_column = columns;
       columns += other.columns.size();
@@ -112,8 +112,7 @@ Eigen::Vector3d OtherEffects::RestInCtMm(const effects::Memory& memory,
   return rest_mm;
 }
 
-bool OtherEffects::IsSameMotion(const effects::Memory* a,
-                                const effects::Memory* b) const noexcept {
+bool OtherEffects::IsSameMotion(const effects::Memory* a, const effects::Memory* b) const noexcept {
   if (!moves_tissue_) return true;
   if (a == nullptr || b == nullptr) return a == b;
   return std::ranges::all_of(all_, [a, b](const OtherEffect& other) {

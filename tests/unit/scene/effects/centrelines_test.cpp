@@ -42,7 +42,8 @@ TEST(Centrelines, FollowLeaningCylindersToATenthOfAMillimetre) {
     ASSERT_EQ(lines[n].point_in_ct_mm.size(), 20U);
     for (std::size_t k = 0; k < 20; ++k) {
       const Eigen::Vector3d truth(-10.0 + (n == 0 ? 20.0 : 60.0) + 0.6 * static_cast<double>(k),
-                                  5.0 + (n == 0 ? 20.0 : 40.0), 100.0 + 2.0 * static_cast<double>(k));
+                                  5.0 + (n == 0 ? 20.0 : 40.0),
+                                  100.0 + 2.0 * static_cast<double>(k));
       EXPECT_LT((lines[n].point_in_ct_mm[k] - truth).norm(), 0.12) << n << " " << k;
       EXPECT_NEAR(lines[n].radius_mm[k], 6.0, 0.12);
     }

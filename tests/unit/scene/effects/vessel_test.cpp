@@ -37,8 +37,7 @@ TEST(Vessel, IsAnIncompressibleRingWhereTheReachIsLong) {
   const Vessel vessel(Straight(), 400.0, kStrain);
   const double wall_mm = kRadiusMm * (1.0 + kStrain);
   for (const double rest_mm : {9.0, 12.0, 20.0}) {
-    const double ring_mm =
-        std::sqrt(rest_mm * rest_mm + wall_mm * wall_mm - kRadiusMm * kRadiusMm);
+    const double ring_mm = std::sqrt(rest_mm * rest_mm + wall_mm * wall_mm - kRadiusMm * kRadiusMm);
     EXPECT_NEAR(RadiusNow(vessel, rest_mm), ring_mm, 5e-3) << rest_mm;
   }
 }
@@ -78,7 +77,8 @@ TEST(Vessel, BothDirectionsAreInverse) {
       worst_mm = std::max(worst_mm, (vessel.RestMm(now, strain) - rest).norm());
     }
     EXPECT_GT(most_mm, 0.4);
-    // Exact about one piece; where another piece is nearer after the motion, by the bend of the line.
+    // Exact about one piece; where another piece is nearer after the motion, by the bend of the
+    // line.
     EXPECT_LT(worst_mm, 0.05);
   }
 }

@@ -94,10 +94,10 @@ Centreline LineOf(const Track& track, const volume::Geometry& geometry) {
       mean_mm += section.centre_mm / (2.0 * half + 1.0);
       radius_mm += section.radius_mm / (2.0 * half + 1.0);
     }
-    line.point_in_ct_mm.emplace_back(
-        ct_from_index * Eigen::Vector3d(mean_mm.x() / geometry.spacing_mm[0],
-                                        mean_mm.y() / geometry.spacing_mm[1],
-                                        track.first_slice + n));
+    line.point_in_ct_mm.emplace_back(ct_from_index *
+                                     Eigen::Vector3d(mean_mm.x() / geometry.spacing_mm[0],
+                                                     mean_mm.y() / geometry.spacing_mm[1],
+                                                     track.first_slice + n));
     line.radius_mm.push_back(radius_mm);
   }
   return line;

@@ -9,8 +9,8 @@
 
 namespace acus::effects {
 
-/// Reads a CSV with columns vessel (any text), x_mm, y_mm, z_mm (CT space) and radius_mm: the points of
-/// each vessel one after the other.
+/// Reads a CSV with columns vessel (any text), x_mm, y_mm, z_mm (CT space) and radius_mm: the
+/// points of each vessel one after the other.
 /// @throws InputError with file and row for a vessel of one point or a radius that is not above 0.
 std::vector<Centreline> ReadCentrelines(const std::filesystem::path& path);
 

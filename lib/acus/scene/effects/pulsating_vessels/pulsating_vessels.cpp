@@ -22,8 +22,12 @@ struct PulseState {
 
 class VesselStage final : public StepStageOf<PulseState> {
  public:
-  VesselStage(std::vector<Vessel> vessels, const Pulse& pulse, double strain)
-      : vessels_(std::move(vessels)), pulse_(pulse), strain_(strain) {
+  VesselStage(std::vector<Vessel> vessels, const Pulse& pulse, double strain,
+              double warp_spacing_mm)
+      : vessels_(std::move(vessels)),
+        pulse_(pulse),
+        strain_(strain),
+        warp_spacing_mm_(warp_spacing_mm) {
     for (const Vessel& vessel : vessels_) {
       largest_radius_mm_ = std::max(largest_radius_mm_, vessel.LargestRadiusMm());
     }
@@ -47,13 +51,13 @@ class VesselStage final : public StepStageOf<PulseState> {
     return a.strain == b.strain;
   }
 
-  /// The field changes over the radius of a vessel.
-  double MotionSpacingMm() const noexcept override { return 2.0; }
+  double MotionSpacingMm() const noexcept override { return warp_spacing_mm_; }
 
  private:
   std::vector<Vessel> vessels_;
   Pulse pulse_;
   double strain_;
+  double warp_spacing_mm_;
   double largest_radius_mm_ = 0.0;
 };
 
@@ -83,7 +87,8 @@ class PulsatingVesselsEffect final : public Effect {
         "rise_share": {"type": "number", "minimum": 0.02, "maximum": 0.9, "default": 0.15, "description": "Share of the heart's cycle in which the wall moves out"},
         "radial_strain": {"type": "number", "minimum": 0, "maximum": 0.3, "default": 0.08, "description": "Motion of the wall at the peak of systole, as a share of the radius. Abdominal aorta: 0.04 to 0.12"},
         "reach_mm": {"type": "number", "minimum": 1, "maximum": 100, "default": 15, "description": "Tissue moves up to this far beyond the wall"},
-        "point_spacing_mm": {"type": "number", "minimum": 0.5, "maximum": 50, "default": 4, "description": "Distance of points along a centreline"}
+        "point_spacing_mm": {"type": "number", "minimum": 0.5, "maximum": 50, "default": 4, "description": "Distance of points along a centreline"},
+        "warp_spacing_mm": {"type": "number", "minimum": 0.1, "maximum": 50, "default": 1, "description": "The images ask for the motion at knots this far apart, and interpolate"}
       }
     })");
   }
@@ -109,7 +114,13 @@ class PulsatingVesselsEffect final : public Effect {
              .title = "points along the centreline of a pulsating vessel",
              .unit = "mm",
              .key = "point_spacing_mm",
-             .levels = {32, 16, 8, 4, 2, 1}}};
+             .levels = {32, 16, 8, 4, 2, 1}},
+            {.name = "vessel_warp_spacing_mm",
+             .title = "knots at which images ask for the motion of vessels",
+             .unit = "mm",
+             .key = "warp_spacing_mm",
+             .acts_on = ActsOn::kImage,
+             .levels = {8, 4, 2, 1, 0.5}}};
   }
 
   std::unique_ptr<const LoadedEffect> Load(const json& settings, const PortValues& scene,
@@ -123,8 +134,8 @@ class PulsatingVesselsEffect final : public Effect {
       const std::string tissue = settings.at("tissue");
       lines = CentrelinesOf(scene.Get(ports::kLabels), volume::LabelOf(tissue));
       if (lines.empty()) {
-        context.Warn("effects/pulsating_vessels: the label map has no vessel of tissue \"" + tissue +
-                     "\" that can be followed over five slices; nothing pulsates");
+        context.Warn("effects/pulsating_vessels: the label map has no vessel of tissue \"" +
+                     tissue + "\" that can be followed over five slices; nothing pulsates");
       }
     }
     const double strain = settings.at("radial_strain");
@@ -134,7 +145,8 @@ class PulsatingVesselsEffect final : public Effect {
                            settings.at("reach_mm"), strain);
     }
     const Pulse pulse(settings.at("heart_rate_per_min"), settings.at("rise_share"));
-    return std::make_unique<LoadedVessels>(VesselStage(std::move(vessels), pulse, strain));
+    return std::make_unique<LoadedVessels>(VesselStage(
+        std::move(vessels), pulse, strain, settings.at("warp_spacing_mm").get<double>()));
   }
 };
 

@@ -3,11 +3,12 @@
 
 namespace acus::effects {
 
-/// How far a wall is out, from 0 at the end of diastole to 1 at the peak of systole: half a cosine up,
-/// an exponential run-off down. Continuous and periodic.
+/// How far a wall is out, from 0 at the end of diastole to 1 at the peak of systole: half a cosine
+/// up, an exponential run-off down. Continuous and periodic.
 class Pulse {
  public:
-  /// @throws InputError if the rate is outside (0, 300] beats a minute or the share of the cycle that
+  /// @throws InputError if the rate is outside (0, 300] beats a minute or the share of the cycle
+  /// that
   ///     the rise takes outside (0, 1).
   Pulse(double beats_per_min, double rise_share);
 

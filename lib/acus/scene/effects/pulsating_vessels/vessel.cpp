@@ -67,10 +67,10 @@ Centreline Resampled(const Centreline& line, double spacing_mm) {
 
 Vessel::Vessel(Centreline line, double reach_mm, double largest_strain)
     : line_(std::move(line)), reach_mm_(reach_mm) {
-  ACUS_REQUIRE(line_.point_in_ct_mm.size() >= 2 &&
-                   line_.radius_mm.size() == line_.point_in_ct_mm.size(),
-               "a vessel has ", line_.point_in_ct_mm.size(), " points and ", line_.radius_mm.size(),
-               " radii; at least two points are needed, with a radius each");
+  ACUS_REQUIRE(
+      line_.point_in_ct_mm.size() >= 2 && line_.radius_mm.size() == line_.point_in_ct_mm.size(),
+      "a vessel has ", line_.point_in_ct_mm.size(), " points and ", line_.radius_mm.size(),
+      " radii; at least two points are needed, with a radius each");
   low_mm_.setConstant(std::numeric_limits<double>::infinity());
   high_mm_ = -low_mm_;
   for (std::size_t i = 0; i < line_.radius_mm.size(); ++i) {
@@ -126,8 +126,7 @@ Eigen::Vector3d Vessel::RestMm(const Eigen::Vector3d& place_in_ct_mm,
   }
   // s' = s + c y^2 with y = 1 - x = (S - s) / L, the root that goes with c to (S - s') / L.
   const Ring ring = RingOf(near.radius_mm, reach_mm_, strain);
-  const double left_mm2 =
-      ring.wall_mm2 + ring.width_mm2 - near.distance_mm * near.distance_mm;
+  const double left_mm2 = ring.wall_mm2 + ring.width_mm2 - near.distance_mm * near.distance_mm;
   const double root_mm2 =
       std::sqrt(ring.width_mm2 * ring.width_mm2 - 4.0 * ring.grown_mm2 * left_mm2);
   const double y = 2.0 * left_mm2 / (ring.width_mm2 + root_mm2);

@@ -21,11 +21,12 @@ Centreline Resampled(const Centreline& line, double spacing_mm);
 
 /// Radial motion about a centreline. With s the squared distance from the line at rest and
 /// c = (R + u)^2 - R^2 for a wall that has moved by u, tissue goes to s + c (1 - x)^2, where x runs
-/// from 0 at the wall to 1 at the reach: an incompressible ring that fades out. Blood fills the lumen
-/// in proportion. Both directions have a closed form. A value; const access from any thread.
+/// from 0 at the wall to 1 at the reach: an incompressible ring that fades out. Blood fills the
+/// lumen in proportion. Both directions have a closed form. A value; const access from any thread.
 class Vessel {
  public:
-  /// @throws InputError if the line has fewer than two points, a number is not finite or a radius not
+  /// @throws InputError if the line has fewer than two points, a number is not finite or a radius
+  /// not
   ///     above 0, or for a reach that does not leave the tissue room for `largest_strain`: it would
   ///     fold. reach_mm is beyond the wall.
   Vessel(Centreline line, double reach_mm, double largest_strain);
