@@ -1,4 +1,4 @@
-// The machine that a page's numbers are from.
+// The machine that a page's numbers are from, as pages name it.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -6,8 +6,7 @@
 namespace acus::benchmarks {
 
 /// cpu, cores, memory_gb, system, virtual ("a virtual machine" or "a machine of its own"), compiler
-/// and acus (its version); "unknown" for what the system does not tell. No names of hosts, users or
-/// places.
+/// and acus (its version). No names of hosts, users or places.
 nlohmann::json MachineFacts();
 
 }  // namespace acus::benchmarks

@@ -176,7 +176,7 @@ TEST_F(StabilityPageTest, FilesAreWritten) {
 }
 
 TEST(StabilityMachine, IsNamed) {
-  EXPECT_THAT(Machine(), HasSubstr(" cores, "));
+  EXPECT_THAT(MachineText(), HasSubstr(" cores, "));
 }
 
 }  // namespace

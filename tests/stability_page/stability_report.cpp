@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <sys/utsname.h>
-#include <thread>
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/machine.h"
 #include "acus/base/report/html_report.h"
 
 namespace acus::stability_page {
@@ -186,22 +184,10 @@ std::string Summary(const StabilityRun& run) {
 
 }  // namespace
 
-std::string Machine() {
-  std::string cpu = "unknown processor";
-  std::ifstream cpu_info("/proc/cpuinfo");
-  for (std::string line; std::getline(cpu_info, line);) {
-    if (!line.starts_with("model name")) continue;
-    cpu = line.substr(std::min(line.size(), line.find(':') + 2));
-    break;
-  }
-  double memory_kb = 0.0;
-  std::string word;
-  std::ifstream memory("/proc/meminfo");
-  memory >> word >> memory_kb;
-  utsname system{};
-  uname(&system);
-  return Message(cpu, ", ", std::thread::hardware_concurrency(), " cores, ",
-                 std::lround(memory_kb / 1048576.0), " GB, ", system.sysname);
+std::string MachineText() {
+  const Machine machine = ThisMachine();
+  return Message(machine.processor, ", ", machine.threads, " cores, ",
+                 std::lround(machine.memory_gb), " GB, ", machine.system);
 }
 
 std::string StabilityPage(const StabilityRun& run, const Provenance& provenance) {
@@ -221,7 +207,7 @@ std::string StabilityPage(const StabilityRun& run, const Provenance& provenance)
   if (!warnings.empty()) page.Warnings(warnings);
   const std::vector<std::pair<std::string, std::string>> about = {
       {"run", run.settings.empty() ? "by hand" : run.settings},
-      {"machine", Machine()},
+      {"machine", MachineText()},
       {"version", provenance.version}};
   page.KeyValues(about);
   AddFailures(run, page);
@@ -241,7 +227,7 @@ std::string StabilityPage(const StabilityRun& run, const Provenance& provenance)
 
 json StabilityJson(const StabilityRun& run, const Provenance& provenance) {
   json out = {{"format", "acus-stability/1"}, {"provenance", provenance.ToJson()},
-              {"machine", Machine()},         {"settings", run.settings},
+              {"machine", MachineText()},     {"settings", run.settings},
               {"all_hold", run.AllHold()},    {"values", json::array()},
               {"notes", json::array()},       {"failed_tests", json::array()},
               {"programs", json::array()}};
@@ -280,7 +266,7 @@ std::string StabilityTable(const StabilityRun& run, const Provenance& provenance
          "<!-- Made by pipelines/stability --docs. -->\n\n"
       << Summary(run) << ". How to run this, read it and add to it: "
       << "[stability](concepts/stability.md).\n\nRun: "
-      << (run.settings.empty() ? "by hand" : run.settings) << "; " << Machine() << "; version "
+      << (run.settings.empty() ? "by hand" : run.settings) << "; " << MachineText() << "; version "
       << provenance.version
       << ". Margin: how many times farther a value could be off before its bound is broken; "
          "\"exact\" for equalities, \"all\" where the value is zero.\n";

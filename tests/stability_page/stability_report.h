@@ -10,8 +10,8 @@
 
 namespace acus::stability_page {
 
-/// "AMD EPYC 7B13, 2 cores, 8 GB, Linux", as far as the system tells.
-std::string Machine();
+/// "AMD EPYC 7B13, 2 cores, 8 GB, Debian GNU/Linux 12 (bookworm)", as far as the system tells.
+std::string MachineText();
 
 /// Self-contained page: what fails first, then module by module, with plots.
 std::string StabilityPage(const StabilityRun& run, const Provenance& provenance);

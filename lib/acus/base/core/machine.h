@@ -1,12 +1,21 @@
-// On what machine numbers were measured.
+// On what machine numbers were measured. No names of hosts, users or places.
 #pragma once
 
 #include <string>
 
 namespace acus {
 
-/// The processor as /proc/cpuinfo names it, and how many threads it runs: "Intel(R) Xeon(R) ...,
-/// 2 threads".
+struct Machine {
+  std::string processor = "unknown processor";  ///< As /proc/cpuinfo names it.
+  int threads = 0;                              ///< That it runs at a time; 0: unknown.
+  double memory_gb = 0.0;                       ///< 10^9 bytes; 0: unknown.
+  bool is_virtual = false;                      ///< It runs under a hypervisor.
+  std::string system = "unknown system";        ///< As /etc/os-release names it.
+};
+
+Machine ThisMachine();
+
+/// Processor and threads: "Intel(R) Xeon(R) ..., 2 threads".
 std::string MachineName();
 
 }  // namespace acus

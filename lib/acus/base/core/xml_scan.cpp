@@ -1,7 +1,10 @@
 #include "acus/base/core/xml_scan.h"
 
-#include <algorithm>
-#include <array>
+#include <exception>
+#include <expat.h>
+#include <limits>
+#include <memory>
+#include <new>
 
 #include "acus/base/core/error.h"
 
@@ -9,132 +12,103 @@ namespace acus::core {
 namespace {
 
 constexpr std::size_t kMaxDepth = 1000;
-constexpr std::string_view kBlank = " \t\r\n";
+constexpr std::size_t kMaxAttributeBytes = std::size_t{64} << 20;
 
+/// Collects what Expat reports. An exception must not pass through Expat, which is C: it is kept
+/// until the parser has stopped.
 class Scanner {
  public:
-  Scanner(std::string_view text, const std::string& label) : text_(text), label_(label) {}
+  Scanner(std::string_view text, const std::string& label)
+      : text_(text), label_(label), parser_(XML_ParserCreate(nullptr), &XML_ParserFree) {
+    if (parser_ == nullptr) throw std::bad_alloc();
+    XML_SetUserData(parser_.get(), this);
+    XML_SetElementHandler(
+        parser_.get(),
+        [](void* self, const char* name, const char** attributes) {
+          static_cast<Scanner*>(self)->Guard([&](Scanner& s) { s.Open(name, attributes); });
+        },
+        [](void* self, const char*) {
+          static_cast<Scanner*>(self)->Guard([](Scanner& s) { s.open_.pop_back(); });
+        });
+    XML_SetEntityDeclHandler(parser_.get(), [](void* self, const char* name, int, const char*, int,
+                                               const char*, const char*, const char*, const char*) {
+      static_cast<Scanner*>(self)->Guard([&](Scanner& s) {
+        s.Refuse("declares an entity", name, "write out what it stands for");
+      });
+    });
+  }
 
   std::vector<XmlElement> Scan() {
-    while (SkipToTag()) {
-      if (Skip("<!--")) {
-        SkipPast("-->");
-      } else if (Skip("<?")) {
-        SkipPast("?>");
-      } else if (Skip("<![CDATA[")) {
-        SkipPast("]]>");
-      } else if (Skip("<!")) {
-        SkipPast(">");
-      } else if (Skip("</")) {
-        CloseElement();
-      } else {
-        ++at_;
-        OpenElement();
-      }
-    }
-    Require(open_.empty() && !elements_.empty(), "the file ends early, or has no element");
+    ACUS_REQUIRE(text_.size() <= std::numeric_limits<int>::max(), label_, ": is ", text_.size(),
+                 " bytes of XML; at most 2 GB are read");
+    const bool is_read = XML_Parse(parser_.get(), text_.data(), static_cast<int>(text_.size()),
+                                   /*isFinal=*/XML_TRUE) == XML_STATUS_OK;
+    if (failure_) std::rethrow_exception(failure_);
+    if (!is_read) RefuseSyntax();
     return std::move(elements_);
   }
 
  private:
-  bool SkipToTag() {
-    at_ = std::min(text_.find('<', at_), text_.size());
-    return at_ < text_.size();
-  }
-
-  bool Skip(std::string_view word) {
-    if (!text_.substr(at_).starts_with(word)) return false;
-    at_ += word.size();
-    return true;
-  }
-
-  void SkipPast(std::string_view word) {
-    const std::size_t found = text_.find(word, at_);
-    Require(found != text_.npos, "something is not closed");
-    at_ = found + word.size();
-  }
-
-  void SkipBlank() { at_ = std::min(text_.find_first_not_of(kBlank, at_), text_.size()); }
-
-  std::string_view Name() {
-    const std::size_t end = std::min(text_.find_first_of(" \t\r\n=<>/\"'", at_), text_.size());
-    const std::string_view name = text_.substr(at_, end - at_);
-    Require(!name.empty(), "a name is expected");
-    at_ = end;
-    return name;
-  }
-
-  void OpenElement() {
-    XmlElement element;
-    element.name = Name();
-    element.depth = static_cast<int>(open_.size());
-    for (;;) {
-      SkipBlank();
-      if (Skip("/>")) break;
-      if (Skip(">")) {
-        Require(open_.size() < kMaxDepth, "the elements are nested too deeply");
-        open_.push_back(element.name);
-        break;
-      }
-      std::string key(Name());
-      SkipBlank();
-      Require(Skip("="), "an attribute has no value");
-      SkipBlank();
-      element.attributes.emplace_back(std::move(key), Value());
+  /// Nothing once something has failed: the parser may report a little more before it stops.
+  template <class F>
+  void Guard(const F& handle) {
+    if (failure_) return;
+    try {
+      handle(*this);
+    } catch (...) {
+      failure_ = std::current_exception();
+      XML_StopParser(parser_.get(), /*resumable=*/XML_FALSE);
     }
+  }
+
+  void Open(const char* name, const char** attributes) {
+    if (open_.size() >= kMaxDepth) {
+      Refuse("nests its elements too deeply, at", name,
+             Message("at most ", kMaxDepth, " are read"));
+    }
+    XmlElement element;
+    element.name = name;
+    element.depth = static_cast<int>(open_.size());
+    for (; *attributes != nullptr; attributes += 2) {
+      const std::string_view value = attributes[1];
+      if (value.size() > kMaxAttributeBytes) {
+        Refuse(Message("has ", value.size(), " bytes in attribute"), attributes[0],
+               Message("at most ", kMaxAttributeBytes, " are read"));
+      }
+      element.attributes.emplace_back(attributes[0], value);
+    }
+    open_.push_back(elements_.size());
     elements_.push_back(std::move(element));
   }
 
-  void CloseElement() {
-    const std::string_view name = Name();
-    SkipBlank();
-    Require(!open_.empty() && open_.back() == name && Skip(">"), "an element is closed wrongly");
-    open_.pop_back();
+  std::string Place() const {
+    return Message(label_, ":", XML_GetCurrentLineNumber(parser_.get()));
   }
 
-  std::string Value() {
-    Require(at_ < text_.size() && (text_[at_] == '"' || text_[at_] == '\''),
-            "the value of an attribute must stand in quotes");
-    const std::size_t end = text_.find(text_[at_], at_ + 1);
-    Require(end != text_.npos, "a quote is not closed");
-    const std::string_view raw = text_.substr(at_ + 1, end - at_ - 1);
-    at_ = end + 1;
-    return Unescaped(raw);
+  [[noreturn]] void Refuse(const std::string& what, std::string_view name,
+                           const std::string& advice) const {
+    throw InputError(Message(Place(), ": the XML ", what, " '", name, "'; ", advice));
   }
 
-  static std::string Unescaped(std::string_view raw) {
-    static constexpr std::array<std::pair<std::string_view, char>, 5> kEntities = {
-        {{"amp", '&'}, {"lt", '<'}, {"gt", '>'}, {"quot", '"'}, {"apos", '\''}}};
-    std::string text;
-    text.reserve(raw.size());
-    for (std::size_t i = 0; i < raw.size(); ++i) {
-      const std::size_t end = raw[i] == '&' ? raw.find(';', i) : raw.npos;
-      const std::string_view name = end == raw.npos ? "" : raw.substr(i + 1, end - i - 1);
-      const auto entity =
-          std::ranges::find(kEntities, name, &std::pair<std::string_view, char>::first);
-      if (entity == kEntities.end()) {
-        text += raw[i];  // Also what is not an entity that we know: file names hold plain '&'.
-      } else {
-        text += entity->second;
-        i = end;
-      }
-    }
-    return text;
-  }
-
-  void Require(bool holds, const char* what) const {
-    if (holds) return;
-    const auto line =
-        1 + std::count(text_.begin(), text_.begin() + std::min(at_, text_.size()), '\n');
-    throw InputError(Message(label_, ":", line, ": is not valid XML: ", what,
-                             "; is the file cut off or of another kind?"));
+  [[noreturn]] void RefuseSyntax() const {
+    const XML_Error error = XML_GetErrorCode(parser_.get());
+    if (error == XML_ERROR_NO_MEMORY) throw std::bad_alloc();
+    const bool ends = error == XML_ERROR_NO_ELEMENTS;
+    const std::string what =
+        ends ? "the file ends early, or has no element" : XML_ErrorString(error);
+    const std::string inside =
+        open_.empty() ? "" : Message(", inside <", elements_[open_.back()].name, ">");
+    throw InputError(Message(Place(), ": is not valid XML: ", what, inside, " (column ",
+                             XML_GetCurrentColumnNumber(parser_.get()) + 1,
+                             "); is the file cut off or of another kind?"));
   }
 
   std::string_view text_;
   const std::string& label_;
-  std::size_t at_ = 0;
+  std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser_;
   std::vector<XmlElement> elements_;
-  std::vector<std::string> open_;
+  std::vector<std::size_t> open_;  ///< Of elements_, from the root inwards.
+  std::exception_ptr failure_;
 };
 
 }  // namespace

@@ -18,8 +18,12 @@ struct XmlElement {
   std::optional<std::string> Attribute(std::string_view key) const;
 };
 
-/// All elements in order of appearance. @throws InputError at label:line if the text is not XML, an
-/// element is not closed by its own name, or more than 1000 deep.
+/// All elements in order of appearance, at least one; attributes as XML normalises them: line ends
+/// and tabs are blanks. Nothing outside the text is read.
+///
+/// @throws InputError at label:line if the text is not well-formed XML, declares entities of its
+/// own (a few of them can stand for gigabytes), is more than 1000 elements deep, has an attribute
+/// above 64 MiB or is above 2 GB.
 std::vector<XmlElement> ScanXml(std::string_view text, const std::string& label);
 
 }  // namespace acus::core

@@ -15,7 +15,7 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include "acus/base/core/child_process.h"
-#include "acus/data/mesh/byte_stream.h"
+#include "acus/data/mesh/packed_mesh.h"
 
 namespace acus::mesh {
 namespace {
@@ -70,10 +70,10 @@ std::string LoadSurface(const std::filesystem::path& path) {
     }
   }
   ACUS_REQUIRE(!triangles.empty(), "it holds no polygon");
-  ByteWriter out;
-  out.Put(nodes.data(), nodes.size());
-  out.Put(triangles.data(), triangles.size());
-  return out.Take();
+  core::ByteWriter out(kPackedOrder);
+  out.Array(std::span<const double>(nodes));
+  out.Array(std::span<const int>(triangles));
+  return out.AsString();
 }
 
 std::vector<std::uint8_t> Flags(vtkDataArray* array, std::size_t count, std::uint8_t without) {
@@ -112,12 +112,12 @@ std::string LoadTetraMesh(const std::filesystem::path& path) {
   vtkDataArray* tissue_array = data.GetCellData()->GetArray("tissue");
   const auto tissue = Flags(tissue_array, tissue_array == nullptr ? 0 : num_cells, 0);
   const auto fixed = Flags(data.GetPointData()->GetArray("fixed"), nodes.size() / 3, 0);
-  ByteWriter out;
-  out.Put(nodes.data(), nodes.size());
-  out.Put(tetrahedra.data(), tetrahedra.size());
-  out.Put(tissue.data(), tissue.size());
-  out.Put(fixed.data(), fixed.size());
-  return out.Take();
+  core::ByteWriter out(kPackedOrder);
+  out.Array(std::span<const double>(nodes));
+  out.Array(std::span<const int>(tetrahedra));
+  out.Array(std::span<const std::uint8_t>(tissue));
+  out.Array(std::span<const std::uint8_t>(fixed));
+  return out.AsString();
 }
 
 std::string Load(const std::filesystem::path& path,
@@ -150,21 +150,22 @@ vtkSmartPointer<vtkUnsignedCharArray> ArrayOf(const char* name,
 
 Surface ReadVtp(const std::filesystem::path& path) {
   const std::string bytes = Load(path, LoadSurface);
-  ByteReader reader(bytes);
+  core::ByteReader in(bytes, kPackedOrder);
   Surface out;
-  out.nodes_mm = reader.GetColumns<double, 3>();
-  out.triangles = reader.GetColumns<int, 3>();
+  out.nodes_mm = TakeColumns<double, 3>(in);
+  out.triangles = TakeColumns<int, 3>(in);
   return out;
 }
 
 TetraMesh ReadVtu(const std::filesystem::path& path) {
   const std::string bytes = Load(path, LoadTetraMesh);
-  ByteReader reader(bytes);
+  core::ByteReader in(bytes, kPackedOrder);
   TetraMesh out;
-  out.nodes_mm = reader.GetColumns<double, 3>();
-  out.tetrahedra = reader.GetColumns<int, 4>();
-  out.tissue = reader.Get<std::uint8_t>();
-  out.fixed_nodes = reader.Get<std::uint8_t>();
+  out.nodes_mm = TakeColumns<double, 3>(in);
+  out.tetrahedra = TakeColumns<int, 4>(in);
+  out.tissue = in.Array<std::uint8_t>();
+  out.fixed_nodes = in.Array<std::uint8_t>();
+  ACUS_ASSERT(in.ok());
   return out;
 }
 

@@ -1,7 +1,5 @@
 #include "acus/data/session/plus_config.h"
 
-#include <algorithm>
-
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/xml_scan.h"
@@ -17,11 +15,9 @@ std::map<std::string, Eigen::Matrix4d> ReadPlusCalibrations(const std::filesyste
   for (const core::XmlElement& element : elements) {
     const auto from = element.Attribute("From");
     const auto to = element.Attribute("To");
-    auto text = element.Attribute("Matrix");
+    const auto text = element.Attribute("Matrix");
     if (element.name != "Transform" || !from || !to || !text) continue;
     const std::string name = *from + "To" + *to;
-    std::ranges::replace_if(
-        *text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
     const auto numbers = NumbersOf(*text);
     ACUS_REQUIRE(numbers && numbers->size() == 16, path.string(), ": the matrix of ", name,
                  " is not 16 finite numbers");

@@ -33,11 +33,12 @@ std::optional<std::uint64_t> Whole(std::string_view text) {
 }
 
 std::vector<std::string_view> Words(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r\n";
   std::vector<std::string_view> words;
   for (std::size_t begin = 0; begin < text.size();) {
-    begin = text.find_first_not_of(" \t", begin);
+    begin = text.find_first_not_of(kBlank, begin);
     if (begin == text.npos) break;
-    const std::size_t end = std::min(text.find_first_of(" \t", begin), text.size());
+    const std::size_t end = std::min(text.find_first_of(kBlank, begin), text.size());
     words.push_back(text.substr(begin, end - begin));
     begin = end;
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -162,30 +163,33 @@ class Walker {
     at_ += length;
   }
 
+  /// The length of the next item; nothing at the end of the sequence.
+  std::optional<std::uint32_t> NextItem(const char* if_missing) {
+    Need(8);
+    const std::uint32_t tag = PeekTag();
+    const std::uint32_t length = U32(at_ + 4);
+    at_ += 8;
+    if (tag == kSequenceEnd) return {};
+    if (tag != kItem) Fail(if_missing);
+    return length;
+  }
+
   void Fragments() {
     for (;;) {
-      Need(8);
-      const std::uint32_t tag = PeekTag();
-      const std::uint32_t length = U32(at_ + 4);
-      at_ += 8;
-      if (tag == kSequenceEnd) return;
-      if (tag != kItem) Fail("an encapsulated pixel item is missing");
-      Need(length);
-      at_ += length;
+      const auto length = NextItem("an encapsulated pixel item is missing");
+      if (!length) return;
+      Need(*length);
+      at_ += *length;
     }
   }
 
   void Sequence(int depth) {
     for (;;) {
-      Need(8);
-      const std::uint32_t tag = PeekTag();
-      const std::uint32_t length = U32(at_ + 4);
-      at_ += 8;
-      if (tag == kSequenceEnd) return;
-      if (tag != kItem) Fail("a DICOM sequence item is missing");
-      if (length != kUndefinedLength) {
-        Need(length);
-        at_ += length;
+      const auto length = NextItem("a DICOM sequence item is missing");
+      if (!length) return;
+      if (*length != kUndefinedLength) {
+        Need(*length);
+        at_ += *length;
         continue;
       }
       while (PeekTag() != kItemEnd) Element(depth);

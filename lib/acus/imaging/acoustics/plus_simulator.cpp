@@ -48,10 +48,8 @@ class PlusReader {
   /// An attribute of `count` numbers in the range; nothing if it is not there.
   std::optional<std::vector<double>> Numbers(const XmlElement& element, const char* key,
                                              std::size_t count, Range range) const {
-    auto text = element.Attribute(key);
+    const auto text = element.Attribute(key);
     if (!text) return {};
-    std::ranges::replace_if(
-        *text, [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
     const auto numbers = session::NumbersOf(*text);
     const bool fits =
         numbers && numbers->size() == count &&

@@ -6,7 +6,7 @@
 
 #include "acus/base/core/child_process.h"
 #include "acus/base/core/error.h"
-#include "acus/data/mesh/byte_stream.h"
+#include "acus/data/mesh/packed_mesh.h"
 
 namespace acus::meshing {
 namespace {
@@ -47,10 +47,10 @@ std::string Packed(const tetgenio& io) {
     std::copy_n(corner, 4, tetrahedra.data() + t);
     if (volume < 0.0) std::swap(tetrahedra[t], tetrahedra[t + 1]);
   }
-  mesh::ByteWriter out;
-  out.Put(io.pointlist, 3 * static_cast<std::size_t>(io.numberofpoints));
-  out.Put(tetrahedra.data(), tetrahedra.size());
-  return out.Take();
+  core::ByteWriter out(mesh::kPackedOrder);
+  out.Array(std::span<const double>(io.pointlist, 3 * static_cast<std::size_t>(io.numberofpoints)));
+  out.Array(std::span<const int>(tetrahedra));
+  return out.AsString();
 }
 
 std::string Call(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xi& triangles,
@@ -88,10 +88,10 @@ FilledSurface Run(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xi& triang
                                 triangles.cols(), " triangles: ", Reason(result),
                                 "; try larger elements, or smooth and simplify the surface"));
   }
-  mesh::ByteReader reader(result.bytes);
+  core::ByteReader in(result.bytes, mesh::kPackedOrder);
   FilledSurface out;
-  out.nodes_mm = reader.GetColumns<double, 3>();
-  out.tetrahedra = reader.GetColumns<int, 4>();
+  out.nodes_mm = mesh::TakeColumns<double, 3>(in);
+  out.tetrahedra = mesh::TakeColumns<int, 4>(in);
   return out;
 }
 

@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "acus/patient/segmentation/tissues.h"
 
 namespace acus::segmentation {
@@ -28,15 +26,7 @@ std::vector<int> CoreMedians(const volume::CtVolume& ct, const Components& compo
     }
   }
   std::vector<int> medians;
-  for (auto& core : cores) {
-    if (core.empty()) {
-      medians.push_back(-1024);
-      continue;
-    }
-    const auto middle = core.begin() + static_cast<std::ptrdiff_t>(core.size() / 2);
-    std::ranges::nth_element(core, middle);
-    medians.push_back(*middle);
-  }
+  for (auto& core : cores) medians.push_back(MedianHu(core));
   return medians;
 }
 

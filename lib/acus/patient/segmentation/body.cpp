@@ -10,13 +10,6 @@ namespace {
 constexpr int kLowestTissueMedianHu = -200;  ///< A separate part below it is foam or cloth.
 constexpr std::size_t kSampleStep = 7;       ///< Medians of parts are taken of every 7th voxel.
 
-int MedianHu(std::vector<std::int16_t>& values) {
-  if (values.empty()) return -1024;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 }  // namespace
 
 int AxialAxis(const volume::Geometry& geometry) {

@@ -38,6 +38,13 @@ volume::Label LabelAt(std::size_t i, const volume::CtVolume& ct, const Mask& bon
 
 }  // namespace
 
+int MedianHu(std::vector<std::int16_t>& values) {
+  if (values.empty()) return -1024;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
 volume::LabelMap FindTissues(const volume::CtVolume& whole, const TissueOptions& options,
                              const RunContext& context) {
   const int num_threads = context.num_threads;

@@ -53,4 +53,7 @@ volume::LabelMap FindTissues(const volume::CtVolume& ct, const TissueOptions& op
 /// The grid axis (0, 1, 2) along which slices are most nearly axial.
 int AxialAxis(const volume::Geometry& geometry);
 
+/// The (upper) median of CT values, in HU; that of air, -1024, if there are none. Reorders them.
+int MedianHu(std::vector<std::int16_t>& values);
+
 }  // namespace acus::segmentation

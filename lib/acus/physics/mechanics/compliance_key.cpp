@@ -5,19 +5,19 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/provenance.h"
-#include "acus/data/mesh/byte_stream.h"
+#include "acus/data/mesh/packed_mesh.h"
 #include "acus/physics/mechanics/element_names.h"
 
 namespace acus::mechanics {
 namespace {
 
 std::string HashOf(const mesh::TetraMesh& mesh) {
-  mesh::ByteWriter bytes;
-  bytes.Put(mesh.nodes_mm.data(), static_cast<std::size_t>(mesh.nodes_mm.size()));
-  bytes.Put(mesh.tetrahedra.data(), static_cast<std::size_t>(mesh.tetrahedra.size()));
-  bytes.Put(mesh.tissue.data(), mesh.tissue.size());
-  bytes.Put(mesh.fixed_nodes.data(), mesh.fixed_nodes.size());
-  return Sha256OfText(bytes.Take());
+  core::ByteWriter out(mesh::kPackedOrder);
+  out.Array(mesh::ValuesOf(mesh.nodes_mm));
+  out.Array(mesh::ValuesOf(mesh.tetrahedra));
+  out.Array(std::span<const std::uint8_t>(mesh.tissue));
+  out.Array(std::span<const std::uint8_t>(mesh.fixed_nodes));
+  return Sha256OfText(out.AsString());
 }
 
 std::string HashOf(const ElasticityTable& table, const mesh::TetraMesh& mesh) {
@@ -36,9 +36,9 @@ std::string HashOf(const ElasticityTable& table, const mesh::TetraMesh& mesh) {
     rows.insert(rows.end(),
                 {static_cast<double>(label), tissue.youngs_modulus_mpa, tissue.poissons_ratio});
   }
-  mesh::ByteWriter bytes;
-  bytes.Put(rows.data(), rows.size());
-  return Sha256OfText(bytes.Take());
+  core::ByteWriter out(mesh::kPackedOrder);
+  out.Array(std::span<const double>(rows));
+  return Sha256OfText(out.AsString());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <zlib.h>
 
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/bytes.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/text_table.h"
 #include "acus/rig/camera/sheet.h"
@@ -45,19 +46,20 @@ std::string PdfPage(const Sheet& sheet) {
 std::string WithResolution(const std::vector<unsigned char>& png) {
   constexpr std::size_t kHeaderEnd = 8 + 25;
   const auto per_metre = static_cast<std::uint32_t>(std::lround(1000.0 * kPixelsPerMm));
-  std::string chunk = "pHYs";
-  const auto big_endian = [](std::uint32_t value) {
-    std::string bytes;
-    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xff);
-    return bytes;
-  };
-  chunk += big_endian(per_metre) + big_endian(per_metre) + '\1';
-  const auto crc = static_cast<std::uint32_t>(
-      crc32(0, reinterpret_cast<const Bytef*>(chunk.data()), static_cast<uInt>(chunk.size())));
-  std::string out(png.begin(), png.begin() + kHeaderEnd);
-  out += big_endian(9) + chunk + big_endian(crc);
-  out.append(png.begin() + kHeaderEnd, png.end());
-  return out;
+  core::ByteWriter chunk(std::endian::big);
+  chunk.Text("pHYs", 4);
+  chunk.Number(per_metre);
+  chunk.Number(per_metre);
+  chunk.Number(std::uint8_t{1});
+  const std::span<const std::uint8_t> bytes(png);
+  core::ByteWriter out(std::endian::big);
+  out.Raw(bytes.first(kHeaderEnd));
+  out.Number(std::uint32_t{9});
+  out.Raw(chunk.bytes);
+  out.Number(static_cast<std::uint32_t>(
+      crc32(0, chunk.bytes.data(), static_cast<uInt>(chunk.bytes.size()))));
+  out.Raw(bytes.subspan(kHeaderEnd));
+  return out.AsString();
 }
 
 std::string Png(const Sheet& sheet) {

@@ -9,8 +9,8 @@
 #include <igtl_transform.h>
 #include <igtl_util.h>
 
+#include "acus/base/core/bytes.h"
 #include "acus/base/core/error.h"
-#include "acus/rig/tracking/byte_cursor.h"
 
 namespace acus::tracking {
 namespace {
@@ -48,18 +48,34 @@ bool SizeGoesWith(const IgtlHeader& header) {
   return true;
 }
 
+/// Networks have the big end first.
+struct Reader : core::ByteReader {
+  explicit Reader(ByteView bytes) : ByteReader(bytes, std::endian::big) {}
+};
+struct Writer : core::ByteWriter {
+  Writer() : ByteWriter(std::endian::big) {}
+};
+
+double Float(Reader& in) {
+  return in.Number<float>();
+}
+
+void Put(Writer& out, double value) {
+  out.Number(static_cast<float>(value));
+}
+
 /// 12 numbers: three columns of the rotation, then the translation.
-Eigen::Matrix4d Matrix(ByteReader& in) {
+Eigen::Matrix4d Matrix(Reader& in) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 3; ++row) matrix(row, column) = in.Float();
+    for (int row = 0; row < 3; ++row) matrix(row, column) = Float(in);
   }
   return matrix;
 }
 
-void Put(ByteWriter& out, const Eigen::Matrix4d& matrix) {
+void Put(Writer& out, const Eigen::Matrix4d& matrix) {
   for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 3; ++row) out.Float(matrix(row, column));
+    for (int row = 0; row < 3; ++row) Put(out, matrix(row, column));
   }
 }
 
@@ -71,8 +87,8 @@ std::string Printable(std::string text) {
 
 /// Header and body in one.
 Bytes Whole(std::string_view type, std::string_view device, std::int64_t time_ns,
-            const ByteWriter& body, std::uint16_t version = 1) {
-  ByteWriter out;
+            const Writer& body, std::uint16_t version = 1) {
+  Writer out;
   out.bytes.reserve(kIgtlHeaderBytes + body.bytes.size());
   out.Number(version);
   out.Text(type, IGTL_HEADER_TYPE_SIZE);
@@ -92,8 +108,8 @@ Eigen::Matrix4d FromQuaternion(const Eigen::Vector3d& t_mm, const Eigen::Quatern
   return matrix;
 }
 
-Eigen::Vector3d Vector(ByteReader& in) {
-  const double x = in.Float(), y = in.Float(), z = in.Float();
+Eigen::Vector3d Vector(Reader& in) {
+  const double x = Float(in), y = Float(in), z = Float(in);
   return {x, y, z};
 }
 
@@ -102,7 +118,7 @@ Eigen::Vector3d Vector(ByteReader& in) {
 std::optional<IgtlHeader> ParseHeader(ByteView bytes) {
   // Most places in rubbish are told apart by the first two bytes.
   if (bytes[0] != 0 || bytes[1] < 1 || bytes[1] > 3) return std::nullopt;
-  ByteReader in(bytes);
+  Reader in(bytes);
   IgtlHeader header;
   header.version = in.Number<std::uint16_t>();
   header.type = in.Text(IGTL_HEADER_TYPE_SIZE);
@@ -126,7 +142,7 @@ std::optional<IgtlBody> SplitBody(const IgtlHeader& header, ByteView body) {
     parts.content = body;
     return parts;
   }
-  ByteReader in(body);
+  Reader in(body);
   const auto extended_bytes = in.Number<std::uint16_t>();
   const auto metadata_header_bytes = in.Number<std::uint16_t>();
   const auto metadata_bytes = in.Number<std::uint32_t>();
@@ -136,8 +152,8 @@ std::optional<IgtlBody> SplitBody(const IgtlHeader& header, ByteView body) {
     return std::nullopt;
   }
   parts.content = body.subspan(extended_bytes, body.size() - others);
-  ByteReader sizes(body.subspan(extended_bytes + parts.content.size(), metadata_header_bytes));
-  ByteReader texts(body.last(metadata_bytes));
+  Reader sizes(body.subspan(extended_bytes + parts.content.size(), metadata_header_bytes));
+  Reader texts(body.last(metadata_bytes));
   if (metadata_header_bytes == 0) return parts;
   const auto count = sizes.Number<std::uint16_t>();
   for (int i = 0; i < count && sizes.ok() && texts.ok(); ++i) {
@@ -153,17 +169,17 @@ std::optional<IgtlBody> SplitBody(const IgtlHeader& header, ByteView body) {
 
 std::optional<Eigen::Matrix4d> ReadTransform(ByteView content) {
   if (content.size() != IGTL_TRANSFORM_SIZE) return std::nullopt;
-  ByteReader in(content);
+  Reader in(content);
   return Matrix(in);
 }
 
 std::optional<Eigen::Matrix4d> ReadPosition(ByteView content) {
-  ByteReader in(content);
+  Reader in(content);
   const Eigen::Vector3d t_mm = Vector(in);
   if (content.size() == 12) return FromQuaternion(t_mm, Eigen::Quaterniond::Identity());
   const Eigen::Vector3d imaginary = Vector(in);
   double w = std::sqrt(std::max(0.0, 1.0 - imaginary.squaredNorm()));  // The short form.
-  if (content.size() == 28) w = in.Float();
+  if (content.size() == 28) w = Float(in);
   if (content.size() != 24 && content.size() != 28) return std::nullopt;
   return FromQuaternion(t_mm, Eigen::Quaterniond(w, imaginary.x(), imaginary.y(), imaginary.z()));
 }
@@ -171,7 +187,7 @@ std::optional<Eigen::Matrix4d> ReadPosition(ByteView content) {
 std::optional<std::vector<ToolMatrix>> ReadTrackingData(ByteView content) {
   if (content.size() % IGTL_TDATA_ELEMENT_SIZE != 0) return std::nullopt;
   std::vector<ToolMatrix> tools(content.size() / IGTL_TDATA_ELEMENT_SIZE);
-  ByteReader in(content);
+  Reader in(content);
   for (ToolMatrix& tool : tools) {
     tool.name = in.Text(IGTL_TDATA_LEN_NAME);
     in.Take(2);  // Kind of instrument, reserved.
@@ -183,27 +199,27 @@ std::optional<std::vector<ToolMatrix>> ReadTrackingData(ByteView content) {
 std::optional<std::vector<ToolMatrix>> ReadQuaternionTrackingData(ByteView content) {
   if (content.size() % IGTL_QTDATA_ELEMENT_SIZE != 0) return std::nullopt;
   std::vector<ToolMatrix> tools(content.size() / IGTL_QTDATA_ELEMENT_SIZE);
-  ByteReader in(content);
+  Reader in(content);
   for (ToolMatrix& tool : tools) {
     tool.name = in.Text(IGTL_QTDATA_LEN_NAME);
     in.Take(2);
     const Eigen::Vector3d t_mm = Vector(in);
     const Eigen::Vector3d imaginary = Vector(in);
     tool.matrix = FromQuaternion(
-        t_mm, Eigen::Quaterniond(in.Float(), imaginary.x(), imaginary.y(), imaginary.z()));
+        t_mm, Eigen::Quaterniond(Float(in), imaginary.x(), imaginary.y(), imaginary.z()));
   }
   return tools;
 }
 
 std::optional<int> ReadStartTrackingData(ByteView content) {
   if (content.size() != IGTL_STT_TDATA_SIZE) return std::nullopt;
-  const auto interval_ms = std::bit_cast<std::int32_t>(ByteReader(content).Number<std::uint32_t>());
+  const auto interval_ms = Reader(content).Number<std::int32_t>();
   return std::clamp(interval_ms, 0, 60'000);
 }
 
 std::optional<std::string> ReadStatus(ByteView content) {
   if (content.size() < kStatusBytes) return std::nullopt;
-  ByteReader in(content);
+  Reader in(content);
   const auto code = in.Number<std::uint16_t>();
   in.Number<std::uint64_t>();  // Sub-code.
   const std::string name = Printable(in.Text(kIgtlNameBytes));
@@ -216,7 +232,7 @@ std::optional<std::string> ReadStatus(ByteView content) {
 }
 
 std::optional<Picture> ReadImage(ByteView content) {
-  ByteReader in(content);
+  Reader in(content);
   in.Number<std::uint16_t>();  // Version of the format.
   Picture picture;
   picture.channels = in.Number<std::uint8_t>();
@@ -261,7 +277,7 @@ Bytes PackTransform(std::string_view device, std::int64_t time_ns, const transfo
 }
 
 Bytes PackMatrix(std::string_view device, std::int64_t time_ns, const Eigen::Matrix4d& matrix) {
-  ByteWriter body;
+  Writer body;
   Put(body, matrix);
   return Whole("TRANSFORM", device, time_ns, body);
 }
@@ -270,7 +286,7 @@ Bytes PackTransformWithStatus(std::string_view device, std::int64_t time_ns,
                               const transforms::Pose& pose, bool valid) {
   const std::pair<std::string_view, std::string_view> entries[] = {
       {"TransformValid", valid ? "true" : "false"}, {"TransformStatus", valid ? "OK" : "MISSING"}};
-  ByteWriter sizes, texts;
+  Writer sizes, texts;
   sizes.Number(static_cast<std::uint16_t>(std::size(entries)));
   for (const auto& [key, value] : entries) {
     sizes.Number(static_cast<std::uint16_t>(key.size()));
@@ -279,7 +295,7 @@ Bytes PackTransformWithStatus(std::string_view device, std::int64_t time_ns,
     texts.Text(key, key.size());
     texts.Text(value, value.size());
   }
-  ByteWriter body;
+  Writer body;
   body.Number(static_cast<std::uint16_t>(kExtendedHeaderBytes));
   body.Number(static_cast<std::uint16_t>(sizes.bytes.size()));
   body.Number(static_cast<std::uint32_t>(texts.bytes.size()));
@@ -292,7 +308,7 @@ Bytes PackTransformWithStatus(std::string_view device, std::int64_t time_ns,
 
 Bytes PackTrackingData(std::string_view device, std::int64_t time_ns,
                        std::span<const std::pair<std::string, transforms::Pose>> tools) {
-  ByteWriter body;
+  Writer body;
   for (const auto& [name, pose] : tools) {
     body.Text(name, IGTL_TDATA_LEN_NAME);
     body.Number(std::uint8_t{IGTL_TDATA_TYPE_6D});
@@ -303,7 +319,7 @@ Bytes PackTrackingData(std::string_view device, std::int64_t time_ns,
 }
 
 Bytes PackStatus(std::string_view device, std::int64_t time_ns, bool ok, std::string_view text) {
-  ByteWriter body;
+  Writer body;
   body.Number(static_cast<std::uint16_t>(ok ? 1 : 13));  // 13: device not ready.
   body.Number(std::uint64_t{0});
   body.Text(ok ? "" : "NotReady", kIgtlNameBytes);
@@ -317,7 +333,7 @@ Bytes PackImage(std::string_view device, std::int64_t time_ns, const Picture& pi
                          static_cast<std::size_t>(picture.channels);
   ACUS_ASSERT(num_bytes > 0 && picture.pixels.size() == num_bytes);
   ACUS_ASSERT(picture.width <= 65535 && picture.height <= 65535);
-  ByteWriter body;
+  Writer body;
   body.bytes.reserve(IGTL_IMAGE_HEADER_SIZE + num_bytes);
   body.Number(std::uint16_t{IGTL_IMAGE_HEADER_VERSION});
   body.Number(static_cast<std::uint8_t>(picture.channels));
@@ -338,7 +354,7 @@ Bytes PackImage(std::string_view device, std::int64_t time_ns, const Picture& pi
 }
 
 Bytes PackStartTrackingData(std::string_view device, int interval_ms) {
-  ByteWriter body;
+  Writer body;
   body.Number(static_cast<std::uint32_t>(interval_ms));
   body.Text("Reference", IGTL_STT_TDATA_LEN_COORDNAME);
   return Whole("STT_TDATA", device, 0, body);
@@ -349,19 +365,19 @@ Bytes PackStopTrackingData(std::string_view device) {
 }
 
 Bytes PackTrackingDataReply(std::string_view device, bool ok) {
-  ByteWriter body;
+  Writer body;
   body.Number(static_cast<std::uint8_t>(ok ? 0 : 1));
   return Whole("RTS_TDATA", device, 0, body);
 }
 
 Bytes PackCapability(std::string_view device, std::span<const std::string> types) {
-  ByteWriter body;
+  Writer body;
   for (const std::string& type : types) body.Text(type, IGTL_HEADER_TYPE_SIZE);
   return Whole("CAPABILITY", device, 0, body);
 }
 
 Bytes PackQuery(std::string_view type, std::string_view device) {
-  return Whole(type, device, 0, ByteWriter());
+  return Whole(type, device, 0, Writer());
 }
 
 std::uint64_t StampFromNs(std::int64_t time_ns) {

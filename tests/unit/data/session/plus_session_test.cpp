@@ -237,36 +237,5 @@ TEST(PlusConfig, RefusesOtherFilesAndDamagedOnes) {
   EXPECT_GT(refused, 100);
 }
 
-TEST(Xml, ReadsElementsInOrderWithDepthAndAttributes) {
-  const auto elements =
-      core::ScanXml("<a x='1'><b y=\"&lt;&quot;&amp;&gt;&apos; &nbsp; &\"/>text</a>", "t");
-  ASSERT_EQ(elements.size(), 2U);
-  EXPECT_EQ(elements[0].depth, 0);
-  EXPECT_EQ(elements[1].depth, 1);
-  EXPECT_EQ(elements[0].Attribute("x"), "1");
-  EXPECT_EQ(elements[0].Attribute("y"), std::nullopt);
-  EXPECT_EQ(elements[1].Attribute("y"), "<\"&>' &nbsp; &");
-}
-
-TEST(Xml, NamesLineAndTroubleOfWhatIsNotXml) {
-  const auto expect = [](const std::string& text, const char* message) {
-    EXPECT_THAT([&] { core::ScanXml(text, "t.xml"); },
-                ThrowsMessage<InputError>(HasSubstr(message)))
-        << text;
-  };
-  expect("", "ends early");
-  expect("<a>\n<b>\n</a>", "t.xml:3: is not valid XML: an element is closed wrongly");
-  expect("<a>", "ends early");
-  expect("</a>", "closed wrongly");
-  expect("<a x></a>", "an attribute has no value");
-  expect("<a x=1></a>", "must stand in quotes");
-  expect("<a x='1></a>", "a quote is not closed");
-  expect("<a><!-- </a>", "something is not closed");
-  expect("< a/>", "a name is expected");
-  std::string deep;
-  for (int i = 0; i < 1001; ++i) deep += "<a>";
-  expect(deep, "nested too deeply");
-}
-
 }  // namespace
 }  // namespace acus::session
