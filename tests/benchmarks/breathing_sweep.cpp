@@ -6,6 +6,7 @@
 
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/core/text_table.h"
+#include "acus/base/math/statistics.h"
 #include "acus/physics/breathing/tool_at_rest.h"
 #include "benchmarks/breathing_body.h"
 #include "benchmarks/insertion.h"
@@ -32,7 +33,7 @@ constexpr const char* kExact = "exact motion";
 
 /// 95 of 100 errors are below this.
 double P95(const std::vector<double>& errors_mm) {
-  return Quantile(errors_mm, 0.95);
+  return math::Quantile(errors_mm, 0.95);
 }
 
 struct Timing {
@@ -50,7 +51,7 @@ Timing TimeOf(int count, const Action& action) {
     for (int m = n; m < n + kAtOnce; ++m) action(m);
     times_us.push_back(1e6 * (ThreadCpuSeconds() - begin_s) / kAtOnce);
   }
-  return {Quantile(times_us, 0.5), Quantile(times_us, 0.999)};
+  return {math::Median(times_us), math::Quantile(times_us, 0.999)};
 }
 
 /// What breathing adds to a step of the hand: the tool at rest, and where the tissue along 25 nodes
@@ -232,7 +233,7 @@ class BreathingSweeper {
         }
       }
       Row row = RowOf("haptic_iterations", std::to_string(iterations), model.kind(),
-                      {Quantile(times_us, 0.5), Quantile(times_us, 1.0)});
+                      {math::Median(times_us), math::Quantile(times_us, 1.0)});
       row.is_default = row.is_paper = iterations == 1;
       Add(row, P95(errors_mm), "mm, of the hand at 1 kHz", "fifty iterations");
     }

@@ -6,6 +6,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/text_table.h"
+#include "acus/base/math/statistics.h"
 #include "acus/physics/forces/force_table.h"
 #include "benchmarks/force_levels.h"
 #include "benchmarks/friction_integration.h"
@@ -70,8 +71,8 @@ class ForcesSweeper {
         row.value = RoundedText(step_ms, 3);
         row.level = "LuGre";
         row.reference = "Runge-Kutta 4, 5 us";
-        row.step_us_median = Quantile(times_us, 0.5);
-        row.step_us_p999 = Quantile(times_us, 0.999);
+        row.step_us_median = math::Median(times_us);
+        row.step_us_p999 = math::Quantile(times_us, 0.999);
         row.is_default = method == FrictionMethod::kShipped && step_ms == 1.0 && knob == kFriction;
         ForceDifference off;
         double sum = 0.0;
@@ -116,8 +117,8 @@ class ForcesSweeper {
   Row RowOf(const ForceLevel& level, const SampledRun& run) const {
     Row row;
     row.level = level.full_name;
-    row.step_us_median = Quantile(run.step_us, 0.5);
-    row.step_us_p999 = Quantile(run.step_us, 0.999);
+    row.step_us_median = math::Median(run.step_us);
+    row.step_us_p999 = math::Quantile(run.step_us, 0.999);
     row.preparation_s = level.preparation_s;
     row.memory_mb = level.memory_mb;
     row.unusable = WhyUnusable(run, level.largest_n);

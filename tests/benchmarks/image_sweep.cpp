@@ -7,6 +7,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/core/text_table.h"
+#include "acus/base/math/statistics.h"
 #include "benchmarks/image_scene.h"
 
 namespace acus::benchmarks {
@@ -129,9 +130,8 @@ class ImageSweeper {
       renderer.Render(scene_.ct_from_probe, scene_.needle, out.image, 1, &rest);
       if (n > 0) times_us.push_back(1e6 * (ThreadCpuSeconds() - begin_s));
     }
-    std::ranges::sort(times_us);
-    out.median_us = times_us[times_us.size() / 2];
-    out.most_us = times_us.back();
+    out.median_us = math::Median(times_us);
+    out.most_us = std::ranges::max(times_us);
     return out;
   }
 

@@ -52,14 +52,6 @@ double RmsDifferenceN(const InsertionRun& a, const InsertionRun& b) {
   return std::sqrt(sum / static_cast<double>(a.force_n.size()));
 }
 
-double Quantile(std::vector<double> values, double p) {
-  ACUS_ASSERT(!values.empty() && p >= 0.0 && p <= 1.0);
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(
-                                       std::ceil(p * static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 std::string WhyUnusable(const InsertionRun& run, const std::vector<tissue::ToolSample>& samples,
                         double largest_n) {
   double most_n = 0.0;

@@ -42,9 +42,6 @@ InsertionRun Insert(const Model& model, const std::vector<tissue::ToolSample>& s
 /// length.
 double RmsDifferenceN(const InsertionRun& a, const InsertionRun& b);
 
-/// The value below which the share `p` of all values lies. @pre not empty, 0 <= p <= 1.
-double Quantile(std::vector<double> values, double p);
-
 /// Empty if forces are finite and within `largest_n`, end at zero, are above noise at all, and if
 /// the needle has put work into the tissue over the whole round: what it gets back is less than it
 /// gave. Otherwise what is wrong.

@@ -7,6 +7,7 @@
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/text_table.h"
+#include "acus/base/math/statistics.h"
 #include "acus/physics/needle/curved_path.h"
 #include "acus/physics/needle/path_coupling.h"
 #include "acus/physics/needle/stiffness_fit.h"
@@ -176,8 +177,8 @@ class NeedleSweeper {
     const NeedleRun run = RunNeedle(setting);
     Row row = NewRow(knob, value, is_default);
     row.reference = reference_name_;
-    row.step_us_median = Quantile(run.step_us, 0.5);
-    row.step_us_p999 = Quantile(run.step_us, 0.999);
+    row.step_us_median = math::Median(run.step_us);
+    row.step_us_p999 = math::Quantile(run.step_us, 0.999);
     if (run.not_converged > 0) {
       row.unusable = Message(run.not_converged, " steps not at rest");
     }
@@ -218,8 +219,8 @@ class NeedleSweeper {
     }
     row.error_unit = "%";
     row.reference = "cantilever, 1 N, at once: many nodes";
-    row.step_us_median = Quantile(times_us, 0.5);
-    row.step_us_p999 = Quantile(times_us, 0.999);
+    row.step_us_median = math::Median(times_us);
+    row.step_us_p999 = math::Quantile(times_us, 0.999);
     rows_.push_back(std::move(row));
   }
 

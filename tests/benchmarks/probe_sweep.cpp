@@ -5,6 +5,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/cpu_time.h"
+#include "acus/base/math/statistics.h"
 #include "acus/physics/forces/force_table.h"
 #include "acus/physics/forces/multi_proxy_probe.h"
 #include "benchmarks/insertion.h"
@@ -97,8 +98,8 @@ std::vector<Row> RunSweep(bool quick, const RunContext& context) {
       row.value = std::to_string(num_proxies);
       row.level = "multi_proxy";
       row.reference = "integral over the tool's surface";
-      row.step_us_median = Quantile(run.step_us, 0.5);
-      row.step_us_p999 = Quantile(run.step_us, 0.999);
+      row.step_us_median = math::Median(run.step_us);
+      row.step_us_p999 = math::Quantile(run.step_us, 0.999);
       row.memory_mb = 1e-6 * static_cast<double>(sizeof(forces::MultiProxyState));
       row.is_default = num_proxies == kDefaultProxies;
       row.unusable = run.unusable;

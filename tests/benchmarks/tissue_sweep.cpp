@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "acus/base/core/text_table.h"
+#include "acus/base/math/statistics.h"
 #include "benchmarks/tissue_picture.h"
 #include "benchmarks/tissue_run.h"
 
@@ -58,8 +59,8 @@ class TissueSweeper {
     row.value = value;
     row.level = level;
     row.error_unit = "N";
-    row.step_us_median = Quantile(run.run.step_us, 0.5);
-    row.step_us_p999 = Quantile(run.run.step_us, 0.999);
+    row.step_us_median = math::Median(run.run.step_us);
+    row.step_us_p999 = math::Quantile(run.run.step_us, 0.999);
     row.preparation_s = run.preparation_s;
     row.memory_mb = run.memory_mb;
     row.unusable = WhyUnusable(run.run, samples_, largest_n_);
@@ -203,8 +204,8 @@ class TissueSweeper {
     row.error = RmsDifferenceMm(picture, reference);
     row.error_unit = "mm";
     row.reference = reference_name;
-    row.step_us_median = Quantile(picture.picture_us, 0.5);
-    row.step_us_p999 = Quantile(picture.picture_us, 1.0);
+    row.step_us_median = math::Median(picture.picture_us);
+    row.step_us_p999 = math::Quantile(picture.picture_us, 1.0);
     row.preparation_s = picture.preparation_s;
     row.memory_mb = picture.memory_mb;
     if (!std::isfinite(row.error)) row.unusable = "a displacement is not finite";

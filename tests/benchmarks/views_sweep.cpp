@@ -7,6 +7,7 @@
 
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/core/text_table.h"
+#include "acus/base/math/statistics.h"
 #include "acus/imaging/fluoroscopy/fluoroscope.h"
 #include "acus/imaging/volume_rendering/patient_view.h"
 #include "acus/physics/breathing/motion_map.h"
@@ -97,8 +98,8 @@ class ViewsSweeper {
     row.knob = knob;
     row.value = value;
     row.level = level;
-    row.step_us_median = Quantile(times_us, 0.5);
-    row.step_us_p999 = Quantile(times_us, 1.0);
+    row.step_us_median = math::Median(times_us);
+    row.step_us_p999 = math::Quantile(times_us, 1.0);
     return row;
   }
 

@@ -2,6 +2,7 @@
 // does. The same on meshes of up to 118,000 nodes: tests/bench/contact_bench.cpp.
 #include <gtest/gtest.h>
 
+#include "acus/base/math/statistics.h"
 #include "support/contact_handling.h"
 
 namespace acus::testing_support {
@@ -23,8 +24,8 @@ void ExpectFast(int points, double median_us, double p999_us) {
   // The same hand makes the same steps each time: the least of each is what it costs by itself.
   StepCosts costs = handle();
   for (int n = 1; n < kTimes; ++n) costs.KeepLeast(handle());
-  const double median = StepCosts::Percentile(costs.engaged_us, 0.5);
-  const double p999 = StepCosts::Percentile(costs.all_us, 0.999);
+  const double median = math::Median(costs.engaged_us);
+  const double p999 = math::Quantile(costs.all_us, 0.999);
   std::printf("%.1f points: median %.1f us, 99.9th percentile %.1f us of all steps, %d reachable\n",
               costs.mean_points, median, p999, scene.compliance.num_nodes());
   EXPECT_GE(costs.mean_points, points);

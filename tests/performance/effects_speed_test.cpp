@@ -8,6 +8,7 @@
 
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/core/error.h"
+#include "acus/base/math/statistics.h"
 #include "support/effects_patient.h"
 #include "support/effects_run.h"
 
@@ -91,8 +92,7 @@ double Least(const std::vector<double>& ms) {
 double MedianRatio(const std::vector<double>& less, const std::vector<double>& all) {
   std::vector<double> ratios;
   for (std::size_t i = 0; i < less.size(); ++i) ratios.push_back(less[i] / all[i]);
-  std::ranges::sort(ratios);
-  return ratios[ratios.size() / 2];
+  return math::Median(ratios);
 }
 
 /// What costs more in the scene with less in it. Neighbours on the machine can make one round slow

@@ -65,13 +65,6 @@ struct StepCosts {
     least(all_us, again.all_us);
     least(engaged_us, again.engaged_us);
   }
-
-  static double Percentile(std::vector<double> values, double share) {
-    if (values.empty()) return 0.0;
-    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + at, values.end());
-    return values[static_cast<std::size_t>(at)];
-  }
 };
 
 /// Fast in and out with reversals every few steps and tilts to 6 degrees, cutting deeper now and

@@ -1,9 +1,9 @@
 // What a full force step costs, model by model, in CPU time of the thread: median and 99.9 %.
 // Run: build/tests/bench_forces
-#include <algorithm>
 #include <cstdio>
 
 #include "acus/base/core/cpu_time.h"
+#include "acus/base/math/statistics.h"
 #include "support/allocation_counter.h"
 #include "support/force_scenes.h"
 
@@ -60,9 +60,8 @@ void Measure(const char* name, Step step) {
     us.push_back(1e6 * (ThreadCpuSeconds() - begin) / kBatch);
   }
   const long allocations = testing_support::num_allocations - before;
-  std::ranges::sort(us);
   std::printf("%-10s median %.3f us, 99.9 %% %.3f us, %ld allocations in %d steps\n", name,
-              us[us.size() / 2], us[us.size() * 999 / 1000], allocations, kSteps);
+              math::Median(us), math::Quantile(us, 0.999), allocations, kSteps);
 }
 
 int Run() {

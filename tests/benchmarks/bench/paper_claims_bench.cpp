@@ -9,6 +9,7 @@
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/run_main.h"
+#include "acus/base/math/statistics.h"
 #include "acus/imaging/volume_rendering/moving_surface.h"
 #include "acus/imaging/volume_rendering/patient_view.h"
 #include "acus/physics/tissue/plane_model_2010.h"
@@ -24,7 +25,6 @@
 namespace {
 
 using namespace acus;  // NOLINT: a program of one file.
-using benchmarks::Quantile;
 
 /// A number that is not positive, or a run that did not work, is no answer.
 class Results {
@@ -36,8 +36,8 @@ class Results {
   }
   /// Median and 99.9th percentile.
   void AddTimes(const std::string& name, const std::vector<double>& times_us) {
-    Add(name + "_median_us", Quantile(times_us, 0.5));
-    Add(name + "_p999_us", Quantile(times_us, 0.999));
+    Add(name + "_median_us", math::Median(times_us));
+    Add(name + "_p999_us", math::Quantile(times_us, 0.999));
   }
   void Fail(const std::string& why) {
     std::cerr << "not plausible: " << why << std::endl;
@@ -91,7 +91,7 @@ void Swaps(int side, Results& results) {
       results.Require(std::abs(contact.ForceN(i)) < 100.0, name + ": forces out of bounds");
     }
     const bool full = update == tissue::PlaneUpdate::kFull;
-    results.Add(name + (full ? "_full_us" : "_restricted_us"), Quantile(times_us, 0.5));
+    results.Add(name + (full ? "_full_us" : "_restricted_us"), math::Median(times_us));
   }
 }
 
@@ -105,7 +105,8 @@ void FiniteElements(bool quick, Results& results, RunContext& context) {
     const std::string wrong = benchmarks::WhyUnusable(run.run, samples, largest_n);
     results.Require(wrong.empty(), name + ": " + wrong);
     results.AddTimes(name, run.run.step_us);
-    results.Require(Quantile(run.run.step_us, 0.999) < 1000.0, name + " does not run at 1 kHz");
+    results.Require(math::Quantile(run.run.step_us, 0.999) < 1000.0,
+                    name + " does not run at 1 kHz");
   };
   add("plane_361", benchmarks::RunPlane(5.0, 90.0, 78.0, tables, samples));
   for (const double element_mm :
@@ -151,7 +152,7 @@ void BreathingNeedle(bool quick, Results& results) {
   results.Require(times_us.size() > 1500, "the needle is hardly ever bent");
   results.Require(largest_n > 0.1 && largest_n < 20.0, "forces out of bounds");
   results.AddTimes("breathing_step", times_us);
-  results.Require(Quantile(times_us, 0.99) < 500.0, "the step does not run at 2 kHz");
+  results.Require(math::Quantile(times_us, 0.99) < 500.0, "the step does not run at 2 kHz");
 }
 
 struct View {
@@ -188,7 +189,7 @@ void VolumeRendering(bool quick, Results& results, const RunContext& context) {
         "volume_" + std::string(view.layer) + (view.breathing ? "_breathing" : "_at_rest");
     results.Require(shown * 20 > static_cast<std::ptrdiff_t>(picture.coverage.size()),
                     name + " shows nothing");
-    results.Add(name + "_ms", Quantile(times_ms, 0.5));
+    results.Add(name + "_ms", math::Median(times_ms));
   }
   for (const int count : quick ? std::vector{12026} : std::vector{430578, 145648, 12026}) {
     const Eigen::Matrix3Xf rest = 100.0F * Eigen::Matrix3Xf::Ones(3, count);
@@ -200,7 +201,7 @@ void VolumeRendering(bool quick, Results& results, const RunContext& context) {
       times_ms.push_back(1e3 * (ThreadCpuSeconds() - begin_s));
     }
     results.Require((world - rest).cwiseAbs().maxCoeff() > 1.0F, "no vertex has moved");
-    results.Add("vertices_" + std::to_string(count) + "_ms", Quantile(times_ms, 0.5));
+    results.Add("vertices_" + std::to_string(count) + "_ms", math::Median(times_ms));
   }
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "acus/base/core/cpu_time.h"
+#include "acus/base/math/statistics.h"
 #include "acus/physics/needle/curved_path.h"
 #include "acus/physics/needle/path_coupling.h"
 #include "acus/physics/needle/rod.h"
@@ -79,8 +80,7 @@ Answer SolveRod(int num_nodes, double force_n) {
     times.push_back(ThreadMicroseconds() - begin);
     answer.tip_mm = state.point.back().position_mm.x();
   }
-  std::ranges::nth_element(times, times.begin() + 50);
-  answer.microseconds = times[50];
+  answer.microseconds = math::Median(times);
   return answer;
 }
 

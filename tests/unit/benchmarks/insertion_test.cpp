@@ -55,21 +55,12 @@ TEST(InsertionRun, MeasuresForcesAndTimes) {
   const InsertionRun run = Insert(Pusher{Friction}, samples);
   ASSERT_EQ(run.force_n.size(), samples.size());
   ASSERT_EQ(run.step_us.size(), samples.size());
-  EXPECT_GT(Quantile(run.step_us, 0.5), 0.0);
-  EXPECT_LE(Quantile(run.step_us, 0.5), Quantile(run.step_us, 0.999));
+  EXPECT_GT(math::Quantile(run.step_us, 0.5), 0.0);
+  EXPECT_LE(math::Quantile(run.step_us, 0.5), math::Quantile(run.step_us, 0.999));
   EXPECT_EQ(RmsDifferenceN(run, run), 0.0);
   InsertionRun other = run;
   for (auto& force : other.force_n) force += Eigen::Vector3d(0.3, 0.0, 0.4);
   EXPECT_NEAR(RmsDifferenceN(run, other), 0.5, 1e-12);
-}
-
-TEST(Quantile, IsAnOrderStatistic) {
-  EXPECT_EQ(Quantile({3.0, 1.0, 2.0}, 0.0), 1.0);
-  EXPECT_EQ(Quantile({3.0, 1.0, 2.0}, 0.5), 2.0);
-  EXPECT_EQ(Quantile({3.0, 1.0, 2.0}, 1.0), 3.0);
-  std::vector<double> thousand(1000, 1.0);
-  thousand[17] = 9.0;
-  EXPECT_EQ(Quantile(thousand, 0.999), 9.0);
 }
 
 TEST(WhyUnusable, IsEmptyForFriction) {

@@ -9,18 +9,6 @@
 
 namespace acus::tuning {
 
-double StudentT975(int degrees_of_freedom) {
-  ACUS_ASSERT(degrees_of_freedom >= 1);
-  // The square of a t variable is an F variable with one degree of freedom in the numerator.
-  double low = 1.0;
-  double high = 20.0;
-  for (int i = 0; i < 60; ++i) {
-    const double t = 0.5 * (low + high);
-    (math::FUpperTail(t * t, 1.0, degrees_of_freedom) > 0.05 ? low : high) = t;
-  }
-  return 0.5 * (low + high);
-}
-
 Estimate EstimateOf(std::span<const double> values) {
   std::vector<double> numbers;
   for (const double value : values) {
@@ -31,7 +19,8 @@ Estimate EstimateOf(std::span<const double> values) {
   if (numbers.empty()) return estimate;
   estimate.mean = math::Mean(numbers);
   if (numbers.size() < 2 || !std::isfinite(estimate.mean)) return estimate;
-  estimate.half_width = StudentT975(estimate.count - 1) * math::StandardDeviation(numbers) /
+  estimate.half_width = math::StudentQuantile(0.975, estimate.count - 1.0) *
+                        math::StandardDeviation(numbers) /
                         std::sqrt(static_cast<double>(numbers.size()));
   return estimate;
 }

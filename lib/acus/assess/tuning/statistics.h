@@ -20,8 +20,4 @@ Estimate EstimateOf(std::span<const double> values);
 /// not a number are left out. @pre a.size() == b.size().
 Estimate PairedDifference(std::span<const double> a, std::span<const double> b);
 
-/// The t that a variable of Student's distribution exceeds with probability 2.5 %.
-/// @pre degrees_of_freedom >= 1.
-double StudentT975(int degrees_of_freedom);
-
 }  // namespace acus::tuning

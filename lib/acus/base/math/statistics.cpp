@@ -32,12 +32,13 @@ double RootMeanSquare(std::span<const double> values) {
 
 double Quantile(std::span<const double> values, double fraction) {
   ACUS_ASSERT(!values.empty() && fraction >= 0.0 && fraction <= 1.0);
-  std::vector<double> sorted(values.begin(), values.end());
-  std::ranges::sort(sorted);
-  const double position = fraction * static_cast<double>(sorted.size() - 1);
-  const auto low = static_cast<std::size_t>(position);
-  const std::size_t high = std::min(low + 1, sorted.size() - 1);
-  return sorted[low] + (position - static_cast<double>(low)) * (sorted[high] - sorted[low]);
+  std::vector<double> order(values.begin(), values.end());
+  const double position = fraction * static_cast<double>(order.size() - 1);
+  const auto low = order.begin() + static_cast<std::ptrdiff_t>(position);
+  std::nth_element(order.begin(), low, order.end());
+  const double share = position - std::floor(position);
+  if (share == 0.0) return *low;  // Also where there is no next one, or an infinite one.
+  return *low + share * (*std::min_element(low + 1, order.end()) - *low);
 }
 
 double Median(std::span<const double> values) {

@@ -25,7 +25,7 @@ Estimate Scaled(const Estimate& e, double factor) {
 Estimate Ratio(const Estimate& a, const Estimate& b) {
   const double value = a.value / b.value;
   const double error = std::hypot(a.standard_error / b.value, value * b.standard_error / b.value);
-  return {value, error, value - 1.96 * error, value + 1.96 * error};
+  return Estimate::Normal(value, error);
 }
 
 /// Residual of the insertion, model less measured.

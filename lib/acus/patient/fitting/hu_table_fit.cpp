@@ -260,8 +260,9 @@ HuTableFit FitHuTable(std::span<const ForceCurve> curves, std::span<const CurveP
   const Eigen::MatrixXd covariance = fitter.Covariance(fit.smoothing, residual);
   const auto estimate = [&](Eigen::Index k) {
     const double error = std::sqrt(std::max(0.0, covariance(k, k)));
-    return Estimate{solution(k), error, std::max(0.0, solution(k) - 1.96 * error),
-                    solution(k) + 1.96 * error};
+    Estimate out = Estimate::Normal(solution(k), error);
+    out.low = std::max(0.0, out.low);
+    return out;
   };
   const Eigen::VectorXd support = fitter.Support();
   const double typical = support.head(count).mean();

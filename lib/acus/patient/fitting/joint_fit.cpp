@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "acus/base/core/error.h"
+#include "acus/base/math/distributions.h"
 #include "acus/base/math/statistics.h"
 #include "acus/patient/fitting/depth_bins.h"
 #include "acus/patient/fitting/least_squares.h"
@@ -16,9 +17,8 @@ namespace acus::fitting {
 namespace {
 
 constexpr int kKnots[] = {2, 3, 4, 6, 8, 10, 12, 16, 20, 30, 40, 60};
-constexpr double kNormal95 = 1.645;  // One-sided quantile of the normal distribution.
-constexpr double kFinestMm = 1.0;    // Least distance of knots.
-constexpr double kStepS = 0.02;      // Means over so long.
+constexpr double kFinestMm = 1.0;  // Least distance of knots.
+constexpr double kStepS = 0.02;    // Means over so long.
 constexpr double kBinMm = 0.1;
 constexpr std::size_t kMostBins = 20000;
 
@@ -119,7 +119,7 @@ bool IsAsGood(const Choice& other, const Choice& best) {
   double squares = 0.0;
   for (const double w : worse) squares += (w - mean) * (w - mean);
   const auto n = static_cast<double>(worse.size());
-  return mean <= StudentQuantile(n - 1.0, kNormal95) * std::sqrt(squares / (n - 1.0) / n);
+  return mean <= math::StudentQuantile(0.95, n - 1.0) * std::sqrt(squares / (n - 1.0) / n);
 }
 
 /// The profile of one direction. Of all numbers of knots that foretell as well as the best one, the

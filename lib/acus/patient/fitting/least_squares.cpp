@@ -7,12 +7,15 @@
 #include <memory>
 
 #include "acus/base/core/error.h"
+#include "acus/base/math/distributions.h"
 #include "acus/base/math/statistics.h"
 
 namespace acus::fitting {
 namespace {
 
 constexpr double kHuberDeviations = 2.5;
+/// Fewer than this are not known well enough to widen an interval by.
+constexpr double kLeastDegrees = 3.0;
 constexpr std::size_t kLongestLag = 5000;  // Bounds the work on very long recordings.
 
 /// All samples in one residual block: the model is cheap, Ceres' bookkeeping per block is not.
@@ -115,33 +118,22 @@ double Inflation(std::span<const double> residual) {
   return sum;
 }
 
-double StudentQuantile(double degrees, double z) {
-  const double d = std::max(degrees, 3.0);
-  const double z3 = z * z * z;
-  return z + (z3 + z) / (4.0 * d) + (5.0 * z3 * z * z + 16.0 * z3 + 3.0 * z) / (96.0 * d * d);
-}
-
-double JointNormalQuantile(int num_intervals) {
-  const double tail = 0.025 / std::max(1, num_intervals);
-  double low = 1.0;
-  double high = 8.0;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (0.5 * std::erfc(middle / std::sqrt(2.0)) > tail ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+Estimate Estimate::Normal(double value, double standard_error) {
+  const double half_width = math::NormalQuantile(0.975) * standard_error;
+  return {value, standard_error, value - half_width, value + half_width};
 }
 
 Estimate Estimate::AmongSeveral(int num_intervals) const {
-  const double wider = JointNormalQuantile(num_intervals) / JointNormalQuantile(1);
+  const double joint = math::NormalQuantile(1.0 - 0.025 / std::max(1, num_intervals));
+  const double wider = joint / math::NormalQuantile(0.975);
   return {value, standard_error, value - wider * (value - low), value + wider * (high - value)};
 }
 
 Estimate ModelFit::Of(double value, const Eigen::VectorXd& gradient) const {
   const double variance = gradient.dot(covariance * gradient);
   const double error = std::sqrt(std::max(0.0, variance));
-  const double quantile =
-      StudentQuantile(effective_samples - static_cast<double>(parameters.size()));
+  const double degrees = effective_samples - static_cast<double>(parameters.size());
+  const double quantile = math::StudentQuantile(0.975, std::max(kLeastDegrees, degrees));
   return {value, error, value - quantile * error, value + quantile * error};
 }
 

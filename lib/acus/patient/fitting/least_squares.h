@@ -17,6 +17,9 @@ struct Estimate {
   double low = 0.0;  ///< 95 % interval.
   double high = 0.0;
 
+  /// The 95 % interval of a normal variable.
+  static Estimate Normal(double value, double standard_error);
+
   bool Contains(double truth) const { return low <= truth && truth <= high; }
   /// The interval such that k of them hold all at once with 95 % (Bonferroni).
   Estimate AmongSeveral(int num_intervals) const;
@@ -54,11 +57,5 @@ ModelFit FitModel(const SampleModel& model, std::span<const double> x, std::span
 /// Samples per independent one: 1 + 2 (rho_1 + ...), the autocorrelations summed up to the first
 /// that is not positive or a quarter of the record; >= 1.
 double Inflation(std::span<const double> residual);
-
-/// The 97.5 % quantile of Student's t with this many degrees of freedom (Cornish-Fisher).
-double StudentQuantile(double degrees, double normal_quantile = 1.959963984540054);
-
-/// The normal quantile for k simultaneous two-sided 95 % intervals (Bonferroni).
-double JointNormalQuantile(int num_intervals);
 
 }  // namespace acus::fitting

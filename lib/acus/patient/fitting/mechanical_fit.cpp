@@ -115,7 +115,7 @@ Estimate Stiffness(const Estimate& level_n, const Estimate& length_mm, double st
   const double error =
       std::abs(value) * std::hypot(level_n.standard_error / std::max(1e-9, level_n.value),
                                    length_mm.standard_error / length_mm.value);
-  return {value, error, value - 1.96 * error, value + 1.96 * error};
+  return Estimate::Normal(value, error);
 }
 
 void AddEstimates(const PhaseSamples& samples, const SeriesFit& shared, MechanicalFit& fit) {

@@ -65,12 +65,6 @@ double Solve(double low, double high, double wanted, const F& increasing) {
   return 0.5 * (low + high);
 }
 
-double ChiSquareQuantile(double probability, double degrees_of_freedom) {
-  const double high = degrees_of_freedom + 60.0 * std::sqrt(2.0 * degrees_of_freedom) + 100.0;
-  return Solve(0.0, high, probability,
-               [&](double x) { return 1.0 - math::ChiSquareUpperTail(x, degrees_of_freedom); });
-}
-
 }  // namespace
 
 double LengthBoundMm(const Eigen::Matrix3d& covariance_mm2, double confidence) {
@@ -89,7 +83,7 @@ double LengthBoundMm(const Eigen::Matrix3d& covariance_mm2, double confidence,
   // The true deviation is the estimated one times sqrt(k / chi2): the mean over chi2's quantiles.
   std::array<double, kMixtureNodes> factor;
   for (int i = 0; i < kMixtureNodes; ++i) {
-    const double chi2 = ChiSquareQuantile((i + 0.5) / kMixtureNodes, degrees_of_freedom);
+    const double chi2 = math::ChiSquareQuantile((i + 0.5) / kMixtureNodes, degrees_of_freedom);
     factor[static_cast<std::size_t>(i)] = std::sqrt(degrees_of_freedom / chi2);
   }
   // Inside() is needed at many radii: a table of it over radius / deviation, read linearly.
@@ -115,8 +109,10 @@ double LengthBoundMm(const Eigen::Matrix3d& covariance_mm2, double confidence,
 
 DeviationInterval DeviationIntervalOf(double degrees_of_freedom, double confidence) {
   const double tail = 0.5 * (1.0 - confidence);
-  return {.low = std::sqrt(degrees_of_freedom / ChiSquareQuantile(1.0 - tail, degrees_of_freedom)),
-          .high = std::sqrt(degrees_of_freedom / ChiSquareQuantile(tail, degrees_of_freedom))};
+  return {
+      .low =
+          std::sqrt(degrees_of_freedom / math::ChiSquareQuantile(1.0 - tail, degrees_of_freedom)),
+      .high = std::sqrt(degrees_of_freedom / math::ChiSquareQuantile(tail, degrees_of_freedom))};
 }
 
 }  // namespace acus::registration

@@ -9,17 +9,6 @@
 namespace acus::tuning {
 namespace {
 
-// Two-sided 95 % points as in any table of Student's distribution.
-TEST(StudentT, IsThatOfTheTables) {
-  // One degree of freedom is Cauchy's distribution: tan(0.475 pi).
-  EXPECT_NEAR(StudentT975(1), std::tan(0.475 * std::acos(-1.0)), 1e-6);
-  // Two: t = a / sqrt(2 (1/4 - a^2/4)) with a = 0.95 in closed form.
-  EXPECT_NEAR(StudentT975(2), 0.95 * std::sqrt(2.0 / (1.0 - 0.95 * 0.95)), 1e-6);
-  EXPECT_NEAR(StudentT975(4), 2.776, 5e-4);
-  EXPECT_NEAR(StudentT975(9), 2.262, 5e-4);
-  EXPECT_NEAR(StudentT975(1000), 1.962, 5e-4);
-}
-
 TEST(Estimate, OfThreeValuesByHand) {
   const std::vector<double> values = {1.0, 2.0, 6.0};
   const Estimate estimate = EstimateOf(values);

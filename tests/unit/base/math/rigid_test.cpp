@@ -50,6 +50,12 @@ TEST(Quantile, InterpolatesBetweenOrderStatistics) {
   EXPECT_DOUBLE_EQ(Quantile(values, 0.0), 1.0);
   EXPECT_DOUBLE_EQ(Quantile(values, 1.0), 4.0);
   EXPECT_DOUBLE_EQ(Quantile(values, 0.95), 3.85);
+  std::vector<double> thousand(1000, 1.0);
+  thousand[17] = 9.0;
+  EXPECT_EQ(Quantile(thousand, 1.0), 9.0);
+  EXPECT_NEAR(Quantile(thousand, 0.9995), 1.0 + 0.5005 * 8.0, 1e-9);
+  EXPECT_EQ(Quantile(thousand, 0.998), 1.0);
+  EXPECT_EQ(Median(std::vector<double>{INFINITY, 1.0, 2.0}), 2.0);
 }
 
 }  // namespace
