@@ -25,6 +25,12 @@ std::vector<fs::path> JsonFiles() {
   return files;
 }
 
+/// With the parts of all effects.
+json SchemaOf(const std::string& name) {
+  json schema = json::parse(config::SchemaText(name));
+  return name == "acus-scenario" ? effects::WithEffects(std::move(schema)) : schema;
+}
+
 TEST(Configs, FitTheSchemaThatTheirFormatNames) {
   for (const fs::path& path : JsonFiles()) {
     const json document = config::ReadJson(path);
@@ -32,7 +38,8 @@ TEST(Configs, FitTheSchemaThatTheirFormatNames) {
     const auto format = document["format"].get<std::string>();
     EXPECT_NO_THROW({
       try {
-        config::ReadConfig(path, format.substr(0, format.find('/')));
+        const std::string name = format.substr(0, format.find('/'));
+        config::CheckedConfig(document, name, path.string(), SchemaOf(name));
       } catch (const std::exception& error) {
         ADD_FAILURE() << error.what();
         throw;
@@ -86,8 +93,7 @@ void CheckSchema(const json& root, const json& node, const std::string& pointer)
 TEST(Schemas, DescribeEveryKeyAndHaveValidDefaults) {
   ASSERT_FALSE(config::SchemaNames().empty());
   for (const std::string& name : config::SchemaNames()) {
-    json schema = json::parse(config::SchemaText(name));
-    if (name == "acus-scenario") schema = effects::WithEffects(std::move(schema));
+    const json schema = SchemaOf(name);
     EXPECT_EQ(schema["properties"]["format"]["const"], name + "/1") << name;
     CheckSchema(schema, schema, name);
   }

@@ -93,7 +93,9 @@ TEST(ModuleGraph, EveryFolderOfLibIsAWingAndEverySubfolderAModule) {
         << wing.path() << " is no wing";
   }
   for (const fs::path& file : SourcesOf(kLib, {".h", ".cpp"})) {
-    there.insert(file.parent_path().generic_string());
+    const auto module = ModuleOf(modules, file);
+    ASSERT_TRUE(module.has_value()) << file << " lies in no module";
+    there.insert(modules[PositionsOf(modules).at(*module)].Folder());
   }
   EXPECT_EQ(there, folders);
 }
