@@ -3,6 +3,8 @@
 #include <cmath>
 #include <gmock/gmock.h>
 
+#include "acus/base/math/statistics.h"
+
 namespace acus::benchmarks {
 namespace {
 
