@@ -70,7 +70,7 @@ std::string Code(const std::string& line) {
 
 TEST(SourceRules, NothingIsDrawnFromAGeneratorThatDependsOnLibraryOrThread) {
   const std::regex forbidden(
-      R"re(\bs?rand\s*\(|random_device|mt19937|default_random_engine|_distribution\b|(Vector|Matrix|Array)\w*::Random\b|\.setRandom\b)re");
+      R"re(\bs?rand\s*\(|random_device|mt19937|default_random_engine|std::\w+_distribution\b|(Vector|Matrix|Array)\w*::Random\b|\.setRandom\b)re");
   for (const Line& line : Lines({"lib", "apps"}, {".h", ".cpp"})) {
     EXPECT_FALSE(std::regex_search(Code(line.text), forbidden))
         << line.Where() << ": use RandomStream: " << line.text;
