@@ -7,6 +7,7 @@
 #include "acus/physics/mechanics/reachable.h"
 #include "acus/physics/tissue/fem_field.h"
 #include "support/box_mesh.h"
+#include "support/slice_time.h"
 
 namespace acus {
 namespace {
@@ -46,7 +47,7 @@ TEST(CondensationSpeed, TenThousandNodesTakeASecond) {
   EXPECT_LE(condensation.cost().factor_mib, 200.0);
 }
 
-TEST(CondensationSpeed, AnImageCostsAMillisecond) {
+TEST(CondensationSpeed, AnImageCostsHalfASlice) {
   const Box box;
   mechanics::Condensation condensation = box.Condense();
   const auto visible = mechanics::Joined(
@@ -82,10 +83,13 @@ TEST(CondensationSpeed, AnImageCostsAMillisecond) {
   }
   std::ranges::sort(update_s);
   std::ranges::sort(look_s);
-  std::printf("%zu visible: update %.2f ms, 5000 places %.2f ms\n", visible.size(),
-              1e3 * update_s[20], 1e3 * look_s[20]);
-  EXPECT_LE(update_s[20], 2e-3);
-  EXPECT_LE(look_s[20], 2e-3);
+  // 2 ms where a slice takes 3.8 ms of CPU time. Measured 0.03 and 0.31 of a slice.
+  constexpr double kMostSlices = 2.0 / testing_support::kSliceCpuMsOfLimits;
+  const double slice_s = 1e-3 * testing_support::SliceCpuMs();
+  std::printf("%zu visible: update %.2f ms, 5000 places %.2f ms; a slice %.2f ms\n", visible.size(),
+              1e3 * update_s[20], 1e3 * look_s[20], 1e3 * slice_s);
+  EXPECT_LE(update_s[20], kMostSlices * slice_s);
+  EXPECT_LE(look_s[20], kMostSlices * slice_s);
 }
 
 }  // namespace

@@ -12,8 +12,7 @@
 #include "acus/run/replay/replay.h"
 #include "support/layered_scene.h"
 #include "support/paired_times.h"
-#include "support/reslice_scene.h"
-#include "support/vtk_reslice.h"
+#include "support/slice_time.h"
 
 namespace acus::replay {
 namespace {
@@ -46,18 +45,6 @@ session::Session InAndOut() {
     session.probe.push_back({time_ns, probe, true});
   }
   return session;
-}
-
-/// What a slice by VTK costs on one core: how fast the machine is now, whatever it is.
-double SliceCpuMs() {
-  static const volume::CtVolume ct = testing_support::AbdomenCt();
-  testing_support::VtkReslice reslice(ct, acoustics::PictureOf(testing_support::FullLinearProbe()),
-                                      1, testing_support::VtkReslice::Threads::kMultiThreader);
-  testing_support::LeastTime least;
-  for (int n = 0; n < 60; ++n) {
-    least.Add([&] { reslice.Render(testing_support::SwayingProbe(n)); });
-  }
-  return least.cpu_ms;
 }
 
 /// Fast, but is it right? Everything was made, and the needle felt the tissue.
@@ -104,7 +91,7 @@ TEST(ReplaySpeed, ThirtySecondsTakeFifteenHundredSlices) {
   double slice_ms = 1e30;
   int runs = 0;
   const auto measure = [&] {
-    slice_ms = std::min(slice_ms, SliceCpuMs());
+    slice_ms = std::min(slice_ms, testing_support::SliceCpuMs());
     ReplayOptions options;
     options.run_folder = folder / ("run" + std::to_string(runs++));
     replay.Add([&] { ReplaySession(scenario, folder / "session", options, context); });
