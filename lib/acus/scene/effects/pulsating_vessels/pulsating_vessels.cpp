@@ -88,7 +88,7 @@ class PulsatingVesselsEffect final : public Effect {
         "radial_strain": {"type": "number", "minimum": 0, "maximum": 0.3, "default": 0.08, "description": "Motion of the wall at the peak of systole, as a share of the radius. Abdominal aorta: 0.04 to 0.12"},
         "reach_mm": {"type": "number", "minimum": 1, "maximum": 100, "default": 15, "description": "Tissue moves up to this far beyond the wall"},
         "point_spacing_mm": {"type": "number", "minimum": 0.5, "maximum": 50, "default": 4, "description": "Distance of points along a centreline"},
-        "warp_spacing_mm": {"type": "number", "minimum": 0.1, "maximum": 50, "default": 1, "description": "The images ask for the motion at knots this far apart, and interpolate"}
+        "warp_spacing_mm": {"type": "number", "minimum": 0.1, "maximum": 50, "default": 2, "description": "The images ask for the motion at knots this far apart, and interpolate"}
       }
     })");
   }
