@@ -14,8 +14,7 @@ using nlohmann::json;
 using scenario::Scenario;
 
 /// What the schema fills in at a place; null if it must be given.
-json SchemaDefault(const std::string& pointer) {
-  const json schema = scenario::ScenarioSchema();
+json SchemaDefault(const json& schema, const std::string& pointer) {
   const json* node = &schema;
   json::json_pointer place(pointer);
   std::vector<std::string> keys;
@@ -40,7 +39,7 @@ class Table {
     knob.levels = std::move(levels);
     if (!pointer.empty()) {
       knob.pointers = {pointer};
-      knob.default_value = SchemaDefault(pointer);
+      knob.default_value = SchemaDefault(schema_, pointer);
       const json::json_pointer place(pointer);
       if (scenario_.effective.contains(place)) {
         knob.scenario_value = scenario_.effective.at(place);
@@ -56,6 +55,7 @@ class Table {
 
  private:
   const Scenario& scenario_;
+  const json schema_ = scenario::ScenarioSchema();
   std::vector<Knob> knobs_;
 };
 

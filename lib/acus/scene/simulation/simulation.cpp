@@ -44,9 +44,10 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   state.needle_seen |= sample.needle_valid;
   const effects::StepTime effect_time{
       sample.time_ns, 1e-9 * static_cast<double>(sample.time_ns - state.session_start_ns)};
+  std::optional<effects::PortValues> ports;  // What one stage of an effect writes, later ones read.
   if (scene_.others.has_steps()) {
-    effects::PortValues ports = scene_.others.data();
-    scene_.others.Step(false, state.effects, effect_time, ports, out.effect, watch);
+    ports.emplace(scene_.others.data());
+    scene_.others.Step(false, state.effects, effect_time, *ports, out.effect, watch);
   }
   const Tools tools = ToolsOf(state, sample);
   if (scene_.breathing) {
@@ -112,13 +113,12 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
     watch.EndOf(StageId::kProbeForce, out.probe.on_skin ? Sleep::kAwake : off);
   }
   if (tools.tissue_moves) TurnForces(tools, out);
-  if (scene_.others.has_steps()) {
-    effects::PortValues ports = scene_.others.data();
-    ports.Set(effects::ports::kNeedle, &out.needle_at_rest);
-    ports.Set(effects::ports::kTissue, &out.tissue_at_tip);
-    ports.Set(effects::ports::kForce, &out.force);
-    ports.Set(effects::ports::kProbeForce, &out.probe);
-    scene_.others.Step(true, state.effects, effect_time, ports, out.effect, watch);
+  if (ports) {
+    ports->Set(effects::ports::kNeedle, &out.needle_at_rest);
+    ports->Set(effects::ports::kTissue, &out.tissue_at_tip);
+    ports->Set(effects::ports::kForce, &out.force);
+    ports->Set(effects::ports::kProbeForce, &out.probe);
+    scene_.others.Step(true, state.effects, effect_time, *ports, out.effect, watch);
   }
   return out;
 }
