@@ -63,7 +63,7 @@ inline std::vector<EffectChoice> AllEffectChoices() {
     add("breathing", motion, {{"motion", motion}});
   }
   add("ultrasound", "columns_2010", Json::object());
-  for (const char* model : {"vidal_2008", "alamilla_2021", "beams"}) {
+  for (const char* model : {"vidal_2008", "alamilla_2021", "beams", "aperture"}) {
     add("ultrasound", model, {{"model", model}});
   }
   add("ultrasound", "beams by ct", {{"model", "beams"}, {"beams", {{"volume", "ct"}}}});

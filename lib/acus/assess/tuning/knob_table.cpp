@@ -177,10 +177,30 @@ void AddBeams(Table& table) {
             effect + "elevation_planes", ActsOn::kImage, {1, 3, 5, 7, 11, 15});
 }
 
+void AddAperture(Table& table) {
+  const std::string effect = "/effects/ultrasound/aperture/";
+  const std::vector<json> off_on = {false, true};
+  const std::pair<const char*, const char*> parts[] = {
+      {"angle", "echoes that depend on the angle of the interface"},
+      {"speckle", "scatterers fixed in the tissue"},
+      {"texture", "scatterers that follow the CT"},
+      {"point_spread", "pulse and beam of the probe"},
+      {"reverberation", "echoes that go to the face and back again"},
+      {"clutter", "haze of nearby echoes"},
+      {"noise", "noise of the receiver"}};
+  for (const auto& [name, title] : parts) {
+    table.Add(name, title, "", effect + name, ActsOn::kImage, off_on);
+  }
+  table.Add("elevation_planes", "planes over the thickness of the slice", "",
+            effect + "elevation_planes", ActsOn::kImage, {1, 3, 5, 7, 11, 15});
+  table.Add("aperture_rays", "directions over the aperture", "", effect + "aperture_rays",
+            ActsOn::kImage, {1, 3, 5, 9, 13, 21, 31});
+}
+
 /// Lines and samples of each, which the probe preset has unless the scenario says otherwise.
 void AddLines(const Scenario& s, Table& table) {
   const acoustics::Probe probe = acoustics::ReadProbe(s.probe);
-  const bool is_beams = s.ultrasound->model == scenario::UltrasoundModel::kBeams;
+  const bool is_beams = s.ultrasound->InBeamSpace();
   const bool is_fan = s.ultrasound->model == scenario::UltrasoundModel::kColumns2010 &&
                       probe.kind != acoustics::ProbeKind::kLinear;
   const auto add = [&table](const char* name, const char* title, const std::string& key,
@@ -201,14 +221,15 @@ void AddLines(const Scenario& s, Table& table) {
 }
 
 void AddUltrasound(const Scenario& s, Table& table) {
-  Knob& model =
-      table.Add("ultrasound_model", "what makes the B-mode image", "", "/effects/ultrasound/model",
-                ActsOn::kImage, {"vidal_2008", "alamilla_2021", "columns_2010", "beams"});
+  Knob& model = table.Add("ultrasound_model", "what makes the B-mode image", "",
+                          "/effects/ultrasound/model", ActsOn::kImage,
+                          {"vidal_2008", "alamilla_2021", "columns_2010", "beams", "aperture"});
   model.papers = {{"vidal_2008", "Vidal-2008"},
                   {"alamilla_2021", "Alamilla-2021"},
                   {"columns_2010", "Augmented-2010"}};
   AddLines(s, table);
   if (s.ultrasound->model == scenario::UltrasoundModel::kBeams) AddBeams(table);
+  if (s.ultrasound->model == scenario::UltrasoundModel::kAperture) AddAperture(table);
 }
 
 }  // namespace

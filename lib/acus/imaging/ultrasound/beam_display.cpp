@@ -75,17 +75,27 @@ void BeamDisplay::MakeFan(const acoustics::Probe& probe) {
              black);
   fractions_.assign(at_.size(), 0);
   const double line_rad = probe.field_of_view_rad / (grid_.lines() - 1);
-  for (int r = 0; r < picture_.height_px; ++r) {
+  struct Place {
+    double line;
+    double sample;
+  };
+  const auto place = [&](double c, double r) {
+    const double x = (c - 0.5 * (picture_.width_px - 1)) * picture_.lateral_mm_per_px;
     const double y = picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px + probe.radius_mm;
+    return Place{std::atan2(x, y) / line_rad + 0.5 * (grid_.lines() - 1),
+                 (std::hypot(x, y) - probe.radius_mm) / grid_.step_mm};
+  };
+  edge_ = SectorEdge(picture_.width_px, picture_.height_px, [&](double c, double r) {
+    const auto [line, sample] = place(c, r);
+    return sample >= 0.0 && sample <= grid_.samples - 1 && line >= 0.0 && line <= grid_.lines() - 1;
+  });
+  for (int r = 0; r < picture_.height_px; ++r) {
     Span span{lanes, 0};
     for (int c = 0; c < picture_.width_px; ++c) {
-      const double x = (c - 0.5 * (picture_.width_px - 1)) * picture_.lateral_mm_per_px;
-      const double sample = (std::hypot(x, y) - probe.radius_mm) / grid_.step_mm;
-      const double line = std::atan2(x, y) / line_rad + 0.5 * (grid_.lines() - 1);
-      if (!(sample >= 0.0 && sample <= grid_.samples - 1 && line >= 0.0 &&
-            line <= grid_.lines() - 1)) {
-        continue;
-      }
+      if (edge_.Coverage(r, c) == 0) continue;
+      const Place at = place(c, r);
+      const double line = std::clamp(at.line, 0.0, grid_.lines() - 1.0);
+      const double sample = std::clamp(at.sample, 0.0, grid_.samples - 1.0);
       const double low_sample = std::min(std::floor(sample), grid_.samples - 2.0);
       const double low_line = std::min(std::floor(line), grid_.lines() - 2.0);
       const auto n = static_cast<std::size_t>(r) * lanes + c;
@@ -132,6 +142,7 @@ void BeamDisplay::ConvertFanRow(int r, std::uint8_t* out) const {
       static_cast<std::ptrdiff_t>(r) * slicing::kernels::RoundUp(picture_.width_px) + first;
   kernels::InterpolatePackedRow(grey_.data(), stride_, at_.data() + at, fractions_.data() + at,
                                 last - first, out + first);
+  edge_.Blend(r, out);
 }
 
 void BeamDisplay::Convert(int first, int last, image::GrayImage& out) const {

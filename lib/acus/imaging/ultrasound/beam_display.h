@@ -7,11 +7,13 @@
 #include "acus/data/image/image.h"
 #include "acus/imaging/acoustics/probe.h"
 #include "acus/imaging/slicing/ct_sampler.h"
+#include "acus/imaging/ultrasound/sector_edge.h"
 
 namespace acus::ultrasound {
 
 /// Grey = 255 (1 + (20 log10(envelope) + gain + TGC depth) / dynamic range), cut off to 0 ... 255;
-/// pixels are bilinear between samples and lines, after compression, and black outside.
+/// pixels are bilinear between samples and lines, after compression, and black outside. Pixels that
+/// the edge of a fan cuts show the part that is seen.
 class BeamDisplay {
  public:
   BeamDisplay(const acoustics::Probe& probe, const acoustics::ScanGrid& grid);
@@ -51,6 +53,7 @@ class BeamDisplay {
   // Fan: by pixel.
   std::vector<std::int32_t> at_;
   std::vector<std::uint16_t> fractions_;
+  SectorEdge edge_;
 };
 
 }  // namespace acus::ultrasound

@@ -47,6 +47,12 @@ double Variance(const std::vector<double>& half, double spacing, double grain_si
   return sum;
 }
 
+double SumOfSquares(const std::vector<double>& half) {
+  double sum = -1.0;
+  for (const double value : half) sum += 2.0 * value * value;
+  return sum;
+}
+
 void AppendTo(std::vector<float>& out, const std::vector<double>& values, double scale) {
   for (const double value : values) out.push_back(static_cast<float>(value * scale));
 }
@@ -72,6 +78,7 @@ BeamFilter::BeamFilter(const acoustics::Probe& probe, const BeamOptions& options
   if (!on_) {
     along_ = spread_ = {1.0F};
     speckle_gain_.assign(static_cast<std::size_t>(grid.samples), 1.0F);
+    noise_gain_ = speckle_gain_;
     across_over_along_.assign(static_cast<std::size_t>(grid.samples), 0.0);
     return;
   }
@@ -98,6 +105,8 @@ void BeamFilter::MakeAxial(const acoustics::Probe& probe, double reach) {
   AppendTo(spread_, spread, 1.0 / peak);
   const double gain = 1.0 / std::sqrt(Variance(along, 1.0, grain));
   speckle_gain_.assign(static_cast<std::size_t>(grid_.samples), static_cast<float>(gain));
+  noise_gain_.assign(static_cast<std::size_t>(grid_.samples),
+                     static_cast<float>(1.0 / std::sqrt(SumOfSquares(along))));
 }
 
 BeamFilter::Shares BeamFilter::SharesAt(double fraction) const {
@@ -129,6 +138,8 @@ void BeamFilter::MakeLateral(const acoustics::Probe& probe, double reach) {
     AppendTo(across_, across, 1.0 / sum);
     const double variance = Variance(across, spacing_mm, grain_sigma_mm_) / (sum * sum);
     speckle_gain_[static_cast<std::size_t>(k)] /= static_cast<float>(std::sqrt(variance));
+    noise_gain_[static_cast<std::size_t>(k)] *=
+        static_cast<float>(sum / std::sqrt(SumOfSquares(across)));
   }
 }
 

@@ -28,6 +28,9 @@ class BeamFilter {
   double grain_mm() const { return grain_mm_; }  ///< Lattice of the speckle.
   /// Of the speckle of one sample, so that its envelope has the root mean square asked for.
   float SpeckleGain(int k) const { return speckle_gain_[static_cast<std::size_t>(k)]; }
+  /// Of white noise, one complex number per sample, so that its envelope has a root mean square
+  /// of 1.
+  float NoiseGain(int k) const { return noise_gain_[static_cast<std::size_t>(k)]; }
   /// Width of the window across over that along the beam, in mm.
   double AcrossOverAlong(int k) const { return across_over_along_[static_cast<std::size_t>(k)]; }
   /// Shares of an echo that lies `fraction` (-0.5 to 0.5) of a sample beside a sample: of that
@@ -58,6 +61,7 @@ class BeamFilter {
   std::vector<float> along_;
   std::vector<float> spread_;
   std::vector<float> speckle_gain_;
+  std::vector<float> noise_gain_;
   std::vector<double> across_over_along_;
   std::vector<int> across_half_;  ///< By sample.
   std::vector<std::size_t> across_at_;

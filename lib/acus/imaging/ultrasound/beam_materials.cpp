@@ -119,6 +119,18 @@ void BeamMaterials::TurnFibres(const Eigen::Matrix3d& lattice_from_ct, double gr
   }
 }
 
+float BeamMaterials::MostScatter() const {
+  float most = *std::max_element(scatter_.begin(), scatter_.end());
+  float at_knot = curves_.first_value[2];
+  float slope = 0.0F;
+  for (int n = 0; n < curves_.num_knots; ++n) {
+    if (n > 0) at_knot += slope * (curves_.hu_knot[n] - curves_.hu_knot[n - 1]);
+    slope += curves_.slope_change[2][n];
+    most = std::max(most, at_knot);
+  }
+  return most;
+}
+
 double BeamMaterials::SpeedAtHu(double hu) const {
   if (hu <= hu_.front()) return speed_at_hu_.front();
   for (std::size_t n = 1; n < hu_.size(); ++n) {

@@ -36,6 +36,8 @@ class BeamMaterials {
   const kernels::TissueCurves& hu_curves() const { return curves_; }
   double SpeedAtLabel(int label) const { return speed_[static_cast<std::size_t>(label)]; }
   double SpeedAtHu(double hu) const;
+  /// Largest amplitude of the speckle, over all labels and Hounsfield units.
+  float MostScatter() const;
   const std::vector<FibreLabel>& fibres() const { return fibres_; }
   /// Turns the directions of all fibres into the lattice of the speckle.
   void TurnFibres(const Eigen::Matrix3d& lattice_from_ct, double grain_mm);

@@ -35,6 +35,16 @@ BeamNeedle::Beam BeamNeedle::BeamAt(const Eigen::Vector3d& place_mm) const {
           (std::hypot(place_mm.x(), y) - probe_.radius_mm) / grid_.step_mm};
 }
 
+double BeamNeedle::SliceWeight(double from_plane_mm, int sample) const {
+  const double apart = std::abs(from_plane_mm) / slice_mm_[Index(sample)];
+  constexpr double kGone = 1.5;
+  if (apart >= kGone) return 0.0;
+  // A Gaussian with its foot cut off.
+  const auto profile = [](double x) { return std::exp2(-4.0 * x * x); };
+  const double foot = profile(kGone);
+  return (profile(apart) - foot) / (1.0 - foot);
+}
+
 void BeamNeedle::AddMark(const Eigen::Vector3d& place_mm, const Eigen::Vector3d& axis,
                          double radius_mm) {
   const Beam beam = BeamAt(place_mm);
@@ -44,13 +54,8 @@ void BeamNeedle::AddMark(const Eigen::Vector3d& place_mm, const Eigen::Vector3d&
   if (line < 0 || line >= grid_.lines() || sample < 0 || sample >= grid_.samples) return;
   if (marks_.size() >= most_marks_) return;
   if (!marks_.empty() && marks_.back().line == line && marks_.back().sample == sample) return;
-  const double apart = std::abs(place_mm.z()) / slice_mm_[Index(sample)];
-  constexpr double kGone = 1.5;
-  if (apart >= kGone) return;
-  // A Gaussian with its foot cut off.
-  const auto profile = [](double x) { return std::exp2(-4.0 * x * x); };
-  const double foot = profile(kGone);
-  const double weight = (profile(apart) - foot) / (1.0 - foot);
+  const double weight = SliceWeight(place_mm.z(), sample);
+  if (weight <= 0.0) return;
   const Eigen::Vector2d direction = grid_.direction[Index(line)];
   const double along = direction.dot(axis.head<2>());
   const double cos_incidence = std::sqrt(std::max(0.0, 1.0 - along * along));
@@ -64,6 +69,21 @@ void BeamNeedle::AddMark(const Eigen::Vector3d& place_mm, const Eigen::Vector3d&
                     .beside = static_cast<float>(front - sample),
                     .echo = static_cast<float>(options_.needle_reflection * weight * lobe),
                     .transmission = static_cast<float>(1.0 - weight * (1.0 - behind))});
+}
+
+void BeamNeedle::AddTip(const Eigen::Vector3d& place_mm) {
+  const Beam beam = BeamAt(place_mm);
+  const int line = static_cast<int>(std::lround(beam.line));
+  const int sample = static_cast<int>(std::lround(beam.sample));
+  if (line < 0 || line >= grid_.lines() || sample < 0 || sample >= grid_.samples) return;
+  if (marks_.size() >= most_marks_) return;
+  const double weight = SliceWeight(place_mm.z(), sample);
+  if (weight <= 0.0) return;
+  marks_.push_back({.line = line,
+                    .sample = sample,
+                    .beside = static_cast<float>(beam.sample - sample),
+                    .echo = static_cast<float>(options_.needle_tip_echo * weight),
+                    .transmission = 1.0F});
 }
 
 void BeamNeedle::AddPiece(const Eigen::Vector3d& from_mm, const Eigen::Vector3d& to_mm,
@@ -126,6 +146,9 @@ void BeamNeedle::Set(const std::optional<image::NeedleInImage>& needle,
     const Eigen::Vector3d tip_mm = probe_from_ct * needle->tip_in_ct_mm;
     const Eigen::Vector3d axis = probe_from_ct.linear() * needle->axis_in_ct.normalized();
     AddPiece(tip_mm, tip_mm - needle->length_mm * axis, needle->radius_mm);
+  }
+  if (options_.needle_tip_echo > 0.0) {
+    AddTip(probe_from_ct * (shape.num_points >= 2 ? shape.At(0) : needle->tip_in_ct_mm));
   }
   const auto block = [&](const NeedleMark& mark) { return mark.line / lanes_per_block; };
   std::sort(marks_.begin(), marks_.end(), [&](const NeedleMark& a, const NeedleMark& b) {

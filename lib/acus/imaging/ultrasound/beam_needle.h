@@ -45,6 +45,8 @@ class BeamNeedle {
   static std::size_t Index(int n) { return static_cast<std::size_t>(n); }
   Beam BeamAt(const Eigen::Vector3d& place_mm) const;
   void AddPiece(const Eigen::Vector3d& from_mm, const Eigen::Vector3d& to_mm, double radius_mm);
+  double SliceWeight(double from_plane_mm, int sample) const;
+  void AddTip(const Eigen::Vector3d& place_mm);
   void AddMark(const Eigen::Vector3d& place_mm, const Eigen::Vector3d& axis, double radius_mm);
 
   const acoustics::Probe& probe_;

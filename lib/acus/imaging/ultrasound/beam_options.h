@@ -46,6 +46,7 @@ struct BeamOptions {
   double needle_diffuse_share = 0.08;   ///< What a roughened shaft sends back at any angle.
   double needle_transmission_db = -12;  ///< Behind a shaft in the middle of the slice.
   double needle_ring_decay = 0.3;       ///< Amplitude from one reverberation to the next.
+  double needle_tip_echo = 0.0;         ///< Amplitude, of the bevel at any angle.
   double gas_ring_decay = 0.5;          ///< A comet's tail tapers off within a centimetre.
   double gas_ring_spacing_mm = 1.2;
 };

@@ -6,14 +6,15 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/parallel.h"
-#include "acus/base/core/random.h"
 #include "acus/imaging/acoustics/beam_width.h"
 #include "acus/imaging/ultrasound/beam_display.h"
 #include "acus/imaging/ultrasound/beam_filter.h"
+#include "acus/imaging/ultrasound/beam_input.h"
 #include "acus/imaging/ultrasound/beam_materials.h"
 #include "acus/imaging/ultrasound/beam_needle.h"
 #include "acus/imaging/ultrasound/beam_path.h"
 #include "acus/imaging/ultrasound/beam_tracer.h"
+#include "acus/imaging/ultrasound/speckle_lattice.h"
 
 namespace acus::ultrasound {
 namespace {
@@ -23,63 +24,6 @@ constexpr int kRowsPerTask = 32;
 
 int Pieces(int rows) {
   return (rows + kRowsPerTask - 1) / kRowsPerTask;
-}
-
-template <typename Volume>
-void CheckVolume(const Volume& volume, const char* what) {
-  const volume::Geometry& geometry = volume.geometry;
-  ACUS_REQUIRE((geometry.size > 0).all() && volume.voxels.size() == geometry.num_voxels() &&
-                   volume.voxels.size() >= 4,
-               what, ": ", geometry.size[0], " x ", geometry.size[1], " x ", geometry.size[2],
-               " voxels by its geometry, ", volume.voxels.size(),
-               " in memory; give a volume of at least 4 voxels");
-  ACUS_REQUIRE(volume.voxels.size() < (std::size_t{1} << 30), what, ": ", volume.voxels.size(),
-               " voxels are too many for imaging; the limit is 2^30. Crop or resample it");
-  ACUS_REQUIRE((geometry.spacing_mm > 0.0).all() && geometry.index_from_ct().matrix().allFinite(),
-               what, ": its spacing or direction cannot be inverted");
-}
-
-const BeamTissue& Checked(const BeamTissue& tissue) {
-  ACUS_REQUIRE(tissue.ct != nullptr || tissue.labels != nullptr,
-               "beams: there is neither a CT nor a label map to image");
-  ACUS_REQUIRE(tissue.acoustics != nullptr, "beams: no table of tissue acoustics is given");
-  if (tissue.ct != nullptr) CheckVolume(*tissue.ct, "CT");
-  if (tissue.labels != nullptr) CheckVolume(*tissue.labels, "labels");
-  if (tissue.ct != nullptr && tissue.labels != nullptr) {
-    ACUS_REQUIRE(tissue.ct->geometry.Matches(tissue.labels->geometry),
-                 "beams: the CT and the label map have different grids; resample one to the other");
-  }
-  return tissue;
-}
-
-const acoustics::Probe& Checked(const acoustics::Probe& probe) {
-  constexpr int kMost = 4096;
-  const bool flat = probe.kind == acoustics::ProbeKind::kLinear;
-  ACUS_REQUIRE(probe.scan_lines >= 16 && probe.scan_lines <= kMost &&
-                   probe.samples_per_line >= 16 && probe.samples_per_line <= 2 * kMost,
-               "probe: ", probe.scan_lines, " lines of ", probe.samples_per_line,
-               " samples; allowed is 16 to ", kMost, " lines of 16 to ", 2 * kMost);
-  ACUS_REQUIRE(probe.depth_mm >= 1.0 && probe.depth_mm <= 500.0, "probe: depth ", probe.depth_mm,
-               " mm; allowed is 1 to 500");
-  ACUS_REQUIRE(flat ? probe.width_mm > 0.0 && probe.width_mm < 1000.0
-                    : probe.radius_mm >= 0.0 && probe.radius_mm < 1000.0 &&
-                          probe.field_of_view_rad > 0.0 && probe.field_of_view_rad < 3.0,
-               "probe: width ", probe.width_mm, " mm, radius ", probe.radius_mm,
-               " mm, field of view ", probe.field_of_view_rad,
-               " rad; give a width (linear), or a radius and an angle of 0 to 3");
-  ACUS_REQUIRE(probe.frequency_mhz > 0.0 && probe.frequency_mhz <= 100.0 &&
-                   probe.fractional_bandwidth > 0.0 && probe.fractional_bandwidth <= 2.0,
-               "probe: ", probe.frequency_mhz, " MHz with a fractional bandwidth of ",
-               probe.fractional_bandwidth, "; allowed is above 0 to 100 and above 0 to 2");
-  ACUS_REQUIRE(probe.dynamic_range_db > 0.0 && probe.dynamic_range_db <= 200.0 &&
-                   std::isfinite(probe.gain_db) && std::isfinite(probe.tgc_db_per_cm),
-               "probe: dynamic range ", probe.dynamic_range_db,
-               " dB; allowed is above 0 to 200, with finite gains");
-  ACUS_REQUIRE(probe.image_width_px >= 16 && probe.image_width_px <= kMost &&
-                   probe.image_height_px >= 16 && probe.image_height_px <= kMost,
-               "probe: picture of ", probe.image_width_px, " x ", probe.image_height_px,
-               " pixels; allowed is 16 to ", kMost, " each way");
-  return probe;
 }
 
 const BeamOptions& Checked(const BeamOptions& options) {
@@ -94,23 +38,6 @@ const BeamOptions& Checked(const BeamOptions& options) {
   ACUS_REQUIRE(options.coupling_gap_mm >= 0.0 && options.coupling_gap_mm <= 100.0,
                "beams: coupling_gap_mm is ", options.coupling_gap_mm, "; allowed is 0 to 100");
   return options;
-}
-
-/// The lattice of the speckle is turned against all axes of the volume, so that no row of samples
-/// runs along its points, and sheared so that its tetrahedra are as long in all directions (the
-/// body-centred lattice of simplex noise). Another seed turns it otherwise: other scatterers, at no
-/// cost per sample.
-Eigen::Matrix3d LatticeFromIndex(const volume::Geometry& geometry, double grain_mm,
-                                 std::uint64_t seed) {
-  Eigen::Matrix3d turn =
-      Eigen::AngleAxisd(0.9273, Eigen::Vector3d(0.36, 0.48, 0.8)).toRotationMatrix();
-  if (seed != 0) {
-    RandomStream random(seed, "lattice of the speckle");
-    const Eigen::Vector3d axis(random.Normal(), random.Normal(), random.Normal());
-    turn = Eigen::AngleAxisd(random.Uniform(0.3, 2.8), axis.normalized()) * turn;
-  }
-  const Eigen::Matrix3d shear = Eigen::Matrix3d::Identity() + Eigen::Matrix3d::Constant(1.0 / 3.0);
-  return shear * turn * geometry.direction * geometry.spacing_mm.matrix().asDiagonal() / grain_mm;
 }
 
 /// Gaussian weights of planes at multiples of 0.8 standard deviations.
@@ -129,7 +56,7 @@ struct BeamRenderer::State {
         grid(acoustics::BeamGridOf(probe)),
         materials(tissue, options, probe, grid.step_mm),
         filter(probe, options, grid),
-        lattice_from_index(LatticeFromIndex(geometry(), filter.grain_mm(), options.seed)),
+        lattice_from_index(SpeckleLatticeFromIndex(geometry(), filter.grain_mm(), options.seed)),
         tracer(tissue, options, materials, filter, grid, lattice_from_index),
         needle(probe, options, grid),
         display(probe, grid) {
@@ -194,7 +121,8 @@ struct BeamRenderer::State {
 
 BeamRenderer::BeamRenderer(const BeamTissue& tissue, const acoustics::Probe& probe,
                            const BeamOptions& options)
-    : state_(std::make_unique<State>(Checked(tissue), Checked(probe), Checked(options))) {
+    : state_(std::make_unique<State>(CheckedBeamTissue(tissue, "beams"), CheckedBeamProbe(probe),
+                                     Checked(options))) {
   state_->tissue.acoustics = nullptr;  // It has been read.
 }
 BeamRenderer::~BeamRenderer() = default;

@@ -31,16 +31,27 @@ void ScanConversion::PlacePixels(const acoustics::Probe& probe) {
   offset_storage_.Reserve(count);
   offset_ = reinterpret_cast<std::int32_t*>(offset_storage_.data());
   const double line_rad = probe.field_of_view_rad / (lines_ - 1);
+  struct Place {
+    double line;
+    double sample;
+  };
+  const auto place = [&](double c, double r) {
+    const double x = (c - 0.5 * (picture_.width_px - 1)) * picture_.lateral_mm_per_px;
+    const double y = picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px + probe.radius_mm;
+    return Place{std::atan2(x, y) / line_rad + 0.5 * (lines_ - 1),
+                 (std::hypot(x, y) - probe.radius_mm) / step_mm_};
+  };
+  edge_ = SectorEdge(picture_.width_px, picture_.height_px, [&](double c, double r) {
+    const auto [line, sample] = place(c, r);
+    return sample >= 0.0 && sample <= samples_ - 1 && line >= 0.0 && line <= lines_ - 1;
+  });
   std::size_t n = 0;
   for (int r = 0; r < picture_.height_px; ++r) {
     for (int c = 0; c < lanes; ++c, ++n) {
-      const double x = (c - 0.5 * (picture_.width_px - 1)) * picture_.lateral_mm_per_px;
-      const double y =
-          picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px + probe.radius_mm;
-      const double sample = (std::hypot(x, y) - probe.radius_mm) / step_mm_;
-      const double line = std::atan2(x, y) / line_rad + 0.5 * (lines_ - 1);
-      const bool seen = c < picture_.width_px && sample >= 0.0 && sample <= samples_ - 1 &&
-                        line >= 0.0 && line <= lines_ - 1;
+      const bool seen = c < picture_.width_px && edge_.Coverage(r, c) > 0;
+      const Place at = place(c, r);
+      const double line = std::clamp(at.line, 0.0, lines_ - 1.0);
+      const double sample = std::clamp(at.sample, 0.0, samples_ - 1.0);
       const double low_sample = std::min(std::floor(sample), samples_ - 2.0);
       const double low_line = std::min(std::floor(line), lines_ - 2.0);
       offset_[n] = seen ? static_cast<std::int32_t>(low_sample * grey_stride_ + low_line) : -1;
@@ -98,6 +109,7 @@ void ScanConversion::ShowFan(const GreyRow& grey_row, image::GrayImage& out, int
       slicing::kernels::InterpolateRow(grey_.data(), grey_stride_, offset_ + first,
                                        across_fraction_.data() + first,
                                        along_fraction_.data() + first, lanes, row.data());
+      edge_.Blend(r, row.data());
       std::memcpy(out.pixels.data() + static_cast<std::ptrdiff_t>(r) * out.width, row.data(),
                   static_cast<std::size_t>(out.width));
     }

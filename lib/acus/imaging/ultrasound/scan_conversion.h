@@ -7,6 +7,7 @@
 
 #include "acus/data/image/image.h"
 #include "acus/imaging/acoustics/probe.h"
+#include "acus/imaging/ultrasound/sector_edge.h"
 
 namespace acus::ultrasound {
 
@@ -47,6 +48,7 @@ class ScanConversion {
   image::AlignedFloats along_fraction_;
   image::AlignedFloats offset_storage_;  ///< Holds int32.
   std::int32_t* offset_ = nullptr;
+  SectorEdge edge_;
 };
 
 }  // namespace acus::ultrasound

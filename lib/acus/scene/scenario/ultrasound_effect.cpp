@@ -13,7 +13,8 @@ UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
       {"vidal_2008", UltrasoundModel::kVidal2008},
       {"alamilla_2021", UltrasoundModel::kAlamilla2021},
       {"columns_2010", UltrasoundModel::kColumns2010},
-      {"beams", UltrasoundModel::kBeams}};
+      {"beams", UltrasoundModel::kBeams},
+      {"aperture", UltrasoundModel::kAperture}};
   static const std::map<std::string, BeamVolume> kVolumes = {
       {"labels", BeamVolume::kLabels}, {"ct", BeamVolume::kCt}, {"both", BeamVolume::kBoth}};
   const std::string model = effect.at("model");
@@ -23,11 +24,11 @@ UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
   out.scan_lines = effect.value("scan_lines", 0);
   out.samples_per_line = effect.value("samples_per_line", 0);
   out.seed = effect.at("seed");
-  // The 2010 level came first: its acoustics lie beside the model.
+  // The 2010 model came first: its acoustics lie beside the model.
   const nlohmann::json& settings =
       out.model == UltrasoundModel::kColumns2010 ? effect : effect.at(model);
   out.acoustics = config::FindConfig(settings.at("acoustics").get<std::string>(), folder);
-  if (out.model == UltrasoundModel::kBeams) {
+  if (out.InBeamSpace()) {
     out.beams = settings;
     out.volume = kVolumes.at(settings.at("volume").get<std::string>());
   }

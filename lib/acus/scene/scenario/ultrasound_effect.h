@@ -1,4 +1,4 @@
-// The ultrasound of a scenario: which level makes the image, and with what settings.
+// The ultrasound of a scenario: which model makes the image, and with what settings.
 #pragma once
 
 #include <cstdint>
@@ -7,30 +7,31 @@
 
 namespace acus::scenario {
 
-/// From the cheapest to the dearest.
-enum class UltrasoundModel { kVidal2008, kAlamilla2021, kColumns2010, kBeams };
+/// The papers' models, from the cheapest to the most expensive; then those in beam space.
+enum class UltrasoundModel { kVidal2008, kAlamilla2021, kColumns2010, kBeams, kAperture };
 
-/// What beams follow their lines through.
+/// What models in beam space follow their lines through.
 enum class BeamVolume { kLabels, kCt, kBoth };
 
 struct UltrasoundEffect {
   UltrasoundModel model = UltrasoundModel::kColumns2010;
-  std::filesystem::path acoustics;  ///< What the level makes of tissue, in its own format.
+  std::filesystem::path acoustics;  ///< What the model makes of tissue, in its own format.
   bool needle = true;
   int scan_lines = 0;                       ///< 0: as the probe preset says.
   int samples_per_line = 0;                 ///< 0: as the probe preset says.
   std::uint64_t seed = 0;                   ///< Of speckle and noise.
-  BeamVolume volume = BeamVolume::kLabels;  ///< beams, as all that follows.
-  nlohmann::json beams;                     ///< Its effects, checked against the schema.
+  BeamVolume volume = BeamVolume::kLabels;  ///< In beam space, as all that follows.
+  nlohmann::json beams;                     ///< The model's settings, checked against the schema.
 
-  /// What the level reads of the patient.
+  bool InBeamSpace() const {
+    return model == UltrasoundModel::kBeams || model == UltrasoundModel::kAperture;
+  }
+  /// What the model reads of the patient.
   bool ReadsCt() const {
-    return model == UltrasoundModel::kBeams ? volume != BeamVolume::kLabels
-                                            : model != UltrasoundModel::kAlamilla2021;
+    return InBeamSpace() ? volume != BeamVolume::kLabels : model != UltrasoundModel::kAlamilla2021;
   }
   bool ReadsLabels() const {
-    return model == UltrasoundModel::kBeams ? volume != BeamVolume::kCt
-                                            : model == UltrasoundModel::kAlamilla2021;
+    return InBeamSpace() ? volume != BeamVolume::kCt : model == UltrasoundModel::kAlamilla2021;
   }
 };
 

@@ -28,6 +28,29 @@ ultrasound::BeamOptions OptionsFrom(const nlohmann::json& json) {
   return options;
 }
 
+ultrasound::ApertureOptions ApertureOptionsFrom(const nlohmann::json& json) {
+  ultrasound::ApertureOptions options;
+  options.interfaces = json.at("reflection");
+  options.angle = json.at("angle");
+  options.attenuation = json.at("attenuation");
+  options.shadow = json.at("shadow");
+  options.comet_tail = json.at("reverberation");
+  options.speckle = json.at("speckle");
+  options.texture = json.at("texture");
+  options.point_spread = json.at("point_spread");
+  options.needle_shadow = json.at("needle_shadow");
+  options.clutter = json.at("clutter");
+  options.noise = json.at("noise");
+  options.ring_down = json.at("ring_down");
+  options.aperture_rays = json.at("aperture_rays");
+  options.elevation_planes = json.at("elevation_planes");
+  options.coupling_gap_mm = json.at("coupling_gap_mm");
+  options.strong_loss_db_per_mm = json.at("strong_loss_db_per_mm");
+  options.clutter_db = json.at("clutter_db");
+  options.noise_db = json.at("noise_db");
+  return options;
+}
+
 /// Tissues of the map whose fibres are seen or attenuate.
 std::bitset<256> FibrousLabels(const BeamSettings& settings, const volume::LabelMap& labels) {
   std::bitset<256> fibrous;
@@ -46,6 +69,16 @@ std::bitset<256> FibrousLabels(const BeamSettings& settings, const volume::Label
 }
 
 }  // namespace
+
+ApertureSettings ReadApertureSettings(const scenario::UltrasoundEffect& effect) {
+  ApertureSettings settings;
+  settings.options = ApertureOptionsFrom(effect.beams);
+  settings.options.seed = effect.seed;
+  settings.acoustics = acoustics::ReadTissueAcoustics(effect.acoustics);
+  settings.from_ct = effect.ReadsCt();
+  settings.from_labels = effect.ReadsLabels();
+  return settings;
+}
 
 BeamSettings ReadBeamSettings(const scenario::UltrasoundEffect& effect,
                               const volume::LabelMap* labels) {

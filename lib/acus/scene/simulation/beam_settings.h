@@ -1,4 +1,4 @@
-// Settings of the level `beams`, from a scenario.
+// Settings of the models in beam space, `beams` and `aperture`, from a scenario.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 
 #include "acus/data/volume/volume.h"
 #include "acus/imaging/acoustics/tissue_acoustics.h"
-#include "acus/imaging/ultrasound/beam_options.h"
+#include "acus/imaging/ultrasound/aperture_options.h"
 #include "acus/scene/scenario/ultrasound_effect.h"
 
 namespace acus::simulation {
@@ -19,6 +19,16 @@ struct BeamSettings {
   bool from_labels = true;
   std::map<std::string, Eigen::Vector3d> fibres_in_ct;  ///< By tissue name, at rest.
 };
+
+struct ApertureSettings {
+  ultrasound::ApertureOptions options;
+  acoustics::TissueAcousticsTable acoustics;
+  bool from_ct = true;
+  bool from_labels = true;
+};
+
+/// @throws InputError listing all problems of the table.
+ApertureSettings ReadApertureSettings(const scenario::UltrasoundEffect& effect);
 
 /// @param labels  Tells the fibres of tissues that the scenario gives no direction for, if the
 ///     table says that they have fibres and an effect shows it; may be null.

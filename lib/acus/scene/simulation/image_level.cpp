@@ -27,6 +27,13 @@ struct MakeRenderer {
                                         .fibres_in_ct = settings.fibres_in_ct};
     return Renderer(std::in_place_type<ultrasound::BeamRenderer>, tissue, probe, settings.options);
   }
+  Renderer operator()(const ApertureSettings& settings) const {
+    const ultrasound::BeamTissue tissue{.ct = settings.from_ct ? patient.ct : nullptr,
+                                        .labels = settings.from_labels ? patient.labels : nullptr,
+                                        .acoustics = &settings.acoustics};
+    return Renderer(std::in_place_type<ultrasound::ApertureRenderer>, tissue, probe,
+                    settings.options);
+  }
 };
 
 template <typename Options>
@@ -46,6 +53,8 @@ ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
       return Seeded(ultrasound::ReadAlamillaOptions(effect.acoustics), effect.seed);
     case scenario::UltrasoundModel::kBeams:
       return ReadBeamSettings(effect, labels);
+    case scenario::UltrasoundModel::kAperture:
+      return ReadApertureSettings(effect);
     case scenario::UltrasoundModel::kColumns2010:
       break;
   }

@@ -8,6 +8,7 @@
 
 #include "acus/data/volume/volume.h"
 #include "acus/imaging/ultrasound/alamilla.h"
+#include "acus/imaging/ultrasound/aperture_renderer.h"
 #include "acus/imaging/ultrasound/beam_renderer.h"
 #include "acus/imaging/ultrasound/bmode.h"
 #include "acus/imaging/ultrasound/vidal.h"
@@ -18,7 +19,7 @@ namespace acus::simulation {
 
 /// What a level was told to do. Its type says which level it is.
 using ImageSettings = std::variant<ultrasound::VidalOptions, ultrasound::AlamillaOptions,
-                                   ultrasound::BModeOptions, BeamSettings>;
+                                   ultrasound::BModeOptions, BeamSettings, ApertureSettings>;
 
 /// Reads the settings of the scenario's level. @throws InputError listing all problems.
 /// @param labels  Of the patient, if the level reads them; else null.
@@ -35,7 +36,8 @@ struct ImagePatient {
 class ImageLevel {
  public:
   using Renderer = std::variant<ultrasound::VidalRenderer, ultrasound::AlamillaRenderer,
-                                ultrasound::BModeRenderer, ultrasound::BeamRenderer>;
+                                ultrasound::BModeRenderer, ultrasound::BeamRenderer,
+                                ultrasound::ApertureRenderer>;
 
   /// Keeps references to the patient, which must outlive this.
   /// @throws InputError if the probe or a setting is out of range.

@@ -31,7 +31,8 @@ TEST(ImageLevel, EveryLevelReadsItsPresetAndShowsTheScene) {
   const Scene scene =
       testing_support::LayeredScene(testing_support::PlanOf(false, true, false, false), false);
   std::set<std::vector<std::uint8_t>> pictures;
-  const std::vector<std::string> levels = {"vidal_2008", "alamilla_2021", "columns_2010", "beams"};
+  const std::vector<std::string> levels = {"vidal_2008", "alamilla_2021", "columns_2010", "beams",
+                                           "aperture"};
   for (const std::string& name : levels) {
     const scenario::UltrasoundEffect effect = EffectOf(name);
     ImageLevel level({scene.ct.get(), scene.labels.get()}, *scene.probe,

@@ -41,7 +41,7 @@ Counts CountsOf(const StageTimes& times, StageId id) {
 
 TEST(PictureSleep, WhatSleepsWouldHaveGivenTheSameBits) {
   const testing_support::EffectsPatient patient;
-  for (const char* model : {"columns_2010", "vidal_2008", "alamilla_2021", "beams"}) {
+  for (const char* model : {"columns_2010", "vidal_2008", "alamilla_2021", "beams", "aperture"}) {
     SCOPED_TRACE(model);
     const auto s = patient.With({{"ultrasound", {{"model", model}}},
                                  {"ct_slice", json::object()},

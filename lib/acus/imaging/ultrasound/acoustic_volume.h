@@ -1,0 +1,45 @@
+// The patient's acoustic properties on the CT grid, without the stairs of voxel labels.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "acus/imaging/ultrasound/aperture_kernels.h"
+#include "acus/imaging/ultrasound/beam_materials.h"
+#include "acus/imaging/ultrasound/beam_options.h"
+
+namespace acus::ultrasound {
+
+/// Impedance, loss and scatterers of each voxel, smoothed by a binomial window of five voxels (one
+/// voxel of standard deviation) along each axis. A boundary between labels becomes a smooth slope,
+/// whose middle, normal and whole step do not depend on where the voxels lie. With `texture`, the
+/// scatterers follow the CT within each tissue (ct_texture.h).
+///
+/// Four bytes per voxel, of the box that holds tissue only.
+class AcousticVolume {
+ public:
+  /// Reads labels and CT once, on `num_threads` threads; nothing of them is kept.
+  /// @param per_mm  Materials for one millimetre from sample to sample.
+  AcousticVolume(const BeamTissue& tissue, const BeamMaterials& per_mm, bool texture,
+                 int num_threads);
+
+  const kernels::AcousticVoxels& voxels() const { return view_; }
+
+  /// Gradient of zeta = ln(Z) / 2 along the voxel axes, per mm, by differences over two and four
+  /// voxels around the nearest. @pre finite.
+  Eigen::Vector3d GradientPerMm(const Eigen::Vector3d& index) const;
+
+  std::size_t bytes() const { return packed_.size() * sizeof(packed_[0]); }
+
+ private:
+  float ZetaAt(const Eigen::Array3i& voxel) const;
+
+  std::vector<std::uint32_t> packed_;
+  kernels::AcousticVoxels view_{};
+  Eigen::Array3i first_;  ///< Of the box, in voxels of the grid.
+  Eigen::Array3i size_;   ///< Of the box.
+  Eigen::Array3d spacing_mm_;
+};
+
+}  // namespace acus::ultrasound

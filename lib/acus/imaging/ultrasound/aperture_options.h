@@ -1,0 +1,36 @@
+// What the aperture renderer computes, effect by effect.
+#pragma once
+
+#include "acus/imaging/ultrasound/beam_options.h"
+
+namespace acus::ultrasound {
+
+/// Effects of the model `aperture`. Those of BeamOptions mean the same; refraction, time of flight
+/// and the thresholds of strong interfaces are not used. An effect that is off costs nothing.
+struct ApertureOptions : BeamOptions {
+  ApertureOptions() {
+    name = "aperture";
+    elevation_planes = 3;
+    coupling_gap_mm = 8.0;
+    needle_transmission_db = -5.0;
+    needle_ring_decay = 0.15;
+    needle_tip_echo = 0.35;
+  }
+
+  bool texture = true;     ///< Scatterers follow the CT within each tissue.
+  bool clutter = true;     ///< Haze of nearby echoes, which fills shadows.
+  bool noise = true;       ///< Electronic noise of the receiver.
+  bool ring_down = true;   ///< Echoes of the probe itself, next to its face.
+  int aperture_rays = 13;   ///< Odd, 1 to 31: directions over transmit and receive aperture.
+
+  /// Two-way loss within bone and gas. Their echo and shadow begin at the smooth surface.
+  double strong_loss_db_per_mm = 40.0;
+  double rough_layer_mm = 0.45;  ///< Depth over which the echo of a rough, strong surface decays.
+  double rough_layer_db = -9.0;  ///< Its start, relative to the mirror's echo.
+  double clutter_db = -40.0;     ///< Amplitude, relative to the echoes around.
+  double clutter_reach_mm = 8.0;
+  double noise_db = -134.0;      ///< Amplitude at the receiver; 0 dB is a perfect flat reflector.
+  double ring_down_db = -30.0;   ///< Amplitude of the first echo of the face.
+};
+
+}  // namespace acus::ultrasound

@@ -1,0 +1,478 @@
+#include "acus/imaging/ultrasound/aperture_renderer.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <vector>
+
+#include "acus/base/core/error.h"
+#include "acus/base/core/parallel.h"
+#include "acus/base/core/random.h"
+#include "acus/imaging/acoustics/beam_width.h"
+#include "acus/imaging/ultrasound/aperture_tracer.h"
+#include "acus/imaging/ultrasound/beam_display.h"
+#include "acus/imaging/ultrasound/beam_input.h"
+#include "acus/imaging/ultrasound/beam_kernels.h"
+#include "acus/imaging/ultrasound/beam_needle.h"
+#include "acus/imaging/ultrasound/echo_list.h"
+#include "acus/imaging/ultrasound/speckle_lattice.h"
+
+namespace acus::ultrasound {
+namespace {
+
+/// Rows of one piece of work.
+constexpr int kRowsPerPieceOfImage = 32;
+constexpr float kFaintestEcho = 1e-6F;
+constexpr std::size_t kEchoesPerLine = 512;
+/// Reflections from which a surface is one of bone or gas.
+constexpr float kStrong = 0.3F;
+/// Numbers of the receiver's noise that are drawn once, and read from a random place for each row.
+constexpr std::size_t kNoiseNumbers = std::size_t{1} << 16;
+
+int PiecesOf(int rows) {
+  return (rows + kRowsPerPieceOfImage - 1) / kRowsPerPieceOfImage;
+}
+
+double OfDb(double db) {
+  return std::pow(10.0, db / 20.0);
+}
+
+const ApertureOptions& Checked(const ApertureOptions& options) {
+  const int planes = options.elevation_planes;
+  ACUS_REQUIRE(planes >= 1 && planes <= 15 && planes % 2 == 1, "aperture: elevation_planes is ",
+               planes, "; allowed is an odd number, 1 to 15");
+  const int rays = options.aperture_rays;
+  ACUS_REQUIRE(rays >= 1 && rays <= 31 && rays % 2 == 1, "aperture: aperture_rays is ", rays,
+               "; allowed is an odd number, 1 to 31");
+  ACUS_REQUIRE(options.point_spread_reach >= 1.0 && options.point_spread_reach <= 5.0,
+               "aperture: point_spread_reach is ", options.point_spread_reach,
+               "; allowed is 1 to 5");
+  ACUS_REQUIRE(options.coupling_gap_mm >= 0.0 && options.coupling_gap_mm <= 100.0,
+               "aperture: coupling_gap_mm is ", options.coupling_gap_mm, "; allowed is 0 to 100");
+  return options;
+}
+
+ApertureOptions WithLeastReflection(ApertureOptions options) {
+  // Smoothed boundaries have no noise, so that fainter ones than those of a CT are real.
+  options.smallest_reflection = 0.002;
+  return options;
+}
+
+/// Every `samples`-th sample of a grid, and one more row at its end.
+acoustics::ScanGrid Coarser(const acoustics::ScanGrid& grid, int samples) {
+  acoustics::ScanGrid rows = grid;
+  rows.step_mm = samples * grid.step_mm;
+  rows.samples = (grid.samples - 1) / samples + 2;
+  return rows;
+}
+
+/// Samples from one row of tissue to the next. The volume is smooth over a voxel: rows one voxel
+/// apart lose nothing of it.
+int SamplesPerRow(const acoustics::ScanGrid& grid, const volume::Geometry& geometry) {
+  constexpr double kFarthestMm = 0.8;
+  const double rows_mm = std::min(geometry.spacing_mm.minCoeff(), kFarthestMm);
+  return std::clamp(static_cast<int>(rows_mm / grid.step_mm), 1, 16);
+}
+
+/// Samples, an odd number, whose intensities make one row of the shown image: as many as a pixel is
+/// long. What is between pixels is averaged, not skipped.
+int SamplesPerShownRow(const acoustics::Probe& probe, const acoustics::ScanGrid& grid) {
+  const double samples = acoustics::PictureOf(probe).axial_mm_per_px / grid.step_mm;
+  return std::max(1, 2 * static_cast<int>(0.5 * (samples - 1.0)) + 1);
+}
+
+/// Every `samples`-th sample of a grid.
+acoustics::ScanGrid ShownRows(const acoustics::ScanGrid& grid, int samples) {
+  acoustics::ScanGrid rows = grid;
+  rows.step_mm = samples * grid.step_mm;
+  rows.samples = (grid.samples - 1) / samples + 1;
+  return rows;
+}
+
+/// A number that depends on all bits of a pose: the noise of the receiver is another one in every
+/// image of a hand that is never quite still, and the same in a replay.
+std::uint64_t HashOf(const Eigen::Isometry3d& pose) {
+  std::uint64_t hash = 0x9E3779B97F4A7C15ULL;
+  for (int c = 0; c < 4; ++c) {
+    for (int r = 0; r < 3; ++r) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(pose.matrix()(r, c))) * 0xBF58476D1CE4E5B9ULL;
+      hash ^= hash >> 29;
+    }
+  }
+  return hash;
+}
+
+/// In (-1, 1), the same for the same place in the tissue.
+float PlaceNoise(const Eigen::Vector3f& index, int n) {
+  const Eigen::Array3i at = (4.0F * index.array()).round().cast<int>();
+  auto h = static_cast<std::uint32_t>(at[0]) * 0x9E3779B1U ^
+           static_cast<std::uint32_t>(at[1]) * 0x85EBCA77U ^
+           static_cast<std::uint32_t>(at[2]) * 0xC2B2AE3DU ^ static_cast<std::uint32_t>(n) * 0x27D4EB2FU;
+  h = (h ^ h >> 15) * 0x2C1B3C6DU;
+  h = (h ^ h >> 13) * 0x297A2D39U;
+  h ^= h >> 16;
+  return static_cast<float>(static_cast<std::int32_t>(h)) * (1.0F / 2147483648.0F);
+}
+
+}  // namespace
+
+struct ApertureRenderer::State {
+  State(const BeamTissue& tissue, const acoustics::Probe& checked_probe,
+        const ApertureOptions& checked_options, int num_threads)
+      : probe(checked_probe),
+        options(WithLeastReflection(checked_options)),
+        geometry(tissue.labels != nullptr ? tissue.labels->geometry : tissue.ct->geometry),
+        grid(acoustics::BeamGridOf(probe)),
+        samples_per_row(SamplesPerRow(grid, geometry)),
+        rows(Coarser(grid, samples_per_row)),
+        filter(probe, options, grid),
+        volume(tissue, BeamMaterials(tissue, options, probe, 1.0), options.texture, num_threads),
+        rays(probe, rows, options.aperture_rays),
+        field(rays, grid.lines(), rows.samples),
+        tracer(volume, options, filter, rows, geometry.spacing_mm, samples_per_row),
+        needle(probe, options, grid),
+        samples_per_shown(SamplesPerShownRow(probe, grid)),
+        shown_rows(ShownRows(grid, samples_per_shown)),
+        display(probe, shown_rows),
+        lattice_path({.grid = &grid,
+                      .index_from_ct = geometry.index_from_ct(),
+                      .lattice_from_index =
+                          SpeckleLatticeFromIndex(geometry, filter.grain_mm(), options.seed),
+                      .elevation_mm = {}}) {
+    MakePlanes();
+    MakeNoise();
+    echoes.re.Resize(grid.lines(), grid.samples);
+    echoes.im.Resize(grid.lines(), grid.samples);
+    intensity.Resize(grid.lines(), grid.samples);
+    shown.Resize(grid.lines(), shown_rows.samples);
+    speckle.Resize(grid.lines(), rows.samples);
+    scratch_stride = 2 * static_cast<std::size_t>(echoes.re.stride());
+    scratch.Reserve(scratch_stride * static_cast<std::size_t>(PiecesOf(grid.samples)));
+    lanes = kernels::RoundUp(grid.lines());
+    ones.Reserve(static_cast<std::size_t>(lanes));
+    std::fill_n(ones.data(), lanes, 1.0F);
+    haze.assign(static_cast<std::size_t>(lanes), 0.0F);
+    sums.assign(static_cast<std::size_t>(lanes) + 1, 0.0F);
+    lists.resize(static_cast<std::size_t>(tracer.blocks()));
+    for (EchoList& list : lists) {
+      list.Reserve(kEchoesPerLine * static_cast<std::size_t>(ApertureTracer::kLanesPerBlock));
+    }
+  }
+
+  void MakePlanes() {
+    BeamPath::Frame frame;
+    frame.grid = &rows;
+    frame.index_from_ct = geometry.index_from_ct();
+    double sum = 0.0;
+    // The plane in the middle first: contact is judged there.
+    for (int p = 0; p < options.elevation_planes; ++p) {
+      const int from_middle = (p + 1) / 2 * (p % 2 == 1 ? -1 : 1);
+      const double offset = 0.8 * from_middle;
+      frame.elevation_mm.clear();
+      for (int k = 0; k < rows.samples && offset != 0.0; ++k) {
+        frame.elevation_mm.push_back(
+            offset * acoustics::SigmaOfFwhm(acoustics::ElevationFwhmMm(probe, k * rows.step_mm)));
+      }
+      planes.push_back({.path = BeamPath(frame), .weight = std::exp(-0.5 * offset * offset)});
+      sum += planes.back().weight;
+    }
+    for (AperturePlane& plane : planes) plane.weight /= sum;
+  }
+
+  void MakeNoise() {
+    RandomStream random(options.seed, "noise of the receiver");
+    noise.Reserve(kNoiseNumbers + 4096 + 64);
+    for (std::size_t n = 0; n < kNoiseNumbers + 4096 + 64; ++n) {
+      noise.data()[n] = static_cast<float>(random.Normal() / std::sqrt(2.0));
+    }
+  }
+
+  /// What the needle takes from the sound behind it.
+  void AddNeedleShadow(int block) {
+    for (const NeedleMark* m = needle.begin(block); m != needle.end(block); ++m) {
+      const int row = std::min(rows.samples - 1, m->sample / samples_per_row + 1);
+      field.left(row)[m->line] *= std::sqrt(m->transmission);
+    }
+  }
+
+  /// Amplitude that arrives at a place between rows.
+  float ArrivingAt(float row, int line) const {
+    const float at = std::clamp(row, 0.0F, static_cast<float>(rows.samples - 1));
+    const int low = std::min(static_cast<int>(at), rows.samples - 2);
+    const float a = field.arriving(low)[line];
+    const float b = field.arriving(low + 1)[line];
+    return a + (at - static_cast<float>(low)) * (b - a);
+  }
+
+  void AddSurface(const ApertureTracer::Crossing& at, EchoList& list) {
+    // What arrives is judged before the slope of the boundary, some of whose loss lies before its
+    // middle.
+    const float amplitude = at.echo * ArrivingAt(at.row - at.lead, at.line);
+    if (std::abs(amplitude) < kFaintestEcho) return;
+    const double sample = double{at.row} * samples_per_row;
+    list.Add(filter, sample, at.line, amplitude);
+    if (std::abs(at.reflection) < kStrong) return;
+    // A rough surface answers over some depth.
+    const auto decay = static_cast<float>(std::exp(-grid.step_mm / options.rough_layer_mm));
+    auto rough = static_cast<float>(std::abs(amplitude) * OfDb(options.rough_layer_db));
+    const int most = static_cast<int>(3.0 * options.rough_layer_mm / grid.step_mm);
+    for (int n = 1; n <= most && sample + n < grid.samples; ++n) {
+      rough *= decay;
+      list.Add(filter, sample + n, at.line, rough * PlaceNoise(at.index, 2 * n),
+               rough * PlaceNoise(at.index, 2 * n + 1));
+    }
+    // Gas reflects so well that sound goes to the face and back again.
+    if (!options.comet_tail || at.reflection > -kStrong) return;
+    auto again = std::abs(amplitude);
+    for (int n = 2; n <= 5 && n * sample < grid.samples; ++n) {
+      again *= static_cast<float>(options.face_reflection) * std::abs(amplitude);
+      if (again < kFaintestEcho) break;
+      list.Add(filter, n * sample, at.line, again);
+    }
+  }
+
+  void AddNeedle(int block, EchoList& list) const {
+    for (const NeedleMark* m = needle.begin(block); m != needle.end(block); ++m) {
+      const double sample = m->sample + double{m->beside};
+      const float row = static_cast<float>(sample) / static_cast<float>(samples_per_row);
+      float amplitude = m->echo * ArrivingAt(row, m->line);
+      for (int n = 0; n < 5 && amplitude > kFaintestEcho; ++n) {
+        const double at = sample + n * needle.ring_samples();
+        if (at >= grid.samples) break;
+        list.Add(filter, at, m->line, amplitude);
+        if (!options.comet_tail) break;
+        amplitude *= static_cast<float>(options.needle_ring_decay);
+      }
+    }
+  }
+
+  /// Echoes of the probe itself: they fade within a few pulses; where the face looks into air they
+  /// go on.
+  void AddRingDown(int block, EchoList& list) const {
+    const int first = block * ApertureTracer::kLanesPerBlock;
+    const int end = std::min(grid.lines(), first + ApertureTracer::kLanesPerBlock);
+    const double pulse_mm = acoustics::AxialFwhmMm(probe);
+    for (int l = first; l < end; ++l) {
+      const bool air = tracer.contact()[static_cast<std::size_t>(l)] == 0.0F;
+      const double decay = air ? 0.6 : 0.35;
+      const double spacing_mm = (air ? 3.0 : 1.2) * pulse_mm;
+      double amplitude = OfDb(options.ring_down_db);
+      // No two elements ring alike.
+      amplitude *= 0.7 + 0.3 * PlaceNoise(Eigen::Vector3f::Constant(static_cast<float>(l)), 1);
+      for (int n = 0; n < 24 && amplitude > kFaintestEcho; ++n, amplitude *= decay) {
+        const double sample = n * spacing_mm / grid.step_mm;
+        if (sample >= grid.samples) break;
+        list.Add(filter, sample, l, static_cast<float>(amplitude));
+      }
+    }
+  }
+
+  void CollectEchoes(int block) {
+    EchoList& list = lists[static_cast<std::size_t>(block)];
+    list.Clear();
+    for (const ApertureTracer::Crossing& crossing : tracer.crossings(block)) {
+      AddSurface(crossing, list);
+    }
+    AddNeedle(block, list);
+    if (options.ring_down) AddRingDown(block, list);
+  }
+
+  /// Amplitude of the speckle at each row of tissue, with the haze of the echoes around.
+  void MakeSpeckleAmplitudes() {
+    const auto keep = static_cast<float>(std::exp(-rows.step_mm / options.clutter_reach_mm));
+    const auto share = static_cast<float>(std::pow(OfDb(options.clutter_db), 2.0));
+    const int reach = std::max(1, grid.lines() / 12);
+    std::fill(haze.begin(), haze.end(), 0.0F);
+    for (int k = 0; k < rows.samples; ++k) {
+      const float* arriving = field.arriving(k);
+      const float* scatter2 = tracer.scatter2(k);
+      float* out = speckle.row(k);
+      if (!options.clutter) {
+        for (int l = 0; l < lanes; ++l) out[l] = arriving[l] * std::sqrt(scatter2[l]);
+        continue;
+      }
+      for (int l = 0; l < lanes; ++l) {
+        out[l] = arriving[l] * arriving[l] * scatter2[l];
+        sums[static_cast<std::size_t>(l) + 1] =
+            sums[static_cast<std::size_t>(l)] + out[l] + (1.0F / 64) * bright.row(k)[l];
+      }
+      for (int l = 0; l < lanes; ++l) {
+        const int low = std::max(0, l - reach);
+        const int high = std::min(lanes - 1, l + reach);
+        const float mean = (sums[static_cast<std::size_t>(high) + 1] -
+                            sums[static_cast<std::size_t>(low)]) /
+                           static_cast<float>(high - low + 1);
+        float& around = haze[static_cast<std::size_t>(l)];
+        around = keep * around + (1.0F - keep) * mean;
+        out[l] = std::sqrt(out[l] + share * around);
+      }
+    }
+  }
+
+  void MakeSpeckleRow(int k, float* amplitude, float* after) {
+    const int row = k / samples_per_row;
+    const float between = static_cast<float>(k - row * samples_per_row) /
+                          static_cast<float>(samples_per_row);
+    kernels::LerpRow(speckle.row(row), speckle.row(row + 1), between, lanes, amplitude);
+    const int piece = lattice_path.PieceAt(k);
+    kernels::SpeckleEchoRow({.lattice = lattice_path.Lattice(piece, 0),
+                             .scatter = ones.data(),
+                             .decay = ones.data(),
+                             .energy = amplitude,
+                             .energy_after = after,
+                             .gain = filter.SpeckleGain(k),
+                             .re = echoes.re.row(k),
+                             .im = echoes.im.row(k)},
+                            static_cast<float>(k), lanes, false);
+  }
+
+  void AddNoiseRow(int k, std::uint64_t pose_hash) {
+    const auto level = static_cast<float>(OfDb(options.noise_db)) * filter.NoiseGain(k);
+    std::uint64_t h = (pose_hash + static_cast<std::uint64_t>(k)) * 0x9E3779B97F4A7C15ULL;
+    h ^= h >> 31;
+    const float* re = noise.data() + (h & (kNoiseNumbers - 1));
+    const float* im = noise.data() + (h >> 20 & (kNoiseNumbers - 1));
+    float* out_re = echoes.re.row(k);
+    float* out_im = echoes.im.row(k);
+    for (int l = 0; l < lanes; ++l) {
+      out_re[l] += level * re[l];
+      out_im[l] += level * im[l];
+    }
+  }
+
+  void AverageShownRow(int r) {
+    const int half = samples_per_shown / 2;
+    const int middle = r * samples_per_shown;
+    const int low = std::max(0, middle - half);
+    const int high = std::min(grid.samples - 1, middle + half);
+    float* out = shown.row(r);
+    std::copy_n(intensity.row(low), lanes, out);
+    for (int k = low + 1; k <= high; ++k) {
+      const float* row = intensity.row(k);
+      for (int l = 0; l < lanes; ++l) out[l] += row[l];
+    }
+    const float scale = 1.0F / static_cast<float>(high - low + 1);
+    for (int l = 0; l < lanes; ++l) out[l] *= scale;
+  }
+
+  acoustics::Probe probe;
+  ApertureOptions options;
+  volume::Geometry geometry;
+  acoustics::ScanGrid grid;
+  int samples_per_row;
+  acoustics::ScanGrid rows;  ///< Of tissue, coarser than the samples.
+  BeamFilter filter;
+  AcousticVolume volume;
+  ApertureRays rays;
+  ApertureField field;
+  ApertureTracer tracer;
+  BeamNeedle needle;
+  int samples_per_shown;
+  acoustics::ScanGrid shown_rows;  ///< Of the image before scan conversion.
+  BeamDisplay display;
+  BeamPath lattice_path;  ///< Of the samples, in the middle plane.
+  std::vector<AperturePlane> planes;
+  std::vector<EchoList> lists;  ///< By block of lines.
+  int lanes = 0;
+  ComplexBeams echoes;
+  slicing::BeamImage speckle;  ///< Amplitude, by row of tissue.
+  slicing::BeamImage bright;   ///< Intensity of interfaces, by row of tissue.
+  slicing::BeamImage intensity;
+  slicing::BeamImage shown;  ///< Intensity, by row of the shown image.
+  slicing::BeamImage envelope;
+  image::AlignedFloats ones;
+  image::AlignedFloats noise;
+  image::AlignedFloats scratch;
+  std::size_t scratch_stride = 0;
+  std::vector<float> haze;
+  std::vector<float> sums;
+};
+
+ApertureRenderer::ApertureRenderer(const BeamTissue& tissue, const acoustics::Probe& probe,
+                                   const ApertureOptions& options, int num_threads)
+    : state_(std::make_unique<State>(CheckedBeamTissue(tissue, "aperture"),
+                                     CheckedBeamProbe(probe), Checked(options), num_threads)) {
+  state_->bright.Resize(state_->grid.lines(), state_->rows.samples);
+}
+ApertureRenderer::~ApertureRenderer() = default;
+ApertureRenderer::ApertureRenderer(ApertureRenderer&&) noexcept = default;
+ApertureRenderer& ApertureRenderer::operator=(ApertureRenderer&&) noexcept = default;
+
+void ApertureRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
+                              const std::optional<image::NeedleInImage>& needle,
+                              image::GrayImage& out, int num_threads,
+                              const slicing::RestMap* rest) {
+  State& s = *state_;
+  ACUS_REQUIRE(ct_from_probe.matrix().allFinite(), "probe pose: has a value that is not finite");
+  s.needle.Set(needle, ct_from_probe, ApertureTracer::kLanesPerBlock);
+  for (AperturePlane& plane : s.planes) plane.path.Set(ct_from_probe, rest);
+  s.lattice_path.Set(ct_from_probe, rest);
+  out.Resize(s.display.picture().width_px, s.display.picture().height_px);
+  const std::uint64_t pose_hash = HashOf(ct_from_probe);
+  ParallelFor(s.tracer.blocks(), num_threads, [&s](int block) {
+    s.tracer.TraceBlock(s.planes, block, s.field);
+    s.AddNeedleShadow(block);
+  });
+  s.field.March(s.tracer.SmoothContact(), num_threads);
+  for (int k = 0; k < s.rows.samples; ++k) std::fill_n(s.bright.row(k), s.lanes, 0.0F);
+  ParallelFor(s.tracer.blocks(), num_threads, [&s](int block) {
+    s.CollectEchoes(block);
+    for (const ApertureTracer::Crossing& c : s.tracer.crossings(block)) {
+      const float amplitude = c.echo * s.ArrivingAt(c.row - c.lead, c.line);
+      s.bright.row(static_cast<int>(c.row))[c.line] += amplitude * amplitude;
+    }
+  });
+  s.MakeSpeckleAmplitudes();
+  ParallelFor(PiecesOf(s.grid.samples), num_threads, [&s, pose_hash](int piece) {
+    const int first = piece * kRowsPerPieceOfImage;
+    const int last = std::min(s.grid.samples, first + kRowsPerPieceOfImage);
+    float* amplitude = s.scratch.data() + static_cast<std::size_t>(piece) * s.scratch_stride;
+    for (int k = first; k < last; ++k) {
+      s.MakeSpeckleRow(k, amplitude, amplitude + s.lanes);
+      if (s.options.noise) s.AddNoiseRow(k, pose_hash);
+    }
+  });
+  ParallelFor(s.tracer.blocks(), num_threads, [&s](int block) {
+    s.lists[static_cast<std::size_t>(block)].PutInto(s.filter, s.echoes);
+  });
+  ParallelFor(PiecesOf(s.grid.samples), num_threads, [&s](int piece) {
+    const int first = piece * kRowsPerPieceOfImage;
+    const int last = std::min(s.grid.samples, first + kRowsPerPieceOfImage);
+    s.filter.Apply(s.echoes, first, last,
+                   s.scratch.data() + static_cast<std::size_t>(piece) * s.scratch_stride,
+                   s.intensity);
+  });
+  ParallelFor(PiecesOf(s.shown_rows.samples), num_threads, [&s](int piece) {
+    const int first = piece * kRowsPerPieceOfImage;
+    const int last = std::min(s.shown_rows.samples, first + kRowsPerPieceOfImage);
+    for (int r = first; r < last; ++r) s.AverageShownRow(r);
+    s.display.Compress(s.shown, first, last);
+  });
+  ParallelFor(PiecesOf(out.height), num_threads, [&s, &out](int piece) {
+    const int first = piece * kRowsPerPieceOfImage;
+    s.display.Convert(first, std::min(out.height, first + kRowsPerPieceOfImage), out);
+  });
+}
+
+const slicing::BeamImage& ApertureRenderer::envelope() {
+  State& s = *state_;
+  s.envelope.Resize(s.grid.lines(), s.grid.samples);
+  for (int k = 0; k < s.grid.samples; ++k) {
+    for (int l = 0; l < s.grid.lines(); ++l) {
+      s.envelope.row(k)[l] = std::sqrt(s.intensity.row(k)[l]);
+    }
+  }
+  return s.envelope;
+}
+
+const acoustics::ScanGrid& ApertureRenderer::grid() const {
+  return state_->grid;
+}
+const image::ImageGeometry& ApertureRenderer::picture() const {
+  return state_->display.picture();
+}
+std::size_t ApertureRenderer::volume_bytes() const {
+  return state_->volume.bytes();
+}
+
+}  // namespace acus::ultrasound

@@ -1,0 +1,22 @@
+// Smoothing by the binomial window 1 4 6 4 1: one voxel of standard deviation.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace acus::ultrasound {
+
+/// Voxels on each side of the middle.
+inline constexpr int kBinomialReach = 2;
+inline constexpr std::array<float, 5> kBinomial{1.0F / 16, 4.0F / 16, 6.0F / 16, 4.0F / 16,
+                                                1.0F / 16};
+
+/// Smooths a slice of nx x ny values along x and y, in place. Beyond the slice lies its edge.
+/// @param scratch  Kept between calls, so that only the first allocates.
+void SmoothSlice(std::vector<float>& slice, int nx, int ny, std::vector<float>& scratch);
+
+/// out[n] = the window's sum of five slices at n.
+void SmoothAcrossSlices(const std::array<const float*, 5>& slices, std::size_t count, float* out);
+
+}  // namespace acus::ultrasound
