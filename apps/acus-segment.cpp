@@ -6,6 +6,7 @@
 #include "acus/base/core/run_main.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
+#include "acus/patient/segmentation/spine.h"
 
 int main(int argc, char** argv) {
   std::filesystem::path ct_path, config_path, import_path, reference_path, mapping_path, folder;
@@ -81,6 +82,7 @@ int main(int argc, char** argv) {
     }
     const auto ct = acus::volume::ReadCt(ct_path, series, context);
     const auto labels = acus::segmentation::SegmentPatient(ct, config, import, context);
+    std::cout << acus::segmentation::SpineSentence(labels);
     std::vector<acus::segmentation::Agreement> agreement;
     if (!reference_path.empty()) {
       agreement =

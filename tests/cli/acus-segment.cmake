@@ -18,3 +18,11 @@ acus_add_cli_case(acus-segment.no_series EXIT 3 LEAVES_NOTHING
 acus_add_cli_case(acus-segment.unknown_setting EXIT 3 NEEDS inputs LEAVES_NOTHING
   BEFORE "${segment_ct}\necho '{\"format\": \"acus-segmentation/1\", \"bones\": {}}' > c.json"
   STDERR "bones.*unknown|unknown.*bones" COMMAND acus-segment ct.nrrd --config c.json -o out)
+# The lumbar puncture of the demo feels the same with the labels found as with the exact ones.
+foreach(seed 1 12)
+  add_test(NAME cli.acus-segment.spine_session_${seed}
+    COMMAND ${ACUS_BASH} ${CMAKE_CURRENT_SOURCE_DIR}/spine_session.sh
+            ${ACUS_CLI_FOLDER}/acus-segment.spine_session_${seed} ${seed})
+  set_tests_properties(cli.acus-segment.spine_session_${seed} PROPERTIES LABELS cli TIMEOUT 600
+    ENVIRONMENT "ACUS_BIN=${CMAKE_BINARY_DIR}/bin;ACUS_CONFIGS=${CMAKE_SOURCE_DIR}/configs")
+endforeach()

@@ -179,10 +179,26 @@ void AddCanal(Builder& builder) {
                reach});
 }
 
-/// A wedge that leans backwards, with its canal and the wings that meet the iliac bones.
-void AddSacrum(Builder& builder) {
+Eigen::Isometry3d SacrumFrame(const Builder& builder) {
   Eigen::Isometry3d frame = Frame(builder, kSacrumZ);
   frame.rotate(Eigen::AngleAxisd(-0.35, Vector3d::UnitX()));
+  return frame;
+}
+
+/// The canal in the frame of the sacrum.
+double SacralCanalDistance(const Vector3d& p) {
+  return EllipsoidDistance(Vector3d(p.x(), p.y() - 7.5, 0), Vector3d(11, 6.5, 1e6));
+}
+
+/// Fat in what the sacrum leaves open beside and below the canal of the lumbar spine.
+void AddSacralCanal(Builder& builder) {
+  const Shape local{[](const Vector3d& p) { return SacralCanalDistance(p); },
+                    Box(Vector3d(-12, 0, -72), Vector3d(12, 15, 4))};
+  builder.Add("sacral canal", Material::kEpiduralFat, Moved(local, SacrumFrame(builder)));
+}
+
+/// A wedge that leans backwards, with its canal and the wings that meet the iliac bones.
+void AddSacrum(Builder& builder) {
   const Shape local{
       [](const Vector3d& p) {
         const double shrink = std::clamp(1.0 + 0.006 * p.z(), 0.4, 1.1);
@@ -194,13 +210,11 @@ void AddSacrum(Builder& builder) {
         const double crest = RoundedBoxDistance(p - Vector3d(0, 22, -22), Vector3d(5, 9, 32), 3);
         const double roof = RoundedBoxDistance(p - Vector3d(0, 18, -26), Vector3d(17, 4, 30), 3);
         const double bone = SmoothUnion(SmoothUnion(body, wing, 6), SmoothUnion(crest, roof, 4), 4);
-        const double canal =
-            EllipsoidDistance(Vector3d(p.x(), p.y() - 7.5, 0), Vector3d(11, 6.5, 1e6));
-        return std::max(bone, -canal);
+        return std::max(bone, -SacralCanalDistance(p));
       },
       Box(Vector3d(-56, -32, -72), Vector3d(56, 36, 16))};
   builder.AddShelled("sacrum", Material::kCancellousBone, Material::kCorticalBone,
-                     builder.settings.cortical_bone_mm, Moved(local, frame));
+                     builder.settings.cortical_bone_mm, Moved(local, SacrumFrame(builder)));
 }
 
 }  // namespace
@@ -216,6 +230,7 @@ void AddSpine(Builder& builder) {
   }
   AddSacrum(builder);
   AddCanal(builder);
+  AddSacralCanal(builder);
   for (int i = 0; i < kNumLevels; ++i) {
     const bool last = i == 0;
     AddInterspace(builder, kLevels[i], last ? kSacrumZ + 2.0 : kLevels[i - 1].z,

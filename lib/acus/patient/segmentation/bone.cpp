@@ -270,26 +270,31 @@ bool IsMarrow(const volume::CtVolume& ct, const SliceRegion& hole, int axis, boo
   return Compactness(sorted, ct.geometry, axis) < kCanalCompactness;
 }
 
-/// Adds what the bone encloses in a slice, along all three axes.
-void FillMarrow(const volume::CtVolume& ct, Mask& bone, const TissueOptions& options,
+/// Adds what the bone encloses in a slice, along all three axes, but nothing that reaches into
+/// `open`.
+void FillMarrow(const volume::CtVolume& ct, const BoneFound& found, const Mask& open, Mask& bone,
                 int num_threads) {
-  const double in_plane_mm = std::min({ct.geometry.spacing_mm[0], ct.geometry.spacing_mm[1]});
-  Mask shell =
-      Closed(bone, std::max(options.bone_closing_mm, kClosingVoxels * in_plane_mm), num_threads);
+  Mask filled = found.shell;
+  for (std::size_t i = 0; i < filled.voxels.size(); ++i) {
+    if (open.voxels[i] != 0) filled.voxels[i] = 0;
+  }
   const int axial = AxialAxis(ct.geometry);
   for (const int axis : {axial, (axial + 1) % 3, (axial + 2) % 3}) {
-    FillInSlices(shell, axis, num_threads,
-                 [&](const SliceRegion& hole) { return IsMarrow(ct, hole, axis, axis == axial); });
+    FillInSlices(filled, axis, num_threads, [&](const SliceRegion& hole) {
+      return std::ranges::none_of(hole.voxels,
+                                  [&](std::size_t at) { return open.voxels[at] != 0; }) &&
+             IsMarrow(ct, hole, axis, axis == axial);
+    });
   }
   for (std::size_t i = 0; i < bone.voxels.size(); ++i) {
-    if (shell.voxels[i] != 0 && ct.voxels[i] > kLeastMarrowHu) bone.voxels[i] = 1;
+    if (filled.voxels[i] != 0 && ct.voxels[i] > kLeastMarrowHu) bone.voxels[i] = 1;
   }
 }
 
 }  // namespace
 
-Mask FindBone(const volume::CtVolume& original, const Mask& body, const TissueOptions& options,
-              int num_threads) {
+BoneFound FindDenseBone(const volume::CtVolume& original, const Mask& body,
+                        const TissueOptions& options, int num_threads) {
   const bool noisy = NoiseHu(original, body) > kNoiseToSmoothHu;
   const double pixel_mm = original.geometry.spacing_mm.minCoeff();
   const volume::CtVolume smoothed =
@@ -302,26 +307,38 @@ Mask FindBone(const volume::CtVolume& original, const Mask& body, const TissueOp
     }
     return mask;
   };
+  BoneFound found;
   // Noise would break an organ that is just above the threshold into crumbs.
-  const Mask contrast =
+  found.contrast =
       ContrastIn(smoothed, above(smoothed, options.bone_threshold_hu), options, num_threads);
-  Mask certain = CertainBone(ct, body, contrast, options.bone_certain_hu);
-  const double threshold_hu = ThresholdHu(ct, body, certain, options, num_threads);
-  const bool enhanced = threshold_hu > 0.5 * (options.bone_lowest_hu + options.bone_threshold_hu);
-  if (enhanced) {
-    certain = CertainBone(ct, body, contrast, kCertainOverContrast * options.bone_certain_hu);
+  Mask certain = CertainBone(ct, body, found.contrast, options.bone_certain_hu);
+  found.threshold_hu = ThresholdHu(ct, body, certain, options, num_threads);
+  found.enhanced = found.threshold_hu > 0.5 * (options.bone_lowest_hu + options.bone_threshold_hu);
+  if (found.enhanced) {
+    certain = CertainBone(ct, body, found.contrast, kCertainOverContrast * options.bone_certain_hu);
   }
   // Blood lies beside bone, so in an enhanced scan only what is close to certain bone is taken.
-  const Mask near = Dilated(certain, enhanced ? kReachEnhancedMm : kReachPlainMm, num_threads);
-  Mask bone = above(ct, threshold_hu);
+  const Mask near =
+      Dilated(certain, found.enhanced ? kReachEnhancedMm : kReachPlainMm, num_threads);
+  Mask bone = above(ct, found.threshold_hu);
   for (std::size_t i = 0; i < bone.voxels.size(); ++i) {
-    if (near.voxels[i] == 0 || contrast.voxels[i] != 0) bone.voxels[i] = 0;
+    if (near.voxels[i] == 0 || found.contrast.voxels[i] != 0) bone.voxels[i] = 0;
   }
-  bone = LargeParts(bone, options.bone_min_part_ml);
-  FillMarrow(ct, bone, options, num_threads);
+  found.dense = LargeParts(bone, options.bone_min_part_ml);
+  const double in_plane_mm =
+      std::min({original.geometry.spacing_mm[0], original.geometry.spacing_mm[1]});
+  found.shell = Closed(found.dense, std::max(options.bone_closing_mm, kClosingVoxels * in_plane_mm),
+                       num_threads);
+  return found;
+}
+
+Mask BoneWithMarrow(const volume::CtVolume& ct, const Mask& body, const BoneFound& found,
+                    const Mask& open, const TissueOptions& options, int num_threads) {
+  Mask bone = found.dense;
+  FillMarrow(ct, found, open, bone, num_threads);
   for (std::size_t i = 0; i < bone.voxels.size(); ++i) {
     bone.voxels[i] &= body.voxels[i];
-    if (contrast.voxels[i] != 0) bone.voxels[i] = 0;
+    if (found.contrast.voxels[i] != 0 || open.voxels[i] != 0) bone.voxels[i] = 0;
   }
   // Even marrow that was taken for contrast agent is bone all around.
   const int axial = AxialAxis(ct.geometry);
@@ -330,7 +347,8 @@ Mask FindBone(const volume::CtVolume& original, const Mask& body, const TissueOp
     const double area_mm2 = static_cast<double>(hole.voxels.size()) * pixel_mm2;
     return !hole.touches_border && area_mm2 < kLargestEvenMarrowMm2 &&
            std::ranges::all_of(hole.voxels, [&](std::size_t at) {
-             return ct.voxels[at] > options.bone_lowest_hu || contrast.voxels[at] != 0;
+             return open.voxels[at] == 0 &&
+                    (ct.voxels[at] > options.bone_lowest_hu || found.contrast.voxels[at] != 0);
            });
   });
   return bone;

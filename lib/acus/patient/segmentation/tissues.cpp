@@ -4,6 +4,7 @@
 
 #include "acus/data/volume/labels.h"
 #include "acus/patient/segmentation/crop.h"
+#include "acus/patient/segmentation/spine.h"
 
 namespace acus::segmentation {
 namespace {
@@ -36,6 +37,31 @@ volume::Label LabelAt(std::size_t i, const volume::CtVolume& ct, const Mask& bon
   return ct.voxels[i] < options.fat_upper_hu ? kFat : kSoft;
 }
 
+/// What stays open when marrow is filled.
+Mask OpenIn(const std::optional<Spine>& spine, const volume::Geometry& geometry) {
+  Mask open(geometry);
+  if (!spine) return open;
+  for (std::size_t i = 0; i < open.voxels.size(); ++i) {
+    open.voxels[i] = spine->canal.voxels[i] | spine->disc.voxels[i];
+  }
+  return open;
+}
+
+/// The label where a spine was found: its parts take the place of fat and soft tissue.
+volume::Label WithSpine(std::size_t i, const Spine& spine, volume::Label label) {
+  static const volume::Label kFat = volume::LabelOf("fat");
+  static const volume::Label kSoft = volume::LabelOf("soft_tissue");
+  static const volume::Label kCanal = volume::LabelOf("spinal_canal");
+  static const volume::Label kDisc = volume::LabelOf("disc");
+  static const volume::Label kLigament = volume::LabelOf("ligament");
+  static const volume::Label kMuscle = volume::LabelOf("muscle");
+  if (label != kFat && label != kSoft) return label;
+  if (spine.canal.voxels[i] != 0) return kCanal;
+  if (spine.disc.voxels[i] != 0) return kDisc;
+  if (spine.ligament.voxels[i] != 0) return kLigament;
+  return label == kSoft && spine.muscle.voxels[i] != 0 ? kMuscle : label;
+}
+
 }  // namespace
 
 int MedianHu(std::vector<std::int16_t>& values) {
@@ -57,7 +83,12 @@ volume::LabelMap FindTissues(const volume::CtVolume& whole, const TissueOptions&
   context.Checkpoint("finding lungs and gas", 0.3);
   const AirSpaces air = FindAirSpaces(ct, body, options, num_threads);
   context.Checkpoint("finding bone", 0.5);
-  const Mask bone = FindBone(ct, body, options, num_threads);
+  const BoneFound dense = FindDenseBone(ct, body, options, num_threads);
+  context.Checkpoint("finding the spine", 0.6);
+  const std::optional<Spine> spine = FindSpine(ct, body, dense, options, num_threads);
+  const Mask bone = TrimmedToEdge(
+      ct, BoneWithMarrow(ct, body, dense, OpenIn(spine, ct.geometry), options, num_threads), dense,
+      num_threads);
   context.Checkpoint("finding the skin", 0.8);
   const Mask skin = Cropped(SkinOf(whole_body, options.skin_thickness_mm, num_threads), box);
   volume::LabelMap labels(whole.geometry);
@@ -67,13 +98,19 @@ volume::LabelMap FindTissues(const volume::CtVolume& whole, const TissueOptions&
       for (int i = 0; i < size[0]; ++i) {
         const std::size_t at = ct.geometry.Index(i, j, k);
         if (body.voxels[at] == 0) continue;
-        labels.At(box.low[0] + i, box.low[1] + j, box.low[2] + k) =
-            LabelAt(at, ct, bone, air, skin, options);
+        volume::Label& label = labels.At(box.low[0] + i, box.low[1] + j, box.low[2] + k);
+        label = LabelAt(at, ct, bone, air, skin, options);
+        if (spine) label = WithSpine(at, *spine, label);
       }
     }
   }
   for (const char* name : {"skin", "fat", "soft_tissue", "bone", "lung", "gas"}) {
     labels.names[volume::LabelOf(name)] = name;
+  }
+  if (spine) {
+    for (const char* name : {"spinal_canal", "disc", "ligament", "muscle"}) {
+      labels.names[volume::LabelOf(name)] = name;
+    }
   }
   context.Checkpoint("finding the skin", 1.0);
   return labels;

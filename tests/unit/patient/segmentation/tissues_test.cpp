@@ -76,9 +76,9 @@ TEST(FindTissues, TheCanalIsNotBoneAndMarrowIs) {
         (found.geometry.index_from_ct() * Eigen::Vector3d(x, y, 30)).array().round().cast<int>();
     return found.At(v[0], v[1], v[2]);
   };
-  EXPECT_EQ(at(0, 42), volume::LabelOf("soft_tissue"));  // Spinal canal.
-  EXPECT_EQ(at(0, 18), volume::LabelOf("bone"));         // Red marrow.
-  EXPECT_EQ(at(68, -15), volume::LabelOf("bone"));       // Fatty marrow.
+  EXPECT_EQ(at(0, 42), volume::LabelOf("spinal_canal"));
+  EXPECT_EQ(at(0, 18), volume::LabelOf("bone"));    // Red marrow.
+  EXPECT_EQ(at(68, -15), volume::LabelOf("bone"));  // Fatty marrow.
   EXPECT_EQ(at(0, -63), volume::LabelOf("skin"));
   EXPECT_EQ(at(0, -58), volume::LabelOf("fat"));
 }

@@ -1,0 +1,50 @@
+#include "acus/patient/segmentation/spine.h"
+
+#include <algorithm>
+
+#include "acus/base/core/text_table.h"
+#include "acus/data/volume/labels.h"
+#include "acus/patient/segmentation/lps_axes.h"
+#include "acus/patient/segmentation/spine_parts.h"
+
+namespace acus::segmentation {
+namespace {
+
+constexpr double kMostObliqueDeg = 30.0;
+
+}  // namespace
+
+std::optional<Spine> FindSpine(const volume::CtVolume& original, const Mask& body,
+                               const BoneFound& bone, const TissueOptions& options,
+                               int num_threads) {
+  const volume::Geometry& g = original.geometry;
+  if (ObliquityDeg(g) > kMostObliqueDeg) return std::nullopt;
+  const AxisOrder order = LpsOrder(g);
+  const auto turned = [&](const auto& grid) { return Turned(grid, g, order, true); };
+  const auto back = [&](const auto& grid) { return Turned(grid, g, order, false); };
+  const volume::CtVolume ct = turned(original);
+  const auto chain = CanalChain(FindCanalHoles(ct, turned(bone.shell), num_threads), ct.geometry);
+  if (chain.empty()) return std::nullopt;
+  const CanalTube tube = FitCanalTube(ct, chain, bone.threshold_hu);
+  const Mask canal = CanalMask(tube, ct, bone.threshold_hu);
+  const Mask dense = turned(bone.dense);
+  const SpineView view{ct, dense, tube, canal};
+  Spine spine;
+  spine.canal = back(canal);
+  spine.disc = back(FindDiscs(view, options.fat_upper_hu));
+  spine.ligament = back(FindSpineLigaments(view, options.fat_upper_hu));
+  spine.muscle = back(FindBackMuscles(view, turned(body), options.fat_upper_hu));
+  return spine;
+}
+
+std::string SpineSentence(const volume::LabelMap& labels) {
+  const auto count = std::ranges::count(labels.voxels, volume::LabelOf("spinal_canal"));
+  if (count == 0) {
+    return "No spine found in the CT: no spinal canal, discs, ligaments or back muscles are "
+           "labelled.\n";
+  }
+  const double ml = static_cast<double>(count) * labels.geometry.voxel_volume_mm3() / 1000.0;
+  return Message("Spine found: ", FixedText(ml, 1), " ml of spinal canal.\n");
+}
+
+}  // namespace acus::segmentation
