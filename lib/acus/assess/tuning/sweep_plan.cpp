@@ -16,6 +16,9 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::uint64_t kMaxRounds =
+    64;  ///< Of drawing combinations before the rest is counted up.
+
 /// What the scenario and the session have, for checking levels without loading anything.
 class SceneCheck {
  public:
@@ -152,6 +155,13 @@ void Combine(SweepPlan& plan, std::vector<Setting>& settings, std::vector<std::s
   }
 }
 
+/// Counts up, the last knob the fastest. False after the last combination; it is the first again.
+bool NextCombination(const std::vector<int>& sizes, std::vector<int>& levels) {
+  std::size_t k = sizes.size();
+  while (k > 0 && ++levels[k - 1] == sizes[k - 1]) levels[--k] = 0;
+  return k > 0;
+}
+
 /// Tells builds apart that have no commit of their own: changed sources, unpacked archives.
 std::string ProgramHash() {
   return Sha256OfPath("/proc/self/exe").substr(0, 12);
@@ -187,23 +197,26 @@ std::vector<std::vector<int>> SpreadCombinations(const std::vector<int>& sizes, 
   std::vector<std::vector<int>> chosen;
   if (count >= all) {
     std::vector<int> levels(sizes.size(), 0);
-    for (;;) {
+    do {
       chosen.push_back(levels);
-      std::size_t k = sizes.size();
-      while (k > 0 && ++levels[k - 1] == sizes[k - 1]) levels[--k] = 0;
-      if (k == 0) return chosen;
-    }
+    } while (NextCombination(sizes, levels));
+    return chosen;
   }
   std::set<std::vector<int>> taken;
-  for (std::uint64_t round = 0; static_cast<int>(chosen.size()) < count; ++round) {
+  for (std::uint64_t round = 0; round < kMaxRounds && static_cast<int>(chosen.size()) < count;
+       ++round) {
     // Each knob's levels in equal shares and in an order of its own; what was there already is
-    // dropped, and the next round fills up.
+    // dropped, and the next round fills up. It begins at any level: a few combinations that are
+    // still wanted have to reach all of them.
     const int wanted = count - static_cast<int>(chosen.size());
     std::vector<std::vector<int>> columns;
     for (std::size_t k = 0; k < sizes.size(); ++k) {
       RandomStream random(seed, Message("combinations of knob ", k), round);
       std::vector<int> column(static_cast<std::size_t>(wanted));
-      for (int i = 0; i < wanted; ++i) column[static_cast<std::size_t>(i)] = i % sizes[k];
+      const std::uint64_t first = round == 0 ? 0 : random.Next();
+      for (std::size_t i = 0; i < column.size(); ++i) {
+        column[i] = static_cast<int>((first + i) % static_cast<std::uint64_t>(sizes[k]));
+      }
       for (std::size_t i = column.size(); i > 1; --i) {
         std::swap(column[i - 1], column[random.Next() % i]);
       }
@@ -214,6 +227,12 @@ std::vector<std::vector<int>> SpreadCombinations(const std::vector<int>& sizes, 
       for (const auto& column : columns) levels.push_back(column[i]);
       if (taken.insert(levels).second) chosen.push_back(std::move(levels));
     }
+  }
+  // Nearly all are wanted, or the rounds would have found them: the rest in order.
+  std::vector<int> levels(sizes.size(), 0);
+  while (static_cast<int>(chosen.size()) < count) {
+    if (taken.insert(levels).second) chosen.push_back(levels);
+    NextCombination(sizes, levels);
   }
   return chosen;
 }

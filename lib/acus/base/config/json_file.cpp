@@ -9,6 +9,7 @@
 #include "acus/base/config/schemas.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 
 namespace acus::config {
 namespace {
@@ -58,6 +59,7 @@ void RequireFinite(const json& node, const std::string& pointer) {
 
 json ReadJson(const fs::path& path) {
   const std::string text = ReadTextFile(path);
+  RequireJsonDepth(text, path.string());
   DuplicateKeys duplicates;
   json document;
   try {
@@ -130,13 +132,19 @@ fs::path ConfigsFolder() {
 
 fs::path FindConfig(const fs::path& name, const fs::path& relative_to) {
   const fs::path near = name.is_absolute() ? name : relative_to / name;
-  if (fs::exists(near)) return near;
-  const fs::path installed = ConfigsFolder() / name;
-  if (!name.is_absolute() && fs::exists(installed)) return installed;
-  // A change on the command line (--set) is told as seen from there.
   std::error_code ignored;
+  // A loop of links is there, too: reading it says what is wrong with it.
+  const auto is_there = [&ignored](const fs::path& path) {
+    return fs::symlink_status(path, ignored).type() == fs::file_type::symlink
+               ? fs::status(path, ignored).type() != fs::file_type::not_found
+               : fs::exists(path, ignored);
+  };
+  if (is_there(near)) return near;
+  const fs::path installed = ConfigsFolder() / name;
+  if (!name.is_absolute() && is_there(installed)) return installed;
+  // A change on the command line (--set) is told as seen from there.
   const fs::path here = fs::current_path(ignored) / name;
-  if (fs::exists(here)) return here;
+  if (is_there(here)) return here;
   throw InputError(Message(name.string(), ": no such file; tried ", near.string(), ", ",
                            installed.string(), " and ", here.string()));
 }

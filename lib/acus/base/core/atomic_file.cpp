@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 
 namespace acus {
 namespace {
@@ -39,9 +40,32 @@ void MakeParent(const fs::path& target) {
   ACUS_REQUIRE(!error, target.parent_path().string(), ": cannot be made: ", error.message());
 }
 
-bool IsEarlierOutput(const fs::path& folder) {
-  return fs::is_directory(folder) &&
-         (fs::is_empty(folder) || fs::exists(folder / "provenance.json"));
+bool IsEmptyFolder(const fs::path& target) {
+  return fs::is_directory(target) && fs::is_empty(target);
+}
+
+/// @throws InputError if the output that exists is not to be replaced.
+void RequireReplaceable(const fs::path& target, bool overwrite) {
+  if (IsEmptyFolder(target)) return;
+  ACUS_REQUIRE(overwrite, target.string(),
+               ": exists already; choose another folder or add --overwrite");
+  ACUS_REQUIRE(fs::is_directory(target) && fs::exists(target / "provenance.json"), target.string(),
+               ": is not the output of an earlier run (it has no provenance.json), so it is not "
+               "replaced; choose another folder");
+}
+
+/// For file systems that cannot exchange two folders in one call.
+void ReplaceInSteps(const fs::path& from, const fs::path& target, std::error_code& error) {
+  const fs::path old = TemporaryName(target);
+  std::error_code ignored;
+  fs::rename(target, old, error);
+  if (error) return;
+  fs::rename(from, target, error);
+  if (error) {
+    fs::rename(old, target, ignored);
+  } else {
+    fs::remove_all(old, ignored);
+  }
 }
 
 }  // namespace
@@ -55,14 +79,10 @@ AtomicFile::AtomicFile(fs::path target)
                ": no permission to write here");
 }
 
-AtomicFile::~AtomicFile() {
-  std::error_code ignored;
-  fs::remove(temporary_, ignored);
-}
-
 void AtomicFile::Commit() {
   std::error_code error;
-  fs::rename(temporary_, target_, error);
+  const auto hold = HoldTemporaries();
+  fs::rename(path(), target_, error);
   ACUS_REQUIRE(!error, target_.string(), ": cannot be written: ", error.message());
 }
 
@@ -76,58 +96,42 @@ void WriteTextFile(const fs::path& target, std::string_view text) {
 }
 
 AtomicFolder::AtomicFolder(fs::path target, bool overwrite)
-    : target_(Absolute(std::move(target))), temporary_(TemporaryName(target_)) {
-  if (fs::exists(target_) && !(fs::is_directory(target_) && fs::is_empty(target_))) {
-    ACUS_REQUIRE(overwrite, target_.string(),
-                 ": exists already; choose another folder or add --overwrite");
-    ACUS_REQUIRE(IsEarlierOutput(target_), target_.string(),
-                 ": is not the output of an earlier run (it has no provenance.json), so it is not "
-                 "replaced; choose another folder");
+    : target_(Absolute(std::move(target))),
+      temporary_(TemporaryName(target_)),
+      overwrite_(overwrite) {
+  if (fs::exists(target_)) {
+    if (fs::is_directory(target_)) lock_ = FolderLock(target_);
+    RequireReplaceable(target_, overwrite_);
   }
   MakeParent(target_);
   std::error_code error;
-  fs::create_directory(temporary_, error);
+  fs::create_directory(path(), error);
   ACUS_REQUIRE(!error, target_.string(), ": cannot be made: ", error.message());
 }
 
-AtomicFolder::~AtomicFolder() {
-  std::error_code ignored;
-  fs::remove_all(temporary_, ignored);
-}
-
 void AtomicFolder::Commit() {
+  const auto hold = HoldTemporaries();
+  // An empty folder, or none, is replaced in one call that fails if it is not empty any more.
   std::error_code error;
-  if (!fs::exists(target_) || fs::is_empty(target_)) {
-    fs::rename(temporary_, target_, error);  // An empty folder is replaced by the system.
-    ACUS_REQUIRE(!error, target_.string(), ": cannot be put in place: ", error.message());
-    return;
-  }
+  fs::rename(path(), target_, error);
+  if (!error) return;
+  ACUS_REQUIRE(fs::exists(target_), target_.string(),
+               ": cannot be put in place: ", error.message());
+  RequireReplaceable(target_, overwrite_);
+  // It may have come to be there since the beginning: then another program may be writing it.
+  const FolderLock lock = lock_.holds() ? FolderLock() : FolderLock(target_);
   // One exchange, so that there is no moment without a folder, even if the power fails now. What
   // was there is then under the temporary name, and goes with it.
-  if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) {
+  if (::renameat2(AT_FDCWD, path().c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) {
     return;
   }
-  // Not every file system can exchange.
-  const fs::path old = TemporaryName(target_);
-  fs::rename(target_, old, error);
-  if (!error) {
-    fs::rename(temporary_, target_, error);
-    std::error_code ignored;
-    if (error) {
-      fs::rename(old, target_, ignored);
-    } else {
-      fs::remove_all(old, ignored);
-    }
-  }
+  error.clear();
+  ReplaceInSteps(path(), target_, error);
   ACUS_REQUIRE(!error, target_.string(), ": cannot be put in place: ", error.message());
 }
 
 std::string ReadTextFile(const fs::path& path) {
-  std::error_code error;
-  const auto bytes = fs::file_size(path, error);
-  ACUS_REQUIRE(!error, path.string(), ": cannot be read: ", error.message());
-  ACUS_REQUIRE(bytes <= kMaxTextBytes, path.string(), ": has ", bytes,
-               " bytes; a text file of at most ", kMaxTextBytes, " is read here");
+  const std::uintmax_t bytes = RequireInputFile(path, kMaxTextBytes);
   std::ifstream file(path, std::ios::binary);
   std::string text(bytes, '\0');
   file.read(text.data(), static_cast<std::streamsize>(bytes));

@@ -4,6 +4,9 @@
 #include <filesystem>
 #include <string_view>
 
+#include "acus/base/core/folder_lock.h"
+#include "acus/base/core/temporaries.h"
+
 namespace acus {
 
 /// A file that is written under a hidden temporary name in the same folder, with the same
@@ -13,19 +16,16 @@ class AtomicFile {
  public:
   /// @throws InputError if the folder of `target` cannot be made or written to.
   explicit AtomicFile(std::filesystem::path target);
-  ~AtomicFile();
-  AtomicFile(const AtomicFile&) = delete;
-  AtomicFile& operator=(const AtomicFile&) = delete;
 
   /// Write here.
-  const std::filesystem::path& path() const { return temporary_; }
+  const std::filesystem::path& path() const { return temporary_.path(); }
 
   /// @throws InputError if the file cannot be put in place (disk full, no permission).
   void Commit();
 
  private:
   std::filesystem::path target_;
-  std::filesystem::path temporary_;
+  Temporary temporary_;
 };
 
 /// Writes `text` to `target`, whole or not at all.
@@ -36,21 +36,22 @@ class AtomicFolder {
  public:
   /// @param overwrite  An existing `target` is replaced on Commit(), but only if it is empty or
   ///     holds a `provenance.json`, that is, if it is an earlier output.
-  /// @throws InputError if `target` exists and may not be replaced, or cannot be made.
+  /// @throws InputError if `target` exists and may not be replaced, is being written by another
+  ///     program, or cannot be made.
   AtomicFolder(std::filesystem::path target, bool overwrite);
-  ~AtomicFolder();
-  AtomicFolder(const AtomicFolder&) = delete;
-  AtomicFolder& operator=(const AtomicFolder&) = delete;
 
   /// Write here.
-  const std::filesystem::path& path() const { return temporary_; }
+  const std::filesystem::path& path() const { return temporary_.path(); }
 
-  /// Puts the folder in place. @throws InputError as above.
+  /// Puts the folder in place. Without `overwrite`, a folder that has come to be there meanwhile is
+  /// not replaced. @throws InputError as above.
   void Commit();
 
  private:
   std::filesystem::path target_;
-  std::filesystem::path temporary_;
+  Temporary temporary_;
+  bool overwrite_;
+  FolderLock lock_;  ///< Of the folder that will be replaced.
 };
 
 /// The content of a text file. @throws InputError if it cannot be read or is larger than 1 GiB.

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
+#include <new>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -48,6 +49,8 @@ void WriteAll(int file, const std::string& bytes) {
 std::string Answer(const std::function<std::string()>& work) {
   try {
     return "D" + work();
+  } catch (const std::bad_alloc&) {
+    return "Tit needs more memory than it may take";
   } catch (const std::exception& error) {
     return std::string("T") + error.what();
   } catch (int number) {  // TetGen's way to fail.

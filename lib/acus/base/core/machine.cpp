@@ -1,7 +1,11 @@
 #include "acus/base/core/machine.h"
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
+#include <limits>
+#include <optional>
+#include <sys/resource.h>
 #include <thread>
 
 #include "acus/base/core/error.h"
@@ -24,11 +28,43 @@ std::string ValueOf(const char* file, std::string_view key, char separator,
   return if_missing;
 }
 
-double MemoryGb() {
-  const std::string text = ValueOf("/proc/meminfo", "MemTotal", ':', "0");  // "8123456 kB"
-  double kib = 0.0;
-  std::from_chars(text.data(), text.data() + text.size(), kib);
-  return kib * 1024.0 / 1e9;
+/// A number at the beginning of a text; nothing if there is none ("max").
+std::optional<double> NumberIn(const std::string& text) {
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc()) return {};
+  return number;
+}
+
+/// A line of a file such as /proc/meminfo, "MemTotal: 8123456 kB", in bytes.
+std::optional<double> BytesOf(const char* file, std::string_view key) {
+  const auto kib = NumberIn(ValueOf(file, key, ':', ""));
+  if (!kib) return {};
+  return *kib * 1024.0;
+}
+
+/// The first line of a file.
+std::string FirstLine(const std::string& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  return line;
+}
+
+/// What the control group (version 2) of this process leaves, and those above it.
+double ControlGroupBytes() {
+  double least = std::numeric_limits<double>::infinity();
+  std::string group = ValueOf("/proc/self/cgroup", "0:", ':', "");  // "0::/a/b"
+  group.erase(0, group.find('/'));
+  for (;;) {
+    const std::string folder = "/sys/fs/cgroup" + group;
+    const auto most = NumberIn(FirstLine(folder + "/memory.max"));
+    const auto now = NumberIn(FirstLine(folder + "/memory.current"));
+    if (most && now) least = std::min(least, std::max(0.0, *most - *now));
+    const std::size_t slash = group.rfind('/');
+    if (slash == group.npos) return least;
+    group.erase(slash);
+  }
 }
 
 }  // namespace
@@ -37,11 +73,22 @@ Machine ThisMachine() {
   Machine out;
   out.processor = ValueOf("/proc/cpuinfo", "model name", ':', out.processor.c_str());
   out.threads = static_cast<int>(std::thread::hardware_concurrency());
-  out.memory_gb = MemoryGb();
+  out.memory_gb = BytesOf("/proc/meminfo", "MemTotal").value_or(0.0) / 1e9;
   const std::string flags = " " + ValueOf("/proc/cpuinfo", "flags", ':', "") + " ";
   out.is_virtual = flags.find(" hypervisor ") != flags.npos;
   out.system = ValueOf("/etc/os-release", "PRETTY_NAME", '=', out.system.c_str());
   return out;
+}
+
+double AvailableMemoryBytes() {
+  double least = ControlGroupBytes();
+  if (const auto free = BytesOf("/proc/meminfo", "MemAvailable")) least = std::min(least, *free);
+  rlimit limit{};
+  const auto used = BytesOf("/proc/self/status", "VmSize");
+  if (::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && used) {
+    least = std::min(least, std::max(0.0, static_cast<double>(limit.rlim_cur) - *used));
+  }
+  return least;
 }
 
 std::string MachineName() {

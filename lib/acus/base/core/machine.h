@@ -15,6 +15,10 @@ struct Machine {
 
 Machine ThisMachine();
 
+/// Memory in bytes that this process can still take: by the system, its control group and its limit
+/// of address space. Infinite if none of them is known.
+double AvailableMemoryBytes();
+
 /// Processor and threads: "Intel(R) Xeon(R) ..., 2 threads".
 std::string MachineName();
 

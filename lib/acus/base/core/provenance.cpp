@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
+#include "acus/base/core/shown_path.h"
 
 namespace acus {
 namespace {
@@ -27,6 +29,7 @@ class Sha256 {
   }
 
   void AddFile(const fs::path& path) {
+    RequireInputFile(path);
     std::ifstream file(path, std::ios::binary);
     ACUS_REQUIRE(file, path.string(), ": cannot be read");
     std::vector<char> buffer(1 << 18);
@@ -57,7 +60,8 @@ class Sha256 {
 
 std::string Sha256OfPath(const fs::path& path) {
   Sha256 hash;
-  if (!fs::is_directory(path)) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) {
     hash.AddFile(path);
     return hash.Hex();
   }
@@ -81,7 +85,14 @@ std::string Sha256OfText(const std::string& text) {
 }
 
 void Provenance::AddInput(const fs::path& path) {
-  input_sha256[path.string()] = Sha256OfPath(path);
+  std::string name = ShownPath(path);
+  const std::string hash = Sha256OfPath(path);
+  // Without their folders, two files may have one name.
+  for (int i = 2; input_sha256.contains(name) && input_sha256[name] != hash && !FoldersAreShown();
+       ++i) {
+    name = Message(ShownPath(path), " (", i, ")");
+  }
+  input_sha256[name] = hash;
 }
 
 nlohmann::json Provenance::ToJson() const {

@@ -1,5 +1,6 @@
 #include "acus/data/mesh/vtk_io.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vtkCell.h>
 #include <vtkCellArray.h>
@@ -15,6 +16,7 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include "acus/base/core/child_process.h"
+#include "acus/base/core/input_file.h"
 #include "acus/data/mesh/packed_mesh.h"
 
 namespace acus::mesh {
@@ -122,11 +124,11 @@ std::string LoadTetraMesh(const std::filesystem::path& path) {
 
 std::string Load(const std::filesystem::path& path,
                  std::string (*load)(const std::filesystem::path&)) {
-  ACUS_REQUIRE(std::filesystem::is_regular_file(path), path.string(), ": no such file");
+  const auto bytes = static_cast<double>(RequireInputFile(path));
   core::ChildLimits limits;
   limits.time_s = kReadTimeS;
   // A compressed file may unpack to far more than its size, but not to everything there is.
-  limits.memory_bytes = 1e9 + 100.0 * static_cast<double>(std::filesystem::file_size(path));
+  limits.memory_bytes = std::min(1e9 + 100.0 * bytes, 1e9 + InputMemoryBytes());
   core::ChildResult result = core::RunInChild([&] { return load(path); }, limits);
   ACUS_REQUIRE(result.end == core::ChildResult::End::kDone, path.string(), ": cannot be used: ",
                result.end == core::ChildResult::End::kThrew

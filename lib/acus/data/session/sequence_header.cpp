@@ -7,6 +7,7 @@
 #include <map>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 #include "acus/base/core/words.h"
 
 namespace acus::session {
@@ -397,6 +398,7 @@ class SequenceHeaderReader {
 };
 
 SequenceHeader::SequenceHeader(const fs::path& path) {
+  RequireInputFile(path);
   SequenceHeaderReader(path, *this).Read();
 }
 

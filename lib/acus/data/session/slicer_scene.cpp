@@ -9,6 +9,7 @@
 #include <set>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 #include "acus/base/core/xml_scan.h"
 #include "acus/data/session/pose_csv.h"
 #include "acus/data/session/sequence_header.h"
@@ -35,11 +36,7 @@ struct SceneFiles {
 };
 
 Bytes ReadBytes(const fs::path& path, std::uint64_t max_bytes) {
-  std::error_code error;
-  const auto size = fs::file_size(path, error);
-  ACUS_REQUIRE(!error, path.string(), ": cannot be read: ", error.message());
-  ACUS_REQUIRE(size <= max_bytes, path.string(), ": has ", size, " bytes; at most ", max_bytes,
-               " are read");
+  const auto size = RequireInputFile(path, max_bytes);
   Bytes bytes(size);
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));

@@ -4,6 +4,7 @@
 #include <zip.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 
 namespace acus::session {
 namespace {
@@ -15,6 +16,7 @@ constexpr zip_int64_t kMaxFiles = 1'000'000;
 class ZipArchive::State {
  public:
   explicit State(const std::filesystem::path& path) : label_(path.string()) {
+    RequireInputFile(path);
     int error = 0;
     zip_ = zip_open(path.c_str(), ZIP_RDONLY, &error);
     ACUS_REQUIRE(zip_ != nullptr, label_, ": is not a zip archive (.mrb), or is damaged");

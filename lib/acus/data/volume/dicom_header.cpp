@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 #include "acus/base/core/words.h"
 
 namespace acus::volume {
@@ -207,9 +208,7 @@ class Walker {
 };
 
 std::vector<std::uint8_t> AllBytes(const fs::path& path) {
-  std::error_code error;
-  const auto size = fs::file_size(path, error);
-  ACUS_REQUIRE(!error && size <= kMaxFileBytes, path.string(), ": cannot be read, or is too large");
+  const auto size = RequireInputFile(path, kMaxFileBytes);
   std::vector<std::uint8_t> bytes(size);
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
@@ -222,6 +221,7 @@ std::vector<std::uint8_t> AllBytes(const fs::path& path) {
 enum class Kind { kNotDicom, kMarked, kMaybeBare };
 
 Kind KindOf(const fs::path& path) {
+  RequireInputFile(path);
   std::array<std::uint8_t, 132> head{};
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(head.data()), head.size());

@@ -12,6 +12,7 @@
 #include <zlib.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 #include "acus/base/core/words.h"
 
 namespace acus::volume {
@@ -22,6 +23,8 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMostDeflateRatio = 1032;
 constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20U;
 constexpr int kMaxHeaderLines = 100'000;
+/// NrrdIO copies a field that it cannot understand into a message of 1,024 bytes, unchecked.
+constexpr std::size_t kMaxNrrdFieldBytes = 500;
 
 /// "key<separator>value" lines up to `last_key` (kept) or, if that is empty, the first empty line.
 std::map<std::string, std::string> HeaderLines(const fs::path& path, char separator,
@@ -180,6 +183,60 @@ int BytesOfNiftiType(int code) {
   }
 }
 
+/// The data files of a header with one for each slice: "slice_%03d.raw 1 40 1", or LIST and their
+/// names in the lines after the one that begins with `key`.
+void CheckSliceFiles(const fs::path& path, const std::string& data, const std::string& key) {
+  if (!data.starts_with("LIST")) {
+    RequireDataBeside(path, data.substr(0, data.find(' ')));
+    return;
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  while (std::getline(file, line) && !line.starts_with(key)) {
+  }
+  while (std::getline(file, line)) {
+    const std::string_view name = Trimmed(line);
+    if (!name.empty()) RequireDataBeside(path, name);
+  }
+}
+
+/// Lines "key: value" up to the first empty one; "key:=value" and comments may have any length.
+void RequireShortNrrdFields(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  for (int number = 1; std::getline(file, line) && !Trimmed(line).empty(); ++number) {
+    const std::size_t colon = line.find(':');
+    const bool is_free =
+        line.starts_with('#') || (colon != line.npos && line.substr(colon, 2) == ":=");
+    ACUS_REQUIRE(is_free || line.size() <= kMaxNrrdFieldBytes, path.string(), ":", number,
+                 ": a header field has ", line.size(), " bytes; at most ", kMaxNrrdFieldBytes,
+                 " are read. The header is broken");
+  }
+}
+
+/// Of header and data. The data file of a .nhdr must lie beside it.
+double NrrdBytesOnDisk(const fs::path& path, const std::map<std::string, std::string>& fields) {
+  const auto found = std::ranges::find_if(fields, [](const auto& field) {
+    return field.first == "data file" || field.first == "datafile";
+  });
+  if (found == fields.end()) return static_cast<double>(fs::file_size(path));
+  const std::string& data = found->second;
+  if (data.find('%') != data.npos || data.starts_with("LIST")) {
+    CheckSliceFiles(path, data, found->first);
+    return static_cast<double>(MostVoxelBytes(path));
+  }
+  return static_cast<double>(RequireInputFile(RequireDataBeside(path, data)));
+}
+
+/// Bytes of a voxel; 1 for a type that is refused later.
+int BytesOfNrrdType(const std::string& type) {
+  for (const char* eight : {"double", "long long", "longlong", "int64"}) {
+    if (type.find(eight) != type.npos) return 8;
+  }
+  if (type.find("short") != type.npos || type.find("int16") != type.npos) return 2;
+  return type.find("char") != type.npos || type.find("int8") != type.npos ? 1 : 4;
+}
+
 }  // namespace
 
 std::uint64_t MostVoxelBytes(const fs::path& path) {
@@ -230,13 +287,17 @@ void CheckMetaImageHeader(const fs::path& path, int channels) {
   const int bytes_each = BytesOfMetaType(text("ElementType"));
   ACUS_REQUIRE(bytes_each > 0, path.string(), ": ElementType '", text("ElementType"),
                "' is not known; the header is broken");
-  if (data.find('%') != data.npos || data.starts_with("LIST")) return;  // One file per slice.
-  const fs::path file = data == "LOCAL" ? path : path.parent_path() / data;
+  double needed = bytes_each * channels;
+  for (const double size : sizes) needed *= size;
+  if (data.find('%') != data.npos || data.starts_with("LIST")) {  // One file per slice.
+    CheckSliceFiles(path, data, "ElementDataFile");
+    return RequireMemory(needed, static_cast<double>(MostVoxelBytes(path)), path.string());
+  }
+  const fs::path file = data == "LOCAL" ? path : RequireDataBeside(path, data);
   std::error_code error;
   ACUS_REQUIRE(fs::is_regular_file(file, error), path.string(), ": its data file ", file.string(),
                " is not there; keep the two files together");
-  double needed = bytes_each * channels;
-  for (const double size : sizes) needed *= size;
+  RequireMemory(needed, static_cast<double>(RequireInputFile(file)), path.string());
   const std::uint64_t begin = data == "LOCAL" ? DataBegin(path) : 0;
   const std::string compressed = text("CompressedData");
   if (!compressed.empty() && std::string_view("Tt1").find(compressed[0]) != std::string::npos) {
@@ -291,6 +352,7 @@ void CheckNiftiHeader(const fs::path& path, int channels) {
                ": datatype ", header.At<std::int16_t>(70), " with ", header.At<std::int16_t>(72),
                " bits per voxel is not a plain number; save it as 16-bit integers");
   const double needed = offset + bytes_each * channels * sizes[0] * sizes[1] * sizes[2];
+  RequireMemory(needed, static_cast<double>(fs::file_size(path)), path.string());
   if (path.extension() == ".gz") {
     RequireBytes(fs::file_size(path) * kMostDeflateRatio, needed, path);
     RequireBytes(InflatedBytes(path, 0, fs::file_size(path)), needed, path);
@@ -310,6 +372,7 @@ void CheckNrrdHeader(const fs::path& path, int channels) {
   file.read(magic.data(), 4);
   ACUS_REQUIRE(file && magic == "NRRD", path.string(),
                ": does not begin with 'NRRD'; it is not an NRRD file");
+  RequireShortNrrdFields(path);
   auto fields = HeaderLines(path, ':', "");
   ACUS_REQUIRE(fields.contains("sizes"), path.string(),
                ": has no 'sizes' line; the header is broken");
@@ -320,7 +383,10 @@ void CheckNrrdHeader(const fs::path& path, int channels) {
     sizes.erase(sizes.begin());
   }
   RequireVolumeSizes(sizes, path);
-  RequireBytes(MostVoxelBytes(path), channels * sizes[0] * sizes[1] * sizes[2], path);
+  const double values = channels * sizes[0] * sizes[1] * sizes[2];
+  RequireBytes(MostVoxelBytes(path), values, path);
+  const double on_disk = NrrdBytesOnDisk(path, fields);
+  RequireMemory(values * BytesOfNrrdType(fields["type"]), on_disk, path.string());
 }
 
 }  // namespace acus::volume

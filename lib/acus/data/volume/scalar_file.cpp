@@ -12,6 +12,7 @@
 #include <itkNrrdImageIO.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 #include "acus/data/volume/header_check.h"
 
 namespace acus::volume {
@@ -183,9 +184,7 @@ ScalarFile ReadChecked(const fs::path& path, int num_components) {
 }
 
 ScalarFile ReadFile(const fs::path& path, int num_components) {
-  std::error_code error;
-  ACUS_REQUIRE(fs::is_regular_file(path, error), path.string(), ": no such file");
-  ACUS_REQUIRE(fs::file_size(path, error) > 0, path.string(), ": is empty");
+  ACUS_REQUIRE(RequireInputFile(path) > 0, path.string(), ": is empty");
   MakeImageIo(path);  // Refuses unknown endings before anything is read.
   CheckHeader(path, num_components);
   try {

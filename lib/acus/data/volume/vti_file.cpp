@@ -14,6 +14,7 @@
 #include <vtkXMLImageDataReader.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 #include "acus/data/volume/header_check.h"
 
 namespace acus::volume {
@@ -87,13 +88,13 @@ void CheckVtiHeader(const fs::path& path) {
                ": its header "
                "promises ",
                voxels, " voxels, more than the file can hold; it is cut off or broken");
+  RequireMemory(voxels, static_cast<double>(fs::file_size(path)), path.string());
 }
 
 }  // namespace
 
 ScalarFile ReadVtiFile(const fs::path& path) {
-  std::error_code error;
-  ACUS_REQUIRE(fs::is_regular_file(path, error), path.string(), ": no such file");
+  RequireInputFile(path);
   CheckVtiHeader(path);
   vtkObject::GlobalWarningDisplayOff();
   vtkNew<vtkXMLImageDataReader> reader;

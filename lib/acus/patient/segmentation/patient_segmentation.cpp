@@ -98,12 +98,15 @@ void WriteVolumes(const fs::path& path, const volume::LabelMap& labels) {
 void WriteSurface(const fs::path& path, const Mask& mask, const SurfaceOptions& options,
                   const RunContext& context) {
   const std::string name = path.stem().string();
+  mesh::Surface surface;
   try {
-    mesh::WriteSurface(path, ExtractSurface(mask, options, context.num_threads));
+    surface = ExtractSurface(mask, options, context.num_threads);
   } catch (const InputError& error) {
     // A CT of soft tissue alone has no bone: the rest is still of use.
     context.Warn(Message(name, ".stl is not written: ", error.what()));
+    return;
   }
+  mesh::WriteSurface(path, surface);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 
 namespace acus::breathing {
 namespace {
@@ -83,6 +84,7 @@ void WriteFields(const std::filesystem::path& path, const MotionField& field) {
 void ReadFields(const std::filesystem::path& path, const std::vector<double>& mm_per_unit,
                 MotionField& field) {
   const std::size_t values = 3 * field.nodes().num_voxels();
+  RequireInputFile(path);
   std::ifstream in(path, std::ios::binary);
   std::vector<std::int16_t> stored(values);
   for (std::size_t n = 0; n < mm_per_unit.size(); ++n) {

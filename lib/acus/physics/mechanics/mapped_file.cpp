@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 
 namespace acus::mechanics {
 namespace {
@@ -26,6 +27,7 @@ struct Descriptor {
 }  // namespace
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
+  RequireInputFile(path);
   const Descriptor file(path);
   ACUS_REQUIRE(file.number >= 0, path.string(), ": cannot be opened: ", std::strerror(errno));
   struct stat about {};

@@ -25,18 +25,21 @@ constexpr const char* kTrackerHeader =
 // Rows of as many steps go to the disk together: what a full disk leaves out is not more than this.
 constexpr std::int64_t kStepsInBlock = 200;
 
-/// Makes an empty folder, in place of an earlier output if that is wanted.
-void MakeFolder(const fs::path& folder, bool overwrite) {
+/// Makes an empty folder, in place of an earlier output if that is wanted, and locks it: what
+/// another program is recording is never removed.
+FolderLock MakeFolder(const fs::path& folder, bool overwrite) {
   std::error_code error;
-  if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
-    ACUS_REQUIRE(overwrite, folder.string(),
-                 ": is there already; choose another name, or replace it with --overwrite");
-    ACUS_REQUIRE(fs::exists(folder / "provenance.json"), folder.string(),
-                 ": is not the output of an earlier run (no provenance.json); it is not replaced");
-    fs::remove_all(folder, error);
-  }
-  if (!error) fs::create_directories(folder, error);
+  fs::create_directories(folder, error);
   ACUS_REQUIRE(!error, folder.string(), ": cannot be made: ", error.message());
+  FolderLock lock(folder);
+  if (fs::is_empty(folder, error)) return lock;
+  ACUS_REQUIRE(overwrite, folder.string(),
+               ": is there already; choose another name, or replace it with --overwrite");
+  ACUS_REQUIRE(fs::exists(folder / "provenance.json"), folder.string(),
+               ": is not the output of an earlier run (no provenance.json); it is not replaced");
+  for (const auto& entry : fs::directory_iterator(folder)) fs::remove_all(entry, error);
+  ACUS_REQUIRE(!error, folder.string(), ": cannot be emptied: ", error.message());
+  return lock;
 }
 
 std::string TroubleText(int error, const fs::path& folder, double waiting_s, bool memory_is_full) {
@@ -61,7 +64,7 @@ Recorder::Recorder(const fs::path& folder, const std::string& name,
       settings_(settings),
       readings_(4096),
       ring_(settings.ring_steps) {
-  MakeFolder(folder, context.overwrite);
+  lock_ = MakeFolder(folder, context.overwrite);
   const auto open = [&](Stream stream, const char* file, std::string_view header) {
     files_[stream] = std::make_unique<StreamFile>(settings_.open(folder_ / file), header);
   };

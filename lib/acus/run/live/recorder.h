@@ -17,7 +17,9 @@
 #include <thread>
 #include <vector>
 
+#include "acus/base/core/folder_lock.h"
 #include "acus/base/core/run_context.h"
+#include "acus/base/core/stop_deadline.h"
 #include "acus/data/session/session_io.h"
 #include "acus/rig/tracking/pose_board.h"
 #include "acus/run/live/ring.h"
@@ -102,6 +104,8 @@ class Recorder {
   void Flush() noexcept;
 
   std::filesystem::path folder_;
+  FolderLock lock_;           ///< No other program records into the folder or replaces it.
+  NoStopDeadline unhurried_;  ///< A stop that was asked for does not cut a recording off.
   const simulation::Scene& scene_;
   std::int64_t origin_ns_;
   RecorderSettings settings_;

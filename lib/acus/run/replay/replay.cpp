@@ -5,9 +5,11 @@
 #include <optional>
 
 #include "acus/base/config/json_file.h"
+#include "acus/base/config/shown_document.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/core/machine.h"
+#include "acus/base/core/shown_path.h"
 #include "acus/base/core/text_table.h"
 #include "acus/data/session/integrity.h"
 #include "acus/data/session/session_import.h"
@@ -103,6 +105,7 @@ std::vector<std::string> WarningsOf(const Scene& scene, const Run& run) {
     warnings.push_back(Message("the bendable needle was not quite at rest in ",
                                rod.num_not_converged, " steps; it went on in the next"));
   }
+  for (std::string& warning : warnings) warning = ShownText(std::move(warning));
   return warnings;
 }
 
@@ -110,7 +113,7 @@ void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, cons
                   const Run& run, const RunContext& context) {
   nlohmann::json document = {{"format", "acus-run/1"},
                              {"provenance", context.provenance.ToJson()},
-                             {"scenario", scenario.effective},
+                             {"scenario", config::ShownDocument(scenario.effective)},
                              {"session",
                               {{"name", run.session.name},
                                {"needle_samples", run.session.needle.size()},

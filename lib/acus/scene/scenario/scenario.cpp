@@ -230,11 +230,32 @@ void CheckTogether(const Scenario& s) {
 
 }  // namespace
 
+namespace {
+
+/// The changes (--set) whose place or value a message names, or nothing: their user made the
+/// mistake, not the file that they change.
+std::string BlamedChanges(std::span<const Override> overrides, const std::string& message) {
+  std::string blamed;
+  for (const Override& change : overrides) {
+    const bool names_value =
+        change.value.is_string() && change.value.get_ref<const std::string&>().size() > 1 &&
+        message.find(change.value.get_ref<const std::string&>()) != message.npos;
+    if (message.find(change.pointer) == message.npos && !names_value) continue;
+    blamed +=
+        Message(blamed.empty() ? "" : ", ", "--set ", change.pointer, "=", change.value.dump());
+  }
+  return blamed;
+}
+
+}  // namespace
+
 nlohmann::json ScenarioSchema() {
   return effects::WithEffects(json::parse(config::SchemaText("acus-scenario")));
 }
 
-Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides) {
+namespace {
+
+Scenario ReadChanged(const fs::path& path, std::span<const Override> overrides) {
   json document = ScenarioDocument(path, overrides);
   document =
       config::CheckedConfig(std::move(document), "acus-scenario", path.string(), ScenarioSchema());
@@ -298,6 +319,18 @@ Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides)
   if (document.contains("evidence")) scenario.evidence = EvidenceFrom(document["evidence"]);
   scenario.effective = std::move(document);
   return scenario;
+}
+
+}  // namespace
+
+Scenario ReadScenario(const fs::path& path, std::span<const Override> overrides) {
+  try {
+    return ReadChanged(path, overrides);
+  } catch (const InputError& error) {
+    const std::string blamed = BlamedChanges(overrides, error.what());
+    if (blamed.empty()) throw;
+    throw InputError(Message(blamed, ": with this change, ", error.what()));
+  }
 }
 
 }  // namespace acus::scenario

@@ -5,6 +5,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 #include "acus/scene/effects/effect_list.h"
 
 namespace acus::scenario {
@@ -68,8 +69,15 @@ Override ParseOverride(const std::string& text) {
   ACUS_REQUIRE(equals != text.npos && text.starts_with("/"), "--set ", text,
                ": must be /json/pointer=value, for example /effects/ultrasound/needle=false");
   const std::string raw = text.substr(equals + 1);
+  RequireJsonDepth(raw, Message("--set ", text.substr(0, equals)));
   json value = json::parse(raw, nullptr, /*allow_exceptions=*/false);
-  if (value.is_discarded()) value = raw;
+  if (value.is_discarded()) {
+    // A word is a text; what begins as an object, a list or a quoted text is meant as JSON.
+    ACUS_REQUIRE(raw.find_first_of("{[\"") != 0, "--set ", text,
+                 ": what follows the '=' is not valid JSON; check its brackets and quotes, and "
+                 "protect them from the shell by single quotes");
+    value = raw;
+  }
   return {text.substr(0, equals), value};
 }
 

@@ -127,8 +127,13 @@ TEST(SpreadCombinations, TakeEveryLevelAsOftenAsAnyOtherAndNothingTwice) {
     }
   }
   EXPECT_NE(SpreadCombinations(sizes, 100, 0), SpreadCombinations(sizes, 100, 1));
-  // Nearly all of few: the last ones are found, too.
-  EXPECT_EQ(SpreadCombinations({3, 3}, 8, 5).size(), 8U);
+  // Nearly all of few: the last ones are found, too, for any seed.
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    EXPECT_EQ(SpreadCombinations({3, 3}, 8, seed).size(), 8U);
+    EXPECT_EQ(SpreadCombinations({2, 2, 5}, 19, seed).size(), 19U);
+  }
+  const auto many = SpreadCombinations({10, 10, 10, 10, 10}, 99'999, 3);
+  EXPECT_EQ(std::set<std::vector<int>>(many.begin(), many.end()).size(), 99'999U);
 }
 
 }  // namespace

@@ -66,6 +66,17 @@ TEST(ReadJson, RefusesDuplicateKeysAndSaysWhereSyntaxBreaks) {
               ThrowsMessage<InputError>(HasSubstr("key 'a' is given twice")));
   EXPECT_NO_THROW(read(R"({"a": 1, "b": {"a": 2}} // fine)")());
   EXPECT_THAT(read("{\n\"a\": }"), ThrowsMessage<InputError>(HasSubstr("line 2")));
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += R"({"a":)";
+  EXPECT_THAT(read(deep), ThrowsMessage<InputError>(HasSubstr("nested more than 100 deep")));
+}
+
+TEST(FindConfig, FindsALoopOfLinksWhereItIs) {
+  const testing_support::TemporaryFolder folder;
+  std::filesystem::create_symlink("loop.json", folder / "loop.json");
+  EXPECT_EQ(FindConfig("loop.json", folder.path()), folder / "loop.json");
+  EXPECT_THAT([&] { ReadJson(folder / "loop.json"); },
+              ThrowsMessage<InputError>(HasSubstr("symbolic links")));
 }
 
 TEST(WriteJson, WritesValidJsonWhateverBytesANameHolds) {

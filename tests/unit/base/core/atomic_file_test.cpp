@@ -55,6 +55,32 @@ TEST(AtomicFolder, ReplacesOnlyEarlierOutput) {
   EXPECT_EQ(NumEntries(folder), 1);
 }
 
+TEST(AtomicFolder, DoesNotReplaceWhatCameToBeThereMeanwhile) {
+  const testing_support::TemporaryFolder temporary;
+  const fs::path run = temporary.path() / "run";
+  const auto fill = [](const AtomicFolder& output, const char* text) {
+    WriteTextFile(output.path() / "provenance.json", text);
+  };
+  AtomicFolder first(run, false);
+  AtomicFolder second(run, false);
+  AtomicFolder third(run, true);
+  fill(first, "first");
+  fill(second, "second");
+  fill(third, "third");
+  second.Commit();
+  EXPECT_THAT([&] { first.Commit(); }, ThrowsMessage<InputError>(HasSubstr("exists already")));
+  EXPECT_EQ(ReadTextFile(run / "provenance.json"), "second");
+  {
+    const FolderLock recording(run);
+    EXPECT_THAT([&] { third.Commit(); },
+                ThrowsMessage<InputError>(HasSubstr("another program is writing")));
+    EXPECT_THAT([&] { AtomicFolder(run, true); },
+                ThrowsMessage<InputError>(HasSubstr("another program is writing")));
+  }
+  third.Commit();
+  EXPECT_EQ(ReadTextFile(run / "provenance.json"), "third");
+}
+
 TEST(AtomicFolder, FillsAnEmptyFolderAndWhatALinkPointsTo) {
   const testing_support::TemporaryFolder temporary;
   const fs::path& folder = temporary.path();

@@ -2,10 +2,16 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <gmock/gmock.h>
+#include <iostream>
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <system_error>
+#include <thread>
 #include <vector>
 
 namespace acus {
@@ -64,9 +70,91 @@ TEST(RunMain, TurnsEachKindOfErrorIntoItsExitCodeAndOneMessage) {
   EXPECT_EQ(RunThrowing(NoAnswerError("did not converge")).code, 4);
   EXPECT_EQ(RunThrowing(std::runtime_error("what?")).code, 1);
   EXPECT_THAT(RunThrowing(std::runtime_error("what?")).stderr_text, HasSubstr("unexpected"));
-  EXPECT_EQ(RunThrowing(std::bad_alloc()).code, 1);
+  EXPECT_EQ(RunThrowing(std::bad_alloc()).code, 3);
   EXPECT_THAT(RunThrowing(std::bad_alloc()).stderr_text, HasSubstr("memory"));
   EXPECT_EQ(RunThrowing(Cancelled()).code, 130);
+}
+
+TEST(RunMain, TakesWhatTheSystemRefusesForAnInputError) {
+  const auto loop = std::make_error_code(std::errc::too_many_symbolic_link_levels);
+  const Result files = RunThrowing(std::filesystem::filesystem_error("status", "a.json", loop));
+  EXPECT_EQ(files.code, 3);
+  EXPECT_EQ(files.stderr_text, "acus-thing: a.json: Too many levels of symbolic links\n");
+  const auto again = std::make_error_code(std::errc::resource_unavailable_try_again);
+  const Result threads = RunThrowing(std::system_error(again));
+  EXPECT_EQ(threads.code, 3);
+  EXPECT_THAT(threads.stderr_text, HasSubstr("thread"));
+  EXPECT_EQ(RunThrowing(std::system_error(loop)).code, 1);
+}
+
+TEST(RunMain, PrintsNoMegabytesAndNoControlCharacters) {
+  const Result result =
+      RunThrowing(InputError("a.csv: '\x1b[2J\r\x7f" + std::string(5'000'000, 'x')));
+  EXPECT_LT(result.stderr_text.size(), 8200U);
+  EXPECT_THAT(result.stderr_text, StartsWith("acus-thing: a.csv: '?[2J??xxx"));
+  EXPECT_THAT(result.stderr_text, HasSubstr("bytes left out)\n"));
+  std::string umlauts = "a";
+  for (int i = 0; i < 8000; ++i) umlauts += "\xc3\xa4";
+  const std::string cut = RunThrowing(InputError(umlauts)).stderr_text;
+  EXPECT_NE(cut.find("\xc3\xa4... ("), cut.npos) << "cut inside a character";
+}
+
+/// Ends the process as a program does, with what RunMain returns.
+[[noreturn]] void ExitLikeAProgram(const std::function<ExitCode(RunContext&)>& body) {
+  CLI::App app{"Does a thing", "acus-thing"};
+  const char* const arguments[] = {"acus-thing"};
+  std::exit(RunMain(app, 1, arguments, body));
+}
+
+[[noreturn]] void PrintToAFullDisk() {
+  static_cast<void>(std::freopen("/dev/full", "w", stdout));
+  ExitLikeAProgram([](RunContext&) {
+    std::cout << "result\n";
+    return ExitCode::kOk;
+  });
+}
+
+[[noreturn]] void ExitWithALibraryThatHangs() {
+  std::atexit([] { std::_Exit(77); });
+  ExitLikeAProgram([](RunContext&) { return ExitCode::kNoAnswer; });
+}
+
+TEST(RunMainDeathTest, FailsWhereStandardOutputCannotBeWritten) {
+  EXPECT_EXIT(PrintToAFullDisk(), ::testing::ExitedWithCode(3),
+              "standard output cannot be written");
+}
+
+TEST(RunMainDeathTest, EndsWithoutTheExitHandlersOfLibraries) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers report in such a handler";
+#endif
+  EXPECT_EXIT(ExitWithALibraryThatHangs(), ::testing::ExitedWithCode(4), "");
+}
+
+[[noreturn]] void LackMemoryInAThread() {
+  ExitLikeAProgram([](RunContext&) {
+    std::thread([] { throw std::bad_alloc(); }).join();
+    return ExitCode::kOk;
+  });
+}
+
+TEST(RunMainDeathTest, TakesMemoryThatAThreadLacksForAnInputError) {
+  EXPECT_EXIT(LackMemoryInAThread(), ::testing::ExitedWithCode(3), "acus-thing: not enough memory");
+}
+
+TEST(RunMain, LeavesFoldersOutOfTheCommandLineIfAsked) {
+  const Result result = RunThing({"patients/Jane/in.csv", "--no-folders"}, [](RunContext& context) {
+    EXPECT_EQ(context.provenance.command_line, "acus-thing in.csv --no-folders");
+    return ExitCode::kOk;
+  });
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(RunThing({"Jane/in.csv"},
+                     [](RunContext& context) {
+                       EXPECT_EQ(context.provenance.command_line, "acus-thing Jane/in.csv");
+                       return ExitCode::kOk;
+                     })
+                .code,
+            0);
 }
 
 TEST(RunMain, GivesTheStandardOptionsToTheBody) {
