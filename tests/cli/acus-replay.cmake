@@ -17,7 +17,7 @@ acus_add_cli_case(acus-replay.explain_sleep EXIT 0 NEEDS inputs LEAVES_NOTHING
   COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session ${patient} --explain
           --set /effects/ct_slice=null --set /effects/ultrasound=null)
 acus_add_cli_case(acus-replay.explain_without_session EXIT 0 NEEDS inputs LEAVES_NOTHING
-  STDOUT "^B-mode +image +in +effect ultrasound is called for" "^B-mode +B-mode picture +ct, acoustics"
+  STDOUT "^B-mode +image +in +effect ultrasound is called for" "^B-mode +B-mode image +ct, acoustics"
   COMMAND acus-replay $INPUTS/scenario.json ${patient} --explain)
 acus_add_cli_case(acus-replay.check_a_session EXIT 3 NEEDS inputs LEAVES_NOTHING
   BEFORE "mkdir s && cp $INPUTS/session/needle.csv s && echo '{\"format\": \"acus-session/1\", \"name\": \"n\", \"reference_frame\": \"Reference\", \"streams\": [{\"file\": \"needle.csv\", \"tool\": \"needle\"}]}' > s/session.json"

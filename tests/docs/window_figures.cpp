@@ -20,7 +20,7 @@
 #include "acus/imaging/fluoroscopy/fluoroscope.h"
 #include "acus/imaging/slicing/ct_slice.h"
 #include "acus/imaging/ultrasound/beam_renderer.h"
-#include "acus/scene/simulation/view_scene.h"
+#include "acus/scene/effects/view_3d/patient_surfaces.h"
 #include "acus/window/window.h"
 #include "support/window_input.h"
 
@@ -71,7 +71,7 @@ void PlaceTools(const fs::path& patient, double share, window::DisplayFrame& fra
 }
 
 std::vector<volume_rendering::SurfaceInView> Surfaces(const volume::LabelMap& labels) {
-  scenario::View3dEffect effect;
+  effects::View3dSettings effect;
   effect.surface_grid_mm = 3.0;
   const auto add = [&](const char* tissue, double opacity) {
     effect.surfaces.push_back({.tissue = tissue, .opacity = opacity, .colour = std::nullopt});
@@ -80,7 +80,7 @@ std::vector<volume_rendering::SurfaceInView> Surfaces(const volume::LabelMap& la
   add("liver", 0.55);
   effect.surfaces.push_back(
       {.tissue = "skin", .opacity = 0.38, .colour = Eigen::Array3f(0.96F, 0.82F, 0.72F)});
-  return simulation::SurfacesOf(effect, labels, RunContext());
+  return effects::SurfacesOf(effect, labels, RunContext());
 }
 
 /// A mannequin on a table, as a camera at its feet on the right side sees it.
@@ -137,7 +137,8 @@ Demo Load(const fs::path& patient) {
   fluoroscopy::CArmPose c_arm;
   c_arm.isocentre_in_ct_mm = *frame.target_in_ct_mm;
   fluoroscopy::Fluoroscope(*ct, fluoroscopy::ReadCArm(kConfigs / "c_arms/mobile.json"), c_arm)
-      .Render(frame.needle, frame.fluoroscopy, 2);
+      .Render(frame.needle, frame.effects.emplace_back("fluoroscopy", "Fluoroscopy").pixels.gray,
+              2);
   demo.patient.in_teaching_view = Surfaces(demo.labels);
   demo.patient.in_overlay.ct = ct;
   demo.patient.in_overlay.layers = {{"bone", 1.0}, {"soft_tissue", 0.6}};

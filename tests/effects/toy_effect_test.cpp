@@ -63,7 +63,8 @@ class SwayStep final : public effects::StepStageOf<SwayState> {
 class SwayImage final : public effects::ImageStage {
  public:
   Activity Render(const effects::ImageMoment& moment, const effects::PortValues& /*ports*/,
-                  image::GrayImage& out) override {
+                  effects::EffectPixels& pixels) override {
+    image::GrayImage& out = pixels.gray;
     out.Resize(64, 32);
     std::ranges::fill(out.pixels, std::uint8_t{0});
     if (moment.state == nullptr) return Activity::kIdle;
@@ -82,7 +83,8 @@ class LoadedSway final : public effects::LoadedEffect {
  public:
   explicit LoadedSway(const json& settings) : step_(settings) {}
   const effects::StepStage* step() const override { return &step_; }
-  std::unique_ptr<effects::ImageStage> NewImageStage() const override {
+  std::unique_ptr<effects::ImageStage> NewImageStage(const effects::PortValues&,
+                                                     const RunContext&) const override {
     return std::make_unique<SwayImage>();
   }
 
@@ -128,7 +130,35 @@ class Sway : public effects::Effect {
   }
 
  private:
-  static constexpr effects::Port<image::GrayImage> kImage{"sway picture"};
+  static constexpr effects::Port<image::GrayImage> kImage{"sway image"};
+};
+
+/// Reads, at every sample or at every image, what the table's sway writes at every sample.
+class Reader final : public Sway {
+ public:
+  explicit Reader(std::string_view key) : key_(key) {}
+  std::string_view key() const override { return key_; }
+  json Schema() const override {
+    json schema = Sway::Schema();
+    schema["properties"]["at_images"] = {
+        {"type", "boolean"}, {"default", false}, {"description", "Read there"}};
+    return schema;
+  }
+  std::optional<effects::StageDeclaration> StepStageOf(const json& settings) const override {
+    return Stage(settings.at("at_images") == false);
+  }
+  std::optional<effects::StageDeclaration> ImageStageOf(const json& settings) const override {
+    return Stage(settings.at("at_images"));
+  }
+
+ private:
+  static std::optional<effects::StageDeclaration> Stage(bool is_there) {
+    if (!is_there) return std::nullopt;
+    return effects::StageDeclaration{
+        .name = "reader", .reads = {effects::ports::kTissueMotion}, .writes = {kRead}};
+  }
+  static constexpr effects::Port<double> kRead{"what was read"};
+  std::string_view key_;
 };
 
 constexpr const char* kWithSway =
@@ -138,7 +168,12 @@ class ToyEffect : public testing_support::SweepFolder {
  protected:
   static void SetUpTestSuite() {
     static const Sway sway;
-    effects::RegisterEffect(sway);
+    static const Reader early("toy_early");
+    static const Reader late("toy_late");
+    for (const Sway* effect :
+         {static_cast<const Sway*>(&early), &sway, static_cast<const Sway*>(&late)}) {
+      effects::RegisterEffect(*effect);
+    }
   }
 
   void SetUp() override { Make(kWithSway); }
@@ -212,6 +247,24 @@ TEST_F(ToyEffect, IsInTheLogAndTheReportOfAReplay) {
   EXPECT_THAT(result_.plan_text, HasSubstr("sway"));
 }
 
+TEST_F(ToyEffect, ReadsAtEverySampleWhatAnEffectBeforeItWrites) {
+  const json called = json::object();
+  Replay("late", {{"/effects/toy_late", called}});
+  EXPECT_THAT(
+      [&] {
+        Replay("early", {{"/effects/toy_early", called}});
+      },
+      testing::ThrowsMessage<InputError>(testing::AllOf(HasSubstr("effects/toy_early"),
+                                                        HasSubstr("'tissue motion'"),
+                                                        HasSubstr("no stage before it writes"))));
+  EXPECT_THAT(
+      [&] {
+        Replay("image", {{"/effects/toy_late", {{"at_images", true}}}});
+      },
+      testing::ThrowsMessage<InputError>(
+          testing::AllOf(HasSubstr("effects/toy_late"), HasSubstr("images are not given"))));
+}
+
 TEST_F(ToyEffect, IsFeltAndSeenAndTheSameWithAnyNumberOfThreads) {
   Replay("still", {{"/effects/toy_sway", nullptr}});
   Replay("one");
@@ -250,9 +303,9 @@ TEST_F(ToyEffect, IsInALiveSessionThatReplaysToTheSameNumbers) {
   while (session.Poll()) {
     if (session.pictures().Refresh()) {
       const live::LivePicture& picture = session.pictures().Front();
-      if (!picture.others.empty()) {
-        width_px = static_cast<std::size_t>(picture.others.front().image.width);
-        EXPECT_EQ(picture.others.front().key, "toy_sway");
+      if (!picture.effects.empty()) {
+        width_px = static_cast<std::size_t>(picture.effects.front().pixels.gray.width);
+        EXPECT_EQ(picture.effects.front().key, "toy_sway");
       }
       largest_mm = std::max(largest_mm, std::abs(picture.snapshot.output.effect[0]));
     }

@@ -72,8 +72,7 @@ std::map<std::string, NamedFile> FilesOf(Scenario& s) {
   if (s.breathing) files["/effects/breathing/motion"] = &s.breathing->motion;
   if (s.breathing) files["/effects/breathing/signal"] = &s.breathing->signal;
   if (s.ultrasound) files["/effects/ultrasound"] = &s.ultrasound->acoustics;
-  if (s.fluoroscopy) files["/effects/fluoroscopy/c_arm"] = &s.fluoroscopy->c_arm;
-  for (effects::CalledEffect& other : s.others) {
+  for (effects::CalledEffect& other : s.listed) {
     for (const effects::PathSetting& path : other.effect->Paths()) {
       if (!other.settings.contains(path.key)) continue;
       files["/effects/" + std::string(other.effect->key()) + "/" + path.key] =
@@ -100,13 +99,11 @@ void ExpectOnlyDeclaredData(const EffectPlan& plan, const Scene& scene) {
   EXPECT_EQ(scene.breathing.has_value(), plan.Needs(effects::ports::kMotion));
   EXPECT_EQ(scene.tissue.has_value(), plan.Needs(effects::ports::kTissueElasticity));
   EXPECT_EQ(scene.b_mode.has_value(), plan.Needs(effects::ports::kAcoustics));
-  EXPECT_EQ(scene.fluoroscopy.has_value(), plan.Needs(effects::ports::kCArm));
   EXPECT_EQ(scene.forces.has_value(),
             plan.Has(StageId::kNeedleForce) &&
                 plan.Reads(StageId::kNeedleForce, effects::ports::kForceTable));
   EXPECT_EQ(scene.shape.has_value(), plan.Has(StageId::kNeedleShape));
   EXPECT_EQ(scene.probe_force.has_value(), plan.Has(StageId::kProbeForce));
-  EXPECT_EQ(scene.view_3d.has_value(), plan.Has(StageId::kView3d));
 }
 
 void RunAll(const Scene& scene) {

@@ -61,8 +61,8 @@ Outputs Common(Outputs out, const json& effects) {
   keep("tissue", out.tissue);
   keep("ultrasound", out.ultrasound);
   keep("ct_slice", out.ct_slice);
-  keep("fluoroscopy", out.fluoroscopy);
-  keep("view_3d", out.view_3d);
+  std::erase_if(out.effects,
+                [&effects](const auto& image) { return !effects.contains(image.first); });
   return out;
 }
 

@@ -2,14 +2,14 @@
 #pragma once
 
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "acus/scene/simulation/fluoroscopy_renderer.h"
+#include "acus/scene/simulation/effect_images.h"
 #include "acus/scene/simulation/image_renderer.h"
 #include "acus/scene/simulation/simulation.h"
-#include "acus/scene/simulation/view_scene.h"
 
 namespace acus::testing_support {
 
@@ -45,8 +45,7 @@ struct Outputs {
   std::vector<double> tissue;
   std::vector<std::uint8_t> ultrasound;
   std::vector<std::uint8_t> ct_slice;
-  std::vector<std::uint8_t> fluoroscopy;
-  std::vector<std::uint8_t> view_3d;
+  std::map<std::string, std::vector<std::uint8_t>> effects;  ///< Of the list, by key.
 
   bool operator==(const Outputs&) const = default;
 };
@@ -78,28 +77,25 @@ class EffectsRun {
     }
     if (simulation_.ShapeOf(state_, shape_)) now.needle_shape = &shape_;
     if (scene_.tools_deform_images && simulation_.LoadOf(state_, last_, load_)) now.load = &load_;
-    if (scene_.others.has_steps()) now.memory = &(memory_ = state_.effects);
+    if (scene_.listed.has_steps()) now.memory = &(memory_ = state_.effects);
     return now;
   }
 
   void Pictures(const simulation::Snapshot& now, Outputs& out,
                 simulation::StageTimes* times = nullptr) {
-    using simulation::StageId;
     if (!images_) images_.emplace(scene_);
     images_->Render(now, pictures_, times);
     out.ultrasound = pictures_.b_mode.pixels;
     out.ct_slice = pictures_.ct_slice.pixels;
-    if (scene_.plan.Has(StageId::kFluoroscopy)) {
-      if (!fluoroscopy_) fluoroscopy_.emplace(scene_, 1);
-      image::GrayImage picture;
-      fluoroscopy_->Render(now, picture, 1, times);
-      out.fluoroscopy = picture.pixels;
-    }
-    if (scene_.plan.Has(StageId::kView3d)) {
-      if (!view_) view_.emplace(scene_, RunContext());
-      view_->Render(now, pictures_.b_mode.pixels.empty() ? nullptr : &pictures_.b_mode, seen_, 1,
-                    times);
-      out.view_3d = seen_.colour.rgb;
+    for (const simulation::ListedEffect& effect : scene_.listed.all()) {
+      if (!effect.has_image) continue;
+      if (!effects_.contains(effect.key)) {
+        effects_.try_emplace(effect.key, scene_, effect, RunContext());
+      }
+      effects::EffectPixels pixels;
+      effects_.at(effect.key).Render(now, &pictures_, pixels, times);
+      auto& bytes = out.effects[std::string(effect.key)];
+      bytes = pixels.colour.rgb.empty() ? pixels.gray.pixels : pixels.colour.rgb;
     }
   }
 
@@ -139,10 +135,8 @@ class EffectsRun {
   tissue::TissueLoad load_;
   effects::Memory memory_;
   std::optional<simulation::ImageRenderer> images_;
-  std::optional<simulation::FluoroscopyRenderer> fluoroscopy_;
-  std::optional<simulation::ViewRenderer> view_;
+  std::map<std::string_view, simulation::EffectImageRenderer> effects_;
   simulation::Images pictures_;
-  volume_rendering::ViewPicture seen_;
 };
 
 }  // namespace acus::testing_support

@@ -113,7 +113,7 @@ class WindowTest : public ::testing::Test {
     frame.ultrasound.picture = Grey(picture.width_px, picture.height_px, 60);
     frame.ultrasound.probe = probe;
     frame.ct_slice = Grey(picture.width_px, picture.height_px, 120);
-    frame.fluoroscopy = Grey(128, 128, 180);
+    frame.effects = {{"fluoroscopy", "Fluoroscopy", {Grey(128, 128, 180), {}}}};
     frame.ct_from_probe = Eigen::Isometry3d(Eigen::Translation3d(0.0, -100.0, 0.0));
     frame.target_in_ct_mm = Eigen::Vector3d(5.0, -75.0, 0.0);
     frame.needle.emplace();

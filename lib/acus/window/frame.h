@@ -14,7 +14,7 @@
 #include "acus/imaging/volume_rendering/camera.h"
 #include "acus/imaging/volume_rendering/patient_view.h"
 #include "acus/physics/breathing/motion_map.h"
-#include "acus/scene/simulation/other_images.h"
+#include "acus/scene/simulation/effect_images.h"
 
 namespace acus::window {
 
@@ -73,10 +73,9 @@ struct ForceReadout {
 struct DisplayFrame {
   double session_s = 0.0;
   UltrasoundPicture ultrasound;
-  image::GrayImage ct_slice;          ///< Of the probe's plane and size; empty: not shown.
-  image::GrayImage fluoroscopy;       ///< Empty: not shown.
-  simulation::OtherImage effect;      ///< That of an effect of the list; empty: not shown.
-  std::optional<VideoPicture> video;  ///< Nothing: not shown.
+  image::GrayImage ct_slice;  ///< Of the probe's plane and size; empty: not shown.
+  std::vector<simulation::EffectImage> effects;  ///< Of the list; those that are empty not shown.
+  std::optional<VideoPicture> video;             ///< Nothing: not shown.
   /// As pictures see it, CT space; its polyline if bent. Nothing: not seen by the tracker.
   std::optional<image::NeedleInImage> needle;
   std::optional<Eigen::Isometry3d> ct_from_probe;  ///< Nothing: not seen by the tracker.

@@ -56,8 +56,7 @@ void FrameMaker::AddPictures(const live::LivePicture& picture) {
   frame_.ultrasound.probe = frame_.ultrasound.picture.pixels.empty() ? nullptr : picture.probe;
   frame_.ultrasound.frozen = picture.snapshot.frozen;
   frame_.ct_slice = picture.images.ct_slice;
-  frame_.fluoroscopy = picture.fluoroscopy;
-  frame_.effect = picture.others.empty() ? simulation::OtherImage{} : picture.others.front();
+  frame_.effects = picture.effects;
 }
 
 void FrameMaker::AddVideo(const camera::CameraView& video) {

@@ -40,9 +40,8 @@ std::string_view TitleOf(ViewKind view) noexcept {
       return "3D";
     case ViewKind::kCtSlice:
       return "CT in the probe's plane";
-    case ViewKind::kFluoroscopy:
-      return "Fluoroscopy";
     case ViewKind::kEffect:
+    case ViewKind::kSecondEffect:
       return "Effect";  // Its own title stands in the window.
   }
   return "";

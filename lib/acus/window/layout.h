@@ -8,10 +8,12 @@
 
 namespace acus::window {
 
-enum class ViewKind { kVideo, kUltrasound, kTeaching, kCtSlice, kFluoroscopy, kEffect };
-inline constexpr std::array kViewKinds = {ViewKind::kVideo,       ViewKind::kUltrasound,
-                                          ViewKind::kTeaching,    ViewKind::kCtSlice,
-                                          ViewKind::kFluoroscopy, ViewKind::kEffect};
+enum class ViewKind { kVideo, kUltrasound, kTeaching, kCtSlice, kEffect, kSecondEffect };
+inline constexpr std::array kViewKinds = {ViewKind::kVideo,    ViewKind::kUltrasound,
+                                          ViewKind::kTeaching, ViewKind::kCtSlice,
+                                          ViewKind::kEffect,   ViewKind::kSecondEffect};
+/// Of the images of effects, as many are shown.
+inline constexpr std::array kEffectViews = {ViewKind::kEffect, ViewKind::kSecondEffect};
 std::string_view TitleOf(ViewKind view) noexcept;
 
 /// In pixels of the window, from its upper left corner, row 0 at the top.

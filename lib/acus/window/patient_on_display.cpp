@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "acus/data/volume/volume_io.h"
-#include "acus/scene/simulation/view_scene.h"
+#include "acus/scene/effects/view_3d/patient_surfaces.h"
+#include "acus/scene/effects/view_3d/view_3d.h"
 
 namespace acus::window {
 namespace {
@@ -13,8 +14,8 @@ constexpr double kSurfaceGridMm = 3.0;
 constexpr double kSkinOpacity = 0.3;
 
 /// What the teaching view shows if the scenario does not say it; the skin last, as it is drawn.
-std::vector<scenario::View3dEffect::Surface> StandardSurfaces() {
-  std::vector<scenario::View3dEffect::Surface> surfaces;
+std::vector<effects::View3dSettings::Surface> StandardSurfaces() {
+  std::vector<effects::View3dSettings::Surface> surfaces;
   for (const char* tissue : {"bone", "kidney", "vessel", "lesion", "spinal_canal"}) {
     surfaces.push_back({.tissue = tissue, .opacity = 1.0, .colour = std::nullopt});
   }
@@ -23,9 +24,11 @@ std::vector<scenario::View3dEffect::Surface> StandardSurfaces() {
   return surfaces;
 }
 
-scenario::View3dEffect ViewOf(const scenario::Scenario& scenario) {
-  scenario::View3dEffect view;
-  if (scenario.view_3d) view = *scenario.view_3d;
+effects::View3dSettings ViewOf(const scenario::Scenario& scenario) {
+  effects::View3dSettings view;
+  for (const effects::CalledEffect& called : scenario.listed) {
+    if (called.effect == &effects::View3d()) view = effects::ReadView3dSettings(called.settings);
+  }
   if (view.surfaces.empty()) view.surfaces = StandardSurfaces();
   if (view.layers.empty()) view.layers = {{.preset = "bone", .opacity = 1.0}};
   view.surface_grid_mm = std::max(view.surface_grid_mm, kSurfaceGridMm);
@@ -40,12 +43,12 @@ scenario::View3dEffect ViewOf(const scenario::Scenario& scenario) {
 PatientOnDisplay PatientOnDisplayOf(const scenario::Scenario& scenario,
                                     const simulation::Scene& scene, const RunContext& context) {
   PatientOnDisplay patient;
-  const scenario::View3dEffect view = ViewOf(scenario);
+  const effects::View3dSettings view = ViewOf(scenario);
   auto labels = scene.labels;
   if (!labels && !scenario.patient.labels.empty()) {
     labels = std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
   }
-  if (labels) patient.in_teaching_view = simulation::SurfacesOf(view, *labels, context);
+  if (labels) patient.in_teaching_view = effects::SurfacesOf(view, *labels, context);
   auto ct = scene.ct;
   if (!ct && !scenario.patient.ct.empty()) {
     ct = std::make_shared<volume::CtVolume>(

@@ -134,10 +134,19 @@ void PictureLayer::SetWindowSize(int /*width_px*/, int height_px) {
 }
 
 void PictureLayer::Show(ViewKind view, const image::GrayImage& picture, const Rectangle& place) {
+  Show(view, picture.width, picture.height, 1, picture.pixels, place);
+}
+
+void PictureLayer::Show(ViewKind view, const image::ColourImage& picture, const Rectangle& place) {
+  Show(view, picture.width, picture.height, 3, picture.rgb, place);
+}
+
+void PictureLayer::Show(ViewKind view, int width, int height, int components,
+                        const std::vector<std::uint8_t>& pixels, const Rectangle& place) {
   Sheet& sheet = content_->Of(view);
-  sheet.actor->SetVisibility(!place.empty() && !picture.pixels.empty());
+  sheet.actor->SetVisibility(!place.empty() && !pixels.empty());
   if (sheet.actor->GetVisibility() == 0) return;
-  sheet.SetPixels(picture.width, picture.height, 1, picture.pixels.data());
+  sheet.SetPixels(width, height, components, pixels.data());
   sheet.SetNet(1, 1);
   for (const int row : {0, 1}) {
     for (const int column : {0, 1}) {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "acus/data/image/image.h"
 #include "acus/imaging/volume_rendering/camera.h"
@@ -26,6 +27,7 @@ class PictureLayer {
 
   /// Scaled to fill the place.
   void Show(ViewKind view, const image::GrayImage& picture, const Rectangle& place);
+  void Show(ViewKind view, const image::ColourImage& picture, const Rectangle& place);
   /// Without the lens's distortion (Brown's k1, k2, p1, p2, k3): as the pinhole of `camera` would
   /// see it. What the lens did not see is black.
   void Show(const image::ColourImage& picture, const volume_rendering::Camera& camera,
@@ -33,6 +35,9 @@ class PictureLayer {
   void Hide(ViewKind view);
 
  private:
+  void Show(ViewKind view, int width, int height, int components,
+            const std::vector<std::uint8_t>& pixels, const Rectangle& place);
+
   struct Content;
   std::unique_ptr<Content> content_;
 };

@@ -48,6 +48,12 @@ bool IsWhole(const image::GrayImage& image) {
              static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
 }
 
+bool IsWhole(const image::ColourImage& image) {
+  return image.width > 0 && image.height > 0 &&
+         image.rgb.size() ==
+             3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+}
+
 /// What cannot be drawn is taken out: a fault of a tracker is no reason to lose the picture.
 DisplayFrame Drawable(const DisplayFrame& frame) {
   DisplayFrame out = frame;
@@ -61,15 +67,13 @@ DisplayFrame Drawable(const DisplayFrame& frame) {
     out.ultrasound.picture = {};
   }
   if (!IsWhole(out.ct_slice)) out.ct_slice = {};
-  if (!IsWhole(out.fluoroscopy)) out.fluoroscopy = {};
-  if (!IsWhole(out.effect.image)) out.effect = {};
+  std::erase_if(out.effects, [](const simulation::EffectImage& effect) {
+    return !IsWhole(effect.pixels.gray) && !IsWhole(effect.pixels.colour);
+  });
   if (out.video) {
     const image::ColourImage& picture = out.video->picture;
     const volume_rendering::Camera& camera = out.video->camera;
-    const bool whole = picture.width > 0 && picture.height > 0 &&
-                       picture.rgb.size() == 3 * static_cast<std::size_t>(picture.width) *
-                                                 static_cast<std::size_t>(picture.height);
-    if (!whole) {
+    if (!IsWhole(picture)) {
       out.video.reset();
     } else if (!camera.camera_from_ct.matrix().allFinite() || !camera.centre_px.allFinite() ||
                !(camera.focal_px.array() > 0.0).all() || camera.width_px != picture.width ||
@@ -132,8 +136,9 @@ struct Window::Content {
     if (!frame.ultrasound.picture.pixels.empty()) shown.push_back(ViewKind::kUltrasound);
     if (!teaching.empty()) shown.push_back(ViewKind::kTeaching);
     if (!frame.ct_slice.pixels.empty()) shown.push_back(ViewKind::kCtSlice);
-    if (!frame.fluoroscopy.pixels.empty()) shown.push_back(ViewKind::kFluoroscopy);
-    if (!frame.effect.image.pixels.empty()) shown.push_back(ViewKind::kEffect);
+    for (std::size_t n = 0; n < std::min(frame.effects.size(), kEffectViews.size()); ++n) {
+      shown.push_back(kEffectViews[n]);
+    }
     std::optional<ViewKind> alone = steering.choice().alone;
     // Both eyes of red-cyan glasses see the whole window: it is the teaching view's alone.
     if (steering.choice().stereo == Stereo::kRedCyan) alone = ViewKind::kTeaching;
@@ -185,13 +190,18 @@ struct Window::Content {
     if (has_plane && frame.ct_from_probe) DrawSliceMarks(frame, plane, sketch);
   }
 
-  /// An image without marks.
-  void DrawPlain(ViewKind kind, const image::GrayImage& image, std::string_view title,
-                 const TextSizes& sizes) {
+  void DrawEffect(ViewKind kind, const simulation::EffectImage& effect, const TextSizes& sizes) {
     const Rectangle place = PlaceOf(kind);
     if (place.empty()) return pictures.Hide(kind);
-    pictures.Show(kind, image, Fit(PictureRoom(kind, place, sizes), image.width, image.height));
-    DrawTitle(title, "", place, sizes, sketch);
+    const auto show = [&](const auto& image) {
+      pictures.Show(kind, image, Fit(PictureRoom(kind, place, sizes), image.width, image.height));
+    };
+    if (IsWhole(effect.pixels.colour)) {
+      show(effect.pixels.colour);
+    } else {
+      show(effect.pixels.gray);
+    }
+    DrawTitle(effect.title, "", place, sizes, sketch);
   }
 
   void DrawTeaching(const DisplayFrame& frame, const TextSizes& sizes) {
@@ -225,8 +235,13 @@ struct Window::Content {
     DrawVideo(frame, sizes);
     DrawUltrasound(frame, sizes);
     DrawCtSlice(frame, sizes);
-    DrawPlain(ViewKind::kFluoroscopy, frame.fluoroscopy, TitleOf(ViewKind::kFluoroscopy), sizes);
-    DrawPlain(ViewKind::kEffect, frame.effect.image, frame.effect.title, sizes);
+    for (std::size_t n = 0; n < kEffectViews.size(); ++n) {
+      if (n < frame.effects.size()) {
+        DrawEffect(kEffectViews[n], frame.effects[n], sizes);
+      } else {
+        pictures.Hide(kEffectViews[n]);
+      }
+    }
     DrawTeaching(frame, sizes);
     DrawStatusBar(frame, steering.choice(), layout.status, sizes, sketch);
     if (steering.choice().help) DrawHelp(WindowPlace(), sizes, sketch);

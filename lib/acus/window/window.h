@@ -1,5 +1,5 @@
-// The window of a live session: video with CT overlay, ultrasound, CT slice, fluoroscopy, and the
-// view in three dimensions for teaching.
+// The window of a live session: video with CT overlay, ultrasound, CT slice, images of effects, and
+// the view in three dimensions for teaching.
 #pragma once
 
 #include <memory>

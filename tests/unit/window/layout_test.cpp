@@ -45,7 +45,7 @@ TEST(Layout, AViewAloneGetsAllTheRoomAndOneNotShownDoesNot) {
   ASSERT_EQ(alone.views.size(), 1U);
   EXPECT_EQ(alone.views[0].kind, ViewKind::kUltrasound);
   EXPECT_EQ(alone.views[0].place.width, 1280);
-  EXPECT_EQ(LayOut(1280, 800, shown, ViewKind::kFluoroscopy).views.size(), 3U);
+  EXPECT_EQ(LayOut(1280, 800, shown, ViewKind::kEffect).views.size(), 3U);
 }
 
 TEST(Layout, FindsTheViewUnderThePointer) {

@@ -35,7 +35,7 @@ TEST_F(WindowTest, EveryViewShowsItsPicture) {
   };
   EXPECT_GT(grey_share(ViewKind::kUltrasound, 60), 0.25);
   EXPECT_GT(grey_share(ViewKind::kCtSlice, 120), 0.3);
-  EXPECT_GT(grey_share(ViewKind::kFluoroscopy, 180), 0.3);
+  EXPECT_GT(grey_share(ViewKind::kEffect, 180), 0.3);
   const Rectangle& teaching = layout.Find(ViewKind::kTeaching)->place;
   EXPECT_GT(shot.Count(teaching, [](int r, int g, int b) { return r > 120 && r > b && g > 60; }),
             1000)
@@ -53,7 +53,7 @@ TEST_F(WindowTest, WhatIsNotThereLeavesItsPlaceToTheOthers) {
   Window window(Patient(), Settings());
   DisplayFrame frame = Frame();
   frame.video.reset();
-  frame.fluoroscopy = {};
+  frame.effects.clear();
   window.Show(frame);
   EXPECT_EQ(window.layout().views.size(), 3U);
   EXPECT_EQ(window.layout().Find(ViewKind::kVideo), nullptr);
@@ -266,7 +266,7 @@ TEST_F(WindowTest, FollowsItsSize) {
   }));
   const Shot shot = ShotOf(window, frame);
   EXPECT_EQ(shot.image.width, 900);
-  const Rectangle place = window.layout().Find(ViewKind::kFluoroscopy)->place;
+  const Rectangle place = window.layout().Find(ViewKind::kEffect)->place;
   EXPECT_GT(shot.Count(place, [](int r, int, int) { return std::abs(r - 180) <= 2; }),
             place.width * place.height / 4);
   ASSERT_TRUE(testing_support::ResizeWindow(kTitle, 40, 30));
@@ -287,20 +287,21 @@ TEST_F(WindowTest, ClosingItDeliversQuit) {
 TEST_F(WindowTest, AnEffectsImageHasAPlaceAndATitle) {
   Window window(Patient(), Settings());
   DisplayFrame frame = Frame();
-  frame.effect.title = "Sway of the table";
-  frame.effect.image.Resize(100, 100);
-  std::ranges::fill(frame.effect.image.pixels, std::uint8_t{90});
+  image::ColourImage image;
+  image.Resize(100, 100);
+  std::ranges::fill(image.rgb, std::uint8_t{90});
+  frame.effects.push_back({"sway", "Sway of the table", {{}, image}});
   const Shot shot = ShotOf(window, frame);
   ASSERT_EQ(window.layout().views.size(), 6U);
   const Layout layout = window.layout();
-  Rectangle place = layout.Find(ViewKind::kEffect)->place;
+  Rectangle place = layout.Find(ViewKind::kSecondEffect)->place;
   EXPECT_GT(shot.Count(place, [](int r, int, int) { return std::abs(r - 90) <= 2; }),
             place.width * place.height / 4);
   place.height = 24;
   EXPECT_GT(shot.Count(place, [](int r, int, int) { return r > 190; }), 30);
-  frame.effect.image.pixels.resize(7);
+  frame.effects[1].pixels.colour.rgb.resize(7);
   window.Show(frame);
-  EXPECT_EQ(window.layout().Find(ViewKind::kEffect), nullptr);
+  EXPECT_EQ(window.layout().Find(ViewKind::kSecondEffect), nullptr);
 }
 
 TEST_F(WindowTest, WhatIsNotFiniteOrWholeIsNotDrawn) {
@@ -311,12 +312,12 @@ TEST_F(WindowTest, WhatIsNotFiniteOrWholeIsNotDrawn) {
   frame.ct_from_probe->translation()[0] = std::numeric_limits<double>::infinity();
   frame.target_in_ct_mm->setConstant(nan);
   frame.video->camera.camera_from_ct.translation()[2] = nan;
-  frame.fluoroscopy.pixels.resize(7);
+  frame.effects[0].pixels.gray.pixels.resize(7);
   frame.session_s = nan;
   frame.force = {.needle_n = nan, .probe_n = nan, .limit_n = nan};
   frame.latency.pictures_per_s = nan;
   const Shot shot = ShotOf(window, frame);
-  EXPECT_EQ(window.layout().Find(ViewKind::kFluoroscopy), nullptr);
+  EXPECT_EQ(window.layout().Find(ViewKind::kEffect), nullptr);
   EXPECT_EQ(shot.Count(window.layout().Find(ViewKind::kVideo)->place, IsYellow), 0);
   frame.ultrasound.probe.reset();
   window.Show(frame);

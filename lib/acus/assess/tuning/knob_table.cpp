@@ -241,7 +241,7 @@ std::vector<Knob> KnobsOf(const Scenario& scenario, double recorded_rate_hz) {
   AddForces(scenario, recorded_rate_hz, table);
   if (scenario.breathing) AddBreathing(scenario, table);
   if (scenario.ultrasound) AddUltrasound(scenario, table);
-  for (const effects::CalledEffect& other : scenario.others) {
+  for (const effects::CalledEffect& other : scenario.listed) {
     for (const effects::Knob& knob : other.effect->Knobs()) {
       table.Add(knob.name.c_str(), knob.title.c_str(), knob.unit.c_str(),
                 Message("/effects/", other.effect->key(), "/", knob.key), knob.acts_on,

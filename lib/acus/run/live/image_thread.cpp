@@ -3,23 +3,35 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/monotonic_time.h"
 #include "acus/run/live/picture_bounds.h"
-#include "acus/scene/simulation/fluoroscopy_renderer.h"
 
 namespace acus::live {
 
 struct ImageThread::Renderers {
-  explicit Renderers(const simulation::Scene& of_scene) : scene(of_scene), others(of_scene) {
+  /// Of an effect of the list.
+  struct OfEffect {
+    OfEffect(const simulation::Scene& scene, const simulation::ListedEffect& effect)
+        : renderer(scene, effect, RunContext()) {
+      const double rate_hz = effect.timing.rate_hz;
+      if (rate_hz > 0.0) interval_ns = std::llround(1e9 / rate_hz);
+    }
+    simulation::EffectImageRenderer renderer;
+    std::int64_t interval_ns = 0;  ///< 0: with all images.
+    std::int64_t due_ns = 0;
+    std::optional<LiveSnapshot> shown;
+  };
+
+  explicit Renderers(const simulation::Scene& of_scene) : scene(of_scene) {
     if (scene.probe) probe = std::make_shared<const acoustics::Probe>(*scene.probe);
     images.emplace(scene, probe.get());
-    if (scene.plan.Has(simulation::StageId::kFluoroscopy)) {
-      fluoroscopy.emplace(scene, 1);
-      fluoroscopy_interval_ns = std::llround(1e9 / scene.fluoroscopy->rate_hz);
+    for (const simulation::ListedEffect& effect : scene.listed.all()) {
+      if (effect.has_image && effect.timing.is_live) effects.emplace_back(scene, effect);
     }
   }
   const simulation::Scene& scene;
@@ -27,9 +39,7 @@ struct ImageThread::Renderers {
   std::optional<double> gain_db;  ///< As it was asked for last.
   std::optional<double> depth_mm;
   std::optional<simulation::ImageRenderer> images;
-  std::optional<simulation::FluoroscopyRenderer> fluoroscopy;
-  std::int64_t fluoroscopy_interval_ns = 0;
-  simulation::OtherImageRenderer others;
+  std::deque<OfEffect> effects;
 };
 
 double PictureStatistics::per_s() const {
@@ -51,7 +61,12 @@ ImageThread::ImageThread(const simulation::Scene& scene, TripleBuffer<LiveSnapsh
     : snapshots_(snapshots),
       rate_hz_(rate_hz),
       on_picture_(std::move(on_picture)),
-      renderers_(std::make_unique<Renderers>(scene)) {}
+      renderers_(std::make_unique<Renderers>(scene)) {
+  for (const auto& effect : renderers_->effects) {
+    const simulation::ListedEffect& of = effect.renderer.effect();
+    last_effects_.push_back({of.key, of.title, {}});
+  }
+}
 
 ImageThread::~ImageThread() {
   Stop();
@@ -125,20 +140,20 @@ void ImageThread::Render(LivePicture& out) {
     if (shown_) shown = shown_->ForRenderer();
     renderers_->images->Render(moment, last_images_, &stage_times_, shown ? &*shown : nullptr);
     shown_ = out.snapshot;
-    renderers_->others.Render(moment, last_images_, last_others_, &stage_times_);
-    if (renderers_->fluoroscopy && moment.time_ns >= fluoroscopy_due_ns_) {
+    for (std::size_t n = 0; n < renderers_->effects.size(); ++n) {
+      auto& effect = renderers_->effects[n];
+      if (moment.time_ns < effect.due_ns) continue;
       shown.reset();
-      if (shown_by_c_arm_) shown = shown_by_c_arm_->ForRenderer();
-      renderers_->fluoroscopy->Render(moment, last_fluoroscopy_, 1, &stage_times_,
-                                      shown ? &*shown : nullptr);
-      shown_by_c_arm_ = out.snapshot;
-      fluoroscopy_due_ns_ = moment.time_ns + renderers_->fluoroscopy_interval_ns;
+      if (effect.shown) shown = effect.shown->ForRenderer();
+      effect.renderer.Render(moment, &last_images_, last_effects_[n].pixels, &stage_times_,
+                             shown ? &*shown : nullptr);
+      effect.shown = out.snapshot;
+      effect.due_ns = moment.time_ns + effect.interval_ns;
     }
   }
   out.probe = renderers_->probe;
   out.images = last_images_;
-  out.fluoroscopy = last_fluoroscopy_;
-  out.others = last_others_;
+  out.effects = last_effects_;
 }
 
 }  // namespace acus::live

@@ -12,8 +12,8 @@
 #include "acus/run/live/duration_histogram.h"
 #include "acus/run/live/live_snapshot.h"
 #include "acus/run/live/triple_buffer.h"
+#include "acus/scene/simulation/effect_images.h"
 #include "acus/scene/simulation/image_renderer.h"
-#include "acus/scene/simulation/other_images.h"
 #include "acus/scene/simulation/scene.h"
 
 namespace acus::live {
@@ -22,8 +22,7 @@ namespace acus::live {
 struct LivePicture {
   LiveSnapshot snapshot;
   simulation::Images images;
-  image::GrayImage fluoroscopy;                ///< Empty without one in the plan.
-  std::vector<simulation::OtherImage> others;  ///< Of effects of the list.
+  std::vector<simulation::EffectImage> effects;  ///< Of those effects of the list that have one.
   /// As it is set: gain, depth. Null without one in the plan.
   std::shared_ptr<const acoustics::Probe> probe;
   std::int64_t number = 0;  ///< 0: none yet.
@@ -80,13 +79,10 @@ class ImageThread {
   PictureStatistics statistics_;
   simulation::StageTimes stage_times_;
   simulation::Images last_images_;
-  image::GrayImage last_fluoroscopy_;
-  std::vector<simulation::OtherImage> last_others_;
-  /// The moments that these two show; nothing if they are to be made anew.
+  std::vector<simulation::EffectImage> last_effects_;
+  /// The moment that last_images_ show; nothing if they are to be made anew.
   std::optional<LiveSnapshot> shown_;
-  std::optional<LiveSnapshot> shown_by_c_arm_;
   std::int64_t number_ = 0;
-  std::int64_t fluoroscopy_due_ns_ = 0;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -47,7 +47,7 @@ LiveCore::LiveCore(const simulation::Scene& scene, const CoreSettings& settings,
   steps_needle_ = scene.plan.Has(StageId::kNeedlePose);
   const bool feels_probe = scene.plan.Has(StageId::kProbeForce);
   steps_probe_ = feels_probe || scene.plan.Has(StageId::kTissueContact);
-  steps_ = steps_needle_ || feels_probe || scene.others.has_steps();
+  steps_ = steps_needle_ || feels_probe || scene.listed.has_steps();
   shapes_ = scene.plan.Has(StageId::kNeedleShape);
   if (partner != nullptr) breath_.emplace(*partner, settings.belt.has_value());
 }
@@ -260,7 +260,7 @@ void LiveCore::Show(const DeviceForce& on_needle, const DeviceForce& on_probe) n
   }
   out.has_shape = shapes_ && simulation_.ShapeOf(state_, out.shape);
   out.has_load = scene_.tools_deform_images && simulation_.LoadOf(state_, record_.output, out.load);
-  out.has_memory = scene_.others.has_steps();
+  out.has_memory = scene_.listed.has_steps();
   if (out.has_memory) out.memory = state_.effects;
   out.output = record_.output;
   out.needle_valid = needle_.sample.valid;

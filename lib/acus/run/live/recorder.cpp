@@ -80,7 +80,7 @@ Recorder::Recorder(const fs::path& folder, const std::string& name,
   if (scene.plan.Has(simulation::StageId::kProbeForce)) {
     open(kProbeForces, "probe_forces.csv", replay::ProbeForceHeader());
   }
-  for (const simulation::OtherEffect& other : scene.others.all()) {
+  for (const simulation::ListedEffect& other : scene.listed.all()) {
     if (other.columns.empty()) continue;
     effects_.push_back(&other);
     effect_files_.push_back(std::make_unique<StreamFile>(

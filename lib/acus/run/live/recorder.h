@@ -115,8 +115,8 @@ class Recorder {
   std::array<std::unique_ptr<StreamFile>, kCount> files_;
   std::vector<std::unique_ptr<StreamFile>>
       effect_files_;  ///< Of effects_, written before the others.
-  std::vector<const simulation::OtherEffect*> effects_;  ///< That write numbers down.
-  std::deque<Block> blocks_;                             ///< In step with those of the files.
+  std::vector<const simulation::ListedEffect*> effects_;  ///< That write numbers down.
+  std::deque<Block> blocks_;                              ///< In step with those of the files.
   std::size_t pending_bytes_ = 0;
   std::vector<RecordedBoard> boards_;
   std::vector<tracking::ToolReading> readings_;  ///< Buffer of TakeReadings().

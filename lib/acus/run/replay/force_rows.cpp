@@ -59,14 +59,14 @@ std::string ProbeForceHeader() {
          "skin_mm,bone_mm,proxies,structure";
 }
 
-std::string EffectHeader(const simulation::OtherEffect& other) {
+std::string EffectHeader(const simulation::ListedEffect& other) {
   std::string header = "time_s";
   for (const effects::Column& column : other.columns) header += ',' + column.name;
   return header;
 }
 
 void AppendEffectRow(std::string& text, const simulation::StepOutput& step,
-                     const simulation::OtherEffect& other) {
+                     const simulation::ListedEffect& other) {
   text += session::SecondsText(step.time_ns);
   for (std::size_t n = 0; n < other.columns.size(); ++n) {
     Add(text, step.effect[other.first_column + n]);

@@ -16,9 +16,9 @@ std::string ForceHeader(const simulation::Scene& scene);
 std::string ProbeForceHeader();
 
 /// Header of an effect's file.
-std::string EffectHeader(const simulation::OtherEffect& other);
+std::string EffectHeader(const simulation::ListedEffect& other);
 void AppendEffectRow(std::string& text, const simulation::StepOutput& step,
-                     const simulation::OtherEffect& other);
+                     const simulation::ListedEffect& other);
 
 /// Appends one row with its line end. Forces are those on the needle; force_axial_n is + where it
 /// pushes the needle out. @throws InputError if a number is not finite.

@@ -29,7 +29,7 @@ constexpr double kNotCounted = -1.0;  ///< In place of an image's time.
 
 bool HasImages(const Scene& scene) {
   return scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice) ||
-         scene.plan.Has(StageId::kView3d) || scene.others.has_images();
+         scene.listed.has_images();
 }
 
 /// The step at or before a time; nothing before the first.
@@ -92,7 +92,7 @@ class ImageWriter {
   }
 
   void Write(int index, const Images& images) {
-    // A plan may have nothing but the view in three dimensions.
+    // A plan may have nothing but images of effects.
     if (folder_.empty() || MainImage(images).pixels.empty()) return;
     const Snapshot& snapshot = snapshots_[static_cast<std::size_t>(index)];
     if (options_.sequence) WriteToSequence(snapshot, MainImage(images));
@@ -108,6 +108,10 @@ class ImageWriter {
   }
 
   std::vector<WrittenPng> TakePngs() { return std::move(pngs_); }
+  std::vector<WrittenFilm> Films() const {
+    if (!film_) return {};
+    return {{"film.mp4", "Film of the session"}};
+  }
 
  private:
   void WriteToSequence(const Snapshot& snapshot, const image::GrayImage& image) {
@@ -201,31 +205,37 @@ class ImageWriter {
 
 }  // namespace
 
+Snapshot SnapshotAt(const Scene& scene, const session::Session& session, std::int64_t time_ns) {
+  Snapshot snapshot{.time_ns = time_ns,
+                    .session_s = 1e-9 * static_cast<double>(time_ns - session.start_ns())};
+  snapshot.breath = BreathOf(session, time_ns);
+  session::PoseSample probe{.time_ns = time_ns, .valid = false};
+  if (!session.probe.empty()) probe = session::PoseAt(session.probe, time_ns);
+  snapshot.probe_valid = probe.valid;
+  snapshot.ct_from_probe = scene.ct_from_reference * probe.reference_from_tool;
+  if (scene.plan.Has(StageId::kNeedlePose) && !session.needle.empty()) {
+    const session::PoseSample pose = session::PoseAt(session.needle, time_ns);
+    if (pose.valid) snapshot.ct_from_needle = scene.ct_from_reference * pose.reference_from_tool;
+  }
+  return snapshot;
+}
+
 std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& session,
                                 simulation::StageTimes* times) {
   std::vector<Snapshot> snapshots;
-  const bool needle = scene.plan.Has(StageId::kNeedlePose) && !session.needle.empty();
-  const auto& stream = session.probe.empty() && needle ? session.needle : session.probe;
+  const bool has_needle = scene.plan.Has(StageId::kNeedlePose);
+  const auto& stream = session.probe.empty() && has_needle ? session.needle : session.probe;
   if (!HasImages(scene) || stream.empty()) return snapshots;
   const std::int64_t first_ns = stream.front().time_ns;
   const std::int64_t last_ns = stream.back().time_ns;
   for (std::int64_t i = 0;; ++i) {
     auto watch = simulation::Stopwatch::OfStep(times, i);
-    Snapshot snapshot;
-    snapshot.time_ns = first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
-    if (snapshot.time_ns > last_ns) break;
-    snapshot.session_s = 1e-9 * static_cast<double>(snapshot.time_ns - session.start_ns());
-    snapshot.breath = BreathOf(session, snapshot.time_ns);
-    session::PoseSample probe{.time_ns = snapshot.time_ns, .valid = false};
-    if (!session.probe.empty()) probe = session::PoseAt(session.probe, snapshot.time_ns);
-    snapshot.probe_valid = probe.valid;
-    snapshot.ct_from_probe = scene.ct_from_reference * probe.reference_from_tool;
-    if (needle) {
-      const session::PoseSample pose = session::PoseAt(session.needle, snapshot.time_ns);
-      if (pose.valid) snapshot.ct_from_needle = scene.ct_from_reference * pose.reference_from_tool;
-    }
-    snapshots.push_back(snapshot);
-    watch.EndOf(StageId::kProbePose, probe.valid ? Sleep::kAwake : Sleep::kProbeUnseen);
+    const std::int64_t time_ns =
+        first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
+    if (time_ns > last_ns) break;
+    snapshots.push_back(SnapshotAt(scene, session, time_ns));
+    watch.EndOf(StageId::kProbePose,
+                snapshots.back().probe_valid ? Sleep::kAwake : Sleep::kProbeUnseen);
   }
   return snapshots;
 }
@@ -291,6 +301,7 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
   std::erase_if(log.cpu_s, [](double cpu_s) { return cpu_s == kNotCounted; });
   writer.Finish();
   log.pngs = writer.TakePngs();
+  log.films = writer.Films();
   for (const auto& slot : slot_times) {
     if (times != nullptr) times->Add(slot);
   }

@@ -20,15 +20,26 @@ std::vector<simulation::Snapshot> Snapshots(const simulation::Scene& scene,
                                             const session::Session& session,
                                             simulation::StageTimes* times);
 
-/// A picture that was written as PNG.
+/// What an image needs to know of a moment of the session, but for what the steps do.
+simulation::Snapshot SnapshotAt(const simulation::Scene& scene, const session::Session& session,
+                                std::int64_t time_ns);
+
+/// An image that was written as PNG.
 struct WrittenPng {
   std::filesystem::path file;  ///< Relative to the run folder.
   std::string caption;
 };
 
+/// A film in the run folder.
+struct WrittenFilm {
+  std::string file;
+  std::string title;
+};
+
 struct ImageLog {
   int num_images = 0;
   std::vector<WrittenPng> pngs;
+  std::vector<WrittenFilm> films;
   /// Thread CPU time of the pictures of the probe that were made anew, s. The first of each thread
   /// is not in it: it makes room for the others.
   std::vector<double> cpu_s;

@@ -52,14 +52,10 @@ Place PlaceOf(StageId id) {
       return {4, 0.7};
     case StageId::kDeformation:
       return {4, 2.6};
-    case StageId::kFluoroscopy:
-      return {5, 1.7};
     case StageId::kCtSlice:
       return {5, 3.3};
     case StageId::kUltrasound:
       return {5, 5};
-    case StageId::kView3d:
-      return {6, 4};
     case StageId::kEnd:
       break;
   }

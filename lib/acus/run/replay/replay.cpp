@@ -1,7 +1,6 @@
 #include "acus/run/replay/replay.h"
 
 #include <algorithm>
-#include <iterator>
 #include <optional>
 
 #include "acus/base/config/json_file.h"
@@ -14,15 +13,13 @@
 #include "acus/data/session/integrity.h"
 #include "acus/data/session/session_import.h"
 #include "acus/run/replay/cost_check.h"
+#include "acus/run/replay/effect_image_log.h"
 #include "acus/run/replay/event_log.h"
-#include "acus/run/replay/fluoroscopy_log.h"
 #include "acus/run/replay/image_log.h"
-#include "acus/run/replay/other_image_log.h"
 #include "acus/run/replay/plan_table.h"
 #include "acus/run/replay/run_metrics.h"
 #include "acus/run/replay/run_report.h"
 #include "acus/run/replay/training_log.h"
-#include "acus/run/replay/view_log.h"
 #include "acus/scene/simulation/plan_json.h"
 #include "acus/scene/simulation/scene.h"
 
@@ -62,9 +59,7 @@ struct Run {
   session::Session session;
   StepLog steps;
   ImageLog images;
-  ImageLog fluoroscopy;
-  ImageLog view;
-  OtherImageLog others;
+  std::vector<EffectImageLog> effects;
   std::vector<Metric> metrics;
   std::optional<training::Assessment> assessment;  ///< If there is an exercise.
   simulation::StageTimes times;
@@ -120,17 +115,17 @@ void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, cons
                                {"probe_samples", run.session.probe.size()},
                                {"seconds", SpanSeconds(run.session)}}},
                              {"images", run.images.num_images},
-                             {"fluoroscopy_images", run.fluoroscopy.num_images},
                              {"effect_plan", simulation::PlanJson(scene.plan, run.times)},
                              {"events", EventsJson(EventsOf(scene, run.steps))},
                              {"cpu_seconds", run.cpu_s},
                              {"warnings", WarningsOf(scene, run)}};
+  for (const auto& [key, log] : run.effects) document[key + "_images"] = log.num_images;
   if (run.cost) document["cost_check"] = ToJson(*run.cost);
   config::WriteJson(path, document);
 }
 
 void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, const Scene& scene,
-                    const Run& run, const ReplayOptions& options, const RunContext& context) {
+                    const Run& run, const RunContext& context) {
   if (scene.plan.Has(StageId::kNeedleForce)) {
     WriteForces(folder / "forces.csv", run.steps, scene);
     WriteEvents(folder / "events.csv", EventsOf(scene, run.steps));
@@ -138,7 +133,7 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
   if (scene.plan.Has(StageId::kProbeForce)) {
     WriteProbeForces(folder / "probe_forces.csv", run.steps, scene);
   }
-  WriteOtherEffects(folder, run.steps, scene);
+  WriteListedEffects(folder, run.steps, scene);
   WriteMetrics(folder / "metrics.json", run.metrics);
   if (run.assessment) {
     config::WriteJson(folder / "training.json", training::ToJson(*run.assessment));
@@ -160,16 +155,12 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
   content.warnings = WarningsOf(scene, run);
   content.metrics = run.metrics;
   content.assessment = run.assessment;
-  content.pictures = run.images.pngs;
-  content.pictures.insert(content.pictures.end(), run.fluoroscopy.pngs.begin(),
-                          run.fluoroscopy.pngs.end());
-  content.has_fluoroscopy_film = options.film && run.fluoroscopy.num_images > 0;
-  content.pictures.insert(content.pictures.end(), run.view.pngs.begin(), run.view.pngs.end());
-  content.has_view_film = options.film && run.view.num_images > 0;
-  content.pictures.insert(content.pictures.end(), run.others.pngs.begin(), run.others.pngs.end());
-  content.other_films = run.others.films;
-  content.has_film = options.film && run.images.num_images > 0 &&
-                     (scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice));
+  const auto add = [&content](const ImageLog& log) {
+    content.films.insert(content.films.end(), log.films.begin(), log.films.end());
+    content.images.insert(content.images.end(), log.pngs.begin(), log.pngs.end());
+  };
+  add(run.images);
+  for (const EffectImageLog& effect : run.effects) add(effect.log);
   content.times = run.times;
   WriteReport(folder, content, run.steps, scene, context.provenance);
 }
@@ -248,26 +239,16 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   const Scene scene = simulation::LoadScene(scenario, plan, context);
 
   const double begin_s = ProcessCpuSeconds();
-  std::vector<simulation::Snapshot> images = Snapshots(scene, run.session, &run.times);
-  std::vector<simulation::Snapshot> fluoroscopy = FluoroscopySnapshots(scene, run.session);
-  // The steps go through both kinds of moments in one order of time.
-  std::vector<simulation::Snapshot> moments;
-  std::ranges::merge(images, fluoroscopy, std::back_inserter(moments), {},
-                     &simulation::Snapshot::time_ns, &simulation::Snapshot::time_ns);
+  // The steps go through the moments of all images in one order of time.
+  std::vector<simulation::Snapshot> moments = Snapshots(scene, run.session, &run.times);
+  AddOwnMoments(scene, run.session, moments);
   std::vector<double> step_cpu_s;
   run.steps = RunSteps(scene, run.session, moments, &run.times, context,
                        scenario.evidence ? &step_cpu_s : nullptr);
-  std::ranges::partition_copy(moments, fluoroscopy.begin(), images.begin(),
-                              &simulation::Snapshot::for_c_arm);
-  run.images = RenderImages(scene, images, run.steps, folder ? folder->path() : fs::path(), options,
-                            &run.times, context);
-  run.fluoroscopy =
-      RenderFluoroscopy(scene, fluoroscopy, run.steps, folder ? folder->path() : fs::path(),
-                        options, &run.times, context);
-  run.view =
-      RenderView(scene, images, folder ? folder->path() : fs::path(), options, &run.times, context);
-  run.others = RenderOtherImages(scene, images, folder ? folder->path() : fs::path(), options,
-                                 &run.times, context);
+  const fs::path into = folder ? folder->path() : fs::path();
+  run.images =
+      RenderImages(scene, MomentsOfScene(moments), run.steps, into, options, &run.times, context);
+  run.effects = RenderEffectImages(scene, moments, run.steps, into, options, &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
   if (scenario.evidence) {
     run.cost = CheckCost(*scenario.evidence, std::move(step_cpu_s), run.images.cpu_s);
@@ -279,7 +260,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
     run.metrics = run.assessment->metrics;
   }
   if (folder) {
-    WriteRunFolder(folder->path(), scenario, scene, run, options, context);
+    WriteRunFolder(folder->path(), scenario, scene, run, context);
     folder->Commit();
   }
   return {PlanText(scene.plan, &run.times), SummaryOf(run, options)};

@@ -188,8 +188,9 @@ void AddPlan(report::HtmlReport& html, const simulation::EffectPlan& plan,
 }
 
 /// What effects of the list wrote down, over time.
-void AddOtherEffects(report::HtmlReport& html, const StepLog& log, const simulation::Scene& scene) {
-  for (const simulation::OtherEffect& other : scene.others.all()) {
+void AddListedEffects(report::HtmlReport& html, const StepLog& log,
+                      const simulation::Scene& scene) {
+  for (const simulation::ListedEffect& other : scene.listed.all()) {
     if (other.columns.empty() || log.steps.empty()) continue;
     std::vector<report::Plot> plots;
     for (std::size_t n = 0; n < other.columns.size(); ++n) {
@@ -222,15 +223,10 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   html.Section("Summary");
   html.KeyValues(content.facts);
   if (content.assessment) AddExercise(html, *content.assessment);
-  const bool has_film = content.has_film || content.has_fluoroscopy_film || content.has_view_film ||
-                        !content.other_films.empty();
-  if (has_film || !content.pictures.empty()) html.Section("Pictures");
-  if (content.has_film) html.Film("film.mp4", "Film of the session");
-  if (content.has_fluoroscopy_film) html.Film("fluoroscopy.mp4", "Fluoroscopy of the session");
-  if (content.has_view_film) html.Film("view_3d.mp4", "The patient in three dimensions");
-  for (const WrittenFilm& film : content.other_films) html.Film(film.file, film.title);
-  for (const WrittenPng& picture : content.pictures) {
-    html.Picture(folder / picture.file, picture.caption, picture.caption);
+  if (!content.films.empty() || !content.images.empty()) html.Section("Images");
+  for (const WrittenFilm& film : content.films) html.Film(film.file, film.title);
+  for (const WrittenPng& image : content.images) {
+    html.Picture(folder / image.file, image.caption, image.caption);
   }
   const bool has_forces = scene.plan.Has(simulation::StageId::kNeedleForce) && !log.steps.empty();
   if (has_forces) {
@@ -252,7 +248,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
     report::WriteSvg(folder / "probe_forces.svg", plots);
     html.Plots(plots);
   }
-  AddOtherEffects(html, log, scene);
+  AddListedEffects(html, log, scene);
   html.Section("Metrics");
   std::vector<std::vector<std::string>> rows;
   for (const Metric& metric : content.metrics) {

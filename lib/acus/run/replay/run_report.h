@@ -1,4 +1,4 @@
-// report.html of a run: forces, pictures, events, metrics, effect plan, provenance.
+// report.html of a run: forces, images, events, metrics, effect plan, provenance.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,6 @@
 
 #include "acus/base/core/provenance.h"
 #include "acus/run/replay/image_log.h"
-#include "acus/run/replay/other_image_log.h"
 #include "acus/run/replay/run_metrics.h"
 #include "acus/run/replay/step_log.h"
 #include "acus/run/training/assessment.h"
@@ -21,11 +20,8 @@ struct ReportContent {
   std::vector<std::string> warnings;
   std::vector<Metric> metrics;
   std::optional<training::Assessment> assessment;  ///< If there was an exercise.
-  std::vector<WrittenPng> pictures;
-  bool has_film = false;
-  bool has_fluoroscopy_film = false;
-  bool has_view_film = false;
-  std::vector<WrittenFilm> other_films;
+  std::vector<WrittenFilm> films;
+  std::vector<WrittenPng> images;
   simulation::StageTimes times;  ///< What the stages of the scene's plan did.
 };
 

@@ -18,7 +18,7 @@ class ImageStates {
         log_(log),
         loads_(scene.tools_deform_images),
         shapes_(scene.plan.Has(simulation::StageId::kNeedleShape)),
-        memories_(scene.others.has_steps()) {
+        memories_(scene.listed.has_steps()) {
     if (loads_ || shapes_ || memories_) images_ = images;
   }
 
@@ -95,7 +95,7 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
   StepLog log;
   const bool has_needle = scene.plan.Has(simulation::StageId::kNeedlePose);
   const bool feels_probe = scene.plan.Has(simulation::StageId::kProbeForce);
-  if (!has_needle && !feels_probe && !scene.others.has_steps()) return log;
+  if (!has_needle && !feels_probe && !scene.listed.has_steps()) return log;
   const simulation::Simulation simulation(scene);
   log.final_state = simulation.NewState(session.start_ns());
   ImageStates states(scene, simulation, images, log);
@@ -148,9 +148,9 @@ void WriteForces(const std::filesystem::path& path, const StepLog& log,
             [&scene](std::string& row, const auto& step) { AppendForceRow(row, step, scene); });
 }
 
-void WriteOtherEffects(const std::filesystem::path& folder, const StepLog& log,
-                       const simulation::Scene& scene) {
-  for (const simulation::OtherEffect& other : scene.others.all()) {
+void WriteListedEffects(const std::filesystem::path& folder, const StepLog& log,
+                        const simulation::Scene& scene) {
+  for (const simulation::ListedEffect& other : scene.listed.all()) {
     if (other.columns.empty()) continue;
     WriteRows(folder / Message(other.key, ".csv"), EffectHeader(other), log,
               [&other](std::string& row, const auto& step) { AppendEffectRow(row, step, other); });

@@ -48,8 +48,8 @@ void WriteForces(const std::filesystem::path& path, const StepLog& log,
                  const simulation::Scene& scene);
 
 /// Writes KEY.csv for each effect of the list that writes numbers down: one row per step.
-void WriteOtherEffects(const std::filesystem::path& folder, const StepLog& log,
-                       const simulation::Scene& scene);
+void WriteListedEffects(const std::filesystem::path& folder, const StepLog& log,
+                        const simulation::Scene& scene);
 
 /// Writes probe_forces.csv: one row per step, what the probe or the fingertip feels, in CT axes.
 void WriteProbeForces(const std::filesystem::path& path, const StepLog& log,

@@ -34,8 +34,20 @@ struct StageDeclaration {
   std::string_view name;  ///< "pulse"; of static storage.
   std::vector<PortRef> reads;
   std::vector<PortRef> writes;
+  /// Read where the scene has it, and done without elsewhere.
+  std::vector<PortRef> optional_reads = {};
   /// True: there for the effect's own sake. False: only if another stage reads what it writes.
   bool is_goal = true;
+};
+
+/// When a stage at every image renders.
+struct ImageTiming {
+  /// Per second of session time; 0: at all moments of the scene's images.
+  double rate_hz = 0.0;
+  /// True: over the whole session at that rate. False: at moments of the scene's images, as many of
+  /// them as come nearest to the rate.
+  bool has_own_moments = false;
+  bool is_live = true;  ///< False: in replays only.
 };
 
 /// A number that the effect's stage writes down at every sample.
@@ -64,8 +76,15 @@ class LoadedEffect {
   virtual ~LoadedEffect() = default;
   /// Null if the effect has no such stage.
   virtual const StepStage* step() const { return nullptr; }
-  /// A new one for each caller; null if the effect has no such stage. Must not outlive this.
-  virtual std::unique_ptr<ImageStage> NewImageStage() const { return nullptr; }
+  /// A new one for each caller; null if the effect has no such stage. Must outlive neither this nor
+  /// the scene.
+  /// @param scene  Constant values: patient, presets, ports::kMotionField.
+  /// @param context  Has the number of threads that it may use.
+  /// @throws InputError if a setting does not fit the patient.
+  virtual std::unique_ptr<ImageStage> NewImageStage(const PortValues& /*scene*/,
+                                                    const RunContext& /*context*/) const {
+    return nullptr;
+  }
 };
 
 /// A kind of effect. One object for each, of static storage.
@@ -80,6 +99,9 @@ class Effect {
   /// Its part of the scenario's schema. The "description" is its line in the reference.
   virtual nlohmann::json Schema() const = 0;
   virtual std::vector<PathSetting> Paths() const { return {}; }
+  /// What the schema cannot say of settings that it has checked and completed.
+  /// @param where  Names the place in error messages. @throws InputError if they do not fit.
+  virtual void Check(const nlohmann::json& /*settings*/, const std::string& /*where*/) const {}
 
   /// At every sample, and at every image. Nothing if the settings call for no such stage.
   virtual std::optional<StageDeclaration> StepStageOf(const nlohmann::json& /*settings*/) const {
@@ -88,6 +110,7 @@ class Effect {
   virtual std::optional<StageDeclaration> ImageStageOf(const nlohmann::json& /*settings*/) const {
     return std::nullopt;
   }
+  virtual ImageTiming TimingOf(const nlohmann::json& /*settings*/) const { return {}; }
   /// Of the stage at every sample; at most kMaxColumns over all effects of a scene.
   virtual std::vector<Column> Columns() const { return {}; }
   virtual std::vector<Knob> Knobs() const { return {}; }

@@ -3,14 +3,16 @@
 #include <algorithm>
 
 #include "acus/base/core/error.h"
+#include "acus/scene/effects/fluoroscopy/fluoroscopy_effect.h"
 #include "acus/scene/effects/ports.h"
 #include "acus/scene/effects/pulsating_vessels/pulsating_vessels.h"
+#include "acus/scene/effects/view_3d/view_3d.h"
 
 namespace acus::effects {
 namespace {
 
 std::vector<const Effect*>& List() {
-  static std::vector<const Effect*> list = {&PulsatingVessels()};
+  static std::vector<const Effect*> list = {&PulsatingVessels(), &Fluoroscopy(), &View3d()};
   return list;
 }
 

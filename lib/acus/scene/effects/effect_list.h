@@ -16,6 +16,7 @@ struct CalledEffect {
 
   std::optional<StageDeclaration> step() const { return effect->StepStageOf(settings); }
   std::optional<StageDeclaration> image() const { return effect->ImageStageOf(settings); }
+  ImageTiming timing() const { return effect->TimingOf(settings); }
   /// True if its stage at every sample moves tissue.
   bool MovesTissue() const;
 };

@@ -9,7 +9,7 @@
 
 namespace acus::effects {
 
-/// What tells two ports apart is which object they are; the name is for people.
+/// Ports are compared by the address of their object. The name is only shown to users.
 class AnyPort {
  public:
   constexpr explicit AnyPort(std::string_view name) : name_(name) {}

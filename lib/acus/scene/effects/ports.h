@@ -9,6 +9,7 @@
 #include "acus/imaging/acoustics/probe.h"
 #include "acus/imaging/slicing/beam_bend.h"
 #include "acus/physics/breathing/breath.h"
+#include "acus/physics/breathing/motion_field.h"
 #include "acus/physics/breathing/tool_at_rest.h"
 #include "acus/physics/forces/force_model.h"
 #include "acus/physics/forces/needle_sample.h"
@@ -42,7 +43,9 @@ inline constexpr FilePort kProbeForceTable{"probe's force table"};
 inline constexpr FilePort kTissueElasticity{"tissue's elasticity"};
 inline constexpr FilePort kTissueForceTable{"tissue's force table"};
 inline constexpr FilePort kAcoustics{"acoustics"};
-inline constexpr FilePort kCArm{"C-arm"};
+
+/// How the patient breathes; for image stages that read kBreath.
+inline constexpr Port<breathing::MotionField> kMotionField{"motion field"};
 
 // What stages at every sample write.
 inline constexpr Port<breathing::Breath> kBreath{"breath"};
@@ -58,9 +61,7 @@ inline constexpr Port<forces::ProbeForce> kProbeForce{"probe force"};
 // What stages at every image write.
 inline constexpr Port<Eigen::Isometry3d> kProbe{"probe"};
 inline constexpr Port<slicing::RestMap> kRestMap{"rest map"};
-inline constexpr Port<image::GrayImage> kCtImage{"CT picture"};
-inline constexpr Port<image::GrayImage> kBMode{"B-mode picture"};
-inline constexpr Port<image::GrayImage> kFluoroscopy{"fluoroscopy picture"};
-inline constexpr Port<void> kView{"view"};
+inline constexpr Port<image::GrayImage> kCtImage{"CT image"};
+inline constexpr Port<image::GrayImage> kBMode{"B-mode image"};
 
 }  // namespace acus::effects::ports

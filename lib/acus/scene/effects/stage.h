@@ -11,14 +11,18 @@
 #include <vector>
 
 #include "acus/data/image/image.h"
-#include "acus/imaging/slicing/beam_bend.h"
+#include "acus/physics/breathing/motion_map.h"
 #include "acus/scene/effects/memory.h"
 #include "acus/scene/effects/port.h"
 
 namespace acus::effects {
 
-/// Of StepStage::Step: whether there was anything to do.
-enum class Activity { kActive, kIdle };
+/// What a stage did.
+enum class Activity {
+  kActive,
+  kIdle,       ///< There was nothing to do.
+  kUnchanged,  ///< Of images: the last one still holds.
+};
 
 /// The moment of a step.
 struct StepTime {
@@ -87,6 +91,15 @@ class StepStageOf : public StepStage {
   }
 };
 
+/// What differs from the moment of the stage's last image, to the bit. All of it for the first.
+struct ImageChanges {
+  bool needle = true;  ///< Pose and shape.
+  bool probe = true;
+  bool breath = true;
+  bool tissue = true;  ///< Any motion of tissue, breath included.
+  bool images = true;  ///< The images of the probe that the stage reads.
+};
+
 /// The moment of an image.
 struct ImageMoment {
   std::int64_t time_ns = 0;
@@ -94,9 +107,31 @@ struct ImageMoment {
   bool probe_valid = false;
   Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
   std::optional<Eigen::Isometry3d> ct_from_needle = std::nullopt;
+  /// As images see it: bent. Null if there is none or the stage does not read
+  /// ports::kNeedlePreset.
+  const image::NeedleInImage* needle = nullptr;
+  /// Null if the stage does not read ports::kBreath.
+  const breathing::MotionMap* breath = nullptr;
+  ImageChanges changes = {};
   /// Of the effect's stage at every sample, after the last step before the image; null if it has
   /// none. See StepStageOf::StateAt.
   const std::byte* state = nullptr;
+};
+
+/// A grey image or one in colour: the other is empty.
+struct EffectPixels {
+  image::GrayImage gray;
+  image::ColourImage colour;
+
+  bool empty() const { return gray.pixels.empty() && colour.rgb.empty(); }
+};
+
+/// Text in black bands above and below a grey image of a film; the time stands above on the right.
+struct ImageText {
+  std::string above;  ///< On the left.
+  std::string left;   ///< Above the left half: a side of the patient.
+  std::string right;  ///< Above the right half.
+  std::string below;
 };
 
 /// The image that an effect adds. One for each thread.
@@ -104,10 +139,20 @@ class ImageStage {
  public:
   virtual ~ImageStage() = default;
 
-  /// The same bits for the same moment, whatever was rendered before.
-  /// @param ports  What the stage reads is set.
+  /// The same bits for the same moment, whatever was rendered before, and with any number of
+  /// threads.
+  /// @param ports  What the stage reads is set; ports::kRestMap to null while no tissue is moved.
+  /// @param out  Holds the stage's last image: on kUnchanged it is left as it is.
   virtual Activity Render(const ImageMoment& moment, const PortValues& ports,
-                          image::GrayImage& out) = 0;
+                          EffectPixels& out) = 0;
+
+  /// False: after such changes Render does without ports::kRestMap.
+  virtual bool NeedsRestMap(const ImageChanges& /*changes*/) const { return true; }
+  /// Where the pixels of a grey image lie, if they stay there: column, row, 0 to CT space, mm.
+  /// Replays then write a sequence, KEY.igs.mha.
+  virtual std::optional<Eigen::Affine3d> ct_from_image() const { return std::nullopt; }
+  /// Nothing: films show the image alone.
+  virtual std::optional<ImageText> Text() const { return std::nullopt; }
 };
 
 }  // namespace acus::effects

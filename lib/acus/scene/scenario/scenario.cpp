@@ -176,11 +176,13 @@ BreathingEffect ReadBreathingEffect(const json& object, const fs::path& folder) 
 }
 
 /// Those of the list of effects that are called for, their paths as from anywhere.
-std::vector<effects::CalledEffect> OtherEffects(const json& called, const fs::path& folder) {
+std::vector<effects::CalledEffect> CalledEffects(const json& called, const fs::path& folder,
+                                                 const std::string& file) {
   std::vector<effects::CalledEffect> found;
   for (const effects::Effect* effect : effects::AllEffects()) {
     if (!called.contains(effect->key())) continue;
     json settings = called.at(std::string(effect->key()));
+    effect->Check(settings, Message(file, ": /effects/", effect->key()));
     for (const effects::PathSetting& path : effect->Paths()) {
       if (!settings.contains(path.key)) continue;
       const auto text = settings[path.key].get<std::string>();
@@ -308,13 +310,7 @@ Scenario ReadChanged(const fs::path& path, std::span<const Override> overrides) 
     scenario.ct_slice = CtSliceEffect{effect.at("needle"), effect.at("window").at("centre_hu"),
                                       effect.at("window").at("width_hu")};
   }
-  if (effects.contains("fluoroscopy")) {
-    scenario.fluoroscopy = ReadFluoroscopyEffect(effects["fluoroscopy"], folder);
-  }
-  if (effects.contains("view_3d")) {
-    scenario.view_3d = ReadView3dEffect(effects["view_3d"], path.string() + ": /effects/view_3d");
-  }
-  scenario.others = OtherEffects(effects, folder);
+  scenario.listed = CalledEffects(effects, folder, path.string());
   CheckTogether(scenario);
   if (document.contains("evidence")) scenario.evidence = EvidenceFrom(document["evidence"]);
   scenario.effective = std::move(document);

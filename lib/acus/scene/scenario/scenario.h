@@ -12,10 +12,8 @@
 #include "acus/physics/breathing/breath_source.h"
 #include "acus/scene/effects/effect_list.h"
 #include "acus/scene/scenario/evidence.h"
-#include "acus/scene/scenario/fluoroscopy_effect.h"
 #include "acus/scene/scenario/scenario_document.h"
 #include "acus/scene/scenario/ultrasound_effect.h"
-#include "acus/scene/scenario/view_effect.h"
 
 namespace acus::scenario {
 
@@ -145,9 +143,7 @@ struct Scenario {
   std::optional<BreathingEffect> breathing;
   std::optional<UltrasoundEffect> ultrasound;
   std::optional<CtSliceEffect> ct_slice;
-  std::optional<FluoroscopyEffect> fluoroscopy;
-  std::optional<View3dEffect> view_3d;
-  std::vector<effects::CalledEffect> others;  ///< Of the list of effects, in its order.
+  std::vector<effects::CalledEffect> listed;  ///< Of the list of effects, in its order.
 
   std::optional<Evidence> evidence;  ///< Of values that acus-tradeoff chose.
 

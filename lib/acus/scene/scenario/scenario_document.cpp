@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 9> kPaths = {
     "/patient/ct",          "/patient/labels",           "/patient/surfaces",
     "/patient/mesh",        "/patient/corridor",         "/patient/ct_from_reference_file",
     "/session/plus_config", "/effects/breathing/motion", "/effects/breathing/signal"};
-constexpr std::array<std::string_view, 12> kPresets = {
+constexpr std::array<std::string_view, 11> kPresets = {
     "/needle",
     "/probe",
     "/effects/needle_force/table",
@@ -31,8 +31,7 @@ constexpr std::array<std::string_view, 12> kPresets = {
     "/effects/ultrasound/acoustics",
     "/effects/ultrasound/beams/acoustics",
     "/effects/ultrasound/alamilla_2021/acoustics",
-    "/effects/ultrasound/vidal_2008/acoustics",
-    "/effects/fluoroscopy/c_arm"};
+    "/effects/ultrasound/vidal_2008/acoustics"};
 
 void Apply(json& document, const Override& change) {
   const json::json_pointer pointer(change.pointer);

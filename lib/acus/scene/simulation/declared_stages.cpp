@@ -1,6 +1,7 @@
 #include "acus/scene/simulation/declared_stages.h"
 
 #include <algorithm>
+#include <iterator>
 #include <span>
 
 #include "acus/base/core/error.h"
@@ -25,7 +26,7 @@ bool FromTissue(const Scenario& s) {
 
 /// True if an effect of the list moves tissue, whatever the tools do.
 bool Moved(const Scenario& s) {
-  return std::ranges::any_of(s.others, &effects::CalledEffect::MovesTissue);
+  return std::ranges::any_of(s.listed, &effects::CalledEffect::MovesTissue);
 }
 
 /// True if the images show tissue elsewhere than the CT does.
@@ -167,27 +168,6 @@ Ports UltrasoundInputs(const Scenario& s) {
   return ImageInputs(s, s.ultrasound->needle, std::move(patient));
 }
 
-Ports FluoroscopyInputs(const Scenario& s) {
-  if (!s.fluoroscopy) return {};
-  Ports reads{ports::kCt, ports::kCArm};
-  if (s.fluoroscopy->needle) AddNeedleInPicture(s, reads);
-  if (ShowsDeformation(s)) reads.push_back(ports::kRestMap);
-  return reads;
-}
-
-/// What the view in three dimensions shows. Of what deforms the patient it shows breath only.
-Ports ViewInputs(const Scenario& s) {
-  if (!s.view_3d) return {};
-  Ports reads;
-  if (!s.view_3d->layers.empty()) reads.push_back(ports::kCt);
-  if (!s.view_3d->surfaces.empty()) reads.push_back(ports::kLabels);
-  if (s.view_3d->needle) AddNeedleInPicture(s, reads);
-  if (s.view_3d->probe) Add(reads, {ports::kProbe, ports::kProbePreset});
-  if (s.view_3d->ShowsPicture() && s.ultrasound) reads.push_back(ports::kBMode);
-  if (s.breathing && s.breathing->image) reads.push_back(ports::kBreath);
-  return reads;
-}
-
 bool ReadsWhatIsWritten(const effects::StageDeclaration& stage,
                         std::span<const PlannedStage> writers) {
   return std::ranges::any_of(writers, [&stage](const PlannedStage& writer) {
@@ -195,27 +175,39 @@ bool ReadsWhatIsWritten(const effects::StageDeclaration& stage,
   });
 }
 
-PlannedStage Planned(StageId id, std::string_view rate, const effects::StageDeclaration& stage) {
-  return {id, stage.name, rate, stage.reads, stage.writes, false, "", {}};
+/// True if the scene has what a stage reads only where it is there.
+bool IsThere(const Scenario& s, PortRef port) {
+  return (port == ports::kRestMap && ShowsDeformation(s)) || (port == ports::kShape && s.shape) ||
+         (port == ports::kBreath && s.breathing && s.breathing->image) ||
+         (port == ports::kBMode && s.ultrasound) || (port == ports::kCtImage && s.ct_slice);
+}
+
+PlannedStage Planned(const Scenario& s, StageId id, std::string_view rate,
+                     const effects::StageDeclaration& stage) {
+  PlannedStage planned{id, stage.name, rate, stage.reads, stage.writes, false, "", {}};
+  std::ranges::copy_if(stage.optional_reads, std::back_inserter(planned.reads),
+                       [&s](PortRef port) { return IsThere(s, port); });
+  return planned;
 }
 
 /// Of the list of effects: at every sample those that read nothing of a tool's stages come right
 /// after breathing, so that tools see what they write; others after the tools. At every image they
 /// are last.
-void AddOthers(const Scenario& s, std::vector<PlannedStage>& stages) {
-  ACUS_REQUIRE(s.others.size() <= kMaxOthers, s.file.string(), ": calls for ", s.others.size(),
-               " effects besides those of tools and images; at most ", kMaxOthers, " are allowed");
+void AddListed(const Scenario& s, std::vector<PlannedStage>& stages) {
+  ACUS_REQUIRE(s.listed.size() <= kMaxListed, s.file.string(), ": calls for ", s.listed.size(),
+               " effects of the list; at most ", kMaxListed, " are allowed");
   const auto is_image = [](const PlannedStage& stage) { return stage.rate == "image"; };
-  for (std::size_t n = 0; n < s.others.size(); ++n) {
-    if (const auto step = s.others[n].step()) {
+  for (std::size_t n = 0; n < s.listed.size(); ++n) {
+    if (const auto step = s.listed[n].step()) {
       const auto end_of_steps = std::ranges::find_if(stages, is_image);
       const auto first_of_tools =
           std::ranges::find(stages, StageId::kNeedlePose, &PlannedStage::id);
       const bool after = ReadsWhatIsWritten(*step, {first_of_tools, end_of_steps});
-      stages.insert(after ? end_of_steps : first_of_tools, Planned(StepStageOf(n), "step", *step));
+      stages.insert(after ? end_of_steps : first_of_tools,
+                    Planned(s, StepStageOf(n), "step", *step));
     }
-    if (const auto image = s.others[n].image()) {
-      stages.push_back(Planned(ImageStageOf(n), "image", *image));
+    if (const auto image = s.listed[n].image()) {
+      stages.push_back(Planned(s, ImageStageOf(n), "image", *image));
     }
   }
 }
@@ -242,10 +234,8 @@ std::vector<PlannedStage> DeclaredStages(const Scenario& s, bool breath_from_ses
       image(StageId::kDeformation, "deformation", DeformationInputs(s), {ports::kRestMap}),
       image(StageId::kCtSlice, "CT slice", CtSliceInputs(s), {ports::kCtImage}),
       image(StageId::kUltrasound, "B-mode", UltrasoundInputs(s), {ports::kBMode}),
-      image(StageId::kFluoroscopy, "fluoroscopy", FluoroscopyInputs(s), {ports::kFluoroscopy}),
-      image(StageId::kView3d, "view in 3D", ViewInputs(s), {ports::kView}),
   };
-  AddOthers(s, stages);
+  AddListed(s, stages);
   return stages;
 }
 
@@ -257,13 +247,11 @@ std::vector<Goal> GoalsOf(const Scenario& s) {
   if (s.tissue && s.tissue->TouchesNeedle()) goals.push_back({StageId::kTissueContact, "tissue"});
   if (s.ct_slice) goals.push_back({StageId::kCtSlice, "ct_slice"});
   if (s.ultrasound) goals.push_back({StageId::kUltrasound, "ultrasound"});
-  if (s.fluoroscopy) goals.push_back({StageId::kFluoroscopy, "fluoroscopy"});
-  if (s.view_3d) goals.push_back({StageId::kView3d, "view_3d"});
-  for (std::size_t n = 0; n < s.others.size(); ++n) {
-    const std::string_view key = s.others[n].effect->key();
-    const auto step = s.others[n].step();
+  for (std::size_t n = 0; n < s.listed.size(); ++n) {
+    const std::string_view key = s.listed[n].effect->key();
+    const auto step = s.listed[n].step();
     if (step && step->is_goal) goals.push_back({StepStageOf(n), key});
-    const auto image = s.others[n].image();
+    const auto image = s.listed[n].image();
     if (image && image->is_goal) goals.push_back({ImageStageOf(n), key});
   }
   return goals;
@@ -274,11 +262,11 @@ std::vector<Goal> HelpersOf(const Scenario& s) {
   if (s.breathing) helpers.push_back({StageId::kBreathing, "breathing"});
   if (s.tissue && s.tissue->image) helpers.push_back({StageId::kDeformation, "tissue"});
   if (s.breathing && s.breathing->image) helpers.push_back({StageId::kDeformation, "breathing"});
-  for (std::size_t n = 0; n < s.others.size(); ++n) {
-    const std::string_view key = s.others[n].effect->key();
-    const auto step = s.others[n].step();
+  for (std::size_t n = 0; n < s.listed.size(); ++n) {
+    const std::string_view key = s.listed[n].effect->key();
+    const auto step = s.listed[n].step();
     if (step && !step->is_goal) helpers.push_back({StepStageOf(n), key});
-    if (s.others[n].MovesTissue()) helpers.push_back({StageId::kDeformation, key});
+    if (s.listed[n].MovesTissue()) helpers.push_back({StageId::kDeformation, key});
   }
   return helpers;
 }
@@ -333,8 +321,7 @@ std::vector<DeclaredInput> DeclaredInputs(const Scenario& s, const AvailableInpu
     add(ports::kTissueForceTable, s.tissue->table, "/effects/tissue/table");
   }
   if (s.ultrasound) add(ports::kAcoustics, s.ultrasound->acoustics, "/effects/ultrasound");
-  if (s.fluoroscopy) add(ports::kCArm, s.fluoroscopy->c_arm, "/effects/fluoroscopy/c_arm");
-  for (const effects::CalledEffect& other : s.others) {
+  for (const effects::CalledEffect& other : s.listed) {
     for (const effects::PathSetting& path : other.effect->Paths()) {
       if (!other.settings.contains(path.key)) continue;
       add(path.port, other.settings[path.key].get<std::string>(),

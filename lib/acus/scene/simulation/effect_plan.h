@@ -24,16 +24,14 @@ enum class StageId {
   kDeformation,
   kCtSlice,
   kUltrasound,
-  kFluoroscopy,
-  kView3d,
   kEnd,  ///< No stage: it comes after the last one.
 };
 inline constexpr int kNumStages = static_cast<int>(StageId::kEnd);
 
-/// Stages of Scenario::others come after those: two numbers for each effect, by its place in the
+/// Stages of Scenario::listed come after those: two numbers for each effect, by its place in the
 /// list.
-inline constexpr int kMaxOthers = 8;
-inline constexpr int kMaxStages = kNumStages + 2 * kMaxOthers;
+inline constexpr int kMaxListed = 8;
+inline constexpr int kMaxStages = kNumStages + 2 * kMaxListed;
 constexpr StageId StepStageOf(std::size_t other) {
   return static_cast<StageId>(kNumStages + 2 * static_cast<int>(other));
 }

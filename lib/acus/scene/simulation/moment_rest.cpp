@@ -4,14 +4,14 @@
 
 namespace acus::simulation {
 
-Eigen::Vector3d OthersRest::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
-                                       const Eigen::Vector3d& /*guess_in_ct_mm*/) const noexcept {
-  const Eigen::Vector3d rest_mm = others_.RestInCtMm(memory_, place_in_ct_mm);
+Eigen::Vector3d EffectsRest::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
+                                        const Eigen::Vector3d& /*guess_in_ct_mm*/) const noexcept {
+  const Eigen::Vector3d rest_mm = effects_.RestInCtMm(memory_, place_in_ct_mm);
   return next_ == nullptr ? rest_mm : next_->RestInCtMm(rest_mm, rest_mm);
 }
 
-double OthersRest::SpacingMm() const noexcept {
-  const double spacing_mm = others_.MotionSpacingMm();
+double EffectsRest::SpacingMm() const noexcept {
+  const double spacing_mm = effects_.MotionSpacingMm();
   return next_ == nullptr ? spacing_mm : std::min(spacing_mm, next_->SpacingMm());
 }
 
@@ -27,8 +27,8 @@ const slicing::RestMap* MomentRest::At(const Snapshot& snapshot) {
     deformed_->Update(*snapshot.load);
     rest = &*deformed_;
   }
-  if (scene_->others.moves_tissue() && snapshot.memory != nullptr) {
-    rest = &others_.emplace(scene_->others, *snapshot.memory, rest);
+  if (scene_->listed.moves_tissue() && snapshot.memory != nullptr) {
+    rest = &effects_.emplace(scene_->listed, *snapshot.memory, rest);
   }
   if (scene_->breathing && scene_->breathing->image) {
     breathing_.emplace(*scene_->breathing, snapshot.session_s, snapshot.breath, rest);

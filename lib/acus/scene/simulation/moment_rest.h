@@ -12,19 +12,19 @@
 namespace acus::simulation {
 
 /// Tissue before the effects of the list moved it.
-class OthersRest : public slicing::RestMap {
+class EffectsRest : public slicing::RestMap {
  public:
   /// @param next  What moves tissue besides; may be null. All must outlive this.
-  OthersRest(const OtherEffects& others, const effects::Memory& memory,
-             const slicing::RestMap* next)
-      : others_(others), memory_(memory), next_(next) {}
+  EffectsRest(const ListedEffects& effects, const effects::Memory& memory,
+              const slicing::RestMap* next)
+      : effects_(effects), memory_(memory), next_(next) {}
 
   Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
                              const Eigen::Vector3d& guess_in_ct_mm) const noexcept override;
   double SpacingMm() const noexcept override;
 
  private:
-  const OtherEffects& others_;
+  const ListedEffects& effects_;
   const effects::Memory& memory_;
   const slicing::RestMap* next_;
 };
@@ -42,7 +42,7 @@ class MomentRest {
  private:
   const Scene* scene_;
   std::optional<DeformedTissue> deformed_;
-  std::optional<OthersRest> others_;
+  std::optional<EffectsRest> effects_;
   std::optional<BreathingRest> breathing_;
 };
 

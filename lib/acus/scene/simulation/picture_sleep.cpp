@@ -67,7 +67,7 @@ bool BreathHasStayed(const Scene& scene, const Snapshot& before, const Snapshot&
 bool TissueHasStayed(const Scene& scene, const Snapshot& before, const Snapshot& now) noexcept {
   if (scene.tools_deform_images && !SameOrNone(before.load, now.load)) return false;
   return BreathHasStayed(scene, before, now) &&
-         scene.others.IsSameMotion(before.memory, now.memory);
+         scene.listed.IsSameMotion(before.memory, now.memory);
 }
 
 bool NeedleHasStayed(const Snapshot& before, const Snapshot& now) noexcept {

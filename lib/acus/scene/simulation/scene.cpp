@@ -101,20 +101,6 @@ void SetLines(const scenario::UltrasoundEffect& effect, acoustics::Probe& probe)
   if (effect.samples_per_line > 0) probe.samples_per_line = effect.samples_per_line;
 }
 
-/// @pre the CT is there.
-void LoadFluoroscopy(const scenario::Scenario& scenario, Scene& scene, RunContext& context) {
-  const scenario::FluoroscopyEffect& effect = *scenario.fluoroscopy;
-  const volume::Geometry& geometry = scene.ct->geometry;
-  const Eigen::Vector3d middle_mm =
-      geometry.ct_from_index() * (0.5 * (geometry.size - 1).cast<double>()).matrix().eval();
-  scene.fluoroscopy = FluoroscopySettings{
-      .c_arm = fluoroscopy::ReadCArm(effect.c_arm),
-      .pose = {effect.isocentre_in_ct_mm.value_or(middle_mm), effect.lao_rad, effect.cranial_rad},
-      .rate_hz = effect.rate_hz,
-      .needle = effect.needle};
-  context.provenance.AddInput(effect.c_arm);
-}
-
 /// What effects of the list may read of the patient: shared, so that it stays where it is.
 effects::PortValues DataOf(const Scene& scene) {
   effects::PortValues values;
@@ -148,7 +134,6 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
         volume::ReadCt(scenario.patient.ct, scenario.patient.dicom_series, context));
     context.provenance.AddInput(scenario.patient.ct);
   }
-  if (plan.Has(StageId::kFluoroscopy)) LoadFluoroscopy(scenario, scene, context);
   if (plan.Needs(effects::ports::kLabels) && scenario.patient.surfaces.empty()) {
     scene.labels = std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
     context.provenance.AddInput(scenario.patient.labels);
@@ -173,7 +158,6 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     LoadProbeForce(*scenario.probe_force, scene);
     context.provenance.AddInput(scenario.probe_force->table);
   }
-  if (plan.Has(StageId::kView3d)) scene.view_3d = scenario.view_3d;
   if (plan.Has(StageId::kUltrasound)) {
     const bool by_labels = plan.Reads(StageId::kUltrasound, effects::ports::kLabels);
     scene.b_mode =
@@ -191,8 +175,8 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     scene.warp_spacing_mm = scenario.tissue->warp_spacing_mm;
     scene.inverse_iterations = scenario.tissue->inverse_iterations;
   }
-  if (!scenario.others.empty()) {
-    scene.others = OtherEffects(scenario, plan, DataOf(scene), context);
+  if (!scenario.listed.empty()) {
+    scene.listed = ListedEffects(scenario, plan, DataOf(scene), context);
   }
   return scene;
 }

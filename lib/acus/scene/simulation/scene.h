@@ -7,7 +7,6 @@
 #include "acus/base/core/run_context.h"
 #include "acus/data/volume/volume.h"
 #include "acus/imaging/acoustics/probe.h"
-#include "acus/imaging/fluoroscopy/c_arm.h"
 #include "acus/imaging/slicing/ct_slice.h"
 #include "acus/physics/forces/force_model.h"
 #include "acus/physics/forces/hu_field.h"
@@ -17,18 +16,10 @@
 #include "acus/scene/simulation/breathing_scene.h"
 #include "acus/scene/simulation/effect_plan.h"
 #include "acus/scene/simulation/image_level.h"
+#include "acus/scene/simulation/listed_effects.h"
 #include "acus/scene/simulation/needle_shape.h"
-#include "acus/scene/simulation/other_effects.h"
 
 namespace acus::simulation {
-
-/// A C-arm at its place.
-struct FluoroscopySettings {
-  fluoroscopy::CArm c_arm;
-  fluoroscopy::CArmPose pose;
-  double rate_hz = 0.0;
-  bool needle = true;
-};
 
 /// Immutable after LoadScene; shared by any number of simulations and threads.
 struct Scene {
@@ -56,10 +47,8 @@ struct Scene {
   std::optional<forces::ProbeForceModel> probe_force;  ///< If the plan has the probe force.
   std::optional<tissue::TissueModel> tissue;           ///< If the plan has contact or deformation.
   std::optional<acoustics::Probe> probe;               ///< If the plan reads "probe preset".
-  std::optional<FluoroscopySettings> fluoroscopy;      ///< If the plan has the fluoroscopy.
-  std::optional<scenario::View3dEffect> view_3d;       ///< If the plan has the view in 3D.
   std::optional<ImageSettings> b_mode;                 ///< If the plan has the B-mode.
-  OtherEffects others;                                 ///< Of the list of effects.
+  ListedEffects listed;                                ///< Of the list of effects.
 };
 
 /// Loads what `plan` needs of the scenario, and nothing else.

@@ -31,7 +31,7 @@ State Simulation::NewState(std::int64_t session_start_ns) const {
   if (scene_.forces) state.force = scene_.forces->NewState();
   if (scene_.shape) state.shape = scene_.shape->NewState();
   if (scene_.probe_force) state.probe = scene_.probe_force->NewState();
-  scene_.others.Begin(state.effects);
+  scene_.listed.Begin(state.effects);
   return state;
 }
 
@@ -45,9 +45,9 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   const effects::StepTime effect_time{
       sample.time_ns, 1e-9 * static_cast<double>(sample.time_ns - state.session_start_ns)};
   std::optional<effects::PortValues> ports;  // What one stage of an effect writes, later ones read.
-  if (scene_.others.has_steps()) {
-    ports.emplace(scene_.others.data());
-    scene_.others.Step(false, state.effects, effect_time, *ports, out.effect, watch);
+  if (scene_.listed.has_steps()) {
+    ports.emplace(scene_.listed.data());
+    scene_.listed.Step(false, state.effects, effect_time, *ports, out.effect, watch);
   }
   const Tools tools = ToolsOf(state, sample);
   if (scene_.breathing) {
@@ -118,7 +118,7 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
     ports->Set(effects::ports::kTissue, &out.tissue_at_tip);
     ports->Set(effects::ports::kForce, &out.force);
     ports->Set(effects::ports::kProbeForce, &out.probe);
-    scene_.others.Step(true, state.effects, effect_time, *ports, out.effect, watch);
+    scene_.listed.Step(true, state.effects, effect_time, *ports, out.effect, watch);
   }
   return out;
 }
@@ -130,10 +130,10 @@ Simulation::Tools Simulation::ToolsOf(State& state, const Sample& sample) const 
   }
   tools.probe.ct_from_tool = scene_.ct_from_reference * sample.reference_from_probe;
   if (scene_.breathing) LayAtRest(state, sample, tools);
-  if (!scene_.others.moves_tissue()) return tools;
+  if (!scene_.listed.moves_tissue()) return tools;
   const auto lay = [&](breathing::ToolAtRest& tool) {
     const Eigen::Vector3d place_mm = tool.ct_from_tool.translation();
-    tool.ct_from_tool.translation() = scene_.others.RestInCtMm(state.effects, place_mm);
+    tool.ct_from_tool.translation() = scene_.listed.RestInCtMm(state.effects, place_mm);
     return Eigen::Vector3d(place_mm - tool.ct_from_tool.translation());
   };
   if (runs_needle_ && state.needle_seen) state.needle_moved_mm = lay(tools.needle);
@@ -167,7 +167,7 @@ void Simulation::TurnForces(const Tools& tools, StepOutput& out) const noexcept 
 
 bool Simulation::ShapeOf(const State& state, math::Polyline& out) const noexcept {
   if (!scene_.shape || !scene_.shape->ShapeOf(state.shape, out)) return false;
-  if (scene_.others.moves_tissue()) {
+  if (scene_.listed.moves_tissue()) {
     for (int n = 0; n < out.num_points; ++n) {
       out.point_mm[static_cast<std::size_t>(n)] += state.needle_moved_mm;
     }

@@ -27,7 +27,10 @@ struct Snapshot {
   const tissue::TissueLoad* load = nullptr;
   /// Of effects, after the last step; null if there was none. The same.
   const effects::Memory* memory = nullptr;
-  bool for_c_arm = false;  ///< A moment at which the C-arm looks, not the probe.
+  /// Place in ListedEffects::all() of the effect whose own moment this is; kOfScene: a moment of
+  /// the scene's images.
+  static constexpr std::size_t kOfScene = static_cast<std::size_t>(-1);
+  std::size_t of_effect = kOfScene;
 };
 
 }  // namespace acus::simulation

@@ -69,7 +69,8 @@ class Session : public testing_support::ReplayFolder {
         snapshot_ = session.pictures().Front().snapshot;
         probe_ = session.pictures().Front().probe;
         width_px_ = session.pictures().Front().images.ct_slice.width;
-        fluoroscopy_ = session.pictures().Front().fluoroscopy;
+        const auto& effects = session.pictures().Front().effects;
+        if (!effects.empty()) fluoroscopy_ = effects.front().pixels.gray;
       }
       std::this_thread::sleep_for(milliseconds(10));
     }

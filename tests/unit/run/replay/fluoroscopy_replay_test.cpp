@@ -50,7 +50,7 @@ TEST_F(FluoroscopyReplay, MakesPicturesAtItsOwnRateWithoutAProbe) {
   EXPECT_FALSE(fs::exists(folder_ / "run/images.igs.mha"));
   EXPECT_EQ(config::ReadJson(folder_ / "run/run.json").at("fluoroscopy_images"), 10);
   const std::string report = ReadTextFile(folder_ / "run/report.html");
-  EXPECT_THAT(report, AllOf(HasSubstr("fluoroscopy.mp4"), HasSubstr("fluoroscopy at")));
+  EXPECT_THAT(report, AllOf(HasSubstr("fluoroscopy.mp4"), HasSubstr("Fluoroscopy at")));
 }
 
 TEST_F(FluoroscopyReplay, GivesTheSameBytesWithMoreThreads) {

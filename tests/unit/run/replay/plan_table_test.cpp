@@ -67,7 +67,7 @@ TEST(PlanSvg, DrawsEveryStageOnceGreyIfOutHatchedAsFarAsItSlept) {
   EXPECT_EQ(count("fill=\"url(#asleep)\""), 3);  // Two stages and the key.
   EXPECT_EQ(count(">75.0 %, asleep 34 %<"), 1);
   EXPECT_THAT(svg, HasSubstr("asleep in 340 of 1000 runs: needle outside the tissue"));
-  for (const char* word : {">ct<", ">labels<", ">needle poses<", ">force<", ">CT picture<"}) {
+  for (const char* word : {">ct<", ">labels<", ">needle poses<", ">force<", ">CT image<"}) {
     EXPECT_EQ(count(word), 1) << word;
   }
   EXPECT_EQ(count(">mesh<"), 0);

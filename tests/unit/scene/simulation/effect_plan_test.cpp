@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
+#include "acus/scene/effects/view_3d/view_3d.h"
 
 namespace acus::simulation {
 namespace {
@@ -100,18 +101,21 @@ TEST(PlanEffects, TheViewReadsWhatItShowsAndNothingElse) {
   scenario::Scenario s;
   s.file = "scene.json";
   s.patient.labels = "labels.seg.nrrd";
-  s.view_3d.emplace().surfaces = {{"liver", 1.0, std::nullopt}};
-  s.view_3d->probe = false;
+  nlohmann::json settings = {{"layers", nlohmann::json::array()},
+                             {"surfaces", {{{"tissue", "liver"}}}},
+                             {"needle", true},
+                             {"probe", false},
+                             {"picture", true}};
+  s.listed.push_back({&effects::View3d(), settings});
   const EffectPlan plan = PlanEffects(s, {.needle_poses = true});
   EXPECT_THAT(StagesIn(plan), testing::ElementsAre("needle pose", "view in 3D"));
   EXPECT_FALSE(plan.Needs(effects::ports::kCt));
   // The picture in the probe's plane is that of the ultrasound.
   s.patient.ct = "ct.nrrd";
-  s.view_3d->probe = true;
+  s.listed.front().settings["probe"] = true;
   s.ultrasound.emplace();
   EXPECT_THAT(StagesIn(PlanEffects(s, kAll)),
               testing::ElementsAre("needle pose", "probe pose", "B-mode", "view in 3D"));
-  EXPECT_FALSE(PlanEffects(AllEffects(), kAll).Has(StageId::kView3d));
 }
 
 TEST(PlanEffects, NamesEveryMissingInputAtOnce) {
@@ -228,7 +232,7 @@ TEST(PlanEffects, StagesKnowTheEffectsThatTheyWorkFor) {
               testing::UnorderedElementsAre("ct_slice", "ultrasound"));
   EXPECT_THAT(plan.Of(StageId::kDeformation).effects,
               testing::UnorderedElementsAre("tissue", "breathing", "ct_slice", "ultrasound"));
-  EXPECT_THAT(plan.Of(StageId::kFluoroscopy).effects, testing::IsEmpty());
+  EXPECT_THAT(plan.Of(StageId::kNeedleShape).effects, testing::IsEmpty());
 }
 
 TEST(PlanEffects, SaysSoWhereNothingIsThereForAnEffectToChange) {

@@ -51,14 +51,14 @@ TEST(PictureSleep, WhatSleepsWouldHaveGivenTheSameBits) {
     const Scene scene =
         LoadScene(s, PlanEffects(s, {.needle_poses = true, .probe_poses = true}), context);
     ImageRenderer renderer(scene);
-    FluoroscopyRenderer c_arm(scene, 1);
+    EffectImageRenderer c_arm(scene, scene.listed.all().front(), context);
     RandomStream random(7, model);
     Images kept, anew;
-    image::GrayImage shadow, shadow_anew;
+    effects::EffectPixels shadow, shadow_anew;
     StageTimes times;
     Snapshot before = Drawn(random);
     renderer.Render(before, kept);
-    c_arm.Render(before, shadow, 1);
+    c_arm.Render(before, nullptr, shadow);
     for (int i = 0; i < 40; ++i) {
       const Snapshot now = Drawn(random);
       renderer.Render(now, kept, &times, &before);
@@ -66,11 +66,11 @@ TEST(PictureSleep, WhatSleepsWouldHaveGivenTheSameBits) {
       ASSERT_EQ(kept.b_mode.pixels, anew.b_mode.pixels) << i;
       ASSERT_EQ(kept.ct_slice.pixels, anew.ct_slice.pixels) << i;
       if (i % 4 == 0) {
-        c_arm.Render(now, shadow, 1, &times, &before);
-        c_arm.Render(now, shadow_anew, 1);
-        ASSERT_EQ(shadow.pixels, shadow_anew.pixels) << i;
+        c_arm.Render(now, nullptr, shadow, &times, &before);
+        c_arm.Render(now, nullptr, shadow_anew);
+        ASSERT_EQ(shadow.gray.pixels, shadow_anew.gray.pixels) << i;
       } else {
-        c_arm.Render(now, shadow, 1);
+        c_arm.Render(now, nullptr, shadow);
       }
       before = now;
     }
@@ -89,25 +89,27 @@ TEST(PictureSleep, OnlyTheNeedlesShadowIsNewWhileThePatientStays) {
   const auto s = patient.With({{"fluoroscopy", json::object()}});
   RunContext context;
   const Scene scene = LoadScene(s, PlanEffects(s, {.needle_poses = true}), context);
-  FluoroscopyRenderer kept(scene, 1);
-  FluoroscopyRenderer anew(scene, 1);
-  image::GrayImage shadow, shadow_anew, first;
+  const ListedEffect& fluoroscopy = scene.listed.all().front();
+  EffectImageRenderer kept(scene, fluoroscopy, context);
+  EffectImageRenderer anew(scene, fluoroscopy, context);
+  effects::EffectPixels shadow, shadow_anew, first;
   Snapshot before;
-  kept.Render(before, first, 1);
+  kept.Render(before, nullptr, first);
+  shadow = first;
   StageTimes times;
   for (const double z_mm : {10.0, 20.0, 20.0, 35.0}) {
     Snapshot now;
     now.ct_from_needle = Eigen::Translation3d(1.0, 0.0, z_mm) * Eigen::Isometry3d::Identity();
-    kept.Render(now, shadow, 1, &times, &before);
-    anew.Render(now, shadow_anew, 1);
-    EXPECT_EQ(shadow.pixels, shadow_anew.pixels) << z_mm;
-    EXPECT_NE(shadow.pixels, first.pixels);
+    kept.Render(now, nullptr, shadow, &times, &before);
+    anew.Render(now, nullptr, shadow_anew);
+    EXPECT_EQ(shadow.gray.pixels, shadow_anew.gray.pixels) << z_mm;
+    EXPECT_NE(shadow.gray.pixels, first.gray.pixels);
     before = now;
   }
-  EXPECT_EQ(times.Of(StageId::kFluoroscopy).asleep, 1);
+  EXPECT_EQ(times.Of(fluoroscopy.image_id).asleep, 1);
   // The needle is gone: so is its shadow.
-  kept.Render({}, shadow, 1, &times, &before);
-  EXPECT_EQ(shadow.pixels, first.pixels);
+  kept.Render({}, nullptr, shadow, &times, &before);
+  EXPECT_EQ(shadow.gray.pixels, first.gray.pixels);
 }
 
 TEST(PictureSleep, LoadsAndShapesThatDifferInOneBitWakeIt) {

@@ -1,6 +1,7 @@
 // The effects of the list that a scene calls for, as steps and images run them.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -17,7 +18,7 @@ namespace acus::simulation {
 using EffectColumns = std::array<double, effects::kMaxColumns>;
 
 /// One of them.
-struct OtherEffect {
+struct ListedEffect {
   std::string_view key;
   std::string_view title;
   StageId step_id{};
@@ -25,7 +26,7 @@ struct OtherEffect {
   std::shared_ptr<const effects::LoadedEffect> loaded;
   const effects::StepStage* step = nullptr;  ///< Null: not in the plan.
   bool has_image = false;                    ///< The plan has its stage at every image.
-  bool after_tools = false;                  ///< Its step reads what a tool's stage writes.
+  effects::ImageTiming timing;
   bool moves_tissue = false;
   std::size_t state_at = 0;  ///< Bytes into the memory.
   std::vector<effects::Column> columns;
@@ -37,18 +38,19 @@ struct OtherEffect {
 };
 
 /// Those of a plan, in the order of the list. Const after loading; copies share what is loaded.
-class OtherEffects {
+class ListedEffects {
  public:
-  OtherEffects() = default;
+  ListedEffects() = default;
 
   /// @param data  What the plan has loaded.
-  /// @throws InputError if an effect cannot be loaded, reads a port that no stage writes, or the
-  ///     states or columns of all of them together are too many.
-  OtherEffects(const scenario::Scenario& scenario, const EffectPlan& plan,
-               const effects::PortValues& data, RunContext& context);
+  /// @throws InputError if an effect cannot be loaded, reads a port that is not given to its stage,
+  ///     or the states or columns of all of them together are too many.
+  ListedEffects(const scenario::Scenario& scenario, const EffectPlan& plan,
+                const effects::PortValues& data, RunContext& context);
 
-  const std::vector<OtherEffect>& all() const { return all_; }
+  const std::vector<ListedEffect>& all() const { return all_; }
   bool has_steps() const { return has_steps_; }
+  /// True if there are images at the moments of the scene's images.
   bool has_images() const;
   bool moves_tissue() const { return moves_tissue_; }
   const effects::PortValues& data() const { return data_; }
@@ -67,7 +69,9 @@ class OtherEffects {
   double MotionSpacingMm() const noexcept;
 
  private:
-  std::vector<OtherEffect> all_;
+  std::vector<ListedEffect> all_;
+  /// Places in all_ of those with a step, as the plan runs them: before and after the tools.
+  std::array<std::vector<std::size_t>, 2> steps_;
   effects::PortValues data_;
   bool has_steps_ = false;
   bool moves_tissue_ = false;

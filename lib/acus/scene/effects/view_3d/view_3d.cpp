@@ -1,0 +1,218 @@
+#include "acus/scene/effects/view_3d/view_3d.h"
+
+#include "acus/base/core/error.h"
+#include "acus/scene/effects/ports.h"
+#include "acus/scene/effects/view_3d/patient_surfaces.h"
+
+namespace acus::effects {
+namespace {
+
+using nlohmann::json;
+
+constexpr Port<image::ColourImage> kView{"view"};
+
+/// @param scene  Outlives the view.
+volume_rendering::PatientInView PatientOf(const View3dSettings& settings, const PortValues& scene,
+                                          const RunContext& context) {
+  volume_rendering::PatientInView patient;
+  if (!settings.layers.empty()) {
+    patient.ct = {std::shared_ptr<const void>(), &scene.Get(ports::kCt)};
+  }
+  for (const auto& layer : settings.layers) patient.layers.push_back({layer.preset, layer.opacity});
+  if (!settings.surfaces.empty()) {
+    patient.surfaces = SurfacesOf(settings, scene.Get(ports::kLabels), context);
+  }
+  patient.field = scene.Find(ports::kMotionField);
+  return patient;
+}
+
+volume_rendering::ViewSettings LookOf(const View3dSettings& settings) {
+  volume_rendering::ViewSettings look;
+  look.rays.step_mm = settings.step_mm;
+  look.rays.warp.max_iterations = settings.inverse_iterations;
+  look.rays.warp.lattice_mm = settings.warp_tolerance_mm;
+  look.rays.tool_shine = settings.tool_shine;
+  look.supersampling = settings.supersampling;
+  look.tool_shadows = settings.shadows;
+  return look;
+}
+
+volume_rendering::Camera CameraOf(const View3dSettings& settings, const Eigen::AlignedBox3d& box) {
+  const volume_rendering::PictureSize size{settings.width_px, settings.height_px};
+  if (!settings.eye_in_ct_mm) {
+    return LookAt(volume_rendering::ViewFrom(settings.from, box, size, settings.view_angle_deg),
+                  size);
+  }
+  return LookAt({.eye_in_ct_mm = *settings.eye_in_ct_mm,
+                 .focus_in_ct_mm = *settings.focus_in_ct_mm,
+                 .up_in_ct = settings.up_in_ct,
+                 .view_angle_deg = settings.view_angle_deg},
+                size);
+}
+
+class ViewStage final : public ImageStage {
+ public:
+  ViewStage(const View3dSettings& settings, const PortValues& scene, const RunContext& context)
+      : settings_(settings),
+        view_(PatientOf(settings, scene, context), LookOf(settings)),
+        camera_(CameraOf(settings, view_.box_in_ct_mm())),
+        num_threads_(context.num_threads) {}
+
+  Activity Render(const ImageMoment& moment, const PortValues& ports, EffectPixels& out) override {
+    if (!HasChanged(moment.changes)) return Activity::kUnchanged;
+    volume_rendering::ViewMoment seen;
+    seen.motion = moment.breath;
+    if (moment.needle != nullptr) seen.needle = *moment.needle;
+    if (settings_.probe && moment.probe_valid) {
+      seen.probe.emplace();
+      seen.probe->ct_from_probe = moment.ct_from_probe;
+      seen.probe->probe = &ports.Get(ports::kProbePreset);
+      const image::GrayImage* b_mode = ports.Find(ports::kBMode);
+      if (b_mode != nullptr && !b_mode->pixels.empty()) seen.probe->b_mode = b_mode;
+    }
+    view_.Render(camera_, seen, rendered_, num_threads_);
+    std::swap(rendered_.colour, out.colour);
+    return Activity::kActive;
+  }
+
+ private:
+  bool HasChanged(const ImageChanges& changes) const {
+    return changes.breath || changes.images || (settings_.needle && changes.needle) ||
+           (settings_.probe && changes.probe);
+  }
+
+  View3dSettings settings_;
+  volume_rendering::PatientView view_;
+  volume_rendering::Camera camera_;
+  int num_threads_;
+  volume_rendering::ViewPicture rendered_;
+};
+
+class LoadedView final : public LoadedEffect {
+ public:
+  explicit LoadedView(View3dSettings settings) : settings_(std::move(settings)) {}
+
+  std::unique_ptr<ImageStage> NewImageStage(const PortValues& scene,
+                                            const RunContext& context) const override {
+    return std::make_unique<ViewStage>(settings_, scene, context);
+  }
+
+ private:
+  View3dSettings settings_;
+};
+
+class View3dEffect final : public Effect {
+ public:
+  std::string_view key() const override { return "view_3d"; }
+  std::string_view title() const override { return "The patient in three dimensions"; }
+
+  json Schema() const override {
+    return json::parse(R"json({
+      "type": "object",
+      "additionalProperties": false,
+      "description": "The patient in three dimensions, with needle, probe and its image: a film, view_3d.mp4",
+      "properties": {
+        "width_px": {"type": "integer", "minimum": 16, "maximum": 4096, "default": 800, "description": "Of the image, pixels"},
+        "height_px": {"type": "integer", "minimum": 16, "maximum": 4096, "default": 600, "description": "Of the image, pixels"},
+        "rate_hz": {"type": "number", "exclusiveMinimum": 0, "maximum": 200, "default": 10, "description": "Images per second of session time; at moments of the other images, so the nearest fraction of image_rate_hz"},
+        "camera": {
+          "type": "object",
+          "additionalProperties": false,
+          "default": {},
+          "description": "Where the view is taken from",
+          "properties": {
+            "from": {"enum": ["anterior", "posterior", "left", "right", "superior", "inferior", "oblique"], "default": "oblique", "description": "Side of the patient; all of him is in the image. oblique: from in front, his right and above"},
+            "eye_mm": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}, "description": "Eye in CT space, mm; in place of `from`"},
+            "focus_mm": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}, "description": "What it looks at, CT space, mm"},
+            "up": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}, "default": [0, 0, 1], "description": "Direction that is up in the image, CT space"},
+            "view_angle_deg": {"type": "number", "minimum": 1, "maximum": 120, "default": 30, "description": "Over the height of the picture, degrees"}
+          }
+        },
+        "layers": {
+          "type": "array",
+          "default": [],
+          "description": "What volume rendering shows of the CT",
+          "items": {
+            "type": "object",
+            "additionalProperties": false,
+            "required": ["preset"],
+            "properties": {
+              "preset": {"enum": ["skin", "bone", "soft_tissue", "vessels"], "description": "Colour and opacity by Hounsfield units"},
+              "opacity": {"type": "number", "minimum": 0, "maximum": 1, "default": 1, "description": "1: as the preset says; 0: not shown"}
+            }
+          }
+        },
+        "surfaces": {
+          "type": "array",
+          "default": [{"tissue": "skin", "opacity": 0.25}, {"tissue": "bone"}, {"tissue": "liver", "opacity": 0.6}, {"tissue": "kidney"}, {"tissue": "vessel"}, {"tissue": "lesion"}],
+          "description": "Tissues of the label map that are shown as surfaces; those that the patient does not have are left out",
+          "items": {
+            "type": "object",
+            "additionalProperties": false,
+            "required": ["tissue"],
+            "properties": {
+              "tissue": {"type": "string", "description": "Name of a label; skin: the outer border of all that is labelled"},
+              "opacity": {"type": "number", "minimum": 0, "maximum": 1, "default": 1, "description": "1 hides what is behind, 0 shows nothing"},
+              "colour": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "integer", "minimum": 0, "maximum": 255}, "description": "Red, green, blue, 0 to 255; the standard one of the tissue if not given"}
+            }
+          }
+        },
+        "surface_grid_mm": {"type": "number", "minimum": 0.5, "maximum": 10, "default": 1.5, "description": "Detail of the surfaces, mm"},
+        "needle": {"type": "boolean", "default": true, "description": "Show the needle"},
+        "probe": {"type": "boolean", "default": true, "description": "Show the probe and the plane that it sees"},
+        "picture": {"type": "boolean", "default": true, "description": "Show the B-mode in that plane, if there is effects/ultrasound"},
+        "shadows": {"type": "boolean", "default": true, "description": "Needle and probe throw shadows on the patient"},
+        "tool_shine": {"type": "number", "minimum": 0, "maximum": 1, "default": 0.35, "description": "What is seen of a tool behind tissue; 0: what the tissue lets through"},
+        "supersampling": {"enum": [1, 2, 4], "default": 2, "description": "A pixel is the mean of this many each way: smooth edges"},
+        "step_mm": {"type": "number", "minimum": 0.05, "maximum": 20, "default": 1, "description": "Distance of the samples on a ray, mm"},
+        "inverse_iterations": {"type": "integer", "minimum": 1, "maximum": 1000, "default": 5, "description": "Of a patient who breathes: at most this many iterations to find where a sample was at rest"},
+        "warp_tolerance_mm": {"type": "number", "minimum": 0, "maximum": 10, "default": 0.15, "description": "Of a patient who breathes, the price of fidelity: where it is right to this, samples take the inverse from between knots some 6 mm apart; 0: every sample inverts for itself, at twice the time, mm"}
+      }
+    })json");
+  }
+
+  void Check(const json& settings, const std::string& where) const override {
+    const json& camera = settings.at("camera");
+    ACUS_REQUIRE(camera.contains("eye_mm") == camera.contains("focus_mm"), where,
+                 "/camera: eye_mm and focus_mm go together; give both, or `from`");
+    ACUS_REQUIRE(!settings.at("layers").empty() || !settings.at("surfaces").empty(), where,
+                 ": there is nothing to show; give a layer of the CT, or a surface");
+  }
+
+  std::optional<StageDeclaration> ImageStageOf(const json& settings) const override {
+    StageDeclaration stage{.name = "view in 3D", .reads = {}, .writes = {kView}};
+    const auto add = [](std::vector<PortRef>& to, std::initializer_list<PortRef> ports) {
+      to.insert(to.end(), ports);
+    };
+    if (!settings.at("layers").empty()) add(stage.reads, {ports::kCt});
+    if (!settings.at("surfaces").empty()) add(stage.reads, {ports::kLabels});
+    if (settings.at("needle")) {
+      add(stage.reads, {ports::kNeedle, ports::kNeedlePreset});
+      add(stage.optional_reads, {ports::kShape});
+    }
+    if (settings.at("probe")) {
+      add(stage.reads, {ports::kProbe, ports::kProbePreset});
+      if (settings.at("picture")) add(stage.optional_reads, {ports::kBMode});
+    }
+    add(stage.optional_reads, {ports::kBreath});
+    return stage;
+  }
+
+  ImageTiming TimingOf(const json& settings) const override {
+    return {.rate_hz = settings.at("rate_hz"), .is_live = false};
+  }
+
+  std::unique_ptr<const LoadedEffect> Load(const json& settings, const PortValues& /*scene*/,
+                                           RunContext& /*context*/) const override {
+    return std::make_unique<LoadedView>(ReadView3dSettings(settings));
+  }
+};
+
+}  // namespace
+
+const Effect& View3d() {
+  static const View3dEffect effect;
+  return effect;
+}
+
+}  // namespace acus::effects

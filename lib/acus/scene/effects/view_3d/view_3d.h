@@ -1,0 +1,10 @@
+// Effect: the patient in three dimensions, with the tools. A film in replays.
+#pragma once
+
+#include "acus/scene/effects/effect.h"
+
+namespace acus::effects {
+
+const Effect& View3d();
+
+}  // namespace acus::effects

@@ -1,0 +1,96 @@
+#include "acus/scene/simulation/effect_images.h"
+
+#include "acus/scene/simulation/picture_sleep.h"
+
+namespace acus::simulation {
+namespace {
+
+namespace ports = effects::ports;
+using effects::Activity;
+
+Sleep SleepAfter(Activity activity) {
+  if (activity == Activity::kUnchanged) return Sleep::kNothingMoved;
+  return activity == Activity::kActive ? Sleep::kAwake : Sleep::kEffectIdle;
+}
+
+effects::ImageChanges ChangesSince(const Scene& scene, const Snapshot* shown, const Snapshot& now,
+                                   bool images_changed) {
+  if (shown == nullptr) return {};
+  return {.needle = !NeedleHasStayed(*shown, now),
+          .probe = !ProbeHasStayed(*shown, now),
+          .breath = !BreathHasStayed(scene, *shown, now),
+          .tissue = !TissueHasStayed(scene, *shown, now),
+          .images = images_changed};
+}
+
+}  // namespace
+
+EffectImageRenderer::EffectImageRenderer(const Scene& scene, const ListedEffect& effect,
+                                         const RunContext& context)
+    : scene_(scene),
+      effect_(effect),
+      num_threads_(context.num_threads),
+      constant_(scene.listed.data()) {
+  if (scene.needle) constant_.Set(ports::kNeedlePreset, &*scene.needle);
+  if (scene.probe) constant_.Set(ports::kProbePreset, &*scene.probe);
+  if (Reads(ports::kBreath)) {
+    constant_.Set(ports::kMotionField, &scene.breathing->motion.model.field());
+  }
+  stage_ = effect.loaded->NewImageStage(constant_, context);
+  ACUS_ASSERT(stage_ != nullptr);
+  if (Reads(ports::kRestMap)) rest_.emplace(scene);
+  if (Reads(ports::kBMode) || Reads(ports::kCtImage)) {
+    of_probe_.emplace(scene, nullptr,
+                      Reads(ports::kCtImage) ? Pictures::kAll : Pictures::kBModeOnly);
+  }
+}
+
+bool EffectImageRenderer::ImagesHaveChanged(const Snapshot& snapshot, const Snapshot* shown) const {
+  if (shown == nullptr) return true;
+  return (Reads(ports::kBMode) && !of_probe_->Sleeps(StageId::kUltrasound, snapshot, *shown)) ||
+         (Reads(ports::kCtImage) && !of_probe_->Sleeps(StageId::kCtSlice, snapshot, *shown));
+}
+
+void EffectImageRenderer::Render(const Snapshot& snapshot, const Images* images,
+                                 effects::EffectPixels& out, StageTimes* times,
+                                 const Snapshot* shown) {
+  effects::PortValues values = constant_;
+  bool images_changed = of_probe_.has_value();
+  if (of_probe_) {
+    if (images == nullptr) {
+      of_probe_->Render(snapshot, images_, times, shown);
+      images_changed = ImagesHaveChanged(snapshot, shown);
+      images = &images_;
+    }
+    values.Set(ports::kBMode, &images->b_mode);
+    values.Set(ports::kCtImage, &images->ct_slice);
+  }
+  auto watch = Stopwatch::OfThreads(times, num_threads_);
+  effects::ImageMoment moment{.time_ns = snapshot.time_ns,
+                              .session_s = snapshot.session_s,
+                              .probe_valid = snapshot.probe_valid,
+                              .ct_from_probe = snapshot.ct_from_probe,
+                              .ct_from_needle = snapshot.ct_from_needle};
+  moment.changes = ChangesSince(scene_, shown, snapshot, images_changed);
+  if (rest_) {
+    const bool needed = stage_->NeedsRestMap(moment.changes);
+    const slicing::RestMap* rest = needed ? rest_->At(snapshot) : nullptr;
+    values.Set(ports::kRestMap, rest);
+    const Sleep idle = needed ? Sleep::kUndeformed : Sleep::kNothingMoved;
+    watch.EndOf(StageId::kDeformation, rest != nullptr ? Sleep::kAwake : idle);
+  }
+  std::optional<image::NeedleInImage> needle;
+  if (Reads(ports::kNeedlePreset)) needle = NeedleInPicture(scene_, snapshot);
+  moment.needle = needle ? &*needle : nullptr;
+  std::optional<breathing::MotionMap> breath;
+  if (Reads(ports::kBreath)) {
+    breath.emplace(scene_.breathing->At(snapshot.session_s, snapshot.breath));
+    moment.breath = &*breath;
+  }
+  values.Set(ports::kProbe, &snapshot.ct_from_probe);
+  const bool has_state = effect_.step != nullptr && snapshot.memory != nullptr;
+  moment.state = has_state ? effect_.StateIn(*snapshot.memory) : nullptr;
+  watch.EndOf(effect_.image_id, SleepAfter(stage_->Render(moment, values, out)));
+}
+
+}  // namespace acus::simulation

@@ -1,0 +1,51 @@
+// Images that effects of the list add to a scene.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/moment_rest.h"
+
+namespace acus::simulation {
+
+/// An image, and the effect whose it is.
+struct EffectImage {
+  std::string_view key;
+  std::string_view title;
+  effects::EffectPixels pixels;
+};
+
+/// Renders the image of one effect. One for each thread.
+class EffectImageRenderer {
+ public:
+  /// @param scene, effect  Must outlive this. @pre the plan has the effect's stage at every image.
+  /// @param context  Has the number of threads that share each image.
+  /// @throws InputError if a setting of the effect does not fit the patient.
+  EffectImageRenderer(const Scene& scene, const ListedEffect& effect, const RunContext& context);
+
+  const ListedEffect& effect() const { return effect_; }
+  const effects::ImageStage& stage() const { return *stage_; }
+
+  /// @param images  Those of the probe at this moment; null: rendered here if the stage reads them.
+  /// @param times  If given, what each stage did is added to it.
+  /// @param shown  The moment that `out` shows already: what would be the same is left as it is.
+  ///     Null: there is none.
+  void Render(const Snapshot& snapshot, const Images* images, effects::EffectPixels& out,
+              StageTimes* times = nullptr, const Snapshot* shown = nullptr);
+
+ private:
+  bool Reads(effects::PortRef port) const { return scene_.plan.Reads(effect_.image_id, port); }
+  bool ImagesHaveChanged(const Snapshot& snapshot, const Snapshot* shown) const;
+
+  const Scene& scene_;
+  const ListedEffect& effect_;
+  int num_threads_;
+  effects::PortValues constant_;
+  std::unique_ptr<effects::ImageStage> stage_;
+  std::optional<MomentRest> rest_;         ///< If the stage reads it.
+  std::optional<ImageRenderer> of_probe_;  ///< The same.
+  Images images_;
+};
+
+}  // namespace acus::simulation
