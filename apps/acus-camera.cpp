@@ -1,4 +1,4 @@
-// acus-camera: print boards and facets, calibrate a camera, track facets in pictures.
+// acus-camera: print boards and facets, calibrate and place cameras, track facets in pictures.
 #include <CLI/CLI.hpp>
 #include <iostream>
 
@@ -6,6 +6,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/run_main.h"
 #include "acus/rig/camera/calibration.h"
+#include "acus/rig/camera/rig_tasks.h"
 #include "acus/rig/camera/sheet.h"
 #include "acus/rig/camera/tracking_run.h"
 
@@ -28,12 +29,6 @@ fs::path Find(const fs::path& name, acus::RunContext& context) {
   return path;
 }
 
-std::vector<fs::path> Files(const Options& o, acus::RunContext& context) {
-  const auto files = PictureFiles(o.pictures);
-  for (const fs::path& file : files) context.provenance.AddInput(file);
-  return files;
-}
-
 void Print(const Options& o, const fs::path& folder, acus::RunContext& context) {
   WriteSheets(folder, "board", {BoardSheet(ReadBoard(Find(o.board, context)))});
   WriteSheets(folder, "facets", FacetSheets(ReadFacets(Find(o.facets, context))));
@@ -41,23 +36,18 @@ void Print(const Options& o, const fs::path& folder, acus::RunContext& context) 
 }
 
 void Calibrate(const Options& o, const fs::path& folder, acus::RunContext& context) {
-  const auto result =
-      CalibrateCamera(Files(o, context), ReadBoard(Find(o.board, context)), o.calibration, context);
+  const auto result = CalibrateCamera(PictureFiles(o.pictures), ReadBoard(Find(o.board, context)),
+                                      o.calibration, context);
   for (const std::string& warning : result.warnings) context.Warn(warning);
   WriteResult(folder, result, context);
   std::cout << TableText(result);
 }
 
 void Track(const Options& o, const fs::path& folder, acus::RunContext& context) {
-  const auto run = TrackPictures(Files(o, context), ReadCamera(Find(o.camera, context)),
+  const auto run = TrackPictures(PictureFiles(o.pictures), ReadCamera(Find(o.camera, context)),
                                  ReadFacets(Find(o.facets, context)), o.rate_hz, context);
   WriteResult(folder, run, context);
   std::cout << TableText(run);
-}
-
-void Sample(const Options& o, const fs::path& folder, acus::RunContext& context) {
-  WriteSamples(folder, ReadCamera(Find(o.camera, context)), ReadBoard(Find(o.board, context)),
-               ReadFacets(Find(o.facets, context)), o.count, context);
 }
 
 }  // namespace
@@ -80,6 +70,9 @@ int main(int argc, char** argv) {
         ->required()
         ->check(CLI::ExistingDirectory);
   }
+  const RigTasks rig = AddRigTasks(app);
+  calibrate->add_option("--limit-px", o.calibration.limit_px, "Larger errors (RMS) are an error")
+      ->check(CLI::Range(0.01, 100.0));
   calibrate->add_flag("--fit-k3", o.calibration.fit_k3, "For wide lenses: fit k3 too");
   track->add_option("--rate-hz", o.rate_hz, "Of the pictures")->check(CLI::Range(0.01, 1e4));
   sample->fallthrough()->add_option("--count", o.count, "Pictures")->check(CLI::Range(1, 9999));
@@ -89,10 +82,18 @@ int main(int argc, char** argv) {
       "  acus-camera track sample/facets --camera calibrated/camera.json -o tracked");
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     acus::AtomicFolder folder(o.output, context.overwrite);
-    (print->parsed()       ? Print
-     : calibrate->parsed() ? Calibrate
-     : track->parsed()     ? Track
-                           : Sample)(o, folder.path(), context);
+    if (!o.pictures.empty()) {
+      for (const fs::path& file : PictureFiles(o.pictures)) context.provenance.AddInput(file);
+    }
+    if (print->parsed()) Print(o, folder.path(), context);
+    if (calibrate->parsed()) Calibrate(o, folder.path(), context);
+    if (track->parsed()) Track(o, folder.path(), context);
+    if (sample->parsed()) {
+      WriteSamples(folder.path(), ReadCamera(Find(o.camera, context)),
+                   ReadBoard(Find(o.board, context)), ReadFacets(Find(o.facets, context)), o.count,
+                   context);
+    }
+    std::cout << rig(o.board, folder.path(), context);
     folder.Commit();
     return acus::ExitCode::kOk;
   });

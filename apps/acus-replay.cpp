@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   std::filesystem::path transform_path;
   std::filesystem::path exercise_path;
   std::vector<std::string> changes;
+  std::string series;
   std::string png = "events";
   bool explain = false;
   bool check = false;
@@ -32,6 +33,7 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingPath);
   app.add_option("--ct", ct_path, "The patient's CT, in place of the scenario's")
       ->check(CLI::ExistingPath);
+  app.add_option("--series", series, "Of a DICOM folder: the UID, or a part of it");
   app.add_option("--labels", labels_path, "The patient's label map, in place of the scenario's")
       ->check(CLI::ExistingFile);
   app.add_option("--transform", transform_path,
@@ -52,7 +54,7 @@ int main(int argc, char** argv) {
   app.add_flag("--explain", explain,
                "Print the effect plan: stages and why they are in, out or asleep, what they read\n"
                "and write, measured cost. Without a session: what is known beforehand");
-  app.add_flag("--check", check, "Check the scenario and its files, run nothing");
+  app.add_flag("--check", check, "Load everything as a run does, up to its first step");
   app.callback([&] {
     check = check || (explain && session_path.empty());
     if (session_path.empty() && !check) throw CLI::RequiredError("session");
@@ -71,6 +73,7 @@ int main(int argc, char** argv) {
       if (!path.empty()) overrides.push_back({pointer, path.string()});
     };
     set_path("/patient/ct", ct_path);
+    set_path("/patient/series", series);
     set_path("/patient/labels", labels_path);
     set_path("/patient/ct_from_reference_file", transform_path);
     options.png = acus::replay::PngChoices().at(png);
@@ -82,6 +85,9 @@ int main(int argc, char** argv) {
     }
     if (check) {
       using acus::replay::PlanDetail;
+      if (!explain || !session_path.empty()) {
+        acus::replay::RequireRunnable(scenario, session_path, options.exercise, context);
+      }
       const auto detail = explain ? PlanDetail::kAll : PlanDetail::kStages;
       std::cout << acus::replay::CheckText(scenario, session_path, detail, context);
       return acus::ExitCode::kOk;

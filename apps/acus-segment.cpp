@@ -4,6 +4,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/run_main.h"
+#include "acus/data/volume/dicom_series.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
 #include "acus/patient/segmentation/spine.h"
@@ -56,10 +57,7 @@ int main(int argc, char** argv) {
 
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     if (list_series) {
-      for (const auto& found : acus::volume::ListDicomSeries(ct_path)) {
-        std::cout << found.uid << "  " << found.files.size() << " slices of " << found.image_size[0]
-                  << " x " << found.image_size[1] << "  " << found.description << '\n';
-      }
+      std::cout << acus::volume::SeriesTable(ct_path, context);
       return acus::ExitCode::kOk;
     }
     using acus::config::FindConfig;

@@ -23,3 +23,18 @@ acus_add_cli_case(acus-camera.other_size EXIT 3 LEAVES_NOTHING TIMEOUT 300
   COMMAND acus-camera track sample/facets --camera cameras/micron_tracker_2010.json -o tracked)
 acus_add_cli_case(acus-camera.no_camera EXIT 3 LEAVES_NOTHING STDERR "none.json"
   COMMAND acus-camera sample --camera none.json -o sample)
+acus_add_cli_case(acus-camera.rows_and_columns EXIT 4 LEAVES_NOTHING TIMEOUT 300
+  BEFORE "acus-camera sample --count 7 -o sample\necho '{\"format\": \"acus-camera-board/1\", \"name\": \"b\", \"dictionary\": \"aruco_5x5_100\", \"columns\": 9, \"rows\": 6, \"square_mm\": 27, \"paper_mm\": [297, 210]}' > swapped.json"
+  STDERR "as on one of 6 columns and 9 rows .rows and columns are swapped."
+  COMMAND acus-camera calibrate sample/board --board swapped.json -o calibrated)
+acus_add_cli_case(acus-camera.stereo_twice EXIT 3|4 LEAVES_NOTHING TIMEOUT 300
+  BEFORE "acus-camera sample --count 2 -o sample\nacus-camera sample --count 1 -o other"
+  STDERR "2 images of the left camera, but 1 of the right"
+  COMMAND acus-camera stereo sample/board other/board -o pair
+          --left-camera ${CMAKE_SOURCE_DIR}/configs/cameras/webcam_720p.json
+          --right-camera ${CMAKE_SOURCE_DIR}/configs/cameras/webcam_720p.json)
+acus_add_cli_case(acus-camera.hand_eye_counts EXIT 3 LEAVES_NOTHING TIMEOUT 300
+  BEFORE "acus-camera sample --count 2 -o sample\nprintf 'time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,status\\n0,0,0,0,1,0,0,0,OK\\n' > body.csv"
+  STDERR "body.csv: has 1 poses, sample/board has 2 images"
+  COMMAND acus-camera hand-eye sample/board --poses body.csv -o eye
+          --camera-file ${CMAKE_SOURCE_DIR}/configs/cameras/webcam_720p.json)

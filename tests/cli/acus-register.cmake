@@ -109,3 +109,16 @@ acus_add_cli_case(acus-register.warp_ignores_no_option EXIT 2 LEAVES_NOTHING BEF
   STDERR "--fle-mm: is not for warp"
   COMMAND acus-register warp --ct body_ct.nrrd --labels body_labels.nrrd --skin skin.obj
           --mannequin skin.obj --fle-mm 1 -o warped)
+# Poses turn, but the tip moves with them by decimetres.
+acus_add_cli_case(acus-register.pivot_not_pivoted EXIT 4 LEAVES_NOTHING
+  BEFORE "${register_inputs}"
+  STDERR "the pointer was moved, not pivoted" COMMAND acus-register pivot handle.csv -o pointer)
+acus_add_cli_case(acus-register.pivot_limit EXIT 2 LEAVES_NOTHING BEFORE "${register_inputs}"
+  STDERR "--limit-mm" COMMAND acus-register pivot poses --limit-mm -1 -o pointer)
+acus_add_cli_case(acus-register.temporal EXIT 0 BEFORE "${register_inputs}"
+  STDOUT "add to the other's times +-6[45]\\.[0-9]+ ms" CREATES lag/registration.json lag/lags.svg
+  COMMAND acus-register temporal --tracker log1.csv --other log2.csv -o lag)
+acus_add_cli_case(acus-register.temporal_nothing EXIT 2 BEFORE "${register_inputs}" LEAVES_NOTHING
+  STDERR "--other or --video" COMMAND acus-register temporal --tracker still.csv -o lag)
+acus_add_cli_case(acus-register.temporal_still EXIT 4 BEFORE "${register_inputs}" LEAVES_NOTHING
+  STDERR "explains" COMMAND acus-register temporal --tracker log1.csv --other still.csv -o lag)

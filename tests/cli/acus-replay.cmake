@@ -93,3 +93,13 @@ acus_add_cli_case(acus-replay.exercise_without_target EXIT 3 NEEDS inputs LEAVES
   STDERR "has a goal for .tip to target at the end." "they give: needle elapsed time"
   COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run --no-film
           --exercise exercises/lumbar_puncture.json)
+# What a run refuses before its first step, the check refuses, too.
+acus_add_cli_case(acus-replay.check_no_table EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "needle" COMMAND acus-replay $INPUTS/scenario.json ${patient} --check
+          --set /needle=nowhere/needle.json)
+acus_add_cli_case(acus-replay.check_broken_table EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "echo '{}' > broken.json" STDERR "broken.json"
+  COMMAND acus-replay $INPUTS/scenario.json ${patient} --check --set /effects/needle_force/table=$PWD/broken.json)
+acus_add_cli_case(acus-replay.check_labels_of_another EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "head -c 900 $INPUTS/labels.seg.nrrd > cut.seg.nrrd" STDERR "cut.seg.nrrd"
+  COMMAND acus-replay $INPUTS/scenario.json --ct $INPUTS/ct.nrrd --labels cut.seg.nrrd --check)

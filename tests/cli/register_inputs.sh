@@ -61,6 +61,11 @@ awk -v header="$header" 'BEGIN { print header > "handle.csv"; print header > "ma
     printf "%.2f,%.9f,%.9f,%.9f,%.12f,%.12f,%.12f,0,OK\n", 0.05 * i, x + mx, y + my, z + mz + 500,
       cx * cy, sx, sy > "marker.csv"
   } }'
+# One motion by two trackers, the clock of the second 64.8 ms ahead.
+awk -v header="$header" 'BEGIN { split("0 0.0648", ahead, " ")
+  for (k = 1; k <= 2; ++k) { file = "log" k ".csv"; print header > file
+    for (i = 0; i < 300; ++i) { t = i / 20; p = 2 * t + 0.05 * t * t
+      printf "%.4f,%.5f,%.5f,3,1,0,0,0,OK\n", t + ahead[k], 40 * sin(p), 20 * cos(0.7 * p) > file } } }'
 # Two facets 100 mm apart on a mannequin that moves; CT is turned by a quarter about z.
 printf 'facet,name,x_mm,y_mm,z_mm\n' > facets.csv
 printf 'facet,name,x_mm,y_mm,z_mm\n' > facets_ct.csv

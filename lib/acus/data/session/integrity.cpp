@@ -10,6 +10,10 @@ namespace acus::session {
 namespace {
 
 constexpr double kSecondsPerNs = 1e-9;
+/// Ten standard deviations of white noise are some six median steps of it.
+constexpr double kMotionOverNoise = 20.0;
+/// No tracker sees farther, m.
+constexpr double kFarthestOfMetres = 10.0;
 
 void RequirePositive(double value, const char* name) {
   ACUS_REQUIRE(value > 0.0, name, " is ", value, "; it must be positive");  // Not for NaN either.
@@ -85,6 +89,32 @@ double ExtentMm(const PoseStream& stream) {
   return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
 }
 
+double FarthestMm(const PoseStream& stream) {
+  double farthest_mm = 0.0;
+  for (const PoseSample& sample : stream) {
+    if (!sample.valid) continue;
+    farthest_mm =
+        std::max(farthest_mm, sample.reference_from_tool.translation().cwiseAbs().maxCoeff());
+  }
+  return farthest_mm;
+}
+
+double MedianStepMm(const PoseStream& stream) {
+  std::vector<double> steps_mm;
+  const PoseSample* last = nullptr;
+  for (const PoseSample& sample : stream) {
+    if (!sample.valid) continue;
+    const double step_mm =
+        last == nullptr
+            ? 0.0
+            : (sample.reference_from_tool.translation() - last->reference_from_tool.translation())
+                  .norm();
+    if (step_mm > 0.0) steps_mm.push_back(step_mm);
+    last = &sample;
+  }
+  return steps_mm.empty() ? 0.0 : math::Median(steps_mm);
+}
+
 std::string Sentence(const std::string& tool, const std::vector<IntegrityEvent>& events,
                      const char* what, const char* unit) {
   const auto worst = std::ranges::max_element(events, {}, &IntegrityEvent::amount);
@@ -105,6 +135,8 @@ IntegrityReport CheckIntegrity(const PoseStream& stream, const IntegrityLimits& 
   FindJumps(stream, limits, report);
   FindInvalidRuns(stream, report);
   report.extent_mm = ExtentMm(stream);
+  report.median_step_mm = MedianStepMm(stream);
+  report.farthest_mm = FarthestMm(stream);
   return report;
 }
 
@@ -127,8 +159,10 @@ std::vector<std::string> Describe(const IntegrityReport& report, const std::stri
                 ", together ", report.num_invalid, " of ", report.num_samples, " samples"));
   }
   // A hand that moved for seconds comes at least this far; a tool that lies still shows no more
-  // than the tracker's noise.
-  if (report.duration_s > 2.0 && report.extent_mm > 0.05 && report.extent_mm < 2.0) {
+  // than the tracker's noise, which is as large from sample to sample as over all of them.
+  const bool moves = report.farthest_mm < kFarthestOfMetres &&
+                     report.extent_mm > kMotionOverNoise * report.median_step_mm;
+  if (report.duration_s > 2.0 && report.extent_mm > 0.05 && report.extent_mm < 2.0 && moves) {
     sentences.push_back(Message(tool, ": moves by no more than ", report.extent_mm, " mm in ",
                                 report.duration_s,
                                 " s. If it did move, its coordinates are in metres: they are "

@@ -33,8 +33,10 @@ struct IntegrityReport {
   double longest_interval_s = 0.0;
   std::size_t num_repeated =
       0;  ///< Samples with the time stamp of the one before, or an earlier one.
-  std::size_t num_frozen = 0;  ///< Valid samples whose pose equals the one before in every bit.
-  double extent_mm = 0.0;      ///< Of the valid positions, along the axis where it is largest.
+  std::size_t num_frozen = 0;   ///< Valid samples whose pose equals the one before in every bit.
+  double extent_mm = 0.0;       ///< Of the valid positions, along the axis where it is largest.
+  double median_step_mm = 0.0;  ///< Between neighbours that differ.
+  double farthest_mm = 0.0;     ///< Largest coordinate of the valid positions.
   std::vector<IntegrityEvent> gaps;
   std::vector<IntegrityEvent> jumps;
   std::vector<IntegrityEvent> invalid_runs;

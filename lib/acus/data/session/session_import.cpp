@@ -1,7 +1,13 @@
 #include "acus/data/session/session_import.h"
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/text_table.h"
 #include "acus/base/core/words.h"
+#include "acus/data/session/column_csv.h"
+#include "acus/data/session/frame_guess.h"
+#include "acus/data/session/integrity.h"
+#include "acus/data/session/perk_buffer.h"
+#include "acus/data/session/recording_import.h"
 #include "acus/data/session/sequence_file.h"
 #include "acus/data/session/session_io.h"
 #include "acus/data/session/slicer_scene.h"
@@ -65,16 +71,67 @@ ImportedSession Assemble(const std::string& label, const ImportOptions& options,
   throw InputError(Message(label, ": none of the frames ", Joined(options.needle_frames), ", ",
                            Joined(options.probe_frames), " is connected with ",
                            options.reference_frame, "; its transforms are: ", transforms,
-                           ". Name the frames that are the needle, the probe and the reference"));
+                           transforms == "none"
+                               ? ". It has no poses of tools: only images"
+                               : ". Name the frames that are the needle, the probe and the "
+                                 "reference: --needle, --probe and --reference of acus-import, or "
+                                 "/session of a scenario"));
+}
+
+bool LacksTimes(const SequenceFile& file) {
+  for (std::size_t i = 0; i < file.num_frames(); ++i) {
+    if (!file.TimeNs(i)) return true;
+  }
+  return false;
+}
+
+/// Whether no frame was named: then frames of other names may be taken.
+bool HasDefaultFrames(const ImportOptions& options) {
+  const ImportOptions defaults;
+  return options.needle_frames == defaults.needle_frames &&
+         options.probe_frames == defaults.probe_frames &&
+         options.reference_frame == defaults.reference_frame;
+}
+
+/// The options with frames that the recording has, and a warning that names them.
+std::optional<ImportOptions> Guessed(const std::vector<transforms::TransformName>& names,
+                                     const ImportOptions& options, const std::string& label,
+                                     const RunContext& context) {
+  const auto guess = HasDefaultFrames(options) ? GuessFrames(names) : std::nullopt;
+  if (!guess) return {};
+  ImportOptions guessed = options;
+  guessed.reference_frame = guess->reference;
+  guessed.needle_frames = guess->needle;
+  guessed.probe_frames = guess->probe;
+  if (HasDefaultFrames(guessed)) return {};  // They are there, but not connected.
+  context.Warn(Message(label, ": no usual frame is connected with Reference; poses are taken in ",
+                       guess->reference, ", the needle is ",
+                       guess->needle.empty() ? "none" : guess->needle.front(), ", the probe ",
+                       guess->probe.empty() ? "none" : guess->probe.front(),
+                       "; --needle, --probe and --reference of acus-import choose others"));
+  return guessed;
+}
+
+std::vector<transforms::TransformName> NamesOfFrames(const SequenceFile& file) {
+  std::vector<transforms::TransformName> names;
+  for (const std::string& field : file.header().frame_field_names()) {
+    const auto name = transforms::ParseTransformName(field);
+    const bool is_transform = name && !field.ends_with("Status") && name->from != name->to;
+    if (is_transform) names.push_back(*name);
+  }
+  return names;
 }
 
 std::vector<TimedTransforms> Instants(const SequenceFile& file, const std::string& label,
-                                      const ImportOptions& options) {
+                                      const ImportOptions& options, double frame_rate_hz) {
   const transforms::TransformGraph calibrations = Calibrations(options);
   std::vector<TimedTransforms> instants(file.num_frames());
+  const bool makes_up = frame_rate_hz > 0.0 && LacksTimes(file);
   for (std::size_t i = 0; i < instants.size(); ++i) {
-    const auto time_ns = file.TimeNs(i);
-    ACUS_REQUIRE(time_ns, label, ": frame ", i, ": has no Timestamp; it cannot be replayed");
+    const auto time_ns =
+        makes_up ? std::llround(1e9 * static_cast<double>(i) / frame_rate_hz) : file.TimeNs(i);
+    ACUS_REQUIRE(time_ns, label, ": frame ", i,
+                 ": has no Timestamp; 'acus-import --frame-rate-hz' makes time stamps of a rate");
     instants[i] = {*time_ns, file.Transforms(i)};
     instants[i].transforms.AddMissing(calibrations);
   }
@@ -98,22 +155,26 @@ fs::path SceneOf(const fs::path& folder) {
 
 }  // namespace
 
-ImportedSession ReadPlusSession(const fs::path& path, const ImportOptions& options,
-                                const RunContext& context) {
+namespace {
+
+ImportedSession ReadSequenceSession(const fs::path& path, const ImportOptions& options,
+                                    double frame_rate_hz, const RunContext& context) {
   const std::string label = path.string();
   const SequenceFile file(path);
-  const auto instants = Instants(file, label, options);
+  const auto instants = Instants(file, label, options, frame_rate_hz);
   auto needle =
       ExtractTool(instants, options.needle_frames, options.reference_frame, label, context);
   auto probe = ExtractTool(instants, options.probe_frames, options.reference_frame, label, context);
-  if (!needle && !probe) NothingFound(label, options, instants.front().transforms.Names());
+  if (!needle && !probe) {
+    const auto guessed = Guessed(NamesOfFrames(file), options, label, context);
+    if (guessed) return ReadSequenceSession(path, *guessed, frame_rate_hz, context);
+    NothingFound(label, options, instants.front().transforms.Names());
+  }
   return Assemble(label, options, std::move(needle), std::move(probe));
 }
 
-ImportedSession ReadSlicerSession(const fs::path& path, const ImportOptions& options,
-                                  const RunContext& context) {
-  const std::string label = path.string();
-  SlicerScene scene = ReadSlicerScene(fs::is_directory(path) ? SceneOf(path) : path);
+ImportedSession SessionOfScene(SlicerScene scene, const std::string& label,
+                               const ImportOptions& options, const RunContext& context) {
   scene.fixed.AddMissing(Calibrations(options));
   const auto extract = [&](const std::vector<std::string>& frames) -> std::optional<ToolStream> {
     for (const std::string& frame : frames) {
@@ -126,12 +187,60 @@ ImportedSession ReadSlicerSession(const fs::path& path, const ImportOptions& opt
   };
   auto needle = extract(options.needle_frames);
   auto probe = extract(options.probe_frames);
-  if (!needle && !probe) NothingFound(label, options, TransformNames(scene));
+  if (!needle && !probe) {
+    std::vector<transforms::TransformName> names;
+    for (const auto& [name, entries] : scene.sequences) {
+      names.push_back(*transforms::ParseTransformName(name));
+    }
+    const auto guessed = Guessed(names, options, label, context);
+    if (guessed) return SessionOfScene(std::move(scene), label, *guessed, context);
+    NothingFound(label, options, TransformNames(scene));
+  }
   return Assemble(label, options, std::move(needle), std::move(probe));
+}
+
+std::string ToolReport(const std::string& tool, const std::string& frame, const PoseStream& stream,
+                       const std::string& option) {
+  if (stream.empty()) {
+    return Message(tool, ": none; a scenario with effects of the ", tool,
+                   " needs it: name its "
+                   "frame with ",
+                   option, ", or leave these effects out\n");
+  }
+  const IntegrityReport report = CheckIntegrity(stream);
+  const auto seen = report.num_samples - report.num_invalid;
+  std::string text = Message(
+      tool, ": frame ", frame, ", ", report.num_samples, " samples in ",
+      RoundedText(report.duration_s, 4), " s (",
+      report.median_interval_s > 0.0 ? RoundedText(1.0 / report.median_interval_s, 3) : "-",
+      " Hz), seen in ",
+      std::lround(100.0 * static_cast<double>(seen) / static_cast<double>(report.num_samples)),
+      " %\n");
+  for (const std::string& sentence : Describe(report, tool)) text += "  " + sentence + "\n";
+  return text;
+}
+
+}  // namespace
+
+ImportedSession ReadPlusSession(const fs::path& path, const ImportOptions& options,
+                                const RunContext& context) {
+  return ReadSequenceSession(path, options, 0.0, context);
+}
+
+ImportedSession ReadSlicerSession(const fs::path& path, const ImportOptions& options,
+                                  const RunContext& context) {
+  return SessionOfScene(ReadSlicerScene(fs::is_directory(path) ? SceneOf(path) : path),
+                        path.string(), options, context);
 }
 
 ImportedSession ReadAnySession(const fs::path& path, const ImportOptions& options,
                                const RunContext& context) {
+  return ImportRecording(path, {.frames = options}, context);
+}
+
+ImportedSession ImportRecording(const fs::path& path, const RecordingOptions& recording,
+                                const RunContext& context) {
+  const ImportOptions& options = recording.frames;
   ACUS_REQUIRE(fs::exists(path), path.string(), ": there is no such file or folder");
   if (fs::is_directory(path) && fs::exists(path / "session.json")) {
     ImportedSession own;
@@ -144,10 +253,38 @@ ImportedSession ReadAnySession(const fs::path& path, const ImportOptions& option
   if (fs::is_directory(path) || ending == ".mrml" || ending == ".mrb") {
     return ReadSlicerSession(path, options, context);
   }
-  ACUS_REQUIRE(ending == ".mha" || ending == ".mhd" || ending == ".nrrd", path.string(),
-               ": is not a session; allowed: a session folder (with session.json), a PLUS sequence "
-               "(.igs.mha, .igs.mhd, .igs.nrrd), a Slicer scene (.mrml, .mrb, or its folder)");
-  return ReadPlusSession(path, options, context);
+  if (ending == ".xml") {
+    return SessionOfScene(ReadPerkBuffer(path), path.string(), options, context);
+  }
+  if (ending == ".csv") {
+    ACUS_REQUIRE(
+        !recording.columns.empty(), path.string(),
+        ": 'acus-import --columns MAPPING' reads it; a mapping (acus-columns/1) says which "
+        "columns hold what, such as columns/optitrack_motive.json");
+    ImportedSession imported;
+    imported.session = ReadColumnCsv(path, recording.columns);
+    if (!imported.session.needle.empty()) imported.needle_frame = "of the mapping";
+    if (!imported.session.probe.empty()) imported.probe_frame = "of the mapping";
+    return imported;
+  }
+  ACUS_REQUIRE(
+      ending == ".mha" || ending == ".mhd" || ending == ".nrrd", path.string(),
+      ": is not a session; allowed: a session folder (with session.json), a PLUS sequence "
+      "(.igs.mha, .igs.mhd, .igs.nrrd), a Slicer scene (.mrml, .mrb, or its folder), a transform "
+      "buffer of Perk Tutor (.xml); with acus-import also a tracker's .csv");
+  return ReadSequenceSession(path, options, recording.frame_rate_hz, context);
+}
+
+std::string ImportReport(const ImportedSession& imported) {
+  const Session& session = imported.session;
+  std::string text = Message("reference: ", session.reference_frame, "\n") +
+                     ToolReport("needle", imported.needle_frame, session.needle, "--needle") +
+                     ToolReport("probe", imported.probe_frame, session.probe, "--probe");
+  if (imported.probe_mm_per_px) {
+    text += Message("  an image of ", imported.probe_mm_per_px->transpose(),
+                    " mm per pixel: --face-px moves the probe's origin to its transducer\n");
+  }
+  return text;
 }
 
 }  // namespace acus::session

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "acus/base/core/parallel.h"
+#include "acus/base/core/text_table.h"
 #include "acus/base/math/statistics.h"
 #include "acus/data/volume/dicom_header.h"
 #include "acus/data/volume/dicom_pixels.h"
@@ -122,7 +123,9 @@ Group Chosen(const fs::path& folder, const std::string& wanted, std::vector<Grou
                "; there are:", Listed(groups));
   ACUS_REQUIRE(fitting.size() == 1, folder.string(), ": ", fitting.size(), " series ",
                wanted.empty() ? "look like a CT" : Message("fit '", wanted, "'"),
-               "; choose one with --series and its UID or a part of it:", Listed(fitting));
+               "; choose one with --series and its UID or a part of it (/patient/series of a "
+               "scenario):",
+               Listed(fitting));
   return std::move(fitting.front());
 }
 
@@ -228,12 +231,72 @@ void RequireCtSlices(const fs::path& folder, const std::vector<DicomHeader>& hea
                " slices; at least 3 are needed");
 }
 
+/// "-512 to 3071": over all slices; "-" if the pixels cannot be decoded.
+std::string ValueRange(const Group& group, const RunContext& context) {
+  const auto count = static_cast<int>(group.headers.size());
+  std::vector<std::pair<int, int>> ranges(group.headers.size());
+  try {
+    ParallelFor(count, context.num_threads, [&](int i) {
+      const auto slice = DecodedSlice(group.headers[static_cast<std::size_t>(i)]);
+      const auto [low, high] = std::ranges::minmax(slice);
+      ranges[static_cast<std::size_t>(i)] = {low, high};
+    });
+  } catch (const InputError&) {
+    return "-";
+  }
+  const int low = std::ranges::min(ranges, {}, &std::pair<int, int>::first).first;
+  const int high = std::ranges::max(ranges, {}, &std::pair<int, int>::second).second;
+  return Message(low, " to ", high);
+}
+
+std::vector<std::string> RowOf(const Group& group, const fs::path& folder,
+                               const RunContext& context) {
+  const DicomHeader& first = group.headers.front();
+  std::string spacing = "-", field = "-";
+  if (first.is_placed) {
+    std::vector<double> steps_mm;
+    for (std::size_t i = 1; i < group.headers.size(); ++i) {
+      steps_mm.push_back(
+          (group.headers[i].position_mm - group.headers[i - 1].position_mm).dot(NormalOf(first)));
+    }
+    const double step_mm = steps_mm.empty() ? 0.0 : math::Median(steps_mm);
+    spacing = Message(RoundedText(first.spacing_mm[0], 3), " x ",
+                      RoundedText(first.spacing_mm[1], 3), " x ", RoundedText(step_mm, 3));
+    field = Message(std::lround(first.spacing_mm[0] * first.columns), " x ",
+                    std::lround(first.spacing_mm[1] * first.rows), " x ",
+                    std::lround(step_mm * static_cast<double>(group.headers.size())));
+  }
+  const std::string where = first.file.parent_path().lexically_relative(folder).string();
+  return {std::to_string(group.headers.size()),
+          Message(first.columns, " x ", first.rows),
+          spacing,
+          field,
+          first.modality.empty() ? "-" : first.modality,
+          ValueRange(group, context),
+          where.empty() ? "." : where,
+          group.series.description,
+          group.series.uid};
+}
+
 }  // namespace
 
 std::vector<DicomSeries> ListDicomSeries(const fs::path& folder) {
   std::vector<DicomSeries> series;
   for (Group& group : GroupsIn(folder, 1)) series.push_back(std::move(group.series));
   return series;
+}
+
+std::string SeriesTable(const fs::path& folder, const RunContext& context) {
+  const auto groups = GroupsIn(folder, context.num_threads);
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    context.Checkpoint("reading DICOM slices",
+                       static_cast<double>(i) / static_cast<double>(groups.size()));
+    rows.push_back(RowOf(groups[i], folder, context));
+  }
+  return TextTable({"slices", "pixels", "spacing mm", "field mm", "kind", "values HU", "folder",
+                    "description", "UID"},
+                   rows);
 }
 
 CtVolume ReadDicomCt(const fs::path& folder, const std::string& series, const RunContext& context) {

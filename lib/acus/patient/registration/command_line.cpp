@@ -18,6 +18,7 @@ struct Tasks {
   PivotTask pivot = {};
   TouchTask touch = {};
   HandEyeTask hand_eye = {};
+  TemporalTask temporal = {};
   FacetTask facets = {};
   TrackerTask tracker = {};
   SurfaceTask surface = {};
@@ -65,6 +66,9 @@ CLI::App* AddPivot(CLI::App& app, PivotTask& task) {
       ->required()
       ->check(ExistingPath);
   AddTool(*command, task.tool);
+  command->add_option("--limit-mm", task.limit_mm, "Larger residuals (RMS length) are an error")
+      ->check(Range(0.001, 1000.0))
+      ->capture_default_str();
   return command;
 }
 
@@ -111,6 +115,38 @@ CLI::App* AddHandEye(CLI::App& app, HandEyeTask& task) {
                       "Name of the tool in the device's session");
   command->add_option("--delay-s", task.delay_s, "Added to the tracker's times")
       ->check(Range(-1e9, 1e9));
+  command->add_option("--limit-mm", task.limit_mm, "Larger residuals (RMS) are an error")
+      ->check(Range(0.001, 1000.0))
+      ->capture_default_str();
+  return command;
+}
+
+CLI::App* AddTemporal(CLI::App& app, TemporalTask& task) {
+  CLI::App* command = app.add_subcommand(
+      "temporal", "Find the lag between the clocks of two recordings of one motion");
+  command->add_option("--tracker", task.tracker.log, "Recording of a tool that moves to and fro")
+      ->required()
+      ->check(ExistingPath);
+  command->add_option("--tool", task.tracker.tool, "Name of the tool in that recording");
+  command->add_option("--reference", task.tracker.reference, "Name of its reference");
+  auto* other = command->add_option("--other", task.other.log, "Another tracker's recording of it")
+                    ->check(ExistingPath);
+  command->add_option("--other-tool", task.other.tool, "Name of the tool in the other recording");
+  command->add_option("--other-reference", task.other.reference, "Name of its reference");
+  command
+      ->add_option("--video", task.video,
+                   "Or: a PLUS sequence of images in which a line moves (bottom of a water tank)")
+      ->check(ExistingFile)
+      ->excludes(other);
+  command->add_option("--max-lag-s", task.settings.max_lag_s, "Lags up to this are searched")
+      ->check(Range(0.001, 60.0))
+      ->capture_default_str();
+  command->add_option("--delay-s", task.delay_s, "Added to the other's times before the search")
+      ->check(Range(-1e9, 1e9));
+  command->callback([&task] {
+    if (task.other.log.empty() && task.video.empty())
+      throw CLI::RequiredError("--other or --video");
+  });
   return command;
 }
 
@@ -222,6 +258,7 @@ std::function<std::string(RunContext& context)> AddTasks(CLI::App& app) {
       {AddPivot(app, tasks->pivot), runner(&Tasks::pivot), {"robust"}},
       {AddTouch(app, tasks->touch), runner(&Tasks::touch), of_points},
       {AddHandEye(app, tasks->hand_eye), runner(&Tasks::hand_eye), {}},
+      {AddTemporal(app, tasks->temporal), runner(&Tasks::temporal), {}},
       {AddFacets(app, tasks->facets), runner(&Tasks::facets), of_points},
       {AddTracker(app, tasks->tracker), runner(&Tasks::tracker), {}},
       {AddSurface(app, tasks->surface), runner(&Tasks::surface), {"target"}},

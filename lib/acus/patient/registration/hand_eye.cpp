@@ -22,6 +22,8 @@ using Matrix12 = Eigen::Matrix<double, 12, 12>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 
 constexpr double kLeastTurnDeg = 5.0;
+/// Of the pairs that must agree.
+constexpr double kLeastUsedPairs = 0.6;
 
 Matrix3d Cross(const Vector3d& v) {
   Matrix3d m;
@@ -229,6 +231,18 @@ HandEye CalibrateHandEye(Poses device_from_handle, Poses tracker_from_marker, do
   }
   Finish(device_from_handle, tracker_from_marker, arm_mm, normal, result);
   return result;
+}
+
+void RequireOneBody(const HandEye& result, double limit_mm) {
+  const auto used = static_cast<double>(std::ranges::count(result.used, true)) /
+                    static_cast<double>(result.used.size());
+  if (result.rms_mm <= limit_mm && used >= kLeastUsedPairs) return;
+  throw NoAnswerError(Message(
+      "the two sets of poses do not belong to one rigid body: ", result.rms_mm, " mm and ",
+      result.rms_deg, " deg RMS remain over ", std::lround(100.0 * used), " % of ",
+      result.used.size(), " pairs (allowed: ", limit_mm,
+      " mm, at least 60 %); probably the pairs are not of the same moments, another tool was "
+      "tracked, or the marker moved on its body"));
 }
 
 Isometry3d SolveAxXb(Poses handle_motion, Poses marker_motion) {

@@ -40,6 +40,12 @@ HandEye CalibrateHandEye(std::span<const Eigen::Isometry3d> device_from_handle,
                          std::span<const Eigen::Isometry3d> tracker_from_marker,
                          double arm_mm = 100.0);
 
+/// Refuses pairs of poses that are not of one body.
+/// @param limit_mm  Largest RMS of the residuals' lengths.
+/// @throws NoAnswerError if the residuals are larger or fewer than 60 % of the pairs were used; the
+///     message says what probably happened: clocks that differ, or a marker that moved on the body.
+void RequireOneBody(const HandEye& result, double limit_mm);
+
 /// X of A X = X B for pairs of *motions*: A takes the handle at one moment to another (in the
 /// handle's frame), B the marker. For devices whose base is not fixed to the tracker for long.
 /// Rotation by Park & Martin 1994 (doi:10.1109/70.326576), translation by least squares.

@@ -18,6 +18,11 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+/// Fewer poses than this share are not "the rest" that others do not fit to.
+constexpr double kLeastUsedShare = 0.6;
+/// Residuals of a pivoted tip are a small share of how far the marker moves.
+constexpr double kMovedShare = 0.2;
+
 constexpr double kMinTiltRad = 3.0 * std::numbers::pi / 180.0;
 
 /// Median length of a 3D normal vector with unit variance per axis.
@@ -100,6 +105,21 @@ void RequirePoses(std::span<const Isometry3d> poses) {
   ACUS_REQUIRE(poses.size() >= 3, "pivot calibration needs at least 3 poses, got ", poses.size());
 }
 
+double UsedShare(const PivotCalibration& calibration) {
+  return static_cast<double>(std::ranges::count(calibration.used, true)) /
+         static_cast<double>(calibration.used.size());
+}
+
+/// RMS distance of the tool's origin from its mean position.
+double OriginSpreadMm(std::span<const Isometry3d> poses) {
+  Vector3d mean = Vector3d::Zero();
+  for (const Isometry3d& pose : poses) mean += pose.translation();
+  mean /= static_cast<double>(poses.size());
+  double sum = 0.0;
+  for (const Isometry3d& pose : poses) sum += (pose.translation() - mean).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(poses.size()));
+}
+
 Isometry3d PoseFromRow(const Vector3d& position_mm, const Eigen::Quaterniond& rotation,
                        const std::string& where) {
   ACUS_REQUIRE(std::abs(rotation.norm() - 1.0) <= 1e-3, where, ": the quaternion's length is ",
@@ -163,6 +183,34 @@ PivotCalibration CalibratePivotRobustly(std::span<const Isometry3d> reference_fr
     residual_mm = result.residual_mm;
   }
   return FitUsed(reference_from_tool, used);
+}
+
+void RequirePivoted(const PivotCalibration& calibration, std::span<const Isometry3d> poses,
+                    double limit_mm) {
+  const double used = UsedShare(calibration);
+  if (calibration.residual_rms_mm <= limit_mm && used >= kLeastUsedShare) return;
+  const std::string what =
+      Message("the tip varies by ", calibration.residual_rms_mm, " mm RMS about one point over ",
+              std::lround(100.0 * used), " % of ", poses.size(), " poses (allowed: ", limit_mm,
+              " mm, at least 60 %): ");
+  const PivotCalibration robust = CalibratePivotRobustly(poses);
+  const double spread_mm = OriginSpreadMm(poses);
+  if (used == 1.0 && robust.residual_rms_mm <= limit_mm && UsedShare(robust) >= kLeastUsedShare) {
+    throw NoAnswerError(Message(what, std::ranges::count(robust.used, false),
+                                " poses do not fit the others, which "
+                                "agree to ",
+                                robust.residual_rms_mm, " mm; --robust leaves them out"));
+  }
+  if (calibration.residual_rms_mm > kMovedShare * spread_mm || used < kLeastUsedShare) {
+    throw NoAnswerError(
+        Message(what, "the pointer was moved, not pivoted (its marker moves by ", spread_mm,
+                " mm RMS); record only the time in which the tip rests in one hole, and check "
+                "--tool and --reference"));
+  }
+  throw NoAnswerError(Message(what,
+                              "the tip slid, or the reference moved; press the tip into a small "
+                              "hole and name the reference that is fixed to it (--reference); "
+                              "--limit-mm accepts a tracker with larger errors"));
 }
 
 std::vector<Isometry3d> ReadPoses(const std::filesystem::path& path) {

@@ -33,6 +33,14 @@ PivotCalibration CalibratePivot(std::span<const Eigen::Isometry3d> reference_fro
 /// Stands up to about a third of wrong poses.
 PivotCalibration CalibratePivotRobustly(std::span<const Eigen::Isometry3d> reference_from_tool);
 
+/// Refuses a calibration that cannot be that of a pivoted pointer.
+/// @param limit_mm  Largest RMS length of the residuals.
+/// @throws NoAnswerError if the residuals are larger or fewer than 60 % of the poses were used. The
+///     message says what probably happened: outliers, a pointer that was not pivoted, or a tip that
+///     slid.
+void RequirePivoted(const PivotCalibration& calibration,
+                    std::span<const Eigen::Isometry3d> reference_from_tool, double limit_mm);
+
 /// Poses reference_from_tool of one file or folder: a folder of text files with 4 x 4 matrices (in
 /// order of name), one such file, or a CSV stream of a session (x_mm, y_mm, z_mm, qw, qx, qy, qz;
 /// rows whose status is not OK are left out).

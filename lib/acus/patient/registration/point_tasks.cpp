@@ -159,6 +159,7 @@ std::string Run(const PivotTask& task, const fs::path& folder, RunContext& conte
     for (const Eigen::Isometry3d& pose : ReadPoses(path)) poses.push_back(pose);
   }
   const auto result = task.robust ? CalibratePivotRobustly(poses) : CalibratePivot(poses);
+  RequirePivoted(result, poses, task.limit_mm);
   const auto plot = report::ResidualPlot("Residuals of the poses", {}, result.residual_mm);
   AtomicFolder output(folder, context.overwrite);
   WriteResult(output.path(), result, context);

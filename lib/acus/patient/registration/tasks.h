@@ -10,6 +10,7 @@
 #include "acus/patient/registration/landmark_registration.h"
 #include "acus/patient/registration/surface_registration.h"
 #include "acus/patient/registration/surface_warp.h"
+#include "acus/patient/registration/temporal.h"
 #include "acus/patient/registration/touches.h"
 
 namespace acus::registration {
@@ -35,6 +36,7 @@ struct PivotTask {
   std::vector<std::filesystem::path> poses = {};  ///< See registration::ReadPoses; or recordings.
   LogTool tool = {};                              ///< Names, for recordings.
   bool robust = false;
+  double limit_mm = 5.0;  ///< Largest RMS length of the residuals that is accepted.
 };
 
 /// Points touched with a pointer, found in its recording, to those of a file.
@@ -52,7 +54,17 @@ struct TouchTask {
 struct HandEyeTask {
   LogTool device = {};
   LogTool tracker = {};
-  double delay_s = 0.0;  ///< What the tracker's clock is behind the device's.
+  double limit_mm = 5.0;  ///< Largest RMS of the residuals that is accepted.
+  double delay_s = 0.0;   ///< What the tracker's clock is behind the device's.
+};
+
+/// Two recordings of one motion: what their clocks differ by.
+struct TemporalTask {
+  LogTool tracker = {};
+  LogTool other = {};
+  std::filesystem::path video = {};  ///< In place of `other`: a sequence with images of a line.
+  double delay_s = 0.0;              ///< Added to the other's times before the search.
+  TemporalSettings settings = {};
 };
 
 /// Poses of facets on an object, to the places of their points in CT.
@@ -102,6 +114,7 @@ std::string Run(const LandmarkTask& task, const std::filesystem::path& folder, R
 std::string Run(const PivotTask& task, const std::filesystem::path& folder, RunContext& context);
 std::string Run(const TouchTask& task, const std::filesystem::path& folder, RunContext& context);
 std::string Run(const HandEyeTask& task, const std::filesystem::path& folder, RunContext& context);
+std::string Run(const TemporalTask& task, const std::filesystem::path& folder, RunContext& context);
 std::string Run(const FacetTask& task, const std::filesystem::path& folder, RunContext& context);
 std::string Run(const TrackerTask& task, const std::filesystem::path& folder, RunContext& context);
 std::string Run(const SurfaceTask& task, const std::filesystem::path& folder, RunContext& context);

@@ -188,6 +188,7 @@ std::string Run(const HandEyeTask& task, const fs::path& folder, RunContext& con
   const PosePairs pairs =
       PairUp(ReadTool(task.device, context), ReadTool(task.tracker, context), task.delay_s);
   const HandEye result = CalibrateHandEye(pairs.device_from_handle, pairs.tracker_from_marker);
+  RequireOneBody(result, task.limit_mm);
   const auto num_used = std::ranges::count(result.used, true);
   const json document = {{"format", "acus-hand-eye/1"},
                          {"handle_from_marker", MatrixRows(result.handle_from_marker)},

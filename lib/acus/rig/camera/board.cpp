@@ -15,10 +15,6 @@ namespace {
 
 using nlohmann::json;
 
-bool HoldsMarker(int column, int row) {
-  return (column + row) % 2 == 1;
-}
-
 /// Where a point of the board is, by the homography of one marker near it.
 std::optional<Eigen::Vector2d> ByMarker(const Marker& marker, const DetectedMarker& seen,
                                         const Eigen::Vector3d& point_mm) {
@@ -73,16 +69,26 @@ std::map<std::size_t, Guess> GuessCorners(const CalibrationBoard& board,
 
 }  // namespace
 
+bool CalibrationBoard::HoldsMarker(int column, int row) const {
+  const bool first = first_square == FirstSquare::kMarker ||
+                     (first_square == FirstSquare::kOpenCvLegacy && rows % 2 == 0);
+  return (column + row) % 2 == (first ? 0 : 1);
+}
+
 double CalibrationBoard::ModuleMm() const {
   const auto bits = static_cast<double>(MarkerBits(dictionary, 0).size());
   return square_mm / (bits + 2.0 + 2.0 * quiet_modules);
 }
 
 double CalibrationBoard::MarkerMm() const {
+  if (marker_mm > 0.0) return marker_mm;
   return square_mm - 2.0 * quiet_modules * ModuleMm();
 }
 
 std::vector<std::vector<bool>> CalibrationBoard::Modules() const {
+  ACUS_REQUIRE(marker_mm == 0.0, "board '", name,
+               "' was printed by another program (marker_mm is given), print it there; or take "
+               "quiet_modules in place of marker_mm");
   const auto per_square =
       MarkerBits(dictionary, 0).size() + 2 + 2 * static_cast<std::size_t>(quiet_modules);
   std::vector<std::vector<bool>> out(
@@ -144,14 +150,23 @@ CalibrationBoard ReadBoard(const std::filesystem::path& path) {
   board.columns = document.at("columns");
   board.rows = document.at("rows");
   board.square_mm = document.at("square_mm");
+  static const std::map<std::string, FirstSquare> kFirst = {
+      {"black", FirstSquare::kBlack},
+      {"marker", FirstSquare::kMarker},
+      {"opencv_legacy", FirstSquare::kOpenCvLegacy}};
+  board.first_square = kFirst.at(document.at("first_square"));
   board.quiet_modules = document.at("quiet_modules");
+  board.marker_mm = document.value("marker_mm", 0.0);
+  ACUS_REQUIRE(board.marker_mm < board.square_mm, path.string(), ": marker_mm is ", board.marker_mm,
+               ", its square ", board.square_mm, " mm; it must be smaller");
   board.paper_mm = {document.at("paper_mm").at(0).get<double>(),
                     document.at("paper_mm").at(1).get<double>()};
-  const int needed = board.columns * board.rows / 2;
+  const int needed = (board.columns * board.rows + (board.HoldsMarker(0, 0) ? 1 : 0)) / 2;
   const int size = DictionarySize(board.dictionary);
   ACUS_REQUIRE(needed <= size, path.string(), ": ", board.columns, " x ", board.rows,
                " squares need ", needed, " markers, ", board.dictionary, " has ", size,
                "; take a larger dictionary or fewer squares");
+  if (board.marker_mm > 0.0) return board;
   constexpr double kRoomMm = 12.0;  // For the ruler and words below it.
   ACUS_REQUIRE(board.columns * board.square_mm + kRoomMm <= board.paper_mm[0] &&
                    board.rows * board.square_mm + 2.0 * kRoomMm <= board.paper_mm[1],
@@ -165,7 +180,13 @@ std::vector<BoardCorner> FindBoardCorners(const Picture& picture, const Calibrat
                                           MarkerDetector& detector) {
   Picture grey;
   ToGrey(picture, grey);
-  const auto seen = detector.Detect(grey);
+  return FindBoardCorners(grey, board, detector.Detect(grey));
+}
+
+std::vector<BoardCorner> FindBoardCorners(const Picture& picture, const CalibrationBoard& board,
+                                          const std::vector<DetectedMarker>& seen) {
+  Picture grey;
+  ToGrey(picture, grey);
   std::vector<BoardCorner> found;
   if (seen.size() < 2) return found;
   for (const auto& [number, guess] : GuessCorners(board, seen)) {

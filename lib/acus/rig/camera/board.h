@@ -12,20 +12,31 @@
 
 namespace acus::camera {
 
-/// Its frame: origin in the middle, x to the right and y up as printed, z out of the paper. The top
-/// left square is black; markers are numbered row by row from the top left.
+/// Which squares hold the markers: programs that print such boards differ in this.
+enum class FirstSquare {
+  kBlack,        ///< The top left square is black: OpenCV from 4.6 on.
+  kMarker,       ///< The top left square holds marker 0.
+  kOpenCvLegacy  ///< OpenCV before 4.6: the bottom left square is black.
+};
+
+/// Its frame: origin in the middle, x to the right and y up as printed, z out of the paper. Markers
+/// are numbered row by row from the top left.
 struct CalibrationBoard {
   std::string name;
   std::string dictionary;
   int columns = 0;  ///< Squares.
   int rows = 0;
   double square_mm = 0.0;
+  FirstSquare first_square = FirstSquare::kBlack;
   int quiet_modules = 1;
+  double marker_mm = 0.0;  ///< Of a board printed by another program; 0: from quiet_modules.
   Eigen::Vector2d paper_mm = {210.0, 297.0};
 
   double ModuleMm() const;
   double MarkerMm() const;
-  /// All squares of the print: bits[row][column], true is white.
+  /// Whether a square is white and holds a marker. Counted from the top left.
+  bool HoldsMarker(int column, int row) const;
+  /// All squares of the print: bits[row][column], true is white. @pre marker_mm is 0.
   std::vector<std::vector<bool>> Modules() const;
   /// Markers in the board's frame.
   std::vector<Marker> Markers() const;
@@ -48,5 +59,8 @@ struct BoardCorner {
 /// Empty if fewer than two markers were read.
 std::vector<BoardCorner> FindBoardCorners(const Picture& picture, const CalibrationBoard& board,
                                           MarkerDetector& detector);
+/// The same with the markers that were detected in the picture.
+std::vector<BoardCorner> FindBoardCorners(const Picture& picture, const CalibrationBoard& board,
+                                          const std::vector<DetectedMarker>& seen);
 
 }  // namespace acus::camera

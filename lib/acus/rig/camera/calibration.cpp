@@ -37,48 +37,24 @@ struct Corners {
   }
 };
 
-/// On fewer than two rows or columns a view says next to nothing, and the solver may fail.
-bool Spread(const std::vector<BoardCorner>& corners, int columns) {
-  std::set<std::size_t> rows, columns_seen;
-  const auto across = static_cast<std::size_t>(columns - 1);
-  for (const BoardCorner& corner : corners) {
-    rows.insert(corner.number / across);
-    columns_seen.insert(corner.number % across);
-  }
-  return rows.size() >= 2 && columns_seen.size() >= 2;
-}
-
 Corners FindCorners(const std::vector<std::filesystem::path>& pictures,
                     const CalibrationBoard& board, const CalibrationSettings& settings,
                     const RunContext& context, std::vector<CalibrationView>& views) {
-  MarkerDetector detector(board.dictionary);
+  const BoardViews found = FindBoardViews(pictures, board, settings.least_corners, context);
   const auto on_board = board.CornersMm();
   Corners all;
+  all.width_px = found.width_px;
+  all.height_px = found.height_px;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    context.Checkpoint("Looking for the board",
-                       static_cast<double>(i) / static_cast<double>(pictures.size()));
+    const BoardView& seen = found.views[i];
     CalibrationView& view = views.emplace_back();
-    view.file = pictures[i].filename().string();
-    const Picture picture = ReadPicture(pictures[i]);
-    if (all.width_px == 0) {
-      all.width_px = picture.width_px;
-      all.height_px = picture.height_px;
-    }
-    if (picture.width_px != all.width_px || picture.height_px != all.height_px) {
-      view.rejected = Message("has ", picture.width_px, " x ", picture.height_px,
-                              " pixels, the first one ", all.width_px, " x ", all.height_px);
-      continue;
-    }
-    const auto found = FindBoardCorners(picture, board, detector);
-    view.corners = static_cast<int>(found.size());
-    if (view.corners < settings.least_corners || !Spread(found, board.columns)) {
-      view.rejected = Message("only ", view.corners, " corners of the board; ",
-                              settings.least_corners, " are needed, in two rows and columns");
-      continue;
-    }
+    view.file = seen.file;
+    view.corners = static_cast<int>(seen.corners.size());
+    view.rejected = seen.rejected;
+    if (!view.rejected.empty()) continue;
     std::vector<cv::Point3f>& from = all.on_board.emplace_back();
     std::vector<cv::Point2f>& to = all.in_picture.emplace_back();
-    for (const BoardCorner& corner : found) {
+    for (const BoardCorner& corner : seen.corners) {
       const Eigen::Vector3f at = on_board[corner.number].cast<float>();
       from.emplace_back(at[0], at[1], at[2]);
       to.emplace_back(static_cast<float>(corner.pixel[0]), static_cast<float>(corner.pixel[1]));
@@ -133,6 +109,23 @@ bool RejectBadViews(const Solution& solution, Corners& corners,
     any = true;
   }
   return any;
+}
+
+/// Refuses what is no calibration: before the model is made, since its numbers may be absurd.
+void RequireFit(const Solution& solution, const Corners& corners,
+                const CalibrationSettings& settings) {
+  if (solution.rms_px <= settings.limit_px) return;
+  throw NoAnswerError(Message(
+      "the corners of the board are ", solution.rms_px, " px RMS from where the camera of ",
+      corners.view.size(), " pictures puts them (allowed: ", settings.limit_px,
+      " px, --limit-px): is the board flat and not blurred, are all pictures from one camera with "
+      "fixed zoom and focus, and do columns, rows and dictionary of the board's file agree with "
+      "the print?"));
+}
+
+/// Half of the 95 % interval with two digits; so that no interval reads as 0.
+std::string IntervalText(double sigma) {
+  return sigma > 0.0 && std::isfinite(sigma) ? RoundedText(1.96 * sigma, 2) : "unknown";
 }
 
 CameraModel ModelOf(const Solution& s, const Corners& corners) {
@@ -235,6 +228,7 @@ Calibration CalibrateCamera(const std::vector<std::filesystem::path>& pictures,
     CheckCount(corners, settings);
     solution = Solve(corners, settings.fit_k3);
   }
+  RequireFit(solution, corners, settings);
   DescribeViews(solution, corners, views);
   Calibration out{.camera = ModelOf(solution, corners),
                   .rms_px = solution.rms_px,
@@ -259,7 +253,7 @@ std::string TableText(const Calibration& calibration) {
   }
   const CameraParameters& p = calibration.camera.parameters();
   const auto with_sigma = [&](double value, std::size_t i, int decimals) {
-    return FixedText(value, decimals) + " +- " + FixedText(calibration.sigma[i], decimals);
+    return FixedText(value, decimals) + " +- " + IntervalText(calibration.sigma[i]);
   };
   return TextTable({"picture", "corners", "RMS px", "tilt deg", "distance mm", "not used because"},
                    rows) +
@@ -269,7 +263,8 @@ std::string TableText(const Calibration& calibration) {
                  with_sigma(p.centre_px[1], 3, 2), " px\nk1 ", with_sigma(p.radial[0], 4, 5),
                  ", k2 ", with_sigma(p.radial[1], 5, 5), ", p1 ", with_sigma(p.tangential[0], 7, 5),
                  ", p2 ", with_sigma(p.tangential[1], 8, 5), "\n",
-                 std::lround(100.0 * calibration.covered_share), " % of the picture covered; ",
+                 std::lround(100.0 * calibration.covered_share),
+                 " % of the picture covered; 95 % intervals; ",
                  FixedText(calibration.camera.HorizontalAngleDeg(), 1), " degrees wide\n");
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "acus/base/core/run_context.h"
-#include "acus/rig/camera/board.h"
+#include "acus/rig/camera/board_views.h"
 #include "acus/rig/camera/camera_model.h"
 
 namespace acus::camera {
@@ -24,6 +24,7 @@ struct CalibrationView {
 struct CalibrationSettings {
   int least_views = 6;
   int least_corners = 12;  ///< Of a view.
+  double limit_px = 3.0;   ///< Larger reprojection errors (RMS) are no calibration.
   bool fit_k3 =
       false;  ///< Needed for wide lenses only; makes the corners of the picture less sure.
 };
@@ -40,8 +41,9 @@ struct Calibration {
 
 /// Zhang's method (2000, doi:10.1109/34.888718) by OpenCV on the corners of all pictures. Views
 /// whose residuals are over three times the median (and over 0.3 px) are left out, once.
-/// @throws InputError if a file cannot be read. @throws NoAnswerError if too few views are left, or
-///     the result is no camera.
+/// @throws InputError if a file cannot be read. @throws NoAnswerError if too few views are left,
+/// the
+///     markers do not lie as on the board, or residuals are above limit_px: the message says why.
 Calibration CalibrateCamera(const std::vector<std::filesystem::path>& pictures,
                             const CalibrationBoard& board, const CalibrationSettings& settings,
                             const RunContext& context);

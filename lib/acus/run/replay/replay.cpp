@@ -266,6 +266,21 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   return {PlanText(scene.plan, &run.times), SummaryOf(run, options)};
 }
 
+void RequireRunnable(const scenario::Scenario& scenario, const fs::path& session_path,
+                     const fs::path& exercise, RunContext& context) {
+  std::optional<session::Session> session;
+  simulation::AvailableInputs available{.needle_poses = true, .probe_poses = true, .breath = true};
+  if (!session_path.empty()) {
+    session = session::ReadAnySession(session_path, scenario.session, context).session;
+    available = AvailableIn(*session);
+  }
+  const simulation::EffectPlan plan = simulation::PlanEffects(scenario, available);
+  const Scene scene = simulation::LoadScene(scenario, plan, context);
+  if (exercise.empty()) return;
+  RequireAssessable(training::ReadExercise(exercise), scenario, scene,
+                    session ? &*session : nullptr);
+}
+
 std::string CheckText(const scenario::Scenario& scenario, const fs::path& session_path,
                       PlanDetail detail, RunContext& context) {
   simulation::AvailableInputs available{.needle_poses = true, .probe_poses = true, .breath = true};

@@ -47,4 +47,11 @@ enum class PlanDetail { kStages, kAll };
 std::string CheckText(const scenario::Scenario& scenario, const std::filesystem::path& session_path,
                       PlanDetail detail, RunContext& context);
 
+/// Loads the patient, all models, the session and the exercise as ReplaySession does, up to its
+/// first step, and keeps nothing: whatever a run would refuse before that is refused here.
+/// @param session_path  May be empty: it is taken to hold all that effects read.
+/// @throws InputError as ReplaySession does.
+void RequireRunnable(const scenario::Scenario& scenario, const std::filesystem::path& session_path,
+                     const std::filesystem::path& exercise, RunContext& context);
+
 }  // namespace acus::replay

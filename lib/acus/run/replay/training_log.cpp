@@ -17,18 +17,30 @@ Eigen::Vector3d TargetOf(const training::Exercise& exercise, const std::filesyst
   return points.points_mm.col(point - points.names.begin());
 }
 
+std::filesystem::path TargetFile(const training::Exercise& exercise,
+                                 const scenario::Scenario& scenario) {
+  return exercise.target_file.empty() ? scenario.patient.corridor : exercise.target_file;
+}
+
 }  // namespace
+
+void RequireAssessable(const training::Exercise& exercise, const scenario::Scenario& scenario,
+                       const simulation::Scene& scene, const session::Session* session) {
+  ACUS_REQUIRE(scene.labels != nullptr,
+               "an exercise needs to know the tissues: no effect of this scenario reads the label "
+               "map; call for needle_force with model layered, or leave --exercise out");
+  ACUS_REQUIRE(session == nullptr || !session->needle.empty(),
+               "an exercise needs a needle; this session has none");
+  const std::filesystem::path target = TargetFile(exercise, scenario);
+  if (!target.empty()) TargetOf(exercise, target);
+}
 
 training::Assessment Assess(const training::Exercise& exercise, const scenario::Scenario& scenario,
                             const simulation::Scene& scene, const session::Session& session,
                             std::vector<Metric> metrics, RunContext& context) {
-  ACUS_REQUIRE(scene.labels != nullptr,
-               "an exercise needs to know the tissues: no effect of this scenario reads the label "
-               "map; call for needle_force with model layered, or leave --exercise out");
-  ACUS_REQUIRE(!session.needle.empty(), "an exercise needs a needle; this session has none");
+  RequireAssessable(exercise, scenario, scene, &session);
   const training::Anatomy anatomy{*scene.labels, scene.ct_from_reference};
-  const std::filesystem::path target =
-      exercise.target_file.empty() ? scenario.patient.corridor : exercise.target_file;
+  const std::filesystem::path target = TargetFile(exercise, scenario);
   if (!target.empty()) {
     context.provenance.AddInput(target);
     const auto of_target =

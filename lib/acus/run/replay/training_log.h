@@ -10,6 +10,13 @@
 
 namespace acus::replay {
 
+/// Refuses what Assess would refuse before it looks at the session's motion.
+/// @param session  May be null: any session with a needle.
+/// @throws InputError if the scene has no label map or the session no needle, or the target's file
+///     is missing or has no such point.
+void RequireAssessable(const training::Exercise& exercise, const scenario::Scenario& scenario,
+                       const simulation::Scene& scene, const session::Session* session);
+
 /// Metrics of the target and of what is to be spared, after those of the run, held against the
 /// exercise's goals. Warns of structures that the patient's map does not tell apart.
 /// @param metrics  As MetricsOf gives them.

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/random.h"
 
 namespace acus::session {
 namespace {
@@ -111,6 +112,18 @@ TEST(Integrity, CountsRepeatedStampsAndTimeThatGoesBack) {
   stream[8].time_ns = stream[7].time_ns - 1;
   EXPECT_EQ(CheckIntegrity(stream).num_repeated, 2U);
   EXPECT_THAT(Describe(CheckIntegrity(stream), "needle"), ElementsAre(HasSubstr("2 samples")));
+}
+
+TEST(Integrity, DoesNotTakeTheNoiseOfAToolAtRestForMetres) {
+  PoseStream stream;
+  RandomStream random(1, "at rest");
+  for (int i = 0; i <= 600; ++i) {
+    PoseSample sample{.time_ns = i * std::int64_t{10'000'000}};
+    sample.reference_from_tool = Eigen::Isometry3d(
+        Eigen::Translation3d(0.1 * random.Normal(), 0.1 * random.Normal(), 0.1 * random.Normal()));
+    stream.push_back(sample);
+  }
+  EXPECT_TRUE(Describe(CheckIntegrity(stream), "needle").empty());
 }
 
 TEST(Integrity, TellsOfCoordinatesThatSeemToBeInMetres) {

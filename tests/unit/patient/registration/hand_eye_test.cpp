@@ -1,5 +1,6 @@
 #include "acus/patient/registration/hand_eye.h"
 
+#include <algorithm>
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
@@ -50,6 +51,15 @@ Recording Recorded(int count, double turn_rad, double sd_mm, double sd_rad, bool
     recording.marker.push_back(kZ.inverse() * handle * kX * Jitter(random, sd_mm, sd_rad));
   }
   return recording;
+}
+
+TEST(RequireOneBody, RefusesPairsOfDifferentMoments) {
+  const Recording r = Recorded(60, 0.5, 0.2, 0.001);
+  EXPECT_NO_THROW(RequireOneBody(CalibrateHandEye(r.handle, r.marker), 5.0));
+  auto late = r.marker;
+  std::ranges::rotate(late, late.begin() + 1);
+  EXPECT_THAT([&] { RequireOneBody(CalibrateHandEye(r.handle, late), 5.0); },
+              ThrowsMessage<NoAnswerError>(HasSubstr("not of the same moments")));
 }
 
 TEST(CalibrateHandEye, IsExactWithoutNoise) {

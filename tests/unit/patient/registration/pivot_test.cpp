@@ -81,6 +81,39 @@ TEST(CalibratePivot, RefusesTooLittleRotation) {
               ThrowsMessage<InputError>(HasSubstr("at least 3 poses, got 2")));
 }
 
+/// Poses that turn at random while the tip itself moves about by `moved_mm` RMS per axis.
+std::vector<Isometry3d> MovedPoses(double moved_mm) {
+  return Poses(60, 0.6, moved_mm, 3);
+}
+
+TEST(RequirePivoted, AcceptsAPivotedPointer) {
+  const auto poses = Poses(60, 0.6, 1.0);
+  EXPECT_NO_THROW(RequirePivoted(CalibratePivot(poses), poses, 5.0));
+  EXPECT_THROW(RequirePivoted(CalibratePivot(poses), poses, 0.5), NoAnswerError);
+}
+
+TEST(RequirePivoted, SaysThatThePointerWasMoved) {
+  const auto poses = MovedPoses(60.0);
+  EXPECT_THAT([&] { RequirePivoted(CalibratePivot(poses), poses, 5.0); },
+              ThrowsMessage<NoAnswerError>(HasSubstr("was moved, not pivoted")));
+  EXPECT_THAT([&] { RequirePivoted(CalibratePivotRobustly(poses), poses, 5.0); },
+              ThrowsMessage<NoAnswerError>(HasSubstr("was moved, not pivoted")));
+}
+
+TEST(RequirePivoted, SaysThatTheTipSlid) {
+  const auto poses = MovedPoses(5.0);
+  EXPECT_THAT([&] { RequirePivoted(CalibratePivot(poses), poses, 5.0); },
+              ThrowsMessage<NoAnswerError>(HasSubstr("the tip slid")));
+}
+
+TEST(RequirePivoted, NamesOutliers) {
+  auto poses = Poses(60, 0.6, 0.2);
+  for (std::size_t i = 0; i < poses.size(); i += 6) poses[i].translation() += Vector3d(40, -20, 10);
+  EXPECT_THAT([&] { RequirePivoted(CalibratePivot(poses), poses, 5.0); },
+              ThrowsMessage<NoAnswerError>(HasSubstr("10 poses do not fit the others")));
+  EXPECT_NO_THROW(RequirePivoted(CalibratePivotRobustly(poses), poses, 5.0));
+}
+
 TEST(CalibratePivotRobustly, LeavesOutWrongPoses) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     auto poses = Poses(60, 0.6, 0.2, seed);

@@ -1,9 +1,10 @@
 #include "acus/rig/camera/calibration.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/rig/camera/stereo.h"
 #include "support/facet_views.h"
 #include "support/temporary_folder.h"
 
@@ -11,6 +12,8 @@ namespace acus::camera {
 namespace {
 
 using namespace testing_support;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 class CalibrationTest : public testing::Test {
  protected:
@@ -104,6 +107,72 @@ TEST_F(CalibrationTest, SaysWhatIsMissing) {
   for (const std::string& warning : found.warnings) all += warning + "\n";
   EXPECT_NE(all.find("never tilted"), std::string::npos) << all;
   EXPECT_NE(all.find("of the picture"), std::string::npos) << all;
+}
+
+TEST_F(CalibrationTest, SaysThatRowsAndColumnsAreSwapped) {
+  TakePictures(7, 40.0);
+  std::swap(board_.columns, board_.rows);
+  EXPECT_THAT([&] { Calibrate(); },
+              ThrowsMessage<NoAnswerError>(HasSubstr("rows and columns are swapped")));
+}
+
+TEST_F(CalibrationTest, SaysThatTheFirstSquareIsAnother) {
+  board_.first_square = FirstSquare::kMarker;
+  TakePictures(7, 40.0);
+  board_.first_square = FirstSquare::kBlack;
+  EXPECT_THAT([&] { Calibrate(); },
+              ThrowsMessage<NoAnswerError>(HasSubstr(R"("first_square": "marker")")));
+}
+
+TEST_F(CalibrationTest, FindsTheCameraWithABoardWhoseFirstSquareHoldsAMarker) {
+  board_.first_square = FirstSquare::kMarker;
+  TakePictures(12, 40.0, 1.0, 2);
+  const Calibration found = Calibrate();
+  EXPECT_LT(found.rms_px, 0.15);
+  EXPECT_NEAR(found.camera.parameters().focal_px[0], truth_.parameters().focal_px[0],
+              0.005 * truth_.parameters().focal_px[0]);
+}
+
+TEST_F(CalibrationTest, RefusesResidualsAboveTheLimit) {
+  TakePictures(8, 40.0);
+  EXPECT_THAT(
+      [&] {
+        CalibrateCamera(PictureFiles(folder_.path()), board_, {.limit_px = 0.01}, RunContext{});
+      },
+      ThrowsMessage<NoAnswerError>(HasSubstr("is the board flat")));
+}
+
+TEST_F(CalibrationTest, NoIntervalReadsAsZero) {
+  TakePictures(8, 40.0);
+  const std::string text = TableText(Calibrate());
+  EXPECT_EQ(text.find("+- 0,"), std::string::npos) << text;
+  EXPECT_EQ(text.find("+- 0.00 "), std::string::npos) << text;
+  EXPECT_NE(text.find("95 % intervals"), std::string::npos) << text;
+}
+
+TEST_F(CalibrationTest, FindsAStereoPair) {
+  const Eigen::Isometry3d right_from_left =
+      Eigen::Translation3d(-80, 2, 5) * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
+  TemporaryFolder right_folder;
+  for (int i = 0; i < 8; ++i) {
+    RandomStream random(5, "stereo", static_cast<std::uint64_t>(i));
+    const auto pose = FacingPose({random.Uniform(-60, 60), random.Uniform(-40, 40), 550},
+                                 random.Uniform(10, 35), 45.0 * i, random.Uniform(-90, 90));
+    Take(i, pose);
+    Picture picture;
+    RenderBoard(truth_, board_, right_from_left * pose, {.samples = 2, .colour = false},
+                static_cast<std::uint64_t>(50 + i), picture);
+    WritePicture(right_folder / (std::to_string(100 + i) + ".png"), picture);
+  }
+  const auto left = FindBoardViews(PictureFiles(folder_.path()), board_, 12, RunContext{});
+  auto right = FindBoardViews(PictureFiles(right_folder.path()), board_, 12, RunContext{});
+  const auto found = CalibrateStereo(left, right, board_, truth_, truth_, 1.5);
+  EXPECT_LT((found.right_from_left.translation() - right_from_left.translation()).norm(), 0.5);
+  EXPECT_LT(ErrorOf(found.right_from_left, right_from_left).angle_deg, 0.05);
+  EXPECT_LT(found.rms_px, 0.15);
+  std::ranges::rotate(right.views, right.views.begin() + 1);  // Of other moments.
+  EXPECT_THAT([&] { CalibrateStereo(left, right, board_, truth_, truth_, 1.5); },
+              ThrowsMessage<NoAnswerError>(HasSubstr("not of the same moments")));
 }
 
 TEST_F(CalibrationTest, TooFewPicturesGiveNoCamera) {
