@@ -26,15 +26,13 @@ rf::ChannelData Simulate(const rf::RfSettings& settings, const RunContext& conte
   return data;
 }
 
-void WriteImage(const fs::path& folder, const rf::ChannelData& data,
-                const rf::RfSettings& settings, const RunContext& context) {
+void WriteImage(const fs::path& folder, const rf::ChannelData& data, const rf::RfSettings& settings,
+                const RunContext& context) {
   context.Checkpoint("delay and sum", 0.8);
-  const rf::Baseband baseband =
-      rf::BasebandOf(data, settings.pulse.frequency_mhz, settings.baseband_oversampling,
-                     context.num_threads);
-  const rf::IqImage image =
-      rf::DelayAndSum(baseband, settings.array, settings.transmits, settings.grid,
-                      settings.beamform, context.num_threads);
+  const rf::Baseband baseband = rf::BasebandOf(data, settings.pulse.frequency_mhz,
+                                               settings.baseband_oversampling, context.num_threads);
+  const rf::IqImage image = rf::DelayAndSum(baseband, settings.array, settings.transmits,
+                                            settings.grid, settings.beamform, context.num_threads);
   rf::WriteNumpy(folder / "iq.npy", image);
   rf::WriteRfLines(folder / "rf_lines.mha", image);
   image::WritePng(folder / "bmode.png", rf::Compressed(image, settings.dynamic_range_db),

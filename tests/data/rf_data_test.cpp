@@ -1,8 +1,8 @@
 // A recording of a fibre phantom, and the same acquisition simulated from geometry and sheets.
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <optional>
@@ -38,19 +38,20 @@ class FibrePhantom : public ::testing::Test {
     ChannelData recorded = ReadMatlab(*path, "RF1");
     recorded.sampling_mhz = settings_.channels.sampling_mhz;
     recorded.start_us = -kEchoMiddleUs;
-    real_ = Measure(recorded);
-    simulated_ = Measure(Simulated());
+    real_ = {Fibres(Lowered(recorded)), Speckle(Lowered(recorded))};
+    // Fibres without speckle: their widths do not depend on the places of scatterers.
+    simulated_ = {Fibres(Lowered(Simulated(settings_.points))),
+                  Speckle(Lowered(Simulated(ScatterersIn(settings_.speckle, 1))))};
   }
   void SetUp() override {
     if (!real_) GTEST_SKIP() << "test data ultrasound/phantom_rf is not here";
   }
 
-  static ChannelData Simulated() {
+  static ChannelData Simulated(const std::vector<Scatterer>& scatterers) {
     const ChannelSimulator simulator(settings_.array, settings_.pulse, settings_.transmits,
                                      settings_.channels);
     ChannelData data = simulator.Empty();
-    simulator.Add(settings_.points, 2, data);
-    simulator.Add(ScatterersIn(settings_.speckle, 1), 2, data);
+    simulator.Add(scatterers, 2, data);
     return data;
   }
 
@@ -58,20 +59,27 @@ class FibrePhantom : public ::testing::Test {
     return DelayAndSum(baseband, settings_.array, settings_.transmits, grid, settings_.beamform, 2);
   }
 
-  static Measured Measure(const ChannelData& data) {
-    const Baseband baseband =
-        BasebandOf(data, settings_.pulse.frequency_mhz, settings_.baseband_oversampling, 2);
-    Measured out;
+  static Baseband Lowered(const ChannelData& data) {
+    return BasebandOf(data, settings_.pulse.frequency_mhz, settings_.baseband_oversampling, 2);
+  }
+
+  static std::array<PointWidths, 5> Fibres(const Baseband& baseband) {
+    std::array<PointWidths, 5> out;
     for (std::size_t i = 0; i < kFibreDepthsMm.size(); ++i) {
       const PixelGrid grid{{0.0, kFibreDepthsMm[i] - 0.9}, {0.04, 0.02}, 101, 91};
-      out.fibres[i] = WidthsOfBrightest(Image(baseband, grid));
+      out[i] = WidthsOfBrightest(Image(baseband, grid));
     }
-    for (const double depth_mm : kSpeckleDepthsMm) AddSpeckle(baseband, depth_mm, out.speckle);
+    return out;
+  }
+
+  static std::vector<float> Speckle(const Baseband& baseband) {
+    std::vector<float> out;
+    for (const double depth_mm : kSpeckleDepthsMm) AddSpeckle(baseband, depth_mm, out);
     return out;
   }
 
   static void AddSpeckle(const Baseband& baseband, double depth_mm, std::vector<float>& out) {
-    const PixelGrid grid{{-16.0, depth_mm - 3.0}, {0.2, 0.1}, 161, 61};
+    const PixelGrid grid{{-16.0, depth_mm - 5.0}, {0.2, 0.1}, 161, 101};
     const std::vector<float> envelope = Envelope(Image(baseband, grid));
     for (int row = 0; row < grid.rows; ++row) {
       const auto first = envelope.begin() + row * grid.columns;
@@ -97,6 +105,9 @@ TEST_F(FibrePhantom, FibresAreAsWideAsRecorded) {
                 kFibreDepthsMm[i], real.lateral_mm, simulated.lateral_mm, real.axial_mm,
                 simulated.axial_mm);
     EXPECT_NEAR(simulated.lateral_mm / real.lateral_mm, 1.0, 0.1) << kFibreDepthsMm[i];
+    // Not within 10 % at the upper two, and hardly at the third: a point is shorter than a fibre of 0.1 mm, and the burst is
+    // not on any sheet.
+    EXPECT_NEAR(simulated.axial_mm / real.axial_mm, 1.0, i < 3 ? 0.15 : 0.1) << kFibreDepthsMm[i];
   }
 }
 
@@ -106,7 +117,7 @@ TEST_F(FibrePhantom, SpeckleIsAsRecorded) {
   const double simulated = SpeckleSnr(simulated_->speckle);
   std::printf("mean over standard deviation: %.3f recorded, %.3f simulated\n", real, simulated);
   EXPECT_NEAR(real, 1.88, 0.05);
-  EXPECT_NEAR(simulated, 1.88, 0.05);
+  EXPECT_NEAR(simulated, real, 0.05);
 }
 
 /// Half of the sum of differences between histograms of 32 bins over 60 dB around the mean.

@@ -9,11 +9,12 @@ namespace acus::rf {
 
 Array ArrayOf(const acoustics::Probe& probe, double element_width_mm) {
   const int count = probe.elements;
-  ACUS_REQUIRE(count >= 1, "probe '", probe.name, "': has ", count, " elements; at least 1 is needed");
+  ACUS_REQUIRE(count >= 1, "probe '", probe.name, "': has ", count,
+               " elements; at least 1 is needed");
   const double pitch_mm = probe.pitch_mm > 0.0 ? probe.pitch_mm : probe.ArrayLengthMm() / count;
   ACUS_REQUIRE(element_width_mm >= 0.0 && element_width_mm <= pitch_mm, "probe '", probe.name,
-               "': the width of its elements is ", element_width_mm, " mm; it is between 0 (the pitch) ",
-               "and the pitch, ", pitch_mm, " mm");
+               "': the width of its elements is ", element_width_mm,
+               " mm; it is between 0 (the pitch) ", "and the pitch, ", pitch_mm, " mm");
   Array array;
   array.element_width_mm = element_width_mm > 0.0 ? element_width_mm : pitch_mm;
   for (int e = 0; e < count; ++e) {

@@ -39,15 +39,14 @@ float FindTaps(const Array& array, const BeamformOptions& options, double carrie
     const Eigen::Vector2d path_mm = place_mm - element.position_mm;
     const double depth_mm = element.normal.dot(path_mm);
     if (depth_mm <= 0.0) continue;
-    const double aside_mm =
-        element.normal.y() * path_mm.x() - element.normal.x() * path_mm.y();
+    const double aside_mm = element.normal.y() * path_mm.x() - element.normal.x() * path_mm.y();
     // Within +-0.5 across the aperture that the F-number allows.
     const double across = options.f_number * aside_mm / depth_mm;
     if (std::abs(across) > 0.5) continue;
     const double weight = ApertureWeight(options.apodisation, across);
     const double path_us = path_mm.norm() / options.sound_speed_mm_per_us;
-    taps.push_back({static_cast<int>(e), path_us,
-                    static_cast<float>(weight) * Phasor(path_us * carrier_mhz)});
+    taps.push_back(
+        {static_cast<int>(e), path_us, static_cast<float>(weight) * Phasor(path_us * carrier_mhz)});
     sum += weight;
   }
   return static_cast<float>(sum);
@@ -81,8 +80,9 @@ void CheckInputs(const Baseband& data, const Array& array, const std::vector<Tra
   ACUS_REQUIRE(static_cast<int>(array.elements.size()) == data.elements,
                "delay and sum: the data are of ", data.elements, " elements, the probe has ",
                array.elements.size());
-  ACUS_REQUIRE(static_cast<int>(transmits.size()) == data.transmits, "delay and sum: the data have ",
-               data.transmits, " transmissions, the settings ", transmits.size());
+  ACUS_REQUIRE(static_cast<int>(transmits.size()) == data.transmits,
+               "delay and sum: the data have ", data.transmits, " transmissions, the settings ",
+               transmits.size());
   ACUS_REQUIRE(grid.columns >= 1 && grid.rows >= 1 && grid.columns <= 16384 && grid.rows <= 65536,
                "delay and sum: the grid is ", grid.columns, " x ", grid.rows,
                "; between 1 x 1 and 16384 x 65536 are allowed");

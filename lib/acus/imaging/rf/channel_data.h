@@ -14,12 +14,11 @@ struct ChannelData {
   int elements = 0;
   int transmits = 0;
   double sampling_mhz = 0.0;
-  double start_us = 0.0;  ///< Of the first sample, after the first element of the transmission fires.
+  double start_us =
+      0.0;  ///< Of the first sample, after the first element of the transmission fires.
   std::vector<float> values;
 
-  void Allocate() {
-    values.assign(static_cast<std::size_t>(samples) * elements * transmits, 0.0F);
-  }
+  void Allocate() { values.assign(static_cast<std::size_t>(samples) * elements * transmits, 0.0F); }
   std::size_t Offset(int transmit, int element) const {
     return (static_cast<std::size_t>(transmit) * elements + element) * samples;
   }

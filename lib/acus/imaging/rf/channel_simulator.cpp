@@ -85,8 +85,7 @@ class EchoWriter {
     for (std::size_t e = 0; e < legs_.size(); ++e) {
       const double late = (ArrivalUs(e) - first_us) / options_.transmit_tail_us;
       if (late >= 1.0 || legs_[e].weight <= 0.0) continue;
-      const double taper =
-          late < 0.5 ? 1.0 : 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * late));
+      const double taper = late < 0.5 ? 1.0 : 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * late));
       AddWave(ArrivalUs(e) - start_us_, taper * legs_[e].weight);
     }
   }
@@ -100,8 +99,8 @@ class EchoWriter {
       ++first;
     }
     const auto envelope = table_.Envelope(band_, phase);
-    const auto turn = Complexf(std::polar(
-        weight, -2.0 * std::numbers::pi * table_.carrier_mhz() * arrival_us));
+    const auto turn =
+        Complexf(std::polar(weight, -2.0 * std::numbers::pi * table_.carrier_mhz() * arrival_us));
     float* re = real_.data() + first + 1;
     float* im = imaginary_.data() + first + 1;
     for (int j = 0; j < table_.length(); ++j) {
@@ -160,7 +159,7 @@ class EchoWriter {
   int band_ = 0;
   double start_us_ = 0.0;
   std::vector<Leg> legs_;
-  std::vector<float> real_;       ///< Sample k of the envelope is at k + 1.
+  std::vector<float> real_;  ///< Sample k of the envelope is at k + 1.
   std::vector<float> imaginary_;
   std::vector<float> delayed_;  ///< phases + 1 waves of length_.
 };
@@ -174,10 +173,7 @@ void RequireIn(double value, double low, double high, const char* what) {
 
 ChannelSimulator::ChannelSimulator(Array array, const Pulse& pulse, std::vector<Transmit> transmits,
                                    const ChannelOptions& options)
-    : array_(std::move(array)),
-      pulse_(pulse),
-      transmits_(std::move(transmits)),
-      options_(options) {
+    : array_(std::move(array)), pulse_(pulse), transmits_(std::move(transmits)), options_(options) {
   ACUS_REQUIRE(!array_.elements.empty() && !transmits_.empty(),
                "channel data: ", array_.elements.size(), " elements and ", transmits_.size(),
                " transmissions; at least one of each is needed");
@@ -212,11 +208,11 @@ void ChannelSimulator::Add(const std::vector<Scatterer>& scatterers, int num_thr
                  "scatterer ", i, ": its place or amplitude is not a finite number");
   }
   const double longest_us = options_.start_us + options_.samples / options_.sampling_mhz;
-  const PulseTable table(pulse_, {.sampling_mhz = options_.sampling_mhz,
-                                  .attenuation_db_per_cm_mhz = options_.attenuation_db_per_cm_mhz,
-                                  .longest_path_mm =
-                                      std::max(0.0, longest_us * options_.sound_speed_mm_per_us),
-                                  .half_length_us = options_.pulse_half_us});
+  const PulseTable table(
+      pulse_, {.sampling_mhz = options_.sampling_mhz,
+               .attenuation_db_per_cm_mhz = options_.attenuation_db_per_cm_mhz,
+               .longest_path_mm = std::max(0.0, longest_us * options_.sound_speed_mm_per_us),
+               .half_length_us = options_.pulse_half_us});
   const std::size_t size = static_cast<std::size_t>(data.elements) * data.samples;
   std::vector<std::vector<float>> pieces(kPieces, std::vector<float>(size));
   for (int t = 0; t < data.transmits; ++t) {

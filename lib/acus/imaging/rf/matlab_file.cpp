@@ -33,15 +33,32 @@ void CopyNumbers(const matvar_t& variable, std::vector<float>& out) {
 /// @return false if the class is not one of real numbers.
 bool CopyValues(const matvar_t& variable, std::vector<float>& out) {
   switch (variable.class_type) {
-    case MAT_C_DOUBLE: CopyNumbers<double>(variable, out); return true;
-    case MAT_C_SINGLE: CopyNumbers<float>(variable, out); return true;
-    case MAT_C_INT8: CopyNumbers<std::int8_t>(variable, out); return true;
-    case MAT_C_UINT8: CopyNumbers<std::uint8_t>(variable, out); return true;
-    case MAT_C_INT16: CopyNumbers<std::int16_t>(variable, out); return true;
-    case MAT_C_UINT16: CopyNumbers<std::uint16_t>(variable, out); return true;
-    case MAT_C_INT32: CopyNumbers<std::int32_t>(variable, out); return true;
-    case MAT_C_UINT32: CopyNumbers<std::uint32_t>(variable, out); return true;
-    default: return false;
+    case MAT_C_DOUBLE:
+      CopyNumbers<double>(variable, out);
+      return true;
+    case MAT_C_SINGLE:
+      CopyNumbers<float>(variable, out);
+      return true;
+    case MAT_C_INT8:
+      CopyNumbers<std::int8_t>(variable, out);
+      return true;
+    case MAT_C_UINT8:
+      CopyNumbers<std::uint8_t>(variable, out);
+      return true;
+    case MAT_C_INT16:
+      CopyNumbers<std::int16_t>(variable, out);
+      return true;
+    case MAT_C_UINT16:
+      CopyNumbers<std::uint16_t>(variable, out);
+      return true;
+    case MAT_C_INT32:
+      CopyNumbers<std::int32_t>(variable, out);
+      return true;
+    case MAT_C_UINT32:
+      CopyNumbers<std::uint32_t>(variable, out);
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -97,9 +114,9 @@ void AddVariable(mat_t* file, const std::filesystem::path& path, const char* nam
                  matio_classes number_class, matio_types type, std::span<const std::size_t> dims,
                  const void* values) {
   std::vector<std::size_t> sizes(dims.begin(), dims.end());
-  const MatlabVariable variable(
-      Mat_VarCreate(name, number_class, type, static_cast<int>(sizes.size()), sizes.data(),
-                    const_cast<void*>(values), MAT_F_DONT_COPY_DATA));
+  const MatlabVariable variable(Mat_VarCreate(name, number_class, type,
+                                              static_cast<int>(sizes.size()), sizes.data(),
+                                              const_cast<void*>(values), MAT_F_DONT_COPY_DATA));
   ACUS_REQUIRE(variable != nullptr && Mat_VarWrite(file, variable.get(), MAT_COMPRESSION_ZLIB) == 0,
                path.string(), ": cannot be written; is the disk full?");
 }
@@ -118,8 +135,9 @@ ChannelData ReadMatlab(const std::filesystem::path& path, const std::string& var
                variable.empty() ? "array of numbers" : "variable '" + variable + "'", "; it has ",
                names.empty() ? "none that can be read" : names);
   const std::size_t count = CountOf(*found);
-  ACUS_REQUIRE(count > 0 && found->isComplex == 0, path.string(), ": ", found->name,
-               ": must be a real array of samples x elements or samples x elements x transmissions");
+  ACUS_REQUIRE(
+      count > 0 && found->isComplex == 0, path.string(), ": ", found->name,
+      ": must be a real array of samples x elements or samples x elements x transmissions");
   ChannelData data;
   data.samples = static_cast<int>(found->dims[0]);
   data.elements = static_cast<int>(found->dims[1]);
@@ -136,8 +154,8 @@ ChannelData ReadMatlab(const std::filesystem::path& path, const std::string& var
 
 void WriteMatlab(const std::filesystem::path& path, const ChannelData& data) {
   AtomicFile out(path);
-  MatlabFile file(Mat_CreateVer(out.path().c_str(), "MATLAB 5.0 MAT-file, channel data by Acus",
-                                MAT_FT_MAT5));
+  MatlabFile file(
+      Mat_CreateVer(out.path().c_str(), "MATLAB 5.0 MAT-file, channel data by Acus", MAT_FT_MAT5));
   ACUS_REQUIRE(file != nullptr, path.string(), ": cannot be written; may you write to its folder?");
   const std::array<std::size_t, 3> shape = {static_cast<std::size_t>(data.samples),
                                             static_cast<std::size_t>(data.elements),
@@ -148,7 +166,8 @@ void WriteMatlab(const std::filesystem::path& path, const ChannelData& data) {
   const double start_s = 1e-6 * data.start_us;
   AddVariable(file.get(), path, "fs_hz", MAT_C_DOUBLE, MAT_T_DOUBLE, one, &rate_hz);
   AddVariable(file.get(), path, "t0_s", MAT_C_DOUBLE, MAT_T_DOUBLE, one, &start_s);
-  ACUS_REQUIRE(Mat_Close(file.release()) == 0, path.string(), ": cannot be written; is the disk full?");
+  ACUS_REQUIRE(Mat_Close(file.release()) == 0, path.string(),
+               ": cannot be written; is the disk full?");
   out.Commit();
 }
 

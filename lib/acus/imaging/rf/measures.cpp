@@ -30,8 +30,7 @@ double FullWidth(const std::function<float(int)>& value, int peak, int count) {
 PointWidths WidthsOfBrightest(const IqImage& image) {
   const std::vector<float> envelope = Envelope(image);
   const PixelGrid& grid = image.grid;
-  const auto brightest =
-      static_cast<int>(std::ranges::max_element(envelope) - envelope.begin());
+  const auto brightest = static_cast<int>(std::ranges::max_element(envelope) - envelope.begin());
   const int column = brightest % grid.columns;
   const int row = brightest / grid.columns;
   const auto at = [&](int c, int r) {
@@ -39,10 +38,9 @@ PointWidths WidthsOfBrightest(const IqImage& image) {
   };
   PointWidths out;
   out.peak_mm = grid.At(column, row);
-  out.lateral_mm = grid.step_mm.x() *
-                   FullWidth([&](int c) { return at(c, row); }, column, grid.columns);
-  out.axial_mm =
-      grid.step_mm.y() * FullWidth([&](int r) { return at(column, r); }, row, grid.rows);
+  out.lateral_mm =
+      grid.step_mm.x() * FullWidth([&](int c) { return at(c, row); }, column, grid.columns);
+  out.axial_mm = grid.step_mm.y() * FullWidth([&](int r) { return at(column, r); }, row, grid.rows);
   return out;
 }
 

@@ -17,8 +17,7 @@ double Pulse::SpectrumAt(double at_mhz) const {
   return std::exp(-0.5 * x * x) * burst;
 }
 
-AttenuatedGaussian AttenuateGaussian(double frequency_mhz, double sigma_mhz,
-                                     double neper_per_mhz) {
+AttenuatedGaussian AttenuateGaussian(double frequency_mhz, double sigma_mhz, double neper_per_mhz) {
   const double shift_mhz = neper_per_mhz * sigma_mhz * sigma_mhz;
   return {frequency_mhz - shift_mhz,
           std::exp(-neper_per_mhz * frequency_mhz + 0.5 * neper_per_mhz * shift_mhz)};

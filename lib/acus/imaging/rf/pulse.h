@@ -10,7 +10,7 @@ struct Pulse {
   double fractional_bandwidth = 0.6;  ///< Of the probe: width at half of the amplitude over centre.
   double burst_cycles = 0.0;          ///< Of the excitation; 0: an impulse.
 
-  double SigmaMhz() const;                      ///< Of the Gaussian spectrum.
+  double SigmaMhz() const;                        ///< Of the Gaussian spectrum.
   double SpectrumAt(double frequency_mhz) const;  ///< 1 at the centre.
 };
 
@@ -23,8 +23,7 @@ struct AttenuatedGaussian {
 /// Attenuation b f nepers over the path, b in Np/MHz, turns exp(-(f - f0)^2 / (2 s^2)) into a
 /// Gaussian of the same width around f0 - b s^2, times exp(-b f0 + b^2 s^2 / 2) (Kuc, IEEE TASSP
 /// 33(1), 1985).
-AttenuatedGaussian AttenuateGaussian(double frequency_mhz, double sigma_mhz,
-                                     double neper_per_mhz);
+AttenuatedGaussian AttenuateGaussian(double frequency_mhz, double sigma_mhz, double neper_per_mhz);
 
 /// Nepers per MHz of a path, from the coefficient in dB/(cm MHz).
 double NeperPerMhz(double attenuation_db_per_cm_mhz, double path_mm);

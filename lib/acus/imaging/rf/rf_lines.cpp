@@ -11,15 +11,15 @@ namespace acus::rf {
 namespace {
 
 std::string MetaHeader(const PixelGrid& grid, double scale) {
-  return Message("ObjectType = Image\nNDims = 3\nAnatomicalOrientation = RAI\n",
-                 "BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n",
-                 "DimSize = ", grid.rows, " ", grid.columns, " 1\n", "ElementSpacing = ",
-                 grid.step_mm.y(), " ", grid.step_mm.x(), " 1\n", "Offset = 0 0 0\n",
-                 "TransformMatrix = 1 0 0 0 1 0 0 0 1\n", "Kinds = domain domain list\n",
-                 "UltrasoundImageOrientation = FM\nUltrasoundImageType = RF_REAL\n",
-                 "RfScale = ", scale, "\nSeq_Frame0000_Timestamp = 0\n",
-                 "Seq_Frame0000_ImageStatus = OK\n",
-                 "ElementType = MET_SHORT\nElementDataFile = LOCAL\n");
+  return Message(
+      "ObjectType = Image\nNDims = 3\nAnatomicalOrientation = RAI\n",
+      "BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n",
+      "DimSize = ", grid.rows, " ", grid.columns, " 1\n", "ElementSpacing = ", grid.step_mm.y(),
+      " ", grid.step_mm.x(), " 1\n", "Offset = 0 0 0\n", "TransformMatrix = 1 0 0 0 1 0 0 0 1\n",
+      "Kinds = domain domain list\n",
+      "UltrasoundImageOrientation = FM\nUltrasoundImageType = RF_REAL\n", "RfScale = ", scale,
+      "\nSeq_Frame0000_Timestamp = 0\n", "Seq_Frame0000_ImageStatus = OK\n",
+      "ElementType = MET_SHORT\nElementDataFile = LOCAL\n");
 }
 
 }  // namespace
@@ -33,8 +33,7 @@ void WriteRfLines(const std::filesystem::path& path, const IqImage& image) {
   lines.reserve(image.values.size());
   for (int column = 0; column < image.grid.columns; ++column) {
     for (int row = 0; row < image.grid.rows; ++row) {
-      lines.push_back(
-          static_cast<std::int16_t>(std::lround(image.At(column, row).real() / scale)));
+      lines.push_back(static_cast<std::int16_t>(std::lround(image.At(column, row).real() / scale)));
     }
   }
   std::string bytes = MetaHeader(image.grid, scale);

@@ -42,8 +42,8 @@ PixelGrid GridOf(const json& image) {
                                 image.at("depth_mm").get<double>());
   grid.columns = static_cast<int>(std::floor(size_mm.x() / grid.step_mm.x() + 1e-9)) + 1;
   grid.first_mm = {-0.5 * (grid.columns - 1) * grid.step_mm.x(), image.at("top_mm").get<double>()};
-  grid.rows = static_cast<int>(
-      std::floor((size_mm.y() - grid.first_mm.y()) / grid.step_mm.y() + 1e-9)) + 1;
+  grid.rows =
+      static_cast<int>(std::floor((size_mm.y() - grid.first_mm.y()) / grid.step_mm.y() + 1e-9)) + 1;
   return grid;
 }
 

@@ -91,7 +91,8 @@ TEST(ChannelSimulator, AFocusedWaveIsStrongestAtItsFocus) {
   };
   EXPECT_GT(at(0.0), 5.0 * at(2.0));
   const TransmitTiming timing(array, focused, 1.54);
-  const auto [time_us, peak] = PeakOf(Recorded(array, {focused}, {{{0.0, 20.0}, 1.0}}, options), 0, 32);
+  const auto [time_us, peak] =
+      PeakOf(Recorded(array, {focused}, {{{0.0, 20.0}, 1.0}}, options), 0, 32);
   EXPECT_NEAR(time_us, timing.ArrivalUs({0.0, 20.0}) + std::hypot(0.15, 20.0) / 1.54, 0.02);
 }
 
@@ -115,10 +116,11 @@ TEST(ChannelSimulatorHardCases, GiveFiniteNumbers) {
   EXPECT_TRUE(std::ranges::all_of(silent.values, [](float v) { return v == 0.0F; }));
   // On an element, behind the face, beside it, far beyond the recording.
   for (const Eigen::Vector2d& place :
-       {element, Eigen::Vector2d(0.0, -5.0), Eigen::Vector2d(50.0, 0.0), Eigen::Vector2d(0.0, 900.0),
-        Eigen::Vector2d(0.0, 1e-9)}) {
+       {element, Eigen::Vector2d(0.0, -5.0), Eigen::Vector2d(50.0, 0.0),
+        Eigen::Vector2d(0.0, 900.0), Eigen::Vector2d(0.0, 1e-9)}) {
     const auto data = Recorded(array, {Transmit{}}, {{place, 1.0}}, options);
-    EXPECT_TRUE(std::ranges::all_of(data.values, [](float v) { return std::isfinite(v); })) << place;
+    EXPECT_TRUE(std::ranges::all_of(data.values, [](float v) { return std::isfinite(v); }))
+        << place;
   }
   const auto behind = Recorded(array, {Transmit{}}, {{{0.0, -5.0}, 1.0}}, options);
   EXPECT_TRUE(std::ranges::all_of(behind.values, [](float v) { return v == 0.0F; }));

@@ -16,7 +16,8 @@ namespace {
 ChannelData Numbered() {
   ChannelData data{20, 3, 2, 25.0, 1.5, {}};
   data.Allocate();
-  for (std::size_t i = 0; i < data.values.size(); ++i) data.values[i] = 0.25F * static_cast<float>(i) - 7.0F;
+  for (std::size_t i = 0; i < data.values.size(); ++i)
+    data.values[i] = 0.25F * static_cast<float>(i) - 7.0F;
   return data;
 }
 
@@ -77,7 +78,8 @@ TEST_F(RfFiles, NumpyIsAsItsFormatSays) {
   WriteNumpy(folder_.path() / "a.npy", Numbered());
   const std::string bytes = ReadTextFile(folder_.path() / "a.npy");
   EXPECT_EQ(bytes.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
-  const std::size_t header = static_cast<unsigned char>(bytes[8]) + 256U * static_cast<unsigned char>(bytes[9]);
+  const std::size_t header =
+      static_cast<unsigned char>(bytes[8]) + 256U * static_cast<unsigned char>(bytes[9]);
   EXPECT_EQ((10 + header) % 64, 0U);
   EXPECT_EQ(bytes.substr(10, 61), "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 20),");
   ASSERT_EQ(bytes.size(), 10 + header + 4 * 120);

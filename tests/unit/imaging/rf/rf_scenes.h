@@ -27,9 +27,8 @@ inline ChannelOptions Lossless(int samples) {
 }
 
 inline ChannelData Recorded(const Array& array, const std::vector<Transmit>& transmits,
-                            const std::vector<Scatterer>& scatterers,
-                            const ChannelOptions& options, int threads = 2,
-                            const Pulse& pulse = {}) {
+                            const std::vector<Scatterer>& scatterers, const ChannelOptions& options,
+                            int threads = 2, const Pulse& pulse = {}) {
   const ChannelSimulator simulator(array, pulse, transmits, options);
   ChannelData data = simulator.Empty();
   simulator.Add(scatterers, threads, data);
