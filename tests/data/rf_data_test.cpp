@@ -105,8 +105,8 @@ TEST_F(FibrePhantom, FibresAreAsWideAsRecorded) {
                 kFibreDepthsMm[i], real.lateral_mm, simulated.lateral_mm, real.axial_mm,
                 simulated.axial_mm);
     EXPECT_NEAR(simulated.lateral_mm / real.lateral_mm, 1.0, 0.1) << kFibreDepthsMm[i];
-    // Not within 10 % at the upper two, and hardly at the third: a point is shorter than a fibre of 0.1 mm, and the burst is
-    // not on any sheet.
+    // Not within 10 % at the upper two, and hardly at the third: a point is shorter than a fibre of
+    // 0.1 mm, and the burst is not on any sheet.
     EXPECT_NEAR(simulated.axial_mm / real.axial_mm, 1.0, i < 3 ? 0.15 : 0.1) << kFibreDepthsMm[i];
   }
 }

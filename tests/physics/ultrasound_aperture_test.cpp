@@ -29,6 +29,7 @@ ApertureOptions ApertureBare() {
   ApertureOptions options;
   options.speckle = options.texture = options.clutter = options.noise = options.ring_down = false;
   options.comet_tail = false;
+  options.rough_layer_mm = 0.0;  // Mirrors.
   return options;
 }
 
@@ -43,14 +44,13 @@ struct ApertureBlock {
 /// from y by an angle in the image plane.
 ApertureBlock AperturePlaneAt(double turn_rad, double spacing_mm) {
   const int voxels = static_cast<int>(64.0 / spacing_mm);
-  ApertureBlock block{
-      LabelledBlock({voxels, voxels, voxels}, spacing_mm, {{1, "near"}, {2, "far"}},
-                    [&](double x, double y, double) {
-                      const double beyond =
-                          (y - 32.0) * std::cos(turn_rad) + (x - 32.0) * std::sin(turn_rad);
-                      return static_cast<volume::Label>(beyond > 0.0 ? 2 : 1);
-                    }),
-      TableOf({{"near", Clear(1540.0, 1.5)}, {"far", Clear(1540.0, 1.7)}})};
+  ApertureBlock block{LabelledBlock({voxels, voxels, voxels}, spacing_mm, {{1, "near"}, {2, "far"}},
+                                    [&](double x, double y, double) {
+                                      const double beyond = (y - 32.0) * std::cos(turn_rad) +
+                                                            (x - 32.0) * std::sin(turn_rad);
+                                      return static_cast<volume::Label>(beyond > 0.0 ? 2 : 1);
+                                    }),
+                      TableOf({{"near", Clear(1540.0, 1.5)}, {"far", Clear(1540.0, 1.7)}})};
   return block;
 }
 
@@ -169,8 +169,8 @@ TEST(UltrasoundAperture, AttenuationAndSpeckleAreThoseOfTheTissue) {
   const double mean = amplitude / count;
   const double variance = squares / count - mean * mean;
   EXPECT_NEAR(mean / std::sqrt(variance), 1.913, 0.06);
-  const double pulse_mm = acoustics::SigmaOfFwhm(acoustics::AxialFwhmMm(probe)) *
-                          std::sqrt(std::numbers::pi);
+  const double pulse_mm =
+      acoustics::SigmaOfFwhm(acoustics::AxialFwhmMm(probe)) * std::sqrt(std::numbers::pi);
   EXPECT_NEAR(10.0 * std::log10(squares / count), -30.0 + 10.0 * std::log10(pulse_mm), 0.3);
 }
 
@@ -193,7 +193,8 @@ TEST(UltrasoundAperture, AShadowFadesInBelowBoneAndIsFilledByHaze) {
     renderer.Render(FaceAt(30.0, 4.0, 18.0), {}, image);
     const int k = static_cast<int>(std::lround(depth_mm / 0.1));
     double sum = 0.0;
-    for (int n = k - 8; n <= k + 8; ++n) sum += MeanIntensity(renderer.envelope(), n, 5, 124) / 17.0;
+    for (int n = k - 8; n <= k + 8; ++n)
+      sum += MeanIntensity(renderer.envelope(), n, 5, 124) / 17.0;
     return 10.0 * std::log10(sum + 1e-30);
   };
   const double above = level(filled, 15.0);
@@ -293,13 +294,12 @@ TEST(UltrasoundAperture, SameBitsWithAnyNumberOfThreads) {
 
 TEST(UltrasoundAperture, HardCasesEndInAnImageOrAMessage) {
   image::GrayImage image;
-  for (const Eigen::Array3i& size :
-       {Eigen::Array3i(2, 2, 2), Eigen::Array3i(1, 40, 40), Eigen::Array3i(40, 40, 1),
-        Eigen::Array3i(3, 1, 200)}) {
+  for (const Eigen::Array3i& size : {Eigen::Array3i(2, 2, 2), Eigen::Array3i(1, 40, 40),
+                                     Eigen::Array3i(40, 40, 1), Eigen::Array3i(3, 1, 200)}) {
     for (const volume::Label label : {volume::Label{0}, volume::Label{1}}) {
-      const ApertureBlock block{LabelledBlock(size, 1.0, {{1, "tissue"}},
-                                              [&](double, double, double) { return label; }),
-                                TableOf({{"tissue", Scattering()}})};
+      const ApertureBlock block{
+          LabelledBlock(size, 1.0, {{1, "tissue"}}, [&](double, double, double) { return label; }),
+          TableOf({{"tissue", Scattering()}})};
       ApertureRenderer renderer(block.tissue(), TargetProbe(), ApertureOptions());
       renderer.Render(FaceAt(1.0, 0.0, 1.0), {}, image);
       renderer.Render(FaceAt(1e7, -1e7, 1e7), {}, image);

@@ -17,8 +17,8 @@ namespace acus::volume {
 CtVolume ReadDicomCt(const std::filesystem::path& folder, const std::string& series,
                      const RunContext& context);
 
-/// A table of the series of a folder (searched recursively), largest first: slices, spacing and field
-/// of view (mm), modality, range of values (HU), folder, description, UID.
+/// A table of the series of a folder (searched recursively), largest first: slices, spacing and
+/// field of view (mm), modality, range of values (HU), folder, description, UID.
 /// @throws InputError if there is no readable DICOM image in it.
 std::string SeriesTable(const std::filesystem::path& folder, const RunContext& context);
 

@@ -152,9 +152,11 @@ AcousticVolume::AcousticVolume(const BeamTissue& tissue, const BeamMaterials& pe
   FindBox(reader, first_, size_);
   spacing_mm_ = geometry.spacing_mm;
 
-  // Bone and gas lose far more than a code can hold; what they lose beyond is `strong` (AddLossRow).
+  // Bone and gas lose far more than a code can hold; what they lose beyond is `strong`
+  // (AddLossRow).
   constexpr float kMostNepersPerMm = 0.5F;
-  const float most_scatter = per_mm.MostScatter() * (gains != nullptr ? CtTexture::kMostGain : 1.0F);
+  const float most_scatter =
+      per_mm.MostScatter() * (gains != nullptr ? CtTexture::kMostGain : 1.0F);
   view_.zeta_first = kLowestZeta;
   view_.zeta_unit = (kHighestZeta - kLowestZeta) / (kernels::kZetaCodes - 1);
   view_.nepers_unit = kMostNepersPerMm / (kernels::kNepersCodes - 1);
@@ -193,9 +195,9 @@ AcousticVolume::AcousticVolume(const BeamTissue& tissue, const BeamMaterials& pe
       const int inside = std::clamp(k, 0, size_[2] - 1) + first_[2];
       for (int j = 0; j < size_[1]; ++j) {
         const auto at = static_cast<std::ptrdiff_t>(j) * size_[0];
-        rows.ReadRow(geometry.Index(first_[0], first_[1] + j, inside), size_[0],
-                     {slice.value[0].data() + at, slice.value[1].data() + at,
-                      slice.value[2].data() + at});
+        rows.ReadRow(
+            geometry.Index(first_[0], first_[1] + j, inside), size_[0],
+            {slice.value[0].data() + at, slice.value[1].data() + at, slice.value[2].data() + at});
       }
       for (auto& value : slice.value) SmoothSlice(value, size_[0], size_[1], scratch);
     };
@@ -228,9 +230,9 @@ AcousticVolume::AcousticVolume(const BeamTissue& tissue, const BeamMaterials& pe
 
 float AcousticVolume::ZetaAt(const Eigen::Array3i& voxel) const {
   const Eigen::Array3i at = (voxel - first_).max(0).min(size_ - 1);
-  const std::uint32_t packed = packed_[static_cast<std::size_t>(at[2]) * view_.slice_voxels +
-                                       static_cast<std::size_t>(at[1]) * view_.row_voxels +
-                                       static_cast<std::size_t>(at[0])];
+  const std::uint32_t packed =
+      packed_[static_cast<std::size_t>(at[2]) * view_.slice_voxels +
+              static_cast<std::size_t>(at[1]) * view_.row_voxels + static_cast<std::size_t>(at[0])];
   return view_.zeta_first + view_.zeta_unit * static_cast<float>(packed >> 20);
 }
 

@@ -12,8 +12,8 @@ ApertureField::ApertureField(const ApertureRays& rays, int lines, int rows)
     : rays_(rays),
       lines_(lines),
       rows_(rows),
-      margin_(kernels::RoundUp(static_cast<int>(std::ceil(rays.MostLines())) +
-                               2 * kernels::kBlock)),
+      margin_(
+          kernels::RoundUp(static_cast<int>(std::ceil(rays.MostLines())) + 2 * kernels::kBlock)),
       stride_(kernels::RoundUp(lines) + 2 * margin_) {
   left_.Reserve(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows));
   for (int g = 0; g < kGroups; ++g) {

@@ -59,8 +59,8 @@ void SampleAcousticRow(const AcousticVoxels& voxels, const Lines& lines, float s
     VI low = hn::Zero(d);
     VF share[3] = {seen, seen, seen};
     for (int a = 0; a < 3; ++a) {
-      const VF at = hn::Add(hn::Load(f, lines.start[a] + l),
-                            hn::Mul(sample, hn::Load(f, lines.step[a] + l)));
+      const VF at =
+          hn::Add(hn::Load(f, lines.start[a] + l), hn::Mul(sample, hn::Load(f, lines.step[a] + l)));
       const auto in_grid =
           hn::And(hn::Ge(at, hn::Set(f, -0.5F)), hn::Le(at, hn::Set(f, voxels.edge[a])));
       seen = hn::IfThenElseZero(in_grid, seen);
@@ -80,9 +80,9 @@ void SampleAcousticRow(const AcousticVoxels& voxels, const Lines& lines, float s
     const Codes near = MixCodes(pair(0), pair(strides[1]), share[1]);
     const Codes far = MixCodes(pair(strides[2]), pair(strides[1] + strides[2]), share[1]);
     const Codes found = MixCodes(near, far, share[2]);
-    hn::Store(hn::Add(hn::Set(f, voxels.zeta_first),
-                      hn::Mul(found.zeta, hn::Set(f, voxels.zeta_unit))),
-              f, out.zeta + l);
+    hn::Store(
+        hn::Add(hn::Set(f, voxels.zeta_first), hn::Mul(found.zeta, hn::Set(f, voxels.zeta_unit))),
+        f, out.zeta + l);
     hn::Store(hn::Mul(found.nepers, hn::Set(f, voxels.nepers_unit)), f, out.nepers + l);
     hn::Store(hn::Mul(found.scatter, hn::Set(f, voxels.scatter_unit)), f, out.scatter + l);
     hn::Store(seen, f, out.seen + l);
@@ -113,12 +113,12 @@ void AddLossRow(const LossRow& row, int lanes) {
   for (int l = 0; l < lanes; l += LanesPerStep()) {
     const VF zeta = hn::Load(f, row.zeta + l);
     const VF seen = hn::Load(f, row.seen + l);
-    const VF bone = hn::Mul(hn::Sub(zeta, hn::Set(f, kSoftest)),
-                            hn::Set(f, 1.0F / (kBone - kSoftest)));
+    const VF bone =
+        hn::Mul(hn::Sub(zeta, hn::Set(f, kSoftest)), hn::Set(f, 1.0F / (kBone - kSoftest)));
     const VF gas = hn::Mul(zeta, hn::Set(f, -2.0F));
     const VF strong = hn::Min(hn::Max(hn::Max(bone, gas), zero), one);
-    VF nepers = hn::Add(hn::Load(f, row.nepers + l),
-                        hn::Mul(strong, hn::Set(f, row.strong_nepers)));
+    VF nepers =
+        hn::Add(hn::Load(f, row.nepers + l), hn::Mul(strong, hn::Set(f, row.strong_nepers)));
     // Nothing comes back from where there is no patient.
     nepers = hn::IfThenElse(hn::Gt(seen, zero), nepers, hn::Set(f, 1e3F));
     VF left = hn::Mul(weight, ExpMinus16(hn::Mul(nepers, half_step)));
@@ -141,7 +141,7 @@ void MarchRayRow(const RayRow& row, int lanes) {
   for (int r = -row.margin; r < lanes + row.margin; r += step) {
     // Lines beyond those of the image are copies of the outermost.
     const int at = r + whole;
-    const int safe = at < -row.margin           ? -row.margin
+    const int safe = at < -row.margin                     ? -row.margin
                      : at > lanes + row.margin - step - 1 ? lanes + row.margin - step - 1
                                                           : at;
     const VF left = Mix(hn::LoadU(f, row.left + safe), hn::LoadU(f, row.left + safe + 1), share);

@@ -18,14 +18,14 @@ using slicing::kernels::RoundUp;
 /// Each axis of the box has at least two voxels.
 struct AcousticVoxels {
   const std::uint32_t* data;
-  float first[3];              ///< Voxel index of the box's first voxel.
-  float last[3];               ///< Highest index within the box, from its first voxel.
-  float edge[3];               ///< Positions from -0.5 to this are in the grid.
-  std::int32_t row_voxels;     ///< From j to j + 1.
-  std::int32_t slice_voxels;   ///< From k to k + 1.
-  float zeta_first;            ///< zeta = zeta_first + zeta_unit * code.
+  float first[3];             ///< Voxel index of the box's first voxel.
+  float last[3];              ///< Highest index within the box, from its first voxel.
+  float edge[3];              ///< Positions from -0.5 to this are in the grid.
+  std::int32_t row_voxels;    ///< From j to j + 1.
+  std::int32_t slice_voxels;  ///< From k to k + 1.
+  float zeta_first;           ///< zeta = zeta_first + zeta_unit * code.
   float zeta_unit;
-  float nepers_unit;           ///< Two-way nepers of amplitude per mm = nepers_unit * code.
+  float nepers_unit;  ///< Two-way nepers of amplitude per mm = nepers_unit * code.
   float scatter_unit;
 };
 
@@ -48,20 +48,20 @@ void SampleAcousticRow(const AcousticVoxels& voxels, const Lines& lines, float s
 /// weight * scatter^2 to `scatter2`. Bone and gas lose `strong` more, by how far zeta is theirs.
 struct LossRow {
   const float* zeta;
-  const float* nepers;   ///< Two-way, per mm.
+  const float* nepers;  ///< Two-way, per mm.
   const float* scatter;
   const float* seen;
   float step_mm;
-  float strong_nepers;   ///< Two-way, per mm.
+  float strong_nepers;  ///< Two-way, per mm.
   float weight;
-  bool add;              ///< Else `left` and `scatter2` are written.
+  bool add;  ///< Else `left` and `scatter2` are written.
   float* left;
   float* scatter2;
 };
 void AddLossRow(const LossRow& row, int lanes);
 
-/// One ray direction, one row deeper. Rays are numbered by the line at which they start; at this row
-/// ray r is at line r + shift. ray[r] *= left there, and arriving[l] += weight * ray at line l.
+/// One ray direction, one row deeper. Rays are numbered by the line at which they start; at this
+/// row ray r is at line r + shift. ray[r] *= left there, and arriving[l] += weight * ray at line l.
 /// `left` is read from -margin to lanes + margin, `ray` likewise; |shift| < margin - 1.
 struct RayRow {
   const float* left;

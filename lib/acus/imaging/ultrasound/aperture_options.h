@@ -12,6 +12,8 @@ struct ApertureOptions : BeamOptions {
     name = "aperture";
     elevation_planes = 3;
     coupling_gap_mm = 8.0;
+    lobe_deg = 15.0;
+    diffuse_share = 0.03;
     needle_transmission_db = -5.0;
     needle_ring_decay = 0.15;
     needle_tip_echo = 0.35;
@@ -21,16 +23,17 @@ struct ApertureOptions : BeamOptions {
   bool clutter = true;     ///< Haze of nearby echoes, which fills shadows.
   bool noise = true;       ///< Electronic noise of the receiver.
   bool ring_down = true;   ///< Echoes of the probe itself, next to its face.
-  int aperture_rays = 13;   ///< Odd, 1 to 31: directions over transmit and receive aperture.
+  int aperture_rays = 13;  ///< Odd, 1 to 31: directions over transmit and receive aperture.
 
   /// Two-way loss within bone and gas. Their echo and shadow begin at the smooth surface.
   double strong_loss_db_per_mm = 40.0;
-  double rough_layer_mm = 0.45;  ///< Depth over which the echo of a rough, strong surface decays.
-  double rough_layer_db = -9.0;  ///< Its start, relative to the mirror's echo.
-  double clutter_db = -40.0;     ///< Amplitude, relative to the echoes around.
-  double clutter_reach_mm = 8.0;
-  double noise_db = -134.0;      ///< Amplitude at the receiver; 0 dB is a perfect flat reflector.
-  double ring_down_db = -30.0;   ///< Amplitude of the first echo of the face.
+  /// Depth over which the echo of a rough, strong surface decays; 0: all surfaces are mirrors.
+  double rough_layer_mm = 0.3;
+  double rough_layer_db = -14.0;  ///< Its start, relative to a mirror's echo.
+  double clutter_db = -29.0;      ///< Amplitude, relative to the echoes around.
+  double clutter_reach_mm = 2.5;
+  double noise_db = -134.0;     ///< Amplitude at the receiver; 0 dB is a perfect flat reflector.
+  double ring_down_db = -30.0;  ///< Amplitude of the first echo of the face.
 };
 
 }  // namespace acus::ultrasound

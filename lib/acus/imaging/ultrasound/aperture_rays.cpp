@@ -12,8 +12,8 @@ namespace {
 /// Elements hardly radiate beyond.
 constexpr double kSteepestDeg = 45.0;
 
-/// Distance along the face, mm, between the element that a ray left and the line on which it is at a
-/// depth.
+/// Distance along the face, mm, between the element that a ray left and the line on which it is at
+/// a depth.
 double AlongFaceMm(const acoustics::Probe& probe, double tan_at_face, double depth_mm) {
   if (probe.kind == acoustics::ProbeKind::kLinear) return depth_mm * tan_at_face;
   const double radius_mm = probe.radius_mm;
@@ -75,7 +75,8 @@ ApertureRays::ApertureRays(const acoustics::Probe& probe, const acoustics::ScanG
       shift_[At(d, k)] = static_cast<float>(along_mm / line_mm);
     }
     for (int d = 0; d < this->directions(); ++d) {
-      const double weight = k == 0 ? (d == half ? 1.0 : 0.0) : weights[static_cast<std::size_t>(d)] / sum;
+      const double weight =
+          k == 0 ? (d == half ? 1.0 : 0.0) : weights[static_cast<std::size_t>(d)] / sum;
       weight_[At(d, k)] = static_cast<float>(weight);
       if (weight > 0.0) {
         last_row_[static_cast<std::size_t>(d)] = k;

@@ -107,7 +107,8 @@ float PlaceNoise(const Eigen::Vector3f& index, int n) {
   const Eigen::Array3i at = (4.0F * index.array()).round().cast<int>();
   auto h = static_cast<std::uint32_t>(at[0]) * 0x9E3779B1U ^
            static_cast<std::uint32_t>(at[1]) * 0x85EBCA77U ^
-           static_cast<std::uint32_t>(at[2]) * 0xC2B2AE3DU ^ static_cast<std::uint32_t>(n) * 0x27D4EB2FU;
+           static_cast<std::uint32_t>(at[2]) * 0xC2B2AE3DU ^
+           static_cast<std::uint32_t>(n) * 0x27D4EB2FU;
   h = (h ^ h >> 15) * 0x2C1B3C6DU;
   h = (h ^ h >> 13) * 0x297A2D39U;
   h ^= h >> 16;
@@ -129,7 +130,8 @@ struct ApertureRenderer::State {
         volume(tissue, BeamMaterials(tissue, options, probe, 1.0), options.texture, num_threads),
         rays(probe, rows, options.aperture_rays),
         field(rays, grid.lines(), rows.samples),
-        tracer(volume, options, filter, rows, geometry.spacing_mm, samples_per_row),
+        tracer(volume, options, filter, rows, geometry.spacing_mm, samples_per_row,
+               acoustics::WavelengthMm(probe)),
         needle(probe, options, grid),
         samples_per_shown(SamplesPerShownRow(probe, grid)),
         shown_rows(ShownRows(grid, samples_per_shown)),
@@ -207,14 +209,16 @@ struct ApertureRenderer::State {
   void AddSurface(const ApertureTracer::Crossing& at, EchoList& list) {
     // What arrives is judged before the slope of the boundary, some of whose loss lies before its
     // middle.
-    const float amplitude = at.echo * ArrivingAt(at.row - at.lead, at.line);
-    if (std::abs(amplitude) < kFaintestEcho) return;
+    const float arriving = ArrivingAt(at.row - at.lead, at.line);
+    const float amplitude = at.echo * arriving;
+    if (std::abs(at.rough * arriving) < kFaintestEcho) return;
     const double sample = double{at.row} * samples_per_row;
     list.Add(filter, sample, at.line, amplitude);
     if (std::abs(at.reflection) < kStrong) return;
     // A rough surface answers over some depth.
-    const auto decay = static_cast<float>(std::exp(-grid.step_mm / options.rough_layer_mm));
-    auto rough = static_cast<float>(std::abs(amplitude) * OfDb(options.rough_layer_db));
+    const auto decay = static_cast<float>(
+        options.rough_layer_mm > 0.0 ? std::exp(-grid.step_mm / options.rough_layer_mm) : 0.0);
+    auto rough = at.rough * arriving * static_cast<float>(OfDb(options.rough_layer_db));
     const int most = static_cast<int>(3.0 * options.rough_layer_mm / grid.step_mm);
     for (int n = 1; n <= most && sample + n < grid.samples; ++n) {
       rough *= decay;
@@ -299,9 +303,9 @@ struct ApertureRenderer::State {
       for (int l = 0; l < lanes; ++l) {
         const int low = std::max(0, l - reach);
         const int high = std::min(lanes - 1, l + reach);
-        const float mean = (sums[static_cast<std::size_t>(high) + 1] -
-                            sums[static_cast<std::size_t>(low)]) /
-                           static_cast<float>(high - low + 1);
+        const float mean =
+            (sums[static_cast<std::size_t>(high) + 1] - sums[static_cast<std::size_t>(low)]) /
+            static_cast<float>(high - low + 1);
         float& around = haze[static_cast<std::size_t>(l)];
         around = keep * around + (1.0F - keep) * mean;
         out[l] = std::sqrt(out[l] + share * around);
@@ -311,8 +315,8 @@ struct ApertureRenderer::State {
 
   void MakeSpeckleRow(int k, float* amplitude, float* after) {
     const int row = k / samples_per_row;
-    const float between = static_cast<float>(k - row * samples_per_row) /
-                          static_cast<float>(samples_per_row);
+    const float between =
+        static_cast<float>(k - row * samples_per_row) / static_cast<float>(samples_per_row);
     kernels::LerpRow(speckle.row(row), speckle.row(row + 1), between, lanes, amplitude);
     const int piece = lattice_path.PieceAt(k);
     kernels::SpeckleEchoRow({.lattice = lattice_path.Lattice(piece, 0),
@@ -390,8 +394,8 @@ struct ApertureRenderer::State {
 
 ApertureRenderer::ApertureRenderer(const BeamTissue& tissue, const acoustics::Probe& probe,
                                    const ApertureOptions& options, int num_threads)
-    : state_(std::make_unique<State>(CheckedBeamTissue(tissue, "aperture"),
-                                     CheckedBeamProbe(probe), Checked(options), num_threads)) {
+    : state_(std::make_unique<State>(CheckedBeamTissue(tissue, "aperture"), CheckedBeamProbe(probe),
+                                     Checked(options), num_threads)) {
   state_->bright.Resize(state_->grid.lines(), state_->rows.samples);
 }
 ApertureRenderer::~ApertureRenderer() = default;

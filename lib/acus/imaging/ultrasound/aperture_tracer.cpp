@@ -18,19 +18,23 @@ constexpr std::size_t kCrossingsPerLine = 64;
 /// An oblique surface lies in the pulse for a part of the beam's width only. Its echo is raised by
 /// this at most.
 constexpr double kMostObliqueGain = 6.0;
+/// Root mean square height of the surfaces of tissues. Estimate.
+constexpr double kRoughnessMm = 0.03;
 constexpr double kNepersPerDb = std::numbers::ln10 / 20.0;
 
 }  // namespace
 
 ApertureTracer::ApertureTracer(const AcousticVolume& volume, const ApertureOptions& options,
                                const BeamFilter& filter, const acoustics::ScanGrid& grid,
-                               const Eigen::Array3d& spacing_mm, int fine_per_row)
+                               const Eigen::Array3d& spacing_mm, int fine_per_row,
+                               double wavelength_mm)
     : volume_(volume),
       options_(options),
       filter_(filter),
       grid_(grid),
       spacing_mm_(spacing_mm),
       fine_per_row_(fine_per_row),
+      wave_number_per_mm_(2.0 * std::numbers::pi / wavelength_mm),
       gel_rows_(static_cast<int>(options.coupling_gap_mm / grid.step_mm + 1e-9)),
       skin_rows_(static_cast<int>(std::ceil(kSlopeVoxels * spacing_mm.maxCoeff() / grid.step_mm))) {
   scatter2_.Resize(grid.lines(), grid.samples);
@@ -62,8 +66,8 @@ void ApertureTracer::TracePlane(const AperturePlane& plane, double weight_so_far
   std::fill_n(work.moment, kLanesPerBlock, 0.0F);
   std::fill_n(work.quiet_until, kLanesPerBlock, 1);
   std::fill_n(work.dry, kLanesPerBlock, true);
-  const auto strong = static_cast<float>(
-      options_.shadow ? options_.strong_loss_db_per_mm * kNepersPerDb : 0.0);
+  const auto strong =
+      static_cast<float>(options_.shadow ? options_.strong_loss_db_per_mm * kNepersPerDb : 0.0);
   for (int k = 0; k < grid_.samples; ++k) {
     const int piece = plane.path.PieceAt(k);
     kernels::SampleAcousticRow(volume_.voxels(), plane.path.Voxels(piece, first),
@@ -168,12 +172,20 @@ void ApertureTracer::AddCrossings(const AperturePlane& plane, double weight_so_f
                         std::min(kMostObliqueGain, std::sqrt(1.0 + oblique * oblique));
       }
     }
+    // A surface whose heights vary by sigma reflects exp(-2 (k sigma cos)^2) of a mirror's
+    // amplitude (Beckmann and Spizzichino); the rest is scattered.
+    double coherent = 1.0;
+    if (options_.rough_layer_mm > 0.0) {
+      const double phase = wave_number_per_mm_ * kRoughnessMm * cosine;
+      coherent = std::exp(-2.0 * phase * phase);
+    }
     const double voxels_per_row = std::max(1e-3, step.norm());
     work.crossings.push_back(
         {.row = row,
          .lead = static_cast<float>(kSlopeVoxels / voxels_per_row),
          .line = first + l,
-         .echo = static_cast<float>(plane.weight * reflection * towards_probe),
+         .echo = static_cast<float>(plane.weight * reflection * towards_probe * coherent),
+         .rough = static_cast<float>(plane.weight * std::abs(reflection) * towards_probe),
          .reflection = static_cast<float>(reflection),
          .index = index.cast<float>()});
     // Behind it, there and back, 1 - R^2 is left: the root of it one way.

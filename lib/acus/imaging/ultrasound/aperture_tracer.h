@@ -26,11 +26,12 @@ class ApertureTracer {
 
   /// Where a line passes through an interface.
   struct Crossing {
-    float row;           ///< Place, in rows of tissue; not whole.
-    float lead;          ///< Rows by which its smoothed slope begins before it.
+    float row;   ///< Place, in rows of tissue; not whole.
+    float lead;  ///< Rows by which its smoothed slope begins before it.
     int line;
-    float echo;          ///< Amplitude that comes back of what arrives, with its plane's weight.
-    float reflection;    ///< Fresnel's, with its sign.
+    float echo;             ///< Amplitude that comes back of what arrives, with its plane's weight.
+    float rough;            ///< The same, before the roughness of the surface took from it.
+    float reflection;       ///< Fresnel's, with its sign.
     Eigen::Vector3f index;  ///< Of the tissue at rest, voxels.
   };
 
@@ -39,7 +40,7 @@ class ApertureTracer {
   /// @param fine_per_row  Samples of the image between two rows, which `filter` counts in.
   ApertureTracer(const AcousticVolume& volume, const ApertureOptions& options,
                  const BeamFilter& filter, const acoustics::ScanGrid& grid,
-                 const Eigen::Array3d& spacing_mm, int fine_per_row);
+                 const Eigen::Array3d& spacing_mm, int fine_per_row, double wavelength_mm);
 
   int blocks() const { return static_cast<int>(work_.size()); }
 
@@ -85,6 +86,7 @@ class ApertureTracer {
   const acoustics::ScanGrid& grid_;
   Eigen::Array3d spacing_mm_;
   int fine_per_row_;
+  double wave_number_per_mm_;
   int gel_rows_;
   int skin_rows_;
   slicing::BeamImage scatter2_;

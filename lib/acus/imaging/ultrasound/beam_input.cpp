@@ -24,14 +24,14 @@ void CheckVolume(const Volume& volume, const char* what) {
 }  // namespace
 
 const BeamTissue& CheckedBeamTissue(const BeamTissue& tissue, const char* model) {
-  ACUS_REQUIRE(tissue.ct != nullptr || tissue.labels != nullptr,
-               model, ": there is neither a CT nor a label map to image");
+  ACUS_REQUIRE(tissue.ct != nullptr || tissue.labels != nullptr, model,
+               ": there is neither a CT nor a label map to image");
   ACUS_REQUIRE(tissue.acoustics != nullptr, model, ": no table of tissue acoustics is given");
   if (tissue.ct != nullptr) CheckVolume(*tissue.ct, "CT");
   if (tissue.labels != nullptr) CheckVolume(*tissue.labels, "labels");
   if (tissue.ct != nullptr && tissue.labels != nullptr) {
-    ACUS_REQUIRE(tissue.ct->geometry.Matches(tissue.labels->geometry),
-                 model, ": the CT and the label map have different grids; resample one to the other");
+    ACUS_REQUIRE(tissue.ct->geometry.Matches(tissue.labels->geometry), model,
+                 ": the CT and the label map have different grids; resample one to the other");
   }
   return tissue;
 }

@@ -90,6 +90,8 @@ void BeamPath::Set(const Eigen::Isometry3d& ct_from_probe, const slicing::RestMa
   index_from_probe_ = frame_.index_from_ct * ct_from_probe;
   straight_ = true;
   if (rest != nullptr) AskAtKnots(ct_from_probe, rest);
+  // The same pieces with and without a map that moves nothing, out of the plane as well.
+  if (straight_ && laid_for_mm_ != 0.0 && !frame_.elevation_mm.empty()) Lay(0.0);
   if (straight_ && frame_.elevation_mm.empty()) {
     // The same pieces with and without a map that moves nothing.
     MakePiece(0, 0, 1);

@@ -43,11 +43,12 @@ double TextureDb(double hu_above_tissue) {
 CtTexture::CtTexture(const volume::CtVolume& ct, const volume::LabelMap& labels, int num_threads)
     : code_(ct.voxels.size(), kNoTexture) {
   for (int code = 0; code < 256; ++code) {
-    gain_[static_cast<std::size_t>(code)] = static_cast<float>(
-        std::pow(10.0, TextureDb((code - kNoTexture) * kHuPerCode) / 20.0));
+    gain_[static_cast<std::size_t>(code)] =
+        static_cast<float>(std::pow(10.0, TextureDb((code - kNoTexture) * kHuPerCode) / 20.0));
   }
   FindTextured(labels);
-  if (std::all_of(against_.begin(), against_.end(), [](Against a) { return a == Against::kNone; })) {
+  if (std::all_of(against_.begin(), against_.end(),
+                  [](Against a) { return a == Against::kNone; })) {
     return;
   }
   FindMedians(ct, labels);
@@ -85,7 +86,8 @@ void CtTexture::FindTextured(const volume::LabelMap& labels) {
     if (name == "soft_tissue" || name == "muscle") {
       against_[label] = Against::kAround;
     }
-    for (const std::string_view organ : {"liver", "kidney", "spleen", "pancreas", "heart", "gland"}) {
+    for (const std::string_view organ :
+         {"liver", "kidney", "spleen", "pancreas", "heart", "gland"}) {
       if (name == organ) against_[label] = Against::kOrgan;
     }
   }
@@ -171,9 +173,8 @@ void CtTexture::MeansOfRow(int j, int k, std::vector<float>& by_block) const {
   const Between y = between(j, 1);
   const Between z = between(k, 2);
   const auto row = [&](int by, int bz) {
-    return mean_hu_.data() + (static_cast<std::size_t>(bz) * blocks_[1] +
-                              static_cast<std::size_t>(by)) *
-                                 blocks_[0];
+    return mean_hu_.data() +
+           (static_cast<std::size_t>(bz) * blocks_[1] + static_cast<std::size_t>(by)) * blocks_[0];
   };
   by_block.resize(static_cast<std::size_t>(blocks_[0]));
   for (int x = 0; x < blocks_[0]; ++x) {
@@ -213,9 +214,9 @@ void CtTexture::CodeSlice(const volume::LabelMap& labels, int k,
       if (at_border) continue;
       float level = median_hu_[label];
       if (against_[label] == Against::kAround) {
-        const float at = std::clamp((static_cast<float>(i) + 0.5F) / static_cast<float>(block_[0]) -
-                                        0.5F,
-                                    0.0F, static_cast<float>(blocks_[0] - 1));
+        const float at =
+            std::clamp((static_cast<float>(i) + 0.5F) / static_cast<float>(block_[0]) - 0.5F, 0.0F,
+                       static_cast<float>(blocks_[0] - 1));
         const auto low = static_cast<std::size_t>(at);
         const std::size_t high = std::min(low + 1, means.size() - 1);
         level = means[low] + (at - static_cast<float>(low)) * (means[high] - means[low]);

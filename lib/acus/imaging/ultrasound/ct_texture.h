@@ -16,9 +16,9 @@ namespace acus::ultrasound {
 double TextureDb(double hu_above_tissue);
 
 /// Compares each voxel with its surroundings: the mean of tissues like it (soft tissues, not fat,
-/// bone or gas) over some centimetres, or, in a labelled organ, the organ's median. The noise of the
-/// CT is smoothed away first. Voxels at the border of their tissue are left alone: partial volume
-/// says nothing of their texture.
+/// bone or gas) over some centimetres, or, in a labelled organ, the organ's median. The noise of
+/// the CT is smoothed away first. Voxels at the border of their tissue are left alone: partial
+/// volume says nothing of their texture.
 class CtTexture {
  public:
   static constexpr float kMostGain = 1.6F;
@@ -27,9 +27,7 @@ class CtTexture {
   CtTexture(const volume::CtVolume& ct, const volume::LabelMap& labels, int num_threads);
 
   /// Factor of the scatterers' amplitude, at a voxel of the grid.
-  float GainAt(std::size_t voxel) const {
-    return gain_[code_[voxel]];
-  }
+  float GainAt(std::size_t voxel) const { return gain_[code_[voxel]]; }
 
  private:
   /// kNone: no texture; kAround: against tissues around; kOrgan: against the median of its label.
@@ -44,8 +42,8 @@ class CtTexture {
 
   std::array<Against, 256> against_{};
   std::array<float, 256> median_hu_{};
-  Eigen::Array3i block_;   ///< Voxels of one block of means, along each axis.
-  Eigen::Array3i blocks_;  ///< Number of blocks along each axis.
+  Eigen::Array3i block_;            ///< Voxels of one block of means, along each axis.
+  Eigen::Array3i blocks_;           ///< Number of blocks along each axis.
   std::vector<float> mean_hu_;      ///< By block.
   std::vector<std::uint8_t> code_;  ///< By voxel; kNoTexture: gain 1.
   std::array<float, 256> gain_{};

@@ -34,7 +34,7 @@ class SectorEdge {
     std::int32_t coverage;
   };
   std::vector<Cut> cut_;
-  std::vector<std::size_t> first_;  ///< Of each row, and the end.
+  std::vector<std::size_t> first_;   ///< Of each row, and the end.
   std::vector<std::uint8_t> whole_;  ///< 1 where all of a pixel is seen, by pixel.
   int width_ = 0;
 };

@@ -7,7 +7,7 @@
 namespace acus::ultrasound {
 
 Eigen::Matrix3d SpeckleLatticeFromIndex(const volume::Geometry& geometry, double grain_mm,
-                                 std::uint64_t seed) {
+                                        std::uint64_t seed) {
   Eigen::Matrix3d turn =
       Eigen::AngleAxisd(0.9273, Eigen::Vector3d(0.36, 0.48, 0.8)).toRotationMatrix();
   if (seed != 0) {

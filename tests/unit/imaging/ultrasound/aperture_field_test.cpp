@@ -89,8 +89,7 @@ TEST(ApertureField, TheShadowOfANarrowPlateFillsInByTheClosedForm) {
     for (const int half_lines : {2, 5, 10}) {
       const double half_mm = (half_lines + 0.5) * 0.2;
       const double blocked = half_mm / (aperture_mm * (1.0 - double{plate_row} / at));
-      const double left =
-          blocked < 0.5 ? 1.0 - std::sin(std::numbers::pi * blocked) : 0.0;
+      const double left = blocked < 0.5 ? 1.0 - std::sin(std::numbers::pi * blocked) : 0.0;
       EXPECT_NEAR(std::sqrt(ApertureUnderPlate(probe, 31, plate_row, half_lines, at)), left, 0.06)
           << at << " " << half_lines;
     }
