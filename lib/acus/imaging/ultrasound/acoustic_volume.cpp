@@ -236,20 +236,35 @@ float AcousticVolume::ZetaAt(const Eigen::Array3i& voxel) const {
   return view_.zeta_first + view_.zeta_unit * static_cast<float>(packed >> 20);
 }
 
-Eigen::Vector3d AcousticVolume::GradientPerMm(const Eigen::Vector3d& index) const {
-  const Eigen::Array3i voxel = (index.array() + 0.5).floor().cast<int>();
-  Eigen::Vector3d gradient;
+Eigen::Vector3d AcousticVolume::DifferenceAt(const Eigen::Array3i& voxel) const {
+  Eigen::Vector3d difference;
   for (int a = 0; a < 3; ++a) {
-    const auto change = [&](int reach) {
-      Eigen::Array3i low = voxel;
-      Eigen::Array3i high = voxel;
-      low[a] -= reach;
-      high[a] += reach;
-      return double{ZetaAt(high) - ZetaAt(low)};
-    };
-    gradient[a] = (change(1) + change(2)) / (6.0 * spacing_mm_[a]);
+    Eigen::Array3i low = voxel;
+    Eigen::Array3i high = voxel;
+    low[a] -= kBinomialReach;
+    high[a] += kBinomialReach;
+    difference[a] = double{ZetaAt(high) - ZetaAt(low)} / spacing_mm_[a];
   }
-  return gradient;
+  return difference;
+}
+
+Eigen::Vector3d AcousticVolume::NormalAt(const Eigen::Vector3d& index) const {
+  const Eigen::Array3i voxel = (index.array() + 0.5).floor().cast<int>();
+  const Eigen::Vector3d here = DifferenceAt(voxel);
+  Eigen::Vector3d sum = here;
+  // Around, along the surface, the stairs of labels have other phases; off it the slope is small.
+  constexpr int kApart = 4;
+  for (int a = 0; a < 3; ++a) {
+    for (const int step : {-kApart, kApart}) {
+      Eigen::Array3i beside = voxel;
+      beside[a] += step;
+      const Eigen::Vector3d there = DifferenceAt(beside);
+      // The far side of a thin layer slopes the other way.
+      if (there.dot(here) > 0.0) sum += there;
+    }
+  }
+  const double length = sum.norm();
+  return length > 0.0 ? Eigen::Vector3d(sum / length) : Eigen::Vector3d::Zero();
 }
 
 }  // namespace acus::ultrasound

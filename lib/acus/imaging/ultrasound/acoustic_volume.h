@@ -26,14 +26,17 @@ class AcousticVolume {
 
   const kernels::AcousticVoxels& voxels() const { return view_; }
 
-  /// Gradient of zeta = ln(Z) / 2 along the voxel axes, per mm, by differences over two and four
-  /// voxels around the nearest. @pre finite.
-  Eigen::Vector3d GradientPerMm(const Eigen::Vector3d& index) const;
+  /// Unit normal of the boundary at a place (voxel indices), in mm along the voxel axes, towards
+  /// the higher zeta = ln(Z) / 2: from the slopes there and four voxels around. Zero where there is
+  /// no slope. @pre finite.
+  Eigen::Vector3d NormalAt(const Eigen::Vector3d& index) const;
 
   std::size_t bytes() const { return packed_.size() * sizeof(packed_[0]); }
 
  private:
   float ZetaAt(const Eigen::Array3i& voxel) const;
+  /// Of zeta over four voxels along each axis.
+  Eigen::Vector3d DifferenceAt(const Eigen::Array3i& voxel) const;
 
   std::vector<std::uint32_t> packed_;
   kernels::AcousticVoxels view_{};

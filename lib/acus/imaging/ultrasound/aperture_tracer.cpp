@@ -160,8 +160,8 @@ void ApertureTracer::AddCrossings(const AperturePlane& plane, double weight_so_f
     double cosine = 1.0;
     const Eigen::Vector3d along = (step.array() * spacing_mm_).matrix().normalized();
     if (options_.angle) {
-      const Eigen::Vector3d normal = volume_.GradientPerMm(index).normalized();
-      if (normal.allFinite() && !normal.isZero(0.0)) {
+      const Eigen::Vector3d normal = volume_.NormalAt(index);
+      if (!normal.isZero(0.0)) {
         cosine = std::min(1.0, std::abs(along.dot(normal)));
         const Eigen::Vector3d across_mm = across.array() * spacing_mm_;
         const Eigen::Vector3d sideways = (across_mm - along.dot(across_mm) * along).normalized();

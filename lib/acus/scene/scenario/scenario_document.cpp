@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 9> kPaths = {
     "/patient/ct",          "/patient/labels",           "/patient/surfaces",
     "/patient/mesh",        "/patient/corridor",         "/patient/ct_from_reference_file",
     "/session/plus_config", "/effects/breathing/motion", "/effects/breathing/signal"};
-constexpr std::array<std::string_view, 11> kPresets = {
+constexpr std::array<std::string_view, 12> kPresets = {
     "/needle",
     "/probe",
     "/effects/needle_force/table",
@@ -29,6 +29,7 @@ constexpr std::array<std::string_view, 11> kPresets = {
     "/effects/tissue/elasticity",
     "/effects/tissue/table",
     "/effects/ultrasound/acoustics",
+    "/effects/ultrasound/aperture/acoustics",
     "/effects/ultrasound/beams/acoustics",
     "/effects/ultrasound/alamilla_2021/acoustics",
     "/effects/ultrasound/vidal_2008/acoustics"};

@@ -105,7 +105,7 @@ TEST(PngDataUri, RefusesWhatIsNoPng) {
   EXPECT_THAT([&] { PngDataUri(path); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("not.png"), HasSubstr("not a PNG"))));
   EXPECT_THAT([&] { PngDataUri(Temporary("none.png")); },
-              ThrowsMessage<InputError>(HasSubstr("cannot be read")));
+              ThrowsMessage<InputError>(HasSubstr("no such file")));
 }
 
 TEST(Escaped, ReplacesWhatIsNotUtf8) {

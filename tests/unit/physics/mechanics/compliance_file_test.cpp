@@ -115,7 +115,7 @@ TEST_F(ComplianceFile, MissingOrOtherFilesAreToldFromOurs) {
   ExpectRefused("is not a compliance file");
   std::filesystem::remove(path_);
   std::filesystem::create_directory(path_);
-  EXPECT_THAT([&] { Open(); }, ThrowsMessage<InputError>(HasSubstr("is not a file")));
+  EXPECT_THAT([&] { Open(); }, ThrowsMessage<InputError>(HasSubstr("is a folder")));
 }
 
 TEST_F(ComplianceFile, ForAnotherMeshSaysSo) {
