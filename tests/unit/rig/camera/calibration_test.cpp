@@ -153,7 +153,8 @@ TEST_F(CalibrationTest, NoIntervalReadsAsZero) {
 TEST_F(CalibrationTest, FindsAStereoPair) {
   const Eigen::Isometry3d right_from_left =
       Eigen::Translation3d(-80, 2, 5) * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
-  TemporaryFolder right_folder;
+  const std::filesystem::path right_folder = folder_ / "right";
+  std::filesystem::create_directory(right_folder);
   for (int i = 0; i < 8; ++i) {
     RandomStream random(5, "stereo", static_cast<std::uint64_t>(i));
     const auto pose = FacingPose({random.Uniform(-60, 60), random.Uniform(-40, 40), 550},
@@ -165,7 +166,7 @@ TEST_F(CalibrationTest, FindsAStereoPair) {
     WritePicture(right_folder / (std::to_string(100 + i) + ".png"), picture);
   }
   const auto left = FindBoardViews(PictureFiles(folder_.path()), board_, 12, RunContext{});
-  auto right = FindBoardViews(PictureFiles(right_folder.path()), board_, 12, RunContext{});
+  auto right = FindBoardViews(PictureFiles(right_folder), board_, 12, RunContext{});
   const auto found = CalibrateStereo(left, right, board_, truth_, truth_, 1.5);
   EXPECT_LT((found.right_from_left.translation() - right_from_left.translation()).norm(), 0.5);
   EXPECT_LT(ErrorOf(found.right_from_left, right_from_left).angle_deg, 0.05);
