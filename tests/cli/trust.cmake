@@ -40,8 +40,8 @@ acus_add_cli_case(trust.set_of_a_missing_preset EXIT 3 LEAVES_NOTHING NEEDS inpu
 
 # Outputs that are sent away.
 acus_add_cli_case(trust.no_folders EXIT 0 NEEDS inputs TIMEOUT 120 STDOUT "^no folder is named$"
-  BEFORE "mkdir 'Jane Doe' && cp -rL $INPUTS/ct.nrrd $INPUTS/labels.seg.nrrd $INPUTS/session
-          $INPUTS/scenario.json $INPUTS/ct_from_reference.tfm 'Jane Doe'"
+  BEFORE "mkdir 'Jane Doe' && cp -rL $INPUTS/ct.nrrd $INPUTS/labels.seg.nrrd $INPUTS/session \
+$INPUTS/scenario.json $INPUTS/ct_from_reference.tfm 'Jane Doe'"
   COMMAND bash -c "cd 'Jane Doe' && acus-replay scenario.json \"$PWD/session\" --ct ct.nrrd --labels \
 \"$PWD/labels.seg.nrrd\" --transform ct_from_reference.tfm --png none --no-folders -o ../run >/dev/null && \
 cd .. && test -s run/report.html && ! grep -rlaE 'Jane|/share/acus' run && echo no folder is named")

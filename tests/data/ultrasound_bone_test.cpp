@@ -88,7 +88,8 @@ BoneInPlane BoneAround(const mesh::Surface& surface, const Eigen::Isometry3d& im
     for (int n = 0; n < 3; ++n) corners.col(n) = nodes.col(triangle(n));
     const Eigen::Vector3d low = corners.rowwise().minCoeff();
     const Eigen::Vector3d high = corners.rowwise().maxCoeff();
-    if (high.z() < -5.0 || low.z() > 5.0 || high.x() < 0.0 || low.x() > kWidthPx * kMmPerPx) continue;
+    if (high.z() < -5.0 || low.z() > 5.0 || high.x() < 0.0 || low.x() > kWidthPx * kMmPerPx)
+      continue;
     Eigen::Matrix2d edges;  // Along x and z.
     edges << corners(0, 1) - corners(0, 0), corners(0, 2) - corners(0, 0),
         corners(2, 1) - corners(2, 0), corners(2, 2) - corners(2, 0);

@@ -70,7 +70,7 @@ std::string ShownWord(std::string_view word) {
   const std::size_t equals = word.find('=');
   // A JSON pointer before the '=' (--set /patient/ct=...) is no path.
   const std::size_t begin = equals == word.npos ? 0 : equals + 1;
-  const bool is_text = word.find_first_of("\"{[ ", begin) != word.npos;
+  const bool is_text = word.find_first_of("\"{[", begin) != word.npos;
   if (is_text || word.find('/', begin) == word.npos) return std::string(word);
   return std::string(word.substr(0, begin)) + ShownPath(word.substr(begin));
 }

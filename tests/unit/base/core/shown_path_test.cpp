@@ -36,6 +36,7 @@ TEST_F(ShownPathTest, IsTheNameOnlyWhereFoldersAreHidden) {
 TEST_F(ShownPathTest, HoldsForWordsOfACommandLine) {
   ShowFolders(false);
   EXPECT_EQ(ShownWord("/data/Jane/ct.nrrd"), "ct.nrrd");
+  EXPECT_EQ(ShownWord("/data/Jane Doe/ct.nrrd"), "ct.nrrd");
   EXPECT_EQ(ShownWord("--ct=../Jane/ct.nrrd"), "--ct=ct.nrrd");
   EXPECT_EQ(ShownWord("/patient/ct=/data/Jane/ct.nrrd"), "/patient/ct=ct.nrrd");
   EXPECT_EQ(ShownWord("--overwrite"), "--overwrite");
