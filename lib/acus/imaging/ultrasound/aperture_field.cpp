@@ -42,8 +42,7 @@ void ApertureField::MarchGroup(int group, const std::vector<float>& contact) {
                             .arriving = sum.row(k),
                             .shift = rays_.ShiftLines(d, k),
                             .weight = rays_.Weight(d, k),
-                            .margin = static_cast<int>(margin_),
-                            .add = true},
+                            .margin = static_cast<int>(margin_)},
                            lanes);
     }
   }

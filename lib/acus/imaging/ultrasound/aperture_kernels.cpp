@@ -152,9 +152,8 @@ void MarchRayRow(const RayRow& row, int lanes) {
   for (int l = 0; l < lanes; l += step) {
     // Ray l - shift: between l - whole - 1 and l - whole.
     const float* ray = row.ray + l - whole;
-    VF sum = hn::Mul(weight, Mix(hn::LoadU(f, ray), hn::LoadU(f, ray - 1), share));
-    if (row.add) sum = hn::Add(sum, hn::Load(f, row.arriving + l));
-    hn::Store(sum, f, row.arriving + l);
+    const VF arriving = hn::Mul(weight, Mix(hn::LoadU(f, ray), hn::LoadU(f, ray - 1), share));
+    hn::Store(hn::Add(arriving, hn::Load(f, row.arriving + l)), f, row.arriving + l);
   }
 }
 

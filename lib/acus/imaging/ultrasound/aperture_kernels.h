@@ -70,7 +70,6 @@ struct RayRow {
   float shift;
   float weight;
   int margin;
-  bool add;  ///< Else `arriving` is written.
 };
 void MarchRayRow(const RayRow& row, int lanes);
 

@@ -148,6 +148,7 @@ struct ApertureRenderer::State {
     intensity.Resize(grid.lines(), grid.samples);
     shown.Resize(grid.lines(), shown_rows.samples);
     speckle.Resize(grid.lines(), rows.samples);
+    bright.Resize(grid.lines(), rows.samples);
     scratch_stride = 2 * static_cast<std::size_t>(echoes.re.stride());
     scratch.Reserve(scratch_stride * static_cast<std::size_t>(PiecesOf(grid.samples)));
     lanes = kernels::RoundUp(grid.lines());
@@ -211,6 +212,7 @@ struct ApertureRenderer::State {
     // middle.
     const float arriving = ArrivingAt(at.row - at.lead, at.line);
     const float amplitude = at.echo * arriving;
+    if (options.clutter) bright.row(static_cast<int>(at.row))[at.line] += amplitude * amplitude;
     if (std::abs(at.rough * arriving) < kFaintestEcho) return;
     const double sample = double{at.row} * samples_per_row;
     list.Add(filter, sample, at.line, amplitude);
@@ -271,9 +273,16 @@ struct ApertureRenderer::State {
     }
   }
 
+  void ClearBright(int block) {
+    const int first = block * ApertureTracer::kLanesPerBlock;
+    const int count = std::min(ApertureTracer::kLanesPerBlock, lanes - first);
+    for (int k = 0; k < rows.samples; ++k) std::fill_n(bright.row(k) + first, count, 0.0F);
+  }
+
   void CollectEchoes(int block) {
     EchoList& list = lists[static_cast<std::size_t>(block)];
     list.Clear();
+    if (options.clutter) ClearBright(block);
     for (const ApertureTracer::Crossing& crossing : tracer.crossings(block)) {
       AddSurface(crossing, list);
     }
@@ -395,9 +404,7 @@ struct ApertureRenderer::State {
 ApertureRenderer::ApertureRenderer(const BeamTissue& tissue, const acoustics::Probe& probe,
                                    const ApertureOptions& options, int num_threads)
     : state_(std::make_unique<State>(CheckedBeamTissue(tissue, "aperture"), CheckedBeamProbe(probe),
-                                     Checked(options), num_threads)) {
-  state_->bright.Resize(state_->grid.lines(), state_->rows.samples);
-}
+                                     Checked(options), num_threads)) {}
 ApertureRenderer::~ApertureRenderer() = default;
 ApertureRenderer::ApertureRenderer(ApertureRenderer&&) noexcept = default;
 ApertureRenderer& ApertureRenderer::operator=(ApertureRenderer&&) noexcept = default;
@@ -418,14 +425,7 @@ void ApertureRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
     s.AddNeedleShadow(block);
   });
   s.field.March(s.tracer.SmoothContact(), num_threads);
-  for (int k = 0; k < s.rows.samples; ++k) std::fill_n(s.bright.row(k), s.lanes, 0.0F);
-  ParallelFor(s.tracer.blocks(), num_threads, [&s](int block) {
-    s.CollectEchoes(block);
-    for (const ApertureTracer::Crossing& c : s.tracer.crossings(block)) {
-      const float amplitude = c.echo * s.ArrivingAt(c.row - c.lead, c.line);
-      s.bright.row(static_cast<int>(c.row))[c.line] += amplitude * amplitude;
-    }
-  });
+  ParallelFor(s.tracer.blocks(), num_threads, [&s](int block) { s.CollectEchoes(block); });
   s.MakeSpeckleAmplitudes();
   ParallelFor(PiecesOf(s.grid.samples), num_threads, [&s, pose_hash](int piece) {
     const int first = piece * kRowsPerPieceOfImage;
