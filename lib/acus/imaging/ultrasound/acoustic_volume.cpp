@@ -191,7 +191,7 @@ AcousticVolume::AcousticVolume(const BeamTissue& tissue, const BeamMaterials& pe
     smooth.Resize(ring[0].value[0].size());
     std::vector<float> scratch;
     const auto read = [&](int k) {
-      Slice& slice = ring[static_cast<std::size_t>((k + 5) % 5)];
+      Slice& slice = ring[RingSlot(k)];
       const int inside = std::clamp(k, 0, size_[2] - 1) + first_[2];
       for (int j = 0; j < size_[1]; ++j) {
         const auto at = static_cast<std::ptrdiff_t>(j) * size_[0];
@@ -207,12 +207,10 @@ AcousticVolume::AcousticVolume(const BeamTissue& tissue, const BeamMaterials& pe
     for (int k = first; k < end; ++k) {
       read(k + kBinomialReach);
       for (std::size_t v = 0; v < 3; ++v) {
-        std::array<const float*, 5> slices;
-        for (int t = 0; t < 5; ++t) {
-          slices[static_cast<std::size_t>(t)] =
-              ring[static_cast<std::size_t>((k + t - kBinomialReach + 5) % 5)].value[v].data();
-        }
-        SmoothAcrossSlices(slices, smooth.value[v].size(), smooth.value[v].data());
+        const auto slice_at = [&](std::size_t slot) -> const auto& {
+          return ring[slot].value[v];
+        };
+        SmoothRing(k, slice_at, smooth.value[v]);
       }
       pack(smooth, k);
     }

@@ -19,4 +19,19 @@ void SmoothSlice(std::vector<float>& slice, int nx, int ny, std::vector<float>& 
 /// out[n] = the window's sum of five slices at n.
 void SmoothAcrossSlices(const std::array<const float*, 5>& slices, std::size_t count, float* out);
 
+/// Where slice `k` (from -kBinomialReach on) is kept in a ring of five.
+constexpr std::size_t RingSlot(int k) {
+  return static_cast<std::size_t>((k + 5) % 5);
+}
+
+/// Smooths across the slices around `k` of a ring. @param slice_at  Its values by slot.
+template <typename SliceAt>
+void SmoothRing(int k, const SliceAt& slice_at, std::vector<float>& out) {
+  std::array<const float*, 5> slices;
+  for (int t = 0; t < 5; ++t) {
+    slices[static_cast<std::size_t>(t)] = slice_at(RingSlot(k + t - kBinomialReach)).data();
+  }
+  SmoothAcrossSlices(slices, out.size(), out.data());
+}
+
 }  // namespace acus::ultrasound

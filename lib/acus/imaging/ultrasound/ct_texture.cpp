@@ -60,7 +60,7 @@ CtTexture::CtTexture(const volume::CtVolume& ct, const volume::LabelMap& labels,
     std::vector<float> scratch;
     std::vector<float> smooth(plane);
     const auto read = [&](int k) {
-      std::vector<float>& slice = ring[static_cast<std::size_t>((k + 5) % 5)];
+      std::vector<float>& slice = ring[RingSlot(k)];
       slice.resize(plane);
       const std::size_t first = ct.geometry.Index(0, 0, std::clamp(k, 0, size[2] - 1));
       std::copy_n(ct.voxels.begin() + static_cast<std::ptrdiff_t>(first), plane, slice.begin());
@@ -70,12 +70,8 @@ CtTexture::CtTexture(const volume::CtVolume& ct, const volume::LabelMap& labels,
     for (int k = first - kBinomialReach; k < first + kBinomialReach; ++k) read(k);
     for (int k = first; k < std::min(size[2], first + kSlicesPerTask); ++k) {
       read(k + kBinomialReach);
-      std::array<const float*, 5> slices;
-      for (int t = 0; t < 5; ++t) {
-        slices[static_cast<std::size_t>(t)] =
-            ring[static_cast<std::size_t>((k + t - kBinomialReach + 5) % 5)].data();
-      }
-      SmoothAcrossSlices(slices, plane, smooth.data());
+      SmoothRing(
+          k, [&](std::size_t slot) -> const auto& { return ring[slot]; }, smooth);
       CodeSlice(labels, k, smooth);
     }
   });
