@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include "acus/assess/regression/calibration.h"
 #include "acus/assess/regression/regression_report.h"
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
@@ -148,13 +147,6 @@ TEST_F(Regression, RefusesSuitesAndResultsThatDoNotFit) {
               ThrowsMessage<InputError>(HasSubstr("there is no case \"b\"; the suite has: a")));
   EXPECT_THAT([&] { AcceptResult(ReadSuite(folder_), folder_ / "session"); },
               ThrowsMessage<InputError>(HasSubstr("is not a result of acus-regression run")));
-}
-
-TEST(Calibration, TakesAboutTheSameTwice) {
-  const double once_s = CalibrationSeconds();
-  const double again_s = CalibrationSeconds();
-  EXPECT_GT(once_s, 1e-3);
-  EXPECT_LT(std::max(once_s, again_s) / std::min(once_s, again_s), 2.0);
 }
 
 }  // namespace
