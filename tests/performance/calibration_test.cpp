@@ -1,10 +1,9 @@
 #include "acus/assess/regression/calibration.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <gtest/gtest.h>
 #include <limits>
 
 namespace acus::regression {

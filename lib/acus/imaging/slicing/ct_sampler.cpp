@@ -85,7 +85,7 @@ void CtSampler::PlaceLines(const acoustics::ScanGrid& grid, const Eigen::Isometr
   slicing::PlaceLines(grid, index_from_ct_, ct_from_probe, lines);
 }
 
-kernels::Voxels CtSampler::Voxels() const {
+kernels::Voxels CtSampler::Voxels(float outside) const {
   return {.data = voxels_,
           .last = {static_cast<float>(size_[0] - 1), static_cast<float>(size_[1] - 1),
                    static_cast<float>(size_[2] - 1)},
@@ -94,12 +94,12 @@ kernels::Voxels CtSampler::Voxels() const {
                    static_cast<float>(ct_.geometry.size[2]) - 0.5F},
           .row_bytes = 2 * size_[0],
           .slice_bytes = 2 * size_[0] * size_[1],
-          .outside = kOutsideHu};
+          .outside = outside};
 }
 
-void CtSampler::Sample(const BeamLines& lines, const BeamBend& bend, BeamImage& hu,
-                       int num_threads) const {
-  const kernels::Voxels voxels = Voxels();
+void CtSampler::Sample(const BeamLines& lines, const BeamBend& bend, BeamImage& hu, int num_threads,
+                       float outside) const {
+  const kernels::Voxels voxels = Voxels(outside);
   const int lanes = kernels::RoundUp(hu.lines());
   const auto piece = [&](int p) {
     const int end = std::min(hu.samples(), (p + 1) * kRowsPerPiece);

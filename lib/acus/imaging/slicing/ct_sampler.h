@@ -46,6 +46,8 @@ class BeamImage {
 class CtSampler {
  public:
   static constexpr float kOutsideHu = -1024.0F;
+  /// For those who must tell air from what was not scanned: below what a voxel can hold.
+  static constexpr float kNotScanned = -65536.0F;
 
   /// Keeps a reference to `ct`, which must outlive this.
   /// @throws InputError if the volume is empty or has 2^30 voxels or more.
@@ -61,10 +63,12 @@ class CtSampler {
 
   /// Fills `hu`, resized before by the caller to fit the grid, without its margins, on up to
   /// `num_threads` threads. Where `bend` is active, samples lie off the lines.
-  void Sample(const BeamLines& lines, const BeamBend& bend, BeamImage& hu, int num_threads) const;
+  /// @param outside  Value outside the volume.
+  void Sample(const BeamLines& lines, const BeamBend& bend, BeamImage& hu, int num_threads,
+              float outside = kOutsideHu) const;
 
   /// For the kernels. Valid as long as this.
-  kernels::Voxels Voxels() const;
+  kernels::Voxels Voxels(float outside = kOutsideHu) const;
 
   const Eigen::Affine3d& index_from_ct() const { return index_from_ct_; }
 

@@ -226,37 +226,48 @@ AcousticVolume::AcousticVolume(const BeamTissue& tissue, const BeamMaterials& pe
   }
 }
 
-float AcousticVolume::ZetaAt(const Eigen::Array3i& voxel) const {
-  const Eigen::Array3i at = (voxel - first_).max(0).min(size_ - 1);
-  const std::uint32_t packed =
-      packed_[static_cast<std::size_t>(at[2]) * view_.slice_voxels +
-              static_cast<std::size_t>(at[1]) * view_.row_voxels + static_cast<std::size_t>(at[0])];
-  return view_.zeta_first + view_.zeta_unit * static_cast<float>(packed >> 20);
+AcousticVolume::Around AcousticVolume::AroundOf(const Eigen::Array3i& voxel) const {
+  Around around;
+  const Eigen::Array3i strides(1, view_.row_voxels, view_.slice_voxels);
+  for (int a = 0; a < 3; ++a) {
+    for (int n = 0; n < Around::kPlaces; ++n) {
+      const int at = voxel[a] - first_[a] + kBinomialReach * (n - Around::kPlaces / 2);
+      around.at[a][n] = std::clamp(at, 0, size_[a] - 1) * strides[a];
+    }
+  }
+  return around;
 }
 
-Eigen::Vector3d AcousticVolume::DifferenceAt(const Eigen::Array3i& voxel) const {
+Eigen::Vector3d AcousticVolume::DifferenceAt(const Around& around,
+                                             const Eigen::Array3i& place) const {
+  const auto zeta = [&](const Eigen::Array3i& n) {
+    const std::uint32_t packed = packed_[static_cast<std::size_t>(
+        around.at[0][n[0]] + around.at[1][n[1]] + around.at[2][n[2]])];
+    return view_.zeta_first + view_.zeta_unit * static_cast<float>(packed >> 20);
+  };
   Eigen::Vector3d difference;
   for (int a = 0; a < 3; ++a) {
-    Eigen::Array3i low = voxel;
-    Eigen::Array3i high = voxel;
-    low[a] -= kBinomialReach;
-    high[a] += kBinomialReach;
-    difference[a] = double{ZetaAt(high) - ZetaAt(low)} / spacing_mm_[a];
+    Eigen::Array3i low = place;
+    Eigen::Array3i high = place;
+    low[a] -= 1;
+    high[a] += 1;
+    difference[a] = double{zeta(high) - zeta(low)} / spacing_mm_[a];
   }
   return difference;
 }
 
 Eigen::Vector3d AcousticVolume::NormalAt(const Eigen::Vector3d& index) const {
   const Eigen::Array3i voxel = (index.array() + 0.5).floor().cast<int>();
-  const Eigen::Vector3d here = DifferenceAt(voxel);
+  const Around around = AroundOf(voxel);
+  const Eigen::Array3i middle = Eigen::Array3i::Constant(Around::kPlaces / 2);
+  const Eigen::Vector3d here = DifferenceAt(around, middle);
   Eigen::Vector3d sum = here;
   // Around, along the surface, the stairs of labels have other phases; off it the slope is small.
-  constexpr int kApart = 4;
   for (int a = 0; a < 3; ++a) {
-    for (const int step : {-kApart, kApart}) {
-      Eigen::Array3i beside = voxel;
+    for (const int step : {-2, 2}) {
+      Eigen::Array3i beside = middle;
       beside[a] += step;
-      const Eigen::Vector3d there = DifferenceAt(beside);
+      const Eigen::Vector3d there = DifferenceAt(around, beside);
       // The far side of a thin layer slopes the other way.
       if (there.dot(here) > 0.0) sum += there;
     }

@@ -34,9 +34,14 @@ class AcousticVolume {
   std::size_t bytes() const { return packed_.size() * sizeof(packed_[0]); }
 
  private:
-  float ZetaAt(const Eigen::Array3i& voxel) const;
-  /// Of zeta over four voxels along each axis.
-  Eigen::Vector3d DifferenceAt(const Eigen::Array3i& voxel) const;
+  /// Places of the voxels around one, every second along each axis: offsets into packed_.
+  struct Around {
+    static constexpr int kPlaces = 7;
+    int at[3][kPlaces];
+  };
+  Around AroundOf(const Eigen::Array3i& voxel) const;
+  /// Of zeta over four voxels along each axis, at a place of `around`.
+  Eigen::Vector3d DifferenceAt(const Around& around, const Eigen::Array3i& place) const;
 
   std::vector<std::uint32_t> packed_;
   kernels::AcousticVoxels view_{};

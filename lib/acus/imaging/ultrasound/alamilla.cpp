@@ -9,6 +9,7 @@
 #include "acus/base/core/parallel.h"
 #include "acus/imaging/slicing/kernels.h"
 #include "acus/imaging/slicing/needle_paint.h"
+#include "acus/imaging/ultrasound/display.h"
 
 namespace acus::ultrasound {
 namespace {
@@ -41,7 +42,8 @@ AlamillaRenderer::AlamillaRenderer(const volume::LabelMap& labels, const acousti
       options_(options),
       grid_(acoustics::ScanGridOf(probe_)),
       conversion_(probe_, grid_),
-      index_from_ct_(labels.geometry.index_from_ct()) {
+      index_from_ct_(labels.geometry.index_from_ct()),
+      brightness_(BrightnessOfGain(probe_, options.gain_of_table_db)) {
   Check(options);
   ACUS_REQUIRE(
       (labels.geometry.size > 0).all() && labels.voxels.size() == labels.geometry.num_voxels(),
@@ -320,8 +322,9 @@ void AlamillaRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
     }
   };
   ParallelFor((grid_.lines() + kLinesPerPiece - 1) / kLinesPerPiece, num_threads, std::ref(shade));
-  const auto grey_row = [this](int k, int, std::uint8_t* grey) {
-    slicing::kernels::WindowRow(grey_.row(k), 0.0F, 255.0F,
+  const auto black = static_cast<float>(255.0 * brightness_);
+  const auto grey_row = [this, black](int k, int, std::uint8_t* grey) {
+    slicing::kernels::WindowRow(grey_.row(k), black, 255.0F,
                                 slicing::kernels::RoundUp(grey_.lines()), grey);
   };
   conversion_.Show(std::ref(grey_row), out, num_threads);

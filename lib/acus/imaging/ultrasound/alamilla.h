@@ -75,6 +75,7 @@ class AlamillaRenderer {
   acoustics::ScanGrid grid_;
   ScanConversion conversion_;
   Eigen::Affine3d index_from_ct_;
+  double brightness_;                                            ///< That the gain adds.
   Eigen::Matrix3d probe_from_ct_ = Eigen::Matrix3d::Identity();  ///< Rotation, of the last pose.
   std::optional<NoiseTile> noise_tile_;                          ///< Empty if there is no speckle.
   std::optional<FibreField> fibres_;                             ///< Empty if nothing is fibrous.

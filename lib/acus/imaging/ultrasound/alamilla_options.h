@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,9 @@ struct AlamillaOptions {
   double thick_fibre_ratio = 1.0;  ///< Length of a streak over its width.
   double thin_fibre_mm = 0.0;      ///< Length of the blur along thin fibres.
   double coupling_gap_mm = 0.0;
+  /// Gain of the probe for which the table of greys holds, dB; nothing: the probe's, whatever it
+  /// is.
+  std::optional<double> gain_of_table_db;
 };
 
 /// Reads configs/acoustics/<name>.json (format acus-image-alamilla/1).

@@ -41,6 +41,31 @@ HWY_INLINE Codes Unpack(VI packed) {
           hn::ConvertTo(f, hn::And(packed, ten))};
 }
 
+/// The voxels `at` and `at + 1` of each lane.
+struct VoxelPair {
+  VI first;
+  VI second;
+};
+
+/// Both voxels of a pair come by one load: they lie beside each other.
+HWY_INLINE VoxelPair GatherPair(const std::uint32_t* data, VI at) {
+  const I d;
+#if HWY_TARGET == HWY_SCALAR
+  const auto* voxels = reinterpret_cast<const std::int32_t*>(data);
+  return {hn::GatherIndex(d, voxels, at), hn::GatherIndex(d, voxels + 1, at)};
+#else
+  const hn::Repartition<std::int64_t, I> wide;
+  const hn::Half<I> half;
+  const auto* base = reinterpret_cast<const std::int64_t*>(data);
+  const VI bytes = hn::ShiftLeft<2>(at);
+  const VI low =
+      hn::BitCast(d, hn::GatherOffset(wide, base, hn::PromoteTo(wide, hn::LowerHalf(half, bytes))));
+  const VI high =
+      hn::BitCast(d, hn::GatherOffset(wide, base, hn::PromoteTo(wide, hn::UpperHalf(half, bytes))));
+  return {hn::ConcatEven(d, high, low), hn::ConcatOdd(d, high, low)};
+#endif
+}
+
 HWY_INLINE Codes MixCodes(const Codes& a, const Codes& b, VF share) {
   return {Mix(a.zeta, b.zeta, share), Mix(a.nepers, b.nepers, share),
           Mix(a.scatter, b.scatter, share)};
@@ -53,7 +78,6 @@ void SampleAcousticRow(const AcousticVoxels& voxels, const Lines& lines, float s
   const VF sample = hn::Set(f, s);
   const VF one = hn::Set(f, 1.0F);
   const std::int32_t strides[3] = {1, voxels.row_voxels, voxels.slice_voxels};
-  const auto* data = reinterpret_cast<const std::int32_t*>(voxels.data);
   for (int l = 0; l < lanes; l += LanesPerStep()) {
     VF seen = one;
     VI low = hn::Zero(d);
@@ -73,9 +97,8 @@ void SampleAcousticRow(const AcousticVoxels& voxels, const Lines& lines, float s
       low = hn::Add(low, hn::Mul(hn::ConvertTo(d, floor), hn::Set(d, strides[a])));
     }
     const auto pair = [&](std::int32_t offset) {
-      const Codes a = Unpack(hn::GatherIndex(d, data + offset, low));
-      const Codes b = Unpack(hn::GatherIndex(d, data + offset + 1, low));
-      return MixCodes(a, b, share[0]);
+      const VoxelPair found = GatherPair(voxels.data + offset, low);
+      return MixCodes(Unpack(found.first), Unpack(found.second), share[0]);
     };
     const Codes near = MixCodes(pair(0), pair(strides[1]), share[1]);
     const Codes far = MixCodes(pair(strides[2]), pair(strides[1] + strides[2]), share[1]);
@@ -165,6 +188,31 @@ void LerpRow(const float* a, const float* b, float share, int lanes, float* out)
   }
 }
 
+void AddScaledRow(const float* in, float scale, int lanes, float* out) {
+  const F f;
+  const VF s = hn::Set(f, scale);
+  for (int l = 0; l < lanes; l += LanesPerStep()) {
+    hn::Store(hn::Add(hn::Load(f, out + l), hn::Mul(s, hn::LoadU(f, in + l))), f, out + l);
+  }
+}
+
+void SquareRow(const float* amplitude, const float* square, int lanes, float* out) {
+  const F f;
+  for (int l = 0; l < lanes; l += LanesPerStep()) {
+    const VF a = hn::Load(f, amplitude + l);
+    hn::Store(hn::Mul(hn::Mul(a, a), hn::Load(f, square + l)), f, out + l);
+  }
+}
+
+void AddRootRow(const float* more, float share, int lanes, float* intensity) {
+  const F f;
+  const VF s = hn::Set(f, share);
+  for (int l = 0; l < lanes; l += LanesPerStep()) {
+    const VF sum = hn::Add(hn::Load(f, intensity + l), hn::Mul(s, hn::LoadU(f, more + l)));
+    hn::Store(hn::Sqrt(sum), f, intensity + l);
+  }
+}
+
 }  // namespace acus::ultrasound::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -175,6 +223,9 @@ HWY_EXPORT(SampleAcousticRow);
 HWY_EXPORT(AddLossRow);
 HWY_EXPORT(MarchRayRow);
 HWY_EXPORT(LerpRow);
+HWY_EXPORT(AddScaledRow);
+HWY_EXPORT(SquareRow);
+HWY_EXPORT(AddRootRow);
 
 void SampleAcousticRow(const AcousticVoxels& voxels, const Lines& lines, float s, int lanes,
                        const AcousticRow& out) {
@@ -188,6 +239,15 @@ void MarchRayRow(const RayRow& row, int lanes) {
 }
 void LerpRow(const float* a, const float* b, float share, int lanes, float* out) {
   HWY_DYNAMIC_DISPATCH(LerpRow)(a, b, share, lanes, out);
+}
+void AddScaledRow(const float* in, float scale, int lanes, float* out) {
+  HWY_DYNAMIC_DISPATCH(AddScaledRow)(in, scale, lanes, out);
+}
+void SquareRow(const float* amplitude, const float* square, int lanes, float* out) {
+  HWY_DYNAMIC_DISPATCH(SquareRow)(amplitude, square, lanes, out);
+}
+void AddRootRow(const float* more, float share, int lanes, float* intensity) {
+  HWY_DYNAMIC_DISPATCH(AddRootRow)(more, share, lanes, intensity);
 }
 
 }  // namespace acus::ultrasound::kernels

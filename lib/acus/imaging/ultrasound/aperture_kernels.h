@@ -76,4 +76,13 @@ void MarchRayRow(const RayRow& row, int lanes);
 /// out = a + share * (b - a)
 void LerpRow(const float* a, const float* b, float share, int lanes, float* out);
 
+/// out += scale * in. `in` need not be aligned.
+void AddScaledRow(const float* in, float scale, int lanes, float* out);
+
+/// out = amplitude^2 * square
+void SquareRow(const float* amplitude, const float* square, int lanes, float* out);
+
+/// intensity = sqrt(intensity + share * more). `more` need not be aligned.
+void AddRootRow(const float* more, float share, int lanes, float* intensity);
+
 }  // namespace acus::ultrasound::kernels

@@ -152,6 +152,9 @@ struct ApertureRenderer::State {
     scratch_stride = 2 * static_cast<std::size_t>(echoes.re.stride());
     scratch.Reserve(scratch_stride * static_cast<std::size_t>(PiecesOf(grid.samples)));
     lanes = kernels::RoundUp(grid.lines());
+    rough_layer = static_cast<float>(OfDb(options.rough_layer_db));
+    rough_decay = static_cast<float>(
+        options.rough_layer_mm > 0.0 ? std::exp(-grid.step_mm / options.rough_layer_mm) : 0.0);
     ones.Reserve(static_cast<std::size_t>(lanes));
     std::fill_n(ones.data(), lanes, 1.0F);
     haze.assign(static_cast<std::size_t>(lanes), 0.0F);
@@ -211,19 +214,20 @@ struct ApertureRenderer::State {
     // What arrives is judged before the slope of the boundary, some of whose loss lies before its
     // middle.
     const float arriving = ArrivingAt(at.row - at.lead, at.line);
-    const float amplitude = at.echo * arriving;
+    constexpr auto kMostGain = static_cast<float>(ApertureTracer::kMostObliqueGain);
+    if (kMostGain * at.weight * std::abs(at.reflection) * arriving < kFaintestEcho) return;
+    const ApertureTracer::SurfaceEcho echo = tracer.EchoOf(at);
+    const float amplitude = echo.mirror * arriving;
     if (options.clutter) bright.row(static_cast<int>(at.row))[at.line] += amplitude * amplitude;
-    if (std::abs(at.rough * arriving) < kFaintestEcho) return;
+    if (echo.rough * arriving < kFaintestEcho) return;
     const double sample = double{at.row} * samples_per_row;
     list.Add(filter, sample, at.line, amplitude);
     if (std::abs(at.reflection) < kStrong) return;
     // A rough surface answers over some depth.
-    const auto decay = static_cast<float>(
-        options.rough_layer_mm > 0.0 ? std::exp(-grid.step_mm / options.rough_layer_mm) : 0.0);
-    auto rough = at.rough * arriving * static_cast<float>(OfDb(options.rough_layer_db));
+    auto rough = echo.rough * arriving * rough_layer;
     const int most = static_cast<int>(3.0 * options.rough_layer_mm / grid.step_mm);
     for (int n = 1; n <= most && sample + n < grid.samples; ++n) {
-      rough *= decay;
+      rough *= rough_decay;
       list.Add(filter, sample + n, at.line, rough * PlaceNoise(at.index, 2 * n),
                rough * PlaceNoise(at.index, 2 * n + 1));
     }
@@ -294,7 +298,6 @@ struct ApertureRenderer::State {
   void MakeSpeckleAmplitudes() {
     const auto keep = static_cast<float>(std::exp(-rows.step_mm / options.clutter_reach_mm));
     const auto share = static_cast<float>(std::pow(OfDb(options.clutter_db), 2.0));
-    const int reach = std::max(1, grid.lines() / 12);
     std::fill(haze.begin(), haze.end(), 0.0F);
     for (int k = 0; k < rows.samples; ++k) {
       const float* arriving = field.arriving(k);
@@ -304,22 +307,38 @@ struct ApertureRenderer::State {
         for (int l = 0; l < lanes; ++l) out[l] = arriving[l] * std::sqrt(scatter2[l]);
         continue;
       }
+      kernels::SquareRow(arriving, scatter2, lanes, out);
+      const float* around = bright.row(k);
+      float sum = 0.0F;
       for (int l = 0; l < lanes; ++l) {
-        out[l] = arriving[l] * arriving[l] * scatter2[l];
-        sums[static_cast<std::size_t>(l) + 1] =
-            sums[static_cast<std::size_t>(l)] + out[l] + (1.0F / 64) * bright.row(k)[l];
+        sum += out[l] + (1.0F / 64) * around[l];
+        sums[static_cast<std::size_t>(l) + 1] = sum;
       }
-      for (int l = 0; l < lanes; ++l) {
-        const int low = std::max(0, l - reach);
-        const int high = std::min(lanes - 1, l + reach);
-        const float mean =
-            (sums[static_cast<std::size_t>(high) + 1] - sums[static_cast<std::size_t>(low)]) /
-            static_cast<float>(high - low + 1);
-        float& around = haze[static_cast<std::size_t>(l)];
-        around = keep * around + (1.0F - keep) * mean;
-        out[l] = std::sqrt(out[l] + share * around);
-      }
+      BlurHaze(keep);
+      kernels::AddRootRow(haze.data(), share, lanes, out);
     }
+  }
+
+  /// What is around on the row, as `sums` have it, and above.
+  void BlurHaze(float keep) {
+    const int reach = std::max(1, grid.lines() / 12);
+    const auto blend = [&](int l, int low, int high) {
+      const float mean =
+          (sums[static_cast<std::size_t>(high) + 1] - sums[static_cast<std::size_t>(low)]) /
+          static_cast<float>(high - low + 1);
+      float& at = haze[static_cast<std::size_t>(l)];
+      at = keep * at + (1.0F - keep) * mean;
+    };
+    const int inner = std::min(reach, lanes);
+    const int outer = std::max(inner, lanes - reach);
+    for (int l = 0; l < inner; ++l) blend(l, 0, std::min(lanes - 1, l + reach));
+    const float weight = (1.0F - keep) / static_cast<float>(2 * reach + 1);
+    for (int l = inner; l < outer; ++l) {
+      const float sum =
+          sums[static_cast<std::size_t>(l + reach) + 1] - sums[static_cast<std::size_t>(l - reach)];
+      haze[static_cast<std::size_t>(l)] = keep * haze[static_cast<std::size_t>(l)] + weight * sum;
+    }
+    for (int l = outer; l < lanes; ++l) blend(l, std::max(0, l - reach), lanes - 1);
   }
 
   void MakeSpeckleRow(int k, float* amplitude, float* after) {
@@ -345,12 +364,8 @@ struct ApertureRenderer::State {
     h ^= h >> 31;
     const float* re = noise.data() + (h & (kNoiseNumbers - 1));
     const float* im = noise.data() + (h >> 20 & (kNoiseNumbers - 1));
-    float* out_re = echoes.re.row(k);
-    float* out_im = echoes.im.row(k);
-    for (int l = 0; l < lanes; ++l) {
-      out_re[l] += level * re[l];
-      out_im[l] += level * im[l];
-    }
+    kernels::AddScaledRow(re, level, lanes, echoes.re.row(k));
+    kernels::AddScaledRow(im, level, lanes, echoes.im.row(k));
   }
 
   void AverageShownRow(int r) {
@@ -359,13 +374,9 @@ struct ApertureRenderer::State {
     const int low = std::max(0, middle - half);
     const int high = std::min(grid.samples - 1, middle + half);
     float* out = shown.row(r);
-    std::copy_n(intensity.row(low), lanes, out);
-    for (int k = low + 1; k <= high; ++k) {
-      const float* row = intensity.row(k);
-      for (int l = 0; l < lanes; ++l) out[l] += row[l];
-    }
-    const float scale = 1.0F / static_cast<float>(high - low + 1);
-    for (int l = 0; l < lanes; ++l) out[l] *= scale;
+    const float share = 1.0F / static_cast<float>(high - low + 1);
+    std::fill_n(out, lanes, 0.0F);
+    for (int k = low; k <= high; ++k) kernels::AddScaledRow(intensity.row(k), share, lanes, out);
   }
 
   acoustics::Probe probe;
@@ -387,6 +398,8 @@ struct ApertureRenderer::State {
   std::vector<AperturePlane> planes;
   std::vector<EchoList> lists;  ///< By block of lines.
   int lanes = 0;
+  float rough_layer = 0.0F;  ///< Amplitude of its echoes, of the surface's.
+  float rough_decay = 0.0F;  ///< From sample to sample.
   ComplexBeams echoes;
   slicing::BeamImage speckle;  ///< Amplitude, by row of tissue.
   slicing::BeamImage bright;   ///< Intensity of interfaces, by row of tissue.

@@ -29,10 +29,17 @@ class ApertureTracer {
     float row;   ///< Place, in rows of tissue; not whole.
     float lead;  ///< Rows by which its smoothed slope begins before it.
     int line;
-    float echo;             ///< Amplitude that comes back of what arrives, with its plane's weight.
-    float rough;            ///< The same, before the roughness of the surface took from it.
-    float reflection;       ///< Fresnel's, with its sign.
-    Eigen::Vector3f index;  ///< Of the tissue at rest, voxels.
+    float weight;            ///< Of its plane.
+    float reflection;        ///< Fresnel's at normal incidence, with its sign.
+    Eigen::Vector3f index;   ///< Of the tissue at rest, voxels.
+    Eigen::Vector3f step;    ///< To the next row, voxels.
+    Eigen::Vector3f across;  ///< To a line beside, voxels.
+  };
+
+  /// Amplitudes that come back of what arrives at an interface, with the weight of its plane.
+  struct SurfaceEcho {
+    float mirror = 0.0F;
+    float rough = 0.0F;  ///< Before the roughness of the surface takes from it.
   };
 
   /// Keeps references to all of them.
@@ -47,6 +54,12 @@ class ApertureTracer {
   /// Fills 64 lines of the field's losses and of scatter2(). Blocks are independent.
   void TraceBlock(const std::vector<AperturePlane>& planes, int block, ApertureField& field);
 
+  /// No echo is stronger than this times its reflection and weight: an oblique surface lies in the
+  /// pulse for a part of the beam's width only, and its echo is raised by this at most.
+  static constexpr double kMostObliqueGain = 6.0;
+
+  SurfaceEcho EchoOf(const Crossing& at) const;
+
   const std::vector<Crossing>& crossings(int block) const {
     return work_[static_cast<std::size_t>(block)].crossings;
   }
@@ -58,27 +71,38 @@ class ApertureTracer {
   const std::vector<float>& SmoothContact();
 
  private:
+  /// Of the lines of a block in one plane.
+  struct PlaneState {
+    alignas(64) float previous[kLanesPerBlock];
+    alignas(64) float start[kLanesPerBlock];
+    alignas(64) float moment[kLanesPerBlock];
+    int quiet_until[kLanesPerBlock];  ///< Interfaces above are gel and skin.
+    bool dry[kLanesPerBlock];         ///< Nothing but air so far.
+  };
   struct Work {
     alignas(64) float zeta[kLanesPerBlock];
     alignas(64) float nepers[kLanesPerBlock];
     alignas(64) float scatter[kLanesPerBlock];
     alignas(64) float seen[kLanesPerBlock];
-    alignas(64) float previous[kLanesPerBlock];
-    alignas(64) float start[kLanesPerBlock];
-    alignas(64) float moment[kLanesPerBlock];
     alignas(64) float run[kLanesPerBlock];
     alignas(64) float place[kLanesPerBlock];
-    int quiet_until[kLanesPerBlock];  ///< Interfaces above are gel and skin.
-    bool dry[kLanesPerBlock];         ///< Nothing but air so far.
+    std::vector<PlaneState> planes;
     std::vector<Crossing> crossings;
   };
+  /// One row of a block in one plane.
+  struct Pass {
+    const AperturePlane& plane;
+    PlaneState& state;
+    int block;
+    int first;  ///< Line that is lane 0.
+    int lanes;
+    bool first_plane;
+    double weight_so_far;  ///< Of this plane and those before it.
+  };
 
-  /// @param weight_so_far  Of this plane and those before it.
-  void TracePlane(const AperturePlane& plane, double weight_so_far, int block,
-                  ApertureField& field);
-  void MeetSkin(Work& work, int first, int lanes, int k, bool first_plane);
-  void AddCrossings(const AperturePlane& plane, double weight_so_far, int block, int k, int lanes,
-                    ApertureField& field);
+  void TraceRow(const Pass& pass, int k, ApertureField& field);
+  void MeetSkin(Work& work, const Pass& pass, int k);
+  void AddCrossings(const Pass& pass, int k, ApertureField& field);
 
   const AcousticVolume& volume_;
   const ApertureOptions& options_;
@@ -89,6 +113,8 @@ class ApertureTracer {
   double wave_number_per_mm_;
   int gel_rows_;
   int skin_rows_;
+  float min_run_;        ///< Of zeta, over one interface.
+  float strong_nepers_;  ///< Two-way, per mm, of bone and gas.
   slicing::BeamImage scatter2_;
   std::vector<float> contact_;
   std::vector<float> smooth_contact_;

@@ -49,7 +49,8 @@ void LabelRow(const LabelVoxels& voxels, const Lines& lines, float s, int lanes,
     const VI shift = hn::ShiftLeft<3>(hn::Sub(offset, safe));
     const VI word = hn::GatherOffset(d, reinterpret_cast<const std::int32_t*>(voxels.data), safe);
     const VI found = hn::And(hn::Shr(word, shift), hn::Set(d, 255));
-    hn::Store(hn::IfThenElseZero(hn::RebindMask(d, within), found), d, label + l);
+    hn::Store(hn::IfThenElse(hn::RebindMask(d, within), found, hn::Set(d, kNotScannedLabel)), d,
+              label + l);
   }
 }
 

@@ -25,7 +25,10 @@ struct LabelVoxels {
   std::int32_t slice_bytes;  ///< From k to k + 1.
 };
 
-/// label[l] = label of the voxel nearest to sample `s` of each lane; 0 outside.
+/// Stands for a label outside the volume.
+inline constexpr std::int32_t kNotScannedLabel = -1;
+
+/// label[l] = label of the voxel nearest to sample `s` of each lane; kNotScannedLabel outside.
 void LabelRow(const LabelVoxels& voxels, const Lines& lines, float s, int lanes,
               std::int32_t* label);
 

@@ -38,7 +38,8 @@ BeamTracer::BeamTracer(const BeamTissue& tissue, const BeamOptions& options,
       fibres_(!materials.fibres().empty()) {
   if (tissue.ct != nullptr) {
     sampler_.emplace(*tissue.ct);
-    ct_ = sampler_->Voxels();
+    ct_ = sampler_->Voxels(tissue.labels == nullptr ? slicing::CtSampler::kNotScanned
+                                                    : slicing::CtSampler::kOutsideHu);
   }
   if (tissue.labels != nullptr) {
     const auto& size = tissue.labels->geometry.size;
@@ -100,12 +101,15 @@ void BeamTracer::TracePlane(Pass& pass) {
   std::fill_n(work.moment, kLanesPerBlock, 0.0F);
   std::fill_n(work.quiet_until, kLanesPerBlock, 1);
   std::fill_n(work.dry, kLanesPerBlock, true);
+  std::fill_n(work.entered, kLanesPerBlock, 0);
+  std::fill_n(work.outside, kLanesPerBlock, 0);
   std::fill_n(work.strong_count, kLanesPerBlock, 0);
   if (marched_) work.march.Start();
   for (int k = 0; k < grid_.samples; ++k) {
     PlaceSample(pass, k);
-    SampleTissue(pass, k);
+    const bool outside = SampleTissue(pass, k);
     if (k <= gel_samples_ + skin_samples_) MeetSkin(work, k);
+    if (outside) EndOfScan(work, k);
     if (fibres_) FollowFibres(pass, k);
     bool any = false;
     if (options_.interfaces) {
@@ -178,24 +182,58 @@ void BeamTracer::GoOn(Pass& pass, int k) const {
   work.march.Advance(work.speed_ratio, pass.lanes);
 }
 
-void BeamTracer::SampleTissue(Pass& pass, int k) {
+bool BeamTracer::FillOutside(Work& work, int k) const {
+  float* hu = work.value[k % kRing];
+  std::int32_t* label = work.label[k % kRing];
+  std::int32_t any = 0;
+  for (int l = 0; l < kLanesPerBlock; ++l) {
+    std::int32_t outside = 0;
+    if (tissue_.labels != nullptr) {
+      outside = label[l] == kernels::kNotScannedLabel ? 1 : 0;
+      label[l] = outside != 0 ? 0 : label[l];
+    } else {
+      outside = hu[l] == slicing::CtSampler::kNotScanned ? 1 : 0;
+      hu[l] = outside != 0 ? slicing::CtSampler::kOutsideHu : hu[l];
+    }
+    work.outside[l] = outside;
+    work.entered[l] |= 1 - outside;
+    any |= outside;
+  }
+  return any != 0;
+}
+
+void BeamTracer::EndOfScan(Work& work, int k) const {
+  for (int l = 0; l < kLanesPerBlock; ++l) {
+    const bool may_enter = work.entered[l] == 0 && k <= gel_samples_ + skin_samples_;
+    if (work.outside[l] == 0 || may_enter) continue;
+    work.energy[k % kRing][l] = 0.0F;
+    work.scatter[l] = 0.0F;
+    work.previous[l] = work.start[l] = work.log_impedance[l];
+    work.moment[l] = 0.0F;
+  }
+}
+
+bool BeamTracer::SampleTissue(Pass& pass, int k) {
   Work& work = pass.work;
   const kernels::TissueRow tissue{work.log_impedance, work.decay, work.scatter};
   float* hu = work.value[k % kRing];
   std::int32_t* label = work.label[k % kRing];
   if (tissue_.labels == nullptr) {
     slicing::kernels::SampleRow(ct_, pass.voxels, pass.s, pass.lanes, hu);
+    const bool outside = FillOutside(work, k);
     kernels::TissueOfHuRow(materials_.hu_curves(), hu, pass.lanes, tissue);
-    return;
+    return outside;
   }
   kernels::LabelRow(labels_, pass.voxels, pass.s, pass.lanes, label);
+  const bool outside = FillOutside(work, k);
   kernels::TissueOfLabelRow(materials_.label_tables(), label, pass.lanes, tissue);
-  if (tissue_.ct == nullptr) return;
-  if (std::find(label, label + pass.lanes, 0) == label + pass.lanes) return;
+  if (tissue_.ct == nullptr) return outside;
+  if (std::find(label, label + pass.lanes, 0) == label + pass.lanes) return outside;
   slicing::kernels::SampleRow(ct_, pass.voxels, pass.s, pass.lanes, hu);
   const kernels::TissueRow of_hu{work.of_hu[0], work.of_hu[1], work.of_hu[2]};
   kernels::TissueOfHuRow(materials_.hu_curves(), hu, pass.lanes, of_hu);
   kernels::FillUnlabelledRow(label, of_hu, pass.lanes, tissue);
+  return outside;
 }
 
 void BeamTracer::MeetSkin(Work& work, int k) const {

@@ -74,8 +74,10 @@ class BeamTracer {
     alignas(64) float lattice[6][kLanesPerBlock];
     alignas(64) float speed_ratio[kLanesPerBlock];
     BeamMarch march;
-    int quiet_until[kLanesPerBlock];  ///< Interfaces above are gel and skin.
-    bool dry[kLanesPerBlock];         ///< Nothing but air so far.
+    int quiet_until[kLanesPerBlock];                   ///< Interfaces above are gel and skin.
+    bool dry[kLanesPerBlock];                          ///< Nothing but air so far.
+    alignas(64) std::int32_t outside[kLanesPerBlock];  ///< Not 0: the sample is not in the volume.
+    alignas(64) std::int32_t entered[kLanesPerBlock];  ///< Not 0: one before was.
     Strong strong[kLanesPerBlock][kStrongest];
     int strong_count[kLanesPerBlock];
     std::vector<Echo> echoes;
@@ -114,7 +116,11 @@ class BeamTracer {
 
   void TracePlane(Pass& pass);
   void PlaceSample(Pass& pass, int k) const;
-  void SampleTissue(Pass& pass, int k);
+  /// @return whether a line is outside the volume.
+  bool SampleTissue(Pass& pass, int k);
+  /// Air in place of what was not scanned. @return whether there is any.
+  bool FillOutside(Work& work, int k) const;
+  void EndOfScan(Work& work, int k) const;
   void GoOn(Pass& pass, int k) const;
   void MeetSkin(Work& work, int k) const;
   void FollowFibres(Pass& pass, int k) const;

@@ -4,6 +4,7 @@
 #include "acus/imaging/slicing/needle_paint.h"
 #include "acus/imaging/ultrasound/display.h"
 #include "acus/imaging/ultrasound/echo.h"
+#include "acus/imaging/ultrasound/scan_end.h"
 
 namespace acus::ultrasound {
 struct BModeRenderer::State {
@@ -26,6 +27,7 @@ struct BModeRenderer::State {
   slicing::BeamBend bend;
   slicing::BeamImage hu;
   slicing::BeamImage echo;
+  ScanEnds scan_ends;
 };
 
 BModeRenderer::BModeRenderer(const volume::CtVolume& ct, const acoustics::Probe& probe,
@@ -42,10 +44,12 @@ void BModeRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   s.sampler.PlaceLines(s.grid, ct_from_probe, s.lines);
   s.bend.Set(s.grid, ct_from_probe, s.sampler.index_from_ct(), rest);
   s.hu.Resize(s.grid.lines(), s.grid.samples);
-  s.sampler.Sample(s.lines, s.bend, s.hu, num_threads);
+  s.sampler.Sample(s.lines, s.bend, s.hu, num_threads, slicing::CtSampler::kNotScanned);
+  s.scan_ends.FindAndFill(s.hu);
   if (needle)
     slicing::PaintNeedle(*needle, ct_from_probe, s.probe.slice_thickness_mm, s.grid, s.hu);
   s.tracer.Trace(s.lines, s.bend, s.hu, s.echo, num_threads);
+  for (int k = 0; k < s.echo.samples(); ++k) s.scan_ends.Clear(k, s.echo.row(k));
   s.display.Show(s.echo, out, num_threads);
 }
 

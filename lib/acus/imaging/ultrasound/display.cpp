@@ -36,6 +36,10 @@ std::vector<float> HalfHanning(double length_mm, double spacing_mm, int max_half
   return out;
 }
 
+double BrightnessOfGain(const acoustics::Probe& probe, std::optional<double> gain_of_table_db) {
+  return (probe.gain_db - gain_of_table_db.value_or(probe.gain_db)) / probe.dynamic_range_db;
+}
+
 EchoDisplay::EchoDisplay(const acoustics::Probe& probe, const acoustics::ScanGrid& grid)
     : conversion_(probe, grid) {
   along_ = HalfHanning(probe.pulse_length_mm, grid.step_mm, kMaxHalfWindow);

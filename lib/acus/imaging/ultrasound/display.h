@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "acus/data/image/image.h"
@@ -16,6 +17,11 @@ namespace acus::ultrasound {
 /// the whole window sums to 1. One entry, 1, if the length is below two spacings.
 /// @throws InputError if more than `max_half` + 1 entries come out.
 std::vector<float> HalfHanning(double length_mm, double spacing_mm, int max_half);
+
+/// Share of white that the probe's gain adds to an image made by a table of greys, which holds for
+/// `gain_of_table_db` (dB; nothing: for the probe's gain). Greys are logarithmic: every dB adds
+/// 1 / dynamic range.
+double BrightnessOfGain(const acoustics::Probe& probe, std::optional<double> gain_of_table_db);
 
 /// Grey = 255 * log(1 + a I) / log(1 + a), a = 10^(dynamic range / 10), where I is the windowed
 /// intensity times the gains: the pulse's window has a peak of 1, the beam's a sum of 1.

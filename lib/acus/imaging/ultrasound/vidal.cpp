@@ -8,6 +8,7 @@
 #include "acus/imaging/slicing/kernels.h"
 #include "acus/imaging/slicing/needle_paint.h"
 #include "acus/imaging/ultrasound/coupling.h"
+#include "acus/imaging/ultrasound/display.h"
 #include "acus/imaging/ultrasound/echo.h"
 
 namespace acus::ultrasound {
@@ -38,7 +39,8 @@ VidalRenderer::VidalRenderer(const volume::CtVolume& ct, const acoustics::Probe&
       grid_(acoustics::ScanGridOf(probe_)),
       sampler_(ct),
       conversion_(probe_, grid_),
-      grey_(CurveOf(options.grey)) {
+      grey_(CurveOf(options.grey)),
+      brightness_(options.brightness + BrightnessOfGain(probe_, options.gain_of_table_db)) {
   Check(options);
   surface_samples_ = static_cast<int>(std::lround(options.surface_mm / grid_.step_mm));
   if (options.noise) {
@@ -135,8 +137,9 @@ void VidalRenderer::GreyRow(int k, int piece, std::uint8_t* grey) {
       value[l] *= behind > from[l] ? share : (behind > needle_from[l] ? needle_share : 1.0F);
     }
   }
-  slicing::kernels::WindowRow(value, static_cast<float>(255.0 * options_.brightness),
+  slicing::kernels::WindowRow(value, static_cast<float>(255.0 * brightness_),
                               static_cast<float>(255.0 * options_.contrast), lanes, grey);
+  scan_ends_.Clear(k, grey);
 }
 
 void VidalRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
@@ -145,7 +148,8 @@ void VidalRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   sampler_.PlaceLines(grid_, ct_from_probe, lines_);
   bend_.Set(grid_, ct_from_probe, sampler_.index_from_ct(), rest);
   hu_.Resize(grid_.lines(), grid_.samples);
-  sampler_.Sample(lines_, bend_, hu_, num_threads);
+  sampler_.Sample(lines_, bend_, hu_, num_threads, slicing::CtSampler::kNotScanned);
+  scan_ends_.FindAndFill(hu_);
   if (needle) slicing::PaintNeedle(*needle, ct_from_probe, probe_.slice_thickness_mm, grid_, hu_);
   FillCouplingGap(options_.coupling_gap_mm, grid_.step_mm, hu_);
   if (options_.reflections) {

@@ -14,6 +14,7 @@
 #include "acus/imaging/slicing/ct_sampler.h"
 #include "acus/imaging/ultrasound/noise_tile.h"
 #include "acus/imaging/ultrasound/scan_conversion.h"
+#include "acus/imaging/ultrasound/scan_end.h"
 #include "acus/imaging/ultrasound/vidal_options.h"
 
 namespace acus::ultrasound {
@@ -47,6 +48,7 @@ class VidalRenderer {
   slicing::CtSampler sampler_;
   ScanConversion conversion_;
   slicing::kernels::Curve grey_;
+  double brightness_;               ///< With what the gain adds.
   std::optional<NoiseTile> noise_;  ///< Empty if the stage is off.
   float tile_per_index_[3] = {};
   int sobel_samples_ = 1;         ///< Half of the span.
@@ -55,6 +57,7 @@ class VidalRenderer {
   slicing::BeamLines lines_;
   slicing::BeamBend bend_;
   slicing::BeamImage hu_;
+  ScanEnds scan_ends_;
   int surface_samples_ = 0;
   std::vector<int> shadow_from_;  ///< By line: first sample of bone or gas.
   std::vector<int> needle_from_;  ///< The same of the needle.

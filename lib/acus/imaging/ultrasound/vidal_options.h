@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,9 @@ struct VidalOptions {
   double contrast = 1.0;
   double brightness = 0.0;
   double coupling_gap_mm = 0.0;
+  /// Gain of the probe for which the table of greys holds, dB; nothing: the probe's, whatever it
+  /// is.
+  std::optional<double> gain_of_table_db;
 };
 
 /// Reads configs/acoustics/<name>.json (format acus-image-vidal/1).

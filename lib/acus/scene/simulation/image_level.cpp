@@ -42,15 +42,22 @@ Options Seeded(Options options, std::uint64_t seed) {
   return options;
 }
 
+/// A table of greys says what the preset's gain shows: from there on the gain acts.
+template <typename Options>
+Options HeldFor(const acoustics::Probe& probe, Options options) {
+  options.gain_of_table_db = probe.gain_db;
+  return options;
+}
+
 }  // namespace
 
 ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
-                                const volume::LabelMap* labels) {
+                                const acoustics::Probe& probe, const volume::LabelMap* labels) {
   switch (effect.model) {
     case scenario::UltrasoundModel::kVidal2008:
-      return Seeded(ultrasound::ReadVidalOptions(effect.acoustics), effect.seed);
+      return HeldFor(probe, Seeded(ultrasound::ReadVidalOptions(effect.acoustics), effect.seed));
     case scenario::UltrasoundModel::kAlamilla2021:
-      return Seeded(ultrasound::ReadAlamillaOptions(effect.acoustics), effect.seed);
+      return HeldFor(probe, Seeded(ultrasound::ReadAlamillaOptions(effect.acoustics), effect.seed));
     case scenario::UltrasoundModel::kBeams:
       return ReadBeamSettings(effect, labels);
     case scenario::UltrasoundModel::kAperture:

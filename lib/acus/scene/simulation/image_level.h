@@ -22,9 +22,10 @@ using ImageSettings = std::variant<ultrasound::VidalOptions, ultrasound::Alamill
                                    ultrasound::BModeOptions, BeamSettings, ApertureSettings>;
 
 /// Reads the settings of the scenario's level. @throws InputError listing all problems.
-/// @param labels  Of the patient, if the level reads them; else null.
+/// @param probe   Tables of greys hold for its gain.
+/// @param labels  Of the patient, if the model reads them; else null.
 ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
-                                const volume::LabelMap* labels);
+                                const acoustics::Probe& probe, const volume::LabelMap* labels);
 
 /// What levels read of the patient; null if the plan does not need it.
 struct ImagePatient {

@@ -160,8 +160,8 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   }
   if (plan.Has(StageId::kUltrasound)) {
     const bool by_labels = plan.Reads(StageId::kUltrasound, effects::ports::kLabels);
-    scene.b_mode =
-        ReadImageSettings(*scenario.ultrasound, by_labels ? scene.labels.get() : nullptr);
+    scene.b_mode = ReadImageSettings(*scenario.ultrasound, *scene.probe,
+                                     by_labels ? scene.labels.get() : nullptr);
     context.provenance.AddInput(scenario.ultrasound->acoustics);
   }
   scene.tools_deform_images =

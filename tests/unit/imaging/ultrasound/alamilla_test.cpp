@@ -86,6 +86,21 @@ TEST(Alamilla, EachTissueHasItsGreyAndLosesItByAbsorption) {
   EXPECT_NEAR(image.At(64, 100), 255 * 0.5 * std::exp(-0.2 * 2.6 - 0.5 * 2.4), 0.8);  // 50 mm
 }
 
+TEST(Alamilla, GainBrightensByItsShareOfTheDynamicRange) {
+  const volume::LabelMap labels = Scene(TwoLayers);
+  AlamillaOptions options = Flat();
+  options.gain_of_table_db = 3.0;
+  acoustics::Probe probe = TestProbe();
+  std::vector<int> greys;
+  for (const double gain_db : {3.0, 9.0}) {
+    probe.gain_db = gain_db;
+    image::GrayImage image;
+    AlamillaRenderer(labels, probe, options).Render(Pose(), std::nullopt, image);
+    greys.push_back(image.At(image.width / 2, 20));
+  }
+  EXPECT_NEAR(greys[1] - greys[0], 255.0 * 6.0 / probe.dynamic_range_db, 1.01);
+}
+
 TEST(Alamilla, BoneShadowsBehindItsSurface) {
   const auto labels = Scene([](double x, double y, double) {
     if (x < 48.0 && y >= 30.0 && y < 40.0) return kBone;

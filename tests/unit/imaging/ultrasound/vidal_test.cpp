@@ -63,6 +63,20 @@ TEST(Vidal, GreyIsTheTableOfTheSlice) {
   }
 }
 
+TEST(Vidal, GainBrightensByItsShareOfTheDynamicRange) {
+  const auto ct = Ct([](double, double, double) { return 300.0; });
+  VidalOptions options = TableOnly();
+  options.gain_of_table_db = 20.0;
+  acoustics::Probe probe = VidalTestProbe();
+  const double table = 255.0 * 0.42;
+  for (const double gain_db : {14.0, 20.0, 29.0}) {
+    probe.gain_db = gain_db;
+    image::GrayImage image;
+    VidalRenderer(ct, probe, options).Render(VidalPose(), std::nullopt, image);
+    EXPECT_NEAR(image.At(64, 60), table + 255.0 * (gain_db - 20.0) / 60.0, 1.01) << gain_db;
+  }
+}
+
 TEST(Vidal, WhatLiesBehindBoneOrGasIsInTheMask) {
   const auto ct = Ct([](double x, double y, double) {
     const bool plate = y >= 30.0 && y <= 32.0;

@@ -36,7 +36,7 @@ TEST(ImageLevel, EveryLevelReadsItsPresetAndShowsTheScene) {
   for (const std::string& name : levels) {
     const scenario::UltrasoundEffect effect = EffectOf(name);
     ImageLevel level({scene.ct.get(), scene.labels.get()}, *scene.probe,
-                     ReadImageSettings(effect, scene.labels.get()));
+                     ReadImageSettings(effect, *scene.probe, scene.labels.get()));
     image::GrayImage image;
     level.Render(OnTheSkin(), std::nullopt, image, 2);
     EXPECT_EQ(image.width, level.picture().width_px);
@@ -46,6 +46,33 @@ TEST(ImageLevel, EveryLevelReadsItsPresetAndShowsTheScene) {
     pictures.insert(image.pixels);
   }
   EXPECT_EQ(pictures.size(), levels.size()) << "two levels gave the same picture";
+}
+
+TEST(ImageLevel, GainActsInEveryModel) {
+  const Scene scene =
+      testing_support::LayeredScene(testing_support::PlanOf(false, true, false, false), false);
+  for (const std::string name :
+       {"vidal_2008", "alamilla_2021", "columns_2010", "beams", "aperture"}) {
+    const scenario::UltrasoundEffect effect = EffectOf(name);
+    const ImageSettings settings = ReadImageSettings(effect, *scene.probe, scene.labels.get());
+    std::vector<image::GrayImage> images(2);
+    for (int louder = 0; louder < 2; ++louder) {
+      acoustics::Probe probe = *scene.probe;
+      probe.gain_db += 6.0 * louder;
+      ImageLevel({scene.ct.get(), scene.labels.get()}, probe, settings)
+          .Render(OnTheSkin(), std::nullopt, images[static_cast<std::size_t>(louder)]);
+    }
+    // Well within what can be shown, each pixel is brighter by the gain's share of the range.
+    double rise = 0.0;
+    int count = 0;
+    for (std::size_t n = 0; n < images[0].pixels.size(); ++n) {
+      if (images[0].pixels[n] < 60 || images[0].pixels[n] > 180) continue;
+      rise += images[1].pixels[n] - images[0].pixels[n];
+      ++count;
+    }
+    ASSERT_GT(count, 100) << name;
+    EXPECT_NEAR(rise / count, 255.0 * 6.0 / scene.probe->dynamic_range_db, 1.0) << name;
+  }
 }
 
 }  // namespace
