@@ -111,7 +111,9 @@ def profile_of(arguments):
     if not arguments.profile:
         return "", []
     shipped = pathlib.Path(__file__).parent / "profiles" / arguments.profile
-    options = ["--group-components", f"patient={arguments.patients_per_job}"]
+    # In one job of the cluster one program runs after the other: it asks for the largest, not the sum.
+    options = ["--group-components", f"patient={arguments.patients_per_job}",
+               "--resources", "slots=1", "--set-resource-scopes", "slots=local"]
     if arguments.jobs:
         options += ["--jobs", str(arguments.jobs)]
     return str(shipped if shipped.is_dir() else arguments.profile), options
