@@ -14,10 +14,8 @@ int main(int argc, char** argv) {
   std::filesystem::path transform_path;
   std::filesystem::path exercise_path;
   std::vector<std::string> changes;
-  std::string series;
-  std::string png = "events";
-  bool explain = false;
-  bool check = false;
+  std::string series, png = "events";
+  bool explain = false, check = false;
   acus::replay::ReplayOptions options;
 
   CLI::App app{
@@ -51,6 +49,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("!--no-film", options.film, "Make no film.mp4");
   app.add_flag("!--no-sequence", options.sequence, "Write no images.igs.mha");
+  app.add_flag("!--no-times", options.times,
+               "Write no measured times: the same inputs then give the same bytes");
   app.add_flag("--explain", explain,
                "Print the effect plan: stages and why they are in, out or asleep, what they read\n"
                "and write, measured cost. Without a session: what is known beforehand");

@@ -65,8 +65,15 @@ struct Run {
   simulation::StageTimes times;
   std::vector<std::string> warnings;
   std::optional<CostCheck> cost;  ///< If the scenario has evidence.
-  double cpu_s = 0.0;             ///< Of steps and images with their writing, all threads.
+  std::optional<double> cpu_s;    ///< Of steps and images with their writing, all threads.
 };
+
+/// Takes out what differs between two runs of the same.
+void ForgetTimes(Run& run) {
+  for (auto& cost : run.times.cost) cost.seconds = 0.0;
+  run.cpu_s.reset();
+  run.cost.reset();
+}
 
 double SpanSeconds(const session::Session& session) {
   double span_s = 0.0;
@@ -117,8 +124,12 @@ void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, cons
                              {"images", run.images.num_images},
                              {"effect_plan", simulation::PlanJson(scene.plan, run.times)},
                              {"events", EventsJson(EventsOf(scene, run.steps))},
-                             {"cpu_seconds", run.cpu_s},
                              {"warnings", WarningsOf(scene, run)}};
+  if (run.cpu_s) {
+    document["cpu_seconds"] = *run.cpu_s;
+  } else {
+    for (auto& stage : document["effect_plan"]) stage.erase("seconds");
+  }
   for (const auto& [key, log] : run.effects) document[key + "_images"] = log.num_images;
   if (run.cost) document["cost_check"] = ToJson(*run.cost);
   config::WriteJson(path, document);
@@ -146,8 +157,8 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
                    {"length of the session", Rounded(SpanSeconds(run.session)) + " s"},
                    {"needle samples", std::to_string(run.session.needle.size())},
                    {"probe samples", std::to_string(run.session.probe.size())},
-                   {"images", std::to_string(run.images.num_images)},
-                   {"CPU time of the run", Rounded(run.cpu_s) + " s"}};
+                   {"images", std::to_string(run.images.num_images)}};
+  if (run.cpu_s) content.facts.emplace_back("CPU time of the run", Rounded(*run.cpu_s) + " s");
   if (run.cost) {
     const auto facts = FactsOf(*run.cost);
     content.facts.insert(content.facts.end(), facts.begin(), facts.end());
@@ -188,7 +199,7 @@ class WarningsKept {
 std::string SummaryOf(const Run& run, const ReplayOptions& options) {
   std::string text = Message("Replayed ", Rounded(SpanSeconds(run.session)),
                              " s: ", run.steps.steps.size(), " steps, ", run.images.num_images,
-                             " images, ", Rounded(run.cpu_s), " s of CPU time.\n");
+                             " images, ", Rounded(run.cpu_s.value_or(0.0)), " s of CPU time.\n");
   for (const Metric& metric : run.metrics) {
     text += Message("  ", metric.name, ": ", Rounded(metric.value), metric.unit.empty() ? "" : " ",
                     metric.unit, "\n");
@@ -259,11 +270,13 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
     run.assessment->trainee = options.trainee;
     run.metrics = run.assessment->metrics;
   }
+  ReplayResult result{PlanText(scene.plan, &run.times), SummaryOf(run, options)};
   if (folder) {
+    if (!options.times) ForgetTimes(run);
     WriteRunFolder(folder->path(), scenario, scene, run, context);
     folder->Commit();
   }
-  return {PlanText(scene.plan, &run.times), SummaryOf(run, options)};
+  return result;
 }
 
 void RequireRunnable(const scenario::Scenario& scenario, const fs::path& session_path,

@@ -20,6 +20,7 @@ struct ReplayOptions {
   PngChoice png = PngChoice::kEvents;
   bool film = true;
   bool sequence = true;
+  bool times = true;  ///< Write measured times; without them, the same inputs give the same bytes.
   std::filesystem::path exercise;  ///< acus-exercise file; empty: none.
   std::string trainee;             ///< Code of who did it, for training.json.
 };
@@ -31,8 +32,8 @@ struct ReplayResult {
 
 /// Runs every needle sample through Simulation::Step, renders images at the scenario's rate and
 /// writes the run folder (docs/reference/formats.md), whole or not at all.
-/// The same inputs give the same bytes with any number of threads, but for timings in run.json and
-/// report.html.
+/// The same inputs give the same bytes with any number of threads, but for measured times in
+/// run.json and report.html, which options.times leaves out.
 /// @throws InputError if an effect lacks an input or a file is not usable.
 ReplayResult ReplaySession(const scenario::Scenario& scenario,
                            const std::filesystem::path& session_path, const ReplayOptions& options,

@@ -1,5 +1,7 @@
 #include "acus/scene/simulation/scene.h"
 
+#include <nlohmann/json.hpp>
+
 #include "acus/base/core/error.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/segmentation/surface_scene.h"
@@ -116,6 +118,10 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   Scene scene;
   scene.plan = plan;
   scene.ct_from_reference = scenario.patient.ct_from_reference;
+  const nlohmann::json::json_pointer transform("/patient/ct_from_reference_file");
+  if (scenario.effective.contains(transform)) {
+    context.provenance.AddInput(scenario.effective.at(transform).get<std::string>());
+  }
   scene.image_rate_hz = scenario.image_rate_hz;
   if (scenario.ct_slice) {
     scene.needle_in_ct_slice = scenario.ct_slice->needle;

@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""The jobs of pipelines/demo: one patient, without participants and sessions, in one folder.
+
+Usage: demo.py OUTPUT CT SERIES SCENARIO TISSUE SEED; CT, SERIES and TISSUE may be empty.
+"""
+import os
+import pathlib
+import sys
+import time
+
+import engine
+import plan as plans
+from files import UserError, read_json, write_json
+
+
+def make_plan(output, ct, series, scenario, tissue, seed, cache):
+    options = plans.Options(scenarios=[scenario], tissue=tissue, mesh=True, folders=True, quiet=False,
+                            replay_options=[], threads=os.cpu_count())
+    plan = plans.Plan(output, options, cache)
+    source = {"path": ct, "seed": seed, "series": series}
+    files = {"ct": [source]} if ct else {"phantom": [{**source, "path": "lumbar"}]}
+    plans.Patient(plan, "", "", files).jobs()
+    return plan
+
+
+def run(output, *arguments):
+    cache_path = output / "work/hashes.json"
+    cache = read_json(cache_path) if cache_path.exists() else {}
+    lock = engine.Lock(output)
+    plan = make_plan(output, *arguments, cache)
+    write_json(cache_path, cache)
+    begin = time.monotonic()
+    engine.run(output, plan, engine.to_do(output, plan), cores=os.cpu_count(), titles=True, quiet=True,
+               memory_mb=engine.free_memory_mb())
+    failed = engine.failures(output, plan)
+    for failure in failed:
+        print(f"{failure['message']}\npipelines/demo: {failure['command'].split()[0]} ended with exit code "
+              f"{failure['exit_code']}; see its message above", file=sys.stderr)
+    if failed:
+        return failed[0]["exit_code"]
+    if engine.to_do(output, plan):
+        raise UserError(f"not all jobs were run; see {output}/work/snakemake.log")
+    refused = output / "mesh/refused.txt"
+    mesh = f"none: {refused.read_text().strip()}" if refused.exists() else output / "mesh/mesh.vtu"
+    print(f"""
+The programs took {time.monotonic() - begin:.0f} s. Look at:
+  report      {output}/run/report.html
+  film        {output}/run/film.mp4
+  force plot  {output}/run/forces.svg
+and, of the steps before:
+  tissues     {output}/segmentation/preview_axial.png
+  mesh        {mesh}""")
+    del lock
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        folder, *words, seed_text = sys.argv[1:]
+        sys.exit(run(pathlib.Path(folder), *words, int(seed_text)))
+    except UserError as error:
+        print(f"pipelines/demo: {error}", file=sys.stderr)
+        sys.exit(3)
+    except KeyboardInterrupt:
+        sys.exit(130)

@@ -1,0 +1,202 @@
+"""The report of a cohort: distributions of metrics, outliers with images, failures; tables for R and
+pandas (tab-separated, n/a for missing)."""
+import html
+import json
+import os
+import statistics
+
+import resources
+from files import read_json, write_json, write_tsv, write_whole
+
+OUTLIER_Z = 3.5  # Iglewicz and Hoaglin (1993), of the modified z-score.
+STYLE = """body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}
+table{border-collapse:collapse}td,th{padding:.2em .7em;border-bottom:1px solid #ddd;text-align:left}
+td.n{text-align:right}img{max-width:22em;margin:.3em}code{background:#f3f3f3}.bad{color:#a31515}"""
+
+
+def median_and_spread(values):
+    """Median, and 1.4826 times the median absolute deviation: the SD of a normal distribution."""
+    middle = statistics.median(values)
+    return middle, 1.4826 * statistics.median(abs(v - middle) for v in values)
+
+
+def outliers(values):
+    """Positions of the values far from the median, with their modified z-scores."""
+    middle, spread = median_and_spread(values)
+    if len(values) < 5 or spread == 0:
+        return {}
+    return {i: (v - middle) / spread for i, v in enumerate(values) if abs(v - middle) > OUTLIER_Z * spread}
+
+
+def strip_plot(values, unit, flagged):
+    """All values on one axis as SVG, with median and quartiles; outliers in red."""
+    low, high = min(values), max(values)
+    span = (high - low) or abs(high) or 1.0
+    def x(value):
+        return 20 + 560 * (value - low) / span
+    parts = ['<svg xmlns="http://www.w3.org/2000/svg" width="600" height="62" font-size="11">',
+             '<line x1="20" y1="42" x2="580" y2="42" stroke="#888"/>']
+    if len(values) > 1:
+        first, middle, third = statistics.quantiles(values, n=4, method="inclusive")
+        parts.append(f'<rect x="{x(first):.1f}" y="8" width="{x(third) - x(first) + 0.5:.1f}" height="26" '
+                     f'fill="#dfe8f3"/><line x1="{x(middle):.1f}" y1="8" x2="{x(middle):.1f}" y2="34" '
+                     'stroke="#2a5a8c" stroke-width="2"/>')
+    for i, value in enumerate(values):
+        colour = "#c4231d" if i in flagged else "#2a5a8c"
+        y = 12 + 18 * ((i * 0.618034) % 1)  # Apart from each other, the same in every run.
+        parts.append(f'<circle cx="{x(value):.1f}" cy="{y:.1f}" r="2.6" fill="{colour}" fill-opacity="0.6"/>')
+    parts += [f'<text x="20" y="56">{low:.4g} {html.escape(unit)}</text>',
+              f'<text x="580" y="56" text-anchor="end">{high:.4g} {html.escape(unit)}</text></svg>']
+    return "".join(parts)
+
+
+def runs_of(output, plan):
+    """One row for each finished replay: ids, and its metrics by name; with their units."""
+    rows, units = [], {}
+    for job in plan.jobs.values():
+        folder = output / job["output"]
+        if job["rule"] != "replay" or not (folder / "metrics.json").exists():
+            continue
+        row = {"participant_id": job["participant"], "session_id": job["session"],
+               "run": job["output"], "name": job["output"].rpartition("/")[2]}
+        for metric in read_json(folder / "metrics.json")["metrics"]:
+            column = metric["name"] + (f" [{metric['unit']}]" if metric["unit"] else "")
+            row[column], units[column] = metric["value"], metric["unit"]
+        rows.append(row)
+    return rows, units
+
+
+def comparisons_of(output, plan):
+    """One row for each check of each comparison with the reference."""
+    rows = []
+    for job in plan.jobs.values():
+        path = output / job["output"] / "comparison.json"
+        if job["rule"] != "compare" or not path.exists():
+            continue
+        for check in read_json(path)["checks"]:
+            rows.append({"participant_id": job["participant"], "session_id": job["session"],
+                         "run": job["output"], "quantity": check["quantity"], "value": check["value"],
+                         "limit": check["limit"], "unit": check["unit"],
+                         "passed": "true" if check["passed"] else "false", "remark": check["remark"]})
+    return rows
+
+
+def costs_of(output, plan):
+    """One row for each job that ran: measured and predicted time and memory."""
+    rows = []
+    for name, job in plan.jobs.items():
+        path = output / "work/measured" / f"{name}.json"
+        if path.exists():
+            m = json.loads(path.read_text(encoding="utf-8"))
+            rows.append({"participant_id": job["participant"], "session_id": job["session"],
+                         "rule": job["rule"], "wall_s": m["seconds"], **{k: m[k] for k in (
+                             "cpu_s", "memory_mb", "predicted_s", "predicted_mb", "host")}})
+    return rows
+
+
+def _table(header, rows):
+    cells = "".join(f"<th>{html.escape(h)}</th>" for h in header)
+    lines = ["<table><tr>" + cells + "</tr>"]
+    for row in rows:
+        lines.append("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>")
+    return "".join(lines) + "</table>"
+
+
+def _images(output, run):
+    """The segmentation and the first events of a run, as links relative to the report."""
+    base = output / run
+    patient = base.parent.parent if base.parent.name == "replays" else base.parent
+    found = [patient / "segmentation/preview_axial.png", *sorted(base.glob("event_*.png"))[:3]]
+    return "".join(f'<a href="{os.path.relpath(p, output / "group")}"><img loading="lazy" '
+                   f'src="{os.path.relpath(p, output / "group")}" alt="{p.stem}"></a>'
+                   for p in found if p.exists())
+
+
+def _metrics_part(output, rows, units):
+    parts, table = [], []
+    for column, unit in sorted(units.items()):
+        own = [row for row in rows if isinstance(row.get(column), (int, float))]
+        if not own:
+            continue
+        values = [float(row[column]) for row in own]
+        flagged = outliers(values)
+        middle, spread = median_and_spread(values)
+        table.append({"metric": column, "n": len(values), "median": middle, "spread": spread,
+                      "min": min(values), "max": max(values), "outliers": len(flagged)})
+        parts.append(f"<h3>{html.escape(column)}</h3>{strip_plot(values, unit, flagged)}<p>{len(values)} runs, "
+                     f"median {middle:.4g}, spread (1.4826 MAD) {spread:.4g}</p>")
+        for i in sorted(flagged, key=lambda k: -abs(flagged[k]))[:5]:
+            run = own[i]["run"]
+            link = f'<a href="../{html.escape(run)}/report.html">{html.escape(run)}</a>'
+            parts.append(f"<p>{link}: {values[i]:.4g}, {flagged[i]:+.1f} spreads from the median</p>"
+                         + _images(output, run))
+    return parts, table
+
+
+def _failures_part(output, failed, problems):
+    if not failed and not problems:
+        return ["<p>No participant failed.</p>"]
+    rows = [[html.escape(f["participant"]), html.escape(f["session"]), f.get("rule", "sources"),
+             f'<span class="bad">{html.escape(f["message"])}</span>',
+             f'<code>{html.escape(f["command"])}</code>' if "command" in f else ""]
+            for f in failed + problems]
+    return [_table(["participant", "session", "step", "message", "command, in this folder"], rows)]
+
+
+def _costs_part(output, costs):
+    if not costs:
+        return []
+    rows = []
+    for rule in sorted({c["rule"] for c in costs}):
+        own = [c for c in costs if c["rule"] == rule]
+        ratio, within = resources.accuracy(own)
+        rows.append([rule, len(own), f"{sum(c['cpu_s'] for c in own) / 3600:.3f}",
+                     f"{max(c['memory_mb'] for c in own):.0f}", f"{ratio:.2f}", f"{100 * within:.0f} %"])
+    text = ""
+    if (output / "work/last_run.json").exists():
+        last = read_json(output / "work/last_run.json")
+        text = (f"<p>Last run: {last['jobs']} jobs took {last['took_s'] / 3600:.3f} h; predicted "
+                f"{last['wall_s'] / 3600:.3f} h on {last['cores']} cores.</p>")
+    return ["<h1>Time and memory</h1>", text, _table(
+        ["program", "jobs", "CPU time, h", "largest memory, MB", "measured / predicted time (median)",
+         "within the memory asked for"], rows)]
+
+
+def _page(title, body):
+    return (f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
+            f"<style>{STYLE}</style></head><body>" + "\n".join(body) + "</body></html>\n")
+
+
+def write(output, plan, failed, problems):
+    """Writes group/report.html and the tables beside it. Measured times differ from run to run: they
+    are in group/times.html and work/costs.tsv, and in no other page or table."""
+    group = output / "group"
+    rows, units = runs_of(output, plan)
+    parts, table = _metrics_part(output, rows, units)
+    comparisons, costs = comparisons_of(output, plan), costs_of(output, plan)
+    ids = ["participant_id", "session_id", "run", "name"]
+    write_tsv(group / "metrics.tsv", ids + sorted(units), rows)
+    write_tsv(group / "distributions.tsv", ["metric", "n", "median", "spread", "min", "max", "outliers"], table)
+    write_json(group / "metrics.json", {c: {"Units": u or "1"} for c, u in units.items()})
+    failures = [{"participant_id": f["participant"], "session_id": f["session"], "step": f.get("rule", "sources"),
+                 "message": f["message"], "command": f.get("command")} for f in failed + problems]
+    write_tsv(group / "failures.tsv", ["participant_id", "session_id", "step", "message", "command"], failures)
+    write_tsv(output / "work/costs.tsv", ["participant_id", "session_id", "rule", "wall_s", "cpu_s", "memory_mb",
+                                          "predicted_s", "predicted_mb", "host"], costs)
+    differ = []
+    if comparisons:
+        write_tsv(group / "comparisons.tsv", list(comparisons[0]), comparisons)
+        bad = [c for c in comparisons if c["passed"] == "false"]
+        runs = {c["run"] for c in comparisons}
+        differ = ["<h2>Comparison with the reference</h2>",
+                  f"<p>{len(runs) - len({c['run'] for c in bad})} of {len(runs)} replays are within their "
+                  "tolerances.</p>", _table(["run", "quantity", "value", "limit", "remark"], [
+                      [f'<a href="../{c["run"]}/comparison.html">{c["run"]}</a>', html.escape(c["quantity"]),
+                       c["value"], c["limit"], html.escape(c["remark"])] for c in bad[:200]])]
+    people = {j["participant"] for j in plan.jobs.values()} | {p["participant"] for p in problems}
+    body = ["<h1>Cohort</h1>", f"<p>{len(people)} participants, {len(rows)} replays.</p>", "<h2>Failures</h2>",
+            *_failures_part(output, failed, problems), *differ, "<h2>Metrics</h2>", *parts,
+            "<p>Tables: <a href=\"metrics.tsv\">metrics.tsv</a>, <a href=\"distributions.tsv\">distributions.tsv"
+            "</a>, <a href=\"failures.tsv\">failures.tsv</a>; <a href=\"times.html\">time and memory</a></p>"]
+    write_whole(group / "report.html", _page("Cohort", body))
+    write_whole(group / "times.html", _page("Time and memory", _costs_part(output, costs)))

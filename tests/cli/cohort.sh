@@ -1,0 +1,97 @@
+#!/usr/bin/env bash
+# A cohort of small synthetic patients on one machine: one of them fails, the run is interrupted and
+# continued, and gives the same bytes as one that is not; every record holds; two people start it; the
+# disk is full; files of another machine appear late.
+# Usage: cohort.sh SOURCE_FOLDER FOLDER
+set -uo pipefail
+source=$1 folder=$2
+failures=0
+fail() { echo "FAILED: $*"; failures=$((failures + 1)); }
+rm -rf "$folder" && mkdir -p "$folder/Miller_Ann" && cd "$folder" || exit 2
+config=$source/testdata/tiny_lumbar.json
+{
+  printf 'participant_id\tsession_id\tkind\tpath\tseed\n'
+  printf 'sub-01\t01\tphantom\tlumbar:%s\t1\n' "$config"
+  printf 'sub-02\t01\tphantom\tlumbar:%s\t2\n' "$config"
+  printf 'sub-03\t01\tct\tMiller_Ann/ct.nrrd\t\n'
+} >cohort.tsv
+printf 'participant_id\tage\nsub-01\t50\nsub-02\tn/a\nsub-03\t61\n' >participants.tsv
+head -c 3000 /dev/zero >Miller_Ann/ct.nrrd
+cohort() {
+  "$source/pipelines/cohort" . "$@" --scenario "$source/testdata/small_scenario.json" --cores 2 \
+    --set /effects/ultrasound=null --set /image_rate_hz=1
+}
+
+cohort --dry-run whole >dry || fail "--dry-run: $(cat dry)"
+grep -q "CPU time .* h" dry || fail "no prediction: $(cat dry)"
+[[ ! -e whole ]] || fail "--dry-run wrote"
+
+# All that can be made is made; who fails is named, with the message of the program.
+cohort whole participant 2>err
+[[ $? == 4 ]] || fail "the failing patient does not show in the exit code"
+cohort whole group 2>>err
+grep -q "sub-03 ses-01: acus-segment: " err || fail "no message of sub-03: $(cat err)"
+grep -q "^1 done\|^[0-9]* done, 1 failed" err || fail "no progress: $(cat err)"
+cut -f 1,3 whole/group/failures.tsv | grep -q "^sub-03	segment$" || fail "sub-03 is not in failures.tsv"
+[[ $(wc -l <whole/group/metrics.tsv) == 3 ]] || fail "metrics.tsv has not two runs"
+grep -rIlE "Miller|$folder" whole --exclude-dir=work && fail "names of folders got out"
+
+# Interrupted twice and continued: the same bytes; the jobs that were done are not run again.
+for delay in 2.5 3; do
+  timeout -s INT "$delay" setsid -w "$source/tests/cli/cohort_in_group.sh" "$source" parts 2>>err
+done
+cohort parts 2>err
+ran=$(grep -c "" <(find parts/work/measured -name '*.json'))
+[[ $ran == 9 ]] || fail "$ran jobs were measured, expected 9"
+diff -r whole parts -x work -x times.html -x ro-crate-metadata.json || fail "other bytes after an interruption"
+touch now
+cohort parts 2>err
+again=$(find parts/work/measured -type f -newer now)
+[[ $again == parts/work/measured/sub-03_ses-01_segmentation.json ]] || fail "run again without need: $again"
+
+# Every file is what its record says; a number's history ends at its sources; one file alone is made again.
+"$source/pipelines/provenance" parts --check >out || fail "the crate: $(cat out)"
+file=parts/sub-02/ses-01/registration/registration.json
+"$source/pipelines/provenance" $file --repeat >out || fail "repeating: $(cat out)"
+grep -q "acus-phantom patient lumbar --seed 2" out || fail "the history does not reach the phantom: $(cat out)"
+"$source/pipelines/provenance" parts/group/metrics.tsv --cell 01 "greatest depth [mm]" >out ||
+  fail "a number: $(cat out)"
+grep -q "greatest depth \[mm\] = [0-9]" out || fail "no value: $(cat out)"
+echo >>$file
+"$source/pipelines/provenance" $file >/dev/null && fail "a changed file is not noticed"
+
+# Two people start the same cohort.
+flock whole/work/lock sleep 3 &
+sleep 0.3
+cohort whole 2>err
+[[ $? == 3 ]] && grep -q "another run works in this folder" err || fail "two at a time: $(cat err)"
+wait
+
+# A file that another machine has written appears late; one that never does is named.
+name=sub-01_ses-01_registration
+key=$(basename "$(ls whole/work/done/register/$name.*)")
+rm "whole/work/done/register/$key"
+mv whole/sub-01/ses-01/patient/markers_ct.csv late
+(sleep 2; mv late whole/sub-01/ses-01/patient/markers_ct.csv) &
+ACUS_LATE_S=20 python3 -B "$source/pipelines/cohorts/job.py" "$PWD/whole/work/plan.json" "$key" 2>err ||
+  fail "a late file: $(cat err)"
+rm "whole/work/done/register/$key"
+mv whole/sub-01/ses-01/patient/markers_ct.csv late
+ACUS_LATE_S=1 python3 -B "$source/pipelines/cohorts/job.py" "$PWD/whole/work/plan.json" "$key" 2>err &&
+  fail "a missing file is not noticed"
+mv late whole/sub-01/ses-01/patient/markers_ct.csv
+grep -q "markers_ct.csv: not there, or not whole, after 1 s" err || fail "a missing file: $(cat err)"
+
+# A full disk fails jobs with a message, and what there is room for later is made.
+if unshare -rm true 2>/dev/null; then
+  mkdir disk
+  unshare -rm bash -c "mount -t tmpfs -o size=1500k tmpfs disk && '$source/pipelines/cohort' . disk/out \
+    --participant-label 01 --set /effects/ultrasound=null --scenario '$source/testdata/small_scenario.json' \
+    --cores 2 2>err; echo \$? >code; find disk/out -name '*partial*' -not -path '*/work/*' >left
+    mount -o remount,size=100m disk; '$source/pipelines/cohort' . disk/out --participant-label 01 \
+    --set /effects/ultrasound=null --set /image_rate_hz=1 --scenario '$source/testdata/small_scenario.json' \
+    --cores 2 2>err2 && diff -r disk/out/sub-01 whole/sub-01" >diff || fail "after a full disk: $(cat diff err2)"
+  [[ $(cat code) =~ ^[34]$ ]] || fail "a full disk: code $(cat code), $(cat err)"
+  [[ ! -s left ]] || fail "left on a full disk: $(cat left)"
+fi
+[[ $failures == 0 ]] && echo "cohort: all as it should be"
