@@ -24,9 +24,15 @@ int main(int argc, char** argv) {
 
   CLI::App* patient = app.add_subcommand(
       "patient", "CT, label map, truth, markers, target, force curves and a session at 1 kHz");
-  patient->add_option("kind", kind, "lumbar (puncture at L3/L4) or liver (biopsy of a lesion)")
+  patient
+      ->add_option(
+          "kind", kind,
+          "lumbar (puncture at L3/L4), liver (biopsy of a lesion), liver_ptc (drainage of a "
+          "bile duct), kidney (nephrostomy), shoulder (puncture of the bursa), and "
+          "shoulder_effusion, shoulder_calcification, shoulder_tear")
       ->required()
-      ->check(CLI::IsMember({"lumbar", "liver"}));
+      ->check(CLI::IsMember({"lumbar", "liver", "liver_ptc", "kidney", "shoulder",
+                             "shoulder_effusion", "shoulder_calcification", "shoulder_tear"}));
   CLI::App* scene = app.add_subcommand(
       "scene", "Markers, target and a session on the label map of any patient; finds a free path");
   scene->add_option("labels", labels_path, "Label map, such as acus-segment's labels.seg.nrrd")

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "acus/data/volume/labels.h"
+#include "acus/patient/phantom/shoulder.h"
 #include "acus/patient/phantom/trunk.h"
 
 namespace acus::phantom {
@@ -34,6 +35,9 @@ constexpr std::array<MaterialInfo, kNumMaterials> kMaterials = {{
     {"gallbladder", "gallbladder"},
     {"pancreas", "pancreas"},
     {"heart", "heart"},
+    {"tendon", "tendon"},
+    {"bursa", "bursa"},
+    {"calcification", "bone"},
 }};
 
 std::array<volume::Label, kNumMaterials> LabelTable() {
@@ -55,6 +59,15 @@ volume::Label LabelOf(Material material) {
 }
 
 Anatomy::Anatomy(const BodySettings& settings, std::uint64_t seed) : skin_mm_(settings.skin_mm) {
+  if (settings.region == BodySettings::Region::kShoulder) {
+    AddShoulder(settings, seed);
+  } else {
+    AddTrunk(settings, seed);
+  }
+  for (auto& [name, point] : landmarks_) point *= scale_;
+}
+
+void Anatomy::AddTrunk(const BodySettings& settings, std::uint64_t seed) {
   const auto trunk = std::make_shared<const Trunk>(settings);
   Builder builder{*trunk, settings, seed, parts_, landmarks_};
   scale_ = settings.scale * builder.Vary("body");
@@ -63,13 +76,27 @@ Anatomy::Anatomy(const BodySettings& settings, std::uint64_t seed) : skin_mm_(se
   AddPelvis(builder);
   AddMuscles(builder);
   AddLesion(builder);
+  AddBileDucts(builder);
   AddVessels(builder);
   AddOrgans(builder);
   AddBowel(builder);
   skin_ = [trunk](const Eigen::Vector3d& p) { return trunk->SkinDistance(p); };
   fascia_ = [trunk](const Eigen::Vector3d& p) { return trunk->FasciaDistance(p); };
   cavity_ = [trunk](const Eigen::Vector3d& p) { return trunk->CavityDistance(p); };
-  for (auto& [name, point] : landmarks_) point *= scale_;
+}
+
+void Anatomy::AddShoulder(const BodySettings& settings, std::uint64_t seed) {
+  const Shoulder shoulder(settings, seed);
+  scale_ = settings.scale * shoulder.build();
+  parts_ = shoulder.Parts();
+  landmarks_ = shoulder.PointsOfInterest();
+  const double under_skin_mm = settings.subcutaneous_fat_mm + settings.skin_mm;
+  fascia_ = [shoulder](const Eigen::Vector3d& p) { return shoulder.FasciaDistance(p); };
+  skin_ = [fascia = fascia_, under_skin_mm](const Eigen::Vector3d& p) {
+    return fascia(p) - under_skin_mm;
+  };
+  // Everything under the fascia that is nothing else is deltoid, or muscle beside it.
+  cavity_ = [](const Eigen::Vector3d&) { return 1.0; };
 }
 
 Material Anatomy::MaterialAt(const Eigen::Vector3d& point_ct_mm, const Nearby& parts) const {

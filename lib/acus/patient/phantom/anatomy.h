@@ -1,7 +1,8 @@
 // A synthetic patient as implicit shapes: what is at any point, exactly.
 //
-// CT space is LPS, mm: +x to the patient's left, +y to the back, +z to the head. The origin lies on
-// the back wall of the vertebral bodies, in the middle of the disc L3/L4.
+// CT space is LPS, mm: +x to the patient's left, +y to the back, +z to the head. The origin of a
+// trunk lies on the back wall of the vertebral bodies, in the middle of the disc L3/L4; that of a
+// right shoulder in the centre of the humeral head.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +43,11 @@ enum class Material : std::uint8_t {
   kGallbladder,
   kPancreas,
   kHeart,
+  kTendon,
+  kBursa,
+  kCalcification,
 };
-inline constexpr int kNumMaterials = static_cast<int>(Material::kHeart) + 1;
+inline constexpr int kNumMaterials = static_cast<int>(Material::kCalcification) + 1;
 
 /// Name as in configs/phantoms and the standard label it belongs to.
 struct MaterialInfo {
@@ -53,8 +57,19 @@ struct MaterialInfo {
 std::span<const MaterialInfo> Materials();  ///< By Material.
 volume::Label LabelOf(Material material);
 
+/// What is healthy or ill in a shoulder; lengths before scale.
+struct ShoulderSettings {
+  double deltoid_mm = 17.0;       ///< Thickness over the greater tuberosity.
+  double bursa_mm = 1.5;          ///< Subacromial bursa; an effusion makes it 4 to 10 mm.
+  double calcification_mm = 0.0;  ///< Diameter of a deposit in the supraspinatus tendon; 0: none.
+  double tear_mm = 0.0;           ///< Length of a full-thickness tear at its insertion; 0: none.
+};
+
 /// The build of the body; from configs/phantoms (section "body").
 struct BodySettings {
+  enum class Region { kTrunk, kShoulder };
+  Region region = Region::kTrunk;
+  ShoulderSettings shoulder;
   double scale = 1.0;                 ///< All lengths, relative to a man of about 1.75 m.
   double variation_percent = 3.0;     ///< Standard deviation of sizes between seeds.
   double skin_mm = 2.0;               ///< Thickness of the skin.
@@ -63,6 +78,7 @@ struct BodySettings {
   double cortical_bone_mm = 1.5;      ///< Thickness of the dense outer layer of bone.
   Eigen::Vector3d lesion_centre_mm;   ///< Of the liver lesion, before scale and variation.
   double lesion_radius_mm = 11.0;
+  double bile_duct_mm = 0.0;  ///< Diameter of dilated ducts of the liver; 0: too thin to be seen.
 };
 
 /// One organ or bone. A layer `shell_mm` thick under its surface is of another material.
@@ -101,6 +117,9 @@ class Anatomy {
   double scale() const { return scale_; }                    ///< CT mm per mm of `parts`.
 
  private:
+  void AddTrunk(const BodySettings& settings, std::uint64_t seed);
+  void AddShoulder(const BodySettings& settings, std::uint64_t seed);
+
   double scale_;
   double skin_mm_;
   Distance skin_, fascia_, cavity_;

@@ -47,6 +47,11 @@ BodySettings ReadBody(const Json& body) {
   b.cortical_bone_mm = Number(body, "cortical_bone_mm");
   b.lesion_centre_mm = Vector(body, "lesion_centre_mm");
   b.lesion_radius_mm = Number(body, "lesion_radius_mm");
+  b.bile_duct_mm = Number(body, "bile_duct_mm");
+  if (body.at("region") == "shoulder") b.region = BodySettings::Region::kShoulder;
+  const Json& shoulder = body.at("shoulder");
+  b.shoulder = {Number(shoulder, "deltoid_mm"), Number(shoulder, "bursa_mm"),
+                Number(shoulder, "calcification_mm"), Number(shoulder, "tear_mm")};
   return b;
 }
 

@@ -71,6 +71,7 @@ void AddPelvis(Builder& builder);
 void AddRibs(Builder& builder);  ///< With costal cartilage.
 void AddVessels(Builder& builder);
 void AddLesion(Builder& builder);
+void AddBileDucts(Builder& builder);  ///< Dilated, and only if they are.
 void AddOrgans(Builder& builder);
 void AddBowel(Builder& builder);
 void AddMuscles(Builder& builder);

@@ -22,6 +22,19 @@ void AddBowelPart(Builder& builder, const std::string& name, Material wall_and_c
 
 }  // namespace
 
+void AddBileDucts(Builder& builder) {
+  const double radius = 0.5 * builder.settings.bile_duct_mm;
+  if (radius <= 0.0) return;
+  // In front of the branches of the portal vein, thinner towards the periphery.
+  builder.Add("right bile duct", Material::kGallbladder,
+              Tube({{-30, -78, 116}, {-46, -70, 142}, {-72, -54, 147}, {-98, -46, 162}},
+                   {radius, radius, 0.9 * radius, 0.5 * radius}));
+  builder.Add("left bile duct", Material::kGallbladder,
+              Tube({{-42, -72, 140}, {-20, -93, 156}, {14, -100, 166}},
+                   {radius, 0.9 * radius, 0.5 * radius}));
+  builder.landmarks["bile_duct"] = Vector3d(-72, -54, 147);
+}
+
 void AddVessels(Builder& builder) {
   const Trunk& trunk = builder.trunk;
   const auto before_spine = [&trunk](double x, double gap, double z) {
