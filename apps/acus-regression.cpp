@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "acus/assess/regression/bisect.h"
 #include "acus/assess/regression/regression_report.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/run_main.h"
@@ -26,7 +27,7 @@ acus::ExitCode Run(const Suite& suite, const fs::path& output, acus::RunContext&
 }  // namespace
 
 int main(int argc, char** argv) {
-  fs::path suite_path, output, result;
+  fs::path suite_path, output, result, run_a, run_b;
   std::vector<std::string> cases;
   CLI::App app{
       "Replay a suite of recorded sessions and hold each run against what is expected of it.\n"
@@ -48,12 +49,27 @@ int main(int argc, char** argv) {
   accept->add_option("result", result, "Folder that acus-regression run made")
       ->required()
       ->check(CLI::ExistingDirectory);
+  auto* bisect = app.add_subcommand(
+      "bisect", "Find the first step, stage and variable in which two runs with --trace differ");
+  bisect->add_option("run_a", run_a, "Run folder of acus-replay --trace")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  bisect->add_option("run_b", run_b, "The same replay by another build, machine or setting")
+      ->required()
+      ->check(CLI::ExistingDirectory);
   app.footer(
       "EXAMPLE\n"
       "  acus-regression run suite -o result || true\n"
       "  acus-regression accept suite result\n"
-      "  acus-regression run suite -o second_result");
+      "  acus-regression run suite -o second_result\n"
+      "  acus-regression bisect run_of_one_build run_of_another");
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
+    if (bisect->parsed()) {
+      const Bisection found = Bisect(run_a, run_b);
+      std::cout << TextOf(found) << std::flush;
+      if (found.same()) return acus::ExitCode::kOk;
+      throw acus::NoAnswerError("the runs differ");
+    }
     const Suite suite = Only(ReadSuite(suite_path), cases);
     context.provenance.AddInput(fs::is_directory(suite_path) ? suite_path / "suite.json"
                                                              : suite_path);

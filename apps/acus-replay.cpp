@@ -7,8 +7,7 @@
 #include "acus/run/replay/replay.h"
 
 int main(int argc, char** argv) {
-  std::filesystem::path scenario_path;
-  std::filesystem::path session_path;
+  std::filesystem::path scenario_path, session_path;
   std::filesystem::path ct_path;
   std::filesystem::path labels_path;
   std::filesystem::path transform_path;
@@ -51,6 +50,7 @@ int main(int argc, char** argv) {
   app.add_flag("!--no-sequence", options.sequence, "Write no images.igs.mha");
   app.add_flag("!--no-times", options.times,
                "Write no measured times: the same inputs then give the same bytes");
+  app.add_flag("--trace", options.trace, "Write what every stage gave, for acus-regression bisect");
   app.add_flag("--explain", explain,
                "Print the effect plan: stages and why they are in, out or asleep, what they read\n"
                "and write, measured cost. Without a session: what is known beforehand");

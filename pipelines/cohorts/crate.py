@@ -131,7 +131,7 @@ def write(output, plan, failed=()):
          "step": [ref(f"#step-{r}") for r in plans.RULES if r in rules]},
         {"@id": "#snakemake-language", "@type": "ComputerLanguage", "name": "Snakemake",
          "identifier": "https://w3id.org/workflowhub/workflow-ro-crate#snakemake",
-         "url": "https://snakemake.readthedocs.io"},
+         "alternateName": "snakemake"},
         {"@id": "#snakemake", "@type": "SoftwareApplication", "name": "Snakemake", "softwareVersion": "7.21"},
         *_tools(rules), run, engine, *controls, *actions, *entities.values()]
     write_json(output / "ro-crate-metadata.json", {"@context": CONTEXT, "@graph": graph})

@@ -74,7 +74,9 @@ def run(output, plan, todo, *, cores, memory_mb, profile="", quiet=False, retrie
     write_json(config, {"plan": str(plan_path), "todo": todo})
     largest = max(plan.jobs[name]["memory_mb"] for name in todo)
     command = ["snakemake", "--snakefile", str(HERE / "Snakefile"), "--configfile", str(config),
-               "--directory", str(output / "work"), "--keep-going", "--nolock", "--ignore-incomplete",
+               "--directory", str(output / "work"), "--keep-going", "--nolock",
+               # Whether a job is done is said by its marker; jobs of a cluster are never taken up again.
+               "--ignore-incomplete", "--rerun-incomplete",
                "--rerun-triggers", "mtime", "--scheduler", "greedy", "--drop-metadata",
                "--keep-incomplete", "--retries", str(retries), "--log-handler-script",
                str(HERE / "progress.py")]

@@ -65,6 +65,17 @@ def record_path(job):
     return pathlib.Path(job["output"] + ".json")
 
 
+def is_made(job):
+    """Whether the derivative is there as its record says, though its marker is not: an engine that
+    starts a job of a cluster again deletes the markers of what that job had finished."""
+    path = record_path(job)
+    if not path.exists():
+        return False
+    record = json.loads(path.read_text(encoding="utf-8"))
+    return record.get("Key") == job["key"] and all(
+        os.path.exists(o["path"]) and os.path.getsize(o["path"]) == o["bytes"] for o in record["Outputs"])
+
+
 def wait_for_parents(plan, job):
     """The records of the parents, once all files that they list are there at their sizes."""
     deadline = time.monotonic() + LATE_S
@@ -137,14 +148,19 @@ def message_of(log):
     return (messages or lines or ["no message"])[-1][:2000]
 
 
-def run_program(plan, job, argv):
-    """Runs it to its end; returns (exit code, text of stderr, duration)."""
+def run_program(plan, job, argv, lock):
+    """Runs it to its end; returns (exit code, its messages, what it took). It holds the lock with this process: if
+    only this process is killed, the next waits for the end of the program."""
+    starts = pathlib.Path("work/starts") / f"{job['id']}.{job['key']}"
+    starts.parent.mkdir(parents=True, exist_ok=True)
+    with open(starts, "a", encoding="utf-8") as stream:
+        stream.write(f"{time.time():.3f} {socket.gethostname()}\n")
     log = pathlib.Path("work/logs") / f"{job['id']}.log"
     log.parent.mkdir(parents=True, exist_ok=True)
     begin = time.time()
     with open(log, "w", encoding="utf-8") as stream:
         process = subprocess.Popen([plan["bin"] + "/" + argv[0], *argv[1:]], stdin=subprocess.DEVNULL,
-                                   stdout=stream, stderr=subprocess.STDOUT,
+                                   stdout=stream, stderr=subprocess.STDOUT, pass_fds=[lock],
                                    env={**os.environ, **plan["environment"]})
         signal.signal(signal.SIGTERM, lambda *_: process.terminate())
         signal.signal(signal.SIGINT, lambda *_: process.terminate())
@@ -152,12 +168,12 @@ def run_program(plan, job, argv):
     seconds = time.time() - begin
     text = log.read_text(encoding="utf-8", errors="replace")
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    write_json(f"work/measured/{job['id']}.json", {
+    measured = {
         "key": job["key"], "rule": job["rule"], "start_s": begin, "seconds": seconds,
         "cpu_s": used.ru_utime + used.ru_stime, "memory_mb": used.ru_maxrss / 1024,
         "host": socket.gethostname(), "features": job["features"],
-        "predicted_s": job["seconds"], "predicted_mb": job["memory_mb"]})
-    return code, text
+        "predicted_s": job["seconds"], "predicted_mb": job["memory_mb"]}
+    return code, text, measured
 
 
 def record_of(job, argv, inputs):
@@ -169,7 +185,7 @@ def record_of(job, argv, inputs):
         read, version = document["input_sha256"], document["version"]
     else:
         version = ""
-    return {"Description": job["title"], "Rule": job["rule"],
+    return {"Description": job["title"], "Rule": job["rule"], "Key": job["key"],
             "GeneratedBy": [{"Name": argv[0], "Version": version, "Sha256": job["program_sha256"]}],
             "Command": argv, "Inputs": inputs, "InputsOfProgram": read,
             "Outputs": outputs_of(job)}
@@ -188,7 +204,7 @@ def fail(plan, job, argv, code, text):
     return 1
 
 
-def run(plan, job):
+def run(plan, job, lock):
     """0 if the job is done: now, or by someone else before."""
     argv = job["argv"]
     try:
@@ -196,7 +212,7 @@ def run(plan, job):
         link_sources(job)
         argv = expanded(argv)
         inputs = inputs_of(job, argv, records)
-        code, text = run_program(plan, job, argv)
+        code, text, measured = run_program(plan, job, argv, lock)
         if code < 0:
             return fail(plan, job, argv, code, f"ended by signal {-code} ({signal.Signals(-code).name})")
         if code != 0 and code not in job["allow"]:
@@ -205,6 +221,7 @@ def run(plan, job):
             # What a program may refuse without harm: an empty folder with its message.
             os.makedirs(job["output"])
             write_whole(f"{job['output']}/refused.txt", message_of(text) + "\n")
+        write_json(f"work/measured/{job['id']}.json", measured)
         write_json(record_path(job), record_of(job, argv, inputs))
         pathlib.Path(f"work/failed/{job['id']}.json").unlink(missing_ok=True)
         write_whole(marker(job), "")
@@ -224,11 +241,12 @@ def main(plan_path, name):
     with open(lock, "w", encoding="utf-8") as stream:
         # A job of an engine that was killed may still run: it is waited for, and not run again.
         fcntl.flock(stream, fcntl.LOCK_EX)
-        if marker(job).exists():
+        if marker(job).exists() or is_made(job):
+            write_whole(marker(job), "")
             return 0
         if os.path.exists(job["output"] + "/refused.txt"):
             shutil.rmtree(job["output"])
-        return run(plan, job)
+        return run(plan, job, stream.fileno())
 
 
 if __name__ == "__main__":

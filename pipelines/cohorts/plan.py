@@ -271,7 +271,7 @@ class Patient:
         series = ["--set", f"/patient/series={self.series()}"] if self.series() else []
         labels = self.path("segmentation/labels.seg.nrrd")
         transform = self.path("registration/ct_from_reference.tfm")
-        recorded = resources.megabytes(self.links.get(recording, ""))
+        recorded = resources.megabytes(self.links[recording]) if recording in self.links else 0.0
         job = self.add("replay", run, "acus-replay",
                        [scenario, recording, "--ct", one["ct"], *series, "--labels", labels,
                         "--transform", transform, *deformable, *options.replay_options],

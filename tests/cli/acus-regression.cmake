@@ -17,3 +17,26 @@ acus_add_cli_case(acus-regression.accept_without_result EXIT 3 NEEDS inputs LEAV
 acus_add_cli_case(acus-regression.no_such_case EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "there is no case .lumbar.; the suite has: insertion"
   COMMAND acus-regression run $INPUTS/suite --case lumbar -o result)
+
+# Where two replays part: the stage and variable, from one replay of each.
+set(bisect_runs "small() {
+  acus-replay $INPUTS/scenario.json $INPUTS/session --ct $INPUTS/ct.nrrd --labels $INPUTS/labels.seg.nrrd \\
+    --transform $INPUTS/ct_from_reference.tfm --no-film --no-sequence --png none --trace \"$@\" >/dev/null
+}
+small -o a")
+acus_add_cli_case(acus-regression.bisect_same EXIT 0 NEEDS inputs
+  BEFORE "${bisect_runs} && small -o b --threads 3" STDOUT "^the same in all 8[0-9]+ steps and all images$"
+  COMMAND acus-regression bisect a b)
+acus_add_cli_case(acus-regression.bisect_force EXIT 4 NEEDS inputs
+  BEFORE "${bisect_runs} && small -o b --set /needle=needles/trocar_18g.json"
+  STDOUT "^first different step: number [0-9]+, at [0-9.]+ s, stage needle force, variable [a-z_]+: "
+  STDERR "acus-regression: the runs differ"
+  COMMAND acus-regression bisect a b)
+acus_add_cli_case(acus-regression.bisect_image EXIT 4 NEEDS inputs
+  BEFORE "${bisect_runs} && small -o b --set /effects/ct_slice/window/width_hu=401"
+  STDOUT "^all 8[0-9]+ steps are the same$" "^first different image: number 0, .*stage CT slice, variable sha256: "
+  STDERR "acus-regression: the runs differ"
+  COMMAND acus-regression bisect a b)
+acus_add_cli_case(acus-regression.bisect_without_trace EXIT 3 NEEDS inputs
+  STDERR "reference_run/trace.csv: not there; replay with acus-replay --trace"
+  COMMAND acus-regression bisect $INPUTS/reference_run $INPUTS/new_run)

@@ -13,6 +13,7 @@
 #include "acus/data/image/png.h"
 #include "acus/data/session/sequence_writer.h"
 #include "acus/imaging/ultrasound/annotate.h"
+#include "acus/run/replay/trace.h"
 
 namespace acus::replay {
 namespace {
@@ -95,6 +96,7 @@ class ImageWriter {
     // A plan may have nothing but images of effects.
     if (folder_.empty() || MainImage(images).pixels.empty()) return;
     const Snapshot& snapshot = snapshots_[static_cast<std::size_t>(index)];
+    if (options_.trace) trace_.Add(snapshot.time_ns, images);
     if (options_.sequence) WriteToSequence(snapshot, MainImage(images));
     if (!options_.film && !WantsPicture(index)) return;
     Compose(snapshot, images);
@@ -105,6 +107,7 @@ class ImageWriter {
   void Finish() {
     if (sequence_) sequence_->Commit();
     if (film_) film_->Finish();
+    if (options_.trace && !folder_.empty()) trace_.Write(folder_ / "image_trace.csv");
   }
 
   std::vector<WrittenPng> TakePngs() { return std::move(pngs_); }
@@ -200,6 +203,7 @@ class ImageWriter {
   std::optional<image::FilmWriter> film_;
   std::optional<ultrasound::Screen> screen_;
   image::GrayImage composed_;
+  ImageTrace trace_;
   std::vector<WrittenPng> pngs_;
 };
 

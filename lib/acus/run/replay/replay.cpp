@@ -19,6 +19,7 @@
 #include "acus/run/replay/plan_table.h"
 #include "acus/run/replay/run_metrics.h"
 #include "acus/run/replay/run_report.h"
+#include "acus/run/replay/trace.h"
 #include "acus/run/replay/training_log.h"
 #include "acus/scene/simulation/plan_json.h"
 #include "acus/scene/simulation/scene.h"
@@ -274,6 +275,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   if (folder) {
     if (!options.times) ForgetTimes(run);
     WriteRunFolder(folder->path(), scenario, scene, run, context);
+    if (options.trace) WriteTrace(folder->path() / "trace.csv", run.steps, scene);
     folder->Commit();
   }
   return result;

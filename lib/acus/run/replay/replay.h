@@ -20,7 +20,8 @@ struct ReplayOptions {
   PngChoice png = PngChoice::kEvents;
   bool film = true;
   bool sequence = true;
-  bool times = true;  ///< Write measured times; without them, the same inputs give the same bytes.
+  bool times = true;   ///< Write measured times; without them, the same inputs give the same bytes.
+  bool trace = false;  ///< Write trace.csv and image_trace.csv, see trace.h.
   std::filesystem::path exercise;  ///< acus-exercise file; empty: none.
   std::string trainee;             ///< Code of who did it, for training.json.
 };

@@ -1,0 +1,29 @@
+// What every stage gave in every step and image, for finding where two replays part.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "acus/run/replay/step_log.h"
+#include "acus/scene/simulation/image_renderer.h"
+
+namespace acus::replay {
+
+/// Writes trace.csv: one row per step; columns time_s, then STAGE/VARIABLE in the order in which the
+/// stages run, of those in the plan. Numbers are the shortest text that reads back as the same double.
+void WriteTrace(const std::filesystem::path& path, const StepLog& log,
+                const simulation::Scene& scene);
+
+/// Collects image_trace.csv: one row per image; columns time_s, then STAGE/sha256 of its pixels.
+class ImageTrace {
+ public:
+  void Add(std::int64_t time_ns, const simulation::Images& images);
+  void Write(const std::filesystem::path& path) const;
+
+ private:
+  std::string rows_;
+};
+
+}  // namespace acus::replay
