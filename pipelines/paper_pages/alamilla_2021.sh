@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2154 # Names of pipelines/papers.
 # Alamilla-2021 in the synthetic shoulder: one straight insertion and one that changes direction.
 page "Alamilla-2021: a virtual reality and haptic simulator for ultrasound-guided needle insertion"
 grid=2

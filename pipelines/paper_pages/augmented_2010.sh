@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2154 # Names of pipelines/papers.
 # Augmented-2010 in the synthetic lumbar patient.
 page "Augmented-2010: towards an augmented ultrasound guided spinal needle insertion system"
 say "patient and session"

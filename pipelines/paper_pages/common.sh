@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2154 # Names of pipelines/papers.
 # Parts of pipelines/papers: rows of a page, plots, patients and replays. Sourced, not run.
 # Expects: $root, $output, the programs in PATH. Each page runs in its folder, $output/NAME.
 

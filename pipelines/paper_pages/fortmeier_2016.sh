@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2154 # Names of pipelines/papers.
 # Fortmeier-2016: a bile duct of a breathing patient.
 page "Fortmeier-2016: direct visuo-haptic 4D volume rendering using respiratory motion models"
 say "patient, session and motion models"

@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2154 # Names of pipelines/papers.
 # Vidal-2008: the kidney, ten punctures of kidney and liver, and what each image costs.
 page "Vidal-2008: simulation of ultrasound guided needle puncture"
 say "the kidney: patient and session"
