@@ -4,13 +4,14 @@
 
 #include "acus/base/core/run_main.h"
 #include "acus/patient/registration/command_line.h"
+#include "acus/scene/frame_registration/frame_task.h"
 
 int main(int argc, char** argv) {
   CLI::App app{
       "Register landmarks rigidly, with the error to expect at a target; or what a subcommand "
       "says.",
       "acus-register"};
-  const auto run = acus::registration::AddTasks(app);
+  const auto run = acus::registration::AddTasks(app, {acus::frame_registration::AddFrameTask(app)});
   app.footer(
       "EXAMPLE\n"
       "  acus-register --from mannequin.csv --to ct.csv --target target.csv -o registration\n"

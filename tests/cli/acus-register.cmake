@@ -122,3 +122,36 @@ acus_add_cli_case(acus-register.temporal_nothing EXIT 2 BEFORE "${register_input
   STDERR "--other or --video" COMMAND acus-register temporal --tracker still.csv -o lag)
 acus_add_cli_case(acus-register.temporal_still EXIT 4 BEFORE "${register_inputs}" LEAVES_NOTHING
   STDERR "explains" COMMAND acus-register temporal --tracker log1.csv --other still.csv -o lag)
+# A frame drawn from the same geometry as the surface: the start's shift is found.
+set(image_inputs "bash ${CMAKE_CURRENT_LIST_DIR}/image_inputs.sh")
+acus_add_cli_case(acus-register.image EXIT 0 BEFORE "${image_inputs}"
+  STDOUT "lateral_mm +-[12]\\.[0-9]+ +0\\.[0-9]+ +yes" "axial_mm +1\\.[0-9]+ +0\\.[0-9]+ +yes"
+         "elevational_mm +-?[0-9.]+ +[0-9.]+ +no"
+  CREATES pose/ct_from_probe.tfm pose/registration.json pose/overlay.png pose/provenance.json
+  COMMAND acus-register image frame.pgm --scenario scene.json --start start.txt
+          --background muscle --samples 200 -o pose)
+acus_add_cli_case(acus-register.image_far EXIT 3 BEFORE "${image_inputs}" LEAVES_NOTHING
+  STDERR "nothing of the patient is near the field of view"
+  COMMAND acus-register image frame.pgm --scenario scene.json --start far.txt
+          --background muscle -o pose)
+acus_add_cli_case(acus-register.image_no_scenario EXIT 2 BEFORE "${image_inputs}" LEAVES_NOTHING
+  STDERR "--scenario is required"
+  COMMAND acus-register image frame.pgm --start start.txt -o pose)
+acus_add_cli_case(acus-register.image_other_model EXIT 3 LEAVES_NOTHING
+  BEFORE "${image_inputs}\nsed -i 's/\"aperture\", \"aperture\": {\"volume\": \"labels\"}/\"beams\"/' scene.json"
+  STDERR "scene.json: /effects/ultrasound/model: must be 'aperture'"
+  COMMAND acus-register image frame.pgm --scenario scene.json --start start.txt -o pose)
+acus_add_cli_case(acus-register.image_size EXIT 3 LEAVES_NOTHING
+  BEFORE "${image_inputs}\nsed -i 's/\"image_width_px\": 160/\"image_width_px\": 170/' probe.json"
+  STDERR "the recorded frame has 160 x 160 pixels, the image of the probe 170 x 160"
+  COMMAND acus-register image frame.pgm --scenario scene.json --start start.txt
+          --background muscle -o pose)
+acus_add_cli_case(acus-register.image_damaged EXIT 3 LEAVES_NOTHING
+  BEFORE "${image_inputs}\nhead -c 30 surfaces.json > frame.pgm"
+  STDERR "frame.pgm: is no image that can be read"
+  COMMAND acus-register image frame.pgm --scenario scene.json --start start.txt
+          --background muscle -o pose)
+acus_add_cli_case(acus-register.image_background EXIT 3 LEAVES_NOTHING BEFORE "${image_inputs}"
+  STDERR "muscel.*muscle"
+  COMMAND acus-register image frame.pgm --scenario scene.json --start start.txt
+          --background muscel -o pose)

@@ -23,6 +23,9 @@ struct ApertureOptions : BeamOptions {
   bool clutter = true;     ///< Haze of nearby echoes, which fills shadows.
   bool noise = true;       ///< Electronic noise of the receiver.
   bool ring_down = true;   ///< Echoes of the probe itself, next to its face.
+  /// The mean intensity of the scatterers in place of their speckle, and rough surfaces whose pattern
+  /// stays with the lines: an image that changes smoothly with the pose.
+  bool mean_speckle = false;
   int aperture_rays = 13;  ///< Odd, 1 to 31: directions over transmit and receive aperture.
 
   /// Two-way loss within bone and gas. Their echo and shadow begin at the smooth surface.

@@ -226,10 +226,13 @@ struct ApertureRenderer::State {
     // A rough surface answers over some depth.
     auto rough = echo.rough * arriving * rough_layer;
     const int most = static_cast<int>(3.0 * options.rough_layer_mm / grid.step_mm);
+    const Eigen::Vector3f place = options.mean_speckle
+                                      ? Eigen::Vector3f::Constant(static_cast<float>(at.line))
+                                      : at.index;
     for (int n = 1; n <= most && sample + n < grid.samples; ++n) {
       rough *= rough_decay;
-      list.Add(filter, sample + n, at.line, rough * PlaceNoise(at.index, 2 * n),
-               rough * PlaceNoise(at.index, 2 * n + 1));
+      list.Add(filter, sample + n, at.line, rough * PlaceNoise(place, 2 * n),
+               rough * PlaceNoise(place, 2 * n + 1));
     }
     // Gas reflects so well that sound goes to the face and back again.
     if (!options.comet_tail || at.reflection > -kStrong) return;
@@ -346,6 +349,11 @@ struct ApertureRenderer::State {
     const float between =
         static_cast<float>(k - row * samples_per_row) / static_cast<float>(samples_per_row);
     kernels::LerpRow(speckle.row(row), speckle.row(row + 1), between, lanes, amplitude);
+    if (options.mean_speckle) {
+      std::fill_n(echoes.re.row(k), lanes, 0.0F);
+      std::fill_n(echoes.im.row(k), lanes, 0.0F);
+      return;
+    }
     const int piece = lattice_path.PieceAt(k);
     kernels::SpeckleEchoRow({.lattice = lattice_path.Lattice(piece, 0),
                              .scatter = ones.data(),
@@ -356,6 +364,19 @@ struct ApertureRenderer::State {
                              .re = echoes.re.row(k),
                              .im = echoes.im.row(k)},
                             static_cast<float>(k), lanes, false);
+  }
+
+  void AddMeanSpeckle(int k) {
+    const int row = k / samples_per_row;
+    const float share =
+        static_cast<float>(k - row * samples_per_row) / static_cast<float>(samples_per_row);
+    const float* above = speckle.row(row);
+    const float* below = speckle.row(row + 1);
+    float* out = intensity.row(k);
+    for (int l = 0; l < lanes; ++l) {
+      const float amplitude = above[l] + share * (below[l] - above[l]);
+      out[l] += amplitude * amplitude;
+    }
   }
 
   void AddNoiseRow(int k, std::uint64_t pose_hash) {
@@ -458,6 +479,7 @@ void ApertureRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
     s.filter.Apply(s.echoes, first, last,
                    s.scratch.data() + static_cast<std::size_t>(piece) * s.scratch_stride,
                    s.intensity);
+    for (int k = first; s.options.mean_speckle && k < last; ++k) s.AddMeanSpeckle(k);
   });
   ParallelFor(PiecesOf(s.shown_rows.samples), num_threads, [&s](int piece) {
     const int first = piece * kRowsPerPieceOfImage;

@@ -223,15 +223,6 @@ CLI::App* AddWarp(CLI::App& app, WarpTask& task) {
   return command;
 }
 
-using Runner = std::function<std::string(RunContext&)>;
-
-/// A subcommand, what it runs, and which options of the program itself it reads.
-struct Command {
-  CLI::App* app;
-  Runner run;
-  std::vector<std::string> shared_options;
-};
-
 /// Options for landmarks may stand behind a subcommand; one that it would ignore is an error.
 void RefuseIgnored(const CLI::App& app, const Command& command) {
   for (const char* name :
@@ -244,17 +235,18 @@ void RefuseIgnored(const CLI::App& app, const Command& command) {
 
 }  // namespace
 
-std::function<std::string(RunContext& context)> AddTasks(CLI::App& app) {
+std::function<std::string(RunContext& context)> AddTasks(CLI::App& app,
+                                                         const std::vector<Command>& others) {
   const auto tasks = std::make_shared<Tasks>();
   AddLandmarks(app, *tasks);
-  const auto runner = [tasks](auto member) -> Runner {
-    return [tasks, member](RunContext& context) {
-      return Run((*tasks).*member, tasks->folder, context);
+  const auto runner = [tasks](auto member) {
+    return [tasks, member](const std::filesystem::path& folder, RunContext& context) {
+      return Run((*tasks).*member, folder, context);
     };
   };
   const std::vector<std::string> of_points = {"target", "fle-mm", "robust", "find-order",
                                               "confidence"};
-  const std::vector<Command> commands = {
+  std::vector<Command> commands = {
       {AddPivot(app, tasks->pivot), runner(&Tasks::pivot), {"robust"}},
       {AddTouch(app, tasks->touch), runner(&Tasks::touch), of_points},
       {AddHandEye(app, tasks->hand_eye), runner(&Tasks::hand_eye), {}},
@@ -263,6 +255,7 @@ std::function<std::string(RunContext& context)> AddTasks(CLI::App& app) {
       {AddTracker(app, tasks->tracker), runner(&Tasks::tracker), {}},
       {AddSurface(app, tasks->surface), runner(&Tasks::surface), {"target"}},
       {AddWarp(app, tasks->warp), runner(&Tasks::warp), {}}};
+  commands.insert(commands.end(), others.begin(), others.end());
   for (const Command& command : commands) command.app->fallthrough();
   app.require_subcommand(0, 1);
   app.callback([tasks, commands, &app] {
@@ -275,9 +268,9 @@ std::function<std::string(RunContext& context)> AddTasks(CLI::App& app) {
   return [tasks, commands, landmarks = runner(&Tasks::landmarks)](RunContext& context) {
     tasks->Share();
     for (const Command& command : commands) {
-      if (command.app->parsed()) return command.run(context);
+      if (command.app->parsed()) return command.run(tasks->folder, context);
     }
-    return landmarks(context);
+    return landmarks(tasks->folder, context);
   };
 }
 
