@@ -64,7 +64,8 @@ std::vector<LegFrame> LegFrames(const fs::path& folder) {
     Eigen::Vector3d euler;
     row >> time >> scale >> place.x() >> place.y() >> place.z() >> euler.x() >> euler.y() >>
         euler.z();
-    frames.push_back({folder / "frames" / (time + ".png"), LegPose(place, euler) * marker_from_probe});
+    frames.push_back(
+        {folder / "frames" / (time + ".png"), LegPose(place, euler) * marker_from_probe});
   }
   return frames;
 }
@@ -188,8 +189,7 @@ TEST(FrameRegistration, FindsTheBoneOfRecordedFramesFromStartsThatAreFiveMillime
     simulated.tissue.acoustics = &table;
     RunContext context;
     context.num_threads = 2;
-    const FramePose pose =
-        FindFramePose(frame, probe, simulated, start, SearchSettings(), context);
+    const FramePose pose = FindFramePose(frame, probe, simulated, start, SearchSettings(), context);
     const double off_mm = RmsDistance(visible, CutOf(fibula, pose.ct_from_probe));
     std::printf("frame %zu: %.2f mm, start %.2f mm\n", n, off_mm,
                 RmsDistance(visible, CutOf(fibula, start)));

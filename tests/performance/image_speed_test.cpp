@@ -136,8 +136,8 @@ struct AperturePreset {
       labels.voxels[v] = static_cast<volume::Label>(hu < -500 ? 0 : hu > 400 ? 2 : 1);
     }
     labels.names = {{1, "liver"}, {2, "bone"}};
-    const acoustics::Probe probe = acoustics::ReadProbe(
-        std::filesystem::path(ACUS_SOURCE_DIR) / "configs/probes/curvilinear_c5_2.json");
+    const acoustics::Probe probe = acoustics::ReadProbe(std::filesystem::path(ACUS_SOURCE_DIR) /
+                                                        "configs/probes/curvilinear_c5_2.json");
     renderer.emplace(BeamTissue{.ct = &Ct(), .labels = &labels, .acoustics = &table}, probe,
                      ApertureOptions(), kThreads);
   }

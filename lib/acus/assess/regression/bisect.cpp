@@ -92,7 +92,8 @@ Bisection Bisect(const fs::path& run_a, const fs::path& run_b) {
 
 std::string TextOf(const Bisection& found) {
   if (found.same()) return Message("the same in all ", found.num_steps, " steps and all images\n");
-  return (found.step ? LineOf(*found.step) : Message("all ", found.num_steps, " steps are the same\n")) +
+  return (found.step ? LineOf(*found.step)
+                     : Message("all ", found.num_steps, " steps are the same\n")) +
          (found.image ? LineOf(*found.image) : "all images are the same\n");
 }
 

@@ -186,6 +186,9 @@ void AddAperture(Table& table) {
       {"texture", "scatterers that follow the CT"},
       {"point_spread", "pulse and beam of the probe"},
       {"reverberation", "echoes that go to the face and back again"},
+      {"refraction", "rays of the aperture that bend with the speed of sound"},
+      {"side_lobes", "side lobes and grating lobes"},
+      {"fibre_texture", "streaks of muscle"},
       {"clutter", "haze of nearby echoes"},
       {"noise", "noise of the receiver"}};
   for (const auto& [name, title] : parts) {

@@ -6,6 +6,7 @@
 #include "acus/data/image/image.h"
 #include "acus/imaging/slicing/ct_sampler.h"
 #include "acus/imaging/ultrasound/aperture_rays.h"
+#include "acus/imaging/ultrasound/steered_rays.h"
 
 namespace acus::ultrasound {
 
@@ -15,13 +16,19 @@ namespace acus::ultrasound {
 /// with depth.
 class ApertureField {
  public:
-  ApertureField(const ApertureRays& rays, int lines, int rows);
+  /// @param steered  The rays of a phased probe, which then take the place of `rays`; or null. Its
+  ///     elements' directivity is part of what arrives.
+  ApertureField(const ApertureRays& rays, int lines, int rows,
+                const SteeredRays* steered = nullptr);
 
   /// Amplitude that one row leaves, one way, by line: to be filled before March().
   float* left(int row) { return left_.data() + row * stride_ + margin_; }
 
   /// @param contact  By line: what its element sends into the patient, 0 to 1.
   void March(const std::vector<float>& contact, int num_threads);
+
+  /// Changes what arrives at a row by a factor for each line. @pre after March().
+  void Scale(int row, const float* factor);
 
   /// Two-way amplitude at a row, by line.
   const float* arriving(int row) const { return arriving_.row(row); }
@@ -32,9 +39,11 @@ class ApertureField {
   static constexpr int kGroups = 3;
 
   void FillMargins(float* row) const;
+  void MarchSteered(int group, const std::vector<float>& contact);
   void MarchGroup(int group, const std::vector<float>& contact);
 
   const ApertureRays& rays_;
+  const SteeredRays* steered_;
   int lines_;
   int rows_;
   std::ptrdiff_t margin_;

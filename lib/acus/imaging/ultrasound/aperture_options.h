@@ -2,14 +2,17 @@
 #pragma once
 
 #include "acus/imaging/ultrasound/beam_options.h"
+#include "acus/imaging/ultrasound/side_lobes.h"
 
 namespace acus::ultrasound {
 
-/// Effects of the model `aperture`. Those of BeamOptions mean the same; refraction, time of flight
-/// and the thresholds of strong interfaces are not used. An effect that is off costs nothing.
+/// Effects of the model `aperture`. Those of BeamOptions mean the same, but refraction includes the
+/// time of flight, and fibre_texture means FibreStreaks; time_of_flight and the thresholds of
+/// strong interfaces are not used. An effect that is off costs nothing.
 struct ApertureOptions : BeamOptions {
   ApertureOptions() {
     name = "aperture";
+    fibre_texture = false;
     elevation_planes = 3;
     coupling_gap_mm = 8.0;
     lobe_deg = 15.0;
@@ -19,12 +22,14 @@ struct ApertureOptions : BeamOptions {
     needle_tip_echo = 0.35;
   }
 
-  bool texture = true;     ///< Scatterers follow the CT within each tissue.
-  bool clutter = true;     ///< Haze of nearby echoes, which fills shadows.
-  bool noise = true;       ///< Electronic noise of the receiver.
-  bool ring_down = true;   ///< Echoes of the probe itself, next to its face.
-  /// The mean intensity of the scatterers in place of their speckle, and rough surfaces whose pattern
-  /// stays with the lines: an image that changes smoothly with the pose.
+  bool texture = true;      ///< Scatterers follow the CT within each tissue.
+  bool clutter = true;      ///< Haze of nearby echoes, which fills shadows.
+  bool noise = true;        ///< Electronic noise of the receiver.
+  bool ring_down = true;    ///< Echoes of the probe itself, next to its face.
+  bool side_lobes = false;  ///< Of the array, and grating lobes: ghosts of strong reflectors.
+  Apodisation apodisation = Apodisation::kRectangular;  ///< ... of both apertures.
+  /// The mean intensity of the scatterers in place of their speckle, and rough surfaces whose
+  /// pattern stays with the lines: an image that changes smoothly with the pose.
   bool mean_speckle = false;
   int aperture_rays = 13;  ///< Odd, 1 to 31: directions over transmit and receive aperture.
 

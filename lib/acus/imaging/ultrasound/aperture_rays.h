@@ -12,13 +12,17 @@ namespace acus::ultrasound {
 /// line r + ShiftLines(d, k), in lines. A place is reached by the rays whose elements belong to the
 /// aperture that the F-number gives at its depth, weighted by a cosine apodisation.
 ///
-/// A phased probe has a single direction: its aperture is smaller than what it looks at.
+/// A phased probe has the middle one only: see SteeredRays.
 class ApertureRays {
  public:
   /// @param grid  Rows at which rays are wanted; keeps nothing of it. @pre directions is odd.
   ApertureRays(const acoustics::Probe& probe, const acoustics::ScanGrid& grid, int directions);
 
   int directions() const { return static_cast<int>(tan_at_face_.size()); }
+  /// Tangent of the angle between a direction and the scan line, at the face.
+  double TanAtFace(int direction) const {
+    return tan_at_face_[static_cast<std::size_t>(direction)];
+  }
   float ShiftLines(int direction, int row) const { return shift_[At(direction, row)]; }
   /// Share of the aperture's amplitude: the sum over directions is 1 at every row.
   float Weight(int direction, int row) const { return weight_[At(direction, row)]; }

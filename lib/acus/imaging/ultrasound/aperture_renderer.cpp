@@ -1,6 +1,7 @@
 #include "acus/imaging/ultrasound/aperture_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <vector>
@@ -15,6 +16,9 @@
 #include "acus/imaging/ultrasound/beam_kernels.h"
 #include "acus/imaging/ultrasound/beam_needle.h"
 #include "acus/imaging/ultrasound/echo_list.h"
+#include "acus/imaging/ultrasound/fibre_streaks.h"
+#include "acus/imaging/ultrasound/refraction.h"
+#include "acus/imaging/ultrasound/side_lobes.h"
 #include "acus/imaging/ultrasound/speckle_lattice.h"
 
 namespace acus::ultrasound {
@@ -129,7 +133,10 @@ struct ApertureRenderer::State {
         filter(probe, options, grid),
         volume(tissue, BeamMaterials(tissue, options, probe, 1.0), options.texture, num_threads),
         rays(probe, rows, options.aperture_rays),
-        field(rays, grid.lines(), rows.samples),
+        steered(probe.kind == acoustics::ProbeKind::kPhased && grid.lines() > 1
+                    ? std::make_unique<SteeredRays>(probe, rows, options.aperture_rays)
+                    : nullptr),
+        field(rays, grid.lines(), rows.samples, steered.get()),
         tracer(volume, options, filter, rows, geometry.spacing_mm, samples_per_row,
                acoustics::WavelengthMm(probe)),
         needle(probe, options, grid),
@@ -143,6 +150,16 @@ struct ApertureRenderer::State {
                       .elevation_mm = {}}) {
     MakePlanes();
     MakeNoise();
+    if (options.refraction && grid.lines() > 1) {
+      refraction = std::make_unique<Refraction>(
+          SpeedVolume(tissue, BeamMaterials(tissue, options, probe, 1.0)), geometry, probe, rows,
+          rays);
+    }
+    MakeSideLobes();
+    if (options.fibre_texture && tissue.labels != nullptr && !tissue.fibres_in_ct.empty()) {
+      streaks.emplace(tissue, options.seed);
+      if (!streaks->any()) streaks.reset();
+    }
     echoes.re.Resize(grid.lines(), grid.samples);
     echoes.im.Resize(grid.lines(), grid.samples);
     intensity.Resize(grid.lines(), grid.samples);
@@ -185,6 +202,18 @@ struct ApertureRenderer::State {
     for (AperturePlane& plane : planes) plane.weight /= sum;
   }
 
+  void MakeSideLobes() {
+    if (!options.side_lobes || grid.lines() < 2) return;
+    lobes = std::make_unique<SideLobes>(probe, rows, options.apodisation, options.lobe_deg,
+                                        options.diffuse_share);
+    if (!lobes->any()) lobes.reset();
+    strong.Resize(grid.lines(), rows.samples);
+    // Each plane's echo has its weight; together they are one echo.
+    double squares = 0.0;
+    for (const AperturePlane& plane : planes) squares += plane.weight * plane.weight;
+    per_planes = static_cast<float>(1.0 / squares);
+  }
+
   void MakeNoise() {
     RandomStream random(options.seed, "noise of the receiver");
     noise.Reserve(kNoiseNumbers + 4096 + 64);
@@ -199,6 +228,23 @@ struct ApertureRenderer::State {
       const int row = std::min(rows.samples - 1, m->sample / samples_per_row + 1);
       field.left(row)[m->line] *= std::sqrt(m->transmission);
     }
+  }
+
+  /// Fibres under the middle plane.
+  void AddStreaks(int block) {
+    const int first = block * ApertureTracer::kLanesPerBlock;
+    const int count = std::min(ApertureTracer::kLanesPerBlock, grid.lines() - first);
+    const BeamPath& path = planes.front().path;
+    for (int k = 0; k < rows.samples; ++k) {
+      streaks->ApplyRow(path.Voxels(path.PieceAt(k), first), static_cast<float>(k), count,
+                        tracer.scatter2(k) + first);
+    }
+  }
+
+  void LoseFocus(int row) {
+    alignas(64) std::array<float, 4096> gain;
+    refraction->GainRow(row, gain.data());
+    field.Scale(row, gain.data());
   }
 
   /// Amplitude that arrives at a place between rows.
@@ -219,6 +265,9 @@ struct ApertureRenderer::State {
     const ApertureTracer::SurfaceEcho echo = tracer.EchoOf(at);
     const float amplitude = echo.mirror * arriving;
     if (options.clutter) bright.row(static_cast<int>(at.row))[at.line] += amplitude * amplitude;
+    if (lobes != nullptr) {
+      strong.row(static_cast<int>(at.row))[at.line] += per_planes * amplitude * amplitude;
+    }
     if (echo.rough * arriving < kFaintestEcho) return;
     const double sample = double{at.row} * samples_per_row;
     list.Add(filter, sample, at.line, amplitude);
@@ -226,9 +275,8 @@ struct ApertureRenderer::State {
     // A rough surface answers over some depth.
     auto rough = echo.rough * arriving * rough_layer;
     const int most = static_cast<int>(3.0 * options.rough_layer_mm / grid.step_mm);
-    const Eigen::Vector3f place = options.mean_speckle
-                                      ? Eigen::Vector3f::Constant(static_cast<float>(at.line))
-                                      : at.index;
+    const Eigen::Vector3f place =
+        options.mean_speckle ? Eigen::Vector3f::Constant(static_cast<float>(at.line)) : at.index;
     for (int n = 1; n <= most && sample + n < grid.samples; ++n) {
       rough *= rough_decay;
       list.Add(filter, sample + n, at.line, rough * PlaceNoise(place, 2 * n),
@@ -244,11 +292,14 @@ struct ApertureRenderer::State {
     }
   }
 
-  void AddNeedle(int block, EchoList& list) const {
+  void AddNeedle(int block, EchoList& list) {
     for (const NeedleMark* m = needle.begin(block); m != needle.end(block); ++m) {
       const double sample = m->sample + double{m->beside};
       const float row = static_cast<float>(sample) / static_cast<float>(samples_per_row);
       float amplitude = m->echo * ArrivingAt(row, m->line);
+      if (lobes != nullptr && row < static_cast<float>(rows.samples)) {
+        strong.row(static_cast<int>(row))[m->line] += amplitude * amplitude;
+      }
       for (int n = 0; n < 5 && amplitude > kFaintestEcho; ++n) {
         const double at = sample + n * needle.ring_samples();
         if (at >= grid.samples) break;
@@ -280,16 +331,17 @@ struct ApertureRenderer::State {
     }
   }
 
-  void ClearBright(int block) {
+  void Clear(slicing::BeamImage& by_row, int block) const {
     const int first = block * ApertureTracer::kLanesPerBlock;
     const int count = std::min(ApertureTracer::kLanesPerBlock, lanes - first);
-    for (int k = 0; k < rows.samples; ++k) std::fill_n(bright.row(k) + first, count, 0.0F);
+    for (int k = 0; k < rows.samples; ++k) std::fill_n(by_row.row(k) + first, count, 0.0F);
   }
 
   void CollectEchoes(int block) {
     EchoList& list = lists[static_cast<std::size_t>(block)];
     list.Clear();
-    if (options.clutter) ClearBright(block);
+    if (options.clutter) Clear(bright, block);
+    if (lobes != nullptr) Clear(strong, block);
     for (const ApertureTracer::Crossing& crossing : tracer.crossings(block)) {
       AddSurface(crossing, list);
     }
@@ -342,6 +394,15 @@ struct ApertureRenderer::State {
       haze[static_cast<std::size_t>(l)] = keep * haze[static_cast<std::size_t>(l)] + weight * sum;
     }
     for (int l = outer; l < lanes; ++l) blend(l, std::max(0, l - reach), lanes - 1);
+  }
+
+  void AddSideLobes() {
+    lobes->Spread(strong);
+    for (int k = 0; k < rows.samples; ++k) {
+      float* out = speckle.row(k);
+      const float* added = lobes->added(k);
+      for (int l = 0; l < grid.lines(); ++l) out[l] = std::sqrt(out[l] * out[l] + added[l]);
+    }
   }
 
   void MakeSpeckleRow(int k, float* amplitude, float* after) {
@@ -409,13 +470,15 @@ struct ApertureRenderer::State {
   BeamFilter filter;
   AcousticVolume volume;
   ApertureRays rays;
+  std::unique_ptr<SteeredRays> steered;  ///< Phased probes only.
   ApertureField field;
   ApertureTracer tracer;
   BeamNeedle needle;
   int samples_per_shown;
   acoustics::ScanGrid shown_rows;  ///< Of the image before scan conversion.
   BeamDisplay display;
-  BeamPath lattice_path;  ///< Of the samples, in the middle plane.
+  BeamPath lattice_path;                   ///< Of the samples, in the middle plane.
+  std::unique_ptr<Refraction> refraction;  ///< Null: straight rays.
   std::vector<AperturePlane> planes;
   std::vector<EchoList> lists;  ///< By block of lines.
   int lanes = 0;
@@ -423,7 +486,11 @@ struct ApertureRenderer::State {
   float rough_decay = 0.0F;  ///< From sample to sample.
   ComplexBeams echoes;
   slicing::BeamImage speckle;  ///< Amplitude, by row of tissue.
-  slicing::BeamImage bright;   ///< Intensity of interfaces, by row of tissue.
+  std::optional<FibreStreaks> streaks;
+  std::unique_ptr<SideLobes> lobes;  ///< Null: none, or none that is visible.
+  slicing::BeamImage strong;         ///< Intensity that lobes spread, by row of tissue.
+  float per_planes = 1.0F;
+  slicing::BeamImage bright;  ///< Intensity of interfaces, by row of tissue.
   slicing::BeamImage intensity;
   slicing::BeamImage shown;  ///< Intensity, by row of the shown image.
   slicing::BeamImage envelope;
@@ -450,17 +517,24 @@ void ApertureRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   State& s = *state_;
   ACUS_REQUIRE(ct_from_probe.matrix().allFinite(), "probe pose: has a value that is not finite");
   s.needle.Set(needle, ct_from_probe, ApertureTracer::kLanesPerBlock);
+  if (s.refraction != nullptr) {
+    s.refraction->Trace(ct_from_probe, rest, num_threads);
+    rest = s.refraction.get();
+  }
   for (AperturePlane& plane : s.planes) plane.path.Set(ct_from_probe, rest);
   s.lattice_path.Set(ct_from_probe, rest);
   out.Resize(s.display.picture().width_px, s.display.picture().height_px);
   const std::uint64_t pose_hash = HashOf(ct_from_probe);
   ParallelFor(s.tracer.blocks(), num_threads, [&s](int block) {
     s.tracer.TraceBlock(s.planes, block, s.field);
+    if (s.streaks) s.AddStreaks(block);
     s.AddNeedleShadow(block);
   });
   s.field.March(s.tracer.SmoothContact(), num_threads);
+  for (int k = 0; s.refraction != nullptr && k < s.rows.samples; ++k) s.LoseFocus(k);
   ParallelFor(s.tracer.blocks(), num_threads, [&s](int block) { s.CollectEchoes(block); });
   s.MakeSpeckleAmplitudes();
+  if (s.lobes != nullptr) s.AddSideLobes();
   ParallelFor(PiecesOf(s.grid.samples), num_threads, [&s, pose_hash](int piece) {
     const int first = piece * kRowsPerPieceOfImage;
     const int last = std::min(s.grid.samples, first + kRowsPerPieceOfImage);

@@ -65,6 +65,7 @@ class ApertureTracer {
   }
   /// Square of the speckle's amplitude at a row, by line.
   const float* scatter2(int row) const { return scatter2_.row(row); }
+  float* scatter2(int row) { return scatter2_.row(row); }
   /// By line: 1 where the face touches gel or skin, 0 where it looks into air.
   const std::vector<float>& contact() const { return contact_; }
   /// The same over the width of a few elements, which radiate together.

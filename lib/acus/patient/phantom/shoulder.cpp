@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kHeadMm = 24.0;       ///< Radius of the humeral head.
-constexpr double kCartilageMm = 1.5;   ///< On the head.
+constexpr double kHeadMm = 24.0;      ///< Radius of the humeral head.
+constexpr double kCartilageMm = 1.5;  ///< On the head.
 constexpr double kPeribursalFatMm = 1.0;
 constexpr double kCuffFromMm = kHeadMm + kCartilageMm;
 
@@ -26,8 +26,8 @@ Vector3d AroundHead(double radius_mm, double lateral_deg) {
 /// and not farther medially than `medial_mm`.
 Shape CuffLayer(double radius_mm, double half_width_mm, double lowest_mm, double medial_mm) {
   return {[=](const Vector3d& p) {
-            const double edge = std::max({std::abs(p.y()) - half_width_mm, lowest_mm - p.z(),
-                                          p.x() - medial_mm});
+            const double edge =
+                std::max({std::abs(p.y()) - half_width_mm, lowest_mm - p.z(), p.x() - medial_mm});
             return SmoothIntersection(p.norm() - radius_mm, edge, 1.0);
           },
           Box(Vector3d(-radius_mm, -half_width_mm, lowest_mm) - Vector3d::Ones(),
@@ -59,8 +59,8 @@ double Shoulder::FasciaDistance(const Vector3d& p) const {
 
 void Shoulder::AddBones(std::vector<Part>& parts) const {
   const auto add = [&](const char* name, Shape shape) {
-    parts.push_back({name, Material::kCancellousBone, Material::kCorticalBone, cortex_mm_,
-                     std::move(shape)});
+    parts.push_back(
+        {name, Material::kCancellousBone, Material::kCorticalBone, cortex_mm_, std::move(shape)});
   };
   const Shape head = Ellipsoid(Vector3d::Zero(), Vector3d::Constant(kHeadMm));
   const Shape tuberosity = Ellipsoid(Vector3d(-16, 0, 2), Vector3d(15, 17, 15));
@@ -114,7 +114,10 @@ std::vector<Part> Shoulder::Parts() const {
   }
   AddBones(parts);
   const Vector3d towards_joint = Vector3d(0.8, 0.0, 0.6);
-  parts.push_back({"cartilage of the head", Material::kCartilage, Material::kCartilage, 0.0,
+  parts.push_back({"cartilage of the head",
+                   Material::kCartilage,
+                   Material::kCartilage,
+                   0.0,
                    {[=](const Vector3d& p) {
                       return std::max(p.norm() - kCuffFromMm, 4.0 - p.dot(towards_joint));
                     },

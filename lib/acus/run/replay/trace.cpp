@@ -91,18 +91,22 @@ void AddForce(Columns& columns, StageId stage, const char* name,
 
 std::vector<TraceColumn> ColumnsOf(const simulation::Scene& scene) {
   Columns columns(scene);
-  AddPose(columns, StageId::kNeedlePose, "needle pose",
-          [](const StepOutput& s) -> const auto& { return s.ct_from_needle; });
-  AddPose(columns, StageId::kBreathing, "breathing",
-          [](const StepOutput& s) -> const auto& { return s.needle_at_rest.ct_from_tool; });
+  AddPose(
+      columns, StageId::kNeedlePose, "needle pose",
+      [](const StepOutput& s) -> const auto& { return s.ct_from_needle; });
+  AddPose(
+      columns, StageId::kBreathing, "breathing",
+      [](const StepOutput& s) -> const auto& { return s.needle_at_rest.ct_from_tool; });
   columns.Text(StageId::kTissueLookup, "tissue lookup", "tissue",
                [](const StepOutput& s) { return std::to_string(int{s.tissue_at_tip}); });
-  AddForce(columns, StageId::kTissueContact, "tissue contact",
-           [](const StepOutput& s) -> const auto& { return s.tissue.needle; });
+  AddForce(
+      columns, StageId::kTissueContact, "tissue contact",
+      [](const StepOutput& s) -> const auto& { return s.tissue.needle; });
   columns.Vector(StageId::kTissueContact, "tissue contact", "probe", "_n",
                  [](const StepOutput& s) { return s.tissue.probe_in_ct_n; });
-  AddForce(columns, StageId::kNeedleForce, "needle force",
-           [](const StepOutput& s) -> const auto& { return s.force; });
+  AddForce(
+      columns, StageId::kNeedleForce, "needle force",
+      [](const StepOutput& s) -> const auto& { return s.force; });
   columns.Vector(StageId::kNeedleShape, "needle shape", "tip", "_mm",
                  [](const StepOutput& s) { return s.shape.tip_in_ct_mm; });
   columns.Number(StageId::kNeedleShape, "needle shape", "deflection_mm",

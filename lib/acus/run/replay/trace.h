@@ -11,8 +11,9 @@
 
 namespace acus::replay {
 
-/// Writes trace.csv: one row per step; columns time_s, then STAGE/VARIABLE in the order in which the
-/// stages run, of those in the plan. Numbers are the shortest text that reads back as the same double.
+/// Writes trace.csv: one row per step; columns time_s, then STAGE/VARIABLE in the order in which
+/// the stages run, of those in the plan. Numbers are the shortest text that reads back as the same
+/// double.
 void WriteTrace(const std::filesystem::path& path, const StepLog& log,
                 const simulation::Scene& scene);
 

@@ -30,9 +30,10 @@ IndexBox IndicesOf(const volume::Geometry& geometry, const Eigen::AlignedBox3d& 
 IndexBox Within(const volume::Geometry& geometry, IndexBox box) {
   box.low = box.low.max(0);
   box.high = box.high.min(geometry.size - 1);
-  ACUS_REQUIRE((box.low <= box.high).all(),
-               "nothing of the patient is near the field of view at the start; check that the start "
-               "takes points of the probe to this CT (LPS, mm)");
+  ACUS_REQUIRE(
+      (box.low <= box.high).all(),
+      "nothing of the patient is near the field of view at the start; check that the start "
+      "takes points of the probe to this CT (LPS, mm)");
   return box;
 }
 
@@ -100,8 +101,7 @@ volume::LabelMap LabelsAround(const volume::LabelMap& labels, const Eigen::Align
                               const std::string& background) {
   IndexBox box = IndicesOf(labels.geometry, box_mm);
   if (background.empty()) box = Within(labels.geometry, box);
-  const volume::Label fill =
-      background.empty() ? volume::Label{0} : volume::LabelOf(background);
+  const volume::Label fill = background.empty() ? volume::Label{0} : volume::LabelOf(background);
   volume::LabelMap out;
   CopyBox(labels, box, fill, out);
   out.names = labels.names;
@@ -114,11 +114,11 @@ volume::LabelMap LabelsAround(const volume::LabelMap& labels, const Eigen::Align
 FramePatient ReadFramePatient(const scenario::Scenario& scenario, const std::string& background,
                               const acoustics::Probe& probe, const Eigen::Isometry3d& start,
                               double margin_mm, RunContext& context) {
-  ACUS_REQUIRE(scenario.ultrasound &&
-                   scenario.ultrasound->model == scenario::UltrasoundModel::kAperture,
-               scenario.file.string(),
-               ": /effects/ultrasound/model: must be 'aperture', the model that frames are compared "
-               "with");
+  ACUS_REQUIRE(
+      scenario.ultrasound && scenario.ultrasound->model == scenario::UltrasoundModel::kAperture,
+      scenario.file.string(),
+      ": /effects/ultrasound/model: must be 'aperture', the model that frames are compared "
+      "with");
   FramePatient out;
   out.settings = simulation::ReadApertureSettings(*scenario.ultrasound);
   context.provenance.AddInput(scenario.ultrasound->acoustics);
@@ -127,12 +127,12 @@ FramePatient ReadFramePatient(const scenario::Scenario& scenario, const std::str
   if (out.settings.from_ct && !from_surfaces) {
     RequirePath(scenario.patient.ct, "ct");
     context.provenance.AddInput(scenario.patient.ct);
-    const auto ct =
-        volume::ReadCt(scenario.patient.ct, scenario.patient.dicom_series, context);
+    const auto ct = volume::ReadCt(scenario.patient.ct, scenario.patient.dicom_series, context);
     out.ct.emplace();
     CopyBox(ct, Within(ct.geometry, IndicesOf(ct.geometry, box)), std::int16_t{-1024}, *out.ct);
-    ACUS_REQUIRE(background.empty(), "--background is for labels or surfaces without a CT; leave it "
-                                     "out, or set the ultrasound's volume to 'labels'");
+    ACUS_REQUIRE(background.empty(),
+                 "--background is for labels or surfaces without a CT; leave it "
+                 "out, or set the ultrasound's volume to 'labels'");
   }
   if (out.settings.from_labels || from_surfaces) {
     out.labels = LabelsAround(ReadLabels(scenario.patient, context), box, background);

@@ -75,8 +75,8 @@ cv::Mat Resampled(const image::GrayImage& frame, const image::ImageGeometry& ful
   bytes.convertTo(blurred, CV_32F);
   cv::GaussianBlur(blurred, blurred, {}, small.lateral_mm_per_px / full.lateral_mm_per_px,
                    small.axial_mm_per_px / full.axial_mm_per_px);
-  const Eigen::Affine3d full_from_small = full.probe_from_image().inverse() *
-                                          small.probe_from_image();
+  const Eigen::Affine3d full_from_small =
+      full.probe_from_image().inverse() * small.probe_from_image();
   const cv::Matx23d map(full_from_small(0, 0), 0.0, full_from_small(0, 3), 0.0,
                         full_from_small(1, 1), full_from_small(1, 3));
   cv::Mat out;

@@ -30,8 +30,8 @@ struct Resolution {
 Resolution CoarseResolution(const acoustics::Probe& probe);
 Resolution FineResolution(const acoustics::Probe& probe);
 
-/// The recorded frame beside images of the aperture model without speckle, noise and texture, in one
-/// elevation plane.
+/// The recorded frame beside images of the aperture model without speckle, noise and texture, in
+/// one elevation plane.
 ///
 /// Not for two threads at a time: it holds buffers.
 class FrameSimilarity {

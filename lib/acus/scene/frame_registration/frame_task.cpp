@@ -91,8 +91,8 @@ json ToJson(const FramePose& pose, const SearchSettings& settings) {
     change[name] = pose.change[k];
     sd[name] = pose.sd[k];
     determined[name] = is_determined[static_cast<std::size_t>(k)];
-    covariance.push_back(std::vector<double>(pose.covariance.row(k).begin(),
-                                             pose.covariance.row(k).end()));
+    covariance.push_back(
+        std::vector<double>(pose.covariance.row(k).begin(), pose.covariance.row(k).end()));
   }
   json out = {{"format", "acus-frame-registration/1"},
               {"ct_from_probe", config::MatrixRows(pose.ct_from_probe)},
@@ -129,8 +129,9 @@ void WarnOf(const FramePose& pose, const SearchSettings& settings, const RunCont
   }
   if (pose.change.head<3>().cwiseAbs().maxCoeff() > 3.0 * settings.start_mm ||
       pose.change.tail<3>().cwiseAbs().maxCoeff() > 3.0 * settings.start_deg) {
-    context.Warn("the pose is more than three standard deviations from the start; give larger ones "
-                 "(--start-mm, --start-deg) if the start may be that far off");
+    context.Warn(
+        "the pose is more than three standard deviations from the start; give larger ones "
+        "(--start-mm, --start-deg) if the start may be that far off");
   }
 }
 
@@ -142,9 +143,8 @@ std::string Run(const FrameTask& task, const fs::path& folder, RunContext& conte
   const image::GrayImage recorded = ReadFrame(task.frame, context);
   context.provenance.AddInput(task.start);
   const Eigen::Isometry3d start = transforms::ReadTransform(task.start);
-  const FramePatient patient =
-      ReadFramePatient(scenario, task.background, probe, start,
-                       kMarginSd * task.settings.start_mm, context);
+  const FramePatient patient = ReadFramePatient(scenario, task.background, probe, start,
+                                                kMarginSd * task.settings.start_mm, context);
   const FramePose pose =
       FindFramePose(recorded, probe, patient.tissue(), start, task.settings, context);
   WarnOf(pose, task.settings, context);
@@ -197,14 +197,12 @@ registration::Command AddFrameTask(CLI::App& app) {
                    "Standard deviation of the start's rotation about each axis")
       ->check(CLI::Range(0.1, 45.0))
       ->capture_default_str();
-  command
-      ->add_option("--samples", task->settings.samples, "Poses around the start that are tried")
+  command->add_option("--samples", task->settings.samples, "Poses around the start that are tried")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   return {.app = command,
-          .run = [task](const fs::path& folder, RunContext& context) {
-            return Run(*task, folder, context);
-          },
+          .run = [task](const fs::path& folder,
+                        RunContext& context) { return Run(*task, folder, context); },
           .shared_options = {}};
 }
 

@@ -14,8 +14,8 @@ namespace acus::frame_registration {
 namespace {
 
 /// Residuals of neighbouring grey levels are not independent, since the model lacks what they show:
-/// this share of independent values counts. Chosen so that the stated standard deviations agree with
-/// the errors on recorded frames (docs/models/frame_registration.md).
+/// this share of independent values counts. Chosen so that the stated standard deviations agree
+/// with the errors on recorded frames (docs/models/frame_registration.md).
 constexpr double kCountingShare = 0.3;
 constexpr std::size_t kKeptCoarse = 12;
 constexpr std::size_t kKeptFine = 4;
@@ -143,8 +143,8 @@ Slopes SlopesAt(std::vector<Posterior>& posteriors, const PoseChange& middle) {
   std::size_t next = 1;
   for (int i = 0; i < 6; ++i) {
     for (int j = i; j < 6; ++j, next += 2) {
-      along(i, j) = (2.0 * values[0] - values[next] - values[next + 1]) /
-                    (kDerivativeStep * kDerivativeStep);
+      along(i, j) =
+          (2.0 * values[0] - values[next] - values[next + 1]) / (kDerivativeStep * kDerivativeStep);
       if (i == j) out.gradient[i] = (values[next] - values[next + 1]) / (2.0 * kDerivativeStep);
     }
   }
@@ -239,8 +239,7 @@ FramePose FindFramePose(const image::GrayImage& recorded, const acoustics::Probe
   context.Checkpoint("trying poses", 0.0);
   std::vector<Posterior> coarse = posteriors_at(CoarseResolution(probe));
   std::vector<Candidate> candidates = RandomCandidates(settings, context.seed);
-  ForAll(coarse, candidates,
-         [](Posterior& p, Candidate& c) { c.log_posterior = p.At(c.change); });
+  ForAll(coarse, candidates, [](Posterior& p, Candidate& c) { c.log_posterior = p.At(c.change); });
   candidates.resize(std::min(candidates.size(), kKeptCoarse));
   context.Checkpoint("refining poses", 0.4);
   ForAll(coarse, candidates, [](Posterior& p, Candidate& c) { Refine(p, 1.5, 150, c); });

@@ -16,7 +16,7 @@ namespace acus::frame_registration {
 /// rotations (deg) about these axes through a point at half the depth.
 using PoseChange = Eigen::Matrix<double, 6, 1>;
 inline constexpr std::array<std::string_view, 6> kChangeNames = {
-    "lateral_mm",       "axial_mm",           "elevational_mm",
+    "lateral_mm",        "axial_mm",        "elevational_mm",
     "about_lateral_deg", "about_axial_deg", "about_elevational_deg"};
 
 /// @param pivot_mm  Depth of the point that is turned about.

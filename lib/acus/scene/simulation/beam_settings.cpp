@@ -42,6 +42,13 @@ ultrasound::ApertureOptions ApertureOptionsFrom(const nlohmann::json& json) {
   options.clutter = json.at("clutter");
   options.noise = json.at("noise");
   options.ring_down = json.at("ring_down");
+  options.fibre_texture = json.at("fibre_texture");
+  options.refraction = json.at("refraction");
+  options.side_lobes = json.at("side_lobes");
+  const std::string apodisation = json.at("apodisation");
+  options.apodisation = apodisation == "hann"     ? ultrasound::Apodisation::kHann
+                        : apodisation == "cosine" ? ultrasound::Apodisation::kCosine
+                                                  : ultrasound::Apodisation::kRectangular;
   options.aperture_rays = json.at("aperture_rays");
   options.elevation_planes = json.at("elevation_planes");
   options.coupling_gap_mm = json.at("coupling_gap_mm");
@@ -68,15 +75,49 @@ std::bitset<256> FibrousLabels(const BeamSettings& settings, const volume::Label
   return fibrous;
 }
 
+using Fibres = std::map<std::string, Eigen::Vector3d>;
+
+Fibres GivenFibres(const nlohmann::json& json, const std::string& place) {
+  Fibres fibres;
+  for (const auto& [tissue, direction] : json.at("fibres").items()) {
+    const Eigen::Vector3d in_ct(direction[0], direction[1], direction[2]);
+    ACUS_REQUIRE(in_ct.norm() > 1e-6, place, tissue,
+                 ": has no direction; give a vector in CT space (LPS)");
+    fibres[tissue] = in_ct.normalized();
+  }
+  return fibres;
+}
+
+void AddFibresOfSurfaces(const volume::LabelMap& labels, const std::bitset<256>& fibrous,
+                         Fibres& fibres) {
+  if (fibrous.none()) return;
+  const ultrasound::FibreField field(labels, fibrous);
+  for (const auto& [label, name] : labels.names) {
+    const Eigen::Vector3f main = field.MainDirection(label);
+    if (fibrous[label] && main.norm() > 0.5F) fibres[name] = main.cast<double>();
+  }
+}
+
 }  // namespace
 
-ApertureSettings ReadApertureSettings(const scenario::UltrasoundEffect& effect) {
+ApertureSettings ReadApertureSettings(const scenario::UltrasoundEffect& effect,
+                                      const volume::LabelMap* labels) {
   ApertureSettings settings;
   settings.options = ApertureOptionsFrom(effect.beams);
   settings.options.seed = effect.seed;
   settings.acoustics = acoustics::ReadTissueAcoustics(effect.acoustics);
   settings.from_ct = effect.ReadsCt();
   settings.from_labels = effect.ReadsLabels();
+  if (!settings.options.fibre_texture || !settings.from_labels) return settings;
+  settings.fibres_in_ct = GivenFibres(effect.beams, "/effects/ultrasound/aperture/fibres/");
+  if (labels == nullptr || !effect.beams.at("fibres_from_surfaces")) return settings;
+  std::bitset<256> fibrous;
+  for (const auto& [label, name] : labels->names) {
+    const auto found = settings.acoustics.tissues.find(name);
+    fibrous[label] = found != settings.acoustics.tissues.end() && found->second.fibre_ratio > 1.0 &&
+                     !settings.fibres_in_ct.contains(name);
+  }
+  AddFibresOfSurfaces(*labels, fibrous, settings.fibres_in_ct);
   return settings;
 }
 
@@ -89,22 +130,11 @@ BeamSettings ReadBeamSettings(const scenario::UltrasoundEffect& effect,
   settings.acoustics = acoustics::ReadTissueAcoustics(effect.acoustics);
   settings.from_ct = effect.ReadsCt();
   settings.from_labels = effect.ReadsLabels();
-  for (const auto& [tissue, direction] : json.at("fibres").items()) {
-    const Eigen::Vector3d in_ct(direction[0], direction[1], direction[2]);
-    ACUS_REQUIRE(in_ct.norm() > 1e-6, "/effects/ultrasound/beams/fibres/", tissue,
-                 ": has no direction; give a vector in CT space (LPS)");
-    settings.fibres_in_ct[tissue] = in_ct.normalized();
-  }
+  settings.fibres_in_ct = GivenFibres(json, "/effects/ultrasound/beams/fibres/");
   if (labels == nullptr || !settings.from_labels || !json.at("fibres_from_surfaces")) {
     return settings;
   }
-  const std::bitset<256> fibrous = FibrousLabels(settings, *labels);
-  if (fibrous.none()) return settings;
-  const ultrasound::FibreField field(*labels, fibrous);
-  for (const auto& [label, name] : labels->names) {
-    const Eigen::Vector3f main = field.MainDirection(label);
-    if (fibrous[label] && main.norm() > 0.5F) settings.fibres_in_ct[name] = main.cast<double>();
-  }
+  AddFibresOfSurfaces(*labels, FibrousLabels(settings, *labels), settings.fibres_in_ct);
   return settings;
 }
 

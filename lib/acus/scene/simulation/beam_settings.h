@@ -25,10 +25,13 @@ struct ApertureSettings {
   acoustics::TissueAcousticsTable acoustics;
   bool from_ct = true;
   bool from_labels = true;
+  std::map<std::string, Eigen::Vector3d> fibres_in_ct;  ///< By tissue name, at rest.
 };
 
+/// @param labels  As below.
 /// @throws InputError listing all problems of the table.
-ApertureSettings ReadApertureSettings(const scenario::UltrasoundEffect& effect);
+ApertureSettings ReadApertureSettings(const scenario::UltrasoundEffect& effect,
+                                      const volume::LabelMap* labels);
 
 /// @param labels  Tells the fibres of tissues that the scenario gives no direction for, if the
 ///     table says that they have fibres and an effect shows it; may be null.

@@ -30,7 +30,8 @@ struct MakeRenderer {
   Renderer operator()(const ApertureSettings& settings) const {
     const ultrasound::BeamTissue tissue{.ct = settings.from_ct ? patient.ct : nullptr,
                                         .labels = settings.from_labels ? patient.labels : nullptr,
-                                        .acoustics = &settings.acoustics};
+                                        .acoustics = &settings.acoustics,
+                                        .fibres_in_ct = settings.fibres_in_ct};
     return Renderer(std::in_place_type<ultrasound::ApertureRenderer>, tissue, probe,
                     settings.options);
   }
@@ -61,7 +62,7 @@ ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
     case scenario::UltrasoundModel::kBeams:
       return ReadBeamSettings(effect, labels);
     case scenario::UltrasoundModel::kAperture:
-      return ReadApertureSettings(effect);
+      return ReadApertureSettings(effect, labels);
     case scenario::UltrasoundModel::kColumns2010:
       break;
   }

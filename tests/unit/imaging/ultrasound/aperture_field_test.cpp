@@ -116,6 +116,88 @@ TEST(ApertureField, OneRaySeesAlongItsLineOnly) {
   EXPECT_EQ(ApertureUnderPlate(TargetProbe(), 1, 100, 0, 400), 0.0F);
 }
 
+acoustics::Probe ApertureTestSector() {
+  acoustics::Probe probe = TargetProbe();
+  probe.kind = acoustics::ProbeKind::kPhased;
+  probe.frequency_mhz = 2.8;
+  probe.elements = 80;
+  probe.pitch_mm = 0.28;
+  probe.width_mm = 22.4;
+  probe.field_of_view_rad = 1.4;
+  probe.scan_lines = 193;
+  probe.depth_mm = 120.0;
+  probe.focus_mm = 80.0;
+  return probe;
+}
+
+// The path from u to (rho, theta) crosses a plate at a smaller range where straight lines do; w(u)
+// is the cosine over the aperture of the F-number. Elements far from the middle see past it.
+TEST(ApertureField, EverySteeredLineIsServedByAllElements) {
+  const acoustics::Probe probe = ApertureTestSector();
+  const acoustics::ScanGrid grid = acoustics::BeamGridOf(probe);
+  const ApertureRays rays(probe, grid, 31);
+  const SteeredRays steered(probe, grid, 31);
+  const double line_rad = probe.field_of_view_rad / (grid.lines() - 1);
+  constexpr int kPlateRow = 100;  // 30 mm.
+  constexpr int kHalfLines = 8;
+  for (const int plate_line : {96, 40, 150}) {
+    ApertureField field(rays, grid.lines(), grid.samples, &steered);
+    for (int k = 0; k < grid.samples; ++k) {
+      for (int l = 0; l < grid.lines(); ++l) {
+        field.left(k)[l] = k == kPlateRow && std::abs(l - plate_line) <= kHalfLines ? 0.0F : 1.0F;
+      }
+    }
+    field.March(std::vector<float>(static_cast<std::size_t>(grid.lines()) + 16, 1.0F), 1);
+    const double plate_rad = (plate_line - 96) * line_rad;
+    for (const int row : {200, 300, 400}) {
+      for (const int beside : {0, 6, 12}) {
+        const int line = plate_line + beside;
+        const double theta = (line - 96) * line_rad;
+        const double rho = row * grid.step_mm;
+        const double plate_mm = kPlateRow * grid.step_mm;
+        const double half_mm = std::min(rho / probe.f_number, 22.4) / 2.0;
+        double sum = 0.0;
+        double left = 0.0;
+        for (double u = -half_mm; u <= half_mm; u += half_mm / 2000.0) {
+          const Eigen::Vector2d from(u, 0.0);
+          const Eigen::Vector2d way =
+              Eigen::Vector2d(rho * std::sin(theta), rho * std::cos(theta)) - from;
+          // |from + t way| = plate_mm
+          const double a = way.squaredNorm();
+          const double b = from.dot(way);
+          const double t = (-b + std::sqrt(b * b - a * (u * u - plate_mm * plate_mm))) / a;
+          const Eigen::Vector2d at = from + t * way;
+          const double weight = std::cos(0.5 * std::numbers::pi * u / half_mm);
+          sum += weight;
+          const double off = std::abs(std::atan2(at.x(), at.y()) - plate_rad);
+          if (off > (kHalfLines + 0.5) * line_rad) left += weight;
+        }
+        const double got =
+            std::sqrt(double{field.arriving(row)[line]} / double{steered.Directivity(line)});
+        EXPECT_NEAR(got, left / sum, 0.06) << plate_line << " " << row << " " << beside;
+      }
+    }
+  }
+}
+
+TEST(ApertureField, SteeringWeakensByTheElementsDirectivity) {
+  const acoustics::Probe probe = ApertureTestSector();
+  const acoustics::ScanGrid grid = acoustics::BeamGridOf(probe);
+  const ApertureRays rays(probe, grid, 13);
+  const SteeredRays steered(probe, grid, 13);
+  ApertureField field(rays, grid.lines(), grid.samples, &steered);
+  for (int k = 0; k < grid.samples; ++k) std::fill_n(field.left(k), grid.lines(), 1.0F);
+  field.March(std::vector<float>(static_cast<std::size_t>(grid.lines()) + 16, 1.0F), 2);
+  for (int line = 0; line < grid.lines(); line += 16) {
+    const double sine = std::sin(probe.field_of_view_rad * (line / 192.0 - 0.5));
+    const double x = std::numbers::pi * 0.9 * 0.28 / 0.55 * sine;
+    const double piston = (x == 0.0 ? 1.0 : std::sin(x) / x) * std::sqrt(1.0 - sine * sine);
+    for (const int row : {30, 200, 400}) {
+      EXPECT_NEAR(double{field.arriving(row)[line]}, piston * piston, 1e-4) << line;
+    }
+  }
+}
+
 TEST(ApertureField, SameBitsWithAnyNumberOfThreads) {
   const acoustics::Probe probe = ApertureTestFan();
   const acoustics::ScanGrid grid = acoustics::BeamGridOf(probe);

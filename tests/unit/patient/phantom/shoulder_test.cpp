@@ -43,9 +43,8 @@ INSTANTIATE_TEST_SUITE_P(Shoulder, ShoulderSeeds, testing::Values(0, 1, 2, 17, 9
 
 TEST_P(ShoulderSeeds, HasTheLayersOfThePaperFromTheSkinToBone) {
   const Anatomy anatomy(ShoulderBody(), GetParam());
-  EXPECT_EQ(Names(LayersOf(anatomy)),
-            (std::vector<std::string>{"outside", "skin", "fat", "muscle", "fat", "bursa", "tendon",
-                                      "bone"}));
+  EXPECT_EQ(Names(LayersOf(anatomy)), (std::vector<std::string>{"outside", "skin", "fat", "muscle",
+                                                                "fat", "bursa", "tendon", "bone"}));
   EXPECT_EQ(anatomy.LabelAt(anatomy.Landmark("bursa")), volume::LabelOf("bursa"));
   EXPECT_EQ(anatomy.LabelAt(anatomy.Landmark("tendon")), volume::LabelOf("tendon"));
   EXPECT_EQ(anatomy.LabelAt(anatomy.Landmark("joint") - Vector3d(1.2, 0.0, 0.0)),

@@ -89,7 +89,8 @@ TEST_F(PoseSearch, FindsThePoseOfASimulatedFrameWithinItsStandardDeviations) {
   const PoseChange error = pose.change + off;  // To first order.
   EXPECT_LT(error.head<2>().norm(), 0.5) << error.transpose();
   EXPECT_LT(std::abs(error[5]), 1.5) << error.transpose();
-  for (int k = 0; k < 6; ++k) EXPECT_LT(std::abs(error[k]), 3.0 * pose.sd[k]) << kChangeNames.at(static_cast<std::size_t>(k));
+  for (int k = 0; k < 6; ++k)
+    EXPECT_LT(std::abs(error[k]), 3.0 * pose.sd[k]) << kChangeNames.at(static_cast<std::size_t>(k));
   EXPECT_TRUE(pose.determined(settings)[0]);
   EXPECT_TRUE(pose.determined(settings)[1]);
 }

@@ -1,0 +1,104 @@
+#include "acus/imaging/ultrasound/fibre_streaks.h"
+
+#include <array>
+#include <cmath>
+
+namespace acus::ultrasound {
+namespace {
+
+constexpr double kFascicleMm = 2.0;
+constexpr double kFascicleLengthMm = 25.0;
+/// Intensity between sheets and within them; their mean over space is 1 (measured over the noise:
+/// SheetAt is 0.3775 on average).
+constexpr float kBetween = 0.2274F;
+constexpr float kSheet = 9.0F * kBetween;
+
+float UniformAt(int x, int y, int z, std::uint32_t seed) {
+  auto h = static_cast<std::uint32_t>(x) * 0x9E3779B1U ^
+           static_cast<std::uint32_t>(y) * 0x85EBCA77U ^
+           static_cast<std::uint32_t>(z) * 0xC2B2AE3DU ^ seed;
+  h = (h ^ h >> 15) * 0x2C1B3C6DU;
+  h = (h ^ h >> 13) * 0x297A2D39U;
+  h ^= h >> 16;
+  return static_cast<float>(h >> 8) * (1.0F / 16777216.0F);
+}
+
+}  // namespace
+
+double FibreIntensity(double cosine) {
+  return std::pow(10.0, -2.0 * cosine * cosine);
+}
+
+FibreStreaks::FibreStreaks(const BeamTissue& tissue, std::uint64_t seed)
+    : seed_(static_cast<std::uint32_t>(seed * 0x9E3779B97F4A7C15ULL >> 32)),
+      size_(tissue.labels->geometry.size),
+      spacing_mm_(tissue.labels->geometry.spacing_mm.cast<float>()) {
+  const volume::LabelMap& labels = *tissue.labels;
+  std::array<std::uint8_t, 256> code_of{};
+  for (const auto& [label, name] : labels.names) {
+    const auto found = tissue.fibres_in_ct.find(name);
+    if (found == tissue.fibres_in_ct.end() || fibres_.size() == 255) continue;
+    const Eigen::Vector3d along =
+        (labels.geometry.direction.transpose() * found->second).normalized();
+    const Eigen::Vector3d first = along.unitOrthogonal();
+    Eigen::Matrix3d cells;
+    cells.row(0) = first.transpose() / kFascicleMm;
+    cells.row(1) = along.cross(first).transpose() / kFascicleMm;
+    cells.row(2) = along.transpose() / kFascicleLengthMm;
+    const Eigen::Matrix3d from_index = cells * labels.geometry.spacing_mm.matrix().asDiagonal();
+    fibres_.push_back({from_index.cast<float>(), along.cast<float>()});
+    code_of[label] = static_cast<std::uint8_t>(fibres_.size());
+  }
+  if (fibres_.empty()) return;
+  code_.reserve(labels.voxels.size());
+  for (const volume::Label label : labels.voxels) code_.push_back(code_of[label]);
+}
+
+float FibreStreaks::SheetAt(const Eigen::Vector3f& cell) const {
+  const Eigen::Array3f low = cell.array().floor();
+  const Eigen::Array3f part = cell.array() - low;
+  const Eigen::Array3f share = part * part * (3.0F - 2.0F * part);
+  const Eigen::Array3i at = low.cast<int>();
+  const auto along = [&](int j, int k) {
+    const float a = UniformAt(at[0], at[1] + j, at[2] + k, seed_);
+    return a + share[0] * (UniformAt(at[0] + 1, at[1] + j, at[2] + k, seed_) - a);
+  };
+  const auto plane = [&](int k) {
+    const float a = along(0, k);
+    return a + share[1] * (along(1, k) - a);
+  };
+  const float near = plane(0);
+  const float value = near + share[2] * (plane(1) - near);
+  // Sheets lie where the noise passes its middle.
+  const float off = (value - 0.5F) * (1.0F / 0.08F);
+  return 1.0F / (1.0F + off * off);
+}
+
+void FibreStreaks::ApplyRow(const slicing::kernels::Lines& lines, float s, int lanes,
+                            float* intensity) const {
+  for (int l = 0; l < lanes; ++l) {
+    Eigen::Vector3f index;
+    Eigen::Vector3f step;
+    for (int a = 0; a < 3; ++a) {
+      step[a] = lines.step[a][l];
+      index[a] = lines.start[a][l] + s * step[a];
+    }
+    const Eigen::Array3f nearest = (index.array() + 0.5F).floor();
+    if ((nearest < 0.0F).any() || (nearest >= size_.cast<float>()).any()) continue;
+    const Eigen::Array3i voxel = nearest.cast<int>();
+    const auto at = (static_cast<std::size_t>(voxel[2]) * static_cast<std::size_t>(size_[1]) +
+                     static_cast<std::size_t>(voxel[1])) *
+                        static_cast<std::size_t>(size_[0]) +
+                    static_cast<std::size_t>(voxel[0]);
+    if (code_[at] == 0) continue;
+    const Fibre& fibre = fibres_[code_[at] - 1U];
+    const Eigen::Vector3f beam = (step.array() * spacing_mm_).matrix().normalized();
+    const float cosine = beam.dot(fibre.along);
+    const auto across = static_cast<float>(FibreIntensity(double{cosine}));
+    // Sheets mirror: they fade as the square of what single fibres send back.
+    const float sheet = SheetAt(fibre.cells_from_index * index);
+    intensity[l] *= across * (kBetween + across * kSheet * sheet);
+  }
+}
+
+}  // namespace acus::ultrasound
