@@ -16,7 +16,7 @@ from sources import read_sources
 
 EPILOG = """\
 INPUT has participants.tsv and either the files of each participant as
-sub-XXX/ses-YYY/KIND/NAME, or a table cohort.tsv with the columns participant_id, session_id,
+sub-LABEL/ses-LABEL/KIND/NAME, or a table cohort.tsv with the columns participant_id, session_id,
 kind, path, seed and series that names them wherever they are. Kinds: phantom, ct, labels, phases,
 force_curves, markers_ct, markers_mannequin, target, corridor, recording, scenario.
 

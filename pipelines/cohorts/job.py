@@ -148,6 +148,13 @@ def message_of(log):
     return (messages or lines or ["no message"])[-1][:2000]
 
 
+def remove_partial(job):
+    """What a program that was killed has left beside its output; nobody else makes that now."""
+    folder, name = os.path.split(job["output"])
+    for left in glob.glob(f"{glob.escape(folder) or '.'}/.partial-*-{glob.escape(name)}"):
+        shutil.rmtree(left, ignore_errors=True)
+
+
 def run_program(plan, job, argv, lock):
     """Runs it to its end; returns (exit code, its messages, what it took). It holds the lock with this process: if
     only this process is killed, the next waits for the end of the program."""
@@ -212,6 +219,7 @@ def run(plan, job, lock):
         link_sources(job)
         argv = expanded(argv)
         inputs = inputs_of(job, argv, records)
+        remove_partial(job)
         code, text, measured = run_program(plan, job, argv, lock)
         if code < 0:
             return fail(plan, job, argv, code, f"ended by signal {-code} ({signal.Signals(-code).name})")

@@ -41,7 +41,7 @@ def _from_table(folder, table):
 
 
 def _from_layout(folder):
-    """The same of the files sub-XXX/ses-YYY/KIND/NAME; ses-YYY may be missing."""
+    """The same of the files sub-LABEL/ses-LABEL/KIND/NAME; ses-LABEL may be missing."""
     for subject in sorted(p for p in folder.glob("sub-*") if p.is_dir()):
         sessions = sorted(p for p in subject.glob("ses-*") if p.is_dir()) or [subject]
         for session in sessions:
@@ -81,7 +81,7 @@ def read_sources(folder):
             raise UserError(f"{where}: a second {kind} of {subject} {session}; there may be one. "
                             "Another session (session_id) may have another")
     if not people:
-        raise UserError(f"{folder}: no cohort.tsv and no sub-XXX folders with one of "
+        raise UserError(f"{folder}: no cohort.tsv and no sub-LABEL folders with one of "
                         f"{', '.join(KINDS)} inside")
     if (folder / "participants.tsv").exists():
         header, rows = read_tsv(folder / "participants.tsv")

@@ -91,7 +91,7 @@ if unshare -rm true 2>/dev/null; then
     --cores 2 2>err; echo \$? >code; find disk/out -name '*partial*' -not -path '*/work/*' >left
     mount -o remount,size=100m disk; '$source/pipelines/cohort' . disk/out --participant-label 01 \
     --set /effects/ultrasound=null --set /image_rate_hz=1 --scenario '$source/testdata/small_scenario.json' \
-    --cores 2 2>err2 && diff -r disk/out/sub-01 whole/sub-01" >disk.diff || fail "after a full disk: $(cat disk.diff err2)"
+    --cores 2 2>err2 && diff -r disk/out/sub-01 parts/sub-01" >disk.diff || fail "after a full disk: $(cat disk.diff err2)"
   [[ $(cat code) =~ ^[34]$ ]] || fail "a full disk: code $(cat code), $(cat err)"
   [[ ! -s left ]] || fail "left on a full disk: $(cat left)"
 fi
