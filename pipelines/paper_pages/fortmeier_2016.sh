@@ -4,7 +4,7 @@ page "Fortmeier-2016: direct visuo-haptic 4D volume rendering using respiratory 
 say "patient, session and motion models"
 patient liver_ptc patient
 session=patient/sessions/liver_ptc
-resolution=128
+resolution=64
 [[ -z $quick ]] || resolution=32
 for model in surrogate full_cycle; do
   acus-breathing --single patient/ct.nrrd --labels patient/labels.seg.nrrd --model $model \

@@ -2,9 +2,10 @@
 # The preset of one paper as a user meets it: checked, explained, replayed; its effect plan and its numbers held.
 # Usage: run_paper.sh SOURCE_FOLDER FOLDER NAME
 set -euo pipefail
+no_images=() # Of common.sh.
 root=$1 output=$2 paper=$3
 export PATH="$ACUS_BIN:$PATH"
-# shellcheck source=pipelines/paper_pages/common.sh
+# shellcheck source=/dev/null
 source "$root/pipelines/paper_pages/common.sh"
 rm -rf "$output"
 mkdir -p "$output"

@@ -120,7 +120,7 @@ FramePatient ReadFramePatient(const scenario::Scenario& scenario, const std::str
       ": /effects/ultrasound/model: must be 'aperture', the model that frames are compared "
       "with");
   FramePatient out;
-  out.settings = simulation::ReadApertureSettings(*scenario.ultrasound);
+  out.settings = simulation::ReadApertureSettings(*scenario.ultrasound, nullptr);
   context.provenance.AddInput(scenario.ultrasound->acoustics);
   const Eigen::AlignedBox3d box = FieldOfViewBox(probe, start, margin_mm);
   const bool from_surfaces = !scenario.patient.surfaces.empty();
