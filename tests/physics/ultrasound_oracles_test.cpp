@@ -1,4 +1,5 @@
-// The aperture model beside tables of independent simulators: testdata/ultrasound_oracles/README.md.
+// The aperture model beside tables of independent simulators:
+// testdata/ultrasound_oracles/README.md.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -86,7 +87,8 @@ PointSpread SpreadAt(const acoustics::Probe& probe, double depth_mm) {
     across.push_back(std::sqrt(double{intensity.row(sample)[l]}));
   }
   for (int k = 0; k < grid.samples; ++k) along.push_back(std::sqrt(double{intensity.row(k)[line]}));
-  return {OracleHalfWidth(across) * grid.LateralSpacingMm(sample), OracleHalfWidth(along) * grid.step_mm};
+  return {OracleHalfWidth(across) * grid.LateralSpacingMm(sample),
+          OracleHalfWidth(along) * grid.step_mm};
 }
 
 /// How much the directivity of elements widens the focus of an aperture: from a rectangular one
@@ -101,23 +103,22 @@ double WidenedBy(const acoustics::Probe& probe, double depth_mm) {
     const double above = probe.radius_mm * (1.0 - std::cos(turn));
     sine = std::sin(turn + std::atan2(beside, depth_mm + above));
   }
-  const double width =
-      SideLobes::kElementShare * probe.pitch_mm / acoustics::WavelengthMm(probe);
+  const double width = SideLobes::kElementShare * probe.pitch_mm / acoustics::WavelengthMm(probe);
   return 0.36 * (1.0 - ElementDirectivity(width, sine));
 }
 
-// Widths across: in the focus the product of two Gaussians for a rectangular aperture is 4 % narrower
-// than sinc^2, and the directivity, which takes the upper end of the band, adds 3 %; out of the focus
-// a Gaussian beam stands for Fresnel's pattern of a rectangular aperture, 10 %. The filter leaves
-// points narrower than speckle by half of its grain, 3 %. Along: a Gaussian spectrum gives the shortest pulse of its
-// -6 dB bandwidth, 0.441 c / B; a rectangular one the longest, 0.603 c / B; 3 % for the band as
-// above.
+// Widths across: in the focus the product of two Gaussians for a rectangular aperture is 4 %
+// narrower than sinc^2, and the directivity, which takes the upper end of the band, adds 3 %; out
+// of the focus a Gaussian beam stands for Fresnel's pattern of a rectangular aperture, 10 %. The
+// filter leaves points narrower than speckle by half of its grain, 3 %. Along: a Gaussian spectrum
+// gives the shortest pulse of its -6 dB bandwidth, 0.441 c / B; a rectangular one the longest,
+// 0.603 c / B; 3 % for the band as above.
 TEST(UltrasoundOracles, PointSpreadsAreThoseOfSimus) {
   int count = 0;
   for (const auto& row : OracleTable("point_spread_simus.csv")) {
     if (row[1] != "0") continue;
-    acoustics::Probe probe = acoustics::ReadProbe(std::string(ACUS_SOURCE_DIR) + "/configs/probes/" +
-                                                  row[0] + ".json");
+    acoustics::Probe probe =
+        acoustics::ReadProbe(std::string(ACUS_SOURCE_DIR) + "/configs/probes/" + row[0] + ".json");
     const double hertz = probe.frequency_mhz;
     probe.frequency_mhz = std::stod(row[6]);
     probe.fractional_bandwidth = std::stod(row[5]) * hertz / probe.frequency_mhz;
@@ -184,7 +185,7 @@ TEST(UltrasoundOracles, EdgeShadowsOfCylindersAreThoseOfAWaveSolver) {
       // Half of the beam's width at half maximum.
       EXPECT_NEAR(refraction.ShiftMm(line, 360).x(), std::stod(row[3]), 0.74)
           << speed << " " << line_mm;
-        if (wave < darkest_wave) {
+      if (wave < darkest_wave) {
         darkest_wave = wave;
         wave_at = line_mm;
       }

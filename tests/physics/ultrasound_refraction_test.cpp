@@ -1,4 +1,5 @@
-// Rays bent by the speed of sound against closed forms: range, Snell's law, cylinders, edge shadows.
+// Rays bent by the speed of sound against closed forms: range, Snell's law, cylinders, edge
+// shadows.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -45,16 +46,18 @@ struct TracedRays {
       : probe(with_probe),
         rows(acoustics::BeamGridOf(probe)),
         rays(probe, rows, directions),
-        refraction(SpeedVolume(block.tissue(),
-                               BeamMaterials(block.tissue(), BeamOptions(), probe, 1.0)),
-                   block.labels.geometry, probe, rows, rays) {
+        refraction(
+            SpeedVolume(block.tissue(), BeamMaterials(block.tissue(), BeamOptions(), probe, 1.0)),
+            block.labels.geometry, probe, rows, rays) {
     refraction.Trace(FaceAt(kFaceX, kFaceY, 4.0), nullptr, 2);
   }
   int LineAt(double x_mm) const {
     return static_cast<int>(
         std::lround(x_mm / rows.LateralSpacingMm(0) + 0.5 * (rows.lines() - 1)));
   }
-  int RowAt(double depth_mm) const { return static_cast<int>(std::lround(depth_mm / rows.step_mm)); }
+  int RowAt(double depth_mm) const {
+    return static_cast<int>(std::lround(depth_mm / rows.step_mm));
+  }
   Eigen::Vector2d Seen(double x_mm, double depth_mm) const {
     const int line = LineAt(x_mm);
     const int row = RowAt(depth_mm);
@@ -192,10 +195,9 @@ TEST(UltrasoundRefraction, EdgesOfACystThrowShadows) {
 TEST(UltrasoundRefraction, ImagesShowRangeAtTheScannersSpeed) {
   acoustics::TissueAcousticsTable table =
       TableOf({{"near", Clear(1450.0, 1.5)}, {"far", Clear(1450.0, 1.7)}});
-  const volume::LabelMap labels =
-      LabelledBlock({128, 128, 40}, 0.5, {{1, "near"}, {2, "far"}}, [](double, double y, double) {
-        return static_cast<volume::Label>(y > 40.0 ? 2 : 1);
-      });
+  const volume::LabelMap labels = LabelledBlock(
+      {128, 128, 40}, 0.5, {{1, "near"}, {2, "far"}},
+      [](double, double y, double) { return static_cast<volume::Label>(y > 40.0 ? 2 : 1); });
   ApertureOptions options;
   options.speckle = options.texture = options.clutter = options.noise = options.ring_down = false;
   options.rough_layer_mm = 0.0;

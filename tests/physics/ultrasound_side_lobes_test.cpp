@@ -77,9 +77,9 @@ TEST(UltrasoundSideLobes, ShortPulsesSmearGratingLobes) {
       const double spread = 2.0 * std::numbers::pi * b * n;
       expected += (1.0 - std::abs(n) / double{kElements}) * std::exp(-spread * spread) / kElements;
     }
-    EXPECT_NEAR(LobeDb(ArrayEnergy(1.5, kElements, 1.0 / 1.5, bandwidth,
-                                   Apodisation::kRectangular)),
-                LobeDb(expected), 0.01);
+    EXPECT_NEAR(
+        LobeDb(ArrayEnergy(1.5, kElements, 1.0 / 1.5, bandwidth, Apodisation::kRectangular)),
+        LobeDb(expected), 0.01);
   }
 }
 

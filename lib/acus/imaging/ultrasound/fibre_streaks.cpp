@@ -14,7 +14,8 @@ constexpr float kBetween = 0.2274F;
 constexpr float kSheet = 9.0F * kBetween;
 
 float UniformAt(int x, int y, int z, std::uint32_t seed) {
-  auto h = static_cast<std::uint32_t>(x) * 0x9E3779B1U ^ static_cast<std::uint32_t>(y) * 0x85EBCA77U ^
+  auto h = static_cast<std::uint32_t>(x) * 0x9E3779B1U ^
+           static_cast<std::uint32_t>(y) * 0x85EBCA77U ^
            static_cast<std::uint32_t>(z) * 0xC2B2AE3DU ^ seed;
   h = (h ^ h >> 15) * 0x2C1B3C6DU;
   h = (h ^ h >> 13) * 0x297A2D39U;

@@ -23,7 +23,7 @@ namespace acus::ultrasound {
 /// point spread,
 ///   G^2 = sum_d w_d sum_e w_e K_de,   r = sum_d w_d r_d sum_e w_e K_de / G^2:
 /// the share of the two-way intensity that is left, and the place that is seen. Equal places give
-/// G = 1. Within the plane only.
+/// G = 1. Rays that end in bone have no part in either. Within the plane only.
 class Refraction final : public slicing::RestMap {
  public:
   /// Keeps references to `rows` and `rays`.
@@ -33,8 +33,7 @@ class Refraction final : public slicing::RestMap {
 
   /// Follows all rays. The same results with any number of threads.
   /// @param rest  Where the tissue was at rest; null: it has not moved. Used until the next call.
-  void Trace(const Eigen::Isometry3d& ct_from_probe, const slicing::RestMap* rest,
-             int num_threads);
+  void Trace(const Eigen::Isometry3d& ct_from_probe, const slicing::RestMap* rest, int num_threads);
 
   /// gain[line] = G at a row of tissue: two-way amplitude.
   void GainRow(int row, float* gain) const;
@@ -69,7 +68,7 @@ class Refraction final : public slicing::RestMap {
   const ApertureRays& rays_;
   bool fan_;
   double radius_mm_;
-  double line_;  ///< Of neighbouring lines: mm, or rad of a fan.
+  double line_;                   ///< Of neighbouring lines: mm, or rad of a fan.
   std::vector<double> sigma_mm_;  ///< Of the point spread, by knot row.
   // Raster: 1 / n^2, and the gradient of ln n per mm.
   acoustics::ScanGrid columns_;
@@ -87,6 +86,7 @@ class Refraction final : public slicing::RestMap {
   int rows_per_knot_;
   double lines_per_knot_;
   std::vector<Eigen::Array2f> bend_mm_;  ///< Of rays: by direction, row, start.
+  std::vector<float> left_;              ///< Energy of rays, likewise: bone ends them.
   std::vector<Eigen::Array2f> shift_mm_;
   std::vector<float> gain_;
   // Of the image that is being rendered.

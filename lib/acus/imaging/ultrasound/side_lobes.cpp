@@ -20,9 +20,12 @@ constexpr int kSines = 1024;  ///< Of a table over 0 to 2.
 double WeightOf(Apodisation apodisation, double place) {
   const double angle = std::numbers::pi * place;  // place: -1/2 to 1/2
   switch (apodisation) {
-    case Apodisation::kCosine: return std::cos(angle);
-    case Apodisation::kHann: return std::cos(angle) * std::cos(angle);
-    case Apodisation::kRectangular: break;
+    case Apodisation::kCosine:
+      return std::cos(angle);
+    case Apodisation::kHann:
+      return std::cos(angle) * std::cos(angle);
+    case Apodisation::kRectangular:
+      break;
   }
   return 1.0;
 }
@@ -32,8 +35,7 @@ double PitchMm(const acoustics::Probe& probe) {
 }
 
 int ElementsOf(const acoustics::Probe& probe, double aperture_mm) {
-  return std::clamp(static_cast<int>(std::lround(aperture_mm / PitchMm(probe))), 1,
-                    probe.elements);
+  return std::clamp(static_cast<int>(std::lround(aperture_mm / PitchMm(probe))), 1, probe.elements);
 }
 
 /// LobeIntensity over sine, 0 to 2.
@@ -49,7 +51,7 @@ std::vector<double> LobeTable(const acoustics::Probe& probe, Apodisation apodisa
 /// What a line sees of a reflector beside it.
 struct View {
   double range_mm = 0.0;
-  double sine = 0.0;    ///< From the line.
+  double sine = 0.0;  ///< From the line.
   double beside_mm = 0.0;
   double directivity = 1.0;  ///< Amplitude, two-way, and of the mirror's lobe.
 };
@@ -81,8 +83,8 @@ View ViewOf(const acoustics::Probe& probe, const acoustics::ScanGrid& rows, doub
   const double sine = std::clamp(view.sine, -1.0, 1.0);
   const double element = ElementDirectivity(
       SideLobes::kElementShare * PitchMm(probe) / acoustics::WavelengthMm(probe), sine);
-  view.directivity = element * element *
-                     MirrorLobe(std::sqrt(1.0 - sine * sine), lobe_deg, diffuse_share);
+  view.directivity =
+      element * element * MirrorLobe(std::sqrt(1.0 - sine * sine), lobe_deg, diffuse_share);
   return view;
 }
 
@@ -148,26 +150,25 @@ double SideLobes::LineOfBin(int bin) const {
   return bin * lines_per_bin_ + 0.5 * (lines_per_bin_ - 1);
 }
 
-void SideLobes::MakeGhosts(const acoustics::Probe& probe, Apodisation apodisation,
-                           double lobe_deg, double diffuse_share) {
-  const double pulse_mm = acoustics::SigmaOfFwhm(acoustics::AxialFwhmMm(probe)) *
-                          std::sqrt(std::numbers::pi);
+void SideLobes::MakeGhosts(const acoustics::Probe& probe, Apodisation apodisation, double lobe_deg,
+                           double diffuse_share) {
+  const double pulse_mm =
+      acoustics::SigmaOfFwhm(acoustics::AxialFwhmMm(probe)) * std::sqrt(std::numbers::pi);
   Ghost* ghost = ghosts_.data();
   for (int step = 0; step < steps_; ++step) {
-    const double depth_mm = std::max(0.5, static_cast<double>(step)) * rows_per_step_ *
-                            rows_.step_mm;
+    const double depth_mm =
+        std::max(0.5, static_cast<double>(step)) * rows_per_step_ * rows_.step_mm;
     const int row = static_cast<int>(depth_mm / rows_.step_mm);
     const double sigma_mm = acoustics::SigmaOfFwhm(acoustics::LateralFwhmMm(probe, depth_mm));
     const std::vector<double> table = LobeTable(probe, apodisation, depth_mm);
     const double aperture_mm = 0.5 * (acoustics::TransmitApertureMm(probe) +
                                       acoustics::ReceiveApertureMm(probe, depth_mm));
     const double bin_mm = lines_per_bin_ * rows_.LateralSpacingMm(std::min(row, rows_.samples - 1));
-    cells_.push_back(
-        static_cast<float>(bin_mm / (sigma_mm * std::sqrt(2.0 * std::numbers::pi))));
+    cells_.push_back(static_cast<float>(bin_mm / (sigma_mm * std::sqrt(2.0 * std::numbers::pi))));
     for (int from = 0; from < bins_; ++from) {
       for (int to = 0; to < bins_; ++to, ++ghost) {
-        const View view = ViewOf(probe, rows_, LineOfBin(from), LineOfBin(to), depth_mm, lobe_deg,
-                                 diffuse_share);
+        const View view =
+            ViewOf(probe, rows_, LineOfBin(from), LineOfBin(to), depth_mm, lobe_deg, diffuse_share);
         if (std::abs(view.beside_mm) < kMainLobe * sigma_mm + 0.5 * bin_mm) continue;
         const auto n = static_cast<std::size_t>(
             std::min(std::abs(view.sine) * 0.5 * kSines, static_cast<double>(kSines)));
@@ -190,8 +191,8 @@ void SideLobes::Spread(const slicing::BeamImage& echoes) {
   std::fill(sums_.begin(), sums_.end(), 0.0F);
   const auto bins = static_cast<std::size_t>(bins_);
   for (int k = 0; k < rows_.samples; ++k) {
-    const auto step = static_cast<std::size_t>(
-        std::min((k + rows_per_step_ / 2) / rows_per_step_, steps_ - 1));
+    const auto step =
+        static_cast<std::size_t>(std::min((k + rows_per_step_ / 2) / rows_per_step_, steps_ - 1));
     const float* row = echoes.row(k);
     for (std::size_t from = 0; from < bins; ++from) {
       const int first = static_cast<int>(from) * lines_per_bin_;

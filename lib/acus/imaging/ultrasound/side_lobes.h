@@ -26,8 +26,8 @@ double ArrayEnergy(double pitch_over_wavelength, int elements, double sine,
 /// radiation pattern of a narrow-strip acoustic transducer, Appl. Phys. Lett. 37:35, 1980).
 double ElementDirectivity(double width_over_wavelength, double sine);
 
-/// Two-way intensity at an angle from the line, relative to the line: ArrayEnergy of the transmitting
-/// and of the receiving aperture at a depth. Without the directivity of elements.
+/// Two-way intensity at an angle from the line, relative to the line: ArrayEnergy of the
+/// transmitting and of the receiving aperture at a depth. Without the directivity of elements.
 double LobeIntensity(const acoustics::Probe& probe, Apodisation apodisation, double depth_mm,
                      double sine);
 
@@ -43,8 +43,8 @@ class SideLobes {
   static constexpr double kElementShare = 0.9;
 
   /// @param rows  Rows of tissue, along the scan lines; kept by reference.
-  SideLobes(const acoustics::Probe& probe, const acoustics::ScanGrid& rows,
-            Apodisation apodisation, double lobe_deg, double diffuse_share);
+  SideLobes(const acoustics::Probe& probe, const acoustics::ScanGrid& rows, Apodisation apodisation,
+            double lobe_deg, double diffuse_share);
 
   bool any() const { return any_; }
 
@@ -56,7 +56,7 @@ class SideLobes {
  private:
   /// Where the echo of a reflector appears in another line.
   struct Ghost {
-    float level = 0.0F;   ///< Intensity in each of its rows; 0: not visible.
+    float level = 0.0F;      ///< Intensity in each of its rows; 0: not visible.
     std::int16_t first = 0;  ///< Row, from that of the reflector.
     std::int16_t count = 0;
   };
@@ -70,9 +70,9 @@ class SideLobes {
   int rows_per_step_;
   int steps_;
   bool any_ = false;
-  std::vector<Ghost> ghosts_;      ///< By step of depth, bin of the reflector, bin of the line.
-  std::vector<float> cells_;       ///< Main lobes in a bin, by step of depth.
-  std::vector<float> sums_;        ///< Changes from row to row, by bin.
+  std::vector<Ghost> ghosts_;  ///< By step of depth, bin of the reflector, bin of the line.
+  std::vector<float> cells_;   ///< Main lobes in a bin, by step of depth.
+  std::vector<float> sums_;    ///< Changes from row to row, by bin.
   slicing::BeamImage added_;
 };
 

@@ -48,8 +48,8 @@ SpeedVolume::SpeedVolume(const BeamTissue& tissue, const BeamMaterials& material
     const int label = tissue.labels != nullptr ? tissue.labels->voxels[n] : 0;
     if (label == 0 && tissue.ct != nullptr) {
       const int hu = tissue.ct->voxels[n] - kLowestHu;
-      code_[n] = of_hu[static_cast<std::size_t>(
-          std::clamp(hu, 0, static_cast<int>(of_hu.size()) - 1))];
+      code_[n] =
+          of_hu[static_cast<std::size_t>(std::clamp(hu, 0, static_cast<int>(of_hu.size()) - 1))];
     } else {
       code_[n] = of_label[static_cast<std::size_t>(label)];
     }

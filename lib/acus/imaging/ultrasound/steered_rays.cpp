@@ -24,8 +24,7 @@ SteeredRays::SteeredRays(const acoustics::Probe& probe, const acoustics::ScanGri
   }
   beside_ = static_cast<int>(std::min(0.7, steepest_rad) / line_rad) + 2;
   rays_ = lines_ + 2 * beside_;
-  const double farthest_mm =
-      0.5 * acoustics::ReceiveApertureMm(probe, (rows_ - 1) * step_mm_);
+  const double farthest_mm = 0.5 * acoustics::ReceiveApertureMm(probe, (rows_ - 1) * step_mm_);
   for (int d = -half; d <= half; ++d) {
     u_mm_.push_back(half > 0 ? farthest_mm * d / (half + 0.5) : 0.0);
   }
@@ -55,8 +54,8 @@ SteeredRays::SteeredRays(const acoustics::Probe& probe, const acoustics::ScanGri
       for (int l = 0; l < lines_; ++l) {
         const double theta = (l - middle) * line_rad;
         const double phi = std::atan2(std::sin(theta) - beside, std::cos(theta));
-        ray[l] = static_cast<float>(
-            std::clamp(phi / line_rad + middle + beside_, 0.0, rays_ - 1.0));
+        ray[l] =
+            static_cast<float>(std::clamp(phi / line_rad + middle + beside_, 0.0, rays_ - 1.0));
       }
     }
     for (std::size_t d = 0; d < u_mm_.size(); ++d) {

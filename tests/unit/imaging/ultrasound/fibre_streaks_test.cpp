@@ -14,11 +14,9 @@ using testing_support::LabelledBlock;
 /// Intensities of one line of 16 lanes 0.5 mm apart, at 100 mm along y, from even tissue.
 class FibreStreaksTest : public testing::Test {
  protected:
-  volume::LabelMap labels_ =
-      LabelledBlock({100, 100, 100}, 1.0, {{1, "muscle"}, {2, "fat"}},
-                    [](double, double, double z) {
-                      return static_cast<volume::Label>(z < 90.0 ? 1 : 2);
-                    });
+  volume::LabelMap labels_ = LabelledBlock(
+      {100, 100, 100}, 1.0, {{1, "muscle"}, {2, "fat"}},
+      [](double, double, double z) { return static_cast<volume::Label>(z < 90.0 ? 1 : 2); });
 
   FibreStreaks Make(const Eigen::Vector3d& along) const {
     BeamTissue tissue{.labels = &labels_};
@@ -65,7 +63,7 @@ class FibreStreaksTest : public testing::Test {
 TEST_F(FibreStreaksTest, FibresAnswerByTheirAngle) {
   EXPECT_NEAR(10.0 * std::log10(FibreIntensity(std::sqrt(0.5))), -10.0, 1e-9);
   EXPECT_NEAR(Mean(Make({0, 1, 0})), 1.0, 0.05);
-  EXPECT_NEAR(Mean(Make({0.3, 1, 2})) , Mean(Make({0.3, 2, 1})), 0.1);
+  EXPECT_NEAR(Mean(Make({0.3, 1, 2})), Mean(Make({0.3, 2, 1})), 0.1);
   // At 45 degrees: 10 dB lower between the sheets, 20 dB lower in them.
   const double oblique = 0.1 * (0.2274 + 0.1 * (1.0 - 0.2274));
   EXPECT_NEAR(Mean(Make({1, 1, 0})) / oblique, 1.0, 0.05);
