@@ -123,6 +123,7 @@ Refraction::Refraction(SpeedVolume speed, const volume::Geometry& geometry,
   raster_.resize(index_.size());
   const auto knots = static_cast<std::size_t>(knot_lines_) * static_cast<std::size_t>(knot_rows_);
   shift_mm_.assign(knots, Eigen::Array2f::Zero());
+  component_mm_.resize(knots);
   gain_.assign(knots, 1.0F);
   bend_mm_.assign(knots * static_cast<std::size_t>(rays.directions()), Eigen::Array2f::Zero());
   left_.assign(bend_mm_.size(), 1.0F);
@@ -289,6 +290,13 @@ void Refraction::Trace(const Eigen::Isometry3d& ct_from_probe, const slicing::Re
     const int end = std::min(knot_rows_, (piece + 1) * kRows);
     for (int j = piece * kRows; j < end; ++j) CombineRow(j);
   });
+  // A beam is wider than a knot: what it sees does not jump from one to the next. One ray is no
+  // beam.
+  for (int axis = 0; axis < 2 && rays_.directions() > 1; ++axis) {
+    for (std::size_t n = 0; n < shift_mm_.size(); ++n) component_mm_[n] = shift_mm_[n][axis];
+    SmoothSlice(component_mm_, knot_lines_, knot_rows_, smooth_);
+    for (std::size_t n = 0; n < shift_mm_.size(); ++n) shift_mm_[n][axis] = component_mm_[n];
+  }
 }
 
 Refraction::Cell Refraction::CellAt(double line, double row) const {

@@ -88,6 +88,7 @@ class Refraction final : public slicing::RestMap {
   std::vector<Eigen::Array2f> bend_mm_;  ///< Of rays: by direction, row, start.
   std::vector<float> left_;              ///< Energy of rays, likewise: bone ends them.
   std::vector<Eigen::Array2f> shift_mm_;
+  std::vector<float> component_mm_;
   std::vector<float> gain_;
   // Of the image that is being rendered.
   Eigen::Isometry3d ct_from_probe_ = Eigen::Isometry3d::Identity();
