@@ -16,6 +16,12 @@ constexpr double kKnotRowMm = 1.0;
 /// The raster goes on beside the outermost lines, for rays that leave them.
 constexpr double kMarginMm = 6.0;
 constexpr int kRasterRowsPerPiece = 16;
+/// (c / c0)^2 of the fastest soft tissue and of bone, and what bone takes of the energy per mm, one
+/// way: 40 dB there and back.
+constexpr float kSoft = 1.5F;
+constexpr float kBone = 4.0F;
+constexpr float kBoneNepersPerMm = 4.6F;
+constexpr float kDark = 0.01F;
 constexpr std::size_t kMostDirections = 32;
 
 /// Columns of a raster over everything that the lines of a grid see.
@@ -117,8 +123,10 @@ Refraction::Refraction(SpeedVolume speed, const volume::Geometry& geometry,
   raster_.resize(index_.size());
   const auto knots = static_cast<std::size_t>(knot_lines_) * static_cast<std::size_t>(knot_rows_);
   shift_mm_.assign(knots, Eigen::Array2f::Zero());
+  component_mm_.resize(knots);
   gain_.assign(knots, 1.0F);
   bend_mm_.assign(knots * static_cast<std::size_t>(rays.directions()), Eigen::Array2f::Zero());
+  left_.assign(bend_mm_.size(), 1.0F);
 }
 
 void Refraction::FillRaster(int num_threads) {
@@ -174,6 +182,7 @@ void Refraction::FollowRays(int direction) {
   const double cosine = 1.0 / std::sqrt(1.0 + tangent * tangent);
   const auto plane = static_cast<std::size_t>(knot_lines_) * static_cast<std::size_t>(knot_rows_);
   Eigen::Array2f* bend = bend_mm_.data() + static_cast<std::size_t>(direction) * plane;
+  float* left = left_.data() + static_cast<std::size_t>(direction) * plane;
   for (int i = 0; i < knot_lines_; ++i) {
     const double line = i * lines_per_knot_;
     const auto l =
@@ -190,7 +199,9 @@ void Refraction::FollowRays(int direction) {
     float inverse_n2 = At(place)[0];
     Eigen::Array2f v = straight / std::sqrt(inverse_n2);
     double before_mm = 0.0;
+    float energy = 1.0F;
     bend[i].setZero();
+    left[i] = energy;
     for (int j = 1; j < knot_rows_ && (j - 1) * rows_per_knot_ <= rays_.LastRow(direction); ++j) {
       const int row = j * rows_per_knot_;
       const double depth_mm = row * rows_.step_mm;
@@ -204,10 +215,16 @@ void Refraction::FollowRays(int direction) {
       const Eigen::Array4f middle = At(place + 0.5F * step * inverse_n2 * v);
       const Eigen::Array2f turn = step * middle.segment<2>(1);
       inverse_n2 = middle[0];
+      if (inverse_n2 > kSoft) {
+        const float bone = std::min((inverse_n2 - kSoft) / (kBone - kSoft), 1.0F);
+        energy *= ExpMinus(kBoneNepersPerMm * bone * step);
+        if (energy < kDark) energy = 0.0F;
+      }
       place += step * inverse_n2 * (v + 0.5F * turn);
       v += turn;
-      bend[static_cast<std::ptrdiff_t>(j) * knot_lines_ + i] =
-          place - first - static_cast<float>(length_mm) * straight;
+      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(j) * knot_lines_ + i;
+      bend[at] = place - first - static_cast<float>(length_mm) * straight;
+      left[at] = energy;
     }
   }
 }
@@ -231,12 +248,15 @@ void Refraction::CombineRow(int knot_row) {
       if (weight <= 0.0F || start < 0.0 || start > knot_lines_ - 1) continue;
       const int low = std::min(static_cast<int>(start), knot_lines_ - 2);
       const auto share = static_cast<float>(start - low);
-      const Eigen::Array2f* bend = bend_mm_.data() + static_cast<std::size_t>(d) * plane + at_row +
-                                   static_cast<std::size_t>(low);
+      const std::size_t at =
+          static_cast<std::size_t>(d) * plane + at_row + static_cast<std::size_t>(low);
+      const float first = (1.0F - share) * left_[at];
+      const float second = share * left_[at + 1];
+      if (first + second < kDark) continue;
       const std::size_t n = bundle.count++;
-      bundle.bend_mm[n] = bend[0] + share * (bend[1] - bend[0]);
+      bundle.bend_mm[n] = (first * bend_mm_[at] + second * bend_mm_[at + 1]) / (first + second);
       bundle.across[n] = (bundle.bend_mm[n] * across).sum() * per_sigma;
-      bundle.weight[n] = weight * weight;
+      bundle.weight[n] = weight * weight * (first + second);
       sum += bundle.weight[n];
     }
     const std::size_t knot = at_row + static_cast<std::size_t>(i);
@@ -270,6 +290,13 @@ void Refraction::Trace(const Eigen::Isometry3d& ct_from_probe, const slicing::Re
     const int end = std::min(knot_rows_, (piece + 1) * kRows);
     for (int j = piece * kRows; j < end; ++j) CombineRow(j);
   });
+  // A beam is wider than a knot: what it sees does not jump from one to the next. One ray is no
+  // beam.
+  for (int axis = 0; axis < 2 && rays_.directions() > 1; ++axis) {
+    for (std::size_t n = 0; n < shift_mm_.size(); ++n) component_mm_[n] = shift_mm_[n][axis];
+    SmoothSlice(component_mm_, knot_lines_, knot_rows_, smooth_);
+    for (std::size_t n = 0; n < shift_mm_.size(); ++n) shift_mm_[n][axis] = component_mm_[n];
+  }
 }
 
 Refraction::Cell Refraction::CellAt(double line, double row) const {

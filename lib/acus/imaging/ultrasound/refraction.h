@@ -23,7 +23,7 @@ namespace acus::ultrasound {
 /// point spread,
 ///   G^2 = sum_d w_d sum_e w_e K_de,   r = sum_d w_d r_d sum_e w_e K_de / G^2:
 /// the share of the two-way intensity that is left, and the place that is seen. Equal places give
-/// G = 1. Within the plane only.
+/// G = 1. Rays that end in bone have no part in either. Within the plane only.
 class Refraction final : public slicing::RestMap {
  public:
   /// Keeps references to `rows` and `rays`.
@@ -86,7 +86,9 @@ class Refraction final : public slicing::RestMap {
   int rows_per_knot_;
   double lines_per_knot_;
   std::vector<Eigen::Array2f> bend_mm_;  ///< Of rays: by direction, row, start.
+  std::vector<float> left_;              ///< Energy of rays, likewise: bone ends them.
   std::vector<Eigen::Array2f> shift_mm_;
+  std::vector<float> component_mm_;
   std::vector<float> gain_;
   // Of the image that is being rendered.
   Eigen::Isometry3d ct_from_probe_ = Eigen::Isometry3d::Identity();
