@@ -13,7 +13,7 @@
 namespace acus::frame_registration {
 namespace {
 
-/// Residuals of neighbouring grey levels are not independent, since the model lacks what they show:
+/// Residuals of adjacent grey levels are not independent, since the model lacks what they show:
 /// this share of independent values counts. Chosen so that the stated standard deviations agree
 /// with the errors on recorded frames (docs/models/frame_registration.md).
 constexpr double kCountingShare = 0.3;
