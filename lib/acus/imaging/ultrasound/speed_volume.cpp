@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "acus/imaging/acoustics/beam_width.h"
+#include "acus/imaging/ultrasound/binomial_window.h"
 
 namespace acus::ultrasound {
 namespace {
@@ -17,12 +18,15 @@ constexpr double kSoftIndex = 0.80;
 constexpr double kBoneUnit = (kSoftIndex - kLowestIndex) / kBoneCodes;
 constexpr double kSoftUnit = (1.0 - kSoftIndex) / 128;  // 1 has a code; up to 1.12.
 
-std::uint8_t CodeOfSpeed(double speed_m_per_s) {
-  const double index =
-      speed_m_per_s < kGasSpeedMPerS ? 1.0 : acoustics::kScannerSpeedMPerS / speed_m_per_s;
+std::uint8_t CodeOfIndex(double index) {
   const double code = index < kSoftIndex ? (index - kLowestIndex) / kBoneUnit
                                          : kBoneCodes + (index - kSoftIndex) / kSoftUnit;
   return static_cast<std::uint8_t>(std::clamp(std::lround(code), 0L, 255L));
+}
+
+std::uint8_t CodeOfSpeed(double speed_m_per_s) {
+  return CodeOfIndex(
+      speed_m_per_s < kGasSpeedMPerS ? 1.0 : acoustics::kScannerSpeedMPerS / speed_m_per_s);
 }
 
 }  // namespace
@@ -41,18 +45,36 @@ SpeedVolume::SpeedVolume(const BeamTissue& tissue, const BeamMaterials& material
   constexpr int kLowestHu = -1024;
   std::vector<std::uint8_t> of_hu;
   for (int hu = kLowestHu; hu < 3072; ++hu) of_hu.push_back(CodeOfSpeed(materials.SpeedAtHu(hu)));
-  const std::size_t count =
-      tissue.labels != nullptr ? tissue.labels->voxels.size() : tissue.ct->voxels.size();
-  code_.resize(count);
-  for (std::size_t n = 0; n < count; ++n) {
+  const auto code_at = [&](std::size_t n) {
     const int label = tissue.labels != nullptr ? tissue.labels->voxels[n] : 0;
-    if (label == 0 && tissue.ct != nullptr) {
-      const int hu = tissue.ct->voxels[n] - kLowestHu;
-      code_[n] =
-          of_hu[static_cast<std::size_t>(std::clamp(hu, 0, static_cast<int>(of_hu.size()) - 1))];
-    } else {
-      code_[n] = of_label[static_cast<std::size_t>(label)];
-    }
+    if (label != 0 || tissue.ct == nullptr) return of_label[static_cast<std::size_t>(label)];
+    const int hu = tissue.ct->voxels[n] - kLowestHu;
+    return of_hu[static_cast<std::size_t>(std::clamp(hu, 0, static_cast<int>(of_hu.size()) - 1))];
+  };
+  code_.resize(static_cast<std::size_t>(size_[0]) * size_[1] * size_[2]);
+  Smooth(code_at);
+}
+
+template <typename CodeAt>
+void SpeedVolume::Smooth(const CodeAt& code_at) {
+  const auto plane = static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]);
+  std::array<std::vector<float>, 2 * kBinomialReach + 1> ring;
+  for (auto& slice : ring) slice.resize(plane);
+  std::vector<float> scratch;
+  const auto read = [&](int k) {
+    std::vector<float>& slice = ring[RingSlot(k)];
+    const std::size_t first = plane * static_cast<std::size_t>(std::clamp(k, 0, size_[2] - 1));
+    for (std::size_t n = 0; n < plane; ++n) slice[n] = index_of_code_[code_at(first + n)];
+    SmoothSlice(slice, size_[0], size_[1], scratch);
+  };
+  for (int k = -kBinomialReach; k < kBinomialReach; ++k) read(k);
+  std::vector<float> smooth(plane);
+  for (int k = 0; k < size_[2]; ++k) {
+    read(k + kBinomialReach);
+    SmoothRing(
+        k, [&](std::size_t slot) -> const auto& { return ring[slot]; }, smooth);
+    std::uint8_t* out = code_.data() + plane * static_cast<std::size_t>(k);
+    for (std::size_t n = 0; n < plane; ++n) out[n] = CodeOfIndex(smooth[n]);
   }
 }
 

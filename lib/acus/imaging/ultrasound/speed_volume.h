@@ -12,9 +12,10 @@
 
 namespace acus::ultrasound {
 
-/// Refractive index n = c0 / c of each voxel, c0 = 1540 m/s, in one byte: within 0.0008 for soft
-/// tissue, 0.005 for bone. Gas, and what lies around the patient, count as gel of c0: sound that
-/// meets gas does not go on.
+/// Refractive index n = c0 / c of each voxel, c0 = 1540 m/s, smoothed by a binomial window of one
+/// voxel along each axis, so that stairs of labels bend no rays. In one byte: within 0.0008 for
+/// soft tissue, 0.005 for bone. Gas, and what lies around the patient, count as gel of c0: sound
+/// that meets gas does not go on.
 class SpeedVolume {
  public:
   /// Reads labels and CT once; keeps nothing of them.
@@ -24,6 +25,9 @@ class SpeedVolume {
   void SampleRow(const slicing::kernels::Lines& lines, float s, int lanes, float* index) const;
 
  private:
+  template <typename CodeAt>
+  void Smooth(const CodeAt& code_at);
+
   std::array<float, 256> index_of_code_{};
   std::vector<std::uint8_t> code_;
   Eigen::Array3i size_;

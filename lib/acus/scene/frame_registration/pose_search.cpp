@@ -113,9 +113,14 @@ std::vector<Candidate> RandomCandidates(const SearchSettings& settings, std::uin
   return out;
 }
 
-/// Negative second derivatives of the log posterior, by steps to both sides along each axis and
-/// each pair of axes.
-Matrix6 CurvatureAt(std::vector<Posterior>& posteriors, const PoseChange& middle) {
+/// Log posterior around a change: gradient and negative second derivatives.
+struct Slopes {
+  PoseChange gradient;
+  Matrix6 curvature;
+};
+
+/// By steps to both sides along each axis and each pair of axes.
+Slopes SlopesAt(std::vector<Posterior>& posteriors, const PoseChange& middle) {
   std::vector<PoseChange> steps = {PoseChange::Zero()};
   for (int i = 0; i < 6; ++i) {
     for (int j = i; j < 6; ++j) {
@@ -133,18 +138,19 @@ Matrix6 CurvatureAt(std::vector<Posterior>& posteriors, const PoseChange& middle
       values[n] = posteriors[first].At(middle + steps[n]);
     }
   });
+  Slopes out;
   Matrix6 along;
   std::size_t next = 1;
   for (int i = 0; i < 6; ++i) {
     for (int j = i; j < 6; ++j, next += 2) {
       along(i, j) =
           (2.0 * values[0] - values[next] - values[next + 1]) / (kDerivativeStep * kDerivativeStep);
+      if (i == j) out.gradient[i] = (values[next] - values[next + 1]) / (2.0 * kDerivativeStep);
     }
   }
-  Matrix6 out;
   for (int i = 0; i < 6; ++i) {
     for (int j = i; j < 6; ++j) {
-      out(i, j) = out(j, i) =
+      out.curvature(i, j) = out.curvature(j, i) =
           i == j ? along(i, i) : 0.5 * (along(i, j) - along(i, i) - along(j, j));
     }
   }
@@ -161,6 +167,18 @@ Matrix6 CovarianceOf(const Matrix6& curvature, const SearchSettings& settings) {
   const PoseChange variances = solver.eigenvalues().cwiseMax(1.0).cwiseInverse();
   return start_sd.asDiagonal() * solver.eigenvectors() * variances.asDiagonal() *
          solver.eigenvectors().transpose() * start_sd.asDiagonal();
+}
+
+/// The covariance at the best candidate, after one Newton step of it: the simplex is slow in
+/// directions that hardly matter.
+Matrix6 Finish(std::vector<Posterior>& posteriors, const SearchSettings& settings,
+               Candidate& best) {
+  const Slopes slopes = SlopesAt(posteriors, best.change);
+  const Matrix6 covariance = CovarianceOf(slopes.curvature, settings);
+  Candidate next{.change = best.change + covariance * slopes.gradient};
+  next.log_posterior = posteriors.front().At(next.change);
+  if (IsBetter(next, best)) best = next;
+  return covariance;
 }
 
 std::optional<double> RivalOf(const std::vector<Candidate>& sorted) {
@@ -228,13 +246,14 @@ FramePose FindFramePose(const image::GrayImage& recorded, const acoustics::Probe
   candidates.resize(std::min(candidates.size(), kKeptFine));
   context.Checkpoint("refining poses", 0.7);
   ForAll(fine, candidates, [](Posterior& p, Candidate& c) {
-    Refine(p, 0.7, 200, c);
-    Refine(p, 0.3, 200, c);  // A simplex that has shrunk too early starts again.
+    Refine(p, 2.0, 300, c);
+    Refine(p, 1.0, 300, c);
+    Refine(p, 0.3, 200, c);  // A simplex may shrink too early: it starts again.
   });
   context.Checkpoint("uncertainty", 0.95);
   FramePose out;
+  out.covariance = Finish(fine, settings, candidates.front());
   out.change = candidates.front().change;
-  out.covariance = CovarianceOf(CurvatureAt(fine, out.change), settings);
   out.ct_from_probe = Changed(start, out.change, pivot_mm);
   out.similarity = fine.front().Similarity(out.change);
   out.start_similarity = fine.front().Similarity(PoseChange::Zero());
