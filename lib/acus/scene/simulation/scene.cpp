@@ -120,7 +120,8 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   scene.ct_from_reference = scenario.patient.ct_from_reference;
   const nlohmann::json::json_pointer transform("/patient/ct_from_reference_file");
   if (scenario.effective.contains(transform)) {
-    context.provenance.AddInput(scenario.effective.at(transform).get<std::string>());
+    context.provenance.AddInput(scenario.file.parent_path() /
+                                scenario.effective.at(transform).get<std::string>());
   }
   scene.image_rate_hz = scenario.image_rate_hz;
   if (scenario.ct_slice) {
