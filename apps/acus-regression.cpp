@@ -61,8 +61,7 @@ int main(int argc, char** argv) {
       "EXAMPLE\n"
       "  acus-regression run suite -o result || true\n"
       "  acus-regression accept suite result\n"
-      "  acus-regression run suite -o second_result\n"
-      "  acus-regression bisect run_of_one_build run_of_another");
+      "  acus-regression run suite -o second_result");
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     if (bisect->parsed()) {
       const Bisection found = Bisect(run_a, run_b);

@@ -9,11 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 #include <vector>
 
 #include "acus/base/core/random.h"
@@ -21,16 +18,17 @@
 #include "acus/patient/segmentation/rasterise.h"
 #include "acus/scene/frame_registration/frame_patient.h"
 #include "acus/scene/frame_registration/pose_search.h"
+#include "support/leg_sweep.h"
 #include "support/shared_data.h"
 
 namespace acus::frame_registration {
 namespace {
 
-namespace fs = std::filesystem;
+using testing_support::LegFrame;
 
-constexpr int kWidthPx = 950;
-constexpr int kHeightPx = 811;
-constexpr double kMmPerPx = 0.05392;
+constexpr int kWidthPx = testing_support::kLegWidthPx;
+constexpr int kHeightPx = testing_support::kLegHeightPx;
+constexpr double kMmPerPx = testing_support::kLegMmPerPx;
 constexpr double kHalfWidthMm = 0.5 * kWidthPx * kMmPerPx;
 /// The tracked poses are off by a constant in the image: the mean shift of the bone, lateral and
 /// axial, by fits of every second frame, none of which is looked at here. It is taken out.
@@ -38,58 +36,9 @@ const Eigen::Translation3d kOffsetMm(-0.79, -0.31, 0.0);
 /// Every so many frames are looked at here; docs/models/frame_registration.md has all.
 constexpr std::size_t kStride = 8;
 
-Eigen::Isometry3d LegPose(const Eigen::Vector3d& place_mm, const Eigen::Vector3d& euler_deg) {
-  const Eigen::Vector3d angle = euler_deg * std::numbers::pi / 180.0;
-  return Eigen::Translation3d(place_mm) * Eigen::AngleAxisd(angle.z(), Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(angle.y(), Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(angle.x(), Eigen::Vector3d::UnitX());
-}
-
-struct LegFrame {
-  fs::path image;
-  Eigen::Isometry3d ct_from_probe;
-};
-
-std::vector<LegFrame> LegFrames(const fs::path& folder) {
-  const Eigen::Isometry3d marker_from_probe =
-      LegPose({26.44694442, -0.52572229, 128.00100047}, {92.48865621, -0.46874914, 179.2277322}) *
-      Eigen::Translation3d(kHalfWidthMm, 0.0, 0.0);
-  std::vector<LegFrame> frames;
-  std::ifstream in(folder / "sweep_initial.csv");
-  std::string line;
-  std::getline(in, line);
-  while (std::getline(in, line)) {
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream row(line);
-    std::string time;
-    double scale = 0.0;
-    Eigen::Vector3d place;
-    Eigen::Vector3d euler;
-    row >> time >> scale >> place.x() >> place.y() >> place.z() >> euler.x() >> euler.y() >>
-        euler.z();
-    frames.push_back(
-        {folder / "frames" / (time + ".png"), LegPose(place, euler) * marker_from_probe});
-  }
-  return frames;
-}
-
-/// As tests/data/ultrasound_bone_test.cpp chose it.
-acoustics::Probe LegProbe() {
-  acoustics::Probe probe = acoustics::DefaultProbe();
-  probe.kind = acoustics::ProbeKind::kLinear;
-  probe.frequency_mhz = 7.5;
-  probe.fractional_bandwidth = 0.7;
-  probe.width_mm = kWidthPx * kMmPerPx;
-  probe.depth_mm = kHeightPx * kMmPerPx;
-  probe.scan_lines = 256;
-  probe.samples_per_line = 1024;
-  probe.focus_mm = probe.elevation_focus_mm = 20.0;
-  probe.image_width_px = kWidthPx;
-  probe.image_height_px = kHeightPx;
-  probe.gain_db = 13.0;
-  probe.tgc_db_per_cm = 5.0;
-  probe.dynamic_range_db = 105.0;
-  return probe;
+/// The probe's origin is the middle of its face.
+Eigen::Isometry3d CtFromProbe(const LegFrame& frame) {
+  return frame.ct_from_image * Eigen::Translation3d(kHalfWidthMm, 0.0, 0.0);
 }
 
 using Segment = std::pair<Eigen::Vector2d, Eigen::Vector2d>;
@@ -167,21 +116,18 @@ TEST(FrameRegistration, FindsTheBoneOfRecordedFramesFromStartsThatAreFiveMillime
   const auto folder = testing_support::SharedData("ultrasound/bone_leg");
   if (!folder) GTEST_SKIP() << "test data ultrasound/bone_leg is not here";
   const mesh::Surface fibula = mesh::ReadSurface(*folder / "Fibula.stl");
-  acoustics::TissueAcousticsTable table = acoustics::ReadTissueAcoustics(
-      fs::path(ACUS_SOURCE_DIR) / "configs" / "acoustics" / "tissues.json");
-  table.tissues.at("muscle").attenuation_db_per_cm_mhz = 0.6;
-  table.tissues.at("muscle").backscatter_db = -50.0;
-  const acoustics::Probe probe = LegProbe();
-  const std::vector<LegFrame> frames = LegFrames(*folder);
+  const acoustics::TissueAcousticsTable table = testing_support::LegTissues();
+  const acoustics::Probe probe = testing_support::LegProbe();
+  const std::vector<LegFrame> frames = testing_support::LegFrames(*folder);
   int within = 0;
   int count = 0;
   double before_mm = 0.0;
   double after_mm = 0.0;
   for (std::size_t n = 1; n < frames.size(); n += kStride) {
-    const auto visible = VisibleOf(CutOf(fibula, frames[n].ct_from_probe));
+    const Eigen::Isometry3d ct_from_probe = CtFromProbe(frames[n]);
+    const auto visible = VisibleOf(CutOf(fibula, ct_from_probe));
     if (visible.size() < 20) continue;
-    const Eigen::Isometry3d start =
-        Changed(frames[n].ct_from_probe, OffBy5(n), 0.5 * probe.depth_mm);
+    const Eigen::Isometry3d start = Changed(ct_from_probe, OffBy5(n), 0.5 * probe.depth_mm);
     const volume::LabelMap labels = LegAround(fibula, FieldOfViewBox(probe, start, 12.0));
     cv::Mat pixels = cv::imread(frames[n].image.string(), cv::IMREAD_GRAYSCALE);
     image::GrayImage frame;

@@ -3,60 +3,24 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <gtest/gtest.h>
 #include <map>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 
 #include "acus/data/mesh/surface_io.h"
 #include "acus/imaging/ultrasound/aperture_renderer.h"
+#include "support/leg_sweep.h"
 #include "support/shared_data.h"
 
 namespace acus::ultrasound {
 namespace {
 
-namespace fs = std::filesystem;
+using testing_support::LegFrame;
 
-// Of the recordings.
-constexpr int kWidthPx = 950;
-constexpr int kHeightPx = 811;
-constexpr double kMmPerPx = 0.05392;
-
-Eigen::Isometry3d BonePose(const Eigen::Vector3d& place_mm, const Eigen::Vector3d& euler_deg) {
-  const Eigen::Vector3d angle = euler_deg * std::numbers::pi / 180.0;
-  return Eigen::Translation3d(place_mm) * Eigen::AngleAxisd(angle.z(), Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(angle.y(), Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(angle.x(), Eigen::Vector3d::UnitX());
-}
-
-struct BoneFrame {
-  fs::path image;
-  Eigen::Isometry3d image_from_ct;
-};
-
-std::vector<BoneFrame> BoneFrames(const fs::path& folder) {
-  const Eigen::Isometry3d marker_from_image =
-      BonePose({26.44694442, -0.52572229, 128.00100047}, {92.48865621, -0.46874914, 179.2277322});
-  std::vector<BoneFrame> frames;
-  std::ifstream in(folder / "sweep_initial.csv");
-  std::string line;
-  std::getline(in, line);
-  while (std::getline(in, line)) {
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream row(line);
-    std::string time;
-    double scale = 0.0;
-    Eigen::Vector3d place;
-    Eigen::Vector3d euler;
-    row >> time >> scale >> place.x() >> place.y() >> place.z() >> euler.x() >> euler.y() >>
-        euler.z();
-    frames.push_back({.image = folder / "frames" / (time + ".png"),
-                      .image_from_ct = (BonePose(place, euler) * marker_from_image).inverse()});
-  }
-  return frames;
-}
+constexpr int kWidthPx = testing_support::kLegWidthPx;
+constexpr int kHeightPx = testing_support::kLegHeightPx;
+constexpr double kMmPerPx = testing_support::kLegMmPerPx;
 
 /// The bone around the plane of one frame: labels, and where beams meet its surface.
 struct BoneInPlane {
@@ -191,46 +155,23 @@ void MeasureBone(const cv::Mat& image, const BoneInPlane& bone, BoneMeasures& me
   for (const auto& [name, values] : columns) measures[name].push_back(MedianOf(values));
 }
 
-/// The probe's frequency, gain, TGC and compression are not known: chosen so that the grey of soft
-/// tissue and of bone at a right angle is that of every second frame.
-acoustics::Probe BoneProbe() {
-  acoustics::Probe probe = acoustics::DefaultProbe();
-  probe.kind = acoustics::ProbeKind::kLinear;
-  probe.frequency_mhz = 7.5;
-  probe.fractional_bandwidth = 0.7;
-  probe.width_mm = kWidthPx * kMmPerPx;
-  probe.depth_mm = kHeightPx * kMmPerPx;
-  probe.scan_lines = 256;
-  probe.samples_per_line = 1024;
-  probe.focus_mm = probe.elevation_focus_mm = 20.0;
-  probe.image_width_px = kWidthPx;
-  probe.image_height_px = kHeightPx;
-  probe.gain_db = 13.0;
-  probe.tgc_db_per_cm = 5.0;
-  probe.dynamic_range_db = 105.0;
-  return probe;
-}
-
 TEST(BoneInUltrasound, SimulatedFramesLieBetweenTheQuartilesOfTheRecordedOnes) {
   const auto folder = testing_support::SharedData("ultrasound/bone_leg");
   if (!folder) GTEST_SKIP() << "test data ultrasound/bone_leg is not here";
   const mesh::Surface fibula = mesh::ReadSurface(*folder / "Fibula.stl");
-  acoustics::TissueAcousticsTable table = acoustics::ReadTissueAcoustics(
-      fs::path(ACUS_SOURCE_DIR) / "configs" / "acoustics" / "tissues.json");
-  table.tissues.at("muscle").attenuation_db_per_cm_mhz = 0.6;
-  table.tissues.at("muscle").backscatter_db = -50.0;
+  const acoustics::TissueAcousticsTable table = testing_support::LegTissues();
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation().x() = 0.5 * kWidthPx * kMmPerPx;
   BoneMeasures recorded;
   BoneMeasures simulated;
-  for (const BoneFrame& frame : BoneFrames(*folder)) {
-    const BoneInPlane bone = BoneAround(fibula, frame.image_from_ct);
+  for (const LegFrame& frame : testing_support::LegFrames(*folder)) {
+    const BoneInPlane bone = BoneAround(fibula, frame.ct_from_image.inverse());
     if (bone.columns() < 80) continue;
     const cv::Mat real = cv::imread(frame.image.string(), cv::IMREAD_GRAYSCALE);
     ASSERT_EQ(real.cols, kWidthPx) << frame.image;
     MeasureBone(real, bone, recorded);
-    ApertureRenderer renderer({.labels = &bone.labels, .acoustics = &table}, BoneProbe(),
-                              ApertureOptions());
+    ApertureRenderer renderer({.labels = &bone.labels, .acoustics = &table},
+                              testing_support::LegProbe(), ApertureOptions());
     image::GrayImage image;
     renderer.Render(pose, {}, image, 2);
     MeasureBone(cv::Mat(image.height, image.width, CV_8U, image.pixels.data()), bone, simulated);

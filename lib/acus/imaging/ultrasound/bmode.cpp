@@ -49,7 +49,9 @@ void BModeRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   if (needle)
     slicing::PaintNeedle(*needle, ct_from_probe, s.probe.slice_thickness_mm, s.grid, s.hu);
   s.tracer.Trace(s.lines, s.bend, s.hu, s.echo, num_threads);
-  for (int k = 0; k < s.echo.samples(); ++k) s.scan_ends.Clear(k, s.echo.row(k));
+  for (int k = s.scan_ends.earliest(); k < s.echo.samples(); ++k) {
+    s.scan_ends.Clear(k, s.echo.row(k));
+  }
   s.display.Show(s.echo, out, num_threads);
 }
 

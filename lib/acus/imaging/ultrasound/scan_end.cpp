@@ -24,14 +24,19 @@ void ScanEnds::Find(const slicing::BeamImage& hu) {
 
 void ScanEnds::FindAndFill(slicing::BeamImage& hu) {
   Find(hu);
+  bool entering = true;
   for (int k = 0; k < hu.samples(); ++k) {
+    if (!entering && k < earliest_) continue;  // Within the volume: most of the image.
     float* row = hu.row(k);
     const float* above = k > 0 ? hu.row(k - 1) : row;
+    bool any = false;
     for (int l = 0; l < hu.lines(); ++l) {
       const bool left = k > 0 && k >= ends_[static_cast<std::size_t>(l)];
       const bool outside = row[l] == CtSampler::kNotScanned;
       row[l] = left ? above[l] : (outside ? CtSampler::kOutsideHu : row[l]);
+      any = any || (outside && !left);
     }
+    entering = entering && any;
   }
 }
 

@@ -16,6 +16,9 @@ class ScanEnds {
   /// value where it has left it. Allocates only if there are more lines than before.
   void FindAndFill(slicing::BeamImage& hu);
 
+  /// The first sample at which a line has left the volume.
+  int earliest() const { return earliest_; }
+
   /// Sets row `k` to zero where lines have left the volume.
   template <typename Value>
   void Clear(int k, Value* row) const {
