@@ -102,6 +102,7 @@ void BeamTracer::TracePlane(Pass& pass) {
   std::fill_n(work.quiet_until, kLanesPerBlock, 1);
   std::fill_n(work.dry, kLanesPerBlock, true);
   std::fill_n(work.entered, kLanesPerBlock, 0);
+  work.all_entered = false;
   std::fill_n(work.outside, kLanesPerBlock, 0);
   std::fill_n(work.strong_count, kLanesPerBlock, 0);
   if (marched_) work.march.Start();
@@ -186,6 +187,16 @@ bool BeamTracer::FillOutside(Work& work, int k) const {
   float* hu = work.value[k % kRing];
   std::int32_t* label = work.label[k % kRing];
   std::int32_t any = 0;
+  if (tissue_.labels != nullptr) {
+    for (int l = 0; l < kLanesPerBlock; ++l) any |= label[l] & kernels::kNotScannedLabel;
+    any = any < 0 ? 1 : 0;  // Labels are not negative.
+  } else {
+    for (int l = 0; l < kLanesPerBlock; ++l) {
+      any |= hu[l] == slicing::CtSampler::kNotScanned ? 1 : 0;
+    }
+  }
+  if (any == 0 && work.all_entered) return false;  // Most samples.
+  work.all_entered = any == 0;
   for (int l = 0; l < kLanesPerBlock; ++l) {
     std::int32_t outside = 0;
     if (tissue_.labels != nullptr) {
@@ -197,7 +208,6 @@ bool BeamTracer::FillOutside(Work& work, int k) const {
     }
     work.outside[l] = outside;
     work.entered[l] |= 1 - outside;
-    any |= outside;
   }
   return any != 0;
 }

@@ -78,6 +78,7 @@ class BeamTracer {
     bool dry[kLanesPerBlock];                          ///< Nothing but air so far.
     alignas(64) std::int32_t outside[kLanesPerBlock];  ///< Not 0: the sample is not in the volume.
     alignas(64) std::int32_t entered[kLanesPerBlock];  ///< Not 0: one before was.
+    bool all_entered;  ///< No line is outside, and none was before it entered.
     Strong strong[kLanesPerBlock][kStrongest];
     int strong_count[kLanesPerBlock];
     std::vector<Echo> echoes;
