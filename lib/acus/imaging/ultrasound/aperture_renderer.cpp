@@ -17,6 +17,7 @@
 #include "acus/imaging/ultrasound/beam_needle.h"
 #include "acus/imaging/ultrasound/echo_list.h"
 #include "acus/imaging/ultrasound/fibre_streaks.h"
+#include "acus/imaging/ultrasound/place_hash.h"
 #include "acus/imaging/ultrasound/refraction.h"
 #include "acus/imaging/ultrasound/side_lobes.h"
 #include "acus/imaging/ultrasound/speckle_lattice.h"
@@ -109,13 +110,8 @@ std::uint64_t HashOf(const Eigen::Isometry3d& pose) {
 /// In (-1, 1), the same for the same place in the tissue.
 float PlaceNoise(const Eigen::Vector3f& index, int n) {
   const Eigen::Array3i at = (4.0F * index.array()).round().cast<int>();
-  auto h = static_cast<std::uint32_t>(at[0]) * 0x9E3779B1U ^
-           static_cast<std::uint32_t>(at[1]) * 0x85EBCA77U ^
-           static_cast<std::uint32_t>(at[2]) * 0xC2B2AE3DU ^
-           static_cast<std::uint32_t>(n) * 0x27D4EB2FU;
-  h = (h ^ h >> 15) * 0x2C1B3C6DU;
-  h = (h ^ h >> 13) * 0x297A2D39U;
-  h ^= h >> 16;
+  const std::uint32_t h =
+      HashOfPlace(at[0], at[1], at[2], static_cast<std::uint32_t>(n) * 0x27D4EB2FU);
   return static_cast<float>(static_cast<std::int32_t>(h)) * (1.0F / 2147483648.0F);
 }
 

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "acus/imaging/ultrasound/place_hash.h"
+
 namespace acus::ultrasound {
 namespace {
 
@@ -14,13 +16,7 @@ constexpr float kBetween = 0.2274F;
 constexpr float kSheet = 9.0F * kBetween;
 
 float UniformAt(int x, int y, int z, std::uint32_t seed) {
-  auto h = static_cast<std::uint32_t>(x) * 0x9E3779B1U ^
-           static_cast<std::uint32_t>(y) * 0x85EBCA77U ^
-           static_cast<std::uint32_t>(z) * 0xC2B2AE3DU ^ seed;
-  h = (h ^ h >> 15) * 0x2C1B3C6DU;
-  h = (h ^ h >> 13) * 0x297A2D39U;
-  h ^= h >> 16;
-  return static_cast<float>(h >> 8) * (1.0F / 16777216.0F);
+  return static_cast<float>(HashOfPlace(x, y, z, seed) >> 8) * (1.0F / 16777216.0F);
 }
 
 }  // namespace

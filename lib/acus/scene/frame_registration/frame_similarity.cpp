@@ -45,9 +45,9 @@ ultrasound::ApertureOptions CheapOptions(ultrasound::ApertureOptions options, in
 }
 
 /// 1 inside the area of the scan lines, and 0 near its edge and beyond.
-cv::Mat FieldOfView(const acoustics::ScanGrid& grid, const image::ImageGeometry& picture) {
+cv::Mat FieldOfView(const acoustics::ScanGrid& grid, const image::ImageGeometry& geometry) {
   std::vector<cv::Point> outline;
-  const Eigen::Affine3d px_from_mm = picture.probe_from_image().inverse();
+  const Eigen::Affine3d px_from_mm = geometry.probe_from_image().inverse();
   const auto add = [&](int line, double depth_mm) {
     const auto n = static_cast<std::size_t>(line);
     const Eigen::Vector2d at = grid.start_mm[n] + depth_mm * grid.direction[n];
@@ -59,7 +59,7 @@ cv::Mat FieldOfView(const acoustics::ScanGrid& grid, const image::ImageGeometry&
   for (int line = grid.lines() - 1; line >= 0; --line) {
     add(line, (grid.samples - 1) * grid.step_mm);
   }
-  cv::Mat inside = cv::Mat::zeros(picture.height_px, picture.width_px, CV_32F);
+  cv::Mat inside = cv::Mat::zeros(geometry.height_px, geometry.width_px, CV_32F);
   cv::fillPoly(inside, std::vector<std::vector<cv::Point>>{outline}, cv::Scalar(1.0));
   // A blurred edge would be found in every image. The image's border is no such edge.
   cv::erode(inside, inside, cv::Mat::ones(3, 3, CV_8U));
@@ -86,10 +86,10 @@ cv::Mat Resampled(const image::GrayImage& frame, const image::ImageGeometry& ful
 }
 
 const image::GrayImage& CheckedFrame(const image::GrayImage& frame, const acoustics::Probe& probe) {
-  const image::ImageGeometry picture = acoustics::PictureOf(probe);
-  ACUS_REQUIRE(frame.width == picture.width_px && frame.height == picture.height_px,
+  const image::ImageGeometry wanted = acoustics::PictureOf(probe);
+  ACUS_REQUIRE(frame.width == wanted.width_px && frame.height == wanted.height_px,
                "the recorded frame has ", frame.width, " x ", frame.height,
-               " pixels, the image of the probe ", picture.width_px, " x ", picture.height_px,
+               " pixels, the image of the probe ", wanted.width_px, " x ", wanted.height_px,
                "; give the probe preset the frame's size in pixels and mm");
   return frame;
 }
