@@ -5,6 +5,7 @@
 
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/math/statistics.h"
+#include "acus/physics/forces/force_model.h"
 #include "acus/physics/forces/vidal_probe.h"
 #include "benchmarks/force_levels.h"
 #include "support/force_scenes.h"
@@ -51,6 +52,61 @@ TEST(ForceStepSpeed, EveryComponentTogetherTakesLessThanFiftyMicroseconds) {
   }
   std::printf("  %-16s %6.2f us\n", "all", math::Median(all_us));
   EXPECT_LT(math::Median(all_us), 50.0);
+}
+
+/// Eight layers in 50 mm, in voxels of 0.7 mm, and the same as HU.
+volume::LabelMap LayersToSweep(volume::CtVolume& ct) {
+  volume::Geometry geometry;
+  geometry.size = {31, 31, 130};
+  geometry.spacing_mm.setConstant(0.7);
+  geometry.origin_mm = {-10.5, -10.5, -10.0};
+  volume::LabelMap labels(geometry, 0);
+  ct = volume::CtVolume(geometry, -1000);
+  const char* tissues[] = {"skin", "fat", "muscle", "fat", "liver", "vessel", "liver", "fat"};
+  const std::int16_t hu[] = {20, -100, 55, -100, 60, 180, 60, -100};
+  for (std::size_t i = 0; i < labels.voxels.size(); ++i) {
+    const double z_mm = -10.0 + 0.7 * static_cast<double>(i / (31 * 31));
+    if (z_mm < 0.0) continue;
+    const auto layer = std::min<std::size_t>(7, static_cast<std::size_t>(z_mm / 6.0));
+    labels.voxels[i] = volume::LabelOf(tissues[layer]);
+    ct.voxels[i] = hu[layer];
+  }
+  return labels;
+}
+
+// A jump of 50 mm is searched for tissue, and taken in as many steps as there are things to meet.
+TEST(ForceStepSpeed, AJumpOfFiftyMillimetresTakesLessThanFiftyMicroseconds) {
+  volume::CtVolume ct;
+  const volume::LabelMap labels = LayersToSweep(ct);
+  const forces::CtField field(ct);
+  const forces::TissueLookup lookup(labels);
+  const auto needle = testing_support::Trocar18G();
+  using testing_support::ShippedTable;
+  const std::pair<const char*, forces::ForceModel> models[] = {
+      {"layered",
+       forces::ForceModel(forces::NeedleForceModel(ShippedTable("default.json"), needle))},
+      {"alamilla",
+       forces::ForceModel(forces::AlamillaModel(ShippedTable("alamilla.json"), needle))},
+      {"vidal", forces::ForceModel(forces::VidalModel(ShippedTable("vidal.json"), needle, field))}};
+  for (const auto& [name, model] : models) {
+    std::vector<double> jump_us;
+    for (int run = 0; run < 201; ++run) {
+      forces::ForceState state = model.NewState();
+      forces::PassedEvents events;
+      const auto step_to = [&](double z_mm, double time_s) {
+        const Eigen::Vector3d tip_mm(0.0, 0.0, z_mm);
+        model.StepAlong(state, {time_s, tip_mm, Eigen::Vector3d::UnitZ(), lookup.At(tip_mm), true},
+                        {&lookup}, events);
+      };
+      step_to(-1.0, 0.0);
+      const double begin_s = ThreadCpuSeconds();
+      step_to(49.0, 0.01);
+      jump_us.push_back(1e6 * (ThreadCpuSeconds() - begin_s));
+      ASSERT_GT(events.num, 5);
+    }
+    std::printf("  %-16s jump of 50 mm %6.2f us\n", name, math::Median(jump_us));
+    EXPECT_LT(math::Median(jump_us), 50.0) << name;
+  }
 }
 
 }  // namespace

@@ -2,8 +2,51 @@
 
 #include <type_traits>
 
+#include "acus/physics/forces/sweep.h"
+
 namespace acus::forces {
 namespace {
+
+/// What models that go by labels tell apart.
+struct SweptLabels {
+  const SweptTissue& tissue;
+  static constexpr int kMostLooks = SweepLimits::kMostLooks;
+  int At(const Eigen::Vector3d& mm, int /*before*/) const noexcept { return LabelAt(mm); }
+  volume::Label LabelAt(const Eigen::Vector3d& mm) const noexcept {
+    return tissue.lookup->At(mm + tissue.tip_offset_mm);
+  }
+};
+
+/// What a model tells apart that reads the CT itself.
+template <class Model>
+struct SweptField {
+  const Model& model;
+  const SweptTissue& tissue;
+  static constexpr int kMostLooks = SweepLimits::kMostLooksAtHu;
+  int At(const Eigen::Vector3d& mm, int before) const noexcept { return model.KindAt(mm, before); }
+  volume::Label LabelAt(const Eigen::Vector3d& mm) const noexcept {
+    return tissue.lookup->At(mm + tissue.tip_offset_mm);
+  }
+};
+
+template <class Model, class State>
+NeedleForce Swept(const Model& model, State& state, const NeedleInput& input,
+                  const SweptTissue& tissue, PassedEvents& events) noexcept {
+  const auto run = [&](const auto& place, double step_mm) {
+    Sweep sweep(model, state, place, step_mm, events);
+    SweptWay way;
+    if (tissue.lookup == nullptr ||
+        !IsSwept(state, model.table().settings, input, state.guide.axis_in_ct, way)) {
+      return sweep.Once(input);
+    }
+    return sweep.Along(way);
+  };
+  if constexpr (requires { model.KindAt(input.tip_in_ct_mm, 0); }) {
+    return run(SweptField<Model>{model, tissue}, model.HalfVoxelMm());
+  } else {
+    return run(SweptLabels{tissue}, tissue.lookup != nullptr ? tissue.lookup->HalfVoxelMm() : 1.0);
+  }
+}
 
 template <class Model>
 struct StateOf;
@@ -30,6 +73,17 @@ NeedleForce ForceModel::Step(ForceState& state, const NeedleInput& input) const 
   return std::visit(
       [&]<class Model>(const Model& model) {
         return model.Step(*std::get_if<typename StateOf<Model>::type>(&state), input);
+      },
+      level_);
+}
+
+NeedleForce ForceModel::StepAlong(ForceState& state, const NeedleInput& input,
+                                  const SweptTissue& tissue, PassedEvents& events) const noexcept {
+  events.Clear();
+  return std::visit(
+      [&]<class Model>(const Model& model) {
+        auto& of_model = *std::get_if<typename StateOf<Model>::type>(&state);
+        return Swept(model, of_model, input, tissue, events);
       },
       level_);
 }

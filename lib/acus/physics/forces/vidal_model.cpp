@@ -40,6 +40,17 @@ NeedleForce VidalModel::Step(VidalState& state, const NeedleInput& input) const 
   return out;
 }
 
+int VidalModel::KindAt(const Eigen::Vector3d& place_in_ct_mm, int before) const noexcept {
+  constexpr int kEdge = 4;
+  const double hu = field_.HuAt(place_in_ct_mm);
+  if (hu < table_.vidal.skin.hu) return 0;
+  const bool was_edge = (before & kEdge) != 0;
+  const double threshold = table_.vidal.edge_hu_per_mm * (was_edge ? kEdgeHysteresis : 1.0);
+  const double gradient_squared = field_.GradientHuPerMm(place_in_ct_mm).squaredNorm();
+  return (hu >= table_.vidal.bone_hu ? 2 : 1) +
+         (gradient_squared >= threshold * threshold ? kEdge : 0);
+}
+
 bool VidalModel::MeetSkin(VidalState& state, const NeedleMotion& motion) const noexcept {
   const double hu = table_.vidal.skin.hu;
   const Eigen::Vector3d way = motion.tip_mm - motion.previous_mm;

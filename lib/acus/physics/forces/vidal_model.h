@@ -42,6 +42,12 @@ class VidalModel {
 
   const ForceTable& table() const { return table_; }
 
+  /// What the model tells apart at a place: air, tissue, bone, each at an edge or not.
+  /// @param before  at the place before: an edge ends at a smaller gradient than it begins.
+  int KindAt(const Eigen::Vector3d& place_in_ct_mm, int before) const noexcept;
+  /// How close to look so as to meet all of it, mm.
+  double HalfVoxelMm() const noexcept { return 0.5 * field_.ResolutionMm(); }
+
  private:
   bool MeetSkin(VidalState& state, const NeedleMotion& motion) const noexcept;
   NeedleForce OnSkin(VidalState& state, const NeedleMotion& motion) const noexcept;

@@ -15,7 +15,7 @@ using forces::NeedleEvent;
 
 constexpr int kMostBalances = 8;         // Of forces and the tip's advance, in one substep.
 constexpr double kBalancedShare = 0.02;  // Of the spacing: advance that calls for another.
-constexpr double kLabelStepMm = 0.5;     // Along the path, between looks at the tissue.
+constexpr double kLabelStepMm = 0.1;     // Along the path, between looks at the tissue.
 constexpr double kTinyMm = 1e-6;
 constexpr double kTinyN = 1e-9;
 constexpr int kPlaneBisections = 30;

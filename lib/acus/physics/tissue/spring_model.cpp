@@ -16,6 +16,7 @@ constexpr int kSpringMostSubsteps = 512;  // Of the tip in one step: half a spac
 constexpr double kSpringSlackMm = 0.05;   // Off the skin by this: it left.
 constexpr double kSpringTremorMm = 1.0;   // The same before the skin is pierced.
 constexpr double kSpringEscapeMm = 20.0;  // Off the path by this and outside the body: it left.
+constexpr double kSpringLookMm = 0.1;     // Between looks at the tissue on the tip's way.
 constexpr double kSpringTinyMm = 1e-9;
 constexpr int kSpringBisections = 30;
 
@@ -223,18 +224,31 @@ NeedleEvent SpringModel::Advance(SpringState& state) const noexcept {
         TipAdvanceMm(state.ahead_mm, stiffness, 0.0, table_.tissue[tip.tissue].cutting_n);
     if (advance_mm <= kSpringTinyMm) break;
     const double step_mm = std::min(advance_mm, 0.5 * settings_.node_spacing_mm);
-    const Eigen::Vector3d to_mm = tip.rest_in_ct_mm + step_mm * state.tip_direction_in_ct;
-    const volume::Label next = tissue_at_(to_mm);
-    const bool is_other =
-        next != tip.tissue && next == tissue_at_(to_mm + table_.settings.interface_hysteresis_mm *
-                                                             state.tip_direction_in_ct);
-    if (is_other) {
-      event = FirstOf(event, Meet(state, next, step_mm));
+    const Ahead ahead = LookAhead(state, step_mm);
+    if (ahead.tissue != tip.tissue) {
+      event = FirstOf(event, Meet(state, ahead.tissue, ahead.at_mm));
     } else {
-      MoveTip(state, to_mm);
+      MoveTip(state, tip.rest_in_ct_mm + step_mm * state.tip_direction_in_ct);
     }
   }
   return event;
+}
+
+/// The first other tissue within `step_mm` of the tip that is more than noise: thin layers are not
+/// stepped over. The tip's own if there is none.
+SpringModel::Ahead SpringModel::LookAhead(const SpringState& state, double step_mm) const noexcept {
+  const PathNode& tip = state.node[state.num_nodes - 1];
+  const int looks = std::max(1, static_cast<int>(std::ceil(step_mm / kSpringLookMm)));
+  for (int look = 1; look <= looks; ++look) {
+    const double at_mm = look == looks ? step_mm : look * kSpringLookMm;
+    const Eigen::Vector3d there_mm = tip.rest_in_ct_mm + at_mm * state.tip_direction_in_ct;
+    const volume::Label next = tissue_at_(there_mm);
+    const bool is_other = next != tip.tissue &&
+                          next == tissue_at_(there_mm + table_.settings.interface_hysteresis_mm *
+                                                            state.tip_direction_in_ct);
+    if (is_other) return {next, at_mm};
+  }
+  return {tip.tissue, step_mm};
 }
 
 NeedleEvent SpringModel::GiveWay(SpringState& state) const noexcept {

@@ -111,6 +111,11 @@ class SpringModel {
   bool HasLeft(const SpringState& state) const noexcept;
   void DragShaft(SpringState& state, double travel_mm) const noexcept;
   void DrawBack(SpringState& state, double back_mm) const noexcept;
+  struct Ahead {
+    volume::Label tissue = 0;
+    double at_mm = 0.0;  ///< From the tip.
+  };
+  Ahead LookAhead(const SpringState& state, double step_mm) const noexcept;
   Event Advance(SpringState& state) const noexcept;
   Event GiveWay(SpringState& state) const noexcept;
   Event Meet(SpringState& state, volume::Label next, double step_mm) const noexcept;

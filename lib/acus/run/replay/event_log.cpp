@@ -11,19 +11,30 @@ namespace acus::replay {
 
 std::vector<LoggedEvent> EventsOf(const simulation::Scene& scene, const StepLog& log) {
   std::vector<LoggedEvent> events;
-  const simulation::StepOutput* before = nullptr;
-  for (const simulation::StepOutput& step : log.steps) {
+  auto passed = log.passed.begin();
+  for (std::size_t i = 0; i < log.steps.size(); ++i) {
+    const simulation::StepOutput& step = log.steps[i];
     const forces::NeedleForce& force = step.force;
-    if (force.event != forces::NeedleEvent::kNone) {
-      const bool left = force.event == forces::NeedleEvent::kWithdrawal && before != nullptr;
+    if (passed != log.passed.end() && passed->step == i) {
+      for (; passed != log.passed.end() && passed->step == i; ++passed) {
+        const forces::PassedEvent& event = passed->event;
+        events.push_back({.time_ns = step.time_ns,
+                          .event = event.event,
+                          .tissue = TissueName(scene, event.tissue),
+                          .depth_mm = event.depth_mm,
+                          .force_axial_n = event.force_axial_n,
+                          .force_before_n = event.force_before_n});
+      }
+    } else if (force.event != forces::NeedleEvent::kNone) {
+      const forces::NeedleForce before = i > 0 ? log.steps[i - 1].force : forces::NeedleForce{};
+      const bool left = force.event == forces::NeedleEvent::kWithdrawal && i > 0;
       events.push_back({.time_ns = step.time_ns,
                         .event = force.event,
                         .tissue = TissueName(scene, step.tissue_at_tip),
-                        .depth_mm = left ? before->force.depth_mm : force.depth_mm,
+                        .depth_mm = left ? before.depth_mm : force.depth_mm,
                         .force_axial_n = force.AxialN(),
-                        .force_before_n = before != nullptr ? before->force.AxialN() : 0.0});
+                        .force_before_n = before.AxialN()});
     }
-    before = &step;
   }
   return events;
 }

@@ -14,9 +14,9 @@ struct LoggedEvent {
   std::int64_t time_ns = 0;
   forces::NeedleEvent event = forces::NeedleEvent::kNone;
   std::string tissue;           ///< At the tip.
-  double depth_mm = 0.0;        ///< Of the tip along its path; at a withdrawal, the step before.
-  double force_axial_n = 0.0;   ///< In this step: after a puncture, when the force has fallen.
-  double force_before_n = 0.0;  ///< In the step before: at a puncture, what it took.
+  double depth_mm = 0.0;        ///< Along the path; in deformed tissue at a withdrawal, before it.
+  double force_axial_n = 0.0;   ///< Then: after a puncture, when the force has fallen.
+  double force_before_n = 0.0;  ///< Just before: at a puncture, what it took.
 };
 
 /// In order of time.

@@ -56,6 +56,13 @@ class ImageStates {
   math::Polyline shape_;
 };
 
+void KeepPassed(StepLog& log) {
+  const forces::PassedEvents& passed = log.final_state.passed;
+  for (int i = 0; i < passed.num; ++i) {
+    log.passed.push_back({log.steps.size() - 1, passed.event[static_cast<std::size_t>(i)]});
+  }
+}
+
 /// Keeps the needle's shape at its largest deflection.
 void KeepMostBent(const simulation::Simulation& simulation, StepLog& log) {
   const simulation::NeedleShape& shape = log.steps.back().shape;
@@ -129,6 +136,7 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
     const double step_begin_s = step_cpu_s != nullptr ? ThreadCpuSeconds() : 0.0;
     log.steps.push_back(simulation.Step(log.final_state, sample, times));
     if (step_cpu_s != nullptr) step_cpu_s->push_back(ThreadCpuSeconds() - step_begin_s);
+    KeepPassed(log);
     KeepMostBent(simulation, log);
   }
   states.GiveBefore(std::numeric_limits<std::int64_t>::max());

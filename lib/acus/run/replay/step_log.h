@@ -20,7 +20,14 @@ breathing::Breath BreathOf(const session::Session& session, std::int64_t time_ns
 
 /// Every step of a session, in order of time.
 struct StepLog {
+  /// An event on the needle's way through a step.
+  struct Passed {
+    std::size_t step = 0;
+    forces::PassedEvent event;
+  };
+
   std::vector<simulation::StepOutput> steps;  ///< One per needle sample; none without tools.
+  std::vector<Passed> passed;                 ///< In order; of models that tell them.
   std::deque<tissue::TissueLoad> loads;       ///< Of those images that show tissue deformed.
   std::deque<math::Polyline> shapes;          ///< Of those images that show the needle bent.
   std::deque<effects::Memory> memories;       ///< Of all images, if effects have states.

@@ -38,6 +38,7 @@ State Simulation::NewState(std::int64_t session_start_ns) const {
 StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* times) const noexcept {
   auto watch = Stopwatch::OfStep(times, state.steps);
   ++state.steps;
+  state.passed.Clear();
   StepOutput out;
   out.time_ns = sample.time_ns;
   const double time_s = 1e-9 * static_cast<double>(sample.time_ns);
@@ -91,11 +92,15 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   } else if (runs_force_) {
     // Nothing to do while the needle is in free space; the law itself then returns at once.
     const bool outside = out.tissue_at_tip == 0 && !forces::TrackOf(state.force).in_body;
-    out.force = scene_.forces->Step(state.force, {.time_s = time_s,
-                                                  .tip_in_ct_mm = tip_in_ct_mm,
-                                                  .axis_in_ct = axis_in_ct,
-                                                  .tissue_at_tip = out.tissue_at_tip,
-                                                  .valid = sample.needle_valid});
+    forces::SweptTissue swept{.lookup = lookup_ ? &*lookup_ : nullptr};
+    if (scene_.shape) swept.tip_offset_mm = state.shape.tip_offset_mm;
+    out.force = scene_.forces->StepAlong(state.force,
+                                         {.time_s = time_s,
+                                          .tip_in_ct_mm = tip_in_ct_mm,
+                                          .axis_in_ct = axis_in_ct,
+                                          .tissue_at_tip = out.tissue_at_tip,
+                                          .valid = sample.needle_valid},
+                                         swept, state.passed);
     watch.EndOf(StageId::kNeedleForce, outside ? Outside(unseen) : Sleep::kAwake);
   }
   if (scene_.shape) {

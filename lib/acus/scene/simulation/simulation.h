@@ -47,7 +47,8 @@ struct StepOutput {
 /// Simulation::NewState.
 struct State {
   forces::ForceState force;
-  NeedleShapeState shape;  ///< Only used if the plan has the needle's shape.
+  forces::PassedEvents passed;  ///< What happened to the needle in the last step, in order.
+  NeedleShapeState shape;       ///< Only used if the plan has the needle's shape.
   forces::ProbeForceState probe;
   tissue::TissueState tissue;         ///< Empty if the plan has no tissue contact.
   std::int64_t session_start_ns = 0;  ///< Breath is a matter of the time since then.
