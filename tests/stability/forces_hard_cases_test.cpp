@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <numbers>
 
+#include "acus/physics/forces/force_model.h"
 #include "support/allocation_counter.h"
 #include "support/bound.h"
 #include "support/force_scenes.h"
@@ -252,6 +253,43 @@ TEST(Puncture, ExactlyAtTheThreshold) {
               punctured(alamilla, AlamillaState(), less_mm) +
                   punctured(layered, NeedleForceState(), less_mm),
               Exactly(0));
+}
+
+// Jumps of up to 60 mm through all layers, each searched and split.
+TEST(Sweep, AllocatesNothingAndStaysBoundedHoweverFarTheTipJumps) {
+  const HardCase hard("Jumps through all layers, every one searched for tissue and split.");
+  const LayeredBodyField body = Abdomen();
+  volume::Geometry geometry;
+  geometry.size = {3, 3, 120};
+  geometry.origin_mm = {-1.0, -1.0, -19.5};
+  volume::LabelMap labels(geometry);
+  for (int k = 0; k < 120; ++k) {
+    const volume::Label label = body.LabelAt({0.0, 0.0, k - 19.5});
+    std::fill_n(labels.voxels.begin() + 9 * k, 9, label);
+  }
+  const TissueLookup lookup(labels);
+  const ForceModel models[] = {
+      ForceModel(NeedleForceModel(ShippedTable("default.json"), Trocar18G())),
+      ForceModel(AlamillaModel(ShippedTable("alamilla.json"), Trocar18G())),
+      ForceModel(VidalModel(ShippedTable("vidal.json"), Trocar18G(), body))};
+  Largest share;
+  long allocated = 0;
+  for (const ForceModel& model : models) {
+    ForceState state = model.NewState();
+    PassedEvents events;
+    acus::RandomStream random(4, "jumps");
+    for (int i = 0; i < 5000; ++i) {
+      const Vector3d tip_mm(0.3 * random.Normal(), 0.3 * random.Normal(),
+                            random.Uniform(-15.0, 60.0));
+      const NeedleInput input{0.01 * i, tip_mm, Vector3d::UnitZ(), lookup.At(tip_mm), true};
+      const long before = testing_support::num_allocations;
+      const NeedleForce force = model.StepAlong(state, input, {&lookup}, events);
+      allocated += testing_support::num_allocations - before;
+      share.Add(force.force_in_ct_n.norm() / model.table().settings.largest_force_n);
+    }
+  }
+  hard.Expect("allocations", allocated, Exactly(0));
+  hard.Expect("largest force, of its limit", share, AtMost(1.0 + 1e-9));
 }
 
 /// Poses that turn as wildly as they move, some of them no rotations.

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "acus/base/core/random.h"
+#include "acus/physics/forces/closed_loop.h"
 #include "acus/physics/tissue/spring_model.h"
 #include "support/bound.h"
 #include "support/layered_tissue.h"
@@ -187,6 +188,44 @@ TEST(TissueLevelsSprings, GoesInAndOutAHundredTimes) {
   hard.Expect("force at 40 mm against the first time", drift_n, AtMost(1e-6), "N");
   EXPECT_EQ(insertion.Count(forces::NeedleEvent::kWithdrawal), 100);
   hard.Expect("work of the hand", insertion.work_n_mm, Above(0.0), "mJ");
+}
+
+// Tissue that is held hardly farther out than the needle's surface is stiffer than any device can
+// hold: the springs stay within what it can.
+TEST(TissueLevelsSprings, ASmallInfluenceRadiusDoesNotShakeADevice) {
+  const HardCase hard("Tissue held at 1 to 3 diameters: springs beyond what a device can hold.");
+  // The first without that limit.
+  for (const double radius_mm : {-1.28, 1.28, 1.5, 2.0, 4.0}) {
+    const bool limited = radius_mm > 0.0;
+    SpringSettings settings{.influence_radius_mm = std::abs(radius_mm)};
+    if (!limited) settings.stiffest_across_n_per_mm = 1e9;
+    const SpringModel model(settings, testing_support::RoundForces(), testing_support::Trocar18(),
+                            testing_support::RoundElasticity(), kTissueLevelsSpringsBody.Tissues(),
+                            kTissueLevelsSpringsBody.At());
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      SpringState state = model.NewState();
+      forces::RandomHand motion{.across_mm = 3.0};
+      motion.to_mm = 55.0;
+      motion.slowest_s = 1.0;
+      forces::Hand hand;
+      hand.wants_in_ct_mm = forces::RandomMotion(motion, 10.0, seed);
+      const forces::LoopResult result = forces::RunClosedLoop(
+          {}, hand,
+          [&](double t, const Vector3d& tip_mm) {
+            return model.Step(state, {.time_s = t, .tip_in_ct_mm = tip_mm}).force_in_ct_n;
+          },
+          10.0);
+      std::printf("  radius %.2f mm, hand %d: generated %.4f mJ, took %.1f mJ\n", radius_mm,
+                  static_cast<int>(seed), result.generated_mj, result.taken_mj);
+      const std::string of = Message(", radius ", radius_mm, " mm, hand ", seed);
+      if (!limited) {
+        EXPECT_GT(result.generated_mj, 1.0);
+        continue;
+      }
+      hard.Expect("energy generated" + of, result.generated_mj, AtMost(1.0), "mJ");
+      hard.Expect("energy taken" + of, result.taken_mj, Above(1.0), "mJ");
+    }
+  }
 }
 
 }  // namespace

@@ -93,7 +93,8 @@ class FortmeierAsPrinted {
 
 /// The same liver below z = 0 for the springs of lib/tissue: a shear modulus for which a node has
 /// the paper's k, friction of R over the spacing, and a capsule.
-inline tissue::SpringModel FortmeierSprings() {
+/// @param as_printed  a1 and a2 inside, too, and k from the force table.
+inline tissue::SpringModel FortmeierSprings(bool as_printed = false) {
   using L = FortmeierLiver;
   constexpr double kDiameterMm = 1.27;
   tissue::SpringSettings settings;
@@ -102,23 +103,30 @@ inline tissue::SpringModel FortmeierSprings() {
                              std::log(settings.influence_radius_mm / (0.5 * kDiameterMm));
   const double shear_mpa = L::kNodeNPerMm / per_modulus;
   const double poisson = 0.45;
-  const nlohmann::json forces = {{"format", "acus-forces/1"},
-                                 {"reference_diameter_mm", kDiameterMm},
-                                 {"tissues",
-                                  {{{"tissue", "soft_tissue"}, {"source", "paper"}},
-                                   {{"tissue", "liver"},
-                                    {"source", "paper"},
-                                    {"a1_n_per_mm", L::kA1},
-                                    {"a2_n_per_mm2", L::kA2},
-                                    {"puncture_n", L::kCapsuleN},
-                                    {"cutting_n", L::kInsideN},
-                                    {"friction_n_per_mm", L::kFrictionN / L::kSpacingMm}}}}};
-  const nlohmann::json elasticity = {{"format", "acus-elasticity/1"},
-                                     {"tissues",
-                                      {{{"tissue", "liver"},
-                                        {"source", "paper"},
-                                        {"youngs_modulus_kpa", 2e3 * shear_mpa * (1.0 + poisson)},
-                                        {"poissons_ratio", poisson}}}}};
+  nlohmann::json forces = {{"format", "acus-forces/1"},
+                           {"reference_diameter_mm", kDiameterMm},
+                           {"tissues",
+                            {{{"tissue", "soft_tissue"}, {"source", "paper"}},
+                             {{"tissue", "liver"},
+                              {"source", "paper"},
+                              {"a1_n_per_mm", L::kA1},
+                              {"a2_n_per_mm2", L::kA2},
+                              {"puncture_n", L::kCapsuleN},
+                              {"cutting_n", L::kInsideN},
+                              {"friction_n_per_mm", L::kFrictionN / L::kSpacingMm}}}}};
+  if (as_printed) {
+    nlohmann::json& liver = forces["tissues"][1];
+    liver["cutting_a1_n_per_mm"] = L::kA1;
+    liver["cutting_a2_n_per_mm2"] = L::kA2;
+    liver["shaft_n_per_mm2"] = L::kNodeNPerMm / L::kSpacingMm;
+  }
+  const nlohmann::json elasticity = {
+      {"format", "acus-elasticity/1"},
+      {"tissues",
+       {{{"tissue", "liver"},
+         {"source", "paper"},
+         {"youngs_modulus_kpa", as_printed ? 1.0 : 2e3 * shear_mpa * (1.0 + poisson)},
+         {"poissons_ratio", poisson}}}}};
   forces::NeedleProperties needle;
   needle.length_mm = 150.0;
   needle.beam.outer_diameter_mm = kDiameterMm;

@@ -18,6 +18,9 @@ TissueForce Tissue(const json& row, const std::string& where) {
   tissue.withdrawal_friction_n_per_mm =
       row.value("withdrawal_friction_n_per_mm", tissue.friction_n_per_mm);
   tissue.cutting_stiffness_n_per_mm = row.at("cutting_stiffness_n_per_mm");
+  tissue.cutting_a1_n_per_mm = row.at("cutting_a1_n_per_mm");
+  tissue.cutting_a2_n_per_mm2 = row.at("cutting_a2_n_per_mm2");
+  tissue.shaft_n_per_mm2 = row.at("shaft_n_per_mm2");
   tissue.impenetrable = row.at("impenetrable");
   for (const json& name : row.at("no_membrane_from")) {
     tissue.no_membrane_from.set(TissueLabelAt(name, where + "/no_membrane_from"));
@@ -92,6 +95,9 @@ ForceTable ForceTable::ScaledTo(double outer_diameter_mm) const {
     row.membrane.a2_n_per_mm2 *= ratio;
     row.membrane.puncture_n *= ratio;
     row.cutting_n *= ratio;
+    row.cutting_a1_n_per_mm *= ratio;
+    row.cutting_a2_n_per_mm2 *= ratio;
+    row.shaft_n_per_mm2 *= ratio;
     row.friction_n_per_mm *= ratio;
     row.withdrawal_friction_n_per_mm *= ratio;
   }

@@ -21,7 +21,13 @@ struct TissueForce {
   double friction_n_per_mm = 0.0;  ///< Per mm of shaft in the tissue while it slides in.
   double withdrawal_friction_n_per_mm = 0.0;  ///< The same while it slides out.
   double cutting_stiffness_n_per_mm = 0.0;    ///< K_t of the model alamilla; 0: the table's.
-  bool impenetrable = false;                  ///< Bone: the tip stops at the surface.
+  /// a1 and a2 inside the tissue, where the springs cut: a2 x^2 + a1 x of what the device is ahead
+  /// of the tip holds it until that is cutting_n (Fortmeier-2016 eq. 4). Both 0: a1 is the cutting
+  /// stiffness of the table.
+  double cutting_a1_n_per_mm = 0.0;
+  double cutting_a2_n_per_mm2 = 0.0;
+  double shaft_n_per_mm2 = 0.0;       ///< k per mm of the springs along a shaft; 0: by elasticity.
+  bool impenetrable = false;          ///< Bone: the tip stops at the surface.
   std::bitset<256> no_membrane_from;  ///< Labels from which this tissue is entered without one.
 };
 

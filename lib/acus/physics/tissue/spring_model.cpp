@@ -74,9 +74,17 @@ SpringModel::SpringModel(const SpringSettings& settings, const forces::ForceTabl
     PathNode& node = node_of_[label];
     const auto tissue = static_cast<volume::Label>(label);
     node.tissue = tissue;
+    node.a1_n_per_mm = table_.tissue[label].cutting_a1_n_per_mm;
+    node.a2_n_per_mm2 = table_.tissue[label].cutting_a2_n_per_mm2;
+    if (node.a1_n_per_mm == 0.0 && node.a2_n_per_mm2 == 0.0) {
+      node.a1_n_per_mm = table_.settings.cutting_stiffness_n_per_mm;
+    }
     if (label == 0 || !tissues.test(label) || table_.tissue[label].impenetrable) continue;
     const double per_mm = elasticity.At(tissue).ShearModulusMpa() * settings.node_spacing_mm;
-    node.axial_n_per_mm = shaft.along * per_mm;
+    const forces::TissueForce& row = table_.tissue[label];
+    node.axial_n_per_mm = row.shaft_n_per_mm2 > 0.0
+                              ? row.shaft_n_per_mm2 * settings_.node_spacing_mm
+                              : shaft.along * per_mm;
     node.lateral_n_per_mm = shaft.across * per_mm;
     node.friction_n = table_.tissue[label].friction_n_per_mm * settings.node_spacing_mm;
   }
@@ -126,6 +134,22 @@ forces::NeedleForce SpringModel::Step(SpringState& state, const ToolSample& samp
   return state.force;
 }
 
+/// Eq. 5, at most the cutting force.
+double SpringModel::CuttingN(volume::Label tissue, double ahead_mm) const noexcept {
+  const PathNode& node = node_of_[tissue];
+  return std::min((node.a2_n_per_mm2 * ahead_mm + node.a1_n_per_mm) * ahead_mm,
+                  table_.tissue[tissue].cutting_n);
+}
+
+/// How far the device is ahead of a tip that cuts.
+double SpringModel::CuttingAheadMm(volume::Label tissue) const noexcept {
+  const PathNode& node = node_of_[tissue];
+  const double cutting_n = table_.tissue[tissue].cutting_n;
+  if (!(node.a2_n_per_mm2 > 0.0)) return cutting_n / node.a1_n_per_mm;
+  const double gamma_1 = 0.5 * node.a1_n_per_mm / node.a2_n_per_mm2;
+  return std::sqrt(gamma_1 * gamma_1 + cutting_n / node.a2_n_per_mm2) - gamma_1;
+}
+
 /// First contact: a node where the skin is between the last place outside and this one.
 void SpringModel::Touch(SpringState& state, const Eigen::Vector3d& before_mm,
                         bool was_outside) const noexcept {
@@ -144,7 +168,8 @@ void SpringModel::Touch(SpringState& state, const Eigen::Vector3d& before_mm,
   state.pressing = !state.on_bone && table_.HasMembrane(0, tissue);
   state.pierced = !state.pressing && !state.on_bone;
   state.membrane_of = tissue;
-  state.cut_n = state.bone_from_mm = state.ahead_mm = state.friction_n = 0.0;
+  state.cut_tissue = 0;
+  state.bone_from_mm = state.ahead_mm = state.friction_n = 0.0;
 }
 
 bool SpringModel::HasLeft(const SpringState& state) const noexcept {
@@ -197,7 +222,6 @@ void SpringModel::DrawBack(SpringState& state, double back_mm) const noexcept {
 /// Eq. 4 and what follows from it, for all the tissues that the tip gets to in this step.
 NeedleEvent SpringModel::Advance(SpringState& state) const noexcept {
   NeedleEvent event = NeedleEvent::kNone;
-  const double stiffness = table_.settings.cutting_stiffness_n_per_mm;
   for (int i = 0; i < kSpringMostSubsteps; ++i) {
     PathNode& tip = state.node[state.num_nodes - 1];
     state.ahead_mm = (state.device_in_ct_mm - tip.rest_in_ct_mm).dot(state.tip_direction_in_ct);
@@ -220,8 +244,8 @@ NeedleEvent SpringModel::Advance(SpringState& state) const noexcept {
       AppendTip(state);
       continue;
     }
-    const double advance_mm =
-        TipAdvanceMm(state.ahead_mm, stiffness, 0.0, table_.tissue[tip.tissue].cutting_n);
+    const double advance_mm = TipAdvanceMm(state.ahead_mm, tip.a1_n_per_mm, tip.a2_n_per_mm2,
+                                           table_.tissue[tip.tissue].cutting_n);
     if (advance_mm <= kSpringTinyMm) break;
     const double step_mm = std::min(advance_mm, 0.5 * settings_.node_spacing_mm);
     const Ahead ahead = LookAhead(state, step_mm);
@@ -270,12 +294,11 @@ NeedleEvent SpringModel::Meet(SpringState& state, volume::Label next,
                             [&](const Eigen::Vector3d& p) { return tissue_at_(p) != next; }));
   PathNode& tip = state.node[state.num_nodes - 1];
   state.ahead_mm = (state.device_in_ct_mm - tip.rest_in_ct_mm).dot(state.tip_direction_in_ct);
-  state.cut_n = table_.tissue[before.tissue].cutting_n;
+  state.cut_tissue = before.tissue;
   if (table_.tissue[next].impenetrable) {
     state.on_bone = true;
     // What cut the last tissue is pressed in already; the rest of the way to here was not.
-    state.bone_from_mm =
-        std::min(state.ahead_mm, state.cut_n / table_.settings.cutting_stiffness_n_per_mm);
+    state.bone_from_mm = std::min(state.ahead_mm, CuttingAheadMm(before.tissue));
     return NeedleEvent::kBoneContact;
   }
   if (table_.HasMembrane(before.tissue, next)) {
@@ -325,6 +348,8 @@ void SpringModel::SetTissue(PathNode& node, volume::Label tissue) const noexcept
   node.axial_n_per_mm = of.axial_n_per_mm;
   node.lateral_n_per_mm = of.lateral_n_per_mm;
   node.friction_n = of.friction_n;
+  node.a1_n_per_mm = of.a1_n_per_mm;
+  node.a2_n_per_mm2 = of.a2_n_per_mm2;
   node.offset_mm = FrictionOffsetMm(node.offset_mm, 0.0, of.axial_n_per_mm, of.friction_n);
 }
 
@@ -347,10 +372,7 @@ void SpringModel::Forces(SpringState& state, double dt_s, double ahead_before_mm
   const PathNode& tip = state.node[state.num_nodes - 1];
   const double ahead_mm = std::max(state.ahead_mm, 0.0);
   const bool held = state.pressing || state.on_bone;
-  const double cutting_n = held ? state.cut_n : table_.tissue[tip.tissue].cutting_n;
-  if (state.pierced) {
-    out.cutting_n = std::min(table_.settings.cutting_stiffness_n_per_mm * ahead_mm, cutting_n);
-  }
+  if (state.pierced) out.cutting_n = CuttingN(held ? state.cut_tissue : tip.tissue, ahead_mm);
   if (state.pressing) {
     const double pressed_n = table_.tissue[state.membrane_of].membrane.ForceN(ahead_mm);
     out.puncture_n = std::max(0.0, pressed_n - out.cutting_n);
@@ -362,12 +384,14 @@ void SpringModel::Forces(SpringState& state, double dt_s, double ahead_before_mm
   }
   double friction_n = 0.0;
   double depth_mm = 0.0;
+  double across_n_per_mm = 0.0;
   Eigen::Vector3d lateral_n = Eigen::Vector3d::Zero();
   for (int i = 1; i < state.num_nodes; ++i) {
     const PathNode& node = state.node[i];
     const double weight = Weight(state, i);
     friction_n += node.axial_n_per_mm * weight * node.offset_mm;
     depth_mm += weight * settings_.node_spacing_mm;
+    across_n_per_mm += node.lateral_n_per_mm * weight;
     if (!state.bends) {
       lateral_n += LateralForceN(state, i, state.device_in_ct_mm, state.axis_in_ct);
     }
@@ -376,10 +400,14 @@ void SpringModel::Forces(SpringState& state, double dt_s, double ahead_before_mm
   state.friction_n += std::clamp(friction_n - state.friction_n, -largest_n, largest_n);
   out.friction_n = state.friction_n;
   out.depth_mm = depth_mm + ahead_mm - out.bone_penetration_mm;
-  const double size_n = lateral_n.norm();
+  // What all springs together pull with is no stiffer than a device can hold, and its energy then
+  // does not depend on how many they are.
+  const double stiffest = settings_.stiffest_across_n_per_mm;
+  const double share = across_n_per_mm > stiffest ? stiffest / across_n_per_mm : 1.0;
+  const double size_n = share * lateral_n.norm();
   const double limit_n = table_.settings.lateral_limit_n;
-  state.lateral_share = size_n > limit_n ? limit_n / size_n : 1.0;
-  out.lateral_n = state.lateral_share * size_n;
+  state.lateral_share = size_n > limit_n ? share * limit_n / size_n : share;
+  out.lateral_n = std::min(size_n, limit_n);
   out.force_in_ct_n = state.lateral_share * lateral_n - out.AxialN() * state.axis_in_ct;
 }
 

@@ -25,8 +25,8 @@ std::vector<double> Run(Force force) {
   return out;
 }
 
-std::vector<double> SpringsRun() {
-  const SpringModel model = FortmeierSprings();
+std::vector<double> SpringsRun(bool as_printed = false) {
+  const SpringModel model = FortmeierSprings(as_printed);
   SpringState state = model.NewState();
   double time_s = 0.0;
   return Run([&](double depth_mm) {
@@ -87,6 +87,22 @@ TEST(FortmeierFigure5, ThePauseHoldsAndTheWayOutIsFrictionAlone) {
     }
     EXPECT_EQ(force_n.back(), 0.0);
   }
+}
+
+// With a1 and a2 inside the tissue and k from the force table, the springs are algorithm 1 as
+// printed.
+TEST(FortmeierFigure5, WithItsOwnConstantsTheSpringsAreTheAlgorithmAsPrinted) {
+  const std::vector<double> printed = PrintedRun();
+  const std::vector<double> springs = SpringsRun(true);
+  double worst_n = 0.0;
+  for (std::size_t i = 0; i < printed.size(); ++i) {
+    worst_n = std::max(worst_n, std::abs(springs[i] - printed[i]));
+  }
+  std::printf("  as printed: largest difference %.4f N of %.2f N\n", worst_n,
+              *std::ranges::max_element(printed));
+  EXPECT_LT(worst_n, 0.02);
+  EXPECT_NEAR(InAt(springs, 39.9), InAt(printed, 39.9), 0.005);
+  EXPECT_NEAR(InAt(springs, 39.9), 1.37, 0.01);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "acus/base/core/error.h"
@@ -220,6 +221,70 @@ TEST(SpringModel, SaysWhatIsWrong) {
     EXPECT_THROW(SpringModelModel(fat, settings), InputError);
   }
   EXPECT_THROW(SpringModelModel({{{0, "kidney"}}}), InputError);  // No row in the elasticity table.
+}
+
+// By hand, eq. 4 to 7 with a1 = 0.5 N/mm, a2 = 0.25 N/mm^2, f_cut = 3 N, nodes 2 mm apart with
+// k = 0.2 N/mm and R = 0.1 N (offsets to 0.5 mm): f_cut is reached sqrt(13) - 1 = 2.605551 mm
+// ahead.
+TEST(SpringModel, FollowsATraceOfAlgorithm1ByHand) {
+  const auto table = forces::ForceTableFromJson(nlohmann::json::parse(R"({
+    "format": "acus-forces/1", "reference_diameter_mm": 1.27, "tissues": [
+      {"tissue": "soft_tissue", "source": "test", "cutting_a1_n_per_mm": 0.5,
+       "cutting_a2_n_per_mm2": 0.25, "cutting_n": 3.0, "shaft_n_per_mm2": 0.1,
+       "friction_n_per_mm": 0.05}]})"),
+                                                "by hand");
+  const Layers layers{{{0, "fat"}}};
+  const SpringModel model({.node_spacing_mm = 2.0}, table, testing_support::Trocar18(),
+                          testing_support::RoundElasticity(), layers.Tissues(), layers.At());
+  SpringState state = model.NewState();
+  struct Row {
+    double device_mm, tip_mm, cutting_n, friction_n;
+  };
+  const Row trace[] = {
+      {-1.0, 0.0, 0.0, 0.0},
+      {1.0, 0.0, 0.75, 0.0},            // 0.25 + 0.5: held.
+      {2.0, 0.0, 2.0, 0.0},             // 1 + 1: held.
+      {3.0, 0.394449, 3.0, 0.0197224},  // Cuts; 0.1 N on 0.1972 of a spacing.
+      {4.0, 1.394449, 3.0, 0.0697224},  // Cuts on.
+      {3.5, 1.394449, 2.161112, 0.0},   // 2.105551 ahead; the offset is back at 0.
+      {1.0, 1.0, 0.0, -0.05},           // The tip goes back; friction pulls, half a spacing.
+      {3.0, 1.0, 2.0, 0.05},            // 2 ahead: held again.
+  };
+  double time_s = 0.0;
+  for (const Row& row : trace) {
+    const auto force = model.Step(
+        state, {.time_s = time_s += 0.001, .tip_in_ct_mm = Vector3d(0, 0, row.device_mm)});
+    const double tip_mm =
+        state.num_nodes > 0 ? state.node[state.num_nodes - 1].rest_in_ct_mm.z() : 0.0;
+    EXPECT_NEAR(tip_mm, row.tip_mm, 2e-6) << row.device_mm;
+    EXPECT_NEAR(force.cutting_n, row.cutting_n, 5e-6) << row.device_mm;
+    EXPECT_NEAR(force.friction_n, row.friction_n, 2e-6) << row.device_mm;
+  }
+}
+
+// Bone behind tissue that is pressed in by a2, too: what cut it is not pressed against the bone.
+TEST(SpringModel, BoneBehindANonLinearCutBeginsWithoutAStep) {
+  const auto table = forces::ForceTableFromJson(nlohmann::json::parse(R"({
+    "format": "acus-forces/1", "reference_diameter_mm": 1.27, "tissues": [
+      {"tissue": "soft_tissue", "source": "test", "cutting_a1_n_per_mm": 0.05,
+       "cutting_a2_n_per_mm2": 0.02, "cutting_n": 1.0},
+      {"tissue": "bone", "source": "test", "impenetrable": true}]})"),
+                                                "bone");
+  const Layers layers{{{0, "fat"}, {20, "bone"}}};
+  const SpringModel model({}, table, testing_support::Trocar18(),
+                          testing_support::RoundElasticity(), layers.Tissues(), layers.At());
+  SpringState state = model.NewState();
+  double before_n = 0.0;
+  double largest_step_n = 0.0;
+  for (int n = 0; n < 3000; ++n) {
+    const auto force =
+        model.Step(state, {.time_s = 0.001 * n, .tip_in_ct_mm = Vector3d(0, 0, -1.0 + 0.01 * n)});
+    largest_step_n = std::max(largest_step_n, std::abs(force.AxialN() - before_n));
+    before_n = force.AxialN();
+  }
+  EXPECT_TRUE(state.on_bone);
+  EXPECT_GT(before_n, 5.0);
+  EXPECT_LT(largest_step_n, 0.2);
 }
 
 }  // namespace
