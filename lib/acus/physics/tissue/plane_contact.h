@@ -43,6 +43,9 @@ class PlaneContact {
   /// The last node leaves. @pre size() > 0.
   void DropLast() noexcept;
   void Clear() noexcept;
+  /// From now on the nodes are those of another compliance, which must outlive this. @pre size() is
+  /// 0; not with kFull.
+  void Refer(const Eigen::MatrixXd& compliance) noexcept { compliance_ = &compliance; }
 
   /// What slot i shall do: keep to this displacement as long as that takes a force in [low, high].
   /// A slot with low >= high has the force low.

@@ -14,15 +14,26 @@ constexpr double kAirFadeMm = 10.0;  // Above the skin displacements are gone af
 }  // namespace
 
 PlaneField2010::PlaneField2010(const PlaneModel2010& model)
-    : model_(&model),
-      dof_mm_(Eigen::VectorXd::Zero(model.compliance().rows())),
-      node_mm_(Eigen::Matrix2Xd::Zero(2, model.grid().num_nodes())) {
+    : model_(&model), node_mm_(Eigen::Matrix2Xd::Zero(2, model.grid().num_nodes())) {
+  Eigen::Index most_dofs = 0;
+  for (int plane = 0; plane < model.num_planes(); ++plane) {
+    air_.push_back(AirOf(plane));
+    most_dofs = std::max(most_dofs, model.compliance(plane).rows());
+  }
+  dof_mm_.setZero(most_dofs);
+}
+
+/// The nodes above the skin that move with it.
+std::vector<PlaneField2010::AirNode> PlaneField2010::AirOf(int plane) const {
+  const PlaneModel2010& model = *model_;
+  const std::vector<int>& dof_of = model.dof_of_node(plane);
+  std::vector<AirNode> nodes;
   const mechanics::PlaneGrid& grid = model.grid();
   const int reach = static_cast<int>(std::ceil(kAirFadeMm / grid.spacing_mm));
   for (int row = 1; row + 1 < grid.rows; ++row) {  // The border stays where it is.
     for (int column = 1; column + 1 < grid.columns; ++column) {
       const int node = grid.Node(column, row);
-      if (model.dof_of_node()[node] >= 0) continue;
+      if (dof_of[node] >= 0) continue;
       AirNode air{node, -1, 0.0};
       double nearest_mm = kAirFadeMm;
       for (int r = std::max(0, row - reach); r <= std::min(grid.rows - 1, row + reach); ++r) {
@@ -30,15 +41,16 @@ PlaneField2010::PlaneField2010(const PlaneModel2010& model)
              ++c) {
           const int other = grid.Node(c, r);
           const double far_mm = (grid.PositionMm(other) - grid.PositionMm(node)).norm();
-          if (model.dof_of_node()[other] < 0 || far_mm >= nearest_mm) continue;
+          if (dof_of[other] < 0 || far_mm >= nearest_mm) continue;
           nearest_mm = far_mm;
           air.with = other;
         }
       }
       air.share = Fade(nearest_mm / kAirFadeMm);
-      if (air.with >= 0 && model.IsAir(node)) air_.push_back(air);
+      if (air.with >= 0 && model.IsAir(node, plane)) nodes.push_back(air);
     }
   }
+  return nodes;
 }
 
 void PlaneField2010::Update(const TissueLoad& load) noexcept {
@@ -46,37 +58,44 @@ void PlaneField2010::Update(const TissueLoad& load) noexcept {
   if (!active_) return;
   const PlaneModel2010& model = *model_;
   const mechanics::PlaneGrid& grid = model.grid();
-  dof_mm_.setZero();
+  frame_ = load.plane;
+  const int plane = std::clamp(frame_.tissue, 0, model.num_planes() - 1);
+  const std::vector<int>& dof_of = model.dof_of_node(plane);
+  const Eigen::MatrixXd& compliance = model.compliance(plane);
+  auto dof_mm = dof_mm_.head(compliance.rows());
+  dof_mm.setZero();
   for (int i = 0; i < load.num_points; ++i) {
     const PointLoad& point = load.point[i];
-    const Eigen::Vector3d at_mm = model.ToPlaneMm(point.rest_in_ct_mm);
+    const Eigen::Vector3d at_mm = frame_.ToPlaneMm(point.rest_in_ct_mm);
     const double column = std::round(at_mm.x() / grid.spacing_mm);
     const double row = std::round(at_mm.y() / grid.spacing_mm);
     if (!(column >= 0 && row >= 0 && column < grid.columns && row < grid.rows)) continue;
-    const int dof = model.dof_of_node()[grid.Node(static_cast<int>(column), static_cast<int>(row))];
+    const int dof = dof_of[grid.Node(static_cast<int>(column), static_cast<int>(row))];
     if (dof < 0) continue;
-    const Eigen::Vector3d force_n = model.DirectionInPlane(point.force_in_ct_n);
-    dof_mm_ += force_n.x() * model.compliance().col(dof);
-    dof_mm_ += force_n.y() * model.compliance().col(dof + 1);
+    const Eigen::Vector3d force_n = frame_.DirectionInPlane(point.force_in_ct_n);
+    dof_mm += force_n.x() * compliance.col(dof);
+    dof_mm += force_n.y() * compliance.col(dof + 1);
   }
+  node_mm_.setZero();  // Another plane has other nodes.
   for (int node = 0; node < grid.num_nodes(); ++node) {
-    const int dof = model.dof_of_node()[node];
+    const int dof = dof_of[node];
     if (dof >= 0) node_mm_.col(node) = dof_mm_.segment<2>(dof);
   }
-  for (const AirNode& air : air_) node_mm_.col(air.node) = air.share * node_mm_.col(air.with);
+  for (const AirNode& air : air_[static_cast<std::size_t>(plane)])
+    node_mm_.col(air.node) = air.share * node_mm_.col(air.with);
 }
 
 Eigen::Vector3d PlaneField2010::DisplacementMm(
     const Eigen::Vector3d& rest_in_ct_mm) const noexcept {
   if (!active_) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d at_mm = model_->ToPlaneMm(rest_in_ct_mm);
+  const Eigen::Vector3d at_mm = frame_.ToPlaneMm(rest_in_ct_mm);
   const double fade = Fade(std::abs(at_mm.z()) / model_->settings().image_fade_mm);
   if (!(fade > 0.0)) return Eigen::Vector3d::Zero();
   const auto place = model_->grid().PlaceOf(at_mm.head<2>());
   if (place.triangle < 0) return Eigen::Vector3d::Zero();
   Eigen::Vector2d moved_mm = Eigen::Vector2d::Zero();
   for (int k = 0; k < 3; ++k) moved_mm += place.weight[k] * node_mm_.col(place.node[k]);
-  return fade * model_->DirectionInCt(moved_mm);
+  return fade * frame_.DirectionInCt(moved_mm);
 }
 
 }  // namespace acus::tissue

@@ -18,7 +18,9 @@ constexpr int kMostSubsteps = 64;  // In one step: half a spacing each.
 constexpr double kSlackMm = 0.05;
 constexpr double kTremorMm = 1.0;
 constexpr double kEscapeMm = 20.0;
-constexpr double kLeastPathCosine = 0.2;  // Between needle and path.
+constexpr double kLeastPathCosine = 0.2;     // Between needle and path.
+constexpr double kLeastImageSine = 0.3;      // Between needle and the image's normal.
+constexpr double kLeastPlannedCosine = 0.5;  // Between needle and planned axis.
 constexpr int kBisections = 30;
 
 /// Of the grid, along which the path goes on by one layer of nodes after the other.
@@ -78,26 +80,46 @@ PlaneModel2010::PlaneModel2010(const PlaneSettings& settings, const PlanePlaceme
       placement.entry_in_ct_mm.allFinite() &&
           normal.norm() > 1e-6 * placement.across_in_ct.norm() * placement.axis_in_ct.norm(),
       "the plane's axis and the direction across it are parallel, zero or not finite");
-  const Eigen::Vector3d axis = placement.axis_in_ct.normalized();
-  ct_from_plane_.col(1) = axis;
-  ct_from_plane_.col(2) = normal.normalized();
-  ct_from_plane_.col(0) = axis.cross(ct_from_plane_.col(2));
+  ACUS_REQUIRE(settings.num_turned >= 0 && settings.num_turned <= 32, "num_turned is ",
+               settings.num_turned, "; allowed: 0 to 32");
+  ACUS_REQUIRE(settings.num_turned == 0 || settings.update == PlaneUpdate::kRestricted,
+               "a plane that turns needs the restricted update");
   const double h = settings.spacing_mm;
-  const int half_columns = static_cast<int>(std::lround(0.5 * settings.width_mm / h));
-  const int rows_above = static_cast<int>(std::lround(settings.above_mm / h));
+  half_columns_ = static_cast<int>(std::lround(0.5 * settings.width_mm / h));
+  rows_above_ = static_cast<int>(std::lround(settings.above_mm / h));
   grid_.spacing_mm = h;
-  grid_.columns = 2 * half_columns + 1;  // The planned path is a line of nodes.
-  grid_.rows = rows_above + static_cast<int>(std::lround(settings.depth_mm / h)) + 1;
-  origin_in_ct_mm_ =
-      placement.entry_in_ct_mm - half_columns * h * ct_from_plane_.col(0) - rows_above * h * axis;
-  MakePlane(elasticity);
+  grid_.columns = 2 * half_columns_ + 1;  // The planned path is a line of nodes.
+  grid_.rows = rows_above_ + static_cast<int>(std::lround(settings.depth_mm / h)) + 1;
+  entry_in_ct_mm_ = placement.entry_in_ct_mm;
+  const Eigen::Vector3d axis = placement.axis_in_ct.normalized();
+  for (int i = 0; i < std::max(1, settings.num_turned); ++i) {
+    const double turn_rad = i == 0 ? 0.0 : std::numbers::pi * i / settings.num_turned;
+    const Eigen::Vector3d turned = i == 0 ? Eigen::Vector3d(normal.normalized())
+                                          : Eigen::AngleAxisd(turn_rad, axis) * normal.normalized();
+    plane_.push_back(MakePlane(FrameThrough(entry_in_ct_mm_, axis, turned), elasticity));
+    plane_.back().frame.tissue = i;
+  }
 }
 
-void PlaneModel2010::MakePlane(const mechanics::ElasticityTable& elasticity) {
+PlaneFrame PlaneModel2010::FrameThrough(const Eigen::Vector3d& entry_in_ct_mm,
+                                        const Eigen::Vector3d& axis,
+                                        const Eigen::Vector3d& normal) const noexcept {
+  PlaneFrame frame;
+  frame.ct_from_plane.col(1) = axis;
+  frame.ct_from_plane.col(2) = normal;
+  frame.ct_from_plane.col(0) = axis.cross(normal);
+  const double h = grid_.spacing_mm;
+  frame.origin_in_ct_mm =
+      entry_in_ct_mm - half_columns_ * h * frame.ct_from_plane.col(0) - rows_above_ * h * axis;
+  return frame;
+}
+
+PlaneModel2010::Elastic PlaneModel2010::MakePlane(
+    const PlaneFrame& frame, const mechanics::ElasticityTable& elasticity) const {
   std::vector<mechanics::ElasticTissue> tissue(grid_.num_triangles());
   std::vector<char> fixed(grid_.num_nodes(), 0);
   for (int t = 0; t < grid_.num_triangles(); ++t) {
-    const volume::Label label = LabelAt(grid_.CentroidMm(t));
+    const volume::Label label = LabelAt(frame, grid_.CentroidMm(t));
     tissue[t].youngs_modulus_mpa = mechanics::kEmptyMpa;
     if (label == 0) continue;
     if (table_.tissue[label].impenetrable) {
@@ -116,47 +138,88 @@ void PlaneModel2010::MakePlane(const mechanics::ElasticityTable& elasticity) {
   mechanics::EmptyUnsupported(grid_, fixed, tissue);
   mechanics::PlaneCompliance inverse =
       mechanics::InvertPlane(grid_, tissue, fixed, mechanics::Dilatation::kCell);
-  dof_of_node_ = std::move(inverse.dof_of_node);
-  held_ = std::move(fixed);
   inverse.matrix /= settings_.thickness_mm;
-  compliance_ = std::make_shared<const Eigen::MatrixXd>(std::move(inverse.matrix));
+  return {frame, std::move(inverse.dof_of_node), std::move(fixed),
+          std::make_shared<const Eigen::MatrixXd>(std::move(inverse.matrix))};
 }
 
-Eigen::Vector3d PlaneModel2010::ToPlaneMm(const Eigen::Vector3d& ct_mm) const {
-  return ct_from_plane_.transpose() * (ct_mm - origin_in_ct_mm_);
+PlaneFrame PlaneModel2010::FrameFor(const Eigen::Vector3d& tip_in_ct_mm,
+                                    const Eigen::Vector3d& axis_in_ct,
+                                    const Eigen::Vector3d& image_normal_in_ct,
+                                    const PlaneFrame& present) const noexcept {
+  const Eigen::Vector3d planned = plane_.front().frame.ct_from_plane.col(1);
+  Eigen::Vector3d normal = image_normal_in_ct - image_normal_in_ct.dot(axis_in_ct) * axis_in_ct;
+  const double size = normal.norm();
+  if (!(size > kLeastImageSine && axis_in_ct.dot(planned) > kLeastPlannedCosine)) return present;
+  normal /= size;
+  const Eigen::Vector3d along = (planned - planned.dot(normal) * normal).normalized();
+  const Eigen::Vector3d across = along.cross(normal);
+  int nearest = 0;
+  double cosine = 0.0;
+  for (int i = 0; i < num_planes(); ++i) {
+    const double here = across.dot(Of(i).frame.ct_from_plane.col(0));
+    if (std::abs(here) <= std::abs(cosine)) continue;
+    nearest = i;
+    cosine = here;
+  }
+  if (cosine < 0.0) normal = -normal;  // The same plane, seen as the elastic one is.
+  const Eigen::Vector3d entry_mm =
+      entry_in_ct_mm_ + (tip_in_ct_mm - entry_in_ct_mm_).dot(normal) * normal;
+  PlaneFrame frame = FrameThrough(entry_mm, along, normal);
+  frame.tissue = nearest;
+  return frame;
 }
 
-Eigen::Vector3d PlaneModel2010::DirectionInPlane(const Eigen::Vector3d& in_ct) const {
-  return ct_from_plane_.transpose() * in_ct;
+/// The plane follows needle and image while it holds no needle: no force can jump then.
+void PlaneModel2010::Lay(PlaneState& state, const ToolSample& sample) const noexcept {
+  if (settings_.num_turned == 0 || state.in_body || !sample.probe_valid) return;
+  const Eigen::Vector3d image_normal = sample.ct_from_probe.linear().col(2);
+  if (!image_normal.allFinite()) return;
+  state.frame =
+      FrameFor(sample.tip_in_ct_mm, sample.axis_in_ct.normalized(), image_normal, state.frame);
+  state.contact.Refer(compliance(state.frame.tissue));
+  if (!state.gate.started) return;
+  state.tip_in_plane_mm = state.frame.ToPlaneMm(state.tip_in_ct_mm).head<2>();
+  const Eigen::Vector2d axis = state.frame.DirectionInPlane(state.axis_in_ct).head<2>();
+  if (axis.norm() > 1e-6) state.axis_in_plane = axis.normalized();
 }
 
-Eigen::Vector3d PlaneModel2010::ToCtMm(const Eigen::Vector2d& plane_mm) const {
-  return origin_in_ct_mm_ + DirectionInCt(plane_mm);
-}
-
-Eigen::Vector3d PlaneModel2010::DirectionInCt(const Eigen::Vector2d& plane) const {
-  return ct_from_plane_.leftCols<2>() * plane;
-}
-
-volume::Label PlaneModel2010::LabelAt(const Eigen::Vector2d& plane_mm) const noexcept {
-  return tissue_at_(ToCtMm(plane_mm));
+volume::Label PlaneModel2010::LabelAt(const PlaneFrame& frame,
+                                      const Eigen::Vector2d& plane_mm) const noexcept {
+  return tissue_at_(frame.ToCtMm(plane_mm));
 }
 
 volume::Label PlaneModel2010::LabelOnPath(const PlaneState& state, double at_mm) const noexcept {
-  return LabelAt(state.entry_mm + at_mm * state.along);
+  const Eigen::Vector2d on_path_mm = state.entry_mm + at_mm * state.along;
+  if (settings_.num_turned == 0) return LabelAt(state.frame, on_path_mm);
+  // Where the needle is in the tissue at rest: tissue that went along with it across the path has
+  // its place, and a hand that has torn it or left the plane meets what is there.
+  double across_mm = AcrossMm(state, at_mm);
+  for (int q = 0; q < state.num_nodes; ++q) {
+    across_mm -= Hat(state, q, at_mm) * state.contact.DisplacementMm(2 * q + 1);
+  }
+  const double off_mm = state.out_of_plane_mm + (at_mm - state.device_mm) * state.out_slope;
+  const Eigen::Vector2d across(-state.along.y(), state.along.x());
+  return tissue_at_(state.frame.ToCtMm(on_path_mm + across_mm * across) +
+                    off_mm * state.frame.ct_from_plane.col(2));
 }
 
 PlaneModel2010 PlaneModel2010::WithUpdate(PlaneUpdate update) const {
   PlaneModel2010 other = *this;
   other.settings_.update = update;
+  if (update == PlaneUpdate::kFull) {
+    other.settings_.num_turned = 0;
+    other.plane_.resize(1);
+  }
   return other;
 }
 
 PlaneState PlaneModel2010::NewState() const {
   PlaneState state;
   const int capacity = std::min(kMostNodes, std::max(grid_.rows, grid_.columns));
-  state.contact = PlaneContact(*compliance_, 2 * capacity, settings_.update);
+  state.contact = PlaneContact(compliance(), 2 * capacity, settings_.update);
   state.node.resize(capacity);
+  state.frame = planned();
   return state;
 }
 
@@ -168,10 +231,16 @@ forces::NeedleForce PlaneModel2010::Step(PlaneState& state,
   }
   const bool started = state.gate.started;
   const double dt_s = started ? sample.time_s - state.gate.valid_time_s : 1.0;
-  const Eigen::Vector3d tip_mm = ToPlaneMm(sample.tip_in_ct_mm);
-  const Eigen::Vector3d axis = ct_from_plane_.transpose() * sample.axis_in_ct.normalized();
+  Lay(state, sample);
+  const Eigen::Vector3d tip_mm = state.frame.ToPlaneMm(sample.tip_in_ct_mm);
+  state.tip_in_ct_mm = sample.tip_in_ct_mm;
+  state.axis_in_ct = sample.axis_in_ct.normalized();
+  const Eigen::Vector3d axis = state.frame.DirectionInPlane(state.axis_in_ct);
   state.out_of_plane_mm = tip_mm.z();
   state.out_of_plane_rad = std::asin(std::clamp(axis.z(), -1.0, 1.0));
+  if (settings_.num_turned > 0) {
+    state.out_slope = axis.z() / std::max(kLeastPathCosine, axis.head<2>().norm());
+  }
   Motion motion;
   motion.to_mm = tip_mm.head<2>();
   const double in_plane = axis.head<2>().norm();
@@ -183,7 +252,9 @@ forces::NeedleForce PlaneModel2010::Step(PlaneState& state,
   motion.was_outside = started && state.tissue_at_tip == 0;
   state.tip_in_plane_mm = motion.to_mm;
   state.axis_in_plane = motion.to_axis;
-  state.tissue_at_tip = LabelAt(motion.to_mm);
+  state.tissue_at_tip = settings_.num_turned > 0 && state.in_body
+                            ? tissue_at_(sample.tip_in_ct_mm)
+                            : LabelAt(state.frame, motion.to_mm);
 
   NeedleEvent event = NeedleEvent::kNone;
   if (!state.in_body && state.tissue_at_tip != 0 && Touch(state, motion)) {
@@ -219,10 +290,10 @@ bool PlaneModel2010::Touch(PlaneState& state, const Motion& motion) const noexce
     Eigen::Vector2d outside_mm = motion.from_mm;
     for (int i = 0; i < kBisections; ++i) {
       const Eigen::Vector2d middle = 0.5 * (outside_mm + skin_mm);
-      (LabelAt(middle) == 0 ? outside_mm : skin_mm) = middle;
+      (LabelAt(state.frame, middle) == 0 ? outside_mm : skin_mm) = middle;
     }
   }
-  const volume::Label tissue = LabelAt(skin_mm);
+  const volume::Label tissue = LabelAt(state.frame, skin_mm);
   state.device_mm = state.needle_mm = state.aside_mm = state.slope = 0.0;
   StartPath(state, motion.to_axis, skin_mm);
   if (!AppendNode(state, 0.0)) return false;  // Outside the region: nothing to deform there.
@@ -278,7 +349,8 @@ bool PlaneModel2010::AppendNode(PlaneState& state, double travel_mm) const noexc
   const int step = LayerStep(state);
   int layer = state.next_layer;
   int node = NodeOfLayer(state, layer);
-  while (node >= 0 && dof_of_node_[node] < 0) {
+  const std::vector<int>& dof_of = dof_of_node(state.frame.tissue);
+  while (node >= 0 && dof_of[node] < 0) {
     // Air above the skin is passed over; a fixed node is the end of what can move.
     if (state.num_nodes > 0) return false;
     layer += step;
@@ -289,9 +361,9 @@ bool PlaneModel2010::AppendNode(PlaneState& state, double travel_mm) const noexc
   PlaneNode& added = state.node[state.num_nodes];
   added.node = node;
   added.at_mm = (rest_mm - state.entry_mm).dot(state.along);
-  const volume::Label tissue = LabelAt(rest_mm);
+  const volume::Label tissue = LabelAt(state.frame, rest_mm);
   added.friction_n_per_mm = table_.tissue[tissue].friction_n_per_mm;
-  state.contact.Append(dof_of_node_[node], state.along.x(), state.along.y());
+  state.contact.Append(dof_of[node], state.along.x(), state.along.y());
   const int slot = 2 * state.num_nodes;
   added.reference_mm.x() = state.needle_mm - travel_mm - state.contact.DisplacementMm(slot);
   added.reference_mm.y() = AcrossMm(state, added.at_mm) - state.contact.DisplacementMm(slot + 1);
@@ -309,16 +381,17 @@ void PlaneModel2010::LoadOf(const PlaneState& state, TissueLoad& out) const noex
   for (int q = 0; q < state.num_nodes; ++q) {
     const Eigen::Vector2d force_n =
         state.contact.ForceN(2 * q) * state.along + state.contact.ForceN(2 * q + 1) * across;
-    out.point[q].rest_in_ct_mm = ToCtMm(grid_.PositionMm(state.node[q].node));
-    out.point[q].force_in_ct_n = DirectionInCt(force_n);
+    out.point[q].rest_in_ct_mm = state.frame.ToCtMm(grid_.PositionMm(state.node[q].node));
+    out.point[q].force_in_ct_n = state.frame.DirectionInCt(force_n);
   }
   out.num_points = state.num_nodes;
+  out.plane = state.frame;
   out.needle.in_contact = true;
   out.needle.pierced = state.pierced;
-  out.needle.entry_in_ct_mm = ToCtMm(state.entry_mm);
+  out.needle.entry_in_ct_mm = state.frame.ToCtMm(state.entry_mm);
   out.needle.tip_in_ct_mm =
-      ToCtMm(state.entry_mm + state.needle_mm * state.along + state.aside_mm * across);
-  out.needle.axis_in_ct = DirectionInCt(state.along);
+      state.frame.ToCtMm(state.entry_mm + state.needle_mm * state.along + state.aside_mm * across);
+  out.needle.axis_in_ct = state.frame.DirectionInCt(state.along);
   out.needle.pre_puncture_n = state.force.puncture_n;
   out.needle.cutting_n = state.force.cutting_n;
   out.needle.friction_n = state.force.friction_n;
@@ -352,7 +425,7 @@ void PlaneModel2010::Forces(PlaneState& state, double speed_mm_per_s) const noex
   out.lateral_n = std::abs(across_n);
   out.depth_mm = state.needle_mm;
   const Eigen::Vector2d across(-state.along.y(), state.along.x());
-  out.force_in_ct_n = -DirectionInCt(out.AxialN() * state.along + across_n * across);
+  out.force_in_ct_n = -state.frame.DirectionInCt(out.AxialN() * state.along + across_n * across);
 }
 
 bool PlaneModel2010::HasLeft(const PlaneState& state) const noexcept {

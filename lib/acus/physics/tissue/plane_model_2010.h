@@ -32,6 +32,11 @@ struct PlaneSettings {
   double image_fade_mm = 20.0;          ///< Out of the plane, displacements fade to 0 within it.
   double force_error_n = 1e-10;         ///< Bound of the residual monitor.
   PlaneUpdate update = PlaneUpdate::kRestricted;
+  /// Above 0: while the needle touches nothing, the plane is laid through it, as parallel as
+  /// possible to the image of a probe that is there. Its elastic constants are then those of the
+  /// nearest of so many planes around the planned axis, each with an inverse of its own. 0: it
+  /// stays where it was planned. Not with kFull.
+  int num_turned = 0;
 };
 
 /// Where the plane is. Plane coordinates (x, y) are along `across` and `axis`, from the corner.
@@ -58,10 +63,14 @@ struct PlaneState {
   int num_nodes = 0;
   int next_layer = 0;  ///< Of the grid, in which the next node is sought.
 
+  PlaneFrame frame;  ///< Kept while the needle is in the body.
+  Eigen::Vector3d tip_in_ct_mm = Eigen::Vector3d::Zero();     ///< Of the device.
+  Eigen::Vector3d axis_in_ct = Eigen::Vector3d::UnitZ();      ///< Unit length.
   Eigen::Vector2d tip_in_plane_mm = Eigen::Vector2d::Zero();  ///< Of the device.
   Eigen::Vector2d axis_in_plane = Eigen::Vector2d::UnitY();
   double out_of_plane_mm = 0.0;   ///< Distance of the device's tip from the plane.
   double out_of_plane_rad = 0.0;  ///< Angle of its axis to the plane.
+  double out_slope = 0.0;         ///< The same as a slope; 0 for a plane that does not turn.
   volume::Label tissue_at_tip = 0;
 
   bool in_body = false;  ///< There is a path: the tip has touched the skin.
@@ -99,7 +108,8 @@ class PlaneModel2010 {
   PlaneState NewState() const;
 
   /// Takes in the next sample; bad ones as forces::NeedleForceModel::Step. What is out of the plane
-  /// is projected into it. The force's magnitude never exceeds the table's largest_force_n.
+  /// is projected into it; a plane that turns contains the needle when that touches the skin. The
+  /// force's magnitude never exceeds the table's largest_force_n.
   forces::NeedleForce Step(PlaneState& state, const ToolSample& sample) const noexcept;
 
   /// Forces on the nodes that the needle touches.
@@ -107,25 +117,55 @@ class PlaneModel2010 {
 
   const PlaneSettings& settings() const { return settings_; }
   const mechanics::PlaneGrid& grid() const { return grid_; }
-  const std::vector<int>& dof_of_node() const { return dof_of_node_; }
+  int num_planes() const { return static_cast<int>(plane_.size()); }
+  const std::vector<int>& dof_of_node(int plane = 0) const { return Of(plane).dof_of_node; }
   /// mm/N, for the plane's thickness.
-  const Eigen::MatrixXd& compliance() const { return *compliance_; }
+  const Eigen::MatrixXd& compliance(int plane = 0) const { return *Of(plane).compliance; }
   const forces::ForceTable& table() const { return table_; }
   /// No tissue at any triangle of the node; other nodes that do not move are held.
-  bool IsAir(int node) const { return dof_of_node_[node] < 0 && held_[node] == 0; }
-  int num_free_nodes() const { return static_cast<int>(compliance_->rows()) / 2; }
+  bool IsAir(int node, int plane = 0) const {
+    return Of(plane).dof_of_node[node] < 0 && Of(plane).held[node] == 0;
+  }
+  int num_free_nodes() const { return static_cast<int>(compliance().rows()) / 2; }
   double thickness_mm() const { return settings_.thickness_mm; }
 
-  Eigen::Vector3d ToPlaneMm(const Eigen::Vector3d& ct_mm) const;  ///< x, y, off the plane.
-  Eigen::Vector3d DirectionInPlane(const Eigen::Vector3d& in_ct) const;
-  Eigen::Vector3d ToCtMm(const Eigen::Vector2d& plane_mm) const;
-  Eigen::Vector3d DirectionInCt(const Eigen::Vector2d& plane) const;  ///< Of a vector.
+  const PlaneFrame& planned() const { return plane_.front().frame; }
+  /// The plane through the needle, as parallel as possible to the image; `present` if the needle is
+  /// across the image or does not go the planned way.
+  /// @param image_normal_in_ct  unit length.
+  PlaneFrame FrameFor(const Eigen::Vector3d& tip_in_ct_mm, const Eigen::Vector3d& axis_in_ct,
+                      const Eigen::Vector3d& image_normal_in_ct,
+                      const PlaneFrame& present) const noexcept;
+
+  Eigen::Vector3d ToPlaneMm(const Eigen::Vector3d& ct_mm) const {
+    return planned().ToPlaneMm(ct_mm);
+  }
+  Eigen::Vector3d DirectionInPlane(const Eigen::Vector3d& in_ct) const {
+    return planned().DirectionInPlane(in_ct);
+  }
+  Eigen::Vector3d ToCtMm(const Eigen::Vector2d& plane_mm) const {
+    return planned().ToCtMm(plane_mm);
+  }
+  Eigen::Vector3d DirectionInCt(const Eigen::Vector2d& plane) const {
+    return planned().DirectionInCt(plane);
+  }
 
  private:
   using Event = forces::NeedleEvent;
   struct Motion;
-  void MakePlane(const mechanics::ElasticityTable& elasticity);
-  volume::Label LabelAt(const Eigen::Vector2d& plane_mm) const noexcept;
+  /// One elastic plane; the first is the planned one.
+  struct Elastic {
+    PlaneFrame frame;
+    std::vector<int> dof_of_node;
+    std::vector<char> held;  ///< By node: bone, or the border of the region.
+    std::shared_ptr<const Eigen::MatrixXd> compliance;  ///< Shared, so that it stays where it is.
+  };
+  const Elastic& Of(int plane) const { return plane_[static_cast<std::size_t>(plane)]; }
+  PlaneFrame FrameThrough(const Eigen::Vector3d& entry_in_ct_mm, const Eigen::Vector3d& axis,
+                          const Eigen::Vector3d& normal) const noexcept;
+  Elastic MakePlane(const PlaneFrame& frame, const mechanics::ElasticityTable& elasticity) const;
+  void Lay(PlaneState& state, const ToolSample& sample) const noexcept;
+  volume::Label LabelAt(const PlaneFrame& frame, const Eigen::Vector2d& plane_mm) const noexcept;
   volume::Label LabelOnPath(const PlaneState& state, double at_mm) const noexcept;
 
   bool Touch(PlaneState& state, const Motion& motion) const noexcept;
@@ -155,12 +195,11 @@ class PlaneModel2010 {
   PlaneSettings settings_;
   forces::ForceTable table_;
   TissueAt tissue_at_;
-  Eigen::Vector3d origin_in_ct_mm_;
-  Eigen::Matrix3d ct_from_plane_;  ///< Columns: across, axis, normal.
+  Eigen::Vector3d entry_in_ct_mm_;  ///< Planned.
   mechanics::PlaneGrid grid_;
-  std::vector<int> dof_of_node_;
-  std::vector<char> held_;  ///< By node: bone, or the border of the region.
-  std::shared_ptr<const Eigen::MatrixXd> compliance_;  ///< Shared, so that it stays where it is.
+  int half_columns_ = 0;
+  int rows_above_ = 0;
+  std::vector<Elastic> plane_;
 };
 
 /// Displacements for the image: exact in the nodes, linear in the triangles, faded out of the
@@ -182,8 +221,11 @@ class PlaneField2010 {
     int with = 0;
     double share = 0.0;
   };
+  std::vector<AirNode> AirOf(int plane) const;
+
   const PlaneModel2010* model_;
-  std::vector<AirNode> air_;
+  std::vector<std::vector<AirNode>> air_;  ///< Of each plane.
+  PlaneFrame frame_;
   Eigen::VectorXd dof_mm_;    ///< As the rows of the compliance.
   Eigen::Matrix2Xd node_mm_;  ///< In plane coordinates.
   bool active_ = false;

@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "acus/physics/tissue/plane_frame.h"
+
 namespace acus::tissue {
 
 /// A force on the tissue at a place of the tissue at rest.
@@ -31,6 +33,7 @@ struct TissueLoad {
   std::array<PointLoad, kMaxPoints> point{};
   int num_points = 0;
   NeedleLoad needle;
+  PlaneFrame plane;  ///< Of PlaneModel2010.
 };
 
 }  // namespace acus::tissue

@@ -87,8 +87,11 @@ Patient ReadPatient(const json& object, const fs::path& folder, const std::strin
 ProbeForceEffect ReadProbeForce(const json& object, const fs::path& folder) {
   const json& settings = object.at("multi_proxy");
   ProbeForceEffect effect;
-  effect.model = object.at("model") == "vidal" ? ProbeForceModelKind::kVidal
-                                               : ProbeForceModelKind::kMultiProxy;
+  static const std::map<std::string, ProbeForceModelKind> kModels = {
+      {"vidal", ProbeForceModelKind::kVidal},
+      {"multi_proxy", ProbeForceModelKind::kMultiProxy},
+      {"tissue", ProbeForceModelKind::kTissue}};
+  effect.model = kModels.at(object.at("model"));
   effect.table = config::FindConfig(object.at("table").get<std::string>(), folder);
   effect.press_mm = object.at("press_mm");
   effect.reads_labels =
@@ -111,6 +114,7 @@ TissueEffect ReadTissueEffect(const json& object, const fs::path& folder) {
   effect.elasticity = config::FindConfig(object.at("elasticity").get<std::string>(), folder);
   effect.table = config::FindConfig(object.at("table").get<std::string>(), folder);
   effect.image = object.at("image");
+  effect.pressed_by_probe = object.at("pressed_by_probe");
   effect.warp_spacing_mm = object.at("warp_spacing_mm");
   effect.inverse_iterations = object.at("inverse_iterations");
   const json& springs = object.at("springs");
@@ -121,6 +125,7 @@ TissueEffect ReadTissueEffect(const json& object, const fs::path& folder) {
   const json& plane = object.at("fe_2d");
   effect.plane_spacing_mm = plane.at("spacing_mm");
   effect.plane_width_mm = plane.at("width_mm");
+  effect.plane_turned = plane.at("turned_planes");
   effect.plane_beyond_mm = plane.at("beyond_mm");
   effect.plane_thickness_mm = plane.at("thickness_mm");
   effect.element = object.at("fe_3d").at("element");
@@ -203,6 +208,17 @@ void CheckTogether(const Scenario& s) {
     ACUS_REQUIRE(s.tissue && s.tissue->TouchesNeedle(), file,
                  ": /effects/needle_force/model is \"tissue\", but no effects/tissue knows forces "
                  "on the needle; give it one of the models springs, fe_2d or fe_3d");
+  }
+  if (s.probe_force && s.probe_force->model == ProbeForceModelKind::kTissue) {
+    ACUS_REQUIRE(s.tissue && s.tissue->model == TissueModelKind::kFem3d && s.tissue->probe_contact,
+                 file,
+                 ": /effects/probe_force/model is \"tissue\", but no effects/tissue is pressed by "
+                 "the probe; give it the model fe_3d with fe_3d/probe_contact true");
+  }
+  if (s.tissue && s.tissue->pressed_by_probe) {
+    ACUS_REQUIRE(s.tissue->model != TissueModelKind::kFem3d, file,
+                 ": /effects/tissue/pressed_by_probe is for models that the probe does not deform; "
+                 "fe_3d computes it: set fe_3d/probe_contact");
   }
   if (s.shape) {
     ACUS_REQUIRE(s.needle_force, file,

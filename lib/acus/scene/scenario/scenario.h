@@ -38,7 +38,7 @@ struct NeedleForceEffect {
   std::filesystem::path table;
 };
 
-enum class ProbeForceModelKind { kVidal, kMultiProxy };
+enum class ProbeForceModelKind { kVidal, kMultiProxy, kTissue };
 /// Forces on the probe or on a fingertip. Only the settings of its model are read.
 struct ProbeForceEffect {
   ProbeForceModelKind model = ProbeForceModelKind::kVidal;
@@ -62,14 +62,16 @@ enum class TissueModelKind { kDisplacementFunctions, kSprings, kPlane2010, kFem3
 struct TissueEffect {
   TissueModelKind model = TissueModelKind::kDisplacementFunctions;
   std::filesystem::path elasticity;
-  std::filesystem::path table;  ///< Force table, for models that touch the needle.
-  bool image = true;            ///< The images show the deformation.
+  std::filesystem::path table;    ///< Force table, for models that touch the needle.
+  bool image = true;              ///< The images show the deformation.
+  bool pressed_by_probe = false;  ///< ... and the skin under the probe; not fe_3d.
   double warp_spacing_mm = 0.0;
   int inverse_iterations = 0;
   double influence_radius_mm = 0.0;  ///< displacement_functions, springs.
   double path_spacing_mm = 0.0;      ///< springs.
   double plane_spacing_mm = 0.0;     ///< fe_2d, as all of the plane's.
   double plane_width_mm = 0.0;
+  int plane_turned = 0;
   double plane_beyond_mm = 0.0;
   double plane_thickness_mm = 0.0;
   std::string element;              ///< fe_3d: as acus-mesh condensed the mesh.

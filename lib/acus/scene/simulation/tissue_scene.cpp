@@ -105,11 +105,12 @@ tissue::TissueModel Plane(const scenario::Scenario& scenario, const TissueMap& t
   double length_mm = 0.0;
   const tissue::PlanePlacement plane = PlaneThrough(scenario.patient.corridor, length_mm);
   context.provenance.AddInput(scenario.patient.corridor);
-  context.Checkpoint("inverting the plane", 0.0);
+  context.Checkpoint("inverting the planes", 0.0);
   return tissue::TissueModel(tissue::PlaneModel2010({.spacing_mm = effect.plane_spacing_mm,
                                                      .width_mm = effect.plane_width_mm,
                                                      .depth_mm = length_mm + effect.plane_beyond_mm,
-                                                     .thickness_mm = effect.plane_thickness_mm},
+                                                     .thickness_mm = effect.plane_thickness_mm,
+                                                     .num_turned = effect.plane_turned},
                                                     plane, parts.table, parts.needle, elasticity,
                                                     tissues));
 }

@@ -314,5 +314,92 @@ TEST(PlaneModel2010, SaysWhatIsWrong) {
   EXPECT_THROW(Model({{{-500, "bone"}}}), InputError);  // Nothing moves.
 }
 
+/// A probe beside the needle whose image contains the needle's axis, turned about it.
+ToolSample Sampled(double time_s, double z_mm, double turn_rad,
+                   const Vector3d& aside_mm = {0, 0, 0}) {
+  ToolSample sample;
+  sample.time_s = time_s;
+  sample.tip_in_ct_mm = Vector3d(0, 0, z_mm) + aside_mm;
+  sample.axis_in_ct = Vector3d::UnitZ();
+  sample.probe_valid = true;
+  sample.ct_from_probe.linear().col(0) = Vector3d(std::cos(turn_rad), std::sin(turn_rad), 0.0);
+  sample.ct_from_probe.linear().col(1) = Vector3d::UnitZ();
+  sample.ct_from_probe.linear().col(2) =
+      sample.ct_from_probe.linear().col(0).cross(Vector3d::UnitZ());
+  return sample;
+}
+
+TEST(TurnedPlane, LiesInTheImageThroughTheNeedleAndShowsItsTissueUnfaded) {
+  const PlaneModel2010 model = Model(kSkinAndFat, {.num_turned = 4});
+  for (const double turn : {0.0, 0.3, 1.2, 1.57, 2.9, 4.0}) {
+    const Vector3d in_image(std::cos(turn), std::sin(turn), 0.0);
+    const Vector3d across(-in_image.y(), in_image.x(), 0.0);
+    const Vector3d aside_mm = 4.0 * across;  // Of the planned way.
+    PlaneState state = model.NewState();
+    forces::NeedleForce force;
+    for (int n = 0; n <= 400; ++n) {
+      force = model.Step(state, Sampled(0.001 * n, -2.0 + 0.06 * n, turn, aside_mm));
+    }
+    EXPECT_GT(force.AxialN(), 0.3);
+    EXPECT_NEAR(state.out_of_plane_mm, 0.0, 1e-12);
+    EXPECT_NEAR(state.out_of_plane_rad, 0.0, 1e-12);
+    TissueLoad load;
+    model.LoadOf(state, load);
+    PlaneField2010 field(model);
+    field.Update(load);
+    const Vector3d tip_mm = Vector3d(0, 0, 15.0) + aside_mm;
+    const double beside = field.DisplacementMm(tip_mm + 15.0 * in_image).z();
+    EXPECT_GT(beside, 0.02) << turn;
+    EXPECT_NEAR(field.DisplacementMm(tip_mm - 15.0 * in_image).z(), beside, 0.1 * beside);
+    EXPECT_LT(std::abs(field.DisplacementMm(tip_mm + 21.0 * across).z()), 1e-12);
+  }
+}
+
+// Homogeneous tissue is the same from all sides, and a probe that turns beside a needle in the
+// tissue changes nothing.
+TEST(TurnedPlane, TurningTheProbeNeverChangesTheForceOfANeedleInTheTissue) {
+  const PlaneModel2010 still = Model(kSkinAndFat);
+  const PlaneModel2010 turned = Model(kSkinAndFat, {.num_turned = 4});
+  PlaneState of_still = still.NewState();
+  PlaneState of_one = turned.NewState();
+  PlaneState of_turning = turned.NewState();
+  for (int n = 0; n <= 1500; ++n) {
+    const double z_mm = -2.0 + 30.0 * std::sin(0.003 * n);
+    const double start = 0.9;
+    const double turn = z_mm > 1.0 ? start + 0.01 * n : start;
+    const auto a = still.Step(of_still, Sampled(0.001 * n, z_mm, 0.0));
+    const auto b = turned.Step(of_one, Sampled(0.001 * n, z_mm, start));
+    const auto c = turned.Step(of_turning, Sampled(0.001 * n, z_mm, turn));
+    ASSERT_NEAR(a.AxialN(), b.AxialN(), 1e-6) << n;
+    ASSERT_EQ(b.force_in_ct_n, c.force_in_ct_n) << n;
+  }
+}
+
+TEST(TurnedPlane, WithoutAProbeItIsThePlannedOneBitForBit) {
+  const PlaneModel2010 still = Model(kSkinAndFat);
+  const PlaneModel2010 turned = Model(kSkinAndFat, {.num_turned = 3});
+  PlaneState a = still.NewState();
+  PlaneState b = turned.NewState();
+  for (int n = 0; n <= 800; ++n) {
+    ToolSample sample = Sampled(0.001 * n, -2.0 + 40.0 * std::sin(0.003 * n), 0.4, {2, 1, 0});
+    const auto of_still = still.Step(a, sample);
+    sample.probe_valid = false;
+    ASSERT_EQ(of_still.force_in_ct_n, turned.Step(b, sample).force_in_ct_n);
+  }
+}
+
+TEST(TurnedPlane, IgnoresANeedleAcrossTheImageAndProbesThatAreNone) {
+  const PlaneModel2010 model = Model(kSkinAndFat, {.num_turned = 4});
+  PlaneState state = model.NewState();
+  ToolSample sample = Sampled(0.0, -2.0, 0.0);
+  sample.ct_from_probe.linear() << 1, 0, 0, 0, 1, 0, 0, 0, 1;  // Its image lies across the needle.
+  model.Step(state, sample);
+  EXPECT_EQ(state.frame.ct_from_plane, model.planned().ct_from_plane);
+  sample.time_s = 0.001;
+  sample.ct_from_probe.linear().setConstant(std::nan(""));
+  model.Step(state, sample);
+  EXPECT_TRUE(state.frame.ct_from_plane.allFinite());
+}
+
 }  // namespace
 }  // namespace acus::tissue
