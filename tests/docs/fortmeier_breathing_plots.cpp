@@ -128,7 +128,9 @@ void DrawFigure5(const testing_support::BreathingLiver& patient,
       sample.time_s = t + 1e-3;
       sample.tip_in_ct_mm = at_rest.ct_from_tool.translation();
       sample.axis_in_ct = at_rest.ct_from_tool.linear().col(2);
-      const Vector3d force_n = at_rest.world_from_rest * springs.Step(state, sample).force_in_ct_n;
+      Vector3d force_n = springs.Step(state, sample).force_in_ct_n;
+      Vector3d torque_n_mm = Vector3d::Zero();
+      CarryToWorld(map, at_rest, force_n, torque_n_mm);
       series.x.push_back(t);
       series.y.push_back(-force_n.dot(line.direction));
     }

@@ -72,6 +72,7 @@ inline nlohmann::json Mended(nlohmann::json document) {
   if (effects.contains("needle") || model_of("needle_force") == "tissue") {
     if (effects.contains("needle_force")) effects["needle_force"].erase("guidance");
   }
+  if (model_of("probe_force") == "tissue") effects["probe_force"].erase("model");
   if (model_of("needle") == "bendable") effects["needle"].erase("axis_lock");
   if (effects.empty()) effects["ct_slice"] = json::object();
   return document;

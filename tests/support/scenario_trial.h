@@ -2,7 +2,6 @@
 // number, no force over its limit, no energy from nowhere.
 #pragma once
 
-#include <Eigen/SVD>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -39,7 +38,7 @@ struct TrialTrace {
   int num_steps = 0;
   double largest_force_share = 0.0;  ///< Of the limit, over all phases.
   double generated_mj = 0.0;         ///< Most energy given to a hand that goes its way.
-  double strained_mj = 0.0;          ///< In held breath, with what strain explains.
+  double strained_mj = 0.0;          ///< The same in held breath.
   double loop_mj = 0.0;              ///< Most energy given to a device and a hand of springs.
   Place place[kMostSteps] = {};
 };
@@ -70,18 +69,9 @@ class ScenarioTrial {
   static constexpr int kWildSteps = 1500;
   static constexpr double kHeldFromS = 1.0;  // All have breathed a little by then.
 
-  /// A sampled spring that is late by 1.5 steps needs a damping of K 1.5 T (forces_stability.md):
-  /// stiffer springs between hand and hub are beyond the 4.5 N s/m of this device and hand.
-  static constexpr double kStiffestNPerMm = 3.0;
   /// @param trace  What is done is written there. @param also  is called after each step.
-  ScenarioTrial(simulation::Scene scene, const scenario::Scenario& scenario, TrialTrace& trace,
-                StepCheck also = {})
-      : scene_(std::move(scene)), trace_(trace), also_(std::move(also)) {
-    const bool springs =
-        scenario.shape && scenario.shape->model == scenario::NeedleModelKind::kBendable;
-    hand_n_per_mm_ =
-        springs ? std::max(scenario.shape->hand_n_per_mm, scenario.shape->kappa_n_per_mm) : 0.0;
-  }
+  ScenarioTrial(simulation::Scene scene, TrialTrace& trace, StepCheck also = {})
+      : scene_(std::move(scene)), trace_(trace), also_(std::move(also)) {}
 
   /// @throws Violation
   void Run(std::uint64_t seed) {
@@ -91,7 +81,7 @@ class ScenarioTrial {
       scene_.breathing->source = breathing::BreathSource(free.signal(), {{kHeldFromS, 1e6}});
       Felt(seed, kHeldBreath);
       scene_.breathing->source = free;
-    } else if (hand_n_per_mm_ <= kStiffestNPerMm) {
+    } else {
       InTheLoop(seed);
     }
     Wild(seed);
@@ -167,27 +157,6 @@ class ScenarioTrial {
     Require(generated_mj <= most_mj, Message("gave ", generated_mj, " mJ, over ", most_mj));
   }
 
-  /// By how much at most a step in strained tissue differs from one in the tissue at rest, turned:
-  /// |inverse(F) - transposed(R)| for F = R U, where a hand reaches.
-  double ShareOfStrain() const {
-    const auto map = scene_.breathing->At(kHeldFromS + 10.0, {});
-    double largest = 0.0;
-    for (double z = -15.0; z < 75.0; z += 5.0) {
-      for (const double x : {-5.0, 0.0, 5.0}) {
-        for (const double y : {-5.0, 0.0, 5.0}) {
-          const Eigen::Vector3d rest_mm =
-              map.RestOf({x, y, z}, {x, y, z}, {.max_iterations = 20, .tolerance_mm = 0.01})
-                  .rest_mm;
-          const Eigen::JacobiSVD<Eigen::Matrix3d> svd(map.GradientAt(rest_mm));
-          for (const double stretch : svd.singularValues()) {
-            largest = std::max(largest, std::abs(1.0 / stretch - 1.0));
-          }
-        }
-      }
-    }
-    return largest;
-  }
-
   /// A hand in and out of the tissue: sound, and since it was last free it gets no energy. The
   /// force goes from one sample's to the next's; what holding it for a step adds is the sampling's,
   /// which the device has to take, and is judged in the loop.
@@ -201,14 +170,8 @@ class ScenarioTrial {
     const auto place = forces::RandomMotion(hand, 1e-3 * kHandSteps, seed);
     const double begin_s = phase == kHeldBreath ? kHeldFromS + 0.5 : 0.0;
     const int begin = static_cast<int>(std::lround(1e3 * begin_s));
-    // In breath that is held, forces of the tissue at rest are turned with it but not scaled by its
-    // strain: what a hand can gain by going in here and out there is that share of what went to and
-    // fro, and no more.
-    const double share = phase == kHeldBreath ? ShareOfStrain() : 0.0;
     double balance_mj = 0.0;
-    double moved_mj = 0.0;
     double generated_mj = 0.0;
-    double beyond_mj = 0.0;
     simulation::StepOutput before;
     for (int i = 0; i < begin + kHandSteps; ++i) {
       const double t = 1e-3 * i;
@@ -222,18 +185,15 @@ class ScenarioTrial {
       const Eigen::Vector3d moved_mm =
           out.ct_from_needle.translation() - before.ct_from_needle.translation();
       balance_mj -= mean_n.dot(moved_mm);
-      moved_mj += mean_n.norm() * moved_mm.norm();
       generated_mj = std::max(generated_mj, -balance_mj);
-      beyond_mj = std::max(beyond_mj, -balance_mj - share * moved_mj);
       if (out.force.force_in_ct_n.isZero() && out.force.torque_in_ct_n_mm.isZero()) {
-        balance_mj = moved_mj = 0.0;
+        balance_mj = 0.0;
       }
       before = out;
       if (i == begin + 1500 || i == begin + kHandSteps - 1) Look(simulation, state, out, t);
     }
     if (phase == kHeldBreath) {
-      trace_.strained_mj = std::max(trace_.strained_mj, generated_mj);
-      RequirePassive(beyond_mj, kEnergyLimitMj, trace_.generated_mj);
+      RequirePassive(generated_mj, kEnergyLimitMj, trace_.strained_mj);
     } else if (!scene_.breathing) {  // A patient who breathes does work on the needle.
       RequirePassive(generated_mj, kEnergyLimitMj, trace_.generated_mj);
     }
@@ -286,7 +246,6 @@ class ScenarioTrial {
   simulation::Scene scene_;
   TrialTrace& trace_;
   StepCheck also_;
-  double hand_n_per_mm_ = 0.0;
 };
 
 }  // namespace acus::testing_support

@@ -32,13 +32,40 @@ ToolAtRest AtRest(const MotionMap& map, const Eigen::Isometry3d& ct_from_tool,
 
   const Eigen::Matrix3d gradient = map.GradientAt(found.rest_mm);
   const Eigen::Vector3d world_axis = ct_from_tool.linear() * axis;
-  const Eigen::Vector3d rest_axis = gradient.inverse() * world_axis;
+  const Eigen::Matrix3d inverse = gradient.inverse();
+  const Eigen::Vector3d rest_axis = inverse * world_axis;
+  const double length = rest_axis.norm();
+  out.axis_at_rest = out.axis_in_world = world_axis;
   // Where the field folds, directions mean nothing: then they stay.
-  if (!(gradient.determinant() > 0.0) || !rest_axis.allFinite()) return out;
+  if (!(gradient.determinant() > 0.0) || !inverse.allFinite() || !(length > 0.0)) return out;
+  const double norm = inverse.norm();
+  const double share = norm > ToolAtRest::kMostPerWorld ? ToolAtRest::kMostPerWorld / norm : 1.0;
+  out.rest_per_world = share * inverse;
+  out.axis_at_rest = rest_axis / length;
+  out.axis_per_world = share * length;
   out.world_from_rest = Eigen::Quaterniond::FromTwoVectors(rest_axis, world_axis);
   track.world_from_rest = out.world_from_rest;
   out.ct_from_tool.linear() = out.world_from_rest.conjugate() * ct_from_tool.linear();
   return out;
+}
+
+void CarryToWorld(const MotionMap& map, const ToolAtRest& tool, Eigen::Vector3d& force,
+                  Eigen::Vector3d& torque) noexcept {
+  const Eigen::Matrix3d world_from_rest = tool.rest_per_world.transpose();
+  if (!torque.isZero(0.0)) {
+    // The axis b at rest follows db = P inverse(F) (w x a - (dF/dX V) b) / |inverse(F) a|.
+    constexpr double kHalfMm = 1.0;
+    const Eigen::Vector3d& b = tool.axis_at_rest;
+    const Eigen::Vector3d rest_mm = tool.ct_from_tool.translation();
+    const Eigen::Matrix3d bends =
+        (map.GradientAt(rest_mm + kHalfMm * b) - map.GradientAt(rest_mm - kHalfMm * b)) /
+        (2.0 * kHalfMm);
+    const Eigen::Vector3d across = world_from_rest * torque.cross(b);
+    force -= bends.transpose() * across;
+    torque =
+        tool.axis_in_world.cross(across) / tool.axis_per_world + torque.dot(b) * tool.axis_in_world;
+  }
+  force = world_from_rest * force;
 }
 
 }  // namespace acus::breathing

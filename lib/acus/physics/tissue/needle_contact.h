@@ -108,6 +108,7 @@ class FemNeedleModel {
   const ContactSystem& system() const { return system_; }
   const ContactMesh& mesh() const { return mesh_; }
   double spacing_mm() const { return spacing_mm_; }
+  const forces::ForceTable& table() const { return table_; }
 
  private:
   struct Outcome;

@@ -43,6 +43,9 @@ void Describe(const FemNeedleModel& model, const FemNeedleState& state, TissueFo
   out.touched = state.phase != NeedlePhase::kFree || state.probe_force.num_nodes > 0;
   out.pierced = state.phase == NeedlePhase::kInside;
   out.probe_in_ct_n = state.probe_force.force_in_ct_n;
+  out.probe_torque_in_ct_n_mm = state.probe_force.torque_in_ct_n_mm;
+  out.num_probe_nodes = state.probe_force.num_nodes;
+  out.probe_depth_mm = state.probe_force.deepest_mm;
   if (state.phase == NeedlePhase::kFree) return;
   // At the end of its cut the tip is where it cut last; drawn back, somewhere along the cut.
   const Eigen::Vector3d axis = state.frame.col(2);
@@ -111,6 +114,18 @@ bool TissueModel::LoadOf(const TissueState& state, TissueLoad& out) const noexce
           return what.touched;
         }
         return false;
+      },
+      level_);
+}
+
+double TissueModel::LargestForceN() const noexcept {
+  return std::visit(
+      []<class Level>(const Level& level) -> double {
+        if constexpr (Stepping<Level>) {
+          return Contact(level)->table().settings.largest_force_n;
+        } else {
+          return 0.0;
+        }
       },
       level_);
 }

@@ -24,6 +24,9 @@ struct TissueForce {
   volume::Label tissue_at_tip = 0;
   bool pierced = false;                                     ///< The needle is through the skin.
   Eigen::Vector3d probe_in_ct_n = Eigen::Vector3d::Zero();  ///< On the probe.
+  Eigen::Vector3d probe_torque_in_ct_n_mm = Eigen::Vector3d::Zero();  ///< About its face's middle.
+  int num_probe_nodes = 0;      ///< Of the skin, that press on it.
+  double probe_depth_mm = 0.0;  ///< Of its face beyond the skin at rest, at the deepest.
 };
 
 /// Finite elements in 3D: contact in the step, and the block that images are deformed by.
@@ -66,6 +69,9 @@ class TissueModel {
 
   /// What the fields need. False, and `out` untouched, if nothing deforms the tissue.
   bool LoadOf(const TissueState& state, TissueLoad& out) const noexcept;
+
+  /// The magnitude of the force on the needle never exceeds it, N; 0 for models without force.
+  double LargestForceN() const noexcept;
 
   /// @pre the level is not FemLevel without an image.
   TissueField NewField() const;

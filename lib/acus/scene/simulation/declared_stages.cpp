@@ -119,6 +119,7 @@ Ports ShapeInputs(const Scenario& s) {
 /// What the force on the probe is computed from, at every sample.
 Ports ProbeForceInputs(const Scenario& s) {
   if (!s.probe_force) return {};
+  if (s.probe_force->model == scenario::ProbeForceModelKind::kTissue) return {ports::kContact};
   Ports reads{ports::kProbePoses, ports::kProbeForceTable,
               s.probe_force->reads_labels ? PortRef(ports::kLabels) : PortRef(ports::kCt)};
   if (s.probe_force->NeedsProbePreset()) Add(reads, {ports::kProbePreset});
@@ -314,7 +315,7 @@ std::vector<DeclaredInput> DeclaredInputs(const Scenario& s, const AvailableInpu
   }
   if (s.needle_force) add(ports::kForceTable, s.needle_force->table, "/effects/needle_force/table");
   if (s.shape) add(ports::kNeedleElasticity, s.shape->elasticity, "/effects/needle/elasticity");
-  if (s.probe_force)
+  if (s.probe_force && s.probe_force->model != scenario::ProbeForceModelKind::kTissue)
     add(ports::kProbeForceTable, s.probe_force->table, "/effects/probe_force/table");
   if (s.tissue) {
     add(ports::kTissueElasticity, s.tissue->elasticity, "/effects/tissue/elasticity");

@@ -19,6 +19,7 @@ MomentRest::MomentRest(const Scene& scene) : scene_(&scene) {
   if (scene.tools_deform_images) {
     deformed_.emplace(*scene.tissue, scene.warp_spacing_mm, scene.inverse_iterations);
   }
+  if (scene.pressed_by_probe) tissue_.emplace(*scene.labels);
 }
 
 const slicing::RestMap* MomentRest::At(const Snapshot& snapshot) {
@@ -33,6 +34,12 @@ const slicing::RestMap* MomentRest::At(const Snapshot& snapshot) {
   if (scene_->breathing && scene_->breathing->image) {
     breathing_.emplace(*scene_->breathing, snapshot.session_s, snapshot.breath, rest);
     if (breathing_->moves()) rest = &*breathing_;
+  }
+  if (tissue_ && snapshot.probe_valid) {
+    const tissue::ProbeFace face{.length_mm = acoustics::FaceLengthMm(*scene_->probe),
+                                 .radius_mm = acoustics::FaceRadiusMm(*scene_->probe)};
+    pressed_.emplace(face, snapshot.ct_from_probe, *tissue_, rest, scene_->warp_spacing_mm);
+    if (pressed_->presses()) rest = &*pressed_;
   }
   return rest;
 }

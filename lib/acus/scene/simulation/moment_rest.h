@@ -6,6 +6,7 @@
 
 #include "acus/scene/simulation/breathing_scene.h"
 #include "acus/scene/simulation/deformed_tissue.h"
+#include "acus/scene/simulation/pressed_skin.h"
 #include "acus/scene/simulation/scene.h"
 #include "acus/scene/simulation/snapshot.h"
 
@@ -44,6 +45,8 @@ class MomentRest {
   std::optional<DeformedTissue> deformed_;
   std::optional<EffectsRest> effects_;
   std::optional<BreathingRest> breathing_;
+  std::optional<forces::TissueLookup> tissue_;  ///< If the probe presses.
+  std::optional<PressedSkin> pressed_;
 };
 
 }  // namespace acus::simulation

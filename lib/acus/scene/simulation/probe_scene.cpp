@@ -52,8 +52,10 @@ forces::PalpationFields FieldsByHu(const forces::ForceTable& table, const Scene&
 }  // namespace
 
 void LoadProbeForce(const ProbeForceEffect& effect, Scene& scene) {
-  const forces::ForceTable table = forces::ReadForceTable(effect.table);
   scene.probe_press_mm = effect.press_mm;
+  scene.probe_force_from_tissue = effect.model == scenario::ProbeForceModelKind::kTissue;
+  if (scene.probe_force_from_tissue) return;
+  const forces::ForceTable table = forces::ReadForceTable(effect.table);
   if (!effect.reads_labels && !scene.hu) {
     scene.hu = std::make_shared<forces::CtField>(*scene.ct);
   }

@@ -163,7 +163,9 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   }
   if (plan.Has(StageId::kProbeForce)) {
     LoadProbeForce(*scenario.probe_force, scene);
-    context.provenance.AddInput(scenario.probe_force->table);
+    if (!scene.probe_force_from_tissue) {
+      context.provenance.AddInput(scenario.probe_force->table);
+    }
   }
   if (plan.Has(StageId::kUltrasound)) {
     const bool by_labels = plan.Reads(StageId::kUltrasound, effects::ports::kLabels);
@@ -179,6 +181,8 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
                                .probe = scene.probe ? &*scene.probe : nullptr,
                                .shows_deformation = scene.tools_deform_images},
                               context);
+    scene.pressed_by_probe = scene.tools_deform_images && scenario.tissue->pressed_by_probe &&
+                             scene.probe && scene.labels;
     scene.warp_spacing_mm = scenario.tissue->warp_spacing_mm;
     scene.inverse_iterations = scenario.tissue->inverse_iterations;
   }

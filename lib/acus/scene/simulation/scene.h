@@ -31,6 +31,7 @@ struct Scene {
   bool needle_in_b_mode = false;
   bool force_from_tissue = false;    ///< What is felt is what the deformed tissue does.
   bool tools_deform_images = false;  ///< Images show what tools do to the tissue.
+  bool pressed_by_probe = false;     ///< ... and as far as its face is in the skin, the probe.
   double warp_spacing_mm = 0.0;
   int inverse_iterations = 12;  ///< ... at whose knots it is looked for what was there at rest.
 
@@ -43,6 +44,7 @@ struct Scene {
   std::optional<forces::ForceModel> forces;        ///< If the plan has the needle force.
   std::optional<NeedleShapeModel> shape;           ///< If the plan has the needle's shape.
   std::vector<std::shared_ptr<const forces::HuField>> palpated;  ///< Labels that the probe feels.
+  bool probe_force_from_tissue = false;  ///< What the probe feels is the deformed tissue.
   double probe_press_mm = 0.0;  ///< Deeper along the beam than recorded, for the probe's force.
   std::optional<forces::ProbeForceModel> probe_force;  ///< If the plan has the probe force.
   std::optional<tissue::TissueModel> tissue;           ///< If the plan has contact or deformation.

@@ -22,6 +22,13 @@ Simulation::Simulation(const Scene& scene)
     lookup_ = scene.labels ? forces::TissueLookup(*scene.labels)
                            : forces::TissueLookup(*scene.hu, *scene.hu_tissues);
   }
+  if (scene.force_from_tissue) {
+    largest_needle_n_ = scene.tissue->LargestForceN();
+  } else if (scene.forces) {
+    largest_needle_n_ = scene.forces->table().settings.largest_force_n;
+  }
+  if (scene.probe_force) largest_probe_n_ = scene.probe_force->LargestForceN();
+  if (scene.probe_force_from_tissue) largest_probe_n_ = scene.tissue->LargestForceN();
 }
 
 State Simulation::NewState(std::int64_t session_start_ns) const {
@@ -82,7 +89,7 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
              scene_.shape ? scene_.shape->LockedAxis(state.shape, axis_in_ct) : axis_in_ct,
          .tip_direction_in_ct = state.shape.tip_direction_in_ct,
          .probe_valid = sample.probe_valid,
-         .ct_from_probe = tools.probe.ct_from_tool});
+         .ct_from_probe = PressedProbe(tools, scene_.probe_force_from_tissue)});
     watch.EndOf(StageId::kTissueContact, out.tissue.touched ? Sleep::kAwake : Sleep::kUntouched);
   }
   if (runs_force_ && scene_.force_from_tissue) {
@@ -109,15 +116,17 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
                 scene_.shape->IsAsleep(state.shape) ? Outside(unseen) : Sleep::kAwake);
   }
   if (runs_probe_) {
-    out.probe = scene_.probe_force->Step(
-        state.probe, {.time_s = time_s,
-                      .ct_from_probe = tools.probe.ct_from_tool *
-                                       Eigen::Translation3d(0.0, scene_.probe_press_mm, 0.0),
-                      .valid = sample.probe_valid});
+    if (scene_.probe_force_from_tissue) {
+      out.probe = FeltFromTissue(out.tissue);
+    } else {
+      out.probe = scene_.probe_force->Step(state.probe, {.time_s = time_s,
+                                                         .ct_from_probe = PressedProbe(tools, true),
+                                                         .valid = sample.probe_valid});
+    }
     const Sleep off = sample.probe_valid ? Sleep::kProbeOffSkin : Sleep::kProbeUnseen;
     watch.EndOf(StageId::kProbeForce, out.probe.on_skin ? Sleep::kAwake : off);
   }
-  if (tools.tissue_moves) TurnForces(tools, out);
+  if (tools.tissue_moves || scene_.listed.moves_tissue()) CarryForces(tools, out);
   if (ports) {
     ports->Set(effects::ports::kNeedle, &out.needle_at_rest);
     ports->Set(effects::ports::kTissue, &out.tissue_at_tip);
@@ -128,6 +137,26 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   return out;
 }
 
+/// @param pressed  deeper than recorded, as the probe's force asks for.
+Eigen::Isometry3d Simulation::PressedProbe(const Tools& tools, bool pressed) const noexcept {
+  if (!pressed) return tools.probe.ct_from_tool;
+  return tools.probe.ct_from_tool * Eigen::Translation3d(0.0, scene_.probe_press_mm, 0.0);
+}
+
+forces::ProbeForce Simulation::FeltFromTissue(const tissue::TissueForce& tissue) const noexcept {
+  forces::ProbeForce felt{.force_in_ct_n = tissue.probe_in_ct_n,
+                          .on_skin = tissue.num_probe_nodes > 0,
+                          .skin_mm = tissue.probe_depth_mm,
+                          .torque_in_ct_n_mm = tissue.probe_torque_in_ct_n_mm,
+                          .num_on_skin = tissue.num_probe_nodes};
+  const double size_n = felt.force_in_ct_n.norm();
+  if (size_n > largest_probe_n_) {
+    felt.force_in_ct_n *= largest_probe_n_ / size_n;
+    felt.torque_in_ct_n_mm *= largest_probe_n_ / size_n;
+  }
+  return felt;
+}
+
 Simulation::Tools Simulation::ToolsOf(State& state, const Sample& sample) const noexcept {
   Tools tools;
   if (state.needle_seen) {
@@ -136,13 +165,29 @@ Simulation::Tools Simulation::ToolsOf(State& state, const Sample& sample) const 
   tools.probe.ct_from_tool = scene_.ct_from_reference * sample.reference_from_probe;
   if (scene_.breathing) LayAtRest(state, sample, tools);
   if (!scene_.listed.moves_tissue()) return tools;
-  const auto lay = [&](breathing::ToolAtRest& tool) {
+  const auto lay = [&](breathing::ToolAtRest& tool, Eigen::Matrix3d& per_moved) {
     const Eigen::Vector3d place_mm = tool.ct_from_tool.translation();
-    tool.ct_from_tool.translation() = scene_.listed.RestInCtMm(state.effects, place_mm);
-    return Eigen::Vector3d(place_mm - tool.ct_from_tool.translation());
+    const auto rest_of = [&](const Eigen::Vector3d& mm) {
+      return scene_.listed.RestInCtMm(state.effects, mm);
+    };
+    tool.ct_from_tool.translation() = rest_of(place_mm);
+    const Eigen::Vector3d moved_mm = place_mm - tool.ct_from_tool.translation();
+    if (moved_mm.isZero(0.0) || !moved_mm.allFinite()) return moved_mm;
+    constexpr double kHalfMm = 0.25;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d step = kHalfMm * Eigen::Vector3d::Unit(axis);
+      per_moved.col(axis) = (rest_of(place_mm + step) - rest_of(place_mm - step)) / (2.0 * kHalfMm);
+    }
+    const double norm = per_moved.norm();
+    if (norm > breathing::ToolAtRest::kMostPerWorld) {
+      per_moved *= breathing::ToolAtRest::kMostPerWorld / norm;
+    }
+    return moved_mm;
   };
-  if (runs_needle_ && state.needle_seen) state.needle_moved_mm = lay(tools.needle);
-  if (sample.probe_valid && (runs_probe_ || runs_contact_)) lay(tools.probe);
+  if (runs_needle_ && state.needle_seen) {
+    state.needle_moved_mm = lay(tools.needle, tools.needle_per_moved);
+  }
+  if (sample.probe_valid && (runs_probe_ || runs_contact_)) lay(tools.probe, tools.probe_per_moved);
   return tools;
 }
 
@@ -160,14 +205,27 @@ void Simulation::LayAtRest(State& state, const Sample& sample, Tools& tools) con
   }
 }
 
-void Simulation::TurnForces(const Tools& tools, StepOutput& out) const noexcept {
-  const auto turn = [](const Eigen::Quaterniond& world_from_rest, Eigen::Vector3d& vector) {
-    vector = world_from_rest * vector;
+/// From the tissue at rest to the patient, by the same work: what effects of the list moved, then
+/// breath. No larger than the models' own limits.
+void Simulation::CarryForces(const Tools& tools, StepOutput& out) const noexcept {
+  if (scene_.listed.moves_tissue()) {
+    out.force.force_in_ct_n = tools.needle_per_moved.transpose() * out.force.force_in_ct_n;
+    out.probe.force_in_ct_n = tools.probe_per_moved.transpose() * out.probe.force_in_ct_n;
+  }
+  if (tools.tissue_moves) {
+    breathing::CarryToWorld(*tools.patient, tools.needle, out.force.force_in_ct_n,
+                            out.force.torque_in_ct_n_mm);
+    breathing::CarryToWorld(*tools.patient, tools.probe, out.probe.force_in_ct_n,
+                            out.probe.torque_in_ct_n_mm);
+  }
+  const auto limit = [](Eigen::Vector3d& force_n, Eigen::Vector3d& torque_n_mm, double most_n) {
+    const double size_n = force_n.norm();
+    if (!(size_n > most_n)) return;
+    force_n *= most_n / size_n;
+    torque_n_mm *= most_n / size_n;
   };
-  turn(tools.needle.world_from_rest, out.force.force_in_ct_n);
-  turn(tools.needle.world_from_rest, out.force.torque_in_ct_n_mm);
-  turn(tools.probe.world_from_rest, out.probe.force_in_ct_n);
-  turn(tools.probe.world_from_rest, out.probe.torque_in_ct_n_mm);
+  limit(out.force.force_in_ct_n, out.force.torque_in_ct_n_mm, largest_needle_n_);
+  limit(out.probe.force_in_ct_n, out.probe.torque_in_ct_n_mm, largest_probe_n_);
 }
 
 bool Simulation::ShapeOf(const State& state, math::Polyline& out) const noexcept {

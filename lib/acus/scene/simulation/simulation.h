@@ -93,10 +93,15 @@ class Simulation {
     breathing::ToolAtRest probe;
     std::optional<breathing::MotionMap> patient;  ///< If the scene has breathing.
     bool tissue_moves = false;                    ///< By breath.
+    /// d place without effects of the list / d place with them, at the tools.
+    Eigen::Matrix3d needle_per_moved = Eigen::Matrix3d::Identity();
+    Eigen::Matrix3d probe_per_moved = Eigen::Matrix3d::Identity();
   };
   Tools ToolsOf(State& state, const Sample& sample) const noexcept;
   void LayAtRest(State& state, const Sample& sample, Tools& tools) const noexcept;
-  void TurnForces(const Tools& tools, StepOutput& out) const noexcept;
+  Eigen::Isometry3d PressedProbe(const Tools& tools, bool pressed) const noexcept;
+  forces::ProbeForce FeltFromTissue(const tissue::TissueForce& tissue) const noexcept;
+  void CarryForces(const Tools& tools, StepOutput& out) const noexcept;
   void ShapeNeedle(State& state, const Sample& sample, const Tools& tools,
                    StepOutput& out) const noexcept;
 
@@ -106,6 +111,8 @@ class Simulation {
   bool runs_contact_ = false;
   bool runs_force_ = false;
   bool runs_probe_ = false;
+  double largest_needle_n_ = 0.0;  ///< Of the model of the needle's force.
+  double largest_probe_n_ = 0.0;
 };
 
 }  // namespace acus::simulation

@@ -149,5 +149,52 @@ TEST(ProbeContact, AJumpDeepIntoTheBodyStaysBounded) {
   }
 }
 
+/// Stored in the tissue by a probe that has been at this pose for a while, N mm.
+double EnergyAt(FemScene& scene, const Eigen::Isometry3d& ct_from_probe) {
+  ToolSample sample = Sample(scene, 0.0);
+  for (int n = 0; n < 12; ++n) {  // A few new nodes a step.
+    sample.time_s = scene.time_s += 1e-3;
+    sample.ct_from_probe = ct_from_probe;
+    scene.model.Step(scene.state, sample);
+  }
+  double energy_n_mm = 0.0;
+  for (std::size_t s = 0; s < scene.state.probe.node_of_slot.size(); ++s) {
+    if (scene.state.probe.node_of_slot[s] < 0) continue;
+    energy_n_mm += 0.5 * scene.state.contact.SlotForceN(1 + static_cast<int>(s)) *
+                   scene.state.probe.cleared_mm[s];
+  }
+  return energy_n_mm;
+}
+
+// A device that holds the probe gets back what it put in, and no more: its force and torque are the
+// slope of the energy by each motion.
+TEST(ProbeContact, ForceAndTorqueAreTheSlopeOfTheStoredEnergy) {
+  for (const double radius_mm : {0.0, 45.0}) {
+    FemScene scene(WithProbe(radius_mm));
+    Eigen::Isometry3d pose = Probe(5.0, 0.06);
+    pose.rotate(Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitX()));
+    EnergyAt(scene, pose);
+    const ProbeForce felt = scene.state.probe_force;
+    ASSERT_GT(felt.force_in_ct_n.z(), 0.5);
+    for (int axis = 0; axis < 6; ++axis) {
+      constexpr double kStep = 1e-4;
+      const auto moved = [&](double step) {
+        Eigen::Isometry3d there = pose;
+        const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis % 3);
+        if (axis < 3) {
+          there.translation() += step * along;
+        } else {
+          there.linear() = Eigen::AngleAxisd(step, along).toRotationMatrix() * pose.linear();
+        }
+        return EnergyAt(scene, there);
+      };
+      const double slope = (moved(kStep) - moved(-kStep)) / (2.0 * kStep);
+      const double force = axis < 3 ? felt.force_in_ct_n[axis] : felt.torque_in_ct_n_mm[axis - 3];
+      EXPECT_NEAR(force, -slope, 1e-4 * felt.force_in_ct_n.norm() * (axis < 3 ? 1.0 : 20.0))
+          << radius_mm << ' ' << axis;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace acus::tissue

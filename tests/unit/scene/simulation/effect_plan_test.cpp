@@ -222,6 +222,16 @@ TEST(PlanEffects, AProbeThatPressesTissueNeedsNoPictures) {
   EXPECT_TRUE(plan.Reads(StageId::kTissueContact, effects::ports::kProbePreset));
 }
 
+TEST(PlanEffects, AProbeThatFeelsTheTissueReadsItsContactAndNothingElse) {
+  scenario::Scenario s = WithTissue(scenario::TissueModelKind::kFem3d);
+  s.tissue->probe_contact = true;
+  s.probe_force.emplace().model = scenario::ProbeForceModelKind::kTissue;
+  const EffectPlan plan = PlanEffects(s, kAll);
+  EXPECT_TRUE(plan.Has(StageId::kProbeForce));
+  EXPECT_TRUE(plan.Reads(StageId::kProbeForce, effects::ports::kContact));
+  EXPECT_FALSE(plan.Reads(StageId::kProbeForce, effects::ports::kProbeForceTable));
+}
+
 TEST(PlanEffects, StagesKnowTheEffectsThatTheyWorkFor) {
   scenario::Scenario s = WithTissue(scenario::TissueModelKind::kSprings);
   s.breathing.emplace();
