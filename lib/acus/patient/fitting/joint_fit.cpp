@@ -41,13 +41,22 @@ MechanicalModel MedianModel(const Recordings& recordings) {
   model.buildup_out_mm = median(&MechanicalModel::buildup_out_mm);
   model.reference_mm_per_s = median(&MechanicalModel::reference_mm_per_s);
   model.surface_mm = median(&MechanicalModel::surface_mm);
-  for (std::size_t k = 0; k < 2; ++k) {
-    model.relaxing_share[k] =
-        MedianOver(recordings, [k](const MechanicalModel& m) { return m.relaxing_share[k]; });
-    model.relaxation_s[k] =
-        MedianOver(recordings, [k](const MechanicalModel& m) { return m.relaxation_s[k]; });
+  // Shares and times belong together: those of the recordings with the usual number of branches.
+  std::array<int, MechanicalModel::kMostBranches + 1> having{};
+  for (const JointRecording& r : recordings) {
+    ++having[static_cast<std::size_t>(r.fit->relaxing_branches)];
   }
-  const double sum = model.relaxing_share[0] + model.relaxing_share[1];
+  const auto usual = std::ranges::max_element(having) - having.begin();
+  Recordings alike = recordings;
+  std::erase_if(alike, [&](const JointRecording& r) { return r.fit->relaxing_branches != usual; });
+  for (std::size_t k = 0; k < MechanicalModel::kMostBranches; ++k) {
+    model.relaxing_share[k] =
+        MedianOver(alike, [k](const MechanicalModel& m) { return m.relaxing_share[k]; });
+    model.relaxation_s[k] =
+        MedianOver(alike, [k](const MechanicalModel& m) { return m.relaxation_s[k]; });
+  }
+  double sum = 0.0;
+  for (const double share : model.relaxing_share) sum += share;
   for (double& share : model.relaxing_share) share /= std::max(1.0, sum);
   return model;
 }
