@@ -26,6 +26,14 @@ json ProfileJson(const ResistanceProfile& profile) {
   return {{"depth_mm", profile.depth_mm}, {"force_n", profile.force_n}};
 }
 
+json SlipsJson(const MechanicalModel& model) {
+  json slips = json::array();
+  for (const Slip& slip : model.slips) {
+    slips.push_back({{"after_s", slip.after_s}, {"share", slip.share}});
+  }
+  return slips;
+}
+
 json ModelJson(const MechanicalModel& model) {
   return {{"in", ProfileJson(model.in)},
           {"out", ProfileJson(model.out)},
@@ -34,6 +42,7 @@ json ModelJson(const MechanicalModel& model) {
           {"reference_mm_per_s", model.reference_mm_per_s},
           {"relaxing_share", model.relaxing_share},
           {"relaxation_s", model.relaxation_s},
+          {"slips", SlipsJson(model)},
           {"offset_n", model.offset_n},
           {"drift_n_per_s", model.drift_n_per_s}};
 }

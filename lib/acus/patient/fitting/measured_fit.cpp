@@ -8,6 +8,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/text_table.h"
+#include "acus/base/math/distributions.h"
 #include "acus/base/math/statistics.h"
 #include "acus/patient/fitting/shared_fit.h"
 
@@ -133,7 +134,9 @@ double FactorOf(std::span<const Residuals> all) {
     }
     if (!standardised.empty()) factor = std::max(factor, math::Quantile(standardised, kCovered));
   }
-  return factor;
+  // As a t interval is wider than a normal one: so few recordings may be alike by chance.
+  const double degrees = static_cast<double>(all.size()) - 1.0;
+  return factor * math::StudentQuantile(0.975, degrees) / math::NormalQuantile(0.975);
 }
 
 std::vector<JointRecording> UsableOf(std::span<const FittedCurve> fitted) {

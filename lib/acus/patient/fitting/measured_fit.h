@@ -27,7 +27,7 @@ struct ResidualSpread {
 struct PredictionBand {
   int recordings = 0;
   double factor = 0.0;  ///< Such that 95 % of the samples of each phase, of recordings left out in
-                        ///< turn, are within: a quantile, not one of the normal distribution.
+                        ///< turn, are within, times Student's quantile over the normal one.
   ResidualSpread in;
   ResidualSpread hold;
   ResidualSpread out;

@@ -9,6 +9,7 @@
 #include "acus/patient/fitting/curve_fit_phases.h"
 #include "acus/patient/fitting/curve_models.h"
 #include "acus/patient/fitting/depth_bins.h"
+#include "acus/patient/fitting/hold_slips.h"
 #include "acus/patient/fitting/shared_fit.h"
 
 namespace acus::fitting {
@@ -19,6 +20,7 @@ constexpr double kEventStepMm = 0.15;       // ...or, to find events, over so mu
 constexpr double kShortestMm = 3.0;
 constexpr double kFreeKnotMm = 8.0;  // Of the profiles beside which the shared part is fitted.
 constexpr double kShortestRelaxationS = 1.0;
+constexpr int kMostSlips = 6;  // Of one hold.
 constexpr int kMostRelaxing = static_cast<int>(MechanicalModel::kMostBranches);
 constexpr double kLeastEventN = 0.08;  // Smaller ones are the tissue's texture.
 
@@ -284,20 +286,41 @@ void MechanicalFitter::WeightedFit(const MechanicalModel& model) {
 }
 
 /// The model with this recording's build-up, and its hold fitted: two constants end at another
-/// force than the recording, and the hold begins there.
+/// force than the recording, and the hold begins there. Slips are added one after the other, as long
+/// as Akaike's criterion of the hold says so; the relaxation is fitted anew beside each.
 MechanicalModel MechanicalFitter::WithHoldOf(const MechanicalModel& model) const {
-  SharedFit fit(samples_, model);
   std::vector<double> predicted(samples_.all.size());
-  fit.Predict(shared_.parameters, predicted);
-  if (!has_hold_) return fit.model();
   std::vector<SeriesParameter> parameters = shared_.definition;
   for (std::size_t k = 0; k < kNumShared; ++k) {
     SeriesParameter& p = parameters[k];
     p.start = std::clamp(shared_.parameters[k], p.low, p.high);
     if (k == kBuildupIn || k == kBuildupOut) p.low = p.high = p.start;
   }
-  fit.Run(parameters, false);
-  return fit.model();
+  const auto fitted = [&](MechanicalModel start) {
+    SharedFit fit(samples_, std::move(start));
+    const std::vector<double> p = has_hold_ ? fit.Run(parameters, false).parameters
+                                            : shared_.parameters;
+    fit.Predict(p, predicted);
+    return fit.model();
+  };
+  MechanicalModel bare = model;
+  bare.slips.clear();
+  MechanicalModel best = fitted(bare);
+  for (int slips = 1; has_hold_ && slips <= kMostSlips; ++slips) {
+    const std::vector<double> before = predicted;
+    const std::optional<Slip> slip = BestSlip(samples_, best, before);
+    if (!slip) break;
+    MechanicalModel with = best;
+    with.slips.push_back(*slip);
+    with = fitted(std::move(with));
+    const double independent = IndependentInHold(samples_, predicted);
+    const bool is_better = HoldCriterion(samples_, predicted, independent, 2.0) <
+                           HoldCriterion(samples_, before, independent, 0.0);
+    if (!is_better) break;
+    best = std::move(with);
+  }
+  std::ranges::sort(best.slips, {}, &Slip::after_s);
+  return best;
 }
 
 void MechanicalFitter::FindEvents() {

@@ -13,5 +13,6 @@ using forces::MechanicalState;
 using forces::Release;
 using forces::Replay;
 using forces::ResistanceProfile;
+using forces::Slip;
 
 }  // namespace acus::fitting

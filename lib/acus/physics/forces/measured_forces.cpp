@@ -57,6 +57,9 @@ MechanicalModel LawFrom(const json& block, const std::string& where) {
   for (const json& r : block.at("releases")) {
     law.releases.push_back({r.at("at_mm"), r.at("width_mm"), r.at("step_n")});
   }
+  for (const json& slip : block.at("slips")) {
+    law.slips.push_back({slip.at("after_s"), slip.at("share")});
+  }
   return law;
 }
 
@@ -163,6 +166,10 @@ json LawJson(const MechanicalModel& law) {
     releases.push_back(
         {{"at_mm", r.at_mm - origin_mm}, {"width_mm", r.width_mm}, {"step_n", r.step_n}});
   }
+  json slips = json::array();
+  for (const Slip& slip : law.slips) {
+    slips.push_back({{"after_s", slip.after_s}, {"share", slip.share}});
+  }
   json share = json::array();
   json time_s = json::array();
   for (std::size_t k = 0; k < MechanicalModel::kMostBranches; ++k) {
@@ -178,7 +185,8 @@ json LawJson(const MechanicalModel& law) {
           {"relaxing_share", share},
           {"relaxation_s", time_s},
           {"punctures", punctures},
-          {"releases", releases}};
+          {"releases", releases},
+          {"slips", slips}};
 }
 
 }  // namespace acus::forces

@@ -95,7 +95,7 @@ double MechanicalModel::SteadyStrain(bool inwards) const noexcept {
 ContactStrain MechanicalState::Advance(const MechanicalModel& model, double at_s,
                                        double drive_mm) noexcept {
   if (!started) {
-    *this = {true, at_s, drive_mm, drive_mm, {}};
+    *this = {true, at_s, drive_mm, 0.0, drive_mm, {}};
   }
   const double dt_s = at_s - time_s;
   if (dt_s > 0.0) {
@@ -108,6 +108,13 @@ ContactStrain MechanicalState::Advance(const MechanicalModel& model, double at_s
       if (k > 0 && !(model.relaxing_share[k - 1] > 0.0)) continue;
       const double decay = k == 0 ? 0.0 : dt_s / model.relaxation_s[k - 1];
       strain[k] = StrainedBranch(model, strain[k], travel_mm, decay);
+    }
+    const double rested_s = rest_s;
+    rest_s = travel_mm == 0.0 ? rest_s + dt_s : 0.0;
+    for (const Slip& slip : model.slips) {
+      // At rest every branch decays by itself: when in the step it slips does not matter.
+      if (!(rested_s < slip.after_s && slip.after_s <= rest_s)) continue;
+      for (double& s : strain) s *= 1.0 - slip.share;
     }
   }
   ContactStrain sum;

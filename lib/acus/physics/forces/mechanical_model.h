@@ -45,6 +45,13 @@ struct Release {
   double ForceN(double depth_mm) const noexcept;
 };
 
+/// Tissue that gives way by itself while the needle rests: after resting for `after_s` the strain
+/// falls by `share` of itself.
+struct Slip {
+  double after_s = 0.0;
+  double share = 0.0;  ///< In [0, 1]: a slip takes energy from the contact, never gives any.
+};
+
 /// How far the contact is strained, 1 or -1 when it slides steadily at the reference speed: what
 /// resists going in, and what resists going out.
 struct ContactStrain {
@@ -76,6 +83,7 @@ struct MechanicalModel {
   std::array<double, kMostBranches> relaxation_s{1.0, 10.0, 100.0};  ///< > 0 where there is a share.
   std::vector<InternalPuncture> punctures;
   std::vector<Release> releases;
+  std::vector<Slip> slips;  ///< By time; met in every rest that lasts so long.
   double offset_n = 0.0;
   double drift_n_per_s = 0.0;  ///< Since `start_s`.
   double start_s = 0.0;
@@ -93,6 +101,7 @@ struct MechanicalState {
   bool started = false;
   double time_s = 0.0;
   double depth_mm = 0.0;  ///< Behind the drive by up to the play, so that its jitter is no motion.
+  double rest_s = 0.0;      ///< Since the last motion beyond the play.
   double deepest_mm = 0.0;  ///< Punctures lie only ahead of it.
   std::array<double, MechanicalModel::kMostBranches + 1> strain{};  ///< s by branch, in [-1, 1].
 
