@@ -27,7 +27,7 @@ constexpr double kCovered = 0.95;
 enum Phase { kIn, kHold, kOut, kPhases };
 
 /// What one recording leaves of a law, by phase, over the phase's own coordinate.
-struct Residuals {
+struct PhaseResiduals {
   std::array<std::vector<double>, kPhases> x;
   std::array<std::vector<double>, kPhases> left_n;
 };
@@ -43,7 +43,7 @@ std::array<SampleRange, kPhases> RangesOf(const CurvePhases& phases) {
   return {phases.advance, HoldRange(phases), phases.retract};
 }
 
-Residuals ResidualsOf(const MechanicalModel& law, const JointRecording& recording) {
+PhaseResiduals PhaseResidualsOf(const MechanicalModel& law, const JointRecording& recording) {
   MechanicalModel model = law;
   model.offset_n = recording.fit->constant.offset_n;
   model.start_s = recording.fit->constant.start_s;
@@ -52,7 +52,7 @@ Residuals ResidualsOf(const MechanicalModel& law, const JointRecording& recordin
   const std::vector<double> force_n = ReplayPhases(model, curve, phases);
   const double origin_mm = recording.fit->constant.in.depth_mm.front();
   const double hold_s = curve.time_s[phases.advance.end - 1];
-  Residuals residuals;
+  PhaseResiduals residuals;
   const auto ranges = RangesOf(phases);
   for (const Phase phase : {kIn, kHold, kOut}) {
     for (std::size_t i = ranges[phase].begin; i < ranges[phase].end; ++i) {
@@ -64,11 +64,11 @@ Residuals ResidualsOf(const MechanicalModel& law, const JointRecording& recordin
 }
 
 /// Root of the recordings' mean square, each with the same weight, over bins of x.
-ResidualSpread SpreadOf(std::span<const Residuals> all, Phase phase, std::size_t without) {
+ResidualSpread SpreadOf(std::span<const PhaseResiduals> all, Phase phase, std::size_t without) {
   const double step = phase == kHold ? kHoldBin : kDepthBinMm;
   double low = 1e300;
   double high = -1e300;
-  for (const Residuals& r : all) {
+  for (const PhaseResiduals& r : all) {
     if (r.x[phase].empty()) continue;
     const auto [least, most] = std::ranges::minmax(r.x[phase]);
     low = std::min(low, least);
@@ -119,7 +119,7 @@ const ResidualSpread& OfPhase(const PredictionBand& band, Phase phase) {
 }
 
 /// The quantile of |residual| / spread that covers `kCovered` in every phase.
-double FactorOf(std::span<const Residuals> all) {
+double FactorOf(std::span<const PhaseResiduals> all) {
   double factor = 0.0;
   for (const Phase phase : {kIn, kHold, kOut}) {
     std::vector<double> standardised;
@@ -172,11 +172,11 @@ PredictionBand FitPredictionBand(std::span<const JointRecording> recordings) {
                                 " recordings with insertion and retraction; there are ",
                                 recordings.size()));
   }
-  std::vector<Residuals> residuals;
+  std::vector<PhaseResiduals> residuals;
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     std::vector<JointRecording> others(recordings.begin(), recordings.end());
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    residuals.push_back(ResidualsOf(FitJoint(others).model, recordings[k]));
+    residuals.push_back(PhaseResidualsOf(FitJoint(others).model, recordings[k]));
   }
   return {static_cast<int>(recordings.size()), FactorOf(residuals),
           SpreadOf(residuals, kIn, residuals.size()), SpreadOf(residuals, kHold, residuals.size()),
