@@ -19,12 +19,13 @@ int main(int argc, char** argv) {
                  "Folder to make: fit.json, measured.json (for needle_force.model measured), plots")
       ->required();
   CLI::Option* models =
-      app.add_option("--models", task.models, "What to fit beside the puncture, joined by commas; hyperelastic, alone, is "
+      app.add_option("--models", task.models,
+                     "What to fit beside the puncture, joined by commas; hyperelastic, alone, is "
                      "for tension tests (CSV with the dimensions in the first line)")
           ->delimiter(',')
           ->allow_extra_args(false)
-          ->check(CLI::IsMember({"gaussians", "mechanical", "lugre", "hu-table", "hyperelastic",
-                                 "all", "none"}))
+          ->check(CLI::IsMember(
+              {"gaussians", "mechanical", "lugre", "hu-table", "hyperelastic", "all", "none"}))
           ->capture_default_str();
   CLI::Option* tissue = app.add_option("--tissue", task.tissue,
                                        "Also write a force table with this tissue's fitted row");

@@ -186,7 +186,8 @@ PhaseRms MeasuredReplayRms(const FittedCurve& f) {
       forces::MeasuredForcesFromJson(MeasuredJson({&f, 1}, 1.27), f.curve.name);
   const forces::NeedleProperties needle = {
       .name = "18G", .gauge = 18, .length_mm = 150.0, .beam = {.outer_diameter_mm = 1.27}};
-  const auto table = forces::ReadForceTable(fs::path(ACUS_SOURCE_DIR) / "configs/forces/default.json");
+  const auto table =
+      forces::ReadForceTable(fs::path(ACUS_SOURCE_DIR) / "configs/forces/default.json");
   const forces::MeasuredModel model(table, needle, file.Law(f.curve.name), file.needle_diameter_mm);
   forces::MeasuredState state;
   const volume::Label liver = volume::LabelOf("liver");
@@ -199,8 +200,8 @@ PhaseRms MeasuredReplayRms(const FittedCurve& f) {
   double squares[3] = {};
   for (std::size_t i = begin; i < phases.retract.end; ++i) {
     const double depth_mm = std::max(0.0, f.curve.depth_mm[i] - origin_mm);
-    const auto force =
-        model.Step(state, {f.curve.time_s[i], {0, 0, depth_mm}, Eigen::Vector3d::UnitZ(), liver, true});
+    const auto force = model.Step(
+        state, {f.curve.time_s[i], {0, 0, depth_mm}, Eigen::Vector3d::UnitZ(), liver, true});
     const double left = force.AxialN() + f.mechanical->eventful.offset_n - f.curve.force_n[i];
     squares[i < hold.begin ? 0 : i < hold.end ? 1 : 2] += left * left;
   }

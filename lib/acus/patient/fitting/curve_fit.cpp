@@ -18,7 +18,7 @@ constexpr double kBaselineMm = 2.0;      // Taken along before a rise inside the
 constexpr double kLongestRiseMm = 15.0;  // Inside the tissue; farther back it is another matter.
 constexpr double kEarlierShare = 0.4;  // A peak this high, relative to the fall, is an earlier one.
 constexpr double kEntryShareOfLargest = 0.15;  // Of the largest fall: a smaller one is no entry.
-constexpr double kRoundedShare = 0.9;  // Of the height of a peak that is not sharp.
+constexpr double kRoundedShare = 0.9;          // Of the height of a peak that is not sharp.
 
 /// One recording on its way to a fit.
 class Fitter {
@@ -73,7 +73,7 @@ class Fitter {
   std::optional<ModelFit> rise_;
   RiseLaw law_;
   std::optional<std::size_t> entry_;  ///< Of the punctures: where the needle comes in, if it does.
-  Estimate held_;  ///< Of the term that is held at 0.
+  Estimate held_;                     ///< Of the term that is held at 0.
 };
 
 /// Samples of the rise before the main puncture, and the depth they begin at.
@@ -255,8 +255,8 @@ void Fitter::LocatePuncture(const ModelFit& rise) {
   Eigen::VectorXd gradient(static_cast<Eigen::Index>(rise.parameters.size()));
   law_(rise.parameters, at_mm, {gradient.data(), rise.parameters.size()});
   gradient(1) = 0.0;  // Above the baseline.
-  fit_.puncture_n = Widened(rise.Of((a1 + a2 * x) * x, gradient), std::abs(gradient(0)) * half_mm)
-                        .AtLeast(0.0);
+  fit_.puncture_n =
+      Widened(rise.Of((a1 + a2 * x) * x, gradient), std::abs(gradient(0)) * half_mm).AtLeast(0.0);
 }
 
 void Fitter::FitPlateau() {

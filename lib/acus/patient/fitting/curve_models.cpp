@@ -30,8 +30,8 @@ Estimate Difference(const Estimate& a, const Estimate& b) {
 
 Estimate PositiveRatio(const Estimate& a, const Estimate& b, double factor) {
   const double value = factor * a.value / b.value;
-  const double error = factor * std::hypot(a.standard_error, value / factor * b.standard_error) /
-                       b.value;
+  const double error =
+      factor * std::hypot(a.standard_error, value / factor * b.standard_error) / b.value;
   if (!(a.value > 0.0)) return {value, error, 0.0, factor * a.high / b.low, 0.0, true};
   const auto ratio = [&](double end, double other_end) {
     const double upper = std::log(end / a.value);

@@ -99,7 +99,8 @@ std::vector<ModelAnswer> AnswersOf(const FittedCurve& fitted) {
 std::string MissingAnswers(const std::string& label, const FittedCurve& fitted) {
   std::string text;
   for (const ModelAnswer& answer : AnswersOf(fitted)) {
-    if (!answer.has_answer) text += Message("\n  ", label, ": ", answer.model, ": ", answer.why_not);
+    if (!answer.has_answer)
+      text += Message("\n  ", label, ": ", answer.model, ": ", answer.why_not);
   }
   return text;
 }

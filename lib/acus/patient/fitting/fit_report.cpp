@@ -40,7 +40,8 @@ double MedianOf(std::span<const PunctureCurveFit> fits,
     if (fit.*member) values.push_back((fit.*member)->value);
   }
   if (values.empty()) {
-    throw NoAnswerError(Message("no recording tells the ", name, " that a row of a force table needs"));
+    throw NoAnswerError(
+        Message("no recording tells the ", name, " that a row of a force table needs"));
   }
   return math::Median(values);
 }
@@ -51,16 +52,16 @@ double MedianOf(std::span<const PunctureCurveFit> fits,
 void AddCapsule(std::span<const PunctureCurveFit> fits, double ratio, const json& before,
                 json& row) {
   std::vector<PunctureCurveFit> entries;
-  std::ranges::copy_if(fits, std::back_inserter(entries), [](const PunctureCurveFit& fit) {
-    return fit.converged && fit.is_entry;
-  });
+  std::ranges::copy_if(fits, std::back_inserter(entries),
+                       [](const PunctureCurveFit& fit) { return fit.converged && fit.is_entry; });
   std::string source = row.at("source");
   if (entries.empty()) {
     for (const char* key : {"a1_n_per_mm", "a2_n_per_mm2", "puncture_n"}) {
       if (before.contains(key)) row[key] = before[key];
     }
-    row["source"] = source + "; a1, a2 and puncture_n are not from them: the needle is in the "
-                             "tissue from the start, and what it punctures is inside";
+    row["source"] = source +
+                    "; a1, a2 and puncture_n are not from them: the needle is in the "
+                    "tissue from the start, and what it punctures is inside";
     return;
   }
   row["a1_n_per_mm"] = ratio * MedianOf(entries, &PunctureCurveFit::a1_n_per_mm, "a1");

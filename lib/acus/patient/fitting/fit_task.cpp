@@ -66,10 +66,9 @@ std::string RunPrediction(const FitTask& task, RunContext& context) {
     throw NoAnswerError("no recording could be predicted, nothing is written:" + missing);
   }
   if (!missing.empty()) context.Warn("the others are predicted, but not these:" + missing);
-  config::WriteJson(folder.path() / "prediction.json",
-                    {{"fitted_recordings", fit.band.recordings},
-                     {"factor", fit.band.factor},
-                     {"curves", curves}});
+  config::WriteJson(folder.path() / "prediction.json", {{"fitted_recordings", fit.band.recordings},
+                                                        {"factor", fit.band.factor},
+                                                        {"curves", curves}});
   config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
   folder.Commit();
   return PredictionTable(predicted);
@@ -145,9 +144,10 @@ std::string RunFits(const FitTask& task, RunContext& context) {
 }
 
 std::string RunTensions(const FitTask& task, RunContext& context) {
-  ACUS_REQUIRE(task.models.size() == 1 && task.tissue.empty(),
-               "--models hyperelastic is for tension tests, not for recordings of a needle; give it "
-               "alone, without --tissue");
+  ACUS_REQUIRE(
+      task.models.size() == 1 && task.tissue.empty(),
+      "--models hyperelastic is for tension tests, not for recordings of a needle; give it "
+      "alone, without --tissue");
   AtomicFolder folder(task.output, context.overwrite);
   std::vector<TensionTest> tests;
   std::vector<TensionFit> fits;

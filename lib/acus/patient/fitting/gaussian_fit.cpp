@@ -180,8 +180,7 @@ double SumN(std::span<const Gaussian> terms, double depth_mm) {
   return sum;
 }
 
-GaussianFit FitGaussians(const ForceCurve& curve, const CurvePhases& phases, int count,
-                         int most) {
+GaussianFit FitGaussians(const ForceCurve& curve, const CurvePhases& phases, int count, int most) {
   ACUS_ASSERT(count >= 1 && count <= 32);
   GaussianFit result;
   const SampleRange& range = phases.advance;

@@ -1,4 +1,5 @@
-// Sudden falls of the force while the needle rests, which no relaxation has. A part of FitMechanical.
+// Sudden falls of the force while the needle rests, which no relaxation has. A part of
+// FitMechanical.
 #pragma once
 
 #include <optional>
@@ -9,8 +10,8 @@
 namespace acus::fitting {
 
 /// The slip that leaves least of the hold beside `predicted`: with m the prediction and r what is
-/// left, after a slip of share q r becomes r + q m, so that q and the gain follow in closed form for
-/// every moment. Empty if there is none of 3 % and 0.03 N or more.
+/// left, after a slip of share q r becomes r + q m, so that q and the gain follow in closed form
+/// for every moment. Empty if there is none of 3 % and 0.03 N or more.
 /// @param predicted  by sample of samples.all.
 std::optional<Slip> BestSlip(const PhaseSamples& samples, const MechanicalModel& model,
                              std::span<const double> predicted);

@@ -10,6 +10,7 @@
 #include "acus/base/math/distributions.h"
 #include "acus/base/math/statistics.h"
 #include "acus/patient/fitting/depth_bins.h"
+#include "acus/patient/fitting/joint_contact.h"
 #include "acus/patient/fitting/least_squares.h"
 #include "acus/patient/fitting/shared_fit.h"
 
@@ -221,6 +222,26 @@ PhaseRms MeanCurveRms(const JointRecording& left_out, const Recordings& others) 
           RmsAbout(out, curve.depth_mm, curve, phases.retract)};
 }
 
+/// Profiles that go with the model's build-up and relaxation.
+void SetJointProfiles(const Recordings& recordings, int knots, MechanicalModel& joint) {
+  std::vector<StrainedRows> in;
+  std::vector<StrainedRows> out;
+  for (const JointRecording& r : recordings) {
+    MechanicalModel model = joint;
+    model.offset_n = r.fit->constant.offset_n;
+    model.drift_n_per_s = r.fit->constant.drift_n_per_s;
+    model.start_s = r.fit->constant.start_s;
+    in.push_back(PhaseRows(model, *r.curve, *r.phases, true, kStepS));
+    out.push_back(PhaseRows(model, *r.curve, *r.phases, false, kStepS));
+  }
+  const auto is_short = [](const StrainedRows& rows) { return rows.depth_mm.size() < 20; };
+  std::erase_if(in, is_short);
+  std::erase_if(out, is_short);
+  if (in.empty()) throw NoAnswerError("no recording has a usable insertion");
+  joint.in = JointProfile(in, knots);
+  joint.out = out.empty() ? joint.in : JointProfile(out, knots);
+}
+
 Recordings Usable(std::span<const JointRecording> recordings) {
   Recordings usable;
   for (const JointRecording& r : recordings) {
@@ -238,24 +259,13 @@ bool JointRecording::IsUsable() const {
 JointModel FitJoint(std::span<const JointRecording> all, int knots) {
   const Recordings recordings = Usable(all);
   ACUS_ASSERT(!recordings.empty() && (knots == 0 || knots >= 2));
-  JointModel joint;
-  joint.model = MedianModel(recordings);
-  std::vector<StrainedRows> in;
-  std::vector<StrainedRows> out;
-  for (const JointRecording& r : recordings) {
-    MechanicalModel model = joint.model;
-    model.offset_n = r.fit->constant.offset_n;
-    model.drift_n_per_s = r.fit->constant.drift_n_per_s;
-    model.start_s = r.fit->constant.start_s;
-    in.push_back(PhaseRows(model, *r.curve, *r.phases, true, kStepS));
-    out.push_back(PhaseRows(model, *r.curve, *r.phases, false, kStepS));
+  MechanicalModel model = MedianModel(recordings);
+  SetJointProfiles(recordings, knots, model);
+  if (recordings.size() >= 2) {
+    FitJointContact(recordings, model);
+    SetJointProfiles(recordings, knots, model);
   }
-  const auto is_short = [](const StrainedRows& rows) { return rows.depth_mm.size() < 20; };
-  std::erase_if(in, is_short);
-  std::erase_if(out, is_short);
-  if (in.empty()) throw NoAnswerError("no recording has a usable insertion");
-  joint.model.in = JointProfile(in, knots);
-  joint.model.out = out.empty() ? joint.model.in : JointProfile(out, knots);
+  JointModel joint{std::move(model), 0, 0};
   joint.knots_in = static_cast<int>(joint.model.in.depth_mm.size());
   joint.knots_out = static_cast<int>(joint.model.out.depth_mm.size());
   return joint;

@@ -83,7 +83,8 @@ ResidualSpread SpreadOf(std::span<const PhaseResiduals> all, Phase phase, std::s
     std::vector<double> own(bins, 0.0);
     std::vector<double> count(bins, 0.0);
     for (std::size_t i = 0; i < all[k].x[phase].size(); ++i) {
-      const auto bin = std::min(bins - 1, static_cast<std::size_t>((all[k].x[phase][i] - low) / step));
+      const auto bin =
+          std::min(bins - 1, static_cast<std::size_t>((all[k].x[phase][i] - low) / step));
       own[bin] += all[k].left_n[phase][i] * all[k].left_n[phase][i];
       count[bin] += 1.0;
     }
@@ -196,7 +197,8 @@ json MeasuredJson(std::span<const FittedCurve> fitted, double needle_diameter_mm
     throw NoAnswerError("no recording has a mechanical model, which the file of forces needs");
   }
   document["description"] =
-      Message("acus-fit: ", document["recordings"].size(), " recordings; the mean of those with "
+      Message("acus-fit: ", document["recordings"].size(),
+              " recordings; the mean of those with "
               "insertion and retraction, without punctures, and each with its own");
   const std::vector<JointRecording> usable = UsableOf(fitted);
   document["mean"] = document["recordings"][0]["law"];
@@ -223,8 +225,8 @@ SavedFit ReadSavedFit(const std::filesystem::path& path) {
   fit.forces = forces::MeasuredForcesFromJson(document, file.string());
   const json band = document.value("prediction", json::object());
   const std::string where = file.string() + ": /prediction";
-  ACUS_REQUIRE(band.contains("factor"), where, ": there are no bounds: ",
-               band.value("why_not", "the fit is of too few recordings"),
+  ACUS_REQUIRE(band.contains("factor"), where,
+               ": there are no bounds: ", band.value("why_not", "the fit is of too few recordings"),
                "; fit four or more recordings together");
   try {
     fit.band = {band.at("recordings"), band.at("factor"),
@@ -272,8 +274,9 @@ PredictedCurve Predict(const SavedFit& fit, ForceCurve recording) {
     double inside = 0.0;
     for (std::size_t i = ranges[phase].begin; i < ranges[phase].end; ++i) {
       const std::size_t k = i - predicted.moving.begin;
-      const double half_n = fit.band.factor * OfPhase(fit.band, phase)
-                                                  .At(PlaceOf(phase, curve, i, origin_mm, hold_s));
+      const double half_n =
+          fit.band.factor *
+          OfPhase(fit.band, phase).At(PlaceOf(phase, curve, i, origin_mm, hold_s));
       predicted.low_n[k] -= half_n;
       predicted.high_n[k] += half_n;
       const double left_n = predicted.mean_n[k] - curve.force_n[i];

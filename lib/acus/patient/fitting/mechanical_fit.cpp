@@ -286,8 +286,8 @@ void MechanicalFitter::WeightedFit(const MechanicalModel& model) {
 }
 
 /// The model with this recording's build-up, and its hold fitted: two constants end at another
-/// force than the recording, and the hold begins there. Slips are added one after the other, as long
-/// as Akaike's criterion of the hold says so; the relaxation is fitted anew beside each.
+/// force than the recording, and the hold begins there. Slips are added one after the other, as
+/// long as Akaike's criterion of the hold says so; the relaxation is fitted anew beside each.
 MechanicalModel MechanicalFitter::WithHoldOf(const MechanicalModel& model) const {
   std::vector<double> predicted(samples_.all.size());
   std::vector<SeriesParameter> parameters = shared_.definition;
@@ -298,8 +298,8 @@ MechanicalModel MechanicalFitter::WithHoldOf(const MechanicalModel& model) const
   }
   const auto fitted = [&](MechanicalModel start) {
     SharedFit fit(samples_, std::move(start));
-    const std::vector<double> p = has_hold_ ? fit.Run(parameters, false).parameters
-                                            : shared_.parameters;
+    const std::vector<double> p =
+        has_hold_ ? fit.Run(parameters, false).parameters : shared_.parameters;
     fit.Predict(p, predicted);
     return fit.model();
   };
@@ -344,7 +344,9 @@ void MechanicalFitter::Judge() {
   fit_.eventful_rms = ReplayRms(fit_.eventful, curve_, phases_);
   AddEstimates(samples_, shared_, fit_);
   for (const auto& [name, estimate] : fit_.estimates) {
-    if (estimate.at_bound) fit_.warnings.push_back(name + ": 0 is the nearest value that it can have; the interval is one-sided");
+    if (estimate.at_bound)
+      fit_.warnings.push_back(
+          name + ": 0 is the nearest value that it can have; the interval is one-sided");
   }
   for (const std::string& name : fit_.undetermined) {
     fit_.warnings.push_back(name + ": the recording does not determine it");

@@ -35,16 +35,16 @@ std::vector<SeriesParameter> SharedParameters(bool has_hold, bool has_out, int b
   };
   const bool two = has_hold && branches >= 2;
   const bool three = has_hold && branches >= 3;
-  return {if_any(true, "buildup_in_mm", std::log(1.0), std::log(0.05), std::log(3.0)),
-          if_any(has_out, "buildup_out_mm", std::log(0.7), std::log(0.05), std::log(3.0)),
-          if_any(has_hold, "relaxing_share_1", has_hold ? 0.3 : 0.0, 0.0, 0.98),
-          if_any(two, "relaxing_share_2", two ? 0.3 : 0.0, 0.0, 0.98),
-          if_any(has_hold, "relaxation_1_s", std::log(three ? 0.2 : 0.7),
-                 std::log(three ? 0.02 : 0.1), std::log(10.0)),
-          if_any(two, "relaxation_2_s", std::log(three ? 8.0 : 15.0), std::log(4.0),
-                 std::log(400.0)),
-          if_any(three, "relaxing_share_3", three ? 0.3 : 0.0, 0.0, 0.98),
-          if_any(three, "relaxation_3_s", std::log(10.0), std::log(4.0), std::log(400.0))};
+  return {
+      if_any(true, "buildup_in_mm", std::log(1.0), std::log(0.05), std::log(3.0)),
+      if_any(has_out, "buildup_out_mm", std::log(0.7), std::log(0.05), std::log(3.0)),
+      if_any(has_hold, "relaxing_share_1", has_hold ? 0.3 : 0.0, 0.0, 0.98),
+      if_any(two, "relaxing_share_2", two ? 0.3 : 0.0, 0.0, 0.98),
+      if_any(has_hold, "relaxation_1_s", std::log(three ? 0.2 : 0.7), std::log(three ? 0.02 : 0.1),
+             std::log(10.0)),
+      if_any(two, "relaxation_2_s", std::log(three ? 8.0 : 15.0), std::log(4.0), std::log(400.0)),
+      if_any(three, "relaxing_share_3", three ? 0.3 : 0.0, 0.0, 0.98),
+      if_any(three, "relaxation_3_s", std::log(10.0), std::log(4.0), std::log(400.0))};
 }
 
 PhaseSamples ThinPhases(const ForceCurve& curve, const CurvePhases& phases,

@@ -28,8 +28,9 @@ constexpr double kLargestExponentRate = 1e3;
 double NumberAt(const std::string& cell, const std::string& where, const char* what) {
   char* end = nullptr;
   const double value = std::strtod(cell.c_str(), &end);
-  const bool is_number = end != cell.c_str() && cell.find_first_not_of(" \r\t", static_cast<std::size_t>(
-                                                     end - cell.c_str())) == cell.npos;
+  const bool is_number =
+      end != cell.c_str() &&
+      cell.find_first_not_of(" \r\t", static_cast<std::size_t>(end - cell.c_str())) == cell.npos;
   ACUS_REQUIRE(is_number && std::isfinite(value) && std::abs(value) < 1e6, where, ": ", what,
                " is '", cell, "'; a finite number is needed");
   return value;
@@ -50,8 +51,7 @@ double DimensionIn(const std::string& line, const char* key, const std::string& 
 std::size_t LoadingEnd(const TensionTest& test) {
   const auto& f = test.force_n;
   const auto& e = test.elongation_mm;
-  const auto peak =
-      static_cast<std::size_t>(std::ranges::max_element(f) - f.begin());
+  const auto peak = static_cast<std::size_t>(std::ranges::max_element(f) - f.begin());
   const double window_mm = kSlopeShare * (e[peak] - e[0]);
   double top_n = f[0];
   double steepest = 0.0;
@@ -59,7 +59,10 @@ std::size_t LoadingEnd(const TensionTest& test) {
   for (std::size_t i = 0; i <= peak; ++i) {
     top_n = std::max(top_n, f[i]);
     if (f[i] < top_n - kTornShare * f[peak]) {
-      return static_cast<std::size_t>(std::max_element(f.begin(), f.begin() + static_cast<std::ptrdiff_t>(i)) - f.begin()) + 1;
+      return static_cast<std::size_t>(
+                 std::max_element(f.begin(), f.begin() + static_cast<std::ptrdiff_t>(i)) -
+                 f.begin()) +
+             1;
     }
     while (e[i] - e[back] > window_mm) ++back;
     if (back == 0 || !(e[i] > e[back - 1])) continue;
@@ -115,20 +118,19 @@ std::vector<std::vector<double>> StartsOf(HyperelasticLaw law, double mu) {
 LawFit FitLaw(HyperelasticLaw law, const TensionTest& test, const Loading& loading) {
   const double last_mm = loading.elongation_mm.back();
   const double stretch = 1.0 + std::max(1e-6, last_mm / test.length_mm);
-  const double mu = std::max(
-      1e-6, loading.stress_mpa.back() / (stretch - 1.0 / (stretch * stretch)));
+  const double mu =
+      std::max(1e-6, loading.stress_mpa.back() / (stretch - 1.0 / (stretch * stretch)));
   const SeriesModel model = [&](std::span<const double> p, std::span<double> predicted) {
     for (std::size_t i = 0; i < predicted.size(); ++i) {
-      const double lambda =
-          (test.length_mm + loading.elongation_mm[i]) / (test.length_mm + p[0]);
+      const double lambda = (test.length_mm + loading.elongation_mm[i]) / (test.length_mm + p[0]);
       predicted[i] = NominalStressMpa(law, p.subspan(1), lambda);
     }
   };
   SeriesFit best;
   for (const std::vector<double>& start : StartsOf(law, mu)) {
     for (const double slack_share : {0.0, 0.3}) {
-      std::vector<SeriesParameter> parameters = {{"slack_mm", slack_share * last_mm,
-                                                  -0.1 * test.length_mm, 0.9 * last_mm}};
+      std::vector<SeriesParameter> parameters = {
+          {"slack_mm", slack_share * last_mm, -0.1 * test.length_mm, 0.9 * last_mm}};
       for (std::size_t k = 0; k < start.size(); ++k) {
         const bool is_rate = law == HyperelasticLaw::kFung && k == 1;
         parameters.push_back(
@@ -138,7 +140,10 @@ LawFit FitLaw(HyperelasticLaw law, const TensionTest& test, const Loading& loadi
       if (fit.converged && (!best.converged || fit.rms_n < best.rms_n)) best = std::move(fit);
     }
   }
-  LawFit result{.law = law, .converged = best.converged, .message = best.message, .parameters = {},
+  LawFit result{.law = law,
+                .converged = best.converged,
+                .message = best.message,
+                .parameters = {},
                 .slack_mm = {}};
   if (!best.converged) {
     result.message = "the law does not follow the loading from any start";

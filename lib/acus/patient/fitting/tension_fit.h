@@ -49,9 +49,9 @@ struct TensionFit {
 };
 
 /// Fits every law to the loading: up to where the strip begins to fail, that is where the slope of
-/// the force falls below half of its largest, or the force by 5 % of its largest. The slack is fitted
-/// with each law; stretch = (length + elongation) / (length + slack). All parameters are >= 0, which
-/// keeps the energy convex. Deterministic.
+/// the force falls below half of its largest, or the force by 5 % of its largest. The slack is
+/// fitted with each law; stretch = (length + elongation) / (length + slack). All parameters are >=
+/// 0, which keeps the energy convex. Deterministic.
 TensionFit FitTension(const TensionTest& test);
 
 nlohmann::json TensionJson(const TensionTest& test, const TensionFit& fit);

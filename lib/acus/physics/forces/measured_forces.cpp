@@ -21,8 +21,7 @@ ResistanceProfile ProfileFrom(const json& block, const std::string& where) {
                " forces; as many of both are needed");
   for (std::size_t k = 1; k < profile.depth_mm.size(); ++k) {
     ACUS_REQUIRE(profile.depth_mm[k] > profile.depth_mm[k - 1], where, "/depth_mm/", k, ": is ",
-                 profile.depth_mm[k], " after ", profile.depth_mm[k - 1],
-                 "; depths must increase");
+                 profile.depth_mm[k], " after ", profile.depth_mm[k - 1], "; depths must increase");
   }
   return profile;
 }

@@ -24,8 +24,8 @@ class MeasuredModel {
   MeasuredModel(const ForceTable& table, const NeedleProperties& needle, MechanicalModel law,
                 double law_diameter_mm, GuidanceKind guidance = GuidanceKind::kOwn);
 
-  /// Takes in the next sample, as NeedleForceModel::Step: bad samples and the bound on the force are
-  /// treated as there. Exact for constant speed between samples, however far apart they are.
+  /// Takes in the next sample, as NeedleForceModel::Step: bad samples and the bound on the force
+  /// are treated as there. Exact for constant speed between samples, however far apart they are.
   /// Allocates nothing. puncture_n is what internal punctures add to the resistance, friction_n all
   /// the rest: a recording does not tell cutting from friction at one depth. cutting_n is 0.
   NeedleForce Step(MeasuredState& state, const NeedleInput& input) const noexcept;

@@ -65,8 +65,8 @@ double MechanicalModel::ResistanceInN(double depth_mm, double deepest_mm) const 
   if (depth_mm <= surface_mm) return 0.0;
   double force = in.ForceN(depth_mm);
   for (const InternalPuncture& puncture : punctures) {
-    const bool cut =
-        deepest_mm > depth_mm + kContactPlayMm && deepest_mm > puncture.contact_mm + puncture.puncture_mm;
+    const bool cut = deepest_mm > depth_mm + kContactPlayMm &&
+                     deepest_mm > puncture.contact_mm + puncture.puncture_mm;
     if (!cut) {
       force += puncture.ForceN(depth_mm);
     } else if (depth_mm > puncture.contact_mm) {
@@ -87,7 +87,8 @@ double MechanicalModel::SteadyStrain(bool inwards) const noexcept {
   const double rate = reference_mm_per_s / (inwards ? buildup_in_mm : buildup_out_mm);
   double strain = BranchShare(*this, 0);
   for (std::size_t k = 0; k < kMostBranches; ++k) {
-    if (relaxing_share[k] > 0.0) strain += relaxing_share[k] * rate / (rate + 1.0 / relaxation_s[k]);
+    if (relaxing_share[k] > 0.0)
+      strain += relaxing_share[k] * rate / (rate + 1.0 / relaxation_s[k]);
   }
   return strain;
 }

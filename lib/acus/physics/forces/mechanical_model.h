@@ -75,12 +75,13 @@ struct MechanicalModel {
 
   ResistanceProfile in;
   ResistanceProfile out;
-  double surface_mm = -1e9;        ///< Drive depth; no resistance before it.
-  double buildup_in_mm = 1.0;      ///< > 0.
-  double buildup_out_mm = 1.0;     ///< > 0.
-  double reference_mm_per_s = 5.0; ///< > 0.
+  double surface_mm = -1e9;                            ///< Drive depth; no resistance before it.
+  double buildup_in_mm = 1.0;                          ///< > 0.
+  double buildup_out_mm = 1.0;                         ///< > 0.
+  double reference_mm_per_s = 5.0;                     ///< > 0.
   std::array<double, kMostBranches> relaxing_share{};  ///< Of the branches, >= 0, sum <= 1.
-  std::array<double, kMostBranches> relaxation_s{1.0, 10.0, 100.0};  ///< > 0 where there is a share.
+  std::array<double, kMostBranches> relaxation_s{1.0, 10.0,
+                                                 100.0};  ///< > 0 where there is a share.
   std::vector<InternalPuncture> punctures;
   std::vector<Release> releases;
   std::vector<Slip> slips;  ///< By time; met in every rest that lasts so long.
@@ -101,7 +102,7 @@ struct MechanicalState {
   bool started = false;
   double time_s = 0.0;
   double depth_mm = 0.0;  ///< Behind the drive by up to the play, so that its jitter is no motion.
-  double rest_s = 0.0;      ///< Since the last motion beyond the play.
+  double rest_s = 0.0;    ///< Since the last motion beyond the play.
   double deepest_mm = 0.0;  ///< Punctures lie only ahead of it.
   std::array<double, MechanicalModel::kMostBranches + 1> strain{};  ///< s by branch, in [-1, 1].
 

@@ -306,10 +306,11 @@ Scenario ReadChanged(const fs::path& path, std::span<const Override> overrides) 
         {"none", GuidanceKind::kNone},
         {"vidal", GuidanceKind::kVidal},
         {"virtual_fixture", GuidanceKind::kVirtualFixture}};
-    scenario.needle_force =
-        NeedleForceEffect{kModels.at(effect.at("model")), kGuidance.at(effect.at("guidance")),
-                          config::FindConfig(table, folder)};
-    ReadMeasured(effect, folder, path.string(), *scenario.needle_force);
+    NeedleForceEffect& force = scenario.needle_force.emplace();
+    force.model = kModels.at(effect.at("model"));
+    force.guidance = kGuidance.at(effect.at("guidance"));
+    force.table = config::FindConfig(table, folder);
+    ReadMeasured(effect, folder, path.string(), force);
   }
   if (effects.contains("needle")) {
     scenario.shape = ReadNeedleEffect(effects["needle"], folder);

@@ -73,10 +73,16 @@ forces::ForceCurve CapsuleThenVessel() {
   truth.in = {{10.0, drive.end_mm}, {0.15, 0.15 + 0.012 * 50.0}};
   truth.out = truth.in;
   truth.surface_mm = 10.0;
-  truth.punctures = {{.contact_mm = 10.0, .puncture_mm = 4.0, .a1_n_per_mm = 0.06,
-                      .a2_n_per_mm2 = 0.014, .recovery_mm = 0.2},
-                     {.contact_mm = 35.0, .puncture_mm = 5.0, .a1_n_per_mm = 0.1,
-                      .a2_n_per_mm2 = 0.03, .recovery_mm = 0.3}};
+  truth.punctures = {{.contact_mm = 10.0,
+                      .puncture_mm = 4.0,
+                      .a1_n_per_mm = 0.06,
+                      .a2_n_per_mm2 = 0.014,
+                      .recovery_mm = 0.2},
+                     {.contact_mm = 35.0,
+                      .puncture_mm = 5.0,
+                      .a1_n_per_mm = 0.1,
+                      .a2_n_per_mm2 = 0.03,
+                      .recovery_mm = 0.3}};
   return Recording(truth, drive, 0.01, 5);
 }
 

@@ -74,8 +74,8 @@ TEST(MeasuredModel, IsTheFittedLawByDepthSinceTheSkin) {
     const double law_n = alone.ForceN(law, strain, needle.state.depth_mm);
     largest_n = std::max(largest_n, std::abs(needle.last.AxialN() - law_n));
   };
-  for (int i = 1; i <= 8000; ++i) compare(0.005 * i);       // In to 40 mm,
-  for (int i = 0; i < 20000; ++i) compare(40.0);            // hold for 20 s,
+  for (int i = 1; i <= 8000; ++i) compare(0.005 * i);         // In to 40 mm,
+  for (int i = 0; i < 20000; ++i) compare(40.0);              // hold for 20 s,
   for (int i = 1; i <= 7800; ++i) compare(40.0 - 0.005 * i);  // out.
   EXPECT_LT(largest_n, 1e-3);
   EXPECT_EQ(needle.punctures, 1);
@@ -231,8 +231,8 @@ TEST(MeasuredForces, DrawsHaveTheSpreadOfTheRecordings) {
   double squares = 0.0;
   const int draws = 2000;
   for (int seed = 1; seed <= draws; ++seed) {
-    const double drawn = forces.Drawn(static_cast<std::uint64_t>(seed)).in.ForceN(30.0) -
-                         TestLaw().in.ForceN(30.0);
+    const double drawn =
+        forces.Drawn(static_cast<std::uint64_t>(seed)).in.ForceN(30.0) - TestLaw().in.ForceN(30.0);
     sum += drawn;
     squares += drawn * drawn;
   }
