@@ -76,7 +76,9 @@ TEST(TensionFit, FindsTheLawItsParametersAndTheSlack) {
     EXPECT_LT(own.relative_rms, 0.005);
     // A law that holds this one as a special case cannot be worse.
     EXPECT_LE(fit.laws[*fit.best].aic, own.aic);
-    if (law == HyperelasticLaw::kFung) EXPECT_EQ(*fit.best, static_cast<std::size_t>(law));
+    if (law == HyperelasticLaw::kFung) {
+      EXPECT_EQ(*fit.best, static_cast<std::size_t>(law));
+    }
     for (std::size_t k = 0; k < own.parameters.size(); ++k) {
       EXPECT_NEAR(own.parameters[k].value, TruthOf(law)[k], 0.03) << ParametersOf(law)[k];
     }
