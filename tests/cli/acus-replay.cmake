@@ -32,6 +32,23 @@ acus_add_cli_case(acus-replay.fitted_table EXIT 0 NEEDS inputs STDOUT "needle fo
 $ACUS_BIN/acus-fit a.csv recording --tissue liver -o fit >/dev/null"
   COMMAND acus-replay $INPUTS/scenario.json ${patient} --check
           --set /effects/needle_force/table=fit/forces.json)
+set(measured_fit "bash ${CMAKE_CURRENT_LIST_DIR}/fit_inputs.sh
+$ACUS_BIN/acus-fit a.csv --models mechanical -o fit >/dev/null")
+acus_add_cli_case(acus-replay.measured_forces EXIT 0 NEEDS inputs BEFORE "${measured_fit}"
+  STDOUT "^Replayed " CREATES run/forces.csv
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run
+          --set /effects/needle_force/model=measured
+          --set /effects/needle_force/measured=fit/measured.json)
+acus_add_cli_case(acus-replay.measured_forces_without_a_file EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "/effects/needle_force: model \"measured\" needs the file of the fit"
+  COMMAND acus-replay $INPUTS/scenario.json ${patient} --check
+          --set /effects/needle_force/model=measured)
+acus_add_cli_case(acus-replay.measured_forces_of_another_recording EXIT 3 NEEDS inputs
+  LEAVES_NOTHING BEFORE "${measured_fit}"
+  STDERR "no recording is named 'b'; there are: mean, a"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run
+          --set /effects/needle_force/model=measured --set /effects/needle_force/recording=b
+          --set /effects/needle_force/measured=fit/measured.json)
 acus_add_cli_case(acus-replay.check EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "needle force" ": OK"
   COMMAND acus-replay $INPUTS/scenario.json ${patient} --check)

@@ -16,6 +16,7 @@ using testing_support::Below;
 using testing_support::BoundPlot;
 using testing_support::DrivenAlamilla;
 using testing_support::DrivenLayered;
+using testing_support::DrivenMeasured;
 using testing_support::DrivenPalpation;
 using testing_support::DrivenProbe;
 using testing_support::DrivenVidal;
@@ -74,6 +75,21 @@ TEST(ForcesClosedLoop, NoShippedModelGeneratesEnergy) {
     ExpectPassive(hard, "alamilla" + in, b);
     const Report c = RandomInteraction("vidal", {}, [&] { return DrivenVidal{vidal, body}; });
     ExpectPassive(hard, "vidal" + in, c);
+  }
+}
+
+// Forces as recorded: profiles that rise, and membranes that rise within a millimetre.
+TEST(ForcesClosedLoop, MeasuredForcesGenerateNoEnergy) {
+  const HardCase hard(
+      "Resistance that changes with the depth could pay for a way back; every recording has others.");
+  const LayeredBodyField body = Abdomen();
+  const MeasuredForces liver = ReadMeasuredForces(std::filesystem::path(ACUS_SOURCE_DIR) /
+                                                  "configs/measured/human_liver.json");
+  const ForceTable table = ShippedTable("default.json");
+  for (const char* name : {"mean", "Data0", "Data14", "Data36"}) {
+    const MeasuredModel model(table, Trocar18G(), liver.Law(name), liver.needle_diameter_mm);
+    const Report report = RandomInteraction(name, {}, [&] { return DrivenMeasured{model, body}; });
+    ExpectPassive(hard, Message("measured, ", name), report);
   }
 }
 

@@ -8,6 +8,8 @@
 
 #include "acus/physics/forces/alamilla_model.h"
 #include "acus/physics/forces/closed_loop.h"
+#include "acus/physics/forces/measured_forces.h"
+#include "acus/physics/forces/measured_model.h"
 #include "acus/physics/forces/multi_proxy_probe.h"
 #include "acus/physics/forces/needle_force.h"
 #include "acus/physics/forces/vidal_model.h"
@@ -89,6 +91,7 @@ struct Driven {
 using DrivenLayered = Driven<forces::NeedleForceModel, forces::NeedleForceState>;
 using DrivenAlamilla = Driven<forces::AlamillaModel, forces::AlamillaState>;
 using DrivenVidal = Driven<forces::VidalModel, forces::VidalState>;
+using DrivenMeasured = Driven<forces::MeasuredModel, forces::MeasuredState>;
 
 /// The probe pressed into the body, its face's normal along +z.
 template <typename Model, typename State>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "acus/base/core/error.h"
 #include "acus/base/math/statistics.h"
@@ -16,7 +17,8 @@ constexpr double kShortestLineMm = 3.0;  // Nor does a line.
 constexpr double kBaselineMm = 2.0;      // Taken along before a rise inside the tissue.
 constexpr double kLongestRiseMm = 15.0;  // Inside the tissue; farther back it is another matter.
 constexpr double kEarlierShare = 0.4;  // A peak this high, relative to the fall, is an earlier one.
-constexpr double kRoundedShare = 0.9;  // Of the height of a peak that is not sharp.
+constexpr double kEntryShareOfLargest = 0.15;  // Of the largest fall: a smaller one is no entry.
+constexpr double kRoundedShare = 0.9;          // Of the height of a peak that is not sharp.
 
 /// One recording on its way to a fit.
 class Fitter {
@@ -33,6 +35,10 @@ class Fitter {
       return std::move(fit_);
     }
     FitOffset(curve_, fit_);
+    if (SignIsReversed(curve_, fit_)) {
+      fit_.message = kReversedSign;
+      return std::move(fit_);
+    }
     FitAdvance(curve_, fit_);
     FitRetraction(curve_, fit_);
     FitHold(curve_, fit_);
@@ -41,8 +47,7 @@ class Fitter {
                              " N within 3 mm while the needle advances");
       return std::move(fit_);
     }
-    FitRise();
-    FitPlateau();
+    FitFirstThatAnswers();
     return std::move(fit_);
   }
 
@@ -50,18 +55,14 @@ class Fitter {
   const CurvePhases& phases() const { return fit_.phases; }
   const PunctureEvent& main_event() const { return phases().punctures[fit_.main]; }
 
+  void FitFirstThatAnswers();
+  std::vector<std::size_t> Candidates();
   void FitRise();
   void HoldOtherTerm(RiseLaw law, const Samples& rise);
   bool TryRise(const RiseLaw& law, const Samples& rise, double last_mm);
   Samples RiseSamples(double slope_n_per_mm, double& from_mm) const;
-  /// The main puncture is the first thing that the needle meets: smaller falls do not count.
-  bool IsFreeApproach() const {
-    bool first = !fit_.starts_in_tissue;
-    for (std::size_t k = 0; k < fit_.main; ++k) {
-      first = first && phases().punctures[k].drop_n < kEarlierShare * main_event().drop_n;
-    }
-    return first;
-  }
+  /// The main puncture is the first thing that a needle from outside meets.
+  bool IsFreeApproach() const { return fit_.main == entry_; }
   Estimate A1() const { return law_.has_a1 ? rise_->Of(2) : held_; }
   Estimate A2() const { return law_.has_a2 ? rise_->Of(law_.has_a1 ? 3 : 2) : held_; }
   void FitPlateau();
@@ -71,7 +72,8 @@ class Fitter {
   PunctureCurveFit fit_;
   std::optional<ModelFit> rise_;
   RiseLaw law_;
-  Estimate held_;  ///< Of the term that is held at 0.
+  std::optional<std::size_t> entry_;  ///< Of the punctures: where the needle comes in, if it does.
+  Estimate held_;                     ///< Of the term that is held at 0.
 };
 
 /// Samples of the rise before the main puncture, and the depth they begin at.
@@ -118,10 +120,40 @@ Samples Fitter::RiseSamples(double slope_n_per_mm, double& from_mm) const {
   return rise;
 }
 
-void Fitter::FitRise() {
-  for (std::size_t k = 0; k < phases().punctures.size(); ++k) {
-    if (phases().punctures[k].drop_n > main_event().drop_n) fit_.main = k;
+/// Punctures in the order in which they are tried.
+std::vector<std::size_t> Fitter::Candidates() {
+  const std::vector<PunctureEvent>& events = phases().punctures;
+  std::vector<std::size_t> order(events.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, std::ranges::greater{},
+                           [&](std::size_t k) { return events[k].drop_n; });
+  if (fit_.starts_in_tissue) return order;
+  const double least_n = kEntryShareOfLargest * events[order[0]].drop_n;
+  const auto entry = std::ranges::find_if(
+      events, [least_n](const PunctureEvent& event) { return event.drop_n >= least_n; });
+  entry_ = static_cast<std::size_t>(entry - events.begin());
+  const auto at = std::ranges::find(order, *entry_);
+  std::rotate(order.begin(), at, at + 1);
+  return order;
+}
+
+void Fitter::FitFirstThatAnswers() {
+  const PunctureCurveFit before = fit_;
+  std::optional<PunctureCurveFit> first;
+  for (const std::size_t k : Candidates()) {
+    fit_ = before;
+    fit_.main = k;
+    fit_.is_entry = IsFreeApproach();
+    rise_.reset();
+    FitRise();
+    FitPlateau();
+    if (fit_.converged) return;
+    if (!first) first = fit_;
   }
+  fit_ = std::move(*first);
+}
+
+void Fitter::FitRise() {
   RiseLaw law;
   if (!IsFreeApproach() && fit_.advance_slope_n_per_mm) {
     law.slope_n_per_mm = std::max(0.0, fit_.advance_slope_n_per_mm->value);
@@ -161,8 +193,8 @@ void Fitter::FitRise() {
   fit_.rise_rms_n = rise_->rms_n;
   if (IsFreeApproach() && !fit_.offset_n) fit_.offset_n = rise_->Of(1);
   fit_.contact_depth_mm = rise_->Of(0);
-  fit_.a1_n_per_mm = A1();
-  fit_.a2_n_per_mm2 = A2();
+  fit_.a1_n_per_mm = A1().AtLeast(0.0);
+  fit_.a2_n_per_mm2 = A2().AtLeast(0.0);
   Draw(*rise_, law_, rise, fit_);
   fit_.converged = true;
   LocatePuncture(*rise_);
@@ -173,6 +205,10 @@ void Fitter::FitRise() {
               curve_.depth_mm[main_event().peak], " mm cannot be told from what else ",
               "the force does there: ", fit_.puncture_n->value, " N, 95 % interval from ",
               fit_.puncture_n->low, " to ", fit_.puncture_n->high, " N");
+  for (auto* estimate : {&fit_.contact_depth_mm, &fit_.a1_n_per_mm, &fit_.a2_n_per_mm2,
+                         &fit_.puncture_depth_mm, &fit_.puncture_n}) {
+    estimate->reset();
+  }
 }
 
 /// The term that is held at 0: what it could be, with the contact depth as it is.
@@ -219,7 +255,8 @@ void Fitter::LocatePuncture(const ModelFit& rise) {
   Eigen::VectorXd gradient(static_cast<Eigen::Index>(rise.parameters.size()));
   law_(rise.parameters, at_mm, {gradient.data(), rise.parameters.size()});
   gradient(1) = 0.0;  // Above the baseline.
-  fit_.puncture_n = Widened(rise.Of((a1 + a2 * x) * x, gradient), std::abs(gradient(0)) * half_mm);
+  fit_.puncture_n =
+      Widened(rise.Of((a1 + a2 * x) * x, gradient), std::abs(gradient(0)) * half_mm).AtLeast(0.0);
 }
 
 void Fitter::FitPlateau() {
@@ -234,7 +271,8 @@ void Fitter::FitPlateau() {
   fit_.plateau_rms_n = line.rms_n;
   if (!line.converged) return;
   fit_.plateau_slope_n_per_mm = line.Of(1);
-  fit_.plateau_n = fit_.offset_n ? Difference(line.Of(0), *fit_.offset_n) : line.Of(0);
+  fit_.plateau_n =
+      (fit_.offset_n ? Difference(line.Of(0), *fit_.offset_n) : line.Of(0)).AtLeast(0.0);
   Draw(line, Line(puncture_mm), plateau, fit_);
   if (!rise_ || !fit_.converged) return;
   std::vector<double> gradient(rise_->parameters.size());
@@ -244,7 +282,8 @@ void Fitter::FitPlateau() {
   // Where in the fall the puncture was is not known better than this.
   const double half_mm = 0.5 * (curve_.depth_mm[event.trough] - curve_.depth_mm[event.peak]);
   const double slope = law_.slope_n_per_mm - gradient[0] - line.parameters[1];
-  fit_.drop_n = Widened(Difference(rise_->Of(before_n, g), line.Of(0)), std::abs(slope) * half_mm);
+  fit_.drop_n = Widened(Difference(rise_->Of(before_n, g), line.Of(0)), std::abs(slope) * half_mm)
+                    .AtLeast(0.0);
 }
 
 }  // namespace

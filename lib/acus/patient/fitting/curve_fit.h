@@ -17,7 +17,9 @@ struct PunctureCurveFit {
   bool converged = false;
   std::string message;  ///< Why not, or what to know about the fit.
   CurvePhases phases;
-  std::size_t main = 0;           ///< Of phases.punctures: the one with the largest fall.
+  std::size_t main = 0;   ///< Of phases.punctures: the one that is fitted.
+  bool is_entry = false;  ///< It is where the needle comes in from outside: a capsule or skin. Else
+                          ///< it is of a structure inside, which says nothing about the capsule.
   bool starts_in_tissue = false;  ///< The force rises at once: the tip was in the tissue already.
 
   // The rise: F = baseline + slope (d - from) + a1 x + a2 x^2 with x = d - contact > 0.
@@ -48,7 +50,9 @@ struct PunctureCurveFit {
   std::vector<std::pair<std::string, Estimate>> Estimates() const;
 };
 
-/// Segments the recording and fits each phase (docs/models/force_fit.md). Deterministic.
+/// Segments the recording and fits each phase (docs/models/force_fit.md). Deterministic. A needle
+/// that comes from outside: its entry, the first fall that is not small beside the largest. Else,
+/// or if that has no answer, the puncture with the largest fall that has one.
 /// `converged` is false, with the reason in `message`, if there is no puncture, the recording is
 /// too short, or the fit of the rise did not converge; the other phases are fitted all the same.
 PunctureCurveFit FitPunctureCurve(const ForceCurve& curve);

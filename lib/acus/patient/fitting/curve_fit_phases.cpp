@@ -36,6 +36,20 @@ double FirstForceMm(const ForceCurve& curve, const PunctureCurveFit& fit) {
   return curve.depth_mm[phases.advance.begin];
 }
 
+bool SignIsReversed(const ForceCurve& curve, const PunctureCurveFit& fit) {
+  const CurvePhases& phases = fit.phases;
+  const auto mean = [&](std::size_t begin, std::size_t end) {
+    return math::Mean(std::span(curve.force_n).subspan(begin, end - begin));
+  };
+  if (phases.advance.size() < 10) return false;
+  const double deep_n = mean(phases.advance.begin + phases.advance.size() / 2, phases.advance.end);
+  const double clear_n = std::max(phases.least_drop_n, 5.0 * phases.noise_n);
+  if (phases.retract.size() >= 20) {
+    return deep_n < mean(phases.retract.begin, phases.retract.end) - clear_n;
+  }
+  return fit.offset_n && deep_n < fit.offset_n->low - clear_n;
+}
+
 Samples RestSamples(const ForceCurve& curve, const CurvePhases& phases) {
   Samples rest;
   for (std::size_t i = phases.rest.begin; i < phases.rest.end; ++i) {
@@ -108,7 +122,7 @@ void FitRetraction(const ForceCurve& curve, PunctureCurveFit& fit) {
   const ModelFit line = FitLine(samples, middle_mm);
   fit.friction_rms_n = line.rms_n;
   if (!line.converged) return;
-  fit.friction_n_per_mm = line.Of(1, -1.0);
+  fit.friction_n_per_mm = line.Of(1, -1.0).AtLeast(0.0);
   Draw(line, Line(middle_mm), samples, fit);
 }
 
@@ -157,9 +171,12 @@ void FitHold(const ForceCurve& curve, PunctureCurveFit& fit) {
   gradient << -decay.parameters[1] / (total_n * total_n), base_n / (total_n * total_n), 0.0;
   const double from_offset = std::abs(decay.parameters[1]) / (total_n * total_n);
   fit.relaxation_fraction =
-      Difference(decay.Of(decay.parameters[1] / total_n, gradient), OffsetError(fit, from_offset));
-  gradient << 0.0, 0.0, tau;
-  fit.relaxation_time_s = decay.Of(tau, gradient);
+      Difference(decay.Of(decay.parameters[1] / total_n, gradient), OffsetError(fit, from_offset))
+          .AtLeast(0.0);
+  // Its logarithm is fitted: both ends are above 0.
+  const Estimate log_tau = decay.Of(2);
+  fit.relaxation_time_s = {tau, tau * log_tau.standard_error, std::exp(log_tau.low),
+                           std::exp(log_tau.high), 0.0};
   Draw(decay, model, samples, fit);
 }
 

@@ -13,6 +13,13 @@ double OffsetN(const PunctureCurveFit& fit);  ///< 0 where there is no rest to t
 double FirstForceMm(const ForceCurve& curve, const PunctureCurveFit& fit);
 Samples RestSamples(const ForceCurve& curve, const CurvePhases& phases);
 
+/// True if the force is higher on the way out than on the way in or, without a way out, below its
+/// offset deep inside: + must push the needle out.
+bool SignIsReversed(const ForceCurve& curve, const PunctureCurveFit& fit);
+inline constexpr const char* kReversedSign =
+    "the force pulls the needle in while it advances and pushes it out while it is drawn back; is "
+    "its sign reversed? + must push the needle out";
+
 /// Writes a fitted law into fit.model_n at its samples.
 void Draw(const ModelFit& law, const SampleModel& model, const Samples& samples,
           PunctureCurveFit& fit);

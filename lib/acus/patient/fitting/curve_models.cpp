@@ -28,6 +28,20 @@ Estimate Difference(const Estimate& a, const Estimate& b) {
   return {value, std::hypot(a.standard_error, b.standard_error), value - down, value + up};
 }
 
+Estimate PositiveRatio(const Estimate& a, const Estimate& b, double factor) {
+  const double value = factor * a.value / b.value;
+  const double error =
+      factor * std::hypot(a.standard_error, value / factor * b.standard_error) / b.value;
+  if (!(a.value > 0.0)) return {value, error, 0.0, factor * a.high / b.low, 0.0, true};
+  const auto ratio = [&](double end, double other_end) {
+    const double upper = std::log(end / a.value);
+    const double lower = std::log(other_end / b.value);
+    return std::exp(std::hypot(upper, lower));
+  };
+  const double low = a.low > 0.0 ? value / ratio(a.low, b.high) : 0.0;
+  return {value, error, low, value * ratio(a.high, b.low), 0.0};
+}
+
 Estimate Widened(Estimate estimate, double half) {
   estimate.low -= half;
   estimate.high += half;

@@ -23,6 +23,11 @@ struct Samples {
 /// a - b, of independent estimates.
 Estimate Difference(const Estimate& a, const Estimate& b);
 
+/// factor a / b of independent estimates that are above 0 by nature: the difference of logarithms,
+/// each end from the ends of both (Zou & Donner 2008), so that no end is below 0.
+/// @pre b.low > 0, a.low >= 0.
+Estimate PositiveRatio(const Estimate& a, const Estimate& b, double factor = 1.0);
+
 /// With another uncertainty: anything within +- half, equally likely.
 Estimate Widened(Estimate estimate, double half);
 

@@ -19,13 +19,8 @@ const Estimate* Find(const std::vector<std::pair<std::string, Estimate>>& estima
 }
 
 Estimate Scaled(const Estimate& e, double factor) {
-  return {factor * e.value, factor * e.standard_error, factor * e.low, factor * e.high};
-}
-
-Estimate Ratio(const Estimate& a, const Estimate& b) {
-  const double value = a.value / b.value;
-  const double error = std::hypot(a.standard_error / b.value, value * b.standard_error / b.value);
-  return Estimate::Normal(value, error);
+  return {factor * e.value, factor * e.standard_error, factor * e.low,
+          factor * e.high,  factor * e.least,          e.at_bound};
 }
 
 /// Residual of the insertion, model less measured.
@@ -60,12 +55,54 @@ FitModels FitModels::FromNames(const std::vector<std::string>& names) {
 FittedCurve FitModelsTo(ForceCurve curve, const FitModels& models) {
   FittedCurve fitted{std::move(curve), {}, {}, {}, {}};
   fitted.puncture = FitPunctureCurve(fitted.curve);
+  // A model that cannot be fitted says why; the others do not depend on it.
+  const auto attempt = [](auto& into, const auto& fit) {
+    try {
+      into = fit();
+    } catch (const NoAnswerError& error) {
+      into.emplace();
+      into->message = error.what();
+    }
+  };
   if (models.gaussians) {
-    fitted.gaussians = FitGaussians(fitted.curve, fitted.puncture.phases, models.gaussian_count);
+    attempt(fitted.gaussians, [&] {
+      return FitGaussians(fitted.curve, fitted.puncture.phases, models.gaussian_count,
+                          models.most_gaussians);
+    });
   }
-  if (models.mechanical) fitted.mechanical = FitMechanical(fitted.curve, fitted.puncture);
-  if (models.lugre) fitted.lugre = FitLuGre(fitted.curve);
+  if (models.mechanical) {
+    attempt(fitted.mechanical, [&] { return FitMechanical(fitted.curve, fitted.puncture); });
+  }
+  if (models.lugre) attempt(fitted.lugre, [&] { return FitLuGre(fitted.curve); });
   return fitted;
+}
+
+std::vector<ModelAnswer> AnswersOf(const FittedCurve& fitted) {
+  std::vector<ModelAnswer> answers;
+  const auto add = [&](const char* model, bool has_answer, const std::string& why_not) {
+    answers.push_back({model, has_answer, has_answer ? "" : why_not});
+  };
+  const PunctureCurveFit& puncture = fitted.puncture;
+  add("puncture", puncture.converged, puncture.message);
+  add("retraction", puncture.friction_n_per_mm.has_value(),
+      "no retraction over 3 mm or more inside the tissue once friction has turned round");
+  add("hold", puncture.relaxation_fraction.has_value(),
+      "no hold of 1 s or more in which the force falls like an exponential");
+  if (fitted.gaussians) add("gaussians", fitted.gaussians->converged, fitted.gaussians->message);
+  if (fitted.mechanical) {
+    add("mechanical", fitted.mechanical->converged, fitted.mechanical->message);
+  }
+  if (fitted.lugre) add("lugre", fitted.lugre->converged, fitted.lugre->message);
+  return answers;
+}
+
+std::string MissingAnswers(const std::string& label, const FittedCurve& fitted) {
+  std::string text;
+  for (const ModelAnswer& answer : AnswersOf(fitted)) {
+    if (!answer.has_answer)
+      text += Message("\n  ", label, ": ", answer.model, ": ", answer.why_not);
+  }
+  return text;
 }
 
 std::vector<ModelScore> ScoreInsertion(const FittedCurve& fitted) {
@@ -112,23 +149,23 @@ std::vector<ModelScore> ScoreInsertion(const FittedCurve& fitted) {
 }
 
 std::optional<FortmeierFit> Fortmeier(const FittedCurve& fitted, double node_spacing_mm) {
-  const PunctureCurveFit& puncture = fitted.puncture;
-  if (!fitted.mechanical || !fitted.mechanical->converged || !puncture.converged) return {};
+  if (!fitted.mechanical || !fitted.mechanical->converged) return {};
   const auto& estimates = fitted.mechanical->estimates;
-  const Estimate* in_n = Find(estimates, "insertion_n");
-  const Estimate* out_n = Find(estimates, "withdrawal_n");
   const Estimate* friction = Find(estimates, "withdrawal_n_per_mm");
   const Estimate* buildup = Find(estimates, "buildup_out_mm");
   const Estimate* stiffness = Find(estimates, "tissue_stiffness_n_per_mm");
-  if (!in_n || !out_n || !friction || !buildup || !stiffness) return {};
+  if (!fitted.mechanical->cutting_n || !friction || !buildup || !stiffness) return {};
   FortmeierFit fit;
   fit.node_spacing_mm = node_spacing_mm;
-  fit.a1_n_per_mm = *puncture.a1_n_per_mm;
-  fit.a2_n_per_mm2 = *puncture.a2_n_per_mm2;
-  fit.capsule_cut_n = *puncture.puncture_n;
-  fit.cut_n = Difference(*in_n, *out_n);
+  const PunctureCurveFit& puncture = fitted.puncture;
+  if (puncture.converged && puncture.is_entry) {
+    fit.a1_n_per_mm = puncture.a1_n_per_mm;
+    fit.a2_n_per_mm2 = puncture.a2_n_per_mm2;
+    fit.capsule_cut_n = puncture.puncture_n;
+  }
+  fit.cut_n = *fitted.mechanical->cutting_n;
   fit.friction_n = Scaled(*friction, node_spacing_mm);
-  fit.stiffness_n_per_mm = Ratio(fit.friction_n, *buildup);
+  fit.stiffness_n_per_mm = PositiveRatio(fit.friction_n, *buildup);
   fit.tissue_stiffness_n_per_mm = *stiffness;
   return fit;
 }

@@ -23,7 +23,8 @@ struct FitModels {
   bool mechanical = true;
   bool lugre = false;
   bool hu_table = false;
-  int gaussian_count = 8;
+  int gaussian_count = 8;   ///< As in Vidal-2008 fig. 5...
+  int most_gaussians = 12;  ///< ...and more where these leave much, up to so many.
 
   /// Names as in "gaussians,mechanical", "all" or "none". @throws InputError for another name.
   static FitModels FromNames(const std::vector<std::string>& names);
@@ -37,7 +38,20 @@ struct FittedCurve {
   std::optional<LuGreFit> lugre;
 };
 
+/// Each model by itself: one that has no answer, for whatever reason, leaves the others theirs.
 FittedCurve FitModelsTo(ForceCurve curve, const FitModels& models);
+
+/// What became of one model of a recording.
+struct ModelAnswer {
+  std::string model;  ///< "puncture", "retraction", "hold", "gaussians", "mechanical", "lugre".
+  bool has_answer = false;
+  std::string why_not;  ///< What the recording lacks; empty with an answer.
+};
+/// One per model that was called for, in this order; the three phases always.
+std::vector<ModelAnswer> AnswersOf(const FittedCurve& fitted);
+
+/// A line for every model without an answer, beginning with "\n  "; empty if there is none.
+std::string MissingAnswers(const std::string& label, const FittedCurve& fitted);
 
 /// How well the insertion is described and at what price: for choosing a model. Akaike's criterion
 /// with the number of independent samples of the best model's residual.
@@ -51,17 +65,19 @@ std::vector<ModelScore> ScoreInsertion(const FittedCurve& fitted);
 
 /// Parameters of Fortmeier-2016 eq. 4-7 for path nodes of this spacing.
 struct FortmeierFit {
-  Estimate a1_n_per_mm;
-  Estimate a2_n_per_mm2;
-  Estimate capsule_cut_n;  ///< f_cut where a membrane is met: force at the puncture.
-  Estimate cut_n;          ///< f_cut inside: insertion less withdrawal where the shaft is as deep.
-  Estimate friction_n;     ///< R per node.
+  // Of the capsule: only from a recording in which the needle comes in from outside. A puncture of
+  // a structure inside says nothing about the capsule.
+  std::optional<Estimate> a1_n_per_mm;
+  std::optional<Estimate> a2_n_per_mm2;
+  std::optional<Estimate> capsule_cut_n;  ///< f_cut where it is met: force at the puncture.
+  Estimate cut_n;       ///< f_cut inside: insertion less withdrawal where the shaft is as deep.
+  Estimate friction_n;  ///< R per node.
   Estimate stiffness_n_per_mm;         ///< k per node.
   Estimate tissue_stiffness_n_per_mm;  ///< K_t: force per travel before anything slides.
   double node_spacing_mm = 1.0;
 };
 
-/// Empty if the recording has no puncture, no retraction or no mechanical fit.
+/// Empty if the recording has no retraction or no mechanical fit.
 std::optional<FortmeierFit> Fortmeier(const FittedCurve& fitted, double node_spacing_mm = 1.0);
 
 /// One recording's results: FitJson and a block for each model.

@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "acus/base/core/error.h"
 #include "acus/patient/fitting/fit_models.h"
 #include "acus/patient/fitting/fit_report.h"
 
@@ -9,10 +10,12 @@ namespace {
 using nlohmann::json;
 
 json EstimateJson(const Estimate& e) {
-  return {{"value", e.value},
-          {"standard_error", e.standard_error},
-          {"low_95", e.low},
-          {"high_95", e.high}};
+  json estimate = {{"value", e.value},
+                   {"standard_error", e.standard_error},
+                   {"low_95", e.low},
+                   {"high_95", e.high}};
+  if (e.at_bound) estimate["at_bound"] = true;
+  return estimate;
 }
 
 json RmsJson(const PhaseRms& rms) {
@@ -23,6 +26,14 @@ json ProfileJson(const ResistanceProfile& profile) {
   return {{"depth_mm", profile.depth_mm}, {"force_n", profile.force_n}};
 }
 
+json SlipsJson(const MechanicalModel& model) {
+  json slips = json::array();
+  for (const Slip& slip : model.slips) {
+    slips.push_back({{"after_s", slip.after_s}, {"share", slip.share}});
+  }
+  return slips;
+}
+
 json ModelJson(const MechanicalModel& model) {
   return {{"in", ProfileJson(model.in)},
           {"out", ProfileJson(model.out)},
@@ -31,6 +42,7 @@ json ModelJson(const MechanicalModel& model) {
           {"reference_mm_per_s", model.reference_mm_per_s},
           {"relaxing_share", model.relaxing_share},
           {"relaxation_s", model.relaxation_s},
+          {"slips", SlipsJson(model)},
           {"offset_n", model.offset_n},
           {"drift_n_per_s", model.drift_n_per_s}};
 }
@@ -87,6 +99,7 @@ json MechanicalJson(const MechanicalFit& fit) {
           {"warnings", fit.warnings},
           {"undetermined", fit.undetermined},
           {"parameters", estimates},
+          {"cutting_n", fit.cutting_n ? EstimateJson(*fit.cutting_n) : json()},
           {"relaxing_branches", fit.relaxing_branches},
           {"one_friction_is_enough", fit.one_friction_is_enough},
           {"constant", ModelJson(fit.constant)},
@@ -129,23 +142,48 @@ json HuTableJson(const HuTableFit& fit) {
           {"rms_n", fit.rms_n}};
 }
 
+/// What the recordings share, and how well each is predicted; why not, if there is no such model.
+void AddJoint(const std::vector<JointRecording>& recordings, json& result) {
+  try {
+    const JointModel joint = FitJoint(recordings);
+    result["joint"] = {{"recordings", recordings.size()},
+                       {"knots_in", joint.knots_in},
+                       {"knots_out", joint.knots_out},
+                       {"model", ModelJson(joint.model)}};
+    json predictions = json::array();
+    for (const Prediction& p : LeaveOneOut(recordings)) {
+      predictions.push_back({{"name", p.name},
+                             {"model_rms_n", RmsJson(p.model)},
+                             {"two_constants_rms_n", RmsJson(p.two_knots)},
+                             {"mean_curve_rms_n", RmsJson(p.mean_curve)}});
+    }
+    result["foretold_by_the_others"] = predictions;
+  } catch (const NoAnswerError& error) {
+    result["joint"] = {{"recordings", recordings.size()}, {"why_not", error.what()}};
+  }
+}
+
 }  // namespace
 
 json CurveJson(const FittedCurve& fitted) {
   json result = FitJson(fitted.curve, fitted.puncture);
+  for (const ModelAnswer& answer : AnswersOf(fitted)) {
+    json& block = result["answers"][answer.model] = {{"answered", answer.has_answer}};
+    if (!answer.has_answer) block["why_not"] = answer.why_not;
+  }
   if (fitted.gaussians) result["gaussians"] = GaussiansJson(*fitted.gaussians);
   if (fitted.mechanical) result["mechanical"] = MechanicalJson(*fitted.mechanical);
   if (fitted.lugre) result["lugre"] = LuGreJson(*fitted.lugre);
   if (const auto f = Fortmeier(fitted)) {
-    result["fortmeier"] = {
-        {"a1_n_per_mm", EstimateJson(f->a1_n_per_mm)},
-        {"a2_n_per_mm2", EstimateJson(f->a2_n_per_mm2)},
-        {"capsule_cut_n", EstimateJson(f->capsule_cut_n)},
+    json& block = result["fortmeier"] = {
         {"cut_n", EstimateJson(f->cut_n)},
         {"friction_per_node_n", EstimateJson(f->friction_n)},
         {"stiffness_per_node_n_per_mm", EstimateJson(f->stiffness_n_per_mm)},
         {"tissue_stiffness_n_per_mm", EstimateJson(f->tissue_stiffness_n_per_mm)},
         {"node_spacing_mm", f->node_spacing_mm}};
+    if (f->a1_n_per_mm) block["a1_n_per_mm"] = EstimateJson(*f->a1_n_per_mm);
+    if (f->a2_n_per_mm2) block["a2_n_per_mm2"] = EstimateJson(*f->a2_n_per_mm2);
+    if (f->capsule_cut_n) block["capsule_cut_n"] = EstimateJson(*f->capsule_cut_n);
   }
   json scores = json::array();
   for (const ModelScore& s : ScoreInsertion(fitted)) {
@@ -167,21 +205,7 @@ json TogetherJson(std::span<const FittedCurve> fitted, const FitModels& models) 
     if (recording.IsUsable()) recordings.push_back(recording);
   }
   result["median"] = SummaryJson(punctures);
-  if (recordings.size() >= 2) {
-    const JointModel joint = FitJoint(recordings);
-    result["joint"] = {{"recordings", recordings.size()},
-                       {"knots_in", joint.knots_in},
-                       {"knots_out", joint.knots_out},
-                       {"model", ModelJson(joint.model)}};
-    json predictions = json::array();
-    for (const Prediction& p : LeaveOneOut(recordings)) {
-      predictions.push_back({{"name", p.name},
-                             {"model_rms_n", RmsJson(p.model)},
-                             {"two_constants_rms_n", RmsJson(p.two_knots)},
-                             {"mean_curve_rms_n", RmsJson(p.mean_curve)}});
-    }
-    result["foretold_by_the_others"] = predictions;
-  }
+  if (recordings.size() >= 2) AddJoint(recordings, result);
   if (models.hu_table) {
     std::vector<ForceCurve> curves;
     std::vector<CurvePhases> phases;

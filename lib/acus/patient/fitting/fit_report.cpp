@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -33,25 +34,52 @@ std::string Cell(const std::optional<Estimate>& estimate, int digits) {
 }
 
 double MedianOf(std::span<const PunctureCurveFit> fits,
-                std::optional<Estimate> PunctureCurveFit::*member) {
+                std::optional<Estimate> PunctureCurveFit::*member, const char* name) {
   std::vector<double> values;
   for (const PunctureCurveFit& fit : fits) {
-    if (fit.converged && fit.*member) values.push_back((fit.*member)->value);
+    if (fit.*member) values.push_back((fit.*member)->value);
   }
-  if (values.empty()) throw NoAnswerError("no fit gives all that a row of a force table needs");
+  if (values.empty()) {
+    throw NoAnswerError(
+        Message("no recording tells the ", name, " that a row of a force table needs"));
+  }
   return math::Median(values);
+}
+
+/// The capsule's polynomial and puncture force in `row`: medians of the recordings in which the
+/// needle comes in from outside. Without one they stay what they were: punctures of structures
+/// inside are something else.
+void AddCapsule(std::span<const PunctureCurveFit> fits, double ratio, const json& before,
+                json& row) {
+  std::vector<PunctureCurveFit> entries;
+  std::ranges::copy_if(fits, std::back_inserter(entries),
+                       [](const PunctureCurveFit& fit) { return fit.converged && fit.is_entry; });
+  std::string source = row.at("source");
+  if (entries.empty()) {
+    for (const char* key : {"a1_n_per_mm", "a2_n_per_mm2", "puncture_n"}) {
+      if (before.contains(key)) row[key] = before[key];
+    }
+    row["source"] = source +
+                    "; a1, a2 and puncture_n are not from them: the needle is in the "
+                    "tissue from the start, and what it punctures is inside";
+    return;
+  }
+  row["a1_n_per_mm"] = ratio * MedianOf(entries, &PunctureCurveFit::a1_n_per_mm, "a1");
+  row["a2_n_per_mm2"] = ratio * MedianOf(entries, &PunctureCurveFit::a2_n_per_mm2, "a2");
+  row["puncture_n"] = ratio * MedianOf(entries, &PunctureCurveFit::puncture_n, "puncture force");
+  row["source"] = Message(source, "; entries of ", entries.size());
 }
 
 /// What is left of the plateau's force when the friction of the buried shaft is taken off.
 double MedianCuttingN(std::span<const PunctureCurveFit> fits, double friction_n_per_mm) {
   std::vector<double> values;
   for (const PunctureCurveFit& fit : fits) {
-    if (!fit.converged || !fit.plateau_n || !fit.friction_n_per_mm) continue;
+    if (!fit.converged || !fit.plateau_n) continue;
     const double buried_mm =
         fit.puncture_depth_mm->value + (fit.starts_in_tissue ? fit.contact_depth_mm->value : 0.0);
     values.push_back(fit.plateau_n->value - friction_n_per_mm * buried_mm);
   }
-  if (values.empty()) throw NoAnswerError("no fit has both a plateau and a retraction");
+  if (values.empty()) throw NoAnswerError("no recording has a plateau behind a fitted puncture");
   return std::max(0.0, math::Median(values));
 }
 
@@ -80,6 +108,7 @@ json FitJson(const ForceCurve& curve, const PunctureCurveFit& fit) {
           {"converged", fit.converged},
           {"message", fit.message},
           {"starts_in_tissue", fit.starts_in_tissue},
+          {"puncture_is_entry", fit.converged && fit.is_entry},
           {"parameters", parameters},
           {"noise_n", fit.phases.noise_n},
           {"rms_n",
@@ -99,7 +128,6 @@ json FitJson(const ForceCurve& curve, const PunctureCurveFit& fit) {
 json SummaryJson(std::span<const PunctureCurveFit> fits) {
   std::map<std::string, std::vector<double>> values;
   for (const PunctureCurveFit& fit : fits) {
-    if (!fit.converged) continue;
     for (const auto& [name, estimate] : fit.Estimates()) values[name].push_back(estimate.value);
   }
   json summary = json::object();
@@ -107,7 +135,8 @@ json SummaryJson(std::span<const PunctureCurveFit> fits) {
     summary[name] = {{"median", math::Median(column)},
                      {"quartile_1", math::Quantile(column, 0.25)},
                      {"quartile_3", math::Quantile(column, 0.75)},
-                     {"count", column.size()}};
+                     {"count", column.size()},
+                     {"of", fits.size()}};
   }
   return summary;
 }
@@ -140,15 +169,13 @@ std::string FitTable(std::span<const PunctureCurveFit> fits) {
 json TableWithFittedTissue(json base, const std::string& tissue,
                            std::span<const PunctureCurveFit> fits, double measured_diameter_mm) {
   const double ratio = base.value("reference_diameter_mm", 1.27) / measured_diameter_mm;
-  const double out_n_per_mm = MedianOf(fits, &PunctureCurveFit::friction_n_per_mm);
+  const double out_n_per_mm = MedianOf(fits, &PunctureCurveFit::friction_n_per_mm, "friction");
   // Behind the puncture the force grows with the buried shaft: its slope is the friction on the way
   // in. One that falls is something else (a layer that ends); then there is only the way out.
-  const double slope_n_per_mm = MedianOf(fits, &PunctureCurveFit::plateau_slope_n_per_mm);
+  const double slope_n_per_mm =
+      MedianOf(fits, &PunctureCurveFit::plateau_slope_n_per_mm, "slope of the plateau");
   const double in_n_per_mm = slope_n_per_mm > 0.0 ? slope_n_per_mm : out_n_per_mm;
   json row = {{"tissue", tissue},
-              {"a1_n_per_mm", ratio * MedianOf(fits, &PunctureCurveFit::a1_n_per_mm)},
-              {"a2_n_per_mm2", ratio * MedianOf(fits, &PunctureCurveFit::a2_n_per_mm2)},
-              {"puncture_n", ratio * MedianOf(fits, &PunctureCurveFit::puncture_n)},
               {"cutting_n", ratio * MedianCuttingN(fits, in_n_per_mm)},
               {"friction_n_per_mm", ratio * in_n_per_mm},
               {"withdrawal_friction_n_per_mm", ratio * std::max(0.0, out_n_per_mm)}};
@@ -157,6 +184,7 @@ json TableWithFittedTissue(json base, const std::string& tissue,
   json& rows = base.at("tissues");
   const auto known = std::ranges::find_if(
       rows, [&](const json& other) { return other.value("tissue", "") == tissue; });
+  AddCapsule(fits, ratio, known == rows.end() ? json::object() : *known, row);
   if (known == rows.end()) {
     rows.push_back(row);
   } else {

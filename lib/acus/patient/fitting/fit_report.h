@@ -13,7 +13,7 @@ namespace acus::fitting {
 /// punctures, residuals by phase, and why there is no answer if there is none.
 nlohmann::json FitJson(const ForceCurve& curve, const PunctureCurveFit& fit);
 
-/// Median, quartiles and number of each parameter over several fits; only usable ones count.
+/// Median, quartiles and number of each parameter over several fits: all count that have it.
 nlohmann::json SummaryJson(std::span<const PunctureCurveFit> fits);
 
 /// A line per fit, aligned, with units in the head.
@@ -22,8 +22,10 @@ std::string FitTable(std::span<const PunctureCurveFit> fits);
 /// `base` (a document of the format acus-forces/1) with the row of `tissue` replaced by the medians
 /// of the usable fits, scaled from the needle that was measured to the table's reference needle.
 ///   cutting = plateau - friction x shaft in the tissue at the puncture, not below 0.
-/// @throws NoAnswerError if no fit has all of a1, a2, puncture, plateau and friction, or these are
-///     not a row that a table may have.
+/// a1, a2 and puncture_n are the capsule's: from recordings in which the needle comes in from
+/// outside (is_entry); without one they stay what they were in `base`.
+/// @throws NoAnswerError if no fit has the plateau or none the friction, or these are not a row
+///     that a table may have.
 nlohmann::json TableWithFittedTissue(nlohmann::json base, const std::string& tissue,
                                      std::span<const PunctureCurveFit> fits,
                                      double measured_diameter_mm);

@@ -58,9 +58,21 @@ class GaussianFitter {
     }
   }
 
-  ModelFit Run(int count) {
+  ModelFit Run(int count, int most) {
     ModelFit best;
     for (int k = 0; k < count; ++k) best = Added(best.parameters);
+    best = Exchanged(std::move(best));
+    for (int k = count; k < most && best.rms_n > kEnoughN; ++k) {
+      ModelFit more = Added(best.parameters);
+      if (!(more.rms_n < best.rms_n)) break;
+      best = Exchanged(std::move(more));
+    }
+    return best;
+  }
+
+ private:
+  /// Each term in turn taken out and looked for anew, as long as that helps.
+  ModelFit Exchanged(ModelFit best) const {
     for (int round = 0; round < kMostRounds; ++round) {
       bool better = false;
       for (std::size_t k = 0; k < best.parameters.size(); k += 3) {
@@ -78,7 +90,6 @@ class GaussianFitter {
     return best;
   }
 
- private:
   Eigen::VectorXd Bell(const Gaussian& term) const {
     const Eigen::Map<const Eigen::ArrayXd> x(x_.data(), static_cast<Eigen::Index>(x_.size()));
     return (-((x - term.centre_mm) / term.width_mm).square()).exp();
@@ -169,7 +180,7 @@ double SumN(std::span<const Gaussian> terms, double depth_mm) {
   return sum;
 }
 
-GaussianFit FitGaussians(const ForceCurve& curve, const CurvePhases& phases, int count) {
+GaussianFit FitGaussians(const ForceCurve& curve, const CurvePhases& phases, int count, int most) {
   ACUS_ASSERT(count >= 1 && count <= 32);
   GaussianFit result;
   const SampleRange& range = phases.advance;
@@ -184,7 +195,8 @@ GaussianFit FitGaussians(const ForceCurve& curve, const CurvePhases& phases, int
                              " steps is too short for ", count, " Gaussians");
     return result;
   }
-  const ModelFit fit = GaussianFitter(thin.depth_mm, thin.force_n).Run(count);
+  most = std::min(most, static_cast<int>(thin.size() / 4));
+  const ModelFit fit = GaussianFitter(thin.depth_mm, thin.force_n).Run(count, most);
   result = Sorted(fit);
   result.converged = true;
   if (!fit.converged) result.message = "the terms cannot be told apart: no intervals";
@@ -194,7 +206,7 @@ GaussianFit FitGaussians(const ForceCurve& curve, const CurvePhases& phases, int
   }
   result.rms_n = math::RootMeanSquare(residual);
   result.aic = fit.effective_samples * 2.0 * std::log(std::max(fit.rms_n, 1e-12)) +
-               2.0 * (3.0 * count + 1.0);
+               2.0 * (static_cast<double>(fit.parameters.size()) + 1.0);
   return result;
 }
 

@@ -37,7 +37,11 @@ struct GaussianFit {
 /// added, all terms are fitted, and so on; then each term in turn is taken out and looked for anew,
 /// as long as that helps. No random numbers: the same curve gives the same bits. Not converged
 /// (with a message) where the insertion is shorter than 1 mm or 4 samples per term.
+/// Where `count` terms leave more than kEnoughN (an insertion past many structures), further terms
+/// are added in the same way, up to `most`.
 /// @pre count in [1, 32].
-GaussianFit FitGaussians(const ForceCurve& curve, const CurvePhases& phases, int count = 8);
+inline constexpr double kEnoughN = 0.045;
+GaussianFit FitGaussians(const ForceCurve& curve, const CurvePhases& phases, int count = 8,
+                         int most = 0);
 
 }  // namespace acus::fitting

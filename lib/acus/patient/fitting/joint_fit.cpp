@@ -10,6 +10,7 @@
 #include "acus/base/math/distributions.h"
 #include "acus/base/math/statistics.h"
 #include "acus/patient/fitting/depth_bins.h"
+#include "acus/patient/fitting/joint_contact.h"
 #include "acus/patient/fitting/least_squares.h"
 #include "acus/patient/fitting/shared_fit.h"
 
@@ -41,13 +42,22 @@ MechanicalModel MedianModel(const Recordings& recordings) {
   model.buildup_out_mm = median(&MechanicalModel::buildup_out_mm);
   model.reference_mm_per_s = median(&MechanicalModel::reference_mm_per_s);
   model.surface_mm = median(&MechanicalModel::surface_mm);
-  for (std::size_t k = 0; k < 2; ++k) {
-    model.relaxing_share[k] =
-        MedianOver(recordings, [k](const MechanicalModel& m) { return m.relaxing_share[k]; });
-    model.relaxation_s[k] =
-        MedianOver(recordings, [k](const MechanicalModel& m) { return m.relaxation_s[k]; });
+  // Shares and times belong together: those of the recordings with the usual number of branches.
+  std::array<int, MechanicalModel::kMostBranches + 1> having{};
+  for (const JointRecording& r : recordings) {
+    ++having[static_cast<std::size_t>(r.fit->relaxing_branches)];
   }
-  const double sum = model.relaxing_share[0] + model.relaxing_share[1];
+  const auto usual = std::ranges::max_element(having) - having.begin();
+  Recordings alike = recordings;
+  std::erase_if(alike, [&](const JointRecording& r) { return r.fit->relaxing_branches != usual; });
+  for (std::size_t k = 0; k < MechanicalModel::kMostBranches; ++k) {
+    model.relaxing_share[k] =
+        MedianOver(alike, [k](const MechanicalModel& m) { return m.relaxing_share[k]; });
+    model.relaxation_s[k] =
+        MedianOver(alike, [k](const MechanicalModel& m) { return m.relaxation_s[k]; });
+  }
+  double sum = 0.0;
+  for (const double share : model.relaxing_share) sum += share;
   for (double& share : model.relaxing_share) share /= std::max(1.0, sum);
   return model;
 }
@@ -212,6 +222,26 @@ PhaseRms MeanCurveRms(const JointRecording& left_out, const Recordings& others) 
           RmsAbout(out, curve.depth_mm, curve, phases.retract)};
 }
 
+/// Profiles that go with the model's build-up and relaxation.
+void SetJointProfiles(const Recordings& recordings, int knots, MechanicalModel& joint) {
+  std::vector<StrainedRows> in;
+  std::vector<StrainedRows> out;
+  for (const JointRecording& r : recordings) {
+    MechanicalModel model = joint;
+    model.offset_n = r.fit->constant.offset_n;
+    model.drift_n_per_s = r.fit->constant.drift_n_per_s;
+    model.start_s = r.fit->constant.start_s;
+    in.push_back(PhaseRows(model, *r.curve, *r.phases, true, kStepS));
+    out.push_back(PhaseRows(model, *r.curve, *r.phases, false, kStepS));
+  }
+  const auto is_short = [](const StrainedRows& rows) { return rows.depth_mm.size() < 20; };
+  std::erase_if(in, is_short);
+  std::erase_if(out, is_short);
+  if (in.empty()) throw NoAnswerError("no recording has a usable insertion");
+  joint.in = JointProfile(in, knots);
+  joint.out = out.empty() ? joint.in : JointProfile(out, knots);
+}
+
 Recordings Usable(std::span<const JointRecording> recordings) {
   Recordings usable;
   for (const JointRecording& r : recordings) {
@@ -229,24 +259,13 @@ bool JointRecording::IsUsable() const {
 JointModel FitJoint(std::span<const JointRecording> all, int knots) {
   const Recordings recordings = Usable(all);
   ACUS_ASSERT(!recordings.empty() && (knots == 0 || knots >= 2));
-  JointModel joint;
-  joint.model = MedianModel(recordings);
-  std::vector<StrainedRows> in;
-  std::vector<StrainedRows> out;
-  for (const JointRecording& r : recordings) {
-    MechanicalModel model = joint.model;
-    model.offset_n = r.fit->constant.offset_n;
-    model.drift_n_per_s = r.fit->constant.drift_n_per_s;
-    model.start_s = r.fit->constant.start_s;
-    in.push_back(PhaseRows(model, *r.curve, *r.phases, true, kStepS));
-    out.push_back(PhaseRows(model, *r.curve, *r.phases, false, kStepS));
+  MechanicalModel model = MedianModel(recordings);
+  SetJointProfiles(recordings, knots, model);
+  if (recordings.size() >= 2) {
+    FitJointContact(recordings, model);
+    SetJointProfiles(recordings, knots, model);
   }
-  const auto is_short = [](const StrainedRows& rows) { return rows.depth_mm.size() < 20; };
-  std::erase_if(in, is_short);
-  std::erase_if(out, is_short);
-  if (in.empty()) throw NoAnswerError("no recording has a usable insertion");
-  joint.model.in = JointProfile(in, knots);
-  joint.model.out = out.empty() ? joint.model.in : JointProfile(out, knots);
+  JointModel joint{std::move(model), 0, 0};
   joint.knots_in = static_cast<int>(joint.model.in.depth_mm.size());
   joint.knots_out = static_cast<int>(joint.model.out.depth_mm.size());
   return joint;

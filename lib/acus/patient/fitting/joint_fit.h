@@ -28,7 +28,8 @@ struct JointModel {
   int knots_out = 2;
 };
 
-/// Build-up and relaxation are medians of the recordings'; the profile is least squares over all,
+/// Build-up and relaxation start at the medians of the recordings' and are fitted to all holds and
+/// reversals at once (joint_contact.h); the profile is least squares over all,
 /// each recording with the same weight. The number of knots, 2 to 60 and 1 mm or more apart, is
 /// chosen by how well the recordings are foretold by the others (leave one out, mean of the
 /// logarithms of the squares): the finest that is not worse than the best by a paired t-test (95

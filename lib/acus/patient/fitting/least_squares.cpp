@@ -123,10 +123,28 @@ Estimate Estimate::Normal(double value, double standard_error) {
   return {value, standard_error, value - half_width, value + half_width};
 }
 
+Estimate Estimate::AtLeast(double bound) const {
+  Estimate result = *this;
+  result.least = std::max(least, bound);
+  result.low = std::max(low, bound);
+  if (value >= bound) return result;
+  result.value = bound;
+  result.high = value + std::hypot(bound - value, high - value);
+  result.at_bound = true;
+  return result;
+}
+
 Estimate Estimate::AmongSeveral(int num_intervals) const {
   const double joint = math::NormalQuantile(1.0 - 0.025 / std::max(1, num_intervals));
   const double wider = joint / math::NormalQuantile(0.975);
-  return {value, standard_error, value - wider * (value - low), value + wider * (high - value)};
+  // Far beyond its bound, an estimate's upper end grows with the square of the quantile.
+  const double above = at_bound ? wider * wider : wider;
+  return {value,
+          standard_error,
+          std::max(least, value - wider * (value - low)),
+          value + above * (high - value),
+          least,
+          at_bound};
 }
 
 Estimate ModelFit::Of(double value, const Eigen::VectorXd& gradient) const {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,9 +17,18 @@ struct Estimate {
   double standard_error = 0.0;
   double low = 0.0;  ///< 95 % interval.
   double high = 0.0;
+  double least = -std::numeric_limits<double>::infinity();  ///< It cannot be below.
+  bool at_bound = false;  ///< The data alone would place it below `least`.
 
   /// The 95 % interval of a normal variable.
   static Estimate Normal(double value, double standard_error);
+
+  /// The estimate of a quantity that cannot be below `bound`: where the data would place it below,
+  /// the bound, with the one-sided interval of the profile likelihood. With the free value v and
+  /// half width h, all truths t >= bound with (v - t)^2 - (v - bound)^2 <= h^2, that is up to
+  /// v + hypot(bound - v, h). It holds the truth at least as often as the free interval, because
+  /// the left side is at most (v - t)^2, and it is never empty.
+  Estimate AtLeast(double bound) const;
 
   bool Contains(double truth) const { return low <= truth && truth <= high; }
   /// The interval such that k of them hold all at once with 95 % (Bonferroni).

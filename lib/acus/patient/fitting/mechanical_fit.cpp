@@ -9,6 +9,7 @@
 #include "acus/patient/fitting/curve_fit_phases.h"
 #include "acus/patient/fitting/curve_models.h"
 #include "acus/patient/fitting/depth_bins.h"
+#include "acus/patient/fitting/hold_slips.h"
 #include "acus/patient/fitting/shared_fit.h"
 
 namespace acus::fitting {
@@ -19,6 +20,8 @@ constexpr double kEventStepMm = 0.15;       // ...or, to find events, over so mu
 constexpr double kShortestMm = 3.0;
 constexpr double kFreeKnotMm = 8.0;  // Of the profiles beside which the shared part is fitted.
 constexpr double kShortestRelaxationS = 1.0;
+constexpr int kMostSlips = 6;  // Of one hold.
+constexpr int kMostRelaxing = static_cast<int>(MechanicalModel::kMostBranches);
 constexpr double kLeastEventN = 0.08;  // Smaller ones are the tissue's texture.
 
 /// `model` with a knot every kFreeKnotMm: what punctures do to the force must not be taken for
@@ -49,14 +52,8 @@ double LineRms(const ForceCurve& curve, const SampleRange& range) {
 MechanicalModel EmptyModel(const ForceCurve& curve, const PunctureCurveFit& puncture) {
   MechanicalModel model;
   const CurvePhases& phases = puncture.phases;
-  const double begin_mm = curve.depth_mm[phases.advance.begin];
-  double first_mm = begin_mm;
-  if (!puncture.starts_in_tissue && puncture.contact_depth_mm) {
-    // The fitted puncture may be far behind the surface: that is where a force is felt at all.
-    first_mm = std::min(puncture.contact_depth_mm->value, FirstForceMm(curve, puncture));
-    first_mm = std::clamp(first_mm, begin_mm, curve.depth_mm[phases.advance.end - 1] - kShortestMm);
-    model.surface_mm = first_mm;
-  }
+  const double first_mm = OriginMm(curve, puncture);
+  if (!puncture.starts_in_tissue) model.surface_mm = first_mm;
   model.in.depth_mm = {first_mm, curve.depth_mm[phases.advance.end - 1]};
   model.in.force_n = {0.0, 0.0};
   model.out = model.in;
@@ -111,12 +108,35 @@ Estimate Exponential(const Estimate& logarithm, double shift = 0.0) {
 
 /// Force per travel where the strain is 0, of a level that is built up over `length_mm`.
 Estimate Stiffness(const Estimate& level_n, const Estimate& length_mm, double steady) {
-  const double value = level_n.value / (length_mm.value * steady);
-  const double error =
-      std::abs(value) * std::hypot(level_n.standard_error / std::max(1e-9, level_n.value),
-                                   length_mm.standard_error / length_mm.value);
-  return Estimate::Normal(value, error);
+  return PositiveRatio(level_n, length_mm, 1.0 / steady);
 }
+
+/// The level at a depth behind the profile's first knot.
+Estimate LevelAt(const ModelFit& line, double depth_mm) {
+  Eigen::VectorXd gradient(2);
+  gradient << 1.0, depth_mm;
+  return line.Of(line.parameters[0] + depth_mm * line.parameters[1], gradient);
+}
+
+bool AreOne(const Estimate& a, const Estimate& b) {
+  const double variance = a.standard_error * a.standard_error + b.standard_error * b.standard_error;
+  const double difference = a.value - b.value;
+  return difference * difference < 2.0 * variance;  // 2 per parameter is Akaike's price.
+}
+
+/// What the tip alone resists: insertion less withdrawal where the shaft is as deep. With one
+/// friction for both it is the same everywhere and is taken where the two lines tell it best;
+/// else where there is the least shaft.
+Estimate CuttingN(const ModelFit& in, const ModelFit& out, double length_mm) {
+  double at_mm = 0.0;
+  if (AreOne(in.Of(1), out.Of(1))) {
+    const Eigen::MatrixXd sum = in.covariance + out.covariance;
+    if (sum(1, 1) > 0.0) at_mm = std::clamp(-sum(0, 1) / sum(1, 1), 0.0, length_mm);
+  }
+  return Difference(LevelAt(in, at_mm), LevelAt(out, at_mm)).AtLeast(0.0);
+}
+
+void AddRelaxation(const SeriesFit& shared, MechanicalFit& fit);
 
 void AddEstimates(const PhaseSamples& samples, const SeriesFit& shared, MechanicalFit& fit) {
   const auto add = [&](const char* name, const Estimate& estimate, bool undetermined) {
@@ -124,55 +144,55 @@ void AddEstimates(const PhaseSamples& samples, const SeriesFit& shared, Mechanic
     if (undetermined) fit.undetermined.push_back(name);
   };
   const MechanicalModel& model = fit.constant;
-  const std::vector<double> strain = Strains(model, samples.all);
+  const std::vector<ContactStrain> strain = Strains(model, samples.all);
   const auto level = [&](const SampleRange& range, bool inwards) {
     return LevelAndSlope(RowsOf(samples.all, strain, range, inwards, model.surface_mm),
                          inwards ? model.in : model.out);
   };
   const ModelFit in = level(samples.in, true);
-  add("insertion_n", in.Of(0), !in.converged);
-  add("insertion_n_per_mm", in.Of(1), !in.converged);
+  const Estimate in_n = in.Of(0).AtLeast(0.0);
+  add("insertion_n", in_n, !in.converged);
+  add("insertion_n_per_mm", in.Of(1).AtLeast(0.0), !in.converged);
   const Estimate buildup_in = Exponential(shared.Bounded(kBuildupIn));
   add("buildup_in_mm", buildup_in, shared.undetermined[kBuildupIn]);
-  add("tissue_stiffness_n_per_mm", Stiffness(in.Of(0), buildup_in, model.SteadyStrain(true)),
+  add("tissue_stiffness_n_per_mm", Stiffness(in_n, buildup_in, model.SteadyStrain(true)),
       shared.undetermined[kBuildupIn]);
-  if (samples.out.size() > 10) {
-    const ModelFit out = level(samples.out, false);
-    add("withdrawal_n", out.Of(0), !out.converged);
-    add("withdrawal_n_per_mm", out.Of(1), !out.converged);
+  const ModelFit out = samples.out.size() > 10 ? level(samples.out, false) : ModelFit{};
+  if (!out.parameters.empty()) {
+    const double length_mm = model.out.depth_mm[1] - model.out.depth_mm[0];
+    add("withdrawal_n", out.Of(0).AtLeast(0.0), !out.converged);
+    add("withdrawal_n_per_mm", out.Of(1).AtLeast(0.0), !out.converged);
     const Estimate buildup_out = Exponential(shared.Bounded(kBuildupOut));
     add("buildup_out_mm", buildup_out, shared.undetermined[kBuildupOut]);
-    Eigen::VectorXd deepest(2);
-    deepest << 1.0, model.out.depth_mm[1] - model.out.depth_mm[0];
-    const Estimate end_n = out.Of(model.out.force_n[1], deepest);
+    const Estimate end_n = LevelAt(out, length_mm).AtLeast(0.0);
     add("reversal_stiffness_n_per_mm", Stiffness(end_n, buildup_out, model.SteadyStrain(false)),
         shared.undetermined[kBuildupOut]);
+    if (in.converged && out.converged) fit.cutting_n = CuttingN(in, out, length_mm);
+    fit.one_friction_is_enough = AreOne(in.Of(1), out.Of(1));
   }
-  if (fit.relaxing_branches == 0) return;
-  add("relaxing_share_1", shared.Bounded(kFirstShare), shared.undetermined[kFirstShare]);
-  add("relaxation_1_s", Exponential(shared.Bounded(kLogTau)), shared.undetermined[kLogTau]);
-  if (fit.relaxing_branches == 1) return;
-  const double rest = 1.0 - shared.parameters[kFirstShare];
-  const Estimate second = shared.Bounded(kSecondShare);
-  add("relaxing_share_2",
-      {rest * second.value, rest * second.standard_error, rest * second.low, rest * second.high},
-      shared.undetermined[kSecondShare]);
-  add("relaxation_2_s", Exponential(shared.Bounded(kLogRatio), shared.parameters[kLogTau]),
-      shared.undetermined[kLogRatio]);
+  AddRelaxation(shared, fit);
 }
 
-/// Is the slope on the way in the slope on the way out, as Akaike's criterion sees it?
-bool OneFrictionIsEnough(const std::vector<std::pair<std::string, Estimate>>& estimates) {
-  const auto find = [&](const char* name) {
-    return std::ranges::find_if(estimates, [&](const auto& e) { return e.first == name; });
-  };
-  const auto in = find("insertion_n_per_mm");
-  const auto out = find("withdrawal_n_per_mm");
-  if (in == estimates.end() || out == estimates.end()) return false;
-  const double variance = in->second.standard_error * in->second.standard_error +
-                          out->second.standard_error * out->second.standard_error;
-  const double difference = in->second.value - out->second.value;
-  return difference * difference < 2.0 * variance;  // 2 per parameter is Akaike's price.
+void AddRelaxation(const SeriesFit& shared, MechanicalFit& fit) {
+  constexpr Shared kShares[] = {kFirstShare, kSecondShare, kThirdShare};
+  constexpr Shared kTimes[] = {kLogTau, kLogRatio, kThirdLogRatio};
+  double rest = 1.0;   // Of the share that the branches before leave.
+  double shift = 0.0;  // Logarithm of the time of the branch before.
+  for (int k = 0; k < fit.relaxing_branches; ++k) {
+    const std::string number = std::to_string(k + 1);
+    const auto add = [&](const std::string& name, const Estimate& estimate, bool undetermined) {
+      fit.estimates.emplace_back(name, estimate);
+      if (undetermined) fit.undetermined.push_back(name);
+    };
+    const Estimate e = shared.Bounded(kShares[k]);
+    add("relaxing_share_" + number,
+        {rest * e.value, rest * e.standard_error, rest * e.low, rest * e.high, 0.0},
+        shared.undetermined[kShares[k]]);
+    add("relaxation_" + number + "_s", Exponential(shared.Bounded(kTimes[k]), shift),
+        shared.undetermined[kTimes[k]]);
+    rest *= 1.0 - shared.parameters[kShares[k]];
+    shift += shared.parameters[kTimes[k]];
+  }
 }
 
 /// One recording on its way to a mechanical model.
@@ -186,6 +206,10 @@ class MechanicalFitter {
         curve_.depth_mm[phases_.advance.end - 1] - curve_.depth_mm[phases_.advance.begin] <
             2.0 * kShortestMm) {
       fit_.message = "the insertion is too short for a mechanical model";
+      return std::move(fit_);
+    }
+    if (SignIsReversed(curve_, puncture_)) {
+      fit_.message = kReversedSign;
       return std::move(fit_);
     }
     Prepare();
@@ -239,13 +263,12 @@ void MechanicalFitter::FitBesideFreeProfiles() {
   SharedFit one(samples_, WithFreeProfiles(empty_));
   shared_ = one.Run(SharedParameters(has_hold_, has_out_, 1), false);
   fit_.relaxing_branches = has_hold_ ? 1 : 0;
-  if (has_hold_) {
-    SharedFit two(samples_, WithFreeProfiles(empty_));
-    SeriesFit both = two.Run(SharedParameters(has_hold_, has_out_, 2), false);
-    if (both.aic < shared_.aic) {
-      shared_ = std::move(both);
-      fit_.relaxing_branches = 2;
-    }
+  for (int branches = 2; has_hold_ && branches <= kMostRelaxing; ++branches) {
+    SharedFit more(samples_, WithFreeProfiles(empty_));
+    SeriesFit fit = more.Run(SharedParameters(has_hold_, has_out_, branches), false);
+    if (!fit.converged || !(fit.aic < shared_.aic)) continue;
+    shared_ = std::move(fit);
+    fit_.relaxing_branches = branches;
   }
   WeightedFit(WithFreeProfiles(empty_));
 }
@@ -263,20 +286,41 @@ void MechanicalFitter::WeightedFit(const MechanicalModel& model) {
 }
 
 /// The model with this recording's build-up, and its hold fitted: two constants end at another
-/// force than the recording, and the hold begins there.
+/// force than the recording, and the hold begins there. Slips are added one after the other, as
+/// long as Akaike's criterion of the hold says so; the relaxation is fitted anew beside each.
 MechanicalModel MechanicalFitter::WithHoldOf(const MechanicalModel& model) const {
-  SharedFit fit(samples_, model);
   std::vector<double> predicted(samples_.all.size());
-  fit.Predict(shared_.parameters, predicted);
-  if (!has_hold_) return fit.model();
   std::vector<SeriesParameter> parameters = shared_.definition;
   for (std::size_t k = 0; k < kNumShared; ++k) {
     SeriesParameter& p = parameters[k];
     p.start = std::clamp(shared_.parameters[k], p.low, p.high);
     if (k == kBuildupIn || k == kBuildupOut) p.low = p.high = p.start;
   }
-  fit.Run(parameters, false);
-  return fit.model();
+  const auto fitted = [&](MechanicalModel start) {
+    SharedFit fit(samples_, std::move(start));
+    const std::vector<double> p =
+        has_hold_ ? fit.Run(parameters, false).parameters : shared_.parameters;
+    fit.Predict(p, predicted);
+    return fit.model();
+  };
+  MechanicalModel bare = model;
+  bare.slips.clear();
+  MechanicalModel best = fitted(bare);
+  for (int slips = 1; has_hold_ && slips <= kMostSlips; ++slips) {
+    const std::vector<double> before = predicted;
+    const std::optional<Slip> slip = BestSlip(samples_, best, before);
+    if (!slip) break;
+    MechanicalModel with = best;
+    with.slips.push_back(*slip);
+    with = fitted(std::move(with));
+    const double independent = IndependentInHold(samples_, predicted);
+    const bool is_better = HoldCriterion(samples_, predicted, independent, 2.0) <
+                           HoldCriterion(samples_, before, independent, 0.0);
+    if (!is_better) break;
+    best = std::move(with);
+  }
+  std::ranges::sort(best.slips, {}, &Slip::after_s);
+  return best;
 }
 
 void MechanicalFitter::FindEvents() {
@@ -299,13 +343,30 @@ void MechanicalFitter::Judge() {
   fit_.constant_rms = ReplayRms(fit_.constant, curve_, phases_);
   fit_.eventful_rms = ReplayRms(fit_.eventful, curve_, phases_);
   AddEstimates(samples_, shared_, fit_);
-  fit_.one_friction_is_enough = OneFrictionIsEnough(fit_.estimates);
+  for (const auto& [name, estimate] : fit_.estimates) {
+    if (estimate.at_bound)
+      fit_.warnings.push_back(
+          name + ": 0 is the nearest value that it can have; the interval is one-sided");
+  }
   for (const std::string& name : fit_.undetermined) {
     fit_.warnings.push_back(name + ": the recording does not determine it");
   }
 }
 
 }  // namespace
+
+double OriginMm(const ForceCurve& curve, const PunctureCurveFit& puncture) {
+  const SampleRange& advance = puncture.phases.advance;
+  const double begin_mm = curve.depth_mm[advance.begin];
+  if (puncture.starts_in_tissue || advance.size() == 0) return begin_mm;
+  // The fitted puncture may be far behind the surface: that is where a force is felt at all.
+  double first_mm = FirstForceMm(curve, puncture);
+  if (puncture.contact_depth_mm) {
+    first_mm = std::min(puncture.contact_depth_mm->value, first_mm);
+  }
+  const double last_mm = curve.depth_mm[advance.end - 1] - kShortestMm;
+  return std::clamp(first_mm, begin_mm, std::max(begin_mm, last_mm));
+}
 
 std::vector<double> ReplayPhases(const MechanicalModel& model, const ForceCurve& curve,
                                  const CurvePhases& phases) {

@@ -1,6 +1,7 @@
 // A whole recording (in, hold, out) to the parameters of the mechanical model.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,7 +27,8 @@ struct MechanicalFit {
   MechanicalModel eventful;           ///< The same with punctures and releases.
   std::vector<FoundPuncture> punctures;
   std::vector<FoundRelease> releases;
-  int relaxing_branches = 0;            ///< 1 or 2, by Akaike's criterion; 0 without a hold.
+  int relaxing_branches = 0;            ///< 1 to 3, by Akaike's criterion; 0 without a hold.
+  std::optional<Estimate> cutting_n;    ///< Insertion less withdrawal, >= 0; needs both phases.
   bool one_friction_is_enough = false;  ///< By Akaike's criterion: the same slope in and out.
   std::vector<std::pair<std::string, Estimate>> estimates;  ///< Of `constant`.
   std::vector<std::string> undetermined;                    ///< Names of estimates.
@@ -46,6 +48,10 @@ struct MechanicalOptions {
 /// Not converged, with a message, if the insertion is shorter than 3 mm or 60 samples.
 MechanicalFit FitMechanical(const ForceCurve& curve, const PunctureCurveFit& puncture,
                             const MechanicalOptions& options = {});
+
+/// Drive depth at which the model's depths begin: where the needle begins if it is in the tissue
+/// from the start, else where a force is first felt, or the fitted contact before it.
+double OriginMm(const ForceCurve& curve, const PunctureCurveFit& puncture);
 
 /// Of model - measured, over all samples of each phase.
 PhaseRms ReplayRms(const MechanicalModel& model, const ForceCurve& curve,

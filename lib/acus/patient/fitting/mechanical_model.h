@@ -1,94 +1,18 @@
-// The axial force on a needle from how it moved: resistance by depth, elastic build-up, relaxation,
-// internal punctures. What a recording is fitted with and replayed through.
+// The mechanical model of a whole recording, by the names that the fits use: one law, fitted here
+// and felt in the simulation.
 #pragma once
 
-#include <array>
-#include <span>
-#include <vector>
-
-#include "acus/physics/forces/force_curve.h"
+#include "acus/physics/forces/mechanical_model.h"
 
 namespace acus::fitting {
 
-/// Resistance against sliding, a magnitude, linear between knots of the drive's depth and beyond
-/// the ends as in the last interval; not below 0.
-struct ResistanceProfile {
-  std::vector<double> depth_mm;  ///< Increasing, at least two.
-  std::vector<double> force_n;   ///< As many.
-
-  double ForceN(double depth_mm) const noexcept;
-};
-
-/// A membrane or vessel wall inside the tissue, met while advancing: with x = depth - contact,
-///   a1 x + a2 x^2                                   up to the puncture (Alamilla-2021 eq. 2)
-///   step + (peak - step) exp(-(x - x_p) / recovery)  after it
-/// added to the resistance. `step` is the change of resistance that stays.
-struct InternalPuncture {
-  double contact_mm = 0.0;    ///< Drive depth.
-  double puncture_mm = 1.0;   ///< Since contact, x_p > 0.
-  double a1_n_per_mm = 0.0;   ///< >= 0.
-  double a2_n_per_mm2 = 0.0;  ///< >= 0.
-  double recovery_mm = 0.5;   ///< Travel in which the tissue springs back, > 0.
-  double step_n = 0.0;
-
-  double PeakN() const noexcept { return (a1_n_per_mm + a2_n_per_mm2 * puncture_mm) * puncture_mm; }
-  double ForceN(double depth_mm) const noexcept;
-};
-
-/// On the way out the resistance changes by `step_n` where the tip leaves what had gripped it:
-/// step / (1 + exp((at - depth) / width)), more resistance deeper than `at`.
-struct Release {
-  double at_mm = 0.0;  ///< Drive depth.
-  double width_mm = 0.2;
-  double step_n = 0.0;
-
-  double ForceN(double depth_mm) const noexcept;
-};
-
-/// F = offset + drift t + S R(depth). R is the resistance of the direction in which S points.
-/// S says how far the contact is strained: a sum of an elastic and two Maxwell branches, each with
-///   ds/dt = v / b - (|v| / b + 1 / tau) s,
-/// b the build-up travel (Dahl; LuGre without its velocity terms, Alamilla-2021 eq. 4; tau is
-/// infinite in the elastic branch), divided by what that sum is when sliding steadily at the
-/// reference speed: there S is 1 and R the force.
-struct MechanicalModel {
-  ResistanceProfile in;
-  ResistanceProfile out;
-  double surface_mm = -1e9;                     ///< Drive depth; no resistance before it.
-  double buildup_in_mm = 1.0;                   ///< > 0.
-  double buildup_out_mm = 1.0;                  ///< > 0.
-  double reference_mm_per_s = 5.0;              ///< > 0.
-  std::array<double, 2> relaxing_share{};       ///< Of the branches, >= 0, sum <= 1.
-  std::array<double, 2> relaxation_s{1., 10.};  ///< > 0.
-  std::vector<InternalPuncture> punctures;
-  std::vector<Release> releases;
-  double offset_n = 0.0;
-  double drift_n_per_s = 0.0;  ///< Since `start_s`.
-  double start_s = 0.0;
-
-  /// Of the path ahead, if `deepest_mm` is not beyond `depth_mm`; else of the path that is cut:
-  /// there are no membranes any more, only what they left.
-  double ResistanceInN(double depth_mm, double deepest_mm) const noexcept;
-  double ResistanceOutN(double depth_mm) const noexcept;
-  /// The sum of the branches when sliding steadily at the reference speed.
-  double SteadyStrain(bool inwards) const noexcept;
-};
-
-/// A state of the model: a value that can be copied and gone on from.
-struct MechanicalState {
-  bool started = false;
-  double time_s = 0.0;
-  double depth_mm = 0.0;  ///< Behind the drive by up to the play, so that its jitter is no motion.
-  double deepest_mm = 0.0;  ///< Punctures lie only ahead of it.
-  std::array<double, 3> strain{};
-
-  /// S after moving to `depth_mm` at `time_s`, exact for constant speed over the step: the same for
-  /// a motion however it is cut into steps. A time that is not later changes nothing.
-  double Advance(const MechanicalModel& model, double time_s, double depth_mm) noexcept;
-};
-
-/// Force at each sample of a motion; it begins unstrained.
-std::vector<double> Replay(const MechanicalModel& model, std::span<const double> time_s,
-                           std::span<const double> depth_mm);
+using forces::ContactStrain;
+using forces::InternalPuncture;
+using forces::MechanicalModel;
+using forces::MechanicalState;
+using forces::Release;
+using forces::Replay;
+using forces::ResistanceProfile;
+using forces::Slip;
 
 }  // namespace acus::fitting

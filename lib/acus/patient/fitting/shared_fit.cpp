@@ -20,8 +20,12 @@ void Append(const ForceCurve& from, ForceCurve& to) {
 void SetShared(std::span<const double> p, MechanicalModel& model) {
   model.buildup_in_mm = std::exp(p[kBuildupIn]);
   model.buildup_out_mm = std::exp(p[kBuildupOut]);
-  model.relaxing_share = {p[kFirstShare], (1.0 - p[kFirstShare]) * p[kSecondShare]};
-  model.relaxation_s = {std::exp(p[kLogTau]), std::exp(p[kLogTau] + p[kLogRatio])};
+  const double first = p[kFirstShare];
+  const double second = (1.0 - first) * p[kSecondShare];
+  model.relaxing_share = {first, second, (1.0 - first - second) * p[kThirdShare]};
+  const double second_log = p[kLogTau] + p[kLogRatio];
+  model.relaxation_s = {std::exp(p[kLogTau]), std::exp(second_log),
+                        std::exp(second_log + p[kThirdLogRatio])};
 }
 
 std::vector<SeriesParameter> SharedParameters(bool has_hold, bool has_out, int branches) {
@@ -29,13 +33,18 @@ std::vector<SeriesParameter> SharedParameters(bool has_hold, bool has_out, int b
     return there ? SeriesParameter{name, start, low, high}
                  : SeriesParameter{name, start, start, start};
   };
-  const bool two = has_hold && branches == 2;
-  return {if_any(true, "buildup_in_mm", std::log(1.0), std::log(0.05), std::log(3.0)),
-          if_any(has_out, "buildup_out_mm", std::log(0.7), std::log(0.05), std::log(3.0)),
-          if_any(has_hold, "relaxing_share_1", has_hold ? 0.3 : 0.0, 0.0, 0.98),
-          if_any(two, "relaxing_share_2", two ? 0.3 : 0.0, 0.0, 0.98),
-          if_any(has_hold, "relaxation_1_s", std::log(0.7), std::log(0.1), std::log(10.0)),
-          if_any(two, "relaxation_2_s", std::log(15.0), std::log(4.0), std::log(400.0))};
+  const bool two = has_hold && branches >= 2;
+  const bool three = has_hold && branches >= 3;
+  return {
+      if_any(true, "buildup_in_mm", std::log(1.0), std::log(0.05), std::log(3.0)),
+      if_any(has_out, "buildup_out_mm", std::log(0.7), std::log(0.05), std::log(3.0)),
+      if_any(has_hold, "relaxing_share_1", has_hold ? 0.3 : 0.0, 0.0, 0.98),
+      if_any(two, "relaxing_share_2", two ? 0.3 : 0.0, 0.0, 0.98),
+      if_any(has_hold, "relaxation_1_s", std::log(three ? 0.2 : 0.7), std::log(three ? 0.02 : 0.1),
+             std::log(10.0)),
+      if_any(two, "relaxation_2_s", std::log(three ? 8.0 : 15.0), std::log(4.0), std::log(400.0)),
+      if_any(three, "relaxing_share_3", three ? 0.3 : 0.0, 0.0, 0.98),
+      if_any(three, "relaxation_3_s", std::log(10.0), std::log(4.0), std::log(400.0))};
 }
 
 PhaseSamples ThinPhases(const ForceCurve& curve, const CurvePhases& phases,
@@ -56,23 +65,25 @@ PhaseSamples ThinPhases(const ForceCurve& curve, const CurvePhases& phases,
   return samples;
 }
 
-std::vector<double> Strains(const MechanicalModel& model, const ForceCurve& curve) {
+std::vector<ContactStrain> Strains(const MechanicalModel& model, const ForceCurve& curve) {
   MechanicalState state;
-  std::vector<double> strain(curve.size());
+  std::vector<ContactStrain> strain(curve.size());
   for (std::size_t i = 0; i < curve.size(); ++i) {
     strain[i] = state.Advance(model, curve.time_s[i], curve.depth_mm[i]);
   }
   return strain;
 }
 
-StrainedRows RowsOf(const ForceCurve& samples, const std::vector<double>& strain,
+StrainedRows RowsOf(const ForceCurve& samples, const std::vector<ContactStrain>& strain,
                     const SampleRange& range, bool inwards, double surface_mm) {
   StrainedRows rows;
   for (std::size_t i = range.begin; i < range.end; ++i) {
-    if ((strain[i] > 0.0) != inwards || samples.depth_mm[i] <= surface_mm) continue;
+    const double along = inwards ? strain[i].in : strain[i].out;
+    const double against = inwards ? strain[i].out : strain[i].in;
+    if (along == 0.0 || against != 0.0 || samples.depth_mm[i] <= surface_mm) continue;
     rows.depth_mm.push_back(samples.depth_mm[i]);
     rows.force_n.push_back(samples.force_n[i]);
-    rows.strain.push_back(strain[i]);
+    rows.strain.push_back(along);
   }
   return rows;
 }
@@ -94,14 +105,14 @@ SharedFit::SharedFit(const PhaseSamples& samples, MechanicalModel start)
 
 void SharedFit::Predict(std::span<const double> p, std::span<double> predicted) {
   SetShared(p, model_);
-  const std::vector<double> strain = Strains(model_, samples_.all);
+  const std::vector<ContactStrain> strain = Strains(model_, samples_.all);
   FitProfiles(strain);
-  double deepest_mm = samples_.all.depth_mm.empty() ? 0.0 : samples_.all.depth_mm[0];
+  MechanicalState at;
+  at.deepest_mm = samples_.all.depth_mm.empty() ? 0.0 : samples_.all.depth_mm[0];
   for (std::size_t i = 0; i < predicted.size(); ++i) {
     const double depth = samples_.all.depth_mm[i];
-    deepest_mm = std::max(deepest_mm, depth);
-    predicted[i] = strain[i] * (strain[i] > 0.0 ? model_.ResistanceInN(depth, deepest_mm)
-                                                : model_.ResistanceOutN(depth));
+    at.deepest_mm = std::max(at.deepest_mm, depth);
+    predicted[i] = at.ForceN(model_, strain[i], depth);
   }
 }
 
@@ -132,7 +143,7 @@ void SharedFit::WeighByResidual(std::span<const double> p) {
   }
 }
 
-void SharedFit::FitProfiles(const std::vector<double>& strain) {
+void SharedFit::FitProfiles(const std::vector<ContactStrain>& strain) {
   FitOne(RowsOf(samples_.all, strain, samples_.in, true, model_.surface_mm), model_.in);
   const StrainedRows out = RowsOf(samples_.all, strain, samples_.out, false, model_.surface_mm);
   if (out.depth_mm.size() > 10) {

@@ -11,9 +11,19 @@
 
 namespace acus::fitting {
 
-/// Parameters of the shared part, in this order; lengths and times as logarithms, the second time
-/// as its ratio to the first, the second share as that of what the first leaves.
-enum Shared { kBuildupIn, kBuildupOut, kFirstShare, kSecondShare, kLogTau, kLogRatio, kNumShared };
+/// Parameters of the shared part, in this order; lengths and times as logarithms, a later time as
+/// its ratio to the one before, a later share as that of what those before leave.
+enum Shared {
+  kBuildupIn,
+  kBuildupOut,
+  kFirstShare,
+  kSecondShare,
+  kLogTau,
+  kLogRatio,
+  kThirdShare,
+  kThirdLogRatio,
+  kNumShared
+};
 
 void SetShared(std::span<const double> p, MechanicalModel& model);
 
@@ -32,11 +42,11 @@ struct PhaseSamples {
 PhaseSamples ThinPhases(const ForceCurve& curve, const CurvePhases& phases,
                         const MechanicalModel& model, double step_s);
 
-/// S of the mechanical model, by sample.
-std::vector<double> Strains(const MechanicalModel& model, const ForceCurve& samples);
+/// The strain of the mechanical model, by sample.
+std::vector<ContactStrain> Strains(const MechanicalModel& model, const ForceCurve& samples);
 
-/// Samples of `range` inside the tissue at which the strain has the sign of its direction.
-StrainedRows RowsOf(const ForceCurve& samples, const std::vector<double>& strain,
+/// Samples of `range` inside the tissue at which all of the contact is strained in its direction.
+StrainedRows RowsOf(const ForceCurve& samples, const std::vector<ContactStrain>& strain,
                     const SampleRange& range, bool inwards, double surface_mm);
 
 /// The rows of the insertion or retraction when `model` goes through the thinned recording.
@@ -64,7 +74,7 @@ class SharedFit {
   const MechanicalModel& model() const { return model_; }
 
  private:
-  void FitProfiles(const std::vector<double>& strain);
+  void FitProfiles(const std::vector<ContactStrain>& strain);
   void FitOne(const StrainedRows& rows, ResistanceProfile& profile) const;
 
   const PhaseSamples& samples_;

@@ -56,6 +56,8 @@ template <>
 struct StateOf<AlamillaModel> : std::type_identity<AlamillaState> {};
 template <>
 struct StateOf<VidalModel> : std::type_identity<VidalState> {};
+template <>
+struct StateOf<MeasuredModel> : std::type_identity<MeasuredState> {};
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "acus/physics/forces/alamilla_model.h"
+#include "acus/physics/forces/measured_model.h"
 #include "acus/physics/forces/needle_force.h"
 #include "acus/physics/forces/swept_step.h"
 #include "acus/physics/forces/vidal_model.h"
@@ -11,7 +12,7 @@
 namespace acus::forces {
 
 /// All that a model remembers. A plain value: copy it to save, assign it to restore.
-using ForceState = std::variant<NeedleForceState, AlamillaState, VidalState>;
+using ForceState = std::variant<NeedleForceState, AlamillaState, VidalState, MeasuredState>;
 
 /// What all states share: where the needle is in the body, and what was wrong with samples.
 const NeedleTrack& TrackOf(const ForceState& state) noexcept;
@@ -19,7 +20,7 @@ const NeedleTrack& TrackOf(const ForceState& state) noexcept;
 /// One of the models. Const after construction: any number of states may step side by side.
 class ForceModel {
  public:
-  using Level = std::variant<NeedleForceModel, AlamillaModel, VidalModel>;
+  using Level = std::variant<NeedleForceModel, AlamillaModel, VidalModel, MeasuredModel>;
   explicit ForceModel(Level level) : level_(std::move(level)) {}
 
   ForceState NewState() const;

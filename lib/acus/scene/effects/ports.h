@@ -38,6 +38,7 @@ inline constexpr Port<acoustics::Probe> kProbePreset{"probe preset"};
 inline constexpr FilePort kMotion{"motion"};
 inline constexpr FilePort kBreathSignal{"breath signal"};
 inline constexpr FilePort kForceTable{"force table"};
+inline constexpr FilePort kMeasuredForce{"measured force"};
 inline constexpr FilePort kNeedleElasticity{"needle's elasticity"};
 inline constexpr FilePort kProbeForceTable{"probe's force table"};
 inline constexpr FilePort kTissueElasticity{"tissue's elasticity"};

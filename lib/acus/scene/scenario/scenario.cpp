@@ -201,6 +201,25 @@ std::vector<effects::CalledEffect> CalledEffects(const json& called, const fs::p
   return found;
 }
 
+/// The file of needle_force.model measured, and which of its laws.
+void ReadMeasured(const json& effect, const fs::path& folder, const std::string& file,
+                  NeedleForceEffect& force) {
+  const std::string where = file + ": /effects/needle_force";
+  const bool is_measured = force.model == NeedleForceModelKind::kMeasured;
+  ACUS_REQUIRE(is_measured == effect.contains("measured"), where,
+               is_measured ? ": model \"measured\" needs the file of the fit, measured: the "
+                             "measured.json that acus-fit writes"
+                           : "/measured: only model \"measured\" reads it; set the model, or "
+                             "leave it out");
+  if (!is_measured) return;
+  force.measured = config::FindConfig(effect.at("measured").get<std::string>(), folder);
+  force.recording = effect.at("recording");
+  force.seed = effect.at("seed");
+  ACUS_REQUIRE(force.seed == 0 || force.recording == "mean", where, "/seed: is ", force.seed,
+               ", which draws from all recordings, but recording is '", force.recording,
+               "'; leave one of the two out");
+}
+
 /// What the schema cannot say: effects that lean on one another.
 void CheckTogether(const Scenario& s) {
   const std::string file = s.file.string();
@@ -296,15 +315,18 @@ Scenario ReadChanged(const fs::path& path, std::span<const Override> overrides) 
         {"layered", NeedleForceModelKind::kLayered},
         {"alamilla", NeedleForceModelKind::kAlamilla},
         {"vidal", NeedleForceModelKind::kVidal},
+        {"measured", NeedleForceModelKind::kMeasured},
         {"tissue", NeedleForceModelKind::kTissue}};
     static const std::map<std::string, GuidanceKind> kGuidance = {
         {"own", GuidanceKind::kOwn},
         {"none", GuidanceKind::kNone},
         {"vidal", GuidanceKind::kVidal},
         {"virtual_fixture", GuidanceKind::kVirtualFixture}};
-    scenario.needle_force =
-        NeedleForceEffect{kModels.at(effect.at("model")), kGuidance.at(effect.at("guidance")),
-                          config::FindConfig(table, folder)};
+    NeedleForceEffect& force = scenario.needle_force.emplace();
+    force.model = kModels.at(effect.at("model"));
+    force.guidance = kGuidance.at(effect.at("guidance"));
+    force.table = config::FindConfig(table, folder);
+    ReadMeasured(effect, folder, path.string(), force);
   }
   if (effects.contains("needle")) {
     scenario.shape = ReadNeedleEffect(effects["needle"], folder);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -29,13 +30,16 @@ struct Patient {
   Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
 };
 
-enum class NeedleForceModelKind { kLayered, kAlamilla, kVidal, kTissue };
+enum class NeedleForceModelKind { kLayered, kAlamilla, kVidal, kMeasured, kTissue };
 /// What holds the needle on its line.
 enum class GuidanceKind { kOwn, kNone, kVidal, kVirtualFixture };
 struct NeedleForceEffect {
   NeedleForceModelKind model = NeedleForceModelKind::kLayered;
   GuidanceKind guidance = GuidanceKind::kOwn;
   std::filesystem::path table;
+  std::filesystem::path measured;  ///< Only kMeasured: acus-measured-force.
+  std::string recording = "mean";  ///< Of that file.
+  std::uint64_t seed = 0;          ///< Not 0: a draw from how its recordings vary.
 };
 
 enum class ProbeForceModelKind { kVidal, kMultiProxy, kTissue };

@@ -20,10 +20,11 @@ constexpr std::array<std::string_view, 9> kPaths = {
     "/patient/ct",          "/patient/labels",           "/patient/surfaces",
     "/patient/mesh",        "/patient/corridor",         "/patient/ct_from_reference_file",
     "/session/plus_config", "/effects/breathing/motion", "/effects/breathing/signal"};
-constexpr std::array<std::string_view, 12> kPresets = {
+constexpr std::array<std::string_view, 13> kPresets = {
     "/needle",
     "/probe",
     "/effects/needle_force/table",
+    "/effects/needle_force/measured",
     "/effects/needle/elasticity",
     "/effects/probe_force/table",
     "/effects/tissue/elasticity",

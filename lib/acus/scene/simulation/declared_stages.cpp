@@ -97,6 +97,9 @@ Ports ForceInputs(const Scenario& s) {
   if (FromTissue(s)) return {ports::kContact};
   Ports reads{ports::kNeedle, ports::kTissue, ports::kNeedlePreset, ports::kForceTable};
   if (s.needle_force->model == scenario::NeedleForceModelKind::kVidal) Add(reads, {ports::kCt});
+  if (s.needle_force->model == scenario::NeedleForceModelKind::kMeasured) {
+    Add(reads, {ports::kMeasuredForce});
+  }
   return reads;
 }
 
@@ -314,6 +317,9 @@ std::vector<DeclaredInput> DeclaredInputs(const Scenario& s, const AvailableInpu
     add(ports::kBreathSignal, s.breathing->signal, "/effects/breathing/signal");
   }
   if (s.needle_force) add(ports::kForceTable, s.needle_force->table, "/effects/needle_force/table");
+  if (s.needle_force && !s.needle_force->measured.empty()) {
+    add(ports::kMeasuredForce, s.needle_force->measured, "/effects/needle_force/measured");
+  }
   if (s.shape) add(ports::kNeedleElasticity, s.shape->elasticity, "/effects/needle/elasticity");
   if (s.probe_force && s.probe_force->model != scenario::ProbeForceModelKind::kTissue)
     add(ports::kProbeForceTable, s.probe_force->table, "/effects/probe_force/table");

@@ -5,6 +5,7 @@
 #include "acus/base/core/error.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/segmentation/surface_scene.h"
+#include "acus/physics/forces/measured_forces.h"
 #include "acus/physics/mechanics/elasticity_table.h"
 #include "acus/scene/simulation/probe_scene.h"
 #include "acus/scene/simulation/tissue_scene.h"
@@ -42,6 +43,14 @@ void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scen
     scene.forces.emplace(forces::VidalModel(table, *scene.needle, *scene.hu, guidance));
   } else if (scenario.needle_force->model == scenario::NeedleForceModelKind::kAlamilla) {
     scene.forces.emplace(forces::AlamillaModel(table, *scene.needle, guidance));
+  } else if (scenario.needle_force->model == scenario::NeedleForceModelKind::kMeasured) {
+    const scenario::NeedleForceEffect& effect = *scenario.needle_force;
+    const auto measured = forces::ReadMeasuredForces(effect.measured);
+    context.provenance.AddInput(effect.measured);
+    scene.forces.emplace(forces::MeasuredModel(
+        table, *scene.needle,
+        effect.seed > 0 ? measured.Drawn(effect.seed) : measured.Law(effect.recording),
+        measured.needle_diameter_mm, guidance));
   } else {
     scene.forces.emplace(forces::NeedleForceModel(table, *scene.needle, guidance));
   }
@@ -76,7 +85,8 @@ void LoadShape(const scenario::Scenario& scenario, Scene& scene, RunContext& con
     context.provenance.AddInput(effect.elasticity);
     tissues = TissuesOf(scene, *elasticity);
   }
-  const bool has_beam = scenario.needle_force->model == scenario::NeedleForceModelKind::kLayered;
+  const bool has_beam = scenario.needle_force->model == scenario::NeedleForceModelKind::kLayered ||
+                        scenario.needle_force->model == scenario::NeedleForceModelKind::kMeasured;
   scene.shape.emplace(effect, *scene.needle, table, elasticity ? &*elasticity : nullptr, tissues,
                       has_beam);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <gmock/gmock.h>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "acus/base/core/error.h"
@@ -53,15 +54,78 @@ TEST(FitModels, FortmeierParametersFollowFromInsertionAndWithdrawal) {
       FitModelsTo(Recording(WithPuncture(drive), drive, 0.01, 2), FitModels{});
   const auto fit = Fortmeier(fitted, 2.0);
   ASSERT_TRUE(fit.has_value());
-  EXPECT_NEAR(fit->a1_n_per_mm.value, 0.1, 0.06);
-  EXPECT_NEAR(fit->a2_n_per_mm2.value, 0.03, 0.015);
-  EXPECT_NEAR(fit->capsule_cut_n.value, 0.1 * 4.0 + 0.03 * 16.0, 0.1);
+  // The puncture is inside: nothing is said of the capsule.
+  ASSERT_TRUE(fitted.puncture.converged && fitted.puncture.starts_in_tissue);
+  EXPECT_NEAR(fitted.puncture.puncture_n->value, 0.1 * 4.0 + 0.03 * 16.0, 0.1);
+  EXPECT_FALSE(fit->capsule_cut_n || fit->a1_n_per_mm || fit->a2_n_per_mm2);
   // 0.3 N in, 0.2 N out at the start; the puncture leans on the line of the way in.
   EXPECT_TRUE(fit->cut_n.Contains(0.1));
   EXPECT_NEAR(fit->cut_n.value, 0.1, 0.1);
   EXPECT_NEAR(fit->friction_n.value, 2.0 * 0.010, 0.002);  // R of a node for 2 mm of shaft.
   EXPECT_NEAR(fit->stiffness_n_per_mm.value, 2.0 * 0.010 / 1.2, 0.005);
   EXPECT_FALSE(Fortmeier(FitModelsTo(fitted.curve, FitModels::FromNames({"none"}))).has_value());
+}
+
+/// A needle from outside through a capsule (0.46 N), then through a stronger vessel inside.
+forces::ForceCurve CapsuleThenVessel() {
+  const DriveMotion drive{.rate_hz = 200.0, .hold_s = 5.0};
+  MechanicalModel truth = PlainTruth(drive);
+  truth.in = {{10.0, drive.end_mm}, {0.15, 0.15 + 0.012 * 50.0}};
+  truth.out = truth.in;
+  truth.surface_mm = 10.0;
+  truth.punctures = {{.contact_mm = 10.0,
+                      .puncture_mm = 4.0,
+                      .a1_n_per_mm = 0.06,
+                      .a2_n_per_mm2 = 0.014,
+                      .recovery_mm = 0.2},
+                     {.contact_mm = 35.0,
+                      .puncture_mm = 5.0,
+                      .a1_n_per_mm = 0.1,
+                      .a2_n_per_mm2 = 0.03,
+                      .recovery_mm = 0.3}};
+  return Recording(truth, drive, 0.01, 5);
+}
+
+TEST(FitModels, AVesselInsideDoesNotPassForTheCapsule) {
+  const FittedCurve fitted = FitModelsTo(CapsuleThenVessel(), FitModels{});
+  ASSERT_TRUE(fitted.puncture.converged) << fitted.puncture.message;
+  EXPECT_TRUE(fitted.puncture.is_entry);
+  // The larger fall is the vessel's, at 40 mm; the one that is fitted is the capsule's, at 14 mm.
+  const auto& events = fitted.puncture.phases.punctures;
+  const auto largest = std::ranges::max_element(events, {}, &PunctureEvent::drop_n);
+  EXPECT_NEAR(fitted.curve.depth_mm[largest->peak], 40.0, 0.5);
+  EXPECT_NEAR(fitted.curve.depth_mm[events[fitted.puncture.main].peak], 14.0, 0.5);
+  const auto fortmeier = Fortmeier(fitted);
+  ASSERT_TRUE(fortmeier && fortmeier->capsule_cut_n);
+  EXPECT_LT(fortmeier->capsule_cut_n->value, 0.75);  // 0.46 N and what the tip resists.
+}
+
+TEST(FitModels, OneModelWithoutAnAnswerLeavesTheOthersTheirs) {
+  const DriveMotion drive{.rate_hz = 100.0, .hold_s = 10.0};
+  const FittedCurve fitted = FitModelsTo(Recording(PlainTruth(drive), drive, 0.01, 3), FitModels{});
+  std::map<std::string, bool> answered;
+  for (const ModelAnswer& answer : AnswersOf(fitted)) {
+    answered[answer.model] = answer.has_answer;
+    EXPECT_EQ(answer.why_not.empty(), answer.has_answer) << answer.model;
+  }
+  EXPECT_FALSE(answered.at("puncture"));  // There is none.
+  for (const char* model : {"retraction", "hold", "gaussians", "mechanical"}) {
+    EXPECT_TRUE(answered.at(model)) << model;
+  }
+  const nlohmann::json json = CurveJson(fitted);
+  EXPECT_FALSE(json["answers"]["puncture"]["answered"].get<bool>());
+  EXPECT_THAT(json["answers"]["puncture"]["why_not"].get<std::string>(), HasSubstr("no puncture"));
+  EXPECT_THAT(MissingAnswers("x.csv", fitted), HasSubstr("\n  x.csv: puncture: no puncture"));
+}
+
+TEST(FitModels, AReversedSignIsDeclinedModelByModel) {
+  const DriveMotion drive{.rate_hz = 100.0, .hold_s = 5.0};
+  forces::ForceCurve curve = Recording(WithPuncture(drive), drive, 0.01, 3);
+  for (double& force : curve.force_n) force = -force;
+  const FittedCurve fitted = FitModelsTo(curve, FitModels{});
+  EXPECT_THAT(fitted.puncture.message, HasSubstr("is its sign reversed?"));
+  EXPECT_THAT(fitted.mechanical->message, HasSubstr("is its sign reversed?"));
+  EXPECT_TRUE(fitted.gaussians->converged);  // A description, whatever the sign.
 }
 
 TEST(FitModels, DocumentsHaveABlockForEachModel) {

@@ -1,4 +1,4 @@
-#include "acus/patient/fitting/mechanical_model.h"
+#include "acus/physics/forces/mechanical_model.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ TEST(MechanicalModel, RelaxesByItsTwoExponentials) {
   const auto strain = state.strain;
   for (const double held_s : {0.5, 2.0, 10.0, 40.0}) {
     MechanicalState held = state;
-    const double sum = held.Advance(model, state.time_s + held_s, 60.0);
+    const double sum = held.Advance(model, state.time_s + held_s, 60.0).in;
     const double expected = (0.3 * strain[0] + 0.5 * strain[1] * std::exp(-held_s / 0.8) +
                              0.2 * strain[2] * std::exp(-held_s / 12.0)) /
                             model.SteadyStrain(true);
@@ -47,11 +47,11 @@ TEST(MechanicalModel, TheSameMotionInOtherStepsGivesTheSameForce) {
   coarse.Advance(model, 0.0, 0.0);
   fine.Advance(model, 0.0, 0.0);
   for (int i = 1; i <= 100; ++i) {
-    const double a = coarse.Advance(model, 0.1 * i, 0.5 * i);
+    const double a = coarse.Advance(model, 0.1 * i, 0.5 * i).Sum();
     double b = 0.0;
     for (int k = 0; k < 20; ++k) {
       const double t = 0.1 * (i - 1) + 0.005 * (k + 1);
-      b = fine.Advance(model, t, 5.0 * t);
+      b = fine.Advance(model, t, 5.0 * t).Sum();
     }
     EXPECT_NEAR(a, b, 1e-3) << i;  // The play of 0.005 mm is all that differs.
   }
@@ -64,10 +64,29 @@ TEST(MechanicalModel, StartsAsASpringAndTurnsRound) {
   MechanicalState state;
   state.Advance(model, 0.0, 10.0);
   // dS/dx at 0 is 1 / build-up.
-  EXPECT_NEAR(state.Advance(model, 1e-3, 10.0 + 0.005 + 0.009), 0.009 / 0.9, 1e-4);
+  EXPECT_NEAR(state.Advance(model, 1e-3, 10.0 + 0.005 + 0.009).in, 0.009 / 0.9, 1e-4);
   for (int i = 1; i < 2000; ++i) state.Advance(model, 1e-3 * (i + 1), 10.0 + 0.005 * i);
-  EXPECT_NEAR(state.Advance(model, 3.0, 25.0), 1.0, 1e-6);
-  EXPECT_NEAR(state.Advance(model, 4.0, 10.0), -1.0, 1e-4);
+  EXPECT_NEAR(state.Advance(model, 3.0, 25.0).in, 1.0, 1e-6);
+  EXPECT_NEAR(state.Advance(model, 4.0, 10.0).out, -1.0, 1e-4);
+}
+
+// A contact that is strained inwards lets go over the travel in which it was strained, then the
+// other spring takes over: whatever the steps.
+TEST(MechanicalModel, TurnsRoundExactlyWithinAStep) {
+  MechanicalModel model = PlainTruth({});
+  model.relaxing_share = {0.0, 0.0};
+  MechanicalState state;
+  state.Advance(model, 0.0, 0.0);
+  state.Advance(model, 10.0, 50.0);  // s = 1.
+  MechanicalState fine = state;
+  const double back_mm = 2.0;
+  for (int i = 1; i <= 20000; ++i) fine.Advance(model, 10.0 + 1e-4 * i, 50.0 - back_mm * i / 20000);
+  const double at_once = state.Advance(model, 12.0, 50.0 - back_mm).Sum();
+  EXPECT_NEAR(fine.strain[0], at_once, 1e-2);
+  // ds/dx = -(1 + s) / b: s falls from 1 to 0 over b_in ln 2, then goes on with b_out.
+  const double play_mm = 2.0 * 0.005;  // Taken up on the way in, and again on the way back.
+  const double rest_mm = back_mm - play_mm - model.buildup_in_mm * std::log(2.0);
+  EXPECT_NEAR(at_once, -(1.0 - std::exp(-rest_mm / model.buildup_out_mm)), 1e-9);
 }
 
 TEST(MechanicalModel, JitterOfAnEncoderIsNoMotion) {
@@ -76,10 +95,10 @@ TEST(MechanicalModel, JitterOfAnEncoderIsNoMotion) {
   model.relaxing_share = {0.0, 0.0};
   MechanicalState state;
   for (int i = 0; i < 2000; ++i) state.Advance(model, 1e-3 * i, 5e-3 * i);
-  const double before = state.Advance(model, 2.0, 10.0);
+  const double before = state.Advance(model, 2.0, 10.0).Sum();
   double after = before;
   for (int i = 1; i < 60000; ++i)
-    after = state.Advance(model, 2.0 + 1e-3 * i, 10.0 - 0.002 * (i % 2));
+    after = state.Advance(model, 2.0 + 1e-3 * i, 10.0 - 0.002 * (i % 2)).Sum();
   EXPECT_NEAR(after, before, 1e-3);
 }
 
@@ -87,11 +106,11 @@ TEST(MechanicalModel, SurvivesTimesThatDoNotAdvanceAndHugeLeaps) {
   const MechanicalModel model = PlainTruth({});
   MechanicalState state;
   state.Advance(model, 1.0, 0.0);
-  const double before = state.Advance(model, 2.0, 5.0);
-  EXPECT_EQ(state.Advance(model, 2.0, 50.0), before);
-  EXPECT_EQ(state.Advance(model, 1.0, 50.0), before);
-  EXPECT_TRUE(std::isfinite(state.Advance(model, 2.0 + 1e-12, 1e6)));
-  EXPECT_TRUE(std::isfinite(state.Advance(model, 1e9, -1e6)));
+  const double before = state.Advance(model, 2.0, 5.0).Sum();
+  EXPECT_EQ(state.Advance(model, 2.0, 50.0).Sum(), before);
+  EXPECT_EQ(state.Advance(model, 1.0, 50.0).Sum(), before);
+  EXPECT_TRUE(std::isfinite(state.Advance(model, 2.0 + 1e-12, 1e6).Sum()));
+  EXPECT_TRUE(std::isfinite(state.Advance(model, 1e9, -1e6).Sum()));
 }
 
 TEST(MechanicalModel, APunctureIsMetOnceAndLeavesItsStep) {

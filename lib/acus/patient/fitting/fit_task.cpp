@@ -1,0 +1,187 @@
+#include "acus/patient/fitting/fit_task.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "acus/data/volume/labels.h"
+#include "acus/patient/fitting/fit_models.h"
+#include "acus/patient/fitting/fit_report.h"
+#include "acus/patient/fitting/measured_fit.h"
+#include "acus/patient/fitting/tension_fit.h"
+
+namespace acus::fitting {
+namespace {
+
+namespace fs = std::filesystem;
+
+void WritePlots(const fs::path& folder, const FittedCurve& fitted) {
+  const std::string& name = fitted.curve.name;
+  report::WriteSvg(folder / (name + "_over_time.svg"),
+                   PuncturePlots(fitted, fitted.curve.time_s, "time [s]"));
+  if (!fitted.gaussians && !fitted.mechanical && !fitted.lugre) return;
+  report::WriteSvg(folder / (name + "_models.svg"), DepthPlots(fitted));
+  report::WriteSvg(folder / (name + "_replay.svg"), TimePlots(fitted));
+}
+
+/// Reads one recording; two of a name would overwrite each other's plots.
+ForceCurve ReadNamed(const fs::path& input, std::vector<std::string>& names) {
+  ForceCurve curve = forces::ReadForceCurve(input);
+  ACUS_REQUIRE(std::ranges::find(names, curve.name) == names.end(), input.string(),
+               ": another curve is named '", curve.name, "' too; rename one");
+  names.push_back(curve.name);
+  return curve;
+}
+
+void Advance(const char* what, std::size_t i, const FitTask& task, RunContext& context) {
+  context.Checkpoint(what, static_cast<double>(i) / static_cast<double>(task.inputs.size()));
+  context.provenance.AddInput(task.inputs[i]);
+}
+
+std::string RunPrediction(const FitTask& task, RunContext& context) {
+  const SavedFit fit = ReadSavedFit(task.predict);
+  const bool is_folder = fs::is_directory(task.predict);
+  context.provenance.AddInput(is_folder ? task.predict / "measured.json" : task.predict);
+  AtomicFolder folder(task.output, context.overwrite);
+  std::vector<PredictedCurve> predicted;
+  std::vector<std::string> names;
+  nlohmann::json curves = nlohmann::json::array();
+  std::string missing;
+  for (std::size_t i = 0; i < task.inputs.size(); ++i) {
+    Advance("predicting", i, task, context);
+    ForceCurve curve = ReadNamed(task.inputs[i], names);
+    try {
+      predicted.push_back(Predict(fit, std::move(curve)));
+    } catch (const NoAnswerError& error) {
+      missing += Message("\n  ", task.inputs[i].string(), ": ", error.what());
+      continue;
+    }
+    curves.push_back(PredictionJson(predicted.back()));
+    report::WriteSvg(folder.path() / (predicted.back().curve.name + "_predicted.svg"),
+                     PredictionPlot(predicted.back()));
+  }
+  if (predicted.empty()) {
+    throw NoAnswerError("no recording could be predicted, nothing is written:" + missing);
+  }
+  if (!missing.empty()) context.Warn("the others are predicted, but not these:" + missing);
+  config::WriteJson(folder.path() / "prediction.json", {{"fitted_recordings", fit.band.recordings},
+                                                        {"factor", fit.band.factor},
+                                                        {"curves", curves}});
+  config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
+  folder.Commit();
+  return PredictionTable(predicted);
+}
+
+/// A file that only some recordings allow: without it the rest is written all the same.
+template <typename Make>
+void WriteIfAny(const fs::path& file, nlohmann::json& document, RunContext& context,
+                const Make& make) {
+  const std::string key = file.filename().string();
+  try {
+    config::WriteJson(file, make());
+    document["files"][key] = {{"written", true}};
+  } catch (const NoAnswerError& error) {
+    document["files"][key] = {{"written", false}, {"why_not", error.what()}};
+    context.Warn(Message(key, " is not written: ", error.what()));
+  }
+}
+
+bool AnythingAnswers(std::span<const FittedCurve> fits) {
+  return std::ranges::any_of(fits, [](const FittedCurve& fit) {
+    return std::ranges::any_of(AnswersOf(fit), &ModelAnswer::has_answer);
+  });
+}
+
+std::string RunFits(const FitTask& task, RunContext& context) {
+  if (!task.tissue.empty()) volume::LabelOf(task.tissue);
+  const FitModels models = FitModels::FromNames(task.models);
+  AtomicFolder folder(task.output, context.overwrite);
+  std::vector<FittedCurve> fits;
+  std::vector<PunctureCurveFit> punctures;
+  std::vector<std::string> names;
+  std::vector<report::Plot> overview;
+  nlohmann::json results = nlohmann::json::array();
+  std::string missing;
+  for (std::size_t i = 0; i < task.inputs.size(); ++i) {
+    Advance("fitting", i, task, context);
+    const FittedCurve& fit =
+        fits.emplace_back(FitModelsTo(ReadNamed(task.inputs[i], names), models));
+    punctures.push_back(fit.puncture);
+    missing += MissingAnswers(task.inputs[i].string(), fit);
+    results.push_back(CurveJson(fit));
+    const auto plots = PuncturePlots(fit, fit.curve.depth_mm, "depth [mm]");
+    overview.insert(overview.end(), plots.begin(), plots.end());
+    WritePlots(folder.path(), fit);
+  }
+  if (!AnythingAnswers(fits)) {
+    throw NoAnswerError("no model has an answer for any curve, nothing is written:" + missing);
+  }
+  if (!missing.empty()) {
+    context.Warn("all else is fitted, but these models have no answer:" + missing);
+  }
+  nlohmann::json document = TogetherJson(fits, models);
+  document["curves"] = results;
+  if (models.mechanical) {
+    WriteIfAny(folder.path() / "measured.json", document, context, [&] {
+      nlohmann::json measured = MeasuredJson(fits, task.diameter_mm);
+      measured["provenance"] = context.provenance.ToJson();
+      return measured;
+    });
+  }
+  if (!task.tissue.empty()) {
+    const auto base = config::ReadJson(config::FindConfig("forces/default.json", "."));
+    WriteIfAny(folder.path() / "forces.json", document, context, [&] {
+      return TableWithFittedTissue(base, task.tissue, punctures, task.diameter_mm);
+    });
+  }
+  config::WriteJson(folder.path() / "fit.json", document);
+  report::WriteSvg(folder.path() / "fit.svg", overview);
+  config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
+  folder.Commit();
+  return FitTable(punctures) + ModelTable(fits);
+}
+
+std::string RunTensions(const FitTask& task, RunContext& context) {
+  ACUS_REQUIRE(
+      task.models.size() == 1 && task.tissue.empty(),
+      "--models hyperelastic is for tension tests, not for recordings of a needle; give it "
+      "alone, without --tissue");
+  AtomicFolder folder(task.output, context.overwrite);
+  std::vector<TensionTest> tests;
+  std::vector<TensionFit> fits;
+  std::vector<std::string> names;
+  nlohmann::json specimens = nlohmann::json::array();
+  for (std::size_t i = 0; i < task.inputs.size(); ++i) {
+    Advance("fitting", i, task, context);
+    const TensionTest& test = tests.emplace_back(ReadTensionTest(task.inputs[i]));
+    ACUS_REQUIRE(std::ranges::find(names, test.name) == names.end(), task.inputs[i].string(),
+                 ": another specimen is named '", test.name, "' too; rename one");
+    names.push_back(test.name);
+    fits.push_back(FitTension(test));
+    specimens.push_back(TensionJson(test, fits.back()));
+    report::WriteSvg(folder.path() / (test.name + "_tension.svg"), TensionPlot(test, fits.back()));
+    if (!fits.back().converged) {
+      context.Warn(Message(task.inputs[i].string(), ": no answer: ", fits.back().message));
+    }
+  }
+  if (!std::ranges::any_of(fits, &TensionFit::converged)) {
+    throw NoAnswerError("no law has an answer for any specimen, nothing is written: " +
+                        fits.front().message);
+  }
+  config::WriteJson(folder.path() / "fit.json", {{"specimens", specimens}});
+  config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
+  folder.Commit();
+  return TensionTable(tests, fits);
+}
+
+}  // namespace
+
+std::string RunFit(const FitTask& task, RunContext& context) {
+  if (!task.predict.empty()) return RunPrediction(task, context);
+  const bool is_tension = std::ranges::find(task.models, "hyperelastic") != task.models.end();
+  return is_tension ? RunTensions(task, context) : RunFits(task, context);
+}
+
+}  // namespace acus::fitting
