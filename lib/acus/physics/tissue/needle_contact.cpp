@@ -338,6 +338,9 @@ void FemNeedleModel::LoadOf(const FemNeedleState& state, TissueLoad& out) const 
     const int slot = probe_->first_slot() + static_cast<int>(s);
     add(node.rest_in_ct_mm, state.contact.SlotForceN(slot) * node.inward_in_ct);
   }
+  for (int n = 0; strain_ && n < strain_->region().num_nodes(); ++n) {
+    add(strain_->NodeMm(n), strain_->ForceN(state.strain, n));
+  }
 }
 
 }  // namespace acus::tissue

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "acus/base/core/error.h"
 
@@ -10,6 +11,8 @@ namespace acus::tissue {
 namespace {
 
 constexpr double kLeastMixing = 1e-3;
+constexpr double kFreshMixing = 0.1;
+constexpr double kLostMm = 1.0;  // Displacements that are out by more may be better found anew.
 constexpr double kGrowth = 1.25;      // Of the mixing after a good iteration.
 constexpr double kRidge = 1e-10;      // Of the secants' least squares.
 
@@ -38,8 +41,8 @@ StrainContact::StrainContact(const mesh::TetraMesh& mesh, const mechanics::Elast
       size_(3 * region_->num_nodes()),
       stride_((size_ + 15) / 16 * 16),
       num_dofs_(3 * compliance.num_nodes()) {
-  ACUS_REQUIRE(settings.max_nodes >= 4 && settings.max_nodes <= 1000,
-               "the region of finite strain may have 4 to 1000 nodes, got ", settings.max_nodes);
+  ACUS_REQUIRE(settings.max_nodes >= 4 && settings.max_nodes <= StrainSettings::kMostNodes,
+               "the region of finite strain may have 4 to ", StrainSettings::kMostNodes, " nodes, got ", settings.max_nodes);
   ACUS_REQUIRE(settings.iterations >= 1 && settings.iterations <= 50,
                "iterations per step must be 1 to 50, got ", settings.iterations);
   ACUS_REQUIRE(settings.tolerance_mm > 0.0 && std::isfinite(settings.tolerance_mm),
@@ -55,6 +58,11 @@ StrainContact::StrainContact(const mesh::TetraMesh& mesh, const mechanics::Elast
       row[i] = static_cast<float>(compliance.At(3 * region_->rows()[i / 3] + i % 3, dof));
     }
   }
+  std::vector<Eigen::Vector3d> node_mm;
+  for (const int row : region_->rows()) {
+    node_mm.push_back(mesh.nodes_mm.col(compliance.nodes()[static_cast<std::size_t>(row)]));
+  }
+  node_mm_ = std::make_shared<const std::vector<Eigen::Vector3d>>(std::move(node_mm));
   columns_ = std::make_shared<const std::vector<float>>(std::move(columns));
 }
 
@@ -79,20 +87,17 @@ StrainState StrainContact::NewState() const {
   return state;
 }
 
-/// moved += C force, of the region's nodes; four rows at a time.
-void StrainContact::AddMoved(const double* force_n, double* moved_mm) const noexcept {
-  const float* const all = columns_->data();
-  for (int i = 0; i < size_; i += 3) {
-    const std::ptrdiff_t dof = 3 * region_->rows()[i / 3];
-    const float* a = all + dof * stride_;
-    const float* b = a + stride_;
-    const float* c = b + stride_;
-    const double x = force_n[i], y = force_n[i + 1], z = force_n[i + 2];
-    if (x == 0.0 && y == 0.0 && z == 0.0) continue;
-    for (int j = 0; j < stride_; ++j) {
-      moved_mm[j] += x * static_cast<double>(a[j]) + y * static_cast<double>(b[j]) +
-                     z * static_cast<double>(c[j]);
-    }
+/// moved += what a force on a node of the compliance does to the region. Three products are summed
+/// in float, which is no worse than the storage, and all of them in double.
+void StrainContact::AddMoved(int row, const double* force_n, double* moved_mm) const noexcept {
+  const float* a = columns_->data() + 3 * static_cast<std::ptrdiff_t>(row) * stride_;
+  const float* b = a + stride_;
+  const float* c = b + stride_;
+  const float x = static_cast<float>(force_n[0]);
+  const float y = static_cast<float>(force_n[1]);
+  const float z = static_cast<float>(force_n[2]);
+  for (int j = 0; j < stride_; ++j) {
+    moved_mm[j] += static_cast<double>(x * a[j] + y * b[j] + z * c[j]);
   }
 }
 
@@ -103,9 +108,9 @@ Eigen::Vector3d StrainContact::NodeMovedMm(const StrainState::Iterate& at,
   Eigen::Vector3d moved;
   for (int axis = 0; axis < 3; ++axis) {
     const float* values = columns_->data() + (3 * static_cast<std::ptrdiff_t>(row) + axis) * stride_;
-    double sum = 0.0;
-    for (int i = 0; i < size_; ++i) sum += static_cast<double>(values[i]) * at.force_n[i];
-    moved[axis] = sum;
+    moved[axis] = Eigen::Map<const Eigen::VectorXf>(values, stride_)
+                      .cast<double>()
+                      .dot(Eigen::Map<const Eigen::VectorXd>(at.force_n.data(), stride_));
   }
   return moved;
 }
@@ -181,14 +186,7 @@ void StrainContact::Evaluate(const ContactSystem& system, ContactState& contact,
   double* u = at.residual_mm.data();  // Free until the residual is there.
   std::copy(at.moved_mm.begin(), at.moved_mm.end(), u);
   for (const int row : state.loaded) {
-    const double* force = state.tool_n.data() + 3 * row;
-    const float* a = columns_->data() + 3 * static_cast<std::ptrdiff_t>(row) * stride_;
-    const float* b = a + stride_;
-    const float* c = b + stride_;
-    for (int j = 0; j < stride_; ++j) {
-      u[j] += force[0] * static_cast<double>(a[j]) + force[1] * static_cast<double>(b[j]) +
-              force[2] * static_cast<double>(c[j]);
-    }
+    AddMoved(row, state.tool_n.data() + 3 * row, u);
   }
   for (const int row : state.loaded) {
     for (int axis = 0; axis < 3; ++axis) state.tool_n[3 * row + axis] = 0.0;
@@ -197,7 +195,9 @@ void StrainContact::Evaluate(const ContactSystem& system, ContactState& contact,
   region_->MissingForces(state.u_mm, state.scratch, state.target_n);
   for (int i = 0; i < size_; ++i) at.residual_n[i] = state.target_n.data()[i] - at.force_n[i];
   std::ranges::fill(at.residual_mm, 0.0);
-  AddMoved(at.residual_n.data(), at.residual_mm.data());
+  for (int n = 0; n < region_->num_nodes(); ++n) {
+    AddMoved(region_->rows()[n], at.residual_n.data() + 3 * n, at.residual_mm.data());
+  }
   at.error2 = Product(at.residual_n, at.residual_mm);
 }
 
@@ -255,26 +255,47 @@ void StrainContact::Advance(StrainState& state) const noexcept {
   }
 }
 
+/// Takes `next` if it is the better one.
+bool StrainContact::Judge(StrainState& state) const noexcept {
+  const bool better = state.next.error2 < state.best.error2 || !std::isfinite(state.best.error2);
+  if (better) std::swap(state.best, state.next);
+  return better;
+}
+
+/// After a jump the last forces can be worse than none at all.
+void StrainContact::TryAnew(const ContactSystem& system, ContactState& contact,
+                            StrainState& state) const noexcept {
+  std::ranges::fill(state.next.force_n, 0.0);
+  std::ranges::fill(state.next.moved_mm, 0.0);
+  Evaluate(system, contact, state, state.next);
+  if (!Judge(state)) return;
+  state.num_secants = state.oldest = 0;
+  state.mixing = kFreshMixing;
+  ++state.num_fresh;
+}
+
 void StrainContact::Solve(const ContactSystem& system, ContactState& contact,
                           StrainState& state) const noexcept {
   const auto error_mm = [&](const StrainState::Iterate& at) {
     double largest = 0.0;
     for (const double value : at.residual_mm) largest = std::max(largest, std::abs(value));
-    return largest;
+    return std::isfinite(at.error2) ? largest : std::numeric_limits<double>::max();
   };
   Evaluate(system, contact, state, state.best);
   bool at_best = true;
-  for (int n = 0; n < settings_.iterations && error_mm(state.best) > settings_.tolerance_mm; ++n) {
+  int n = 0;
+  if (error_mm(state.best) > kLostMm) {
+    TryAnew(system, contact, state);
+    at_best = false;
+    ++n;
+  }
+  for (; n < settings_.iterations && error_mm(state.best) > settings_.tolerance_mm; ++n) {
     Advance(state);
     Evaluate(system, contact, state, state.next);
-    Remember(state);
-    at_best = state.next.error2 < state.best.error2;
-    if (at_best) {
-      std::swap(state.best, state.next);
-      state.mixing = std::min(1.0, kGrowth * state.mixing);
-    } else {
-      state.mixing = std::max(kLeastMixing, 0.5 * state.mixing);
-    }
+    if (std::isfinite(state.next.error2)) Remember(state);
+    at_best = Judge(state);
+    state.mixing = at_best ? std::min(1.0, kGrowth * state.mixing)
+                           : std::max(kLeastMixing, 0.5 * state.mixing);
   }
   if (!at_best) SolveTools(system, contact, state, state.best);
   state.error_mm = error_mm(state.best);

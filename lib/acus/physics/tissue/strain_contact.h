@@ -23,7 +23,8 @@ namespace acus::tissue {
 struct StrainSettings {
   mechanics::ElementKind element = mechanics::ElementKind::kAveragedDilatation;
   mechanics::Capsule corridor{};  ///< The needle's way; patches within its radius may stiffen.
-  int max_nodes = 200;            ///< Of the region, nearest to the corridor first; 4 to 1000.
+  static constexpr int kMostNodes = 400;
+  int max_nodes = 160;            ///< Of the region, nearest to the corridor first; 4 to kMostNodes.
   int iterations = 3;             ///< At most, per step; 1 to 50.
   double tolerance_mm = 1e-5;     ///< Done when displacements are out by no more; > 0.
 };
@@ -47,6 +48,7 @@ struct StrainState {
   double mixing = 0.5;
 
   std::int64_t num_unsettled = 0;  ///< Steps that ended above the tolerance.
+  std::int64_t num_fresh = 0;      ///< Times that starting anew was better.
   double error_mm = 0.0;           ///< Of the last step: largest residual_mm.
 
   // Work space.
@@ -77,6 +79,12 @@ class StrainContact {
   /// see of its displacement.
   Eigen::Vector3d MovedMm(const StrainState& state, const ContactPlace& place) const noexcept;
 
+  /// g of a node of the region, CT axes, N: with the tools' forces, what moves the linear body.
+  Eigen::Vector3d ForceN(const StrainState& state, int node) const noexcept {
+    return Eigen::Map<const Eigen::Vector3d>(state.best.force_n.data() + 3 * node);
+  }
+  const Eigen::Vector3d& NodeMm(int node) const { return (*node_mm_)[static_cast<std::size_t>(node)]; }
+
   const mechanics::StrainRegion& region() const { return *region_; }
 
  private:
@@ -86,13 +94,17 @@ class StrainContact {
                   const StrainState::Iterate& at) const noexcept;
   void Advance(StrainState& state) const noexcept;
   void Remember(StrainState& state) const noexcept;
-  void AddMoved(const double* force_n, double* moved_mm) const noexcept;
+  bool Judge(StrainState& state) const noexcept;
+  void TryAnew(const ContactSystem& system, ContactState& contact,
+               StrainState& state) const noexcept;
+  void AddMoved(int row, const double* force_n, double* moved_mm) const noexcept;
   Eigen::Vector3d NodeMovedMm(const StrainState::Iterate& at, int row) const noexcept;
   Eigen::Vector3d PlaceMovedMm(const StrainState::Iterate& at,
                                const ContactPlace& place) const noexcept;
 
   StrainSettings settings_;
   std::shared_ptr<const mechanics::StrainRegion> region_;
+  std::shared_ptr<const std::vector<Eigen::Vector3d>> node_mm_;  ///< At rest, CT space.
   int size_ = 0;          ///< 3 nodes of the region.
   int stride_ = 0;        ///< Of a row of columns_.
   int num_dofs_ = 0;      ///< Of the compliance.
