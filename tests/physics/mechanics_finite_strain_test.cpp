@@ -15,9 +15,8 @@ using namespace testing_support;
 
 constexpr double kYoungsMpa = 0.006;
 
-const HyperelasticLaw kLaws[] = {{LawKind::kNeoHookean},
-                                 {LawKind::kYeoh, 1e-3, 4e-4, 0.0},
-                                 {LawKind::kFung, 0.0, 0.0, 1.5}};
+const HyperelasticLaw kLaws[] = {
+    {LawKind::kNeoHookean}, {LawKind::kYeoh, 1e-3, 4e-4, 0.0}, {LawKind::kFung, 0.0, 0.0, 1.5}};
 
 ElasticityTable TableOf(const HyperelasticLaw& law, double poissons_ratio) {
   ElasticityTable table = UniformTable(kYoungsMpa, poissons_ratio);
@@ -38,7 +37,8 @@ Eigen::Vector3d NominalStress(const HyperelasticLaw& law, const ElasticTissue& t
   const double pressure = tissue.BulkModulusMpa() * (j - 1.0);
   Eigen::Vector3d out;
   for (int k = 0; k < 3; ++k) {
-    const double by_stretch = 2.0 * std::pow(j, -2.0 / 3.0) * stretch[k] - 2.0 / 3.0 * i1 / stretch[k];
+    const double by_stretch =
+        2.0 * std::pow(j, -2.0 / 3.0) * stretch[k] - 2.0 / 3.0 * i1 / stretch[k];
     out[k] = slope * by_stretch + pressure * j / stretch[k];
   }
   return out;
@@ -86,8 +86,9 @@ TEST_P(LargeStrain, AFreeBarFindsItsOwnWidth) {
   const ElasticTissue tissue{kYoungsMpa, 0.45};
   mesh::TetraMesh bar = BoxMesh({2, 2, 4}, {0, 0, 0}, {10, 10, 20}, 0.15);
   // One node holds x and y; the ends are pulled by tractions that keep their direction.
-  Fix(bar, [](const Eigen::Vector3d& x) { return x.norm() == 0.0 || x == Eigen::Vector3d(10, 0, 0) ||
-                                                 x == Eigen::Vector3d(0, 10, 0); });
+  Fix(bar, [](const Eigen::Vector3d& x) {
+    return x.norm() == 0.0 || x == Eigen::Vector3d(10, 0, 0) || x == Eigen::Vector3d(0, 10, 0);
+  });
   const double along = 1.5;
   const double across = StretchAcross(law, tissue, along);
   const Eigen::Vector3d stretch(across, across, along);
@@ -116,7 +117,8 @@ TEST_P(LargeStrain, LayersOfOneToThirtyEachHaveTheirConstantStrain) {
   // Pressed along z with the sides held: the same nominal stress in both layers.
   const double soft = 0.8;
   const auto stress = [&](int tissue, double along) {
-    return NominalStress(kLaws[2], table.tissue[static_cast<std::size_t>(tissue)], {1, 1, along})[2];
+    return NominalStress(kLaws[2], table.tissue[static_cast<std::size_t>(tissue)],
+                         {1, 1, along})[2];
   };
   double low = 0.7, high = 1.0;
   for (int n = 0; n < 200; ++n) {

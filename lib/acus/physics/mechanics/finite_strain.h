@@ -27,9 +27,9 @@ struct FiniteStrainSolution {
 
 /// Static equilibrium with the laws of the elasticity table (hyperelastic_law.h), of both elements:
 /// kAveragedDilatation averages the volume ratio J over patches (an energy form of de Souza Neto et
-/// al. 2005, Int. J. Numer. Meth. Engng 62(3):353-383). Newton's method with a line search. At small
-/// strains it is the StaticSolver of the same table. Not for the step of a simulation: that is
-/// tissue::StrainContact. docs/models/tissue_finite_strain.md
+/// al. 2005, Int. J. Numer. Meth. Engng 62(3):353-383). Newton's method with a line search. At
+/// small strains it is the StaticSolver of the same table. Not for the step of a simulation: that
+/// is tissue::StrainContact. docs/models/tissue_finite_strain.md
 class FiniteStrainSolver {
  public:
   /// @throws as FindFreeNodes and AssembleStiffness.

@@ -74,7 +74,7 @@ void FiniteStrainBody::Add(const mesh::TetraMesh& mesh, const ElasticityTable& t
 }
 
 void DeformAll(const FiniteStrainBody& body, const Eigen::Ref<const Eigen::Matrix3Xd>& u_mm,
-            std::span<StrainedTetrahedron> out) noexcept {
+               std::span<StrainedTetrahedron> out) noexcept {
   for (std::size_t t = 0; t < body.shapes.size(); ++t) {
     Corners34 u;
     for (int c = 0; c < 4; ++c) u.col(c) = u_mm.col(body.corners[t][c]);
@@ -144,8 +144,8 @@ Eigen::MatrixXd PatchStiffness(const FiniteStrainBody& body, int patch_number,
   const double mean = MeanVolumeRatio(body, patch, state);
   const auto size = static_cast<Eigen::Index>(3 * nodes.size());
   Eigen::MatrixXd k = Eigen::MatrixXd::Zero(size, size);
-  Eigen::VectorXd mean_by_u = Eigen::VectorXd::Zero(size);   // d Jbar / du.
-  Eigen::VectorXd weighted = Eigen::VectorXd::Zero(size);    // sum V h dJ_t / du.
+  Eigen::VectorXd mean_by_u = Eigen::VectorXd::Zero(size);  // d Jbar / du.
+  Eigen::VectorXd weighted = Eigen::VectorXd::Zero(size);   // sum V h dJ_t / du.
   double weight_sum = 0.0;
   for (int t = patch.first; t < patch.first + patch.count; ++t) {
     const LinearTetrahedron& shape = body.shapes[t];

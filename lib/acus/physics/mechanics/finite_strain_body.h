@@ -48,10 +48,9 @@ struct FiniteStrainBody {
 
 /// Deformation of all tetrahedra. @param u_mm  3 x nodes. @param out  One per tetrahedron.
 void DeformAll(const FiniteStrainBody& body, const Eigen::Ref<const Eigen::Matrix3Xd>& u_mm,
-            std::span<StrainedTetrahedron> out) noexcept;
+               std::span<StrainedTetrahedron> out) noexcept;
 
-double EnergyNmm(const FiniteStrainBody& body,
-                 std::span<const StrainedTetrahedron> state) noexcept;
+double EnergyNmm(const FiniteStrainBody& body, std::span<const StrainedTetrahedron> state) noexcept;
 
 /// Adds the forces that hold the nodes, times `factor`, N.
 void AddForces(const FiniteStrainBody& body, std::span<const StrainedTetrahedron> state,
@@ -63,8 +62,7 @@ void AddMissingForces(const FiniteStrainBody& body, std::span<const StrainedTetr
                       Eigen::Ref<Eigen::Matrix3Xd> force_n) noexcept;
 
 /// Stiffness of one patch, N/mm, by 3 times the place in `nodes` (ascending) + axis.
-Eigen::MatrixXd PatchStiffness(const FiniteStrainBody& body, int patch,
-                               std::span<const int> nodes,
+Eigen::MatrixXd PatchStiffness(const FiniteStrainBody& body, int patch, std::span<const int> nodes,
                                std::span<const StrainedTetrahedron> state, Curvature curvature);
 
 }  // namespace acus::mechanics

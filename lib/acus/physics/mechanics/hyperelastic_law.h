@@ -17,17 +17,17 @@ enum class LawKind { kNeoHookean, kYeoh, kFung };
 /// Parameters beside the moduli of small strains; without any, neo_hookean.
 struct HyperelasticLaw {
   LawKind kind = LawKind::kNeoHookean;
-  double c2_mpa = 0.0;       ///< yeoh.
-  double c3_mpa = 0.0;       ///< yeoh; >= 0.
-  double exponent_b = 0.0;   ///< fung; > 0.
+  double c2_mpa = 0.0;      ///< yeoh.
+  double c3_mpa = 0.0;      ///< yeoh; >= 0.
+  double exponent_b = 0.0;  ///< fung; > 0.
   bool operator==(const HyperelasticLaw&) const = default;
 };
 
 /// "neo_hookean", "yeoh" or "fung".
 std::string_view LawName(LawKind kind);
 
-/// Least of (dW/dx) / (mu/2) over x >= 0. A law whose slope falls below 0 would let go under strain:
-/// tables refuse less than kLeastSlopeShare.
+/// Least of (dW/dx) / (mu/2) over x >= 0. A law whose slope falls below 0 would let go under
+/// strain: tables refuse less than kLeastSlopeShare.
 inline constexpr double kLeastSlopeShare = 0.05;
 double LeastSlopeShare(const HyperelasticLaw& law, double shear_modulus_mpa);
 

@@ -9,8 +9,8 @@
 namespace acus::mechanics {
 namespace {
 
-constexpr double kSampleMm = 4.0;       // Between trial forces along the corridor.
-constexpr double kOnSkinShare = 3.0;    // The first, where the skin is pressed, over the others.
+constexpr double kSampleMm = 4.0;        // Between trial forces along the corridor.
+constexpr double kOnSkinShare = 3.0;     // The first, where the skin is pressed, over the others.
 constexpr std::size_t kTrialNodes = 12;  // That share a trial force.
 
 /// Nodes of the compliance near the corridor, by how far along it they are: depth, row.

@@ -12,10 +12,10 @@
 
 namespace acus::mechanics {
 
-/// Patches of the averaged dilatation (or single tetrahedra, for linear elements) all of whose nodes
-/// are in a compliance or fixed. If there are more than `max_nodes` allow, those that trial forces
-/// along the needle's corridor strain most, three times as strong on the skin as inside. The rest of
-/// the body stays linear. Const after construction.
+/// Patches of the averaged dilatation (or single tetrahedra, for linear elements) all of whose
+/// nodes are in a compliance or fixed. If there are more than `max_nodes` allow, those that trial
+/// forces along the needle's corridor strain most, three times as strong on the skin as inside. The
+/// rest of the body stays linear. Const after construction.
 class StrainRegion {
  public:
   /// @param compliance  Of nodes of `mesh`, condensed with `kind` and the moduli of `table`.

@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kLeastMixing = 1e-3;
 constexpr double kFreshMixing = 0.1;
-constexpr double kLostMm = 1.0;  // Displacements that are out by more may be better found anew.
-constexpr double kGrowth = 1.25;      // Of the mixing after a good iteration.
-constexpr double kRidge = 1e-10;      // Of the secants' least squares.
+constexpr double kLostMm = 1.0;   // Displacements that are out by more may be better found anew.
+constexpr double kGrowth = 1.25;  // Of the mixing after a good iteration.
+constexpr double kRidge = 1e-10;  // Of the secants' least squares.
 
 double Product(const std::vector<double>& a, const std::vector<double>& b) noexcept {
   return Eigen::Map<const Eigen::VectorXd>(a.data(), static_cast<Eigen::Index>(a.size()))
@@ -42,13 +42,13 @@ StrainContact::StrainContact(const mesh::TetraMesh& mesh, const mechanics::Elast
       stride_((size_ + 15) / 16 * 16),
       num_dofs_(3 * compliance.num_nodes()) {
   ACUS_REQUIRE(settings.max_nodes >= 4 && settings.max_nodes <= StrainSettings::kMostNodes,
-               "the region of finite strain may have 4 to ", StrainSettings::kMostNodes, " nodes, got ", settings.max_nodes);
+               "the region of finite strain may have 4 to ", StrainSettings::kMostNodes,
+               " nodes, got ", settings.max_nodes);
   ACUS_REQUIRE(settings.iterations >= 1 && settings.iterations <= 50,
                "iterations per step must be 1 to 50, got ", settings.iterations);
   ACUS_REQUIRE(settings.tolerance_mm > 0.0 && std::isfinite(settings.tolerance_mm),
                "the tolerance must be more than 0 mm, got ", settings.tolerance_mm);
-  ACUS_REQUIRE(region_->num_nodes() > 0,
-               "no tissue within ", settings.corridor.radius_mm,
+  ACUS_REQUIRE(region_->num_nodes() > 0, "no tissue within ", settings.corridor.radius_mm,
                " mm of the corridor is in the compliance as a whole, so that none can stiffen; "
                "condense a wider corridor with acus-mesh, or choose the law \"linear\"");
   std::vector<float> columns(static_cast<std::size_t>(stride_) * num_dofs_, 0.0f);
@@ -101,13 +101,13 @@ void StrainContact::AddMoved(int row, const double* force_n, double* moved_mm) c
   }
 }
 
-Eigen::Vector3d StrainContact::NodeMovedMm(const StrainState::Iterate& at,
-                                           int row) const noexcept {
+Eigen::Vector3d StrainContact::NodeMovedMm(const StrainState::Iterate& at, int row) const noexcept {
   const int index = region_->IndexOf(row);
   if (index >= 0) return Eigen::Map<const Eigen::Vector3d>(at.moved_mm.data() + 3 * index);
   Eigen::Vector3d moved;
   for (int axis = 0; axis < 3; ++axis) {
-    const float* values = columns_->data() + (3 * static_cast<std::ptrdiff_t>(row) + axis) * stride_;
+    const float* values =
+        columns_->data() + (3 * static_cast<std::ptrdiff_t>(row) + axis) * stride_;
     moved[axis] = Eigen::Map<const Eigen::VectorXf>(values, stride_)
                       .cast<double>()
                       .dot(Eigen::Map<const Eigen::VectorXd>(at.force_n.data(), stride_));
@@ -135,15 +135,12 @@ void StrainContact::Forget(StrainState& state) const noexcept {
 
 /// The contact for demands less what the region's forces do.
 void StrainContact::SolveTools(const ContactSystem& system, ContactState& contact,
-                               StrainState& state,
-                               const StrainState::Iterate& at) const noexcept {
+                               StrainState& state, const StrainState::Iterate& at) const noexcept {
   const int points = contact.num_points();
   const int slots = contact.num_slots();
   for (int k = 0; k < 2 * points; ++k) state.lateral_mm[k] = contact.LateralMm(k);
   for (int k = 0; k < slots + points; ++k) state.demand_mm[k] = contact.DemandMm(k);
-  const auto ask = [&](int column, double demand_mm) {
-    contact.SetDemand(column, demand_mm);
-  };
+  const auto ask = [&](int column, double demand_mm) { contact.SetDemand(column, demand_mm); };
   for (int s = 0; s < slots; ++s) {
     if (!contact.slot_in_use(s)) continue;
     const double moved = contact.slot_direction(s).dot(PlaceMovedMm(at, contact.slot_place(s)));
@@ -152,7 +149,8 @@ void StrainContact::SolveTools(const ContactSystem& system, ContactState& contac
   for (int p = 0; p < points; ++p) {
     const Eigen::Vector3d moved =
         contact.frame().transpose() * PlaceMovedMm(at, contact.point_place(p));
-    contact.SetLateral(p, state.lateral_mm[2 * p] - moved[0], state.lateral_mm[2 * p + 1] - moved[1]);
+    contact.SetLateral(p, state.lateral_mm[2 * p] - moved[0],
+                       state.lateral_mm[2 * p + 1] - moved[1]);
     ask(slots + p, state.demand_mm[slots + p] - moved[2]);
   }
   system.Solve(contact);
@@ -163,8 +161,8 @@ void StrainContact::SolveTools(const ContactSystem& system, ContactState& contac
 }
 
 /// Residual at `at`, whose force_n and moved_mm are set.
-void StrainContact::Evaluate(const ContactSystem& system, ContactState& contact,
-                             StrainState& state, StrainState::Iterate& at) const noexcept {
+void StrainContact::Evaluate(const ContactSystem& system, ContactState& contact, StrainState& state,
+                             StrainState::Iterate& at) const noexcept {
   SolveTools(system, contact, state, at);
   state.loaded.clear();
   const auto load = [&](const ContactPlace& place, const Eigen::Vector3d& force_n) {
@@ -229,9 +227,8 @@ void StrainContact::Advance(StrainState& state) const noexcept {
   }
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j <= i; ++j) {
-      normal(i, j) = normal(j, i) = scale[i] * scale[j] *
-                                    Product(state.secants[i].residual_n,
-                                            state.secants[j].residual_mm);
+      normal(i, j) = normal(j, i) =
+          scale[i] * scale[j] * Product(state.secants[i].residual_n, state.secants[j].residual_mm);
     }
     normal(i, i) = 1.0 + kRidge;
     share[i] = scale[i] * Product(state.secants[i].residual_n, state.best.residual_mm);

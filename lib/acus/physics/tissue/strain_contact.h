@@ -4,9 +4,10 @@
 // The linear body moves as the other one if forces g act on the region's nodes, with
 //   g = f_linear(u) - f_law(u),   u = C (f_tools(g) + g),
 // where the tools' forces solve the same contact problem as ever, for demands less C g. So factors
-// of the contact stay as they are. The equations for g are solved by a multi-secant method (Anderson
-// 1965, J. ACM 12(4):547-560; Fang and Saad 2009, Numer. Linear Algebra Appl. 16(3):197-221) with
-// the compliance as the metric, a few iterations in every step, each from what the last step left.
+// of the contact stay as they are. The equations for g are solved by a multi-secant method
+// (Anderson 1965, J. ACM 12(4):547-560; Fang and Saad 2009, Numer. Linear Algebra Appl.
+// 16(3):197-221) with the compliance as the metric, a few iterations in every step, each from what
+// the last step left.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,9 +25,9 @@ struct StrainSettings {
   mechanics::ElementKind element = mechanics::ElementKind::kAveragedDilatation;
   mechanics::Capsule corridor{};  ///< The needle's way; patches within its radius may stiffen.
   static constexpr int kMostNodes = 400;
-  int max_nodes = 160;            ///< Of the region, nearest to the corridor first; 4 to kMostNodes.
-  int iterations = 3;             ///< At most, per step; 1 to 50.
-  double tolerance_mm = 1e-5;     ///< Done when displacements are out by no more; > 0.
+  int max_nodes = 160;         ///< Of the region, nearest to the corridor first; 4 to kMostNodes.
+  int iterations = 3;          ///< At most, per step; 1 to 50.
+  double tolerance_mm = 1e-5;  ///< Done when displacements are out by no more; > 0.
 };
 
 /// All that the method remembers. A plain value: a copy continues with the same bits. Made by
@@ -68,8 +69,8 @@ class StrainContact {
 
   StrainState NewState() const;
 
-  /// In place of ContactSystem::Solve: forces for the demands in `contact`, which keep their values.
-  /// Allocates nothing.
+  /// In place of ContactSystem::Solve: forces for the demands in `contact`, which keep their
+  /// values. Allocates nothing.
   void Solve(const ContactSystem& system, ContactState& contact, StrainState& state) const noexcept;
 
   /// As if no tool had touched.
@@ -83,7 +84,9 @@ class StrainContact {
   Eigen::Vector3d ForceN(const StrainState& state, int node) const noexcept {
     return Eigen::Map<const Eigen::Vector3d>(state.best.force_n.data() + 3 * node);
   }
-  const Eigen::Vector3d& NodeMm(int node) const { return (*node_mm_)[static_cast<std::size_t>(node)]; }
+  const Eigen::Vector3d& NodeMm(int node) const {
+    return (*node_mm_)[static_cast<std::size_t>(node)];
+  }
 
   const mechanics::StrainRegion& region() const { return *region_; }
 
@@ -105,10 +108,11 @@ class StrainContact {
   StrainSettings settings_;
   std::shared_ptr<const mechanics::StrainRegion> region_;
   std::shared_ptr<const std::vector<Eigen::Vector3d>> node_mm_;  ///< At rest, CT space.
-  int size_ = 0;          ///< 3 nodes of the region.
-  int stride_ = 0;        ///< Of a row of columns_.
-  int num_dofs_ = 0;      ///< Of the compliance.
-  std::shared_ptr<const std::vector<float>> columns_;  ///< num_dofs_ rows: what a force on that dof does to the region.
+  int size_ = 0;                                                 ///< 3 nodes of the region.
+  int stride_ = 0;                                               ///< Of a row of columns_.
+  int num_dofs_ = 0;                                             ///< Of the compliance.
+  std::shared_ptr<const std::vector<float>>
+      columns_;  ///< num_dofs_ rows: what a force on that dof does to the region.
 };
 
 }  // namespace acus::tissue

@@ -30,9 +30,9 @@ struct StiffScene {
     Fix(mesh, [](const Eigen::Vector3d& x) { return x.z() < 1e-6; });
     table = ElasticLabels({{4, {0.02, 0.45}}});
     table.law[4] = law;
-    compliance = ComplianceOf(mesh, table, mechanics::Storage::kDouble,
-                              [](const Eigen::Vector3d&) { return true; },
-                              mechanics::ElementKind::kAveragedDilatation);
+    compliance = ComplianceOf(
+        mesh, table, mechanics::Storage::kDouble, [](const Eigen::Vector3d&) { return true; },
+        mechanics::ElementKind::kAveragedDilatation);
     settings.corridor = {{0, 0, kEdgeMm + 5.0}, {0, 0, 10.0}, 12.0};
     settings.max_nodes = StrainSettings::kMostNodes;
     settings.iterations = 30;
@@ -88,9 +88,9 @@ TEST(StrainContact, HeldSkinIsTheStaticSolution) {
     const Eigen::Matrix3Xd u = solver.Solve(load).displacement_mm;
     double moved_mm = state.contact.slot_local_mm_per_n(0) * force_n;
     for (int r = 0; r < place.num_rows; ++r) {
-      moved_mm += place.weight[r] * state.contact.slot_direction(0).dot(u.col(
-                                        scene.compliance.nodes()[static_cast<std::size_t>(
-                                            place.row[r])]));
+      moved_mm += place.weight[r] *
+                  state.contact.slot_direction(0).dot(
+                      u.col(scene.compliance.nodes()[static_cast<std::size_t>(place.row[r])]));
     }
     // Of 8 mm; the region's compliance is stored in float.
     EXPECT_NEAR(moved_mm, state.depth_mm, 2e-5) << depth_mm;
@@ -167,7 +167,8 @@ TEST(StrainContact, WithdrawnToolsLeaveNothing) {
 TEST(StrainContact, RefusesWhatItCannotUse) {
   StiffScene scene;
   scene.settings.max_nodes = 2;
-  EXPECT_THAT([&] { scene.Model(); }, ThrowsMessage<InputError>(HasSubstr("4 to 400 nodes, got 2")));
+  EXPECT_THAT([&] { scene.Model(); },
+              ThrowsMessage<InputError>(HasSubstr("4 to 400 nodes, got 2")));
   scene.settings.max_nodes = 40;
   scene.settings.iterations = 0;
   EXPECT_THAT([&] { scene.Model(); }, ThrowsMessage<InputError>(HasSubstr("1 to 50, got 0")));
