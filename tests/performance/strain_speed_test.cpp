@@ -45,10 +45,11 @@ TEST(StrainSpeed, TwentyPointsInStiffeningTissue) {
   };
   MeasureUntil(2, 8, measure,
                [&] { return median() <= slower() * kMedianUs && p999() <= slower() * kP999Us; });
-  std::printf("%d nodes, %d in the region: median %.1f us, 99.9th percentile %.1f us; "
-              "out by %.1e mm (median), %.1e mm (90 %%)\n",
-              static_cast<int>(scene.mesh.nodes_mm.cols()), model.strain()->region().num_nodes(),
-              median(), p999(), math::Median(error_mm), math::Quantile(error_mm, 0.9));
+  std::printf(
+      "%d nodes, %d in the region: median %.1f us, 99.9th percentile %.1f us; "
+      "out by %.1e mm (median), %.1e mm (90 %%)\n",
+      static_cast<int>(scene.mesh.nodes_mm.cols()), model.strain()->region().num_nodes(), median(),
+      p999(), math::Median(error_mm), math::Quantile(error_mm, 0.9));
   EXPECT_GE(model.strain()->region().num_nodes(), 140);
   EXPECT_LE(median(), slower() * kMedianUs);
   EXPECT_LE(p999(), slower() * kP999Us);

@@ -1,5 +1,5 @@
-// How deep the skin of the layered block is pressed in before it gives way, by the linear law and by
-// laws that stiffen; and what size of the region and iterations per step cost and bring. Run:
+// How deep the skin of the layered block is pressed in before it gives way, by the linear law and
+// by laws that stiffen; and what size of the region and iterations per step cost and bring. Run:
 // build/tests/bench_strain [ELEMENT_MM]. Table: docs/models/tissue_finite_strain.md.
 #include <algorithm>
 #include <cstdio>
@@ -128,8 +128,9 @@ int Measure(double element_mm) {
   const Block block(element_mm);
   std::printf("%d nodes, %d reachable\n", static_cast<int>(block.mesh.nodes_mm.cols()),
               block.compliance.num_nodes());
-  std::printf("law                    nodes iter   mm/s  puncture  median_us  p999_us  error_mm  "
-              "p99_mm largest_n\n");
+  std::printf(
+      "law                    nodes iter   mm/s  puncture  median_us  p999_us  error_mm  "
+      "p99_mm largest_n\n");
   for (const Case& c : std::vector<Case>{{"linear", 0.0, 0, 3, 20.0},
                                          {"neo_hookean", 0.0, 160, 3, 20.0},
                                          {"presets", 1.0, 160, 3, 20.0},

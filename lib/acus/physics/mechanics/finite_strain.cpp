@@ -12,7 +12,7 @@
 namespace acus::mechanics {
 namespace {
 
-constexpr double kStrainRoundOff = 1e-13;  // Of the force by a strain of 1: forces below are noise.
+constexpr double kStrainRoundOff = 2e-12;  // Of the force by a strain of 1: forces below are noise.
 
 }  // namespace
 

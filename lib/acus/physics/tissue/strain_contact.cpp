@@ -11,6 +11,7 @@ namespace acus::tissue {
 namespace {
 
 constexpr double kLeastMixing = 1e-3;
+constexpr double kLongestStepMm = 1.0;  // Of any node, in one iteration.
 constexpr double kFreshMixing = 0.1;
 constexpr double kLostMm = 1.0;   // Displacements that are out by more may be better found anew.
 constexpr double kGrowth = 1.25;  // Of the mixing after a good iteration.
@@ -252,6 +253,21 @@ void StrainContact::Advance(StrainState& state) const noexcept {
   }
 }
 
+/// Shortens the way from `best` to `next` where it is too long to be trusted.
+void StrainContact::Shorten(StrainState& state) const noexcept {
+  double longest_mm = 0.0;
+  for (int i = 0; i < size_; ++i) {
+    longest_mm = std::max(longest_mm, std::abs(state.next.moved_mm[i] - state.best.moved_mm[i]));
+  }
+  if (!(longest_mm > kLongestStepMm)) return;
+  const double share = kLongestStepMm / longest_mm;
+  for (int i = 0; i < size_; ++i) {
+    const auto between = [&](double from, double to) { return from + share * (to - from); };
+    state.next.force_n[i] = between(state.best.force_n[i], state.next.force_n[i]);
+    state.next.moved_mm[i] = between(state.best.moved_mm[i], state.next.moved_mm[i]);
+  }
+}
+
 /// Takes `next` if it is the better one.
 bool StrainContact::Judge(StrainState& state) const noexcept {
   const bool better = state.next.error2 < state.best.error2 || !std::isfinite(state.best.error2);
@@ -288,6 +304,7 @@ void StrainContact::Solve(const ContactSystem& system, ContactState& contact,
   }
   for (; n < settings_.iterations && error_mm(state.best) > settings_.tolerance_mm; ++n) {
     Advance(state);
+    Shorten(state);
     Evaluate(system, contact, state, state.next);
     if (std::isfinite(state.next.error2)) Remember(state);
     at_best = Judge(state);

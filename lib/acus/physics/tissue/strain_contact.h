@@ -97,6 +97,7 @@ class StrainContact {
                   const StrainState::Iterate& at) const noexcept;
   void Advance(StrainState& state) const noexcept;
   void Remember(StrainState& state) const noexcept;
+  void Shorten(StrainState& state) const noexcept;
   bool Judge(StrainState& state) const noexcept;
   void TryAnew(const ContactSystem& system, ContactState& contact,
                StrainState& state) const noexcept;
