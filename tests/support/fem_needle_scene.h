@@ -49,6 +49,7 @@ struct SceneOptions {
   double bone_below_mm = -1.0;   ///< Those below this of label 6, their nodes fixed.
   double soft_mpa = 0.02;
   double inner_mpa = 0.05;
+  mechanics::HyperelasticLaw law{};  ///< Of both; read where contact.strain is set.
   mechanics::Storage storage = mechanics::Storage::kDouble;
   double reach_mm = 1e9;  ///< Nodes within this of the z axis are in the compliance.
   tissue::FemContactSettings contact{};
@@ -80,7 +81,10 @@ inline mesh::TetraMesh SceneMesh(const SceneOptions& options) {
 }
 
 inline mechanics::ElasticityTable SceneElasticity(const SceneOptions& options) {
-  return ElasticLabels({{4, {options.soft_mpa, 0.45}}, {5, {options.inner_mpa, 0.45}}});
+  mechanics::ElasticityTable table =
+      ElasticLabels({{4, {options.soft_mpa, 0.45}}, {5, {options.inner_mpa, 0.45}}});
+  table.law[4] = table.law[5] = options.law;
+  return table;
 }
 
 struct FemScene {

@@ -1,30 +1,22 @@
 #include "acus/physics/mechanics/corotational.h"
 
 #include <algorithm>
-#include <optional>
 #include <vector>
 
 #include "acus/base/core/error.h"
 #include "acus/physics/mechanics/block_matrix.h"
 #include "acus/physics/mechanics/corotational_element.h"
 #include "acus/physics/mechanics/element_patches.h"
-#include "acus/physics/mechanics/sparse_factor.h"
+#include "acus/physics/mechanics/mesh_newton.h"
 
 namespace acus::mechanics {
 namespace {
 
-constexpr double kArmijo = 1e-4;     // Share of the promised fall of energy that a step must bring.
-constexpr int kMaxHalvings = 30;     // Of one step.
-constexpr double kRoundOff = 1e-14;  // Of an energy; a fall below it cannot be seen.
 constexpr double kForceRoundOff = 1e-13;  // Of the force by a strain of 1: forces below are noise.
-
-double Dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
-  return a.cwiseProduct(b).sum();
-}
 
 }  // namespace
 
-struct CorotationalSolver::Impl {
+struct CorotationalSolver::Impl : MeshEnergy {
   struct State {
     std::vector<RotatedTetrahedron> elements;  ///< By tetrahedron of the mesh.
     std::vector<double> mean_stress_mpa;       ///< By patch.
@@ -32,22 +24,21 @@ struct CorotationalSolver::Impl {
   };
 
   mesh::TetraMesh mesh;
-  FreeNodes free;
-  CorotationalLimits limits;
+  MeshNewton newton;
   std::vector<ElementPatch> patches;
   std::vector<ElasticTissue> tissue;      ///< Of each patch.
   std::vector<double> volume_mm3;         ///< Of each patch.
   std::vector<LinearTetrahedron> shapes;  ///< By tetrahedron of the mesh.
   double noise_n = 0.0;                   ///< Forces below this cannot be told from none.
   BlockMatrix zero;                       ///< The stiffness' places.
-  std::optional<SparseFactor> factor;
+  State now;                              ///< At the last MoveTo().
 
   Impl(const mesh::TetraMesh& the_mesh, const ElasticityTable& table, ElementKind kind,
        const CorotationalLimits& the_limits)
       : mesh(the_mesh),
-        free(FindFreeNodes(mesh)),
-        limits(the_limits),
-        patches(ElementPatches(mesh, kind, free.is_left_out)),
+        newton(FindFreeNodes(mesh), {the_limits.max_iterations, the_limits.tolerance},
+               "corotational"),
+        patches(ElementPatches(mesh, kind, newton.free().is_left_out)),
         shapes(mesh.tissue.size()),
         zero(static_cast<int>(mesh.nodes_mm.cols()), patches) {
     for (const ElementPatch& patch : patches) {
@@ -127,107 +118,24 @@ struct CorotationalSolver::Impl {
     return std::move(matrix).Take();
   }
 
-  /// The part of forces that free nodes feel.
-  Eigen::Matrix3Xd OnFree(Eigen::Matrix3Xd force_n) const {
-    for (Eigen::Index i = 0; i < force_n.cols(); ++i) {
-      if (free.row_of_node[static_cast<std::size_t>(i)] < 0) force_n.col(i).setZero();
-    }
-    return force_n;
+  void MoveTo(const Eigen::Matrix3Xd& u) override { now = StateAt(u); }
+  double EnergyNmm() const override { return EnergyNmm(now); }
+  Eigen::Matrix3Xd ForcesN() const override { return Forces(now); }
+  Eigen::SparseMatrix<double> Stiffness(Curvature curvature) const override {
+    return Stiffness(now, curvature);
   }
-
-  /// Factors the exact stiffness if that is positive definite, as near every stable solution, and
-  /// otherwise the part of it that always is.
-  Eigen::SparseMatrix<double> FactoredStiffness(const State& state) {
-    Eigen::SparseMatrix<double> all = Stiffness(state, Curvature::kExact);
-    const Eigen::SparseMatrix<double> of_free = FreeStiffness(all, free);
-    if (factor && factor->TryRefactor(of_free)) return all;
-    all = Stiffness(state, Curvature::kPositive);
-    const Eigen::SparseMatrix<double> positive = FreeStiffness(all, free);
-    if (factor) {
-      factor->Refactor(positive);
-    } else {
-      factor.emplace(positive);
-    }
-    return all;
-  }
-
-  /// Newton's step from a state: held nodes go by `held_step_mm`, the others to where the forces on
-  /// them, to first order, are `wanted_n` more.
-  Eigen::Matrix3Xd Step(const State& state, const Eigen::Matrix3Xd& wanted_n,
-                        const Eigen::Matrix3Xd& held_step_mm) {
-    const Eigen::SparseMatrix<double> all = FactoredStiffness(state);
-    Eigen::Matrix3Xd step = held_step_mm;
-    Eigen::Matrix3Xd right = wanted_n;
-    Eigen::Map<Eigen::VectorXd>(right.data(), right.size()) -=
-        all.selfadjointView<Eigen::Lower>() *
-        Eigen::Map<const Eigen::VectorXd>(step.data(), step.size());
-    Eigen::VectorXd packed(free.num_dofs());
-    for (std::size_t r = 0; r < free.mesh_node.size(); ++r) {
-      packed.segment<3>(static_cast<Eigen::Index>(3 * r)) = right.col(free.mesh_node[r]);
-    }
-    packed = factor->Solve(packed);
-    for (std::size_t r = 0; r < free.mesh_node.size(); ++r) {
-      step.col(free.mesh_node[r]) = packed.segment<3>(static_cast<Eigen::Index>(3 * r));
-    }
-    return step;
-  }
-
-  /// Shortens the step until the energy falls enough. False if it cannot be seen to fall.
-  bool GoDown(Eigen::Matrix3Xd& u, State& state, const Eigen::Matrix3Xd& load_n,
-              const Eigen::Matrix3Xd& step, double slope) const {
-    const double before = EnergyNmm(state) - Dot(load_n, u);
-    const double noise = kRoundOff * (std::abs(before) + std::abs(Dot(load_n, u))) +
-                         noise_n * (u + step).colwise().norm().maxCoeff();
-    double length = 1.0;
-    for (int halving = 0; halving < kMaxHalvings; ++halving, length *= 0.5) {
-      const Eigen::Matrix3Xd there = u + length * step;
-      State state_there = StateAt(there);
-      const double after = EnergyNmm(state_there) - Dot(load_n, there);
-      if (!(after <= before + kArmijo * length * slope + noise)) continue;
-      u = there;
-      state = std::move(state_there);
-      return true;
-    }
-    return false;
-  }
+  double NoiseN() const override { return noise_n; }
 
   CorotationalSolution Solve(const Eigen::Matrix3Xd& force_n, const Eigen::Matrix3Xd& held_mm,
                              const Eigen::Matrix3Xd& start_mm) {
-    const Eigen::Matrix3Xd load_n = OnFree(force_n);
-    const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, mesh.nodes_mm.cols());
-    Eigen::Matrix3Xd u = start_mm.size() > 0 ? start_mm : none;
-    State state = StateAt(u);
-    Eigen::Matrix3Xd held_step = (held_mm.size() > 0 ? held_mm : none) - u;
-    held_step -= OnFree(held_step);
-    if (!held_step.isZero(0.0)) {
-      // Held nodes go where they must, and take the others along: no energy to compare with yet.
-      u += Step(state, OnFree(load_n - Forces(state)), held_step);
-      state = StateAt(u);
-    }
+    NewtonSolution found = newton.Solve(*this, force_n, held_mm, start_mm);
     CorotationalSolution solution;
-    for (;; ++solution.num_iterations) {
-      const Eigen::Matrix3Xd inner_n = Forces(state);
-      const Eigen::Matrix3Xd out_of_balance_n = OnFree(load_n - inner_n);
-      solution.imbalance_n = out_of_balance_n.colwise().norm().maxCoeff();
-      const double scale_n =
-          std::max(load_n.colwise().norm().maxCoeff(), inner_n.colwise().norm().maxCoeff());
-      if (solution.imbalance_n <= std::max(limits.tolerance * scale_n, noise_n)) break;
-      if (solution.num_iterations >= limits.max_iterations) Fail(solution, scale_n);
-      const Eigen::Matrix3Xd step = Step(state, out_of_balance_n, none);
-      if (!GoDown(u, state, load_n, step, -Dot(out_of_balance_n, step))) Fail(solution, scale_n);
-    }
+    solution.num_iterations = found.num_iterations;
+    solution.imbalance_n = found.imbalance_n;
     solution.num_inverted = static_cast<int>(std::ranges::count_if(
-        state.elements, [](const RotatedTetrahedron& e) { return e.stretches[2] < 0.0; }));
-    solution.displacement_mm = std::move(u);
+        now.elements, [](const RotatedTetrahedron& e) { return e.stretches[2] < 0.0; }));
+    solution.displacement_mm = std::move(found.displacement_mm);
     return solution;
-  }
-
-  [[noreturn]] void Fail(const CorotationalSolution& solution, double scale_n) const {
-    throw NoAnswerError(Message(
-        "the corotational solution did not converge: after ", solution.num_iterations,
-        " iterations ", solution.imbalance_n, " N of ", scale_n,
-        " N are out of balance; the load may be more than the tissue holds, or make it buckle: ",
-        "approach it in smaller steps, each from the solution before"));
   }
 };
 
@@ -256,7 +164,7 @@ double CorotationalSolver::EnergyNmm(const Eigen::Matrix3Xd& displacement_mm) co
 }
 
 const FreeNodes& CorotationalSolver::free() const {
-  return impl_->free;
+  return impl_->newton.free();
 }
 
 }  // namespace acus::mechanics

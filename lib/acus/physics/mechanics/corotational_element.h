@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 
 #include "acus/physics/mechanics/linear_tetrahedron.h"
+#include "acus/physics/mechanics/mesh_newton.h"
 
 namespace acus::mechanics {
 
@@ -36,9 +37,6 @@ CornerVectors CornerForcesN(const LinearTetrahedron& element, const RotatedTetra
 /// Change of the mean dilatation times the volume by displacements of the corners, mm^2.
 CornerVectors RotatedVolumeGradientMm2(const LinearTetrahedron& element,
                                        const RotatedTetrahedron& state);
-
-/// What to do where the second derivative of the energy is negative, as in compression.
-enum class Curvature { kExact, kPositive };
 
 /// Second derivative of the energy at constant mean dilatation (Smith, de Goes and Kim 2019, their
 /// "ARAP" energy): exact, or with what is negative of it left out, so that steps go down.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "acus/data/volume/labels.h"
+#include "acus/physics/mechanics/hyperelastic_law.h"
 
 namespace acus::mechanics {
 
@@ -28,7 +29,8 @@ struct ElasticityTable {
   std::string file;  ///< Where it was read, for messages.
   std::string description;
   std::array<ElasticTissue, 256> tissue{};
-  std::bitset<256> named;  ///< Labels that the file has a row for.
+  std::array<HyperelasticLaw, 256> law{};  ///< At large strain; neo_hookean where none is given.
+  std::bitset<256> named;                  ///< Labels that the file has a row for.
 
   /// @throws InputError that names tissue, file and remedy if there is no row for `label`.
   const ElasticTissue& At(volume::Label label) const;

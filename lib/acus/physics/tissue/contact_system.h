@@ -68,6 +68,9 @@ class ContactState {
     SetBounded(slot, displacement_mm, low_n, high_n);
   }
 
+  /// Of a column (slots, then points); its bounds stay.
+  void SetDemand(int column, double displacement_mm) { demand_mm_[column] = displacement_mm; }
+
   /// What was asked for: of points' two lateral displacements; of columns (slots, then points).
   double LateralMm(int row) const { return lateral_mm_[row]; }
   double DemandMm(int column) const { return demand_mm_[column]; }

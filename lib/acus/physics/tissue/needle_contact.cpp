@@ -57,12 +57,14 @@ FemNeedleModel::FemNeedleModel(const mesh::TetraMesh& mesh, const mechanics::Com
     probe_.emplace(ReachableSurface(mesh, compliance), *settings.probe, 1,
                    settings.max_probe_nodes);
   }
+  if (settings.strain) strain_.emplace(mesh, elasticity, compliance, *settings.strain);
 }
 
 FemNeedleState FemNeedleModel::NewState() const {
   FemNeedleState state;
   state.contact = system_.NewState();
   if (probe_) state.probe = probe_->NewState();
+  if (strain_) state.strain = strain_->NewState();
   state.point.resize(static_cast<std::size_t>(max_points_));
   state.channel_mm.resize(static_cast<std::size_t>(max_points_), Eigen::Vector3d::Zero());
   return state;
@@ -84,7 +86,7 @@ forces::NeedleForce FemNeedleModel::Step(FemNeedleState& state,
   if (verdict != SampleGate::Verdict::kStep) {
     if (is_later && probe_) {  // The needle stays where it was; the probe goes on.
       if (state.phase == NeedlePhase::kInside) Demand(state);
-      system_.Solve(state.contact);
+      SolveContact(state);
       if (state.phase == NeedlePhase::kInside) FollowSlip(state);
       state.probe_force = probe_->ForceOf(state.contact, state.probe);
     }
@@ -103,7 +105,7 @@ forces::NeedleForce FemNeedleModel::Step(FemNeedleState& state,
   } else if (state.phase == NeedlePhase::kOnSkin) {
     PressSkin(state);
   }
-  if (state.phase != NeedlePhase::kFree || probe_) system_.Solve(state.contact);
+  SolveContact(state);
   outcome.tip_n =
       state.phase == NeedlePhase::kFree ? 0.0 : std::max(0.0, state.contact.SlotForceN(0));
   forces::NeedleForce out = ForceOf(state, outcome);
@@ -112,6 +114,23 @@ forces::NeedleForce FemNeedleModel::Step(FemNeedleState& state,
   if (probe_) state.probe_force = probe_->ForceOf(state.contact, state.probe);
   state.Accept(sample, out);
   return out;
+}
+
+/// Finds all forces for what is demanded of the contact; nothing to do if no tool can touch.
+void FemNeedleModel::SolveContact(FemNeedleState& state) const noexcept {
+  const bool can_touch = state.phase != NeedlePhase::kFree || probe_.has_value();
+  if (strain_) {
+    can_touch ? strain_->Solve(system_, state.contact, state.strain)
+              : strain_->Forget(state.strain);
+  } else if (can_touch) {
+    system_.Solve(state.contact);
+  }
+}
+
+/// Displacement of a place that the contact does not know of, CT axes: of tissue at large strain.
+Eigen::Vector3d FemNeedleModel::StrainMovedMm(const FemNeedleState& state,
+                                              const ContactPlace& place) const noexcept {
+  return strain_ ? strain_->MovedMm(state.strain, place) : Eigen::Vector3d::Zero();
 }
 
 void FemNeedleModel::StepProbe(FemNeedleState& state, const ToolSample& sample) const noexcept {
@@ -318,6 +337,9 @@ void FemNeedleModel::LoadOf(const FemNeedleState& state, TissueLoad& out) const 
     const SurfaceNode& node = probe_->node(state.probe.node_of_slot[s]);
     const int slot = probe_->first_slot() + static_cast<int>(s);
     add(node.rest_in_ct_mm, state.contact.SlotForceN(slot) * node.inward_in_ct);
+  }
+  for (int n = 0; strain_ && n < strain_->region().num_nodes(); ++n) {
+    add(strain_->NodeMm(n), strain_->ForceN(state.strain, n));
   }
 }
 

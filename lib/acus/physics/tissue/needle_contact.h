@@ -18,6 +18,7 @@
 #include "acus/physics/tissue/contact_system.h"
 #include "acus/physics/tissue/probe_contact.h"
 #include "acus/physics/tissue/sample_gate.h"
+#include "acus/physics/tissue/strain_contact.h"
 #include "acus/physics/tissue/tissue_load.h"
 #include "acus/physics/tissue/tool_sample.h"
 
@@ -28,6 +29,7 @@ struct FemContactSettings {
   int max_points = 96;               ///< The spacing grows if the needle is longer than they reach.
   std::optional<ProbeFace> probe{};  ///< None: the probe does not press.
   int max_probe_nodes = 48;
+  std::optional<StrainSettings> strain{};  ///< None: linear everywhere.
 };
 
 enum class NeedlePhase : std::uint8_t {
@@ -51,6 +53,7 @@ struct NeedlePoint {
 /// FemNeedleModel::NewState(), which takes all the memory that it will ever need.
 struct FemNeedleState : SampleGate {
   ContactState contact;
+  StrainState strain;  ///< Empty for the linear law.
   ProbeState probe;
   ProbeForce probe_force;  ///< Of the last step.
 
@@ -107,6 +110,7 @@ class FemNeedleModel {
 
   const ContactSystem& system() const { return system_; }
   const ContactMesh& mesh() const { return mesh_; }
+  const std::optional<StrainContact>& strain() const { return strain_; }
   double spacing_mm() const { return spacing_mm_; }
   const forces::ForceTable& table() const { return table_; }
 
@@ -114,6 +118,9 @@ class FemNeedleModel {
   struct Outcome;
 
   // needle_contact.cpp
+  void SolveContact(FemNeedleState& state) const noexcept;
+  Eigen::Vector3d StrainMovedMm(const FemNeedleState& state,
+                                const ContactPlace& place) const noexcept;
   void StepProbe(FemNeedleState& state, const ToolSample& sample) const noexcept;
   void Touch(FemNeedleState& state, const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& axis,
              Outcome& outcome) const noexcept;
@@ -144,6 +151,7 @@ class FemNeedleModel {
   int max_points_;
   ContactSystem system_;
   std::optional<ProbeContact> probe_;
+  std::optional<StrainContact> strain_;
   double radius_mm_;
   double spacing_mm_;
 };

@@ -75,7 +75,8 @@ void FemNeedleModel::PlaceTipKeepingForce(FemNeedleState& state) const noexcept 
   const Eigen::Vector3d axial = state.frame.col(2);
   const double force_n = state.contact.SlotForceN(0);
   const auto moved_mm = [&] {
-    return axial.dot(system_.DisplacementMm(state.contact, state.contact.slot_place(0))) +
+    const ContactPlace& place = state.contact.slot_place(0);
+    return axial.dot(system_.DisplacementMm(state.contact, place) + StrainMovedMm(state, place)) +
            state.contact.slot_local_mm_per_n(0) * force_n;
   };
   const double before_mm = moved_mm();
@@ -242,7 +243,8 @@ void FemNeedleModel::AppendPoint(FemNeedleState& state, double axial_mm) const n
     if (!spot.reachable) ++state.num_out_of_reach;
   }
   point.friction_n_per_mm = table_.tissue[spot.tissue].friction_n_per_mm;
-  const Eigen::Vector3d moved_mm = system_.AppendPoint(state.contact, spot.place, local);
+  const Eigen::Vector3d moved_mm = system_.AppendPoint(state.contact, spot.place, local) +
+                                   state.frame.transpose() * StrainMovedMm(state, spot.place);
   const Eigen::Vector3d axial = state.frame.col(2);
   const double own_mm_per_n =
       axial.dot(system_.Between(spot.place, spot.place) * axial) + local.axial_mm_per_n;

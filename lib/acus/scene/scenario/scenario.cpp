@@ -131,6 +131,9 @@ TissueEffect ReadTissueEffect(const json& object, const fs::path& folder) {
   effect.element = object.at("fe_3d").at("element");
   effect.contact_spacing_mm = object.at("fe_3d").at("contact_spacing_mm");
   effect.probe_contact = object.at("fe_3d").at("probe_contact");
+  effect.finite_strain = object.at("fe_3d").at("law") == "finite_strain";
+  effect.strain_nodes = object.at("fe_3d").at("strain_nodes");
+  effect.strain_iterations = object.at("fe_3d").at("strain_iterations");
   return effect;
 }
 

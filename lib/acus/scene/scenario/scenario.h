@@ -81,6 +81,9 @@ struct TissueEffect {
   std::string element;              ///< fe_3d: as acus-mesh condensed the mesh.
   double contact_spacing_mm = 0.0;  ///< fe_3d.
   bool probe_contact = false;       ///< fe_3d.
+  bool finite_strain = false;       ///< fe_3d: tissue near the corridor stiffens.
+  int strain_nodes = 0;             ///< fe_3d, finite strain, as the next.
+  int strain_iterations = 0;        ///< Per step.
 
   /// True if the model steps with the samples and knows forces on the needle by itself.
   bool TouchesNeedle() const { return model != TissueModelKind::kDisplacementFunctions; }

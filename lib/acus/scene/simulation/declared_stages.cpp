@@ -83,6 +83,7 @@ Ports TissueStageInputs(const Scenario& s) {
       break;
     case scenario::TissueModelKind::kFem3d:
       Add(reads, {ports::kMesh});
+      if (s.tissue->finite_strain) Add(reads, {ports::kCorridor});
       if (s.tissue->probe_contact) Add(reads, {ports::kProbePoses, ports::kProbePreset});
       break;
   }

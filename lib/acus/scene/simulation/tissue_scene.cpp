@@ -75,9 +75,12 @@ tissue::TissueModel Springs(const TissueEffect& effect, const TissueMap& tissues
                           parts.table, parts.needle, elasticity, tissues.Tissues(), tissues));
 }
 
-/// Through entry and target of the needle's way, as nearly transverse as that allows: the slice of
-/// the CT that a probe beside the needle shows.
-tissue::PlanePlacement PlaneThrough(const std::filesystem::path& corridor, double& length_mm) {
+struct NeedleLine {
+  Eigen::Vector3d entry_in_ct_mm;
+  Eigen::Vector3d way_mm;  ///< To the target.
+};
+
+NeedleLine ReadNeedleLine(const std::filesystem::path& corridor) {
   const transforms::Landmarks points = transforms::ReadLandmarks(corridor);
   const auto find = [&](const char* name) -> Eigen::Vector3d {
     const auto at = std::ranges::find(points.names, name);
@@ -85,13 +88,21 @@ tissue::PlanePlacement PlaneThrough(const std::filesystem::path& corridor, doubl
                  "\"; the points entry and target are needed (CT space, LPS, mm)");
     return points.points_mm.col(at - points.names.begin());
   };
-  tissue::PlanePlacement plane;
-  plane.entry_in_ct_mm = find("entry");
-  const Eigen::Vector3d way_mm = find("target") - plane.entry_in_ct_mm;
-  length_mm = way_mm.norm();
-  ACUS_REQUIRE(length_mm > 1.0, corridor.string(), ": entry and target are ", length_mm,
+  const Eigen::Vector3d entry_mm = find("entry");
+  const Eigen::Vector3d way_mm = find("target") - entry_mm;
+  ACUS_REQUIRE(way_mm.norm() > 1.0, corridor.string(), ": entry and target are ", way_mm.norm(),
                " mm apart; they must be more than 1 mm apart");
-  plane.axis_in_ct = way_mm / length_mm;
+  return {entry_mm, way_mm};
+}
+
+/// Through entry and target of the needle's way, as nearly transverse as that allows: the slice of
+/// the CT that a probe beside the needle shows.
+tissue::PlanePlacement PlaneThrough(const std::filesystem::path& corridor, double& length_mm) {
+  const NeedleLine line = ReadNeedleLine(corridor);
+  tissue::PlanePlacement plane;
+  plane.entry_in_ct_mm = line.entry_in_ct_mm;
+  length_mm = line.way_mm.norm();
+  plane.axis_in_ct = line.way_mm / length_mm;
   const Eigen::Vector3d across = plane.axis_in_ct.cross(Eigen::Vector3d::UnitZ());
   // A needle along the body has no transverse plane: any other does.
   plane.across_in_ct = across.norm() > 0.1 ? across : Eigen::Vector3d::UnitX();
@@ -115,6 +126,20 @@ tissue::TissueModel Plane(const scenario::Scenario& scenario, const TissueMap& t
                                                     tissues));
 }
 
+/// Where tissue may stiffen: around the needle's way, from outside the skin.
+tissue::StrainSettings StrainOf(const scenario::Scenario& scenario, RunContext& context) {
+  constexpr double kOutsideMm = 5.0;  // Skin can bulge above the point that was marked on it.
+  constexpr double kRadiusMm = 10.0;
+  const NeedleLine line = ReadNeedleLine(scenario.patient.corridor);
+  context.provenance.AddInput(scenario.patient.corridor);
+  tissue::StrainSettings strain;
+  strain.corridor = {line.entry_in_ct_mm - kOutsideMm * line.way_mm.normalized(),
+                     line.entry_in_ct_mm + line.way_mm, kRadiusMm};
+  strain.max_nodes = scenario.tissue->strain_nodes;
+  strain.iterations = scenario.tissue->strain_iterations;
+  return strain;
+}
+
 tissue::TissueModel Fem(const scenario::Scenario& scenario, const TissueInputs& inputs,
                         const mechanics::ElasticityTable& elasticity, const NeedleParts& parts,
                         RunContext& context) {
@@ -131,6 +156,10 @@ tissue::TissueModel Fem(const scenario::Scenario& scenario, const TissueInputs& 
   if (effect.probe_contact)
     settings.probe = {.length_mm = acoustics::FaceLengthMm(*inputs.probe),
                       .radius_mm = acoustics::FaceRadiusMm(*inputs.probe)};
+  if (effect.finite_strain) {
+    settings.strain = StrainOf(scenario, context);
+    settings.strain->element = mechanics::ElementNamed(effect.element, "element");
+  }
   tissue::FemLevel level{tissue::FemNeedleModel(mesh, condensed.compliance, elasticity, parts.table,
                                                 parts.needle, settings),
                          nullptr};

@@ -9,6 +9,7 @@
 #include "acus/physics/tissue/spring_model.h"
 #include "support/allocation_counter.h"
 #include "support/box_mesh.h"
+#include "support/fem_needle_scene.h"
 #include "support/layered_tissue.h"
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -131,6 +132,25 @@ TEST(TissueLevels, TheImageOfFiniteElementsTakesNoMemory) {
   }
   EXPECT_EQ(NumTaken() - before, 0);
   EXPECT_GT(sum.norm(), 1.0);
+}
+
+TEST(TissueLevels, FiniteStrainTakesNoMemoryInAStep) {
+  testing_support::SceneOptions options;
+  options.reach_mm = 15.0;
+  options.contact.strain.emplace();
+  options.contact.strain->element = mechanics::ElementKind::kLinear;
+  options.contact.strain->corridor = {{0, 0, 65}, {0, 0, 20}, 12.0};
+  testing_support::FemScene scene(options);
+  TissueLoad load;
+  const long before = NumTaken();
+  for (int n = 0; n < 1500; ++n) {
+    // In, jumps, and out.
+    const double depth_mm = 30.0 * std::abs(std::sin(0.004 * n)) - 3.0;
+    scene.StepAt(n % 200 == 0 ? depth_mm - 10.0 : depth_mm, 0.3 * std::sin(0.1 * n));
+    scene.model.LoadOf(scene.state, load);
+  }
+  EXPECT_EQ(NumTaken() - before, 0);
+  EXPECT_GT(scene.model.strain()->region().num_nodes(), 20);
 }
 
 }  // namespace

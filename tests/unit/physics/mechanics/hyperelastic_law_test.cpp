@@ -1,0 +1,142 @@
+#include "acus/physics/mechanics/hyperelastic_law.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "acus/base/core/random.h"
+
+namespace acus::mechanics {
+namespace {
+
+constexpr double kShearMpa = 0.002;
+const HyperelasticLaw kLaws[] = {{LawKind::kNeoHookean},
+                                 {LawKind::kYeoh, 5e-4, 2e-4, 0.0},
+                                 {LawKind::kYeoh, -2e-4, 2e-4, 0.0},
+                                 {LawKind::kFung, 0.0, 0.0, 1.7}};
+
+class Law : public testing::TestWithParam<HyperelasticLaw> {};
+INSTANTIATE_TEST_SUITE_P(Laws, Law, testing::ValuesIn(kLaws));
+
+Eigen::Matrix3d Random(RandomStream& random, double size) {
+  Eigen::Matrix3d f = Eigen::Matrix3d::Identity();
+  for (double& value : f.reshaped()) value += size * random.Uniform(-1.0, 1.0);
+  return f;
+}
+
+/// Strained, stretched far, flat and inside out.
+std::vector<Eigen::Matrix3d> SomeGradients() {
+  RandomStream random(3, "gradients");
+  std::vector<Eigen::Matrix3d> out;
+  for (const double size : {0.0, 0.05, 0.5, 2.0}) {
+    for (int n = 0; n < 5; ++n) out.push_back(Random(random, size));
+  }
+  out.push_back(Eigen::Vector3d(1, 1, 0).asDiagonal());
+  out.push_back(Eigen::Vector3d(1.2, 0.9, -0.4).asDiagonal());
+  return out;
+}
+
+TEST_P(Law, StressIsTheSlopeOfTheEnergy) {
+  for (const Eigen::Matrix3d& f : SomeGradients()) {
+    const Eigen::Matrix3d stress = ShapeStressMpa(GetParam(), kShearMpa, f);
+    for (int i = 0; i < 9; ++i) {
+      const double h = 1e-6;
+      Eigen::Matrix3d up = f, down = f;
+      up(i) += h;
+      down(i) -= h;
+      const double slope = (ShapeEnergyMpa(GetParam(), kShearMpa, up) -
+                            ShapeEnergyMpa(GetParam(), kShearMpa, down)) /
+                           (2.0 * h);
+      EXPECT_NEAR(stress(i), slope, 1e-6 * (kShearMpa + stress.norm())) << f;
+    }
+  }
+}
+
+TEST_P(Law, TangentIsTheSlopeOfTheStress) {
+  const double pressure_mpa = -0.003;
+  for (const Eigen::Matrix3d& f : SomeGradients()) {
+    const Matrix9 tangent = ShapeTangentMpa(GetParam(), kShearMpa, f, pressure_mpa);
+    const auto stress = [&](const Eigen::Matrix3d& at) -> Eigen::Matrix3d {
+      return ShapeStressMpa(GetParam(), kShearMpa, at) + pressure_mpa * Cofactor(at);
+    };
+    for (int i = 0; i < 9; ++i) {
+      const double h = 1e-6;
+      Eigen::Matrix3d up = f, down = f;
+      up(i) += h;
+      down(i) -= h;
+      const Eigen::Matrix3d slope = (stress(up) - stress(down)) / (2.0 * h);
+      const Eigen::Matrix3d column = tangent.col(i).reshaped(3, 3);
+      EXPECT_LT((column - slope).norm(), 1e-5 * (kShearMpa + tangent.norm())) << f;
+    }
+  }
+}
+
+TEST_P(Law, RotationCostsNothingAndTurnsTheStress) {
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(1.9, Eigen::Vector3d(2, -1, 1).normalized()).toRotationMatrix();
+  for (const Eigen::Matrix3d& f : SomeGradients()) {
+    const double energy = ShapeEnergyMpa(GetParam(), kShearMpa, f);
+    EXPECT_NEAR(ShapeEnergyMpa(GetParam(), kShearMpa, turn * f), energy,
+                1e-12 * (kShearMpa + std::abs(energy)));
+    const Eigen::Matrix3d stress = ShapeStressMpa(GetParam(), kShearMpa, f);
+    EXPECT_LT((ShapeStressMpa(GetParam(), kShearMpa, turn * f) - turn * stress).norm(),
+              1e-12 * (kShearMpa + stress.norm()));
+  }
+}
+
+TEST_P(Law, IsTheLinearModelAtSmallStrain) {
+  Eigen::Matrix3d strain;
+  strain << 1.0, 0.4, -0.3, 0.4, -0.7, 0.2, -0.3, 0.2, 0.5;
+  strain *= 1e-7;
+  const Eigen::Matrix3d stress =
+      ShapeStressMpa(GetParam(), kShearMpa, Eigen::Matrix3d::Identity() + strain);
+  Eigen::Matrix3d linear = 2.0 * kShearMpa * strain;
+  linear.diagonal().array() -= 2.0 / 3.0 * kShearMpa * strain.trace();
+  EXPECT_LT((stress - linear).norm(), 1e-6 * linear.norm());
+}
+
+TEST_P(Law, IsFiniteAtEveryFiniteGradient) {
+  RandomStream random(5, "extreme");
+  for (const double size : {1e-30, 1e-3, 1.0, 1e3, 1e9, 1e15}) {
+    for (int n = 0; n < 20; ++n) {
+      const Eigen::Matrix3d f = size * Random(random, 3.0);
+      EXPECT_TRUE(std::isfinite(ShapeEnergyMpa(GetParam(), kShearMpa, f))) << f;
+      EXPECT_TRUE(ShapeStressMpa(GetParam(), kShearMpa, f).allFinite()) << f;
+    }
+  }
+}
+
+TEST_P(Law, EnergyAndSlopesJoinWhereTheyAreContinued) {
+  const double end = GetParam().kind == LawKind::kFung ? std::log(1000.0) / 1.7 : 50.0;
+  for (const double x : {0.0, end}) {
+    const LawAt below = ValueOf(GetParam(), kShearMpa, x - 1e-9);
+    const LawAt above = ValueOf(GetParam(), kShearMpa, x + 1e-9);
+    EXPECT_NEAR(above.energy_mpa, below.energy_mpa, 1e-6 * (kShearMpa + below.energy_mpa));
+    EXPECT_NEAR(above.slope_mpa, below.slope_mpa, 1e-6 * (kShearMpa + below.slope_mpa));
+  }
+  const VolumeFactor below = VolumeFactorAt(kLeastJ - 1e-10);
+  const VolumeFactor above = VolumeFactorAt(kLeastJ + 1e-10);
+  EXPECT_NEAR(above.value, below.value, 1e-7);
+  EXPECT_NEAR(above.slope / below.slope, 1.0, 1e-7);
+  EXPECT_NEAR(above.curvature / below.curvature, 1.0, 1e-7);
+}
+
+TEST(HyperelasticLaw, SaysHowFarItsSlopeFalls) {
+  EXPECT_EQ(LeastSlopeShare({LawKind::kFung, 0, 0, 3.0}, kShearMpa), 1.0);
+  EXPECT_EQ(LeastSlopeShare({LawKind::kYeoh, 1e-4, 0.0, 0.0}, kShearMpa), 1.0);
+  // mu/2 + 2 c2 x + 3 c3 x^2 is least at x = -c2 / (3 c3) = 1/3: 1 - c2^2 / (3 c3) / (mu/2).
+  EXPECT_NEAR(LeastSlopeShare({LawKind::kYeoh, -2e-4, 2e-4, 0.0}, kShearMpa),
+              1.0 - 4e-8 / 6e-4 / 1e-3, 1e-12);
+  EXPECT_LT(LeastSlopeShare({LawKind::kYeoh, -1e-4, 0.0, 0.0}, kShearMpa), 0.0);
+}
+
+TEST(HyperelasticLaw, PositivePartKeepsWhatIsPositive) {
+  Matrix9 m = Matrix9::Identity();
+  m(0, 0) = -3.0;
+  Matrix9 want = Matrix9::Identity();
+  want(0, 0) = 0.0;
+  EXPECT_LT((PositivePart(m) - want).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace acus::mechanics
