@@ -27,7 +27,7 @@ struct NeedleLoad {
 
 /// A plain value of fixed size: taking one in a step allocates nothing.
 struct TissueLoad {
-  static constexpr int kMaxPoints = 192;
+  static constexpr int kMaxPoints = 352;
   std::array<PointLoad, kMaxPoints> point{};
   int num_points = 0;
   NeedleLoad needle;
