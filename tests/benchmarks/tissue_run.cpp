@@ -55,7 +55,8 @@ MeasuredRun RunFem(const FemSetting& setting, const TissueBlockTables& tables,
   {
     const mechanics::Condensation condensation(
         mesh, free, tables.elasticity, setting.element,
-        mechanics::CorridorNodes(mesh, free, WayOf(samples, setting.corridor_radius_mm)),
+        mechanics::NeedleNodes(mesh, free, WayOf(samples, setting.corridor_radius_mm),
+                               setting.tip_reach_mm),
         mechanics::kDefaultMemoryMib, context);
     compliance = condensation.Compliance(setting.storage);
   }

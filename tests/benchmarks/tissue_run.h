@@ -21,6 +21,7 @@ struct FemSetting {
   double element_mm = 4.0;
   mechanics::ElementKind element = mechanics::ElementKind::kAveragedDilatation;
   double corridor_radius_mm = 6.0;
+  double tip_reach_mm = 12.0;
   mechanics::Storage storage = mechanics::Storage::kDouble;
   double contact_spacing_mm = 2.0;
 };

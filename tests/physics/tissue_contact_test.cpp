@@ -6,6 +6,7 @@
 #include "acus/physics/tissue/contact_mesh.h"
 #include "acus/physics/tissue/contact_system.h"
 #include "acus/physics/tissue/local_compliance.h"
+#include "acus/physics/tissue/tip_kernel.h"
 #include "support/elastic_box.h"
 
 namespace acus::tissue {
@@ -131,21 +132,25 @@ double TipMmPerN(int cells, double lump_mm, bool on_surface) {
   });
   const double cell_mm = 60.0 / cells;
   const Eigen::Vector3d centre(0, 0, on_surface ? 60.0 : 30.0);
-  const auto compliance = testing_support::ComplianceOf(
-      mesh, ElasticLabels({{4, tissue}}), mechanics::Storage::kDouble,
-      [&](const Eigen::Vector3d& x) { return (x - centre).norm() < 8.0 + 2.0 * cell_mm; },
-      mechanics::ElementKind::kAveragedDilatation);
+  const auto compliance = testing_support::CondensedOf(
+      mesh, ElasticLabels({{4, tissue}}),
+      [&](const Eigen::Vector3d& x) { return (x - centre).norm() < 12.0 + 1.0 * cell_mm; });
   const ContactMesh places(mesh, compliance);
+  const TipKernel kernel(mesh, compliance);
   const ContactSystem system(compliance, {.points = 1, .slots = 0});
+  const double near_mm2_per_n =
+      on_surface ? PunchMobilityMm2PerN(tissue) : SphereMobilityMm2PerN(tissue);
   double sum = 0.0;
   const Eigen::Vector3d offsets[] = {{0.1, 0.2, -0.1}, {0.4, 0.3, -0.45}, {-0.3, 0.15, -0.25}};
   for (const Eigen::Vector3d& offset : offsets) {
     Eigen::Vector3d at = centre + cell_mm * offset;
     if (on_surface) at.z() = 60.0 - 1e-6;
     const double element_mm = places.Find(at).element_mm;
-    const ContactPlace ball = places.Ball(at, BallRadiusMm(element_mm, lump_mm));
-    sum += (system.Between(ball, ball)(2, 2) +
-            TipCompliance(tissue, element_mm, lump_mm, on_surface)) /
+    const double radius_mm = KernelRadiusMm(element_mm, lump_mm);
+    const KernelPlace ball = kernel.Ball(at, radius_mm);
+    sum += (system.Between(ball.place, ball.place)(2, 2) +
+            near_mm2_per_n * NearFieldPerMm(radius_mm, lump_mm) +
+            SphereMobilityMm2PerN(tissue) * ball.self_per_mm) /
            3.0;
   }
   return sum;
@@ -155,6 +160,10 @@ TEST(NeedleInMesh, TheTipMovesTheSameInEveryMesh) {
   for (const double lump_mm : {1.0, 2.5, 4.0}) {
     EXPECT_NEAR(TipMmPerN(8, lump_mm, false) / TipMmPerN(12, lump_mm, false), 1.0, 0.02) << lump_mm;
     EXPECT_NEAR(TipMmPerN(8, lump_mm, true) / TipMmPerN(12, lump_mm, true), 1.0, 0.08) << lump_mm;
+    EXPECT_NEAR(TipMmPerN(12, lump_mm, false) / TipMmPerN(18, lump_mm, false), 1.0, 0.03)
+        << lump_mm;
+    EXPECT_NEAR(TipMmPerN(12, lump_mm, true) / TipMmPerN(18, lump_mm, true), 1.0, 0.08)
+        << lump_mm;
   }
   // A rigid sphere of 1 mm in an infinite solid; the box of 60 mm is 4 % stiffer.
   const double shear_mpa = 0.02 / 2.9;

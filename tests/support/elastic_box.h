@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "acus/physics/mechanics/compliance.h"
+#include "acus/physics/mechanics/condensation.h"
 #include "acus/physics/mechanics/sparse_factor.h"
 #include "acus/physics/mechanics/stiffness.h"
 #include "support/box_mesh.h"
@@ -52,6 +53,22 @@ mechanics::Compliance ComplianceOf(
   }
   const Eigen::MatrixXd symmetric = 0.5 * (compliance + compliance.transpose());
   return mechanics::Compliance::FromMatrix(nodes, symmetric, storage);
+}
+
+/// The same by condensation: for many nodes.
+template <class IsReachable>
+mechanics::Compliance CondensedOf(const mesh::TetraMesh& mesh,
+                                  const mechanics::ElasticityTable& table,
+                                  const IsReachable& is_reachable) {
+  const mechanics::FreeNodes free = mechanics::FindFreeNodes(mesh);
+  std::vector<int> nodes;
+  for (const int node : free.mesh_node) {
+    if (is_reachable(Eigen::Vector3d(mesh.nodes_mm.col(node)))) nodes.push_back(node);
+  }
+  const mechanics::Condensation condensation(mesh, free, table,
+                                             mechanics::ElementKind::kAveragedDilatation, nodes,
+                                             mechanics::kDefaultMemoryMib, RunContext{});
+  return condensation.Compliance(mechanics::Storage::kDouble);
 }
 
 }  // namespace acus::testing_support

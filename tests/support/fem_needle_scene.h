@@ -53,6 +53,8 @@ struct SceneOptions {
   mechanics::Storage storage = mechanics::Storage::kDouble;
   double reach_mm = 1e9;  ///< Nodes within this of the z axis are in the compliance.
   tissue::FemContactSettings contact{};
+  mechanics::Relaxation relaxation{};
+  std::vector<mechanics::Membrane> membranes{};
 };
 
 inline double HeightOf(const mesh::TetraMesh& mesh, Eigen::Index t) {
@@ -84,6 +86,8 @@ inline mechanics::ElasticityTable SceneElasticity(const SceneOptions& options) {
   mechanics::ElasticityTable table =
       ElasticLabels({{4, {options.soft_mpa, 0.45}}, {5, {options.inner_mpa, 0.45}}});
   table.law[4] = table.law[5] = options.law;
+  table.relaxation = options.relaxation;
+  table.membranes = options.membranes;
   return table;
 }
 
@@ -101,7 +105,7 @@ struct FemScene {
   forces::NeedleForce StepAt(double depth_mm, double x_mm = 0.3, double y_mm = -0.7,
                              double tilt_x = 0.0) {
     tissue::ToolSample sample;
-    sample.time_s = time_s += 1e-3;
+    sample.time_s = time_s += step_s;
     sample.tip_in_ct_mm = {x_mm, y_mm, 60.0 - depth_mm};
     sample.axis_in_ct = Eigen::Vector3d(tilt_x, 0.0, -1.0).normalized();
     return model.Step(state, sample);
@@ -120,6 +124,7 @@ struct FemScene {
   tissue::FemNeedleModel model;
   tissue::FemNeedleState state;
   double time_s = 0.0;
+  double step_s = 1e-3;
 };
 
 }  // namespace acus::testing_support

@@ -65,6 +65,7 @@ CondenseSettings CondenseSettingsFromJson(const json& document,
   }
   CondenseSettings out;
   out.corridor_radius_mm = from.at("corridor_radius_mm").get<double>();
+  out.tip_reach_mm = from.at("tip_reach_mm").get<double>();
   if (from.contains("probe")) out.probe = PatchFromJson(from.at("probe"));
   if (!probe_at.empty()) out.probe->centre_mm = PointFromText(probe_at, "--probe-at");
   out.image_radius_mm = from.at("image_radius_mm").get<double>();
@@ -83,7 +84,7 @@ void WriteCondensed(const std::filesystem::path& folder, const mesh::TetraMesh& 
                     const RunContext& context) {
   const FreeNodes free = FindFreeNodesOf(mesh, context);
   const mechanics::Capsule reach{corridor.from_mm, corridor.to_mm, settings.corridor_radius_mm};
-  std::vector<int> reachable = mechanics::CorridorNodes(mesh, free, reach);
+  std::vector<int> reachable = mechanics::NeedleNodes(mesh, free, reach, settings.tip_reach_mm);
   if (settings.probe) {
     reachable = mechanics::Joined(reachable, mechanics::SkinNodes(mesh, free, *settings.probe));
   }

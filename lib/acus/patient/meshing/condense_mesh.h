@@ -17,6 +17,7 @@ namespace acus::meshing {
 
 struct CondenseSettings {
   double corridor_radius_mm = 0.0;
+  double tip_reach_mm = 0.0;
   std::optional<mechanics::SkinPatch> probe;
   double image_radius_mm = 0.0;  ///< 0: no image block.
   mechanics::Storage storage = mechanics::Storage::kDouble;

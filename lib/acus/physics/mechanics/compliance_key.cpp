@@ -32,9 +32,18 @@ std::string HashOf(const ElasticityTable& table, const mesh::TetraMesh& mesh) {
   std::vector<double> rows;
   for (int label = 0; label < 256; ++label) {
     if (!is_used[static_cast<std::size_t>(label)]) continue;
-    const ElasticTissue& tissue = table.At(static_cast<volume::Label>(label));
+    const ElasticTissue& tissue = table.SolidAt(static_cast<volume::Label>(label));
     rows.insert(rows.end(),
                 {static_cast<double>(label), tissue.youngs_modulus_mpa, tissue.poissons_ratio});
+  }
+  for (const Membrane& membrane : table.membranes) {
+    if (!is_used[membrane.tissue]) continue;
+    rows.insert(rows.end(), {static_cast<double>(membrane.tissue), membrane.youngs_modulus_mpa,
+                             membrane.poissons_ratio, membrane.thickness_mm,
+                             membrane.tension_n_per_mm});
+    for (std::size_t beyond = 0; beyond < 256; ++beyond) {
+      rows.push_back(membrane.against.test(beyond) ? 1.0 : 0.0);
+    }
   }
   core::ByteWriter out(mesh::kPackedOrder);
   out.Array(std::span<const double>(rows));

@@ -1,5 +1,6 @@
 #include "acus/physics/mechanics/elasticity_table.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "acus/base/config/json_file.h"
@@ -57,7 +58,64 @@ HyperelasticLaw LawFrom(const json& block, double shear_modulus_mpa, const std::
   return law;
 }
 
+/// The tissues of the list, or all but the tissue itself where there is none.
+std::bitset<256> OtherSide(const json& membrane, volume::Label tissue, const std::string& where) {
+  std::bitset<256> out;
+  if (membrane.contains("against")) {
+    for (const json& name : membrane.at("against")) out.set(LabelAt(name, where));
+  } else {
+    out.set();
+  }
+  if (membrane.contains("not_against")) {
+    for (const json& name : membrane.at("not_against")) out.reset(LabelAt(name, where));
+  }
+  out.reset(tissue);
+  return out;
+}
+
+void ReadMembrane(const json& row, volume::Label tissue, const std::string& where,
+                  ElasticityTable& table) {
+  if (!row.contains("membrane")) return;
+  const json& from = row.at("membrane");
+  Membrane membrane;
+  membrane.tissue = tissue;
+  membrane.against = OtherSide(from, tissue, where + "/membrane");
+  membrane.youngs_modulus_mpa = from.at("youngs_modulus_kpa").get<double>() * 1e-3;
+  membrane.poissons_ratio = from.at("poissons_ratio");
+  membrane.thickness_mm = from.at("thickness_mm");
+  membrane.tension_n_per_mm = from.at("tension_n_per_m").get<double>() * 1e-3;
+  table.membranes.push_back(membrane);
+  if (from.contains("solid_youngs_modulus_kpa")) {
+    table.beneath[tissue] = {from.at("solid_youngs_modulus_kpa").get<double>() * 1e-3,
+                             table.tissue[tissue].poissons_ratio};
+    table.has_beneath.set(tissue);
+  }
+}
+
+Relaxation ReadRelaxation(const json& document, const std::string& label) {
+  Relaxation out;
+  if (!document.contains("relaxation")) return out;
+  double sum = 0.0;
+  for (const json& term : document.at("relaxation").at("terms")) {
+    out.term[static_cast<std::size_t>(out.num_terms++)] = {term.at("share"), term.at("time_s")};
+    sum += term.at("share").get<double>();
+  }
+  ACUS_REQUIRE(sum < 1.0, label, ": /relaxation/terms: the shares sum to ", sum,
+               "; they must stay below 1, since tissue that lost all its force would flow");
+  return out;
+}
+
 }  // namespace
+
+const ElasticTissue& ElasticityTable::SolidAt(volume::Label label) const {
+  const ElasticTissue& whole = At(label);
+  return has_beneath.test(label) ? beneath[label] : whole;
+}
+
+const Membrane* ElasticityTable::MembraneOf(volume::Label covered, volume::Label beyond) const {
+  const auto found = std::ranges::find(membranes, covered, &Membrane::tissue);
+  return found != membranes.end() && found->against.test(beyond) ? &*found : nullptr;
+}
 
 const ElasticTissue& ElasticityTable::At(volume::Label label) const {
   ACUS_REQUIRE(label != 0, "the mesh holds tetrahedra of 'outside' (label 0), which is free space ",
@@ -88,7 +146,10 @@ ElasticityTable ElasticityTableFromJson(json document, const std::string& label)
                                   Message(label, ": /tissues/", i));
     }
     table.named.set(tissue);
+    ReadMembrane(row, tissue, Message(label, ": /tissues/", i), table);
   }
+  std::ranges::sort(table.membranes, {}, &Membrane::tissue);
+  table.relaxation = ReadRelaxation(document, label);
   return table;
 }
 

@@ -6,9 +6,12 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "acus/data/volume/labels.h"
 #include "acus/physics/mechanics/hyperelastic_law.h"
+#include "acus/physics/mechanics/membrane.h"
+#include "acus/physics/mechanics/relaxation.h"
 
 namespace acus::mechanics {
 
@@ -30,10 +33,23 @@ struct ElasticityTable {
   std::string description;
   std::array<ElasticTissue, 256> tissue{};
   std::array<HyperelasticLaw, 256> law{};  ///< At large strain; neo_hookean where none is given.
-  std::bitset<256> named;                  ///< Labels that the file has a row for.
+  std::bitset<256> named;  ///< Labels that the file has a row for.
+  /// On surfaces of tissues; ascending by tissue, one per tissue at most. Of 3D meshes only.
+  std::vector<Membrane> membranes;
+  /// Of tissues with a membrane: what the solid beneath it is like; others are not in it.
+  std::array<ElasticTissue, 256> beneath{};
+  std::bitset<256> has_beneath;
+  Relaxation relaxation;  ///< Of the 3D contact model; the moduli are those of fast deformation.
 
   /// @throws InputError that names tissue, file and remedy if there is no row for `label`.
   const ElasticTissue& At(volume::Label label) const;
+
+  /// The solid of a tissue where its membrane is a shell of its own; At() where it has none.
+  /// @throws InputError as At.
+  const ElasticTissue& SolidAt(volume::Label label) const;
+
+  /// Null: none between this tissue and what is on its other side (0: outside the body).
+  const Membrane* MembraneOf(volume::Label covered, volume::Label beyond) const;
 };
 
 /// Reads configs/elasticity/*.json (format acus-elasticity/1). @throws InputError listing all

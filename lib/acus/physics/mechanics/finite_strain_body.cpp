@@ -55,7 +55,7 @@ Eigen::Matrix<double, 9, 12> GradientByCorners(const LinearTetrahedron& shape) {
 void FiniteStrainBody::Add(const mesh::TetraMesh& mesh, const ElasticityTable& table,
                            const ElementPatch& patch, std::span<const int> node_of_mesh_node) {
   const volume::Label label = mesh.tissue[static_cast<std::size_t>(patch.tetrahedra[0])];
-  const ElasticTissue& tissue = table.At(label);
+  const ElasticTissue& tissue = table.SolidAt(label);
   FiniteStrainPatch& made = patches.emplace_back();
   made.first = static_cast<int>(shapes.size());
   made.count = static_cast<int>(patch.tetrahedra.size());

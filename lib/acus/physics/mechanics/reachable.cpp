@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <tuple>
 
 #include "acus/base/core/error.h"
 #include "acus/data/mesh/quality.h"
@@ -168,6 +169,27 @@ std::vector<int> NodesInside(const mesh::TetraMesh& mesh, const FreeNodes& free,
            capsule.radius_mm;
   });
   return nodes;
+}
+
+std::vector<int> NeedleNodes(const mesh::TetraMesh& mesh, const FreeNodes& free,
+                             const Capsule& corridor, double beyond_mm) {
+  const std::vector<std::uint8_t> is_outer = mesh::OuterNodes(mesh);
+  const Capsule around{corridor.from_mm, corridor.to_mm, corridor.radius_mm + beyond_mm};
+  std::vector<int> nodes = NodesInside(mesh, free, around);
+  // Those of the surface first: a disc on it needs them, a ball has no preference.
+  std::ranges::sort(nodes, {}, [&](int node) {
+    const Vector3d x = mesh.nodes_mm.col(node);
+    return std::tuple(is_outer[static_cast<std::size_t>(node)] == 0, x.z(), x.y(), x.x());
+  });
+  std::vector<int> sparse;
+  for (const int node : nodes) {
+    const auto is_near = [&](int other) {
+      return (mesh.nodes_mm.col(other) - mesh.nodes_mm.col(node)).norm() < kSparseSpacingMm;
+    };
+    if (std::none_of(sparse.rbegin(), sparse.rend(), is_near)) sparse.push_back(node);
+  }
+  std::ranges::sort(sparse);
+  return Joined(CorridorNodes(mesh, free, corridor), sparse);
 }
 
 std::vector<int> Joined(const std::vector<int>& a, const std::vector<int>& b) {

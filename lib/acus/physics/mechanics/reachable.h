@@ -39,6 +39,15 @@ std::vector<int> SkinNodes(const mesh::TetraMesh& mesh, const FreeNodes& free,
 std::vector<int> NodesInside(const mesh::TetraMesh& mesh, const FreeNodes& free,
                              const Capsule& capsule);
 
+/// Where a needle in the corridor acts on the tissue: CorridorNodes, and within `beyond_mm` of the
+/// corridor enough nodes for the mean of a smooth displacement over the ball of a tip's force,
+/// at least kSparseSpacingMm apart (those of the outer surface among themselves), whatever the mesh.
+/// Which ones depends on places, not on numbers.
+/// @returns mesh nodes, ascending. @throws InputError as CorridorNodes.
+inline constexpr double kSparseSpacingMm = 5.0;
+std::vector<int> NeedleNodes(const mesh::TetraMesh& mesh, const FreeNodes& free,
+                             const Capsule& corridor, double beyond_mm);
+
 /// The nodes of both lists, ascending, each once.
 std::vector<int> Joined(const std::vector<int>& a, const std::vector<int>& b);
 

@@ -41,9 +41,11 @@ Eigen::SparseMatrix<double> AssembleStiffness(const mesh::TetraMesh& mesh,
   const std::vector<ElementPatch> patches = ElementPatches(mesh, kind, is_left_out);
   BlockMatrix matrix(static_cast<int>(mesh.nodes_mm.cols()), patches);
   for (const ElementPatch& patch : patches) {
-    AddPatch(mesh, table.At(mesh.tissue[patch.tetrahedra[0]]), patch, matrix);
+    AddPatch(mesh, table.SolidAt(mesh.tissue[patch.tetrahedra[0]]), patch, matrix);
   }
-  return std::move(matrix).Take();
+  Eigen::SparseMatrix<double> out = std::move(matrix).Take();
+  if (!table.membranes.empty()) out += MembraneStiffness(mesh, table.membranes, is_left_out);
+  return out;
 }
 
 Eigen::SparseMatrix<double> FreeStiffness(const Eigen::SparseMatrix<double>& lower_n_per_mm,

@@ -18,7 +18,6 @@ constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 ContactMesh::ContactMesh(const mesh::TetraMesh& mesh, const mechanics::Compliance& compliance)
     : location_(mesh) {
   elements_.reserve(mesh.tissue.size());
-  std::vector<std::uint8_t> is_near(static_cast<std::size_t>(mesh.nodes_mm.cols()), 0);
   for (Eigen::Index t = 0; t < mesh.tetrahedra.cols(); ++t) {
     const mesh::Corners x = mesh::CornersOf(mesh, t);
     Element element{};
@@ -33,14 +32,6 @@ ContactMesh::ContactMesh(const mesh::TetraMesh& mesh, const mechanics::Complianc
     const double volume_mm3 = (x[1] - x[0]).cross(x[2] - x[0]).dot(x[3] - x[0]) / 6.0;
     element.size_mm = std::cbrt(6.0 * std::numbers::sqrt2 * std::abs(volume_mm3));
     elements_.push_back(element);
-    if (std::ranges::all_of(element.row, [](int row) { return row < 0; })) continue;
-    for (int c = 0; c < 4; ++c) is_near[static_cast<std::size_t>(mesh.tetrahedra(c, t))] = 1;
-  }
-  for (int node = 0; node < static_cast<int>(mesh.nodes_mm.cols()); ++node) {
-    const std::size_t at = static_cast<std::size_t>(node);
-    if (is_near[at] == 0) continue;
-    const int row = mesh.fixed_nodes[at] != 0 ? -1 : compliance.RowOf(node);
-    nodes_.push_back({mesh.nodes_mm.col(node), row});
   }
 }
 
@@ -61,49 +52,6 @@ Spot ContactMesh::Find(const Eigen::Vector3d& rest_in_ct_mm) const noexcept {
     ++spot.place.num_rows;
   }
   return spot;
-}
-
-ContactPlace ContactMesh::Ball(const Eigen::Vector3d& rest_in_ct_mm,
-                               double radius_mm) const noexcept {
-  struct Candidate {
-    double distance2;
-    int node;
-  };
-  constexpr std::size_t kMostCandidates = 512;
-  constexpr std::size_t kMost = ContactPlace::kMostRows;
-  std::array<Candidate, kMostCandidates> candidate;
-  std::size_t count = 0;
-  double radius2 = radius_mm * radius_mm;
-  for (std::size_t n = 0; n < nodes_.size() && count < kMostCandidates; ++n) {
-    const double distance2 = (nodes_[n].rest_in_ct_mm - rest_in_ct_mm).squaredNorm();
-    if (distance2 < radius2) candidate[count++] = {distance2, static_cast<int>(n)};
-  }
-  if (count > kMost) {
-    std::nth_element(candidate.begin(), candidate.begin() + kMost, candidate.begin() + count,
-                     [](const Candidate& a, const Candidate& b) {
-                       return a.distance2 != b.distance2 ? a.distance2 < b.distance2
-                                                         : a.node < b.node;
-                     });
-    radius2 = candidate[kMost].distance2;
-    count = kMost;
-  }
-  // Neighbours in the compliance one after the other.
-  std::sort(candidate.begin(), candidate.begin() + count,
-            [](const Candidate& a, const Candidate& b) { return a.node < b.node; });
-  ContactPlace place;
-  double sum = 0.0;
-  for (std::size_t c = 0; c < count; ++c) {
-    const double inside = std::max(0.0, 1.0 - candidate[c].distance2 / radius2);
-    const int row = nodes_[static_cast<std::size_t>(candidate[c].node)].row;
-    sum += inside * inside;
-    if (row < 0) continue;
-    place.row[static_cast<std::size_t>(place.num_rows)] = row;
-    place.weight[static_cast<std::size_t>(place.num_rows)] = inside * inside;
-    ++place.num_rows;
-  }
-  if (!(sum > 1e-6)) return {};
-  for (int r = 0; r < place.num_rows; ++r) place.weight[static_cast<std::size_t>(r)] /= sum;
-  return place;
 }
 
 Eigen::Vector3d ContactMesh::Crossing(Eigen::Vector3d outside_mm,

@@ -29,12 +29,6 @@ class ContactMesh {
   /// Allocates nothing. On a face, edge or node: the tetrahedron with the lowest number.
   Spot Find(const Eigen::Vector3d& rest_in_ct_mm) const noexcept;
 
-  /// The mean displacement of a ball: nodes within `radius_mm`, each with weight (1 -
-  /// d^2/radius^2)^2. A ball of more than ContactPlace::kMostRows nodes shrinks to those. Nodes
-  /// that are held or out of reach count as held still. Without a node near, there are no rows.
-  /// O(nodes in reach).
-  ContactPlace Ball(const Eigen::Vector3d& rest_in_ct_mm, double radius_mm) const noexcept;
-
   /// Where the segment from a place outside to one inside crosses the surface, the inner side of
   /// it. To 1e-6 of the segment. @pre Find(outside) is outside, Find(inside) inside.
   Eigen::Vector3d Crossing(Eigen::Vector3d outside_mm, Eigen::Vector3d inside_mm) const noexcept;
@@ -46,12 +40,7 @@ class ContactMesh {
     volume::Label tissue;
     bool reachable;
   };
-  struct Node {
-    Eigen::Vector3d rest_in_ct_mm;
-    int row;  ///< -1: held still.
-  };
   mesh::PointLocation location_;
-  std::vector<Node> nodes_;  ///< Of all elements with a node in reach.
   std::vector<Element> elements_;
 };
 

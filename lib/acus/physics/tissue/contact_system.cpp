@@ -17,8 +17,9 @@ constexpr double kLargestResidualShare = 1e-10;
 
 }  // namespace
 
-ContactSystem::ContactSystem(mechanics::Compliance compliance, Capacity capacity)
-    : compliance_(std::move(compliance)), capacity_(capacity) {
+ContactSystem::ContactSystem(mechanics::Compliance compliance, Capacity capacity,
+                             const mechanics::Relaxation& relaxation)
+    : compliance_(std::move(compliance)), capacity_(capacity), relaxation_(relaxation) {
   ACUS_ASSERT(capacity.points >= 1 && capacity.slots >= 0);
   ACUS_ASSERT(2 * capacity.points + capacity.slots <= 1000);
 }
@@ -48,6 +49,16 @@ ContactState ContactSystem::NewState() const {
                           &state.second_, &state.third_}) {
     of_points->resize(std::max(2 * points, stride), 0.0);
   }
+  state.slot_extra_n_.resize(capacity_.slots, 0.0);
+  state.relaxation_ = relaxation_;
+  const std::size_t terms = static_cast<std::size_t>(relaxation_.num_terms);
+  if (terms > 0) {
+    state.held_lateral_n_.resize(2 * points, 0.0);
+    state.held_n_.resize(columns, 0.0);
+    state.lost_lateral_n_.resize(terms * 2 * points, 0.0);
+    state.lost_n_.resize(terms * columns, 0.0);
+    state.decay_.fill(1.0);
+  }
   for (auto* of_columns :
        {&state.demand_mm_, &state.low_n_, &state.high_n_, &state.bounded_n_, &state.rhs_}) {
     of_columns->resize(stride, 0.0);
@@ -69,6 +80,51 @@ void ContactSystem::SaveCopy(ContactState& state, int index) const noexcept {
   double* out = state.copies_.data() + CopyBegin(index);
   const int size = capacity_.slots + index * kPointsPerCopy;
   for (int i = 0; i < size; ++i) out = std::copy_n(state.S(i), i + 1, out);
+}
+
+void ContactSystem::Pass(ContactState& state, double duration_s) const noexcept {
+  if (relaxation_.num_terms == 0) return;
+  const auto settle = [](double decay, double share, const double* elastic_n, const double* extra_n,
+                         std::size_t num_extra, double* lost_n, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i) {
+      const double whole_n = elastic_n[i] + (i < num_extra ? extra_n[i] : 0.0);
+      lost_n[i] = decay * lost_n[i] + (1.0 - decay) * share * whole_n;
+    }
+  };
+  const std::size_t laterals = state.held_lateral_n_.size();
+  const std::size_t columns = state.held_n_.size();
+  std::ranges::fill(state.held_lateral_n_, 0.0);
+  std::ranges::fill(state.held_n_, 0.0);
+  state.alpha_ = 1.0;
+  for (int k = 0; k < relaxation_.num_terms; ++k) {
+    const std::size_t at = static_cast<std::size_t>(k);
+    const auto& [share, time_s] = relaxation_.term[at];
+    double* lost_lateral_n = state.lost_lateral_n_.data() + at * laterals;
+    double* lost_n = state.lost_n_.data() + at * columns;
+    settle(state.decay_[at], share, state.lateral_n_.data(), nullptr, 0, lost_lateral_n, laterals);
+    settle(state.decay_[at], share, state.bounded_n_.data(), state.slot_extra_n_.data(),
+           state.slot_extra_n_.size(), lost_n, columns);
+    const double decay = std::exp(-duration_s / time_s);
+    state.decay_[at] = decay;
+    state.alpha_ -= share * (1.0 - decay);
+    for (std::size_t i = 0; i < laterals; ++i) state.held_lateral_n_[i] += decay * lost_lateral_n[i];
+    for (std::size_t i = 0; i < columns; ++i) state.held_n_[i] += decay * lost_n[i];
+  }
+}
+
+/// A column begins anew: its tissue has no past.
+void ContactSystem::Forget(ContactState& state, int column) const noexcept {
+  if (relaxation_.num_terms == 0) return;
+  const std::size_t laterals = state.held_lateral_n_.size();
+  const std::size_t columns = state.held_n_.size();
+  const int point = column - state.num_slots_;
+  state.held_n_[column] = 0.0;
+  for (int k = 0; k < relaxation_.num_terms; ++k) state.lost_n_[k * columns + column] = 0.0;
+  if (point < 0) return;
+  for (int row : {2 * point, 2 * point + 1}) {
+    state.held_lateral_n_[row] = 0.0;
+    for (int k = 0; k < relaxation_.num_terms; ++k) state.lost_lateral_n_[k * laterals + row] = 0.0;
+  }
 }
 
 void ContactSystem::Restart(ContactState& state, const Eigen::Matrix3d& frame) const noexcept {
@@ -145,7 +201,7 @@ Eigen::Vector3d ContactSystem::AppendPoint(ContactState& state, const ContactPla
   for (int q = 0; q <= n; ++q) {
     const ContactPlace& other = q < n ? state.point_place_[q] : place;
     Eigen::Matrix3d block = frame.transpose() * Between(place, other) * frame;
-    if (q < n) displacement += block * state.PointForceN(q);
+    if (q < n) displacement += block * state.ElasticPointN(q);
     if (q == n) {
       block.diagonal() +=
           Eigen::Vector3d(local.lateral_mm_per_n, local.lateral_mm_per_n, local.axial_mm_per_n);
@@ -213,6 +269,7 @@ void ContactSystem::TruncatePoints(ContactState& state, int count) const noexcep
   for (int q = count; q < state.num_points_; ++q) {
     state.lateral_n_[2 * q] = state.lateral_n_[2 * q + 1] = 0.0;
     state.bounded_n_[state.num_slots_ + q] = 0.0;
+    Forget(state, state.num_slots_ + q);
   }
   state.num_points_ = count;
   state.lateral_factor_.Truncate(2 * count);
@@ -268,7 +325,8 @@ void ContactSystem::SetSlot(ContactState& state, int slot, const ContactPlace& p
 void ContactSystem::ClearSlot(ContactState& state, int slot) const noexcept {
   if (state.slot_used_[slot] == 0) return;
   state.slot_used_[slot] = 0;
-  state.bounded_n_[slot] = 0.0;
+  state.bounded_n_[slot] = state.slot_extra_n_[slot] = 0.0;
+  Forget(state, slot);
   for (int k = 0; k < 2 * state.num_points_; ++k) state.W(k)[slot] = 0.0;
   if (state.seen_slot_ == slot) state.seen_slot_ = -1;
   state.solver_.SetStatus(slot, ContactStatus::kOff);
@@ -342,13 +400,13 @@ Eigen::Vector3d ContactSystem::DisplacementMm(const ContactState& state,
     sum += Between(place, state.slot_place_[s]) * (state.slot_direction_[s] * state.bounded_n_[s]);
   }
   for (int q = 0; q < state.num_points_; ++q) {
-    sum += Between(place, state.point_place_[q]) * (state.frame_ * state.PointForceN(q));
+    sum += Between(place, state.point_place_[q]) * (state.frame_ * state.ElasticPointN(q));
   }
   return sum;
 }
 
 double ContactSystem::ResidualMm(const ContactState& state, int point) const noexcept {
-  const Eigen::Vector3d force_n = state.PointForceN(point);
+  const Eigen::Vector3d force_n = state.ElasticPointN(point);
   const LocalCompliance& local = state.point_local_[point];
   Eigen::Vector3d u = state.frame_.transpose() * DisplacementMm(state, state.point_place_[point]);
   u += Eigen::Vector3d(local.lateral_mm_per_n, local.lateral_mm_per_n, local.axial_mm_per_n)

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "acus/physics/mechanics/compliance.h"
+#include "acus/physics/mechanics/relaxation.h"
 #include "acus/physics/tissue/box_solver.h"
 #include "acus/physics/tissue/triangular_factor.h"
 
@@ -28,7 +29,7 @@ namespace acus::tissue {
 /// A place in the tissue at rest: weights of rows of the compliance. Nodes that do not move or
 /// cannot be reached have no row, so the weights may add up to less than 1.
 struct ContactPlace {
-  static constexpr int kMostRows = 32;
+  static constexpr int kMostRows = 160;
   std::array<int, kMostRows> row{};
   std::array<double, kMostRows> weight{};
   int num_rows = 0;
@@ -78,11 +79,29 @@ class ContactState {
   double HighN(int column) const { return high_n_[column]; }
   ContactStatus Status(int column) const { return solver_.status(column); }
 
+  /// A force beside the compliance that presses the tissue at a slot and relaxes with the slot's:
+  /// bounds hold for both together. Elastic, 0 when a slot is taken into use.
+  void SetSlotExtra(int slot, double elastic_n) { slot_extra_n_[slot] = elastic_n; }
+
   /// Forces on the tissue after Solve(): lateral, lateral, axial, in the frame.
   Eigen::Vector3d PointForceN(int point) const {
+    const Eigen::Vector3d elastic_n = ElasticPointN(point);
+    if (relaxation_.num_terms == 0) return elastic_n;
+    const int column = num_slots_ + point;
+    return alpha_ * elastic_n - Eigen::Vector3d(held_lateral_n_[2 * point],
+                                                held_lateral_n_[2 * point + 1], held_n_[column]);
+  }
+  /// With what was set as extra.
+  double SlotForceN(int slot) const {
+    const double elastic_n = bounded_n_[slot] + slot_extra_n_[slot];
+    return relaxation_.num_terms == 0 ? elastic_n : alpha_ * elastic_n - held_n_[slot];
+  }
+
+  /// Those that would deform elastic tissue as it is deformed now; without extras.
+  Eigen::Vector3d ElasticPointN(int point) const {
     return {lateral_n_[2 * point], lateral_n_[2 * point + 1], bounded_n_[num_slots_ + point]};
   }
-  double SlotForceN(int slot) const { return bounded_n_[slot]; }
+  double ElasticSlotN(int slot) const { return bounded_n_[slot]; }
   /// Displacement less what was asked for; 0 while a point sticks.
   double PointExcessMm(int point) const { return solver_.Excess(num_slots_ + point); }
   double SlotExcessMm(int slot) const { return solver_.Excess(slot); }
@@ -105,8 +124,10 @@ class ContactState {
   friend class ContactSystem;
   void SetBounded(int column, double displacement_mm, double low_n, double high_n) {
     demand_mm_[column] = displacement_mm;
-    low_n_[column] = low_n;
-    high_n_[column] = high_n;
+    const double extra_n = column < num_slots_ ? slot_extra_n_[column] : 0.0;
+    const double held_n = relaxation_.num_terms == 0 ? 0.0 : held_n_[column];
+    low_n_[column] = (low_n + held_n) / alpha_ - extra_n;
+    high_n_[column] = (high_n + held_n) / alpha_ - extra_n;
   }
   double* W(int row) { return w_.data() + row * stride_; }
   const double* W(int row) const { return w_.data() + row * stride_; }
@@ -132,7 +153,15 @@ class ContactState {
   BoxSolver solver_;
 
   std::vector<double> lateral_mm_, demand_mm_, low_n_, high_n_;
-  std::vector<double> lateral_n_, bounded_n_;
+  std::vector<double> lateral_n_, bounded_n_, slot_extra_n_;  ///< Elastic.
+
+  // Relaxation. A term's force q follows share * elastic; the tissue's force is elastic - sum of q.
+  // In a step q = decay q + (1 - decay) share elastic, so the force is alpha elastic - held.
+  mechanics::Relaxation relaxation_;
+  double alpha_ = 1.0;
+  std::array<double, mechanics::Relaxation::kMostTerms> decay_{};
+  std::vector<double> held_lateral_n_, held_n_;  ///< Sum of decay q, of lateral rows and columns.
+  std::vector<double> lost_lateral_n_, lost_n_;  ///< q of each term, one term after the other.
   std::vector<double> rhs_, reduced_mm_, first_, second_, third_;  ///< Work space.
   // What the slot that was set last does at nodes, mm/N: many points share a node.
   std::vector<Eigen::Vector3d> seen_mm_per_n_;
@@ -157,7 +186,8 @@ class ContactSystem {
   };
 
   /// @pre 1 <= points, 0 <= slots, 2 points + slots <= 1000.
-  ContactSystem(mechanics::Compliance compliance, Capacity capacity);
+  ContactSystem(mechanics::Compliance compliance, Capacity capacity,
+                const mechanics::Relaxation& relaxation = {});
 
   ContactState NewState() const;
 
@@ -179,6 +209,10 @@ class ContactSystem {
   void SetSlot(ContactState& state, int slot, const ContactPlace& place,
                const Eigen::Vector3d& direction, double local_mm_per_n) const noexcept;
   void ClearSlot(ContactState& state, int slot) const noexcept;
+
+  /// Time goes by, with the forces of the last Solve() at its end: before what is demanded of the
+  /// next one is set. Nothing for elastic tissue. @param duration_s  >= 0.
+  void Pass(ContactState& state, double duration_s) const noexcept;
 
   /// Finds all forces for what was asked by Set...(). Every few calls one point is held against the
   /// compliance itself; if the residual is above kLargestResidualMm, all is factored anew, solved
@@ -204,6 +238,7 @@ class ContactSystem {
 
  private:
   void SolveOnce(ContactState& state, bool& solved) const noexcept;
+  void Forget(ContactState& state, int column) const noexcept;
   void SaveCopy(ContactState& state, int index) const noexcept;
   std::ptrdiff_t CopyBegin(int index) const noexcept;
   double SlotBetween(const ContactState& state, int a, int b) const noexcept;
@@ -213,6 +248,7 @@ class ContactSystem {
 
   mechanics::Compliance compliance_;
   Capacity capacity_;
+  mechanics::Relaxation relaxation_;
 };
 
 }  // namespace acus::tissue

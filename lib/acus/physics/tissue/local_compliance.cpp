@@ -9,10 +9,6 @@ namespace {
 
 constexpr double kLeastLogarithm = 0.2;
 constexpr double kLeastShare = 0.02;
-// A ball with the weights of ContactMesh::Ball moves as much as a rigid sphere of 1 / 1.5 its
-// radius.
-constexpr double kBallOverSphere = 1.85;
-
 }  // namespace
 
 LocalCompliance ShaftCompliance(const mechanics::ElasticTissue& tissue, double element_mm,
@@ -34,19 +30,22 @@ double LumpRadiusMm(const mechanics::ElasticTissue& tissue, double force_n, bool
   return std::max(needle_radius_mm, std::min(radius_mm, kLargestLumpMm));
 }
 
-double TipCompliance(const mechanics::ElasticTissue& tissue, double element_mm,
-                     double lump_radius_mm, bool on_surface) {
+double SphereMobilityMm2PerN(const mechanics::ElasticTissue& tissue) {
   const double nu = tissue.poissons_ratio;
-  const double shear_mpa = tissue.ShearModulusMpa();
-  const double factor = on_surface
-                            ? (1.0 - nu) / (4.0 * shear_mpa)
-                            : (5.0 - 6.0 * nu) / (24.0 * std::numbers::pi * shear_mpa * (1.0 - nu));
-  const double resolved_mm = std::max(lump_radius_mm, element_mm);
-  return factor * std::max(1.0 / lump_radius_mm - 1.0 / resolved_mm, kLeastShare / lump_radius_mm);
+  return (5.0 - 6.0 * nu) / (24.0 * std::numbers::pi * tissue.ShearModulusMpa() * (1.0 - nu));
 }
 
-double BallRadiusMm(double element_mm, double lump_radius_mm) {
-  return kBallOverSphere * std::max(element_mm, lump_radius_mm);
+double PunchMobilityMm2PerN(const mechanics::ElasticTissue& tissue) {
+  return (1.0 - tissue.poissons_ratio) / (4.0 * tissue.ShearModulusMpa());
+}
+
+double KernelRadiusMm(double element_mm, double lump_radius_mm) {
+  return std::max(kKernelOverSphere * std::max(element_mm, lump_radius_mm), kLeastKernelMm);
+}
+
+double NearFieldPerMm(double kernel_radius_mm, double lump_radius_mm) {
+  const double missing = 1.0 / lump_radius_mm - kKernelOverSphere / kernel_radius_mm;
+  return std::max(missing, kLeastShare / lump_radius_mm);
 }
 
 }  // namespace acus::tissue

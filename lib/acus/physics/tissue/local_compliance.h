@@ -37,15 +37,22 @@ inline constexpr double kLargestLumpMm = 10.0;
 double LumpRadiusMm(const mechanics::ElasticTissue& tissue, double force_n, bool on_surface,
                     double needle_radius_mm);
 
-/// The lump is a ball of nodes, whose mean displacement is the tip's. What the ball misses because
-/// it cannot be smaller than the elements, mm/N: the part between the lump's radius r and R = the
-/// larger of r and the edge, of a rigid sphere inside, (5 - 6 nu) / (24 pi G (1 - nu)) (1/r - 1/R),
-/// and of a flat-ended cylinder on the surface (Boussinesq), (1 - nu) / (4 G) (1/r - 1/R); never
-/// less than 2 % of the part with 1/r.
-double TipCompliance(const mechanics::ElasticTissue& tissue, double element_mm,
-                     double lump_radius_mm, bool on_surface);
+/// A rigid sphere of radius r inside the tissue moves by SphereMobility / r under 1 N; a flat-ended
+/// punch on the surface (Boussinesq) by PunchMobility / r. mm^2/N:
+///   (5 - 6 nu) / (24 pi G (1 - nu)),  (1 - nu) / (4 G).
+double SphereMobilityMm2PerN(const mechanics::ElasticTissue& tissue);
+double PunchMobilityMm2PerN(const mechanics::ElasticTissue& tissue);
 
-/// Radius of the ball of nodes for a lump.
-double BallRadiusMm(double element_mm, double lump_radius_mm);
+/// A kernel moves as much as a rigid sphere of 1 / 1.85 its radius.
+inline constexpr double kKernelOverSphere = 1.85;
+
+/// The tip's displacement is the mean over a kernel of nodes (tip_kernel.h) with the same radius in
+/// any mesh: of a lump, but at least kLeastKernelMm, and of what elements of this size can carry.
+inline constexpr double kLeastKernelMm = 7.4;
+double KernelRadiusMm(double element_mm, double lump_radius_mm);
+
+/// What the kernel is too wide for, 1/mm: 1/r of the lump less 1/r of the sphere that moves as the
+/// kernel does; never less than 2 % of the lump's part.
+double NearFieldPerMm(double kernel_radius_mm, double lump_radius_mm);
 
 }  // namespace acus::tissue

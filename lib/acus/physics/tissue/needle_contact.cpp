@@ -29,10 +29,13 @@ FemNeedleModel::FemNeedleModel(const mesh::TetraMesh& mesh, const mechanics::Com
                                const forces::NeedleProperties& needle,
                                const FemContactSettings& settings)
     : table_(table.ScaledTo(needle.beam.outer_diameter_mm)),
+      membranes_(elasticity.membranes),
       mesh_(mesh, compliance),
+      kernel_(mesh, compliance),
       max_points_(settings.max_points),
       system_(compliance, {.points = settings.max_points,
-                           .slots = 1 + (settings.probe ? settings.max_probe_nodes : 0)}),
+                           .slots = 1 + (settings.probe ? settings.max_probe_nodes : 0)},
+              elasticity.relaxation),
       radius_mm_(0.5 * needle.beam.outer_diameter_mm),
       spacing_mm_(std::max(settings.contact_spacing_mm,
                            needle.length_mm / std::max(settings.max_points - 1, 1))) {
@@ -48,7 +51,11 @@ FemNeedleModel::FemNeedleModel(const mesh::TetraMesh& mesh, const mechanics::Com
       moves = moves || mesh.fixed_nodes[static_cast<std::size_t>(mesh.tetrahedra(c, t))] == 0;
     }
     const volume::Label label = mesh.tissue[static_cast<std::size_t>(t)];
-    if (moves) elastic_[label] = elasticity.At(label);
+    if (!moves || elastic_[label].youngs_modulus_mpa > 0.0) continue;
+    elastic_[label] = elasticity.SolidAt(label);
+    if (const mechanics::Membrane* membrane = elasticity.MembraneOf(label, 0)) {
+      skin_shell_[label].emplace(*membrane, elastic_[label], radius_mm_);
+    }
   }
   for (mechanics::ElasticTissue& tissue : elastic_) {
     if (tissue.youngs_modulus_mpa <= 0.0) tissue = {kRigidMpa, 0.3};  // Held still by its nodes.
@@ -82,11 +89,16 @@ forces::NeedleForce FemNeedleModel::Step(FemNeedleState& state,
   const bool is_later =
       std::isfinite(sample.time_s) && !(state.started && sample.time_s <= state.time_s);
   const SampleGate::Verdict verdict = state.Judge(sample);
-  if (is_later) StepProbe(state, sample);
+  if (is_later) {
+    system_.Pass(state.contact, state.started ? sample.time_s - state.passed_s : 0.0);
+    state.passed_s = sample.time_s;
+    StepProbe(state, sample);
+  }
   if (verdict != SampleGate::Verdict::kStep) {
     if (is_later && probe_) {  // The needle stays where it was; the probe goes on.
       if (state.phase == NeedlePhase::kInside) Demand(state);
       SolveContact(state);
+      if (state.phase != NeedlePhase::kFree) FollowDimple(state);
       if (state.phase == NeedlePhase::kInside) FollowSlip(state);
       state.probe_force = probe_->ForceOf(state.contact, state.probe);
     }
@@ -106,8 +118,11 @@ forces::NeedleForce FemNeedleModel::Step(FemNeedleState& state,
     PressSkin(state);
   }
   SolveContact(state);
-  outcome.tip_n =
-      state.phase == NeedlePhase::kFree ? 0.0 : std::max(0.0, state.contact.SlotForceN(0));
+  if (state.phase != NeedlePhase::kFree) {
+    FollowDimple(state);
+    const bool is_off = state.contact.SlotStatus(0) == ContactStatus::kAtLow;
+    outcome.tip_n = is_off ? 0.0 : std::max(0.0, state.contact.SlotForceN(0));
+  }
   forces::NeedleForce out = ForceOf(state, outcome);
   After(state, outcome);
   out.event = outcome.event;
@@ -186,6 +201,7 @@ void FemNeedleModel::Touch(FemNeedleState& state, const Eigen::Vector3d& tip_mm,
         table_.HasMembrane(0, spot.tissue) ? table_.tissue[spot.tissue].membrane.puncture_n : 0.0;
     state.on_bone = false;
     state.tip_offset_mm = 0.0;
+    state.kernel_moved_mm = state.dimple_from_mm = state.ground_mpa = 0.0;
   }
   state.phase = NeedlePhase::kOnSkin;
   state.entry_mm = state.end_mm = at;
@@ -194,11 +210,12 @@ void FemNeedleModel::Touch(FemNeedleState& state, const Eigen::Vector3d& tip_mm,
 
 void FemNeedleModel::PressSkin(FemNeedleState& state) const noexcept {
   state.depth_mm = (state.tip_in_ct_mm - state.entry_mm).dot(state.frame.col(2));
-  const bool same = state.contact.slot_in_use(0) &&
+  // A membrane's dimple widens with its depth, so that its kernel is placed anew in every step.
+  const bool same = state.contact.slot_in_use(0) && state.dimple.stretching_n_per_mm <= 0.0 &&
                     (state.end_mm - state.placed_mm).norm() < kSamePlaceMm &&
                     state.contact.slot_direction(0).dot(state.frame.col(2)) > kSameCosine;
   if (!same) PlaceTip(state, state.frame.col(2));
-  state.contact.SetSlotDemand(0, state.depth_mm, 0.0, TipLimitN(state));
+  DemandTip(state, state.depth_mm);
 }
 
 void FemNeedleModel::Release(FemNeedleState& state) const noexcept {
@@ -208,6 +225,7 @@ void FemNeedleModel::Release(FemNeedleState& state) const noexcept {
   state.on_bone = false;
   state.tip_offset_mm = 0.0;
   state.depth_mm = 0.0;
+  state.dimple = {};
 }
 
 /// True if the membrane that the tip presses gives way, or on the skin, what is there instead.
@@ -218,6 +236,7 @@ bool FemNeedleModel::Pierced(FemNeedleState& state, Outcome& outcome) const noex
   if (outcome.tip_n < TipLimitN(state) * (1.0 - 1e-9)) return false;
   if (state.membrane_n > 0.0) outcome.Happened(forces::NeedleEvent::kPuncture);
   state.membrane_n = 0.0;
+  state.dimple = {};
   state.end_tissue = state.beyond;
   state.tip_offset_mm = 0.0;
   return true;
@@ -324,19 +343,24 @@ void FemNeedleModel::LoadOf(const FemNeedleState& state, TissueLoad& out) const 
     needle.pierced = state.phase == NeedlePhase::kInside;
     needle.entry_in_ct_mm = state.entry_mm;
     for (int p = 0; p < state.contact.num_points(); ++p) {
-      const Eigen::Vector3d force_n = state.contact.PointForceN(p);
-      needle.friction_n += force_n[2];
-      add(state.point[static_cast<std::size_t>(p)].rest_in_ct_mm, state.frame * force_n);
+      needle.friction_n += state.contact.PointForceN(p)[2];
+      add(state.point[static_cast<std::size_t>(p)].rest_in_ct_mm,
+          state.frame * state.contact.ElasticPointN(p));
     }
     const double tip_n = state.contact.SlotForceN(0);
     (state.membrane_n > 0.0 || !needle.pierced ? needle.pre_puncture_n : needle.cutting_n) = tip_n;
-    add(state.end_mm, tip_n * state.contact.slot_direction(0));
+    const ContactPlace& tip = state.contact.slot_place(0);
+    for (int r = 0; r < tip.num_rows; ++r) {
+      const std::size_t at = static_cast<std::size_t>(r);
+      add(kernel_.RestOf(tip.row[at]),
+          tip.weight[at] * state.contact.ElasticSlotN(0) * state.contact.slot_direction(0));
+    }
   }
   for (std::size_t s = 0; s < state.probe.node_of_slot.size(); ++s) {
     if (state.probe.node_of_slot[s] < 0) continue;
     const SurfaceNode& node = probe_->node(state.probe.node_of_slot[s]);
     const int slot = probe_->first_slot() + static_cast<int>(s);
-    add(node.rest_in_ct_mm, state.contact.SlotForceN(slot) * node.inward_in_ct);
+    add(node.rest_in_ct_mm, state.contact.ElasticSlotN(slot) * node.inward_in_ct);
   }
   for (int n = 0; strain_ && n < strain_->region().num_nodes(); ++n) {
     add(strain_->NodeMm(n), strain_->ForceN(state.strain, n));

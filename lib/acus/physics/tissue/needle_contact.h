@@ -16,9 +16,12 @@
 #include "acus/physics/mechanics/elasticity_table.h"
 #include "acus/physics/tissue/contact_mesh.h"
 #include "acus/physics/tissue/contact_system.h"
+#include "acus/physics/tissue/membrane_dimple.h"
 #include "acus/physics/tissue/probe_contact.h"
 #include "acus/physics/tissue/sample_gate.h"
+#include "acus/physics/tissue/shell_near_field.h"
 #include "acus/physics/tissue/strain_contact.h"
+#include "acus/physics/tissue/tip_kernel.h"
 #include "acus/physics/tissue/tissue_load.h"
 #include "acus/physics/tissue/tool_sample.h"
 
@@ -58,6 +61,7 @@ struct FemNeedleState : SampleGate {
   ProbeForce probe_force;  ///< Of the last step.
 
   double probe_time_s = 0.0;  ///< Of the probe's last valid sample.
+  double passed_s = 0.0;      ///< Until when tissue has relaxed.
 
   NeedlePhase phase = NeedlePhase::kFree;
   bool has_previous = false;  ///< There was a sample outside of the tissue before, at:
@@ -79,6 +83,13 @@ struct FemNeedleState : SampleGate {
   bool end_is_bone = false;
   bool on_bone = false;
   double tip_offset_mm = 0.0;  ///< Keeps the force when the tip meets something harder.
+  // The membrane that the tip presses: stretched beside the finite elements, and linear in a step.
+  MembraneDimple dimple;        ///< Of no membrane where none is pressed.
+  double dimple_from_mm = 0.0;  ///< Displacement of the kernel where the tip met it.
+  double kernel_moved_mm = 0.0; ///< Displacement of the tip's kernel after the last step.
+  double ground_mpa = 0.0;      ///< Stiffness of the ground under the skin's dimple over its radius.
+  double near_mm_per_n = 0.0;   ///< What the kernel is too wide for.
+  double stretch_n_per_mm = 0.0;  ///< Slope of the dimple's force for which the slot was set.
   Eigen::Vector3d placed_mm = Eigen::Vector3d::Zero();  ///< The end for which the slot was set.
   std::vector<Eigen::Vector3d> channel_mm;  ///< Points at rest, of the cut; also those not in use.
   int num_channel = 0;
@@ -141,13 +152,20 @@ class FemNeedleModel {
   void Turn(FemNeedleState& state) const noexcept;
   void PlaceTip(FemNeedleState& state, const Eigen::Vector3d& direction) const noexcept;
   void PlaceTipKeepingForce(FemNeedleState& state) const noexcept;
+  void DemandTip(FemNeedleState& state, double displacement_mm) const noexcept;
+  void FollowDimple(FemNeedleState& state) const noexcept;
   double TipLimitN(const FemNeedleState& state) const noexcept;
+  const mechanics::Membrane* MembraneBefore(const FemNeedleState& state) const noexcept;
   double FrictionLengthMm(const FemNeedleState& state, int point) const noexcept;
   Eigen::Vector2d LineMm(const FemNeedleState& state, double axial_mm) const noexcept;
 
   forces::ForceTable table_;
   std::array<mechanics::ElasticTissue, 256> elastic_{};
+  std::vector<mechanics::Membrane> membranes_;
+  /// Of the membrane between each tissue and the outside.
+  std::array<std::optional<ShellNearField>, 256> skin_shell_;
   ContactMesh mesh_;
+  TipKernel kernel_;
   int max_points_;
   ContactSystem system_;
   std::optional<ProbeContact> probe_;

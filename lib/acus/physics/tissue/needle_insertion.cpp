@@ -52,36 +52,100 @@ double FemNeedleModel::FrictionLengthMm(const FemNeedleState& state, int point) 
   return before_mm + std::clamp(state.depth_mm - p->axial_mm - p->moved_mm, 0.0, most_mm);
 }
 
+/// What lies between the tip and the tissue that it presses; null: no shell.
+const mechanics::Membrane* FemNeedleModel::MembraneBefore(
+    const FemNeedleState& state) const noexcept {
+  const volume::Label before =
+      state.phase == NeedlePhase::kOnSkin ? volume::Label{0} : state.end_tissue;
+  if (state.membrane_n <= 0.0) return nullptr;
+  for (const mechanics::Membrane& membrane : membranes_) {
+    if (membrane.tissue == state.beyond && membrane.against.test(before)) return &membrane;
+  }
+  return nullptr;
+}
+
 void FemNeedleModel::PlaceTip(FemNeedleState& state,
                               const Eigen::Vector3d& direction) const noexcept {
   const Spot spot = mesh_.Find(state.end_mm);
   const mechanics::ElasticTissue& tissue = elastic_[spot.tissue];
+  const bool on_skin = state.phase == NeedlePhase::kOnSkin;
+  const mechanics::Membrane* const membrane = MembraneBefore(state);
   ContactPlace place = spot.place;
+  double radius_mm = 1.0;
   double local = kNothingMmPerN;
   if (state.end_is_bone) {
     local = 1.0 / table_.settings.bone.stiffness_n_per_mm;
+  } else if (spot.inside && on_skin && membrane != nullptr && skin_shell_[membrane->tissue]) {
+    radius_mm = KernelRadiusMm(spot.element_mm, 0.0);
+    if (state.ground_mpa > 0.0) {
+      radius_mm =
+          DimpleRadiusMm(membrane->youngs_modulus_mpa * membrane->thickness_mm, state.ground_mpa,
+                         state.kernel_moved_mm - state.dimple_from_mm, radius_mm);
+    }
+    place = kernel_.Disc(state.end_mm, radius_mm).place;
+    local = skin_shell_[membrane->tissue]->MissingMmPerN(radius_mm);
+    if (state.ground_mpa <= 0.0) {
+      const double moved_mm_per_n = direction.dot(system_.Between(place, place) * direction);
+      state.ground_mpa = moved_mm_per_n > 0.0 ? 1.0 / (moved_mm_per_n * radius_mm) : kRigidMpa;
+    }
   } else if (spot.inside) {
-    const bool on_skin = state.phase == NeedlePhase::kOnSkin;
     const double lump_mm = LumpRadiusMm(tissue, TipLimitN(state), on_skin, radius_mm_);
-    place = mesh_.Ball(state.end_mm, BallRadiusMm(spot.element_mm, lump_mm));
-    local = TipCompliance(tissue, spot.element_mm, lump_mm, on_skin);
+    radius_mm = KernelRadiusMm(spot.element_mm, lump_mm);
+    const KernelPlace ball = kernel_.Ball(state.end_mm, radius_mm);
+    place = ball.place;
+    local = (on_skin ? PunchMobilityMm2PerN(tissue) : SphereMobilityMm2PerN(tissue)) *
+                NearFieldPerMm(radius_mm, lump_mm) +
+            SphereMobilityMm2PerN(tissue) * ball.self_per_mm;
   }
-  system_.SetSlot(state.contact, 0, place, direction, local);
+  const double force_n = std::max(0.0, state.contact.SlotForceN(0));  // Of the last step.
+  state.dimple = {};
+  if (membrane != nullptr && !state.end_is_bone) {
+    state.dimple = {membrane->youngs_modulus_mpa * membrane->thickness_mm, radius_mm};
+    if (on_skin) local = state.dimple.NearFieldMmPerN(local, force_n);
+  }
+  state.near_mm_per_n = local;
+  state.stretch_n_per_mm =
+      state.dimple.SlopeNPerMm(state.kernel_moved_mm - state.dimple_from_mm);
+  system_.SetSlot(state.contact, 0, place, direction,
+                  local / (1.0 + local * state.stretch_n_per_mm));
   state.placed_mm = state.end_mm;
+}
+
+/// A tip that moves by `displacement_mm` moves its kernel by w and the near field by the rest:
+///   w + near (F + S(w)) = displacement, F of the slot, S of the dimple's stretching.
+/// With S linear around the last step's w that is again a slot with a local compliance.
+void FemNeedleModel::DemandTip(FemNeedleState& state, double displacement_mm) const noexcept {
+  const double stretched_n = state.dimple.ForceN(state.kernel_moved_mm - state.dimple_from_mm);
+  const double at_rest_n = stretched_n - state.stretch_n_per_mm * state.kernel_moved_mm;
+  const double scale = 1.0 + state.near_mm_per_n * state.stretch_n_per_mm;
+  state.contact.SetSlotExtra(0, stretched_n);
+  state.contact.SetSlotDemand(0, (displacement_mm - state.near_mm_per_n * at_rest_n) / scale, 0.0,
+                              TipLimitN(state));
+}
+
+void FemNeedleModel::FollowDimple(FemNeedleState& state) const noexcept {
+  state.kernel_moved_mm = state.contact.DemandMm(0) + state.contact.SlotExcessMm(0) -
+                          state.contact.slot_local_mm_per_n(0) * state.contact.ElasticSlotN(0);
+  state.contact.SetSlotExtra(
+      0, state.dimple.ForceN(state.kernel_moved_mm - state.dimple_from_mm));
 }
 
 /// The same where a harder limit begins: goes on with the force as it is.
 void FemNeedleModel::PlaceTipKeepingForce(FemNeedleState& state) const noexcept {
   const Eigen::Vector3d axial = state.frame.col(2);
-  const double force_n = state.contact.SlotForceN(0);
+  const double force_n = state.contact.ElasticSlotN(0);
   const auto moved_mm = [&] {
     const ContactPlace& place = state.contact.slot_place(0);
     return axial.dot(system_.DisplacementMm(state.contact, place) + StrainMovedMm(state, place)) +
            state.contact.slot_local_mm_per_n(0) * force_n;
   };
   const double before_mm = moved_mm();
+  state.dimple_from_mm = state.kernel_moved_mm;  // A membrane met here is not stretched yet.
   PlaceTip(state, axial);
   state.tip_offset_mm += before_mm - moved_mm();
+  const ContactPlace& place = state.contact.slot_place(0);
+  state.kernel_moved_mm = state.dimple_from_mm =
+      axial.dot(system_.DisplacementMm(state.contact, place) + StrainMovedMm(state, place));
 }
 
 /// The skin has given way: from now on there are points along the shaft.
@@ -107,8 +171,7 @@ void FemNeedleModel::Demand(FemNeedleState& state) const noexcept {
     state.contact.SetPointAxial(p, state.depth_mm - point.slip_mm, -friction_n, friction_n);
   }
   const double end_mm = (state.end_mm - state.entry_mm).dot(axial);
-  state.contact.SetSlotDemand(0, state.depth_mm - end_mm - state.tip_offset_mm, 0.0,
-                              TipLimitN(state));
+  DemandTip(state, state.depth_mm - end_mm - state.tip_offset_mm);
 }
 
 /// The return map: a point that slipped sticks, from now on, where it slipped to.
@@ -138,7 +201,7 @@ forces::NeedleEvent FemNeedleModel::Cut(FemNeedleState& state) const noexcept {
   forces::NeedleEvent event = forces::NeedleEvent::kNone;
   if (state.membrane_n > 0.0 || state.end_is_bone) return event;
   if (state.contact.SlotStatus(0) == ContactStatus::kStick) return event;
-  if (state.contact.SlotForceN(0) < TipLimitN(state)) return event;
+  if (state.contact.SlotForceN(0) < TipLimitN(state) * (1.0 - 1e-9)) return event;
   const double slip_mm = std::min(-state.contact.SlotExcessMm(0), kMostNewPoints * spacing_mm_);
   if (!(slip_mm > 0.0)) return event;
 

@@ -177,10 +177,10 @@ void StrainContact::Evaluate(const ContactSystem& system, ContactState& contact,
   };
   for (int s = 0; s < contact.num_slots(); ++s) {
     if (!contact.slot_in_use(s)) continue;
-    load(contact.slot_place(s), contact.SlotForceN(s) * contact.slot_direction(s));
+    load(contact.slot_place(s), contact.ElasticSlotN(s) * contact.slot_direction(s));
   }
   for (int p = 0; p < contact.num_points(); ++p) {
-    load(contact.point_place(p), contact.frame() * contact.PointForceN(p));
+    load(contact.point_place(p), contact.frame() * contact.ElasticPointN(p));
   }
   double* u = at.residual_mm.data();  // Free until the residual is there.
   std::copy(at.moved_mm.begin(), at.moved_mm.end(), u);

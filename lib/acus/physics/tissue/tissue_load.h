@@ -29,7 +29,7 @@ struct NeedleLoad {
 
 /// A plain value of fixed size: taking one in a step allocates nothing.
 struct TissueLoad {
-  static constexpr int kMaxPoints = 640;
+  static constexpr int kMaxPoints = 800;
   std::array<PointLoad, kMaxPoints> point{};
   int num_points = 0;
   NeedleLoad needle;

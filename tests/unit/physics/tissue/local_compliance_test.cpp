@@ -36,8 +36,7 @@ TEST(ShaftCompliance, StaysPositiveInElementsAsFineAsTheNeedle) {
   for (const double element_mm : {0.01, 0.1, 1.0, 3.0}) {
     EXPECT_GT(ShaftCompliance(kTissue, element_mm, 0.6, 1.0).axial_mm_per_n, 0.0);
     EXPECT_GT(ShaftCompliance({0.03, 0.499}, element_mm, 0.6, 1.0).lateral_mm_per_n, 0.0);
-    EXPECT_GT(TipCompliance(kTissue, element_mm, 2.0, false), 0.0);
-    EXPECT_GT(TipCompliance(kTissue, element_mm, 2.0, true), 0.0);
+    EXPECT_GT(NearFieldPerMm(KernelRadiusMm(element_mm, 2.0), 2.0), 0.0);
   }
 }
 
@@ -51,15 +50,22 @@ TEST(LumpRadius, IsWhereTheLinearStrainIsOne) {
   EXPECT_EQ(LumpRadiusMm(liver, 1e3, true, 0.6), kLargestLumpMm);
 }
 
-TEST(TipCompliance, IsARigidSphereLessWhatTheMeshResolves) {
+TEST(TipMobility, IsOfASphereInsideAndAPunchOnTheSurface) {
   // Rigid sphere in an infinite solid: F = 24 pi G a (1 - nu) u / (5 - 6 nu).
   const double shear_mpa = 0.03 / 2.9;
-  const auto sphere = [&](double a) {
-    return (5.0 - 2.7) / (24.0 * std::numbers::pi * shear_mpa * 0.55 * a);
-  };
-  EXPECT_NEAR(TipCompliance(kTissue, 4.0, 1.0, false), sphere(1.0) - sphere(4.0), 1e-12);
-  EXPECT_NEAR(TipCompliance(kTissue, 0.5, 1.0, false), 0.02 * sphere(1.0), 1e-12);
-  EXPECT_NEAR(TipCompliance(kTissue, 4.0, 1.0, true), 0.55 / (4.0 * shear_mpa) * 0.75, 1e-12);
+  EXPECT_NEAR(SphereMobilityMm2PerN(kTissue),
+              (5.0 - 2.7) / (24.0 * std::numbers::pi * shear_mpa * 0.55), 1e-12);
+  EXPECT_NEAR(PunchMobilityMm2PerN(kTissue), 0.55 / (4.0 * shear_mpa), 1e-12);
+}
+
+TEST(NearField, IsWhatTheKernelIsTooWideFor) {
+  EXPECT_NEAR(NearFieldPerMm(7.4, 1.0), 1.0 - 1.0 / 4.0, 1e-12);
+  EXPECT_NEAR(NearFieldPerMm(18.5, 10.0), 0.02 / 10.0, 1e-12);
+  // One size for all meshes that can carry it.
+  EXPECT_EQ(KernelRadiusMm(1.0, 0.6), kLeastKernelMm);
+  EXPECT_EQ(KernelRadiusMm(4.0, 4.0), kLeastKernelMm);
+  EXPECT_NEAR(KernelRadiusMm(6.0, 0.6), 11.1, 1e-12);
+  EXPECT_NEAR(KernelRadiusMm(1.0, 10.0), 18.5, 1e-12);
 }
 
 }  // namespace
