@@ -185,7 +185,9 @@ Simulation::Tools Simulation::ToolsOf(State& state, const Sample& sample) const 
     return moved_mm;
   };
   if (runs_needle_ && state.needle_seen) {
-    state.needle_moved_mm = lay(tools.needle, tools.needle_per_moved);
+    const Eigen::Vector3d moved_mm = lay(tools.needle, tools.needle_per_moved);
+    // The shape stays where it was while poses are no numbers.
+    if (moved_mm.allFinite()) state.needle_moved_mm = moved_mm;
   }
   if (sample.probe_valid && (runs_probe_ || runs_contact_)) lay(tools.probe, tools.probe_per_moved);
   return tools;

@@ -10,12 +10,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Looks along +z, its face `depth_mm` in the skin of the layered scene, which is at z = -0.5: half
-/// a voxel before the first one.
+/// Looks along +z, its face `depth_mm` in the skin of the layered scene, which is at z = 0.
 Eigen::Isometry3d PressedBy(double depth_mm) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  pose.translation() = Vector3d(0.0, 0.0, depth_mm - 0.5);
+  pose.translation() = Vector3d(0.0, 0.0, depth_mm);
   return pose;
 }
 
@@ -32,8 +31,9 @@ TEST_F(PressedSkinTest, TheSkinLiesOnTheFaceAndDeepTissueStays) {
   ASSERT_TRUE(pressed.presses());
   EXPECT_NEAR(pressed.DepthMm(0.0), 6.0, 0.01);
   const auto rest_z = [&](const Vector3d& place) { return pressed.RestInCtMm(place, place).z(); };
-  EXPECT_NEAR(rest_z({5.0, 0.0, 5.5}), -0.5, 0.02);
-  EXPECT_NEAR(rest_z({5.0, 0.0, 25.5}), 25.5 - 6.0 * 0.56, 0.6);  // Half way down it is about half.
+  EXPECT_NEAR(rest_z({5.0, 0.0, 6.0}), 0.0, 0.02);
+  // Half way down to the face's length of 40 mm it is half, by 1 - 3 t^2 + 2 t^3.
+  EXPECT_NEAR(rest_z({5.0, 0.0, 23.0}), 20.0, 0.02);
   const Vector3d deep(3.0, 0.0, 60.0);
   EXPECT_EQ(pressed.RestInCtMm(deep, deep), deep);
   const Vector3d beside(36.0, 0.0, 10.0);
