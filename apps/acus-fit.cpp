@@ -38,10 +38,7 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingPath)
       ->excludes(models)
       ->excludes(tissue);
-  app.footer(
-      "EXAMPLES\n  acus-fit force_curves/*.csv -o fit\n  Then look at fit/fit.svg.\n"
-      "  acus-fit new/*.csv --predict fit -o prediction\n"
-      "  acus-fit tension/*.csv --models hyperelastic -o tissue");
+  app.footer("EXAMPLE\n  acus-fit force_curves/*.csv -o fit\n  Then look at fit/fit.svg.");
 
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     std::cout << acus::fitting::RunFit(task, context);

@@ -1,5 +1,6 @@
 #include "acus/patient/fitting/hold_slips.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -30,12 +31,38 @@ std::vector<double> RestedS(const PhaseSamples& samples, const MechanicalModel& 
   return rested;
 }
 
+/// What a relaxation that is fitted anew can take up: a constant and the model's exponentials.
+/// Orthonormal columns.
+Eigen::MatrixXd RelaxationBasis(const PhaseSamples& samples, const MechanicalModel& model) {
+  std::vector<double> times_s;
+  for (std::size_t k = 0; k < MechanicalModel::kMostBranches; ++k) {
+    if (model.relaxing_share[k] > 0.0) times_s.push_back(model.relaxation_s[k]);
+  }
+  const auto n = static_cast<Eigen::Index>(samples.hold.size());
+  const auto columns = static_cast<Eigen::Index>(times_s.size()) + 1;
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Ones(n, columns);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double since_s = samples.all.time_s[samples.hold.begin + static_cast<std::size_t>(i)] -
+                           samples.all.time_s[samples.hold.begin];
+    for (Eigen::Index k = 1; k < columns; ++k) {
+      basis(i, k) = std::exp(-since_s / times_s[static_cast<std::size_t>(k - 1)]);
+    }
+  }
+  return basis.householderQr().householderQ() * Eigen::MatrixXd::Identity(n, columns);
+}
+
 }  // namespace
 
 std::optional<Slip> BestSlip(const PhaseSamples& samples, const MechanicalModel& model,
                              std::span<const double> predicted) {
   const std::vector<double> left = LeftInHold(samples, predicted);
+  if (left.size() < 20) return {};
   const std::vector<double> rested = RestedS(samples, model);
+  const Eigen::MatrixXd basis = RelaxationBasis(samples, model);
+  const Eigen::Map<const Eigen::VectorXd> all_left(left.data(),
+                                                   static_cast<Eigen::Index>(left.size()));
+  const Eigen::VectorXd taken_up = basis.transpose() * all_left;
+  Eigen::VectorXd along = Eigen::VectorXd::Zero(basis.cols());
   double products = 0.0;
   double squares = 0.0;
   double most = 0.0;
@@ -44,11 +71,14 @@ std::optional<Slip> BestSlip(const PhaseSamples& samples, const MechanicalModel&
     const double m = predicted[samples.hold.begin + i];
     products += m * left[i];
     squares += m * m;
-    const double share = squares > 0.0 ? products / squares : 0.0;
+    along += m * basis.row(static_cast<Eigen::Index>(i)).transpose();
+    const double beside = squares - along.squaredNorm();
+    if (!(beside > 1e-6 * squares)) continue;
+    const double share = (products - along.dot(taken_up)) / beside;
     const bool counts = share >= kLeastShare && share < 1.0 && share * m >= kLeastSlipN &&
                         rested[i] > kEdgeS && rested[i - 1] > 0.0;
-    if (!counts || products * share <= most) continue;
-    most = products * share;
+    if (!counts || share * share * beside <= most) continue;
+    most = share * share * beside;
     best = Slip{0.5 * (rested[i - 1] + rested[i]), share};
   }
   return best;
