@@ -62,7 +62,8 @@ forces::NeedleForce Press(const FemNeedleModel& model, FemNeedleState& state, do
                           int hold = 20) {
   forces::NeedleForce force;
   double time_s = state.started ? state.time_s : 0.0;
-  for (double d = -0.5; d < depth_mm; d += 0.05) force = model.Step(state, AtDepth(time_s += 1e-3, d));
+  for (double d = -0.5; d < depth_mm; d += 0.05)
+    force = model.Step(state, AtDepth(time_s += 1e-3, d));
   for (int n = 0; n < hold; ++n) force = model.Step(state, AtDepth(time_s += 1e-3, depth_mm));
   return force;
 }
