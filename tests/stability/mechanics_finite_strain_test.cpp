@@ -40,7 +40,8 @@ bool SolvedInParts(FiniteStrainSolver& solver, const Eigen::Matrix3Xd& load_n,
 }
 
 TEST(FiniteStrainStability, PulledToFourTimesItsLength) {
-  const HardCase hard("A block held at one end is pulled by the other until it is 4 times as long.");
+  const HardCase hard(
+      "A block held at one end is pulled by the other until it is 4 times as long.");
   for (const ElementKind kind : kBothElements) {
     mesh::TetraMesh box = HeldBlock();
     Fix(box, [](const Eigen::Vector3d& x) { return x.z() == 0.0 || x.z() == 40.0; });
@@ -87,7 +88,8 @@ TEST(FiniteStrainStability, HugeLoadsHaveAnAnswerOrSayThatThereIsNone) {
 }
 
 TEST(FiniteStrainStability, FlattenedAndInvertedStartsComeBack) {
-  const HardCase hard("The solution begins where the mesh is flat, or a tangle of inverted elements.");
+  const HardCase hard(
+      "The solution begins where the mesh is flat, or a tangle of inverted elements.");
   const mesh::TetraMesh box = HeldBlock();
   FiniteStrainSolver solver(box, StiffeningTable(2.0), ElementKind::kAveragedDilatation);
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, box.nodes_mm.cols());
@@ -108,7 +110,8 @@ TEST(FiniteStrainStability, FlattenedAndInvertedStartsComeBack) {
 }
 
 TEST(FiniteStrainStability, AThousandToOneAndNearlyNoChangeOfVolume) {
-  const HardCase hard("A hard layer, 1000 times as stiff, between soft ones, Poisson's ratio 0.4999.");
+  const HardCase hard(
+      "A hard layer, 1000 times as stiff, between soft ones, Poisson's ratio 0.4999.");
   mesh::TetraMesh box = HeldBlock();
   for (std::size_t t = 0; t < box.tissue.size(); ++t) {
     double z = 0.0;

@@ -46,6 +46,29 @@ TEST(ElasticityTable, ATissueWithoutARowIsRefusedWithTheRemedy) {
   EXPECT_THAT([&] { table.At(0); }, ThrowsMessage<InputError>(HasSubstr("mesh the label map")));
 }
 
+TEST(ElasticityTable, ReadsLawsAndRefusesWhatTheyCannotUse) {
+  const auto with = [](const char* law) {
+    json document = Minimal();
+    document["tissues"][0]["law"] = json::parse(law);
+    return ElasticityTableFromJson(document, "t.json").law[2];
+  };
+  EXPECT_EQ(ElasticityTableFromJson(Minimal(), "t").law[2], HyperelasticLaw{});
+  EXPECT_EQ(with(R"({"model": "fung", "b": 2, "source": "s"})"),
+            (HyperelasticLaw{LawKind::kFung, 0.0, 0.0, 2.0}));
+  EXPECT_EQ(with(R"({"model": "yeoh", "c2_kpa": 1, "c3_kpa": 2, "source": "s"})"),
+            (HyperelasticLaw{LawKind::kYeoh, 1e-3, 2e-3, 0.0}));
+  EXPECT_EQ(with(R"({"model": "neo_hookean", "source": "s"})"), HyperelasticLaw{});
+  const auto fails = [&](const char* law, const char* message) {
+    EXPECT_THAT([&] { with(law); }, ThrowsMessage<InputError>(HasSubstr(message))) << law;
+  };
+  fails(R"({"model": "fung", "source": "s"})", "/tissues/0/law/b: missing");
+  fails(R"({"model": "yeoh", "c2_kpa": 1, "source": "s"})", "/law/c3_kpa: missing");
+  fails(R"({"model": "neo_hookean", "b": 1, "source": "s"})", "/law/b: belongs to the law fung");
+  fails(R"({"model": "ogden", "source": "s"})", "/law/model");
+  fails(R"({"model": "fung", "b": 2})", "source");
+  fails(R"({"model": "yeoh", "c2_kpa": -2, "c3_kpa": 0.1, "source": "s"})", "would let go");
+}
+
 TEST(ElasticityTable, SaysWhatIsWrong) {
   const auto with = [](const char* pointer, const json& value) {
     json document = Minimal();

@@ -49,7 +49,7 @@ struct StiffScene {
   }
 };
 
-ToolSample At(double time_s, double depth_mm, double x_mm = 0.3) {
+ToolSample AtDepth(double time_s, double depth_mm, double x_mm = 0.3) {
   ToolSample sample;
   sample.time_s = time_s;
   sample.tip_in_ct_mm = {x_mm, -0.7, kEdgeMm - depth_mm};
@@ -62,8 +62,9 @@ forces::NeedleForce Press(const FemNeedleModel& model, FemNeedleState& state, do
                           int hold = 20) {
   forces::NeedleForce force;
   double time_s = state.started ? state.time_s : 0.0;
-  for (double d = -0.5; d < depth_mm; d += 0.05) force = model.Step(state, At(time_s += 1e-3, d));
-  for (int n = 0; n < hold; ++n) force = model.Step(state, At(time_s += 1e-3, depth_mm));
+  for (double d = -0.5; d < depth_mm; d += 0.05)
+    force = model.Step(state, AtDepth(time_s += 1e-3, d));
+  for (int n = 0; n < hold; ++n) force = model.Step(state, AtDepth(time_s += 1e-3, depth_mm));
   return force;
 }
 
@@ -129,7 +130,7 @@ TEST(StrainContact, RestsWhereItIsHeld) {
   ASSERT_EQ(state.phase, NeedlePhase::kInside);
   double largest = 0.0;
   for (int n = 0; n < 500; ++n) {
-    const double now_n = model.Step(state, At(state.time_s + 1e-3, 14.0)).force_in_ct_n.z();
+    const double now_n = model.Step(state, AtDepth(state.time_s + 1e-3, 14.0)).force_in_ct_n.z();
     largest = std::max(largest, std::abs(now_n - before_n));
   }
   EXPECT_LT(largest, 1e-6);
@@ -144,7 +145,7 @@ TEST(StrainContact, ACopyContinuesWithTheSameBits) {
   FemNeedleState copy = state;
   double time_s = state.time_s;
   for (int n = 0; n < 300; ++n) {
-    const ToolSample sample = At(time_s += 1e-3, 8.0 + 0.03 * n, 0.3 + 0.002 * n);
+    const ToolSample sample = AtDepth(time_s += 1e-3, 8.0 + 0.03 * n, 0.3 + 0.002 * n);
     const forces::NeedleForce a = model.Step(state, sample);
     const forces::NeedleForce b = model.Step(copy, sample);
     ASSERT_EQ(std::memcmp(a.force_in_ct_n.data(), b.force_in_ct_n.data(), 24), 0) << n;
@@ -157,7 +158,7 @@ TEST(StrainContact, WithdrawnToolsLeaveNothing) {
   FemNeedleState state = model.NewState();
   Press(model, state, 14.0);
   double time_s = state.time_s;
-  for (double d = 14.0; d > -3.0; d -= 0.1) model.Step(state, At(time_s += 1e-3, d));
+  for (double d = 14.0; d > -3.0; d -= 0.1) model.Step(state, AtDepth(time_s += 1e-3, d));
   EXPECT_EQ(state.phase, NeedlePhase::kFree);
   for (int node = 0; node < model.strain()->region().num_nodes(); ++node) {
     EXPECT_EQ(model.strain()->ForceN(state.strain, node), Eigen::Vector3d::Zero());

@@ -176,6 +176,13 @@ TEST_F(ScenarioFile, ReadsTheTissueEffectWithTheSettingsOfItsModel) {
   EXPECT_TRUE(s.tissue->probe_contact);
   EXPECT_TRUE(s.tissue->image);
   EXPECT_EQ(s.tissue->contact_spacing_mm, 2.0);
+  EXPECT_FALSE(s.tissue->finite_strain);
+  const Scenario strained =
+      Read(kTissueText, {ParseOverride("/effects/tissue/fe_3d/law=finite_strain"),
+                         ParseOverride("/effects/tissue/fe_3d/strain_nodes=90")});
+  EXPECT_TRUE(strained.tissue->finite_strain);
+  EXPECT_EQ(strained.tissue->strain_nodes, 90);
+  EXPECT_EQ(strained.tissue->strain_iterations, 3);
   EXPECT_EQ(s.patient.mesh, folder_ / "mesh" / "mesh.vtu");
   EXPECT_EQ(s.needle_force->model, NeedleForceModelKind::kTissue);
   const Scenario springs =
