@@ -23,7 +23,7 @@ acus_add_cli_case(acus-fit.one_of_two EXIT 0 CREATES fit/fit.json
   STDOUT "^short +no answer: " STDERR "warning: .*these models have no answer" "short.csv: puncture: "
   COMMAND acus-fit a.csv short.csv -o fit)
 acus_add_cli_case(acus-fit.nothing_at_all EXIT 4 LEAVES_NOTHING
-  BEFORE "${fit_inputs}\nawk -F, 'NR > 1 {$2 = 80 - $2} {print $1 \",\" $2 \",\" $3}' OFS=, a.csv | head -n 1500 > back.csv"
+  BEFORE "${fit_inputs}\nawk -F, 'NR > 1 {$2 = 80 - $2} NR <= 1500 {print $1 \",\" $2 \",\" $3}' a.csv > back.csv"
   STDERR "no model has an answer for any curve, nothing is written"
          "back.csv: puncture: the drive does not advance"
   COMMAND acus-fit back.csv -o fit)
