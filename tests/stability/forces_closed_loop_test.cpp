@@ -81,7 +81,8 @@ TEST(ForcesClosedLoop, NoShippedModelGeneratesEnergy) {
 // Forces as recorded: profiles that rise, and membranes that rise within a millimetre.
 TEST(ForcesClosedLoop, MeasuredForcesGenerateNoEnergy) {
   const HardCase hard(
-      "Resistance that changes with the depth could pay for a way back; every recording has others.");
+      "Resistance that changes with the depth could pay for a way back; every recording has "
+      "others.");
   const LayeredBodyField body = Abdomen();
   const MeasuredForces liver = ReadMeasuredForces(std::filesystem::path(ACUS_SOURCE_DIR) /
                                                   "configs/measured/human_liver.json");

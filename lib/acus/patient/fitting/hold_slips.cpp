@@ -84,6 +84,25 @@ std::optional<Slip> BestSlip(const PhaseSamples& samples, const MechanicalModel&
   return best;
 }
 
+double ShareMissing(const PhaseSamples& samples, const MechanicalModel& model,
+                    std::span<const double> predicted, double after_s) {
+  const std::vector<double> left = LeftInHold(samples, predicted);
+  const std::vector<double> rested = RestedS(samples, model);
+  const Eigen::MatrixXd basis = RelaxationBasis(samples, model);
+  Eigen::VectorXd column = Eigen::VectorXd::Zero(basis.rows());
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (rested[i] < after_s) continue;
+    column(static_cast<Eigen::Index>(i)) = predicted[samples.hold.begin + i];
+  }
+  const double squares = column.squaredNorm();
+  column -= basis * (basis.transpose() * column);
+  const double beside = column.squaredNorm();
+  if (!(beside > 1e-6 * squares)) return 0.0;
+  const Eigen::Map<const Eigen::VectorXd> all_left(left.data(),
+                                                   static_cast<Eigen::Index>(left.size()));
+  return column.dot(all_left) / beside;
+}
+
 double IndependentInHold(const PhaseSamples& samples, std::span<const double> predicted) {
   const std::vector<double> left = LeftInHold(samples, predicted);
   return static_cast<double>(left.size()) / Inflation(left);

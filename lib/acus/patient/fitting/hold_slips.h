@@ -16,6 +16,11 @@ namespace acus::fitting {
 std::optional<Slip> BestSlip(const PhaseSamples& samples, const MechanicalModel& model,
                              std::span<const double> predicted);
 
+/// How much more than predicted the strain is lost in the slip after `after_s`, as a share of what
+/// the prediction has there; below 0: less. The same closed form, for one moment.
+double ShareMissing(const PhaseSamples& samples, const MechanicalModel& model,
+                    std::span<const double> predicted, double after_s);
+
 /// Akaike's criterion of the hold, with the number of independent samples of `reference` so that
 /// two fits can be compared. @param parameters  that the hold costs.
 double HoldCriterion(const PhaseSamples& samples, std::span<const double> predicted,

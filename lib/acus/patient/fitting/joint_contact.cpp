@@ -39,7 +39,8 @@ ForceCurve ByLogarithm(const ForceCurve& thin, double begin_s) {
   const double whole_s = std::max(1.0, thin.time_s.back() - begin_s);
   std::size_t i = 0;
   for (int k = 1; k <= kHoldSamples; ++k) {
-    const double until_s = begin_s + kTurnStepS * std::pow(whole_s / kTurnStepS, k / double{kHoldSamples});
+    const double until_s =
+        begin_s + kTurnStepS * std::pow(whole_s / kTurnStepS, k / double{kHoldSamples});
     double time = 0.0, depth = 0.0, force = 0.0, count = 0.0;
     for (; i < thin.size() && thin.time_s[i] <= until_s; ++i) {
       time += thin.time_s[i], depth += thin.depth_mm[i], force += thin.force_n[i], count += 1.0;

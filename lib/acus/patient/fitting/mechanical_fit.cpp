@@ -20,7 +20,8 @@ constexpr double kEventStepMm = 0.15;       // ...or, to find events, over so mu
 constexpr double kShortestMm = 3.0;
 constexpr double kFreeKnotMm = 8.0;  // Of the profiles beside which the shared part is fitted.
 constexpr double kShortestRelaxationS = 1.0;
-constexpr int kMostSlips = 6;  // Of one hold.
+constexpr int kMostSlips = 6;    // Of one hold.
+constexpr int kShareRounds = 3;  // Of fitting a slip and the relaxation beside it.
 constexpr int kMostRelaxing = static_cast<int>(MechanicalModel::kMostBranches);
 constexpr double kLeastEventN = 0.08;  // Smaller ones are the tissue's texture.
 
@@ -312,6 +313,12 @@ MechanicalModel MechanicalFitter::WithHoldOf(const MechanicalModel& model) const
     if (!slip) break;
     MechanicalModel with = best;
     with.slips.push_back(*slip);
+    for (int round = 0; round < kShareRounds; ++round) {
+      with = fitted(std::move(with));
+      double& share = with.slips.back().share;
+      const double more = ShareMissing(samples_, with, predicted, slip->after_s);
+      share = std::clamp(1.0 - (1.0 - share) * (1.0 - more), 0.0, 0.99);
+    }
     with = fitted(std::move(with));
     const double independent = IndependentInHold(samples_, predicted);
     const bool is_better = HoldCriterion(samples_, predicted, independent, 2.0) <

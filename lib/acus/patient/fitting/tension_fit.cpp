@@ -19,9 +19,9 @@ using nlohmann::json;
 
 constexpr std::size_t kMostSamples = 400;
 constexpr std::size_t kFewestSamples = 20;
-constexpr double kSlopeShare = 0.05;   // Of the elongation, over which the slope is taken.
+constexpr double kSlopeShare = 0.05;         // Of the elongation, over which the slope is taken.
 constexpr double kYieldedShare = 1.0 / 3.0;  // Of the largest slope: no law here softens more.
-constexpr double kTornShare = 0.05;    // Of the largest force: a fall by so much is failure.
+constexpr double kTornShare = 0.05;          // Of the largest force: a fall by so much is failure.
 constexpr double kLargestMpa = 1e3;
 constexpr double kLargestExponentRate = 1e3;
 

@@ -11,6 +11,8 @@ namespace {
 /// Jitter of an encoder: without it bristles would creep in a hold.
 constexpr double kContactPlayMm = 0.005;
 
+constexpr double kRoundingMm = 1e-9;
+
 double BranchShare(const MechanicalModel& model, std::size_t branch) {
   if (branch > 0) return model.relaxing_share[branch - 1];
   double rest = 1.0;
@@ -102,6 +104,7 @@ ContactStrain MechanicalState::Advance(const MechanicalModel& model, double at_s
   if (dt_s > 0.0) {
     double travel_mm = drive_mm - depth_mm;
     travel_mm -= std::clamp(travel_mm, -kContactPlayMm, kContactPlayMm);
+    if (std::abs(travel_mm) < kRoundingMm) travel_mm = 0.0;  // Else a rest would never begin.
     depth_mm += travel_mm;
     deepest_mm = std::max(deepest_mm, depth_mm);
     time_s = at_s;
