@@ -122,6 +122,10 @@ forces::NeedleForce FemNeedleModel::Step(FemNeedleState& state,
     FollowDimple(state);
     const bool is_off = state.contact.SlotStatus(0) == ContactStatus::kAtLow;
     outcome.tip_n = is_off ? 0.0 : std::max(0.0, state.contact.SlotForceN(0));
+    // The dimple that the step ends with presses a little more than the one it was solved for.
+    if (state.dimple.stretching_n_per_mm > 0.0) {
+      outcome.tip_n = std::min(outcome.tip_n, TipLimitN(state));
+    }
   }
   forces::NeedleForce out = ForceOf(state, outcome);
   After(state, outcome);

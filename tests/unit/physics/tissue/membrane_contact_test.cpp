@@ -13,7 +13,8 @@ using testing_support::SceneOptions;
 SceneOptions Covered(double inner_mpa = 0.0) {
   SceneOptions options;
   options.cells = {10, 10, 10};
-  options.inner_below_mm = 30.0;
+  options.inner_below_mm = 30.0;  // A face of the cells, which are even.
+  options.jitter = 0.0;
   mechanics::Membrane skin;
   skin.tissue = 4;
   skin.against.set(0);
