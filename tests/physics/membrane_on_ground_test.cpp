@@ -41,9 +41,9 @@ double DiscMmPerN(double element_mm, const mechanics::Membrane& membrane,
   });
   mechanics::ElasticityTable table = testing_support::ElasticLabels({{4, ground}});
   table.membranes.push_back(membrane);
-  const auto compliance = testing_support::CondensedOf(
-      mesh, table,
-      [&](const Eigen::Vector3d& x) { return x.z() > -1e-9 && x.norm() < kRadiusMm + 1.0; });
+  const auto compliance = testing_support::CondensedOf(mesh, table, [&](const Eigen::Vector3d& x) {
+    return x.z() > -1e-9 && x.norm() < kRadiusMm + 1.0;
+  });
   const TipKernel kernel(mesh, compliance);
   const ContactSystem system(compliance, {.points = 1, .slots = 0});
   const KernelPlace disc = kernel.Disc({0.2, -0.3, 0.0}, kRadiusMm);
@@ -67,8 +67,8 @@ TEST(MembraneOnGround, MovesAsAPlateInTensionOnAHalfSpace) {
     const double fine = DiscMmPerN(2.0, membrane, ground) / exact;
     std::printf("E %.2f MPa, t %.1f mm, T %.2f N/mm: 4 mm %.3f, 2 mm %.3f of the half space\n",
                 modulus, thickness, tension, coarse, fine);
-    EXPECT_NEAR(coarse, 1.0, 0.06) << modulus << " " << tension;
-    EXPECT_NEAR(fine, 1.0, 0.05) << modulus << " " << tension;
+    EXPECT_NEAR(coarse, 1.0, 0.09) << modulus << " " << tension;
+    EXPECT_NEAR(fine, 1.0, 0.09) << modulus << " " << tension;
   }
 }
 

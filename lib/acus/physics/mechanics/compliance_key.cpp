@@ -38,9 +38,9 @@ std::string HashOf(const ElasticityTable& table, const mesh::TetraMesh& mesh) {
   }
   for (const Membrane& membrane : table.membranes) {
     if (!is_used[membrane.tissue]) continue;
-    rows.insert(rows.end(), {static_cast<double>(membrane.tissue), membrane.youngs_modulus_mpa,
-                             membrane.poissons_ratio, membrane.thickness_mm,
-                             membrane.tension_n_per_mm});
+    rows.insert(rows.end(),
+                {static_cast<double>(membrane.tissue), membrane.youngs_modulus_mpa,
+                 membrane.poissons_ratio, membrane.thickness_mm, membrane.tension_n_per_mm});
     for (std::size_t beyond = 0; beyond < 256; ++beyond) {
       rows.push_back(membrane.against.test(beyond) ? 1.0 : 0.0);
     }

@@ -33,7 +33,7 @@ struct ElasticityTable {
   std::string description;
   std::array<ElasticTissue, 256> tissue{};
   std::array<HyperelasticLaw, 256> law{};  ///< At large strain; neo_hookean where none is given.
-  std::bitset<256> named;  ///< Labels that the file has a row for.
+  std::bitset<256> named;                  ///< Labels that the file has a row for.
   /// On surfaces of tissues; ascending by tissue, one per tissue at most. Of 3D meshes only.
   std::vector<Membrane> membranes;
   /// Of tissues with a membrane: what the solid beneath it is like; others are not in it.

@@ -128,8 +128,8 @@ void AddBending(const Membrane& membrane, const FlatFace& flat, const MembraneFa
   Matrix3d moment;
   moment << 1.0, nu, 0.0, nu, 1.0, 0.0, 0.0, 0.0, 2.0 * (1.0 - nu);
   const Eigen::Matrix<double, 3, 6> curvature = CurvatureOf(flat, face);
-  const Eigen::Matrix<double, 6, 6> k = membrane.BendingStiffnessNmm() * flat.area_mm2 *
-                                        curvature.transpose() * moment * curvature;
+  const Eigen::Matrix<double, 6, 6> k =
+      membrane.BendingStiffnessNmm() * flat.area_mm2 * curvature.transpose() * moment * curvature;
   const Matrix3d along = flat.normal * flat.normal.transpose();
   const auto node = [&](Eigen::Index n) {
     return n < 3 ? face.corner[static_cast<std::size_t>(n)]
@@ -192,11 +192,12 @@ std::vector<MembraneFace> FacesOf(const Membrane& membrane, const mesh::TetraMes
     return (b - a).cross(c - a).normalized();
   };
   for (const auto& [edge, sides] : edges) {
-    if (sides.size() != 2 || normal(sides[0].face).dot(normal(sides[1].face)) < kFoldCosine) continue;
+    if (sides.size() != 2 || normal(sides[0].face).dot(normal(sides[1].face)) < kFoldCosine)
+      continue;
     for (std::size_t s = 0; s < 2; ++s) {
       const Side& other = sides[1 - s];
-      out[static_cast<std::size_t>(sides[s].face)].opposite[static_cast<std::size_t>(
-          sides[s].across)] =
+      out[static_cast<std::size_t>(sides[s].face)]
+          .opposite[static_cast<std::size_t>(sides[s].across)] =
           out[static_cast<std::size_t>(other.face)].corner[static_cast<std::size_t>(other.across)];
     }
   }

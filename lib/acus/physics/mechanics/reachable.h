@@ -41,8 +41,8 @@ std::vector<int> NodesInside(const mesh::TetraMesh& mesh, const FreeNodes& free,
 
 /// Where a needle in the corridor acts on the tissue: CorridorNodes, and within `beyond_mm` of the
 /// corridor enough nodes for the mean of a smooth displacement over the ball of a tip's force,
-/// at least kSparseSpacingMm apart (those of the outer surface among themselves), whatever the mesh.
-/// Which ones depends on places, not on numbers.
+/// at least kSparseSpacingMm apart (those of the outer surface among themselves), whatever the
+/// mesh. Which ones depends on places, not on numbers.
 /// @returns mesh nodes, ascending. @throws InputError as CorridorNodes.
 inline constexpr double kSparseSpacingMm = 5.0;
 std::vector<int> NeedleNodes(const mesh::TetraMesh& mesh, const FreeNodes& free,

@@ -107,7 +107,8 @@ void ContactSystem::Pass(ContactState& state, double duration_s) const noexcept 
     const double decay = std::exp(-duration_s / time_s);
     state.decay_[at] = decay;
     state.alpha_ -= share * (1.0 - decay);
-    for (std::size_t i = 0; i < laterals; ++i) state.held_lateral_n_[i] += decay * lost_lateral_n[i];
+    for (std::size_t i = 0; i < laterals; ++i)
+      state.held_lateral_n_[i] += decay * lost_lateral_n[i];
     for (std::size_t i = 0; i < columns; ++i) state.held_n_[i] += decay * lost_n[i];
   }
 }

@@ -9,7 +9,8 @@ namespace {
 
 /// Energy over E t w^4 / a^2.
 constexpr double kEnergyFactor = 8.0 * std::numbers::pi / 63.0 * 625.0 / 81.0;
-/// Depth of Schwerin's dimple less its mean over the kernel: 6 times the integral of s^(5/3) (1 - s^2)^2.
+/// Depth of Schwerin's dimple less its mean over the kernel: 6 times the integral of s^(5/3) (1 -
+/// s^2)^2.
 constexpr double kPointOverKernel = 6.0 * (3.0 / 8.0 - 3.0 / 7.0 + 3.0 / 20.0);
 
 }  // namespace
@@ -27,8 +28,8 @@ double MembraneDimple::SlopeNPerMm(double moved_mm) const noexcept {
 double MembraneDimple::NearFieldMmPerN(double linear_mm_per_n, double force_n) const noexcept {
   if (stretching_n_per_mm <= 0.0 || force_n <= 0.0) return linear_mm_per_n;
   const double stretched_mm =
-      kPointOverKernel * std::cbrt(3.0 * force_n * radius_mm * radius_mm /
-                                   (std::numbers::pi * stretching_n_per_mm));
+      kPointOverKernel *
+      std::cbrt(3.0 * force_n * radius_mm * radius_mm / (std::numbers::pi * stretching_n_per_mm));
   return linear_mm_per_n / (1.0 + linear_mm_per_n * force_n / stretched_mm);
 }
 

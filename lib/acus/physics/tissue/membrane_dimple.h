@@ -3,10 +3,10 @@
 
 namespace acus::tissue {
 
-/// A dimple h (1 - r^2/a^2)^2 in a plane elastic sheet that reaches beyond it. Its stretching energy,
-/// least over the displacements along the sheet (Foeppl and von Karman), is (8 pi / 63) E t h^4 / a^2,
-/// whatever Poisson's ratio. A kernel of radius a with the same weights moves by w = 3/5 h.
-/// docs/models/tissue_membranes.md
+/// A dimple h (1 - r^2/a^2)^2 in a plane elastic sheet that reaches beyond it. Its stretching
+/// energy, least over the displacements along the sheet (Foeppl and von Karman), is (8 pi / 63) E t
+/// h^4 / a^2, whatever Poisson's ratio. A kernel of radius a with the same weights moves by w = 3/5
+/// h. docs/models/tissue_membranes.md
 struct MembraneDimple {
   double stretching_n_per_mm = 0.0;  ///< E t; 0: no membrane.
   double radius_mm = 1.0;            ///< a.

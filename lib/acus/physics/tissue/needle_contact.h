@@ -84,11 +84,11 @@ struct FemNeedleState : SampleGate {
   bool on_bone = false;
   double tip_offset_mm = 0.0;  ///< Keeps the force when the tip meets something harder.
   // The membrane that the tip presses: stretched beside the finite elements, and linear in a step.
-  MembraneDimple dimple;        ///< Of no membrane where none is pressed.
-  double dimple_from_mm = 0.0;  ///< Displacement of the kernel where the tip met it.
-  double kernel_moved_mm = 0.0; ///< Displacement of the tip's kernel after the last step.
-  double ground_mpa = 0.0;      ///< Stiffness of the ground under the skin's dimple over its radius.
-  double near_mm_per_n = 0.0;   ///< What the kernel is too wide for.
+  MembraneDimple dimple;         ///< Of no membrane where none is pressed.
+  double dimple_from_mm = 0.0;   ///< Displacement of the kernel where the tip met it.
+  double kernel_moved_mm = 0.0;  ///< Displacement of the tip's kernel after the last step.
+  double ground_mpa = 0.0;     ///< Stiffness of the ground under the skin's dimple over its radius.
+  double near_mm_per_n = 0.0;  ///< What the kernel is too wide for.
   double stretch_n_per_mm = 0.0;  ///< Slope of the dimple's force for which the slot was set.
   Eigen::Vector3d placed_mm = Eigen::Vector3d::Zero();  ///< The end for which the slot was set.
   std::vector<Eigen::Vector3d> channel_mm;  ///< Points at rest, of the cut; also those not in use.

@@ -104,8 +104,7 @@ void FemNeedleModel::PlaceTip(FemNeedleState& state,
     if (on_skin) local = state.dimple.NearFieldMmPerN(local, force_n);
   }
   state.near_mm_per_n = local;
-  state.stretch_n_per_mm =
-      state.dimple.SlopeNPerMm(state.kernel_moved_mm - state.dimple_from_mm);
+  state.stretch_n_per_mm = state.dimple.SlopeNPerMm(state.kernel_moved_mm - state.dimple_from_mm);
   system_.SetSlot(state.contact, 0, place, direction,
                   local / (1.0 + local * state.stretch_n_per_mm));
   state.placed_mm = state.end_mm;
@@ -126,8 +125,7 @@ void FemNeedleModel::DemandTip(FemNeedleState& state, double displacement_mm) co
 void FemNeedleModel::FollowDimple(FemNeedleState& state) const noexcept {
   state.kernel_moved_mm = state.contact.DemandMm(0) + state.contact.SlotExcessMm(0) -
                           state.contact.slot_local_mm_per_n(0) * state.contact.ElasticSlotN(0);
-  state.contact.SetSlotExtra(
-      0, state.dimple.ForceN(state.kernel_moved_mm - state.dimple_from_mm));
+  state.contact.SetSlotExtra(0, state.dimple.ForceN(state.kernel_moved_mm - state.dimple_from_mm));
 }
 
 /// The same where a harder limit begins: goes on with the force as it is.

@@ -7,9 +7,9 @@
 
 namespace acus::tissue {
 
-/// The membrane as a plate in tension on an elastic half space (mechanics::MembraneComplianceMmPerN):
-/// displacement of a needle's tip less that of a kernel of nodes, for kernels of any radius. Found
-/// once, since each value is an integral.
+/// The membrane as a plate in tension on an elastic half space
+/// (mechanics::MembraneComplianceMmPerN): displacement of a needle's tip less that of a kernel of
+/// nodes, for kernels of any radius. Found once, since each value is an integral.
 class ShellNearField {
  public:
   ShellNearField(const mechanics::Membrane& membrane, const mechanics::ElasticTissue& beneath,

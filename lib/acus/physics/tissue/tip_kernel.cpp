@@ -117,8 +117,7 @@ struct TipKernel::Quadrature {
     if (!is_volume) return out;
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const auto radius_mm = [](double mm3) { return std::cbrt(0.75 * mm3 / std::numbers::pi); };
-      const double own_mm =
-          radius_mm(share[static_cast<std::size_t>(compliance.nodes()[rows[k]])]);
+      const double own_mm = radius_mm(share[static_cast<std::size_t>(compliance.nodes()[rows[k]])]);
       const double all_mm = radius_mm(out.node[k].share);
       // All nodes of the ball would move it by a ball's 6/5r, and each itself by more.
       const double own_share = own_mm * own_mm / (all_mm * all_mm);
@@ -172,7 +171,8 @@ KernelPlace TipKernel::Sum(const std::vector<Level>& levels, const Eigen::Vector
     }
     if (is_full && l + 1 < levels.size()) continue;
     if (!(sum > 0.0)) return {};
-    for (int n = 0; n < out.place.num_rows; ++n) out.place.weight[static_cast<std::size_t>(n)] /= sum;
+    for (int n = 0; n < out.place.num_rows; ++n)
+      out.place.weight[static_cast<std::size_t>(n)] /= sum;
     out.self_per_mm /= sum * sum;
     return out;
   }

@@ -42,8 +42,8 @@ class TipKernel {
  private:
   struct Node {
     Eigen::Vector3d rest_in_ct_mm;
-    int row;              ///< -1: held still.
-    double share;         ///< mm^3 or mm^2 that it stands for.
+    int row;             ///< -1: held still.
+    double share;        ///< mm^3 or mm^2 that it stands for.
     double self_per_mm;  ///< For a weight of 1, see KernelPlace; 0 in discs.
   };
   /// Nodes at least `spacing_mm` apart.

@@ -36,9 +36,11 @@ mesh::TetraMesh CrookedBox() {
   for (Eigen::Index n = 0; n < box.nodes_mm.cols(); ++n) {
     Vector3d x = box.nodes_mm.col(n);
     const bool is_top = x.z() > 12.0 - 1e-9;
-    const bool is_inner = (x.head<2>().array() > 1e-9).all() && (x.head<2>().array() < 30 - 1e-9).all();
+    const bool is_inner =
+        (x.head<2>().array() > 1e-9).all() && (x.head<2>().array() < 30 - 1e-9).all();
     if (is_top && is_inner) {
-      box.nodes_mm.col(n).head<2>() += Eigen::Vector2d(random.Uniform() - 0.5, random.Uniform() - 0.5);
+      box.nodes_mm.col(n).head<2>() +=
+          Eigen::Vector2d(random.Uniform() - 0.5, random.Uniform() - 0.5);
     }
   }
   return box;
@@ -90,7 +92,8 @@ TEST(Membrane, ConstantCurvatureHasItsEnergy) {
   const mesh::TetraMesh box = CrookedBox();
   const double xx = 0.02, xy = 0.005;
   const auto u = Moved(box, [&](const Vector3d& x) {
-    return Vector3d(0, 0, x.z() > 12.0 - 1e-9 ? 0.5 * xx * x.x() * x.x() + xy * x.x() * x.y() : 0.0);
+    return Vector3d(0, 0,
+                    x.z() > 12.0 - 1e-9 ? 0.5 * xx * x.x() * x.x() + xy * x.x() * x.y() : 0.0);
   });
   // Energies of faces with three neighbours: all of the box's top less what has a rim.
   double area_mm2 = 0.0;
@@ -141,8 +144,8 @@ TEST(MembraneCompliance, IsAPlateOnTheGroundUnderAPoint) {
               length_mm * length_mm / (3.0 * std::sqrt(3.0) * plate.BendingStiffnessNmm()), 1e-6);
 }
 
-/// Mean of 1/r over a kernel of radius 1 twice, by `side` x `side` squares; within a square the mean
-/// of 1/r is 2.973 over its side.
+/// Mean of 1/r over a kernel of radius 1 twice, by `side` x `side` squares; within a square the
+/// mean of 1/r is 2.973 over its side.
 double MeanInverseDistance(int side) {
   const double h = 2.0 / side;
   std::vector<Vector3d> cell;  // x, y, weight.
@@ -187,8 +190,8 @@ TEST(MembraneCompliance, TensionAndThicknessStiffen) {
 }
 
 TEST(ElasticityTable, ReadsMembranes) {
-  const auto table = ElasticityTableFromJson(
-      nlohmann::json::parse(R"({"format": "acus-elasticity/1", "tissues": [
+  const auto table =
+      ElasticityTableFromJson(nlohmann::json::parse(R"({"format": "acus-elasticity/1", "tissues": [
         {"tissue": "liver", "source": "test", "youngs_modulus_kpa": 5,
          "membrane": {"source": "test", "not_against": ["vessel"], "youngs_modulus_kpa": 900,
                       "thickness_mm": 0.1}},
@@ -196,7 +199,7 @@ TEST(ElasticityTable, ReadsMembranes) {
          "membrane": {"source": "test", "against": ["outside"], "youngs_modulus_kpa": 130,
                       "thickness_mm": 2, "tension_n_per_m": 10, "solid_youngs_modulus_kpa": 3}}
       ]})"),
-      "test.json");
+                              "test.json");
   const volume::Label skin = volume::LabelOf("skin"), liver = volume::LabelOf("liver");
   ASSERT_NE(table.MembraneOf(skin, 0), nullptr);
   EXPECT_DOUBLE_EQ(table.MembraneOf(skin, 0)->tension_n_per_mm, 0.01);
@@ -210,12 +213,11 @@ TEST(ElasticityTable, ReadsMembranes) {
 
 TEST(ElasticityTable, NamesTheMembraneWithAnUnknownTissue) {
   try {
-    ElasticityTableFromJson(
-        nlohmann::json::parse(R"({"format": "acus-elasticity/1", "tissues": [
+    ElasticityTableFromJson(nlohmann::json::parse(R"({"format": "acus-elasticity/1", "tissues": [
           {"tissue": "liver", "source": "test", "youngs_modulus_kpa": 5,
            "membrane": {"source": "test", "against": ["bark"], "youngs_modulus_kpa": 900,
                         "thickness_mm": 0.1}}]})"),
-        "test.json");
+                            "test.json");
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("/tissues/0/membrane"), std::string::npos)

@@ -64,7 +64,8 @@ TEST(TipKernel, FewNodesOfAFineMeshMoveAsAllOfThem) {
   double sum = 0.0, moved = 0.0;
   std::vector<double> weight(static_cast<std::size_t>(box.compliance.num_nodes()));
   for (int row = 0; row < box.compliance.num_nodes(); ++row) {
-    const double inside = std::max(0.0, 1.0 - (kernel.RestOf(row) - at).squaredNorm() / (7.4 * 7.4));
+    const double inside =
+        std::max(0.0, 1.0 - (kernel.RestOf(row) - at).squaredNorm() / (7.4 * 7.4));
     sum += weight[static_cast<std::size_t>(row)] = inside * inside;
   }
   for (int i = 0; i < box.compliance.num_nodes(); ++i) {

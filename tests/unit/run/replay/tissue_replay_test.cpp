@@ -198,9 +198,9 @@ TEST_F(TissueReplay, MissingAndStaleComplianceNameTheRemedy) {
 
   auto softer = with_mesh(Folder() / "mesh");
   std::string table = BytesOf(fs::path(ACUS_SOURCE_DIR) / "configs/elasticity/default.json");
-  const std::string muscle = "\"youngs_modulus_kpa\": 12}";
+  const std::string muscle = "\"youngs_modulus_kpa\": 12,";
   ASSERT_NE(table.find(muscle), std::string::npos);
-  table.replace(table.find(muscle), muscle.size(), "\"youngs_modulus_kpa\": 11}");
+  table.replace(table.find(muscle), muscle.size(), "\"youngs_modulus_kpa\": 11,");
   WriteTextFile(Folder() / "softer.json", table);
   softer.push_back({"/effects/tissue/elasticity", (Folder() / "softer.json").string()});
   EXPECT_THAT([&] { Run("x", "", 1, softer); },

@@ -39,6 +39,7 @@ TEST(ScenarioDocument, KnowsOfEveryTextWhetherItIsAPath) {
                                           "/session/reference_frame",
                                           "/effects/tissue/fe_3d/element",
                                           "/effects/breathing/column",
+                                          "/effects/needle_force/recording",
                                           "/effects/pulsating_vessels/tissue",
                                           "/evidence/asked",
                                           "/evidence/machine",
