@@ -54,12 +54,15 @@ FemNeedleModel::FemNeedleModel(const mesh::TetraMesh& mesh, const mechanics::Com
     const volume::Label label = mesh.tissue[static_cast<std::size_t>(t)];
     if (!moves || elastic_[label].youngs_modulus_mpa > 0.0) continue;
     elastic_[label] = elasticity.SolidAt(label);
+    whole_[label] = elasticity.At(label);
     if (const mechanics::Membrane* membrane = elasticity.MembraneOf(label, 0)) {
       skin_shell_[label].emplace(*membrane, elastic_[label], radius_mm_);
     }
   }
-  for (mechanics::ElasticTissue& tissue : elastic_) {
-    if (tissue.youngs_modulus_mpa <= 0.0) tissue = {kRigidMpa, 0.3};  // Held still by its nodes.
+  for (auto* tissues : {&elastic_, &whole_}) {
+    for (mechanics::ElasticTissue& tissue : *tissues) {
+      if (tissue.youngs_modulus_mpa <= 0.0) tissue = {kRigidMpa, 0.3};  // Held still by its nodes.
+    }
   }
   if (settings.probe) {
     probe_.emplace(ReachableSurface(mesh, compliance), *settings.probe, 1,

@@ -160,7 +160,8 @@ class FemNeedleModel {
   Eigen::Vector2d LineMm(const FemNeedleState& state, double axial_mm) const noexcept;
 
   forces::ForceTable table_;
-  std::array<mechanics::ElasticTissue, 256> elastic_{};
+  std::array<mechanics::ElasticTissue, 256> elastic_{};  ///< Solids, beneath their membranes.
+  std::array<mechanics::ElasticTissue, 256> whole_{};    ///< With them: what holds the shaft.
   std::vector<mechanics::Membrane> membranes_;
   /// Of the membrane between each tissue and the outside.
   std::array<std::optional<ShellNearField>, 256> skin_shell_;

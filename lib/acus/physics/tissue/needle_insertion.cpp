@@ -300,7 +300,7 @@ void FemNeedleModel::AppendPoint(FemNeedleState& state, double axial_mm) const n
 
   LocalCompliance local{kNothingMmPerN, kNothingMmPerN};
   if (spot.inside) {
-    local = ShaftCompliance(elastic_[spot.tissue], spot.element_mm, radius_mm_, spacing_mm_);
+    local = ShaftCompliance(whole_[spot.tissue], spot.element_mm, radius_mm_, spacing_mm_);
     if (!spot.reachable) ++state.num_out_of_reach;
   }
   point.friction_n_per_mm = table_.tissue[spot.tissue].friction_n_per_mm;
