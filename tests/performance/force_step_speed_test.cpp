@@ -75,7 +75,7 @@ volume::LabelMap LayersToSweep(volume::CtVolume& ct) {
 }
 
 // A jump of 50 mm is searched for tissue, and taken in as many steps as there are things to meet.
-TEST(ForceStepSpeed, AJumpOfFiftyMillimetresTakesLessThanFiftyMicroseconds) {
+TEST(ForceStepSpeed, AJumpOfFiftyMillimetresTakesLessThanSixHundredStepsAtRest) {
   volume::CtVolume ct;
   const volume::LabelMap labels = LayersToSweep(ct);
   const forces::CtField field(ct);
@@ -89,7 +89,7 @@ TEST(ForceStepSpeed, AJumpOfFiftyMillimetresTakesLessThanFiftyMicroseconds) {
        forces::ForceModel(forces::AlamillaModel(ShippedTable("alamilla.json"), needle))},
       {"vidal", forces::ForceModel(forces::VidalModel(ShippedTable("vidal.json"), needle, field))}};
   for (const auto& [name, model] : models) {
-    std::vector<double> jump_us;
+    std::vector<double> jump_us, rest_us;
     for (int run = 0; run < 201; ++run) {
       forces::ForceState state = model.NewState();
       forces::PassedEvents events;
@@ -103,9 +103,15 @@ TEST(ForceStepSpeed, AJumpOfFiftyMillimetresTakesLessThanFiftyMicroseconds) {
       step_to(49.0, 0.01);
       jump_us.push_back(1e6 * (ThreadCpuSeconds() - begin_s));
       ASSERT_GT(events.num, 5);
+      constexpr int kAtRest = 100;  // Of which one is too short for the clock.
+      const double rest_s = ThreadCpuSeconds();
+      for (int n = 1; n <= kAtRest; ++n) step_to(49.0, 0.01 + 1e-3 * n);
+      rest_us.push_back(1e6 / kAtRest * (ThreadCpuSeconds() - rest_s));
     }
-    std::printf("  %-16s jump of 50 mm %6.2f us\n", name, math::Median(jump_us));
-    EXPECT_LT(math::Median(jump_us), 50.0) << name;
+    const double ratio = math::Median(jump_us) / math::Median(rest_us);
+    std::printf("  %-16s jump of 50 mm %6.2f us, %4.0f steps at rest\n", name,
+                math::Median(jump_us), ratio);
+    EXPECT_LT(ratio, 600.0) << name;
   }
 }
 
