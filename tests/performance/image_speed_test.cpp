@@ -1,9 +1,11 @@
 // Pictures against the time that vtkImageReslice takes for the slice alone: the same CT, the same
 // plane, two threads each, in turns. bench_reslice gives the numbers at length.
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <optional>
+#include <thread>
 
 #include "acus/imaging/slicing/ct_slice.h"
 #include "acus/imaging/ultrasound/aperture_renderer.h"
@@ -48,6 +50,8 @@ void ExpectShareAtMost(double limit, const Render& render) {
     ours.Add([&] { render(pose); });
     theirs.Add([&] { smp.Render(pose); });
     ours.Add([&] { render(pose); });
+    // Others may have the machine for a while.
+    if (n % 100 == 99 && !holds()) std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }
   EXPECT_LE(wall_share(), limit) << ours.wall_ms << " ms against " << theirs.wall_ms;
   EXPECT_LE(cpu_share(), limit) << ours.cpu_ms << " ms against " << theirs.cpu_ms;
