@@ -34,9 +34,14 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("--exercise", exercise_path, "What the trainee is asked to do (acus-exercise)")
       ->check(CLI::ExistingFile);
+  app.add_option("--trial", console.trial, "Which trial of the trainee it is: hints fade with it")
+      ->check(CLI::Range(1, 100000));
   app.add_option("--set", changes,
                  "Change one value of the scenario: /json/pointer=value; =null takes it out");
   app.add_flag("--headless", headless, "Without a window; otherwise there must be a display");
+  app.add_option("--views", console.views,
+                 "Views to show, with commas: camera, ultrasound, 3d, volume, ct, effects.\n"
+                 "Without it all but volume, which the key M brings");
   app.add_option("--screenshot", console.screenshot, "PNG of the window, taken at the end");
   app.add_flag("--check", options.only_checks,
                "Check scenario, files and devices; start nothing, and load no driver: say which\n"
@@ -63,7 +68,8 @@ int main(int argc, char** argv) {
         acus::scenario::ReadScenario(acus::config::FindConfig(scenario_path, here), overrides);
     const auto devices = acus::live::ReadLiveDevices(acus::config::FindConfig(devices_path, here));
     if (!exercise_path.empty()) {
-      options.name = acus::training::ReadExercise(exercise_path).name;
+      options.exercise = acus::training::ReadExercise(exercise_path);
+      options.name = options.exercise->name;
       context.provenance.AddInput(exercise_path);
     }
     acus::live::LiveSession session(scenario, devices, options, context);

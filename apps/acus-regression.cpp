@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "acus/assess/regression/bisect.h"
+#include "acus/assess/regression/new_suite.h"
 #include "acus/assess/regression/regression_report.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/run_main.h"
@@ -28,12 +29,15 @@ acus::ExitCode Run(const Suite& suite, const fs::path& output, acus::RunContext&
 
 int main(int argc, char** argv) {
   fs::path suite_path, output, result, run_a, run_b;
-  std::vector<std::string> cases;
+  std::vector<std::string> cases, changes;
   CLI::App app{
-      "Replay a suite of recorded sessions and hold each run against what is expected of it.\n"
+      "Replay a suite of recorded sessions and hold each run against what is expected of it;\n"
+      "make such a suite.\n"
       "Exit code 0 if all are as expected, 4 if one moved, is new or gave no result.",
       "acus-regression"};
   app.require_subcommand(1);
+  auto* make = app.add_subcommand("new", "Make a suite from recorded sessions");
+  const auto make_suite = AddNewSuiteOptions(*make);
   auto* run = app.add_subcommand("run", "Replay and compare");
   auto* accept = app.add_subcommand("accept", "Make a result the expected outcome, as it is");
   for (CLI::App* command : {run, accept}) {
@@ -46,6 +50,9 @@ int main(int argc, char** argv) {
   }
   run->add_option("-o,--output", output, "Folder to make: regression.html, .json, all runs")
       ->required();
+  run->add_option("--set", changes,
+                  "Change one value of the scenario of every case for this run:\n"
+                  "/json/pointer=value; =null takes it out. The result cannot be accepted");
   accept->add_option("result", result, "Folder that acus-regression run made")
       ->required()
       ->check(CLI::ExistingDirectory);
@@ -61,7 +68,9 @@ int main(int argc, char** argv) {
       "EXAMPLE\n"
       "  acus-regression run suite -o result || true\n"
       "  acus-regression accept suite result\n"
-      "  acus-regression run suite -o second_result");
+      "  acus-regression run suite -o second_result\n"
+      "  acus-regression new scenario.json session --ct ct.nrrd --labels labels.seg.nrrd \\\n"
+      "    --transform ct_from_reference.tfm -o new_suite");
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     if (bisect->parsed()) {
       const Bisection found = Bisect(run_a, run_b);
@@ -69,7 +78,11 @@ int main(int argc, char** argv) {
       if (found.same()) return acus::ExitCode::kOk;
       throw acus::NoAnswerError("the runs differ");
     }
-    const Suite suite = Only(ReadSuite(suite_path), cases);
+    if (make->parsed()) {
+      std::cout << make_suite(context) << std::flush;
+      return acus::ExitCode::kOk;
+    }
+    const Suite suite = With(Only(ReadSuite(suite_path), cases), changes);
     context.provenance.AddInput(fs::is_directory(suite_path) ? suite_path / "suite.json"
                                                              : suite_path);
     if (run->parsed()) return Run(suite, output, context);

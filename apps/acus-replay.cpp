@@ -8,12 +8,9 @@
 
 int main(int argc, char** argv) {
   std::filesystem::path scenario_path, session_path;
-  std::filesystem::path ct_path;
-  std::filesystem::path labels_path;
-  std::filesystem::path transform_path;
-  std::filesystem::path exercise_path;
+  std::filesystem::path ct_path, labels_path, transform_path, exercise_path;
   std::vector<std::string> changes;
-  std::string series, png = "events";
+  std::string series, png = "events", labels_in_image = "none";
   bool explain = false, check = false;
   acus::replay::ReplayOptions options;
 
@@ -43,13 +40,15 @@ int main(int argc, char** argv) {
                  "Goals to judge the session by (acus-exercise JSON): a file, or a preset such as\n"
                  "exercises/lumbar_puncture.json");
   app.add_option("--trainee", options.trainee, "Code of who did it, kept in training.json");
-  app.add_option("--png", png, "Frames as PNG: those at events, all, or none")
-      ->check(CLI::IsMember({"events", "all", "none"}))
-      ->capture_default_str();
+  app.add_option("--png", png, "Frames as PNG: those at events (the default), all, or none")
+      ->check(CLI::IsMember({"events", "all", "none"}));
   app.add_flag("!--no-film", options.film, "Make no film.mp4");
   app.add_flag("!--no-sequence", options.sequence, "Write no images.igs.mha");
   app.add_flag("!--no-times", options.times,
                "Write no measured times: the same inputs then give the same bytes");
+  app.add_option("--labels-in-image", labels_in_image,
+                 "Write labelled/: images with labels, poses and forces; png, nifti, hdf5 or none")
+      ->check(CLI::IsMember(acus::replay::LabelFormats()));
   app.add_flag("--trace", options.trace, "Write what every stage gave, for acus-regression bisect");
   app.add_flag("--explain", explain,
                "Print the effect plan: stages and why they are in, out or asleep, what they read\n"
@@ -77,6 +76,7 @@ int main(int argc, char** argv) {
     set_path("/patient/labels", labels_path);
     set_path("/patient/ct_from_reference_file", transform_path);
     options.png = acus::replay::PngChoices().at(png);
+    options.labels = acus::replay::LabelFormats().at(labels_in_image);
     const auto file = acus::config::FindConfig(scenario_path, std::filesystem::current_path());
     const auto scenario = acus::scenario::ReadScenario(file, overrides);
     context.provenance.AddInput(file);

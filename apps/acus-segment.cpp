@@ -6,16 +6,18 @@
 #include "acus/base/core/run_main.h"
 #include "acus/data/volume/dicom_series.h"
 #include "acus/data/volume/volume_io.h"
+#include "acus/patient/atlas/atlas_organs.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
 #include "acus/patient/segmentation/spine.h"
 
 int main(int argc, char** argv) {
-  std::filesystem::path ct_path, config_path, import_path, reference_path, mapping_path, folder;
+  std::filesystem::path ct_path, config_path, import_path, reference_path, mapping_path, folder,
+      atlas;
   std::string series;
   bool list_series = false;
   CLI::App app{
       "Tell the tissues of a CT apart: body, skin, fat, soft tissue, bone, lung, gas, and organs "
-      "from seed points or a label map made elsewhere.",
+      "from seed points, labelled CTs of other patients, or a label map made elsewhere.",
       "acus-segment"};
   app.footer(
       "Writes labels.seg.nrrd (3D Slicer), skin.stl, bone.stl, preview_*.png, volumes.csv.\n"
@@ -47,6 +49,9 @@ int main(int argc, char** argv) {
                      "default: label_maps/acus.json for .seg.nrrd, else "
                      "label_maps/totalsegmentator.json")
           ->check(CLI::ExistingFile);
+  app.add_option("--atlas", atlas,
+                 "Folder with labelled CTs of other patients (atlas.json): liver, kidneys, spleen")
+      ->check(CLI::ExistingDirectory);
   app.add_option("-o,--output", folder, "Folder to write");
   app.callback([&] {
     if (folder.empty() && list_option->count() == 0) throw CLI::RequiredError("--output");
@@ -60,7 +65,7 @@ int main(int argc, char** argv) {
       std::cout << acus::volume::SeriesTable(ct_path, context);
       return acus::ExitCode::kOk;
     }
-    using acus::config::FindConfig;
+    using acus::config::FindConfig, acus::segmentation::CompareWithReference;
     if (config_path.empty()) config_path = FindConfig("segmentation/default.json", ".");
     if (mapping_path.empty()) {
       const auto& foreign = import_path.empty() ? reference_path : import_path;
@@ -78,13 +83,14 @@ int main(int argc, char** argv) {
       context.provenance.AddInput(path);
       context.provenance.AddInput(mapping_path);
     }
+    const auto others = acus::atlas::ReadAtlas(atlas, context);
     const auto ct = acus::volume::ReadCt(ct_path, series, context);
-    const auto labels = acus::segmentation::SegmentPatient(ct, config, import, context);
+    auto labels = acus::segmentation::SegmentPatient(ct, config, import, context);
+    acus::atlas::AddAtlasOrgans(ct, others, config.tissues, labels, context);
     std::cout << acus::segmentation::SpineSentence(labels);
     std::vector<acus::segmentation::Agreement> agreement;
     if (!reference_path.empty()) {
-      agreement =
-          acus::segmentation::CompareWithReference(labels, {reference_path, mapping_path}, context);
+      agreement = CompareWithReference(labels, {reference_path, mapping_path}, context);
     }
     acus::segmentation::WritePatientFolder(folder, ct, labels, config, agreement, context);
     if (!agreement.empty()) std::cout << acus::segmentation::AgreementTable(agreement);

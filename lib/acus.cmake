@@ -18,8 +18,11 @@ target_compile_features(acus_flags INTERFACE cxx_std_20)
 # -ffp-contract=off: the same source must give the same bits, whether or not the compiler finds an FMA.
 # Warnings are ours: whoever builds against an installed Acus chooses their own.
 target_compile_options(acus_flags INTERFACE
-  "$<BUILD_INTERFACE:-Wall;-Wextra;-Wshadow;-Wconversion;-Wno-sign-conversion;-Werror>"
+  "$<BUILD_INTERFACE:-Wall;-Wextra;-Wshadow;-Wconversion;-Wno-sign-conversion>"
+  "$<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Werror>>"
   -ffp-contract=off)
+# Assertions name their file: from the root of the sources, not by a folder of whoever built.
+target_compile_options(acus_flags INTERFACE "$<BUILD_INTERFACE:-ffile-prefix-map=${CMAKE_SOURCE_DIR}/=>")
 target_include_directories(acus_flags INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/lib>
                                                 $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 
@@ -33,8 +36,13 @@ if(ACUS_SANITIZE STREQUAL "address")
   set(sanitizers -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
 elseif(ACUS_SANITIZE STREQUAL "thread")
   set(sanitizers -fsanitize=thread -fno-sanitize-recover=all -fno-omit-frame-pointer)
+elseif(ACUS_SANITIZE STREQUAL "fuzz")  # For tests/fuzz; Clang only.
+  set(sanitizers -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
+                 -fno-omit-frame-pointer)
+  set(with_clang "SHELL:-fgnuc-version=10.2.0 -include ${CMAKE_SOURCE_DIR}/tests/fuzz/itk_with_clang.h")
+  add_compile_options("$<$<COMPILE_LANGUAGE:CXX>:${with_clang}>")
 elseif(NOT ACUS_SANITIZE STREQUAL "")
-  message(FATAL_ERROR "ACUS_SANITIZE is '${ACUS_SANITIZE}'; allowed: empty, address, thread")
+  message(FATAL_ERROR "ACUS_SANITIZE is '${ACUS_SANITIZE}'; allowed: empty, address, thread, fuzz")
 endif()
 if(sanitizers)
   set(CMAKE_CXX_FLAGS_RELEASE "-O1")  # Compiles in half the time, and reports name the right lines.

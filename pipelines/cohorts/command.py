@@ -9,6 +9,7 @@ import time
 
 import crate
 import engine
+import labelled
 import plan as plans
 import report
 from files import UserError, read_json, read_tsv, write_json, write_tsv, write_whole
@@ -17,7 +18,7 @@ from sources import read_sources
 EPILOG = """\
 INPUT has participants.tsv and either the files of each participant as
 sub-LABEL/ses-LABEL/KIND/NAME, or a table cohort.tsv with the columns participant_id, session_id,
-kind, path, seed and series that names them wherever they are. Kinds: phantom, ct, labels, phases,
+kind, path, seed and series that names them wherever they are. Kinds: phantom, ct, labels, atlas, phases,
 force_curves, markers_ct, markers_mannequin, target, corridor, recording, scenario.
 
 Exit code 0 if all participants succeeded, 4 if some failed: the report names them, with the message
@@ -48,6 +49,13 @@ def parser():
     p.add_argument("--mesh", action="store_true", help="also make tetrahedral meshes")
     p.add_argument("--film", action="store_true", help="also make film.mp4 of each replay")
     p.add_argument("--no-sequence", action="store_true", help="write no images.igs.mha")
+    p.add_argument("--labels-in-image", default="none", choices=["none", "png", "nifti", "hdf5"],
+                   help="also write the labelled images of each replay, and group/labelled.json with "
+                        "their splits")
+    p.add_argument("--splits", default="0.7,0.15,0.15", metavar="SHARES",
+                   help="of participants in train, validation and test; default: %(default)s")
+    p.add_argument("--split-seed", type=int, default=0, metavar="N",
+                   help="another seed, other participants in each split")
     p.add_argument("--reference", default="", metavar="FOLDER",
                    help="output of an earlier run of the same cohort: each replay is compared with it")
     p.add_argument("--tolerances", default="tolerances/default.json", metavar="FILE",
@@ -76,6 +84,7 @@ def check(arguments):
         raise UserError(f"--patients-per-job {arguments.patients_per_job}: must be 1 or more")
     if arguments.reference and not pathlib.Path(arguments.reference).is_dir():
         raise UserError(f"--reference {arguments.reference}: no such folder")
+    labelled.shares_of(arguments.splits)
     if shutil.which("snakemake") is None:
         raise UserError("Snakemake is missing; pipelines/setup installs it")
 
@@ -98,6 +107,8 @@ def options_of(arguments):
     replay = ["--no-times"]
     replay += [] if arguments.film else ["--no-film"]
     replay += ["--no-sequence"] if arguments.no_sequence else []
+    if arguments.labels_in_image != "none":
+        replay += ["--labels-in-image", arguments.labels_in_image]
     segment = ["--config", absolute(arguments.segmentation)] if arguments.segmentation else []
     options = plans.Options(set=arguments.set, mesh=arguments.mesh, replay_options=replay,
                             reference=arguments.reference, segment_options=segment,
@@ -210,6 +221,9 @@ def run(arguments):
     failed = engine.failures(output, plan)
     if arguments.level != "participant":
         report.write(output, plan, failed, problems)
+        if arguments.labels_in_image != "none":
+            labelled.write(output, report.runs_of(output, plan)[0], labelled.shares_of(arguments.splits),
+                           arguments.split_seed)
         crate.write(output, plan, failed)
         if not arguments.quiet:
             print(f"Report: {output}/group/report.html", file=sys.stderr)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The jobs of pipelines/demo: one patient, without participants and sessions, in one folder.
 
-Usage: demo.py OUTPUT CT SERIES SCENARIO TISSUE SEED; CT, SERIES and TISSUE may be empty.
+Usage: demo.py OUTPUT CT SERIES SCENARIO TISSUE SEED ATLAS; CT, SERIES, TISSUE and ATLAS may be empty.
 """
 import os
 import pathlib
@@ -13,12 +13,14 @@ import plan as plans
 from files import UserError, read_json, write_json
 
 
-def make_plan(output, ct, series, scenario, tissue, seed, cache):
+def make_plan(output, ct, series, scenario, tissue, seed, atlas, cache):
     options = plans.Options(scenarios=[scenario], tissue=tissue, mesh=True, folders=True, quiet=False,
                             replay_options=[], threads=os.cpu_count())
     plan = plans.Plan(output, options, cache)
     source = {"path": ct, "seed": seed, "series": series}
     files = {"ct": [source]} if ct else {"phantom": [{**source, "path": "lumbar"}]}
+    if atlas:
+        files["atlas"] = [{"path": atlas, "seed": None, "series": ""}]
     plans.Patient(plan, "", "", files).jobs()
     return plan
 
@@ -56,8 +58,8 @@ and, of the steps before:
 
 if __name__ == "__main__":
     try:
-        folder, *words, seed_text = sys.argv[1:]
-        sys.exit(run(pathlib.Path(folder), *words, int(seed_text)))
+        folder, *words, seed_text, atlas_folder = sys.argv[1:]
+        sys.exit(run(pathlib.Path(folder), *words, int(seed_text), atlas_folder))
     except UserError as error:
         print(f"pipelines/demo: {error}", file=sys.stderr)
         sys.exit(3)

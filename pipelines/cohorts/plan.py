@@ -40,7 +40,9 @@ def find_program(folder, name):
 
 
 def program_folder():
-    return pathlib.Path(os.environ.get("ACUS_BIN", ROOT / "build/bin")).resolve()
+    in_sources = (ROOT / "CMakeLists.txt").exists()
+    beside = ROOT / "build/bin" if in_sources else ROOT.parent.parent / "bin"
+    return pathlib.Path(os.environ.get("ACUS_BIN", beside)).resolve()
 
 
 class Plan:
@@ -142,7 +144,8 @@ class Patient:
     def jobs(self):
         files, options = self.files, self.plan.options
         one = {kind: self.link(kind, files[kind][0]) for kind in
-               ("ct", "labels", "phases", "markers_ct", "markers_mannequin", "target", "corridor")
+               ("ct", "labels", "atlas", "phases", "markers_ct", "markers_mannequin", "target",
+                "corridor")
                if kind in files}
         many = {kind: [self.link(kind, entry, i + 1) for i, entry in enumerate(files.get(kind, []))]
                 for kind in ("force_curves", "recording")}
@@ -205,6 +208,8 @@ class Patient:
             arguments += ["--series", self.series()]
         if "labels" in one:
             arguments += ["--import", one["labels"]]
+        if "atlas" in one:
+            arguments += ["--atlas", one["atlas"]]
         return self.add("segment", "segmentation", "acus-segment", arguments, parents=truth,
                         title="CT to tissues, surfaces and volumes")
 

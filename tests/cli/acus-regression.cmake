@@ -17,6 +17,31 @@ acus_add_cli_case(acus-regression.accept_without_result EXIT 3 NEEDS inputs LEAV
 acus_add_cli_case(acus-regression.no_such_case EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "there is no case .lumbar.; the suite has: insertion"
   COMMAND acus-regression run $INPUTS/suite --case lumbar -o result)
+acus_add_cli_case(acus-regression.run_set EXIT 4 NEEDS inputs TIMEOUT 120
+  BEFORE "cp -rL $INPUTS p && cd p && rm -rf suite/expected
+acus-regression run suite -o ../a >/dev/null 2>&1 || true
+acus-regression accept suite ../a >/dev/null"
+  STDOUT "^MOVED +insertion +[0-9]+ of [0-9]+ .*force_axial_n"
+  CREATES b/regression.html
+  COMMAND acus-regression run p/suite --set /needle=needles/trocar_18g.json -o b)
+acus_add_cli_case(acus-regression.no_accepting_of_set EXIT 3 NEEDS inputs TIMEOUT 120
+  BEFORE "cp -rL $INPUTS p && rm -rf p/suite/expected
+acus-regression run p/suite --set /needle=needles/trocar_18g.json -o b >/dev/null 2>&1 || true"
+  STDERR "b: is a result with --set .*trocar_18g.*run it without"
+  COMMAND acus-regression accept p/suite b)
+set(new_options --ct p/ct.nrrd --labels p/labels.seg.nrrd --transform p/ct_from_reference.tfm)
+acus_add_cli_case(acus-regression.made EXIT 0 NEEDS inputs TIMEOUT 120
+  BEFORE "cp -rL $INPUTS p
+acus-regression new p/scenario.json p/session --ct p/ct.nrrd --labels p/labels.seg.nrrd --transform p/ct_from_reference.tfm \\
+  --set /effects/ultrasound=null --set /image_rate_hz=1 -o p/made >/dev/null
+mv p q && (cd q && acus-regression run made -o a >/dev/null 2>&1 || true)
+acus-regression accept q/made q/a >/dev/null"
+  STDOUT "1 of 1 cases are as expected"
+  COMMAND acus-regression run q/made -o b)
+acus_add_cli_case(acus-regression.new_without_patient EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "labels" COMMAND acus-regression new $INPUTS/scenario.json $INPUTS/session -o made)
+acus_add_cli_case(acus-regression.new_no_session EXIT 2 NEEDS inputs LEAVES_NOTHING
+  STDERR "nowhere" COMMAND acus-regression new $INPUTS/scenario.json nowhere ${new_options} -o made)
 
 # Where two replays part: the stage and variable, from one replay of each.
 set(bisect_runs "small() {

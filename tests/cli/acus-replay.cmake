@@ -82,6 +82,21 @@ acus_add_cli_case(acus-replay.probe_force EXIT 0 NEEDS inputs
   CREATES run/probe_forces.csv run/probe_forces.svg run/report.html
   COMMAND acus-replay scenarios/palpation.json $INPUTS/session ${patient} -o run
           --set /effects/probe_force/press_mm=8)
+acus_add_cli_case(acus-replay.display EXIT 0 NEEDS inputs STDOUT "^Replayed " CREATES run/images.igs.mha
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run
+          --set /effects/ultrasound/model=aperture
+          --set /effects/ultrasound/display=displays/abdomen.json)
+acus_add_cli_case(acus-replay.display_of_another_model EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "/effects/ultrasound/display: .displays/abdomen.json. with the model vidal_2008"
+         "models beams and aperture"
+  COMMAND acus-replay $INPUTS/scenario.json ${patient} --check
+          --set /effects/ultrasound/model=vidal_2008
+          --set /effects/ultrasound/display=displays/abdomen.json)
+acus_add_cli_case(acus-replay.broken_display EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "echo '{\"format\": \"acus-display/1\", \"name\": \"n\", \"compound_angles\": 4}' > d.json"
+  STDERR "d.json: does not fit its schema" "/compound_angles: must be one of"
+  COMMAND acus-replay $INPUTS/scenario.json ${patient} --check
+          --set /effects/ultrasound/model=beams --set /effects/ultrasound/display=d.json)
 acus_add_cli_case(acus-replay.mistyped_probe_model EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "/effects/probe_force/model: must be one of .*multi_proxy.*got .multi-proxy"
   COMMAND acus-replay scenarios/palpation.json $INPUTS/session ${patient} -o run
@@ -120,3 +135,19 @@ acus_add_cli_case(acus-replay.check_broken_table EXIT 3 NEEDS inputs LEAVES_NOTH
 acus_add_cli_case(acus-replay.check_labels_of_another EXIT 3 NEEDS inputs LEAVES_NOTHING
   BEFORE "head -c 900 $INPUTS/labels.seg.nrrd > cut.seg.nrrd" STDERR "cut.seg.nrrd"
   COMMAND acus-replay $INPUTS/scenario.json --ct $INPUTS/ct.nrrd --labels cut.seg.nrrd --check)
+
+# Labelled images.
+acus_add_cli_case(acus-replay.labels_in_image EXIT 0 NEEDS inputs
+  CREATES r/labelled/images/00000.png r/labelled/labels/00000.png r/labelled/frames.csv
+          r/labelled/labelled.json r/labelled/depth_mm.nii.gz
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session --ct $INPUTS/ct.nrrd
+          --labels $INPUTS/labels.seg.nrrd --transform $INPUTS/ct_from_reference.tfm
+          --labels-in-image png --no-film --png none -o r)
+acus_add_cli_case(acus-replay.labels_in_image_wrong_format EXIT 2 NEEDS inputs LEAVES_NOTHING
+  STDERR "--labels-in-image" "jpeg"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session --labels-in-image jpeg -o r)
+acus_add_cli_case(acus-replay.labels_in_image_without_map EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "labels of images: the patient has no label map"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session --ct $INPUTS/ct.nrrd
+          --transform $INPUTS/ct_from_reference.tfm --set /effects/needle_force=null
+          --labels-in-image png --no-film --png none -o r)

@@ -10,6 +10,13 @@ acus_add_cli_case(acus-segment.missing_ct EXIT 2 LEAVES_NOTHING
 acus_add_cli_case(acus-segment.mapping_alone EXIT 2 NEEDS inputs LEAVES_NOTHING
   BEFORE "${segment_ct}\necho {} > m.json" STDERR "--mapping requires --import"
   COMMAND acus-segment ct.nrrd --mapping m.json -o out)
+acus_add_cli_case(acus-segment.atlas_without_file EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${segment_ct}\nmkdir atlas" STDERR "atlas/atlas.json"
+  COMMAND acus-segment ct.nrrd --atlas atlas -o out)
+acus_add_cli_case(acus-segment.atlas_without_ct EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${segment_ct}\nmkdir atlas\necho '{\"format\": \"acus-atlas/1\", \"patients\": [{\"name\": \"a\", \"ct\": \"no.nrrd\", \"labels\": \"no.nrrd\"}]}' > atlas/atlas.json"
+  STDERR "/patients/0/ct.*no.nrrd does not exist"
+  COMMAND acus-segment ct.nrrd --atlas atlas -o out)
 acus_add_cli_case(acus-segment.truncated EXIT 3 NEEDS inputs LEAVES_NOTHING
   BEFORE "head -c 3000 $INPUTS/ct.nrrd > cut.nrrd" STDERR "cut.nrrd.*(cut off|broken)"
   COMMAND acus-segment cut.nrrd -o out)

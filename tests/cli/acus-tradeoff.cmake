@@ -47,12 +47,12 @@ if(ACUS_SNAKEMAKE)
   # Several at a time, by Snakemake: the same errors as one after the other.
   acus_add_cli_case(acus-tradeoff.scene_parallel EXIT 0 NEEDS inputs TIMEOUT 300
     BEFORE "$ACUS_BIN/acus-tradeoff ${scene_text} --images 3 --knob step_rate_hz=500,2000 --knob ultrasound_model=columns_2010,beams --repetitions 2 -o serial > /dev/null 2>&1
-${CMAKE_SOURCE_DIR}/pipelines/tradeoff --jobs 2 ${subject_text} --images 3 --knob step_rate_hz=500,2000 --knob ultrasound_model=columns_2010,beams --repetitions 2 -o parallel > table 2>&1
+${CMAKE_SOURCE_DIR}/pipelines/sweep --jobs 2 ${subject_text} --images 3 --knob step_rate_hz=500,2000 --knob ultrasound_model=columns_2010,beams --repetitions 2 -o parallel > table 2>&1
 grep -q 'Taken up: 8 of 8 runs were there' table"
     COMMAND ${ACUS_BASH} ${CMAKE_CURRENT_LIST_DIR}/same_errors.sh serial/tradeoff.csv parallel/tradeoff.csv)
   acus_add_cli_case(acus-tradeoff.scene_parallel_typo EXIT 3 NEEDS inputs LEAVES_NOTHING
     STDERR "did you mean step_rate_hz[?]"
-    COMMAND ${ACUS_BASH} ${CMAKE_SOURCE_DIR}/pipelines/tradeoff --jobs 2 ${subject} --knob step_rate -o t)
+    COMMAND ${ACUS_BASH} ${CMAKE_SOURCE_DIR}/pipelines/sweep --jobs 2 ${subject} --knob step_rate -o t)
 endif()
 
 # The setting for a budget, for an accuracy, for a live session.

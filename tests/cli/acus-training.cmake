@@ -12,3 +12,53 @@ acus_add_cli_case(acus-training.broken_file EXIT 3 NEEDS inputs
   BEFORE "cp -rL $INPUTS/first_run a && sed -i s/metrics/metrix/ a/training.json"
   STDERR "a/training.json: is not a training.json"
   COMMAND acus-training a -o progress)
+
+# what-if: other insertions of a trial.
+set(lumbar scenario.json --ct ct.nrrd --labels labels.seg.nrrd --transform ct_from_reference.tfm
+           --set /patient/corridor=corridor_ct.csv --exercise exercises/lumbar_puncture.json)
+list(TRANSFORM lumbar REPLACE "^([a-z_]+[.](json|nrrd|seg[.]nrrd|tfm))$" "$INPUTS/\\1")
+list(TRANSFORM lumbar REPLACE "=corridor" "=$INPUTS/corridor")
+acus_add_cli_case(acus-training.what_if EXIT 0 NEEDS inputs
+  STDOUT "^Trial: [0-9] of 7 goals met" "^80 alternatives; the best:" "With one change: "
+  CREATES w/what_if.html w/what_if.csv w/what_if.json w/map.svg w/sessions/best_1/needle.csv
+          w/provenance.json
+  COMMAND acus-training what-if ${lumbar} $INPUTS/session --count 80 -o w)
+string(JOIN " " lumbar_text ${lumbar})
+# The best one by acus-replay, with images, has the metrics that what-if ranked it by.
+acus_add_cli_case(acus-training.what_if_is_a_replay EXIT 0 NEEDS inputs
+  BEFORE "acus-training what-if ${lumbar_text} $INPUTS/session --count 80 -o w >/dev/null
+          acus-replay ${lumbar_text} w/sessions/best_1 --no-film --png none -o r >/dev/null"
+  STDOUT "^same$"
+  COMMAND python3 -c "import json\nbest = json.load(open('w/what_if.json'))['best'][0]['assessment']\nrun = json.load(open('r/training.json'))\nprint('same' if all(best[k] == run[k] for k in ('metrics', 'goals', 'structures')) else 'different')")
+acus_add_cli_case(acus-training.what_if_without_exercise EXIT 2 NEEDS inputs LEAVES_NOTHING
+  STDERR "--exercise is required" COMMAND acus-training what-if $INPUTS/scenario.json $INPUTS/session -o w)
+acus_add_cli_case(acus-training.what_if_broken_ranges EXIT 3 NEEDS inputs
+  BEFORE "echo '{\"format\": \"acus-what-if/1\", \"ranges\": {\"tilt_dg\": 3}}' > r.json"
+  STDERR "r.json" "tilt_dg" "tilt_deg"
+  COMMAND acus-training what-if ${lumbar} $INPUTS/session --ranges r.json -o w)
+
+# simulate: virtual trainees.
+acus_add_cli_case(acus-training.simulate EXIT 0 NEEDS inputs
+  STDOUT "^expert trial 1: [0-9] of 7 goals met"
+  CREATES t/expert/trial_1/session/needle.csv t/expert/trial_1/training.json
+          t/expert/trial_1/metrics.json t/expert/trial_1/events.csv t/provenance.json
+  COMMAND acus-training simulate ${lumbar} --trainee trainees/expert.json --trials 1 -o t)
+acus_add_cli_case(acus-training.simulate_wrong_codes EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "--codes: 1 codes for 2 trainees"
+  COMMAND acus-training simulate ${lumbar} --trainee trainees/expert.json,trainees/novice.json
+          --codes A -o t)
+acus_add_cli_case(acus-training.simulate_odd_code EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "must be a plain word"
+  COMMAND acus-training simulate ${lumbar} --trainee trainees/expert.json --codes ../a -o t)
+
+# curriculum: what is mastered, and what is next.
+acus_add_cli_case(acus-training.curriculum EXIT 0 NEEDS inputs
+  STDOUT "^N1: next: Liver biopsy" "^Lumbar puncture under ultrasound +locked +2 "
+  COMMAND acus-training curriculum curricula/four_punctures.json --trials $INPUTS/trainees)
+acus_add_cli_case(acus-training.curriculum_entry EXIT 3 NEEDS inputs
+  BEFORE "echo '{\"format\": \"acus-curriculum/1\", \"name\": \"x\", \"steps\": [{\"exercise\": \"exercises/liver_biopsy.json\", \"after\": [\"exercises/kidney_puncture.json\"]}]}' > c.json"
+  STDERR "c.json: /steps/0: /after: .exercises/kidney_puncture.json. is not the exercise of an earlier"
+  COMMAND acus-training curriculum c.json --trials $INPUTS/trainees)
+acus_add_cli_case(acus-training.curriculum_no_trials EXIT 3 BEFORE "mkdir empty"
+  STDERR "empty: no trial was found"
+  COMMAND acus-training curriculum curricula/four_punctures.json --trials empty)

@@ -60,6 +60,24 @@ grep -q "greatest depth \[mm\] = [0-9]" out || fail "no value: $(cat out)"
 echo >>$file
 "$source/pipelines/provenance" $file >/dev/null && fail "a changed file is not noticed"
 
+# Labelled images, split by participant: each is in one split, and the files are there.
+cohort labels --participant-label 01 02 --labels-in-image png --splits 0.5,0.5,0 2>err ||
+  fail "labelled images: $(cat err)"
+python3 - labels >out <<'PYTHON' || fail "labelled images: $(cat out)"
+import json, pathlib, sys
+output = pathlib.Path(sys.argv[1])
+manifest = json.loads((output / "group/labelled.json").read_text())
+people = sum(manifest["splits"].values(), [])
+assert sorted(people) == ["sub-01", "sub-02"] and len(set(people)) == 2, manifest["splits"]
+assert min(manifest["frames"]["train"], manifest["frames"]["validation"]) > 0, manifest["frames"]
+for sequence in manifest["sequences"]:
+    assert sequence["patient"] in manifest["splits"][sequence["split"]], sequence
+    for frame in range(sequence["frames"]):
+        assert (output / sequence["folder"] / (sequence["files"]["labels"] % frame)).stat().st_size > 0
+PYTHON
+cohort other --labels-in-image png --splits 0.5,0.2,0.2 2>err && fail "splits that do not add up are taken"
+grep -q "splits 0.5,0.2,0.2: give the shares" err || fail "wrong splits: $(cat err)"
+
 # Two people start the same cohort.
 flock whole/work/lock sleep 3 &
 sleep 0.3

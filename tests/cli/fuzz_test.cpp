@@ -50,7 +50,7 @@ const char* const kReplay =
     "--transform ct_from_reference.tfm --no-film --png none -o out";
 
 const std::vector<const char*> kCompared = {"reference_run", "new_run"};
-const char* const kCompare = "acus-compare reference_run new_run";
+const char* const kCompare = "acus-compare reference_run new_run --complete";
 
 const Entrance kEntrances[] = {
     {"phantom_config",
@@ -102,6 +102,10 @@ const Entrance kEntrances[] = {
     {"replay_ct", kReplayed, "ct.nrrd", kReplay},
     {"replay_labels", kReplayed, "labels.seg.nrrd", kReplay},
     {"replay_transform", kReplayed, "ct_from_reference.tfm", kReplay},
+    {"dataset_config",
+     {"dataset.json", "scenario.json", "ct.nrrd", "labels.seg.nrrd", "corridor_ct.csv"},
+     "dataset.json",
+     "acus-dataset dataset.json -o out"},
     {"compare_forces", kCompared, "new_run/forces.csv", kCompare},
     {"compare_images", kCompared, "new_run/images.igs.mha", kCompare},
     {"compare_metrics", kCompared, "new_run/metrics.json", kCompare},

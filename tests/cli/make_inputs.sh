@@ -37,6 +37,27 @@ acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd \
   --exercise exercises/lumbar_puncture.json --trainee A7 -o first_run >/dev/null
 cp -r first_run second_run
 
+# A study of two and two virtual trainees, for acus-study.
+cat >study.json <<'JSON'
+{"format": "acus-study/1", "name": "Small study", "groups": ["novice", "expert"], "trials": 2, "participants": [
+  {"code": "N1", "group": "novice", "consent": true}, {"code": "N2", "group": "novice", "consent": true},
+  {"code": "E1", "group": "expert", "consent": true}, {"code": "E2", "group": "expert", "consent": true}],
+ "exercises": ["exercises/lumbar_puncture.json"], "questionnaires": ["questionnaires/face_validity.json"]}
+JSON
+acus-training simulate scenario.json --ct ct.nrrd --labels labels.seg.nrrd \
+  --transform ct_from_reference.tfm --set /patient/corridor=corridor_ct.csv \
+  --exercise exercises/lumbar_puncture.json --trainee trainees/novice.json,trainees/expert.json \
+  --codes N1,N2,E1,E2 --trials 2 --rate-hz 200 --no-sessions -o trainees >/dev/null
+
+# A data set of one patient, for acus-dataset.
+cat >dataset.json <<'JSON'
+{"format": "acus-dataset/1", "name": "Small data set", "scenarios": ["scenario.json"],
+ "patients": [{"id": "lumbar_1", "folder": "."}], "exercise": "exercises/lumbar_puncture.json",
+ "ranges": {"gain_offset_db": [-3, 3]}, "image_width_px": 64, "image_height_px": 64,
+ "sequences": 2, "frames_per_sequence": 3, "step_rate_hz": 200,
+ "splits": {"train": 1, "validation": 0, "test": 0}}
+JSON
+
 # A suite of one session, for acus-regression.
 mkdir suite
 cat >suite/suite.json <<'JSON'

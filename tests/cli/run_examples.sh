@@ -11,7 +11,7 @@ cd "$folder"
 
 # Lines that begin with a program below EXAMPLE; a backslash at the end continues.
 examples=$("$program" --help | sed -n '/EXAMPLE/,$p' | sed -e ':a' -e '/\\$/N; s/\\\n */ /; ta' |
-  sed -nE "s/^ *(\$ )?(acus-[a-z]+ .*)/\2/p")
+  sed -nE "s/^ *(\$ )?(acus(-[a-z]+)? .*)/\2/p")
 if [[ -z $examples ]]; then
   echo "FAILED: the help of $program has no EXAMPLE"
   exit 1

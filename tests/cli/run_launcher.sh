@@ -39,6 +39,47 @@ for file in session.json needle.csv forces.csv summary.json report/report.html \
 done
 cmp "$session/forces.csv" "$session/report/forces.csv" || fail "the replay felt something else"
 [[ -s work/sessions/A7/progress_lumbar_puncture/progress.html ]] || fail "there is no progress"
+grep -q '"state": "done"' "$session/report/training.json" || fail "no step was ticked off"
+grep -q 'trial 1' <(sed -n 's/.*--trial \([0-9]*\).*/trial \1/p' "$session/provenance.json") ||
+  fail "the first session is not trial 1"
+
+# Two starts in one second: each has its folder.
+mkdir bin
+printf '#!/bin/sh\necho 2026-01-01_00-00-00\n' >bin/date
+chmod +x bin/date
+for n in 1 2; do
+  PATH="$PWD/bin:$PATH" "$launcher" --text --headless --demo --trainee B8 \
+    --exercise lumbar_puncture --duration 1 work >"start_$n.txt" 2>&1 </dev/null &
+done
+wait
+both=(work/sessions/B8/2026*_lumbar_puncture/report/training.json)
+[[ ${#both[@]} == 2 && -s ${both[0]} && -s ${both[1]} ]] || {
+  cat start_1.txt start_2.txt
+  fail "two starts in one second did not give two sessions"
+}
+
+# Workplaces of a patient of one's own: prepared, and of a CT with a target.
+expect 0 "images a second of 30, [0-9]+ of [0-9]+ steps late" "$launcher" --text --new own \
+  --patient work/patient --devices virtual --exercise lumbar_puncture --model liver_biopsy
+grep -q '"corridor": "target_ct.csv", "ct_from_reference_file": "registration/' own/scenario.json ||
+  fail "the workplace has not the patient's corridor and registration"
+target=$(awk -F, '$1 == "target" { print $2 "," $3 "," $4 }' work/patient/corridor_ct.csv)
+expect 0 "images a second" "$launcher" --text --new of_ct --ct work/patient/ct.nrrd \
+  --labels work/patient/labels.seg.nrrd --target "$target" --from posterior --devices virtual \
+  --exercise lumbar_puncture --model liver_biopsy
+grep -q "^target,$target$" of_ct/target_ct.csv || fail "the target is another one"
+expect 0 "Goals met: [0-9] of 7" "$launcher" --text --headless --trainee A7 \
+  --exercise lumbar_puncture --duration 4 of_ct
+# State stands before text.
+[[ $(grep -B 1 '"Place the probe on\|"See the target in\|"Bring the needle into' \
+  of_ct/sessions/A7/*/report/training.json | grep -c '"state": "done"') == 3 ]] ||
+  fail "the hands do not begin at the target"
+expect 2 "must be three numbers L,P,S" "$launcher" --text --new no --patient work/patient --target 1,2
+expect 2 "must be one of: .*virtual" "$launcher" --text --new no --patient work/patient --devices x
+expect 2 "go with --new" "$launcher" --text --patient work/patient work
+expect 3 "/effects/breathing/motion" "$launcher" --text --new no --patient work/patient \
+  --devices virtual --exercise lumbar_puncture --model fortmeier_2016
+[[ ! -e no ]] || fail "half a workplace was left behind"
 
 mv work/devices.json gone
 expect 3 "devices.json is missing" "$launcher" --text --headless work

@@ -24,6 +24,16 @@ foreach(how without_overwrite recording)
     COMMAND bash ${CMAKE_CURRENT_LIST_DIR}/folder_in_use.sh ${how})
 endforeach()
 
+# Every call of the system that can be refused, one at a time; refused_calls.py by itself tries all of them.
+add_library(fail_calls MODULE ${CMAKE_SOURCE_DIR}/tests/faults/fail_calls.cpp)
+target_compile_features(fail_calls PRIVATE cxx_std_20)
+if(NOT ACUS_SANITIZE)  # Sanitizers want to be loaded first.
+  acus_add_cli_case(trust.refused_calls EXIT 0 NEEDS inputs TIMEOUT 600
+    STDOUT "segmentation: rename: [1-9]" "replay: write: [1-9]" "live session: memory: [1-9]"
+    COMMAND bash ${CMAKE_CURRENT_LIST_DIR}/refused_calls.sh $<TARGET_FILE:fail_calls>
+            ${CMAKE_SOURCE_DIR}/tests/faults/refused_calls.py 6)
+endif()
+
 # Changes on the command line are blamed by their name.
 acus_add_cli_case(trust.set_of_a_wrong_kind EXIT 3 LEAVES_NOTHING NEEDS inputs
   STDERR "^acus-replay: --set /image_rate_hz=\"fast\": with this change, .*scenario.json"

@@ -3,6 +3,7 @@
 
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
+#include "acus/patient/atlas/atlas_organs.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
 #include "support/shared_data.h"
 
@@ -79,6 +80,36 @@ TEST(RealPatients, ThoraxHasTwoLungsOfALivingPersonAndABody) {
   EXPECT_LT(VolumeMl(labels, "lung"), 7500.0);
   EXPECT_GT(VolumeMl(labels, "bone"), 500.0);
   EXPECT_LT(VolumeMl(labels, "bone"), 2500.0);
+}
+
+/// Agreement of organs in one CT, found from the labels of the other.
+std::vector<Agreement> FromAtlas(const fs::path& ct, const ForeignLabels& reference,
+                                 const atlas::AtlasPatient& other) {
+  const auto config = ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
+  const auto image = volume::ReadCt(ct, "", TwoThreads());
+  auto labels = SegmentPatient(image, config, std::nullopt, TwoThreads());
+  atlas::AddAtlasOrgans(image, {other}, config.tissues, labels, TwoThreads());
+  return CompareWithReference(labels, reference, TwoThreads());
+}
+
+TEST(RealPatients, OrgansOfOnePatientAreFoundInTheOther) {
+  ACUS_DATA(ircad, "ct/ircadb01_dicom");
+  ACUS_DATA(ircad_labels, "ct/ircadb01_labels.vti");
+  ACUS_DATA(total, "ct/totalseg/example_ct.nii.gz");
+  ACUS_DATA(total_labels, "ct/totalseg/example_seg_fast_force_split.nii.gz");
+  const fs::path ircad_mapping = ACUS_SOURCE_DIR "/configs/label_maps/ircadb.json";
+  const fs::path total_mapping = ACUS_SOURCE_DIR "/configs/label_maps/totalsegmentator.json";
+  const auto in_ircad = FromAtlas(*ircad, {*ircad_labels, ircad_mapping},
+                                  {"totalseg", *total, "", *total_labels, total_mapping});
+  EXPECT_GE(Of(in_ircad, "liver").dice, 0.85);
+  EXPECT_GE(Of(in_ircad, "spleen").dice, 0.80);
+  EXPECT_GE(Of(in_ircad, "kidney").dice, 0.80);
+  const auto in_total = FromAtlas(*total, {*total_labels, total_mapping},
+                                  {"ircadb01", *ircad, "", *ircad_labels, ircad_mapping});
+  EXPECT_GE(Of(in_total, "liver").dice, 0.85);
+  EXPECT_GE(Of(in_total, "spleen").dice, 0.80);
+  // The upper two thirds of the right kidney are missed: see the page.
+  EXPECT_GE(Of(in_total, "kidney").dice, 0.65);
 }
 
 }  // namespace

@@ -21,6 +21,8 @@
 #include "acus/imaging/slicing/ct_slice.h"
 #include "acus/imaging/ultrasound/beam_renderer.h"
 #include "acus/scene/effects/view_3d/patient_surfaces.h"
+#include "acus/window/orbit.h"
+#include "acus/window/volume_renderer.h"
 #include "acus/window/window.h"
 #include "support/window_input.h"
 
@@ -143,6 +145,17 @@ Demo Load(const fs::path& patient) {
   demo.patient.in_overlay.ct = ct;
   demo.patient.in_overlay.layers = {{"bone", 1.0}, {"soft_tissue", 0.6}};
   FilmMannequin(demo);
+  volume_rendering::PatientInView with_organs = demo.patient.in_overlay;
+  with_organs.layers = {{"bone", 1.0}};
+  for (const auto& surface : demo.patient.in_teaching_view) {
+    if (surface.name != "bone") with_organs.surfaces.push_back(surface);
+  }
+  demo.patient.in_volume_view.push_back({"bone and organs", with_organs});
+  for (const char* preset : {"skin", "bone", "soft_tissue", "vessels"}) {
+    volume_rendering::PatientInView look = demo.patient.in_overlay;
+    look.layers = {{preset, 1.0}};
+    demo.patient.in_volume_view.push_back({preset, look});
+  }
   frame.session_s = 83.4;
   frame.force = {.needle_n = 1.24, .probe_n = 3.1, .limit_n = 5.0};
   frame.latency = {.device_to_force_ms = 0.31,
@@ -173,6 +186,7 @@ void MakeFigures(Demo& demo, const fs::path& out) {
   settings.overlay_in_background = false;
   settings.overlay_scale = 1.0;
   settings.max_triangles = 60000;
+  settings.volume_in_background = false;
   window::Window window(demo.patient, settings);
   testing_support::WindowInput input;
   const auto save = [&](const char* name) {
@@ -186,6 +200,16 @@ void MakeFigures(Demo& demo, const fs::path& out) {
     if (std::string(name) == "3d") input.Key("4");
     save(name);
   }
+  input.Key("v");
+  input.Key("m");
+  Settle(window, demo.frame);  // The next key counts the views that are there.
+  input.Key("7");
+  for (int i = 0; i < 4; ++i) input.Key("v");
+  input.Key("c");
+  input.Key("c");
+  for (int i = 0; i < 12; ++i) window.Show(demo.frame);
+  save("volume");
+  input.Key("m");
   input.Key("7");
   input.Key("a");
   input.Key("h");
@@ -207,6 +231,25 @@ void MakeFigures(Demo& demo, const fs::path& out) {
   save("stereo");
   input.Key("s");
   save("red_cyan");
+}
+
+/// CPU time of an image of the volume view, for each look, in two sizes.
+void MeasureVolume(const Demo& demo) {
+  const window::Orbit orbit({Eigen::Vector3d(-170, -120, -150), Eigen::Vector3d(170, 120, 150)});
+  for (std::size_t look = 0; look < demo.patient.in_volume_view.size(); ++look) {
+    window::VolumeRenderer renderer(demo.patient.in_volume_view, /*in_background=*/false);
+    std::cout << "volume, " << demo.patient.in_volume_view[look].name << ":";
+    for (const int height_px : {150, 150, 300, 600}) {  // The first one makes the look.
+      window::VolumeMoment moment;
+      moment.camera = orbit.CameraFor(height_px * 4 / 3, height_px);
+      moment.look = look;
+      moment.needle = demo.frame.needle;
+      renderer.Ask(moment, false);
+      std::cout << ' ' << moment.camera.width_px << " x " << height_px << ' '
+                << renderer.statistics().cpu_ms << " ms";
+    }
+    std::cout << '\n';
+  }
 }
 
 double Seconds(clockid_t clock) {
@@ -279,6 +322,7 @@ int main(int argc, char** argv) {
   try {
     acus::Demo demo = acus::Load(argv[1]);
     if (std::string(argv[2]) == "--rate") {
+      acus::MeasureVolume(demo);
       acus::MeasureViews(demo);
       acus::MeasureRate(demo);
     } else {

@@ -78,6 +78,12 @@ inline std::vector<EffectChoice> AllEffectChoices() {
   layers["surfaces"] = Json::array();
   layers["layers"] = Json::array({{{"preset", "bone"}}});
   add("view_3d", "layers", layers);
+  add("planes", "",
+      {{"width_px", 48},
+       {"height_px", 32},
+       {"mm_per_px", 2},
+       {"thickness_mm", 4},
+       {"slab", "maximum"}});
   add("pulsating_vessels", "",
       {{"centrelines", "vessels.csv"}, {"radial_strain", 0.2}, {"reach_mm", 20}});
   return all;

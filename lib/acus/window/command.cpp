@@ -22,6 +22,13 @@ constexpr std::array kKeys = {
     KeyHelp{Command::kCameraPreset, "1 to 7",
             "3D from in front, behind, left, right, top, "
             "bottom, oblique"},
+    KeyHelp{Command::kVolume, "M", "volume view: on, off"},
+    KeyHelp{Command::kVolumeLook, "L", "volume: next look (bone, skin, soft tissue, vessels)"},
+    KeyHelp{Command::kVolumeDenser, "P", "volume: more opaque"},
+    KeyHelp{Command::kVolumeFainter, "Shift+P", "volume: less opaque"},
+    KeyHelp{Command::kVolumeCut, "C", "volume: next cut (axial, coronal, sagittal, facing you)"},
+    KeyHelp{Command::kCutOn, "X", "volume: move the cut"},
+    KeyHelp{Command::kCutBack, "Shift+X", "volume: move the cut back"},
     KeyHelp{Command::kStereo, "S", "3D in stereo: side by side, red-cyan, off"},
     KeyHelp{Command::kSteerOther, "Tab", "mouse and arrows move the other tool"},
     KeyHelp{Command::kHelp, "H", "this page"},
@@ -66,6 +73,20 @@ std::string_view NameOf(Command command) noexcept {
       return "needle_guide";
     case Command::kCameraPreset:
       return "camera_preset";
+    case Command::kVolume:
+      return "volume";
+    case Command::kVolumeLook:
+      return "volume_look";
+    case Command::kVolumeDenser:
+      return "volume_denser";
+    case Command::kVolumeFainter:
+      return "volume_fainter";
+    case Command::kVolumeCut:
+      return "volume_cut";
+    case Command::kCutOn:
+      return "cut_on";
+    case Command::kCutBack:
+      return "cut_back";
     case Command::kHelp:
       return "help";
   }

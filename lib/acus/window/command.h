@@ -27,6 +27,13 @@ enum class Command {
   kOverlayLess,
   kNeedleGuide,
   kCameraPreset,
+  kVolume,
+  kVolumeLook,
+  kVolumeDenser,
+  kVolumeFainter,
+  kVolumeCut,
+  kCutOn,
+  kCutBack,
   kHelp,
 };
 

@@ -14,9 +14,16 @@
 #include "acus/imaging/volume_rendering/camera.h"
 #include "acus/imaging/volume_rendering/patient_view.h"
 #include "acus/physics/breathing/motion_map.h"
+#include "acus/run/replay/exercise_watch.h"
 #include "acus/scene/simulation/effect_images.h"
 
 namespace acus::window {
+
+/// What the volume view shows of the patient.
+struct VolumeLook {
+  std::string name;  ///< "bone": in the view's title.
+  volume_rendering::PatientInView patient;
+};
 
 /// All that stays the same for a session. What is empty is not shown.
 struct PatientOnDisplay {
@@ -25,6 +32,7 @@ struct PatientOnDisplay {
   /// In the teaching view, in the order in which transparent ones are drawn. One named "skin" is
   /// drawn last, and tools throw their shadows on it.
   std::vector<volume_rendering::SurfaceInView> in_teaching_view;
+  std::vector<VolumeLook> in_volume_view;  ///< The first is shown until another is chosen.
 };
 
 /// How something stands; colours are green, grey, amber and red.
@@ -60,6 +68,15 @@ struct Latency {
   double tracker_to_picture_ms = 0.0;
   double pictures_per_s = 0.0;
   long missed_steps = 0;
+  long late_pictures = 0;      ///< Moments at which a picture was still in work.
+  long dropped_of_camera = 0;  ///< Images of the camera that the window never showed.
+};
+
+/// Of the volume view.
+struct VolumeReadout {
+  double per_s = 0.0;  ///< Images; 0: not known.
+  long dropped = 0;    ///< Moments that a newer one replaced before they were rendered.
+  bool whole = false;  ///< Nothing moves: the image has all pixels of its place.
 };
 
 /// What the hand feels, by magnitude; nothing: that device has no motor or is not there.
@@ -67,6 +84,28 @@ struct ForceReadout {
   std::optional<double> needle_n;
   std::optional<double> probe_n;
   double limit_n = 0.0;  ///< Of the safety guard; full scale of the bar.
+};
+
+/// An exercise at one moment.
+struct ExerciseOnDisplay {
+  struct Goal {
+    std::string name;   ///< Of the metric.
+    std::string value;  ///< So far, with its unit.
+    std::string limit;  ///< "at most 3 mm".
+    Severity severity = Severity::kNote;
+  };
+  struct Step {
+    std::string text;
+    training::StepState state = training::StepState::kOpen;
+  };
+  std::string name;
+  std::string target;
+  std::optional<double> tip_to_target_mm;
+  double target_radius_mm = 0.0;
+  std::vector<Goal> goals;
+  std::vector<Step> steps;
+  std::optional<std::size_t> next_step;
+  std::string hint;  ///< Of the next step; may be empty.
 };
 
 /// One moment.
@@ -83,10 +122,14 @@ struct DisplayFrame {
   /// Breath, of the field in PatientOnDisplay::in_overlay; null: at rest. Must live until Show()
   /// returns.
   const breathing::MotionMap* motion = nullptr;
+  /// Tissue under the tools, after breath; null: at rest.
+  std::shared_ptr<const volume_rendering::PressedTissue> pressed;
   bool breath_held = false;
   bool left_handed = false;  ///< Devices are swapped.
   ForceReadout force;
   Latency latency;
+  std::optional<ExerciseOnDisplay> exercise;
+  std::string coach;               ///< See CoachLine(); empty: nothing to say.
   std::vector<StatusLine> status;  ///< The worst is shown first, else in this order.
 };
 

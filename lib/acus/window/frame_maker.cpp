@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include "acus/run/training/session_metrics.h"
 #include "acus/scene/simulation/image_renderer.h"
+#include "acus/window/coach.h"
+#include "acus/window/exercise_panel.h"
 
 namespace acus::window {
 namespace {
@@ -12,21 +15,36 @@ Severity SeverityOf(live::Severity severity) {
 }
 static_assert(static_cast<int>(Severity::kFault) == static_cast<int>(live::Severity::kFault));
 
-image::ColourImage ColourOf(const camera::Picture& picture) {
-  image::ColourImage colour;
-  colour.Resize(picture.width_px, picture.height_px);
-  for (std::size_t i = 0; i < colour.rgb.size(); ++i) {
-    colour.rgb[i] = picture.pixels[picture.channels == 3 ? i : i / 3];
+void ColourOf(const camera::Picture& picture, image::ColourImage& out) {
+  out.Resize(picture.width_px, picture.height_px);
+  if (picture.channels == 3) {
+    std::copy_n(picture.pixels.begin(), out.rgb.size(), out.rgb.begin());
+    return;
   }
-  return colour;
+  for (std::size_t i = 0; i < out.rgb.size(); ++i) out.rgb[i] = picture.pixels[i / 3];
+}
+
+bool WantsPlane(const training::Exercise& exercise) {
+  const auto is_of_plane = [](const training::Goal& goal) {
+    return goal.metric.ends_with("in the image plane");
+  };
+  return std::ranges::any_of(exercise.goals, is_of_plane) ||
+         std::ranges::find(exercise.checklist.steps, training::StepCondition::kNeedleInPlane,
+                           &training::ChecklistStep::when) != exercise.checklist.steps.end();
 }
 
 }  // namespace
 
-FrameMaker::FrameMaker(const live::LiveSession& session) : session_(session) {}
+FrameMaker::FrameMaker(const live::LiveSession& session, int trial)
+    : session_(session), trial_(trial), tissue_(session.scene()) {
+  const simulation::Scene& scene = session.scene();
+  if (scene.labels != nullptr) {
+    label_at_ = training::LabelsOf({*scene.labels, Eigen::Isometry3d::Identity()});
+  }
+}
 
 const DisplayFrame& FrameMaker::Make(const live::LivePicture& picture,
-                                     const camera::CameraView* video) {
+                                     const camera::CameraView* video, bool steers_probe) {
   const simulation::Scene& scene = session_.scene();
   const live::LiveSnapshot& snapshot = picture.snapshot;
   frame_.session_s = session_.session_s();
@@ -35,11 +53,13 @@ const DisplayFrame& FrameMaker::Make(const live::LivePicture& picture,
     motion_ = scene.breathing->At(snapshot.moment.session_s, snapshot.moment.breath);
   }
   frame_.motion = motion_ ? &*motion_ : nullptr;
+  tissue_.Ask(snapshot);
+  frame_.pressed = tissue_.Newest();
   AddTools(picture);
   AddPictures(picture);
-  frame_.video.reset();
-  if (video != nullptr) AddVideo(*video);
+  AddVideo(video);
   AddReadouts(picture);
+  AddExercise(picture, steers_probe);
   return frame_;
 }
 
@@ -49,6 +69,10 @@ void FrameMaker::AddTools(const live::LivePicture& picture) {
   frame_.ct_from_probe.reset();
   if (moment.probe_valid) frame_.ct_from_probe = moment.ct_from_probe;
   frame_.target_in_ct_mm = picture.snapshot.target_in_ct_mm;
+  // The report judges by the exercise's target: the window shows no other.
+  if (const live::LiveExercise* exercise = session_.exercise()) {
+    if (exercise->target_in_ct_mm()) frame_.target_in_ct_mm = exercise->target_in_ct_mm();
+  }
 }
 
 void FrameMaker::AddPictures(const live::LivePicture& picture) {
@@ -59,11 +83,21 @@ void FrameMaker::AddPictures(const live::LivePicture& picture) {
   frame_.effects = picture.effects;
 }
 
-void FrameMaker::AddVideo(const camera::CameraView& video) {
+void FrameMaker::AddVideo(const camera::CameraView* view) {
+  if (view == nullptr) {
+    frame_.video.reset();
+    return;
+  }
+  const camera::CameraView& video = *view;
   const camera::CameraTracker* tracker = session_.video();
   const camera::CameraParameters& model = tracker->camera().parameters();
-  VideoPicture& out = frame_.video.emplace();
-  out.picture = ColourOf(video.picture);
+  if (!frame_.video) frame_.video.emplace();
+  VideoPicture& out = *frame_.video;
+  if (video.number != camera_shown_) {
+    if (camera_shown_ != 0) camera_dropped_ += video.number - camera_shown_ - 1;
+    camera_shown_ = video.number;
+    ColourOf(video.picture, out.picture);
+  }
   out.camera.focal_px = model.focal_px;
   out.camera.centre_px = model.centre_px;
   out.camera.width_px = model.width_px;
@@ -89,14 +123,67 @@ void FrameMaker::AddReadouts(const live::LivePicture& picture) {
   const live::PictureStatistics& pictures = session_.picture_statistics();
   frame_.latency = {.device_to_force_ms = 1e-6 * core.device_to_force.QuantileNs(0.5),
                     .tracker_to_picture_ms = 1e-6 * pictures.tracker_to_picture.QuantileNs(0.5),
-                    .pictures_per_s = pictures.per_s(),
-                    .missed_steps = static_cast<long>(core.missed_by_computation.load())};
+                    .pictures_per_s = session_.recent_pictures_per_s(),
+                    .missed_steps = static_cast<long>(core.missed_by_computation.load()),
+                    .late_pictures = static_cast<long>(pictures.late.load()),
+                    .dropped_of_camera = static_cast<long>(camera_dropped_)};
   frame_.status.clear();
   for (const live::StatusLine& line : session_.Status()) {
     frame_.status.push_back({SeverityOf(line.severity), line.text});
   }
+  if (!notice_.empty()) frame_.status.push_back({Severity::kNote, notice_});
   if (snapshot.forces_paused) {
     frame_.status.push_back({Severity::kWarning, "Forces are paused."});
+  }
+}
+
+void FrameMaker::AddExercise(const live::LivePicture& picture, bool steers_probe) {
+  frame_.exercise.reset();
+  frame_.coach.clear();
+  if (!label_at_) return;
+  const simulation::Scene& scene = session_.scene();
+  const live::LiveSnapshot& snapshot = picture.snapshot;
+  const live::LiveExercise* live = session_.exercise();
+  static const training::Exercise kNone;
+  const training::Exercise& exercise = live == nullptr ? kNone : live->exercise();
+
+  CoachView view;
+  view.switch_is_open = session_.switch_is_open();
+  view.has_needle = session_.has_needle();
+  view.has_probe = session_.has_probe() && scene.probe.has_value();
+  view.wants_plane = WantsPlane(exercise);
+  view.field = replay::FieldOf(scene, snapshot.depth_mm);
+  view.half_thickness_mm = exercise.image_plane.half_thickness_mm;
+  view.ct_from_probe = snapshot.moment.ct_from_probe.linear();
+  const auto tool = [&](bool is_needle, const Eigen::Isometry3d& ct_from_tool) {
+    const live::HeldTool held = session_.HeldBy(is_needle);
+    const Eigen::Isometry3d ct_from_device = scene.ct_from_reference * held.reference_from_device;
+    return SteeredTool{.is_virtual = held.hand != nullptr,
+                       .is_selected = is_needle != steers_probe,
+                       .device_from_ct = ct_from_device.linear().transpose(),
+                       .along_in_ct = ct_from_tool.linear().col(2)};
+  };
+  session::PoseSample needle{.valid = snapshot.moment.ct_from_needle.has_value()};
+  if (needle.valid) {
+    needle.reference_from_tool = transforms::Pose(*snapshot.moment.ct_from_needle);
+    view.needle = tool(true, *snapshot.moment.ct_from_needle);
+  }
+  const session::PoseSample probe{
+      .reference_from_tool = transforms::Pose(snapshot.moment.ct_from_probe),
+      .valid = snapshot.moment.probe_valid};
+  view.probe = tool(false, snapshot.moment.ct_from_probe);
+  training::SituationOptions options;
+  options.plane = exercise.image_plane;
+  options.target_radius_mm = exercise.target_radius_mm;
+  if (live != nullptr) options.target_mm = live->target_in_ct_mm();
+  view.now =
+      SituationOf(needle, session_.has_probe() ? &probe : nullptr, view.field, label_at_, options);
+  if (view.now.probe_seen && !view.now.probe_on_skin) {
+    view.gap_to_skin_mm = training::GapToSkinMm(probe.reference_from_tool, label_at_);
+  }
+  if (exercise.hints.coach) frame_.coach = CoachLine(view);
+  if (live != nullptr) {
+    frame_.exercise = ExerciseToShow(exercise, live->progress(), view.now.tip_to_target_mm, trial_);
   }
 }
 

@@ -7,7 +7,9 @@
 #include "acus/physics/breathing/motion_map.h"
 #include "acus/rig/camera/camera_tracker.h"
 #include "acus/run/live/live_session.h"
+#include "acus/run/training/structures.h"
 #include "acus/window/frame.h"
+#include "acus/window/tissue_watch.h"
 
 namespace acus::window {
 
@@ -15,20 +17,33 @@ namespace acus::window {
 class FrameMaker {
  public:
   /// @param session  Must outlive this.
-  explicit FrameMaker(const live::LiveSession& session);
+  /// @param trial  Of the trainee, from 1: hints fade with it.
+  explicit FrameMaker(const live::LiveSession& session, int trial = 1);
 
   /// @param picture  The newest of the session.  @param video  Null: no camera, or nothing yet.
-  const DisplayFrame& Make(const live::LivePicture& picture, const camera::CameraView* video);
+  /// @param steers_probe  Mouse and keys move the probe, else the needle.
+  const DisplayFrame& Make(const live::LivePicture& picture, const camera::CameraView* video,
+                           bool steers_probe = false);
+
+  /// A note that frames show until the next one; empty: none.
+  void SetNotice(std::string text) { notice_ = std::move(text); }
 
  private:
   void AddTools(const live::LivePicture& picture);
   void AddPictures(const live::LivePicture& picture);
-  void AddVideo(const camera::CameraView& video);
+  void AddVideo(const camera::CameraView* video);
   void AddReadouts(const live::LivePicture& picture);
+  void AddExercise(const live::LivePicture& picture, bool steers_probe);
 
   const live::LiveSession& session_;
+  int trial_;
+  std::string notice_;
+  training::LabelAtPoint label_at_;  ///< In CT space; empty: the scene has no labels.
   std::optional<breathing::MotionMap> motion_;
+  TissueWatch tissue_;
   DisplayFrame frame_;
+  std::uint64_t camera_shown_ = 0;  ///< Number of the camera's image in frame_; 0: none.
+  std::uint64_t camera_dropped_ = 0;
 };
 
 }  // namespace acus::window

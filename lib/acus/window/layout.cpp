@@ -2,7 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <span>
+#include <string>
+#include <utility>
+
+#include "acus/base/core/error.h"
 
 namespace acus::window {
 namespace {
@@ -13,19 +18,32 @@ int StatusHeight(int height_px) {
   return std::clamp(height_px * 2 / 15, 60, 160);
 }
 
-/// Splits a row into `count` places of nearly the same width.
-void PlaceInRow(const Rectangle& row, std::span<const ViewKind> kinds,
-                std::vector<Layout::View>& out) {
+/// Of three views, the first has this share of the room.
+constexpr double kShareOfFirst = 0.58;
+
+/// Splits a room into `count` places of nearly the same size, beside or below each other.
+void Place(const Rectangle& room, std::span<const ViewKind> kinds, bool below,
+           std::vector<Layout::View>& out) {
   const int count = static_cast<int>(kinds.size());
+  const int size = below ? room.height : room.width;
   for (int i = 0; i < count; ++i) {
-    const int left = row.left + i * (row.width + kGapPx) / count;
-    const int next = row.left + (i + 1) * (row.width + kGapPx) / count;
-    out.push_back({.kind = kinds[static_cast<std::size_t>(i)],
-                   .place = {.left = left,
-                             .top = row.top,
-                             .width = std::max(0, next - left - kGapPx),
-                             .height = row.height}});
+    const int begin = i * (size + kGapPx) / count;
+    const int length = std::max(0, (i + 1) * (size + kGapPx) / count - begin - kGapPx);
+    Rectangle place = room;
+    (below ? place.top : place.left) += begin;
+    (below ? place.height : place.width) = length;
+    out.push_back({.kind = kinds[static_cast<std::size_t>(i)], .place = place});
   }
+}
+
+std::pair<Rectangle, Rectangle> Split(const Rectangle& room, bool below, double share) {
+  std::pair<Rectangle, Rectangle> parts(room, room);
+  const int size = (below ? room.height : room.width) - kGapPx;
+  const int first = std::max(0, static_cast<int>(std::lround(share * size)));
+  (below ? parts.first.height : parts.first.width) = first;
+  (below ? parts.second.top : parts.second.left) += first + kGapPx;
+  (below ? parts.second.height : parts.second.width) = std::max(0, size - first);
+  return parts;
 }
 
 }  // namespace
@@ -38,6 +56,8 @@ std::string_view TitleOf(ViewKind view) noexcept {
       return "Ultrasound";
     case ViewKind::kTeaching:
       return "3D";
+    case ViewKind::kVolume:
+      return "Volume";
     case ViewKind::kCtSlice:
       return "CT in the probe's plane";
     case ViewKind::kEffect:
@@ -45,6 +65,27 @@ std::string_view TitleOf(ViewKind view) noexcept {
       return "Effect";  // Its own title stands in the window.
   }
   return "";
+}
+
+std::vector<ViewKind> ViewsOf(std::string_view names) {
+  static const std::map<std::string_view, std::vector<ViewKind>> known = {
+      {"camera", {ViewKind::kVideo}}, {"ultrasound", {ViewKind::kUltrasound}},
+      {"3d", {ViewKind::kTeaching}},  {"volume", {ViewKind::kVolume}},
+      {"ct", {ViewKind::kCtSlice}},   {"effects", {ViewKind::kEffect, ViewKind::kSecondEffect}}};
+  std::vector<ViewKind> views;
+  while (true) {
+    const std::size_t comma = names.find(',');
+    const std::string_view name = names.substr(0, comma);
+    const auto found = known.find(name);
+    ACUS_REQUIRE(found != known.end(), "--views: there is no view \"", name,
+                 "\"; allowed are camera, ultrasound, 3d, volume, ct and effects, with commas "
+                 "between them");
+    for (const ViewKind kind : found->second) {
+      if (std::ranges::find(views, kind) == views.end()) views.push_back(kind);
+    }
+    if (comma == std::string_view::npos) return views;
+    names.remove_prefix(comma + 1);
+  }
 }
 
 const Layout::View* Layout::Find(ViewKind kind) const {
@@ -59,28 +100,35 @@ const Layout::View* Layout::At(int column, int row) const {
 }
 
 Layout LayOut(int width_px, int height_px, const std::vector<ViewKind>& shown,
-              std::optional<ViewKind> alone) {
+              std::optional<ViewKind> alone, bool has_exercise) {
   Layout layout;
   const int status_px = std::min(StatusHeight(height_px), height_px / 2);
   layout.status = {.left = 0, .top = height_px - status_px, .width = width_px, .height = status_px};
-  const Rectangle room{
-      .left = 0, .top = 0, .width = width_px, .height = height_px - status_px - kGapPx};
+  Rectangle room{.left = 0, .top = 0, .width = width_px, .height = height_px - status_px - kGapPx};
+  if (has_exercise && width_px >= kLeastForExercisePx) {
+    layout.exercise = room;
+    layout.exercise.width = std::clamp(width_px / 4, 150, 420);
+    room.left = layout.exercise.width + kGapPx;
+    room.width -= room.left;
+  }
   if (alone && std::ranges::find(shown, *alone) != shown.end()) {
     layout.views.push_back({.kind = *alone, .place = room});
     return layout;
   }
   const std::span<const ViewKind> all(shown);
+  const bool is_high = room.height > room.width;
   if (all.size() <= 2) {
-    PlaceInRow(room, all, layout.views);
-    return layout;
+    Place(room, all, is_high, layout.views);
+  } else if (all.size() == 3) {
+    const auto [first, others] = Split(room, is_high, kShareOfFirst);
+    Place(first, all.first(1), is_high, layout.views);
+    Place(others, all.subspan(1), !is_high, layout.views);
+  } else {
+    const auto [upper, lower] = Split(room, true, 0.5);
+    const std::size_t in_upper = all.size() / 2;
+    Place(upper, all.first(in_upper), false, layout.views);
+    Place(lower, all.subspan(in_upper), false, layout.views);
   }
-  Rectangle upper = room;
-  upper.height = static_cast<int>(std::lround(0.58 * (room.height - kGapPx)));
-  Rectangle lower = room;
-  lower.top = upper.height + kGapPx;
-  lower.height = room.height - lower.top;
-  PlaceInRow(upper, all.first(2), layout.views);
-  PlaceInRow(lower, all.subspan(2), layout.views);
   return layout;
 }
 

@@ -104,7 +104,8 @@ Rectangle PictureRoom(ViewKind view, const Rectangle& place, const TextSizes& si
   const int side = is_ultrasound ? 4 * sizes.small_px : 6;
   const int below = is_ultrasound ? sizes.normal_px + 12 : 6;
   Rectangle out = place;
-  if (view == ViewKind::kTeaching) return out;  // It fills its place; the title lies over it.
+  if (view == ViewKind::kTeaching || view == ViewKind::kVolume)
+    return out;  // It fills its place; the title lies over it.
   out.left += side;
   out.width -= 2 * side;
   out.top += title;

@@ -30,6 +30,21 @@ void Orbit::SetPreset(int number) {
       volume_rendering::ViewFrom(kSides[static_cast<std::size_t>(number - 1)], box_, kSize);
 }
 
+void Orbit::LookAtSideOf(const Eigen::Vector3d& place_in_ct_mm) {
+  // The patient is long: what counts is where around the axis, which is z.
+  Eigen::Vector3d side = place_in_ct_mm - box_.center();
+  side.z() = 0.0;
+  if (!side.allFinite() || side.norm() < 1.0) return;
+  side.normalize();
+  const Eigen::Vector3d aslant = Eigen::Vector3d::UnitZ().cross(side);
+  SetPreset(kObliquePreset);
+  const double distance = distance_mm();
+  const Eigen::Vector3d towards =
+      (side + 0.5 * aslant + 0.5 * Eigen::Vector3d::UnitZ()).normalized();
+  viewpoint_.eye_in_ct_mm = viewpoint_.focus_in_ct_mm + distance * towards;
+  viewpoint_.up_in_ct = Eigen::Vector3d::UnitZ();
+}
+
 void Orbit::Turn(double right_px, double down_px) {
   Eigen::Vector3d back = viewpoint_.eye_in_ct_mm - viewpoint_.focus_in_ct_mm;
   const Eigen::Vector3d right = viewpoint_.up_in_ct.cross(back).normalized();
@@ -73,6 +88,10 @@ volume_rendering::Camera Orbit::EyeFor(int width_px, int height_px, double half_
   camera.camera_from_ct = Eigen::Translation3d(-half_base_mm, 0.0, 0.0) * camera.camera_from_ct;
   camera.centre_px[0] += camera.focal_px[0] * half_base_mm / distance_mm();
   return camera;
+}
+
+Eigen::Vector3d Orbit::TowardsEye() const {
+  return (viewpoint_.eye_in_ct_mm - viewpoint_.focus_in_ct_mm).normalized();
 }
 
 double Orbit::distance_mm() const {

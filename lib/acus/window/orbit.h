@@ -15,6 +15,9 @@ class Orbit {
   /// 1 anterior, 2 posterior, 3 left, 4 right, 5 superior, 6 inferior, 7 oblique; others: nothing.
   void SetPreset(int number);
   /// By the way of the pointer, in pixels: right turns the patient to the right.
+  /// From the side of the patient that tools are on, obliquely, so that they are not seen end-on.
+  /// @param place_in_ct_mm  Of a tool. Within 1 mm of the patient's axis: nothing.
+  void LookAtSideOf(const Eigen::Vector3d& place_in_ct_mm);
   void Turn(double right_px, double down_px);
   void Shift(double right_px, double down_px, int height_px);
   /// Below 1: nearer.
@@ -25,6 +28,9 @@ class Orbit {
   /// focus at the same place (parallel axes, shifted pictures).
   volume_rendering::Camera EyeFor(int width_px, int height_px, double half_base_mm) const;
   double distance_mm() const;
+  /// Unit, CT space.
+  Eigen::Vector3d TowardsEye() const;
+  const Eigen::AlignedBox3d& box_in_ct_mm() const { return box_; }
   double patient_size_mm() const { return box_.diagonal().norm(); }
 
  private:

@@ -11,6 +11,59 @@ using live::kLargestGainDb;
 using live::kLeastDepthMm;
 using session::CommandKind;
 
+namespace {
+/// Images show an order well before this.
+constexpr double kShownAfterS = 0.5;
+}  // namespace
+
+void OrderedSettings::Refresh(const live::LiveSnapshot& snapshot, const PictureSetting& picture,
+                              double now_s) {
+  if (now_s - last_order_s_ < kShownAfterS) return;
+  snapshot_ = snapshot;
+  picture_ = picture;
+}
+
+void OrderedSettings::Add(const live::CommandQueue::Order& order, double now_s) {
+  last_order_s_ = now_s;
+  switch (order.kind) {
+    case CommandKind::kGain:
+      picture_.gain_db = order.value;
+      break;
+    case CommandKind::kDepth:
+      picture_.depth_mm = order.value;
+      break;
+    case CommandKind::kFreezeImage:
+    case CommandKind::kRunImage:
+      snapshot_.frozen = order.kind == CommandKind::kFreezeImage;
+      break;
+    case CommandKind::kHoldBreath:
+    case CommandKind::kBreatheOn:
+      snapshot_.breath_held = order.kind == CommandKind::kHoldBreath;
+      break;
+    default:
+      break;
+  }
+}
+
+std::string WhyWithoutEffect(Command command, const SessionAbilities& session) {
+  switch (command) {
+    case Command::kHoldBreath:
+      return session.breath_can_be_held ? "" : "This patient does not breathe: B has no effect.";
+    case Command::kSwapHands:
+      return session.has_both_tools ? "" : "There is one tool only: W swaps nothing.";
+    case Command::kMarkTarget:
+      return session.has_exercise_target ? "The exercise has its target: T marks no other." : "";
+    case Command::kGainUp:
+    case Command::kGainDown:
+    case Command::kDeeper:
+    case Command::kShallower:
+    case Command::kFreeze:
+      return session.has_probe ? "" : "There is no ultrasound image: this key has no effect.";
+    default:
+      return "";
+  }
+}
+
 std::optional<live::CommandQueue::Order> OrderOf(Command command,
                                                  const live::LiveSnapshot& snapshot,
                                                  const PictureSetting& present) {

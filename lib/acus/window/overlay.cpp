@@ -9,7 +9,9 @@
 #include <mutex>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <sys/resource.h>
 #include <thread>
+#include <unistd.h>
 #include <utility>
 
 namespace acus::window {
@@ -18,6 +20,8 @@ namespace {
 /// Less than this nobody sees.
 constexpr double kSamePlacePx = 0.25;
 constexpr std::uint8_t kVisible = 8;
+/// The window shows the last overlay meanwhile: its images come first.
+constexpr int kOverlayNice = 5;
 
 struct Job {
   volume_rendering::Camera camera;
@@ -183,6 +187,8 @@ struct OverlayRenderer::Content {
   }
 
   void Work() {
+    const auto thread_id = static_cast<id_t>(gettid());
+    setpriority(PRIO_PROCESS, thread_id, getpriority(PRIO_PROCESS, thread_id) + kOverlayNice);
     std::unique_lock lock(mutex);
     while (true) {
       changed.wait(lock, [&] { return stop || job; });

@@ -1,10 +1,12 @@
 #include "acus/window/patient_on_display.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "acus/data/volume/volume_io.h"
 #include "acus/scene/effects/view_3d/patient_surfaces.h"
 #include "acus/scene/effects/view_3d/view_3d.h"
+#include "acus/window/space_layer.h"
 
 namespace acus::window {
 namespace {
@@ -12,14 +14,28 @@ namespace {
 /// Coarse enough for a window that is drawn thirty times a second.
 constexpr double kSurfaceGridMm = 3.0;
 constexpr double kSkinOpacity = 0.3;
+/// Of all surfaces in the volume view together: they move with the breath in each image.
+constexpr int kVolumeTriangles = 40000;
 
 /// What the teaching view shows if the scenario does not say it; the skin last, as it is drawn.
 std::vector<effects::View3dSettings::Surface> StandardSurfaces() {
   std::vector<effects::View3dSettings::Surface> surfaces;
-  for (const char* tissue : {"bone", "kidney", "vessel", "lesion", "spinal_canal"}) {
+  for (const char* tissue : {"bone", "disc", "kidney", "vessel", "lesion", "spinal_canal", "tendon",
+                             "cartilage", "bursa", "ligament", "gallbladder", "gland"}) {
     surfaces.push_back({.tissue = tissue, .opacity = 1.0, .colour = std::nullopt});
   }
-  surfaces.push_back({.tissue = "liver", .opacity = 0.55, .colour = std::nullopt});
+  // Large ones, with others in them or behind them.
+  for (const auto& [tissue, opacity] : {std::pair{"heart", 0.6},
+                                        {"spleen", 0.6},
+                                        {"pancreas", 0.7},
+                                        {"liver", 0.55},
+                                        {"stomach", 0.4},
+                                        {"bowel", 0.4},
+                                        {"bladder", 0.5},
+                                        {"lung", 0.2},
+                                        {"muscle", 0.15}}) {
+    surfaces.push_back({.tissue = tissue, .opacity = opacity, .colour = std::nullopt});
+  }
   surfaces.push_back({.tissue = "skin", .opacity = kSkinOpacity, .colour = std::nullopt});
   return surfaces;
 }
@@ -36,6 +52,40 @@ effects::View3dSettings ViewOf(const scenario::Scenario& scenario) {
   std::ranges::stable_partition(view.surfaces,
                                 [](const auto& surface) { return surface.tissue != "skin"; });
   return view;
+}
+
+using volume_rendering::PatientInView;
+
+/// Bone by rays instead of triangles, with the other tissues around it.
+PatientInView BoneAndOrgans(const PatientOnDisplay& patient) {
+  PatientInView look = patient.in_overlay;
+  for (const auto& surface : patient.in_teaching_view) {
+    if (surface.name != "bone") look.surfaces.push_back(surface);
+  }
+  double all = 1.0;
+  for (const auto& seen : look.surfaces) all += static_cast<double>(seen.surface.triangles.cols());
+  const double share = std::min(1.0, kVolumeTriangles / all);
+  for (auto& seen : look.surfaces) {
+    seen.surface = Thinned(
+        seen.surface, static_cast<int>(share * static_cast<double>(seen.surface.triangles.cols())));
+  }
+  return look;
+}
+
+/// What the scenario says first, then the CT by each preset alone.
+std::vector<VolumeLook> LooksOf(const PatientOnDisplay& patient) {
+  std::vector<VolumeLook> looks;
+  if (!patient.in_overlay.ct) return looks;
+  looks.push_back({"bone and organs", BoneAndOrgans(patient)});
+  for (const auto& [preset, name] : {std::pair{"skin", "skin"},
+                                     {"bone", "bone"},
+                                     {"soft_tissue", "soft tissue"},
+                                     {"vessels", "vessels"}}) {
+    PatientInView look = patient.in_overlay;
+    look.layers = {{preset, 1.0}};
+    looks.push_back({name, std::move(look)});
+  }
+  return looks;
 }
 
 }  // namespace
@@ -56,6 +106,7 @@ PatientOnDisplay PatientOnDisplayOf(const scenario::Scenario& scenario,
   }
   if (ct) {
     patient.in_overlay.ct = ct;
+    patient.in_overlay.labels = labels;
     for (const auto& layer : view.layers) {
       patient.in_overlay.layers.push_back({layer.preset, layer.opacity});
     }
@@ -63,6 +114,7 @@ PatientOnDisplay PatientOnDisplayOf(const scenario::Scenario& scenario,
   if (scene.breathing && scene.breathing->image) {
     patient.in_overlay.field = &scene.breathing->motion.model.field();
   }
+  patient.in_volume_view = LooksOf(patient);
   return patient;
 }
 

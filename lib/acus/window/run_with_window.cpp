@@ -14,11 +14,19 @@
 namespace acus::window {
 namespace {
 
+constexpr std::int64_t kNoticeNs = 4'000'000'000;
+
 /// One turn of the window's loop after the other.
 class Loop {
  public:
   Loop(live::LiveSession& session, Window& window, const ConsoleSettings& settings)
-      : session_(session), window_(window), settings_(settings), frames_(session) {}
+      : session_(session), window_(window), settings_(settings), frames_(session, settings.trial) {
+    abilities_ = {.breath_can_be_held = session.breath_can_be_held(),
+                  .has_both_tools = session.has_needle() && session.has_probe(),
+                  .has_probe = session.scene().probe.has_value(),
+                  .has_exercise_target = session.exercise() != nullptr &&
+                                         session.exercise()->target_in_ct_mm().has_value()};
+  }
 
   /// False when the person has ended the session.
   bool Turn() {
@@ -30,12 +38,13 @@ class Loop {
     const camera::CameraTracker* tracker = session_.video();
     const auto video = tracker == nullptr ? nullptr : tracker->Latest();
     if (picture.number > 0) {
-      window_.Show(frames_.Make(picture, video.get()));
+      if (now_ns > notice_until_ns_) frames_.SetNotice("");
+      window_.Show(frames_.Make(picture, video.get(), !steers_needle_));
       if (num_shown_++ == 0) first_shown_ns_ = MonotonicNs();
       last_shown_ns_ = MonotonicNs();
     }
     window_.HandleEvents();
-    if (!Obey(picture)) return false;
+    if (!Obey(picture, now_ns)) return false;
     Move(dt_s);
     return !window_.closed();
   }
@@ -51,14 +60,25 @@ class Loop {
   }
 
  private:
-  bool Obey(const live::LivePicture& picture) {
+  bool Obey(const live::LivePicture& picture, std::int64_t now_ns) {
+    PictureSetting shown;
+    const auto& probe = session_.scene().probe;  // Until there is an image.
+    if (probe) shown = {probe->gain_db, probe->depth_mm};
+    if (picture.probe) shown = {picture.probe->gain_db, picture.probe->depth_mm};
+    const double now_s = 1e-9 * static_cast<double>(now_ns);
+    ordered_.Refresh(picture.snapshot, shown, now_s);
     for (const Command command : window_.TakeCommands()) {
       if (command == Command::kQuit) return false;
       if (command == Command::kSteerOther) steers_needle_ = !steers_needle_;
-      PictureSetting present;
-      if (picture.probe) present = {picture.probe->gain_db, picture.probe->depth_mm};
-      const auto order = OrderOf(command, picture.snapshot, present);
-      if (order) session_.commands().Give(order->kind, order->value);
+      if (std::string why = WhyWithoutEffect(command, abilities_); !why.empty()) {
+        frames_.SetNotice(std::move(why));
+        notice_until_ns_ = now_ns + kNoticeNs;
+        continue;
+      }
+      const auto order = OrderOf(command, ordered_.snapshot(), ordered_.picture());
+      if (!order) continue;
+      session_.commands().Give(order->kind, order->value);
+      ordered_.Add(*order, now_s);
     }
     return true;
   }
@@ -74,6 +94,9 @@ class Loop {
   Window& window_;
   const ConsoleSettings& settings_;
   FrameMaker frames_;
+  OrderedSettings ordered_;
+  SessionAbilities abilities_;
+  std::int64_t notice_until_ns_ = 0;
   bool steers_needle_ = true;
   std::int64_t last_ns_ = 0;
   std::int64_t num_shown_ = 0;
@@ -85,7 +108,9 @@ class Loop {
 
 WindowRun RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
                         const ConsoleSettings& settings, RunContext& context) {
-  Window window(PatientOnDisplayOf(scenario, session.scene(), context), settings.window);
+  WindowSettings of_window = settings.window;
+  if (!settings.views.empty()) of_window.views = ViewsOf(settings.views);
+  Window window(PatientOnDisplayOf(scenario, session.scene(), context), of_window);
   session.Start();
   Loop loop(session, window, settings);
   const auto period_ns = static_cast<std::int64_t>(1e9 / settings.rate_hz);

@@ -11,8 +11,11 @@ namespace acus::window {
 struct ConsoleSettings {
   WindowSettings window;
   double rate_hz = 30.0;  ///< Of the window; pictures themselves are made at a rate of their own.
+  /// Names of the views to show, as ViewsOf() takes them; empty: see WindowSettings::views.
+  std::string views;
   /// PNG of the window, written at the end. Empty: none.
   std::filesystem::path screenshot;
+  int trial = 1;  ///< Of the trainee: hints fade with it.
 };
 
 struct WindowRun {

@@ -4,9 +4,13 @@
 #include <cmath>
 
 #include "acus/window/command.h"
+#include "acus/window/exercise_panel.h"
 
 namespace acus::window {
 namespace {
+
+/// A tenth below 30 images/s is seen; 29 are not.
+constexpr double kSlowPicturesPerS = 27.0;
 
 Eigen::Vector2i StatusBarCorner(int column, int row) {
   return {column, row};
@@ -26,7 +30,13 @@ void DrawLines(const DisplayFrame& frame, const ViewChoice& choice, const Rectan
     lines.insert(lines.begin(),
                  {.severity = Severity::kFault, .text = "Press Q again to end the session."});
   }
-  if (lines.empty()) lines.push_back({.severity = Severity::kGood, .text = "All is well."});
+  const bool is_calm = std::ranges::none_of(
+      lines, [](const StatusLine& line) { return line.severity >= Severity::kWarning; });
+  if (!frame.coach.empty()) {
+    lines.insert(lines.begin(), {.severity = Severity::kNote, .text = frame.coach});
+  } else if (lines.empty()) {
+    lines.push_back({.severity = Severity::kGood, .text = "All is well."});
+  }
   // What is well needs no place before what is told; faults do.
   std::ranges::stable_sort(lines, std::ranges::greater(), [](const StatusLine& line) {
     return std::max(line.severity, Severity::kNote);
@@ -38,10 +48,19 @@ void DrawLines(const DisplayFrame& frame, const ViewChoice& choice, const Rectan
     const Colour colour = ColourOf(line.severity);
     sketch.Dot({place.left + 16.0, row + 0.5 * sketch.TextHeight(sizes.normal_px)}, 5.0, colour);
     const bool stands_out = line.severity >= Severity::kWarning;
-    sketch.Text(StatusBarCorner(place.left + 30, row), line.text,
-                {.size_px = sizes.normal_px, .colour = stands_out ? colour : palette::kText},
-                place.width - 40);
-    row += step;
+    const TextStyle style{.size_px = sizes.normal_px,
+                          .colour = stands_out                 ? colour
+                                    : line.text == frame.coach ? palette::kNeedle
+                                                               : palette::kText,
+                          .bold = is_calm && line.text == frame.coach};
+    const int room = place.width - 40;
+    const auto pieces =
+        Wrapped(line.text, sizes.normal_px, room - room / 12, sketch);  // Bold is wider.
+    for (const std::string& piece : pieces) {
+      if (row + step > place.top + place.height) break;
+      sketch.Text(StatusBarCorner(place.left + 30, row), piece, style, room);
+      row += step - (&piece == &pieces.back() ? 0 : 4);
+    }
   }
 }
 
@@ -83,14 +102,26 @@ void DrawDistance(const DisplayFrame& frame, const Rectangle& place, const TextS
               place.width);
 }
 
-void DrawNumbers(const DisplayFrame& frame, const ViewChoice& choice, const Rectangle& place,
+std::string VolumeText(const VolumeReadout& volume) {
+  if (volume.whole) return "all pixels";
+  std::string text = volume.per_s > 0.0 ? Digits(volume.per_s, volume.per_s < 2.0 ? 1 : 0) : "-";
+  text += " /s";
+  if (volume.dropped > 0) text += ", " + std::to_string(volume.dropped) + " dropped";
+  return text;
+}
+
+void DrawNumbers(const DisplayFrame& frame, const ViewChoice& choice,
+                 const std::optional<VolumeReadout>& volume, const Rectangle& place,
                  const TextSizes& sizes, Sketch& sketch) {
   const int step = sketch.TextHeight(sizes.small_px) + 4;
   int row = place.top;
   const auto line = [&](std::string_view name, const std::string& value, Colour colour) {
     if (row + step > place.top + place.height) return;
-    sketch.Text(StatusBarCorner(place.left, row), name,
-                {.size_px = sizes.small_px, .colour = palette::kFaint}, place.width);
+    const int room = place.width - sketch.TextWidth(value, sizes.small_px) - 6;
+    if (room > 16) {
+      sketch.Text(StatusBarCorner(place.left, row), name,
+                  {.size_px = sizes.small_px, .colour = palette::kFaint}, room);
+    }
     sketch.Text(StatusBarCorner(place.left + place.width, row), value,
                 {.size_px = sizes.small_px, .colour = colour, .align = Align::kRight});
     row += step;
@@ -101,10 +132,15 @@ void DrawNumbers(const DisplayFrame& frame, const ViewChoice& choice, const Rect
   };
   line("Time", ClockText(frame.session_s), palette::kText);
   line("Device to force", known(latency.device_to_force_ms, 2, " ms"), palette::kText);
-  line("Tracker to picture", known(latency.tracker_to_picture_ms, 0, " ms"), palette::kText);
-  const bool slow = latency.pictures_per_s > 0.0 && latency.pictures_per_s < 29.5;
-  line("Pictures", known(latency.pictures_per_s, 0, " /s"),
-       slow ? palette::kWarning : palette::kText);
+  line("Tracker to image", known(latency.tracker_to_picture_ms, 0, " ms"), palette::kText);
+  const bool slow = latency.pictures_per_s > 0.0 && latency.pictures_per_s < kSlowPicturesPerS;
+  std::string pictures = known(latency.pictures_per_s, 0, " /s");
+  if (latency.late_pictures > 0) pictures += ", " + std::to_string(latency.late_pictures) + " late";
+  line("Images", pictures, slow ? palette::kWarning : palette::kText);
+  if (frame.video) {
+    line("Camera", std::to_string(latency.dropped_of_camera) + " dropped", palette::kText);
+  }
+  if (volume) line("Volume", VolumeText(*volume), palette::kText);
   std::string hands = frame.left_handed ? "left-handed" : "right-handed";
   if (frame.breath_held) hands += ", breath held";
   line(choice.steers_probe ? "Mouse: probe" : "Mouse: needle", hands, palette::kFaint);
@@ -126,7 +162,8 @@ Colour ColourOf(Severity severity) noexcept {
   return palette::kText;
 }
 
-void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice, const Rectangle& place,
+void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice,
+                   const std::optional<VolumeReadout>& volume, const Rectangle& place,
                    const TextSizes& sizes, Sketch& sketch) {
   sketch.SetClip(place);
   sketch.Fill(place, palette::kBackground);
@@ -140,7 +177,7 @@ void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice, const Re
   part.width = numbers_width;
   part.top += 8;
   part.height -= 10;
-  DrawNumbers(frame, choice, part, sizes, sketch);
+  DrawNumbers(frame, choice, volume, part, sizes, sketch);
   part.left -= middle_width + 28;
   part.width = middle_width;
   DrawForce("Needle", frame.force.needle_n, frame.force.limit_n, part, sizes, sketch);

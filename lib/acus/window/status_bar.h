@@ -11,7 +11,8 @@ namespace acus::window {
 
 Colour ColourOf(Severity severity) noexcept;
 
-void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice, const Rectangle& place,
+void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice,
+                   const std::optional<VolumeReadout>& volume, const Rectangle& place,
                    const TextSizes& sizes, Sketch& sketch);
 
 /// Over all views.

@@ -16,6 +16,13 @@ constexpr double kMmPerWheelStep = 1.0;
 constexpr double kZoomPerWheelStep = 1.1;
 constexpr double kFineShare = 0.1;
 constexpr double kOverlayStep = 0.1;
+constexpr double kOpacityStep = 0.1;
+constexpr double kCutStepMm = 5.0;
+constexpr double kFarthestCutMm = 1000.0;
+
+bool TurnsTheEye(const Layout::View* view) {
+  return view != nullptr && (view->kind == ViewKind::kTeaching || view->kind == ViewKind::kVolume);
+}
 
 }  // namespace
 
@@ -33,7 +40,7 @@ void Steering::Handle(std::span<const InputEvent> events, const Layout& layout,
       case Kind::kButtonDown: {
         const Layout::View* view = layout.At(event.column, event.row);
         drag_button_ = view == nullptr ? 0 : event.button;
-        drags_eye_ = view != nullptr && view->kind == ViewKind::kTeaching;
+        drags_eye_ = TurnsTheEye(view);
         break;
       }
       case Kind::kButtonUp:
@@ -65,7 +72,8 @@ void Steering::KeyDown(const InputEvent& event, std::span<const ViewKind> shown)
   if (is_letter) {
     const char letter = static_cast<char>(std::tolower(static_cast<unsigned char>(event.key[0])));
     // Of the keys that repeat while held, only those of more and less mean it.
-    const bool may_repeat = letter == 'g' || letter == 'd' || letter == 'o';
+    const bool may_repeat =
+        letter == 'g' || letter == 'd' || letter == 'o' || letter == 'p' || letter == 'x';
     if (repeated && !may_repeat) return;
     if (letter != 'q') choice_.quit_asked = false;
     Letter(letter, event.shift, shown);
@@ -91,6 +99,7 @@ void Steering::KeyDown(const InputEvent& event, std::span<const ViewKind> shown)
 }
 
 void Steering::Letter(char letter, bool shift, std::span<const ViewKind> shown) {
+  if (VolumeLetter(letter, shift)) return;
   const auto add = [&](Command command) { commands_.push_back(command); };
   switch (letter) {
     case 'f':
@@ -126,6 +135,38 @@ void Steering::Letter(char letter, bool shift, std::span<const ViewKind> shown) 
       return Quit();
     default:
       return;
+  }
+}
+
+/// True if the letter is one of the volume view.
+bool Steering::VolumeLetter(char letter, bool shift) {
+  VolumeChoice& volume = choice_.volume;
+  const double sign = shift ? -1.0 : 1.0;
+  switch (letter) {
+    case 'm':
+      volume.shown = !volume.shown;
+      commands_.push_back(Command::kVolume);
+      return true;
+    case 'l':
+      ++volume.look;
+      commands_.push_back(Command::kVolumeLook);
+      return true;
+    case 'p':
+      volume.opacity = std::clamp(volume.opacity + sign * kOpacityStep, kOpacityStep, 1.0);
+      commands_.push_back(shift ? Command::kVolumeFainter : Command::kVolumeDenser);
+      return true;
+    case 'c':
+      volume.cut = static_cast<VolumeCut>((static_cast<int>(volume.cut) + 1) % kNumVolumeCuts);
+      volume.cut_mm = 0.0;
+      commands_.push_back(Command::kVolumeCut);
+      return true;
+    case 'x':
+      volume.cut_mm =
+          std::clamp(volume.cut_mm + sign * kCutStepMm, -kFarthestCutMm, kFarthestCutMm);
+      commands_.push_back(shift ? Command::kCutBack : Command::kCutOn);
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -181,7 +222,7 @@ void Steering::Move(const InputEvent& event) {
 
 void Steering::Wheel(double forward, const InputEvent& event, const Layout& layout) {
   const Layout::View* view = layout.At(event.column, event.row);
-  if (view != nullptr && view->kind == ViewKind::kTeaching) {
+  if (TurnsTheEye(view)) {
     eye_.zoom *= std::pow(kZoomPerWheelStep, -forward);
   } else if (view != nullptr) {
     hand_.advanced_mm += forward * kMmPerWheelStep * (event.shift ? kFineShare : 1.0);

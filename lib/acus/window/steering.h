@@ -15,6 +15,18 @@ namespace acus::window {
 
 enum class Stereo { kOff, kSideBySide, kRedCyan };
 
+/// What is taken away of the patient in the volume view: the side of a plane that the eye is on.
+enum class VolumeCut { kNone, kAxial, kCoronal, kSagittal, kFacing };
+inline constexpr int kNumVolumeCuts = 5;
+
+struct VolumeChoice {
+  bool shown = false;
+  int look = 0;          ///< Of those that the patient has, in turn.
+  double opacity = 1.0;  ///< 0.1 to 1.
+  VolumeCut cut = VolumeCut::kNone;
+  double cut_mm = 0.0;  ///< From the middle of the patient.
+};
+
 /// What the window shows, as far as the person chooses it.
 struct ViewChoice {
   std::optional<ViewKind> alone;
@@ -24,6 +36,7 @@ struct ViewChoice {
   bool help = false;
   bool quit_asked = false;  ///< Once: a second time ends the session.
   bool steers_probe = false;
+  VolumeChoice volume;
 };
 
 /// Of the teaching view, since it was last asked for.
@@ -38,6 +51,8 @@ struct EyeMotion {
 
 class Steering {
  public:
+  explicit Steering(bool shows_volume = false) { choice_.volume.shown = shows_volume; }
+
   void Handle(std::span<const InputEvent> events, const Layout& layout,
               std::span<const ViewKind> shown);
 
@@ -59,6 +74,7 @@ class Steering {
   void Wheel(double forward, const InputEvent& event, const Layout& layout);
   void NextView(std::span<const ViewKind> shown);
   void Quit();
+  bool VolumeLetter(char letter, bool shift);
   void ChangeOverlay(double by, Command command);
   bool Holds(const char* key) const { return held_keys_.contains(key); }
 

@@ -61,7 +61,7 @@ TeachingView::TeachingView(const std::vector<volume_rendering::SurfaceInView>& s
       has_skin_ = true;
       lit_opacity_ = seen.opacity / opacity;
     }
-    organs_.push_back({.thing = thing, .surface = std::move(moving)});
+    organs_.push_back({.thing = thing, .surface = std::move(moving), .pressed = {}});
   };
   // Transparent ones after what shines through them, and the skin after all.
   for (const auto& seen : surfaces) {
@@ -90,7 +90,6 @@ TeachingView::TeachingView(const std::vector<volume_rendering::SurfaceInView>& s
     if (seen.name == kSkin) add(seen);
   }
   SetLight(kOverTheBed);
-  orbit_ = std::make_unique<Orbit>(box_in_ct_mm_);
 }
 
 void TeachingView::SetLight(const Eigen::Vector3d& towards) {
@@ -125,24 +124,24 @@ void TeachingView::AimLight(const DisplayFrame& frame) {
   SetLight(side + 0.35 * aslant + 0.9 * Eigen::Vector3d::UnitZ());
 }
 
-void TeachingView::Move(const EyeMotion& motion, int height_px) {
-  if (motion.preset != 0) orbit_->SetPreset(motion.preset);
-  if (motion.turn_right_px != 0.0 || motion.turn_down_px != 0.0) {
-    orbit_->Turn(motion.turn_right_px, motion.turn_down_px);
+/// Breath, then tools.
+void TeachingView::UpdateOrgan(const DisplayFrame& frame, SpaceLayer& layer, Organ& organ) {
+  const bool is_pressed = frame.pressed != nullptr && !frame.pressed->empty();
+  if (frame.motion == nullptr && !is_pressed && !organ.is_pressed) return;
+  organ.surface.Update(frame.motion, 1);
+  const volume_rendering::MovingSurface& breathed = organ.surface;
+  organ.is_pressed = is_pressed;
+  if (!is_pressed) {
+    layer.SetNodes(organ.thing, breathed.nodes_mm(), &breathed.normals());
+    return;
   }
-  if (motion.shift_right_px != 0.0 || motion.shift_down_px != 0.0) {
-    orbit_->Shift(motion.shift_right_px, motion.shift_down_px, height_px);
-  }
-  if (motion.zoom != 1.0) orbit_->Zoom(motion.zoom);
+  organ.pressed.Update(*frame.pressed, breathed.nodes_mm(), breathed.normals(),
+                       breathed.triangles(), 1);
+  layer.SetNodes(organ.thing, organ.pressed.nodes_mm(), &organ.pressed.normals());
 }
 
 void TeachingView::Update(const DisplayFrame& frame) {
-  if (frame.motion != nullptr) {
-    for (Organ& organ : organs_) {
-      organ.surface.Update(frame.motion, 1);
-      layer_.SetNodes(organ.thing, organ.surface.nodes_mm(), &organ.surface.normals());
-    }
-  }
+  for (Organ& organ : organs_) UpdateOrgan(frame, layer_, organ);
   UpdateNeedle(frame);
   UpdateProbe(frame);
   const bool has_target = frame.target_in_ct_mm && frame.target_in_ct_mm->allFinite();
@@ -207,14 +206,15 @@ void TeachingView::UpdateShadows(const DisplayFrame& frame) {
   layer_.SetTexture(skin_, shadows_->Finish(lit_opacity_));
 }
 
-void TeachingView::SetPlace(const Rectangle& place, const Rectangle& window, Stereo stereo) {
-  const double distance = orbit_->distance_mm();
-  const double size = orbit_->patient_size_mm();
+void TeachingView::SetPlace(const Rectangle& place, const Rectangle& window, const Orbit& orbit,
+                            Stereo stereo) {
+  const double distance = orbit.distance_mm();
+  const double size = orbit.patient_size_mm();
   const DepthRange range{.near_mm = std::max(1.0, distance - 1.5 * size),
                          .far_mm = distance + 1.5 * size};
   if (place.width < 2 || place.height < 2) return Hide();
   if (stereo != Stereo::kSideBySide) {
-    layer_.SetView(place, window, orbit_->CameraFor(place.width, place.height), range,
+    layer_.SetView(place, window, orbit.CameraFor(place.width, place.height), range,
                    stereo == Stereo::kRedCyan);
     layer_.SetRightEye({}, window, std::nullopt, range);
     return;
@@ -225,8 +225,8 @@ void TeachingView::SetPlace(const Rectangle& place, const Rectangle& window, Ste
   left.width = place.width / 2 - 1;
   Rectangle right = left;
   right.left = place.left + place.width - left.width;
-  layer_.SetView(left, window, orbit_->EyeFor(left.width, left.height, -half_base), range);
-  layer_.SetRightEye(right, window, orbit_->EyeFor(right.width, right.height, half_base), range);
+  layer_.SetView(left, window, orbit.EyeFor(left.width, left.height, -half_base), range);
+  layer_.SetRightEye(right, window, orbit.EyeFor(right.width, right.height, half_base), range);
 }
 
 void TeachingView::Hide() {

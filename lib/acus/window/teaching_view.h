@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "acus/imaging/volume_rendering/moving_surface.h"
+#include "acus/imaging/volume_rendering/pressed_surface.h"
 #include "acus/window/frame.h"
 #include "acus/window/orbit.h"
 #include "acus/window/shadow_texture.h"
@@ -23,17 +24,20 @@ class TeachingView {
   /// Null if there is none.
   const mesh::Surface* skin() const { return has_skin_ ? &skin_surface_ : nullptr; }
   bool empty() const { return organs_.empty(); }
+  const Eigen::AlignedBox3d& box_in_ct_mm() const { return box_in_ct_mm_; }
 
-  void Move(const EyeMotion& motion, int height_px);
   void Update(const DisplayFrame& frame);
-  void SetPlace(const Rectangle& place, const Rectangle& window, Stereo stereo);
+  void SetPlace(const Rectangle& place, const Rectangle& window, const Orbit& orbit, Stereo stereo);
   void Hide();
 
  private:
   struct Organ {
     int thing = 0;
     volume_rendering::MovingSurface surface;
+    volume_rendering::PressedSurface pressed;
+    bool is_pressed = false;  ///< As it is drawn now.
   };
+  static void UpdateOrgan(const DisplayFrame& frame, SpaceLayer& layer, Organ& organ);
   void UpdateNeedle(const DisplayFrame& frame);
   void UpdateProbe(const DisplayFrame& frame);
   void UpdateShadows(const DisplayFrame& frame);
@@ -43,7 +47,6 @@ class TeachingView {
   SpaceLayer layer_;
   std::vector<Organ> organs_;
   Eigen::AlignedBox3d box_in_ct_mm_;
-  std::unique_ptr<Orbit> orbit_;
   std::unique_ptr<ShadowTexture> shadows_;
   mesh::Surface skin_surface_;
   bool has_skin_ = false;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "acus/base/core/error.h"
+#include "acus/window/exercise_panel.h"
 #include "acus/window/marks.h"
 #include "acus/window/picture_layer.h"
 #include "acus/window/screen.h"
@@ -12,6 +13,7 @@
 #include "acus/window/steering.h"
 #include "acus/window/teaching_view.h"
 #include "acus/window/video_view.h"
+#include "acus/window/volume_view.h"
 
 namespace acus::window {
 namespace {
@@ -29,6 +31,9 @@ void Check(const WindowSettings& settings) {
   ACUS_REQUIRE(settings.edge_falloff_share >= 0.0 && settings.edge_falloff_share <= 1.0,
                "display: edge_falloff_share is ", settings.edge_falloff_share,
                "; allowed is 0 to 1");
+  ACUS_REQUIRE(settings.volume_moving_scale >= 0.05 && settings.volume_moving_scale <= 1.0,
+               "display: volume_moving_scale is ", settings.volume_moving_scale,
+               "; allowed is 0.05 to 1");
   ACUS_REQUIRE(settings.teaching_view_each >= 1, "display: teaching_view_each is ",
                settings.teaching_view_each, "; allowed is 1 and more");
 }
@@ -55,8 +60,7 @@ bool IsWhole(const image::ColourImage& image) {
 }
 
 /// What cannot be drawn is taken out: a fault of a tracker is no reason to lose the picture.
-DisplayFrame Drawable(const DisplayFrame& frame) {
-  DisplayFrame out = frame;
+void MakeDrawable(DisplayFrame& out) {
   if (out.needle && !IsFinite(*out.needle)) out.needle.reset();
   if (out.ct_from_probe && !out.ct_from_probe->matrix().allFinite()) out.ct_from_probe.reset();
   if (out.target_in_ct_mm && !out.target_in_ct_mm->allFinite()) out.target_in_ct_mm.reset();
@@ -81,34 +85,62 @@ DisplayFrame Drawable(const DisplayFrame& frame) {
       out.video->pose_valid = false;
     }
   }
-  return out;
+}
+
+/// What the eye turns about.
+Eigen::AlignedBox3d BoxOf(const Eigen::AlignedBox3d& surfaces,
+                          const std::vector<VolumeLook>& looks) {
+  if (!surfaces.isEmpty() || looks.empty() || !looks.front().patient.ct) return surfaces;
+  const volume::Geometry& grid = looks.front().patient.ct->geometry;
+  const Eigen::Affine3d ct_from_index = grid.ct_from_index();
+  Eigen::AlignedBox3d box;
+  for (int n = 0; n < 8; ++n) {
+    const Eigen::Array3i corner(n & 1, (n >> 1) & 1, n >> 2);
+    box.extend(ct_from_index * (corner * (grid.size - 1)).cast<double>().matrix());
+  }
+  return box;
+}
+
+bool IsListed(const WindowSettings& settings, ViewKind kind) {
+  return settings.views.empty() ? kind != ViewKind::kVolume
+                                : std::ranges::find(settings.views, kind) != settings.views.end();
 }
 
 }  // namespace
 
 struct Window::Content {
   WindowSettings settings;
+  std::vector<VolumeLook> looks;
   Screen screen;
   FontAtlas atlas;
   Sketch sketch{atlas};
   PictureLayer pictures;
   TeachingView teaching;
+  Orbit orbit;
   VideoView video;
+  VolumeView volume;
   SketchLayer marks;
   Steering steering;
   Layout layout;
   std::vector<ViewKind> shown;
+  DisplayFrame drawn;  ///< What is shown: its buffers are used again.
   long frames = 0;
+  bool eye_is_placed = false;
 
   Content(const PatientOnDisplay& patient, const WindowSettings& s)
       : settings(s),
+        looks(patient.in_volume_view),
         screen(s.title, s.width_px, s.height_px),
         teaching(patient.in_teaching_view, s.max_triangles),
+        orbit(BoxOf(teaching.box_in_ct_mm(), looks)),
         video(patient.in_overlay, teaching.skin(),
               {.scale = s.overlay_scale,
                .falloff_share = s.edge_falloff_share,
                .in_background = s.overlay_in_background}),
-        marks(atlas) {
+        volume(looks,
+               {.moving_scale = s.volume_moving_scale, .in_background = s.volume_in_background}),
+        marks(atlas),
+        steering(IsListed(s, ViewKind::kVolume)) {
     screen.Add(pictures.renderer(), 0);
     screen.Add(video.layer().renderer(0), 1);
     screen.Add(teaching.layer().renderer(0), 1);
@@ -127,7 +159,34 @@ struct Window::Content {
     steering.Handle(events, layout, shown);
     if (steering.HoldsKeys() && !screen.HasHeldKeys()) steering.ReleaseKeys();
     const Layout::View* view = layout.Find(ViewKind::kTeaching);
-    teaching.Move(steering.TakeEyeMotion(), view == nullptr ? 1 : view->place.height);
+    if (view == nullptr) view = layout.Find(ViewKind::kVolume);
+    MoveEye(steering.TakeEyeMotion(), view == nullptr ? 1 : view->place.height);
+  }
+
+  /// Once: to the side of the needle, or of the probe, unless the person has chosen another.
+  void PlaceEye(const DisplayFrame& frame) {
+    if (eye_is_placed) return;
+    if (frame.needle) {
+      const image::NeedleInImage& needle = *frame.needle;
+      orbit.LookAtSideOf(needle.tip_in_ct_mm - needle.length_mm * needle.axis_in_ct);
+    } else if (frame.ct_from_probe) {
+      orbit.LookAtSideOf(frame.ct_from_probe->translation());
+    } else {
+      return;
+    }
+    eye_is_placed = true;
+  }
+
+  void MoveEye(const EyeMotion& motion, int height_px) {
+    eye_is_placed = eye_is_placed || motion.preset != 0;
+    if (motion.preset != 0) orbit.SetPreset(motion.preset);
+    if (motion.turn_right_px != 0.0 || motion.turn_down_px != 0.0) {
+      orbit.Turn(motion.turn_right_px, motion.turn_down_px);
+    }
+    if (motion.shift_right_px != 0.0 || motion.shift_down_px != 0.0) {
+      orbit.Shift(motion.shift_right_px, motion.shift_down_px, height_px);
+    }
+    if (motion.zoom != 1.0) orbit.Zoom(motion.zoom);
   }
 
   void FindShown(const DisplayFrame& frame) {
@@ -135,14 +194,19 @@ struct Window::Content {
     if (frame.video) shown.push_back(ViewKind::kVideo);
     if (!frame.ultrasound.picture.pixels.empty()) shown.push_back(ViewKind::kUltrasound);
     if (!teaching.empty()) shown.push_back(ViewKind::kTeaching);
+    if (!volume.empty() && steering.choice().volume.shown) shown.push_back(ViewKind::kVolume);
     if (!frame.ct_slice.pixels.empty()) shown.push_back(ViewKind::kCtSlice);
     for (std::size_t n = 0; n < std::min(frame.effects.size(), kEffectViews.size()); ++n) {
       shown.push_back(kEffectViews[n]);
     }
+    std::erase_if(shown, [&](ViewKind kind) {
+      return kind != ViewKind::kVolume && !IsListed(settings, kind);
+    });
     std::optional<ViewKind> alone = steering.choice().alone;
     // Both eyes of red-cyan glasses see the whole window: it is the teaching view's alone.
     if (steering.choice().stereo == Stereo::kRedCyan) alone = ViewKind::kTeaching;
-    layout = LayOut(screen.width_px(), screen.height_px(), shown, alone);
+    layout =
+        LayOut(screen.width_px(), screen.height_px(), shown, alone, frame.exercise.has_value());
   }
 
   Rectangle PlaceOf(ViewKind kind) const {
@@ -209,12 +273,26 @@ struct Window::Content {
     if (place.empty()) return teaching.Hide();
     if (frames % settings.teaching_view_each == 0) teaching.Update(frame);
     const Stereo stereo = steering.choice().stereo;
-    teaching.SetPlace(place, WindowPlace(), stereo);
+    teaching.SetPlace(place, WindowPlace(), orbit, stereo);
     DrawTitle(TitleOf(ViewKind::kTeaching),
               stereo == Stereo::kSideBySide ? "side by side"
               : stereo == Stereo::kRedCyan  ? "red-cyan glasses"
                                             : "",
               place, sizes, sketch);
+  }
+
+  void DrawVolume(const DisplayFrame& frame, const TextSizes& sizes) {
+    const Rectangle place = PlaceOf(ViewKind::kVolume);
+    const VolumeChoice& choice = steering.choice().volume;
+    volume.Update(frame, place, orbit, choice);
+    if (place.empty()) return pictures.Hide(ViewKind::kVolume);
+    const image::ColourImage& picture = volume.picture();
+    if (IsWhole(picture)) {
+      pictures.Show(ViewKind::kVolume, picture, Fit(place, picture.width, picture.height));
+    } else {
+      pictures.Hide(ViewKind::kVolume);
+    }
+    DrawTitle(TitleOf(ViewKind::kVolume), volume.TitleDetail(choice), place, sizes, sketch);
   }
 
   static PlaneOnScreen PlaneIn(const DisplayFrame& frame, const Rectangle& room) {
@@ -228,6 +306,7 @@ struct Window::Content {
 
   void Show(const DisplayFrame& frame) {
     FindShown(frame);
+    PlaceEye(frame);
     screen.SetAnaglyph(steering.choice().stereo == Stereo::kRedCyan && !teaching.empty());
     const TextSizes sizes = SizesFor(screen.height_px());
     pictures.SetWindowSize(screen.width_px(), screen.height_px());
@@ -243,7 +322,9 @@ struct Window::Content {
       }
     }
     DrawTeaching(frame, sizes);
-    DrawStatusBar(frame, steering.choice(), layout.status, sizes, sketch);
+    DrawVolume(frame, sizes);
+    if (frame.exercise) DrawExercise(*frame.exercise, layout.exercise, sizes, sketch);
+    DrawStatusBar(frame, steering.choice(), volume.readout(), layout.status, sizes, sketch);
     if (steering.choice().help) DrawHelp(WindowPlace(), sizes, sketch);
     marks.Draw(sketch, screen.height_px());
     screen.Render();
@@ -263,7 +344,12 @@ Window& Window::operator=(Window&&) noexcept = default;
 void Window::Show(const DisplayFrame& frame) {
   if (closed()) return;
   content_->HandleEvents();
-  if (!closed()) content_->Show(Drawable(frame));
+  if (closed()) return;
+  content_->drawn = frame;
+  MakeDrawable(content_->drawn);
+  content_->Show(content_->drawn);
+  // Must not be looked at when this has returned.
+  content_->drawn.motion = nullptr;
 }
 
 void Window::HandleEvents() {
@@ -284,6 +370,9 @@ Layout Window::layout() const {
 }
 image::ColourImage Window::Screenshot() {
   return content_->screen.Screenshot();
+}
+std::optional<VolumeReadout> Window::volume() const {
+  return content_->volume.readout();
 }
 long Window::num_overlays() const {
   return content_->video.num_overlays();

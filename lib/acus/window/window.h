@@ -29,6 +29,13 @@ struct WindowSettings {
   /// The overlay is rendered beside Show(); while it is under way the last one is moved along with
   /// the patient. False: Show() waits for it.
   bool overlay_in_background = true;
+  /// Those that may be shown, if there is something to show in them; empty: all but the volume
+  /// view, which a key brings.
+  std::vector<ViewKind> views;
+  /// As VolumeViewSettings::moving_scale.
+  double volume_moving_scale = 0.5;
+  /// The volume view is rendered beside Show(). False: Show() waits for it.
+  bool volume_in_background = true;
   /// The teaching view is drawn anew in each n-th Show().
   int teaching_view_each = 1;
 };
@@ -59,6 +66,8 @@ class Window {
   image::ColourImage Screenshot();
   /// Number of volume renderings made for the overlay so far.
   long num_overlays() const;
+  /// Of the volume view; nothing while it is not shown.
+  std::optional<VolumeReadout> volume() const;
 
  private:
   struct Content;

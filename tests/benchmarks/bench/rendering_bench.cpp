@@ -14,13 +14,13 @@ namespace {
 
 using namespace acus;  // NOLINT: a program of one file.
 
-/// Two components, as a key-frame model mixes them.
-breathing::MotionField Field(int nodes_each_way) {
+/// Components that a model mixes.
+breathing::MotionField Field(int nodes_each_way, int num_components = 2) {
   volume::Geometry nodes;
   nodes.size.setConstant(nodes_each_way);
   nodes.spacing_mm.setConstant(400.0 / (nodes_each_way - 1));
   nodes.origin_mm.setConstant(-200.0);
-  breathing::MotionField field(nodes, 2);
+  breathing::MotionField field(nodes, num_components);
   std::vector<float> values;
   const Eigen::Affine3d ct_from_index = nodes.ct_from_index();
   for (int k = 0; k < nodes_each_way; ++k) {
@@ -33,9 +33,10 @@ breathing::MotionField Field(int nodes_each_way) {
       }
     }
   }
-  field.SetComponent(0, values);
-  for (float& value : values) value *= 0.4F;
-  field.SetComponent(1, values);
+  for (int n = 0; n < num_components; ++n) {
+    field.SetComponent(n, values);
+    for (float& value : values) value *= 0.4F;
+  }
   return field;
 }
 
@@ -85,6 +86,39 @@ void VolumeArguments(benchmark::internal::Benchmark* b) {
 }
 BENCHMARK(BM_Volume)->Apply(VolumeArguments)->Unit(benchmark::kMillisecond)->MinTime(0.4);
 
+/// Table 2 of Fortmeier-2016: 1224 x 1014, CT of 256^3, a field of three components. CPU time of
+/// all threads and wall time. Arguments: layer, nodes of the field each way, components at a moment
+/// (0: at rest; 2: between two key frames; 3: surrogate), threads.
+void BM_Table2(benchmark::State& state) {
+  static const auto ct = testing_support::TrunkCt(256);
+  static int nodes = 0;
+  static std::optional<breathing::MotionField> field;
+  if (nodes != state.range(1)) field.emplace(Field(nodes = static_cast<int>(state.range(1)), 3));
+  volume_rendering::PatientInView patient;
+  patient.ct = ct;
+  patient.layers = {{kLayers[state.range(0)], 1.0}};
+  patient.field = &*field;
+  volume_rendering::PatientView view(patient, {});
+  const volume_rendering::PictureSize size{1224, 1014};
+  const auto camera = LookAt(ViewFrom("oblique", view.box_in_ct_mm(), size), size);
+  breathing::MotionWeights weights;
+  const double shares[] = {0.5, 0.7, 0.6};
+  for (int n = 0; n < state.range(2); ++n) weights.Add(n, shares[n]);
+  const breathing::MotionMap motion(*field, weights);
+  volume_rendering::ViewPicture picture;
+  for (auto _ : state) {
+    view.Render(camera, {.motion = &motion}, picture, static_cast<int>(state.range(3)));
+  }
+  state.counters["field_MB"] = 1e-6 * static_cast<double>(field->bytes());
+  state.SetLabel(kLayers[state.range(0)]);
+}
+BENCHMARK(BM_Table2)
+    ->ArgsProduct({{0, 1}, {64, 128, 256}, {0, 2, 3}, {1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->MinTime(0.2);
+
 /// The same picture at rest by VTK's ray caster for CPUs, one thread, under a display (Xvfb).
 /// Argument: layer. CPU time of the process: the thread of its mapper is not ours.
 void BM_VtkFixedPoint(benchmark::State& state) {
@@ -94,7 +128,9 @@ void BM_VtkFixedPoint(benchmark::State& state) {
   volume_rendering::PatientView ours({.ct = ct, .layers = {{layer, 1.0}}, .surfaces = {}}, {});
   const auto camera = LookAt(ViewFrom("oblique", ours.box_in_ct_mm(), size), size);
   try {
-    testing_support::VtkVolume theirs(*ct, volume_rendering::TransferPreset(layer), camera, 1.0, 1);
+    const auto file = volume_rendering::FindTransferFunction(layer, {});
+    testing_support::VtkVolume theirs(*ct, volume_rendering::ReadTransferFunction(file).nodes,
+                                      camera, 1.0, 1);
     theirs.Render();  // Gradients are made in the first.
     for (auto _ : state) theirs.Render();
     state.counters["covered"] = theirs.CoveredShare();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "acus/base/core/error.h"
 #include "acus/window/command.h"
 
 namespace acus::window {
@@ -36,6 +37,38 @@ TEST(Layout, ViewsAndStatusFillTheWindowWithoutOverlap) {
       }
       EXPECT_GT(area, 0.98 * width * height) << count << " views, " << width << " x " << height;
     }
+  }
+}
+
+TEST(Layout, LeavesRoomForTheExercise) {
+  for (const auto& [width, height] : {std::pair{1280, 800}, {640, 480}, {500, 900}}) {
+    for (std::size_t count = 1; count <= kViewKinds.size(); ++count) {
+      const Layout layout = LayOut(width, height, FirstKinds(count), {}, true);
+      EXPECT_GE(layout.exercise.width, 125);
+      EXPECT_FALSE(Overlap(layout.exercise, layout.status));
+      for (const Layout::View& view : layout.views) {
+        EXPECT_FALSE(Overlap(view.place, layout.exercise));
+        EXPECT_GT(view.place.width, 0);
+      }
+    }
+  }
+  EXPECT_TRUE(LayOut(320, 240, FirstKinds(1), {}, true).exercise.empty());
+}
+
+TEST(Layout, OfThreeViewsSquareImagesFillMoreThanInRows) {
+  const Layout layout = LayOut(1280, 800, FirstKinds(3), {});
+  EXPECT_GE(Fit(layout.views[0].place, 1.0, 1.0).width, 650);
+  for (const int other : {1, 2}) {
+    EXPECT_GE(Fit(layout.views[static_cast<std::size_t>(other)].place, 1.0, 1.0).width, 340);
+  }
+}
+
+TEST(Layout, ViewsAreChosenByName) {
+  EXPECT_EQ(ViewsOf("volume,ultrasound"),
+            (std::vector<ViewKind>{ViewKind::kVolume, ViewKind::kUltrasound}));
+  EXPECT_EQ(ViewsOf("camera,ultrasound,3d,volume,ct,effects,ct").size(), kViewKinds.size());
+  for (const char* bad : {"", "volumes", "3d,", "3d, ct", ","}) {
+    EXPECT_THROW(ViewsOf(bad), InputError) << bad;
   }
 }
 

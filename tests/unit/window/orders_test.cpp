@@ -39,6 +39,41 @@ TEST(Orders, GainAndDepthGoInStepsWithinBounds) {
   EXPECT_EQ(OrderOf(Command::kDeeper, snapshot, most)->value, kLargestDepthMm);
 }
 
+TEST(Orders, KeysPressedFasterThanImagesComeAllCount) {
+  const live::LiveSnapshot shown;
+  const PictureSetting picture{.gain_db = 10.0, .depth_mm = 100.0};
+  OrderedSettings ordered;
+  double gain_db = 0.0;
+  for (int i = 0; i < 3; ++i) {  // Within 90 ms, and the image still shows the first gain.
+    const double now_s = 1.0 + 0.03 * i;
+    ordered.Refresh(shown, picture, now_s);
+    const auto order = *OrderOf(Command::kGainUp, ordered.snapshot(), ordered.picture());
+    ordered.Add(order, now_s);
+    gain_db = order.value;
+  }
+  EXPECT_EQ(gain_db, 19.0);
+  // A key that switches: on and off again.
+  const auto on = *OrderOf(Command::kFreeze, ordered.snapshot(), ordered.picture());
+  ordered.Add(on, 1.1);
+  EXPECT_EQ(on.kind, CommandKind::kFreezeImage);
+  EXPECT_EQ(OrderOf(Command::kFreeze, ordered.snapshot(), ordered.picture())->kind,
+            CommandKind::kRunImage);
+  ordered.Refresh(shown, picture, 2.0);
+  EXPECT_EQ(ordered.picture().gain_db, 10.0) << "the image has the last word";
+}
+
+TEST(Orders, AKeyWithoutEffectSaysWhy) {
+  const SessionAbilities all{.breath_can_be_held = true, .has_both_tools = true, .has_probe = true};
+  for (const Command command : {Command::kHoldBreath, Command::kSwapHands, Command::kMarkTarget,
+                                Command::kGainUp, Command::kFreeze}) {
+    EXPECT_EQ(WhyWithoutEffect(command, all), "");
+  }
+  EXPECT_EQ(WhyWithoutEffect(Command::kHoldBreath, {}),
+            "This patient does not breathe: B has no effect.");
+  EXPECT_NE(WhyWithoutEffect(Command::kSwapHands, {}), "");
+  EXPECT_NE(WhyWithoutEffect(Command::kMarkTarget, {.has_exercise_target = true}), "");
+}
+
 TEST(Orders, WhatTheWindowDoesItselfIsNoOrder) {
   for (const Command command : {Command::kQuit, Command::kGrid, Command::kHelp, Command::kStereo,
                                 Command::kSteerOther, Command::kNextView}) {

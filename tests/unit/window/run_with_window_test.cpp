@@ -66,6 +66,42 @@ TEST_F(WindowedSession, ShowsRecordsAndReplaysToTheSameForces) {
   EXPECT_EQ(ReadTextFile(folder_ / "run/forces.csv"), ReadTextFile(folder_ / "session/forces.csv"));
 }
 
+TEST_F(WindowedSession, ShowsTheVolumeWithTissueUnderTheToolsAndReplaysToTheSameForces) {
+  testing_support::WriteLayeredFolder(folder_, R"({"needle_force": {}, "ultrasound": {},
+                   "tissue": {"model": "displacement_functions", "pressed_by_probe": true}})");
+  const testing_support::VirtualDisplay display(1280, 800);
+  live::LiveOptions options;
+  options.session_folder = folder_ / "session";
+  options.duration_s = 4.0;
+  const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
+  live::LiveSession session(scenario, live::ReadLiveDevices(folder_ / "devices.json"), options,
+                            context_);
+  ConsoleSettings settings;
+  settings.views = "volume,3d";
+  settings.screenshot = folder_ / "window.png";
+  EXPECT_TRUE(RunWithWindow(scenario, session, settings, context_).complete);
+  EXPECT_EQ(session.statistics().missed_by_computation, 0);
+  const camera::Picture window = camera::ReadPicture(settings.screenshot);
+  std::size_t coloured = 0;  // In the left half, where the volume is.
+  for (int row = 40; row < 600; ++row) {
+    for (int column = 10; column < 600; ++column) {
+      const auto at = static_cast<std::size_t>(3 * (row * window.width_px + column));
+      coloured += window.pixels[at] - window.pixels[at + 2] > 8;
+    }
+  }
+  EXPECT_GT(coloured, 5000U);
+  Run("run", 1);
+  EXPECT_EQ(ReadTextFile(folder_ / "run/forces.csv"), ReadTextFile(folder_ / "session/forces.csv"));
+
+  settings.views = "volume,3dd";
+  live::LiveOptions again = options;
+  again.session_folder = folder_ / "again";
+  live::LiveSession other(scenario, live::ReadLiveDevices(folder_ / "devices.json"), again,
+                          context_);
+  EXPECT_THAT([&] { RunWithWindow(scenario, other, settings, context_); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("there is no view")));
+}
+
 TEST_F(WindowedSession, WithoutADisplayItSaysWhatToDo) {
   unsetenv("DISPLAY");
   live::LiveOptions options;

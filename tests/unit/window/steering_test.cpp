@@ -55,12 +55,19 @@ TEST_F(SteeringTest, KeysGiveTheirCommands) {
                                             {"n", false, Command::kNeedleGuide},
                                             {"s", false, Command::kStereo},
                                             {"h", false, Command::kHelp},
+                                            {"m", false, Command::kVolume},
+                                            {"l", false, Command::kVolumeLook},
+                                            {"p", false, Command::kVolumeDenser},
+                                            {"P", true, Command::kVolumeFainter},
+                                            {"c", false, Command::kVolumeCut},
+                                            {"x", false, Command::kCutOn},
+                                            {"X", true, Command::kCutBack},
                                             {"3", false, Command::kCameraPreset},
                                             {"Tab", false, Command::kSteerOther}}) {
     Key(key, shift);
     EXPECT_THAT(steering_.TakeCommands(), ElementsAre(command)) << key;
   }
-  Key("x");
+  Key("z");
   Key("F5");
   EXPECT_THAT(steering_.TakeCommands(), IsEmpty());
 }
@@ -108,6 +115,28 @@ TEST_F(SteeringTest, OverlayStaysWithinItsRange) {
   EXPECT_DOUBLE_EQ(steering_.choice().overlay_share, 1.0);
   for (int i = 0; i < 40; ++i) Key("O", true);
   EXPECT_DOUBLE_EQ(steering_.choice().overlay_share, 0.0);
+}
+
+TEST_F(SteeringTest, TheVolumeViewHasItsRangesAndItsTurns) {
+  EXPECT_FALSE(steering_.choice().volume.shown);
+  Key("m");
+  EXPECT_TRUE(steering_.choice().volume.shown);
+  for (int i = 0; i < 30; ++i) Key("P", true);
+  EXPECT_NEAR(steering_.choice().volume.opacity, 0.1, 1e-9);
+  for (int i = 0; i < 30; ++i) Key("p");
+  EXPECT_DOUBLE_EQ(steering_.choice().volume.opacity, 1.0);
+  Key("c");
+  EXPECT_EQ(steering_.choice().volume.cut, VolumeCut::kAxial);
+  Key("x");
+  Key("x");
+  Key("X", true);
+  EXPECT_DOUBLE_EQ(steering_.choice().volume.cut_mm, 5.0);
+  for (int i = 1; i < kNumVolumeCuts; ++i) Key("c");
+  EXPECT_EQ(steering_.choice().volume.cut, VolumeCut::kNone);
+  EXPECT_EQ(steering_.choice().volume.cut_mm, 0.0);
+  Drag(ViewKind::kVolume, 1, 12, 5);
+  EXPECT_EQ(steering_.TakeEyeMotion().turn_right_px, 12.0);
+  EXPECT_TRUE(Steering(true).choice().volume.shown);
 }
 
 TEST_F(SteeringTest, DraggingInThe3dViewMovesTheEyeAndElsewhereTheTool) {

@@ -24,4 +24,10 @@ Check Verdict(std::string quantity, bool passed, std::string remark) {
   return check;
 }
 
+Check OnlyInOne(std::string quantity, std::string remark) {
+  Check check = Verdict(std::move(quantity), false, std::move(remark));
+  check.only_in_one = true;
+  return check;
+}
+
 }  // namespace acus::comparison

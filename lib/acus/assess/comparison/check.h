@@ -15,7 +15,8 @@ struct Check {
   std::optional<double> limit;  ///< Nothing if there is no limit but equality.
   bool at_least = false;        ///< The value must be at least the limit; otherwise at most.
   bool passed = false;
-  std::string remark;  ///< What differs, and where.
+  std::string remark;        ///< What differs, and where.
+  bool only_in_one = false;  ///< One run alone has it, so that there is nothing to compare.
 };
 
 /// value <= limit.
@@ -24,5 +25,8 @@ Check AtMost(std::string quantity, std::string unit, double value, double limit,
 
 /// Passes or fails without a number.
 Check Verdict(std::string quantity, bool passed, std::string remark);
+
+/// Of what one run alone has; not passed. @param remark  Which run.
+Check OnlyInOne(std::string quantity, std::string remark);
 
 }  // namespace acus::comparison

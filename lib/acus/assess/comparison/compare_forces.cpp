@@ -48,14 +48,15 @@ std::vector<std::string> OnlyIn(const CsvTable& table, const CsvTable& other) {
   return names;
 }
 
-Check CompareColumns(const CsvTable& a, const CsvTable& b) {
+Check CompareColumns(const CsvTable& a, const CsvTable& b, const std::string& name) {
   const auto only_a = OnlyIn(a, b);
   const auto only_b = OnlyIn(b, a);
   std::string remark;
   if (!only_a.empty()) remark = "only in A: " + Joined(only_a);
   if (!only_b.empty())
     remark += (remark.empty() ? "only in B: " : "; only in B: ") + Joined(only_b);
-  return Verdict("force log: columns", remark.empty(), remark);
+  return remark.empty() ? Verdict(name + ": columns", true, remark)
+                        : OnlyInOne(name + ": columns", remark);
 }
 
 template <typename T>
@@ -144,15 +145,15 @@ void CompareEvents(const std::vector<Event>& a, const std::vector<Event>& b, dou
 }  // namespace
 
 ForceComparison CompareForces(const CsvTable& a, const CsvTable& b,
-                              const ForceTolerances& tolerances) {
+                              const ForceTolerances& tolerances, const std::string& name) {
   ForceComparison result;
-  result.checks.push_back(CompareColumns(a, b));
+  result.checks.push_back(CompareColumns(a, b, name));
   const std::vector<double> a_s = Times(a);
   const std::vector<double> b_s = Times(b);
   const SharedRows rows = Share(a_s, b_s, tolerances.time_max_s);
   const bool all = rows.a.size() == a_s.size() && rows.b.size() == b_s.size();
   result.checks.push_back(
-      Verdict("force log: samples", all,
+      Verdict(name + ": samples", all,
               Message(a_s.size(), " | ", b_s.size(), ", ", rows.a.size(), " at the same time")));
   if (a.Has("event") && b.Has("event")) {
     CompareEvents(EventsOf(a, a_s), EventsOf(b, b_s), tolerances.event_time_s, result.checks);

@@ -26,10 +26,12 @@ struct ForceComparison {
 /// Compares samples of equal time (column time_s, within the tolerance): each column that ends in
 /// `_n` by RMS and largest difference, `depth_mm` by the largest, `tissue` by the share of samples
 /// that differ, `event` by names, order and times. Samples and columns that only one run has are
-/// failed checks.
+/// failed checks; those of columns are marked `only_in_one`.
+/// @param name  How the checks call the table.
 /// @throws InputError if a table has no time_s, times that do not increase, or a cell in a column
 ///     to be compared that is not a number.
 ForceComparison CompareForces(const CsvTable& a, const CsvTable& b,
-                              const ForceTolerances& tolerances);
+                              const ForceTolerances& tolerances,
+                              const std::string& name = "force log");
 
 }  // namespace acus::comparison

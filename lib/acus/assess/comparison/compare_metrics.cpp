@@ -74,14 +74,14 @@ std::vector<Check> CompareMetrics(const json& a, const std::string& label_a, con
   for (const Metric& metric : in_a) {
     const auto found = std::ranges::find(in_b, metric.name, &Metric::name);
     if (found == in_b.end()) {
-      checks.push_back(Verdict("metric: " + metric.name, false, "only in A"));
+      checks.push_back(OnlyInOne("metric: " + metric.name, "only in A"));
       continue;
     }
     checks.push_back(CompareOne(metric, *found, tolerances));
     in_b.erase(found);
   }
   for (const Metric& metric : in_b) {
-    checks.push_back(Verdict("metric: " + metric.name, false, "only in B"));
+    checks.push_back(OnlyInOne("metric: " + metric.name, "only in B"));
   }
   return checks;
 }

@@ -76,6 +76,13 @@ void AddChecks(const std::string& heading, const std::vector<Check>& checks,
   html.Table({"", "quantity", "value", "limit", "unit", "A | B"}, rows);
 }
 
+void AddOnlyInOne(const RunComparison& comparison, report::HtmlReport& html) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Check& check : comparison.only_in_one) rows.push_back({check.quantity, check.remark});
+  html.Section("Not compared");
+  html.Table({"quantity", "where"}, rows);
+}
+
 void AddForces(const ForceComparison& forces, report::HtmlReport& html) {
   std::vector<const ForcePair*> shown;
   for (const ForcePair& pair : forces.forces) {
@@ -130,6 +137,7 @@ void WriteComparison(const std::filesystem::path& folder, const RunComparison& c
   html.Paragraph(Message(comparison.checks.size() - failed.size(), " of ", comparison.checks.size(),
                          " checks passed."));
   if (!failed.empty()) AddChecks("What differs", failed, html);
+  if (!comparison.only_in_one.empty()) AddOnlyInOne(comparison, html);
   AddImages(comparison, folder, context, html);
   AddForces(comparison.forces, html);
   AddChecks("All checks", comparison.checks, html);

@@ -18,6 +18,8 @@ struct RunComparison {
   std::filesystem::path run_a;
   std::filesystem::path run_b;
   std::vector<Check> checks;
+  /// What one run alone has, where that is no failure: files, columns, metrics.
+  std::vector<Check> only_in_one;
   ForceComparison forces;  ///< Its checks are also in `checks`, as are those of the images.
   ImageComparison images;
 
@@ -25,11 +27,22 @@ struct RunComparison {
   std::vector<std::string> failed() const;  ///< Quantities of the checks that failed.
 };
 
-/// Compares forces.csv, images.igs.mha and metrics.json of two folders written by acus-replay. What
-/// neither has is left out; what only one has is a failed check.
-/// @throws InputError if a folder has none of the three, or a file is broken.
+/// What follows if one run alone has a file, a column of a table, or a metric.
+enum class Lack {
+  kIsStated,  ///< It is listed, and no failure: a session beside its replay has no images.
+  kFails
+};
+
+/// Names of the files in a folder that can be compared: forces.csv, probe_forces.csv, other tables
+/// over time that effects write, images.igs.mha, metrics.json. A session of acus-live has those
+/// that it recorded; what devices and trackers said is not among them.
+std::vector<std::string> ComparableFiles(const std::filesystem::path& run);
+
+/// Compares what both folders have, written by acus-replay or acus-live.
+/// @throws InputError if a folder has nothing to be compared, or the two have no file in common, or
+///     a file is broken.
 RunComparison CompareRuns(const std::filesystem::path& run_a, const std::filesystem::path& run_b,
-                          const Tolerances& tolerances, const RunContext& context);
+                          const Tolerances& tolerances, Lack lack, const RunContext& context);
 
 /// For the terminal: one line per check, then the verdict.
 std::string TableText(const RunComparison& comparison);

@@ -92,8 +92,8 @@ void Compare(const Suite& suite, const Case& c, const fs::path& run, CaseResult&
     result.verdict = Verdict::kNew;
     return;
   }
-  result.comparison =
-      comparison::CompareRuns(expected, run, comparison::ReadTolerances(c.tolerances), context);
+  result.comparison = comparison::CompareRuns(
+      expected, run, comparison::ReadTolerances(c.tolerances), comparison::Lack::kFails, context);
   result.expected_timing = ReadTiming(expected / kTiming);
   if (result.expected_timing) {
     result.comparison->checks.push_back(TimeCheck(*result.expected_timing, result.timing, suite));
@@ -108,7 +108,7 @@ bool SuiteResult::passed() const {
 }
 
 SuiteResult RunSuite(const Suite& suite, const fs::path& folder, RunContext& context) {
-  SuiteResult results{suite.folder, suite.description, {}};
+  SuiteResult results{suite.folder, suite.description, suite.set, {}};
   for (const Case& c : suite.cases) {
     context.Checkpoint(c.name, static_cast<double>(results.cases.size()) /
                                    static_cast<double>(suite.cases.size()));
@@ -135,6 +135,10 @@ std::string AcceptResult(const Suite& suite, const fs::path& result_folder) {
   ACUS_REQUIRE(result.value("suite", "") == suite.folder.string(), result_folder.string(),
                ": is a result of ", result.value("suite", "another suite"), ", not of ",
                suite.folder.string());
+  const json set = result.value("set", json::array());
+  ACUS_REQUIRE(set.empty(), result_folder.string(), ": is a result with --set ",
+               set.empty() ? "" : set.front().dump(),
+               ", which the suite does not have; run it without, or put the change into the suite");
   for (const Case& c : suite.cases) {
     ACUS_REQUIRE(fs::exists(result_folder / c.name / "run" / "run.json"), result_folder.string(),
                  ": has no run of ", c.name, "; it ended with an error, or was not asked for");

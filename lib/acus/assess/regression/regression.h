@@ -38,6 +38,7 @@ struct CaseResult {
 struct SuiteResult {
   std::filesystem::path suite_folder;
   std::string description;
+  std::vector<std::string> set;  ///< Changes for this run alone.
   std::vector<CaseResult> cases;
 
   bool passed() const;
@@ -51,7 +52,8 @@ SuiteResult RunSuite(const Suite& suite, const std::filesystem::path& folder, Ru
 /// Makes the runs of an earlier result the expected ones: exactly what was looked at, without
 /// running anything again. Each expectation is replaced whole or not at all.
 /// @returns what was expected and what is from now on, case by case, as text.
-/// @throws InputError if `result_folder` is no result of this suite, or has no run of a case.
+/// @throws InputError if `result_folder` is no result of this suite, is one with changes for that
+///     run alone, or has no run of a case.
 std::string AcceptResult(const Suite& suite, const std::filesystem::path& result_folder);
 
 }  // namespace acus::regression

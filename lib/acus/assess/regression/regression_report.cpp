@@ -5,6 +5,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/text_table.h"
+#include "acus/base/core/words.h"
 #include "acus/base/report/html_report.h"
 
 namespace acus::regression {
@@ -126,6 +127,7 @@ json ToJson(const SuiteResult& result) {
   }
   return {{"format", "acus-regression-result/1"},
           {"suite", result.suite_folder.string()},
+          {"set", result.set},
           {"passed", result.passed()},
           {"cases", cases}};
 }
@@ -146,6 +148,7 @@ void WriteResult(const fs::path& folder, const SuiteResult& result, const RunCon
   report::HtmlReport html("Regression of recorded sessions", result.description);
   html.Section("Cases");
   html.Paragraph(SummaryOf(result));
+  if (!result.set.empty()) html.Paragraph("Changed for this run: " + Joined(result.set));
   html.Table(kHeader, Rows(result),
              "Time in units of a calibration loop on the same machine, so that another machine can "
              "be compared with.");

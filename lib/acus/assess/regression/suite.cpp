@@ -20,7 +20,9 @@ Case CaseOf(const json& entry, const fs::path& folder, const std::string& suite_
   for (const auto& [key, path] : entry.at("patient").items()) {
     c.changes.push_back({"/patient/" + key, (folder / path.get<std::string>()).string()});
   }
-  for (const json& change : entry.at("set")) c.changes.push_back(scenario::ParseOverride(change));
+  for (const json& change : entry.at("set")) {
+    c.changes.push_back(scenario::ForAnyFolder(scenario::ParseOverride(change), folder));
+  }
   const std::string own = entry.at("tolerances");
   c.tolerances = config::FindConfig(own.empty() ? suite_tolerances : own, folder);
   return c;
@@ -45,6 +47,16 @@ Suite ReadSuite(const fs::path& file_or_folder) {
                  "\"; each needs a name of its own");
     ACUS_REQUIRE(fs::exists(c.session), file.string(), ": /cases: ", c.name, ": ",
                  c.session.string(), ": no such session");
+  }
+  return suite;
+}
+
+Suite With(Suite suite, const std::vector<std::string>& changes) {
+  for (const std::string& text : changes) {
+    const scenario::Override change =
+        scenario::ForAnyFolder(scenario::ParseOverride(text), fs::current_path());
+    for (Case& c : suite.cases) c.changes.push_back(change);
+    suite.set.push_back(text);
   }
   return suite;
 }

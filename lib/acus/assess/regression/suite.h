@@ -23,6 +23,7 @@ struct Suite {
   std::string description;
   double time_percent = 0.0;
   double time_min_s = 0.0;
+  std::vector<std::string> set;  ///< Changes for this run alone, as they were given.
   std::vector<Case> cases;
 
   std::filesystem::path ExpectedOf(const Case& c) const { return folder / "expected" / c.name; }
@@ -32,6 +33,11 @@ struct Suite {
 /// @throws InputError listing all that is wrong: keys, two cases of one name, files that are not
 ///     there.
 Suite ReadSuite(const std::filesystem::path& file_or_folder);
+
+/// Changes every case, after its own changes. The suite's results can then not be accepted.
+/// @param changes  "/pointer=value"; paths are relative to the working folder.
+/// @throws InputError as ParseOverride.
+Suite With(Suite suite, const std::vector<std::string>& changes);
 
 /// Keeps the named cases. @throws InputError naming the first that there is none of, and all.
 Suite Only(Suite suite, const std::vector<std::string>& names);

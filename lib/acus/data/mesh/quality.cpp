@@ -64,7 +64,7 @@ double DihedralScore(const Corners& x) {
   for (int i = 0; i < 4; ++i) squared[i] = n[i].squaredNorm();
   const double area = std::max({squared[0], squared[1], squared[2], squared[3]});
   // Below this the sign of the volume is rounding.
-  if (!(six_volumes > 1e-9 * std::pow(area, 0.75))) return -2.0;
+  if (!(six_volumes > 1e-9 * std::sqrt(area * std::sqrt(area)))) return -2.0;
   double largest = -1.0;
   for (int i = 0; i < 3; ++i) {
     for (int j = i + 1; j < 4; ++j) {

@@ -51,7 +51,15 @@ void FindIntervals(const PoseStream& stream, const IntegrityLimits& limits,
   }
 }
 
-void FindJumps(const PoseStream& stream, const IntegrityLimits& limits, IntegrityReport& report) {
+bool IsSwap(std::span<const Command> commands, std::int64_t after_ns, std::int64_t until_ns) {
+  return std::ranges::any_of(commands, [&](const Command& command) {
+    return command.kind == CommandKind::kSwapHands && command.time_ns > after_ns &&
+           command.time_ns <= until_ns;
+  });
+}
+
+void FindJumps(const PoseStream& stream, const IntegrityLimits& limits,
+               std::span<const Command> commands, IntegrityReport& report) {
   const PoseSample* last = nullptr;
   for (std::size_t i = 0; i < stream.size(); ++i) {
     const PoseSample& sample = stream[i];
@@ -63,7 +71,8 @@ void FindJumps(const PoseStream& stream, const IntegrityLimits& limits, Integrit
       const double time_s = static_cast<double>(sample.time_ns - last->time_ns) * kSecondsPerNs;
       const bool too_fast =
           distance_mm > limits.jitter_mm && distance_mm > limits.speed_mm_per_s * time_s;
-      if (distance_mm > limits.jump_mm || too_fast) {
+      if ((distance_mm > limits.jump_mm || too_fast) &&
+          !IsSwap(commands, last->time_ns, sample.time_ns)) {
         report.jumps.push_back({last->time_ns, i - 1, distance_mm});
       }
       if (sample.reference_from_tool == last->reference_from_tool) ++report.num_frozen;
@@ -124,7 +133,8 @@ std::string Sentence(const std::string& tool, const std::vector<IntegrityEvent>&
 
 }  // namespace
 
-IntegrityReport CheckIntegrity(const PoseStream& stream, const IntegrityLimits& limits) {
+IntegrityReport CheckIntegrity(const PoseStream& stream, const IntegrityLimits& limits,
+                               std::span<const Command> commands) {
   Check(limits);
   IntegrityReport report;
   report.num_samples = stream.size();
@@ -132,7 +142,7 @@ IntegrityReport CheckIntegrity(const PoseStream& stream, const IntegrityLimits& 
   report.duration_s =
       static_cast<double>(stream.back().time_ns - stream.front().time_ns) * kSecondsPerNs;
   FindIntervals(stream, limits, report);
-  FindJumps(stream, limits, report);
+  FindJumps(stream, limits, commands, report);
   FindInvalidRuns(stream, report);
   report.extent_mm = ExtentMm(stream);
   report.median_step_mm = MedianStepMm(stream);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,7 +48,10 @@ struct IntegrityReport {
 };
 
 /// Looks through a stream, in any state. @throws InputError if a limit is out of its range.
-IntegrityReport CheckIntegrity(const PoseStream& stream, const IntegrityLimits& limits = {});
+/// @param commands  Of the session, in order of time: where hands are swapped, a tool does not
+/// jump.
+IntegrityReport CheckIntegrity(const PoseStream& stream, const IntegrityLimits& limits = {},
+                               std::span<const Command> commands = {});
 
 /// One sentence per kind of trouble, with the number of cases and the worst one: for warnings.
 /// @param tool  "needle", "probe".

@@ -22,10 +22,11 @@ constexpr std::int64_t kSearchNs = 2'000'000;
 std::int64_t StampNs(const core::XmlElement& entry, const std::string& label) {
   const auto seconds = FiniteNumber(entry.Attribute("TimeStampSec").value_or(""));
   const auto nanoseconds = FiniteNumber(entry.Attribute("TimeStampNSec").value_or(""));
-  ACUS_REQUIRE(seconds && nanoseconds && std::abs(*seconds) < kMaxTimeS, label,
+  const double time_s = seconds && nanoseconds ? *seconds + 1e-9 * *nanoseconds : kMaxTimeS;
+  ACUS_REQUIRE(std::abs(time_s) < kMaxTimeS, label,
                ": a log entry has no valid TimeStampSec and TimeStampNSec");
   char text[32];
-  std::snprintf(text, sizeof(text), "%g", *seconds + 1e-9 * *nanoseconds);
+  std::snprintf(text, sizeof(text), "%g", time_s);
   return std::llround(1e9 * std::strtod(text, nullptr));
 }
 

@@ -19,7 +19,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestFieldLine = 1000;  // PLUS reads lines of up to that many characters.
-constexpr int kZlibLevel = 1;  // Level 6 takes five times as long for a tenth less.
+// Speckle hardly repeats: looking for nothing but runs is faster, and files are about as small.
+// tests/performance/sequence_speed_test.cpp measures both.
+constexpr int kZlibLevel = 1;
+constexpr int kZlibStrategy = Z_RLE;
 
 /// An open file descriptor whose every failure is reported.
 class OutputFile {
@@ -79,7 +82,7 @@ class Deflater {
  public:
   Deflater(OutputFile& file, bool gzip) : file_(file), buffer_(1U << 18U) {
     ACUS_REQUIRE(deflateInit2(&stream_, kZlibLevel, Z_DEFLATED, gzip ? 15 + 16 : 15, 8,
-                              Z_DEFAULT_STRATEGY) == Z_OK,
+                              kZlibStrategy) == Z_OK,
                  "zlib cannot be started");
   }
   ~Deflater() { deflateEnd(&stream_); }

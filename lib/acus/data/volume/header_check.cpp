@@ -25,10 +25,38 @@ constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20U;
 constexpr int kMaxHeaderLines = 100'000;
 /// NrrdIO copies a field that it cannot understand into a message of 1,024 bytes, unchecked.
 constexpr std::size_t kMaxNrrdFieldBytes = 500;
+/// MetaIO copies a key that it does not know into 255 bytes, unchecked.
+constexpr std::size_t kMaxMetaKeyBytes = 200;
 
-/// "key<separator>value" lines up to `last_key` (kept) or, if that is empty, the first empty line.
-std::map<std::string, std::string> HeaderLines(const fs::path& path, char separator,
-                                               const std::string& last_key) {
+/// "key = value" lines of a MetaImage up to ElementDataFile, in which no key has two values.
+std::map<std::string, std::string> MetaFields(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  ACUS_REQUIRE(file, path.string(), ": cannot be read");
+  std::map<std::string, std::string> fields;
+  std::size_t total = 0;
+  std::string line;
+  for (int number = 1; number <= kMaxHeaderLines && std::getline(file, line); ++number) {
+    total += line.size();
+    ACUS_REQUIRE(total <= kMaxHeaderBytes, path.string(), ": the text header does not end");
+    const auto at = std::min(line.find('='), line.size());
+    ACUS_REQUIRE(at <= kMaxMetaKeyBytes, path.string(), ":", number, ": a key has ", at,
+                 " bytes; at most ", kMaxMetaKeyBytes, " are read. The header is broken");
+    if (at == line.size()) continue;
+    const std::string key(Trimmed(std::string_view(line).substr(0, at)));
+    const std::string value(Trimmed(std::string_view(line).substr(at + 1)));
+    const auto [field, is_new] = fields.try_emplace(key, value);
+    ACUS_REQUIRE(is_new || field->second == value || key == "Comment", path.string(), ":", number,
+                 ": ", key, " is given as '", field->second, "' and as '", value,
+                 "'; the header is broken");
+    if (key == "ElementDataFile") return fields;
+  }
+  throw InputError(Message(path.string(),
+                           ": has no 'ElementDataFile' line; it is cut off or no "
+                           "MetaImage"));
+}
+
+/// "key: value" lines of an NRRD up to the first empty one.
+std::map<std::string, std::string> NrrdFields(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   ACUS_REQUIRE(file, path.string(), ": cannot be read");
   std::map<std::string, std::string> fields;
@@ -38,16 +66,11 @@ std::map<std::string, std::string> HeaderLines(const fs::path& path, char separa
     total += line.size();
     ACUS_REQUIRE(total <= kMaxHeaderBytes, path.string(), ": the text header does not end");
     const std::string_view text = Trimmed(line);
-    if (text.empty() && last_key.empty()) return fields;
-    if (text.starts_with('#')) continue;
-    const auto at = text.find(separator);
-    if (at == text.npos) continue;
-    const std::string key(Trimmed(text.substr(0, at)));
-    fields[key] = Trimmed(text.substr(at + 1));
-    if (key == last_key) return fields;
+    if (text.empty()) return fields;
+    const auto at = text.find(':');
+    if (text.starts_with('#') || at == text.npos) continue;
+    fields[std::string(Trimmed(text.substr(0, at)))] = Trimmed(text.substr(at + 1));
   }
-  ACUS_REQUIRE(last_key.empty(), path.string(), ": has no '", last_key,
-               "' line; it is cut off or no MetaImage");
   return fields;
 }
 
@@ -254,7 +277,7 @@ std::uint64_t MostVoxelBytes(const fs::path& path) {
 }
 
 void CheckMetaImageHeader(const fs::path& path, int channels) {
-  const auto fields = HeaderLines(path, '=', "ElementDataFile");
+  const auto fields = MetaFields(path);
   const auto text = [&](const std::string& key) {
     const auto found = fields.find(key);
     return found == fields.end() ? std::string() : found->second;
@@ -373,7 +396,7 @@ void CheckNrrdHeader(const fs::path& path, int channels) {
   ACUS_REQUIRE(file && magic == "NRRD", path.string(),
                ": does not begin with 'NRRD'; it is not an NRRD file");
   RequireShortNrrdFields(path);
-  auto fields = HeaderLines(path, ':', "");
+  auto fields = NrrdFields(path);
   ACUS_REQUIRE(fields.contains("sizes"), path.string(),
                ": has no 'sizes' line; the header is broken");
   auto sizes = NumbersIn(fields["sizes"], path, "sizes");

@@ -8,8 +8,8 @@
 
 namespace acus::volume {
 
-/// Fields "Segment0_Name", "Segment0_LabelValue", ... for each label in `names`, with its colour
-/// and the extent of its voxels, plus the fields of the segmentation as a whole.
+/// Fields "Segment0_Name", "Segment0_LabelValue", ... for each label in `names`, with its colour,
+/// the extent of its voxels and its terminology, plus the fields of the segmentation as a whole.
 std::map<std::string, std::string> SegmentKeys(const Grid<Label>& labels,
                                                const std::map<Label, std::string>& names);
 

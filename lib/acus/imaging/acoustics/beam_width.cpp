@@ -33,6 +33,16 @@ double WavelengthMm(const Probe& probe, double speed_m_per_s) {
   return 1e-3 * speed_m_per_s / probe.frequency_mhz;
 }
 
+double ReceivedMhz(const Probe& probe) {
+  return probe.second_harmonic ? 2.0 * probe.frequency_mhz : probe.frequency_mhz;
+}
+
+double HarmonicBuildUp(const Probe& probe, double depth_mm) {
+  // Next to the face a few waves are enough to be above nothing.
+  constexpr double kLeast = 0.02;
+  return probe.second_harmonic ? std::clamp(depth_mm / FocusMm(probe), kLeast, 1.0) : 1.0;
+}
+
 double AxialFwhmMm(const Probe& probe, double speed_m_per_s) {
   return 2.0 * std::numbers::ln2 / std::numbers::pi * WavelengthMm(probe, speed_m_per_s) /
          probe.fractional_bandwidth;
@@ -61,21 +71,29 @@ double OneWayFwhmMm(double aperture_mm, double focus_mm, double depth_mm, double
 
 double LateralFwhmMm(const Probe& probe, double depth_mm, double speed_m_per_s) {
   const double wavelength_mm = WavelengthMm(probe, speed_m_per_s);
-  const double transmit_mm =
+  double transmit_mm =
       OneWayFwhmMm(TransmitApertureMm(probe), FocusMm(probe), depth_mm, wavelength_mm);
   // Focused everywhere; at the face as wide as its two elements.
   const double aperture_mm = ReceiveApertureMm(probe, depth_mm);
   const double least_mm = kGaussFwhm * kRadiusOfAperture * ReceiveApertureMm(probe, 0.0);
-  const double receive_mm = std::max(least_mm, kSincFwhm * wavelength_mm * depth_mm / aperture_mm);
-  return ProductFwhm(transmit_mm, receive_mm);
+  double received_mm = kSincFwhm * wavelength_mm * depth_mm / aperture_mm;
+  if (probe.second_harmonic) {
+    transmit_mm /= std::numbers::sqrt2;
+    received_mm *= 0.5;
+  }
+  return ProductFwhm(transmit_mm, std::max(least_mm, received_mm));
 }
 
 double ElevationFwhmMm(const Probe& probe, double depth_mm, double speed_m_per_s) {
   const double focus_mm =
       probe.elevation_focus_mm > 0.0 ? probe.elevation_focus_mm : FocusMm(probe);
-  return std::numbers::sqrt2 / 2.0 *
-         OneWayFwhmMm(probe.elevation_aperture_mm, focus_mm, depth_mm,
-                      WavelengthMm(probe, speed_m_per_s));
+  const auto one_way_mm = [&](double wavelength_mm) {
+    return OneWayFwhmMm(probe.elevation_aperture_mm, focus_mm, depth_mm, wavelength_mm);
+  };
+  const double wavelength_mm = WavelengthMm(probe, speed_m_per_s);
+  const double there_mm = std::numbers::sqrt2 / 2.0 * one_way_mm(wavelength_mm);
+  if (!probe.second_harmonic) return there_mm;
+  return ProductFwhm(there_mm, one_way_mm(0.5 * wavelength_mm));
 }
 
 }  // namespace acus::acoustics

@@ -12,6 +12,16 @@ inline constexpr double kScannerSpeedMPerS = 1540.0;
 /// c / f.
 double WavelengthMm(const Probe& probe, double speed_m_per_s = kScannerSpeedMPerS);
 
+/// Frequency at which echoes are received: the probe's, or twice that. Their pulse is as long.
+double ReceivedMhz(const Probe& probe);
+
+/// Amplitude of the second harmonic relative to that at the focus: it builds up on its way, and
+/// grows no more behind the focus. 1 if the probe receives its own frequency. (A plane wave in the
+/// quasilinear approximation: p2 = beta omega p1^2 z / (2 rho c^3) where attenuation grows with the
+/// frequency, times the losses that BeamMaterials has at twice the frequency; Hamilton and
+/// Blackstock, Nonlinear Acoustics, 1998, chapter 4.)
+double HarmonicBuildUp(const Probe& probe, double depth_mm);
+
 /// Full width at half maximum (-6 dB) of the envelope of an echo along the beam, for a Gaussian
 /// spectrum: 2 ln 2 / pi * c / (B f).
 double AxialFwhmMm(const Probe& probe, double speed_m_per_s = kScannerSpeedMPerS);
@@ -26,7 +36,8 @@ double TransmitApertureMm(const Probe& probe);
 double ReceiveApertureMm(const Probe& probe, double depth_mm);
 
 /// FWHM across the beam in the plane, there and back (amplitude, -6 dB), at a depth along the line:
-/// transmission is focused at focus_mm, reception at every depth.
+/// transmission is focused at focus_mm, reception at every depth. The second harmonic is made where
+/// the square of the transmitted pressure is large, and received at half the wavelength.
 /// @pre depth_mm >= 0.
 double LateralFwhmMm(const Probe& probe, double depth_mm,
                      double speed_m_per_s = kScannerSpeedMPerS);

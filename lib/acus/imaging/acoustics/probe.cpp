@@ -54,6 +54,15 @@ ScanGrid FanGrid(const Probe& probe, int samples, double step_mm) {
   return grid;
 }
 
+/// Turns all lines about their starts.
+void Lean(double steer_rad, ScanGrid& grid) {
+  if (steer_rad == 0.0) return;
+  const Eigen::Vector2d turn(std::cos(steer_rad), std::sin(steer_rad));
+  for (Eigen::Vector2d& d : grid.direction) {
+    d = {d.x() * turn.x() + d.y() * turn.y(), d.y() * turn.x() - d.x() * turn.y()};
+  }
+}
+
 Probe FromJson(const json& document) {
   Probe probe;
   probe.name = document.at("name");
@@ -203,8 +212,12 @@ ScanGrid BeamGridOf(const Probe& probe) {
                "probe: ", probe.scan_lines, " lines of ", probe.samples_per_line, " samples over ",
                probe.depth_mm, " mm; give 2 or more of each and a depth above 0");
   const double step_mm = probe.depth_mm / (probe.samples_per_line - 1);
-  if (probe.kind != ProbeKind::kLinear) return FanGrid(probe, probe.samples_per_line, step_mm);
   ScanGrid grid;
+  if (probe.kind != ProbeKind::kLinear) {
+    grid = FanGrid(probe, probe.samples_per_line, step_mm);
+    Lean(probe.steer_rad, grid);
+    return grid;
+  }
   grid.samples = probe.samples_per_line;
   grid.step_mm = step_mm;
   for (int l = 0; l < probe.scan_lines; ++l) {
@@ -212,7 +225,30 @@ ScanGrid BeamGridOf(const Probe& probe) {
     grid.start_mm.emplace_back(place * probe.width_mm, 0.0);
     grid.direction.emplace_back(0.0, 1.0);
   }
+  Lean(probe.steer_rad, grid);
   return grid;
+}
+
+BeamPlace PlaceInBeams(const Probe& probe, const ScanGrid& grid, const Eigen::Vector2d& place_mm) {
+  const double sine = std::sin(probe.steer_rad);
+  const double cosine = std::cos(probe.steer_rad);
+  const double middle = 0.5 * (grid.lines() - 1);
+  if (probe.kind == ProbeKind::kLinear) {
+    const double line_mm = probe.width_mm / (grid.lines() - 1);
+    const double range_mm = place_mm.y() / cosine;
+    return {(place_mm.x() - range_mm * sine) / line_mm + middle, range_mm / grid.step_mm};
+  }
+  // Of the triangle centre of the face, start of the line, place: R^2 + r^2 + 2 R r cos = rho^2.
+  const double line_rad = probe.field_of_view_rad / (grid.lines() - 1);
+  const double y_mm = place_mm.y() + probe.radius_mm;
+  const double from_centre_mm = std::hypot(place_mm.x(), y_mm);
+  const double aside_mm = probe.radius_mm * sine;
+  const double range_mm =
+      std::sqrt(std::max(0.0, from_centre_mm * from_centre_mm - aside_mm * aside_mm)) -
+      probe.radius_mm * cosine;
+  const double turned =
+      std::asin(std::clamp(range_mm * sine / std::max(from_centre_mm, 1e-9), -1.0, 1.0));
+  return {(std::atan2(place_mm.x(), y_mm) - turned) / line_rad + middle, range_mm / grid.step_mm};
 }
 
 ScanGrid ScanGridOf(const image::ImageGeometry& picture) {

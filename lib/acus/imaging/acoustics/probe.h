@@ -46,6 +46,11 @@ struct Probe {
   /// If the layout of the picture is given (PLUS): else it follows from depth and shape.
   std::optional<image::ImageGeometry> picture{};
 
+  // What a display preset does to the beams; files of probes do not have it.
+  /// Linear and curvilinear: lines lean by this from the normal of the face, towards +x.
+  double steer_rad = 0.0;
+  bool second_harmonic = false;  ///< Echoes are received at twice the frequency.
+
   /// Linear and phased: of the flat face; curvilinear: along the arc.
   double ArrayLengthMm() const;
 };
@@ -90,8 +95,16 @@ struct ScanGrid {
 ScanGrid ScanGridOf(const Probe& probe);
 
 /// The beam level's lines: scan_lines over the width or the angle of the probe, each with
-/// samples_per_line from the face to depth_mm.
+/// samples_per_line from the face to depth_mm along it. They lean by steer_rad.
 ScanGrid BeamGridOf(const Probe& probe);
+
+/// Line and sample of a place (probe's plane, mm) in a grid of BeamGridOf: neither is whole, and
+/// both may lie outside the grid. @pre the probe is not phased, or not steered.
+struct BeamPlace {
+  double line = 0.0;
+  double sample = 0.0;
+};
+BeamPlace PlaceInBeams(const Probe& probe, const ScanGrid& grid, const Eigen::Vector2d& place_mm);
 
 /// Every pixel of a picture, one line per column.
 ScanGrid ScanGridOf(const image::ImageGeometry& picture);

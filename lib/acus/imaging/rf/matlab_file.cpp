@@ -2,12 +2,13 @@
 
 #include <array>
 #include <cstdint>
-#include <fstream>
 #include <matio.h>
 #include <memory>
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
+#include "acus/imaging/rf/matlab_elements.h"
 
 namespace acus::rf {
 namespace {
@@ -79,25 +80,6 @@ std::size_t CountOf(const matvar_t& variable) {
   return count;
 }
 
-/// The library takes a compressed variable that is cut off for one that ends in zeros.
-/// @throws InputError if an element of a version 5 file ends beyond the file.
-void RequireWhole(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::array<char, 128> header{};
-  in.read(header.data(), header.size());
-  const bool version_5 = header[125] == 1 && header[126] == 'I' && header[127] == 'M';
-  const std::uint64_t size = std::filesystem::file_size(path);
-  std::uint64_t end = header.size();
-  std::array<std::uint32_t, 2> tag{};
-  while (version_5 && end < size) {
-    in.seekg(static_cast<std::streamoff>(end));
-    const bool read = bool(in.read(reinterpret_cast<char*>(tag.data()), sizeof(tag)));
-    end += sizeof(tag) + (read ? tag[1] : size);
-  }
-  ACUS_REQUIRE(end <= size || !version_5, path.string(), ": is cut off after ", size,
-               " bytes; copy or save it again");
-}
-
 /// Reads headers until the one that was asked for. Adds the names of all variables to `names`.
 MatlabVariable FindHeader(mat_t* file, const std::string& variable, std::string& names) {
   while (MatlabVariable header{Mat_VarReadNextInfo(file)}) {
@@ -125,10 +107,10 @@ void AddVariable(mat_t* file, const std::filesystem::path& path, const char* nam
 
 ChannelData ReadMatlab(const std::filesystem::path& path, const std::string& variable) {
   SilenceMatio();
+  RequireSoundMatlab(path);
   const MatlabFile file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
   ACUS_REQUIRE(file != nullptr, path.string(),
                ": is not a MATLAB file; save the channel data with save -v7");
-  RequireWhole(path);
   std::string names;
   const MatlabVariable found = FindHeader(file.get(), variable, names);
   ACUS_REQUIRE(found != nullptr, path.string(), ": has no ",
@@ -138,6 +120,8 @@ ChannelData ReadMatlab(const std::filesystem::path& path, const std::string& var
   ACUS_REQUIRE(
       count > 0 && found->isComplex == 0, path.string(), ": ", found->name,
       ": must be a real array of samples x elements or samples x elements x transmissions");
+  RequireMemory(static_cast<double>(count * (Mat_SizeOfClass(found->class_type) + sizeof(float))),
+                static_cast<double>(std::filesystem::file_size(path)), path.string());
   ChannelData data;
   data.samples = static_cast<int>(found->dims[0]);
   data.elements = static_cast<int>(found->dims[1]);

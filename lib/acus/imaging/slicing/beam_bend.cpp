@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "acus/base/core/error.h"
+#include "acus/imaging/slicing/bend_row.h"
 
 namespace acus::slicing {
 namespace {
@@ -105,25 +106,19 @@ kernels::Lines BeamBend::PlaceRow(const BeamLines& lines, int k, int first, int 
 
   const auto columns = across_.knot.size();
   const auto at = static_cast<std::size_t>(k);
-  const float down = along_.weight[at];
   const std::size_t above = static_cast<std::size_t>(along_.cell[at]) * columns;
-  const int* cell = across_.cell.data() + first;
-  const float* weight = across_.weight.data() + first;
   for (std::size_t a = 0; a < 3; ++a) {
     const float* top = offset_[a].data() + above;
-    const float* bottom = top + columns;
-    for (int l = 0; l < count;) {
-      // All lanes of one cell: a loop that the compiler makes vectors of.
-      const int c = cell[l];
-      int end = l + 1;
-      while (end < count && cell[end] == c) ++end;
-      const float left = top[c] + down * (bottom[c] - top[c]);
-      const float right = top[c + 1] + down * (bottom[c + 1] - top[c + 1]);
-      for (; l < end; ++l) {
-        row.place[a][l] =
-            placed.start[a][l] + sample * placed.step[a][l] + (left + weight[l] * (right - left));
-      }
-    }
+    kernels::BendRow({.start = lines.start[a].data(),
+                      .step = lines.step[a].data(),
+                      .sample = sample,
+                      .knot = across_.knot.data(),
+                      .cells = static_cast<int>(columns) - 1,
+                      .weight = across_.weight.data(),
+                      .above = top,
+                      .below = top + columns,
+                      .down = along_.weight[at]},
+                     across_.cell[static_cast<std::size_t>(first)], first, count, row.place[a]);
     placed.start[a] = row.place[a];
     placed.step[a] = kNoStep.data();
   }

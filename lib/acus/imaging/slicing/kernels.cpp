@@ -1,5 +1,7 @@
 #include "acus/imaging/slicing/kernels.h"
 
+#include <algorithm>
+
 // Compiles the part between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once per instruction set.
 // foreach_target.h must come first.
 // clang-format off
@@ -8,6 +10,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "acus/imaging/slicing/bend_row.h"
 #include "acus/imaging/slicing/vectors-inl.h"
 // clang-format on
 
@@ -72,6 +75,31 @@ void SampleRow(const Voxels& voxels, const Lines& lines, float s, int lanes, flo
                               LerpPair(voxels.data, hn::Add(far, row), i.fraction), j.fraction);
     const VF value = Lerp(near_value, far_value, k.fraction);
     hn::Store(hn::IfThenElse(within, value, outside), f, out + l);
+  }
+}
+
+void BendRow(const BentRow& row, int cell, int first, int count, float* out) {
+  const F f;
+  const VF sample = hn::Set(f, row.sample);
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const int last = first + count;
+  for (int l = first, c = cell; l < last; ++c) {
+    const float left = row.above[c] + row.down * (row.below[c] - row.above[c]);
+    const float right = row.above[c + 1] + row.down * (row.below[c + 1] - row.above[c + 1]);
+    const float change = right - left;
+    const int end = c + 1 < row.cells ? std::min(row.knot[c + 1], last) : last;
+    // What a vector writes beyond the cell is written again by the next one.
+    for (; l < end && l + lanes <= last; l += lanes) {
+      const VF straight =
+          hn::Add(hn::LoadU(f, row.start + l), hn::Mul(sample, hn::LoadU(f, row.step + l)));
+      const VF offset =
+          hn::Add(hn::Set(f, left), hn::Mul(hn::LoadU(f, row.weight + l), hn::Set(f, change)));
+      hn::StoreU(hn::Add(straight, offset), f, out + (l - first));
+    }
+    for (; l < end; ++l) {
+      out[l - first] = row.start[l] + row.sample * row.step[l] + (left + row.weight[l] * change);
+    }
+    l = end;
   }
 }
 
@@ -242,6 +270,7 @@ HWY_AFTER_NAMESPACE();
 namespace acus::slicing::kernels {
 
 HWY_EXPORT(SampleRow);
+HWY_EXPORT(BendRow);
 HWY_EXPORT(CurveRow);
 HWY_EXPORT(ReflectRow);
 HWY_EXPORT(AngleRowWeights);
@@ -256,6 +285,9 @@ HWY_EXPORT(InterpolateRow);
 
 void SampleRow(const Voxels& voxels, const Lines& lines, float s, int lanes, float* out) {
   HWY_DYNAMIC_DISPATCH(SampleRow)(voxels, lines, s, lanes, out);
+}
+void BendRow(const BentRow& row, int cell, int first, int count, float* out) {
+  HWY_DYNAMIC_DISPATCH(BendRow)(row, cell, first, count, out);
 }
 void CurveRow(const Curve& curve, const float* hu, int lanes, float* out) {
   HWY_DYNAMIC_DISPATCH(CurveRow)(curve, hu, lanes, out);

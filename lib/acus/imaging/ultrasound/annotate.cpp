@@ -79,7 +79,7 @@ void Screen::DrawMarks(const acoustics::Probe& probe) {
   std::string about = Message(probe.name, "  ", 0.1 * probe.depth_mm, " cm");
   if (has_b_mode) {
     about += Message("  ", probe.frequency_mhz, " MHz  gain ", probe.gain_db, "  DR ",
-                     probe.dynamic_range_db, " dB");
+                     probe.dynamic_range_db, " dB", probe.second_harmonic ? "  harmonic" : "");
   }
   DrawText(marks, 52, picture_.height_px - kLetterHeight - kEdge, about, 160, 0.85);
   for (std::size_t n = 0; n < marks.pixels.size(); ++n) {

@@ -12,9 +12,27 @@ namespace {
 /// Elements hardly radiate beyond.
 constexpr double kSteepestDeg = 45.0;
 
+/// As AlongFaceMm, for lines that lean: `depth_mm` is the range along them.
+double AlongSteeredFaceMm(const acoustics::Probe& probe, double tan_at_face, double depth_mm) {
+  const double steer = probe.steer_rad;
+  const double angle = std::atan(tan_at_face);
+  if (probe.kind == acoustics::ProbeKind::kLinear) {
+    return depth_mm * std::cos(steer) * (std::tan(steer + angle) - std::tan(steer));
+  }
+  // What the ray turns about the centre of the face, less what the line turns.
+  const double radius_mm = probe.radius_mm;
+  const double from_centre_mm = std::sqrt(radius_mm * radius_mm + depth_mm * depth_mm +
+                                          2.0 * radius_mm * depth_mm * std::cos(steer));
+  const auto turned = [&](double leaves) {
+    return leaves - std::asin(std::clamp(radius_mm * std::sin(leaves) / from_centre_mm, -1.0, 1.0));
+  };
+  return radius_mm * (turned(steer + angle) - turned(steer));
+}
+
 /// Distance along the face, mm, between the element that a ray left and the line on which it is at
 /// a depth.
 double AlongFaceMm(const acoustics::Probe& probe, double tan_at_face, double depth_mm) {
+  if (probe.steer_rad != 0.0) return AlongSteeredFaceMm(probe, tan_at_face, depth_mm);
   if (probe.kind == acoustics::ProbeKind::kLinear) return depth_mm * tan_at_face;
   const double radius_mm = probe.radius_mm;
   const double angle = std::atan(tan_at_face);
@@ -23,7 +41,8 @@ double AlongFaceMm(const acoustics::Probe& probe, double tan_at_face, double dep
 
 /// The steepest ray that any place of the image needs.
 double SteepestTan(const acoustics::Probe& probe, const acoustics::ScanGrid& grid) {
-  const double limit = std::tan(kSteepestDeg * std::numbers::pi / 180.0);
+  const double limit =
+      std::tan(kSteepestDeg * std::numbers::pi / 180.0 - std::abs(probe.steer_rad));
   double steepest = 0.0;
   for (int k = 1; k < grid.samples; k += std::max(1, grid.samples / 32)) {
     const double depth_mm = k * grid.step_mm;

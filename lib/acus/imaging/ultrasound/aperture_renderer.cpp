@@ -10,11 +10,14 @@
 #include "acus/base/core/parallel.h"
 #include "acus/base/core/random.h"
 #include "acus/imaging/acoustics/beam_width.h"
+#include "acus/imaging/ultrasound/aperture_rows.h"
 #include "acus/imaging/ultrasound/aperture_tracer.h"
 #include "acus/imaging/ultrasound/beam_display.h"
 #include "acus/imaging/ultrasound/beam_input.h"
 #include "acus/imaging/ultrasound/beam_kernels.h"
 #include "acus/imaging/ultrasound/beam_needle.h"
+#include "acus/imaging/ultrasound/clutter_haze.h"
+#include "acus/imaging/ultrasound/compound_image.h"
 #include "acus/imaging/ultrasound/echo_list.h"
 #include "acus/imaging/ultrasound/fibre_streaks.h"
 #include "acus/imaging/ultrasound/place_hash.h"
@@ -33,6 +36,9 @@ constexpr std::size_t kEchoesPerLine = 512;
 constexpr float kStrong = 0.3F;
 /// Numbers of the receiver's noise that are drawn once, and read from a random place for each row.
 constexpr std::size_t kNoiseNumbers = std::size_t{1} << 16;
+/// Amplitude of the fundamental that the receiver of the second harmonic lets through: -40 dB, as
+/// two pulses of opposite sign cancel. Estimate.
+constexpr float kNotFiltered = 0.01F;
 
 int PiecesOf(int rows) {
   return (rows + kRowsPerPieceOfImage - 1) / kRowsPerPieceOfImage;
@@ -54,44 +60,23 @@ const ApertureOptions& Checked(const ApertureOptions& options) {
                "; allowed is 1 to 5");
   ACUS_REQUIRE(options.coupling_gap_mm >= 0.0 && options.coupling_gap_mm <= 100.0,
                "aperture: coupling_gap_mm is ", options.coupling_gap_mm, "; allowed is 0 to 100");
+  ACUS_REQUIRE(!options.refraction || options.display.compound_angles == 1,
+               "aperture: refraction with ", options.display.compound_angles,
+               " compound angles: bent rays are not steered; set one of them to off (refraction "
+               "false, or a display with compound_angles 1)");
   return options;
+}
+
+/// Haze comes from near the face, where there is little of the second harmonic.
+double ClutterDb(const ApertureOptions& options) {
+  const DisplayOptions& display = options.display;
+  return options.clutter_db + (display.second_harmonic ? display.harmonic_clutter_db : 0.0);
 }
 
 ApertureOptions WithLeastReflection(ApertureOptions options) {
   // Smoothed boundaries have no noise, so that fainter ones than those of a CT are real.
   options.smallest_reflection = 0.002;
   return options;
-}
-
-/// Every `samples`-th sample of a grid, and one more row at its end.
-acoustics::ScanGrid Coarser(const acoustics::ScanGrid& grid, int samples) {
-  acoustics::ScanGrid rows = grid;
-  rows.step_mm = samples * grid.step_mm;
-  rows.samples = (grid.samples - 1) / samples + 2;
-  return rows;
-}
-
-/// Samples from one row of tissue to the next. The volume is smooth over a voxel: rows one voxel
-/// apart lose nothing of it.
-int SamplesPerRow(const acoustics::ScanGrid& grid, const volume::Geometry& geometry) {
-  constexpr double kFarthestMm = 0.8;
-  const double rows_mm = std::min(geometry.spacing_mm.minCoeff(), kFarthestMm);
-  return std::clamp(static_cast<int>(rows_mm / grid.step_mm), 1, 16);
-}
-
-/// Samples, an odd number, whose intensities make one row of the shown image: as many as a pixel is
-/// long. What is between pixels is averaged, not skipped.
-int SamplesPerShownRow(const acoustics::Probe& probe, const acoustics::ScanGrid& grid) {
-  const double samples = acoustics::PictureOf(probe).axial_mm_per_px / grid.step_mm;
-  return std::max(1, 2 * static_cast<int>(0.5 * (samples - 1.0)) + 1);
-}
-
-/// Every `samples`-th sample of a grid.
-acoustics::ScanGrid ShownRows(const acoustics::ScanGrid& grid, int samples) {
-  acoustics::ScanGrid rows = grid;
-  rows.step_mm = samples * grid.step_mm;
-  rows.samples = (grid.samples - 1) / samples + 1;
-  return rows;
 }
 
 /// A number that depends on all bits of a pose: the noise of the receiver is another one in every
@@ -119,7 +104,7 @@ float PlaceNoise(const Eigen::Vector3f& index, int n) {
 
 struct ApertureRenderer::State {
   State(const BeamTissue& tissue, const acoustics::Probe& checked_probe,
-        const ApertureOptions& checked_options, int num_threads)
+        const ApertureOptions& checked_options, std::shared_ptr<const AcousticVolume> given_volume)
       : probe(checked_probe),
         options(WithLeastReflection(checked_options)),
         geometry(tissue.labels != nullptr ? tissue.labels->geometry : tissue.ct->geometry),
@@ -127,23 +112,27 @@ struct ApertureRenderer::State {
         samples_per_row(SamplesPerRow(grid, geometry)),
         rows(Coarser(grid, samples_per_row)),
         filter(probe, options, grid),
-        volume(tissue, BeamMaterials(tissue, options, probe, 1.0), options.texture, num_threads),
+        shared_volume(std::move(given_volume)),
+        volume(*shared_volume),
         rays(probe, rows, options.aperture_rays),
         steered(probe.kind == acoustics::ProbeKind::kPhased && grid.lines() > 1
                     ? std::make_unique<SteeredRays>(probe, rows, options.aperture_rays)
                     : nullptr),
         field(rays, grid.lines(), rows.samples, steered.get()),
-        tracer(volume, options, filter, rows, geometry.spacing_mm, samples_per_row,
-               acoustics::WavelengthMm(probe)),
+        tracer(
+            volume, options, filter, rows, geometry.spacing_mm, samples_per_row,
+            acoustics::WavelengthMm(probe) * probe.frequency_mhz / acoustics::ReceivedMhz(probe)),
         needle(probe, options, grid),
         samples_per_shown(SamplesPerShownRow(probe, grid)),
         shown_rows(ShownRows(grid, samples_per_shown)),
-        display(probe, shown_rows),
+        display(probe, shown_rows, options.display),
         lattice_path({.grid = &grid,
                       .index_from_ct = geometry.index_from_ct(),
                       .lattice_from_index =
                           SpeckleLatticeFromIndex(geometry, filter.grain_mm(), options.seed),
-                      .elevation_mm = {}}) {
+                      .elevation_mm = {}}),
+        haze(grid.lines(), kernels::RoundUp(grid.lines()), rows.step_mm, options.clutter_reach_mm,
+             ClutterDb(options)) {
     MakePlanes();
     MakeNoise();
     if (options.refraction && grid.lines() > 1) {
@@ -170,8 +159,6 @@ struct ApertureRenderer::State {
         options.rough_layer_mm > 0.0 ? std::exp(-grid.step_mm / options.rough_layer_mm) : 0.0);
     ones.Reserve(static_cast<std::size_t>(lanes));
     std::fill_n(ones.data(), lanes, 1.0F);
-    haze.assign(static_cast<std::size_t>(lanes), 0.0F);
-    sums.assign(static_cast<std::size_t>(lanes) + 1, 0.0F);
     lists.resize(static_cast<std::size_t>(tracer.blocks()));
     for (EchoList& list : lists) {
       list.Reserve(kEchoesPerLine * static_cast<std::size_t>(ApertureTracer::kLanesPerBlock));
@@ -322,9 +309,18 @@ struct ApertureRenderer::State {
       for (int n = 0; n < 24 && amplitude > kFaintestEcho; ++n, amplitude *= decay) {
         const double sample = n * spacing_mm / grid.step_mm;
         if (sample >= grid.samples) break;
-        list.Add(filter, sample, l, static_cast<float>(amplitude));
+        const float over =
+            probe.second_harmonic ? kNotFiltered * OverHarmonic(n * spacing_mm) : 1.0F;
+        list.Add(filter, sample, l, static_cast<float>(amplitude) * over);
       }
     }
+  }
+
+  /// What is no second harmonic, in units of the echoes, which are shown as if they were not
+  /// weaker than those of the fundamental.
+  float OverHarmonic(double depth_mm) const {
+    return static_cast<float>(OfDb(-options.display.harmonic_db) /
+                              acoustics::HarmonicBuildUp(probe, depth_mm));
   }
 
   void Clear(slicing::BeamImage& by_row, int block) const {
@@ -347,9 +343,7 @@ struct ApertureRenderer::State {
 
   /// Amplitude of the speckle at each row of tissue, with the haze of the echoes around.
   void MakeSpeckleAmplitudes() {
-    const auto keep = static_cast<float>(std::exp(-rows.step_mm / options.clutter_reach_mm));
-    const auto share = static_cast<float>(std::pow(OfDb(options.clutter_db), 2.0));
-    std::fill(haze.begin(), haze.end(), 0.0F);
+    haze.Begin();
     for (int k = 0; k < rows.samples; ++k) {
       const float* arriving = field.arriving(k);
       const float* scatter2 = tracer.scatter2(k);
@@ -359,37 +353,8 @@ struct ApertureRenderer::State {
         continue;
       }
       kernels::SquareRow(arriving, scatter2, lanes, out);
-      const float* around = bright.row(k);
-      float sum = 0.0F;
-      for (int l = 0; l < lanes; ++l) {
-        sum += out[l] + (1.0F / 64) * around[l];
-        sums[static_cast<std::size_t>(l) + 1] = sum;
-      }
-      BlurHaze(keep);
-      kernels::AddRootRow(haze.data(), share, lanes, out);
+      haze.AddRow(bright.row(k), out);
     }
-  }
-
-  /// What is around on the row, as `sums` have it, and above.
-  void BlurHaze(float keep) {
-    const int reach = std::max(1, grid.lines() / 12);
-    const auto blend = [&](int l, int low, int high) {
-      const float mean =
-          (sums[static_cast<std::size_t>(high) + 1] - sums[static_cast<std::size_t>(low)]) /
-          static_cast<float>(high - low + 1);
-      float& at = haze[static_cast<std::size_t>(l)];
-      at = keep * at + (1.0F - keep) * mean;
-    };
-    const int inner = std::min(reach, lanes);
-    const int outer = std::max(inner, lanes - reach);
-    for (int l = 0; l < inner; ++l) blend(l, 0, std::min(lanes - 1, l + reach));
-    const float weight = (1.0F - keep) / static_cast<float>(2 * reach + 1);
-    for (int l = inner; l < outer; ++l) {
-      const float sum =
-          sums[static_cast<std::size_t>(l + reach) + 1] - sums[static_cast<std::size_t>(l - reach)];
-      haze[static_cast<std::size_t>(l)] = keep * haze[static_cast<std::size_t>(l)] + weight * sum;
-    }
-    for (int l = outer; l < lanes; ++l) blend(l, std::max(0, l - reach), lanes - 1);
   }
 
   void AddSideLobes() {
@@ -412,15 +377,16 @@ struct ApertureRenderer::State {
       return;
     }
     const int piece = lattice_path.PieceAt(k);
-    kernels::SpeckleEchoRow({.lattice = lattice_path.Lattice(piece, 0),
-                             .scatter = ones.data(),
-                             .decay = ones.data(),
-                             .energy = amplitude,
-                             .energy_after = after,
-                             .gain = filter.SpeckleGain(k),
-                             .re = echoes.re.row(k),
-                             .im = echoes.im.row(k)},
-                            static_cast<float>(k), lanes, false);
+    kernels::SpeckleRow row_of_speckle{.lattice = lattice_path.Lattice(piece, 0),
+                                       .scatter = ones.data(),
+                                       .decay = ones.data(),
+                                       .energy = amplitude,
+                                       .energy_after = after,
+                                       .gain = filter.SpeckleGain(k),
+                                       .re = echoes.re.row(k),
+                                       .im = echoes.im.row(k)};
+    filter.look().Set(k, 0, row_of_speckle);
+    kernels::SpeckleEchoRow(row_of_speckle, static_cast<float>(k), lanes, false);
   }
 
   void AddMeanSpeckle(int k) {
@@ -437,7 +403,8 @@ struct ApertureRenderer::State {
   }
 
   void AddNoiseRow(int k, std::uint64_t pose_hash) {
-    const auto level = static_cast<float>(OfDb(options.noise_db)) * filter.NoiseGain(k);
+    auto level = static_cast<float>(OfDb(options.noise_db)) * filter.NoiseGain(k);
+    if (probe.second_harmonic) level *= OverHarmonic(k * grid.step_mm);
     std::uint64_t h = (pose_hash + static_cast<std::uint64_t>(k)) * 0x9E3779B97F4A7C15ULL;
     h ^= h >> 31;
     const float* re = noise.data() + (h & (kNoiseNumbers - 1));
@@ -445,6 +412,11 @@ struct ApertureRenderer::State {
     kernels::AddScaledRow(re, level, lanes, echoes.re.row(k));
     kernels::AddScaledRow(im, level, lanes, echoes.im.row(k));
   }
+
+  /// All that comes before the display.
+  void TraceAndCompress(const Eigen::Isometry3d& ct_from_probe,
+                        const std::optional<image::NeedleInImage>& needle_in_ct, int num_threads,
+                        const slicing::RestMap* rest);
 
   void AverageShownRow(int r) {
     const int half = samples_per_shown / 2;
@@ -464,7 +436,8 @@ struct ApertureRenderer::State {
   int samples_per_row;
   acoustics::ScanGrid rows;  ///< Of tissue, coarser than the samples.
   BeamFilter filter;
-  AcousticVolume volume;
+  std::shared_ptr<const AcousticVolume> shared_volume;  ///< The same for all angles.
+  const AcousticVolume& volume;
   ApertureRays rays;
   std::unique_ptr<SteeredRays> steered;  ///< Phased probes only.
   ApertureField field;
@@ -494,14 +467,77 @@ struct ApertureRenderer::State {
   image::AlignedFloats noise;
   image::AlignedFloats scratch;
   std::size_t scratch_stride = 0;
-  std::vector<float> haze;
-  std::vector<float> sums;
+  ClutterHaze haze;
+  std::vector<std::unique_ptr<State>> angles;  ///< The other angles of a compound image.
+  std::optional<CompoundImage> compound;
 };
 
+void ApertureRenderer::State::TraceAndCompress(
+    const Eigen::Isometry3d& ct_from_probe, const std::optional<image::NeedleInImage>& needle_in_ct,
+    int num_threads, const slicing::RestMap* rest) {
+  needle.Set(needle_in_ct, ct_from_probe, ApertureTracer::kLanesPerBlock);
+  if (refraction != nullptr) {
+    refraction->Trace(ct_from_probe, rest, num_threads);
+    rest = refraction.get();
+  }
+  for (AperturePlane& plane : planes) plane.path.Set(ct_from_probe, rest);
+  lattice_path.Set(ct_from_probe, rest);
+  const std::uint64_t pose_hash =
+      HashOf(ct_from_probe) ^ std::bit_cast<std::uint64_t>(probe.steer_rad);
+  ParallelFor(tracer.blocks(), num_threads, [this](int block) {
+    tracer.TraceBlock(planes, block, field);
+    if (streaks) AddStreaks(block);
+    AddNeedleShadow(block);
+  });
+  field.March(tracer.SmoothContact(), num_threads);
+  for (int k = 0; refraction != nullptr && k < rows.samples; ++k) LoseFocus(k);
+  ParallelFor(tracer.blocks(), num_threads, [this](int block) { CollectEchoes(block); });
+  MakeSpeckleAmplitudes();
+  if (lobes != nullptr) AddSideLobes();
+  ParallelFor(PiecesOf(grid.samples), num_threads, [this, pose_hash](int piece) {
+    const int first = piece * kRowsPerPieceOfImage;
+    const int last = std::min(grid.samples, first + kRowsPerPieceOfImage);
+    float* amplitude = scratch.data() + static_cast<std::size_t>(piece) * scratch_stride;
+    for (int k = first; k < last; ++k) {
+      MakeSpeckleRow(k, amplitude, amplitude + lanes);
+      if (options.noise) AddNoiseRow(k, pose_hash);
+    }
+  });
+  ParallelFor(tracer.blocks(), num_threads, [this](int block) {
+    lists[static_cast<std::size_t>(block)].PutInto(filter, echoes);
+  });
+  ParallelFor(PiecesOf(grid.samples), num_threads, [this](int piece) {
+    const int first = piece * kRowsPerPieceOfImage;
+    const int last = std::min(grid.samples, first + kRowsPerPieceOfImage);
+    filter.Apply(echoes, first, last,
+                 scratch.data() + static_cast<std::size_t>(piece) * scratch_stride, intensity);
+    for (int k = first; options.mean_speckle && k < last; ++k) AddMeanSpeckle(k);
+  });
+  ParallelFor(PiecesOf(shown_rows.samples), num_threads, [this](int piece) {
+    const int first = piece * kRowsPerPieceOfImage;
+    const int last = std::min(shown_rows.samples, first + kRowsPerPieceOfImage);
+    for (int r = first; r < last; ++r) AverageShownRow(r);
+    display.Compress(shown, first, last);
+  });
+}
+
 ApertureRenderer::ApertureRenderer(const BeamTissue& tissue, const acoustics::Probe& probe,
-                                   const ApertureOptions& options, int num_threads)
-    : state_(std::make_unique<State>(CheckedBeamTissue(tissue, "aperture"), CheckedBeamProbe(probe),
-                                     Checked(options), num_threads)) {}
+                                   const ApertureOptions& options, int num_threads) {
+  const BeamTissue& checked = CheckedBeamTissue(tissue, "aperture");
+  const acoustics::Probe middle = ProbeOfLook(CheckedBeamProbe(probe), options.display, 0);
+  Checked(options);
+  const auto volume = std::make_shared<const AcousticVolume>(
+      checked, BeamMaterials(checked, WithLeastReflection(options), middle, 1.0), options.texture,
+      num_threads);
+  state_ = std::make_unique<State>(checked, middle, options, volume);
+  std::vector<BeamDisplay*> displays = {&state_->display};
+  for (int look = 1; look < options.display.compound_angles; ++look) {
+    state_->angles.push_back(std::make_unique<State>(
+        checked, ProbeOfLook(probe, options.display, look), options, volume));
+    displays.push_back(&state_->angles.back()->display);
+  }
+  if (displays.size() > 1) state_->compound.emplace(std::move(displays));
+}
 ApertureRenderer::~ApertureRenderer() = default;
 ApertureRenderer::ApertureRenderer(ApertureRenderer&&) noexcept = default;
 ApertureRenderer& ApertureRenderer::operator=(ApertureRenderer&&) noexcept = default;
@@ -512,55 +548,13 @@ void ApertureRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
                               const slicing::RestMap* rest) {
   State& s = *state_;
   ACUS_REQUIRE(ct_from_probe.matrix().allFinite(), "probe pose: has a value that is not finite");
-  s.needle.Set(needle, ct_from_probe, ApertureTracer::kLanesPerBlock);
-  if (s.refraction != nullptr) {
-    s.refraction->Trace(ct_from_probe, rest, num_threads);
-    rest = s.refraction.get();
+  s.TraceAndCompress(ct_from_probe, needle, num_threads, rest);
+  for (auto& look : s.angles) look->TraceAndCompress(ct_from_probe, needle, num_threads, rest);
+  if (s.compound) {
+    s.compound->Show(out, num_threads);
+  } else {
+    s.display.Show(out, num_threads);
   }
-  for (AperturePlane& plane : s.planes) plane.path.Set(ct_from_probe, rest);
-  s.lattice_path.Set(ct_from_probe, rest);
-  out.Resize(s.display.picture().width_px, s.display.picture().height_px);
-  const std::uint64_t pose_hash = HashOf(ct_from_probe);
-  ParallelFor(s.tracer.blocks(), num_threads, [&s](int block) {
-    s.tracer.TraceBlock(s.planes, block, s.field);
-    if (s.streaks) s.AddStreaks(block);
-    s.AddNeedleShadow(block);
-  });
-  s.field.March(s.tracer.SmoothContact(), num_threads);
-  for (int k = 0; s.refraction != nullptr && k < s.rows.samples; ++k) s.LoseFocus(k);
-  ParallelFor(s.tracer.blocks(), num_threads, [&s](int block) { s.CollectEchoes(block); });
-  s.MakeSpeckleAmplitudes();
-  if (s.lobes != nullptr) s.AddSideLobes();
-  ParallelFor(PiecesOf(s.grid.samples), num_threads, [&s, pose_hash](int piece) {
-    const int first = piece * kRowsPerPieceOfImage;
-    const int last = std::min(s.grid.samples, first + kRowsPerPieceOfImage);
-    float* amplitude = s.scratch.data() + static_cast<std::size_t>(piece) * s.scratch_stride;
-    for (int k = first; k < last; ++k) {
-      s.MakeSpeckleRow(k, amplitude, amplitude + s.lanes);
-      if (s.options.noise) s.AddNoiseRow(k, pose_hash);
-    }
-  });
-  ParallelFor(s.tracer.blocks(), num_threads, [&s](int block) {
-    s.lists[static_cast<std::size_t>(block)].PutInto(s.filter, s.echoes);
-  });
-  ParallelFor(PiecesOf(s.grid.samples), num_threads, [&s](int piece) {
-    const int first = piece * kRowsPerPieceOfImage;
-    const int last = std::min(s.grid.samples, first + kRowsPerPieceOfImage);
-    s.filter.Apply(s.echoes, first, last,
-                   s.scratch.data() + static_cast<std::size_t>(piece) * s.scratch_stride,
-                   s.intensity);
-    for (int k = first; s.options.mean_speckle && k < last; ++k) s.AddMeanSpeckle(k);
-  });
-  ParallelFor(PiecesOf(s.shown_rows.samples), num_threads, [&s](int piece) {
-    const int first = piece * kRowsPerPieceOfImage;
-    const int last = std::min(s.shown_rows.samples, first + kRowsPerPieceOfImage);
-    for (int r = first; r < last; ++r) s.AverageShownRow(r);
-    s.display.Compress(s.shown, first, last);
-  });
-  ParallelFor(PiecesOf(out.height), num_threads, [&s, &out](int piece) {
-    const int first = piece * kRowsPerPieceOfImage;
-    s.display.Convert(first, std::min(out.height, first + kRowsPerPieceOfImage), out);
-  });
 }
 
 const slicing::BeamImage& ApertureRenderer::envelope() {

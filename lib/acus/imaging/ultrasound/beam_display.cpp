@@ -5,29 +5,46 @@
 #include <cmath>
 #include <cstring>
 
+#include "acus/base/core/parallel.h"
+#include "acus/imaging/acoustics/beam_width.h"
 #include "acus/imaging/ultrasound/beam_kernels.h"
+#include "acus/imaging/ultrasound/grey_curve.h"
 
 namespace acus::ultrasound {
 namespace {
 
 constexpr int kMaxWidthPx = 4096;
+constexpr int kRowsPerPieceOfDisplay = 32;
+
+int PiecesOfDisplay(int rows) {
+  return (rows + kRowsPerPieceOfDisplay - 1) / kRowsPerPieceOfDisplay;
+}
 
 }  // namespace
 
-BeamDisplay::BeamDisplay(const acoustics::Probe& probe, const acoustics::ScanGrid& grid)
+BeamDisplay::BeamDisplay(const acoustics::Probe& probe, const acoustics::ScanGrid& grid,
+                         const DisplayOptions& display)
     : grid_(grid),
       picture_(acoustics::PictureOf(probe)),
-      fan_(probe.kind != acoustics::ProbeKind::kLinear) {
+      fan_(probe.kind != acoustics::ProbeKind::kLinear || probe.steer_rad != 0.0),
+      has_curve_(display.curve != GreyCurve::kLog),
+      curve_(GreyTable(display.curve, display.curve_parameter, probe.dynamic_range_db)),
+      edges_(display.edge_strength, display.edge_sigma_mm, grid.step_mm),
+      is_one_of_several_(display.compound_angles > 1) {
   // 10 log10(intensity) = 10 log10(2) log2(intensity).
   const double grey_per_db = 255.0 / probe.dynamic_range_db;
   scale_ = static_cast<float>(grey_per_db * 10.0 * std::log10(2.0));
   for (int k = 0; k < grid.samples; ++k) {
-    const double gain_db = probe.gain_db + probe.tgc_db_per_cm * 0.1 * k * grid.step_mm;
+    const double depth_mm = k * grid.step_mm;
+    double gain_db = probe.gain_db + probe.tgc_db_per_cm * 0.1 * depth_mm;
+    if (probe.second_harmonic)
+      gain_db += 20.0 * std::log10(acoustics::HarmonicBuildUp(probe, depth_mm));
     offset_.push_back(static_cast<float>(255.0 + grey_per_db * gain_db));
   }
   stride_ = slicing::kernels::RoundUp(grid.lines());
   grey_.assign(
       static_cast<std::size_t>(stride_) * (static_cast<std::size_t>(grid.samples) + 2) + 16, 0);
+  if (edges_.on()) enhanced_ = grey_;
   seen_.resize(static_cast<std::size_t>(picture_.height_px));
   if (fan_) {
     MakeFan(probe);
@@ -81,7 +98,12 @@ void BeamDisplay::MakeFan(const acoustics::Probe& probe) {
   };
   const auto place = [&](double c, double r) {
     const double x = (c - 0.5 * (picture_.width_px - 1)) * picture_.lateral_mm_per_px;
-    const double y = picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px + probe.radius_mm;
+    const double depth_mm = picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px;
+    if (probe.steer_rad != 0.0) {
+      const acoustics::BeamPlace at = acoustics::PlaceInBeams(probe, grid_, {x, depth_mm});
+      return Place{at.line, at.sample};
+    }
+    const double y = depth_mm + probe.radius_mm;
     return Place{std::atan2(x, y) / line_rad + 0.5 * (grid_.lines() - 1),
                  (std::hypot(x, y) - probe.radius_mm) / grid_.step_mm};
   };
@@ -92,7 +114,8 @@ void BeamDisplay::MakeFan(const acoustics::Probe& probe) {
   for (int r = 0; r < picture_.height_px; ++r) {
     Span span{lanes, 0};
     for (int c = 0; c < picture_.width_px; ++c) {
-      if (edge_.Coverage(r, c) == 0) continue;
+      const int coverage = edge_.Coverage(r, c);
+      if (coverage == 0 || (coverage < 256 && probe.steer_rad != 0.0)) continue;
       const Place at = place(c, r);
       const double line = std::clamp(at.line, 0.0, grid_.lines() - 1.0);
       const double sample = std::clamp(at.sample, 0.0, grid_.samples - 1.0);
@@ -121,12 +144,44 @@ void BeamDisplay::Compress(const slicing::BeamImage& intensity, int first, int l
     kernels::GreyRow(intensity.row(k), offset_[static_cast<std::size_t>(k)], scale_,
                      slicing::kernels::RoundUp(grid_.lines()),
                      grey_.data() + static_cast<std::ptrdiff_t>(k) * stride_);
+    if (!has_curve_) continue;
+    std::uint8_t* row = grey_.data() + static_cast<std::ptrdiff_t>(k) * stride_;
+    for (int l = 0; l < grid_.lines(); ++l) row[l] = curve_[row[l]];
   }
+}
+
+void BeamDisplay::Enhance(int num_threads) {
+  if (!edges_.on()) return;
+  ParallelFor(PiecesOfDisplay(grid_.samples), num_threads, [this](int piece) {
+    const int first = piece * kRowsPerPieceOfDisplay;
+    const int last = std::min(grid_.samples, first + kRowsPerPieceOfDisplay);
+    for (int k = first; k < last; ++k) {
+      edges_.EnhanceRow(grey_.data(), stride_, grid_.samples, k, grid_.lines(),
+                        enhanced_.data() + static_cast<std::ptrdiff_t>(k) * stride_);
+    }
+  });
+}
+
+bool BeamDisplay::Covers(int row, int column) const {
+  const auto r = static_cast<std::size_t>(row);
+  if (!fan_) return column >= seen_[r].first && column < seen_[r].last;
+  const int lanes = slicing::kernels::RoundUp(picture_.width_px);
+  const auto black = static_cast<std::int32_t>(grid_.samples) * stride_;
+  return at_[r * static_cast<std::size_t>(lanes) + static_cast<std::size_t>(column)] != black;
+}
+
+void BeamDisplay::Show(image::GrayImage& out, int num_threads) {
+  Enhance(num_threads);
+  out.Resize(picture_.width_px, picture_.height_px);
+  ParallelFor(PiecesOfDisplay(out.height), num_threads, [this, &out](int piece) {
+    const int first = piece * kRowsPerPieceOfDisplay;
+    Convert(first, std::min(out.height, first + kRowsPerPieceOfDisplay), out);
+  });
 }
 
 void BeamDisplay::ConvertLinearRow(int r, std::uint8_t* out) const {
   const auto n = static_cast<std::size_t>(r);
-  const std::uint8_t* upper = grey_.data() + static_cast<std::ptrdiff_t>(sample_[n]) * stride_;
+  const std::uint8_t* upper = shown() + static_cast<std::ptrdiff_t>(sample_[n]) * stride_;
   const int first = seen_[n].first / slicing::kernels::kBlock * slicing::kernels::kBlock;
   kernels::ResampleColumnsRow({.upper = upper,
                                .lower = upper + stride_,
@@ -140,9 +195,9 @@ void BeamDisplay::ConvertFanRow(int r, std::uint8_t* out) const {
   const auto& [first, last] = seen_[static_cast<std::size_t>(r)];
   const auto at =
       static_cast<std::ptrdiff_t>(r) * slicing::kernels::RoundUp(picture_.width_px) + first;
-  kernels::InterpolatePackedRow(grey_.data(), stride_, at_.data() + at, fractions_.data() + at,
+  kernels::InterpolatePackedRow(shown(), stride_, at_.data() + at, fractions_.data() + at,
                                 last - first, out + first);
-  edge_.Blend(r, out);
+  if (!is_one_of_several_) edge_.Blend(r, out);
 }
 
 void BeamDisplay::Convert(int first, int last, image::GrayImage& out) const {

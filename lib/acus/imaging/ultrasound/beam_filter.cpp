@@ -57,6 +57,12 @@ void AppendTo(std::vector<float>& out, const std::vector<double>& values, double
   for (const double value : values) out.push_back(static_cast<float>(value * scale));
 }
 
+/// As fine as the pulse wants, but not so fine that samples fall between its points.
+double GrainSigmaMm(const acoustics::Probe& probe, const acoustics::ScanGrid& grid) {
+  const double sigma_mm = acoustics::SigmaOfFwhm(acoustics::AxialFwhmMm(probe));
+  return std::clamp(kSigmaOfGrain * grid.step_mm, kGrainShare * sigma_mm, 0.95 * sigma_mm);
+}
+
 /// row[-margin ... -1] and beyond lines - 1: the row mirrored.
 void MirrorMargins(float* row, int lines) {
   for (int t = 1; t <= slicing::BeamImage::kMargin; ++t) {
@@ -69,12 +75,11 @@ void MirrorMargins(float* row, int lines) {
 
 BeamFilter::BeamFilter(const acoustics::Probe& probe, const BeamOptions& options,
                        const acoustics::ScanGrid& grid)
-    : grid_(grid), on_(options.point_spread) {
-  const double sigma_mm = acoustics::SigmaOfFwhm(acoustics::AxialFwhmMm(probe));
-  // As fine as the pulse wants, but not so fine that samples fall between its points.
-  grain_sigma_mm_ =
-      std::clamp(kSigmaOfGrain * grid.step_mm, kGrainShare * sigma_mm, 0.95 * sigma_mm);
-  grain_mm_ = grain_sigma_mm_ / kSigmaOfGrain;
+    : grid_(grid),
+      on_(options.point_spread),
+      grain_mm_(GrainSigmaMm(probe, grid) / kSigmaOfGrain),
+      grain_sigma_mm_(GrainSigmaMm(probe, grid)),
+      look_(probe, grid, grain_sigma_mm_) {
   if (!on_) {
     along_ = spread_ = {1.0F};
     speckle_gain_.assign(static_cast<std::size_t>(grid.samples), 1.0F);

@@ -6,6 +6,7 @@
 #include "acus/imaging/acoustics/probe.h"
 #include "acus/imaging/slicing/ct_sampler.h"
 #include "acus/imaging/ultrasound/beam_options.h"
+#include "acus/imaging/ultrasound/look_phase.h"
 
 namespace acus::ultrasound {
 
@@ -26,6 +27,8 @@ class BeamFilter {
              const acoustics::ScanGrid& grid);
 
   double grain_mm() const { return grain_mm_; }  ///< Lattice of the speckle.
+  /// Phase of the speckle under steered lines.
+  const LookPhase& look() const { return look_; }
   /// Of the speckle of one sample, so that its envelope has the root mean square asked for.
   float SpeckleGain(int k) const { return speckle_gain_[static_cast<std::size_t>(k)]; }
   /// Of white noise, one complex number per sample, so that its envelope has a root mean square
@@ -57,6 +60,7 @@ class BeamFilter {
   bool on_;
   double grain_mm_ = 0.0;
   double grain_sigma_mm_ = 0.0;
+  LookPhase look_;
   double pulse_at_neighbour_ = 0.0;  ///< Filtered echo of a sample at the next one.
   std::vector<float> along_;
   std::vector<float> spread_;

@@ -203,14 +203,26 @@ HWY_INLINE Noise NoiseAt(VF x, VF y, VF z) {
   return {hn::Mul(sum.re, norm), hn::Mul(sum.im, norm)};
 }
 
-template <bool kAdd>
+/// a * b, complex.
+HWY_INLINE Noise Times(const Noise& a, const Noise& b) {
+  return {hn::Sub(hn::Mul(a.re, b.re), hn::Mul(a.im, b.im)),
+          hn::Add(hn::Mul(a.re, b.im), hn::Mul(a.im, b.re))};
+}
+
+template <bool kAdd, bool kTurn>
 HWY_INLINE void SpeckleEcho(const SpeckleRow& row, float s, int lanes) {
   const F f;
   const VF sample = hn::Set(f, s);
   const VF gain = hn::Set(f, row.gain);
   for (int l = 0; l < lanes; l += Step()) {
-    const Noise noise = NoiseAt(Place(row.lattice, 0, sample, l), Place(row.lattice, 1, sample, l),
-                                Place(row.lattice, 2, sample, l));
+    Noise noise = NoiseAt(Place(row.lattice, 0, sample, l), Place(row.lattice, 1, sample, l),
+                          Place(row.lattice, 2, sample, l));
+    if constexpr (kTurn) {
+      const Noise of_lane{hn::Load(f, row.turn_of_lane[0] + l),
+                          hn::Load(f, row.turn_of_lane[1] + l)};
+      const Noise of_row{hn::Set(f, row.turn_of_row[0]), hn::Set(f, row.turn_of_row[1])};
+      noise = Times(noise, Times(of_lane, of_row));
+    }
     const VF energy = hn::Load(f, row.energy + l);
     const VF amplitude = hn::Mul(hn::Mul(energy, gain), hn::Load(f, row.scatter + l));
     VF re = hn::Mul(amplitude, noise.re);
@@ -226,10 +238,10 @@ HWY_INLINE void SpeckleEcho(const SpeckleRow& row, float s, int lanes) {
 }
 
 void SpeckleEchoRow(const SpeckleRow& row, float s, int lanes, bool add) {
-  if (add) {
-    SpeckleEcho<true>(row, s, lanes);
+  if (row.turn_of_lane[0] != nullptr) {
+    add ? SpeckleEcho<true, true>(row, s, lanes) : SpeckleEcho<false, true>(row, s, lanes);
   } else {
-    SpeckleEcho<false>(row, s, lanes);
+    add ? SpeckleEcho<true, false>(row, s, lanes) : SpeckleEcho<false, false>(row, s, lanes);
   }
 }
 

@@ -85,8 +85,11 @@ struct SpeckleRow {
   float gain;
   float* re;
   float* im;
+  /// Phase of a steered line (LookPhase), the product of two unit numbers; null: none.
+  const float* turn_of_lane[2] = {nullptr, nullptr};  ///< Real and imaginary part of each lane ...
+  float turn_of_row[2] = {1.0F, 0.0F};                ///< ... and of this row.
 };
-/// re, im = energy * scatter * gain * noise; `add`: added to what is there.
+/// re, im = energy * scatter * gain * noise [* turn]; `add`: added to what is there.
 void SpeckleEchoRow(const SpeckleRow& row, float s, int lanes, bool add);
 
 /// after = energy * decay.

@@ -44,7 +44,9 @@ BeamMaterials::Values BeamMaterials::ValuesOf(const acoustics::TissueAcoustics& 
 
 BeamMaterials::BeamMaterials(const BeamTissue& tissue, const BeamOptions& options,
                              const acoustics::Probe& probe, double step_mm)
-    : frequency_mhz_(probe.frequency_mhz),
+    // The second harmonic is made of the square of what is sent, so that it is lost on both ways
+    // as sound of twice the frequency is, where attenuation grows with the frequency.
+    : frequency_mhz_(acoustics::ReceivedMhz(probe)),
       step_mm_(step_mm),
       // The integral of exp(-z^2 / sigma^2), the pulse squared.
       pulse_mm_(acoustics::SigmaOfFwhm(acoustics::AxialFwhmMm(probe)) *

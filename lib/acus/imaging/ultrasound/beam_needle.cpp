@@ -25,6 +25,11 @@ BeamNeedle::BeamNeedle(const acoustics::Probe& probe, const BeamOptions& options
 
 BeamNeedle::Beam BeamNeedle::BeamAt(const Eigen::Vector3d& place_mm) const {
   const int lines = grid_.lines();
+  if (probe_.steer_rad != 0.0) {
+    const acoustics::BeamPlace place =
+        acoustics::PlaceInBeams(probe_, grid_, {place_mm.x(), place_mm.y()});
+    return {place.line, place.sample};
+  }
   if (probe_.kind == acoustics::ProbeKind::kLinear) {
     const double spacing_mm = grid_.LateralSpacingMm(0);
     return {(place_mm.x() - grid_.start_mm[0].x()) / spacing_mm, place_mm.y() / grid_.step_mm};

@@ -8,6 +8,7 @@
 
 #include "acus/data/volume/volume.h"
 #include "acus/imaging/acoustics/tissue_acoustics.h"
+#include "acus/imaging/ultrasound/display_options.h"
 
 namespace acus::ultrasound {
 
@@ -49,6 +50,8 @@ struct BeamOptions {
   double needle_tip_echo = 0.0;         ///< Amplitude, of the bevel at any angle.
   double gas_ring_decay = 0.5;          ///< A comet's tail tapers off within a centimetre.
   double gas_ring_spacing_mm = 1.2;
+
+  DisplayOptions display{};  ///< What the scanner adds; but persistence, which needs the time.
 };
 
 /// What is imaged. At least one volume; if both, of the same geometry: then Hounsfield units serve

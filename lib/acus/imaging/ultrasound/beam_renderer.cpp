@@ -14,6 +14,7 @@
 #include "acus/imaging/ultrasound/beam_needle.h"
 #include "acus/imaging/ultrasound/beam_path.h"
 #include "acus/imaging/ultrasound/beam_tracer.h"
+#include "acus/imaging/ultrasound/compound_image.h"
 #include "acus/imaging/ultrasound/speckle_lattice.h"
 
 namespace acus::ultrasound {
@@ -59,7 +60,7 @@ struct BeamRenderer::State {
         lattice_from_index(SpeckleLatticeFromIndex(geometry(), filter.grain_mm(), options.seed)),
         tracer(tissue, options, materials, filter, grid, lattice_from_index),
         needle(probe, options, grid),
-        display(probe, grid) {
+        display(probe, grid, options.display) {
     MakePlanes();
     echoes.re.Resize(grid.lines(), grid.samples);
     echoes.im.Resize(grid.lines(), grid.samples);
@@ -101,6 +102,10 @@ struct BeamRenderer::State {
     for (ElevationPlane& plane : planes) plane.speckle_weight = plane.weight / std::sqrt(squares);
   }
 
+  void TraceAndCompress(const Eigen::Isometry3d& ct_from_probe,
+                        const std::optional<image::NeedleInImage>& needle_in_ct, int num_threads,
+                        const slicing::RestMap* rest);
+
   BeamTissue tissue;
   acoustics::Probe probe;
   BeamOptions options;
@@ -117,13 +122,41 @@ struct BeamRenderer::State {
   slicing::BeamImage envelope;
   image::AlignedFloats scratch;
   std::size_t scratch_stride = 0;
+  std::vector<std::unique_ptr<State>> angles;  ///< The other angles of a compound image.
+  std::optional<CompoundImage> compound;
 };
+
+void BeamRenderer::State::TraceAndCompress(const Eigen::Isometry3d& ct_from_probe,
+                                           const std::optional<image::NeedleInImage>& needle_in_ct,
+                                           int num_threads, const slicing::RestMap* rest) {
+  needle.Set(needle_in_ct, ct_from_probe, BeamTracer::kLanesPerBlock);
+  for (ElevationPlane& plane : planes) plane.path.Set(ct_from_probe, rest);
+  ParallelFor(tracer.blocks(), num_threads,
+              [this](int block) { tracer.TraceBlock(planes, needle, block, echoes); });
+  ParallelFor(Pieces(grid.samples), num_threads, [this](int piece) {
+    const int first = piece * kRowsPerTask;
+    const int last = std::min(grid.samples, first + kRowsPerTask);
+    filter.Apply(echoes, first, last,
+                 scratch.data() + static_cast<std::size_t>(piece) * scratch_stride, intensity);
+    display.Compress(intensity, first, last);
+  });
+}
 
 BeamRenderer::BeamRenderer(const BeamTissue& tissue, const acoustics::Probe& probe,
                            const BeamOptions& options)
-    : state_(std::make_unique<State>(CheckedBeamTissue(tissue, "beams"), CheckedBeamProbe(probe),
+    : state_(std::make_unique<State>(CheckedBeamTissue(tissue, "beams"),
+                                     ProbeOfLook(CheckedBeamProbe(probe), options.display, 0),
                                      Checked(options))) {
-  state_->tissue.acoustics = nullptr;  // It has been read.
+  State& s = *state_;
+  std::vector<BeamDisplay*> displays = {&s.display};
+  for (int look = 1; look < options.display.compound_angles; ++look) {
+    s.angles.push_back(
+        std::make_unique<State>(tissue, ProbeOfLook(probe, options.display, look), options));
+    s.angles.back()->tissue.acoustics = nullptr;
+    displays.push_back(&s.angles.back()->display);
+  }
+  if (displays.size() > 1) s.compound.emplace(std::move(displays));
+  s.tissue.acoustics = nullptr;  // It has been read.
 }
 BeamRenderer::~BeamRenderer() = default;
 BeamRenderer::BeamRenderer(BeamRenderer&&) noexcept = default;
@@ -134,23 +167,13 @@ void BeamRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
                           int num_threads, const slicing::RestMap* rest) {
   State& s = *state_;
   ACUS_REQUIRE(ct_from_probe.matrix().allFinite(), "probe pose: has a value that is not finite");
-  s.needle.Set(needle, ct_from_probe, BeamTracer::kLanesPerBlock);
-  for (ElevationPlane& plane : s.planes) plane.path.Set(ct_from_probe, rest);
-  out.Resize(s.display.picture().width_px, s.display.picture().height_px);
-  ParallelFor(s.tracer.blocks(), num_threads,
-              [&s](int block) { s.tracer.TraceBlock(s.planes, s.needle, block, s.echoes); });
-  ParallelFor(Pieces(s.grid.samples), num_threads, [&s](int piece) {
-    const int first = piece * kRowsPerTask;
-    const int last = std::min(s.grid.samples, first + kRowsPerTask);
-    s.filter.Apply(s.echoes, first, last,
-                   s.scratch.data() + static_cast<std::size_t>(piece) * s.scratch_stride,
-                   s.intensity);
-    s.display.Compress(s.intensity, first, last);
-  });
-  ParallelFor(Pieces(out.height), num_threads, [&s, &out](int piece) {
-    const int first = piece * kRowsPerTask;
-    s.display.Convert(first, std::min(out.height, first + kRowsPerTask), out);
-  });
+  s.TraceAndCompress(ct_from_probe, needle, num_threads, rest);
+  for (auto& look : s.angles) look->TraceAndCompress(ct_from_probe, needle, num_threads, rest);
+  if (s.compound) {
+    s.compound->Show(out, num_threads);
+  } else {
+    s.display.Show(out, num_threads);
+  }
 }
 
 const slicing::BeamImage& BeamRenderer::envelope() {

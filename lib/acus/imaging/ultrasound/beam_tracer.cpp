@@ -131,15 +131,16 @@ void BeamTracer::TracePlane(Pass& pass) {
     float* im = pass.out.im.row(k) + pass.first;
     if (options_.speckle) {
       const auto weight = static_cast<float>(pass.speckle_weight);
-      kernels::SpeckleEchoRow({.lattice = pass.lattice,
-                               .scatter = work.scatter,
-                               .decay = work.decay,
-                               .energy = energy,
-                               .energy_after = after,
-                               .gain = filter_.SpeckleGain(k) * weight,
-                               .re = re,
-                               .im = im},
-                              pass.s, pass.lanes, pass.add);
+      kernels::SpeckleRow row{.lattice = pass.lattice,
+                              .scatter = work.scatter,
+                              .decay = work.decay,
+                              .energy = energy,
+                              .energy_after = after,
+                              .gain = filter_.SpeckleGain(k) * weight,
+                              .re = re,
+                              .im = im};
+      filter_.look().Set(k, pass.first, row);
+      kernels::SpeckleEchoRow(row, pass.s, pass.lanes, pass.add);
     } else {
       if (!pass.add) {
         std::fill_n(re, pass.lanes, 0.0F);

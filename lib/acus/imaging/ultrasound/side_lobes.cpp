@@ -81,10 +81,11 @@ View ViewOf(const acoustics::Probe& probe, const acoustics::ScanGrid& rows, doub
     view.sine = deep_mm * std::sin(angle) / std::max(view.range_mm, 1e-6);
   }
   const double sine = std::clamp(view.sine, -1.0, 1.0);
-  const double element = ElementDirectivity(
-      SideLobes::kElementShare * PitchMm(probe) / acoustics::WavelengthMm(probe), sine);
-  view.directivity =
-      element * element * MirrorLobe(std::sqrt(1.0 - sine * sine), lobe_deg, diffuse_share);
+  const double width = SideLobes::kElementShare * PitchMm(probe) / acoustics::WavelengthMm(probe);
+  const double element = ElementDirectivity(width, sine);
+  const double received = probe.second_harmonic ? ElementDirectivity(2.0 * width, sine) : 1.0;
+  view.directivity = element * element * received *
+                     MirrorLobe(std::sqrt(1.0 - sine * sine), lobe_deg, diffuse_share);
   return view;
 }
 
@@ -124,12 +125,15 @@ double ElementDirectivity(double width_over_wavelength, double sine) {
 double LobeIntensity(const acoustics::Probe& probe, Apodisation apodisation, double depth_mm,
                      double sine) {
   const double pitch = PitchMm(probe) / acoustics::WavelengthMm(probe);
-  const auto energy = [&](double aperture_mm) {
-    return ArrayEnergy(pitch, ElementsOf(probe, aperture_mm), sine, probe.fractional_bandwidth,
-                       apodisation);
+  const auto energy = [&](double aperture_mm, double harmonic) {
+    return ArrayEnergy(harmonic * pitch, ElementsOf(probe, aperture_mm), sine,
+                       probe.fractional_bandwidth / harmonic, apodisation);
   };
-  return energy(acoustics::TransmitApertureMm(probe)) *
-         energy(acoustics::ReceiveApertureMm(probe, depth_mm));
+  const double sent = energy(acoustics::TransmitApertureMm(probe), 1.0);
+  const double receive_mm = acoustics::ReceiveApertureMm(probe, depth_mm);
+  // The second harmonic goes with the square of the pressure that is sent.
+  return probe.second_harmonic ? sent * sent * energy(receive_mm, 2.0)
+                               : sent * energy(receive_mm, 1.0);
 }
 
 SideLobes::SideLobes(const acoustics::Probe& probe, const acoustics::ScanGrid& rows,

@@ -27,7 +27,8 @@ double ArrayEnergy(double pitch_over_wavelength, int elements, double sine,
 double ElementDirectivity(double width_over_wavelength, double sine);
 
 /// Two-way intensity at an angle from the line, relative to the line: ArrayEnergy of the
-/// transmitting and of the receiving aperture at a depth. Without the directivity of elements.
+/// transmitting and of the receiving aperture at a depth; for the second harmonic the square of the
+/// first times the second at twice the frequency. Without the directivity of elements.
 double LobeIntensity(const acoustics::Probe& probe, Apodisation apodisation, double depth_mm,
                      double sine);
 

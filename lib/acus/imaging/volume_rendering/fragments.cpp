@@ -162,6 +162,10 @@ void TriangleBands::DrawTriangle(const Item& item, int band, const Light& light,
       }
       const double depth_mm = 1.0 / over_depth.sum();
       if (!(depth_mm >= kNearMm)) continue;
+      if (!drawing.cuts.empty() &&
+          IsCutAway(drawing.cuts, eye_mm + depth_mm * (turn.transpose() * direction))) {
+        continue;
+      }
       const auto distance_mm = static_cast<float>(depth_mm * direction.norm());
       const auto pixel =
           static_cast<std::size_t>(row - top) * static_cast<std::size_t>(camera_.width_px) +

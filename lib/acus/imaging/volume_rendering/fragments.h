@@ -8,6 +8,7 @@
 
 #include "acus/data/image/image.h"
 #include "acus/imaging/volume_rendering/camera.h"
+#include "acus/imaging/volume_rendering/cut_planes.h"
 #include "acus/imaging/volume_rendering/shading.h"
 #include "acus/imaging/volume_rendering/shadow_map.h"
 
@@ -26,6 +27,7 @@ struct Drawing {
   /// Grey values over the surface: texture_at.col(node) are column and row. May be null.
   const image::GrayImage* texture = nullptr;
   const Eigen::Matrix2Xf* texture_at = nullptr;
+  std::span<const CutPlane> cuts = {};  ///< What they cut away is not drawn.
 };
 
 /// A ray through a surface.

@@ -4,7 +4,8 @@
 
 namespace acus::volume_rendering {
 
-HiddenCells::HiddenCells(const volume::CtVolume& ct, const TransferFunction& transfer) {
+HiddenCells::HiddenCells(const volume::CtVolume& ct, const TransferFunction& transfer,
+                         const TissueClasses& classes) {
   const Eigen::Array3i cells = (ct.geometry.size - 1) / 2;
   end_ = (2 * cells).cast<float>();
   row_bits_ = (static_cast<std::size_t>(cells[0]) + 63) / 64 * 64;
@@ -23,7 +24,8 @@ HiddenCells::HiddenCells(const volume::CtVolume& ct, const TransferFunction& tra
           low = std::min({low, row[0], row[1], row[2]});
           high = std::max({high, row[0], row[1], row[2]});
         }
-        if (transfer.Shows(low, high)) continue;
+        const Eigen::Array3i first_voxel(2 * i, 2 * j, 2 * k);
+        if (transfer.Shows(low, high, classes.In(first_voxel, first_voxel + 2))) continue;
         const std::size_t cell = first + static_cast<std::size_t>(i);
         hidden_[cell / 64] |= std::uint64_t{1} << (cell % 64);
       }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "acus/data/volume/volume.h"
+#include "acus/imaging/volume_rendering/ray_kernel.h"
 #include "acus/imaging/volume_rendering/transfer_function.h"
 
 namespace acus::volume_rendering {
@@ -16,7 +17,8 @@ namespace acus::volume_rendering {
 class HiddenCells {
  public:
   HiddenCells() = default;
-  HiddenCells(const volume::CtVolume& ct, const TransferFunction& transfer);
+  HiddenCells(const volume::CtVolume& ct, const TransferFunction& transfer,
+              const TissueClasses& classes = {});
 
   /// @param index  A place at rest, in voxels. Outside the volume nothing is hidden: its border may
   ///     show.
@@ -28,6 +30,14 @@ class HiddenCells {
     const auto k = static_cast<std::size_t>(index[2]) >> 1U;
     const std::size_t cell = (k * cells_j_ + j) * row_bits_ + i;
     return (hidden_[cell >> 6U] >> (cell & 63U) & 1U) != 0;
+  }
+
+  /// For the kernel; as long as this lives.
+  kernels::CellBits bits() const noexcept {
+    return {.bits = hidden_.empty() ? nullptr : hidden_.data(),
+            .end = {end_[0], end_[1], end_[2]},
+            .row_bits = static_cast<std::int32_t>(row_bits_),
+            .rows = static_cast<std::int32_t>(cells_j_)};
   }
 
  private:

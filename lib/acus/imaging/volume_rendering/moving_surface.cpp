@@ -5,6 +5,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/parallel.h"
+#include "acus/physics/breathing/moved_points.h"
 
 namespace acus::volume_rendering {
 namespace {
@@ -28,10 +29,10 @@ void DisplaceVertices(const breathing::MotionMap* motion, const Eigen::Matrix3Xf
     return;
   }
   InChunks(static_cast<int>(rest_mm.cols()), num_threads, [&](int first, int end) {
-    for (int i = first; i < end; ++i) {
-      const Eigen::Vector3d rest = rest_mm.col(i).cast<double>();
-      world_mm.col(i) = rest_mm.col(i) + motion->DisplacementMm(rest).cast<float>();
-    }
+    const auto rest = rest_mm.middleCols(first, end - first);
+    auto world = world_mm.middleCols(first, end - first);
+    breathing::DisplacementsMm(*motion, rest, world);
+    world += rest;
   });
 }
 
@@ -43,46 +44,42 @@ MovingSurface::MovingSurface(const mesh::Surface& surface)
                "surface: a triangle names node ", triangles_.maxCoeff(), " or below 0; there are ",
                nodes);
   ACUS_REQUIRE(rest_mm_.allFinite(), "surface: a node is at a place that is not finite");
-  first_of_node_.assign(static_cast<std::size_t>(nodes) + 1, 0);
-  for (const int node : triangles_.reshaped()) ++first_of_node_[static_cast<std::size_t>(node) + 1];
-  for (std::size_t n = 1; n < first_of_node_.size(); ++n)
-    first_of_node_[n] += first_of_node_[n - 1];
-  triangle_of_node_.resize(static_cast<std::size_t>(triangles_.size()));
-  std::vector<int> next = first_of_node_;
-  for (int t = 0; t < triangles_.cols(); ++t) {
-    for (const int node : triangles_.col(t)) {
-      triangle_of_node_[static_cast<std::size_t>(next[static_cast<std::size_t>(node)]++)] = t;
-    }
-  }
   world_mm_.resizeLike(rest_mm_);
+  SetRestNormals();
   normals_.resizeLike(rest_mm_);
   Update(nullptr, 1);
+}
+
+/// Each triangle counts by its area.
+void MovingSurface::SetRestNormals() {
+  rest_normals_ = Eigen::Matrix3Xf::Zero(3, rest_mm_.cols());
+  for (const auto& corners : triangles_.colwise()) {
+    const Eigen::Vector3f a = rest_mm_.col(corners[0]);
+    const Eigen::Vector3f along = rest_mm_.col(corners[1]) - a;
+    const Eigen::Vector3f across = rest_mm_.col(corners[2]) - a;
+    const Eigen::Vector3f normal = along.cross(across);
+    for (const int node : corners) rest_normals_.col(node) += normal;
+  }
+  for (auto normal : rest_normals_.colwise()) {
+    const float length = normal.norm();
+    normal = length > 0.0F ? Eigen::Vector3f(normal / length) : Eigen::Vector3f::UnitZ();
+  }
 }
 
 void MovingSurface::Update(const breathing::MotionMap* motion, int num_threads) {
   const bool moves = motion != nullptr && motion->moves();
   if (!moves && at_rest_) return;
-  DisplaceVertices(motion, rest_mm_, world_mm_, num_threads);
-  UpdateNormals(num_threads);
   at_rest_ = !moves;
-}
-
-void MovingSurface::UpdateNormals(int num_threads) {
+  if (!moves) {
+    world_mm_ = rest_mm_;
+    normals_ = rest_normals_;
+    return;
+  }
   InChunks(static_cast<int>(rest_mm_.cols()), num_threads, [&](int first, int end) {
-    for (int i = first; i < end; ++i) {
-      // Each triangle counts by its area.
-      Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-      const auto node = static_cast<std::size_t>(i);
-      for (int n = first_of_node_[node]; n < first_of_node_[node + 1]; ++n) {
-        const auto corners = triangles_.col(triangle_of_node_[static_cast<std::size_t>(n)]);
-        const Eigen::Vector3f a = world_mm_.col(corners[0]);
-        const Eigen::Vector3f along = world_mm_.col(corners[1]) - a;
-        const Eigen::Vector3f across = world_mm_.col(corners[2]) - a;
-        sum += along.cross(across);
-      }
-      const float length = sum.norm();
-      normals_.col(i) = length > 0.0F ? Eigen::Vector3f(sum / length) : Eigen::Vector3f::UnitZ();
-    }
+    const int count = end - first;
+    breathing::MoveWithNormals(
+        *motion, rest_mm_.middleCols(first, count), rest_normals_.middleCols(first, count),
+        world_mm_.middleCols(first, count), normals_.middleCols(first, count));
   });
 }
 

@@ -2,20 +2,20 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <vector>
 
 #include "acus/data/mesh/surface.h"
 #include "acus/physics/breathing/motion_map.h"
 
 namespace acus::volume_rendering {
 
-/// world_mm.col(i) = rest_mm.col(i) + u(rest_mm.col(i), t); the same bits with any number of
-/// threads. @param motion  Null: a copy.
+/// world_mm.col(i) = rest_mm.col(i) + u(rest_mm.col(i), t), in single precision; the same bits with
+/// any number of threads. @param motion  Null: a copy.
 /// @pre Both have the same size.
 void DisplaceVertices(const breathing::MotionMap* motion, const Eigen::Matrix3Xf& rest_mm,
                       Eigen::Matrix3Xf& world_mm, int num_threads);
 
-/// A triangle surface with a normal for each vertex.
+/// A triangle surface with a normal for each vertex: at rest the mean of its triangles' by their
+/// areas; moved, that one turned by the gradient of the motion.
 class MovingSurface {
  public:
   /// @throws InputError if the surface has no triangle, a triangle names a node that is not there,
@@ -32,12 +32,11 @@ class MovingSurface {
   Eigen::AlignedBox3d RestBox() const;
 
  private:
-  void UpdateNormals(int num_threads);
+  void SetRestNormals();
 
   Eigen::Matrix3Xf rest_mm_;
   Eigen::Matrix3Xi triangles_;
-  std::vector<int> first_of_node_;  ///< Into triangle_of_node_; one more than nodes.
-  std::vector<int> triangle_of_node_;
+  Eigen::Matrix3Xf rest_normals_;
   Eigen::Matrix3Xf world_mm_;
   Eigen::Matrix3Xf normals_;
   bool at_rest_ = false;

@@ -1,15 +1,16 @@
 #include "acus/imaging/volume_rendering/patient_view.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <deque>
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/parallel.h"
+#include "acus/imaging/volume_rendering/band_renderer.h"
 #include "acus/imaging/volume_rendering/fragments.h"
 #include "acus/imaging/volume_rendering/moving_surface.h"
+#include "acus/imaging/volume_rendering/pressed_surface.h"
 #include "acus/imaging/volume_rendering/shadow_map.h"
 #include "acus/imaging/volume_rendering/smoothing.h"
 #include "acus/imaging/volume_rendering/tools.h"
@@ -24,11 +25,12 @@ const Eigen::Array3f kSteel{0.92F, 0.94F, 0.97F};
 const Eigen::Array3f kHub{0.95F, 0.72F, 0.18F};
 const Eigen::Array3f kProbe{0.86F, 0.88F, 0.90F};
 const Eigen::Array3f kMark{0.15F, 0.55F, 0.95F};
+const Eigen::Array3f kPath{1.0F, 0.55F, 0.1F};
+constexpr double kPathStepMm = 0.5;
+constexpr double kPathRadiusMm = 0.4;
 const Eigen::Array3f kPane{0.45F, 0.75F, 1.0F};
 /// A needle of a third of a pixel could not be seen.
 constexpr double kLeastNeedlePx = 1.1;
-/// Rays of a tile look for the first tissue together.
-constexpr int kTilePx = 16;
 
 void CheckSettings(const ViewSettings& s) {
   ACUS_REQUIRE(s.rays.step_mm >= 0.05 && s.rays.step_mm <= 20.0, "view: samples on rays are ",
@@ -66,22 +68,21 @@ struct PatientView::Content {
   void AddTool(const mesh::Surface& surface, const Eigen::Isometry3d& ct_from_surface,
                const Eigen::Array3f& colour);
   void AddPlane(const ProbeInView& probe);
+  void AddPath(const Camera& camera, std::span<const Eigen::Vector3d> path_mm);
+  void DrawSurface(std::size_t n, const ViewMoment& moment, int num_threads);
   void CastShadows(const Light& light);
-  std::vector<float> EmptyTiles(const RayCaster& caster, const Camera& fine, int top,
-                                int rows) const;
-  void RenderBand(const RayCaster& caster, const Camera& fine, int band,
-                  std::vector<RayColour>& pixels, TriangleBands::Band& scratch,
-                  const VolumeScene& scene) const;
   void WriteRows(const std::vector<RayColour>& pixels, int band, const Camera& camera,
                  ViewPicture& out) const;
 
   PatientInView patient;
   ViewSettings settings;
   TransferFunction transfer;
+  TissueClasses classes;
   std::optional<VisibleBlocks> blocks;
-  volume::CtVolume slopes;
+  SlopeVolume slopes;
   HiddenCells hidden;
   std::vector<MovingSurface> surfaces;
+  std::vector<PressedSurface> pressed_surfaces;
   Eigen::AlignedBox3d box;
 
   // Of one picture.
@@ -102,9 +103,15 @@ PatientView::Content::Content(PatientInView given, const ViewSettings& view_sett
   if (shows_ct) {
     ACUS_REQUIRE((patient.ct->geometry.size >= 2).all(),
                  "view: the CT must have at least two voxels along each axis");
-    blocks.emplace(*patient.ct, transfer, patient.field);
-    slopes = Smoothed(*patient.ct, 1);
-    hidden = HiddenCells(*patient.ct, transfer);
+    if (transfer.has_classes()) {
+      ACUS_REQUIRE(patient.labels != nullptr,
+                   "view: a volume layer holds in some tissues only, and there is no label map");
+      classes = TissueClasses(patient.ct->geometry, *patient.labels, transfer.class_of_label());
+      patient.labels = nullptr;  // Not needed any more.
+    }
+    blocks.emplace(*patient.ct, transfer, patient.field, classes);
+    slopes = SlopeVolume(Smoothed(*patient.ct, 1), 1);
+    hidden = HiddenCells(*patient.ct, transfer, classes);
   }
   for (const SurfaceInView& surface : patient.surfaces) {
     ACUS_REQUIRE(surface.opacity >= 0.0 && surface.opacity <= 1.0, "view: surface \"", surface.name,
@@ -112,6 +119,7 @@ PatientView::Content::Content(PatientInView given, const ViewSettings& view_sett
     if (surface.opacity == 0.0) continue;
     surfaces.emplace_back(surface.surface);
     box.extend(surfaces.back().RestBox());
+    pressed_surfaces.emplace_back();
   }
   ACUS_REQUIRE(shows_ct || !surfaces.empty(),
                "view: there is nothing to show; give a layer of the CT, or a surface");
@@ -157,6 +165,47 @@ void PatientView::Content::AddPlane(const ProbeInView& probe) {
           probe.ct_from_probe, kPane);
 }
 
+/// Flat, and without a shadow: no tool, but seen through tissue as tools are.
+void PatientView::Content::AddPath(const Camera& camera, std::span<const Eigen::Vector3d> path_mm) {
+  std::vector<Eigen::Vector3d> apart;
+  for (const Eigen::Vector3d& place : path_mm) {
+    if (!place.allFinite()) continue;
+    if (apart.empty() || (place - apart.back()).norm() > kPathStepMm) apart.push_back(place);
+  }
+  if (apart.size() < 2) return;
+  const double depth_mm = (camera.camera_from_ct * apart.back())[2];
+  const double radius_mm =
+      std::max(kPathRadiusMm, kLeastNeedlePx * std::max(0.0, depth_mm) / camera.focal_px[0]);
+  const auto count = static_cast<Eigen::Index>(apart.size());
+  Eigen::Matrix3Xd points(3, count);
+  for (Eigen::Index n = 0; n < count; ++n) points.col(n) = apart[static_cast<std::size_t>(n)];
+  AddTool(Tube(points, Eigen::VectorXd::Constant(count, radius_mm)), Eigen::Isometry3d::Identity(),
+          kPath);
+  drawings.back().normals = nullptr;
+}
+
+void PatientView::Content::DrawSurface(std::size_t n, const ViewMoment& moment, int num_threads) {
+  MovingSurface& surface = surfaces[n];
+  surface.Update(moment.motion, num_threads);
+  Drawing drawing;
+  drawing.nodes_mm = &surface.nodes_mm();
+  drawing.normals = &surface.normals();
+  drawing.triangles = &surface.triangles();
+  if (moment.pressed != nullptr) {
+    PressedSurface& pressed = pressed_surfaces[n];
+    pressed.Update(*moment.pressed, surface.nodes_mm(), surface.normals(), surface.triangles(),
+                   num_threads);
+    drawing.nodes_mm = &pressed.nodes_mm();
+    drawing.normals = &pressed.normals();
+  }
+  drawing.colour = patient.surfaces[n].colour;
+  drawing.opacity = static_cast<float>(patient.surfaces[n].opacity);
+  drawing.in_shadow = true;
+  drawing.cuts = moment.cuts;
+  drawing.closed = moment.cuts.empty();  // Cut open, its inside is seen.
+  drawings.push_back(drawing);
+}
+
 void PatientView::Content::PlaceTools(const Camera& camera, const ViewMoment& moment) {
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
   if (moment.needle) {
@@ -169,6 +218,7 @@ void PatientView::Content::PlaceTools(const Camera& camera, const ViewMoment& mo
     AddTool(NeedleShaft(needle, kLeastNeedlePx * mm_per_px), here, kSteel);
     AddTool(NeedleHub(needle), here, kHub);
   }
+  AddPath(camera, moment.path_in_ct_mm);
   if (moment.probe) {
     const ProbeInView& probe = *moment.probe;
     ACUS_REQUIRE(probe.ct_from_probe.matrix().allFinite(),
@@ -194,53 +244,6 @@ void PatientView::Content::CastShadows(const Light& light) {
   shadows->Begin(light.to_lamp, around);
   for (const Drawing& drawing : drawings) {
     if (throws(drawing)) shadows->Add(*drawing.nodes_mm, *drawing.triangles);
-  }
-}
-
-/// For each kTilePx columns of a band: how far all their rays are empty.
-std::vector<float> PatientView::Content::EmptyTiles(const RayCaster& caster, const Camera& fine,
-                                                    int top, int rows) const {
-  std::vector<float> out;
-  if (!blocks) return std::vector<float>(static_cast<std::size_t>(fine.width_px / kTilePx + 1));
-  for (int left = 0; left < fine.width_px; left += kTilePx) {
-    const double right = std::min(left + kTilePx, fine.width_px) - 1;
-    const double bottom = top + rows - 1;
-    const auto ray = [&](double column, double row) {
-      return Eigen::Vector3d(fine.DirectionInCt({column, row}).normalized());
-    };
-    const std::array rim{ray(left, top), ray(right, top), ray(left, bottom), ray(right, bottom)};
-    out.push_back(caster.EmptyUntilMm(ray(0.5 * (left + right), 0.5 * (top + bottom)), rim));
-  }
-  return out;
-}
-
-void PatientView::Content::RenderBand(const RayCaster& caster, const Camera& fine, int band,
-                                      std::vector<RayColour>& pixels, TriangleBands::Band& scratch,
-                                      const VolumeScene& scene) const {
-  bands.Draw(band, scene.light, scene.shadows, scratch);
-  const int top = band * TriangleBands::kRows;
-  const int rows = std::min(TriangleBands::kRows, fine.height_px - top);
-  std::vector<Fragment> met;
-  std::size_t pixel = 0;
-  const std::vector<float> empty_mm = EmptyTiles(caster, fine, top, rows);
-  for (int row = top; row < top + rows; ++row) {
-    for (int column = 0; column < fine.width_px; ++column, ++pixel) {
-      met.clear();
-      if (const int n = scratch.opaque[pixel]; n >= 0) {
-        met.push_back(scratch.fragments[static_cast<std::size_t>(n)]);
-      }
-      for (int n = scratch.first[pixel]; n >= 0;
-           n = scratch.fragments[static_cast<std::size_t>(n)].next) {
-        met.push_back(scratch.fragments[static_cast<std::size_t>(n)]);
-      }
-      std::ranges::stable_sort(met, {}, &Fragment::distance_mm);
-      const auto opaque =
-          std::ranges::find_if(met, [](const Fragment& f) { return f.opacity >= 1.0F; });
-      if (opaque != met.end()) met.erase(opaque + 1, met.end());
-      const Eigen::Vector3d direction = fine.DirectionInCt({column, row}).normalized();
-      pixels[pixel] =
-          caster.Cast(direction, met, empty_mm[static_cast<std::size_t>(column / kTilePx)]);
-    }
   }
 }
 
@@ -287,15 +290,23 @@ const Eigen::AlignedBox3d& PatientView::box_in_ct_mm() const {
   return content_->box;
 }
 
-void PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewPicture& out,
-                         int num_threads) {
+bool PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewPicture& out,
+                         int num_threads, const std::function<bool()>& stop) {
   Content& c = *content_;
   camera.Check();
   const bool moves = moment.motion != nullptr && moment.motion->moves();
   ACUS_REQUIRE(!moves || &moment.motion->field() == c.patient.field,
                "view: the motion is of another field than the one the view was made with");
   const breathing::MotionMap* motion = moves ? moment.motion : nullptr;
+  const PressedTissue* pressed =
+      moment.pressed != nullptr && !moment.pressed->empty() ? moment.pressed : nullptr;
+  for (const CutPlane& cut : moment.cuts) {
+    ACUS_REQUIRE(cut.coeffs().allFinite(), "view: a cut plane is not finite");
+  }
   if (c.blocks) c.blocks->Update(motion, c.settings.rays.step_mm);
+  if (c.blocks && pressed != nullptr) {
+    c.blocks->Widen(pressed->box_in_ct_mm(), pressed->LargestMm());
+  }
   c.lattice.Clear();
   if (c.blocks && motion != nullptr) {
     c.lattice.Update(*motion, *c.blocks, c.patient.ct->geometry.index_from_ct(),
@@ -304,18 +315,10 @@ void PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewPic
 
   c.tools.clear();
   c.drawings.clear();
-  for (std::size_t n = 0; n < c.surfaces.size(); ++n) {
-    MovingSurface& surface = c.surfaces[n];
-    surface.Update(motion, num_threads);
-    Drawing drawing;
-    drawing.nodes_mm = &surface.nodes_mm();
-    drawing.normals = &surface.normals();
-    drawing.triangles = &surface.triangles();
-    drawing.colour = c.patient.surfaces[n].colour;
-    drawing.opacity = static_cast<float>(c.patient.surfaces[n].opacity);
-    drawing.in_shadow = true;
-    c.drawings.push_back(drawing);
-  }
+  ViewMoment seen = moment;
+  seen.motion = motion;
+  seen.pressed = pressed;
+  for (std::size_t n = 0; n < c.surfaces.size(); ++n) c.DrawSurface(n, seen, num_threads);
   c.PlaceTools(camera, moment);
 
   VolumeScene scene;
@@ -324,10 +327,13 @@ void PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewPic
   c.CastShadows(scene.light);
   if (c.shadows) scene.shadows = &*c.shadows;
   scene.motion = motion;
+  scene.pressed = pressed;
+  scene.cuts = moment.cuts;
   if (c.blocks) {
     scene.ct = c.patient.ct.get();
     scene.slopes = &c.slopes;
     scene.transfer = &c.transfer;
+    scene.classes = &c.classes;
     scene.blocks = &*c.blocks;
     scene.lattice = &c.lattice;
     scene.hidden = &c.hidden;
@@ -336,18 +342,19 @@ void PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewPic
   c.bands.Sort(fine, c.drawings, num_threads);
   out.colour.Resize(camera.width_px, camera.height_px);
   out.coverage.resize(out.colour.rgb.size() / 3);
-  const RayCaster caster(scene, c.settings.rays, camera.EyeInCtMm());
+  const BandRenderer renderer(scene, c.settings.rays, fine, c.bands);
   // Whichever thread is free takes the next band; each writes rows of its own.
   std::atomic<int> next = 0;
+  std::atomic<bool> stopped = false;
   ParallelFor(num_threads, num_threads, [&](int) {
-    TriangleBands::Band scratch;
-    std::vector<RayColour> pixels(static_cast<std::size_t>(TriangleBands::kRows) *
-                                  static_cast<std::size_t>(fine.width_px));
-    for (int band = next++; band < c.bands.num_bands(); band = next++) {
-      c.RenderBand(caster, fine, band, pixels, scratch, scene);
-      c.WriteRows(pixels, band, camera, out);
+    BandRenderer::Scratch scratch;
+    for (int band = next++; band < c.bands.num_bands() && !stopped; band = next++) {
+      if (stop && stop()) stopped = true;
+      renderer.Render(band, scratch);
+      c.WriteRows(scratch.pixels, band, camera, out);
     }
   });
+  return !stopped;
 }
 
 }  // namespace acus::volume_rendering

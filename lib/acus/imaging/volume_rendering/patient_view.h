@@ -3,8 +3,10 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,8 @@
 #include "acus/data/volume/volume.h"
 #include "acus/imaging/acoustics/probe.h"
 #include "acus/imaging/volume_rendering/camera.h"
+#include "acus/imaging/volume_rendering/cut_planes.h"
+#include "acus/imaging/volume_rendering/pressed_tissue.h"
 #include "acus/imaging/volume_rendering/transfer_function.h"
 #include "acus/imaging/volume_rendering/volume_ray.h"
 #include "acus/physics/breathing/motion_map.h"
@@ -33,6 +37,8 @@ struct PatientInView {
   std::vector<SurfaceInView> surfaces;
   /// What the patient breathes by; null: never. Must outlive the view.
   const breathing::MotionField* field = nullptr;
+  /// Needed by layers that hold in some tissues only; else it may be null.
+  std::shared_ptr<const volume::LabelMap> labels = nullptr;
 };
 
 struct ViewSettings {
@@ -58,6 +64,12 @@ struct ViewMoment {
   const breathing::MotionMap* motion = nullptr;  ///< Of the field given before; null: at rest.
   std::optional<image::NeedleInImage> needle = std::nullopt;
   std::optional<ProbeInView> probe = std::nullopt;
+  /// Where the needle's tip has been, drawn as a line; CT space, mm. Fewer than two: none.
+  std::span<const Eigen::Vector3d> path_in_ct_mm = {};
+  /// Tissue that tools press, after breath; null: none.
+  const PressedTissue* pressed = nullptr;
+  /// Finite normals of unit length; empty: the patient is whole.
+  std::vector<CutPlane> cuts = {};
 };
 
 /// A picture, and how much of each pixel the patient and the tools fill: for laying it over video.
@@ -79,7 +91,10 @@ class PatientView {
 
   /// @throws InputError if the camera, the needle or the probe's pose is not finite or out of
   ///     range, or the motion is of another field.
-  void Render(const Camera& camera, const ViewMoment& moment, ViewPicture& out, int num_threads);
+  /// @param stop  Asked again and again, by any of the threads: true ends it.
+  /// @return false if it was stopped: `out` is not whole.
+  bool Render(const Camera& camera, const ViewMoment& moment, ViewPicture& out, int num_threads,
+              const std::function<bool()>& stop = {});
 
   /// Of the patient at rest: surfaces, or else the CT's visible part.
   const Eigen::AlignedBox3d& box_in_ct_mm() const;

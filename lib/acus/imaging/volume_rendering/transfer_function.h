@@ -7,30 +7,22 @@
 #include <string_view>
 #include <vector>
 
+#include "acus/imaging/volume_rendering/ray_kernel.h"
+#include "acus/imaging/volume_rendering/tissue_classes.h"
+#include "acus/imaging/volume_rendering/transfer_file.h"
+
 namespace acus::volume_rendering {
 
-/// Between two nodes all values run linearly; beyond the first and the last as there.
-struct OpacityNode {
-  double hu = 0.0;
-  double extinction_per_mm = 0.0;                  ///< Light that passes 1 mm is exp(-extinction).
-  Eigen::Array3f colour = Eigen::Array3f::Ones();  ///< sRGB, 0 to 1.
-};
-
-/// "skin": what air touches, opaque; "bone"; "soft_tissue": organs through a haze of fat;
-/// "vessels": blood with contrast agent, and bone with it.
-/// @throws InputError naming the presets there are.
-std::vector<OpacityNode> TransferPreset(std::string_view name);
-std::span<const std::string_view> TransferPresetNames();
-
-/// A preset in a view. Opacity 1 is as the preset says, 0 does not show it.
+/// A transfer function in a view. Opacity 1 is as its file says, 0 does not show it.
 struct VolumeLayer {
-  std::string preset;
+  std::string preset;  ///< Name of a preset, or path of a file: see FindTransferFunction.
   double opacity = 1.0;
 };
 
 /// The sum of layers, ready for rays: extinction and colour of a piece of ray along which the HU
 /// run from one value to another. Integrated beforehand, so that a thin layer such as the skin is
-/// not missed between two samples and shows no rings.
+/// not missed between two samples and shows no rings. Layers that hold in some tissues only make
+/// classes of labels, each with a sum of its own; class 0 is that of all other labels.
 class TransferFunction {
  public:
   static constexpr float kLowestHu = -1024.0F;
@@ -40,23 +32,36 @@ class TransferFunction {
   using Emission = Eigen::Array4f;
 
   TransferFunction() = default;
-  /// @throws InputError for a preset that is not there, or an opacity outside [0, 1].
+  /// @throws InputError for a preset that is not there or not valid, an opacity outside [0, 1], or
+  ///     layers of more than TissueClasses::kMaxClasses - 1 tissues.
   explicit TransferFunction(std::span<const VolumeLayer> layers);
-  /// @throws InputError if there are fewer than two nodes, they are not in rising order, an
-  ///     extinction is negative or above 100, or a value is not finite.
-  explicit TransferFunction(std::span<const OpacityNode> nodes);
+  /// @throws InputError as CheckNodes.
+  explicit TransferFunction(const std::vector<OpacityNode>& nodes);
 
   /// Mean over a piece of ray.
-  Emission Between(float from_hu, float to_hu) const noexcept;
-  /// True if something between the two can be seen.
-  bool Shows(float low_hu, float high_hu) const noexcept;
+  Emission Between(float from_hu, float to_hu, int tissue_class = 0) const noexcept;
+  /// True if something between the two can be seen in one of the classes.
+  bool Shows(float low_hu, float high_hu, TissueClasses::Set classes = 1) const noexcept;
+  /// True if labels are needed.
+  bool has_classes() const { return num_classes_ > 1; }
+  const TissueClasses::ClassOfLabel& class_of_label() const { return class_of_label_; }
   bool empty() const { return integral_.empty(); }
+  /// For the kernel; as long as this lives. @pre not empty.
+  kernels::EmissionTable table() const noexcept {
+    return {.integral = integral_.front().data(),
+            .value = value_.front().data(),
+            .lowest_hu = kLowestHu,
+            .count = kCount};
+  }
 
  private:
-  void Add(std::span<const OpacityNode> nodes, double opacity);
+  void SetClasses(std::span<const TransferFile> files);
+  void Add(std::span<const OpacityNode> nodes, double opacity, int tissue_class);
   void Integrate();
 
-  std::vector<Emission> integral_;  ///< Of the emission over HU, from kLowestHu; kCount values.
+  int num_classes_ = 1;
+  TissueClasses::ClassOfLabel class_of_label_{};
+  std::vector<Emission> integral_;  ///< Of the emission over HU, from kLowestHu; kCount a class.
   std::vector<Emission> value_;
 };
 

@@ -11,22 +11,25 @@ namespace {
 
 constexpr double kBlockMm = 6.0;
 constexpr int kLargestMargin = 40;
+/// Farther than any distance that is used.
+constexpr std::uint8_t kFarBlocks = 200;
 
 }  // namespace
 
 VisibleBlocks::VisibleBlocks(const volume::CtVolume& ct, const TransferFunction& transfer,
-                             const breathing::MotionField* field)
+                             const breathing::MotionField* field, const TissueClasses& classes)
     : index_from_ct_(ct.geometry.index_from_ct()) {
   voxels_per_block_ = (kBlockMm / ct.geometry.spacing_mm).round().cast<int>().max(2).min(16);
   const Eigen::Vector3d blocks_per_voxel = voxels_per_block_.cast<double>().inverse();
   blocks_per_mm_ = (blocks_per_voxel.asDiagonal() * index_from_ct_.linear()).cast<float>();
   // One more: a block reaches from its first voxel to the first one of the next.
   rest_size_ = (ct.geometry.size + voxels_per_block_ - 1) / voxels_per_block_;
-  FindVisible(ct, transfer);
+  FindVisible(ct, transfer, classes);
   if (field != nullptr) FindRanges(ct, *field);
 }
 
-void VisibleBlocks::FindVisible(const volume::CtVolume& ct, const TransferFunction& transfer) {
+void VisibleBlocks::FindVisible(const volume::CtVolume& ct, const TransferFunction& transfer,
+                                const TissueClasses& classes) {
   const Eigen::Array3i& size = ct.geometry.size;
   const Eigen::Array3i last = size - 1;
   // Blocks -1 and beyond the end hold the step from air to the first voxel: the border shows too.
@@ -51,7 +54,7 @@ void VisibleBlocks::FindVisible(const volume::CtVolume& ct, const TransferFuncti
             }
           }
         }
-        if (transfer.Shows(low, high)) visible_.push_back({block, 0});
+        if (transfer.Shows(low, high, classes.In(from, to))) visible_.push_back({block, 0});
       }
     }
   }
@@ -128,7 +131,8 @@ void VisibleBlocks::Resize(const Eigen::Array3i& margin_blocks) {
   if ((margin_blocks == margin_).all()) return;
   margin_ = margin_blocks;
   size_ = rest_size_ + 1 + 2 * margin_;
-  distance_.resize(static_cast<std::size_t>(size_.cast<std::int64_t>().prod()));
+  // Read by four at a time.
+  distance_.resize(static_cast<std::size_t>(size_.cast<std::int64_t>().prod()) + 3);
   const Eigen::Array3d scale = voxels_per_block_.cast<double>().inverse();
   const Eigen::Affine3d blocks_from_index =
       Eigen::Translation3d((margin_ + 1).cast<double>().matrix()) * Eigen::Scaling(scale.matrix());
@@ -146,33 +150,41 @@ void VisibleBlocks::Mark(const Eigen::Array3i& low, const Eigen::Array3i& high) 
   }
 }
 
-/// Two sweeps with the 26 neighbours give the exact chessboard distance.
+/// Two sweeps with the 26 neighbours give the exact chessboard distance. Neighbours in other rows
+/// come first, a whole row at a time; then those along the row.
 void VisibleBlocks::SpreadDistance() {
   const std::ptrdiff_t row = size_[0];
   const std::ptrdiff_t slice = row * size_[1];
-  const auto nearest = [&](std::ptrdiff_t at, int i, int j, int k, int sign) {
-    int best = distance_[static_cast<std::size_t>(at)];
-    for (int dk = -1; dk <= 0; ++dk) {
-      for (int dj = -1; dj <= (dk < 0 ? 1 : 0); ++dj) {
-        for (int di = -1; di <= (dk < 0 || dj < 0 ? 1 : -1); ++di) {
-          const Eigen::Array3i to(i + sign * di, j + sign * dj, k + sign * dk);
-          if ((to < 0).any() || (to >= size_).any()) continue;
-          const std::ptrdiff_t step = sign * (di + row * dj + slice * dk);
-          best = std::min(best, 1 + distance_[static_cast<std::size_t>(at + step)]);
-        }
-      }
+  std::vector<std::uint8_t> nearest(static_cast<std::size_t>(row) + 2);
+  const auto sweep_row = [&](int j, int k, int sign) {
+    std::ranges::fill(nearest, kFarBlocks);
+    std::uint8_t* best = nearest.data() + 1;
+    std::uint8_t* here = distance_.data() + slice * k + row * j;
+    const auto add = [&](int dj, int dk) {
+      const int j_other = j + sign * dj;
+      const int k_other = k + sign * dk;
+      if (j_other < 0 || j_other >= size_[1] || k_other < 0 || k_other >= size_[2]) return;
+      const std::uint8_t* other = distance_.data() + slice * k_other + row * j_other;
+      for (std::ptrdiff_t i = 0; i < row; ++i) best[i] = std::min(best[i], other[i]);
+    };
+    add(-1, -1);
+    add(0, -1);
+    add(1, -1);
+    add(-1, 0);
+    for (std::ptrdiff_t i = 0; i < row; ++i) {
+      const std::uint8_t of_rows = std::min({best[i - 1], best[i], best[i + 1]});
+      here[i] = std::min(here[i], static_cast<std::uint8_t>(of_rows + 1));
     }
-    distance_[static_cast<std::size_t>(at)] = static_cast<std::uint8_t>(best);
+    for (std::ptrdiff_t n = 1; n < row; ++n) {
+      const std::ptrdiff_t i = sign > 0 ? n : row - 1 - n;
+      here[i] = std::min(here[i], static_cast<std::uint8_t>(here[i - sign] + 1));
+    }
   };
   for (int k = 0; k < size_[2]; ++k) {
-    for (int j = 0; j < size_[1]; ++j) {
-      for (int i = 0; i < size_[0]; ++i) nearest(slice * k + row * j + i, i, j, k, 1);
-    }
+    for (int j = 0; j < size_[1]; ++j) sweep_row(j, k, 1);
   }
   for (int k = size_[2] - 1; k >= 0; --k) {
-    for (int j = size_[1] - 1; j >= 0; --j) {
-      for (int i = size_[0] - 1; i >= 0; --i) nearest(slice * k + row * j + i, i, j, k, -1);
-    }
+    for (int j = size_[1] - 1; j >= 0; --j) sweep_row(j, k, -1);
   }
 }
 
@@ -190,6 +202,30 @@ VisibleBlocks::Shift VisibleBlocks::ShiftOf(const RestBlock& block,
   return {(middle - half - reach).max(-kFar), (middle + half + reach).min(kFar)};
 }
 
+void VisibleBlocks::Widen(const Eigen::AlignedBox3f& box_in_ct_mm, float by_mm) {
+  if (visible_.empty() || box_in_ct_mm.isEmpty()) return;
+  Eigen::AlignedBox3f blocks;
+  for (int n = 0; n < 8; ++n) {
+    blocks.extend(blocks_from_ct_ *
+                  box_in_ct_mm.corner(static_cast<Eigen::AlignedBox3f::CornerType>(n)));
+  }
+  const Eigen::Array3i from = blocks.min().array().floor().cast<int>().max(0);
+  const Eigen::Array3i to = blocks.max().array().ceil().cast<int>().min(size_ - 1);
+  const auto reach =
+      static_cast<int>(std::ceil((by_mm * blocks_per_mm_.rowwise().norm().array()).maxCoeff()));
+  for (int k = from[2]; k <= to[2]; ++k) {
+    for (int j = from[1]; j <= to[1]; ++j) {
+      for (int i = from[0]; i <= to[0]; ++i) {
+        std::uint8_t& distance =
+            distance_[static_cast<std::size_t>((k * size_[1] + j) * size_[0] + i)];
+        if (distance <= reach) distance = 0;
+      }
+    }
+  }
+  SpreadDistance();
+  still_ = false;
+}
+
 void VisibleBlocks::Update(const breathing::MotionMap* motion, double ray_step_mm) {
   if (motion != nullptr && !motion->moves()) motion = nullptr;
   if (visible_.empty() || (motion == nullptr && still_ && step_mm_ == ray_step_mm)) return;
@@ -203,7 +239,7 @@ void VisibleBlocks::Update(const breathing::MotionMap* motion, double ray_step_m
     farthest = farthest.max(shift.low.abs()).max(shift.high.abs());
   }
   Resize((farthest.ceil().cast<int>() + 1).min(kLargestMargin));
-  std::ranges::fill(distance_, std::uint8_t{200});
+  std::ranges::fill(distance_, kFarBlocks);
   for (const RestBlock& block : visible_) {
     const Shift shift = ShiftOf(block, motion, reach);
     const Eigen::Array3f at = (block.at + 1 + margin_).cast<float>();

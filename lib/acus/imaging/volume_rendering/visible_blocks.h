@@ -20,12 +20,16 @@ class VisibleBlocks {
   /// @param ct  As are the others: must outlive this.
   /// @param field  Null if the patient does not breathe.
   VisibleBlocks(const volume::CtVolume& ct, const TransferFunction& transfer,
-                const breathing::MotionField* field);
+                const breathing::MotionField* field, const TissueClasses& classes = {});
 
   /// For a moment, whatever was before. Allocates only while motion grows.
   /// @param motion  Null, or of the field given before.
   /// @param ray_step_mm  Samples on a ray are this far apart.
   void Update(const breathing::MotionMap* motion, double ray_step_mm);
+
+  /// Besides, what is visible may be seen this far from where Update() expects it, within a box:
+  /// tools press the tissue there. After Update().
+  void Widen(const Eigen::AlignedBox3f& box_in_ct_mm, float by_mm);
 
   /// World place to block coordinates, as floats.
   const Eigen::Affine3f& blocks_from_ct() const { return blocks_from_ct_; }
@@ -36,6 +40,8 @@ class VisibleBlocks {
                                               block[0])];
   }
   const Eigen::Array3i& size() const { return size_; }
+  /// DistanceOf, i fastest; 3 more bytes may be read. @pre something is visible.
+  const std::uint8_t* distances() const noexcept { return distance_.data(); }
   /// Of the patient at rest, CT space; the whole volume if nothing is visible.
   Eigen::AlignedBox3d VisibleBox() const;
   bool nothing_visible() const { return visible_.empty(); }
@@ -56,7 +62,8 @@ class VisibleBlocks {
     Eigen::Array3f high;
   };
 
-  void FindVisible(const volume::CtVolume& ct, const TransferFunction& transfer);
+  void FindVisible(const volume::CtVolume& ct, const TransferFunction& transfer,
+                   const TissueClasses& classes);
   void FindRanges(const volume::CtVolume& ct, const breathing::MotionField& field);
   Range RangeNow(const RestBlock& block, const breathing::MotionWeights& weights) const;
   Shift ShiftOf(const RestBlock& block, const breathing::MotionMap* motion,

@@ -5,15 +5,11 @@
 #include <limits>
 #include <optional>
 
+#include "acus/imaging/volume_rendering/surface_mix.h"
+
 namespace acus::volume_rendering {
 namespace {
 
-/// What is behind is not seen any more.
-constexpr float kDark = 0.004F;
-/// Below this slope, tissue has no surface that light could fall on.
-constexpr float kSurfaceHuPerMm = 40.0F;
-/// Slopes are taken over twice this: voxels and noise are no surfaces.
-constexpr float kSlopeMm = 1.5F;
 constexpr float kOutsideHu = -1024.0F;
 
 }  // namespace
@@ -23,12 +19,10 @@ struct RayCaster::March {
   Eigen::Vector3d direction;
   Eigen::Vector3f index_step;  ///< Along the ray, per mm.
   Eigen::Vector3f blocks_step;
-  std::span<const Fragment> fragments;
-  std::size_t next_fragment = 0;
+  SurfaceMix surfaces;
+  float end_mm = std::numeric_limits<float>::max();  ///< Something opaque is there.
   RayColour out;
   float passing = 1.0F;  ///< Light that gets through so far.
-  float shine_weight = 0.0F;
-  Eigen::Array3f shine_colour = Eigen::Array3f::Zero();
 
   bool has_before = false;
   bool hidden_before = false;  ///< The sample before needed no voxel: hu_before is not known.
@@ -38,11 +32,6 @@ struct RayCaster::March {
   void Jump() {
     has_before = hidden_before = false;
     if (warped) warped->Jump();
-  }
-
-  void Add(const Eigen::Array3f& colour, float opacity) {
-    out.colour += passing * opacity * colour;
-    passing *= 1.0F - opacity;
   }
 };
 
@@ -82,25 +71,21 @@ float RayCaster::HuAt(const volume::CtVolume& ct, const Eigen::Vector3f& index) 
 }
 
 Eigen::Vector3f RayCaster::GradientAt(const Eigen::Vector3f& index) const noexcept {
-  const volume::Geometry& grid = scene_.slopes->geometry;
-  Eigen::Vector3f slope;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto spacing_mm = static_cast<float>(grid.spacing_mm[axis]);
-    const float reach = std::max(0.7F, kSlopeMm / spacing_mm);
-    Eigen::Vector3f high = index;
-    Eigen::Vector3f low = index;
-    high[axis] += reach;
-    low[axis] -= reach;
-    slope[axis] =
-        (HuAt(*scene_.slopes, high) - HuAt(*scene_.slopes, low)) / (2.0F * reach * spacing_mm);
-  }
-  return grid.direction.cast<float>() * slope;
+  const Eigen::Vector3f inside = index.cwiseMin(last_index_.matrix()).cwiseMax(0.0F);
+  return scene_.ct->geometry.direction.cast<float>() * scene_.slopes->At(inside);
 }
 
 Eigen::Array3f RayCaster::ColourAt(const March& march, const Eigen::Array3f& colour,
                                    const Eigen::Vector3f& index, float distance_mm) const {
   const Light& light = scene_.light;
-  const Eigen::Vector3f slope = GradientAt(index);
+  Eigen::Vector3f slope = GradientAt(index);
+  if (scene_.pressed != nullptr) {
+    const Eigen::Vector3f place_mm =
+        eye_mm_.cast<float>() + distance_mm * march.direction.cast<float>();
+    if (scene_.pressed->Contains(place_mm)) {
+      slope = scene_.pressed->GradientAt(place_mm).transpose() * slope;
+    }
+  }
   const float steepness = slope.norm();
   const Eigen::Array3f flat = (light.ambient + 0.5F * (light.diffuse + light.fill)) * colour;
   if (!(steepness > 0.0F)) return flat;
@@ -114,38 +99,9 @@ Eigen::Array3f RayCaster::ColourAt(const March& march, const Eigen::Array3f& col
 
 void RayCaster::Absorb(March& march, const TransferFunction::Emission& emission, float from_mm,
                        float to_mm, const Eigen::Vector3f& index) const {
-  if (!(emission[3] > 0.0F)) {
-    PassFragments(march, to_mm);
-    return;
-  }
+  if (!(emission[3] > 0.0F)) return;
   const Eigen::Array3f colour = ColourAt(march, emission.head<3>() / emission[3], index, to_mm);
-  const auto absorb = [&](float length_mm) {
-    march.Add(colour, 1.0F - std::exp(-emission[3] * length_mm));
-  };
-  // Surfaces within this piece come in their turn.
-  while (march.next_fragment < march.fragments.size() &&
-         march.fragments[march.next_fragment].distance_mm <= to_mm) {
-    const float at_mm = march.fragments[march.next_fragment].distance_mm;
-    if (at_mm > from_mm) absorb(at_mm - from_mm);
-    from_mm = std::max(from_mm, at_mm);
-    PassFragments(march, at_mm);
-  }
-  absorb(to_mm - from_mm);
-}
-
-void RayCaster::PassFragments(March& march, float to_mm) const {
-  for (; march.next_fragment < march.fragments.size() &&
-         march.fragments[march.next_fragment].distance_mm <= to_mm;
-       ++march.next_fragment) {
-    const Fragment& fragment = march.fragments[march.next_fragment];
-    const float weight = march.passing * fragment.opacity;
-    const auto shine = static_cast<float>(settings_.tool_shine) * fragment.opacity;
-    if (fragment.is_tool && weight < shine && march.shine_weight == 0.0F) {
-      march.shine_weight = shine - weight;
-      march.shine_colour = fragment.colour;
-    }
-    march.Add(fragment.colour, fragment.opacity);
-  }
+  march.out.colour += march.surfaces.Absorb(emission[3], from_mm, to_mm, march.passing) * colour;
 }
 
 /// The first sample out of the cube of empty blocks around this one.
@@ -165,6 +121,10 @@ int RayCaster::NextVisible(const March& march, int sample, const Eigen::Vector3f
 Eigen::Vector3f RayCaster::RestIndex(March& march, int sample, const Eigen::Vector3f& in_blocks,
                                      const Eigen::Array3i& block) const {
   const double distance_mm = sample * settings_.step_mm;
+  if (scene_.pressed != nullptr) {
+    const Eigen::Vector3f place_mm = (eye_mm_ + distance_mm * march.direction).cast<float>();
+    if (scene_.pressed->Contains(place_mm)) return PressedIndex(march, place_mm);
+  }
   const Eigen::Vector3f straight =
       eye_in_index_ + static_cast<float>(distance_mm) * march.index_step;
   if (!march.warped) return straight;
@@ -177,14 +137,31 @@ Eigen::Vector3f RayCaster::RestIndex(March& march, int sample, const Eigen::Vect
   return index_from_ct_ * rest_mm.cast<float>();
 }
 
+/// First to where breath alone would have the tissue, from there to rest.
+Eigen::Vector3f RayCaster::PressedIndex(March& march, const Eigen::Vector3f& place_mm) const {
+  const Eigen::Vector3f breathed_mm = place_mm + scene_.pressed->OffsetMm(place_mm);
+  if (!march.warped) return index_from_ct_ * breathed_mm;
+  march.warped->Jump();
+  if (scene_.lattice != nullptr) {
+    const Eigen::Vector3f in_blocks = scene_.blocks->blocks_from_ct() * breathed_mm;
+    const Eigen::Array3i block = in_blocks.array().floor().cast<int>();
+    if ((block >= 0).all() && (block < scene_.blocks->size()).all() &&
+        scene_.lattice->IsSmooth(block)) {
+      return index_from_ct_ * breathed_mm + scene_.lattice->OffsetAt(block, in_blocks);
+    }
+  }
+  const Eigen::Vector3d rest_mm =
+      march.warped->RestOf(breathed_mm.cast<double>(), Eigen::Vector3d::Zero());
+  march.warped->Jump();
+  return index_from_ct_ * rest_mm.cast<float>();
+}
+
 void RayCaster::CastVolume(March& march, float empty_mm) const {
   const VisibleBlocks& blocks = *scene_.blocks;
   const auto step_mm = static_cast<float>(settings_.step_mm);
   // Where the ray is within the blocks at all.
   float enter_mm = empty_mm;
-  float leave_mm = march.fragments.empty() || march.fragments.back().opacity < 1.0F
-                       ? std::numeric_limits<float>::max()
-                       : march.fragments.back().distance_mm;
+  float leave_mm = march.end_mm;
   for (int axis = 0; axis < 3; ++axis) {
     const float step = march.blocks_step[axis];
     const auto end = static_cast<float>(blocks.size()[axis]);
@@ -196,6 +173,11 @@ void RayCaster::CastVolume(March& march, float empty_mm) const {
     }
     enter_mm = std::max(enter_mm, std::min(a, b));
     leave_mm = std::min(leave_mm, std::max(a, b));
+  }
+  if (!scene_.cuts.empty()) {
+    const ShownPart part = ShownPartOf(scene_.cuts, eye_mm_, march.direction);
+    enter_mm = std::max(enter_mm, static_cast<float>(part.near_mm));
+    leave_mm = std::min(leave_mm, static_cast<float>(part.far_mm));
   }
   if (!(enter_mm < leave_mm)) return;
   const int last = static_cast<int>(std::ceil(leave_mm / step_mm));
@@ -218,6 +200,27 @@ void RayCaster::CastVolume(March& march, float empty_mm) const {
   }
 }
 
+/// Where labels have classes, those of the voxels around the place have their shares in it.
+TransferFunction::Emission RayCaster::EmissionAt(const Eigen::Vector3f& index, float hu_before,
+                                                 float hu) const noexcept {
+  if (scene_.classes == nullptr || scene_.classes->data() == nullptr) {
+    return scene_.transfer->Between(hu_before, hu);
+  }
+  const volume::Geometry& grid = scene_.ct->geometry;
+  const Eigen::Array3f inside = index.array().min(last_index_).max(0.0F);
+  const Eigen::Array3i cell = inside.cast<int>().min(grid.size - 2);
+  const Eigen::Array3f share = inside - cell.cast<float>();
+  TransferFunction::Emission sum = TransferFunction::Emission::Zero();
+  for (int n = 0; n < 8; ++n) {
+    const Eigen::Array3i at(n & 1, (n >> 1) & 1, n >> 2);
+    const Eigen::Array3i voxel = cell + at;
+    const int tissue_class = scene_.classes->data()[grid.Index(voxel[0], voxel[1], voxel[2])];
+    sum += (at == 1).select(share, 1.0F - share).prod() *
+           scene_.transfer->Between(hu_before, hu, tissue_class);
+  }
+  return sum;
+}
+
 /// What is between the sample before and this one. Between two that are hidden nothing is.
 void RayCaster::TakeSample(March& march, const Eigen::Vector3f& index, float at_mm) const {
   const bool hidden = scene_.hidden != nullptr && scene_.hidden->Hides(index);
@@ -230,8 +233,7 @@ void RayCaster::TakeSample(March& march, const Eigen::Vector3f& index, float at_
   if (march.has_before) {
     if (march.hidden_before) march.hu_before = HuAt(*scene_.ct, march.index_before);
     const float before_mm = at_mm - static_cast<float>(settings_.step_mm);
-    PassFragments(march, before_mm);
-    Absorb(march, scene_.transfer->Between(march.hu_before, hu), before_mm, at_mm, index);
+    Absorb(march, EmissionAt(index, march.hu_before, hu), before_mm, at_mm, index);
   }
   march.has_before = true;
   march.hidden_before = hidden;
@@ -241,7 +243,7 @@ void RayCaster::TakeSample(March& march, const Eigen::Vector3f& index, float at_
 
 float RayCaster::EmptyUntilMm(const Eigen::Vector3d& middle,
                               std::span<const Eigen::Vector3d> rim) const {
-  if (scene_.ct == nullptr || scene_.blocks->nothing_visible()) return 0.0F;
+  if (scene_.ct == nullptr || scene_.blocks->nothing_visible()) return kFarMm;
   const VisibleBlocks& blocks = *scene_.blocks;
   const Eigen::Matrix3f& turn = blocks.blocks_from_ct().linear();
   const Eigen::Vector3f step = turn * middle.cast<float>();
@@ -252,9 +254,8 @@ float RayCaster::EmptyUntilMm(const Eigen::Vector3d& middle,
   }
   const float speed = step.cwiseAbs().maxCoeff() + spread;
   const Eigen::Array3f last = blocks.size().cast<float>() - 1e-3F;
-  const float far_mm = 1e5F;
   float at_mm = 0.0F;
-  while (at_mm < far_mm) {
+  while (at_mm < kFarMm) {
     const Eigen::Array3f place = (eye_in_blocks_ + at_mm * step).array();
     const Eigen::Array3f inside = place.max(0.0F).min(last);
     const float outside = (place - inside).abs().maxCoeff();
@@ -266,6 +267,7 @@ float RayCaster::EmptyUntilMm(const Eigen::Vector3d& middle,
     if (!(way_mm > static_cast<float>(settings_.step_mm))) break;
     at_mm += way_mm;
   }
+  if (at_mm >= kFarMm) return kFarMm;
   return std::max(0.0F, at_mm - static_cast<float>(settings_.step_mm));
 }
 
@@ -273,19 +275,19 @@ RayColour RayCaster::Cast(const Eigen::Vector3d& direction, std::span<const Frag
                           float empty_mm) const {
   March march;
   march.direction = direction;
-  march.fragments = fragments;
+  march.surfaces = SurfaceMix(fragments, static_cast<float>(settings_.tool_shine));
+  if (!fragments.empty() && fragments.back().opacity >= 1.0F) {
+    march.end_mm = fragments.back().distance_mm;
+  }
   if (scene_.ct != nullptr && !scene_.blocks->nothing_visible()) {
     march.index_step = index_from_ct_.linear() * direction.cast<float>();
     march.blocks_step = scene_.blocks->blocks_from_ct().linear() * direction.cast<float>();
     if (scene_.motion != nullptr) march.warped.emplace(*scene_.motion, settings_.warp);
     CastVolume(march, empty_mm);
   }
-  PassFragments(march, std::numeric_limits<float>::max());
+  march.surfaces.Pass(std::numeric_limits<float>::max(), march.passing);
   march.out.opacity = 1.0F - march.passing;
-  if (march.shine_weight > 0.0F) {
-    march.out.colour += march.shine_weight * (march.shine_colour - march.out.colour);
-    march.out.opacity += march.shine_weight * (1.0F - march.out.opacity);
-  }
+  march.surfaces.Finish(march.out.colour, march.out.opacity);
   return march.out;
 }
 

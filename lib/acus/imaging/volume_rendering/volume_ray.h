@@ -5,10 +5,13 @@
 #include <span>
 
 #include "acus/data/volume/volume.h"
+#include "acus/imaging/volume_rendering/cut_planes.h"
 #include "acus/imaging/volume_rendering/fragments.h"
 #include "acus/imaging/volume_rendering/hidden_cells.h"
+#include "acus/imaging/volume_rendering/pressed_tissue.h"
 #include "acus/imaging/volume_rendering/shading.h"
 #include "acus/imaging/volume_rendering/shadow_map.h"
+#include "acus/imaging/volume_rendering/slope_volume.h"
 #include "acus/imaging/volume_rendering/transfer_function.h"
 #include "acus/imaging/volume_rendering/visible_blocks.h"
 #include "acus/imaging/volume_rendering/warp_lattice.h"
@@ -16,6 +19,11 @@
 #include "acus/physics/breathing/motion_map.h"
 
 namespace acus::volume_rendering {
+
+/// What is behind is not seen any more.
+inline constexpr float kDark = 0.004F;
+/// Below this slope, tissue has no surface that light could fall on.
+inline constexpr float kSurfaceHuPerMm = 40.0F;
 
 /// How the volume is sampled.
 struct RaySettings {
@@ -26,14 +34,17 @@ struct RaySettings {
 
 /// What is there for all rays of a picture.
 struct VolumeScene {
-  const volume::CtVolume* ct = nullptr;      ///< Null: surfaces only.
-  const volume::CtVolume* slopes = nullptr;  ///< What light falls on: `ct`, smoothed.
+  const volume::CtVolume* ct = nullptr;  ///< Null: surfaces only.
+  const SlopeVolume* slopes = nullptr;   ///< What light falls on: of `ct`, smoothed.
   const TransferFunction* transfer = nullptr;
+  const TissueClasses* classes = nullptr;  ///< Null: `transfer` has none.
   const VisibleBlocks* blocks = nullptr;
   const HiddenCells* hidden = nullptr;           ///< Null: every sample is looked at.
   const breathing::MotionMap* motion = nullptr;  ///< Null: at rest.
   const WarpLattice* lattice = nullptr;          ///< Of `motion`; null: every sample is inverted.
   const ShadowMap* shadows = nullptr;            ///< Null: none.
+  const PressedTissue* pressed = nullptr;        ///< After breath; null: tools press nothing.
+  std::span<const CutPlane> cuts = {};           ///< Of the CT.
   Light light;
 };
 
@@ -44,13 +55,18 @@ struct RayColour {
 
 /// Light along rays from one eye: emission and absorption, front to back (Levoy 1988). Samples lie
 /// at whole multiples of the step from the eye, whatever is jumped over; where the patient
-/// breathes, a WarpedRay tells what is there.
+/// breathes, a WarpedRay tells what is there. One ray at a time: the reference of TileCaster, and
+/// for volumes that it cannot address.
 class RayCaster {
  public:
   RayCaster(const VolumeScene& scene, const RaySettings& settings, const Eigen::Vector3d& eye_mm);
 
+  /// Beyond any volume.
+  static constexpr float kFarMm = 1e5F;
+
   /// Distance up to which nothing of the CT can show on any ray within the cone around `middle`
   /// that the rays of `rim` span: so far neighbours need not look for themselves. Unit, CT space.
+  /// kFarMm: nothing shows at all.
   float EmptyUntilMm(const Eigen::Vector3d& middle, std::span<const Eigen::Vector3d> rim) const;
 
   /// @param direction  Unit, CT space.
@@ -65,13 +81,15 @@ class RayCaster {
   void TakeSample(March& march, const Eigen::Vector3f& index, float at_mm) const;
   Eigen::Vector3f RestIndex(March& march, int sample, const Eigen::Vector3f& in_blocks,
                             const Eigen::Array3i& block) const;
+  Eigen::Vector3f PressedIndex(March& march, const Eigen::Vector3f& place_mm) const;
+  TransferFunction::Emission EmissionAt(const Eigen::Vector3f& index, float hu_before,
+                                        float hu) const noexcept;
   float HuAt(const volume::CtVolume& ct, const Eigen::Vector3f& index) const noexcept;
   Eigen::Vector3f GradientAt(const Eigen::Vector3f& index) const noexcept;
   Eigen::Array3f ColourAt(const March& march, const Eigen::Array3f& colour,
                           const Eigen::Vector3f& index, float distance_mm) const;
   void Absorb(March& march, const TransferFunction::Emission& emission, float from_mm, float to_mm,
               const Eigen::Vector3f& index) const;
-  void PassFragments(March& march, float to_mm) const;
   int NextVisible(const March& march, int sample, const Eigen::Vector3f& in_blocks,
                   const Eigen::Array3i& block, int distance) const;
 

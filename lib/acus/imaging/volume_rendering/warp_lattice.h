@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -45,24 +44,38 @@ class WarpLattice {
     const Knot far = far_low + share[1] * (along(corner + slice + row) - far_low);
     return Knot(near + share[2] * (far - near)).head<3>();
   }
+  /// IsSmooth of all blocks, i fastest; null: none is.
+  const std::uint8_t* smooth() const noexcept { return smooth_.empty() ? nullptr : smooth_.data(); }
+  /// Four numbers for each corner of a block, i fastest, where blocks are smooth.
+  const float* knots() const noexcept { return knots_.empty() ? nullptr : knots_.front().data(); }
   /// Share of the visible blocks that are smooth.
   double SmoothShare() const noexcept { return smooth_share_; }
 
  private:
   using Knot = Eigen::Array4f;  ///< In voxels; the fourth is not used.
 
+  /// Memory of one slice of knots or blocks.
+  struct Slice {
+    std::vector<int> number;  ///< Of the knots, or blocks, that matter.
+    Eigen::Matrix3Xf place_mm;
+    Eigen::Matrix3Xf rest_mm;
+    Eigen::Matrix3Xf moved_mm;
+    int num_visible = 0;
+    int num_smooth = 0;
+  };
+
   void InvertSlice(const breathing::MotionMap& motion, const VisibleBlocks& blocks, int k);
   void JudgeSlice(const breathing::MotionMap& motion, const VisibleBlocks& blocks, int k);
   bool TouchesVisible(const VisibleBlocks& blocks, const Eigen::Array3i& knot) const noexcept;
 
   Eigen::Array3i size_ = Eigen::Array3i::Zero();  ///< Of the blocks.
-  Eigen::Affine3d ct_from_blocks_ = Eigen::Affine3d::Identity();
-  Eigen::Matrix3d index_from_mm_ = Eigen::Matrix3d::Identity();
-  Eigen::Matrix3d mm_from_index_ = Eigen::Matrix3d::Identity();
+  Eigen::Affine3f ct_from_blocks_ = Eigen::Affine3f::Identity();
+  Eigen::Matrix3f index_from_mm_ = Eigen::Matrix3f::Identity();
+  Eigen::Matrix3f mm_from_index_ = Eigen::Matrix3f::Identity();
   double tolerance_mm_ = 0.0;
   std::vector<Knot> knots_;
-  std::vector<std::uint8_t> smooth_;        ///< By block.
-  std::vector<std::array<int, 2>> counts_;  ///< By slice: visible, smooth.
+  std::vector<std::uint8_t> smooth_;  ///< By block.
+  std::vector<Slice> slices_;
   double smooth_share_ = 0.0;
 };
 

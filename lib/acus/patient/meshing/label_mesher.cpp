@@ -10,6 +10,7 @@
 #include "acus/data/mesh/quality.h"
 #include "acus/patient/meshing/improve.h"
 #include "acus/patient/meshing/interface_cut.h"
+#include "acus/patient/meshing/specks.h"
 #include "acus/patient/meshing/tetgen_calls.h"
 #include "acus/patient/meshing/tissue_assignment.h"
 
@@ -23,8 +24,11 @@ constexpr int kVolumeRounds = 7;
 constexpr int kBudgetRounds = 6;  ///< Divisions tried for a wanted number of nodes.
 constexpr double kFirstGainMm = 12.0;
 constexpr double kFullBudget = 0.93;
-constexpr int kAttempts = 3;  ///< Each with finer elements, where a limit was missed.
+constexpr double kMentionedSpecks = 0.001;  ///< Of the body.
+constexpr double kSpeckEdge = 0.5;  ///< Of the shortest edge asked for: smaller cubes are specks.
+constexpr int kAttempts = 3;        ///< Each with finer elements, where a limit was missed.
 constexpr double kRefinement = 0.7;
+constexpr double kFarOff = 3.0;  ///< Times the limit: finer elements would not help.
 /// Nodes by which a finer mesh grows: between surface (2.0) and volume (2.9) for that refinement.
 constexpr double kGrowth = 2.4;
 constexpr double kMostNodesAgain =
@@ -99,11 +103,11 @@ MaterialOfLabel Materials(const volume::LabelMap& labels, const std::array<doubl
   std::vector<int> joining;
   for (int l = 1; l < 256; ++l) {
     if (map_mm3[l] <= 0.0 || (all_conform && l == largest)) continue;
-    if (all_conform && std::ranges::count(settings.except_tissues, NameOf(labels, l)) > 0) {
+    if (!all_conform && std::ranges::count(wanted, NameOf(labels, l)) == 0) continue;
+    if (std::ranges::count(settings.except_tissues, NameOf(labels, l)) > 0) {
       joining.push_back(l);
       continue;
     }
-    if (!all_conform && std::ranges::find(wanted, NameOf(labels, l)) == wanted.end()) continue;
     ACUS_REQUIRE(num_materials < 64, "more than 62 conforming tissues; list fewer");
     out[l] = static_cast<std::uint8_t>(num_materials++);
   }
@@ -134,18 +138,44 @@ void Check(const volume::LabelMap& labels, const LabelMeshSettings& settings) {
                "the label map holds no tissue: every voxel is 0 (outside)");
 }
 
+SpeckLimits LimitsOf(const LabelMeshSettings& settings) {
+  const ElementSizes& s = settings.sizes;
+  double shortest_mm = std::min(s.interface_mm, s.skin_mm);
+  if (s.corridor) shortest_mm = std::min(shortest_mm, s.corridor->element_size_mm);
+  if (s.finest_mm > 0.0) shortest_mm = std::min(shortest_mm, s.finest_mm);
+  return {.speck_mm3 = std::pow(kSpeckEdge * shortest_mm, 3),
+          .island_share = settings.min_island_share};
+}
+
+double BodyMm3(const std::array<double, 256>& volumes) {
+  return std::accumulate(volumes.begin() + 1, volumes.end(), 0.0);
+}
+
 class LabelMesher {
  public:
-  LabelMesher(const volume::LabelMap& labels, const LabelMeshSettings& settings,
+  /// @param gain_mm  Of ShapeLimit: where to begin, and what was found.
+  LabelMesher(const volume::LabelMap& labels, const LabelMeshSettings& settings, double& gain_mm,
               const RunContext& context)
-      : labels_(labels),
-        settings_(settings),
+      : settings_(settings),
         context_(context),
-        map_mm3_(MapVolumesMm3(labels)),
-        material_of_label_(Materials(labels, map_mm3_, settings, num_materials_)),
-        field_(MakeField()) {}
+        gain_mm_(gain_mm),
+        all_mm3_(MapVolumesMm3(labels)),
+        material_of_label_(Materials(labels, all_mm3_, settings, num_materials_)),
+        cleaned_(WithoutSpecks(labels, material_of_label_, LimitsOf(settings))),
+        labels_(cleaned_.labels),
+        map_mm3_(MapVolumesMm3(labels_)),
+        field_(MakeField()) {
+    // With nothing of the body left there is nothing to mesh.
+    ACUS_REQUIRE(BodyMm3(map_mm3_) > 0.0,
+                 "the body is smaller than the elements; choose smaller ones");
+  }
 
   LabelMesh Run() {
+    if (cleaned_.specks_ml > kMentionedSpecks * 1e-3 * BodyMm3(map_mm3_)) {
+      context_.Warn(Message(cleaned_.specks_ml,
+                            " ml in pieces that are smaller than the elements "
+                            "go to the tissue around them"));
+    }
     TetraEditor editor = Divide();
     ImproveSettings improve;
     improve.goal_deg = std::max(kGoalDeg, settings_.min_dihedral_deg + 2.0);
@@ -183,19 +213,14 @@ class LabelMesher {
 
   /// The body divided and cut at interfaces; with finest_mm, the finest division within the wanted
   /// number of nodes, or the coarsest of all if that has more.
-  TetraEditor Divide() const {
+  TetraEditor Divide() {
     if (settings_.sizes.finest_mm <= 0.0) return Lattice({});
     const InterfaceShape shape(field_, BlocksOf(field_, settings_.sizes),
                                labels_.geometry.spacing_mm);
     const auto wanted = static_cast<double>(settings_.wanted_nodes);
-    TetraEditor best = Lattice({});
-    if (NodesOfBody(best) > wanted) {
-      context_.Warn(Message("the element sizes alone give more than ", settings_.wanted_nodes,
-                            " nodes (refinement/nodes); nothing is refined"));
-      return best;
-    }
+    std::optional<TetraEditor> best;
     double too_fine_mm = 0.0;
-    double gain_mm = kFirstGainMm;
+    double gain_mm = gain_mm_;
     for (int round = 0; round < kBudgetRounds; ++round) {
       TetraEditor editor = Lattice({&shape, gain_mm});
       const double nodes = NodesOfBody(editor);
@@ -203,13 +228,20 @@ class LabelMesher {
         too_fine_mm = std::max(too_fine_mm, gain_mm);
       } else {
         best = std::move(editor);
+        gain_mm_ = gain_mm;
         if (nodes > kFullBudget * wanted) break;
       }
       // Nodes go about as 1 / gain^1.6; never back to what was too fine.
       const double next = gain_mm * std::pow(nodes / (0.97 * wanted), 1.0 / 1.6);
       gain_mm = next > too_fine_mm ? next : 0.5 * (gain_mm + too_fine_mm);
     }
-    return best;
+    if (best) return std::move(*best);
+    TetraEditor coarsest = Lattice({});
+    if (NodesOfBody(coarsest) > wanted) {
+      context_.Warn(Message("the element sizes alone give more than ", settings_.wanted_nodes,
+                            " nodes (refinement/nodes); nothing is refined"));
+    }
+    return coarsest;
   }
 
   static double NodesOfBody(const TetraEditor& editor) {
@@ -245,7 +277,9 @@ class LabelMesher {
   double ShiftInterfaces(const TetraEditor& editor) {
     std::vector<double> volume(num_materials_, 0.0);
     std::vector<double> area(num_materials_, 0.0);
-    std::vector<double> slope(num_materials_, 0.0);  // Of the difference across, area-weighted.
+    // Volume per unit of offset: area over slope.
+    std::vector<double> gain_mm3(num_materials_, 0.0);
+    const double flattest = 0.5 / field_.spacing_mm().maxCoeff();
     for (int t = 0; t < editor.num_slots(); ++t) {
       if (!editor.is_alive(t)) continue;
       const int m = editor.material(t);
@@ -258,7 +292,8 @@ class LabelMesher {
         const double mm2 = 0.5 * (x[(c + 2) & 3] - p).cross(x[(c + 3) & 3] - p).norm();
         const Eigen::Vector3d middle = (p + x[(c + 2) & 3] + x[(c + 3) & 3]) / 3.0;
         area[m] += mm2;
-        slope[m] += mm2 * field_.Gradient(middle, m, editor.material(other)).norm();
+        const double slope = field_.Gradient(middle, m, editor.material(other)).norm();
+        gain_mm3[m] += mm2 / std::max(slope, flattest);
       }
     }
     const std::vector<double> target = TargetsMm3();
@@ -270,8 +305,8 @@ class LabelMesher {
       if (m == 1 || area[m] <= 0.0) continue;
       const double lack = m == 0 ? body - body_target : target[m] - volume[m];
       worst = std::max(worst, std::abs(lack) / (m == 0 ? body_target : target[m]));
-      const double shift_mm = std::clamp(1.3 * lack / area[m], -1.0, 1.0);
-      const double offset = field_.offset(m) + shift_mm * slope[m] / area[m];
+      const double step_mm3 = std::clamp(1.3 * lack, -area[m], area[m]);  // 1 mm on average.
+      const double offset = field_.offset(m) + step_mm3 / gain_mm3[m];
       field_.set_offset(m, std::clamp(offset, -0.8, 0.8));
     }
     return worst;
@@ -350,7 +385,7 @@ class LabelMesher {
       mesh_mm3[out.mesh.tissue[t]] += mesh::VolumeMm3(mesh::CornersOf(out.mesh, t));
     }
     for (int l = 1; l < 256; ++l) {
-      if (map_mm3_[l] <= 0.0) continue;
+      if (all_mm3_[l] <= 0.0) continue;
       // With "all", what is left is one tissue, whose surface is what the others leave.
       int sharers = 0;
       for (int k = 1; k < 256; ++k) {
@@ -358,19 +393,29 @@ class LabelMesher {
       }
       const bool is_conforming =
           sharers == 1 && (material_of_label_[l] > 1 || AllConform(settings_));
-      out.tissues.push_back({static_cast<std::uint8_t>(l), NameOf(labels_, l), map_mm3_[l] / 1000.0,
-                             mesh_mm3[l] / 1000.0, is_conforming});
-      out.body_map_ml += map_mm3_[l] / 1000.0;
-      out.body_mesh_ml += mesh_mm3[l] / 1000.0;
+      out.tissues.push_back({.label = static_cast<std::uint8_t>(l),
+                             .name = NameOf(labels_, l),
+                             .map_ml = all_mm3_[l] / 1000.0,
+                             .target_ml = map_mm3_[l] / 1000.0,
+                             .mesh_ml = mesh_mm3[l] / 1000.0,
+                             .is_conforming = is_conforming});
     }
+    out.body_map_ml = BodyMm3(all_mm3_) / 1000.0;
+    out.body_target_ml = BodyMm3(map_mm3_) / 1000.0;
+    out.body_mesh_ml = BodyMm3(mesh_mm3) / 1000.0;
+    out.dropped_ml += cleaned_.islands_ml;
+    out.specks_ml = cleaned_.specks_ml;
   }
 
-  const volume::LabelMap& labels_;
   const LabelMeshSettings& settings_;
   const RunContext& context_;
-  std::array<double, 256> map_mm3_;
+  double& gain_mm_;
+  std::array<double, 256> all_mm3_;  ///< As it was given.
   int num_materials_ = 2;
   MaterialOfLabel material_of_label_;
+  CleanedMap cleaned_;
+  const volume::LabelMap& labels_;
+  std::array<double, 256> map_mm3_;
   MaterialField field_;
 };
 
@@ -386,28 +431,29 @@ std::string Shortfall(const LabelMesh& out, const LabelMeshSettings& settings) {
     return Message("the smallest dihedral angle is ", quality.min_dihedral_deg, " degrees at (",
                    at[0], ", ", at[1], ", ", at[2], ") mm; asked for: ", settings.min_dihedral_deg);
   }
-  if (MissesVolume(out.body_mesh_ml, out.body_map_ml, settings)) {
-    return Message("the body has ", out.body_mesh_ml, " ml in the mesh and ", out.body_map_ml,
-                   " ml in the label map; ", out.dropped_ml, " ml of it are loose islands");
+  if (MissesVolume(out.body_mesh_ml, out.body_target_ml, settings)) {
+    return Message("the body has ", out.body_mesh_ml, " ml in the mesh and ", out.body_target_ml,
+                   " ml in the label map without loose islands");
   }
   for (const TissueVolume& tissue : out.tissues) {
-    if (tissue.is_conforming && MissesVolume(tissue.mesh_ml, tissue.map_ml, settings)) {
-      return Message(tissue.name, " has ", tissue.mesh_ml, " ml in the mesh and ", tissue.map_ml,
+    if (tissue.is_conforming && MissesVolume(tissue.mesh_ml, tissue.target_ml, settings)) {
+      return Message(tissue.name, " has ", tissue.mesh_ml, " ml in the mesh and ", tissue.target_ml,
                      " ml in the label map");
     }
   }
   return {};
 }
 
-/// With "all": takes the tissues whose volume is missed from the conforming ones, but for the
-/// largest, which has what the others leave. Their names.
-std::string GiveUpThinTissues(const LabelMesh& out, LabelMeshSettings& settings) {
-  if (!AllConform(settings)) return {};
+/// Takes the tissues whose volume is missed by more than `factor` limits from the conforming ones;
+/// with "all" not the largest, which has what the others leave. Their names.
+std::string GiveUpThinTissues(const LabelMesh& out, double factor, LabelMeshSettings& settings) {
   const auto largest = std::ranges::max_element(out.tissues, {}, &TissueVolume::map_ml);
+  LabelMeshSettings wide = settings;
+  wide.volume_tolerance *= factor;
   std::string names;
   for (const TissueVolume& tissue : out.tissues) {
-    if (!tissue.is_conforming || tissue.label == largest->label ||
-        !MissesVolume(tissue.mesh_ml, tissue.map_ml, settings)) {
+    if (!tissue.is_conforming || (AllConform(settings) && tissue.label == largest->label) ||
+        !MissesVolume(tissue.mesh_ml, tissue.target_ml, wide)) {
       continue;
     }
     settings.except_tissues.push_back(tissue.name);
@@ -422,8 +468,9 @@ LabelMesh MeshLabelMap(const volume::LabelMap& labels, const LabelMeshSettings& 
                        const RunContext& context) {
   Check(labels, settings);
   LabelMeshSettings finer = settings;
+  double gain_mm = kFirstGainMm;
   for (int attempt = 0;; ++attempt) {
-    LabelMesh out = LabelMesher(labels, finer, context).Run();
+    LabelMesh out = LabelMesher(labels, finer, gain_mm, context).Run();
     const std::string shortfall = Shortfall(out, settings);
     if (shortfall.empty()) {
       out.sizes = finer.sizes;
@@ -435,15 +482,16 @@ LabelMesh MeshLabelMap(const volume::LabelMap& labels, const LabelMeshSettings& 
                                   " nodes; try smaller elements, another smoothing_mm, or wider "
                                   "limits in the config"));
     }
-    if (finer.sizes.finest_mm > 0.0 && attempt == 0) {
-      finer.wanted_nodes = static_cast<std::size_t>(1.5 * static_cast<double>(finer.wanted_nodes));
-      context.Warn(Message(shortfall, "; meshing again with ", finer.wanted_nodes, " nodes"));
-      continue;
-    }
-    const std::string thin = GiveUpThinTissues(out, finer);
+    // Far off, or not mended by finer elements: the elements cannot hold it.
+    const std::string thin = GiveUpThinTissues(out, attempt == 0 ? kFarOff : 1.0, finer);
     if (!thin.empty()) {
       context.Warn(Message(shortfall, "; meshing again without surfaces of their own for ", thin,
                            ", which are too thin for the elements: told apart one by one"));
+      continue;
+    }
+    if (finer.sizes.finest_mm > 0.0 && attempt == 0) {
+      finer.wanted_nodes = static_cast<std::size_t>(1.5 * static_cast<double>(finer.wanted_nodes));
+      context.Warn(Message(shortfall, "; meshing again with ", finer.wanted_nodes, " nodes"));
       continue;
     }
     finer.sizes.interface_mm *= kRefinement;

@@ -17,7 +17,7 @@ struct LabelMeshSettings {
   ElementSizes sizes;  ///< The corridor in CT space, LPS.
   /// Beside the body's surface; "all" stands for every tissue that occurs.
   std::vector<std::string> conforming_tissues = {"bone"};
-  std::vector<std::string> except_tissues;            ///< Not these, with "all".
+  std::vector<std::string> except_tissues;            ///< Not these of them.
   std::vector<std::string> fixed_tissues = {"bone"};  ///< Their nodes are held in place.
   double smoothing_mm = 1.0;       ///< Standard deviation; takes the voxels' steps away.
   double min_dihedral_deg = 8.0;   ///< A mesh below this is refused.
@@ -32,6 +32,7 @@ struct TissueVolume {
   std::uint8_t label = 0;
   std::string name;
   double map_ml = 0.0;
+  double target_ml = 0.0;  ///< Without what no element can hold, and with what goes to it.
   double mesh_ml = 0.0;
   bool is_conforming = false;  ///< Its surface is made of faces of the mesh.
   std::optional<SurfaceDistance> surface = std::nullopt;
@@ -40,22 +41,24 @@ struct TissueVolume {
 struct LabelMesh {
   mesh::TetraMesh mesh;
   double body_map_ml = 0.0;
+  double body_target_ml = 0.0;  ///< Without loose islands and specks.
   double body_mesh_ml = 0.0;
   std::vector<TissueVolume> tissues;  ///< By label.
   std::optional<SurfaceDistance> body_surface = std::nullopt;
   double dropped_ml = 0.0;  ///< Islands left out.
+  double specks_ml = 0.0;   ///< In pieces smaller than the elements; their surroundings got them.
   ElementSizes sizes;       ///< As used: finer than asked for where a limit was missed.
 };
 
 /// Meshes the body (all labels but 0), with faces along its surface and along the surfaces of the
 /// conforming tissues, shared by both sides; the other tissues are told apart element by element.
-/// With "all", tissues that such elements cannot hold (thin ones, whose volume misses the limit)
+/// Conforming tissues that such elements cannot hold (thin ones, whose volume misses the limit)
 /// are told apart element by element instead, with a warning. Otherwise
 /// a mesh that misses a limit is made again with finer elements, at most twice and only up to some
 /// 600,000 nodes.
 /// Method and limits: docs/models/mesh.md.
 /// @throws InputError if the map holds no body, or a setting is out of range.
-/// @throws NoAnswerError if the smallest dihedral angle or a conforming volume misses its limit.
+/// @throws NoAnswerError if the smallest dihedral angle or the body's volume misses its limit.
 LabelMesh MeshLabelMap(const volume::LabelMap& labels, const LabelMeshSettings& settings,
                        const RunContext& context);
 

@@ -216,7 +216,7 @@ bool LocalChanges::Collapse(int from, int to) {
   }
   const double edge_mm = MeanEdgeMm(editor_, from);
   for (const double volume : moved_mm3) {
-    if (std::abs(volume) > drift_share_ * std::pow(edge_mm, 3)) return false;
+    if (std::abs(volume) > drift_share_ * edge_mm * edge_mm * edge_mm) return false;
   }
   return Replace(old, fresh);
 }

@@ -1,6 +1,7 @@
 #include "acus/patient/meshing/material_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "acus/base/core/parallel.h"
@@ -27,7 +28,7 @@ MaterialField::MaterialField(const volume::LabelMap& labels,
     for (const float value : fields_[m]) voxels[m] += value;
   }
   if (smoothing_mm > 0.0) Smooth(smoothing_mm, num_threads);
-  MatchVolumes(voxels);
+  MatchVolumes(voxels, num_threads);
   FindInterfaces();
 }
 
@@ -93,21 +94,61 @@ void MaterialField::Smooth(double smoothing_mm, int num_threads) {
   }
 }
 
-void MaterialField::MatchVolumes(const std::vector<double>& voxels_of_material) {
-  // One material against the rest: phi > t holds as many voxels as before smoothing, and
+void MaterialField::MatchVolumes(const std::vector<double>& voxels_of_material, int num_threads) {
+  // One material against the rest: phi > t holds as much volume as before smoothing, and
   // phi - (1 - phi) + b > 0 is phi > (1 - b) / 2.
   constexpr int kBins = 4096;
-  for (int m = 0; m < num_materials(); ++m) {
-    if (m == 1) continue;  // The rest takes what the others leave.
+  ParallelFor(num_materials(), num_threads, [&](int m) {
+    if (m == 1) return;  // The rest takes what the others leave.
     std::vector<double> histogram(kBins + 1, 0.0);
-    for (const float value : fields_[m]) {
-      ++histogram[static_cast<std::size_t>(std::clamp(value, 0.0F, 1.0F) * kBins)];
+    AddToHistogram(fields_[m], histogram);
+    // Outside has no end: there, what is not outside is counted.
+    double voxels = voxels_of_material[m];
+    if (m == 0) {
+      voxels = static_cast<double>(fields_[0].size()) - voxels;
+      std::ranges::reverse(histogram);
     }
     double above = 0.0;
     int bin = kBins;
-    while (bin > 0 && above < voxels_of_material[m]) above += histogram[bin--];
+    while (bin > 0 && above < voxels) above += histogram[bin--];
+    if (m == 0) bin = kBins - 1 - bin;
     const double threshold = std::clamp((bin + 1.0) / kBins, 0.2, 0.8);
     offsets_[m] = 1.0 - 2.0 * threshold;
+  });
+}
+
+void MaterialField::AddToHistogram(const std::vector<float>& field,
+                                   std::vector<double>& histogram) const {
+  // Voxels count by their values at such places between their centre and the next ones: where
+  // slices are far apart the field falls from 1 to 0 within one voxel.
+  constexpr std::array<double, 4> kPlaces = {0.125, 0.375, 0.625, 0.875};
+  const double num_bins = static_cast<double>(histogram.size()) - 1.0;
+  const auto add = [&](double value, double volume) {
+    histogram[static_cast<std::size_t>(std::clamp(value, 0.0, 1.0) * num_bins)] += volume;
+  };
+  for (int k = 0; k + 1 < size_[2]; ++k) {
+    for (int j = 0; j + 1 < size_[1]; ++j) {
+      for (int i = 0; i + 1 < size_[0]; ++i) {
+        std::array<double, 8> corner;
+        for (int c = 0; c < 8; ++c) {
+          corner[c] = field[Index(i + (c & 1), j + ((c >> 1) & 1), k + ((c >> 2) & 1))];
+        }
+        const auto [low, high] = std::ranges::minmax(corner);
+        if (high - low < 1e-3) {
+          add(corner[0], 1.0);
+          continue;
+        }
+        for (const double w : kPlaces) {
+          for (const double v : kPlaces) {
+            const double a = std::lerp(std::lerp(corner[0], corner[2], v),
+                                       std::lerp(corner[4], corner[6], v), w);
+            const double b = std::lerp(std::lerp(corner[1], corner[3], v),
+                                       std::lerp(corner[5], corner[7], v), w);
+            for (const double u : kPlaces) add(std::lerp(a, b, u), 1.0 / 64.0);
+          }
+        }
+      }
+    }
   }
 }
 

@@ -69,7 +69,9 @@ class MaterialField {
   void Average(const volume::LabelMap& labels, const MaterialOfLabel& material_of_label,
                const Eigen::Array3i& block, int num_threads);
   void Smooth(double smoothing_mm, int num_threads);
-  void MatchVolumes(const std::vector<double>& voxels_of_material);
+  void MatchVolumes(const std::vector<double>& voxels_of_material, int num_threads);
+  /// Volume of the trilinear field by value from 0 to 1, in voxels.
+  void AddToHistogram(const std::vector<float>& field, std::vector<double>& histogram) const;
   void FindInterfaces();
 
   Eigen::Vector3i size_ = Eigen::Vector3i::Zero();

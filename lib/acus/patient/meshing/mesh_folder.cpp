@@ -57,6 +57,7 @@ void MeshLabelsToFolder(const std::filesystem::path& labels, const MeshConfig& c
                         {"mesh_ml", out.body_mesh_ml},
                         {"surface_distance", ToJson(*out.body_surface)}}},
                       {"dropped_islands_ml", out.dropped_ml},
+                      {"dropped_specks_ml", out.specks_ml},
                       {"element_size_mm",
                        {{"interface", out.sizes.interface_mm},
                         {"skin", out.sizes.skin_mm},
@@ -77,8 +78,12 @@ void MeshSurfaceToFolder(const std::filesystem::path& surface, const std::string
   settings.is_fixed = std::ranges::count(config.labels.fixed_tissues, tissue) > 0;
   const SurfaceMesh out =
       MeshSurface(mesh::ReadSurface(surface), surface.string(), settings, context);
-  const std::vector<TissueVolume> tissues = {
-      {settings.tissue, tissue, out.surface_ml, out.mesh_ml, !out.is_remeshed}};
+  const std::vector<TissueVolume> tissues = {{.label = settings.tissue,
+                                              .name = tissue,
+                                              .map_ml = out.surface_ml,
+                                              .target_ml = out.surface_ml,
+                                              .mesh_ml = out.mesh_ml,
+                                              .is_conforming = !out.is_remeshed}};
   const json about = {{"repairs", out.repairs}, {"surface_was_made_anew", out.is_remeshed}};
   WriteFolder(folder, out.mesh, tissues, CentreOf(out.mesh), settings.min_dihedral_deg, about,
               config, context);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "acus/data/image/png.h"
 #include "acus/data/volume/labels.h"
 #include "acus/patient/segmentation/mask.h"
 
@@ -184,13 +184,11 @@ void WritePreview(const std::filesystem::path& path, const volume::CtVolume& ct,
   Text(picture, view.right, slice.width() - 18, slice.height() / 2);
   Text(picture, view.top, slice.width() / 2, 18);
   Text(picture, view.bottom, slice.width() / 2, slice.height() - 6);
-  AtomicFile file(path);
-  try {
-    ACUS_REQUIRE(cv::imwrite(file.path().string(), picture), path.string(), ": cannot be written");
-  } catch (const cv::Exception& error) {
-    throw InputError(Message(path.string(), ": cannot be written: ", error.what()));
-  }
-  file.Commit();
+  image::ColourImage image;
+  image.Resize(picture.cols, picture.rows);
+  cv::Mat rgb(picture.rows, picture.cols, CV_8UC3, image.rgb.data());
+  cv::cvtColor(picture, rgb, cv::COLOR_BGR2RGB);
+  image::WritePng(path, image);
 }
 
 void WritePreviews(const std::filesystem::path& folder, const volume::CtVolume& ct,

@@ -83,8 +83,8 @@ MotionField::MotionField(const volume::Geometry& nodes, int num_components) : no
 }
 
 std::size_t MotionField::ValuesPerComponent() const {
-  // Nodes are read by four values at a time: one more than the last has.
-  return slice_stride_ * static_cast<std::size_t>(nodes_.size[2]) + 1;
+  // Nodes are read by two and eight values at a time: two more than the last two have.
+  return slice_stride_ * static_cast<std::size_t>(nodes_.size[2]) + 2;
 }
 
 template <typename Row>

@@ -1,9 +1,11 @@
 #include "acus/rig/tracking/igtl_wire.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <igtl_header.h>
 #include <igtl_image.h>
+#include <igtl_point.h>
 #include <igtl_qtdata.h>
 #include <igtl_tdata.h>
 #include <igtl_transform.h>
@@ -85,18 +87,19 @@ std::string Printable(std::string text) {
   return text;
 }
 
-/// Header and body in one.
+/// Header and body in one. @param rest  What follows `body` in the body.
 Bytes Whole(std::string_view type, std::string_view device, std::int64_t time_ns,
-            const Writer& body, std::uint16_t version = 1) {
+            const Writer& body, std::uint16_t version = 1, ByteView rest = {}) {
   Writer out;
-  out.bytes.reserve(kIgtlHeaderBytes + body.bytes.size());
+  out.bytes.reserve(kIgtlHeaderBytes + body.bytes.size() + rest.size());
   out.Number(version);
   out.Text(type, IGTL_HEADER_TYPE_SIZE);
   out.Text(device, IGTL_HEADER_NAME_SIZE);
   out.Number(StampFromNs(time_ns));
-  out.Number(std::uint64_t{body.bytes.size()});
-  out.Number(Crc64(body.bytes));
+  out.Number(std::uint64_t{body.bytes.size() + rest.size()});
+  out.Number(Crc64(rest, Crc64(body.bytes)));
   out.Raw(body.bytes);
+  out.Raw(rest);
   return std::move(out.bytes);
 }
 
@@ -351,6 +354,52 @@ Bytes PackImage(std::string_view device, std::int64_t time_ns, const Picture& pi
   for (const std::uint16_t value : size) body.Number(value);
   body.Raw(picture.pixels);
   return Whole("IMAGE", device, time_ns, body);
+}
+
+Bytes PackVolume(std::string_view device, std::int64_t time_ns, const VolumeView& volume) {
+  const auto [size, voxels, matrix] = volume;
+  const bool is_hu = std::holds_alternative<std::span<const std::int16_t>>(voxels);
+  const ByteView bytes = std::visit(
+      [](const auto& of) {
+        return ByteView(reinterpret_cast<const std::uint8_t*>(of.data()), of.size_bytes());
+      },
+      voxels);
+  std::size_t expected = is_hu ? sizeof(std::int16_t) : 1;
+  for (const int side : size) {
+    ACUS_ASSERT(side >= 1 && side <= 65535);
+    expected *= static_cast<std::size_t>(side);
+  }
+  ACUS_ASSERT(bytes.size() == expected);
+  Writer body;
+  body.Number(std::uint16_t{IGTL_IMAGE_HEADER_VERSION});
+  body.Number(std::uint8_t{1});
+  const int type = is_hu ? IGTL_IMAGE_STYPE_TYPE_INT16 : IGTL_IMAGE_STYPE_TYPE_UINT8;
+  body.Number(static_cast<std::uint8_t>(type));
+  static_assert(std::endian::native == std::endian::little, "voxels are sent as they lie here");
+  body.Number(std::uint8_t{IGTL_IMAGE_ENDIAN_LITTLE});
+  body.Number(std::uint8_t{IGTL_IMAGE_COORD_RAS});
+  for (const int side : size) body.Number(static_cast<std::uint16_t>(side));
+  const Eigen::Vector4d middle(0.5 * (size[0] - 1), 0.5 * (size[1] - 1), 0.5 * (size[2] - 1), 0.0);
+  Eigen::Matrix4d placed = matrix;
+  placed.col(3) += matrix * middle;
+  Put(body, placed);
+  for (int i = 0; i < 3; ++i) body.Number(std::uint16_t{0});
+  for (const int side : size) body.Number(static_cast<std::uint16_t>(side));
+  return Whole("IMAGE", device, time_ns, body, 1, bytes);
+}
+
+Bytes PackPoints(std::string_view device, std::int64_t time_ns,
+                 std::span<const NamedPoint> points) {
+  Writer body;
+  for (const NamedPoint& point : points) {
+    body.Text(point.name, IGTL_POINT_LEN_NAME);
+    body.Text("Acus", IGTL_POINT_LEN_GROUP_NAME);
+    for (const int part : {255, 0, 0, 255}) body.Number(static_cast<std::uint8_t>(part));
+    for (int i = 0; i < 3; ++i) Put(body, point.ras_mm[i]);
+    Put(body, point.diameter_mm);
+    body.Text("", IGTL_POINT_LEN_OWNER);
+  }
+  return Whole("POINT", device, time_ns, body);
 }
 
 Bytes PackStartTrackingData(std::string_view device, int interval_ms) {

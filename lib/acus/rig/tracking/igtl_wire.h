@@ -81,6 +81,10 @@ Bytes PackTrackingData(std::string_view device, std::int64_t time_ns,
                        std::span<const std::pair<std::string, transforms::Pose>> tools);
 Bytes PackStatus(std::string_view device, std::int64_t time_ns, bool ok, std::string_view text);
 Bytes PackImage(std::string_view device, std::int64_t time_ns, const Picture& picture);
+/// @pre volume has as many voxels as its size says.
+Bytes PackVolume(std::string_view device, std::int64_t time_ns, const VolumeView& volume);
+/// POINT: a list of points, in red.
+Bytes PackPoints(std::string_view device, std::int64_t time_ns, std::span<const NamedPoint> points);
 Bytes PackStartTrackingData(std::string_view device, int interval_ms);
 Bytes PackStopTrackingData(std::string_view device);
 Bytes PackTrackingDataReply(std::string_view device, bool ok);

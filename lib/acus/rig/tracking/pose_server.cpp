@@ -4,6 +4,7 @@
 #include <atomic>
 #include <ctime>
 #include <list>
+#include <map>
 #include <mutex>
 #include <poll.h>
 #include <thread>
@@ -17,9 +18,9 @@ namespace acus::tracking {
 namespace {
 
 constexpr std::uint64_t kMaxUnreadBytes = 64 * 1024;
-const std::vector<std::string> kCapabilities = {"TRANSFORM",  "TDATA",       "STT_TDATA",
-                                                "STP_TDATA",  "IMAGE",       "STATUS",
-                                                "GET_STATUS", "GET_CAPABIL", "CAPABILITY"};
+const std::vector<std::string> kCapabilities = {
+    "TRANSFORM", "TDATA",  "STT_TDATA",  "STP_TDATA",   "IMAGE",
+    "POINT",     "STATUS", "GET_STATUS", "GET_CAPABIL", "CAPABILITY"};
 
 /// What is to be added to MonotonicNs() for UTC.
 std::int64_t UtcOffsetNs() {
@@ -30,7 +31,7 @@ std::int64_t UtcOffsetNs() {
 
 /// What producers hand to the network thread.
 struct Parcel {
-  enum Kind { kPoses, kPicture, kForAll, kDisconnect } kind;
+  enum Kind { kPoses, kPicture, kKept, kForAll, kDisconnect } kind;
   SharedBytes bytes = nullptr;          ///< Poses: as TRANSFORM messages.
   SharedBytes tracking_data = nullptr;  ///< The same as TDATA.
   std::string stream = {};
@@ -64,12 +65,17 @@ class PoseServer::Network {
   bool wants_tracking_data() const { return num_tdata_.load(std::memory_order_relaxed) > 0; }
   int port() const { return port_; }
 
+  void Keep(const std::string& name, Bytes message);
+
   mutable std::mutex mutex;
   PoseServerStatus status;
   bool is_ok = true;
+  bool has_status = false;  ///< It was set.
   std::string status_text = "ready";
 
  private:
+  Bytes StatusMessage() const;
+  void Greet(ServerClient& client);
   void Run();
   void AcceptAll();
   void Deliver(const Parcel& parcel);
@@ -87,7 +93,8 @@ class PoseServer::Network {
   std::thread thread_;
   std::atomic<bool> stopping_{true};  ///< Not running yet, or no longer.
   std::atomic<int> num_clients_{0}, num_tdata_{0};
-  std::vector<Parcel> inbox_;  ///< Guarded by mutex.
+  std::vector<Parcel> inbox_;                ///< Guarded by mutex.
+  std::map<std::string, SharedBytes> kept_;  ///< Guarded by mutex.
   std::list<ServerClient> clients_;
   Bytes chunk_ = Bytes(64 * 1024);
 };
@@ -157,14 +164,43 @@ void PoseServer::Network::AcceptAll() {
       continue;  // Closes.
     }
     clients_.emplace_back(std::move(socket), options_.max_backlog_bytes);
+    Greet(clients_.back());
     Note(&PoseServerStatus::connects, "");
   }
+}
+
+/// Small things go before poses; large ones wait as pictures do, without counting as backlog.
+void HandOver(ServerClient& client, const std::string& name, const SharedBytes& bytes) {
+  if (bytes->size() <= kMaxUnreadBytes) return client.Add(bytes);
+  client.AddPicture(name, bytes);
+}
+
+/// @pre mutex is held.
+Bytes PoseServer::Network::StatusMessage() const {
+  return PackStatus(options_.name, UtcNs(MonotonicNs()), is_ok, status_text);
+}
+
+void PoseServer::Network::Greet(ServerClient& client) {
+  const std::lock_guard lock(mutex);
+  if (has_status) client.Add(Shared(StatusMessage()));
+  for (const auto& [name, bytes] : kept_) HandOver(client, name, bytes);
+}
+
+void PoseServer::Network::Keep(const std::string& name, Bytes message) {
+  const SharedBytes bytes = Shared(std::move(message));
+  {
+    const std::lock_guard lock(mutex);
+    kept_[name] = bytes;
+  }
+  Post({.kind = Parcel::kKept, .bytes = bytes, .stream = name});
 }
 
 void PoseServer::Network::Deliver(const Parcel& parcel) {
   if (parcel.kind == Parcel::kDisconnect) clients_.clear();
   for (ServerClient& client : clients_) {
-    if (parcel.kind == Parcel::kPicture) {
+    if (parcel.kind == Parcel::kKept) {
+      HandOver(client, parcel.stream, parcel.bytes);
+    } else if (parcel.kind == Parcel::kPicture) {
       if (client.AddPicture(parcel.stream, parcel.bytes)) {
         Note(&PoseServerStatus::pictures_replaced, "");
       }
@@ -198,7 +234,7 @@ void PoseServer::Network::Answer(ServerClient& client, const IgtlMessage& messag
     client.StopTrackingData();
   } else if (type == "GET_STATUS") {
     const std::lock_guard lock(mutex);
-    client.Add(Shared(PackStatus(options_.name, UtcNs(MonotonicNs()), is_ok, status_text)));
+    client.Add(Shared(StatusMessage()));
   } else if (type == "GET_CAPABIL") {
     client.Add(Shared(PackCapability(options_.name, kCapabilities)));
   }
@@ -318,6 +354,7 @@ void PoseServer::SetStatus(bool ok, const std::string& text) {
   {
     const std::lock_guard lock(network_->mutex);
     network_->is_ok = ok;
+    network_->has_status = true;
     network_->status_text = text;
   }
   network_->Post({.kind = Parcel::kForAll,
@@ -326,6 +363,19 @@ void PoseServer::SetStatus(bool ok, const std::string& text) {
                   .tracking_data = nullptr,
                   .stream = {},
                   .time_ns = 0});
+}
+
+void PoseServer::KeepPose(const NamedPose& pose) {
+  network_->Keep(pose.name, PackTransform(pose.name, network_->UtcNs(MonotonicNs()),
+                                          pose.reference_from_tool));
+}
+
+void PoseServer::KeepVolume(const std::string& name, const VolumeView& volume) {
+  network_->Keep(name, PackVolume(name, network_->UtcNs(MonotonicNs()), volume));
+}
+
+void PoseServer::KeepPoints(const std::string& name, std::span<const NamedPoint> points) {
+  network_->Keep(name, PackPoints(name, network_->UtcNs(MonotonicNs()), points));
 }
 
 void PoseServer::Disconnect() {

@@ -44,7 +44,8 @@ struct PoseServerStatus {
   std::string last_error = {};
 };
 
-/// An OpenIGTLink server. Every client gets TRANSFORM messages of all tools; one that asks for
+/// An OpenIGTLink server. On connecting a client gets the status, if one was set, and what is kept
+/// for all: a CT, a target. Every client gets TRANSFORM messages of all tools; one that asks for
 /// TDATA (STT_TDATA) gets these instead, at the interval it asked for, until STP_TDATA. GET_STATUS
 /// and GET_CAPABIL are answered.
 ///
@@ -74,8 +75,14 @@ class PoseServer {
   void SendPoses(std::span<const NamedPose> poses, std::int64_t time_ns);
   /// @pre picture is of 1 to 65535 pixels a side, with 1 or 3 channels.
   void SendPicture(const std::string& stream, const Picture& picture, std::int64_t time_ns);
-  /// Sent at once to all, and to whoever asks.
+  /// Sent at once to all, to whoever connects, and to whoever asks.
   void SetStatus(bool ok, const std::string& text);
+
+  /// What does not change: every client gets it once, on connecting or at once. Of one name the
+  /// last counts. A volume is kept as its message, beside the caller's voxels.
+  void KeepPose(const NamedPose& pose);
+  void KeepVolume(const std::string& name, const VolumeView& volume);
+  void KeepPoints(const std::string& name, std::span<const NamedPoint> points);
 
   /// Closes all links, which clients may open again. (A fault, for tests of what is fed.)
   void Disconnect();

@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace acus::tracking {
+namespace {
+
+constexpr std::size_t kMostBytesAtOnce = 4 * 1024 * 1024;
+
+}  // namespace
 
 ServerClient::ServerClient(Descriptor socket, std::size_t max_backlog_bytes)
     : socket_(std::move(socket)), peer_(PeerName(socket_)), max_backlog_bytes_(max_backlog_bytes) {}
@@ -33,7 +38,8 @@ void ServerClient::AddTrackingData(const SharedBytes& bytes, std::int64_t time_n
 }
 
 bool ServerClient::SendWaiting() {
-  for (;;) {
+  // A volume is sent in pieces, so that others do not wait for it.
+  for (std::size_t sent = 0; sent < kMostBytesAtOnce;) {
     if (current_ == nullptr) {
       sent_bytes_ = 0;
       if (!poses_.empty()) {
@@ -50,9 +56,11 @@ bool ServerClient::SendWaiting() {
     const Transfer transfer = Send(socket_, ByteView(*current_).subspan(sent_bytes_));
     if (transfer.state == TransferState::kClosed) return false;
     if (transfer.state == TransferState::kWouldBlock) return true;
+    sent += transfer.bytes;
     sent_bytes_ += transfer.bytes;
     if (sent_bytes_ == current_->size()) current_.reset();
   }
+  return true;
 }
 
 }  // namespace acus::tracking

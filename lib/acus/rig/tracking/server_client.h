@@ -29,7 +29,7 @@ class ServerClient {
   /// Queues TDATA if the client's interval has passed.
   void AddTrackingData(const SharedBytes& bytes, std::int64_t time_ns);
 
-  /// Sends as much as goes. False: the link is lost.
+  /// Sends as much as goes, of a large message a piece. False: the link is lost.
   bool SendWaiting();
   bool has_waiting() const { return current_ != nullptr || !poses_.empty() || !pictures_.empty(); }
   bool is_too_slow() const { return backlog_bytes_ > max_backlog_bytes_; }

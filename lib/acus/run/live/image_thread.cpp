@@ -50,6 +50,7 @@ double PictureStatistics::per_s() const {
 nlohmann::json PictureStatistics::ToJson() const {
   return {{"pictures", pictures.load()},
           {"late", late.load()},
+          {"failed", failed.load()},
           {"per_s", per_s()},
           {"render", render.ToJson()},
           {"interval", interval.ToJson()},
@@ -97,18 +98,45 @@ void ImageThread::Run() {
       ++statistics_.late;
     }
     if (!snapshots_.Refresh()) continue;  // Before the first step, or the device is silent.
-    LivePicture& out = pictures_.Back();
-    Render(out);
-    const std::int64_t end_ns = MonotonicNs();
-    statistics_.render.Add(end_ns - begin_ns);
-    if (number_ > 1) statistics_.interval.Add(end_ns - statistics_.last_ns);
-    if (number_ == 1) statistics_.first_ns = end_ns;
-    statistics_.last_ns = end_ns;
-    statistics_.tracker_to_picture.Add(end_ns - out.snapshot.measured_ns);
-    ++statistics_.pictures;
-    if (on_picture_) on_picture_(out);
-    pictures_.Publish();
+    try {
+      MakePicture(begin_ns);
+      SetTrouble("");
+    } catch (const std::bad_alloc&) {
+      SetTrouble("there is no memory for pictures; close other programs");
+    } catch (const std::exception& error) {
+      SetTrouble(error.what());
+    }
   }
+}
+
+void ImageThread::MakePicture(std::int64_t begin_ns) {
+  LivePicture& out = pictures_.Back();
+  Render(out);
+  const std::int64_t end_ns = MonotonicNs();
+  statistics_.render.Add(end_ns - begin_ns);
+  const bool is_first = statistics_.pictures == 0;
+  if (is_first) statistics_.first_ns = end_ns;
+  if (!is_first) statistics_.interval.Add(end_ns - statistics_.last_ns);
+  statistics_.last_ns = end_ns;
+  statistics_.tracker_to_picture.Add(end_ns - out.snapshot.measured_ns);
+  ++statistics_.pictures;
+  if (on_picture_) on_picture_(out);
+  pictures_.Publish();
+}
+
+void ImageThread::SetTrouble(const char* what) {
+  const bool failed = *what != '\0';
+  if (failed) {
+    ++statistics_.failed;
+    shown_.reset();  // Half of it may be of one moment, half of another.
+  }
+  const std::lock_guard lock(trouble_mutex_);
+  if (failed || !trouble_.empty()) trouble_ = what;
+}
+
+std::string ImageThread::trouble() const {
+  const std::lock_guard lock(trouble_mutex_);
+  return trouble_;
 }
 
 void ImageThread::SetProbe(const LiveSnapshot& snapshot) {

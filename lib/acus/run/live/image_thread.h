@@ -4,8 +4,10 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -31,8 +33,9 @@ struct LivePicture {
 struct PictureStatistics {
   std::atomic<std::int64_t> pictures{0};
   std::atomic<std::int64_t> late{0};  ///< Moments of the grid at which a picture was still in work.
-  DurationHistogram render;           ///< Wall-clock time of one.
-  DurationHistogram interval;         ///< From one finished picture to the next.
+  std::atomic<std::int64_t> failed{0};   ///< Could not be made: there was no memory for them.
+  DurationHistogram render;              ///< Wall-clock time of one.
+  DurationHistogram interval;            ///< From one finished picture to the next.
   DurationHistogram tracker_to_picture;  ///< From the measured pose to the finished picture.
 
   std::atomic<std::int64_t> first_ns{0};  ///< When the first was finished, CLOCK_MONOTONIC ...
@@ -43,7 +46,7 @@ struct PictureStatistics {
 };
 
 /// Renders the newest snapshot at a fixed rate. A snapshot that says "frozen" keeps the pictures
-/// that were there.
+/// that were there. A picture that cannot be made is counted, and the next one tried.
 class ImageThread {
  public:
   /// @param scene, snapshots  Must outlive this. @param on_picture  Called in this thread after
@@ -64,10 +67,14 @@ class ImageThread {
   /// What the stages of the pictures did. Only to be read after Stop().
   const simulation::StageTimes& stage_times() const noexcept { return stage_times_; }
   double rate_hz() const noexcept { return rate_hz_; }
+  /// Why the last picture could not be made; empty if it could.
+  std::string trouble() const;
 
  private:
   struct Renderers;
   void Run();
+  void MakePicture(std::int64_t begin_ns);
+  void SetTrouble(const char* what);
   void Render(LivePicture& out);
   void SetProbe(const LiveSnapshot& snapshot);
 
@@ -83,6 +90,8 @@ class ImageThread {
   /// The moment that last_images_ show; nothing if they are to be made anew.
   std::optional<LiveSnapshot> shown_;
   std::int64_t number_ = 0;
+  mutable std::mutex trouble_mutex_;
+  std::string trouble_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -9,10 +9,14 @@
 #include "acus/base/core/monotonic_time.h"
 #include "acus/base/core/text_table.h"
 #include "acus/data/session/session_import.h"
-#include "acus/imaging/acoustics/probe.h"
 #include "acus/rig/haptics/open_device.h"
 #include "acus/rig/haptics/zero_forces.h"
+#include "acus/run/live/slicer_files.h"
+#include "acus/run/live/start_on_skin.h"
 #include "acus/run/live/tracked_driver.h"
+#include "acus/run/replay/markups.h"
+#include "acus/run/replay/training_log.h"
+#include "acus/run/training/session_metrics.h"
 
 namespace acus::live {
 namespace {
@@ -105,6 +109,14 @@ LiveSession::LiveSession(const scenario::Scenario& scenario, const LiveDevices& 
   if (scene_.breathing && scene_.plan.breath_from_session()) {
     partner_.emplace(simulation::LoadBreathing(scenario, /*from_session=*/false, context));
   }
+  if (options.exercise) {
+    replay::RequireAssessable(*options.exercise, scenario, scene_, nullptr);
+    ACUS_REQUIRE(devices.has_needle(), "an exercise needs a needle; these devices have none");
+    exercise_.emplace(*options.exercise, scene_, replay::TargetInCtMm(*options.exercise, scenario),
+                      devices.has_probe());
+  }
+  targets_ = replay::TargetsOf(options.exercise ? &*options.exercise : nullptr, scenario);
+  PlaceProbeOnSkin();
   if (!options.hand.empty()) FollowSession(devices_, options.hand);
   for (const TrackerConfig& tracker : devices_.trackers) {
     trackers_.push_back(std::make_unique<tracking::IgtlSource>(tracker.options));
@@ -138,6 +150,24 @@ void LiveSession::FollowSession(LiveDevices& devices, const fs::path& path) {
           PathOf(*stream, session.start_ns(), devices.reference_from_device.at(device.name),
                  tool->handle_from_tool);
     }
+  }
+}
+
+/// A virtual hand without a path of its own begins with the probe in contact.
+void LiveSession::PlaceProbeOnSkin() {
+  const haptics::ToolConfig& probe = devices_.haptics.probe;
+  if (probe.device.empty() || scene_.labels == nullptr) return;
+  for (haptics::DeviceConfig& device : devices_.haptics.devices) {
+    if (device.name != probe.device || device.driver != haptics::DriverKind::kVirtualHand ||
+        !device.hand.path.points.empty()) {
+      continue;
+    }
+    const Eigen::Isometry3d reference_from_device = devices_.reference_from_device.at(device.name);
+    const Eigen::Isometry3d on_skin =
+        OnSkin(reference_from_device * probe.handle_from_tool,
+               training::LabelsOf({*scene_.labels, scene_.ct_from_reference}));
+    device.hand.path.points.push_back(
+        {0.0, reference_from_device.inverse() * on_skin * probe.handle_from_tool.inverse()});
   }
 }
 
@@ -217,23 +247,26 @@ void LiveSession::MakeCore() {
     boards.push_back({.prefix = tracker->name() + "/", .board = &tracker->board()});
   }
   recorder_->AddBoards(std::move(boards));
+  if (exercise_) recorder_->SetExercise(&*exercise_);
   core_ = std::make_unique<LiveCore>(scene_, core_settings_, recorder_.get(),
                                      partner_ ? &*partner_ : nullptr);
   images_ = std::make_unique<ImageThread>(
       scene_, core_->snapshots(), std::max(scene_.image_rate_hz, options_.least_picture_rate_hz),
-      [this](const LivePicture& picture) { SendOut(picture); });
+      [this](const LivePicture& picture) {
+        if (broadcast_) broadcast_->Send(picture);
+      });
 }
 
 void LiveSession::Start() {
   haptics::ZeroForcesOnSignals();
   try {
     MakeCore();
+    replay::WriteTargets(options_.session_folder, targets_);
     if (devices_.send_out) {
-      tracking::PoseServerOptions options;
-      options.host = devices_.send_out->host;
-      options.port = devices_.send_out->port;
-      server_ = std::make_unique<tracking::PoseServer>(options);
-      server_->Start();
+      broadcast_ =
+          std::make_unique<Broadcast>(*devices_.send_out, scene_, targets_, devices_.has_probe());
+      WriteSlicerScene(options_.session_folder, devices_.send_out->host, broadcast_->port(),
+                       targets_);
     }
     recorder_->Start();
     for (const auto& tracker : trackers_) tracker->Start();
@@ -250,6 +283,8 @@ void LiveSession::Start() {
 
 bool LiveSession::Poll() {
   if (end_ != SessionEnd::kRunning) return false;
+  ReadRates();
+  SendStatus();
   if (context_.stop != nullptr && context_.stop->load(std::memory_order_relaxed)) {
     end_ = SessionEnd::kStopped;
   } else if (options_.duration_s > 0.0 && seconds_running() >= options_.duration_s) {
@@ -260,13 +295,32 @@ bool LiveSession::Poll() {
   return end_ == SessionEnd::kRunning;
 }
 
+void LiveSession::ReadRates() {
+  constexpr std::int64_t kEachNs = 100'000'000;
+  const std::int64_t now_ns = MonotonicNs();
+  if (now_ns - rates_read_ns_ < kEachNs) return;
+  rates_read_ns_ = now_ns;
+  recent_pictures_.Add(now_ns, picture_statistics().pictures);
+  recent_steps_.Add(now_ns, statistics().ticks);
+  recent_late_steps_.Add(now_ns, statistics().missed_by_computation);
+}
+
+void LiveSession::SendStatus() {
+  constexpr std::int64_t kEachNs = 1'000'000'000;
+  if (!broadcast_ || MonotonicNs() - status_sent_ns_ < kEachNs) return;
+  status_sent_ns_ = MonotonicNs();
+  const std::vector<StatusLine> lines = Status();
+  const bool is_ok = lines.empty() || lines.front().severity < Severity::kWarning;
+  broadcast_->SetStatus(is_ok, lines.empty() ? Message("Running: ", name_) : lines.front().text);
+}
+
 void LiveSession::Stop() noexcept {
   if (servo_device_) servo_device_->Stop();
   if (other_device_) other_device_->Stop();
   if (bridge_) bridge_->core = nullptr;
   if (images_) images_->Stop();
   for (const auto& tracker : trackers_) tracker->Stop();
-  if (server_) server_->Stop();
+  if (broadcast_) broadcast_->Stop();
   if (recorder_) recorder_->Close();
   if (!started_ || stopped_) return;
   stopped_ = true;
@@ -274,35 +328,9 @@ void LiveSession::Stop() noexcept {
   try {
     config::WriteJson(options_.session_folder / "summary.json", Summary());
   } catch (const std::exception& error) {
+    summary_is_written_ = false;
     context_.Warn(Message("summary.json is not written: ", error.what()));
   }
-}
-
-void LiveSession::SendOut(const LivePicture& picture) {
-  if (!server_ || server_->status().clients == 0) return;
-  const Eigen::Isometry3d reference_from_ct = scene_.ct_from_reference.inverse();
-  const simulation::Snapshot& moment = picture.snapshot.moment;
-  std::vector<tracking::NamedPose> poses;
-  if (devices_.has_probe()) {
-    poses.push_back(
-        {.name = "ProbeToReference",
-         .reference_from_tool = Eigen::Isometry3d(reference_from_ct * moment.ct_from_probe),
-         .valid = moment.probe_valid});
-  }
-  if (moment.ct_from_needle) {
-    poses.push_back(
-        {.name = "NeedleToReference",
-         .reference_from_tool = Eigen::Isometry3d(reference_from_ct * *moment.ct_from_needle),
-         .valid = true});
-  }
-  server_->SendPoses(poses, picture.snapshot.measured_ns);
-  const image::GrayImage& image = picture.images.b_mode;
-  if (image.pixels.empty()) return;
-  tracking::Picture out{
-      .width = image.width, .height = image.height, .channels = 1, .pixels = image.pixels};
-  out.reference_from_pixel = reference_from_ct.matrix() * moment.ct_from_probe.matrix() *
-                             acoustics::PictureOf(*picture.probe).probe_from_image().matrix();
-  server_->SendPicture("Ultrasound", out, picture.snapshot.measured_ns);
 }
 
 HeldTool LiveSession::HeldBy(bool needle) const {
@@ -312,7 +340,9 @@ HeldTool LiveSession::HeldBy(bool needle) const {
   const haptics::ToolConfig& tool = needle ? file.needle : file.probe;
   const auto found = steering_.find(device.device);
   if (found == steering_.end()) return {};
-  return {.hand = found->second, .handle_from_tool = tool.handle_from_tool};
+  return {.hand = found->second,
+          .handle_from_tool = tool.handle_from_tool,
+          .reference_from_device = devices_.reference_from_device.at(device.device)};
 }
 
 ForceLimits LiveSession::force_limits() const {
@@ -338,7 +368,8 @@ double LiveSession::seconds_running() const {
 }
 
 bool LiveSession::complete() const {
-  return end_ != SessionEnd::kDeviceFailed && recorder_->status().steps_lost == 0;
+  return end_ != SessionEnd::kDeviceFailed && recorder_->status().steps_lost == 0 &&
+         summary_is_written_;
 }
 
 bool RunHeadless(LiveSession& session, const RunContext& context) {

@@ -17,10 +17,12 @@
 
 #include "acus/base/core/run_context.h"
 #include "acus/rig/haptics/haptic_device.h"
-#include "acus/rig/tracking/pose_server.h"
+#include "acus/run/live/broadcast.h"
 #include "acus/run/live/image_thread.h"
 #include "acus/run/live/live_core.h"
 #include "acus/run/live/live_devices.h"
+#include "acus/run/live/live_exercise.h"
+#include "acus/run/live/recent_rate.h"
 #include "acus/run/live/recorder.h"
 #include "acus/scene/scenario/scenario.h"
 
@@ -35,6 +37,7 @@ struct LiveOptions {
   /// No vendor's library is loaded, no device looked for, and the session cannot be started.
   bool only_checks = false;
   double least_picture_rate_hz = 30.0;
+  std::optional<training::Exercise> exercise;  ///< Nothing: none.
   RecorderSettings recorder;
 };
 
@@ -54,6 +57,7 @@ std::string_view NameOf(SessionEnd end);
 struct HeldTool {
   std::shared_ptr<haptics::HandSteering> hand = nullptr;  ///< Null: no virtual hand holds it.
   Eigen::Isometry3d handle_from_tool = Eigen::Isometry3d::Identity();  ///< mm.
+  Eigen::Isometry3d reference_from_device = Eigen::Isometry3d::Identity();
 };
 
 /// The largest forces that guards let through; 0: no motor.
@@ -85,7 +89,7 @@ class LiveSession {
   void Stop() noexcept;
 
   SessionEnd end() const { return end_; }
-  /// No device failed for good, and no step is missing from the recording.
+  /// No device failed for good, no step is missing from the recording, and its summary is written.
   bool complete() const;
   const simulation::Scene& scene() const { return scene_; }
   /// @pre Start() was called, as for all that follows.
@@ -95,6 +99,16 @@ class LiveSession {
   /// The camera whose video is shown; null if there is none.
   const camera::CameraTracker* video() const { return camera_; }
   ForceLimits force_limits() const;
+  /// Null if there is none.
+  const LiveExercise* exercise() const { return exercise_ ? &*exercise_ : nullptr; }
+  /// Whether a command holds the patient's breath.
+  bool breath_can_be_held() const { return partner_.has_value(); }
+  bool has_needle() const { return devices_.has_needle(); }
+  bool has_probe() const { return devices_.has_probe(); }
+  /// A device gives no force until its dead-man switch is held.
+  bool switch_is_open() const;
+  /// Images per second of the last seconds; 0 before these have passed.
+  double recent_pictures_per_s() const { return recent_pictures_.per_s(); }
   /// To be called while a pedal or its key is down: see HapticDevice.
   void HoldPedal();
   TripleBuffer<LivePicture>& pictures() { return images_->pictures(); }
@@ -116,9 +130,10 @@ class LiveSession {
   struct Bridge;
   void OpenDevices(const LiveDevices& devices);
   void FollowSession(LiveDevices& devices, const std::filesystem::path& session);
-  void PlaceTools(const LiveDevices& devices);
+  void PlaceProbeOnSkin();
+  void ReadRates();
+  void SendStatus();
   void MakeCore();
-  void SendOut(const LivePicture& picture);
 
   LiveDevices devices_;
   LiveOptions options_;
@@ -135,13 +150,21 @@ class LiveSession {
   std::unique_ptr<haptics::HapticDevice> other_device_;
   CoreSettings core_settings_;
 
+  std::optional<LiveExercise> exercise_;
+  RecentRate recent_pictures_{5.0};
+  RecentRate recent_late_steps_{10.0};
+  RecentRate recent_steps_{10.0};
+  std::int64_t rates_read_ns_ = 0;
+  std::int64_t status_sent_ns_ = 0;
   std::unique_ptr<Recorder> recorder_;
   std::unique_ptr<LiveCore> core_;
   std::unique_ptr<ImageThread> images_;
-  std::unique_ptr<tracking::PoseServer> server_;
+  transforms::Landmarks targets_;  ///< Of exercise and corridor, CT space.
+  std::unique_ptr<Broadcast> broadcast_;
   SessionEnd end_ = SessionEnd::kRunning;
   bool started_ = false;
   bool stopped_ = false;
+  bool summary_is_written_ = true;
 };
 
 /// Runs a session without windows, to its end, and warns of what its status says on the way.

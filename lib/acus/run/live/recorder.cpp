@@ -10,6 +10,7 @@
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/monotonic_time.h"
+#include "acus/base/core/sync_folder.h"
 #include "acus/base/core/text_table.h"
 #include "acus/data/session/pose_csv.h"
 #include "acus/run/replay/force_rows.h"
@@ -25,11 +26,34 @@ constexpr const char* kTrackerHeader =
 // Rows of as many steps go to the disk together: what a full disk leaves out is not more than this.
 constexpr std::int64_t kStepsInBlock = 200;
 
+/// A recording that cannot begin leaves nothing: its folder goes, or what it put into one that was
+/// there. Lives while files are opened.
+class UnbegunFolder {
+ public:
+  UnbegunFolder(const fs::path& folder, bool made) : folder_(folder), made_(made) {}
+  UnbegunFolder(const UnbegunFolder&) = delete;
+  UnbegunFolder& operator=(const UnbegunFolder&) = delete;
+  ~UnbegunFolder() {
+    if (begun_) return;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder_, ignored)) {
+      fs::remove_all(entry, ignored);
+    }
+    if (made_) fs::remove(folder_, ignored);
+  }
+  void Begin() { begun_ = true; }
+
+ private:
+  fs::path folder_;
+  bool made_;
+  bool begun_ = false;
+};
+
 /// Makes an empty folder, in place of an earlier output if that is wanted, and locks it: what
-/// another program is recording is never removed.
-FolderLock MakeFolder(const fs::path& folder, bool overwrite) {
+/// another program is recording is never removed. @param made  Whether it was not there.
+FolderLock MakeFolder(const fs::path& folder, bool overwrite, bool& made) {
   std::error_code error;
-  fs::create_directories(folder, error);
+  made = fs::create_directories(folder, error);
   ACUS_REQUIRE(!error, folder.string(), ": cannot be made: ", error.message());
   FolderLock lock(folder);
   if (fs::is_empty(folder, error)) return lock;
@@ -64,7 +88,9 @@ Recorder::Recorder(const fs::path& folder, const std::string& name,
       settings_(settings),
       readings_(4096),
       ring_(settings.ring_steps) {
-  lock_ = MakeFolder(folder, context.overwrite);
+  bool made = false;
+  lock_ = MakeFolder(folder, context.overwrite, made);
+  UnbegunFolder unbegun(folder, made);
   const auto open = [&](Stream stream, const char* file, std::string_view header) {
     files_[stream] = std::make_unique<StreamFile>(settings_.open(folder_ / file), header);
   };
@@ -91,6 +117,7 @@ Recorder::Recorder(const fs::path& folder, const std::string& name,
   ACUS_REQUIRE(error_ == 0, folder_.string(), ": cannot be written: ", std::strerror(error_));
   config::WriteJson(folder_ / "session.json",
                     session::SessionDescription(streams, name, "Reference"));
+  unbegun.Begin();
 }
 
 Recorder::~Recorder() {
@@ -120,6 +147,7 @@ void Recorder::Run() noexcept {
     }
     try {
       TakeSteps();
+      if (exercise_ != nullptr) exercise_->Publish();
       TakeReadings();
     } catch (const std::exception&) {
       // No memory for the rows of one record: it is lost, the session goes on.
@@ -157,6 +185,7 @@ void Recorder::TakeSteps() {
         BeginBlock();
       }
       AppendStep(*record);
+      if (exercise_ != nullptr) exercise_->Add(*record);
       ++blocks_.back().steps;
       blocks_.back().newest_ns = record->time_ns;
       steps_taken_.fetch_add(1, std::memory_order_relaxed);
@@ -258,6 +287,7 @@ void Recorder::Close() noexcept {
     next_try_ns_ = 0;
     Flush();
   }
+  sync_error_ = SyncFolder(folder_);
   closed_ = true;
 }
 
@@ -283,6 +313,9 @@ RecordingStatus Recorder::status() const {
     status.trouble = Message("Recording: ", status.steps_lost, " steps are missing",
                              error != 0 ? Message(" (", std::strerror(error), ")") : std::string(),
                              "; a replay differs after the first of them.");
+  } else if (sync_error_ != 0) {
+    status.trouble = Message("Recording: ", folder_.string(), " may not survive a power failure (",
+                             std::strerror(sync_error_), "); copy it to another disk.");
   }
   return status;
 }

@@ -22,6 +22,7 @@
 #include "acus/base/core/stop_deadline.h"
 #include "acus/data/session/session_io.h"
 #include "acus/rig/tracking/pose_board.h"
+#include "acus/run/live/live_exercise.h"
 #include "acus/run/live/ring.h"
 #include "acus/run/live/step_record.h"
 #include "acus/run/live/stream_file.h"
@@ -72,12 +73,15 @@ class Recorder {
 
   /// Before Start().
   void AddBoards(std::vector<RecordedBoard> boards);
+  /// Before Start(). Is passed each step that is recorded, by the recorder's thread. Null: none.
+  void SetExercise(LiveExercise* exercise) { exercise_ = exercise; }
   void Start();
 
   /// The real-time thread. Never waits; a record that finds the ring full is lost and counted.
   void Push(const StepRecord& record) noexcept;
 
-  /// Writes what is left and ends the thread. Twice is once.
+  /// Writes what is left, so that a power failure does not take it, and ends the thread. Twice is
+  /// once.
   void Close() noexcept;
 
   RecordingStatus status() const;  ///< Any thread.
@@ -119,6 +123,7 @@ class Recorder {
   std::deque<Block> blocks_;                              ///< In step with those of the files.
   std::size_t pending_bytes_ = 0;
   std::vector<RecordedBoard> boards_;
+  LiveExercise* exercise_ = nullptr;
   std::vector<tracking::ToolReading> readings_;  ///< Buffer of TakeReadings().
   Ring<StepRecord> ring_;
   std::int64_t next_try_ns_ = 0;  ///< After the disk has refused.
@@ -133,7 +138,8 @@ class Recorder {
   std::atomic<std::int64_t> readings_taken_{0};
   std::atomic<std::int64_t> refusals_{0};
   std::atomic<std::int64_t> longest_write_ns_{0};
-  std::atomic<int> error_{0};  ///< errno of the last write; 0: all is well.
+  std::atomic<int> error_{0};       ///< errno of the last write; 0: all is well.
+  std::atomic<int> sync_error_{0};  ///< errno of what Close() could not put on the medium.
   std::atomic<bool> closed_{false};
 
   std::mutex mutex_;  ///< Of stop_; the real-time thread never takes it.

@@ -13,6 +13,9 @@ namespace {
 using haptics::DeviceState;
 using nlohmann::json;
 
+/// Of the steps of the last seconds: fewer late ones are no reason to change anything.
+constexpr double kLateStepsShare = 1e-3;
+
 constexpr std::array<const char*, 4> kStates = {"stopped", "running", "recovering", "failed"};
 
 json GuardJson(const haptics::GuardCounts& counts) {
@@ -50,6 +53,27 @@ json TrackerJson(const tracking::PoseSource& source) {
           {"connects", counts.connects}};
 }
 
+json ExerciseJson(const LiveExercise& exercise) {
+  const replay::ExerciseProgress progress = exercise.progress();
+  json goals = json::array();
+  for (const replay::GoalNow& goal : progress.goals) {
+    const auto& value = goal.result.value;
+    goals.push_back({{"metric", goal.result.goal.metric},
+                     {"value", value ? json(*value) : json(nullptr)},
+                     {"met", goal.result.met},
+                     {"in_report_only", goal.at_end}});
+  }
+  json steps = json::array();
+  for (const training::StepResult& step : progress.checklist) {
+    const bool open = step.state == training::StepState::kOpen;
+    steps.push_back(
+        {{"text", step.text},
+         {"state", NameOf(step.state)},
+         {"time_s", open ? json(nullptr) : json(1e-9 * static_cast<double>(step.time_ns))}});
+  }
+  return {{"name", exercise.exercise().name}, {"goals", goals}, {"checklist", steps}};
+}
+
 void AddDevice(const haptics::HapticDevice& device, std::vector<StatusLine>& lines) {
   const haptics::DeviceStatus status = device.status();
   if (status.state == DeviceState::kFailed || status.state == DeviceState::kRecovering) {
@@ -70,6 +94,9 @@ std::vector<StatusLine> LiveSession::Status() const {
     lines.push_back(
         {recording.steps_lost > 0 ? Severity::kFault : Severity::kWarning, recording.trouble});
   }
+  if (const std::string trouble = images_->trouble(); !trouble.empty()) {
+    lines.push_back({Severity::kFault, trouble});
+  }
   const std::int64_t now_ns = MonotonicNs();
   for (std::size_t t = 0; t < trackers_.size(); ++t) {
     const tracking::SourceStatus status = trackers_[t]->status();
@@ -87,13 +114,21 @@ std::vector<StatusLine> LiveSession::Status() const {
                                                    " does not see the ", board.tools()[i], ".")});
     }
   }
-  if (statistics().missed_by_computation > 0) {
-    lines.push_back({Severity::kWarning, Message(statistics().missed_by_computation.load(),
+  const std::int64_t late = recent_late_steps_.recent();
+  if (static_cast<double>(late) > kLateStepsShare * static_cast<double>(recent_steps_.recent())) {
+    lines.push_back({Severity::kWarning, Message(late, " of the last ", recent_steps_.recent(),
                                                  " steps took longer than the device's period; "
                                                  "choose cheaper models (acus-tradeoff).")});
   }
   std::ranges::stable_sort(lines, std::ranges::greater(), &StatusLine::severity);
   return lines;
+}
+
+bool LiveSession::switch_is_open() const {
+  const auto is_open = [](const haptics::HapticDevice* device) {
+    return device != nullptr && device->status().guard.IsActing(haptics::GuardAct::kDeadManOpen);
+  };
+  return is_open(servo_device_.get()) || is_open(other_device_.get());
 }
 
 std::string LiveSession::DevicesText() const {
@@ -124,8 +159,10 @@ json LiveSession::Summary() const {
   if (other_device_) devices.push_back(DeviceJson(*other_device_));
   json trackers = json::array();
   for (const auto& tracker : trackers_) trackers.push_back(TrackerJson(*tracker));
+  const json exercise = exercise_ ? ExerciseJson(*exercise_) : json(nullptr);
   return {{"format", "acus-live-summary/1"},
           {"name", name_},
+          {"exercise", exercise},
           {"seconds", session_s()},
           {"ended_by", NameOf(end_)},
           {"steps", statistics().ToJson()},
@@ -165,6 +202,9 @@ std::string LiveSession::SummaryText() const {
     if (device == nullptr) continue;
     for (const std::string& notice : device->info().notices) text += "  " + notice + '\n';
     if (!device->status().text.empty()) text += "  " + device->status().text + '\n';
+  }
+  if (pictures.failed > 0) {
+    text += Message("  ", pictures.failed.load(), " pictures could not be made.\n");
   }
   if (!recording.trouble.empty()) text += "  " + recording.trouble + '\n';
   return text;

@@ -102,6 +102,18 @@ class EffectImageWriter {
     }
   }
 
+  /// A still of an event.
+  void WriteStill(int number, const std::string& caption, const EffectPixels& pixels) {
+    char name[24];
+    std::snprintf(name, sizeof name, "_event_%02d.png", number);
+    log_.pngs.push_back({Key() + name, Message(effect_.title, ": ", caption)});
+    if (pixels.colour.rgb.empty()) {
+      image::WritePng(folder_ / log_.pngs.back().file, pixels.gray);
+    } else {
+      image::WritePng(folder_ / log_.pngs.back().file, pixels.colour);
+    }
+  }
+
   ImageLog Finish() {
     if (sequence_) sequence_->Commit();
     if (film_) film_->Finish();
@@ -191,7 +203,34 @@ class EffectImageWriter {
   ImageLog log_;
 };
 
+/// Where the needle's tip was at the moments up to one of them, CT space.
+std::vector<Eigen::Vector3d> TipPath(const std::vector<Snapshot>& moments, int last) {
+  std::vector<Eigen::Vector3d> path;
+  for (int i = 0; i <= last; ++i) {
+    const Snapshot& moment = moments[static_cast<std::size_t>(i)];
+    const bool bent = moment.needle_shape != nullptr && moment.needle_shape->num_points > 0;
+    if (bent) {
+      path.push_back(moment.needle_shape->At(0));
+    } else if (moment.ct_from_needle) {
+      path.emplace_back(moment.ct_from_needle->translation());
+    }
+  }
+  return path;
+}
+
+void WriteStills(const std::vector<Snapshot>& of_scene, const StepLog& steps,
+                 simulation::EffectImageRenderer& renderer, EffectImageWriter& writer) {
+  EffectPixels pixels;
+  int number = 0;
+  for (const EventImage& event : EventImages(of_scene, steps)) {
+    renderer.SetTipPath(TipPath(of_scene, event.index));
+    renderer.Render(of_scene[static_cast<std::size_t>(event.index)], nullptr, pixels);
+    writer.WriteStill(++number, event.caption, pixels);
+  }
+}
+
 ImageLog RenderOne(const Scene& scene, const ListedEffect& effect, const EffectMoments& moments,
+                   const std::vector<Snapshot>& of_scene, const StepLog& steps,
                    const std::filesystem::path& folder, const ReplayOptions& options,
                    simulation::StageTimes* times, const RunContext& context) {
   simulation::EffectImageRenderer renderer(scene, effect, context);
@@ -206,6 +245,9 @@ ImageLog RenderOne(const Scene& scene, const ListedEffect& effect, const EffectM
     const Snapshot* moment = &moments.moments[i];
     renderer.Render(*moment, nullptr, pixels, times, i > 0 ? moment - 1 : nullptr);
     writer.Write(i, pixels);
+  }
+  if (!folder.empty() && options.png == PngChoice::kEvents && renderer.stage().ShowsEvents()) {
+    WriteStills(of_scene, steps, renderer, writer);
   }
   context.Checkpoint(effect.title, 1.0);
   ImageLog log = writer.Finish();
@@ -242,13 +284,14 @@ std::vector<EffectImageLog> RenderEffectImages(
     const std::filesystem::path& folder, const ReplayOptions& options,
     simulation::StageTimes* times, const RunContext& context) {
   std::vector<EffectImageLog> logs;
+  const std::vector<Snapshot> of_scene = MomentsOfScene(moments);
   for (std::size_t n = 0; n < scene.listed.all().size(); ++n) {
     const ListedEffect& effect = scene.listed.all()[n];
     if (!effect.has_image) continue;
     const EffectMoments own = MomentsOf(scene, n, moments, steps);
     if (own.moments.empty()) continue;
-    logs.push_back(
-        {std::string(effect.key), RenderOne(scene, effect, own, folder, options, times, context)});
+    logs.push_back({std::string(effect.key), RenderOne(scene, effect, own, of_scene, steps, folder,
+                                                       options, times, context)});
   }
   return logs;
 }

@@ -15,6 +15,9 @@ std::vector<LoggedEvent> EventsOf(const simulation::Scene& scene, const StepLog&
   for (std::size_t i = 0; i < log.steps.size(); ++i) {
     const simulation::StepOutput& step = log.steps[i];
     const forces::NeedleForce& force = step.force;
+    const bool is_bendable = scene.shape && scene.shape->bendable();
+    const Eigen::Vector3d tip_ct_mm =
+        is_bendable ? step.shape.tip_in_ct_mm : step.ct_from_needle.translation();
     if (passed != log.passed.end() && passed->step == i) {
       for (; passed != log.passed.end() && passed->step == i; ++passed) {
         const forces::PassedEvent& event = passed->event;
@@ -23,7 +26,8 @@ std::vector<LoggedEvent> EventsOf(const simulation::Scene& scene, const StepLog&
                           .tissue = TissueName(scene, event.tissue),
                           .depth_mm = event.depth_mm,
                           .force_axial_n = event.force_axial_n,
-                          .force_before_n = event.force_before_n});
+                          .force_before_n = event.force_before_n,
+                          .tip_ct_mm = tip_ct_mm});
       }
     } else if (force.event != forces::NeedleEvent::kNone) {
       const forces::NeedleForce before = i > 0 ? log.steps[i - 1].force : forces::NeedleForce{};
@@ -33,7 +37,8 @@ std::vector<LoggedEvent> EventsOf(const simulation::Scene& scene, const StepLog&
                         .tissue = TissueName(scene, step.tissue_at_tip),
                         .depth_mm = left ? before.depth_mm : force.depth_mm,
                         .force_axial_n = force.AxialN(),
-                        .force_before_n = before.AxialN()});
+                        .force_before_n = before.AxialN(),
+                        .tip_ct_mm = tip_ct_mm});
     }
   }
   return events;

@@ -17,6 +17,7 @@ struct LoggedEvent {
   double depth_mm = 0.0;        ///< Along the path; in deformed tissue at a withdrawal, before it.
   double force_axial_n = 0.0;   ///< Then: after a puncture, when the force has fallen.
   double force_before_n = 0.0;  ///< Just before: at a puncture, what it took.
+  Eigen::Vector3d tip_ct_mm = Eigen::Vector3d::Zero();  ///< CT space, at the end of that step.
 };
 
 /// In order of time.

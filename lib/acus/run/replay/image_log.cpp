@@ -33,19 +33,6 @@ bool HasImages(const Scene& scene) {
          scene.listed.has_images();
 }
 
-/// The step at or before a time; nothing before the first.
-const simulation::StepOutput* StepAt(const StepLog& log, std::int64_t time_ns) {
-  const auto after =
-      std::ranges::upper_bound(log.steps, time_ns, {}, &simulation::StepOutput::time_ns);
-  return after == log.steps.begin() ? nullptr : &*(after - 1);
-}
-
-/// An image that deserves a picture of its own.
-struct EventImage {
-  int index;
-  std::string caption;
-};
-
 /// "bone contact at 17.80 s, 57.3 mm deep"
 std::string CaptionOf(const simulation::StepOutput& step) {
   char text[64];
@@ -54,53 +41,48 @@ std::string CaptionOf(const simulation::StepOutput& step) {
   return EventWords(step.force.event) + text;
 }
 
-/// The first image after each event that a hand feels; without any, the one in the middle.
-std::vector<EventImage> EventImages(const std::vector<Snapshot>& snapshots, const StepLog& log) {
-  std::vector<EventImage> chosen;
-  for (const simulation::StepOutput& step : log.steps) {
-    const auto event = step.force.event;
-    if (event != forces::NeedleEvent::kPuncture && event != forces::NeedleEvent::kBoneContact) {
-      continue;
-    }
-    const auto at = std::ranges::lower_bound(snapshots, step.time_ns, {}, &Snapshot::time_ns);
-    if (at == snapshots.end()) continue;
-    const int index = static_cast<int>(at - snapshots.begin());
-    if (!chosen.empty() && chosen.back().index == index) continue;
-    chosen.push_back({index, CaptionOf(step)});
-  }
-  if (chosen.empty()) {
-    chosen.push_back({static_cast<int>(snapshots.size() / 2), "middle of the session"});
-  }
-  return chosen;
-}
-
 /// What the sequence holds, and what is on the left of the film.
 const image::GrayImage& MainImage(const Images& images) {
   return images.b_mode.pixels.empty() ? images.ct_slice : images.b_mode;
+}
+
+/// Also an image that is not there.
+bool IsBlack(const image::GrayImage& image) {
+  return std::ranges::all_of(image.pixels, [](auto grey) { return grey == 0; });
 }
 
 /// Writes images in order of time: sequence, film and single pictures.
 class ImageWriter {
  public:
   ImageWriter(const Scene& scene, const std::vector<Snapshot>& snapshots, const StepLog& steps,
-              std::filesystem::path folder, const ReplayOptions& options)
+              std::filesystem::path folder, const ReplayOptions& options, LabelledImages* labelled)
       : scene_(scene),
         snapshots_(snapshots),
         steps_(steps),
         folder_(std::move(folder)),
-        options_(options) {
-    if (options.png == PngChoice::kEvents) event_images_ = EventImages(snapshots, steps);
+        options_(options),
+        labelled_(labelled),
+        persistence_(simulation::PersistenceOf(scene)) {
+    if (options.png != PngChoice::kEvents) return;
+    event_images_ = EventImages(snapshots, steps);
+    if (event_images_.empty()) {
+      event_images_.push_back({static_cast<int>(snapshots.size() / 2), "middle of the session"});
+    }
   }
 
-  void Write(int index, const Images& images) {
+  void Write(int index, const Images& frames) {
     // A plan may have nothing but images of effects.
-    if (folder_.empty() || MainImage(images).pixels.empty()) return;
+    if (folder_.empty() || MainImage(frames).pixels.empty()) return;
     const Snapshot& snapshot = snapshots_[static_cast<std::size_t>(index)];
+    const Images& images = persistence_.on() ? WithPersistence(snapshot, frames) : frames;
     if (options_.trace) trace_.Add(snapshot.time_ns, images);
+    if (labelled_ != nullptr) {
+      labelled_->Write(snapshot, StepAt(steps_, snapshot.time_ns), MainImage(images));
+    }
     if (options_.sequence) WriteToSequence(snapshot, MainImage(images));
     if (!options_.film && !WantsPicture(index)) return;
     Compose(snapshot, images);
-    if (options_.film) WriteToFilm();
+    if (options_.film) WriteToFilm(images);
     if (WantsPicture(index)) WritePicture(index);
   }
 
@@ -117,20 +99,31 @@ class ImageWriter {
   }
 
  private:
+  const Images& WithPersistence(const Snapshot& snapshot, const Images& frames) {
+    if (!snapshot.probe_valid) persistence_.Reset();
+    persistence_.Add(snapshot.time_ns, frames.b_mode, persistent_.b_mode);
+    if (!snapshot.probe_valid)
+      persistence_.Reset();  // What is seen again does not rise from black.
+    persistent_.ct_slice = frames.ct_slice;
+    return persistent_;
+  }
+
   void WriteToSequence(const Snapshot& snapshot, const image::GrayImage& image) {
     if (!sequence_) {
       session::SequenceFormat format;
       format.width = static_cast<std::size_t>(image.width);
       format.height = static_cast<std::size_t>(image.height);
-      const Eigen::Affine3d probe_from_image =
-          acoustics::PictureOf(*scene_.probe).probe_from_image();
-      format.fields["ImageToProbeTransform"] = session::TransformText(probe_from_image.matrix());
+      probe_from_image_ = acoustics::PictureOf(*scene_.probe).probe_from_image();
+      format.fields["ImageToProbeTransform"] = session::TransformText(probe_from_image_.matrix());
       sequence_.emplace(folder_ / "images.igs.mha", format);
     }
     const Eigen::Isometry3d reference_from_ct = scene_.ct_from_reference.inverse();
     session::SequenceFields fields;
-    session::AddTransform(fields, "ProbeToReference",
-                          (reference_from_ct * snapshot.ct_from_probe).matrix(),
+    const Eigen::Isometry3d reference_from_probe = reference_from_ct * snapshot.ct_from_probe;
+    session::AddTransform(fields, "ProbeToReference", reference_from_probe.matrix(),
+                          snapshot.probe_valid);
+    session::AddTransform(fields, "ImageToReference",
+                          reference_from_probe.matrix() * probe_from_image_.matrix(),
                           snapshot.probe_valid);
     if (snapshot.ct_from_needle) {
       session::AddTransform(fields, "NeedleToReference",
@@ -166,7 +159,9 @@ class ImageWriter {
     screen_->Compose(MainImage(images), both ? &images.ct_slice : nullptr, line, composed_);
   }
 
-  void WriteToFilm() {
+  void WriteToFilm(const Images& images) {
+    // The video begins with the first image that shows something.
+    if (!film_ && IsBlack(images.b_mode) && IsBlack(images.ct_slice)) return;
     if (!film_) {
       image::FilmOptions film;
       film.frames_per_s = scene_.image_rate_hz;
@@ -198,16 +193,36 @@ class ImageWriter {
   const StepLog& steps_;
   std::filesystem::path folder_;
   ReplayOptions options_;
+  LabelledImages* labelled_;
   std::vector<EventImage> event_images_;
   std::optional<session::SequenceWriter> sequence_;
+  Eigen::Affine3d probe_from_image_ = Eigen::Affine3d::Identity();  ///< Of the sequence.
   std::optional<image::FilmWriter> film_;
   std::optional<ultrasound::Screen> screen_;
+  ultrasound::FramePersistence persistence_;
+  Images persistent_;
   image::GrayImage composed_;
   ImageTrace trace_;
   std::vector<WrittenPng> pngs_;
 };
 
 }  // namespace
+
+std::vector<EventImage> EventImages(const std::vector<Snapshot>& snapshots, const StepLog& log) {
+  std::vector<EventImage> chosen;
+  for (const simulation::StepOutput& step : log.steps) {
+    const auto event = step.force.event;
+    if (event != forces::NeedleEvent::kPuncture && event != forces::NeedleEvent::kBoneContact) {
+      continue;
+    }
+    const auto at = std::ranges::lower_bound(snapshots, step.time_ns, {}, &Snapshot::time_ns);
+    if (at == snapshots.end()) continue;
+    const int index = static_cast<int>(at - snapshots.begin());
+    if (!chosen.empty() && chosen.back().index == index) continue;
+    chosen.push_back({index, CaptionOf(step)});
+  }
+  return chosen;
+}
 
 Snapshot SnapshotAt(const Scene& scene, const session::Session& session, std::int64_t time_ns) {
   Snapshot snapshot{.time_ns = time_ns,
@@ -247,13 +262,16 @@ std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& sess
 ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots,
                       const StepLog& steps, const std::filesystem::path& folder,
                       const ReplayOptions& options, simulation::StageTimes* times,
-                      const RunContext& context) {
+                      const RunContext& context, LabelledImages* labelled) {
   ImageLog log;
   log.num_images = static_cast<int>(snapshots.size());
   if (snapshots.empty()) return log;
   std::vector<simulation::ImageRenderer> renderers;
   std::vector<simulation::StageTimes> slot_times(static_cast<std::size_t>(context.num_threads));
-  for (int i = 0; i < context.num_threads; ++i) renderers.emplace_back(scene);
+  for (int i = 0; i < context.num_threads; ++i) {
+    // Their frames are not in order: persistence comes with the writer.
+    renderers.emplace_back(scene, nullptr, simulation::Pictures::kAll, simulation::Frames::kSingle);
+  }
 
   // A picture that is the same as the one before is not made again, but copied.
   const auto same = [&](StageId id, int i) {
@@ -263,7 +281,7 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
 
   // Two batches take turns: while one is rendered, the other is written.
   std::vector<Images> batches[2] = {std::vector<Images>(kBatch), std::vector<Images>(kBatch)};
-  ImageWriter writer(scene, snapshots, steps, folder, options);
+  ImageWriter writer(scene, snapshots, steps, folder, options, labelled);
   std::future<void> written;
   log.cpu_s.resize(snapshots.size());
   for (int begin = 0; begin < log.num_images; begin += kBatch) {

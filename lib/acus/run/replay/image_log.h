@@ -7,6 +7,7 @@
 
 #include "acus/base/core/run_context.h"
 #include "acus/data/session/session.h"
+#include "acus/run/replay/labelled_images.h"
 #include "acus/run/replay/replay.h"
 #include "acus/run/replay/step_log.h"
 #include "acus/scene/simulation/image_renderer.h"
@@ -23,6 +24,17 @@ std::vector<simulation::Snapshot> Snapshots(const simulation::Scene& scene,
 /// What an image needs to know of a moment of the session, but for what the steps do.
 simulation::Snapshot SnapshotAt(const simulation::Scene& scene, const session::Session& session,
                                 std::int64_t time_ns);
+
+/// An image that deserves a still.
+struct EventImage {
+  int index = 0;        ///< Of the scene's moments.
+  std::string caption;  ///< "bone contact at 17.80 s, 57.3 mm deep"
+};
+
+/// The first image after each event that a hand feels: punctures and bone contacts.
+/// @param snapshots  Of the scene's images, in order of time.
+std::vector<EventImage> EventImages(const std::vector<simulation::Snapshot>& snapshots,
+                                    const StepLog& log);
 
 /// An image that was written as PNG.
 struct WrittenPng {
@@ -47,10 +59,11 @@ struct ImageLog {
 
 /// Renders all snapshots and writes images.igs.mha, film.mp4 and PNG files into `folder`, or
 /// nothing if `folder` is empty. The bytes do not depend on context.num_threads. Adds the cost of
-/// the image stages to `times`, if given.
+/// the image stages to `times`, if given, and each image to `labelled`, if given.
 ImageLog RenderImages(const simulation::Scene& scene,
                       const std::vector<simulation::Snapshot>& snapshots, const StepLog& steps,
                       const std::filesystem::path& folder, const ReplayOptions& options,
-                      simulation::StageTimes* times, const RunContext& context);
+                      simulation::StageTimes* times, const RunContext& context,
+                      LabelledImages* labelled = nullptr);
 
 }  // namespace acus::replay

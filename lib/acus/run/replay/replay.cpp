@@ -16,6 +16,8 @@
 #include "acus/run/replay/effect_image_log.h"
 #include "acus/run/replay/event_log.h"
 #include "acus/run/replay/image_log.h"
+#include "acus/run/replay/labelled_images.h"
+#include "acus/run/replay/markups.h"
 #include "acus/run/replay/plan_table.h"
 #include "acus/run/replay/run_metrics.h"
 #include "acus/run/replay/run_report.h"
@@ -42,7 +44,8 @@ session::Session ReadSessionFor(const scenario::Scenario& scenario, const fs::pa
   for (const auto& [tool, stream] :
        {std::pair{"needle", &session.needle}, {"probe", &session.probe}}) {
     if (stream->empty()) continue;
-    for (const std::string& trouble : session::Describe(session::CheckIntegrity(*stream), tool)) {
+    for (const std::string& trouble :
+         session::Describe(session::CheckIntegrity(*stream, {}, session.commands), tool)) {
       context.Warn(trouble);
     }
   }
@@ -137,10 +140,14 @@ void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, cons
 }
 
 void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, const Scene& scene,
-                    const Run& run, const RunContext& context) {
+                    const transforms::Landmarks& targets, const Run& run,
+                    const RunContext& context) {
+  WriteTargets(folder, targets);
   if (scene.plan.Has(StageId::kNeedleForce)) {
     WriteForces(folder / "forces.csv", run.steps, scene);
-    WriteEvents(folder / "events.csv", EventsOf(scene, run.steps));
+    const std::vector<LoggedEvent> events = EventsOf(scene, run.steps);
+    WriteEvents(folder / "events.csv", events);
+    WriteEventMarkups(folder, events);
   }
   if (scene.plan.Has(StageId::kProbeForce)) {
     WriteProbeForces(folder / "probe_forces.csv", run.steps, scene);
@@ -244,6 +251,8 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
     exercise = training::ReadExercise(options.exercise);
     context.provenance.AddInput(options.exercise);
   }
+  transforms::Landmarks targets;
+  if (folder) targets = TargetsOf(exercise ? &*exercise : nullptr, scenario);
   Run run;
   const WarningsKept kept(context, run.warnings);
   run.session = ReadSessionFor(scenario, session_path, context);
@@ -258,8 +267,14 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   run.steps = RunSteps(scene, run.session, moments, &run.times, context,
                        scenario.evidence ? &step_cpu_s : nullptr);
   const fs::path into = folder ? folder->path() : fs::path();
-  run.images =
-      RenderImages(scene, MomentsOfScene(moments), run.steps, into, options, &run.times, context);
+  std::optional<LabelledImages> labelled;
+  if (folder && options.labels != LabelFormat::kNone) {
+    const auto source = LabelSourceOf(scenario, scene, exercise ? &*exercise : nullptr, context);
+    labelled.emplace(scene, source, options.labels, into / "labelled");
+  }
+  run.images = RenderImages(scene, MomentsOfScene(moments), run.steps, into, options, &run.times,
+                            context, labelled ? &*labelled : nullptr);
+  if (labelled) labelled->Finish();
   run.effects = RenderEffectImages(scene, moments, run.steps, into, options, &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
   if (scenario.evidence) {
@@ -274,7 +289,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   ReplayResult result{PlanText(scene.plan, &run.times), SummaryOf(run, options)};
   if (folder) {
     if (!options.times) ForgetTimes(run);
-    WriteRunFolder(folder->path(), scenario, scene, run, context);
+    WriteRunFolder(folder->path(), scenario, scene, targets, run, context);
     if (options.trace) WriteTrace(folder->path() / "trace.csv", run.steps, scene);
     folder->Commit();
   }

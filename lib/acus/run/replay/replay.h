@@ -6,6 +6,7 @@
 #include <string>
 
 #include "acus/base/core/run_context.h"
+#include "acus/run/replay/label_format.h"
 #include "acus/scene/scenario/scenario.h"
 
 namespace acus::replay {
@@ -22,8 +23,9 @@ struct ReplayOptions {
   bool sequence = true;
   bool times = true;   ///< Write measured times; without them, the same inputs give the same bytes.
   bool trace = false;  ///< Write trace.csv and image_trace.csv, see trace.h.
-  std::filesystem::path exercise;  ///< acus-exercise file; empty: none.
-  std::string trainee;             ///< Code of who did it, for training.json.
+  LabelFormat labels = LabelFormat::kNone;  ///< Write labelled/, see labelled_images.h.
+  std::filesystem::path exercise;           ///< acus-exercise file; empty: none.
+  std::string trainee;                      ///< Code of who did it, for training.json.
 };
 
 struct ReplayResult {

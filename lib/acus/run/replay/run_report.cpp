@@ -155,7 +155,8 @@ void AddEvents(report::HtmlReport& html, const StepLog& log, const simulation::S
 }
 
 void AddExercise(report::HtmlReport& html, const training::Assessment& assessment) {
-  html.Section("Exercise");
+  html.Section("Outcome");
+  html.Paragraph(training::OutcomeText(assessment));
   html.Paragraph(Message(assessment.exercise, assessment.trainee.empty() ? "" : ", trainee ",
                          assessment.trainee, ": ", assessment.NumMet(), " of ",
                          assessment.goals.size(), " goals met."));
@@ -166,6 +167,13 @@ void AddExercise(report::HtmlReport& html, const training::Assessment& assessmen
                      GoalText(result.goal, result.unit), result.goal.why});
   }
   html.Table({"", "goal", "value", "unit", "asked for", "why"}, goals);
+  std::vector<std::vector<std::string>> steps;
+  for (const training::StepResult& step : assessment.checklist) {
+    const bool open = step.state == training::StepState::kOpen;
+    steps.push_back({std::string(NameOf(step.state)), step.text,
+                     open ? "-" : FourDigits(1e-9 * static_cast<double>(step.time_ns))});
+  }
+  if (!steps.empty()) html.Table({"", "step", "time [s]"}, steps, "Checklist");
   std::vector<std::vector<std::string>> structures;
   for (const training::NamedStructure& structure : assessment.structures) {
     structures.push_back({structure.name, std::to_string(structure.entered.num_entries),
@@ -220,9 +228,9 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
                  const StepLog& log, const simulation::Scene& scene, const Provenance& provenance) {
   report::HtmlReport html(content.title, "Replay of a recorded session");
   html.Warnings(content.warnings);
+  if (content.assessment) AddExercise(html, *content.assessment);
   html.Section("Summary");
   html.KeyValues(content.facts);
-  if (content.assessment) AddExercise(html, *content.assessment);
   if (!content.films.empty() || !content.images.empty()) html.Section("Images");
   for (const WrittenFilm& film : content.films) html.Film(film.file, film.title);
   for (const WrittenPng& image : content.images) {

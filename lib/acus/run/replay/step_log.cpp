@@ -144,6 +144,12 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
   return log;
 }
 
+const simulation::StepOutput* StepAt(const StepLog& log, std::int64_t time_ns) {
+  const auto after =
+      std::ranges::upper_bound(log.steps, time_ns, {}, &simulation::StepOutput::time_ns);
+  return after == log.steps.begin() ? nullptr : &*(after - 1);
+}
+
 std::string EventWords(forces::NeedleEvent event) {
   std::string words(forces::NameOf(event));
   std::ranges::replace(words, '_', ' ');

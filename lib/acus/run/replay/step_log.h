@@ -46,6 +46,9 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
                  std::span<simulation::Snapshot> images, simulation::StageTimes* times,
                  const RunContext& context, std::vector<double>* step_cpu_s = nullptr);
 
+/// The step at or before a time; null before the first.
+const simulation::StepOutput* StepAt(const StepLog& log, std::int64_t time_ns);
+
 /// "bone contact": an event in words.
 std::string EventWords(forces::NeedleEvent event);
 

@@ -4,6 +4,8 @@
 
 #include "acus/base/core/error.h"
 #include "acus/data/transforms/landmarks.h"
+#include "acus/run/replay/exercise_watch.h"
+#include "acus/run/training/handling_metrics.h"
 #include "acus/scene/simulation/scene.h"
 
 namespace acus::replay {
@@ -35,27 +37,48 @@ void RequireAssessable(const training::Exercise& exercise, const scenario::Scena
   if (!target.empty()) TargetOf(exercise, target);
 }
 
+std::optional<Eigen::Vector3d> TargetInCtMm(const training::Exercise& exercise,
+                                            const scenario::Scenario& scenario) {
+  const std::filesystem::path file = TargetFile(exercise, scenario);
+  if (file.empty()) return std::nullopt;
+  return TargetOf(exercise, file);
+}
+
+training::Assessment AssessMotion(const training::Exercise& exercise,
+                                  const training::Anatomy& anatomy,
+                                  const std::optional<Eigen::Vector3d>& target_ct_mm,
+                                  const session::Session& session, std::vector<Metric> metrics) {
+  if (target_ct_mm) {
+    const auto of_target = training::TargetMetricsOf(session, anatomy, *target_ct_mm, exercise);
+    metrics.insert(metrics.end(), of_target.begin(), of_target.end());
+  }
+  const auto of_hands = training::HandlingMetricsOf(session, anatomy, exercise.passes);
+  metrics.insert(metrics.end(), of_hands.begin(), of_hands.end());
+  auto structures = training::NamedStructuresOf(session, anatomy);
+  metrics.push_back(training::EntriesInto(exercise.avoid, structures));
+  auto goals = training::JudgeGoals(exercise.goals, metrics);
+  training::Assessment assessment{
+      exercise.name, "", session.name, std::move(metrics), std::move(goals), std::move(structures)};
+  if (target_ct_mm) assessment.target = exercise.target_name;
+  assessment.target_radius_mm = exercise.target_radius_mm;
+  return assessment;
+}
+
 training::Assessment Assess(const training::Exercise& exercise, const scenario::Scenario& scenario,
                             const simulation::Scene& scene, const session::Session& session,
                             std::vector<Metric> metrics, RunContext& context) {
   RequireAssessable(exercise, scenario, scene, &session);
-  const training::Anatomy anatomy{*scene.labels, scene.ct_from_reference};
   const std::filesystem::path target = TargetFile(exercise, scenario);
-  if (!target.empty()) {
-    context.provenance.AddInput(target);
-    const auto of_target =
-        training::TargetMetricsOf(session, anatomy, TargetOf(exercise, target), exercise);
-    metrics.insert(metrics.end(), of_target.begin(), of_target.end());
-  }
+  if (!target.empty()) context.provenance.AddInput(target);
   for (const std::string& name : training::NotInMap(exercise.avoid, *scene.labels)) {
     context.Warn(
         Message("the patient's label map has no ", name, ": whether it was spared cannot be told"));
   }
-  auto structures = training::NamedStructuresOf(session, anatomy);
-  metrics.push_back(training::EntriesInto(exercise.avoid, structures));
-  auto goals = training::JudgeGoals(exercise.goals, metrics);
-  return {exercise.name,        "", session.name, std::move(metrics), std::move(goals),
-          std::move(structures)};
+  const auto target_ct_mm = TargetInCtMm(exercise, scenario);
+  training::Assessment assessment = AssessMotion(exercise, {*scene.labels, scene.ct_from_reference},
+                                                 target_ct_mm, session, std::move(metrics));
+  assessment.checklist = ChecklistOf(exercise, scene, target_ct_mm, session);
+  return assessment;
 }
 
 }  // namespace acus::replay

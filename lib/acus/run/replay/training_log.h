@@ -1,7 +1,9 @@
 // A replayed session held against an exercise.
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "acus/run/replay/run_metrics.h"
@@ -17,8 +19,23 @@ namespace acus::replay {
 void RequireAssessable(const training::Exercise& exercise, const scenario::Scenario& scenario,
                        const simulation::Scene& scene, const session::Session* session);
 
-/// Metrics of the target and of what is to be spared, after those of the run, held against the
-/// exercise's goals. Warns of structures that the patient's map does not tell apart.
+/// Where the tip is to go, in CT space: of the exercise's own file, else of the scenario's
+/// corridor; nothing if there is neither.
+/// @throws InputError if the file is missing or has no such point.
+std::optional<Eigen::Vector3d> TargetInCtMm(const training::Exercise& exercise,
+                                            const scenario::Scenario& scenario);
+
+/// Metrics of the target, of the hands and of what is to be spared, after those of the run, held
+/// against the exercise's goals. Reads no file and warns of nothing: for many sessions in one
+/// patient.
+/// @throws InputError if a goal's metric is not there.
+training::Assessment AssessMotion(const training::Exercise& exercise,
+                                  const training::Anatomy& anatomy,
+                                  const std::optional<Eigen::Vector3d>& target_ct_mm,
+                                  const session::Session& session, std::vector<Metric> metrics);
+
+/// Metrics of the target, of the hands and of what is to be spared, after those of the run, held
+/// against the exercise's goals. Warns of structures that the patient's map does not tell apart.
 /// @param metrics  As MetricsOf gives them.
 /// @throws InputError if the scene has no label map or the session no needle, the target's file is
 ///     missing or has no such point, or a goal's metric is not there.

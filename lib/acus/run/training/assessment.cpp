@@ -1,6 +1,7 @@
 #include "acus/run/training/assessment.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
@@ -20,6 +21,10 @@ std::optional<double> NumberFrom(const json& value) {
   return value.get<double>();
 }
 
+bool IsOfProbe(const std::string& metric) {
+  return metric.find("probe") != std::string::npos;
+}
+
 bool Meets(const Goal& goal, double value) {
   return (!goal.at_most || value <= *goal.at_most) && (!goal.at_least || value >= *goal.at_least);
 }
@@ -30,9 +35,36 @@ std::size_t Assessment::NumMet() const {
   return static_cast<std::size_t>(std::ranges::count_if(goals, &GoalResult::met));
 }
 
+bool HasInsertion(const std::vector<Metric>& metrics) {
+  const auto passes = std::ranges::find(metrics, "passes", &Metric::name);
+  return passes == metrics.end() || passes->value > 0.0;
+}
+
+std::string OutcomeText(const Assessment& assessment) {
+  if (!HasInsertion(assessment.metrics)) {
+    return "No insertion: the needle made no pass in tissue. Its goals are not judged.";
+  }
+  const auto value = [&](const char* name) -> std::optional<double> {
+    const auto metric = std::ranges::find(assessment.metrics, name, &Metric::name);
+    if (metric == assessment.metrics.end()) return std::nullopt;
+    return metric->value;
+  };
+  const auto end_mm = value("tip to target at the end");
+  if (!end_mm || assessment.target.empty()) return "Insertion made.";
+  const bool reached = *end_mm <= assessment.target_radius_mm;
+  std::string text = Message(reached ? "Target reached" : "Target not reached", ": the tip ended ",
+                             RoundedText(*end_mm, 3), " mm from ", assessment.target, " (at most ",
+                             RoundedText(assessment.target_radius_mm, 3), " mm).");
+  if (const auto reached_s = value(kTimeToTarget); reached_s && !reached) {
+    text += Message(" It had been there after ", RoundedText(*reached_s, 3), " s.");
+  }
+  return text;
+}
+
 std::vector<GoalResult> JudgeGoals(const std::vector<Goal>& goals,
                                    const std::vector<Metric>& metrics) {
   std::vector<GoalResult> results;
+  const bool has_insertion = HasInsertion(metrics);
   for (const Goal& goal : goals) {
     const auto metric = std::ranges::find(metrics, goal.metric, &Metric::name);
     const bool has_target = std::ranges::any_of(
@@ -47,6 +79,10 @@ std::vector<GoalResult> JudgeGoals(const std::vector<Goal>& goals,
       throw InputError(
           Message("the exercise has a goal for \"", goal.metric,
                   "\", which this session and scenario do not give; they give: ", known));
+    }
+    if (!has_insertion && !IsOfProbe(goal.metric)) {
+      results.push_back({goal, metric->unit, std::nullopt, false});
+      continue;
     }
     results.push_back({goal, metric->unit, metric->value, Meets(goal, metric->value)});
   }
@@ -66,8 +102,8 @@ std::string GoalText(const Goal& goal, const std::string& unit) {
 }
 
 std::string GoalsText(const Assessment& assessment) {
-  std::string text =
-      Message("Goals met: ", assessment.NumMet(), " of ", assessment.goals.size(), "\n");
+  std::string text = Message(OutcomeText(assessment), "\nGoals met: ", assessment.NumMet(), " of ",
+                             assessment.goals.size(), "\n");
   for (const GoalResult& result : assessment.goals) {
     if (result.met) continue;
     text +=
@@ -102,13 +138,25 @@ json ToJson(const Assessment& assessment) {
                           {"path_mm", s.entered.path_mm},
                           {"first_time_s", 1e-9 * static_cast<double>(s.entered.first_ns)}});
   }
+  json checklist = json::array();
+  for (const StepResult& step : assessment.checklist) {
+    checklist.push_back({{"text", step.text},
+                         {"state", NameOf(step.state)},
+                         {"time_s", step.state == StepState::kOpen
+                                        ? json(nullptr)
+                                        : json(1e-9 * static_cast<double>(step.time_ns))}});
+  }
   return {{"format", "acus-training/1"},
           {"exercise", assessment.exercise},
           {"trainee", assessment.trainee},
           {"session", assessment.session},
           {"metrics", metrics},
           {"goals", goals},
-          {"structures", structures}};
+          {"structures", structures},
+          {"outcome", OutcomeText(assessment)},
+          {"target", assessment.target},
+          {"target_radius_mm", assessment.target_radius_mm},
+          {"checklist", checklist}};
 }
 
 Assessment ReadAssessment(const std::filesystem::path& path) {
@@ -135,6 +183,17 @@ Assessment ReadAssessment(const std::filesystem::path& path) {
           {s.at("name"),
            {s.at("label"), s.at("entries"), s.at("path_mm"),
             static_cast<std::int64_t>(1e9 * s.at("first_time_s").get<double>())}});
+    }
+    // Runs of earlier versions do not have these.
+    assessment.target = document.value("target", "");
+    assessment.target_radius_mm = document.value("target_radius_mm", 0.0);
+    for (const json& step : document.value("checklist", json::array())) {
+      StepResult result{.text = step.at("text")};
+      if (step.at("state") != "open") {
+        result.state = step.at("state") == "done" ? StepState::kDone : StepState::kFailed;
+        result.time_ns = std::llround(1e9 * step.at("time_s").get<double>());
+      }
+      assessment.checklist.push_back(result);
     }
     return assessment;
   } catch (const json::exception& error) {

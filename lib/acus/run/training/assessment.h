@@ -16,7 +16,8 @@ namespace acus::training {
 struct GoalResult {
   Goal goal;
   std::string unit;
-  std::optional<double> value;  ///< Nothing if it did not come to it: such a goal is not met.
+  /// Nothing if it did not come to it, or no insertion was made: such a goal is not met.
+  std::optional<double> value;
   bool met = false;
 };
 
@@ -27,11 +28,22 @@ struct Assessment {
   std::vector<Metric> metrics;
   std::vector<GoalResult> goals;
   std::vector<NamedStructure> structures;  ///< That the tip went through.
+  std::string target = {};                 ///< Its name; empty: the exercise has none.
+  double target_radius_mm = 0.0;
+  std::vector<StepResult> checklist = {};
 
   std::size_t NumMet() const;
 };
 
-/// A goal for kTimeToTarget is not met if the target was not reached.
+/// True unless the metrics say that the needle made no pass in tissue.
+bool HasInsertion(const std::vector<Metric>& metrics);
+
+/// What became of the insertion, in a sentence: "Target reached: the tip ended 2.1 mm from the
+/// L3/L4 space (at most 3 mm)." Without an insertion: "No insertion: ...".
+std::string OutcomeText(const Assessment& assessment);
+
+/// A goal for kTimeToTarget is not met if the target was not reached. Without an insertion only
+/// goals of the probe are judged: an attempt that is broken off in the air has no value.
 /// @throws InputError if the session has no metric of a goal's name; lists those that it has.
 std::vector<GoalResult> JudgeGoals(const std::vector<Goal>& goals,
                                    const std::vector<Metric>& metrics);

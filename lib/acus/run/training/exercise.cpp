@@ -35,6 +35,19 @@ std::vector<Goal> GoalsOf(const json& list, const std::string& file) {
   return goals;
 }
 
+Checklist ChecklistOf(const json& document) {
+  Checklist checklist;
+  checklist.in_order = document.at("order") == "fixed";
+  for (const json& step : document.at("steps")) {
+    checklist.steps.push_back({.text = step.at("text"),
+                               // The schema allows no other word.
+                               .when = *StepConditionOf(step.at("when").get<std::string>()),
+                               .for_s = step.at("for_s"),
+                               .hint = step.at("hint")});
+  }
+  return checklist;
+}
+
 }  // namespace
 
 Exercise ReadExercise(const std::filesystem::path& path) {
@@ -47,6 +60,8 @@ Exercise ReadExercise(const std::filesystem::path& path) {
   const std::string file = target.at("file");
   if (!file.empty()) exercise.target_file = std::filesystem::absolute(path).parent_path() / file;
   exercise.target_point = target.at("point");
+  exercise.target_name = target.at("name");
+  if (exercise.target_name.empty()) exercise.target_name = exercise.target_point;
   exercise.target_radius_mm = target.at("radius_mm");
   exercise.avoid = document.at("avoid").get<std::vector<std::string>>();
   const json& passes = document.at("passes");
@@ -56,6 +71,9 @@ Exercise ReadExercise(const std::filesystem::path& path) {
   const json& plane = document.at("image_plane");
   exercise.image_plane = {plane.at("half_thickness_mm"), plane.at("shaft_mm")};
   exercise.goals = GoalsOf(document.at("goals"), path.string());
+  exercise.checklist = ChecklistOf(document.at("checklist"));
+  const json& hints = document.at("hints");
+  exercise.hints = {hints.at("coach"), hints.at("trials"), hints.at("wait_s")};
   return exercise;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "acus/run/training/checklist.h"
 #include "acus/run/training/needle_passes.h"
 #include "acus/run/training/plane_share.h"
 
@@ -25,11 +26,14 @@ struct Exercise {
   std::filesystem::path scenario;     ///< As the file has it; may be empty.
   std::filesystem::path target_file;  ///< Absolute; empty: the scenario's corridor.
   std::string target_point = "target";
+  std::string target_name = "target";  ///< As it is shown.
   double target_radius_mm = 3.0;
   std::vector<std::string> avoid;  ///< Names of labels.
   PassOptions passes;
   PlaneOptions image_plane;
   std::vector<Goal> goals;
+  Checklist checklist;
+  HintOptions hints;
 };
 
 /// Reads an acus-exercise file; paths in it are relative to it.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "acus/base/core/error.h"
@@ -63,53 +64,88 @@ double MaxSpeed(const std::vector<const session::PoseSample*>& samples, double w
 
 }  // namespace
 
-MotionMetrics ComputeMotionMetrics(const session::PoseStream& stream,
-                                   const MetricOptions& options) {
+MotionMetrics ComputeMotionMetrics(const session::PoseStream& stream, const MetricOptions& options,
+                                   std::span<const std::int64_t> swaps_ns) {
   Check(options);
   MotionMetrics metrics;
   const auto samples = ValidSamples(stream);
   if (samples.size() < 2) return metrics;
+  SwapWatch swaps(swaps_ns);
+  swaps.Passes(samples.front()->time_ns);
+  std::vector<const session::PoseSample*> held{samples.front()};  // By one hand.
+  const auto end_hold = [&] {
+    metrics.max_speed_mm_per_s =
+        std::max(metrics.max_speed_mm_per_s, MaxSpeed(held, options.speed_window_s));
+    held.clear();
+  };
   for (std::size_t i = 1; i < samples.size(); ++i) {
-    metrics.path_length_mm += (Origin(*samples[i]) - Origin(*samples[i - 1])).norm();
+    if (swaps.Passes(samples[i]->time_ns)) {
+      end_hold();
+    } else {
+      metrics.path_length_mm += (Origin(*samples[i]) - Origin(*samples[i - 1])).norm();
+    }
+    held.push_back(samples[i]);
   }
+  end_hold();
   metrics.elapsed_time_s = SecondsBetween(*samples.front(), *samples.back());
   metrics.mean_speed_mm_per_s = metrics.path_length_mm / metrics.elapsed_time_s;
-  metrics.max_speed_mm_per_s = MaxSpeed(samples, options.speed_window_s);
   return metrics;
 }
 
-TissueMetrics ComputeTissueMetrics(const session::PoseStream& needle, const InsideTissue& inside,
-                                   const MetricOptions& options) {
+TissueMeter::TissueMeter(InsideTissue inside, const MetricOptions& options)
+    : inside_(std::move(inside)), options_(options) {
   Check(options);
-  TissueMetrics metrics;
-  bool was_inside = false;
-  double outside_path_mm = std::numeric_limits<double>::infinity();  // Since the last exit.
-  Eigen::Vector3d last_exit_mm = Eigen::Vector3d::Zero();
-  const session::PoseSample* last = nullptr;
-  for (const session::PoseSample* sample : ValidSamples(needle)) {
-    const Eigen::Vector3d tip_mm = Origin(*sample);
-    const bool is_inside = inside(tip_mm);
-    const Eigen::Vector3d exit_mm =
-        is_inside ? ShaftExit(sample->reference_from_tool, inside, options.needle_length_mm)
-                  : tip_mm;
-    const double step_mm = last == nullptr ? 0.0 : (tip_mm - Origin(*last)).norm();
-    if (is_inside && last != nullptr) {
-      metrics.time_in_tissue_s += SecondsBetween(*last, *sample);
-      metrics.path_in_tissue_mm += step_mm;
-    }
-    if (is_inside && was_inside) {
-      metrics.tissue_damage_mm2 += TriangleArea(tip_mm, Origin(*last), exit_mm) +
-                                   TriangleArea(exit_mm, last_exit_mm, Origin(*last));
-    }
-    if (is_inside && !was_inside && outside_path_mm >= options.withdrawal_mm) {
-      ++metrics.num_insertions;
-    }
-    outside_path_mm = is_inside ? 0.0 : outside_path_mm + step_mm;
-    was_inside = is_inside;
-    last_exit_mm = exit_mm;
-    last = sample;
+}
+
+void TissueMeter::Restart() {
+  last_.reset();
+  was_inside_ = false;
+  outside_path_mm_ = std::numeric_limits<double>::infinity();
+}
+
+void TissueMeter::Add(const session::PoseSample& sample) {
+  if (!sample.valid) return;
+  const Eigen::Vector3d tip_mm = Origin(sample);
+  const bool is_inside = inside_(tip_mm);
+  const Eigen::Vector3d exit_mm =
+      is_inside ? ShaftExit(sample.reference_from_tool, inside_, options_.needle_length_mm)
+                : tip_mm;
+  const double step_mm = last_ ? (tip_mm - Origin(*last_)).norm() : 0.0;
+  if (is_inside && last_) {
+    metrics_.time_in_tissue_s += SecondsBetween(*last_, sample);
+    metrics_.path_in_tissue_mm += step_mm;
   }
-  return metrics;
+  if (is_inside && was_inside_) {
+    metrics_.tissue_damage_mm2 += TriangleArea(tip_mm, Origin(*last_), exit_mm) +
+                                  TriangleArea(exit_mm, last_exit_mm_, Origin(*last_));
+  }
+  if (is_inside && !was_inside_ && outside_path_mm_ >= options_.withdrawal_mm) {
+    ++metrics_.num_insertions;
+  }
+  outside_path_mm_ = is_inside ? 0.0 : outside_path_mm_ + step_mm;
+  was_inside_ = is_inside;
+  last_exit_mm_ = exit_mm;
+  last_ = sample;
+}
+
+TissueMetrics ComputeTissueMetrics(const session::PoseStream& needle, const InsideTissue& inside,
+                                   const MetricOptions& options,
+                                   std::span<const std::int64_t> swaps_ns) {
+  TissueMeter meter(inside, options);
+  SwapWatch swaps(swaps_ns);
+  for (const session::PoseSample& sample : needle) {
+    if (swaps.Passes(sample.time_ns)) meter.Restart();
+    meter.Add(sample);
+  }
+  return meter.metrics();
+}
+
+std::vector<std::int64_t> SwapTimesNs(const session::Session& session) {
+  std::vector<std::int64_t> times_ns;
+  for (const session::Command& command : session.commands) {
+    if (command.kind == session::CommandKind::kSwapHands) times_ns.push_back(command.time_ns);
+  }
+  return times_ns;
 }
 
 Eigen::Vector3d ShaftExit(const Eigen::Isometry3d& reference_from_needle,

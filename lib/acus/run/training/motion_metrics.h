@@ -3,6 +3,9 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <limits>
+#include <optional>
+#include <span>
 
 #include "acus/data/session/session.h"
 
@@ -41,14 +44,61 @@ struct MetricOptions {
   double withdrawal_mm = 5.0;
 };
 
+/// @param swaps_ns  Ascending times at which the tool changed hands: no motion is counted from the
+///     sample before to the first one at or after it.
 /// @throws InputError if an option is out of its range. All zero if fewer than two samples are
 /// valid.
 MotionMetrics ComputeMotionMetrics(const session::PoseStream& stream,
-                                   const MetricOptions& options = {});
+                                   const MetricOptions& options = {},
+                                   std::span<const std::int64_t> swaps_ns = {});
+
+/// TissueMetrics of samples as they come. Sums have the bits of ComputeTissueMetrics.
+class TissueMeter {
+ public:
+  /// @throws InputError if an option is out of its range.
+  TissueMeter(InsideTissue inside, const MetricOptions& options);
+
+  /// Samples that are not valid are passed over.
+  void Add(const session::PoseSample& sample);
+  /// The tool has changed hands: no motion is counted up to the next sample.
+  void Restart();
+  const TissueMetrics& metrics() const { return metrics_; }
+
+ private:
+  InsideTissue inside_;
+  MetricOptions options_;
+  TissueMetrics metrics_;
+  bool was_inside_ = false;
+  double outside_path_mm_ = std::numeric_limits<double>::infinity();  ///< Since the last exit.
+  Eigen::Vector3d last_exit_mm_ = Eigen::Vector3d::Zero();
+  std::optional<session::PoseSample> last_;
+};
 
 /// @throws InputError as above.
 TissueMetrics ComputeTissueMetrics(const session::PoseStream& needle, const InsideTissue& inside,
-                                   const MetricOptions& options = {});
+                                   const MetricOptions& options = {},
+                                   std::span<const std::int64_t> swaps_ns = {});
+
+/// The times of a session at which needle and probe changed hands, ascending.
+std::vector<std::int64_t> SwapTimesNs(const session::Session& session);
+
+/// Passed by each sample of a stream in turn: whether the tools have changed hands since the one
+/// before.
+class SwapWatch {
+ public:
+  /// @param swaps_ns  Ascending; must outlive this.
+  explicit SwapWatch(std::span<const std::int64_t> swaps_ns) : swaps_ns_(swaps_ns) {}
+  bool Passes(std::int64_t time_ns) {
+    bool passes = false;
+    for (; !swaps_ns_.empty() && swaps_ns_.front() <= time_ns; swaps_ns_ = swaps_ns_.subspan(1)) {
+      passes = true;
+    }
+    return passes;
+  }
+
+ private:
+  std::span<const std::int64_t> swaps_ns_;
+};
 
 /// Where the shaft leaves the tissue, going from a tip in tissue along the needle's -z: exact to
 /// 1e-6 mm, but tissue or gaps thinner than 0.5 mm may be stepped over. The far end of the shaft if

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "acus/run/training/motion_metrics.h"
@@ -33,7 +35,58 @@ struct PassOptions {
 /// motions projected on the needle's axis, so that a sideways sweep is not a pass.
 /// @param inside  Whether a point, in the stream's frame, lies in tissue.
 /// @throws InputError if an option is out of its range.
+/// @param swaps_ns  As ComputeMotionMetrics has them: an attempt ends when the needle changes
+/// hands.
 std::vector<NeedlePass> FindPasses(const session::PoseStream& needle, const InsideTissue& inside,
-                                   const PassOptions& options = {});
+                                   const PassOptions& options = {},
+                                   std::span<const std::int64_t> swaps_ns = {});
+
+/// The same of samples as they come.
+class PassMeter {
+ public:
+  /// @throws InputError if an option is out of its range.
+  PassMeter(InsideTissue inside, const PassOptions& options);
+
+  /// Samples that are not valid are passed over.
+  void Add(const session::PoseSample& sample);
+  void Restart();  ///< The needle has changed hands.
+  /// As if the session ended now: with the pass that is under way, if it is long enough for one.
+  std::vector<NeedlePass> passes() const;
+  /// Those without a pass included.
+  int num_attempts() const { return num_attempts_; }
+  bool in_attempt() const { return turns_.has_value(); }
+
+ private:
+  struct Turn {
+    double way_mm = 0.0;
+    session::PoseSample sample;
+  };
+  /// Follows the way along the shaft within one attempt and finds where it turns.
+  class TurnFinder {
+   public:
+    TurnFinder(double turn_mm, int attempt, const session::PoseSample& entry);
+    /// The pass that ends because the needle has been withdrawn, if it has.
+    std::optional<NeedlePass> Add(double step_mm, const session::PoseSample& sample);
+    /// The pass that ends at the deepest point so far, if it is long enough for one.
+    std::optional<NeedlePass> Ended() const;
+
+   private:
+    double turn_mm_;
+    int attempt_;
+    bool advancing_ = true;
+    double way_mm_ = 0.0;
+    Turn begin_;    ///< Where this way forward or back began.
+    Turn extreme_;  ///< The farthest that it went.
+  };
+  void Keep(std::vector<NeedlePass>& passes, const std::optional<NeedlePass>& pass) const;
+
+  InsideTissue inside_;
+  PassOptions options_;
+  std::vector<NeedlePass> ended_;
+  std::optional<TurnFinder> turns_;  ///< While an attempt lasts.
+  int num_attempts_ = 0;
+  double outside_mm_ = 0.0;  ///< Path since the last exit.
+  std::optional<Eigen::Vector3d> last_mm_;
+};
 
 }  // namespace acus::training

@@ -1,6 +1,8 @@
 // How much of the time the image shows the needle.
 #pragma once
 
+#include <optional>
+
 #include "acus/run/training/motion_metrics.h"
 
 namespace acus::training {
@@ -19,7 +21,30 @@ struct PlaneShare {
   double needle_percent = 0.0;  ///< The tip and the shaft behind it do.
 };
 
-/// Steps count as in tissue, and as in the plane, if their end is.
+/// Whether a point of the session's reference frame lies in the image plane of a probe.
+bool IsInPlane(const Eigen::Vector3d& point_mm, const transforms::Pose& reference_from_probe,
+               const PlaneOptions& options);
+
+/// PlaneShare of samples as they come. Steps count as in tissue, and as in the plane, if their end
+/// is.
+class PlaneMeter {
+ public:
+  /// @throws InputError if an option is out of its range.
+  PlaneMeter(InsideTissue inside, const PlaneOptions& options);
+
+  void Add(const session::PoseSample& needle, const session::PoseSample& probe);
+  PlaneShare share() const;
+
+ private:
+  InsideTissue inside_;
+  PlaneOptions options_;
+  double seconds_ = 0.0;
+  double tip_s_ = 0.0;
+  double needle_s_ = 0.0;
+  std::optional<std::int64_t> last_ns_;  ///< Of the last sample, if it was valid.
+};
+
+/// The same of a whole session.
 /// @throws InputError if an option is out of its range.
 PlaneShare ComputePlaneShare(const session::Session& session, const InsideTissue& inside,
                              const PlaneOptions& options = {});

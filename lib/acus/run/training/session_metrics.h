@@ -1,6 +1,7 @@
 // All metrics of a session that follow from its poses and the patient's labels.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +32,14 @@ std::vector<Metric> MotionMetricsOf(const session::Session& session);
 std::vector<Metric> NeedleMetricsOf(const session::Session& session, const Anatomy& anatomy,
                                     const PassOptions& passes = {}, const PlaneOptions& plane = {});
 
+/// The same from meters. @param share  Nothing: there is no probe.
+std::vector<Metric> NeedleMetrics(const TissueMetrics& tissue,
+                                  const std::vector<NeedlePass>& passes,
+                                  const std::optional<PlaneShare>& share);
+
+/// The label at a point of the reference frame. @param anatomy  Its labels must outlive the result.
+LabelAtPoint LabelsOf(const Anatomy& anatomy);
+
 inline constexpr const char* kTimeToTarget = "time until the target was reached";
 
 /// Distances of the tip to a target: closest, at the end (at the deepest point of the last pass;
@@ -39,6 +48,24 @@ inline constexpr const char* kTimeToTarget = "time until the target was reached"
 std::vector<Metric> TargetMetricsOf(const session::Session& session, const Anatomy& anatomy,
                                     const Eigen::Vector3d& target_ct_mm, const Exercise& exercise);
 
+/// TargetMetricsOf, of samples as they come.
+class TargetMeter {
+ public:
+  TargetMeter(const Eigen::Vector3d& target_mm, double radius_mm)
+      : target_mm_(target_mm), radius_mm_(radius_mm) {}
+  void Add(const session::PoseSample& needle);
+  /// @param passes  Of the same samples. Empty before the first valid sample.
+  std::vector<Metric> Metrics(const std::vector<NeedlePass>& passes) const;
+
+ private:
+  Eigen::Vector3d target_mm_;  ///< Reference frame.
+  double radius_mm_;
+  double closest_mm_ = std::numeric_limits<double>::infinity();
+  double end_mm_ = 0.0;
+  std::optional<std::int64_t> first_ns_;
+  std::optional<double> reached_s_;
+};
+
 /// What the tip went through, named.
 std::vector<NamedStructure> NamedStructuresOf(const session::Session& session,
                                               const Anatomy& anatomy);
@@ -46,6 +73,8 @@ std::vector<NamedStructure> NamedStructuresOf(const session::Session& session,
 /// "entries into what is to be spared": over all of `avoid`.
 Metric EntriesInto(const std::vector<std::string>& avoid,
                    const std::vector<NamedStructure>& structures);
+
+Metric EntriesMetric(int entries);
 
 /// Those of `avoid` that this patient's map does not tell from other tissue: standard labels that
 /// it does not name.

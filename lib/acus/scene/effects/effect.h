@@ -99,6 +99,10 @@ class Effect {
   /// Its part of the scenario's schema. The "description" is its line in the reference.
   virtual nlohmann::json Schema() const = 0;
   virtual std::vector<PathSetting> Paths() const { return {}; }
+  /// Finds the files that Paths() cannot name, those within lists, from the scenario's folder.
+  /// @param settings  May be without what is optional. @throws InputError if one is not there.
+  virtual void ResolveFiles(nlohmann::json& /*settings*/,
+                            const std::filesystem::path& /*folder*/) const {}
   /// What the schema cannot say of settings that it has checked and completed.
   /// @param where  Names the place in error messages. @throws InputError if they do not fit.
   virtual void Check(const nlohmann::json& /*settings*/, const std::string& /*where*/) const {}

@@ -4,6 +4,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/scene/effects/fluoroscopy/fluoroscopy_effect.h"
+#include "acus/scene/effects/planes/planes.h"
 #include "acus/scene/effects/ports.h"
 #include "acus/scene/effects/pulsating_vessels/pulsating_vessels.h"
 #include "acus/scene/effects/view_3d/view_3d.h"
@@ -12,7 +13,8 @@ namespace acus::effects {
 namespace {
 
 std::vector<const Effect*>& List() {
-  static std::vector<const Effect*> list = {&PulsatingVessels(), &Fluoroscopy(), &View3d()};
+  static std::vector<const Effect*> list = {&PulsatingVessels(), &Fluoroscopy(), &View3d(),
+                                            &Planes()};
   return list;
 }
 

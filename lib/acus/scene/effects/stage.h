@@ -112,6 +112,8 @@ struct ImageMoment {
   const image::NeedleInImage* needle = nullptr;
   /// Null if the stage does not read ports::kBreath.
   const breathing::MotionMap* breath = nullptr;
+  /// Of stills: where the needle's tip has been since the session began.
+  std::span<const Eigen::Vector3d> tip_path_in_ct_mm = {};
   ImageChanges changes = {};
   /// Of the effect's stage at every sample, after the last step before the image; null if it has
   /// none. See StepStageOf::StateAt.
@@ -146,6 +148,9 @@ class ImageStage {
   virtual Activity Render(const ImageMoment& moment, const PortValues& ports,
                           EffectPixels& out) = 0;
 
+  /// True: replays render a still of each event besides, KEY_event_NN.png, with the path of the
+  /// tip.
+  virtual bool ShowsEvents() const { return false; }
   /// False: after such changes Render does without ports::kRestMap.
   virtual bool NeedsRestMap(const ImageChanges& /*changes*/) const { return true; }
   /// Where the pixels of a grey image lie, if they stay there: column, row, 0 to CT space, mm.

@@ -191,6 +191,11 @@ std::vector<effects::CalledEffect> CalledEffects(const json& called, const fs::p
     if (!called.contains(effect->key())) continue;
     json settings = called.at(std::string(effect->key()));
     effect->Check(settings, Message(file, ": /effects/", effect->key()));
+    try {
+      effect->ResolveFiles(settings, folder);
+    } catch (const InputError& error) {
+      throw InputError(Message(file, ": /effects/", effect->key(), ": ", error.what()));
+    }
     for (const effects::PathSetting& path : effect->Paths()) {
       if (!settings.contains(path.key)) continue;
       const auto text = settings[path.key].get<std::string>();

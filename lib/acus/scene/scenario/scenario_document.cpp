@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 9> kPaths = {
     "/patient/ct",          "/patient/labels",           "/patient/surfaces",
     "/patient/mesh",        "/patient/corridor",         "/patient/ct_from_reference_file",
     "/session/plus_config", "/effects/breathing/motion", "/effects/breathing/signal"};
-constexpr std::array<std::string_view, 13> kPresets = {
+constexpr std::array<std::string_view, 14> kPresets = {
     "/needle",
     "/probe",
     "/effects/needle_force/table",
@@ -30,6 +30,7 @@ constexpr std::array<std::string_view, 13> kPresets = {
     "/effects/tissue/elasticity",
     "/effects/tissue/table",
     "/effects/ultrasound/acoustics",
+    "/effects/ultrasound/display",
     "/effects/ultrasound/aperture/acoustics",
     "/effects/ultrasound/beams/acoustics",
     "/effects/ultrasound/alamilla_2021/acoustics",
@@ -111,7 +112,8 @@ json ForAnyFolder(json document, const fs::path& folder) {
   const auto at = [&document](const std::string& pointer) -> json* {
     const json::json_pointer place(pointer);
     if (!document.contains(place) || !document.at(place).is_string()) return nullptr;
-    return &document.at(place);
+    json& text = document.at(place);
+    return text.get_ref<const std::string&>().empty() ? nullptr : &text;  // Empty: none.
   };
   for (const std::string& pointer : PathPointers()) {
     if (json* path = at(pointer)) *path = Absolute(path->get<std::string>(), folder);
@@ -127,7 +129,20 @@ json ForAnyFolder(json document, const fs::path& folder) {
       *preset = Absolute(name, fs::current_path());
     }
   }
+  for (const effects::Effect* effect : effects::AllEffects()) {
+    const json::json_pointer place(Message("/effects/", effect->key()));
+    if (document.contains(place)) effect->ResolveFiles(document.at(place), folder);
+  }
   return document;
+}
+
+Override ForAnyFolder(Override change, const fs::path& folder) {
+  json document;
+  const json::json_pointer place(change.pointer);
+  document[place] = std::move(change.value);
+  document = ForAnyFolder(std::move(document), folder);
+  change.value = document.at(place);
+  return change;
 }
 
 }  // namespace acus::scenario

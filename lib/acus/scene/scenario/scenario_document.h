@@ -36,4 +36,7 @@ std::vector<std::string> PresetPointers();
 /// they are absolute then. Presets of the installation stay names.
 nlohmann::json ForAnyFolder(nlohmann::json document, const std::filesystem::path& folder);
 
+/// A change for another folder: its paths and presets as above.
+Override ForAnyFolder(Override change, const std::filesystem::path& folder);
+
 }  // namespace acus::scenario

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "acus/base/config/json_file.h"
+#include "acus/base/core/error.h"
 
 namespace acus::scenario {
 
@@ -27,6 +28,14 @@ UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
   // The 2010 model came first: its acoustics lie beside the model.
   const nlohmann::json& settings =
       out.model == UltrasoundModel::kColumns2010 ? effect : effect.at(model);
+  const std::string display = effect.at("display");
+  if (!display.empty()) {
+    ACUS_REQUIRE(out.InBeamSpace(), "/effects/ultrasound/display: \"", display,
+                 "\" with the model ", model,
+                 "; displays are for the models beams and aperture: choose one of them, or no "
+                 "display");
+    out.display = config::FindConfig(display, folder);
+  }
   out.acoustics = config::FindConfig(settings.at("acoustics").get<std::string>(), folder);
   if (out.InBeamSpace()) {
     out.beams = settings;

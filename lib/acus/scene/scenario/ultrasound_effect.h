@@ -22,6 +22,7 @@ struct UltrasoundEffect {
   std::uint64_t seed = 0;                   ///< Of speckle and noise.
   BeamVolume volume = BeamVolume::kLabels;  ///< In beam space, as all that follows.
   nlohmann::json beams;                     ///< The model's settings, checked against the schema.
+  std::filesystem::path display;            ///< What the scanner adds; empty: nothing.
 
   bool InBeamSpace() const {
     return model == UltrasoundModel::kBeams || model == UltrasoundModel::kAperture;

@@ -104,6 +104,7 @@ ApertureSettings ReadApertureSettings(const scenario::UltrasoundEffect& effect,
                                       const volume::LabelMap* labels) {
   ApertureSettings settings;
   settings.options = ApertureOptionsFrom(effect.beams);
+  settings.options.display = ultrasound::ReadDisplayOptions(effect.display);
   settings.options.seed = effect.seed;
   settings.acoustics = acoustics::ReadTissueAcoustics(effect.acoustics);
   settings.from_ct = effect.ReadsCt();
@@ -126,6 +127,7 @@ BeamSettings ReadBeamSettings(const scenario::UltrasoundEffect& effect,
   const nlohmann::json& json = effect.beams;
   BeamSettings settings;
   settings.options = OptionsFrom(json);
+  settings.options.display = ultrasound::ReadDisplayOptions(effect.display);
   settings.options.seed = effect.seed;
   settings.acoustics = acoustics::ReadTissueAcoustics(effect.acoustics);
   settings.from_ct = effect.ReadsCt();

@@ -13,7 +13,14 @@ Eigen::Vector3d DeformedTissue::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm
   };
   // Tissue that has not moved is its own answer, whatever its neighbour does.
   if (displacement(place_in_ct_mm).isZero(0.0)) return place_in_ct_mm;
-  return math::InvertDisplacement(displacement, place_in_ct_mm, guess_in_ct_mm, settings).rest_mm;
+  const math::InversePoint found =
+      math::InvertDisplacement(displacement, place_in_ct_mm, guess_in_ct_mm, settings);
+  // As far off as that, an inversion has not just run out of iterations.
+  constexpr double kNoTissueMm = 0.2;
+  if (beyond_skin_ && found.residual_mm > kNoTissueMm) {
+    return place_in_ct_mm - displacement(found.rest_mm);
+  }
+  return found.rest_mm;
 }
 
 }  // namespace acus::simulation

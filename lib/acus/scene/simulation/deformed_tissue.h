@@ -10,8 +10,16 @@ namespace acus::simulation {
 class DeformedTissue : public slicing::RestMap {
  public:
   /// @param model  Must outlive this.
-  DeformedTissue(const tissue::TissueModel& model, double spacing_mm, int iterations)
-      : field_(model.NewField()), spacing_mm_(spacing_mm), iterations_(iterations) {}
+  /// @param beyond_skin  Models with a mesh move nothing outside of it: in a dent of the skin they
+  ///     have no tissue that could be there now. True: such a place is taken to have been above the
+  ///     skin, by as much as the skin next to it was moved, so that dents show. False: the tissue
+  ///     nearest to it.
+  DeformedTissue(const tissue::TissueModel& model, double spacing_mm, int iterations,
+                 bool beyond_skin = false)
+      : field_(model.NewField()),
+        spacing_mm_(spacing_mm),
+        iterations_(iterations),
+        beyond_skin_(beyond_skin) {}
 
   /// Takes in the forces on the tissue. Allocates nothing after the first call.
   void Update(const tissue::TissueLoad& load) { field_.Update(load); }
@@ -24,6 +32,7 @@ class DeformedTissue : public slicing::RestMap {
   tissue::TissueField field_;
   double spacing_mm_;
   int iterations_;
+  bool beyond_skin_;
 };
 
 }  // namespace acus::simulation

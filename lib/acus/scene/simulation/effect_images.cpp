@@ -38,10 +38,11 @@ EffectImageRenderer::EffectImageRenderer(const Scene& scene, const ListedEffect&
   }
   stage_ = effect.loaded->NewImageStage(constant_, context);
   ACUS_ASSERT(stage_ != nullptr);
-  if (Reads(ports::kRestMap)) rest_.emplace(scene);
+  if (Reads(ports::kRestMap)) rest_.emplace(scene, /*beyond_skin=*/true);
   if (Reads(ports::kBMode) || Reads(ports::kCtImage)) {
     of_probe_.emplace(scene, nullptr,
-                      Reads(ports::kCtImage) ? Pictures::kAll : Pictures::kBModeOnly);
+                      Reads(ports::kCtImage) ? Pictures::kAll : Pictures::kBModeOnly,
+                      Frames::kSingle);
   }
 }
 
@@ -87,6 +88,7 @@ void EffectImageRenderer::Render(const Snapshot& snapshot, const Images* images,
     breath.emplace(scene_.breathing->At(snapshot.session_s, snapshot.breath));
     moment.breath = &*breath;
   }
+  moment.tip_path_in_ct_mm = tip_path_in_ct_mm_;
   values.Set(ports::kProbe, &snapshot.ct_from_probe);
   const bool has_state = effect_.step != nullptr && snapshot.memory != nullptr;
   moment.state = has_state ? effect_.StateIn(*snapshot.memory) : nullptr;

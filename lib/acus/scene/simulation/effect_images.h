@@ -3,6 +3,8 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "acus/scene/simulation/image_renderer.h"
 #include "acus/scene/simulation/moment_rest.h"
@@ -26,6 +28,10 @@ class EffectImageRenderer {
 
   const ListedEffect& effect() const { return effect_; }
   const effects::ImageStage& stage() const { return *stage_; }
+  /// For the images from now on, see ImageMoment.
+  void SetTipPath(std::vector<Eigen::Vector3d> path_in_ct_mm) {
+    tip_path_in_ct_mm_ = std::move(path_in_ct_mm);
+  }
 
   /// @param images  Those of the probe at this moment; null: rendered here if the stage reads them.
   /// @param times  If given, what each stage did is added to it.
@@ -46,6 +52,7 @@ class EffectImageRenderer {
   std::optional<MomentRest> rest_;         ///< If the stage reads it.
   std::optional<ImageRenderer> of_probe_;  ///< The same.
   Images images_;
+  std::vector<Eigen::Vector3d> tip_path_in_ct_mm_;
 };
 
 }  // namespace acus::simulation

@@ -69,6 +69,12 @@ ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
   return Seeded(ultrasound::ReadBModeOptions(effect.acoustics), effect.seed);
 }
 
+const ultrasound::DisplayOptions* DisplayOf(const ImageSettings& settings) {
+  if (const auto* beams = std::get_if<BeamSettings>(&settings)) return &beams->options.display;
+  const auto* aperture = std::get_if<ApertureSettings>(&settings);
+  return aperture != nullptr ? &aperture->options.display : nullptr;
+}
+
 ImageLevel::ImageLevel(const ImagePatient& patient, const acoustics::Probe& probe,
                        const ImageSettings& settings)
     : renderer_(std::visit(MakeRenderer{patient, probe}, settings)) {}

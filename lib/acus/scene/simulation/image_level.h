@@ -27,6 +27,9 @@ using ImageSettings = std::variant<ultrasound::VidalOptions, ultrasound::Alamill
 ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
                                 const acoustics::Probe& probe, const volume::LabelMap* labels);
 
+/// What the scanner adds to the images; null if the level has no such thing.
+const ultrasound::DisplayOptions* DisplayOf(const ImageSettings& settings);
+
 /// What levels read of the patient; null if the plan does not need it.
 struct ImagePatient {
   const volume::CtVolume* ct = nullptr;

@@ -23,8 +23,17 @@ void Draw(Renderer& renderer, Sleep sleep, const Snapshot& snapshot,
 
 }  // namespace
 
-ImageRenderer::ImageRenderer(const Scene& scene, const acoustics::Probe* probe, Pictures pictures)
-    : scene_(scene), rest_(scene) {
+ultrasound::FramePersistence PersistenceOf(const Scene& scene) {
+  const auto* display = scene.b_mode ? DisplayOf(*scene.b_mode) : nullptr;
+  return ultrasound::FramePersistence(display != nullptr ? display->persistence_s : 0.0);
+}
+
+ImageRenderer::ImageRenderer(const Scene& scene, const acoustics::Probe* probe, Pictures pictures,
+                             Frames frames)
+    : scene_(scene),
+      rest_(scene),
+      persistence_(frames == Frames::kInOrder ? PersistenceOf(scene)
+                                              : ultrasound::FramePersistence(0.0)) {
   if (probe == nullptr && scene.probe) probe = &*scene.probe;
   const bool has_b_mode = scene.plan.Has(StageId::kUltrasound);
   const bool has_ct_slice = pictures == Pictures::kAll && scene.plan.Has(StageId::kCtSlice);
@@ -76,12 +85,29 @@ bool ImageRenderer::Sleeps(StageId id, const Snapshot& snapshot,
   return SleepOf(id, snapshot, &shown) != Sleep::kAwake;
 }
 
+void ImageRenderer::DrawBMode(Sleep sleep, const Snapshot& snapshot,
+                              const std::optional<image::NeedleInImage>& needle,
+                              const slicing::RestMap* rest, image::GrayImage& out) {
+  if (!persistence_.on()) {
+    Draw(*b_mode_, sleep, snapshot, needle, rest, out);
+    return;
+  }
+  // What has not moved goes on to settle.
+  Draw(*b_mode_, sleep, snapshot, needle, rest, frame_);
+  const bool unseen = sleep == Sleep::kProbeUnseen;
+  if (unseen) persistence_.Reset();
+  persistence_.Add(snapshot.time_ns, frame_, out);
+  if (unseen) persistence_.Reset();  // What is seen again does not rise from black.
+}
+
 void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* times,
                            const Snapshot* shown) {
   Stopwatch watch(times);
   const Sleep none = Sleep::kNothingMoved;
   const Sleep of_slice = ct_slice_ ? SleepOf(StageId::kCtSlice, snapshot, shown) : none;
-  const Sleep of_b_mode = b_mode_ ? SleepOf(StageId::kUltrasound, snapshot, shown) : none;
+  const bool has_frame = !persistence_.on() || !frame_.pixels.empty();
+  const Sleep of_b_mode =
+      b_mode_ ? SleepOf(StageId::kUltrasound, snapshot, has_frame ? shown : nullptr) : none;
   const bool draws = of_slice == Sleep::kAwake || of_b_mode == Sleep::kAwake;
   const slicing::RestMap* rest = draws ? rest_.At(snapshot) : nullptr;
   if (ReadsRestMap()) {
@@ -99,8 +125,8 @@ void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* ti
     watch.EndOf(StageId::kCtSlice, of_slice);
   }
   if (b_mode_) {
-    Draw(*b_mode_, of_b_mode, snapshot, scene_.needle_in_b_mode ? needle : std::nullopt, rest,
-         out.b_mode);
+    DrawBMode(of_b_mode, snapshot, scene_.needle_in_b_mode ? needle : std::nullopt, rest,
+              out.b_mode);
     watch.EndOf(StageId::kUltrasound, of_b_mode);
   }
 }

@@ -6,6 +6,7 @@
 
 #include "acus/data/image/image.h"
 #include "acus/imaging/slicing/ct_slice.h"
+#include "acus/imaging/ultrasound/frame_persistence.h"
 #include "acus/physics/breathing/breath.h"
 #include "acus/scene/simulation/image_level.h"
 #include "acus/scene/simulation/moment_rest.h"
@@ -26,16 +27,24 @@ struct Images {
 /// Which of the plan's pictures somebody wants.
 enum class Pictures { kAll, kBModeOnly };
 
+/// Whether a renderer makes all frames in order of time. Only then does it add the persistence of
+/// the display; else who has the frames in order does.
+enum class Frames { kInOrder, kSingle };
+
+/// The persistence of the scene's display.
+ultrasound::FramePersistence PersistenceOf(const Scene& scene);
+
 /// Renders the images of the plan. Holds buffers: one renderer for each thread.
 class ImageRenderer {
  public:
   /// @param scene  Must outlive the renderer.
   /// @param probe  In place of the scene's, set otherwise: gain, depth; null: the scene's.
   explicit ImageRenderer(const Scene& scene, const acoustics::Probe* probe = nullptr,
-                         Pictures pictures = Pictures::kAll);
+                         Pictures pictures = Pictures::kAll, Frames frames = Frames::kInOrder);
 
-  /// The same bits for the same snapshot, whatever was rendered before. Where the probe is not
-  /// seen by the tracker, the pictures are black. Allocates nothing after the first call.
+  /// The same bits for the same snapshot, whatever was rendered before, but for persistence. Where
+  /// the probe is not seen by the tracker, the pictures are black. Allocates nothing after the
+  /// first call.
   /// @param times  If given, what each stage did is added to it.
   /// @param shown  The moment that `out` shows already, by a renderer of the same probe: a picture
   ///     that would be the same is left as it is, its stage sleeps. Null: there is none.
@@ -47,6 +56,9 @@ class ImageRenderer {
 
  private:
   bool ReadsRestMap() const;
+  void DrawBMode(Sleep sleep, const Snapshot& snapshot,
+                 const std::optional<image::NeedleInImage>& needle, const slicing::RestMap* rest,
+                 image::GrayImage& out);
   Sleep SleepOf(StageId id, const Snapshot& snapshot, const Snapshot* shown) const noexcept;
 
   const Scene& scene_;
@@ -54,6 +66,8 @@ class ImageRenderer {
   MomentRest rest_;
   std::optional<ImageLevel> b_mode_;
   std::optional<slicing::CtSliceRenderer> ct_slice_;
+  ultrasound::FramePersistence persistence_;
+  image::GrayImage frame_;  ///< Of the B-mode, before persistence.
 };
 
 }  // namespace acus::simulation

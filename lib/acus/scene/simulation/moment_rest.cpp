@@ -15,9 +15,9 @@ double EffectsRest::SpacingMm() const noexcept {
   return next_ == nullptr ? spacing_mm : std::min(spacing_mm, next_->SpacingMm());
 }
 
-MomentRest::MomentRest(const Scene& scene) : scene_(&scene) {
+MomentRest::MomentRest(const Scene& scene, bool beyond_skin) : scene_(&scene) {
   if (scene.tools_deform_images) {
-    deformed_.emplace(*scene.tissue, scene.warp_spacing_mm, scene.inverse_iterations);
+    deformed_.emplace(*scene.tissue, scene.warp_spacing_mm, scene.inverse_iterations, beyond_skin);
   }
   if (scene.pressed_by_probe) tissue_.emplace(*scene.labels);
 }

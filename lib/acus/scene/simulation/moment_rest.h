@@ -33,8 +33,8 @@ class EffectsRest : public slicing::RestMap {
 /// The map of one moment at a time. One for each thread.
 class MomentRest {
  public:
-  /// @param scene  Must outlive this.
-  explicit MomentRest(const Scene& scene);
+  /// @param scene  Must outlive this. @param beyond_skin  As for DeformedTissue.
+  explicit MomentRest(const Scene& scene, bool beyond_skin = false);
 
   /// Null if nothing moves the tissue. Valid until the next call, and as long as the snapshot is.
   /// Allocates nothing after the first call.

@@ -182,6 +182,11 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     scene.b_mode = ReadImageSettings(*scenario.ultrasound, *scene.probe,
                                      by_labels ? scene.labels.get() : nullptr);
     context.provenance.AddInput(scenario.ultrasound->acoustics);
+    if (!scenario.ultrasound->display.empty()) {
+      context.provenance.AddInput(scenario.ultrasound->display);
+      // Screens say what the images have.
+      *scene.probe = ultrasound::ProbeOfLook(*scene.probe, *DisplayOf(*scene.b_mode), 0);
+    }
   }
   scene.tools_deform_images =
       plan.Has(StageId::kDeformation) && scenario.tissue && scenario.tissue->image;

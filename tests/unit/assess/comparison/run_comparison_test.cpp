@@ -84,10 +84,10 @@ class RunComparisonTest : public testing::Test {
     return CompareWritten(changes);
   }
 
-  RunComparison CompareWritten(const nlohmann::json& changes = {}) {
+  RunComparison CompareWritten(const nlohmann::json& changes = {}, Lack lack = Lack::kFails) {
     nlohmann::json document = {{"format", "acus-tolerances/1"}};
     if (!changes.is_null()) document.update(changes);
-    return CompareRuns(folder_ / "a", folder_ / "b", TolerancesFrom(document, "tolerances"),
+    return CompareRuns(folder_ / "a", folder_ / "b", TolerancesFrom(document, "tolerances"), lack,
                        RunContext{});
   }
 
@@ -106,7 +106,7 @@ TEST_F(RunComparisonTest, AgreesWithItselfToTheLastBit) {
   SmallRun{}.Write(folder_ / "b");
   const auto preset = fs::path(ACUS_SOURCE_DIR) / "configs" / "tolerances" / "identical.json";
   const RunComparison comparison =
-      CompareRuns(folder_ / "a", folder_ / "b", ReadTolerances(preset), RunContext{});
+      CompareRuns(folder_ / "a", folder_ / "b", ReadTolerances(preset), Lack::kFails, RunContext{});
   EXPECT_TRUE(comparison.passed()) << TableText(comparison);
   EXPECT_EQ(comparison.images.num_identical, 5U);
   EXPECT_FALSE(Find(comparison, "images: smallest PSNR").value.has_value());
@@ -220,6 +220,53 @@ TEST_F(RunComparisonTest, GivesAVerdictOnRunsThatDoNotMatch) {
   EXPECT_THAT(Compare(SmallRun{}, without).failed(), ElementsAre("images.igs.mha"));
 }
 
+TEST_F(RunComparisonTest, StatesWhatOneHasAndComparesTheRest) {
+  SmallRun a;
+  a.has_images = false;
+  a.Write(folder_ / "a");
+  fs::remove(folder_ / "a" / "metrics.json");
+  WriteTextFile(folder_ / "a" / "needle.csv", "time_s,x_mm\n0,1\n");
+  SmallRun b;
+  b.extra_column = "bone_n";
+  b.Write(folder_ / "b");
+  const RunComparison same = CompareWritten({}, Lack::kIsStated);
+  EXPECT_TRUE(same.passed()) << TableText(same);
+  ASSERT_EQ(same.only_in_one.size(), 3U);
+  EXPECT_THAT(TableText(same),
+              HasSubstr("Not compared: images.igs.mha (only in B), metrics.json (only in B), force "
+                        "log: columns (only in B: bone_n)\n"));
+  EXPECT_EQ(ToJson(same)["only_in_one"].size(), 3U);
+  EXPECT_THAT(CompareWritten().failed(),
+              ElementsAre("images.igs.mha", "metrics.json", "force log: columns"));
+  b.spike_n = 0.5;
+  b.Write(folder_ / "b");
+  EXPECT_THAT(CompareWritten({}, Lack::kIsStated).failed(),
+              ElementsAre("friction_n: RMS difference", "friction_n: largest difference"));
+  fs::remove(folder_ / "b" / "forces.csv");
+  EXPECT_THAT([&] { CompareWritten({}, Lack::kIsStated); },
+              ThrowsMessage<InputError>(
+                  HasSubstr("nothing in common to compare; A has forces.csv, B has images")));
+}
+
+TEST_F(RunComparisonTest, ComparesProbeForcesAndTablesOfEffects) {
+  for (const char* run : {"a", "b"}) {
+    SmallRun{}.Write(folder_ / run);
+    WriteTextFile(folder_ / run / "probe_forces.csv", "time_s,force_n,skin_mm\n0,1,2\n1,1,2\n");
+    WriteTextFile(folder_ / run / "vessels.csv", "time_s,wall_mm\n0,1\n1,1\n");
+    WriteTextFile(folder_ / run / "probe.csv", Message("time_s,x_mm\n0,", run, "\n"));
+  }
+  EXPECT_THAT(ComparableFiles(folder_ / "a"),
+              ElementsAre("forces.csv", "probe_forces.csv", "images.igs.mha", "metrics.json",
+                          "vessels.csv"));
+  const RunComparison same = CompareWritten();
+  EXPECT_TRUE(same.passed()) << TableText(same);
+  WriteTextFile(folder_ / "b" / "probe_forces.csv", "time_s,force_n,skin_mm\n0,1,2\n1,3,2\n");
+  WriteTextFile(folder_ / "b" / "vessels.csv", "time_s,wall_mm\n0,1\n1,1.5\n");
+  EXPECT_THAT(CompareWritten().failed(), ElementsAre("probe_forces: force_n: RMS difference",
+                                                     "probe_forces: force_n: largest difference",
+                                                     "vessels: wall_mm: largest difference"));
+}
+
 TEST_F(RunComparisonTest, RefusesWhatIsNoRun) {
   SmallRun{}.Write(folder_ / "a");
   fs::create_directories(folder_ / "b");
@@ -265,8 +312,8 @@ TEST_F(RunComparisonTest, GivesTheSameWithAnyNumberOfThreads) {
   RunContext one;
   RunContext four;
   four.num_threads = 4;
-  EXPECT_EQ(ToJson(CompareRuns(folder_ / "a", folder_ / "b", tolerances, one)),
-            ToJson(CompareRuns(folder_ / "a", folder_ / "b", tolerances, four)));
+  EXPECT_EQ(ToJson(CompareRuns(folder_ / "a", folder_ / "b", tolerances, Lack::kFails, one)),
+            ToJson(CompareRuns(folder_ / "a", folder_ / "b", tolerances, Lack::kFails, four)));
 }
 
 TEST_F(RunComparisonTest, WritesWhatItFound) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "acus/assess/regression/new_suite.h"
 #include "acus/assess/regression/regression_report.h"
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
@@ -88,6 +89,76 @@ TEST_F(Regression, SaysWhatMovedAndAcceptsItOnlyWhenTold) {
               AllOf(HasSubstr("in: old | new"), HasSubstr("force_axial_n: RMS difference: ")));
   EXPECT_NE(ReadTextFile(folder_ / "expected/in/forces.csv"), before);
   EXPECT_TRUE(Run("after").passed());
+}
+
+TEST_F(Regression, PathsOfChangesAreThoseOfTheSuite) {
+  fs::create_directories(folder_ / "other");
+  fs::rename(folder_ / "labels.seg.nrrd", folder_ / "other/labels.seg.nrrd");
+  fs::copy(fs::path(ACUS_SOURCE_DIR) / "configs/needles/trocar_18g.json",
+           folder_ / "other/needle.json");
+  WriteSuite(R"(["/patient/labels=other/labels.seg.nrrd", "/needle=other/needle.json"])");
+  const SuiteResult result = Run("result");
+  EXPECT_EQ(result.cases[0].verdict, Verdict::kNew) << result.cases[0].message;
+  EXPECT_EQ(config::ReadJson(folder_ / "result/in/run/run.json")["scenario"]["needle"],
+            (folder_ / "other/needle.json").string());
+}
+
+TEST_F(Regression, ARunWithChangesIsComparedButNotAccepted) {
+  Run("first");
+  AcceptResult(ReadSuite(folder_), folder_ / "first");
+  const fs::path into = folder_ / "changed";
+  fs::create_directories(into);
+  const Suite suite = With(ReadSuite(folder_), {"/effects/needle_force/model=alamilla"});
+  const SuiteResult result = RunSuite(suite, into, context_);
+  WriteResult(into, result, context_);
+  EXPECT_EQ(result.cases[0].verdict, Verdict::kMoved);
+  EXPECT_THAT(ReadTextFile(into / "regression.html"), HasSubstr("Changed for this run"));
+  EXPECT_THAT([&] { AcceptResult(ReadSuite(folder_), into); },
+              ThrowsMessage<InputError>(HasSubstr("is a result with --set")));
+  EXPECT_TRUE(Run("again").passed());
+}
+
+TEST_F(Regression, ANewSuiteFindsItsFilesFromAnyFolder) {
+  NewSuite made{.scenario = folder_ / "scene.json",
+                .sessions = {folder_ / "session", folder_ / "session/"},
+                .labels = folder_ / "labels.seg.nrrd"};
+  WriteTextFile(folder_ / "points.csv", "name,x_mm,y_mm,z_mm\ntarget,0,20,20\n");
+  made.changes = {Message("/patient/corridor=", (folder_ / "points.csv").string())};
+  EXPECT_THAT(WriteNewSuite(folder_ / "made", made, context_), HasSubstr("2 cases: session"));
+  const auto document = config::ReadJson(folder_ / "made/suite.json");
+  EXPECT_EQ(document["cases"][0]["name"], "session");
+  EXPECT_EQ(document["cases"][1]["name"], "session-2");
+  EXPECT_EQ(document["cases"][0]["scenario"], "../scene.json");
+  EXPECT_EQ(document["cases"][0]["session"], "../session");
+  EXPECT_EQ(document["cases"][0]["patient"]["labels"], "../labels.seg.nrrd");
+  EXPECT_EQ(document["cases"][0]["set"][0], "/patient/corridor=\"../points.csv\"");
+  EXPECT_EQ(document["tolerances"], "tolerances/default.json");
+  // Moved with all that it names, it is still whole.
+  fs::create_directories(folder_ / "elsewhere");
+  for (const char* name : {"made", "scene.json", "session", "labels.seg.nrrd", "points.csv"}) {
+    fs::rename(folder_ / name, folder_ / "elsewhere" / name);
+  }
+  fs::create_directories(folder_ / "result");
+  const Suite suite = ReadSuite(folder_ / "elsewhere/made");
+  const SuiteResult result = RunSuite(suite, folder_ / "result", context_);
+  for (const CaseResult& c : result.cases) EXPECT_EQ(c.verdict, Verdict::kNew) << c.message;
+  EXPECT_TRUE(fs::exists(folder_ / "result/session/run/target.mrk.json")) << "of points.csv";
+}
+
+TEST_F(Regression, ANewSuiteIsMadeOfWhatCanBeReplayedOnly) {
+  NewSuite made{.scenario = folder_ / "scene.json", .sessions = {folder_ / "expected"}};
+  fs::create_directories(folder_ / "expected");
+  EXPECT_THAT([&] { WriteNewSuite(folder_ / "made", made, context_); },
+              ThrowsMessage<InputError>(HasSubstr("expected")));
+  EXPECT_FALSE(fs::exists(folder_ / "made"));
+  made.sessions = {folder_ / "session"};
+  made.tolerances = "tolerances/none.json";
+  EXPECT_THAT([&] { WriteNewSuite(folder_ / "made", made, context_); },
+              ThrowsMessage<InputError>(HasSubstr("none.json")));
+  made.tolerances = "tolerances/identical.json";
+  context_.overwrite = true;
+  EXPECT_THAT([&] { WriteNewSuite(folder_, made, context_); },
+              ThrowsMessage<InputError>(HasSubstr("has expectations")));
 }
 
 TEST_F(Regression, ACaseWithoutResultDoesNotStopTheOthers) {

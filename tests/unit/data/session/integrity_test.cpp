@@ -161,5 +161,23 @@ TEST(Integrity, RefusesLimitsOutOfRange) {
   expect({.jitter_mm = std::nan("")}, "jitter_mm");
 }
 
+TEST(Integrity, ASwapOfHandsIsNoJump) {
+  PoseStream stream;
+  for (int i = 0; i < 100; ++i) {
+    PoseSample sample;
+    sample.time_ns = i * 1'000'000;
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation().x() = i < 50 ? 0.1 * i : 200.0 + 0.1 * i;
+    sample.reference_from_tool = transforms::Pose(pose);
+    stream.push_back(sample);
+  }
+  EXPECT_EQ(CheckIntegrity(stream).jumps.size(), 1U);
+  const std::vector<Command> swapped = {{50'000'000, CommandKind::kSwapHands, 0.0}};
+  EXPECT_TRUE(CheckIntegrity(stream, {}, swapped).jumps.empty());
+  const std::vector<Command> later = {{51'000'000, CommandKind::kSwapHands, 0.0},
+                                      {50'000'000, CommandKind::kFreezeImage, 0.0}};
+  EXPECT_EQ(CheckIntegrity(stream, {}, later).jumps.size(), 1U);
+}
+
 }  // namespace
 }  // namespace acus::session

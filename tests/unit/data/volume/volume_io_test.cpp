@@ -322,6 +322,20 @@ TEST(Vti, IsReadWithItsGrid) {
   EXPECT_EQ(grid.At(0, 1, 1), 65);
 }
 
+// The origin is that of the index 0, which a piece that was cut out need not have.
+TEST(Vti, AnExtentMayBeginAnywhere) {
+  const TemporaryFolder folder;
+  std::string text = kVti;
+  for (auto at = text.find("0 1 0 1 0 2"); at != text.npos; at = text.find("0 1 0 1 0 2")) {
+    text.replace(at, 11, "4 5 -3 -2 6 8");
+  }
+  WriteTextFile(folder / "l.vti", text);
+  const auto grid = ReadIntegerVolume(folder / "l.vti");
+  EXPECT_TRUE((grid.geometry.size == Eigen::Array3i(2, 2, 3)).all());
+  EXPECT_EQ(grid.geometry.origin_mm, Eigen::Vector3d(12, 17, 42));
+  EXPECT_EQ(grid.At(1, 1, 2), 513);
+}
+
 TEST(Vti, CutOffOrFlippedIsReadOrRefused) {
   const TemporaryFolder folder;
   const std::string text = kVti;

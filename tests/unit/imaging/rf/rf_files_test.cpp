@@ -59,6 +59,38 @@ TEST_F(RfFiles, TruncatedMatlabIsRefused) {
   }
 }
 
+/// An array of version 5, not compressed.
+std::string MatlabArray(std::uint32_t kind, std::uint32_t rows, const std::string& rest) {
+  std::string file = "MATLAB 5.0 MAT-file";
+  file.resize(124, ' ');
+  file += std::string("\0\1IM", 4);
+  const auto add = [](std::string& to, std::initializer_list<std::uint32_t> words) {
+    for (const std::uint32_t word : words) to.append(reinterpret_cast<const char*>(&word), 4);
+  };
+  std::string array;
+  add(array, {6, 8, kind, 0, 5, 8, rows, 2, 0x10001, 'x'});
+  array += rest;
+  add(file, {14, static_cast<std::uint32_t>(array.size())});
+  return file + array;
+}
+
+TEST_F(RfFiles, MatlabThatDeclaresMoreThanItHasIsRefusedBeforeMemoryIsTaken) {
+  const auto read = [&](const std::string& bytes) {
+    WriteTextFile(folder_.path() / "c.mat", bytes);
+    return ReadMatlab(folder_.path() / "c.mat", "x");
+  };
+  std::string values(8 + 4 * 8, '\0');
+  values[0] = 9;
+  values[4] = 32;
+  EXPECT_EQ(read(MatlabArray(6, 2, values)).samples, 2);
+  EXPECT_THROW(read(MatlabArray(6, 0x40000000, values)), InputError) << "numbers";
+  EXPECT_THROW(read(MatlabArray(1, 0x40000000, "")), InputError) << "cells";
+  EXPECT_THROW(read(MatlabArray(2, 0x40000000, "")), InputError) << "structures";
+  values[5] = 1;
+  EXPECT_THROW(read(MatlabArray(6, 2, values)), InputError) << "an element longer than its array";
+  EXPECT_THROW(read(std::string("\1\0\0\0\0\0\0\x0f.M\1", 11)), InputError) << "version 4";
+}
+
 TEST_F(RfFiles, FlippedMatlabGivesNumbersOrAMessage) {
   WriteMatlab(folder_.path() / "a.mat", Numbered());
   const std::string bytes = ReadTextFile(folder_.path() / "a.mat");

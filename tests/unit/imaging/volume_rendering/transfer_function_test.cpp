@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
+#include "acus/data/volume/labels.h"
 
 namespace acus::volume_rendering {
 namespace {
@@ -15,7 +16,7 @@ std::vector<OpacityNode> Ramp() {
 }
 
 TEST(TransferFunction, AveragesOverAPieceOfRay) {
-  const TransferFunction transfer{std::span<const OpacityNode>(Ramp())};
+  const TransferFunction transfer(Ramp());
   // The mean of a ramp from 0 to 2, whichever way it is run through.
   EXPECT_NEAR(transfer.Between(100, 200)[3], 1.0, 1e-3);
   EXPECT_NEAR(transfer.Between(200, 100)[3], 1.0, 1e-3);
@@ -29,7 +30,7 @@ TEST(TransferFunction, AveragesOverAPieceOfRay) {
 }
 
 TEST(TransferFunction, KnowsWhatShows) {
-  const TransferFunction transfer{std::span<const OpacityNode>(Ramp())};
+  const TransferFunction transfer(Ramp());
   EXPECT_FALSE(transfer.Shows(-1024, 100));
   EXPECT_TRUE(transfer.Shows(-1024, 103));
   EXPECT_TRUE(transfer.Shows(1000, 30000));  // Beyond the last node as there.
@@ -63,9 +64,51 @@ TEST(TransferFunction, LayersAddUpByTheirOpacity) {
   EXPECT_EQ(TransferFunction(layers).Between(-200, -200)[3], 0.0F);
 }
 
+// Presets are files; their nodes are those that images have always had.
+TEST(TransferFunction, APresetIsItsFile) {
+  const VolumeLayer bone{"bone", 1.0};
+  const std::vector<OpacityNode> nodes = {{170, 0.0, {0.85F, 0.72F, 0.55F}},
+                                          {280, 0.35, {0.92F, 0.84F, 0.70F}},
+                                          {600, 1.6, {0.97F, 0.94F, 0.86F}},
+                                          {1500, 2.5, {1.0F, 1.0F, 0.97F}}};
+  const TransferFunction from_file(std::span(&bone, 1));
+  const TransferFunction from_nodes(nodes);
+  for (float hu = -1000.0F; hu < 3000.0F; hu += 7.0F) {
+    EXPECT_TRUE((from_file.Between(hu, hu + 90.0F) == from_nodes.Between(hu, hu + 90.0F)).all());
+  }
+}
+
+// "liver" holds in the liver only; "bone" everywhere, there too.
+TEST(TransferFunction, LayersOfTissuesHoldInTheirClasses) {
+  const std::vector<VolumeLayer> layers = {{"liver", 1.0}, {"bone", 1.0}};
+  const TransferFunction transfer(layers);
+  ASSERT_TRUE(transfer.has_classes());
+  const int liver = transfer.class_of_label()[volume::LabelOf("liver")];
+  EXPECT_EQ(liver, 1);
+  EXPECT_EQ(transfer.class_of_label()[volume::LabelOf("muscle")], 0);
+  EXPECT_GT(transfer.Between(100, 100, liver)[3], 0.0F);
+  EXPECT_EQ(transfer.Between(100, 100, 0)[3], 0.0F);
+  EXPECT_GT(transfer.Between(700, 700, 0)[3], 0.0F);
+  EXPECT_GT(transfer.Between(700, 700, liver)[3], transfer.Between(700, 700, 0)[3]);
+  EXPECT_FALSE(transfer.Shows(50, 120, 1U));
+  EXPECT_TRUE(transfer.Shows(50, 120, 1U | 1U << 1U));
+  // One that is not shown makes no class.
+  const std::vector<VolumeLayer> without = {{"liver", 0.0}, {"bone", 1.0}};
+  EXPECT_FALSE(TransferFunction(without).has_classes());
+}
+
+// All zeros: nothing shows, and nothing fails.
+TEST(TransferFunction, OfZerosShowsNothing) {
+  const std::vector<OpacityNode> nodes = {{0, 0.0, {1, 1, 1}}, {100, 0.0, {1, 1, 1}}};
+  const TransferFunction zeros(nodes);
+  EXPECT_TRUE(zeros.empty());
+  EXPECT_FALSE(zeros.Shows(-1024, 3071));
+}
+
 TEST(TransferFunction, RefusesWhatIsWrong) {
-  EXPECT_THAT([] { TransferPreset("fog"); },
-              ThrowsMessage<InputError>(HasSubstr("skin, bone, soft_tissue, vessels")));
+  const VolumeLayer fog{"fog", 1.0};
+  EXPECT_THAT([&] { TransferFunction{std::span(&fog, 1)}; },
+              ThrowsMessage<InputError>(HasSubstr("skin, soft_tissue, vessels")));
   for (const double opacity : {-0.1, 1.1, std::nan("")}) {
     const VolumeLayer layer{"bone", opacity};
     EXPECT_THAT([&] { TransferFunction{std::span(&layer, 1)}; },
@@ -75,7 +118,7 @@ TEST(TransferFunction, RefusesWhatIsWrong) {
     return [change] {
       std::vector<OpacityNode> nodes = Ramp();
       change(nodes);
-      TransferFunction{std::span<const OpacityNode>(nodes)};
+      TransferFunction{nodes};
     };
   };
   EXPECT_THAT(broken([](auto& n) { n.resize(1); }), ThrowsMessage<InputError>(HasSubstr("two")));

@@ -144,7 +144,9 @@ TEST(RayCaster, SkippingChangesNoBit) {
     blocks.Update(nullptr, 1.0);
     const HiddenCells hidden(*ct, transfer);
     VolumeScene scene;
-    scene.ct = scene.slopes = ct.get();
+    const SlopeVolume slopes(*ct, 1);
+    scene.ct = ct.get();
+    scene.slopes = &slopes;
     scene.transfer = &transfer;
     scene.blocks = &blocks;
     const RayCaster plain(scene, {}, eye);

@@ -112,7 +112,7 @@ TEST(MotionField, StoredValuesMakeTheSameField) {
   const Eigen::Vector3d place(5, 30, 15);
   EXPECT_EQ(copy.DisplacementMm(weights, place), field.DisplacementMm(weights, place));
   // A slice takes whole lines of the cache: 3 * 7 * 6 values fit into four.
-  EXPECT_EQ(field.bytes(), 2 * 2 * (4 * 32 * 5 + 1));
+  EXPECT_EQ(field.bytes(), 2 * 2 * (4 * 32 * 5 + 2));
 }
 
 TEST(MotionField, RefusesFieldsThatCannotBe) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <igtlImageMessage.h>
+#include <igtlPointMessage.h>
 #include <igtlPositionMessage.h>
 #include <igtlQuaternionTrackingDataMessage.h>
 #include <igtlStatusMessage.h>
@@ -105,6 +106,45 @@ TEST(IgtlWire, TransformGoesBothWays) {
   stamp->GetTimeStamp(&seconds, &nanoseconds);
   EXPECT_EQ(seconds, 1234567890u);
   EXPECT_NEAR(nanoseconds, 123456789.0, 10.0);
+}
+
+TEST(IgtlWire, AVolumeAndPointsAreWhatTheLibraryReads) {
+  std::vector<std::int16_t> hu(4 * 3 * 2);
+  for (std::size_t i = 0; i < hu.size(); ++i) hu[i] = static_cast<std::int16_t>(100 * i - 1024);
+  Matrix4d ras_from_voxel = kIgtlWirePose.matrix();
+  ras_from_voxel.col(0) *= 0.5;
+  ras_from_voxel.col(1) *= 2.0;
+  ras_from_voxel.col(2) *= 3.0;
+  const auto volume = Unpacked<igtl::ImageMessage>(
+      PackVolume("CT", 5, {.size = {4, 3, 2}, .voxels = hu, .ras_from_voxel = ras_from_voxel}));
+  EXPECT_STREQ(volume->GetDeviceName(), "CT");
+  int size[3];
+  volume->GetDimensions(size);
+  EXPECT_EQ(std::vector<int>(size, size + 3), (std::vector<int>{4, 3, 2}));
+  EXPECT_EQ(volume->GetScalarType(), igtl::ImageMessage::TYPE_INT16);
+  EXPECT_EQ(std::memcmp(volume->GetScalarPointer(), hu.data(), 2 * hu.size()), 0);
+  igtl::Matrix4x4 matrix;
+  volume->GetMatrix(matrix);
+  igtlFloat32 spacing_mm[3];  // The library takes it out of the matrix.
+  volume->GetSpacing(spacing_mm);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) matrix[row][column] *= spacing_mm[column];
+  }
+  Matrix4d expected = ras_from_voxel;
+  expected.col(3) += ras_from_voxel * Eigen::Vector4d(1.5, 1.0, 0.5, 0.0);
+  EXPECT_LT(Difference(matrix, expected), 1e-3);
+
+  const NamedPoint points[] = {{.name = "entry", .ras_mm = {1, 2, 3}},
+                               {.name = "target", .ras_mm = {-4, 5, 6}, .diameter_mm = 6.0}};
+  const auto read = Unpacked<igtl::PointMessage>(PackPoints("Targets", 5, points));
+  ASSERT_EQ(read->GetNumberOfPointElement(), 2);
+  igtl::PointElement::Pointer point;
+  read->GetPointElement(1, point);
+  EXPECT_STREQ(point->GetName(), "target");
+  igtlFloat32 at[3];
+  point->GetPosition(at);
+  EXPECT_EQ(Vector3d(at[0], at[1], at[2]), Vector3d(-4, 5, 6));
+  EXPECT_EQ(point->GetRadius(), 6.0F) << "the protocol's DIAMETER, which the library calls radius";
 }
 
 TEST(IgtlWire, TrackingDataGoesBothWays) {

@@ -127,6 +127,38 @@ TEST(PoseServer, AnswersQuestions) {
   }));
 }
 
+TEST(PoseServer, WhatIsKeptGoesOnceToEveryClientAndIsNoBacklog) {
+  PoseServerOptions options = PoseServerAnyPort();
+  options.max_backlog_bytes = 100'000;
+  PoseServer server(options);
+  const std::vector<std::uint8_t> labels(200 * 200 * 200, 7);
+  const VolumeView volume{.size = {200, 200, 200}, .voxels = labels};
+  server.KeepVolume("Labels", volume);
+  server.KeepPose({.name = "TargetToRas"});
+  server.Start();
+  Client first(server);
+  const auto has_all = [](Client& client) {
+    return client.Count("IMAGE") == 1 && client.Count("TRANSFORM") == 1;
+  };
+  ASSERT_TRUE(WaitUntil([&] { return has_all(first); }));
+  EXPECT_EQ(first.headers[0].type, "TRANSFORM") << "small things come first";
+  Client second(server);
+  ASSERT_TRUE(WaitUntil([&] { return has_all(second); }));
+  const NamedPoint target[] = {{.name = "target", .ras_mm = {1, 2, 3}}};
+  server.KeepPoints("Targets", target);
+  server.KeepPose({.name = "TargetToRas"});
+  Client third(server);
+  for (Client* client : {&first, &second, &third}) {
+    ASSERT_TRUE(WaitUntil([&] {
+      client->Read();
+      return client->reader.counts().other_messages >= 1;  // POINT.
+    }));
+  }
+  ASSERT_TRUE(WaitUntil([&] { return first.Count("TRANSFORM") == 2; }));
+  EXPECT_EQ(first.Count("IMAGE"), 1u);
+  EXPECT_EQ(server.status().too_slow, 0u);
+}
+
 TEST(PoseServer, ASlowClientLosesOldPicturesAndDelaysNobody) {
   PoseServer server(PoseServerAnyPort());
   server.Start();

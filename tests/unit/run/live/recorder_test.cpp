@@ -135,6 +135,18 @@ TEST(Recorder, KeepsRawReadingsOfTrackers) {
   EXPECT_EQ(recorder->status().readings_recorded, 1);
 }
 
+TEST(Recorder, WhatCannotBePutOnTheMediumIsReportedAtTheEnd) {
+  const TemporaryFolder folder;
+  const auto recorder = Record(folder / "s", RecorderSettings());
+  recorder->Start();
+  recorder->Push(RecordAt(0));
+  fs::rename(folder / "s", folder / "moved");
+  recorder->Close();
+  EXPECT_THAT(recorder->status().trouble,
+              HasSubstr("may not survive a power failure (No such file or directory)"));
+  ExpectWhole(folder / "moved", 1);
+}
+
 /// Takes bytes as long as there is room, and as slowly as told.
 struct Disk {
   std::atomic<std::int64_t> room{0};

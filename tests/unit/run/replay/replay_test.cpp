@@ -8,8 +8,11 @@
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
 #include "acus/base/math/rigid.h"
+#include "acus/data/session/sequence_file.h"
 #include "acus/data/session/session_io.h"
+#include "acus/data/transforms/landmarks.h"
 #include "acus/data/volume/volume_io.h"
+#include "acus/run/replay/markups.h"
 #include "support/layered_folder.h"
 #include "support/replay_folder.h"
 
@@ -175,6 +178,49 @@ TEST_F(Replay, LogsWhatTheNeedleMeets) {
   EXPECT_GE(count("puncture"), 1);
   EXPECT_EQ(count("bone_contact"), 1);
   EXPECT_EQ(count("withdrawal"), 1);
+}
+
+TEST_F(Replay, WritesWhereThingsHappenedAndWhereTheTipWasToGo) {
+  WriteTextFile(folder_ / "corridor.csv", "name,x_mm,y_mm,z_mm\ntarget,0,20,50\nentry,0,20,0\n");
+  Run("run", 1, {{"/patient/corridor", (folder_ / "corridor.csv").string()}});
+  const auto points = transforms::ReadLandmarks(folder_ / "run" / kEventMarkups);
+  const CsvTable events(folder_ / "run/events.csv");
+  ASSERT_EQ(points.names.size(), events.num_rows());
+  const auto time_s = events.Numbers("time_s");
+  for (std::size_t i = 0; i < points.names.size(); ++i) {
+    EXPECT_EQ(points.names[i],
+              Message(i + 1, " ", events.Texts("event")[i], " ", events.Texts("tissue")[i]));
+    const double ms = 1e3 * time_s[i];
+    const double z_mm = ms < 2720 ? -5.0 + 0.025 * ms : 63.0 - 0.025 * (ms - 3200);
+    EXPECT_LT(
+        (points.points_mm.col(static_cast<Eigen::Index>(i)) - Eigen::Vector3d(0.0, 20.0, z_mm))
+            .norm(),
+        1e-6)
+        << points.names[i];
+  }
+  const auto targets = transforms::ReadLandmarks(folder_ / "run" / kTargetMarkups);
+  EXPECT_THAT(targets.names, testing::ElementsAre("entry", "target"));
+  EXPECT_EQ(targets.points_mm.col(1), Eigen::Vector3d(0, 20, 50));
+}
+
+TEST_F(Replay, FramesHaveTheirPlace) {
+  Run("run", 1);
+  session::SequenceFile sequence(folder_ / "run/images.igs.mha");
+  const auto probe_from_image =
+      session::NumbersOf(*sequence.header().Field("ImageToProbeTransform"));
+  ASSERT_TRUE(probe_from_image && probe_from_image->size() == 16);
+  using Matrix = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+  for (const std::size_t frame : {std::size_t{0}, sequence.num_frames() - 1}) {
+    const auto matrix = [&](const char* name) {
+      const auto numbers = session::NumbersOf(*sequence.header().Field(frame, name));
+      return Matrix(Eigen::Map<const Matrix>(numbers->data()));
+    };
+    EXPECT_TRUE(matrix("ImageToReferenceTransform")
+                    .isApprox(matrix("ProbeToReferenceTransform") *
+                                  Eigen::Map<const Matrix>(probe_from_image->data()),
+                              1e-12));
+    EXPECT_EQ(sequence.header().Field(frame, "ImageToReferenceTransformStatus"), "OK");
+  }
 }
 
 TEST_F(Replay, WritesOneImagePerPeriod) {

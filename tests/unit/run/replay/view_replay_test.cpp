@@ -90,6 +90,43 @@ TEST_F(ViewReplay, BreathesWithThePatientUnlessHeldAtRest) {
   EXPECT_EQ(ReadTextFile(folder_ / "held/view_3d.mp4"), never);
 }
 
+TEST_F(ViewReplay, EveryEventHasAStillInTheReport) {
+  const std::vector<scenario::Override> force = {
+      {"/effects/needle_force", nlohmann::json::object()}};
+  Run("force", 1, force);
+  const std::string events = ReadTextFile(folder_ / "force/events.csv");
+  ASSERT_THAT(events, HasSubstr("puncture"));
+  ASSERT_TRUE(fs::exists(folder_ / "force/view_3d_event_01.png"));
+  EXPECT_THAT(ReadTextFile(folder_ / "force/report.html"),
+              HasSubstr("three dimensions: puncture at"));
+  std::vector<scenario::Override> without = force;
+  without.push_back({"/effects/view_3d/event_stills", false});
+  Run("without", 1, without);
+  EXPECT_FALSE(fs::exists(folder_ / "without/view_3d_event_01.png"));
+  EXPECT_EQ(ReadTextFile(folder_ / "without/view_3d.mp4"),
+            ReadTextFile(folder_ / "force/view_3d.mp4"));
+}
+
+TEST_F(ViewReplay, TheCameraFollowsItsPathAndRestIsBeside) {
+  Run("still", 1);
+  const std::vector<scenario::Override> path = {
+      {"/effects/view_3d/camera_path", "camera_paths/turntable.json"}};
+  Run("turned", 1, path);
+  Run("turned_2", 2, path);
+  const std::string turned = ReadTextFile(folder_ / "turned/view_3d.mp4");
+  EXPECT_NE(turned, ReadTextFile(folder_ / "still/view_3d.mp4"));
+  EXPECT_EQ(turned, ReadTextFile(folder_ / "turned_2/view_3d.mp4"));
+  EXPECT_THAT(ReadTextFile(folder_ / "turned/provenance.json"), HasSubstr("turntable.json"));
+  Run("beside", 1, {{"/effects/view_3d/beside", "rest"}});
+  EXPECT_NE(ReadTextFile(folder_ / "beside/view_3d.png"),
+            ReadTextFile(folder_ / "still/view_3d.png"));
+  EXPECT_THAT(
+      [&] {
+        Run(nullptr, 1, {{"/effects/view_3d/camera_path", "none.json"}});
+      },
+      ThrowsMessage<InputError>(HasSubstr("none.json")));
+}
+
 TEST_F(ViewReplay, SaysWhatDoesNotFit) {
   const auto with = [this](const char* place, const nlohmann::json& value) {
     return [this, place, value] {

@@ -56,6 +56,55 @@ TEST(Exercise, DefaultsOfTheSchemaAreThoseOfTheCode) {
   EXPECT_EQ(exercise.target_point, Exercise{}.target_point);
 }
 
+TEST(Exercise, ReadsChecklistAndHints) {
+  const TemporaryFolder folder;
+  const Exercise exercise = ReadExercise(Written(folder, R"({
+    "format": "acus-exercise/1", "name": "x", "target": {"name": "L3/L4"},
+    "checklist": {"order": "free", "steps": [
+      {"text": "Probe", "when": "probe_on_skin", "for_s": 0.5, "hint": "press"},
+      {"text": "Reach", "when": "target_reached"}]},
+    "hints": {"trials": 2}})"));
+  EXPECT_EQ(exercise.target_name, "L3/L4");
+  EXPECT_FALSE(exercise.checklist.in_order);
+  ASSERT_EQ(exercise.checklist.steps.size(), 2U);
+  EXPECT_EQ(exercise.checklist.steps[0].for_s, 0.5);
+  EXPECT_EQ(exercise.checklist.steps[1].when, StepCondition::kTargetReached);
+  EXPECT_EQ(exercise.hints.trials, 2);
+  EXPECT_EQ(exercise.hints.wait_s, HintOptions{}.wait_s);
+  EXPECT_THAT(
+      [&] {
+        ReadExercise(Written(folder, R"({"format": "acus-exercise/1", "name": "x",
+          "checklist": {"steps": [{"text": "a", "when": "probe_on_skn"}]}})"));
+      },
+      ThrowsMessage<InputError>(HasSubstr("probe_on_skn")));
+}
+
+TEST(Assessment, AnAttemptInTheAirMeetsNoGoalOfTheNeedle) {
+  const std::vector<Goal> goals = {{"attempts", 1.0, {}, ""},
+                                   {"bone contacts", 0.0, {}, ""},
+                                   {"largest probe force", 5.0, {}, ""}};
+  std::vector<Metric> metrics = {{"passes", "", 0.0},
+                                 {"attempts", "", 0.0},
+                                 {"bone contacts", "", 0.0},
+                                 {"largest probe force", "N", 2.0}};
+  auto results = JudgeGoals(goals, metrics);
+  EXPECT_FALSE(results[0].met || results[1].met);
+  EXPECT_FALSE(results[0].value.has_value());
+  EXPECT_TRUE(results[2].met);
+  Assessment assessment;
+  assessment.metrics = metrics;
+  EXPECT_THAT(OutcomeText(assessment), HasSubstr("No insertion"));
+  metrics[0].value = 1.0;
+  results = JudgeGoals(goals, metrics);
+  EXPECT_TRUE(results[0].met && results[1].met);
+  assessment.metrics = metrics;
+  assessment.metrics.push_back({"tip to target at the end", "mm", 2.0});
+  assessment.target = "L3/L4";
+  assessment.target_radius_mm = 3.0;
+  EXPECT_EQ(OutcomeText(assessment),
+            "Target reached: the tip ended 2 mm from L3/L4 (at most 3 mm).");
+}
+
 TEST(Exercise, SaysWhatIsWrong) {
   const TemporaryFolder folder;
   const auto reading = [&](const std::string& goals) {

@@ -141,5 +141,23 @@ TEST(PlaneShare, IsNothingWhereOneOfTheToolsIsNotSeen) {
   EXPECT_NEAR(ComputePlaneShare(session, inside).seconds, 0.7, 1e-9);
 }
 
+TEST(Structures, ASwapOfHandsIsNoMotionOfTheNeedle) {
+  const auto labels = Tissue();
+  Session session;
+  // 10 mm deep; then the other hand, 30 mm outside, holds the needle.
+  session.needle = {At(0.0, {0, 0, -5}), At(0.1, {0, 0, 10}), At(0.2, {0, 0, -30}),
+                    At(0.3, {0, 0, -30})};
+  const Anatomy anatomy{labels};
+  EXPECT_EQ(ValueOf(MotionMetricsOf(session), "needle path length"), 55.0);
+  session.commands = {{200'000'000, session::CommandKind::kSwapHands, 0.0}};
+  const auto motion = MotionMetricsOf(session);
+  EXPECT_EQ(ValueOf(motion, "needle path length"), 15.0);
+  EXPECT_DOUBLE_EQ(ValueOf(motion, "needle elapsed time"), 0.3);
+  EXPECT_NEAR(ValueOf(motion, "needle largest speed"), 150.0, 1e-9);
+  const auto needle = NeedleMetricsOf(session, anatomy);
+  EXPECT_EQ(ValueOf(needle, "passes"), 0.0) << "the first sample in tissue is the deepest";
+  EXPECT_EQ(ValueOf(needle, "attempts"), 1.0);
+}
+
 }  // namespace
 }  // namespace acus::training

@@ -60,7 +60,8 @@ TEST(ScenarioDocument, FindsItsFilesFromAnotherFolder) {
   }
   WriteTextFile(folder / "patient" / "scene.json", R"({"format": "acus-scenario/1",
     "patient": {"ct": "ct.nrrd", "labels": "../patient/labels.seg.nrrd"},
-    "effects": {"needle_force": {"table": "own_table.json"}, "ct_slice": {}}})");
+    "effects": {"needle_force": {"table": "own_table.json"}, "ct_slice": {},
+                "ultrasound": {"model": "beams", "display": ""}}})");
   const std::vector<Override> changes = {ParseOverride("/image_rate_hz=12"),
                                          ParseOverride("/effects/ct_slice=null")};
   const json written = ForAnyFolder(ScenarioDocument(folder / "patient" / "scene.json", changes),
@@ -74,6 +75,7 @@ TEST(ScenarioDocument, FindsItsFilesFromAnotherFolder) {
   EXPECT_EQ(after.needle, before.needle);
   EXPECT_EQ(after.image_rate_hz, 12.0);
   EXPECT_FALSE(after.ct_slice.has_value());
+  EXPECT_EQ(written["effects"]["ultrasound"]["display"], "");
   // What was not said is still not said, and presets are still presets.
   EXPECT_FALSE(written.contains("needle"));
   EXPECT_FALSE(written.contains("evidence"));

@@ -105,6 +105,7 @@ TEST(PlanEffects, TheViewReadsWhatItShowsAndNothingElse) {
                              {"surfaces", {{{"tissue", "liver"}}}},
                              {"needle", true},
                              {"probe", false},
+                             {"pressed", true},
                              {"picture", true}};
   s.listed.push_back({&effects::View3d(), settings});
   const EffectPlan plan = PlanEffects(s, {.needle_poses = true});

@@ -1,8 +1,12 @@
 #include "acus/scene/effects/view_3d/view_3d.h"
 
+#include <algorithm>
+
 #include "acus/base/core/error.h"
 #include "acus/scene/effects/ports.h"
+#include "acus/scene/effects/view_3d/camera_path.h"
 #include "acus/scene/effects/view_3d/patient_surfaces.h"
+#include "acus/scene/effects/view_3d/tissue_under_tools.h"
 
 namespace acus::effects {
 namespace {
@@ -10,6 +14,7 @@ namespace {
 using nlohmann::json;
 
 constexpr Port<image::ColourImage> kView{"view"};
+constexpr ports::FilePort kCameraPath{"camera path"};
 
 /// @param scene  Outlives the view.
 volume_rendering::PatientInView PatientOf(const View3dSettings& settings, const PortValues& scene,
@@ -22,8 +27,20 @@ volume_rendering::PatientInView PatientOf(const View3dSettings& settings, const 
   if (!settings.surfaces.empty()) {
     patient.surfaces = SurfacesOf(settings, scene.Get(ports::kLabels), context);
   }
+  if (const volume::LabelMap* labels = scene.Find(ports::kLabels)) {
+    patient.labels = {std::shared_ptr<const void>(), labels};
+  }
   patient.field = scene.Find(ports::kMotionField);
   return patient;
+}
+
+/// True if a layer holds in some tissues only: labels say where they are.
+bool HasTissueLayer(const json& settings) {
+  return std::ranges::any_of(settings.at("layers"), [](const json& layer) {
+    const auto file =
+        volume_rendering::FindTransferFunction(layer.at("preset").get<std::string>(), {});
+    return !volume_rendering::ReadTransferFunction(file).tissues.empty();
+  });
 }
 
 volume_rendering::ViewSettings LookOf(const View3dSettings& settings) {
@@ -50,17 +67,36 @@ volume_rendering::Camera CameraOf(const View3dSettings& settings, const Eigen::A
                 size);
 }
 
+/// Two images of the same size, side by side.
+void PutBeside(const image::ColourImage& left, const image::ColourImage& right,
+               image::ColourImage& out) {
+  out.Resize(left.width + right.width, left.height);
+  const auto row_bytes = static_cast<std::ptrdiff_t>(3) * left.width;
+  for (int row = 0; row < left.height; ++row) {
+    auto to = out.rgb.begin() + 2 * row * row_bytes;
+    to = std::copy_n(left.rgb.begin() + row * row_bytes, row_bytes, to);
+    std::copy_n(right.rgb.begin() + row * row_bytes, row_bytes, to);
+  }
+}
+
 class ViewStage final : public ImageStage {
  public:
   ViewStage(const View3dSettings& settings, const PortValues& scene, const RunContext& context)
       : settings_(settings),
         view_(PatientOf(settings, scene, context), LookOf(settings)),
         camera_(CameraOf(settings, view_.box_in_ct_mm())),
-        num_threads_(context.num_threads) {}
+        num_threads_(context.num_threads) {
+    if (!settings.camera_path.empty()) path_ = CameraPath::Read(settings.camera_path);
+  }
 
   Activity Render(const ImageMoment& moment, const PortValues& ports, EffectPixels& out) override {
-    if (!HasChanged(moment.changes)) return Activity::kUnchanged;
+    if (!path_ && !HasChanged(moment.changes)) return Activity::kUnchanged;
+    if (path_) {
+      const volume_rendering::PictureSize size{settings_.width_px, settings_.height_px};
+      camera_ = LookAt(path_->At(moment.session_s, view_.box_in_ct_mm(), size), size);
+    }
     volume_rendering::ViewMoment seen;
+    seen.path_in_ct_mm = moment.tip_path_in_ct_mm;
     seen.motion = moment.breath;
     if (moment.needle != nullptr) seen.needle = *moment.needle;
     if (settings_.probe && moment.probe_valid) {
@@ -70,22 +106,50 @@ class ViewStage final : public ImageStage {
       const image::GrayImage* b_mode = ports.Find(ports::kBMode);
       if (b_mode != nullptr && !b_mode->pixels.empty()) seen.probe->b_mode = b_mode;
     }
+    const volume_rendering::PressedTissue pressed = PressedAt(moment, ports);
+    seen.pressed = &pressed;
     view_.Render(camera_, seen, rendered_, num_threads_);
-    std::swap(rendered_.colour, out.colour);
+    if (!settings_.beside_rest) {
+      std::swap(rendered_.colour, out.colour);
+      return Activity::kActive;
+    }
+    seen.motion = nullptr;
+    seen.pressed = nullptr;
+    view_.Render(camera_, seen, at_rest_, num_threads_);
+    PutBeside(at_rest_.colour, rendered_.colour, out.colour);
     return Activity::kActive;
   }
 
+  bool NeedsRestMap(const ImageChanges& changes) const override {
+    return settings_.pressed && (path_ || HasChanged(changes));
+  }
+
+  bool ShowsEvents() const override { return settings_.event_stills; }
+
  private:
+  volume_rendering::PressedTissue PressedAt(const ImageMoment& moment,
+                                            const PortValues& ports) const {
+    const slicing::RestMap* rest = settings_.pressed ? ports.Find(ports::kRestMap) : nullptr;
+    if (rest == nullptr) return {};
+    ToolsOnTissue tools;
+    if (moment.needle != nullptr) tools.needle = *moment.needle;
+    if (moment.probe_valid) tools.ct_from_probe = moment.ct_from_probe;
+    tools.probe = ports.Find(ports::kProbePreset);
+    const PressedDetail detail{.num_threads = num_threads_};
+    return PressedIn(*rest, moment.breath, ReachOf(tools), detail);
+  }
   bool HasChanged(const ImageChanges& changes) const {
-    return changes.breath || changes.images || (settings_.needle && changes.needle) ||
-           (settings_.probe && changes.probe);
+    return changes.breath || changes.images || (settings_.pressed && changes.tissue) ||
+           (settings_.needle && changes.needle) || (settings_.probe && changes.probe);
   }
 
   View3dSettings settings_;
   volume_rendering::PatientView view_;
   volume_rendering::Camera camera_;
   int num_threads_;
+  std::optional<CameraPath> path_;
   volume_rendering::ViewPicture rendered_;
+  volume_rendering::ViewPicture at_rest_;
 };
 
 class LoadedView final : public LoadedEffect {
@@ -128,6 +192,9 @@ class View3dEffect final : public Effect {
             "view_angle_deg": {"type": "number", "minimum": 1, "maximum": 120, "default": 30, "description": "Over the height of the picture, degrees"}
           }
         },
+        "camera_path": {"type": "string", "description": "Path of the camera (acus-camera-path), in place of `camera`: camera_paths/turntable.json, or a file"},
+        "beside": {"enum": ["nothing", "rest"], "default": "nothing", "description": "rest: on the left the patient at rest, without breath and not pressed; on the right as he is"},
+        "event_stills": {"type": "boolean", "default": true, "description": "A still of every puncture and bone contact for the report, with the path of the needle's tip"},
         "layers": {
           "type": "array",
           "default": [],
@@ -137,7 +204,7 @@ class View3dEffect final : public Effect {
             "additionalProperties": false,
             "required": ["preset"],
             "properties": {
-              "preset": {"enum": ["skin", "bone", "soft_tissue", "vessels"], "description": "Colour and opacity by Hounsfield units"},
+              "preset": {"type": "string", "description": "Colour and opacity by Hounsfield units: bone, liver, muscle, skin, soft_tissue, vessels, or the path of a file of format acus-transfer-function"},
               "opacity": {"type": "number", "minimum": 0, "maximum": 1, "default": 1, "description": "1: as the preset says; 0: not shown"}
             }
           }
@@ -161,6 +228,7 @@ class View3dEffect final : public Effect {
         "needle": {"type": "boolean", "default": true, "description": "Show the needle"},
         "probe": {"type": "boolean", "default": true, "description": "Show the probe and the plane that it sees"},
         "picture": {"type": "boolean", "default": true, "description": "Show the B-mode in that plane, if there is effects/ultrasound"},
+        "pressed": {"type": "boolean", "default": true, "description": "Show the tissue as needle, probe or finger press it, if effects/tissue says that images show it"},
         "shadows": {"type": "boolean", "default": true, "description": "Needle and probe throw shadows on the patient"},
         "tool_shine": {"type": "number", "minimum": 0, "maximum": 1, "default": 0.35, "description": "What is seen of a tool behind tissue; 0: what the tissue lets through"},
         "supersampling": {"enum": [1, 2, 4], "default": 2, "description": "A pixel is the mean of this many each way: smooth edges"},
@@ -171,6 +239,10 @@ class View3dEffect final : public Effect {
     })json");
   }
 
+  std::vector<PathSetting> Paths() const override {
+    return {{"camera_path", PathKind::kPreset, kCameraPath}};
+  }
+
   void Check(const json& settings, const std::string& where) const override {
     const json& camera = settings.at("camera");
     ACUS_REQUIRE(camera.contains("eye_mm") == camera.contains("focus_mm"), where,
@@ -179,13 +251,25 @@ class View3dEffect final : public Effect {
                  ": there is nothing to show; give a layer of the CT, or a surface");
   }
 
+  void ResolveFiles(json& settings, const std::filesystem::path& folder) const override {
+    if (!settings.contains("layers") || !settings["layers"].is_array()) return;
+    for (json& layer : settings["layers"]) {
+      if (!layer.is_object() || !layer.contains("preset") || !layer["preset"].is_string()) continue;
+      const auto name = layer["preset"].get<std::string>();
+      const auto file = volume_rendering::FindTransferFunction(name, folder);
+      if (name != file.stem()) layer["preset"] = file.lexically_normal().string();
+    }
+  }
+
   std::optional<StageDeclaration> ImageStageOf(const json& settings) const override {
     StageDeclaration stage{.name = "view in 3D", .reads = {}, .writes = {kView}};
     const auto add = [](std::vector<PortRef>& to, std::initializer_list<PortRef> ports) {
       to.insert(to.end(), ports);
     };
     if (!settings.at("layers").empty()) add(stage.reads, {ports::kCt});
-    if (!settings.at("surfaces").empty()) add(stage.reads, {ports::kLabels});
+    if (!settings.at("surfaces").empty() || HasTissueLayer(settings)) {
+      add(stage.reads, {ports::kLabels});
+    }
     if (settings.at("needle")) {
       add(stage.reads, {ports::kNeedle, ports::kNeedlePreset});
       add(stage.optional_reads, {ports::kShape});
@@ -194,7 +278,9 @@ class View3dEffect final : public Effect {
       add(stage.reads, {ports::kProbe, ports::kProbePreset});
       if (settings.at("picture")) add(stage.optional_reads, {ports::kBMode});
     }
+    if (settings.contains("camera_path")) add(stage.reads, {kCameraPath});
     add(stage.optional_reads, {ports::kBreath});
+    if (settings.at("pressed")) add(stage.optional_reads, {ports::kRestMap});
     return stage;
   }
 
@@ -203,8 +289,17 @@ class View3dEffect final : public Effect {
   }
 
   std::unique_ptr<const LoadedEffect> Load(const json& settings, const PortValues& /*scene*/,
-                                           RunContext& /*context*/) const override {
-    return std::make_unique<LoadedView>(ReadView3dSettings(settings));
+                                           RunContext& context) const override {
+    for (const json& layer : settings.at("layers")) {
+      context.provenance.AddInput(
+          volume_rendering::FindTransferFunction(layer.at("preset").get<std::string>(), {}));
+    }
+    View3dSettings view = ReadView3dSettings(settings);
+    if (!view.camera_path.empty()) {
+      CameraPath::Read(view.camera_path);  // What is wrong with it is said before anything runs.
+      context.provenance.AddInput(view.camera_path);
+    }
+    return std::make_unique<LoadedView>(std::move(view));
   }
 };
 

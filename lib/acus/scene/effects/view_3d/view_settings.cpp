@@ -39,9 +39,15 @@ View3dSettings ReadView3dSettings(const json& object) {
     settings.layers.push_back({layer.at("preset"), layer.at("opacity")});
   }
   for (const json& surface : object.at("surfaces")) settings.surfaces.push_back(SurfaceOf(surface));
+  if (object.contains("camera_path")) {
+    settings.camera_path = object.at("camera_path").get<std::string>();
+  }
+  settings.beside_rest = object.at("beside") == "rest";
+  settings.event_stills = object.at("event_stills");
   settings.surface_grid_mm = object.at("surface_grid_mm");
   settings.needle = object.at("needle");
   settings.probe = object.at("probe");
+  settings.pressed = object.at("pressed");
   settings.shadows = object.at("shadows");
   settings.tool_shine = object.at("tool_shine");
   settings.supersampling = object.at("supersampling");

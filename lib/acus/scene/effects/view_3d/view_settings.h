@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -28,11 +29,15 @@ struct View3dSettings {
   std::optional<Eigen::Vector3d> focus_in_ct_mm;
   Eigen::Vector3d up_in_ct = Eigen::Vector3d::UnitZ();
   double view_angle_deg = 0.0;
+  std::filesystem::path camera_path;  ///< Empty: the camera stays.
+  bool beside_rest = false;           ///< Two images: at rest, and now.
+  bool event_stills = true;
   std::vector<Layer> layers;
   std::vector<Surface> surfaces;
   double surface_grid_mm = 0.0;
   bool needle = true;
   bool probe = true;
+  bool pressed = true;  ///< Tissue that tools press is shown so.
   bool shadows = true;
   double tool_shine = 0.0;
   int supersampling = 0;

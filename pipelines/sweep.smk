@@ -1,5 +1,5 @@
 # The runs of one sweep of acus-tradeoff, as many at a time as --cores or a cluster profile allows.
-# Started by pipelines/tradeoff, which writes the configuration:
+# Started by pipelines/sweep, which writes the configuration:
 #   command   what runs the sweep, a list: acus-tradeoff scene SCENARIO SESSION ...
 #   folder    of the sweep, absolute
 #   cases     name of each case: that of the case which makes its reference, or ""

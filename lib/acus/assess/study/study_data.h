@@ -1,0 +1,68 @@
+// What a study has collected: trials with their metrics, and answers.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "acus/assess/study/study_file.h"
+#include "acus/base/core/run_context.h"
+
+namespace acus::study {
+
+/// One metric of all trials.
+struct MetricKey {
+  std::string name;
+  std::string unit;  ///< Empty for a count.
+  auto operator<=>(const MetricKey&) const = default;
+};
+
+struct TrialRecord {
+  std::string code;
+  std::string exercise;
+  int trial = 1;  ///< From 1, in the order of the files.
+  std::map<MetricKey, double> metrics;
+  std::filesystem::path folder;  ///< Of its files; empty if it comes from a table.
+};
+
+struct Answer {
+  std::string code;
+  std::string questionnaire;
+  std::string item;
+  int answer = 0;  ///< 1 to the size of the scale.
+};
+
+/// The names of two metrics that every trial has besides those of its training.json.
+inline constexpr const char* kGoalsMet = "goals met";  ///< Percent.
+inline constexpr const char* kScore = "score";         ///< training::ScoreOf, in percent.
+
+/// Reads trials: folders are searched for training.json at any depth; files of CSV are tables as
+/// TrialsCsv writes them. Trials of one participant in one exercise are numbered in the order of
+/// their paths, with numbers by value. Sorted by participant (as in the study), exercise and trial.
+///
+/// Trials without consent are not kept, with a warning. @throws InputError for a code or exercise
+/// that the study does not list, or if there is no trial at all.
+std::vector<TrialRecord> ReadTrials(std::span<const std::filesystem::path> paths,
+                                    const Study& study, RunContext& context);
+
+/// All trials of folders, as ReadTrials numbers them, of whatever trainees and exercises.
+/// @throws InputError if there is none, or a training.json is broken.
+std::vector<TrialRecord> FindTrials(std::span<const std::filesystem::path> folders,
+                                    RunContext& context);
+
+/// trials.csv: code,group,exercise,trial,metric,unit,value; a row per metric of each trial. Reading
+/// it back gives the same trials, bit for bit.
+std::string TrialsCsv(const Study& study, std::span<const TrialRecord> trials);
+
+/// Reads code,questionnaire,item,answer; rows without an answer are skipped.
+/// @throws InputError with file and row for an unknown code, questionnaire or item, an answer off
+///     the scale, or one given twice.
+std::vector<Answer> ReadAnswers(const std::filesystem::path& path, const Study& study,
+                                RunContext& context);
+
+/// Paths with numbers by value: trial_2 before trial_10.
+bool NaturallyBefore(const std::string& a, const std::string& b);
+
+}  // namespace acus::study

@@ -1,0 +1,19 @@
+// The subcommand simulate of acus-training.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "acus/base/core/run_context.h"
+
+namespace CLI {
+class App;
+}
+
+namespace acus::trials {
+
+/// Adds the options to the subcommand; they write into what the result holds.
+/// @returns runs what the command line requests, and gives the text for the terminal.
+std::function<std::string(RunContext& context)> AddSimulateOptions(CLI::App& command);
+
+}  // namespace acus::trials

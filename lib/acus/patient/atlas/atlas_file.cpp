@@ -1,0 +1,37 @@
+#include "acus/patient/atlas/atlas_file.h"
+
+#include "acus/base/config/json_file.h"
+
+namespace acus::atlas {
+
+namespace fs = std::filesystem;
+
+std::vector<AtlasPatient> ReadAtlas(const fs::path& folder, RunContext& context) {
+  if (folder.empty()) return {};
+  const fs::path file = folder / "atlas.json";
+  const nlohmann::json document = config::ReadConfig(file, "acus-atlas");
+  std::vector<AtlasPatient> patients;
+  for (const auto& node : document.at("patients")) {
+    const auto place = [&](const char* key) {
+      const fs::path path = folder / node.at(key).get<std::string>();
+      ACUS_REQUIRE(fs::exists(path), file.string(), ": /patients/", patients.size(), "/", key, ": ",
+                   path.string(), " does not exist");
+      return path;
+    };
+    patients.push_back(
+        {.name = node.at("name"),
+         .ct = place("ct"),
+         .series = node.at("series"),
+         .labels = place("labels"),
+         .mapping = config::FindConfig(node.at("mapping").get<std::string>(), folder)});
+  }
+  context.provenance.AddInput(file);
+  for (const AtlasPatient& patient : patients) {
+    for (const fs::path& path : {patient.ct, patient.labels, patient.mapping}) {
+      context.provenance.AddInput(path);
+    }
+  }
+  return patients;
+}
+
+}  // namespace acus::atlas

@@ -1,0 +1,26 @@
+// The file that lists the patients of an atlas.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "acus/base/core/run_context.h"
+
+namespace acus::atlas {
+
+/// One patient of an atlas.
+struct AtlasPatient {
+  std::string name;
+  std::filesystem::path ct;
+  std::string series;  ///< Of a DICOM folder.
+  std::filesystem::path labels;
+  std::filesystem::path mapping;  ///< What the values of `labels` mean.
+};
+
+/// Reads atlas.json (format acus-atlas/1) of a folder; its files become inputs of the provenance.
+/// @param folder  Empty: no patients.
+/// @throws InputError naming the place in the file.
+std::vector<AtlasPatient> ReadAtlas(const std::filesystem::path& folder, RunContext& context);
+
+}  // namespace acus::atlas

@@ -1,0 +1,24 @@
+// Many points of a patient at one moment of breath: MotionMap for surfaces and lattices.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "acus/physics/breathing/motion_map.h"
+
+namespace acus::breathing {
+
+/// displacement_mm.col(n) = u(rest_mm.col(n)), CT space, in single precision: within 1e-5 of what
+/// MotionMap::DisplacementMm says and 1e-4 mm. Fastest where points that follow each other are
+/// near each other. The same bits on every machine; allocates nothing. The two may be the same.
+/// @pre motion.moves(), and the same number of columns.
+void DisplacementsMm(const MotionMap& motion, Eigen::Ref<const Eigen::Matrix3Xf> rest_mm,
+                     Eigen::Ref<Eigen::Matrix3Xf> displacement_mm) noexcept;
+
+/// Points to where they are in the world, and normals of a surface there turned along with it.
+/// @pre motion.moves(), and the same number of columns.
+void MoveWithNormals(const MotionMap& motion, Eigen::Ref<const Eigen::Matrix3Xf> rest_mm,
+                     Eigen::Ref<const Eigen::Matrix3Xf> rest_normals,
+                     Eigen::Ref<Eigen::Matrix3Xf> world_mm,
+                     Eigen::Ref<Eigen::Matrix3Xf> normals) noexcept;
+
+}  // namespace acus::breathing

@@ -1,0 +1,82 @@
+// Steps that a session ticks off from what happens.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "acus/run/training/situation.h"
+
+namespace acus::training {
+
+/// When a step is done. The words of exercise files: "probe_on_skin", "target_in_view", ...
+enum class StepCondition {
+  kProbeOnSkin,
+  kTargetInView,
+  kNeedleInPlane,  ///< Tip and shaft, in tissue or not.
+  kNeedleInTissue,
+  kBreathHeld,
+  kTargetReached,
+  kNeedleWithdrawn,   ///< Out of tissue, after it was in.
+  kStructuresSpared,  ///< At the target or withdrawn without an entry; fails at the first entry.
+};
+std::string_view NameOf(StepCondition condition);
+/// Nothing for another word.
+std::optional<StepCondition> StepConditionOf(std::string_view name);
+
+struct ChecklistStep {
+  std::string text;
+  StepCondition when = StepCondition::kProbeOnSkin;
+  double for_s = 0.0;  ///< The condition has to hold so long, without a break.
+  std::string hint;    ///< May be empty.
+};
+
+struct Checklist {
+  bool in_order = true;  ///< A step can be done only after those before it.
+  std::vector<ChecklistStep> steps;
+};
+
+enum class StepState { kOpen, kDone, kFailed };
+/// "open", "done", "failed".
+std::string_view NameOf(StepState state);
+
+struct StepResult {
+  std::string text;
+  StepState state = StepState::kOpen;
+  std::int64_t time_ns = 0;  ///< Of the session, when it was done or failed.
+};
+
+/// Ticks steps off, sample by sample. A step that is done stays done; one that failed stays failed.
+class ChecklistMeter {
+ public:
+  explicit ChecklistMeter(Checklist checklist);
+
+  /// @param entered_avoided  The tip has been in a structure that is to be spared.
+  void Add(std::int64_t time_ns, const Situation& now, bool entered_avoided);
+  const std::vector<StepResult>& results() const { return results_; }
+
+ private:
+  bool Holds(StepCondition condition, const Situation& now, bool entered_avoided) const;
+
+  Checklist checklist_;
+  std::vector<StepResult> results_;
+  std::vector<std::optional<std::int64_t>> since_ns_;  ///< The condition holds since then.
+  bool was_in_tissue_ = false;
+};
+
+/// The first step that is open; nothing if there is none.
+std::optional<std::size_t> NextStep(std::span<const StepResult> steps);
+
+/// When hints appear: at once in the first trial, (trial - 1) x wait_s after a step became the next
+/// one in later ones, and not at all after `trials` trials.
+struct HintOptions {
+  bool coach = true;  ///< The window says what stands in the way.
+  int trials = 3;     ///< 0: no hints.
+  double wait_s = 10.0;
+};
+bool ShowsHint(const HintOptions& options, int trial, double waiting_s);
+
+}  // namespace acus::training

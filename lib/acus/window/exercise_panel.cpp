@@ -1,0 +1,186 @@
+#include "acus/window/exercise_panel.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "acus/base/core/text_table.h"
+#include "acus/window/status_bar.h"
+
+namespace acus::window {
+namespace {
+
+std::string WithUnit(const std::string& number, const std::string& unit) {
+  return unit.empty() ? number : number + ' ' + unit;
+}
+
+ExerciseOnDisplay::Goal GoalToShow(const replay::GoalNow& goal) {
+  const training::GoalResult& result = goal.result;
+  ExerciseOnDisplay::Goal out;
+  out.name = result.goal.metric;
+  out.limit = training::GoalText(result.goal, result.unit);
+  if (goal.at_end) {
+    out.value = "in the report";
+  } else if (result.value) {
+    out.value = WithUnit(RoundedText(*result.value, 3), result.unit);
+    out.severity = result.met ? Severity::kGood : Severity::kWarning;
+  } else {
+    out.value = "-";
+  }
+  return out;
+}
+
+/// Writes rows from the top down.
+class Column {
+ public:
+  Column(const Rectangle& place, const TextSizes& sizes, Sketch& sketch)
+      : place_(place), sizes_(sizes), sketch_(sketch), row_(place.top + 8) {}
+
+  bool HasRoom(int height_px) const { return row_ + height_px <= place_.top + place_.height; }
+  int RowPx() const { return sketch_.TextHeight(sizes_.small_px) + 3; }
+  int RoomLeft() const { return place_.top + place_.height - row_; }
+
+  void Heading(const std::string& text) {
+    row_ += 6;
+    Text(text, palette::kFaint, 0, true);
+  }
+  void Text(const std::string& text, Colour colour, int indent_px, bool bold = false) {
+    for (const std::string& line :
+         Wrapped(text, sizes_.small_px, place_.width - 24 - indent_px, sketch_)) {
+      if (!HasRoom(RowPx())) return;
+      sketch_.Text(Corner(12 + indent_px), line,
+                   {.size_px = sizes_.small_px, .colour = colour, .bold = bold},
+                   place_.width - 24 - indent_px);
+      row_ += RowPx();
+    }
+  }
+  /// A dot, a name and on the right a value.
+  void Pair(Severity severity, const std::string& name, const std::string& value, Colour colour) {
+    if (!HasRoom(RowPx())) return;
+    Dot(severity);
+    const int value_px = sketch_.TextWidth(value, sizes_.small_px);
+    const int room = place_.width - 24 - kIndentPx;
+    sketch_.Text({place_.left + place_.width - 12, row_}, value,
+                 {.size_px = sizes_.small_px, .colour = colour, .align = Align::kRight}, room);
+    if (room - value_px - 8 > 20) {
+      sketch_.Text(Corner(12 + kIndentPx), name, {.size_px = sizes_.small_px}, room - value_px - 8);
+    }
+    row_ += RowPx();
+  }
+  void Dot(Severity severity) {
+    sketch_.Dot({place_.left + 16.0, row_ + 0.5 * sketch_.TextHeight(sizes_.small_px)}, 4.0,
+                ColourOf(severity));
+  }
+  static constexpr int kIndentPx = 14;
+
+ private:
+  Eigen::Vector2i Corner(int indent_px) const { return {place_.left + indent_px, row_}; }
+
+  Rectangle place_;
+  TextSizes sizes_;
+  Sketch& sketch_;
+  int row_;
+};
+
+Severity SeverityOfStep(training::StepState state) {
+  switch (state) {
+    case training::StepState::kDone:
+      return Severity::kGood;
+    case training::StepState::kFailed:
+      return Severity::kFault;
+    case training::StepState::kOpen:
+      break;
+  }
+  return Severity::kNote;
+}
+
+void DrawGoals(const ExerciseOnDisplay& exercise, Column& column) {
+  if (exercise.goals.empty()) return;
+  column.Heading("Goals");
+  const int needed =
+      2 * static_cast<int>(exercise.goals.size()) + 2 * static_cast<int>(exercise.steps.size()) + 3;
+  const bool has_room = column.RoomLeft() >= needed * column.RowPx();
+  for (const ExerciseOnDisplay::Goal& goal : exercise.goals) {
+    column.Pair(goal.severity, goal.name, goal.value,
+                goal.severity == Severity::kNote ? palette::kFaint : ColourOf(goal.severity));
+    if (has_room) column.Text(goal.limit, palette::kFaint, Column::kIndentPx);
+  }
+}
+
+void DrawSteps(const ExerciseOnDisplay& exercise, Column& column) {
+  if (exercise.steps.empty()) return;
+  column.Heading("Steps");
+  for (std::size_t i = 0; i < exercise.steps.size(); ++i) {
+    const ExerciseOnDisplay::Step& step = exercise.steps[i];
+    const bool is_next = exercise.next_step == i;
+    if (!column.HasRoom(column.RowPx())) return;
+    column.Dot(SeverityOfStep(step.state));
+    column.Text(step.text,
+                is_next                                      ? palette::kText
+                : step.state == training::StepState::kFailed ? palette::kFault
+                                                             : palette::kFaint,
+                Column::kIndentPx, is_next);
+    if (is_next && !exercise.hint.empty()) {
+      column.Text(exercise.hint, palette::kNeedle, Column::kIndentPx);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> Wrapped(const std::string& text, int size_px, int room_px,
+                                 const Sketch& sketch) {
+  std::vector<std::string> lines;
+  std::istringstream words(text);
+  std::string line;
+  for (std::string word; words >> word;) {
+    const std::string longer = line.empty() ? word : line + ' ' + word;
+    if (!line.empty() && sketch.TextWidth(longer, size_px) > room_px) {
+      lines.push_back(line);
+      line = word;
+    } else {
+      line = longer;
+    }
+  }
+  if (!line.empty()) lines.push_back(line);
+  return lines;
+}
+
+ExerciseOnDisplay ExerciseToShow(const training::Exercise& exercise,
+                                 const replay::ExerciseProgress& progress,
+                                 const std::optional<double>& tip_to_target_mm, int trial) {
+  ExerciseOnDisplay out;
+  out.name = exercise.name;
+  out.target = exercise.target_name;
+  out.tip_to_target_mm = tip_to_target_mm;
+  out.target_radius_mm = exercise.target_radius_mm;
+  for (const replay::GoalNow& goal : progress.goals) out.goals.push_back(GoalToShow(goal));
+  for (const training::StepResult& step : progress.checklist) {
+    out.steps.push_back({step.text, step.state});
+  }
+  out.next_step = training::NextStep(progress.checklist);
+  if (out.next_step && ShowsHint(exercise.hints, trial, progress.next_step_for_s)) {
+    out.hint = exercise.checklist.steps[*out.next_step].hint;
+  }
+  return out;
+}
+
+void DrawExercise(const ExerciseOnDisplay& exercise, const Rectangle& place, const TextSizes& sizes,
+                  Sketch& sketch) {
+  if (place.empty()) return;
+  sketch.SetClip(place);
+  sketch.Fill(place, palette::kBackground);
+  Column column(place, sizes, sketch);
+  column.Text(exercise.name, palette::kText, 0, true);
+  if (exercise.tip_to_target_mm) {
+    const double mm = *exercise.tip_to_target_mm;
+    const bool reached = mm <= exercise.target_radius_mm;
+    column.Pair(reached ? Severity::kGood : Severity::kNote, "To " + exercise.target,
+                Digits(mm, mm < 9.95 ? 1 : 0) + " mm", reached ? palette::kGood : palette::kText);
+  } else {
+    column.Text("Target: " + exercise.target, palette::kText, 0);
+  }
+  DrawGoals(exercise, column);
+  DrawSteps(exercise, column);
+}
+
+}  // namespace acus::window

@@ -1,0 +1,66 @@
+// The patient by volume rendering: which images to render, and how fine.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acus/window/frame.h"
+#include "acus/window/layout.h"
+#include "acus/window/orbit.h"
+#include "acus/window/steering.h"
+#include "acus/window/volume_renderer.h"
+
+namespace acus::window {
+
+struct VolumeViewSettings {
+  /// Pixels each way of an image while something moves or the eye turns, of those of the view.
+  double moving_scale = 0.5;
+  /// As many moments in a row must be the same before an image of all pixels is rendered.
+  int still_moments = 4;
+  bool in_background = true;
+};
+
+/// Planes that cut the patient open.
+/// @param cut_mm  From the middle of the box, along the cut's normal.
+/// @param towards_eye  Unit, CT space; that side of the plane is taken away.
+std::vector<volume_rendering::CutPlane> CutsOf(VolumeCut cut, double cut_mm,
+                                               const Eigen::AlignedBox3d& box_in_ct_mm,
+                                               const Eigen::Vector3d& towards_eye);
+
+class VolumeView {
+ public:
+  /// @param looks  Must outlive this; empty: there is no such view.
+  VolumeView(const std::vector<VolumeLook>& looks, const VolumeViewSettings& settings);
+
+  bool empty() const { return looks_.empty(); }
+  /// Takes the newest image, and asks for the next one unless this one shows the moment.
+  /// @param place  In the window; empty: not shown, nothing is rendered.
+  void Update(const DisplayFrame& frame, const Rectangle& place, const Orbit& orbit,
+              const VolumeChoice& choice);
+  /// Empty before the first. Its proportions are those of the place that it was rendered for.
+  const image::ColourImage& picture() const { return picture_; }
+
+  /// "bone, cut axially": for the view's title.
+  std::string TitleDetail(const VolumeChoice& choice) const;
+  /// Nothing while the view is not shown.
+  std::optional<VolumeReadout> readout() const;
+  /// False while an image is under way. See VolumeRenderer::Wait().
+  void Wait();
+
+ private:
+  VolumeMoment MomentOf(const DisplayFrame& frame, const Orbit& orbit,
+                        const VolumeChoice& choice) const;
+
+  const std::vector<VolumeLook>& looks_;
+  VolumeViewSettings settings_;
+  std::unique_ptr<VolumeRenderer> renderer_;  ///< From the first Update() on.
+  image::ColourImage picture_;
+  std::optional<VolumeMoment> asked_;
+  bool asked_whole_ = false;  ///< With all pixels.
+  int same_moments_ = 0;
+  bool shown_ = false;
+};
+
+}  // namespace acus::window

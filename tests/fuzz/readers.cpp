@@ -1,0 +1,248 @@
+#include "fuzz/readers.h"
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/csv.h"
+#include "acus/base/core/error.h"
+#include "acus/base/core/run_context.h"
+#include "acus/data/mesh/surface_io.h"
+#include "acus/data/session/perk_buffer.h"
+#include "acus/data/session/plus_config.h"
+#include "acus/data/session/pose_csv.h"
+#include "acus/data/session/sequence_file.h"
+#include "acus/data/session/sequence_writer.h"
+#include "acus/data/session/session_import.h"
+#include "acus/data/session/signals.h"
+#include "acus/data/session/slicer_scene.h"
+#include "acus/data/transforms/landmarks.h"
+#include "acus/data/transforms/transform_file.h"
+#include "acus/data/volume/dicom_header.h"
+#include "acus/data/volume/displacement_file.h"
+#include "acus/data/volume/scalar_file.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/data/volume/vti_file.h"
+#include "acus/imaging/rf/matlab_file.h"
+#include "acus/physics/forces/force_curve.h"
+#include "acus/rig/tracking/igtl_wire.h"
+
+namespace acus::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+using Path = const fs::path&;
+
+void WriteSeed(Path folder, const std::string& name, std::string_view text) {
+  WriteTextFile(folder / name, text);
+}
+
+volume::ScalarFile SmallVolume(int num_components) {
+  volume::ScalarFile file;
+  file.geometry.size = {3, 2, 2};
+  file.geometry.spacing_mm = {1.0, 1.5, 2.0};
+  file.type = num_components == 1 ? volume::ScalarType::kInt16 : volume::ScalarType::kFloat32;
+  file.num_components = num_components;
+  file.bytes.resize(12 * num_components * volume::BytesOf(file.type));
+  return file;
+}
+
+void WriteVolume(Path folder, const char* extension, int num_components = 1) {
+  volume::WriteScalarFile(folder / ("seed" + std::string(extension)), SmallVolume(num_components));
+}
+
+mesh::Surface Tetrahedron() {
+  mesh::Surface surface;
+  surface.nodes_mm = Eigen::Matrix3Xd::Zero(3, 4);
+  surface.nodes_mm.rightCols<3>().setIdentity();
+  surface.triangles.resize(3, 4);
+  surface.triangles << 0, 0, 0, 1, 2, 1, 3, 2, 1, 3, 2, 3;
+  return surface;
+}
+
+void WriteMesh(Path folder, const char* extension) {
+  mesh::WriteSurface(folder / ("seed" + std::string(extension)), Tetrahedron());
+}
+
+void ReadSurfaceFile(Path file) {
+  mesh::ReadSurface(file);
+}
+void ReadVolumeFile(Path file) {
+  volume::ReadScalarFile(file);
+}
+
+// Text formats.
+
+void ReadPreset(Path file) {
+  auto document = config::ReadJson(file);
+  if (!document.is_object() || !document.contains("format")) return;
+  if (!document["format"].is_string()) return;
+  const std::string format = document["format"];
+  const std::string schema = format.substr(0, format.find('/'));
+  for (const std::string& known : config::SchemaNames()) {
+    if (known == schema) config::CheckedConfig(std::move(document), schema, "preset");
+    if (known == schema) return;
+  }
+}
+
+void WritePresets(Path folder) {
+  for (const auto& entry :
+       fs::recursive_directory_iterator(fs::path(ACUS_SOURCE_DIR) / "configs")) {
+    const bool is_preset =
+        entry.path().extension() == ".json" && entry.path().parent_path().filename() != "schema";
+    if (is_preset) WriteSeed(folder, entry.path().filename(), ReadTextFile(entry.path()));
+  }
+}
+
+constexpr std::string_view kPoses =
+    "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,status\n"
+    "0,1,2,3,1,0,0,0,OK\n0.001,1,2,3,0,1,0,0,INVALID\n0.002,1,2,-3e1,1,0,0,0,OK\n";
+constexpr std::string_view kPerk =
+    "<TransformRecorderLog>\n<log TimeStampSec=\"7\" TimeStampNSec=\"256000000\" "
+    "type=\"transform\" DeviceName=\"ProbeToRAS\" transform=\"1 0 0 1 0 1 0 2 0 0 1 3 0 0 0 1\" />"
+    "\n<log TimeStampSec=\"8\" TimeStampNSec=\"0\" type=\"message\" message=\"end\"/>"
+    "</TransformRecorderLog>";
+constexpr std::string_view kScene =
+    "<?xml version=\"1.0\"?>\n<!-- a scene -->\n<MRML version=\"Slicer4.4.0\">\n"
+    "<LinearTransform id=\"now\" name=\"NeedleToReference\" "
+    "matrixTransformToParent=\"1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\" />\n"
+    "<Sequence id=\"seq\" name=\"S\" storageNodeRef=\"s\" indexUnit=\"s\" indexValues=\"0;1\" />\n"
+    "</MRML>\n";
+constexpr std::string_view kPlus =
+    "<PlusConfiguration version=\"2.1\"><CoordinateDefinitions><Transform From=\"Image\" "
+    "To=\"Probe\" Matrix=\"0.1 0 0 5 0 0.2 0 6 0 0 0.1 7 0 0 0 1\" />"
+    "</CoordinateDefinitions></PlusConfiguration>\n";
+constexpr std::string_view kForces =
+    "time_s,depth_mm,force_n\n0,0,0\n0.1,1,0.1\n0.2,2,0.2\n0.3,3,0.1\n0.4,4,0.2\n";
+constexpr std::string_view kMarkups =
+    R"({"markups": [{"type": "Fiducial", "coordinateSystem": "RAS", "coordinateUnits": "mm",
+"controlPoints": [{"label": "a", "position": [1, 2, 3], "positionStatus": "defined"}]}]})";
+
+void WriteSequence(Path folder, const char* name) {
+  session::SequenceWriter writer(folder / name, {.width = 2, .height = 2});
+  for (int frame = 0; frame < 2; ++frame) {
+    session::SequenceFields fields;
+    session::AddTransform(fields, "NeedleToReference", Eigen::Matrix4d::Identity(), true);
+    const std::vector<std::uint8_t> pixels(4, 7);
+    writer.AddFrame(frame * 1'000'000, pixels, fields);
+  }
+  writer.Commit();
+}
+
+void ReadSequence(Path file) {
+  session::ReadPlusSession(file, {}, RunContext{});
+  session::SequenceFile sequence(file);
+  for (std::size_t frame = 0; sequence.has_images() && frame < sequence.num_frames(); ++frame) {
+    sequence.ReadImageMarkedFar(frame);
+  }
+}
+
+/// A header and its body, as they come over the network.
+void ReadMessage(Path file) {
+  const std::string text = ReadTextFile(file);
+  const tracking::ByteView bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  if (bytes.size() < tracking::kIgtlHeaderBytes) return;
+  const auto header = tracking::ParseHeader(bytes.first(tracking::kIgtlHeaderBytes));
+  if (!header) return;
+  const auto body = tracking::SplitBody(*header, bytes.subspan(tracking::kIgtlHeaderBytes));
+  if (!body) return;
+  tracking::SaysValid(body->metadata);
+  tracking::ReadTransform(body->content);
+  tracking::ReadPosition(body->content);
+  tracking::ReadTrackingData(body->content);
+  tracking::ReadQuaternionTrackingData(body->content);
+  tracking::ReadStartTrackingData(body->content);
+  tracking::ReadStatus(body->content);
+  tracking::ReadImage(body->content);
+}
+
+void WriteMessages(Path folder) {
+  const auto bytes = tracking::PackTransform("NeedleToReference", 1'000'000'000, {});
+  WriteSeed(folder, "transform", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+void WriteChannels(Path folder) {
+  rf::ChannelData data;
+  data.samples = 4;
+  data.elements = 2;
+  data.transmits = 1;
+  data.sampling_mhz = 40.0;
+  data.Allocate();
+  rf::WriteMatlab(folder / "seed.mat", data);
+}
+
+constexpr Reader kReaders[] = {
+    {"preset", ".json", ReadPreset, WritePresets},
+    {"csv_table", ".csv",
+     [](Path file) {
+       const CsvTable table(file);
+       for (const std::string& column : table.columns()) table.Numbers(column);
+     },
+     [](Path folder) { WriteSeed(folder, "seed.csv", kForces); }},
+    {"nrrd", ".nrrd", ReadVolumeFile, [](Path folder) { WriteVolume(folder, ".nrrd"); }},
+    {"meta_image", ".mha", ReadVolumeFile, [](Path folder) { WriteVolume(folder, ".mha"); }},
+    {"nifti", ".nii", ReadVolumeFile, [](Path folder) { WriteVolume(folder, ".nii"); }},
+    {"label_map", ".seg.nrrd", [](Path file) { volume::ReadTissues(file); },
+     [](Path folder) { WriteVolume(folder, ".nrrd"); }},
+    {"displacement_field", ".mha", [](Path file) { volume::ReadDisplacementField(file); },
+     [](Path folder) { WriteVolume(folder, ".mha", 3); }},
+    {"dicom_header", ".dcm", [](Path file) { volume::ReadDicomHeader(file); },
+     [](Path folder) {
+       WriteSeed(folder, "seed.dcm",
+                 std::string(128, '\0') + "DICM" +
+                     std::string("\x02\x00\x10\x00UI\x04\x00"
+                                 "1.2\0",
+                                 12));
+     }},
+    {"stl", ".stl", ReadSurfaceFile, [](Path folder) { WriteMesh(folder, ".stl"); }},
+    {"obj", ".obj", ReadSurfaceFile, [](Path folder) { WriteMesh(folder, ".obj"); }},
+    {"ply", ".ply", ReadSurfaceFile, [](Path folder) { WriteMesh(folder, ".ply"); }},
+    {"transform", ".tfm", [](Path file) { transforms::ReadTransform(file); },
+     [](Path folder) {
+       transforms::WriteTransform(folder / "seed.tfm", Eigen::Isometry3d::Identity(), "seed");
+     }},
+    {"landmarks_csv", ".csv", [](Path file) { transforms::ReadLandmarks(file); },
+     [](Path folder) {
+       WriteSeed(folder, "seed.csv", "name,x_mm,y_mm,z_mm\na,1,2,3\nb,4,5,-6\n");
+     }},
+    {"landmarks_markups", ".mrk.json", [](Path file) { transforms::ReadLandmarks(file); },
+     [](Path folder) { WriteSeed(folder, "seed.mrk.json", kMarkups); }},
+    {"poses_csv", ".csv", [](Path file) { session::ReadPoseCsv(file, RunContext{}); },
+     [](Path folder) { WriteSeed(folder, "seed.csv", kPoses); }},
+    {"breath_csv", ".csv", [](Path file) { session::ReadBreathCsv(file, RunContext{}); },
+     [](Path folder) { WriteSeed(folder, "seed.csv", "time_s,level\n0,0\n0.1,0.5\n"); }},
+    {"commands_csv", ".csv", [](Path file) { session::ReadCommandsCsv(file, RunContext{}); },
+     [](Path folder) { WriteSeed(folder, "seed.csv", "time_s,command,value\n0,gain_db,1\n"); }},
+    {"sequence_meta_image", ".igs.mha", ReadSequence,
+     [](Path folder) { WriteSequence(folder, "seed.igs.mha"); }},
+    {"sequence_nrrd", ".igs.nrrd", ReadSequence,
+     [](Path folder) { WriteSequence(folder, "seed.igs.nrrd"); }},
+    {"slicer_scene", ".mrml", [](Path file) { session::ReadSlicerScene(file); },
+     [](Path folder) { WriteSeed(folder, "seed.mrml", kScene); }},
+    {"perk_buffer", ".xml", [](Path file) { session::ReadPerkBuffer(file); },
+     [](Path folder) { WriteSeed(folder, "seed.xml", kPerk); }},
+    {"plus_config", ".xml", [](Path file) { session::ReadPlusCalibrations(file); },
+     [](Path folder) { WriteSeed(folder, "seed.xml", kPlus); }},
+    {"force_curve", ".csv", [](Path file) { forces::ReadForceCurve(file); },
+     [](Path folder) { WriteSeed(folder, "seed.csv", kForces); }},
+    {"channel_data", ".mat", [](Path file) { rf::ReadMatlab(file, ""); }, WriteChannels},
+    {"tracker_message", ".bin", ReadMessage, WriteMessages},
+};
+
+}  // namespace
+
+std::span<const Reader> Readers() {
+  return kReaders;
+}
+
+void ReadOrRefuse(const Reader& reader, const fs::path& file) {
+  try {
+    reader.read(file);
+  } catch (const InputError&) {  // An answer, too.
+  }
+}
+
+}  // namespace acus::fuzz

@@ -1,0 +1,270 @@
+#include <gmock/gmock.h>
+#include <map>
+
+#include "acus/assess/study/box_plot.h"
+#include "acus/assess/study/curriculum.h"
+#include "acus/assess/study/study_export.h"
+#include "acus/assess/study/study_report.h"
+#include "acus/assess/study/study_tables.h"
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/run/training/assessment.h"
+#include "support/temporary_folder.h"
+
+namespace acus::study {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr const char* kStudy = R"({
+  "format": "acus-study/1", "name": "Test", "groups": ["novice", "expert"],
+  "participants": [
+    {"code": "N1", "group": "novice", "consent": true}, {"code": "N2", "group": "novice", "consent": true},
+    {"code": "N3", "group": "novice"}, {"code": "E_1", "group": "expert", "consent": true},
+    {"code": "E2", "group": "expert", "consent": true, "hand": "left"}],
+  "exercises": ["a.json", "b.json", "c.json"], "trials": 2, "order": "balanced", "seed": 5,
+  "questionnaires": ["q.json"]})";
+constexpr const char* kQuestions = R"({
+  "format": "acus-questionnaire/1", "key": "face", "title": "Face", "scale": ["no", "so", "yes"],
+  "items": [{"key": "looks", "text": "It looks real."},
+            {"key": "bad", "text": "It is bad.", "reversed": true}]})";
+
+class StudyTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const std::string key : {"a", "b", "c"}) {
+      WriteTextFile(folder_ / (key + ".json"),
+                    R"({"format": "acus-exercise/1", "name": "Exercise )" + key + "\"}");
+    }
+    WriteTextFile(folder_ / "q.json", kQuestions);
+    Write(kStudy);
+  }
+  void Write(const std::string& text) { WriteTextFile(folder_ / "study.json", text); }
+  Study Read() const { return ReadStudy(folder_ / "study.json"); }
+
+  /// Novices take 20 s less each trial, experts always 30 s.
+  void WriteTrials() {
+    for (const auto& [code, seconds] :
+         {std::pair{"N1", 80.0}, {"N2", 90.0}, {"N3", 70.0}, {"E_1", 30.0}, {"E2", 32.0}}) {
+      for (int trial = 1; trial <= 2; ++trial) {
+        const fs::path into = folder_ / "trials" / code / Message("trial_", trial + 8);
+        fs::create_directories(into);
+        training::Assessment a;
+        a.exercise = "Exercise a";
+        a.trainee = code;
+        const bool novice = code[0] == 'N';
+        a.metrics = {{"time", "s", seconds - (novice ? 20.0 * (trial - 1) : 0.0)},
+                     {"attempts", "", 1.0}};
+        a.goals = {{{"time", 50.0, std::nullopt, ""}, "s", a.metrics[0].value, !novice}};
+        config::WriteJson(into / "training.json", training::ToJson(a));
+        WriteTextFile(into / "events.csv",
+                      "time_s,event,tissue,depth_mm,force_axial_n,force_before_n\n"
+                      "1.5,contact,skin,0,0.1,0\n");
+      }
+    }
+  }
+  std::vector<TrialRecord> Trials(const fs::path& path) {
+    const std::vector<fs::path> paths = {path};
+    return ReadTrials(paths, Read(), context_);
+  }
+
+  testing_support::TemporaryFolder temporary_;
+  fs::path folder_ = temporary_.path();
+  RunContext context_;
+};
+
+TEST_F(StudyTest, EachExerciseStandsAtEachPlaceEquallyOften) {
+  Study study = Read();
+  study.participants.clear();
+  for (int i = 0; i < 9; ++i)
+    study.participants.push_back({Message("P", i), "novice", true, "right"});
+  std::map<std::pair<std::string, std::size_t>, int> count;
+  for (const PlannedOrder& order : PlanOrder(study)) {
+    for (std::size_t place = 0; place < 3; ++place) ++count[{order.exercises[place], place}];
+  }
+  EXPECT_EQ(count.size(), 9U);
+  for (const auto& [key, n] : count) EXPECT_EQ(n, 3);
+}
+
+TEST_F(StudyTest, RandomOrdersArePermutationsBySeed) {
+  Study study = Read();
+  study.order = OrderKind::kRandom;
+  const std::string first = OrderCsv(study);
+  EXPECT_EQ(first, OrderCsv(study));
+  for (const PlannedOrder& order : PlanOrder(study)) {
+    EXPECT_THAT(order.exercises, testing::UnorderedElementsAreArray(study.exercises));
+  }
+  study.seed = 6;
+  EXPECT_NE(first, OrderCsv(study));
+  study.order = OrderKind::kFixed;
+  EXPECT_EQ(PlanOrder(study)[3].exercises, study.exercises);
+}
+
+TEST_F(StudyTest, ReadsTrialsInTheirOrderAndNoneWithoutConsent) {
+  WriteTrials();
+  std::vector<std::string> warnings;
+  context_.on_warning = [&](std::string_view text) { warnings.emplace_back(text); };
+  const auto trials = Trials(folder_ / "trials");
+  ASSERT_EQ(trials.size(), 8U);
+  EXPECT_EQ(trials[0].code, "N1");
+  EXPECT_EQ(trials[0].trial, 1);
+  EXPECT_EQ((trials[0].metrics.at({"time", "s"})), 80.0) << "trial_9 is before trial_10";
+  EXPECT_EQ((trials[1].metrics.at({"time", "s"})), 60.0);
+  EXPECT_EQ((trials[0].metrics.at({kGoalsMet, "%"})), 0.0);
+  EXPECT_NEAR((trials[0].metrics.at({kScore, "%"})), 100.0 * 50.0 / 80.0, 1e-12);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings[0], HasSubstr("N3 has not given consent"));
+}
+
+TEST_F(StudyTest, EveryTableComesAgainFromTheRawTable) {
+  WriteTrials();
+  WriteTextFile(folder_ / "answers.csv",
+                "code,questionnaire,item,answer\nN1,face,looks,3\nN1,face,bad,1\n"
+                "E2,face,looks,2\nE2,face,bad,3\nN2,face,looks,\nN3,face,looks,1\n");
+  const Study study = Read();
+  const auto report = [&](const fs::path& trials_path, const fs::path& answers_path,
+                          const fs::path& into) {
+    fs::create_directory(into);
+    const auto trials = Trials(trials_path);
+    const auto answers = ReadAnswers(answers_path, study, context_);
+    WriteStudyReport(into, study, trials, answers, Analyse(study, trials, answers), context_);
+  };
+  report(folder_ / "trials", folder_ / "answers.csv", folder_ / "one");
+  report(folder_ / "one/trials.csv", folder_ / "one/answers.csv", folder_ / "two");
+  for (const char* file : {"trials.csv", "answers.csv", "descriptive.csv", "comparison.csv",
+                           "learning.csv", "reliability.csv", "items.csv"}) {
+    EXPECT_EQ(ReadTextFile(folder_ / "one" / file), ReadTextFile(folder_ / "two" / file)) << file;
+  }
+  EXPECT_THAT(ReadTextFile(folder_ / "one/study.html"),
+              testing::AllOf(HasSubstr("Metrics that do not: attempts (0.50)"),
+                             HasSubstr("It looks real."), HasSubstr("Cronbach")));
+}
+
+TEST_F(StudyTest, ComparesTheGroups) {
+  WriteTrials();
+  const auto trials = Trials(folder_ / "trials");
+  const StudyAnalysis analysis = Analyse(Read(), trials, {});
+  const auto time = std::ranges::find_if(
+      analysis.metrics, [](const MetricAnalysis& a) { return a.metric.name == "time"; });
+  ASSERT_NE(time, analysis.metrics.end());
+  EXPECT_EQ(time->groups[0].values, (std::vector<double>{70.0, 80.0})) << "means of the trials";
+  ASSERT_TRUE(time->comparison);
+  EXPECT_EQ(time->comparison->auc, 0.0);
+  EXPECT_EQ(time->comparison->DirectedAuc(), 1.0);
+  EXPECT_TRUE(time->comparison->separates);
+  EXPECT_NEAR(time->comparison->test.p, 1.0 / 3.0, 1e-12) << "two of four values: 2 / 6";
+  ASSERT_EQ(time->learning.size(), 2U);
+  EXPECT_NEAR(time->learning[0].slopes[0], std::log(60.0 / 80.0) / std::log(2.0), 1e-12);
+  EXPECT_NEAR(time->learning[1].slopes[0], 0.0, 1e-12);
+  EXPECT_EQ(time->learning[0].mean_by_trial, (std::vector<double>{85.0, 65.0}));
+}
+
+TEST_F(StudyTest, ReversedItemsAreCountedFromTheOtherEnd) {
+  const Study study = Read();
+  const std::vector<Answer> answers = {{"N1", "face", "bad", 1}, {"N2", "face", "bad", 2}};
+  const StudyAnalysis analysis = Analyse(study, {}, answers);
+  const ItemAnalysis& bad = analysis.questionnaires[0].items[1];
+  ASSERT_TRUE(bad.groups[0]);
+  EXPECT_EQ(bad.groups[0]->mean, 2.5);
+  EXPECT_EQ(bad.counts, (std::vector<int>{1, 1, 0}));
+}
+
+TEST_F(StudyTest, ExportsAfterBids) {
+  WriteTrials();
+  const auto trials = Trials(folder_ / "trials");
+  fs::create_directory(folder_ / "bids");
+  WriteBids(folder_ / "bids", Read(), trials, context_);
+  EXPECT_THAT(ReadTextFile(folder_ / "bids/participants.tsv"),
+              testing::AllOf(HasSubstr("sub-E1\texpert\tright"), HasSubstr("sub-E2\texpert\tleft"),
+                             testing::Not(HasSubstr("N3"))));
+  EXPECT_THAT(
+      ReadTextFile(folder_ / "bids/sub-N1/beh/sub-N1_task-ExerciseA_run-02_events.tsv"),
+      HasSubstr("onset\tduration\ttrial_type\ttissue\tdepth_mm\tforce_axial_n\n1.5\t0\tcontact"));
+  EXPECT_THAT(ReadTextFile(folder_ / "bids/sub-N1/beh/sub-N1_task-ExerciseA_run-02_beh.tsv"),
+              HasSubstr("time"));
+}
+
+TEST_F(StudyTest, SaysWhatIsWrong) {
+  const auto replaced = [](std::string text, const std::string& what, const std::string& by) {
+    return text.replace(text.find(what), what.size(), by);
+  };
+  const auto read = [&] { Read(); };
+  Write(replaced(kStudy, "\"N2\"", "\"N1\""));
+  EXPECT_THAT(read, ThrowsMessage<InputError>(HasSubstr("/participants/1: the code N1 is there")));
+  Write(replaced(kStudy, "\"group\": \"expert\"", "\"group\": \"master\""));
+  EXPECT_THAT(read, ThrowsMessage<InputError>(HasSubstr("\"master\" is not among /groups")));
+  Write(replaced(kStudy, "b.json", "a.json\", \"b.json"));
+  EXPECT_THAT(read, ThrowsMessage<InputError>(HasSubstr("/exercises")));
+  Write(kStudy);
+  WriteTrials();
+  Write(replaced(kStudy, "E_1", "E9"));
+  EXPECT_THAT([&] { Trials(folder_ / "trials"); },
+              ThrowsMessage<InputError>(HasSubstr("the code \"E_1\" is not among")));
+  Write(kStudy);
+  const auto answers = [&](const std::string& row) {
+    WriteTextFile(folder_ / "answers.csv", "code,questionnaire,item,answer\n" + row + "\n");
+    return [this] { ReadAnswers(folder_ / "answers.csv", Read(), context_); };
+  };
+  EXPECT_THAT(answers("N1,face,looks,4"),
+              ThrowsMessage<InputError>(HasSubstr("answers.csv:2: the answer 4 is off the scale")));
+  EXPECT_THAT(answers("N1,face,looks,yes"), ThrowsMessage<InputError>(HasSubstr("whole number")));
+  EXPECT_THAT(answers("N1,face,luks,1"), ThrowsMessage<InputError>(HasSubstr("no item \"luks\"")));
+  EXPECT_THAT(answers("N1,face,looks,1\nN1,face,looks,1"),
+              ThrowsMessage<InputError>(HasSubstr("given twice")));
+  fs::create_directory(folder_ / "empty");
+  EXPECT_THAT([&] { Trials(folder_ / "empty"); },
+              ThrowsMessage<InputError>(HasSubstr("no trial was found")));
+}
+
+/// A trial of "A" with a score; all goals are met from 90 on.
+TrialRecord Scored(const std::string& exercise, double score) {
+  TrialRecord trial{"A", exercise, 1, {}, {}};
+  trial.metrics[{kScore, "%"}] = score;
+  trial.metrics[{kGoalsMet, "%"}] = score >= 90.0 ? 100.0 : 50.0;
+  return trial;
+}
+
+TEST_F(StudyTest, ACurriculumOpensStepsAsTheyAreMastered) {
+  WriteTextFile(folder_ / "curriculum.json", R"({
+    "format": "acus-curriculum/1", "name": "Two", "steps": [
+      {"exercise": "a.json", "mastery": {"in_a_row": 2}},
+      {"exercise": "b.json", "after": ["a.json"], "mastery": {"in_a_row": 1}}]})");
+  const Curriculum curriculum = ReadCurriculum(folder_ / "curriculum.json");
+  std::vector<TrialRecord> trials = {Scored("Exercise a", 95.0), Scored("Exercise a", 60.0),
+                                     Scored("Exercise a", 92.0)};
+  auto states = ProgressOf(curriculum, "A", trials);
+  EXPECT_EQ(states[0].trials, 3);
+  EXPECT_EQ(states[0].longest_row, 1) << "the second one breaks the row";
+  EXPECT_EQ(states[0].best_score_percent, 95.0);
+  EXPECT_FALSE(states[0].mastered);
+  EXPECT_FALSE(states[1].open);
+  EXPECT_THAT(CurriculumText(curriculum, trials), HasSubstr("A: next: Exercise a"));
+  trials.push_back(Scored("Exercise a", 91.0));
+  trials.push_back(Scored("Exercise a", 10.0));
+  states = ProgressOf(curriculum, "A", trials);
+  EXPECT_TRUE(states[0].mastered) << "and stays so";
+  EXPECT_TRUE(states[1].open);
+  trials.push_back(Scored("Exercise b", 100.0));
+  EXPECT_THAT(CurriculumText(curriculum, trials), HasSubstr("A: all mastered"));
+  EXPECT_EQ(ProgressOf(curriculum, "B", trials)[0].trials, 0);
+}
+
+TEST(NaturallyBefore, NumbersByValue) {
+  EXPECT_TRUE(NaturallyBefore("a/trial_2/x", "a/trial_10/x"));
+  EXPECT_FALSE(NaturallyBefore("a/trial_10/x", "a/trial_2/x"));
+  EXPECT_TRUE(NaturallyBefore("a", "a1"));
+  EXPECT_TRUE(NaturallyBefore("a01b", "a1c"));
+  EXPECT_FALSE(NaturallyBefore("a1", "a1"));
+}
+
+TEST(BoxPlotSvg, DrawsBoxesAndSaysIfThereIsNothing) {
+  const std::vector<Box> boxes = {{"novice", {1, 2, 3, 40}}, {"expert & co", {2, 2}}};
+  const std::string svg = BoxPlotSvg("time", "s", boxes);
+  EXPECT_THAT(svg, testing::AllOf(HasSubstr("time [s]"), HasSubstr("expert &amp; co (2)")));
+  EXPECT_THAT(BoxPlotSvg("time", "s", {}), HasSubstr("no values"));
+}
+
+}  // namespace
+}  // namespace acus::study

@@ -1,0 +1,161 @@
+#include "acus/imaging/volume_rendering/ray_tile.h"
+
+#include <gtest/gtest.h>
+#include <hwy/highway.h>
+#include <memory>
+
+#include "acus/imaging/volume_rendering/smoothing.h"
+#include "support/trunk_ct.h"
+#include "support/view_scenes.h"
+
+namespace acus::volume_rendering {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Everything that a ray can meet: a volume that moves, where it slides too, surfaces and a shadow.
+struct Everything {
+  std::shared_ptr<volume::CtVolume> ct = testing_support::TrunkCt(80);
+  TransferFunction transfer;
+  breathing::MotionField field = testing_support::FieldOf([](const Vector3d& place) -> Vector3d {
+    const double slip_mm = place[2] > 20.0 ? 9.0 : 0.0;
+    return 0.5 * testing_support::DiaphragmMm(place) + Vector3d(slip_mm, 0.0, 0.0);
+  });
+  breathing::MotionMap motion = testing_support::At(field, 0.8);
+  VisibleBlocks blocks;
+  SlopeVolume slopes;
+  HiddenCells hidden;
+  WarpLattice lattice;
+  ShadowMap shadows;
+  std::vector<Fragment> fragments;
+  Camera camera;
+  VolumeScene scene;
+
+  explicit Everything(const char* layer)
+      : transfer(std::vector<VolumeLayer>{{layer, 1.0}}),
+        blocks(*ct, transfer, &field),
+        slopes(Smoothed(*ct, 1), 1),
+        hidden(*ct, transfer) {
+    blocks.Update(&motion, 1.0);
+    lattice.Update(motion, blocks, ct->geometry.index_from_ct(), 0.15, 1);
+    camera = LookAt({.eye_in_ct_mm = {-300, -700, 250}, .focus_in_ct_mm = {0, 0, 0}}, {96, 96});
+    scene.ct = ct.get();
+    scene.slopes = &slopes;
+    scene.transfer = &transfer;
+    scene.blocks = &blocks;
+    scene.hidden = &hidden;
+    scene.motion = &motion;
+    scene.lattice = &lattice;
+    scene.light.to_lamp = Eigen::Vector3f(-0.4F, -0.7F, 0.6F).normalized();
+    const mesh::Surface tool = testing_support::BallSurface({-60, -180, 60}, 25.0, 12);
+    shadows.Begin(scene.light.to_lamp, Eigen::AlignedBox3f(Eigen::Vector3f(-85, -205, 35),
+                                                           Eigen::Vector3f(-35, -155, 85)));
+    shadows.Add(tool.nodes_mm.cast<float>(), tool.triangles);
+    scene.shadows = &shadows;
+    for (const float mm : {640.0F, 690.0F, 690.5F, 760.0F}) {
+      fragments.push_back({mm, 0.4F, Eigen::Array3f(0.1F, 0.5F, 0.9F), mm == 690.0F});
+    }
+    fragments.push_back({850.0F, 1.0F, Eigen::Array3f(0.9F, 0.9F, 0.1F)});
+  }
+
+  /// Every third pixel has surfaces.
+  std::vector<RayColour> Image() const {
+    const TileCaster caster(scene, {}, camera);
+    std::vector<RayColour> out;
+    std::vector<std::span<const Fragment>> fragments_of;
+    for (int top = 0; top < 96; top += 8) {
+      for (int left = 0; left < 96; left += 13) {
+        const TilePlace tile{left, top, std::min(13, 96 - left), 8};
+        fragments_of.clear();
+        for (int n = 0; n < tile.width_px * tile.height_px; ++n) {
+          fragments_of.push_back(n % 3 == 0 ? std::span<const Fragment>(fragments)
+                                            : std::span<const Fragment>());
+        }
+        std::vector<RayColour> of_tile(fragments_of.size());
+        caster.Cast(tile, fragments_of, 0.0F, of_tile);
+        out.insert(out.end(), of_tile.begin(), of_tile.end());
+      }
+    }
+    return out;
+  }
+
+  std::vector<RayColour> ImageRayByRay() const {
+    const RayCaster caster(scene, {}, camera.EyeInCtMm());
+    std::vector<RayColour> out;
+    for (int top = 0; top < 96; top += 8) {
+      for (int left = 0; left < 96; left += 13) {
+        int n = 0;
+        for (int row = top; row < top + 8; ++row) {
+          for (int column = left; column < std::min(96, left + 13); ++column, ++n) {
+            const auto of_pixel =
+                n % 3 == 0 ? std::span<const Fragment>(fragments) : std::span<const Fragment>();
+            out.push_back(caster.Cast(camera.DirectionInCt({column, row}).normalized(), of_pixel));
+          }
+        }
+      }
+    }
+    return out;
+  }
+};
+
+TEST(TileCaster, GivesWhatRaysGiveOneByOne) {
+  for (const char* layer : {"skin", "bone", "soft_tissue"}) {
+    const Everything all(layer);
+    ASSERT_GT(all.lattice.SmoothShare(), 0.5);
+    ASSERT_LT(all.lattice.SmoothShare(), 0.99);
+    const std::vector<RayColour> many = all.Image();
+    const std::vector<RayColour> one = all.ImageRayByRay();
+    ASSERT_EQ(many.size(), one.size());
+    double sum = 0.0;
+    int seen = 0;
+    int far_off = 0;
+    for (std::size_t n = 0; n < one.size(); ++n) {
+      const float off = std::max((many[n].colour - one[n].colour).abs().maxCoeff(),
+                                 std::abs(many[n].opacity - one[n].opacity));
+      sum += static_cast<double>(off) * off;
+      seen += one[n].opacity > 0.5F;
+      // A ray along an edge of a rib or of a shadow may just meet or miss it.
+      far_off += off > 0.02F;
+    }
+    EXPECT_GT(seen, 1500) << layer;
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(one.size())), 2e-3) << layer;
+    EXPECT_LT(far_off, 10) << layer;
+  }
+}
+
+TEST(TileCaster, GivesTheSameBitsOnEveryInstructionSet) {
+  const Everything all("soft_tissue");
+  std::vector<RayColour> first;
+  int targets = 0;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    const std::vector<RayColour> image = all.Image();
+    if (first.empty()) first = image;
+    for (std::size_t n = 0; n < first.size(); ++n) {
+      ASSERT_TRUE((image[n].colour == first[n].colour).all()) << hwy::TargetName(target) << n;
+      ASSERT_EQ(image[n].opacity, first[n].opacity) << hwy::TargetName(target) << n;
+    }
+    ++targets;
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  EXPECT_GT(targets, 1);
+}
+
+// The same pixels in tiles of other sizes: lanes do not depend on each other.
+TEST(TileCaster, RaysDoNotDependOnTheirNeighbours) {
+  const Everything all("skin");
+  const TileCaster caster(all.scene, {}, all.camera);
+  std::vector<RayColour> whole(128);
+  caster.Cast({40, 40, 16, 8}, {}, 0.0F, whole);
+  for (const int n : {0, 17, 60, 127}) {
+    std::vector<RayColour> alone(1);
+    caster.Cast({40 + n % 16, 40 + n / 16, 1, 1}, {}, 0.0F, alone);
+    EXPECT_TRUE((alone[0].colour == whole[static_cast<std::size_t>(n)].colour).all()) << n;
+    EXPECT_EQ(alone[0].opacity, whole[static_cast<std::size_t>(n)].opacity) << n;
+  }
+}
+
+}  // namespace
+}  // namespace acus::volume_rendering
