@@ -7,6 +7,7 @@
 #include "acus/assess/trials/what_if_command.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/run_main.h"
+#include "acus/run/training/discarded.h"
 #include "acus/run/training/progress.h"
 
 int main(int argc, char** argv) {
@@ -55,6 +56,7 @@ int main(int argc, char** argv) {
       std::cout << (*run)(context) << std::flush;
       return acus::ExitCode::kOk;
     }
+    runs = acus::training::KeptRuns(runs, context);
     for (const fs::path& run : runs) {
       if (fs::exists(run / "training.json")) context.provenance.AddInput(run / "training.json");
     }

@@ -1,7 +1,7 @@
 #include "acus/assess/study/curriculum.h"
 
 #include <algorithm>
-#include <set>
+#include <optional>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
@@ -42,6 +42,14 @@ std::string WordOf(const StepState& state) {
   return state.open ? "open" : "locked";
 }
 
+/// The first that is open and not mastered.
+std::optional<std::size_t> NextStep(std::span<const StepState> states) {
+  const auto found = std::ranges::find_if(
+      states, [](const StepState& state) { return state.open && !state.mastered; });
+  if (found == states.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - states.begin());
+}
+
 }  // namespace
 
 Curriculum ReadCurriculum(const fs::path& path) {
@@ -53,7 +61,9 @@ Curriculum ReadCurriculum(const fs::path& path) {
     const std::string where = Message(path.string(), ": /steps/", written.size(), ": ");
     const std::string exercise = entry.at("exercise");
     const json& mastery = entry.at("mastery");
-    CurriculumStep step{training::ReadExercise(config::FindConfig(exercise, folder)).name,
+    const fs::path place = config::FindConfig(exercise, folder);
+    CurriculumStep step{training::ReadExercise(place).name,
+                        place,
                         {},
                         mastery.at("score_percent"),
                         mastery.at("goals_met_percent"),
@@ -84,27 +94,54 @@ std::vector<StepState> ProgressOf(const Curriculum& curriculum, const std::strin
   return states;
 }
 
-std::string CurriculumText(const Curriculum& curriculum, std::span<const TrialRecord> trials) {
-  std::set<std::string> codes;
-  for (const TrialRecord& trial : trials) codes.insert(trial.code);
+std::string CurriculumText(const Curriculum& curriculum, std::span<const TrialRecord> trials,
+                           const std::set<std::string>& codes) {
   std::string text = curriculum.name + "\n";
   for (const std::string& code : codes) {
     const auto states = ProgressOf(curriculum, code, trials);
+    const auto next = NextStep(states);
     std::vector<std::vector<std::string>> rows;
-    std::string next = "all mastered";
-    for (std::size_t n = states.size(); n-- > 0;) {
-      if (states[n].open && !states[n].mastered) next = "next: " + curriculum.steps[n].exercise;
-    }
     for (std::size_t n = 0; n < states.size(); ++n) {
       rows.push_back({curriculum.steps[n].exercise, WordOf(states[n]),
                       std::to_string(states[n].trials),
                       states[n].trials > 0 ? FixedText(states[n].best_score_percent, 0) : "-",
                       Message(states[n].longest_row, " of ", curriculum.steps[n].in_a_row)});
     }
-    text += Message("\n", code.empty() ? "-" : code, ": ", next, "\n",
+    text += Message("\n", code.empty() ? "-" : code, ": ",
+                    next ? "next: " + curriculum.steps[*next].exercise : "all mastered", "\n",
                     TextTable({"exercise", "state", "trials", "best score [%]", "in a row"}, rows));
   }
   return text;
+}
+
+json CurriculumJson(const Curriculum& curriculum, std::span<const TrialRecord> trials,
+                    const std::set<std::string>& codes) {
+  json steps = json::array();
+  for (const CurriculumStep& step : curriculum.steps) {
+    steps.push_back({{"exercise", step.exercise},
+                     {"file", step.file.string()},
+                     {"after", step.after},
+                     {"score_percent", step.score_percent},
+                     {"goals_met_percent", step.goals_met_percent},
+                     {"in_a_row", step.in_a_row}});
+  }
+  json trainees = json::object();
+  for (const std::string& code : codes) {
+    const auto states = ProgressOf(curriculum, code, trials);
+    const auto next = NextStep(states);
+    json list = json::array();
+    for (const StepState& state : states) {
+      list.push_back({{"state", WordOf(state)},
+                      {"trials", state.trials},
+                      {"best_score_percent", state.best_score_percent},
+                      {"longest_row", state.longest_row}});
+    }
+    trainees[code] = {{"next", next ? json(*next) : json(nullptr)}, {"steps", std::move(list)}};
+  }
+  return {{"format", "acus-curriculum-state/1"},
+          {"name", curriculum.name},
+          {"steps", std::move(steps)},
+          {"trainees", std::move(trainees)}};
 }
 
 }  // namespace acus::study

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +14,7 @@ namespace acus::study {
 
 struct CurriculumStep {
   std::string exercise;            ///< Its name, as training.json has it.
+  std::filesystem::path file;      ///< Of the exercise.
   std::vector<std::size_t> after;  ///< Places of the steps that must be mastered before.
   double score_percent = 90.0;
   double goals_met_percent = 100.0;
@@ -41,7 +44,13 @@ struct StepState {
 std::vector<StepState> ProgressOf(const Curriculum& curriculum, const std::string& code,
                                   std::span<const TrialRecord> trials);
 
-/// A table for each trainee that has trials of the curriculum, and the step that is next.
-std::string CurriculumText(const Curriculum& curriculum, std::span<const TrialRecord> trials);
+/// A table for each code, and the step that is next.
+std::string CurriculumText(const Curriculum& curriculum, std::span<const TrialRecord> trials,
+                           const std::set<std::string>& codes);
+
+/// The same for other programs: name, steps (exercise, file, after, mastery) and, for each code,
+/// next (the place of a step from 0, or null) and the state of each step.
+nlohmann::json CurriculumJson(const Curriculum& curriculum, std::span<const TrialRecord> trials,
+                              const std::set<std::string>& codes);
 
 }  // namespace acus::study

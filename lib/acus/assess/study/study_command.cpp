@@ -17,13 +17,16 @@ struct StudyOptions {
   fs::path study;
   std::vector<fs::path> trials;
   fs::path answers;
+  fs::path consents;
   fs::path output;
 };
 
 Study ReadStudyOf(const StudyOptions& options, RunContext& context) {
   const fs::path file = config::FindConfig(options.study, fs::current_path());
   context.provenance.AddInput(file);
-  return ReadStudy(file);
+  Study study = ReadStudy(file);
+  if (!options.consents.empty()) ReadConsents(options.consents, study, context);
+  return study;
 }
 
 std::string RunPlan(const StudyOptions& options, RunContext& context) {
@@ -82,6 +85,11 @@ std::function<std::string(RunContext& context)> AddStudyCommands(CLI::App& app) 
         ->delimiter(',')
         ->allow_extra_args(false)
         ->check(CLI::ExistingPath);
+    command
+        .add_option("--consent", options->consents,
+                    "consent.csv of pipelines/training-day: its answers take the place of the\n"
+                    "study's")
+        ->check(CLI::ExistingFile);
   };
   CLI::App* plan = add("plan", "The order of the exercises for each participant, by the seed",
                        "Folder to make: order.csv, and answers.csv to fill in");

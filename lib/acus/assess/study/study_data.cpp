@@ -9,6 +9,7 @@
 #include "acus/assess/study/csv_cell.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
+#include "acus/run/training/discarded.h"
 #include "acus/run/training/score.h"
 
 namespace acus::study {
@@ -18,8 +19,14 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> AssessmentsIn(const fs::path& folder) {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.path().filename() == "training.json") files.push_back(entry.path());
+  if (training::IsDiscarded(folder)) return files;
+  for (fs::recursive_directory_iterator entry(folder), end; entry != end; ++entry) {
+    const fs::path& path = entry->path();
+    if (entry->is_directory() && fs::exists(path / training::kDiscardedFile)) {
+      entry.disable_recursion_pending();
+    } else if (path.filename() == "training.json") {
+      files.push_back(path);
+    }
   }
   std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
     return NaturallyBefore(a.string(), b.string());
@@ -182,9 +189,6 @@ std::vector<TrialRecord> FindTrials(std::span<const fs::path> folders, RunContex
       trials.back().trial = ++counted[{trials.back().code, trials.back().exercise}];
     }
   }
-  ACUS_REQUIRE(!trials.empty(), folders.front().string(),
-               ": no trial was found; give run folders of acus-replay --exercise, or a folder of "
-               "acus-training simulate");
   return trials;
 }
 
@@ -226,6 +230,18 @@ std::vector<Answer> ReadAnswers(const fs::path& path, const Study& study, RunCon
     answers.push_back({code[row], key[row], item[row], answer});
   }
   return answers;
+}
+
+void ReadConsents(const fs::path& path, Study& study, RunContext& context) {
+  const CsvTable table(path);
+  context.provenance.AddInput(path);
+  const auto code = table.Texts("code"), consent = table.Texts("consent");
+  for (std::size_t row = 0; row < table.num_rows(); ++row) {
+    ACUS_REQUIRE(consent[row] == "yes" || consent[row] == "no", table.Where(row),
+                 ": the consent must be yes or no, got \"", consent[row], "\"");
+    const auto person = std::ranges::find(study.participants, code[row], &Participant::code);
+    if (person != study.participants.end()) person->consent = consent[row] == "yes";
+  }
 }
 
 }  // namespace acus::study

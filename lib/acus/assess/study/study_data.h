@@ -40,15 +40,16 @@ inline constexpr const char* kScore = "score";         ///< training::ScoreOf, i
 
 /// Reads trials: folders are searched for training.json at any depth; files of CSV are tables as
 /// TrialsCsv writes them. Trials of one participant in one exercise are numbered in the order of
-/// their paths, with numbers by value. Sorted by participant (as in the study), exercise and trial.
+/// their paths, with numbers by value. Sessions that were discarded (training/discarded.h) do not
+/// count. Sorted by participant (as in the study), exercise and trial.
 ///
 /// Trials without consent are not kept, with a warning. @throws InputError for a code or exercise
 /// that the study does not list, or if there is no trial at all.
 std::vector<TrialRecord> ReadTrials(std::span<const std::filesystem::path> paths,
                                     const Study& study, RunContext& context);
 
-/// All trials of folders, as ReadTrials numbers them, of whatever trainees and exercises.
-/// @throws InputError if there is none, or a training.json is broken.
+/// All trials of folders, as ReadTrials numbers them, of whatever trainees and exercises; empty if
+/// there is none. @throws InputError if a training.json is broken.
 std::vector<TrialRecord> FindTrials(std::span<const std::filesystem::path> folders,
                                     RunContext& context);
 
@@ -61,6 +62,11 @@ std::string TrialsCsv(const Study& study, std::span<const TrialRecord> trials);
 ///     the scale, or one given twice.
 std::vector<Answer> ReadAnswers(const std::filesystem::path& path, const Study& study,
                                 RunContext& context);
+
+/// Reads code,consent,...: yes or no for each code, in place of the study's; the last row of a code
+/// counts, and codes that are no participants are skipped.
+/// @throws InputError with file and row for a value that is neither.
+void ReadConsents(const std::filesystem::path& path, Study& study, RunContext& context);
 
 /// Paths with numbers by value: trial_2 before trial_10.
 bool NaturallyBefore(const std::string& a, const std::string& b);

@@ -36,6 +36,7 @@ constexpr Command kCommands[] = {
     {"tradeoff", CommandKind::kProgram, "What accuracy costs in time"},
     {"demo", CommandKind::kWorkflow, "From a CT to a report"},
     {"live-session", CommandKind::kWorkflow, "A training session from start to report"},
+    {"training-day", CommandKind::kWorkflow, "A window for a day of sessions of many trainees"},
     {"papers", CommandKind::kWorkflow, "Figures and tables of the four papers"},
     {"cohort", CommandKind::kWorkflow, "Many patients, on one machine or on Slurm"},
     {"provenance", CommandKind::kWorkflow, "How a file of a cohort came about"},

@@ -9,6 +9,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/run/training/assessment.h"
+#include "acus/run/training/discarded.h"
 #include "support/temporary_folder.h"
 
 namespace acus::study {
@@ -226,6 +227,40 @@ TrialRecord Scored(const std::string& exercise, double score) {
   return trial;
 }
 
+TEST_F(StudyTest, DiscardedSessionsDoNotCount) {
+  WriteTrials();
+  EXPECT_EQ(Trials(folder_ / "trials").size(), 8U);
+  // The session's folder holds the run's, as in a workplace.
+  const fs::path session = folder_ / "trials" / "N1" / "session_1";
+  fs::create_directories(session);
+  fs::rename(folder_ / "trials" / "N1" / "trial_9", session / "report");
+  EXPECT_EQ(Trials(folder_ / "trials").size(), 8U);
+  WriteTextFile(session / training::kDiscardedFile, R"({"reason": "cable loose"})");
+  const std::vector<TrialRecord> kept = Trials(folder_ / "trials");
+  EXPECT_EQ(kept.size(), 7U);
+  EXPECT_EQ(kept.front().code, "N1");
+  EXPECT_EQ(kept.front().trial, 1) << "the one that is left is the first";
+  const std::vector<fs::path> folders = {folder_ / "trials"};
+  EXPECT_EQ(FindTrials(folders, context_).size(), 9U);
+
+  const std::vector<fs::path> runs = {session / "report", folder_ / "trials/N2/trial_9"};
+  EXPECT_EQ(training::KeptRuns(runs, context_), (std::vector<fs::path>{runs[1]}));
+  EXPECT_THROW(training::KeptRuns(std::span(runs).first(1), context_), InputError);
+}
+
+TEST_F(StudyTest, RecordedConsentTakesThePlaceOfTheStudys) {
+  Study study = Read();
+  const fs::path file = folder_ / "consent.csv";
+  WriteTextFile(file, "code,consent,time\nN3,no,9:00\nN3,yes,9:05\nN1,no,9:10\nguest,yes,9:20\n");
+  ReadConsents(file, study, context_);
+  EXPECT_TRUE(study.Find("N3")->consent) << "the last answer counts";
+  EXPECT_FALSE(study.Find("N1")->consent);
+  EXPECT_TRUE(study.Find("N2")->consent) << "as the study has it";
+  WriteTextFile(file, "code,consent\nN1,maybe\n");
+  EXPECT_THAT([&] { ReadConsents(file, study, context_); },
+              ThrowsMessage<InputError>(HasSubstr("consent.csv:2: the consent must be yes or no")));
+}
+
 TEST_F(StudyTest, ACurriculumOpensStepsAsTheyAreMastered) {
   WriteTextFile(folder_ / "curriculum.json", R"({
     "format": "acus-curriculum/1", "name": "Two", "steps": [
@@ -240,14 +275,22 @@ TEST_F(StudyTest, ACurriculumOpensStepsAsTheyAreMastered) {
   EXPECT_EQ(states[0].best_score_percent, 95.0);
   EXPECT_FALSE(states[0].mastered);
   EXPECT_FALSE(states[1].open);
-  EXPECT_THAT(CurriculumText(curriculum, trials), HasSubstr("A: next: Exercise a"));
+  EXPECT_THAT(CurriculumText(curriculum, trials, {"A"}), HasSubstr("A: next: Exercise a"));
+  const auto state = CurriculumJson(curriculum, trials, {"A", "new"});
+  EXPECT_EQ(state["steps"][1]["file"], (folder_ / "b.json").string());
+  EXPECT_EQ(state["steps"][1]["after"][0], 0);
+  EXPECT_EQ(state["trainees"]["A"]["next"], 0);
+  EXPECT_EQ(state["trainees"]["A"]["steps"][0]["trials"], 3);
+  EXPECT_EQ(state["trainees"]["new"]["steps"][0]["state"], "open") << "nobody needs a trial first";
+  EXPECT_EQ(state["trainees"]["new"]["steps"][1]["state"], "locked");
   trials.push_back(Scored("Exercise a", 91.0));
   trials.push_back(Scored("Exercise a", 10.0));
   states = ProgressOf(curriculum, "A", trials);
   EXPECT_TRUE(states[0].mastered) << "and stays so";
   EXPECT_TRUE(states[1].open);
   trials.push_back(Scored("Exercise b", 100.0));
-  EXPECT_THAT(CurriculumText(curriculum, trials), HasSubstr("A: all mastered"));
+  EXPECT_THAT(CurriculumText(curriculum, trials, {"A"}), HasSubstr("A: all mastered"));
+  EXPECT_TRUE(CurriculumJson(curriculum, trials, {"A"})["trainees"]["A"]["next"].is_null());
   EXPECT_EQ(ProgressOf(curriculum, "B", trials)[0].trials, 0);
 }
 
