@@ -59,6 +59,13 @@ acus_add_cli_case(acus-training.curriculum_entry EXIT 3 NEEDS inputs
   BEFORE "echo '{\"format\": \"acus-curriculum/1\", \"name\": \"x\", \"steps\": [{\"exercise\": \"exercises/liver_biopsy.json\", \"after\": [\"exercises/kidney_puncture.json\"]}]}' > c.json"
   STDERR "c.json: /steps/0: /after: .exercises/kidney_puncture.json. is not the exercise of an earlier"
   COMMAND acus-training curriculum c.json --trials $INPUTS/trainees)
+acus_add_cli_case(acus-training.curriculum_of_a_new_trainee EXIT 0 BEFORE "mkdir empty"
+  STDOUT "^  \"format\": \"acus-curriculum-state/1\"" "\"state\": \"locked\""
+  COMMAND acus-training curriculum curricula/four_punctures.json --trials empty --trainee A7 --json)
+acus_add_cli_case(acus-training.discarded_session EXIT 0 NEEDS inputs
+  STDOUT "^A7 +insertion +[0-9] of 7" STDERR "b: the session was discarded .discarded.json.: it is not"
+  BEFORE "cp -rL $INPUTS/second_run b && echo '{\"reason\": \"cable loose\"}' > b/discarded.json"
+  COMMAND acus-training $INPUTS/first_run b)
 acus_add_cli_case(acus-training.curriculum_no_trials EXIT 3 BEFORE "mkdir empty"
   STDERR "empty: no trial was found"
   COMMAND acus-training curriculum curricula/four_punctures.json --trials empty)

@@ -1,0 +1,165 @@
+"""What a workplace asks of its trainees: exercises, curriculum, consent and questionnaires."""
+import dataclasses
+import datetime
+import json
+import pathlib
+import subprocess
+
+import sessions
+from files import UserError, append_csv, read_csv, read_json
+
+ANSWERS = ["code", "questionnaire", "item", "answer"]
+CONSENT = ["code", "consent", "time"]
+TRAINEES = ["code"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Step:
+    """An exercise for a trainee. Without a curriculum every one is open."""
+    exercise: str  # The file's name in exercises/, without .json; None if the workplace does not have it.
+    title: str
+    state: str = "open"  # open, locked or mastered
+    trials: int = 0
+    best_percent: float = 0.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Questionnaire:
+    key: str
+    title: str
+    scale: list
+    items: list  # (key, text)
+
+
+class Workplace:
+    def __init__(self, folder, programs, configs):
+        self.folder = pathlib.Path(folder).resolve()
+        self.programs = pathlib.Path(programs)
+        self.configs = pathlib.Path(configs)
+        if not (self.folder / "scenario.json").exists():
+            raise UserError(f"{self.folder} is no workplace: it has no scenario.json. "
+                            f"Make one with: pipelines/live-session --new {folder}")
+        self.exercises = {}
+        for file in sorted((self.folder / "exercises").glob("*.json")):
+            self.exercises[file.stem] = str(read_json(file).get("name", file.stem))
+        if not self.exercises:
+            raise UserError(f"There is no exercise in {self.folder}/exercises; copy one from configs/exercises.")
+        (self.folder / "sessions").mkdir(exist_ok=True)
+        self.curriculum = self.folder / "curriculum.json"
+        study = self.folder / "study.json"
+        self.study = read_json(study) if study.exists() else None
+        self.questionnaires = [self._questionnaire(name) for name in (self.study or {}).get("questionnaires", [])]
+
+    def _questionnaire(self, name):
+        near = self.folder / name
+        file = near if near.exists() else self.configs / name
+        document = read_json(file)
+        try:
+            return Questionnaire(document["key"], document["title"], [str(word) for word in document["scale"]],
+                                 [(item["key"], item["text"]) for item in document["items"]])
+        except (KeyError, TypeError) as error:
+            raise UserError(f"{file}: is no questionnaire (acus-questionnaire): {error} is missing") from error
+
+    def participants(self):
+        """Codes of the study, in its order, and whether its file has their consent."""
+        people = (self.study or {}).get("participants", [])
+        return {str(person["code"]): bool(person.get("consent", False)) for person in people}
+
+    def trainees(self, found):
+        """Codes: the study's, those that were added, those who have sessions."""
+        codes = [*self.participants(), *(row["code"] for row in read_csv(self.folder / "trainees.csv", TRAINEES)),
+                 *sorted({session.trainee for session in found})]
+        return list(dict.fromkeys(codes))
+
+    def add_trainee(self, code, found):
+        """@throws UserError for a code that is none, or is there."""
+        sessions.check_code(code)
+        if code in self.trainees(found):
+            raise UserError(f"The code {code} is there already.")
+        append_csv(self.folder / "trainees.csv", TRAINEES, [{"code": code}])
+
+    # Consent
+
+    def must_ask_consent(self, code):
+        """Only of a study, and once."""
+        if self.study is None or self.participants().get(code, False):
+            return False
+        return all(row["code"] != code for row in read_csv(self.folder / "consent.csv", CONSENT))
+
+    def has_consent(self, code):
+        rows = [row for row in read_csv(self.folder / "consent.csv", CONSENT) if row["code"] == code]
+        return rows[-1]["consent"] == "yes" if rows else self.participants().get(code, False)
+
+    def record_consent(self, code, given, now=None):
+        now = now or datetime.datetime.now()
+        append_csv(self.folder / "consent.csv", CONSENT, [
+            {"code": code, "consent": "yes" if given else "no", "time": now.isoformat(timespec="seconds")}])
+
+    # Questionnaires
+
+    def open_questionnaire(self, code):
+        """The first questionnaire with items that this participant has not answered, with these items alone; or
+        None. Only participants of the study with consent are asked: acus-study reads no others."""
+        if code not in self.participants() or not self.has_consent(code):
+            return None
+        answered = {(row["questionnaire"], row["item"])
+                    for row in read_csv(self.folder / "answers.csv", ANSWERS)
+                    if row["code"] == code and row["answer"]}
+        for asked in self.questionnaires:
+            left = [item for item in asked.items if (asked.key, item[0]) not in answered]
+            if left:
+                return dataclasses.replace(asked, items=left)
+        return None
+
+    def record_answers(self, code, asked, answers):
+        """answers: from the keys of items to numbers from 1 to the size of the scale."""
+        for item, answer in answers.items():
+            if not 1 <= answer <= len(asked.scale):
+                raise UserError(f"{item}: the answer {answer} is off the scale of 1 to {len(asked.scale)}")
+        append_csv(self.folder / "answers.csv", ANSWERS, [
+            {"code": code, "questionnaire": asked.key, "item": item, "answer": answer}
+            for item, answer in answers.items()])
+
+    def registration(self):
+        """Error of the markers in mm (FRE, RMS) and their number, of acus-register; None without that file."""
+        file = self.folder / "registration" / "registration.json"
+        if not file.exists():
+            return None
+        document = read_json(file)
+        error, markers = document.get("fre_rms_mm"), document.get("num_points")
+        return None if error is None or markers is None else (float(error), int(markers))
+
+    # Exercises
+
+    def steps(self, codes, found):
+        """For each code its exercises as Steps, and the next one's name or None if all are mastered."""
+        if not self.curriculum.exists():
+            return {code: self._steps_without_curriculum(code, found) for code in codes}
+        if not codes:
+            return {}
+        done = subprocess.run([self.programs / "acus-training", "curriculum", self.curriculum, "--trials",
+                               self.folder / "sessions", "--trainee", ",".join(codes), "--json"],
+                              capture_output=True, text=True, check=False, cwd=self.folder)
+        if done.returncode != 0:
+            raise UserError(done.stderr.strip() or "acus-training curriculum was ended by a signal")
+        return self._steps_of(json.loads(done.stdout))
+
+    def _steps_without_curriculum(self, code, found):
+        kept = [session.exercise for session in found
+                if session.trainee == code and session.state is not sessions.State.DISCARDED]
+        steps = [Step(name, title, trials=kept.count(name)) for name, title in self.exercises.items()]
+        last = kept[-1] if kept and kept[-1] in self.exercises else next(iter(self.exercises))
+        return steps, last
+
+    def _steps_of(self, document):
+        """From the output of acus-training curriculum --json. Exercises of the workplace are found by their names,
+        as sessions are."""
+        by_title = {title: name for name, title in self.exercises.items()}
+        names = [by_title.get(step["exercise"]) for step in document["steps"]]
+        result = {}
+        for code, progress in document["trainees"].items():
+            steps = [Step(name, step["exercise"], at["state"], at["trials"], at["best_score_percent"])
+                     for name, step, at in zip(names, document["steps"], progress["steps"])]
+            following = progress["next"]
+            result[code] = steps, None if following is None else names[following]
+        return result

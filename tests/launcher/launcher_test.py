@@ -1,0 +1,285 @@
+"""The launcher without its window: sessions of a workplace, answers, consent, curriculum, words."""
+import ast
+import json
+import pathlib
+import re
+import string
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+LAUNCHER = ROOT / "pipelines" / "launcher"
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(LAUNCHER))
+
+import jobs  # noqa: E402
+import sessions  # noqa: E402
+import texts  # noqa: E402
+import workplace  # noqa: E402
+from files import UserError, read_csv, write_whole  # noqa: E402
+from sessions import State  # noqa: E402
+
+STUDY = """// Comments are allowed.
+{"format": "acus-study/1", "name": "S", "questionnaires": ["q.json"],
+ "participants": [{"code": "N1"}, {"code": "E1", "consent": true}]}"""
+QUESTIONS = {"format": "acus-questionnaire/1", "key": "face", "title": "Face", "scale": ["no", "so", "yes"],
+             "items": [{"key": "looks", "text": "It looks real."}, {"key": "feels", "text": "It feels real."}]}
+
+
+class WithWorkplace(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self.temporary.cleanup)
+        self.folder = pathlib.Path(self.temporary.name).resolve()
+        self.write("scenario.json", "{}")
+        self.write("exercises/one.json", '{"name": "Exercise one"}')
+        self.write("exercises/two_more.json", '// Why.\n{"name": "Exercise two"}')
+        (self.folder / "sessions").mkdir()
+
+    def write(self, name, text):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def place(self):
+        return workplace.Workplace(self.folder, "/nowhere", self.folder)
+
+    def session(self, trainee, stamp, ended=True, goals=None, exercise="one"):
+        folder = f"sessions/{trainee}/{stamp}_{exercise}"
+        self.write(f"{folder}/session.json", "{}")
+        if ended:
+            self.write(f"{folder}/summary.json", "{}")
+        if goals is not None:
+            self.write(f"{folder}/report/training.json", json.dumps({"goals": [{"met": met} for met in goals]}))
+        return self.folder / folder
+
+
+class Sessions(WithWorkplace):
+    def test_states_are_those_of_the_folders(self):
+        self.session("A", "2026-01-01_10-00-00", goals=[True, False])
+        self.session("A", "2026-01-01_10-05-00")
+        self.session("A", "2026-01-01_10-10-00", ended=False)
+        self.session("A", "2026-01-01_10-15-00", ended=False, goals=[True], exercise="two_more")
+        (self.folder / "sessions/A/2026-01-01_11-00-00_one").mkdir()  # Nothing was recorded.
+        self.write("sessions/A/progress_one/session.json", "{}")
+        found = sessions.find(self.folder)
+        self.assertEqual([s.state for s in found], [State.DONE, State.NO_REPORT, State.NO_END, State.RECOVERED])
+        self.assertEqual((found[0].goals, found[0].time, found[0].trainee), ("1/2", "10:00:00", "A"))
+        self.assertEqual(found[3].exercise, "two_more")
+        self.assertEqual(sessions.to_finish(found), found[1:3])
+
+    def test_the_second_of_a_second_is_a_session_too(self):
+        self.session("A", "2026-01-01_10-00-00.2", exercise="two_more")
+        self.assertEqual(sessions.find(self.folder)[0].exercise, "two_more")
+
+    def test_a_session_that_a_process_writes_is_running(self):
+        folder = self.session("A", "2026-01-01_10-00-00", ended=False)
+        with open(folder / "needle.csv", "w", encoding="utf-8"):
+            found = sessions.find(self.folder)
+            self.assertEqual(found[0].state, State.RUNNING)
+            with self.assertRaisesRegex(UserError, "running"):
+                sessions.discard(found[0], "x")
+        self.assertEqual(sessions.find(self.folder)[0].state, State.NO_END)
+
+    def test_a_discarded_session_keeps_its_files_and_its_reason(self):
+        folder = self.session("A", "2026-01-01_10-00-00", goals=[True])
+        before = sorted(folder.rglob("*"))
+        session = sessions.find(self.folder)[0]
+        with self.assertRaisesRegex(UserError, "with a reason"):
+            sessions.discard(session, "  ")
+        sessions.discard(session, 'cable "loose", ä')
+        self.assertEqual(sorted([*before, folder / "discarded.json"]), sorted(folder.rglob("*")))
+        session = sessions.find(self.folder)[0]
+        self.assertEqual((session.state, session.reason), (State.DISCARDED, 'cable "loose", ä'))
+        with self.assertRaisesRegex(UserError, "already: cable"):
+            sessions.discard(session, "again")
+        (folder / "discarded.json").write_text("", encoding="utf-8")  # Broken, but there.
+        self.assertEqual(sessions.find(self.folder)[0].state, State.DISCARDED)
+
+
+class OfAWorkplace(WithWorkplace):
+    def test_what_is_no_workplace_is_said(self):
+        (self.folder / "scenario.json").unlink()
+        with self.assertRaisesRegex(UserError, "live-session --new"):
+            self.place()
+
+    def test_trainees_are_those_of_the_study_added_and_seen(self):
+        self.write("study.json", STUDY)
+        self.write("q.json", json.dumps(QUESTIONS))
+        self.session("Z9", "2026-01-01_10-00-00")
+        place = self.place()
+        place.add_trainee("B-2", [])
+        self.assertEqual(place.trainees(sessions.find(self.folder)), ["N1", "E1", "B-2", "Z9"])
+        for code, message in (("B-2", "there already"), ("A 7", "may only hold"), ("../x", "may only hold"),
+                              ("", "may only hold")):
+            with self.assertRaisesRegex(UserError, message):
+                place.add_trainee(code, [])
+
+    def test_consent_is_asked_once_and_only_of_a_study(self):
+        self.assertFalse(self.place().must_ask_consent("N1"))
+        self.write("study.json", STUDY)
+        self.write("q.json", json.dumps(QUESTIONS))
+        place = self.place()
+        self.assertTrue(place.must_ask_consent("N1"))
+        self.assertFalse(place.must_ask_consent("E1"))  # The study has it.
+        place.record_consent("N1", False)
+        self.assertFalse(place.must_ask_consent("N1"))
+        self.assertIsNone(place.open_questionnaire("N1"))
+        place.record_consent("N1", True)
+        self.assertTrue(place.has_consent("N1"))
+
+    def test_answers_are_appended_and_asked_once(self):
+        self.write("study.json", STUDY)
+        self.write("q.json", json.dumps(QUESTIONS))
+        # As acus-study plan makes it: rows without an answer.
+        self.write("answers.csv", "code,questionnaire,item,answer\nN1,face,looks,2\nE1,face,looks,\n")
+        place = self.place()
+        asked = place.open_questionnaire("E1")
+        self.assertEqual([key for key, _ in asked.items], ["looks", "feels"])
+        with self.assertRaisesRegex(UserError, "off the scale of 1 to 3"):
+            place.record_answers("E1", asked, {"looks": 4})
+        place.record_answers("E1", asked, {"looks": 3})
+        asked = place.open_questionnaire("E1")
+        self.assertEqual([key for key, _ in asked.items], ["feels"])
+        place.record_answers("E1", asked, {"feels": 1})
+        self.assertIsNone(place.open_questionnaire("E1"))
+        rows = read_csv(self.folder / "answers.csv", workplace.ANSWERS)
+        self.assertEqual([tuple(row.values()) for row in rows], [
+            ("N1", "face", "looks", "2"), ("E1", "face", "looks", ""), ("E1", "face", "looks", "3"),
+            ("E1", "face", "feels", "1")])
+
+    def test_a_table_without_its_column_is_left_alone(self):
+        path = self.write("trainees.csv", "name\nX\n")
+        with self.assertRaisesRegex(UserError, "trainees.csv:1: the column code is missing"):
+            self.place().add_trainee("A", [])
+        self.assertEqual(path.read_text(encoding="utf-8"), "name\nX\n")
+
+    def test_without_a_curriculum_the_last_exercise_comes_again(self):
+        self.session("A", "2026-01-01_10-00-00", exercise="two_more")
+        found = sessions.find(self.folder)
+        steps = self.place().steps(["A", "B"], found)
+        self.assertEqual(steps["A"][1], "two_more")
+        self.assertEqual([step.trials for step in steps["A"][0]], [0, 1])
+        self.assertEqual(steps["B"][1], "one")
+        sessions.discard(found[0], "x")
+        self.assertEqual(self.place().steps(["A"], sessions.find(self.folder))["A"][1], "one")
+
+    def test_a_failed_write_leaves_nothing_of_its_own(self):
+        with self.assertRaisesRegex(UserError, "sessions: cannot be written"):
+            write_whole(self.folder / "sessions", "in place of a folder")
+        self.assertEqual(list(self.folder.glob(".partial*")), [])
+
+
+class BesideTheWindow(WithWorkplace):
+    """A script in place of pipelines/live-session."""
+
+    def script(self, text):
+        path = self.write("stand_in", f"#!/bin/sh\n{text}\n")
+        path.chmod(0o755)
+        return jobs.Jobs(path, self.folder, ["--headless"])
+
+    def wait(self, runs, kind):
+        for _ in range(200):
+            for ended in runs.poll():
+                if ended[0] == kind:
+                    return ended
+            time.sleep(0.02)
+        return self.fail(f"no {kind} ended")
+
+    def test_one_session_at_a_time(self):
+        runs = self.script("echo noise; sleep 0.2; echo acus-live: $@; echo why; exit 5")
+        runs.start_session("A", "one")
+        with self.assertRaisesRegex(UserError, "running"):
+            runs.start_session("B", "one")
+        _, code, said = self.wait(runs, "session")
+        self.assertEqual(code, 5)
+        self.assertEqual(said, f"acus-live: --text --no-report --trainee A --exercise one --headless {self.folder}\nwhy")
+        runs.start_session("B", "one")
+        self.wait(runs, "session")
+
+    def test_each_session_is_reported_once_even_if_that_fails(self):
+        self.session("A", "2026-01-01_10-00-00")
+        self.session("A", "2026-01-01_10-05-00", ended=False)
+        runs = self.script("exit 3")
+        ended = []
+        for _ in range(50):
+            runs.finish(sessions.find(self.folder))
+            ended += runs.poll()
+            time.sleep(0.02)
+        self.assertEqual([(kind, code) for kind, code, _ in ended], [("report", 3), ("report", 3)])
+
+    def test_what_may_be_running_is_not_reported(self):
+        self.session("A", "2026-01-01_10-05-00", ended=False)
+        runs = self.script("sleep 0.2")
+        runs.start_session("A", "one")
+        runs.finish(sessions.find(self.folder))
+        self.assertEqual(runs.num_reports, 0)
+        self.wait(runs, "session")
+        runs.finish(sessions.find(self.folder))
+        self.assertEqual(runs.num_reports, 1)
+        self.wait(runs, "report")
+
+
+class Words(unittest.TestCase):
+    def used(self):
+        """Keys in calls of texts(...) and of what hands them on; and the values of each."""
+        keys = set()
+        for file in LAUNCHER.glob("*.py"):
+            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                    keys.add(node.value)
+        keys |= {f"state_{state.value}" for state in State}
+        keys |= {f"state_{word}" for word in ("open", "locked", "mastered")}
+        source = (LAUNCHER / "window.py").read_text(encoding="utf-8")
+        for columns in re.findall(r"_table\([^{]*{([^}]*)}", source):
+            keys |= {f"column_{name}" for name in re.findall(r'"(\w+)":', columns)}
+        return keys
+
+    def test_every_word_is_used(self):
+        self.assertEqual(sorted(set(texts.load("en")) - self.used()), [])
+
+    def test_every_used_word_is_there(self):
+        words = texts.load("en")
+        for file in LAUNCHER.glob("*.py"):
+            tree = ast.parse(file.read_text(encoding="utf-8"))
+            for node in ast.walk(tree):
+                if not isinstance(node, ast.Call):
+                    continue
+                name = getattr(node.func, "attr", getattr(node.func, "id", ""))
+                place = {"texts": 0, "add_button": 0, "_button": 1, "_ask_reason": 0}.get(name)
+                if place is None or len(node.args) <= place or not isinstance(node.args[place], ast.Constant):
+                    continue
+                key = node.args[place].value
+                self.assertIn(key, words, file.name)
+                if name == "texts":
+                    given = {word.arg for word in node.keywords}
+                    asked = {field for _, field, _, _ in string.Formatter().parse(words[key]) if field}
+                    self.assertLessEqual(asked, given, f"{file.name}: {key}")
+        self.assertGreaterEqual(set(words), {key for key in self.used() if key.startswith(("state_", "column_"))} -
+                                {"state_", "column_"})
+
+    def test_languages_have_no_word_of_their_own(self):
+        english = texts.load("en")
+        fields = {key: {f for _, f, _, _ in string.Formatter().parse(text) if f} for key, text in english.items()}
+        for language in texts.languages():
+            for key, text in texts.load(language).items():
+                self.assertIn(key, english, language)
+                asked = {f for _, f, _, _ in string.Formatter().parse(text) if f}
+                self.assertLessEqual(asked, fields[key], f"{language}: {key}")
+
+
+class CommandLine(unittest.TestCase):
+    def test_a_folder_that_is_no_workplace(self):
+        done = subprocess.run([ROOT / "pipelines/training-day", "--list", "/nowhere"], capture_output=True, text=True,
+                              check=False)
+        self.assertEqual(done.returncode, 3)
+        self.assertRegex(done.stderr, "training-day: /nowhere is no workplace.*--new")
+        self.assertEqual(len(done.stderr.splitlines()), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
