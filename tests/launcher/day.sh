@@ -90,7 +90,11 @@ sleep 0.3 && shot consent
 key F2
 wait_for "the first session" sessions_are 1 done
 # Next trainee in two clicks. E1 needs no consent.
+clicked=$(date +%s%N)
 row 3 && start_button
+records() { compgen -G "work/sessions/E1/*/session.json"; }
+wait_for "the recording of E1" records
+echo "from the first click to the recording of the next trainee: $((($(date +%s%N) - clicked) / 1000000)) ms"
 wait_for "the second session" sessions_are 2 done
 # N1 answers; the second exercise is now open, and its session is discarded.
 row 1 && key F8
