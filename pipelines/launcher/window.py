@@ -2,6 +2,7 @@
 import datetime
 import subprocess
 import tkinter as tk
+import traceback
 from tkinter import font, ttk
 
 import questions
@@ -335,7 +336,16 @@ class Window(tk.Tk):
             text += " " + self.texts("registration", error=f"{registration[0]:.2f}", markers=registration[1])
         self.devices.configure(text=text, style="TLabel")
 
+    def report_callback_exception(self, exc, val, tb):
+        """Of Tk: what nobody foresaw is told, and the window stays."""
+        traceback.print_exception(exc, val, tb)
+        self.say(f"{exc.__name__}: {val}", bad=True)
+
     def _poll(self):
+        self.after(POLL_MS, self._poll)
+        self.do(self._take_what_ended)
+
+    def _take_what_ended(self):
         ended = self.jobs.poll()
         for kind, code, said in ended:
             if kind == "check":
@@ -351,4 +361,3 @@ class Window(tk.Tk):
             self.reload()
         waiting = self.jobs.num_reports
         self.reports.configure(text=self.texts("reports_waiting", count=waiting) if waiting else "")
-        self.after(POLL_MS, self._poll)

@@ -48,11 +48,21 @@ class Workplace:
         self.curriculum = self.folder / "curriculum.json"
         study = self.folder / "study.json"
         self.study = read_json(study) if study.exists() else None
-        self.questionnaires = [self._questionnaire(name) for name in (self.study or {}).get("questionnaires", [])]
+        # Codes in the study's order, and whether its file has their consent.
+        try:
+            self.people = {str(person["code"]): bool(person.get("consent", False))
+                           for person in (self.study or {}).get("participants", [])}
+            names = [pathlib.Path(name) for name in (self.study or {}).get("questionnaires", [])]
+        except (AttributeError, KeyError, TypeError) as error:
+            raise UserError(f"{study}: is no study; acus-study plan says what is wrong with it") from error
+        self.questionnaires = [self._questionnaire(name) for name in names]
 
     def _questionnaire(self, name):
+        """From a file of the workplace, or the preset of the same name."""
         near = self.folder / name
         file = near if near.exists() else self.configs / name
+        if not file.exists():
+            raise UserError(f"{near}: no such file, and no preset; the study of the workplace names it")
         document = read_json(file)
         try:
             return Questionnaire(document["key"], document["title"], [str(word) for word in document["scale"]],
@@ -60,14 +70,9 @@ class Workplace:
         except (KeyError, TypeError) as error:
             raise UserError(f"{file}: is no questionnaire (acus-questionnaire): {error} is missing") from error
 
-    def participants(self):
-        """Codes of the study, in its order, and whether its file has their consent."""
-        people = (self.study or {}).get("participants", [])
-        return {str(person["code"]): bool(person.get("consent", False)) for person in people}
-
     def trainees(self, found):
         """Codes: the study's, those that were added, those who have sessions."""
-        codes = [*self.participants(), *(row["code"] for row in read_csv(self.folder / "trainees.csv", TRAINEES)),
+        codes = [*self.people, *(row["code"] for row in read_csv(self.folder / "trainees.csv", TRAINEES)),
                  *sorted({session.trainee for session in found})]
         return list(dict.fromkeys(codes))
 
@@ -82,13 +87,13 @@ class Workplace:
 
     def must_ask_consent(self, code):
         """Only of a study, and once."""
-        if self.study is None or self.participants().get(code, False):
+        if self.study is None or self.people.get(code, False):
             return False
         return all(row["code"] != code for row in read_csv(self.folder / "consent.csv", CONSENT))
 
     def has_consent(self, code):
         rows = [row for row in read_csv(self.folder / "consent.csv", CONSENT) if row["code"] == code]
-        return rows[-1]["consent"] == "yes" if rows else self.participants().get(code, False)
+        return rows[-1]["consent"] == "yes" if rows else self.people.get(code, False)
 
     def record_consent(self, code, given, now=None):
         now = now or datetime.datetime.now()
@@ -100,7 +105,7 @@ class Workplace:
     def open_questionnaire(self, code):
         """The first questionnaire with items that this participant has not answered, with these items alone; or
         None. Only participants of the study with consent are asked: acus-study reads no others."""
-        if code not in self.participants() or not self.has_consent(code):
+        if code not in self.people or not self.has_consent(code):
             return None
         answered = {(row["questionnaire"], row["item"])
                     for row in read_csv(self.folder / "answers.csv", ANSWERS)

@@ -28,7 +28,7 @@ acus_add_cli_case(acus-study.answer_off_the_scale EXIT 3 NEEDS inputs
   STDERR "a.csv:2: the answer 9 is off the scale of 1 to 5"
   COMMAND acus-study report $INPUTS/study.json --trials $INPUTS/trainees --answers a.csv -o r)
 acus_add_cli_case(acus-study.consent EXIT 0 NEEDS inputs
-  STDERR "participant N1 has not given consent" STDOUT "^Small study: 6 trials"
+  STDERR "warning: participant N1 has not given consent" STDOUT "^Small study: 6 trials"
   BEFORE "printf 'code,consent,time\nN1,no,2026-01-01T10:00:00\n' > c.csv"
   COMMAND acus-study report $INPUTS/study.json --trials $INPUTS/trainees --consent c.csv -o r)
 acus_add_cli_case(acus-study.consent_maybe EXIT 3 NEEDS inputs

@@ -3,6 +3,12 @@ acus_add_cli_case(acus-training.two_sessions EXIT 0 NEEDS inputs
   STDOUT "^A7 +insertion +[0-9] of 7" "goal not met"
   CREATES progress/progress.html progress/progress.csv progress/provenance.json
   COMMAND acus-training $INPUTS/first_run $INPUTS/second_run -o progress)
+acus_add_cli_case(acus-training.goal_lines EXIT 0 NEEDS inputs
+  BEFORE "acus-training $INPUTS/first_run $INPUTS/second_run -o progress >/dev/null
+          echo '{\"format\": \"acus-exercise/1\", \"name\": \"x\", \"goals\": [{\"metric\": \"largest axial force\", \"at_most\": 2.5}, {\"metric\": \"greatest depth\", \"at_least\": 60, \"at_most\": 80}]}' > e.json
+          acus-replay $INPUTS/scenario.json $INPUTS/session --ct $INPUTS/ct.nrrd --labels $INPUTS/labels.seg.nrrd --transform $INPUTS/ct_from_reference.tfm --no-film --png none --exercise e.json -o run >/dev/null"
+  STDOUT "^goal: at most 3$" "^goal: at most 2.5 N" "^goal: at least 60 mm$" "^goal: at most 80 mm$"
+  COMMAND grep -oh "goal: at [a-z]* [0-9.]*[ a-zN]*" progress/progress.html run/report.html)
 acus_add_cli_case(acus-training.run_without_exercise EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "reference_run: has no training.json; make the run with acus-replay --exercise"
   COMMAND acus-training $INPUTS/reference_run -o progress)
@@ -63,7 +69,7 @@ acus_add_cli_case(acus-training.curriculum_of_a_new_trainee EXIT 0 BEFORE "mkdir
   STDOUT "^  \"format\": \"acus-curriculum-state/1\"" "\"state\": \"locked\""
   COMMAND acus-training curriculum curricula/four_punctures.json --trials empty --trainee A7 --json)
 acus_add_cli_case(acus-training.discarded_session EXIT 0 NEEDS inputs
-  STDOUT "^A7 +insertion +[0-9] of 7" STDERR "b: the session was discarded .discarded.json.: it is not"
+  STDOUT "^A7 +insertion +[0-9] of 7" STDERR "warning: b: the session was discarded .discarded.json.: it is not"
   BEFORE "cp -rL $INPUTS/second_run b && echo '{\"reason\": \"cable loose\"}' > b/discarded.json"
   COMMAND acus-training $INPUTS/first_run b)
 acus_add_cli_case(acus-training.curriculum_no_trials EXIT 3 BEFORE "mkdir empty"

@@ -107,6 +107,15 @@ class OfAWorkplace(WithWorkplace):
         with self.assertRaisesRegex(UserError, "live-session --new"):
             self.place()
 
+    def test_a_broken_study_is_said(self):
+        for text, message in (('{"participants": [3]}', "study.json: is no study"),
+                              ('{"participants": ', "study.json: no readable JSON"),
+                              ('{"questionnaires": ["x.json"]}', "x.json: no such file, and no preset"),
+                              ('{"questionnaires": ["exercises/one.json"]}', "is no questionnaire")):
+            self.write("study.json", text)
+            with self.assertRaisesRegex(UserError, message):
+                self.place()
+
     def test_trainees_are_those_of_the_study_added_and_seen(self):
         self.write("study.json", STUDY)
         self.write("q.json", json.dumps(QUESTIONS))

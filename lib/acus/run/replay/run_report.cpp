@@ -154,6 +154,23 @@ void AddEvents(report::HtmlReport& html, const StepLog& log, const simulation::S
       rows);
 }
 
+/// Lines at the limits that the exercise sets for a metric: the largest value of the plot, or with
+/// `of_magnitude` the largest magnitude.
+void AddGoalLines(report::Plot& plot, const ReportContent& content, std::string_view metric,
+                  bool of_magnitude = false) {
+  if (!content.assessment) return;
+  for (const training::GoalResult& result : content.assessment->goals) {
+    if (result.goal.metric != metric) continue;
+    for (const auto& [words, limit] :
+         {std::pair{"at most ", result.goal.at_most}, {"at least ", result.goal.at_least}}) {
+      if (!limit) continue;
+      const std::string text = Message("goal: ", words, RoundedText(*limit, 4), " ", result.unit);
+      plot.limits.push_back({*limit, text});
+      if (of_magnitude) plot.limits.push_back({-*limit, text});
+    }
+  }
+}
+
 void AddExercise(report::HtmlReport& html, const training::Assessment& assessment) {
   html.Section("Outcome");
   html.Paragraph(training::OutcomeText(assessment));
@@ -239,7 +256,10 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   const bool has_forces = scene.plan.Has(simulation::StageId::kNeedleForce) && !log.steps.empty();
   if (has_forces) {
     html.Section("Forces");
-    const auto plots = ForcePlots(log);
+    auto plots = ForcePlots(log);
+    AddGoalLines(plots[0], content, "largest axial force", true);
+    AddGoalLines(plots[1], content, "largest lateral force");
+    AddGoalLines(plots[2], content, "greatest depth");
     report::WriteSvg(folder / "forces.svg", plots);
     html.Plots(plots);
     html.Plots(std::vector{ForceOverDepth(log)});
@@ -252,7 +272,9 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   }
   if (scene.plan.Has(simulation::StageId::kProbeForce) && !log.steps.empty()) {
     html.Section("Probe");
-    const auto plots = ProbePlots(log);
+    auto plots = ProbePlots(log);
+    AddGoalLines(plots[0], content, "largest probe force");
+    AddGoalLines(plots[1], content, "greatest depth of the probe");
     report::WriteSvg(folder / "probe_forces.svg", plots);
     html.Plots(plots);
   }

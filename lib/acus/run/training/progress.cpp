@@ -49,7 +49,6 @@ std::vector<std::vector<std::string>> Rows(std::span<const Assessment> sessions)
 /// A goal over the sessions of each trainee, with its limits.
 report::Plot PlotOfGoal(std::span<const Assessment> sessions, std::size_t goal) {
   std::map<std::string, report::Series> by_trainee;
-  double most = 1.0;
   for (const Assessment& session : sessions) {
     report::Series& series = by_trainee[TraineeOf(session)];
     series.name = TraineeOf(session);
@@ -57,7 +56,6 @@ report::Plot PlotOfGoal(std::span<const Assessment> sessions, std::size_t goal) 
     const double number =
         1.0 + static_cast<double>(std::ranges::count(std::span(sessions.data(), &session),
                                                      TraineeOf(session), &TraineeOf));
-    most = std::max(most, number);
     if (!session.goals[goal].value) continue;
     series.x.push_back(number);
     series.y.push_back(*session.goals[goal].value);
@@ -74,10 +72,9 @@ report::Plot PlotOfGoal(std::span<const Assessment> sessions, std::size_t goal) 
     plot.series.push_back(std::move(series));
     plot.series.push_back(std::move(dots));
   }
-  for (const auto& [words, limit] :
-       {std::pair{"at most", first.goal.at_most}, {"at least", first.goal.at_least}}) {
-    if (!limit) continue;
-    plot.series.push_back({.name = words, .x = {1.0, most}, .y = {*limit, *limit}});
+  for (const auto& [words, limit] : {std::pair{"goal: at most ", first.goal.at_most},
+                                     {"goal: at least ", first.goal.at_least}}) {
+    if (limit) plot.limits.push_back({*limit, Message(words, RoundedText(*limit, 4))});
   }
   return plot;
 }
