@@ -158,8 +158,10 @@ class Window(tk.Tk):
         steps, following = self.steps.get(code, ([], None))
         if following is not None:
             return self.workplace.exercises[following]
-        left = any(step.state == "open" for step in steps)
-        return self.texts("next_not_here" if left else "next_all_mastered")
+        if not steps:
+            return ""  # The curriculum cannot be read.
+        left = any(step.state == "open" and step.exercise is None for step in steps)
+        return self.texts("next_not_here" if left else "next_none")
 
     def _show_trainee(self):
         code = self.trainee()

@@ -11,14 +11,15 @@ from files import UserError, append_csv, read_csv, read_json
 ANSWERS = ["code", "questionnaire", "item", "answer"]
 CONSENT = ["code", "consent", "time"]
 TRAINEES = ["code"]
+ORDER = ["code", "exercise"]
 
 
 @dataclasses.dataclass(frozen=True)
 class Step:
-    """An exercise for a trainee. Without a curriculum every one is open."""
+    """An exercise for a trainee. Without a curriculum every one is open, or done as often as the study plans."""
     exercise: str  # The file's name in exercises/, without .json; None if the workplace does not have it.
     title: str
-    state: str = "open"  # open, locked or mastered
+    state: str = "open"  # open, locked, mastered or done
     trials: int = 0
     best_percent: float = 0.0
 
@@ -53,7 +54,8 @@ class Workplace:
             self.people = {str(person["code"]): bool(person.get("consent", False))
                            for person in (self.study or {}).get("participants", [])}
             names = [pathlib.Path(name) for name in (self.study or {}).get("questionnaires", [])]
-        except (AttributeError, KeyError, TypeError) as error:
+            self.trials = int((self.study or {}).get("trials", 3))
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise UserError(f"{study}: is no study; acus-study plan says what is wrong with it") from error
         self.questionnaires = [self._questionnaire(name) for name in names]
 
@@ -153,8 +155,19 @@ class Workplace:
         kept = [session.exercise for session in found
                 if session.trainee == code and session.state is not sessions.State.DISCARDED]
         steps = [Step(name, title, trials=kept.count(name)) for name, title in self.exercises.items()]
+        planned = [row["exercise"] for row in read_csv(self.folder / "order.csv", ORDER) if row["code"] == code]
+        if planned:
+            return self._steps_in_order(steps, planned)
         last = kept[-1] if kept and kept[-1] in self.exercises else next(iter(self.exercises))
         return steps, last
+
+    def _steps_in_order(self, steps, planned):
+        """As acus-study plan ordered them for this participant; what is not planned comes last."""
+        steps = [dataclasses.replace(step, state="done" if step.title in planned and step.trials >= self.trials else "open")
+                 for step in steps]
+        steps.sort(key=lambda step: planned.index(step.title) if step.title in planned else len(planned))
+        left = [step.exercise for step in steps if step.title in planned and step.state == "open"]
+        return steps, left[0] if left else None
 
     def _steps_of(self, document):
         """From the output of acus-training curriculum --json. Exercises of the workplace are found by their names,

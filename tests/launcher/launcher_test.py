@@ -109,6 +109,7 @@ class OfAWorkplace(WithWorkplace):
 
     def test_a_broken_study_is_said(self):
         for text, message in (('{"participants": [3]}', "study.json: is no study"),
+                              ('{"trials": "many"}', "study.json: is no study"),
                               ('{"participants": ', "study.json: no readable JSON"),
                               ('{"questionnaires": ["x.json"]}', "x.json: no such file, and no preset"),
                               ('{"questionnaires": ["exercises/one.json"]}', "is no questionnaire")):
@@ -183,6 +184,22 @@ class OfAWorkplace(WithWorkplace):
         self.assertEqual(list(self.folder.glob(".partial*")), [])
 
 
+    def test_a_study_without_a_curriculum_goes_by_its_plan(self):
+        self.write("study.json", '{"trials": 2, "participants": [{"code": "A"}]}')
+        self.write("order.csv", "code,group,place,exercise\nB,x,1,Exercise one\n"
+                   "A,x,1,Exercise two\nA,x,2,Exercise one\n")
+        place = self.place()
+        followed = []
+        for minute in range(10, 14):
+            steps, following = place.steps(["A"], sessions.find(self.folder))["A"]
+            followed.append(following)
+            self.session("A", f"2026-01-01_10-{minute}-00", exercise=following)
+        self.assertEqual(followed, ["two_more", "two_more", "one", "one"])
+        steps, following = place.steps(["A"], sessions.find(self.folder))["A"]
+        self.assertEqual([(step.exercise, step.state) for step in steps], [("two_more", "done"), ("one", "done")])
+        self.assertIsNone(following)
+
+
 class BesideTheWindow(WithWorkplace):
     """A script in place of pipelines/live-session."""
 
@@ -206,7 +223,8 @@ class BesideTheWindow(WithWorkplace):
             runs.start_session("B", "one")
         _, code, said = self.wait(runs, "session")
         self.assertEqual(code, 5)
-        self.assertEqual(said, f"acus-live: --text --no-report --trainee A --exercise one --headless {self.folder}\nwhy")
+        self.assertEqual(
+            said, f"acus-live: --text --no-report --trainee A --exercise one --headless {self.folder}\nwhy")
         runs.start_session("B", "one")
         self.wait(runs, "session")
 
