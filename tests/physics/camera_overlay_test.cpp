@@ -94,7 +94,7 @@ TEST(CameraOverlay, CtMarkersFallOnThoseOfThePicture) {
       ++count;
     }
   }
-  std::cout << "overlay: " << count << " markers in 20 pictures, RMS " << std::sqrt(sum_px2 / count)
+  std::cout << "overlay: " << count << " markers in 20 images, RMS " << std::sqrt(sum_px2 / count)
             << " px, largest " << largest_px << " px\n";
   EXPECT_GT(count, 100);
   EXPECT_LT(largest_px, 2.0);

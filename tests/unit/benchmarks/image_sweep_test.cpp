@@ -41,7 +41,7 @@ TEST(ImageSweep, DearerSettingsAreNearerToTheDearest) {
   for (const Row& row : by_knob.at("effect")) {
     if (row.value == "no speckle") speckle = row.error;
   }
-  EXPECT_GT(speckle, 3.0) << "most of what is in the picture";
+  EXPECT_GT(speckle, 3.0) << "most of what is in the image";
 }
 
 }  // namespace

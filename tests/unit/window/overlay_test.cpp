@@ -144,7 +144,7 @@ TEST_P(Overlay, FadesTowardsTheOutline) {
     before = opacity;
   }
   EXPECT_EQ(before, 0);
-  EXPECT_GE(faded, 10) << "the rim is some 19 pixels wide";
+  EXPECT_GE(faded, 10) << "the rim is about 19 pixels wide";
 }
 
 TEST_P(Overlay, SaysWhatItCannotRender) {

@@ -102,7 +102,7 @@ void ImageThread::Run() {
       MakePicture(begin_ns);
       SetTrouble("");
     } catch (const std::bad_alloc&) {
-      SetTrouble("there is no memory for pictures; close other programs");
+      SetTrouble("there is no memory for images; close other programs");
     } catch (const std::exception& error) {
       SetTrouble(error.what());
     }

@@ -166,7 +166,7 @@ void AddExercise(report::HtmlReport& html, const training::Assessment& assessmen
                      result.value ? FourDigits(*result.value) : "-", result.unit,
                      GoalText(result.goal, result.unit), result.goal.why});
   }
-  html.Table({"", "goal", "value", "unit", "asked for", "why"}, goals);
+  html.Table({"", "goal", "value", "unit", "required", "why"}, goals);
   std::vector<std::vector<std::string>> steps;
   for (const training::StepResult& step : assessment.checklist) {
     const bool open = step.state == training::StepState::kOpen;

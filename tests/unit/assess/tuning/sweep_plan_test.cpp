@@ -46,7 +46,7 @@ TEST_F(PlanTest, LevelsThatTheSceneCannotTakeAreLeftOutOrRefused) {
   Make(kBendableEffects);
   request_.knobs = {"tissue_model"};
   // No mesh, no corridor, and the needle's force comes from the tissue: springs remain.
-  EXPECT_THAT([&] { Plan(); }, ThrowsMessage<InputError>(HasSubstr("only one of its levels")));
+  EXPECT_THAT([&] { Plan(); }, ThrowsMessage<InputError>(HasSubstr("only one of its values")));
   request_.knobs = {"tissue_model=springs,fe_3d"};
   EXPECT_THAT([&] { Plan(); }, ThrowsMessage<InputError>(AllOf(HasSubstr("tissue_model=fe_3d"),
                                                                HasSubstr("/patient/mesh"))));

@@ -101,7 +101,7 @@ TEST(Screen, RefusesPicturesThatDoNotFit) {
 
 TEST(DrawText, IsCutOffAtTheBorder) {
   image::GrayImage image = Grey(0);
-  DrawText(image, 295, 100, "longer than the picture");
+  DrawText(image, 295, 100, "longer than the image");
   DrawText(image, -500, 5000, "nowhere");
   long sum = 0;
   for (const std::uint8_t p : image.pixels) sum += p;

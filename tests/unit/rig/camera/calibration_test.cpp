@@ -106,7 +106,7 @@ TEST_F(CalibrationTest, SaysWhatIsMissing) {
   std::string all;
   for (const std::string& warning : found.warnings) all += warning + "\n";
   EXPECT_NE(all.find("never tilted"), std::string::npos) << all;
-  EXPECT_NE(all.find("of the picture"), std::string::npos) << all;
+  EXPECT_NE(all.find("of the image"), std::string::npos) << all;
 }
 
 TEST_F(CalibrationTest, SaysThatRowsAndColumnsAreSwapped) {
@@ -179,7 +179,7 @@ TEST_F(CalibrationTest, FindsAStereoPair) {
 TEST_F(CalibrationTest, TooFewPicturesGiveNoCamera) {
   TakePictures(4, 40.0);
   EXPECT_THROW(Calibrate(), NoAnswerError);
-  WriteTextFile(folder_ / "300.png", "no picture");
+  WriteTextFile(folder_ / "300.png", "no image");
   EXPECT_THROW(Calibrate(), InputError);
 }
 

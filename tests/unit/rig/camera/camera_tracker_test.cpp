@@ -60,7 +60,7 @@ class Tracker : public testing::Test {
 TEST_F(Tracker, GivesAToolInTheMannequinsFrame) {
   WritePicture(folder_ / "0.png", Take(true, 0));
   WritePicture(folder_ / "1.png", Take(false, 1));
-  WriteTextFile(folder_ / "2.png", "no picture");
+  WriteTextFile(folder_ / "2.png", "no image");
   CameraTrackerOptions options = Options("folder:" + folder_.path().string());
   options.journal_capacity = 16;
   CameraTracker tracker(camera_, set_, options);
@@ -163,7 +163,8 @@ TEST_F(Tracker, RefusesWhatCanNeverWork) {
   refused(Options("0"));
   refused(Options("device:"));
   refused(Options("webcam:0"));
-  refused(Options("film:" + (folder_ / "none.mp4").string()));
+  refused(Options("video:" + (folder_ / "none.mp4").string()));
+  refused(Options("film:" + (folder_ / "none.mp4").string()));  // The older word.
   refused(Options("folder:" + folder_.path().string()));
   refused(Options("igtl:localhost"));
   refused(Options("igtl:localhost:0"));

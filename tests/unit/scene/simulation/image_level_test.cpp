@@ -45,7 +45,7 @@ TEST(ImageLevel, EveryLevelReadsItsPresetAndShowsTheScene) {
     EXPECT_GT(bright, 1000) << name;
     pictures.insert(image.pixels);
   }
-  EXPECT_EQ(pictures.size(), levels.size()) << "two levels gave the same picture";
+  EXPECT_EQ(pictures.size(), levels.size()) << "two levels gave the same image";
 }
 
 TEST(ImageLevel, GainActsInEveryModel) {
