@@ -46,7 +46,7 @@ Eigen::Vector2d MiddlePx(const DetectedMarker& marker) {
   return marker.corners_px[0] + t * a;
 }
 
-TEST(CameraOverlay, CtMarkersFallOnThoseOfThePicture) {
+TEST(CameraOverlay, CtMarkersFallOnThoseOfTheImage) {
   const CameraModel camera = ReadCamera(ConfigPath("cameras/webcam_720p.json"));
   const FacetSet set = WithFiducials();
   const FacetObject& mannequin = *set.Find("Reference");

@@ -22,7 +22,7 @@ TEST(ImageSweep, TissueIsFoundWhereItWasAtRest) {
   }
 }
 
-TEST(ImageSweep, DearerSettingsAreNearerToTheDearest) {
+TEST(ImageSweep, ExpensiveSettingsAreNearerToTheMostExpensive) {
   setenv("ACUS_CONFIGS", (std::filesystem::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
   const std::vector<Row> rows = ImageSweep().run(true, RunContext());
   std::map<std::string, std::vector<Row>> by_knob;

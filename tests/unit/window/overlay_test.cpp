@@ -49,7 +49,7 @@ TEST(DistanceToEdge, IsThatFromADiscsRim) {
   EXPECT_EQ(distance[0], 0.0F);
 }
 
-TEST(DistanceToEdge, ThePicturesBorderIsNoEdge) {
+TEST(DistanceToEdge, TheImagesBorderIsNoEdge) {
   EXPECT_TRUE(std::isinf(DistanceToEdge(std::vector<std::uint8_t>(12, 255), 4, 3)[0]));
 }
 

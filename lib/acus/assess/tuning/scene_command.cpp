@@ -160,11 +160,11 @@ std::function<std::string(RunContext& context)> AddSceneOptions(CLI::App& comman
   auto options = std::make_shared<Options>();
   AddSceneAndPatient(command, *options);
   command.add_option("--knob", options->request.knobs,
-                     "A knob to turn: NAME for all its values, NAME=a,b for these. May be given\n"
+                     "A knob to vary: NAME for all its values, NAME=a,b for these. May be given\n"
                      "several times; without it, every knob of what the scene calls for");
   command.add_flag(
       "--jointly", options->request.jointly,
-      "Turn the knobs together: all combinations, each against the most expensive one");
+      "Vary the knobs together: all combinations, each against the most expensive one");
   command
       .add_option("--combinations", options->request.most_combinations,
                   "Run at most so many of them: a seeded subset that spreads evenly")

@@ -75,7 +75,7 @@ class FirstGuess {
     }
     if (!lost.empty()) {
       throw NoAnswerError(Message(
-          "never seen together with '", facets_[0].name, "', not even by way of others: ", lost,
+          "never seen together with '", facets_[0].name, "', not even through others: ", lost,
           "; turn the object so that the camera sees adjacent facets at once"));
     }
     return places;

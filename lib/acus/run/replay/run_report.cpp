@@ -179,7 +179,7 @@ void AddExercise(report::HtmlReport& html, const training::Assessment& assessmen
     structures.push_back({structure.name, std::to_string(structure.entered.num_entries),
                           FourDigits(structure.entered.path_mm)});
   }
-  html.Table({"tissue", "entries of the tip", "way of the tip [mm]"}, structures,
+  html.Table({"tissue", "entries of the tip", "path of the tip [mm]"}, structures,
              "What the tip went through");
 }
 

@@ -153,7 +153,7 @@ TEST_F(Budget, ChosenScenarioIsFoundFromAnywhereWithItsEvidence) {
   EXPECT_EQ(chosen.evidence->stages.front().stage, "needle shape");
 }
 
-TEST_F(Budget, ResultTellsEachKnobByItself) {
+TEST_F(Budget, ResultReportsEachKnobByItself) {
   const SweepResult result = ResultOf(answer_);
   std::vector<std::string> told;
   for (const SettingResult& setting : result.settings) {

@@ -85,7 +85,7 @@ TEST(TradeoffPlots, WithABudgetShowItsPercentileItsLineAndTheChosen) {
   EXPECT_THAT(Named(plots[0], "Pareto front")->x, ElementsAre(40, 80));
 }
 
-TEST(TradeoffPlots, OfPicturesMorePsnrIsBetter) {
+TEST(TradeoffPlots, OfImagesMorePsnrIsBetter) {
   SweepResult result = Nodes();
   const double dbs[] = {30, 35, 34, 50, std::numeric_limits<double>::infinity()};
   const double costs[] = {5, 6, 7, 1, 20};

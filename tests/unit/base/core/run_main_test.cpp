@@ -142,7 +142,7 @@ TEST(RunMainDeathTest, TakesMemoryThatAThreadLacksForAnInputError) {
   EXPECT_EXIT(LackMemoryInAThread(), ::testing::ExitedWithCode(3), "acus-thing: not enough memory");
 }
 
-TEST(RunMain, LeavesFoldersOutOfTheCommandLineIfAsked) {
+TEST(RunMain, OmitsFoldersFromTheCommandLineIfRequested) {
   const Result result = RunThing({"patients/Jane/in.csv", "--no-folders"}, [](RunContext& context) {
     EXPECT_EQ(context.provenance.command_line, "acus-thing in.csv --no-folders");
     return ExitCode::kOk;

@@ -82,7 +82,7 @@ TEST_F(PlusSimulatorFile, ALinearProbeIsUsableWhereAPresetIs) {
   EXPECT_EQ(grid.samples, 575);  // 50 mm / 0.087 mm, and the face.
 }
 
-TEST_F(PlusSimulatorFile, ACurvedProbeKeepsThePictureOfPlus) {
+TEST_F(PlusSimulatorFile, ACurvedProbeKeepsTheImageOfPlus) {
   const Probe probe = ReadProbe(Write(Document(kCurved)));
   EXPECT_EQ(probe.kind, ProbeKind::kCurvilinear);
   EXPECT_EQ(probe.radius_mm, 60.0);

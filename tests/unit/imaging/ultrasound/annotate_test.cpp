@@ -84,7 +84,7 @@ TEST(Screen, TextIsNotLeftOverFromTheFrameBefore) {
   EXPECT_EQ(with.pixels, without.pixels);
 }
 
-TEST(Screen, RefusesPicturesThatDoNotFit) {
+TEST(Screen, RefusesImagesThatDoNotFit) {
   image::GrayImage out;
   const image::GrayImage slice = Grey(90);
   EXPECT_THROW(Screen(AnnotateTestProbe(), Screen::Shows::kBoth).Compose(Grey(0), nullptr, "", out),

@@ -27,7 +27,7 @@ std::set<int> MarkersIn(const tracking::Picture& sent) {
   return ids;
 }
 
-TEST(MannequinPictures, TheCameraLooksAtWhatItIsToldAndIsMoved) {
+TEST(MannequinPictures, TheCameraLooksAtItsTargetAndIsMoved) {
   const MannequinView view = View();
   const Eigen::Isometry3d still = CameraFromReference(view, 0);
   const Eigen::Vector3d seen_mm = still * view.looks_at_mm;

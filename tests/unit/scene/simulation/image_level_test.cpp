@@ -27,7 +27,7 @@ Eigen::Isometry3d OnTheSkin() {
   return ct_from_probe;
 }
 
-TEST(ImageLevel, EveryLevelReadsItsPresetAndShowsTheScene) {
+TEST(ImageLevel, EveryModelReadsItsPresetAndShowsTheScene) {
   const Scene scene =
       testing_support::LayeredScene(testing_support::PlanOf(false, true, false, false), false);
   std::set<std::vector<std::uint8_t>> pictures;
