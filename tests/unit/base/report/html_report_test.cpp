@@ -52,8 +52,8 @@ TEST(HtmlReport, HoldsEverythingAndNeedsNoNetwork) {
   const std::string html = FullReport().Text();
   EXPECT_THAT(html, HasSubstr("<h1>Replay &lt;1&gt;</h1>"));
   EXPECT_THAT(html, HasSubstr("<li>a &lt; b</li>"));
-  EXPECT_THAT(html, HasSubstr("<a href=\"#s2\">Pictures</a>"));
-  EXPECT_THAT(html, HasSubstr("<h2 id=\"s2\">Pictures</h2>"));
+  EXPECT_THAT(html, HasSubstr("<a href=\"#s2\">Images</a>"));
+  EXPECT_THAT(html, HasSubstr("<h2 id=\"s2\">Images</h2>"));
   EXPECT_THAT(html, HasSubstr("<td class=\"n\">12.5</td>"));
   EXPECT_THAT(html, HasSubstr("<td>path</td>"));
   EXPECT_THAT(html, HasSubstr("src=\"my%20film%231.mp4\""));

@@ -149,7 +149,7 @@ TEST_F(ScenarioFile, TakesChangesFromTheCommandLine) {
               ThrowsMessage<InputError>(HasSubstr("--set /needle/x")));
 }
 
-TEST_F(ScenarioFile, TakesTheLevelOfTheUltrasoundWithItsOwnSettings) {
+TEST_F(ScenarioFile, TakesTheModelOfTheUltrasoundWithItsOwnSettings) {
   const Scenario old = Read(kText, {ParseOverride("/effects/ultrasound/acoustics=table.json")});
   EXPECT_EQ(old.ultrasound->model, UltrasoundModel::kColumns2010);
   EXPECT_EQ(old.ultrasound->acoustics, folder_ / "table.json");
