@@ -39,7 +39,7 @@ HtmlReport FullReport() {
   plot.title = "Force";
   plot.series.push_back({.name = "axial", .x = {0, 1}, .y = {0, 2}});
   report.Plots(std::span(&plot, 1), "Over time");
-  report.Section("Pictures");
+  report.Section("Images");
   const auto png = Temporary("tiny.png");
   WriteTextFile(png, std::string_view("\x89PNG\r\n\x1A\nrest", 12));
   report.Picture(png, "a slice", "Slice");

@@ -58,7 +58,7 @@ TEST_F(ScenarioFile, TakesGuidanceWithAnyModelButTheOnesThatGuideThemselves) {
         Read(kText, {ParseOverride("/effects/needle_force/guidance=none"),
                      ParseOverride(R"(/effects/needle={"model": "rigid"})")});
       },
-      ThrowsMessage<InputError>(HasSubstr("effects/needle says already")));
+      ThrowsMessage<InputError>(HasSubstr("effects/needle already computes")));
 }
 
 TEST_F(ScenarioFile, HoldsTheProbeForceOfItsModel) {
