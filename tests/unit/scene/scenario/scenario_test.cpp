@@ -225,7 +225,7 @@ TEST_F(ScenarioFile, RefusesEffectsThatLeanOnOneThatIsNotThere) {
       ThrowsMessage<InputError>(HasSubstr("/effects/needle_force/model=layered")));
   EXPECT_THAT(
       [&] { Read(kTissueText, {ParseOverride("/effects/tissue/model=displacement_functions")}); },
-      ThrowsMessage<InputError>(HasSubstr("knows forces")));
+      ThrowsMessage<InputError>(HasSubstr("computes forces")));
   EXPECT_THAT([&] { Read(kTissueText, {ParseOverride("/effects/tissue/warp_spacing_mm=0")}); },
               ThrowsMessage<InputError>(HasSubstr("/effects/tissue/warp_spacing_mm")));
   EXPECT_THAT([&] { Read(kTissueText, {ParseOverride("/effects/tissue/model=fe_4d")}); },
