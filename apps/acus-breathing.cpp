@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
   app.add_option("--spacing-mm", o.settings.registration.spacing_mm,
                  "Of the registration's grid; default: 2, or a voxel's if that is larger")
       ->check(CLI::Range(0.5, 20.0));
-  app.add_option("--diaphragm-mm", in.diaphragm_mm, "Way of the diaphragm, with --single")
+  app.add_option("--diaphragm-mm", in.diaphragm_mm, "Travel of the diaphragm, with --single")
       ->check(CLI::Range(0.0, 80.0));
   app.add_flag("--no-sliding", o.no_sliding, "Organs do not slide along the ribs");
   app.add_option("-o,--output", o.output, "Folder to write")->required();

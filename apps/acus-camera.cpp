@@ -61,12 +61,12 @@ int main(int argc, char** argv) {
   app.add_option("--facets", o.facets, "Facets on mannequin and tools")->capture_default_str();
   app.add_option("--camera", o.camera, "Camera file")->capture_default_str();
   auto* print = app.add_subcommand("print", "Sheets at true scale: PDF, SVG, PNG")->fallthrough();
-  auto* calibrate = app.add_subcommand("calibrate", "Pictures of the board to a camera file");
-  auto* track = app.add_subcommand("track", "Pictures of facets to poses, with their jitter");
-  auto* sample = app.add_subcommand("sample", "Draw pictures to try the others with");
+  auto* calibrate = app.add_subcommand("calibrate", "Images of the board to a camera file");
+  auto* track = app.add_subcommand("track", "Images of facets to poses, with their jitter");
+  auto* sample = app.add_subcommand("sample", "Draw images to try the others with");
   for (CLI::App* command : {calibrate, track}) {
     command->fallthrough()
-        ->add_option("pictures", o.pictures, "Folder")
+        ->add_option("images", o.pictures, "Folder")
         ->required()
         ->check(CLI::ExistingDirectory);
   }
@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
   calibrate->add_option("--limit-px", o.calibration.limit_px, "Larger errors (RMS) are an error")
       ->check(CLI::Range(0.01, 100.0));
   calibrate->add_flag("--fit-k3", o.calibration.fit_k3, "For wide lenses: fit k3 too");
-  track->add_option("--rate-hz", o.rate_hz, "Of the pictures")->check(CLI::Range(0.01, 1e4));
+  track->add_option("--rate-hz", o.rate_hz, "Of the images")->check(CLI::Range(0.01, 1e4));
   sample->fallthrough()->add_option("--count", o.count, "Pictures")->check(CLI::Range(1, 9999));
   app.footer(
       "EXAMPLE\n  acus-camera sample --count 12 -o sample\n"

@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
                  "What goes wrong, when and how long, s: drop, freeze, occlude, nan, jump (50 mm)\n"
                  "or garbage, as in occlude@5:2; may be given again")
       ->check(FaultProblem);
-  app.add_option("--camera", options.camera, "Send pictures: a camera and facets, files or presets")
+  app.add_option("--camera", options.camera, "Send images: a camera and facets, files or presets")
       ->expected(2);
   app.footer(
       "EXAMPLE\n"

@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   acus::window::ConsoleSettings console;
 
   CLI::App app{
-      "Run a training session: forces at the rate of the device, pictures beside it, all of it\n"
+      "Run a training session: forces at the rate of the device, images beside it, all of it\n"
       "recorded in a session folder that acus-replay reproduces bit for bit.",
       "acus-live"};
   app.add_option("scenario", scenario_path, "Scenario (acus-scenario JSON): a file or a preset")

@@ -47,9 +47,9 @@ int main(int argc, char** argv) {
   warp->add_option("--labels", labels_path, "Its tissues; default: found as acus-segment does")
       ->check(CLI::ExistingFile);
   warp->add_option("--phases", breath.num_phases, "Phases of a breath")->check(CLI::Range(4, 60));
-  warp->add_option("--diaphragm-mm", breath.motion.diaphragm_mm, "Way of the diaphragm")
+  warp->add_option("--diaphragm-mm", breath.motion.diaphragm_mm, "Travel of the diaphragm")
       ->check(CLI::Range(0.0, 80.0));
-  warp->add_option("--chest-mm", breath.motion.chest_mm, "Way of chest and belly forwards")
+  warp->add_option("--chest-mm", breath.motion.chest_mm, "Anterior travel of chest and abdomen")
       ->check(CLI::Range(0.0, 30.0));
   warp->add_option("--hysteresis-mm", breath.motion.hysteresis_mm, "Half the loop's width")
       ->check(CLI::Range(0.0, 20.0));

@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
   app.add_option("--trainee", options.trainee, "Code of who did it, kept in training.json");
   app.add_option("--png", png, "Frames as PNG: those at events (the default), all, or none")
       ->check(CLI::IsMember({"events", "all", "none"}));
-  app.add_flag("!--no-film", options.film, "Make no film.mp4");
+  app.add_flag("!--no-film", options.film, "Write no video");
   app.add_flag("!--no-sequence", options.sequence, "Write no images.igs.mha");
   app.add_flag("!--no-times", options.times,
                "Write no measured times: the same inputs then give the same bytes");

@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   std::string series;
   bool list_series = false;
   CLI::App app{
-      "Tell the tissues of a CT apart: body, skin, fat, soft tissue, bone, lung, gas, and organs "
+      "Find the tissues of a CT: body, skin, fat, soft tissue, bone, lung, gas, and organs "
       "from seed points, labelled CTs of other patients, or a label map made elsewhere.",
       "acus-segment"};
   app.footer(

@@ -1,5 +1,6 @@
-// The hand-written pages use the words of docs/glossary.md. The page is the single source: what
-// stands in code type in a column "not" is a regular expression for whole words.
+// Pages, help texts, messages and descriptions of schemas and presets use the words of
+// docs/glossary.md. The page is the single source: what stands in code type in a column "not" is a
+// regular expression for whole words.
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -20,8 +21,8 @@ const std::filesystem::path kGlossaryRoot = ACUS_SOURCE_DIR;
 /// Pages, and folders of pages, that are not held against the glossary, with the reason.
 const std::vector<std::string> kGlossaryExceptions = {
     "docs/glossary.md",           // Quotes the words to avoid.
-    "docs/reference/commands/",   // Help texts and schemas, printed by the programs.
-    "docs/reference/config.md",   // Help texts and schemas, printed by the programs.
+    "docs/reference/commands/",   // Generated from texts that MessagesUseItsWords reads.
+    "docs/reference/config.md",   // Generated, likewise.
     "docs/stability.md",          // Names of hard cases, printed by their tests.
     "docs/accuracy-and-time.md",  // Generated: its template is held against the glossary.
     "docs/papers-claims.md",      // Generated, likewise.
@@ -111,6 +112,72 @@ std::vector<std::string> PagesWithProse() {
   }
   std::ranges::sort(pages);
   return pages;
+}
+
+/// A text for users in a source, a schema or a preset.
+struct Text {
+  int line = 0;
+  std::string text;
+};
+
+/// The string literals of a source that are prose: they have a blank.
+std::vector<Text> Literals(const std::string& source) {
+  static const std::regex literal(R"re("((?:\\.|[^"\\])*)")re");
+  std::vector<Text> texts;
+  std::istringstream in(source);
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    const auto first = line.find_first_not_of(' ');
+    if (first == line.npos || line.compare(first, 2, "//") == 0 || line[first] == '#') continue;
+    for (std::sregex_iterator match(line.begin(), line.end(), literal), end; match != end;
+         ++match) {
+      const std::string text = (*match)[1];
+      if (text.find(' ') != text.npos) texts.push_back({number, InLowerCase(text)});
+    }
+  }
+  return texts;
+}
+
+std::vector<std::string> FilesWithMessages() {
+  std::vector<std::string> files;
+  for (const char* folder : {"lib", "apps", "configs"}) {
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(kGlossaryRoot / folder)) {
+      const std::string extension = entry.path().extension().string();
+      if (extension == ".cpp" || extension == ".h" || extension == ".json") {
+        files.push_back(entry.path().lexically_relative(kGlossaryRoot).generic_string());
+      }
+    }
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+TEST(Glossary, MessagesUseItsWords) {
+  const std::vector<GlossaryWord> words = WordsToAvoid();
+  const std::vector<std::string> files = FilesWithMessages();
+  ASSERT_GT(files.size(), 1000u);
+  std::size_t num_texts = 0;
+  for (const std::string& file : files) {
+    for (const Text& text : Literals(ReadTextFile(kGlossaryRoot / file))) {
+      ++num_texts;
+      for (const GlossaryWord& word : words) {
+        EXPECT_FALSE(std::regex_search(text.text, word.whole_word))
+            << file << ":" << text.line << ": say '" << word.say << "', not '" << word.avoid
+            << "': " << text.text;
+      }
+    }
+  }
+  EXPECT_GT(num_texts, 5000u);
+}
+
+TEST(Glossary, FindsWordsInLiterals) {
+  const auto texts =
+      Literals("// \"a picture\"\n#include \"a b\"\nWarn(\"A \\\"Picture\\\"\", \"picture\");\n");
+  ASSERT_EQ(texts.size(), 1u);
+  EXPECT_EQ(texts[0].line, 3);
+  EXPECT_EQ(texts[0].text, "a \\\"picture\\\"");
 }
 
 TEST(Glossary, PagesUseItsWords) {

@@ -7,7 +7,7 @@ acus_add_cli_case(acus-devices.faster EXIT 0 BEFORE "${devices_session}"
   COMMAND acus-devices play recording --port 0 --speed 10 --rate-hz 50)
 acus_add_cli_case(acus-devices.hand EXIT 0 LEAVES_NOTHING STDOUT ": [1-9][0-9]* instants"
   COMMAND acus-devices hand --port 0 --seconds 0.2 --rate-hz 200 --fault drop@0.05:0.05)
-acus_add_cli_case(acus-devices.camera EXIT 0 STDOUT "[1-9][0-9]* pictures"
+acus_add_cli_case(acus-devices.camera EXIT 0 STDOUT "[1-9][0-9]* images"
   COMMAND acus-devices hand --port 0 --seconds 2
           --camera ${CMAKE_SOURCE_DIR}/configs/cameras/webcam_720p.json
                    ${CMAKE_SOURCE_DIR}/configs/facets/training.json)

@@ -37,7 +37,7 @@ acus_add_cli_case(acus-register.pivot_without_turning EXIT 4 LEAVES_NOTHING
   STDERR "the pointer turned by only" COMMAND acus-register pivot poses -o pointer)
 acus_add_cli_case(acus-register.robust EXIT 0
   BEFORE "${register_inputs}\nsed -i s/70.1,199.8/78.1,199.8/ ct.csv"
-  STDERR "warning: point 'D' does not fit the others.*it was left out" STDOUT "over 5 points" "left out: D"
+  STDERR "warning: point 'D' does not fit the others.*it was excluded" STDOUT "over 5 points" "omitted: D"
   COMMAND acus-register --from mannequin.csv --to ct.csv --robust -o registered)
 acus_add_cli_case(acus-register.wrong_order EXIT 0
   BEFORE "${register_inputs}\nsed -i -e s/^A,/X,/ -e s/^B,/A,/ -e s/^C,/B,/ -e s/^X,/C,/ ct.csv"

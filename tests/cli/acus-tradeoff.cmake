@@ -19,7 +19,7 @@ acus_add_cli_case(acus-tradeoff.scene_other_plan EXIT 3 NEEDS inputs TIMEOUT 120
   STDERR "/to_s: 1.0 there, 2.0 now" "--overwrite"
   COMMAND acus-tradeoff ${scene} --seconds 2 --knob step_rate_hz=500,2000 --repetitions 1 -o t)
 acus_add_cli_case(acus-tradeoff.scene_list EXIT 0 NEEDS inputs LEAVES_NOTHING
-  STDOUT "^case step_rate_hz-500-r0 after step_rate_hz-2000-r0" "^Left out: force_model=tissue"
+  STDOUT "^case step_rate_hz-500-r0 after step_rate_hz-2000-r0" "^Omitted: force_model=tissue"
   COMMAND acus-tradeoff ${scene} --list --knob step_rate_hz=500,2000 --knob force_model)
 acus_add_cli_case(acus-tradeoff.scene_knob_typo EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "did you mean step_rate_hz[?]" "ultrasound_model"

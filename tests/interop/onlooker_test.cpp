@@ -241,7 +241,7 @@ TEST_F(ALiveSession, ShowsPatientTargetStatusToolsAndImages) {
                          static_cast<const std::uint8_t*>(map.GetScalarPointer())));
 }
 
-TEST_F(ALiveSession, TellsALateOnlookerAllAndAnEarlyOneNothingTwice) {
+TEST_F(ALiveSession, SendsALateOnlookerAllAndAnEarlyOneNothingTwice) {
   const Onlooker early(port_);
   EXPECT_TRUE(PollUntil([&] { return early.Has("IMAGE CT") && early.Has("STATUS Acus"); }));
   const Onlooker late(port_);

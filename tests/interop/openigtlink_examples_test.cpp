@@ -189,7 +189,7 @@ TEST_F(OpenIgtLinkExamples, TheirReceiverUnderstandsAllThatWeSend) {
   EXPECT_TRUE(receiver.HasSaid("all is well"));
 }
 
-TEST_F(OpenIgtLinkExamples, TheirClientGetsTheTrackingDataItAsksFor) {
+TEST_F(OpenIgtLinkExamples, TheirClientGetsTheTrackingDataItRequests) {
   const Example client(folder_.path(), "TrackingDataClient",
                        {"127.0.0.1", std::to_string(server_.port()), "50"});
   EXPECT_TRUE(Serve([&] { return client.Says().find("Element #0") != std::string::npos; }));

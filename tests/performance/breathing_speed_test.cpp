@@ -276,7 +276,7 @@ std::map<std::string, PictureTimes> TimeLevels(
 // Issue: at most 40 %, for every model of motion, and less than a fifth more from 64^3 to 256^3
 // nodes. Measured 2 to 18 %, alamilla_2021 23 to 31. Neighbours that fill the machine's cache and
 // memory slow the large field for seconds: what does not hold is measured again after the others.
-TEST(BreathingSpeed, APictureTakesAtMostFortyPercentMore) {
+TEST(BreathingSpeed, AnImageTakesAtMostFortyPercentMore) {
   constexpr int kPasses = 8;
   const Pictures pictures;
   auto levels = pictures.Levels();

@@ -78,7 +78,7 @@ TEST(ImageSpeed, TheSliceIsThatOfVtk) {
 }
 
 // Measured 0.29 to 0.35 of the wall time, 0.24 to 0.33 of the CPU time.
-TEST(ImageSpeed, The2010LevelTakesFourTenthsOfASlice) {
+TEST(ImageSpeed, The2010ModelTakesFourTenthsOfASlice) {
   BModeRenderer renderer(Ct(), FullLinearProbe(), DefaultBModeOptions());
   image::GrayImage image;
   ExpectShareAtMost(0.4, [&](const Eigen::Isometry3d& pose, int num_threads) {

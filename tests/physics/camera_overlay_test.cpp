@@ -46,7 +46,7 @@ Eigen::Vector2d MiddlePx(const DetectedMarker& marker) {
   return marker.corners_px[0] + t * a;
 }
 
-TEST(CameraOverlay, CtMarkersFallOnThoseOfThePicture) {
+TEST(CameraOverlay, CtMarkersFallOnThoseOfTheImage) {
   const CameraModel camera = ReadCamera(ConfigPath("cameras/webcam_720p.json"));
   const FacetSet set = WithFiducials();
   const FacetObject& mannequin = *set.Find("Reference");
@@ -94,7 +94,7 @@ TEST(CameraOverlay, CtMarkersFallOnThoseOfThePicture) {
       ++count;
     }
   }
-  std::cout << "overlay: " << count << " markers in 20 pictures, RMS " << std::sqrt(sum_px2 / count)
+  std::cout << "overlay: " << count << " markers in 20 images, RMS " << std::sqrt(sum_px2 / count)
             << " px, largest " << largest_px << " px\n";
   EXPECT_GT(count, 100);
   EXPECT_LT(largest_px, 2.0);

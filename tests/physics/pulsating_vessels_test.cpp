@@ -157,7 +157,7 @@ TEST_F(PulsatingScene, ANeedleAtRestFeelsThePulse) {
 }
 
 // The same numbers from a copy of the state: nothing is kept elsewhere.
-TEST_F(PulsatingScene, ACopyOfTheStateGoesOnWithTheSameBits) {
+TEST_F(PulsatingScene, ACopyOfTheStateContinuesWithTheSameBits) {
   const Scene scene = Load(kStrain);
   const Simulation simulation(scene);
   State state = simulation.NewState();

@@ -249,7 +249,7 @@ double Moved(const slicing::BeamImage& before, const slicing::BeamImage& after, 
   return static_cast<double>(best) - 1.0 + 0.5 * (match[best - 1] - match[best + 1]) / curvature;
 }
 
-TEST(BeamSpeckle, TrackedSpeckleTellsTheStrain) {
+TEST(BeamSpeckle, TrackedSpeckleGivesTheStrain) {
   const auto table = TableOf({{"liver", Scattering()}});
   const auto labels = UltrasoundSpeckleHomogeneous();
   acoustics::Probe probe = TargetProbe();

@@ -196,7 +196,7 @@ TEST(BreathingHardCases, ASlidingInterfaceIsBoundedByItsJump) {
   hard.Expect("residual 25 mm away from that", across_away_mm, Below(0.05), "mm");
 }
 
-TEST(BreathingHardCases, BeyondTheFieldItIsAsAtItsBorderAndNeverWild) {
+TEST(BreathingHardCases, BeyondTheFieldItIsAsAtItsBorderAndBounded) {
   const HardCase hard("Places up to 1e300 mm outside the field, and some that are no numbers.");
   Largest off_border_mm;
   Largest after_rubbish_mm;
@@ -386,7 +386,7 @@ class SignalHardCases : public testing::Test {
   testing_support::TemporaryFolder folder_;
 };
 
-TEST_F(SignalHardCases, GapsConstantsAndRubbishAreClearErrors) {
+TEST_F(SignalHardCases, GapsConstantsAndInvalidDataAreClearErrors) {
   const testing_support::HardCase hard(
       "A breathing belt that comes loose half way, gaps and rubbish.");
   testing_support::Largest level;
@@ -400,7 +400,7 @@ TEST_F(SignalHardCases, GapsConstantsAndRubbishAreClearErrors) {
       },
       testing::ThrowsMessage<InputError>(HasSubstr("gap")));
   EXPECT_THAT([&] { ReadBreathSignal(Csv(30.0, [](double) { return "0.7"; }), {}); },
-              testing::ThrowsMessage<InputError>(HasSubstr("nobody breathes")));
+              testing::ThrowsMessage<InputError>(HasSubstr("no breathing")));
   for (const char* rubbish : {"nan", "inf", "-inf", "cough", "1e999"}) {
     EXPECT_THROW(
         ReadBreathSignal(

@@ -228,7 +228,7 @@ TEST(BreathingNeedle, HeldBreathHoldsTheForceStill) {
   hard.Plot(plot);
 }
 
-TEST(BreathingNeedle, JumpsTimeAndRubbishOfTheHandStayBounded) {
+TEST(BreathingNeedle, JumpsTimeAndInvalidDataOfTheHandStayBounded) {
   const HardCase hard(
       "Jumps, time that goes back and an hour ahead, NaN, while the patient breathes.");
   Largest force_share;
@@ -269,7 +269,7 @@ TEST(BreathingNeedle, AStepAllocatesNothing) {
 
 // Pictures of a field that folds, and that tears: finite, the same bits again, no more than five
 // iterations a knot.
-TEST(BreathingPictures, AFoldingFieldGivesAPictureAndTheSameAgain) {
+TEST(BreathingPictures, AFoldingFieldGivesAnImageAndTheSameAgain) {
   const HardCase hard("A picture of a field that folds, and the same again after another one.");
   Scene scene =
       testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);

@@ -93,7 +93,7 @@ TEST_F(HardView, FarAndTiny) {
   ExpectGood(hard, Locate(Take({.colour = false})), 5.0, 0.5);
 }
 
-TEST_F(HardView, HalfOutOfThePicture) {
+TEST_F(HardView, HalfOutOfTheImage) {
   const HardCase hard("Half out of the picture.");
   truth_ = FacingPose({520, -100, 1000}, 25, 60, 10);
   ExpectGood(hard, Locate(Take({.colour = false})), 0.5, 0.5);
@@ -222,7 +222,7 @@ TEST_F(TwoPoses, AWrongOneIsNeverSaidToBeSure) {
   hard.Expect("poses said to be unsure, of 40", unsure, Below(3.0 * count / 4.0));
 }
 
-TEST_F(TwoPoses, ThePictureBeforeTellsWhich) {
+TEST_F(TwoPoses, TheImageBeforeDeterminesWhich) {
   const HardCase hard("Of two poses that fit alike, the one near the picture before is taken.");
   Largest off_deg;
   for (int i = 0; i < 20; ++i) {

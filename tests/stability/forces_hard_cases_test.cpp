@@ -74,7 +74,7 @@ class EveryModel : public testing::Test {
 using Models = testing::Types<DrivenLayered, DrivenAlamilla, DrivenVidal>;
 TYPED_TEST_SUITE(EveryModel, Models);
 
-TYPED_TEST(EveryModel, HalfAMillionWildStepsStayFiniteAndBounded) {
+TYPED_TEST(EveryModel, HalfAMillionRandomStepsStayFiniteAndBounded) {
   const HardCase hard(
       "Tremor, pushes, jumps of 50 mm, turns, lost poses, NaN, time that goes back.");
   const double bound_n = this->table.settings.largest_force_n * (1.0 + 1e-12);
@@ -325,7 +325,7 @@ void CheckWildProbe(const HardCase& hard, const std::string& name, const Model& 
   hard.Note("wild steps, " + name, std::to_string(num_steps));
 }
 
-TEST(Probe, WildPosesStayBoundedAndRepeat) {
+TEST(Probe, RandomPosesStayBoundedAndRepeat) {
   const HardCase hard("A probe that turns as wildly as it moves, some poses no rotations at all.");
   const LayeredBodyField body = Abdomen();
   const ForceTable table = ShippedTable("vidal.json");

@@ -298,7 +298,7 @@ TEST(MechanicsStability, SpreadLoadsConvergeWherePointLoadsDoNot) {
                   {.name = "point", .x = {8, 16, 24}, .y = {point[0], point[1], point[2]}}}});
 }
 
-TEST(MechanicsStability, IslandsAreLeftOutOrRefused) {
+TEST(MechanicsStability, IslandsAreExcludedOrRefused) {
   const HardCase hard("A crumb of the segmentation hangs on nothing: the matrix is singular.");
   mesh::TetraMesh box = BoxMesh({6, 6, 6}, {0, 0, 0}, {60, 60, 60});
   Fix(box, [](const Eigen::Vector3d& x) { return x.z() == 0.0; });

@@ -1,8 +1,7 @@
 // Label maps as bad as they come: none fails, and every mesh can be computed with.
-#include <gtest/gtest.h>
-
 #include <cstdio>
 #include <cstdlib>
+#include <gtest/gtest.h>
 
 #include "acus/base/core/cpu_time.h"
 #include "acus/data/mesh/quality.h"
@@ -61,8 +60,8 @@ TEST(DamagedLabelMaps, AllAreMeshedWithGoodAngles) {
     EXPECT_LT(cpu_s, kMostCpuS);
     most_s = std::max(most_s, cpu_s);
   }
-  std::printf("  %d maps, %d failed, smallest angle %.1f degrees, longest %.1f s\n", count,
-              failed, least_deg, most_s);
+  std::printf("  %d maps, %d failed, smallest angle %.1f degrees, longest %.1f s\n", count, failed,
+              least_deg, most_s);
 }
 
 }  // namespace

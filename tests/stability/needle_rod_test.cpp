@@ -114,7 +114,7 @@ TEST(NeedleRod, AtRestNothingChangesAndEnergyNeverGrows) {
   hard.Plot(plot);
 }
 
-TEST(NeedleRod, ACopiedStateGoesOnWithTheSameBits) {
+TEST(NeedleRod, ACopiedStateContinuesWithTheSameBits) {
   const HardCase hard("A state that is saved on the way goes on as the other, bit for bit.");
   const RodModel model = Rod(25);
   RodState state = model.NewState();

@@ -106,7 +106,7 @@ TEST(BendableHardCases, ARandomHandGetsNoEnergy) {
   }
 }
 
-TEST(BendableHardCases, AWildHandAndABrokenTrackerStayBounded) {
+TEST(BendableHardCases, ARandomHandAndABrokenTrackerStayBounded) {
   const HardCase hard(
       "Jumps, broken numbers, time that goes back, lost poses, with a needle that bends.");
   const int num_steps = testing_support::StabilitySteps(20000);

@@ -94,7 +94,7 @@ ToolSample Wild(RandomStream& random, double& time_s) {
   return sample;
 }
 
-TEST(TissueLevelsPlane, WildSamplesStayFiniteAndBounded) {
+TEST(TissueLevelsPlane, RandomSamplesStayFiniteAndBounded) {
   const HardCase hard("Jumps, broken numbers, time that goes back, lost poses, at random.");
   Largest force_n;
   Largest energy_n_mm;
@@ -171,7 +171,7 @@ TEST(TissueLevelsPlane, AMillionSwapsKeepTheForcesOfAFreshSolve) {
   hard.Plot(plot);
 }
 
-TEST(TissueLevelsPlane, ACopyGoesOnWithTheSameBits) {
+TEST(TissueLevelsPlane, ACopyContinuesWithTheSameBits) {
   const HardCase hard("A state that is saved in the middle of wild samples goes on as the other.");
   int num_differ = 0;
   for (const PlaneUpdate update : {PlaneUpdate::kRestricted, PlaneUpdate::kFull}) {

@@ -52,7 +52,7 @@ ToolSample TissueLevelsSpringsWild(RandomStream& random, double& time_s) {
   return sample;
 }
 
-TEST(TissueLevelsSprings, WildSamplesStayFiniteAndBounded) {
+TEST(TissueLevelsSprings, RandomSamplesStayFiniteAndBounded) {
   const HardCase hard("Jumps, broken numbers, time that goes back, lost poses, at random.");
   Largest force_n;
   Largest moved_mm;
@@ -81,7 +81,7 @@ TEST(TissueLevelsSprings, WildSamplesStayFiniteAndBounded) {
   EXPECT_GT(state.gate.num_time_back, 1000);
 }
 
-TEST(TissueLevelsSprings, ACopyGoesOnWithTheSameBits) {
+TEST(TissueLevelsSprings, ACopyContinuesWithTheSameBits) {
   const HardCase hard("A state that is saved in the middle of wild samples goes on as the other.");
   int num_differ = 0;
   const SpringModel model = TissueLevelsSpringsBody();
@@ -192,7 +192,7 @@ TEST(TissueLevelsSprings, GoesInAndOutAHundredTimes) {
 
 // Tissue that is held hardly farther out than the needle's surface is stiffer than any device can
 // hold: the springs stay within what it can.
-TEST(TissueLevelsSprings, ASmallInfluenceRadiusDoesNotShakeADevice) {
+TEST(TissueLevelsSprings, ASmallInfluenceRadiusDoesNotMakeADeviceOscillate) {
   const HardCase hard("Tissue held at 1 to 3 diameters: springs beyond what a device can hold.");
   // The first without that limit.
   for (const double radius_mm : {-1.28, 1.28, 1.5, 2.0, 4.0}) {

@@ -56,7 +56,7 @@ TEST_F(StabilityPageTest, AValueHasAMarginAndItsTestAName) {
   EXPECT_THAT(page, Not(HasSubstr("What fails")));
 }
 
-TEST_F(StabilityPageTest, TestsOfOneNameAreToldApartByTheirSuites) {
+TEST_F(StabilityPageTest, TestsOfOneNameAreDistinguishedByTheirSuites) {
   json other = Record("StandsStill/2", "error", 0.5, true);
   other["suite"] = "RodInTissue/1";
   Bounds({Record("StandsStill", "error", 0.5, true), other, Record("Other", "error", 0.5, true)});

@@ -104,8 +104,8 @@ class DamagedMapMaker {
   void AddIslands() {
     const int count = Whole(1, 6);
     for (int n = 0; n < count; ++n) {
-      Fill({Real(0, 1), Real(0, 1), Real(0, 1)}, {Real(0.01, 0.1), Real(0.01, 0.1), Real(0.01, 0.1)},
-           Tissue(), false);
+      Fill({Real(0, 1), Real(0, 1), Real(0, 1)},
+           {Real(0.01, 0.1), Real(0.01, 0.1), Real(0.01, 0.1)}, Tissue(), false);
     }
   }
   void AddSpecks() {

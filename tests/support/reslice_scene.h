@@ -26,7 +26,7 @@ inline volume::CtVolume AbdomenCt() {
 
 /// 512 x 512 pixels, 512 lines of 512 samples: no black side saves anything.
 inline acoustics::Probe FullLinearProbe() {
-  return {.name = "full picture",
+  return {.name = "full image",
           .kind = acoustics::ProbeKind::kLinear,
           .frequency_mhz = 10,
           .scan_lines = 512,

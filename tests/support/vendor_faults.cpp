@@ -90,7 +90,7 @@ std::vector<VendorFault> OpenHapticsFaults() {
       {kHd, "WarmMotors", "WARM_MOTORS 20 times", "hd", "error_at=300,error=512,error_times=20",
        kRunsOn, "its motors are warm"},
       {kHd, "ExceededForce", "EXCEEDED_MAX_FORCE", "hd", "error_at=300,error=513", kRunsOn,
-       "more force than it has"},
+       "more force was requested than it has"},
       {kHd, "LoopDies", "the vendor's scheduler stops calling", "hd", "loop_dies=300", kReopened,
        "stopped answering"},
       {kHd, "NoCallback", "the scheduler is full", "hd", "no_callback=1", kRefused, "0x501"},

@@ -6,7 +6,7 @@ namespace acus::window {
 namespace {
 
 constexpr std::array kKeys = {
-    KeyHelp{Command::kFreeze, "F", "freeze the ultrasound picture, and let it go on"},
+    KeyHelp{Command::kFreeze, "F", "freeze and unfreeze the ultrasound image"},
     KeyHelp{Command::kGainUp, "G", "more gain"},
     KeyHelp{Command::kGainDown, "Shift+G", "less gain"},
     KeyHelp{Command::kDeeper, "D", "deeper"},

@@ -220,7 +220,7 @@ void DrawHelp(const Rectangle& window, const TextSizes& sizes, Sketch& sketch) {
   sketch.Text(StatusBarCorner(key_column, row), "Keys", {.size_px = sizes.large_px, .bold = true});
   row += sketch.TextHeight(sizes.large_px, true) + 10;
   for (const KeyHelp& key : Keys()) line(key.keys, key.text);
-  line("Space", "pedal: forces are on while it is held, where a pedal is asked for");
+  line("Space", "pedal: forces are on while it is held, where a pedal is required");
   row += step / 3;
   line("Mouse", "in 3D: left turns, middle shifts, right and wheel zoom");
   line("", "elsewhere: left moves the tool, right turns it, wheel advances it");

@@ -46,7 +46,7 @@ TEST(Enough, LeavesOutWhatMustNotBeUsedAndOtherUnits) {
   EXPECT_THAT(EnoughText(rows, 0.05), HasSubstr("element_size_mm: 2.4 is enough"));
 }
 
-TEST(Enough, TellsEachKnob) {
+TEST(Enough, ReportsEachKnob) {
   std::vector<Row> rows = Meshes();
   rows.push_back(Mesh("springs", 0.01, 0.0));
   rows.back().knob = "level";

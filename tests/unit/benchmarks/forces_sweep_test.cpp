@@ -79,7 +79,7 @@ TEST(SmoothInsertion, HasNoJumpAndEndsOutside) {
   EXPECT_THAT([] { SamplesEvery(0.3); }, ThrowsMessage<InputError>(HasSubstr("0.3 ms")));
 }
 
-TEST(ForcesSweep, CoversStepMethodAndLevelAndMarksWhatMustNotBeUsed) {
+TEST(ForcesSweep, CoversStepMethodAndModelAndMarksWhatMustNotBeUsed) {
   const std::vector<Row> rows = ForcesSweep().run(true, {});
   std::map<std::string, int> knobs;
   std::map<std::string, int> defaults;

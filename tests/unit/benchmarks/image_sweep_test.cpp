@@ -22,7 +22,7 @@ TEST(ImageSweep, TissueIsFoundWhereItWasAtRest) {
   }
 }
 
-TEST(ImageSweep, DearerSettingsAreNearerToTheDearest) {
+TEST(ImageSweep, ExpensiveSettingsAreNearerToTheMostExpensive) {
   setenv("ACUS_CONFIGS", (std::filesystem::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
   const std::vector<Row> rows = ImageSweep().run(true, RunContext());
   std::map<std::string, std::vector<Row>> by_knob;
@@ -41,7 +41,7 @@ TEST(ImageSweep, DearerSettingsAreNearerToTheDearest) {
   for (const Row& row : by_knob.at("effect")) {
     if (row.value == "no speckle") speckle = row.error;
   }
-  EXPECT_GT(speckle, 3.0) << "most of what is in the picture";
+  EXPECT_GT(speckle, 3.0) << "most of what is in the image";
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ TEST(SweepToFolder, SaysNoIfNothingCanBeUsed) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
 }
 
-TEST(TissueSweep, StopsWhenAsked) {
+TEST(TissueSweep, StopsOnRequest) {
   std::atomic<bool> stop{true};
   RunContext context;
   context.stop = &stop;
@@ -94,7 +94,7 @@ class TissueRuns : public testing::Test {
   std::vector<tissue::ToolSample> samples_ = ScriptedInsertion();
 };
 
-TEST_F(TissueRuns, OfEveryLevelMayBeUsed) {
+TEST_F(TissueRuns, OfEveryModelMayBeUsed) {
   const double largest_n = tables_.forces.settings.largest_force_n;
   FemSetting coarse;
   coarse.element_mm = 6.0;

@@ -31,7 +31,7 @@ TEST_P(BlockMesh, FillsTheLayersExactly) {
   EXPECT_NEAR(thick_mm("liver"), 164.0, 1e-9);
 }
 
-TEST_P(BlockMesh, IsAsFineAsAskedForAroundTheAxisAndFixedAtTheBottom) {
+TEST_P(BlockMesh, IsAsFineAsRequestedAroundTheAxisAndFixedAtTheBottom) {
   const mesh::TetraMesh mesh = TissueBlock::Mesh(GetParam());
   double nearest_mm = 1e300;
   for (Eigen::Index n = 0; n < mesh.nodes_mm.cols(); ++n) {
@@ -42,7 +42,7 @@ TEST_P(BlockMesh, IsAsFineAsAskedForAroundTheAxisAndFixedAtTheBottom) {
   EXPECT_NEAR(nearest_mm, GetParam(), 1e-9);
 }
 
-TEST(TissueBlock, TellsItsTissues) {
+TEST(TissueBlock, ReportsItsTissues) {
   const auto at = [](double x, double y, double depth) {
     return std::string(volume::StandardLabels()[TissueBlock::TissueAt({x, y, -depth})].name);
   };

@@ -27,7 +27,7 @@ const Eigen::Vector3d& AtTheNeedle(const TissuePicture& picture) {
 }
 
 // A needle that moves in takes tissue along, down and by millimetres; air stays where it is.
-TEST_F(TissuePictures, EveryLevelTakesTissueAlong) {
+TEST_F(TissuePictures, EveryModelTakesTissueAlong) {
   for (const TissuePicture& picture :
        {PictureOfFem(6.0, tables, samples, {}), PictureOfPlane(tables, samples),
         PictureOfSprings(tables, samples), PictureOfFunctions(tables, samples)}) {
@@ -40,7 +40,7 @@ TEST_F(TissuePictures, EveryLevelTakesTissueAlong) {
   }
 }
 
-TEST_F(TissuePictures, FinerElementsComeNearerAndLevelsAreBetterThanNone) {
+TEST_F(TissuePictures, FinerElementsComeNearerAndModelsAreBetterThanNone) {
   const TissuePicture fine = PictureOfFem(4.0, tables, samples, {});
   EXPECT_EQ(RmsDifferenceMm(fine, fine), 0.0);
   EXPECT_LT(RmsDifferenceMm(PictureOfFem(6.0, tables, samples, {}), fine),

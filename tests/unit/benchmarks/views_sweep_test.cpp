@@ -43,7 +43,7 @@ TEST(TrunkBody, IsAirOutside) {
   EXPECT_EQ(TrunkBody::Ct(32)->At(0, 0, 0), -1000);
 }
 
-TEST(ViewsSweep, ErrorsFallTowardsTheDearest) {
+TEST(ViewsSweep, ErrorsFallTowardsTheMostExpensive) {
   std::map<std::string, std::map<std::string, Row>> rows;
   for (const Row& row : ViewsSweep().run(true, RunContext())) {
     EXPECT_TRUE(std::isfinite(row.error) && row.error >= 0.0) << row.knob << " " << row.value;

@@ -25,7 +25,7 @@ TEST(Orbit, PresetsLookFromTheirSides) {
   EXPECT_EQ(orbit.CameraFor(640, 400).EyeInCtMm(), before);
 }
 
-TEST(Orbit, TheWholePatientIsInThePictureAlsoWhereItIsNarrow) {
+TEST(Orbit, TheWholePatientIsInTheImageAlsoWhereItIsNarrow) {
   Orbit orbit(kBox);
   for (int preset = 1; preset <= 7; ++preset) {
     orbit.SetPreset(preset);

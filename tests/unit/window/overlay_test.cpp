@@ -49,7 +49,7 @@ TEST(DistanceToEdge, IsThatFromADiscsRim) {
   EXPECT_EQ(distance[0], 0.0F);
 }
 
-TEST(DistanceToEdge, ThePicturesBorderIsNoEdge) {
+TEST(DistanceToEdge, TheImagesBorderIsNoEdge) {
   EXPECT_TRUE(std::isinf(DistanceToEdge(std::vector<std::uint8_t>(12, 255), 4, 3)[0]));
 }
 
@@ -144,7 +144,7 @@ TEST_P(Overlay, FadesTowardsTheOutline) {
     before = opacity;
   }
   EXPECT_EQ(before, 0);
-  EXPECT_GE(faded, 10) << "the rim is some 19 pixels wide";
+  EXPECT_GE(faded, 10) << "the rim is about 19 pixels wide";
 }
 
 TEST_P(Overlay, SaysWhatItCannotRender) {

@@ -72,7 +72,7 @@ TEST_F(SteeringTest, KeysGiveTheirCommands) {
   EXPECT_THAT(steering_.TakeCommands(), IsEmpty());
 }
 
-TEST_F(SteeringTest, QuitIsAskedForTwiceAndAnotherKeyTakesItBack) {
+TEST_F(SteeringTest, QuitNeedsTwoPressesAndAnotherKeyCancelsIt) {
   Key("q");
   EXPECT_TRUE(steering_.choice().quit_asked);
   Key("f");
@@ -168,7 +168,7 @@ TEST_F(SteeringTest, WheelAdvancesTheNeedleAndZoomsIn3d) {
   EXPECT_EQ(steering_.TakeHandInput().advanced_mm, 0.0) << "over the status bar";
 }
 
-TEST_F(SteeringTest, HeldKeysAreToldUntilLetGo) {
+TEST_F(SteeringTest, HeldKeysAreReportedUntilReleased) {
   const auto key = [&](Kind kind, const char* name, bool shift) {
     Send({.kind = kind, .key = name, .button = 0, .column = 0, .row = 0, .shift = shift});
   };

@@ -174,7 +174,7 @@ TEST(VolumeRenderer, AWholeImageIsStoppedWhenTheEyeTurns) {
   EXPECT_EQ(renderer.statistics().images, 1);
 }
 
-TEST(VolumeRenderer, ItsThreadGivesWayToAllOthers) {
+TEST(VolumeRenderer, ItsThreadHasTheLowestPriority) {
   const auto looks = BallLooks();
   VolumeRenderer renderer(looks, true);
   renderer.Ask(MomentAt(BallOrbit(), 64, 48), false);

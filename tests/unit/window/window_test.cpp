@@ -18,7 +18,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-TEST_F(WindowTest, EveryViewShowsItsPicture) {
+TEST_F(WindowTest, EveryViewShowsItsImage) {
   Window window(Patient(), Settings());
   const DisplayFrame frame = Frame();
   const Shot shot = ShotOf(window, frame);
@@ -189,7 +189,7 @@ TEST_F(WindowTest, ThePedalIsUpWhenTheKeyIs) {
   EXPECT_TRUE(ShowUntil(window, frame, [&] { return !window.TakeHandInput().pedal; }));
 }
 
-TEST_F(WindowTest, FaultsAreRedInTheBarAndFrozenPicturesSaySo) {
+TEST_F(WindowTest, FaultsAreRedInTheBarAndFrozenImagesAreMarked) {
   Window window(Patient(), Settings());
   DisplayFrame frame = Frame();
   Rectangle lines = LayOut(1280, 800, {}, {}).status;

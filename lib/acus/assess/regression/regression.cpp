@@ -141,7 +141,7 @@ std::string AcceptResult(const Suite& suite, const fs::path& result_folder) {
                ", which the suite does not have; run it without, or put the change into the suite");
   for (const Case& c : suite.cases) {
     ACUS_REQUIRE(fs::exists(result_folder / c.name / "run" / "run.json"), result_folder.string(),
-                 ": has no run of ", c.name, "; it ended with an error, or was not asked for");
+                 ": has no run of ", c.name, "; it ended with an error, or was not requested");
   }
   std::map<std::string, std::string> texts;
   try {

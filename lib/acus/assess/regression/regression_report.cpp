@@ -107,8 +107,8 @@ void AddMoved(const fs::path& folder, const CaseResult& result, report::HtmlRepo
   const fs::path picture = folder / result.name / "comparison" / "worst_frame.png";
   const auto& images = result.comparison->images;
   if (images.num_identical < images.frames.size() && fs::exists(picture)) {
-    html.Picture(picture, "The picture that differs most: expected, now and their difference",
-                 "The picture that differs most: expected | now | difference");
+    html.Picture(picture, "The image that differs most: expected, now and their difference",
+                 "The image that differs most: expected | now | difference");
   }
   html.Paragraph(Message("All checks: ", result.name, "/comparison/comparison.html"));
 }

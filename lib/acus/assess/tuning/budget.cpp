@@ -173,7 +173,7 @@ Goal LiveGoalOf(const SweepPlan& plan, const RunContext& context) {
   const bool forces = scenario.needle_force || scenario.probe_force ||
                       (scenario.tissue && scenario.tissue->TouchesNeedle());
   ACUS_REQUIRE(images || forces, plan.request.scene.scenario.string(),
-               ": has neither forces nor pictures of the probe that a live session would wait for");
+               ": has neither forces nor images of the probe that a live session would wait for");
   Goal goal = LiveBudget(kServoHz, scenario.image_rate_hz);
   if (!forces) goal.force.reset();
   if (!images) goal.image.reset();

@@ -34,8 +34,8 @@ void AddBudgetOptions(CLI::App& command, BudgetOptions& options) {
       "them; written as scenario.json");
   auto* accuracy = command.add_option(
       "--accuracy", options.accuracy,
-      "Choose the cheapest setting that is off the dearest one by at most so much force (RMS)\n"
-      "and has pictures of at least this PSNR: force=0.02N,image=35dB, or one of them");
+      "Choose the cheapest setting within this force error of the most expensive one (RMS)\n"
+      "and has images of at least this PSNR: force=0.02N,image=35dB, or one of them");
   auto* live = command.add_flag(
       "--live", options.live,
       "Say whether this machine runs the scene live - a force every 1 ms, the scenario's images\n"

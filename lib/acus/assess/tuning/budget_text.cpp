@@ -44,7 +44,7 @@ std::string ErrorText(const MeasuredSetting& setting) {
   }
   if (!std::isnan(setting.image_psnr_db)) {
     parts.push_back(std::isinf(setting.image_psnr_db)
-                        ? std::string("the same pictures")
+                        ? std::string("the same images")
                         : RoundedText(setting.image_psnr_db, 3) + " dB of PSNR (SSIM " +
                               RoundedText(setting.image_ssim, 3) + ")");
   }
@@ -119,7 +119,7 @@ std::string DearestKnobText(const BudgetAnswer& answer, const TimedPart& part) {
     const auto value = [&](const MeasuredSetting* setting) {
       return ValueText(knob.levels[static_cast<std::size_t>(setting->levels[k])]);
     };
-    out = std::string("The dearest knob of ") + part.name + " is " + knob.name + ": " +
+    out = std::string("The most expensive knob of ") + part.name + " is " + knob.name + ": " +
           value(chosen) + " instead of " + value(cheapest) + " takes " + part.text(gain) +
           " more.\n";
   }
@@ -157,8 +157,8 @@ std::string NothingFoundText(const BudgetAnswer& answer) {
          (budget ? "fits " : "is accurate enough for ") + TextOf(goal) + ". The " +
          (budget ? "cheapest" : "most accurate") + " (" +
          (changes.empty() ? "the scenario as it is" : changes) + ") takes " +
-         CostText(nearest.cost, goal) + "; against the dearest of all: " + ErrorText(nearest) +
-         ".\n";
+         CostText(nearest.cost, goal) +
+         "; against the most expensive setting: " + ErrorText(nearest) + ".\n";
 }
 
 std::string FoundText(const BudgetAnswer& answer) {
@@ -169,12 +169,12 @@ std::string FoundText(const BudgetAnswer& answer) {
       "Chosen for " + TextOf(goal) + " among " + std::to_string(answer.measured.size()) +
       " settings measured: " + (changes.empty() ? "the scenario as it is" : changes) + ".\n";
   text += "It takes " + CostText(best.cost, goal) +
-          "; against the dearest of all: " + ErrorText(best) + ".\n";
+          "; against the most expensive setting: " + ErrorText(best) + ".\n";
   if (!changes.empty()) {
     text += "The scenario as it was takes " + CostText(answer.Given().cost, goal) +
-            "; against the dearest of all: " + ErrorText(answer.Given()) + ".\n";
+            "; against the most expensive setting: " + ErrorText(answer.Given()) + ".\n";
   }
-  return text + "The dearest of all takes " + CostText(answer.dearest.cost, goal) + ".\n";
+  return text + "The most expensive setting takes " + CostText(answer.dearest.cost, goal) + ".\n";
 }
 
 }  // namespace

@@ -123,9 +123,10 @@ Goal ParseAccuracy(const std::string& text) {
 
 double ParseForceAccuracyN(const std::string& text) {
   const Goal goal = ParseAccuracy(text);
-  ACUS_REQUIRE(goal.force && !goal.image, "--accuracy ", text,
-               ": the sweep of one model tells errors of forces only; allowed: force=NUMBER with "
-               "the unit N or mN, such as --accuracy force=0.05N");
+  ACUS_REQUIRE(
+      goal.force && !goal.image, "--accuracy ", text,
+      ": the sweep of one model measures errors of forces only; allowed: force=NUMBER with "
+      "the unit N or mN, such as --accuracy force=0.05N");
   return *goal.force;
 }
 

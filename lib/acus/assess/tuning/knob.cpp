@@ -49,13 +49,13 @@ void RequireKind(const Knob& knob, const json& value) {
   for (const json& level : knob.levels) levels.push_back(ValueText(level));
   if (like.is_number()) {
     ACUS_REQUIRE(value.is_number(), "--knob ", knob.name, ": ", ValueText(value),
-                 " is not a number; levels are for example ", Joined(levels));
+                 " is not a number; values are for example ", Joined(levels));
     return;
   }
   const auto nearest = NearestSpelling(ValueText(value), levels);
-  ACUS_REQUIRE(Holds(knob.levels, value), "--knob ", knob.name, ": there is no level '",
+  ACUS_REQUIRE(Holds(knob.levels, value), "--knob ", knob.name, ": there is no value '",
                ValueText(value), "'", nearest ? "; did you mean " + *nearest + "?" : "",
-               " Levels: ", Joined(levels));
+               " Values: ", Joined(levels));
 }
 
 std::vector<json> ValuesOf(const Knob& knob, const std::string& list) {
@@ -114,7 +114,7 @@ Knob KnobFromText(std::span<const Knob> knobs, const std::string& text) {
   if (!knob.is_folder) Order(knob, values);
   ACUS_REQUIRE(values.size() >= 2, "--knob ", text,
                ": needs at least two values to compare: --knob ", knob.name, "=",
-               knob.is_folder ? "FOLDER_A,FOLDER_B" : "a,b", ", from cheap to dear");
+               knob.is_folder ? "FOLDER_A,FOLDER_B" : "a,b", ", from cheap to expensive");
   knob.levels = std::move(values);
   return knob;
 }

@@ -92,7 +92,7 @@ void AddTissue(const Scenario& s, Table& table) {
       break;
   }
   if (s.tissue->image && (s.ultrasound || s.ct_slice)) {
-    table.Add("tissue_warp_spacing_mm", "knots at which pictures ask for the tissue's motion", "mm",
+    table.Add("tissue_warp_spacing_mm", "knots at which images evaluate the tissue's motion", "mm",
               effect + "/warp_spacing_mm", ActsOn::kImage, {16, 8, 4, 2, 1, 0.5});
     table.Add("tissue_inverse_iterations", "iterations to find where a knot was at rest", "",
               effect + "/inverse_iterations", ActsOn::kImage, {1, 2, 4, 8, 12, 24});
@@ -150,7 +150,7 @@ void AddBreathing(const Scenario& s, Table& table) {
   motion.is_folder = true;
   motion.scenario_value = s.breathing->motion.string();
   if (!s.breathing->image || !(s.ultrasound || s.ct_slice)) return;
-  table.Add("breathing_warp_spacing_mm", "knots at which pictures ask for the patient's breath",
+  table.Add("breathing_warp_spacing_mm", "knots at which images evaluate the patient's breath",
             "mm", effect + "/warp_spacing_mm", ActsOn::kImage, {20, 10, 5, 2, 1});
   table
       .Add("breathing_inverse_iterations", "iterations to find where a knot was at rest", "",

@@ -165,7 +165,7 @@ std::string SentenceOf(const SettingResult& now, const SettingResult& reference)
   std::string text =
       one ? Message(now.knob, " ", ValueText(now.setting.begin()->second), " instead of ",
                     ValueText(reference.setting.begin()->second), ": ")
-          : Message(TextOf(now.setting), " instead of the dearest of all: ");
+          : Message(TextOf(now.setting), " instead of the most expensive setting: ");
   if (!now.unusable.empty()) return text + "must not be used, " + now.unusable + ".\n";
   std::vector<std::string> parts;
   if (now.force_rms_n.count > 0) {
@@ -180,8 +180,8 @@ std::string SentenceOf(const SettingResult& now, const SettingResult& reference)
   }
   if (now.image_rms_grey.count > 0) {
     parts.push_back(now.image_rms_grey.mean == 0.0
-                        ? std::string("the same pictures")
-                        : Message("pictures at ", RoundedText(now.image_psnr_db.mean, 3),
+                        ? std::string("the same images")
+                        : Message("images at ", RoundedText(now.image_psnr_db.mean, 3),
                                   " dB PSNR, SSIM ", RoundedText(now.image_ssim.mean, 3)));
     parts.push_back(Instead("picture", now.image_ms_median, reference.image_ms_median, "ms"));
   }
@@ -261,11 +261,11 @@ std::string Sentences(const SweepResult& result) {
 std::string LeftOutText(const SweepPlan& plan) {
   std::string text;
   for (const LeftOut& left : plan.left_out) {
-    text += Message("Left out: ", left.knob, "=", left.value, ": ", left.why, "\n");
+    text += Message("Omitted: ", left.knob, "=", left.value, ": ", left.why, "\n");
   }
   if (plan.is_subset) {
     text += Message("Of ", plan.combinations, " combinations, ", plan.request.most_combinations,
-                    " are run: every level as often as any other, seed ", plan.request.seed, ".\n");
+                    " are run: every value as often as any other, seed ", plan.request.seed, ".\n");
   }
   return text;
 }

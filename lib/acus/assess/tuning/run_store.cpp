@@ -65,7 +65,7 @@ RunStore::RunStore(fs::path folder, const json& plan, bool overwrite) : folder_(
   const json now = json::parse(plan.dump(-1, ' ', false, json::error_handler_t::replace));
   ACUS_REQUIRE(BuildOf(there) == BuildOf(now), folder_.string(),
                ": holds runs of another build of Acus (", BuildOf(there), " there, ", BuildOf(now),
-               " now), whose errors and times may differ; go on with the build that made them, "
+               " now), whose errors and times may differ; continue with the build that made them, "
                "name another folder, or replace it with --overwrite");
   ACUS_REQUIRE(there == now, folder_.string(), ": holds the runs of another sweep (",
                FirstDifference(there, now),

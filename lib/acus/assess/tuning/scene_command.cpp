@@ -86,13 +86,14 @@ std::string ListText(const SweepPlan& plan, const RunStore* store) {
 }
 
 std::string RunQuestion(const Options& options, const SweepRequest& request, RunContext& context) {
-  ACUS_REQUIRE(!options.list && options.only_case.empty(),
-               "--list and --case are for sweeps: which settings a goal needs is found on the way");
+  ACUS_REQUIRE(
+      !options.list && options.only_case.empty(),
+      "--list and --case are for sweeps: which settings a goal needs is determined by the run");
   try {
     return RunBudget(options.budget, request, options.folder, context);
   } catch (const Cancelled&) {
     throw Stopped(
-        "stopped on request; finished runs are kept, the same command goes on from there");
+        "stopped on request; finished runs are kept, the same command continues from there");
   }
 }
 
@@ -112,7 +113,7 @@ std::string Run(const Options& options, RunContext& context) {
     RunCases(plan, store, options.only_case, context);
   } catch (const Cancelled&) {
     throw Stopped(Message("stopped on request; ", ProgressOf(plan, store).done, " of ",
-                          before.planned, " runs are kept, the same command goes on from there"));
+                          before.planned, " runs are kept, the same command continues from there"));
   }
   if (!options.only_case.empty()) return {};
   const SweepResult result = Collect(plan, store);
@@ -159,10 +160,11 @@ std::function<std::string(RunContext& context)> AddSceneOptions(CLI::App& comman
   auto options = std::make_shared<Options>();
   AddSceneAndPatient(command, *options);
   command.add_option("--knob", options->request.knobs,
-                     "A knob to turn: NAME for all its levels, NAME=a,b for these. May be given\n"
+                     "A knob to vary: NAME for all its values, NAME=a,b for these. May be given\n"
                      "several times; without it, every knob of what the scene calls for");
-  command.add_flag("--jointly", options->request.jointly,
-                   "Turn the knobs together: all combinations, each against the dearest of all");
+  command.add_flag(
+      "--jointly", options->request.jointly,
+      "Vary the knobs together: all combinations, each against the most expensive one");
   command
       .add_option("--combinations", options->request.most_combinations,
                   "Run at most so many of them: a seeded subset that spreads evenly")
@@ -178,7 +180,7 @@ std::function<std::string(RunContext& context)> AddSceneOptions(CLI::App& comman
                      "neither timed nor compared");
   command
       .add_option("--images", options->request.scene.most_images,
-                  "Pictures of each run at most, evenly over that time")
+                  "Images of each run at most, evenly over that time")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   AddBudgetOptions(command, options->budget);

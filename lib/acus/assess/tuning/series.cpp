@@ -132,7 +132,7 @@ void Compare(const Series& run, const Series& reference, double around_event_s, 
                reference.force_n.size());
   ACUS_REQUIRE(run.width == reference.width && run.height == reference.height &&
                    run.num_images() == reference.num_images(),
-               "two settings make pictures of different size or number: ", run.num_images(), " of ",
+               "two settings make images of different size or number: ", run.num_images(), " of ",
                run.width, " x ", run.height, " and ", reference.num_images(), " of ",
                reference.width, " x ", reference.height);
   if (!run.force_n.empty()) CompareForces(run, reference, around_event_s, out);

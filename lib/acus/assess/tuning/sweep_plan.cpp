@@ -71,7 +71,7 @@ std::vector<Knob> ChosenKnobs(const std::vector<Knob>& all, const SceneCheck& ch
       return !why.empty();
     });
     ACUS_REQUIRE(knob.levels.size() >= 2 || !named, "--knob ", knob.name,
-                 ": this scene can take only one of its levels. ",
+                 ": this scene can take only one of its values. ",
                  plan.left_out.empty() ? "" : plan.left_out.back().why);
     if (knob.levels.size() >= 2) chosen.push_back(std::move(knob));
   }

@@ -21,7 +21,7 @@ std::vector<std::pair<std::string, std::string>> Facts(const SweepResult& result
           {"session", result.session.string()},
           {"played", RoundedText(result.seconds, 4) + " s"},
           {"time between samples", Milliseconds(result.step_period_ms)},
-          {"time between pictures", Milliseconds(result.image_period_ms)},
+          {"time between images", Milliseconds(result.image_period_ms)},
           {"machine", result.machine},
           {"runs of each setting", std::to_string(result.repetitions)}};
 }

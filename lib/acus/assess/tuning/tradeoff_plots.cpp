@@ -24,9 +24,9 @@ struct Quantity {
 
 constexpr Quantity kForce = {"force: error against the time of a step", "RMS error [N]",
                              &SettingResult::force_rms_n, false, true};
-constexpr Quantity kPsnr = {"pictures: PSNR against the time of an image", "PSNR [dB]",
+constexpr Quantity kPsnr = {"images: PSNR against the time of an image", "PSNR [dB]",
                             &SettingResult::image_psnr_db, true, false};
-constexpr Quantity kSsim = {"pictures: 1 \u2212 SSIM against the time of an image", "1 \u2212 SSIM",
+constexpr Quantity kSsim = {"images: 1 \u2212 SSIM against the time of an image", "1 \u2212 SSIM",
                             &SettingResult::image_ssim, true, true};
 
 /// Mean and ends of the 95 % interval, as they are drawn.

@@ -92,13 +92,14 @@ void RequireMemory(double declared_bytes, double file_bytes, const std::string& 
   ACUS_REQUIRE(declared_bytes <= most, label, ": declares ", Gb(declared_bytes), " GB, but ",
                std::floor(most / kBytesPerGb * 10.0) / 10.0, " GB are allowed for one input file",
                is_default ? " (half of the free memory)" : " (--memory-gb)",
-               "; if the size is right, go on with --memory-gb ", Gb(declared_bytes),
+               "; if the size is right, repeat with --memory-gb ", Gb(declared_bytes),
                " where memory suffices");
   ACUS_REQUIRE(
       !is_default || declared_bytes <= std::max(kUnsuspiciousBytes, kMaxRatio * file_bytes), label,
       ": declares ", Gb(declared_bytes), " GB, ",
       std::floor(declared_bytes / std::max(file_bytes, 1.0)),
-      " times its size on the disk; if that is right, go on with --memory-gb ", Gb(declared_bytes));
+      " times its size on the disk; if that is right, repeat with --memory-gb ",
+      Gb(declared_bytes));
 }
 
 fs::path RequireDataBeside(const fs::path& header, const fs::path& data) {

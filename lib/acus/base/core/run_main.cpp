@@ -109,7 +109,7 @@ std::string Printable(std::string_view text) {
     if ((code < 0x20 && c != '\n' && c != '\t') || code == 0x7F) c = '?';
   }
   if (out.size() == text.size()) return out;
-  return Message(out, "... (", text.size() - out.size(), " bytes left out)");
+  return Message(out, "... (", text.size() - out.size(), " bytes omitted)");
 }
 
 /// What is thrown where the system refuses something: which file, and why.

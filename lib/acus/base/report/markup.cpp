@@ -93,7 +93,7 @@ int NumCharacters(std::string_view text) {
 
 std::string PngDataUri(const std::filesystem::path& png) {
   const std::string bytes = ReadTextFile(png);
-  ACUS_REQUIRE(bytes.starts_with("\x89PNG\r\n\x1A\n"), png.string(), ": is not a PNG picture");
+  ACUS_REQUIRE(bytes.starts_with("\x89PNG\r\n\x1A\n"), png.string(), ": is not a PNG image");
   return "data:image/png;base64," + Base64(bytes);
 }
 

@@ -55,7 +55,7 @@ struct FilmWriter::Encoder {
       : name(path.string()), width(width_px), height(height_px), file(path) {}
 
   void Require(int status, const char* what) const {
-    ACUS_REQUIRE(status >= 0, name, ": cannot ", what, " the film: ", Reason(status));
+    ACUS_REQUIRE(status >= 0, name, ": cannot ", what, " the video: ", Reason(status));
   }
   void OpenCodec(const FilmOptions& options);
   void OpenFile();
@@ -124,7 +124,7 @@ void FilmWriter::Encoder::MakeFrame() {
   frame->format = codec->pix_fmt;
   frame->width = codec->width;
   frame->height = codec->height;
-  Require(av_frame_get_buffer(frame.get(), 64), "hold a picture of");
+  Require(av_frame_get_buffer(frame.get(), 64), "hold an image of");
   // Grey: the colour planes never change. Black, in the range of video.
   std::fill_n(frame->data[0], frame->linesize[0] * codec->height, std::uint8_t{16});
   for (const int plane : {1, 2}) {
@@ -146,7 +146,7 @@ void FilmWriter::Encoder::Drain() {
 }
 
 void FilmWriter::Encoder::Encode(const GrayImage& image) {
-  Require(av_frame_make_writable(frame.get()), "hold a picture of");
+  Require(av_frame_make_writable(frame.get()), "hold an image of");
   // Copies: bytes that are written may be anything, the size of the image included.
   const int columns = image.width;
   const int rows = image.height;
@@ -166,7 +166,7 @@ void FilmWriter::Encoder::Send() {
 
 /// ITU-R BT.601 in the range of video, in whole numbers; colour from 2 x 2 pixels.
 void FilmWriter::Encoder::Encode(const ColourImage& image) {
-  Require(av_frame_make_writable(frame.get()), "hold a picture of");
+  Require(av_frame_make_writable(frame.get()), "hold an image of");
   const auto pixel = [&](int column, int row) {
     const auto at = static_cast<std::size_t>(std::min(row, image.height - 1)) *
                         static_cast<std::size_t>(image.width) +
@@ -272,11 +272,11 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, int width_px, int heig
   constexpr int kMaxPx = 8192;
   ACUS_REQUIRE(
       width_px >= kMinPx && width_px <= kMaxPx && height_px >= kMinPx && height_px <= kMaxPx,
-      path.string(), ": a film of ", width_px, " x ", height_px, " pixels; allowed is ", kMinPx,
+      path.string(), ": a video of ", width_px, " x ", height_px, " pixels; allowed is ", kMinPx,
       " to ", kMaxPx, " each way");
   ACUS_REQUIRE(options.frames_per_s >= 1.0 && options.frames_per_s <= 240.0, path.string(), ": ",
                options.frames_per_s, " frames per second; allowed is 1 to 240");
-  ACUS_REQUIRE(options.quality >= 0 && options.quality <= 51, path.string(), ": film quality ",
+  ACUS_REQUIRE(options.quality >= 0 && options.quality <= 51, path.string(), ": video quality ",
                options.quality, "; allowed is 0 (lossless) to 51");
   av_log_set_level(AV_LOG_ERROR);
   encoder_ = std::make_unique<Encoder>(path, width_px, height_px);
@@ -290,8 +290,8 @@ FilmWriter::~FilmWriter() = default;
 
 void FilmWriter::Add(const GrayImage& image) {
   ACUS_REQUIRE(image.width == encoder_->width && image.height == encoder_->height, encoder_->name,
-               ": picture ", num_frames_, " is ", image.width, " x ", image.height,
-               " pixels, but the film is ", encoder_->width, " x ", encoder_->height);
+               ": image ", num_frames_, " is ", image.width, " x ", image.height,
+               " pixels, but the video is ", encoder_->width, " x ", encoder_->height);
   if (worker_ != nullptr) {
     worker_->Add(image);
   } else {
@@ -302,8 +302,8 @@ void FilmWriter::Add(const GrayImage& image) {
 
 void FilmWriter::Add(const ColourImage& image) {
   ACUS_REQUIRE(image.width == encoder_->width && image.height == encoder_->height, encoder_->name,
-               ": picture ", num_frames_, " is ", image.width, " x ", image.height,
-               " pixels, but the film is ", encoder_->width, " x ", encoder_->height);
+               ": image ", num_frames_, " is ", image.width, " x ", image.height,
+               " pixels, but the video is ", encoder_->width, " x ", encoder_->height);
   if (worker_ != nullptr) worker_->Wait();
   encoder_->Encode(image);
   ++num_frames_;
@@ -312,7 +312,7 @@ void FilmWriter::Add(const ColourImage& image) {
 void FilmWriter::Finish() {
   if (worker_ != nullptr) worker_->Wait();
   Encoder& e = *encoder_;
-  ACUS_REQUIRE(e.frames > 0, e.name, ": a film needs at least one picture");
+  ACUS_REQUIRE(e.frames > 0, e.name, ": a video needs at least one image");
   e.Require(avcodec_send_frame(e.codec.get(), nullptr), "end");
   e.Drain();
   e.Require(av_write_trailer(e.format.get()), "end");

@@ -60,7 +60,7 @@ void WriteRows(const std::filesystem::path& path, const Rows& image, std::string
   ACUS_REQUIRE(
       image.width > 0 && image.height > 0 &&
           image.bytes.size() == image.bytes_per_row() * static_cast<std::size_t>(image.height),
-      path.string(), ": cannot write a picture of ", image.width, " x ", image.height,
+      path.string(), ": cannot write an image of ", image.width, " x ", image.height,
       " pixels with ", image.bytes.size(), " values");
   std::string header;
   AppendBigEndian(header, static_cast<std::uint32_t>(image.width));

@@ -147,7 +147,7 @@ class Repairer {
         }
       }
     }
-    Say(turned, "triangle(s) turned to face as their neighbours do");
+    Say(turned, "triangle(s) turned to the orientation of the adjacent ones");
   }
 
   /// Fills each simple loop of open edges with a fan around its centre.

@@ -83,7 +83,7 @@ std::size_t ColumnOf(const json& wanted, const std::vector<std::string>& names,
   if (wanted.is_number_integer()) {
     const auto number = wanted.get<std::size_t>();
     ACUS_REQUIRE(number >= 1 && number <= names.size(), label, ": has ", names.size(),
-                 " columns, the mapping asks for column ", number);
+                 " columns, the mapping requires column ", number);
     return number - 1;
   }
   const auto found = std::ranges::find(names, wanted.get<std::string>());

@@ -106,7 +106,7 @@ bool CsvRows::ReadRow(std::string_view line, bool is_complete) {
     // The word ends a line, so a line without it was being written when the recording stopped.
     context_.Warn(Message(Where(),
                           ": the last line is cut off (was the recording interrupted?); "
-                          "it is left out"));
+                          "it is omitted"));
     return false;
   }
   ACUS_REQUIRE(count == columns_.size(), Where(), ": has ", count, " cells, the columns are ",

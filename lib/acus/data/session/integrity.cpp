@@ -161,7 +161,7 @@ std::vector<std::string> Describe(const IntegrityReport& report, const std::stri
   }
   if (!report.jumps.empty()) {
     sentences.push_back(
-        Sentence(tool, report.jumps, "jumps faster or further than a hand moves", "mm"));
+        Sentence(tool, report.jumps, "jumps faster or farther than a hand moves", "mm"));
   }
   if (report.num_invalid > 0) {
     sentences.push_back(

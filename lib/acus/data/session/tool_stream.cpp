@@ -63,7 +63,7 @@ ToolStream Extract(std::span<const TimedTransforms> instants, const std::string&
   if (num_repeated > 0) {
     context.Warn(Message(label, ": ", num_repeated,
                          " frames repeat the time stamp of the one before "
-                         "and are left out of ",
+                         "and are excluded from ",
                          frame));
   }
   if (!has_scale)

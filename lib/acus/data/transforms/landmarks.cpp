@@ -213,7 +213,7 @@ void WriteCsv(const std::filesystem::path& path, const Landmarks& landmarks) {
     const bool plain =
         name.find_first_of(",\n\r#") == name.npos && !name.starts_with(' ') && !name.ends_with(' ');
     ACUS_REQUIRE(plain, path.string(), ": the name '", name,
-                 "' cannot stand in a CSV file; leave out commas, '#', line ends and outer spaces");
+                 "' cannot stand in a CSV file; omit commas, '#', line ends and outer spaces");
     const Eigen::Vector3d point = landmarks.points_mm.col(i);
     text += name + "," + NumberText(point.x()) + "," + NumberText(point.y()) + "," +
             NumberText(point.z()) + "\n";
@@ -316,8 +316,8 @@ MarkerPairs MatchLandmarks(const Landmarks& reference, const Landmarks& ct, std:
   const auto warn = [&pairs](const std::vector<std::string>& names, const std::string& has,
                              const std::string& has_not) {
     if (names.empty()) return;
-    pairs.warnings.push_back(
-        Message(has_not, " lacks ", Joined(names), " of ", has, ": left out of the registration"));
+    pairs.warnings.push_back(Message(has_not, " lacks ", Joined(names), " of ", has,
+                                     ": excluded from the registration"));
   };
   warn(lonely, reference.source, ct.source);
   lonely.clear();

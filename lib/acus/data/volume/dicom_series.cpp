@@ -168,7 +168,7 @@ Stack StackOf(const fs::path& folder, const std::vector<DicomHeader>& headers) {
     const Eigen::Array2d in_plane(off.dot(first.column_axis), off.dot(first.row_axis));
     ACUS_REQUIRE((in_plane - shift_mm * static_cast<double>(s)).matrix().norm() < 0.5,
                  folder.string(), ": slice ", headers[s].file.filename().string(),
-                 " does not lie above its neighbours; this series is not one straight stack");
+                 " does not lie above the adjacent slices; this series is not one straight stack");
   }
   if (shift_mm.matrix().norm() > kMaxShiftMm) stack.shift_mm = shift_mm;
   return stack;
@@ -226,7 +226,7 @@ void RequireCtSlices(const fs::path& folder, const std::vector<DicomHeader>& hea
   }
   const std::string& modality = headers.front().modality;
   ACUS_REQUIRE(modality == "CT" || modality.empty(), folder.string(), ": modality is ", modality,
-               "; a CT is needed, because tissues are told apart by Hounsfield units");
+               "; a CT is needed, because tissues are distinguished by Hounsfield units");
   ACUS_REQUIRE(headers.size() >= 3, folder.string(), ": the series has only ", headers.size(),
                " slices; at least 3 are needed");
 }

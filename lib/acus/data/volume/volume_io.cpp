@@ -189,7 +189,7 @@ LabelMap ReadTissues(const fs::path& path) {
   for (const auto& [label, name] : labels.names) {
     const auto known = FindLabel(name);
     ACUS_REQUIRE(known || label >= StandardLabels().size(), path.string(), ": label ", int{label},
-                 " is called '", name, "', which is no tissue that the models know. Rename the ",
+                 " is called '", name, "', which is no tissue of the models. Rename the ",
                  "segment (", StandardLabels()[label].name,
                  ", liver, ...), or bring the map in by "
                  "acus-segment --import with a mapping");

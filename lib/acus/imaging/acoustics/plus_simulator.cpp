@@ -89,10 +89,10 @@ image::ImageGeometry PlusPicture(const PlusReader& reader, const XmlElement& sca
   const auto centre_px = need("TransducerCenterPixel", {-kMaxPx, kMaxPx});
   ACUS_REQUIRE(std::abs(centre_px[0] - 0.5 * size_px[0]) <= 1.0, reader.label(),
                ": ScanConversion: TransducerCenterPixel is at column ", centre_px[0],
-               "; only pictures with the probe in the middle are made: give ", 0.5 * size_px[0]);
+               "; only images with the probe in the middle are made: give ", 0.5 * size_px[0]);
   ACUS_REQUIRE(centre_px[1] >= 0.0 && centre_px[1] < size_px[1], reader.label(),
                ": ScanConversion: TransducerCenterPixel is at row ", centre_px[1],
-               "; the face of the probe must be in the picture: give 0 to ", size_px[1] - 1.0);
+               "; the face of the probe must be in the image: give 0 to ", size_px[1] - 1.0);
   return {.width_px = static_cast<int>(size_px[0]),
           .height_px = static_cast<int>(size_px[1]),
           .lateral_mm_per_px = spacing_mm[0],
@@ -117,7 +117,7 @@ void ReadShape(const PlusReader& reader, const XmlElement& scan, Probe& probe) {
   probe.depth_mm = stop_mm - probe.radius_mm;
   ACUS_REQUIRE(probe.depth_mm >= 5.0 && probe.depth_mm <= 300.0, reader.label(),
                ": ScanConversion: RadiusStopMm - RadiusStartMm is ", probe.depth_mm,
-               " mm; it is the depth of the picture: 5 to 300 mm");
+               " mm; it is the depth of the image: 5 to 300 mm");
   const double start_deg = reader.Number(scan, "ThetaStartDeg", {-80, 80});
   const double stop_deg = reader.Number(scan, "ThetaStopDeg", {-80, 80});
   const double angle_deg = stop_deg - start_deg;

@@ -134,7 +134,7 @@ const Probe& CheckedProbe(const Probe& probe) {
   constexpr int kMaxPx = 4096;
   ACUS_REQUIRE(probe.image_width_px >= kMinPx && probe.image_width_px <= kMaxPx &&
                    probe.image_height_px >= kMinPx && probe.image_height_px <= kMaxPx,
-               "probe: picture of ", probe.image_width_px, " x ", probe.image_height_px,
+               "probe: image of ", probe.image_width_px, " x ", probe.image_height_px,
                " pixels; allowed is ", kMinPx, " to ", kMaxPx, " each way");
   ACUS_REQUIRE(probe.depth_mm > 0.0 && std::isfinite(probe.depth_mm), "probe: depth ",
                probe.depth_mm, " mm; it must be above 0");
@@ -255,13 +255,13 @@ ScanGrid ScanGridOf(const image::ImageGeometry& picture) {
   constexpr int kMaxPx = 8192;
   ACUS_REQUIRE(picture.width_px >= 1 && picture.height_px >= 1 && picture.width_px <= kMaxPx &&
                    picture.height_px <= kMaxPx,
-               "picture: ", picture.width_px, " x ", picture.height_px, " pixels; allowed is 1 to ",
+               "image: ", picture.width_px, " x ", picture.height_px, " pixels; allowed is 1 to ",
                kMaxPx, " each way");
   ACUS_REQUIRE(picture.lateral_mm_per_px > 0.0 && picture.axial_mm_per_px > 0.0 &&
                    std::isfinite(picture.lateral_mm_per_px) &&
                    std::isfinite(picture.axial_mm_per_px) &&
                    std::isfinite(picture.depth_of_top_row_mm),
-               "picture: a pixel is ", picture.lateral_mm_per_px, " x ", picture.axial_mm_per_px,
+               "image: a pixel is ", picture.lateral_mm_per_px, " x ", picture.axial_mm_per_px,
                " mm; both must be above 0");
   ScanGrid grid;
   grid.step_mm = picture.axial_mm_per_px;

@@ -92,7 +92,7 @@ void Screen::Compose(const image::GrayImage& left, const image::GrayImage* ct_sl
   const auto require_size = [&](const image::GrayImage& image, const char* what) {
     ACUS_REQUIRE(image.width == picture_.width_px && image.height == picture_.height_px,
                  "screen: the ", what, " is ", image.width, " x ", image.height,
-                 " pixels, but the probe's picture is ", picture_.width_px, " x ",
+                 " pixels, but the probe's image is ", picture_.width_px, " x ",
                  picture_.height_px);
   };
   ACUS_REQUIRE((ct_slice != nullptr) == (shows_ == Shows::kBoth), "screen: ",

@@ -27,7 +27,7 @@ std::vector<float> HalfHanning(double length_mm, double spacing_mm, int max_half
   for (int t = 1; t * spacing_mm < 0.5 * length_mm; ++t) {
     ACUS_REQUIRE(t <= max_half, "Hanning window: ", length_mm, " mm over steps of ", spacing_mm,
                  " mm is wider than ", 2 * max_half + 1,
-                 " steps; give a shorter pulse or narrower beam, or a coarser picture");
+                 " steps; give a shorter pulse or narrower beam, or a coarser image");
     window.push_back(0.5 * (1.0 + std::cos(2.0 * std::numbers::pi * t * spacing_mm / length_mm)));
     sum += 2.0 * window.back();
   }

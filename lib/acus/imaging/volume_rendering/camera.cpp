@@ -55,7 +55,7 @@ Camera Camera::Magnified(int factor) const {
 
 void Camera::Check() const {
   ACUS_REQUIRE(width_px >= 1 && height_px >= 1 && width_px <= kLargestPx && height_px <= kLargestPx,
-               "camera: a picture of ", width_px, " x ", height_px, " pixels; allowed is 1 to ",
+               "camera: an image of ", width_px, " x ", height_px, " pixels; allowed is 1 to ",
                kLargestPx, " each way");
   ACUS_REQUIRE(focal_px.allFinite() && centre_px.allFinite() && (focal_px.array() > 0.0).all() &&
                    camera_from_ct.matrix().allFinite(),

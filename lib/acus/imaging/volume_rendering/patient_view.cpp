@@ -152,7 +152,7 @@ void PatientView::Content::AddPlane(const ProbeInView& probe) {
   if (probe.b_mode != nullptr) {
     ACUS_REQUIRE(
         probe.b_mode->width == picture.width_px && probe.b_mode->height == picture.height_px,
-        "view: the picture in the probe's plane has ", probe.b_mode->width, " x ",
+        "view: the image in the probe's plane has ", probe.b_mode->width, " x ",
         probe.b_mode->height, " pixels; the probe's has ", picture.width_px, " x ",
         picture.height_px);
     drawing.colour.setOnes();

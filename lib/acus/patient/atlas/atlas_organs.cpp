@@ -256,7 +256,7 @@ void AddAtlasOrgans(const volume::CtVolume& ct, const std::vector<AtlasPatient>&
     if (ml < organ.least_ml || ml > organ.most_ml) {
       context.Warn(Message("the atlas finds ", std::round(ml), " ml of ", name,
                            ", which no patient has (", organ.least_ml, " to ", organ.most_ml,
-                           " ml); left out"));
+                           " ml); omitted"));
       continue;
     }
     for (std::size_t n = 0; n < mask.voxels.size(); ++n) {

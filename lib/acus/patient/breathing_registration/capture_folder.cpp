@@ -39,7 +39,7 @@ struct LandmarkGroup {
 std::vector<LandmarkGroup> Groups(const Capture& capture) {
   std::vector<LandmarkGroup> groups = {{"all", {}},
                                        {"within 10 mm of the sliding wall", {}},
-                                       {"further from it", {}},
+                                       {"farther from it", {}},
                                        {"lung", {}},
                                        {"liver", {}}};
   const auto& points = capture.landmarks.points;

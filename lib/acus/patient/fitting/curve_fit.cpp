@@ -202,7 +202,7 @@ void Fitter::FitRise() {
   fit_.converged = false;
   fit_.message =
       Message("the rise before the fall of ", main_event().drop_n, " N at ",
-              curve_.depth_mm[main_event().peak], " mm cannot be told from what else ",
+              curve_.depth_mm[main_event().peak], " mm cannot be distinguished from what else ",
               "the force does there: ", fit_.puncture_n->value, " N, 95 % interval from ",
               fit_.puncture_n->low, " to ", fit_.puncture_n->high, " N");
   for (auto* estimate : {&fit_.contact_depth_mm, &fit_.a1_n_per_mm, &fit_.a2_n_per_mm2,
@@ -226,7 +226,7 @@ void Fitter::HoldOtherTerm(RiseLaw law, const Samples& rise) {
   const Estimate free = fit.Of(law_.has_a1 ? 2 : 1);
   held_ = Estimate{0.0, free.standard_error, 0.0, std::max(free.high - free.value, free.high)};
   fit_.message = law_.has_a1 ? "a2 is held at 0: the rise is not convex"
-                             : "a1 is held at 0: the rise begins too gently to tell it";
+                             : "a1 is held at 0: the rise begins too gently to determine it";
 }
 
 bool Fitter::TryRise(const RiseLaw& law, const Samples& rise, double last_mm) {

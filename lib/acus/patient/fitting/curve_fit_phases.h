@@ -17,7 +17,7 @@ Samples RestSamples(const ForceCurve& curve, const CurvePhases& phases);
 /// offset deep inside: + must push the needle out.
 bool SignIsReversed(const ForceCurve& curve, const PunctureCurveFit& fit);
 inline constexpr const char* kReversedSign =
-    "the force pulls the needle in while it advances and pushes it out while it is drawn back; is "
+    "the force pulls the needle in while it advances and pushes it out while it is withdrawn; is "
     "its sign reversed? + must push the needle out";
 
 /// Writes a fitted law into fit.model_n at its samples.

@@ -91,7 +91,7 @@ std::vector<Plot> DepthPlots(const FittedCurve& fitted) {
         Part("mechanical, two constants", curve.depth_mm, constant, phases.advance));
     if (!out.x.empty()) {
       const Series back = Part("", curve.depth_mm, eventful, phases.retract);
-      Series left = Left("on the way out", back, out);
+      Series left = Left("during withdrawal", back, out);
       rest.series.push_back(std::move(left));
       force.series.push_back(back);
       force.series.push_back(Part("", curve.depth_mm, constant, phases.retract));

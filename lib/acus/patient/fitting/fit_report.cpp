@@ -41,7 +41,7 @@ double MedianOf(std::span<const PunctureCurveFit> fits,
   }
   if (values.empty()) {
     throw NoAnswerError(
-        Message("no recording tells the ", name, " that a row of a force table needs"));
+        Message("no recording determines the ", name, " that a row of a force table needs"));
   }
   return math::Median(values);
 }

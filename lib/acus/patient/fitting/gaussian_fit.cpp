@@ -199,7 +199,7 @@ GaussianFit FitGaussians(const ForceCurve& curve, const CurvePhases& phases, int
   const ModelFit fit = GaussianFitter(thin.depth_mm, thin.force_n).Run(count, most);
   result = Sorted(fit);
   result.converged = true;
-  if (!fit.converged) result.message = "the terms cannot be told apart: no intervals";
+  if (!fit.converged) result.message = "the terms cannot be separated: no intervals";
   std::vector<double> residual;
   for (std::size_t i = phases.advance.begin; i < phases.advance.end; ++i) {
     residual.push_back(SumN(result.terms, curve.depth_mm[i]) - curve.force_n[i]);

@@ -198,7 +198,7 @@ LuGreFit FitLuGre(const forces::ForceCurve& whole) {
     result.warnings.push_back(
         Message("sigma2, static_n, stribeck_mm_per_s: the needle moves at one speed only (",
                 motion.slow_mm_per_s, " to ", motion.top_mm_per_s,
-                " mm/s), which cannot tell them from coulomb_n; held"));
+                " mm/s), which does not separate them from coulomb_n; held"));
     result.undetermined = {"sigma2_n_s_per_mm", "static_n", "stribeck_mm_per_s"};
   }
   if (!motion.reverses) {

@@ -25,7 +25,7 @@ FreeNodes FindFreeNodesOf(const mesh::TetraMesh& mesh, const RunContext& context
   for (const mechanics::LoosePiece& piece : free.loose) {
     context.Warn(Message("a piece of ", piece.num_tetrahedra, " tetrahedra about (",
                          piece.centre_mm.x(), ", ", piece.centre_mm.y(), ", ", piece.centre_mm.z(),
-                         ") mm is held by nothing; it is left out of the condensation"));
+                         ") mm is held by nothing; it is excluded from the condensation"));
   }
   return free;
 }

@@ -429,7 +429,7 @@ std::string Shortfall(const LabelMesh& out, const LabelMeshSettings& settings) {
   if (quality.num_inverted > 0 || quality.min_dihedral_deg < settings.min_dihedral_deg) {
     const Eigen::Vector3d& at = quality.worst_at_mm;
     return Message("the smallest dihedral angle is ", quality.min_dihedral_deg, " degrees at (",
-                   at[0], ", ", at[1], ", ", at[2], ") mm; asked for: ", settings.min_dihedral_deg);
+                   at[0], ", ", at[1], ", ", at[2], ") mm; required: ", settings.min_dihedral_deg);
   }
   if (MissesVolume(out.body_mesh_ml, out.body_target_ml, settings)) {
     return Message("the body has ", out.body_mesh_ml, " ml in the mesh and ", out.body_target_ml,
@@ -486,7 +486,7 @@ LabelMesh MeshLabelMap(const volume::LabelMap& labels, const LabelMeshSettings& 
     const std::string thin = GiveUpThinTissues(out, attempt == 0 ? kFarOff : 1.0, finer);
     if (!thin.empty()) {
       context.Warn(Message(shortfall, "; meshing again without surfaces of their own for ", thin,
-                           ", which are too thin for the elements: told apart one by one"));
+                           ", which are too thin for the elements: distinguished one by one"));
       continue;
     }
     if (finer.sizes.finest_mm > 0.0 && attempt == 0) {

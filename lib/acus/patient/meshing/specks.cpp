@@ -94,9 +94,9 @@ CleanedMap WithoutSpecks(const volume::LabelMap& labels, const MaterialOfLabel& 
   MaterialOfLabel is_body;
   is_body.fill(1);
   is_body[0] = 0;
-  const auto body_voxels = static_cast<double>(
-      out.labels.voxels.size() -
-      static_cast<std::size_t>(std::ranges::count(out.labels.voxels, volume::Label{0})));
+  const auto body_voxels =
+      static_cast<double>(out.labels.voxels.size() - static_cast<std::size_t>(std::ranges::count(
+                                                         out.labels.voxels, volume::Label{0})));
   std::vector<std::size_t> removed;
   Pieces(out.labels, is_body).ForEach([&](const Piece& piece) {
     if (out.labels.voxels[piece.voxels[0]] == 0) return;

@@ -20,7 +20,7 @@ mesh::Surface Mended(const mesh::Surface& surface, const std::string& label, Sur
     std::string problems;
     for (const std::string& sentence : report.Sentences()) problems += "\n  " + sentence;
     throw InputError(Message(label, ": cannot be filled with tetrahedra:", problems,
-                             "\n  try: mend these places in a surface editor, or mesh the label "
+                             "\n  try: repair these places in a surface editor, or mesh the label "
                              "map that the surface was made from"));
   }
   ACUS_REQUIRE(std::abs(report.volume_mm3) > 0.0, label, ": encloses no volume");
@@ -102,7 +102,7 @@ SurfaceMesh MeshSurface(const mesh::Surface& surface, const std::string& label,
   const mesh::Surface sound = Mended(surface, label, out, context);
   std::string reason;
   if (!Fill(sound, settings, out, reason, context)) {
-    context.Warn(Message(label, ": ", reason, "; the surface is made anew"));
+    context.Warn(Message(label, ": ", reason, "; the surface is regenerated"));
     Remesh(sound, settings, out, context);
   }
   out.surface_ml = mesh::SignedVolumeMm3(sound) / 1000.0;

@@ -39,13 +39,13 @@ void AddLandmarks(CLI::App& app, Tasks& tasks) {
   app.add_option("--from", task.from, "Landmarks in the tracker's or mannequin's frame")
       ->check(ExistingFile);
   app.add_option("--to", task.to, "The same in CT (.csv, .mrk.json, .fcsv)")->check(ExistingFile);
-  app.add_option("--target", tasks.target, "Points in CT whose error is asked for")
+  app.add_option("--target", tasks.target, "Points in CT whose expected error is reported")
       ->check(ExistingFile);
   app.add_option("--fle-mm", task.settings.fle_rms_mm,
                  "Localisation error, RMS; else from the residuals")
       ->check(Range(1e-6, 1e3));
   app.add_option("--leave-out", task.leave_out, "Landmarks not to use, by name");
-  app.add_flag("--robust", task.settings.leave_out_outliers, "Leave out points that do not fit");
+  app.add_flag("--robust", task.settings.leave_out_outliers, "Exclude points that do not fit");
   app.add_flag("--find-order", task.settings.find_order, "Find which point is which, of up to 8");
   app.add_option("--confidence", task.settings.confidence,
                  "Of the bound that is stated for the error at a target")
@@ -124,7 +124,8 @@ CLI::App* AddHandEye(CLI::App& app, HandEyeTask& task) {
 CLI::App* AddTemporal(CLI::App& app, TemporalTask& task) {
   CLI::App* command = app.add_subcommand(
       "temporal", "Find the lag between the clocks of two recordings of one motion");
-  command->add_option("--tracker", task.tracker.log, "Recording of a tool that moves to and fro")
+  command
+      ->add_option("--tracker", task.tracker.log, "Recording of a tool that moves back and forth")
       ->required()
       ->check(ExistingPath);
   command->add_option("--tool", task.tracker.tool, "Name of the tool in that recording");

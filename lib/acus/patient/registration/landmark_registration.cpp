@@ -118,7 +118,7 @@ void TreatOutliers(const RegistrationSettings& settings, RegistrationReport& rep
   const bool unclear = !found.instead.empty();
   if (unclear && settings.leave_out_outliers) {
     throw NoAnswerError(Message("some point is wrong (p = ", found.p_value,
-                                "), but the others cannot tell which: it may be ",
+                                "), but the others do not determine which: it may be ",
                                 Joined(pairs, found.wrong), " or ", Joined(pairs, found.instead),
                                 "; measure these again, or use more points"));
   }
@@ -134,7 +134,7 @@ void TreatOutliers(const RegistrationSettings& settings, RegistrationReport& rep
                 FixedText(error_mm, 2), " mm from where they put it; without ",
                 found.wrong.size() > 1 ? "the points that do not fit" : "it", " FRE is ",
                 FixedText(found.fre_without_mm, 3), " mm (p = ", found.p_value, "); ",
-                settings.leave_out_outliers ? "it was left out"
+                settings.leave_out_outliers ? "it was excluded"
                                             : "measure it again, or add --robust or --leave-out",
                 unclear ? "; but it may be " + Joined(pairs, found.instead) + " instead" : ""));
   }
@@ -149,7 +149,7 @@ void Fit(const RegistrationSettings& settings, RegistrationReport& report) {
   const double freedom = 3.0 * static_cast<double>(count) - 6.0;
   report.is_weighted = HasNoise(pairs);
   ACUS_REQUIRE(!(report.is_weighted && settings.fle_rms_mm),
-               "the files give a localisation error for each point; leave out the one for all");
+               "the files give a localisation error for each point; omit the one for all");
   if (report.is_weighted) {
     const auto noise = NoiseOf(pairs);
     const WeightedFit weighted = FitMarkersWeighted(pairs.reference_mm, pairs.ct_mm, noise);

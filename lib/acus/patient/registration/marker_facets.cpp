@@ -74,9 +74,9 @@ class FirstGuess {
         lost += (lost.empty() ? "'" : ", '") + facets_[i].name + "'";
     }
     if (!lost.empty()) {
-      throw NoAnswerError(Message("never seen together with '", facets_[0].name,
-                                  "', not even by way of others: ", lost,
-                                  "; turn the object so that the camera sees neighbours at once"));
+      throw NoAnswerError(Message(
+          "never seen together with '", facets_[0].name, "', not even through others: ", lost,
+          "; turn the object so that the camera sees adjacent facets at once"));
     }
     return places;
   }

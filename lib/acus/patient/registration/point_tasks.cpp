@@ -87,7 +87,7 @@ std::string FacetTable(const FacetModel& model) {
   }
   return TextTable({"facet", "place on the object mm", "noise mm RMS", "seen with others"}, rows) +
          Message(model.num_moments, " moments with several facets; ", model.num_rejected,
-                 " readings did not fit and were left out\n\n");
+                 " readings did not fit and were excluded\n\n");
 }
 
 nlohmann::json ToJson(const FacetModel& model) {
@@ -123,7 +123,7 @@ void WarnOfMovedFacets(const FacetModel& model, const FacetMarkers& object,
                          FixedText(all.front().moved_mm, 2),
                          " mm from where the other puts "
                          "them (p = ",
-                         all.front().p_value, "); one has moved, two cannot tell which"));
+                         all.front().p_value, "); one has moved, two do not determine which"));
     return;
   }
   for (const MovedFacet& moved : all) {

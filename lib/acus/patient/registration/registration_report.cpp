@@ -58,7 +58,7 @@ std::string TableText(const RegistrationReport& report) {
   text += Message("\nFRE ", FixedText(report.fit.fre_rms_mm, 3), " mm over ", rows.size(),
                   " points; FLE ", FixedText(report.fle_rms_mm, 3), " mm (",
                   report.fle_is_given ? "given" : "from FRE", ")\n");
-  for (const std::string& name : report.left_out) text += "left out: " + name + "\n";
+  for (const std::string& name : report.left_out) text += "omitted: " + name + "\n";
   for (const std::string& note : report.notes) text += "note: " + note + "\n";
   if (report.targets.empty()) return text;
   rows.clear();

@@ -122,7 +122,7 @@ std::string QualityText(const WarpQuality& q) {
   return Message("skin to mannequin   ", FixedText(q.before_rms_mm, 2), " mm RMS before, ",
                  FixedText(q.after_rms_mm, 2), " after (95 % ", FixedText(q.after_p95_mm, 2),
                  ", largest ", FixedText(q.after_largest_mm, 2), ")\n", "points              ",
-                 q.num_points, " used, ", q.num_left_out, " left out\n",
+                 q.num_points, " used, ", q.num_left_out, " excluded\n",
                  "displacement        up to ", FixedText(q.largest_mm, 1), " mm\n",
                  "volume of tissue    ", FixedText(q.smallest_volume, 2), " to ",
                  FixedText(q.largest_volume, 2), " of before (Jacobian; no folding)\n",

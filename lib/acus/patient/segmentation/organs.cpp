@@ -194,7 +194,7 @@ Mask FindOrgan(const volume::CtVolume& ct, const OrganSeed& organ, const RunCont
   }
   if (Count(mask) == 0) {
     throw NoAnswerError(Message(organ.tissue,
-                                ": nothing is left around its seeds; lower smoothing_mm or "
+                                ": nothing remains around its seeds; lower smoothing_mm or "
                                 "widen the range of HU"));
   }
   Mask whole(ct.geometry);

@@ -139,12 +139,13 @@ Winding CheckClosed(const mesh::Surface& surface, const std::string& label) {
     if (count % 2 == 0) return;
     if (open++ == 0) first_mm = surface.nodes_mm.col(edge->low);
   });
-  ACUS_REQUIRE(open == 0, label, ": is not closed: ", open,
-               " edges have a triangle on one side "
-               "only, the first near (",
-               first_mm[0], ", ", first_mm[1], ", ", first_mm[2],
-               ") mm; what is inside of it cannot be told. Close its holes (acus-mesh mends small "
-               "ones) or leave it out of the list");
+  ACUS_REQUIRE(
+      open == 0, label, ": is not closed: ", open,
+      " edges have a triangle on one side "
+      "only, the first near (",
+      first_mm[0], ", ", first_mm[1], ", ", first_mm[2],
+      ") mm; what is inside of it cannot be determined. Close its holes (acus-mesh closes small "
+      "ones) or leave it out of the list");
   return oriented ? Winding::kOriented : Winding::kUnoriented;
 }
 

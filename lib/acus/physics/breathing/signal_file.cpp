@@ -154,7 +154,7 @@ BreathSignal ReadBreathSignal(const std::filesystem::path& path, const SignalFil
                " samples; at least ", kFewestSamples, " are needed");
   const auto [low, high] = std::ranges::minmax(signal.level);
   ACUS_REQUIRE(high > low, path.string(), ": the signal is ", low,
-               " throughout: nobody breathes. Was the sensor connected?");
+               " throughout: no breathing. Was the sensor connected?");
   return signal;
 }
 

@@ -66,7 +66,7 @@ void RequireSame(const fs::path& path, const ComplianceHeader& header, const mes
                    : "",
                Remedy(path));
   ACUS_REQUIRE(Text(header.element) == key.element, name, ": was made with the element \"",
-               Text(header.element), "\"; \"", key.element, "\" is asked for", Remedy(path));
+               Text(header.element), "\"; \"", key.element, "\" is required", Remedy(path));
   ACUS_REQUIRE(Text(header.elasticity_sha256) == key.elasticity_sha256, name,
                ": was made with other elastic constants for the tissues of this mesh",
                Remedy(path));

@@ -81,7 +81,7 @@ Solution Solve(const Corners& corners, bool fit_k3) {
                             {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-12});
   } catch (const cv::Exception& error) {
     throw NoAnswerError("the calibration failed (" + error.err +
-                        "); take pictures of the board at more different angles");
+                        "); take images of the board at more different angles");
   }
   return s;
 }
@@ -89,9 +89,9 @@ Solution Solve(const Corners& corners, bool fit_k3) {
 void CheckCount(const Corners& corners, const CalibrationSettings& settings) {
   if (static_cast<int>(corners.view.size()) >= settings.least_views) return;
   throw NoAnswerError(Message(
-      "only ", corners.view.size(), " pictures show enough of the board, ", settings.least_views,
+      "only ", corners.view.size(), " images show enough of the board, ", settings.least_views,
       " are needed: take 15 to 25 sharp ones, with the board at different angles of 20 to 50 "
-      "degrees, and in every corner of the picture"));
+      "degrees, and in every corner of the image"));
 }
 
 /// Leaves out views far worse than the rest. True if there were any.
@@ -117,8 +117,8 @@ void RequireFit(const Solution& solution, const Corners& corners,
   if (solution.rms_px <= settings.limit_px) return;
   throw NoAnswerError(Message(
       "the corners of the board are ", solution.rms_px, " px RMS from where the camera of ",
-      corners.view.size(), " pictures puts them (allowed: ", settings.limit_px,
-      " px, --limit-px): is the board flat and not blurred, are all pictures from one camera with "
+      corners.view.size(), " images puts them (allowed: ", settings.limit_px,
+      " px, --limit-px): is the board flat and not blurred, are all images from one camera with "
       "fixed zoom and focus, and do columns, rows and dictionary of the board's file agree with "
       "the print?"));
 }
@@ -131,7 +131,7 @@ std::string IntervalText(double sigma) {
 CameraModel ModelOf(const Solution& s, const Corners& corners) {
   CameraParameters p;
   p.name = "calibrated camera";
-  p.description = Message("Calibrated with ", corners.view.size(), " pictures");
+  p.description = Message("Calibrated with ", corners.view.size(), " images");
   p.width_px = corners.width_px;
   p.height_px = corners.height_px;
   p.focal_px = {s.matrix.at<double>(0, 0), s.matrix.at<double>(1, 1)};
@@ -143,7 +143,7 @@ CameraModel ModelOf(const Solution& s, const Corners& corners) {
   try {
     return CameraModel(p);
   } catch (const InputError& error) {
-    throw NoAnswerError(std::string("the pictures do not determine the camera: ") + error.what());
+    throw NoAnswerError(std::string("the images do not determine the camera: ") + error.what());
   }
 }
 
@@ -182,10 +182,10 @@ void AddWarnings(const Corners& corners, Calibration& out) {
   bool all_corners = false;
   out.covered_share = CoveredShare(corners, all_corners);
   if (out.covered_share < 0.7 || !all_corners) {
-    out.warnings.push_back(
-        Message("the board covers ", std::lround(100.0 * out.covered_share), " % of the picture",
-                all_corners ? "" : ", and not all of its corners",
-                ": there the lens is a guess; add pictures with the board there"));
+    out.warnings.push_back(Message("the board covers ", std::lround(100.0 * out.covered_share),
+                                   " % of the image",
+                                   all_corners ? "" : ", and not all of its corners",
+                                   ": there the lens is a guess; add images with the board there"));
   }
   double largest_tilt = 0.0;
   int rejected = 0;
@@ -200,10 +200,9 @@ void AddWarnings(const Corners& corners, Calibration& out) {
   }
   const double focal = out.camera.parameters().focal_px.minCoeff();
   if (std::max(out.sigma[0], out.sigma[1]) > 0.005 * focal) {
-    out.warnings.push_back(
-        Message("the focal length is known to ",
-                FixedText(100.0 * std::max(out.sigma[0], out.sigma[1]) / focal, 1),
-                " % only; add pictures"));
+    out.warnings.push_back(Message(
+        "the focal length is known to ",
+        FixedText(100.0 * std::max(out.sigma[0], out.sigma[1]) / focal, 1), " % only; add images"));
   }
   if (out.rms_px > 1.0) {
     out.warnings.push_back(
@@ -211,7 +210,7 @@ void AddWarnings(const Corners& corners, Calibration& out) {
                 " px RMS: is the board flat, and its square as long as the file says?"));
   }
   if (rejected > 0) {
-    out.warnings.push_back(Message(rejected, " of ", out.views.size(), " pictures were not used"));
+    out.warnings.push_back(Message(rejected, " of ", out.views.size(), " images were not used"));
   }
 }
 
@@ -264,7 +263,7 @@ std::string TableText(const Calibration& calibration) {
                  ", k2 ", with_sigma(p.radial[1], 5, 5), ", p1 ", with_sigma(p.tangential[0], 7, 5),
                  ", p2 ", with_sigma(p.tangential[1], 8, 5), "\n",
                  std::lround(100.0 * calibration.covered_share),
-                 " % of the picture covered; 95 % intervals; ",
+                 " % of the image covered; 95 % intervals; ",
                  FixedText(calibration.camera.HorizontalAngleDeg(), 1), " degrees wide\n");
 }
 

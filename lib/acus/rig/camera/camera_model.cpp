@@ -36,7 +36,7 @@ double RadiusOfFold(const std::array<double, 3>& k) {
 
 void CheckNumbers(const CameraParameters& p) {
   ACUS_REQUIRE(p.width_px >= 16 && p.height_px >= 16 && p.width_px <= 8192 && p.height_px <= 8192,
-               "camera '", p.name, "': a picture of ", p.width_px, " x ", p.height_px,
+               "camera '", p.name, "': an image of ", p.width_px, " x ", p.height_px,
                " pixels; allowed is 16 to 8192 each way");
   ACUS_REQUIRE(p.focal_px.allFinite() && p.focal_px.minCoeff() > 0.0, "camera '", p.name,
                "': focal lengths ", p.focal_px[0], ", ", p.focal_px[1],
@@ -44,7 +44,7 @@ void CheckNumbers(const CameraParameters& p) {
   ACUS_REQUIRE(p.centre_px.allFinite() && p.centre_px.minCoeff() >= 0.0 &&
                    p.centre_px[0] < p.width_px && p.centre_px[1] < p.height_px,
                "camera '", p.name, "': centre ", p.centre_px[0], ", ", p.centre_px[1],
-               " px; it must be in the picture of ", p.width_px, " x ", p.height_px);
+               " px; it must be in the image of ", p.width_px, " x ", p.height_px);
   for (const double value :
        {p.radial[0], p.radial[1], p.radial[2], p.tangential[0], p.tangential[1]}) {
     ACUS_REQUIRE(std::isfinite(value), "camera '", p.name, "': a distortion that is not finite");
@@ -66,10 +66,10 @@ CameraModel::CameraModel(CameraParameters parameters) : parameters_(std::move(pa
          {Eigen::Vector2d(across, -0.5), Eigen::Vector2d(across, parameters_.height_px - 0.5),
           Eigen::Vector2d(-0.5, down), Eigen::Vector2d(parameters_.width_px - 0.5, down)}) {
       ACUS_REQUIRE(Ray(pixel).has_value(), "camera '", parameters_.name,
-                   "': its distortion folds the picture: nothing is seen at pixel ", pixel[0], ", ",
+                   "': its distortion folds the image: nothing is seen at pixel ", pixel[0], ", ",
                    pixel[1],
-                   "; check radial and tangential, or calibrate anew with views of the "
-                   "picture's corners");
+                   "; check radial and tangential, or calibrate again with views of the "
+                   "image's corners");
     }
   }
 }

@@ -106,7 +106,7 @@ class CameraTracker::Worker {
     if (picture.width_px == p.width_px && picture.height_px == p.height_px) return true;
     const std::lock_guard lock(mutex_);
     ++status_.counts.bad_messages;
-    status_.last_error = Message("the picture has ", picture.width_px, " x ", picture.height_px,
+    status_.last_error = Message("the image has ", picture.width_px, " x ", picture.height_px,
                                  " pixels, the camera's file says ", p.width_px, " x ", p.height_px,
                                  ": set the camera to that size, or calibrate at this one");
     return false;

@@ -20,7 +20,7 @@ std::unique_ptr<FrameSource> OpenAddress(const std::string& address, const std::
     const auto parsed = std::from_chars(address.data() + colon + 1, end, port);
     if (parsed.ec != std::errc() || parsed.ptr != end) port = 0;
   }
-  ACUS_REQUIRE(port > 0 && port < 65536, "pictures from '", place,
+  ACUS_REQUIRE(port > 0 && port < 65536, "images from '", place,
                "': not understood; write igtl:HOST:PORT or igtl:HOST:PORT/STREAM, such as "
                "igtl:localhost:18944/Camera");
   return OpenNetwork(address.substr(0, colon), port,
@@ -44,25 +44,28 @@ bool Pace::Wait(int timeout_ms) {
 
 std::unique_ptr<FrameSource> OpenFrameSource(const std::string& place,
                                              const FrameSourceOptions& options) {
-  ACUS_REQUIRE(options.pace_hz >= 0.0 && options.pace_hz <= 1000.0, "pictures at ", options.pace_hz,
+  ACUS_REQUIRE(options.pace_hz >= 0.0 && options.pace_hz <= 1000.0, "images at ", options.pace_hz,
                " Hz; allowed is 0 to 1000");
   const auto colon = place.find(':');
   const std::string kind = place.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : place.substr(colon + 1);
-  ACUS_REQUIRE(!rest.empty(), "pictures from '", place,
-               "': not understood; allowed are device:, film:, film-loop:, folder:, folder-loop:, "
-               "pipe: and igtl:, each with a name after it, such as device:0");
+  ACUS_REQUIRE(
+      !rest.empty(), "images from '", place,
+      "': not understood; allowed are device:, video:, video-loop:, folder:, folder-loop:, "
+      "pipe: and igtl:, each with a name after it, such as device:0");
   if (kind == "device") return OpenDevice(rest);
-  if (kind == "film" || kind == "film-loop") {
-    return OpenFilm(rest, kind == "film-loop", options.pace_hz);
+  // "film" is the older word.
+  if (kind == "video" || kind == "video-loop" || kind == "film" || kind == "film-loop") {
+    return OpenFilm(rest, kind.ends_with("-loop"), options.pace_hz);
   }
   if (kind == "folder" || kind == "folder-loop") {
     return OpenFolder(rest, kind == "folder-loop", options.pace_hz);
   }
   if (kind == "pipe") return OpenPipe(rest);
-  ACUS_REQUIRE(kind == "igtl", "pictures from '", place, "': '", kind,
-               "' is not known; allowed are device, film, film-loop, folder, folder-loop, pipe and "
-               "igtl");
+  ACUS_REQUIRE(
+      kind == "igtl", "images from '", place, "': '", kind,
+      "' is not known; allowed are device, video, video-loop, folder, folder-loop, pipe and "
+      "igtl");
   return OpenAddress(rest, place);
 }
 

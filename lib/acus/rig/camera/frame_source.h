@@ -37,7 +37,7 @@ struct FrameSourceOptions {
 
 /// @param place
 ///     "device:0" or "device:/dev/video0": a camera of this computer;
-///     "film:PATH": a film that ffmpeg reads; "folder:PATH": pictures of a folder by name; with
+///     "video:PATH": a video that ffmpeg reads; "folder:PATH": pictures of a folder by name; with
 ///     "film-loop:" and "folder-loop:" they begin anew at their end;
 ///     "pipe:PATH": a named pipe or file of binary PGM or PPM pictures, one after the other;
 ///     "igtl:HOST:PORT" or "igtl:HOST:PORT/STREAM": pictures of an OpenIGTLink server.

@@ -24,15 +24,15 @@ std::vector<float> NoiseTile(double sigma) {
 }
 
 const PictureMaking& Checked(const PictureMaking& m) {
-  ACUS_REQUIRE(m.samples >= 1 && m.samples <= 16, "picture making: ", m.samples,
+  ACUS_REQUIRE(m.samples >= 1 && m.samples <= 16, "mannequin camera: ", m.samples,
                " samples; allowed is 1 to 16");
-  ACUS_REQUIRE(m.blur_sigma_px >= 0.0 && m.blur_sigma_px <= 20.0, "picture making: a blur of ",
+  ACUS_REQUIRE(m.blur_sigma_px >= 0.0 && m.blur_sigma_px <= 20.0, "mannequin camera: a blur of ",
                m.blur_sigma_px, " px; allowed is 0 to 20");
-  ACUS_REQUIRE(m.noise_sigma >= 0.0 && m.noise_sigma <= 100.0, "picture making: noise of ",
+  ACUS_REQUIRE(m.noise_sigma >= 0.0 && m.noise_sigma <= 100.0, "mannequin camera: noise of ",
                m.noise_sigma, " grey levels; allowed is 0 to 100");
-  ACUS_REQUIRE(m.black >= 0.0 && m.black < m.white && m.white <= 255.0, "picture making: black ",
+  ACUS_REQUIRE(m.black >= 0.0 && m.black < m.white && m.white <= 255.0, "mannequin camera: black ",
                m.black, " and white ", m.white, "; allowed is 0 <= black < white <= 255");
-  ACUS_REQUIRE(std::abs(m.light_gradient) <= 1.0, "picture making: a light gradient of ",
+  ACUS_REQUIRE(std::abs(m.light_gradient) <= 1.0, "mannequin camera: a light gradient of ",
                m.light_gradient, "; allowed is -1 to 1");
   return m;
 }

@@ -62,7 +62,7 @@ Picture ReadPicture(const std::filesystem::path& path) {
   }
   ACUS_REQUIRE(!decoded.empty() && decoded.depth() == CV_8U &&
                    (decoded.channels() == 1 || decoded.channels() == 3),
-               path.string(), ": is not a picture that can be read (PNG, JPEG, TIFF, BMP, PNM)");
+               path.string(), ": is not an image that can be read (PNG, JPEG, TIFF, BMP, PNM)");
   ACUS_REQUIRE(decoded.cols <= kLargestPx && decoded.rows <= kLargestPx, path.string(), ": ",
                decoded.cols, " x ", decoded.rows, " pixels; at most ", kLargestPx, " each way");
   Picture picture;
@@ -87,14 +87,14 @@ std::vector<std::filesystem::path> PictureFiles(const std::filesystem::path& fol
     if (entry.is_regular_file() && kExtensions.contains(extension)) files.push_back(entry.path());
   }
   ACUS_REQUIRE(!files.empty(), folder.string(),
-               ": there is no picture in it (.png, .jpg, .tif, "
+               ": there is no image in it (.png, .jpg, .tif, "
                ".bmp, .pgm, .ppm)");
   std::sort(files.begin(), files.end());
   return files;
 }
 
 void WritePicture(const std::filesystem::path& path, const Picture& picture) {
-  ACUS_REQUIRE(!picture.empty(), path.string(), ": the picture has no pixels");
+  ACUS_REQUIRE(!picture.empty(), path.string(), ": the image has no pixels");
   cv::Mat bgr = MatOf(picture);
   if (picture.channels == 3) cv::cvtColor(MatOf(picture), bgr = cv::Mat(), cv::COLOR_RGB2BGR);
   AtomicFile file(path);
@@ -105,7 +105,7 @@ void WritePicture(const std::filesystem::path& path, const Picture& picture) {
     written = false;
   }
   ACUS_REQUIRE(written, path.string(),
-               ": the picture cannot be written; name it .png, .jpg, .ppm or .pgm, and check the "
+               ": the image cannot be written; name it .png, .jpg, .ppm or .pgm, and check the "
                "space on the disk");
   file.Commit();
 }

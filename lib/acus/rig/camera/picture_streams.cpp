@@ -24,7 +24,7 @@ class FolderSource final : public FrameSource {
       : repeat_(repeat), pace_(pace_hz > 0.0 ? static_cast<std::int64_t>(1e9 / pace_hz) : 0) {
     files_ = PictureFiles(folder);
     status_.connected = true;
-    status_.text = "pictures of " + folder.string();
+    status_.text = "images of " + folder.string();
   }
 
   bool Next(Picture& out, int timeout_ms) override {
@@ -93,7 +93,7 @@ std::optional<PnmHeader> ParseHeader(const std::string& bytes) {
 class PipeSource final : public FrameSource {
  public:
   explicit PipeSource(std::filesystem::path pipe) : path_(std::move(pipe)) {
-    status_.text = "waiting for pictures from " + path_.string();
+    status_.text = "waiting for images from " + path_.string();
   }
   ~PipeSource() override { Close(); }
 
@@ -145,7 +145,7 @@ class PipeSource final : public FrameSource {
     finished_ = is_file_;
     status_.bad += bytes_.empty() ? 0 : 1;  // The writer went away within a picture.
     bytes_.clear();
-    status_.text = path_.string() + (is_file_ ? " is over" : ": whoever sent pictures has gone");
+    status_.text = path_.string() + (is_file_ ? " is over" : ": whoever sent images has gone");
     status_.connected = false;
     Close();
     return false;
@@ -168,7 +168,7 @@ class PipeSource final : public FrameSource {
       out.time_ns = MonotonicNs();
       bytes_.erase(0, header->length + size);
       ++status_.received;
-      status_.text = "pictures from " + path_.string();
+      status_.text = "images from " + path_.string();
       in_rubbish_ = false;
       return true;
     }
@@ -179,7 +179,7 @@ class PipeSource final : public FrameSource {
     in_rubbish_ = true;
     const auto next = bytes_.find('P', 1);
     bytes_.erase(0, next == std::string::npos ? bytes_.size() : next);
-    status_.text = path_.string() + " sends what is no PGM or PPM picture";
+    status_.text = path_.string() + " sends what is not a PGM or PPM image";
   }
 
   std::filesystem::path path_;
@@ -223,7 +223,7 @@ class NetworkSource final : public FrameSource {
     const tracking::SourceStatus link = source_.status();
     FrameSourceStatus status;
     status.connected = link.state == tracking::SourceState::kConnected;
-    status.text = "pictures from " + place_ + ": " + tracking::Name(link.state);
+    status.text = "images from " + place_ + ": " + tracking::Name(link.state);
     if (!status.connected && !link.last_error.empty()) status.text += " (" + link.last_error + ")";
     status.received = received_;
     status.bad = link.counts.bad_messages;

@@ -153,7 +153,7 @@ RigTasks AddRigTasks(CLI::App& app) {
   CLI::App* hand_eye = app.add_subcommand(
       "hand-eye", "Find where a camera sits on a tracked body, from images of the board");
   hand_eye->fallthrough()
-      ->add_option("pictures", eye->pictures, "Folder of images of the board")
+      ->add_option("images", eye->pictures, "Folder of images of the board")
       ->required()
       ->check(CLI::ExistingDirectory);
   hand_eye->add_option("--poses", eye->poses, "Poses of the body (.csv), one row for each image")

@@ -78,7 +78,7 @@ std::string Png(const Sheet& sheet) {
                 cv::FONT_HERSHEY_SIMPLEX, scale, cv::Scalar(0), 2, cv::LINE_AA);
   }
   std::vector<unsigned char> png;
-  ACUS_REQUIRE(cv::imencode(".png", picture, png), sheet.name, ": the picture cannot be encoded");
+  ACUS_REQUIRE(cv::imencode(".png", picture, png), sheet.name, ": the image cannot be encoded");
   return WithResolution(png);
 }
 

@@ -39,10 +39,9 @@ const CameraModel& Straightener::pinhole() const {
 
 void Straightener::Straighten(const Picture& picture, Picture& out) const {
   const CameraParameters& p = map_->straight.parameters();
-  ACUS_REQUIRE(picture.width_px == p.width_px && picture.height_px == p.height_px,
-               "the picture has ", picture.width_px, " x ", picture.height_px,
-               " pixels, the camera's file says ", p.width_px, " x ", p.height_px,
-               "; calibrate at the size that is used");
+  ACUS_REQUIRE(picture.width_px == p.width_px && picture.height_px == p.height_px, "the image has ",
+               picture.width_px, " x ", picture.height_px, " pixels, the camera's file says ",
+               p.width_px, " x ", p.height_px, "; calibrate at the size that is used");
   if (map_->columns.empty()) {
     out = picture;
     return;

@@ -117,7 +117,7 @@ double TrackedObject::JitterMm() const {
 TrackingRun TrackPictures(const std::vector<std::filesystem::path>& pictures,
                           const CameraModel& camera, const FacetSet& facets, double rate_hz,
                           const RunContext& context) {
-  ACUS_REQUIRE(rate_hz > 0.0 && rate_hz <= 10000.0, "pictures at ", rate_hz,
+  ACUS_REQUIRE(rate_hz > 0.0 && rate_hz <= 10000.0, "images at ", rate_hz,
                " Hz; allowed is above 0 to 10000");
   TrackingRun run;
   run.rate_hz = rate_hz;
@@ -167,7 +167,7 @@ std::string TableText(const TrackingRun& run) {
   return TextTable({"object", "seen", "ambiguous", "corners RMS px", "expected mm", "expected deg",
                     "about its mean, RMS mm"},
                    rows) +
-         Message(run.files.size(), " pictures\n");
+         Message(run.files.size(), " images\n");
 }
 
 void WriteResult(const std::filesystem::path& folder, const TrackingRun& run,

@@ -51,7 +51,7 @@ class DeviceSource final : public FrameSource {
     capture_.release();
     status_.connected = false;
     status_.text = "the camera at " + path_ +
-                   " gives no picture: check its plug; it is tried again every second";
+                   " delivers no image: check its plug; it is tried again every second";
     return false;
   }
   bool finished() const override { return false; }
@@ -100,10 +100,10 @@ class FilmSource final : public FrameSource {
         pace_(pace_hz > 0.0 ? static_cast<std::int64_t>(1e9 / pace_hz) : 0) {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     ACUS_REQUIRE(std::filesystem::is_regular_file(film_), film_.string(),
-                 ": there is no such film");
-    ACUS_REQUIRE(Open(), film_.string(), ": is not a film that can be read");
+                 ": there is no such video");
+    ACUS_REQUIRE(Open(), film_.string(), ": is not a video that can be read");
     status_.connected = true;
-    status_.text = "film " + film_.string();
+    status_.text = "video " + film_.string();
   }
 
   bool Next(Picture& out, int timeout_ms) override {
@@ -112,7 +112,7 @@ class FilmSource final : public FrameSource {
     if (repeat_ && status_.received > 0 && Open() && Read(out)) return true;
     finished_ = true;
     status_.connected = false;
-    status_.text = "the film " + film_.string() + " is over";
+    status_.text = "the video " + film_.string() + " is over";
     return false;
   }
   bool finished() const override { return finished_; }

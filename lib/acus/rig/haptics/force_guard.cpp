@@ -112,7 +112,7 @@ void GuardSettings::Check(const char* label) const {
   RequireWithin(label, "jump_mm", jump_mm, 0.1, 1000.0);
   RequireWithin(label, "jump_rad", jump_rad, 0.01, 3.0);
   ACUS_REQUIRE(dead_man != DeadMan::kButton || dead_man_buttons != 0, label,
-               ": a dead-man button is asked for, but no button is named");
+               ": a dead-man button is required, but no button is named");
 }
 
 void ForceGuard::Note(GuardAct act) noexcept {

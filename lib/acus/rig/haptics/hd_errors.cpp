@@ -18,7 +18,7 @@ const char* Meaning(unsigned code) {
     case 0x200:
       return "its motors are warm: let it rest for some minutes";
     case 0x201:
-      return "it was asked for more force than it has";
+      return "more force was requested than it has";
     case 0x202:
       return "its force changed faster than it allows";
     case 0x203:

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRule =
-    "; a library and each folder above it must belong to root or to you, and nobody else may write "
+    "; a library and each folder above it must belong to root or to you, and no one else may write "
     "them (a folder with the sticky bit excepted). ";
 
 /// Throws if someone else than root and this user can change what lies at `path`.

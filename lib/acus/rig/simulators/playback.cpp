@@ -195,7 +195,7 @@ PlaybackReport Play(const ToolMotion& motion, PictureSource* pictures,
   report.played_s = 1e-9 * static_cast<double>(MonotonicNs() - start_ns);
   report.pictures = picture_thread.count();
   if (const std::string error = picture_thread.error(); !error.empty()) {
-    context.Warn("no more pictures were drawn: " + error);
+    context.Warn("no more images were drawn: " + error);
   }
   report.server = server.status();
   return report;
@@ -203,11 +203,11 @@ PlaybackReport Play(const ToolMotion& motion, PictureSource* pictures,
 
 std::string Text(const PlaybackReport& report) {
   const tracking::PoseServerStatus& server = report.server;
-  std::string text = Message("played ", report.played_s, " s: ", report.sent, " instants, ",
-                             report.late, " of them late, the latest by ", report.worst_late_ms,
-                             " ms; ", report.pictures, " pictures\n", "clients: ", server.connects,
-                             " connected, ", server.too_slow, " too slow, ", server.rubbish,
-                             " sent rubbish; ", server.pictures_replaced, " pictures replaced\n");
+  std::string text = Message(
+      "played ", report.played_s, " s: ", report.sent, " instants, ", report.late,
+      " of them late, the latest by ", report.worst_late_ms, " ms; ", report.pictures, " images\n",
+      "clients: ", server.connects, " connected, ", server.too_slow, " too slow, ", server.rubbish,
+      " sent invalid messages; ", server.pictures_replaced, " images replaced\n");
   return text;
 }
 

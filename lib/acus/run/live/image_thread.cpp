@@ -48,13 +48,13 @@ double PictureStatistics::per_s() const {
 }
 
 nlohmann::json PictureStatistics::ToJson() const {
-  return {{"pictures", pictures.load()},
+  return {{"images", pictures.load()},
           {"late", late.load()},
           {"failed", failed.load()},
           {"per_s", per_s()},
           {"render", render.ToJson()},
           {"interval", interval.ToJson()},
-          {"tracker_to_picture", tracker_to_picture.ToJson()}};
+          {"tracker_to_image", tracker_to_picture.ToJson()}};
 }
 
 ImageThread::ImageThread(const simulation::Scene& scene, TripleBuffer<LiveSnapshot>& snapshots,
@@ -102,7 +102,7 @@ void ImageThread::Run() {
       MakePicture(begin_ns);
       SetTrouble("");
     } catch (const std::bad_alloc&) {
-      SetTrouble("there is no memory for pictures; close other programs");
+      SetTrouble("there is no memory for images; close other programs");
     } catch (const std::exception& error) {
       SetTrouble(error.what());
     }

@@ -71,7 +71,7 @@ std::string TroubleText(int error, const fs::path& folder, double waiting_s, boo
       error == ENOSPC ? "the disk is full" : Message("writing fails: ", std::strerror(error));
   const std::string kept =
       memory_is_full
-          ? "Memory for it is full as well: the session goes on, but is not recorded any more"
+          ? "Memory for it is full as well: the session continues, but is no longer recorded"
           : Message("The last ", RoundedText(waiting_s, 3), " s are kept in memory");
   return Message("Recording: ", cause, ". ", kept, ". Make room for ", folder.string(), ".");
 }

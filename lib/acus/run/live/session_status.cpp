@@ -166,14 +166,14 @@ json LiveSession::Summary() const {
           {"seconds", session_s()},
           {"ended_by", NameOf(end_)},
           {"steps", statistics().ToJson()},
-          {"pictures", picture_statistics().ToJson()},
+          {"images", picture_statistics().ToJson()},
           {"effect_plan", simulation::PlanJson(scene_.plan, stage_times())},
           {"recording",
            {{"steps_on_disk", recording.steps_on_disk},
             {"steps_lost", recording.steps_lost},
             {"readings", recording.readings_recorded},
             {"readings_lost", recording.readings_lost},
-            {"refusals_of_the_disk", recording.refusals},
+            {"refused_writes", recording.refusals},
             {"longest_write_s", recording.longest_write_s},
             {"trouble", recording.trouble}}},
           {"devices", devices},
@@ -187,14 +187,14 @@ std::string LiveSession::SummaryText() const {
   const RecordingStatus recording = recorder_->status();
   std::string text =
       Message("Session of ", RoundedText(session_s(), 4), " s: ", core.steps.load(), " steps, ",
-              pictures.pictures.load(), " pictures (", RoundedText(pictures.per_s(), 3),
+              pictures.pictures.load(), " images (", RoundedText(pictures.per_s(), 3),
               " a second).\n  step: ", ms(core.step_cpu.QuantileNs(0.5)),
               " of CPU time (99.9 %: ", ms(core.step_cpu.QuantileNs(0.999)),
               "); too slow for the device: ", core.missed_by_computation.load(),
               "; readings missed as the machine was busy: ", core.missed_by_machine.load(),
               "\n  device to force: ", ms(core.device_to_force.QuantileNs(0.5)),
               " (99.9 %: ", ms(core.device_to_force.QuantileNs(0.999)),
-              "), tracker to picture: ", ms(pictures.tracker_to_picture.QuantileNs(0.5)),
+              "), tracker to image: ", ms(pictures.tracker_to_picture.QuantileNs(0.5)),
               " (99 %: ", ms(pictures.tracker_to_picture.QuantileNs(0.99)),
               ")\n  recorded: ", recording.steps_on_disk, " steps in ",
               options_.session_folder.string(), "; lost: ", recording.steps_lost, "\n");
@@ -204,7 +204,7 @@ std::string LiveSession::SummaryText() const {
     if (!device->status().text.empty()) text += "  " + device->status().text + '\n';
   }
   if (pictures.failed > 0) {
-    text += Message("  ", pictures.failed.load(), " pictures could not be made.\n");
+    text += Message("  ", pictures.failed.load(), " images could not be made.\n");
   }
   if (!recording.trouble.empty()) text += "  " + recording.trouble + '\n';
   return text;

@@ -95,7 +95,7 @@ class ImageWriter {
   std::vector<WrittenPng> TakePngs() { return std::move(pngs_); }
   std::vector<WrittenFilm> Films() const {
     if (!film_) return {};
-    return {{"film.mp4", "Film of the session"}};
+    return {{"film.mp4", "Video of the session"}};
   }
 
  private:

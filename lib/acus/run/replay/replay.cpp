@@ -109,7 +109,7 @@ std::vector<std::string> WarningsOf(const Scene& scene, const Run& run) {
   const auto& rod = run.steps.final_state.shape.needle.rod;
   if (rod.num_not_converged > 0) {
     warnings.push_back(Message("the bendable needle was not quite at rest in ",
-                               rod.num_not_converged, " steps; it went on in the next"));
+                               rod.num_not_converged, " steps; it continued in the next"));
   }
   for (std::string& warning : warnings) warning = ShownText(std::move(warning));
   return warnings;

@@ -183,7 +183,7 @@ void AddExercise(report::HtmlReport& html, const training::Assessment& assessmen
                      result.value ? FourDigits(*result.value) : "-", result.unit,
                      GoalText(result.goal, result.unit), result.goal.why});
   }
-  html.Table({"", "goal", "value", "unit", "asked for", "why"}, goals);
+  html.Table({"", "goal", "value", "unit", "required", "why"}, goals);
   std::vector<std::vector<std::string>> steps;
   for (const training::StepResult& step : assessment.checklist) {
     const bool open = step.state == training::StepState::kOpen;
@@ -196,7 +196,7 @@ void AddExercise(report::HtmlReport& html, const training::Assessment& assessmen
     structures.push_back({structure.name, std::to_string(structure.entered.num_entries),
                           FourDigits(structure.entered.path_mm)});
   }
-  html.Table({"tissue", "entries of the tip", "way of the tip [mm]"}, structures,
+  html.Table({"tissue", "entries of the tip", "path of the tip [mm]"}, structures,
              "What the tip went through");
 }
 

@@ -29,7 +29,7 @@ std::filesystem::path TargetFile(const training::Exercise& exercise,
 void RequireAssessable(const training::Exercise& exercise, const scenario::Scenario& scenario,
                        const simulation::Scene& scene, const session::Session* session) {
   ACUS_REQUIRE(scene.labels != nullptr,
-               "an exercise needs to know the tissues: no effect of this scenario reads the label "
+               "an exercise needs the tissues: no effect of this scenario reads the label "
                "map; call for needle_force with model layered, or leave --exercise out");
   ACUS_REQUIRE(session == nullptr || !session->needle.empty(),
                "an exercise needs a needle; this session has none");
@@ -72,7 +72,7 @@ training::Assessment Assess(const training::Exercise& exercise, const scenario::
   if (!target.empty()) context.provenance.AddInput(target);
   for (const std::string& name : training::NotInMap(exercise.avoid, *scene.labels)) {
     context.Warn(
-        Message("the patient's label map has no ", name, ": whether it was spared cannot be told"));
+        Message("the patient's label map has no ", name, ": whether it was spared is unknown"));
   }
   const auto target_ct_mm = TargetInCtMm(exercise, scenario);
   training::Assessment assessment = AssessMotion(exercise, {*scene.labels, scene.ct_from_reference},

@@ -109,7 +109,7 @@ std::string GoalsText(const Assessment& assessment) {
     text +=
         Message("  not met: ", result.goal.metric, ": ",
                 result.value ? RoundedText(*result.value, 3) : "-", result.unit.empty() ? "" : " ",
-                result.unit, ", asked for ", GoalText(result.goal, result.unit),
+                result.unit, ", required ", GoalText(result.goal, result.unit),
                 result.goal.why.empty() ? "" : ": ", result.goal.why, "\n");
   }
   return text;

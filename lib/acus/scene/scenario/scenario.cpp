@@ -232,9 +232,10 @@ void ReadMeasured(const json& effect, const fs::path& folder, const std::string&
 void CheckTogether(const Scenario& s) {
   const std::string file = s.file.string();
   if (s.needle_force && s.needle_force->model == NeedleForceModelKind::kTissue) {
-    ACUS_REQUIRE(s.tissue && s.tissue->TouchesNeedle(), file,
-                 ": /effects/needle_force/model is \"tissue\", but no effects/tissue knows forces "
-                 "on the needle; give it one of the models springs, fe_2d or fe_3d");
+    ACUS_REQUIRE(
+        s.tissue && s.tissue->TouchesNeedle(), file,
+        ": /effects/needle_force/model is \"tissue\", but no effects/tissue computes forces "
+        "on the needle; give it one of the models springs, fe_2d or fe_3d");
   }
   if (s.probe_force && s.probe_force->model == ProbeForceModelKind::kTissue) {
     ACUS_REQUIRE(s.tissue && s.tissue->model == TissueModelKind::kFem3d && s.tissue->probe_contact,
@@ -261,7 +262,7 @@ void CheckTogether(const Scenario& s) {
                  "tissue that it deforms; leave guidance at \"own\"");
     ACUS_REQUIRE(
         !s.shape, file,
-        ": /effects/needle_force/guidance: effects/needle says already what is felt across "
+        ": /effects/needle_force/guidance: effects/needle already computes the force across "
         "the path; leave guidance at \"own\", or take effects/needle out "
         "(--set /effects/needle=null)");
   }

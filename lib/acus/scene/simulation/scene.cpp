@@ -35,7 +35,8 @@ void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scen
   const bool looks_in_ct = plan.Reads(StageId::kTissueLookup, effects::ports::kCt);
   if ((by_hu || looks_in_ct) && !scene.hu) scene.hu = std::make_shared<forces::CtField>(*scene.ct);
   if (looks_in_ct) {
-    context.Warn("there is no label map: tissues are told by the CT's HU, as the force table says");
+    context.Warn(
+        "there is no label map: tissues are identified by the CT's HU, as the force table says");
     scene.hu_tissues = table.hu_tissues;
   }
   const forces::GuidanceKind guidance = GuidanceOf(scenario.needle_force->guidance);

@@ -24,7 +24,7 @@ std::string_view WordsOf(Sleep sleep) {
     case Sleep::kUndeformed:
       return "nothing deforms the tissue";
     case Sleep::kNothingMoved:
-      return "nothing moved since the last picture";
+      return "nothing moved since the last image";
     case Sleep::kNeedleOffPlane:
       return "only the needle moved, far from the image plane";
     case Sleep::kEffectIdle:

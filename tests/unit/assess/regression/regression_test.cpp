@@ -73,7 +73,7 @@ TEST_F(Regression, IsNewThenAcceptedThenTheSame) {
   EXPECT_THAT(AcceptResult(ReadSuite(folder_), folder_ / "second"), HasSubstr("was as expected"));
 }
 
-TEST_F(Regression, SaysWhatMovedAndAcceptsItOnlyWhenTold) {
+TEST_F(Regression, ReportsWhatMovedAndAcceptsItOnlyIfRequested) {
   Run("first");
   AcceptResult(ReadSuite(folder_), folder_ / "first");
   const std::string before = ReadTextFile(folder_ / "expected/in/forces.csv");

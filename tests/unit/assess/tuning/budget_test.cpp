@@ -104,13 +104,15 @@ TEST_F(Budget, SaysWhatWasChosenWhatItTakesAndWhereTheTimeGoes) {
                               "needle_nodes 50 instead of 25, elevation_planes 1 instead of 3."));
   EXPECT_THAT(text, HasSubstr("It takes 0.21 ms of 0.5 ms per force step (99.9th percentile) and "
                               "8.2 ms of 16 ms per image (95th percentile)"));
-  EXPECT_THAT(text,
-              HasSubstr("against the dearest of all: 0.001 N RMS of force and 30 dB of PSNR"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("against the most expensive setting: 0.001 N RMS of force and 30 dB of PSNR"));
   EXPECT_THAT(text, HasSubstr("The scenario as it was takes 0.1 ms of 0.5 ms"));
   EXPECT_THAT(text, HasSubstr("Of a force step needle shape takes 90 %."));
   EXPECT_THAT(text, HasSubstr("Of an image B-mode takes 80 %, CT slice 20 %."));
-  EXPECT_THAT(text, HasSubstr("The dearest knob of a force step is needle_nodes: 50 instead of 15 "
-                              "takes 0.14 ms more."));
+  EXPECT_THAT(text,
+              HasSubstr("The most expensive knob of a force step is needle_nodes: 50 instead of 15 "
+                        "takes 0.14 ms more."));
 }
 
 TEST_F(Budget, SaysWhatTheCheapestTakesIfNothingFits) {
@@ -151,7 +153,7 @@ TEST_F(Budget, ChosenScenarioIsFoundFromAnywhereWithItsEvidence) {
   EXPECT_EQ(chosen.evidence->stages.front().stage, "needle shape");
 }
 
-TEST_F(Budget, ResultTellsEachKnobByItself) {
+TEST_F(Budget, ResultReportsEachKnobByItself) {
   const SweepResult result = ResultOf(answer_);
   std::vector<std::string> told;
   for (const SettingResult& setting : result.settings) {

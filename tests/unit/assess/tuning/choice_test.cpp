@@ -268,7 +268,7 @@ TEST(ChooseSetting, TurnsNoKnobForNoise) {
   EXPECT_EQ(choice.measured[*choice.chosen].levels, (Levels{1}));
 }
 
-TEST(ChooseSetting, KeepsWhatIsGivenIfToldSo) {
+TEST(ChooseSetting, KeepsWhatIsGivenIfRequested) {
   const SyntheticScene scene(3, 1.0);
   int count = 0;
   const auto measure = [&](const Levels& levels) {

@@ -63,7 +63,7 @@ TEST_F(KnobTest, DefaultsAreThoseOfTheSchema) {
   EXPECT_TRUE(spacing.falls);
 }
 
-TEST_F(KnobTest, ValuesOfTheUserStandFromCheapToDear) {
+TEST_F(KnobTest, ValuesOfTheUserAreSortedFromCheapToExpensive) {
   const auto knobs = KnobsOf(Scenario(kBendable), 1000.0);
   using Values = std::vector<nlohmann::json>;
   EXPECT_EQ(KnobFromText(knobs, "needle_nodes=50,15").levels, (Values{15, 50}));
@@ -77,7 +77,7 @@ TEST_F(KnobTest, ValuesOfTheUserStandFromCheapToDear) {
             (Values{"displacement_functions", "springs"}));
 }
 
-TEST_F(KnobTest, TypingMistakesAreToldWithWhatThereIs) {
+TEST_F(KnobTest, TypingMistakesAreReportedWithWhatThereIs) {
   const auto knobs = KnobsOf(Scenario(kBendable), 1000.0);
   EXPECT_THAT([&] { KnobFromText(knobs, "needle_node=15"); },
               ThrowsMessage<InputError>(
@@ -93,7 +93,7 @@ TEST_F(KnobTest, TypingMistakesAreToldWithWhatThereIs) {
               ThrowsMessage<InputError>(HasSubstr("at least two values")));
 }
 
-TEST_F(KnobTest, EveryLevelBecomesAChangeThatTheScenarioTakes) {
+TEST_F(KnobTest, EveryValueBecomesAChangeThatTheScenarioTakes) {
   const auto scenario = Scenario(kBendable);
   const auto knobs = KnobsOf(scenario, 1000.0);
   int num_changes = 0;

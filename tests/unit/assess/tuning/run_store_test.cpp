@@ -124,7 +124,7 @@ TEST(Measured, OtherDocumentsAreRefused) {
   }
 }
 
-TEST(Measured, IdenticalPicturesHaveInfinitePsnr) {
+TEST(Measured, IdenticalImagesHaveInfinitePsnr) {
   Measured run;
   EXPECT_TRUE(std::isnan(run.ImagePsnrDb()));
   run.image_rms_grey = 0.0;

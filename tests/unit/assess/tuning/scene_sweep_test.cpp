@@ -82,7 +82,7 @@ TEST_F(SceneSweep, OnlyTheChosenSecondsCount) {
   }
 }
 
-TEST_F(SceneSweep, KnobsOfThePictureChangeThePictureAlone) {
+TEST_F(SceneSweep, KnobsOfTheImageChangeTheImageAlone) {
   Make(R"({"needle_force": {}, "ultrasound": {"model": "beams"}})");
   request_.knobs = {"elevation_planes=1,5", "speckle", "point_spread"};
   const SweepResult result = Sweep("a");
@@ -102,7 +102,7 @@ TEST_F(SceneSweep, KnobsOfThePictureChangeThePictureAlone) {
   EXPECT_EQ(result.runs.front().images, 2);
 }
 
-TEST_F(SceneSweep, LinesSamplesAndInversionsReachThePicture) {
+TEST_F(SceneSweep, LinesSamplesAndInversionsReachTheImage) {
   Make(R"({"needle_force": {}, "tissue": {"model": "displacement_functions"},
            "ultrasound": {"model": "beams", "beams": {"speckle": false}}})");
   request_.knobs = {"image_lines=64,256", "image_samples=256,1024", "tissue_warp_spacing_mm=8,1",
@@ -120,7 +120,7 @@ TEST_F(SceneSweep, LinesSamplesAndInversionsReachThePicture) {
 }
 
 // What is random in a scene is another in each repetition, and the same in all settings.
-TEST_F(SceneSweep, RepetitionsDrawAnewAndPairTheirSeeds) {
+TEST_F(SceneSweep, RepetitionsDrawAgainAndPairTheirSeeds) {
   Make(R"({"ultrasound": {"model": "beams"}})");
   request_.knobs = {"elevation_planes=1,3", "point_spread=off,on"};
   request_.repetitions = 2;
@@ -195,7 +195,7 @@ TEST_F(SceneSweep, SeveralAtOnceAndCaseByCaseGiveTheSameErrors) {
               ThrowsMessage<InputError>(HasSubstr("did you mean needle_nodes-15-r0?")));
 }
 
-TEST_F(SceneSweep, JointlyAllAreHeldAgainstTheDearest) {
+TEST_F(SceneSweep, JointlyAllAreComparedWithTheMostExpensive) {
   Make(kBendableEffects);
   request_.knobs = {"needle_nodes=8,50", "needle_path_spacing_mm=4,1"};
   request_.jointly = true;

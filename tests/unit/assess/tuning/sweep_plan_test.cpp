@@ -20,7 +20,7 @@ using testing_support::kBendableEffects;
 
 class PlanTest : public testing_support::SweepFolder {};
 
-TEST_F(PlanTest, EveryKnobIsTurnedByItselfAndItsDearestComesFirst) {
+TEST_F(PlanTest, EveryKnobIsVariedByItselfAndItsMostExpensiveValueComesFirst) {
   Make(kBendableEffects);
   request_.knobs = {"needle_nodes=15,50,25", "needle_path_spacing_mm=2,1"};
   request_.repetitions = 2;
@@ -42,11 +42,11 @@ TEST_F(PlanTest, EveryKnobIsTurnedByItselfAndItsDearestComesFirst) {
   EXPECT_EQ(plan.image_period_ms, 0.0);
 }
 
-TEST_F(PlanTest, LevelsThatTheSceneCannotTakeAreLeftOutOrRefused) {
+TEST_F(PlanTest, ValuesThatTheSceneCannotTakeAreOmittedOrRefused) {
   Make(kBendableEffects);
   request_.knobs = {"tissue_model"};
   // No mesh, no corridor, and the needle's force comes from the tissue: springs remain.
-  EXPECT_THAT([&] { Plan(); }, ThrowsMessage<InputError>(HasSubstr("only one of its levels")));
+  EXPECT_THAT([&] { Plan(); }, ThrowsMessage<InputError>(HasSubstr("only one of its values")));
   request_.knobs = {"tissue_model=springs,fe_3d"};
   EXPECT_THAT([&] { Plan(); }, ThrowsMessage<InputError>(AllOf(HasSubstr("tissue_model=fe_3d"),
                                                                HasSubstr("/patient/mesh"))));
@@ -76,7 +76,7 @@ TEST_F(PlanTest, JointlyAllCombinationsOrASpreadSubset) {
   EXPECT_TRUE(some.cases[0].is_reference);
 }
 
-TEST_F(PlanTest, WrongRequestsAreToldAtOnce) {
+TEST_F(PlanTest, WrongRequestsAreReportedAtOnce) {
   Make(kBendableEffects);
   request_.knobs = {"needle_nodes=15,50", "needle_nodes=25,50"};
   EXPECT_THAT([&] { Plan(); }, ThrowsMessage<InputError>(HasSubstr("given twice")));
@@ -111,7 +111,7 @@ TEST(SpreadCombinations, AreAllOfThemWhereThereIsRoom) {
   EXPECT_EQ(std::set<std::vector<int>>(all.begin(), all.end()).size(), 12U);
 }
 
-TEST(SpreadCombinations, TakeEveryLevelAsOftenAsAnyOtherAndNothingTwice) {
+TEST(SpreadCombinations, TakeEveryValueAsOftenAsAnyOtherAndNothingTwice) {
   const std::vector<int> sizes = {5, 6, 2, 8, 7};
   for (const std::uint64_t seed : {0U, 1U, 2U}) {
     const auto some = SpreadCombinations(sizes, 100, seed);

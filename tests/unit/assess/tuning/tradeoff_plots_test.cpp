@@ -85,7 +85,7 @@ TEST(TradeoffPlots, WithABudgetShowItsPercentileItsLineAndTheChosen) {
   EXPECT_THAT(Named(plots[0], "Pareto front")->x, ElementsAre(40, 80));
 }
 
-TEST(TradeoffPlots, OfPicturesMorePsnrIsBetter) {
+TEST(TradeoffPlots, OfImagesMorePsnrIsBetter) {
   SweepResult result = Nodes();
   const double dbs[] = {30, 35, 34, 50, std::numeric_limits<double>::infinity()};
   const double costs[] = {5, 6, 7, 1, 20};
@@ -108,12 +108,12 @@ TEST(TradeoffPage, OpensFromDiskAndHasEverything) {
   PageContent content;
   content.answer = {"Chosen: 15."};
   content.sentences = {"needle_nodes 25 instead of 100: 0.02 N."};
-  content.remarks = {"Left out: force_model=tissue"};
+  content.remarks = {"Omitted: force_model=tissue"};
   WritePage(temporary.path(), Nodes(), content, context);
   const std::string html = ReadTextFile(temporary.path() / "tradeoff.html");
   for (const char* text :
        {"Bending &amp; &lt;steering&gt;", "Some processor, 8 threads", "Chosen: 15.",
-        "needle_nodes 25 instead of 100", "Left out: force_model=tissue", "must not be used",
+        "needle_nodes 25 instead of 100", "Omitted: force_model=tissue", "must not be used",
         "nodes of the bendable needle", "25: Fortmeier-2016.", "<svg", "Provenance"}) {
     EXPECT_THAT(html, HasSubstr(text));
   }

@@ -30,7 +30,7 @@ const json kSchema = json::parse(R"({
     "properties": {"coulomb_n_per_mm": {"type": "number", "default": 0.01}}}}
 })");
 
-TEST(Problems, AreAllToldAtOnceWithPlaceValueAndRemedy) {
+TEST(Problems, AreAllReportedAtOnceWithPlaceValueAndRemedy) {
   const json document = json::parse(R"({
     "depth_mm": 300, "mode": "slow", "friction": {"coulomb_n_per_m": 1}, "layers": [{}, {"coulomb_n_per_mm": "x"}]})");
   const auto problems = Problems(kSchema, document);

@@ -9,7 +9,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-TEST(ByteWriter, PutsNumbersInTheOrderItIsTold) {
+TEST(ByteWriter, PutsNumbersInTheGivenOrder) {
   ByteWriter big(std::endian::big);
   big.Number(std::uint16_t{0x0102});
   big.Number(1.0F);  // 0x3f800000

@@ -92,7 +92,7 @@ TEST(RunMain, PrintsNoMegabytesAndNoControlCharacters) {
       RunThrowing(InputError("a.csv: '\x1b[2J\r\x7f" + std::string(5'000'000, 'x')));
   EXPECT_LT(result.stderr_text.size(), 8200U);
   EXPECT_THAT(result.stderr_text, StartsWith("acus-thing: a.csv: '?[2J??xxx"));
-  EXPECT_THAT(result.stderr_text, HasSubstr("bytes left out)\n"));
+  EXPECT_THAT(result.stderr_text, HasSubstr("bytes omitted)\n"));
   std::string umlauts = "a";
   for (int i = 0; i < 8000; ++i) umlauts += "\xc3\xa4";
   const std::string cut = RunThrowing(InputError(umlauts)).stderr_text;
@@ -142,7 +142,7 @@ TEST(RunMainDeathTest, TakesMemoryThatAThreadLacksForAnInputError) {
   EXPECT_EXIT(LackMemoryInAThread(), ::testing::ExitedWithCode(3), "acus-thing: not enough memory");
 }
 
-TEST(RunMain, LeavesFoldersOutOfTheCommandLineIfAsked) {
+TEST(RunMain, OmitsFoldersFromTheCommandLineIfRequested) {
   const Result result = RunThing({"patients/Jane/in.csv", "--no-folders"}, [](RunContext& context) {
     EXPECT_EQ(context.provenance.command_line, "acus-thing in.csv --no-folders");
     return ExitCode::kOk;

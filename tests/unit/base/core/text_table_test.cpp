@@ -20,14 +20,14 @@ TEST(TextTable, ManagesWithoutRows) {
   EXPECT_EQ(TextTable({"a", "b"}, {}), "a  b\n-  -\n");
 }
 
-TEST(FixedText, RoundsToTheDigitsAskedFor) {
+TEST(FixedText, RoundsToTheDigitsRequested) {
   EXPECT_EQ(FixedText(2.0 / 3, 3), "0.667");
   EXPECT_EQ(FixedText(-1.0, 0), "-1");
   EXPECT_EQ(FixedText(std::numeric_limits<double>::infinity(), 2), "inf");
   EXPECT_EQ(FixedText(-1.79e308, 30).size(), 1U + 309U + 1U + 30U);
 }
 
-TEST(RoundedText, KeepsTheDigitsAskedForAndAllBeforeThePoint) {
+TEST(RoundedText, KeepsTheDigitsRequestedAndAllBeforeThePoint) {
   EXPECT_EQ(RoundedText(2.0 / 3, 3), "0.667");
   EXPECT_EQ(RoundedText(-12.0, 3), "-12");
   EXPECT_EQ(RoundedText(999.4, 3), "999");

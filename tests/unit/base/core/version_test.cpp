@@ -10,7 +10,7 @@ namespace {
 using testing::MatchesRegex;
 using testing::StartsWith;
 
-TEST(Version, IsTheNumberAndWhatTellsBuildsApart) {
+TEST(Version, IsTheNumberAndWhatDistinguishesBuilds) {
   EXPECT_THAT(VersionNumber(), MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+"));
   EXPECT_THAT(Version(), StartsWith(VersionNumber()));
   EXPECT_THAT(Version().substr(VersionNumber().size()),

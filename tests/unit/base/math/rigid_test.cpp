@@ -19,7 +19,7 @@ TEST(RigidFromMatrix, RefusesScaleMirrorAndNan) {
   EXPECT_THROW(RigidFromMatrix(matrix), InputError);
 }
 
-TEST(Interpolate, TurnsHalfTheAngleAtHalfTheWay) {
+TEST(Interpolate, TurnsHalfTheAngleAtHalfTheDistance) {
   const Eigen::Isometry3d a = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d b(Eigen::AngleAxisd(1.0, Eigen::Vector3d(1, 2, 3).normalized()));
   b.translation() << 10, 20, 30;

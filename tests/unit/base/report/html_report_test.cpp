@@ -39,7 +39,7 @@ HtmlReport FullReport() {
   plot.title = "Force";
   plot.series.push_back({.name = "axial", .x = {0, 1}, .y = {0, 2}});
   report.Plots(std::span(&plot, 1), "Over time");
-  report.Section("Pictures");
+  report.Section("Images");
   const auto png = Temporary("tiny.png");
   WriteTextFile(png, std::string_view("\x89PNG\r\n\x1A\nrest", 12));
   report.Picture(png, "a slice", "Slice");
@@ -52,8 +52,8 @@ TEST(HtmlReport, HoldsEverythingAndNeedsNoNetwork) {
   const std::string html = FullReport().Text();
   EXPECT_THAT(html, HasSubstr("<h1>Replay &lt;1&gt;</h1>"));
   EXPECT_THAT(html, HasSubstr("<li>a &lt; b</li>"));
-  EXPECT_THAT(html, HasSubstr("<a href=\"#s2\">Pictures</a>"));
-  EXPECT_THAT(html, HasSubstr("<h2 id=\"s2\">Pictures</h2>"));
+  EXPECT_THAT(html, HasSubstr("<a href=\"#s2\">Images</a>"));
+  EXPECT_THAT(html, HasSubstr("<h2 id=\"s2\">Images</h2>"));
   EXPECT_THAT(html, HasSubstr("<td class=\"n\">12.5</td>"));
   EXPECT_THAT(html, HasSubstr("<td>path</td>"));
   EXPECT_THAT(html, HasSubstr("src=\"my%20film%231.mp4\""));

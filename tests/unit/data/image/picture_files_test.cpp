@@ -47,7 +47,7 @@ TEST(WritePng, IsReadBackPixelByPixel) {
   EXPECT_THAT(ReadTextFile(folder / "a.png"), testing::HasSubstr("made by a test"));
 }
 
-TEST(WritePng, RefusesAnEmptyPictureAndLeavesNothing) {
+TEST(WritePng, RefusesAnEmptyImageAndLeavesNothing) {
   const TemporaryFolder folder;
   EXPECT_THROW(WritePng(folder / "a.png", GrayImage{}), InputError);
   GrayImage torn = Shades(4, 4, 0);
@@ -96,7 +96,7 @@ TEST(Film, OddSizesArePaddedByOnePixel) {
   EXPECT_EQ(film.get(cv::CAP_PROP_FRAME_HEIGHT), 78);
 }
 
-TEST(Film, TheSamePicturesGiveTheSameBytes) {
+TEST(Film, TheSameImagesGiveTheSameBytes) {
   const TemporaryFolder folder;
   WriteFilm(folder / "a.mp4", 256, 128, 40);
   WriteFilm(folder / "b.mp4", 256, 128, 40);
@@ -128,7 +128,7 @@ TEST(Film, AppearsWholeOrNotAtAll) {
   EXPECT_THROW(empty.Finish(), InputError);
 }
 
-TEST(Film, RefusesWhatCannotBeFilmed) {
+TEST(Film, RefusesWhatCannotBeAVideo) {
   const TemporaryFolder folder;
   const auto film = [&](int width, int height, const FilmOptions& options) {
     FilmWriter(folder / "film.mp4", width, height, options);

@@ -60,7 +60,7 @@ TEST(CheckSurface, CountsHandlesAndPieces) {
   EXPECT_TRUE(two.is_fit_for_meshing());
 }
 
-TEST(CheckSurface, TellsEachDefectWithItsPlace) {
+TEST(CheckSurface, ReportsEachDefectWithItsPlace) {
   const Surface cube = shapes::Cube();
   const SurfaceReport open = CheckSurface(WithoutTriangles(cube, 0, 1));
   EXPECT_EQ(open.open_edges.count, 3U);

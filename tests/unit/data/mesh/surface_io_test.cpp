@@ -114,7 +114,7 @@ TEST(ReadSurface, NeverAllocatesWhatAHeaderOnlyClaims) {
   EXPECT_THAT([&] { ReadSurface(stl); }, ThrowsMessage<InputError>(HasSubstr("cut off")));
 }
 
-TEST(ReadSurface, NamesTheFormatsItKnows) {
+TEST(ReadSurface, NamesItsFormats) {
   EXPECT_THAT([] { ReadSurface("surface.png"); }, ThrowsMessage<InputError>(HasSubstr(".vtp")));
   EXPECT_THROW(WriteSurface(TemporaryPath("surface.png"), shapes::Cube()), InputError);
   EXPECT_THROW(ReadSurface("not_there.stl"), InputError);

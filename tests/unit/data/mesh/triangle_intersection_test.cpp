@@ -14,7 +14,7 @@ Triangle Moved(const Triangle& t, double x, double y, double z) {
   return out;
 }
 
-TEST(TrianglesIntersect, TellsCrossingTouchingAndApart) {
+TEST(TrianglesIntersect, DistinguishesCrossingTouchingAndSeparate) {
   const Triangle upright = {Eigen::Vector3d(0.5, 0.5, -1), Eigen::Vector3d(0.5, 0.5, 1),
                             Eigen::Vector3d(3, 3, 0)};
   EXPECT_TRUE(TrianglesIntersect(kFlat, upright));

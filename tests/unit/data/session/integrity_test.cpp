@@ -126,7 +126,7 @@ TEST(Integrity, DoesNotTakeTheNoiseOfAToolAtRestForMetres) {
   EXPECT_TRUE(Describe(CheckIntegrity(stream), "needle").empty());
 }
 
-TEST(Integrity, TellsOfCoordinatesThatSeemToBeInMetres) {
+TEST(Integrity, ReportsOfCoordinatesThatSeemToBeInMetres) {
   const auto sweep = [](double extent) {
     PoseStream stream;
     for (int i = 0; i <= 300; ++i) {

@@ -43,7 +43,7 @@ ImportedSession Import(const std::filesystem::path& path, const RecordingOptions
   return ImportRecording(path, options, context);
 }
 
-TEST(ImportRecording, MakesUpTimesOnlyIfAsked) {
+TEST(ImportRecording, InventsTimesOnlyIfRequested) {
   const TemporaryFolder folder;
   WriteTextFile(folder / "a.igs.mha", Sequence("ProbeToReference", false));
   EXPECT_THAT([&] { ImportRecording(folder / "a.igs.mha", {}, RunContext{}); },

@@ -22,7 +22,7 @@ TEST(PoseAt, IsLinearInPlaceAndAngleBetweenSamples) {
   EXPECT_LT((at.reference_from_tool.matrix() - Turned(0.25, 15.0).matrix()).norm(), 1e-14);
 }
 
-TEST(PoseAt, TurnsTheShorterWay) {
+TEST(PoseAt, TurnsTheShorterDirection) {
   const double pi = std::numbers::pi;
   const PoseStream stream = {{0, Turned(0.9 * pi, 0.0), true}, {2, Turned(-0.9 * pi, 0.0), true}};
   EXPECT_NEAR(math::AngleBetweenRad(PoseAt(stream, 1).reference_from_tool, Turned(pi, 0.0)), 0.0,

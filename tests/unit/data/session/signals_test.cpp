@@ -84,7 +84,7 @@ TEST(Signals, BreathBetweenSamplesIsLinearAndItsCycleGoesRound) {
   EXPECT_NEAR(BreathAt(stream, 8).cycle, 0.06, 1e-15);
 }
 
-TEST(Signals, ACutOffLastLineIsLeftOutAndOtherFaultsAreErrors) {
+TEST(Signals, ACutOffLastLineIsOmittedAndOtherFaultsAreErrors) {
   const TemporaryFolder folder;
   const auto read = [&](const std::string& rows) {
     WriteTextFile(folder / "b.csv", std::string(kBreathHeader) + "\n" + rows);

@@ -60,7 +60,7 @@ TEST(ReadTransform, TurnsAboutTheCentre) {
   EXPECT_TRUE((read * Vector3d(11, 0, 0)).isApprox(Vector3d(10, 1, 1), 1e-12));
 }
 
-TEST(ReadTransform, KnowsTheKindsOfRigidTransform) {
+TEST(ReadTransform, ReadsTheKindsOfRigidTransform) {
   const std::string centre = "\nFixedParameters: 0 0 0\n";
   const auto x = AngleAxisd(0.1, Vector3d::UnitX());
   const auto y = AngleAxisd(0.2, Vector3d::UnitY());

@@ -82,7 +82,7 @@ TEST_F(PlusSimulatorFile, ALinearProbeIsUsableWhereAPresetIs) {
   EXPECT_EQ(grid.samples, 575);  // 50 mm / 0.087 mm, and the face.
 }
 
-TEST_F(PlusSimulatorFile, ACurvedProbeKeepsThePictureOfPlus) {
+TEST_F(PlusSimulatorFile, ACurvedProbeKeepsTheImageOfPlus) {
   const Probe probe = ReadProbe(Write(Document(kCurved)));
   EXPECT_EQ(probe.kind, ProbeKind::kCurvilinear);
   EXPECT_EQ(probe.radius_mm, 60.0);
@@ -124,7 +124,7 @@ TEST_F(PlusSimulatorFile, WrongValuesAreNamed) {
   Refuses(linear, "820 616", "820", "give 2 numbers");
   Refuses(linear, "820 616", "8200 616", "OutputImageSizePixel");
   Refuses(linear, "410 0", "300 0", "give 410");
-  Refuses(linear, "410 0", "410 700", "must be in the picture");
+  Refuses(linear, "410 0", "410 700", "must be in the image");
   Refuses(linear, "0.084 0.087", "0.084 -1", "OutputImageSpacingMmPerPixel");
   Refuses(linear, "FrequencyMhz=\"4\"", "FrequencyMhz=\"400\"", "FrequencyMhz");
   Refuses(linear, "DensityKgPerM3=\"910\"", "DensityKgPerM3=\"nan\"", "DensityKgPerM3");

@@ -145,7 +145,7 @@ TEST(Probe, DamagedFilesAreReadOrRefused) {
   EXPECT_GT(testing_support::ReadDamagedCopies(valid, path, 200, read), 50);
 }
 
-TEST(Probe, PixelsAreSquareAndTheTopMiddleOfALinearPictureIsTheOrigin) {
+TEST(Probe, PixelsAreSquareAndTheTopMiddleOfALinearImageIsTheOrigin) {
   const image::ImageGeometry picture = PictureOf(ProbeLinear());
   EXPECT_DOUBLE_EQ(picture.axial_mm_per_px, 60.0 / 511.0);
   EXPECT_DOUBLE_EQ(picture.lateral_mm_per_px, picture.axial_mm_per_px);
@@ -179,7 +179,7 @@ TEST(Probe, LinesOfALinearProbeLieOnThePixelColumnsOfItsFace) {
   EXPECT_EQ(grid.samples, 512);
 }
 
-TEST(Probe, AFanStartsOnTheFaceAndItsSectorFillsThePicture) {
+TEST(Probe, AFanStartsOnTheFaceAndItsSectorFillsTheImage) {
   const Probe probe = Curved();
   const ScanGrid grid = ScanGridOf(probe);
   const image::ImageGeometry picture = PictureOf(probe);
@@ -195,7 +195,7 @@ TEST(Probe, AFanStartsOnTheFaceAndItsSectorFillsThePicture) {
   EXPECT_GE(picture.depth_of_top_row_mm + 511 * picture.axial_mm_per_px, 150.0 - 1e-9);
 }
 
-TEST(Probe, PicturesWithoutPixelsOrWithFlatOnesAreRefused) {
+TEST(Probe, ImagesWithoutPixelsOrWithFlatOnesAreRefused) {
   EXPECT_THROW(ScanGridOf(image::ImageGeometry{.width_px = 0, .height_px = 4}), InputError);
   EXPECT_THROW(ScanGridOf(image::ImageGeometry{.width_px = 4, .height_px = 9000}), InputError);
   EXPECT_THROW(

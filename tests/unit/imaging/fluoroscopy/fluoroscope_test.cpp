@@ -162,7 +162,7 @@ TEST(Fluoroscope, AnglesAndSidesAreThoseOfTheClinic) {
   EXPECT_LT(front.Project({0, 0, 10}).y(), 47.5);  // His head is up.
 }
 
-TEST(Fluoroscope, AnIsocentreBesideTheOriginMovesThePicture) {
+TEST(Fluoroscope, AnIsocentreBesideTheOriginMovesTheImage) {
   CArmPose pose = Pose(20, -10);
   pose.isocentre_in_ct_mm = {12, -7, 30};
   const CArmGeometry g(SmallArm(), pose);

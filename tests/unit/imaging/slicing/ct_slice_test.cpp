@@ -37,7 +37,7 @@ TEST(CtSlice, TheMarkedSideIsRightAndDepthIsDown) {
   EXPECT_EQ(image.At(80, 30), 128);  // Above.
 }
 
-TEST(CtSlice, TurningTheProbeRoundMirrorsThePicture) {
+TEST(CtSlice, TurningTheProbeRoundMirrorsTheImage) {
   const volume::CtVolume ct = Marker({45, 25, 20});
   CtSliceRenderer renderer(ct, kPicture, 2.0);
   image::GrayImage straight;

@@ -122,7 +122,7 @@ TEST(PaintNeedle, AThinNeedleIsNotBrokenUp) {
   EXPECT_NEAR(columns * kPx, 24.0, 2 * kPx);
 }
 
-TEST(PaintNeedle, OutsideThePictureNothingIsPainted) {
+TEST(PaintNeedle, OutsideTheImageNothingIsDrawn) {
   for (const Eigen::Vector3d& tip :
        {Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(-25, 20, 0), Eigen::Vector3d(1e12, 0, 0)}) {
     Canvas canvas;

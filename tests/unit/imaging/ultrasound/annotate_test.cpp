@@ -84,7 +84,7 @@ TEST(Screen, TextIsNotLeftOverFromTheFrameBefore) {
   EXPECT_EQ(with.pixels, without.pixels);
 }
 
-TEST(Screen, RefusesPicturesThatDoNotFit) {
+TEST(Screen, RefusesImagesThatDoNotFit) {
   image::GrayImage out;
   const image::GrayImage slice = Grey(90);
   EXPECT_THROW(Screen(AnnotateTestProbe(), Screen::Shows::kBoth).Compose(Grey(0), nullptr, "", out),
@@ -101,7 +101,7 @@ TEST(Screen, RefusesPicturesThatDoNotFit) {
 
 TEST(DrawText, IsCutOffAtTheBorder) {
   image::GrayImage image = Grey(0);
-  DrawText(image, 295, 100, "longer than the picture");
+  DrawText(image, 295, 100, "longer than the image");
   DrawText(image, -500, 5000, "nowhere");
   long sum = 0;
   for (const std::uint8_t p : image.pixels) sum += p;

@@ -74,7 +74,7 @@ TEST(ApertureRays, SharesAddUpToOneAtEveryDepth) {
   }
 }
 
-TEST(ApertureField, NothingIsLostWhereNothingIsInTheWay) {
+TEST(ApertureField, NothingIsLostWithoutAnObstacle) {
   EXPECT_NEAR(ApertureUnderPlate(TargetProbe(), 9, 100, -1, 300), 1.0, 1e-5);
 }
 

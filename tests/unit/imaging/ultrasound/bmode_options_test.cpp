@@ -24,7 +24,7 @@ BModeOptions With(const std::string& key, const json& value) {
   return ReadBModeOptions(path);
 }
 
-TEST(BModeOptions, DefaultsAreThe2010Way) {
+TEST(BModeOptions, DefaultsAreThoseOf2010) {
   const BModeOptions options = DefaultBModeOptions();
   EXPECT_FALSE(options.attenuation);
   EXPECT_FALSE(options.texture);

@@ -85,7 +85,7 @@ TEST(BMode, DependsOnNothingRenderedBefore) {
   EXPECT_EQ(a.pixels, b.pixels);
 }
 
-TEST(BMode, AllocatesNothingAfterTheFirstPicture) {
+TEST(BMode, AllocatesNothingAfterTheFirstImage) {
   const volume::CtVolume ct = NoisyBody();
   BModeOptions options = DefaultBModeOptions();
   options.texture = options.attenuation = true;
@@ -103,7 +103,7 @@ TEST(BMode, AllocatesNothingAfterTheFirstPicture) {
   }
 }
 
-TEST(BMode, TheBeamLevelAllocatesNothingAfterTheFirstPicture) {
+TEST(BMode, TheBeamModelAllocatesNothingAfterTheFirstImage) {
   const volume::CtVolume ct = NoisyBody();
   const acoustics::TissueAcousticsTable table{
       .name = "test",

@@ -175,7 +175,7 @@ TEST(FramePersistence, NoiseFallsAsTheClosedFormSays) {
   EXPECT_GT(count, 0);
 }
 
-TEST(FramePersistence, StartsAnewAfterAResetAnotherSizeAndATimeThatRunsBack) {
+TEST(FramePersistence, StartsAgainAfterAResetAnotherSizeAndATimeThatRunsBack) {
   FramePersistence persistence(1.0);
   image::GrayImage out;
   persistence.Add(0, Even(0), out);

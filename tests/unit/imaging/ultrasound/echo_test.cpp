@@ -77,7 +77,7 @@ TEST(Echo, TwoHalfSpacesReflectByTheirImpedances) {
   }
 }
 
-TEST(Echo, WhatIsReflectedIsMissingBelowOnTheWayThereAndBack) {
+TEST(Echo, WhatIsReflectedIsMissingBelowInBothDirections) {
   const double hu[] = {40.0, 300.0, -100.0, 900.0};
   const slicing::BeamImage echo = Trace(Plain(), [&](int, int k) { return hu[k / 50]; });
   double energy = 1.0;

@@ -144,7 +144,7 @@ TEST(TileCaster, GivesTheSameBitsOnEveryInstructionSet) {
 }
 
 // The same pixels in tiles of other sizes: lanes do not depend on each other.
-TEST(TileCaster, RaysDoNotDependOnTheirNeighbours) {
+TEST(TileCaster, RaysDoNotDependOnAdjacentRays) {
   const Everything all("skin");
   const TileCaster caster(all.scene, {}, all.camera);
   std::vector<RayColour> whole(128);

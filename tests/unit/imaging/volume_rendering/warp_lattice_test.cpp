@@ -63,7 +63,7 @@ double PsnrDb(const ViewPicture& a, const ViewPicture& b) {
 }
 
 // Against every sample inverted to the last digits. 40 dB is 2.5 of 255 grey levels: not seen.
-TEST(WarpLattice, ThePictureIsThatOfExactInversion) {
+TEST(WarpLattice, TheImageIsThatOfExactInversion) {
   const auto ct = testing_support::TrunkCt(128);
   for (const bool slides : {false, true}) {
     const breathing::MotionField field = TrunkField(slides);

@@ -57,7 +57,7 @@ TEST(FindPhases, GoesByItsTable) {
   }
 }
 
-TEST(FindPhases, TellsDicomPhasesOfOneSeriesByTheirTime) {
+TEST(FindPhases, ReportsDicomPhasesOfOneSeriesByTheirTime) {
   const TemporaryFolder folder;
   for (int phase = 0; phase < 4; ++phase) {
     for (int k = 0; k < 4; ++k) {

@@ -45,7 +45,7 @@ MechanicalModel JointFitTruth() {
   return PlainTruth({});
 }
 
-TEST(JointFit, TwoConstantsWhereTheTissueIsTheSameAllTheWay) {
+TEST(JointFit, TwoConstantsWhereTheTissueIsUniform) {
   const Recordings recordings(JointFitTruth(), 5, 0.0);
   const JointModel joint = FitJoint(recordings.All());
   EXPECT_LE(joint.knots_in, 4);

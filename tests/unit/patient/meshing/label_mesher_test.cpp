@@ -148,7 +148,7 @@ TEST(MeshLabelMap, FollowsAllTissuesWithinAVoxel) {
   }
 }
 
-TEST(MeshLabelMap, TellsThinTissuesApartWhereTheirSurfaceIsTooFine) {
+TEST(MeshLabelMap, DistinguishesThinTissuesWhereTheirSurfaceIsTooFine) {
   LabelMeshSettings settings = Coarse();
   settings.conforming_tissues = {"all"};
   settings.volume_tolerance = 0.02;
@@ -168,7 +168,7 @@ TEST(MeshLabelMap, TellsThinTissuesApartWhereTheirSurfaceIsTooFine) {
   }
 }
 
-TEST(MeshLabelMap, TellsASmallTissueApartWithinTheOneAroundIt) {
+TEST(MeshLabelMap, DistinguishesASmallTissueWithinTheOneAroundIt) {
   LabelMeshSettings settings = Coarse();
   settings.conforming_tissues = {"all"};
   settings.except_tissues = {"liver"};
@@ -310,7 +310,7 @@ TEST(MeshLabelMap, SaysNoRatherThanGiveABadMesh) {
               ThrowsMessage<NoAnswerError>(HasSubstr("in the label map")));
 }
 
-TEST(MeshLabelMap, StopsWhenAsked) {
+TEST(MeshLabelMap, StopsOnRequest) {
   std::atomic<bool> stop{true};
   RunContext context;
   context.stop = &stop;

@@ -56,8 +56,8 @@ TEST(WithoutSpecks, TissuesOfOneMaterialAreNotDisturbed) {
 }
 
 TEST(WithoutSpecks, CountsWhatIsBeyondTheVolumeAsOutside) {
-  volume::LabelMap labels = label_maps::Make(
-      8, 1.0, [](const Eigen::Vector3d&) -> std::uint8_t { return kFat; });
+  volume::LabelMap labels =
+      label_maps::Make(8, 1.0, [](const Eigen::Vector3d&) -> std::uint8_t { return kFat; });
   labels.At(0, 3, 3) = 0;  // A notch.
   EXPECT_EQ(WithoutSpecks(labels, BoneAndRest(), kTwoVoxels).labels.voxels, labels.voxels);
   labels.At(0, 5, 5) = kBone;  // Touches fat five times, and the outside once.

@@ -37,7 +37,7 @@ TEST(MeshSurface, ObeysTheElementSize) {
   EXPECT_GT(fine.mesh.tetrahedra.cols(), 3 * coarse.mesh.tetrahedra.cols());
 }
 
-TEST(MeshSurface, MakesASurfaceOfThinTrianglesAnew) {
+TEST(MeshSurface, MakesASurfaceOfThinTrianglesAgain) {
   std::vector<std::string> warnings;
   RunContext context;
   context.on_warning = [&](std::string_view text) { warnings.emplace_back(text); };

@@ -135,7 +135,7 @@ TEST(Anatomy, LookingUpNearbyPartsChangesNothing) {
   }
 }
 
-TEST(Anatomy, NamesTheKnownLandmarksWhenAskedForAnother) {
+TEST(Anatomy, NamesTheKnownLandmarksWhenRequestedAnother) {
   const Anatomy anatomy(Body(), 1);
   EXPECT_THROW(anatomy.Landmark("canal_L8L9"), InputError);
 }

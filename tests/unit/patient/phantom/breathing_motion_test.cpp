@@ -67,7 +67,7 @@ TEST(BreathingMotion, NothingMovesAtEndExpiration) {
   }
 }
 
-TEST(BreathingMotion, TheDiaphragmGoesAsFarAsAsked) {
+TEST(BreathingMotion, TheDiaphragmGoesAsFarAsRequested) {
   for (const double mm : {10.0, 20.0, 50.0}) {
     const BreathingMotion motion(TrunkCavity(),
                                  {.diaphragm_mm = mm, .chest_mm = 0.0, .hysteresis_mm = 0.0});
@@ -134,7 +134,7 @@ TEST(BreathingMotion, IsInvertibleWithoutFoldsOnBothSides) {
   }
 }
 
-TEST(BreathingMotion, TheWayInIsNotTheWayOut) {
+TEST(BreathingMotion, InsertionIsNotWithdrawal) {
   const BreathingMotion motion(TrunkCavity(), {.hysteresis_mm = 3.0});
   const Vector3d p(60.0, 0.0, -20.0);
   const double rate = std::numbers::pi / motion.settings().period_s;
@@ -146,7 +146,7 @@ TEST(BreathingMotion, TheWayInIsNotTheWayOut) {
             none.WorldMm(p, {.cycle = 0.25, .level = 0.5, .level_per_s = -rate}));
 }
 
-TEST(BreathingMotion, RefusesWhatNobodyBreathes) {
+TEST(BreathingMotion, RefusesImpossibleBreathing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double mm : {-1.0, 81.0, nan}) {
     EXPECT_THROW(BreathingMotion(TrunkCavity(), {.diaphragm_mm = mm}), InputError);

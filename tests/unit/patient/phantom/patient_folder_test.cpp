@@ -81,7 +81,7 @@ TEST(WritePatient, GivesTheSameBitsForOneAndTwoThreadsAndOthersForAnotherSeed) {
   }
 }
 
-TEST(WritePatient, LeavesNothingBehindWhenThereIsNoWay) {
+TEST(WritePatient, LeavesNothingBehindWhenThereIsNoPath) {
   const testing_support::TemporaryFolder folder;
   PhantomConfig config = Coarse("lumbar");
   config.insertion.approach = -Eigen::Vector3d::UnitY();  // Through the belly.

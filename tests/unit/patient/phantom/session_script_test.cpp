@@ -67,7 +67,7 @@ TEST_P(Sessions, MoveAsAHandCan) {
   }
 }
 
-TEST_P(Sessions, TellTheWholeStoryInOrder) {
+TEST_P(Sessions, AreInOrderAndComplete) {
   const auto& events = Session(GetParam()).scripted.events;
   std::vector<std::string> story;
   for (const NeedleEvent& event : events) {

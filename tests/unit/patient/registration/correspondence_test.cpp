@@ -40,7 +40,7 @@ TEST(BetterOrder, LeavesARightOrderAlone) {
   EXPECT_FALSE(BetterOrder(SpreadMarkers(6, 1), SpreadMarkers(6, 2)));  // Other points altogether.
 }
 
-TEST(EquallyGoodOrders, TellsASymmetricalLayout) {
+TEST(EquallyGoodOrders, ReportsASymmetricalLayout) {
   transforms::Markers square_mm(3, 4);
   square_mm << 50, 50, -50, -50, 50, -50, -50, 50, 0, 0, 0, 0;
   // Four turns and four turns of the other side; the present one does not count.

@@ -103,7 +103,7 @@ TEST(CalibrateFacets, NamesFacetsThatWereNeverSeenWithTheOthers) {
     if (poses[3]) poses[0] = poses[1] = poses[2] = std::nullopt;
   }
   EXPECT_THAT([&] { CalibrateFacets(Facets(), moments); },
-              ThrowsMessage<NoAnswerError>(HasSubstr("not even by way of others: 'F3'")));
+              ThrowsMessage<NoAnswerError>(HasSubstr("not even through others: 'F3'")));
   auto thin = Facets();
   thin[2].points_mm.row(1).setZero();
   EXPECT_THAT([&] { CalibrateFacets(thin, moments); },

@@ -77,7 +77,7 @@ TEST(SearchOutliers, AccusesGoodPointsRarely) {
   EXPECT_LT(accused_with_fle, 0.07 * kTrials);
 }
 
-TEST(SearchOutliers, SaysWhenItCannotTell) {
+TEST(SearchOutliers, ReportsWhenItIsUndetermined) {
   // A rectangle of which one corner slid along its side: the corner opposite may as well have slid.
   transforms::Markers reference_mm(3, 4);
   reference_mm << 0, 100, 100, 0, 0, 0, 60, 60, 0, 0, 0, 0;
@@ -100,7 +100,7 @@ TEST(SearchOutliers, IsQuietWithoutNoiseAndWithFewPoints) {
   EXPECT_NEAR(search.error_mm[2], 1.0, 1e-9);
 }
 
-TEST(SearchOutliers, GoesOnWhereThereAreTooManySets) {
+TEST(SearchOutliers, ContinuesWhereThereAreTooManySets) {
   const transforms::Markers reference_mm = SpreadMarkers(40);
   transforms::Markers ct_mm = NoisyMarkers(KnownPose() * reference_mm, 0.4, 2);
   for (const int i : {3, 9, 17, 25, 33, 38}) ct_mm.col(i) += Vector3d(5.0 + i, -i, 8);

@@ -52,7 +52,7 @@ TEST(FindTouches, FindsWhereTheTipRested) {
   }
 }
 
-TEST(FindTouches, TellsPivotingFromStandingStill) {
+TEST(FindTouches, DistinguishesPivotingFromStandingStill) {
   TouchSettings settings;
   settings.shaft_mm = 30.0;
   EXPECT_THAT(FindTouches(TouchesRecorded(kPlacesMm, 0.0), kTouchesTipMm, settings), SizeIs(0));

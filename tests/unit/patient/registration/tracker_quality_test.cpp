@@ -44,7 +44,7 @@ TEST(MeasureJitter, IsThatOfTheNoise) {
   EXPECT_EQ(jitter.num_invalid, 100U);
 }
 
-TEST(MeasureJitter, TellsDriftFromNoise) {
+TEST(MeasureJitter, DistinguishesDriftFromNoise) {
   const Jitter jitter = MeasureJitter(Still(200, 0.8), "probe", 2.0);
   EXPECT_NEAR(jitter.drift_mm, 0.8, 0.03);
   EXPECT_NEAR(jitter.noise_mm, 0.1 * std::sqrt(3), 0.004);

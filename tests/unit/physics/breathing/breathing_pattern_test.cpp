@@ -44,7 +44,7 @@ TEST(BreathingPattern, TheRateIsTheDerivativeOfTheLevelAndHasNoStep) {
   }
 }
 
-TEST(BreathingPattern, SpreadsAsFarAsAsked) {
+TEST(BreathingPattern, SpreadsAsFarAsRequested) {
   const BreathingPattern pattern(Irregular());
   std::vector<double> starts_s;
   double last = 0.9;

@@ -77,7 +77,7 @@ TEST(MotionField, IsGoodToAMicrometreWhenItReaches64Mm) {
   for (std::size_t n = 0; n < values.size(); ++n) EXPECT_NEAR(back[n], values[n], 1e-3);
 }
 
-TEST(MotionField, GoesOnAsAtItsBorderBeyondIt) {
+TEST(MotionField, BeyondItsBorderItIsAsAtTheBorder) {
   const MotionField field = TwoComponents();
   MotionWeights weights;
   weights.Add(0, 1.0);

@@ -48,7 +48,7 @@ TEST(MotionMap, OneWarmIterationFollowsNormalBreathingAtAKilohertz) {
   EXPECT_GT(worst_mm, 0.0);
 }
 
-TEST(MotionMap, FiveIterationsSufficeForAPixelFromItsNeighbour) {
+TEST(MotionMap, FiveIterationsSufficeForAPixelFromTheAdjacentOne) {
   const MotionModel model = Diaphragm(20.0);
   const MotionMap map(model.field(), model.WeightsAt({.level = 0.0}));
   double worst_mm = 0.0;

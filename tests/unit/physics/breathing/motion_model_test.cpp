@@ -46,7 +46,7 @@ TEST(MotionModel, FullCycleClosesAlsoIfNoFrameIsAtItsBeginning) {
   EXPECT_NEAR(ShiftMm(model, {.cycle = 0.1}), 1.2, 1e-3);
 }
 
-TEST(MotionModel, HalfCycleGoesOnBeyondItsEndsAlongTheLineBetweenThem) {
+TEST(MotionModel, HalfCycleContinuesBeyondItsEndsAlongTheLineBetweenThem) {
   const auto model =
       MotionModel::HalfCycle(Shifts(2), {{1.0, KeyFrame::kReference}, {0.5, 1}, {0.0, 0}});
   EXPECT_NEAR(ShiftMm(model, {.level = 0.5}), 2.0, 1e-3);
@@ -60,7 +60,7 @@ TEST(MotionModel, SurrogateIsLinearInSignalAndRate) {
   EXPECT_NEAR(ShiftMm(model, {.level = 2.0, .level_per_s = -0.5}), 1 * 2.0 - 2 * 0.5 + 3, 1e-3);
 }
 
-TEST(MotionModel, SinusoidSwingsWithTheLevel) {
+TEST(MotionModel, SinusoidOscillatesWithTheLevel) {
   const auto model = MotionModel::Sinusoid(Shifts(1), 1.0);
   EXPECT_EQ(model.WeightsAt({.level = 1.0}).count, 0);
   EXPECT_NEAR(ShiftMm(model, {.level = 0.0}), 1.0, 1e-3);

@@ -60,7 +60,7 @@ TEST(ToolAtRest, IsThePoseItselfBitForBitWhereNothingMoves) {
   EXPECT_EQ(at_rest.world_from_rest.coeffs(), Eigen::Quaterniond::Identity().coeffs());
 }
 
-TEST(ToolAtRest, ComesBackFromJumpsAndRubbish) {
+TEST(ToolAtRest, ComesBackFromJumpsAndInvalidData) {
   const MotionModel model = Box();
   const MotionMap map(model.field(), model.WeightsAt(RegularBreath(0.45)));
   ToolTrack track;

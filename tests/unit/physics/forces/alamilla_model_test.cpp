@@ -77,7 +77,7 @@ TEST_F(AlamillaTest, TrackingWallCutsAndWithdraws) {
   EXPECT_EQ(events.back(), NeedleEvent::kWithdrawal);
 }
 
-TEST_F(AlamillaTest, EachLayerHoldsTheNeedleOnItsWayOutByItsOwnForce) {
+TEST_F(AlamillaTest, EachLayerHoldsTheNeedleDuringWithdrawalByItsOwnForce) {
   MoveTo(55.0);
   EXPECT_NEAR(driven.last.cutting_n, 2.5, 1e-9);
   MoveTo(41.0, 40.0);

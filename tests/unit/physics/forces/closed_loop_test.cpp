@@ -47,7 +47,7 @@ TEST(ClosedLoop, AFreeDeviceIsADampedOscillator) {
 
 // A sampled spring gives, over a period of a motion of amplitude a and frequency w, pi K w tau a^2
 // with tau = T (delay + 1/2): what the literature's b > K T / 2 is about.
-TEST(ClosedLoop, ASampledSpringGivesTheEnergyThatTheoryTells) {
+TEST(ClosedLoop, ASampledSpringGivesTheEnergyOfTheory) {
   HapticDevice device;
   device.mass_kg = 0.1;
   device.encoder_mm = 0.0;
@@ -85,7 +85,7 @@ TEST(ClosedLoop, ADamperTakesWhatItShould) {
   EXPECT_LT(result.generated_mj, 1e-3);
 }
 
-TEST(ClosedLoop, ChatterAndSwingAreThoseOfTheForce) {
+TEST(ClosedLoop, ChatterAndOscillationAreThoseOfTheForce) {
   LoopResult result;
   for (int i = 0; i < 4000; ++i) {
     LoopSample sample;

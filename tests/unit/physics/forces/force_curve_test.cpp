@@ -58,7 +58,7 @@ TEST(SynthesizeForceCurve, PassesThroughAllPhases) {
   EXPECT_EQ(curve.depth_mm.back(), 0.0);
 }
 
-TEST(SynthesizeForceCurve, HasTheNoiseAskedForAndIsKeyedBySeed) {
+TEST(SynthesizeForceCurve, HasTheNoiseRequestedAndIsKeyedBySeed) {
   const DrivePlan plan{.rest_s = 20.0};
   const ForceCurve a = SynthesizeForceCurve({}, plan, 0.05, 1, "x");
   const ForceCurve b = SynthesizeForceCurve({}, plan, 0.05, 2, "x");

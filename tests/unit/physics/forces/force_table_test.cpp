@@ -112,7 +112,7 @@ TEST(ForceTable, SaysWhatIsWrong) {
               ThrowsMessage<InputError>(HasSubstr("no_membrane_from")));
 }
 
-TEST(ReadNeedle, KnowsTheThreeNeedles) {
+TEST(ReadNeedle, ReadsTheThreeNeedles) {
   for (const auto& [file, gauge, length_mm] :
        {std::tuple{"trocar_18g", 18, 150.0}, {"spinal_22g", 22, 90.0}, {"biopsy_16g", 16, 150.0}}) {
     const NeedleProperties needle =

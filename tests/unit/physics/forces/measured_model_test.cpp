@@ -124,7 +124,7 @@ TEST(MeasuredModel, BadSamplesAreTreatedAsByTheLayeredModel) {
   EXPECT_TRUE(std::isfinite(needle.StepTo(20.5).AxialN()));
 }
 
-TEST(MeasuredModel, AMillionWildStepsStayFiniteAndBounded) {
+TEST(MeasuredModel, AMillionRandomStepsStayFiniteAndBounded) {
   DrivenMeasured needle;
   RandomStream random(4, "wild");
   const double bound_n = needle.model.table().settings.largest_force_n;

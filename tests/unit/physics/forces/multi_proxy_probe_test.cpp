@@ -229,7 +229,7 @@ TEST_F(PalpationTest, ASavedStateGivesTheSameBits) {
   }
 }
 
-TEST(PalpationTool, HasTheProxiesThatWereAskedFor) {
+TEST(PalpationTool, HasTheProxiesThatWereRequested) {
   const PalpationTool face = ProbeFaceNodes(50.0, 10.0, 60.0, 13);
   Vector3d sum = Vector3d::Zero();
   for (int i = 0; i < face.num_nodes; ++i) {

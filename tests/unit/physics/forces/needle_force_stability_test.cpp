@@ -40,7 +40,7 @@ ForceTable DefaultTable() {
   return ReadForceTable(kConfigs / "forces" / "default.json");
 }
 
-TEST(NeedleForceStability, AMillionWildStepsStayFiniteAndBounded) {
+TEST(NeedleForceStability, AMillionRandomStepsStayFiniteAndBounded) {
   const NeedleForceModel model(DefaultTable(), Trocar());
   const double bound_n = model.table().settings.largest_force_n;
   int events[7] = {};

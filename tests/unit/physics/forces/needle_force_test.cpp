@@ -40,7 +40,7 @@ TEST_F(NeedleForceTest, PressesOnTheSkinByThePolynomialAndDropsAtPuncture) {
 }
 
 // Bovine liver: 0.016 N/mm on the way in, 0.0105 out. The way in is the same to the bit.
-TEST_F(NeedleForceTest, FrictionOnTheWayOutIsItsOwn) {
+TEST_F(NeedleForceTest, WithdrawalHasItsOwnFriction) {
   ForceTable table = SimpleTable();
   table.tissue[kFat].withdrawal_friction_n_per_mm = 0.004;
   const NeedleForceModel apart(table, Trocar());

@@ -182,7 +182,7 @@ TEST_P(Swept, RepeatsAndStaysBounded) {
 
 INSTANTIATE_TEST_SUITE_P(Models, Swept, testing::Values("layered", "alamilla", "vidal"));
 
-TEST(SweptLayers, TheSkinAndTheCapsuleAreWhereTheyAreAndGiveWayAfterTheirIndentation) {
+TEST(SweptLayers, TheSkinAndTheCapsuleAreWhereTheyAreAndArePuncturedAfterTheirIndentation) {
   const SweptBody body({{0.0, "skin", 50}, {2.0, "fat", -100}, {21.0, "liver", 60}});
   const ForceTable table = Table();
   const ForceModel model(NeedleForceModel(table, Trocar18G()));

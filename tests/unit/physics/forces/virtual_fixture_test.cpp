@@ -88,7 +88,7 @@ TEST(Fixture, DampsTurningAndGoingAcrossButNotTwistOrAdvance) {
   EXPECT_TRUE(out.force_n.isApprox(Vector3d(0.0, -0.02, 0.0), 1e-12));
 }
 
-TEST(Fixture, GivesWayAtItsLimits) {
+TEST(Fixture, YieldsAtItsLimits) {
   Fixture fixture;
   FixtureMotion motion;
   motion.ct_from_needle = AngleAxisd(1.0, Vector3d::UnitY());

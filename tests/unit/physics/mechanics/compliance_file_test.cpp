@@ -107,7 +107,7 @@ TEST_F(ComplianceFile, TheSameIsWrittenToTheBit) {
   EXPECT_NE(Write(Storage::kDouble).key, key);
 }
 
-TEST_F(ComplianceFile, MissingOrOtherFilesAreToldFromOurs) {
+TEST_F(ComplianceFile, MissingOrOtherFilesAreDistinguishedFromOurs) {
   ExpectRefused("there is no such file");
   WriteTextFile(path_, "");
   ExpectRefused("is empty");
@@ -209,7 +209,7 @@ TEST_F(ComplianceFile, SurvivesDamageOfAnyKind) {
   EXPECT_GT(refused, 135);
 }
 
-TEST(Checksum, TellsEveryChangeOfOneWordAndEveryLength) {
+TEST(Checksum, ReportsEveryChangeOfOneWordAndEveryLength) {
   const std::string zeros(100, '\0');
   std::set<std::uint64_t> sums;
   for (std::size_t size = 0; size <= zeros.size(); ++size) {

@@ -169,7 +169,7 @@ TEST(Condensation, SaysSoBeforeItTakesMoreMemoryThanAllowed) {
       ThrowsMessage<NoAnswerError>(HasSubstr("choose a narrower corridor")));
 }
 
-TEST(Condensation, StopsWhenAskedTo) {
+TEST(Condensation, StopsOnRequest) {
   const mesh::TetraMesh mesh = Box({3, 3, 3});
   const FreeNodes free = FindFreeNodes(mesh);
   const std::atomic<bool> stop{true};

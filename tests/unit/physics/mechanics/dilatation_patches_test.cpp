@@ -68,7 +68,7 @@ TEST(DilatationPatches, AreTheSameHoweverNodesAndTetrahedraAreNumbered) {
             sets(DilatationPatches(renumbered.mesh, AllOf(box)), renumbered.old_tetrahedron));
 }
 
-TEST(DilatationPatches, LeaveOutWhatIsNotAskedFor) {
+TEST(DilatationPatches, OmitWhatIsNotRequested) {
   const mesh::TetraMesh box = LayeredBox();
   const std::vector<int> some{3, 4, 5, 100};
   std::vector<int> seen;

@@ -58,7 +58,7 @@ TEST(SparseFactor, CanBeMoved) {
   EXPECT_TRUE(other.Solve(Eigen::VectorXd::Ones(6)).isApproxToConstant(0.5, 1e-15));
 }
 
-TEST(SparseFactor, AMatrixThatIsNotPositiveDefiniteIsToldWithItsRow) {
+TEST(SparseFactor, AMatrixThatIsNotPositiveDefiniteIsReportedWithItsRow) {
   Eigen::MatrixXd k = Eigen::MatrixXd::Identity(9, 9);
   k(4, 4) = -1.0;
   EXPECT_THAT([&] { SparseFactor{LowerOf(k)}; },

@@ -58,7 +58,7 @@ TEST_P(Stiffness, EnergyOfAConstantStrainIsThatOfTheSolid) {
   EXPECT_NEAR(0.5 * u.dot(force) / (density * 30 * 30 * 35), 1.0, 1e-12);
 }
 
-TEST_P(Stiffness, TetrahedraThatAreHeldOrLeftOutAddNothing) {
+TEST_P(Stiffness, TetrahedraThatAreHeldOrExcludedAddNothing) {
   mesh::TetraMesh box = BoxMesh({2, 2, 4}, {0, 0, 0}, {10, 10, 20});
   Fix(box, [](const Eigen::Vector3d& x) { return x.z() <= 10.0; });
   for (std::size_t t = 0; t < box.tissue.size(); ++t) {

@@ -53,7 +53,7 @@ TEST(FindFreeNodes, AreAllThatAreNotFixed) {
   EXPECT_TRUE(free.loose.empty());
 }
 
-TEST(FindFreeNodes, ASmallIslandStaysInPlaceAndIsTold) {
+TEST(FindFreeNodes, ASmallIslandStaysInPlaceAndIsReported) {
   mesh::TetraMesh box = HeldBox();
   AddTetrahedron(box, {}, {100, 100, 100}, 12.0);
   const FreeNodes free = FindFreeNodes(box);
@@ -74,7 +74,7 @@ TEST(FindFreeNodes, ALargeIslandIsRefusedWithPlaceAndSize) {
                                               HasSubstr("fixed_tissues"))));
 }
 
-TEST(FindFreeNodes, WhatHangsByAnEdgeOnlyWouldTurnAndIsLeftOut) {
+TEST(FindFreeNodes, WhatHangsByAnEdgeOnlyWouldTurnAndIsOmitted) {
   mesh::TetraMesh box = HeldBox();
   const int corner = static_cast<int>(box.nodes_mm.cols()) - 1;  // At (50, 50, 50).
   AddTetrahedron(box, {corner, corner - 1}, {45, 60, 55}, 1.0);

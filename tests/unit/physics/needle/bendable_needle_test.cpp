@@ -93,7 +93,7 @@ TEST(BendableNeedle, ABevelBendsThePath) {
   EXPECT_NEAR(state.heading.x(), std::sin(0.16), 0.01);
 }
 
-TEST(BendableNeedle, ACopyGoesOnWithTheSameBits) {
+TEST(BendableNeedle, ACopyContinuesWithTheSameBits) {
   const BendableNeedle needle = Needle();
   BendableNeedleState state = needle.NewState();
   for (int i = 0; i <= 100; ++i) needle.Step(state, In(0.1 * i, 0.1, 0.001 * i));

@@ -32,7 +32,7 @@ TEST(ReadNeedle, ThePresetOfTheMeasuredNeedleBendsAsItWasMeasured) {
   EXPECT_NEAR(steel.bending_n_mm2 / rod.bending_n_mm2, 193.0 / 163.5, 1e-9);
 }
 
-TEST(ReadNeedle, KnowsTheBevel) {
+TEST(ReadNeedle, ReadsTheBevel) {
   EXPECT_EQ(NeedleOf("").bevel.curvature_per_mm, 0.0);
   const NeedleProperties bent =
       NeedleOf(R"(, "bevel_curvature_per_mm": 0.004, "bevel_roll_deg": 90)");

@@ -200,7 +200,7 @@ TEST(RodModel, TurnsWithTheWorld) {
 }
 
 // A hub on springs settles where rod and springs balance.
-TEST(RodModel, ASprungHubGivesWayByForceOverStiffness) {
+TEST(RodModel, ASprungHubYieldsByForceOverStiffness) {
   const RodModel model = Rod(25, 1e-7);
   const RodLoad load = TipLoad({0.4, 0.0, 0.0});
   RodInput input = Input({}, {&load, 1});

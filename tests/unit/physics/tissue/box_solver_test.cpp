@@ -146,7 +146,7 @@ TEST(BoxSolver, LeavesOutWhatIsOffAndHoldsWhatHasNoRoom) {
   EXPECT_GE(x[3], 0.0);
 }
 
-TEST(BoxSolver, KeepsToTheBoundsWhenNumbersAreRubbish) {
+TEST(BoxSolver, KeepsToTheBoundsWhenNumbersAreInvalid) {
   RandomStream random(15, "box");
   Box box = RandomBox(12, random);
   box.rhs[4] = std::numeric_limits<double>::quiet_NaN();

@@ -231,7 +231,7 @@ TEST(ContactSystem, ANewPointIsFreeOfForceAndKnowsItsDisplacement) {
   }
 }
 
-TEST(ContactSystem, NoticesASpoiltFactorRepairsAndCountsIt) {
+TEST(ContactSystem, DetectsADamagedFactorRepairsAndCountsIt) {
   const Block& block = TheBlock();
   const ContactSystem system(block.compliance, {.points = 10, .slots = 1});
   ContactState state = system.NewState();

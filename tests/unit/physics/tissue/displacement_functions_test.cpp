@@ -183,7 +183,7 @@ TEST(DisplacementFunctions, BoneStaysWhereItIs) {
   EXPECT_EQ(pressed.norm(), 0.0);
 }
 
-TEST(DisplacementFunctions, NothingMovesWithoutContactOrWithRubbish) {
+TEST(DisplacementFunctions, NothingMovesWithoutContactOrWithInvalidData) {
   const DisplacementFunctions functions({}, TwoModuli(0.02, 0.2, 20.0));
   const Vector3d p(1, 1, 5);
   EXPECT_EQ(functions.DisplacementMm(TissueLoad(), p).norm(), 0.0);

@@ -78,7 +78,7 @@ TEST(FortmeierFigure5, InsideItIsCuttingPlusFrictionOfThePath) {
   EXPECT_NEAR((InAt(springs, 39.0) - InAt(springs, 25.0)) / 14.0, per_mm, 0.1 * per_mm);
 }
 
-TEST(FortmeierFigure5, ThePauseHoldsAndTheWayOutIsFrictionAlone) {
+TEST(FortmeierFigure5, ThePauseHoldsAndWithdrawalIsFrictionAlone) {
   const double per_mm = FortmeierLiver::kFrictionN / FortmeierLiver::kSpacingMm;
   for (const auto& force_n : {PrintedRun(), SpringsRun()}) {
     EXPECT_NEAR(force_n[10300], force_n[8500], 1e-9);  // No relaxation in these springs.

@@ -175,7 +175,7 @@ TEST(FemNeedle, BadSamplesAreHeldAndCounted) {
   EXPECT_NEAR(scene.model.Step(scene.state, sample).friction_n, good.friction_n, 0.02);
 }
 
-TEST(FemNeedle, ACopyOfTheStateGoesOnWithTheSameBits) {
+TEST(FemNeedle, ACopyOfTheStateContinuesWithTheSameBits) {
   FemScene scene(NeedleContactLayers());
   scene.Move(-1.0, 33.0);
   FemNeedleState copy = scene.state;

@@ -41,7 +41,7 @@ TEST(PlaneModel2010, IsARegularGridWithThePlannedPathOnItsNodes) {
   EXPECT_NEAR(std::abs(model.ToPlaneMm(p).z()), 4.0, 1e-12);
 }
 
-TEST(PlaneModel2010, SkinIsAnElasticSupportUntilItGivesWay) {
+TEST(PlaneModel2010, SkinIsAnElasticSupportUntilPuncture) {
   const PlaneModel2010 model = Model(kSkinAndFat);
   Insertion insertion{model};
   insertion.MoveToDepth(2.0);
@@ -230,7 +230,7 @@ TEST(PlaneModel2010, AnAngleToTheGridHardlyMatters) {
   EXPECT_NEAR(plateau_n[0], plateau_n[1], 0.02);
 }
 
-TEST(PlaneModel2010, WhatIsOutOfThePlaneIsProjectedAndTold) {
+TEST(PlaneModel2010, WhatIsOutOfThePlaneIsProjectedAndReported) {
   const PlaneModel2010 model = Model({{{0, "fat"}}});
   Insertion straight{model};
   Insertion beside{model};

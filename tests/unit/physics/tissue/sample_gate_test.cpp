@@ -28,7 +28,7 @@ TEST(SampleGate, StepsOnValidSamplesOnly) {
   EXPECT_EQ(gate.num_rejected, 0);
 }
 
-TEST(SampleGate, RefusesRubbishAndCountsIt) {
+TEST(SampleGate, RefusesInvalidDataAndCountsIt) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   SampleGate gate;
@@ -93,7 +93,7 @@ TEST(LimitTo, ScalesAllPartsAlike) {
   EXPECT_DOUBLE_EQ(force.force_in_ct_n.norm(), 2.5);
 }
 
-TEST(FirstOf, TellsTheEventThatMattersMost) {
+TEST(FirstOf, ReportsTheMostImportantEvent) {
   using enum NeedleEvent;
   EXPECT_EQ(FirstOf(kNone, kNone), kNone);
   EXPECT_EQ(FirstOf(kInterface, kPuncture), kPuncture);

@@ -70,7 +70,7 @@ TEST(SpringModel, PlateauIsCuttingPlusFrictionOfTheBuriedShaft) {
   EXPECT_EQ(insertion.state.node[insertion.state.num_nodes - 1].tissue, volume::LabelOf("fat"));
 }
 
-TEST(SpringModel, SkinIsPressedByItsPolynomialUntilItGivesWay) {
+TEST(SpringModel, SkinIsPressedByItsPolynomialUntilPuncture) {
   const SpringModel model = SpringModelModel({{{0, "skin"}}});
   LevelInsertion<SpringModel> insertion{model};
   insertion.MoveToDepth(4.0);

@@ -60,7 +60,7 @@ TEST_F(CalibrationTest, FindsTheBoardsCorners) {
   }
 }
 
-TEST_F(CalibrationTest, FindsTheCameraThatTookThePictures) {
+TEST_F(CalibrationTest, FindsTheCameraThatTookTheImages) {
   TakePictures(16, 40.0, 1.0, 4);
   const Calibration found = Calibrate();
   const CameraParameters& p = found.camera.parameters();
@@ -85,7 +85,7 @@ TEST_F(CalibrationTest, FindsTheCameraThatTookThePictures) {
   EXPECT_TRUE(found.warnings.empty()) << found.warnings[0];
 }
 
-TEST_F(CalibrationTest, BadViewsAreLeftOutAndNamed) {
+TEST_F(CalibrationTest, BadViewsAreExcludedAndNamed) {
   TakePictures(7, 40.0);
   Picture empty;
   empty.Resize(1280, 720, 1);
@@ -106,7 +106,7 @@ TEST_F(CalibrationTest, SaysWhatIsMissing) {
   std::string all;
   for (const std::string& warning : found.warnings) all += warning + "\n";
   EXPECT_NE(all.find("never tilted"), std::string::npos) << all;
-  EXPECT_NE(all.find("of the picture"), std::string::npos) << all;
+  EXPECT_NE(all.find("of the image"), std::string::npos) << all;
 }
 
 TEST_F(CalibrationTest, SaysThatRowsAndColumnsAreSwapped) {
@@ -176,10 +176,10 @@ TEST_F(CalibrationTest, FindsAStereoPair) {
               ThrowsMessage<NoAnswerError>(HasSubstr("not of the same moments")));
 }
 
-TEST_F(CalibrationTest, TooFewPicturesGiveNoCamera) {
+TEST_F(CalibrationTest, TooFewImagesGiveNoCamera) {
   TakePictures(4, 40.0);
   EXPECT_THROW(Calibrate(), NoAnswerError);
-  WriteTextFile(folder_ / "300.png", "no picture");
+  WriteTextFile(folder_ / "300.png", "no image");
   EXPECT_THROW(Calibrate(), InputError);
 }
 

@@ -131,7 +131,7 @@ TEST(CameraFile, DamagedCopiesAreReadOrRefused) {
   EXPECT_GT(refused, 100);
 }
 
-TEST(Straightener, MakesTheLinesOfADistortedPictureStraight) {
+TEST(Straightener, MakesTheLinesOfADistortedImageStraight) {
   const CameraModel camera(Webcam());
   // What the lens makes of a line x + 0.3 y = 0.2: dark on one side of it.
   Picture picture;
@@ -166,7 +166,7 @@ TEST(Straightener, MakesTheLinesOfADistortedPictureStraight) {
   EXPECT_LT(largest_px, 0.05);
 }
 
-TEST(Straightener, RefusesPicturesOfAnotherSize) {
+TEST(Straightener, RefusesImagesOfAnotherSize) {
   Picture picture;
   picture.Resize(640, 480, 3);
   Picture out;

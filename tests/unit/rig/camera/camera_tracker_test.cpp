@@ -60,7 +60,7 @@ class Tracker : public testing::Test {
 TEST_F(Tracker, GivesAToolInTheMannequinsFrame) {
   WritePicture(folder_ / "0.png", Take(true, 0));
   WritePicture(folder_ / "1.png", Take(false, 1));
-  WriteTextFile(folder_ / "2.png", "no picture");
+  WriteTextFile(folder_ / "2.png", "no image");
   CameraTrackerOptions options = Options("folder:" + folder_.path().string());
   options.journal_capacity = 16;
   CameraTracker tracker(camera_, set_, options);
@@ -99,7 +99,7 @@ TEST_F(Tracker, ACameraThatIsNotThereIsSaidAndWaitedFor) {
   })) << tracker.status().last_error;
 }
 
-TEST_F(Tracker, PicturesComeBackAfterThePlugWasPulled) {
+TEST_F(Tracker, ImagesComeBackAfterThePlugWasPulled) {
   const auto pipe = folder_ / "camera.pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   CameraTracker tracker(camera_, set_, Options("pipe:" + pipe.string()));
@@ -124,7 +124,7 @@ TEST_F(Tracker, PicturesComeBackAfterThePlugWasPulled) {
   EXPECT_EQ(tracker.status().counts.connects, 2U);
 }
 
-TEST_F(Tracker, PicturesComeOverTheNetwork) {
+TEST_F(Tracker, ImagesComeOverTheNetwork) {
   tracking::PoseServer server({.host = "127.0.0.1", .port = 0});
   server.Start();
   CameraTracker tracker(camera_, set_,
@@ -145,7 +145,7 @@ TEST_F(Tracker, PicturesComeOverTheNetwork) {
   EXPECT_LT(ErrorOf(*tracker.Latest()->camera_from_reference, mannequin_).position_mm, 0.5);
 }
 
-TEST_F(Tracker, PicturesOfAnotherSizeAreRefusedInWords) {
+TEST_F(Tracker, ImagesOfAnotherSizeAreRefusedInWords) {
   Picture small = Take(true, 0);
   small.Resize(320, 240, 1);
   WritePicture(folder_ / "0.png", small);
@@ -163,7 +163,8 @@ TEST_F(Tracker, RefusesWhatCanNeverWork) {
   refused(Options("0"));
   refused(Options("device:"));
   refused(Options("webcam:0"));
-  refused(Options("film:" + (folder_ / "none.mp4").string()));
+  refused(Options("video:" + (folder_ / "none.mp4").string()));
+  refused(Options("film:" + (folder_ / "none.mp4").string()));  // The older word.
   refused(Options("folder:" + folder_.path().string()));
   refused(Options("igtl:localhost"));
   refused(Options("igtl:localhost:0"));
@@ -176,7 +177,7 @@ TEST_F(Tracker, RefusesWhatCanNeverWork) {
   refused(options);
 }
 
-TEST(FrameSource, AFileOfPicturesSurvivesRubbish) {
+TEST(FrameSource, AFileOfImagesSurvivesInvalidData) {
   const TemporaryFolder folder;
   const std::string picture = "P5 4 2 255\n" + std::string(8, 'a');
   const std::string colour = "P6\n1 1\n255\n" + std::string(3, 'P');

@@ -62,7 +62,7 @@ TEST(EdgeFit, LeavesOutWhatHidesAPartOfIt) {
   EXPECT_NEAR(fit->slope, truth.slope, 0.005);
 }
 
-TEST(EdgeFit, KnowsWhenThereIsNoEdge) {
+TEST(EdgeFit, ReportsThatThereIsNoEdge) {
   std::vector<EdgePixel> flat = Edge({}, 1);
   for (EdgePixel& pixel : flat) pixel.level = 100.0;
   EXPECT_FALSE(FitEdge(flat, 4.0));

@@ -46,7 +46,7 @@ TEST_F(FacetPose, PerfectCornersGiveThePose) {
   }
 }
 
-TEST_F(FacetPose, WrongCornersAreLeftOutAndCounted) {
+TEST_F(FacetPose, WrongCornersAreExcludedAndCounted) {
   auto seen = PerfectCorners(set_.objects[0], camera_, truth_);
   seen[1].corners_px[2] += Eigen::Vector2d(3, 1);
   seen[6].corners_px[0] += Eigen::Vector2d(-40, 25);

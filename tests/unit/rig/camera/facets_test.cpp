@@ -36,7 +36,7 @@ TEST(Facets, CornersAreWhereTheSheetPutsThem) {
   EXPECT_TRUE(corners[3].isApprox(Eigen::Vector3d(1, 2 + 90, 3 + 40)));
 }
 
-TEST(Facets, RefusesWhatCannotBePrintedOrToldApart) {
+TEST(Facets, RefusesWhatCannotBePrintedOrDistinguished) {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& text, const std::string& words) {
     WriteTextFile(folder / "f.json", text);

@@ -33,7 +33,7 @@ TEST_F(Mannequin, SameInputSameBits) {
   EXPECT_EQ(Take({.noise_sigma = 0}, 1).pixels, Take({.noise_sigma = 0}, 2).pixels);
 }
 
-TEST_F(Mannequin, NoiseIsAsLargeAsAsked) {
+TEST_F(Mannequin, NoiseIsAsLargeAsRequested) {
   const Picture still = Take({.noise_sigma = 0, .colour = false});
   const Picture noisy = Take({.noise_sigma = 5, .colour = false});
   double sum = 0.0;
@@ -90,7 +90,7 @@ TEST_F(Mannequin, RefusesWhatCannotBeRendered) {
   EXPECT_THROW(Take({}), InputError);
 }
 
-TEST_F(Mannequin, PosesBehindTheCameraOrInItGiveAPicture) {
+TEST_F(Mannequin, PosesBehindTheCameraOrInItGiveAnImage) {
   for (const double z : {-500.0, 0.0, 1.0, 30.0, 1e7}) {
     pose_.translation() = Eigen::Vector3d(0, 0, z);
     EXPECT_FALSE(Take({}, 1, {{.object = "Reference", .surface = PlainTorso()}}).empty()) << z;

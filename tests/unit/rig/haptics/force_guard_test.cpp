@@ -343,7 +343,7 @@ double DistanceFromWay(const Vector3d& point, const Vector3d& last) {
   return (point - share * last).norm();
 }
 
-TEST(ForceGuard, AMillionTicksOfRubbishNeverBreakALimit) {
+TEST(ForceGuard, AMillionTicksOfInvalidDataNeverBreakALimit) {
   GuardSettings settings;
   settings.settle_s = 0.003;
   settings.ramp_in_s = 0.02;

@@ -51,7 +51,7 @@ class LibraryFile : public testing::Test {
   fs::path file_ = inner_ / "libHD.so";
 };
 
-TEST_F(LibraryFile, IsTakenIfNobodyElseCanChangeIt) {
+TEST_F(LibraryFile, IsTakenIfNoOtherUserCanChangeIt) {
   EXPECT_EQ(TrustedFile(file_, "OpenHaptics"), fs::canonical(file_));
   EXPECT_EQ(TrustedFile(outer_ / "../outer/inner/./libHD.so", "OpenHaptics"), fs::canonical(file_));
   // Others may read and run it.

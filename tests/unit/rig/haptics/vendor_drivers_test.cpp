@@ -313,7 +313,7 @@ TEST_P(ProcessEnds, ByAbort) {
   EXPECT_EXIT(PushAnd([] { std::abort(); }), testing::KilledBySignal(SIGABRT), "");
   ExpectZero();
 }
-TEST_P(ProcessEnds, ByAnExceptionThatNobodyCaught) {
+TEST_P(ProcessEnds, ByAnUncaughtException) {
   EXPECT_EXIT(PushAnd([] { std::terminate(); }), testing::KilledBySignal(SIGABRT), "");
   ExpectZero();
 }

@@ -30,7 +30,7 @@ VirtualHandSettings Still() {
   return settings;
 }
 
-TEST(GoalPath, RestsAtWaypointsAndGoesHalfTheWayInHalfTheTime) {
+TEST(GoalPath, RestsAtWaypointsAndIsHalfwayInHalfTheTime) {
   GoalPath path;
   path.points = {{1.0, VirtualHandAt({0, 0, 0})},
                  {2.0, VirtualHandAt({10, 0, 0}, 1.0)},
@@ -75,7 +75,7 @@ TEST(VirtualHand, RefusesSettingsOutOfRange) {
   refuses([](VirtualHandSettings& s) { s.rate_hz = 0.0; });
 }
 
-TEST(VirtualHand, GivesWayToAForceByTheStiffnessOfItsGrip) {
+TEST(VirtualHand, YieldsToAForceByTheStiffnessOfItsGrip) {
   VirtualHand hand(Still(), nullptr);
   DeviceReading reading;
   for (int i = 0; i < 3000; ++i) {
@@ -88,7 +88,7 @@ TEST(VirtualHand, GivesWayToAForceByTheStiffnessOfItsGrip) {
   EXPECT_LT(reading.velocity_mm_s.norm(), 1e-6);
 }
 
-TEST(VirtualHand, SwingsAsAMassOnASpring) {
+TEST(VirtualHand, OscillatesAsAMassOnASpring) {
   VirtualHandSettings settings = Still();
   settings.damping_n_s_per_m = 0.0;
   settings.grip_damping_n_s_per_m = 2.0;

@@ -27,11 +27,11 @@ std::set<int> MarkersIn(const tracking::Picture& sent) {
   return ids;
 }
 
-TEST(MannequinPictures, TheCameraLooksAtWhatItIsToldAndIsMoved) {
+TEST(MannequinPictures, TheCameraLooksAtItsTargetAndIsMoved) {
   const MannequinView view = View();
   const Eigen::Isometry3d still = CameraFromReference(view, 0);
   const Eigen::Vector3d seen_mm = still * view.looks_at_mm;
-  EXPECT_LT(seen_mm.head<2>().norm(), 1e-9) << "in the middle of the picture";
+  EXPECT_LT(seen_mm.head<2>().norm(), 1e-9) << "in the middle of the image";
   EXPECT_GT(seen_mm.z(), 0.0);
   EXPECT_LT((still.linear() * Eigen::Vector3d::UnitZ()).y(), 0.0) << "up is up";
   const Eigen::Isometry3d later = CameraFromReference(view, 2'500'000'000);

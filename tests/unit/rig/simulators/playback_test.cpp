@@ -170,7 +170,7 @@ class GreyPictures final : public PictureSource {
   std::atomic<bool> fails{false};
 };
 
-TEST(Playback, SendsPicturesOfWhatTheToolsDo) {
+TEST(Playback, SendsImagesOfWhatTheToolsDo) {
   GreyPictures pictures;
   Playing playing({}, &pictures);
   const auto source = Listening(playing.port());

@@ -40,7 +40,7 @@ TEST(IgtlReader, FindsTheMessagesHoweverTheyAreCut) {
   }
 }
 
-TEST(IgtlReader, FindsTheNextMessageAfterRubbish) {
+TEST(IgtlReader, FindsTheNextMessageAfterInvalidData) {
   RandomStream random(3, "rubbish");
   Bytes rubbish(5000);
   for (std::uint8_t& byte : rubbish) byte = static_cast<std::uint8_t>(random.Next());

@@ -119,7 +119,7 @@ TEST(IgtlSource, SaysWhyItIsNotConnected) {
   EXPECT_EQ(source.status().state, SourceState::kConnecting);
 }
 
-TEST(IgtlSource, AsksForTrackingData) {
+TEST(IgtlSource, RequestsTrackingData) {
   PoseServer server(AnyPort());
   server.Start();
   IgtlOptions options = Options(server.port());
@@ -157,7 +157,7 @@ TEST(IgtlSource, WaitsForTrackersThatConnectThemselves) {
   }
 }
 
-TEST(IgtlSource, KeepsTheNewestPicture) {
+TEST(IgtlSource, KeepsTheNewestImage) {
   PoseServer server(AnyPort());
   server.Start();
   IgtlOptions options = Options(server.port());
@@ -180,7 +180,7 @@ TEST(IgtlSource, KeepsTheNewestPicture) {
   EXPECT_EQ(source.Image("Other"), nullptr);
 }
 
-TEST(IgtlSource, GoesOnAfterRubbishBetweenMessages) {
+TEST(IgtlSource, ContinuesAfterInvalidDataBetweenMessages) {
   IgtlSourcePeer peer;
   IgtlSource source(Options(peer.port()));
   source.Start();

@@ -229,7 +229,7 @@ TEST(IgtlWire, StatusGoesBothWays) {
   EXPECT_STREQ(ours->GetStatusString(), "no probe");
 }
 
-TEST(IgtlWire, PicturesKeepPixelsAndPlace) {
+TEST(IgtlWire, ImagesKeepPixelsAndPlace) {
   for (const int channels : {1, 3}) {
     Picture picture{.width = 7, .height = 5, .channels = channels};
     for (int i = 0; i < 35 * channels; ++i) picture.pixels.push_back(std::uint8_t(3 * i));
@@ -263,7 +263,7 @@ TEST(IgtlWire, PicturesKeepPixelsAndPlace) {
   }
 }
 
-TEST(IgtlWire, ImagesThatAreNotPicturesAreTurnedDown) {
+TEST(IgtlWire, ImagesThatAreNotImagesAreTurnedDown) {
   auto volume = igtl::ImageMessage::New();
   volume->SetDimensions(4, 4, 2);
   volume->SetScalarType(igtl::ImageMessage::TYPE_UINT8);

@@ -24,7 +24,7 @@ TrackedPose Reading(std::int64_t time_ns, double x_mm) {
           .number = 0};
 }
 
-TEST(PoseBoard, KnowsNothingBeforeTheFirstReading) {
+TEST(PoseBoard, IsEmptyBeforeTheFirstReading) {
   const PoseBoard board({"Needle", "Probe"});
   EXPECT_EQ(board.Find("Probe"), 1u);
   EXPECT_FALSE(board.Find("probe").has_value());
@@ -34,7 +34,7 @@ TEST(PoseBoard, KnowsNothingBeforeTheFirstReading) {
   EXPECT_EQ(none.AgeNs(1), INT64_MAX);
 }
 
-TEST(PoseBoard, RefusesNamesThatCannotBeToldApart) {
+TEST(PoseBoard, RefusesNamesThatCannotBeDistinguished) {
   EXPECT_THROW(PoseBoard({"Needle", "Needle"}), InputError);
   EXPECT_THROW(PoseBoard({""}), InputError);
 }

@@ -57,7 +57,7 @@ struct Client {
   }
 };
 
-TEST(PoseServer, SendsEachClientWhatItAskedFor) {
+TEST(PoseServer, SendsEachClientWhatItRequested) {
   PoseServer server(PoseServerAnyPort());
   server.Start();
   Client plain(server), list(server);
@@ -81,7 +81,7 @@ TEST(PoseServer, SendsEachClientWhatItAskedFor) {
   }));
 }
 
-TEST(PoseServer, TrackingDataComesAtTheIntervalThatWasAskedFor) {
+TEST(PoseServer, TrackingDataComesAtTheIntervalThatWasRequested) {
   PoseServer server(PoseServerAnyPort());
   server.Start();
   Client list(server);
@@ -127,7 +127,7 @@ TEST(PoseServer, AnswersQuestions) {
   }));
 }
 
-TEST(PoseServer, WhatIsKeptGoesOnceToEveryClientAndIsNoBacklog) {
+TEST(PoseServer, WhatIsKeptContinuesceToEveryClientAndIsNoBacklog) {
   PoseServerOptions options = PoseServerAnyPort();
   options.max_backlog_bytes = 100'000;
   PoseServer server(options);
@@ -159,7 +159,7 @@ TEST(PoseServer, WhatIsKeptGoesOnceToEveryClientAndIsNoBacklog) {
   EXPECT_EQ(server.status().too_slow, 0u);
 }
 
-TEST(PoseServer, ASlowClientLosesOldPicturesAndDelaysNobody) {
+TEST(PoseServer, ASlowClientLosesOldImagesAndDelaysNoOther) {
   PoseServer server(PoseServerAnyPort());
   server.Start();
   Client slow(server), quick(server);
@@ -202,7 +202,7 @@ TEST(PoseServer, AClientThatTakesNoPosesIsDisconnected) {
   EXPECT_TRUE(WaitUntil([&] { return server.status().clients == 0; }));
 }
 
-TEST(PoseServer, RubbishFromAClientIsSurvivedAndLongRubbishEndsTheLink) {
+TEST(PoseServer, InvalidDataFromAClientIsSurvivedAndLongInvalidDataEndsTheLink) {
   PoseServer server(PoseServerAnyPort());
   server.Start();
   Client noisy(server), other(server);

@@ -82,7 +82,7 @@ TEST(BeltFollower, FollowsABreathBetweenReadings) {
   EXPECT_LT(worst_rate, 0.3);
 }
 
-TEST(BeltFollower, AGapIsBridgedThenHeldAndSaidSo) {
+TEST(BeltFollower, AGapIsBridgedThenHeldAndReported) {
   BeltFollower belt;
   EXPECT_EQ(belt.StatusAt(0.0), BreathStatus::kLost);
   double time_s = 0.0;

@@ -255,7 +255,7 @@ TEST_F(Session, ATrackedNeedleMakesTheSteps) {
 }
 
 // What 3D Slicer gets to see: the tools, and each picture where its probe was.
-TEST_F(Session, SendsPosesAndPicturesOut) {
+TEST_F(Session, SendsPosesAndImagesOut) {
   tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
   server.Start();
   const int port = tracking::PortOf(tracking::ListenTcp("127.0.0.1", 0));

@@ -215,7 +215,7 @@ TEST(Recorder, WhenMemoryIsFullAsWellItCountsWhatItLoses) {
   recorder->Start();
   for (int i = 0; i < 4000; ++i) recorder->Push(RecordAt(i * kRecorderMs));
   WaitFor([&] { return recorder->status().steps_lost > 0; });
-  EXPECT_THAT(recorder->status().trouble, HasSubstr("is not recorded any more"));
+  EXPECT_THAT(recorder->status().trouble, HasSubstr("is no longer recorded"));
   recorder->Close();
   const RecordingStatus status = recorder->status();
   EXPECT_EQ(status.steps_on_disk + status.steps_lost, 4000);

@@ -23,7 +23,7 @@ CostCheck Check() {
   return check;
 }
 
-TEST(CostCheck, TellsWhatIsMoreAndWhatIsLess) {
+TEST(CostCheck, ReportsWhatIsMoreAndWhatIsLess) {
   const std::string text = TextOf(Check());
   EXPECT_THAT(text, HasSubstr("--budget force=0.5ms, predicted on here:\n"));
   EXPECT_THAT(text, HasSubstr("force step, median: 11.5 us, predicted 10 us (15 % more)"));

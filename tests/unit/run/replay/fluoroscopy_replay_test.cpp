@@ -42,7 +42,7 @@ class FluoroscopyReplay : public testing_support::ReplayFolder {
   }
 };
 
-TEST_F(FluoroscopyReplay, MakesPicturesAtItsOwnRateWithoutAProbe) {
+TEST_F(FluoroscopyReplay, MakesImagesAtItsOwnRateWithoutAProbe) {
   Run("run", 2);
   const session::SequenceFile file(folder_ / "run/fluoroscopy.igs.mha");
   EXPECT_EQ(file.header().num_frames(), 10U);  // Two seconds at 5 Hz.
@@ -82,7 +82,7 @@ TEST_F(FluoroscopyReplay, WhenOffTheCTNeedNotBeThere) {
               ThrowsMessage<InputError>(AllOf(HasSubstr("fluoroscopy"), HasSubstr("/patient/ct"))));
 }
 
-TEST_F(FluoroscopyReplay, ACArmThatSeesNobodySaysSo) {
+TEST_F(FluoroscopyReplay, ACArmThatSeesNoPatientIsReported) {
   EXPECT_THAT(
       [&] {
         Run(nullptr, 1, {scenario::ParseOverride("/effects/fluoroscopy/isocentre_mm=[900,0,0]")});

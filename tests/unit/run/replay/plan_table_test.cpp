@@ -35,7 +35,7 @@ StageTimes SomeTimes() {
   return times;
 }
 
-TEST(PlanTable, TellsWhatIsInOutAndAsleepAndItsShareOfTheTime) {
+TEST(PlanTable, ReportsWhatIsInOutAndAsleepAndItsShareOfTheTime) {
   const StageTimes times = SomeTimes();
   const std::string text = PlanText(ForceAndSlice(), &times);
   EXPECT_THAT(text, testing::ContainsRegex("needle force +step +in +effect needle_force is called "
@@ -48,7 +48,7 @@ TEST(PlanTable, TellsWhatIsInOutAndAsleepAndItsShareOfTheTime) {
               HasSubstr("CT slice: the tracker does not see the probe in 100 % of the images\n"));
 }
 
-TEST(PlanTable, BeforeARunTellsWhatIsKnown) {
+TEST(PlanTable, BeforeARunReportsWhatIsKnown) {
   const std::string text = PlanText(ForceAndSlice(), nullptr);
   EXPECT_THAT(text, testing::ContainsRegex("needle force +step +in +effect"));
   EXPECT_THAT(text, testing::Not(HasSubstr("us/run")));

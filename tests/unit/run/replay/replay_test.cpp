@@ -434,7 +434,7 @@ TEST_F(Replay, LogsEventsWhereTheTruthIs) {
   }
 }
 
-TEST_F(Replay, TellsTissuesByHuWhereThereIsNoLabelMap) {
+TEST_F(Replay, IdentifiesTissuesByHuWhereThereIsNoLabelMap) {
   RunContext context;
   std::vector<std::string> warnings;
   context.on_warning = [&](std::string_view text) { warnings.emplace_back(text); };

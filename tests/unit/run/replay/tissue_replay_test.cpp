@@ -141,7 +141,7 @@ class TissueReplay : public testing::Test {
 };
 fs::path TissueReplay::folder_;
 
-TEST_F(TissueReplay, EveryLevelIsFeltAndSeenWithTheSameBytesOnMoreThreads) {
+TEST_F(TissueReplay, EveryModelActsOnForceAndImageWithTheSameBytesOnMoreThreads) {
   Run("rigid", "", 2);
   const std::string rigid = BytesOf(Folder() / "rigid/images.igs.mha");
   for (const std::string level : kLevels) {
@@ -166,7 +166,7 @@ TEST_F(TissueReplay, EveryLevelIsFeltAndSeenWithTheSameBytesOnMoreThreads) {
   }
 }
 
-TEST_F(TissueReplay, LayeredForcesStayTheSameWhenOnlyThePicturesShowTissue) {
+TEST_F(TissueReplay, LayeredForcesStayTheSameWhenOnlyTheImagesShowTissue) {
   Run("felt_alone", "", 1);
   Run("felt_beside", "", 1,
       {{"/effects/tissue/model", "fe_3d"}, {"/patient/mesh", (Folder() / "mesh").string()}});

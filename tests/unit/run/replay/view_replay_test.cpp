@@ -52,7 +52,7 @@ TEST_F(ViewReplay, NeedsNeitherProbeNorCtAndGivesTheSameBytesOnMoreThreads) {
   EXPECT_FALSE(fs::exists(folder_ / "one/images.igs.mha"));
 }
 
-TEST_F(ViewReplay, ShowsTheCtIfALayerAsksForIt) {
+TEST_F(ViewReplay, ShowsTheCtIfALayerRequestsIt) {
   const std::vector<scenario::Override> bone = {
       {"/effects/view_3d/layers", nlohmann::json::array({nlohmann::json{{"preset", "bone"}}})}};
   EXPECT_THAT([&] { Run(nullptr, 1, bone); }, ThrowsMessage<InputError>(HasSubstr("/patient/ct")));

@@ -99,7 +99,7 @@ TEST(NeedlePasses, TremorIsNoPass) {
   EXPECT_EQ(passes[0].attempt, 0);
 }
 
-TEST(NeedlePasses, InvalidSamplesAreLeftOut) {
+TEST(NeedlePasses, InvalidSamplesAreExcluded) {
   Hand hand = Hand().To(40.0, 0.0);
   PoseStream stream = hand.stream();
   for (std::size_t i = 100; i < 120; ++i) {

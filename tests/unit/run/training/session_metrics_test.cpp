@@ -73,7 +73,7 @@ TEST(Structures, TremorAtAWallIsOneEntry) {
   EXPECT_EQ(entered[1].entered.num_entries, 1);
 }
 
-TEST(Structures, SaysWhatThePatientsMapDoesNotTellApart) {
+TEST(Structures, ReportsWhatThePatientsMapDoesNotDistinguish) {
   const auto labels = Tissue();
   EXPECT_THAT(NotInMap({"vessel", "bowel"}, labels), ElementsAre("bowel"));
   EXPECT_THAT(
@@ -81,7 +81,7 @@ TEST(Structures, SaysWhatThePatientsMapDoesNotTellApart) {
       ThrowsMessage<InputError>(testing::AllOf(HasSubstr("\"vesel\""), HasSubstr("skin, vessel"))));
 }
 
-TEST(SessionMetrics, MeasuresTheWayToTheTarget) {
+TEST(SessionMetrics, MeasuresTheDistanceToTheTarget) {
   const auto labels = Tissue();
   Session session;
   for (int i = 0; i <= 50; ++i) session.needle.push_back(At(0.1 * i, {3, 0, -10.0 + i}));

@@ -24,7 +24,7 @@ void TextPlaces(const json& schema, const std::string& pointer, std::set<std::st
   }
 }
 
-TEST(ScenarioDocument, KnowsOfEveryTextWhetherItIsAPath) {
+TEST(ScenarioDocument, DecidesForEveryTextWhetherItIsAPath) {
   std::set<std::string> places;
   TextPlaces(ScenarioSchema(), "", places);
   for (const auto& pointers : {PathPointers(), PresetPointers()}) {

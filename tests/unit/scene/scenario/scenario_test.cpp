@@ -58,7 +58,7 @@ TEST_F(ScenarioFile, TakesGuidanceWithAnyModelButTheOnesThatGuideThemselves) {
         Read(kText, {ParseOverride("/effects/needle_force/guidance=none"),
                      ParseOverride(R"(/effects/needle={"model": "rigid"})")});
       },
-      ThrowsMessage<InputError>(HasSubstr("effects/needle says already")));
+      ThrowsMessage<InputError>(HasSubstr("effects/needle already computes")));
 }
 
 TEST_F(ScenarioFile, HoldsTheProbeForceOfItsModel) {
@@ -149,7 +149,7 @@ TEST_F(ScenarioFile, TakesChangesFromTheCommandLine) {
               ThrowsMessage<InputError>(HasSubstr("--set /needle/x")));
 }
 
-TEST_F(ScenarioFile, TakesTheLevelOfTheUltrasoundWithItsOwnSettings) {
+TEST_F(ScenarioFile, TakesTheModelOfTheUltrasoundWithItsOwnSettings) {
   const Scenario old = Read(kText, {ParseOverride("/effects/ultrasound/acoustics=table.json")});
   EXPECT_EQ(old.ultrasound->model, UltrasoundModel::kColumns2010);
   EXPECT_EQ(old.ultrasound->acoustics, folder_ / "table.json");
@@ -225,7 +225,7 @@ TEST_F(ScenarioFile, RefusesEffectsThatLeanOnOneThatIsNotThere) {
       ThrowsMessage<InputError>(HasSubstr("/effects/needle_force/model=layered")));
   EXPECT_THAT(
       [&] { Read(kTissueText, {ParseOverride("/effects/tissue/model=displacement_functions")}); },
-      ThrowsMessage<InputError>(HasSubstr("knows forces")));
+      ThrowsMessage<InputError>(HasSubstr("computes forces")));
   EXPECT_THAT([&] { Read(kTissueText, {ParseOverride("/effects/tissue/warp_spacing_mm=0")}); },
               ThrowsMessage<InputError>(HasSubstr("/effects/tissue/warp_spacing_mm")));
   EXPECT_THAT([&] { Read(kTissueText, {ParseOverride("/effects/tissue/model=fe_4d")}); },

@@ -146,7 +146,7 @@ TEST(Breathing, HeldStillItGivesTheBitsOfAPatientWhoDoesNotBreathe) {
   EXPECT_EQ(without.ct_slice.pixels, with.ct_slice.pixels);
 }
 
-TEST(Breathing, AProbeThatMovesWithThePatientShowsTheSamePicture) {
+TEST(Breathing, AProbeThatMovesWithThePatientShowsTheSameImage) {
   const Scene still = Patient(false);
   const Scene breathing = Patient(true);
   Snapshot snapshot{.session_s = 0.8, .probe_valid = true};

@@ -42,7 +42,7 @@ TEST(PlanEffects, RunsProducersBeforeConsumers) {
   EXPECT_TRUE(plan.Needs(effects::ports::kLabels));
 }
 
-TEST(PlanEffects, EachLevelOfTheUltrasoundReadsItsOwnVolume) {
+TEST(PlanEffects, EachModelOfTheUltrasoundReadsItsOwnVolume) {
   scenario::Scenario s = AllEffects();
   s.needle_force.reset();
   s.ct_slice.reset();
@@ -83,7 +83,7 @@ TEST(PlanEffects, KeepsTheNeedlePoseForAnImageThatShowsTheNeedle) {
             "needed by B-mode");
 }
 
-TEST(PlanEffects, TheNeedlesShapeComesBetweenItsForceAndThePictures) {
+TEST(PlanEffects, TheNeedlesShapeComesBetweenItsForceAndTheImages) {
   scenario::Scenario s = AllEffects();
   s.shape.emplace().model = scenario::NeedleModelKind::kBendable;
   const EffectPlan plan = PlanEffects(s, kAll);
@@ -129,7 +129,7 @@ TEST(PlanEffects, NamesEveryMissingInputAtOnce) {
                   HasSubstr("the session has no needle stream"), HasSubstr("--set /effects/"))));
 }
 
-TEST(PlanEffects, ForcesGoByTheCtWhereThereAreNoLabelsOrTheModelAsksForIt) {
+TEST(PlanEffects, ForcesGoByTheCtWhereThereAreNoLabelsOrTheModelRequestsIt) {
   scenario::Scenario s = AllEffects();
   s.ultrasound.reset();
   s.ct_slice.reset();
@@ -152,7 +152,7 @@ scenario::Scenario WithTissue(scenario::TissueModelKind model) {
   return s;
 }
 
-TEST(PlanEffects, PutsDeformationBeforeThePicturesThatShowIt) {
+TEST(PlanEffects, PutsDeformationBeforeTheImagesThatShowIt) {
   scenario::Scenario s = WithTissue(scenario::TissueModelKind::kFem3d);
   s.needle_force->model = scenario::NeedleForceModelKind::kTissue;
   s.patient.labels.clear();  // The mesh knows its tissues.
@@ -165,7 +165,7 @@ TEST(PlanEffects, PutsDeformationBeforeThePicturesThatShowIt) {
   EXPECT_FALSE(plan.Needs(effects::ports::kCorridor));
 }
 
-TEST(PlanEffects, DisplacementFunctionsFollowTheForcesAndAreOnlyForPictures) {
+TEST(PlanEffects, DisplacementFunctionsFollowTheForcesAndAreOnlyForImages) {
   scenario::Scenario s = WithTissue(scenario::TissueModelKind::kDisplacementFunctions);
   EXPECT_THAT(StagesIn(PlanEffects(s, kAll)),
               testing::ElementsAre("needle pose", "tissue lookup", "needle force", "probe pose",
@@ -211,7 +211,7 @@ TEST(PlanEffects, AProbeForceNeedsOnlyWhatItsModelReads) {
                   HasSubstr("/patient/labels is not given"))));
 }
 
-TEST(PlanEffects, AProbeThatPressesTissueNeedsNoPictures) {
+TEST(PlanEffects, AProbeThatPressesTissueNeedsNoImages) {
   scenario::Scenario s = WithTissue(scenario::TissueModelKind::kFem3d);
   s.needle_force->model = scenario::NeedleForceModelKind::kTissue;
   s.ultrasound.reset();

@@ -27,7 +27,7 @@ Eigen::Isometry3d OnTheSkin() {
   return ct_from_probe;
 }
 
-TEST(ImageLevel, EveryLevelReadsItsPresetAndShowsTheScene) {
+TEST(ImageLevel, EveryModelReadsItsPresetAndShowsTheScene) {
   const Scene scene =
       testing_support::LayeredScene(testing_support::PlanOf(false, true, false, false), false);
   std::set<std::vector<std::uint8_t>> pictures;
@@ -45,7 +45,7 @@ TEST(ImageLevel, EveryLevelReadsItsPresetAndShowsTheScene) {
     EXPECT_GT(bright, 1000) << name;
     pictures.insert(image.pixels);
   }
-  EXPECT_EQ(pictures.size(), levels.size()) << "two levels gave the same picture";
+  EXPECT_EQ(pictures.size(), levels.size()) << "two levels gave the same image";
 }
 
 TEST(ImageLevel, GainActsInEveryModel) {

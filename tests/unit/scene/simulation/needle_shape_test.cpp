@@ -61,7 +61,7 @@ TEST(NeedleShape, TheBeamOfTheLayeredModelStaysAsItIs) {
   EXPECT_GT(largest_n, 0.01);
 }
 
-TEST(NeedleShape, InTheAirEveryLevelGivesTheBitsOfNone) {
+TEST(NeedleShape, InTheAirEveryModelGivesTheBitsOfNone) {
   for (const NeedleForceModelKind force : kForces) {
     for (const NeedleModelKind model :
          {NeedleModelKind::kRigid, NeedleModelKind::kLateralBeam, NeedleModelKind::kBendable}) {
@@ -193,7 +193,7 @@ TEST(NeedleShape, StandingStillNoBitChanges) {
   }
 }
 
-TEST(NeedleShape, ThePicturesShowTheBentNeedle) {
+TEST(NeedleShape, TheImagesShowTheBentNeedle) {
   BendingScene bending;
   bending.bevel_curvature_per_mm = 0.01;
   const Scene scene = bending.Make();

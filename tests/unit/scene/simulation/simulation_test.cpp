@@ -213,7 +213,7 @@ TEST(Effects, TissueThatNothingDeformsGivesTheBitsOfOneThatIsOff) {
   EXPECT_EQ(shown.b_mode.pixels, again.b_mode.pixels);
 }
 
-TEST(ImageRenderer, AllocatesNothingForMovedTissueAfterTheFirstPicture) {
+TEST(ImageRenderer, AllocatesNothingForMovedTissueAfterTheFirstImage) {
   const Scene scene = SceneWithMovedTissue(true);
   const Simulation simulation(scene);
   State state = simulation.NewState();

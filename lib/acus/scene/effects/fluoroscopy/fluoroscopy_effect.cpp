@@ -115,7 +115,7 @@ class FluoroscopyEffect final : public Effect {
       "description": "X-ray images of a C-arm: the CT and the needle, in fluoroscopy.mp4 and fluoroscopy.igs.mha",
       "properties": {
         "c_arm": {"type": "string", "default": "c_arms/mobile.json", "description": "C-arm preset (acus-c-arm)"},
-        "isocentre_mm": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}, "description": "Where the arm turns about, x y z in CT space (LPS, mm). Left out: the middle of the CT"},
+        "isocentre_mm": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}, "description": "Where the arm turns about, x y z in CT space (LPS, mm). Omitted: the middle of the CT"},
         "lao_deg": {"type": "number", "minimum": -180, "maximum": 180, "default": 0, "description": "Detector towards the patient's left (negative: right, RAO), degrees; 0: in front of him, 90: beside him"},
         "cranial_deg": {"type": "number", "minimum": -90, "maximum": 90, "default": 0, "description": "Detector towards the head (negative: feet, caudal), degrees"},
         "rate_hz": {"type": "number", "exclusiveMinimum": 0, "maximum": 60, "default": 8, "description": "Images per second of session time"},

@@ -172,7 +172,7 @@ class PlanesEffect final : public Effect {
     return json::parse(R"json({
       "type": "object",
       "additionalProperties": false,
-      "description": "Slices or slabs of the CT through the needle's tip, as breath and tools have moved the tissue: shown live, and a film, planes.mp4",
+      "description": "Slices or slabs of the CT through the needle's tip, as breath and tools have moved the tissue: shown live, and a video, planes.mp4",
       "properties": {
         "planes": {
           "type": "array",

@@ -88,7 +88,7 @@ class PulsatingVesselsEffect final : public Effect {
         "radial_strain": {"type": "number", "minimum": 0, "maximum": 0.3, "default": 0.08, "description": "Motion of the wall at the peak of systole, as a share of the radius. Abdominal aorta: 0.04 to 0.12"},
         "reach_mm": {"type": "number", "minimum": 1, "maximum": 100, "default": 15, "description": "Tissue moves up to this far beyond the wall"},
         "point_spacing_mm": {"type": "number", "minimum": 0.5, "maximum": 50, "default": 4, "description": "Distance of points along a centreline"},
-        "warp_spacing_mm": {"type": "number", "minimum": 0.1, "maximum": 50, "default": 2, "description": "The images ask for the motion at knots this far apart, and interpolate"}
+        "warp_spacing_mm": {"type": "number", "minimum": 0.1, "maximum": 50, "default": 2, "description": "The images evaluate the motion at knots this far apart, and interpolate"}
       }
     })");
   }
@@ -116,7 +116,7 @@ class PulsatingVesselsEffect final : public Effect {
              .key = "point_spacing_mm",
              .levels = {32, 16, 8, 4, 2, 1}},
             {.name = "vessel_warp_spacing_mm",
-             .title = "knots at which images ask for the motion of vessels",
+             .title = "knots at which images evaluate the motion of vessels",
              .unit = "mm",
              .key = "warp_spacing_mm",
              .acts_on = ActsOn::kImage,

@@ -174,7 +174,7 @@ class View3dEffect final : public Effect {
     return json::parse(R"json({
       "type": "object",
       "additionalProperties": false,
-      "description": "The patient in three dimensions, with needle, probe and its image: a film, view_3d.mp4",
+      "description": "The patient in three dimensions, with needle, probe and its image: a video, view_3d.mp4",
       "properties": {
         "width_px": {"type": "integer", "minimum": 16, "maximum": 4096, "default": 800, "description": "Of the image, pixels"},
         "height_px": {"type": "integer", "minimum": 16, "maximum": 4096, "default": 600, "description": "Of the image, pixels"},
@@ -189,7 +189,7 @@ class View3dEffect final : public Effect {
             "eye_mm": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}, "description": "Eye in CT space, mm; in place of `from`"},
             "focus_mm": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}, "description": "What it looks at, CT space, mm"},
             "up": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}, "default": [0, 0, 1], "description": "Direction that is up in the image, CT space"},
-            "view_angle_deg": {"type": "number", "minimum": 1, "maximum": 120, "default": 30, "description": "Over the height of the picture, degrees"}
+            "view_angle_deg": {"type": "number", "minimum": 1, "maximum": 120, "default": 30, "description": "Over the height of the image, degrees"}
           }
         },
         "camera_path": {"type": "string", "description": "Path of the camera (acus-camera-path), in place of `camera`: camera_paths/turntable.json, or a file"},
@@ -212,7 +212,7 @@ class View3dEffect final : public Effect {
         "surfaces": {
           "type": "array",
           "default": [{"tissue": "skin", "opacity": 0.25}, {"tissue": "bone"}, {"tissue": "liver", "opacity": 0.6}, {"tissue": "kidney"}, {"tissue": "vessel"}, {"tissue": "lesion"}],
-          "description": "Tissues of the label map that are shown as surfaces; those that the patient does not have are left out",
+          "description": "Tissues of the label map that are shown as surfaces; those that the patient does not have are omitted",
           "items": {
             "type": "object",
             "additionalProperties": false,
@@ -234,7 +234,7 @@ class View3dEffect final : public Effect {
         "supersampling": {"enum": [1, 2, 4], "default": 2, "description": "A pixel is the mean of this many each way: smooth edges"},
         "step_mm": {"type": "number", "minimum": 0.05, "maximum": 20, "default": 1, "description": "Distance of the samples on a ray, mm"},
         "inverse_iterations": {"type": "integer", "minimum": 1, "maximum": 1000, "default": 5, "description": "Of a patient who breathes: at most this many iterations to find where a sample was at rest"},
-        "warp_tolerance_mm": {"type": "number", "minimum": 0, "maximum": 10, "default": 0.15, "description": "Of a patient who breathes, the price of fidelity: where it is right to this, samples take the inverse from between knots some 6 mm apart; 0: every sample inverts for itself, at twice the time, mm"}
+        "warp_tolerance_mm": {"type": "number", "minimum": 0, "maximum": 10, "default": 0.15, "description": "Of a patient who breathes, accuracy against time: where it is right to this, samples take the inverse from between knots about 6 mm apart; 0: every sample inverts for itself, at twice the time, mm"}
       }
     })json");
   }
