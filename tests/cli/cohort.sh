@@ -60,6 +60,53 @@ grep -q "greatest depth \[mm\] = [0-9]" out || fail "no value: $(cat out)"
 echo >>$file
 "$source/pipelines/provenance" $file >/dev/null && fail "a changed file is not noticed"
 
+# What cannot be read is one message: a record, the crate, a source that is not there any more.
+say() {
+  "$source/pipelines/provenance" "$@" >out 2>err
+  code=$?
+  grep -q Traceback err && fail "provenance $*: $(cat err)"
+}
+cp -r parts broken
+echo '{"Command": []}' >broken/sub-01/ses-01/segmentation.json
+say broken/sub-01/ses-01/segmentation
+[[ $code == 3 ]] && grep -q "segmentation.json: the record has no Description" err || fail "a short record: $(cat err)"
+head -c 99 /dev/urandom >broken/sub-01/ses-01/segmentation.json
+say broken/sub-01/ses-01/replays/*/metrics.json
+[[ $code == 3 ]] && grep -q "segmentation.json: no readable JSON" err || fail "a broken record: $(cat err)"
+rm broken/work/in/sub-02/ses-01/phantom.json
+say broken/sub-02/ses-01/patient --repeat
+[[ $code == 3 ]] && grep -q "phantom.json: No such file" err || fail "a missing source: $(cat err)"
+echo '[]' >broken/ro-crate-metadata.json
+say broken --check
+[[ $code == 3 ]] && grep -q "is no RO-Crate" err || fail "a broken crate: $(cat err)"
+
+# Budgets: kept, exceeded, and wrong.
+echo '{"format": "acus-budgets/1", "jobs": {"replay": {"cpu_s": 3600, "memory_mb": 9000}},
+  "metrics": {"greatest depth [mm]": {"at_least": 1}}}' >wide.json
+cohort parts group --participant-label 01 02 --budgets wide.json 2>err || fail "wide budgets: $(cat err)"
+[[ $(cut -f 5 parts/group/budgets.tsv | grep -c true) == 3 ]] || fail "wide budgets: $(cat parts/group/budgets.tsv)"
+echo '{"format": "acus-budgets/1", "jobs": {"replay": {"cpu_s": 0.001}}, "comparisons": {"share": 1},
+  "metrics": {"greatest depth [mm]": {"at_most": 1, "share": 0.6}}}' >tight.json
+cohort parts group --participant-label 01 02 --budgets tight.json 2>err
+[[ $? == 4 ]] || fail "budgets that are exceeded do not show in the exit code"
+for text in "budget replay cpu_s: .* limit 0.001. largest: sub-0" "budget greatest depth \[mm\] share: 0, limit 0.6" \
+  "budget comparisons share: n/a"; do
+  grep -q "$text" err || fail "no '$text': $(cat err)"
+done
+echo '{"format": "acus-budgets/1", "jobs": {"replay": {"cpu_s": "3"}}}' >wrong.json
+cohort parts --budgets wrong.json 2>err
+[[ $? == 3 ]] && grep -q "wrong.json: /jobs/replay/cpu_s: must be a number" err || fail "wrong budgets: $(cat err)"
+
+# Trends: of two outputs, and again with the table of the first call.
+"$source/pipelines/trends" first=whole parts -o trends >/dev/null 2>err || fail "trends: $(cat err)"
+"$source/pipelines/trends" trends/trends.tsv third=parts -o trends >/dev/null 2>err || fail "trends again: $(cat err)"
+[[ $(cut -f 1 trends/trends.tsv | uniq | wc -l) == 4 ]] || fail "trends: $(cut -f 1 trends/trends.tsv | uniq)"
+awk -F '\t' '$2 == "greatest depth [mm]" { print $6 }' trends/trends.tsv | uniq | wc -l | grep -qx 1 ||
+  fail "the same replays have other medians"
+grep -q "replay: CPU time \[s\]" trends/trends.html || fail "trends: no CPU time"
+"$source/pipelines/trends" whole/sub-01 -o trends2 2>err
+[[ $? == 3 && ! -e trends2 ]] || fail "trends of no output: $(cat err)"
+
 # Labelled images, split by participant: each is in one split, and the files are there.
 cohort labels --participant-label 01 02 --labels-in-image png --splits 0.5,0.5,0 2>err ||
   fail "labelled images: $(cat err)"
