@@ -58,6 +58,17 @@ def comparisons_of(output, plan):
     return rows
 
 
+def differences_of(comparisons):
+    """Rows and units as of `runs_of`: what differs from the reference, for each replay that was compared."""
+    rows, units = {}, {}
+    for check in comparisons:
+        if isinstance(check["value"], (int, float)):
+            column = "against the reference: " + check["quantity"] + (f" [{check['unit']}]" if check["unit"] else "")
+            run = check["run"].replace("/comparisons/", "/replays/")
+            rows.setdefault(run, {"run": run})[column], units[column] = check["value"], check["unit"]
+    return list(rows.values()), units
+
+
 def costs_of(output, plan):
     """One row for each job that ran: measured and predicted time and memory."""
     rows = []
@@ -72,10 +83,12 @@ def costs_of(output, plan):
 
 
 def _images(output, run):
-    """The segmentation and the first events of a run, as links relative to the report."""
+    """The segmentation, the first events of a run and the image that differs most from the reference, as links
+    relative to the report."""
     base = output / run
     patient = base.parent.parent if base.parent.name == "replays" else base.parent
-    found = [patient / "segmentation/preview_axial.png", *sorted(base.glob("event_*.png"))[:3]]
+    found = [patient / "segmentation/preview_axial.png", *sorted(base.glob("event_*.png"))[:3],
+             patient / "comparisons" / base.name / "worst_frame.png"]
     return "".join(f'<a href="{os.path.relpath(p, output / "group")}"><img loading="lazy" '
                    f'src="{os.path.relpath(p, output / "group")}" alt="{p.stem}"></a>'
                    for p in found if p.exists())
@@ -126,9 +139,13 @@ def _costs_part(output, costs):
         last = read_json(output / "work/last_run.json")
         text = (f"<p>Last run: {last['jobs']} jobs took {last['took_s'] / 3600:.3f} h; predicted "
                 f"{last['wall_s'] / 3600:.3f} h on {last['cores']} cores.</p>")
+    plots = []
+    for rule in sorted({c["rule"] for c in costs}):
+        values = [c["cpu_s"] for c in costs if c["rule"] == rule]
+        plots.append(f"<h3>{rule}: CPU time [s]</h3>{pages.strip_plot(values, 's', outliers(values))}")
     return ["<h1>Time and memory</h1>", text, pages.table(
         ["program", "jobs", "CPU time, h", "largest memory, MB", "measured / predicted time (median)",
-         "within the memory asked for"], rows)]
+         "within the memory asked for"], rows), *plots]
 
 
 def _budgets_part(checks):
@@ -148,9 +165,11 @@ def write(output, plan, failed, problems, limits=None):
     rows, units = runs_of(output, plan)
     parts, table = _metrics_part(output, rows, units)
     comparisons, costs = comparisons_of(output, plan), costs_of(output, plan)
+    differing, of_differences = _metrics_part(output, *differences_of(comparisons))
     ids = ["participant_id", "session_id", "run", "name"]
     write_tsv(group / "metrics.tsv", ids + sorted(units), rows)
-    write_tsv(group / "distributions.tsv", ["metric", "n", "median", "spread", "min", "max", "outliers"], table)
+    write_tsv(group / "distributions.tsv", ["metric", "n", "median", "spread", "min", "max", "outliers"],
+              table + of_differences)
     write_json(group / "metrics.json", {c: {"Units": u or "1"} for c, u in units.items()})
     failures = [{"participant_id": f["participant"], "session_id": f["session"], "step": f.get("rule", "sources"),
                  "message": f["message"], "command": f.get("command")} for f in failed + problems]
@@ -170,7 +189,7 @@ def write(output, plan, failed, problems, limits=None):
                   f"<p>{len(runs) - len({c['run'] for c in bad})} of {len(runs)} replays are within their "
                   "tolerances.</p>", pages.table(["run", "quantity", "value", "limit", "remark"], [
                       [f'<a href="../{c["run"]}/comparison.html">{c["run"]}</a>', html.escape(c["quantity"]),
-                       c["value"], c["limit"], html.escape(c["remark"])] for c in bad[:200]])]
+                       c["value"], c["limit"], html.escape(c["remark"])] for c in bad[:200]]), *differing]
     people = {j["participant"] for j in plan.jobs.values()} | {p["participant"] for p in problems}
     body = ["<h1>Cohort</h1>", f"<p>{len(people)} participants, {len(rows)} replays.</p>", "<h2>Failures</h2>",
             *_failures_part(output, failed, problems), *differ, "<h2>Metrics</h2>", *parts,

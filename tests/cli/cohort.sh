@@ -107,6 +107,18 @@ grep -q "replay: CPU time \[s\]" trends/trends.html || fail "trends: no CPU time
 "$source/pipelines/trends" whole/sub-01 -o trends2 2>err
 [[ $? == 3 && ! -e trends2 ]] || fail "trends of no output: $(cat err)"
 
+# An outlier of six runs is named, and shown with its image.
+PYTHONPATH=$source/pipelines/cohorts python3 -B - whole >out 2>&1 <<'PYTHON' || fail "outliers: $(cat out)"
+import pathlib, sys
+import report
+rows = [{"run": f"sub-0{1 + i % 2}/ses-01/replays/smallscenario-insertion", "depth [mm]": 30 + (i % 3) + 40 * (i == 5)}
+        for i in range(6)]
+parts, table = report._metrics_part(pathlib.Path(sys.argv[1]).resolve(), rows, {"depth [mm]": "mm"})
+text = "".join(parts)
+assert table[0]["outliers"] == 1 and text.count("spreads from the median") == 1, table
+assert 'src="../sub-02/ses-01/segmentation/preview_axial.png"' in text, text
+PYTHON
+
 # Labelled images, split by participant: each is in one split, and the files are there.
 cohort labels --participant-label 01 02 --labels-in-image png --splits 0.5,0.5,0 2>err ||
   fail "labelled images: $(cat err)"

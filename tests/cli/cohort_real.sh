@@ -47,6 +47,7 @@ grep -rIlE "Miller|$folder" out --exclude-dir=work && fail "names of folders got
 
 # The same against itself, and against a reference in which one force table differs.
 cohort again --participant-label 02 --reference out 2>err || fail "compared: $(cat err)"
+grep -q "^against the reference: images: smallest SSIM" again/group/distributions.tsv || fail "no distribution of differences"
 grep -q false again/group/comparisons.tsv && fail "the same cohort differs: $(cat again/group/comparisons.tsv)"
 echo '{"format": "acus-budgets/1", "comparisons": {"share": 1}}' >budgets.json
 cohort other --participant-label 02 --reference out --set /effects/needle_force/table=forces/fortmeier.json \
