@@ -4,7 +4,7 @@ A file of budgets (acus-budgets/1), all parts optional:
   {"format": "acus-budgets/1",
    "jobs": {"replay": {"cpu_s": 30, "memory_mb": 500}},                  of each job
    "cohort": {"cpu_h": 2},                                               of all jobs
-   "metrics": {"target error [mm]": {"at_most": 2, "share": 0.95}},      columns of group/metrics.tsv
+   "metrics": {"greatest depth [mm]": {"at_most": 90, "share": 0.95}},   columns of group/metrics.tsv
    "comparisons": {"share": 1}}                                          of replays within tolerances
 """
 import plan as plans
