@@ -7,6 +7,10 @@ set -uo pipefail
 source=$1 folder=$2
 failures=0
 fail() { echo "FAILED: $*"; failures=$((failures + 1)); }
+refused() {  # CODE EXPECTED TEXT: the exit code, and what is in the message
+  [[ $1 == "$2" ]] || fail "exit code $1, expected $2: $(cat err)"
+  grep -q "$3" err || fail "no '$3': $(cat err)"
+}
 rm -rf "$folder" && mkdir -p "$folder/Miller_Ann" && cd "$folder" || exit 2
 config=$source/testdata/tiny_lumbar.json
 {
@@ -69,16 +73,16 @@ say() {
 cp -r parts broken
 echo '{"Command": []}' >broken/sub-01/ses-01/segmentation.json
 say broken/sub-01/ses-01/segmentation
-[[ $code == 3 ]] && grep -q "segmentation.json: the record has no Description" err || fail "a short record: $(cat err)"
+refused "$code" 3 "segmentation.json: the record has no Description"
 head -c 99 /dev/urandom >broken/sub-01/ses-01/segmentation.json
 say broken/sub-01/ses-01/replays/*/metrics.json
-[[ $code == 3 ]] && grep -q "segmentation.json: no readable JSON" err || fail "a broken record: $(cat err)"
+refused "$code" 3 "segmentation.json: no readable JSON"
 rm broken/work/in/sub-02/ses-01/phantom.json
 say broken/sub-02/ses-01/patient --repeat
-[[ $code == 3 ]] && grep -q "phantom.json: No such file" err || fail "a missing source: $(cat err)"
+refused "$code" 3 "phantom.json: No such file"
 echo '[]' >broken/ro-crate-metadata.json
 say broken --check
-[[ $code == 3 ]] && grep -q "is no RO-Crate" err || fail "a broken crate: $(cat err)"
+refused "$code" 3 "is no RO-Crate"
 
 # Budgets: kept, exceeded, and wrong.
 echo '{"format": "acus-budgets/1", "jobs": {"replay": {"cpu_s": 3600, "memory_mb": 9000}},
@@ -95,7 +99,7 @@ for text in "budget replay cpu_s: .* limit 0.001. largest: sub-0" "budget greate
 done
 echo '{"format": "acus-budgets/1", "jobs": {"replay": {"cpu_s": "3"}}}' >wrong.json
 cohort parts --budgets wrong.json 2>err
-[[ $? == 3 ]] && grep -q "wrong.json: /jobs/replay/cpu_s: must be a number" err || fail "wrong budgets: $(cat err)"
+refused $? 3 "wrong.json: /jobs/replay/cpu_s: must be a number"
 
 # Trends: of two outputs, and again with the table of the first call.
 "$source/pipelines/trends" first=whole parts -o trends >/dev/null 2>err || fail "trends: $(cat err)"

@@ -52,5 +52,6 @@ grep -q false again/group/comparisons.tsv && fail "the same cohort differs: $(ca
 echo '{"format": "acus-budgets/1", "comparisons": {"share": 1}}' >budgets.json
 cohort other --participant-label 02 --reference out --set /effects/needle_force/table=forces/fortmeier.json \
   --budgets budgets.json 2>err
-[[ $? == 4 ]] && grep -q "budget comparisons share: 0, limit 1" err || fail "other forces: $(cat err)"
+[[ $? == 4 ]] || fail "other forces do not show in the exit code"
+grep -q "budget comparisons share: 0, limit 1" err || fail "other forces: $(cat err)"
 [[ $failures == 0 ]] && echo "cohort_real: all as it should be"
