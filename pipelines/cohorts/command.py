@@ -7,22 +7,24 @@ import subprocess
 import sys
 import time
 
+import budgets
 import crate
 import engine
 import labelled
 import plan as plans
 import report
+import user
 from files import UserError, read_json, read_tsv, write_json, write_tsv, write_whole
 from sources import read_sources
 
 EPILOG = """\
 INPUT has participants.tsv and either the files of each participant as
 sub-LABEL/ses-LABEL/KIND/NAME, or a table cohort.tsv with the columns participant_id, session_id,
-kind, path, seed and series that names them wherever they are. Kinds: phantom, ct, labels, atlas, phases,
-force_curves, markers_ct, markers_mannequin, target, corridor, recording, scenario.
+kind, path, seed and series that names them wherever they are. Kinds: phantom, ct, labels,
+label_mapping, atlas, phases, force_curves, markers_ct, markers_mannequin, target, corridor, recording, scenario.
 
-Exit code 0 if all participants succeeded, 4 if some failed: the report names them, with the message
-and the command that repeats the job. Interrupted, the same command goes on where it was.
+Exit code 0 if all participants succeeded, 4 if some failed or a budget is exceeded: the report names
+them, with the message and the command that repeats the job. Interrupted, the same command goes on where it was.
 
 EXAMPLE
   pipelines/cohort study study/derivatives/acus
@@ -60,6 +62,9 @@ def parser():
                    help="output of an earlier run of the same cohort: each replay is compared with it")
     p.add_argument("--tolerances", default="tolerances/default.json", metavar="FILE",
                    help="for the comparisons; default: %(default)s")
+    p.add_argument("--budgets", default="", metavar="FILE",
+                   help="what jobs may take and how accurate replays must be (acus-budgets/1); exit code 4 "
+                        "if a budget is exceeded")
     p.add_argument("--segmentation", default="", metavar="FILE", help="settings of acus-segment")
     p.add_argument("--cores", type=int, default=os.cpu_count(), help="default: all, %(default)s")
     p.add_argument("--memory-gb", type=float, default=0.0, help="default: what is free")
@@ -132,7 +137,7 @@ def profile_of(arguments):
 
 def describe(output, source, plan):
     """dataset_description.json and participants.tsv of the derivatives."""
-    version = subprocess.run([plan.bin / "acus-replay", "--version"], capture_output=True, text=True,
+    version = subprocess.run([plans.find_program(plan.bin, "acus-replay"), "--version"], capture_output=True, text=True,
                              check=False).stdout.strip()
     write_json(output / "dataset_description.json", {
         "Name": "Acus derivatives", "BIDSVersion": "1.8.0", "DatasetType": "derivative",
@@ -200,9 +205,17 @@ def summary(output, plan, failed, problems, arguments):
     return 0
 
 
+def exceeded(checks):
+    bad = [c for c in checks if c["passed"] == "false"]
+    for one in bad:
+        print(f"pipelines/cohort: {budgets.text_of(one)}", file=sys.stderr)
+    return 4 if bad else 0
+
+
 def run(arguments):
     check(arguments)
     output = pathlib.Path(arguments.output).resolve()
+    limits = budgets.read(arguments.budgets) if arguments.budgets else None
     people = chosen(read_sources(arguments.input), arguments)
     cache_path = output / "work/hashes.json"
     cache = read_json(cache_path) if cache_path.exists() else {}
@@ -218,29 +231,19 @@ def run(arguments):
     describe(output, arguments.input, plan)
     if arguments.level != "group":
         run_participants(arguments, output, plan, problems)
-    failed = engine.failures(output, plan)
+    failed, kept = engine.failures(output, plan), []
     if arguments.level != "participant":
-        report.write(output, plan, failed, problems)
+        kept = report.write(output, plan, failed, problems, limits)
         if arguments.labels_in_image != "none":
             labelled.write(output, report.runs_of(output, plan)[0], labelled.shares_of(arguments.splits),
                            arguments.split_seed)
         crate.write(output, plan, failed)
         if not arguments.quiet:
             print(f"Report: {output}/group/report.html", file=sys.stderr)
-    code = summary(output, plan, failed, problems, arguments)
+    code = max(summary(output, plan, failed, problems, arguments), exceeded(kept))
     del with_lock
     return code
 
 
 def main(words):
-    arguments = parser().parse_intermixed_args(words)
-    try:
-        return run(arguments)
-    except UserError as error:
-        print(f"pipelines/cohort: {error}", file=sys.stderr)
-        return 3
-    except OSError as error:
-        print(f"pipelines/cohort: {error.filename}: {error.strerror}", file=sys.stderr)
-        return 3
-    except KeyboardInterrupt:
-        return 130
+    return user.call("pipelines/cohort", run, parser().parse_intermixed_args(words))

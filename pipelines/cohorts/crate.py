@@ -5,7 +5,7 @@ import mimetypes
 import pathlib
 
 import plan as plans
-from files import read_json, sha256_of, write_json
+from files import UserError, read_json, sha256_of, write_json
 
 PROFILES = [f"https://w3id.org/ro/wfrun/{name}/0.5" for name in ("process", "workflow", "provenance")]
 CONTEXT = ["https://w3id.org/ro/crate/1.1/context",
@@ -140,7 +140,11 @@ def write(output, plan, failed=()):
 def problems_of(path):
     """What the crate lacks of what its profiles require; empty if nothing."""
     folder = pathlib.Path(path)
-    graph = read_json(folder / "ro-crate-metadata.json")["@graph"]
+    document = read_json(folder / "ro-crate-metadata.json")
+    graph = document.get("@graph") if isinstance(document, dict) else None
+    if not isinstance(graph, list) or not all(isinstance(e, dict) and {"@id", "@type"} <= e.keys() for e in graph):
+        raise UserError(f"{folder}/ro-crate-metadata.json: is no RO-Crate (no @graph of entities with @id and "
+                        "@type); pipelines/cohort INPUT OUTPUT group writes it again")
     by_id = {e["@id"]: e for e in graph}
     found = []
 

@@ -10,6 +10,7 @@ import time
 
 import engine
 import plan as plans
+import user
 from files import UserError, read_json, write_json
 
 
@@ -56,12 +57,10 @@ and, of the steps before:
     return 0
 
 
+def main(words):
+    folder, *words, seed_text, atlas_folder = words
+    return run(pathlib.Path(folder), *words, int(seed_text), atlas_folder)
+
+
 if __name__ == "__main__":
-    try:
-        folder, *words, seed_text, atlas_folder = sys.argv[1:]
-        sys.exit(run(pathlib.Path(folder), *words, int(seed_text), atlas_folder))
-    except UserError as error:
-        print(f"pipelines/demo: {error}", file=sys.stderr)
-        sys.exit(3)
-    except KeyboardInterrupt:
-        sys.exit(130)
+    sys.exit(user.call("pipelines/demo", main, sys.argv[1:]))

@@ -70,6 +70,8 @@ def run(output, plan, todo, *, cores, memory_mb, profile="", quiet=False, retrie
         return 0
     plan_path = output / "work/plan.json"
     write_json(plan_path, plan.to_json())
+    for patient, document in plan.by_patient(todo).items():
+        write_json(output / f"work/plans/{patient}.json", document)
     config = output / "work/config.json"
     write_json(config, {"plan": str(plan_path), "todo": todo})
     largest = max(plan.jobs[name]["memory_mb"] for name in todo)

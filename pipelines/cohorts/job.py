@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs one job of a plan: one program, into one folder, with a record of how it was made.
 
-Usage: job.py PLAN JOB
+Usage: job.py PLAN JOB; PLAN is that of the job's patient.
 
 Files, all below the folder of the plan's output:
   DERIVATIVE.json           the record: program, build, command, inputs and outputs by SHA-256. It
@@ -142,10 +142,10 @@ def link_sources(job):
 
 
 def message_of(log):
-    """What the program says of its error: its last message, or the last line."""
+    """What the program says of its error: its last message with all of its lines, or the last line."""
     lines = [line for line in log.splitlines() if line.strip()]
-    messages = [line for line in lines if re.match(r"acus-\w+: (?!warning)", line)]
-    return (messages or lines or ["no message"])[-1][:2000]
+    begins = [i for i, line in enumerate(lines) if re.match(r"acus-\w+: (?!warning)", line)]
+    return "\n".join(lines[begins[-1]:] if begins else lines[-1:] or ["no message"])[:2000]
 
 
 def remove_partial(job):

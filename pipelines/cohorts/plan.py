@@ -45,6 +45,11 @@ def program_folder():
     return pathlib.Path(os.environ.get("ACUS_BIN", beside)).resolve()
 
 
+def patient_of(job):
+    """The name of the plan that a job is in: no job has a parent in another."""
+    return "_".join(word for word in (job["participant"], job["session"]) if word) or "patient"
+
+
 class Plan:
     """Jobs by id, each with all that it depends on in its key."""
 
@@ -60,9 +65,19 @@ class Plan:
         configs = pathlib.Path(os.environ.get("ACUS_CONFIGS", ROOT / "configs"))
         self.presets = sha256_of(configs) if configs.is_dir() else ""
 
-    def to_json(self):
-        return {"output": str(self.output), "bin": str(self.bin), "jobs": self.jobs,
+    def to_json(self, jobs=None):
+        return {"output": str(self.output), "bin": str(self.bin), "jobs": self.jobs if jobs is None else jobs,
                 "environment": {"OPENBLAS_NUM_THREADS": "1"}}
+
+    def by_patient(self, names):
+        """Plans of single patients, those with one of the jobs: what one job has to read does not grow with
+        the cohort."""
+        wanted = {patient_of(self.jobs[name]) for name in names}
+        parts = {}
+        for name, job in self.jobs.items():
+            if patient_of(job) in wanted:
+                parts.setdefault(patient_of(job), {})[name] = job
+        return {patient: self.to_json(jobs) for patient, jobs in parts.items()}
 
     def source_hash(self, path):
         """By size and time of change from the last plan, or of the content."""
@@ -111,6 +126,15 @@ def session_of_phantom(kind, config):
     return document.get("session", {}).get("name", "insertion"), voxels / 1e6, bool(document.get("force_curves"))
 
 
+def breathes(scenario):
+    """Whether a scenario, a file or preset, has the effect breathing: it takes the motion of the phases."""
+    path = pathlib.Path(scenario)
+    if not path.exists():
+        path = pathlib.Path(os.environ.get("ACUS_CONFIGS", ROOT / "configs")) / scenario
+    effects = read_json(path).get("effects", {}) if path.exists() else {}
+    return effects.get("breathing") is not None
+
+
 class Patient:
     """The jobs of one session of one participant."""
 
@@ -144,7 +168,7 @@ class Patient:
     def jobs(self):
         files, options = self.files, self.plan.options
         one = {kind: self.link(kind, files[kind][0]) for kind in
-               ("ct", "labels", "atlas", "phases", "markers_ct", "markers_mannequin", "target",
+               ("ct", "labels", "label_mapping", "atlas", "phases", "markers_ct", "markers_mannequin", "target",
                 "corridor")
                if kind in files}
         many = {kind: [self.link(kind, entry, i + 1) for i, entry in enumerate(files.get(kind, []))]
@@ -166,11 +190,12 @@ class Patient:
         if many["force_curves"]:
             self.add("fit", "fit", "acus-fit", many["force_curves"], parents=truth,
                      title="Recorded force curves to force parameters")
+        motion = []
         if "phases" in one:
-            self.add("breathing", "motion", "acus-breathing", [one["phases"]],
-                     title="A 4D CT to a model of how the patient breathes")
+            motion = [self.add("breathing", "motion", "acus-breathing", [one["phases"]],
+                               title="A 4D CT to a model of how the patient breathes")]
         register = self.register(one, truth)
-        self.replays(one, many["recording"], names, [segment, *truth, register])
+        self.replays(one, many["recording"], names, [segment, *truth, register], motion)
 
     def phantom(self, entry, one, many, names):
         kind, _, config = entry["path"].partition(":")
@@ -208,6 +233,9 @@ class Patient:
             arguments += ["--series", self.series()]
         if "labels" in one:
             arguments += ["--import", one["labels"]]
+            arguments += ["--mapping", one["label_mapping"]] if "label_mapping" in one else []
+        elif "label_mapping" in one:
+            raise UserError(f"{'/'.join(self.where)}: a label_mapping, but no labels")
         if "atlas" in one:
             arguments += ["--atlas", one["atlas"]]
         return self.add("segment", "segmentation", "acus-segment", arguments, parents=truth,
@@ -243,7 +271,7 @@ class Patient:
                         ["--from", one["markers_mannequin"], "--to", one["markers_ct"], *target],
                         parents=truth, title="Mannequin markers to the CT")
 
-    def replays(self, one, recordings, names, parents):
+    def replays(self, one, recordings, names, parents, motion):
         options = self.plan.options
         scenarios = [(e["path"], self.link("scenario", e, i + 1))
                      for i, e in enumerate(self.files.get("scenario", []))]
@@ -256,16 +284,18 @@ class Patient:
                 self.links[f"work/in/scenarios/{pathlib.Path(path).name}"] = path
                 scenario = f"work/in/scenarios/{pathlib.Path(path).name}"
             stem = re.sub(r"[^A-Za-z0-9]+", "", pathlib.Path(path).stem)
+            moves = motion if breathes(path) else []
             for name, recording in zip(names, recordings):
                 run = f"replays/{stem}-{name}" if self.base or many else "run"
-                self.replay(run, scenario, recording, one, parents)
+                self.replay(run, scenario, recording, one, parents, moves)
 
-    def replay(self, run, scenario, recording, one, parents):
+    def replay(self, run, scenario, recording, one, parents, motion):
         options = self.plan.options
-        deformable = []
+        deformable = ["--set", f"/effects/breathing/motion={self.path('motion')}"] if motion else []
+        parents = [*parents, *motion]
         if options.tissue:
-            deformable = ["--set", f"/effects/tissue/model={options.tissue}",
-                          "--set", f"/patient/corridor={one['corridor']}"]
+            deformable += ["--set", f"/effects/tissue/model={options.tissue}",
+                           "--set", f"/patient/corridor={one['corridor']}"]
             if options.tissue != "displacement_functions":
                 deformable += ["--set", "/effects/needle_force/model=tissue"]
             if options.tissue == "fe_3d":

@@ -10,6 +10,7 @@ import tempfile
 import crate
 import job as jobs
 import plan as plans
+import user
 from files import UserError, read_json, read_tsv, sha256_of
 
 EPILOG = """\
@@ -46,13 +47,25 @@ def root_of(path):
                     "dataset_description.json and work)")
 
 
+def read_record(path):
+    """The record of a derivative; None of a JSON file that is none."""
+    record = read_json(path)
+    if not isinstance(record, dict) or "Command" not in record:
+        return None
+    missing = [key for key in ("Description", "GeneratedBy", "Inputs", "InputsOfProgram", "Outputs")
+               if key not in record]
+    if missing:
+        raise UserError(f"{path}: the record has no {missing[0]}; delete it, and pipelines/cohort makes it again")
+    return record
+
+
 def record_of(root, name):
     """(path of the record, record) of a derivative's file, or of the derivative itself."""
     for folder in [pathlib.Path(name), *pathlib.Path(name).parents]:
         path = root / (str(folder) + ".json")
         if str(folder) != "." and path.is_file():
-            record = read_json(path)
-            if "Command" in record:
+            record = read_record(path)
+            if record:
                 return str(folder) + ".json", record
     return None, None
 
@@ -73,7 +86,10 @@ def print_chain(root, name, record, depth, seen):
             print(f"{pad}  {parent.removesuffix('.json')}: see above")
             continue
         seen.add(parent)
-        print_chain(root, parent, read_json(root / parent), depth + 1, seen)
+        before = read_record(root / parent)
+        if before is None:
+            raise UserError(f"{root / parent}: is no record of a cohort; {name} was made from what it describes")
+        print_chain(root, parent, before, depth + 1, seen)
 
 
 def run_alone(root, argv, inputs):
@@ -171,11 +187,4 @@ def run(arguments):
 
 
 def main(words):
-    arguments = parser().parse_intermixed_args(words)
-    try:
-        return run(arguments)
-    except UserError as error:
-        print(f"pipelines/provenance: {error}", file=sys.stderr)
-        return 3
-    except BrokenPipeError:
-        return 0
+    return user.call("pipelines/provenance", run, parser().parse_intermixed_args(words))

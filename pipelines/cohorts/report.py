@@ -5,13 +5,12 @@ import json
 import os
 import statistics
 
+import budgets
+import pages
 import resources
 from files import read_json, write_json, write_tsv, write_whole
 
 OUTLIER_Z = 3.5  # Iglewicz and Hoaglin (1993), of the modified z-score.
-STYLE = """body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}
-table{border-collapse:collapse}td,th{padding:.2em .7em;border-bottom:1px solid #ddd;text-align:left}
-td.n{text-align:right}img{max-width:22em;margin:.3em}code{background:#f3f3f3}.bad{color:#a31515}"""
 
 
 def median_and_spread(values):
@@ -26,28 +25,6 @@ def outliers(values):
     if len(values) < 5 or spread == 0:
         return {}
     return {i: (v - middle) / spread for i, v in enumerate(values) if abs(v - middle) > OUTLIER_Z * spread}
-
-
-def strip_plot(values, unit, flagged):
-    """All values on one axis as SVG, with median and quartiles; outliers in red."""
-    low, high = min(values), max(values)
-    span = (high - low) or abs(high) or 1.0
-    def x(value):
-        return 20 + 560 * (value - low) / span
-    parts = ['<svg xmlns="http://www.w3.org/2000/svg" width="600" height="62" font-size="11">',
-             '<line x1="20" y1="42" x2="580" y2="42" stroke="#888"/>']
-    if len(values) > 1:
-        first, middle, third = statistics.quantiles(values, n=4, method="inclusive")
-        parts.append(f'<rect x="{x(first):.1f}" y="8" width="{x(third) - x(first) + 0.5:.1f}" height="26" '
-                     f'fill="#dfe8f3"/><line x1="{x(middle):.1f}" y1="8" x2="{x(middle):.1f}" y2="34" '
-                     'stroke="#2a5a8c" stroke-width="2"/>')
-    for i, value in enumerate(values):
-        colour = "#c4231d" if i in flagged else "#2a5a8c"
-        y = 12 + 18 * ((i * 0.618034) % 1)  # Apart from each other, the same in every run.
-        parts.append(f'<circle cx="{x(value):.1f}" cy="{y:.1f}" r="2.6" fill="{colour}" fill-opacity="0.6"/>')
-    parts += [f'<text x="20" y="56">{low:.4g} {html.escape(unit)}</text>',
-              f'<text x="580" y="56" text-anchor="end">{high:.4g} {html.escape(unit)}</text></svg>']
-    return "".join(parts)
 
 
 def runs_of(output, plan):
@@ -81,6 +58,17 @@ def comparisons_of(output, plan):
     return rows
 
 
+def differences_of(comparisons):
+    """Rows and units as of `runs_of`: what differs from the reference, for each replay that was compared."""
+    rows, units = {}, {}
+    for check in comparisons:
+        if isinstance(check["value"], (int, float)):
+            column = "against the reference: " + check["quantity"] + (f" [{check['unit']}]" if check["unit"] else "")
+            run = check["run"].replace("/comparisons/", "/replays/")
+            rows.setdefault(run, {"run": run})[column], units[column] = check["value"], check["unit"]
+    return list(rows.values()), units
+
+
 def costs_of(output, plan):
     """One row for each job that ran: measured and predicted time and memory."""
     rows = []
@@ -94,19 +82,13 @@ def costs_of(output, plan):
     return rows
 
 
-def _table(header, rows):
-    cells = "".join(f"<th>{html.escape(h)}</th>" for h in header)
-    lines = ["<table><tr>" + cells + "</tr>"]
-    for row in rows:
-        lines.append("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>")
-    return "".join(lines) + "</table>"
-
-
 def _images(output, run):
-    """The segmentation and the first events of a run, as links relative to the report."""
+    """The segmentation, the first events of a run and the image that differs most from the reference, as links
+    relative to the report."""
     base = output / run
     patient = base.parent.parent if base.parent.name == "replays" else base.parent
-    found = [patient / "segmentation/preview_axial.png", *sorted(base.glob("event_*.png"))[:3]]
+    found = [patient / "segmentation/preview_axial.png", *sorted(base.glob("event_*.png"))[:3],
+             patient / "comparisons" / base.name / "worst_frame.png"]
     return "".join(f'<a href="{os.path.relpath(p, output / "group")}"><img loading="lazy" '
                    f'src="{os.path.relpath(p, output / "group")}" alt="{p.stem}"></a>'
                    for p in found if p.exists())
@@ -123,7 +105,7 @@ def _metrics_part(output, rows, units):
         middle, spread = median_and_spread(values)
         table.append({"metric": column, "n": len(values), "median": middle, "spread": spread,
                       "min": min(values), "max": max(values), "outliers": len(flagged)})
-        parts.append(f"<h3>{html.escape(column)}</h3>{strip_plot(values, unit, flagged)}<p>{len(values)} runs, "
+        parts.append(f"<h3>{html.escape(column)}</h3>{pages.strip_plot(values, unit, flagged)}<p>{len(values)} runs, "
                      f"median {middle:.4g}, spread (1.4826 MAD) {spread:.4g}</p>")
         for i in sorted(flagged, key=lambda k: -abs(flagged[k]))[:5]:
             run = own[i]["run"]
@@ -140,7 +122,7 @@ def _failures_part(output, failed, problems):
              f'<span class="bad">{html.escape(f["message"])}</span>',
              f'<code>{html.escape(f["command"])}</code>' if "command" in f else ""]
             for f in failed + problems]
-    return [_table(["participant", "session", "step", "message", "command, in this folder"], rows)]
+    return [pages.table(["participant", "session", "step", "message", "command, in this folder"], rows)]
 
 
 def _costs_part(output, costs):
@@ -157,32 +139,47 @@ def _costs_part(output, costs):
         last = read_json(output / "work/last_run.json")
         text = (f"<p>Last run: {last['jobs']} jobs took {last['took_s'] / 3600:.3f} h; predicted "
                 f"{last['wall_s'] / 3600:.3f} h on {last['cores']} cores.</p>")
-    return ["<h1>Time and memory</h1>", text, _table(
+    plots = []
+    for rule in sorted({c["rule"] for c in costs}):
+        values = [c["cpu_s"] for c in costs if c["rule"] == rule]
+        plots.append(f"<h3>{rule}: CPU time [s]</h3>{pages.strip_plot(values, 's', outliers(values))}")
+    return ["<h1>Time and memory</h1>", text, pages.table(
         ["program", "jobs", "CPU time, h", "largest memory, MB", "measured / predicted time (median)",
-         "within the memory asked for"], rows)]
+         "within the memory asked for"], rows), *plots]
 
 
-def _page(title, body):
-    return (f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-            f"<style>{STYLE}</style></head><body>" + "\n".join(body) + "</body></html>\n")
+def _budgets_part(checks):
+    if not checks:
+        return []
+    rows = [[html.escape(c["budget"]), "n/a" if c["value"] is None else f"{c['value']:.4g}", f"{c['limit']:g}", c["of"],
+             "yes" if c["passed"] == "true" else '<span class="bad">NO</span>', html.escape(c["remark"])]
+            for c in checks]
+    return ["<h1>Budgets</h1>", pages.table(["budget", "value", "limit", "jobs or replays", "kept", ""], rows)]
 
 
-def write(output, plan, failed, problems):
-    """Writes group/report.html and the tables beside it. Measured times differ from run to run: they
-    are in group/times.html and work/costs.tsv, and in no other page or table."""
+def write(output, plan, failed, problems, limits=None):
+    """Writes group/report.html and the tables beside it; returns the checks of the budgets `limits`.
+    Measured times differ from run to run: they are in group/times.html, group/budgets.tsv and
+    work/costs.tsv, and in no other page or table."""
     group = output / "group"
     rows, units = runs_of(output, plan)
     parts, table = _metrics_part(output, rows, units)
     comparisons, costs = comparisons_of(output, plan), costs_of(output, plan)
+    differing, of_differences = _metrics_part(output, *differences_of(comparisons))
     ids = ["participant_id", "session_id", "run", "name"]
     write_tsv(group / "metrics.tsv", ids + sorted(units), rows)
-    write_tsv(group / "distributions.tsv", ["metric", "n", "median", "spread", "min", "max", "outliers"], table)
+    write_tsv(group / "distributions.tsv", ["metric", "n", "median", "spread", "min", "max", "outliers"],
+              table + of_differences)
     write_json(group / "metrics.json", {c: {"Units": u or "1"} for c, u in units.items()})
     failures = [{"participant_id": f["participant"], "session_id": f["session"], "step": f.get("rule", "sources"),
                  "message": f["message"], "command": f.get("command")} for f in failed + problems]
     write_tsv(group / "failures.tsv", ["participant_id", "session_id", "step", "message", "command"], failures)
     write_tsv(output / "work/costs.tsv", ["participant_id", "session_id", "rule", "wall_s", "cpu_s", "memory_mb",
                                           "predicted_s", "predicted_mb", "host"], costs)
+    kept = budgets.checks(limits or {}, rows, comparisons, costs)
+    (group / "budgets.tsv").unlink(missing_ok=True)
+    if limits:
+        write_tsv(group / "budgets.tsv", budgets.HEADER, kept)
     differ = []
     if comparisons:
         write_tsv(group / "comparisons.tsv", list(comparisons[0]), comparisons)
@@ -190,13 +187,15 @@ def write(output, plan, failed, problems):
         runs = {c["run"] for c in comparisons}
         differ = ["<h2>Comparison with the reference</h2>",
                   f"<p>{len(runs) - len({c['run'] for c in bad})} of {len(runs)} replays are within their "
-                  "tolerances.</p>", _table(["run", "quantity", "value", "limit", "remark"], [
+                  "tolerances.</p>", pages.table(["run", "quantity", "value", "limit", "remark"], [
                       [f'<a href="../{c["run"]}/comparison.html">{c["run"]}</a>', html.escape(c["quantity"]),
-                       c["value"], c["limit"], html.escape(c["remark"])] for c in bad[:200]])]
+                       c["value"], c["limit"], html.escape(c["remark"])] for c in bad[:200]]), *differing]
     people = {j["participant"] for j in plan.jobs.values()} | {p["participant"] for p in problems}
     body = ["<h1>Cohort</h1>", f"<p>{len(people)} participants, {len(rows)} replays.</p>", "<h2>Failures</h2>",
             *_failures_part(output, failed, problems), *differ, "<h2>Metrics</h2>", *parts,
             "<p>Tables: <a href=\"metrics.tsv\">metrics.tsv</a>, <a href=\"distributions.tsv\">distributions.tsv"
-            "</a>, <a href=\"failures.tsv\">failures.tsv</a>; <a href=\"times.html\">time and memory</a></p>"]
-    write_whole(group / "report.html", _page("Cohort", body))
-    write_whole(group / "times.html", _page("Time and memory", _costs_part(output, costs)))
+            "</a>, <a href=\"failures.tsv\">failures.tsv</a>; <a href=\"times.html\">time, memory and budgets</a></p>"]
+    write_whole(group / "report.html", pages.page("Cohort", body))
+    write_whole(group / "times.html", pages.page("Time and memory",
+                                                   _budgets_part(kept) + _costs_part(output, costs)))
+    return kept

@@ -4,9 +4,9 @@ import re
 
 from files import UserError, read_tsv
 
-KINDS = ("phantom", "ct", "labels", "atlas", "phases", "force_curves", "markers_ct",
+KINDS = ("phantom", "ct", "labels", "label_mapping", "atlas", "phases", "force_curves", "markers_ct",
          "markers_mannequin", "target", "corridor", "recording", "scenario")
-SINGLE = ("phantom", "ct", "labels", "atlas", "phases", "markers_ct", "markers_mannequin",
+SINGLE = ("phantom", "ct", "labels", "label_mapping", "atlas", "phases", "markers_ct", "markers_mannequin",
           "target", "corridor")
 COLUMNS = ("participant_id", "session_id", "kind", "path", "seed", "series")
 LABEL = re.compile(r"[A-Za-z0-9]+")

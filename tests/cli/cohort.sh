@@ -7,6 +7,10 @@ set -uo pipefail
 source=$1 folder=$2
 failures=0
 fail() { echo "FAILED: $*"; failures=$((failures + 1)); }
+refused() {  # CODE EXPECTED TEXT: the exit code, and what is in the message
+  [[ $1 == "$2" ]] || fail "exit code $1, expected $2: $(cat err)"
+  grep -q "$3" err || fail "no '$3': $(cat err)"
+}
 rm -rf "$folder" && mkdir -p "$folder/Miller_Ann" && cd "$folder" || exit 2
 config=$source/testdata/tiny_lumbar.json
 {
@@ -59,6 +63,65 @@ grep -q "acus-phantom patient lumbar --seed 2" out || fail "the history does not
 grep -q "greatest depth \[mm\] = [0-9]" out || fail "no value: $(cat out)"
 echo >>$file
 "$source/pipelines/provenance" $file >/dev/null && fail "a changed file is not noticed"
+
+# What cannot be read is one message: a record, the crate, a source that is not there any more.
+say() {
+  "$source/pipelines/provenance" "$@" >out 2>err
+  code=$?
+  grep -q Traceback err && fail "provenance $*: $(cat err)"
+}
+cp -r parts broken
+echo '{"Command": []}' >broken/sub-01/ses-01/segmentation.json
+say broken/sub-01/ses-01/segmentation
+refused "$code" 3 "segmentation.json: the record has no Description"
+head -c 99 /dev/urandom >broken/sub-01/ses-01/segmentation.json
+say broken/sub-01/ses-01/replays/*/metrics.json
+refused "$code" 3 "segmentation.json: no readable JSON"
+rm broken/work/in/sub-02/ses-01/phantom.json
+say broken/sub-02/ses-01/patient --repeat
+refused "$code" 3 "phantom.json: No such file"
+echo '[]' >broken/ro-crate-metadata.json
+say broken --check
+refused "$code" 3 "is no RO-Crate"
+
+# Budgets: kept, exceeded, and wrong.
+echo '{"format": "acus-budgets/1", "jobs": {"replay": {"cpu_s": 3600, "memory_mb": 9000}},
+  "metrics": {"greatest depth [mm]": {"at_least": 1}}}' >wide.json
+cohort parts group --participant-label 01 02 --budgets wide.json 2>err || fail "wide budgets: $(cat err)"
+[[ $(cut -f 5 parts/group/budgets.tsv | grep -c true) == 3 ]] || fail "wide budgets: $(cat parts/group/budgets.tsv)"
+echo '{"format": "acus-budgets/1", "jobs": {"replay": {"cpu_s": 0.001}}, "comparisons": {"share": 1},
+  "metrics": {"greatest depth [mm]": {"at_most": 1, "share": 0.6}}}' >tight.json
+cohort parts group --participant-label 01 02 --budgets tight.json 2>err
+[[ $? == 4 ]] || fail "budgets that are exceeded do not show in the exit code"
+for text in "budget replay cpu_s: .* limit 0.001. largest: sub-0" "budget greatest depth \[mm\] share: 0, limit 0.6" \
+  "budget comparisons share: n/a"; do
+  grep -q "$text" err || fail "no '$text': $(cat err)"
+done
+echo '{"format": "acus-budgets/1", "jobs": {"replay": {"cpu_s": "3"}}}' >wrong.json
+cohort parts --budgets wrong.json 2>err
+refused $? 3 "wrong.json: /jobs/replay/cpu_s: must be a number"
+
+# Trends: of two outputs, and again with the table of the first call.
+"$source/pipelines/trends" first=whole parts -o trends >/dev/null 2>err || fail "trends: $(cat err)"
+"$source/pipelines/trends" trends/trends.tsv third=parts -o trends >/dev/null 2>err || fail "trends again: $(cat err)"
+[[ $(cut -f 1 trends/trends.tsv | uniq | wc -l) == 4 ]] || fail "trends: $(cut -f 1 trends/trends.tsv | uniq)"
+awk -F '\t' '$2 == "greatest depth [mm]" { print $6 }' trends/trends.tsv | uniq | wc -l | grep -qx 1 ||
+  fail "the same replays have other medians"
+grep -q "replay: CPU time \[s\]" trends/trends.html || fail "trends: no CPU time"
+"$source/pipelines/trends" whole/sub-01 -o trends2 2>err
+[[ $? == 3 && ! -e trends2 ]] || fail "trends of no output: $(cat err)"
+
+# An outlier of six runs is named, and shown with its image.
+PYTHONPATH=$source/pipelines/cohorts python3 -B - whole >out 2>&1 <<'PYTHON' || fail "outliers: $(cat out)"
+import pathlib, sys
+import report
+rows = [{"run": f"sub-0{1 + i % 2}/ses-01/replays/smallscenario-insertion", "depth [mm]": 30 + (i % 3) + 40 * (i == 5)}
+        for i in range(6)]
+parts, table = report._metrics_part(pathlib.Path(sys.argv[1]).resolve(), rows, {"depth [mm]": "mm"})
+text = "".join(parts)
+assert table[0]["outliers"] == 1 and text.count("spreads from the median") == 1, table
+assert 'src="../sub-02/ses-01/segmentation/preview_axial.png"' in text, text
+PYTHON
 
 # Labelled images, split by participant: each is in one split, and the files are there.
 cohort labels --participant-label 01 02 --labels-in-image png --splits 0.5,0.5,0 2>err ||

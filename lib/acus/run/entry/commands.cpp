@@ -40,6 +40,7 @@ constexpr Command kCommands[] = {
     {"papers", CommandKind::kWorkflow, "Figures and tables of the four papers"},
     {"cohort", CommandKind::kWorkflow, "Many patients, on one machine or on Slurm"},
     {"provenance", CommandKind::kWorkflow, "How a file of a cohort came about"},
+    {"trends", CommandKind::kWorkflow, "Cohorts and suites over versions, as a page"},
     {"sweep", CommandKind::kWorkflow, "A sweep of accuracy and time, several runs at a time"},
     {"doctor", CommandKind::kWorkflow, "What is installed, and how fast this machine is"},
 };

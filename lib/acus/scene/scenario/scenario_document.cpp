@@ -14,8 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// Those that a change may set come first: they are relative to the working folder then.
-constexpr std::size_t kNumChangeable = 7;
+/// Relative to the scenario file; where a change sets them, to the working folder.
 constexpr std::array<std::string_view, 9> kPaths = {
     "/patient/ct",          "/patient/labels",           "/patient/surfaces",
     "/patient/mesh",        "/patient/corridor",         "/patient/ct_from_reference_file",
@@ -44,8 +43,7 @@ void Apply(json& document, const Override& change) {
     return;
   }
   json value = change.value;
-  const auto changeable = std::span(kPaths).first(kNumChangeable);
-  if (value.is_string() && std::ranges::find(changeable, change.pointer) != changeable.end()) {
+  if (value.is_string() && std::ranges::find(kPaths, change.pointer) != kPaths.end()) {
     value = fs::absolute(value.get<std::string>()).string();
   }
   document[pointer] = value;

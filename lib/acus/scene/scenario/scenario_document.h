@@ -21,7 +21,7 @@ struct Override {
 Override ParseOverride(const std::string& text);
 
 /// The file with changes applied, as it stands: not checked, defaults not filled in. Of changes,
-/// paths of the patient are relative to the working folder, and become absolute.
+/// paths of patient, session and breathing are relative to the working folder, and become absolute.
 /// @throws InputError if it is no JSON, or has no such place as a change names.
 nlohmann::json ScenarioDocument(const std::filesystem::path& path,
                                 std::span<const Override> changes);

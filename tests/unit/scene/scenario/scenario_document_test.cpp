@@ -81,5 +81,17 @@ TEST(ScenarioDocument, FindsItsFilesFromAnotherFolder) {
   EXPECT_FALSE(written.contains("evidence"));
 }
 
+TEST(ScenarioDocument, TakesPathsOfChangesFromTheWorkingFolder) {
+  const testing_support::TemporaryFolder temporary;
+  const fs::path file = temporary.path() / "scene.json";
+  WriteTextFile(file,
+                R"({"format": "acus-scenario/1", "effects": {"breathing": {"motion": "m"}}})");
+  for (const char* pointer : {"/patient/ct", "/effects/breathing/motion"}) {
+    const std::vector<Override> changes = {ParseOverride(std::string(pointer) + "=given")};
+    const json document = ScenarioDocument(file, changes);
+    EXPECT_EQ(document[json::json_pointer(pointer)], (fs::current_path() / "given").string());
+  }
+}
+
 }  // namespace
 }  // namespace acus::scenario
