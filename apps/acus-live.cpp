@@ -13,7 +13,7 @@
 int main(int argc, char** argv) {
   std::filesystem::path scenario_path, devices_path, exercise_path;
   std::vector<std::string> changes;
-  bool headless = false;
+  bool headless = false, left_handed = false;
   acus::live::LiveOptions options;
   acus::window::ConsoleSettings console;
 
@@ -39,6 +39,8 @@ int main(int argc, char** argv) {
   app.add_option("--set", changes,
                  "Change one value of the scenario: /json/pointer=value; =null takes it out");
   app.add_flag("--headless", headless, "Without a window; otherwise there must be a display");
+  app.add_flag("--left-handed", left_handed,
+               "Exchange the devices of needle and probe that the devices file names");
   app.add_option("--views", console.views,
                  "Views to show, with commas: camera, ultrasound, 3d, volume, ct, effects.\n"
                  "Without it all but volume, which the key M brings");
@@ -66,7 +68,8 @@ int main(int argc, char** argv) {
     const auto here = std::filesystem::current_path();
     const auto scenario =
         acus::scenario::ReadScenario(acus::config::FindConfig(scenario_path, here), overrides);
-    const auto devices = acus::live::ReadLiveDevices(acus::config::FindConfig(devices_path, here));
+    auto devices = acus::live::ReadLiveDevices(acus::config::FindConfig(devices_path, here));
+    if (left_handed) devices.haptics.SwapHands();
     if (!exercise_path.empty()) {
       options.exercise = acus::training::ReadExercise(exercise_path);
       options.name = options.exercise->name;

@@ -46,11 +46,16 @@ class Jobs:
         errors = [place for place, line in enumerate(lines) if ERROR.match(line)]
         return "\n".join(lines[errors[0]:][-5:]) if errors else ""
 
-    def start_session(self, trainee, exercise):
+    def start_session(self, trainee, exercise, limit_s=None, left_handed=False):
         if self.session is not None:
             raise UserError("A session is running; end it first.")
         sessions.check_code(trainee)
-        self.session = self._start(["--no-report", "--trainee", trainee, "--exercise", exercise, *self.options])
+        words = ["--no-report", "--trainee", trainee, "--exercise", exercise]
+        if left_handed:
+            words.append("--left-handed")
+        if limit_s is not None:
+            words += ["--duration", f"{limit_s:g}"]
+        self.session = self._start([*words, *self.options])  # The last --duration counts.
 
     def start_check(self):
         """Checks files, patient, registration and devices, and runs the devices for a second."""

@@ -59,7 +59,9 @@ class Window(tk.Tk):
         self.new_code = ttk.Entry(adding, width=18)
         self.new_code.pack(side="left")
         self.new_code.bind("<Return>", lambda _: self.do(self.add_trainee))
+        self.left_handed = tk.BooleanVar(self)
         ttk.Button(adding, text=self.texts("add"), command=lambda: self.do(self.add_trainee)).pack(side="left", padx=6)
+        ttk.Checkbutton(adding, text=self.texts("left_handed"), variable=self.left_handed).pack(side="left")
 
         self.right = ttk.Frame(self, padding=8)
         self.right.grid(row=0, column=1, sticky="nsew")
@@ -217,8 +219,9 @@ class Window(tk.Tk):
 
     def add_trainee(self):
         code = self.new_code.get().strip()
-        self.workplace.add_trainee(code, self.found)
+        self.workplace.add_trainee(code, self.found, "left" if self.left_handed.get() else "right")
         self.new_code.delete(0, "end")
+        self.left_handed.set(False)
         self.reload()
         self.trainees.selection_set(code)
         self.trainees.see(code)
@@ -242,7 +245,9 @@ class Window(tk.Tk):
             text = self.texts("ask_consent", code=code, study=self.workplace.study.get("name", ""))
             self._ask(questions.YesNo(self.right, self.texts, text, answer))
             return
-        self.jobs.start_session(code, exercise)
+        limits = [step.limit_s for step in self.steps[code][0] if step.exercise == exercise]
+        self.jobs.start_session(code, exercise, limits[0] if limits else None,
+                                self.workplace.is_left_handed(code))
         self.running = code
         self.say(self.texts("running", code=code, exercise=self._title_of(exercise)))
 

@@ -10,7 +10,7 @@ from files import UserError, append_csv, read_csv, read_json
 
 ANSWERS = ["code", "questionnaire", "item", "answer"]
 CONSENT = ["code", "consent", "time"]
-TRAINEES = ["code"]
+TRAINEES = ["code", "hand"]
 ORDER = ["code", "exercise"]
 
 
@@ -22,6 +22,7 @@ class Step:
     state: str = "open"  # open, locked, mastered or done
     trials: int = 0
     best_percent: float = 0.0
+    limit_s: float | None = None  # Of a session.
 
 
 @dataclasses.dataclass(frozen=True)
@@ -78,12 +79,16 @@ class Workplace:
                  *sorted({session.trainee for session in found})]
         return list(dict.fromkeys(codes))
 
-    def add_trainee(self, code, found):
+    def is_left_handed(self, code):
+        return any(row["code"] == code and row["hand"] == "left"
+                   for row in read_csv(self.folder / "trainees.csv", TRAINEES))
+
+    def add_trainee(self, code, found, hand="right"):
         """@throws UserError for a code that is none, or is there."""
         sessions.check_code(code)
         if code in self.trainees(found):
             raise UserError(f"The code {code} is there already.")
-        append_csv(self.folder / "trainees.csv", TRAINEES, [{"code": code}])
+        append_csv(self.folder / "trainees.csv", TRAINEES, [{"code": code, "hand": hand}])
 
     # Consent
 
@@ -176,7 +181,8 @@ class Workplace:
         names = [by_title.get(step["exercise"]) for step in document["steps"]]
         result = {}
         for code, progress in document["trainees"].items():
-            steps = [Step(name, step["exercise"], at["state"], at["trials"], at["best_score_percent"])
+            steps = [Step(name, step["exercise"], at["state"], at["trials"], at["best_score_percent"],
+                          step["time_limit_s"])
                      for name, step, at in zip(names, document["steps"], progress["steps"])]
             following = progress["next"]
             result[code] = steps, None if following is None else names[following]

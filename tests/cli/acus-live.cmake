@@ -36,6 +36,10 @@ acus_add_cli_case(acus-live.check_loads_no_driver EXIT 0 NEEDS inputs LEAVES_NOT
   STDOUT "^Needle: Force Dimension SDK of /.*/libacus_marker.so .there, not loaded"
          "^Probe: virtual hand"
   COMMAND bash -c "LD_LIBRARY_PATH=$PWD exec \"$@\"" - ${with_driver} --check)
+acus_add_cli_case(acus-live.left_handed EXIT 0 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${d_name} && cp ${marker} ."
+  STDOUT "^Needle: virtual hand" "^Probe: Force Dimension SDK"
+  COMMAND bash -c "LD_LIBRARY_PATH=$PWD exec \"$@\"" - ${with_driver} --check --left-handed)
 acus_add_cli_case(acus-live.session_loads_the_driver EXIT 3 NEEDS inputs CREATES code_ran
   BEFORE "${d_name} && cp ${marker} ." STDERR "device 'right': .*: its library lacks functions"
   COMMAND bash -c "LD_LIBRARY_PATH=$PWD exec \"$@\"" - ${with_driver} -o s)

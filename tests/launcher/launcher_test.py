@@ -124,6 +124,8 @@ class OfAWorkplace(WithWorkplace):
         place = self.place()
         place.add_trainee("B-2", [])
         self.assertEqual(place.trainees(sessions.find(self.folder)), ["N1", "E1", "B-2", "Z9"])
+        place.add_trainee("L1", [], "left")
+        self.assertEqual([place.is_left_handed(code) for code in ("L1", "B-2", "N1")], [True, False, False])
         for code, message in (("B-2", "there already"), ("A 7", "may only hold"), ("../x", "may only hold"),
                               ("", "may only hold")):
             with self.assertRaisesRegex(UserError, message):
@@ -225,8 +227,9 @@ class BesideTheWindow(WithWorkplace):
         self.assertEqual(code, 5)
         self.assertEqual(
             said, f"acus-live: --text --no-report --trainee A --exercise one --headless {self.folder}\nwhy")
-        runs.start_session("B", "one")
-        self.wait(runs, "session")
+        runs.start_session("B", "one", limit_s=90, left_handed=True)
+        _, _, said = self.wait(runs, "session")
+        self.assertIn("--exercise one --left-handed --duration 90 --headless", said)
 
     def test_each_session_is_reported_once_even_if_that_fails(self):
         self.session("A", "2026-01-01_10-00-00")

@@ -67,7 +67,9 @@ Curriculum ReadCurriculum(const fs::path& path) {
                         {},
                         mastery.at("score_percent"),
                         mastery.at("goals_met_percent"),
-                        mastery.at("in_a_row")};
+                        mastery.at("in_a_row"),
+                        std::nullopt};
+    if (entry.contains("time_limit_s")) step.time_limit_s = entry["time_limit_s"].get<double>();
     ACUS_REQUIRE(std::ranges::find(curriculum.steps, step.exercise, &CurriculumStep::exercise) ==
                      curriculum.steps.end(),
                  where, "the exercise \"", step.exercise, "\" is there twice");
@@ -118,12 +120,14 @@ json CurriculumJson(const Curriculum& curriculum, std::span<const TrialRecord> t
                     const std::set<std::string>& codes) {
   json steps = json::array();
   for (const CurriculumStep& step : curriculum.steps) {
-    steps.push_back({{"exercise", step.exercise},
-                     {"file", step.file.string()},
-                     {"after", step.after},
-                     {"score_percent", step.score_percent},
-                     {"goals_met_percent", step.goals_met_percent},
-                     {"in_a_row", step.in_a_row}});
+    steps.push_back(
+        {{"exercise", step.exercise},
+         {"file", step.file.string()},
+         {"after", step.after},
+         {"score_percent", step.score_percent},
+         {"goals_met_percent", step.goals_met_percent},
+         {"in_a_row", step.in_a_row},
+         {"time_limit_s", step.time_limit_s ? json(*step.time_limit_s) : json(nullptr)}});
   }
   json trainees = json::object();
   for (const std::string& code : codes) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -19,6 +20,7 @@ struct CurriculumStep {
   double score_percent = 90.0;
   double goals_met_percent = 100.0;
   int in_a_row = 2;
+  std::optional<double> time_limit_s;  ///< Of a session.
 };
 
 struct Curriculum {
@@ -48,8 +50,8 @@ std::vector<StepState> ProgressOf(const Curriculum& curriculum, const std::strin
 std::string CurriculumText(const Curriculum& curriculum, std::span<const TrialRecord> trials,
                            const std::set<std::string>& codes);
 
-/// The same for other programs: name, steps (exercise, file, after, mastery) and, for each code,
-/// next (the place of a step from 0, or null) and the state of each step.
+/// The same for other programs: name, steps (exercise, file, after, mastery, time limit) and, for
+/// each code, next (the place of a step from 0, or null) and the state of each step.
 nlohmann::json CurriculumJson(const Curriculum& curriculum, std::span<const TrialRecord> trials,
                               const std::set<std::string>& codes);
 

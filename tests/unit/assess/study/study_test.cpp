@@ -265,7 +265,7 @@ TEST_F(StudyTest, ACurriculumOpensStepsAsTheyAreMastered) {
   WriteTextFile(folder_ / "curriculum.json", R"({
     "format": "acus-curriculum/1", "name": "Two", "steps": [
       {"exercise": "a.json", "mastery": {"in_a_row": 2}},
-      {"exercise": "b.json", "after": ["a.json"], "mastery": {"in_a_row": 1}}]})");
+      {"exercise": "b.json", "after": ["a.json"], "mastery": {"in_a_row": 1}, "time_limit_s": 90}]})");
   const Curriculum curriculum = ReadCurriculum(folder_ / "curriculum.json");
   std::vector<TrialRecord> trials = {Scored("Exercise a", 95.0), Scored("Exercise a", 60.0),
                                      Scored("Exercise a", 92.0)};
@@ -279,6 +279,8 @@ TEST_F(StudyTest, ACurriculumOpensStepsAsTheyAreMastered) {
   const auto state = CurriculumJson(curriculum, trials, {"A", "new"});
   EXPECT_EQ(state["steps"][1]["file"], (folder_ / "b.json").string());
   EXPECT_EQ(state["steps"][1]["after"][0], 0);
+  EXPECT_EQ(state["steps"][1]["time_limit_s"], 90.0);
+  EXPECT_TRUE(state["steps"][0]["time_limit_s"].is_null());
   EXPECT_EQ(state["trainees"]["A"]["next"], 0);
   EXPECT_EQ(state["trainees"]["A"]["steps"][0]["trials"], 3);
   EXPECT_EQ(state["trainees"]["new"]["steps"][0]["state"], "open") << "nobody needs a trial first";
