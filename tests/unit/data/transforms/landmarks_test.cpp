@@ -70,6 +70,11 @@ TEST(ReadLandmarks, TurnsEverySlicerFrameIntoLps) {
             as_written);
   EXPECT_EQ(ReadLandmarks(FileWith("f.fcsv", "# CoordinateSystem = 0\n" + row)).points_mm.col(0),
             turned);
+  // As 3D Slicer writes it, with lines of other keys.
+  const std::string header =
+      "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
+      "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n";
+  EXPECT_EQ(ReadLandmarks(FileWith("f.fcsv", header + row)).points_mm.col(0), as_written);
 }
 
 TEST(ReadLandmarks, SaysWhatIsWrongAndWhere) {

@@ -14,6 +14,8 @@ TEST(FieldOfView, OfALinearProbeIsARectangle) {
   EXPECT_FALSE(IsInFieldOfView(probe, {20.1, 30.0}));
   EXPECT_FALSE(IsInFieldOfView(probe, {0.0, 60.1}));
   EXPECT_FALSE(IsInFieldOfView(probe, {0.0, -0.1}));
+  EXPECT_TRUE(IsInFieldOfView(probe, {0.0, 60.0 + 1e-10})) << "the last row, rounded";
+  EXPECT_TRUE(IsInFieldOfView(probe, {0.0, -1e-10})) << "the first row, rounded";
   EXPECT_EQ(DepthBelowFaceMm(probe, {7.0, 33.0}), 33.0);
 }
 

@@ -91,6 +91,10 @@ TEST(Probe, BeamsReachFromFaceToDepthOverTheWholeWidth) {
   EXPECT_DOUBLE_EQ(linear.start_mm.front().x(), -19.2);
   EXPECT_DOUBLE_EQ(linear.start_mm.back().x(), 19.2);
   EXPECT_DOUBLE_EQ(linear.step_mm * 2047, 50.0);
+  for (int l = 0; l < linear.lines(); ++l) {
+    EXPECT_EQ(linear.start_mm[l].y(), 0.0) << "on the face";
+    EXPECT_EQ(linear.direction[l], Eigen::Vector2d::UnitY());
+  }
   const ScanGrid fan = BeamGridOf(ReadProbe(Preset("curvilinear_c5_2.json")));
   const Eigen::Vector2d end = fan.start_mm[0] + fan.step_mm * 2047 * fan.direction[0];
   EXPECT_NEAR((end + Eigen::Vector2d(0, 60)).norm(), 210.0, 1e-9);

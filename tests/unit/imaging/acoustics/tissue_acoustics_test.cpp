@@ -85,10 +85,12 @@ volume::LabelMap Labels(std::initializer_list<volume::Label> values) {
 
 TEST(TissueAcoustics, LabelsGoByTheirNameInTheMapElseByTheStandardName) {
   const TissueAcousticsTable table = ReadTissueAcoustics(kPreset);
-  volume::LabelMap labels = Labels({0, 8, 2, 77});
+  volume::LabelMap labels = Labels({0, 1, 8, 2, 77});
   labels.names[77] = "tendon";
   labels.names[2] = "muscle";  // This map's 2 is not the standard's.
   const LabelAcoustics dense = AcousticsOfLabels(table, labels, "labels.nrrd");
+  EXPECT_EQ(dense.of[1].impedance_mrayl,
+            table.Of(volume::StandardLabels()[1].name).impedance_mrayl);
   EXPECT_EQ(dense.of[8].impedance_mrayl, table.Of("liver").impedance_mrayl);
   EXPECT_EQ(dense.of[2].impedance_mrayl, table.Of("muscle").impedance_mrayl);
   EXPECT_EQ(dense.of[77].fibre_ratio, table.Of("tendon").fibre_ratio);
