@@ -45,6 +45,19 @@ TEST(FUpperTail, AgreesWithClosedForms) {
   EXPECT_EQ(FUpperTail(std::numeric_limits<double>::infinity(), 3, 9), 0.0);
 }
 
+// A probability of 0 or 1 has no finite quantile: the program stops where it was asked for one.
+TEST(QuantilesDeathTest, StopOutsideTheirRange) {
+  for (const double probability : {-0.1, 0.0, 1.0, 1.1}) {
+    EXPECT_DEATH(NormalQuantile(probability), "IsInside") << probability;
+    EXPECT_DEATH(StudentQuantile(probability, 5.0), "IsInside") << probability;
+    EXPECT_DEATH(ChiSquareQuantile(probability, 5.0), "IsInside") << probability;
+  }
+  EXPECT_DEATH(StudentQuantile(0.5, 0.0), "degrees_of_freedom");
+  EXPECT_DEATH(ChiSquareUpperTail(-1.0, 2.0), "x >= 0.0");
+  EXPECT_DEATH(ChiSquareUpperTail(1.0, 0.0), "degrees_of_freedom > 0.0");
+  EXPECT_DEATH(FUpperTail(1.0, 0.0, 2.0), "degrees_1 > 0.0");
+}
+
 TEST(FUpperTail, SwapsWithItsReciprocal) {
   for (const double x : {0.2, 1.0, 4.0}) {
     EXPECT_NEAR(FUpperTail(x, 3, 9) + FUpperTail(1 / x, 9, 3), 1.0, 1e-12);

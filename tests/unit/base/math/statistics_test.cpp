@@ -16,6 +16,7 @@ TEST(Statistics, MomentsOfASmallSample) {
   EXPECT_DOUBLE_EQ(StandardDeviation(kSample), std::sqrt(34.0 / 3.0));
   EXPECT_DOUBLE_EQ(RootMeanSquare(kSample), std::sqrt(70.0 / 4.0));
   EXPECT_EQ(StandardDeviation(std::vector<double>(5, 0.3)), 0.0);
+  EXPECT_DOUBLE_EQ(StandardDeviation(std::vector{1.0, 3.0}), std::sqrt(2.0)) << "two are enough";
 }
 
 TEST(Statistics, QuantilesInterpolateBetweenOrderStatistics) {
