@@ -1,4 +1,5 @@
 // What a real session can throw at the needle law: it stays finite, bounded, repeatable and cheap.
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -43,13 +44,14 @@ ForceTable DefaultTable() {
 TEST(NeedleForceStability, AMillionRandomStepsStayFiniteAndBounded) {
   const NeedleForceModel model(DefaultTable(), Trocar());
   const double bound_n = model.table().settings.largest_force_n;
-  int events[7] = {};
+  constexpr int kNumEvents = static_cast<int>(NeedleEvent::kChannelInterface) + 1;
+  std::array<int, kNumEvents> events = {};
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     WildHand hand(seed);
     NeedleForceState state;
     for (int i = 0; i < 100000; ++i) {
       const NeedleForce out = model.Step(state, hand.Next());
-      ++events[static_cast<int>(out.event)];
+      ++events.at(static_cast<std::size_t>(out.event));
       ASSERT_TRUE(out.force_in_ct_n.allFinite() && std::isfinite(out.AxialN()) &&
                   std::isfinite(out.depth_mm))
           << seed << " " << i;
@@ -63,7 +65,9 @@ TEST(NeedleForceStability, AMillionRandomStepsStayFiniteAndBounded) {
     EXPECT_GT(state.num_rejected, 0);
     EXPECT_GT(state.num_time_back, 0);
   }
-  for (int event = 1; event < 7; ++event) EXPECT_GT(events[event], 10) << event;  // All were met.
+  for (int event = 1; event < kNumEvents; ++event) {
+    EXPECT_GT(events[static_cast<std::size_t>(event)], 10) << event;  // All were met.
+  }
 }
 
 TEST(NeedleForceStability, TheSameSamplesGiveTheSameBits) {

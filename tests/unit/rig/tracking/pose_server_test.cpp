@@ -127,7 +127,7 @@ TEST(PoseServer, AnswersQuestions) {
   }));
 }
 
-TEST(PoseServer, WhatIsKeptContinuesceToEveryClientAndIsNoBacklog) {
+TEST(PoseServer, WhatIsKeptGoesOnceToEveryClientAndIsNoBacklog) {
   PoseServerOptions options = PoseServerAnyPort();
   options.max_backlog_bytes = 100'000;
   PoseServer server(options);
