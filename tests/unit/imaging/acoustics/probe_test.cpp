@@ -122,6 +122,8 @@ TEST(Probe, ExtremesWorkOrSayWhatIsAllowed) {
   EXPECT_EQ(ScanGridOf(read("/field_of_view_deg", 10)).lines(), 256);
   EXPECT_EQ(BeamGridOf(read("/depth_mm", 100)).samples, 2048);
   EXPECT_EQ(BeamGridOf(read("/radius_mm", 100)).samples, 2048);
+  EXPECT_EQ(read("/dynamic_range_db", 120).dynamic_range_db, 120.0);
+  refuses("/dynamic_range_db", 121);
   refuses("/depth_mm", 0);
   refuses("/depth_mm", 301);
   refuses("/field_of_view_deg", 4.9);
