@@ -143,6 +143,19 @@ TEST(Probe, ExtremesWorkOrSayWhatIsAllowed) {
   refuses("/kind", "convex");
 }
 
+TEST(Probe, WhatIsSetWithoutAFileIsCheckedToo) {
+  const auto with = [](double depth_mm, double dynamic_range_db) {
+    Probe probe = ProbeLinear();
+    probe.depth_mm = depth_mm;
+    probe.dynamic_range_db = dynamic_range_db;
+    return probe;
+  };
+  EXPECT_NO_THROW(CheckedProbe(with(0.05, 120.0)));
+  EXPECT_THROW(CheckedProbe(with(0.0, 60.0)), InputError);
+  EXPECT_THROW(CheckedProbe(with(60.0, 120.1)), InputError);
+  EXPECT_THROW(CheckedProbe(with(60.0, 0.0)), InputError);
+}
+
 TEST(Probe, DamagedFilesAreReadOrRefused) {
   const testing_support::TemporaryFolder folder;
   const std::string valid = ReadTextFile(Preset("curvilinear_c5.json"));
