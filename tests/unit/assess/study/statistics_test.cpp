@@ -1,6 +1,7 @@
 // Published worked examples and closed forms.
 #include "acus/base/math/statistics.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 #include <numeric>
 
@@ -81,6 +82,43 @@ TEST(MannWhitney, LargeSamplesAgreeWithTheExactDistribution) {
   EXPECT_TRUE(exact.exact);
   EXPECT_FALSE(approximate.exact);
   EXPECT_NEAR(approximate.p, exact.p, 0.1 * exact.p);
+}
+
+TEST(WilcoxonSignedRank, LargeSamplesWithTiesAgreeWithTheExactDistribution) {
+  // 24 differences of each of three sizes, of ranks 12.5, 36.5 and 60.5: the number of positive
+  // ones of a size is binomial.
+  constexpr int kOfASize = 24;
+  const std::vector<int> positive = {15, 15, 16};
+  Values differences;
+  for (int size = 1; size <= 3; ++size) {
+    for (int i = 0; i < kOfASize; ++i) {
+      differences.push_back(i < positive[static_cast<std::size_t>(size - 1)] ? size : -size);
+    }
+  }
+  const auto statistic = [](int a, int b, int c) { return 12.5 * a + 36.5 * b + 60.5 * c; };
+  const double observed = statistic(positive[0], positive[1], positive[2]);
+  Values share(kOfASize + 1, std::exp2(-kOfASize));
+  for (std::size_t k = 1; k < share.size(); ++k) {
+    share[k] = share[k - 1] * static_cast<double>(kOfASize + 1 - k) / static_cast<double>(k);
+  }
+  double above = 0.0;
+  for (int a = 0; a <= kOfASize; ++a) {
+    for (int b = 0; b <= kOfASize; ++b) {
+      for (int c = 0; c <= kOfASize; ++c) {
+        if (statistic(a, b, c) < observed) continue;
+        above += share[static_cast<std::size_t>(a)] * share[static_cast<std::size_t>(b)] *
+                 share[static_cast<std::size_t>(c)];
+      }
+    }
+  }
+  const RankTest test = WilcoxonSignedRank(differences);
+  EXPECT_FALSE(test.exact);
+  EXPECT_EQ(test.statistic, observed);
+  // Normal with the mean and variance of the sum: a quarter of the sum of squared ranks.
+  const double variance = kOfASize * (12.5 * 12.5 + 36.5 * 36.5 + 60.5 * 60.5) / 4.0;
+  const double off = observed - statistic(kOfASize, kOfASize, kOfASize) / 2.0 - 0.5;
+  EXPECT_NEAR(test.p, std::erfc(off / std::sqrt(2.0 * variance)), 1e-12);
+  EXPECT_NEAR(test.p, 2.0 * above, 0.05 * 2.0 * above) << "12 % off without regard to ties";
 }
 
 TEST(HolmCorrected, StepsDown) {
