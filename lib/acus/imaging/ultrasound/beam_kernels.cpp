@@ -19,6 +19,11 @@ HWY_INLINE int Step() {
   return static_cast<int>(hn::Lanes(F()));
 }
 
+/// a b + c, rounded twice: an instruction set that can round once would give other bits.
+HWY_INLINE VF MulThenAdd(VF a, VF b, VF c) {
+  return hn::Add(hn::Mul(a, b), c);
+}
+
 HWY_INLINE VF Place(const Lines& lines, int axis, VF sample, int l) {
   const F f;
   return hn::Add(hn::Load(f, lines.start[axis] + l),
@@ -274,7 +279,7 @@ void FilterAlongRow(const float* const* rows, const float* weight, int half, int
     VF sum = hn::Mul(hn::Set(f, weight[0]), hn::Load(f, rows[half] + l));
     for (int t = 1; t <= half; ++t) {
       const VF pair = hn::Add(hn::Load(f, rows[half - t] + l), hn::Load(f, rows[half + t] + l));
-      sum = hn::MulAdd(hn::Set(f, weight[t]), pair, sum);
+      sum = MulThenAdd(hn::Set(f, weight[t]), pair, sum);
     }
     hn::Store(sum, f, out + l);
   }
@@ -289,10 +294,10 @@ void FilterAcrossRow(const float* re, const float* im, const float* weight, int 
     VF b = hn::Mul(centre, hn::Load(f, im + l));
     for (int t = 1; t <= half; ++t) {
       const VF w = hn::Set(f, weight[t]);
-      a = hn::MulAdd(w, hn::Add(hn::LoadU(f, re + l - t), hn::LoadU(f, re + l + t)), a);
-      b = hn::MulAdd(w, hn::Add(hn::LoadU(f, im + l - t), hn::LoadU(f, im + l + t)), b);
+      a = MulThenAdd(w, hn::Add(hn::LoadU(f, re + l - t), hn::LoadU(f, re + l + t)), a);
+      b = MulThenAdd(w, hn::Add(hn::LoadU(f, im + l - t), hn::LoadU(f, im + l + t)), b);
     }
-    hn::Store(hn::MulAdd(a, a, hn::Mul(b, b)), f, intensity + l);
+    hn::Store(MulThenAdd(a, a, hn::Mul(b, b)), f, intensity + l);
   }
 }
 

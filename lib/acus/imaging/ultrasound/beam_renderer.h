@@ -32,7 +32,7 @@ class BeamRenderer {
   BeamRenderer& operator=(BeamRenderer&&) noexcept;
 
   /// Allocation-free after the first call with the same `num_threads` and spacing of `rest`. The
-  /// same bits with any number of threads; within one grey level on any instruction set.
+  /// same bits with any number of threads and on every instruction set.
   /// @param rest  Where the tissue was at rest; null: it has not moved. Speckle moves with it.
   /// @throws InputError if the pose or the needle is not finite.
   void Render(const Eigen::Isometry3d& ct_from_probe,
