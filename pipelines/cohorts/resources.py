@@ -118,12 +118,13 @@ def predict(models, rule, features):
     return value_of(model["cpu_s"], features), max(64, int(memory + 0.5))
 
 
-def write_shipped(outputs):
-    """Fits resources.json again on the measurements of finished cohorts."""
+def write_shipped(outputs, rules=()):
+    """Fits resources.json again on the measurements of finished cohorts; only these rules, if any are named."""
     all_of = {}
     for output in outputs:
         for rule, measurements in measured_in(output).items():
-            all_of.setdefault(rule, []).extend(measurements)
+            if not rules or rule in rules:
+                all_of.setdefault(rule, []).extend(measurements)
     kept = {rule: [{"features": [round(f, 4) for f in m["features"]], "cpu_s": round(m["cpu_s"], 3),
                     "memory_mb": round(m["memory_mb"], 1)} for m in ms]
             for rule, ms in sorted(all_of.items())}
