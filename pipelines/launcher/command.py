@@ -74,11 +74,9 @@ def open_window(place, options):
         import window
     except ImportError as error:
         raise UserError(f"the window needs Tk for Python: install the package python3-tk ({error})") from error
-    of_sessions = [word for word in ("--demo", "--headless") if getattr(options, word[2:])]
-    if options.duration is not None:
-        of_sessions += ["--duration", f"{options.duration:g}"]
     held = lock(place.folder)
-    beside = jobs.Jobs(ROOT / "pipelines/live-session", place.folder, of_sessions)
+    beside = jobs.Jobs(ROOT / "pipelines/live-session", place.folder, ["--headless"] if options.headless else [],
+                       demo=options.demo, duration_s=options.duration)
     try:
         shown = window.Window(place, beside, texts.Texts(options.language))
     except tkinter.TclError as error:

@@ -3,8 +3,9 @@ import os
 import re
 import subprocess
 
+import live
 import sessions
-from files import UserError
+from files import UserError, read_json
 
 
 # Not what the shell says of a program that was killed.
@@ -12,15 +13,22 @@ ERROR = re.compile(r"(acus-[a-z]+|pipelines/live-session): (?!warning|line \d)")
 
 
 class Jobs:
-    """Starts pipelines/live-session. Processes have a session of their own: closing or killing the launcher ends
-    no recording. What they print goes to launcher.log in the workplace."""
+    """Starts pipelines/live-session: one for all sessions, and one for each report. Processes have a session of
+    their own: closing or killing the launcher ends no recording. What they print goes to launcher.log in the
+    workplace."""
 
-    def __init__(self, live_session, folder, options):
+    def __init__(self, live_session, folder, options, demo=False, duration_s=None):
+        """options: of pipelines/live-session --requests, such as --headless. demo: virtual hands repeat what was
+        recorded with the patient. duration_s: of every session."""
         self.live_session = str(live_session)
         self.folder = folder
-        self.options = list(options)  # Of every session, such as --headless.
+        self.options = list(options)
+        self.demo = demo
+        self.duration_s = duration_s
         self.log = folder / "launcher.log"
-        self.session = None
+        self.live = live.Live([self.live_session, "--text", "--requests", *self.options, str(folder)], self.log)
+        self.session = None  # The folder of the one that runs.
+        self.waiting = None  # The request for it, while the devices are checked.
         self.check = None
         self.report = None
         self.reported = None  # The folder of the running report.
@@ -38,28 +46,49 @@ class Jobs:
         process.begin = begin
         return process
 
-    def _said(self, process):
+    def _said(self, begin):
         """What a process printed from its first error message on, at most five lines; without that, nothing."""
         with open(self.log, "rb") as log:
-            log.seek(process.begin)
+            log.seek(begin)
             lines = log.read()[-4000:].decode(errors="replace").replace("\r", "\n").strip().splitlines()
         errors = [place for place, line in enumerate(lines) if ERROR.match(line)]
         return "\n".join(lines[errors[0]:][-5:]) if errors else ""
 
-    def start_session(self, trainee, exercise, limit_s=None, left_handed=False):
+    def start_session(self, trainee, exercise, trial=1, limit_s=None, left_handed=False):
+        """trial: which one of this exercise it is for the trainee."""
         if self.session is not None:
             raise UserError("A session is running; end it first.")
         sessions.check_code(trainee)
-        words = ["--no-report", "--trainee", trainee, "--exercise", exercise]
-        if left_handed:
-            words.append("--left-handed")
-        if limit_s is not None:
-            words += ["--duration", f"{limit_s:g}"]
-        self.session = self._start([*words, *self.options])  # The last --duration counts.
+        request = {"exercise": str(self.folder / "exercises" / f"{exercise}.json"), "trial": trial,
+                   "left_handed": left_handed, "scenario": str(self._scenario_of(exercise)),
+                   "duration_s": (self.duration_s if self.duration_s is not None else limit_s) or 0.0}
+        if self.demo:
+            request["hand"] = str(self._recorded())
+        self.session = sessions.make_folder(self.folder, trainee, exercise)
+        request["output"] = str(self.session)
+        if self.check is not None:
+            self.waiting = request
+        else:
+            self.live.ask(request)
+
+    def _scenario_of(self, exercise):
+        """That of the exercise's file, if it is there; else that of the workplace."""
+        file = self.folder / "exercises" / f"{exercise}.json"
+        named = str(read_json(file).get("scenario", ""))
+        own = (file.parent / named).resolve()
+        return own if named and own.is_file() else self.folder / "scenario.json"
+
+    def _recorded(self):
+        found = sorted((self.folder / "patient" / "sessions").glob("*"))
+        if not found:
+            raise UserError(f"There is no recorded session in {self.folder}/patient/sessions.")
+        return found[0]
 
     def start_check(self):
-        """Checks files, patient, registration and devices, and runs the devices for a second."""
+        """Checks files, patient, registration and devices, and runs the devices for a second. Then they are opened
+        for the sessions."""
         if self.session is None and self.check is None:
+            self.live.close()
             headless = [word for word in self.options if word == "--headless"]
             self.check = self._start(["--check", "--duration", "1", *headless])
 
@@ -82,23 +111,56 @@ class Jobs:
 
     def poll(self):
         """What has ended since the last call: ("session" | "check" | "report", exit code, last lines)."""
-        ended = []
-        for kind in ("session", "check", "report"):
-            process = getattr(self, kind)
-            if process is None or process.poll() is None:
-                continue
-            setattr(self, kind, None)
-            said = self._said(process)
-            if kind == "report":
-                if process.returncode != 0:
-                    self.failed[self.reported] = said
-                self.reported = None
-            ended.append((kind, process.returncode, said))
+        ended = [*self._poll_live(), *self._poll_check(), *self._poll_report()]
         if self.report is None and self.queue:
             self.reported = self.queue.pop(0)
             # A session that runs meanwhile has the processor first.
             self.report = self._start(["--report", self.reported], before=idle())
         return ended
+
+    def close(self):
+        """@pre no session runs."""
+        self.live.close()
+
+    def _poll_live(self):
+        ended = []
+        for event in self.live.events():
+            if event["event"] in ("ended", "refused") and self.session is not None:
+                ended.append(self._end_session(event["code"], event["message"] if event["code"] else ""))
+        begin, code = self.live.begin, self.live.ended()
+        if code is not None and self.session is not None:
+            ended.append(self._end_session(code, self._said(begin)))
+        return ended
+
+    def _end_session(self, code, said):
+        folder, self.session = self.session, None
+        if not (folder / "session.json").exists():
+            try:
+                folder.rmdir()  # It did not begin.
+            except OSError:
+                pass
+        return "session", code, said
+
+    def _poll_check(self):
+        if self.check is None or self.check.poll() is None:
+            return []
+        process, self.check = self.check, None
+        request, self.waiting = self.waiting, None
+        if request is not None:
+            self.live.ask(request)
+        elif process.returncode == 0:
+            self.live.open()
+        return [("check", process.returncode, self._said(process.begin))]
+
+    def _poll_report(self):
+        if self.report is None or self.report.poll() is None:
+            return []
+        process, self.report = self.report, None
+        said = self._said(process.begin)
+        if process.returncode != 0:
+            self.failed[self.reported] = said
+        self.reported = None
+        return [("report", process.returncode, said)]
 
 
 def idle():

@@ -100,6 +100,22 @@ def find(workplace):
     return sorted(found, key=lambda session: (session.day, session.time, session.folder.name))
 
 
+def make_folder(workplace, trainee, exercise, now=None):
+    """The folder of a new session, made in one call: two starts in one second get two folders."""
+    begun = (now or datetime.datetime.now()).strftime("%Y-%m-%d_%H-%M-%S")
+    for number in range(1, 101):
+        name = begun if number == 1 else f"{begun}.{number}"
+        folder = pathlib.Path(workplace).resolve() / "sessions" / trainee / f"{name}_{exercise}"
+        try:
+            folder.mkdir(parents=True)
+            return folder
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise UserError(f"{folder}: cannot be made: {error.strerror}") from error
+    raise UserError(f"{folder}: is there already, as are 99 others of this second; try again")
+
+
 def to_finish(sessions):
     """Those that lack a report: recorded without one, or left without an end."""
     return [session for session in sessions if session.state in (State.NO_REPORT, State.NO_END)]

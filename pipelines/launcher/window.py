@@ -246,7 +246,9 @@ class Window(tk.Tk):
             self._ask(questions.YesNo(self.right, self.texts, text, answer))
             return
         limits = [step.limit_s for step in self.steps[code][0] if step.exercise == exercise]
-        self.jobs.start_session(code, exercise, limits[0] if limits else None,
+        done = [session for session in self.found if session.trainee == code and session.exercise == exercise and
+                session.state is not State.DISCARDED]
+        self.jobs.start_session(code, exercise, len(done) + 1, limits[0] if limits else None,
                                 self.workplace.is_left_handed(code))
         self.running = code
         self.say(self.texts("running", code=code, exercise=self._title_of(exercise)))
@@ -331,6 +333,7 @@ class Window(tk.Tk):
         if self.jobs.session is not None:
             self.say(self.texts("session_running"), bad=True)
             return
+        self.jobs.close()
         self.destroy()
 
     def _show_check(self, code, said):

@@ -218,18 +218,64 @@ class BesideTheWindow(WithWorkplace):
             time.sleep(0.02)
         return self.fail(f"no {kind} ended")
 
-    def test_one_session_at_a_time(self):
-        runs = self.script("echo noise; sleep 0.2; echo acus-live: $@; echo why; exit 5")
+    # Answers each request as acus-live --requests does.
+    ANSWERS = r"""echo '{"event": "ready"}'
+while read -r line; do
+  printf '%s\n' "$line" >> requests
+  echo noise
+  sleep 0.2
+  printf '{"event": "ended", "output": "", "code": %s, "message": "why"}\n' "$(cat code)"
+done"""
+
+    def requests(self):
+        return [json.loads(line) for line in (self.folder / "requests").read_text(encoding="utf-8").splitlines()]
+
+    def test_one_session_at_a_time_and_one_program_for_all(self):
+        self.write("code", "4")
+        runs = self.script(f"echo $$ >> {self.folder}/programs; cd {self.folder}\n{self.ANSWERS}")
         runs.start_session("A", "one")
+        folder = runs.session
         with self.assertRaisesRegex(UserError, "running"):
             runs.start_session("B", "one")
-        _, code, said = self.wait(runs, "session")
-        self.assertEqual(code, 5)
-        self.assertEqual(
-            said, f"acus-live: --text --no-report --trainee A --exercise one --headless {self.folder}\nwhy")
-        runs.start_session("B", "one", limit_s=90, left_handed=True)
-        _, _, said = self.wait(runs, "session")
-        self.assertIn("--exercise one --left-handed --duration 90 --headless", said)
+        self.assertEqual(self.wait(runs, "session"), ("session", 4, "why"))
+        self.assertFalse(folder.exists(), "nothing was recorded in it")
+        self.write("code", "0")
+        runs.start_session("B", "one", trial=3, limit_s=90, left_handed=True)
+        self.assertEqual(self.wait(runs, "session"), ("session", 0, ""))
+        first, second = self.requests()
+        self.assertEqual(first["exercise"], str(self.folder / "exercises/one.json"))
+        self.assertEqual(first["scenario"], str(self.folder / "scenario.json"))
+        self.assertEqual((first["duration_s"], first["trial"], first["left_handed"]), (0.0, 1, False))
+        self.assertEqual((second["duration_s"], second["trial"], second["left_handed"]), (90, 3, True))
+        self.assertRegex(second["output"], "/sessions/B/[0-9_-]+_one$")
+        self.assertEqual(len((self.folder / "programs").read_text(encoding="utf-8").split()), 1)
+        runs.close()
+        self.assertFalse(runs.live.is_running())
+
+    def test_a_program_that_dies_is_started_anew(self):
+        runs = self.script("read line; echo acus-live: the reason >&2; exit 5")
+        for _ in range(2):
+            runs.start_session("A", "one")
+            self.assertEqual(self.wait(runs, "session"), ("session", 5, "acus-live: the reason"))
+
+    def test_a_session_waits_for_the_check_of_the_devices(self):
+        self.write("code", "0")
+        runs = self.script(f'cd {self.folder}; case "$*" in *--check*) sleep 0.3; touch checked; exit 0 ;; esac\n'
+                           f"[ -f checked ] || exit 9\n{self.ANSWERS}")
+        runs.start_check()
+        runs.start_session("A", "one")
+        self.assertEqual(self.wait(runs, "session"), ("session", 0, ""))
+        runs.close()
+
+    def test_an_exercise_may_have_a_patient_of_its_own(self):
+        self.write("code", "0")
+        self.write("exercises/case_7.json", '{"name": "Case 7", "scenario": "case_7/scenario.json"}')
+        self.write("exercises/case_7/scenario.json", "{}")
+        runs = self.script(f"cd {self.folder}\n{self.ANSWERS}")
+        runs.start_session("A", "case_7")
+        self.wait(runs, "session")
+        self.assertEqual(self.requests()[0]["scenario"], str(self.folder / "exercises/case_7/scenario.json"))
+        runs.close()
 
     def test_each_session_is_reported_once_even_if_that_fails(self):
         self.session("A", "2026-01-01_10-00-00")

@@ -5,7 +5,6 @@
 #include <thread>
 
 #include "acus/base/core/monotonic_time.h"
-#include "acus/data/image/png.h"
 #include "acus/window/frame_maker.h"
 #include "acus/window/hand_steering.h"
 #include "acus/window/orders.h"
@@ -19,7 +18,7 @@ constexpr std::int64_t kNoticeNs = 4'000'000'000;
 /// One turn of the window's loop after the other.
 class Loop {
  public:
-  Loop(live::LiveSession& session, Window& window, const ConsoleSettings& settings)
+  Loop(live::LiveSession& session, SessionWindows& window, const ConsoleSettings& settings)
       : session_(session), window_(window), settings_(settings), frames_(session, settings.trial) {
     abilities_ = {.breath_can_be_held = session.breath_can_be_held(),
                   .has_both_tools = session.has_needle() && session.has_probe(),
@@ -56,7 +55,7 @@ class Loop {
 
   void TakeScreenshot() {
     if (settings_.screenshot.empty()) return;
-    image::WritePng(settings_.screenshot, window_.Screenshot(), "Acus");
+    window_.WriteScreenshots(settings_.screenshot);
   }
 
  private:
@@ -91,7 +90,7 @@ class Loop {
   }
 
   live::LiveSession& session_;
-  Window& window_;
+  SessionWindows& window_;
   const ConsoleSettings& settings_;
   FrameMaker frames_;
   OrderedSettings ordered_;
@@ -108,11 +107,14 @@ class Loop {
 
 WindowRun RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
                         const ConsoleSettings& settings, RunContext& context) {
-  WindowSettings of_window = settings.window;
-  if (!settings.views.empty()) of_window.views = ViewsOf(settings.views);
-  Window window(PatientOnDisplayOf(scenario, session.scene(), context), of_window);
+  SessionWindows windows(PatientOnDisplayOf(scenario, session.scene(), context), settings);
+  return RunInWindows(windows, session, settings);
+}
+
+WindowRun RunInWindows(SessionWindows& windows, live::LiveSession& session,
+                       const ConsoleSettings& settings) {
   session.Start();
-  Loop loop(session, window, settings);
+  Loop loop(session, windows, settings);
   const auto period_ns = static_cast<std::int64_t>(1e9 / settings.rate_hz);
   std::int64_t due_ns = MonotonicNs();
   while (session.Poll() && loop.Turn()) {

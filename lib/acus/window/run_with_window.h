@@ -4,16 +4,13 @@
 #include "acus/base/core/run_context.h"
 #include "acus/run/live/live_session.h"
 #include "acus/scene/scenario/scenario.h"
-#include "acus/window/window.h"
+#include "acus/window/session_windows.h"
 
 namespace acus::window {
 
-struct ConsoleSettings {
-  WindowSettings window;
+struct ConsoleSettings : WindowsSettings {
   double rate_hz = 30.0;  ///< Of the window; pictures themselves are made at a rate of their own.
-  /// Names of the views to show, as ViewsOf() takes them; empty: see WindowSettings::views.
-  std::string views;
-  /// PNG of the window, written at the end. Empty: none.
+  /// PNG of the window, written at the end. Empty: none. See SessionWindows::WriteScreenshots().
   std::filesystem::path screenshot;
   int trial = 1;  ///< Of the trainee: hints fade with it.
 };
@@ -28,5 +25,10 @@ struct WindowRun {
 /// @throws InputError if there is no display, or the session does not start.
 WindowRun RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
                         const ConsoleSettings& settings, RunContext& context);
+
+/// The same in windows that are open already, of the session's patient.
+/// @throws InputError if the session does not start.
+WindowRun RunInWindows(SessionWindows& windows, live::LiveSession& session,
+                       const ConsoleSettings& settings);
 
 }  // namespace acus::window

@@ -352,6 +352,24 @@ void Window::Show(const DisplayFrame& frame) {
   content_->drawn.motion = nullptr;
 }
 
+void Window::ShowText(const std::string& text) {
+  if (closed()) return;
+  content_->HandleEvents();
+  if (closed()) return;
+  DisplayFrame& drawn = content_->drawn;
+  drawn.status.clear();
+  drawn.latency = {};
+  drawn.force = {};
+  drawn.coach = text;
+  content_->Show(drawn);
+}
+
+void Window::Restart() {
+  if (closed()) return;
+  content_->steering = Steering(IsListed(content_->settings, ViewKind::kVolume));
+  content_->eye_is_placed = false;
+}
+
 void Window::HandleEvents() {
   if (!closed()) content_->HandleEvents();
 }

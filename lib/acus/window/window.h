@@ -54,6 +54,10 @@ class Window {
   void Show(const DisplayFrame& frame);
   /// Handles what the person did.
   void HandleEvents();
+  /// Handles what the person did, then shows a sentence over the last moment, without its readouts.
+  void ShowText(const std::string& text);
+  /// Keys, views and eye as at first; what the person did and nobody took is forgotten.
+  void Restart();
 
   /// Since the last call, oldest first.
   std::vector<Command> TakeCommands();

@@ -1,11 +1,16 @@
 // A whole session with a real window, on a display without a screen.
 #include "acus/window/run_with_window.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <unistd.h>
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/rig/camera/picture.h"
+#include "acus/window/session_series.h"
 #include "support/layered_folder.h"
 #include "support/replay_folder.h"
 #include "support/virtual_display.h"
@@ -14,6 +19,16 @@ namespace acus::window {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Pixels in colours of tissue, which nothing else has.
+std::size_t ColouredIn(const fs::path& png) {
+  const camera::Picture window = camera::ReadPicture(png);
+  std::size_t coloured = 0;
+  for (std::size_t i = 0; i + 2 < window.pixels.size(); i += 3) {
+    coloured += window.pixels[i] - window.pixels[i + 2] > 8;
+  }
+  return coloured;
+}
 
 class WindowedSession : public testing_support::ReplayFolder {
  protected:
@@ -100,6 +115,56 @@ TEST_F(WindowedSession, ShowsTheVolumeWithTissueUnderTheToolsAndReplaysToTheSame
                           context_);
   EXPECT_THAT([&] { RunWithWindow(scenario, other, settings, context_); },
               testing::ThrowsMessage<InputError>(testing::HasSubstr("there is no view")));
+}
+
+/// What a program that asks for sessions is answered.
+std::vector<nlohmann::json> EventsIn(const std::string& text) {
+  std::vector<nlohmann::json> events;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) events.push_back(nlohmann::json::parse(line));
+  return events;
+}
+
+TEST_F(WindowedSession, FollowsAnotherInTheSameWindowsAsItIsAskedFor) {
+  const testing_support::VirtualDisplay display(1280, 800);
+  const auto request = [&](const char* name) {
+    return nlohmann::json{{"format", "acus-session-request/1"},
+                          {"output", (folder_ / name).string()},
+                          {"duration_s", 1.5},
+                          {"screenshot", (folder_ / Message(name, ".png")).string()}}
+               .dump() +
+           '\n';
+  };
+  WriteTextFile(folder_ / "requests", request("first") + "what?\n" + request("second"));
+  SeriesSettings settings;
+  settings.scenario = folder_ / "scene.json";
+  settings.devices = live::ReadLiveDevices(folder_ / "devices.json");
+  settings.console.views = "ultrasound";
+  settings.console.trainer_views = "3d";
+  std::ostringstream events;
+  SessionSeries series(settings, context_, events);
+  const int requests = ::open((folder_ / "requests").c_str(), O_RDONLY);
+  EXPECT_EQ(series.Run(requests), ExitCode::kInput) << "one request is none";
+  ::close(requests);
+
+  const auto said = EventsIn(events.str());
+  ASSERT_EQ(said.size(), 4U);
+  EXPECT_EQ(said[0].at("event"), "ready");
+  EXPECT_EQ(said[1].at("output"), (folder_ / "first").string());
+  EXPECT_EQ(said[2].at("event"), "refused");
+  EXPECT_EQ(said[3].at("output"), (folder_ / "second").string());
+  EXPECT_EQ(said[3].at("code"), 0);
+  for (const char* name : {"first", "second"}) {
+    // The trainee sees no 3D view, and the trainer nothing else.
+    EXPECT_LT(ColouredIn(folder_ / Message(name, ".png")), 100U);
+    EXPECT_GT(ColouredIn(folder_ / Message(name, "_trainer.png")), 10000U);
+    replay::ReplayOptions replay;
+    replay.run_folder = folder_ / "run" / name;
+    replay::ReplaySession(scenario::ReadScenario(folder_ / "scene.json", {}), folder_ / name, replay,
+                          context_);
+    EXPECT_EQ(ReadTextFile(folder_ / name / "forces.csv"),
+              ReadTextFile(folder_ / "run" / name / "forces.csv"));
+  }
 }
 
 TEST_F(WindowedSession, WithoutADisplayItSaysWhatToDo) {

@@ -107,6 +107,7 @@ struct HapticDevice::Impl final : GuardedServo {
   void Fail(const std::string& why);
   bool PauseFor(std::chrono::milliseconds time);
   void SetState(DeviceState to, const std::string& why);
+  void BeginCounting();
 
   std::unique_ptr<Driver> driver;
   DeviceInfo info;
@@ -117,6 +118,8 @@ struct HapticDevice::Impl final : GuardedServo {
 
   std::atomic<unsigned> inhibited{0};
   std::atomic<std::int64_t> pedal_until_ns{0};
+  std::atomic<bool> parked{false};         ///< `servo` is not called and may be changed.
+  std::atomic<bool> restarts_guard{false};  ///< At the next tick.
 
   // Servo thread to watchdog. Zero: not within a tick.
   std::atomic<std::int64_t> tick_began_ns{0};
@@ -142,20 +145,33 @@ struct HapticDevice::Impl final : GuardedServo {
   std::vector<std::string> notices;
   std::int64_t num_reopened = 0;
   std::int64_t num_overruns = 0;
+  // Counts that Start() found.
+  std::int64_t ticks_before = 0;
+  std::int64_t warnings_before = 0;
+  GuardCounts guard_before;
 };
 
 DeviceForce HapticDevice::Impl::Tick(const DeviceReading& reading,
                                      std::int64_t (*clock)() noexcept) noexcept {
   const std::int64_t begin_ns = MonotonicNs();
-  tick_began_ns.store(begin_ns, std::memory_order_release);
+  // In one order with Park(): either it sees this tick, or the tick sees that the device is parked.
+  tick_began_ns.store(begin_ns, std::memory_order_seq_cst);
+  const bool is_parked = parked.load(std::memory_order_seq_cst);
+  if (restarts_guard.exchange(false, std::memory_order_acq_rel)) {
+    guard.Restart();
+    longest_tick_ns.store(0, std::memory_order_relaxed);
+  }
   const std::uint64_t pending = fault.load(std::memory_order_acquire);
   const GuardConditions conditions{
-      .inhibited = inhibited.load(std::memory_order_acquire) != 0 || ForcesAreCut() || pending != 0,
+      .inhibited = is_parked || inhibited.load(std::memory_order_acquire) != 0 || ForcesAreCut() ||
+                   pending != 0,
       .pedal_held = begin_ns < pedal_until_ns.load(std::memory_order_acquire)};
   const DeviceReading admitted = guard.Admit(reading, conditions);
   DeviceForce wanted;
   // A servo sees times that increase.
-  if (servo.tick != nullptr && !guard.TimeWentBack()) wanted = servo.tick(servo.context, admitted);
+  if (!is_parked && servo.tick != nullptr && !guard.TimeWentBack()) {
+    wanted = servo.tick(servo.context, admitted);
+  }
   const DeviceForce force = guard.Limit(wanted, clock != nullptr ? clock() : reading.time_ns);
   newest.Store(Pack(admitted, force));
   const std::int64_t end_ns = MonotonicNs();
@@ -293,10 +309,28 @@ const DeviceInfo& HapticDevice::info() const noexcept {
   return impl_->info;
 }
 
+void HapticDevice::Impl::BeginCounting() {
+  ticks_before = num_ticks.load(std::memory_order_relaxed);
+  warnings_before = num_warnings.load(std::memory_order_relaxed);
+  guard_before = guard.counts();
+  const std::lock_guard lock(mutex);
+  num_reopened = 0;
+  num_overruns = 0;
+  text.clear();
+}
+
 void HapticDevice::Start(Servo servo) {
   Impl& me = *impl_;
-  ACUS_REQUIRE(!me.is_started, me.info.name, ": is running already");
+  const bool is_parked = me.parked.load() && status().state != DeviceState::kFailed;
+  if (me.parked.load() && !is_parked) Stop();
+  ACUS_REQUIRE(!me.is_started || is_parked, me.info.name, ": is running already");
   me.servo = servo;
+  me.BeginCounting();
+  if (is_parked) {
+    me.restarts_guard.store(true);
+    me.parked.store(false);
+    return;
+  }
   if (!me.is_open) {
     OpenOrHalt(*me.driver);
     me.is_open = true;
@@ -319,6 +353,15 @@ void HapticDevice::Start(Servo servo) {
   }
 }
 
+void HapticDevice::Park() noexcept {
+  Impl& me = *impl_;
+  if (!me.is_started || me.parked.exchange(true, std::memory_order_seq_cst)) return;
+  const std::int64_t under_way_ns = me.tick_began_ns.load(std::memory_order_seq_cst);
+  while (under_way_ns != 0 && me.tick_began_ns.load(std::memory_order_seq_cst) == under_way_ns) {
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+}
+
 void HapticDevice::Stop() noexcept {
   Impl& me = *impl_;
   if (!me.is_started) return;
@@ -332,6 +375,7 @@ void HapticDevice::Stop() noexcept {
   UnregisterForZero(me.driver.get());
   me.is_open = false;
   me.is_started = false;
+  me.parked = false;
   const std::lock_guard lock(me.mutex);
   if (me.state != DeviceState::kFailed) me.state = DeviceState::kStopped;
 }
@@ -347,11 +391,15 @@ DeviceStatus HapticDevice::status() const {
     status.num_reopened = me.num_reopened;
     status.num_overruns = me.num_overruns;
   }
-  status.ticks = me.num_ticks.load(std::memory_order_relaxed);
-  status.num_warnings = me.num_warnings.load(std::memory_order_relaxed);
+  status.ticks = me.num_ticks.load(std::memory_order_relaxed) - me.ticks_before;
+  status.num_warnings = me.num_warnings.load(std::memory_order_relaxed) - me.warnings_before;
   status.longest_tick_ms =
       1e-6 * static_cast<double>(me.longest_tick_ns.load(std::memory_order_relaxed));
   status.guard = me.guard.counts();
+  status.guard.ticks -= me.guard_before.ticks;
+  for (std::size_t act = 0; act < kNumGuardActs; ++act) {
+    status.guard.of[act] -= me.guard_before.of[act];
+  }
   if (me.newest.num_stored() > 0) Unpack(me.newest.Load(), status.reading, status.force);
   return status;
 }

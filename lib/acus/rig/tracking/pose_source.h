@@ -33,6 +33,9 @@ struct SourceCounts {
   std::uint64_t skipped_bytes = 0;   ///< Thrown away in search of the next message.
   std::uint64_t connects = 0;        ///< Links that came about; all but the first are reconnects.
   std::uint64_t lost_from_journal = 0;
+
+  /// What was counted after `before` was.
+  SourceCounts Since(const SourceCounts& before) const;
 };
 
 /// How the source's clock stands to ours.

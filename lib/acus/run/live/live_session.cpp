@@ -47,25 +47,12 @@ haptics::GoalPath PathOf(const session::PoseStream& stream, std::int64_t start_n
   return path;
 }
 
-/// Looks for the vendors' libraries of both tools before it says what is wrong with any.
-void CheckLibraries(const haptics::DevicesFile& file) {
-  std::string wrong;
-  for (const haptics::ToolConfig* tool : {&file.needle, &file.probe}) {
-    if (tool->device.empty()) continue;
-    try {
-      haptics::CheckDevice(*file.Find(tool->device));
-    } catch (const InputError& error) {
-      wrong += (wrong.empty() ? "" : ". Also, ") + std::string(error.what());
-    }
-  }
-  ACUS_REQUIRE(wrong.empty(), wrong);
-}
-
 constexpr std::size_t kWordsThatTell = 40;  // Of a status line: what follows are numbers.
 
-/// What a replay of the recording will load, too.
-simulation::Scene LoadSceneFor(const scenario::Scenario& scenario, const LiveDevices& devices,
-                               RunContext& context) {
+}  // namespace
+
+simulation::Scene LoadLiveScene(const scenario::Scenario& scenario, const LiveDevices& devices,
+                                RunContext& context) {
   const bool follows =
       scenario.breathing && scenario.breathing->from_session != scenario::SessionBreath::kNever;
   const auto plan = simulation::PlanEffects(scenario, {.needle_poses = devices.has_needle(),
@@ -73,8 +60,6 @@ simulation::Scene LoadSceneFor(const scenario::Scenario& scenario, const LiveDev
                                                        .breath = follows});
   return simulation::LoadScene(scenario, plan, context);
 }
-
-}  // namespace
 
 /// The servo of the device that does not run the steps.
 struct LiveSession::Bridge {
@@ -101,35 +86,37 @@ std::string_view NameOf(SessionEnd end) {
 
 LiveSession::LiveSession(const scenario::Scenario& scenario, const LiveDevices& devices,
                          const LiveOptions& options, RunContext& context)
-    : devices_(devices),
-      options_(options),
+    // In this order: what is wrong with the scenario comes before what is wrong with devices.
+    : LiveSession{
+          scenario,
+          std::make_shared<const simulation::Scene>(LoadLiveScene(scenario, devices, context)),
+          std::make_shared<Rig>(devices,
+                                options.only_checks ? Rig::Use::kCheck : Rig::Use::kOneSession),
+          options, context} {}
+
+LiveSession::LiveSession(const scenario::Scenario& scenario,
+                         std::shared_ptr<const simulation::Scene> scene, std::shared_ptr<Rig> rig,
+                         const LiveOptions& options, RunContext& context)
+    : options_(options),
       context_(context),
       name_(!options.name.empty() ? options.name : scenario.name),
-      scene_(LoadSceneFor(scenario, devices, context)) {
-  if (scene_.breathing && scene_.plan.breath_from_session()) {
+      scene_(std::move(scene)),
+      rig_(std::move(rig)),
+      devices_(rig_->devices()) {
+  if (options_.left_handed) devices_.haptics.SwapHands();
+  if (scene_->breathing && scene_->plan.breath_from_session()) {
     partner_.emplace(simulation::LoadBreathing(scenario, /*from_session=*/false, context));
   }
   if (options.exercise) {
-    replay::RequireAssessable(*options.exercise, scenario, scene_, nullptr);
-    ACUS_REQUIRE(devices.has_needle(), "an exercise needs a needle; these devices have none");
-    exercise_.emplace(*options.exercise, scene_, replay::TargetInCtMm(*options.exercise, scenario),
-                      devices.has_probe());
+    replay::RequireAssessable(*options.exercise, scenario, *scene_, nullptr);
+    ACUS_REQUIRE(has_needle(), "an exercise needs a needle; these devices have none");
+    exercise_.emplace(*options.exercise, *scene_, replay::TargetInCtMm(*options.exercise, scenario),
+                      has_probe());
   }
   targets_ = replay::TargetsOf(options.exercise ? &*options.exercise : nullptr, scenario);
   PlaceProbeOnSkin();
   if (!options.hand.empty()) FollowSession(devices_, options.hand);
-  for (const TrackerConfig& tracker : devices_.trackers) {
-    trackers_.push_back(std::make_unique<tracking::IgtlSource>(tracker.options));
-  }
-  if (devices_.camera) {
-    auto tracker = std::make_unique<camera::CameraTracker>(
-        camera::ReadCamera(devices_.camera->model), camera::ReadFacets(devices_.camera->facets),
-        devices_.camera->options);
-    camera_ = tracker.get();
-    trackers_.push_back(std::move(tracker));
-  }
-  if (options_.only_checks) CheckLibraries(devices_.haptics);
-  OpenDevices(devices_);
+  TakeDevices();
 }
 
 LiveSession::~LiveSession() {
@@ -156,7 +143,7 @@ void LiveSession::FollowSession(LiveDevices& devices, const fs::path& path) {
 /// A virtual hand without a path of its own begins with the probe in contact.
 void LiveSession::PlaceProbeOnSkin() {
   const haptics::ToolConfig& probe = devices_.haptics.probe;
-  if (probe.device.empty() || scene_.labels == nullptr) return;
+  if (probe.device.empty() || scene_->labels == nullptr) return;
   for (haptics::DeviceConfig& device : devices_.haptics.devices) {
     if (device.name != probe.device || device.driver != haptics::DriverKind::kVirtualHand ||
         !device.hand.path.points.empty()) {
@@ -165,41 +152,41 @@ void LiveSession::PlaceProbeOnSkin() {
     const Eigen::Isometry3d reference_from_device = devices_.reference_from_device.at(device.name);
     const Eigen::Isometry3d on_skin =
         OnSkin(reference_from_device * probe.handle_from_tool,
-               training::LabelsOf({*scene_.labels, scene_.ct_from_reference}));
+               training::LabelsOf({*scene_->labels, scene_->ct_from_reference}));
     device.hand.path.points.push_back(
         {0.0, reference_from_device.inverse() * on_skin * probe.handle_from_tool.inverse()});
   }
 }
 
-void LiveSession::OpenDevices(const LiveDevices& devices) {
-  const auto open = [&](const haptics::ToolConfig& tool) {
-    const haptics::DeviceConfig& config = *devices.haptics.Find(tool.device);
-    if (config.driver != haptics::DriverKind::kVirtualHand) {
-      return options_.only_checks ? haptics::CheckDevice(config) : haptics::OpenDevice(config);
-    }
-    const auto steering = std::make_shared<haptics::HandSteering>();
-    steering_[tool.device] = steering;
-    return haptics::OpenDevice(config, steering);
-  };
+/// Of the rig; a virtual hand is made for this session.
+haptics::HapticDevice* LiveSession::Take(const haptics::ToolConfig& tool) {
+  if (haptics::HapticDevice* device = rig_->Find(tool.device)) return device;
+  const auto steering = std::make_shared<haptics::HandSteering>();
+  steering_[tool.device] = steering;
+  own_devices_.push_back(haptics::OpenDevice(*devices_.haptics.Find(tool.device), steering));
+  return own_devices_.back().get();
+}
+
+void LiveSession::TakeDevices() {
   const auto mount = [&](const haptics::ToolConfig& tool) {
-    return ToolMount{devices.reference_from_device.at(tool.device), tool.handle_from_tool};
+    return ToolMount{devices_.reference_from_device.at(tool.device), tool.handle_from_tool};
   };
   const auto tracked = [&](const char* tool) -> std::optional<BoardTool> {
-    const auto place = devices.FindTracked(tool);
+    const auto place = devices_.FindTracked(tool);
     if (!place) return {};
-    return BoardTool{.board = &trackers_[place->tracker]->board(),
+    return BoardTool{.board = &rig_->trackers()[place->tracker]->board(),
                      .tool = place->tool,
                      .mount = {},
                      .stale_s = place->stale_s};
   };
-  const haptics::ToolConfig& needle = devices.haptics.needle;
-  const haptics::ToolConfig& probe = devices.haptics.probe;
+  const haptics::ToolConfig& needle = devices_.haptics.needle;
+  const haptics::ToolConfig& probe = devices_.haptics.probe;
   // Motors want steps at their rate: a device with motors runs them, rather than a tracker.
   if (!needle.device.empty()) {
-    servo_device_ = open(needle);
+    servo_device_ = Take(needle);
     core_settings_.servo = mount(needle);
     if (!probe.device.empty()) {
-      other_device_ = open(probe);
+      other_device_ = Take(probe);
       bridge_ = std::make_unique<Bridge>();
       core_settings_.other =
           BoardTool{.board = &bridge_->board, .tool = 0, .mount = mount(probe), .stale_s = 0.02};
@@ -208,27 +195,28 @@ void LiveSession::OpenDevices(const LiveDevices& devices) {
       core_settings_.other = tracked("probe");
     }
   } else if (!probe.device.empty()) {
-    servo_device_ = open(probe);
+    servo_device_ = Take(probe);
     core_settings_.servo = mount(probe);
     core_settings_.servo_is_needle = false;
     core_settings_.other = tracked("needle");
   } else {
-    const bool by_needle = devices.FindTracked("needle").has_value();
+    const bool by_needle = devices_.FindTracked("needle").has_value();
     const BoardTool tool = *tracked(by_needle ? "needle" : "probe");
-    servo_device_ = std::make_unique<haptics::HapticDevice>(
+    own_devices_.push_back(std::make_unique<haptics::HapticDevice>(
         std::make_unique<TrackedDriver>(*tool.board, tool.tool, tool.stale_s),
-        TrackedDriver::Guard());
+        TrackedDriver::Guard()));
+    servo_device_ = own_devices_.back().get();
     core_settings_.servo_is_needle = by_needle;
     if (by_needle) core_settings_.other = tracked("probe");
   }
   core_settings_.rate_hz = servo_device_->info().rate_hz;
-  if (devices.belt) {
-    const auto place = *devices.FindTracked(devices.belt->tool);
-    core_settings_.belt = BoardBelt{.board = &trackers_[place.tracker]->board(),
+  if (devices_.belt) {
+    const auto place = *devices_.FindTracked(devices_.belt->tool);
+    core_settings_.belt = BoardBelt{.board = &rig_->trackers()[place.tracker]->board(),
                                     .tool = place.tool,
-                                    .axis = devices.belt->axis,
-                                    .expiration_mm = devices.belt->expiration_mm,
-                                    .inspiration_mm = devices.belt->inspiration_mm};
+                                    .axis = devices_.belt->axis,
+                                    .expiration_mm = devices_.belt->expiration_mm,
+                                    .inspiration_mm = devices_.belt->inspiration_mm};
   }
 }
 
@@ -240,18 +228,20 @@ void LiveSession::MakeCore() {
                                                       .probe = devices_.has_probe(),
                                                       .breathing = partner_.has_value(),
                                                       .commands = true,
-                                                      .tracker = !trackers_.empty()},
-                                 scene_, core_settings_.origin_ns, options_.recorder, context_);
+                                                      .tracker = !rig_->trackers().empty()},
+                                 *scene_, core_settings_.origin_ns, options_.recorder, context_);
   std::vector<RecordedBoard> boards;
-  for (const auto& tracker : trackers_) {
+  tracked_before_.clear();
+  for (const auto& tracker : rig_->trackers()) {
+    tracked_before_.push_back(tracker->status().counts);
     boards.push_back({.prefix = tracker->name() + "/", .board = &tracker->board()});
   }
   recorder_->AddBoards(std::move(boards));
   if (exercise_) recorder_->SetExercise(&*exercise_);
-  core_ = std::make_unique<LiveCore>(scene_, core_settings_, recorder_.get(),
+  core_ = std::make_unique<LiveCore>(*scene_, core_settings_, recorder_.get(),
                                      partner_ ? &*partner_ : nullptr);
   images_ = std::make_unique<ImageThread>(
-      scene_, core_->snapshots(), std::max(scene_.image_rate_hz, options_.least_picture_rate_hz),
+      *scene_, core_->snapshots(), std::max(scene_->image_rate_hz, options_.least_picture_rate_hz),
       [this](const LivePicture& picture) {
         if (broadcast_) broadcast_->Send(picture);
       });
@@ -264,12 +254,12 @@ void LiveSession::Start() {
     replay::WriteTargets(options_.session_folder, targets_);
     if (devices_.send_out) {
       broadcast_ =
-          std::make_unique<Broadcast>(*devices_.send_out, scene_, targets_, devices_.has_probe());
+          std::make_unique<Broadcast>(*devices_.send_out, *scene_, targets_, devices_.has_probe());
       WriteSlicerScene(options_.session_folder, devices_.send_out->host, broadcast_->port(),
                        targets_);
     }
     recorder_->Start();
-    for (const auto& tracker : trackers_) tracker->Start();
+    rig_->StartTrackers();
     images_->Start();
     started_ = true;
     if (bridge_) bridge_->core = core_.get();
@@ -315,11 +305,11 @@ void LiveSession::SendStatus() {
 }
 
 void LiveSession::Stop() noexcept {
-  if (servo_device_) servo_device_->Stop();
-  if (other_device_) other_device_->Stop();
+  for (const auto& device : own_devices_) device->Stop();
+  rig_->ReleaseDevices();
   if (bridge_) bridge_->core = nullptr;
   if (images_) images_->Stop();
-  for (const auto& tracker : trackers_) tracker->Stop();
+  rig_->ReleaseTrackers();
   if (broadcast_) broadcast_->Stop();
   if (recorder_) recorder_->Close();
   if (!started_ || stopped_) return;

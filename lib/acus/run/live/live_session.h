@@ -24,6 +24,7 @@
 #include "acus/run/live/live_exercise.h"
 #include "acus/run/live/recent_rate.h"
 #include "acus/run/live/recorder.h"
+#include "acus/run/live/rig.h"
 #include "acus/scene/scenario/scenario.h"
 
 namespace acus::live {
@@ -34,6 +35,7 @@ struct LiveOptions {
   double duration_s = 0.0;  ///< 0: until somebody stops it.
   /// A session whose needle and probe the virtual hands follow. Empty: as the devices file says.
   std::filesystem::path hand;
+  bool left_handed = false;  ///< The devices of needle and probe change places.
   /// No vendor's library is loaded, no device looked for, and the session cannot be started.
   bool only_checks = false;
   double least_picture_rate_hz = 30.0;
@@ -66,12 +68,23 @@ struct ForceLimits {
   double probe_n = 0.0;
 };
 
+/// The patient and the effects of sessions with these devices: what a replay of their recordings
+/// loads, too.
+/// @throws InputError as simulation::LoadScene().
+simulation::Scene LoadLiveScene(const scenario::Scenario& scenario, const LiveDevices& devices,
+                                RunContext& context);
+
 class LiveSession {
  public:
-  /// Reads the scenario's data and opens the devices, motors off.
+  /// Reads the scenario's data and opens the devices, motors off; for this session alone.
   /// @throws InputError in plain words.
   LiveSession(const scenario::Scenario& scenario, const LiveDevices& devices,
               const LiveOptions& options, RunContext& context);
+  /// One of several sessions with the same devices, one at a time, or in the same scene.
+  /// @param scene  LoadLiveScene() of the scenario.
+  /// @throws InputError in plain words.
+  LiveSession(const scenario::Scenario& scenario, std::shared_ptr<const simulation::Scene> scene,
+              std::shared_ptr<Rig> rig, const LiveOptions& options, RunContext& context);
   ~LiveSession();  ///< Stops.
   LiveSession(const LiveSession&) = delete;
   LiveSession& operator=(const LiveSession&) = delete;
@@ -91,13 +104,13 @@ class LiveSession {
   SessionEnd end() const { return end_; }
   /// No device failed for good, no step is missing from the recording, and its summary is written.
   bool complete() const;
-  const simulation::Scene& scene() const { return scene_; }
+  const simulation::Scene& scene() const { return *scene_; }
   /// @pre Start() was called, as for all that follows.
   CommandQueue& commands() { return core_->commands(); }
   /// Who holds the needle, or the probe, at present.
   HeldTool HeldBy(bool needle) const;
   /// The camera whose video is shown; null if there is none.
-  const camera::CameraTracker* video() const { return camera_; }
+  const camera::CameraTracker* video() const { return rig_->camera(); }
   ForceLimits force_limits() const;
   /// Null if there is none.
   const LiveExercise* exercise() const { return exercise_ ? &*exercise_ : nullptr; }
@@ -128,26 +141,29 @@ class LiveSession {
 
  private:
   struct Bridge;
-  void OpenDevices(const LiveDevices& devices);
+  haptics::HapticDevice* Take(const haptics::ToolConfig& tool);
+  void TakeDevices();
   void FollowSession(LiveDevices& devices, const std::filesystem::path& session);
   void PlaceProbeOnSkin();
   void ReadRates();
   void SendStatus();
   void MakeCore();
 
-  LiveDevices devices_;
   LiveOptions options_;
   RunContext& context_;
   std::string name_;
-  simulation::Scene scene_;
+  std::shared_ptr<const simulation::Scene> scene_;
+  std::shared_ptr<Rig> rig_;
+  LiveDevices devices_;  ///< Of this session: hands and their paths.
   std::optional<simulation::Breathing> partner_;
 
-  std::vector<std::unique_ptr<tracking::PoseSource>> trackers_;  ///< The camera last.
-  const camera::CameraTracker* camera_ = nullptr;
+  std::vector<tracking::SourceCounts> tracked_before_;  ///< By tracker, at the start.
   std::unique_ptr<Bridge> bridge_;  ///< Between the other device and the core.
   std::map<std::string, std::shared_ptr<haptics::HandSteering>> steering_;  ///< By virtual hand.
-  std::unique_ptr<haptics::HapticDevice> servo_device_;
-  std::unique_ptr<haptics::HapticDevice> other_device_;
+  /// Virtual hands, and what stands for a device where there is none.
+  std::vector<std::unique_ptr<haptics::HapticDevice>> own_devices_;
+  haptics::HapticDevice* servo_device_ = nullptr;
+  haptics::HapticDevice* other_device_ = nullptr;  ///< Null: none.
   CoreSettings core_settings_;
 
   std::optional<LiveExercise> exercise_;

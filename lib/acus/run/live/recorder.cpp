@@ -126,6 +126,11 @@ Recorder::~Recorder() {
 
 void Recorder::AddBoards(std::vector<RecordedBoard> boards) {
   boards_ = std::move(boards);
+  for (RecordedBoard& recorded : boards_) {
+    while (recorded.board->TakeReadings(readings_) == readings_.size()) {
+    }
+    recorded.lost_before = recorded.board->lost_from_journal();
+  }
 }
 
 void Recorder::Start() {
@@ -301,7 +306,8 @@ RecordingStatus Recorder::status() const {
   status.steps_waiting = closed ? 0 : waiting;
   status.readings_recorded = readings_taken_;
   for (const RecordedBoard& recorded : boards_) {
-    status.readings_lost += static_cast<std::int64_t>(recorded.board->lost_from_journal());
+    status.readings_lost += 
+        static_cast<std::int64_t>(recorded.board->lost_from_journal() - recorded.lost_before);
   }
   status.refusals = refusals_;
   status.longest_write_s = 1e-9 * static_cast<double>(longest_write_ns_);

@@ -54,6 +54,7 @@ struct RecordingStatus {
 struct RecordedBoard {
   std::string prefix;                    ///< Of the tools' names; may be empty.
   tracking::PoseBoard* board = nullptr;  ///< Must outlive the recorder.
+  std::uint64_t lost_before = 0;         ///< Readings, when the recorder was given the board.
 };
 
 class Recorder {
@@ -71,7 +72,7 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Before Start().
+  /// Before Start(). What their journals hold of the time before is not recorded.
   void AddBoards(std::vector<RecordedBoard> boards);
   /// Before Start(). Is passed each step that is recorded, by the recorder's thread. Null: none.
   void SetExercise(LiveExercise* exercise) { exercise_ = exercise; }

@@ -39,9 +39,10 @@ json DeviceJson(const haptics::HapticDevice& device) {
           {"guard", GuardJson(status.guard)}};
 }
 
-json TrackerJson(const tracking::PoseSource& source) {
+/// @param before  What the source had counted when the session began.
+json TrackerJson(const tracking::PoseSource& source, const tracking::SourceCounts& before) {
   const tracking::SourceStatus status = source.status();
-  const tracking::SourceCounts& counts = status.counts;
+  const tracking::SourceCounts counts = status.counts.Since(before);
   return {{"name", source.name()},
           {"last_error", status.last_error},
           {"messages", counts.messages},
@@ -98,19 +99,19 @@ std::vector<StatusLine> LiveSession::Status() const {
     lines.push_back({Severity::kFault, trouble});
   }
   const std::int64_t now_ns = MonotonicNs();
-  for (std::size_t t = 0; t < trackers_.size(); ++t) {
-    const tracking::SourceStatus status = trackers_[t]->status();
+  for (std::size_t t = 0; t < rig_->trackers().size(); ++t) {
+    const tracking::SourceStatus status = rig_->trackers()[t]->status();
     if (status.state != tracking::SourceState::kConnected) {
       lines.push_back({Severity::kFault,
-                       Message("Tracker ", trackers_[t]->name(), ": ",
+                       Message("Tracker ", rig_->trackers()[t]->name(), ": ",
                                status.last_error.empty() ? "connecting" : status.last_error)});
       continue;
     }
-    const tracking::PoseBoard& board = trackers_[t]->board();
+    const tracking::PoseBoard& board = rig_->trackers()[t]->board();
     for (std::size_t i = 0; i < board.tools().size(); ++i) {
       const tracking::TrackedPose pose = board.Latest(i);
       if (pose.valid && pose.AgeNs(now_ns) < 200'000'000) continue;
-      lines.push_back({Severity::kWarning, Message("The tracker ", trackers_[t]->name(),
+      lines.push_back({Severity::kWarning, Message("The tracker ", rig_->trackers()[t]->name(),
                                                    " does not see the ", board.tools()[i], ".")});
     }
   }
@@ -128,7 +129,7 @@ bool LiveSession::switch_is_open() const {
   const auto is_open = [](const haptics::HapticDevice* device) {
     return device != nullptr && device->status().guard.IsActing(haptics::GuardAct::kDeadManOpen);
   };
-  return is_open(servo_device_.get()) || is_open(other_device_.get());
+  return is_open(servo_device_) || is_open(other_device_);
 }
 
 std::string LiveSession::DevicesText() const {
@@ -143,7 +144,7 @@ std::string LiveSession::DevicesText() const {
   };
   add(core_settings_.servo_is_needle ? "Needle" : "Probe", *servo_device_);
   if (other_device_) add("Probe", *other_device_);
-  for (const auto& tracker : trackers_) text += "Tracker: " + tracker->name() + '\n';
+  for (const auto& tracker : rig_->trackers()) text += "Tracker: " + tracker->name() + '\n';
   return text;
 }
 
@@ -158,7 +159,9 @@ json LiveSession::Summary() const {
   json devices = json::array({DeviceJson(*servo_device_)});
   if (other_device_) devices.push_back(DeviceJson(*other_device_));
   json trackers = json::array();
-  for (const auto& tracker : trackers_) trackers.push_back(TrackerJson(*tracker));
+  for (std::size_t n = 0; n < tracked_before_.size(); ++n) {
+    trackers.push_back(TrackerJson(*rig_->trackers()[n], tracked_before_[n]));
+  }
   const json exercise = exercise_ ? ExerciseJson(*exercise_) : json(nullptr);
   return {{"format", "acus-live-summary/1"},
           {"name", name_},
@@ -167,7 +170,7 @@ json LiveSession::Summary() const {
           {"ended_by", NameOf(end_)},
           {"steps", statistics().ToJson()},
           {"images", picture_statistics().ToJson()},
-          {"effect_plan", simulation::PlanJson(scene_.plan, stage_times())},
+          {"effect_plan", simulation::PlanJson(scene_->plan, stage_times())},
           {"recording",
            {{"steps_on_disk", recording.steps_on_disk},
             {"steps_lost", recording.steps_lost},
@@ -198,7 +201,7 @@ std::string LiveSession::SummaryText() const {
               " (99 %: ", ms(pictures.tracker_to_picture.QuantileNs(0.99)),
               ")\n  recorded: ", recording.steps_on_disk, " steps in ",
               options_.session_folder.string(), "; lost: ", recording.steps_lost, "\n");
-  for (const auto* device : {servo_device_.get(), other_device_.get()}) {
+  for (const auto* device : {servo_device_, other_device_}) {
     if (device == nullptr) continue;
     for (const std::string& notice : device->info().notices) text += "  " + notice + '\n';
     if (!device->status().text.empty()) text += "  " + device->status().text + '\n';

@@ -96,6 +96,58 @@ TEST_P(VendorDrivers, PushInTheDeviceFrame) {
   EXPECT_GT(library.Value("place_x_mm"), 10.0);
 }
 
+TEST_P(VendorDrivers, ParkedStayOpenWithoutForceUntilTheNextServo) {
+  const StandIn library(GetParam().variant, "");
+  const auto device = OpenDevice(VendorDriversQuick(library, GetParam().driver));
+  std::atomic<int> num_ticks{0};
+  const Servo servo{.tick =
+                        [](void* context, const DeviceReading& reading) noexcept {
+                          ++*static_cast<std::atomic<int>*>(context);
+                          return PushSideways(nullptr, reading);
+                        },
+                    .context = &num_ticks};
+  device->Start(servo);
+  ASSERT_TRUE(WaitFor([&] { return library.Value("last_n") > 1.87; }));
+  const std::string opened = library.Log();
+
+  device->Park();
+  const int ticks_when_parked = num_ticks;
+  ASSERT_TRUE(WaitFor([&] { return library.Value("last_n") == 0.0; }));
+  const auto readings = device->status().ticks;
+  ASSERT_TRUE(WaitFor([&] { return device->status().ticks > readings + 100; }));
+  EXPECT_EQ(num_ticks, ticks_when_parked) << "the servo may be gone";
+  EXPECT_EQ(library.Value("last_n"), 0.0);
+  EXPECT_EQ(device->status().state, DeviceState::kRunning);
+
+  const std::int64_t before = device->status().ticks;
+  device->Start(servo);
+  EXPECT_LT(device->status().ticks, before) << "counts begin anew";
+  ASSERT_TRUE(WaitFor([&] { return library.Value("last_n") > 1.87; }));
+  EXPECT_GT(num_ticks, ticks_when_parked);
+  EXPECT_EQ(device->status().guard.ticks - device->status().ticks, 0) << "of this start only";
+  EXPECT_EQ(device->status().num_reopened, 0);
+  EXPECT_EQ(library.Log(), opened + "force zero\nforce on\n") << "it is not opened again";
+  EXPECT_THROW(device->Start(servo), InputError) << "it runs";
+  device->Stop();
+  EXPECT_EQ(device->status().state, DeviceState::kStopped);
+}
+
+TEST_P(VendorDrivers, ThatFailedWhileParkedAreOpenedAnew) {
+  const StandIn library(GetParam().variant, "");
+  const auto device = OpenDevice(VendorDriversQuick(library, GetParam().driver));
+  device->Start({.tick = &PushSideways, .context = nullptr});
+  ASSERT_TRUE(WaitFor([&] { return device->status().ticks > 50; }));
+  device->Park();
+  // The watchdog mends it, session or not.
+  library.Set("unplugged", 1);
+  ASSERT_TRUE(WaitFor([&] { return device->status().state == DeviceState::kRecovering; }));
+  library.Set("unplugged", 1e9);
+  ASSERT_TRUE(WaitFor([&] { return device->status().num_reopened >= 1; }));
+  EXPECT_EQ(library.Value("last_n"), 0.0);
+  device->Start({.tick = &PushSideways, .context = nullptr});
+  EXPECT_TRUE(WaitFor([&] { return library.Value("last_n") > 1.87; }));
+}
+
 TEST_P(VendorDrivers, StandAnotherWayRoundIfTheFileSaysSo) {
   const StandIn library(GetParam().variant, "");
   DeviceConfig config = VendorDriversQuick(library, GetParam().driver);

@@ -142,6 +142,49 @@ TEST_F(Session, HasTheGoalsAndStepsOfItsReport) {
   EXPECT_EQ(live.at("checklist")[3].at("state"), "open");
 }
 
+TEST_F(Session, FollowsAnotherOnTheSameDevicesAndInTheSameScene) {
+  tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
+  server.Start();
+  const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
+  const auto rig = std::make_shared<Rig>(Devices(server.port()), Rig::Use::kManySessions);
+  const auto scene = std::make_shared<const simulation::Scene>(
+      LoadLiveScene(scenario, rig->devices(), context_));
+  for (const char* name : {"first", "second"}) {
+    LiveOptions options;
+    options.session_folder = folder_ / name;
+    LiveSession session(scenario, scene, rig, options, context_);
+    session.Start();
+    snapshot_ = {};
+    PollUntil(session, server, [&] { return snapshot_.probe_force_n > 0.1; });
+    PollUntil(session, server, [&] { return session.session_s() > 0.8; });
+    session.Stop();
+    EXPECT_TRUE(session.complete());
+    // Between sessions the tracker goes on; nobody records it.
+    for (int i = 0; i < 30; ++i) {
+      server.SendPoses(std::vector<tracking::NamedPose>{{.name = "ProbeToReference",
+                                                         .reference_from_tool = pose_,
+                                                         .valid = true}},
+                       MonotonicNs());
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    replay::ReplayOptions replay;
+    replay.run_folder = folder_ / "run" / name;
+    replay::ReplaySession(scenario, folder_ / name, replay, context_);
+    EXPECT_EQ(ReadTextFile(folder_ / name / "forces.csv"),
+              ReadTextFile(folder_ / "run" / name / "forces.csv"));
+    EXPECT_EQ(ReadTextFile(folder_ / name / "probe_forces.csv"),
+              ReadTextFile(folder_ / "run" / name / "probe_forces.csv"));
+  }
+  const auto tracker = [&](const char* name) {
+    return config::ReadJson(folder_ / name / "summary.json").at("trackers").at(0);
+  };
+  EXPECT_EQ(tracker("first").at("connects"), 1);
+  EXPECT_EQ(tracker("second").at("connects"), 0) << "the link stays";
+  const std::string raw = ReadTextFile(folder_ / "second/tracker.csv");
+  EXPECT_EQ(std::ranges::count(raw, '\n') - 1, tracker("second").at("readings").get<long>());
+  EXPECT_EQ(raw.find("\n-"), std::string::npos) << "no reading of the time before";
+}
+
 TEST_F(Session, OutlivesItsTrackerAndReplaysToTheSameForces) {
   tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
   server.Start();

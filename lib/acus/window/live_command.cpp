@@ -1,0 +1,150 @@
+#include "acus/window/live_command.h"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <unistd.h>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/text_table.h"
+#include "acus/run/replay/replay.h"
+#include "acus/run/training/exercise.h"
+#include "acus/window/session_series.h"
+
+namespace acus::window {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path scenario, devices, exercise;
+  std::vector<std::string> changes;
+  bool headless = false;
+  bool requests = false;
+  live::LiveOptions session;
+  ConsoleSettings console;
+};
+
+void AddSessionOptions(CLI::App& app, Options& options) {
+  app.add_option("-o,--output", options.session.session_folder, "Session folder to make");
+  app.add_option("--hand", options.session.hand, "Virtual hands follow this recorded session")
+      ->check(CLI::ExistingPath);
+  app.add_option("--duration", options.session.duration_s, "End by itself after so many seconds")
+      ->check(CLI::Range(0.0, 86400.0));
+  app.add_option("--exercise", options.exercise, "What the trainee is asked to do (acus-exercise)")
+      ->check(CLI::ExistingFile);
+  app.add_option("--trial", options.console.trial,
+                 "Which trial of the trainee it is: hints fade with it")
+      ->check(CLI::Range(1, 100000));
+  app.add_option("--set", options.changes,
+                 "Change one value of the scenario: /json/pointer=value; =null takes it out");
+  app.add_flag("--left-handed", options.session.left_handed,
+               "Exchange the devices of needle and probe that the devices file names");
+}
+
+void AddWindowOptions(CLI::App& app, Options& options) {
+  app.add_flag("--headless", options.headless, "Without a window; otherwise there must be a display");
+  app.add_option("--views", options.console.views,
+                 "Views to show, with commas: camera, ultrasound, 3d, volume, ct, effects.\n"
+                 "Without it all but volume, which the key M brings");
+  app.add_option("--trainer-views", options.console.trainer_views,
+                 "A second window with these views, for a trainer; move it to another screen");
+  app.add_option("--screenshot", options.console.screenshot,
+                 "PNG of the window, taken at the end; NAME_trainer.png is that of the trainer");
+}
+
+int NumAsked(const Options& options) {
+  const live::LiveOptions& session = options.session;
+  return (session.session_folder.empty() ? 0 : 1) + (session.only_checks ? 1 : 0) +
+         (options.requests ? 1 : 0);
+}
+
+/// What a request says for itself.
+bool AsksForOneSession(const Options& options) {
+  const live::LiveOptions& session = options.session;
+  return !options.exercise.empty() || !session.hand.empty() || session.duration_s > 0.0 ||
+         session.left_handed || options.console.trial != 1 || !options.console.screenshot.empty();
+}
+
+void CheckCombination(const Options& options) {
+  if (NumAsked(options) == 0) throw CLI::RequiredError("--output");
+  if (!options.requests) return;
+  if (NumAsked(options) > 1) {
+    throw CLI::ValidationError("--requests goes with neither --output nor --check");
+  }
+  if (AsksForOneSession(options)) {
+    throw CLI::ValidationError(
+        "--requests: --exercise, --hand, --duration, --trial, --left-handed and --screenshot are "
+        "those of each request");
+  }
+}
+
+std::vector<scenario::Override> OverridesOf(const Options& options) {
+  std::vector<scenario::Override> overrides;
+  for (const auto& change : options.changes) overrides.push_back(scenario::ParseOverride(change));
+  return overrides;
+}
+
+ExitCode RunSeries(const Options& options, const live::LiveDevices& devices, RunContext& context) {
+  SessionSeries series({.scenario = options.scenario,
+                        .overrides = OverridesOf(options),
+                        .devices = devices,
+                        .console = options.console,
+                        .headless = options.headless},
+                       context, std::cout);
+  return series.Run(STDIN_FILENO);
+}
+
+ExitCode RunLive(Options& options, RunContext& context) {
+  const fs::path here = fs::current_path();
+  const auto devices = live::ReadLiveDevices(config::FindConfig(options.devices, here));
+  if (options.requests) return RunSeries(options, devices, context);
+  const auto scenario = scenario::ReadScenario(config::FindConfig(options.scenario, here),
+                                               OverridesOf(options));
+  if (!options.exercise.empty()) {
+    options.session.exercise = training::ReadExercise(options.exercise);
+    options.session.name = options.session.exercise->name;
+    context.provenance.AddInput(options.exercise);
+  }
+  live::LiveSession session(scenario, devices, options.session, context);
+  if (options.session.only_checks) {
+    std::cout << replay::CheckText(scenario, {}, replay::PlanDetail::kStages, context)
+              << session.DevicesText();
+    return ExitCode::kOk;
+  }
+  bool good = false;
+  if (options.headless) {
+    good = live::RunHeadless(session, context);
+  } else {
+    const WindowRun run = RunWithWindow(scenario, session, options.console, context);
+    good = run.complete;
+    std::cout << "Window: " << FixedText(run.frames_per_s, 1) << " frames a second.\n";
+  }
+  std::cout << session.SummaryText();
+  return good ? ExitCode::kOk : ExitCode::kNoAnswer;
+}
+
+}  // namespace
+
+std::function<ExitCode(RunContext& context)> AddLiveOptions(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_option("scenario", options->scenario, "Scenario (acus-scenario JSON): a file or a preset")
+      ->required();
+  app.add_option("--devices", options->devices,
+                 "What is attached (acus-devices JSON): a file, or a preset such as\n"
+                 "devices/virtual.json")
+      ->required();
+  AddSessionOptions(app, *options);
+  AddWindowOptions(app, *options);
+  app.add_flag("--check", options->session.only_checks,
+               "Check scenario, files and devices; start nothing, and load no driver: say which\n"
+               "library each device has");
+  app.add_flag("--requests", options->requests,
+               "Sessions one after the other, as lines of JSON on standard input ask for them\n"
+               "(acus-session-request); devices and window stay open from one to the next.\n"
+               "Standard output has a line of JSON when all is ready and when a session ends");
+  app.callback([options] { CheckCombination(*options); });
+  return [options](RunContext& context) { return RunLive(*options, context); };
+}
+
+}  // namespace acus::window

@@ -1,0 +1,123 @@
+#include "acus/window/session_series.h"
+
+#include <nlohmann/json.hpp>
+
+#include "acus/base/config/json_file.h"
+#include "acus/run/training/exercise.h"
+#include "acus/window/patient_on_display.h"
+
+namespace acus::window {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPollMs = 50;
+constexpr const char* kWaiting = "Waiting for the next session.";
+
+fs::path FileOf(const fs::path& scenario) {
+  return fs::weakly_canonical(config::FindConfig(scenario, fs::current_path()));
+}
+
+}  // namespace
+
+SessionSeries::SessionSeries(const SeriesSettings& settings, RunContext& context,
+                             std::ostream& events)
+    : settings_(settings), context_(context), events_(events) {
+  Load(FileOf(settings_.scenario));
+  rig_ = std::make_shared<live::Rig>(settings_.devices, live::Rig::Use::kManySessions);
+  if (!settings_.headless) OpenWindows();
+  rig_->StartTrackers();
+}
+
+void SessionSeries::Load(const fs::path& file) {
+  Patient patient{file, scenario::ReadScenario(file, settings_.overrides), nullptr, context_};
+  patient.scene = std::make_shared<const simulation::Scene>(
+      live::LoadLiveScene(patient.scenario, settings_.devices, patient.context));
+  windows_.reset();
+  patient_ = std::move(patient);
+}
+
+void SessionSeries::OpenWindows() {
+  windows_.emplace(PatientOnDisplayOf(patient_->scenario, *patient_->scene, patient_->context),
+                   settings_.console);
+  windows_->ShowText(kWaiting);
+}
+
+void SessionSeries::Report(const nlohmann::json& event) {
+  events_ << event.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n'
+          << std::flush;
+}
+
+void SessionSeries::Count(ExitCode code) {
+  if (worst_ == ExitCode::kOk) worst_ = code;
+}
+
+ExitCode SessionSeries::RunOne(const live::SessionRequest& request) {
+  const fs::path file =
+      request.scenario.empty() ? FileOf(settings_.scenario) : FileOf(request.scenario);
+  if (file != patient_->file) Load(file);
+  RunContext context = patient_->context;
+  live::LiveOptions options;
+  options.session_folder = request.output;
+  options.duration_s = request.duration_s;
+  options.hand = request.hand;
+  options.left_handed = request.left_handed;
+  if (!request.exercise.empty()) {
+    options.exercise = training::ReadExercise(request.exercise);
+    options.name = options.exercise->name;
+    context.provenance.AddInput(request.exercise);
+  }
+  live::LiveSession session(patient_->scenario, patient_->scene, rig_, options, context);
+  bool complete = false;
+  if (settings_.headless) {
+    complete = live::RunHeadless(session, context);
+  } else {
+    if (!windows_ || windows_->closed()) OpenWindows();
+    windows_->Restart();
+    ConsoleSettings console = settings_.console;
+    console.trial = request.trial;
+    console.screenshot = request.screenshot;
+    complete = RunInWindows(*windows_, session, console).complete;
+  }
+  const ExitCode code = complete ? ExitCode::kOk : ExitCode::kNoAnswer;
+  Report({{"event", "ended"},
+          {"output", request.output.string()},
+          {"code", static_cast<int>(code)},
+          {"message", session.SummaryText()}});
+  return code;
+}
+
+void SessionSeries::FollowNext(LineReader& requests) {
+  const auto refuse = [this](ExitCode code, const char* why) {
+    Report({{"event", "refused"}, {"code", static_cast<int>(code)}, {"message", why}});
+    Count(code);
+  };
+  try {
+    const auto line = requests.Next(kPollMs);
+    if (line) Count(RunOne(live::ParseSessionRequest(*line)));
+  } catch (const InputError& error) {
+    refuse(ExitCode::kInput, error.what());
+  } catch (const fs::filesystem_error& error) {
+    refuse(ExitCode::kInput, error.what());
+  }
+}
+
+/// The window stays awake while nobody asks for a session.
+void SessionSeries::ShowWaiting() {
+  if (!windows_ || windows_->closed()) return;
+  windows_->ShowText(kWaiting);
+  windows_->TakeCommands();
+  windows_->TakeHandInput();
+}
+
+ExitCode SessionSeries::Run(int requests) {
+  LineReader lines(requests);
+  Report({{"event", "ready"}});
+  while (!lines.at_end() && !(context_.stop != nullptr && context_.stop->load())) {
+    ShowWaiting();
+    FollowNext(lines);
+  }
+  return worst_;
+}
+
+}  // namespace acus::window
