@@ -64,6 +64,27 @@ acus_add_cli_case(acus-live.driver_by_a_relative_path EXIT 3 NEEDS inputs LEAVES
 acus_add_cli_case(acus-live.no_output EXIT 2 NEEDS inputs LEAVES_NOTHING
   STDERR "--output is required"
   COMMAND acus-live $INPUTS/scenario.json ${virtual})
+# A request as in docs/concepts/live_session.md, with more keys as the argument says.
+function(request output more out)
+  set(${out} "{\"format\": \"acus-session-request/1\", \"output\": \"${output}\", \
+\"duration_s\": 0.5${more}}" PARENT_SCOPE)
+endfunction()
+request(first "" request_first)
+request(second ", \"left_handed\": true" request_second)
+request(third ", \"exercise\": \"gone.json\"" request_third)
+acus_add_cli_case(acus-live.requests EXIT 3 NEEDS inputs
+  BEFORE "(echo '${request_first}' && echo '${request_third}' && echo nonsense && echo '${request_second}') > r"
+  STDOUT "\"event\":\"ready\"" "\"code\":0,\"event\":\"ended\".*\"output\":\"first\""
+         "\"code\":3,\"event\":\"refused\",\"message\":\"gone.json: no such file"
+         "request: is no JSON object in one line: nonsense" "\"output\":\"second\""
+  CREATES first/summary.json first/forces.csv second/summary.json second/forces.csv
+  COMMAND bash -c "exec \"$@\" < r" - acus-live $INPUTS/scenario.json ${virtual} ${live_patient} --requests)
+acus_add_cli_case(acus-live.requests_and_output EXIT 2 NEEDS inputs LEAVES_NOTHING
+  STDERR "--requests goes with neither --output nor --check"
+  COMMAND acus-live $INPUTS/scenario.json ${virtual} -o s --requests)
+acus_add_cli_case(acus-live.requests_and_exercise EXIT 2 NEEDS inputs LEAVES_NOTHING
+  STDERR "--requests: --exercise, .* are those of each request"
+  COMMAND acus-live $INPUTS/scenario.json ${virtual} --duration 3 --requests)
 acus_add_cli_case(acus-live.no_devices_file EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "devices/virtuel.json: no such file"
   COMMAND acus-live $INPUTS/scenario.json --devices devices/virtuel.json -o s ${live_patient})

@@ -43,7 +43,8 @@ void AddSessionOptions(CLI::App& app, Options& options) {
 }
 
 void AddWindowOptions(CLI::App& app, Options& options) {
-  app.add_flag("--headless", options.headless, "Without a window; otherwise there must be a display");
+  app.add_flag("--headless", options.headless,
+               "Without a window; otherwise there must be a display");
   app.add_option("--views", options.console.views,
                  "Views to show, with commas: camera, ultrasound, 3d, volume, ct, effects.\n"
                  "Without it all but volume, which the key M brings");
@@ -99,8 +100,8 @@ ExitCode RunLive(Options& options, RunContext& context) {
   const fs::path here = fs::current_path();
   const auto devices = live::ReadLiveDevices(config::FindConfig(options.devices, here));
   if (options.requests) return RunSeries(options, devices, context);
-  const auto scenario = scenario::ReadScenario(config::FindConfig(options.scenario, here),
-                                               OverridesOf(options));
+  const auto scenario =
+      scenario::ReadScenario(config::FindConfig(options.scenario, here), OverridesOf(options));
   if (!options.exercise.empty()) {
     options.session.exercise = training::ReadExercise(options.exercise);
     options.session.name = options.session.exercise->name;

@@ -127,15 +127,19 @@ std::vector<nlohmann::json> EventsIn(const std::string& text) {
 
 TEST_F(WindowedSession, FollowsAnotherInTheSameWindowsAsItIsAskedFor) {
   const testing_support::VirtualDisplay display(1280, 800);
-  const auto request = [&](const char* name) {
-    return nlohmann::json{{"format", "acus-session-request/1"},
+  // Another patient, as far as the series knows.
+  fs::copy_file(folder_ / "scene.json", folder_ / "other.json");
+  const auto request = [&](const char* name, const char* scenario = "") {
+    return nlohmann::json{{"scenario", *scenario == '\0' ? "" : (folder_ / scenario).string()},
+                          {"format", "acus-session-request/1"},
                           {"output", (folder_ / name).string()},
                           {"duration_s", 1.5},
                           {"screenshot", (folder_ / Message(name, ".png")).string()}}
                .dump() +
            '\n';
   };
-  WriteTextFile(folder_ / "requests", request("first") + "what?\n" + request("second"));
+  WriteTextFile(folder_ / "requests",
+                request("first") + "what?\n" + request("second") + request("third", "other.json"));
   SeriesSettings settings;
   settings.scenario = folder_ / "scene.json";
   settings.devices = live::ReadLiveDevices(folder_ / "devices.json");
@@ -148,20 +152,21 @@ TEST_F(WindowedSession, FollowsAnotherInTheSameWindowsAsItIsAskedFor) {
   ::close(requests);
 
   const auto said = EventsIn(events.str());
-  ASSERT_EQ(said.size(), 4U);
+  ASSERT_EQ(said.size(), 5U);
   EXPECT_EQ(said[0].at("event"), "ready");
   EXPECT_EQ(said[1].at("output"), (folder_ / "first").string());
   EXPECT_EQ(said[2].at("event"), "refused");
   EXPECT_EQ(said[3].at("output"), (folder_ / "second").string());
   EXPECT_EQ(said[3].at("code"), 0);
-  for (const char* name : {"first", "second"}) {
+  EXPECT_EQ(said[4].at("output"), (folder_ / "third").string());
+  for (const char* name : {"first", "second", "third"}) {
     // The trainee sees no 3D view, and the trainer nothing else.
     EXPECT_LT(ColouredIn(folder_ / Message(name, ".png")), 100U);
     EXPECT_GT(ColouredIn(folder_ / Message(name, "_trainer.png")), 10000U);
     replay::ReplayOptions replay;
     replay.run_folder = folder_ / "run" / name;
-    replay::ReplaySession(scenario::ReadScenario(folder_ / "scene.json", {}), folder_ / name, replay,
-                          context_);
+    replay::ReplaySession(scenario::ReadScenario(folder_ / "scene.json", {}), folder_ / name,
+                          replay, context_);
     EXPECT_EQ(ReadTextFile(folder_ / name / "forces.csv"),
               ReadTextFile(folder_ / "run" / name / "forces.csv"));
   }

@@ -118,7 +118,7 @@ struct HapticDevice::Impl final : GuardedServo {
 
   std::atomic<unsigned> inhibited{0};
   std::atomic<std::int64_t> pedal_until_ns{0};
-  std::atomic<bool> parked{false};         ///< `servo` is not called and may be changed.
+  std::atomic<bool> parked{false};          ///< `servo` is not called and may be changed.
   std::atomic<bool> restarts_guard{false};  ///< At the next tick.
 
   // Servo thread to watchdog. Zero: not within a tick.

@@ -61,14 +61,14 @@ class HapticDevice {
 
   const DeviceInfo& info() const noexcept;
 
-  /// Starts the servo. A device that was stopped or parked may be started again; counts and texts of
-  /// status() begin anew.
+  /// Starts the servo. A device that was stopped or parked may be started again; counts and texts
+  /// of status() begin anew.
   /// @throws InputError if it cannot be, or runs.
   void Start(Servo servo);
 
   /// Zero force from the next reading on. The device stays open, and an error of communication is
-  /// mended as ever, until Start() gives it another servo. When it returns, no tick is under way, and
-  /// the servo will not be called any more. Nothing happens if the device is not running.
+  /// mended as ever, until Start() gives it another servo. When it returns, no tick is under way,
+  /// and the servo will not be called any more. Nothing happens if the device is not running.
   void Park() noexcept;
 
   /// Zero force, then the scheduler, then the device; the threads are joined. Twice is once.

@@ -158,7 +158,7 @@ class LiveSession {
   std::optional<simulation::Breathing> partner_;
 
   std::vector<tracking::SourceCounts> tracked_before_;  ///< By tracker, at the start.
-  std::unique_ptr<Bridge> bridge_;  ///< Between the other device and the core.
+  std::unique_ptr<Bridge> bridge_;                      ///< Between the other device and the core.
   std::map<std::string, std::shared_ptr<haptics::HandSteering>> steering_;  ///< By virtual hand.
   /// Virtual hands, and what stands for a device where there is none.
   std::vector<std::unique_ptr<haptics::HapticDevice>> own_devices_;

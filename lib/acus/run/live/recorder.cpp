@@ -306,7 +306,7 @@ RecordingStatus Recorder::status() const {
   status.steps_waiting = closed ? 0 : waiting;
   status.readings_recorded = readings_taken_;
   for (const RecordedBoard& recorded : boards_) {
-    status.readings_lost += 
+    status.readings_lost +=
         static_cast<std::int64_t>(recorded.board->lost_from_journal() - recorded.lost_before);
   }
   status.refusals = refusals_;

@@ -147,8 +147,8 @@ TEST_F(Session, FollowsAnotherOnTheSameDevicesAndInTheSameScene) {
   server.Start();
   const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
   const auto rig = std::make_shared<Rig>(Devices(server.port()), Rig::Use::kManySessions);
-  const auto scene = std::make_shared<const simulation::Scene>(
-      LoadLiveScene(scenario, rig->devices(), context_));
+  const auto scene =
+      std::make_shared<const simulation::Scene>(LoadLiveScene(scenario, rig->devices(), context_));
   for (const char* name : {"first", "second"}) {
     LiveOptions options;
     options.session_folder = folder_ / name;
@@ -161,10 +161,10 @@ TEST_F(Session, FollowsAnotherOnTheSameDevicesAndInTheSameScene) {
     EXPECT_TRUE(session.complete());
     // Between sessions the tracker goes on; nobody records it.
     for (int i = 0; i < 30; ++i) {
-      server.SendPoses(std::vector<tracking::NamedPose>{{.name = "ProbeToReference",
-                                                         .reference_from_tool = pose_,
-                                                         .valid = true}},
-                       MonotonicNs());
+      server.SendPoses(
+          std::vector<tracking::NamedPose>{
+              {.name = "ProbeToReference", .reference_from_tool = pose_, .valid = true}},
+          MonotonicNs());
       std::this_thread::sleep_for(milliseconds(5));
     }
     replay::ReplayOptions replay;
