@@ -1,5 +1,6 @@
 // acus-live: a training session with devices.
 #include <CLI/CLI.hpp>
+#include <iostream>
 
 #include "acus/base/core/run_main.h"
 #include "acus/window/live_command.h"
@@ -17,5 +18,6 @@ int main(int argc, char** argv) {
       "    --set /patient/labels=labels.seg.nrrd --overwrite\n"
       "  acus-replay scenario.json live_session --ct ct.nrrd --labels labels.seg.nrrd -o live_run\n"
       "  live_run/forces.csv is then live_session/forces.csv, byte for byte.");
-  return acus::RunMain(app, argc, argv, run);
+  return acus::RunMain(app, argc, argv,
+                       [&](acus::RunContext& context) { return run(context, std::cout); });
 }

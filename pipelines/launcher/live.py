@@ -37,7 +37,7 @@ class Live:
         self._pending = b""
 
     def ask(self, request):
-        """Asks for a session (acus-session-request); opens devices and window first if need be."""
+        """Requests a session (acus-session-request); opens devices and window first if need be."""
         self.open()
         line = json.dumps({"format": "acus-session-request/1", **request}) + "\n"
         try:

@@ -1,8 +1,8 @@
 #include "acus/window/live_command.h"
 
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <memory>
+#include <ostream>
 #include <unistd.h>
 
 #include "acus/base/config/json_file.h"
@@ -86,20 +86,21 @@ std::vector<scenario::Override> OverridesOf(const Options& options) {
   return overrides;
 }
 
-ExitCode RunSeries(const Options& options, const live::LiveDevices& devices, RunContext& context) {
+ExitCode RunSeries(const Options& options, const live::LiveDevices& devices, RunContext& context,
+                   std::ostream& out) {
   SessionSeries series({.scenario = options.scenario,
                         .overrides = OverridesOf(options),
                         .devices = devices,
                         .console = options.console,
                         .headless = options.headless},
-                       context, std::cout);
+                       context, out);
   return series.Run(STDIN_FILENO);
 }
 
-ExitCode RunLive(Options& options, RunContext& context) {
+ExitCode RunLive(Options& options, RunContext& context, std::ostream& out) {
   const fs::path here = fs::current_path();
   const auto devices = live::ReadLiveDevices(config::FindConfig(options.devices, here));
-  if (options.requests) return RunSeries(options, devices, context);
+  if (options.requests) return RunSeries(options, devices, context, out);
   const auto scenario =
       scenario::ReadScenario(config::FindConfig(options.scenario, here), OverridesOf(options));
   if (!options.exercise.empty()) {
@@ -109,8 +110,8 @@ ExitCode RunLive(Options& options, RunContext& context) {
   }
   live::LiveSession session(scenario, devices, options.session, context);
   if (options.session.only_checks) {
-    std::cout << replay::CheckText(scenario, {}, replay::PlanDetail::kStages, context)
-              << session.DevicesText();
+    out << replay::CheckText(scenario, {}, replay::PlanDetail::kStages, context)
+        << session.DevicesText();
     return ExitCode::kOk;
   }
   bool good = false;
@@ -119,15 +120,15 @@ ExitCode RunLive(Options& options, RunContext& context) {
   } else {
     const WindowRun run = RunWithWindow(scenario, session, options.console, context);
     good = run.complete;
-    std::cout << "Window: " << FixedText(run.frames_per_s, 1) << " frames a second.\n";
+    out << "Window: " << FixedText(run.frames_per_s, 1) << " frames a second.\n";
   }
-  std::cout << session.SummaryText();
+  out << session.SummaryText();
   return good ? ExitCode::kOk : ExitCode::kNoAnswer;
 }
 
 }  // namespace
 
-std::function<ExitCode(RunContext& context)> AddLiveOptions(CLI::App& app) {
+std::function<ExitCode(RunContext& context, std::ostream& out)> AddLiveOptions(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("scenario", options->scenario, "Scenario (acus-scenario JSON): a file or a preset")
       ->required();
@@ -141,11 +142,12 @@ std::function<ExitCode(RunContext& context)> AddLiveOptions(CLI::App& app) {
                "Check scenario, files and devices; start nothing, and load no driver: say which\n"
                "library each device has");
   app.add_flag("--requests", options->requests,
-               "Sessions one after the other, as lines of JSON on standard input ask for them\n"
+               "Sessions one after the other, as lines of JSON on standard input request them\n"
                "(acus-session-request); devices and window stay open from one to the next.\n"
                "Standard output has a line of JSON when all is ready and when a session ends");
   app.callback([options] { CheckCombination(*options); });
-  return [options](RunContext& context) { return RunLive(*options, context); };
+  return
+      [options](RunContext& context, std::ostream& out) { return RunLive(*options, context, out); };
 }
 
 }  // namespace acus::window

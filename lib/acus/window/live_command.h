@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <iosfwd>
 
 #include "acus/base/core/run_context.h"
 
@@ -12,6 +13,7 @@ class App;
 namespace acus::window {
 
 /// Adds the options to `app`. What comes back runs the session, or the sessions, that they ask for.
-std::function<ExitCode(RunContext& context)> AddLiveOptions(CLI::App& app);
+/// What they print goes to `out`.
+std::function<ExitCode(RunContext& context, std::ostream& out)> AddLiveOptions(CLI::App& app);
 
 }  // namespace acus::window

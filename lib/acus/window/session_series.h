@@ -1,4 +1,4 @@
-// Sessions one after the other, as another program asks for them: devices, trackers, the scene and
+// Sessions one after the other, as another program requests them: devices, trackers, the scene and
 // the window stay open from one to the next.
 #pragma once
 

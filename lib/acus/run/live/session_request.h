@@ -1,4 +1,4 @@
-// A session that another program asks a running acus-live for.
+// A session that another program requests of a running acus-live.
 #pragma once
 
 #include <filesystem>
