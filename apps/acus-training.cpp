@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "acus/assess/study/curriculum_command.h"
+#include "acus/assess/trials/difficulty_command.h"
 #include "acus/assess/trials/simulate_command.h"
 #include "acus/assess/trials/what_if_command.h"
 #include "acus/base/core/atomic_file.h"
@@ -33,6 +34,9 @@ int main(int argc, char** argv) {
   CLI::App* curriculum = app.add_subcommand(
       "curriculum", "Which exercises each trainee has mastered, and which is next");
   const auto run_curriculum = acus::study::AddCurriculumOptions(*curriculum);
+  CLI::App* difficulty = app.add_subcommand(
+      "difficulty", "How difficult exercises are for virtual trainees: cases of a curriculum");
+  const auto run_difficulty = acus::trials::AddDifficultyOptions(*difficulty);
   app.callback([&] {
     if (runs.empty() && app.get_subcommands().empty()) throw CLI::RequiredError("runs");
   });
@@ -51,7 +55,8 @@ int main(int argc, char** argv) {
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     for (const auto& [command, run] : {std::pair{what_if, &run_what_if},
                                        {simulate, &run_simulate},
-                                       {curriculum, &run_curriculum}}) {
+                                       {curriculum, &run_curriculum},
+                                       {difficulty, &run_difficulty}}) {
       if (!command->parsed()) continue;
       std::cout << (*run)(context) << std::flush;
       return acus::ExitCode::kOk;

@@ -176,14 +176,16 @@ class Workplace:
 
     def _steps_of(self, document):
         """From the output of acus-training curriculum --json. Exercises of the workplace are found by their names,
-        as sessions are."""
+        as sessions are. Of a step with cases it is the one that is next for the trainee."""
         by_title = {title: name for name, title in self.exercises.items()}
-        names = [by_title.get(step["exercise"]) for step in document["steps"]]
         result = {}
         for code, progress in document["trainees"].items():
-            steps = [Step(name, step["exercise"], at["state"], at["trials"], at["best_score_percent"],
-                          step["time_limit_s"])
-                     for name, step, at in zip(names, document["steps"], progress["steps"])]
+            steps = []
+            for step, at in zip(document["steps"], progress["steps"]):
+                case = at["next_case"]["exercise"]
+                title = case if step["cases"] == 1 else f"{step['exercise']}: {case}"
+                steps.append(Step(by_title.get(case), title, at["state"], at["trials"], at["best_score_percent"],
+                                  step["time_limit_s"]))
             following = progress["next"]
-            result[code] = steps, None if following is None else names[following]
+            result[code] = steps, None if following is None else steps[following].exercise
         return result

@@ -72,6 +72,17 @@ acus_add_cli_case(acus-training.discarded_session EXIT 0 NEEDS inputs
   STDOUT "^A7 +insertion +[0-9] of 7" STDERR "warning: b: the session was discarded .discarded.json.: it is not"
   BEFORE "cp -rL $INPUTS/second_run b && echo '{\"reason\": \"cable loose\"}' > b/discarded.json"
   COMMAND acus-training $INPUTS/first_run b)
+# Cases of a step, from the easiest on.
+set(cases "bash ${CMAKE_CURRENT_LIST_DIR}/case_inputs.sh ${CMAKE_SOURCE_DIR}/configs")
+acus_add_cli_case(acus-training.difficulty EXIT 0 NEEDS inputs BEFORE "${cases}"
+  STDOUT "^Case 1 +0[.][0-9]+ " "^Case 2 +0[.][0-9]+ " "^cases +open +0 " "^A: next: cases: Case 1 .difficulty 0[.]"
+  CREATES d/cases.csv d/provenance.json
+  COMMAND bash -c "acus-training difficulty e2.json e1.json --persons 6 --rate-hz 200 -o d && \
+acus-training curriculum c.json --trials . --trainee A")
+acus_add_cli_case(acus-training.difficulty_without_a_patient EXIT 3 LEAVES_NOTHING
+  BEFORE "echo '{\"format\": \"acus-exercise/1\", \"name\": \"x\"}' > e.json"
+  STDERR "e.json: /scenario: is missing"
+  COMMAND acus-training difficulty e.json -o d)
 acus_add_cli_case(acus-training.curriculum_no_trials EXIT 3 BEFORE "mkdir empty"
   STDERR "empty: no trial was found"
   COMMAND acus-training curriculum curricula/four_punctures.json --trials empty)

@@ -81,6 +81,23 @@ expect 3 "/effects/breathing/motion" "$launcher" --text --new no --patient work/
   --devices virtual --exercise lumbar_puncture --model fortmeier_2016
 [[ ! -e no ]] || fail "half a workplace was left behind"
 
+# Another patient in a workplace, whose hands, and so the needle, are where they were.
+expect 0 "Added exercises/second.json" "$launcher" --text --add-case second --patient work/patient \
+  --exercise lumbar_puncture own
+expect 0 "Goals met: [0-9] of 7" "$launcher" --text --headless --trainee A7 --exercise second --duration 4 own
+grep -q "case_second.json" own/sessions/A7/*_second/report/provenance.json ||
+  fail "the report is of the workplace's patient"
+expect 0 "Goals met: [0-9] of 7" "$launcher" --text --headless --trainee A7 --exercise lumbar_puncture --duration 4 own
+states() { grep -A 1 '"state"' own/sessions/A7/*_"$1"/report/training.json; }
+[[ $(states second) == "$(states lumbar_puncture)" && $(states second) == *done* ]] ||
+  fail "the hands begin elsewhere in the other patient"
+expect 3 "is there already; choose another name" "$launcher" --add-case second --patient work/patient \
+  --exercise lumbar_puncture own
+expect 3 "corridor_ct.csv: no such file" "$launcher" --add-case third --patient own \
+  --exercise lumbar_puncture own
+expect 2 "needs --patient and --exercise" "$launcher" --add-case third own
+[[ ! -e own/exercises/third.json ]] || fail "half a case was left behind"
+
 mv work/devices.json gone
 expect 3 "devices.json is missing" "$launcher" --text --headless work
 mv gone work/devices.json

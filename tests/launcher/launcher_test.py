@@ -15,6 +15,7 @@ LAUNCHER = ROOT / "pipelines" / "launcher"
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(LAUNCHER))
 
+import add_case  # noqa: E402
 import jobs  # noqa: E402
 import sessions  # noqa: E402
 import texts  # noqa: E402
@@ -298,6 +299,63 @@ done"""
         runs.finish(sessions.find(self.folder))
         self.assertEqual(runs.num_reports, 1)
         self.wait(runs, "report")
+
+
+class AnotherPatient(WithWorkplace):
+    def patient(self, name, entry, target):
+        for file in ("ct.nrrd", "labels.seg.nrrd"):
+            self.write(f"{name}/{file}", "")
+        self.write(f"{name}/corridor_ct.csv", "name,x_mm,y_mm,z_mm\n" + "".join(
+            f"{key},{','.join(map(str, point))}\n" for key, point in (("entry", entry), ("target", target))))
+        return self.folder / name
+
+    def moved(self, matrix, point):
+        return [sum(row[k] * point[k] for k in range(3)) + row[3] for row in matrix[:3]]
+
+    def test_entry_and_direction_are_where_those_of_the_first_one_are(self):
+        self.patient("own", (10, 20, 30), (10, 80, 50))
+        turn = [0, -1, 0, 5, 1, 0, 0, -6, 0, 0, 1, 7, 0, 0, 0, 1]
+        self.write("scenario.json", json.dumps({"effects": {}, "patient": {
+            "corridor": "own/corridor_ct.csv", "ct_from_reference": turn}}))
+        other = self.patient("other", (-40, 5, 900), (-10, 60, 870))
+        made = add_case.add(self.folder, "case_2", other, self.folder / "exercises/one.json")
+        scenario = json.loads(made[0].read_text(encoding="utf-8"))
+        numbers = scenario["patient"]["ct_from_reference"]
+        placed = [numbers[4 * row:4 * row + 4] for row in range(4)]
+        own = add_case.rigid_inverse([turn[4 * row:4 * row + 4] for row in range(4)])
+        entry = self.moved(own, (10, 20, 30))  # In the reference frame, as the target's direction is.
+        for got, wanted in zip(self.moved(placed, entry), (-40, 5, 900)):
+            self.assertAlmostEqual(got, wanted, 9)
+        along = self.moved(own, (10, 80, 50))
+        share = (30**2 + 55**2 + 30**2)**0.5 / (60**2 + 20**2)**0.5
+        there = [a + share * (b - a) for a, b in zip(entry, along)]
+        for got, wanted in zip(self.moved(placed, there), (-10, 60, 870)):
+            self.assertAlmostEqual(got, wanted, 9)
+        exercise = json.loads(made[1].read_text(encoding="utf-8"))
+        self.assertEqual((exercise["name"], exercise["scenario"]), ("Exercise one, case_2", "../case_case_2.json"))
+        self.assertEqual(self.place().exercises["case_2"], "Exercise one, case_2")
+
+    def test_a_transform_of_acus_register_is_read(self):
+        file = self.write("t.tfm", "#Insight Transform File V1.0\nTransform: AffineTransform_double_3_3\n"
+                          "Parameters: 0 -1 0 1 0 0 0 0 1 5 6 7\nFixedParameters: 1 2 3\n")
+        # M (x - c) + c + t of the centre itself is c + t.
+        self.assertEqual(self.moved(add_case.read_transform(file), (1, 2, 3)), [6, 8, 10])
+
+    def test_what_cannot_be_placed_is_refused_and_leaves_nothing(self):
+        own = self.patient("own", (0, 0, 0), (0, 50, 0))
+        scenario = {"effects": {}, "patient": {"corridor": "own/corridor_ct.csv"}}
+        task = self.folder / "exercises/one.json"
+        for change, patient, reason in (
+                ({"effects": {"breathing": {}}}, own, "breath of its own patient"),
+                ({"patient": {}}, own, "corridor is missing"),
+                ({}, self.patient("flat", (0, 0, 0), (0, 0.5, 0)), "less than 1 mm"),
+                ({}, self.folder / "exercises", "corridor_ct.csv: no such file")):
+            self.write("scenario.json", json.dumps({**scenario, **change}))
+            with self.assertRaisesRegex(UserError, reason):
+                add_case.add(self.folder, "x", patient, task)
+        with self.assertRaisesRegex(UserError, "letters, digits"):
+            add_case.add(self.folder, "../x", own, task)
+        self.assertFalse((self.folder / "exercises/x.json").exists() or (self.folder / "case_x.json").exists())
 
 
 class Words(unittest.TestCase):

@@ -15,7 +15,7 @@ constexpr int kPollMs = 50;
 constexpr const char* kWaiting = "Waiting for the next session.";
 
 fs::path FileOf(const fs::path& scenario) {
-  return fs::weakly_canonical(config::FindConfig(scenario, fs::current_path()));
+  return fs::weakly_canonical(fs::absolute(config::FindConfig(scenario, fs::current_path())));
 }
 
 }  // namespace

@@ -19,21 +19,40 @@ double PercentOf(const TrialRecord& trial, const char* name) {
   return found == trial.metrics.end() ? 0.0 : found->second;
 }
 
+bool Meets(const CurriculumStep& step, const TrialRecord& trial) {
+  return PercentOf(trial, kScore) >= step.score_percent &&
+         PercentOf(trial, kGoalsMet) >= step.goals_met_percent;
+}
+
+/// In order of time: trials of one exercise are, and folders of sessions begin with theirs.
+std::vector<TrialRecord> TrialsOf(const CurriculumStep& step, const std::string& code,
+                                  std::span<const TrialRecord> trials) {
+  std::vector<TrialRecord> found;
+  std::ranges::copy_if(trials, std::back_inserter(found), [&](const TrialRecord& trial) {
+    return trial.code == code &&
+           std::ranges::find(step.cases, trial.exercise, &Case::exercise) != step.cases.end();
+  });
+  if (step.cases.size() == 1) return found;
+  std::ranges::stable_sort(found, [](const TrialRecord& a, const TrialRecord& b) {
+    return NaturallyBefore(a.folder.string(), b.folder.string());
+  });
+  return found;
+}
+
 StepState StateOf(const CurriculumStep& step, const std::string& code,
                   std::span<const TrialRecord> trials) {
   StepState state;
   int row = 0;
-  for (const TrialRecord& trial : trials) {
-    if (trial.code != code || trial.exercise != step.exercise) continue;
+  std::vector<CaseTrial> done;
+  for (const TrialRecord& trial : TrialsOf(step, code, trials)) {
     ++state.trials;
-    const double score = PercentOf(trial, kScore);
-    state.best_score_percent = std::max(state.best_score_percent, score);
-    const bool meets =
-        score >= step.score_percent && PercentOf(trial, kGoalsMet) >= step.goals_met_percent;
-    row = meets ? row + 1 : 0;
+    state.best_score_percent = std::max(state.best_score_percent, PercentOf(trial, kScore));
+    done.push_back({trial.exercise, Meets(step, trial)});
+    row = done.back().succeeded ? row + 1 : 0;
     state.longest_row = std::max(state.longest_row, row);
   }
   state.mastered = state.longest_row >= step.in_a_row;
+  state.next = NextCase(step.cases, step.order, code, done);
   return state;
 }
 
@@ -42,12 +61,54 @@ std::string WordOf(const StepState& state) {
   return state.open ? "open" : "locked";
 }
 
+std::string NextText(const CurriculumStep& step, const StepState& state) {
+  if (step.cases.size() == 1) return step.title;
+  return Message(step.title, ": ", state.next.exercise, " (difficulty ",
+                 FixedText(state.next.difficulty, 2), ")");
+}
+
 /// The first that is open and not mastered.
 std::optional<std::size_t> NextStep(std::span<const StepState> states) {
   const auto found = std::ranges::find_if(
       states, [](const StepState& state) { return state.open && !state.mastered; });
   if (found == states.end()) return std::nullopt;
   return static_cast<std::size_t>(found - states.begin());
+}
+
+/// Title and cases. @param written  How later steps name this one.
+CurriculumStep StepWithCases(const json& entry, const fs::path& folder, const std::string& where,
+                             std::string& written) {
+  ACUS_REQUIRE(entry.contains("exercise") != entry.contains("cases"), where,
+               "must have either \"exercise\" or \"cases\"");
+  CurriculumStep step;
+  if (entry.contains("exercise")) {
+    written = entry["exercise"];
+    const fs::path file = config::FindConfig(written, folder);
+    step.title = training::ReadExercise(file).name;
+    step.cases = {{step.title, file, 0.0}};
+    return step;
+  }
+  written = entry["cases"];
+  const json& range = entry.at("difficulty");
+  ACUS_REQUIRE(range[0] <= range[1], where, "/difficulty: from ", range[0].get<double>(), " to ",
+               range[1].get<double>(), "; the smaller one comes first");
+  step.cases = ReadCases(folder / written, {range[0], range[1]});
+  step.title = entry.value("name", fs::path(written).stem().string());
+  if (entry.at("order") == "staircase") step.order = CaseOrder::kStaircase;
+  return step;
+}
+
+void RequireNew(const Curriculum& curriculum, const CurriculumStep& step,
+                const std::string& where) {
+  for (const CurriculumStep& other : curriculum.steps) {
+    ACUS_REQUIRE(other.title != step.title, where, "another step is named \"", step.title,
+                 "\", too");
+    for (const Case& one : step.cases) {
+      ACUS_REQUIRE(
+          std::ranges::find(other.cases, one.exercise, &Case::exercise) == other.cases.end(), where,
+          "the exercise \"", one.exercise, "\" is there twice");
+    }
+  }
 }
 
 }  // namespace
@@ -59,20 +120,14 @@ Curriculum ReadCurriculum(const fs::path& path) {
   std::vector<std::string> written;
   for (const json& entry : file.at("steps")) {
     const std::string where = Message(path.string(), ": /steps/", written.size(), ": ");
-    const std::string exercise = entry.at("exercise");
+    std::string name;
+    CurriculumStep step = StepWithCases(entry, folder, where, name);
     const json& mastery = entry.at("mastery");
-    const fs::path place = config::FindConfig(exercise, folder);
-    CurriculumStep step{training::ReadExercise(place).name,
-                        place,
-                        {},
-                        mastery.at("score_percent"),
-                        mastery.at("goals_met_percent"),
-                        mastery.at("in_a_row"),
-                        std::nullopt};
+    step.score_percent = mastery.at("score_percent");
+    step.goals_met_percent = mastery.at("goals_met_percent");
+    step.in_a_row = mastery.at("in_a_row");
     if (entry.contains("time_limit_s")) step.time_limit_s = entry["time_limit_s"].get<double>();
-    ACUS_REQUIRE(std::ranges::find(curriculum.steps, step.exercise, &CurriculumStep::exercise) ==
-                     curriculum.steps.end(),
-                 where, "the exercise \"", step.exercise, "\" is there twice");
+    RequireNew(curriculum, step, where);
     for (const std::string before : entry.at("after")) {
       const auto found = std::ranges::find(written, before);
       ACUS_REQUIRE(found != written.end(), where, "/after: \"", before,
@@ -80,7 +135,7 @@ Curriculum ReadCurriculum(const fs::path& path) {
       step.after.push_back(static_cast<std::size_t>(found - written.begin()));
     }
     curriculum.steps.push_back(std::move(step));
-    written.push_back(exercise);
+    written.push_back(name);
   }
   return curriculum;
 }
@@ -104,14 +159,15 @@ std::string CurriculumText(const Curriculum& curriculum, std::span<const TrialRe
     const auto next = NextStep(states);
     std::vector<std::vector<std::string>> rows;
     for (std::size_t n = 0; n < states.size(); ++n) {
-      rows.push_back({curriculum.steps[n].exercise, WordOf(states[n]),
+      rows.push_back({curriculum.steps[n].title, WordOf(states[n]),
                       std::to_string(states[n].trials),
                       states[n].trials > 0 ? FixedText(states[n].best_score_percent, 0) : "-",
                       Message(states[n].longest_row, " of ", curriculum.steps[n].in_a_row)});
     }
-    text += Message("\n", code.empty() ? "-" : code, ": ",
-                    next ? "next: " + curriculum.steps[*next].exercise : "all mastered", "\n",
-                    TextTable({"exercise", "state", "trials", "best score [%]", "in a row"}, rows));
+    text += Message(
+        "\n", code.empty() ? "-" : code, ": ",
+        next ? "next: " + NextText(curriculum.steps[*next], states[*next]) : "all mastered", "\n",
+        TextTable({"exercise", "state", "trials", "best score [%]", "in a row"}, rows));
   }
   return text;
 }
@@ -121,8 +177,8 @@ json CurriculumJson(const Curriculum& curriculum, std::span<const TrialRecord> t
   json steps = json::array();
   for (const CurriculumStep& step : curriculum.steps) {
     steps.push_back(
-        {{"exercise", step.exercise},
-         {"file", step.file.string()},
+        {{"exercise", step.title},
+         {"cases", step.cases.size()},
          {"after", step.after},
          {"score_percent", step.score_percent},
          {"goals_met_percent", step.goals_met_percent},
@@ -138,7 +194,11 @@ json CurriculumJson(const Curriculum& curriculum, std::span<const TrialRecord> t
       list.push_back({{"state", WordOf(state)},
                       {"trials", state.trials},
                       {"best_score_percent", state.best_score_percent},
-                      {"longest_row", state.longest_row}});
+                      {"longest_row", state.longest_row},
+                      {"next_case",
+                       {{"exercise", state.next.exercise},
+                        {"file", state.next.file.string()},
+                        {"difficulty", state.next.difficulty}}}});
     }
     trainees[code] = {{"next", next ? json(*next) : json(nullptr)}, {"steps", std::move(list)}};
   }

@@ -9,13 +9,15 @@
 #include <string>
 #include <vector>
 
+#include "acus/assess/study/cases.h"
 #include "acus/assess/study/study_data.h"
 
 namespace acus::study {
 
 struct CurriculumStep {
-  std::string exercise;            ///< Its name, as training.json has it.
-  std::filesystem::path file;      ///< Of the exercise.
+  std::string title;        ///< The exercise's name, or that of its cases.
+  std::vector<Case> cases;  ///< At least one; an exercise is one case.
+  CaseOrder order = CaseOrder::kLeastDone;
   std::vector<std::size_t> after;  ///< Places of the steps that must be mastered before.
   double score_percent = 90.0;
   double goals_met_percent = 100.0;
@@ -29,8 +31,9 @@ struct Curriculum {
 };
 
 /// Reads an acus-curriculum file and the exercises that it names.
-/// @throws InputError listing what is wrong: keys, ranges, an exercise twice, an entry that is no
-///     earlier step.
+/// @throws InputError listing what is wrong: keys, ranges, an exercise twice, a step with an
+/// exercise
+///     and cases or with neither, an entry that is no earlier step.
 Curriculum ReadCurriculum(const std::filesystem::path& path);
 
 /// How far a trainee is with a step.
@@ -40,9 +43,11 @@ struct StepState {
   int longest_row = 0;  ///< Of trials that meet the criteria.
   bool mastered = false;
   bool open = true;  ///< All steps that must come before are mastered.
+  Case next;         ///< Of the trainee's next trial.
 };
 
-/// One for each step. Trials are those of one trainee, in order; others are skipped.
+/// One for each step. Trials of others are skipped. Those of one exercise are in order; those of a
+/// step with cases are put in the order of their folders.
 std::vector<StepState> ProgressOf(const Curriculum& curriculum, const std::string& code,
                                   std::span<const TrialRecord> trials);
 
@@ -50,8 +55,9 @@ std::vector<StepState> ProgressOf(const Curriculum& curriculum, const std::strin
 std::string CurriculumText(const Curriculum& curriculum, std::span<const TrialRecord> trials,
                            const std::set<std::string>& codes);
 
-/// The same for other programs: name, steps (exercise, file, after, mastery, time limit) and, for
-/// each code, next (the place of a step from 0, or null) and the state of each step.
+/// The same for other programs: name, steps (exercise, number of cases, after, mastery, time limit)
+/// and, for each code, next (the place of a step from 0, or null) and the state of each step with
+/// its next case.
 nlohmann::json CurriculumJson(const Curriculum& curriculum, std::span<const TrialRecord> trials,
                               const std::set<std::string>& codes);
 

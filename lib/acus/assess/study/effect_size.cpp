@@ -13,16 +13,6 @@
 namespace acus::study {
 namespace {
 
-std::vector<double> Redrawn(std::span<const double> values, RandomStream& random) {
-  std::vector<double> drawn(values.size());
-  for (double& value : drawn) {
-    const auto place =
-        static_cast<std::size_t>(random.Uniform() * static_cast<double>(values.size()));
-    value = values[std::min(place, values.size() - 1)];
-  }
-  return drawn;
-}
-
 constexpr int kMostPerGroup = 100'000;
 
 }  // namespace
@@ -58,12 +48,11 @@ Interval BootstrapInterval(std::span<const double> a, std::span<const double> b,
   values.reserve(static_cast<std::size_t>(draws));
   RandomStream random(seed, name);
   for (int draw = 0; draw < draws; ++draw) {
-    const auto again_a = Redrawn(a, random);
-    const auto again_b = Redrawn(b, random);
+    const auto again_a = math::Redrawn(a, random);
+    const auto again_b = math::Redrawn(b, random);
     values.push_back(statistic(again_a, again_b));
   }
-  const double tail = 0.5 * (1.0 - confidence);
-  return {math::Quantile(values, tail), math::Quantile(values, 1.0 - tail)};
+  return math::PercentileInterval(values, confidence);
 }
 
 double PowerOfTTest(double effect, double per_group, double alpha) {

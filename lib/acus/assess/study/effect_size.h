@@ -6,12 +6,11 @@
 #include <span>
 #include <string_view>
 
+#include "acus/base/math/bootstrap.h"
+
 namespace acus::study {
 
-struct Interval {
-  double low = 0.0;
-  double high = 0.0;
-};
+using math::Interval;
 
 /// P(a > b) + P(a = b) / 2 for values drawn from both: the area under the ROC curve. 0.5: alike.
 /// @pre both are not empty.

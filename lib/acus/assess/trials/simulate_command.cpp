@@ -67,14 +67,6 @@ std::vector<Job> JobsOf(const SimulateOptions& options, RunContext& context) {
   return jobs;
 }
 
-/// A session with needle and probe, as trainees make them: which streams there are.
-session::Session LikeTrainees() {
-  session::Session like;
-  like.needle.resize(1);
-  like.probe.resize(1);
-  return like;
-}
-
 std::string RowOf(const Job& job, const SimulatedTrial& made, const TrialResult& result) {
   const training::Assessment& a = result.assessment;
   return Message(job.code, " trial ", job.trial, ": ", a.NumMet(), " of ", a.goals.size(),

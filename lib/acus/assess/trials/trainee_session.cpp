@@ -295,6 +295,13 @@ Eigen::Vector3d BiasOf(const TraineeSkill& person, const std::string& code, std:
 
 }  // namespace
 
+session::Session LikeTrainees() {
+  session::Session like;
+  like.needle.resize(1);
+  like.probe.resize(1);
+  return like;
+}
+
 SimulatedTrial SimulateTrial(const TrialScene& scene, const PlannedPath& path,
                              const TraineeSkill& grade, const std::string& code, int trial,
                              std::uint64_t seed, double rate_hz) {

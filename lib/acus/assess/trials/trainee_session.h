@@ -14,6 +14,9 @@ struct SimulatedTrial {
   int num_bone_contacts = 0;  ///< After which the needle was withdrawn.
 };
 
+/// A session with needle and probe, as trainees make them: which streams there are.
+session::Session LikeTrainees();
+
 /// One trial. In order: the probe searches; the needle is aimed and advanced in stretches with
 /// stops; at a stop the person sees, by `delay_s` late, by how much the line of the needle misses
 /// where he takes the target to be, and if that is more than `notice_mm`, withdraws, turns the

@@ -277,7 +277,7 @@ TEST_F(StudyTest, ACurriculumOpensStepsAsTheyAreMastered) {
   EXPECT_FALSE(states[1].open);
   EXPECT_THAT(CurriculumText(curriculum, trials, {"A"}), HasSubstr("A: next: Exercise a"));
   const auto state = CurriculumJson(curriculum, trials, {"A", "new"});
-  EXPECT_EQ(state["steps"][1]["file"], (folder_ / "b.json").string());
+  EXPECT_EQ(state["trainees"]["A"]["steps"][1]["next_case"]["file"], (folder_ / "b.json").string());
   EXPECT_EQ(state["steps"][1]["after"][0], 0);
   EXPECT_EQ(state["steps"][1]["time_limit_s"], 90.0);
   EXPECT_TRUE(state["steps"][0]["time_limit_s"].is_null());
@@ -294,6 +294,54 @@ TEST_F(StudyTest, ACurriculumOpensStepsAsTheyAreMastered) {
   EXPECT_THAT(CurriculumText(curriculum, trials, {"A"}), HasSubstr("A: all mastered"));
   EXPECT_TRUE(CurriculumJson(curriculum, trials, {"A"})["trainees"]["A"]["next"].is_null());
   EXPECT_EQ(ProgressOf(curriculum, "B", trials)[0].trials, 0);
+}
+
+TEST_F(StudyTest, AStepWithCasesCountsTrialsOfAllAndDrawsTheNextOne) {
+  WriteTextFile(folder_ / "cases.csv", "exercise,difficulty\nb.json,0.2\nc.json,0.6\n");
+  WriteTextFile(folder_ / "curriculum.json", R"({
+    "format": "acus-curriculum/1", "name": "Cases", "steps": [
+      {"cases": "cases.csv", "name": "Two patients", "order": "staircase", "mastery": {"in_a_row": 2}},
+      {"exercise": "a.json", "after": ["cases.csv"]}]})");
+  const Curriculum curriculum = ReadCurriculum(folder_ / "curriculum.json");
+  const auto at = [](const std::string& exercise, double score, const char* folder) {
+    TrialRecord trial = Scored(exercise, score);
+    trial.folder = folder;
+    return trial;
+  };
+  // Sorted by exercise, as they are read; in time b, c, b.
+  std::vector<TrialRecord> trials = {at("Exercise b", 95.0, "s/2026-01-01_10-00-00_b/report"),
+                                     at("Exercise b", 95.0, "s/2026-01-01_12-00-00_b/report"),
+                                     at("Exercise c", 20.0, "s/2026-01-01_11-00-00_c/report")};
+  auto states = ProgressOf(curriculum, "A", trials);
+  EXPECT_EQ(states[0].trials, 3);
+  EXPECT_EQ(states[0].longest_row, 1) << "the failure lies between the successes";
+  EXPECT_EQ(states[0].next.exercise, "Exercise c") << "harder after a success";
+  EXPECT_FALSE(states[1].open);
+  EXPECT_THAT(CurriculumText(curriculum, trials, {"A"}),
+              HasSubstr("A: next: Two patients: Exercise c (difficulty 0.60)"));
+  const auto json = CurriculumJson(curriculum, trials, {"A"});
+  EXPECT_EQ(json["steps"][0]["cases"], 2);
+  EXPECT_EQ(json["trainees"]["A"]["steps"][0]["next_case"]["difficulty"], 0.6);
+  trials.push_back(at("Exercise c", 92.0, "s/2026-01-01_13-00-00_c/report"));
+  states = ProgressOf(curriculum, "A", trials);
+  EXPECT_TRUE(states[0].mastered) << "in two patients";
+  EXPECT_TRUE(states[1].open);
+}
+
+TEST_F(StudyTest, ACurriculumWithCasesIsRefusedWithTheReason) {
+  WriteTextFile(folder_ / "cases.csv", "exercise,difficulty\nb.json,0.2\nc.json,0.6\n");
+  const auto reading = [this](const std::string& steps) {
+    WriteTextFile(folder_ / "curriculum.json",
+                  R"({"format": "acus-curriculum/1", "name": "x", "steps": [)" + steps + "]}");
+    return [this] { ReadCurriculum(folder_ / "curriculum.json"); };
+  };
+  EXPECT_THAT(reading(R"({"exercise": "a.json", "cases": "cases.csv"})"),
+              ThrowsMessage<InputError>(HasSubstr("/steps/0: must have either")));
+  EXPECT_THAT(reading("{}"), ThrowsMessage<InputError>(HasSubstr("/steps/0: must have either")));
+  EXPECT_THAT(reading(R"({"cases": "cases.csv", "difficulty": [0.7, 0.1]})"),
+              ThrowsMessage<InputError>(HasSubstr("/difficulty: from 0.7 to 0.1")));
+  EXPECT_THAT(reading(R"({"cases": "cases.csv"}, {"exercise": "c.json"})"),
+              ThrowsMessage<InputError>(HasSubstr("\"Exercise c\" is there twice")));
 }
 
 TEST(NaturallyBefore, NumbersByValue) {
