@@ -1,19 +1,20 @@
 // acus-training: the sessions of trainees, one after the other.
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <optional>
 
 #include "acus/assess/study/curriculum_command.h"
+#include "acus/assess/study/reference_page.h"
 #include "acus/assess/trials/difficulty_command.h"
 #include "acus/assess/trials/simulate_command.h"
 #include "acus/assess/trials/what_if_command.h"
-#include "acus/base/core/atomic_file.h"
 #include "acus/base/core/run_main.h"
 #include "acus/run/training/discarded.h"
 #include "acus/run/training/progress.h"
 
 int main(int argc, char** argv) {
   namespace fs = std::filesystem;
-  std::vector<fs::path> runs;
+  std::vector<fs::path> runs, reference;
   fs::path output;
   CLI::App app{
       "Put the sessions of an exercise side by side: goals met, values, how they change.\n"
@@ -22,7 +23,15 @@ int main(int argc, char** argv) {
       "acus-training"};
   app.add_option("runs", runs, "Run folders, in the order of the sessions")
       ->check(CLI::ExistingDirectory);
-  app.add_option("-o,--output", output, "Folder to make: progress.html, progress.csv");
+  app.add_option("-o,--output", output,
+                 "Folder to make: progress.html, progress.csv; with --reference, reference.csv");
+  app.add_option(
+         "--reference", reference,
+         "Folders that hold training.json of other persons at any depth, joined by commas:\n"
+         "the newest session beside this group and the earlier sessions")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::ExistingDirectory);
   app.require_subcommand(0, 1);
   app.fallthrough();
   CLI::App* what_if = app.add_subcommand(
@@ -66,12 +75,13 @@ int main(int argc, char** argv) {
       if (fs::exists(run / "training.json")) context.provenance.AddInput(run / "training.json");
     }
     const auto sessions = acus::training::ReadAssessments(runs);
-    if (!output.empty()) {
-      acus::AtomicFolder folder(output, context.overwrite);
-      acus::training::WriteProgress(folder.path(), sessions, context);
-      folder.Commit();
+    std::optional<acus::study::GroupComparison> group;
+    if (!reference.empty()) {
+      group = acus::study::CompareWithGroup(sessions, reference, context);
     }
-    std::cout << acus::training::ProgressText(sessions) << std::flush;
+    if (!output.empty()) acus::study::WriteProgress(output, sessions, group, context);
+    std::cout << acus::training::ProgressText(sessions)
+              << (group ? acus::study::ReferenceText(*group) : "") << std::flush;
     return acus::ExitCode::kOk;
   });
 }

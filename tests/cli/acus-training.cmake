@@ -57,6 +57,15 @@ acus_add_cli_case(acus-training.simulate_odd_code EXIT 3 NEEDS inputs LEAVES_NOT
   STDERR "must be a plain word"
   COMMAND acus-training simulate ${lumbar} --trainee trainees/expert.json --codes ../a -o t)
 
+# A session beside a reference group.
+acus_add_cli_case(acus-training.reference EXIT 0 NEEDS inputs
+  STDOUT "^Reference group: [0-9]+ persons, [0-9]+ trials" "^score .%. +[0-9.]+ +- +[0-9.]+"
+  CREATES p/progress.html p/reference.csv
+  COMMAND acus-training $INPUTS/first_run --reference $INPUTS/trainees -o p)
+acus_add_cli_case(acus-training.reference_without_trials EXIT 3 NEEDS inputs BEFORE "mkdir empty"
+  STDERR "empty: no trial was found"
+  COMMAND acus-training $INPUTS/first_run --reference empty)
+
 # curriculum: what is mastered, and what is next.
 acus_add_cli_case(acus-training.curriculum EXIT 0 NEEDS inputs
   STDOUT "^N1: next: Liver biopsy" "^Lumbar puncture under ultrasound +locked +2 "

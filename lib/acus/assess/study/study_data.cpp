@@ -34,20 +34,9 @@ std::vector<fs::path> AssessmentsIn(const fs::path& folder) {
   return files;
 }
 
-TrialRecord RecordOf(const fs::path& file) {
-  const training::Assessment assessment = training::ReadAssessment(file);
-  TrialRecord record;
-  record.code = assessment.trainee;
-  record.exercise = assessment.exercise;
+TrialRecord RecordIn(const fs::path& file) {
+  TrialRecord record = RecordOf(training::ReadAssessment(file));
   record.folder = file.parent_path();
-  for (const training::Metric& metric : assessment.metrics) {
-    record.metrics[{CsvCell(metric.name), metric.unit}] = metric.value;
-  }
-  if (!assessment.goals.empty()) {
-    record.metrics[{kGoalsMet, "%"}] = 100.0 * static_cast<double>(assessment.NumMet()) /
-                                       static_cast<double>(assessment.goals.size());
-    record.metrics[{kScore, "%"}] = 100.0 * training::ScoreOf(assessment);
-  }
   return record;
 }
 
@@ -110,6 +99,21 @@ void SortAsStudy(const Study& study, std::vector<TrialRecord>& trials) {
 
 }  // namespace
 
+TrialRecord RecordOf(const training::Assessment& assessment) {
+  TrialRecord record;
+  record.code = assessment.trainee;
+  record.exercise = assessment.exercise;
+  for (const training::Metric& metric : assessment.metrics) {
+    record.metrics[{CsvCell(metric.name), metric.unit}] = metric.value;
+  }
+  if (!assessment.goals.empty()) {
+    record.metrics[{kGoalsMet, "%"}] = 100.0 * static_cast<double>(assessment.NumMet()) /
+                                       static_cast<double>(assessment.goals.size());
+    record.metrics[{kScore, "%"}] = 100.0 * training::ScoreOf(assessment);
+  }
+  return record;
+}
+
 bool NaturallyBefore(const std::string& a, const std::string& b) {
   const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
   std::size_t i = 0, j = 0;
@@ -158,7 +162,7 @@ std::vector<TrialRecord> ReadTrials(std::span<const fs::path> paths, const Study
     }
     for (const fs::path& file : AssessmentsIn(path)) {
       context.provenance.AddInput(file);
-      TrialRecord record = RecordOf(file);
+      TrialRecord record = RecordIn(file);
       RequireListed(record, study, file.string());
       record.trial = ++counted[{record.code, record.exercise}];
       keep(std::move(record));
@@ -185,7 +189,7 @@ std::vector<TrialRecord> FindTrials(std::span<const fs::path> folders, RunContex
   for (const fs::path& folder : folders) {
     for (const fs::path& file : AssessmentsIn(folder)) {
       context.provenance.AddInput(file);
-      trials.push_back(RecordOf(file));
+      trials.push_back(RecordIn(file));
       trials.back().trial = ++counted[{trials.back().code, trials.back().exercise}];
     }
   }

@@ -9,6 +9,7 @@
 
 #include "acus/assess/study/study_file.h"
 #include "acus/base/core/run_context.h"
+#include "acus/run/training/assessment.h"
 
 namespace acus::study {
 
@@ -37,6 +38,9 @@ struct Answer {
 /// The names of two metrics that every trial has besides those of its training.json.
 inline constexpr const char* kGoalsMet = "goals met";  ///< Percent.
 inline constexpr const char* kScore = "score";         ///< training::ScoreOf, in percent.
+
+/// The metrics of a session, with kGoalsMet and kScore if it has goals; without folder and number.
+TrialRecord RecordOf(const training::Assessment& assessment);
 
 /// Reads trials: folders are searched for training.json at any depth; files of CSV are tables as
 /// TrialsCsv writes them. Trials of one participant in one exercise are numbered in the order of

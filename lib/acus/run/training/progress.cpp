@@ -145,11 +145,13 @@ std::string ProgressText(std::span<const Assessment> sessions) {
 }
 
 void WriteProgress(const fs::path& folder, std::span<const Assessment> sessions,
-                   const RunContext& context) {
+                   const RunContext& context,
+                   const std::function<void(report::HtmlReport&)>& add_sections) {
   WriteTextFile(folder / "progress.csv", CsvText(sessions));
   report::HtmlReport html(sessions.front().exercise, "Progress from session to session");
   html.Section("Sessions");
   html.Table(Header(sessions.front()), Rows(sessions), "! goal not met");
+  if (add_sections) add_sections(html);
   html.Section("Goals");
   for (std::size_t goal = 0; goal < sessions.front().goals.size(); ++goal) {
     html.Plots(std::vector{PlotOfGoal(sessions, goal)}, sessions.front().goals[goal].goal.why);

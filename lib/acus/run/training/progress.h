@@ -2,12 +2,17 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "acus/base/core/run_context.h"
 #include "acus/run/training/assessment.h"
+
+namespace acus::report {
+class HtmlReport;
+}
 
 namespace acus::training {
 
@@ -21,7 +26,9 @@ std::string ProgressText(std::span<const Assessment> sessions);
 
 /// Writes progress.csv (one row per session, a column per metric), progress.html with a plot per
 /// goal, a line per trainee, and provenance.json into an existing folder.
+/// @param add_sections  Adds to the page what comes before the plots; may be empty.
 void WriteProgress(const std::filesystem::path& folder, std::span<const Assessment> sessions,
-                   const RunContext& context);
+                   const RunContext& context,
+                   const std::function<void(report::HtmlReport&)>& add_sections = {});
 
 }  // namespace acus::training
