@@ -54,13 +54,13 @@ class Jobs:
         errors = [place for place, line in enumerate(lines) if ERROR.match(line)]
         return "\n".join(lines[errors[0]:][-5:]) if errors else ""
 
-    def start_session(self, trainee, exercise, trial=1, limit_s=None, left_handed=False):
-        """trial: which one of this exercise it is for the trainee."""
+    def start_session(self, trainee, exercise, trial=1, limit_s=None, left_handed=False, caption=""):
+        """trial: which one of this exercise it is for the trainee. caption: below the exercise's name."""
         if self.session is not None:
             raise UserError("A session is running; end it first.")
         sessions.check_code(trainee)
         request = {"exercise": str(self.folder / "exercises" / f"{exercise}.json"), "trial": trial,
-                   "left_handed": left_handed, "scenario": str(self._scenario_of(exercise)),
+                   "left_handed": left_handed, "caption": caption, "scenario": str(self._scenario_of(exercise)),
                    "duration_s": (self.duration_s if self.duration_s is not None else limit_s) or 0.0}
         if self.demo:
             request["hand"] = str(self._recorded())

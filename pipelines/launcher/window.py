@@ -245,13 +245,20 @@ class Window(tk.Tk):
             text = self.texts("ask_consent", code=code, study=self.workplace.study.get("name", ""))
             self._ask(questions.YesNo(self.right, self.texts, text, answer))
             return
-        limits = [step.limit_s for step in self.steps[code][0] if step.exercise == exercise]
+        step = next((step for step in self.steps[code][0] if step.exercise == exercise), None)
         done = [session for session in self.found if session.trainee == code and session.exercise == exercise and
                 session.state is not State.DISCARDED]
-        self.jobs.start_session(code, exercise, len(done) + 1, limits[0] if limits else None,
-                                self.workplace.is_left_handed(code))
+        self.jobs.start_session(code, exercise, len(done) + 1, step and step.limit_s,
+                                self.workplace.is_left_handed(code), self._caption_of(step))
         self.running = code
         self.say(self.texts("running", code=code, exercise=self._title_of(exercise)))
+
+    def _caption_of(self, step):
+        """Of the session's window: where the trainee is in the curriculum."""
+        if step is None or step.place is None:
+            return ""
+        number, count, row, needed = step.place
+        return self.texts("place_in_curriculum", number=number, count=count, row=min(row, needed), needed=needed)
 
     def repeat(self):
         session = self._chosen_session()

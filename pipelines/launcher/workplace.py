@@ -23,6 +23,7 @@ class Step:
     trials: int = 0
     best_percent: float = 0.0
     limit_s: float | None = None  # Of a session.
+    place: tuple | None = None  # In a curriculum: step, of how many, successes in a row, of how many.
 
 
 @dataclasses.dataclass(frozen=True)
@@ -181,11 +182,12 @@ class Workplace:
         result = {}
         for code, progress in document["trainees"].items():
             steps = []
-            for step, at in zip(document["steps"], progress["steps"]):
+            for number, (step, at) in enumerate(zip(document["steps"], progress["steps"]), 1):
                 case = at["next_case"]["exercise"]
                 title = case if step["cases"] == 1 else f"{step['exercise']}: {case}"
                 steps.append(Step(by_title.get(case), title, at["state"], at["trials"], at["best_score_percent"],
-                                  step["time_limit_s"]))
+                                  step["time_limit_s"],
+                                  (number, len(document["steps"]), at["longest_row"], step["in_a_row"])))
             following = progress["next"]
             result[code] = steps, None if following is None else steps[following].exercise
         return result

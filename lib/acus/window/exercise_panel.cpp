@@ -171,6 +171,7 @@ void DrawExercise(const ExerciseOnDisplay& exercise, const Rectangle& place, con
   sketch.Fill(place, palette::kBackground);
   Column column(place, sizes, sketch);
   column.Text(exercise.name, palette::kText, 0, true);
+  if (!exercise.caption.empty()) column.Text(exercise.caption, palette::kFaint, 0);
   if (exercise.tip_to_target_mm) {
     const double mm = *exercise.tip_to_target_mm;
     const bool reached = mm <= exercise.target_radius_mm;

@@ -99,6 +99,7 @@ struct ExerciseOnDisplay {
     training::StepState state = training::StepState::kOpen;
   };
   std::string name;
+  std::string caption;  ///< Below the name, such as the place in a curriculum; may be empty.
   std::string target;
   std::optional<double> tip_to_target_mm;
   double target_radius_mm = 0.0;

@@ -35,8 +35,8 @@ bool WantsPlane(const training::Exercise& exercise) {
 
 }  // namespace
 
-FrameMaker::FrameMaker(const live::LiveSession& session, int trial)
-    : session_(session), trial_(trial), tissue_(session.scene()) {
+FrameMaker::FrameMaker(const live::LiveSession& session, int trial, std::string caption)
+    : session_(session), trial_(trial), caption_(std::move(caption)), tissue_(session.scene()) {
   const simulation::Scene& scene = session.scene();
   if (scene.labels != nullptr) {
     label_at_ = training::LabelsOf({*scene.labels, Eigen::Isometry3d::Identity()});
@@ -184,6 +184,7 @@ void FrameMaker::AddExercise(const live::LivePicture& picture, bool steers_probe
   if (exercise.hints.coach) frame_.coach = CoachLine(view);
   if (live != nullptr) {
     frame_.exercise = ExerciseToShow(exercise, live->progress(), view.now.tip_to_target_mm, trial_);
+    frame_.exercise->caption = caption_;
   }
 }
 

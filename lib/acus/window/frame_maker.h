@@ -18,7 +18,8 @@ class FrameMaker {
  public:
   /// @param session  Must outlive this.
   /// @param trial  Of the trainee, from 1: hints fade with it.
-  explicit FrameMaker(const live::LiveSession& session, int trial = 1);
+  /// @param caption  Below the exercise's name; may be empty.
+  explicit FrameMaker(const live::LiveSession& session, int trial = 1, std::string caption = {});
 
   /// @param picture  The newest of the session.  @param video  Null: no camera, or nothing yet.
   /// @param steers_probe  Mouse and keys move the probe, else the needle.
@@ -37,6 +38,7 @@ class FrameMaker {
 
   const live::LiveSession& session_;
   int trial_;
+  std::string caption_;
   std::string notice_;
   training::LabelAtPoint label_at_;  ///< In CT space; empty: the scene has no labels.
   std::optional<breathing::MotionMap> motion_;

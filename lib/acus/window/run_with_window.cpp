@@ -19,7 +19,10 @@ constexpr std::int64_t kNoticeNs = 4'000'000'000;
 class Loop {
  public:
   Loop(live::LiveSession& session, SessionWindows& window, const ConsoleSettings& settings)
-      : session_(session), window_(window), settings_(settings), frames_(session, settings.trial) {
+      : session_(session),
+        window_(window),
+        settings_(settings),
+        frames_(session, settings.trial, settings.caption) {
     abilities_ = {.breath_can_be_held = session.breath_can_be_held(),
                   .has_both_tools = session.has_needle() && session.has_probe(),
                   .has_probe = session.scene().probe.has_value(),

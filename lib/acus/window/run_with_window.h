@@ -12,7 +12,8 @@ struct ConsoleSettings : WindowsSettings {
   double rate_hz = 30.0;  ///< Of the window; pictures themselves are made at a rate of their own.
   /// PNG of the window, written at the end. Empty: none. See SessionWindows::WriteScreenshots().
   std::filesystem::path screenshot;
-  int trial = 1;  ///< Of the trainee: hints fade with it.
+  int trial = 1;        ///< Of the trainee: hints fade with it.
+  std::string caption;  ///< Below the exercise's name; may be empty.
 };
 
 struct WindowRun {

@@ -76,6 +76,7 @@ ExitCode SessionSeries::RunOne(const live::SessionRequest& request) {
     windows_->Restart();
     ConsoleSettings console = settings_.console;
     console.trial = request.trial;
+    console.caption = request.caption;
     console.screenshot = request.screenshot;
     complete = RunInWindows(*windows_, session, console).complete;
   }

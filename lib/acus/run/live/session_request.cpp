@@ -23,6 +23,7 @@ SessionRequest ParseSessionRequest(const std::string& line) {
           .hand = path("hand"),
           .duration_s = request.at("duration_s"),
           .trial = request.at("trial"),
+          .caption = request.at("caption"),
           .left_handed = request.at("left_handed"),
           .screenshot = path("screenshot")};
 }

@@ -14,6 +14,7 @@ struct SessionRequest {
   std::filesystem::path hand;      ///< Empty: as the devices file says.
   double duration_s = 0.0;         ///< 0: until somebody ends it.
   int trial = 1;
+  std::string caption;  ///< Below the exercise's name; may be empty.
   bool left_handed = false;
   std::filesystem::path screenshot;  ///< Empty: none.
 };

@@ -15,7 +15,7 @@ TEST(SessionRequest, HasTheDefaultsOfTheCommandLine) {
       ParseSessionRequest(R"({"format": "acus-session-request/1", "output": "s"})");
   EXPECT_EQ(request.output, "s");
   EXPECT_TRUE(request.scenario.empty() && request.exercise.empty() && request.hand.empty());
-  EXPECT_TRUE(request.screenshot.empty());
+  EXPECT_TRUE(request.screenshot.empty() && request.caption.empty());
   EXPECT_EQ(request.duration_s, 0.0);
   EXPECT_EQ(request.trial, 1);
   EXPECT_FALSE(request.left_handed);
