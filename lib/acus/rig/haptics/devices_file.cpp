@@ -37,6 +37,8 @@ GuardSettings SafetyOf(const json& node) {
   safety.ramp_in_s = node.at("ramp_in_s");
   safety.settle_s = node.at("settle_s");
   safety.late_s = node.at("late_s");
+  safety.continuous_force_n = node.at("continuous_force_n");
+  safety.continuous_over_s = node.at("continuous_over_s");
   safety.jump_mm = node.at("jump_mm");
   safety.jump_rad = node.at("jump_deg").get<double>() * kRadPerDeg;
   safety.dead_man = DeadManOf(node.at("dead_man"));

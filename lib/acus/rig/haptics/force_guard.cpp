@@ -9,6 +9,9 @@ namespace acus::haptics {
 namespace {
 
 constexpr double kRotationTolerance = 1e-3;
+/// Of the continuous limit: up to this mean square, in shares of its own, the peak limit holds
+/// alone.
+constexpr double kCool = 0.64;
 constexpr double kAboutOne = 1.0 - 1e-15;  ///< So that rounding never goes over a limit.
 
 /// From `a` to `b`, for any two numbers.
@@ -91,6 +94,8 @@ const char* Words(GuardAct act) noexcept {
       return "the force was cut to its limit";
     case GuardAct::kTorqueMagnitude:
       return "the torque was cut to its limit";
+    case GuardAct::kForceContinuous:
+      return "the force was cut as the motors were warm";
     case GuardAct::kForceSlew:
       return "the force grew too fast and was slowed";
     case GuardAct::kTorqueSlew:
@@ -104,6 +109,8 @@ const char* Words(GuardAct act) noexcept {
 void GuardSettings::Check(const char* label) const {
   RequireWithin(label, "max_force_n", max_force_n, 0.0, 40.0);
   RequireWithin(label, "max_torque_nmm", max_torque_nmm, 0.0, 5000.0);
+  RequireWithin(label, "continuous_force_n", continuous_force_n, 0.0, 40.0);
+  RequireWithin(label, "continuous_over_s", continuous_over_s, 1.0, 3600.0);
   RequireWithin(label, "force_slew_n_per_s", force_slew_n_per_s, 1.0, 1e5);
   RequireWithin(label, "torque_slew_nmm_per_s", torque_slew_nmm_per_s, 1.0, 1e7);
   RequireWithin(label, "ramp_in_s", ramp_in_s, 0.0, 10.0);
@@ -203,6 +210,31 @@ double ForceGuard::RampShare() const noexcept {
   return steady_s >= settings_.ramp_in_s ? 1.0 : steady_s / settings_.ramp_in_s;
 }
 
+/// Weight of the new force in the mean of the squares.
+double ForceGuard::WarmingShare() const noexcept {
+  return -std::expm1(-since_last_s_ / settings_.continuous_over_s);
+}
+
+/// From the peak, while the motors are cool, down to the continuous limit C as the mean square m
+/// approaches C^2: linear in the square of the force.
+double ForceGuard::ContinuousLimitN() const noexcept {
+  const double peak = settings_.max_force_n;
+  const double limit = settings_.continuous_force_n;
+  if (limit <= 0.0 || limit >= peak) return peak;
+  const double square = limit * limit;
+  const double warm = (mean_square_n2_ / square - kCool) / (1.0 - kCool);
+  const double by_warmth = peak * peak - std::clamp(warm, 0.0, 1.0) * (peak * peak - square);
+  // Whatever the interval, the next mean is not above the limit.
+  const double share = WarmingShare();
+  const double by_mean =
+      share > 0.0 ? mean_square_n2_ + (square - mean_square_n2_) / share : by_warmth;
+  return std::sqrt(std::max(0.0, std::min(by_warmth, by_mean)));
+}
+
+void ForceGuard::Warm() noexcept {
+  mean_square_n2_ += WarmingShare() * (output_.force_n.squaredNorm() - mean_square_n2_);
+}
+
 DeviceForce ForceGuard::Limit(const DeviceForce& wanted, std::int64_t now_ns) noexcept {
   if (SecondsBetween(seen_ns_, now_ns) > settings_.late_s) Note(GuardAct::kStepLate);
   if (!wanted.force_n.allFinite() || !wanted.torque_nmm.allFinite()) {
@@ -211,12 +243,15 @@ DeviceForce ForceGuard::Limit(const DeviceForce& wanted, std::int64_t now_ns) no
   if (acts_ != 0) {  // So far, there are only faults.
     is_steady_ = false;
     output_ = DeviceForce();
+    Warm();
     Publish();
     return output_;
   }
   DeviceForce force = wanted;
   if (Shorten(force.force_n, settings_.max_force_n)) Note(GuardAct::kForceMagnitude);
   if (Shorten(force.torque_nmm, settings_.max_torque_nmm)) Note(GuardAct::kTorqueMagnitude);
+  const double continuous_n = ContinuousLimitN();
+  if (Shorten(force.force_n, continuous_n)) Note(GuardAct::kForceContinuous);
   const double share = RampShare();
   if (share < 1.0 && !(force.force_n.isZero(0.0) && force.torque_nmm.isZero(0.0))) {
     Note(GuardAct::kRampIn);
@@ -227,9 +262,11 @@ DeviceForce ForceGuard::Limit(const DeviceForce& wanted, std::int64_t now_ns) no
   const double torque_step_nmm = settings_.torque_slew_nmm_per_s * since_last_s_;
   if (Slow(force.force_n, output_.force_n, force_step_n)) Note(GuardAct::kForceSlew);
   if (Slow(force.torque_nmm, output_.torque_nmm, torque_step_nmm)) Note(GuardAct::kTorqueSlew);
-  Shorten(force.force_n, settings_.max_force_n);  // The sum above was rounded.
+  // The sum above was rounded.
+  Shorten(force.force_n, std::min(settings_.max_force_n, continuous_n));
   Shorten(force.torque_nmm, settings_.max_torque_nmm);
   output_ = force;
+  Warm();
   Publish();
   return output_;
 }

@@ -22,6 +22,9 @@ enum class DeadMan {
 struct GuardSettings {
   double max_force_n = 3.0;
   double max_torque_nmm = 100.0;
+  /// RMS force that the motors bear for ever; 0: as much as max_force_n.
+  double continuous_force_n = 0.0;
+  double continuous_over_s = 30.0;  ///< Time constant of the mean of the squared force.
   double force_slew_n_per_s = 500.0;
   double torque_slew_nmm_per_s = 20000.0;
   double ramp_in_s = 0.5;  ///< From nothing to the whole force, after a start and after a fault.
@@ -50,6 +53,7 @@ enum class GuardAct : std::uint8_t {
   kInhibited,    ///< By GuardConditions::inhibited: the tracker is lost, for one.
   kForceMagnitude,
   kTorqueMagnitude,
+  kForceContinuous,  ///< By continuous_force_n.
   kForceSlew,
   kTorqueSlew,
   kRampIn,
@@ -89,7 +93,9 @@ class ForceGuard {
   /// What the motors may get for the reading that was just admitted. For the output f of this and
   /// g of the last tick, dt apart (late_s at most), and limits F and S:
   ///   f is finite, |f| <= F, |f| <= |g| + S dt, and f lies within S dt of some point of [0, g];
-  /// so a force may vanish at once, but not appear or turn at once.
+  /// so a force may vanish at once, but not appear or turn at once. With a continuous limit C, the
+  /// exponential mean of |f|^2 never exceeds C^2; the restart of the guard does not cool the
+  /// motors.
   /// @param now_ns  when the servo was done; same clock as the reading's.
   DeviceForce Limit(const DeviceForce& wanted, std::int64_t now_ns) noexcept;
 
@@ -105,6 +111,9 @@ class ForceGuard {
   bool JudgeReading(const DeviceReading& reading) noexcept;
   void JudgeConditions(const DeviceReading& reading, const GuardConditions& conditions) noexcept;
   double RampShare() const noexcept;
+  double WarmingShare() const noexcept;
+  double ContinuousLimitN() const noexcept;
+  void Warm() noexcept;
   void Note(GuardAct act) noexcept;
   void Publish() noexcept;
 
@@ -124,6 +133,7 @@ class ForceGuard {
   std::int64_t steady_since_ns_ = 0;
   bool dead_man_was_open_ = false;
   DeviceForce output_;
+  double mean_square_n2_ = 0.0;  ///< Of the force that the motors got.
 
   std::array<std::atomic<std::int64_t>, kNumGuardActs> counts_{};
   std::atomic<std::int64_t> ticks_{0};

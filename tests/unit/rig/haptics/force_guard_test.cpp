@@ -81,6 +81,61 @@ TEST(ForceGuard, CutsTheMagnitudeAndKeepsTheDirection) {
   EXPECT_EQ(loop.guard.counts()[GuardAct::kTorqueMagnitude], 1);
 }
 
+/// An arm that bears 0.88 N for ever, 3.3 N for a moment.
+GuardSettings Warming() {
+  GuardSettings settings = Quick();
+  settings.max_force_n = 3.3;
+  settings.continuous_force_n = 0.88;
+  settings.continuous_over_s = 30.0;
+  return settings;
+}
+
+TEST(ForceGuard, CutsAForceToTheContinuousLimitAsTheMotorsWarm) {
+  const GuardSettings settings = Warming();
+  Loop loop(settings);
+  loop.Tick({});
+  const double square = 0.88 * 0.88;
+  // A force of 2 N may last until its mean square is 0.64 of the limit's: 4 (1 - exp(-t / 30 s)).
+  const double first_cut_s = -30.0 * std::log(1.0 - 0.64 * square / 4.0);
+  int cut_at = 0;
+  double mean = 0.0;
+  DeviceForce force;
+  for (int ms = 1; ms <= 600'000; ++ms) {
+    force = loop.Tick(Push(2.0));
+    mean += -std::expm1(-1e-3 / 30.0) * (force.force_n.squaredNorm() - mean);
+    ASSERT_LE(mean, square * (1.0 + 1e-12)) << ms;
+    if (cut_at == 0 && force.force_n.x() < 2.0) cut_at = ms;
+  }
+  // Below the peak of 3.3 N, 2 N are cut later than the limit begins to fall.
+  EXPECT_GT(1e-3 * cut_at, first_cut_s);
+  EXPECT_LT(1e-3 * cut_at, 1.5 * first_cut_s);
+  EXPECT_NEAR(force.force_n.x(), 0.88, 1e-3) << "for ever";
+  EXPECT_GT(loop.guard.counts()[GuardAct::kForceContinuous], 500'000);
+  EXPECT_EQ(loop.guard.counts()[GuardAct::kForceMagnitude], 0);
+}
+
+TEST(ForceGuard, MotorsCoolInRestAndNotByARestart) {
+  Loop loop(Warming());
+  loop.Tick({});
+  for (int ms = 0; ms < 120'000; ++ms) loop.Tick(Push(3.0, 5.0));
+  const double warm_n = loop.Tick(Push(3.0)).force_n.x();
+  EXPECT_LT(warm_n, 1.0);
+  loop.guard.Restart();
+  loop.Tick({});
+  EXPECT_NEAR(loop.Tick(Push(3.0)).force_n.x(), warm_n, 0.01);
+  for (int ms = 0; ms < 60'000; ++ms) loop.Tick({});
+  EXPECT_EQ(loop.Tick(Push(3.0)).force_n.x(), 3.0) << "cool again";
+}
+
+TEST(ForceGuard, AContinuousLimitAboveThePeakChangesNothing) {
+  GuardSettings settings = Quick();
+  settings.continuous_force_n = settings.max_force_n;
+  Loop loop(settings);
+  loop.Tick({});
+  for (int ms = 0; ms < 100'000; ++ms) ASSERT_EQ(loop.Tick(Push(2.9)).force_n.x(), 2.9);
+  EXPECT_EQ(loop.guard.counts()[GuardAct::kForceContinuous], 0);
+}
+
 TEST(ForceGuard, ForcesGrowByTheSlewLimitAndVanishAtOnce) {
   GuardSettings settings = Quick();
   settings.force_slew_n_per_s = 500.0;
@@ -348,12 +403,15 @@ TEST(ForceGuard, AMillionTicksOfInvalidDataNeverBreakALimit) {
   settings.settle_s = 0.003;
   settings.ramp_in_s = 0.02;
   settings.dead_man = DeadMan::kButton;
+  settings.continuous_force_n = 0.2;
+  settings.continuous_over_s = 1.0;
   ForceGuard guard(settings);
   RandomStream random(11, "force guard");
   std::int64_t time_ns = 0;
   DeviceForce last;
   std::int64_t last_ns = 0;
   int num_pushing = 0;
+  double mean_square = 0.0;
   for (int i = 0; i < 1'000'000; ++i) {
     const FuzzedTick tick = AnyTick(random, time_ns);
     const DeviceReading admitted = guard.Admit(tick.reading, tick.conditions);
@@ -373,6 +431,9 @@ TEST(ForceGuard, AMillionTicksOfInvalidDataNeverBreakALimit) {
     ASSERT_LE(DistanceFromWay(force.torque_nmm, last.torque_nmm),
               settings.torque_slew_nmm_per_s * dt_s + 1e-7)
         << i;
+    const double share = -std::expm1(-std::clamp(since_s, 0.0, settings.late_s));
+    mean_square += share * (force.force_n.squaredNorm() - mean_square);
+    ASSERT_LE(mean_square, 0.04 * (1.0 + 1e-6)) << i;
     num_pushing += force.force_n.norm() > 0.1 ? 1 : 0;
     last = force;
     last_ns = tick.reading.time_ns;
