@@ -11,6 +11,19 @@ acus_add_cli_case(acus-replay.explain EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "effect ultrasound is called for" "us/run" "^CT slice +image +out"
   COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session ${patient} --explain
           --set /effects/ct_slice=null)
+# A nick in the skin, at the corridor's entry: read only where it is called for.
+acus_add_cli_case(acus-replay.skin_nick EXIT 0 NEEDS inputs LEAVES_NOTHING
+  STDOUT "^needle force +force +needle, tissue, needle preset, force table, corridor"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} --explain
+          --set /effects/needle_force/skin_nick_radius_mm=3 --set /patient/corridor=$INPUTS/corridor_ct.csv)
+acus_add_cli_case(acus-replay.skin_nick_without_a_corridor EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "needle force.* needs corridor"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o r
+          --set /effects/needle_force/skin_nick_radius_mm=3)
+acus_add_cli_case(acus-replay.skin_nick_in_deformed_tissue EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "skin_nick_radius_mm: only the models layered, alamilla and vidal know a nick"
+  COMMAND acus-replay scenarios/liver_biopsy_finite_strain.json $INPUTS/session ${patient} -o r
+          --set /effects/needle_force/skin_nick_radius_mm=3)
 acus_add_cli_case(acus-replay.explain_sleep EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "^needle force +force +needle, tissue, needle preset, force table"
          "needle force: needle outside the tissue in [0-9.]+ % of the steps"

@@ -118,6 +118,7 @@ struct DisplayFrame {
   std::optional<VideoPicture> video;             ///< Nothing: not shown.
   /// As pictures see it, CT space; its polyline if bent. Nothing: not seen by the tracker.
   std::optional<image::NeedleInImage> needle;
+  double needle_graduation_mm = 0.0;               ///< Distance of the marks on its shaft; 0: none.
   std::optional<Eigen::Isometry3d> ct_from_probe;  ///< Nothing: not seen by the tracker.
   std::optional<Eigen::Vector3d> target_in_ct_mm;
   /// Breath, of the field in PatientOnDisplay::in_overlay; null: at rest. Must live until Show()

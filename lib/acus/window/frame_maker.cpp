@@ -66,6 +66,8 @@ const DisplayFrame& FrameMaker::Make(const live::LivePicture& picture,
 void FrameMaker::AddTools(const live::LivePicture& picture) {
   const simulation::Snapshot moment = picture.snapshot.ForRenderer();
   frame_.needle = simulation::NeedleInPicture(session_.scene(), moment);
+  const auto& preset = session_.scene().needle;
+  frame_.needle_graduation_mm = preset ? preset->graduation_mm : 0.0;
   frame_.ct_from_probe.reset();
   if (moment.probe_valid) frame_.ct_from_probe = moment.ct_from_probe;
   frame_.target_in_ct_mm = picture.snapshot.target_in_ct_mm;

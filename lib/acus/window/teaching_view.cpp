@@ -72,6 +72,7 @@ TeachingView::TeachingView(const std::vector<volume_rendering::SurfaceInView>& s
                       {.colour = colour, .opacity = 1.0, .lit = true, .both_sides = true});
   };
   shaft_ = tool({0.78F, 0.86F, 0.90F});
+  marks_ = tool({0.08F, 0.10F, 0.12F});
   hub_ = tool({0.25F, 0.62F, 0.72F});
   probe_body_ = tool({0.80F, 0.81F, 0.83F});
   probe_mark_ = tool({0.38F, 0.75F, 0.50F});
@@ -80,7 +81,7 @@ TeachingView::TeachingView(const std::vector<volume_rendering::SurfaceInView>& s
   plane_ = layer_.Add(
       Placeholder(),
       {.colour = Eigen::Array3f::Ones(), .opacity = 1.0, .lit = false, .both_sides = true});
-  for (const int thing : {shaft_, hub_, probe_body_, probe_mark_, target_, plane_}) {
+  for (const int thing : {shaft_, marks_, hub_, probe_body_, probe_mark_, target_, plane_}) {
     layer_.SetShown(thing, false);
   }
   for (const auto& seen : surfaces) {
@@ -156,7 +157,14 @@ void TeachingView::Update(const DisplayFrame& frame) {
 void TeachingView::UpdateNeedle(const DisplayFrame& frame) {
   layer_.SetShown(shaft_, frame.needle.has_value());
   layer_.SetShown(hub_, frame.needle.has_value());
+  const mesh::Surface marks =
+      frame.needle && frame.needle_graduation_mm > 0.0
+          ? volume_rendering::NeedleMarks(*frame.needle, kLeastNeedleRadiusMm,
+                                          frame.needle_graduation_mm)
+          : mesh::Surface();
+  layer_.SetShown(marks_, marks.triangles.cols() > 0);
   if (!frame.needle) return;
+  if (marks.triangles.cols() > 0) layer_.SetSurface(marks_, marks);
   layer_.SetSurface(shaft_, volume_rendering::NeedleShaft(*frame.needle, kLeastNeedleRadiusMm));
   layer_.SetSurface(hub_, volume_rendering::NeedleHub(*frame.needle));
 }

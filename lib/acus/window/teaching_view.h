@@ -54,6 +54,7 @@ class TeachingView {
   Eigen::Vector3d towards_light_ = Eigen::Vector3d::Zero();
   int skin_ = -1;
   int shaft_ = -1;
+  int marks_ = -1;
   int hub_ = -1;
   int probe_body_ = -1;
   int probe_mark_ = -1;

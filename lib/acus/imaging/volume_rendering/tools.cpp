@@ -58,11 +58,37 @@ double HalfFaceMm(const acoustics::Probe& probe) {
                 : 0.5 * probe.width_mm;
 }
 
+constexpr double kMarkShare = 1.15;  ///< Of the shaft's radius.
+constexpr double kMarkMm = 0.8;
+constexpr double kWideMarkMm = 2.4;
+
 /// How far the face lies behind its middle.
 double SagMm(const acoustics::Probe& probe, double x_mm) {
   if (probe.kind != acoustics::ProbeKind::kCurvilinear) return 0.0;
   const double r = probe.radius_mm;
   return r - std::sqrt(std::max(0.0, r * r - x_mm * x_mm));
+}
+
+/// From the tip on, without points that coincide. @throws InputError for a needle without length.
+std::vector<Eigen::Vector3d> LineOf(const image::NeedleInImage& needle) {
+  std::vector<Eigen::Vector3d> line;
+  for (int n = 0; n < needle.shape.num_points; ++n) {
+    const Eigen::Vector3d& point = needle.shape.At(n);
+    if (line.empty() || (point - line.back()).norm() > 1e-3) line.push_back(point);
+  }
+  if (line.size() >= 2) return line;
+  ACUS_REQUIRE(needle.length_mm > 0.0 && needle.axis_in_ct.norm() > 0.5,
+               "needle in view: it has no length or no direction");
+  return {needle.tip_in_ct_mm, needle.tip_in_ct_mm - needle.length_mm * needle.axis_in_ct};
+}
+
+void Append(const mesh::Surface& more, mesh::Surface& to) {
+  const Eigen::Index nodes = to.nodes_mm.cols();
+  const Eigen::Index triangles = to.triangles.cols();
+  to.nodes_mm.conservativeResize(3, nodes + more.nodes_mm.cols());
+  to.nodes_mm.rightCols(more.nodes_mm.cols()) = more.nodes_mm;
+  to.triangles.conservativeResize(3, triangles + more.triangles.cols());
+  to.triangles.rightCols(more.triangles.cols()) = more.triangles.array() + static_cast<int>(nodes);
 }
 
 }  // namespace
@@ -97,16 +123,7 @@ mesh::Surface Tube(const Eigen::Matrix3Xd& points_mm, const Eigen::VectorXd& rad
 
 mesh::Surface NeedleShaft(const image::NeedleInImage& needle, double least_radius_mm) {
   const double radius_mm = std::max(needle.radius_mm, least_radius_mm);
-  std::vector<Eigen::Vector3d> line;
-  for (int n = 0; n < needle.shape.num_points; ++n) {
-    const Eigen::Vector3d& point = needle.shape.At(n);
-    if (line.empty() || (point - line.back()).norm() > 1e-3) line.push_back(point);
-  }
-  if (line.size() < 2) {
-    ACUS_REQUIRE(needle.length_mm > 0.0 && needle.axis_in_ct.norm() > 0.5,
-                 "needle in view: it has no length or no direction");
-    line = {needle.tip_in_ct_mm, needle.tip_in_ct_mm - needle.length_mm * needle.axis_in_ct};
-  }
+  std::vector<Eigen::Vector3d> line = LineOf(needle);
   // The point: three radii long.
   const Eigen::Vector3d back = line[1] - line[0];
   const double point_mm = std::min(3.0 * radius_mm, 0.5 * back.norm());
@@ -116,6 +133,30 @@ mesh::Surface NeedleShaft(const image::NeedleInImage& needle, double least_radiu
   Eigen::VectorXd radius = Eigen::VectorXd::Constant(points.cols(), radius_mm);
   radius[0] = 0.0;
   return Tube(points, radius);
+}
+
+mesh::Surface NeedleMarks(const image::NeedleInImage& needle, double least_radius_mm,
+                          double distance_mm) {
+  const double radius_mm = kMarkShare * std::max(needle.radius_mm, least_radius_mm);
+  const std::vector<Eigen::Vector3d> line = LineOf(needle);
+  mesh::Surface marks;
+  int number = 1;
+  double passed_mm = 0.0;
+  for (std::size_t n = 1; n < line.size(); ++n) {
+    const Eigen::Vector3d way = line[n] - line[n - 1];
+    const double length_mm = way.norm();
+    for (; number * distance_mm <= passed_mm + length_mm; ++number) {
+      const double width_mm = number % 5 == 0 ? kWideMarkMm : kMarkMm;
+      const Eigen::Vector3d middle =
+          line[n - 1] + (number * distance_mm - passed_mm) / length_mm * way;
+      Eigen::Matrix3Xd ends(3, 2);
+      ends.col(0) = middle - 0.5 * width_mm / length_mm * way;
+      ends.col(1) = middle + 0.5 * width_mm / length_mm * way;
+      Append(Tube(ends, Eigen::Vector2d::Constant(radius_mm)), marks);
+    }
+    passed_mm += length_mm;
+  }
+  return marks;
 }
 
 mesh::Surface NeedleHub(const image::NeedleInImage& needle) {

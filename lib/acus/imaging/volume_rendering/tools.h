@@ -18,6 +18,11 @@ mesh::Surface Tube(const Eigen::Matrix3Xd& points_mm, const Eigen::VectorXd& rad
 /// The needle with a pointed tip. @param least_radius_mm  Drawn no thinner than that.
 /// @throws InputError if it is not finite or has no length.
 mesh::Surface NeedleShaft(const image::NeedleInImage& needle, double least_radius_mm);
+/// Rings on the shaft at multiples of the distance from the tip, each fifth one wider; empty if
+/// none fits. Same line and radius as NeedleShaft(). @pre distance_mm > 0. @throws InputError as
+/// that.
+mesh::Surface NeedleMarks(const image::NeedleInImage& needle, double least_radius_mm,
+                          double distance_mm);
 /// What the hand holds, at the end of the shaft.
 mesh::Surface NeedleHub(const image::NeedleInImage& needle);
 

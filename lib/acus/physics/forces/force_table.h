@@ -10,6 +10,7 @@
 #include "acus/data/volume/labels.h"
 #include "acus/physics/forces/force_laws.h"
 #include "acus/physics/forces/model_settings.h"
+#include "acus/physics/forces/skin_nick.h"
 #include "acus/physics/needle/needle_preset.h"
 
 namespace acus::forces {
@@ -56,6 +57,7 @@ struct ForceTable {
   VidalSettings vidal;
   MultiProxySettings multi_proxy;
   HuTissues hu_tissues;
+  SkinNick nick;           ///< Not of the file: of the scene.
   std::bitset<256> named;  ///< Labels that the file has a row for.
 
   /// True if a tip that comes from one tissue meets a membrane where the other begins.

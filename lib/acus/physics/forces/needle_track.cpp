@@ -37,7 +37,8 @@ void TouchSkin(const ForceTable& table, NeedleTrack& track, const NeedleMotion& 
   track.path.direction_in_ct = motion.axis;
   track.path.Append(motion.label, table.tissue[motion.label].friction_n_per_mm,
                     table.tissue[motion.label].withdrawal_friction_n_per_mm);
-  track.pressing = table.HasMembrane(0, motion.label);
+  track.pressing =
+      table.HasMembrane(0, motion.label) && !table.nick.Contains(track.path.entry_in_ct_mm);
   track.membrane_mm = 0.0;
   track.membrane_of = motion.label;
   track.pierced = !track.pressing;

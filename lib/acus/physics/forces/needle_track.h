@@ -62,7 +62,8 @@ struct PressedMembrane {
   double at_mm = 0.0;
 };
 
-/// Begins a path at the skin: half way between the last sample outside and this one.
+/// Begins a path at the skin: half way between the last sample outside and this one. In the table's
+/// nick there is no skin to press on.
 void TouchSkin(const ForceTable& table, NeedleTrack& track, const NeedleMotion& motion) noexcept;
 
 /// True if the needle is no longer in or on the body.

@@ -80,7 +80,8 @@ NeedleForce VidalModel::OnSkin(VidalState& state, const NeedleMotion& motion) co
   const Eigen::Vector3d pressed_mm = state.skin.PenetrationMm(motion.tip_mm);
   out.force_in_ct_n = table_.vidal.skin_n_per_mm * pressed_mm;
   out.depth_mm = state.device_mm = state.depth_mm = pressed_mm.norm();
-  if (out.force_in_ct_n.norm() >= table_.vidal.puncture_n) {
+  if (out.force_in_ct_n.norm() >= table_.vidal.puncture_n ||
+      table_.nick.Contains(state.skin.at_in_ct_mm)) {
     state.pierced = true;
     state.path.entry_in_ct_mm = state.skin.at_in_ct_mm;
     state.path.direction_in_ct = motion.axis;

@@ -13,6 +13,7 @@ NeedleProperties ReadNeedle(const std::filesystem::path& path) {
   needle.name = document.at("name");
   needle.gauge = document.at("gauge");
   needle.length_mm = document.at("length_mm");
+  needle.graduation_mm = document.at("graduation_mm");
   needle.beam = {document.at("outer_diameter_mm"), document.at("inner_diameter_mm"),
                  document.at("youngs_modulus_gpa").get<double>() * 1e3};
   needle.bevel = {document.at("bevel_curvature_per_mm"),

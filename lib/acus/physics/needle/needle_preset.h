@@ -15,7 +15,8 @@ struct NeedleProperties {
   int gauge = 0;
   double length_mm = 0.0;
   Tube beam;
-  BevelTip bevel = {};  ///< Curvature 0: goes straight.
+  BevelTip bevel = {};          ///< Curvature 0: goes straight.
+  double graduation_mm = 10.0;  ///< Distance of the marks on the shaft, from the tip on; 0: none.
 };
 
 /// Reads configs/needles/*.json (format acus-needle/1). @throws InputError

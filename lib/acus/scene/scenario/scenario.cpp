@@ -336,6 +336,12 @@ Scenario ReadChanged(const fs::path& path, std::span<const Override> overrides) 
     force.guidance = kGuidance.at(effect.at("guidance"));
     force.table = config::FindConfig(table, folder);
     ReadMeasured(effect, folder, path.string(), force);
+    force.skin_nick_radius_mm = effect.at("skin_nick_radius_mm");
+    const bool goes_by_membranes = force.model != NeedleForceModelKind::kMeasured &&
+                                   force.model != NeedleForceModelKind::kTissue;
+    ACUS_REQUIRE(force.skin_nick_radius_mm == 0.0 || goes_by_membranes, path.string(),
+                 ": /effects/needle_force/skin_nick_radius_mm: only the models layered, alamilla "
+                 "and vidal know a nick in the skin; leave it out");
   }
   if (effects.contains("needle")) {
     scenario.shape = ReadNeedleEffect(effects["needle"], folder);

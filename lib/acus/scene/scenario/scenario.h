@@ -37,9 +37,10 @@ struct NeedleForceEffect {
   NeedleForceModelKind model = NeedleForceModelKind::kLayered;
   GuidanceKind guidance = GuidanceKind::kOwn;
   std::filesystem::path table;
-  std::filesystem::path measured;  ///< Only kMeasured: acus-measured-force.
-  std::string recording = "mean";  ///< Of that file.
-  std::uint64_t seed = 0;          ///< Not 0: a draw from how its recordings vary.
+  std::filesystem::path measured;    ///< Only kMeasured: acus-measured-force.
+  std::string recording = "mean";    ///< Of that file.
+  std::uint64_t seed = 0;            ///< Not 0: a draw from how its recordings vary.
+  double skin_nick_radius_mm = 0.0;  ///< Around the corridor's entry; 0: no nick.
 };
 
 enum class ProbeForceModelKind { kVidal, kMultiProxy, kTissue };

@@ -101,6 +101,7 @@ Ports ForceInputs(const Scenario& s) {
   if (s.needle_force->model == scenario::NeedleForceModelKind::kMeasured) {
     Add(reads, {ports::kMeasuredForce});
   }
+  if (s.needle_force->skin_nick_radius_mm > 0.0) Add(reads, {ports::kCorridor});
   return reads;
 }
 

@@ -7,6 +7,7 @@
 #include "acus/patient/segmentation/surface_scene.h"
 #include "acus/physics/forces/measured_forces.h"
 #include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/scene/simulation/needle_line.h"
 #include "acus/scene/simulation/probe_scene.h"
 #include "acus/scene/simulation/tissue_scene.h"
 
@@ -30,7 +31,11 @@ forces::GuidanceKind GuidanceOf(scenario::GuidanceKind kind) {
 
 void LoadForces(const scenario::Scenario& scenario, const EffectPlan& plan, Scene& scene,
                 RunContext& context) {
-  const forces::ForceTable table = forces::ReadForceTable(scenario.needle_force->table);
+  forces::ForceTable table = forces::ReadForceTable(scenario.needle_force->table);
+  if (const double nick_mm = scenario.needle_force->skin_nick_radius_mm; nick_mm > 0.0) {
+    table.nick = {ReadNeedleLine(scenario.patient.corridor).entry_in_ct_mm, nick_mm};
+    context.provenance.AddInput(scenario.patient.corridor);
+  }
   const bool by_hu = scenario.needle_force->model == scenario::NeedleForceModelKind::kVidal;
   const bool looks_in_ct = plan.Reads(StageId::kTissueLookup, effects::ports::kCt);
   if ((by_hu || looks_in_ct) && !scene.hu) scene.hu = std::make_shared<forces::CtField>(*scene.ct);

@@ -13,6 +13,7 @@
 #include "acus/physics/mechanics/compliance_file.h"
 #include "acus/physics/mechanics/elasticity_table.h"
 #include "acus/physics/mechanics/element_names.h"
+#include "acus/scene/simulation/needle_line.h"
 
 namespace acus::simulation {
 namespace {
@@ -73,26 +74,6 @@ tissue::TissueModel Springs(const TissueEffect& effect, const TissueMap& tissues
       tissue::SpringModel({.node_spacing_mm = effect.path_spacing_mm,
                            .influence_radius_mm = effect.influence_radius_mm},
                           parts.table, parts.needle, elasticity, tissues.Tissues(), tissues));
-}
-
-struct NeedleLine {
-  Eigen::Vector3d entry_in_ct_mm;
-  Eigen::Vector3d way_mm;  ///< To the target.
-};
-
-NeedleLine ReadNeedleLine(const std::filesystem::path& corridor) {
-  const transforms::Landmarks points = transforms::ReadLandmarks(corridor);
-  const auto find = [&](const char* name) -> Eigen::Vector3d {
-    const auto at = std::ranges::find(points.names, name);
-    ACUS_REQUIRE(at != points.names.end(), corridor.string(), ": has no point named \"", name,
-                 "\"; the points entry and target are needed (CT space, LPS, mm)");
-    return points.points_mm.col(at - points.names.begin());
-  };
-  const Eigen::Vector3d entry_mm = find("entry");
-  const Eigen::Vector3d way_mm = find("target") - entry_mm;
-  ACUS_REQUIRE(way_mm.norm() > 1.0, corridor.string(), ": entry and target are ", way_mm.norm(),
-               " mm apart; they must be more than 1 mm apart");
-  return {entry_mm, way_mm};
 }
 
 /// Through entry and target of the needle's way, as nearly transverse as that allows: the slice of

@@ -84,6 +84,25 @@ TEST(MannWhitney, LargeSamplesAgreeWithTheExactDistribution) {
   EXPECT_NEAR(approximate.p, exact.p, 0.1 * exact.p);
 }
 
+TEST(MannWhitney, LargeSamplesWithTiesHaveTheVarianceOfTheirRanks) {
+  // The rank sum of m of N values drawn without replacement: variance m n / (N (N - 1)) times the
+  // sum of the squared deviations of all mid-ranks.
+  Values a, b;
+  for (int i = 0; i < 40; ++i) a.push_back(i % 4);
+  for (int i = 0; i < 50; ++i) b.push_back(i % 5);
+  Values all = a;
+  all.insert(all.end(), b.begin(), b.end());
+  const Values ranks = MidRanks(all);
+  double squares = 0.0, rank_sum = 0.0;
+  for (std::size_t i = 0; i < ranks.size(); ++i) {
+    squares += (ranks[i] - 45.5) * (ranks[i] - 45.5);
+    if (i < a.size()) rank_sum += ranks[i];
+  }
+  const double sd = std::sqrt(40.0 * 50.0 / (90.0 * 89.0) * squares);
+  const double off = std::abs(rank_sum - 40.0 * 45.5) - 0.5;
+  EXPECT_NEAR(MannWhitney(a, b).p, std::erfc(off / sd / std::sqrt(2.0)), 1e-12);
+}
+
 TEST(WilcoxonSignedRank, LargeSamplesWithTiesAgreeWithTheExactDistribution) {
   // 24 differences of each of three sizes, of ranks 12.5, 36.5 and 60.5: the number of positive
   // ones of a size is binomial.

@@ -56,6 +56,12 @@ TEST(Probe, PresetsAreReadWithTheDefaultsOfTheSchema) {
   EXPECT_EQ(curved.scan_lines, 384);
 }
 
+TEST(Probe, TheArrayOfACurvedProbeIsAsLongAsItsArc) {
+  EXPECT_EQ(ReadProbe(Preset("linear_l14.json")).ArrayLengthMm(), 50.0);
+  Probe curved = ReadProbe(Preset("curvilinear_c5.json"));
+  EXPECT_NEAR(curved.ArrayLengthMm(), 2.0 * M_PI * curved.radius_mm * 54.0 / 360.0, 1e-9);
+}
+
 TEST(Probe, ALinearProbeWithoutWidthSaysSo) {
   const testing_support::TemporaryFolder folder;
   const auto path = folder / "probe.json";

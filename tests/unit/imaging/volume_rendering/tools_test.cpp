@@ -38,6 +38,31 @@ TEST(Tools, TheNeedleReachesFromTipToHubStraightOrBent) {
   EXPECT_NEAR(NeedleHub(needle).nodes_mm.row(0).minCoeff(), 12.0, 4.0);
 }
 
+TEST(Tools, TheNeedleHasAMarkEachCentimetreAlongItsLine) {
+  image::NeedleInImage needle{{10, 20, 30}, {0, 0, 1}, 90.0, 0.4};
+  const mesh::Surface marks = NeedleMarks(needle, 0.0, 10.0);
+  const mesh::Surface one = NeedleMarks(needle, 0.0, 90.0);
+  EXPECT_EQ(marks.nodes_mm.cols(), 9 * one.nodes_mm.cols());
+  EXPECT_LT(marks.triangles.maxCoeff(), marks.nodes_mm.cols());
+  EXPECT_GT(mesh::SignedVolumeMm3(marks), 0.0) << "each is closed, and faces outwards";
+  // From the tip at 30 mm: the first at 20, the last at -60; the fifth, at -20, is wider.
+  const auto nodes_near = [&](double z_mm, double within_mm) {
+    return ((marks.nodes_mm.row(2).array() - z_mm).abs() <= within_mm).count();
+  };
+  for (int n = 1; n <= 9; ++n) {
+    EXPECT_EQ(nodes_near(30.0 - 10.0 * n, n == 5 ? 1.2001 : 0.4001), one.nodes_mm.cols()) << n;
+  }
+  EXPECT_EQ(nodes_near(-20.0, 0.5), 0) << "its ends are farther apart";
+  // On a bent needle the distance is that along the shaft: 30 mm, then 40 mm to the side.
+  needle.shape.Add({0, 0, 0});
+  needle.shape.Add({0, 0, -30});
+  needle.shape.Add({40, 0, -30});
+  const mesh::Surface bent = NeedleMarks(needle, 0.0, 50.0);
+  EXPECT_NEAR(bent.nodes_mm.row(0).mean(), 20.0, 0.1);
+  EXPECT_NEAR(bent.nodes_mm.row(2).mean(), -30.0, 0.1);
+  EXPECT_EQ(NeedleMarks(needle, 0.0, 100.0).triangles.cols(), 0);
+}
+
 TEST(Tools, EveryProbeHasABodyAboveItsFaceAndAPaneBelowIt) {
   for (const auto& entry : std::filesystem::directory_iterator(kProbes)) {
     const acoustics::Probe probe = acoustics::ReadProbe(entry.path());

@@ -39,6 +39,36 @@ TEST_F(NeedleForceTest, PressesOnTheSkinByThePolynomialAndDropsAtPuncture) {
   EXPECT_NEAR(insertion.last.AxialN(), 0.4, 1e-9);  // Fat cuts at 0.4 N; no friction yet.
 }
 
+// Behind the nick all is as without it; beside it the skin resists as ever.
+TEST_F(NeedleForceTest, InANickTheSkinDoesNotResist) {
+  ForceTable table = SimpleTable();
+  table.nick = {Eigen::Vector3d::Zero(), 2.0};
+  const NeedleForceModel with_nick(table, Trocar());
+  Insertion nicked{with_nick, fat_and_liver};
+  double largest_n = 0.0;
+  while (nicked.z_mm < 5.0) {
+    nicked.StepTo(nicked.z_mm + 0.005);
+    largest_n = std::max(largest_n, nicked.last.AxialN());
+  }
+  // Cutting and friction of the skin are left; its membrane takes 2.1 N.
+  EXPECT_LT(largest_n, table.tissue[kSkin].cutting_n + 2.0 * 0.03 + 0.01);
+  EXPECT_EQ(nicked.Count(NeedleEvent::kPuncture), 0);
+  EXPECT_EQ(nicked.Count(NeedleEvent::kContact), 1);
+  nicked.MoveTo(45.0);
+  insertion.MoveTo(45.0);
+  EXPECT_EQ(nicked.Count(NeedleEvent::kPuncture), insertion.Count(NeedleEvent::kPuncture) - 1);
+  EXPECT_NEAR(nicked.last.AxialN(), insertion.last.AxialN(), 2e-4);
+
+  table.nick.at_in_ct_mm.x() = 2.1;
+  const NeedleForceModel elsewhere(table, Trocar());
+  Insertion beside{elsewhere, fat_and_liver};
+  Insertion without{model, fat_and_liver};
+  beside.MoveTo(25.0);
+  without.MoveTo(25.0);
+  EXPECT_EQ(beside.last.force_in_ct_n, without.last.force_in_ct_n);
+  EXPECT_EQ(beside.Count(NeedleEvent::kPuncture), 1);
+}
+
 // Bovine liver: 0.016 N/mm on the way in, 0.0105 out. The way in is the same to the bit.
 TEST_F(NeedleForceTest, WithdrawalHasItsOwnFriction) {
   ForceTable table = SimpleTable();

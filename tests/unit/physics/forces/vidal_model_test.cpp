@@ -71,6 +71,15 @@ TEST_F(VidalTest, TheSkinIsASpringUntilItsThreshold) {
   EXPECT_NEAR(driven->last.depth_mm, 5.0, 0.02);
 }
 
+TEST_F(VidalTest, InANickTheSkinGivesWayAtOnce) {
+  table.nick = {Vector3d::Zero(), 2.0};
+  Make();
+  MoveTo(1.0);
+  EXPECT_TRUE(driven->state.pierced);
+  EXPECT_EQ(Count(NeedleEvent::kPuncture), 1);
+  EXPECT_LT(driven->last.puncture_n, 1e-9);
+}
+
 TEST_F(VidalTest, ATipDraggedOverTheSkinFeelsFriction) {
   MoveTo(2.0);
   const double pressed_n = driven->last.puncture_n;

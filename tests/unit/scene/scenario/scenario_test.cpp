@@ -254,5 +254,19 @@ TEST_F(ScenarioFile, SaysWhatIsWrongAndWhere) {
           AllOf(HasSubstr("/patient/ct_from_reference"), HasSubstr("not rigid"))));
 }
 
+TEST_F(ScenarioFile, SaysWhetherTheBreathIsThatOfTheSession) {
+  const auto breath = [this](const std::string& more) {
+    return Read(R"({"format": "acus-scenario/1", "patient": {"ct": "ct.nrrd"}, "effects": {
+      "ct_slice": {}, "breathing": {"motion": "motion")" +
+                more + "}}}")
+        .breathing->from_session;
+  };
+  EXPECT_EQ(breath(R"(, "from_session": "always")"), SessionBreath::kAlways);
+  EXPECT_EQ(breath(R"(, "from_session": "never")"), SessionBreath::kNever);
+  EXPECT_EQ(breath(R"(, "from_session": "if_recorded")"), breath(""));
+  EXPECT_NE(breath(""), SessionBreath::kAlways);
+  EXPECT_NE(breath(""), SessionBreath::kNever);
+}
+
 }  // namespace
 }  // namespace acus::scenario
