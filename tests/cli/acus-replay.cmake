@@ -21,7 +21,7 @@ acus_add_cli_case(acus-replay.skin_nick_without_a_corridor EXIT 3 NEEDS inputs L
   COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o r
           --set /effects/needle_force/skin_nick_radius_mm=3)
 acus_add_cli_case(acus-replay.skin_nick_in_deformed_tissue EXIT 3 NEEDS inputs LEAVES_NOTHING
-  STDERR "skin_nick_radius_mm: only the models layered, alamilla and vidal know a nick"
+  STDERR "skin_nick_radius_mm: only the models layered, alamilla and vidal have a nick"
   COMMAND acus-replay scenarios/liver_biopsy_finite_strain.json $INPUTS/session ${patient} -o r
           --set /effects/needle_force/skin_nick_radius_mm=3)
 acus_add_cli_case(acus-replay.explain_sleep EXIT 0 NEEDS inputs LEAVES_NOTHING

@@ -341,7 +341,7 @@ Scenario ReadChanged(const fs::path& path, std::span<const Override> overrides) 
                                    force.model != NeedleForceModelKind::kTissue;
     ACUS_REQUIRE(force.skin_nick_radius_mm == 0.0 || goes_by_membranes, path.string(),
                  ": /effects/needle_force/skin_nick_radius_mm: only the models layered, alamilla "
-                 "and vidal know a nick in the skin; leave it out");
+                 "and vidal have a nick in the skin; leave it out");
   }
   if (effects.contains("needle")) {
     scenario.shape = ReadNeedleEffect(effects["needle"], folder);
