@@ -1,4 +1,4 @@
-// A cut in the skin for the needle, made before it is inserted: there the skin need not be punctured.
+// A cut in the skin for the needle, made before the insertion: no skin is punctured there.
 #pragma once
 
 #include <Eigen/Core>
