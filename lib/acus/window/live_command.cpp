@@ -8,7 +8,6 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/text_table.h"
 #include "acus/run/replay/replay.h"
-#include "acus/run/training/exercise.h"
 #include "acus/window/session_series.h"
 
 namespace acus::window {
@@ -103,11 +102,7 @@ ExitCode RunLive(Options& options, RunContext& context, std::ostream& out) {
   if (options.requests) return RunSeries(options, devices, context, out);
   const auto scenario =
       scenario::ReadScenario(config::FindConfig(options.scenario, here), OverridesOf(options));
-  if (!options.exercise.empty()) {
-    options.session.exercise = training::ReadExercise(options.exercise);
-    options.session.name = options.session.exercise->name;
-    context.provenance.AddInput(options.exercise);
-  }
+  if (!options.exercise.empty()) live::UseExercise(options.exercise, options.session, context);
   live::LiveSession session(scenario, devices, options.session, context);
   if (options.session.only_checks) {
     out << replay::CheckText(scenario, {}, replay::PlanDetail::kStages, context)

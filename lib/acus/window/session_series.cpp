@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "acus/base/config/json_file.h"
-#include "acus/run/training/exercise.h"
+#include "acus/base/core/monotonic_time.h"
 #include "acus/window/patient_on_display.h"
 
 namespace acus::window {
@@ -12,6 +12,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kPollMs = 50;
+/// Nothing moves meanwhile, and the processor is for the reports that are made then.
+constexpr std::int64_t kRedrawNs = 1'000'000'000;
 constexpr const char* kWaiting = "Waiting for the next session.";
 
 fs::path FileOf(const fs::path& scenario) {
@@ -62,11 +64,7 @@ ExitCode SessionSeries::RunOne(const live::SessionRequest& request) {
   options.duration_s = request.duration_s;
   options.hand = request.hand;
   options.left_handed = request.left_handed;
-  if (!request.exercise.empty()) {
-    options.exercise = training::ReadExercise(request.exercise);
-    options.name = options.exercise->name;
-    context.provenance.AddInput(request.exercise);
-  }
+  if (!request.exercise.empty()) live::UseExercise(request.exercise, options, context);
   live::LiveSession session(patient_->scenario, patient_->scene, rig_, options, context);
   bool complete = false;
   if (settings_.headless) {
@@ -81,6 +79,7 @@ ExitCode SessionSeries::RunOne(const live::SessionRequest& request) {
     complete = RunInWindows(*windows_, session, console).complete;
   }
   const ExitCode code = complete ? ExitCode::kOk : ExitCode::kNoAnswer;
+  waiting_drawn_ns_ = 0;
   Report({{"event", "ended"},
           {"output", request.output.string()},
           {"code", static_cast<int>(code)},
@@ -106,7 +105,13 @@ void SessionSeries::FollowNext(LineReader& requests) {
 /// The window stays awake while nobody asks for a session.
 void SessionSeries::ShowWaiting() {
   if (!windows_ || windows_->closed()) return;
-  windows_->ShowText(kWaiting);
+  const std::int64_t now_ns = MonotonicNs();
+  if (now_ns - waiting_drawn_ns_ >= kRedrawNs) {
+    windows_->ShowText(kWaiting);
+    waiting_drawn_ns_ = now_ns;
+  } else {
+    windows_->HandleEvents();
+  }
   windows_->TakeCommands();
   windows_->TakeHandInput();
 }

@@ -63,6 +63,7 @@ class SessionSeries {
   std::optional<Patient> patient_;
   std::shared_ptr<live::Rig> rig_;
   std::optional<SessionWindows> windows_;
+  std::int64_t waiting_drawn_ns_ = 0;  ///< 0: not since the last session.
   ExitCode worst_ = ExitCode::kOk;
 };
 

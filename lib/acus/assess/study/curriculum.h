@@ -32,8 +32,7 @@ struct Curriculum {
 
 /// Reads an acus-curriculum file and the exercises that it names.
 /// @throws InputError listing what is wrong: keys, ranges, an exercise twice, a step with an
-/// exercise
-///     and cases or with neither, an entry that is no earlier step.
+///     exercise and cases or with neither, an entry that is no earlier step.
 Curriculum ReadCurriculum(const std::filesystem::path& path);
 
 /// How far a trainee is with a step.

@@ -1,10 +1,10 @@
 #include "acus/assess/study/reference_group.h"
 
 #include <algorithm>
-#include <map>
 #include <set>
 
 #include "acus/assess/study/csv_cell.h"
+#include "acus/assess/study/trial_values.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/words.h"
 #include "acus/base/math/exact_intervals.h"
@@ -17,7 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr double kReferenceConfidence = 0.95;
 constexpr int kReferenceDraws = 2000;
-constexpr std::size_t kFewestPersons = 3;
 
 std::vector<TrialRecord> GroupTrials(const training::Assessment& newest,
                                      std::span<const fs::path> folders, RunContext& context) {
@@ -38,16 +37,23 @@ std::vector<TrialRecord> GroupTrials(const training::Assessment& newest,
 }
 
 /// Means over the trials of each person that have the metric, in ascending order.
-std::vector<double> MeansOfPersons(const MetricKey& metric, std::span<const TrialRecord> trials) {
-  std::map<std::string, std::vector<double>> by_person;
-  for (const TrialRecord& trial : trials) {
-    const auto found = trial.metrics.find(metric);
-    if (found != trial.metrics.end()) by_person[trial.code].push_back(found->second);
-  }
+std::vector<double> MeansOfPersons(const MetricKey& metric, const std::string& exercise,
+                                   std::span<const TrialRecord> trials) {
   std::vector<double> means;
-  for (const auto& [code, values] : by_person) means.push_back(math::Mean(values));
+  for (const auto& [code, values] : ValuesOf(trials, exercise, metric)) {
+    means.push_back(MeanOf(values));
+  }
   std::ranges::sort(means);
   return means;
+}
+
+/// The sessions of the trainee before the newest, in order.
+std::vector<TrialRecord> EarlierOf(std::span<const training::Assessment> sessions) {
+  std::vector<TrialRecord> earlier;
+  for (const training::Assessment& session : sessions.first(sessions.size() - 1)) {
+    if (session.trainee == sessions.back().trainee) earlier.push_back(RecordOf(session));
+  }
+  return earlier;
 }
 
 void PlaceInGroup(Standing& standing, std::uint64_t seed) {
@@ -58,7 +64,7 @@ void PlaceInGroup(Standing& standing, std::uint64_t seed) {
   const auto equal = static_cast<int>(std::ranges::count(persons, standing.value));
   standing.group_mean = math::Mean(persons);
   standing.percentile = 100.0 * (below + 0.5 * equal) / n;
-  if (persons.size() < kFewestPersons) return;
+  if (n < kFewestPersons) return;
   standing.group_interval = math::BootstrapIntervalOfMean(
       persons, kReferenceConfidence, kReferenceDraws, seed, "group " + standing.metric.name);
   standing.percentile_interval =
@@ -79,6 +85,7 @@ GroupComparison CompareWithGroup(std::span<const training::Assessment> sessions,
                                  std::span<const fs::path> folders, RunContext& context) {
   const training::Assessment& newest = sessions.back();
   const std::vector<TrialRecord> group = GroupTrials(newest, folders, context);
+  const std::vector<TrialRecord> earlier = EarlierOf(sessions);
   GroupComparison comparison{.code = newest.trainee,
                              .exercise = newest.exercise,
                              .num_persons = 0,
@@ -91,13 +98,11 @@ GroupComparison CompareWithGroup(std::span<const training::Assessment> sessions,
     Standing standing;
     standing.metric = metric;
     standing.value = value;
-    standing.persons = MeansOfPersons(metric, group);
+    standing.persons = MeansOfPersons(metric, newest.exercise, group);
     if (standing.persons.empty()) continue;
-    for (const training::Assessment& before : sessions.first(sessions.size() - 1)) {
-      if (before.trainee != newest.trainee) continue;
-      const auto metrics = RecordOf(before).metrics;
-      const auto found = metrics.find(metric);
-      if (found != metrics.end()) standing.earlier.push_back(found->second);
+    for (const TrialRecord& before : earlier) {
+      const auto found = before.metrics.find(metric);
+      if (found != before.metrics.end()) standing.earlier.push_back(found->second);
     }
     standing.earlier_median = math::MedianInterval(standing.earlier, kReferenceConfidence);
     standing.is_of_goal = IsOfGoal(metric.name, newest);

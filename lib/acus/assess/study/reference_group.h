@@ -13,6 +13,9 @@
 
 namespace acus::study {
 
+/// Of a group, for intervals.
+inline constexpr int kFewestPersons = 3;
+
 /// One metric. Intervals are those of 95 %.
 struct Standing {
   MetricKey metric;
@@ -24,7 +27,8 @@ struct Standing {
   bool is_of_goal = false;      ///< The metric of a goal, the score, or the share of goals met.
   /// Between order statistics; nothing with fewer than 6 earlier sessions.
   std::optional<math::Interval> earlier_median;
-  /// Percentile bootstrap over persons; nothing with fewer than 3, as for the next one.
+  /// Percentile bootstrap over persons; nothing with fewer than kFewestPersons, as for the next
+  /// one.
   std::optional<math::Interval> group_interval;
   /// Clopper-Pearson, from the strictly smaller to the smaller or equal persons, percent.
   std::optional<math::Interval> percentile_interval;

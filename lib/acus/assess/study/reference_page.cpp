@@ -23,13 +23,9 @@ std::string RangeText(const std::optional<math::Interval>& range) {
   return range ? Message(" [", Short(range->low), ", ", Short(range->high), "]") : std::string();
 }
 
-std::string NameOf(const MetricKey& metric) {
-  return metric.unit.empty() ? metric.name : Message(metric.name, " [", metric.unit, "]");
-}
-
 std::vector<std::string> RowOf(const Standing& standing) {
   const bool has_earlier = !standing.earlier.empty();
-  return {NameOf(standing.metric), Short(standing.value),
+  return {WithUnit(standing.metric), Short(standing.value),
           has_earlier ? Short(math::Median(standing.earlier)) + RangeText(standing.earlier_median)
                       : "-",
           Short(standing.group_mean) + RangeText(standing.group_interval),
@@ -49,7 +45,8 @@ std::vector<std::vector<std::string>> RowsOfGoals(const GroupComparison& compari
 
 std::string GroupText(const GroupComparison& comparison) {
   return Message("Reference group: ", comparison.num_persons, " persons, ", comparison.num_trials,
-                 " trials", comparison.num_persons < 3 ? "; too few persons for intervals" : "");
+                 " trials",
+                 comparison.num_persons < kFewestPersons ? "; too few persons for intervals" : "");
 }
 
 constexpr double kStripWidthPx = 640.0;
@@ -94,7 +91,7 @@ std::string StripSvg(const Standing& standing, double top) {
   const StripAxis axis(standing);
   const double middle = top + 0.4 * kStripPx;
   std::string svg =
-      Words(FixedText(kStripLeftPx - 12.0, 1), middle + 4.0, NameOf(standing.metric), "end");
+      Words(FixedText(kStripLeftPx - 12.0, 1), middle + 4.0, WithUnit(standing.metric), "end");
   svg += Message("<line x1=\"", kStripLeftPx, "\" x2=\"", kStripRightPx, "\" y1=\"", middle,
                  "\" y2=\"", middle, "\" stroke=\"#ccc\"/>\n");
   if (standing.group_interval) {

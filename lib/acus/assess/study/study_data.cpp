@@ -99,6 +99,10 @@ void SortAsStudy(const Study& study, std::vector<TrialRecord>& trials) {
 
 }  // namespace
 
+std::string WithUnit(const MetricKey& metric) {
+  return metric.name + (metric.unit.empty() ? "" : " [" + metric.unit + "]");
+}
+
 TrialRecord RecordOf(const training::Assessment& assessment) {
   TrialRecord record;
   record.code = assessment.trainee;

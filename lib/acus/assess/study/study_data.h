@@ -20,6 +20,9 @@ struct MetricKey {
   auto operator<=>(const MetricKey&) const = default;
 };
 
+/// "name [unit]", or the name alone.
+std::string WithUnit(const MetricKey& metric);
+
 struct TrialRecord {
   std::string code;
   std::string exercise;

@@ -16,10 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 using Rows = std::vector<std::vector<std::string>>;
 
-std::string WithUnitOf(const MetricKey& metric) {
-  return metric.name + (metric.unit.empty() ? "" : " [" + metric.unit + "]");
-}
-
 std::string PText(double p) {
   return p < 0.001 ? "< 0.001" : FixedText(p, 3);
 }
@@ -35,7 +31,7 @@ std::string MeanText(const GroupValues& group) {
 Rows MetricRows(std::span<const MetricAnalysis> metrics) {
   Rows rows;
   for (const MetricAnalysis& a : metrics) {
-    std::vector<std::string> row = {WithUnitOf(a.metric)};
+    std::vector<std::string> row = {WithUnit(a.metric)};
     for (const GroupValues& group : a.groups) row.push_back(MeanText(group));
     if (!a.comparison) {
       row.insert(row.end(), 6, "-");
@@ -73,7 +69,7 @@ Rows LearningRows(std::span<const MetricAnalysis> metrics) {
       for (const double mean : curve.mean_by_trial) {
         means += (means.empty() ? "" : " -> ") + RoundedText(mean, 3);
       }
-      rows.push_back({WithUnitOf(a.metric), curve.group, means,
+      rows.push_back({WithUnit(a.metric), curve.group, means,
                       curve.slopes.empty() ? "-" : FixedText(math::Median(curve.slopes), 2),
                       curve.slope_test ? PText(curve.slope_test->p) : "-"});
     }
@@ -85,7 +81,7 @@ Rows ReliabilityRows(std::span<const MetricAnalysis> metrics) {
   Rows rows;
   for (const MetricAnalysis& a : metrics) {
     if (!a.reliability) continue;
-    rows.push_back({WithUnitOf(a.metric), FixedText(a.reliability->icc_2_1, 2),
+    rows.push_back({WithUnit(a.metric), FixedText(a.reliability->icc_2_1, 2),
                     FixedText(a.reliability->icc_3_1, 2), FixedText(a.reliability->icc_2_k, 2),
                     FixedText(a.reliability->icc_3_k, 2)});
   }

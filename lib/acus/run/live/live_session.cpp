@@ -16,6 +16,7 @@
 #include "acus/run/live/tracked_driver.h"
 #include "acus/run/replay/markups.h"
 #include "acus/run/replay/training_log.h"
+#include "acus/run/training/exercise.h"
 #include "acus/run/training/session_metrics.h"
 
 namespace acus::live {
@@ -50,6 +51,12 @@ haptics::GoalPath PathOf(const session::PoseStream& stream, std::int64_t start_n
 constexpr std::size_t kWordsThatTell = 40;  // Of a status line: what follows are numbers.
 
 }  // namespace
+
+void UseExercise(const fs::path& file, LiveOptions& options, RunContext& context) {
+  options.exercise = training::ReadExercise(file);
+  options.name = options.exercise->name;
+  context.provenance.AddInput(file);
+}
 
 simulation::Scene LoadLiveScene(const scenario::Scenario& scenario, const LiveDevices& devices,
                                 RunContext& context) {

@@ -43,6 +43,10 @@ struct LiveOptions {
   RecorderSettings recorder;
 };
 
+/// The session is one of that exercise: it has its name, and the file is an input of it.
+/// @throws InputError as training::ReadExercise().
+void UseExercise(const std::filesystem::path& file, LiveOptions& options, RunContext& context);
+
 enum class Severity { kGood, kNote, kWarning, kFault };
 
 /// A sentence for the person at the screen.

@@ -29,7 +29,6 @@ class Rig {
   Rig& operator=(const Rig&) = delete;
 
   const LiveDevices& devices() const { return devices_; }
-  Use use() const { return use_; }
   /// The device of that name; null if it is a virtual hand, or no tool is on it.
   haptics::HapticDevice* Find(const std::string& device) const;
   /// As LiveDevices::FindTracked() numbers them: the camera is the last.

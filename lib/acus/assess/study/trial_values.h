@@ -1,0 +1,23 @@
+// The values of one metric, by participant and trial.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+
+#include "acus/assess/study/study_data.h"
+
+namespace acus::study {
+
+/// trial -> value of one participant.
+using TrialValues = std::map<int, double>;
+using ByCode = std::map<std::string, TrialValues>;
+
+/// Of the trials of an exercise that have the metric.
+ByCode ValuesOf(std::span<const TrialRecord> trials, const std::string& exercise,
+                const MetricKey& metric);
+
+/// @pre not empty.
+double MeanOf(const TrialValues& trials);
+
+}  // namespace acus::study
