@@ -1,4 +1,4 @@
-// acus-camera: print boards and facets, calibrate and place cameras, track facets in pictures.
+// acus-camera: print boards and facets, calibrate and place cameras, track facets in images.
 #include <CLI/CLI.hpp>
 #include <iostream>
 
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using namespace acus::camera;
 
 struct Options {
-  fs::path board = "cameras/board_a4.json", facets = "facets/training.json", pictures, output;
+  fs::path board = "cameras/board_a4.json", facets = "facets/training.json", images, output;
   fs::path camera = "cameras/webcam_720p.json";
   CalibrationSettings calibration;
   double rate_hz = 30.0;
@@ -36,7 +36,7 @@ void Print(const Options& o, const fs::path& folder, acus::RunContext& context) 
 }
 
 void Calibrate(const Options& o, const fs::path& folder, acus::RunContext& context) {
-  const auto result = CalibrateCamera(PictureFiles(o.pictures), ReadBoard(Find(o.board, context)),
+  const auto result = CalibrateCamera(ImageFiles(o.images), ReadBoard(Find(o.board, context)),
                                       o.calibration, context);
   for (const std::string& warning : result.warnings) context.Warn(warning);
   WriteResult(folder, result, context);
@@ -44,8 +44,8 @@ void Calibrate(const Options& o, const fs::path& folder, acus::RunContext& conte
 }
 
 void Track(const Options& o, const fs::path& folder, acus::RunContext& context) {
-  const auto run = TrackPictures(PictureFiles(o.pictures), ReadCamera(Find(o.camera, context)),
-                                 ReadFacets(Find(o.facets, context)), o.rate_hz, context);
+  const auto run = TrackImages(ImageFiles(o.images), ReadCamera(Find(o.camera, context)),
+                               ReadFacets(Find(o.facets, context)), o.rate_hz, context);
   WriteResult(folder, run, context);
   std::cout << TableText(run);
 }
@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
   auto* sample = app.add_subcommand("sample", "Draw images to try the others with");
   for (CLI::App* command : {calibrate, track}) {
     command->fallthrough()
-        ->add_option("images", o.pictures, "Folder")
+        ->add_option("images", o.images, "Folder")
         ->required()
         ->check(CLI::ExistingDirectory);
   }
@@ -75,15 +75,15 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.01, 100.0));
   calibrate->add_flag("--fit-k3", o.calibration.fit_k3, "For wide lenses: fit k3 too");
   track->add_option("--rate-hz", o.rate_hz, "Of the images")->check(CLI::Range(0.01, 1e4));
-  sample->fallthrough()->add_option("--count", o.count, "Pictures")->check(CLI::Range(1, 9999));
+  sample->fallthrough()->add_option("--count", o.count, "Images")->check(CLI::Range(1, 9999));
   app.footer(
       "EXAMPLE\n  acus-camera sample --count 12 -o sample\n"
       "  acus-camera calibrate sample/board -o calibrated\n"
       "  acus-camera track sample/facets --camera calibrated/camera.json -o tracked");
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     acus::AtomicFolder folder(o.output, context.overwrite);
-    if (!o.pictures.empty()) {
-      for (const fs::path& file : PictureFiles(o.pictures)) context.provenance.AddInput(file);
+    if (!o.images.empty()) {
+      for (const fs::path& file : ImageFiles(o.images)) context.provenance.AddInput(file);
     }
     if (print->parsed()) Print(o, folder.path(), context);
     if (calibrate->parsed()) Calibrate(o, folder.path(), context);

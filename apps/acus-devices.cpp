@@ -5,7 +5,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/run_main.h"
 #include "acus/data/session/session_import.h"
-#include "acus/rig/simulators/mannequin_pictures.h"
+#include "acus/rig/simulators/mannequin_images.h"
 #include "acus/rig/simulators/scripted_hand.h"
 
 namespace {
@@ -91,10 +91,10 @@ int main(int argc, char** argv) {
     for (const std::string& fault : options.faults) playback.faults.push_back(ParseFault(fault));
     const auto motion = Motion(options, play->parsed(), context);
     playback.on_listening = SayPort;
-    std::unique_ptr<PictureSource> pictures;
+    std::unique_ptr<ImageSource> images;
     for (auto& file : options.camera) file = acus::config::FindConfig(file, ".");
-    if (!options.camera.empty()) pictures = MannequinPictures(options.camera[0], options.camera[1]);
-    std::cout << Text(Play(*motion, pictures.get(), playback, context));
+    if (!options.camera.empty()) images = MannequinImages(options.camera[0], options.camera[1]);
+    std::cout << Text(Play(*motion, images.get(), playback, context));
     return acus::ExitCode::kOk;
   });
 }

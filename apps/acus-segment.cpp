@@ -1,4 +1,4 @@
-// acus-segment: CT to a label map, closed skin and bone surfaces, pictures and volumes.
+// acus-segment: CT to a label map, closed skin and bone surfaces, images and volumes.
 #include <CLI/CLI.hpp>
 #include <iostream>
 

@@ -3,7 +3,9 @@ include(GNUInstallDirs)
 
 find_program(ACUS_CCACHE ccache)
 if(ACUS_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${ACUS_CCACHE})
+  # Precompiled headers are known by their contents, not by the times of their files.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+                                  ${ACUS_CCACHE})
 endif()
 find_program(ACUS_MOLD mold)
 if(ACUS_MOLD)
@@ -61,6 +63,30 @@ function(acus_join_sources target)
   endif()
 endfunction()
 
+# acus_precompile(NAME [LIBRARY...]): headers of others that nearly every source reads, compiled once
+# with the present options, for acus_use_precompiled(TARGET NAME). A source still includes all that it
+# uses: -DACUS_PRECOMPILE=OFF builds without.
+function(acus_precompile name)
+  if(NOT ACUS_PRECOMPILE)
+    return()
+  endif()
+  set(source ${CMAKE_BINARY_DIR}/generated/${name}.cpp)
+  file(CONFIGURE OUTPUT ${source} CONTENT "")
+  add_library(${name} OBJECT ${source})
+  target_link_libraries(${name} PRIVATE acus_flags Eigen3::Eigen nlohmann_json::nlohmann_json ${ARGN})
+  target_precompile_headers(${name} PRIVATE
+    <algorithm> <array> <atomic> <chrono> <cmath> <condition_variable> <filesystem> <fstream>
+    <functional> <limits> <map> <memory> <mutex> <numbers> <numeric> <optional> <random> <ranges>
+    <set> <span> <sstream> <string> <string_view> <thread> <tuple> <variant> <vector>
+    <Eigen/Dense> <nlohmann/json.hpp>)
+endfunction()
+
+function(acus_use_precompiled target name)
+  if(ACUS_PRECOMPILE)
+    target_precompile_headers(${target} REUSE_FROM ${name})
+  endif()
+endfunction()
+
 # "wing module dependency dependency ...", a module a row, wings from the lowest to the highest.
 set(ACUS_MODULE_GRAPH ${CMAKE_BINARY_DIR}/modules.txt)
 file(WRITE ${ACUS_MODULE_GRAPH} "")
@@ -84,7 +110,8 @@ endfunction()
 function(acus_compile_alone module)
   acus_module_folder(${module} folder)
   list(TRANSFORM ARGN PREPEND ${folder}/)
-  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION TRUE)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION TRUE
+                                                 SKIP_PRECOMPILE_HEADERS TRUE)
 endfunction()
 
 # acus_optimise(MODULE file...): sources of the wing's module MODULE whose loops are worth -O3.
@@ -92,7 +119,7 @@ function(acus_optimise module)
   acus_module_folder(${module} folder)
   list(TRANSFORM ARGN PREPEND ${folder}/)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O3
-                              SKIP_UNITY_BUILD_INCLUSION TRUE)
+                              SKIP_UNITY_BUILD_INCLUSION TRUE SKIP_PRECOMPILE_HEADERS TRUE)
 endfunction()
 
 # acus_add_module(NAME [DEPENDS module...] [LIBRARIES target...] [PRIVATE_LIBRARIES target...])
@@ -115,6 +142,7 @@ function(acus_add_module name)
   target_link_libraries(acus_${name} PUBLIC acus_flags ${dependencies} ${arg_LIBRARIES}
                         PRIVATE ${arg_PRIVATE_LIBRARIES})
   acus_join_sources(acus_${name})
+  acus_use_precompiled(acus_${name} acus_headers)
   set_target_properties(acus_${name} PROPERTIES EXPORT_NAME ${name})
   install(TARGETS acus_${name} EXPORT AcusTargets
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/acus COMPONENT library)
@@ -146,6 +174,7 @@ function(acus_add_program name)
   add_executable(${name} ${CMAKE_CURRENT_SOURCE_DIR}/${name}.cpp)
   list(TRANSFORM ARGN PREPEND acus:: OUTPUT_VARIABLE modules)
   target_link_libraries(${name} PRIVATE acus_flags CLI11::CLI11 ${modules})
+  acus_use_precompiled(${name} acus_headers)
   add_dependencies(programs ${name})
   set_property(GLOBAL APPEND PROPERTY ACUS_PROGRAMS ${name})
   # A component each, so that those that are built can be installed by themselves.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of docs/clinician_tutorial.md: every view of the window of a live session, of the
+# Makes the images of docs/clinician_tutorial.md: every view of the window of a live session, of the
 # synthetic liver patient, in a virtual X server. Needs ffmpeg, to make the files small. Half a minute.
 # Usage: docs/figures/window.sh [BUILD_FOLDER]; writes docs/figures/window_*.png.
 # Builds nothing: make acus-phantom and window_figures first.
@@ -11,8 +11,8 @@ trap 'rm -rf "$work"' EXIT
 cd "$work"
 "$build/bin/acus-phantom" patient liver -o patient --quiet
 xvfb-run -a -s "-screen 0 1280x800x24" "$build/tests/window_figures" patient .
-for picture in window_*.png; do
-  ffmpeg -nostdin -loglevel error -y -i "$picture" \
+for image in window_*.png; do
+  ffmpeg -nostdin -loglevel error -y -i "$image" \
     -vf "split[a][b];[a]palettegen=max_colors=256[p];[b][p]paletteuse=dither=none" \
-    -compression_level 100 "$here/$picture"
+    -compression_level 100 "$here/$image"
 done

@@ -130,7 +130,7 @@ class BreathingSweeper {
     Row row;
     row.knob = knob;
     row.value = std::move(value);
-    row.level = std::string(NameOf(kind));
+    row.model = std::string(NameOf(kind));
     row.step_us_median = timing.median_us;
     row.step_us_p999 = timing.p999_us;
     return row;
@@ -229,7 +229,7 @@ class BreathingSweeper {
         for (int n = 4000; n < 8000; ++n) {
           step(n);
           if (n % 20 != 0) continue;
-          errors_mm.push_back((rest - Dearest(map_at(n), world)).norm());
+          errors_mm.push_back((rest - MostExpensive(map_at(n), world)).norm());
         }
       }
       Row row = RowOf("haptic_iterations", std::to_string(iterations), model.kind(),
@@ -239,19 +239,19 @@ class BreathingSweeper {
     }
   }
 
-  static Vector3d Dearest(const MotionMap& map, const Vector3d& world) {
+  static Vector3d MostExpensive(const MotionMap& map, const Vector3d& world) {
     return map.RestOf(world, world, {.max_iterations = 50, .tolerance_mm = 0.0}).rest_mm;
   }
 
-  /// A picture of 150 x 150 mm, at end expiration: places at rest on its knots, row by row from the
+  /// An image of 150 x 150 mm, at end expiration: places at rest on its knots, row by row from the
   /// neighbour.
-  static std::vector<Vector3d> Picture(const MotionMap& map, double spacing_mm, int iterations,
-                                       bool from_neighbour = true) {
+  static std::vector<Vector3d> Image(const MotionMap& map, double spacing_mm, int iterations,
+                                     bool from_neighbour = true) {
     std::vector<Vector3d> rest;
     for (double y = 0.0; y <= 150.0; y += spacing_mm) {
       Vector3d moved_mm = Vector3d::Zero();
       for (double x = 0.0; x <= 150.0; x += spacing_mm) {
-        const Vector3d place = PictureAt(x, y);
+        const Vector3d place = ImageAt(x, y);
         rest.push_back(
             map.RestOf(place, place + moved_mm, {.max_iterations = iterations, .tolerance_mm = 0.0})
                 .rest_mm);
@@ -260,7 +260,7 @@ class BreathingSweeper {
     }
     return rest;
   }
-  static Vector3d PictureAt(double x_mm, double y_mm) {
+  static Vector3d ImageAt(double x_mm, double y_mm) {
     return {-60.0 + 0.8 * x_mm, -70.0 + 0.6 * x_mm, 80.0 - y_mm};
   }
 
@@ -268,31 +268,30 @@ class BreathingSweeper {
   void PixelIterations(const MotionModel& model, bool from_neighbour) {
     const MotionMap map(model.field(), model.WeightsAt(BreathingBody::BreathAt(0.47)));
     constexpr double kPixelMm = 1.0;
-    const std::vector<Vector3d> dearest = Picture(map, kPixelMm, 50);
+    const std::vector<Vector3d> most_expensive = Image(map, kPixelMm, 50);
     const std::vector<int> all = quick_ ? std::vector{0, 1, 5} : std::vector{0, 1, 2, 3, 5, 10};
     for (const int iterations : all) {
       std::vector<Vector3d> rest;
-      const Timing timing = TimeOf(quick_ ? 10 : 50, [&](int) {
-        rest = Picture(map, kPixelMm, iterations, from_neighbour);
-      });
+      const Timing timing = TimeOf(
+          quick_ ? 10 : 50, [&](int) { rest = Image(map, kPixelMm, iterations, from_neighbour); });
       std::vector<double> errors_mm;
       for (std::size_t n = 0; n < rest.size(); ++n) {
-        errors_mm.push_back((rest[n] - dearest[n]).norm());
+        errors_mm.push_back((rest[n] - most_expensive[n]).norm());
       }
       Row row = RowOf(from_neighbour ? "pixel_iterations" : "pixel_iterations, from nothing",
                       std::to_string(iterations), model.kind(), timing);
       row.is_default = from_neighbour && iterations == 5;
       row.is_paper = iterations == 5;
-      Add(row, P95(errors_mm), "mm, of a picture", "fifty iterations");
+      Add(row, P95(errors_mm), "mm, of an image", "fifty iterations");
     }
   }
 
-  /// Pictures ask at knots, and are linear between: against asking at every place.
+  /// Images ask at knots, and are linear between: against asking at every place.
   void KnotSpacing(const MotionModel& model) {
     const MotionMap map(model.field(), model.WeightsAt(BreathingBody::BreathAt(0.47)));
     const auto moved = [&](double x, double y) -> Vector3d {
-      const Vector3d place = PictureAt(x, y);
-      return Dearest(map, place) - place;
+      const Vector3d place = ImageAt(x, y);
+      return MostExpensive(map, place) - place;
     };
     for (const double spacing_mm : quick_ ? std::vector{5.0} : std::vector{1.0, 2.5, 5.0, 10.0}) {
       std::vector<double> errors_mm;
@@ -304,10 +303,10 @@ class BreathingSweeper {
           errors_mm.push_back((middle - moved(x + 0.5 * spacing_mm, y + 0.5 * spacing_mm)).norm());
         }
       }
-      const Timing timing = TimeOf(quick_ ? 10 : 50, [&](int) { Picture(map, spacing_mm, 5); });
+      const Timing timing = TimeOf(quick_ ? 10 : 50, [&](int) { Image(map, spacing_mm, 5); });
       Row row = RowOf("knot_spacing_mm", RoundedText(spacing_mm, 3), model.kind(), timing);
       row.is_default = spacing_mm == 5.0;
-      Add(row, P95(errors_mm), "mm, of a picture", "every place of its own");
+      Add(row, P95(errors_mm), "mm, of an image", "every place of its own");
     }
   }
 
@@ -326,7 +325,7 @@ Sweep BreathingSweep() {
       "A body whose motion is known in closed form: 20 mm at the diaphragm, sliding along a "
       "wall, with hysteresis. Errors are those that 95 of 100 places stay below. A step is what "
       "breathing adds to one of the hand: the tool taken to rest, and displacements at 25 nodes "
-      "of the needle; for pixel_iterations and knot_spacing_mm, the knots of one picture.",
+      "of the needle; for pixel_iterations and knot_spacing_mm, the knots of one image.",
       [](bool quick, const RunContext& context) { return BreathingSweeper(quick, context).Run(); }};
 }
 

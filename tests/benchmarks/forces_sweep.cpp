@@ -8,7 +8,7 @@
 #include "acus/base/core/text_table.h"
 #include "acus/base/math/statistics.h"
 #include "acus/physics/forces/force_table.h"
-#include "benchmarks/force_levels.h"
+#include "benchmarks/force_model_cases.h"
 #include "benchmarks/friction_integration.h"
 #include "benchmarks/insertion.h"
 
@@ -69,7 +69,7 @@ class ForcesSweeper {
         Row row;
         row.knob = knob + ", " + std::string(NameOf(method)) + ": step_ms";
         row.value = RoundedText(step_ms, 3);
-        row.level = "LuGre";
+        row.model = "LuGre";
         row.reference = "Runge-Kutta 4, 5 us";
         row.step_us_median = math::Median(times_us);
         row.step_us_p999 = math::Quantile(times_us, 0.999);
@@ -91,53 +91,53 @@ class ForcesSweeper {
   }
 
   void Models() {
-    ForceLevelOptions options;
+    ForceModelOptions options;
     options.element_mm = quick_ ? 6.0 : 4.0;
-    const std::vector<ForceLevel> levels = ForceLevels(options, context_);
+    const std::vector<ForceModelCase> models = ForceModelCases(options, context_);
     std::vector<SampledRun> at_default;
-    for (std::size_t i = 0; i < levels.size(); ++i) {
-      context_.Checkpoint(levels[i].name,
-                          0.2 + 0.8 * static_cast<double>(i) / static_cast<double>(levels.size()));
-      at_default.push_back(StepSizes(levels[i]));
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      context_.Checkpoint(models[i].name,
+                          0.2 + 0.8 * static_cast<double>(i) / static_cast<double>(models.size()));
+      at_default.push_back(StepSizes(models[i]));
     }
-    const auto is_fe = [](const ForceLevel& level) { return level.name == "fe_3d"; };
-    const auto fe = std::ranges::find_if(levels, is_fe) - levels.begin();
-    for (std::size_t i = 0; i < levels.size(); ++i) {
-      Row row = RowOf(levels[i], at_default[i]);
-      row.knob = "level";
-      row.value = levels[i].name;
+    const auto is_fe = [](const ForceModelCase& model) { return model.name == "fe_3d"; };
+    const auto fe = std::ranges::find_if(models, is_fe) - models.begin();
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      Row row = RowOf(models[i], at_default[i]);
+      row.knob = "model";
+      row.value = models[i].name;
       row.reference = "fe_3d";
-      row.is_default = levels[i].name == "layered";
+      row.is_default = models[i].name == "layered";
       row.is_paper =
-          levels[i].name == "alamilla" || levels[i].name == "vidal" || levels[i].name == "springs";
+          models[i].name == "alamilla" || models[i].name == "vidal" || models[i].name == "springs";
       Add(std::move(row), Difference(at_default[i], at_default[static_cast<std::size_t>(fe)], 1.0));
     }
   }
 
-  Row RowOf(const ForceLevel& level, const SampledRun& run) const {
+  Row RowOf(const ForceModelCase& model, const SampledRun& run) const {
     Row row;
-    row.level = level.full_name;
+    row.model = model.full_name;
     row.step_us_median = math::Median(run.step_us);
     row.step_us_p999 = math::Quantile(run.step_us, 0.999);
-    row.preparation_s = level.preparation_s;
-    row.memory_mb = level.memory_mb;
-    row.unusable = WhyUnusable(run, level.largest_n);
+    row.preparation_s = model.preparation_s;
+    row.memory_mb = model.memory_mb;
+    row.unusable = WhyUnusable(run, model.largest_n);
     return row;
   }
 
   /// @return the run at 1 ms.
-  SampledRun StepSizes(const ForceLevel& level) {
-    const SampledRun reference = level.run(SamplesEvery(kReferenceMs));
+  SampledRun StepSizes(const ForceModelCase& model) {
+    const SampledRun reference = model.run(SamplesEvery(kReferenceMs));
     SampledRun out;
     for (const double step_ms : Steps()) {
       const auto samples = SamplesEvery(step_ms);
-      SampledRun run = level.run(samples);
+      SampledRun run = model.run(samples);
       for (int i = 1; i < Repeats(); ++i) {
-        const SampledRun again = level.run(samples);
+        const SampledRun again = model.run(samples);
         run.step_us.insert(run.step_us.end(), again.step_us.begin(), again.step_us.end());
       }
-      Row row = RowOf(level, run);
-      row.knob = level.name + ": step_ms";
+      Row row = RowOf(model, run);
+      row.knob = model.name + ": step_ms";
       row.value = RoundedText(step_ms, 3);
       row.reference = "the same at 1/16 ms";
       row.is_default = step_ms == 1.0;

@@ -21,7 +21,7 @@ struct ImageScene {
 ImageScene MakeImageScene();
 
 /// Tissue taken along by the needle: 2 mm at its tip. Known where it was at rest; where a place of
-/// the picture was is found by fixed-point iteration.
+/// the image was is found by fixed-point iteration.
 class PressedTissue : public slicing::RestMap {
  public:
   PressedTissue(const Eigen::Vector3d& tip_mm, int iterations, double spacing_mm)

@@ -17,7 +17,7 @@ using image::GrayImage;
 
 constexpr double kDynamicRangeDb = 60.0;
 
-/// One way to make the picture; what is not being swept is as Acus does it, or better.
+/// One way to make the image; what is not being swept is as Acus does it, or better.
 struct Setting {
   int lines = 384;
   int samples = 2048;
@@ -45,7 +45,7 @@ acoustics::Probe ProbeOf(const Setting& setting) {
   return probe;
 }
 
-struct Picture {
+struct Image {
   GrayImage image;
   double median_us = 0.0;
   double most_us = 0.0;
@@ -114,14 +114,14 @@ class ImageSweeper {
         "warp_iterations", quick_ ? std::vector<double>{1, 4} : std::vector<double>{1, 2, 3, 4, 6},
         4, [](Setting& s, double v) { s.warp_iterations = static_cast<int>(v); }, 30);
     Effects();
-    Levels();
+    Models();
     return std::move(rows_);
   }
 
  private:
   template <typename Renderer>
-  Picture Rendered(Renderer& renderer, const Setting& setting) const {
-    Picture out;
+  Image Rendered(Renderer& renderer, const Setting& setting) const {
+    Image out;
     std::vector<double> times_us;
     for (int n = 0; n < (quick_ ? 4 : 12); ++n) {
       const PressedTissue rest(scene_.needle.tip_in_ct_mm, setting.warp_iterations,
@@ -135,19 +135,19 @@ class ImageSweeper {
     return out;
   }
 
-  Picture Beams(const Setting& setting) const {
+  Image Beams(const Setting& setting) const {
     ultrasound::BeamRenderer renderer({.labels = &scene_.labels, .acoustics = &scene_.acoustics},
                                       ProbeOf(setting), setting.options);
     return Rendered(renderer, setting);
   }
 
-  Row RowOf(const std::string& knob, const std::string& value, const Picture& picture) const {
+  Row RowOf(const std::string& knob, const std::string& value, const Image& image) const {
     Row row;
     row.knob = knob;
     row.value = value;
-    row.level = "beams";
-    row.step_us_median = picture.median_us;
-    row.step_us_p999 = picture.most_us;
+    row.model = "beams";
+    row.step_us_median = image.median_us;
+    row.step_us_p999 = image.most_us;
     return row;
   }
 
@@ -164,31 +164,31 @@ class ImageSweeper {
   }
 
   void Sweep(const std::string& knob, const std::vector<double>& values, double usual,
-             const std::function<void(Setting&, double)>& turn, double dearest) {
+             const std::function<void(Setting&, double)>& turn, double most_expensive) {
     context_.Checkpoint(knob, 0.1 * static_cast<double>(++knobs_));
     Setting setting;
-    turn(setting, dearest);
+    turn(setting, most_expensive);
     const GrayImage reference = Beams(setting).image;
     for (const double value : values) {
       turn(setting, value);
-      const Picture picture = Beams(setting);
-      Row row = RowOf(knob, RoundedText(value, 2), picture);
-      row.reference = "the same at " + RoundedText(dearest, 2);
+      const Image image = Beams(setting);
+      Row row = RowOf(knob, RoundedText(value, 2), image);
+      row.reference = "the same at " + RoundedText(most_expensive, 2);
       row.is_default = value == usual;
-      Add(std::move(row), picture.image, reference);
+      Add(std::move(row), image.image, reference);
     }
   }
 
-  /// What leaving one effect out changes, and what it saves; and what the dearer ones cost.
+  /// What leaving one effect out changes, and what it saves; and what the more expensive ones cost.
   void Effects() {
     const GrayImage reference = Beams({}).image;
     const auto without = [&](const char* name, auto&& change) {
       Setting setting;
       change(setting.options);
-      const Picture picture = Beams(setting);
-      Row row = RowOf("effect", name, picture);
+      const Image image = Beams(setting);
+      Row row = RowOf("effect", name, image);
       row.reference = "all standard effects";
-      Add(std::move(row), picture.image, reference, true);
+      Add(std::move(row), image.image, reference, true);
     };
     using Options = ultrasound::BeamOptions;
     without("no speckle", [](Options& o) { o.speckle = false; });
@@ -204,10 +204,10 @@ class ImageSweeper {
     without("with multiple reflections", [](Options& o) { o.multiple_reflections = true; });
   }
 
-  void AddLevel(const char* name, const Picture& picture, const GrayImage& reference, bool paper) {
-    Row row = RowOf("level", name, picture);
-    row.level = name;
-    row.error = 1.0 - Correlation(picture.image, reference);
+  void AddLevel(const char* name, const Image& image, const GrayImage& reference, bool paper) {
+    Row row = RowOf("model", name, image);
+    row.model = name;
+    row.error = 1.0 - Correlation(image.image, reference);
     row.error_unit = "1 - correlation";
     row.reference = "beams with 9 planes";
     row.is_paper = paper;
@@ -215,10 +215,10 @@ class ImageSweeper {
     rows_.push_back(std::move(row));
   }
 
-  void Levels() {
-    Setting dearest;
-    dearest.options.elevation_planes = 9;
-    const Picture all = Beams(dearest);
+  void Models() {
+    Setting most_expensive;
+    most_expensive.options.elevation_planes = 9;
+    const Image all = Beams(most_expensive);
     const acoustics::Probe probe = ProbeOf({});
     ultrasound::VidalRenderer vidal(scene_.ct, probe, ultrasound::DefaultVidalOptions());
     AddLevel("vidal_2008", Rendered(vidal, {}), all.image, true);
@@ -249,7 +249,7 @@ Sweep ImageSweep() {
   return {"image", "The ultrasound image",
           "A labelled block with a lesion, a vessel and a rib, pressed in by 2 mm around a needle; "
           "512 x 512 pixels, one thread. Errors are root mean squares in dB of the display, of "
-          "pixels and of means over 1.5 mm, in which speckle averages out; levels are compared by "
+          "pixels and of means over 1.5 mm, in which speckle averages out; models are compared by "
           "correlation, since not all of them know decibels. A step is one image.",
           [](bool quick, const RunContext& context) { return ImageSweeper(quick, context).Run(); }};
 }

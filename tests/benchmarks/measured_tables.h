@@ -48,7 +48,7 @@ std::string ValuesTable(std::string_view asked, const PageData& data);
 ///     x step_us_median = median CPU time of a step [us]
 ///     y error N = error [N]
 ///     line element_size_mm = element size
-///     points level                                (no order: a dot and a name for each value)
+///     points model                                (no order: a dot and a name for each value)
 ///     linear x
 ///
 /// Axes are logarithmic unless they are said to be linear. What is 0, unusable, or below a

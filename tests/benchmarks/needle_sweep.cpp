@@ -166,7 +166,7 @@ class NeedleSweeper {
     Row row;
     row.knob = knob;
     row.value = value;
-    row.level = kRod;
+    row.model = kRod;
     row.is_default = is_default;
     return row;
   }

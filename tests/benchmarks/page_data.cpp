@@ -97,7 +97,7 @@ std::vector<Row> ReadRows(const fs::path& csv) {
     for (std::string& text : texts) std::ranges::replace(text, ';', ',');
     return texts;
   };
-  const auto knob = cells("knob"), value = cells("value"), level = cells("level");
+  const auto knob = cells("knob"), value = cells("value"), model = cells("model");
   const auto error = cells("error"), unit = cells("error_unit"), reference = cells("reference");
   const auto median = cells("step_us_median"), p999 = cells("step_us_p999");
   const auto preparation = cells("preparation_s"), memory = cells("memory_mb");
@@ -106,7 +106,7 @@ std::vector<Row> ReadRows(const fs::path& csv) {
   for (std::size_t n = 0; n < rows.size(); ++n) {
     rows[n] = {.knob = knob[n],
                .value = value[n],
-               .level = level[n],
+               .model = model[n],
                .error = CellNumber(table, error[n], n),
                .error_unit = unit[n],
                .reference = reference[n],

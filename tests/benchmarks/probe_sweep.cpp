@@ -96,7 +96,7 @@ std::vector<Row> RunSweep(bool quick, const RunContext& context) {
       Row row;
       row.knob = "proxies, " + std::string(tool.name());
       row.value = std::to_string(num_proxies);
-      row.level = "multi_proxy";
+      row.model = "multi_proxy";
       row.reference = "integral over the tool's surface";
       row.step_us_median = math::Median(run.step_us);
       row.step_us_p999 = math::Quantile(run.step_us, 0.999);

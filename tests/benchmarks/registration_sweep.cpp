@@ -111,7 +111,7 @@ class RegistrationSweeper {
     Row row;
     row.knob = knob;
     row.value = value;
-    row.level = "phase to reference";
+    row.model = "phase to reference";
     row.reference = "exact motion";
     row.preparation_s = ThreadCpuSeconds() - begin_s;
     row.memory_mb = 1e-6 * static_cast<double>(field.displacement_voxels().size() *

@@ -17,7 +17,7 @@ constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 struct Row {
   std::string knob;    ///< Such as "element size", with its unit: "element_size_mm".
   std::string value;   ///< Of the knob, as text; a number where the knob is one.
-  std::string level;   ///< The model whose knob it is.
+  std::string model;   ///< The model whose knob it is.
   double error = 0.0;  ///< In error_unit, >= 0.
   std::string error_unit;
   std::string reference;                 ///< What the error is against.
@@ -26,7 +26,7 @@ struct Row {
   double preparation_s = kNotMeasured;   ///< CPU time before the first step, s.
   double memory_mb = kNotMeasured;       ///< What the steps read, 10^6 bytes.
   bool is_default = false;               ///< What Acus does unless told otherwise.
-  bool is_paper = false;                 ///< What the paper did that the level is from.
+  bool is_paper = false;                 ///< What the paper did that the model is from.
   /// Why the row must not be used: forces out of bounds, or energy from nothing. A solver that has
   /// diverged can look fast. Empty: it may be used.
   std::string unusable;

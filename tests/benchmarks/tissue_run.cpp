@@ -103,9 +103,9 @@ MeasuredRun RunPlane(double spacing_mm, double width_mm, double depth_mm,
   const tissue::PlaneModel2010 model = PlaneOf(spacing_mm, width_mm, depth_mm, tables, samples);
   MeasuredRun out;
   out.preparation_s = ThreadCpuSeconds() - before_s;
-  out.memory_mb =
-      static_cast<double>(model.compliance().size()) * sizeof(double) / kTissueRunBytesPerMb;
-  out.num_nodes = model.num_free_nodes();
+  out.memory_mb = static_cast<double>(model.planes().compliance().size()) * sizeof(double) /
+                  kTissueRunBytesPerMb;
+  out.num_nodes = model.planes().num_free_nodes();
   out.run = Insert(model, samples);
   return out;
 }

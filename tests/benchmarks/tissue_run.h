@@ -29,7 +29,7 @@ struct FemSetting {
 struct MeasuredRun {
   InsertionRun run;
   double preparation_s = 0.0;  ///< CPU time: mesh, condensation, model.
-  double memory_mb = 0.0;      ///< Of the compliance, or of what the level has instead.
+  double memory_mb = 0.0;      ///< Of the compliance, or of what the model has instead.
   int num_nodes = 0;           ///< Of the mesh; 0: none.
 };
 

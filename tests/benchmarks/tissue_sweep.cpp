@@ -7,7 +7,7 @@
 
 #include "acus/base/core/text_table.h"
 #include "acus/base/math/statistics.h"
-#include "benchmarks/tissue_picture.h"
+#include "benchmarks/tissue_image.h"
 #include "benchmarks/tissue_run.h"
 
 namespace acus::benchmarks {
@@ -35,8 +35,8 @@ class TissueSweeper {
     Corridors();
     Storages();
     ContactSpacings();
-    Levels();
-    Pictures();
+    Models();
+    Images();
     return std::move(rows_);
   }
 
@@ -52,12 +52,12 @@ class TissueSweeper {
     return RunFem(setting, tables_, samples_, quiet);
   }
 
-  Row& Add(const std::string& knob, const std::string& value, const std::string& level,
+  Row& Add(const std::string& knob, const std::string& value, const std::string& model,
            const MeasuredRun& run) {
     Row row;
     row.knob = knob;
     row.value = value;
-    row.level = level;
+    row.model = model;
     row.error_unit = "N";
     row.step_us_median = math::Median(run.run.step_us);
     row.step_us_p999 = math::Quantile(run.run.step_us, 0.999);
@@ -74,7 +74,7 @@ class TissueSweeper {
     row.reference = what;
   }
 
-  /// Coarse to fine; the finest is the reference of the others, and of other levels.
+  /// Coarse to fine; the finest is the reference of the others, and of other models.
   void ElementSizes() {
     const std::vector<double> sizes = quick_ ? std::vector<double>{12.0, 6.0, 4.0}
                                              : std::vector<double>{12.0, 6.0, 4.0, 3.0, 2.4, 2.0};
@@ -176,70 +176,68 @@ class TissueSweeper {
     }
   }
 
-  void Levels() {
-    Progress("levels", 0.95);
-    Compare(Add("level", "3D", kFem, default_), default_, finest_, finest_name_);
+  void Models() {
+    Progress("models", 0.95);
+    Compare(Add("model", "3D", kFem, default_), default_, finest_, finest_name_);
     rows_.back().is_default = true;
     // 19 x 19 nodes are the paper's 361; its plane was about as deep as the needle goes.
     const MeasuredRun paper = RunPlane(90.0 / 18.0, 90.0, 78.0, tables_, samples_);
-    Compare(Add("level", "2D, 361 nodes", "2D of 2010", paper), paper, finest_, finest_name_);
+    Compare(Add("model", "2D, 361 nodes", "2D of 2010", paper), paper, finest_, finest_name_);
     rows_.back().is_paper = true;
     const MeasuredRun plane = RunPlane(3.0, 90.0, 90.0, tables_, samples_);
-    Compare(Add("level", "2D, 3 mm", "2D of 2010", plane), plane, finest_, finest_name_);
+    Compare(Add("model", "2D, 3 mm", "2D of 2010", plane), plane, finest_, finest_name_);
     const MeasuredRun springs = RunSprings(2.0, tables_, samples_);
-    Compare(Add("level", "springs", "springs of 2016", springs), springs, finest_, finest_name_);
+    Compare(Add("model", "springs", "springs of 2016", springs), springs, finest_, finest_name_);
     rows_.back().is_paper = true;
     const MeasuredRun rigid = RunRigid(tables_, samples_);
-    Compare(Add("level", "no deformation", "force laws along the path", rigid), rigid, finest_,
+    Compare(Add("model", "no deformation", "force laws along the path", rigid), rigid, finest_,
             finest_name_);
   }
 
-  void AddPicture(const std::string& knob, const std::string& value, const std::string& level,
-                  const TissuePicture& picture, const TissuePicture& reference,
-                  const std::string& reference_name) {
+  void AddImage(const std::string& knob, const std::string& value, const std::string& model,
+                const TissueImage& image, const TissueImage& reference,
+                const std::string& reference_name) {
     Row row;
     row.knob = knob;
     row.value = value;
-    row.level = level;
-    row.error = RmsDifferenceMm(picture, reference);
+    row.model = model;
+    row.error = RmsDifferenceMm(image, reference);
     row.error_unit = "mm";
     row.reference = reference_name;
-    row.step_us_median = math::Median(picture.picture_us);
-    row.step_us_p999 = math::Quantile(picture.picture_us, 1.0);
-    row.preparation_s = picture.preparation_s;
-    row.memory_mb = picture.memory_mb;
+    row.step_us_median = math::Median(image.image_us);
+    row.step_us_p999 = math::Quantile(image.image_us, 1.0);
+    row.preparation_s = image.preparation_s;
+    row.memory_mb = image.memory_mb;
     if (!std::isfinite(row.error)) row.unusable = "a displacement is not finite";
     rows_.push_back(std::move(row));
   }
 
-  /// Where tissue is seen: by size of elements, and by level.
-  void Pictures() {
+  /// Where tissue is seen: by size of elements, and by model.
+  void Images() {
     RunContext quiet;
     quiet.stop = context_.stop;
     const double finest_mm = quick_ ? 4.0 : 3.0;
     const std::string name = "elements of " + RoundedText(finest_mm, 3) + " mm";
-    Progress("pictures", 0.97);
-    const TissuePicture finest = PictureOfFem(finest_mm, tables_, samples_, quiet);
-    TissuePicture usual;
+    Progress("images", 0.97);
+    const TissueImage finest = ImageOfFem(finest_mm, tables_, samples_, quiet);
+    TissueImage usual;
     for (const double size_mm : {12.0, 6.0, 4.0}) {
-      usual = PictureOfFem(size_mm, tables_, samples_, quiet);
-      AddPicture("picture, element_size_mm", RoundedText(size_mm, 3), kFem, usual, finest, name);
+      usual = ImageOfFem(size_mm, tables_, samples_, quiet);
+      AddImage("image, element_size_mm", RoundedText(size_mm, 3), kFem, usual, finest, name);
       rows_.back().is_default = size_mm == kDefaultElementMm;
     }
-    AddPicture("picture, element_size_mm", RoundedText(finest_mm, 3), kFem, finest, finest, name);
-    const std::string knob = "picture, level";
-    AddPicture(knob, "3D", kFem, usual, finest, name);
-    AddPicture(knob, "2D, 361 nodes", "2D of 2010", PictureOfPlane(tables_, samples_), finest,
-               name);
-    AddPicture(knob, "springs", "springs of 2016", PictureOfSprings(tables_, samples_), finest,
-               name);
-    AddPicture(knob, "displacement functions", "functions of 2021",
-               PictureOfFunctions(tables_, samples_), finest, name);
+    AddImage("image, element_size_mm", RoundedText(finest_mm, 3), kFem, finest, finest, name);
+    const std::string knob = "image, model";
+    AddImage(knob, "3D", kFem, usual, finest, name);
+    AddImage(knob, "2D, 361 nodes", "2D of 2010", ImageOfPlane(tables_, samples_), finest, name);
+    AddImage(knob, "springs", "springs of 2016", ImageOfSprings(tables_, samples_), finest, name);
+    AddImage(knob, "displacement functions", "functions of 2021",
+             ImageOfFunctions(tables_, samples_), finest, name);
     for (std::size_t n = rows_.size() - 3; n < rows_.size(); ++n) rows_[n].is_paper = true;
-    TissuePicture still = finest;
+    TissueImage still = finest;
     std::ranges::fill(still.moved_mm, Eigen::Vector3d(Eigen::Vector3d::Zero()));
-    still.picture_us.assign(1, kNotMeasured);
-    AddPicture(knob, "no deformation", "none", still, finest, name);
+    still.image_us.assign(1, kNotMeasured);
+    AddImage(knob, "no deformation", "none", still, finest, name);
     rows_.back().preparation_s = rows_.back().memory_mb = kNotMeasured;
   }
 
@@ -262,8 +260,8 @@ Sweep TissueSweep() {
       "tissue", "Tissue under the needle",
       "One scripted insertion at 1 kHz, 50 mm into skin (4 mm), fat (16 mm), muscle (16 mm) and "
       "liver, 4 degrees askew, pushed aside by 1 mm and drawn out. Errors in N are root mean "
-      "squares over all samples of the difference of forces. Pictures: tissue in the plane of the "
-      "needle, 60 x 60 mm, 256 x 256 places, when its tip is 30 mm deep; a step is one picture.",
+      "squares over all samples of the difference of forces. Images: tissue in the plane of the "
+      "needle, 60 x 60 mm, 256 x 256 places, when its tip is 30 mm deep; a step is one image.",
       [](bool quick, const RunContext& context) { return TissueSweeper(quick, context).Run(); }};
 }
 

@@ -1,5 +1,5 @@
 // What accuracy costs in tissue: element size and kind, corridor, storage, spacing of contacts,
-// level.
+// model.
 #pragma once
 
 #include "benchmarks/sweep.h"

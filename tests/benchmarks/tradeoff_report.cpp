@@ -15,7 +15,7 @@ namespace acus::benchmarks {
 namespace {
 
 constexpr const char* kHeader =
-    "knob,value,level,error,error_unit,reference,step_us_median,step_us_p999,preparation_s,"
+    "knob,value,model,error,error_unit,reference,step_us_median,step_us_p999,preparation_s,"
     "memory_mb,is_default,is_paper,unusable\n";
 
 /// Commas would make new cells: texts of rows are ours, and keep their sense without.
@@ -84,7 +84,7 @@ report::Plot ErrorOver(const std::vector<Row>& rows, const std::string& unit, do
   report::Series papers{.name = "paper", .style = report::Style::kPoints};
   for (const std::string& knob : Knobs(rows)) {
     report::Series series{.name = knob};
-    if (knob == "level" || knob == "model" || knob == "element" || knob == "storage") {
+    if (knob == "model" || knob == "element" || knob == "storage") {
       series.style = report::Style::kPoints;  // No order to join them in.
     }
     for (const Row& row : rows) {
@@ -131,7 +131,7 @@ nlohmann::json ToJson(const Sweep& sweep, const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     out["rows"].push_back({{"knob", row.knob},
                            {"value", row.value},
-                           {"level", row.level},
+                           {"model", row.model},
                            {"error", known(row.error)},
                            {"error_unit", row.error_unit},
                            {"reference", row.reference},
@@ -178,7 +178,7 @@ std::string CsvText(const std::vector<Row>& rows) {
   std::string out = kHeader;
   for (const Row& row : rows) {
     for (const std::string& cell :
-         {Cell(row.knob), Cell(row.value), Cell(row.level), Cell(row.error), Cell(row.error_unit),
+         {Cell(row.knob), Cell(row.value), Cell(row.model), Cell(row.error), Cell(row.error_unit),
           Cell(row.reference), Cell(row.step_us_median), Cell(row.step_us_p999),
           Cell(row.preparation_s), Cell(row.memory_mb)}) {
       out += cell + ",";

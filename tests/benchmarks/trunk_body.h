@@ -1,4 +1,4 @@
-// A trunk of ellipsoids: as a CT for pictures, and in closed form to hold them against.
+// A trunk of ellipsoids: as a CT for images, and in closed form to hold them against.
 #pragma once
 
 #include <Eigen/Dense>

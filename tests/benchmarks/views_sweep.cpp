@@ -31,29 +31,29 @@ struct ViewSetting {
   volume_rendering::RaySettings rays;
 };
 
-struct TimedPicture {
-  volume_rendering::ViewPicture picture;
+struct TimedImage {
+  volume_rendering::ViewImage image;
   std::vector<double> times_us;
 };
 
-/// Root mean square of the difference of all channels. Pictures of fewer pixels count as if each of
-/// theirs were a block of `dearest`.
-double GreyLevels(const image::ColourImage& image, const image::ColourImage& dearest) {
-  const int block = dearest.width / image.width;
+/// Root mean square of the difference of all channels. Images of fewer pixels count as if each of
+/// theirs were a block of `most expensive`.
+double GreyLevels(const image::ColourImage& image, const image::ColourImage& most_expensive) {
+  const int block = most_expensive.width / image.width;
   double sum = 0.0;
-  for (int row = 0; row < dearest.height; ++row) {
-    for (int column = 0; column < dearest.width; ++column) {
-      const auto of_dearest = 3 * (static_cast<std::size_t>(row) * dearest.width + column);
+  for (int row = 0; row < most_expensive.height; ++row) {
+    for (int column = 0; column < most_expensive.width; ++column) {
+      const auto of_dearest = 3 * (static_cast<std::size_t>(row) * most_expensive.width + column);
       const auto of_image = 3 * (static_cast<std::size_t>(row / block) * image.width +
                                  static_cast<std::size_t>(column / block));
       for (std::size_t channel = 0; channel < 3; ++channel) {
-        const double off =
-            static_cast<double>(image.rgb[of_image + channel]) - dearest.rgb[of_dearest + channel];
+        const double off = static_cast<double>(image.rgb[of_image + channel]) -
+                           most_expensive.rgb[of_dearest + channel];
         sum += off * off;
       }
     }
   }
-  return std::sqrt(sum / (3.0 * dearest.width * dearest.height));
+  return std::sqrt(sum / (3.0 * most_expensive.width * most_expensive.height));
 }
 
 class ViewsSweeper {
@@ -66,10 +66,10 @@ class ViewsSweeper {
 
   std::vector<Row> Run() {
     for (const int detail : {1, 2, 4}) Fluoroscopy("detail", detail, detail, 512);
-    for (const int side : Sides()) Fluoroscopy("picture_px", side, 2, side);
+    for (const int side : Sides()) Fluoroscopy("image_px", side, 2, side);
     RaySteps("skin");
     RaySteps("bone");
-    PictureSizes();
+    ImageSizes();
     Sweep("supersampling", {1, 2}, 4, 2,
           [](ViewSetting& s, double v) { s.supersampling = static_cast<int>(v); });
     Sweep("warp_tolerance_mm", {0.002, 0.01, 0.05, 0.15}, 0.0, 0.15,
@@ -90,14 +90,14 @@ class ViewsSweeper {
   }
   int Times() const { return quick_ ? 2 : 5; }
 
-  Row RowOf(const std::string& knob, const std::string& value, const char* level,
+  Row RowOf(const std::string& knob, const std::string& value, const char* model,
             const std::vector<double>& times_us) {
     context_.Checkpoint(knob + " " + value,
                         std::min(0.99, 0.02 * static_cast<double>(rows_.size())));
     Row row;
     row.knob = knob;
     row.value = value;
-    row.level = level;
+    row.model = model;
     row.step_us_median = math::Median(times_us);
     row.step_us_p999 = math::Quantile(times_us, 1.0);
     return row;
@@ -147,7 +147,7 @@ class ViewsSweeper {
     return 100.0 * std::sqrt(sum / count);
   }
 
-  TimedPicture Rendered(const ViewSetting& setting, int times) const {
+  TimedImage Rendered(const ViewSetting& setting, int times) const {
     volume_rendering::PatientInView patient;
     patient.ct = ct_;
     patient.layers = {{setting.layer, 1.0}};
@@ -156,16 +156,16 @@ class ViewsSweeper {
     settings.rays = setting.rays;
     settings.supersampling = setting.supersampling;
     volume_rendering::PatientView view(patient, settings);
-    const volume_rendering::PictureSize size{setting.side_px, setting.side_px};
+    const volume_rendering::ImageSize size{setting.side_px, setting.side_px};
     const volume_rendering::Camera camera =
         LookAt(ViewFrom("oblique", view.box_in_ct_mm(), size), size);
     breathing::MotionWeights weights;
     weights.Add(0, 0.9);
     const breathing::MotionMap motion(field_, weights);
-    TimedPicture out;
+    TimedImage out;
     for (int n = 0; n < times; ++n) {
       const double before_s = ThreadCpuSeconds();
-      view.Render(camera, {.motion = setting.breathing ? &motion : nullptr}, out.picture, 1);
+      view.Render(camera, {.motion = setting.breathing ? &motion : nullptr}, out.image, 1);
       out.times_us.push_back(1e6 * (ThreadCpuSeconds() - before_s));
     }
     return out;
@@ -177,30 +177,32 @@ class ViewsSweeper {
     return setting;
   }
 
-  void Add(const std::string& knob, const std::string& value, const TimedPicture& of,
-           const image::ColourImage& dearest, const std::string& reference, bool is_default) {
+  void Add(const std::string& knob, const std::string& value, const TimedImage& of,
+           const image::ColourImage& most_expensive, const std::string& reference,
+           bool is_default) {
     Row row = RowOf(std::string(kVolume) + ": " + knob, value, kVolume, of.times_us);
-    row.error = GreyLevels(of.picture.colour, dearest);
+    row.error = GreyLevels(of.image.colour, most_expensive);
     row.error_unit = kGrey;
     row.reference = reference;
     row.is_default = is_default;
     rows_.push_back(std::move(row));
   }
 
-  void Sweep(const std::string& knob, const std::vector<double>& values, double dearest,
+  void Sweep(const std::string& knob, const std::vector<double>& values, double most_expensive,
              double usual, const std::function<void(ViewSetting&, double)>& turn,
              const std::string& layer = "skin") {
     ViewSetting setting = Usual();
     setting.layer = layer;
-    turn(setting, dearest);
-    const TimedPicture reference = Rendered(setting, Times());
-    const std::string name = RoundedText(dearest, 3);
+    turn(setting, most_expensive);
+    const TimedImage reference = Rendered(setting, Times());
+    const std::string name = RoundedText(most_expensive, 3);
     for (const double value : values) {
       turn(setting, value);
-      Add(knob, RoundedText(value, 3), Rendered(setting, Times()), reference.picture.colour,
+      Add(knob, RoundedText(value, 3), Rendered(setting, Times()), reference.image.colour,
           "the same at " + name, value == usual);
     }
-    Add(knob, name, reference, reference.picture.colour, "the same at " + name, dearest == usual);
+    Add(knob, name, reference, reference.image.colour, "the same at " + name,
+        most_expensive == usual);
   }
 
   /// At rest, so that the step alone matters.
@@ -216,13 +218,13 @@ class ViewsSweeper {
         layer);
   }
 
-  void PictureSizes() {
+  void ImageSizes() {
     ViewSetting setting = Usual();
     setting.side_px = 2 * Sides().back();
-    const TimedPicture dearest = Rendered(setting, 1);
+    const TimedImage most_expensive = Rendered(setting, 1);
     for (const int side : Sides()) {
       setting.side_px = side;
-      Add("picture_px", std::to_string(side), Rendered(setting, Times()), dearest.picture.colour,
+      Add("image_px", std::to_string(side), Rendered(setting, Times()), most_expensive.image.colour,
           "the same at " + std::to_string(2 * Sides().back()), false);
     }
   }
@@ -232,12 +234,12 @@ class ViewsSweeper {
     for (const char* layer : {"skin", "bone"}) {
       ViewSetting setting = Usual();
       setting.layer = layer;
-      const TimedPicture breathing = Rendered(setting, Times());
+      const TimedImage breathing = Rendered(setting, Times());
       setting.breathing = false;
-      const TimedPicture still = Rendered(setting, Times());
+      const TimedImage still = Rendered(setting, Times());
       for (const bool moves : {false, true}) {
         Add("breath, " + std::string(layer), moves ? "breathing" : "at rest",
-            moves ? breathing : still, breathing.picture.colour, "breathing", moves);
+            moves ? breathing : still, breathing.image.colour, "breathing", moves);
         rows_.back().error_unit = "grey levels of change";
       }
     }
@@ -257,7 +259,7 @@ Sweep ViewsSweep() {
           "A trunk of ellipsoids in a CT of 256 x 256 x 256 voxels, one thread. Fluoroscopy: root "
           "mean square of the relative error of rays against their sums in closed form. Volume "
           "rendering: root mean square over all channels against the dearest setting. A step is "
-          "one picture.",
+          "one image.",
           [](bool quick, const RunContext& context) { return ViewsSweeper(quick, context).Run(); }};
 }
 

@@ -1,4 +1,4 @@
-// What accuracy costs in the pictures besides ultrasound: fluoroscopy and volume rendering.
+// What accuracy costs in the images besides ultrasound: fluoroscopy and volume rendering.
 #pragma once
 
 #include "benchmarks/sweep.h"

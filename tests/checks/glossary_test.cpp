@@ -180,6 +180,32 @@ TEST(Glossary, FindsWordsInLiterals) {
   EXPECT_EQ(texts[0].text, "a \\\"picture\\\"");
 }
 
+/// A line of a source without comment and literals.
+std::string Code(std::string line) {
+  static const std::regex literal(R"re("(?:\\.|[^"\\])*")re");
+  line = std::regex_replace(line, literal, "\"\"");
+  return line.substr(0, line.find("//"));
+}
+
+TEST(Glossary, IdentifiersUseItsWords) {
+  // Only those that no other word of an identifier contains.
+  const std::vector<std::string> avoid = {"picture", "dearest", "fidelity"};
+  for (const std::string& file : FilesWithMessages()) {
+    if (file.ends_with(".json")) continue;
+    std::istringstream in(ReadTextFile(kGlossaryRoot / file));
+    int number = 0;
+    for (std::string line; std::getline(in, line);) {
+      ++number;
+      const std::string code = InLowerCase(Code(line));
+      for (const std::string& word : avoid) {
+        EXPECT_EQ(code.find(word), code.npos) << file << ":" << number << ": " << line;
+      }
+    }
+  }
+  EXPECT_EQ(Code("int a = Of(\"a \\\"picture\\\"\", b);  // Of a picture"),
+            "int a = Of(\"\", b);  ");
+}
+
 TEST(Glossary, PagesUseItsWords) {
   const std::vector<GlossaryWord> words = WordsToAvoid();
   ASSERT_GT(words.size(), 50u);

@@ -12,9 +12,9 @@ acus_add_cli_case(acus-camera.no_board EXIT 4 LEAVES_NOTHING TIMEOUT 300
   BEFORE "acus-camera sample --count 1 -o sample"
   STDERR "only 1 images show enough of the board, 6 are needed"
   COMMAND acus-camera calibrate sample/board -o calibrated)
-acus_add_cli_case(acus-camera.no_picture EXIT 3 LEAVES_NOTHING BEFORE "mkdir empty"
+acus_add_cli_case(acus-camera.no_image EXIT 3 LEAVES_NOTHING BEFORE "mkdir empty"
   STDERR "empty: there is no image in it" COMMAND acus-camera calibrate empty -o calibrated)
-acus_add_cli_case(acus-camera.broken_picture EXIT 3 LEAVES_NOTHING
+acus_add_cli_case(acus-camera.broken_image EXIT 3 LEAVES_NOTHING
   BEFORE "mkdir broken\necho no > broken/a.png"
   STDERR "broken/a.png: is not an image" COMMAND acus-camera track broken -o tracked)
 acus_add_cli_case(acus-camera.other_size EXIT 3 LEAVES_NOTHING TIMEOUT 300

@@ -4,7 +4,7 @@
 # Usage: check_tradeoff.sh tradeoff.csv
 set -euo pipefail
 csv=$1
-columns=knob,value,level,error,error_unit,reference,step_us_median,step_us_p999,preparation_s
+columns=knob,value,model,error,error_unit,reference,step_us_median,step_us_p999,preparation_s
 columns+=,memory_mb,is_default,is_paper,unusable
 [[ $(head -n 1 "$csv") == "$columns" ]] || { echo "other columns: $(head -n 1 "$csv")"; exit 1; }
 unusable=$(awk -F, 'NR > 1 && $13 != ""' "$csv")

@@ -146,7 +146,7 @@ std::vector<Mutation> Mutations(const std::string& name, const Bytes& valid) {
   std::vector<Mutation> mutations = {{"empty", ""},
                                      {"words", "These are words.\n"},
                                      {"zeros", Bytes(4096, '\0')},
-                                     {"picture", "\x89PNG\r\n\x1a\n" + Bytes(100, 'x')}};
+                                     {"image", "\x89PNG\r\n\x1a\n" + Bytes(100, 'x')}};
   for (int i = 0; i < kTruncations; ++i) {
     RandomStream random(1, "truncate " + name, static_cast<std::uint64_t>(i));
     const auto size =

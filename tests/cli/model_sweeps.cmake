@@ -14,7 +14,7 @@ acus_add_cli_case(model_sweeps.needle EXIT 0 TIMEOUT 120 STDOUT "^num_nodes" "^s
   CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
   COMMAND ${CMAKE_BINARY_DIR}/tests/model_sweeps needle --quick -o t)
 acus_add_cli_case(model_sweeps.forces EXIT 0 TIMEOUT 120
-  STDOUT "^friction, explicit Euler: step_ms" "^level" "UNUSABLE" "default$"
+  STDOUT "^friction, explicit Euler: step_ms" "^model" "UNUSABLE" "default$"
   CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
   COMMAND ${CMAKE_BINARY_DIR}/tests/model_sweeps forces --quick -o t)
 acus_add_cli_case(model_sweeps.breathing EXIT 0 TIMEOUT 120

@@ -63,7 +63,7 @@ TEST(CameraData, CornersOfRealPhotographs) {
   for (const Photograph& photo :
        {Photograph{"33369213973_9d9bb4cc96_c", 12}, Photograph{"34085369442_304b6bafd9_c", 14},
         Photograph{"34139872896_defdb2f8d9_c", 10}}) {
-    const auto found = detector.Detect(ReadPicture(*folder / (std::string(photo.name) + ".jpg")));
+    const auto found = detector.Detect(ReadImage(*folder / (std::string(photo.name) + ".jpg")));
     const auto listed = ReadListed(*folder / (std::string(photo.name) + ".txt"));
     ASSERT_FALSE(listed.empty());
     std::vector<double> off;

@@ -45,7 +45,7 @@ class RealAbdomen : public ::testing::Test {
     if (!ct_) GTEST_SKIP() << "test data ct/ircadb01_dicom is not here";
   }
 
-  /// A linear probe over a place inside; kept as a file if ACUS_KEEP_PICTURES names a folder.
+  /// A linear probe over a place inside; kept as a file if ACUS_KEEP_IMAGES names a folder.
   void Look(const char* acoustics, const Eigen::Vector3d& inside_mm,
             const Eigen::Vector3d& outwards, const Eigen::Vector3d& marked_side, const char* file) {
     const fs::path configs = fs::path(ACUS_SOURCE_DIR) / "configs";
@@ -54,10 +54,10 @@ class RealAbdomen : public ::testing::Test {
         ProbeOnSkin(slicing::CtSampler(*ct_), inside_mm, outwards, marked_side);
     BModeRenderer renderer(*ct_, probe, ReadBModeOptions(configs / "acoustics" / acoustics));
     renderer.Render(pose, std::nullopt, bmode_);
-    slice_.emplace(*ct_, renderer.picture(), probe.slice_thickness_mm);
+    slice_.emplace(*ct_, renderer.image(), probe.slice_thickness_mm);
     image::GrayImage slice;
     slice_->Render(pose, std::nullopt, slice);
-    if (const char* folder = std::getenv("ACUS_KEEP_PICTURES")) {
+    if (const char* folder = std::getenv("ACUS_KEEP_IMAGES")) {
       image::GrayImage both;
       Screen(probe, Screen::Shows::kBoth).Compose(bmode_, &slice, file, both);
       image::WritePng(fs::path(folder) / file, both);
@@ -66,7 +66,7 @@ class RealAbdomen : public ::testing::Test {
   }
 
   int Row(double depth_mm) const {
-    return static_cast<int>(depth_mm / slice_->picture().axial_mm_per_px);
+    return static_cast<int>(depth_mm / slice_->image().axial_mm_per_px);
   }
   double Mean(int column, int first_row, int end_row) const {
     double sum = 0.0;

@@ -1,7 +1,7 @@
 // Panels of ultrasound for the documentation, from a folder that acus-phantom made:
 //   ultrasound_figures PATIENT PROBE.json FIGURE OUT.png
-// FIGURE: levels - the same moment by every level; vidal, alamilla, beams - the effects of one
-// level, one after the other; dear - the dearer effects of the beams.
+// FIGURE: models - the same moment by every model; vidal, alamilla, beams - the effects of one
+// model, one after the other; expensive - the more expensive effects of the beams.
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -74,23 +74,23 @@ Moment MomentOf(const fs::path& patient, const fs::path& probe) {
 
 struct Panel {
   std::string title;
-  GrayImage picture;
+  GrayImage image;
 };
 
 /// Side by side, `columns` in a row, each with its title.
 GrayImage Joined(const std::vector<Panel>& panels, int columns) {
-  const int width = panels.front().picture.width;
-  const int height = panels.front().picture.height;
+  const int width = panels.front().image.width;
+  const int height = panels.front().image.height;
   const int rows = (static_cast<int>(panels.size()) + columns - 1) / columns;
   GrayImage out;
   out.Resize(columns * width, rows * height);
   for (std::size_t n = 0; n < panels.size(); ++n) {
-    GrayImage picture = panels[n].picture;
-    ultrasound::DrawText(picture, 8, 8, panels[n].title, 255, 0.9);
+    GrayImage image = panels[n].image;
+    ultrasound::DrawText(image, 8, 8, panels[n].title, 255, 0.9);
     const int left = static_cast<int>(n) % columns * width;
     const int top = static_cast<int>(n) / columns * height;
     for (int r = 0; r < height; ++r) {
-      std::copy_n(picture.pixels.data() + static_cast<std::ptrdiff_t>(r) * width, width,
+      std::copy_n(image.pixels.data() + static_cast<std::ptrdiff_t>(r) * width, width,
                   out.pixels.data() + static_cast<std::ptrdiff_t>(top + r) * out.width + left);
     }
   }
@@ -134,7 +134,7 @@ GrayImage Beams(const Moment& m, const ultrasound::BeamOptions& options) {
 
 GrayImage CtSlice(const Moment& m) {
   GrayImage image;
-  slicing::CtSliceRenderer(m.ct, acoustics::PictureOf(m.probe), m.probe.slice_thickness_mm)
+  slicing::CtSliceRenderer(m.ct, acoustics::ImageOf(m.probe), m.probe.slice_thickness_mm)
       .Render(m.ct_from_probe, m.needle, image);
   return image;
 }
@@ -146,7 +146,7 @@ ultrasound::BeamOptions ThreePlanes() {
   return options;
 }
 
-/// All standard effects, and each picture without one of them.
+/// All standard effects, and each image without one of them.
 std::vector<Panel> BeamSteps(const Moment& m) {
   std::vector<Panel> panels{{"all standard effects", Beams(m, ThreePlanes())}};
   const auto without = [&](const char* title, auto&& change) {
@@ -163,7 +163,7 @@ std::vector<Panel> BeamSteps(const Moment& m) {
   return panels;
 }
 
-std::vector<Panel> DearSteps(const Moment& m) {
+std::vector<Panel> ExpensiveSteps(const Moment& m) {
   std::vector<Panel> panels{{"standard effects", Beams(m, ThreePlanes())}};
   ultrasound::BeamOptions options = ThreePlanes();
   options.refraction = options.time_of_flight = true;
@@ -175,7 +175,7 @@ std::vector<Panel> DearSteps(const Moment& m) {
   return panels;
 }
 
-std::vector<Panel> Levels(const Moment& m) {
+std::vector<Panel> Models(const Moment& m) {
   return {{"CT slice", CtSlice(m)},
           {"vidal_2008", Vidal(m, ultrasound::ReadVidalOptions(Acoustics("vidal_2008.json")))},
           {"alamilla_2021",
@@ -214,11 +214,11 @@ std::vector<Panel> AlamillaSteps(const Moment& m) {
 void Run(const fs::path& patient, const fs::path& probe, const std::string& figure,
          const fs::path& out) {
   const Moment moment = MomentOf(patient, probe);
-  const auto panels = figure == "levels"  ? Levels(moment)
-                      : figure == "vidal" ? VidalSteps(moment)
-                      : figure == "beams" ? BeamSteps(moment)
-                      : figure == "dear"  ? DearSteps(moment)
-                                          : AlamillaSteps(moment);
+  const auto panels = figure == "models"      ? Models(moment)
+                      : figure == "vidal"     ? VidalSteps(moment)
+                      : figure == "beams"     ? BeamSteps(moment)
+                      : figure == "expensive" ? ExpensiveSteps(moment)
+                                              : AlamillaSteps(moment);
   image::WritePng(out, Joined(panels, panels.size() > 4 ? 3 : 2));
 }
 
@@ -227,8 +227,9 @@ void Run(const fs::path& patient, const fs::path& probe, const std::string& figu
 
 int main(int argc, char** argv) {
   if (argc != 5) {
-    std::cerr << "usage: ultrasound_figures PATIENT PROBE.json levels|vidal|alamilla|beams|dear "
-                 "OUT.png\n";
+    std::cerr
+        << "usage: ultrasound_figures PATIENT PROBE.json models|vidal|alamilla|beams|expensive "
+           "OUT.png\n";
     return 2;
   }
   try {

@@ -1,4 +1,4 @@
-// Pictures of the window of a live session, of a patient that acus-phantom made:
+// Images of the window of a live session, of a patient that acus-phantom made:
 //   window_figures PATIENT OUT_FOLDER    under xvfb-run
 // Writes window_*.png for docs/clinician_tutorial.md. With --rate it says how fast the window is
 // instead.
@@ -95,7 +95,7 @@ void FilmMannequin(Demo& demo) {
   look.background_top = {0.44F, 0.47F, 0.50F};
   look.background_bottom = {0.30F, 0.36F, 0.40F};
   volume_rendering::PatientView view(mannequin, look);
-  window::VideoPicture& video = demo.frame.video.emplace();
+  window::VideoImage& video = demo.frame.video.emplace();
   const Eigen::Vector3d middle = view.box_in_ct_mm().center();
   video.camera =
       volume_rendering::LookAt({.eye_in_ct_mm = middle + Eigen::Vector3d(-620, -560, 230),
@@ -103,15 +103,15 @@ void FilmMannequin(Demo& demo) {
                                 .up_in_ct = Eigen::Vector3d(0.0, -1.0, 0.0),
                                 .view_angle_deg = 34.0},
                                {.width_px = 640, .height_px = 480});
-  volume_rendering::ViewPicture picture;
+  volume_rendering::ViewImage image;
   volume_rendering::ViewMoment moment;
   moment.needle = demo.frame.needle;
   moment.probe.emplace();
   moment.probe->ct_from_probe = *demo.frame.ct_from_probe;
   moment.probe->probe = demo.frame.ultrasound.probe.get();
   moment.probe->plane = false;
-  view.Render(video.camera, moment, picture, 2);
-  video.picture = std::move(picture.colour);
+  view.Render(video.camera, moment, image, 2);
+  video.image = std::move(image.colour);
   video.pose_valid = true;
 }
 
@@ -132,9 +132,9 @@ Demo Load(const fs::path& patient) {
   options.coupling_gap_mm = 10.0;
   window::DisplayFrame& frame = demo.frame;
   ultrasound::BeamRenderer({.labels = &demo.labels, .acoustics = &table}, probe, options)
-      .Render(*frame.ct_from_probe, frame.needle, frame.ultrasound.picture);
+      .Render(*frame.ct_from_probe, frame.needle, frame.ultrasound.image);
   frame.ultrasound.probe = std::make_shared<acoustics::Probe>(probe);
-  slicing::CtSliceRenderer(*ct, acoustics::PictureOf(probe), 1.0)
+  slicing::CtSliceRenderer(*ct, acoustics::ImageOf(probe), 1.0)
       .Render(*frame.ct_from_probe, frame.needle, frame.ct_slice);
   fluoroscopy::CArmPose c_arm;
   c_arm.isocentre_in_ct_mm = *frame.target_in_ct_mm;
@@ -159,8 +159,8 @@ Demo Load(const fs::path& patient) {
   frame.session_s = 83.4;
   frame.force = {.needle_n = 1.24, .probe_n = 3.1, .limit_n = 5.0};
   frame.latency = {.device_to_force_ms = 0.31,
-                   .tracker_to_picture_ms = 48.0,
-                   .pictures_per_s = 30.0,
+                   .tracker_to_image_ms = 48.0,
+                   .images_per_s = 30.0,
                    .missed_steps = 0};
   frame.status = {{window::Severity::kGood, "Needle and probe are seen. Forces are on."},
                   {window::Severity::kNote, "Recording: liver biopsy, trainee T07."}};
@@ -168,9 +168,9 @@ Demo Load(const fs::path& patient) {
 }
 
 /// Smaller than on the screen: photographs in the text, not measurements.
-void Save(const image::ColourImage& picture, const fs::path& path) {
-  const cv::Mat rgb(picture.height, picture.width, CV_8UC3,
-                    const_cast<std::uint8_t*>(picture.rgb.data()));
+void Save(const image::ColourImage& image, const fs::path& path) {
+  const cv::Mat rgb(image.height, image.width, CV_8UC3,
+                    const_cast<std::uint8_t*>(image.rgb.data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
   cv::resize(bgr, bgr, {}, 0.75, 0.75, cv::INTER_AREA);
@@ -273,7 +273,7 @@ void MeasureViews(const Demo& demo) {
   }
 }
 
-/// Everything moves: needle, probe, camera, pictures.
+/// Everything moves: needle, probe, camera, images.
 void MeasureRate(const Demo& demo) {
   window::Window window(demo.patient, window::WindowSettings());
   testing_support::WindowInput input;
@@ -291,8 +291,8 @@ void MeasureRate(const Demo& demo) {
         frame.needle->tip_in_ct_mm[0] = demo.frame.needle->tip_in_ct_mm[0] + 5.0 * std::sin(phase);
         frame.ct_from_probe = *demo.frame.ct_from_probe *
                               Eigen::AngleAxisd(0.1 * std::sin(phase), Eigen::Vector3d::UnitY());
-        std::ranges::rotate(frame.ultrasound.picture.pixels,
-                            frame.ultrasound.picture.pixels.begin() + 512);
+        std::ranges::rotate(frame.ultrasound.image.pixels,
+                            frame.ultrasound.image.pixels.begin() + 512);
       }
       if (std::string(what) == "camera moves too") {
         frame.video->camera.camera_from_ct =
@@ -304,7 +304,7 @@ void MeasureRate(const Demo& demo) {
     const auto per_frame = [&](double since, clockid_t clock) {
       return 1e3 * (Seconds(clock) - since) / kFrames;
     };
-    std::cout << what << ": " << 1e3 / per_frame(wall, CLOCK_MONOTONIC) << " pictures/s, "
+    std::cout << what << ": " << 1e3 / per_frame(wall, CLOCK_MONOTONIC) << " images/s, "
               << per_frame(thread, CLOCK_THREAD_CPUTIME_ID) << " ms of the window's thread, "
               << per_frame(all, CLOCK_PROCESS_CPUTIME_ID) << " ms of all threads, "
               << window.num_overlays() - overlays << " overlays\n";

@@ -121,7 +121,7 @@ class Sway : public effects::Effect {
              .title = "terms of the sway",
              .unit = "",
              .key = "terms",
-             .levels = {1, 2, 8, 64}}};
+             .values = {1, 2, 8, 64}}};
   }
   std::unique_ptr<const effects::LoadedEffect> Load(const json& settings,
                                                     const effects::PortValues&,
@@ -301,13 +301,13 @@ TEST_F(ToyEffect, IsInALiveSessionThatReplaysToTheSameNumbers) {
   std::size_t width_px = 0;
   double largest_mm = 0.0;
   while (session.Poll()) {
-    if (session.pictures().Refresh()) {
-      const live::LivePicture& picture = session.pictures().Front();
-      if (!picture.effects.empty()) {
-        width_px = static_cast<std::size_t>(picture.effects.front().pixels.gray.width);
-        EXPECT_EQ(picture.effects.front().key, "toy_sway");
+    if (session.images().Refresh()) {
+      const live::LiveImage& image = session.images().Front();
+      if (!image.effects.empty()) {
+        width_px = static_cast<std::size_t>(image.effects.front().pixels.gray.width);
+        EXPECT_EQ(image.effects.front().key, "toy_sway");
       }
-      largest_mm = std::max(largest_mm, std::abs(picture.snapshot.output.effect[0]));
+      largest_mm = std::max(largest_mm, std::abs(image.snapshot.output.effect[0]));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }

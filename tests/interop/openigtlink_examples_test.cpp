@@ -150,15 +150,15 @@ TEST_F(OpenIgtLinkExamples, TheirImagesArrivePixelByPixel) {
   source.Start();
   ASSERT_TRUE(WaitUntil([&] { return source.Image("ImagerClient") != nullptr; }));
   const auto image = source.Image("ImagerClient");
-  ASSERT_EQ(image->picture.width, 256);
-  ASSERT_EQ(image->picture.height, 256);
+  ASSERT_EQ(image->image.width, 256);
+  ASSERT_EQ(image->image.height, 256);
   std::set<std::vector<std::uint8_t>> theirs;
   for (int i = 1; i <= 5; ++i) {
     std::ifstream in(std::string(ACUS_IGTL_IMAGES) + "/igtlTestImage" + std::to_string(i) + ".raw",
                      std::ios::binary);
     theirs.insert({std::istreambuf_iterator<char>(in), {}});
   }
-  EXPECT_TRUE(theirs.contains(image->picture.pixels));
+  EXPECT_TRUE(theirs.contains(image->image.pixels));
 }
 
 TEST_F(OpenIgtLinkExamples, TheirStatusIsShown) {
@@ -174,9 +174,9 @@ TEST_F(OpenIgtLinkExamples, TheirReceiverUnderstandsAllThatWeSend) {
   const Example receiver(folder_.path(), "ReceiveClient",
                          {"127.0.0.1", std::to_string(server_.port())});
   ASSERT_TRUE(WaitUntil([&] { return server_.status().clients == 1; }));
-  Picture picture{.width = 320, .height = 240, .channels = 1};
-  picture.pixels.assign(320 * 240, 1);
-  server_.SendPicture("Ultrasound", picture, MonotonicNs());
+  Image image{.width = 320, .height = 240, .channels = 1};
+  image.pixels.assign(320 * 240, 1);
+  server_.SendImage("Ultrasound", image, MonotonicNs());
   server_.SetStatus(true, "all is well");
   EXPECT_TRUE(Serve([&] { return receiver.Says().find("33.125") != std::string::npos; }));
   const std::string said = receiver.Says();

@@ -1,4 +1,4 @@
-// What breathing may cost: in the hand's step, in a picture, in memory; for every motion model, and
+// What breathing may cost: in the hand's step, in an image, in memory; for every motion model, and
 // whatever the resolution of its field.
 #include <algorithm>
 #include <chrono>
@@ -13,8 +13,8 @@
 #include "acus/base/core/error.h"
 #include "acus/base/math/statistics.h"
 #include "acus/scene/simulation/breathing_scene.h"
-#include "acus/scene/simulation/image_level.h"
 #include "acus/scene/simulation/simulation.h"
+#include "acus/scene/simulation/ultrasound_model.h"
 #include "support/bending_scene.h"
 #include "support/breathing_patients.h"
 #include "support/paired_times.h"
@@ -173,9 +173,9 @@ TEST(BreathingSpeed, TwentyFiveDisplacementsTakeTwoMicrosecondsAtAnyResolution) 
 }
 
 /// CT, labels and the four levels of image, as large as those of a real patient.
-class Pictures {
+class Images {
  public:
-  Pictures() : ct_(testing_support::AbdomenCt()), labels_(ct_.geometry) {
+  Images() : ct_(testing_support::AbdomenCt()), labels_(ct_.geometry) {
     for (std::size_t n = 0; n < ct_.voxels.size(); ++n) {
       const char* tissue = ct_.voxels[n] > 400 ? "bone" : "liver";
       if (ct_.voxels[n] > -500) labels_.voxels[n] = volume::LabelOf(tissue);
@@ -186,7 +186,7 @@ class Pictures {
   }
 
   /// The levels of image, with the presets that are shipped for them.
-  std::map<std::string, simulation::ImageLevel> Levels() const {
+  std::map<std::string, simulation::UltrasoundModel> Levels() const {
     const std::filesystem::path acoustics =
         std::filesystem::path(ACUS_SOURCE_DIR) / "configs/acoustics";
     const acoustics::Probe probe = testing_support::FullLinearProbe();
@@ -196,7 +196,7 @@ class Pictures {
     beams_of_ct.from_ct = true;
     beams_of_ct.from_labels = false;
     const simulation::ImagePatient patient{&ct_, &labels_};
-    std::map<std::string, simulation::ImageLevel> levels;
+    std::map<std::string, simulation::UltrasoundModel> levels;
     const auto add = [&](const char* name, const acoustics::Probe& by,
                          const simulation::ImageSettings& settings) {
       levels.try_emplace(name, patient, by, settings);
@@ -218,8 +218,8 @@ class Pictures {
   volume::LabelMap labels_;
 };
 
-/// A picture without breathing, and with it, by nodes of the field along each axis.
-struct PictureTimes {
+/// An image without breathing, and with it, by nodes of the field along each axis.
+struct ImageTimes {
   testing_support::LeastTime still;
   std::map<int, testing_support::LeastTime> breathing;
 
@@ -230,9 +230,9 @@ struct PictureTimes {
   }
 };
 
-PictureTimes TimePictures(simulation::ImageLevel& level,
-                          const std::map<int, simulation::Breathing>& patients) {
-  PictureTimes times;
+ImageTimes TimeImages(simulation::UltrasoundModel& level,
+                      const std::map<int, simulation::Breathing>& patients) {
+  ImageTimes times;
   image::GrayImage image;
   int n = 0;
   const auto measure = [&] {
@@ -253,19 +253,19 @@ PictureTimes TimePictures(simulation::ImageLevel& level,
 
 /// Of one model of motion, every level that is not among `done` yet; those that keep the bounds are
 /// from then on. The patient is made anew: where his field lies in memory is a matter of luck.
-std::map<std::string, PictureTimes> TimeLevels(
-    const Pictures& pictures, MotionKind kind,
-    std::map<std::string, simulation::ImageLevel>& levels, std::set<std::string>& done) {
-  std::map<std::string, PictureTimes> times;
+std::map<std::string, ImageTimes> TimeLevels(
+    const Images& images, MotionKind kind,
+    std::map<std::string, simulation::UltrasoundModel>& levels, std::set<std::string>& done) {
+  std::map<std::string, ImageTimes> times;
   std::map<int, simulation::Breathing> patients;
   for (auto& [name, level] : levels) {
     if (done.contains(name)) continue;
     for (const int nodes : {64, 256}) {
       if (!patients.contains(nodes)) {
-        patients.emplace(nodes, pictures.Patient(kind, nodes).Make());
+        patients.emplace(nodes, images.Patient(kind, nodes).Make());
       }
     }
-    const PictureTimes& now = times[name] = TimePictures(level, patients);
+    const ImageTimes& now = times[name] = TimeImages(level, patients);
     std::printf("  %-10s %-15s %.2f times with 64^3, %.2f with 256^3\n",
                 std::string(NameOf(kind)).c_str(), name.c_str(), now.ShareOf(64), now.ShareOf(256));
     if (now.KeepTheBounds()) done.insert(name);
@@ -278,8 +278,8 @@ std::map<std::string, PictureTimes> TimeLevels(
 // memory slow the large field for seconds: what does not hold is measured again after the others.
 TEST(BreathingSpeed, AnImageTakesAtMostFortyPercentMore) {
   constexpr int kPasses = 8;
-  const Pictures pictures;
-  auto levels = pictures.Levels();
+  const Images images;
+  auto levels = images.Levels();
   std::map<MotionKind, std::set<std::string>> done;
   for (int pass = 0; pass < kPasses; ++pass) {
     const auto is_done = [&](const auto& of_kind) {
@@ -288,7 +288,7 @@ TEST(BreathingSpeed, AnImageTakesAtMostFortyPercentMore) {
     if (pass > 0 && std::ranges::all_of(done, is_done)) break;
     if (pass > 0) std::this_thread::sleep_for(std::chrono::seconds(5));
     for (const MotionKind kind : kAllMotionKinds) {
-      const auto times = TimeLevels(pictures, kind, levels, done[kind]);
+      const auto times = TimeLevels(images, kind, levels, done[kind]);
       if (pass + 1 < kPasses) continue;
       for (const auto& [name, of_level] : times) {
         const std::string what = Message(NameOf(kind), " ", name);

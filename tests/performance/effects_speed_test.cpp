@@ -1,4 +1,4 @@
-// Removing an effect never slows anything down: not the steps, not the pictures that are left, not
+// Removing an effect never slows anything down: not the steps, not the images that are left, not
 // the start, and not in memory. CPU times of runs in turns.
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -46,7 +46,7 @@ json Without(json effects, const std::string& effect) {
   return effects;
 }
 
-/// CPU time, ms, of all steps together and of each kind of picture, by round.
+/// CPU time, ms, of all steps together and of each kind of image, by round.
 using Costs = std::map<std::string, std::vector<double>>;
 
 Scene SceneOf(const json& effects) {
@@ -67,9 +67,9 @@ class Measured {
     Keep("steps", 1e3 * (ThreadCpuSeconds() - begin_s));
     testing_support::Outputs out;
     const Snapshot now = run.Now();
-    run.Pictures(now, out);  // Buffers are made now.
+    run.RenderImages(now, out);  // Buffers are made now.
     StageTimes times;
-    run.Pictures(now, out, &times);
+    run.RenderImages(now, out, &times);
     for (const PlannedStage& stage : scene_.plan.stages()) {
       if (!stage.in || stage.rate != "image" || times.Of(stage.id).runs == 0) continue;
       Keep(std::string(stage.name), 1e3 * times.Of(stage.id).seconds);

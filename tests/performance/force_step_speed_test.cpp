@@ -7,18 +7,18 @@
 #include "acus/base/math/statistics.h"
 #include "acus/physics/forces/force_model.h"
 #include "acus/physics/forces/vidal_probe.h"
-#include "benchmarks/force_levels.h"
+#include "benchmarks/force_model_cases.h"
 #include "support/force_scenes.h"
 
 namespace acus::benchmarks {
 namespace {
 
-// Every force model, tissue of every level, a needle of 25 nodes, and the probe, one after the
+// Every force model, tissue of every model, a needle of 25 nodes, and the probe, one after the
 // other in one step: more than any scene calls for. Measured 16 us (2.6 GHz).
 TEST(ForceStepSpeed, EveryComponentTogetherTakesLessThanFiftyMicroseconds) {
-  const std::vector<ForceLevel> levels = ForceLevels({}, {});
+  const std::vector<ForceModelCase> models = ForceModelCases({}, {});
   std::vector<std::function<forces::NeedleForce(const tissue::ToolSample&)>> needles;
-  for (const ForceLevel& level : levels) needles.push_back(level.begin());
+  for (const ForceModelCase& model : models) needles.push_back(model.begin());
   const testing_support::LayeredBodyField body(
       {{0.0, "skin", 20}, {2.0, "fat", -100}, {20.0, "bone", 900}});
   const forces::VidalProbe probe(testing_support::ShippedTable("vidal.json"), body);
@@ -47,7 +47,7 @@ TEST(ForceStepSpeed, EveryComponentTogetherTakesLessThanFiftyMicroseconds) {
   }
   EXPECT_GT(felt_n, 1000.0);
   for (std::size_t i = 0; i < part_us.size(); ++i) {
-    std::printf("  %-16s %6.2f us\n", i < levels.size() ? levels[i].name.c_str() : "probe",
+    std::printf("  %-16s %6.2f us\n", i < models.size() ? models[i].name.c_str() : "probe",
                 math::Median(part_us[i]));
   }
   std::printf("  %-16s %6.2f us\n", "all", math::Median(all_us));

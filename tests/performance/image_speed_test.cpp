@@ -1,4 +1,4 @@
-// Pictures against the time that vtkImageReslice takes for the slice alone: the same CT, the same
+// Images against the time that vtkImageReslice takes for the slice alone: the same CT, the same
 // plane, two threads each, in turns. bench_reslice gives the numbers at length.
 #include <chrono>
 #include <cstdio>
@@ -39,10 +39,10 @@ const volume::CtVolume& Ct() {
 /// most the most.
 template <typename Render>
 void ExpectShareAtMost(double limit, const Render& render) {
-  const image::ImageGeometry picture = acoustics::PictureOf(FullLinearProbe());
-  VtkReslice multithreader(Ct(), picture, kThreads, VtkReslice::Threads::kMultiThreader);
-  VtkReslice smp(Ct(), picture, kThreads, VtkReslice::Threads::kSmp);
-  VtkReslice single(Ct(), picture, 1, VtkReslice::Threads::kMultiThreader);
+  const image::ImageGeometry image = acoustics::ImageOf(FullLinearProbe());
+  VtkReslice multithreader(Ct(), image, kThreads, VtkReslice::Threads::kMultiThreader);
+  VtkReslice smp(Ct(), image, kThreads, VtkReslice::Threads::kSmp);
+  VtkReslice single(Ct(), image, 1, VtkReslice::Threads::kMultiThreader);
   LeastTime theirs;
   LeastTime ours;
   LeastTime their_single;
@@ -69,9 +69,9 @@ void ExpectShareAtMost(double limit, const Render& render) {
 
 // Fast, but the same?
 TEST(ImageSpeed, TheSliceIsThatOfVtk) {
-  const image::ImageGeometry picture = acoustics::PictureOf(FullLinearProbe());
-  VtkReslice reslice(Ct(), picture, kThreads, VtkReslice::Threads::kMultiThreader);
-  slicing::CtSliceRenderer slice(Ct(), picture, 3.0);
+  const image::ImageGeometry image = acoustics::ImageOf(FullLinearProbe());
+  VtkReslice reslice(Ct(), image, kThreads, VtkReslice::Threads::kMultiThreader);
+  slicing::CtSliceRenderer slice(Ct(), image, 3.0);
   for (const int n : {0, 31, 57}) {
     EXPECT_LT(testing_support::LargestDifferenceHu(reslice, slice, SwayingProbe(n)), 1.0);
   }

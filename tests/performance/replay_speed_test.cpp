@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr double kSeconds = 30.0;
 
-/// Voxels of 0.6 mm all around the picture, so that no sample is cheap for lying outside.
+/// Voxels of 0.6 mm all around the image, so that no sample is cheap for lying outside.
 volume::Geometry LargeGeometry() {
   volume::Geometry geometry;
   geometry.size = {256, 256, 280};

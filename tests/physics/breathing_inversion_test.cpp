@@ -1,5 +1,5 @@
 // How well the inverse of a breathing patient's motion is found on the fly, for every motion model:
-// at the hand's rate, and in pictures (Fortmeier-2016, sections 2.1, 2.2 and fig. 11).
+// at the hand's rate, and in images (Fortmeier-2016, sections 2.1, 2.2 and fig. 11).
 #include <gtest/gtest.h>
 
 #include "acus/imaging/volume_rendering/warped_ray.h"
@@ -70,12 +70,12 @@ TEST(BreathingInversion, OneWarmIterationAtAKilohertzIsGoodTo50Micrometres) {
   }
 }
 
-/// Pictures of 150 x 150 mm across the patient, row by row from the neighbour.
+/// Images of 150 x 150 mm across the patient, row by row from the neighbour.
 struct PixelErrors {
   double residual_mm = 0.0;
   double from_fifty_mm = 0.0;
 };
-PixelErrors WorstInPicture(const MotionMap& map, double spacing_mm, int iterations) {
+PixelErrors WorstInImage(const MotionMap& map, double spacing_mm, int iterations) {
   PixelErrors worst;
   const Eigen::Vector3d along = Eigen::Vector3d(0.3, 0.1, 1.0).normalized();
   const Eigen::Vector3d down(0.0, 1.0, 0.0);
@@ -96,7 +96,7 @@ PixelErrors WorstInPicture(const MotionMap& map, double spacing_mm, int iteratio
 }
 
 // Issue: 0.1 mm after five, and five against fifty within a stated error: 0.02 mm. Knots of a
-// picture are 5 mm apart; the first of a row begins from nothing.
+// image are 5 mm apart; the first of a row begins from nothing.
 TEST(BreathingInversion, FiveIterationsPerPixelAreGoodTo100Micrometres) {
   for (const MotionKind kind : kAllMotionKinds) {
     const BreathingPatient patient = Patient(kind);
@@ -104,8 +104,8 @@ TEST(BreathingInversion, FiveIterationsPerPixelAreGoodTo100Micrometres) {
     for (const double cycle : {0.2, 0.5, 0.8}) {
       const MotionMap map(model.field(), model.WeightsAt(patient.BreathAt(cycle)));
       for (const double spacing_mm : {0.5, 5.0}) {
-        const PixelErrors five = WorstInPicture(map, spacing_mm, 5);
-        const PixelErrors one = WorstInPicture(map, spacing_mm, 1);
+        const PixelErrors five = WorstInImage(map, spacing_mm, 5);
+        const PixelErrors one = WorstInImage(map, spacing_mm, 1);
         std::printf("  %-10s cycle %.1f, pixels %.1f mm apart: %.4f mm, to fifty %.4f mm\n",
                     std::string(NameOf(kind)).c_str(), cycle, spacing_mm, five.residual_mm,
                     five.from_fifty_mm);

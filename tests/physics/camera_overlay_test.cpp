@@ -1,5 +1,5 @@
 // The overlay: markers known in CT, through the registration and the pose that the camera found,
-// against where they are in the picture.
+// against where they are in the image.
 #include <gtest/gtest.h>
 #include <iostream>
 
@@ -75,10 +75,10 @@ TEST(CameraOverlay, CtMarkersFallOnThoseOfTheImage) {
     const Eigen::Isometry3d truth =
         FacingPose({random.Uniform(-80, 80), random.Uniform(-40, 40), random.Uniform(900, 1200)},
                    random.Uniform(5, 30), random.Uniform(0, 360), random.Uniform(-30, 30));
-    Picture picture;
+    Image image;
     const ObjectInView shown[] = {{"Reference", truth}, {"Fiducials", truth}};
-    maker.Render(shown, i, picture);
-    const auto seen = detector.Detect(picture, &camera);
+    maker.Render(shown, i, image);
+    const auto seen = detector.Detect(image, &camera);
     const auto pose = LocateObject(mannequin, seen, camera, {}, std::nullopt);
     ASSERT_TRUE(pose) << i;
     for (const DetectedMarker& marker : seen) {

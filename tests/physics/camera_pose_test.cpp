@@ -1,4 +1,4 @@
-// Poses from rendered pictures against the poses that they were rendered with. The tables in
+// Poses from rendered images against the poses that they were rendered with. The tables in
 // docs/models/camera.md are what this prints.
 #include <algorithm>
 #include <cmath>
@@ -64,7 +64,7 @@ Errors Measure(const CameraModel& camera, const FacetSet& set, const std::string
     middle += marker.object_from_marker.translation() / static_cast<double>(object.markers.size());
   }
   Errors errors;
-  Picture picture;
+  Image image;
   for (int i = 0; i < count; ++i) {
     RandomStream random(7, "view of " + name, static_cast<std::uint64_t>(i));
     const Eigen::Vector3d at(random.Uniform(-0.2, 0.2) * view.distance_mm,
@@ -74,8 +74,8 @@ Errors Measure(const CameraModel& camera, const FacetSet& set, const std::string
                    random.Uniform(0, 360), random.Uniform(-180, 180)) *
         object_from_facing.inverse() * Eigen::Translation3d(-middle);
     const ObjectInView shown[] = {{name, truth}};
-    maker.Render(shown, static_cast<std::uint64_t>(i), picture);
-    const auto seen = detector.Detect(picture, &camera);
+    maker.Render(shown, static_cast<std::uint64_t>(i), image);
+    const auto seen = detector.Detect(image, &camera);
     ++errors.views;
     for (const DetectedMarker& marker : seen) {
       for (const Marker& known : object.markers) {
@@ -174,14 +174,13 @@ TEST(CameraPose, JitterOfAnObjectAtRest) {
     const Eigen::Isometry3d truth = FacingPose({20, -30, 1000}, 20, 70, 15) * turn.inverse();
     MannequinCamera maker(camera, set, {}, {.samples = 6, .colour = false});
     MarkerDetector detector(set.dictionary);
-    Picture picture;
+    Image image;
     std::vector<Eigen::Isometry3d> poses;
     std::optional<Eigen::Isometry3d> previous;
     for (std::uint64_t i = 0; i < 30; ++i) {
       const ObjectInView shown[] = {{name, truth}};
-      maker.Render(shown, i, picture);
-      const auto pose =
-          LocateObject(object, detector.Detect(picture, &camera), camera, {}, previous);
+      maker.Render(shown, i, image);
+      const auto pose = LocateObject(object, detector.Detect(image, &camera), camera, {}, previous);
       ASSERT_TRUE(pose);
       previous = pose->camera_from_object;
       poses.push_back(*previous);

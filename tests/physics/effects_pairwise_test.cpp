@@ -30,11 +30,11 @@ Outputs RunOf(const json& effects, const Hands& hands) {
   testing_support::EffectsRun run(scene);
   Outputs out;
   run.Steps(kSteps, hands, &out);
-  run.Pictures(run.Now(), out);
+  run.RenderImages(run.Now(), out);
   return out;
 }
 
-/// An effect, and hands that leave it nothing to do. Pictures are for the eye: whatever they show,
+/// An effect, and hands that leave it nothing to do. Images are for the eye: whatever they show,
 /// nothing that is felt or seen elsewhere may change.
 struct Idle {
   json effects;
@@ -47,6 +47,8 @@ Idle IdleOf(const EffectChoice& choice) {
   if (choice.effects.contains("tissue")) idle.hands = {.needle_in = false, .probe_on = false};
   if (choice.effect == "breathing") idle.effects["breathing"]["amplitude"] = 0;
   if (choice.effect == "pulsating_vessels") idle.effects[choice.effect]["radial_strain"] = 0;
+  if (choice.effect == "peristalsis") idle.effects[choice.effect]["contraction"] = 0;
+  if (choice.effect == "pain_reaction") idle.effects[choice.effect]["amplitude_mm"] = 0;
   return idle;
 }
 
@@ -104,12 +106,12 @@ TEST(Effects, OffAndIdleGiveIdenticalBitsInEveryPair) {
 
 TEST(Effects, ActiveOnesDoShow) {
   // The comparison above could fail: each effect, awake, changes what it is meant to change.
-  const json pictures = {{"ct_slice", json::object()}, {"ultrasound", json::object()}};
-  const Outputs before = RunOf(pictures, {});
-  json moved = pictures;
+  const json images = {{"ct_slice", json::object()}, {"ultrasound", json::object()}};
+  const Outputs before = RunOf(images, {});
+  json moved = images;
   moved["breathing"] = {{"motion", "sinusoid"}};
   EXPECT_NE(RunOf(moved, {}).ct_slice, before.ct_slice);
-  moved = pictures;
+  moved = images;
   moved["tissue"] = {{"model", "springs"}};
   EXPECT_NE(RunOf(moved, {}).ultrasound, before.ultrasound);
   const json felt = {{"needle_force", {{"model", "layered"}}},
@@ -119,7 +121,7 @@ TEST(Effects, ActiveOnesDoShow) {
   with_needle["needle"] = {{"model", "bendable"}};
   EXPECT_NE(RunOf(with_needle, {}).needle_force, at_rest.needle_force);
   const json vessels = {{"centrelines", "vessels.csv"}, {"radial_strain", 0.2}, {"reach_mm", 20}};
-  moved = pictures;
+  moved = images;
   moved["pulsating_vessels"] = vessels;
   EXPECT_NE(RunOf(moved, {}).ct_slice, before.ct_slice);
   EXPECT_NE(RunOf(moved, {}).ultrasound, before.ultrasound);
@@ -127,6 +129,13 @@ TEST(Effects, ActiveOnesDoShow) {
   pulsed["pulsating_vessels"] = vessels;
   EXPECT_NE(RunOf(pulsed, {}).needle_force, at_rest.needle_force);
   EXPECT_NE(RunOf(pulsed, {}).probe_force, at_rest.probe_force);
+  moved = images;
+  moved["peristalsis"] = {{"centrelines", "vessels.csv"}, {"contraction", 0.4}};
+  EXPECT_NE(RunOf(moved, {}).ct_slice, before.ct_slice);
+  json jerked = felt;
+  jerked["pain_reaction"] = {{"tissues", {"skin", "muscle"}}, {"latency_s", 0.0}};
+  EXPECT_NE(RunOf(jerked, {}).needle_force, at_rest.needle_force);
+  EXPECT_NE(RunOf(jerked, {}).probe_force, at_rest.probe_force);
   const auto largest = [](const std::vector<double>& values) {
     return *std::ranges::max_element(values, {}, [](double v) { return std::abs(v); });
   };

@@ -1,4 +1,4 @@
-// A slender cantilever bent far, against the elastica; and what the linear level makes of it.
+// A slender cantilever bent far, against the elastica; and what the linear model makes of it.
 #include <gtest/gtest.h>
 
 #include "acus/physics/mechanics/corotational.h"
@@ -34,7 +34,7 @@ TEST(MechanicsElastica, CorotationalStripBendsAsTheElastica) {
       strip, [](const Eigen::Vector3d& x) { return x.x() == kLengthMm; },
       [](const Eigen::Vector3d&) { return Eigen::Vector3d(0, 0, -1.0 / (2.0 * kHeightMm)); });
   for (const ElementKind kind : kBothElements) {
-    // The mesh's own stiffness in bending, from a load so small that both levels agree: what is
+    // The mesh's own stiffness in bending, from a load so small that both models agree: what is
     // left to see is the turning. The mesh's error in bending is the cantilever test's.
     const double flexibility =
         shape.cwiseProduct(StaticSolver(strip, table, kind).Displacements(shape)).sum();
@@ -50,7 +50,7 @@ TEST(MechanicsElastica, CorotationalStripBendsAsTheElastica) {
       EXPECT_NEAR(-end_mm.z() / kLengthMm, down, 0.005) << load;
       EXPECT_NEAR(-end_mm.x() / kLengthMm, back, 0.005) << load;
       EXPECT_EQ(solution.num_inverted, 0);
-      // The linear level goes down without end and never back.
+      // The linear model goes down without end and never back.
       EXPECT_GT(load / 3.0, down);
       RecordProperty("iterations_" + std::to_string(static_cast<int>(load)) +
                          (kind == ElementKind::kLinear ? "_linear" : "_averaged"),

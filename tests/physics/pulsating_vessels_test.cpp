@@ -92,7 +92,7 @@ class PulsatingScene : public testing::Test {
 
   /// Depth of the upper and of the lower wall in the middle column, mm.
   std::pair<double, double> Walls(const Scene& scene, const image::GrayImage& slice) {
-    const auto geometry = acoustics::PictureOf(*scene.probe);
+    const auto geometry = acoustics::ImageOf(*scene.probe);
     const int column = geometry.width_px / 2;
     const auto depth_mm = [&](double row) {
       return geometry.depth_of_top_row_mm + geometry.axial_mm_per_px * row;

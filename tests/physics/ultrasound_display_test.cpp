@@ -55,11 +55,11 @@ ApertureOptions ApertureSpeckle() {
 /// Standard deviation of the greys within 1.5 mm of the focus, dB.
 template <typename Renderer>
 double SpreadDb(Renderer& renderer, const acoustics::Probe& probe) {
-  const image::ImageGeometry picture = renderer.picture();
+  const image::ImageGeometry geometry = renderer.image();
   const auto row_of = [&](double depth_mm) {
-    return static_cast<int>((depth_mm - picture.depth_of_top_row_mm) / picture.axial_mm_per_px);
+    return static_cast<int>((depth_mm - geometry.depth_of_top_row_mm) / geometry.axial_mm_per_px);
   };
-  const int half = static_cast<int>(4.0 / picture.lateral_mm_per_px);
+  const int half = static_cast<int>(4.0 / geometry.lateral_mm_per_px);
   double sum = 0.0;
   double square = 0.0;
   double count = 0.0;
@@ -67,7 +67,7 @@ double SpreadDb(Renderer& renderer, const acoustics::Probe& probe) {
   for (double z_mm = 2.0; z_mm < 98.0; z_mm += 3.0) {
     renderer.Render(FaceAt(15.0, 0.5, z_mm), std::nullopt, image, 2);
     for (int r = row_of(18.5); r < row_of(21.5); ++r) {
-      for (int c = picture.width_px / 2 - half; c < picture.width_px / 2 + half; ++c) {
+      for (int c = geometry.width_px / 2 - half; c < geometry.width_px / 2 + half; ++c) {
         const double grey = image.At(c, r);
         EXPECT_LT(grey, 255.0);
         sum += grey;
@@ -199,9 +199,9 @@ TEST(UltrasoundCompound, AllAnglesSeeAWireAtItsPlace) {
     }
     ASSERT_GT(sum, 0.0) << angles;
     mean /= sum;
-    const image::ImageGeometry picture = renderer.picture();
-    EXPECT_NEAR((mean.x() - 0.5 * (image.width - 1)) * picture.lateral_mm_per_px, 2.0, 0.12);
-    EXPECT_NEAR(mean.y() * picture.axial_mm_per_px, 20.0, 0.12);
+    const image::ImageGeometry geometry = renderer.image();
+    EXPECT_NEAR((mean.x() - 0.5 * (image.width - 1)) * geometry.lateral_mm_per_px, 2.0, 0.12);
+    EXPECT_NEAR(mean.y() * geometry.axial_mm_per_px, 20.0, 0.12);
   }
 }
 
@@ -266,7 +266,7 @@ TEST(UltrasoundHarmonic, BuildsUpToTheFocus) {
   };
   const image::GrayImage fundamental = greys(false);
   const image::GrayImage harmonic = greys(true);
-  const double mm_per_px = acoustics::PictureOf(probe).axial_mm_per_px;
+  const double mm_per_px = acoustics::ImageOf(probe).axial_mm_per_px;
   for (const double depth_mm : {4.0, 10.0, 20.0, 30.0}) {
     const int row = static_cast<int>(std::lround(depth_mm / mm_per_px));
     const double change_db = (GreyAt(harmonic, row) - GreyAt(fundamental, row)) * 80.0 / 255.0;

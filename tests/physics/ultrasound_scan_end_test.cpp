@@ -53,7 +53,7 @@ class ScanEnd : public testing::Test {
       for (int c = 0; c < image.width; ++c) {
         const Eigen::Vector3d at =
             index_from_ct *
-            (ct_from_probe_ * renderer.picture().probe_from_image() * Eigen::Vector3d(c, r, 0.0));
+            (ct_from_probe_ * renderer.image().probe_from_image() * Eigen::Vector3d(c, r, 0.0));
         // Up to the faces that lines leave through.
         const double depth_mm = std::min({59.5 - at[1], 79.5 - at[0], at[0] + 0.5});
         if (at[1] < 8.0) continue;

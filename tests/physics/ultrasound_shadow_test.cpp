@@ -1,4 +1,4 @@
-// Bone, gas and needle in pictures with a known truth: where the lines are, and how dark it is
+// Bone, gas and needle in images with a known truth: where the lines are, and how dark it is
 // below.
 #include <algorithm>
 #include <cmath>
@@ -135,16 +135,16 @@ Eigen::Vector2d FarthestBright(const image::NeedleInImage& needle, const IsBrigh
   return tip;
 }
 
-TEST(NeedleInPicture, ItsTipIsWithinOnePixelOfTheTruth) {
+TEST(NeedleInImage, ItsTipIsWithinOnePixelOfTheTruth) {
   const volume::CtVolume ct = PlainBody();
-  slicing::CtSliceRenderer slice(ct, acoustics::PictureOf(FineProbe()), 3.0);
+  slicing::CtSliceRenderer slice(ct, acoustics::ImageOf(FineProbe()), 3.0);
   for (const Eigen::Vector2d& shift : {Eigen::Vector2d(0, 0), Eigen::Vector2d(-3.03, 5.07)}) {
     image::NeedleInImage needle = InPlaneNeedle();
     needle.tip_in_ct_mm.head<2>() += shift;
     image::GrayImage image;
     slice.Render(Pose(), needle, image);
     const Eigen::Vector3d truth =
-        slice.picture().ct_from_image(Pose()).inverse() * needle.tip_in_ct_mm;
+        slice.image().ct_from_image(Pose()).inverse() * needle.tip_in_ct_mm;
     const Eigen::Vector2d in_slice =
         FarthestBright(needle, [&](int c, int r) { return slice.hu().row(r)[c] == 4000.0F; });
     EXPECT_LE((in_slice - truth.head<2>()).norm(), 1.0);
@@ -162,7 +162,7 @@ TEST(NeedleInPicture, ItsTipIsWithinOnePixelOfTheTruth) {
   }
 }
 
-TEST(NeedleInPicture, InThePlaneItIsALineWithAShadow) {
+TEST(NeedleInImage, InThePlaneItIsALineWithAShadow) {
   const image::GrayImage image = Render(PlainBody(), InPlaneNeedle());
   // Along the shaft, from the tip at pixel (306, 250) backwards.
   for (int n = 20; n < 250; n += 5) {
@@ -177,7 +177,7 @@ TEST(NeedleInPicture, InThePlaneItIsALineWithAShadow) {
   EXPECT_GT(Mean(image, 330, 480, 300, 500), 20.0);  // Beyond the tip: tissue.
 }
 
-TEST(NeedleInPicture, AcrossThePlaneItIsOneSpot) {
+TEST(NeedleInImage, AcrossThePlaneItIsOneSpot) {
   image::NeedleInImage needle = InPlaneNeedle();
   needle.axis_in_ct << 0, 0, 1;
   needle.tip_in_ct_mm << 35.0, 25.0, 25.0;
@@ -196,7 +196,7 @@ TEST(NeedleInPicture, AcrossThePlaneItIsOneSpot) {
   EXPECT_NEAR(column / bright, 256.0, 1.5);
 }
 
-TEST(NeedleInPicture, OutOfThePlaneItChangesNoPixel) {
+TEST(NeedleInImage, OutOfThePlaneItChangesNoPixel) {
   const volume::CtVolume ct = PlainBody();
   const image::GrayImage without = Render(ct, std::nullopt);
   image::NeedleInImage needle = InPlaneNeedle();
@@ -208,13 +208,13 @@ TEST(NeedleInPicture, OutOfThePlaneItChangesNoPixel) {
   EXPECT_NE(Render(ct, needle).pixels, without.pixels);
 }
 
-TEST(NeedleInPicture, AThinnerSliceShowsLessOfAnObliqueNeedle) {
+TEST(NeedleInImage, AThinnerSliceShowsLessOfAnObliqueNeedle) {
   const volume::CtVolume ct = PlainBody();
   image::NeedleInImage needle = InPlaneNeedle();
   needle.axis_in_ct = Eigen::Vector3d(1.0, 0.8, 0.3).normalized();
   needle.tip_in_ct_mm.z() += 3.0;
   const auto seen_px = [&](double thickness_mm) {
-    slicing::CtSliceRenderer slice(ct, acoustics::PictureOf(FineProbe()), thickness_mm);
+    slicing::CtSliceRenderer slice(ct, acoustics::ImageOf(FineProbe()), thickness_mm);
     image::GrayImage image;
     slice.Render(Pose(), needle, image);
     long n = 0;

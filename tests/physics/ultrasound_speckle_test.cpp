@@ -298,7 +298,7 @@ TEST(BeamNeedle, IsGoneOneAndAHalfSlicesFromThePlane) {
   BeamOptions options;
   options.elevation_planes = 5;
   BeamRenderer renderer({.labels = &labels, .acoustics = &table}, probe, options);
-  const auto picture = [&](std::optional<double> beside_mm) {
+  const auto shown = [&](std::optional<double> beside_mm) {
     std::optional<image::NeedleInImage> needle;
     if (beside_mm) {
       needle.emplace();
@@ -318,11 +318,11 @@ TEST(BeamNeedle, IsGoneOneAndAHalfSlicesFromThePlane) {
     }
     return difference;
   };
-  const image::GrayImage without = picture(std::nullopt);
-  EXPECT_GT(most(without, picture(0.0)), 50);
-  EXPECT_GT(most(without, picture(0.4 * slice_mm)), 20);
+  const image::GrayImage without = shown(std::nullopt);
+  EXPECT_GT(most(without, shown(0.0)), 50);
+  EXPECT_GT(most(without, shown(0.4 * slice_mm)), 20);
   for (const double side : {-1.0, 1.0}) {
-    EXPECT_LE(most(without, picture(side * (1.5 * slice_mm + 0.2))), 1);
+    EXPECT_LE(most(without, shown(side * (1.5 * slice_mm + 0.2))), 1);
   }
 }
 

@@ -1,4 +1,4 @@
-// Hard cases of a needle and of pictures in a patient who breathes, each with a bound.
+// Hard cases of a needle and of images in a patient who breathes, each with a bound.
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -267,10 +267,10 @@ TEST(BreathingNeedle, AStepAllocatesNothing) {
   hard.Expect("allocations in 3000 steps", allocated, Exactly(0));
 }
 
-// Pictures of a field that folds, and that tears: finite, the same bits again, no more than five
+// Images of a field that folds, and that tears: finite, the same bits again, no more than five
 // iterations a knot.
-TEST(BreathingPictures, AFoldingFieldGivesAnImageAndTheSameAgain) {
-  const HardCase hard("A picture of a field that folds, and the same again after another one.");
+TEST(BreathingImages, AFoldingFieldGivesAnImageAndTheSameAgain) {
+  const HardCase hard("An image of a field that folds, and the same again after another one.");
   Scene scene =
       testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
   for (const double largest_mm : {60.0, 150.0}) {
@@ -287,7 +287,7 @@ TEST(BreathingPictures, AFoldingFieldGivesAnImageAndTheSameAgain) {
     renderer.Render(snapshot, second);
     const bool same = first.b_mode.pixels == second.b_mode.pixels &&
                       first.ct_slice.pixels == second.ct_slice.pixels;
-    hard.Expect(Message("same pictures of one moment, field of ", largest_mm, " mm over 120"), same,
+    hard.Expect(Message("same images of one moment, field of ", largest_mm, " mm over 120"), same,
                 Exactly(1));
   }
 }

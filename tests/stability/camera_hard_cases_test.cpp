@@ -17,17 +17,17 @@ class HardView : public testing::Test {
   FacetSet set_ = ReadFacets(ConfigPath("facets/training.json"));
   Eigen::Isometry3d truth_ = FacingPose({30, -100, 1000}, 25, 60, 10);
 
-  Picture Take(const PictureMaking& making) {
+  Image Take(const ImageMaking& making) {
     MannequinCamera maker(camera_, set_, {}, making);
-    Picture picture;
+    Image image;
     const ObjectInView shown[] = {{"Reference", truth_}};
-    maker.Render(shown, 1, picture);
-    return picture;
+    maker.Render(shown, 1, image);
+    return image;
   }
-  std::optional<ObjectPose> Locate(const Picture& picture,
+  std::optional<ObjectPose> Locate(const Image& image,
                                    const std::optional<Eigen::Isometry3d>& previous = {}) {
     MarkerDetector detector(set_.dictionary);
-    return LocateObject(*set_.Find("Reference"), detector.Detect(picture, &camera_), camera_, {},
+    return LocateObject(*set_.Find("Reference"), detector.Detect(image, &camera_), camera_, {},
                         previous);
   }
   void ExpectGood(const HardCase& hard, const std::optional<ObjectPose>& pose, double position_mm,
@@ -41,15 +41,14 @@ class HardView : public testing::Test {
   }
 };
 
-std::uint8_t* PixelAt(Picture& picture, double column, double row) {
-  return picture.pixels.data() +
-         (static_cast<int>(row) * picture.width_px + static_cast<int>(column));
+std::uint8_t* PixelAt(Image& image, double column, double row) {
+  return image.pixels.data() + (static_cast<int>(row) * image.width_px + static_cast<int>(column));
 }
 
-void Cover(Picture& picture, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+void Cover(Image& image, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
            std::uint8_t level) {
   for (int row = static_cast<int>(from[1]); row < to[1]; ++row) {
-    std::fill(PixelAt(picture, from[0], row), PixelAt(picture, to[0], row), level);
+    std::fill(PixelAt(image, from[0], row), PixelAt(image, to[0], row), level);
   }
 }
 
@@ -74,7 +73,7 @@ TEST_F(HardView, Noise) {
 }
 
 TEST_F(HardView, DimAndUneven) {
-  const HardCase hard("White at 90 of 255, and light that falls off by 90 % across the picture.");
+  const HardCase hard("White at 90 of 255, and light that falls off by 90 % across the image.");
   ExpectGood(hard, Locate(Take({.black = 20, .white = 90, .light_gradient = 0.9, .colour = false})),
              0.5, 0.5);
 }
@@ -94,13 +93,13 @@ TEST_F(HardView, FarAndTiny) {
 }
 
 TEST_F(HardView, HalfOutOfTheImage) {
-  const HardCase hard("Half out of the picture.");
+  const HardCase hard("Half out of the image.");
   truth_ = FacingPose({520, -100, 1000}, 25, 60, 10);
   ExpectGood(hard, Locate(Take({.colour = false})), 0.5, 0.5);
 }
 
 TEST_F(HardView, HandOverSixOfEightMarkers) {
-  Picture picture = Take({.colour = false});
+  Image image = Take({.colour = false});
   const auto corner_of = [&](int marker, std::size_t corner) {
     for (const Marker& known : set_.Find("Reference")->markers) {
       if (known.id == marker) return *camera_.Project(truth_ * known.CornersInObjectMm()[corner]);
@@ -112,8 +111,8 @@ TEST_F(HardView, HandOverSixOfEightMarkers) {
   for (const int id : {4, 5, 6, 7}) {
     for (std::size_t k = 0; k < 4; ++k) box.extend(corner_of(id, k));
   }
-  Cover(picture, box.min(), box.max().cwiseMin(Eigen::Vector2d(1279, 719)), 110);
-  const auto pose = Locate(picture);
+  Cover(image, box.min(), box.max().cwiseMin(Eigen::Vector2d(1279, 719)), 110);
+  const auto pose = Locate(image);
   ASSERT_TRUE(pose);
   const HardCase hard("A hand over six of eight markers.");
   EXPECT_LE(pose->corners_used, 16);
@@ -123,37 +122,37 @@ TEST_F(HardView, HandOverSixOfEightMarkers) {
 TEST_F(HardView, FingerOverAnEdge) {
   // A finger from outside covers a third of one marker's edge: that marker cannot be read, or its
   // edge is found from the rest.
-  Picture picture = Take({.colour = false});
+  Image image = Take({.colour = false});
   const Marker& marker = set_.Find("Reference")->markers[0];
   const Eigen::Vector2d a = *camera_.Project(truth_ * marker.CornersInObjectMm()[0]);
   const Eigen::Vector2d b = *camera_.Project(truth_ * marker.CornersInObjectMm()[1]);
   const Eigen::Vector2d middle = 0.5 * (a + b);
-  Cover(picture, middle - Eigen::Vector2d(6, 20), middle + Eigen::Vector2d(6, 2), 150);
+  Cover(image, middle - Eigen::Vector2d(6, 20), middle + Eigen::Vector2d(6, 2), 150);
   const HardCase hard("A finger over a third of one marker's edge.");
-  ExpectGood(hard, Locate(picture), 0.5, 0.5);
+  ExpectGood(hard, Locate(image), 0.5, 0.5);
 }
 
 TEST_F(HardView, Mirrored) {
-  Picture picture = Take({.colour = false});
-  for (int row = 0; row < picture.height_px; ++row) {
-    std::reverse(PixelAt(picture, 0, row), PixelAt(picture, 0, row) + picture.width_px);
+  Image image = Take({.colour = false});
+  for (int row = 0; row < image.height_px; ++row) {
+    std::reverse(PixelAt(image, 0, row), PixelAt(image, 0, row) + image.width_px);
   }
-  EXPECT_FALSE(Locate(picture));
+  EXPECT_FALSE(Locate(image));
 }
 
 TEST_F(HardView, ASheetThatIsThereTwice) {
-  // A copy of one marker elsewhere in the picture: the other seven say which one is ours.
+  // A copy of one marker elsewhere in the image: the other seven say which one is ours.
   FacetSet twice = set_;
   Marker copy = twice.objects[0].markers[2];
   copy.object_from_marker = Eigen::Translation3d(-250, 60, 40) * copy.object_from_marker;
   twice.objects[0].markers.push_back(copy);
   MannequinCamera maker(camera_, twice, {}, {.colour = false});
-  Picture picture;
+  Image image;
   const ObjectInView shown[] = {{"Reference", truth_}};
-  maker.Render(shown, 1, picture);
-  const auto pose = Locate(picture);
+  maker.Render(shown, 1, image);
+  const auto pose = Locate(image);
   ASSERT_TRUE(pose);
-  const HardCase hard("A copy of one marker elsewhere in the picture.");
+  const HardCase hard("A copy of one marker elsewhere in the image.");
   EXPECT_EQ(pose->corners_used, 32);
   ExpectGood(hard, pose, 0.5, 0.5);
 }
@@ -164,10 +163,10 @@ TEST_F(HardView, ASheetThatHasSlipped) {
   slipped.objects[0].markers[5].object_from_marker =
       Eigen::Translation3d(0, 8, 0) * slipped.objects[0].markers[5].object_from_marker;
   MannequinCamera maker(camera_, slipped, {}, {.colour = false});
-  Picture picture;
+  Image image;
   const ObjectInView shown[] = {{"Reference", truth_}};
-  maker.Render(shown, 1, picture);
-  const auto pose = Locate(picture);
+  maker.Render(shown, 1, image);
+  const auto pose = Locate(image);
   ASSERT_TRUE(pose);
   const HardCase hard("One marker was stuck on 8 mm beside its place.");
   hard.Expect("corners left out", pose->corners_rejected, Exactly(4));
@@ -175,19 +174,18 @@ TEST_F(HardView, ASheetThatHasSlipped) {
 }
 
 TEST_F(HardView, NothingThere) {
-  Picture picture = Take({.colour = false});
-  std::fill(picture.pixels.begin(), picture.pixels.end(), std::uint8_t{120});
-  EXPECT_FALSE(Locate(picture));
-  EXPECT_FALSE(Locate(Picture{}));
+  Image image = Take({.colour = false});
+  std::fill(image.pixels.begin(), image.pixels.end(), std::uint8_t{120});
+  EXPECT_FALSE(Locate(image));
+  EXPECT_FALSE(Locate(Image{}));
 }
 
 TEST_F(HardView, NothingButNoise) {
-  const HardCase hard("A picture of static: no pose may be made of it.");
-  Picture picture = Take({.colour = false});
+  const HardCase hard("An image of static: no pose may be made of it.");
+  Image image = Take({.colour = false});
   RandomStream random(5, "static");
-  for (std::uint8_t& level : picture.pixels)
-    level = static_cast<std::uint8_t>(random.Next() & 0xff);
-  hard.Expect("poses found", Locate(picture).has_value(), Exactly(0));
+  for (std::uint8_t& level : image.pixels) level = static_cast<std::uint8_t>(random.Next() & 0xff);
+  hard.Expect("poses found", Locate(image).has_value(), Exactly(0));
 }
 
 /// One small marker from the front has two poses.
@@ -223,7 +221,7 @@ TEST_F(TwoPoses, AWrongOneIsNeverSaidToBeSure) {
 }
 
 TEST_F(TwoPoses, TheImageBeforeDeterminesWhich) {
-  const HardCase hard("Of two poses that fit alike, the one near the picture before is taken.");
+  const HardCase hard("Of two poses that fit alike, the one near the image before is taken.");
   Largest off_deg;
   for (int i = 0; i < 20; ++i) {
     RandomStream random(12, "flat", static_cast<std::uint64_t>(i));

@@ -1,5 +1,5 @@
-// Hard cases of the image, for every level: nothing may crash, hang or depend on threads or on what
-// was drawn before, and each picture has a bound that it keeps.
+// Hard cases of the image, for every model: nothing may crash, hang or depend on threads or on what
+// was drawn before, and each image has a bound that it keeps.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -90,7 +90,7 @@ using Render =
     std::function<void(const Eigen::Isometry3d&, const std::optional<image::NeedleInImage>&,
                        image::GrayImage&, int, const slicing::RestMap*)>;
 
-struct Level {
+struct Model {
   const char* name;
   std::function<Render(const UltrasoundHardCasesBody&, const acoustics::Probe&)> make;
 };
@@ -105,7 +105,7 @@ Render Shared(std::shared_ptr<Renderer> renderer) {
 }
 
 Render MakeBeams(const UltrasoundHardCasesBody& body, acoustics::Probe probe, bool dear) {
-  probe.tgc_db_per_cm = 8.0;  // The other levels lose nothing in muscle.
+  probe.tgc_db_per_cm = 8.0;  // The other models lose nothing in muscle.
   probe.gain_db += 10.0;
   static const acoustics::TissueAcousticsTable table =
       acoustics::ReadTissueAcoustics(Acoustics("tissues.json"));
@@ -118,8 +118,8 @@ Render MakeBeams(const UltrasoundHardCasesBody& body, acoustics::Probe probe, bo
   return Shared(std::make_shared<BeamRenderer>(tissue, probe, options));
 }
 
-const std::vector<Level>& Levels() {
-  static const std::vector<Level> levels = {
+const std::vector<Model>& Models() {
+  static const std::vector<Model> models = {
       {"vidal_2008",
        [](const UltrasoundHardCasesBody& body, const acoustics::Probe& probe) {
          return Shared(std::make_shared<VidalRenderer>(body.ct, probe, DefaultVidalOptions()));
@@ -143,7 +143,7 @@ const std::vector<Level>& Levels() {
          return MakeBeams(body, probe, true);
        }},
   };
-  return levels;
+  return models;
 }
 
 const Eigen::Isometry3d kPose(Eigen::Translation3d(32.0, 4.5, 24.0));
@@ -157,9 +157,9 @@ image::NeedleInImage Needle(const Eigen::Vector3d& tip_mm, const Eigen::Vector3d
   return needle;
 }
 
-image::GrayImage Picture(const Render& render, const Eigen::Isometry3d& pose,
-                         const std::optional<image::NeedleInImage>& needle = std::nullopt,
-                         int threads = 1, const slicing::RestMap* rest = nullptr) {
+image::GrayImage Image(const Render& render, const Eigen::Isometry3d& pose,
+                       const std::optional<image::NeedleInImage>& needle = std::nullopt,
+                       int threads = 1, const slicing::RestMap* rest = nullptr) {
   image::GrayImage image;
   render(pose, needle, image, threads, rest);
   return image;
@@ -188,20 +188,20 @@ double MeanGrey(const image::GrayImage& image, int low, int high, int first_row,
 
 class HardImage : public testing::TestWithParam<int> {
  protected:
-  const Level& level() const { return Levels()[static_cast<std::size_t>(GetParam())]; }
-  std::string Of(const std::string& what) const { return what + ", " + level().name; }
+  const Model& model() const { return Models()[static_cast<std::size_t>(GetParam())]; }
+  std::string Of(const std::string& what) const { return what + ", " + model().name; }
 };
-INSTANTIATE_TEST_SUITE_P(Levels, HardImage, testing::Range(0, 5));
+INSTANTIATE_TEST_SUITE_P(Models, HardImage, testing::Range(0, 5));
 
 TEST_P(HardImage, PlanesOutsideTheVolumeAreDark) {
   const HardCase hard("The probe's plane beside the volume, up to 1000 km away.");
   Largest grey;
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
-  const Render render = level().make(body, SmallProbe(acoustics::ProbeKind::kCurvilinear));
-  ASSERT_GT(Brightest(Picture(render, kPose)), 40) << level().name;
+  const Render render = model().make(body, SmallProbe(acoustics::ProbeKind::kCurvilinear));
+  ASSERT_GT(Brightest(Image(render, kPose)), 40) << model().name;
   for (const double far_mm : {-60.0, -1e3, 1e3, 1e9}) {
     // Beams take what is outside for water, which scatters a little.
-    const image::GrayImage image = Picture(render, Eigen::Translation3d(0, 0, far_mm) * kPose);
+    const image::GrayImage image = Image(render, Eigen::Translation3d(0, 0, far_mm) * kPose);
     grey.Add(MeanGrey(image, 0, 160, 0, 200));
   }
   hard.Expect(Of("mean grey"), grey, Below(1.0));
@@ -213,18 +213,18 @@ TEST_P(HardImage, GrazingPlanesAndFacesAreFinite) {
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
   for (const acoustics::ProbeKind kind :
        {acoustics::ProbeKind::kLinear, acoustics::ProbeKind::kCurvilinear}) {
-    const Render render = level().make(body, SmallProbe(kind));
+    const Render render = model().make(body, SmallProbe(kind));
     for (const double z_mm : {0.0, 0.5, 1e-12, 47.5, 48.0}) {
       Eigen::Isometry3d pose = kPose;
       pose.translation().z() = z_mm;
-      EXPECT_EQ(Picture(render, pose).pixels.size(), 160U * 200U);
+      EXPECT_EQ(Image(render, pose).pixels.size(), 160U * 200U);
     }
     // The face along the skin, along the volume's edge, and upside down.
     for (const double deg : {45.0, 89.999, 90.0, 180.0}) {
       const Eigen::Isometry3d pose =
           kPose * Eigen::AngleAxisd(deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ());
-      const image::GrayImage image = Picture(render, pose);
-      EXPECT_EQ(image.pixels, Picture(render, pose, std::nullopt, 3).pixels) << level().name;
+      const image::GrayImage image = Image(render, pose);
+      EXPECT_EQ(image.pixels, Image(render, pose, std::nullopt, 3).pixels) << model().name;
       if (deg == 180.0) {
         air_grey.Add(MeanGrey(image, 0, 160, 60, 200));
       }
@@ -241,9 +241,9 @@ TEST_P(HardImage, OneVoxelOfBoneIsSeenAndShadows) {
   };
   const UltrasoundHardCasesBody body = MakeBody(with_bone);
   const UltrasoundHardCasesBody without = MakeBody(Muscle);
-  const Render render = level().make(body, SmallProbe());
-  const image::GrayImage image = Picture(render, kPose);
-  const image::GrayImage free = Picture(level().make(without, SmallProbe()), kPose);
+  const Render render = model().make(body, SmallProbe());
+  const image::GrayImage image = Image(render, kPose);
+  const image::GrayImage free = Image(model().make(without, SmallProbe()), kPose);
   const int bone_row = static_cast<int>((25.0 - 4.5) / 40.0 * 199.0);
   int line = 0;
   for (int r = bone_row - 3; r < bone_row + 12; ++r) line = std::max<int>(line, image.At(80, r));
@@ -257,9 +257,8 @@ TEST_P(HardImage, OneVoxelOfBoneIsSeenAndShadows) {
 TEST_P(HardImage, AllGasIsDark) {
   const HardCase hard("Nothing but gas: its impedance is 1/4000 of water's.");
   const UltrasoundHardCasesBody gas = MakeBody([](double, double, double) { return "gas"; });
-  const Render render = level().make(gas, SmallProbe());
-  const image::GrayImage image =
-      Picture(render, Eigen::Isometry3d(Eigen::Translation3d(32, 10, 24)));
+  const Render render = model().make(gas, SmallProbe());
+  const image::GrayImage image = Image(render, Eigen::Isometry3d(Eigen::Translation3d(32, 10, 24)));
   hard.Expect(Of("mean grey"), MeanGrey(image, 0, 160, 40, 200), Below(20.0));
 }
 
@@ -267,27 +266,27 @@ TEST_P(HardImage, NeedlesInThePlaneAndAcrossIt) {
   const HardCase hard(
       "A needle in the plane, across it, along the beam, without length, far away, NaN.");
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
-  const Render render = level().make(body, SmallProbe());
-  const image::GrayImage bare = Picture(render, kPose);
+  const Render render = model().make(body, SmallProbe());
+  const image::GrayImage bare = Image(render, kPose);
   const Eigen::Vector3d tip_mm(32.0, 25.0, 24.0);
-  const image::GrayImage in_plane = Picture(render, kPose, Needle(tip_mm, {1.0, 0.3, 0.0}));
+  const image::GrayImage in_plane = Image(render, kPose, Needle(tip_mm, {1.0, 0.3, 0.0}));
   hard.Expect(Of("grey of a needle in the plane"), LargestOf(bare, in_plane), Above(60));
   const image::GrayImage across =
-      Picture(render, kPose, Needle(tip_mm + Eigen::Vector3d(0, 0, 20), Eigen::Vector3d::UnitZ()));
+      Image(render, kPose, Needle(tip_mm + Eigen::Vector3d(0, 0, 20), Eigen::Vector3d::UnitZ()));
   hard.Expect(Of("grey of a needle across it"), LargestOf(bare, across), Above(25));
   // Along the beam, without length, without radius, and far away.
   image::NeedleInImage odd = Needle(tip_mm, Eigen::Vector3d::UnitY());
-  Picture(render, kPose, odd);
+  Image(render, kPose, odd);
   odd.length_mm = 0.0;
-  Picture(render, kPose, odd);
+  Image(render, kPose, odd);
   odd = Needle(tip_mm, {1.0, 0.2, 0.0});
   odd.radius_mm = 0.0;
-  Picture(render, kPose, odd);
-  const image::GrayImage away = Picture(render, kPose, Needle({32.0, 25.0, 1e6}, {1.0, 0.0, 0.0}));
-  EXPECT_EQ(away.pixels, bare.pixels) << level().name;
+  Image(render, kPose, odd);
+  const image::GrayImage away = Image(render, kPose, Needle({32.0, 25.0, 1e6}, {1.0, 0.0, 0.0}));
+  EXPECT_EQ(away.pixels, bare.pixels) << model().name;
   image::NeedleInImage broken = Needle(tip_mm, {1.0, 0.0, 0.0});
   broken.tip_in_ct_mm.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(Picture(render, kPose, broken), InputError) << level().name;
+  EXPECT_THROW(Image(render, kPose, broken), InputError) << model().name;
 }
 
 TEST_P(HardImage, DepthsFromNothingToHundredMillimetres) {
@@ -297,7 +296,7 @@ TEST_P(HardImage, DepthsFromNothingToHundredMillimetres) {
   for (const double depth_mm : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
     acoustics::Probe probe = SmallProbe();
     probe.depth_mm = depth_mm;
-    EXPECT_THROW(level().make(body, probe), InputError) << level().name << " " << depth_mm;
+    EXPECT_THROW(model().make(body, probe), InputError) << model().name << " " << depth_mm;
   }
   // 10 degrees, and 100 mm of face and depth: more than the body.
   acoustics::Probe narrow = SmallProbe(acoustics::ProbeKind::kCurvilinear);
@@ -310,11 +309,10 @@ TEST_P(HardImage, DepthsFromNothingToHundredMillimetres) {
   shallow.pulse_length_mm = 0.2;
   shallow.beam_width_mm = 0.4;
   for (const acoustics::Probe& probe : {narrow, wide, shallow}) {
-    const Render render = level().make(body, probe);
-    const image::GrayImage image = Picture(render, kPose, Needle({32, 20, 24}, {1.0, 0.4, 0.1}));
+    const Render render = model().make(body, probe);
+    const image::GrayImage image = Image(render, kPose, Needle({32, 20, 24}, {1.0, 0.4, 0.1}));
     least_bright = std::min(least_bright, Brightest(image));
-    EXPECT_EQ(image.pixels,
-              Picture(render, kPose, Needle({32, 20, 24}, {1.0, 0.4, 0.1}), 2).pixels);
+    EXPECT_EQ(image.pixels, Image(render, kPose, Needle({32, 20, 24}, {1.0, 0.4, 0.1}), 2).pixels);
   }
   hard.Expect(Of("brightest pixel of the darkest"), least_bright, Above(20));
 }
@@ -331,7 +329,7 @@ class Press : public slicing::RestMap {
 
 TEST_P(HardImage, BitsDoNotDependOnThreadsAndNothingIsAllocated) {
   const HardCase hard(
-      "1, 2, 3 and 8 threads share a picture: sums in another order have other bits.");
+      "1, 2, 3 and 8 threads share an image: sums in another order have other bits.");
   int num_differ = 0;
   long allocated = 0;
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
@@ -339,10 +337,10 @@ TEST_P(HardImage, BitsDoNotDependOnThreadsAndNothingIsAllocated) {
   const image::NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
   for (const acoustics::ProbeKind kind :
        {acoustics::ProbeKind::kLinear, acoustics::ProbeKind::kCurvilinear}) {
-    const Render render = level().make(body, SmallProbe(kind));
-    const image::GrayImage one = Picture(render, kPose, needle, 1, &press);
+    const Render render = model().make(body, SmallProbe(kind));
+    const image::GrayImage one = Image(render, kPose, needle, 1, &press);
     for (const int threads : {2, 3, 8}) {
-      const image::GrayImage other = Picture(render, kPose, needle, threads, &press);
+      const image::GrayImage other = Image(render, kPose, needle, threads, &press);
       num_differ += one.pixels == other.pixels ? 0 : 1;
     }
     for (const int threads : {1, 2}) {
@@ -355,8 +353,8 @@ TEST_P(HardImage, BitsDoNotDependOnThreadsAndNothingIsAllocated) {
       allocated += testing_support::num_allocations - before;
     }
   }
-  hard.Expect(Of("pictures that differ by the number of threads"), num_differ, Exactly(0));
-  hard.Expect(Of("allocations in a picture"), allocated, Exactly(0));
+  hard.Expect(Of("images that differ by the number of threads"), num_differ, Exactly(0));
+  hard.Expect(Of("allocations in an image"), allocated, Exactly(0));
 }
 
 TEST_P(HardImage, EveryInstructionSetGivesTheSameBits) {
@@ -365,12 +363,12 @@ TEST_P(HardImage, EveryInstructionSetGivesTheSameBits) {
   const UltrasoundHardCasesBody body = MakeBody(Muscle);
   const Press press;
   const image::NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
-  const Render render = level().make(body, SmallProbe(acoustics::ProbeKind::kCurvilinear));
-  const image::GrayImage best = Picture(render, kPose, needle, 1, &press);
+  const Render render = model().make(body, SmallProbe(acoustics::ProbeKind::kCurvilinear));
+  const image::GrayImage best = Image(render, kPose, needle, 1, &press);
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    off.Add(LargestOf(best, Picture(render, kPose, needle, 1, &press)));
+    off.Add(LargestOf(best, Image(render, kPose, needle, 1, &press)));
   }
   hard.Expect(Of("difference in grey levels"), off, Exactly(0));
   hwy::SetSupportedTargetsForTest(0);

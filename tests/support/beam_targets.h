@@ -1,4 +1,4 @@
-// Targets with a known answer for the beam level of the ultrasound: labelled blocks, a table of
+// Targets with a known answer for the beam model of the ultrasound: labelled blocks, a table of
 // acoustics made for them, and probes whose lines are as fine as the question needs.
 #pragma once
 
@@ -78,7 +78,7 @@ inline acoustics::Probe TargetProbe() {
   return probe;
 }
 
-/// All dearer effects off, and nothing but the lines.
+/// All more expensive effects off, and nothing but the lines.
 inline ultrasound::BeamOptions Bare() {
   ultrasound::BeamOptions options;
   options.interfaces = options.angle = options.attenuation = options.shadow = false;

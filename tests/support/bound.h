@@ -92,7 +92,7 @@ class Smallest {
   double value_ = HUGE_VAL;
 };
 
-/// Curves for the page, where a picture says more than a number.
+/// Curves for the page, where an image says more than a number.
 struct BoundPlot {
   struct Curve {
     std::string name = {};
@@ -131,7 +131,7 @@ class HardCase {
     ExpectNumber(quantity, static_cast<double>(measured), bound, unit, where);
   }
 
-  /// A picture beside the values.
+  /// An image beside the values.
   void Plot(const BoundPlot& plot) const {
     nlohmann::json curves = nlohmann::json::array();
     for (const BoundPlot::Curve& curve : plot.curves) {

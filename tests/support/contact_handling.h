@@ -1,5 +1,5 @@
-// A hand that makes contact as dear as it can be, and what a step of it costs: for the benchmark
-// and the performance test of 3D contact.
+// A hand that makes contact as expensive as it can be, and what a step of it costs: for the
+// benchmark and the performance test of 3D contact.
 #pragma once
 
 #include <algorithm>

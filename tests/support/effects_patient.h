@@ -54,6 +54,9 @@ inline std::vector<EffectChoice> AllEffectChoices() {
       {{"model", "multi_proxy"}, {"multi_proxy", {{"reads", "labels"}, {"tool", "fingertip"}}}});
   add("tissue", "displacement_functions", {{"model", "displacement_functions"}},
       {{"needle_force", layered}});
+  add("tissue", "displacement_functions as printed",
+      {{"model", "displacement_functions"}, {"displacement_functions", {{"form", "printed"}}}},
+      {{"needle_force", layered}});
   add("tissue", "springs", springs);
   add("tissue", "fe_2d",
       {{"model", "fe_2d"}, {"fe_2d", {{"spacing_mm", 5}, {"width_mm", 40}, {"beyond_mm", 10}}}});
@@ -73,6 +76,7 @@ inline std::vector<EffectChoice> AllEffectChoices() {
   Json surfaces = small;
   surfaces["surfaces"] = Json::array({{{"tissue", "skin"}}});
   surfaces["layers"] = Json::array();
+  surfaces["force_arrow_mm_per_n"] = 10;
   add("view_3d", "surfaces", surfaces);
   Json layers = small;
   layers["surfaces"] = Json::array();
@@ -86,6 +90,8 @@ inline std::vector<EffectChoice> AllEffectChoices() {
        {"slab", "maximum"}});
   add("pulsating_vessels", "",
       {{"centrelines", "vessels.csv"}, {"radial_strain", 0.2}, {"reach_mm", 20}});
+  add("peristalsis", "", {{"centrelines", "vessels.csv"}, {"contraction", 0.4}});
+  add("pain_reaction", "", {{"tissues", {"skin", "muscle"}}, {"latency_s", 0.0}});
   return all;
 }
 

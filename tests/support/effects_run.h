@@ -81,19 +81,19 @@ class EffectsRun {
     return now;
   }
 
-  void Pictures(const simulation::Snapshot& now, Outputs& out,
-                simulation::StageTimes* times = nullptr) {
-    if (!images_) images_.emplace(scene_);
-    images_->Render(now, pictures_, times);
-    out.ultrasound = pictures_.b_mode.pixels;
-    out.ct_slice = pictures_.ct_slice.pixels;
+  void RenderImages(const simulation::Snapshot& now, Outputs& out,
+                    simulation::StageTimes* times = nullptr) {
+    if (!renderer_) renderer_.emplace(scene_);
+    renderer_->Render(now, images_, times);
+    out.ultrasound = images_.b_mode.pixels;
+    out.ct_slice = images_.ct_slice.pixels;
     for (const simulation::ListedEffect& effect : scene_.listed.all()) {
       if (!effect.has_image) continue;
       if (!effects_.contains(effect.key)) {
         effects_.try_emplace(effect.key, scene_, effect, RunContext());
       }
       effects::EffectPixels pixels;
-      effects_.at(effect.key).Render(now, &pictures_, pixels, times);
+      effects_.at(effect.key).Render(now, &images_, pixels, times);
       auto& bytes = out.effects[std::string(effect.key)];
       bytes = pixels.colour.rgb.empty() ? pixels.gray.pixels : pixels.colour.rgb;
     }
@@ -134,9 +134,9 @@ class EffectsRun {
   math::Polyline shape_;
   tissue::TissueLoad load_;
   effects::Memory memory_;
-  std::optional<simulation::ImageRenderer> images_;
+  std::optional<simulation::ImageRenderer> renderer_;
   std::map<std::string_view, simulation::EffectImageRenderer> effects_;
-  simulation::Images pictures_;
+  simulation::Images images_;
 };
 
 }  // namespace acus::testing_support

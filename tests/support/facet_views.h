@@ -1,4 +1,4 @@
-// Pictures of facets whose pose is known.
+// Images of facets whose pose is known.
 #pragma once
 
 #include <numbers>
@@ -13,11 +13,11 @@
 namespace acus::testing_support {
 
 inline std::string ConfigPath(const std::string& name) {
-  return std::string(ACUS_SOURCE_DIR) + "/configs/" + name;
+  return ACUS_SOURCE_DIR "/configs/" + name;
 }
 
 /// An object before the camera that shows it its +z side (z of the object towards the camera, y up
-/// in the picture), turned by `tilt` about an axis in the picture plane at `azimuth`, and rolled.
+/// in the image), turned by `tilt` about an axis in the image plane at `azimuth`, and rolled.
 inline Eigen::Isometry3d FacingPose(const Eigen::Vector3d& at_mm, double tilt_deg,
                                     double azimuth_deg, double roll_deg) {
   const double rad = std::numbers::pi / 180.0;

@@ -1,4 +1,4 @@
-// Flat layers for tests of tissue levels: skin at z = 0, deeper with z; forces and stiffness with
+// Flat layers for tests of tissue models: skin at z = 0, deeper with z; forces and stiffness with
 // round numbers.
 #pragma once
 
@@ -75,9 +75,9 @@ struct Layers {
   }
 };
 
-/// A needle driven along a line through a level, with the work that the hand does on it.
+/// A needle driven along a line through a model, with the work that the hand does on it.
 template <class Model>
-struct LevelInsertion {
+struct ModelInsertion {
   const Model& model;
   decltype(std::declval<const Model&>().NewState()) state = model.NewState();
   double time_s = 0.0;

@@ -47,10 +47,13 @@ inline SchemaSampler ScenarioSampler() {
       {"/effects/breathing/motion", {"sinusoid", "full_cycle", "half_cycle", "surrogate"}},
       {"/effects/breathing/from_session", {}},
       {"/effects/breathing/hold", {json::array(), {{1.0, 2.5}}}},
-      // A film; its pictures have tests of their own.
+      // A film; its images have tests of their own.
       {"/effects/view_3d", {}},
       {"/effects/pulsating_vessels/centrelines", {}},
-      {"/effects/pulsating_vessels/tissue", {"vessel", "liver", "bone"}}};
+      {"/effects/pulsating_vessels/tissue", {"vessel", "liver", "bone"}},
+      {"/effects/peristalsis/centrelines", {}},
+      {"/effects/peristalsis/tissue", {"vessel", "liver", "bone"}},
+      {"/effects/pain_reaction/tissues", {{"skin"}, {"skin", "liver", "bone"}, json::array()}}};
   return {scenario::ScenarioSchema(), choices};
 }
 

@@ -1,4 +1,4 @@
-// What pictures are timed on: a CT as large as a real abdomen, probes whose pictures lie in it
+// What images are timed on: a CT as large as a real abdomen, probes whose images lie in it
 // entirely, and a hand that moves and tilts.
 #pragma once
 
@@ -41,7 +41,7 @@ inline acoustics::Probe FullLinearProbe() {
           .gain_db = 6};
 }
 
-/// The n-th pose: each picture reads other voxels. All are oblique to the voxels' axes.
+/// The n-th pose: each image reads other voxels. All are oblique to the voxels' axes.
 inline Eigen::Isometry3d SwayingProbe(int n) {
   return Eigen::Translation3d(180 + 5 * std::sin(0.02 * n), 99.9, 100 + 20 * std::sin(0.01 * n)) *
          Eigen::AngleAxisd(0.3 + 0.1 * std::sin(0.03 * n), Eigen::Vector3d::UnitY()) *
@@ -58,8 +58,8 @@ inline image::NeedleInImage NeedleInPlane(const Eigen::Isometry3d& ct_from_probe
   return needle;
 }
 
-/// A patient who breathes, and a needle that takes tissue along: everything in the picture has
-/// moved, and moves again with each picture.
+/// A patient who breathes, and a needle that takes tissue along: everything in the image has
+/// moved, and moves again with each image.
 class BreathingAndNeedle : public slicing::RestMap {
  public:
   BreathingAndNeedle(int n, const Eigen::Vector3d& tip_in_ct_mm)
@@ -77,7 +77,7 @@ class BreathingAndNeedle : public slicing::RestMap {
   Eigen::Vector3d tip_mm_;
 };
 
-/// The beam level's probe: `lines` of `samples` over the same picture as FullLinearProbe.
+/// The beam model's probe: `lines` of `samples` over the same image as FullLinearProbe.
 inline acoustics::Probe FullBeamProbe(int lines, int samples) {
   acoustics::Probe probe = acoustics::DefaultProbe();
   const acoustics::Probe full = FullLinearProbe();

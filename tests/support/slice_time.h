@@ -14,7 +14,7 @@ inline constexpr double kSliceCpuMsOfLimits = 3.8;
 /// CPU time on one core of 512 x 512 pixels through a CT; the least of many.
 inline double SliceCpuMs() {
   static const volume::CtVolume ct = AbdomenCt();
-  VtkReslice reslice(ct, acoustics::PictureOf(FullLinearProbe()), 1,
+  VtkReslice reslice(ct, acoustics::ImageOf(FullLinearProbe()), 1,
                      VtkReslice::Threads::kMultiThreader);
   LeastTime least;
   for (int n = 0; n < 60; ++n) least.Add([&] { reslice.Render(SwayingProbe(n)); });

@@ -71,7 +71,7 @@ class SweepFolder : public testing::Test {
   tuning::SweepRequest request_;
 };
 
-/// A needle that bends in springs, and no pictures: quick.
+/// A needle that bends in springs, and no images: quick.
 inline constexpr const char* kBendableEffects =
     R"({"needle_force": {"model": "tissue"}, "tissue": {"model": "springs"},
         "needle": {"model": "bendable", "nodes": 15}})";

@@ -1,4 +1,4 @@
-// A trunk for volume rendering: what pictures of a patient are timed and compared on.
+// A trunk for volume rendering: what images of a patient are timed and compared on.
 #pragma once
 
 #include <cmath>

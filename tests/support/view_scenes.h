@@ -1,4 +1,4 @@
-// Things to look at whose place in a picture is known.
+// Things to look at whose place in an image is known.
 #pragma once
 
 #include <cmath>
@@ -99,18 +99,18 @@ inline breathing::MotionMap At(const breathing::MotionField& field, double amoun
   return {field, weights};
 }
 
-/// Where a picture is covered: its middle and size, pixels.
+/// Where an image is covered: its middle and size, pixels.
 struct Blob {
   Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
   double diameter_px = 0.0;  ///< Of a circle of the same area.
 };
-inline Blob CoveredPart(const volume_rendering::ViewPicture& picture) {
+inline Blob CoveredPart(const volume_rendering::ViewImage& image) {
   Blob out;
   double sum = 0.0;
-  for (int row = 0; row < picture.colour.height; ++row) {
-    for (int column = 0; column < picture.colour.width; ++column) {
+  for (int row = 0; row < image.colour.height; ++row) {
+    for (int column = 0; column < image.colour.width; ++column) {
       const double share =
-          picture.coverage[static_cast<std::size_t>(row * picture.colour.width + column)] / 255.0;
+          image.coverage[static_cast<std::size_t>(row * image.colour.width + column)] / 255.0;
       sum += share;
       out.middle_px += share * Eigen::Vector2d(column, row);
     }

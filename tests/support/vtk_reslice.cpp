@@ -21,7 +21,7 @@ struct VtkReslice::State {
   vtkNew<vtkImageReslice> reslice;
 };
 
-VtkReslice::VtkReslice(const volume::CtVolume& ct, const image::ImageGeometry& picture,
+VtkReslice::VtkReslice(const volume::CtVolume& ct, const image::ImageGeometry& image,
                        int num_threads, Threads threads)
     : state_(std::make_unique<State>()) {
   // Images of VTK have no direction here: slices are taken in the volume's own frame, from which
@@ -43,10 +43,10 @@ VtkReslice::VtkReslice(const volume::CtVolume& ct, const image::ImageGeometry& p
   s.reslice->SetOutputDimensionality(2);
   s.reslice->SetInterpolationModeToLinear();
   s.reslice->SetBackgroundLevel(-1024.0);
-  s.reslice->SetOutputSpacing(picture.lateral_mm_per_px, picture.axial_mm_per_px, 1.0);
-  s.reslice->SetOutputOrigin(-0.5 * (picture.width_px - 1) * picture.lateral_mm_per_px,
-                             picture.depth_of_top_row_mm, 0.0);
-  s.reslice->SetOutputExtent(0, picture.width_px - 1, 0, picture.height_px - 1, 0, 0);
+  s.reslice->SetOutputSpacing(image.lateral_mm_per_px, image.axial_mm_per_px, 1.0);
+  s.reslice->SetOutputOrigin(-0.5 * (image.width_px - 1) * image.lateral_mm_per_px,
+                             image.depth_of_top_row_mm, 0.0);
+  s.reslice->SetOutputExtent(0, image.width_px - 1, 0, image.height_px - 1, 0, 0);
   s.reslice->SetNumberOfThreads(num_threads);
   s.reslice->SetEnableSMP(threads == Threads::kSmp);
 }

@@ -1,4 +1,4 @@
-// Oblique slices by vtkImageReslice, the yardstick of speed for pictures from a CT.
+// Oblique slices by vtkImageReslice, the yardstick of speed for images from a CT.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -18,7 +18,7 @@ class VtkReslice {
   enum class Threads { kMultiThreader, kSmp };
 
   /// Keeps a reference to `ct`, whose voxels it shares; it must outlive this.
-  VtkReslice(const volume::CtVolume& ct, const image::ImageGeometry& picture, int num_threads,
+  VtkReslice(const volume::CtVolume& ct, const image::ImageGeometry& image, int num_threads,
              Threads threads);
   ~VtkReslice();
 

@@ -19,9 +19,9 @@ class VtkVolume {
             const volume_rendering::Camera& camera, double step_mm, int num_threads);
   ~VtkVolume();
 
-  /// Draws the picture anew.
+  /// Draws the image anew.
   void Render();
-  /// Of the mapper alone, without what shows its picture in a window.
+  /// Of the mapper alone, without what shows its image in a window.
   double MapperSeconds() const;
   /// Share of pixels that are not black.
   double CoveredShare();

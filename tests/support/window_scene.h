@@ -109,10 +109,10 @@ class WindowTest : public ::testing::Test {
   static DisplayFrame Frame() {
     DisplayFrame frame;
     const auto probe = std::make_shared<acoustics::Probe>(Linear());
-    const auto picture = acoustics::PictureOf(*probe);
-    frame.ultrasound.picture = Grey(picture.width_px, picture.height_px, 60);
+    const auto image = acoustics::ImageOf(*probe);
+    frame.ultrasound.image = Grey(image.width_px, image.height_px, 60);
     frame.ultrasound.probe = probe;
-    frame.ct_slice = Grey(picture.width_px, picture.height_px, 120);
+    frame.ct_slice = Grey(image.width_px, image.height_px, 120);
     frame.effects = {{"fluoroscopy", "Fluoroscopy", {Grey(128, 128, 180), {}}}};
     frame.ct_from_probe = Eigen::Isometry3d(Eigen::Translation3d(0.0, -100.0, 0.0));
     frame.target_in_ct_mm = Eigen::Vector3d(5.0, -75.0, 0.0);
@@ -125,10 +125,10 @@ class WindowTest : public ::testing::Test {
     frame.status = {{.severity = Severity::kGood, .text = "All tools are seen."}};
     return frame;
   }
-  static VideoPicture Video() {
-    VideoPicture video;
-    video.picture.Resize(640, 480);
-    std::ranges::fill(video.picture.rgb, std::uint8_t{0});
+  static VideoImage Video() {
+    VideoImage video;
+    video.image.Resize(640, 480);
+    std::ranges::fill(video.image.rgb, std::uint8_t{0});
     video.camera = volume_rendering::LookAt({.eye_in_ct_mm = {60.0, -480.0, 90.0},
                                              .focus_in_ct_mm = {0.0, 0.0, 0.0},
                                              .up_in_ct = {0.0, 0.0, 1.0},
@@ -151,7 +151,7 @@ class WindowTest : public ::testing::Test {
     window.Show(frame);
     return {window.Screenshot()};
   }
-  /// Sends what `act` does and shows pictures until `done`, some seconds at most.
+  /// Sends what `act` does and shows images until `done`, some seconds at most.
   template <typename Done>
   static bool ShowUntil(Window& window, const DisplayFrame& frame, const Done& done) {
     for (int i = 0; i < 200; ++i) {
@@ -164,8 +164,7 @@ class WindowTest : public ::testing::Test {
   static Rectangle VideoPlace(const Window& window) {
     const Layout layout = window.layout();
     const TextSizes sizes = SizesFor(layout.status.top + layout.status.height);
-    return Fit(PictureRoom(ViewKind::kVideo, layout.Find(ViewKind::kVideo)->place, sizes), 640,
-               480);
+    return Fit(ImageRoom(ViewKind::kVideo, layout.Find(ViewKind::kVideo)->place, sizes), 640, 480);
   }
   /// From a pixel of the video to one of the window; centres of the window's are at halves.
   static Eigen::Vector2d OnScreen(const Rectangle& place, const Eigen::Vector2d& pixel) {

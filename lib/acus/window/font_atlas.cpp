@@ -59,11 +59,10 @@ class Pen {
   }
   void Write(const std::string& text) {
     std::array<int, 2> size{};
-    if (!renderer_->RenderString(property_, vtkStdString(text), picture_, size.data(),
-                                 kScreenDpi)) {
+    if (!renderer_->RenderString(property_, vtkStdString(text), image_, size.data(), kScreenDpi)) {
       throw InputError("display: VTK's fonts cannot be used");
     }
-    picture_->GetExtent(extent_.data());
+    image_->GetExtent(extent_.data());
   }
   int Width(const std::string& text) {
     Write(text);
@@ -75,14 +74,14 @@ class Pen {
   /// @param row  0 at the top.
   std::uint8_t Opacity(int column, int row) {
     const auto* pixel = static_cast<const std::uint8_t*>(
-        picture_->GetScalarPointer(extent_[0] + column, extent_[3] - row, 0));
-    return pixel[picture_->GetNumberOfScalarComponents() - 1];
+        image_->GetScalarPointer(extent_[0] + column, extent_[3] - row, 0));
+    return pixel[image_->GetNumberOfScalarComponents() - 1];
   }
 
  private:
   vtkTextRenderer* renderer_;
   vtkNew<vtkTextProperty> property_;
-  vtkNew<vtkImageData> picture_;
+  vtkNew<vtkImageData> image_;
   std::array<int, 6> extent_{};
 };
 

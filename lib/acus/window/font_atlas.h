@@ -1,4 +1,4 @@
-// Letters as a picture, so that any amount of text is drawn, and changed, at once.
+// Letters as an image, so that any amount of text is drawn, and changed, at once.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ class FontAtlas {
     int width = 0;
     int height = 0;
     int advance = 0;
-    int column = 0;  ///< Upper left corner in the picture.
+    int column = 0;  ///< Upper left corner in the image.
     int row = 0;
   };
   struct Face {

@@ -45,19 +45,19 @@ struct StatusLine {
   std::string text;
 };
 
-/// A picture of the video camera, and where the camera was.
-struct VideoPicture {
-  image::ColourImage picture;  ///< As it came: with the lens's distortion.
-  /// Pinhole part; `camera.width_px` and `height_px` are those of the picture.
+/// An image of the video camera, and where the camera was.
+struct VideoImage {
+  image::ColourImage image;  ///< As it came: with the lens's distortion.
+  /// Pinhole part; `camera.width_px` and `height_px` are those of the image.
   volume_rendering::Camera camera;
   /// k1, k2, p1, p2, k3 of Brown's model as OpenCV has it; zeros: none.
   std::array<double, 5> distortion{};
   bool pose_valid = false;  ///< False: the patient's marker is not seen; nothing is laid over.
 };
 
-struct UltrasoundPicture {
-  image::GrayImage picture;  ///< Empty: not shown. Geometry is PictureOf(*probe).
-  /// Its name, depth, gain, focus. Null if and only if `picture` is empty.
+struct UltrasoundImage {
+  image::GrayImage image;  ///< Empty: not shown. Geometry is ImageOf(*probe).
+  /// Its name, depth, gain, focus. Null if and only if `image` is empty.
   std::shared_ptr<const acoustics::Probe> probe;
   bool frozen = false;
 };
@@ -65,10 +65,10 @@ struct UltrasoundPicture {
 /// 0 or less: not known, not shown.
 struct Latency {
   double device_to_force_ms = 0.0;
-  double tracker_to_picture_ms = 0.0;
-  double pictures_per_s = 0.0;
+  double tracker_to_image_ms = 0.0;
+  double images_per_s = 0.0;
   long missed_steps = 0;
-  long late_pictures = 0;      ///< Moments at which a picture was still in work.
+  long late_images = 0;        ///< Moments at which an image was still in work.
   long dropped_of_camera = 0;  ///< Images of the camera that the window never showed.
 };
 
@@ -112,11 +112,11 @@ struct ExerciseOnDisplay {
 /// One moment.
 struct DisplayFrame {
   double session_s = 0.0;
-  UltrasoundPicture ultrasound;
+  UltrasoundImage ultrasound;
   image::GrayImage ct_slice;  ///< Of the probe's plane and size; empty: not shown.
   std::vector<simulation::EffectImage> effects;  ///< Of the list; those that are empty not shown.
-  std::optional<VideoPicture> video;             ///< Nothing: not shown.
-  /// As pictures see it, CT space; its polyline if bent. Nothing: not seen by the tracker.
+  std::optional<VideoImage> video;               ///< Nothing: not shown.
+  /// As images see it, CT space; its polyline if bent. Nothing: not seen by the tracker.
   std::optional<image::NeedleInImage> needle;
   double needle_graduation_mm = 0.0;               ///< Distance of the marks on its shaft; 0: none.
   std::optional<Eigen::Isometry3d> ct_from_probe;  ///< Nothing: not seen by the tracker.

@@ -15,13 +15,13 @@ Severity SeverityOf(live::Severity severity) {
 }
 static_assert(static_cast<int>(Severity::kFault) == static_cast<int>(live::Severity::kFault));
 
-void ColourOf(const camera::Picture& picture, image::ColourImage& out) {
-  out.Resize(picture.width_px, picture.height_px);
-  if (picture.channels == 3) {
-    std::copy_n(picture.pixels.begin(), out.rgb.size(), out.rgb.begin());
+void ColourOf(const camera::Image& image, image::ColourImage& out) {
+  out.Resize(image.width_px, image.height_px);
+  if (image.channels == 3) {
+    std::copy_n(image.pixels.begin(), out.rgb.size(), out.rgb.begin());
     return;
   }
-  for (std::size_t i = 0; i < out.rgb.size(); ++i) out.rgb[i] = picture.pixels[i / 3];
+  for (std::size_t i = 0; i < out.rgb.size(); ++i) out.rgb[i] = image.pixels[i / 3];
 }
 
 bool WantsPlane(const training::Exercise& exercise) {
@@ -43,10 +43,10 @@ FrameMaker::FrameMaker(const live::LiveSession& session, int trial, std::string 
   }
 }
 
-const DisplayFrame& FrameMaker::Make(const live::LivePicture& picture,
-                                     const camera::CameraView* video, bool steers_probe) {
+const DisplayFrame& FrameMaker::Make(const live::LiveImage& image, const camera::CameraView* video,
+                                     bool steers_probe) {
   const simulation::Scene& scene = session_.scene();
-  const live::LiveSnapshot& snapshot = picture.snapshot;
+  const live::LiveSnapshot& snapshot = image.snapshot;
   frame_.session_s = session_.session_s();
   motion_.reset();
   if (scene.breathing && scene.breathing->image) {
@@ -55,34 +55,34 @@ const DisplayFrame& FrameMaker::Make(const live::LivePicture& picture,
   frame_.motion = motion_ ? &*motion_ : nullptr;
   tissue_.Ask(snapshot);
   frame_.pressed = tissue_.Newest();
-  AddTools(picture);
-  AddPictures(picture);
+  AddTools(image);
+  AddImages(image);
   AddVideo(video);
-  AddReadouts(picture);
-  AddExercise(picture, steers_probe);
+  AddReadouts(image);
+  AddExercise(image, steers_probe);
   return frame_;
 }
 
-void FrameMaker::AddTools(const live::LivePicture& picture) {
-  const simulation::Snapshot moment = picture.snapshot.ForRenderer();
-  frame_.needle = simulation::NeedleInPicture(session_.scene(), moment);
+void FrameMaker::AddTools(const live::LiveImage& image) {
+  const simulation::Snapshot moment = image.snapshot.ForRenderer();
+  frame_.needle = simulation::ImagedNeedle(session_.scene(), moment);
   const auto& preset = session_.scene().needle;
   frame_.needle_graduation_mm = preset ? preset->graduation_mm : 0.0;
   frame_.ct_from_probe.reset();
   if (moment.probe_valid) frame_.ct_from_probe = moment.ct_from_probe;
-  frame_.target_in_ct_mm = picture.snapshot.target_in_ct_mm;
+  frame_.target_in_ct_mm = image.snapshot.target_in_ct_mm;
   // The report judges by the exercise's target: the window shows no other.
   if (const live::LiveExercise* exercise = session_.exercise()) {
     if (exercise->target_in_ct_mm()) frame_.target_in_ct_mm = exercise->target_in_ct_mm();
   }
 }
 
-void FrameMaker::AddPictures(const live::LivePicture& picture) {
-  frame_.ultrasound.picture = picture.images.b_mode;
-  frame_.ultrasound.probe = frame_.ultrasound.picture.pixels.empty() ? nullptr : picture.probe;
-  frame_.ultrasound.frozen = picture.snapshot.frozen;
-  frame_.ct_slice = picture.images.ct_slice;
-  frame_.effects = picture.effects;
+void FrameMaker::AddImages(const live::LiveImage& image) {
+  frame_.ultrasound.image = image.images.b_mode;
+  frame_.ultrasound.probe = frame_.ultrasound.image.pixels.empty() ? nullptr : image.probe;
+  frame_.ultrasound.frozen = image.snapshot.frozen;
+  frame_.ct_slice = image.images.ct_slice;
+  frame_.effects = image.effects;
 }
 
 void FrameMaker::AddVideo(const camera::CameraView* view) {
@@ -94,11 +94,11 @@ void FrameMaker::AddVideo(const camera::CameraView* view) {
   const camera::CameraTracker* tracker = session_.video();
   const camera::CameraParameters& model = tracker->camera().parameters();
   if (!frame_.video) frame_.video.emplace();
-  VideoPicture& out = *frame_.video;
+  VideoImage& out = *frame_.video;
   if (video.number != camera_shown_) {
     if (camera_shown_ != 0) camera_dropped_ += video.number - camera_shown_ - 1;
     camera_shown_ = video.number;
-    ColourOf(video.picture, out.picture);
+    ColourOf(video.image, out.image);
   }
   out.camera.focal_px = model.focal_px;
   out.camera.centre_px = model.centre_px;
@@ -112,8 +112,8 @@ void FrameMaker::AddVideo(const camera::CameraView* view) {
       *video.camera_from_reference * session_.scene().ct_from_reference.inverse();
 }
 
-void FrameMaker::AddReadouts(const live::LivePicture& picture) {
-  const live::LiveSnapshot& snapshot = picture.snapshot;
+void FrameMaker::AddReadouts(const live::LiveImage& image) {
+  const live::LiveSnapshot& snapshot = image.snapshot;
   frame_.breath_held = snapshot.breath_held;
   frame_.left_handed = snapshot.hands_swapped;
   const live::ForceLimits limits = session_.force_limits();
@@ -122,12 +122,12 @@ void FrameMaker::AddReadouts(const live::LivePicture& picture) {
   if (limits.probe_n > 0.0) frame_.force.probe_n = snapshot.probe_force_n;
   frame_.force.limit_n = std::max(limits.needle_n, limits.probe_n);
   const live::CoreStatistics& core = session_.statistics();
-  const live::PictureStatistics& pictures = session_.picture_statistics();
+  const live::ImageStatistics& images = session_.image_statistics();
   frame_.latency = {.device_to_force_ms = 1e-6 * core.device_to_force.QuantileNs(0.5),
-                    .tracker_to_picture_ms = 1e-6 * pictures.tracker_to_picture.QuantileNs(0.5),
-                    .pictures_per_s = session_.recent_pictures_per_s(),
+                    .tracker_to_image_ms = 1e-6 * images.tracker_to_image.QuantileNs(0.5),
+                    .images_per_s = session_.recent_images_per_s(),
                     .missed_steps = static_cast<long>(core.missed_by_computation.load()),
-                    .late_pictures = static_cast<long>(pictures.late.load()),
+                    .late_images = static_cast<long>(images.late.load()),
                     .dropped_of_camera = static_cast<long>(camera_dropped_)};
   frame_.status.clear();
   for (const live::StatusLine& line : session_.Status()) {
@@ -139,12 +139,12 @@ void FrameMaker::AddReadouts(const live::LivePicture& picture) {
   }
 }
 
-void FrameMaker::AddExercise(const live::LivePicture& picture, bool steers_probe) {
+void FrameMaker::AddExercise(const live::LiveImage& image, bool steers_probe) {
   frame_.exercise.reset();
   frame_.coach.clear();
   if (!label_at_) return;
   const simulation::Scene& scene = session_.scene();
-  const live::LiveSnapshot& snapshot = picture.snapshot;
+  const live::LiveSnapshot& snapshot = image.snapshot;
   const live::LiveExercise* live = session_.exercise();
   static const training::Exercise kNone;
   const training::Exercise& exercise = live == nullptr ? kNone : live->exercise();

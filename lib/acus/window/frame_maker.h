@@ -21,20 +21,20 @@ class FrameMaker {
   /// @param caption  Below the exercise's name; may be empty.
   explicit FrameMaker(const live::LiveSession& session, int trial = 1, std::string caption = {});
 
-  /// @param picture  The newest of the session.  @param video  Null: no camera, or nothing yet.
+  /// @param image  The newest of the session.  @param video  Null: no camera, or nothing yet.
   /// @param steers_probe  Mouse and keys move the probe, else the needle.
-  const DisplayFrame& Make(const live::LivePicture& picture, const camera::CameraView* video,
+  const DisplayFrame& Make(const live::LiveImage& image, const camera::CameraView* video,
                            bool steers_probe = false);
 
   /// A note that frames show until the next one; empty: none.
   void SetNotice(std::string text) { notice_ = std::move(text); }
 
  private:
-  void AddTools(const live::LivePicture& picture);
-  void AddPictures(const live::LivePicture& picture);
+  void AddTools(const live::LiveImage& image);
+  void AddImages(const live::LiveImage& image);
   void AddVideo(const camera::CameraView* video);
-  void AddReadouts(const live::LivePicture& picture);
-  void AddExercise(const live::LivePicture& picture, bool steers_probe);
+  void AddReadouts(const live::LiveImage& image);
+  void AddExercise(const live::LiveImage& image, bool steers_probe);
 
   const live::LiveSession& session_;
   int trial_;

@@ -10,7 +10,7 @@
 namespace acus::window {
 namespace {
 
-/// Further from the plane than this, something is not in the picture.
+/// Further from the plane than this, something is not in the image.
 constexpr double kInPlaneMm = 3.0;
 
 Eigen::Vector2i Corner(int column, int row) {
@@ -42,7 +42,7 @@ void DrawDepthScale(const PlaneOnScreen& plane, const acoustics::Probe& probe,
   }
 }
 
-/// The way ahead of the tip, as far as the picture goes.
+/// The way ahead of the tip, as far as the image goes.
 void DrawGuide(const image::NeedleInImage& needle, const PlaneOnScreen& plane, Sketch& sketch) {
   constexpr double kAheadMm = 200.0;
   Eigen::Vector3d tip_mm = needle.tip_in_ct_mm;
@@ -98,7 +98,7 @@ TextSizes SizesFor(int window_height_px) {
   return {.small_px = size(13.0), .normal_px = size(15.0), .large_px = size(24.0)};
 }
 
-Rectangle PictureRoom(ViewKind view, const Rectangle& place, const TextSizes& sizes) {
+Rectangle ImageRoom(ViewKind view, const Rectangle& place, const TextSizes& sizes) {
   const int title = sizes.normal_px + 12;
   const bool is_ultrasound = view == ViewKind::kUltrasound;
   const int side = is_ultrasound ? 4 * sizes.small_px : 6;

@@ -18,10 +18,10 @@ struct TextSizes {
 };
 TextSizes SizesFor(int window_height_px);
 
-/// Where a view's picture is: below its title, and beside its scale if it has one.
-Rectangle PictureRoom(ViewKind view, const Rectangle& place, const TextSizes& sizes);
+/// Where a view's image is: below its title, and beside its scale if it has one.
+Rectangle ImageRoom(ViewKind view, const Rectangle& place, const TextSizes& sizes);
 
-/// A picture of the probe's plane on the screen, and from CT space to it.
+/// An image of the probe's plane on the screen, and from CT space to it.
 struct PlaneOnScreen {
   image::ImageGeometry geometry;
   Rectangle place;

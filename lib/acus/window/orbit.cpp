@@ -24,8 +24,8 @@ Orbit::Orbit(const Eigen::AlignedBox3d& box_in_ct_mm) : box_(box_in_ct_mm) {
 
 void Orbit::SetPreset(int number) {
   if (number < 1 || number > static_cast<int>(kSides.size())) return;
-  // A wide picture: the box fits into its height.
-  constexpr volume_rendering::PictureSize kSize{.width_px = 640, .height_px = 400};
+  // A wide image: the box fits into its height.
+  constexpr volume_rendering::ImageSize kSize{.width_px = 640, .height_px = 400};
   viewpoint_ =
       volume_rendering::ViewFrom(kSides[static_cast<std::size_t>(number - 1)], box_, kSize);
 }
@@ -78,7 +78,7 @@ void Orbit::Zoom(double factor) {
 volume_rendering::Camera Orbit::CameraFor(int width_px, int height_px) const {
   volume_rendering::Camera camera =
       volume_rendering::LookAt(viewpoint_, {.width_px = width_px, .height_px = height_px});
-  // The angle is over the height; a narrow picture needs more of it.
+  // The angle is over the height; a narrow image needs more of it.
   camera.focal_px *= std::min(1.0, width_px / (kNarrow * height_px));
   return camera;
 }

@@ -25,7 +25,7 @@ class Orbit {
 
   volume_rendering::Camera CameraFor(int width_px, int height_px) const;
   /// One eye of two, `half_base_mm` beside the middle: negative for the left one. Both see the
-  /// focus at the same place (parallel axes, shifted pictures).
+  /// focus at the same place (parallel axes, shifted images).
   volume_rendering::Camera EyeFor(int width_px, int height_px, double half_base_mm) const;
   double distance_mm() const;
   /// Unit, CT space.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "acus/run/live/picture_bounds.h"
+#include "acus/run/live/image_bounds.h"
 
 namespace acus::window {
 
@@ -16,21 +16,21 @@ namespace {
 constexpr double kShownAfterS = 0.5;
 }  // namespace
 
-void OrderedSettings::Refresh(const live::LiveSnapshot& snapshot, const PictureSetting& picture,
+void OrderedSettings::Refresh(const live::LiveSnapshot& snapshot, const ImageSetting& image,
                               double now_s) {
   if (now_s - last_order_s_ < kShownAfterS) return;
   snapshot_ = snapshot;
-  picture_ = picture;
+  image_ = image;
 }
 
 void OrderedSettings::Add(const live::CommandQueue::Order& order, double now_s) {
   last_order_s_ = now_s;
   switch (order.kind) {
     case CommandKind::kGain:
-      picture_.gain_db = order.value;
+      image_.gain_db = order.value;
       break;
     case CommandKind::kDepth:
-      picture_.depth_mm = order.value;
+      image_.depth_mm = order.value;
       break;
     case CommandKind::kFreezeImage:
     case CommandKind::kRunImage:
@@ -66,7 +66,7 @@ std::string WhyWithoutEffect(Command command, const SessionAbilities& session) {
 
 std::optional<live::CommandQueue::Order> OrderOf(Command command,
                                                  const live::LiveSnapshot& snapshot,
-                                                 const PictureSetting& present) {
+                                                 const ImageSetting& present) {
   const auto order = [](CommandKind kind, double value = 0.0) {
     return live::CommandQueue::Order{kind, value};
   };

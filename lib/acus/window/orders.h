@@ -13,8 +13,8 @@ namespace acus::window {
 inline constexpr double kGainStepDb = 3.0;
 inline constexpr double kDepthStepMm = 10.0;
 
-/// How the picture is set at present.
-struct PictureSetting {
+/// How the image is set at present.
+struct ImageSetting {
   double gain_db = 0.0;
   double depth_mm = 0.0;
 };
@@ -23,16 +23,16 @@ struct PictureSetting {
 /// than images come all count.
 class OrderedSettings {
  public:
-  /// @param picture  Of the newest image.
-  void Refresh(const live::LiveSnapshot& snapshot, const PictureSetting& picture, double now_s);
+  /// @param image  Of the newest image.
+  void Refresh(const live::LiveSnapshot& snapshot, const ImageSetting& image, double now_s);
   /// @param order  Given to the session at `now_s`.
   void Add(const live::CommandQueue::Order& order, double now_s);
   const live::LiveSnapshot& snapshot() const { return snapshot_; }
-  const PictureSetting& picture() const { return picture_; }
+  const ImageSetting& image() const { return image_; }
 
  private:
   live::LiveSnapshot snapshot_;
-  PictureSetting picture_;
+  ImageSetting image_;
   double last_order_s_ = -1e9;
 };
 
@@ -50,6 +50,6 @@ std::string WhyWithoutEffect(Command command, const SessionAbilities& session);
 /// kSteerOther, which are no orders to the session.
 std::optional<live::CommandQueue::Order> OrderOf(Command command,
                                                  const live::LiveSnapshot& snapshot,
-                                                 const PictureSetting& present);
+                                                 const ImageSetting& present);
 
 }  // namespace acus::window

@@ -41,14 +41,14 @@ bool SameMotion(const breathing::MotionWeights& a, const breathing::MotionWeight
 }
 
 /// Undoes the weighting by opacity, over black, and puts in the fading.
-void Compose(const volume_rendering::ViewPicture& picture, const std::vector<float>& distance_px,
+void Compose(const volume_rendering::ViewImage& image, const std::vector<float>& distance_px,
              double falloff_px, std::vector<std::uint8_t>& rgba) {
-  const std::size_t count = picture.coverage.size();
+  const std::size_t count = image.coverage.size();
   rgba.resize(4 * count);
   for (std::size_t i = 0; i < count; ++i) {
-    const int cover = picture.coverage[i];
+    const int cover = image.coverage[i];
     for (std::size_t k = 0; k < 3; ++k) {
-      const int weighted = picture.colour.rgb[3 * i + k];
+      const int weighted = image.colour.rgb[3 * i + k];
       rgba[4 * i + k] =
           static_cast<std::uint8_t>(cover == 0 ? 0 : std::min(255, weighted * 255 / cover));
     }
@@ -68,7 +68,7 @@ double EdgeOpacity(double distance_px, double falloff_px) noexcept {
 std::vector<float> DistanceToEdge(const std::vector<std::uint8_t>& inside, int width, int height) {
   std::vector<float> out(inside.size(), 0.0F);
   if (inside.empty()) return out;
-  // OpenCV has no distance for a picture without an outside.
+  // OpenCV has no distance for an image without an outside.
   if (std::ranges::find(inside, 0) == inside.end()) {
     std::ranges::fill(out, std::numeric_limits<float>::infinity());
     return out;
@@ -145,7 +145,7 @@ struct OverlayRenderer::Content {
   std::mutex mutex;
   std::condition_variable changed;
   std::optional<Job> job;  ///< Waiting or under way.
-  std::optional<OverlayPicture> done;
+  std::optional<OverlayImage> done;
   std::optional<Job> newest;  ///< What the newest overlay was rendered for.
   long num_rendered = 0;
   std::exception_ptr error;  ///< Of the thread, for the next that asks.
@@ -156,31 +156,31 @@ struct OverlayRenderer::Content {
           const volume_rendering::ViewSettings& look)
       : view(patient, look) {}
 
-  OverlayPicture Render(const Job& wanted) {
-    OverlayPicture out;
+  OverlayImage Render(const Job& wanted) {
+    OverlayImage out;
     const auto size = [&](int video_px) {
       return std::max(1, static_cast<int>(std::lround(settings.scale * video_px)));
     };
     out.camera =
         Resampled(wanted.camera, size(wanted.camera.width_px), size(wanted.camera.height_px));
-    volume_rendering::ViewPicture picture;
+    volume_rendering::ViewImage image;
     volume_rendering::ViewMoment moment;
     moment.motion = wanted.motion ? &*wanted.motion : nullptr;
-    view.Render(out.camera, moment, picture, 1);
+    view.Render(out.camera, moment, image, 1);
     std::vector<std::uint8_t> inside;
     if (outline.triangles.cols() > 0) {
       inside = SilhouetteOf(outline, out.camera);
     } else {
-      inside = picture.coverage;
+      inside = image.coverage;
       for (std::uint8_t& pixel : inside) pixel = pixel >= kVisible ? 255 : 0;
     }
-    Compose(picture, DistanceToEdge(inside, out.camera.width_px, out.camera.height_px),
+    Compose(image, DistanceToEdge(inside, out.camera.width_px, out.camera.height_px),
             settings.falloff_share * out.camera.width_px, out.rgba);
     return out;
   }
 
-  void Finish(OverlayPicture&& picture) {
-    done = std::move(picture);
+  void Finish(OverlayImage&& image) {
+    done = std::move(image);
     newest = job;
     job.reset();
     ++num_rendered;
@@ -195,10 +195,10 @@ struct OverlayRenderer::Content {
       if (stop) return;
       const Job wanted = *job;
       lock.unlock();
-      OverlayPicture picture;
+      OverlayImage image;
       std::exception_ptr thrown;
       try {
-        picture = Render(wanted);
+        image = Render(wanted);
       } catch (...) {
         thrown = std::current_exception();
       }
@@ -207,7 +207,7 @@ struct OverlayRenderer::Content {
         error = thrown;
         job.reset();
       } else {
-        Finish(std::move(picture));
+        Finish(std::move(image));
       }
       changed.notify_all();
     }
@@ -258,7 +258,7 @@ void OverlayRenderer::Ask(const volume_rendering::Camera& video,
   }
 }
 
-bool OverlayRenderer::Take(OverlayPicture& out) {
+bool OverlayRenderer::Take(OverlayImage& out) {
   const std::lock_guard lock(content_->mutex);
   if (!content_->done) return false;
   out = std::move(*content_->done);

@@ -20,7 +20,7 @@ namespace acus::window {
 double EdgeOpacity(double distance_px, double falloff_px) noexcept;
 
 /// Distances of the pixels of `inside` (row by row, 0 is outside) from the next outside pixel, in
-/// pixels; 0 outside. What lies beyond the picture counts as inside.
+/// pixels; 0 outside. What lies beyond the image counts as inside.
 std::vector<float> DistanceToEdge(const std::vector<std::uint8_t>& inside, int width, int height);
 
 /// Pixels that a surface covers, 255, and others, 0. Triangles behind the eye are left out.
@@ -31,19 +31,19 @@ std::vector<std::uint8_t> SilhouetteOf(const mesh::Surface& surface,
 volume_rendering::Camera Resampled(const volume_rendering::Camera& camera, int width_px,
                                    int height_px);
 
-/// The largest distance in pixels by which places of the box move from one camera's picture to the
+/// The largest distance in pixels by which places of the box move from one camera's image to the
 /// other's; infinite if one of them cannot be seen.
 double LargestShiftPx(const volume_rendering::Camera& from, const volume_rendering::Camera& to,
                       const Eigen::AlignedBox3d& box_in_ct_mm);
 
-struct OverlayPicture {
+struct OverlayImage {
   volume_rendering::Camera camera;  ///< That it was rendered for; of its own size in pixels.
   std::vector<std::uint8_t> rgba;
 };
 
 struct OverlaySettings {
   double scale = 0.5;           ///< Pixels each way, of those of the video.
-  double falloff_share = 0.10;  ///< Of the picture's width.
+  double falloff_share = 0.10;  ///< Of the image's width.
   bool in_background = true;
 };
 
@@ -63,7 +63,7 @@ class OverlayRenderer {
   /// @throws InputError for a camera or motion that cannot be rendered, now or at a later call.
   void Ask(const volume_rendering::Camera& video, const breathing::MotionMap* motion);
   /// True if there is a newer one than at the last call; then it is in `out`.
-  bool Take(OverlayPicture& out);
+  bool Take(OverlayImage& out);
   /// Until nothing is under way.
   void Wait();
 

@@ -35,18 +35,18 @@ class Loop {
     const std::int64_t now_ns = MonotonicNs();
     const double dt_s = last_ns_ == 0 ? 0.0 : 1e-9 * static_cast<double>(now_ns - last_ns_);
     last_ns_ = now_ns;
-    session_.pictures().Refresh();
-    const live::LivePicture& picture = session_.pictures().Front();
+    session_.images().Refresh();
+    const live::LiveImage& image = session_.images().Front();
     const camera::CameraTracker* tracker = session_.video();
     const auto video = tracker == nullptr ? nullptr : tracker->Latest();
-    if (picture.number > 0) {
+    if (image.number > 0) {
       if (now_ns > notice_until_ns_) frames_.SetNotice("");
-      window_.Show(frames_.Make(picture, video.get(), !steers_needle_));
+      window_.Show(frames_.Make(image, video.get(), !steers_needle_));
       if (num_shown_++ == 0) first_shown_ns_ = MonotonicNs();
       last_shown_ns_ = MonotonicNs();
     }
     window_.HandleEvents();
-    if (!Obey(picture, now_ns)) return false;
+    if (!Obey(image, now_ns)) return false;
     Move(dt_s);
     return !window_.closed();
   }
@@ -62,13 +62,13 @@ class Loop {
   }
 
  private:
-  bool Obey(const live::LivePicture& picture, std::int64_t now_ns) {
-    PictureSetting shown;
+  bool Obey(const live::LiveImage& image, std::int64_t now_ns) {
+    ImageSetting shown;
     const auto& probe = session_.scene().probe;  // Until there is an image.
     if (probe) shown = {probe->gain_db, probe->depth_mm};
-    if (picture.probe) shown = {picture.probe->gain_db, picture.probe->depth_mm};
+    if (image.probe) shown = {image.probe->gain_db, image.probe->depth_mm};
     const double now_s = 1e-9 * static_cast<double>(now_ns);
-    ordered_.Refresh(picture.snapshot, shown, now_s);
+    ordered_.Refresh(image.snapshot, shown, now_s);
     for (const Command command : window_.TakeCommands()) {
       if (command == Command::kQuit) return false;
       if (command == Command::kSteerOther) steers_needle_ = !steers_needle_;
@@ -77,7 +77,7 @@ class Loop {
         notice_until_ns_ = now_ns + kNoticeNs;
         continue;
       }
-      const auto order = OrderOf(command, ordered_.snapshot(), ordered_.picture());
+      const auto order = OrderOf(command, ordered_.snapshot(), ordered_.image());
       if (!order) continue;
       session_.commands().Give(order->kind, order->value);
       ordered_.Add(*order, now_s);
@@ -121,7 +121,7 @@ WindowRun RunInWindows(SessionWindows& windows, live::LiveSession& session,
   const auto period_ns = static_cast<std::int64_t>(1e9 / settings.rate_hz);
   std::int64_t due_ns = MonotonicNs();
   while (session.Poll() && loop.Turn()) {
-    // A slow picture does not make the next ones hurry.
+    // A slow image does not make the next ones hurry.
     due_ns = std::max(due_ns + period_ns, MonotonicNs());
     std::this_thread::sleep_for(std::chrono::nanoseconds(due_ns - MonotonicNs()));
   }

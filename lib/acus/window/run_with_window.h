@@ -9,7 +9,7 @@
 namespace acus::window {
 
 struct ConsoleSettings : WindowsSettings {
-  double rate_hz = 30.0;  ///< Of the window; pictures themselves are made at a rate of their own.
+  double rate_hz = 30.0;  ///< Of the window; images themselves are made at a rate of their own.
   /// PNG of the window, written at the end. Empty: none. See SessionWindows::WriteScreenshots().
   std::filesystem::path screenshot;
   int trial = 1;        ///< Of the trainee: hints fade with it.

@@ -29,7 +29,7 @@ class ShadowTexture {
   void AddLine(std::span<const Eigen::Vector3d> points_mm, double radius_mm);
   /// What of the surface is outside.
   void AddSurface(const mesh::Surface& tool, const Eigen::Isometry3d& ct_from_tool);
-  /// Softens the edges; the picture is white where there is light, and grey in the shade. Its
+  /// Softens the edges; the image is white where there is light, and grey in the shade. Its
   /// opacity is `lit_opacity`, and 1 in the shade: a shadow is seen on a transparent skin too.
   Texture Finish(double lit_opacity);
 

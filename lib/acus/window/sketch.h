@@ -1,4 +1,4 @@
-// Marks and text of a window, collected as pieces of one picture of letters.
+// Marks and text of a window, collected as pieces of one image of letters.
 #pragma once
 
 #include <Eigen/Core>
@@ -48,7 +48,7 @@ struct TextStyle {
   Colour colour = palette::kText;
   Align align = Align::kLeft;
   bool bold = false;
-  bool shade = false;  ///< A dark rim, to be read over pictures.
+  bool shade = false;  ///< A dark rim, to be read over images.
 };
 
 /// Places are pixels from the upper left corner of the window; (0, 0) is the corner itself.

@@ -43,7 +43,7 @@ void FillCells(const Eigen::Matrix3Xi& triangles, vtkCellArray& cells) {
   cells.Modified();
 }
 
-/// As OpenGL wants it, for eyes that look along -z with y up. The picture's edges are half a pixel
+/// As OpenGL wants it, for eyes that look along -z with y up. The image's edges are half a pixel
 /// outside the outermost pixels' centres.
 void Project(const volume_rendering::Camera& camera, const DepthRange& range, vtkMatrix4x4& out) {
   const double width = camera.width_px;
@@ -294,8 +294,8 @@ void SpaceLayer::SetTexture(int thing, const Texture& texture) {
   content_->Of(thing).SetPixels(texture.width, texture.height, 4, texture.rgba.data());
 }
 
-void SpaceLayer::SetTexture(int thing, const image::GrayImage& picture) {
-  content_->Of(thing).SetPixels(picture.width, picture.height, 1, picture.pixels.data());
+void SpaceLayer::SetTexture(int thing, const image::GrayImage& image) {
+  content_->Of(thing).SetPixels(image.width, image.height, 1, image.pixels.data());
 }
 
 mesh::Surface Thinned(const mesh::Surface& surface, int max_triangles) {

@@ -1,4 +1,4 @@
-// Surfaces and pictures in space, in a part of a window.
+// Surfaces and images in space, in a part of a window.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -55,9 +55,9 @@ class SpaceLayer {
   /// @param towards  In CT space, where the light comes from; a weaker one comes from the eye.
   void SetLight(const Eigen::Vector3d& towards);
 
-  /// Where in the window, and the camera, whose picture fills that. An empty place: not drawn.
+  /// Where in the window, and the camera, whose image fills that. An empty place: not drawn.
   /// @param through_red_cyan  The eyes are told apart by the window (square pixels, the axis in
-  ///     the middle of the picture).
+  ///     the middle of the image).
   void SetView(const Rectangle& place, const Rectangle& window,
                const volume_rendering::Camera& camera, const DepthRange& range,
                bool through_red_cyan = false);
@@ -77,7 +77,7 @@ class SpaceLayer {
   /// @param at  2 x nodes, 0 to 1: shares of the width and height, from the upper left corner.
   void SetTexturePlaces(int thing, const Eigen::Matrix2Xf& at);
   void SetTexture(int thing, const Texture& texture);
-  void SetTexture(int thing, const image::GrayImage& picture);
+  void SetTexture(int thing, const image::GrayImage& image);
 
  private:
   struct Thing;

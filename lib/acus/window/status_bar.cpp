@@ -10,7 +10,7 @@ namespace acus::window {
 namespace {
 
 /// A tenth below 30 images/s is seen; 29 are not.
-constexpr double kSlowPicturesPerS = 27.0;
+constexpr double kSlowImagesPerS = 27.0;
 
 Eigen::Vector2i StatusBarCorner(int column, int row) {
   return {column, row};
@@ -132,11 +132,11 @@ void DrawNumbers(const DisplayFrame& frame, const ViewChoice& choice,
   };
   line("Time", ClockText(frame.session_s), palette::kText);
   line("Device to force", known(latency.device_to_force_ms, 2, " ms"), palette::kText);
-  line("Tracker to image", known(latency.tracker_to_picture_ms, 0, " ms"), palette::kText);
-  const bool slow = latency.pictures_per_s > 0.0 && latency.pictures_per_s < kSlowPicturesPerS;
-  std::string pictures = known(latency.pictures_per_s, 0, " /s");
-  if (latency.late_pictures > 0) pictures += ", " + std::to_string(latency.late_pictures) + " late";
-  line("Images", pictures, slow ? palette::kWarning : palette::kText);
+  line("Tracker to image", known(latency.tracker_to_image_ms, 0, " ms"), palette::kText);
+  const bool slow = latency.images_per_s > 0.0 && latency.images_per_s < kSlowImagesPerS;
+  std::string images = known(latency.images_per_s, 0, " /s");
+  if (latency.late_images > 0) images += ", " + std::to_string(latency.late_images) + " late";
+  line("Images", images, slow ? palette::kWarning : palette::kText);
   if (frame.video) {
     line("Camera", std::to_string(latency.dropped_of_camera) + " dropped", palette::kText);
   }

@@ -181,17 +181,17 @@ void TeachingView::UpdateProbe(const DisplayFrame& frame) {
     layer_.SetSurface(probe_mark_, volume_rendering::ProbeMark(*probe));
     const volume_rendering::ImagePlane plane = volume_rendering::PlaneOf(*probe);
     layer_.SetSurface(plane_, plane.surface);
-    const image::ImageGeometry picture = acoustics::PictureOf(*probe);
-    const Eigen::Array2f size(static_cast<float>(picture.width_px),
-                              static_cast<float>(picture.height_px));
+    const image::ImageGeometry image = acoustics::ImageOf(*probe);
+    const Eigen::Array2f size(static_cast<float>(image.width_px),
+                              static_cast<float>(image.height_px));
     layer_.SetTexturePlaces(plane_,
                             ((plane.pixel_of_node.array() + 0.5F).colwise() / size).matrix());
   }
   for (const int thing : {probe_body_, probe_mark_, plane_}) {
     layer_.SetPose(thing, *frame.ct_from_probe);
   }
-  if (!frame.ultrasound.picture.pixels.empty()) {
-    layer_.SetTexture(plane_, frame.ultrasound.picture);
+  if (!frame.ultrasound.image.pixels.empty()) {
+    layer_.SetTexture(plane_, frame.ultrasound.image);
   }
 }
 

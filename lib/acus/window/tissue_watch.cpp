@@ -10,8 +10,8 @@
 
 #include "acus/scene/effects/view_3d/tissue_under_tools.h"
 #include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/image_sleep.h"
 #include "acus/scene/simulation/moment_rest.h"
-#include "acus/scene/simulation/picture_sleep.h"
 
 namespace acus::window {
 namespace {
@@ -53,7 +53,7 @@ struct TissueWatch::Content {
     const slicing::RestMap* map = rest.At(moment);
     if (map == nullptr) return nullptr;
     effects::ToolsOnTissue tools;
-    tools.needle = simulation::NeedleInPicture(scene, moment);
+    tools.needle = simulation::ImagedNeedle(scene, moment);
     if (moment.probe_valid) tools.ct_from_probe = moment.ct_from_probe;
     if (scene.probe) tools.probe = &*scene.probe;
     std::optional<breathing::MotionMap> breath;

@@ -8,7 +8,7 @@ namespace acus::window {
 namespace {
 
 /// Two triangles, once round from the upper left corner.
-mesh::Surface Sheet(const std::array<Eigen::Vector3d, 4>& corners_mm) {
+mesh::Surface Quad(const std::array<Eigen::Vector3d, 4>& corners_mm) {
   mesh::Surface out;
   out.nodes_mm.resize(3, 4);
   for (int i = 0; i < 4; ++i) out.nodes_mm.col(i) = corners_mm[static_cast<std::size_t>(i)];
@@ -17,7 +17,7 @@ mesh::Surface Sheet(const std::array<Eigen::Vector3d, 4>& corners_mm) {
   return out;
 }
 
-/// Where a camera's picture is in space, if it is painted on a plane through the box's middle,
+/// Where a camera's image is in space, if it is painted on a plane through the box's middle,
 /// across the line of sight. Seen from that camera it fits pixel by pixel; seen from another one
 /// near by, what lies near the plane still does.
 mesh::Surface PaintedThrough(const Eigen::Vector3d& middle_in_ct_mm,
@@ -29,7 +29,7 @@ mesh::Surface PaintedThrough(const Eigen::Vector3d& middle_in_ct_mm,
   const auto at = [&](double column, double row) -> Eigen::Vector3d {
     return eye + depth * camera.DirectionInCt({column, row});
   };
-  return Sheet({at(-0.5, -0.5), at(right, -0.5), at(right, bottom), at(-0.5, bottom)});
+  return Quad({at(-0.5, -0.5), at(right, -0.5), at(right, bottom), at(-0.5, bottom)});
 }
 
 constexpr double kPlaneOpacity = 0.85;
@@ -46,7 +46,7 @@ VideoView::VideoView(const volume_rendering::PatientInView& patient, const mesh:
       .colour = Eigen::Array3f::Ones(), .opacity = 1.0, .lit = false, .both_sides = true};
   mesh::Surface any;
   any.nodes_mm = Eigen::Matrix3Xd::Identity(3, 4);
-  any = Sheet({any.nodes_mm.col(0), any.nodes_mm.col(1), any.nodes_mm.col(2), any.nodes_mm.col(3)});
+  any = Quad({any.nodes_mm.col(0), any.nodes_mm.col(1), any.nodes_mm.col(2), any.nodes_mm.col(3)});
   sheet_ = layer_.Add(any, painted);
   Eigen::Matrix2Xf corners(2, 4);
   corners << 0, 1, 1, 0, 0, 0, 1, 1;
@@ -73,15 +73,15 @@ void VideoView::UpdateOverlay(const DisplayFrame& frame, double share) {
     return;
   }
   overlay_->Ask(frame.video->camera, frame.motion);
-  if (overlay_->Take(picture_)) {
-    has_picture_ = true;
-    painted_ = PaintedThrough(overlay_->box_in_ct_mm().center(), picture_.camera);
-    layer_.SetTexture(sheet_, {.width = picture_.camera.width_px,
-                               .height = picture_.camera.height_px,
-                               .rgba = picture_.rgba});
+  if (overlay_->Take(image_)) {
+    has_image_ = true;
+    painted_ = PaintedThrough(overlay_->box_in_ct_mm().center(), image_.camera);
+    layer_.SetTexture(
+        sheet_,
+        {.width = image_.camera.width_px, .height = image_.camera.height_px, .rgba = image_.rgba});
   }
-  layer_.SetShown(sheet_, has_picture_);
-  if (!has_picture_) return;
+  layer_.SetShown(sheet_, has_image_);
+  if (!has_image_) return;
   // Looks the same from here wherever on its rays it is: behind all else.
   const Eigen::Vector3d eye = frame.video->camera.EyeInCtMm();
   mesh::Surface behind = painted_;
@@ -93,21 +93,21 @@ void VideoView::UpdateOverlay(const DisplayFrame& frame, double share) {
 void VideoView::UpdatePlane(const DisplayFrame& frame, double share) {
   const auto& ultrasound = frame.ultrasound;
   const bool shown =
-      frame.ct_from_probe && ultrasound.probe && !ultrasound.picture.pixels.empty() && share > 0.0;
+      frame.ct_from_probe && ultrasound.probe && !ultrasound.image.pixels.empty() && share > 0.0;
   layer_.SetShown(plane_, shown);
   if (!shown) return;
   if (ultrasound.probe != probe_) {
     probe_ = ultrasound.probe;
     const volume_rendering::ImagePlane plane = volume_rendering::PlaneOf(*probe_);
     layer_.SetSurface(plane_, plane.surface);
-    const image::ImageGeometry picture = acoustics::PictureOf(*probe_);
-    const Eigen::Array2f size(static_cast<float>(picture.width_px),
-                              static_cast<float>(picture.height_px));
+    const image::ImageGeometry image = acoustics::ImageOf(*probe_);
+    const Eigen::Array2f size(static_cast<float>(image.width_px),
+                              static_cast<float>(image.height_px));
     layer_.SetTexturePlaces(plane_,
                             ((plane.pixel_of_node.array() + 0.5F).colwise() / size).matrix());
   }
   layer_.SetPose(plane_, *frame.ct_from_probe);
-  layer_.SetTexture(plane_, ultrasound.picture);
+  layer_.SetTexture(plane_, ultrasound.image);
   layer_.SetOpacity(plane_, kPlaneOpacity * std::min(1.0, share / 0.7));
 }
 

@@ -19,7 +19,7 @@ class VideoView {
   SpaceLayer& layer() { return layer_; }
   long num_overlays() const { return overlay_ ? overlay_->num_rendered() : 0; }
 
-  /// @param place  Of the video's picture in the window; empty: not shown.
+  /// @param place  Of the video's image in the window; empty: not shown.
   /// @param overlay_share  0: the video alone.
   void Update(const DisplayFrame& frame, const Rectangle& place, const Rectangle& window,
               double overlay_share);
@@ -30,8 +30,8 @@ class VideoView {
 
   SpaceLayer layer_;
   std::unique_ptr<OverlayRenderer> overlay_;
-  OverlayPicture picture_;
-  bool has_picture_ = false;
+  OverlayImage image_;
+  bool has_image_ = false;
   mesh::Surface painted_;  ///< The overlay's sheet in space.
   int sheet_ = -1;
   int plane_ = -1;

@@ -85,7 +85,7 @@ struct VolumeRenderer::Content {
   std::unique_ptr<volume_rendering::PatientView> view;
   std::size_t view_look = 0;
   double view_opacity = 0.0;
-  volume_rendering::ViewPicture rendered;
+  volume_rendering::ViewImage rendered;
 
   mutable std::mutex mutex;
   std::condition_variable changed;
@@ -137,12 +137,12 @@ struct VolumeRenderer::Content {
 
   /// @pre `running` is set. Never throws: what is wrong is told by trouble().
   void RenderRunning() {
-    image::ColourImage picture;
+    image::ColourImage image;
     std::string what;
     bool whole = false;
     const double cpu_s = ThreadCpuSeconds();
     try {
-      whole = Render(*running, picture);
+      whole = Render(*running, image);
     } catch (const std::exception& error) {
       what = error.what();
       view.reset();
@@ -152,7 +152,7 @@ struct VolumeRenderer::Content {
     running.reset();
     trouble = what;
     if (whole) {
-      done = std::move(picture);
+      done = std::move(image);
       ++counts.images;
       counts.cpu_ms = 1e3 * (ThreadCpuSeconds() - cpu_s);
       finished_ns.push_back(now_ns);

@@ -57,7 +57,7 @@ VolumeMoment VolumeView::MomentOf(const DisplayFrame& frame, const Orbit& orbit,
   if (frame.ct_from_probe && frame.ultrasound.probe) {
     moment.ct_from_probe = frame.ct_from_probe;
     moment.probe = frame.ultrasound.probe;
-    moment.b_mode = frame.ultrasound.picture;
+    moment.b_mode = frame.ultrasound.image;
   }
   return moment;
 }
@@ -67,7 +67,7 @@ void VolumeView::Update(const DisplayFrame& frame, const Rectangle& place, const
   shown_ = !empty() && place.width >= 2 && place.height >= 2;
   if (!shown_) return;
   if (!renderer_) renderer_ = std::make_unique<VolumeRenderer>(looks_, settings_.in_background);
-  renderer_->Take(picture_);
+  renderer_->Take(image_);
   VolumeMoment moment = MomentOf(frame, orbit, choice);
   const volume_rendering::Camera whole = orbit.CameraFor(place.width, place.height);
   moment.camera = whole;
@@ -87,7 +87,7 @@ void VolumeView::Update(const DisplayFrame& frame, const Rectangle& place, const
     moment.camera = Resampled(whole, fewer(whole.width_px), fewer(whole.height_px));
   }
   renderer_->Ask(std::move(moment), /*may_stop=*/asked_whole_);
-  renderer_->Take(picture_);
+  renderer_->Take(image_);
 }
 
 std::string VolumeView::TitleDetail(const VolumeChoice& choice) const {

@@ -40,7 +40,7 @@ class VolumeView {
   void Update(const DisplayFrame& frame, const Rectangle& place, const Orbit& orbit,
               const VolumeChoice& choice);
   /// Empty before the first. Its proportions are those of the place that it was rendered for.
-  const image::ColourImage& picture() const { return picture_; }
+  const image::ColourImage& image() const { return image_; }
 
   /// "bone, cut axially": for the view's title.
   std::string TitleDetail(const VolumeChoice& choice) const;
@@ -56,7 +56,7 @@ class VolumeView {
   const std::vector<VolumeLook>& looks_;
   VolumeViewSettings settings_;
   std::unique_ptr<VolumeRenderer> renderer_;  ///< From the first Update() on.
-  image::ColourImage picture_;
+  image::ColourImage image_;
   std::optional<VolumeMoment> asked_;
   bool asked_whole_ = false;  ///< With all pixels.
   int same_moments_ = 0;

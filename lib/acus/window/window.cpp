@@ -5,8 +5,8 @@
 
 #include "acus/base/core/error.h"
 #include "acus/window/exercise_panel.h"
+#include "acus/window/image_layer.h"
 #include "acus/window/marks.h"
-#include "acus/window/picture_layer.h"
 #include "acus/window/screen.h"
 #include "acus/window/sketch_layer.h"
 #include "acus/window/status_bar.h"
@@ -59,29 +59,29 @@ bool IsWhole(const image::ColourImage& image) {
              3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
 }
 
-/// What cannot be drawn is taken out: a fault of a tracker is no reason to lose the picture.
+/// What cannot be drawn is taken out: a fault of a tracker is no reason to lose the image.
 void MakeDrawable(DisplayFrame& out) {
   if (out.needle && !IsFinite(*out.needle)) out.needle.reset();
   if (out.ct_from_probe && !out.ct_from_probe->matrix().allFinite()) out.ct_from_probe.reset();
   if (out.target_in_ct_mm && !out.target_in_ct_mm->allFinite()) out.target_in_ct_mm.reset();
   const auto& probe = out.ultrasound.probe;
-  if (!IsWhole(out.ultrasound.picture) || !probe ||
-      out.ultrasound.picture.width != acoustics::PictureOf(*probe).width_px ||
-      out.ultrasound.picture.height != acoustics::PictureOf(*probe).height_px) {
-    out.ultrasound.picture = {};
+  if (!IsWhole(out.ultrasound.image) || !probe ||
+      out.ultrasound.image.width != acoustics::ImageOf(*probe).width_px ||
+      out.ultrasound.image.height != acoustics::ImageOf(*probe).height_px) {
+    out.ultrasound.image = {};
   }
   if (!IsWhole(out.ct_slice)) out.ct_slice = {};
   std::erase_if(out.effects, [](const simulation::EffectImage& effect) {
     return !IsWhole(effect.pixels.gray) && !IsWhole(effect.pixels.colour);
   });
   if (out.video) {
-    const image::ColourImage& picture = out.video->picture;
+    const image::ColourImage& image = out.video->image;
     const volume_rendering::Camera& camera = out.video->camera;
-    if (!IsWhole(picture)) {
+    if (!IsWhole(image)) {
       out.video.reset();
     } else if (!camera.camera_from_ct.matrix().allFinite() || !camera.centre_px.allFinite() ||
-               !(camera.focal_px.array() > 0.0).all() || camera.width_px != picture.width ||
-               camera.height_px != picture.height) {
+               !(camera.focal_px.array() > 0.0).all() || camera.width_px != image.width ||
+               camera.height_px != image.height) {
       out.video->pose_valid = false;
     }
   }
@@ -114,7 +114,7 @@ struct Window::Content {
   Screen screen;
   FontAtlas atlas;
   Sketch sketch{atlas};
-  PictureLayer pictures;
+  ImageLayer images;
   TeachingView teaching;
   Orbit orbit;
   VideoView video;
@@ -141,12 +141,12 @@ struct Window::Content {
                {.moving_scale = s.volume_moving_scale, .in_background = s.volume_in_background}),
         marks(atlas),
         steering(IsListed(s, ViewKind::kVolume)) {
-    screen.Add(pictures.renderer(), 0);
+    screen.Add(images.renderer(), 0);
     screen.Add(video.layer().renderer(0), 1);
     screen.Add(teaching.layer().renderer(0), 1);
     screen.Add(teaching.layer().renderer(1), 1);
     screen.Add(marks.renderer(), 2);
-    // Its own background, over that of the pictures.
+    // Its own background, over that of the images.
     teaching.layer().PaintBackground();
   }
 
@@ -192,7 +192,7 @@ struct Window::Content {
   void FindShown(const DisplayFrame& frame) {
     shown.clear();
     if (frame.video) shown.push_back(ViewKind::kVideo);
-    if (!frame.ultrasound.picture.pixels.empty()) shown.push_back(ViewKind::kUltrasound);
+    if (!frame.ultrasound.image.pixels.empty()) shown.push_back(ViewKind::kUltrasound);
     if (!teaching.empty()) shown.push_back(ViewKind::kTeaching);
     if (!volume.empty() && steering.choice().volume.shown) shown.push_back(ViewKind::kVolume);
     if (!frame.ct_slice.pixels.empty()) shown.push_back(ViewKind::kCtSlice);
@@ -217,14 +217,14 @@ struct Window::Content {
   void DrawVideo(const DisplayFrame& frame, const TextSizes& sizes) {
     const Rectangle place = PlaceOf(ViewKind::kVideo);
     if (place.empty()) {
-      pictures.Hide(ViewKind::kVideo);
+      images.Hide(ViewKind::kVideo);
       video.Update(frame, {}, WindowPlace(), 0.0);
       return;
     }
-    const VideoPicture& seen = *frame.video;
+    const VideoImage& seen = *frame.video;
     const Rectangle fit =
-        Fit(PictureRoom(ViewKind::kVideo, place, sizes), seen.picture.width, seen.picture.height);
-    pictures.Show(seen.picture, seen.camera, seen.distortion, fit);
+        Fit(ImageRoom(ViewKind::kVideo, place, sizes), seen.image.width, seen.image.height);
+    images.Show(seen.image, seen.camera, seen.distortion, fit);
     video.Update(frame, fit, WindowPlace(), steering.choice().overlay_share);
     const int percent = static_cast<int>(std::lround(100.0 * steering.choice().overlay_share));
     DrawTitle("Camera",
@@ -236,29 +236,29 @@ struct Window::Content {
 
   void DrawUltrasound(const DisplayFrame& frame, const TextSizes& sizes) {
     const Rectangle place = PlaceOf(ViewKind::kUltrasound);
-    if (place.empty()) return pictures.Hide(ViewKind::kUltrasound);
-    const PlaneOnScreen plane = PlaneIn(frame, PictureRoom(ViewKind::kUltrasound, place, sizes));
-    pictures.Show(ViewKind::kUltrasound, frame.ultrasound.picture, plane.place);
+    if (place.empty()) return images.Hide(ViewKind::kUltrasound);
+    const PlaneOnScreen plane = PlaneIn(frame, ImageRoom(ViewKind::kUltrasound, place, sizes));
+    images.Show(ViewKind::kUltrasound, frame.ultrasound.image, plane.place);
     DrawUltrasoundMarks(frame, place, plane, steering.choice(), sketch, sizes);
   }
 
   void DrawCtSlice(const DisplayFrame& frame, const TextSizes& sizes) {
     const Rectangle place = PlaceOf(ViewKind::kCtSlice);
-    if (place.empty()) return pictures.Hide(ViewKind::kCtSlice);
-    Rectangle room = PictureRoom(ViewKind::kCtSlice, place, sizes);
+    if (place.empty()) return images.Hide(ViewKind::kCtSlice);
+    Rectangle room = ImageRoom(ViewKind::kCtSlice, place, sizes);
     const bool has_plane = frame.ultrasound.probe != nullptr;
     PlaneOnScreen plane = has_plane ? PlaneIn(frame, room) : PlaneOnScreen{};
     if (!has_plane) plane.place = Fit(room, frame.ct_slice.width, frame.ct_slice.height);
-    pictures.Show(ViewKind::kCtSlice, frame.ct_slice, plane.place);
+    images.Show(ViewKind::kCtSlice, frame.ct_slice, plane.place);
     DrawTitle(TitleOf(ViewKind::kCtSlice), "", place, sizes, sketch);
     if (has_plane && frame.ct_from_probe) DrawSliceMarks(frame, plane, sketch);
   }
 
   void DrawEffect(ViewKind kind, const simulation::EffectImage& effect, const TextSizes& sizes) {
     const Rectangle place = PlaceOf(kind);
-    if (place.empty()) return pictures.Hide(kind);
+    if (place.empty()) return images.Hide(kind);
     const auto show = [&](const auto& image) {
-      pictures.Show(kind, image, Fit(PictureRoom(kind, place, sizes), image.width, image.height));
+      images.Show(kind, image, Fit(ImageRoom(kind, place, sizes), image.width, image.height));
     };
     if (IsWhole(effect.pixels.colour)) {
       show(effect.pixels.colour);
@@ -285,19 +285,19 @@ struct Window::Content {
     const Rectangle place = PlaceOf(ViewKind::kVolume);
     const VolumeChoice& choice = steering.choice().volume;
     volume.Update(frame, place, orbit, choice);
-    if (place.empty()) return pictures.Hide(ViewKind::kVolume);
-    const image::ColourImage& picture = volume.picture();
-    if (IsWhole(picture)) {
-      pictures.Show(ViewKind::kVolume, picture, Fit(place, picture.width, picture.height));
+    if (place.empty()) return images.Hide(ViewKind::kVolume);
+    const image::ColourImage& image = volume.image();
+    if (IsWhole(image)) {
+      images.Show(ViewKind::kVolume, image, Fit(place, image.width, image.height));
     } else {
-      pictures.Hide(ViewKind::kVolume);
+      images.Hide(ViewKind::kVolume);
     }
     DrawTitle(TitleOf(ViewKind::kVolume), volume.TitleDetail(choice), place, sizes, sketch);
   }
 
   static PlaneOnScreen PlaneIn(const DisplayFrame& frame, const Rectangle& room) {
     PlaneOnScreen plane;
-    plane.geometry = acoustics::PictureOf(*frame.ultrasound.probe);
+    plane.geometry = acoustics::ImageOf(*frame.ultrasound.probe);
     plane.place = Fit(room, plane.geometry.width_px * plane.geometry.lateral_mm_per_px,
                       plane.geometry.height_px * plane.geometry.axial_mm_per_px);
     if (frame.ct_from_probe) plane.ct_from_probe = *frame.ct_from_probe;
@@ -309,7 +309,7 @@ struct Window::Content {
     PlaceEye(frame);
     screen.SetAnaglyph(steering.choice().stereo == Stereo::kRedCyan && !teaching.empty());
     const TextSizes sizes = SizesFor(screen.height_px());
-    pictures.SetWindowSize(screen.width_px(), screen.height_px());
+    images.SetWindowSize(screen.width_px(), screen.height_px());
     sketch.Clear();
     DrawVideo(frame, sizes);
     DrawUltrasound(frame, sizes);
@@ -318,7 +318,7 @@ struct Window::Content {
       if (n < frame.effects.size()) {
         DrawEffect(kEffectViews[n], frame.effects[n], sizes);
       } else {
-        pictures.Hide(kEffectViews[n]);
+        images.Hide(kEffectViews[n]);
       }
     }
     DrawTeaching(frame, sizes);

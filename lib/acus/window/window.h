@@ -21,7 +21,7 @@ struct WindowSettings {
   int height_px = 800;
   /// Surfaces of the teaching view are thinned out to this many triangles in all.
   int max_triangles = 40000;
-  /// The overlay's picture: of this many times the pixels of the video each way. Smaller is faster.
+  /// The overlay's image: of this many times the pixels of the video each way. Smaller is faster.
   double overlay_scale = 0.5;
   /// Opacity reaches its full value so far inside the patient's outline, in shares of the video's
   /// width.

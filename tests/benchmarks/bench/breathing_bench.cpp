@@ -1,5 +1,5 @@
 // What breathing costs: displacements for a needle's nodes, the inverse for a tool and for the
-// knots of a picture, and a whole step by every motion model. Run: build/tests/bench_breathing
+// knots of an image, and a whole step by every motion model. Run: build/tests/bench_breathing
 #include <benchmark/benchmark.h>
 #include <cmath>
 
@@ -67,7 +67,7 @@ void ToolInAStep(benchmark::State& state) {
 BENCHMARK(ToolInAStep);
 
 /// 150 x 150 mm, knots 5 mm apart, five iterations each from the neighbour.
-void PictureKnots(benchmark::State& state) {
+void ImageKnots(benchmark::State& state) {
   const MotionField field = Field(static_cast<int>(state.range(0)), 2);
   const MotionMap map(field, Weights(2, 0.7));
   for (auto _ : state) {
@@ -83,7 +83,7 @@ void PictureKnots(benchmark::State& state) {
     }
   }
 }
-BENCHMARK(PictureKnots)->Arg(64)->Arg(128)->Arg(256);
+BENCHMARK(ImageKnots)->Arg(64)->Arg(128)->Arg(256);
 
 /// Layered forces and a needle of 25 nodes, 45 mm deep in tissue that moves across it. Arguments:
 /// the model (4: no breathing), nodes of its field each way.

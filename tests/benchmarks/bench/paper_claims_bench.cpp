@@ -65,12 +65,12 @@ void Swaps(int side, Results& results) {
   const tissue::PlaneModel2010 model(settings, {}, testing_support::RoundForces(),
                                      testing_support::Trocar18(),
                                      testing_support::RoundElasticity(), body.At());
-  const mechanics::PlaneGrid& grid = model.grid();
+  const mechanics::PlaneGrid& grid = model.planes().grid();
   const std::string name = "swap_" + std::to_string(grid.num_nodes());
   for (const auto update : {tissue::PlaneUpdate::kFull, tissue::PlaneUpdate::kRestricted}) {
-    tissue::PlaneContact contact(model.compliance(), 2 * grid.rows, update);
+    tissue::PlaneContact contact(model.planes().compliance(), 2 * grid.rows, update);
     for (int row = 0; row < grid.rows; ++row) {
-      const int dof = model.dof_of_node()[grid.Node(grid.columns / 2, row)];
+      const int dof = model.planes().dof_of_node()[grid.Node(grid.columns / 2, row)];
       if (dof >= 0) contact.Append(dof, 0.0, 1.0);
     }
     for (int i = 0; i < contact.size(); ++i) {
@@ -167,8 +167,8 @@ void VolumeRendering(bool quick, Results& results, const RunContext& context) {
   breathing::MotionWeights weights;
   weights.Add(0, 0.9);
   const breathing::MotionMap motion(field, weights);
-  const volume_rendering::PictureSize size =
-      quick ? volume_rendering::PictureSize{200, 166} : volume_rendering::PictureSize{1224, 1014};
+  const volume_rendering::ImageSize size =
+      quick ? volume_rendering::ImageSize{200, 166} : volume_rendering::ImageSize{1224, 1014};
   for (const View view : {View{"skin", false}, {"skin", true}, {"bone", false}, {"bone", true}}) {
     context.Checkpoint("volume rendering", 0.6);
     volume_rendering::PatientInView patient;
@@ -177,17 +177,17 @@ void VolumeRendering(bool quick, Results& results, const RunContext& context) {
     patient.field = view.breathing ? &field : nullptr;
     volume_rendering::PatientView renderer(patient, {});
     const auto camera = LookAt(ViewFrom("oblique", renderer.box_in_ct_mm(), size), size);
-    volume_rendering::ViewPicture picture;
+    volume_rendering::ViewImage image;
     std::vector<double> times_ms;
     for (int n = 0; n < (quick ? 2 : 7); ++n) {
       const double begin_s = ThreadCpuSeconds();
-      renderer.Render(camera, {.motion = view.breathing ? &motion : nullptr}, picture, 1);
+      renderer.Render(camera, {.motion = view.breathing ? &motion : nullptr}, image, 1);
       times_ms.push_back(1e3 * (ThreadCpuSeconds() - begin_s));
     }
-    const auto shown = std::ranges::count_if(picture.coverage, [](auto c) { return c > 0; });
+    const auto shown = std::ranges::count_if(image.coverage, [](auto c) { return c > 0; });
     const std::string name =
         "volume_" + std::string(view.layer) + (view.breathing ? "_breathing" : "_at_rest");
-    results.Require(shown * 20 > static_cast<std::ptrdiff_t>(picture.coverage.size()),
+    results.Require(shown * 20 > static_cast<std::ptrdiff_t>(image.coverage.size()),
                     name + " shows nothing");
     results.Add(name + "_ms", math::Median(times_ms));
   }

@@ -80,11 +80,11 @@ double ErrorOfFreshSolveN(const PlaneContact& contact) {
 /// What the paper counts: one node changes between stick and slip, and the forces at the needle.
 void OneSwap(benchmark::State& run, PlaneUpdate update) {
   const PlaneModel2010& model = Model(static_cast<int>(run.range(0)));
-  const mechanics::PlaneGrid& grid = model.grid();
+  const mechanics::PlaneGrid& grid = model.planes().grid();
   const int capacity = 2 * std::min(96, grid.rows);
-  PlaneContact contact(model.compliance(), capacity, update);
+  PlaneContact contact(model.planes().compliance(), capacity, update);
   for (int row = 0; row < grid.rows && contact.size() < capacity; ++row) {
-    const int dof = model.dof_of_node()[grid.Node(grid.columns / 2, row)];
+    const int dof = model.planes().dof_of_node()[grid.Node(grid.columns / 2, row)];
     if (dof >= 0) contact.Append(dof, 0.0, 1.0);
   }
   for (int i = 0; i < contact.size(); ++i) {
@@ -104,17 +104,17 @@ void OneSwap(benchmark::State& run, PlaneUpdate update) {
   const double error_n = ErrorOfFreshSolveN(contact);
   if (!(error_n <= 1e-9 && largest_n < 100.0)) run.SkipWithError("the forces are wrong");
   run.counters["nodes"] = grid.num_nodes();
-  run.counters["free"] = model.num_free_nodes();
+  run.counters["free"] = model.planes().num_free_nodes();
   run.counters["needle"] = contact.size() / 2;
   run.counters["error_N"] = error_n;
   run.counters["Hz"] = benchmark::Counter(1.0, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-/// Whole steps of the level, the needle going in and to and fro.
+/// Whole steps of the model, the needle going in and to and fro.
 void Step(benchmark::State& run, PlaneUpdate update) {
   const PlaneModel2010& shared = Model(static_cast<int>(run.range(0)));
   PlaneModel2010 model = shared.WithUpdate(update);
-  testing_support::LevelInsertion<PlaneModel2010> insertion{model};
+  testing_support::ModelInsertion<PlaneModel2010> insertion{model};
   insertion.MoveToDepth(30.0, 200.0);
   std::vector<double> us;
   double worst_n = 0.0;
@@ -143,7 +143,7 @@ void Step(benchmark::State& run, PlaneUpdate update) {
   if (!(worst_n <= 1e-9 && largest_n < 10.0 && largest_energy < 100.0)) {
     run.SkipWithError("the forces are wrong");
   }
-  run.counters["nodes"] = model.grid().num_nodes();
+  run.counters["nodes"] = model.planes().grid().num_nodes();
   run.counters["median_us"] = math::Median(us);
   run.counters["p99.9_us"] = math::Quantile(us, 0.999);
   run.counters["swaps_per_step"] =
@@ -154,7 +154,7 @@ void Step(benchmark::State& run, PlaneUpdate update) {
 void SpringStep(benchmark::State& run) {
   const SpringModel model({}, testing_support::RoundForces(), testing_support::Trocar18(),
                           testing_support::RoundElasticity(), kBody.Tissues(), kBody.At());
-  testing_support::LevelInsertion<SpringModel> insertion{model};
+  testing_support::ModelInsertion<SpringModel> insertion{model};
   insertion.MoveToDepth(30.0, 200.0);
   int n = 0;
   for (auto _ : run) {
@@ -168,7 +168,7 @@ void SpringStep(benchmark::State& run) {
 
 void Field(benchmark::State& run) {
   const PlaneModel2010& model = Model(static_cast<int>(run.range(0)));
-  testing_support::LevelInsertion<PlaneModel2010> insertion{model};
+  testing_support::ModelInsertion<PlaneModel2010> insertion{model};
   insertion.MoveToDepth(50.0, 200.0);
   PlaneField2010 field(model);
   TissueLoad load;
@@ -178,9 +178,9 @@ void Field(benchmark::State& run) {
   run.counters["points"] = load.num_points;
 }
 
-/// A picture of 512 x 512 points, 0.15 mm apart, in the plane of the needle.
+/// An image of 512 x 512 points, 0.15 mm apart, in the plane of the needle.
 template <class Field>
-void Picture(benchmark::State& run, Field& field) {
+void Image(benchmark::State& run, Field& field) {
   double sum = 0.0;
   for (auto _ : run) {
     for (int row = 0; row < 512; ++row) {
@@ -195,7 +195,7 @@ void Picture(benchmark::State& run, Field& field) {
                                                    benchmark::Counter::kInvert);
 }
 
-void FunctionsPicture(benchmark::State& run) {
+void FunctionsImage(benchmark::State& run) {
   const TissueAt tissue_at = kBody.At();
   const DisplacementFunctions functions(
       {}, [&](const Eigen::Vector3d& p) { return tissue_at(p) == 0 ? 0.0 : 0.01; });
@@ -205,28 +205,28 @@ void FunctionsPicture(benchmark::State& run) {
   load.needle.tip_in_ct_mm = Eigen::Vector3d(0, 0, 50);
   load.needle.cutting_n = load.needle.friction_n = 1.0;
   field.Update(load);
-  Picture(run, field);
+  Image(run, field);
 }
 
 template <class Model, class ModelField>
-void LevelPicture(benchmark::State& run, const Model& model) {
-  testing_support::LevelInsertion<Model> insertion{model};
+void ModelImage(benchmark::State& run, const Model& model) {
+  testing_support::ModelInsertion<Model> insertion{model};
   insertion.MoveToDepth(50.0, 200.0);
   TissueLoad load;
   model.LoadOf(insertion.state, load);
   ModelField field(model);
   field.Update(load);
-  Picture(run, field);
+  Image(run, field);
 }
 
-void SpringsPicture(benchmark::State& run) {
+void SpringsImage(benchmark::State& run) {
   const SpringModel model({}, testing_support::RoundForces(), testing_support::Trocar18(),
                           testing_support::RoundElasticity(), kBody.Tissues(), kBody.At());
-  LevelPicture<SpringModel, SpringField>(run, model);
+  ModelImage<SpringModel, SpringField>(run, model);
 }
 
-void PlanePicture(benchmark::State& run) {
-  LevelPicture<PlaneModel2010, PlaneField2010>(run, Model(1000));
+void PlaneImage(benchmark::State& run) {
+  ModelImage<PlaneModel2010, PlaneField2010>(run, Model(1000));
 }
 
 void Nodes(benchmark::internal::Benchmark* b) {
@@ -245,9 +245,9 @@ BENCHMARK_CAPTURE(Step, full, PlaneUpdate::kFull)
     ->Arg(1000)
     ->Iterations(2000)
     ->Unit(benchmark::kMicrosecond);
-BENCHMARK(FunctionsPicture)->Unit(benchmark::kMillisecond);
-BENCHMARK(SpringsPicture)->Unit(benchmark::kMillisecond);
-BENCHMARK(PlanePicture)->Unit(benchmark::kMillisecond);
+BENCHMARK(FunctionsImage)->Unit(benchmark::kMillisecond);
+BENCHMARK(SpringsImage)->Unit(benchmark::kMillisecond);
+BENCHMARK(PlaneImage)->Unit(benchmark::kMillisecond);
 BENCHMARK(SpringStep)->Unit(benchmark::kMicrosecond);
 BENCHMARK(Field)->Arg(1000)->Arg(4000)->Unit(benchmark::kMicrosecond);
 

@@ -1,5 +1,5 @@
-// What a picture of a breathing patient costs: volume, fields of several sizes, vertices, and the
-// way not taken: the whole volume resampled for each picture.
+// What an image of a breathing patient costs: volume, fields of several sizes, vertices, and the
+// way not taken: the whole volume resampled for each image.
 #include <benchmark/benchmark.h>
 #include <cmath>
 #include <memory>
@@ -64,14 +64,14 @@ void BM_Volume(benchmark::State& state) {
   settings.rays.warp.max_iterations = static_cast<int>(state.range(4));
   settings.rays.warp.lattice_mm = 1e-3 * static_cast<double>(state.range(5));
   volume_rendering::PatientView view(patient, settings);
-  const volume_rendering::PictureSize size{static_cast<int>(state.range(1)),
-                                           static_cast<int>(state.range(2))};
+  const volume_rendering::ImageSize size{static_cast<int>(state.range(1)),
+                                         static_cast<int>(state.range(2))};
   const auto camera = LookAt(ViewFrom("oblique", view.box_in_ct_mm(), size), size);
   std::optional<breathing::MotionMap> motion;
   if (field) motion.emplace(MapOf(*field));
-  volume_rendering::ViewPicture picture;
+  volume_rendering::ViewImage image;
   for (auto _ : state) {
-    view.Render(camera, {.motion = motion ? &*motion : nullptr}, picture, 1);
+    view.Render(camera, {.motion = motion ? &*motion : nullptr}, image, 1);
   }
   state.SetLabel(kLayers[state.range(0)]);
 }
@@ -99,15 +99,15 @@ void BM_Table2(benchmark::State& state) {
   patient.layers = {{kLayers[state.range(0)], 1.0}};
   patient.field = &*field;
   volume_rendering::PatientView view(patient, {});
-  const volume_rendering::PictureSize size{1224, 1014};
+  const volume_rendering::ImageSize size{1224, 1014};
   const auto camera = LookAt(ViewFrom("oblique", view.box_in_ct_mm(), size), size);
   breathing::MotionWeights weights;
   const double shares[] = {0.5, 0.7, 0.6};
   for (int n = 0; n < state.range(2); ++n) weights.Add(n, shares[n]);
   const breathing::MotionMap motion(*field, weights);
-  volume_rendering::ViewPicture picture;
+  volume_rendering::ViewImage image;
   for (auto _ : state) {
-    view.Render(camera, {.motion = &motion}, picture, static_cast<int>(state.range(3)));
+    view.Render(camera, {.motion = &motion}, image, static_cast<int>(state.range(3)));
   }
   state.counters["field_MB"] = 1e-6 * static_cast<double>(field->bytes());
   state.SetLabel(kLayers[state.range(0)]);
@@ -119,12 +119,12 @@ BENCHMARK(BM_Table2)
     ->UseRealTime()
     ->MinTime(0.2);
 
-/// The same picture at rest by VTK's ray caster for CPUs, one thread, under a display (Xvfb).
+/// The same image at rest by VTK's ray caster for CPUs, one thread, under a display (Xvfb).
 /// Argument: layer. CPU time of the process: the thread of its mapper is not ours.
 void BM_VtkFixedPoint(benchmark::State& state) {
   static const auto ct = testing_support::TrunkCt(256);
   const char* layer = kLayers[state.range(0)];
-  const volume_rendering::PictureSize size{512, 512};
+  const volume_rendering::ImageSize size{512, 512};
   volume_rendering::PatientView ours({.ct = ct, .layers = {{layer, 1.0}}, .surfaces = {}}, {});
   const auto camera = LookAt(ViewFrom("oblique", ours.box_in_ct_mm(), size), size);
   try {
@@ -201,11 +201,11 @@ void BM_Surface(benchmark::State& state) {
   patient.surfaces = {{"ball", testing_support::BallSurface(Eigen::Vector3d::Zero(), 120.0, 463)}};
   patient.field = &field;
   volume_rendering::PatientView view(patient, {});
-  const volume_rendering::PictureSize size{512, 512};
+  const volume_rendering::ImageSize size{512, 512};
   const auto camera = LookAt(ViewFrom("oblique", view.box_in_ct_mm(), size), size);
-  volume_rendering::ViewPicture picture;
+  volume_rendering::ViewImage image;
   for (auto _ : state) {
-    view.Render(camera, {.motion = state.range(0) != 0 ? &motion : nullptr}, picture, 1);
+    view.Render(camera, {.motion = state.range(0) != 0 ? &motion : nullptr}, image, 1);
   }
 }
 BENCHMARK(BM_Surface)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);

@@ -31,7 +31,7 @@ const volume::CtVolume& Ct() {
 }
 
 void Reslice(benchmark::State& state, VtkReslice::Threads threads) {
-  VtkReslice reslice(Ct(), acoustics::PictureOf(FullLinearProbe()), kThreads, threads);
+  VtkReslice reslice(Ct(), acoustics::ImageOf(FullLinearProbe()), kThreads, threads);
   int n = 0;
   for (auto _ : state) benchmark::DoNotOptimize(reslice.Render(SwayingProbe(n++)));
 }
@@ -41,12 +41,12 @@ BENCHMARK_CAPTURE(Reslice, multithreader, VtkReslice::Threads::kMultiThreader)
 BENCHMARK_CAPTURE(Reslice, smp, VtkReslice::Threads::kSmp)->MeasureProcessCPUTime()->UseRealTime();
 
 /// Renders in turns with VTK, and says what share of its time ours takes.
-/// @param render  Makes the picture at a pose.
+/// @param render  Makes the image at a pose.
 template <typename Render>
 void ReportShare(benchmark::State& state, VtkReslice::Threads threads, const Render& render) {
-  const image::ImageGeometry picture = acoustics::PictureOf(FullLinearProbe());
-  VtkReslice reslice(Ct(), picture, kThreads, threads);
-  slicing::CtSliceRenderer slice(Ct(), picture, 3.0);
+  const image::ImageGeometry image = acoustics::ImageOf(FullLinearProbe());
+  VtkReslice reslice(Ct(), image, kThreads, threads);
+  slicing::CtSliceRenderer slice(Ct(), image, 3.0);
   LeastTime theirs;
   LeastTime ours;
   int n = 0;
@@ -67,7 +67,7 @@ void ReportShare(benchmark::State& state, VtkReslice::Threads threads, const Ren
 }
 
 void CtSliceShare(benchmark::State& state, VtkReslice::Threads threads) {
-  slicing::CtSliceRenderer renderer(Ct(), acoustics::PictureOf(FullLinearProbe()), 3.0);
+  slicing::CtSliceRenderer renderer(Ct(), acoustics::ImageOf(FullLinearProbe()), 3.0);
   image::GrayImage image;
   ReportShare(state, threads, [&](const Eigen::Isometry3d& pose) -> const image::GrayImage& {
     renderer.Render(pose, NeedleInPlane(pose), image, kThreads);
@@ -118,7 +118,7 @@ void BeamsShare(benchmark::State& state, VtkReslice::Threads threads) {
 BENCHMARK_CAPTURE(BeamsShare, multithreader, VtkReslice::Threads::kMultiThreader);
 BENCHMARK_CAPTURE(BeamsShare, smp, VtkReslice::Threads::kSmp);
 
-/// Images per second on two threads: lines, samples, planes, width and height of the picture.
+/// Images per second on two threads: lines, samples, planes, width and height of the image.
 void BeamsRate(benchmark::State& state) {
   acoustics::Probe probe = testing_support::FullBeamProbe(static_cast<int>(state.range(0)),
                                                           static_cast<int>(state.range(1)));

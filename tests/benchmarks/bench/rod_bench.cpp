@@ -170,8 +170,8 @@ Tracking Track(const Swing& swing, Step step) {
   return tracking;
 }
 
-/// @return how many times dearer than the rod a step of the chain is, brought to an error of 1 %
-/// (the rod's is far below it); 0 if no number of substeps brings it there.
+/// @return how many times more expensive than the rod a step of the chain is, brought to an error
+/// of 1 % (the rod's is far below it); 0 if no number of substeps brings it there.
 double PrintTracking() {
   const Swing swing;
   const RodModel model = Rod(25);

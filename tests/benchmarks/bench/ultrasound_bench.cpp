@@ -1,4 +1,4 @@
-// What a picture costs, stage by stage. Run: build/tests/bench_ultrasound
+// What an image costs, stage by stage. Run: build/tests/bench_ultrasound
 #include <benchmark/benchmark.h>
 #include <cmath>
 #include <filesystem>
@@ -47,7 +47,7 @@ acoustics::Probe FullProbe(acoustics::ProbeKind kind) {
           .gain_db = 6};
 }
 
-/// A probe that moves and tilts: each picture reads other voxels.
+/// A probe that moves and tilts: each image reads other voxels.
 Eigen::Isometry3d Pose(int n) {
   return Eigen::Translation3d(180 + 5 * std::sin(0.02 * n), 99.9, 100 + 20 * std::sin(0.01 * n)) *
          Eigen::AngleAxisd(0.3 + 0.1 * std::sin(0.03 * n), Eigen::Vector3d::UnitY());
@@ -88,7 +88,7 @@ BENCHMARK_CAPTURE(RenderBMode, curvilinear_all_stages, acoustics::ProbeKind::kCu
 void SampleSlice(benchmark::State& state) {
   const slicing::CtSampler sampler(Ct());
   const acoustics::ScanGrid grid =
-      acoustics::ScanGridOf(acoustics::PictureOf(FullProbe(acoustics::ProbeKind::kLinear)));
+      acoustics::ScanGridOf(acoustics::ImageOf(FullProbe(acoustics::ProbeKind::kLinear)));
   slicing::BeamLines lines;
   slicing::BeamImage hu;
   hu.Resize(grid.lines(), grid.samples);
@@ -103,7 +103,7 @@ BENCHMARK(SampleSlice);
 
 void RenderCtSlice(benchmark::State& state) {
   slicing::CtSliceRenderer renderer(
-      Ct(), acoustics::PictureOf(FullProbe(acoustics::ProbeKind::kLinear)), 3.0);
+      Ct(), acoustics::ImageOf(FullProbe(acoustics::ProbeKind::kLinear)), 3.0);
   image::GrayImage image;
   int n = 0;
   for (auto _ : state) {
@@ -140,7 +140,7 @@ void FilmFrame(benchmark::State& state) {
   constexpr int kFrames = 16;
   const acoustics::Probe probe = FullProbe(acoustics::ProbeKind::kLinear);
   BModeRenderer bmode(Ct(), probe, DefaultBModeOptions());
-  slicing::CtSliceRenderer slice(Ct(), bmode.picture(), 3.0);
+  slicing::CtSliceRenderer slice(Ct(), bmode.image(), 3.0);
   const Screen screen(probe, Screen::Shows::kBoth);
   image::GrayImage left[kFrames];
   image::GrayImage right[kFrames];

@@ -49,10 +49,10 @@ TEST(Enough, LeavesOutWhatMustNotBeUsedAndOtherUnits) {
 TEST(Enough, ReportsEachKnob) {
   std::vector<Row> rows = Meshes();
   rows.push_back(Mesh("springs", 0.01, 0.0));
-  rows.back().knob = "level";
+  rows.back().knob = "model";
   const std::string text = EnoughText(rows, 0.05);
   EXPECT_THAT(text, HasSubstr("element_size_mm: 3 is enough"));
-  EXPECT_THAT(text, HasSubstr("level: springs is enough"));
+  EXPECT_THAT(text, HasSubstr("model: springs is enough"));
 }
 
 TEST(Enough, RefusesASweepWithoutForces) {

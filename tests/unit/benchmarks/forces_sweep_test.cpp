@@ -99,10 +99,10 @@ TEST(ForcesSweep, CoversStepMethodAndModelAndMarksWhatMustNotBeUsed) {
   for (const char* knob :
        {"friction, exact over the step: step_ms", "layered: step_ms", "alamilla: step_ms",
         "vidal: step_ms", "springs: step_ms", "fe_2d: step_ms", "fe_3d: step_ms",
-        "bendable needle: step_ms", "level"}) {
+        "bendable needle: step_ms", "model"}) {
     EXPECT_EQ(defaults[knob], 2) << knob;  // RMS and largest.
   }
-  EXPECT_EQ(knobs["level"], 14);
+  EXPECT_EQ(knobs["model"], 14);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ class PageFolder : public testing::Test {
     std::filesystem::create_directories(templates);
     std::filesystem::create_directories(data);
     WriteTextFile(data / "probe.csv",
-                  "knob,value,level,error,error_unit,reference,step_us_median,step_us_p999,"
+                  "knob,value,model,error,error_unit,reference,step_us_median,step_us_p999,"
                   "preparation_s,memory_mb,is_default,is_paper,unusable\n"
                   "n,1,,0.5,N,,2,,,,0,0,\nn,2,,0.25,N,,4,,,,1,0,\n");
     WriteTextFile(templates / "one.template",

@@ -35,9 +35,9 @@ PageData Data() {
     rows.push_back(RowOf("size_mm", value, 3.0 * size, "%", 12.0 / size));
   }
   rows[2].is_default = rows[3].is_default = true;
-  rows.push_back(RowOf("level", "2D, coarse", 0.7, "N", 1.0));
+  rows.push_back(RowOf("model", "2D, coarse", 0.7, "N", 1.0));
   rows.back().is_paper = true;
-  rows.push_back(RowOf("level", "wild", 1e9, "N", 0.5));
+  rows.push_back(RowOf("model", "wild", 1e9, "N", 0.5));
   rows.back().unusable = "diverged";
   data.facts["machine"] = {{"cpu", "Abacus 9"}, {"cores", 2}, {"lost", nullptr}};
   return data;
@@ -58,7 +58,7 @@ TEST(Expression, IsArithmeticOverMeasuredNumbers) {
                       data),
               2.0, 1e-12);
   // What must not be used is no number.
-  EXPECT_DOUBLE_EQ(ValueOf("max([tissue | level | * | error N])", data), 0.7);
+  EXPECT_DOUBLE_EQ(ValueOf("max([tissue | model | * | error N])", data), 0.7);
 }
 
 TEST(Expression, WhatWasNotMeasuredIsNoNumber) {
@@ -127,13 +127,13 @@ TEST(MeasuredTables, ShowSettingsBelowEachOther) {
             "| size, mm | mN | % | s |\n|---|---|---|---|\n"
             "| 4 | 1600 | 12 | – |\n| **2** | 400 | 6 | – |\n| 1 | 100 | 3 | – |\n");
   EXPECT_EQ(
-      SettingsTable("sweep tissue\nknob size_mm = size\nknob level\ncolumn N = error N\n", Data()),
+      SettingsTable("sweep tissue\nknob size_mm = size\nknob model\ncolumn N = error N\n", Data()),
       "| knob | value | N |\n|---|---|---|\n| size | 4 | 1.6 |\n| size | **2** | 0.4 |\n"
-      "| size | 1 | 0.1 |\n| level | 2D, coarse (paper) | 0.7 |\n"
-      "| level | wild (unusable) | 1e+09 |\n");
+      "| size | 1 | 0.1 |\n| model | 2D, coarse (paper) | 0.7 |\n"
+      "| model | wild (unusable) | 1e+09 |\n");
   EXPECT_THROW(SettingsTable("sweep tissue\nknob colour\ncolumn N = error N", Data()), InputError);
-  EXPECT_THROW(SettingsTable("sweep tissue\nknob level", Data()), InputError);
-  EXPECT_THROW(SettingsTable("sweep tissue\nrow level", Data()), InputError);
+  EXPECT_THROW(SettingsTable("sweep tissue\nknob model", Data()), InputError);
+  EXPECT_THROW(SettingsTable("sweep tissue\nrow model", Data()), InputError);
 }
 
 TEST(MeasuredTables, ShowValuesSideBySide) {
@@ -142,16 +142,16 @@ TEST(MeasuredTables, ShowValuesSideBySide) {
                   "cell error %\ncolumn us = step_us_median @ 2",
                   Data()),
       "| N | 4 mm | 1 | us |\n|---|---|---|---|\n| size | 1.6 / 12 | 0.1 / 3 | 6 |\n");
-  EXPECT_EQ(ValuesTable("sweep tissue\nat wild\nat 7\nrow level\ncell error N\ncell error N\n"
+  EXPECT_EQ(ValuesTable("sweep tissue\nat wild\nat 7\nrow model\ncell error N\ncell error N\n"
                         "unusable diverges",
                         Data()),
-            "|  | wild | 7 |\n|---|---|---|\n| level | diverges | – / – |\n");
+            "|  | wild | 7 |\n|---|---|---|\n| model | diverges | – / – |\n");
 }
 
 TEST(MeasuredTables, DrawFigures) {
   const char* asked =
       "figure f\nsweep tissue\ntitle Costs\nx step_us_median = us\ny error N = N\n"
-      "line size_mm = size\npoints level";
+      "line size_mm = size\npoints model";
   const Page page = MakePage(std::string("{{") + asked + "}}", Data(), Claims::kMustHold);
   EXPECT_EQ(page.text, "![Costs](figures/f.svg)");
   const std::string& svg = page.figures.at("f");
@@ -169,7 +169,7 @@ TEST(PageData, ReadsWhatASweepHasWritten) {
   WriteTextFile(folder.path() / "machine.json", "{\"cores\": 2}");
   const PageData data = PageData::Read(folder.path());
   EXPECT_EQ(CsvText(data.Sweep("tissue")), CsvText(rows));
-  EXPECT_DOUBLE_EQ(ValueOf("[tissue | level | 2D, coarse | error N]", data), 0.7);
+  EXPECT_DOUBLE_EQ(ValueOf("[tissue | model | 2D, coarse | error N]", data), 0.7);
   EXPECT_DOUBLE_EQ(ValueOf("[machine | cores]", data), 2.0);
   WriteTextFile(folder.path() / "tissue.csv", "knob,value\n1,2\n");
   EXPECT_THROW(PageData::Read(folder.path()), InputError);

@@ -28,7 +28,7 @@ std::vector<Row> TwoRows() {
   Row good;
   good.knob = "size_mm";
   good.value = "4";
-  good.level = "model, fine";  // A comma in a text.
+  good.model = "model, fine";  // A comma in a text.
   good.error = 0.25;
   good.error_unit = "N";
   good.reference = "finest";
@@ -57,7 +57,7 @@ TEST(SweepToFolder, WritesRowsOnceInEveryForm) {
   EXPECT_EQ(csv.num_rows(), 2U);
   EXPECT_EQ(csv.Numbers("error"), (std::vector<double>{0.25, 0.25}));
   EXPECT_EQ(csv.Numbers("is_default"), (std::vector<double>{1.0, 0.0}));
-  EXPECT_EQ(csv.Texts("level")[0], "model; fine");
+  EXPECT_EQ(csv.Texts("model")[0], "model; fine");
   EXPECT_EQ(csv.Texts("preparation_s")[1], "");
   EXPECT_EQ(csv.Texts("unusable")[1], "a force of 99 N");
   const auto json = config::ReadJson(out / "tradeoff.json");

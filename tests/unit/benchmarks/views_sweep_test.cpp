@@ -60,8 +60,7 @@ TEST(ViewsSweep, ErrorsFallTowardsTheMostExpensive) {
             error("volume rendering: ray step_mm, skin", "4"));
   EXPECT_LT(error("volume rendering: ray step_mm, bone", "1"),
             error("volume rendering: ray step_mm, bone", "4"));
-  EXPECT_LT(error("volume rendering: picture_px", "256"),
-            error("volume rendering: picture_px", "128"));
+  EXPECT_LT(error("volume rendering: image_px", "256"), error("volume rendering: image_px", "128"));
   EXPECT_LT(error("volume rendering: supersampling", "2"),
             error("volume rendering: supersampling", "1"));
   EXPECT_LT(error("volume rendering: warp_tolerance_mm", "0.002"),

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "acus/window/picture_layer.h"
+#include "acus/window/image_layer.h"
 
 namespace acus::window {
 namespace {

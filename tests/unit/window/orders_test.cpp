@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "acus/run/live/picture_bounds.h"
+#include "acus/run/live/image_bounds.h"
 #include "acus/window/hand_steering.h"
 
 namespace acus::window {
@@ -26,40 +26,40 @@ TEST(Orders, AKeySwitchesOnAndOff) {
 
 TEST(Orders, GainAndDepthGoInStepsWithinBounds) {
   const live::LiveSnapshot snapshot;
-  const PictureSetting present{.gain_db = 10.0, .depth_mm = 95.0};
+  const ImageSetting present{.gain_db = 10.0, .depth_mm = 95.0};
   EXPECT_EQ(OrderOf(Command::kGainUp, snapshot, present)->value, 13.0);
   EXPECT_EQ(OrderOf(Command::kGainDown, snapshot, present)->value, 7.0);
   EXPECT_EQ(OrderOf(Command::kDeeper, snapshot, present)->value, 105.0);
   EXPECT_EQ(OrderOf(Command::kShallower, snapshot, present)->value, 85.0);
-  const PictureSetting least{.gain_db = -59.0, .depth_mm = 25.0};
+  const ImageSetting least{.gain_db = -59.0, .depth_mm = 25.0};
   EXPECT_EQ(OrderOf(Command::kGainDown, snapshot, least)->value, -kLargestGainDb);
   EXPECT_EQ(OrderOf(Command::kShallower, snapshot, least)->value, kLeastDepthMm);
-  const PictureSetting most{.gain_db = 59.0, .depth_mm = 299.0};
+  const ImageSetting most{.gain_db = 59.0, .depth_mm = 299.0};
   EXPECT_EQ(OrderOf(Command::kGainUp, snapshot, most)->value, kLargestGainDb);
   EXPECT_EQ(OrderOf(Command::kDeeper, snapshot, most)->value, kLargestDepthMm);
 }
 
 TEST(Orders, KeysPressedFasterThanImagesComeAllCount) {
   const live::LiveSnapshot shown;
-  const PictureSetting picture{.gain_db = 10.0, .depth_mm = 100.0};
+  const ImageSetting image{.gain_db = 10.0, .depth_mm = 100.0};
   OrderedSettings ordered;
   double gain_db = 0.0;
   for (int i = 0; i < 3; ++i) {  // Within 90 ms, and the image still shows the first gain.
     const double now_s = 1.0 + 0.03 * i;
-    ordered.Refresh(shown, picture, now_s);
-    const auto order = *OrderOf(Command::kGainUp, ordered.snapshot(), ordered.picture());
+    ordered.Refresh(shown, image, now_s);
+    const auto order = *OrderOf(Command::kGainUp, ordered.snapshot(), ordered.image());
     ordered.Add(order, now_s);
     gain_db = order.value;
   }
   EXPECT_EQ(gain_db, 19.0);
   // A key that switches: on and off again.
-  const auto on = *OrderOf(Command::kFreeze, ordered.snapshot(), ordered.picture());
+  const auto on = *OrderOf(Command::kFreeze, ordered.snapshot(), ordered.image());
   ordered.Add(on, 1.1);
   EXPECT_EQ(on.kind, CommandKind::kFreezeImage);
-  EXPECT_EQ(OrderOf(Command::kFreeze, ordered.snapshot(), ordered.picture())->kind,
+  EXPECT_EQ(OrderOf(Command::kFreeze, ordered.snapshot(), ordered.image())->kind,
             CommandKind::kRunImage);
-  ordered.Refresh(shown, picture, 2.0);
-  EXPECT_EQ(ordered.picture().gain_db, 10.0) << "the image has the last word";
+  ordered.Refresh(shown, image, 2.0);
+  EXPECT_EQ(ordered.image().gain_db, 10.0) << "the image has the last word";
 }
 
 TEST(Orders, AKeyWithoutEffectSaysWhy) {

@@ -1,7 +1,7 @@
 // The CT over the video: where its places are seen.
 #include <gtest/gtest.h>
 
-#include "acus/window/picture_layer.h"
+#include "acus/window/image_layer.h"
 #include "support/window_input.h"
 #include "support/window_scene.h"
 
@@ -127,7 +127,7 @@ TEST_F(OverlayOnVideo, TheVideosLensIsTakenOut) {
           const double light =
               255.0 * std::clamp(3.5 - (at.cast<double>() - bent).norm(), 0.0, 1.0);
           for (int k = 0; k < 3; ++k) {
-            frame.video->picture.rgb[static_cast<std::size_t>(3 * (at[1] * 640 + at[0]) + k)] =
+            frame.video->image.rgb[static_cast<std::size_t>(3 * (at[1] * 640 + at[0]) + k)] =
                 static_cast<std::uint8_t>(light);
           }
         }

@@ -108,16 +108,16 @@ TEST_P(Overlay, IsRenderedOnceForAStillCameraAndAgainForAMovedOne) {
   OverlayRenderer overlay(Ball(), nullptr,
                           {.scale = 0.5, .falloff_share = 0.05, .in_background = GetParam()});
   const volume_rendering::Camera camera = SomeCamera();
-  OverlayPicture picture;
-  EXPECT_FALSE(overlay.Take(picture));
+  OverlayImage image;
+  EXPECT_FALSE(overlay.Take(image));
   for (int i = 0; i < 5; ++i) {
     overlay.Ask(camera, nullptr);
     overlay.Wait();
   }
   EXPECT_EQ(overlay.num_rendered(), 1);
-  ASSERT_TRUE(overlay.Take(picture));
-  EXPECT_FALSE(overlay.Take(picture)) << "only the first time";
-  EXPECT_EQ(picture.camera.width_px, 160);
+  ASSERT_TRUE(overlay.Take(image));
+  EXPECT_FALSE(overlay.Take(image)) << "only the first time";
+  EXPECT_EQ(image.camera.width_px, 160);
   volume_rendering::Camera moved = camera;
   moved.camera_from_ct = Eigen::Translation3d(4.0, 0.0, 0.0) * camera.camera_from_ct;
   overlay.Ask(moved, nullptr);
@@ -131,14 +131,14 @@ TEST_P(Overlay, FadesTowardsTheOutline) {
   volume_rendering::Camera camera = SomeCamera();
   overlay.Ask(camera, nullptr);
   overlay.Wait();
-  OverlayPicture picture;
-  ASSERT_TRUE(overlay.Take(picture));
+  OverlayImage image;
+  ASSERT_TRUE(overlay.Take(image));
   const Eigen::Vector2i middle = camera.ProjectPx(Eigen::Vector3d::Zero()).cast<int>();
   int before = 255;
   int faded = 0;
   for (int x = middle[0]; x < camera.width_px; ++x) {
     const int opacity =
-        picture.rgba[4 * static_cast<std::size_t>(middle[1] * camera.width_px + x) + 3];
+        image.rgba[4 * static_cast<std::size_t>(middle[1] * camera.width_px + x) + 3];
     EXPECT_LE(opacity, before + 3) << "column " << x;
     faded += opacity > 10 && opacity < 240 ? 1 : 0;
     before = opacity;

@@ -9,7 +9,7 @@
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/rig/camera/picture.h"
+#include "acus/rig/camera/image.h"
 #include "acus/window/session_series.h"
 #include "support/layered_folder.h"
 #include "support/replay_folder.h"
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 /// Pixels in colours of tissue, which nothing else has.
 std::size_t ColouredIn(const fs::path& png) {
-  const camera::Picture window = camera::ReadPicture(png);
+  const camera::Image window = camera::ReadImage(png);
   std::size_t coloured = 0;
   for (std::size_t i = 0; i + 2 < window.pixels.size(); i += 3) {
     coloured += window.pixels[i] - window.pixels[i + 2] > 8;
@@ -61,10 +61,10 @@ TEST_F(WindowedSession, ShowsRecordsAndReplaysToTheSameForces) {
   EXPECT_LT(run.frames_per_s, 32.0);
   EXPECT_EQ(session.end(), live::SessionEnd::kDuration);
   EXPECT_GT(session.statistics().steps, 500);
-  EXPECT_GT(session.picture_statistics().pictures, 3);
+  EXPECT_GT(session.image_statistics().images, 3);
 
-  // Pictures are on the screen, and the patient in colours of tissue, which nothing else has.
-  const camera::Picture window = camera::ReadPicture(settings.screenshot);
+  // Images are on the screen, and the patient in colours of tissue, which nothing else has.
+  const camera::Image window = camera::ReadImage(settings.screenshot);
   EXPECT_EQ(window.width_px, 1280);
   std::size_t bright = 0;
   std::size_t coloured = 0;
@@ -96,7 +96,7 @@ TEST_F(WindowedSession, ShowsTheVolumeWithTissueUnderTheToolsAndReplaysToTheSame
   settings.screenshot = folder_ / "window.png";
   EXPECT_TRUE(RunWithWindow(scenario, session, settings, context_).complete);
   EXPECT_EQ(session.statistics().missed_by_computation, 0);
-  const camera::Picture window = camera::ReadPicture(settings.screenshot);
+  const camera::Image window = camera::ReadImage(settings.screenshot);
   std::size_t coloured = 0;  // In the left half, where the volume is.
   for (int row = 40; row < 600; ++row) {
     for (int column = 10; column < 600; ++column) {

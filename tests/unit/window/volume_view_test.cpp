@@ -51,20 +51,20 @@ TEST(VolumeView, IsHalfAsFineWhileThingsMoveAndWholeWhenTheyAreStill) {
   const Orbit orbit = BallOrbit();
   for (int i = 0; i < 10; ++i) {
     view.Update(FrameWithNeedle(i), kPlace, orbit, {});
-    EXPECT_EQ(view.picture().width, kPlace.width / 2) << i;
+    EXPECT_EQ(view.image().width, kPlace.width / 2) << i;
     EXPECT_FALSE(view.readout()->whole);
   }
   int moments = 0;
-  while (view.picture().width < kPlace.width && ++moments < 20) {
+  while (view.image().width < kPlace.width && ++moments < 20) {
     view.Update(FrameWithNeedle(9.0), kPlace, orbit, {});
   }
   EXPECT_EQ(moments, VolumeViewSettings().still_moments);
-  EXPECT_EQ(view.picture().height, kPlace.height);
+  EXPECT_EQ(view.image().height, kPlace.height);
   EXPECT_TRUE(view.readout()->whole);
   Orbit turned = orbit;
   turned.Turn(20.0, 0.0);
   view.Update(FrameWithNeedle(9.0), kPlace, turned, {});
-  EXPECT_EQ(view.picture().width, kPlace.width / 2);
+  EXPECT_EQ(view.image().width, kPlace.width / 2);
   view.Update({}, {}, orbit, {});
   EXPECT_FALSE(view.readout().has_value()) << "not shown";
 }
@@ -90,7 +90,7 @@ TEST(VolumeView, ALookThatCannotBeShownIsSaidAndTheNextOneIsThere) {
   choice.look = 2;
   view.Update({}, kPlace, orbit, choice);
   EXPECT_EQ(view.TitleDetail(choice), "skin");
-  EXPECT_FALSE(view.picture().rgb.empty());
+  EXPECT_FALSE(view.image().rgb.empty());
   choice.opacity = 0.4;
   choice.cut = VolumeCut::kAxial;
   view.Update({}, kPlace, orbit, choice);
@@ -168,9 +168,9 @@ TEST(VolumeRenderer, AWholeImageIsStoppedWhenTheEyeTurns) {
     }
   }
   renderer.Wait();
-  image::ColourImage picture;
-  ASSERT_TRUE(renderer.Take(picture));
-  EXPECT_EQ(picture.width, 40);
+  image::ColourImage image;
+  ASSERT_TRUE(renderer.Take(image));
+  EXPECT_EQ(image.width, 40);
   EXPECT_EQ(renderer.statistics().images, 1);
 }
 

@@ -78,13 +78,13 @@ TEST_F(WindowTest, NeedleAndTargetAreMarkedWhereTheyAre) {
             40);
   const Eigen::Vector3d on_shaft = frame.needle->tip_in_ct_mm - 60.0 * frame.needle->axis_in_ct;
   EXPECT_GT(shot.Count(around(OnScreen(video, camera.ProjectPx(on_shaft))), IsCyan), 20);
-  // In the ultrasound picture: probe x and depth, at their scale.
+  // In the ultrasound image: probe x and depth, at their scale.
   const Layout layout = window.layout();
-  const auto picture = acoustics::PictureOf(*frame.ultrasound.probe);
+  const auto image = acoustics::ImageOf(*frame.ultrasound.probe);
   const Rectangle place = Fit(
-      PictureRoom(ViewKind::kUltrasound, layout.Find(ViewKind::kUltrasound)->place, SizesFor(800)),
-      picture.width_px * picture.lateral_mm_per_px, picture.height_px * picture.axial_mm_per_px);
-  const double px_per_mm = place.width / (picture.width_px * picture.lateral_mm_per_px);
+      ImageRoom(ViewKind::kUltrasound, layout.Find(ViewKind::kUltrasound)->place, SizesFor(800)),
+      image.width_px * image.lateral_mm_per_px, image.height_px * image.axial_mm_per_px);
+  const double px_per_mm = place.width / (image.width_px * image.lateral_mm_per_px);
   const Eigen::Vector2d target(place.left + 0.5 * place.width + px_per_mm * 5.0,
                                place.top + px_per_mm * 25.0);
   EXPECT_GT(shot.Count(around(target), IsYellow), 40);
@@ -317,7 +317,7 @@ TEST_F(WindowTest, WhatIsNotFiniteOrWholeIsNotDrawn) {
   frame.effects[0].pixels.gray.pixels.resize(7);
   frame.session_s = nan;
   frame.force = {.needle_n = nan, .probe_n = nan, .limit_n = nan};
-  frame.latency.pictures_per_s = nan;
+  frame.latency.images_per_s = nan;
   const Shot shot = ShotOf(window, frame);
   EXPECT_EQ(window.layout().Find(ViewKind::kEffect), nullptr);
   EXPECT_EQ(shot.Count(window.layout().Find(ViewKind::kVideo)->place, IsYellow), 0);

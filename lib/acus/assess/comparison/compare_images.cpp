@@ -130,24 +130,24 @@ SideBySide ShowFrame(const std::filesystem::path& a, const std::filesystem::path
   ACUS_ASSERT(in_a.size() == in_b.size());
   const std::size_t width = file_a.header().width;
   const std::size_t height = file_a.header().height;
-  SideBySide picture;
+  SideBySide image;
   for (std::size_t i = 0; i < in_a.size(); ++i) {
-    picture.largest_difference =
-        std::max(picture.largest_difference, std::abs(int{in_a[i]} - int{in_b[i]}));
+    image.largest_difference =
+        std::max(image.largest_difference, std::abs(int{in_a[i]} - int{in_b[i]}));
   }
   const std::size_t stride = width + kGapPx;
-  picture.width = static_cast<int>(3 * width + 2 * kGapPx);
-  picture.height = static_cast<int>(height);
-  picture.pixels.assign(static_cast<std::size_t>(picture.width) * height, 255);
-  const int stretch = std::max(picture.largest_difference, 1);
+  image.width = static_cast<int>(3 * width + 2 * kGapPx);
+  image.height = static_cast<int>(height);
+  image.pixels.assign(static_cast<std::size_t>(image.width) * height, 255);
+  const int stretch = std::max(image.largest_difference, 1);
   for (std::size_t i = 0; i < in_a.size(); ++i) {
-    const std::size_t at = i / width * static_cast<std::size_t>(picture.width) + i % width;
-    picture.pixels[at] = in_a[i];
-    picture.pixels[at + stride] = in_b[i];
+    const std::size_t at = i / width * static_cast<std::size_t>(image.width) + i % width;
+    image.pixels[at] = in_a[i];
+    image.pixels[at + stride] = in_b[i];
     const int difference = std::abs(int{in_a[i]} - int{in_b[i]});
-    picture.pixels[at + 2 * stride] = static_cast<std::uint8_t>(difference * 255 / stretch);
+    image.pixels[at + 2 * stride] = static_cast<std::uint8_t>(difference * 255 / stretch);
   }
-  return picture;
+  return image;
 }
 
 }  // namespace acus::comparison

@@ -102,21 +102,21 @@ void AddImages(const RunComparison& comparison, const std::filesystem::path& fol
   if (!images.worst) return;
   const SideBySide shown = ShowFrame(comparison.run_a / "images.igs.mha",
                                      comparison.run_b / "images.igs.mha", *images.worst);
-  image::GrayImage picture;
-  picture.width = shown.width;
-  picture.height = shown.height;
-  picture.pixels = shown.pixels;
+  image::GrayImage image;
+  image.width = shown.width;
+  image.height = shown.height;
+  image.pixels = shown.pixels;
   const auto png = folder / "worst_frame.png";
-  image::WritePng(png, picture, context.provenance.OneLine());
+  image::WritePng(png, image, context.provenance.OneLine());
   html.Section("Images");
   html.Paragraph(
       Message(images.num_identical, " of ", images.frames.size(), " frames are identical."));
   html.Plots(ImagePlots(images.frames), "Frame by frame; identical frames stand at 100 dB and 1.");
   const FrameDifference& worst = images.frames[*images.worst];
-  html.Picture(png, "The frame that differs most: run A, run B and their difference",
-               Message("Frame ", *images.worst, " at ", FixedText(worst.time_s, 3), " s, SSIM ",
-                       FixedText(worst.ssim, 4), ": A | B | difference (white is ",
-                       shown.largest_difference, " grey levels)."));
+  html.Image(png, "The frame that differs most: run A, run B and their difference",
+             Message("Frame ", *images.worst, " at ", FixedText(worst.time_s, 3), " s, SSIM ",
+                     FixedText(worst.ssim, 4), ": A | B | difference (white is ",
+                     shown.largest_difference, " grey levels)."));
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ MadeSequence MakeSequence(const DatasetConfig& config, const SequencePlan& plan,
 
   const auto source = replay::LabelSourceOf(scenario, scene, &patient.exercise, quiet);
   replay::LabelledImages images(scene, source, format, folder);
-  simulation::ImageRenderer renderer(scene, nullptr, simulation::Pictures::kBModeOnly);
+  simulation::ImageRenderer renderer(scene, nullptr, simulation::ImageChoice::kBModeOnly);
   simulation::Images rendered;
   for (const simulation::Snapshot& moment : moments) {
     quiet.Checkpoint("images", 0.0);

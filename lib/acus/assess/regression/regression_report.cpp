@@ -104,11 +104,11 @@ void AddMoved(const fs::path& folder, const CaseResult& result, report::HtmlRepo
   }
   html.Table({"quantity", "value", "limit", "unit", "expected | now"}, rows);
   AddMovedForces(*result.comparison, html);
-  const fs::path picture = folder / result.name / "comparison" / "worst_frame.png";
+  const fs::path image = folder / result.name / "comparison" / "worst_frame.png";
   const auto& images = result.comparison->images;
-  if (images.num_identical < images.frames.size() && fs::exists(picture)) {
-    html.Picture(picture, "The image that differs most: expected, now and their difference",
-                 "The image that differs most: expected | now | difference");
+  if (images.num_identical < images.frames.size() && fs::exists(image)) {
+    html.Image(image, "The image that differs most: expected, now and their difference",
+               "The image that differs most: expected | now | difference");
   }
   html.Paragraph(Message("All checks: ", result.name, "/comparison/comparison.html"));
 }

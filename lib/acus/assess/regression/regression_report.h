@@ -11,7 +11,7 @@ namespace acus::regression {
 std::string TextOf(const SuiteResult& result);
 
 /// Writes into an existing folder: regression.html (the cases, and for each that moved what moved
-/// by how much, forces over each other, the worst picture), regression.json (acus-regression-result
+/// by how much, forces over each other, the worst image), regression.json (acus-regression-result
 /// /1), provenance.json, and for each case that was compared its folder <name>/comparison.
 void WriteResult(const std::filesystem::path& folder, const SuiteResult& result,
                  const RunContext& context);

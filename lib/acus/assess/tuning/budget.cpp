@@ -17,9 +17,9 @@ constexpr const char* kRate = "step_rate_hz";
 
 /// Numbers and switches: another model is another scene.
 bool IsTurnedUnasked(const Knob& knob) {
-  if (knob.is_folder || knob.pointers.empty() || knob.levels.size() < 2) return false;
-  const nlohmann::json& level = knob.levels.front();
-  return level.is_number() || level.is_boolean();
+  if (knob.is_folder || knob.pointers.empty() || knob.values.size() < 2) return false;
+  const nlohmann::json& value = knob.values.front();
+  return value.is_number() || value.is_boolean();
 }
 
 double Least(const std::vector<Measured>& runs, double Measured::*value) {
@@ -54,9 +54,9 @@ std::vector<scenario::EvidenceStage> MeanShares(const std::vector<Measured>& run
   return stages;
 }
 
-MeasuredSetting Summary(const Levels& levels, std::vector<Measured> runs) {
+MeasuredSetting Summary(const ValueIndices& indices, std::vector<Measured> runs) {
   MeasuredSetting out;
-  out.levels = levels;
+  out.indices = indices;
   out.cost = {.step_us_median = Least(runs, &Measured::step_us_median),
               .step_us_p999 = Least(runs, &Measured::step_us_p999),
               .image_ms_median = Least(runs, &Measured::image_ms_median),
@@ -84,13 +84,14 @@ Outcome OutcomeOf(const MeasuredSetting& setting) {
 std::vector<ChoiceKnob> ChoiceKnobs(const std::vector<Knob>& knobs) {
   std::vector<ChoiceKnob> out;
   for (const Knob& knob : knobs) {
-    const auto own = std::ranges::find_if(
-        knob.levels, [&](const auto& level) { return SameValue(level, knob.scenario_value); });
-    const auto count = static_cast<int>(knob.levels.size());
+    const auto given = std::ranges::find_if(
+        knob.values, [&](const auto& value) { return SameValue(value, knob.scenario_value); });
+    const auto count = static_cast<int>(knob.values.size());
     out.push_back({.name = knob.name,
-                   .num_levels = count,
-                   .given = own != knob.levels.end() ? static_cast<int>(own - knob.levels.begin())
-                                                     : count - 1,
+                   .num_values = count,
+                   .given = given != knob.values.end()
+                                ? static_cast<int>(given - knob.values.begin())
+                                : count - 1,
                    .acts_on_force = knob.acts_on != ActsOn::kImage,
                    .acts_on_image = knob.acts_on != ActsOn::kForce});
   }
@@ -110,10 +111,10 @@ class Measuring {
   Measuring(const Measuring&) = delete;
   Measuring& operator=(const Measuring&) = delete;
 
-  MeasuredSetting Run(const Levels& levels, int repetitions) {
+  MeasuredSetting Run(const ValueIndices& indices, int repetitions) {
     std::vector<Measured> runs;
     for (int repetition = 0; repetition < repetitions; ++repetition) {
-      const Case one = JointCase(plan_, levels, repetition);
+      const Case one = JointCase(plan_, indices, repetition);
       if (std::ranges::find(plan_.cases, one.name, &Case::name) == plan_.cases.end()) {
         plan_.cases.push_back(one);
       }
@@ -123,7 +124,7 @@ class Measuring {
                    " cannot be read back; is the disk full?");
       runs.push_back(std::move(*run));
     }
-    return Summary(levels, std::move(runs));
+    return Summary(indices, std::move(runs));
   }
 
  private:
@@ -134,10 +135,10 @@ class Measuring {
   std::set<std::string> warned_;
 };
 
-Levels DearestOf(const std::vector<Knob>& knobs) {
-  Levels levels;
-  for (const Knob& knob : knobs) levels.push_back(static_cast<int>(knob.levels.size()) - 1);
-  return levels;
+ValueIndices MostExpensiveOf(const std::vector<Knob>& knobs) {
+  ValueIndices indices;
+  for (const Knob& knob : knobs) indices.push_back(static_cast<int>(knob.values.size()) - 1);
+  return indices;
 }
 
 }  // namespace
@@ -186,28 +187,28 @@ BudgetAnswer AnswerQuestion(const BudgetQuestion& question, SweepPlan plan, cons
   answer.question = question;
   answer.plan = std::move(plan);
   Measuring measuring(answer.plan, store, context);
-  answer.plan.cases.push_back(JointCase(answer.plan, DearestOf(answer.plan.knobs), 0));
+  answer.plan.cases.push_back(JointCase(answer.plan, MostExpensiveOf(answer.plan.knobs), 0));
   if (!answer.plan.one_reference) {
     for (int r = 1; r < answer.plan.request.repetitions; ++r) {
-      answer.plan.cases.push_back(JointCase(answer.plan, DearestOf(answer.plan.knobs), r));
+      answer.plan.cases.push_back(JointCase(answer.plan, MostExpensiveOf(answer.plan.knobs), r));
     }
   }
   const std::vector<ChoiceKnob> knobs = ChoiceKnobs(answer.plan.knobs);
-  const auto measure = [&](const Levels& levels) {
-    answer.measured.push_back(measuring.Run(levels, answer.plan.request.repetitions));
+  const auto measure = [&](const ValueIndices& indices) {
+    answer.measured.push_back(measuring.Run(indices, answer.plan.request.repetitions));
     return OutcomeOf(answer.measured.back());
   };
   ChoiceSettings settings;
   settings.keep_given = question.live;
   answer.choice = ChooseSetting(knobs, question.goal, settings, measure);
-  answer.dearest = measuring.Run(DearestOf(answer.plan.knobs), 1);
+  answer.most_expensive = measuring.Run(MostExpensiveOf(answer.plan.knobs), 1);
   return answer;
 }
 
-Setting SettingOf(const std::vector<Knob>& knobs, const Levels& levels) {
+Setting SettingOf(const std::vector<Knob>& knobs, const ValueIndices& indices) {
   Setting setting;
   for (std::size_t k = 0; k < knobs.size(); ++k) {
-    setting[knobs[k].name] = knobs[k].levels[static_cast<std::size_t>(levels[k])];
+    setting[knobs[k].name] = knobs[k].values[static_cast<std::size_t>(indices[k])];
   }
   return setting;
 }
@@ -219,7 +220,7 @@ SweepResult ResultOf(const BudgetAnswer& answer) {
   const auto add = [&](const std::string& knob, const Setting& setting,
                        const MeasuredSetting& measured) {
     for (const Measured& run : measured.runs) {
-      Case one = JointCase(shown, measured.levels, run.repetition);
+      Case one = JointCase(shown, measured.indices, run.repetition);
       one.knob = knob;
       one.setting = setting;
       shown.cases.push_back(std::move(one));
@@ -228,33 +229,33 @@ SweepResult ResultOf(const BudgetAnswer& answer) {
       runs.back().setting = setting;
     }
   };
-  // A knob's own sweep is told by its value alone. SettingsOf expects the dearest first.
+  // A knob's own sweep is told by its value alone. SettingsOf expects the most expensive first.
   const auto alone = static_cast<std::size_t>(answer.choice.num_one_at_a_time);
   for (std::size_t k = 0; k < shown.knobs.size(); ++k) {
     const Knob& knob = shown.knobs[k];
-    std::map<int, const MeasuredSetting*> levels;
+    std::map<int, const MeasuredSetting*> by_index;
     for (std::size_t i = 0; i < alone; ++i) {
-      Levels given = answer.Given().levels;
-      given[k] = answer.measured[i].levels[k];
-      if (given == answer.measured[i].levels) levels[given[k]] = &answer.measured[i];
+      ValueIndices given = answer.Given().indices;
+      given[k] = answer.measured[i].indices[k];
+      if (given == answer.measured[i].indices) by_index[given[k]] = &answer.measured[i];
     }
-    if (levels.size() < 2) continue;  // It does not act on what is asked.
-    const auto show = [&](int level, const MeasuredSetting& measured) {
-      add(knob.name, {{knob.name, knob.levels[static_cast<std::size_t>(level)]}}, measured);
+    if (by_index.size() < 2) continue;  // It does not act on what is asked.
+    const auto show = [&](int index, const MeasuredSetting& measured) {
+      add(knob.name, {{knob.name, knob.values[static_cast<std::size_t>(index)]}}, measured);
     };
-    show(levels.rbegin()->first, *levels.rbegin()->second);
-    levels.erase(std::prev(levels.end()));
-    for (const auto& [level, measured] : levels) show(level, *measured);
+    show(by_index.rbegin()->first, *by_index.rbegin()->second);
+    by_index.erase(std::prev(by_index.end()));
+    for (const auto& [index, measured] : by_index) show(index, *measured);
   }
   const auto joint = [&](const MeasuredSetting& measured) {
-    add("jointly", SettingOf(shown.knobs, measured.levels), measured);
+    add("jointly", SettingOf(shown.knobs, measured.indices), measured);
   };
-  joint(answer.dearest);
-  std::set<Levels> told = {answer.dearest.levels};
+  joint(answer.most_expensive);
+  std::set<ValueIndices> told = {answer.most_expensive.indices};
   for (std::size_t i = 0; i < answer.measured.size(); ++i) {
     const MeasuredSetting& measured = answer.measured[i];
     const bool wanted = i >= alone || i == 0 || &measured == &answer.Best();
-    if (wanted && told.insert(measured.levels).second) joint(measured);
+    if (wanted && told.insert(measured.indices).second) joint(measured);
   }
   SweepResult result = Summarise(shown, std::move(runs));
   result.jointly = true;

@@ -27,13 +27,14 @@ struct BudgetQuestion {
 /// A setting that was measured, over all its repetitions. Times are the least of them: what others
 /// do to the machine only ever adds time. Errors are means.
 struct MeasuredSetting {
-  Levels levels;
+  ValueIndices indices;
   std::vector<Measured> runs;
   scenario::Cost cost;
   double force_rms_n = kNotMeasured;
-  double image_psnr_db = kNotMeasured;  ///< Infinite where all pictures are the same.
+  double image_psnr_db = kNotMeasured;  ///< Infinite where all images are the same.
   double image_ssim = kNotMeasured;
-  std::vector<scenario::EvidenceStage> stages;  ///< Means over repetitions, the dearest first.
+  std::vector<scenario::EvidenceStage>
+      stages;  ///< Means over repetitions, the most expensive first.
   std::string unusable;
 };
 
@@ -42,7 +43,7 @@ struct BudgetAnswer {
   SweepPlan plan;  ///< With the knobs that were turned, and as cases all that was run.
   Choice choice;
   std::vector<MeasuredSetting> measured;  ///< As in choice.measured.
-  MeasuredSetting dearest;                ///< What all errors are against.
+  MeasuredSetting most_expensive;         ///< What all errors are against.
 
   bool Found() const { return choice.chosen.has_value(); }
   /// The chosen one, or the one that comes nearest to the goal.
@@ -65,10 +66,10 @@ BudgetAnswer AnswerQuestion(const BudgetQuestion& question, SweepPlan plan, cons
                             RunContext& context);
 
 /// Where the knobs stand, all of them.
-Setting SettingOf(const std::vector<Knob>& knobs, const Levels& levels);
+Setting SettingOf(const std::vector<Knob>& knobs, const ValueIndices& indices);
 
 /// What was measured, for tables and plots: the sweep of each knob with the others as given, then
-/// settings that turn several. All are compared with the dearest of all.
+/// settings that turn several. All are compared with the most expensive of all.
 SweepResult ResultOf(const BudgetAnswer& answer);
 
 /// In plain sentences: what was chosen, what it takes and how far off it is, what is gained on the

@@ -64,7 +64,7 @@ std::string RunBudget(const BudgetOptions& options, const SweepRequest& request,
   page.answer = LinesOf(text);
   page.remarks = LinesOf(LeftOutText(answer.plan));
   page.plots.goal = question.goal;
-  if (answer.Found()) page.plots.chosen = SettingOf(answer.plan.knobs, answer.Best().levels);
+  if (answer.Found()) page.plots.chosen = SettingOf(answer.plan.knobs, answer.Best().indices);
   WritePage(folder, result, page, context);
   if (!answer.Found()) {
     throw NoAnswerError(text + "All that was measured is in " +

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 /// Of the knobs that were turned. What stays as given stays unsaid where it was.
 std::vector<scenario::Override> ChangesOf(const BudgetAnswer& answer) {
   Setting setting;
-  for (const auto& [name, value] : SettingOf(answer.plan.knobs, answer.Best().levels)) {
+  for (const auto& [name, value] : SettingOf(answer.plan.knobs, answer.Best().indices)) {
     const Knob& knob = KnobNamed(answer.plan.knobs, name);
     if (!SameValue(value, knob.scenario_value)) setting[name] = value;
   }

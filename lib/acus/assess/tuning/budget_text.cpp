@@ -54,14 +54,14 @@ std::string ErrorText(const MeasuredSetting& setting) {
 /// "needle_nodes 50 instead of 25, image_lines 128 instead of 256"; empty if nothing is changed.
 std::string ChangesText(const BudgetAnswer& answer, const MeasuredSetting& setting) {
   std::vector<std::string> parts;
-  const Levels& given = answer.Given().levels;
+  const ValueIndices& given = answer.Given().indices;
   for (std::size_t k = 0; k < given.size(); ++k) {
-    if (setting.levels[k] == given[k]) continue;
+    if (setting.indices[k] == given[k]) continue;
     const Knob& knob = answer.plan.knobs[k];
-    const auto value = [&knob](int level) {
-      return ValueText(knob.levels[static_cast<std::size_t>(level)]);
+    const auto value = [&knob](int index) {
+      return ValueText(knob.values[static_cast<std::size_t>(index)]);
     };
-    parts.push_back(knob.name + " " + value(setting.levels[k]) + " instead of " + value(given[k]));
+    parts.push_back(knob.name + " " + value(setting.indices[k]) + " instead of " + value(given[k]));
   }
   return Joined(parts, ", ");
 }
@@ -89,13 +89,13 @@ struct TimedPart {
   std::string (*text)(double);
 };
 
-/// The knob whose level, as chosen, costs most over its cheapest.
-std::string DearestKnobText(const BudgetAnswer& answer, const TimedPart& part) {
+/// The knob whose index, as chosen, costs most over its cheapest.
+std::string MostExpensiveKnobText(const BudgetAnswer& answer, const TimedPart& part) {
   constexpr double kWorthTelling = 0.1;
   double scenario::Cost::*const cost = part.cost;
   double most = 0.0;
   std::string out;
-  const Levels& given = answer.Given().levels;
+  const ValueIndices& given = answer.Given().indices;
   const auto alone = static_cast<std::size_t>(answer.choice.num_one_at_a_time);
   for (std::size_t k = 0; k < given.size(); ++k) {
     const Knob& knob = answer.plan.knobs[k];
@@ -103,21 +103,21 @@ std::string DearestKnobText(const BudgetAnswer& answer, const TimedPart& part) {
     const MeasuredSetting* cheapest = nullptr;
     const MeasuredSetting* chosen = nullptr;
     for (std::size_t i = 0; i < alone; ++i) {
-      Levels levels = given;
-      levels[k] = answer.measured[i].levels[k];
-      if (levels != answer.measured[i].levels || !answer.measured[i].unusable.empty()) continue;
-      if (levels[k] == answer.Best().levels[k]) chosen = &answer.measured[i];
+      ValueIndices indices = given;
+      indices[k] = answer.measured[i].indices[k];
+      if (indices != answer.measured[i].indices || !answer.measured[i].unusable.empty()) continue;
+      if (indices[k] == answer.Best().indices[k]) chosen = &answer.measured[i];
       if (cheapest == nullptr || answer.measured[i].cost.*cost < cheapest->cost.*cost) {
         cheapest = &answer.measured[i];
       }
     }
     if (chosen == nullptr || cheapest == nullptr) continue;
-    if (cheapest->levels[k] > chosen->levels[k]) continue;  // Noise: the finer one is no cheaper.
+    if (cheapest->indices[k] > chosen->indices[k]) continue;  // Noise: the finer one is no cheaper.
     const double gain = chosen->cost.*cost - cheapest->cost.*cost;
     if (!(gain > most) || !(gain > kWorthTelling * chosen->cost.*cost)) continue;
     most = gain;
     const auto value = [&](const MeasuredSetting* setting) {
-      return ValueText(knob.levels[static_cast<std::size_t>(setting->levels[k])]);
+      return ValueText(knob.values[static_cast<std::size_t>(setting->indices[k])]);
     };
     out = std::string("The most expensive knob of ") + part.name + " is " + knob.name + ": " +
           value(chosen) + " instead of " + value(cheapest) + " takes " + part.text(gain) +
@@ -129,8 +129,8 @@ std::string DearestKnobText(const BudgetAnswer& answer, const TimedPart& part) {
 std::string WhereTheTimeGoes(const BudgetAnswer& answer) {
   const TimedPart steps = {&scenario::Cost::step_us_p999, ActsOn::kForce, "a force step", StepText};
   const TimedPart images = {&scenario::Cost::image_ms_p95, ActsOn::kImage, "an image", ImageText};
-  return StagesText(answer.Best()) + DearestKnobText(answer, steps) +
-         DearestKnobText(answer, images);
+  return StagesText(answer.Best()) + MostExpensiveKnobText(answer, steps) +
+         MostExpensiveKnobText(answer, images);
 }
 
 std::string LiveText(const BudgetAnswer& answer) {
@@ -174,7 +174,8 @@ std::string FoundText(const BudgetAnswer& answer) {
     text += "The scenario as it was takes " + CostText(answer.Given().cost, goal) +
             "; against the most expensive setting: " + ErrorText(answer.Given()) + ".\n";
   }
-  return text + "The most expensive setting takes " + CostText(answer.dearest.cost, goal) + ".\n";
+  return text + "The most expensive setting takes " + CostText(answer.most_expensive.cost, goal) +
+         ".\n";
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ void RunImages(const Scene& scene, const std::vector<Snapshot>& moments,
                simulation::StageTimes& times, const RunContext& context, CaseRun& out) {
   simulation::ImageRenderer renderer(scene);
   simulation::Images images;
-  // The first picture makes room for the others.
+  // The first image makes room for the others.
   if (!moments.empty()) renderer.Render(moments.front(), images);
   std::vector<double> times_ms;
   for (std::size_t i = 0; i < moments.size(); ++i) {
@@ -114,10 +114,10 @@ void RunImages(const Scene& scene, const std::vector<Snapshot>& moments,
     const double begin_s = ThreadCpuSeconds();
     renderer.Render(moments[i], images, &times);
     times_ms.push_back(1e3 * (ThreadCpuSeconds() - begin_s));
-    const auto& picture = images.b_mode.pixels.empty() ? images.ct_slice : images.b_mode;
-    out.series.width = picture.width;
-    out.series.height = picture.height;
-    out.series.pixels.insert(out.series.pixels.end(), picture.pixels.begin(), picture.pixels.end());
+    const auto& image = images.b_mode.pixels.empty() ? images.ct_slice : images.b_mode;
+    out.series.width = image.width;
+    out.series.height = image.height;
+    out.series.pixels.insert(out.series.pixels.end(), image.pixels.begin(), image.pixels.end());
   }
   out.measured.images = out.series.num_images();
   if (out.measured.images == 0) return;

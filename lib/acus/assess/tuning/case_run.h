@@ -1,4 +1,4 @@
-// One run of one setting: the session through Simulation::Step and the pictures of the probe, with
+// One run of one setting: the session through Simulation::Step and the images of the probe, with
 // time and memory.
 #pragma once
 

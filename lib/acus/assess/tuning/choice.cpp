@@ -37,7 +37,7 @@ std::optional<double> LimitOf(const Goal& goal, int part) {
 class Search {
  public:
   Search(const std::vector<ChoiceKnob>& knobs, const Goal& goal, const ChoiceSettings& settings,
-         const std::function<Outcome(const Levels&)>& measure)
+         const std::function<Outcome(const ValueIndices&)>& measure)
       : knobs_(knobs),
         goal_(goal),
         settings_(settings),
@@ -60,14 +60,14 @@ class Search {
     for (int n = 0; n < settings_.most_joint; ++n) {
       // What is expected to be best; then what would be if it were cheaper than expected, by as
       // much as expectations were wrong so far.
-      Levels next = MostPromising(false);
+      ValueIndices next = MostPromising(false);
       if (IsMeasured(next)) next = MostPromising(true);
       if (IsMeasured(next)) break;
       Measure(next);
     }
     for (Candidate& candidate : choice_.measured) {
       for (int part = 0; part < kNumParts; ++part) {
-        SetPart(candidate.predicted, part, model_.Predicted(candidate.levels, part, kSum));
+        SetPart(candidate.predicted, part, model_.Predicted(candidate.indices, part, kSum));
       }
     }
     choice_.nearest = BestMeasured();
@@ -92,13 +92,13 @@ class Search {
   void OneAtATime() {
     for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
       if (!IsTurned(knobs_[knob])) continue;
-      for (int level = 0; level < knobs_[knob].num_levels; ++level) {
-        if (level == knobs_[knob].given) continue;
-        Levels levels = given_;
-        levels[knob] = level;
-        const Outcome alone = measure_(levels);
-        model_.AddAlone(knob, level, alone);
-        Keep(levels, alone);
+      for (int index = 0; index < knobs_[knob].num_values; ++index) {
+        if (index == knobs_[knob].given) continue;
+        ValueIndices indices = given_;
+        indices[knob] = index;
+        const Outcome alone = measure_(indices);
+        model_.AddAlone(knob, index, alone);
+        Keep(indices, alone);
       }
     }
   }
@@ -112,15 +112,15 @@ class Search {
     return IsTurned(knob) && knob.acts_on_force && knob.acts_on_image;
   }
 
-  void Measure(const Levels& levels) { Keep(levels, measure_(levels)); }
+  void Measure(const ValueIndices& indices) { Keep(indices, measure_(indices)); }
 
-  void Keep(const Levels& levels, const Outcome& outcome) {
-    model_.AddMeasured(levels, outcome);
-    choice_.measured.push_back({levels, outcome, {}});
+  void Keep(const ValueIndices& indices, const Outcome& outcome) {
+    model_.AddMeasured(indices, outcome);
+    choice_.measured.push_back({indices, outcome, {}});
   }
 
-  bool IsMeasured(const Levels& levels) const {
-    return std::ranges::find(choice_.measured, levels, &Candidate::levels) !=
+  bool IsMeasured(const ValueIndices& indices) const {
+    return std::ranges::find(choice_.measured, indices, &Candidate::indices) !=
            choice_.measured.end();
   }
 
@@ -136,10 +136,10 @@ class Search {
             .tie = budget ? cost : error};
   }
 
-  Score ScoreOf(const Levels& levels, bool hopeful) const {
+  Score ScoreOf(const ValueIndices& indices, bool hopeful) const {
     Score score;
     for (int part = 0; part < kNumParts; ++part) {
-      if (LimitOf(goal_, part)) score += ScoreOf(model_.Best(levels, part, hopeful), part);
+      if (LimitOf(goal_, part)) score += ScoreOf(model_.Best(indices, part, hopeful), part);
     }
     return score;
   }
@@ -177,18 +177,18 @@ class Search {
       if (!LimitOf(goal_, part)) continue;
       auto& front = front_[static_cast<std::size_t>(part)];
       front = FrontOf(part, kSum);
-      const std::vector<Levels> other = FrontOf(part, kProduct);
+      const std::vector<ValueIndices> other = FrontOf(part, kProduct);
       front.insert(front.end(), other.begin(), other.end());
     }
     shared_ = {given_};
     for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
       if (!IsShared(knobs_[knob])) continue;
       const std::size_t count = shared_.size();
-      for (int level = 0; level < knobs_[knob].num_levels; ++level) {
-        if (level == knobs_[knob].given || !model_.IsUsable(knob, level)) continue;
+      for (int index = 0; index < knobs_[knob].num_values; ++index) {
+        if (index == knobs_[knob].given || !model_.IsUsable(knob, index)) continue;
         for (std::size_t i = 0; i < count && shared_.size() < kMostShared; ++i) {
           shared_.push_back(shared_[i]);
-          shared_.back()[knob] = level;
+          shared_.back()[knob] = index;
         }
       }
     }
@@ -196,19 +196,19 @@ class Search {
 
   /// The settings of the knobs that act on this part alone that no other beats by the model; built
   /// knob by knob, which loses none: what is beaten stays so whatever is added to both.
-  std::vector<Levels> FrontOf(int part, ProductShare law) const {
-    std::vector<Levels> front = {given_};
+  std::vector<ValueIndices> FrontOf(int part, ProductShare law) const {
+    std::vector<ValueIndices> front = {given_};
     for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
       if (!Touches(knobs_[knob], part) || !IsTurned(knobs_[knob]) || IsShared(knobs_[knob])) {
         continue;
       }
       // As given first: of settings with the same sum, the one that turns the fewest knobs.
-      std::vector<Levels> wider = front;
-      for (int level = 0; level < knobs_[knob].num_levels; ++level) {
-        if (level == knobs_[knob].given || !model_.IsUsable(knob, level)) continue;
-        for (Levels levels : front) {
-          levels[knob] = level;
-          wider.push_back(std::move(levels));
+      std::vector<ValueIndices> wider = front;
+      for (int index = 0; index < knobs_[knob].num_values; ++index) {
+        if (index == knobs_[knob].given || !model_.IsUsable(knob, index)) continue;
+        for (ValueIndices indices : front) {
+          indices[knob] = index;
+          wider.push_back(std::move(indices));
         }
       }
       front = Thinned(wider, part, law);
@@ -216,14 +216,14 @@ class Search {
     return front;
   }
 
-  std::vector<Levels> Thinned(const std::vector<Levels>& settings, int part,
-                              ProductShare law) const {
+  std::vector<ValueIndices> Thinned(const std::vector<ValueIndices>& settings, int part,
+                                    ProductShare law) const {
     std::vector<CostAndError> predicted;
-    for (const Levels& levels : settings) {
-      predicted.push_back(model_.Predicted(levels, part, law));
+    for (const ValueIndices& indices : settings) {
+      predicted.push_back(model_.Predicted(indices, part, law));
     }
     const std::vector<std::size_t> order = ParetoFront(predicted);
-    std::vector<Levels> front;
+    std::vector<ValueIndices> front;
     const std::size_t count = std::min(order.size(), kMostOnFront);
     for (std::size_t i = 0; i < count; ++i) {
       front.push_back(settings[order[count > 1 ? i * (order.size() - 1) / (count - 1) : 0]]);
@@ -233,34 +233,34 @@ class Search {
 
   /// The best setting by all that is known so far: of the fronts, and of those around the best
   /// that was measured. One that was measured wins a tie.
-  Levels MostPromising(bool hopeful) const {
-    const Levels& incumbent = choice_.measured[BestMeasured()].levels;
-    Levels best = incumbent;
+  ValueIndices MostPromising(bool hopeful) const {
+    const ValueIndices& incumbent = choice_.measured[BestMeasured()].indices;
+    ValueIndices best = incumbent;
     Score best_score = ScoreOf(best, false);
-    const auto consider = [&](const Levels& levels) {
-      const Score score = ScoreOf(levels, hopeful);
+    const auto consider = [&](const ValueIndices& indices) {
+      const Score score = ScoreOf(indices, hopeful);
       if (IsBetter(score, best_score)) {
-        best = levels;
+        best = indices;
         best_score = score;
       }
     };
-    for (const Levels& shared : shared_) consider(WithBestParts(shared, hopeful));
+    for (const ValueIndices& shared : shared_) consider(WithBestParts(shared, hopeful));
     Around(incumbent, consider);
     return best;
   }
 
   /// The knobs of each part as is best for it, given those that act on both.
-  Levels WithBestParts(const Levels& shared, bool hopeful) const {
-    Levels out = shared;
+  ValueIndices WithBestParts(const ValueIndices& shared, bool hopeful) const {
+    ValueIndices out = shared;
     for (int part = 0; part < kNumParts; ++part) {
       const auto& front = front_[static_cast<std::size_t>(part)];
       std::optional<Score> best_score;
-      Levels best = out;
-      for (const Levels& own : front) {
-        const Levels levels = Joined(out, own, part);
-        const Score score = ScoreOf(model_.Best(levels, part, hopeful), part);
+      ValueIndices best = out;
+      for (const ValueIndices& own : front) {
+        const ValueIndices indices = Joined(out, own, part);
+        const Score score = ScoreOf(model_.Best(indices, part, hopeful), part);
         if (!best_score || IsBetter(score, *best_score)) {
-          best = levels;
+          best = indices;
           best_score = score;
         }
       }
@@ -270,7 +270,7 @@ class Search {
   }
 
   /// `base` with the knobs that act on this part alone from `own`.
-  Levels Joined(Levels base, const Levels& own, int part) const {
+  ValueIndices Joined(ValueIndices base, const ValueIndices& own, int part) const {
     for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
       if (Touches(knobs_[knob], part) && !IsShared(knobs_[knob])) base[knob] = own[knob];
     }
@@ -279,24 +279,24 @@ class Search {
 
   /// All settings that turn one knob or two.
   template <typename Consider>
-  void Around(const Levels& middle, const Consider& consider) const {
+  void Around(const ValueIndices& middle, const Consider& consider) const {
     for (std::size_t a = 0; a < knobs_.size(); ++a) {
-      for (const Levels& one : Turned(middle, a)) {
+      for (const ValueIndices& one : Turned(middle, a)) {
         consider(one);
         for (std::size_t b = a + 1; b < knobs_.size(); ++b) {
-          for (const Levels& two : Turned(one, b)) consider(two);
+          for (const ValueIndices& two : Turned(one, b)) consider(two);
         }
       }
     }
   }
 
-  std::vector<Levels> Turned(const Levels& middle, std::size_t knob) const {
-    std::vector<Levels> turned;
+  std::vector<ValueIndices> Turned(const ValueIndices& middle, std::size_t knob) const {
+    std::vector<ValueIndices> turned;
     if (!IsTurned(knobs_[knob])) return turned;
-    for (int level = 0; level < knobs_[knob].num_levels; ++level) {
-      if (level == middle[knob] || !model_.IsUsable(knob, level)) continue;
+    for (int index = 0; index < knobs_[knob].num_values; ++index) {
+      if (index == middle[knob] || !model_.IsUsable(knob, index)) continue;
       turned.push_back(middle);
-      turned.back()[knob] = level;
+      turned.back()[knob] = index;
     }
     return turned;
   }
@@ -304,11 +304,11 @@ class Search {
   const std::vector<ChoiceKnob>& knobs_;
   const Goal& goal_;
   const ChoiceSettings& settings_;
-  const std::function<Outcome(const Levels&)>& measure_;
+  const std::function<Outcome(const ValueIndices&)>& measure_;
   ChoiceModel model_;
-  Levels given_;
-  std::array<std::vector<Levels>, kNumParts> front_;  ///< Of parts that the goal names.
-  std::vector<Levels> shared_;
+  ValueIndices given_;
+  std::array<std::vector<ValueIndices>, kNumParts> front_;  ///< Of parts that the goal names.
+  std::vector<ValueIndices> shared_;
   Choice choice_;
 };
 
@@ -316,7 +316,7 @@ class Search {
 
 Choice ChooseSetting(const std::vector<ChoiceKnob>& knobs, const Goal& goal,
                      const ChoiceSettings& settings,
-                     const std::function<Outcome(const Levels&)>& measure) {
+                     const std::function<Outcome(const ValueIndices&)>& measure) {
   return Search(knobs, goal, settings, measure).Run();
 }
 

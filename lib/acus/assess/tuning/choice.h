@@ -23,14 +23,14 @@ namespace acus::tuning {
 /// A knob as the choice sees it.
 struct ChoiceKnob {
   std::string name;
-  int num_levels = 1;
-  int given = 0;  ///< Its level in the scenario as it was given.
+  int num_values = 1;
+  int given = 0;  ///< Index of the value that the scenario was given with.
   bool acts_on_force = false;
   bool acts_on_image = false;
 };
 
-/// The level of each knob, in the knobs' order.
-using Levels = std::vector<int>;
+/// Of each knob, in their order: which of its values.
+using ValueIndices = std::vector<int>;
 
 /// What a setting was measured to cost, and how far off it is. NaN: the scene has no such part.
 struct Outcome {
@@ -42,7 +42,7 @@ struct Outcome {
 };
 
 struct Candidate {
-  Levels levels;
+  ValueIndices indices;
   Outcome measured;
   Outcome predicted;  ///< By the additive model alone.
 };
@@ -73,7 +73,7 @@ struct Choice {
 /// @throws InputError if the goal names a part that the scene does not have.
 Choice ChooseSetting(const std::vector<ChoiceKnob>& knobs, const Goal& goal,
                      const ChoiceSettings& settings,
-                     const std::function<Outcome(const Levels&)>& measure);
+                     const std::function<Outcome(const ValueIndices&)>& measure);
 
 /// True if the outcome keeps to every limit that the goal names.
 bool Meets(const Outcome& outcome, const Goal& goal);

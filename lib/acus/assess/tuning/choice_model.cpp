@@ -41,9 +41,9 @@ void SetPart(Outcome& outcome, int part, const CostAndError& value) {
 ChoiceModel::ChoiceModel(const std::vector<ChoiceKnob>& knobs, double noise)
     : knobs_(knobs), noise_(noise) {
   for (const ChoiceKnob& knob : knobs) {
-    const auto levels = static_cast<std::size_t>(knob.num_levels);
-    change_.emplace_back(levels, std::array<CostAndError, kNumParts>{});
-    usable_.emplace_back(levels, true);
+    const auto indices = static_cast<std::size_t>(knob.num_values);
+    change_.emplace_back(indices, std::array<CostAndError, kNumParts>{});
+    usable_.emplace_back(indices, true);
   }
 }
 
@@ -54,8 +54,8 @@ void ChoiceModel::AddGiven(const Outcome& outcome) {
   }
 }
 
-void ChoiceModel::AddAlone(std::size_t knob, int level, const Outcome& outcome) {
-  usable_[knob][static_cast<std::size_t>(level)] = outcome.usable;
+void ChoiceModel::AddAlone(std::size_t knob, int index, const Outcome& outcome) {
+  usable_[knob][static_cast<std::size_t>(index)] = outcome.usable;
   if (!outcome.usable) return;
   for (int part = 0; part < kNumParts; ++part) {
     if (!Touches(knobs_[knob], part)) continue;
@@ -65,38 +65,38 @@ void ChoiceModel::AddAlone(std::size_t knob, int level, const Outcome& outcome) 
     largest = std::max(largest, alone.error);
     CostAndError change{alone.cost - given.cost, alone.error - given.error};
     if (std::abs(change.cost) <= noise_ * given.cost) change.cost = 0.0;
-    change_[knob][static_cast<std::size_t>(level)][static_cast<std::size_t>(part)] = change;
+    change_[knob][static_cast<std::size_t>(index)][static_cast<std::size_t>(part)] = change;
   }
 }
 
-void ChoiceModel::AddMeasured(const Levels& levels, const Outcome& outcome) {
+void ChoiceModel::AddMeasured(const ValueIndices& indices, const Outcome& outcome) {
   for (int part = 0; part < kNumParts; ++part) {
     auto& seen = seen_[static_cast<std::size_t>(part)];
     const CostAndError measured = PartOf(outcome, part);
     const auto same = std::ranges::find_if(
-        seen, [&](const Seen& other) { return Distance(levels, other.levels, part) == 0; });
+        seen, [&](const Seen& other) { return Distance(indices, other.indices, part) == 0; });
     if (same == seen.end()) {
-      seen.push_back({levels, measured});
+      seen.push_back({indices, measured});
       if (!IsFinite(measured)) continue;
-      num_joint_[static_cast<std::size_t>(part)] += NumTurned(levels, part) > 1 ? 1 : 0;
+      num_joint_[static_cast<std::size_t>(part)] += NumTurned(indices, part) > 1 ? 1 : 0;
       for (std::size_t i = 0; i < kLaws.size(); ++i) {
-        const double cost = std::max(Predicted(levels, part, kLaws[i]).cost, Tiny(part));
+        const double cost = std::max(Predicted(indices, part, kLaws[i]).cost, Tiny(part));
         wrong_[static_cast<std::size_t>(part)][i] += std::pow(std::log(measured.cost / cost), 2);
       }
     } else {
-      // The same work twice: the dearer of two times, so that what is said to fit does fit.
+      // The same work twice: the more expensive of two times, so that what is said to fit does fit.
       same->measured.cost = std::max(same->measured.cost, measured.cost);
       same->measured.error = std::max(same->measured.error, measured.error);
     }
   }
 }
 
-bool ChoiceModel::IsUsable(std::size_t knob, int level) const {
-  return usable_[knob][static_cast<std::size_t>(level)];
+bool ChoiceModel::IsUsable(std::size_t knob, int index) const {
+  return usable_[knob][static_cast<std::size_t>(index)];
 }
 
-CostAndError ChoiceModel::Change(std::size_t knob, int level, int part) const {
-  return change_[knob][static_cast<std::size_t>(level)][static_cast<std::size_t>(part)];
+CostAndError ChoiceModel::Change(std::size_t knob, int index, int part) const {
+  return change_[knob][static_cast<std::size_t>(index)][static_cast<std::size_t>(part)];
 }
 
 double ChoiceModel::LargestError(int part) const {
@@ -104,12 +104,12 @@ double ChoiceModel::LargestError(int part) const {
   return largest > 0.0 && std::isfinite(largest) ? largest : 1.0;
 }
 
-CostAndError ChoiceModel::Predicted(const Levels& levels, int part, ProductShare law) const {
+CostAndError ChoiceModel::Predicted(const ValueIndices& indices, int part, ProductShare law) const {
   const CostAndError given = Given(part);
   CostAndError out = given;
   double product = given.cost;
   for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
-    const CostAndError change = Change(knob, levels[knob], part);
+    const CostAndError change = Change(knob, indices[knob], part);
     out.cost += change.cost;
     product *= 1.0 + change.cost / given.cost;
     out.error += change.error;
@@ -138,47 +138,47 @@ double ChoiceModel::Tiny(int part) const {
   return 1e-6 * Given(part).cost;
 }
 
-CostAndError ChoiceModel::Best(const Levels& levels, int part, bool hopeful) const {
+CostAndError ChoiceModel::Best(const ValueIndices& indices, int part, bool hopeful) const {
   const Seen* nearest = nullptr;
   int least = std::numeric_limits<int>::max();
   for (const Seen& seen : seen_[static_cast<std::size_t>(part)]) {
-    const int distance = Distance(levels, seen.levels, part);
+    const int distance = Distance(indices, seen.indices, part);
     if (distance == 0) return seen.measured;
     // Of several as near the last: the search comes nearer to its end.
     if (!IsFinite(seen.measured) || distance > least) continue;
     nearest = &seen;
     least = distance;
   }
-  CostAndError best = Corrected(levels, part, nearest, BestLaw(part));
+  CostAndError best = Corrected(indices, part, nearest, BestLaw(part));
   if (!hopeful) return best;
   best.cost /= Doubt(part);
   if (num_joint_[static_cast<std::size_t>(part)] > 0) return best;
   for (const ProductShare law : kLaws) {  // Nothing is known yet of how knobs go together.
-    best.cost = std::min(best.cost, Corrected(levels, part, nearest, law).cost);
+    best.cost = std::min(best.cost, Corrected(indices, part, nearest, law).cost);
   }
   return best;
 }
 
-CostAndError ChoiceModel::Corrected(const Levels& levels, int part, const Seen* nearest,
+CostAndError ChoiceModel::Corrected(const ValueIndices& indices, int part, const Seen* nearest,
                                     ProductShare law) const {
-  CostAndError out = Predicted(levels, part, law);
+  CostAndError out = Predicted(indices, part, law);
   out.cost = std::max(out.cost, Tiny(part));
   if (nearest == nullptr) return out;
-  const CostAndError there = Predicted(nearest->levels, part, law);
+  const CostAndError there = Predicted(nearest->indices, part, law);
   out.cost *= nearest->measured.cost / std::max(there.cost, Tiny(part));
   if (out.error > 0.0 && there.error > 0.0) out.error *= nearest->measured.error / there.error;
   return out;
 }
 
-int ChoiceModel::NumTurned(const Levels& levels, int part) const {
+int ChoiceModel::NumTurned(const ValueIndices& indices, int part) const {
   int count = 0;
   for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
-    count += Touches(knobs_[knob], part) && levels[knob] != knobs_[knob].given ? 1 : 0;
+    count += Touches(knobs_[knob], part) && indices[knob] != knobs_[knob].given ? 1 : 0;
   }
   return count;
 }
 
-int ChoiceModel::Distance(const Levels& a, const Levels& b, int part) const {
+int ChoiceModel::Distance(const ValueIndices& a, const ValueIndices& b, int part) const {
   int distance = 0;
   for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
     distance += Touches(knobs_[knob], part) && a[knob] != b[knob] ? 1 : 0;

@@ -39,48 +39,48 @@ class ChoiceModel {
   /// The given setting; first.
   void AddGiven(const Outcome& outcome);
   /// One knob turned away from the given setting.
-  void AddAlone(std::size_t knob, int level, const Outcome& outcome);
+  void AddAlone(std::size_t knob, int index, const Outcome& outcome);
   /// Any setting, as measured.
-  void AddMeasured(const Levels& levels, const Outcome& outcome);
+  void AddMeasured(const ValueIndices& indices, const Outcome& outcome);
 
-  /// False if the level was not usable even alone.
-  bool IsUsable(std::size_t knob, int level) const;
+  /// False if the index was not usable even alone.
+  bool IsUsable(std::size_t knob, int index) const;
 
-  /// What turning one knob alone changes. Zero for the given level and for what was not measured.
-  CostAndError Change(std::size_t knob, int level, int part) const;
+  /// What turning one knob alone changes. Zero for the given index and for what was not measured.
+  CostAndError Change(std::size_t knob, int index, int part) const;
   const CostAndError& Given(int part) const { return given_[static_cast<std::size_t>(part)]; }
   /// The largest error of a part, as given and of knobs turned alone; 1 if all are zero.
   double LargestError(int part) const;
 
   /// By changes alone; costs added up or multiplied. The error, which always adds up, may be below
   /// zero: it is only good for comparing.
-  CostAndError Predicted(const Levels& levels, int part, ProductShare law) const;
+  CostAndError Predicted(const ValueIndices& indices, int part, ProductShare law) const;
 
-  /// What was measured, if these levels of the knobs that act on the part were; else, by the law
+  /// What was measured, if these indices of the knobs that act on the part were; else, by the law
   /// that is nearest to the joint settings measured, the prediction times what it was wrong by at
   /// the nearest of them. If `hopeful`, the least that this may turn out to cost.
-  CostAndError Best(const Levels& levels, int part, bool hopeful) const;
+  CostAndError Best(const ValueIndices& indices, int part, bool hopeful) const;
 
  private:
   /// A setting as one part of the simulation sees it.
   struct Seen {
-    Levels levels;
+    ValueIndices indices;
     CostAndError measured;
   };
   ProductShare BestLaw(int part) const;
-  CostAndError Corrected(const Levels& levels, int part, const Seen* nearest,
+  CostAndError Corrected(const ValueIndices& indices, int part, const Seen* nearest,
                          ProductShare law) const;
-  /// By which factor joint settings are at most cheaper or dearer than the best law says, in 19 of
-  /// 20 cases if it is wrong as it was so far; >= 1.
+  /// By which factor joint settings are at most cheaper or more expensive than the best law says,
+  /// in 19 of 20 cases if it is wrong as it was so far; >= 1.
   double Doubt(int part) const;
   double Tiny(int part) const;  ///< Costs are taken to be at least this.
-  int NumTurned(const Levels& levels, int part) const;
-  int Distance(const Levels& a, const Levels& b, int part) const;
+  int NumTurned(const ValueIndices& indices, int part) const;
+  int Distance(const ValueIndices& a, const ValueIndices& b, int part) const;
 
   std::vector<ChoiceKnob> knobs_;
   double noise_;
   std::array<CostAndError, kNumParts> given_;
-  std::vector<std::vector<std::array<CostAndError, kNumParts>>> change_;  ///< By knob, level, part.
+  std::vector<std::vector<std::array<CostAndError, kNumParts>>> change_;  ///< By knob, index, part.
   std::vector<std::vector<bool>> usable_;
   std::array<std::vector<Seen>, kNumParts> seen_;
   std::array<int, kNumParts> num_joint_{};  ///< Of `seen_`, those with more than one knob turned.

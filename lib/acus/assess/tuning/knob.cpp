@@ -21,11 +21,11 @@ bool Holds(const std::vector<json>& values, const json& value) {
   return std::ranges::any_of(values, [&](const json& v) { return SameValue(v, value); });
 }
 
-/// Numbers from cheap to dear; words and truth values as the knob lists them.
+/// Numbers from cheap to expensive; words and truth values as the knob lists them.
 void Order(const Knob& knob, std::vector<json>& values) {
   const auto rank = [&knob](const json& value) {
-    return std::ranges::find_if(knob.levels, [&](const json& v) { return SameValue(v, value); }) -
-           knob.levels.begin();
+    return std::ranges::find_if(knob.values, [&](const json& v) { return SameValue(v, value); }) -
+           knob.values.begin();
   };
   std::ranges::stable_sort(values, [&](const json& a, const json& b) {
     if (a.is_number() && b.is_number()) {
@@ -43,19 +43,19 @@ void RequireKind(const Knob& knob, const json& value) {
                  ": no such folder");
     return;
   }
-  if (knob.levels.empty()) return;
-  const json& like = knob.levels.front();
-  std::vector<std::string> levels;
-  for (const json& level : knob.levels) levels.push_back(ValueText(level));
+  if (knob.values.empty()) return;
+  const json& like = knob.values.front();
+  std::vector<std::string> values;
+  for (const json& allowed : knob.values) values.push_back(ValueText(allowed));
   if (like.is_number()) {
     ACUS_REQUIRE(value.is_number(), "--knob ", knob.name, ": ", ValueText(value),
-                 " is not a number; values are for example ", Joined(levels));
+                 " is not a number; values are for example ", Joined(values));
     return;
   }
-  const auto nearest = NearestSpelling(ValueText(value), levels);
-  ACUS_REQUIRE(Holds(knob.levels, value), "--knob ", knob.name, ": there is no value '",
+  const auto nearest = NearestSpelling(ValueText(value), values);
+  ACUS_REQUIRE(Holds(knob.values, value), "--knob ", knob.name, ": there is no value '",
                ValueText(value), "'", nearest ? "; did you mean " + *nearest + "?" : "",
-               " Values: ", Joined(levels));
+               " Values: ", Joined(values));
 }
 
 std::vector<json> ValuesOf(const Knob& knob, const std::string& list) {
@@ -105,7 +105,7 @@ const Knob& KnobNamed(std::span<const Knob> knobs, std::string_view name) {
 Knob KnobFromText(std::span<const Knob> knobs, const std::string& text) {
   const std::size_t equals = text.find('=');
   Knob knob = KnobNamed(knobs, text.substr(0, equals));
-  std::vector<json> values = knob.levels;
+  std::vector<json> values = knob.values;
   if (equals != text.npos) values = ValuesOf(knob, text.substr(equals + 1));
   const bool adds_own = equals == text.npos || values.size() == 1;
   if (adds_own && !knob.scenario_value.is_null() && !Holds(values, knob.scenario_value)) {
@@ -115,7 +115,7 @@ Knob KnobFromText(std::span<const Knob> knobs, const std::string& text) {
   ACUS_REQUIRE(values.size() >= 2, "--knob ", text,
                ": needs at least two values to compare: --knob ", knob.name, "=",
                knob.is_folder ? "FOLDER_A,FOLDER_B" : "a,b", ", from cheap to expensive");
-  knob.levels = std::move(values);
+  knob.values = std::move(values);
   return knob;
 }
 

@@ -42,17 +42,17 @@ struct Measured {
 
   double force_felt_n = kNotMeasured;  ///< Largest force on needle or probe, N.
 
-  // Against the reference: the same session with the dearest level, and the same seed.
+  // Against the reference: the same session with the most expensive value, and the same seed.
   bool is_reference = false;              ///< Its errors are zero, as it is the reference.
   double force_rms_n = kNotMeasured;      ///< RMS of the difference of forces, N.
   double force_largest_n = kNotMeasured;  ///< Largest difference of forces, N.
-  double image_rms_grey = kNotMeasured;   ///< RMS of the difference of pictures, of 255 levels.
+  double image_rms_grey = kNotMeasured;   ///< RMS of the difference of images, of 255 grey values.
   double image_ssim = kNotMeasured;       ///< Mean structural similarity; 1: identical.
 
   /// Why the run must not be used: forces out of bounds, or energy from nothing. Empty: it may be.
   std::string unusable;
 
-  /// Peak signal-to-noise ratio of the pictures, dB; infinite where they are identical.
+  /// Peak signal-to-noise ratio of the images, dB; infinite where they are identical.
   double ImagePsnrDb() const;
 };
 

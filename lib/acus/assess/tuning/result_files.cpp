@@ -77,7 +77,7 @@ json JsonOf(const Knob& knob) {
           {"title", knob.title},
           {"unit", knob.unit},
           {"pointers", knob.pointers},
-          {"levels", knob.levels},
+          {"levels", knob.values},
           {"acts_on", NameOf(knob.acts_on)},
           {"papers", papers},
           {"default", knob.default_value},
@@ -183,7 +183,7 @@ std::string SentenceOf(const SettingResult& now, const SettingResult& reference)
                         ? std::string("the same images")
                         : Message("images at ", RoundedText(now.image_psnr_db.mean, 3),
                                   " dB PSNR, SSIM ", RoundedText(now.image_ssim.mean, 3)));
-    parts.push_back(Instead("picture", now.image_ms_median, reference.image_ms_median, "ms"));
+    parts.push_back(Instead("image", now.image_ms_median, reference.image_ms_median, "ms"));
   }
   for (std::size_t i = 0; i < parts.size(); ++i) text += (i == 0 ? "" : "; ") + parts[i];
   return text + ".\n";

@@ -13,7 +13,7 @@ namespace acus::tuning {
 
 /// One line per setting: means over repetitions and the half widths of their 95 % intervals
 /// (columns that end in _ci95). What was not measured is an empty cell; so is the PSNR of identical
-/// pictures, whose image_rms_grey is 0.
+/// images, whose image_rms_grey is 0.
 std::string CsvText(const SweepResult& result);
 
 /// All of the result: knobs, settings with intervals, every run (format acus-tradeoff-scene/1).
@@ -30,8 +30,9 @@ std::vector<KnobTable> TablesOf(const SweepResult& result);
 /// Settings on a terminal, one table per knob.
 std::string TableText(const SweepResult& result);
 
-/// One plain sentence per knob: what is lost and gained between the scenario's own level (or the
-/// cheap one of two) and the dearest. "needle_nodes 15 instead of 50: force error 0.013 N RMS, ..."
+/// One plain sentence per knob: what is lost and gained between the scenario's own value (or the
+/// cheap one of two) and the most expensive. "needle_nodes 15 instead of 50: force error 0.013 N
+/// RMS, ..."
 std::string Sentences(const SweepResult& result);
 
 /// What was not swept, and why; empty if nothing was left out.

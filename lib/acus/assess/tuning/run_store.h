@@ -3,7 +3,7 @@
 //
 //   plan.json               what is swept, over what: a folder belongs to one plan
 //   runs/<case>.json        one file for each finished run, whole or not at all, with a check sum
-//   references/<name>.bin   forces and pictures that runs are compared with
+//   references/<name>.bin   forces and images that runs are compared with
 #pragma once
 
 #include <filesystem>

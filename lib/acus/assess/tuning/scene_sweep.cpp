@@ -53,7 +53,7 @@ class SweepContext {
  public:
   explicit SweepContext(RunContext& context) : outer_(context), inner_(context) {
     inner_.on_progress = [this](std::string_view, double fraction) {
-      // Steps, pictures and steps again each go from 0 to 1.
+      // Steps, images and steps again each go from 0 to 1.
       if (fraction < last_) part_ = std::min(part_ + 1.0, kParts - 1.0);
       last_ = std::clamp(fraction, 0.0, 1.0);
       outer_.Checkpoint(task_, (done_ + (part_ + last_) / kParts) / std::max(1, count_));
@@ -234,7 +234,7 @@ std::vector<SettingResult> SettingsOf(const SweepPlan& plan, const std::vector<M
       results[i].force_rms_over_scenario_n = Paired(groups[i], groups[j], &Measured::force_rms_n);
     }
   }
-  // In the plan the dearest comes first, for others need it; for people it is the last.
+  // In the plan the most expensive comes first, for others need it; for people it is the last.
   for (auto begin = results.begin(); begin != results.end();) {
     const auto end = std::find_if(begin, results.end(),
                                   [&](const SettingResult& r) { return r.knob != begin->knob; });

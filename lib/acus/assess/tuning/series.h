@@ -1,4 +1,4 @@
-// What a run made, to be compared with that of another setting: forces at common moments, pictures.
+// What a run made, to be compared with that of another setting: forces at common moments, images.
 #pragma once
 
 #include <array>
@@ -22,15 +22,15 @@ struct Series {
   std::vector<std::array<double, 6>> force_n;
   double first_s = 0.0;         ///< Of the first of them, since the session began.
   std::vector<double> event_s;  ///< When a force jumped: punctures, contact with bone.
-  int width = 0;                ///< Of the pictures, pixels.
+  int width = 0;                ///< Of the images, pixels.
   int height = 0;
-  std::vector<std::uint8_t> pixels;  ///< Of all pictures, one after the other, row by row.
+  std::vector<std::uint8_t> pixels;  ///< Of all images, one after the other, row by row.
 
   int num_images() const;
 };
 
 /// Writes errors of `run` against `reference` into `out`, and what was felt: root mean square and
-/// largest difference of forces, grey levels and mean structural similarity of pictures. Moments
+/// largest difference of forces, grey levels and mean structural similarity of images. Moments
 /// within `around_event_s` of an event of the reference do not count: where a force jumps, a coarse
 /// sample comes a step later. @throws InputError if the two are not of the same moments and size.
 void Compare(const Series& run, const Series& reference, double around_event_s, Measured& out);

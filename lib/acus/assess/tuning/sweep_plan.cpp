@@ -19,7 +19,7 @@ using nlohmann::json;
 constexpr std::uint64_t kMaxRounds =
     64;  ///< Of drawing combinations before the rest is counted up.
 
-/// What the scenario and the session have, for checking levels without loading anything.
+/// What the scenario and the session have, for checking values without loading anything.
 class SceneCheck {
  public:
   SceneCheck(const SweptScene& scene, const session::Session& session)
@@ -47,14 +47,14 @@ class SceneCheck {
   simulation::AvailableInputs available_;
 };
 
-/// The knobs that are to be turned, with the levels that the scene can take.
+/// The knobs that are to be turned, with the values that the scene can take.
 std::vector<Knob> ChosenKnobs(const std::vector<Knob>& all, const SceneCheck& check,
                               SweepPlan& plan) {
   std::vector<std::string> asked = plan.request.knobs;
   const bool named = !asked.empty();
   if (!named) {
     for (const Knob& knob : all) {
-      if (!knob.levels.empty()) asked.push_back(knob.name);
+      if (!knob.values.empty()) asked.push_back(knob.name);
     }
   }
   std::vector<Knob> chosen;
@@ -63,17 +63,17 @@ std::vector<Knob> ChosenKnobs(const std::vector<Knob>& all, const SceneCheck& ch
     ACUS_REQUIRE(std::ranges::find(chosen, knob.name, &Knob::name) == chosen.end(), "--knob ",
                  knob.name, ": is given twice; give all its values at once, with commas");
     const bool values_named = text.find('=') != text.npos;
-    std::erase_if(knob.levels, [&](const json& level) {
-      const std::string why = check.WhyNot(all, {{knob.name, level}});
-      ACUS_REQUIRE(why.empty() || !values_named, "--knob ", knob.name, "=", ValueText(level), ": ",
+    std::erase_if(knob.values, [&](const json& value) {
+      const std::string why = check.WhyNot(all, {{knob.name, value}});
+      ACUS_REQUIRE(why.empty() || !values_named, "--knob ", knob.name, "=", ValueText(value), ": ",
                    why);
-      if (!why.empty()) plan.left_out.push_back({knob.name, ValueText(level), why});
+      if (!why.empty()) plan.left_out.push_back({knob.name, ValueText(value), why});
       return !why.empty();
     });
-    ACUS_REQUIRE(knob.levels.size() >= 2 || !named, "--knob ", knob.name,
+    ACUS_REQUIRE(knob.values.size() >= 2 || !named, "--knob ", knob.name,
                  ": this scene can take only one of its values. ",
                  plan.left_out.empty() ? "" : plan.left_out.back().why);
-    if (knob.levels.size() >= 2) chosen.push_back(std::move(knob));
+    if (knob.values.size() >= 2) chosen.push_back(std::move(knob));
   }
   ACUS_REQUIRE(!chosen.empty(), plan.request.scene.scenario.string(),
                ": calls for nothing that can be simulated coarser or finer");
@@ -89,7 +89,7 @@ std::string FileWord(const std::string& text) {
   return plain ? text : Sha256OfText(text).substr(0, 12);
 }
 
-/// The settings of one sweep, the dearest last.
+/// The settings of one sweep, the most expensive last.
 void AddSweep(const std::string& knob, const std::vector<Setting>& settings,
               const std::vector<std::string>& words, int repetition, bool shared_reference,
               SweepPlan& plan) {
@@ -111,54 +111,54 @@ void AddSweep(const std::string& knob, const std::vector<Setting>& settings,
   for (std::size_t i = 0; i < last; ++i) add(i);
 }
 
-/// "4.0.2": the number of the level of each knob.
-std::string LevelsWord(const std::vector<int>& levels) {
+/// "4.0.2": the index of the value of each knob.
+std::string IndicesWord(const std::vector<int>& indices) {
   std::string word;
-  for (const int level : levels) word += Message(word.empty() ? "" : ".", level);
+  for (const int index : indices) word += Message(word.empty() ? "" : ".", index);
   return FileWord(word);
 }
 
-/// All combinations, or a subset, the dearest of all last.
+/// All combinations, or a subset, the most expensive of all last.
 void Combine(SweepPlan& plan, std::vector<Setting>& settings, std::vector<std::string>& words) {
   std::vector<int> sizes;
   plan.combinations = 1.0;
   for (const Knob& knob : plan.knobs) {
-    sizes.push_back(static_cast<int>(knob.levels.size()));
+    sizes.push_back(static_cast<int>(knob.values.size()));
     plan.combinations *= sizes.back();
   }
   plan.is_subset = plan.combinations > plan.request.most_combinations;
   std::vector<std::vector<int>> chosen = SpreadCombinations(
       sizes, plan.is_subset ? plan.request.most_combinations : static_cast<int>(plan.combinations),
       plan.request.seed);
-  // As the scenario has it, and the dearest of all: always.
-  std::vector<int> dearest;
+  // As the scenario has it, and the most expensive of all: always.
+  std::vector<int> most_expensive;
   std::vector<int> scenario;
   for (const Knob& knob : plan.knobs) {
-    dearest.push_back(static_cast<int>(knob.levels.size()) - 1);
+    most_expensive.push_back(static_cast<int>(knob.values.size()) - 1);
     const auto own = std::ranges::find_if(
-        knob.levels, [&](const json& v) { return SameValue(v, knob.scenario_value); });
-    if (own != knob.levels.end()) scenario.push_back(static_cast<int>(own - knob.levels.begin()));
+        knob.values, [&](const json& v) { return SameValue(v, knob.scenario_value); });
+    if (own != knob.values.end()) scenario.push_back(static_cast<int>(own - knob.values.begin()));
   }
-  std::erase(chosen, dearest);
-  if (scenario.size() == plan.knobs.size() && scenario != dearest) {
+  std::erase(chosen, most_expensive);
+  if (scenario.size() == plan.knobs.size() && scenario != most_expensive) {
     std::erase(chosen, scenario);
     chosen.insert(chosen.begin(), scenario);
   }
-  chosen.push_back(dearest);
-  for (const std::vector<int>& levels : chosen) {
+  chosen.push_back(most_expensive);
+  for (const std::vector<int>& indices : chosen) {
     Setting setting;
     for (std::size_t k = 0; k < plan.knobs.size(); ++k) {
-      setting[plan.knobs[k].name] = plan.knobs[k].levels[static_cast<std::size_t>(levels[k])];
+      setting[plan.knobs[k].name] = plan.knobs[k].values[static_cast<std::size_t>(indices[k])];
     }
     settings.push_back(std::move(setting));
-    words.push_back(LevelsWord(levels));
+    words.push_back(IndicesWord(indices));
   }
 }
 
 /// Counts up, the last knob the fastest. False after the last combination; it is the first again.
-bool NextCombination(const std::vector<int>& sizes, std::vector<int>& levels) {
+bool NextCombination(const std::vector<int>& sizes, std::vector<int>& indices) {
   std::size_t k = sizes.size();
-  while (k > 0 && ++levels[k - 1] == sizes[k - 1]) levels[--k] = 0;
+  while (k > 0 && ++indices[k - 1] == sizes[k - 1]) indices[--k] = 0;
   return k > 0;
 }
 
@@ -169,24 +169,24 @@ std::string ProgramHash() {
 
 }  // namespace
 
-Case JointCase(const SweepPlan& plan, const std::vector<int>& levels, int repetition) {
+Case JointCase(const SweepPlan& plan, const std::vector<int>& indices, int repetition) {
   const auto name = [](const std::vector<int>& l, int r) {
-    return Message("jointly-", LevelsWord(l), "-r", r);
+    return Message("jointly-", IndicesWord(l), "-r", r);
   };
-  std::vector<int> dearest;
+  std::vector<int> most_expensive;
   Case one;
   for (std::size_t k = 0; k < plan.knobs.size(); ++k) {
     const Knob& knob = plan.knobs[k];
-    dearest.push_back(static_cast<int>(knob.levels.size()) - 1);
-    one.setting[knob.name] = knob.levels[static_cast<std::size_t>(levels[k])];
-    one.reference_setting[knob.name] = knob.Dearest();
+    most_expensive.push_back(static_cast<int>(knob.values.size()) - 1);
+    one.setting[knob.name] = knob.values[static_cast<std::size_t>(indices[k])];
+    one.reference_setting[knob.name] = knob.MostExpensive();
   }
-  one.name = name(levels, repetition);
+  one.name = name(indices, repetition);
   one.knob = "jointly";
   one.repetition = repetition;
-  one.is_reference = levels == dearest && (repetition == 0 || !plan.one_reference);
+  one.is_reference = indices == most_expensive && (repetition == 0 || !plan.one_reference);
   one.reference = plan.one_reference ? "jointly" : Message("jointly-r", repetition);
-  one.reference_case = name(dearest, plan.one_reference ? 0 : repetition);
+  one.reference_case = name(most_expensive, plan.one_reference ? 0 : repetition);
   return one;
 }
 
@@ -196,17 +196,17 @@ std::vector<std::vector<int>> SpreadCombinations(const std::vector<int>& sizes, 
   for (const int size : sizes) all *= size;
   std::vector<std::vector<int>> chosen;
   if (count >= all) {
-    std::vector<int> levels(sizes.size(), 0);
+    std::vector<int> indices(sizes.size(), 0);
     do {
-      chosen.push_back(levels);
-    } while (NextCombination(sizes, levels));
+      chosen.push_back(indices);
+    } while (NextCombination(sizes, indices));
     return chosen;
   }
   std::set<std::vector<int>> taken;
   for (std::uint64_t round = 0; round < kMaxRounds && static_cast<int>(chosen.size()) < count;
        ++round) {
-    // Each knob's levels in equal shares and in an order of its own; what was there already is
-    // dropped, and the next round fills up. It begins at any level: a few combinations that are
+    // Each knob's values in equal shares and in an order of its own; what was there already is
+    // dropped, and the next round fills up. It begins at any value: a few combinations that are
     // still wanted have to reach all of them.
     const int wanted = count - static_cast<int>(chosen.size());
     std::vector<std::vector<int>> columns;
@@ -223,16 +223,16 @@ std::vector<std::vector<int>> SpreadCombinations(const std::vector<int>& sizes, 
       columns.push_back(std::move(column));
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(wanted); ++i) {
-      std::vector<int> levels;
-      for (const auto& column : columns) levels.push_back(column[i]);
-      if (taken.insert(levels).second) chosen.push_back(std::move(levels));
+      std::vector<int> indices;
+      for (const auto& column : columns) indices.push_back(column[i]);
+      if (taken.insert(indices).second) chosen.push_back(std::move(indices));
     }
   }
   // Nearly all are wanted, or the rounds would have found them: the rest in order.
-  std::vector<int> levels(sizes.size(), 0);
+  std::vector<int> indices(sizes.size(), 0);
   while (static_cast<int>(chosen.size()) < count) {
-    if (taken.insert(levels).second) chosen.push_back(levels);
-    NextCombination(sizes, levels);
+    if (taken.insert(indices).second) chosen.push_back(indices);
+    NextCombination(sizes, indices);
   }
   return chosen;
 }
@@ -270,9 +270,9 @@ SweepPlan MakePlan(const SweepRequest& request, const RunContext& context) {
     for (const Knob& knob : plan.knobs) {
       std::vector<Setting> settings;
       std::vector<std::string> words;
-      for (const json& level : knob.levels) {
-        settings.push_back({{knob.name, level}});
-        words.push_back(FileWord(ValueText(level)));
+      for (const json& value : knob.values) {
+        settings.push_back({{knob.name, value}});
+        words.push_back(FileWord(ValueText(value)));
       }
       AddSweep(knob.name, settings, words, repetition, shared, plan);
     }
@@ -286,7 +286,7 @@ json IdentityOf(const SweepPlan& plan) {
   for (const auto& change : scene.changes) changes.push_back({change.pointer, change.value});
   json knobs = json::array();
   for (const Knob& knob : plan.knobs) {
-    knobs.push_back({{"knob", knob.name}, {"levels", knob.levels}});
+    knobs.push_back({{"knob", knob.name}, {"levels", knob.values}});
   }
   const auto scenario = scenario::ReadScenario(scene.scenario, scene.changes);
   return {{"format", "acus-tradeoff-plan/1"},

@@ -38,7 +38,7 @@ struct Case {
   Setting reference_setting;
 };
 
-/// A level that this scene cannot take.
+/// A value that this scene cannot take.
 struct LeftOut {
   std::string knob;
   std::string value;
@@ -47,34 +47,35 @@ struct LeftOut {
 
 struct SweepPlan {
   SweepRequest request;
-  std::vector<Knob> knobs;  ///< Those swept, with the levels that are run, cheap to dear.
+  std::vector<Knob> knobs;  ///< Those swept, with the values that are run, cheap to expensive.
   std::vector<Case> cases;  ///< References before what is compared with them.
   std::vector<LeftOut> left_out;
   bool is_subset = false;     ///< Not all combinations.
-  double combinations = 0.0;  ///< Of all levels, jointly.
+  double combinations = 0.0;  ///< Of all values, jointly.
   bool one_reference = true;  ///< All repetitions have the same: nothing in the scene is random.
 
   // Of scenario and session.
   std::string scenario_name;
   double seconds = 0.0;
   double step_period_ms = 0.0;
-  double image_period_ms = 0.0;  ///< 0: the scene has no pictures.
+  double image_period_ms = 0.0;  ///< 0: the scene has no images.
 };
 
-/// Reads scenario and session, and plans. Levels that the scene cannot take (another effect is
-/// missing, or an input) are left out; if the user named them, that is an error.
-/// @throws InputError for a knob or level that is not there, or if nothing is left to turn.
+/// Reads scenario and session, and plans. ValueIndices that the scene cannot take (another effect
+/// is missing, or an input) are left out; if the user named them, that is an error.
+/// @throws InputError for a knob or value that is not there, or if nothing is left to turn.
 SweepPlan MakePlan(const SweepRequest& request, const RunContext& context);
 
-/// One run of a joint setting, by the level of each knob of the plan, against the dearest of all.
-Case JointCase(const SweepPlan& plan, const std::vector<int>& levels, int repetition);
+/// One run of a joint setting, by the index of each knob of the plan, against the most expensive of
+/// all.
+Case JointCase(const SweepPlan& plan, const std::vector<int>& indices, int repetition);
 
 /// What identifies the sweep: scenario with its changes, session by its hash, knobs, and the build
 /// of the program. Two plans with the same identity have the same cases, but for the number of
 /// repetitions: there may be more another time.
 nlohmann::json IdentityOf(const SweepPlan& plan);
 
-/// `count` combinations of levels (sizes[k] of knob k), each a list of level numbers: every level
+/// `count` combinations of values (sizes[k] of knob k), each a list of indices: every index
 /// of a knob as often as any other, by a seeded Latin hypercube (McKay, Beckman & Conover 1979), no
 /// combination twice. @pre count is at most the number of combinations.
 std::vector<std::vector<int>> SpreadCombinations(const std::vector<int>& sizes, int count,

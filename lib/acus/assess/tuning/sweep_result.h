@@ -33,7 +33,7 @@ struct SettingResult {
   Estimate force_rms_n;
   Estimate force_largest_n;
   Estimate image_rms_grey;
-  Estimate image_psnr_db;  ///< Infinite where all pictures are identical.
+  Estimate image_psnr_db;  ///< Infinite where all images are identical.
   Estimate image_ssim;
   /// Paired with the run of the same repetition as the scenario has it; nothing if it is not swept.
   Estimate step_us_over_scenario;
@@ -52,9 +52,9 @@ struct SweepResult {
   bool jointly = false;
   bool is_subset = false;  ///< Not every combination was run: a seeded subset of them.
   int repetitions = 1;
-  std::vector<Knob> knobs;              ///< Those swept, with the levels that were run.
+  std::vector<Knob> knobs;              ///< Those swept, with the values that were run.
   std::vector<Measured> runs;           ///< In the order of the plan.
-  std::vector<SettingResult> settings;  ///< By knob, from cheap to dear; jointly: as planned.
+  std::vector<SettingResult> settings;  ///< By knob, from cheap to expensive; jointly: as planned.
 };
 
 }  // namespace acus::tuning

@@ -1,4 +1,4 @@
-// A sweep as pictures: error against time, setting by setting.
+// A sweep as images: error against time, setting by setting.
 #pragma once
 
 #include <optional>
@@ -18,12 +18,12 @@ struct PlotRemarks {
   std::optional<std::string> knob;  ///< Only settings of this knob's sweep.
 };
 
-/// Error of the force over time of a step, error of the pictures (PSNR, and what SSIM is short of
+/// Error of the force over time of a step, error of the images (PSNR, and what SSIM is short of
 /// 1) over time of an image: those for which there are two points to show. Points are means over
 /// repetitions, bars their 95 % intervals. Times are medians, or with a budget the percentiles that
 /// it is for. Lines are Pareto fronts: of each knob, or of all settings if they were compared with
 /// the same one. Rings are our defaults - of a joint setting the scenario's own -, diamonds what
-/// papers did. Unusable settings and those without an error (the dearest) are not shown.
+/// papers did. Unusable settings and those without an error (the most expensive) are not shown.
 std::vector<report::Plot> TradeoffPlots(const SweepResult& result, const PlotRemarks& remarks);
 
 }  // namespace acus::tuning

@@ -12,7 +12,7 @@ namespace acus {
 namespace {
 
 /// Threads that stay from loop to loop: starting one for each loop takes longer than the stages of
-/// a picture do, and allocates. Plain threads rather than a task library: the thread sanitizer
+/// an image do, and allocates. Plain threads rather than a task library: the thread sanitizer
 /// understands all of it, which it does not of libraries that come without instrumentation.
 class Team {
  public:
@@ -47,7 +47,7 @@ class Team {
   }
 
  private:
-  /// Loops follow each other closely in a picture: going to sleep in between costs more than this.
+  /// Loops follow each other closely in an image: going to sleep in between costs more than this.
   template <typename Condition>
   static void WaitWhile(const Condition& condition) {
     constexpr int kYields = 200;

@@ -89,8 +89,8 @@ void HtmlReport::Drawing(const std::string& svg, const std::string& caption) {
   Figure(svg, caption);
 }
 
-void HtmlReport::Picture(const std::filesystem::path& png, const std::string& alt,
-                         const std::string& caption) {
+void HtmlReport::Image(const std::filesystem::path& png, const std::string& alt,
+                       const std::string& caption) {
   Figure(Message("<img src=\"", PngDataUri(png), "\" alt=\"", Escaped(alt), "\">"), caption);
 }
 

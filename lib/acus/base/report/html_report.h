@@ -32,13 +32,13 @@ class HtmlReport {
   /// Plots above each other with one x axis; values can be read off with the mouse.
   void Plots(std::span<const Plot> plots, const std::string& caption = "");
 
-  /// Any other SVG picture, embedded as it is: its texts are escaped already.
+  /// Any other SVG image, embedded as it is: its texts are escaped already.
   void Drawing(const std::string& svg, const std::string& caption = "");
 
   /// A PNG file, embedded. `alt` says what is to be seen, for those who cannot see it.
   /// @throws InputError if it cannot be read or is not a PNG.
-  void Picture(const std::filesystem::path& png, const std::string& alt,
-               const std::string& caption = "");
+  void Image(const std::filesystem::path& png, const std::string& alt,
+             const std::string& caption = "");
 
   /// A film that lies beside the report: linked by its path relative to it, not embedded.
   void Film(const std::filesystem::path& relative_path, const std::string& caption = "");

@@ -1,4 +1,4 @@
-// Text and pictures inside XML and HTML.
+// Text and images inside XML and HTML.
 #pragma once
 
 #include <filesystem>

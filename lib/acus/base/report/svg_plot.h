@@ -83,7 +83,7 @@ struct Plot {
   int height_px = 300;
 };
 
-/// One picture of one plot. A plot without data says so inside its frame. UTF-8 texts are escaped.
+/// One image of one plot. A plot without data says so inside its frame. UTF-8 texts are escaped.
 ///
 /// Long series are thinned to what the pixels can show (per pixel column the first, smallest,
 /// largest and last value stay), so that a plot stays below 200 kB.

@@ -1,4 +1,4 @@
-// Fewer points that draw the same picture.
+// Fewer points that draw the same image.
 #pragma once
 
 #include <vector>

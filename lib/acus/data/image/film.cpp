@@ -198,7 +198,7 @@ void FilmWriter::Encoder::Encode(const ColourImage& image) {
   Send();
 }
 
-/// Encodes queued pictures in their order on one thread.
+/// Encodes queued images in their order on one thread.
 class FilmWriter::Worker {
  public:
   explicit Worker(Encoder& encoder) : encoder_(encoder), thread_([this] { Run(); }) {}
@@ -224,7 +224,7 @@ class FilmWriter::Worker {
     changed_.notify_all();
   }
 
-  /// Waits until all pictures are encoded.
+  /// Waits until all images are encoded.
   void Wait() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return begin_ == end_ || error_; });
@@ -259,8 +259,8 @@ class FilmWriter::Worker {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::array<GrayImage, kSlots> slots_;
-  std::size_t begin_ = 0;  ///< Pictures encoded so far.
-  std::size_t end_ = 0;    ///< Pictures added so far.
+  std::size_t begin_ = 0;  ///< Images encoded so far.
+  std::size_t end_ = 0;    ///< Images added so far.
   bool stop_ = false;
   std::exception_ptr error_;
   std::thread thread_;  ///< Last: starts when all else is there.

@@ -1,4 +1,4 @@
-// Films: pictures as H.264 in MP4, which every browser plays.
+// Films: images as H.264 in MP4, which every browser plays.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct FilmOptions {
   bool background = false;  ///< Encode on a thread of its own. The bytes are the same.
 };
 
-/// Writes a film picture by picture, whole or not at all. The same pictures give the same bytes.
+/// Writes a film image by image, whole or not at all. The same images give the same bytes.
 class FilmWriter {
  public:
   /// @throws InputError if an option is out of range, the size is not 16 to 8192 each way, the
@@ -34,9 +34,9 @@ class FilmWriter {
 
   /// In the background, a copy is queued; waits if eight are. What goes wrong there is thrown by a
   /// later call.
-  /// @throws InputError if the picture has another size, or the disk is full.
+  /// @throws InputError if the image has another size, or the disk is full.
   void Add(const GrayImage& image);
-  /// At once, also in the background after what is queued. A film is of one kind of picture.
+  /// At once, also in the background after what is queued. A film is of one kind of image.
   void Add(const ColourImage& image);
 
   int num_frames() const { return num_frames_; }

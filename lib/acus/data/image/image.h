@@ -1,4 +1,4 @@
-// Grey pictures, and where their pixels are in the probe's frame and in the CT.
+// Grey images, and where their pixels are in the probe's frame and in the CT.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -43,7 +43,7 @@ struct ColourImage {
   }
 };
 
-/// A picture in the probe's plane: columns run along +x (the marked side), rows along +y (depth).
+/// An image in the probe's plane: columns run along +x (the marked side), rows along +y (depth).
 /// The centre of pixel (c, r) is at x = (c - (width_px - 1) / 2) * lateral_mm_per_px and
 /// y = depth_of_top_row_mm + r * axial_mm_per_px.
 struct ImageGeometry {
@@ -61,7 +61,7 @@ struct ImageGeometry {
   }
 };
 
-/// A needle as a picture sees it: a cylinder with a sharp tip, straight unless it has a shape.
+/// A needle as an image sees it: a cylinder with a sharp tip, straight unless it has a shape.
 struct NeedleInImage {
   Eigen::Vector3d tip_in_ct_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis_in_ct = Eigen::Vector3d::UnitZ();  ///< Unit, from the hub to the tip.

@@ -76,8 +76,8 @@ class PlusReader {
   std::vector<XmlElement> elements_;
 };
 
-/// The picture as PLUS lays it out: TransducerCenterPixel is the middle of the face.
-image::ImageGeometry PlusPicture(const PlusReader& reader, const XmlElement& scan) {
+/// The image as PLUS lays it out: TransducerCenterPixel is the middle of the face.
+image::ImageGeometry PlusImage(const PlusReader& reader, const XmlElement& scan) {
   const auto need = [&](const char* key, Range range) {
     const auto numbers = reader.Numbers(scan, key, 2, range);
     ACUS_REQUIRE(numbers.has_value(), reader.label(), ": ScanConversion: has no ", key,
@@ -137,9 +137,9 @@ Probe ProbeFrom(const PlusReader& reader) {
   Probe probe = DefaultProbe();
   probe.name = scan->Attribute("TransducerName").value_or("PLUS probe");
   ReadShape(reader, *scan, probe);
-  probe.picture = PlusPicture(reader, *scan);
-  probe.image_width_px = probe.picture->width_px;
-  probe.image_height_px = probe.picture->height_px;
+  probe.image = PlusImage(reader, *scan);
+  probe.image_width_px = probe.image->width_px;
+  probe.image_height_px = probe.image->height_px;
   probe.frequency_mhz =
       reader.NumberOr(*algorithm, "FrequencyMhz", {0.5, 50}, kDefaultFrequencyMhz);
   double lines = reader.NumberOr(*scan, "NumberOfScanLines", {16, kMaxPx}, probe.scan_lines);

@@ -23,16 +23,16 @@ int SamplesOf(const Probe& probe, double step_mm) {
 }
 
 ScanGrid LinearGrid(const Probe& probe) {
-  const image::ImageGeometry picture = PictureOf(probe);
-  const double pitch_mm = picture.lateral_mm_per_px;
+  const image::ImageGeometry image = ImageOf(probe);
+  const double pitch_mm = image.lateral_mm_per_px;
   int columns = static_cast<int>(std::floor(probe.width_mm / pitch_mm + 1e-9));
-  columns = std::clamp(columns, 1, picture.width_px);
+  columns = std::clamp(columns, 1, image.width_px);
   // As many black columns on the left as on the right.
-  if ((picture.width_px - columns) % 2 != 0) columns += columns > 1 ? -1 : 1;
+  if ((image.width_px - columns) % 2 != 0) columns += columns > 1 ? -1 : 1;
   ScanGrid grid;
-  grid.step_mm = picture.axial_mm_per_px;
-  const int above = RowsAboveFace(picture);
-  grid.samples = std::min(picture.height_px - above, SamplesOf(probe, grid.step_mm));
+  grid.step_mm = image.axial_mm_per_px;
+  const int above = RowsAboveFace(image);
+  grid.samples = std::min(image.height_px - above, SamplesOf(probe, grid.step_mm));
   for (int c = 0; c < columns; ++c) {
     grid.start_mm.emplace_back((c - 0.5 * (columns - 1)) * pitch_mm, 0.0);
     grid.direction.emplace_back(0.0, 1.0);
@@ -171,8 +171,8 @@ double FaceRadiusMm(const Probe& probe) {
   return probe.kind != ProbeKind::kCurvilinear ? 0.0 : probe.radius_mm;
 }
 
-image::ImageGeometry PictureOf(const Probe& probe) {
-  if (probe.picture) return *probe.picture;
+image::ImageGeometry ImageOf(const Probe& probe) {
+  if (probe.image) return *probe.image;
   double width_mm = probe.width_mm;
   double height_mm = probe.depth_mm;
   double top_mm = 0.0;
@@ -190,9 +190,9 @@ image::ImageGeometry PictureOf(const Probe& probe) {
           .depth_of_top_row_mm = top_mm};
 }
 
-int RowsAboveFace(const image::ImageGeometry& picture) {
+int RowsAboveFace(const image::ImageGeometry& image) {
   return static_cast<int>(
-      std::lround(std::max(0.0, -picture.depth_of_top_row_mm / picture.axial_mm_per_px)));
+      std::lround(std::max(0.0, -image.depth_of_top_row_mm / image.axial_mm_per_px)));
 }
 
 double ScanGrid::LateralSpacingMm(int k) const {
@@ -203,7 +203,7 @@ double ScanGrid::LateralSpacingMm(int k) const {
 
 ScanGrid ScanGridOf(const Probe& probe) {
   if (probe.kind == ProbeKind::kLinear) return LinearGrid(probe);
-  const double step_mm = PictureOf(probe).axial_mm_per_px;
+  const double step_mm = ImageOf(probe).axial_mm_per_px;
   return FanGrid(probe, SamplesOf(probe, step_mm), step_mm);
 }
 
@@ -251,24 +251,23 @@ BeamPlace PlaceInBeams(const Probe& probe, const ScanGrid& grid, const Eigen::Ve
   return {(std::atan2(place_mm.x(), y_mm) - turned) / line_rad + middle, range_mm / grid.step_mm};
 }
 
-ScanGrid ScanGridOf(const image::ImageGeometry& picture) {
+ScanGrid ScanGridOf(const image::ImageGeometry& image) {
   constexpr int kMaxPx = 8192;
-  ACUS_REQUIRE(picture.width_px >= 1 && picture.height_px >= 1 && picture.width_px <= kMaxPx &&
-                   picture.height_px <= kMaxPx,
-               "image: ", picture.width_px, " x ", picture.height_px, " pixels; allowed is 1 to ",
+  ACUS_REQUIRE(image.width_px >= 1 && image.height_px >= 1 && image.width_px <= kMaxPx &&
+                   image.height_px <= kMaxPx,
+               "image: ", image.width_px, " x ", image.height_px, " pixels; allowed is 1 to ",
                kMaxPx, " each way");
-  ACUS_REQUIRE(picture.lateral_mm_per_px > 0.0 && picture.axial_mm_per_px > 0.0 &&
-                   std::isfinite(picture.lateral_mm_per_px) &&
-                   std::isfinite(picture.axial_mm_per_px) &&
-                   std::isfinite(picture.depth_of_top_row_mm),
-               "image: a pixel is ", picture.lateral_mm_per_px, " x ", picture.axial_mm_per_px,
+  ACUS_REQUIRE(image.lateral_mm_per_px > 0.0 && image.axial_mm_per_px > 0.0 &&
+                   std::isfinite(image.lateral_mm_per_px) && std::isfinite(image.axial_mm_per_px) &&
+                   std::isfinite(image.depth_of_top_row_mm),
+               "image: a pixel is ", image.lateral_mm_per_px, " x ", image.axial_mm_per_px,
                " mm; both must be above 0");
   ScanGrid grid;
-  grid.step_mm = picture.axial_mm_per_px;
-  grid.samples = picture.height_px;
-  for (int c = 0; c < picture.width_px; ++c) {
-    grid.start_mm.emplace_back((c - 0.5 * (picture.width_px - 1)) * picture.lateral_mm_per_px,
-                               picture.depth_of_top_row_mm);
+  grid.step_mm = image.axial_mm_per_px;
+  grid.samples = image.height_px;
+  for (int c = 0; c < image.width_px; ++c) {
+    grid.start_mm.emplace_back((c - 0.5 * (image.width_px - 1)) * image.lateral_mm_per_px,
+                               image.depth_of_top_row_mm);
     grid.direction.emplace_back(0.0, 1.0);
   }
   return grid;

@@ -1,4 +1,4 @@
-// Ultrasound probes: what they are, where their scan lines run, and how large their picture is.
+// Ultrasound probes: what they are, where their scan lines run, and how large their image is.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,8 +19,8 @@ struct Probe {
   std::string name;
   ProbeKind kind = ProbeKind::kLinear;
   double frequency_mhz = 0.0;
-  int scan_lines = 0;        ///< In the 2010 level a linear probe has one line per column instead.
-  int samples_per_line = 0;  ///< Beam level. The 2010 level has one per row of the picture.
+  int scan_lines = 0;        ///< In the 2010 model a linear probe has one line per column instead.
+  int samples_per_line = 0;  ///< Beam model. The 2010 model has one per row of the image.
   double width_mm = 0.0;     ///< Linear and phased: length of the face.
   double radius_mm = 0.0;    ///< Curvilinear: of the face. 0 for others.
   double field_of_view_rad = 0.0;  ///< Curvilinear and phased: between the outermost lines.
@@ -35,7 +35,7 @@ struct Probe {
   double gain_db = 0.0;
   double tgc_db_per_cm = 0.0;  ///< Gain that grows with depth.
 
-  // What the widths of pulse and beam follow from (beam_width.h). Not read by the 2010 level.
+  // What the widths of pulse and beam follow from (beam_width.h). Not read by the 2010 model.
   double fractional_bandwidth = 0.6;  ///< -6 dB of the echo's spectrum over the frequency.
   int elements = 128;
   double pitch_mm = 0.0;               ///< Between elements; 0: the face over their number.
@@ -43,8 +43,8 @@ struct Probe {
   double elevation_aperture_mm = 5.0;  ///< Height of the elements.
   double elevation_focus_mm = 0.0;     ///< Of the acoustic lens; 0: as focus_mm.
 
-  /// If the layout of the picture is given (PLUS): else it follows from depth and shape.
-  std::optional<image::ImageGeometry> picture{};
+  /// If the layout of the image is given (PLUS): else it follows from depth and shape.
+  std::optional<image::ImageGeometry> image{};
 
   // What a display preset does to the beams; files of probes do not have it.
   /// Linear and curvilinear: lines lean by this from the normal of the face, towards +x.
@@ -71,13 +71,13 @@ double FaceRadiusMm(const Probe& probe);
 /// The defaults of the schema, without a shape.
 Probe DefaultProbe();
 
-/// Unless the probe says otherwise, pixels are square. The depth fills the height; a picture wider
-/// than the probe has black sides. If the probe is wider than the picture, pixels grow until it
+/// Unless the probe says otherwise, pixels are square. The depth fills the height; an image wider
+/// than the probe has black sides. If the probe is wider than the image, pixels grow until it
 /// fits.
-image::ImageGeometry PictureOf(const Probe& probe);
+image::ImageGeometry ImageOf(const Probe& probe);
 
-/// Rows of the picture above depth 0.
-int RowsAboveFace(const image::ImageGeometry& picture);
+/// Rows of the image above depth 0.
+int RowsAboveFace(const image::ImageGeometry& image);
 
 /// Where echoes are computed: straight lines with equal steps, in the probe's plane.
 struct ScanGrid {
@@ -94,7 +94,7 @@ struct ScanGrid {
 /// One line per column that the probe's face covers (linear), or a fan of scan_lines lines.
 ScanGrid ScanGridOf(const Probe& probe);
 
-/// The beam level's lines: scan_lines over the width or the angle of the probe, each with
+/// The beam model's lines: scan_lines over the width or the angle of the probe, each with
 /// samples_per_line from the face to depth_mm along it. They lean by steer_rad.
 ScanGrid BeamGridOf(const Probe& probe);
 
@@ -106,7 +106,7 @@ struct BeamPlace {
 };
 BeamPlace PlaceInBeams(const Probe& probe, const ScanGrid& grid, const Eigen::Vector2d& place_mm);
 
-/// Every pixel of a picture, one line per column.
-ScanGrid ScanGridOf(const image::ImageGeometry& picture);
+/// Every pixel of an image, one line per column.
+ScanGrid ScanGridOf(const image::ImageGeometry& image);
 
 }  // namespace acus::acoustics

@@ -32,12 +32,12 @@ class Fluoroscope {
   void Render(const std::optional<image::NeedleInImage>& needle, image::GrayImage& out,
               int num_threads = 1, const slicing::RestMap* rest = nullptr);
 
-  /// The same picture where the patient lies as in the last Render: only the needle's shadow is
+  /// The same image where the patient lies as in the last Render: only the needle's shadow is
   /// new.
   /// @pre Render was called.
   void RenderNeedle(const std::optional<image::NeedleInImage>& needle, image::GrayImage& out);
 
-  /// Sum of attenuation of pixel (column, row) of the last picture, no unit: -ln of the intensity.
+  /// Sum of attenuation of pixel (column, row) of the last image, no unit: -ln of the intensity.
   float Sum(int column, int row) const {
     return sums_.data()[static_cast<std::ptrdiff_t>(row) * stride_ + column];
   }
@@ -49,7 +49,7 @@ class Fluoroscope {
   std::size_t volume_bytes() const { return volume_.bytes(); }
 
  private:
-  /// The rays of a tile of pixels. They stay the same for all pictures.
+  /// The rays of a tile of pixels. They stay the same for all images.
   struct Tile {
     kernels::RayTile rays;
     float per_value[kernels::RayTile::kRays];  ///< Sum of attenuation per sum of values.

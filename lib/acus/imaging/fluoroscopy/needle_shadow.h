@@ -17,10 +17,10 @@ double CylinderChordMm(const Eigen::Vector3d& origin_mm, const Eigen::Vector3d& 
 
 /// Adds the shadow of a solid needle to sums of attenuation: per pixel the mean intensity over 4 x
 /// 4 rays behind chords times `metal_per_mm`, as a sum again. Allocates only if the needle covers
-/// more of the picture than before.
+/// more of the image than before.
 class NeedleShadow {
  public:
-  /// @param sums  One per pixel of the C-arm's picture, row by row with `stride`.
+  /// @param sums  One per pixel of the C-arm's image, row by row with `stride`.
   void Add(const image::NeedleInImage& needle, const CArm& c_arm, const CArmGeometry& geometry,
            float* sums, int stride);
 

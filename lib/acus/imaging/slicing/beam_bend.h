@@ -1,4 +1,4 @@
-// Pictures of deformed tissue: where the samples of straight beams lie in the CT, which shows the
+// Images of deformed tissue: where the samples of straight beams lie in the CT, which shows the
 // tissue at rest.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Hounsfield units at any point of a CT, fast enough for whole pictures.
+// Hounsfield units at any point of a CT, fast enough for whole images.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -11,12 +11,12 @@
 
 namespace acus::slicing {
 
-CtSliceRenderer::CtSliceRenderer(const volume::CtVolume& ct, const image::ImageGeometry& picture,
+CtSliceRenderer::CtSliceRenderer(const volume::CtVolume& ct, const image::ImageGeometry& image,
                                  double slice_thickness_mm, const HuWindow& window)
-    : sampler_(ct), picture_(picture), slice_thickness_mm_(slice_thickness_mm), window_(window) {
+    : sampler_(ct), image_(image), slice_thickness_mm_(slice_thickness_mm), window_(window) {
   ACUS_REQUIRE(window.width_hu > 0.0 && std::isfinite(window.width_hu + window.centre_hu),
                "CT slice: the window is ", window.width_hu, " HU wide; it must be above 0");
-  grid_ = acoustics::ScanGridOf(picture);
+  grid_ = acoustics::ScanGridOf(image);
 }
 
 void CtSliceRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
@@ -28,11 +28,11 @@ void CtSliceRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   sampler_.Sample(lines_, bend_, hu_, num_threads);
   if (needle) PaintNeedle(*needle, ct_from_probe, slice_thickness_mm_, grid_, hu_);
 
-  out.Resize(picture_.width_px, picture_.height_px);
+  out.Resize(image_.width_px, image_.height_px);
   const auto scale = static_cast<float>(255.0 / window_.width_hu);
   const auto offset = static_cast<float>(127.5 - window_.centre_hu * 255.0 / window_.width_hu);
-  for (int r = 0; r < picture_.height_px; ++r) {
-    // In blocks, since the kernel writes whole blocks and pictures have any width.
+  for (int r = 0; r < image_.height_px; ++r) {
+    // In blocks, since the kernel writes whole blocks and images have any width.
     std::uint8_t* pixels = out.pixels.data() + static_cast<std::ptrdiff_t>(r) * out.width;
     const int whole = out.width / kernels::kBlock * kernels::kBlock;
     kernels::WindowRow(hu_.row(r), offset, scale, whole, pixels);

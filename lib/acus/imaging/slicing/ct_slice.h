@@ -17,12 +17,12 @@ struct HuWindow {
   double width_hu = 400.0;
 };
 
-/// Renders CT slices of one picture geometry. Not for two threads at a time: it holds buffers.
+/// Renders CT slices of one image geometry. Not for two threads at a time: it holds buffers.
 class CtSliceRenderer {
  public:
   /// Keeps a reference to `ct`, which must outlive this.
-  /// @throws InputError if the picture has no pixel or the window no width.
-  CtSliceRenderer(const volume::CtVolume& ct, const image::ImageGeometry& picture,
+  /// @throws InputError if the image has no pixel or the window no width.
+  CtSliceRenderer(const volume::CtVolume& ct, const image::ImageGeometry& image,
                   double slice_thickness_mm, const HuWindow& window = {});
 
   /// Allocation-free after the first call. The same bits with any `num_threads`.
@@ -34,11 +34,11 @@ class CtSliceRenderer {
 
   /// Hounsfield units of the last Render, before windowing. row(r)[c] is pixel (c, r).
   const BeamImage& hu() const { return hu_; }
-  const image::ImageGeometry& picture() const { return picture_; }
+  const image::ImageGeometry& image() const { return image_; }
 
  private:
   CtSampler sampler_;
-  image::ImageGeometry picture_;
+  image::ImageGeometry image_;
   double slice_thickness_mm_;
   HuWindow window_;
   acoustics::ScanGrid grid_;

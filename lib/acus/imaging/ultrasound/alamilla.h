@@ -37,7 +37,7 @@ class AlamillaRenderer {
               const std::optional<image::NeedleInImage>& needle, image::GrayImage& out,
               int num_threads = 1, const slicing::RestMap* rest = nullptr);
 
-  const image::ImageGeometry& picture() const { return conversion_.picture(); }
+  const image::ImageGeometry& image() const { return conversion_.image(); }
   const acoustics::Probe& probe() const { return probe_; }
 
  private:

@@ -1,4 +1,4 @@
-// Pictures for people: depth scale, marks, text, B-mode and CT slice side by side.
+// Images for people: depth scale, marks, text, B-mode and CT slice side by side.
 #pragma once
 
 #include <string_view>
@@ -10,12 +10,12 @@
 
 namespace acus::ultrasound {
 
-/// Writes text into a picture, its upper left corner at (column, row). What is not inside the
-/// picture is left out. Letters are about 10 pixels high times `scale`.
-void DrawText(image::GrayImage& picture, int column, int row, std::string_view text,
+/// Writes text into an image, its upper left corner at (column, row). What is not inside the
+/// image is left out. Letters are about 10 pixels high times `scale`.
+void DrawText(image::GrayImage& image, int column, int row, std::string_view text,
               std::uint8_t grey = 230, double scale = 1.0);
 
-/// Lays out the picture that films show. Marks are drawn once, so that a frame costs two copies.
+/// Lays out the image that films show. Marks are drawn once, so that a frame costs two copies.
 class Screen {
  public:
   enum class Shows { kBMode, kCtSlice, kBoth };
@@ -29,18 +29,18 @@ class Screen {
   /// @param left  The B-mode, or the CT slice alone.
   /// @param ct_slice  Beside a B-mode: must be given if and only if the screen shows both.
   /// @param text  One line at the top left, such as the time and the force.
-  /// @throws InputError if a picture has another size than the probe's.
+  /// @throws InputError if an image has another size than the probe's.
   void Compose(const image::GrayImage& left, const image::GrayImage* ct_slice,
                std::string_view text, image::GrayImage& out) const;
 
-  int width_px() const { return panels() * picture_.width_px; }
-  int height_px() const { return picture_.height_px; }
+  int width_px() const { return panels() * image_.width_px; }
+  int height_px() const { return image_.height_px; }
 
  private:
   void DrawMarks(const acoustics::Probe& probe);
   int panels() const { return shows_ == Shows::kBoth ? 2 : 1; }
 
-  image::ImageGeometry picture_;
+  image::ImageGeometry image_;
   Shows shows_;
   std::vector<std::pair<std::size_t, std::uint8_t>> marks_;  ///< Pixel of the screen, grey.
 };

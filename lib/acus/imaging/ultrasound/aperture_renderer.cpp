@@ -571,8 +571,8 @@ const slicing::BeamImage& ApertureRenderer::envelope() {
 const acoustics::ScanGrid& ApertureRenderer::grid() const {
   return state_->grid;
 }
-const image::ImageGeometry& ApertureRenderer::picture() const {
-  return state_->display.picture();
+const image::ImageGeometry& ApertureRenderer::image() const {
+  return state_->display.image();
 }
 std::size_t ApertureRenderer::volume_bytes() const {
   return state_->volume.bytes();

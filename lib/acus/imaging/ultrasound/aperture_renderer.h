@@ -44,7 +44,7 @@ class ApertureRenderer {
   const slicing::BeamImage& envelope();
 
   const acoustics::ScanGrid& grid() const;
-  const image::ImageGeometry& picture() const;
+  const image::ImageGeometry& image() const;
   std::size_t volume_bytes() const;
 
  private:

@@ -18,7 +18,7 @@ int SamplesPerRow(const acoustics::ScanGrid& grid, const volume::Geometry& geome
 }
 
 int SamplesPerShownRow(const acoustics::Probe& probe, const acoustics::ScanGrid& grid) {
-  const double samples = acoustics::PictureOf(probe).axial_mm_per_px / grid.step_mm;
+  const double samples = acoustics::ImageOf(probe).axial_mm_per_px / grid.step_mm;
   return std::max(1, 2 * static_cast<int>(0.5 * (samples - 1.0)) + 1);
 }
 

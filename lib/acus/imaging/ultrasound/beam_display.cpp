@@ -25,7 +25,7 @@ int PiecesOfDisplay(int rows) {
 BeamDisplay::BeamDisplay(const acoustics::Probe& probe, const acoustics::ScanGrid& grid,
                          const DisplayOptions& display)
     : grid_(grid),
-      picture_(acoustics::PictureOf(probe)),
+      image_(acoustics::ImageOf(probe)),
       fan_(probe.kind != acoustics::ProbeKind::kLinear || probe.steer_rad != 0.0),
       has_curve_(display.curve != GreyCurve::kLog),
       curve_(GreyTable(display.curve, display.curve_parameter, probe.dynamic_range_db)),
@@ -45,7 +45,7 @@ BeamDisplay::BeamDisplay(const acoustics::Probe& probe, const acoustics::ScanGri
   grey_.assign(
       static_cast<std::size_t>(stride_) * (static_cast<std::size_t>(grid.samples) + 2) + 16, 0);
   if (edges_.on()) enhanced_ = grey_;
-  seen_.resize(static_cast<std::size_t>(picture_.height_px));
+  seen_.resize(static_cast<std::size_t>(image_.height_px));
   if (fan_) {
     MakeFan(probe);
   } else {
@@ -54,7 +54,7 @@ BeamDisplay::BeamDisplay(const acoustics::Probe& probe, const acoustics::ScanGri
 }
 
 void BeamDisplay::MakeLinear() {
-  const int lanes = slicing::kernels::RoundUp(picture_.width_px);
+  const int lanes = slicing::kernels::RoundUp(image_.width_px);
   const double left_mm = grid_.start_mm.front().x();
   const double spacing_mm = grid_.lines() > 1 ? grid_.LateralSpacingMm(0) : 1.0;
   column_.assign(static_cast<std::size_t>(lanes) + slicing::kernels::kBlock, 0);
@@ -62,11 +62,11 @@ void BeamDisplay::MakeLinear() {
   int first = lanes;
   int last = 0;
   for (int c = 0; c < lanes; ++c) {
-    const double x_mm = (c - 0.5 * (picture_.width_px - 1)) * picture_.lateral_mm_per_px;
+    const double x_mm = (c - 0.5 * (image_.width_px - 1)) * image_.lateral_mm_per_px;
     const double line = (x_mm - left_mm) / spacing_mm;
     const double low = std::clamp(std::floor(line), 0.0, std::max(0.0, grid_.lines() - 2.0));
     // The outermost lines are as wide as the others.
-    const bool seen = c < picture_.width_px && line >= -0.5 && line <= grid_.lines() - 0.5;
+    const bool seen = c < image_.width_px && line >= -0.5 && line <= grid_.lines() - 0.5;
     column_[static_cast<std::size_t>(c)] = static_cast<std::int32_t>(low);
     column_fraction_.data()[c] = static_cast<float>(std::clamp(line - low, 0.0, 1.0));
     if (seen) {
@@ -74,9 +74,8 @@ void BeamDisplay::MakeLinear() {
       last = c + 1;
     }
   }
-  for (int r = 0; r < picture_.height_px; ++r) {
-    const double sample =
-        (picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px) / grid_.step_mm;
+  for (int r = 0; r < image_.height_px; ++r) {
+    const double sample = (image_.depth_of_top_row_mm + r * image_.axial_mm_per_px) / grid_.step_mm;
     const bool seen = sample >= -1e-6 && sample <= grid_.samples - 1 + 1e-6;
     const double low = std::clamp(std::floor(sample), 0.0, std::max(0.0, grid_.samples - 2.0));
     sample_.push_back(static_cast<std::int32_t>(low));
@@ -86,10 +85,9 @@ void BeamDisplay::MakeLinear() {
 }
 
 void BeamDisplay::MakeFan(const acoustics::Probe& probe) {
-  const int lanes = slicing::kernels::RoundUp(picture_.width_px);
+  const int lanes = slicing::kernels::RoundUp(image_.width_px);
   const auto black = static_cast<std::int32_t>(grid_.samples) * stride_;
-  at_.assign(static_cast<std::size_t>(lanes) * picture_.height_px + slicing::kernels::kBlock,
-             black);
+  at_.assign(static_cast<std::size_t>(lanes) * image_.height_px + slicing::kernels::kBlock, black);
   fractions_.assign(at_.size(), 0);
   const double line_rad = probe.field_of_view_rad / (grid_.lines() - 1);
   struct Place {
@@ -97,8 +95,8 @@ void BeamDisplay::MakeFan(const acoustics::Probe& probe) {
     double sample;
   };
   const auto place = [&](double c, double r) {
-    const double x = (c - 0.5 * (picture_.width_px - 1)) * picture_.lateral_mm_per_px;
-    const double depth_mm = picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px;
+    const double x = (c - 0.5 * (image_.width_px - 1)) * image_.lateral_mm_per_px;
+    const double depth_mm = image_.depth_of_top_row_mm + r * image_.axial_mm_per_px;
     if (probe.steer_rad != 0.0) {
       const acoustics::BeamPlace at = acoustics::PlaceInBeams(probe, grid_, {x, depth_mm});
       return Place{at.line, at.sample};
@@ -107,13 +105,13 @@ void BeamDisplay::MakeFan(const acoustics::Probe& probe) {
     return Place{std::atan2(x, y) / line_rad + 0.5 * (grid_.lines() - 1),
                  (std::hypot(x, y) - probe.radius_mm) / grid_.step_mm};
   };
-  edge_ = SectorEdge(picture_.width_px, picture_.height_px, [&](double c, double r) {
+  edge_ = SectorEdge(image_.width_px, image_.height_px, [&](double c, double r) {
     const auto [line, sample] = place(c, r);
     return sample >= 0.0 && sample <= grid_.samples - 1 && line >= 0.0 && line <= grid_.lines() - 1;
   });
-  for (int r = 0; r < picture_.height_px; ++r) {
+  for (int r = 0; r < image_.height_px; ++r) {
     Span span{lanes, 0};
-    for (int c = 0; c < picture_.width_px; ++c) {
+    for (int c = 0; c < image_.width_px; ++c) {
       const int coverage = edge_.Coverage(r, c);
       if (coverage == 0 || (coverage < 256 && probe.steer_rad != 0.0)) continue;
       const Place at = place(c, r);
@@ -165,14 +163,14 @@ void BeamDisplay::Enhance(int num_threads) {
 bool BeamDisplay::Covers(int row, int column) const {
   const auto r = static_cast<std::size_t>(row);
   if (!fan_) return column >= seen_[r].first && column < seen_[r].last;
-  const int lanes = slicing::kernels::RoundUp(picture_.width_px);
+  const int lanes = slicing::kernels::RoundUp(image_.width_px);
   const auto black = static_cast<std::int32_t>(grid_.samples) * stride_;
   return at_[r * static_cast<std::size_t>(lanes) + static_cast<std::size_t>(column)] != black;
 }
 
 void BeamDisplay::Show(image::GrayImage& out, int num_threads) {
   Enhance(num_threads);
-  out.Resize(picture_.width_px, picture_.height_px);
+  out.Resize(image_.width_px, image_.height_px);
   ParallelFor(PiecesOfDisplay(out.height), num_threads, [this, &out](int piece) {
     const int first = piece * kRowsPerPieceOfDisplay;
     Convert(first, std::min(out.height, first + kRowsPerPieceOfDisplay), out);
@@ -194,7 +192,7 @@ void BeamDisplay::ConvertLinearRow(int r, std::uint8_t* out) const {
 void BeamDisplay::ConvertFanRow(int r, std::uint8_t* out) const {
   const auto& [first, last] = seen_[static_cast<std::size_t>(r)];
   const auto at =
-      static_cast<std::ptrdiff_t>(r) * slicing::kernels::RoundUp(picture_.width_px) + first;
+      static_cast<std::ptrdiff_t>(r) * slicing::kernels::RoundUp(image_.width_px) + first;
   kernels::InterpolatePackedRow(shown(), stride_, at_.data() + at, fractions_.data() + at,
                                 last - first, out + first);
   if (!is_one_of_several_) edge_.Blend(r, out);

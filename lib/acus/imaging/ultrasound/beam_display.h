@@ -44,7 +44,7 @@ class BeamDisplay {
     if (fan_) edge_.Blend(row, pixels);
   }
 
-  const image::ImageGeometry& picture() const { return picture_; }
+  const image::ImageGeometry& image() const { return image_; }
 
  private:
   void MakeLinear();
@@ -54,7 +54,7 @@ class BeamDisplay {
   void ConvertFanRow(int r, std::uint8_t* out) const;
 
   const acoustics::ScanGrid& grid_;
-  image::ImageGeometry picture_;
+  image::ImageGeometry image_;
   bool fan_;
   float scale_ = 0.0F;
   std::vector<float> offset_;  ///< Of the grey, by sample.
@@ -70,7 +70,7 @@ class BeamDisplay {
     int first = 0;  ///< Columns that are seen, in whole blocks of lanes.
     int last = 0;
   };
-  std::vector<Span> seen_;  ///< By row of the picture.
+  std::vector<Span> seen_;  ///< By row of the image.
   // Linear: by column, and by row.
   image::AlignedFloats column_fraction_;
   std::vector<std::int32_t> column_;

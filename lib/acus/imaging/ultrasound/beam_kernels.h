@@ -110,7 +110,7 @@ void FilterAcrossRow(const float* re, const float* im, const float* weight, int 
 /// grey[l] = round(offset + scale * log2(intensity[l])), cut off to 0 ... 255.
 void GreyRow(const float* intensity, float offset, float scale, int lanes, std::uint8_t* grey);
 
-/// A row of a picture whose columns read between lines: out[l] = bilinear in rows `upper` and
+/// A row of an image whose columns read between lines: out[l] = bilinear in rows `upper` and
 /// `lower` at byte column[l] and the one after it.
 struct ColumnsRow {
   const std::uint8_t* upper;

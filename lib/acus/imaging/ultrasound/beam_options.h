@@ -12,7 +12,7 @@
 
 namespace acus::ultrasound {
 
-/// Effects of the level `beams`. One that is off is not computed and costs nothing.
+/// Effects of the model `beams`. One that is off is not computed and costs nothing.
 struct BeamOptions {
   std::string name = "beams";
 
@@ -27,9 +27,9 @@ struct BeamOptions {
   bool point_spread = true;
   bool needle_shadow = true;
 
-  bool refraction = false;            ///< Lines bend by Snell's law. Dearer.
-  bool time_of_flight = false;        ///< Samples lie at their time, by the local speed. Dearer.
-  bool multiple_reflections = false;  ///< Between strong interfaces and the face. Dearer.
+  bool refraction = false;      ///< Lines bend by Snell's law. More expensive.
+  bool time_of_flight = false;  ///< Samples lie at their time, by the local speed. More expensive.
+  bool multiple_reflections = false;  ///< Between strong interfaces and the face. More expensive.
 
   int elevation_planes = 1;         ///< Odd, 1 to 15, over the thickness of the slice.
   double point_spread_reach = 2.6;  ///< Windows end at this many standard deviations.

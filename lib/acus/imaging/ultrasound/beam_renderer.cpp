@@ -190,8 +190,8 @@ const slicing::BeamImage& BeamRenderer::envelope() {
 const acoustics::ScanGrid& BeamRenderer::grid() const {
   return state_->grid;
 }
-const image::ImageGeometry& BeamRenderer::picture() const {
-  return state_->display.picture();
+const image::ImageGeometry& BeamRenderer::image() const {
+  return state_->display.image();
 }
 const acoustics::Probe& BeamRenderer::probe() const {
   return state_->probe;

@@ -1,4 +1,4 @@
-// B-mode in beam space, checked against theory: the level `beams`. Equations, limits and what was
+// B-mode in beam space, checked against theory: the model `beams`. Equations, limits and what was
 // measured: docs/models/ultrasound_beams.md.
 #pragma once
 
@@ -39,12 +39,12 @@ class BeamRenderer {
               const std::optional<image::NeedleInImage>& needle, image::GrayImage& out,
               int num_threads = 1, const slicing::RestMap* rest = nullptr);
 
-  /// Amplitude before compression and gains, of the last picture: row(k)[line]. 1 is the echo of a
+  /// Amplitude before compression and gains, of the last image: row(k)[line]. 1 is the echo of a
   /// flat perfect reflector at a right angle there, without attenuation. Computed when asked for.
   const slicing::BeamImage& envelope();
 
   const acoustics::ScanGrid& grid() const;
-  const image::ImageGeometry& picture() const;
+  const image::ImageGeometry& image() const;
   const acoustics::Probe& probe() const;
   const BeamOptions& options() const;
 

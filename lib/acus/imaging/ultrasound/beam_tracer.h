@@ -91,7 +91,7 @@ class BeamTracer {
     const NeedleMark* mark;
     const NeedleMark* last_mark;
     double ring_samples;
-    int first;  ///< Lane of the picture that is lane 0 of the block.
+    int first;  ///< Lane of the image that is lane 0 of the block.
     int lanes;
     double weight;
     double speckle_weight;

@@ -11,14 +11,14 @@ struct BModeRenderer::State {
   State(const volume::CtVolume& ct, const acoustics::Probe& checked_probe,
         const BModeOptions& options)
       : probe(checked_probe),
-        picture(acoustics::PictureOf(probe)),
+        image(acoustics::ImageOf(probe)),
         grid(acoustics::ScanGridOf(probe)),
         sampler(ct),
         tracer(grid, probe.frequency_mhz, options, ct.geometry),
         display(probe, grid) {}
 
   acoustics::Probe probe;
-  image::ImageGeometry picture;
+  image::ImageGeometry image;
   acoustics::ScanGrid grid;
   slicing::CtSampler sampler;
   EchoTracer tracer;
@@ -55,8 +55,8 @@ void BModeRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   s.display.Show(s.echo, out, num_threads);
 }
 
-const image::ImageGeometry& BModeRenderer::picture() const {
-  return state_->picture;
+const image::ImageGeometry& BModeRenderer::image() const {
+  return state_->image;
 }
 const acoustics::Probe& BModeRenderer::probe() const {
   return state_->probe;

@@ -36,7 +36,7 @@ class BModeRenderer {
               const std::optional<image::NeedleInImage>& needle, image::GrayImage& out,
               int num_threads = 1, const slicing::RestMap* rest = nullptr);
 
-  const image::ImageGeometry& picture() const;
+  const image::ImageGeometry& image() const;
   const acoustics::Probe& probe() const;
 
  private:

@@ -22,11 +22,11 @@ constexpr auto kReciprocals = Reciprocals();
 }  // namespace
 
 CompoundImage::CompoundImage(std::vector<BeamDisplay*> looks) : looks_(std::move(looks)) {
-  const image::ImageGeometry& picture = looks_.front()->picture();
-  look_.Resize(picture.width_px, picture.height_px);
+  const image::ImageGeometry& image = looks_.front()->image();
+  look_.Resize(image.width_px, image.height_px);
   sum_.resize(look_.pixels.size());
-  for (int r = 0; r < picture.height_px; ++r) {
-    for (int c = 0; c < picture.width_px; ++c) {
+  for (int r = 0; r < image.height_px; ++r) {
+    for (int c = 0; c < image.width_px; ++c) {
       int count = 0;
       for (const BeamDisplay* look : looks_) count += look->Covers(r, c) ? 1 : 0;
       count_.push_back(static_cast<std::uint8_t>(looks_.front()->Covers(r, c) ? count : 0));

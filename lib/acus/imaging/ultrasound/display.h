@@ -1,4 +1,4 @@
-// Echo intensities to a picture: windows of pulse and beam, logarithmic compression, scan
+// Echo intensities to an image: windows of pulse and beam, logarithmic compression, scan
 // conversion.
 #pragma once
 

@@ -11,7 +11,7 @@
 namespace acus::ultrasound {
 
 ScanConversion::ScanConversion(const acoustics::Probe& probe, const acoustics::ScanGrid& grid)
-    : picture_(acoustics::PictureOf(probe)),
+    : image_(acoustics::ImageOf(probe)),
       lines_(grid.lines()),
       samples_(grid.samples),
       step_mm_(grid.step_mm),
@@ -24,8 +24,8 @@ void ScanConversion::PlacePixels(const acoustics::Probe& probe) {
   // One row more than samples and a few bytes, so that neighbours at the end can be read.
   const auto rows = static_cast<std::size_t>(samples_) + 1;
   grey_.assign(static_cast<std::size_t>(grey_stride_) * rows + 16, 0);
-  const int lanes = slicing::kernels::RoundUp(picture_.width_px);
-  const auto count = static_cast<std::size_t>(lanes) * picture_.height_px;
+  const int lanes = slicing::kernels::RoundUp(image_.width_px);
+  const auto count = static_cast<std::size_t>(lanes) * image_.height_px;
   across_fraction_.Reserve(count);
   along_fraction_.Reserve(count);
   offset_storage_.Reserve(count);
@@ -36,19 +36,19 @@ void ScanConversion::PlacePixels(const acoustics::Probe& probe) {
     double sample;
   };
   const auto place = [&](double c, double r) {
-    const double x = (c - 0.5 * (picture_.width_px - 1)) * picture_.lateral_mm_per_px;
-    const double y = picture_.depth_of_top_row_mm + r * picture_.axial_mm_per_px + probe.radius_mm;
+    const double x = (c - 0.5 * (image_.width_px - 1)) * image_.lateral_mm_per_px;
+    const double y = image_.depth_of_top_row_mm + r * image_.axial_mm_per_px + probe.radius_mm;
     return Place{std::atan2(x, y) / line_rad + 0.5 * (lines_ - 1),
                  (std::hypot(x, y) - probe.radius_mm) / step_mm_};
   };
-  edge_ = SectorEdge(picture_.width_px, picture_.height_px, [&](double c, double r) {
+  edge_ = SectorEdge(image_.width_px, image_.height_px, [&](double c, double r) {
     const auto [line, sample] = place(c, r);
     return sample >= 0.0 && sample <= samples_ - 1 && line >= 0.0 && line <= lines_ - 1;
   });
   std::size_t n = 0;
-  for (int r = 0; r < picture_.height_px; ++r) {
+  for (int r = 0; r < image_.height_px; ++r) {
     for (int c = 0; c < lanes; ++c, ++n) {
-      const bool seen = c < picture_.width_px && edge_.Coverage(r, c) > 0;
+      const bool seen = c < image_.width_px && edge_.Coverage(r, c) > 0;
       const Place at = place(c, r);
       const double line = std::clamp(at.line, 0.0, lines_ - 1.0);
       const double sample = std::clamp(at.sample, 0.0, samples_ - 1.0);
@@ -62,7 +62,7 @@ void ScanConversion::PlacePixels(const acoustics::Probe& probe) {
 }
 
 void ScanConversion::Show(const GreyRow& grey_row, image::GrayImage& out, int num_threads) {
-  out.Resize(picture_.width_px, picture_.height_px);
+  out.Resize(image_.width_px, image_.height_px);
   if (fan_) {
     ShowFan(grey_row, out, num_threads);
   } else {
@@ -74,7 +74,7 @@ void ScanConversion::ShowLinear(const GreyRow& grey_row, image::GrayImage& out, 
   const int lanes = slicing::kernels::RoundUp(lines_);
   grey_.resize(static_cast<std::size_t>(lanes) * Pieces(samples_));
   const int left = (out.width - lines_) / 2;
-  const int above = acoustics::RowsAboveFace(picture_);
+  const int above = acoustics::RowsAboveFace(image_);
   std::fill_n(out.pixels.begin(), static_cast<std::ptrdiff_t>(above) * out.width, std::uint8_t{0});
   const auto piece = [&](int p) {
     std::uint8_t* grey = grey_.data() + static_cast<std::ptrdiff_t>(p) * lanes;

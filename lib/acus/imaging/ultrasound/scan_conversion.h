@@ -1,4 +1,4 @@
-// Grey values of scan lines to a picture.
+// Grey values of scan lines to an image.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace acus::ultrasound {
 
-/// Lines of a linear probe are the picture's columns; those of a curved one are interpolated
+/// Lines of a linear probe are the image's columns; those of a curved one are interpolated
 /// bilinearly in grey. Deterministic with any number of threads.
 class ScanConversion {
  public:
@@ -28,14 +28,14 @@ class ScanConversion {
   /// Fills all of `out`. Allocates nothing after the first call.
   void Show(const GreyRow& grey_row, image::GrayImage& out, int num_threads);
 
-  const image::ImageGeometry& picture() const { return picture_; }
+  const image::ImageGeometry& image() const { return image_; }
 
  private:
   void PlacePixels(const acoustics::Probe& probe);
   void ShowLinear(const GreyRow& grey_row, image::GrayImage& out, int num_threads);
   void ShowFan(const GreyRow& grey_row, image::GrayImage& out, int num_threads);
 
-  image::ImageGeometry picture_;
+  image::ImageGeometry image_;
   int lines_;
   int samples_;
   double step_mm_;

@@ -62,7 +62,7 @@ void Camera::Check() const {
                "camera: focal lengths must be positive, and all numbers finite");
 }
 
-Camera LookAt(const Viewpoint& viewpoint, const PictureSize& size) {
+Camera LookAt(const Viewpoint& viewpoint, const ImageSize& size) {
   const Eigen::Vector3d forward = viewpoint.focus_in_ct_mm - viewpoint.eye_in_ct_mm;
   ACUS_REQUIRE(forward.allFinite() && forward.norm() > 1e-6,
                "camera: eye and focus are at the same place");
@@ -91,7 +91,7 @@ Camera LookAt(const Viewpoint& viewpoint, const PictureSize& size) {
 }
 
 Viewpoint ViewFrom(std::string_view side, const Eigen::AlignedBox3d& box_in_ct_mm,
-                   const PictureSize& size, double view_angle_deg) {
+                   const ImageSize& size, double view_angle_deg) {
   const auto& sides = Sides();
   const auto* found = std::ranges::find(sides, side, &Side::name);
   if (found == sides.end()) {

@@ -1,4 +1,4 @@
-// Where a picture of the patient is taken from: a pinhole camera.
+// Where an image of the patient is taken from: a pinhole camera.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -7,11 +7,11 @@
 namespace acus::volume_rendering {
 
 /// The camera's frame has x to the right, y down and z forward; centres of pixels are at whole
-/// numbers. That is how calibrated video cameras are described, so that pictures fit over video.
+/// numbers. That is how calibrated video cameras are described, so that images fit over video.
 struct Camera {
   Eigen::Isometry3d camera_from_ct = Eigen::Isometry3d::Identity();
   Eigen::Vector2d focal_px = Eigen::Vector2d::Ones();
-  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();  ///< Where z meets the picture.
+  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();  ///< Where z meets the image.
   int width_px = 0;
   int height_px = 0;
 
@@ -28,7 +28,7 @@ struct Camera {
   void Check() const;
 };
 
-struct PictureSize {
+struct ImageSize {
   int width_px = 0;
   int height_px = 0;
 };
@@ -37,18 +37,18 @@ struct Viewpoint {
   Eigen::Vector3d eye_in_ct_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d focus_in_ct_mm = Eigen::Vector3d::UnitY();
   Eigen::Vector3d up_in_ct = Eigen::Vector3d::UnitZ();
-  double view_angle_deg = 30.0;  ///< Over the height of the picture.
+  double view_angle_deg = 30.0;  ///< Over the height of the image.
 };
 
 /// @throws InputError if the eye is at the focus, `up` runs along the line of sight, the angle is
 ///     not within (0, 150), or the size is not as Camera::Check wants it.
-Camera LookAt(const Viewpoint& viewpoint, const PictureSize& size);
+Camera LookAt(const Viewpoint& viewpoint, const ImageSize& size);
 
-/// A box in CT space from one side, all of it in the picture.
+/// A box in CT space from one side, all of it in the image.
 /// @param side  "anterior", "posterior", "left", "right", "superior", "inferior", or "oblique":
 ///     from in front, the patient's right and above.
 /// @throws InputError for another side, or an empty box.
 Viewpoint ViewFrom(std::string_view side, const Eigen::AlignedBox3d& box_in_ct_mm,
-                   const PictureSize& size, double view_angle_deg = 30.0);
+                   const ImageSize& size, double view_angle_deg = 30.0);
 
 }  // namespace acus::volume_rendering

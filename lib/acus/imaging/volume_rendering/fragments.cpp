@@ -61,16 +61,16 @@ bool Inside(double share, const Eigen::Vector3d& weight) {
   return weight[0] > 0.0 || (weight[0] == 0.0 && weight[1] > 0.0);
 }
 
-float GreyAt(const image::GrayImage& picture, const Eigen::Vector2f& at) {
-  const float column = std::clamp(at[0], 0.0F, static_cast<float>(picture.width - 1));
-  const float row = std::clamp(at[1], 0.0F, static_cast<float>(picture.height - 1));
-  const int c = std::min(static_cast<int>(column), std::max(0, picture.width - 2));
-  const int r = std::min(static_cast<int>(row), std::max(0, picture.height - 2));
-  const int c1 = std::min(c + 1, picture.width - 1);
-  const int r1 = std::min(r + 1, picture.height - 1);
+float GreyAt(const image::GrayImage& image, const Eigen::Vector2f& at) {
+  const float column = std::clamp(at[0], 0.0F, static_cast<float>(image.width - 1));
+  const float row = std::clamp(at[1], 0.0F, static_cast<float>(image.height - 1));
+  const int c = std::min(static_cast<int>(column), std::max(0, image.width - 2));
+  const int r = std::min(static_cast<int>(row), std::max(0, image.height - 2));
+  const int c1 = std::min(c + 1, image.width - 1);
+  const int r1 = std::min(r + 1, image.height - 1);
   const float fc = column - static_cast<float>(c);
   const float fr = row - static_cast<float>(r);
-  const auto grey = [&](int i, int j) { return static_cast<float>(picture.At(i, j)); };
+  const auto grey = [&](int i, int j) { return static_cast<float>(image.At(i, j)); };
   const float top = grey(c, r) + fc * (grey(c1, r) - grey(c, r));
   const float bottom = grey(c, r1) + fc * (grey(c1, r1) - grey(c, r1));
   return (top + fr * (bottom - top)) / 255.0F;

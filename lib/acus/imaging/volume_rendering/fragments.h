@@ -1,4 +1,4 @@
-// Where rays meet surfaces: triangles drawn into bands of a picture, all layers of them kept.
+// Where rays meet surfaces: triangles drawn into bands of an image, all layers of them kept.
 #pragma once
 
 #include <Eigen/Dense>
@@ -14,7 +14,7 @@
 
 namespace acus::volume_rendering {
 
-/// What a surface looks like in a picture.
+/// What a surface looks like in an image.
 struct Drawing {
   const Eigen::Matrix3Xf* nodes_mm = nullptr;  ///< CT space, of the world.
   const Eigen::Matrix3Xf* normals = nullptr;   ///< Of the nodes; null: seen flat, not lit.
@@ -39,7 +39,7 @@ struct Fragment {
   int next = -1;  ///< Of the same pixel, in the order drawn.
 };
 
-/// All triangles of a picture, sorted into bands of rows.
+/// All triangles of an image, sorted into bands of rows.
 class TriangleBands {
  public:
   static constexpr int kRows = 8;

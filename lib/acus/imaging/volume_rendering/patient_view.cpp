@@ -28,6 +28,8 @@ const Eigen::Array3f kMark{0.15F, 0.55F, 0.95F};
 const Eigen::Array3f kPath{1.0F, 0.55F, 0.1F};
 constexpr double kPathStepMm = 0.5;
 constexpr double kPathRadiusMm = 0.4;
+const Eigen::Array3f kArrow{0.9F, 0.15F, 0.15F};
+constexpr double kArrowHeadMm = 6.0;  // Of a short arrow, half of it.
 const Eigen::Array3f kPane{0.45F, 0.75F, 1.0F};
 /// A needle of a third of a pixel could not be seen.
 constexpr double kLeastNeedlePx = 1.1;
@@ -49,7 +51,7 @@ void CheckSettings(const ViewSettings& s) {
                "view: supersampling by ", s.supersampling, "; allowed are 1, 2 and 4");
 }
 
-/// A tool's surface in the world, for one picture.
+/// A tool's surface in the world, for one image.
 struct Placed {
   Placed(const mesh::Surface& surface, const Eigen::Isometry3d& ct_from_surface)
       : moving({ct_from_surface * surface.nodes_mm, surface.triangles}) {}
@@ -69,10 +71,11 @@ struct PatientView::Content {
                const Eigen::Array3f& colour);
   void AddPlane(const ProbeInView& probe);
   void AddPath(const Camera& camera, std::span<const Eigen::Vector3d> path_mm);
+  void AddArrow(const Arrow& arrow);
   void DrawSurface(std::size_t n, const ViewMoment& moment, int num_threads);
   void CastShadows(const Light& light);
   void WriteRows(const std::vector<RayColour>& pixels, int band, const Camera& camera,
-                 ViewPicture& out) const;
+                 ViewImage& out) const;
 
   PatientInView patient;
   ViewSettings settings;
@@ -85,7 +88,7 @@ struct PatientView::Content {
   std::vector<PressedSurface> pressed_surfaces;
   Eigen::AlignedBox3d box;
 
-  // Of one picture.
+  // Of one image.
   std::deque<Placed> tools;
   ImagePlane plane;
   std::vector<Drawing> drawings;
@@ -142,7 +145,7 @@ void PatientView::Content::AddTool(const mesh::Surface& surface,
 }
 
 void PatientView::Content::AddPlane(const ProbeInView& probe) {
-  const image::ImageGeometry picture = acoustics::PictureOf(*probe.probe);
+  const image::ImageGeometry image = acoustics::ImageOf(*probe.probe);
   plane = PlaneOf(*probe.probe);
   AddTool(plane.surface, probe.ct_from_probe, kPane);
   Drawing& drawing = drawings.back();
@@ -150,17 +153,16 @@ void PatientView::Content::AddPlane(const ProbeInView& probe) {
   drawing.closed = false;
   drawing.opacity = 0.25F;
   if (probe.b_mode != nullptr) {
-    ACUS_REQUIRE(
-        probe.b_mode->width == picture.width_px && probe.b_mode->height == picture.height_px,
-        "view: the image in the probe's plane has ", probe.b_mode->width, " x ",
-        probe.b_mode->height, " pixels; the probe's has ", picture.width_px, " x ",
-        picture.height_px);
+    ACUS_REQUIRE(probe.b_mode->width == image.width_px && probe.b_mode->height == image.height_px,
+                 "view: the image in the probe's plane has ", probe.b_mode->width, " x ",
+                 probe.b_mode->height, " pixels; the probe's has ", image.width_px, " x ",
+                 image.height_px);
     drawing.colour.setOnes();
     drawing.opacity = 0.97F;
     drawing.texture = probe.b_mode;
     drawing.texture_at = &plane.pixel_of_node;
   }
-  // A frame, so that a black picture is seen as well.
+  // A frame, so that a black image is seen as well.
   AddTool(Tube(plane.outline_mm, Eigen::VectorXd::Constant(plane.outline_mm.cols(), 0.35)),
           probe.ct_from_probe, kPane);
 }
@@ -182,6 +184,18 @@ void PatientView::Content::AddPath(const Camera& camera, std::span<const Eigen::
   AddTool(Tube(points, Eigen::VectorXd::Constant(count, radius_mm)), Eigen::Isometry3d::Identity(),
           kPath);
   drawings.back().normals = nullptr;
+}
+
+void PatientView::Content::AddArrow(const Arrow& arrow) {
+  const Eigen::Vector3d along_mm = arrow.to_mm - arrow.from_mm;
+  const double length_mm = along_mm.norm();
+  if (!(arrow.from_mm.allFinite() && std::isfinite(length_mm) && length_mm > kPathStepMm)) return;
+  const double head_mm = std::min(kArrowHeadMm, 0.5 * length_mm);
+  const Eigen::Vector3d neck_mm = arrow.to_mm - head_mm / length_mm * along_mm;
+  Eigen::Matrix3Xd points(3, 4);
+  points << arrow.from_mm, neck_mm, neck_mm, arrow.to_mm;
+  const Eigen::Vector4d radii_mm(0.15 * head_mm, 0.15 * head_mm, 0.4 * head_mm, 0.0);
+  AddTool(Tube(points, radii_mm), Eigen::Isometry3d::Identity(), kArrow);
 }
 
 void PatientView::Content::DrawSurface(std::size_t n, const ViewMoment& moment, int num_threads) {
@@ -219,6 +233,7 @@ void PatientView::Content::PlaceTools(const Camera& camera, const ViewMoment& mo
     AddTool(NeedleHub(needle), here, kHub);
   }
   AddPath(camera, moment.path_in_ct_mm);
+  if (moment.arrow) AddArrow(*moment.arrow);
   if (moment.probe) {
     const ProbeInView& probe = *moment.probe;
     ACUS_REQUIRE(probe.ct_from_probe.matrix().allFinite(),
@@ -248,7 +263,7 @@ void PatientView::Content::CastShadows(const Light& light) {
 }
 
 void PatientView::Content::WriteRows(const std::vector<RayColour>& pixels, int band,
-                                     const Camera& camera, ViewPicture& out) const {
+                                     const Camera& camera, ViewImage& out) const {
   const int factor = settings.supersampling;
   const int fine_width = camera.width_px * factor;
   const float share = 1.0F / static_cast<float>(factor * factor);
@@ -290,7 +305,7 @@ const Eigen::AlignedBox3d& PatientView::box_in_ct_mm() const {
   return content_->box;
 }
 
-bool PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewPicture& out,
+bool PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewImage& out,
                          int num_threads, const std::function<bool()>& stop) {
   Content& c = *content_;
   camera.Check();

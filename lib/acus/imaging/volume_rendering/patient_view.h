@@ -1,4 +1,4 @@
-// Pictures of a breathing patient in three dimensions: the CT by direct volume rendering, organs as
+// Images of a breathing patient in three dimensions: the CT by direct volume rendering, organs as
 // surfaces, and the tools.
 #pragma once
 
@@ -58,22 +58,30 @@ struct ProbeInView {
   const image::GrayImage* b_mode = nullptr;  ///< Shown in the plane; null: an empty pane.
 };
 
-/// What a picture needs to know of a moment. Tools are in the world: where they are, not where
+/// What an image needs to know of a moment. Tools are in the world: where they are, not where
 /// that was at rest.
+/// From one place to another, drawn as an arrow; CT space.
+struct Arrow {
+  Eigen::Vector3d from_mm = Eigen::Vector3d::Zero();
+  Eigen::Vector3d to_mm = Eigen::Vector3d::Zero();
+};
+
 struct ViewMoment {
   const breathing::MotionMap* motion = nullptr;  ///< Of the field given before; null: at rest.
   std::optional<image::NeedleInImage> needle = std::nullopt;
   std::optional<ProbeInView> probe = std::nullopt;
   /// Where the needle's tip has been, drawn as a line; CT space, mm. Fewer than two: none.
   std::span<const Eigen::Vector3d> path_in_ct_mm = {};
+  /// Of a force; one that is not finite or has no length is not drawn.
+  std::optional<Arrow> arrow = std::nullopt;
   /// Tissue that tools press, after breath; null: none.
   const PressedTissue* pressed = nullptr;
   /// Finite normals of unit length; empty: the patient is whole.
   std::vector<CutPlane> cuts = {};
 };
 
-/// A picture, and how much of each pixel the patient and the tools fill: for laying it over video.
-struct ViewPicture {
+/// An image, and how much of each pixel the patient and the tools fill: for laying it over video.
+struct ViewImage {
   image::ColourImage colour;
   std::vector<std::uint8_t> coverage;  ///< By pixel: 0 background, 255 opaque.
 };
@@ -93,7 +101,7 @@ class PatientView {
   ///     range, or the motion is of another field.
   /// @param stop  Asked again and again, by any of the threads: true ends it.
   /// @return false if it was stopped: `out` is not whole.
-  bool Render(const Camera& camera, const ViewMoment& moment, ViewPicture& out, int num_threads,
+  bool Render(const Camera& camera, const ViewMoment& moment, ViewImage& out, int num_threads,
               const std::function<bool()>& stop = {});
 
   /// Of the patient at rest: surfaces, or else the CT's visible part.

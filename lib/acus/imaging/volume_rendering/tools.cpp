@@ -217,7 +217,7 @@ mesh::Surface ProbeMark(const acoustics::Probe& probe) {
 }
 
 ImagePlane PlaneOf(const acoustics::Probe& probe) {
-  const image::ImageGeometry picture = acoustics::PictureOf(probe);
+  const image::ImageGeometry image = acoustics::ImageOf(probe);
   const acoustics::ScanGrid grid = acoustics::ScanGridOf(probe);
   // A strip of lines from the face to the depth.
   constexpr int kMostLines = 64;
@@ -242,7 +242,7 @@ ImagePlane PlaneOf(const acoustics::Probe& probe) {
     out.surface.triangles.col(2 * n + 1) << n + 1, across + n, across + n + 1;
   }
   out.pixel_of_node =
-      (picture.probe_from_image().inverse() * out.surface.nodes_mm).topRows<2>().cast<float>();
+      (image.probe_from_image().inverse() * out.surface.nodes_mm).topRows<2>().cast<float>();
   Eigen::Matrix3Xd around(3, 2 * count + 1);
   around << out.surface.nodes_mm.leftCols(count),
       out.surface.nodes_mm.rightCols(count).rowwise().reverse(), out.surface.nodes_mm.col(0);

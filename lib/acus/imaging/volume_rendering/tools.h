@@ -37,7 +37,7 @@ struct ImagePlane {
   Eigen::Matrix2Xf pixel_of_node;
   Eigen::Matrix3Xd outline_mm;  ///< Closed: the last point is the first.
 };
-/// Without the black corners of its picture.
+/// Without the black corners of its image.
 ImagePlane PlaneOf(const acoustics::Probe& probe);
 
 }  // namespace acus::volume_rendering

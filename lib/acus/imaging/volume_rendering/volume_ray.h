@@ -32,7 +32,7 @@ struct RaySettings {
   double tool_shine = 0.35;  ///< What is seen of a tool behind tissue; 0: what light gets through.
 };
 
-/// What is there for all rays of a picture.
+/// What is there for all rays of an image.
 struct VolumeScene {
   const volume::CtVolume* ct = nullptr;  ///< Null: surfaces only.
   const SlopeVolume* slopes = nullptr;   ///< What light falls on: of `ct`, smoothed.

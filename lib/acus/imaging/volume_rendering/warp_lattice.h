@@ -1,4 +1,4 @@
-// The inverse of breath for one picture, on the corners of the blocks that rays visit: where it is
+// The inverse of breath for one image, on the corners of the blocks that rays visit: where it is
 // smooth, samples read it instead of inverting for themselves.
 #pragma once
 

@@ -66,7 +66,7 @@ struct Fit {
 
 class Aligner {
  public:
-  Aligner(std::vector<Node> nodes, const breathing_registration::LevelImage& atlas)
+  Aligner(std::vector<Node> nodes, const breathing_registration::ModelImage& atlas)
       : nodes_(std::move(nodes)), atlas_(atlas), index_from_ct_(atlas.geometry().index_from_ct()) {
     for (const Node& node : nodes_) centre_ += node.at_mm / static_cast<double>(nodes_.size());
   }
@@ -124,7 +124,7 @@ class Aligner {
   }
 
   std::vector<Node> nodes_;
-  const breathing_registration::LevelImage& atlas_;
+  const breathing_registration::ModelImage& atlas_;
   Affine3d index_from_ct_;
   Vector3d centre_ = Vector3d::Zero();
 };
@@ -133,7 +133,7 @@ class Aligner {
 
 std::optional<Affine3d> AlignBodies(const volume::Grid<float>& image,
                                     const segmentation::Mask& body,
-                                    const breathing_registration::LevelImage& atlas,
+                                    const breathing_registration::ModelImage& atlas,
                                     const segmentation::Mask& atlas_body) {
   const Aligner aligner(NodesOf(image, body), atlas);
   const Vector3d shift = CentreOf(atlas_body) - CentreOf(body);

@@ -16,7 +16,7 @@ namespace acus::atlas {
 /// @return atlas_from_patient in CT space, mm; none if the two share too little of the body.
 std::optional<Eigen::Affine3d> AlignBodies(const volume::Grid<float>& image,
                                            const segmentation::Mask& body,
-                                           const breathing_registration::LevelImage& atlas,
+                                           const breathing_registration::ModelImage& atlas,
                                            const segmentation::Mask& atlas_body);
 
 }  // namespace acus::atlas

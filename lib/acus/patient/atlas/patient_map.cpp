@@ -15,7 +15,7 @@
 namespace acus::atlas {
 namespace {
 
-using breathing_registration::LevelImage;
+using breathing_registration::ModelImage;
 using breathing_registration::PhaseField;
 using breathing_registration::PhaseRegistration;
 using breathing_registration::Side;
@@ -170,7 +170,7 @@ class Carrier {
  private:
   /// The atlas's image on the patient's grid; beyond its edge as at the edge.
   Grid<float> Aligned(const Grid<float>& atlas) const {
-    const LevelImage image(atlas, context_.num_threads);
+    const ModelImage image(atlas, context_.num_threads);
     const Eigen::Affine3d index =
         atlas.geometry.index_from_ct() * atlas_from_patient_ * covered_.geometry.ct_from_index();
     const Eigen::Array3f last = (atlas.geometry.size - 1).cast<float>();
@@ -237,7 +237,7 @@ std::optional<CarriedLabels> CarryLabels(const LabelledPatient& atlas, const Pat
   const Grid<float> atlas_first = atlas_image.Comparable(atlas_image.soft_hu(), num_threads);
   const Grid<float> small = coarse(first), atlas_small = coarse(atlas_first);
   const auto affine = AlignBodies(small, coarse_mask(patient.body(), small.geometry),
-                                  LevelImage(atlas_small, num_threads),
+                                  ModelImage(atlas_small, num_threads),
                                   coarse_mask(atlas_image.body(), atlas_small.geometry));
   if (!affine) return std::nullopt;
   Carrier carrier(atlas, atlas_image, patient, *affine, context);

@@ -191,25 +191,25 @@ Capture EmptyCapture(const std::string& name) {
           .models = {},
           .variance_of_modes = {},
           .landmarks = {},
-          .picture = {},
-          .pictured = {}};
+          .image = {},
+          .shown = {}};
 }
 
 /// The coronal slice in the middle.
-DifferencePicture Picture(const volume::Grid<float>& before, const volume::Grid<float>& after) {
+DifferenceImage Image(const volume::Grid<float>& before, const volume::Grid<float>& after) {
   const volume::Geometry& g = before.geometry;
-  DifferencePicture picture{.width = g.size[0],
-                            .height = g.size[2],
-                            .pixel_mm = g.spacing_mm[0],
-                            .before = {},
-                            .after = {}};
+  DifferenceImage image{.width = g.size[0],
+                        .height = g.size[2],
+                        .pixel_mm = g.spacing_mm[0],
+                        .before = {},
+                        .after = {}};
   for (int k = g.size[2] - 1; k >= 0; --k) {
     for (int i = 0; i < g.size[0]; ++i) {
-      picture.before.push_back(before.At(i, g.size[1] / 2, k));
-      picture.after.push_back(after.At(i, g.size[1] / 2, k));
+      image.before.push_back(before.At(i, g.size[1] / 2, k));
+      image.after.push_back(after.At(i, g.size[1] / 2, k));
     }
   }
-  return picture;
+  return image;
 }
 
 /// Away from the reference, first forwards in time, then backwards; the deeper breath last.
@@ -310,9 +310,9 @@ Capture CaptureMotion(const PhaseFiles& files, const volume::CtVolume& reference
         LandmarkErrors(landmarks, capture.reference, *stop.phase, field, tissue);
     if (result.residual.before > worst) {
       worst = result.residual.before;
-      capture.picture = Picture(registration.Difference(image, nullptr, context.num_threads),
-                                registration.Difference(image, &field, context.num_threads));
-      capture.pictured = stop.phase->name;
+      capture.image = Image(registration.Difference(image, nullptr, context.num_threads),
+                            registration.Difference(image, &field, context.num_threads));
+      capture.shown = stop.phase->name;
     }
     capture.phases.push_back(std::move(result));
     if (stop.at < files.phases.size()) {

@@ -56,7 +56,7 @@ struct ModelRow {
 };
 
 /// Difference images of one phase, a coronal slice; contrast, 0 is equal.
-struct DifferencePicture {
+struct DifferenceImage {
   int width = 0, height = 0;
   double pixel_mm = 0.0;
   std::vector<float> before, after;  ///< Rows from the head down.
@@ -69,8 +69,8 @@ struct Capture {
   std::vector<ModelRow> models;
   std::vector<double> variance_of_modes;
   KnownLandmarks landmarks;
-  DifferencePicture picture;
-  std::string pictured;
+  DifferenceImage image;
+  std::string shown;
 };
 
 /// Registers all phases to the one nearest to end expiration (the lowest level), each starting from

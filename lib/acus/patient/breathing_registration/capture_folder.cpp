@@ -165,22 +165,22 @@ void WriteLandmarkErrors(const fs::path& path, const Capture& capture) {
 }
 
 /// Before and after side by side, black where they are equal, three pixels for each.
-void WriteDifference(const fs::path& path, const DifferencePicture& picture) {
+void WriteDifference(const fs::path& path, const DifferenceImage& difference) {
   constexpr int kZoom = 3;
   constexpr float kWhite = 150.0F;
   image::GrayImage image;
-  image.Resize(kZoom * (2 * picture.width + 2), kZoom * picture.height);
+  image.Resize(kZoom * (2 * difference.width + 2), kZoom * difference.height);
   for (int row = 0; row < image.height; ++row) {
     for (int column = 0; column < image.width; ++column) {
       const int x = column / kZoom;
-      const bool left = x < picture.width;
-      const int i = left ? x : x - picture.width - 2;
+      const bool left = x < difference.width;
+      const int i = left ? x : x - difference.width - 2;
       float value = kWhite;
       if (i >= 0) {
         const std::size_t n =
-            static_cast<std::size_t>(row / kZoom) * static_cast<std::size_t>(picture.width) +
+            static_cast<std::size_t>(row / kZoom) * static_cast<std::size_t>(difference.width) +
             static_cast<std::size_t>(i);
-        value = std::abs((left ? picture.before : picture.after)[n]);
+        value = std::abs((left ? difference.before : difference.after)[n]);
       }
       image.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
                    static_cast<std::size_t>(column)] =
@@ -249,14 +249,14 @@ void WriteReport(const fs::path& folder, const Capture& capture, const RunContex
     const report::Plot plot = LandmarkPlot(capture);
     html.Plots({&plot, 1});
   }
-  if (capture.picture.width > 0) {
-    WriteDifference(folder / "difference.png", capture.picture);
+  if (capture.image.width > 0) {
+    WriteDifference(folder / "difference.png", capture.image);
     html.Section("Before and after");
-    html.Picture(folder / "difference.png",
-                 "Two coronal slices: bright where phase and reference differ",
-                 "Difference of " + capture.pictured +
-                     " from the reference before (left) and after "
-                     "registration (right); white is 150 HU");
+    html.Image(folder / "difference.png",
+               "Two coronal slices: bright where phase and reference differ",
+               "Difference of " + capture.shown +
+                   " from the reference before (left) and after "
+                   "registration (right); white is 150 HU");
   }
   html.SetProvenance(context.provenance.ToJson());
   html.Write(folder / "report.html");

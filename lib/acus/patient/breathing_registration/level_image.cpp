@@ -127,7 +127,7 @@ volume::Grid<float> Averaged(const volume::Grid<float>& image, const volume::Geo
                     num_threads);
 }
 
-LevelImage::LevelImage(const volume::Grid<float>& image, int num_threads)
+ModelImage::ModelImage(const volume::Grid<float>& image, int num_threads)
     : geometry_(image.geometry), voxels_(image.voxels.size()) {
   const Eigen::Array3i& size = geometry_.size;
   ParallelFor(size[2], num_threads, [&](int k) {
@@ -149,7 +149,7 @@ LevelImage::LevelImage(const volume::Grid<float>& image, int num_threads)
   });
 }
 
-LevelImage::Sample LevelImage::At(const Eigen::Vector3f& index) const noexcept {
+ModelImage::Sample ModelImage::At(const Eigen::Vector3f& index) const noexcept {
   const Eigen::Array3i& size = geometry_.size;
   if (!((index.array() >= 0.0F).all() && (index.array() <= (size - 1).cast<float>()).all())) {
     return {};

@@ -24,9 +24,9 @@ volume::Grid<float> Averaged(const volume::Grid<float>& image, const volume::Geo
                              int num_threads);
 
 /// An image that is read between its voxels, with its gradient.
-class LevelImage {
+class ModelImage {
  public:
-  LevelImage(const volume::Grid<float>& image, int num_threads);
+  ModelImage(const volume::Grid<float>& image, int num_threads);
 
   struct Sample {
     float value = 0.0F;

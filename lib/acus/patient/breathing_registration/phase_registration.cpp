@@ -145,12 +145,12 @@ PhaseRegistration::PhaseRegistration(const volume::CtVolume& reference, const Ti
     Domain domain = MakeDomain(grid, tissue, context.num_threads);
     ACUS_REQUIRE(domain.grid->num_nodes() > 0, "registration: there is no tissue in the reference");
     levels_.push_back({.grid = std::move(domain.grid),
-                       .reference = std::make_shared<LevelImage>(image, context.num_threads),
+                       .reference = std::make_shared<ModelImage>(image, context.num_threads),
                        .trust = std::move(domain.trust)});
   }
 }
 
-SlidingGrid::Field PhaseRegistration::Refine(const Level& level, const LevelImage& phase,
+SlidingGrid::Field PhaseRegistration::Refine(const Level& level, const ModelImage& phase,
                                              SlidingGrid::Field u, int num_threads) const {
   const SlidingGrid& grid = *level.grid;
   const auto coarser = static_cast<float>(grid.geometry().spacing_mm[0] / settings_.spacing_mm);
@@ -167,7 +167,7 @@ SlidingGrid::Field PhaseRegistration::Refine(const Level& level, const LevelImag
         const auto n = static_cast<std::size_t>(i);
         const std::size_t v = grid.Voxel(i);
         const Vector3f at = VoxelOf(grid.geometry(), v).cast<float>().matrix() + u[n];
-        const LevelImage::Sample moved = phase.At(at);
+        const ModelImage::Sample moved = phase.At(at);
         data.gradient[n].setZero();
         data.force[n] = -stiffness * grid.Pull(u, i);
         if (!moved.within) continue;
@@ -198,7 +198,7 @@ PhaseField PhaseRegistration::Register(const volume::CtVolume& phase, const Phas
                phase.geometry.size.transpose(), " voxels at ", phase.geometry.origin_mm.transpose(),
                " mm, but the reference has ", ct_.size.transpose(), " at ",
                ct_.origin_mm.transpose(), " mm; all phases must lie on the same grid");
-  std::vector<LevelImage> images;
+  std::vector<ModelImage> images;
   volume::Grid<float> image;
   for (std::size_t n = 0; n < levels_.size(); ++n) {
     const volume::Geometry& grid = levels_[n].grid->geometry();
@@ -224,7 +224,7 @@ PhaseField PhaseRegistration::Register(const volume::CtVolume& phase, const Phas
   return field;
 }
 
-volume::Grid<float> PhaseRegistration::Difference(const LevelImage& phase,
+volume::Grid<float> PhaseRegistration::Difference(const ModelImage& phase,
                                                   const PhaseField* field) const {
   const SlidingGrid& grid = *levels_[0].grid;
   volume::Grid<float> out(grid.geometry());
@@ -232,7 +232,7 @@ volume::Grid<float> PhaseRegistration::Difference(const LevelImage& phase,
     const std::size_t v = grid.Voxel(i);
     Vector3f at = VoxelOf(grid.geometry(), v).cast<float>().matrix();
     if (field != nullptr) at += field->displacement_voxels()[static_cast<std::size_t>(i)];
-    const LevelImage::Sample moved = phase.At(at);
+    const ModelImage::Sample moved = phase.At(at);
     if (moved.within) out.voxels[v] = moved.value - levels_[0].reference->Voxel(v)[0];
   }
   return out;
@@ -241,7 +241,7 @@ volume::Grid<float> PhaseRegistration::Difference(const LevelImage& phase,
 volume::Grid<float> PhaseRegistration::Difference(const volume::CtVolume& phase,
                                                   const PhaseField* field, int num_threads) const {
   const volume::Geometry& grid = levels_[0].grid->geometry();
-  return Difference(LevelImage(Averaged(phase, grid, num_threads), num_threads), field);
+  return Difference(ModelImage(Averaged(phase, grid, num_threads), num_threads), field);
 }
 
 }  // namespace acus::breathing_registration

@@ -85,11 +85,11 @@ class PhaseRegistration {
  private:
   struct Level {
     std::shared_ptr<const SlidingGrid> grid;
-    std::shared_ptr<const LevelImage> reference;
+    std::shared_ptr<const ModelImage> reference;
     std::vector<float> trust;  ///< Of each node: less at the wall, where voxels hold both sides.
   };
-  volume::Grid<float> Difference(const LevelImage& phase, const PhaseField* field) const;
-  SlidingGrid::Field Refine(const Level& level, const LevelImage& phase, SlidingGrid::Field u,
+  volume::Grid<float> Difference(const ModelImage& phase, const PhaseField* field) const;
+  SlidingGrid::Field Refine(const Level& level, const ModelImage& phase, SlidingGrid::Field u,
                             int num_threads) const;
 
   RegistrationSettings settings_;

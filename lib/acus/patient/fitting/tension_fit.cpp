@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMostSamples = 400;
+constexpr std::size_t kMostCurveSamples = 400;
 constexpr std::size_t kFewestSamples = 20;
 constexpr double kSlopeShare = 0.05;         // Of the elongation, over which the slope is taken.
 constexpr double kYieldedShare = 1.0 / 3.0;  // Of the largest slope: no law here softens more.
@@ -83,7 +83,7 @@ Loading Thin(const TensionTest& test, std::size_t end) {
   const double area_mm2 = test.width_mm * test.thickness_mm;
   const double first_mm = test.elongation_mm[0];
   const double step_mm =
-      (test.elongation_mm[end - 1] - first_mm) / static_cast<double>(kMostSamples);
+      (test.elongation_mm[end - 1] - first_mm) / static_cast<double>(kMostCurveSamples);
   Loading loading;
   double sum_mm = 0.0;
   double sum_n = 0.0;

@@ -10,7 +10,7 @@ namespace acus::meshing {
 namespace {
 
 /// Faces between two materials in one block.
-struct Piece {
+struct FacePatch {
   std::uint64_t key = 0;  ///< Block, then pair of materials.
   double count = 0.0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -21,8 +21,8 @@ constexpr std::uint64_t kPairs = 64 * 64;  ///< At most 64 materials: interface_
 constexpr double kFewestFaces = 4.0;       ///< Fewer lie in one plane anyhow.
 
 /// Adds up the pieces with the same key; sorted by key.
-void Merge(std::vector<Piece>& pieces) {
-  std::ranges::stable_sort(pieces, {}, &Piece::key);
+void Merge(std::vector<FacePatch>& pieces) {
+  std::ranges::stable_sort(pieces, {}, &FacePatch::key);
   std::size_t last = 0;
   for (std::size_t n = 1; n < pieces.size(); ++n) {
     if (pieces[n].key == pieces[last].key) {
@@ -36,7 +36,7 @@ void Merge(std::vector<Piece>& pieces) {
   if (!pieces.empty()) pieces.resize(last + 1);
 }
 
-double DistanceFromPlane(const Piece& piece) {
+double DistanceFromPlane(const FacePatch& piece) {
   if (piece.count < kFewestFaces) return 0.0;
   const Eigen::Vector3d mean = piece.sum / piece.count;
   const Eigen::Matrix3d covariance = piece.squares / piece.count - mean * mean.transpose();
@@ -46,9 +46,9 @@ double DistanceFromPlane(const Piece& piece) {
 }
 
 /// The faces between voxels of the field, by block of level 0.
-std::vector<Piece> PiecesOf(const MaterialField& field, const BlockGrid& grid,
-                            const Eigen::Array3d& unit_mm) {
-  std::vector<Piece> out;
+std::vector<FacePatch> PiecesOf(const MaterialField& field, const BlockGrid& grid,
+                                const Eigen::Array3d& unit_mm) {
+  std::vector<FacePatch> out;
   const Eigen::Vector3i size = field.size();
   const Eigen::Vector3i blocks = grid.Size(0);
   Eigen::Vector3i v;
@@ -71,7 +71,7 @@ std::vector<Piece> PiecesOf(const MaterialField& field, const BlockGrid& grid,
                                             .max(0)
                                             .min(blocks.array() - 1);
           const Eigen::Vector3d scaled = x.array() / unit_mm;
-          Piece piece;
+          FacePatch piece;
           piece.key =
               grid.Index(0, block) * kPairs + std::min(here, there) * 64 + std::max(here, there);
           piece.count = 1.0;
@@ -82,7 +82,7 @@ std::vector<Piece> PiecesOf(const MaterialField& field, const BlockGrid& grid,
       }
     }
     // Neighbours in a slice mostly share a block: what is kept stays small.
-    std::vector<Piece> fresh(out.begin() + static_cast<std::ptrdiff_t>(slice), out.end());
+    std::vector<FacePatch> fresh(out.begin() + static_cast<std::ptrdiff_t>(slice), out.end());
     Merge(fresh);
     out.resize(slice);
     out.insert(out.end(), fresh.begin(), fresh.end());
@@ -96,11 +96,11 @@ std::vector<Piece> PiecesOf(const MaterialField& field, const BlockGrid& grid,
 InterfaceShape::InterfaceShape(const MaterialField& field, const BlockGrid& grid,
                                const Eigen::Array3d& unit_mm)
     : roughness_(grid.top + 1) {
-  std::vector<Piece> pieces = PiecesOf(field, grid, unit_mm);
+  std::vector<FacePatch> pieces = PiecesOf(field, grid, unit_mm);
   for (int level = 0; level <= grid.top; ++level) {
     const Eigen::Vector3i size = grid.Size(level);
     roughness_[level].assign(static_cast<std::size_t>(size.cast<double>().prod()), 0.0F);
-    for (Piece& piece : pieces) {
+    for (FacePatch& piece : pieces) {
       const std::uint64_t block = piece.key / kPairs;
       float& value = roughness_[level][block];
       value = std::max(value, static_cast<float>(DistanceFromPlane(piece)));

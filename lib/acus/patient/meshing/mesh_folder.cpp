@@ -38,7 +38,7 @@ void WriteFolder(const std::filesystem::path& target, const mesh::TetraMesh& mes
   quality.update(about);
   config::WriteJson(folder.path() / "quality.json", quality);
   WriteTextFile(folder.path() / "quality.svg",
-                MeshPictureSvg(mesh, tissues, centre_mm, min_dihedral_deg));
+                MeshImageSvg(mesh, tissues, centre_mm, min_dihedral_deg));
   FinishFolder(folder, mesh, config, context);
 }
 

@@ -168,8 +168,8 @@ json ToJson(const SurfaceDistance& distance) {
           {"samples", distance.num_samples}};
 }
 
-std::string MeshPictureSvg(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& tissues,
-                           const Eigen::Vector3d& centre_mm, double min_dihedral_deg) {
+std::string MeshImageSvg(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& tissues,
+                         const Eigen::Vector3d& centre_mm, double min_dihedral_deg) {
   const double second = 2 * kMarginPx + kPanelPx;
   const double below = 4 * kMarginPx + kPanelPx;
   const double height = below + std::max(200.0, 30.0 + 18.0 * static_cast<double>(tissues.size()));

@@ -1,4 +1,4 @@
-// What a mesh is like: numbers for quality.json, and a picture.
+// What a mesh is like: numbers for quality.json, and an image.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -18,8 +18,8 @@ nlohmann::json ToJson(const SurfaceDistance& distance);
 
 /// SVG: two cuts through the mesh at `centre_mm` (axial, sagittal) coloured by tissue, a histogram
 /// of the dihedral angles with the limit, and a table of volumes.
-std::string MeshPictureSvg(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& tissues,
-                           const Eigen::Vector3d& centre_mm, double min_dihedral_deg);
+std::string MeshImageSvg(const mesh::TetraMesh& mesh, const std::vector<TissueVolume>& tissues,
+                         const Eigen::Vector3d& centre_mm, double min_dihedral_deg);
 
 /// The centre of the mesh's bounding box.
 Eigen::Vector3d CentreOf(const mesh::TetraMesh& mesh);

@@ -155,7 +155,7 @@ void TryEntry(const PatientField& field, const PlanSettings& settings, const Vec
   for (int side = 0; side < 4; ++side) {
     const double turn = 90.0 * side * math::kRadPerDegree;
     const Vector3d heading = tangent.linear() * Vector3d(std::cos(turn), std::sin(turn), 0.0);
-    // The same for all paths of a side, and dear: found when the first of them needs it.
+    // The same for all paths of a side, and expensive: found when the first of them needs it.
     std::optional<std::optional<double>> uneven;
     for (const double tilt_deg : {20.0, 30.0, 40.0}) {
       const double tilt = tilt_deg * math::kRadPerDegree;

@@ -238,7 +238,7 @@ void MeasureInside(const LatticeField& field, const Tissues& tissues, WarpQualit
   quality.bone_strain = math::Quantile(strains, 0.95);
 }
 
-void Judge(const std::vector<Pair>& last, const WarpSettings& settings, WarpQuality& quality) {
+void Assess(const std::vector<Pair>& last, const WarpSettings& settings, WarpQuality& quality) {
   const auto gaps_mm = Gaps(last);
   quality.num_points = static_cast<Index>(gaps_mm.size());
   quality.num_left_out = static_cast<Index>(last.size() - gaps_mm.size());
@@ -309,7 +309,7 @@ SurfaceWarp WarpToMannequin(const volume::LabelMap& labels, const mesh::Surface&
     body.Solve(Springs(pairs, stiffness), warp.field, context.num_threads);
   }
   MeasureInside(warp.field, tissues, warp.quality);
-  Judge(pairs, settings, warp.quality);
+  Assess(pairs, settings, warp.quality);
   context.Checkpoint("warping", 1.0);
   return warp;
 }

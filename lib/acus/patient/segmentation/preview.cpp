@@ -15,12 +15,12 @@ namespace {
 
 constexpr double kWindowLowHu = -160.0;
 constexpr double kWindowHighHu = 240.0;
-constexpr int kPictureSize = 900;  ///< Pixels of the longer side.
+constexpr int kImageSize = 900;  ///< Pixels of the longer side.
 constexpr int kLegendWidth = 190;
 constexpr double kFontScale = 0.5;
 const cv::Scalar kWhite(255, 255, 255);
 
-/// How a plane lies in the picture: patient axes (0 = L, 1 = P, 2 = S) to the right and down, with
+/// How a plane lies in the image: patient axes (0 = L, 1 = P, 2 = S) to the right and down, with
 /// sign, and the letters of the four sides.
 struct View {
   int right_axis;
@@ -88,7 +88,7 @@ class Slice {
     nv_ = g.size[v_axis_];
     const double width_mm = nu_ * g.spacing_mm[u_axis_];
     const double height_mm = nv_ * g.spacing_mm[v_axis_];
-    pixels_per_mm_ = kPictureSize / std::max(width_mm, height_mm);
+    pixels_per_mm_ = kImageSize / std::max(width_mm, height_mm);
     width_ = std::max(1, static_cast<int>(std::lround(width_mm * pixels_per_mm_)));
     height_ = std::max(1, static_cast<int>(std::lround(height_mm * pixels_per_mm_)));
   }
@@ -111,8 +111,8 @@ class Slice {
   double pixels_per_mm_;
 };
 
-cv::Mat Picture(const volume::CtVolume& ct, const volume::LabelMap& labels, const Slice& slice) {
-  cv::Mat picture(slice.height(), slice.width() + kLegendWidth, CV_8UC3, cv::Scalar(0, 0, 0));
+cv::Mat Image(const volume::CtVolume& ct, const volume::LabelMap& labels, const Slice& slice) {
+  cv::Mat image(slice.height(), slice.width() + kLegendWidth, CV_8UC3, cv::Scalar(0, 0, 0));
   const auto label_at = [&](int x, int y) {
     const Eigen::Array3i v = slice.VoxelAt(x, y);
     return labels.At(v[0], v[1], v[2]);
@@ -123,7 +123,7 @@ cv::Mat Picture(const volume::CtVolume& ct, const volume::LabelMap& labels, cons
       const double hu = ct.At(v[0], v[1], v[2]);
       const double grey = 255.0 * (hu - kWindowLowHu) / (kWindowHighHu - kWindowLowHu);
       const auto level = static_cast<std::uint8_t>(std::clamp(grey, 0.0, 255.0));
-      cv::Vec3b& pixel = picture.at<cv::Vec3b>(y, x);
+      cv::Vec3b& pixel = image.at<cv::Vec3b>(y, x);
       pixel = {level, level, level};
       // The outline is drawn on the side of the label with the higher number, one pixel wide.
       const volume::Label here = label_at(x, y);
@@ -132,31 +132,31 @@ cv::Mat Picture(const volume::CtVolume& ct, const volume::LabelMap& labels, cons
       if (beside != here || below != here) pixel = Bgr(std::max({here, beside, below}));
     }
   }
-  return picture;
+  return image;
 }
 
-void Text(cv::Mat& picture, const std::string& text, int x, int y) {
-  cv::putText(picture, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, kFontScale, kWhite, 1, cv::LINE_AA);
+void Text(cv::Mat& image, const std::string& text, int x, int y) {
+  cv::putText(image, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, kFontScale, kWhite, 1, cv::LINE_AA);
 }
 
-void DrawLegend(cv::Mat& picture, const volume::LabelMap& labels, int left) {
+void DrawLegend(cv::Mat& image, const volume::LabelMap& labels, int left) {
   int y = 26;
   for (const auto& [label, name] : labels.names) {
     if (label == 0) continue;
     const cv::Vec3b colour = Bgr(label);
-    cv::rectangle(picture, {left + 12, y - 11, 16, 12}, cv::Scalar(colour), cv::FILLED);
-    Text(picture, name, left + 36, y);
+    cv::rectangle(image, {left + 12, y - 11, 16, 12}, cv::Scalar(colour), cv::FILLED);
+    Text(image, name, left + 36, y);
     y += 22;
   }
 }
 
-void DrawScaleBar(cv::Mat& picture, const Slice& slice) {
+void DrawScaleBar(cv::Mat& image, const Slice& slice) {
   const double width_mm = slice.width() / slice.pixels_per_mm();
   const int bar_mm = width_mm > 250.0 ? 100 : width_mm > 100.0 ? 50 : 10;
   const int length = static_cast<int>(std::lround(bar_mm * slice.pixels_per_mm()));
   const int y = slice.height() - 14;
-  cv::rectangle(picture, {14, y, length, 4}, kWhite, cv::FILLED);
-  Text(picture, Message(bar_mm, " mm"), 14, y - 8);
+  cv::rectangle(image, {14, y, length, 4}, kWhite, cv::FILLED);
+  Text(image, Message(bar_mm, " mm"), 14, y - 8);
 }
 
 }  // namespace
@@ -177,17 +177,17 @@ void WritePreview(const std::filesystem::path& path, const volume::CtVolume& ct,
                "a preview needs CT and labels on one grid");
   const Slice slice(ct.geometry, plane, voxel);
   const View view = ViewOf(plane);
-  cv::Mat picture = Picture(ct, labels, slice);
-  DrawLegend(picture, labels, slice.width());
-  DrawScaleBar(picture, slice);
-  Text(picture, view.left, 6, slice.height() / 2);
-  Text(picture, view.right, slice.width() - 18, slice.height() / 2);
-  Text(picture, view.top, slice.width() / 2, 18);
-  Text(picture, view.bottom, slice.width() / 2, slice.height() - 6);
+  cv::Mat drawing = Image(ct, labels, slice);
+  DrawLegend(drawing, labels, slice.width());
+  DrawScaleBar(drawing, slice);
+  Text(drawing, view.left, 6, slice.height() / 2);
+  Text(drawing, view.right, slice.width() - 18, slice.height() / 2);
+  Text(drawing, view.top, slice.width() / 2, 18);
+  Text(drawing, view.bottom, slice.width() / 2, slice.height() - 6);
   image::ColourImage image;
-  image.Resize(picture.cols, picture.rows);
-  cv::Mat rgb(picture.rows, picture.cols, CV_8UC3, image.rgb.data());
-  cv::cvtColor(picture, rgb, cv::COLOR_BGR2RGB);
+  image.Resize(drawing.cols, drawing.rows);
+  cv::Mat rgb(drawing.rows, drawing.cols, CV_8UC3, image.rgb.data());
+  cv::cvtColor(drawing, rgb, cv::COLOR_BGR2RGB);
   image::WritePng(path, image);
 }
 

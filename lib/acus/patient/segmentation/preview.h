@@ -1,4 +1,4 @@
-// Pictures by which a person judges a segmentation.
+// Images by which a person judges a segmentation.
 #pragma once
 
 #include <Eigen/Core>

@@ -41,7 +41,7 @@ Float4 Lerp(Float4 a, Float4 b, float fraction) noexcept {
   return a + fraction * (b - a);
 }
 
-/// A picture looks at places all over a field that may have a gigabyte: with pages of 4 kB most
+/// An image looks at places all over a field that may have a gigabyte: with pages of 4 kB most
 /// looks would first have to look up the page. Where large pages are not to be had, it is slower.
 std::vector<std::int16_t> ZerosOnLargePages(std::size_t count) {
   constexpr std::uintptr_t kLargePage = std::uintptr_t{1} << 21;

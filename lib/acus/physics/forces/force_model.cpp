@@ -68,7 +68,7 @@ const NeedleTrack& TrackOf(const ForceState& state) noexcept {
 ForceState ForceModel::NewState() const {
   return std::visit(
       []<class Model>(const Model&) -> ForceState { return typename StateOf<Model>::type(); },
-      level_);
+      model_);
 }
 
 NeedleForce ForceModel::Step(ForceState& state, const NeedleInput& input) const noexcept {
@@ -76,7 +76,7 @@ NeedleForce ForceModel::Step(ForceState& state, const NeedleInput& input) const 
       [&]<class Model>(const Model& model) {
         return model.Step(*std::get_if<typename StateOf<Model>::type>(&state), input);
       },
-      level_);
+      model_);
 }
 
 NeedleForce ForceModel::StepAlong(ForceState& state, const NeedleInput& input,
@@ -87,11 +87,11 @@ NeedleForce ForceModel::StepAlong(ForceState& state, const NeedleInput& input,
         auto& of_model = *std::get_if<typename StateOf<Model>::type>(&state);
         return Swept(model, of_model, input, tissue, events);
       },
-      level_);
+      model_);
 }
 
 const ForceTable& ForceModel::table() const {
-  return std::visit([](const auto& model) -> const ForceTable& { return model.table(); }, level_);
+  return std::visit([](const auto& model) -> const ForceTable& { return model.table(); }, model_);
 }
 
 }  // namespace acus::forces

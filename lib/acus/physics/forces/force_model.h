@@ -20,8 +20,8 @@ const NeedleTrack& TrackOf(const ForceState& state) noexcept;
 /// One of the models. Const after construction: any number of states may step side by side.
 class ForceModel {
  public:
-  using Level = std::variant<NeedleForceModel, AlamillaModel, VidalModel, MeasuredModel>;
-  explicit ForceModel(Level level) : level_(std::move(level)) {}
+  using Model = std::variant<NeedleForceModel, AlamillaModel, VidalModel, MeasuredModel>;
+  explicit ForceModel(Model model) : model_(std::move(model)) {}
 
   ForceState NewState() const;
 
@@ -41,7 +41,7 @@ class ForceModel {
   const ForceTable& table() const;
 
  private:
-  Level level_;
+  Model model_;
 };
 
 }  // namespace acus::forces

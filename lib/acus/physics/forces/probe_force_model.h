@@ -17,8 +17,8 @@ const SampleGate& GateOf(const ProbeForceState& state) noexcept;
 /// One of the models. Const after construction: any number of states may step side by side.
 class ProbeForceModel {
  public:
-  using Level = std::variant<VidalProbe, MultiProxyProbe>;
-  explicit ProbeForceModel(Level level) : level_(std::move(level)) {}
+  using Model = std::variant<VidalProbe, MultiProxyProbe>;
+  explicit ProbeForceModel(Model model) : model_(std::move(model)) {}
 
   ProbeForceState NewState() const;
 
@@ -30,7 +30,7 @@ class ProbeForceModel {
   double LargestForceN() const noexcept;
 
  private:
-  Level level_;
+  Model model_;
 };
 
 }  // namespace acus::forces

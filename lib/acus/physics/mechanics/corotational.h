@@ -1,4 +1,4 @@
-// Displacements of a mesh that is turned and bent far: the dear level of elasticity.
+// Displacements of a mesh that is turned and bent far: the expensive model of elasticity.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// The 3D finite element level: a rigid needle and a probe in contact with elastic tissue, by stick
+// The 3D finite element model: a rigid needle and a probe in contact with elastic tissue, by stick
 // and slip, from the condensed compliance. Equations and limits: docs/models/tissue_contact.md.
 //
 // After DiMaio and Salcudean (2003, IEEE Trans. Robotics and Automation 19(5):864-875; 2005, IEEE

@@ -241,7 +241,8 @@ forces::NeedleEvent FemNeedleModel::Cut(FemNeedleState& state) const noexcept {
     }
     state.end_tissue = label;
   }
-  // Its row of A is the dearest part of a step, and hardly changes over a small part of the ball.
+  // Its row of A is the most expensive part of a step, and hardly changes over a small part of the
+  // ball.
   if ((state.end_mm - state.placed_mm).norm() > kReplaceMm) PlaceTip(state, state.frame.col(2));
   return event;
 }

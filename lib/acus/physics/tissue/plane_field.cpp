@@ -14,11 +14,11 @@ constexpr double kAirFadeMm = 10.0;  // Above the skin displacements are gone af
 }  // namespace
 
 PlaneField2010::PlaneField2010(const PlaneModel2010& model)
-    : model_(&model), node_mm_(Eigen::Matrix2Xd::Zero(2, model.grid().num_nodes())) {
+    : model_(&model), node_mm_(Eigen::Matrix2Xd::Zero(2, model.planes().grid().num_nodes())) {
   Eigen::Index most_dofs = 0;
-  for (int plane = 0; plane < model.num_planes(); ++plane) {
+  for (int plane = 0; plane < model.planes().count(); ++plane) {
     air_.push_back(AirOf(plane));
-    most_dofs = std::max(most_dofs, model.compliance(plane).rows());
+    most_dofs = std::max(most_dofs, model.planes().compliance(plane).rows());
   }
   dof_mm_.setZero(most_dofs);
 }
@@ -26,9 +26,9 @@ PlaneField2010::PlaneField2010(const PlaneModel2010& model)
 /// The nodes above the skin that move with it.
 std::vector<PlaneField2010::AirNode> PlaneField2010::AirOf(int plane) const {
   const PlaneModel2010& model = *model_;
-  const std::vector<int>& dof_of = model.dof_of_node(plane);
+  const std::vector<int>& dof_of = model.planes().dof_of_node(plane);
   std::vector<AirNode> nodes;
-  const mechanics::PlaneGrid& grid = model.grid();
+  const mechanics::PlaneGrid& grid = model.planes().grid();
   const int reach = static_cast<int>(std::ceil(kAirFadeMm / grid.spacing_mm));
   for (int row = 1; row + 1 < grid.rows; ++row) {  // The border stays where it is.
     for (int column = 1; column + 1 < grid.columns; ++column) {
@@ -47,7 +47,7 @@ std::vector<PlaneField2010::AirNode> PlaneField2010::AirOf(int plane) const {
         }
       }
       air.share = Fade(nearest_mm / kAirFadeMm);
-      if (air.with >= 0 && model.IsAir(node, plane)) nodes.push_back(air);
+      if (air.with >= 0 && model.planes().IsAir(node, plane)) nodes.push_back(air);
     }
   }
   return nodes;
@@ -57,11 +57,11 @@ void PlaneField2010::Update(const TissueLoad& load) noexcept {
   active_ = load.needle.in_contact && load.num_points > 0;
   if (!active_) return;
   const PlaneModel2010& model = *model_;
-  const mechanics::PlaneGrid& grid = model.grid();
+  const mechanics::PlaneGrid& grid = model.planes().grid();
   frame_ = load.plane;
-  const int plane = std::clamp(frame_.tissue, 0, model.num_planes() - 1);
-  const std::vector<int>& dof_of = model.dof_of_node(plane);
-  const Eigen::MatrixXd& compliance = model.compliance(plane);
+  const int plane = std::clamp(frame_.tissue, 0, model.planes().count() - 1);
+  const std::vector<int>& dof_of = model.planes().dof_of_node(plane);
+  const Eigen::MatrixXd& compliance = model.planes().compliance(plane);
   auto dof_mm = dof_mm_.head(compliance.rows());
   dof_mm.setZero();
   for (int i = 0; i < load.num_points; ++i) {
@@ -91,7 +91,7 @@ Eigen::Vector3d PlaneField2010::DisplacementMm(
   const Eigen::Vector3d at_mm = frame_.ToPlaneMm(rest_in_ct_mm);
   const double fade = Fade(std::abs(at_mm.z()) / model_->settings().image_fade_mm);
   if (!(fade > 0.0)) return Eigen::Vector3d::Zero();
-  const auto place = model_->grid().PlaceOf(at_mm.head<2>());
+  const auto place = model_->planes().grid().PlaceOf(at_mm.head<2>());
   if (place.triangle < 0) return Eigen::Vector3d::Zero();
   Eigen::Vector2d moved_mm = Eigen::Vector2d::Zero();
   for (int k = 0; k < 3; ++k) moved_mm += place.weight[k] * node_mm_.col(place.node[k]);

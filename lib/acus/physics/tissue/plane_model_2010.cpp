@@ -1,9 +1,7 @@
 #include "acus/physics/tissue/plane_model_2010.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "acus/base/core/error.h"
@@ -18,36 +16,12 @@ constexpr int kMostSubsteps = 64;  // In one step: half a spacing each.
 constexpr double kSlackMm = 0.05;
 constexpr double kTremorMm = 1.0;
 constexpr double kEscapeMm = 20.0;
-constexpr double kLeastPathCosine = 0.2;     // Between needle and path.
-constexpr double kLeastImageSine = 0.3;      // Between needle and the image's normal.
-constexpr double kLeastPlannedCosine = 0.5;  // Between needle and planned axis.
+constexpr double kLeastPathCosine = 0.2;  // Between needle and path.
 constexpr int kBisections = 30;
 
 /// Of the grid, along which the path goes on by one layer of nodes after the other.
 int MajorAxis(const Eigen::Vector2d& along) {
   return std::abs(along.y()) >= std::abs(along.x()) ? 1 : 0;
-}
-
-void CheckSettings(const PlaneSettings& s, double needle_mm) {
-  ACUS_REQUIRE(s.spacing_mm > 0.0, "spacing_mm is ", s.spacing_mm, "; allowed: above 0");
-  for (const double size_mm : {s.width_mm, s.depth_mm}) {
-    ACUS_REQUIRE(size_mm >= 2.0 * s.spacing_mm && size_mm <= 1000.0 * s.spacing_mm, "width_mm is ",
-                 s.width_mm, " and depth_mm ", s.depth_mm,
-                 "; allowed: 2 to 1000 times spacing_mm, ", s.spacing_mm);
-  }
-  ACUS_REQUIRE(s.above_mm >= 0.0 && s.above_mm <= 1000.0 * s.spacing_mm, "above_mm is ", s.above_mm,
-               "; allowed: 0 to 1000 times spacing_mm");
-  const double cells = (s.width_mm / s.spacing_mm) * ((s.depth_mm + s.above_mm) / s.spacing_mm);
-  ACUS_REQUIRE(cells <= 10000.0, "the plane has ", cells,
-               " cells; allowed: up to 10000, for which the inverse takes 3 GB; take a larger "
-               "spacing_mm or a smaller region");
-  ACUS_REQUIRE(s.thickness_mm >= 0.0 && std::isfinite(s.thickness_mm), "thickness_mm is ",
-               s.thickness_mm, "; allowed: above 0, or 0 to choose it by the width");
-  ACUS_REQUIRE(s.width_mm > 8.0 * needle_mm, "width_mm is ", s.width_mm,
-               "; allowed: more than four diameters of the needle");
-  ACUS_REQUIRE(s.lateral_limit_n_per_mm > 0.0 && s.image_fade_mm > 0.0 && s.force_error_n > 0.0,
-               "lateral_limit_n_per_mm is ", s.lateral_limit_n_per_mm, ", image_fade_mm ",
-               s.image_fade_mm, " and force_error_n ", s.force_error_n, "; allowed: above 0");
 }
 
 }  // namespace
@@ -67,107 +41,15 @@ PlaneModel2010::PlaneModel2010(const PlaneSettings& settings, const PlanePlaceme
                                const mechanics::ElasticityTable& elasticity, TissueAt tissue_at)
     : settings_(settings),
       table_(forces.ScaledTo(needle.beam.outer_diameter_mm)),
-      tissue_at_(std::move(tissue_at)) {
-  ACUS_ASSERT(tissue_at_ != nullptr);
-  const double needle_mm = 0.5 * needle.beam.outer_diameter_mm;
-  CheckSettings(settings, needle_mm);
-  if (settings_.thickness_mm == 0.0) {
-    const double half_mm = 0.5 * settings.width_mm;
-    settings_.thickness_mm = std::numbers::pi * half_mm / std::log(half_mm / needle_mm);
-  }
-  const Eigen::Vector3d normal = placement.across_in_ct.cross(placement.axis_in_ct);
-  ACUS_REQUIRE(
-      placement.entry_in_ct_mm.allFinite() &&
-          normal.norm() > 1e-6 * placement.across_in_ct.norm() * placement.axis_in_ct.norm(),
-      "the plane's axis and the direction across it are parallel, zero or not finite");
-  ACUS_REQUIRE(settings.num_turned >= 0 && settings.num_turned <= 32, "num_turned is ",
-               settings.num_turned, "; allowed: 0 to 32");
-  ACUS_REQUIRE(settings.num_turned == 0 || settings.update == PlaneUpdate::kRestricted,
-               "a plane that turns needs the restricted update");
-  const double h = settings.spacing_mm;
-  half_columns_ = static_cast<int>(std::lround(0.5 * settings.width_mm / h));
-  rows_above_ = static_cast<int>(std::lround(settings.above_mm / h));
-  grid_.spacing_mm = h;
-  grid_.columns = 2 * half_columns_ + 1;  // The planned path is a line of nodes.
-  grid_.rows = rows_above_ + static_cast<int>(std::lround(settings.depth_mm / h)) + 1;
-  entry_in_ct_mm_ = placement.entry_in_ct_mm;
-  const Eigen::Vector3d axis = placement.axis_in_ct.normalized();
-  for (int i = 0; i < std::max(1, settings.num_turned); ++i) {
-    const double turn_rad = i == 0 ? 0.0 : std::numbers::pi * i / settings.num_turned;
-    const Eigen::Vector3d turned = i == 0 ? Eigen::Vector3d(normal.normalized())
-                                          : Eigen::AngleAxisd(turn_rad, axis) * normal.normalized();
-    plane_.push_back(MakePlane(FrameThrough(entry_in_ct_mm_, axis, turned), elasticity));
-    plane_.back().frame.tissue = i;
-  }
-}
-
-PlaneFrame PlaneModel2010::FrameThrough(const Eigen::Vector3d& entry_in_ct_mm,
-                                        const Eigen::Vector3d& axis,
-                                        const Eigen::Vector3d& normal) const noexcept {
-  PlaneFrame frame;
-  frame.ct_from_plane.col(1) = axis;
-  frame.ct_from_plane.col(2) = normal;
-  frame.ct_from_plane.col(0) = axis.cross(normal);
-  const double h = grid_.spacing_mm;
-  frame.origin_in_ct_mm =
-      entry_in_ct_mm - half_columns_ * h * frame.ct_from_plane.col(0) - rows_above_ * h * axis;
-  return frame;
-}
-
-PlaneModel2010::Elastic PlaneModel2010::MakePlane(
-    const PlaneFrame& frame, const mechanics::ElasticityTable& elasticity) const {
-  std::vector<mechanics::ElasticTissue> tissue(grid_.num_triangles());
-  std::vector<char> fixed(grid_.num_nodes(), 0);
-  for (int t = 0; t < grid_.num_triangles(); ++t) {
-    const volume::Label label = LabelAt(frame, grid_.CentroidMm(t));
-    tissue[t].youngs_modulus_mpa = mechanics::kEmptyMpa;
-    if (label == 0) continue;
-    if (table_.tissue[label].impenetrable) {
-      for (const int node : grid_.Triangle(t)) fixed[node] = 1;
-    } else {
-      tissue[t] = elasticity.At(label);
-    }
-  }
-  for (int node = 0; node < grid_.num_nodes(); ++node) {  // The rest of the body holds the region.
-    const int column = node % grid_.columns;
-    const int row = node / grid_.columns;
-    if (column == 0 || row == 0 || column == grid_.columns - 1 || row == grid_.rows - 1) {
-      fixed[node] = 1;
-    }
-  }
-  mechanics::EmptyUnsupported(grid_, fixed, tissue);
-  mechanics::PlaneCompliance inverse =
-      mechanics::InvertPlane(grid_, tissue, fixed, mechanics::Dilatation::kCell);
-  inverse.matrix /= settings_.thickness_mm;
-  return {frame, std::move(inverse.dof_of_node), std::move(fixed),
-          std::make_shared<const Eigen::MatrixXd>(std::move(inverse.matrix))};
-}
-
-PlaneFrame PlaneModel2010::FrameFor(const Eigen::Vector3d& tip_in_ct_mm,
-                                    const Eigen::Vector3d& axis_in_ct,
-                                    const Eigen::Vector3d& image_normal_in_ct,
-                                    const PlaneFrame& present) const noexcept {
-  const Eigen::Vector3d planned = plane_.front().frame.ct_from_plane.col(1);
-  Eigen::Vector3d normal = image_normal_in_ct - image_normal_in_ct.dot(axis_in_ct) * axis_in_ct;
-  const double size = normal.norm();
-  if (!(size > kLeastImageSine && axis_in_ct.dot(planned) > kLeastPlannedCosine)) return present;
-  normal /= size;
-  const Eigen::Vector3d along = (planned - planned.dot(normal) * normal).normalized();
-  const Eigen::Vector3d across = along.cross(normal);
-  int nearest = 0;
-  double cosine = 0.0;
-  for (int i = 0; i < num_planes(); ++i) {
-    const double here = across.dot(Of(i).frame.ct_from_plane.col(0));
-    if (std::abs(here) <= std::abs(cosine)) continue;
-    nearest = i;
-    cosine = here;
-  }
-  if (cosine < 0.0) normal = -normal;  // The same plane, seen as the elastic one is.
-  const Eigen::Vector3d entry_mm =
-      entry_in_ct_mm_ + (tip_in_ct_mm - entry_in_ct_mm_).dot(normal) * normal;
-  PlaneFrame frame = FrameThrough(entry_mm, along, normal);
-  frame.tissue = nearest;
-  return frame;
+      tissue_at_(std::move(tissue_at)),
+      planes_(settings, placement, table_, elasticity, 0.5 * needle.beam.outer_diameter_mm,
+              tissue_at_) {
+  ACUS_REQUIRE(settings.lateral_limit_n_per_mm > 0.0 && settings.image_fade_mm > 0.0 &&
+                   settings.force_error_n > 0.0,
+               "lateral_limit_n_per_mm is ", settings.lateral_limit_n_per_mm, ", image_fade_mm ",
+               settings.image_fade_mm, " and force_error_n ", settings.force_error_n,
+               "; allowed: above 0");
+  settings_.thickness_mm = planes_.thickness_mm();
 }
 
 /// The plane follows needle and image while it holds no needle: no force can jump then.
@@ -175,9 +57,9 @@ void PlaneModel2010::Lay(PlaneState& state, const ToolSample& sample) const noex
   if (settings_.num_turned == 0 || state.in_body || !sample.probe_valid) return;
   const Eigen::Vector3d image_normal = sample.ct_from_probe.linear().col(2);
   if (!image_normal.allFinite()) return;
-  state.frame =
-      FrameFor(sample.tip_in_ct_mm, sample.axis_in_ct.normalized(), image_normal, state.frame);
-  state.contact.Refer(compliance(state.frame.tissue));
+  state.frame = planes_.FrameFor(sample.tip_in_ct_mm, sample.axis_in_ct.normalized(), image_normal,
+                                 state.frame);
+  state.contact.Refer(planes_.compliance(state.frame.tissue));
   if (!state.gate.started) return;
   state.tip_in_plane_mm = state.frame.ToPlaneMm(state.tip_in_ct_mm).head<2>();
   const Eigen::Vector2d axis = state.frame.DirectionInPlane(state.axis_in_ct).head<2>();
@@ -209,17 +91,17 @@ PlaneModel2010 PlaneModel2010::WithUpdate(PlaneUpdate update) const {
   other.settings_.update = update;
   if (update == PlaneUpdate::kFull) {
     other.settings_.num_turned = 0;
-    other.plane_.resize(1);
+    other.planes_ = planes_.OnlyPlanned();
   }
   return other;
 }
 
 PlaneState PlaneModel2010::NewState() const {
   PlaneState state;
-  const int capacity = std::min(kMostNodes, std::max(grid_.rows, grid_.columns));
-  state.contact = PlaneContact(compliance(), 2 * capacity, settings_.update);
+  const int capacity = std::min(kMostNodes, std::max(planes_.grid().rows, planes_.grid().columns));
+  state.contact = PlaneContact(planes_.compliance(), 2 * capacity, settings_.update);
   state.node.resize(capacity);
-  state.frame = planned();
+  state.frame = planes_.planned();
   return state;
 }
 
@@ -327,15 +209,15 @@ void PlaneModel2010::StartPath(PlaneState& state, const Eigen::Vector2d& along,
 /// the region.
 int PlaneModel2010::NodeOfLayer(const PlaneState& state, int layer) const noexcept {
   const int major = MajorAxis(state.along);
-  const int layers = major == 1 ? grid_.rows : grid_.columns;
-  const int across = major == 1 ? grid_.columns : grid_.rows;
+  const int layers = major == 1 ? planes_.grid().rows : planes_.grid().columns;
+  const int across = major == 1 ? planes_.grid().columns : planes_.grid().rows;
   if (layer < 0 || layer >= layers) return -1;
   const double h = settings_.spacing_mm;
   const double at_mm = (layer * h - state.entry_mm[major]) / state.along[major];
   const double place = (state.entry_mm[1 - major] + at_mm * state.along[1 - major]) / h;
   if (!(place > -0.5 && place < across - 0.5)) return -1;
   const int index = std::clamp(static_cast<int>(std::lround(place)), 0, across - 1);
-  return major == 1 ? grid_.Node(index, layer) : grid_.Node(layer, index);
+  return major == 1 ? planes_.grid().Node(index, layer) : planes_.grid().Node(layer, index);
 }
 
 int PlaneModel2010::LayerStep(const PlaneState& state) noexcept {
@@ -349,7 +231,7 @@ bool PlaneModel2010::AppendNode(PlaneState& state, double travel_mm) const noexc
   const int step = LayerStep(state);
   int layer = state.next_layer;
   int node = NodeOfLayer(state, layer);
-  const std::vector<int>& dof_of = dof_of_node(state.frame.tissue);
+  const std::vector<int>& dof_of = planes_.dof_of_node(state.frame.tissue);
   while (node >= 0 && dof_of[node] < 0) {
     // Air above the skin is passed over; a fixed node is the end of what can move.
     if (state.num_nodes > 0) return false;
@@ -357,7 +239,7 @@ bool PlaneModel2010::AppendNode(PlaneState& state, double travel_mm) const noexc
     node = NodeOfLayer(state, layer);
   }
   if (node < 0) return false;
-  const Eigen::Vector2d rest_mm = grid_.PositionMm(node);
+  const Eigen::Vector2d rest_mm = planes_.grid().PositionMm(node);
   PlaneNode& added = state.node[state.num_nodes];
   added.node = node;
   added.at_mm = (rest_mm - state.entry_mm).dot(state.along);
@@ -381,7 +263,7 @@ void PlaneModel2010::LoadOf(const PlaneState& state, TissueLoad& out) const noex
   for (int q = 0; q < state.num_nodes; ++q) {
     const Eigen::Vector2d force_n =
         state.contact.ForceN(2 * q) * state.along + state.contact.ForceN(2 * q + 1) * across;
-    out.point[q].rest_in_ct_mm = state.frame.ToCtMm(grid_.PositionMm(state.node[q].node));
+    out.point[q].rest_in_ct_mm = state.frame.ToCtMm(planes_.grid().PositionMm(state.node[q].node));
     out.point[q].force_in_ct_n = state.frame.DirectionInCt(force_n);
   }
   out.num_points = state.num_nodes;

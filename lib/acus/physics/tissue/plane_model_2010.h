@@ -1,17 +1,16 @@
-// The 2D tissue of 2010 as a level of its own: triangles in one plane through the planned path,
+// The 2D tissue of 2010 as a model of its own: triangles in one plane through the planned path,
 // plane strain, an explicit inverse, and nodes that stick to the needle or slip along it.
 //
 // Augmented-2010, section II.B and III, after DiMaio and Salcudean; docs/models/tissue_2d_2010.md.
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
 #include <vector>
 
 #include "acus/physics/forces/force_table.h"
 #include "acus/physics/forces/needle_force.h"
 #include "acus/physics/mechanics/elasticity_table.h"
-#include "acus/physics/mechanics/plane_strain.h"
+#include "acus/physics/tissue/elastic_planes.h"
 #include "acus/physics/tissue/plane_contact.h"
 #include "acus/physics/tissue/sample_gate.h"
 #include "acus/physics/tissue/tissue_at.h"
@@ -19,32 +18,6 @@
 #include "acus/physics/tissue/tool_sample.h"
 
 namespace acus::tissue {
-
-struct PlaneSettings {
-  double spacing_mm = 3.0;  ///< Of the nodes.
-  double width_mm = 90.0;   ///< Of the region, across the planned path.
-  double depth_mm = 90.0;   ///< Of the region below the planned entry.
-  double above_mm = 12.0;   ///< And above it.
-  /// How thick a slab the plane stands for. 0: pi R / ln(R / a), R half the width and a the radius
-  /// of the needle, for which the shear stiffness of a shaft is that of a rod in 3D.
-  double thickness_mm = 0.0;
-  double lateral_limit_n_per_mm = 0.3;  ///< Force across the shaft at which tissue is torn.
-  double image_fade_mm = 20.0;          ///< Out of the plane, displacements fade to 0 within it.
-  double force_error_n = 1e-10;         ///< Bound of the residual monitor.
-  PlaneUpdate update = PlaneUpdate::kRestricted;
-  /// Above 0: while the needle touches nothing, the plane is laid through it, as parallel as
-  /// possible to the image of a probe that is there. Its elastic constants are then those of the
-  /// nearest of so many planes around the planned axis, each with an inverse of its own. 0: it
-  /// stays where it was planned. Not with kFull.
-  int num_turned = 0;
-};
-
-/// Where the plane is. Plane coordinates (x, y) are along `across` and `axis`, from the corner.
-struct PlanePlacement {
-  Eigen::Vector3d entry_in_ct_mm = Eigen::Vector3d::Zero();  ///< Planned, on the skin.
-  Eigen::Vector3d axis_in_ct = Eigen::Vector3d::UnitZ();     ///< Planned direction, any length > 0.
-  Eigen::Vector3d across_in_ct = Eigen::Vector3d::UnitX();   ///< Any not parallel to the axis.
-};
 
 /// A node that the needle touches.
 struct PlaneNode {
@@ -95,9 +68,7 @@ struct PlaneState {
 
 class PlaneModel2010 {
  public:
-  /// Cost: the inverse of the plane, see mechanics::InvertPlane.
-  /// @throws InputError for settings out of range, a tissue that `elasticity` has no row for, or a
-  ///     plane in which nothing can move.
+  /// Cost and errors as ElasticPlanes. @throws InputError also for a limit that is not above 0.
   PlaneModel2010(const PlaneSettings& settings, const PlanePlacement& placement,
                  const forces::ForceTable& forces, const forces::NeedleProperties& needle,
                  const mechanics::ElasticityTable& elasticity, TissueAt tissue_at);
@@ -116,54 +87,12 @@ class PlaneModel2010 {
   void LoadOf(const PlaneState& state, TissueLoad& out) const noexcept;
 
   const PlaneSettings& settings() const { return settings_; }
-  const mechanics::PlaneGrid& grid() const { return grid_; }
-  int num_planes() const { return static_cast<int>(plane_.size()); }
-  const std::vector<int>& dof_of_node(int plane = 0) const { return Of(plane).dof_of_node; }
-  /// mm/N, for the plane's thickness.
-  const Eigen::MatrixXd& compliance(int plane = 0) const { return *Of(plane).compliance; }
   const forces::ForceTable& table() const { return table_; }
-  /// No tissue at any triangle of the node; other nodes that do not move are held.
-  bool IsAir(int node, int plane = 0) const {
-    return Of(plane).dof_of_node[node] < 0 && Of(plane).held[node] == 0;
-  }
-  int num_free_nodes() const { return static_cast<int>(compliance().rows()) / 2; }
-  double thickness_mm() const { return settings_.thickness_mm; }
-
-  const PlaneFrame& planned() const { return plane_.front().frame; }
-  /// The plane through the needle, as parallel as possible to the image; `present` if the needle is
-  /// across the image or does not go the planned way.
-  /// @param image_normal_in_ct  unit length.
-  PlaneFrame FrameFor(const Eigen::Vector3d& tip_in_ct_mm, const Eigen::Vector3d& axis_in_ct,
-                      const Eigen::Vector3d& image_normal_in_ct,
-                      const PlaneFrame& present) const noexcept;
-
-  Eigen::Vector3d ToPlaneMm(const Eigen::Vector3d& ct_mm) const {
-    return planned().ToPlaneMm(ct_mm);
-  }
-  Eigen::Vector3d DirectionInPlane(const Eigen::Vector3d& in_ct) const {
-    return planned().DirectionInPlane(in_ct);
-  }
-  Eigen::Vector3d ToCtMm(const Eigen::Vector2d& plane_mm) const {
-    return planned().ToCtMm(plane_mm);
-  }
-  Eigen::Vector3d DirectionInCt(const Eigen::Vector2d& plane) const {
-    return planned().DirectionInCt(plane);
-  }
+  const ElasticPlanes& planes() const { return planes_; }
 
  private:
   using Event = forces::NeedleEvent;
   struct Motion;
-  /// One elastic plane; the first is the planned one.
-  struct Elastic {
-    PlaneFrame frame;
-    std::vector<int> dof_of_node;
-    std::vector<char> held;  ///< By node: bone, or the border of the region.
-    std::shared_ptr<const Eigen::MatrixXd> compliance;  ///< Shared, so that it stays where it is.
-  };
-  const Elastic& Of(int plane) const { return plane_[static_cast<std::size_t>(plane)]; }
-  PlaneFrame FrameThrough(const Eigen::Vector3d& entry_in_ct_mm, const Eigen::Vector3d& axis,
-                          const Eigen::Vector3d& normal) const noexcept;
-  Elastic MakePlane(const PlaneFrame& frame, const mechanics::ElasticityTable& elasticity) const;
   void Lay(PlaneState& state, const ToolSample& sample) const noexcept;
   volume::Label LabelAt(const PlaneFrame& frame, const Eigen::Vector2d& plane_mm) const noexcept;
   volume::Label LabelOnPath(const PlaneState& state, double at_mm) const noexcept;
@@ -195,11 +124,7 @@ class PlaneModel2010 {
   PlaneSettings settings_;
   forces::ForceTable table_;
   TissueAt tissue_at_;
-  Eigen::Vector3d entry_in_ct_mm_;  ///< Planned.
-  mechanics::PlaneGrid grid_;
-  int half_columns_ = 0;
-  int rows_above_ = 0;
-  std::vector<Elastic> plane_;
+  ElasticPlanes planes_;
 };
 
 /// Displacements for the image: exact in the nodes, linear in the triangles, faded out of the

@@ -1,4 +1,4 @@
-// What a level does with samples that it cannot step on, the same as every force model.
+// What a model does with samples that it cannot step on, the same as every force model.
 #pragma once
 
 #include "acus/physics/forces/sample_gate.h"
@@ -6,7 +6,7 @@
 
 namespace acus::tissue {
 
-/// Part of a level's state. A plain value.
+/// Part of a model's state. A plain value.
 struct SampleGate : forces::SampleGate {
   Verdict Judge(const ToolSample& sample) noexcept {
     return forces::SampleGate::Judge(sample.time_s, sample.needle_valid, sample.tip_in_ct_mm,

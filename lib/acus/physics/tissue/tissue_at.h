@@ -1,4 +1,4 @@
-// Which tissue is where, for levels that have no mesh.
+// Which tissue is where, for models that have no mesh.
 #pragma once
 
 #include <Eigen/Core>

@@ -3,29 +3,29 @@
 namespace acus::tissue {
 namespace {
 
-/// The part of a level that steps with the samples; null for formulas, which have no state.
-const SpringModel* Contact(const SpringModel& level) {
-  return &level;
+/// The part of a model that steps with the samples; null for formulas, which have no state.
+const SpringModel* Contact(const SpringModel& model) {
+  return &model;
 }
-const PlaneModel2010* Contact(const PlaneModel2010& level) {
-  return &level;
+const PlaneModel2010* Contact(const PlaneModel2010& model) {
+  return &model;
 }
-const FemNeedleModel* Contact(const FemLevel& level) {
-  return &level.needle;
+const FemNeedleModel* Contact(const FemTissue& model) {
+  return &model.needle;
 }
 std::nullptr_t Contact(const DisplacementFunctions&) {
   return nullptr;
 }
 
-template <class Level>
-concept Stepping = requires(const Level& level) {
-  Contact(level)->NewState();
+template <class Model>
+concept Stepping = requires(const Model& model) {
+  Contact(model)->NewState();
 };
 
-template <Stepping Level>
-using StateOf = decltype(Contact(std::declval<const Level&>())->NewState());
+template <Stepping Model>
+using StateOf = decltype(Contact(std::declval<const Model&>())->NewState());
 
-/// What a level knows beside the force on the needle.
+/// What a model knows beside the force on the needle.
 void Describe(const SpringModel&, const SpringState& state, TissueForce& out) noexcept {
   out.touched = state.num_nodes > 0;
   out.pierced = state.pierced;
@@ -54,84 +54,84 @@ void Describe(const FemNeedleModel& model, const FemNeedleState& state, TissueFo
                                  : state.end_tissue;
 }
 
-DisplacementFunctionsField FieldOf(const DisplacementFunctions& level) {
-  return DisplacementFunctionsField(level);
+DisplacementFunctionsField FieldOf(const DisplacementFunctions& model) {
+  return DisplacementFunctionsField(model);
 }
-SpringField FieldOf(const SpringModel& level) {
-  return SpringField(level);
+SpringField FieldOf(const SpringModel& model) {
+  return SpringField(model);
 }
-PlaneField2010 FieldOf(const PlaneModel2010& level) {
-  return PlaneField2010(level);
+PlaneField2010 FieldOf(const PlaneModel2010& model) {
+  return PlaneField2010(model);
 }
-FemField FieldOf(const FemLevel& level) {
-  return FemField(*level.image);
+FemField FieldOf(const FemTissue& model) {
+  return FemField(*model.image);
 }
 
 }  // namespace
 
 void TissueField::Update(const TissueLoad& load) {
-  std::visit([&](auto& field) { field.Update(load); }, level_);
+  std::visit([&](auto& field) { field.Update(load); }, model_);
 }
 
 Eigen::Vector3d TissueField::DisplacementMm(const Eigen::Vector3d& rest_in_ct_mm) const noexcept {
-  return std::visit([&](const auto& field) { return field.DisplacementMm(rest_in_ct_mm); }, level_);
+  return std::visit([&](const auto& field) { return field.DisplacementMm(rest_in_ct_mm); }, model_);
 }
 
 TissueState TissueModel::NewState() const {
   return std::visit(
-      []<class Level>(const Level& level) -> TissueState {
-        if constexpr (Stepping<Level>) {
-          return Contact(level)->NewState();
+      []<class Model>(const Model& model) -> TissueState {
+        if constexpr (Stepping<Model>) {
+          return Contact(model)->NewState();
         } else {
           return std::monostate();
         }
       },
-      level_);
+      model_);
 }
 
 TissueForce TissueModel::Step(TissueState& state, const ToolSample& sample) const noexcept {
   TissueForce out;
   std::visit(
-      [&]<class Level>(const Level& level) {
-        if constexpr (Stepping<Level>) {
-          auto& its_state = *std::get_if<StateOf<Level>>(&state);
-          out.needle = Contact(level)->Step(its_state, sample);
-          Describe(*Contact(level), its_state, out);
+      [&]<class Model>(const Model& model) {
+        if constexpr (Stepping<Model>) {
+          auto& its_state = *std::get_if<StateOf<Model>>(&state);
+          out.needle = Contact(model)->Step(its_state, sample);
+          Describe(*Contact(model), its_state, out);
         }
       },
-      level_);
+      model_);
   return out;
 }
 
 bool TissueModel::LoadOf(const TissueState& state, TissueLoad& out) const noexcept {
   return std::visit(
-      [&]<class Level>(const Level& level) {
-        if constexpr (Stepping<Level>) {
-          const auto& its_state = *std::get_if<StateOf<Level>>(&state);
+      [&]<class Model>(const Model& model) {
+        if constexpr (Stepping<Model>) {
+          const auto& its_state = *std::get_if<StateOf<Model>>(&state);
           TissueForce what;
-          Describe(*Contact(level), its_state, what);
-          if (what.touched) Contact(level)->LoadOf(its_state, out);
+          Describe(*Contact(model), its_state, what);
+          if (what.touched) Contact(model)->LoadOf(its_state, out);
           return what.touched;
         }
         return false;
       },
-      level_);
+      model_);
 }
 
 double TissueModel::LargestForceN() const noexcept {
   return std::visit(
-      []<class Level>(const Level& level) -> double {
-        if constexpr (Stepping<Level>) {
-          return Contact(level)->table().settings.largest_force_n;
+      []<class Model>(const Model& model) -> double {
+        if constexpr (Stepping<Model>) {
+          return Contact(model)->table().settings.largest_force_n;
         } else {
           return 0.0;
         }
       },
-      level_);
+      model_);
 }
 
 TissueField TissueModel::NewField() const {
-  return std::visit([](const auto& level) { return TissueField(FieldOf(level)); }, level_);
+  return std::visit([](const auto& model) { return TissueField(FieldOf(model)); }, model_);
 }
 
 }  // namespace acus::tissue

@@ -1,4 +1,4 @@
-// Tissue that tools deform: one interface for all levels, from two formulas to finite elements.
+// Tissue that tools deform: one interface for all models, from two formulas to finite elements.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,20 +30,20 @@ struct TissueForce {
 };
 
 /// Finite elements in 3D: contact in the step, and the block that images are deformed by.
-struct FemLevel {
+struct FemTissue {
   FemNeedleModel needle;
   std::shared_ptr<const FemImage> image;  ///< Null if no image shows the deformation.
 };
 
-/// All that a level remembers between steps. A plain value: a copy goes on with the same bits.
+/// All that a model remembers between steps. A plain value: a copy goes on with the same bits.
 using TissueState = std::variant<std::monostate, SpringState, PlaneState, FemNeedleState>;
 
 /// Displacements at rest points by the forces of one moment. One for each thread; keeps a
 /// reference to its model.
 class TissueField {
  public:
-  using Level = std::variant<DisplacementFunctionsField, SpringField, PlaneField2010, FemField>;
-  explicit TissueField(Level level) : level_(std::move(level)) {}
+  using Model = std::variant<DisplacementFunctionsField, SpringField, PlaneField2010, FemField>;
+  explicit TissueField(Model model) : model_(std::move(model)) {}
 
   /// Takes in the forces. Allocates nothing after the first call.
   void Update(const TissueLoad& load);
@@ -51,15 +51,15 @@ class TissueField {
   Eigen::Vector3d DisplacementMm(const Eigen::Vector3d& rest_in_ct_mm) const noexcept;
 
  private:
-  Level level_;
+  Model model_;
 };
 
-/// A level with its constants. Const after construction: any number of states and fields may use it
+/// A model with its constants. Const after construction: any number of states and fields may use it
 /// at once.
 class TissueModel {
  public:
-  using Level = std::variant<DisplacementFunctions, SpringModel, PlaneModel2010, FemLevel>;
-  explicit TissueModel(Level level) : level_(std::move(level)) {}
+  using Model = std::variant<DisplacementFunctions, SpringModel, PlaneModel2010, FemTissue>;
+  explicit TissueModel(Model model) : model_(std::move(model)) {}
 
   TissueState NewState() const;
 
@@ -73,11 +73,11 @@ class TissueModel {
   /// The magnitude of the force on the needle never exceeds it, N; 0 for models without force.
   double LargestForceN() const noexcept;
 
-  /// @pre the level is not FemLevel without an image.
+  /// @pre the model is not FemTissue without an image.
   TissueField NewField() const;
 
  private:
-  Level level_;
+  Model model_;
 };
 
 }  // namespace acus::tissue

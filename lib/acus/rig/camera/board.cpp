@@ -8,7 +8,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
-#include "acus/rig/camera/opencv_picture.h"
+#include "acus/rig/camera/opencv_image.h"
 
 namespace acus::camera {
 namespace {
@@ -176,17 +176,17 @@ CalibrationBoard ReadBoard(const std::filesystem::path& path) {
   return board;
 }
 
-std::vector<BoardCorner> FindBoardCorners(const Picture& picture, const CalibrationBoard& board,
+std::vector<BoardCorner> FindBoardCorners(const Image& image, const CalibrationBoard& board,
                                           MarkerDetector& detector) {
-  Picture grey;
-  ToGrey(picture, grey);
+  Image grey;
+  ToGrey(image, grey);
   return FindBoardCorners(grey, board, detector.Detect(grey));
 }
 
-std::vector<BoardCorner> FindBoardCorners(const Picture& picture, const CalibrationBoard& board,
+std::vector<BoardCorner> FindBoardCorners(const Image& image, const CalibrationBoard& board,
                                           const std::vector<DetectedMarker>& seen) {
-  Picture grey;
-  ToGrey(picture, grey);
+  Image grey;
+  ToGrey(image, grey);
   std::vector<BoardCorner> found;
   if (seen.size() < 2) return found;
   for (const auto& [number, guess] : GuessCorners(board, seen)) {
@@ -194,8 +194,8 @@ std::vector<BoardCorner> FindBoardCorners(const Picture& picture, const Calibrat
     // The window must hold the corner alone: not the marker's black, a module further in.
     const int half = std::clamp(static_cast<int>(0.12 * guess.square_px), 2, 8);
     const double margin = half + 2.0;
-    if (start[0] < margin || start[1] < margin || start[0] > picture.width_px - 1 - margin ||
-        start[1] > picture.height_px - 1 - margin) {
+    if (start[0] < margin || start[1] < margin || start[0] > image.width_px - 1 - margin ||
+        start[1] > image.height_px - 1 - margin) {
       continue;
     }
     std::vector<cv::Point2f> at = {{static_cast<float>(start[0]), static_cast<float>(start[1])}};

@@ -49,7 +49,7 @@ struct CalibrationBoard {
 ///     too small.
 CalibrationBoard ReadBoard(const std::filesystem::path& path);
 
-/// A corner of the board in a picture.
+/// A corner of the board in an image.
 struct BoardCorner {
   std::size_t number;  ///< In CornersMm().
   Eigen::Vector2d pixel;
@@ -57,10 +57,10 @@ struct BoardCorner {
 
 /// Corners beside which at least one marker was read, to a few hundredths of a pixel; by number.
 /// Empty if fewer than two markers were read.
-std::vector<BoardCorner> FindBoardCorners(const Picture& picture, const CalibrationBoard& board,
+std::vector<BoardCorner> FindBoardCorners(const Image& image, const CalibrationBoard& board,
                                           MarkerDetector& detector);
-/// The same with the markers that were detected in the picture.
-std::vector<BoardCorner> FindBoardCorners(const Picture& picture, const CalibrationBoard& board,
+/// The same with the markers that were detected in the image.
+std::vector<BoardCorner> FindBoardCorners(const Image& image, const CalibrationBoard& board,
                                           const std::vector<DetectedMarker>& seen);
 
 }  // namespace acus::camera

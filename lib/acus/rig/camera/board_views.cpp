@@ -102,36 +102,36 @@ std::string ExplainLayout(const std::vector<std::vector<DetectedMarker>>& images
   return text + "; change the board's file (--board)";
 }
 
-BoardViews FindBoardViews(const std::vector<std::filesystem::path>& pictures,
+BoardViews FindBoardViews(const std::vector<std::filesystem::path>& files,
                           const CalibrationBoard& board, int least_corners,
                           const RunContext& context) {
   MarkerDetector detector(board.dictionary);
   BoardViews all;
-  std::vector<std::vector<DetectedMarker>> images;
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
+  std::vector<std::vector<DetectedMarker>> markers;
+  for (std::size_t i = 0; i < files.size(); ++i) {
     context.Checkpoint("Looking for the board",
-                       static_cast<double>(i) / static_cast<double>(pictures.size()));
+                       static_cast<double>(i) / static_cast<double>(files.size()));
     BoardView& view = all.views.emplace_back();
-    view.file = pictures[i].filename().string();
-    const Picture picture = ReadPicture(pictures[i]);
+    view.file = files[i].filename().string();
+    const Image image = ReadImage(files[i]);
     if (all.width_px == 0) {
-      all.width_px = picture.width_px;
-      all.height_px = picture.height_px;
+      all.width_px = image.width_px;
+      all.height_px = image.height_px;
     }
-    if (picture.width_px != all.width_px || picture.height_px != all.height_px) {
-      view.rejected = Message("has ", picture.width_px, " x ", picture.height_px,
+    if (image.width_px != all.width_px || image.height_px != all.height_px) {
+      view.rejected = Message("has ", image.width_px, " x ", image.height_px,
                               " pixels, the first one ", all.width_px, " x ", all.height_px);
       continue;
     }
-    images.push_back(detector.Detect(picture));
-    view.corners = FindBoardCorners(picture, board, images.back());
+    markers.push_back(detector.Detect(image));
+    view.corners = FindBoardCorners(image, board, markers.back());
     if (static_cast<int>(view.corners.size()) < least_corners ||
         !IsSpread(view.corners, board.columns)) {
       view.rejected = Message("only ", view.corners.size(), " corners of the board; ",
                               least_corners, " are needed, in two rows and columns");
     }
   }
-  const std::string explained = ExplainLayout(images, board);
+  const std::string explained = ExplainLayout(markers, board);
   if (!explained.empty()) throw NoAnswerError(explained);
   return all;
 }

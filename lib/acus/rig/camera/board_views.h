@@ -27,7 +27,7 @@ struct BoardViews {
 /// @throws InputError if a file cannot be read.
 /// @throws NoAnswerError if the markers do not lie as on this board, but as on one with rows and
 ///     columns swapped or another first square: see ExplainLayout.
-BoardViews FindBoardViews(const std::vector<std::filesystem::path>& pictures,
+BoardViews FindBoardViews(const std::vector<std::filesystem::path>& files,
                           const CalibrationBoard& board, int least_corners,
                           const RunContext& context);
 

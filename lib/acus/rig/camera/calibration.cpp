@@ -21,31 +21,31 @@ constexpr int kFieldsAcross = 8;
 constexpr int kFieldsDown = 6;
 constexpr double kLeastOutlierPx = 0.3;
 
-/// Corners of the pictures that are used, and which view each belongs to.
+/// Corners of the images that are used, and which view each belongs to.
 struct Corners {
   int width_px = 0;
   int height_px = 0;
   std::vector<std::vector<cv::Point3f>> on_board;
-  std::vector<std::vector<cv::Point2f>> in_picture;
+  std::vector<std::vector<cv::Point2f>> in_image;
   std::vector<std::size_t> view;
 
   void Remove(std::size_t i) {
     const auto at = static_cast<std::ptrdiff_t>(i);
     on_board.erase(on_board.begin() + at);
-    in_picture.erase(in_picture.begin() + at);
+    in_image.erase(in_image.begin() + at);
     view.erase(view.begin() + at);
   }
 };
 
-Corners FindCorners(const std::vector<std::filesystem::path>& pictures,
-                    const CalibrationBoard& board, const CalibrationSettings& settings,
-                    const RunContext& context, std::vector<CalibrationView>& views) {
-  const BoardViews found = FindBoardViews(pictures, board, settings.least_corners, context);
+Corners FindCorners(const std::vector<std::filesystem::path>& images, const CalibrationBoard& board,
+                    const CalibrationSettings& settings, const RunContext& context,
+                    std::vector<CalibrationView>& views) {
+  const BoardViews found = FindBoardViews(images, board, settings.least_corners, context);
   const auto on_board = board.CornersMm();
   Corners all;
   all.width_px = found.width_px;
   all.height_px = found.height_px;
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
+  for (std::size_t i = 0; i < images.size(); ++i) {
     const BoardView& seen = found.views[i];
     CalibrationView& view = views.emplace_back();
     view.file = seen.file;
@@ -53,7 +53,7 @@ Corners FindCorners(const std::vector<std::filesystem::path>& pictures,
     view.rejected = seen.rejected;
     if (!view.rejected.empty()) continue;
     std::vector<cv::Point3f>& from = all.on_board.emplace_back();
-    std::vector<cv::Point2f>& to = all.in_picture.emplace_back();
+    std::vector<cv::Point2f>& to = all.in_image.emplace_back();
     for (const BoardCorner& corner : seen.corners) {
       const Eigen::Vector3f at = on_board[corner.number].cast<float>();
       from.emplace_back(at[0], at[1], at[2]);
@@ -75,7 +75,7 @@ Solution Solve(const Corners& corners, bool fit_k3) {
   cv::Mat ignored;
   try {
     s.rms_px =
-        cv::calibrateCamera(corners.on_board, corners.in_picture,
+        cv::calibrateCamera(corners.on_board, corners.in_image,
                             {corners.width_px, corners.height_px}, s.matrix, s.distortion, s.turns,
                             s.shifts, s.sigma, ignored, s.view_rms, fit_k3 ? 0 : cv::CALIB_FIX_K3,
                             {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-12});
@@ -161,8 +161,8 @@ void DescribeViews(const Solution& s, const Corners& corners, std::vector<Calibr
 
 double CoveredShare(const Corners& corners, bool& all_corners) {
   std::set<int> fields;
-  for (const auto& picture : corners.in_picture) {
-    for (const cv::Point2f& at : picture) {
+  for (const auto& image : corners.in_image) {
+    for (const cv::Point2f& at : image) {
       const int across =
           std::clamp(static_cast<int>(at.x * kFieldsAcross / static_cast<float>(corners.width_px)),
                      0, kFieldsAcross - 1);
@@ -216,11 +216,11 @@ void AddWarnings(const Corners& corners, Calibration& out) {
 
 }  // namespace
 
-Calibration CalibrateCamera(const std::vector<std::filesystem::path>& pictures,
+Calibration CalibrateCamera(const std::vector<std::filesystem::path>& images,
                             const CalibrationBoard& board, const CalibrationSettings& settings,
                             const RunContext& context) {
   std::vector<CalibrationView> views;
-  Corners corners = FindCorners(pictures, board, settings, context, views);
+  Corners corners = FindCorners(images, board, settings, context, views);
   CheckCount(corners, settings);
   Solution solution = Solve(corners, settings.fit_k3);
   if (RejectBadViews(solution, corners, views)) {
@@ -254,7 +254,7 @@ std::string TableText(const Calibration& calibration) {
   const auto with_sigma = [&](double value, std::size_t i, int decimals) {
     return FixedText(value, decimals) + " +- " + IntervalText(calibration.sigma[i]);
   };
-  return TextTable({"picture", "corners", "RMS px", "tilt deg", "distance mm", "not used because"},
+  return TextTable({"image", "corners", "RMS px", "tilt deg", "distance mm", "not used because"},
                    rows) +
          Message("reprojection ", FixedText(calibration.rms_px, 3), " px RMS\n", "focal ",
                  with_sigma(p.focal_px[0], 0, 2), ", ", with_sigma(p.focal_px[1], 1, 2),

@@ -1,4 +1,4 @@
-// A camera's model from pictures of a calibration board.
+// A camera's model from images of a calibration board.
 #pragma once
 
 #include <filesystem>
@@ -25,8 +25,7 @@ struct CalibrationSettings {
   int least_views = 6;
   int least_corners = 12;  ///< Of a view.
   double limit_px = 3.0;   ///< Larger reprojection errors (RMS) are no calibration.
-  bool fit_k3 =
-      false;  ///< Needed for wide lenses only; makes the corners of the picture less sure.
+  bool fit_k3 = false;  ///< Needed for wide lenses only; makes the corners of the image less sure.
 };
 
 struct Calibration {
@@ -35,16 +34,16 @@ struct Calibration {
   /// Standard deviations of fx, fy, cx, cy (px), k1, k2, k3, p1, p2.
   std::array<double, 9> sigma{};
   std::vector<CalibrationView> views;  ///< In the order of the files.
-  double covered_share = 0.0;          ///< Of 8 x 6 fields of the picture, those with a corner.
+  double covered_share = 0.0;          ///< Of 8 x 6 fields of the image, those with a corner.
   std::vector<std::string> warnings;
 };
 
-/// Zhang's method (2000, doi:10.1109/34.888718) by OpenCV on the corners of all pictures. Views
+/// Zhang's method (2000, doi:10.1109/34.888718) by OpenCV on the corners of all images. Views
 /// whose residuals are over three times the median (and over 0.3 px) are left out, once.
 /// @throws InputError if a file cannot be read. @throws NoAnswerError if too few views are left,
 /// the
 ///     markers do not lie as on the board, or residuals are above limit_px: the message says why.
-Calibration CalibrateCamera(const std::vector<std::filesystem::path>& pictures,
+Calibration CalibrateCamera(const std::vector<std::filesystem::path>& images,
                             const CalibrationBoard& board, const CalibrationSettings& settings,
                             const RunContext& context);
 

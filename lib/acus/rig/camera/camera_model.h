@@ -1,4 +1,4 @@
-// How a video camera maps points before it to its picture: a pinhole and a lens.
+// How a video camera maps points before it to its image: a pinhole and a lens.
 #pragma once
 
 #include <Eigen/Dense>
@@ -20,24 +20,24 @@ struct CameraParameters {
   int width_px = 0;
   int height_px = 0;
   Eigen::Vector2d focal_px = Eigen::Vector2d::Zero();   ///< fx, fy.
-  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();  ///< cx, cy: where Z meets the picture.
+  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();  ///< cx, cy: where Z meets the image.
   std::array<double, 3> radial{};                       ///< k1, k2, k3.
   std::array<double, 2> tangential{};                   ///< p1, p2.
   std::optional<double> reprojection_rms_px;            ///< Of its calibration, if there was one.
 };
 
 /// The camera's frame has x to the right, y down, z forward (mm); centres of pixels are at whole
-/// numbers: as volume_rendering::Camera has it, so that a rendered picture of `Pinhole()` lies over
+/// numbers: as volume_rendering::Camera has it, so that a rendered image of `Pinhole()` lies over
 /// the straightened video (see straighten.h).
 class CameraModel {
  public:
   /// @throws InputError unless the size is 16 to 8192 pixels each way, the focal lengths are
-  ///     positive, the centre is in the picture, all is finite, and every pixel of the picture has
-  ///     a line of sight: a lens that folds the picture is refused.
+  ///     positive, the centre is in the image, all is finite, and every pixel of the image has
+  ///     a line of sight: a lens that folds the image is refused.
   explicit CameraModel(CameraParameters parameters);
 
   /// Column and row. Nothing for a point less than 1 mm before the camera or so far to the side
-  /// that the polynomial of the lens turns back: there it would fold into the picture.
+  /// that the polynomial of the lens turns back: there it would fold into the image.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_camera_mm) const noexcept;
   /// The same, with its derivative by the point, pixels per mm.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_camera_mm,
@@ -45,13 +45,13 @@ class CameraModel {
   /// Line of sight of a pixel, (x, y, 1): the inverse of Project to 1e-9 px. Nothing where no point
   /// projects to.
   std::optional<Eigen::Vector3d> Ray(const Eigen::Vector2d& pixel) const noexcept;
-  /// Within the picture, by at least `margin_px` from the outermost pixels' centres.
+  /// Within the image, by at least `margin_px` from the outermost pixels' centres.
   bool Contains(const Eigen::Vector2d& pixel, double margin_px = 0.0) const noexcept;
 
   bool has_distortion() const { return has_distortion_; }
   /// The same camera without its lens.
   CameraModel Pinhole() const;
-  /// Angle over the width of the picture, degrees, without the lens.
+  /// Angle over the width of the image, degrees, without the lens.
   double HorizontalAngleDeg() const;
   const CameraParameters& parameters() const { return parameters_; }
 

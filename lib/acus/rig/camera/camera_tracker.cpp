@@ -12,7 +12,7 @@
 namespace acus::camera {
 namespace {
 
-constexpr int kWaitMs = 50;  ///< For a picture; bounds how long Stop() takes.
+constexpr int kWaitMs = 50;  ///< For an image; bounds how long Stop() takes.
 
 std::vector<std::string> ToolNames(const std::vector<CameraTool>& tools) {
   std::vector<std::string> names;
@@ -69,15 +69,15 @@ class CameraTracker::Worker {
 
  private:
   void Run() {
-    std::int64_t last_picture_ns = MonotonicNs();
+    std::int64_t last_image_ns = MonotonicNs();
     bool is_lost = false;
     while (!stop_) {
       auto view = std::make_shared<CameraView>();
       bool got = false;
       try {
-        got = source_->Next(view->picture, kWaitMs) && Fits(view->picture);
+        got = source_->Next(view->image, kWaitMs) && Fits(view->image);
         if (got) Locate(*view);
-      } catch (const std::exception& error) {  // A picture must not end the session.
+      } catch (const std::exception& error) {  // An image must not end the session.
         got = false;
         const std::lock_guard lock(mutex_);
         status_.last_error = error.what();
@@ -85,11 +85,11 @@ class CameraTracker::Worker {
       }
       const std::int64_t now = MonotonicNs();
       if (got) {
-        last_picture_ns = now;
+        last_image_ns = now;
         is_lost = false;
         Publish(std::move(view));
       } else if (!is_lost &&
-                 now - last_picture_ns > std::int64_t{options_.lost_after_ms} * 1'000'000) {
+                 now - last_image_ns > std::int64_t{options_.lost_after_ms} * 1'000'000) {
         is_lost = true;
         PublishLost(now);
       }
@@ -101,19 +101,19 @@ class CameraTracker::Worker {
     }
   }
 
-  bool Fits(const Picture& picture) {
+  bool Fits(const Image& image) {
     const CameraParameters& p = camera_.parameters();
-    if (picture.width_px == p.width_px && picture.height_px == p.height_px) return true;
+    if (image.width_px == p.width_px && image.height_px == p.height_px) return true;
     const std::lock_guard lock(mutex_);
     ++status_.counts.bad_messages;
-    status_.last_error = Message("the image has ", picture.width_px, " x ", picture.height_px,
+    status_.last_error = Message("the image has ", image.width_px, " x ", image.height_px,
                                  " pixels, the camera's file says ", p.width_px, " x ", p.height_px,
                                  ": set the camera to that size, or calibrate at this one");
     return false;
   }
 
   void Locate(CameraView& view) {
-    const auto seen = detector_.Detect(view.picture, &camera_);
+    const auto seen = detector_.Detect(view.image, &camera_);
     for (const FacetObject& object : facets_.objects) {
       const auto before = previous_.find(object.name);
       auto pose =
@@ -126,7 +126,7 @@ class CameraTracker::Worker {
       if (!pose->ambiguous) previous_[object.name] = pose->camera_from_object;
       view.objects.push_back(std::move(*pose));
     }
-    const std::int64_t now = view.picture.time_ns;
+    const std::int64_t now = view.image.time_ns;
     if (const ObjectPose* reference = Usable(view, options_.reference)) {
       reference_ = reference->camera_from_object;
       reference_ns_ = now;
@@ -150,7 +150,7 @@ class CameraTracker::Worker {
       const ObjectPose* pose = Usable(*view, options_.tools[i].object);
       tracking::TrackedPose reading;
       reading.time_ns = MonotonicNs();
-      reading.measured_ns = view->picture.time_ns;
+      reading.measured_ns = view->image.time_ns;
       reading.valid = pose != nullptr && reference_.has_value();
       if (reading.valid) {
         reading.reference_from_tool = transforms::Pose(
@@ -163,7 +163,7 @@ class CameraTracker::Worker {
     ++status_.counts.messages;
     status_.counts.readings += options_.tools.size();
     status_.counts.not_seen += not_seen;
-    status_.last_news_ns = view->picture.time_ns;
+    status_.last_news_ns = view->image.time_ns;
     view->number = status_.counts.messages;
     latest_ = std::move(view);
   }

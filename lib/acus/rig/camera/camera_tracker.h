@@ -33,21 +33,21 @@ struct CameraTrackerOptions {
   /// A reference that is hidden keeps its last pose so long: hands come between. Only for a camera
   /// and a mannequin that both stand still. 0: then no tool has a pose either.
   int hold_reference_ms = 0;
-  /// All tools are published as not seen if no picture came for so long.
+  /// All tools are published as not seen if no image came for so long.
   int lost_after_ms = 200;
   std::size_t journal_capacity = 0;  ///< Of the board.
 };
 
-/// A picture with what was found in it, for an overlay that fits it exactly.
+/// An image with what was found in it, for an overlay that fits it exactly.
 struct CameraView {
-  Picture picture;           ///< As it came; its time is when it arrived.
-  std::uint64_t number = 0;  ///< Pictures so far, this one included.
+  Image image;               ///< As it came; its time is when it arrived.
+  std::uint64_t number = 0;  ///< Images so far, this one included.
   std::vector<ObjectPose> objects;
   std::optional<Eigen::Isometry3d> camera_from_reference;
 };
 
-/// One thread takes pictures, looks for markers and publishes: each tool gets one reading with each
-/// picture, valid or not. A camera that is unplugged is looked for again; nothing that it sends
+/// One thread takes images, looks for markers and publishes: each tool gets one reading with each
+/// image, valid or not. A camera that is unplugged is looked for again; nothing that it sends
 /// ends the thread. Ambiguous poses are published as not valid.
 class CameraTracker final : public tracking::PoseSource {
  public:
@@ -60,11 +60,11 @@ class CameraTracker final : public tracking::PoseSource {
   void Start() override;
   void Stop() noexcept override;
   tracking::PoseBoard& board() noexcept override;
-  /// Pictures count as messages, pictures of a wrong size as bad ones.
+  /// Images count as messages, images of a wrong size as bad ones.
   tracking::SourceStatus status() const override;
 
   const CameraModel& camera() const;
-  /// The newest picture; null before the first. Takes a short lock: not for the loop that feels
+  /// The newest image; null before the first. Takes a short lock: not for the loop that feels
   /// forces.
   std::shared_ptr<const CameraView> Latest() const;
 

@@ -1,4 +1,4 @@
-// What the pictures of the mannequin are painted on, before lens blur and noise.
+// What the images of the mannequin are painted on, before lens blur and noise.
 #pragma once
 
 #include <Eigen/Dense>
@@ -15,7 +15,7 @@ struct Canvas {
   int width_px = 0;
   int height_px = 0;
   int channels = 1;
-  std::vector<float> level;  ///< As Picture::pixels: grey levels of 255, not yet rounded.
+  std::vector<float> level;  ///< As Image::pixels: grey levels of 255, not yet rounded.
   std::vector<float> z_mm;   ///< Of what is seen in each pixel, in the camera's frame.
 
   void Resize(int new_width_px, int new_height_px, int new_channels);
@@ -30,7 +30,7 @@ struct Canvas {
 class RayTable {
  public:
   explicit RayTable(const CameraModel& camera);
-  /// (x, y) of the ray (x, y, 1), within half a pixel of the picture.
+  /// (x, y) of the ray (x, y, 1), within half a pixel of the image.
   Eigen::Vector2d Slope(double column, double row) const;
 
  private:

@@ -11,11 +11,11 @@ namespace {
 constexpr double kUnrefinedSigmaPx = 0.7;
 constexpr double kLargestChangePx = 3.0;
 constexpr double kLeastReachPx = 1.3;
-constexpr double kBlurPx = 1.5;  ///< How far a step reaches in a picture in focus.
+constexpr double kBlurPx = 1.5;  ///< How far a step reaches in an image in focus.
 /// Of the side, at both ends: there the other edges show.
 constexpr double kLeftOut = 0.08;
 
-/// Pixels of the picture to those of a pinhole at the same place, where edges are straight.
+/// Pixels of the image to those of a pinhole at the same place, where edges are straight.
 class PinholePixels {
  public:
   explicit PinholePixels(const CameraModel* camera)
@@ -53,7 +53,7 @@ struct Line {
 
 /// Pixels within `reach` of the side from a to b, in its frame: along from its middle, across
 /// towards the outside.
-std::vector<EdgePixel> Collect(const Picture& grey, const PinholePixels& pinhole,
+std::vector<EdgePixel> Collect(const Image& grey, const PinholePixels& pinhole,
                                const Eigen::Vector2d& a, const Eigen::Vector2d& b, double reach) {
   std::vector<EdgePixel> pixels;
   const Eigen::Vector2d middle = 0.5 * (a + b);
@@ -61,7 +61,7 @@ std::vector<EdgePixel> Collect(const Picture& grey, const PinholePixels& pinhole
   const Eigen::Vector2d along = (b - a) / length;
   // Corners run clockwise as seen, rows grow downwards: outside is to the left of the way.
   const Eigen::Vector2d out(along[1], -along[0]);
-  // The lens moves pixels by less than this between the picture and the pinhole, per pixel.
+  // The lens moves pixels by less than this between the image and the pinhole, per pixel.
   const double margin = reach + 2.0;
   const double half = (0.5 - kLeftOut) * length;
   const auto seen_a = pinhole.Seen(a);
@@ -95,7 +95,7 @@ std::vector<EdgePixel> Collect(const Picture& grey, const PinholePixels& pinhole
   return pixels;
 }
 
-Line FindLine(const Picture& grey, const PinholePixels& pinhole, const Eigen::Vector2d& a,
+Line FindLine(const Image& grey, const PinholePixels& pinhole, const Eigen::Vector2d& a,
               const Eigen::Vector2d& b, double reach) {
   Line line{.point = 0.5 * (a + b),
             .direction = (b - a).normalized(),
@@ -136,7 +136,7 @@ double SigmaAt(const Line& a, const Line& b, const Eigen::Vector2d& corner) {
 
 }  // namespace
 
-void RefineCorners(const Picture& grey, int modules, double search_px, const CameraModel* camera,
+void RefineCorners(const Image& grey, int modules, double search_px, const CameraModel* camera,
                    DetectedMarker& marker) {
   const PinholePixels pinhole(camera);
   marker.sigma_px.fill(kUnrefinedSigmaPx);

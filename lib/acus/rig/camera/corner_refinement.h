@@ -10,7 +10,7 @@ namespace acus::camera {
 /// @param modules  Black and white squares along a side, with the border.
 /// @param camera   If given, the lines are straight in its rays. May be null.
 /// An edge that cannot be made out keeps its place, and its corners a standard deviation of 0.7 px.
-void RefineCorners(const Picture& grey, int modules, double search_px, const CameraModel* camera,
+void RefineCorners(const Image& grey, int modules, double search_px, const CameraModel* camera,
                    DetectedMarker& marker);
 
 }  // namespace acus::camera

@@ -4,7 +4,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/rig/camera/facets.h"
-#include "acus/rig/camera/opencv_picture.h"
+#include "acus/rig/camera/opencv_image.h"
 
 namespace acus::camera {
 namespace {

@@ -1,4 +1,4 @@
-// Where an object with facets is, from the corners of its markers in a picture.
+// Where an object with facets is, from the corners of its markers in an image.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -39,7 +39,7 @@ struct PoseSettings {
 };
 
 /// Nothing if fewer than four corners of the object's markers are there or fit one pose.
-/// @param previous  Its pose in the picture before, if it was seen: decides between two solutions.
+/// @param previous  Its pose in the image before, if it was seen: decides between two solutions.
 std::optional<ObjectPose> LocateObject(const FacetObject& object,
                                        std::span<const DetectedMarker> markers,
                                        const CameraModel& camera, const PoseSettings& settings,

@@ -7,7 +7,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
-#include "acus/rig/camera/opencv_picture.h"
+#include "acus/rig/camera/opencv_image.h"
 
 namespace acus::camera {
 namespace {

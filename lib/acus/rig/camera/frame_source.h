@@ -1,11 +1,11 @@
-// Where pictures come from: a video device, a film, a folder of pictures, a pipe, the network.
+// Where images come from: a video device, a film, a folder of images, a pipe, the network.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <string>
 
-#include "acus/rig/camera/picture.h"
+#include "acus/rig/camera/image.h"
 
 namespace acus::camera {
 
@@ -21,11 +21,11 @@ struct FrameSourceStatus {
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  /// The next picture, in colour or grey. Waits at most `timeout_ms`, and less where there is
+  /// The next image, in colour or grey. Waits at most `timeout_ms`, and less where there is
   /// nothing to wait for. False if there is none: see status(). A source that is lost is opened
   /// anew, at most once a second. Never throws for what the source does.
-  virtual bool Next(Picture& out, int timeout_ms) = 0;
-  /// No picture will ever come again: the end of a film or a folder that is not repeated.
+  virtual bool Next(Image& out, int timeout_ms) = 0;
+  /// No image will ever come again: the end of a film or a folder that is not repeated.
   virtual bool finished() const = 0;
   virtual FrameSourceStatus status() const = 0;
 };
@@ -37,10 +37,10 @@ struct FrameSourceOptions {
 
 /// @param place
 ///     "device:0" or "device:/dev/video0": a camera of this computer;
-///     "video:PATH": a video that ffmpeg reads; "folder:PATH": pictures of a folder by name; with
+///     "video:PATH": a video that ffmpeg reads; "folder:PATH": images of a folder by name; with
 ///     "film-loop:" and "folder-loop:" they begin anew at their end;
-///     "pipe:PATH": a named pipe or file of binary PGM or PPM pictures, one after the other;
-///     "igtl:HOST:PORT" or "igtl:HOST:PORT/STREAM": pictures of an OpenIGTLink server.
+///     "pipe:PATH": a named pipe or file of binary PGM or PPM images, one after the other;
+///     "igtl:HOST:PORT" or "igtl:HOST:PORT/STREAM": images of an OpenIGTLink server.
 /// A device, pipe or server that is not there now is waited for.
 /// @throws InputError for another kind of place, or a film or folder that is not there.
 std::unique_ptr<FrameSource> OpenFrameSource(const std::string& place,

@@ -1,4 +1,4 @@
-// The kinds of places that pictures come from; see frame_source.h.
+// The kinds of places that images come from; see frame_source.h.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ std::unique_ptr<FrameSource> OpenPipe(const std::filesystem::path& pipe);
 std::unique_ptr<FrameSource> OpenNetwork(const std::string& host, int port,
                                          const std::string& stream);
 
-/// Says when the next try, or the next picture, is due.
+/// Says when the next try, or the next image, is due.
 class Pace {
  public:
   /// @param interval_ns  0: always due.

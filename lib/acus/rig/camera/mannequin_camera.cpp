@@ -8,12 +8,12 @@
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
 #include "acus/rig/camera/canvas.h"
-#include "acus/rig/camera/opencv_picture.h"
+#include "acus/rig/camera/opencv_image.h"
 
 namespace acus::camera {
 namespace {
 
-/// Normal numbers, long enough that no row of a picture meets the same ones at the same place.
+/// Normal numbers, long enough that no row of an image meets the same ones at the same place.
 constexpr std::size_t kNoiseLength = 1U << 16;
 
 std::vector<float> NoiseTile(double sigma) {
@@ -23,7 +23,7 @@ std::vector<float> NoiseTile(double sigma) {
   return tile;
 }
 
-const PictureMaking& Checked(const PictureMaking& m) {
+const ImageMaking& Checked(const ImageMaking& m) {
   ACUS_REQUIRE(m.samples >= 1 && m.samples <= 16, "mannequin camera: ", m.samples,
                " samples; allowed is 1 to 16");
   ACUS_REQUIRE(m.blur_sigma_px >= 0.0 && m.blur_sigma_px <= 20.0, "mannequin camera: a blur of ",
@@ -42,7 +42,7 @@ const PictureMaking& Checked(const PictureMaking& m) {
 struct MannequinCamera::Content {
   CameraModel camera;
   FacetSet facets;
-  PictureMaking making;
+  ImageMaking making;
   RayTable rays;
   std::vector<std::pair<std::string, ShadedBody>> bodies;  ///< With the object that carries each.
   std::vector<std::vector<PrintedSheet>> prints;           ///< By object, by marker.
@@ -89,7 +89,7 @@ struct MannequinCamera::Content {
     for (const Job& job : jobs) PaintSheet(*job.print, job.pose, ink, camera, rays, canvas);
   }
 
-  void Expose(std::uint64_t noise_index, Picture& out) {
+  void Expose(std::uint64_t noise_index, Image& out) {
     const int values = canvas.width_px * canvas.channels;
     cv::Mat levels(canvas.height_px, canvas.width_px, CV_32FC(canvas.channels),
                    canvas.level.data());
@@ -153,7 +153,7 @@ mesh::Surface PlainTorso() {
 }
 
 MannequinCamera::MannequinCamera(const CameraModel& camera, FacetSet facets,
-                                 std::vector<BodyInView> bodies, const PictureMaking& making)
+                                 std::vector<BodyInView> bodies, const ImageMaking& making)
     : content_(new Content{.camera = camera,
                            .facets = std::move(facets),
                            .making = Checked(making),
@@ -181,7 +181,7 @@ MannequinCamera::MannequinCamera(MannequinCamera&&) noexcept = default;
 MannequinCamera& MannequinCamera::operator=(MannequinCamera&&) noexcept = default;
 
 void MannequinCamera::Render(std::span<const ObjectInView> objects, std::uint64_t noise_index,
-                             Picture& out) {
+                             Image& out) {
   const CameraParameters& p = content_->camera.parameters();
   content_->canvas.Resize(p.width_px, p.height_px, content_->making.colour ? 3 : 1);
   content_->PaintBackground();
@@ -190,8 +190,8 @@ void MannequinCamera::Render(std::span<const ObjectInView> objects, std::uint64_
 }
 
 void RenderBoard(const CameraModel& camera, const CalibrationBoard& board,
-                 const Eigen::Isometry3d& camera_from_board, const PictureMaking& making,
-                 std::uint64_t noise_index, Picture& out) {
+                 const Eigen::Isometry3d& camera_from_board, const ImageMaking& making,
+                 std::uint64_t noise_index, Image& out) {
   MannequinCamera::Content content{.camera = camera,
                                    .facets = {},
                                    .making = Checked(making),

@@ -1,4 +1,4 @@
-// What a video camera would see of a mannequin and tools with facets: pictures for tests and for
+// What a video camera would see of a mannequin and tools with facets: images for tests and for
 // the stand-in devices.
 #pragma once
 
@@ -12,7 +12,7 @@
 #include "acus/rig/camera/board.h"
 #include "acus/rig/camera/camera_model.h"
 #include "acus/rig/camera/facets.h"
-#include "acus/rig/camera/picture.h"
+#include "acus/rig/camera/image.h"
 
 namespace acus::camera {
 
@@ -28,14 +28,14 @@ struct BodyInView {
   Eigen::Array3f colour = {0.80F, 0.62F, 0.52F};  ///< sRGB, 0 to 1.
 };
 
-/// How the picture is taken. The defaults are those of a plain webcam in a room.
-struct PictureMaking {
+/// How the image is taken. The defaults are those of a plain webcam in a room.
+struct ImageMaking {
   int samples = 4;              ///< Each way in a pixel; 1 to 16.
   double blur_sigma_px = 0.7;   ///< Of lens and sensor, Gaussian.
   double noise_sigma = 2.0;     ///< Of each pixel, grey levels of 255.
   double black = 30.0;          ///< Grey level of printed black,
-  double white = 215.0;         ///< and of paper, in the middle of the picture.
-  double light_gradient = 0.2;  ///< Relative change of the light over the picture's width.
+  double white = 215.0;         ///< and of paper, in the middle of the image.
+  double light_gradient = 0.2;  ///< Relative change of the light over the image's width.
   bool colour = true;           ///< Otherwise grey.
 };
 
@@ -50,15 +50,15 @@ class MannequinCamera {
 
   /// @throws InputError for a setting out of range, or a body of an object that is not in the set.
   MannequinCamera(const CameraModel& camera, FacetSet facets, std::vector<BodyInView> bodies,
-                  const PictureMaking& making);
+                  const ImageMaking& making);
   ~MannequinCamera();
   MannequinCamera(MannequinCamera&&) noexcept;
   MannequinCamera& operator=(MannequinCamera&&) noexcept;
 
-  /// Objects that are not given are not in the picture. Bodies hide markers behind them, and nearer
-  /// markers hide those behind. `noise_index` picks the noise: give the number of the picture.
+  /// Objects that are not given are not in the image. Bodies hide markers behind them, and nearer
+  /// markers hide those behind. `noise_index` picks the noise: give the number of the image.
   /// @throws InputError for an object that is not in the set or a pose that is not finite.
-  void Render(std::span<const ObjectInView> objects, std::uint64_t noise_index, Picture& out);
+  void Render(std::span<const ObjectInView> objects, std::uint64_t noise_index, Image& out);
 
  private:
   std::unique_ptr<Content> content_;
@@ -66,7 +66,7 @@ class MannequinCamera {
 
 /// A calibration board before the same background. @throws InputError as MannequinCamera does.
 void RenderBoard(const CameraModel& camera, const CalibrationBoard& board,
-                 const Eigen::Isometry3d& camera_from_board, const PictureMaking& making,
-                 std::uint64_t noise_index, Picture& out);
+                 const Eigen::Isometry3d& camera_from_board, const ImageMaking& making,
+                 std::uint64_t noise_index, Image& out);
 
 }  // namespace acus::camera

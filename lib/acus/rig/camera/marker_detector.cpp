@@ -8,7 +8,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/rig/camera/corner_refinement.h"
-#include "acus/rig/camera/opencv_picture.h"
+#include "acus/rig/camera/opencv_image.h"
 
 namespace acus::camera {
 
@@ -17,7 +17,7 @@ namespace {
 /// Codes of fewer bits turn up in any clutter.
 constexpr int kLeastBitsForSecondLook = 5;
 
-double Bilinear(const Picture& grey, const Eigen::Vector2d& at) {
+double Bilinear(const Image& grey, const Eigen::Vector2d& at) {
   const double column = std::clamp(at[0], 0.0, grey.width_px - 1.001);
   const double row = std::clamp(at[1], 0.0, grey.height_px - 1.001);
   const auto c = static_cast<int>(column);
@@ -45,8 +45,7 @@ std::optional<Eigen::Matrix3d> FromUnitSquare(const std::array<Eigen::Vector2d, 
 }
 
 /// Mean level of each module, the black border included; row by row.
-std::vector<double> ModuleLevels(const Picture& grey, const Eigen::Matrix3d& from_unit,
-                                 int modules) {
+std::vector<double> ModuleLevels(const Image& grey, const Eigen::Matrix3d& from_unit, int modules) {
   constexpr int kSamples = 3;  // Each way, in the middle of the module.
   std::vector<double> levels;
   for (int row = 0; row < modules; ++row) {
@@ -65,7 +64,7 @@ std::vector<double> ModuleLevels(const Picture& grey, const Eigen::Matrix3d& fro
 
 /// Reads the code between corners that are already exact. Every bit must be right, and the border
 /// black. Turns the corners to the marker's own top left.
-bool Decode(const Picture& grey, const cv::aruco::Dictionary& dictionary, DetectedMarker& marker) {
+bool Decode(const Image& grey, const cv::aruco::Dictionary& dictionary, DetectedMarker& marker) {
   const int bits = dictionary.markerSize;
   const int modules = bits + 2;
   const auto from_unit = FromUnitSquare(marker.corners_px);
@@ -123,7 +122,7 @@ struct MarkerDetector::Content {
   cv::Ptr<cv::aruco::Dictionary> dictionary;
   cv::Ptr<cv::aruco::DetectorParameters> parameters = cv::aruco::DetectorParameters::create();
   DetectorSettings settings;
-  Picture grey;
+  Image grey;
   cv::Mat magnified;
 
   cv::Mat Magnified() {
@@ -156,12 +155,11 @@ MarkerDetector::~MarkerDetector() = default;
 MarkerDetector::MarkerDetector(MarkerDetector&&) noexcept = default;
 MarkerDetector& MarkerDetector::operator=(MarkerDetector&&) noexcept = default;
 
-std::vector<DetectedMarker> MarkerDetector::Detect(const Picture& picture,
-                                                   const CameraModel* camera) {
+std::vector<DetectedMarker> MarkerDetector::Detect(const Image& image, const CameraModel* camera) {
   std::vector<DetectedMarker> found;
-  if (picture.empty() || std::min(picture.width_px, picture.height_px) < 16) return found;
-  ToGrey(picture, content_->grey);
-  const Picture& grey = content_->grey;
+  if (image.empty() || std::min(image.width_px, image.height_px) < 16) return found;
+  ToGrey(image, content_->grey);
+  const Image& grey = content_->grey;
   content_->parameters->minMarkerPerimeterRate =
       4.0 * content_->settings.smallest_side_px / std::max(grey.width_px, grey.height_px);
   std::vector<std::vector<cv::Point2f>> corners, rejected;

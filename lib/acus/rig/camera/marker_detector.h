@@ -1,4 +1,4 @@
-// Finds square markers in a picture, with corners to a few hundredths of a pixel.
+// Finds square markers in an image, with corners to a few hundredths of a pixel.
 #pragma once
 
 #include <Eigen/Dense>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "acus/rig/camera/camera_model.h"
-#include "acus/rig/camera/picture.h"
+#include "acus/rig/camera/image.h"
 
 namespace acus::camera {
 
@@ -25,7 +25,7 @@ struct DetectorSettings {
   double smallest_side_px = 12.0;
   /// Half of the length over which an edge is looked for across it, pixels.
   double search_px = 4.0;
-  /// 2: outlines are looked for in a picture of twice the size, for markers of some 10 px a side.
+  /// 2: outlines are looked for in an image of twice the size, for markers of some 10 px a side.
   int magnification = 1;
 };
 
@@ -37,11 +37,11 @@ class MarkerDetector {
   MarkerDetector(MarkerDetector&&) noexcept;
   MarkerDetector& operator=(MarkerDetector&&) noexcept;
 
-  /// All markers of the dictionary in a grey or colour picture, ordered by id, then by place. The
+  /// All markers of the dictionary in a grey or colour image, ordered by id, then by place. The
   /// same id twice is reported twice. Corners are where lines through the four edges meet; with a
-  /// camera these lines are straight in its rays, not in the picture. Deterministic; not for two
+  /// camera these lines are straight in its rays, not in the image. Deterministic; not for two
   /// threads at a time.
-  std::vector<DetectedMarker> Detect(const Picture& picture, const CameraModel* camera = nullptr);
+  std::vector<DetectedMarker> Detect(const Image& image, const CameraModel* camera = nullptr);
 
  private:
   struct Content;

@@ -23,7 +23,7 @@ using nlohmann::json;
 constexpr int kLeastCorners = 12;
 
 struct HandEyeOptions {
-  fs::path pictures, poses, camera;
+  fs::path images, poses, camera;
   bool standing = false;
   double limit_mm = 5.0;
 };
@@ -33,8 +33,8 @@ struct StereoOptions {
   double limit_px = 1.5;
 };
 
-std::vector<fs::path> PicturesOf(const fs::path& folder, RunContext& context) {
-  auto files = PictureFiles(folder);
+std::vector<fs::path> ImagesOf(const fs::path& folder, RunContext& context) {
+  auto files = ImageFiles(folder);
   for (const fs::path& file : files) context.provenance.AddInput(file);
   return files;
 }
@@ -50,14 +50,14 @@ PosePairs PairsOf(const HandEyeOptions& options, const CalibrationBoard& board,
   context.provenance.AddInput(options.camera);
   const auto poses = session::ReadPoseCsv(options.poses, context);
   context.provenance.AddInput(options.poses);
-  const auto files = PicturesOf(options.pictures, context);
+  const auto files = ImagesOf(options.images, context);
   ACUS_REQUIRE(files.size() == poses.size(), options.poses.string(), ": has ", poses.size(),
-               " poses, ", options.pictures.string(), " has ", files.size(),
+               " poses, ", options.images.string(), " has ", files.size(),
                " images; each image, in order of its name, needs one row");
   const BoardViews found = FindBoardViews(files, board, kLeastCorners, context);
   const CameraParameters& p = camera.parameters();
   ACUS_REQUIRE(found.width_px == p.width_px && found.height_px == p.height_px,
-               options.pictures.string(), ": its images have ", found.width_px, " x ",
+               options.images.string(), ": its images have ", found.width_px, " x ",
                found.height_px, " pixels, the camera's file says ", p.width_px, " x ", p.height_px);
   PosePairs pairs;
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -111,8 +111,8 @@ CameraModel CameraOf(const fs::path& file, const std::vector<fs::path>& images,
 
 std::string Run(const StereoOptions& options, const CalibrationBoard& board, const fs::path& folder,
                 RunContext& context) {
-  const auto left = PicturesOf(options.left, context);
-  const auto right = PicturesOf(options.right, context);
+  const auto left = ImagesOf(options.left, context);
+  const auto right = ImagesOf(options.right, context);
   const CameraModel left_camera =
       CameraOf(options.left_camera, left, board, folder / "left.json", context);
   const CameraModel right_camera =
@@ -153,7 +153,7 @@ RigTasks AddRigTasks(CLI::App& app) {
   CLI::App* hand_eye = app.add_subcommand(
       "hand-eye", "Find where a camera sits on a tracked body, from images of the board");
   hand_eye->fallthrough()
-      ->add_option("images", eye->pictures, "Folder of images of the board")
+      ->add_option("images", eye->images, "Folder of images of the board")
       ->required()
       ->check(CLI::ExistingDirectory);
   hand_eye->add_option("--poses", eye->poses, "Poses of the body (.csv), one row for each image")

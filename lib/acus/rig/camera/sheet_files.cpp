@@ -64,21 +64,21 @@ std::string WithResolution(const std::vector<unsigned char>& png) {
 
 std::string Png(const Sheet& sheet) {
   const auto px = [](double mm) { return static_cast<int>(std::lround(mm * kPixelsPerMm)); };
-  cv::Mat picture(px(sheet.paper_mm[1]), px(sheet.paper_mm[0]), CV_8UC1, cv::Scalar(255));
-  const cv::Rect all(0, 0, picture.cols, picture.rows);
+  cv::Mat image(px(sheet.paper_mm[1]), px(sheet.paper_mm[0]), CV_8UC1, cv::Scalar(255));
+  const cv::Rect all(0, 0, image.cols, image.rows);
   for (const Rectangle& r : sheet.black) {
     // Each edge to its nearest pixel by itself, so that errors do not add up.
     const cv::Point a(px(r.corner_mm[0]), px(r.corner_mm[1]));
     const cv::Point b(px(r.corner_mm[0] + r.size_mm[0]), px(r.corner_mm[1] + r.size_mm[1]));
-    picture(cv::Rect(a, b) & all).setTo(0);
+    image(cv::Rect(a, b) & all).setTo(0);
   }
   for (const Words& words : sheet.words) {
     const double scale = words.height_mm * kPixelsPerMm / 30.0;
-    cv::putText(picture, words.text, {px(words.at_mm[0]), px(words.at_mm[1])},
+    cv::putText(image, words.text, {px(words.at_mm[0]), px(words.at_mm[1])},
                 cv::FONT_HERSHEY_SIMPLEX, scale, cv::Scalar(0), 2, cv::LINE_AA);
   }
   std::vector<unsigned char> png;
-  ACUS_REQUIRE(cv::imencode(".png", picture, png), sheet.name, ": the image cannot be encoded");
+  ACUS_REQUIRE(cv::imencode(".png", image, png), sheet.name, ": the image cannot be encoded");
   return WithResolution(png);
 }
 

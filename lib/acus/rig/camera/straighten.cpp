@@ -3,14 +3,14 @@
 #include <opencv2/imgproc.hpp>
 
 #include "acus/base/core/error.h"
-#include "acus/rig/camera/opencv_picture.h"
+#include "acus/rig/camera/opencv_image.h"
 
 namespace acus::camera {
 
 struct Straightener::Map {
   explicit Map(const CameraModel& camera) : straight(camera.Pinhole()) {}
   CameraModel straight;
-  cv::Mat columns, rows;  ///< Where in the picture each pixel comes from; empty: the same place.
+  cv::Mat columns, rows;  ///< Where in the image each pixel comes from; empty: the same place.
 };
 
 Straightener::Straightener(const CameraModel& camera) : map_(std::make_unique<Map>(camera)) {
@@ -37,19 +37,19 @@ const CameraModel& Straightener::pinhole() const {
   return map_->straight;
 }
 
-void Straightener::Straighten(const Picture& picture, Picture& out) const {
+void Straightener::Straighten(const Image& image, Image& out) const {
   const CameraParameters& p = map_->straight.parameters();
-  ACUS_REQUIRE(picture.width_px == p.width_px && picture.height_px == p.height_px, "the image has ",
-               picture.width_px, " x ", picture.height_px, " pixels, the camera's file says ",
+  ACUS_REQUIRE(image.width_px == p.width_px && image.height_px == p.height_px, "the image has ",
+               image.width_px, " x ", image.height_px, " pixels, the camera's file says ",
                p.width_px, " x ", p.height_px, "; calibrate at the size that is used");
   if (map_->columns.empty()) {
-    out = picture;
+    out = image;
     return;
   }
-  out.Resize(picture.width_px, picture.height_px, picture.channels);
-  out.time_ns = picture.time_ns;
+  out.Resize(image.width_px, image.height_px, image.channels);
+  out.time_ns = image.time_ns;
   cv::Mat to = MatOf(out);
-  cv::remap(MatOf(picture), to, map_->columns, map_->rows, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+  cv::remap(MatOf(image), to, map_->columns, map_->rows, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
 }
 
 }  // namespace acus::camera

@@ -1,17 +1,17 @@
-// Pictures without the lens: what a pinhole at the same place would have seen.
+// Images without the lens: what a pinhole at the same place would have seen.
 #pragma once
 
 #include <memory>
 
 #include "acus/rig/camera/camera_model.h"
-#include "acus/rig/camera/picture.h"
+#include "acus/rig/camera/image.h"
 
 namespace acus::camera {
 
-/// Straight lines become straight, so that a picture rendered with a pinhole lies over the video.
+/// Straight lines become straight, so that an image rendered with a pinhole lies over the video.
 class Straightener {
  public:
-  /// Pictures of `camera` to pictures of `camera.Pinhole()`, of the same size.
+  /// Images of `camera` to images of `camera.Pinhole()`, of the same size.
   explicit Straightener(const CameraModel& camera);
   ~Straightener();
   Straightener(Straightener&&) noexcept;
@@ -19,8 +19,8 @@ class Straightener {
 
   const CameraModel& pinhole() const;
   /// Bilinear; black where the camera did not see. Keeps time and channels. A camera without
-  /// distortion: a copy. @throws InputError if the picture is not of the camera's size.
-  void Straighten(const Picture& picture, Picture& out) const;
+  /// distortion: a copy. @throws InputError if the image is not of the camera's size.
+  void Straighten(const Image& image, Image& out) const;
 
  private:
   struct Map;

@@ -15,17 +15,17 @@
 namespace acus::camera {
 namespace {
 
-std::string PictureName(int number) {
+std::string ImageName(int number) {
   char name[32];
   std::snprintf(name, sizeof name, "%04d.png", number);
   return name;
 }
 
-std::int64_t TimeNs(std::size_t picture, double rate_hz) {
-  return std::llround(1e9 * static_cast<double>(picture) / rate_hz);
+std::int64_t TimeNs(std::size_t image, double rate_hz) {
+  return std::llround(1e9 * static_cast<double>(image) / rate_hz);
 }
 
-/// Seen from the camera: z of the object towards it, y up, tilted about an axis in the picture.
+/// Seen from the camera: z of the object towards it, y up, tilted about an axis in the image.
 Eigen::Isometry3d Facing(const Eigen::Vector3d& at_mm, double tilt_rad, double azimuth_rad) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   const Eigen::Vector3d axis(std::cos(azimuth_rad), std::sin(azimuth_rad), 0.0);
@@ -44,7 +44,7 @@ void WriteMovingObjects(const std::filesystem::path& folder, const CameraModel& 
   }
   MannequinCamera maker(camera, facets, std::move(bodies), {});
   std::vector<session::PoseStream> truth(facets.objects.size());
-  Picture picture;
+  Image image;
   for (int i = 0; i < count; ++i) {
     context.Checkpoint("Drawing", static_cast<double>(i) / count);
     std::vector<ObjectInView> shown;
@@ -65,8 +65,8 @@ void WriteMovingObjects(const std::filesystem::path& folder, const CameraModel& 
       sample.reference_from_tool = transforms::Pose(pose);
       truth[o].push_back(sample);
     }
-    maker.Render(shown, static_cast<std::uint64_t>(i) + context.seed, picture);
-    WritePicture(folder / PictureName(i), picture);
+    maker.Render(shown, static_cast<std::uint64_t>(i) + context.seed, image);
+    WriteImage(folder / ImageName(i), image);
   }
   for (std::size_t o = 0; o < truth.size(); ++o) {
     session::WritePoseCsv(folder.parent_path() / "truth" / (facets.objects[o].name + ".csv"),
@@ -76,8 +76,8 @@ void WriteMovingObjects(const std::filesystem::path& folder, const CameraModel& 
 
 void WriteBoards(const std::filesystem::path& folder, const CameraModel& camera,
                  const CalibrationBoard& board, int count, const RunContext& context) {
-  Picture picture;
-  // As far off as fills half of the picture with it.
+  Image image;
+  // As far off as fills half of the image with it.
   const CameraParameters& p = camera.parameters();
   const double z = 2.0 * board.square_mm * board.rows * p.focal_px[1] / p.height_px * 0.6;
   for (int i = 0; i < count; ++i) {
@@ -89,8 +89,8 @@ void WriteBoards(const std::filesystem::path& folder, const CameraModel& camera,
         Facing(at, random.Uniform(0.2, 0.7), random.Uniform(0.0, 2.0 * std::numbers::pi)) *
         Eigen::AngleAxisd(random.Uniform(-std::numbers::pi, std::numbers::pi),
                           Eigen::Vector3d::UnitZ());
-    RenderBoard(camera, board, pose, {.colour = false}, static_cast<std::uint64_t>(i), picture);
-    WritePicture(folder / PictureName(i), picture);
+    RenderBoard(camera, board, pose, {.colour = false}, static_cast<std::uint64_t>(i), image);
+    WriteImage(folder / ImageName(i), image);
   }
 }
 
@@ -114,9 +114,8 @@ double TrackedObject::JitterMm() const {
   return std::sqrt(sum / Seen());
 }
 
-TrackingRun TrackPictures(const std::vector<std::filesystem::path>& pictures,
-                          const CameraModel& camera, const FacetSet& facets, double rate_hz,
-                          const RunContext& context) {
+TrackingRun TrackImages(const std::vector<std::filesystem::path>& images, const CameraModel& camera,
+                        const FacetSet& facets, double rate_hz, const RunContext& context) {
   ACUS_REQUIRE(rate_hz > 0.0 && rate_hz <= 10000.0, "images at ", rate_hz,
                " Hz; allowed is above 0 to 10000");
   TrackingRun run;
@@ -126,15 +125,15 @@ TrackingRun TrackPictures(const std::vector<std::filesystem::path>& pictures,
   }
   MarkerDetector detector(facets.dictionary);
   const CameraParameters& p = camera.parameters();
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
-    context.Checkpoint("Tracking", static_cast<double>(i) / static_cast<double>(pictures.size()));
-    const Picture picture = ReadPicture(pictures[i]);
-    ACUS_REQUIRE(picture.width_px == p.width_px && picture.height_px == p.height_px,
-                 pictures[i].string(), ": has ", picture.width_px, " x ", picture.height_px,
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    context.Checkpoint("Tracking", static_cast<double>(i) / static_cast<double>(images.size()));
+    const Image image = ReadImage(images[i]);
+    ACUS_REQUIRE(image.width_px == p.width_px && image.height_px == p.height_px, images[i].string(),
+                 ": has ", image.width_px, " x ", image.height_px,
                  " pixels, the camera's file says ", p.width_px, " x ", p.height_px,
                  "; use the camera's own file");
-    run.files.push_back(pictures[i].filename().string());
-    const auto seen = detector.Detect(picture, &camera);
+    run.files.push_back(images[i].filename().string());
+    const auto seen = detector.Detect(image, &camera);
     for (std::size_t o = 0; o < facets.objects.size(); ++o) {
       auto& poses = run.objects[o].poses;
       std::optional<Eigen::Isometry3d> before;

@@ -1,4 +1,4 @@
-// A recording of pictures, tracked: poses of the objects as streams of a session.
+// A recording of images, tracked: poses of the objects as streams of a session.
 #pragma once
 
 #include <filesystem>
@@ -16,10 +16,10 @@ namespace acus::camera {
 /// What was seen of one object.
 struct TrackedObject {
   std::string name;
-  std::vector<std::optional<ObjectPose>> poses;  ///< One for each picture.
+  std::vector<std::optional<ObjectPose>> poses;  ///< One for each image.
 
   int Seen() const;
-  /// Distance from the mean position, RMS over the pictures it was seen in, mm: the jitter, if
+  /// Distance from the mean position, RMS over the images it was seen in, mm: the jitter, if
   /// object and camera stood still.
   double JitterMm() const;
 };
@@ -30,10 +30,9 @@ struct TrackingRun {
   std::vector<TrackedObject> objects;  ///< In the order of the set.
 };
 
-/// @throws InputError if a picture cannot be read or is not of the camera's size.
-TrackingRun TrackPictures(const std::vector<std::filesystem::path>& pictures,
-                          const CameraModel& camera, const FacetSet& facets, double rate_hz,
-                          const RunContext& context);
+/// @throws InputError if an image cannot be read or is not of the camera's size.
+TrackingRun TrackImages(const std::vector<std::filesystem::path>& images, const CameraModel& camera,
+                        const FacetSet& facets, double rate_hz, const RunContext& context);
 
 /// For the terminal.
 std::string TableText(const TrackingRun& run);
@@ -42,7 +41,7 @@ std::string TableText(const TrackingRun& run);
 void WriteResult(const std::filesystem::path& folder, const TrackingRun& run,
                  const RunContext& context);
 
-/// Pictures to try all this with: the board from many sides in board/, and in facets/ the objects
+/// Images to try all this with: the board from many sides in board/, and in facets/ the objects
 /// swaying before the camera, with their true poses in truth/<object>.csv (as WriteResult writes
 /// them) and provenance.json. `context.seed` picks the noise and the views of the board.
 void WriteSamples(const std::filesystem::path& folder, const CameraModel& camera,

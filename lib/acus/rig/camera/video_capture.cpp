@@ -6,13 +6,13 @@
 #include "acus/base/core/error.h"
 #include "acus/base/core/monotonic_time.h"
 #include "acus/rig/camera/frame_sources.h"
-#include "acus/rig/camera/opencv_picture.h"
+#include "acus/rig/camera/opencv_image.h"
 
 namespace acus::camera {
 namespace {
 
-/// False if it is no picture of 8 bits.
-bool Convert(const cv::Mat& frame, Picture& out) {
+/// False if it is no image of 8 bits.
+bool Convert(const cv::Mat& frame, Image& out) {
   if (frame.empty() || frame.depth() != CV_8U) return false;
   if (frame.channels() != 1 && frame.channels() != 3) return false;
   out.Resize(frame.cols, frame.rows, frame.channels());
@@ -36,7 +36,7 @@ class DeviceSource final : public FrameSource {
     status_.text = "looking for a camera at " + path_;
   }
 
-  bool Next(Picture& out, int timeout_ms) override {
+  bool Next(Image& out, int timeout_ms) override {
     if (!capture_.isOpened() && !Open(timeout_ms)) return false;
     bool got = false;
     try {
@@ -106,7 +106,7 @@ class FilmSource final : public FrameSource {
     status_.text = "video " + film_.string();
   }
 
-  bool Next(Picture& out, int timeout_ms) override {
+  bool Next(Image& out, int timeout_ms) override {
     if (finished_ || !pace_.Wait(timeout_ms)) return false;
     if (Read(out)) return true;
     if (repeat_ && status_.received > 0 && Open() && Read(out)) return true;
@@ -126,7 +126,7 @@ class FilmSource final : public FrameSource {
       return false;
     }
   }
-  bool Read(Picture& out) {
+  bool Read(Image& out) {
     try {
       if (!capture_.read(frame_) || !Convert(frame_, out)) return false;
     } catch (const cv::Exception&) {

@@ -37,13 +37,13 @@ bool SleepUntil(std::int64_t time_ns, const RunContext& context) {
   }
 }
 
-/// Draws and sends pictures of the newest poses.
-class PictureThread {
+/// Draws and sends images of the newest poses.
+class ImageThread {
  public:
-  PictureThread(PictureSource* source, tracking::PoseServer& server) : server_(server) {
+  ImageThread(ImageSource* source, tracking::PoseServer& server) : server_(server) {
     if (source != nullptr) thread_ = std::thread([this, source] { Run(*source); });
   }
-  ~PictureThread() {
+  ~ImageThread() {
     stopping_ = true;
     if (thread_.joinable()) thread_.join();
   }
@@ -55,14 +55,14 @@ class PictureThread {
   }
   void Pause(bool paused) { paused_ = paused; }
   std::uint64_t count() const { return count_; }
-  /// Why there are no more pictures; empty if there are.
+  /// Why there are no more images; empty if there are.
   std::string error() const {
     const std::lock_guard lock(mutex_);
     return error_;
   }
 
  private:
-  void Run(PictureSource& source) {
+  void Run(ImageSource& source) {
     const auto step_ns = static_cast<std::int64_t>(1e9 / std::clamp(source.rate_hz(), 0.1, 200.0));
     RunContext until_stopped;
     until_stopped.stop = &stopping_;
@@ -80,7 +80,7 @@ class PictureThread {
       if (stopping_ || paused_ || poses.empty()) continue;
       const std::int64_t taken_ns = MonotonicNs();
       try {
-        server_.SendPicture(source.stream(), source.Draw(poses, time_ns), taken_ns);
+        server_.SendImage(source.stream(), source.Draw(poses, time_ns), taken_ns);
       } catch (const InputError& error) {
         const std::lock_guard lock(mutex_);
         error_ = error.what();
@@ -160,8 +160,8 @@ bool WaitForClient(const tracking::PoseServer& server, const RunContext& context
 
 }  // namespace
 
-PlaybackReport Play(const ToolMotion& motion, PictureSource* pictures,
-                    const PlaybackOptions& options, const RunContext& context) {
+PlaybackReport Play(const ToolMotion& motion, ImageSource* images, const PlaybackOptions& options,
+                    const RunContext& context) {
   ACUS_REQUIRE(options.speed >= 0.01 && options.speed <= 100.0, "speed is ", options.speed,
                "; allowed are 0.01 to 100");
   FaultyServer faulty(options, context.seed);
@@ -171,7 +171,7 @@ PlaybackReport Play(const ToolMotion& motion, PictureSource* pictures,
   PlaybackReport report;
   if (options.wait_for_client && !WaitForClient(server, context)) return report;
 
-  PictureThread picture_thread(pictures, server);
+  ImageThread image_thread(images, server);
   const std::int64_t start_ns = MonotonicNs();
   std::int64_t end_ns = INT64_MAX;
   if (options.seconds) end_ns = start_ns + std::llround(1e9 * *options.seconds);
@@ -186,15 +186,15 @@ PlaybackReport Play(const ToolMotion& motion, PictureSource* pictures,
     report.worst_late_ms = std::max(report.worst_late_ms, 1e-6 * static_cast<double>(late_ns));
     ++report.sent;
     std::vector<NamedPose> poses = motion.At(*at);
-    picture_thread.Show(poses, *at);
+    image_thread.Show(poses, *at);
     const bool may_send = faulty.Update(now_ns - start_ns);
-    picture_thread.Pause(!may_send);
+    image_thread.Pause(!may_send);
     if (may_send) faulty.Send(std::move(poses), now_ns - start_ns, now_ns);
   }
   if (options.seconds) SleepUntil(end_ns, context);
   report.played_s = 1e-9 * static_cast<double>(MonotonicNs() - start_ns);
-  report.pictures = picture_thread.count();
-  if (const std::string error = picture_thread.error(); !error.empty()) {
+  report.images = image_thread.count();
+  if (const std::string error = image_thread.error(); !error.empty()) {
     context.Warn("no more images were drawn: " + error);
   }
   report.server = server.status();
@@ -205,9 +205,9 @@ std::string Text(const PlaybackReport& report) {
   const tracking::PoseServerStatus& server = report.server;
   std::string text = Message(
       "played ", report.played_s, " s: ", report.sent, " instants, ", report.late,
-      " of them late, the latest by ", report.worst_late_ms, " ms; ", report.pictures, " images\n",
+      " of them late, the latest by ", report.worst_late_ms, " ms; ", report.images, " images\n",
       "clients: ", server.connects, " connected, ", server.too_slow, " too slow, ", server.rubbish,
-      " sent invalid messages; ", server.pictures_replaced, " images replaced\n");
+      " sent invalid messages; ", server.images_replaced, " images replaced\n");
   return text;
 }
 

@@ -1,4 +1,4 @@
-// Plays the motion of tools as a tracker would send it, with pictures and faults.
+// Plays the motion of tools as a tracker would send it, with images and faults.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,21 @@
 #include "acus/base/core/run_context.h"
 #include "acus/rig/simulators/faults.h"
 #include "acus/rig/simulators/tool_motion.h"
-#include "acus/rig/tracking/picture.h"
+#include "acus/rig/tracking/image.h"
 #include "acus/rig/tracking/pose_server.h"
 
 namespace acus::simulators {
 
-/// Pictures of what goes on, such as a camera that looks at the mannequin. Drawn by a thread of its
+/// Images of what goes on, such as a camera that looks at the mannequin. Drawn by a thread of its
 /// own, so that poses never wait for one.
-class PictureSource {
+class ImageSource {
  public:
-  virtual ~PictureSource() = default;
+  virtual ~ImageSource() = default;
   virtual std::string stream() const = 0;  ///< Name on the network: "Video".
   virtual double rate_hz() const = 0;
   /// The scene at a time of the motion. `poses`: the newest of each tool, with its validity.
-  virtual tracking::Picture Draw(std::span<const tracking::NamedPose> poses,
-                                 std::int64_t time_ns) = 0;
+  virtual tracking::Image Draw(std::span<const tracking::NamedPose> poses,
+                               std::int64_t time_ns) = 0;
 };
 
 struct PlaybackOptions {
@@ -44,14 +44,14 @@ struct PlaybackReport {
   std::uint64_t sent = 0;  ///< Instants that were sent, faulty ones included.
   std::uint64_t late = 0;  ///< Of these: more than 5 ms after their time.
   double worst_late_ms = 0.0;
-  std::uint64_t pictures = 0;
+  std::uint64_t images = 0;
   tracking::PoseServerStatus server = {};
 };
 
 /// Plays until the end or until a stop is asked for (context.stop), which is no error.
 /// @throws InputError if the port is taken or the speed is not in [0.01, 100].
-PlaybackReport Play(const ToolMotion& motion, PictureSource* pictures,
-                    const PlaybackOptions& options, const RunContext& context);
+PlaybackReport Play(const ToolMotion& motion, ImageSource* images, const PlaybackOptions& options,
+                    const RunContext& context);
 
 /// "played 12.3 s: 1230 instants, ..."
 std::string Text(const PlaybackReport& report);

@@ -19,7 +19,7 @@ constexpr std::int64_t kNsPerMs = 1'000'000;
 constexpr int kFirstWaitMs = 100, kLongestWaitMs = 2000, kConnectMs = 2000;
 constexpr int kPollMs = 20;  // How late silence is noticed.
 constexpr std::uint64_t kMaxRubbishBytes = 64 * 1024;
-constexpr std::size_t kMaxPictureStreams = 16;
+constexpr std::size_t kMaxImageStreams = 16;
 
 std::vector<std::string> Names(const std::vector<IgtlTool>& tools) {
   std::vector<std::string> names;
@@ -71,10 +71,10 @@ class IgtlSource::Receiver {
     return status_;
   }
 
-  std::shared_ptr<const ReceivedPicture> Image(const std::string& device) const {
+  std::shared_ptr<const ReceivedImage> Image(const std::string& device) const {
     const std::lock_guard lock(mutex_);
-    const auto found = pictures_.find(device);
-    return found == pictures_.end() ? nullptr : found->second;
+    const auto found = images_.find(device);
+    return found == images_.end() ? nullptr : found->second;
   }
 
  private:
@@ -84,7 +84,7 @@ class IgtlSource::Receiver {
   void Serve(const Descriptor& socket);
   bool ReceiveSome(const Descriptor& socket, IgtlReader& reader);
   void Handle(const IgtlMessage& message, std::int64_t arrival_ns);
-  void KeepPicture(const IgtlMessage& message, std::int64_t arrival_ns);
+  void KeepImage(const IgtlMessage& message, std::int64_t arrival_ns);
   void SetState(SourceState state, const std::string& error);
   void PublishStatus(const IgtlReader& reader);
 
@@ -106,7 +106,7 @@ class IgtlSource::Receiver {
 
   mutable std::mutex mutex_;
   SourceStatus status_;
-  std::map<std::string, std::shared_ptr<const ReceivedPicture>> pictures_;
+  std::map<std::string, std::shared_ptr<const ReceivedImage>> images_;
 };
 
 void IgtlSource::Receiver::Run() {
@@ -224,7 +224,7 @@ void IgtlSource::Receiver::Handle(const IgtlMessage& message, std::int64_t arriv
     is_readable = text.has_value();
     if (text) peer_status_ = *text;
   } else if (header.type == "IMAGE") {
-    KeepPicture(message, arrival_ns);
+    KeepImage(message, arrival_ns);
   } else if (header.type == "RTS_TDATA") {
     if (!content.empty() && content[0] != 0) error_ = "the peer has no TDATA to send";
   } else {
@@ -233,26 +233,26 @@ void IgtlSource::Receiver::Handle(const IgtlMessage& message, std::int64_t arriv
   if (!is_readable) ++unreadable_;
 }
 
-void IgtlSource::Receiver::KeepPicture(const IgtlMessage& message, std::int64_t arrival_ns) {
-  auto picture = ReadImage(message.body.content);
-  if (!picture) {
+void IgtlSource::Receiver::KeepImage(const IgtlMessage& message, std::int64_t arrival_ns) {
+  auto image = ReadImage(message.body.content);
+  if (!image) {
     ++unexpected_;  // A volume, or more than 8 bits: right, but not for us.
     return;
   }
   const std::lock_guard lock(mutex_);
-  const auto last = pictures_.find(message.header.device);
-  if (last == pictures_.end() && pictures_.size() >= kMaxPictureStreams) {
+  const auto last = images_.find(message.header.device);
+  if (last == images_.end() && images_.size() >= kMaxImageStreams) {
     ++unexpected_;
     return;
   }
-  const std::uint64_t number = last == pictures_.end() ? 1 : last->second->number + 1;
-  const auto kept = std::make_shared<const ReceivedPicture>(
-      ReceivedPicture{.time_ns = arrival_ns,
-                      .source_time_ns = message.header.time_ns,
-                      .number = number,
-                      .picture = std::move(*picture)});
-  pictures_[message.header.device] = kept;
-  pictures_[""] = kept;
+  const std::uint64_t number = last == images_.end() ? 1 : last->second->number + 1;
+  const auto kept =
+      std::make_shared<const ReceivedImage>(ReceivedImage{.time_ns = arrival_ns,
+                                                          .source_time_ns = message.header.time_ns,
+                                                          .number = number,
+                                                          .image = std::move(*image)});
+  images_[message.header.device] = kept;
+  images_[""] = kept;
 }
 
 void IgtlSource::Receiver::SetState(SourceState state, const std::string& error) {
@@ -312,7 +312,7 @@ int IgtlSource::port() const {
   return receiver_->port();
 }
 
-std::shared_ptr<const ReceivedPicture> IgtlSource::Image(const std::string& device) const {
+std::shared_ptr<const ReceivedImage> IgtlSource::Image(const std::string& device) const {
   return receiver_->Image(device);
 }
 

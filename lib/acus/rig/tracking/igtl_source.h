@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "acus/rig/tracking/picture.h"
+#include "acus/rig/tracking/image.h"
 #include "acus/rig/tracking/pose_source.h"
 
 namespace acus::tracking {
@@ -32,7 +32,7 @@ struct IgtlOptions {
   /// Ask for TDATA (STT_TDATA) at this least interval; 0 as fast as can be; negative: do not ask.
   int tdata_interval_ms = -1;
   bool check_crc = true;
-  bool keep_images = false;  ///< Pictures are kept for Image().
+  bool keep_images = false;  ///< Images are kept for Image().
   /// A tool without a reading for so long is published as not seen: PLUS by default does not send
   /// transforms of tools that it does not see.
   int lost_after_ms = 200;
@@ -43,12 +43,12 @@ struct IgtlOptions {
   std::size_t journal_capacity = 0;  ///< Of the board.
 };
 
-/// The newest picture of a stream.
-struct ReceivedPicture {
+/// The newest image of a stream.
+struct ReceivedImage {
   std::int64_t time_ns = 0;         ///< Arrival, MonotonicNs().
   std::int64_t source_time_ns = 0;  ///< The sender's stamp; 0 if there is none.
-  std::uint64_t number = 0;         ///< Pictures of this stream so far.
-  Picture picture = {};
+  std::uint64_t number = 0;         ///< Images of this stream so far.
+  Image image = {};
 };
 
 /// One thread receives, and connects again by itself (100 ms after a loss, then doubling to 2 s;
@@ -70,8 +70,8 @@ class IgtlSource final : public PoseSource {
 
   /// The port that is listened on, after Start().
   int port() const;
-  /// The newest picture of a stream, or of any for ""; null before the first.
-  std::shared_ptr<const ReceivedPicture> Image(const std::string& device) const;
+  /// The newest image of a stream, or of any for ""; null before the first.
+  std::shared_ptr<const ReceivedImage> Image(const std::string& device) const;
 
  private:
   class Receiver;

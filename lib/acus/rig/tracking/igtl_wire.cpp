@@ -234,35 +234,35 @@ std::optional<std::string> ReadStatus(ByteView content) {
   return all;
 }
 
-std::optional<Picture> ReadImage(ByteView content) {
+std::optional<Image> ReadImage(ByteView content) {
   Reader in(content);
   in.Number<std::uint16_t>();  // Version of the format.
-  Picture picture;
-  picture.channels = in.Number<std::uint8_t>();
+  Image image;
+  image.channels = in.Number<std::uint8_t>();
   const auto scalar = in.Number<std::uint8_t>();
   in.Take(2);  // Byte order, which bytes do not have; RAS or LPS, which is for scanners.
-  picture.width = in.Number<std::uint16_t>();
-  picture.height = in.Number<std::uint16_t>();
+  image.width = in.Number<std::uint16_t>();
+  image.height = in.Number<std::uint16_t>();
   const auto slices = in.Number<std::uint16_t>();
   Eigen::Matrix4d matrix = Matrix(in);
   std::uint16_t offset[3], part[3];
   for (std::uint16_t& value : offset) value = in.Number<std::uint16_t>();
   for (std::uint16_t& value : part) value = in.Number<std::uint16_t>();
-  const std::size_t num_bytes = static_cast<std::size_t>(picture.width) *
-                                static_cast<std::size_t>(picture.height) *
-                                static_cast<std::size_t>(picture.channels);
-  const bool whole = part[0] == picture.width && part[1] == picture.height && part[2] == 1;
+  const std::size_t num_bytes = static_cast<std::size_t>(image.width) *
+                                static_cast<std::size_t>(image.height) *
+                                static_cast<std::size_t>(image.channels);
+  const bool whole = part[0] == image.width && part[1] == image.height && part[2] == 1;
   if (!in.ok() || slices != 1 || !whole || num_bytes == 0 || num_bytes != in.left() ||
-      (picture.channels != 1 && picture.channels != 3) || scalar != IGTL_IMAGE_STYPE_TYPE_UINT8) {
+      (image.channels != 1 && image.channels != 3) || scalar != IGTL_IMAGE_STYPE_TYPE_UINT8) {
     return std::nullopt;
   }
-  // The message has the place of the middle of the picture.
-  const Eigen::Vector4d middle_px(0.5 * (picture.width - 1), 0.5 * (picture.height - 1), 0.0, 0.0);
+  // The message has the place of the middle of the image.
+  const Eigen::Vector4d middle_px(0.5 * (image.width - 1), 0.5 * (image.height - 1), 0.0, 0.0);
   matrix.col(3) -= matrix * middle_px;
-  picture.reference_from_pixel = matrix;
+  image.reference_from_pixel = matrix;
   const ByteView pixels = in.Take(num_bytes);
-  picture.pixels.assign(pixels.begin(), pixels.end());
-  return picture;
+  image.pixels.assign(pixels.begin(), pixels.end());
+  return image;
 }
 
 bool SaysValid(const Metadata& metadata) {
@@ -330,29 +330,29 @@ Bytes PackStatus(std::string_view device, std::int64_t time_ns, bool ok, std::st
   return Whole("STATUS", device, time_ns, body);
 }
 
-Bytes PackImage(std::string_view device, std::int64_t time_ns, const Picture& picture) {
-  const auto num_bytes = static_cast<std::size_t>(picture.width) *
-                         static_cast<std::size_t>(picture.height) *
-                         static_cast<std::size_t>(picture.channels);
-  ACUS_ASSERT(num_bytes > 0 && picture.pixels.size() == num_bytes);
-  ACUS_ASSERT(picture.width <= 65535 && picture.height <= 65535);
+Bytes PackImage(std::string_view device, std::int64_t time_ns, const Image& image) {
+  const auto num_bytes = static_cast<std::size_t>(image.width) *
+                         static_cast<std::size_t>(image.height) *
+                         static_cast<std::size_t>(image.channels);
+  ACUS_ASSERT(num_bytes > 0 && image.pixels.size() == num_bytes);
+  ACUS_ASSERT(image.width <= 65535 && image.height <= 65535);
   Writer body;
   body.bytes.reserve(IGTL_IMAGE_HEADER_SIZE + num_bytes);
   body.Number(std::uint16_t{IGTL_IMAGE_HEADER_VERSION});
-  body.Number(static_cast<std::uint8_t>(picture.channels));
+  body.Number(static_cast<std::uint8_t>(image.channels));
   body.Number(std::uint8_t{IGTL_IMAGE_STYPE_TYPE_UINT8});
   body.Number(std::uint8_t{IGTL_IMAGE_ENDIAN_BIG});
   body.Number(std::uint8_t{IGTL_IMAGE_COORD_RAS});  // What receivers take all frames for.
-  const std::uint16_t size[] = {static_cast<std::uint16_t>(picture.width),
-                                static_cast<std::uint16_t>(picture.height), 1};
+  const std::uint16_t size[] = {static_cast<std::uint16_t>(image.width),
+                                static_cast<std::uint16_t>(image.height), 1};
   for (const std::uint16_t value : size) body.Number(value);
-  Eigen::Matrix4d matrix = picture.reference_from_pixel;
+  Eigen::Matrix4d matrix = image.reference_from_pixel;
   matrix.col(3) +=
-      matrix * Eigen::Vector4d(0.5 * (picture.width - 1), 0.5 * (picture.height - 1), 0.0, 0.0);
+      matrix * Eigen::Vector4d(0.5 * (image.width - 1), 0.5 * (image.height - 1), 0.0, 0.0);
   Put(body, matrix);
   for (int i = 0; i < 3; ++i) body.Number(std::uint16_t{0});
   for (const std::uint16_t value : size) body.Number(value);
-  body.Raw(picture.pixels);
+  body.Raw(image.pixels);
   return Whole("IMAGE", device, time_ns, body);
 }
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "acus/data/transforms/pose.h"
-#include "acus/rig/tracking/picture.h"
+#include "acus/rig/tracking/image.h"
 
 namespace acus::tracking {
 
@@ -65,7 +65,7 @@ std::optional<int> ReadStartTrackingData(ByteView content);
 /// "OK", or "code 3: name: text".
 std::optional<std::string> ReadStatus(ByteView content);
 /// Grey or RGB of 8 bits, one slice. Nothing if it is something else or its sizes do not fit.
-std::optional<Picture> ReadImage(ByteView content);
+std::optional<Image> ReadImage(ByteView content);
 
 /// What PLUS says of a transform in its metadata (TransformValid, TransformStatus); true without.
 bool SaysValid(const Metadata& metadata);
@@ -80,7 +80,7 @@ Bytes PackTransformWithStatus(std::string_view device, std::int64_t time_ns,
 Bytes PackTrackingData(std::string_view device, std::int64_t time_ns,
                        std::span<const std::pair<std::string, transforms::Pose>> tools);
 Bytes PackStatus(std::string_view device, std::int64_t time_ns, bool ok, std::string_view text);
-Bytes PackImage(std::string_view device, std::int64_t time_ns, const Picture& picture);
+Bytes PackImage(std::string_view device, std::int64_t time_ns, const Image& image);
 /// @pre volume has as many voxels as its size says.
 Bytes PackVolume(std::string_view device, std::int64_t time_ns, const VolumeView& volume);
 /// POINT: a list of points, in red.

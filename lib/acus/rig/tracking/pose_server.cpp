@@ -31,7 +31,7 @@ std::int64_t UtcOffsetNs() {
 
 /// What producers hand to the network thread.
 struct Parcel {
-  enum Kind { kPoses, kPicture, kKept, kForAll, kDisconnect } kind;
+  enum Kind { kPoses, kImage, kKept, kForAll, kDisconnect } kind;
   SharedBytes bytes = nullptr;          ///< Poses: as TRANSFORM messages.
   SharedBytes tracking_data = nullptr;  ///< The same as TDATA.
   std::string stream = {};
@@ -169,10 +169,10 @@ void PoseServer::Network::AcceptAll() {
   }
 }
 
-/// Small things go before poses; large ones wait as pictures do, without counting as backlog.
+/// Small things go before poses; large ones wait as images do, without counting as backlog.
 void HandOver(ServerClient& client, const std::string& name, const SharedBytes& bytes) {
   if (bytes->size() <= kMaxUnreadBytes) return client.Add(bytes);
-  client.AddPicture(name, bytes);
+  client.AddImage(name, bytes);
 }
 
 /// @pre mutex is held.
@@ -200,9 +200,9 @@ void PoseServer::Network::Deliver(const Parcel& parcel) {
   for (ServerClient& client : clients_) {
     if (parcel.kind == Parcel::kKept) {
       HandOver(client, parcel.stream, parcel.bytes);
-    } else if (parcel.kind == Parcel::kPicture) {
-      if (client.AddPicture(parcel.stream, parcel.bytes)) {
-        Note(&PoseServerStatus::pictures_replaced, "");
+    } else if (parcel.kind == Parcel::kImage) {
+      if (client.AddImage(parcel.stream, parcel.bytes)) {
+        Note(&PoseServerStatus::images_replaced, "");
       }
     } else if (parcel.kind == Parcel::kPoses && client.wants_tracking_data()) {
       // Null if the client asked between the packing of this set and now.
@@ -336,15 +336,14 @@ void PoseServer::SendPoses(std::span<const NamedPose> poses, std::int64_t time_n
   network_->Post(std::move(parcel));
 }
 
-void PoseServer::SendPicture(const std::string& stream, const Picture& picture,
-                             std::int64_t time_ns) {
+void PoseServer::SendImage(const std::string& stream, const Image& image, std::int64_t time_ns) {
   {
     const std::lock_guard lock(network_->mutex);
-    ++network_->status.pictures;
+    ++network_->status.images;
   }
   if (!network_->has_clients()) return;
-  network_->Post({.kind = Parcel::kPicture,
-                  .bytes = Shared(PackImage(stream, network_->UtcNs(time_ns), picture)),
+  network_->Post({.kind = Parcel::kImage,
+                  .bytes = Shared(PackImage(stream, network_->UtcNs(time_ns), image)),
                   .tracking_data = nullptr,
                   .stream = stream,
                   .time_ns = time_ns});

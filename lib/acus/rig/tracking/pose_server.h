@@ -1,4 +1,4 @@
-// Poses, pictures and status for whoever watches: 3D Slicer, PLUS, our own client.
+// Poses, images and status for whoever watches: 3D Slicer, PLUS, our own client.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <string>
 
 #include "acus/data/transforms/pose.h"
-#include "acus/rig/tracking/picture.h"
+#include "acus/rig/tracking/image.h"
 
 namespace acus::tracking {
 
@@ -35,12 +35,12 @@ struct PoseServerOptions {
 struct PoseServerStatus {
   int clients = 0;
   std::uint64_t connects = 0;
-  std::uint64_t pose_sets = 0;          ///< SendPoses() calls.
-  std::uint64_t pictures = 0;           ///< SendPicture() calls.
-  std::uint64_t pictures_replaced = 0;  ///< Not sent to a client because a newer one came first.
-  std::uint64_t too_slow = 0;           ///< Clients that were disconnected for taking no poses.
-  std::uint64_t refused = 0;            ///< Clients beyond max_clients.
-  std::uint64_t rubbish = 0;            ///< Clients that were disconnected for what they sent.
+  std::uint64_t pose_sets = 0;        ///< SendPoses() calls.
+  std::uint64_t images = 0;           ///< SendImage() calls.
+  std::uint64_t images_replaced = 0;  ///< Not sent to a client because a newer one came first.
+  std::uint64_t too_slow = 0;         ///< Clients that were disconnected for taking no poses.
+  std::uint64_t refused = 0;          ///< Clients beyond max_clients.
+  std::uint64_t rubbish = 0;          ///< Clients that were disconnected for what they sent.
   std::string last_error = {};
 };
 
@@ -50,8 +50,8 @@ struct PoseServerStatus {
 /// and GET_CAPABIL are answered.
 ///
 /// One thread does the network. Sending hands over and returns: a slow client delays nobody. Of
-/// pictures that a client has not taken the newest of each stream waits, older ones are counted;
-/// poses are never left out, they go before pictures, and a client that takes none is disconnected.
+/// images that a client has not taken the newest of each stream waits, older ones are counted;
+/// poses are never left out, they go before images, and a client that takes none is disconnected.
 ///
 /// All methods can be called from any thread but take a short lock and allocate: not for the loop
 /// that feels forces.
@@ -73,8 +73,8 @@ class PoseServer {
 
   /// The tools at one instant. @param time_ns  MonotonicNs() of the measurement; sent as UTC.
   void SendPoses(std::span<const NamedPose> poses, std::int64_t time_ns);
-  /// @pre picture is of 1 to 65535 pixels a side, with 1 or 3 channels.
-  void SendPicture(const std::string& stream, const Picture& picture, std::int64_t time_ns);
+  /// @pre image is of 1 to 65535 pixels a side, with 1 or 3 channels.
+  void SendImage(const std::string& stream, const Image& image, std::int64_t time_ns);
   /// Sent at once to all, to whoever connects, and to whoever asks.
   void SetStatus(bool ok, const std::string& text);
 

@@ -20,7 +20,7 @@ const char* Name(SourceState state);
 
 /// What came and what became of it: nothing is dropped without being counted here.
 struct SourceCounts {
-  std::uint64_t messages = 0;        ///< Whole and right messages (or camera pictures).
+  std::uint64_t messages = 0;        ///< Whole and right messages (or camera images).
   std::uint64_t readings = 0;        ///< Readings of our tools; all of them were published.
   std::uint64_t not_seen = 0;        ///< Of these: the source says that the tool is not in view.
   std::uint64_t bad_poses = 0;       ///< Of these: NaN, or not rigid; published as not valid.

@@ -17,8 +17,8 @@ void ServerClient::Add(const SharedBytes& bytes) {
   backlog_bytes_ += bytes->size();
 }
 
-bool ServerClient::AddPicture(const std::string& stream, const SharedBytes& bytes) {
-  SharedBytes& waiting = pictures_[stream];
+bool ServerClient::AddImage(const std::string& stream, const SharedBytes& bytes) {
+  SharedBytes& waiting = images_[stream];
   const bool replaced = waiting != nullptr;
   waiting = bytes;
   return replaced;
@@ -46,9 +46,9 @@ bool ServerClient::SendWaiting() {
         current_ = std::move(poses_.front());
         poses_.pop_front();
         backlog_bytes_ -= current_->size();
-      } else if (!pictures_.empty()) {
-        current_ = std::move(pictures_.begin()->second);
-        pictures_.erase(pictures_.begin());
+      } else if (!images_.empty()) {
+        current_ = std::move(images_.begin()->second);
+        images_.erase(images_.begin());
       } else {
         return true;
       }

@@ -24,14 +24,14 @@ class ServerClient {
 
   /// Queues poses, or whatever must not be left out.
   void Add(const SharedBytes& bytes);
-  /// Queues a picture; the one of the stream that still waits is replaced. @returns whether it was.
-  bool AddPicture(const std::string& stream, const SharedBytes& bytes);
+  /// Queues an image; the one of the stream that still waits is replaced. @returns whether it was.
+  bool AddImage(const std::string& stream, const SharedBytes& bytes);
   /// Queues TDATA if the client's interval has passed.
   void AddTrackingData(const SharedBytes& bytes, std::int64_t time_ns);
 
   /// Sends as much as goes, of a large message a piece. False: the link is lost.
   bool SendWaiting();
-  bool has_waiting() const { return current_ != nullptr || !poses_.empty() || !pictures_.empty(); }
+  bool has_waiting() const { return current_ != nullptr || !poses_.empty() || !images_.empty(); }
   bool is_too_slow() const { return backlog_bytes_ > max_backlog_bytes_; }
 
   bool wants_tracking_data() const { return interval_ms_ >= 0; }
@@ -46,7 +46,7 @@ class ServerClient {
   std::size_t max_backlog_bytes_;
   IgtlReader reader_{IgtlReader::Options{}};
   std::deque<SharedBytes> poses_;
-  std::map<std::string, SharedBytes> pictures_;
+  std::map<std::string, SharedBytes> images_;
   std::size_t backlog_bytes_ = 0;
   SharedBytes current_;  ///< Being sent, and how much of it is.
   std::size_t sent_bytes_ = 0;

@@ -40,7 +40,7 @@ void SetOption(int fd, int level, int option, int value) {
 }
 
 /// Poses are small and urgent; a peer that is gone is noticed within some 4 s; the kernel holds at
-/// most a few pictures, so that what waits can still be replaced by news.
+/// most a few images, so that what waits can still be replaced by news.
 void Tune(int fd) {
   SetOption(fd, IPPROTO_TCP, TCP_NODELAY, 1);
   SetOption(fd, SOL_SOCKET, SO_KEEPALIVE, 1);

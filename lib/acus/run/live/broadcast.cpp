@@ -55,10 +55,10 @@ Broadcast::Broadcast(const SendOut& where, const simulation::Scene& scene,
   server_.Start();
 }
 
-void Broadcast::Send(const LivePicture& picture) {
+void Broadcast::Send(const LiveImage& image) {
   if (server_.status().clients == 0) return;
   const Eigen::Isometry3d reference_from_ct = scene_.ct_from_reference.inverse();
-  const simulation::Snapshot& moment = picture.snapshot.moment;
+  const simulation::Snapshot& moment = image.snapshot.moment;
   std::vector<tracking::NamedPose> poses;
   if (has_probe_) {
     poses.push_back(
@@ -72,14 +72,14 @@ void Broadcast::Send(const LivePicture& picture) {
          .reference_from_tool = Eigen::Isometry3d(reference_from_ct * *moment.ct_from_needle),
          .valid = true});
   }
-  server_.SendPoses(poses, picture.snapshot.measured_ns);
-  const image::GrayImage& image = picture.images.b_mode;
-  if (image.pixels.empty()) return;
-  tracking::Picture out{
-      .width = image.width, .height = image.height, .channels = 1, .pixels = image.pixels};
+  server_.SendPoses(poses, image.snapshot.measured_ns);
+  const image::GrayImage& b_mode = image.images.b_mode;
+  if (b_mode.pixels.empty()) return;
+  tracking::Image out{
+      .width = b_mode.width, .height = b_mode.height, .channels = 1, .pixels = b_mode.pixels};
   out.reference_from_pixel = reference_from_ct.matrix() * moment.ct_from_probe.matrix() *
-                             acoustics::PictureOf(*picture.probe).probe_from_image().matrix();
-  server_.SendPicture("Ultrasound", out, picture.snapshot.measured_ns);
+                             acoustics::ImageOf(*image.probe).probe_from_image().matrix();
+  server_.SendImage("Ultrasound", out, image.snapshot.measured_ns);
 }
 
 void Broadcast::SetStatus(bool is_ok, const std::string& text) {

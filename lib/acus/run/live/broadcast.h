@@ -29,7 +29,7 @@ class Broadcast {
             const transforms::Landmarks& targets, bool has_probe);
 
   /// Hands over and returns: no watcher delays the caller. For one thread.
-  void Send(const LivePicture& picture);
+  void Send(const LiveImage& image);
   /// Sent if it is another than the last. For one thread.
   void SetStatus(bool is_ok, const std::string& text);
   void Stop() noexcept { server_.Stop(); }

@@ -9,7 +9,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/monotonic_time.h"
-#include "acus/run/live/picture_bounds.h"
+#include "acus/run/live/image_bounds.h"
 
 namespace acus::live {
 
@@ -42,26 +42,26 @@ struct ImageThread::Renderers {
   std::deque<OfEffect> effects;
 };
 
-double PictureStatistics::per_s() const {
+double ImageStatistics::per_s() const {
   const double span_s = 1e-9 * static_cast<double>(last_ns - first_ns);
-  return span_s > 0.0 ? static_cast<double>(pictures - 1) / span_s : 0.0;
+  return span_s > 0.0 ? static_cast<double>(images - 1) / span_s : 0.0;
 }
 
-nlohmann::json PictureStatistics::ToJson() const {
-  return {{"images", pictures.load()},
+nlohmann::json ImageStatistics::ToJson() const {
+  return {{"images", images.load()},
           {"late", late.load()},
           {"failed", failed.load()},
           {"per_s", per_s()},
           {"render", render.ToJson()},
           {"interval", interval.ToJson()},
-          {"tracker_to_image", tracker_to_picture.ToJson()}};
+          {"tracker_to_image", tracker_to_image.ToJson()}};
 }
 
 ImageThread::ImageThread(const simulation::Scene& scene, TripleBuffer<LiveSnapshot>& snapshots,
-                         double rate_hz, std::function<void(const LivePicture&)> on_picture)
+                         double rate_hz, std::function<void(const LiveImage&)> on_image)
     : snapshots_(snapshots),
       rate_hz_(rate_hz),
-      on_picture_(std::move(on_picture)),
+      on_image_(std::move(on_image)),
       renderers_(std::make_unique<Renderers>(scene)) {
   for (const auto& effect : renderers_->effects) {
     const simulation::ListedEffect& of = effect.renderer.effect();
@@ -99,7 +99,7 @@ void ImageThread::Run() {
     }
     if (!snapshots_.Refresh()) continue;  // Before the first step, or the device is silent.
     try {
-      MakePicture(begin_ns);
+      MakeImage(begin_ns);
       SetTrouble("");
     } catch (const std::bad_alloc&) {
       SetTrouble("there is no memory for images; close other programs");
@@ -109,19 +109,19 @@ void ImageThread::Run() {
   }
 }
 
-void ImageThread::MakePicture(std::int64_t begin_ns) {
-  LivePicture& out = pictures_.Back();
+void ImageThread::MakeImage(std::int64_t begin_ns) {
+  LiveImage& out = images_.Back();
   Render(out);
   const std::int64_t end_ns = MonotonicNs();
   statistics_.render.Add(end_ns - begin_ns);
-  const bool is_first = statistics_.pictures == 0;
+  const bool is_first = statistics_.images == 0;
   if (is_first) statistics_.first_ns = end_ns;
   if (!is_first) statistics_.interval.Add(end_ns - statistics_.last_ns);
   statistics_.last_ns = end_ns;
-  statistics_.tracker_to_picture.Add(end_ns - out.snapshot.measured_ns);
-  ++statistics_.pictures;
-  if (on_picture_) on_picture_(out);
-  pictures_.Publish();
+  statistics_.tracker_to_image.Add(end_ns - out.snapshot.measured_ns);
+  ++statistics_.images;
+  if (on_image_) on_image_(out);
+  images_.Publish();
 }
 
 void ImageThread::SetTrouble(const char* what) {
@@ -158,7 +158,7 @@ void ImageThread::SetProbe(const LiveSnapshot& snapshot) {
   }
 }
 
-void ImageThread::Render(LivePicture& out) {
+void ImageThread::Render(LiveImage& out) {
   out.snapshot = snapshots_.Front();
   out.number = ++number_;
   const simulation::Snapshot moment = out.snapshot.ForRenderer();

@@ -1,4 +1,4 @@
-// Pictures of a live session, beside the steps and never in their way.
+// Images of a live session, beside the steps and never in their way.
 #pragma once
 
 #include <atomic>
@@ -20,8 +20,8 @@
 
 namespace acus::live {
 
-/// A moment with its pictures.
-struct LivePicture {
+/// A moment with its images.
+struct LiveImage {
   LiveSnapshot snapshot;
   simulation::Images images;
   std::vector<simulation::EffectImage> effects;  ///< Of those effects of the list that have one.
@@ -30,13 +30,13 @@ struct LivePicture {
   std::int64_t number = 0;  ///< 0: none yet.
 };
 
-struct PictureStatistics {
-  std::atomic<std::int64_t> pictures{0};
-  std::atomic<std::int64_t> late{0};  ///< Moments of the grid at which a picture was still in work.
-  std::atomic<std::int64_t> failed{0};   ///< Could not be made: there was no memory for them.
-  DurationHistogram render;              ///< Wall-clock time of one.
-  DurationHistogram interval;            ///< From one finished picture to the next.
-  DurationHistogram tracker_to_picture;  ///< From the measured pose to the finished picture.
+struct ImageStatistics {
+  std::atomic<std::int64_t> images{0};
+  std::atomic<std::int64_t> late{0};  ///< Moments of the grid at which an image was still in work.
+  std::atomic<std::int64_t> failed{0};  ///< Could not be made: there was no memory for them.
+  DurationHistogram render;             ///< Wall-clock time of one.
+  DurationHistogram interval;           ///< From one finished image to the next.
+  DurationHistogram tracker_to_image;   ///< From the measured pose to the finished image.
 
   std::atomic<std::int64_t> first_ns{0};  ///< When the first was finished, CLOCK_MONOTONIC ...
   std::atomic<std::int64_t> last_ns{0};   ///< ... and the last.
@@ -45,45 +45,45 @@ struct PictureStatistics {
   nlohmann::json ToJson() const;
 };
 
-/// Renders the newest snapshot at a fixed rate. A snapshot that says "frozen" keeps the pictures
-/// that were there. A picture that cannot be made is counted, and the next one tried.
+/// Renders the newest snapshot at a fixed rate. A snapshot that says "frozen" keeps the images
+/// that were there. An image that cannot be made is counted, and the next one tried.
 class ImageThread {
  public:
-  /// @param scene, snapshots  Must outlive this. @param on_picture  Called in this thread after
-  ///     each picture; may be empty; must not throw.
+  /// @param scene, snapshots  Must outlive this. @param on_image  Called in this thread after
+  ///     each image; may be empty; must not throw.
   ImageThread(const simulation::Scene& scene, TripleBuffer<LiveSnapshot>& snapshots, double rate_hz,
-              std::function<void(const LivePicture&)> on_picture);
+              std::function<void(const LiveImage&)> on_image);
   ~ImageThread();
   ImageThread(const ImageThread&) = delete;
   ImageThread& operator=(const ImageThread&) = delete;
 
   void Start();
-  /// Lets the picture that is in work be finished. Twice is once.
+  /// Lets the image that is in work be finished. Twice is once.
   void Stop() noexcept;
 
-  /// For one reader: the window, or whoever shows pictures.
-  TripleBuffer<LivePicture>& pictures() noexcept { return pictures_; }
-  const PictureStatistics& statistics() const noexcept { return statistics_; }
-  /// What the stages of the pictures did. Only to be read after Stop().
+  /// For one reader: the window, or whoever shows images.
+  TripleBuffer<LiveImage>& images() noexcept { return images_; }
+  const ImageStatistics& statistics() const noexcept { return statistics_; }
+  /// What the stages of the images did. Only to be read after Stop().
   const simulation::StageTimes& stage_times() const noexcept { return stage_times_; }
   double rate_hz() const noexcept { return rate_hz_; }
-  /// Why the last picture could not be made; empty if it could.
+  /// Why the last image could not be made; empty if it could.
   std::string trouble() const;
 
  private:
   struct Renderers;
   void Run();
-  void MakePicture(std::int64_t begin_ns);
+  void MakeImage(std::int64_t begin_ns);
   void SetTrouble(const char* what);
-  void Render(LivePicture& out);
+  void Render(LiveImage& out);
   void SetProbe(const LiveSnapshot& snapshot);
 
   TripleBuffer<LiveSnapshot>& snapshots_;
   double rate_hz_;
-  std::function<void(const LivePicture&)> on_picture_;
+  std::function<void(const LiveImage&)> on_image_;
   std::unique_ptr<Renderers> renderers_;
-  TripleBuffer<LivePicture> pictures_;
-  PictureStatistics statistics_;
+  TripleBuffer<LiveImage> images_;
+  ImageStatistics statistics_;
   simulation::StageTimes stage_times_;
   simulation::Images last_images_;
   std::vector<simulation::EffectImage> last_effects_;

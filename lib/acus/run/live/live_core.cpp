@@ -258,6 +258,7 @@ void LiveCore::Show(const DeviceForce& on_needle, const DeviceForce& on_probe) n
   if (needle_.sample.valid && steps_needle_) {
     out.moment.ct_from_needle = scene_.ct_from_reference * needle_.sample.reference_from_tool;
   }
+  out.moment.needle_force_in_ct_n = record_.output.force.force_in_ct_n;
   out.has_shape = shapes_ && simulation_.ShapeOf(state_, out.shape);
   out.has_load = scene_.tools_deform_images && simulation_.LoadOf(state_, record_.output, out.load);
   out.has_memory = scene_.listed.has_steps();

@@ -22,7 +22,7 @@ struct BeltConfig {
   double inspiration_mm = 10.0;
 };
 
-/// Where poses and pictures are sent, for 3D Slicer and others to watch.
+/// Where poses and images are sent, for 3D Slicer and others to watch.
 struct SendOut {
   std::string host = "localhost";
   int port = 18945;

@@ -248,9 +248,9 @@ void LiveSession::MakeCore() {
   core_ = std::make_unique<LiveCore>(*scene_, core_settings_, recorder_.get(),
                                      partner_ ? &*partner_ : nullptr);
   images_ = std::make_unique<ImageThread>(
-      *scene_, core_->snapshots(), std::max(scene_->image_rate_hz, options_.least_picture_rate_hz),
-      [this](const LivePicture& picture) {
-        if (broadcast_) broadcast_->Send(picture);
+      *scene_, core_->snapshots(), std::max(scene_->image_rate_hz, options_.least_image_rate_hz),
+      [this](const LiveImage& image) {
+        if (broadcast_) broadcast_->Send(image);
       });
 }
 
@@ -297,7 +297,7 @@ void LiveSession::ReadRates() {
   const std::int64_t now_ns = MonotonicNs();
   if (now_ns - rates_read_ns_ < kEachNs) return;
   rates_read_ns_ = now_ns;
-  recent_pictures_.Add(now_ns, picture_statistics().pictures);
+  recent_images_.Add(now_ns, image_statistics().images);
   recent_steps_.Add(now_ns, statistics().ticks);
   recent_late_steps_.Add(now_ns, statistics().missed_by_computation);
 }

@@ -3,7 +3,7 @@
 //   servo of a haptic device (1 kHz, real-time)   LiveCore::Tick: step, force, record, snapshot
 //   servo of the other device, if there is one    hands its pose in, takes its force out
 //   trackers                                      receive poses
-//   pictures (30 Hz or more)                      render the newest snapshot, send it out
+//   images (30 Hz or more)                      render the newest snapshot, send it out
 //   recorder                                      writes
 //   the caller                                    Poll(), status, windows, orders
 #pragma once
@@ -38,7 +38,7 @@ struct LiveOptions {
   bool left_handed = false;  ///< The devices of needle and probe change places.
   /// No vendor's library is loaded, no device looked for, and the session cannot be started.
   bool only_checks = false;
-  double least_picture_rate_hz = 30.0;
+  double least_image_rate_hz = 30.0;
   std::optional<training::Exercise> exercise;  ///< Nothing: none.
   RecorderSettings recorder;
 };
@@ -93,7 +93,7 @@ class LiveSession {
   LiveSession(const LiveSession&) = delete;
   LiveSession& operator=(const LiveSession&) = delete;
 
-  /// Begins to record, then starts trackers, pictures and at last the devices.
+  /// Begins to record, then starts trackers, images and at last the devices.
   /// @throws InputError; then nothing runs and motors are off.
   void Start();
 
@@ -125,12 +125,12 @@ class LiveSession {
   /// A device gives no force until its dead-man switch is held.
   bool switch_is_open() const;
   /// Images per second of the last seconds; 0 before these have passed.
-  double recent_pictures_per_s() const { return recent_pictures_.per_s(); }
+  double recent_images_per_s() const { return recent_images_.per_s(); }
   /// To be called while a pedal or its key is down: see HapticDevice.
   void HoldPedal();
-  TripleBuffer<LivePicture>& pictures() { return images_->pictures(); }
+  TripleBuffer<LiveImage>& images() { return images_->images(); }
   const CoreStatistics& statistics() const { return core_->statistics(); }
-  const PictureStatistics& picture_statistics() const { return images_->statistics(); }
+  const ImageStatistics& image_statistics() const { return images_->statistics(); }
   double seconds_running() const;
   double session_s() const { return 1e-9 * static_cast<double>(core_->session_ns()); }
 
@@ -171,7 +171,7 @@ class LiveSession {
   CoreSettings core_settings_;
 
   std::optional<LiveExercise> exercise_;
-  RecentRate recent_pictures_{5.0};
+  RecentRate recent_images_{5.0};
   RecentRate recent_late_steps_{10.0};
   RecentRate recent_steps_{10.0};
   std::int64_t rates_read_ns_ = 0;

@@ -169,7 +169,7 @@ json LiveSession::Summary() const {
           {"seconds", session_s()},
           {"ended_by", NameOf(end_)},
           {"steps", statistics().ToJson()},
-          {"images", picture_statistics().ToJson()},
+          {"images", image_statistics().ToJson()},
           {"effect_plan", simulation::PlanJson(scene_->plan, stage_times())},
           {"recording",
            {{"steps_on_disk", recording.steps_on_disk},
@@ -185,20 +185,20 @@ json LiveSession::Summary() const {
 
 std::string LiveSession::SummaryText() const {
   const CoreStatistics& core = statistics();
-  const PictureStatistics& pictures = picture_statistics();
+  const ImageStatistics& images = image_statistics();
   const auto ms = [](double ns) { return RoundedText(1e-6 * ns, 3) + " ms"; };
   const RecordingStatus recording = recorder_->status();
   std::string text =
       Message("Session of ", RoundedText(session_s(), 4), " s: ", core.steps.load(), " steps, ",
-              pictures.pictures.load(), " images (", RoundedText(pictures.per_s(), 3),
+              images.images.load(), " images (", RoundedText(images.per_s(), 3),
               " a second).\n  step: ", ms(core.step_cpu.QuantileNs(0.5)),
               " of CPU time (99.9 %: ", ms(core.step_cpu.QuantileNs(0.999)),
               "); too slow for the device: ", core.missed_by_computation.load(),
               "; readings missed as the machine was busy: ", core.missed_by_machine.load(),
               "\n  device to force: ", ms(core.device_to_force.QuantileNs(0.5)),
               " (99.9 %: ", ms(core.device_to_force.QuantileNs(0.999)),
-              "), tracker to image: ", ms(pictures.tracker_to_picture.QuantileNs(0.5)),
-              " (99 %: ", ms(pictures.tracker_to_picture.QuantileNs(0.99)),
+              "), tracker to image: ", ms(images.tracker_to_image.QuantileNs(0.5)),
+              " (99 %: ", ms(images.tracker_to_image.QuantileNs(0.99)),
               ")\n  recorded: ", recording.steps_on_disk, " steps in ",
               options_.session_folder.string(), "; lost: ", recording.steps_lost, "\n");
   for (const auto* device : {servo_device_, other_device_}) {
@@ -206,8 +206,8 @@ std::string LiveSession::SummaryText() const {
     for (const std::string& notice : device->info().notices) text += "  " + notice + '\n';
     if (!device->status().text.empty()) text += "  " + device->status().text + '\n';
   }
-  if (pictures.failed > 0) {
-    text += Message("  ", pictures.failed.load(), " images could not be made.\n");
+  if (images.failed > 0) {
+    text += Message("  ", images.failed.load(), " images could not be made.\n");
   }
   if (!recording.trouble.empty()) text += "  " + recording.trouble + '\n';
   return text;

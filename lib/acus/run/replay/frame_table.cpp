@@ -68,7 +68,7 @@ void FrameTable::AddFrame(const simulation::Scene& scene, const simulation::Snap
   std::vector<double> row = {static_cast<double>(rows_.size()), snapshot.session_s,
                              snapshot.probe_valid ? 1.0 : 0.0, snapshot.ct_from_needle ? 1.0 : 0.0};
   const Eigen::Affine3d ct_from_image =
-      acoustics::PictureOf(*scene.probe).ct_from_image(snapshot.ct_from_probe);
+      acoustics::ImageOf(*scene.probe).ct_from_image(snapshot.ct_from_probe);
   AppendRows(ct_from_image.matrix(), snapshot.probe_valid, row);
   AppendRows(snapshot.ct_from_probe.matrix(), snapshot.probe_valid, row);
   const Eigen::Isometry3d needle = snapshot.ct_from_needle.value_or(Eigen::Isometry3d::Identity());

@@ -55,10 +55,10 @@ void WriteArray(hid_t file, const char* name, std::span<const hsize_t> size, hid
 /// Images of one size, as many as come: chunks of one image, compressed.
 class GrowingImages {
  public:
-  GrowingImages(hid_t file, const char* name, const image::ImageGeometry& picture,
+  GrowingImages(hid_t file, const char* name, const image::ImageGeometry& image,
                 const fs::path& path)
       : path_(path),
-        size_{0, static_cast<hsize_t>(picture.height_px), static_cast<hsize_t>(picture.width_px)} {
+        size_{0, static_cast<hsize_t>(image.height_px), static_cast<hsize_t>(image.width_px)} {
     const std::array<hsize_t, 3> most = {H5S_UNLIMITED, size_[1], size_[2]};
     const std::array<hsize_t, 3> chunk = {1, size_[1], size_[2]};
     const H5Id space(H5Screate_simple(3, size_.data(), most.data()), H5Sclose, path);
@@ -97,10 +97,10 @@ class Hdf5Stack : public ImageStack {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // Its own messages would go to stderr.
     const H5Id creation(PlainCreation(H5P_FILE_CREATE), H5Pclose, path_);
     file_.emplace(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, creation, H5P_DEFAULT), H5Fclose, path_);
-    images_.emplace(*file_, "images", geometry.picture, path_);
-    labels_.emplace(*file_, "labels", geometry.picture, path_);
-    const std::array<hsize_t, 2> size = {static_cast<hsize_t>(geometry.picture.height_px),
-                                         static_cast<hsize_t>(geometry.picture.width_px)};
+    images_.emplace(*file_, "images", geometry.image, path_);
+    labels_.emplace(*file_, "labels", geometry.image, path_);
+    const std::array<hsize_t, 2> size = {static_cast<hsize_t>(geometry.image.height_px),
+                                         static_cast<hsize_t>(geometry.image.width_px)};
     WriteArray(*file_, "depth_mm", size, H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, geometry.depth_mm.data(),
                path_);
   }

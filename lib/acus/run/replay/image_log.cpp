@@ -51,7 +51,7 @@ bool IsBlack(const image::GrayImage& image) {
   return std::ranges::all_of(image.pixels, [](auto grey) { return grey == 0; });
 }
 
-/// Writes images in order of time: sequence, film and single pictures.
+/// Writes images in order of time: sequence, film and single images.
 class ImageWriter {
  public:
   ImageWriter(const Scene& scene, const std::vector<Snapshot>& snapshots, const StepLog& steps,
@@ -80,10 +80,10 @@ class ImageWriter {
       labelled_->Write(snapshot, StepAt(steps_, snapshot.time_ns), MainImage(images));
     }
     if (options_.sequence) WriteToSequence(snapshot, MainImage(images));
-    if (!options_.film && !WantsPicture(index)) return;
+    if (!options_.film && !WantsImage(index)) return;
     Compose(snapshot, images);
     if (options_.film) WriteToFilm(images);
-    if (WantsPicture(index)) WritePicture(index);
+    if (WantsImage(index)) WriteImage(index);
   }
 
   void Finish() {
@@ -113,7 +113,7 @@ class ImageWriter {
       session::SequenceFormat format;
       format.width = static_cast<std::size_t>(image.width);
       format.height = static_cast<std::size_t>(image.height);
-      probe_from_image_ = acoustics::PictureOf(*scene_.probe).probe_from_image();
+      probe_from_image_ = acoustics::ImageOf(*scene_.probe).probe_from_image();
       format.fields["ImageToProbeTransform"] = session::TransformText(probe_from_image_.matrix());
       sequence_.emplace(folder_ / "images.igs.mha", format);
     }
@@ -170,12 +170,12 @@ class ImageWriter {
     film_->Add(composed_);
   }
 
-  bool WantsPicture(int index) const {
+  bool WantsImage(int index) const {
     if (options_.png == PngChoice::kAll) return true;
     return std::ranges::find(event_images_, index, &EventImage::index) != event_images_.end();
   }
 
-  void WritePicture(int index) {
+  void WriteImage(int index) {
     char name[32];
     if (options_.png == PngChoice::kAll) {
       std::snprintf(name, sizeof name, "image_%05d.png", index);
@@ -270,10 +270,11 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
   std::vector<simulation::StageTimes> slot_times(static_cast<std::size_t>(context.num_threads));
   for (int i = 0; i < context.num_threads; ++i) {
     // Their frames are not in order: persistence comes with the writer.
-    renderers.emplace_back(scene, nullptr, simulation::Pictures::kAll, simulation::Frames::kSingle);
+    renderers.emplace_back(scene, nullptr, simulation::ImageChoice::kAll,
+                           simulation::Frames::kSingle);
   }
 
-  // A picture that is the same as the one before is not made again, but copied.
+  // An image that is the same as the one before is not made again, but copied.
   const auto same = [&](StageId id, int i) {
     const auto at = static_cast<std::size_t>(i);
     return i > 0 && renderers[0].Sleeps(id, snapshots[at], snapshots[at - 1]);

@@ -52,7 +52,7 @@ struct ImageLog {
   int num_images = 0;
   std::vector<WrittenPng> pngs;
   std::vector<WrittenFilm> films;
-  /// Thread CPU time of the pictures of the probe that were made anew, s. The first of each thread
+  /// Thread CPU time of the images of the probe that were made anew, s. The first of each thread
   /// is not in it: it makes room for the others.
   std::vector<double> cpu_s;
 };

@@ -13,17 +13,17 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Columns along the first axis, rows along the second, images along the third.
-volume::ScalarFile StackFile(const image::ImageGeometry& picture, std::size_t count,
+volume::ScalarFile StackFile(const image::ImageGeometry& image, std::size_t count,
                              volume::ScalarType type) {
   volume::ScalarFile file;
-  file.geometry.size = {picture.width_px, picture.height_px, static_cast<int>(count)};
-  file.geometry.spacing_mm = {picture.lateral_mm_per_px, picture.axial_mm_per_px, 1.0};
+  file.geometry.size = {image.width_px, image.height_px, static_cast<int>(count)};
+  file.geometry.spacing_mm = {image.lateral_mm_per_px, image.axial_mm_per_px, 1.0};
   file.type = type;
   return file;
 }
 
 void WriteDepth(const fs::path& path, const StackGeometry& geometry) {
-  volume::ScalarFile file = StackFile(geometry.picture, 1, volume::ScalarType::kFloat32);
+  volume::ScalarFile file = StackFile(geometry.image, 1, volume::ScalarType::kFloat32);
   file.bytes.resize(geometry.depth_mm.size() * sizeof(float));
   std::memcpy(file.bytes.data(), geometry.depth_mm.data(), file.bytes.size());
   volume::WriteScalarFile(path, file);
@@ -60,7 +60,7 @@ class PngStack : public ImageStack {
 class NiftiStack : public ImageStack {
  public:
   NiftiStack(fs::path folder, const StackGeometry& geometry)
-      : folder_(std::move(folder)), picture_(geometry.picture) {
+      : folder_(std::move(folder)), image_(geometry.image) {
     WriteDepth(folder_ / "depth_mm.nii.gz", geometry);
   }
 
@@ -88,13 +88,13 @@ class NiftiStack : public ImageStack {
   }
 
   void Write(const char* name, std::vector<std::byte>& bytes) {
-    volume::ScalarFile file = StackFile(picture_, count_, volume::ScalarType::kUint8);
+    volume::ScalarFile file = StackFile(image_, count_, volume::ScalarType::kUint8);
     file.bytes = std::move(bytes);
     volume::WriteScalarFile(folder_ / name, file);
   }
 
   fs::path folder_;
-  image::ImageGeometry picture_;
+  image::ImageGeometry image_;
   std::size_t count_ = 0;
   std::vector<std::byte> images_;
   std::vector<std::byte> labels_;

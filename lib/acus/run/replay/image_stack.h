@@ -15,7 +15,7 @@ namespace acus::replay {
 
 /// What all images of a stack have in common.
 struct StackGeometry {
-  image::ImageGeometry picture;
+  image::ImageGeometry image;
   std::vector<float> depth_mm;  ///< By pixel; NaN beside the field of view.
 };
 

@@ -57,19 +57,19 @@ json ProbeFacts(const acoustics::Probe& probe) {
           {"slice_thickness_mm", probe.slice_thickness_mm}};
 }
 
-json PictureFacts(const image::ImageGeometry& picture) {
+json ImageFacts(const image::ImageGeometry& image) {
   json rows = json::array();
-  const Eigen::Matrix4d probe_from_image = picture.probe_from_image().matrix();
+  const Eigen::Matrix4d probe_from_image = image.probe_from_image().matrix();
   for (int r = 0; r < 4; ++r) {
     json row = json::array();
     for (int c = 0; c < 4; ++c) row.push_back(probe_from_image(r, c));
     rows.push_back(row);
   }
-  return {{"width_px", picture.width_px},
-          {"height_px", picture.height_px},
-          {"lateral_mm_per_px", picture.lateral_mm_per_px},
-          {"axial_mm_per_px", picture.axial_mm_per_px},
-          {"depth_of_top_row_mm", picture.depth_of_top_row_mm},
+  return {{"width_px", image.width_px},
+          {"height_px", image.height_px},
+          {"lateral_mm_per_px", image.lateral_mm_per_px},
+          {"axial_mm_per_px", image.axial_mm_per_px},
+          {"depth_of_top_row_mm", image.depth_of_top_row_mm},
           {"probe_from_image", rows}};
 }
 
@@ -113,15 +113,15 @@ LabelledImages::LabelledImages(const simulation::Scene& scene, const LabelSource
       folder_(std::move(folder)),
       labeller_(scene, source.labels, source.settings) {
   fs::create_directories(folder_);
-  stack_ = MakeImageStack(format, folder_, {labeller_.picture(), labeller_.depth_mm()});
+  stack_ = MakeImageStack(format, folder_, {labeller_.image(), labeller_.depth_mm()});
 }
 
 void LabelledImages::Write(const simulation::Snapshot& snapshot, const simulation::StepOutput* step,
                            const image::GrayImage& image) {
-  const image::ImageGeometry& picture = labeller_.picture();
-  ACUS_REQUIRE(image.width == picture.width_px && image.height == picture.height_px,
+  const image::ImageGeometry& geometry = labeller_.image();
+  ACUS_REQUIRE(image.width == geometry.width_px && image.height == geometry.height_px,
                "labels of images: the image has ", image.width, " x ", image.height,
-               " pixels, its labels ", picture.width_px, " x ", picture.height_px);
+               " pixels, its labels ", geometry.width_px, " x ", geometry.height_px);
   labeller_.Label(snapshot, truth_);
   table_.AddFrame(scene_, snapshot, step, truth_);
   stack_->Append(image, truth_.labels);
@@ -157,7 +157,7 @@ json LabelledImages::Document() const {
                    {"frames", table_.num_rows()},
                    {"files", stack_->Files()},
                    {"classes", ClassesOf(*source_.labels)},
-                   {"image", PictureFacts(labeller_.picture())},
+                   {"image", ImageFacts(labeller_.image())},
                    {"probe", ProbeFacts(*scene_.probe)},
                    {"tip_radius_mm", source_.settings.tip_radius_mm}};
   if (scene_.needle) {

@@ -6,7 +6,7 @@
 #include "acus/base/report/html_report.h"
 #include "acus/base/report/svg_plot.h"
 #include "acus/run/replay/event_log.h"
-#include "acus/run/replay/plan_picture.h"
+#include "acus/run/replay/plan_diagram.h"
 #include "acus/run/replay/plan_table.h"
 
 namespace acus::replay {
@@ -251,7 +251,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   if (!content.films.empty() || !content.images.empty()) html.Section("Images");
   for (const WrittenFilm& film : content.films) html.Film(film.file, film.title);
   for (const WrittenPng& image : content.images) {
-    html.Picture(folder / image.file, image.caption, image.caption);
+    html.Image(folder / image.file, image.caption, image.caption);
   }
   const bool has_forces = scene.plan.Has(simulation::StageId::kNeedleForce) && !log.steps.empty();
   if (has_forces) {

@@ -18,8 +18,9 @@ class ImageStates {
         log_(log),
         loads_(scene.tools_deform_images),
         shapes_(scene.plan.Has(simulation::StageId::kNeedleShape)),
-        memories_(scene.listed.has_steps()) {
-    if (loads_ || shapes_ || memories_) images_ = images;
+        memories_(scene.listed.has_steps()),
+        forces_(scene.plan.Has(simulation::StageId::kNeedleForce)) {
+    if (loads_ || shapes_ || memories_ || forces_) images_ = images;
   }
 
   /// To all images before `time_ns`: the state after the last step.
@@ -32,6 +33,7 @@ class ImageStates {
 
  private:
   void Give(simulation::Snapshot& image) {
+    image.needle_force_in_ct_n = log_.steps.back().force.force_in_ct_n;
     if (loads_ && simulation_.LoadOf(log_.final_state, log_.steps.back(), load_)) {
       log_.loads.push_back(load_);
       image.load = &log_.loads.back();
@@ -51,6 +53,7 @@ class ImageStates {
   bool loads_;
   bool shapes_;
   bool memories_;
+  bool forces_;
   std::span<simulation::Snapshot> images_;
   tissue::TissueLoad load_;
   math::Polyline shape_;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "acus/base/core/run_context.h"
+#include "acus/scene/effects/knob.h"
 #include "acus/scene/effects/port.h"
 #include "acus/scene/effects/stage.h"
 
@@ -55,19 +56,6 @@ struct Column {
   std::string name;   ///< With its unit: "radius_mm".
   std::string title;  ///< Of the plot in reports.
   std::string unit;
-};
-
-/// What a change of a setting acts on.
-enum class ActsOn { kForce, kImage, kBoth };
-
-/// A setting that can be coarser or finer.
-struct Knob {
-  std::string name;   ///< As in --knob, with its unit.
-  std::string title;  ///< "points along a vessel"
-  std::string unit;   ///< Empty for a pure number.
-  std::string key;    ///< Of the settings.
-  ActsOn acts_on = ActsOn::kBoth;
-  std::vector<nlohmann::json> levels;  ///< From cheap to expensive.
 };
 
 /// What an effect has loaded for a scene. Const from then on; shared by all threads.

@@ -4,6 +4,8 @@
 
 #include "acus/base/core/error.h"
 #include "acus/scene/effects/fluoroscopy/fluoroscopy_effect.h"
+#include "acus/scene/effects/pain_reaction/pain_reaction.h"
+#include "acus/scene/effects/peristalsis/peristalsis.h"
 #include "acus/scene/effects/planes/planes.h"
 #include "acus/scene/effects/ports.h"
 #include "acus/scene/effects/pulsating_vessels/pulsating_vessels.h"
@@ -13,8 +15,8 @@ namespace acus::effects {
 namespace {
 
 std::vector<const Effect*>& List() {
-  static std::vector<const Effect*> list = {&PulsatingVessels(), &Fluoroscopy(), &View3d(),
-                                            &Planes()};
+  static std::vector<const Effect*> list = {&PainReaction(), &PulsatingVessels(), &Peristalsis(),
+                                            &Fluoroscopy(),  &View3d(),           &Planes()};
   return list;
 }
 

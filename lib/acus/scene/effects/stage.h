@@ -98,6 +98,7 @@ struct ImageChanges {
   bool breath = true;
   bool tissue = true;  ///< Any motion of tissue, breath included.
   bool images = true;  ///< The images of the probe that the stage reads.
+  bool force = true;   ///< On the needle.
 };
 
 /// The moment of an image.
@@ -110,6 +111,8 @@ struct ImageMoment {
   /// As images see it: bent. Null if there is none or the stage does not read
   /// ports::kNeedlePreset.
   const image::NeedleInImage* needle = nullptr;
+  /// On the hand, CT space. Zero if the scene has none.
+  Eigen::Vector3d needle_force_in_ct_n = Eigen::Vector3d::Zero();
   /// Null if the stage does not read ports::kBreath.
   const breathing::MotionMap* breath = nullptr;
   /// Of stills: where the needle's tip has been since the session began.

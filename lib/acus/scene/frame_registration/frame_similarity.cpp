@@ -21,7 +21,7 @@ Resolution ResolutionOf(const acoustics::Probe& probe, double rows) {
 
 /// The probe's image with square pixels of another size, over the same place.
 acoustics::Probe WithPixels(acoustics::Probe probe, const Resolution& resolution) {
-  const image::ImageGeometry full = acoustics::PictureOf(probe);
+  const image::ImageGeometry full = acoustics::ImageOf(probe);
   image::ImageGeometry small;
   small.lateral_mm_per_px = small.axial_mm_per_px = resolution.pixel_mm;
   small.width_px =
@@ -30,7 +30,7 @@ acoustics::Probe WithPixels(acoustics::Probe probe, const Resolution& resolution
       std::max(1, static_cast<int>(full.height_px * full.axial_mm_per_px / resolution.pixel_mm));
   small.depth_of_top_row_mm =
       full.depth_of_top_row_mm + 0.5 * (resolution.pixel_mm - full.axial_mm_per_px);
-  probe.picture = small;
+  probe.image = small;
   probe.scan_lines = resolution.scan_lines;
   probe.samples_per_line = resolution.samples_per_line;
   return probe;
@@ -86,7 +86,7 @@ cv::Mat Resampled(const image::GrayImage& frame, const image::ImageGeometry& ful
 }
 
 const image::GrayImage& CheckedFrame(const image::GrayImage& frame, const acoustics::Probe& probe) {
-  const image::ImageGeometry wanted = acoustics::PictureOf(probe);
+  const image::ImageGeometry wanted = acoustics::ImageOf(probe);
   ACUS_REQUIRE(frame.width == wanted.width_px && frame.height == wanted.height_px,
                "the recorded frame has ", frame.width, " x ", frame.height,
                " pixels, the image of the probe ", wanted.width_px, " x ", wanted.height_px,
@@ -116,8 +116,8 @@ struct FrameSimilarity::State {
         renderer(patient.tissue, small_probe,
                  CheapOptions(patient.options, resolution.aperture_rays), 1),
         window(resolution.window_px, resolution.window_px),
-        inside(FieldOfView(renderer.grid(), renderer.picture())),
-        recorded(Resampled(frame, acoustics::PictureOf(probe), renderer.picture()).mul(inside)) {
+        inside(FieldOfView(renderer.grid(), renderer.image())),
+        recorded(Resampled(frame, acoustics::ImageOf(probe), renderer.image()).mul(inside)) {
     Box(inside, weight);
     weight = cv::max(weight, 1e-6F);
     Box(recorded, recorded_mean);

@@ -36,7 +36,7 @@ Resolution FineResolution(const acoustics::Probe& probe);
 /// Not for two threads at a time: it holds buffers.
 class FrameSimilarity {
  public:
-  /// @param recorded  In the geometry of the probe's image: acoustics::PictureOf(probe).
+  /// @param recorded  In the geometry of the probe's image: acoustics::ImageOf(probe).
   /// @throws InputError if the frame has another size, if it is of one grey inside the field of
   ///     view, or as ApertureRenderer.
   FrameSimilarity(const image::GrayImage& recorded, const acoustics::Probe& probe,

@@ -34,7 +34,7 @@ struct Evidence {
   int repetitions = 0;
   Cost predicted;  ///< By the additive model, before the setting itself was measured.
   Cost measured;   ///< On that machine and session.
-  /// Against the dearest setting: RMS of the difference of forces, N; of pictures the PSNR, dB
+  /// Against the most expensive setting: RMS of the difference of forces, N; of images the PSNR, dB
   /// (NaN as well where all are the same) and SSIM.
   double force_rms_n = std::numeric_limits<double>::quiet_NaN();
   double image_psnr_db = std::numeric_limits<double>::quiet_NaN();

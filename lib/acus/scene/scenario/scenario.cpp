@@ -1,7 +1,5 @@
 #include "acus/scene/scenario/scenario.h"
 
-#include <map>
-
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/math/rigid.h"
@@ -84,105 +82,6 @@ Patient ReadPatient(const json& object, const fs::path& folder, const std::strin
   return patient;
 }
 
-ProbeForceEffect ReadProbeForce(const json& object, const fs::path& folder) {
-  const json& settings = object.at("multi_proxy");
-  ProbeForceEffect effect;
-  static const std::map<std::string, ProbeForceModelKind> kModels = {
-      {"vidal", ProbeForceModelKind::kVidal},
-      {"multi_proxy", ProbeForceModelKind::kMultiProxy},
-      {"tissue", ProbeForceModelKind::kTissue}};
-  effect.model = kModels.at(object.at("model"));
-  effect.table = config::FindConfig(object.at("table").get<std::string>(), folder);
-  effect.press_mm = object.at("press_mm");
-  effect.reads_labels =
-      effect.model == ProbeForceModelKind::kMultiProxy && settings.at("reads") == "labels";
-  effect.is_fingertip = settings.at("tool") == "fingertip";
-  effect.num_proxies = settings.at("proxies");
-  effect.face_width_mm = settings.at("face_width_mm");
-  effect.fingertip_radius_mm = settings.at("fingertip_radius_mm");
-  return effect;
-}
-
-TissueEffect ReadTissueEffect(const json& object, const fs::path& folder) {
-  static const std::map<std::string, TissueModelKind> kModels = {
-      {"displacement_functions", TissueModelKind::kDisplacementFunctions},
-      {"springs", TissueModelKind::kSprings},
-      {"fe_2d", TissueModelKind::kPlane2010},
-      {"fe_3d", TissueModelKind::kFem3d}};
-  TissueEffect effect;
-  effect.model = kModels.at(object.at("model"));
-  effect.elasticity = config::FindConfig(object.at("elasticity").get<std::string>(), folder);
-  effect.table = config::FindConfig(object.at("table").get<std::string>(), folder);
-  effect.image = object.at("image");
-  effect.pressed_by_probe = object.at("pressed_by_probe");
-  effect.warp_spacing_mm = object.at("warp_spacing_mm");
-  effect.inverse_iterations = object.at("inverse_iterations");
-  const json& springs = object.at("springs");
-  effect.path_spacing_mm = springs.at("path_spacing_mm");
-  effect.influence_radius_mm = effect.model == TissueModelKind::kSprings
-                                   ? springs.at("influence_radius_mm")
-                                   : object.at("displacement_functions").at("influence_radius_mm");
-  const json& plane = object.at("fe_2d");
-  effect.plane_spacing_mm = plane.at("spacing_mm");
-  effect.plane_width_mm = plane.at("width_mm");
-  effect.plane_turned = plane.at("turned_planes");
-  effect.plane_beyond_mm = plane.at("beyond_mm");
-  effect.plane_thickness_mm = plane.at("thickness_mm");
-  effect.element = object.at("fe_3d").at("element");
-  effect.contact_spacing_mm = object.at("fe_3d").at("contact_spacing_mm");
-  effect.probe_contact = object.at("fe_3d").at("probe_contact");
-  effect.finite_strain = object.at("fe_3d").at("law") == "finite_strain";
-  effect.strain_nodes = object.at("fe_3d").at("strain_nodes");
-  effect.strain_iterations = object.at("fe_3d").at("strain_iterations");
-  return effect;
-}
-
-NeedleEffect ReadNeedleEffect(const json& object, const fs::path& folder) {
-  static const std::map<std::string, NeedleModelKind> kModels = {
-      {"rigid", NeedleModelKind::kRigid},
-      {"lateral_beam", NeedleModelKind::kLateralBeam},
-      {"bendable", NeedleModelKind::kBendable}};
-  NeedleEffect effect;
-  effect.model = kModels.at(object.at("model"));
-  effect.axis_lock = object.at("axis_lock");
-  effect.elasticity = config::FindConfig(object.at("elasticity").get<std::string>(), folder);
-  effect.influence_radius_mm = object.at("influence_radius_mm");
-  effect.nodes = object.at("nodes");
-  effect.path_spacing_mm = object.at("path_spacing_mm");
-  effect.tip_stiffness_n_per_mm = object.at("tip_stiffness_n_per_mm");
-  effect.hand_n_per_mm = object.at("hand").at("stiffness_n_per_mm");
-  effect.hand_n_mm_per_rad = object.at("hand").at("stiffness_n_mm_per_rad");
-  effect.kappa_n_per_mm = object.at("hand").at("kappa_n_per_mm");
-  effect.bevel = object.at("bevel");
-  return effect;
-}
-
-BreathingEffect ReadBreathingEffect(const json& object, const fs::path& folder) {
-  BreathingEffect effect;
-  effect.motion = PathOf(object, "motion", folder);
-  effect.signal = PathOf(object, "signal", folder);
-  effect.amplitude = object.at("amplitude");
-  effect.signal_file = {object.at("column"), object.at("rate_hz")};
-  effect.recorded = {object.at("smoothing_s"), object.at("repeat")};
-  effect.normalise = object.at("normalise");
-  const json& pattern = object.at("pattern");
-  effect.pattern = {.period_s = pattern.at("period_s"),
-                    .exponent = pattern.at("exponent"),
-                    .period_spread = pattern.at("period_spread"),
-                    .speed_spread = pattern.at("speed_spread"),
-                    .level_spread = pattern.at("level_spread"),
-                    .level = pattern.at("level"),
-                    .seed = pattern.at("seed")};
-  const std::string from_session = object.at("from_session");
-  if (from_session == "always") effect.from_session = SessionBreath::kAlways;
-  if (from_session == "never") effect.from_session = SessionBreath::kNever;
-  for (const json& hold : object.at("hold")) effect.holds.push_back({hold.at(0), hold.at(1)});
-  effect.image = object.at("image");
-  effect.warp_spacing_mm = object.at("warp_spacing_mm");
-  effect.inverse_iterations = object.at("inverse_iterations");
-  return effect;
-}
-
 /// Those of the list of effects that are called for, their paths as from anywhere.
 std::vector<effects::CalledEffect> CalledEffects(const json& called, const fs::path& folder,
                                                  const std::string& file) {
@@ -207,25 +106,6 @@ std::vector<effects::CalledEffect> CalledEffects(const json& called, const fs::p
     found.push_back({effect, std::move(settings)});
   }
   return found;
-}
-
-/// The file of needle_force.model measured, and which of its laws.
-void ReadMeasured(const json& effect, const fs::path& folder, const std::string& file,
-                  NeedleForceEffect& force) {
-  const std::string where = file + ": /effects/needle_force";
-  const bool is_measured = force.model == NeedleForceModelKind::kMeasured;
-  ACUS_REQUIRE(is_measured == effect.contains("measured"), where,
-               is_measured ? ": model \"measured\" needs the file of the fit, measured: the "
-                             "measured.json that acus-fit writes"
-                           : "/measured: only model \"measured\" reads it; set the model, or "
-                             "leave it out");
-  if (!is_measured) return;
-  force.measured = config::FindConfig(effect.at("measured").get<std::string>(), folder);
-  force.recording = effect.at("recording");
-  force.seed = effect.at("seed");
-  ACUS_REQUIRE(force.seed == 0 || force.recording == "mean", where, "/seed: is ", force.seed,
-               ", which draws from all recordings, but recording is '", force.recording,
-               "'; leave one of the two out");
 }
 
 /// What the schema cannot say: effects that lean on one another.
@@ -318,30 +198,7 @@ Scenario ReadChanged(const fs::path& path, std::span<const Override> overrides) 
 
   const json& effects = document.at("effects");
   if (effects.contains("needle_force")) {
-    const json& effect = effects["needle_force"];
-    const std::string table = effect.at("table");
-    static const std::map<std::string, NeedleForceModelKind> kModels = {
-        {"layered", NeedleForceModelKind::kLayered},
-        {"alamilla", NeedleForceModelKind::kAlamilla},
-        {"vidal", NeedleForceModelKind::kVidal},
-        {"measured", NeedleForceModelKind::kMeasured},
-        {"tissue", NeedleForceModelKind::kTissue}};
-    static const std::map<std::string, GuidanceKind> kGuidance = {
-        {"own", GuidanceKind::kOwn},
-        {"none", GuidanceKind::kNone},
-        {"vidal", GuidanceKind::kVidal},
-        {"virtual_fixture", GuidanceKind::kVirtualFixture}};
-    NeedleForceEffect& force = scenario.needle_force.emplace();
-    force.model = kModels.at(effect.at("model"));
-    force.guidance = kGuidance.at(effect.at("guidance"));
-    force.table = config::FindConfig(table, folder);
-    ReadMeasured(effect, folder, path.string(), force);
-    force.skin_nick_radius_mm = effect.at("skin_nick_radius_mm");
-    const bool goes_by_membranes = force.model != NeedleForceModelKind::kMeasured &&
-                                   force.model != NeedleForceModelKind::kTissue;
-    ACUS_REQUIRE(force.skin_nick_radius_mm == 0.0 || goes_by_membranes, path.string(),
-                 ": /effects/needle_force/skin_nick_radius_mm: only the models layered, alamilla "
-                 "and vidal have a nick in the skin; leave it out");
+    scenario.needle_force = ReadNeedleForce(effects["needle_force"], folder, path.string());
   }
   if (effects.contains("needle")) {
     scenario.shape = ReadNeedleEffect(effects["needle"], folder);
@@ -359,9 +216,7 @@ Scenario ReadChanged(const fs::path& path, std::span<const Override> overrides) 
     scenario.ultrasound = ReadUltrasoundEffect(effects["ultrasound"], folder);
   }
   if (effects.contains("ct_slice")) {
-    const json& effect = effects["ct_slice"];
-    scenario.ct_slice = CtSliceEffect{effect.at("needle"), effect.at("window").at("centre_hu"),
-                                      effect.at("window").at("width_hu")};
+    scenario.ct_slice = ReadCtSliceEffect(effects["ct_slice"]);
   }
   scenario.listed = CalledEffects(effects, folder, path.string());
   CheckTogether(scenario);

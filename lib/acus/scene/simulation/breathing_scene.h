@@ -15,7 +15,7 @@ struct Breathing {
   breathing::PatientMotion motion;
   breathing::BreathSource source;
   double amplitude = 1.0;
-  bool normalise = true;         ///< A recording's own levels stand for normal breath.
+  bool normalise = true;         ///< A recording's own breath levels stand for normal breath.
   bool image = true;             ///< The images show the motion.
   double warp_spacing_mm = 5.0;  ///< Of the knots at which they ask for it.
   int inverse_iterations = 5;    ///< To find what was there at rest.
@@ -34,7 +34,7 @@ struct Breathing {
 /// @throws InputError if the motion or the signal is not readable, or a setting is out of range.
 Breathing LoadBreathing(const scenario::Scenario& scenario, bool from_session, RunContext& context);
 
-/// Where tissue that a picture shows was in the reference image, and what lay there at rest if
+/// Where tissue that an image shows was in the reference image, and what lay there at rest if
 /// tools have deformed it besides. One for each thread.
 class BreathingRest : public slicing::RestMap {
  public:

@@ -6,7 +6,7 @@ namespace acus::simulation {
 
 Eigen::Vector3d DeformedTissue::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
                                            const Eigen::Vector3d& guess_in_ct_mm) const noexcept {
-  // A hundredth of a millimetre is far below a picture's pixel.
+  // A hundredth of a millimetre is far below an image's pixel.
   const math::InverseSettings settings{.max_iterations = iterations_, .tolerance_mm = 0.01};
   const auto displacement = [this](const Eigen::Vector3d& rest_mm) {
     return field_.DisplacementMm(rest_mm);

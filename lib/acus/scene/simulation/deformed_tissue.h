@@ -1,4 +1,4 @@
-// Where tissue that a picture shows was at rest.
+// Where tissue that an image shows was at rest.
 #pragma once
 
 #include "acus/imaging/slicing/beam_bend.h"

@@ -1,6 +1,6 @@
 #include "acus/scene/simulation/effect_images.h"
 
-#include "acus/scene/simulation/picture_sleep.h"
+#include "acus/scene/simulation/image_sleep.h"
 
 namespace acus::simulation {
 namespace {
@@ -20,7 +20,8 @@ effects::ImageChanges ChangesSince(const Scene& scene, const Snapshot* shown, co
           .probe = !ProbeHasStayed(*shown, now),
           .breath = !BreathHasStayed(scene, *shown, now),
           .tissue = !TissueHasStayed(scene, *shown, now),
-          .images = images_changed};
+          .images = images_changed,
+          .force = shown->needle_force_in_ct_n != now.needle_force_in_ct_n};
 }
 
 }  // namespace
@@ -41,7 +42,7 @@ EffectImageRenderer::EffectImageRenderer(const Scene& scene, const ListedEffect&
   if (Reads(ports::kRestMap)) rest_.emplace(scene, /*beyond_skin=*/true);
   if (Reads(ports::kBMode) || Reads(ports::kCtImage)) {
     of_probe_.emplace(scene, nullptr,
-                      Reads(ports::kCtImage) ? Pictures::kAll : Pictures::kBModeOnly,
+                      Reads(ports::kCtImage) ? ImageChoice::kAll : ImageChoice::kBModeOnly,
                       Frames::kSingle);
   }
 }
@@ -72,6 +73,7 @@ void EffectImageRenderer::Render(const Snapshot& snapshot, const Images* images,
                               .probe_valid = snapshot.probe_valid,
                               .ct_from_probe = snapshot.ct_from_probe,
                               .ct_from_needle = snapshot.ct_from_needle};
+  moment.needle_force_in_ct_n = snapshot.needle_force_in_ct_n;
   moment.changes = ChangesSince(scene_, shown, snapshot, images_changed);
   if (rest_) {
     const bool needed = stage_->NeedsRestMap(moment.changes);
@@ -81,7 +83,7 @@ void EffectImageRenderer::Render(const Snapshot& snapshot, const Images* images,
     watch.EndOf(StageId::kDeformation, rest != nullptr ? Sleep::kAwake : idle);
   }
   std::optional<image::NeedleInImage> needle;
-  if (Reads(ports::kNeedlePreset)) needle = NeedleInPicture(scene_, snapshot);
+  if (Reads(ports::kNeedlePreset)) needle = ImagedNeedle(scene_, snapshot);
   moment.needle = needle ? &*needle : nullptr;
   std::optional<breathing::MotionMap> breath;
   if (Reads(ports::kBreath)) {

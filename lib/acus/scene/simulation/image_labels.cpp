@@ -32,13 +32,13 @@ const volume::LabelMap& CheckedLabels(const Scene& scene,
   return *labels;
 }
 
-std::vector<float> DepthsOf(const acoustics::Probe& probe, const image::ImageGeometry& picture) {
-  const Eigen::Affine3d probe_from_image = picture.probe_from_image();
+std::vector<float> DepthsOf(const acoustics::Probe& probe, const image::ImageGeometry& image) {
+  const Eigen::Affine3d probe_from_image = image.probe_from_image();
   std::vector<float> depth_mm;
-  depth_mm.reserve(static_cast<std::size_t>(picture.width_px) *
-                   static_cast<std::size_t>(picture.height_px));
-  for (int r = 0; r < picture.height_px; ++r) {
-    for (int c = 0; c < picture.width_px; ++c) {
+  depth_mm.reserve(static_cast<std::size_t>(image.width_px) *
+                   static_cast<std::size_t>(image.height_px));
+  for (int r = 0; r < image.height_px; ++r) {
+    for (int c = 0; c < image.width_px; ++c) {
       const Eigen::Vector3d place_mm = probe_from_image * Eigen::Vector3d(c, r, 0.0);
       const bool seen = acoustics::IsInFieldOfView(probe, place_mm.head<2>());
       depth_mm.push_back(
@@ -50,10 +50,10 @@ std::vector<float> DepthsOf(const acoustics::Probe& probe, const image::ImageGeo
 }
 
 /// Column, row, and mm off the plane.
-Eigen::Vector3d InImage(const image::ImageGeometry& picture, const Eigen::Isometry3d& ct_from_probe,
+Eigen::Vector3d InImage(const image::ImageGeometry& image, const Eigen::Isometry3d& ct_from_probe,
                         const Eigen::Vector3d& place_ct_mm) {
   const Eigen::Vector3d in_probe_mm = ct_from_probe.inverse() * place_ct_mm;
-  Eigen::Vector3d in_image = picture.probe_from_image().inverse() * in_probe_mm;
+  Eigen::Vector3d in_image = image.probe_from_image().inverse() * in_probe_mm;
   in_image.z() = in_probe_mm.z();
   return in_image;
 }
@@ -111,11 +111,11 @@ ImageLabeller::ImageLabeller(const Scene& scene, std::shared_ptr<const volume::L
     : scene_(scene),
       labels_(std::move(labels)),
       settings_(settings),
-      picture_((CheckedLabels(scene, labels_), acoustics::PictureOf(*scene.probe))),
-      grid_(acoustics::ScanGridOf(picture_)),
+      image_((CheckedLabels(scene, labels_), acoustics::ImageOf(*scene.probe))),
+      grid_(acoustics::ScanGridOf(image_)),
       rest_(scene),
-      slice_(*labels_, picture_),
-      depth_mm_(DepthsOf(*scene.probe, picture_)) {
+      slice_(*labels_, image_),
+      depth_mm_(DepthsOf(*scene.probe, image_)) {
   ACUS_REQUIRE(settings.target_radius_mm > 0.0 && settings.tip_radius_mm > 0.0,
                "labels of images: radius of the target ", settings.target_radius_mm,
                " mm, of the tip ", settings.tip_radius_mm, " mm; both must be above 0");
@@ -123,27 +123,27 @@ ImageLabeller::ImageLabeller(const Scene& scene, std::shared_ptr<const volume::L
 
 void ImageLabeller::PaintNeedle(const Snapshot& snapshot, const image::NeedleInImage& needle,
                                 ImageTruth& out) {
-  needle_.Resize(picture_.width_px, picture_.height_px);
-  for (int r = 0; r < picture_.height_px; ++r) {
-    std::fill_n(needle_.row(r), picture_.width_px, 0.0F);
+  needle_.Resize(image_.width_px, image_.height_px);
+  for (int r = 0; r < image_.height_px; ++r) {
+    std::fill_n(needle_.row(r), image_.width_px, 0.0F);
   }
   slicing::PaintNeedle(needle, snapshot.ct_from_probe, scene_.probe->slice_thickness_mm, grid_,
                        needle_);
-  const Eigen::Vector3d tip = InImage(picture_, snapshot.ct_from_probe, TipOf(needle));
+  const Eigen::Vector3d tip = InImage(image_, snapshot.ct_from_probe, TipOf(needle));
   out.tip_in_image = tip;
   const bool tip_in_slice =
       std::abs(tip.z()) <= 0.5 * scene_.probe->slice_thickness_mm + needle.radius_mm;
-  const double coarsest_mm = std::max(picture_.lateral_mm_per_px, picture_.axial_mm_per_px);
+  const double coarsest_mm = std::max(image_.lateral_mm_per_px, image_.axial_mm_per_px);
   const double tip_reach_mm = std::max(settings_.tip_radius_mm, coarsest_mm);
-  for (int r = 0; r < picture_.height_px; ++r) {
-    for (int c = 0; c < picture_.width_px; ++c) {
+  for (int r = 0; r < image_.height_px; ++r) {
+    for (int c = 0; c < image_.width_px; ++c) {
       auto& label =
           out.labels
-              .pixels[static_cast<std::size_t>(r) * static_cast<std::size_t>(picture_.width_px) +
+              .pixels[static_cast<std::size_t>(r) * static_cast<std::size_t>(image_.width_px) +
                       static_cast<std::size_t>(c)];
       if (needle_.row(r)[c] != 0.0F) label = kShaftInImage;
-      const double off_mm = std::hypot((c - tip.x()) * picture_.lateral_mm_per_px,
-                                       (r - tip.y()) * picture_.axial_mm_per_px);
+      const double off_mm = std::hypot((c - tip.x()) * image_.lateral_mm_per_px,
+                                       (r - tip.y()) * image_.axial_mm_per_px);
       if (tip_in_slice && off_mm <= tip_reach_mm) label = kTipInImage;
     }
   }
@@ -174,7 +174,7 @@ void ImageLabeller::Label(const Snapshot& snapshot, ImageTruth& out) {
   out.target_in_image.reset();
   out.visible_share.reset();
   out.inserted_mm = 0.0;
-  out.labels.Resize(picture_.width_px, picture_.height_px);
+  out.labels.Resize(image_.width_px, image_.height_px);
   if (!snapshot.probe_valid) {
     std::ranges::fill(out.labels.pixels, kBeyondImage);
     return;
@@ -185,10 +185,10 @@ void ImageLabeller::Label(const Snapshot& snapshot, ImageTruth& out) {
     slice_.MarkSphere(*settings_.target_ct_mm, settings_.target_radius_mm, kTargetInImage,
                       out.labels);
     if (const auto now_mm = NowFromRest(rest, *settings_.target_ct_mm)) {
-      out.target_in_image = InImage(picture_, snapshot.ct_from_probe, *now_mm);
+      out.target_in_image = InImage(image_, snapshot.ct_from_probe, *now_mm);
     }
   }
-  if (const auto needle = scene_.needle ? NeedleInPicture(scene_, snapshot) : std::nullopt) {
+  if (const auto needle = scene_.needle ? ImagedNeedle(scene_, snapshot) : std::nullopt) {
     PaintNeedle(snapshot, *needle, out);
     MeasureNeedle(snapshot, *needle, rest, out);
   }

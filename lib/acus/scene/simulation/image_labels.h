@@ -55,7 +55,7 @@ class ImageLabeller {
   /// seen, all pixels are kBeyondImage.
   void Label(const Snapshot& snapshot, ImageTruth& out);
 
-  const image::ImageGeometry& picture() const { return picture_; }
+  const image::ImageGeometry& image() const { return image_; }
   /// Distance of each pixel from the probe's face, mm, row by row; NaN beside the field of view.
   const std::vector<float>& depth_mm() const { return depth_mm_; }
 
@@ -67,7 +67,7 @@ class ImageLabeller {
   const Scene& scene_;
   std::shared_ptr<const volume::LabelMap> labels_;
   ImageLabelSettings settings_;
-  image::ImageGeometry picture_;
+  image::ImageGeometry image_;
   acoustics::ScanGrid grid_;
   MomentRest rest_;
   slicing::LabelSlice slice_;

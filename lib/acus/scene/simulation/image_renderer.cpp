@@ -2,23 +2,23 @@
 
 #include <algorithm>
 
-#include "acus/scene/simulation/picture_sleep.h"
+#include "acus/scene/simulation/image_sleep.h"
 
 namespace acus::simulation {
 namespace {
 
-void Blacken(const image::ImageGeometry& picture, image::GrayImage& image) {
-  image.Resize(picture.width_px, picture.height_px);
+void Blacken(const image::ImageGeometry& geometry, image::GrayImage& image) {
+  image.Resize(geometry.width_px, geometry.height_px);
   std::ranges::fill(image.pixels, std::uint8_t{0});
 }
 
-/// Draws one picture, unless its stage sleeps.
+/// Draws one image, unless its stage sleeps.
 template <typename Renderer>
 void Draw(Renderer& renderer, Sleep sleep, const Snapshot& snapshot,
           const std::optional<image::NeedleInImage>& needle, const slicing::RestMap* rest,
           image::GrayImage& out) {
   if (sleep == Sleep::kAwake) renderer.Render(snapshot.ct_from_probe, needle, out, 1, rest);
-  if (sleep == Sleep::kProbeUnseen) Blacken(renderer.picture(), out);
+  if (sleep == Sleep::kProbeUnseen) Blacken(renderer.image(), out);
 }
 
 }  // namespace
@@ -28,7 +28,7 @@ ultrasound::FramePersistence PersistenceOf(const Scene& scene) {
   return ultrasound::FramePersistence(display != nullptr ? display->persistence_s : 0.0);
 }
 
-ImageRenderer::ImageRenderer(const Scene& scene, const acoustics::Probe* probe, Pictures pictures,
+ImageRenderer::ImageRenderer(const Scene& scene, const acoustics::Probe* probe, ImageChoice choice,
                              Frames frames)
     : scene_(scene),
       rest_(scene),
@@ -36,10 +36,10 @@ ImageRenderer::ImageRenderer(const Scene& scene, const acoustics::Probe* probe, 
                                               : ultrasound::FramePersistence(0.0)) {
   if (probe == nullptr && scene.probe) probe = &*scene.probe;
   const bool has_b_mode = scene.plan.Has(StageId::kUltrasound);
-  const bool has_ct_slice = pictures == Pictures::kAll && scene.plan.Has(StageId::kCtSlice);
+  const bool has_ct_slice = choice == ImageChoice::kAll && scene.plan.Has(StageId::kCtSlice);
   if (!has_b_mode && !has_ct_slice) return;
   if (has_ct_slice) {
-    ct_slice_.emplace(*scene.ct, acoustics::PictureOf(*probe), probe->slice_thickness_mm,
+    ct_slice_.emplace(*scene.ct, acoustics::ImageOf(*probe), probe->slice_thickness_mm,
                       scene.ct_window);
   }
   if (has_b_mode) {
@@ -50,7 +50,7 @@ ImageRenderer::ImageRenderer(const Scene& scene, const acoustics::Probe* probe, 
   }
 }
 
-std::optional<image::NeedleInImage> NeedleInPicture(const Scene& scene, const Snapshot& snapshot) {
+std::optional<image::NeedleInImage> ImagedNeedle(const Scene& scene, const Snapshot& snapshot) {
   if (!snapshot.ct_from_needle) return std::nullopt;
   image::NeedleInImage needle{snapshot.ct_from_needle->translation(),
                               snapshot.ct_from_needle->linear().col(2), scene.needle->length_mm,
@@ -117,7 +117,7 @@ void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* ti
   }
   std::optional<image::NeedleInImage> needle;
   if (draws && (scene_.needle_in_ct_slice || scene_.needle_in_b_mode)) {
-    needle = NeedleInPicture(scene_, snapshot);
+    needle = ImagedNeedle(scene_, snapshot);
   }
   if (ct_slice_) {
     Draw(*ct_slice_, of_slice, snapshot, scene_.needle_in_ct_slice ? needle : std::nullopt, rest,

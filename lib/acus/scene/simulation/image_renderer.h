@@ -8,24 +8,24 @@
 #include "acus/imaging/slicing/ct_slice.h"
 #include "acus/imaging/ultrasound/frame_persistence.h"
 #include "acus/physics/breathing/breath.h"
-#include "acus/scene/simulation/image_level.h"
 #include "acus/scene/simulation/moment_rest.h"
 #include "acus/scene/simulation/scene.h"
 #include "acus/scene/simulation/snapshot.h"
 #include "acus/scene/simulation/stage_timing.h"
+#include "acus/scene/simulation/ultrasound_model.h"
 
 namespace acus::simulation {
 
-/// The needle of a moment as pictures see it; nothing if there is none.
-std::optional<image::NeedleInImage> NeedleInPicture(const Scene& scene, const Snapshot& snapshot);
+/// The needle of a moment as images see it; nothing if there is none.
+std::optional<image::NeedleInImage> ImagedNeedle(const Scene& scene, const Snapshot& snapshot);
 
 struct Images {
   image::GrayImage b_mode;    ///< Empty if the plan has no B-mode.
   image::GrayImage ct_slice;  ///< Empty if the plan has no CT slice.
 };
 
-/// Which of the plan's pictures somebody wants.
-enum class Pictures { kAll, kBModeOnly };
+/// Which of the plan's images somebody wants.
+enum class ImageChoice { kAll, kBModeOnly };
 
 /// Whether a renderer makes all frames in order of time. Only then does it add the persistence of
 /// the display; else who has the frames in order does.
@@ -40,18 +40,18 @@ class ImageRenderer {
   /// @param scene  Must outlive the renderer.
   /// @param probe  In place of the scene's, set otherwise: gain, depth; null: the scene's.
   explicit ImageRenderer(const Scene& scene, const acoustics::Probe* probe = nullptr,
-                         Pictures pictures = Pictures::kAll, Frames frames = Frames::kInOrder);
+                         ImageChoice choice = ImageChoice::kAll, Frames frames = Frames::kInOrder);
 
   /// The same bits for the same snapshot, whatever was rendered before, but for persistence. Where
-  /// the probe is not seen by the tracker, the pictures are black. Allocates nothing after the
+  /// the probe is not seen by the tracker, the images are black. Allocates nothing after the
   /// first call.
   /// @param times  If given, what each stage did is added to it.
-  /// @param shown  The moment that `out` shows already, by a renderer of the same probe: a picture
+  /// @param shown  The moment that `out` shows already, by a renderer of the same probe: an image
   ///     that would be the same is left as it is, its stage sleeps. Null: there is none.
   void Render(const Snapshot& snapshot, Images& out, StageTimes* times = nullptr,
               const Snapshot* shown = nullptr);
 
-  /// True if the picture of that stage is the same at both moments.
+  /// True if the image of that stage is the same at both moments.
   bool Sleeps(StageId id, const Snapshot& snapshot, const Snapshot& shown) const noexcept;
 
  private:
@@ -64,7 +64,7 @@ class ImageRenderer {
   const Scene& scene_;
   double needle_reach_mm_ = 0.0;
   MomentRest rest_;
-  std::optional<ImageLevel> b_mode_;
+  std::optional<UltrasoundModel> b_mode_;
   std::optional<slicing::CtSliceRenderer> ct_slice_;
   ultrasound::FramePersistence persistence_;
   image::GrayImage frame_;  ///< Of the B-mode, before persistence.

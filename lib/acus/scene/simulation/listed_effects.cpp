@@ -12,9 +12,9 @@ using effects::PortRef;
 
 /// What stages of effects are given, besides what other effects write at every sample.
 constexpr PortRef kOfTools[] = {ports::kNeedle, ports::kTissue, ports::kForce, ports::kProbeForce};
-constexpr PortRef kOfImages[] = {ports::kBMode,       ports::kCtImage, ports::kRestMap,
-                                 ports::kProbe,       ports::kNeedle,  ports::kNeedlePreset,
-                                 ports::kProbePreset, ports::kShape,   ports::kBreath};
+constexpr PortRef kOfImages[] = {
+    ports::kBMode,        ports::kCtImage,     ports::kRestMap, ports::kProbe,  ports::kNeedle,
+    ports::kNeedlePreset, ports::kProbePreset, ports::kShape,   ports::kBreath, ports::kForce};
 constexpr PortRef kOfPatient[] = {ports::kCt, ports::kLabels};
 
 bool Holds(std::span<const PortRef> list, PortRef port) {

@@ -15,8 +15,6 @@ using forces::NeedleForce;
 using scenario::NeedleModelKind;
 
 constexpr double kStillMm = 1e-6;       // Less is not an advance: at rest no bit changes.
-constexpr double kTinyNMm = 1e-6;       // Of energy: 1 nJ.
-constexpr double kCreditNMm = 0.1;      // The hand may have put in this much more than is stored.
 constexpr double kGiftNMmPerS = 0.005;  // 0.3 mJ a minute, so that no force is gone for good.
 
 needle::BendableNeedleOptions OptionsOf(const scenario::NeedleEffect& effect,
@@ -41,11 +39,6 @@ Eigen::Quaterniond OrientationOf(const Eigen::Matrix3d& ct_from_needle) noexcept
   axes.col(0) = norm > 1e-6 && norm < 1e6 ? Vector3d(x / norm) : axes.col(2).unitOrthogonal();
   axes.col(1) = axes.col(2).cross(axes.col(0));
   return Eigen::Quaterniond(axes);
-}
-
-Vector3d TurnRad(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) noexcept {
-  const Eigen::AngleAxisd turn(to * from.conjugate());
-  return turn.angle() * turn.axis();
 }
 
 }  // namespace
@@ -163,8 +156,8 @@ NeedleForce NeedleShapeModel::Bend(NeedleShapeState& state, const NeedleShapeInp
   state.tip_offset_mm.setZero();
   if (path.empty()) {
     state.needle.rod.started = false;  // The next insertion begins straight in the hand.
-    state.paid_n_mm = 0.0;
-    state.share = 1.0;
+    state.hand.paid_n_mm = 0.0;
+    state.hand.share = 1.0;
     return across;
   }
   const needle::RodState& rod = state.needle.rod;
@@ -185,32 +178,10 @@ NeedleForce NeedleShapeModel::Bend(NeedleShapeState& state, const NeedleShapeInp
   const double dt_s = state.gate.started ? input.time_s - state.gate.valid_time_s : 0.0;
   const double spent_n_mm = std::max(0.0, (along.cutting_n + along.friction_n) * hand.advance_mm) +
                             kGiftNMmPerS * std::min(dt_s, 0.1);
-  if (begins) {
-    state.hand_mm = hand.tip_mm;
-    state.hand = hand.hand;
-  }
-  Return(state, hand, step.rod.energy_n_mm, spent_n_mm, across);
+  if (begins) state.hand.Follow(hand.tip_mm, hand.hand);
+  state.hand.Return(hand.tip_mm, hand.hand, {step.rod.energy_n_mm, spent_n_mm}, state.gate.held,
+                    across);
   return across;
-}
-
-/// The needle gives the hand no more than the hand has put in: by moving and turning the hub, and
-/// by what cutting and friction take of an advance (`spent_n_mm`), which can pay for the bending
-/// that the advance does. Without this a hand could lean, advance and get the difference for
-/// nothing, as the axial models do not know of the bending.
-void NeedleShapeModel::Return(NeedleShapeState& state, const needle::BendableNeedleInput& hand,
-                              double energy_n_mm, double spent_n_mm,
-                              NeedleForce& across) const noexcept {
-  const NeedleForce& before = state.gate.held;
-  const Vector3d force_n = before.force_in_ct_n + state.share * across.force_in_ct_n;
-  const Vector3d torque_n_mm = before.torque_in_ct_n_mm + state.share * across.torque_in_ct_n_mm;
-  double paid_n_mm = state.paid_n_mm - 0.5 * (force_n.dot(hand.tip_mm - state.hand_mm) +
-                                              torque_n_mm.dot(TurnRad(state.hand, hand.hand)));
-  paid_n_mm += std::clamp(energy_n_mm - paid_n_mm, 0.0, spent_n_mm);
-  state.paid_n_mm = std::clamp(paid_n_mm, 0.0, energy_n_mm + kCreditNMm);
-  state.share = energy_n_mm > kTinyNMm ? std::clamp(state.paid_n_mm / energy_n_mm, 0.0, 1.0) : 1.0;
-  state.hand_mm = hand.tip_mm;
-  state.hand = hand.hand;
-  forces::Scale(across, state.share);
 }
 
 bool NeedleShapeModel::ShapeOf(const NeedleShapeState& state, math::Polyline& out) const noexcept {

@@ -14,7 +14,8 @@
 #include "acus/physics/forces/sample_gate.h"
 #include "acus/physics/mechanics/elasticity_table.h"
 #include "acus/physics/needle/bendable_needle.h"
-#include "acus/scene/scenario/scenario.h"
+#include "acus/scene/scenario/needle_effect.h"
+#include "acus/scene/simulation/hand_energy.h"
 
 namespace acus::simulation {
 
@@ -54,12 +55,7 @@ struct NeedleShapeState {
   Eigen::Vector3d tip_direction_in_ct = Eigen::Vector3d::Zero();  ///< Zero: along the needle.
   /// From the device's tip to the bent one, across the device's axis.
   Eigen::Vector3d tip_offset_mm = Eigen::Vector3d::Zero();
-
-  // What the hand has put in and may get back.
-  double paid_n_mm = 0.0;
-  double share = 1.0;  ///< Of the needle's force that the hand feels.
-  Eigen::Vector3d hand_mm = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond hand = Eigen::Quaterniond::Identity();
+  HandEnergy hand;
 };
 
 /// Const after construction: any number of states may step side by side.
@@ -105,8 +101,6 @@ class NeedleShapeModel {
                            const Eigen::Vector3d& tip_in_ct_mm) const noexcept;
   forces::NeedleForce Bend(NeedleShapeState& state, const NeedleShapeInput& input,
                            const forces::NeedleForce& along) const noexcept;
-  void Return(NeedleShapeState& state, const needle::BendableNeedleInput& hand, double energy_n_mm,
-              double spent_n_mm, forces::NeedleForce& across) const noexcept;
 
   scenario::NeedleModelKind model_;
   bool axis_lock_;

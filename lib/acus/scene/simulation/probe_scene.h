@@ -1,4 +1,4 @@
-// The model of the force on the probe of a scene, from what its level reads.
+// The model of the force on the probe of a scene, from what its model reads.
 #pragma once
 
 #include "acus/scene/scenario/scenario.h"

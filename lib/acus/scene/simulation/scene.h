@@ -15,9 +15,9 @@
 #include "acus/scene/scenario/scenario.h"
 #include "acus/scene/simulation/breathing_scene.h"
 #include "acus/scene/simulation/effect_plan.h"
-#include "acus/scene/simulation/image_level.h"
 #include "acus/scene/simulation/listed_effects.h"
 #include "acus/scene/simulation/needle_shape.h"
+#include "acus/scene/simulation/ultrasound_model.h"
 
 namespace acus::simulation {
 

@@ -23,6 +23,7 @@ struct Snapshot {
   /// As Simulation::ShapeOf gives it; null: straight in the hand. Must live until the image is
   /// made.
   const math::Polyline* needle_shape = nullptr;
+  Eigen::Vector3d needle_force_in_ct_n = Eigen::Vector3d::Zero();  ///< On the hand; zero: none.
   /// Null if nothing deforms the tissue; must live until the image is made.
   const tissue::TissueLoad* load = nullptr;
   /// Of effects, after the last step; null if there was none. The same.

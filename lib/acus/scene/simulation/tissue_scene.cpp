@@ -43,7 +43,7 @@ class TissueMap {
 };
 
 tissue::TissueModel Functions(const TissueEffect& effect, const TissueMap& tissues,
-                              const mechanics::ElasticityTable& elasticity) {
+                              const mechanics::ElasticityTable& elasticity, RunContext& context) {
   // MPa. Bone has no row: nothing moves there.
   const auto modulus = [tissues, rows = elasticity.tissue](const Eigen::Vector3d& rest_in_ct_mm) {
     const volume::Label tissue = tissues(rest_in_ct_mm);
@@ -51,8 +51,16 @@ tissue::TissueModel Functions(const TissueEffect& effect, const TissueMap& tissu
     if (tissue == 0 || modulus_mpa > 0.0) return modulus_mpa;
     return std::numeric_limits<double>::infinity();
   };
-  return tissue::TissueModel(
-      tissue::DisplacementFunctions({.influence_radius_mm = effect.influence_radius_mm}, modulus));
+  tissue::DisplacementFunctionSettings settings;
+  if (effect.printed_form) {
+    settings = tissue::DisplacementFunctionSettings::AsPrinted();
+    context.Warn(
+        "effects/tissue/displacement_functions/form \"printed\" takes the formulas to the letter: "
+        "tissue folds and has steps, and images show it; \"smooth\" has neither");
+  }
+  settings.influence_radius_mm = effect.influence_radius_mm;
+  if (effect.tip_length_mm > 0.0) settings.tip_length_mm = effect.tip_length_mm;
+  return tissue::TissueModel(tissue::DisplacementFunctions(settings, modulus));
 }
 
 /// What models that touch the needle need of it.
@@ -141,13 +149,13 @@ tissue::TissueModel Fem(const scenario::Scenario& scenario, const TissueInputs& 
     settings.strain = StrainOf(scenario, context);
     settings.strain->element = mechanics::ElementNamed(effect.element, "element");
   }
-  tissue::FemLevel level{tissue::FemNeedleModel(mesh, condensed.compliance, elasticity, parts.table,
-                                                parts.needle, settings),
-                         nullptr};
+  tissue::FemTissue model{tissue::FemNeedleModel(mesh, condensed.compliance, elasticity,
+                                                 parts.table, parts.needle, settings),
+                          nullptr};
   if (inputs.shows_deformation) {
-    level.image = std::make_shared<const tissue::FemImage>(mesh, condensed);
+    model.image = std::make_shared<const tissue::FemImage>(mesh, condensed);
   }
-  return tissue::TissueModel(std::move(level));
+  return tissue::TissueModel(std::move(model));
 }
 
 }  // namespace
@@ -159,7 +167,7 @@ tissue::TissueModel LoadTissue(const scenario::Scenario& scenario, const TissueI
   context.provenance.AddInput(effect.elasticity);
   switch (effect.model) {
     case TissueModelKind::kDisplacementFunctions:
-      return Functions(effect, TissueMap(inputs.labels), elasticity);
+      return Functions(effect, TissueMap(inputs.labels), elasticity, context);
     case TissueModelKind::kSprings:
       return Springs(effect, TissueMap(inputs.labels), elasticity,
                      ReadNeedleParts(scenario, context));

@@ -1,4 +1,4 @@
-// The tissue model of a scene, from the files that its level needs.
+// The tissue model of a scene, from the files that its model needs.
 #pragma once
 
 #include <memory>
@@ -13,13 +13,13 @@ namespace acus::simulation {
 
 /// What the scene has loaded already.
 struct TissueInputs {
-  std::shared_ptr<const volume::LabelMap> labels;  ///< Null if the level does not read it.
+  std::shared_ptr<const volume::LabelMap> labels;  ///< Null if the model does not read it.
   const acoustics::Probe* probe = nullptr;         ///< Null if the probe does not press.
   bool shows_deformation = false;                  ///< An image shows what the tissue does.
 };
 
 /// @pre scenario.tissue is there.
-/// @throws InputError if a file that the level needs is missing, not readable or does not fit.
+/// @throws InputError if a file that the model needs is missing, not readable or does not fit.
 tissue::TissueModel LoadTissue(const scenario::Scenario& scenario, const TissueInputs& inputs,
                                RunContext& context);
 

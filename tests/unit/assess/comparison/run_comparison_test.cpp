@@ -158,12 +158,12 @@ TEST_F(RunComparisonTest, StatesImageDifferencesAsTheyAre) {
   EXPECT_EQ(comparison.images.num_identical, 4U);
   EXPECT_EQ(*comparison.images.worst, 3U);
   EXPECT_THAT(comparison.failed(), ElementsAre("images: smallest PSNR"));
-  const SideBySide picture =
+  const SideBySide image =
       ShowFrame(folder_ / "a" / "images.igs.mha", folder_ / "b" / "images.igs.mha", 3);
-  EXPECT_EQ(picture.width, 3 * 24 + 16);
-  EXPECT_EQ(picture.largest_difference, 5);
-  EXPECT_EQ(picture.pixels[32] - picture.pixels[0], 5);
-  EXPECT_EQ(picture.pixels[64], 255);
+  EXPECT_EQ(image.width, 3 * 24 + 16);
+  EXPECT_EQ(image.largest_difference, 5);
+  EXPECT_EQ(image.pixels[32] - image.pixels[0], 5);
+  EXPECT_EQ(image.pixels[64], 255);
 }
 
 TEST_F(RunComparisonTest, HoldsEventsByNameOrderAndTime) {

@@ -21,7 +21,7 @@ Knob NodesKnob() {
   knob.name = "needle_nodes";
   knob.pointers = {"/effects/needle/nodes"};
   knob.acts_on = ActsOn::kForce;
-  knob.levels = {15, 25, 50};
+  knob.values = {15, 25, 50};
   knob.scenario_value = 25;
   return knob;
 }
@@ -31,16 +31,16 @@ Knob PlanesKnob() {
   knob.name = "elevation_planes";
   knob.pointers = {"/effects/ultrasound/beams/elevation_planes"};
   knob.acts_on = ActsOn::kImage;
-  knob.levels = {1, 3};
+  knob.values = {1, 3};
   knob.scenario_value = 3;
   return knob;
 }
 
 /// As if it had been measured.
-MeasuredSetting AsMeasured(Levels levels, double step_us, double image_ms, double error_n,
+MeasuredSetting AsMeasured(ValueIndices indices, double step_us, double image_ms, double error_n,
                            double db) {
   MeasuredSetting out;
-  out.levels = std::move(levels);
+  out.indices = std::move(indices);
   out.cost = {.step_us_median = 0.2 * step_us,
               .step_us_p999 = step_us,
               .image_ms_median = 0.9 * image_ms,
@@ -82,7 +82,7 @@ class Budget : public testing::Test {
         AsMeasured({2, 1}, 200.0, 20.0, 0.0, 60.0), AsMeasured({1, 0}, 100.0, 8.0, 0.02, 30.0),
         AsMeasured({2, 0}, 210.0, 8.2, 0.001, 30.0)};
     for (const MeasuredSetting& setting : settings) {
-      Candidate candidate{.levels = setting.levels, .measured = {}, .predicted = {}};
+      Candidate candidate{.indices = setting.indices, .measured = {}, .predicted = {}};
       candidate.predicted.step_us = 205.0;
       candidate.predicted.image_ms = 8.0;
       answer_.choice.measured.push_back(candidate);
@@ -90,7 +90,7 @@ class Budget : public testing::Test {
     answer_.measured = settings;
     answer_.choice.num_one_at_a_time = 4;
     answer_.choice.chosen = 4;
-    answer_.dearest = AsMeasured({2, 1}, 200.0, 20.0, 0.0, INFINITY);
+    answer_.most_expensive = AsMeasured({2, 1}, 200.0, 20.0, 0.0, INFINITY);
   }
 
   testing_support::TemporaryFolder temporary_;

@@ -21,14 +21,14 @@ class SyntheticScene {
     RandomStream random(seed, "synthetic scene");
     for (int i = 0; i < 6; ++i) {
       ChoiceKnob knob{.name = "knob " + std::to_string(i)};
-      knob.num_levels = 2 + static_cast<int>(random.Next() % 3);
-      knob.given = static_cast<int>(random.Next() % static_cast<unsigned>(knob.num_levels));
+      knob.num_values = 2 + static_cast<int>(random.Next() % 3);
+      knob.given = static_cast<int>(random.Next() % static_cast<unsigned>(knob.num_values));
       knob.acts_on_force = i < 3;
       knob.acts_on_image = i > 2 || i == 1;
       knobs.push_back(knob);
       std::vector<double> cost{random.Uniform(0.5, 4.0)};
       std::vector<double> error{random.Uniform(0.1, 1.0)};
-      for (int level = 1; level < knob.num_levels; ++level) {
+      for (int index = 1; index < knob.num_values; ++index) {
         cost.push_back(cost.back() * random.Uniform(1.1, 2.5));
         error.push_back(error.back() * random.Uniform(0.2, 0.9));
       }
@@ -37,17 +37,17 @@ class SyntheticScene {
     }
   }
 
-  Outcome Of(const Levels& levels) const {
+  Outcome Of(const ValueIndices& indices) const {
     double cost[2] = {2.0, 3.0};
     double product[2] = {1.0, 1.0};
     double error[2] = {0.0, 0.0};
     for (std::size_t i = 0; i < knobs.size(); ++i) {
-      const auto level = static_cast<std::size_t>(levels[i]);
+      const auto index = static_cast<std::size_t>(indices[i]);
       for (const int part : {0, 1}) {
         if (!(part == 0 ? knobs[i].acts_on_force : knobs[i].acts_on_image)) continue;
-        cost[part] += cost_[i][level];
-        product[part] *= cost_[i][level] / cost_[i][0];
-        error[part] += error_[i][level] * error_[i][level];
+        cost[part] += cost_[i][index];
+        product[part] *= cost_[i][index] / cost_[i][0];
+        error[part] += error_[i][index] * error_[i][index];
       }
     }
     Outcome out;
@@ -58,14 +58,14 @@ class SyntheticScene {
     return out;
   }
 
-  std::vector<Levels> All() const {
-    std::vector<Levels> all = {Levels(knobs.size(), 0)};
+  std::vector<ValueIndices> All() const {
+    std::vector<ValueIndices> all = {ValueIndices(knobs.size(), 0)};
     for (std::size_t i = 0; i < knobs.size(); ++i) {
-      std::vector<Levels> wider;
-      for (const Levels& levels : all) {
-        for (int level = 0; level < knobs[i].num_levels; ++level) {
-          wider.push_back(levels);
-          wider.back()[i] = level;
+      std::vector<ValueIndices> wider;
+      for (const ValueIndices& indices : all) {
+        for (int index = 0; index < knobs[i].num_values; ++index) {
+          wider.push_back(indices);
+          wider.back()[i] = index;
         }
       }
       all = std::move(wider);
@@ -75,14 +75,14 @@ class SyntheticScene {
 
   /// The largest errors of knobs turned alone: what errors are counted in.
   std::pair<double, double> Scales() const {
-    Levels given;
+    ValueIndices given;
     for (const ChoiceKnob& knob : knobs) given.push_back(knob.given);
     std::pair<double, double> scales{0.0, 0.0};
     for (std::size_t i = 0; i < knobs.size(); ++i) {
-      for (int level = 0; level < knobs[i].num_levels; ++level) {
-        Levels levels = given;
-        levels[i] = level;
-        const Outcome out = Of(levels);
+      for (int index = 0; index < knobs[i].num_values; ++index) {
+        ValueIndices indices = given;
+        indices[i] = index;
+        const Outcome out = Of(indices);
         scales.first = std::max(scales.first, std::pow(out.force_error_n, 2));
         scales.second = std::max(scales.second, std::pow(10.0, -0.1 * out.image_error_db));
       }
@@ -108,9 +108,9 @@ double ErrorSum(const Outcome& out, const std::pair<double, double>& scales) {
 Goal BindingBudget(const SyntheticScene& scene, double share) {
   std::vector<double> step;
   std::vector<double> image;
-  for (const Levels& levels : scene.All()) {
-    step.push_back(scene.Of(levels).step_us);
-    image.push_back(scene.Of(levels).image_ms);
+  for (const ValueIndices& indices : scene.All()) {
+    step.push_back(scene.Of(indices).step_us);
+    image.push_back(scene.Of(indices).image_ms);
   }
   std::ranges::sort(step);
   std::ranges::sort(image);
@@ -122,12 +122,13 @@ TEST(ChooseSetting, FindsTheBestOfAllWhereCostsAddUp) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const SyntheticScene scene(seed, 0.0);
     const Goal goal = BindingBudget(scene, 0.3);
-    const auto measure = [&](const Levels& levels) { return scene.Of(levels); };
+    const auto measure = [&](const ValueIndices& indices) { return scene.Of(indices); };
     const Choice choice = ChooseSetting(scene.knobs, goal, kExact, measure);
     double best = std::numeric_limits<double>::infinity();
     const auto scales = scene.Scales();
-    for (const Levels& levels : scene.All()) {
-      if (Meets(scene.Of(levels), goal)) best = std::min(best, ErrorSum(scene.Of(levels), scales));
+    for (const ValueIndices& indices : scene.All()) {
+      if (Meets(scene.Of(indices), goal))
+        best = std::min(best, ErrorSum(scene.Of(indices), scales));
     }
     ASSERT_EQ(choice.chosen.has_value(), std::isfinite(best)) << "seed " << seed;
     if (!choice.chosen) continue;
@@ -149,15 +150,15 @@ TEST(ChooseSetting, FindsTheCheapestOfAllWhereCostsAddUp) {
     const Goal goal{.kind = GoalKind::kAccuracy,
                     .force = 1.000001 * middle.force_error_n,
                     .image = middle.image_error_db - 1e-6};
-    const auto measure = [&](const Levels& levels) { return scene.Of(levels); };
+    const auto measure = [&](const ValueIndices& indices) { return scene.Of(indices); };
     const Choice choice = ChooseSetting(scene.knobs, goal, kExact, measure);
     const Outcome given = choice.measured[0].measured;
     const auto cost = [&](const Outcome& out) {
       return out.step_us / given.step_us + out.image_ms / given.image_ms;
     };
     double least = std::numeric_limits<double>::infinity();
-    for (const Levels& levels : scene.All()) {
-      if (Meets(scene.Of(levels), goal)) least = std::min(least, cost(scene.Of(levels)));
+    for (const ValueIndices& indices : scene.All()) {
+      if (Meets(scene.Of(indices), goal)) least = std::min(least, cost(scene.Of(indices)));
     }
     ASSERT_TRUE(choice.chosen.has_value()) << "seed " << seed;
     EXPECT_NEAR(cost(choice.measured[*choice.chosen].measured), least, 1e-9) << "seed " << seed;
@@ -170,17 +171,17 @@ TEST(ChooseSetting, ComesNearTheBestWhereCostsMultiply) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const SyntheticScene scene(seed, 2.0);
     const Goal goal = BindingBudget(scene, 0.4);
-    std::set<Levels> seen;
-    const auto measure = [&](const Levels& levels) {
-      EXPECT_TRUE(seen.insert(levels).second) << "measured twice";
-      return scene.Of(levels);
+    std::set<ValueIndices> seen;
+    const auto measure = [&](const ValueIndices& indices) {
+      EXPECT_TRUE(seen.insert(indices).second) << "measured twice";
+      return scene.Of(indices);
     };
     const Choice choice = ChooseSetting(scene.knobs, goal, kExact, measure);
     EXPECT_EQ(seen.size(), choice.measured.size());
     const auto scales = scene.Scales();
     std::vector<double> fitting;
-    for (const Levels& levels : scene.All()) {
-      if (Meets(scene.Of(levels), goal)) fitting.push_back(ErrorSum(scene.Of(levels), scales));
+    for (const ValueIndices& indices : scene.All()) {
+      if (Meets(scene.Of(indices), goal)) fitting.push_back(ErrorSum(scene.Of(indices), scales));
     }
     if (fitting.empty()) {
       EXPECT_FALSE(choice.chosen.has_value());
@@ -201,32 +202,33 @@ TEST(ChooseSetting, ComesNearTheBestWhereCostsMultiply) {
 TEST(ChooseSetting, NearestIsTheCheapestIfNothingFits) {
   const SyntheticScene scene(7, 0.0);
   const Goal goal{.kind = GoalKind::kBudget, .force = 0.1};
-  const auto measure = [&](const Levels& levels) { return scene.Of(levels); };
+  const auto measure = [&](const ValueIndices& indices) { return scene.Of(indices); };
   const Choice choice = ChooseSetting(scene.knobs, goal, kExact, measure);
   EXPECT_FALSE(choice.chosen.has_value());
   double least = std::numeric_limits<double>::infinity();
-  for (const Levels& levels : scene.All()) least = std::min(least, scene.Of(levels).step_us);
+  for (const ValueIndices& indices : scene.All())
+    least = std::min(least, scene.Of(indices).step_us);
   EXPECT_NEAR(choice.measured[choice.nearest].measured.step_us, least, 1e-9);
 }
 
 TEST(ChooseSetting, LeavesKnobsAloneThatActOnNothingNamed) {
   const SyntheticScene scene(3, 1.0);
   const Goal goal{.kind = GoalKind::kBudget, .force = 1e9};
-  const auto measure = [&](const Levels& levels) {
-    for (std::size_t i = 0; i < levels.size(); ++i) {
+  const auto measure = [&](const ValueIndices& indices) {
+    for (std::size_t i = 0; i < indices.size(); ++i) {
       if (!scene.knobs[i].acts_on_force) {
-        EXPECT_EQ(levels[i], scene.knobs[i].given);
+        EXPECT_EQ(indices[i], scene.knobs[i].given);
       }
     }
-    return scene.Of(levels);
+    return scene.Of(indices);
   };
   const Choice choice = ChooseSetting(scene.knobs, goal, kExact, measure);
-  // With all the time in the world, the dearest.
+  // With all the time in the world, the most expensive.
   ASSERT_TRUE(choice.chosen.has_value());
-  const Levels& chosen = choice.measured[*choice.chosen].levels;
+  const ValueIndices& chosen = choice.measured[*choice.chosen].indices;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (scene.knobs[i].acts_on_force) {
-      EXPECT_EQ(chosen[i], scene.knobs[i].num_levels - 1);
+      EXPECT_EQ(chosen[i], scene.knobs[i].num_values - 1);
     }
   }
 }
@@ -234,13 +236,14 @@ TEST(ChooseSetting, LeavesKnobsAloneThatActOnNothingNamed) {
 TEST(ChooseSetting, NeverTakesWhatIsNotUsable) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const SyntheticScene scene(seed, 1.0);
-    // The dearest level of the first knob diverges, and so do two knobs together.
-    const auto measure = [&](const Levels& levels) {
-      Outcome out = scene.Of(levels);
+    // The most expensive index of the first knob diverges, and so do two knobs together.
+    const auto measure = [&](const ValueIndices& indices) {
+      Outcome out = scene.Of(indices);
       out.usable =
-          levels[0] != scene.knobs[0].num_levels - 1 && !(levels[1] == 1 && levels[2] == 1);
-      if (levels == Levels{scene.knobs[0].given, scene.knobs[1].given, scene.knobs[2].given,
-                           scene.knobs[3].given, scene.knobs[4].given, scene.knobs[5].given}) {
+          indices[0] != scene.knobs[0].num_values - 1 && !(indices[1] == 1 && indices[2] == 1);
+      if (indices == ValueIndices{scene.knobs[0].given, scene.knobs[1].given, scene.knobs[2].given,
+                                  scene.knobs[3].given, scene.knobs[4].given,
+                                  scene.knobs[5].given}) {
         out.usable = true;
       }
       return out;
@@ -255,25 +258,25 @@ TEST(ChooseSetting, NeverTakesWhatIsNotUsable) {
 TEST(ChooseSetting, TurnsNoKnobForNoise) {
   // A knob that changes nothing but a cost of the size of the noise.
   const std::vector<ChoiceKnob> knobs = {
-      {.name = "idle", .num_levels = 2, .given = 1, .acts_on_force = true}};
-  const auto measure = [](const Levels& levels) {
+      {.name = "idle", .num_values = 2, .given = 1, .acts_on_force = true}};
+  const auto measure = [](const ValueIndices& indices) {
     Outcome out;
-    out.step_us = levels[0] == 0 ? 9.95 : 10.0;
+    out.step_us = indices[0] == 0 ? 9.95 : 10.0;
     out.force_error_n = 0.5;
     return out;
   };
   const Goal goal{.kind = GoalKind::kBudget, .force = 100.0};
   const Choice choice = ChooseSetting(knobs, goal, {}, measure);
   ASSERT_TRUE(choice.chosen.has_value());
-  EXPECT_EQ(choice.measured[*choice.chosen].levels, (Levels{1}));
+  EXPECT_EQ(choice.measured[*choice.chosen].indices, (ValueIndices{1}));
 }
 
 TEST(ChooseSetting, KeepsWhatIsGivenIfRequested) {
   const SyntheticScene scene(3, 1.0);
   int count = 0;
-  const auto measure = [&](const Levels& levels) {
+  const auto measure = [&](const ValueIndices& indices) {
     ++count;
-    return scene.Of(levels);
+    return scene.Of(indices);
   };
   const ChoiceSettings keep{.most_joint = 40, .noise = 0.0, .keep_given = true};
   const Goal wide{.kind = GoalKind::kBudget, .force = 1e9, .image = 1e9};
@@ -289,8 +292,8 @@ TEST(ChooseSetting, KeepsWhatIsGivenIfRequested) {
 
 TEST(ChooseSetting, RefusesAGoalForAPartThatTheSceneHasNot) {
   const std::vector<ChoiceKnob> knobs = {
-      {.name = "lines", .num_levels = 2, .given = 1, .acts_on_image = true}};
-  const auto measure = [](const Levels&) {
+      {.name = "lines", .num_values = 2, .given = 1, .acts_on_image = true}};
+  const auto measure = [](const ValueIndices&) {
     Outcome out;
     out.image_ms = 1.0;
     out.image_error_db = 30.0;
@@ -307,19 +310,19 @@ TEST(ChooseSetting, RefusesAGoalForAPartThatTheSceneHasNot) {
 TEST(ChooseSetting, PredictsNoCostBelowZero) {
   // Each knob alone takes most of the time away; both together cannot take more than there is.
   const std::vector<ChoiceKnob> knobs = {
-      {.name = "a", .num_levels = 2, .given = 1, .acts_on_force = true},
-      {.name = "b", .num_levels = 2, .given = 1, .acts_on_force = true}};
-  const auto measure = [](const Levels& levels) {
+      {.name = "a", .num_values = 2, .given = 1, .acts_on_force = true},
+      {.name = "b", .num_values = 2, .given = 1, .acts_on_force = true}};
+  const auto measure = [](const ValueIndices& indices) {
     Outcome out;
-    out.step_us = (levels[0] == 0 ? 0.1 : 1.0) * (levels[1] == 0 ? 0.1 : 1.0) * 100.0;
-    out.force_error_n = 0.1 * (2 - levels[0] - levels[1]);
+    out.step_us = (indices[0] == 0 ? 0.1 : 1.0) * (indices[1] == 0 ? 0.1 : 1.0) * 100.0;
+    out.force_error_n = 0.1 * (2 - indices[0] - indices[1]);
     return out;
   };
   const Goal goal{.kind = GoalKind::kBudget, .force = 2.0};
   const Choice choice = ChooseSetting(knobs, goal, {}, measure);
   ASSERT_TRUE(choice.chosen.has_value());
   const Candidate& chosen = choice.measured[*choice.chosen];
-  EXPECT_EQ(chosen.levels, (Levels{0, 0}));
+  EXPECT_EQ(chosen.indices, (ValueIndices{0, 0}));
   EXPECT_EQ(chosen.predicted.step_us, 0.0);
 }
 

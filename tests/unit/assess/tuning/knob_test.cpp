@@ -54,7 +54,7 @@ TEST_F(KnobTest, DefaultsAreThoseOfTheSchema) {
   const Knob& nodes = KnobNamed(knobs, "needle_nodes");
   EXPECT_EQ(nodes.default_value, 25);
   EXPECT_EQ(nodes.scenario_value, 30);
-  EXPECT_EQ(nodes.Dearest(), 100);
+  EXPECT_EQ(nodes.MostExpensive(), 100);
   EXPECT_FALSE(nodes.falls);
   EXPECT_TRUE(nodes.IsPapers(25));
   EXPECT_FALSE(nodes.IsPapers(100));
@@ -66,14 +66,14 @@ TEST_F(KnobTest, DefaultsAreThoseOfTheSchema) {
 TEST_F(KnobTest, ValuesOfTheUserAreSortedFromCheapToExpensive) {
   const auto knobs = KnobsOf(Scenario(kBendable), 1000.0);
   using Values = std::vector<nlohmann::json>;
-  EXPECT_EQ(KnobFromText(knobs, "needle_nodes=50,15").levels, (Values{15, 50}));
-  EXPECT_EQ(KnobFromText(knobs, "needle_path_spacing_mm=0.5,3").levels, (Values{3, 0.5}));
-  EXPECT_EQ(KnobFromText(knobs, "speckle=on,off").levels, (Values{false, true}));
+  EXPECT_EQ(KnobFromText(knobs, "needle_nodes=50,15").values, (Values{15, 50}));
+  EXPECT_EQ(KnobFromText(knobs, "needle_path_spacing_mm=0.5,3").values, (Values{3, 0.5}));
+  EXPECT_EQ(KnobFromText(knobs, "speckle=on,off").values, (Values{false, true}));
   // One value alone is compared with the scenario's own.
-  EXPECT_EQ(KnobFromText(knobs, "needle_nodes=50").levels, (Values{30, 50}));
-  // The knob's own levels, and where the scenario stands.
-  EXPECT_EQ(KnobFromText(knobs, "needle_nodes").levels, (Values{8, 15, 25, 30, 50, 100}));
-  EXPECT_EQ(KnobFromText(knobs, "tissue_model=springs,displacement_functions").levels,
+  EXPECT_EQ(KnobFromText(knobs, "needle_nodes=50").values, (Values{30, 50}));
+  // The knob's own values, and where the scenario stands.
+  EXPECT_EQ(KnobFromText(knobs, "needle_nodes").values, (Values{8, 15, 25, 30, 50, 100}));
+  EXPECT_EQ(KnobFromText(knobs, "tissue_model=springs,displacement_functions").values,
             (Values{"displacement_functions", "springs"}));
 }
 
@@ -98,13 +98,13 @@ TEST_F(KnobTest, EveryValueBecomesAChangeThatTheScenarioTakes) {
   const auto knobs = KnobsOf(scenario, 1000.0);
   int num_changes = 0;
   for (const Knob& knob : knobs) {
-    for (const auto& level : knob.levels) {
-      const auto overrides = OverridesOf(knobs, {{knob.name, level}});
+    for (const auto& value : knob.values) {
+      const auto overrides = OverridesOf(knobs, {{knob.name, value}});
       EXPECT_EQ(overrides.size(), knob.pointers.size());
       // Models lean on other effects; those that do not fit this scene are left out when planned.
       if (overrides.empty() || knob.name.ends_with("_model")) continue;
       const auto changed = scenario::ReadScenario(scenario.file, overrides);
-      EXPECT_EQ(changed.effective.at(nlohmann::json::json_pointer(knob.pointers.front())), level)
+      EXPECT_EQ(changed.effective.at(nlohmann::json::json_pointer(knob.pointers.front())), value)
           << knob.name;
       ++num_changes;
     }

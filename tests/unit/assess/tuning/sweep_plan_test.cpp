@@ -53,7 +53,7 @@ TEST_F(PlanTest, ValuesThatTheSceneCannotTakeAreOmittedOrRefused) {
   request_.knobs = {};
   const SweepPlan plan = Plan();
   EXPECT_FALSE(plan.left_out.empty());
-  for (const Knob& knob : plan.knobs) EXPECT_GE(knob.levels.size(), 2U) << knob.name;
+  for (const Knob& knob : plan.knobs) EXPECT_GE(knob.values.size(), 2U) << knob.name;
 }
 
 TEST_F(PlanTest, JointlyAllCombinationsOrASpreadSubset) {
@@ -70,7 +70,7 @@ TEST_F(PlanTest, JointlyAllCombinationsOrASpreadSubset) {
   const SweepPlan some = Plan();
   EXPECT_TRUE(some.is_subset);
   EXPECT_EQ(some.combinations, 18.0);
-  // The subset, the dearest of all, and the scenario's own.
+  // The subset, the most expensive of all, and the scenario's own.
   EXPECT_GE(some.cases.size(), 7U);
   EXPECT_LE(some.cases.size(), 9U);
   EXPECT_TRUE(some.cases[0].is_reference);
@@ -120,9 +120,9 @@ TEST(SpreadCombinations, TakeEveryValueAsOftenAsAnyOtherAndNothingTwice) {
     EXPECT_EQ(some, SpreadCombinations(sizes, 100, seed));
     for (std::size_t k = 0; k < sizes.size(); ++k) {
       std::map<int, int> count;
-      for (const auto& levels : some) ++count[levels[k]];
-      for (int level = 0; level < sizes[k]; ++level) {
-        EXPECT_NEAR(count[level], 100.0 / sizes[k], 6.0) << "knob " << k << " level " << level;
+      for (const auto& indices : some) ++count[indices[k]];
+      for (int index = 0; index < sizes[k]; ++index) {
+        EXPECT_NEAR(count[index], 100.0 / sizes[k], 6.0) << "knob " << k << " index " << index;
       }
     }
   }

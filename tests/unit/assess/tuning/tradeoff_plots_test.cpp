@@ -23,7 +23,7 @@ SettingResult NodesSetting(int nodes, double step_us, double error_n) {
   return setting;
 }
 
-/// 100 is the reference; 8 is dearer and worse than 15; 50 must not be used.
+/// 100 is the reference; 8 is more expensive and worse than 15; 50 must not be used.
 SweepResult Nodes() {
   SweepResult result;
   result.scenario = "Bending & <steering>";
@@ -53,7 +53,7 @@ const report::Series* Named(const report::Plot& plot, const std::string& name) {
 
 TEST(TradeoffPlots, ShowUsableSettingsWithIntervalsFrontAndMarks) {
   const auto plots = TradeoffPlots(Nodes(), {});
-  ASSERT_EQ(plots.size(), 1U);  // No pictures.
+  ASSERT_EQ(plots.size(), 1U);  // No images.
   const report::Plot& plot = plots.front();
   EXPECT_TRUE(plot.log_x && plot.log_y);
   const report::Series* dots = Named(plot, "needle_nodes");

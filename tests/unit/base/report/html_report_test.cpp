@@ -42,7 +42,7 @@ HtmlReport FullReport() {
   report.Section("Images");
   const auto png = Temporary("tiny.png");
   WriteTextFile(png, std::string_view("\x89PNG\r\n\x1A\nrest", 12));
-  report.Picture(png, "a slice", "Slice");
+  report.Image(png, "a slice", "Slice");
   report.Film("my film#1.mp4", "All frames");
   report.SetProvenance({{"program", "acus-replay"}, {"path", "bad \xFF byte"}});
   return report;

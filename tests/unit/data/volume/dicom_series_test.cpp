@@ -69,7 +69,7 @@ TEST(DicomSeries, OtherFilesInTheFolderAreIgnored) {
   WriteStack(folder / "deeper", 4, 2.0);
   std::ofstream(folder / "readme.txt") << "not an image";
   std::ofstream(folder / "zero.dcm");
-  std::ofstream(folder / "picture.dcm") << std::string(500, 'x');
+  std::ofstream(folder / "image.dcm") << std::string(500, 'x');
   EXPECT_EQ(Read(folder.path()).geometry.size[2], 4);
 }
 

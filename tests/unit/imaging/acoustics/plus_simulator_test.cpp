@@ -72,11 +72,11 @@ TEST_F(PlusSimulatorFile, ALinearProbeIsUsableWhereAPresetIs) {
   EXPECT_EQ(probe.frequency_mhz, 4.0);
   EXPECT_EQ(probe.scan_lines, 128);
   EXPECT_EQ(probe.samples_per_line, 1000);
-  const image::ImageGeometry picture = PictureOf(probe);
-  EXPECT_EQ(picture.width_px, 820);
-  EXPECT_EQ(picture.height_px, 616);
-  EXPECT_EQ(picture.lateral_mm_per_px, 0.084);
-  EXPECT_EQ(picture.axial_mm_per_px, 0.087);
+  const image::ImageGeometry image = ImageOf(probe);
+  EXPECT_EQ(image.width_px, 820);
+  EXPECT_EQ(image.height_px, 616);
+  EXPECT_EQ(image.lateral_mm_per_px, 0.084);
+  EXPECT_EQ(image.axial_mm_per_px, 0.087);
   const ScanGrid grid = ScanGridOf(probe);
   EXPECT_EQ(grid.lines(), 476);  // 40 mm / 0.084 mm.
   EXPECT_EQ(grid.samples, 575);  // 50 mm / 0.087 mm, and the face.
@@ -89,7 +89,7 @@ TEST_F(PlusSimulatorFile, ACurvedProbeKeepsTheImageOfPlus) {
   EXPECT_EQ(probe.depth_mm, 60.0);
   EXPECT_NEAR(probe.field_of_view_rad, 56.0 * std::numbers::pi / 180.0, 1e-12);
   // Row 100 is at the face.
-  const Eigen::Vector3d face = PictureOf(probe).probe_from_image() * Eigen::Vector3d(409.5, 100, 0);
+  const Eigen::Vector3d face = ImageOf(probe).probe_from_image() * Eigen::Vector3d(409.5, 100, 0);
   EXPECT_NEAR(face.norm(), 0.0, 1e-9);
 }
 

@@ -82,11 +82,10 @@ TEST(Probe, APhasedProbeSteersFromTheMiddleOfItsFace) {
     const double angle = std::atan2(grid.direction.back().x(), grid.direction.back().y());
     EXPECT_NEAR(angle, 40.0 * M_PI / 180.0, 1e-12);
   }
-  // The whole sector is in the picture, its tip at the top.
-  const image::ImageGeometry picture = PictureOf(probe);
-  EXPECT_EQ(picture.depth_of_top_row_mm, 0.0);
-  EXPECT_GE(picture.width_px * picture.lateral_mm_per_px,
-            2 * 160 * std::sin(40 * M_PI / 180) - 1e-9);
+  // The whole sector is in the image, its tip at the top.
+  const image::ImageGeometry image = ImageOf(probe);
+  EXPECT_EQ(image.depth_of_top_row_mm, 0.0);
+  EXPECT_GE(image.width_px * image.lateral_mm_per_px, 2 * 160 * std::sin(40 * M_PI / 180) - 1e-9);
 }
 
 TEST(Probe, BeamsReachFromFaceToDepthOverTheWholeWidth) {
@@ -171,53 +170,53 @@ TEST(Probe, DamagedFilesAreReadOrRefused) {
 }
 
 TEST(Probe, PixelsAreSquareAndTheTopMiddleOfALinearImageIsTheOrigin) {
-  const image::ImageGeometry picture = PictureOf(ProbeLinear());
-  EXPECT_DOUBLE_EQ(picture.axial_mm_per_px, 60.0 / 511.0);
-  EXPECT_DOUBLE_EQ(picture.lateral_mm_per_px, picture.axial_mm_per_px);
-  const Eigen::Vector3d top_middle = picture.probe_from_image() * Eigen::Vector3d(255.5, 0, 0);
+  const image::ImageGeometry image = ImageOf(ProbeLinear());
+  EXPECT_DOUBLE_EQ(image.axial_mm_per_px, 60.0 / 511.0);
+  EXPECT_DOUBLE_EQ(image.lateral_mm_per_px, image.axial_mm_per_px);
+  const Eigen::Vector3d top_middle = image.probe_from_image() * Eigen::Vector3d(255.5, 0, 0);
   EXPECT_NEAR(top_middle.norm(), 0.0, 1e-12);
-  const Eigen::Vector3d bottom = picture.probe_from_image() * Eigen::Vector3d(255.5, 511, 0);
+  const Eigen::Vector3d bottom = image.probe_from_image() * Eigen::Vector3d(255.5, 511, 0);
   EXPECT_NEAR((bottom - Eigen::Vector3d(0, 60, 0)).norm(), 0.0, 1e-9);
   // The marked side, +x, is on the right.
-  EXPECT_GT((picture.probe_from_image() * Eigen::Vector3d(511, 0, 0)).x(), 0.0);
+  EXPECT_GT((image.probe_from_image() * Eigen::Vector3d(511, 0, 0)).x(), 0.0);
 }
 
 TEST(Probe, AWideProbeMakesPixelsGrowUntilItFits) {
   Probe probe = ProbeLinear();
   probe.width_mm = 100;
-  EXPECT_DOUBLE_EQ(PictureOf(probe).lateral_mm_per_px, 100.0 / 512.0);
+  EXPECT_DOUBLE_EQ(ImageOf(probe).lateral_mm_per_px, 100.0 / 512.0);
   EXPECT_EQ(ScanGridOf(probe).lines(), 512);
   EXPECT_LT(ScanGridOf(probe).samples, 512);
 }
 
 TEST(Probe, LinesOfALinearProbeLieOnThePixelColumnsOfItsFace) {
   const Probe probe = ProbeLinear();
-  const image::ImageGeometry picture = PictureOf(probe);
+  const image::ImageGeometry image = ImageOf(probe);
   const ScanGrid grid = ScanGridOf(probe);
   const int left = (512 - grid.lines()) / 2;
   for (int l = 0; l < grid.lines(); ++l) {
-    const Eigen::Vector3d pixel = picture.probe_from_image() * Eigen::Vector3d(left + l, 0, 0);
+    const Eigen::Vector3d pixel = image.probe_from_image() * Eigen::Vector3d(left + l, 0, 0);
     EXPECT_NEAR(grid.start_mm[l].x(), pixel.x(), 1e-9);
     EXPECT_LE(std::abs(grid.start_mm[l].x()), 19.0);
   }
-  EXPECT_NEAR(grid.lines() * picture.lateral_mm_per_px, 38.0, 2 * picture.lateral_mm_per_px);
+  EXPECT_NEAR(grid.lines() * image.lateral_mm_per_px, 38.0, 2 * image.lateral_mm_per_px);
   EXPECT_EQ(grid.samples, 512);
 }
 
 TEST(Probe, AFanStartsOnTheFaceAndItsSectorFillsTheImage) {
   const Probe probe = Curved();
   const ScanGrid grid = ScanGridOf(probe);
-  const image::ImageGeometry picture = PictureOf(probe);
+  const image::ImageGeometry image = ImageOf(probe);
   ASSERT_EQ(grid.lines(), 128);
   const Eigen::Vector2d centre(0.0, -60.0);
   for (int l = 0; l < 128; ++l) EXPECT_NEAR((grid.start_mm[l] - centre).norm(), 60.0, 1e-9);
   EXPECT_NEAR(std::acos(grid.direction.front().dot(grid.direction.back())), 1.2, 1e-9);
   EXPECT_LT(grid.start_mm.front().x(), 0.0);
   // The corners of the sector: the top at the outermost line, the sides at its end.
-  EXPECT_NEAR(picture.depth_of_top_row_mm, grid.start_mm.front().y(), 1e-9);
+  EXPECT_NEAR(image.depth_of_top_row_mm, grid.start_mm.front().y(), 1e-9);
   const double half_width = 210.0 * std::sin(0.6);
-  EXPECT_LE(half_width, 0.5 * 512 * picture.lateral_mm_per_px + 1e-9);
-  EXPECT_GE(picture.depth_of_top_row_mm + 511 * picture.axial_mm_per_px, 150.0 - 1e-9);
+  EXPECT_LE(half_width, 0.5 * 512 * image.lateral_mm_per_px + 1e-9);
+  EXPECT_GE(image.depth_of_top_row_mm + 511 * image.axial_mm_per_px, 150.0 - 1e-9);
 }
 
 TEST(Probe, ImagesWithoutPixelsOrWithFlatOnesAreRefused) {

@@ -142,7 +142,7 @@ TEST(Fluoroscope, MagnifiesBySourceDetectorOverSourceObject) {
         (g.Project(at + 10.0 * across) - g.Project(at - 10.0 * across)).norm() * g.mm_per_px();
     EXPECT_NEAR(shown_mm / 20.0, 1000.0 / (600.0 - nearer_mm), 1e-9);
   }
-  // The isocentre is in the middle of the picture.
+  // The isocentre is in the middle of the image.
   EXPECT_NEAR((g.Project({0, 0, 0}) - Eigen::Vector2d(63.5, 47.5)).norm(), 0.0, 1e-9);
   EXPECT_FALSE(g.Project(-700 * g.direction_in_ct()).allFinite());
 }

@@ -8,7 +8,7 @@
 namespace acus::slicing {
 namespace {
 
-const image::ImageGeometry kPicture{
+const image::ImageGeometry kImage{
     .width_px = 101, .height_px = 83, .lateral_mm_per_px = 0.5, .axial_mm_per_px = 0.5};
 
 /// The probe on the front of the body (LPS: y grows towards the back), marked side to the left.
@@ -25,11 +25,11 @@ volume::CtVolume Marker(const Eigen::Vector3d& at) {
 
 TEST(CtSlice, TheMarkedSideIsRightAndDepthIsDown) {
   const volume::CtVolume ct = Marker({45, 25, 20});
-  CtSliceRenderer renderer(ct, kPicture, 2.0);
+  CtSliceRenderer renderer(ct, kImage, 2.0);
   image::GrayImage image;
   renderer.Render(FrontPose(), {}, image);
   const Eigen::Vector3d pixel =
-      kPicture.ct_from_image(FrontPose()).inverse() * Eigen::Vector3d(45, 25, 20);
+      kImage.ct_from_image(FrontPose()).inverse() * Eigen::Vector3d(45, 25, 20);
   EXPECT_NEAR(pixel.x(), 50 + 30, 1e-9);
   EXPECT_NEAR(pixel.y(), 40, 1e-9);
   EXPECT_EQ(image.At(80, 40), 255);
@@ -39,7 +39,7 @@ TEST(CtSlice, TheMarkedSideIsRightAndDepthIsDown) {
 
 TEST(CtSlice, TurningTheProbeRoundMirrorsTheImage) {
   const volume::CtVolume ct = Marker({45, 25, 20});
-  CtSliceRenderer renderer(ct, kPicture, 2.0);
+  CtSliceRenderer renderer(ct, kImage, 2.0);
   image::GrayImage straight;
   image::GrayImage turned;
   renderer.Render(FrontPose(), {}, straight);
@@ -52,7 +52,7 @@ TEST(CtSlice, TurningTheProbeRoundMirrorsTheImage) {
 TEST(CtSlice, TheWindowGoesFromBlackToWhite) {
   const auto ct = testing_support::SyntheticCt(
       {60, 60, 40}, 1.0, [](double x, double, double) { return 20.0 * (x - 30.0); });
-  CtSliceRenderer renderer(ct, kPicture, 2.0, {.centre_hu = 40, .width_hu = 400});
+  CtSliceRenderer renderer(ct, kImage, 2.0, {.centre_hu = 40, .width_hu = 400});
   image::GrayImage image;
   renderer.Render(FrontPose(), {}, image);
   for (int c = 0; c < 101; ++c) {
@@ -65,7 +65,7 @@ TEST(CtSlice, TheWindowGoesFromBlackToWhite) {
 
 TEST(CtSlice, ShowsTheNeedleWhite) {
   const volume::CtVolume ct = Marker({5, 5, 5});
-  CtSliceRenderer renderer(ct, kPicture, 2.0);
+  CtSliceRenderer renderer(ct, kImage, 2.0);
   image::NeedleInImage needle;
   needle.tip_in_ct_mm << 30, 25, 20;
   needle.axis_in_ct << 0, 1, 0;
@@ -81,12 +81,12 @@ TEST(CtSlice, ShowsTheNeedleWhite) {
 TEST(CtSlice, AnyWidthGivesTheSamePixels) {
   const volume::CtVolume ct = Marker({45, 25, 20});
   image::GrayImage wide;
-  CtSliceRenderer(ct, kPicture, 2.0).Render(FrontPose(), {}, wide);
+  CtSliceRenderer(ct, kImage, 2.0).Render(FrontPose(), {}, wide);
   for (const int width : {1, 15, 17, 33, 99}) {
-    image::ImageGeometry picture = kPicture;
-    picture.width_px = width;
+    image::ImageGeometry geometry = kImage;
+    geometry.width_px = width;
     image::GrayImage image;
-    CtSliceRenderer(ct, picture, 2.0).Render(FrontPose(), {}, image);
+    CtSliceRenderer(ct, geometry, 2.0).Render(FrontPose(), {}, image);
     for (int r = 0; r < 83; ++r) {
       for (int c = 0; c < width; ++c) {
         EXPECT_EQ(image.At(c, r), wide.At(c + (101 - width) / 2, r)) << width;
@@ -97,8 +97,8 @@ TEST(CtSlice, AnyWidthGivesTheSamePixels) {
 
 TEST(CtSlice, RefusesAWindowWithoutWidth) {
   const volume::CtVolume ct = Marker({45, 25, 20});
-  EXPECT_THROW(CtSliceRenderer(ct, kPicture, 2.0, {.centre_hu = 0, .width_hu = 0}), InputError);
-  EXPECT_THROW(CtSliceRenderer(ct, kPicture, 2.0, {.centre_hu = 0, .width_hu = -5}), InputError);
+  EXPECT_THROW(CtSliceRenderer(ct, kImage, 2.0, {.centre_hu = 0, .width_hu = 0}), InputError);
+  EXPECT_THROW(CtSliceRenderer(ct, kImage, 2.0, {.centre_hu = 0, .width_hu = -5}), InputError);
 }
 
 }  // namespace

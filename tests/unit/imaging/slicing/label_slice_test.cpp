@@ -9,11 +9,11 @@
 namespace acus::slicing {
 namespace {
 
-const image::ImageGeometry kLabelPicture{.width_px = 301,
-                                         .height_px = 90,
-                                         .lateral_mm_per_px = 0.2,
-                                         .axial_mm_per_px = 0.5,
-                                         .depth_of_top_row_mm = -3.0};
+const image::ImageGeometry kLabelImage{.width_px = 301,
+                                       .height_px = 90,
+                                       .lateral_mm_per_px = 0.2,
+                                       .axial_mm_per_px = 0.5,
+                                       .depth_of_top_row_mm = -3.0};
 
 /// Another label in each voxel around, on oblique axes.
 volume::LabelMap Chequered() {
@@ -57,10 +57,10 @@ class TurnedTissue : public RestMap {
 /// Compares every pixel with the label map at its place in the CT. @returns pixels in the map.
 int ExpectLabelsOfTheMap(const RestMap* rest) {
   const volume::LabelMap labels = Chequered();
-  LabelSlice slice(labels, kLabelPicture);
+  LabelSlice slice(labels, kLabelImage);
   image::GrayImage image;
   slice.Render(ObliquePose(), rest, image);
-  const Eigen::Affine3d ct_from_image = kLabelPicture.ct_from_image(ObliquePose());
+  const Eigen::Affine3d ct_from_image = kLabelImage.ct_from_image(ObliquePose());
   const Eigen::Affine3d index_from_ct = labels.geometry.index_from_ct();
   int inside = 0;
   for (int r = 0; r < image.height; ++r) {
@@ -89,7 +89,7 @@ TEST(LabelSlice, EachPixelHasTheLabelOfItsPlaceAtRest) {
 TEST(LabelSlice, ASphereIsMarkedWhereItsTissueIs) {
   const volume::LabelMap labels = Chequered();
   const TurnedTissue tissue;
-  LabelSlice slice(labels, kLabelPicture);
+  LabelSlice slice(labels, kLabelImage);
   image::GrayImage image;
   slice.Render(ObliquePose(), &tissue, image);
   const Eigen::Vector3d centre_mm = slice.RestOfPixelMm(150, 40) + Eigen::Vector3d(0.4, 0.3, -0.2);
@@ -108,7 +108,7 @@ TEST(LabelSlice, ASphereIsMarkedWhereItsTissueIs) {
 
 TEST(LabelSlice, RefusesAPoseThatIsNotFinite) {
   const volume::LabelMap labels = Chequered();
-  LabelSlice slice(labels, kLabelPicture);
+  LabelSlice slice(labels, kLabelImage);
   image::GrayImage image;
   Eigen::Isometry3d pose = ObliquePose();
   pose.translation().x() = std::nan("");

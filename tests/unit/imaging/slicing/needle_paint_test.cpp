@@ -12,7 +12,7 @@ namespace {
 constexpr double kPx = 0.1;
 constexpr int kSize = 401;
 
-/// A black picture of 40 mm x 40 mm; the probe's frame is the CT's.
+/// A black image of 40 mm x 40 mm; the probe's frame is the CT's.
 struct Canvas {
   acoustics::ScanGrid grid = acoustics::ScanGridOf(image::ImageGeometry{
       .width_px = kSize, .height_px = kSize, .lateral_mm_per_px = kPx, .axial_mm_per_px = kPx});

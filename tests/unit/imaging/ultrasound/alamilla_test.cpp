@@ -60,9 +60,9 @@ Eigen::Isometry3d Pose() {
   return Eigen::Isometry3d(Eigen::Translation3d(48, 4, 10));
 }
 
-image::GrayImage Picture(const volume::LabelMap& labels, const AlamillaOptions& options,
-                         const Eigen::Isometry3d& pose = Pose(),
-                         const std::optional<image::NeedleInImage>& needle = std::nullopt) {
+image::GrayImage Image(const volume::LabelMap& labels, const AlamillaOptions& options,
+                       const Eigen::Isometry3d& pose = Pose(),
+                       const std::optional<image::NeedleInImage>& needle = std::nullopt) {
   image::GrayImage image;
   AlamillaRenderer(labels, TestProbe(), options).Render(pose, needle, image);
   return image;
@@ -75,13 +75,13 @@ volume::Label TwoLayers(double, double y, double) {
 TEST(Alamilla, EachTissueHasItsGreyAndLosesItByAbsorption) {
   const auto labels = Scene(TwoLayers);
   AlamillaOptions options = Flat();
-  const image::GrayImage flat = Picture(labels, options);
+  const image::GrayImage flat = Image(labels, options);
   EXPECT_NEAR(flat.At(64, 40), 255 * 0.3, 0.6);
   EXPECT_NEAR(flat.At(64, 100), 255 * 0.5, 0.6);
   options.absorption = true;
   options.tissues[0].absorption_per_cm = 0.2;
   options.tissues[1].absorption_per_cm = 0.5;
-  const image::GrayImage image = Picture(labels, options);
+  const image::GrayImage image = Image(labels, options);
   EXPECT_NEAR(image.At(64, 40), 255 * 0.3 * std::exp(-0.2 * 2.0), 0.6);               // 20 mm deep
   EXPECT_NEAR(image.At(64, 100), 255 * 0.5 * std::exp(-0.2 * 2.6 - 0.5 * 2.4), 0.8);  // 50 mm
 }
@@ -109,7 +109,7 @@ TEST(Alamilla, BoneShadowsBehindItsSurface) {
   AlamillaOptions options = Flat();
   options.shadow = true;
   options.shadow_share = 0.1;
-  const image::GrayImage image = Picture(labels, options);
+  const image::GrayImage image = Image(labels, options);
   EXPECT_NEAR(image.At(20, 53), 255 * 0.8, 0.6) << "the surface itself";
   EXPECT_NEAR(image.At(20, 60), 255 * 0.08, 0.6) << "within the bone";
   EXPECT_NEAR(image.At(20, 110), 255 * 0.03, 0.6) << "behind it";
@@ -124,8 +124,8 @@ double ReflectionAt(double angle_deg, const AlamillaOptions& options) {
   });
   AlamillaOptions none = options;
   none.reflection = false;
-  const image::GrayImage lit = Picture(labels, options);
-  const image::GrayImage dark = Picture(labels, none);
+  const image::GrayImage lit = Image(labels, options);
+  const image::GrayImage dark = Image(labels, none);
   double sum = 0.0;  // Over columns: steps of the voxels differ.
   for (int c = 54; c < 74; ++c) {
     int most = 0;
@@ -186,11 +186,11 @@ AlamillaOptions Textured(TissueTexture texture) {
 TEST(Alamilla, SpeckleIsRoundAndLivesInTheTissue) {
   const auto labels = Bar();
   const AlamillaOptions options = Textured(TissueTexture::kSpeckle);
-  const image::GrayImage image = Picture(labels, options);
+  const image::GrayImage image = Image(labels, options);
   EXPECT_NEAR(Correlation(image, 1, 0), Correlation(image, 0, 1), 0.1);
   EXPECT_LT(std::abs(Correlation(image, 6, 0)), 0.15);
   const image::GrayImage beside =
-      Picture(labels, options, Pose() * Eigen::Translation3d(2.0, 1.0, 0.0));
+      Image(labels, options, Pose() * Eigen::Translation3d(2.0, 1.0, 0.0));
   for (int r = 20; r < 100; ++r) {
     for (int c = 10; c < 110; ++c) EXPECT_NEAR(beside.At(c, r), image.At(c + 4, r + 2), 1);
   }
@@ -204,11 +204,11 @@ TEST(Alamilla, FibresAreStreaksAlongAndDotsAcross) {
   across.rotate(Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitY()));
   for (const TissueTexture texture : {TissueTexture::kThickFibres, TissueTexture::kThinFibres}) {
     AlamillaOptions options = Textured(texture);
-    const image::GrayImage streaks = Picture(labels, options, along);
+    const image::GrayImage streaks = Image(labels, options, along);
     EXPECT_GT(Correlation(streaks, 4, 0), 0.45) << "along the fibres";
     EXPECT_LT(Correlation(streaks, 0, 4), 0.25) << "across them";
-    // Only the muscle's 16 mm are in the picture that cuts the bar.
-    image::GrayImage dots = Picture(labels, options, across);
+    // Only the muscle's 16 mm are in the image that cuts the bar.
+    image::GrayImage dots = Image(labels, options, across);
     double gap = 0.0;
     for (int r = 20; r < 100; ++r) {
       for (int c = 52; c < 72; ++c) {
@@ -218,7 +218,7 @@ TEST(Alamilla, FibresAreStreaksAlongAndDotsAcross) {
     }
     EXPECT_LT(std::abs(gap) / (80 * 20), 6.0) << "as rough down as across";
     options.fibres = false;
-    EXPECT_NEAR(Correlation(Picture(labels, options), 4, 0), 0.0, 0.2) << "switched off";
+    EXPECT_NEAR(Correlation(Image(labels, options), 4, 0), 0.0, 0.2) << "switched off";
   }
 }
 
@@ -232,8 +232,8 @@ TEST(Alamilla, TheNeedleIsALineWithAShadow) {
   needle.axis_in_ct = Eigen::Vector3d::UnitX();
   needle.length_mm = 20.0;
   needle.radius_mm = 0.6;
-  const image::GrayImage image = Picture(labels, options, Pose(), needle);
-  const image::GrayImage bare = Picture(labels, options);
+  const image::GrayImage image = Image(labels, options, Pose(), needle);
+  const image::GrayImage bare = Image(labels, options);
   int brightest = 0;
   for (int r = 37; r < 43; ++r) brightest = std::max<int>(brightest, image.At(64, r));
   EXPECT_EQ(brightest, 255);
@@ -245,9 +245,9 @@ TEST(Alamilla, AWideGapOfAirGivesNoImage) {
   const auto labels =
       Scene([](double, double y, double) { return y < 8.0 ? volume::Label{0} : kFat; });
   AlamillaOptions options = Flat();
-  EXPECT_NEAR(Picture(labels, options).At(64, 60), 255 * 0.3, 0.6);
+  EXPECT_NEAR(Image(labels, options).At(64, 60), 255 * 0.3, 0.6);
   options.coupling_gap_mm = 3.0;
-  EXPECT_EQ(Picture(labels, options).At(64, 60), 0);
+  EXPECT_EQ(Image(labels, options).At(64, 60), 0);
 }
 
 TEST(Alamilla, RefusesATissueWithoutRowAndWrongOptions) {

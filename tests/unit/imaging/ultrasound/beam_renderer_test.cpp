@@ -91,8 +91,8 @@ class Press : public slicing::RestMap {
   double depth_mm_;
 };
 
-image::GrayImage BeamRendererPicture(BeamRenderer& renderer, int threads,
-                                     const slicing::RestMap* rest) {
+image::GrayImage BeamRendererImage(BeamRenderer& renderer, int threads,
+                                   const slicing::RestMap* rest) {
   image::GrayImage image;
   renderer.Render(kBeamRendererPose, Needle(), image, threads, rest);
   return image;
@@ -127,10 +127,10 @@ TEST(BeamRenderer, GivesTheSameBitsWithAnyNumberOfThreads) {
     BeamOptions options;
     options.elevation_planes = 3;
     BeamRenderer renderer(scene.tissue, BeamRendererTestProbe(kind), options);
-    const image::GrayImage one = BeamRendererPicture(renderer, 1, &press);
+    const image::GrayImage one = BeamRendererImage(renderer, 1, &press);
     EXPECT_GT(*std::max_element(one.pixels.begin(), one.pixels.end()), 100);
     for (const int threads : {2, 4}) {
-      EXPECT_EQ(one.pixels, BeamRendererPicture(renderer, threads, &press).pixels) << threads;
+      EXPECT_EQ(one.pixels, BeamRendererImage(renderer, threads, &press).pixels) << threads;
     }
   }
 }
@@ -141,11 +141,11 @@ TEST(BeamRenderer, HasTheSameBitsOnEveryInstructionSet) {
   for (const acoustics::ProbeKind kind :
        {acoustics::ProbeKind::kLinear, acoustics::ProbeKind::kCurvilinear}) {
     BeamRenderer renderer(scene.tissue, BeamRendererTestProbe(kind), BeamOptions{});
-    const image::GrayImage best = BeamRendererPicture(renderer, 1, &press);
+    const image::GrayImage best = BeamRendererImage(renderer, 1, &press);
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
       hwy::SetSupportedTargetsForTest(target);
       hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-      EXPECT_EQ(best.pixels, BeamRendererPicture(renderer, 1, &press).pixels)
+      EXPECT_EQ(best.pixels, BeamRendererImage(renderer, 1, &press).pixels)
           << hwy::TargetName(target);
     }
     hwy::SetSupportedTargetsForTest(0);
@@ -157,18 +157,18 @@ TEST(BeamRenderer, AMapThatMovesNothingChangesNoBit) {
   const BeamRendererScene scene;
   const Press still(0.0);
   BeamRenderer renderer(scene.tissue, BeamRendererTestProbe(), BeamOptions{});
-  EXPECT_EQ(BeamRendererPicture(renderer, 1, nullptr).pixels,
-            BeamRendererPicture(renderer, 1, &still).pixels);
+  EXPECT_EQ(BeamRendererImage(renderer, 1, nullptr).pixels,
+            BeamRendererImage(renderer, 1, &still).pixels);
 }
 
 TEST(BeamRenderer, TheSamePlaceGivesTheSameSpeckleWhenTheProbeComesBack) {
   const BeamRendererScene scene;
   BeamRenderer renderer(scene.tissue, BeamRendererTestProbe(), BeamOptions{});
-  const image::GrayImage before = BeamRendererPicture(renderer, 1, nullptr);
+  const image::GrayImage before = BeamRendererImage(renderer, 1, nullptr);
   image::GrayImage elsewhere;
   renderer.Render(Eigen::Isometry3d(Eigen::Translation3d(30, 1, 25)), std::nullopt, elsewhere);
   EXPECT_NE(before.pixels, elsewhere.pixels);
-  EXPECT_EQ(before.pixels, BeamRendererPicture(renderer, 1, nullptr).pixels);
+  EXPECT_EQ(before.pixels, BeamRendererImage(renderer, 1, nullptr).pixels);
 }
 
 TEST(BeamRenderer, AFlatInterfaceSendsBackWhatFresnelSays) {

@@ -106,7 +106,7 @@ TEST(EchoDisplay, SidesAndRowsBelowTheDepthAreBlack) {
   EchoDisplay display(probe, grid);
   image::GrayImage image;
   image.Resize(128, 128);
-  std::fill(image.pixels.begin(), image.pixels.end(), std::uint8_t{77});  // Of an earlier picture.
+  std::fill(image.pixels.begin(), image.pixels.end(), std::uint8_t{77});  // Of an earlier image.
   display.Show(Echo(grid, 1.0F), image, 1);
   EXPECT_EQ(image.At(64, 0), 255);
   EXPECT_EQ(image.At(64, grid.samples - 1), 255);
@@ -130,7 +130,7 @@ TEST(EchoDisplay, AFanPutsEachEchoWhereItIs) {
   probe.field_of_view_rad = 1.1;
   probe.depth_mm = 80;
   const acoustics::ScanGrid grid = acoustics::ScanGridOf(probe);
-  const image::ImageGeometry picture = acoustics::PictureOf(probe);
+  const image::ImageGeometry geometry = acoustics::ImageOf(probe);
   EchoDisplay display(probe, grid);
   for (const auto& [line, sample] : {std::pair{5, 60}, {45, 20}, {80, 75}}) {
     slicing::BeamImage echo = Echo(grid, 0.0F);
@@ -142,13 +142,13 @@ TEST(EchoDisplay, AFanPutsEachEchoWhereItIs) {
     double weight = 0.0;
     for (int r = 0; r < 128; ++r) {
       for (int c = 0; c < 128; ++c) {
-        const Eigen::Vector3d mm = picture.probe_from_image() * Eigen::Vector3d(c, r, 0);
+        const Eigen::Vector3d mm = geometry.probe_from_image() * Eigen::Vector3d(c, r, 0);
         centre += image.At(c, r) * mm.head<2>();
         weight += image.At(c, r);
       }
     }
     ASSERT_GT(weight, 0.0) << line;
-    EXPECT_LT((centre / weight - at).norm(), 0.6 * picture.axial_mm_per_px) << line;
+    EXPECT_LT((centre / weight - at).norm(), 0.6 * geometry.axial_mm_per_px) << line;
   }
   image::GrayImage full;
   display.Show(Echo(grid, 1.0F), full, 1);

@@ -41,8 +41,8 @@ Eigen::Isometry3d VidalPose() {
   return Eigen::Isometry3d(Eigen::Translation3d(48, 4, 20));
 }
 
-image::GrayImage VidalPicture(const volume::CtVolume& ct, const VidalOptions& options,
-                              const std::optional<image::NeedleInImage>& needle = std::nullopt) {
+image::GrayImage VidalImage(const volume::CtVolume& ct, const VidalOptions& options,
+                            const std::optional<image::NeedleInImage>& needle = std::nullopt) {
   image::GrayImage image;
   VidalRenderer(ct, VidalTestProbe(), options).Render(VidalPose(), needle, image);
   return image;
@@ -51,10 +51,10 @@ image::GrayImage VidalPicture(const volume::CtVolume& ct, const VidalOptions& op
 TEST(Vidal, GreyIsTheTableOfTheSlice) {
   const auto ct = Ct([](double x, double, double) { return 8.0 * x; });
   VidalOptions options = TableOnly();
-  const image::GrayImage image = VidalPicture(ct, options);
+  const image::GrayImage image = VidalImage(ct, options);
   options.contrast = 0.5;
   options.brightness = 0.25;
-  const image::GrayImage soft = VidalPicture(ct, options);
+  const image::GrayImage soft = VidalImage(ct, options);
   for (int c = 0; c < 128; c += 9) {
     const double x_mm = 48.0 + 0.5 * (c - 63.5);
     const double grey = 0.1 + 0.8 * (8.0 * x_mm + 100.0) / 1000.0;
@@ -88,8 +88,8 @@ TEST(Vidal, WhatLiesBehindBoneOrGasIsInTheMask) {
   options.shadow = true;
   options.shadow_share = 0.2;
   options.surface_mm = 1.0;
-  const image::GrayImage lit = VidalPicture(ct, TableOnly());
-  const image::GrayImage image = VidalPicture(ct, options);
+  const image::GrayImage lit = VidalImage(ct, TableOnly());
+  const image::GrayImage image = VidalImage(ct, options);
   const int above = 40;   // 24 mm
   const int behind = 90;  // 49 mm
   for (const int c : {20, 64, 110}) EXPECT_EQ(image.At(c, above), lit.At(c, above));
@@ -141,7 +141,7 @@ int VidalReflectionAt(double angle_deg, const VidalOptions& options) {
   none.reflections = false;
   const int column = 64;
   const int row = static_cast<int>(std::lround((36.0 + 2.0 * std::cos(angle_rad) - 4.0) / 0.5));
-  return VidalPicture(ct, options).At(column, row) - VidalPicture(ct, none).At(column, row);
+  return VidalImage(ct, options).At(column, row) - VidalImage(ct, none).At(column, row);
 }
 
 TEST(Vidal, ReflectionsFollowSobelsGradientAlongTheBeam) {
@@ -176,8 +176,8 @@ TEST(Vidal, TheNeedleIsWhiteAndShadows) {
   needle.axis_in_ct = Eigen::Vector3d::UnitX();
   needle.length_mm = 20.0;
   needle.radius_mm = 0.6;
-  const image::GrayImage image = VidalPicture(ct, options, needle);
-  const image::GrayImage bare = VidalPicture(ct, options);
+  const image::GrayImage image = VidalImage(ct, options, needle);
+  const image::GrayImage bare = VidalImage(ct, options);
   EXPECT_EQ(image.At(64, 60), 255);
   EXPECT_NEAR(image.At(64, 80), options.needle_share * bare.At(64, 80), 0.6);
   EXPECT_EQ(image.At(100, 80), bare.At(100, 80));
@@ -187,9 +187,9 @@ TEST(Vidal, GelFillsTheGapUnderTheFace) {
   const auto ct = Ct([](double, double y, double) { return y < 10.0 ? -1000.0 : 100.0; });
   VidalOptions options = TableOnly();
   options.shadow = true;
-  const image::GrayImage coupled = VidalPicture(ct, options);
+  const image::GrayImage coupled = VidalImage(ct, options);
   options.coupling_gap_mm = 3.0;
-  const image::GrayImage in_air = VidalPicture(ct, options);
+  const image::GrayImage in_air = VidalImage(ct, options);
   EXPECT_NEAR(coupled.At(64, 60), 255.0 * (0.1 + 0.8 * 0.2), 1.0);
   EXPECT_LT(in_air.At(64, 60), 0.15 * coupled.At(64, 60));
 }

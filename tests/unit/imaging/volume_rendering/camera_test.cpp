@@ -49,7 +49,7 @@ TEST(Camera, AViewFromASideHoldsTheWholeBox) {
   const Eigen::AlignedBox3d box(Eigen::Vector3d(-150, -80, 10), Eigen::Vector3d(170, 120, 300));
   for (const char* side :
        {"anterior", "posterior", "left", "right", "superior", "inferior", "oblique"}) {
-    for (const PictureSize size : {PictureSize{512, 512}, PictureSize{300, 600}}) {
+    for (const ImageSize size : {ImageSize{512, 512}, ImageSize{300, 600}}) {
       const Camera camera = LookAt(ViewFrom(side, box, size), size);
       for (int n = 0; n < 8; ++n) {
         const Eigen::Vector2d px =
@@ -63,7 +63,7 @@ TEST(Camera, AViewFromASideHoldsTheWholeBox) {
 
 TEST(Camera, RefusesWhatIsNoView) {
   const Viewpoint good{.eye_in_ct_mm = {0, -500, 0}, .focus_in_ct_mm = {0, 0, 0}};
-  const PictureSize size{64, 64};
+  const ImageSize size{64, 64};
   const auto with = [&](auto change) {
     return [&good, &size, change] {
       Viewpoint v = good;

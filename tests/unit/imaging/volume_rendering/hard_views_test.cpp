@@ -15,11 +15,11 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-Camera Oblique(const PictureSize& size) {
+Camera Oblique(const ImageSize& size) {
   return LookAt({.eye_in_ct_mm = {-300, -700, 250}, .focus_in_ct_mm = {0, 0, 0}}, size);
 }
 
-std::ptrdiff_t CoveredPixels(const ViewPicture& image) {
+std::ptrdiff_t CoveredPixels(const ViewImage& image) {
   return std::ranges::count_if(image.coverage, [](std::uint8_t c) { return c > 0; });
 }
 
@@ -35,10 +35,10 @@ TEST(HardViews, AFieldThatFolds) {
   const auto ct = testing_support::TrunkCt(64);
   for (const char* layer : {"skin", "soft_tissue"}) {
     PatientView view({.ct = ct, .layers = {{layer, 1.0}}, .surfaces = {}, .field = &field}, {});
-    ViewPicture first;
+    ViewImage first;
     view.Render(Oblique({48, 48}), {.motion = &motion}, first, 1);
     EXPECT_GT(CoveredPixels(first), 300) << layer;
-    ViewPicture again;
+    ViewImage again;
     view.Render(Oblique({48, 48}), {.motion = &motion}, again, 3);
     EXPECT_EQ(first.colour.rgb, again.colour.rgb) << layer;
   }
@@ -53,7 +53,7 @@ TEST(HardViews, SurfacesInAFieldThatFolds) {
                     .surfaces = {{"ball", testing_support::BallSurface({0, 0, 0}, 60.0, 16)}},
                     .field = &field},
                    {});
-  ViewPicture image;
+  ViewImage image;
   EXPECT_NO_THROW(view.Render(Oblique({64, 64}), {.motion = &motion}, image, 1));
 }
 
@@ -66,7 +66,7 @@ TEST(HardViews, EmptyAndTinyVolumes) {
                                   std::int16_t{50}, std::numeric_limits<std::int16_t>::max()}) {
       const auto ct = std::make_shared<volume::CtVolume>(grid, hu);
       PatientView view({.ct = ct, .layers = {{"bone", 1.0}, {"skin", 0.5}}, .surfaces = {}}, {});
-      ViewPicture image;
+      ViewImage image;
       view.Render(Oblique({40, 40}), {}, image, 2);
       EXPECT_EQ(CoveredPixels(image) > 0, hu > -400) << size << " " << hu;
     }
@@ -78,10 +78,10 @@ TEST(HardViews, AnyEyeAndAnotherSizeEachTime) {
   PatientView view(
       {.ct = testing_support::TrunkCt(64), .layers = {{"soft_tissue", 1.0}}, .surfaces = {}}, {});
   const Eigen::Vector3d eyes[] = {{0, 0, 0}, {0, -125, 0}, {5000, 0, 0}, {-300, -700, 250}};
-  const PictureSize sizes[] = {{1, 1}, {17, 5}, {3, 130}, {64, 48}};
+  const ImageSize sizes[] = {{1, 1}, {17, 5}, {3, 130}, {64, 48}};
   for (const Eigen::Vector3d& eye : eyes) {
-    for (const PictureSize& size : sizes) {
-      ViewPicture image;
+    for (const ImageSize& size : sizes) {
+      ViewImage image;
       view.Render(LookAt({.eye_in_ct_mm = eye, .focus_in_ct_mm = {1, 2, 3}}, size), {}, image, 2);
       ASSERT_EQ(image.coverage.size(), static_cast<std::size_t>(size.width_px * size.height_px));
     }
@@ -100,7 +100,7 @@ TEST(HardViews, ATransferFunctionOfZeros) {
               ThrowsMessage<InputError>(HasSubstr("nothing to show")));
   patient.surfaces = {{"ball", testing_support::BallSurface({0, 0, 0}, 60.0, 16)}};
   PatientView view(patient, {});
-  ViewPicture image;
+  ViewImage image;
   view.Render(Oblique({64, 64}), {}, image, 1);
   EXPECT_GT(CoveredPixels(image), 50);
 }

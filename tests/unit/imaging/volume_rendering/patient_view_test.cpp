@@ -25,21 +25,21 @@ Camera SideCamera() {
   return LookAt({.eye_in_ct_mm = {-150, -420, 180}, .focus_in_ct_mm = {0, 0, 0}}, {256, 256});
 }
 
-/// What a ball is in a picture: an ellipse. Its middle and area by rays against the ball.
+/// What a ball is in an image: an ellipse. Its middle and area by rays against the ball.
 Blob TrueBlob(const Camera& camera, const Eigen::Vector3d& centre_mm) {
-  ViewPicture picture;
-  picture.colour.Resize(camera.width_px, camera.height_px);
-  picture.coverage.resize(picture.colour.rgb.size() / 3);
+  ViewImage image;
+  image.colour.Resize(camera.width_px, camera.height_px);
+  image.coverage.resize(image.colour.rgb.size() / 3);
   const Eigen::Vector3d to_centre = centre_mm - camera.EyeInCtMm();
   for (int row = 0; row < camera.height_px; ++row) {
     for (int column = 0; column < camera.width_px; ++column) {
       const Eigen::Vector3d ray = camera.DirectionInCt({column, row}).normalized();
       const double miss_mm = (to_centre - to_centre.dot(ray) * ray).norm();
-      picture.coverage[static_cast<std::size_t>(row * camera.width_px + column)] =
+      image.coverage[static_cast<std::size_t>(row * camera.width_px + column)] =
           miss_mm < kRadiusMm ? 255 : 0;
     }
   }
-  return CoveredPart(picture);
+  return CoveredPart(image);
 }
 
 void ExpectSame(const Blob& seen, const Blob& truth) {
@@ -60,10 +60,10 @@ PatientInView SurfacePatient(const breathing::MotionField* field = nullptr) {
           .field = field};
 }
 
-ViewPicture Render(PatientView& view, const ViewMoment& moment = {}, int num_threads = 1) {
-  ViewPicture picture;
-  view.Render(SideCamera(), moment, picture, num_threads);
-  return picture;
+ViewImage Render(PatientView& view, const ViewMoment& moment = {}, int num_threads = 1) {
+  ViewImage image;
+  view.Render(SideCamera(), moment, image, num_threads);
+  return image;
 }
 
 TEST(PatientView, ABallIsWhereItProjectsAndAsLarge) {
@@ -105,12 +105,12 @@ TEST(PatientView, GivesTheSameBitsTwiceAndWithAnyNumberOfThreads) {
   ViewMoment moment{.motion = &motion};
   moment.needle = image::NeedleInImage{kCentreMm, Eigen::Vector3d::UnitX(), 90.0, 0.5};
   PatientView view(patient, {});
-  const ViewPicture first = Render(view, moment);
+  const ViewImage first = Render(view, moment);
   Render(view);  // Something else between.
   const auto more = At(field, 1.4);
   Render(view, {.motion = &more});
   for (const int num_threads : {1, 2, 5}) {
-    const ViewPicture again = Render(view, moment, num_threads);
+    const ViewImage again = Render(view, moment, num_threads);
     EXPECT_EQ(again.colour.rgb, first.colour.rgb);
     EXPECT_EQ(again.coverage, first.coverage);
   }
@@ -133,11 +133,11 @@ TEST(PatientView, OpaqueSurfacesHideAndTransparentOnesLetThrough) {
   const auto at =
       static_cast<std::size_t>(3 * (256 * std::lround(middle_px[1]) + std::lround(middle_px[0])));
   PatientView hidden(patient, {});
-  const ViewPicture shell = Render(hidden);
+  const ViewImage shell = Render(hidden);
   EXPECT_GT(shell.colour.rgb[at + 2], 4 * shell.colour.rgb[at]);
   patient.surfaces[1].opacity = 0.2;
   PatientView through(patient, {});
-  const ViewPicture seen = Render(through);
+  const ViewImage seen = Render(through);
   EXPECT_GT(seen.colour.rgb[at], 2 * seen.colour.rgb[at + 2]);
 }
 
@@ -154,6 +154,29 @@ TEST(PatientView, TheNeedleIsSeenThroughTissueOnlyIfItShines) {
   // Rays end where 0.4 % of the light gets through: a grey level.
   EXPECT_NEAR(Render(plain, moment).colour.rgb[at + 2], Render(plain).colour.rgb[at + 2], 1);
   EXPECT_GT(Render(shining, moment).colour.rgb[at + 2], Render(shining).colour.rgb[at + 2] + 10);
+}
+
+TEST(PatientView, AnArrowIsDrawnFromItsBeginningToItsEnd) {
+  PatientInView far = SurfacePatient();
+  PatientView view(far, {});
+  const ViewImage without = Render(view);
+  const Eigen::Vector3d from_mm = kCentreMm + 2.0 * kRadiusMm * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d to_mm = from_mm + 30.0 * Eigen::Vector3d::UnitZ();
+  const ViewImage with = Render(view, {.arrow = Arrow{from_mm, to_mm}});
+  const auto is_red_at = [&](const Eigen::Vector3d& place_mm) {
+    const Eigen::Vector2d px = SideCamera().ProjectPx(place_mm);
+    const auto at = static_cast<std::size_t>(3 * (256 * std::lround(px[1]) + std::lround(px[0])));
+    return with.colour.rgb[at] > 2 * with.colour.rgb[at + 2];
+  };
+  EXPECT_TRUE(is_red_at(from_mm + 3.0 * Eigen::Vector3d::UnitZ()));
+  EXPECT_TRUE(is_red_at(to_mm - 4.0 * Eigen::Vector3d::UnitZ()));
+  EXPECT_FALSE(is_red_at(to_mm + 4.0 * Eigen::Vector3d::UnitZ()));
+  const Arrow none[] = {{from_mm, from_mm},
+                        {from_mm, {std::nan(""), 0, 0}},
+                        {from_mm, {std::numeric_limits<double>::infinity(), 0, 0}}};
+  for (const Arrow& arrow : none) {
+    EXPECT_EQ(Render(view, {.arrow = arrow}).colour.rgb, without.colour.rgb);
+  }
 }
 
 TEST(PatientView, AToolThrowsItsShadowOnTheSkin) {

@@ -160,10 +160,10 @@ PatientInView PressedBall(bool volume, const breathing::MotionField* field = nul
 Camera InFrontCamera() {
   return LookAt({.eye_in_ct_mm = {0, -450, 0}, .focus_in_ct_mm = {0, 0, 0}}, {256, 256});
 }
-ViewPicture InFrontOf(PatientView& view, const ViewMoment& moment, int num_threads = 1) {
-  ViewPicture picture;
-  view.Render(InFrontCamera(), moment, picture, num_threads);
-  return picture;
+ViewImage InFrontOf(PatientView& view, const ViewMoment& moment, int num_threads = 1) {
+  ViewImage image;
+  view.Render(InFrontCamera(), moment, image, num_threads);
+  return image;
 }
 
 TEST(PressedTissue, RaysAndSurfacesShowBreathAndThenTools) {
@@ -239,13 +239,13 @@ TEST(PatientView, ThePathOfATipIsALineAlongIt) {
   PatientView view(PressedBall(false), {});
   const std::vector<Eigen::Vector3d> path = {
       {-60.0, -40.0, 45.0}, {-20.0, -40.0, 45.0}, {-20.0, -40.0, 45.1}, {30.0, -40.0, 45.0}};
-  const ViewPicture without = InFrontOf(view, {});
-  const ViewPicture with = InFrontOf(view, {.path_in_ct_mm = path});
-  const auto is_orange = [&](const ViewPicture& picture, const Eigen::Vector3d& place) {
+  const ViewImage without = InFrontOf(view, {});
+  const ViewImage with = InFrontOf(view, {.path_in_ct_mm = path});
+  const auto is_orange = [&](const ViewImage& image, const Eigen::Vector3d& place) {
     const Eigen::Vector2i at =
         InFrontCamera().ProjectPx(place).array().round().cast<int>().matrix();
     const auto n = static_cast<std::size_t>(3 * (at[1] * 256 + at[0]));
-    return picture.colour.rgb[n] > 200 && picture.colour.rgb[n + 2] < 90;
+    return image.colour.rgb[n] > 200 && image.colour.rgb[n + 2] < 90;
   };
   for (double share = 0.02; share < 1.0; share += 0.07) {
     const Eigen::Vector3d place(-60.0 + 90.0 * share, -40.0, 45.0);

@@ -39,7 +39,7 @@ struct LabelledBall {
     }
   }
 
-  ViewPicture Image(const breathing::MotionMap* motion = nullptr) const {
+  ViewImage Image(const breathing::MotionMap* motion = nullptr) const {
     PatientView view({.ct = ct,
                       .layers = {{"liver", 1.0}},
                       .surfaces = {},
@@ -48,7 +48,7 @@ struct LabelledBall {
                      {});
     const Camera camera =
         LookAt({.eye_in_ct_mm = {-150, -420, 180}, .focus_in_ct_mm = {0, 0, 0}}, {160, 160});
-    ViewPicture out;
+    ViewImage out;
     view.Render(camera, {.motion = motion}, out, 2);
     return out;
   }
@@ -80,7 +80,7 @@ TEST(TissueClasses, BreatheWithThePatient) {
 // A border of labels goes over from one voxel to the next by shares: the silhouette of a ball has
 // no steps of a voxel.
 TEST(TissueClasses, ABorderHasNoSteps) {
-  const ViewPicture image = LabelledBall(30.0).Image();
+  const ViewImage image = LabelledBall(30.0).Image();
   int partly = 0;
   int fully = 0;
   for (const std::uint8_t coverage : image.coverage) {
@@ -93,7 +93,7 @@ TEST(TissueClasses, ABorderHasNoSteps) {
 
 TEST(TissueClasses, OfOtherTissuesNothingIsSeen) {
   const LabelledBall none(0.0);
-  const ViewPicture image = none.Image();
+  const ViewImage image = none.Image();
   EXPECT_EQ(std::ranges::count(image.coverage, 0),
             static_cast<std::ptrdiff_t>(image.coverage.size()));
 }

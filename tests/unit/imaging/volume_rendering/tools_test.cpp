@@ -73,7 +73,7 @@ TEST(Tools, EveryProbeHasABodyAboveItsFaceAndAPaneBelowIt) {
     EXPECT_NEAR(plane.surface.nodes_mm.row(1).maxCoeff(), probe.depth_mm, 1.5) << entry.path();
     EXPECT_TRUE(plane.surface.nodes_mm.row(2).isZero());
     // Each node shows the pixel that is there.
-    const Eigen::Affine3d probe_from_image = acoustics::PictureOf(probe).probe_from_image();
+    const Eigen::Affine3d probe_from_image = acoustics::ImageOf(probe).probe_from_image();
     for (Eigen::Index n = 0; n < plane.surface.nodes_mm.cols(); ++n) {
       const Eigen::Vector2d pixel = plane.pixel_of_node.col(n).cast<double>();
       const Eigen::Vector3d there = probe_from_image * Eigen::Vector3d(pixel[0], pixel[1], 0.0);

@@ -39,20 +39,20 @@ breathing::MotionField TrunkField(bool slides) {
   return field;
 }
 
-ViewPicture Picture(const std::shared_ptr<const volume::CtVolume>& ct, const char* layer,
-                    const breathing::MotionField& field, double lattice_mm) {
+ViewImage Image(const std::shared_ptr<const volume::CtVolume>& ct, const char* layer,
+                const breathing::MotionField& field, double lattice_mm) {
   ViewSettings settings;
   settings.rays.warp.lattice_mm = lattice_mm;
   PatientView view({.ct = ct, .layers = {{layer, 1.0}}, .surfaces = {}, .field = &field}, settings);
-  const PictureSize size{112, 112};
+  const ImageSize size{112, 112};
   const Camera camera = LookAt(ViewFrom("oblique", view.box_in_ct_mm(), size), size);
   const breathing::MotionMap motion = testing_support::At(field, 0.8);
-  ViewPicture out;
+  ViewImage out;
   view.Render(camera, {.motion = &motion}, out, 2);
   return out;
 }
 
-double PsnrDb(const ViewPicture& a, const ViewPicture& b) {
+double PsnrDb(const ViewImage& a, const ViewImage& b) {
   double sum = 0.0;
   for (std::size_t n = 0; n < a.colour.rgb.size(); ++n) {
     const double off = static_cast<double>(a.colour.rgb[n]) - b.colour.rgb[n];
@@ -68,9 +68,9 @@ TEST(WarpLattice, TheImageIsThatOfExactInversion) {
   for (const bool slides : {false, true}) {
     const breathing::MotionField field = TrunkField(slides);
     for (const char* layer : {"skin", "bone", "soft_tissue"}) {
-      const ViewPicture exact = Picture(ct, layer, field, 0.0);
-      const double usual_db = PsnrDb(Picture(ct, layer, field, WarpSettings{}.lattice_mm), exact);
-      const double coarse_db = PsnrDb(Picture(ct, layer, field, 5.0), exact);
+      const ViewImage exact = Image(ct, layer, field, 0.0);
+      const double usual_db = PsnrDb(Image(ct, layer, field, WarpSettings{}.lattice_mm), exact);
+      const double coarse_db = PsnrDb(Image(ct, layer, field, 5.0), exact);
       std::printf("  %s, %-11s: %.1f dB; with 5 mm allowed %.1f dB\n",
                   slides ? "sliding" : "smooth ", layer, usual_db, coarse_db);
       EXPECT_GT(usual_db, 40.0) << layer << slides;

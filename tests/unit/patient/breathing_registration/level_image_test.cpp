@@ -20,13 +20,13 @@ volume::CtVolume Ramp() {
   return ct;
 }
 
-TEST(LevelImage, AverageOfARampIsTheRamp) {
+TEST(ModelImage, AverageOfARampIsTheRamp) {
   const volume::CtVolume ct = Ramp();
   const volume::Geometry grid = CubicGrid(ct.geometry, 3.0);
   EXPECT_EQ(grid.size[0], 14);
   EXPECT_EQ(grid.size[1], 10);
   EXPECT_EQ(grid.size[2], 13);
-  const LevelImage image(Averaged(ct, grid, 2), 2);
+  const ModelImage image(Averaged(ct, grid, 2), 2);
   // Away from the border: 2, -3, 4 per mm, so 6, -9, 12 per voxel.
   const auto sample = image.At({6.5F, 4.25F, 5.0F});
   EXPECT_TRUE(sample.within);
@@ -36,8 +36,8 @@ TEST(LevelImage, AverageOfARampIsTheRamp) {
   EXPECT_NEAR(sample.gradient.z(), 12.0, 0.3);
 }
 
-TEST(LevelImage, KnowsWhatIsBeyondIt) {
-  const LevelImage image(Averaged(Ramp(), CubicGrid(Ramp().geometry, 3.0), 1), 1);
+TEST(ModelImage, KnowsWhatIsBeyondIt) {
+  const ModelImage image(Averaged(Ramp(), CubicGrid(Ramp().geometry, 3.0), 1), 1);
   EXPECT_FALSE(image.At({-0.1F, 2.0F, 2.0F}).within);
   EXPECT_FALSE(image.At({2.0F, 9.1F, 2.0F}).within);
   EXPECT_FALSE(image.At({2.0F, std::numeric_limits<float>::quiet_NaN(), 2.0F}).within);

@@ -29,7 +29,7 @@ Vector3d Normal3(RandomStream& random) {
   return {random.Normal(), random.Normal(), random.Normal()};
 }
 
-Isometry3d Jitter(RandomStream& random, double sd_mm, double sd_rad) {
+Isometry3d Noise(RandomStream& random, double sd_mm, double sd_rad) {
   const Vector3d turn = sd_rad * Normal3(random);
   Isometry3d jitter = Isometry3d::Identity();
   if (turn.norm() > 0) jitter.linear() = AngleAxisd(turn.norm(), turn.normalized()).matrix();
@@ -48,7 +48,7 @@ Recording Recorded(int count, double turn_rad, double sd_mm, double sd_rad, bool
     const Isometry3d handle =
         Eigen::Translation3d(80 * Normal3(random)) * AngleAxisd(turn.norm(), turn.normalized());
     recording.handle.push_back(handle);
-    recording.marker.push_back(kZ.inverse() * handle * kX * Jitter(random, sd_mm, sd_rad));
+    recording.marker.push_back(kZ.inverse() * handle * kX * Noise(random, sd_mm, sd_rad));
   }
   return recording;
 }

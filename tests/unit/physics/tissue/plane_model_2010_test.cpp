@@ -15,8 +15,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using forces::NeedleEvent;
 using testing_support::Layers;
-using testing_support::LevelInsertion;
-using Insertion = LevelInsertion<PlaneModel2010>;
+using testing_support::ModelInsertion;
+using Insertion = ModelInsertion<PlaneModel2010>;
 
 const Layers kSkinAndFat{{{0, "skin"}, {2, "fat"}}};
 
@@ -29,24 +29,31 @@ PlaneModel2010 Model(const Layers& layers, const PlaneSettings& settings = {},
 
 TEST(PlaneModel2010, IsARegularGridWithThePlannedPathOnItsNodes) {
   const PlaneModel2010 model = Model(kSkinAndFat);
-  EXPECT_EQ(model.grid().columns, 31);
-  EXPECT_EQ(model.grid().rows, 35);
+  EXPECT_EQ(model.planes().grid().columns, 31);
+  EXPECT_EQ(model.planes().grid().rows, 35);
   const double radius_mm = 0.635;
-  EXPECT_NEAR(model.thickness_mm(), std::numbers::pi * 45 / std::log(45 / radius_mm), 1e-12);
+  EXPECT_NEAR(model.planes().thickness_mm(), std::numbers::pi * 45 / std::log(45 / radius_mm),
+              1e-12);
   // 4 rows above the skin and the border are not free.
-  EXPECT_EQ(model.num_free_nodes(), 29 * 30);
-  EXPECT_LT((model.ToCtMm(model.grid().PositionMm(model.grid().Node(15, 4)))).norm(), 1e-12);
+  EXPECT_EQ(model.planes().num_free_nodes(), 29 * 30);
+  EXPECT_LT((model.planes().planned().ToCtMm(
+                 model.planes().grid().PositionMm(model.planes().grid().Node(15, 4))))
+                .norm(),
+            1e-12);
   const Vector3d p(3, -4, 17);
-  EXPECT_LT((model.ToCtMm(model.ToPlaneMm(p).head<2>()) - Vector3d(3, 0, 17)).norm(), 1e-12);
-  EXPECT_NEAR(std::abs(model.ToPlaneMm(p).z()), 4.0, 1e-12);
+  EXPECT_LT((model.planes().planned().ToCtMm(model.planes().planned().ToPlaneMm(p).head<2>()) -
+             Vector3d(3, 0, 17))
+                .norm(),
+            1e-12);
+  EXPECT_NEAR(std::abs(model.planes().planned().ToPlaneMm(p).z()), 4.0, 1e-12);
 }
 
 TEST(PlaneModel2010, SkinIsAnElasticSupportUntilPuncture) {
   const PlaneModel2010 model = Model(kSkinAndFat);
   Insertion insertion{model};
   insertion.MoveToDepth(2.0);
-  const int dof = model.dof_of_node()[model.grid().Node(15, 4)];
-  const double per_mm = 1.0 / model.compliance()(dof + 1, dof + 1);
+  const int dof = model.planes().dof_of_node()[model.planes().grid().Node(15, 4)];
+  const double per_mm = 1.0 / model.planes().compliance()(dof + 1, dof + 1);
   EXPECT_NEAR(insertion.last.puncture_n, 2.0 * per_mm, 1e-6);
   EXPECT_EQ(insertion.state.num_nodes, 1);
   double peak_n = 0.0;
@@ -394,7 +401,7 @@ TEST(TurnedPlane, IgnoresANeedleAcrossTheImageAndProbesThatAreNone) {
   ToolSample sample = Sampled(0.0, -2.0, 0.0);
   sample.ct_from_probe.linear() << 1, 0, 0, 0, 1, 0, 0, 0, 1;  // Its image lies across the needle.
   model.Step(state, sample);
-  EXPECT_EQ(state.frame.ct_from_plane, model.planned().ct_from_plane);
+  EXPECT_EQ(state.frame.ct_from_plane, model.planes().planned().ct_from_plane);
   sample.time_s = 0.001;
   sample.ct_from_probe.linear().setConstant(std::nan(""));
   model.Step(state, sample);

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using forces::NeedleEvent;
 using testing_support::Layers;
-using testing_support::LevelInsertion;
+using testing_support::ModelInsertion;
 
 SpringModel SpringModelModel(const Layers& layers, const SpringSettings& settings = {}) {
   return SpringModel(settings, testing_support::RoundForces(), testing_support::Trocar18(),
@@ -56,7 +56,7 @@ TEST(SpringModel, StiffnessIsThatOfARodInACylinderOfTissue) {
 // Skin 2 mm of 0.03 N/mm, fat 0.01 N/mm; after enough travel all springs slide.
 TEST(SpringModel, PlateauIsCuttingPlusFrictionOfTheBuriedShaft) {
   const SpringModel model = SpringModelModel({{{0, "skin"}, {2, "fat"}}});
-  LevelInsertion<SpringModel> insertion{model};
+  ModelInsertion<SpringModel> insertion{model};
   insertion.MoveToDepth(60.0);
   EXPECT_NEAR(insertion.last.cutting_n, 0.4, 1e-9);
   EXPECT_EQ(insertion.last.puncture_n, 0.0);
@@ -72,7 +72,7 @@ TEST(SpringModel, PlateauIsCuttingPlusFrictionOfTheBuriedShaft) {
 
 TEST(SpringModel, SkinIsPressedByItsPolynomialUntilPuncture) {
   const SpringModel model = SpringModelModel({{{0, "skin"}}});
-  LevelInsertion<SpringModel> insertion{model};
+  ModelInsertion<SpringModel> insertion{model};
   insertion.MoveToDepth(4.0);
   EXPECT_NEAR(insertion.last.puncture_n, 0.1 * 4 + 0.05 * 16, 1e-6);
   EXPECT_EQ(insertion.state.num_nodes, 1);
@@ -88,7 +88,7 @@ TEST(SpringModel, SkinIsPressedByItsPolynomialUntilPuncture) {
 
 TEST(SpringModel, CapsuleAddsItsPolynomialWithoutAStep) {
   const SpringModel model = SpringModelModel({{{0, "fat"}, {20, "liver"}}});
-  LevelInsertion<SpringModel> insertion{model};
+  ModelInsertion<SpringModel> insertion{model};
   double largest_step_n = 0.0;
   double before_n = 0.0;
   while (insertion.Count(NeedleEvent::kPuncture) == 0 && insertion.tip_mm.z() < 60) {
@@ -108,7 +108,7 @@ TEST(SpringModel, CapsuleAddsItsPolynomialWithoutAStep) {
 
 TEST(SpringModel, BoneStopsThePathAndPushesBack) {
   const SpringModel model = SpringModelModel({{{0, "fat"}, {20, "bone"}}});
-  LevelInsertion<SpringModel> insertion{model};
+  ModelInsertion<SpringModel> insertion{model};
   insertion.MoveToDepth(20.9);
   EXPECT_EQ(insertion.Count(NeedleEvent::kBoneContact), 1);
   const auto& tip = insertion.state.node[insertion.state.num_nodes - 1];
@@ -126,7 +126,7 @@ TEST(SpringModel, BoneStopsThePathAndPushesBack) {
 // Loading and unloading differ by twice the friction; a closed loop costs work.
 TEST(SpringModel, FrictionHasAHysteresis) {
   const SpringModel model = SpringModelModel({{{0, "fat"}}});
-  LevelInsertion<SpringModel> insertion{model};
+  ModelInsertion<SpringModel> insertion{model};
   insertion.MoveToDepth(60.0);
   const double in_n = insertion.last.friction_n;
   EXPECT_GT(in_n, 0.5);
@@ -149,7 +149,7 @@ TEST(SpringModel, FrictionHasAHysteresis) {
 
 TEST(SpringModel, NeedleAcrossItsPathIsPulledBack) {
   const SpringModel model = SpringModelModel({{{0, "fat"}}});
-  LevelInsertion<SpringModel> insertion{model};
+  ModelInsertion<SpringModel> insertion{model};
   insertion.MoveToDepth(40.0);
   insertion.StepTo(insertion.tip_mm + Vector3d(0.2, 0, 0));
   const double per_mm = model.TissueNode(volume::LabelOf("fat")).lateral_n_per_mm / 2.0;
@@ -164,7 +164,7 @@ TEST(SpringModel, FrictionChangesAtMostAtItsRate) {
   SpringSettings slow;
   slow.friction_rate_n_per_s = 10.0;
   const SpringModel model = SpringModelModel({{{0, "skin"}}}, slow);
-  LevelInsertion<SpringModel> insertion{model};
+  ModelInsertion<SpringModel> insertion{model};
   insertion.MoveToDepth(60.0, 2000.0);
   double before_n = insertion.last.friction_n;
   for (int i = 0; i < 100; ++i) {
@@ -176,7 +176,7 @@ TEST(SpringModel, FrictionChangesAtMostAtItsRate) {
 
 TEST(SpringField, IsTheTipsAtTheTipAndFadesOut) {
   const SpringModel model = SpringModelModel({{{0, "skin"}, {2, "fat"}}});
-  LevelInsertion<SpringModel> insertion{model};
+  ModelInsertion<SpringModel> insertion{model};
   SpringField field(model);
   TissueLoad load;
   insertion.MoveToDepth(3.0);  // Pressing on the skin.

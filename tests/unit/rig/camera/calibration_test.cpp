@@ -21,8 +21,8 @@ class CalibrationTest : public testing::Test {
   CalibrationBoard board_ = ReadBoard(ConfigPath("cameras/board_a4.json"));
   TemporaryFolder folder_;
 
-  /// Board in all parts of the picture, at angles up to `tilt_deg`.
-  void TakePictures(int count, double tilt_deg, double reach = 1.0, int samples = 2) {
+  /// Board in all parts of the image, at angles up to `tilt_deg`.
+  void TakeImages(int count, double tilt_deg, double reach = 1.0, int samples = 2) {
     for (int i = 0; i < count; ++i) {
       RandomStream random(21, "board", static_cast<std::uint64_t>(i));
       const double z = random.Uniform(350, 550);
@@ -34,24 +34,24 @@ class CalibrationTest : public testing::Test {
            {.samples = samples});
     }
   }
-  void Take(int number, const Eigen::Isometry3d& camera_from_board, PictureMaking making = {}) {
+  void Take(int number, const Eigen::Isometry3d& camera_from_board, ImageMaking making = {}) {
     making.colour = false;
-    Picture picture;
+    Image image;
     RenderBoard(truth_, board_, camera_from_board, making, static_cast<std::uint64_t>(number),
-                picture);
-    WritePicture(folder_ / (std::to_string(100 + number) + ".png"), picture);
+                image);
+    WriteImage(folder_ / (std::to_string(100 + number) + ".png"), image);
   }
   Calibration Calibrate() {
-    return CalibrateCamera(PictureFiles(folder_.path()), board_, {}, RunContext{});
+    return CalibrateCamera(ImageFiles(folder_.path()), board_, {}, RunContext{});
   }
 };
 
 TEST_F(CalibrationTest, FindsTheBoardsCorners) {
   const Eigen::Isometry3d pose = FacingPose({30, -20, 500}, 30, 40, 20);
-  Picture picture;
-  RenderBoard(truth_, board_, pose, {.colour = false}, 1, picture);
+  Image image;
+  RenderBoard(truth_, board_, pose, {.colour = false}, 1, image);
   MarkerDetector detector(board_.dictionary);
-  const auto found = FindBoardCorners(picture, board_, detector);
+  const auto found = FindBoardCorners(image, board_, detector);
   const auto corners = board_.CornersMm();
   EXPECT_EQ(found.size(), corners.size());
   for (const BoardCorner& corner : found) {
@@ -61,7 +61,7 @@ TEST_F(CalibrationTest, FindsTheBoardsCorners) {
 }
 
 TEST_F(CalibrationTest, FindsTheCameraThatTookTheImages) {
-  TakePictures(16, 40.0, 1.0, 4);
+  TakeImages(16, 40.0, 1.0, 4);
   const Calibration found = Calibrate();
   const CameraParameters& p = found.camera.parameters();
   const CameraParameters& t = truth_.parameters();
@@ -86,13 +86,13 @@ TEST_F(CalibrationTest, FindsTheCameraThatTookTheImages) {
 }
 
 TEST_F(CalibrationTest, BadViewsAreExcludedAndNamed) {
-  TakePictures(7, 40.0);
-  Picture empty;
+  TakeImages(7, 40.0);
+  Image empty;
   empty.Resize(1280, 720, 1);
   std::fill(empty.pixels.begin(), empty.pixels.end(), std::uint8_t{90});
-  WritePicture(folder_ / "200.png", empty);
+  WriteImage(folder_ / "200.png", empty);
   empty.Resize(640, 480, 1);
-  WritePicture(folder_ / "201.png", empty);
+  WriteImage(folder_ / "201.png", empty);
   const Calibration found = Calibrate();
   ASSERT_EQ(found.views.size(), 9U);
   EXPECT_NE(found.views[7].rejected.find("only 0 corners"), std::string::npos);
@@ -101,7 +101,7 @@ TEST_F(CalibrationTest, BadViewsAreExcludedAndNamed) {
 }
 
 TEST_F(CalibrationTest, SaysWhatIsMissing) {
-  TakePictures(7, 8.0, 0.2);
+  TakeImages(7, 8.0, 0.2);
   const Calibration found = Calibrate();
   std::string all;
   for (const std::string& warning : found.warnings) all += warning + "\n";
@@ -110,7 +110,7 @@ TEST_F(CalibrationTest, SaysWhatIsMissing) {
 }
 
 TEST_F(CalibrationTest, SaysThatRowsAndColumnsAreSwapped) {
-  TakePictures(7, 40.0);
+  TakeImages(7, 40.0);
   std::swap(board_.columns, board_.rows);
   EXPECT_THAT([&] { Calibrate(); },
               ThrowsMessage<NoAnswerError>(HasSubstr("rows and columns are swapped")));
@@ -118,7 +118,7 @@ TEST_F(CalibrationTest, SaysThatRowsAndColumnsAreSwapped) {
 
 TEST_F(CalibrationTest, SaysThatTheFirstSquareIsAnother) {
   board_.first_square = FirstSquare::kMarker;
-  TakePictures(7, 40.0);
+  TakeImages(7, 40.0);
   board_.first_square = FirstSquare::kBlack;
   EXPECT_THAT([&] { Calibrate(); },
               ThrowsMessage<NoAnswerError>(HasSubstr(R"("first_square": "marker")")));
@@ -126,7 +126,7 @@ TEST_F(CalibrationTest, SaysThatTheFirstSquareIsAnother) {
 
 TEST_F(CalibrationTest, FindsTheCameraWithABoardWhoseFirstSquareHoldsAMarker) {
   board_.first_square = FirstSquare::kMarker;
-  TakePictures(12, 40.0, 1.0, 2);
+  TakeImages(12, 40.0, 1.0, 2);
   const Calibration found = Calibrate();
   EXPECT_LT(found.rms_px, 0.15);
   EXPECT_NEAR(found.camera.parameters().focal_px[0], truth_.parameters().focal_px[0],
@@ -134,16 +134,16 @@ TEST_F(CalibrationTest, FindsTheCameraWithABoardWhoseFirstSquareHoldsAMarker) {
 }
 
 TEST_F(CalibrationTest, RefusesResidualsAboveTheLimit) {
-  TakePictures(8, 40.0);
+  TakeImages(8, 40.0);
   EXPECT_THAT(
       [&] {
-        CalibrateCamera(PictureFiles(folder_.path()), board_, {.limit_px = 0.01}, RunContext{});
+        CalibrateCamera(ImageFiles(folder_.path()), board_, {.limit_px = 0.01}, RunContext{});
       },
       ThrowsMessage<NoAnswerError>(HasSubstr("is the board flat")));
 }
 
 TEST_F(CalibrationTest, NoIntervalReadsAsZero) {
-  TakePictures(8, 40.0);
+  TakeImages(8, 40.0);
   const std::string text = TableText(Calibrate());
   EXPECT_EQ(text.find("+- 0,"), std::string::npos) << text;
   EXPECT_EQ(text.find("+- 0.00 "), std::string::npos) << text;
@@ -160,13 +160,13 @@ TEST_F(CalibrationTest, FindsAStereoPair) {
     const auto pose = FacingPose({random.Uniform(-60, 60), random.Uniform(-40, 40), 550},
                                  random.Uniform(10, 35), 45.0 * i, random.Uniform(-90, 90));
     Take(i, pose);
-    Picture picture;
+    Image image;
     RenderBoard(truth_, board_, right_from_left * pose, {.samples = 2, .colour = false},
-                static_cast<std::uint64_t>(50 + i), picture);
-    WritePicture(right_folder / (std::to_string(100 + i) + ".png"), picture);
+                static_cast<std::uint64_t>(50 + i), image);
+    WriteImage(right_folder / (std::to_string(100 + i) + ".png"), image);
   }
-  const auto left = FindBoardViews(PictureFiles(folder_.path()), board_, 12, RunContext{});
-  auto right = FindBoardViews(PictureFiles(right_folder), board_, 12, RunContext{});
+  const auto left = FindBoardViews(ImageFiles(folder_.path()), board_, 12, RunContext{});
+  auto right = FindBoardViews(ImageFiles(right_folder), board_, 12, RunContext{});
   const auto found = CalibrateStereo(left, right, board_, truth_, truth_, 1.5);
   EXPECT_LT((found.right_from_left.translation() - right_from_left.translation()).norm(), 0.5);
   EXPECT_LT(ErrorOf(found.right_from_left, right_from_left).angle_deg, 0.05);
@@ -177,7 +177,7 @@ TEST_F(CalibrationTest, FindsAStereoPair) {
 }
 
 TEST_F(CalibrationTest, TooFewImagesGiveNoCamera) {
-  TakePictures(4, 40.0);
+  TakeImages(4, 40.0);
   EXPECT_THROW(Calibrate(), NoAnswerError);
   WriteTextFile(folder_ / "300.png", "no image");
   EXPECT_THROW(Calibrate(), InputError);

@@ -99,7 +99,7 @@ TEST(CameraModel, RefusesWhatIsNoCamera) {
   refused([](CameraParameters& p) { p.centre_px[1] = -1.0; });
   refused([](CameraParameters& p) { p.centre_px[0] = 1280.0; });
   refused([](CameraParameters& p) { p.radial[2] = std::numeric_limits<double>::quiet_NaN(); });
-  // Folds within the picture.
+  // Folds within the image.
   refused([](CameraParameters& p) { p.radial = {-1.5, 0, 0}; });
 }
 
@@ -134,20 +134,20 @@ TEST(CameraFile, DamagedCopiesAreReadOrRefused) {
 TEST(Straightener, MakesTheLinesOfADistortedImageStraight) {
   const CameraModel camera(Webcam());
   // What the lens makes of a line x + 0.3 y = 0.2: dark on one side of it.
-  Picture picture;
-  picture.Resize(1280, 720, 1);
+  Image image;
+  image.Resize(1280, 720, 1);
   for (int row = 0; row < 720; ++row) {
     for (int column = 0; column < 1280; ++column) {
       const Eigen::Vector3d ray = *camera.Ray(Eigen::Vector2d(column, row));
       const double side_px = 1108.5 * (ray[0] + 0.3 * ray[1] - 0.2);
-      picture.pixels[static_cast<std::size_t>(row * 1280 + column)] =
+      image.pixels[static_cast<std::size_t>(row * 1280 + column)] =
           static_cast<std::uint8_t>(std::clamp(128.0 + 40.0 * side_px, 0.0, 255.0));
     }
   }
-  picture.time_ns = 5;
-  Picture straight;
+  image.time_ns = 5;
+  Image straight;
   const Straightener straightener(camera);
-  straightener.Straighten(picture, straight);
+  straightener.Straighten(image, straight);
   EXPECT_EQ(straight.time_ns, 5);
   const CameraParameters& p = straightener.pinhole().parameters();
   double largest_px = 0.0;
@@ -167,10 +167,10 @@ TEST(Straightener, MakesTheLinesOfADistortedImageStraight) {
 }
 
 TEST(Straightener, RefusesImagesOfAnotherSize) {
-  Picture picture;
-  picture.Resize(640, 480, 3);
-  Picture out;
-  EXPECT_THROW(Straightener(CameraModel(Webcam())).Straighten(picture, out), InputError);
+  Image image;
+  image.Resize(640, 480, 3);
+  Image out;
+  EXPECT_THROW(Straightener(CameraModel(Webcam())).Straighten(image, out), InputError);
 }
 
 }  // namespace

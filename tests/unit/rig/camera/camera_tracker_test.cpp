@@ -35,13 +35,13 @@ class Tracker : public testing::Test {
                              Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()) *
                              Eigen::Translation3d(0, 110, 0);
 
-  Picture Take(bool with_probe, std::uint64_t index) {
+  Image Take(bool with_probe, std::uint64_t index) {
     MannequinCamera maker(camera_, set_, {}, {.colour = false});
     std::vector<ObjectInView> shown = {{"Reference", mannequin_}};
     if (with_probe) shown.push_back({"Probe", probe_});
-    Picture picture;
-    maker.Render(shown, index, picture);
-    return picture;
+    Image image;
+    maker.Render(shown, index, image);
+    return image;
   }
   CameraTrackerOptions Options(const std::string& place) {
     CameraTrackerOptions options;
@@ -58,8 +58,8 @@ class Tracker : public testing::Test {
 };
 
 TEST_F(Tracker, GivesAToolInTheMannequinsFrame) {
-  WritePicture(folder_ / "0.png", Take(true, 0));
-  WritePicture(folder_ / "1.png", Take(false, 1));
+  WriteImage(folder_ / "0.png", Take(true, 0));
+  WriteImage(folder_ / "1.png", Take(false, 1));
   WriteTextFile(folder_ / "2.png", "no image");
   CameraTrackerOptions options = Options("folder:" + folder_.path().string());
   options.journal_capacity = 16;
@@ -71,8 +71,8 @@ TEST_F(Tracker, GivesAToolInTheMannequinsFrame) {
   std::array<tracking::ToolReading, 16> readings;
   ASSERT_EQ(tracker.board().TakeReadings(readings), 3U);
   ExpectProbeIsRight(readings[0].pose);
-  EXPECT_FALSE(readings[1].pose.valid);  // Not in the picture.
-  EXPECT_FALSE(readings[2].pose.valid);  // No picture came any more.
+  EXPECT_FALSE(readings[1].pose.valid);  // Not in the image.
+  EXPECT_FALSE(readings[2].pose.valid);  // No image came any more.
   const auto status = tracker.status();
   EXPECT_EQ(status.state, tracking::SourceState::kStopped);
   EXPECT_EQ(status.counts.messages, 2U);
@@ -104,22 +104,22 @@ TEST_F(Tracker, ImagesComeBackAfterThePlugWasPulled) {
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   CameraTracker tracker(camera_, set_, Options("pipe:" + pipe.string()));
   tracker.Start();
-  const Picture picture = Take(true, 0);
+  const Image image = Take(true, 0);
   const auto send = [&](std::size_t bytes_of_second) {
     std::FILE* file = std::fopen(pipe.c_str(), "wb");
     ASSERT_NE(file, nullptr);
-    for (const std::size_t bytes : {picture.pixels.size(), bytes_of_second}) {
-      std::fprintf(file, "P5\n%d %d\n255\n", picture.width_px, picture.height_px);
-      std::fwrite(picture.pixels.data(), 1, bytes, file);
+    for (const std::size_t bytes : {image.pixels.size(), bytes_of_second}) {
+      std::fprintf(file, "P5\n%d %d\n255\n", image.width_px, image.height_px);
+      std::fwrite(image.pixels.data(), 1, bytes, file);
     }
     std::fclose(file);
   };
-  send(1000);  // The second picture is torn off.
+  send(1000);  // The second image is torn off.
   ASSERT_TRUE(Eventually([&] { return tracker.status().counts.fell_silent == 1; }));
   EXPECT_EQ(tracker.status().counts.messages, 1U);
   EXPECT_FALSE(tracker.board().Latest(0).valid);
   EXPECT_EQ(tracker.status().state, tracking::SourceState::kConnecting);
-  send(picture.pixels.size());
+  send(image.pixels.size());
   ASSERT_TRUE(Eventually([&] { return tracker.status().counts.messages == 3; }));
   EXPECT_EQ(tracker.status().counts.connects, 2U);
 }
@@ -130,25 +130,25 @@ TEST_F(Tracker, ImagesComeOverTheNetwork) {
   CameraTracker tracker(camera_, set_,
                         Options("igtl:127.0.0.1:" + std::to_string(server.port()) + "/Camera"));
   tracker.Start();
-  const Picture picture = Take(true, 0);
-  tracking::Picture sent;
-  sent.width = picture.width_px;
-  sent.height = picture.height_px;
-  sent.channels = picture.channels;
-  sent.pixels = picture.pixels;
+  const Image image = Take(true, 0);
+  tracking::Image sent;
+  sent.width = image.width_px;
+  sent.height = image.height_px;
+  sent.channels = image.channels;
+  sent.pixels = image.pixels;
   ASSERT_TRUE(Eventually([&] {
-    server.SendPicture("Camera", sent, 1);
+    server.SendImage("Camera", sent, 1);
     return tracker.status().counts.messages > 0;
   }));
   tracker.Stop();
-  EXPECT_EQ(tracker.Latest()->picture.pixels, picture.pixels);
+  EXPECT_EQ(tracker.Latest()->image.pixels, image.pixels);
   EXPECT_LT(ErrorOf(*tracker.Latest()->camera_from_reference, mannequin_).position_mm, 0.5);
 }
 
 TEST_F(Tracker, ImagesOfAnotherSizeAreRefusedInWords) {
-  Picture small = Take(true, 0);
+  Image small = Take(true, 0);
   small.Resize(320, 240, 1);
-  WritePicture(folder_ / "0.png", small);
+  WriteImage(folder_ / "0.png", small);
   CameraTracker tracker(camera_, set_, Options("folder-loop:" + folder_.path().string()));
   tracker.Start();
   ASSERT_TRUE(Eventually([&] { return tracker.status().counts.bad_messages > 2; }));
@@ -179,12 +179,12 @@ TEST_F(Tracker, RefusesWhatCanNeverWork) {
 
 TEST(FrameSource, AFileOfImagesSurvivesInvalidData) {
   const TemporaryFolder folder;
-  const std::string picture = "P5 4 2 255\n" + std::string(8, 'a');
+  const std::string image = "P5 4 2 255\n" + std::string(8, 'a');
   const std::string colour = "P6\n1 1\n255\n" + std::string(3, 'P');
-  WriteTextFile(folder / "f", "xxPP5 0 3 255\n" + picture + "P5 99999999 1 255\n" + picture +
-                                  colour + "P7" + picture + "P5 4 2 255\nab");
+  WriteTextFile(folder / "f", "xxPP5 0 3 255\n" + image + "P5 99999999 1 255\n" + image + colour +
+                                  "P7" + image + "P5 4 2 255\nab");
   const auto source = OpenFrameSource("pipe:" + (folder / "f").string());
-  Picture out;
+  Image out;
   int grey = 0;
   int coloured = 0;
   while (!source->finished()) {
@@ -195,7 +195,7 @@ TEST(FrameSource, AFileOfImagesSurvivesInvalidData) {
   }
   EXPECT_EQ(grey, 3);
   EXPECT_EQ(coloured, 1);
-  EXPECT_EQ(source->status().bad, 4U);  // Three stretches of rubbish, one torn picture.
+  EXPECT_EQ(source->status().bad, 4U);  // Three stretches of rubbish, one torn image.
 }
 
 }  // namespace

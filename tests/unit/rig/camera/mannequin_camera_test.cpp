@@ -17,13 +17,13 @@ class Mannequin : public testing::Test {
   FacetSet set_ = ReadFacets(ConfigPath("facets/training.json"));
   Eigen::Isometry3d pose_ = FacingPose({0, 0, 1000}, 20, 30, 0);
 
-  Picture Take(const PictureMaking& making, std::uint64_t index = 1,
-               std::vector<BodyInView> bodies = {}) {
+  Image Take(const ImageMaking& making, std::uint64_t index = 1,
+             std::vector<BodyInView> bodies = {}) {
     MannequinCamera maker(camera_, set_, std::move(bodies), making);
-    Picture picture;
+    Image image;
     const ObjectInView shown[] = {{"Reference", pose_}};
-    maker.Render(shown, index, picture);
-    return picture;
+    maker.Render(shown, index, image);
+    return image;
   }
 };
 
@@ -34,8 +34,8 @@ TEST_F(Mannequin, SameInputSameBits) {
 }
 
 TEST_F(Mannequin, NoiseIsAsLargeAsRequested) {
-  const Picture still = Take({.noise_sigma = 0, .colour = false});
-  const Picture noisy = Take({.noise_sigma = 5, .colour = false});
+  const Image still = Take({.noise_sigma = 0, .colour = false});
+  const Image noisy = Take({.noise_sigma = 5, .colour = false});
   double sum = 0.0;
   for (std::size_t i = 0; i < still.pixels.size(); ++i) {
     const double off = double{static_cast<double>(noisy.pixels[i])} - still.pixels[i];

@@ -29,7 +29,7 @@ TEST(Sheet, MarkersOfThePrintAreAsLargeAndWhereTheFileSays) {
   constexpr double kPxPerMm = 300.0 / 25.4;
   std::size_t read = 0;
   for (const Sheet& sheet : sheets) {
-    const auto seen = detector.Detect(ReadPicture(folder / (sheet.name + ".png")));
+    const auto seen = detector.Detect(ReadImage(folder / (sheet.name + ".png")));
     for (const DetectedMarker& marker : seen) {
       ++read;
       for (const FacetObject& object : set.objects) {

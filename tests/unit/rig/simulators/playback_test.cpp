@@ -34,19 +34,19 @@ TEST(Faults, AreReadFromText) {
 /// Plays a hand at 200 Hz in a thread of its own, until it is told to stop.
 class Playing {
  public:
-  explicit Playing(PlaybackOptions options, PictureSource* pictures = nullptr) {
+  explicit Playing(PlaybackOptions options, ImageSource* images = nullptr) {
     options.server.host = "127.0.0.1";
     options.server.port = 0;
     options.wait_for_client = true;
     options.on_listening = [this](int port) { port_ = port; };
-    thread_ = std::thread([this, options, pictures] {
+    thread_ = std::thread([this, options, images] {
       HandScript script;
       script.rate_hz = 200.0;
       script.tremor_mm = 0.0;
       script.insertion_mm_s = 1.0;
       RunContext context;
       context.stop = &stop_;
-      report_ = Play(*ScriptedHand(script, {}, 1), pictures, options, context);
+      report_ = Play(*ScriptedHand(script, {}, 1), images, options, context);
     });
     EXPECT_TRUE(WaitUntil([this] { return port_ != 0; }));
   }
@@ -159,11 +159,11 @@ TEST(Playback, AJumpIsFiftyMillimetresAndGarbageIsSkipped) {
   EXPECT_EQ(source->status().counts.connects, 1u);
 }
 
-class GreyPictures final : public PictureSource {
+class GreyImages final : public ImageSource {
  public:
   std::string stream() const override { return "Video"; }
   double rate_hz() const override { return 50.0; }
-  tracking::Picture Draw(std::span<const tracking::NamedPose> poses, std::int64_t) override {
+  tracking::Image Draw(std::span<const tracking::NamedPose> poses, std::int64_t) override {
     if (fails) throw InputError("the camera is made of wood");
     return {.width = 2, .height = 1, .channels = 1, .pixels = {1, std::uint8_t(poses.size())}};
   }
@@ -171,18 +171,18 @@ class GreyPictures final : public PictureSource {
 };
 
 TEST(Playback, SendsImagesOfWhatTheToolsDo) {
-  GreyPictures pictures;
-  Playing playing({}, &pictures);
+  GreyImages images;
+  Playing playing({}, &images);
   const auto source = Listening(playing.port());
   ASSERT_TRUE(WaitUntil([&] {
     const auto image = source->Image("Video");
     return image != nullptr && image->number >= 3;
   }));
-  EXPECT_EQ(source->Image("Video")->picture.pixels, (std::vector<std::uint8_t>{1, 2}));
-  pictures.fails = true;  // No more pictures; poses go on.
+  EXPECT_EQ(source->Image("Video")->image.pixels, (std::vector<std::uint8_t>{1, 2}));
+  images.fails = true;  // No more images; poses go on.
   const auto number = source->board().Latest(0).number;
   EXPECT_TRUE(WaitUntil([&] { return source->board().Latest(0).number > number + 20; }));
-  EXPECT_GE(playing.Stop().pictures, 3u);
+  EXPECT_GE(playing.Stop().images, 3u);
 }
 
 }  // namespace

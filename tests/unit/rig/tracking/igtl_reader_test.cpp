@@ -91,12 +91,12 @@ TEST(IgtlReader, NeverReservesWhatAHeaderPromises) {
 }
 
 TEST(IgtlReader, TypesThatAreNotKeptPassWithoutBeingStored) {
-  Picture picture{.width = 1000, .height = 1000, .channels = 1};
-  picture.pixels.assign(1'000'000, 7);
-  const Bytes image = PackImage("Video", 1, picture);
+  Image image{.width = 1000, .height = 1000, .channels = 1};
+  image.pixels.assign(1'000'000, 7);
+  const Bytes message = PackImage("Video", 1, image);
   IgtlReader reader({});
-  for (std::size_t at = 0; at < image.size(); at += 1000) {
-    reader.Append(ByteView(image).subspan(at, std::min<std::size_t>(1000, image.size() - at)));
+  for (std::size_t at = 0; at < message.size(); at += 1000) {
+    reader.Append(ByteView(message).subspan(at, std::min<std::size_t>(1000, message.size() - at)));
     EXPECT_FALSE(reader.Next().has_value());
   }
   EXPECT_LT(reader.memory_bytes(), 10'000u);
@@ -106,7 +106,7 @@ TEST(IgtlReader, TypesThatAreNotKeptPassWithoutBeingStored) {
   EXPECT_EQ(Names(reader), Strings{"Tool4"});
 
   IgtlReader keeping({.keep_images = true, .check_crc = true});
-  keeping.Append(image);
+  keeping.Append(message);
   EXPECT_EQ(Names(keeping), Strings{"Video"});
 }
 

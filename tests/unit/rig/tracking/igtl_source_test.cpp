@@ -166,14 +166,14 @@ TEST(IgtlSource, KeepsTheNewestImage) {
   source.Start();
   ASSERT_TRUE(WaitUntil([&] { return server.status().clients == 1; }));
   EXPECT_EQ(source.Image(""), nullptr);
-  Picture picture{.width = 640, .height = 480, .channels = 3};
-  picture.pixels.assign(640 * 480 * 3, 9);
+  Image image{.width = 640, .height = 480, .channels = 3};
+  image.pixels.assign(640 * 480 * 3, 9);
   for (const std::uint8_t grey : {std::uint8_t{10}, std::uint8_t{20}}) {
-    picture.pixels.back() = grey;
-    server.SendPicture("Video", picture, MonotonicNs());
+    image.pixels.back() = grey;
+    server.SendImage("Video", image, MonotonicNs());
     ASSERT_TRUE(WaitUntil([&] {
-      const auto image = source.Image("Video");
-      return image != nullptr && image->picture.pixels.back() == grey;
+      const auto received = source.Image("Video");
+      return received != nullptr && received->image.pixels.back() == grey;
     }));
   }
   EXPECT_EQ(source.Image("")->number, 2u);

@@ -231,12 +231,12 @@ TEST(IgtlWire, StatusGoesBothWays) {
 
 TEST(IgtlWire, ImagesKeepPixelsAndPlace) {
   for (const int channels : {1, 3}) {
-    Picture picture{.width = 7, .height = 5, .channels = channels};
-    for (int i = 0; i < 35 * channels; ++i) picture.pixels.push_back(std::uint8_t(3 * i));
-    picture.reference_from_pixel = kIgtlWirePose.matrix();
-    picture.reference_from_pixel.col(0) *= 0.5;
-    picture.reference_from_pixel.col(1) *= 0.25;
-    const Bytes bytes = PackImage("Ultrasound", 77, picture);
+    Image image{.width = 7, .height = 5, .channels = channels};
+    for (int i = 0; i < 35 * channels; ++i) image.pixels.push_back(std::uint8_t(3 * i));
+    image.reference_from_pixel = kIgtlWirePose.matrix();
+    image.reference_from_pixel.col(0) *= 0.5;
+    image.reference_from_pixel.col(1) *= 0.25;
+    const Bytes bytes = PackImage("Ultrasound", 77, image);
 
     const auto theirs = Unpacked<igtl::ImageMessage>(bytes);
     int size[3];
@@ -244,22 +244,22 @@ TEST(IgtlWire, ImagesKeepPixelsAndPlace) {
     EXPECT_EQ(size[0], 7);
     EXPECT_EQ(size[1], 5);
     EXPECT_EQ(theirs->GetNumComponents(), channels);
-    EXPECT_EQ(std::memcmp(theirs->GetScalarPointer(), picture.pixels.data(), 35 * channels), 0);
+    EXPECT_EQ(std::memcmp(theirs->GetScalarPointer(), image.pixels.data(), 35 * channels), 0);
     float spacing[3];
     theirs->GetSpacing(spacing);
     EXPECT_NEAR(spacing[0], 0.5, 1e-6);
     EXPECT_NEAR(spacing[1], 0.25, 1e-6);
-    // The protocol places the middle of the picture: pixel (3, 2) here.
+    // The protocol places the middle of the image: pixel (3, 2) here.
     float origin[3];
     theirs->GetOrigin(origin);
-    const Eigen::Vector4d middle = picture.reference_from_pixel * Eigen::Vector4d(3, 2, 0, 1);
+    const Eigen::Vector4d middle = image.reference_from_pixel * Eigen::Vector4d(3, 2, 0, 1);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(origin[i], middle[i], 1e-4);
 
     const auto back = ReadImage(Open(bytes).content());
     ASSERT_TRUE(back.has_value());
-    EXPECT_EQ(back->pixels, picture.pixels);
+    EXPECT_EQ(back->pixels, image.pixels);
     EXPECT_EQ(back->channels, channels);
-    EXPECT_LT((back->reference_from_pixel - picture.reference_from_pixel).norm(), 1e-3);
+    EXPECT_LT((back->reference_from_pixel - image.reference_from_pixel).norm(), 1e-3);
   }
 }
 

@@ -164,26 +164,26 @@ TEST(PoseServer, ASlowClientLosesOldImagesAndDelaysNoOther) {
   server.Start();
   Client slow(server), quick(server);
   ASSERT_TRUE(WaitUntil([&] { return server.status().clients == 2; }));
-  Picture picture{.width = 1000, .height = 1000, .channels = 1};
-  picture.pixels.assign(1'000'000, 0);
-  constexpr int kPictures = 40;
-  for (int i = 1; i <= kPictures; ++i) {
-    picture.pixels[0] = std::uint8_t(i);
+  Image image{.width = 1000, .height = 1000, .channels = 1};
+  image.pixels.assign(1'000'000, 0);
+  constexpr int kImages = 40;
+  for (int i = 1; i <= kImages; ++i) {
+    image.pixels[0] = std::uint8_t(i);
     server.SendPoses(TwoTools(i), MonotonicNs());
-    server.SendPicture("Ultrasound", picture, MonotonicNs());
+    server.SendImage("Ultrasound", image, MonotonicNs());
     ASSERT_TRUE(WaitUntil([&] { return quick.Count("IMAGE") == std::size_t(i); })) << i;
   }
-  EXPECT_EQ(quick.Count("TRANSFORM"), 2u * kPictures);
-  EXPECT_GT(server.status().pictures_replaced, 20u);
-  // The slow one wakes up: every pose is there, and the last picture is the newest.
-  ASSERT_TRUE(WaitUntil([&] { return slow.Count("TRANSFORM") == 2u * kPictures; }));
+  EXPECT_EQ(quick.Count("TRANSFORM"), 2u * kImages);
+  EXPECT_GT(server.status().images_replaced, 20u);
+  // The slow one wakes up: every pose is there, and the last image is the newest.
+  ASSERT_TRUE(WaitUntil([&] { return slow.Count("TRANSFORM") == 2u * kImages; }));
   ASSERT_TRUE(WaitUntil([&] {
     slow.Read();
     const auto last =
         slow.headers.back().type == "IMAGE" ? ReadImage(slow.contents.back()) : std::nullopt;
-    return last && last->pixels[0] == kPictures;
+    return last && last->pixels[0] == kImages;
   }));
-  EXPECT_EQ(slow.Count("IMAGE") + server.status().pictures_replaced, kPictures);
+  EXPECT_EQ(slow.Count("IMAGE") + server.status().images_replaced, kImages);
   EXPECT_EQ(server.status().too_slow, 0u);
 }
 

@@ -63,13 +63,13 @@ class Session : public testing_support::ReplayFolder {
             std::vector<tracking::NamedPose>{
                 {.name = "ProbeToReference", .reference_from_tool = pose_, .valid = true}},
             MonotonicNs());
-        if (video_.width > 0) server.SendPicture("Video", video_, MonotonicNs());
+        if (video_.width > 0) server.SendImage("Video", video_, MonotonicNs());
       }
-      if (session.pictures().Refresh()) {
-        snapshot_ = session.pictures().Front().snapshot;
-        probe_ = session.pictures().Front().probe;
-        width_px_ = session.pictures().Front().images.ct_slice.width;
-        const auto& effects = session.pictures().Front().effects;
+      if (session.images().Refresh()) {
+        snapshot_ = session.images().Front().snapshot;
+        probe_ = session.images().Front().probe;
+        width_px_ = session.images().Front().images.ct_slice.width;
+        const auto& effects = session.images().Front().effects;
         if (!effects.empty()) fluoroscopy_ = effects.front().pixels.gray;
       }
       std::this_thread::sleep_for(milliseconds(10));
@@ -83,7 +83,7 @@ class Session : public testing_support::ReplayFolder {
   std::shared_ptr<const acoustics::Probe> probe_;
   int width_px_ = 0;
   image::GrayImage fluoroscopy_;
-  tracking::Picture video_;  ///< What a camera sees, if there is one.
+  tracking::Image video_;  ///< What a camera sees, if there is one.
 };
 
 TEST_F(Session, HasTheGoalsAndStepsOfItsReport) {
@@ -198,7 +198,7 @@ TEST_F(Session, OutlivesItsTrackerAndReplaysToTheSameForces) {
   const auto feels = [&] { return snapshot_.probe_force_n > 0.1; };
   PollUntil(session, server, feels);
 
-  // Depth and gain are those of the pictures from now on; what makes no sense is held back.
+  // Depth and gain are those of the images from now on; what makes no sense is held back.
   session.commands().Give(session::CommandKind::kDepth, 55.0);
   session.commands().Give(session::CommandKind::kGain, 1e9);
   PollUntil(session, server, [&] { return probe_ && probe_->depth_mm == 55.0; });
@@ -254,7 +254,7 @@ TEST_F(Session, OutlivesItsTrackerAndReplaysToTheSameForces) {
       EXPECT_GT(stage.at("seconds"), 0.0);
     }
     if (stage.at("stage") == "CT slice") {
-      EXPECT_EQ(stage.at("runs"), session.picture_statistics().pictures.load());
+      EXPECT_EQ(stage.at("runs"), session.image_statistics().images.load());
     }
   }
 
@@ -299,7 +299,7 @@ TEST_F(Session, ATrackedNeedleMakesTheSteps) {
   EXPECT_TRUE(ReadTextFile(folder_ / "s/forces.csv") == ReadTextFile(folder_ / "r/forces.csv"));
 }
 
-// What 3D Slicer gets to see: the tools, and each picture where its probe was.
+// What 3D Slicer gets to see: the tools, and each image where its probe was.
 TEST_F(Session, SendsPosesAndImagesOut) {
   tracking::PoseServer server({.name = "test", .host = "localhost", .port = 0});
   server.Start();
@@ -319,31 +319,31 @@ TEST_F(Session, SendsPosesAndImagesOut) {
                                         .keep_images = true};
   tracking::IgtlSource watcher(watcher_options);
   watcher.Start();
-  const auto picture = [&] { return watcher.Image("Ultrasound"); };
+  const auto image = [&] { return watcher.Image("Ultrasound"); };
   PollUntil(session, server, [&] {
     const auto& board = watcher.board();
-    return probe_ && picture() && board.Latest(0).valid && board.Latest(1).valid;
+    return probe_ && image() && board.Latest(0).valid && board.Latest(1).valid;
   });
   EXPECT_TRUE(
       watcher.board().Latest(1).reference_from_tool.isometry().isApprox(ProbeOnSkin(), 1e-6));
   EXPECT_NEAR(watcher.board().Latest(0).reference_from_tool.translation().y(), 20.0, 5.0);
 
-  // A deeper picture has larger pixels; its first row stays at the face. Pictures of before may
+  // A deeper image has larger pixels; its first row stays at the face. Images of before may
   // still be on the way.
   const auto expected = [&]() -> Eigen::Matrix4d {
-    return ProbeOnSkin().matrix() * acoustics::PictureOf(*probe_).probe_from_image().matrix();
+    return ProbeOnSkin().matrix() * acoustics::ImageOf(*probe_).probe_from_image().matrix();
   };
   const auto is_in_place = [&] {
-    return picture()->picture.reference_from_pixel.isApprox(expected(), 1e-5);
+    return image()->image.reference_from_pixel.isApprox(expected(), 1e-5);
   };
   const auto expect_in_place = [&] {
     PollUntil(session, server, is_in_place);
-    const auto sent = picture();
-    EXPECT_EQ(sent->picture.width, probe_->image_width_px);
-    EXPECT_EQ(sent->picture.height, probe_->image_height_px);
-    const auto [darkest, brightest] = std::ranges::minmax(sent->picture.pixels);
+    const auto sent = image();
+    EXPECT_EQ(sent->image.width, probe_->image_width_px);
+    EXPECT_EQ(sent->image.height, probe_->image_height_px);
+    const auto [darkest, brightest] = std::ranges::minmax(sent->image.pixels);
     EXPECT_GT(brightest - darkest, 50);
-    EXPECT_TRUE(is_in_place()) << sent->picture.reference_from_pixel << "\n" << expected();
+    EXPECT_TRUE(is_in_place()) << sent->image.reference_from_pixel << "\n" << expected();
   };
   expect_in_place();
   session.commands().Give(session::CommandKind::kDepth, 90.0);
@@ -362,7 +362,7 @@ TEST_F(Session, AProbeIsTrackedByACamera) {
   const Eigen::Isometry3d object = testing_support::FacingPose({0, -60, 600}, 15, 20, 10) *
                                    Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()) *
                                    Eigen::Translation3d(0, 110, 0);
-  camera::Picture seen;
+  camera::Image seen;
   camera::MannequinCamera(model, set, {}, {.colour = false})
       .Render(std::vector<camera::ObjectInView>{{"Reference", mannequin}, {"Probe", object}}, 0,
               seen);
@@ -418,7 +418,7 @@ TEST_F(Session, FluoroscopyFollowsTheNeedle) {
   PollUntil(session, server, [&] { return !fluoroscopy_.pixels.empty(); });
   const image::GrayImage first = fluoroscopy_;
   PollUntil(session, server, [&] { return fluoroscopy_.pixels != first.pixels; });
-  // Only the needle moves: most of the picture stays.
+  // Only the needle moves: most of the image stays.
   int changed = 0;
   for (std::size_t i = 0; i < first.pixels.size(); ++i) {
     changed += first.pixels[i] != fluoroscopy_.pixels[i] ? 1 : 0;

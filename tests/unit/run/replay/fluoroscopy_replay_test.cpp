@@ -97,7 +97,7 @@ TEST_F(FluoroscopyReplay, ACArmThatSeesNoPatientIsReported) {
 }
 
 TEST_F(FluoroscopyReplay, ASceneOfSurfacesNeedsNoCT) {
-  // The same block of tissue as in the CT, as a closed box: pictures, labels and forces without CT.
+  // The same block of tissue as in the CT, as a closed box: images, labels and forces without CT.
   WriteTextFile(folder_ / "box.obj",
                 "v -60 -40 0\nv 60 -40 0\nv -60 80 0\nv 60 80 0\n"
                 "v -60 -40 70\nv 60 -40 70\nv -60 80 70\nv 60 80 70\n"

@@ -28,10 +28,10 @@ image::GrayImage StackImage(int frame, int step) {
 
 void WriteStack(LabelFormat format, const fs::path& folder) {
   fs::create_directories(folder);
-  StackGeometry geometry{.picture = {.width_px = kStackWidth,
-                                     .height_px = kStackHeight,
-                                     .lateral_mm_per_px = 0.4,
-                                     .axial_mm_per_px = 0.3},
+  StackGeometry geometry{.image = {.width_px = kStackWidth,
+                                   .height_px = kStackHeight,
+                                   .lateral_mm_per_px = 0.4,
+                                   .axial_mm_per_px = 0.3},
                          .depth_mm = {}};
   for (int n = 0; n < kStackWidth * kStackHeight; ++n) {
     geometry.depth_mm.push_back(0.25F * static_cast<float>(n));

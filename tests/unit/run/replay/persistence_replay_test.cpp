@@ -43,7 +43,7 @@ TEST_F(PersistenceReplay, IsThatOfFramesInOrderWithAnyNumberOfThreads) {
   std::vector<std::vector<std::uint8_t>> in_order;
   std::vector<std::vector<std::uint8_t>> single;
   simulation::ImageRenderer renderer(scene);
-  simulation::ImageRenderer of_single(scene, nullptr, simulation::Pictures::kAll,
+  simulation::ImageRenderer of_single(scene, nullptr, simulation::ImageChoice::kAll,
                                       simulation::Frames::kSingle);
   simulation::Images images;
   simulation::Images alone;

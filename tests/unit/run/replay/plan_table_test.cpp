@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "acus/run/replay/plan_picture.h"
+#include "acus/run/replay/plan_diagram.h"
 
 namespace acus::replay {
 namespace {

@@ -143,7 +143,7 @@ TEST_F(Replay, LogsAndDrawsANeedleThatBends) {
   EXPECT_NE(ReadTextFile(folder_ / "bent/report.html").find(about), std::string::npos);
   EXPECT_NE(ReadTextFile(folder_ / "bent/metrics.json").find("largest tip deflection"),
             std::string::npos);
-  // The same bytes with one thread, pictures and all.
+  // The same bytes with one thread, images and all.
   Run("again", 1, bends);
   for (const char* name : {"forces.csv", "images.igs.mha", "metrics.json"}) {
     EXPECT_EQ(ReadTextFile(folder_ / "bent" / name), ReadTextFile(folder_ / "again" / name));

@@ -114,12 +114,12 @@ class TissueReplay : public testing::Test {
                                visible, mechanics::Storage::kDouble, RunContext());
   }
 
-  /// @param level  Empty: tissue does not deform.
-  static ReplayResult Run(const std::string& run, const std::string& level, int num_threads,
+  /// @param model  Empty: tissue does not deform.
+  static ReplayResult Run(const std::string& run, const std::string& model, int num_threads,
                           std::vector<scenario::Override> overrides = {}) {
-    if (!level.empty()) {
-      overrides.push_back({"/effects/tissue/model", level});
-      if (level != "displacement_functions") {
+    if (!model.empty()) {
+      overrides.push_back({"/effects/tissue/model", model});
+      if (model != "displacement_functions") {
         overrides.push_back({"/effects/needle_force/model", "tissue"});
       }
       overrides.push_back({"/patient/mesh", (Folder() / "mesh").string()});
@@ -144,17 +144,17 @@ fs::path TissueReplay::folder_;
 TEST_F(TissueReplay, EveryModelActsOnForceAndImageWithTheSameBytesOnMoreThreads) {
   Run("rigid", "", 2);
   const std::string rigid = BytesOf(Folder() / "rigid/images.igs.mha");
-  for (const std::string level : kLevels) {
-    SCOPED_TRACE(level);
-    Run(level + "_1", level, 1);
-    Run(level + "_2", level, 2);
+  for (const std::string model : kLevels) {
+    SCOPED_TRACE(model);
+    Run(model + "_1", model, 1);
+    Run(model + "_2", model, 2);
     for (const char* file : {"forces.csv", "images.igs.mha", "metrics.json"}) {
-      EXPECT_EQ(BytesOf(Folder() / (level + "_1") / file),
-                BytesOf(Folder() / (level + "_2") / file))
+      EXPECT_EQ(BytesOf(Folder() / (model + "_1") / file),
+                BytesOf(Folder() / (model + "_2") / file))
           << file;
     }
-    EXPECT_NE(BytesOf(Folder() / (level + "_1/images.igs.mha")), rigid);
-    const CsvTable forces(Folder() / (level + "_1/forces.csv"));
+    EXPECT_NE(BytesOf(Folder() / (model + "_1/images.igs.mha")), rigid);
+    const CsvTable forces(Folder() / (model + "_1/forces.csv"));
     const auto axial_n = forces.Numbers("force_axial_n");
     EXPECT_GT(*std::ranges::max_element(axial_n), 0.5);
     EXPECT_LT(*std::ranges::max_element(axial_n), 20.0);

@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 using volume_rendering::Viewpoint;
 
-constexpr volume_rendering::PictureSize kWide{.width_px = 640, .height_px = 400};
+constexpr volume_rendering::ImageSize kWide{.width_px = 640, .height_px = 400};
 const Eigen::AlignedBox3d kPatient(Eigen::Vector3d(-150, -100, 200),
                                    Eigen::Vector3d(170, 120, 600));
 

@@ -1,4 +1,4 @@
-#include "acus/scene/effects/pulsating_vessels/centrelines.h"
+#include "acus/scene/effects/tubes/centrelines.h"
 
 #include <gmock/gmock.h>
 

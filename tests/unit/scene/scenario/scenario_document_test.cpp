@@ -41,6 +41,7 @@ TEST(ScenarioDocument, DecidesForEveryTextWhetherItIsAPath) {
                                           "/effects/breathing/column",
                                           "/effects/needle_force/recording",
                                           "/effects/pulsating_vessels/tissue",
+                                          "/effects/peristalsis/tissue",
                                           "/evidence/asked",
                                           "/evidence/machine",
                                           "/evidence/acus_version",

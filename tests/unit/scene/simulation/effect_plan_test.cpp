@@ -106,12 +106,12 @@ TEST(PlanEffects, TheViewReadsWhatItShowsAndNothingElse) {
                              {"needle", true},
                              {"probe", false},
                              {"pressed", true},
-                             {"picture", true}};
+                             {"image", true}};
   s.listed.push_back({&effects::View3d(), settings});
   const EffectPlan plan = PlanEffects(s, {.needle_poses = true});
   EXPECT_THAT(StagesIn(plan), testing::ElementsAre("needle pose", "view in 3D"));
   EXPECT_FALSE(plan.Needs(effects::ports::kCt));
-  // The picture in the probe's plane is that of the ultrasound.
+  // The image in the probe's plane is that of the ultrasound.
   s.patient.ct = "ct.nrrd";
   s.listed.front().settings["probe"] = true;
   s.ultrasound.emplace();

@@ -35,7 +35,7 @@ class ImageLabelsTest : public testing::Test {
  protected:
   ImageTruth Truth(const Snapshot& snapshot, const ImageLabelSettings& settings = {}) {
     ImageLabeller labeller(scene_, scene_.labels, settings);
-    picture_ = labeller.picture();
+    image_ = labeller.image();
     depth_mm_ = labeller.depth_mm();
     ImageTruth truth;
     labeller.Label(snapshot, truth);
@@ -50,7 +50,7 @@ class ImageLabelsTest : public testing::Test {
 
   /// Of a pixel, in CT space.
   Eigen::Vector3d PlaceMm(int c, int r) const {
-    return picture_.ct_from_image(LabelledPose()) * Eigen::Vector3d(c, r, 0);
+    return image_.ct_from_image(LabelledPose()) * Eigen::Vector3d(c, r, 0);
   }
 
   template <typename Visit>
@@ -62,7 +62,7 @@ class ImageLabelsTest : public testing::Test {
 
   Scene scene_ =
       testing_support::LayeredScene(testing_support::PlanOf(true, true, true, true), true);
-  image::ImageGeometry picture_;
+  image::ImageGeometry image_;
   std::vector<float> depth_mm_;
 };
 
@@ -73,7 +73,7 @@ TEST_F(ImageLabelsTest, TissuesAreThoseOfTheMap) {
   const Eigen::Affine3d index_from_ct = scene_.labels->geometry.index_from_ct();
   int tissue = 0;
   ForEachPixel(truth, [&](int c, int r, int label) {
-    const Eigen::Vector3d place_mm = picture_.ct_from_image(pose) * Eigen::Vector3d(c, r, 0);
+    const Eigen::Vector3d place_mm = image_.ct_from_image(pose) * Eigen::Vector3d(c, r, 0);
     const Eigen::Vector3d in_probe_mm = pose.inverse() * place_mm;
     if (!acoustics::IsInFieldOfView(*scene_.probe, in_probe_mm.head<2>())) {
       EXPECT_EQ(label, kBeyondImage);
@@ -93,7 +93,7 @@ TEST_F(ImageLabelsTest, NeedlePixelsLieOnTheNeedleAndTheTipsAtItsTip) {
   const Eigen::Vector3d tip_mm(0.3, 6.0, 28.0);
   const Eigen::Vector3d axis = Eigen::Vector3d(0.0, 0.5, 1.0).normalized();
   const ImageTruth truth = Truth(At(tip_mm, axis));
-  const double pixel_mm = picture_.lateral_mm_per_px;
+  const double pixel_mm = image_.lateral_mm_per_px;
   int shaft = 0, tip = 0;
   ForEachPixel(truth, [&](int c, int r, int label) {
     const Eigen::Vector3d from_tip_mm = PlaceMm(c, r) - tip_mm;
@@ -118,7 +118,7 @@ TEST_F(ImageLabelsTest, NeedlePixelsLieOnTheNeedleAndTheTipsAtItsTip) {
   EXPECT_GT(tip, 20);
   ASSERT_TRUE(truth.tip_in_image);
   const Eigen::Vector3d seen_mm =
-      picture_.ct_from_image(LabelledPose()) *
+      image_.ct_from_image(LabelledPose()) *
       Eigen::Vector3d(truth.tip_in_image->x(), truth.tip_in_image->y(), 0.0);
   EXPECT_NEAR(seen_mm.y(), tip_mm.y(), 1e-9);
   EXPECT_NEAR(seen_mm.z(), tip_mm.z(), 1e-9);
@@ -185,7 +185,7 @@ TEST_F(ImageLabelsTest, TissueAndTargetMoveWithBreath) {
   ASSERT_TRUE(truth.target_in_image);
   const Eigen::Vector3d seen_mm = LabelledPose().inverse() * moved_mm;
   const Eigen::Vector3d found_mm =
-      picture_.probe_from_image() *
+      image_.probe_from_image() *
       Eigen::Vector3d(truth.target_in_image->x(), truth.target_in_image->y(), 0.0);
   EXPECT_LT((found_mm.head<2>() - seen_mm.head<2>()).norm(), 0.1);
   // The middle of the marked pixels is there, too.
@@ -193,7 +193,7 @@ TEST_F(ImageLabelsTest, TissueAndTargetMoveWithBreath) {
   int marked = 0;
   ForEachPixel(truth, [&](int c, int r, int label) {
     if (label != kTargetInImage) return;
-    sum_mm += (picture_.probe_from_image() * Eigen::Vector3d(c, r, 0)).head<2>();
+    sum_mm += (image_.probe_from_image() * Eigen::Vector3d(c, r, 0)).head<2>();
     ++marked;
   });
   ASSERT_GT(marked, 50);
@@ -210,11 +210,11 @@ TEST_F(ImageLabelsTest, WithoutTheProbeNothingIsLabelled) {
 
 TEST_F(ImageLabelsTest, DepthIsTheDistanceFromTheFace) {
   Truth({.probe_valid = true, .ct_from_probe = LabelledPose()});
-  for (int r = 0; r < picture_.height_px; r += 7) {
+  for (int r = 0; r < image_.height_px; r += 7) {
     const float depth_mm =
-        depth_mm_[static_cast<std::size_t>(r) * static_cast<std::size_t>(picture_.width_px) +
-                  static_cast<std::size_t>(picture_.width_px / 2)];
-    EXPECT_NEAR(depth_mm, PlaceMm(picture_.width_px / 2, r).z(), 1e-4);
+        depth_mm_[static_cast<std::size_t>(r) * static_cast<std::size_t>(image_.width_px) +
+                  static_cast<std::size_t>(image_.width_px / 2)];
+    EXPECT_NEAR(depth_mm, PlaceMm(image_.width_px / 2, r).z(), 1e-4);
   }
 }
 

@@ -221,8 +221,8 @@ TEST(NeedleShape, TheImagesShowTheBentNeedle) {
   EXPECT_NE(straight.b_mode.pixels, bent.b_mode.pixels);
   // Where the bent tip is, it is white; the straight one is black there and the other way round.
   const auto pixel_of = [&](const Vector3d& in_ct_mm) {
-    const image::ImageGeometry picture = acoustics::PictureOf(*scene.probe);
-    const Eigen::Vector3d at = picture.ct_from_image(snapshot.ct_from_probe).inverse() * in_ct_mm;
+    const image::ImageGeometry image = acoustics::ImageOf(*scene.probe);
+    const Eigen::Vector3d at = image.ct_from_image(snapshot.ct_from_probe).inverse() * in_ct_mm;
     return Eigen::Vector2i(std::lround(at.x()), std::lround(at.y()));
   };
   const Vector3d inside_mm = 0.5 * (line.At(0) + line.At(1));  // Within the shaft.

@@ -127,7 +127,7 @@ TEST(Step, StaysFiniteWhateverTheTrackerSays) {
 }
 
 TEST(Effects, OffAndOnButInactiveGiveIdenticalBits) {
-  // The needle is far from the picture; the needle force has nothing to touch.
+  // The needle is far from the image; the needle force has nothing to touch.
   const Scene off = LayeredScene(PlanOf(false, true, true, false), false);
   const Scene on = LayeredScene(PlanOf(true, true, true, true), true);
   Snapshot snapshot{.probe_valid = true, .ct_from_probe = ProbeOnSkin()};
@@ -153,7 +153,7 @@ TEST(Effects, OffAndOnButInactiveGiveIdenticalBits) {
   EXPECT_NE(without.b_mode.pixels, shown.b_mode.pixels);
 }
 
-/// A scene whose pictures show tissue moved by displacement functions.
+/// A scene whose images show tissue moved by displacement functions.
 Scene SceneWithMovedTissue(bool moved) {
   scenario::Scenario s;
   s.patient.ct = "ct";
@@ -189,7 +189,7 @@ TEST(Effects, TissueThatNothingDeformsGivesTheBitsOfOneThatIsOff) {
   EXPECT_EQ(without.b_mode.pixels, touched.b_mode.pixels);
   EXPECT_EQ(without.ct_slice.pixels, touched.ct_slice.pixels);
 
-  // And with the needle in the tissue, the pictures do change: the comparisons above could fail.
+  // And with the needle in the tissue, the images do change: the comparisons above could fail.
   const Simulation simulation(on);
   State state = simulation.NewState();
   StepOutput out;

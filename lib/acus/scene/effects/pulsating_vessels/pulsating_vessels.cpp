@@ -5,9 +5,9 @@
 #include "acus/base/core/error.h"
 #include "acus/data/volume/labels.h"
 #include "acus/scene/effects/ports.h"
-#include "acus/scene/effects/pulsating_vessels/centrelines.h"
 #include "acus/scene/effects/pulsating_vessels/pulse.h"
-#include "acus/scene/effects/pulsating_vessels/vessel.h"
+#include "acus/scene/effects/tubes/centrelines.h"
+#include "acus/scene/effects/tubes/tube.h"
 
 namespace acus::effects {
 namespace {
@@ -22,13 +22,12 @@ struct PulseState {
 
 class VesselStage final : public StepStageOf<PulseState> {
  public:
-  VesselStage(std::vector<Vessel> vessels, const Pulse& pulse, double strain,
-              double warp_spacing_mm)
+  VesselStage(std::vector<Tube> vessels, const Pulse& pulse, double strain, double warp_spacing_mm)
       : vessels_(std::move(vessels)),
         pulse_(pulse),
         strain_(strain),
         warp_spacing_mm_(warp_spacing_mm) {
-    for (const Vessel& vessel : vessels_) {
+    for (const Tube& vessel : vessels_) {
       largest_radius_mm_ = std::max(largest_radius_mm_, vessel.LargestRadiusMm());
     }
   }
@@ -43,7 +42,7 @@ class VesselStage final : public StepStageOf<PulseState> {
   Eigen::Vector3d RestInCtMm(const PulseState& state,
                              const Eigen::Vector3d& place_in_ct_mm) const noexcept override {
     Eigen::Vector3d rest_mm = place_in_ct_mm;
-    for (const Vessel& vessel : vessels_) rest_mm = vessel.RestMm(rest_mm, state.strain);
+    for (const Tube& vessel : vessels_) rest_mm = vessel.RestMm(rest_mm, state.strain);
     return rest_mm;
   }
 
@@ -54,7 +53,7 @@ class VesselStage final : public StepStageOf<PulseState> {
   double MotionSpacingMm() const noexcept override { return warp_spacing_mm_; }
 
  private:
-  std::vector<Vessel> vessels_;
+  std::vector<Tube> vessels_;
   Pulse pulse_;
   double strain_;
   double warp_spacing_mm_;
@@ -114,13 +113,13 @@ class PulsatingVesselsEffect final : public Effect {
              .title = "points along the centreline of a pulsating vessel",
              .unit = "mm",
              .key = "point_spacing_mm",
-             .levels = {32, 16, 8, 4, 2, 1}},
+             .values = {32, 16, 8, 4, 2, 1}},
             {.name = "vessel_warp_spacing_mm",
              .title = "knots at which images evaluate the motion of vessels",
              .unit = "mm",
              .key = "warp_spacing_mm",
              .acts_on = ActsOn::kImage,
-             .levels = {8, 4, 2, 1, 0.5}}};
+             .values = {8, 4, 2, 1, 0.5}}};
   }
 
   std::unique_ptr<const LoadedEffect> Load(const json& settings, const PortValues& scene,
@@ -139,7 +138,7 @@ class PulsatingVesselsEffect final : public Effect {
       }
     }
     const double strain = settings.at("radial_strain");
-    std::vector<Vessel> vessels;
+    std::vector<Tube> vessels;
     for (const Centreline& line : lines) {
       vessels.emplace_back(Resampled(line, settings.at("point_spacing_mm")),
                            settings.at("reach_mm"), strain);

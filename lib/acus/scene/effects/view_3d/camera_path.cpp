@@ -80,7 +80,7 @@ CameraPath::Values CameraPath::ValuesAt(double time_s) const {
 
 volume_rendering::Viewpoint CameraPath::At(double session_s,
                                            const Eigen::AlignedBox3d& box_in_ct_mm,
-                                           const volume_rendering::PictureSize& size) const {
+                                           const volume_rendering::ImageSize& size) const {
   const Values values = ValuesAt(session_s);
   volume_rendering::Viewpoint out;
   // A curve may go a little beyond what its keys have.

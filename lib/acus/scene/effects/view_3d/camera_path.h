@@ -22,7 +22,7 @@ class CameraPath {
   /// @param session_s  Since the session began. Before the first key: as there.
   /// @param box_in_ct_mm  The patient, for keys around him.
   volume_rendering::Viewpoint At(double session_s, const Eigen::AlignedBox3d& box_in_ct_mm,
-                                 const volume_rendering::PictureSize& size) const;
+                                 const volume_rendering::ImageSize& size) const;
 
  private:
   /// Eye, focus and up; or azimuth, elevation and distance, then zeros. Then the view angle.

@@ -55,7 +55,7 @@ volume_rendering::ViewSettings LookOf(const View3dSettings& settings) {
 }
 
 volume_rendering::Camera CameraOf(const View3dSettings& settings, const Eigen::AlignedBox3d& box) {
-  const volume_rendering::PictureSize size{settings.width_px, settings.height_px};
+  const volume_rendering::ImageSize size{settings.width_px, settings.height_px};
   if (!settings.eye_in_ct_mm) {
     return LookAt(volume_rendering::ViewFrom(settings.from, box, size, settings.view_angle_deg),
                   size);
@@ -92,13 +92,17 @@ class ViewStage final : public ImageStage {
   Activity Render(const ImageMoment& moment, const PortValues& ports, EffectPixels& out) override {
     if (!path_ && !HasChanged(moment.changes)) return Activity::kUnchanged;
     if (path_) {
-      const volume_rendering::PictureSize size{settings_.width_px, settings_.height_px};
+      const volume_rendering::ImageSize size{settings_.width_px, settings_.height_px};
       camera_ = LookAt(path_->At(moment.session_s, view_.box_in_ct_mm(), size), size);
     }
     volume_rendering::ViewMoment seen;
     seen.path_in_ct_mm = moment.tip_path_in_ct_mm;
     seen.motion = moment.breath;
-    if (moment.needle != nullptr) seen.needle = *moment.needle;
+    if (moment.needle != nullptr) {
+      seen.needle = *moment.needle;
+      const Eigen::Vector3d& tip_mm = moment.needle->tip_in_ct_mm;
+      seen.arrow = {tip_mm, tip_mm + settings_.force_arrow_mm_per_n * moment.needle_force_in_ct_n};
+    }
     if (settings_.probe && moment.probe_valid) {
       seen.probe.emplace();
       seen.probe->ct_from_probe = moment.ct_from_probe;
@@ -140,7 +144,9 @@ class ViewStage final : public ImageStage {
   }
   bool HasChanged(const ImageChanges& changes) const {
     return changes.breath || changes.images || (settings_.pressed && changes.tissue) ||
-           (settings_.needle && changes.needle) || (settings_.probe && changes.probe);
+           (settings_.needle && changes.needle) ||
+           (settings_.force_arrow_mm_per_n > 0.0 && changes.force) ||
+           (settings_.probe && changes.probe);
   }
 
   View3dSettings settings_;
@@ -148,8 +154,8 @@ class ViewStage final : public ImageStage {
   volume_rendering::Camera camera_;
   int num_threads_;
   std::optional<CameraPath> path_;
-  volume_rendering::ViewPicture rendered_;
-  volume_rendering::ViewPicture at_rest_;
+  volume_rendering::ViewImage rendered_;
+  volume_rendering::ViewImage at_rest_;
 };
 
 class LoadedView final : public LoadedEffect {
@@ -226,6 +232,7 @@ class View3dEffect final : public Effect {
         },
         "surface_grid_mm": {"type": "number", "minimum": 0.5, "maximum": 10, "default": 1.5, "description": "Detail of the surfaces, mm"},
         "needle": {"type": "boolean", "default": true, "description": "Show the needle"},
+        "force_arrow_mm_per_n": {"type": "number", "minimum": 0, "maximum": 1000, "default": 0, "description": "Show the force on the hand as an arrow from the needle's tip, this long for 1 N, if there is effects/needle_force; 0: no arrow"},
         "probe": {"type": "boolean", "default": true, "description": "Show the probe and the plane that it sees"},
         "picture": {"type": "boolean", "default": true, "description": "Show the B-mode in that plane, if there is effects/ultrasound"},
         "pressed": {"type": "boolean", "default": true, "description": "Show the tissue as needle, probe or finger press it, if effects/tissue says that images show it"},
@@ -273,6 +280,7 @@ class View3dEffect final : public Effect {
     if (settings.at("needle")) {
       add(stage.reads, {ports::kNeedle, ports::kNeedlePreset});
       add(stage.optional_reads, {ports::kShape});
+      if (settings.at("force_arrow_mm_per_n") > 0.0) add(stage.optional_reads, {ports::kForce});
     }
     if (settings.at("probe")) {
       add(stage.reads, {ports::kProbe, ports::kProbePreset});

@@ -47,6 +47,7 @@ View3dSettings ReadView3dSettings(const json& object) {
   settings.surface_grid_mm = object.at("surface_grid_mm");
   settings.needle = object.at("needle");
   settings.probe = object.at("probe");
+  settings.force_arrow_mm_per_n = object.at("force_arrow_mm_per_n");
   settings.pressed = object.at("pressed");
   settings.shadows = object.at("shadows");
   settings.tool_shine = object.at("tool_shine");

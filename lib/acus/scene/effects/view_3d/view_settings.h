@@ -37,7 +37,8 @@ struct View3dSettings {
   double surface_grid_mm = 0.0;
   bool needle = true;
   bool probe = true;
-  bool pressed = true;  ///< Tissue that tools press is shown so.
+  double force_arrow_mm_per_n = 0.0;  ///< 0: none.
+  bool pressed = true;                ///< Tissue that tools press is shown so.
   bool shadows = true;
   double tool_shine = 0.0;
   int supersampling = 0;

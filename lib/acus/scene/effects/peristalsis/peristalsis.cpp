@@ -1,0 +1,165 @@
+#include "acus/scene/effects/peristalsis/peristalsis.h"
+
+#include "acus/base/core/error.h"
+#include "acus/data/volume/labels.h"
+#include "acus/scene/effects/peristalsis/contraction_wave.h"
+#include "acus/scene/effects/ports.h"
+#include "acus/scene/effects/tubes/centrelines.h"
+#include "acus/scene/effects/tubes/tube.h"
+
+namespace acus::effects {
+namespace {
+
+using nlohmann::json;
+
+constexpr ports::FilePort kBowelCentrelines{"bowel's centrelines"};
+
+struct PeristalsisState {
+  double waves = 0.0;  ///< That have begun.
+};
+
+class PeristalsisStage final : public StepStageOf<PeristalsisState> {
+ public:
+  PeristalsisStage(std::vector<Tube> loops, const ContractionWave& wave, double contraction,
+                   double warp_spacing_mm)
+      : loops_(std::move(loops)),
+        wave_(wave),
+        is_still_(loops_.empty() || contraction == 0.0),
+        warp_spacing_mm_(warp_spacing_mm) {}
+
+  Activity Step(PeristalsisState& state, const StepTime& time, PortValues& /*ports*/,
+                std::span<double> columns) const noexcept override {
+    if (is_still_) return Activity::kIdle;
+    state.waves = wave_.WavesAt(time.session_s);
+    columns[0] = state.waves;
+    return Activity::kActive;
+  }
+
+  Eigen::Vector3d RestInCtMm(const PeristalsisState& state,
+                             const Eigen::Vector3d& place_in_ct_mm) const noexcept override {
+    Eigen::Vector3d rest_mm = place_in_ct_mm;
+    if (is_still_) return rest_mm;
+    Tube::Nearest near;
+    for (const Tube& loop : loops_) {
+      if (!loop.FindNearest(rest_mm, near)) continue;
+      rest_mm = loop.RestMm(rest_mm, near, wave_.StrainAt(near.along_mm, state.waves));
+    }
+    return rest_mm;
+  }
+
+  bool IsSameMotion(const PeristalsisState& a, const PeristalsisState& b) const noexcept override {
+    return a.waves == b.waves;
+  }
+
+  double MotionSpacingMm() const noexcept override { return warp_spacing_mm_; }
+
+ private:
+  std::vector<Tube> loops_;
+  ContractionWave wave_;
+  bool is_still_;
+  double warp_spacing_mm_;
+};
+
+class LoadedPeristalsis final : public LoadedEffect {
+ public:
+  explicit LoadedPeristalsis(PeristalsisStage stage) : stage_(std::move(stage)) {}
+  const StepStage* step() const override { return &stage_; }
+
+ private:
+  PeristalsisStage stage_;
+};
+
+class PeristalsisEffect final : public Effect {
+ public:
+  std::string_view key() const override { return "peristalsis"; }
+  std::string_view title() const override { return "Peristalsis"; }
+
+  json Schema() const override {
+    return json::parse(R"json({
+      "type": "object",
+      "additionalProperties": false,
+      "description": "Bowel whose wall contracts in waves that travel along it; felt by needle and probe, seen in the images",
+      "properties": {
+        "tissue": {"type": "string", "default": "bowel", "description": "Tissue of the label map whose centrelines are followed; not read if centrelines are given"},
+        "centrelines": {"type": "string", "description": "CSV of centrelines (vessel,x_mm,y_mm,z_mm,radius_mm; CT space), in place of the label map; waves travel from the first point on"},
+        "waves_per_min": {"type": "number", "exclusiveMinimum": 0, "maximum": 60, "default": 9, "description": "Contractions per minute: small bowel 8 to 12, colon 3"},
+        "speed_mm_per_s": {"type": "number", "exclusiveMinimum": 0, "maximum": 500, "default": 12, "description": "Speed of a contraction along the bowel"},
+        "length_mm": {"type": "number", "exclusiveMinimum": 0, "maximum": 1000, "default": 40, "description": "Length of the part that is contracted"},
+        "contraction": {"type": "number", "minimum": 0, "maximum": 0.9, "default": 0.3, "description": "Largest motion of the wall inwards, as a share of the radius"},
+        "reach_mm": {"type": "number", "minimum": 1, "maximum": 100, "default": 10, "description": "Tissue moves up to this far beyond the wall"},
+        "point_spacing_mm": {"type": "number", "minimum": 0.5, "maximum": 50, "default": 4, "description": "Distance of points along a centreline"},
+        "warp_spacing_mm": {"type": "number", "minimum": 0.1, "maximum": 50, "default": 2, "description": "The images evaluate the motion at knots this far apart, and interpolate"}
+      }
+    })json");
+  }
+
+  std::vector<PathSetting> Paths() const override {
+    return {{"centrelines", PathKind::kFile, kBowelCentrelines}};
+  }
+
+  std::optional<StageDeclaration> StepStageOf(const json& settings) const override {
+    StageDeclaration stage{.name = "peristalsis", .reads = {}, .writes = {ports::kTissueMotion}};
+    stage.reads.push_back(settings.contains("centrelines") ? PortRef(kBowelCentrelines)
+                                                           : PortRef(ports::kLabels));
+    stage.is_goal = false;
+    return stage;
+  }
+
+  std::vector<Column> Columns() const override {
+    return {{"waves", "Contractions that have begun", ""}};
+  }
+
+  std::vector<Knob> Knobs() const override {
+    return {{.name = "bowel_point_spacing_mm",
+             .title = "points along the centreline of moving bowel",
+             .unit = "mm",
+             .key = "point_spacing_mm",
+             .values = {32, 16, 8, 4, 2, 1}},
+            {.name = "bowel_warp_spacing_mm",
+             .title = "knots at which images evaluate the motion of bowel",
+             .unit = "mm",
+             .key = "warp_spacing_mm",
+             .acts_on = ActsOn::kImage,
+             .values = {8, 4, 2, 1, 0.5}}};
+  }
+
+  std::unique_ptr<const LoadedEffect> Load(const json& settings, const PortValues& scene,
+                                           RunContext& context) const override {
+    const double contraction = settings.at("contraction");
+    std::vector<Tube> loops;
+    for (const Centreline& line : LinesOf(settings, scene, context)) {
+      loops.emplace_back(Resampled(line, settings.at("point_spacing_mm")), settings.at("reach_mm"),
+                         0.0);
+    }
+    const ContractionWave wave(settings.at("waves_per_min"), settings.at("speed_mm_per_s"),
+                               settings.at("length_mm"), contraction);
+    return std::make_unique<LoadedPeristalsis>(
+        PeristalsisStage(std::move(loops), wave, contraction, settings.at("warp_spacing_mm")));
+  }
+
+ private:
+  static std::vector<Centreline> LinesOf(const json& settings, const PortValues& scene,
+                                         RunContext& context) {
+    if (settings.contains("centrelines")) {
+      const std::filesystem::path file = settings.at("centrelines").get<std::string>();
+      context.provenance.AddInput(file);
+      return ReadCentrelines(file);
+    }
+    const std::string tissue = settings.at("tissue");
+    auto lines = CentrelinesOf(scene.Get(ports::kLabels), volume::LabelOf(tissue));
+    if (lines.empty()) {
+      context.Warn("effects/peristalsis: the label map has no tissue \"" + tissue +
+                   "\" that can be followed over five slices; nothing moves");
+    }
+    return lines;
+  }
+};
+
+}  // namespace
+
+const Effect& Peristalsis() {
+  static const PeristalsisEffect effect;
+  return effect;
+}
+
+}  // namespace acus::effects

@@ -1,0 +1,45 @@
+// Tissue that tools deform, as a scenario calls for it.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace acus::scenario {
+
+enum class TissueModelKind { kDisplacementFunctions, kSprings, kPlane2010, kFem3d };
+
+/// Tissue that tools deform. Only the settings of its model are read.
+struct TissueEffect {
+  TissueModelKind model = TissueModelKind::kDisplacementFunctions;
+  std::filesystem::path elasticity;
+  std::filesystem::path table;    ///< Force table, for models that touch the needle.
+  bool image = true;              ///< The images show the deformation.
+  bool pressed_by_probe = false;  ///< ... and the skin under the probe; not fe_3d.
+  double warp_spacing_mm = 0.0;
+  int inverse_iterations = 0;
+  double influence_radius_mm = 0.0;  ///< displacement_functions, springs.
+  bool printed_form = false;         ///< displacement_functions: the formulas to the letter.
+  double tip_length_mm = 0.0;        ///< displacement_functions; 0: that of the form.
+  double path_spacing_mm = 0.0;      ///< springs.
+  double plane_spacing_mm = 0.0;     ///< fe_2d, as all of the plane's.
+  double plane_width_mm = 0.0;
+  int plane_turned = 0;
+  double plane_beyond_mm = 0.0;
+  double plane_thickness_mm = 0.0;
+  std::string element;              ///< fe_3d: as acus-mesh condensed the mesh.
+  double contact_spacing_mm = 0.0;  ///< fe_3d.
+  bool probe_contact = false;       ///< fe_3d.
+  bool finite_strain = false;       ///< fe_3d: tissue near the corridor stiffens.
+  int strain_nodes = 0;             ///< fe_3d, finite strain, as the next.
+  int strain_iterations = 0;        ///< Per step.
+
+  /// True if the model steps with the samples and knows forces on the needle by itself.
+  bool TouchesNeedle() const { return model != TissueModelKind::kDisplacementFunctions; }
+};
+
+/// @param settings  /effects/tissue, checked against the schema.
+/// @param folder  What paths are relative to.
+TissueEffect ReadTissueEffect(const nlohmann::json& settings, const std::filesystem::path& folder);
+
+}  // namespace acus::scenario

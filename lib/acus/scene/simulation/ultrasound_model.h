@@ -1,0 +1,63 @@
+// The models of ultrasound, from cheap to expensive, behind one call.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <optional>
+#include <variant>
+
+#include "acus/data/volume/volume.h"
+#include "acus/imaging/ultrasound/alamilla.h"
+#include "acus/imaging/ultrasound/aperture_renderer.h"
+#include "acus/imaging/ultrasound/beam_renderer.h"
+#include "acus/imaging/ultrasound/bmode.h"
+#include "acus/imaging/ultrasound/vidal.h"
+#include "acus/scene/scenario/ultrasound_effect.h"
+#include "acus/scene/simulation/beam_settings.h"
+
+namespace acus::simulation {
+
+/// What a model was told to do. Its type says which model it is.
+using ImageSettings = std::variant<ultrasound::VidalOptions, ultrasound::AlamillaOptions,
+                                   ultrasound::BModeOptions, BeamSettings, ApertureSettings>;
+
+/// Reads the settings of the scenario's model. @throws InputError listing all problems.
+/// @param probe   Tables of greys hold for its gain.
+/// @param labels  Of the patient, if the model reads them; else null.
+ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
+                                const acoustics::Probe& probe, const volume::LabelMap* labels);
+
+/// What the scanner adds to the images; null if the model has no such thing.
+const ultrasound::DisplayOptions* DisplayOf(const ImageSettings& settings);
+
+/// What models read of the patient; null if the plan does not need it.
+struct ImagePatient {
+  const volume::CtVolume* ct = nullptr;
+  const volume::LabelMap* labels = nullptr;
+};
+
+/// Renders with the model that the settings are of. Not for two threads at a time.
+class UltrasoundModel {
+ public:
+  using Renderer = std::variant<ultrasound::VidalRenderer, ultrasound::AlamillaRenderer,
+                                ultrasound::BModeRenderer, ultrasound::BeamRenderer,
+                                ultrasound::ApertureRenderer>;
+
+  /// Keeps references to the patient, which must outlive this.
+  /// @throws InputError if the probe or a setting is out of range.
+  UltrasoundModel(const ImagePatient& patient, const acoustics::Probe& probe,
+                  const ImageSettings& settings);
+
+  /// As BModeRenderer::Render: allocation-free after the first call, the same bits with any
+  /// `num_threads`.
+  void Render(const Eigen::Isometry3d& ct_from_probe,
+              const std::optional<image::NeedleInImage>& needle, image::GrayImage& out,
+              int num_threads = 1, const slicing::RestMap* rest = nullptr);
+
+  const image::ImageGeometry& image() const;
+
+ private:
+  Renderer renderer_;
+};
+
+}  // namespace acus::simulation
