@@ -10,6 +10,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
+#include "acus/base/core/spelling.h"
 
 namespace acus::config {
 namespace {
@@ -130,6 +131,27 @@ fs::path ConfigsFolder() {
   return program.parent_path().parent_path() / "share" / "acus" / "configs";
 }
 
+namespace {
+
+/// "; did you mean scenarios/liver_biopsy.json?": the preset of that name, or of nearly that name.
+std::string PresetHint(const fs::path& name) {
+  std::vector<std::string> names;
+  std::vector<std::string> paths;
+  std::error_code failed;
+  fs::recursive_directory_iterator entries(ConfigsFolder(), failed);
+  for (; !failed && entries != fs::recursive_directory_iterator(); entries.increment(failed)) {
+    if (entries->path().extension() != ".json") continue;
+    names.push_back(entries->path().stem().string());
+    paths.push_back(entries->path().lexically_relative(ConfigsFolder()).generic_string());
+  }
+  const auto nearest = NearestSpelling(name.stem().string(), names);
+  if (!nearest) return "";
+  const auto found = std::ranges::find(names, *nearest) - names.begin();
+  return Message("; did you mean ", paths[static_cast<std::size_t>(found)], "?");
+}
+
+}  // namespace
+
 fs::path FindConfig(const fs::path& name, const fs::path& relative_to) {
   const fs::path near = name.is_absolute() ? name : relative_to / name;
   std::error_code ignored;
@@ -146,7 +168,7 @@ fs::path FindConfig(const fs::path& name, const fs::path& relative_to) {
   const fs::path here = fs::current_path(ignored) / name;
   if (is_there(here)) return here;
   throw InputError(Message(name.string(), ": no such file; tried ", near.string(), ", ",
-                           installed.string(), " and ", here.string()));
+                           installed.string(), " and ", here.string(), PresetHint(name)));
 }
 
 }  // namespace acus::config

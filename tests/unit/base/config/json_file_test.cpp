@@ -79,6 +79,20 @@ TEST(FindConfig, FindsALoopOfLinksWhereItIs) {
               ThrowsMessage<InputError>(HasSubstr("symbolic links")));
 }
 
+TEST(FindConfig, NamesThePresetThatWasMeant) {
+  setenv("ACUS_CONFIGS", (std::filesystem::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
+  const testing_support::TemporaryFolder folder;
+  for (const char* name :
+       {"liver_biopsy_awake", "liver_biopsy_awkae.json", "x/liver_biopsy_awake"}) {
+    EXPECT_THAT(
+        [&] { FindConfig(name, folder.path()); },
+        ThrowsMessage<InputError>(HasSubstr("did you mean scenarios/liver_biopsy_awake.json?")))
+        << name;
+  }
+  EXPECT_THAT([&] { FindConfig("nothing_like_this_at_all.json", folder.path()); },
+              ThrowsMessage<InputError>(testing::Not(HasSubstr("did you mean"))));
+}
+
 TEST(WriteJson, WritesValidJsonWhateverBytesANameHolds) {
   const testing_support::TemporaryFolder folder;
   const auto path = folder / "bytes.json";
