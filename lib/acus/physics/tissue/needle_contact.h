@@ -17,6 +17,7 @@
 #include "acus/physics/tissue/contact_mesh.h"
 #include "acus/physics/tissue/contact_system.h"
 #include "acus/physics/tissue/membrane_dimple.h"
+#include "acus/physics/tissue/needle_phase.h"
 #include "acus/physics/tissue/probe_contact.h"
 #include "acus/physics/tissue/sample_gate.h"
 #include "acus/physics/tissue/shell_near_field.h"
@@ -33,12 +34,6 @@ struct FemContactSettings {
   std::optional<ProbeFace> probe{};  ///< None: the probe does not press.
   int max_probe_nodes = 48;
   std::optional<StrainSettings> strain{};  ///< None: linear everywhere.
-};
-
-enum class NeedlePhase : std::uint8_t {
-  kFree,    ///< Outside.
-  kOnSkin,  ///< The tip presses the skin.
-  kInside,  ///< The skin has given way.
 };
 
 /// A material point on the path that the tip has cut.

@@ -54,7 +54,7 @@ PlaneModel2010::PlaneModel2010(const PlaneSettings& settings, const PlanePlaceme
 
 /// The plane follows needle and image while it holds no needle: no force can jump then.
 void PlaneModel2010::Lay(PlaneState& state, const ToolSample& sample) const noexcept {
-  if (settings_.num_turned == 0 || state.in_body || !sample.probe_valid) return;
+  if (settings_.num_turned == 0 || state.in_body() || !sample.probe_valid) return;
   const Eigen::Vector3d image_normal = sample.ct_from_probe.linear().col(2);
   if (!image_normal.allFinite()) return;
   state.frame = planes_.FrameFor(sample.tip_in_ct_mm, sample.axis_in_ct.normalized(), image_normal,
@@ -134,23 +134,23 @@ forces::NeedleForce PlaneModel2010::Step(PlaneState& state,
   motion.was_outside = started && state.tissue_at_tip == 0;
   state.tip_in_plane_mm = motion.to_mm;
   state.axis_in_plane = motion.to_axis;
-  state.tissue_at_tip = settings_.num_turned > 0 && state.in_body
+  state.tissue_at_tip = settings_.num_turned > 0 && state.in_body()
                             ? tissue_at_(sample.tip_in_ct_mm)
                             : LabelAt(state.frame, motion.to_mm);
 
   NeedleEvent event = NeedleEvent::kNone;
-  if (!state.in_body && state.tissue_at_tip != 0 && Touch(state, motion)) {
+  if (!state.in_body() && state.tissue_at_tip != 0 && Touch(state, motion)) {
     event = NeedleEvent::kContact;
     motion.from_mm = state.entry_mm;
     motion.from_axis = motion.to_axis;
   }
   state.force = {};
-  if (state.in_body) {
+  if (state.in_body()) {
     const double device_before_mm = state.device_mm;
     const double travel_mm = (motion.to_mm - motion.from_mm).norm();
     const int num = static_cast<int>(
         std::clamp(std::ceil(travel_mm / (0.5 * settings_.spacing_mm)), 1.0, 1.0 * kMostSubsteps));
-    for (int i = 1; i <= num && state.in_body; ++i) {
+    for (int i = 1; i <= num && state.in_body(); ++i) {
       const double part = static_cast<double>(i) / num;
       const Eigen::Vector2d tip = motion.from_mm + part * (motion.to_mm - motion.from_mm);
       const Eigen::Vector2d turned = motion.from_axis + part * (motion.to_axis - motion.from_axis);
@@ -158,7 +158,7 @@ forces::NeedleForce PlaneModel2010::Step(PlaneState& state,
           turned.norm() > 1e-6 ? Eigen::Vector2d(turned.normalized()) : motion.to_axis;
       event = FirstOf(event, Substep(state, tip, direction));
     }
-    if (state.in_body) Forces(state, (state.device_mm - device_before_mm) / dt_s);
+    if (state.in_body()) Forces(state, (state.device_mm - device_before_mm) / dt_s);
   }
   LimitTo(state.force, table_.settings.largest_force_n);
   state.force.event = event;
@@ -179,14 +179,14 @@ bool PlaneModel2010::Touch(PlaneState& state, const Motion& motion) const noexce
   state.device_mm = state.needle_mm = state.aside_mm = state.slope = 0.0;
   StartPath(state, motion.to_axis, skin_mm);
   if (!AppendNode(state, 0.0)) return false;  // Outside the region: nothing to deform there.
-  state.in_body = true;
   state.tip_rest_mm = state.channel_mm = 0.0;
   state.cut_tissue = state.membrane_of = tissue;
   state.on_bone = table_.tissue[tissue].impenetrable;
   state.bone_at_mm = 0.0;
   state.pressing = !state.on_bone && table_.HasMembrane(0, tissue);
-  state.pierced = !state.pressing && !state.on_bone;
-  state.engaged = state.pierced;
+  const bool is_soft = !state.pressing && !state.on_bone;
+  state.phase = is_soft ? NeedlePhase::kInside : NeedlePhase::kOnSkin;
+  state.engaged = is_soft;
   state.node[0].reference_mm.x() = 0.0;  // It is the skin that is touched, at 0.
   return true;
 }
@@ -258,7 +258,7 @@ void PlaneModel2010::LoadOf(const PlaneState& state, TissueLoad& out) const noex
   static_assert(kMostNodes <= TissueLoad::kMaxPoints);
   out.num_points = 0;
   out.needle = {};
-  if (!state.in_body) return;
+  if (!state.in_body()) return;
   const Eigen::Vector2d across(-state.along.y(), state.along.x());
   for (int q = 0; q < state.num_nodes; ++q) {
     const Eigen::Vector2d force_n =
@@ -269,7 +269,7 @@ void PlaneModel2010::LoadOf(const PlaneState& state, TissueLoad& out) const noex
   out.num_points = state.num_nodes;
   out.plane = state.frame;
   out.needle.in_contact = true;
-  out.needle.pierced = state.pierced;
+  out.needle.pierced = state.pierced();
   out.needle.entry_in_ct_mm = state.frame.ToCtMm(state.entry_mm);
   out.needle.tip_in_ct_mm =
       state.frame.ToCtMm(state.entry_mm + state.needle_mm * state.along + state.aside_mm * across);
@@ -287,11 +287,11 @@ void PlaneModel2010::Forces(PlaneState& state, double speed_mm_per_s) const noex
     const double along_n = state.contact.ForceN(2 * q);
     across_n += state.contact.ForceN(2 * q + 1);
     // What is more than friction can be is at the tip.
-    const double shaft_n = state.pierced ? -state.contact.LowN(2 * q) : 0.0;
+    const double shaft_n = state.pierced() ? -state.contact.LowN(2 * q) : 0.0;
     tip_n += std::max(0.0, along_n - shaft_n);
     out.friction_n += std::min(along_n, shaft_n);
   }
-  if (!state.pierced) {
+  if (!state.pierced()) {
     out.puncture_n = tip_n;
   } else {
     const double cutting_n = table_.tissue[state.cut_tissue].cutting_n;
@@ -311,19 +311,20 @@ void PlaneModel2010::Forces(PlaneState& state, double speed_mm_per_s) const noex
 }
 
 bool PlaneModel2010::HasLeft(const PlaneState& state) const noexcept {
-  if (state.pierced) {
+  if (state.pierced()) {
     if (state.tip_rest_mm < -kSlackMm) return true;
   } else if (state.device_mm < -kTremorMm) {
     return true;
   }
   if (state.tissue_at_tip != 0) return false;
-  return std::abs(state.aside_mm) > (state.pierced ? kEscapeMm : kTremorMm);
+  return std::abs(state.aside_mm) > (state.pierced() ? kEscapeMm : kTremorMm);
 }
 
 void PlaneModel2010::Leave(PlaneState& state) const noexcept {
   state.contact.Clear();
   state.num_nodes = 0;
-  state.in_body = state.pierced = state.pressing = state.engaged = state.cutting = false;
+  state.phase = NeedlePhase::kFree;
+  state.pressing = state.engaged = state.cutting = false;
   state.on_bone = false;
   state.device_mm = state.needle_mm = state.tip_rest_mm = state.channel_mm = 0.0;
 }
@@ -342,14 +343,14 @@ NeedleEvent PlaneModel2010::Substep(PlaneState& state, const Eigen::Vector2d& ti
   state.aside_mm = off_mm.dot(across);
   state.slope = axis.dot(across) / std::max(kLeastPathCosine, axis.dot(state.along));
   NeedleEvent event = NeedleEvent::kNone;
-  if (state.on_bone && state.pierced && !state.engaged) {
+  if (state.on_bone && state.pierced() && !state.engaged) {
     state.on_bone = false;
     event = NeedleEvent::kBoneRelease;
   }
   state.needle_mm = state.on_bone ? std::min(state.device_mm, state.bone_at_mm) : state.device_mm;
   event = FirstOf(event, Balance(state, state.needle_mm - needle_before_mm));
   if (!HasLeft(state)) return event;
-  if (state.pierced) event = FirstOf(event, NeedleEvent::kWithdrawal);
+  if (state.pierced()) event = FirstOf(event, NeedleEvent::kWithdrawal);
   Leave(state);
   return event;
 }

@@ -11,6 +11,7 @@
 #include "acus/physics/forces/needle_force.h"
 #include "acus/physics/mechanics/elasticity_table.h"
 #include "acus/physics/tissue/elastic_planes.h"
+#include "acus/physics/tissue/needle_phase.h"
 #include "acus/physics/tissue/plane_contact.h"
 #include "acus/physics/tissue/sample_gate.h"
 #include "acus/physics/tissue/tissue_at.h"
@@ -30,6 +31,9 @@ struct PlaneNode {
 
 /// A plain value: copy it to save, assign it to restore; the model must outlive it.
 struct PlaneState {
+  bool in_body() const noexcept { return phase != NeedlePhase::kFree; }
+  bool pierced() const noexcept { return phase == NeedlePhase::kInside; }
+
   SampleGate gate;
   PlaneContact contact;         ///< Slot 2 q: along the path, 2 q + 1: across it, at node q.
   std::vector<PlaneNode> node;  ///< The first num_nodes count, from the skin on.
@@ -46,11 +50,10 @@ struct PlaneState {
   double out_slope = 0.0;         ///< The same as a slope; 0 for a plane that does not turn.
   volume::Label tissue_at_tip = 0;
 
-  bool in_body = false;  ///< There is a path: the tip has touched the skin.
-  bool pierced = false;
-  bool pressing = false;  ///< The tip is held by the membrane of `membrane_of`.
-  bool engaged = false;   ///< The tip is at the end of its channel, not drawn back in it.
-  bool cutting = false;   ///< The channel got longer in the last substep.
+  NeedlePhase phase = NeedlePhase::kFree;  ///< There is a path unless it is free.
+  bool pressing = false;                   ///< The tip is held by the membrane of `membrane_of`.
+  bool engaged = false;  ///< The tip is at the end of its channel, not drawn back in it.
+  bool cutting = false;  ///< The channel got longer in the last substep.
   bool on_bone = false;
   Eigen::Vector2d entry_mm = Eigen::Vector2d::Zero();
   Eigen::Vector2d along = Eigen::Vector2d::UnitY();

@@ -81,7 +81,7 @@ double PlaneModel2010::TipLimitN(const PlaneState& state) const noexcept {
 
 /// What each node is asked to do, and within which forces.
 void PlaneModel2010::SetDemands(PlaneState& state, double lead_mm) const noexcept {
-  if (!state.pierced) {  // The tip presses on the skin; it can slide across and let go.
+  if (!state.pierced()) {  // The tip presses on the skin; it can slide across and let go.
     const bool presses = state.pressing;
     const double limit_n = presses ? table_.tissue[state.membrane_of].membrane.puncture_n : 0.0;
     state.contact.SetDemand(0, state.needle_mm, 0.0, limit_n);
@@ -105,7 +105,7 @@ void PlaneModel2010::SetDemands(PlaneState& state, double lead_mm) const noexcep
 
 /// Where a node has slipped, it will stick at the place of the shaft that it is at now.
 void PlaneModel2010::KeepSlips(PlaneState& state) const noexcept {
-  if (!state.pierced) return;
+  if (!state.pierced()) return;
   for (int q = 0; q < state.num_nodes; ++q) {
     PlaneNode& node = state.node[q];
     if (state.contact.Status(2 * q) != SlotStatus::kStick) {
@@ -132,7 +132,8 @@ NeedleEvent PlaneModel2010::Balance(PlaneState& state, double travel_mm) const n
       state.cutting && !state.pressing && !state.on_bone ? std::max(0.0, travel_mm) : 0;
   const double channel_before_mm = state.channel_mm;
   for (int round = 0; round < kMostBalances; ++round) {
-    while (state.pierced && state.tip_rest_mm + lead_mm >= state.node[state.num_nodes - 1].at_mm) {
+    while (state.pierced() &&
+           state.tip_rest_mm + lead_mm >= state.node[state.num_nodes - 1].at_mm) {
       if (!AppendNode(state, std::max(0.0, travel_mm))) break;
     }
     SetDemands(state, lead_mm);
@@ -140,7 +141,7 @@ NeedleEvent PlaneModel2010::Balance(PlaneState& state, double travel_mm) const n
     state.contact.Solve(settings_.force_error_n);
     KeepSlips(state);
     const double before_mm = state.tip_rest_mm;
-    const NeedleEvent now = state.pierced ? FollowTip(state) : Pierce(state);
+    const NeedleEvent now = state.pierced() ? FollowTip(state) : Pierce(state);
     event = FirstOf(event, now);
     while (CanDropLast(state)) {
       state.contact.DropLast();
@@ -175,7 +176,8 @@ NeedleEvent PlaneModel2010::Pierce(PlaneState& state) const noexcept {
     Leave(state);
     return NeedleEvent::kNone;
   }
-  state.pierced = state.engaged = true;
+  state.phase = NeedlePhase::kInside;
+  state.engaged = true;
   state.cut_tissue = state.membrane_of;
   state.node[0].reference_mm.x() = state.needle_mm - pressed_in_mm;
   state.tip_rest_mm = state.channel_mm = 0.0;

@@ -34,8 +34,8 @@ void Describe(const SpringModel&, const SpringState& state, TissueForce& out) no
 }
 
 void Describe(const PlaneModel2010&, const PlaneState& state, TissueForce& out) noexcept {
-  out.touched = state.in_body;
-  out.pierced = state.in_body && state.pierced;
+  out.touched = state.in_body();
+  out.pierced = state.pierced();
   out.tissue_at_tip = state.tissue_at_tip;
 }
 
