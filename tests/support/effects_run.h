@@ -70,6 +70,7 @@ class EffectsRun {
     simulation::Snapshot now{.time_ns = last_.time_ns,
                              .session_s = 1e-9 * static_cast<double>(last_.time_ns)};
     now.breath = last_sample_.breath;
+    now.needle_force_in_ct_n = last_.force.force_in_ct_n;
     now.probe_valid = true;
     now.ct_from_probe = scene_.ct_from_reference * last_sample_.reference_from_probe;
     if (scene_.plan.Has(simulation::StageId::kNeedlePose)) {

@@ -88,6 +88,47 @@ TEST(Film, IsReadBackFrameByFrame) {
   EXPECT_EQ(count, 12);
 }
 
+/// Four quarters, each of one colour.
+ColourImage Quarters(int width, int height) {
+  constexpr std::array<std::array<std::uint8_t, 3>, 4> kColours{
+      {{200, 40, 30}, {30, 180, 60}, {40, 50, 210}, {230, 220, 40}}};
+  ColourImage image;
+  image.Resize(width, height);
+  for (int r = 0; r < height; ++r) {
+    for (int c = 0; c < width; ++c) {
+      const auto& colour = kColours[(r < height / 2 ? 0u : 2u) + (c < width / 2 ? 0u : 1u)];
+      std::ranges::copy(colour, image.rgb.begin() + 3 * (r * width + c));
+    }
+  }
+  return image;
+}
+
+TEST(Film, ColoursAreReadBackWhereTheyWere) {
+  for (const auto& [width, height] : {std::pair{128, 96}, {129, 97}}) {
+    const TemporaryFolder folder;
+    const ColourImage image = Quarters(width, height);
+    FilmWriter film(folder / "film.mp4", width, height, {.quality = 2});
+    for (int n = 0; n < 3; ++n) film.Add(image);
+    film.Finish();
+    cv::VideoCapture video((folder / "film.mp4").string());
+    cv::Mat frame;
+    for (int n = 0; n < 3; ++n) {
+      ASSERT_TRUE(video.read(frame));
+      // In each quarter, at the corners of the image, and beside the borders between colours.
+      for (const int r : {0, 20, height / 2 - 3, height / 2 + 3, height - 1}) {
+        for (const int c : {0, 20, width / 2 - 3, width / 2 + 3, width - 1}) {
+          const auto seen = frame.at<cv::Vec3b>(r, c);
+          for (int channel = 0; channel < 3; ++channel) {
+            EXPECT_NEAR(seen[2 - channel],
+                        image.rgb[static_cast<std::size_t>(3 * (r * width + c) + channel)], 6)
+                << width << " x " << height << " at " << c << ", " << r << " channel " << channel;
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(Film, OddSizesArePaddedByOnePixel) {
   const TemporaryFolder folder;
   WriteFilm(folder / "film.mp4", 101, 77, 3);
