@@ -106,7 +106,8 @@ TEST(PlanEffects, TheViewReadsWhatItShowsAndNothingElse) {
                              {"needle", true},
                              {"probe", false},
                              {"pressed", true},
-                             {"image", true}};
+                             {"picture", true},
+                             {"force_arrow_mm_per_n", 0.0}};
   s.listed.push_back({&effects::View3d(), settings});
   const EffectPlan plan = PlanEffects(s, {.needle_poses = true});
   EXPECT_THAT(StagesIn(plan), testing::ElementsAre("needle pose", "view in 3D"));

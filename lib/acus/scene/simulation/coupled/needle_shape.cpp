@@ -156,6 +156,7 @@ class NeedleShapeEffect final : public CoupledEffect {
   }
 
   std::unique_ptr<const CoupledStage> NewStage(StageId /*id*/, const Scene& scene) const override {
+    if (!scene.shape) return nullptr;
     return std::make_unique<ShapeStage>(scene);
   }
 };
