@@ -101,7 +101,8 @@ class ViewStage final : public ImageStage {
     if (moment.needle != nullptr) {
       seen.needle = *moment.needle;
       const Eigen::Vector3d& tip_mm = moment.needle->tip_in_ct_mm;
-      seen.arrow = {tip_mm, tip_mm + settings_.force_arrow_mm_per_n * moment.needle_force_in_ct_n};
+      // What the needle does to the tissue: that on the hand would lie in the shaft.
+      seen.arrow = {tip_mm, tip_mm - settings_.force_arrow_mm_per_n * moment.needle_force_in_ct_n};
     }
     if (settings_.probe && moment.probe_valid) {
       seen.probe.emplace();
@@ -232,7 +233,7 @@ class View3dEffect final : public Effect {
         },
         "surface_grid_mm": {"type": "number", "minimum": 0.5, "maximum": 10, "default": 1.5, "description": "Detail of the surfaces, mm"},
         "needle": {"type": "boolean", "default": true, "description": "Show the needle"},
-        "force_arrow_mm_per_n": {"type": "number", "minimum": 0, "maximum": 1000, "default": 0, "description": "Show the force on the hand as an arrow from the needle's tip, this long for 1 N, if there is effects/needle_force; 0: no arrow"},
+        "force_arrow_mm_per_n": {"type": "number", "minimum": 0, "maximum": 1000, "default": 0, "description": "Show the force of the needle on the tissue as an arrow from its tip, this long for 1 N, if there is effects/needle_force; 0: no arrow"},
         "probe": {"type": "boolean", "default": true, "description": "Show the probe and the plane that it sees"},
         "picture": {"type": "boolean", "default": true, "description": "Show the B-mode in that plane, if there is effects/ultrasound"},
         "pressed": {"type": "boolean", "default": true, "description": "Show the tissue as needle, probe or finger press it, if effects/tissue says that images show it"},
