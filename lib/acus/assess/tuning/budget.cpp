@@ -229,7 +229,8 @@ SweepResult ResultOf(const BudgetAnswer& answer) {
       runs.back().setting = setting;
     }
   };
-  // A knob's own sweep is told by its value alone. SettingsOf expects the most expensive first.
+  // A knob's own sweep is identified by its value alone. SettingsOf expects the most expensive
+  // first.
   const auto alone = static_cast<std::size_t>(answer.choice.num_one_at_a_time);
   for (std::size_t k = 0; k < shown.knobs.size(); ++k) {
     const Knob& knob = shown.knobs[k];
@@ -251,11 +252,11 @@ SweepResult ResultOf(const BudgetAnswer& answer) {
     add("jointly", SettingOf(shown.knobs, measured.indices), measured);
   };
   joint(answer.most_expensive);
-  std::set<ValueIndices> told = {answer.most_expensive.indices};
+  std::set<ValueIndices> listed = {answer.most_expensive.indices};
   for (std::size_t i = 0; i < answer.measured.size(); ++i) {
     const MeasuredSetting& measured = answer.measured[i];
     const bool wanted = i >= alone || i == 0 || &measured == &answer.Best();
-    if (wanted && told.insert(measured.indices).second) joint(measured);
+    if (wanted && listed.insert(measured.indices).second) joint(measured);
   }
   SweepResult result = Summarise(shown, std::move(runs));
   result.jointly = true;

@@ -9,16 +9,14 @@ namespace acus::simulation {
 
 Simulation::Simulation(const Scene& scene)
     : scene_(scene), tools_(scene), runs_contact_(scene.plan.Has(StageId::kTissueContact)) {
-  for (const CoupledEffect* effect : CoupledEffects()) {
-    // Which stages an effect has does not depend on the scenario.
-    for (const PlannedStage& stage : effect->Stages({}, false)) {
-      if (!scene.plan.Has(stage.id)) continue;
+  for (const PlannedStage& stage : scene.plan.stages()) {
+    if (!stage.in) continue;
+    for (const CoupledEffect* effect : CoupledEffects()) {
       if (auto work = effect->NewStage(stage.id, scene)) {
         stages_.push_back({stage.id, std::move(work)});
       }
     }
   }
-  std::ranges::sort(stages_, {}, &Stage::id);
 }
 
 State Simulation::NewState(std::int64_t session_start_ns) const {

@@ -17,7 +17,7 @@
 
 namespace acus::simulation {
 
-/// What a model was told to do. Its type says which model it is.
+/// Settings of one model. The type is that of the model.
 using ImageSettings = std::variant<ultrasound::VidalOptions, ultrasound::AlamillaOptions,
                                    ultrasound::BModeOptions, BeamSettings, ApertureSettings>;
 

@@ -5,6 +5,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/data/volume/labels.h"
+#include "acus/scene/effects/loaded_step.h"
 #include "acus/scene/effects/pain_reaction/jerk.h"
 #include "acus/scene/effects/ports.h"
 
@@ -36,12 +37,8 @@ struct PainState {
   std::int32_t count = 0;        ///< Of reactions so far.
   double pain_s = 0.0;           ///< Session time of the last pain, with a count above 0.
   std::array<double, 3> away{};  ///< Of unit length, CT space.
-  std::array<double, 3> shift_in_ct_mm{};
+  double shift_mm = 0.0;         ///< Along it, now.
 };
-
-Vector3d VectorOf(const std::array<double, 3>& values) noexcept {
-  return {values[0], values[1], values[2]};
-}
 
 /// Pain is felt where the tip enters a tissue that hurts. It runs after the tools, which feel the
 /// movement from the next step on.
@@ -65,35 +62,24 @@ class PainStage final : public StepStageOf<PainState> {
       ++state.count;
     }
     const double share = state.count > 0 ? jerk_.At(time.session_s - state.pain_s) : 0.0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      state.shift_in_ct_mm[axis] = settings_.amplitude_mm * share * state.away[axis];
-    }
-    columns[0] = settings_.amplitude_mm * share;
+    state.shift_mm = settings_.amplitude_mm * share;
+    columns[0] = state.shift_mm;
     columns[1] = state.count;
     return share > 0.0 ? Activity::kActive : Activity::kIdle;
   }
 
   Vector3d RestInCtMm(const PainState& state,
                       const Vector3d& place_in_ct_mm) const noexcept override {
-    return place_in_ct_mm - VectorOf(state.shift_in_ct_mm);
+    return place_in_ct_mm - state.shift_mm * Vector3d::Map(state.away.data());
   }
 
   bool IsSameMotion(const PainState& a, const PainState& b) const noexcept override {
-    return a.shift_in_ct_mm == b.shift_in_ct_mm;
+    return a.shift_mm == b.shift_mm && a.away == b.away;
   }
 
  private:
   PainSettings settings_;
   Jerk jerk_;
-};
-
-class LoadedPain final : public LoadedEffect {
- public:
-  LoadedPain(const PainSettings& settings, const Jerk& jerk) : stage_(settings, jerk) {}
-  const StepStage* step() const override { return &stage_; }
-
- private:
-  PainStage stage_;
 };
 
 class PainReactionEffect final : public Effect {
@@ -158,8 +144,8 @@ class PainReactionEffect final : public Effect {
     const json& place = settings.at("anaesthesia_at_mm");
     pain.anaesthesia = {Vector3d(place[0], place[1], place[2]),
                         settings.at("anaesthesia_radius_mm")};
-    return std::make_unique<LoadedPain>(
-        pain, Jerk(settings.at("latency_s"), settings.at("rise_s"), settings.at("return_s")));
+    return std::make_unique<LoadedStep<PainStage>>(PainStage(
+        pain, Jerk(settings.at("latency_s"), settings.at("rise_s"), settings.at("return_s"))));
   }
 };
 

@@ -1,11 +1,9 @@
 #include "acus/scene/effects/peristalsis/peristalsis.h"
 
-#include "acus/base/core/error.h"
-#include "acus/data/volume/labels.h"
+#include "acus/scene/effects/loaded_step.h"
 #include "acus/scene/effects/peristalsis/contraction_wave.h"
 #include "acus/scene/effects/ports.h"
-#include "acus/scene/effects/tubes/centrelines.h"
-#include "acus/scene/effects/tubes/tube.h"
+#include "acus/scene/effects/tubes/tube_effect.h"
 
 namespace acus::effects {
 namespace {
@@ -60,15 +58,6 @@ class PeristalsisStage final : public StepStageOf<PeristalsisState> {
   double warp_spacing_mm_;
 };
 
-class LoadedPeristalsis final : public LoadedEffect {
- public:
-  explicit LoadedPeristalsis(PeristalsisStage stage) : stage_(std::move(stage)) {}
-  const StepStage* step() const override { return &stage_; }
-
- private:
-  PeristalsisStage stage_;
-};
-
 class PeristalsisEffect final : public Effect {
  public:
   std::string_view key() const override { return "peristalsis"; }
@@ -93,65 +82,31 @@ class PeristalsisEffect final : public Effect {
     })json");
   }
 
-  std::vector<PathSetting> Paths() const override {
-    return {{"centrelines", PathKind::kFile, kBowelCentrelines}};
-  }
+  std::vector<PathSetting> Paths() const override { return TubePaths(kBowelCentrelines); }
 
   std::optional<StageDeclaration> StepStageOf(const json& settings) const override {
-    StageDeclaration stage{.name = "peristalsis", .reads = {}, .writes = {ports::kTissueMotion}};
-    stage.reads.push_back(settings.contains("centrelines") ? PortRef(kBowelCentrelines)
-                                                           : PortRef(ports::kLabels));
-    stage.is_goal = false;
-    return stage;
+    return TubeStage("peristalsis", kBowelCentrelines, settings);
   }
 
   std::vector<Column> Columns() const override {
     return {{"waves", "Contractions that have begun", ""}};
   }
 
-  std::vector<Knob> Knobs() const override {
-    return {{.name = "bowel_point_spacing_mm",
-             .title = "points along the centreline of moving bowel",
-             .unit = "mm",
-             .key = "point_spacing_mm",
-             .values = {32, 16, 8, 4, 2, 1}},
-            {.name = "bowel_warp_spacing_mm",
-             .title = "knots at which images evaluate the motion of bowel",
-             .unit = "mm",
-             .key = "warp_spacing_mm",
-             .acts_on = ActsOn::kImage,
-             .values = {8, 4, 2, 1, 0.5}}};
-  }
+  std::vector<Knob> Knobs() const override { return TubeKnobs("bowel", "moving bowel", "bowel"); }
 
   std::unique_ptr<const LoadedEffect> Load(const json& settings, const PortValues& scene,
                                            RunContext& context) const override {
     const double contraction = settings.at("contraction");
-    std::vector<Tube> loops;
-    for (const Centreline& line : LinesOf(settings, scene, context)) {
-      loops.emplace_back(Resampled(line, settings.at("point_spacing_mm")), settings.at("reach_mm"),
-                         0.0);
+    std::vector<Tube> loops = TubesOf(settings, scene, 0.0, context);
+    if (loops.empty()) {
+      context.Warn("effects/peristalsis: the label map has no tissue \"" +
+                   settings.at("tissue").get<std::string>() +
+                   "\" that can be followed over five slices; nothing moves");
     }
     const ContractionWave wave(settings.at("waves_per_min"), settings.at("speed_mm_per_s"),
                                settings.at("length_mm"), contraction);
-    return std::make_unique<LoadedPeristalsis>(
+    return std::make_unique<LoadedStep<PeristalsisStage>>(
         PeristalsisStage(std::move(loops), wave, contraction, settings.at("warp_spacing_mm")));
-  }
-
- private:
-  static std::vector<Centreline> LinesOf(const json& settings, const PortValues& scene,
-                                         RunContext& context) {
-    if (settings.contains("centrelines")) {
-      const std::filesystem::path file = settings.at("centrelines").get<std::string>();
-      context.provenance.AddInput(file);
-      return ReadCentrelines(file);
-    }
-    const std::string tissue = settings.at("tissue");
-    auto lines = CentrelinesOf(scene.Get(ports::kLabels), volume::LabelOf(tissue));
-    if (lines.empty()) {
-      context.Warn("effects/peristalsis: the label map has no tissue \"" + tissue +
-                   "\" that can be followed over five slices; nothing moves");
-    }
-    return lines;
   }
 };
 

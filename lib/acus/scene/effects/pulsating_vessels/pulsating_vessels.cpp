@@ -2,12 +2,10 @@
 
 #include <algorithm>
 
-#include "acus/base/core/error.h"
-#include "acus/data/volume/labels.h"
+#include "acus/scene/effects/loaded_step.h"
 #include "acus/scene/effects/ports.h"
 #include "acus/scene/effects/pulsating_vessels/pulse.h"
-#include "acus/scene/effects/tubes/centrelines.h"
-#include "acus/scene/effects/tubes/tube.h"
+#include "acus/scene/effects/tubes/tube_effect.h"
 
 namespace acus::effects {
 namespace {
@@ -60,15 +58,6 @@ class VesselStage final : public StepStageOf<PulseState> {
   double largest_radius_mm_ = 0.0;
 };
 
-class LoadedVessels final : public LoadedEffect {
- public:
-  explicit LoadedVessels(VesselStage stage) : stage_(std::move(stage)) {}
-  const StepStage* step() const override { return &stage_; }
-
- private:
-  VesselStage stage_;
-};
-
 class PulsatingVesselsEffect final : public Effect {
  public:
   std::string_view key() const override { return "pulsating_vessels"; }
@@ -92,16 +81,10 @@ class PulsatingVesselsEffect final : public Effect {
     })");
   }
 
-  std::vector<PathSetting> Paths() const override {
-    return {{"centrelines", PathKind::kFile, kCentrelines}};
-  }
+  std::vector<PathSetting> Paths() const override { return TubePaths(kCentrelines); }
 
   std::optional<StageDeclaration> StepStageOf(const json& settings) const override {
-    StageDeclaration stage{.name = "pulse", .reads = {}, .writes = {ports::kTissueMotion}};
-    stage.reads.push_back(settings.contains("centrelines") ? PortRef(kCentrelines)
-                                                           : PortRef(ports::kLabels));
-    stage.is_goal = false;
-    return stage;
+    return TubeStage("pulse", kCentrelines, settings);
   }
 
   std::vector<Column> Columns() const override {
@@ -109,42 +92,20 @@ class PulsatingVesselsEffect final : public Effect {
   }
 
   std::vector<Knob> Knobs() const override {
-    return {{.name = "vessel_point_spacing_mm",
-             .title = "points along the centreline of a pulsating vessel",
-             .unit = "mm",
-             .key = "point_spacing_mm",
-             .values = {32, 16, 8, 4, 2, 1}},
-            {.name = "vessel_warp_spacing_mm",
-             .title = "knots at which images evaluate the motion of vessels",
-             .unit = "mm",
-             .key = "warp_spacing_mm",
-             .acts_on = ActsOn::kImage,
-             .values = {8, 4, 2, 1, 0.5}}};
+    return TubeKnobs("vessel", "a pulsating vessel", "vessels");
   }
 
   std::unique_ptr<const LoadedEffect> Load(const json& settings, const PortValues& scene,
                                            RunContext& context) const override {
-    std::vector<Centreline> lines;
-    if (settings.contains("centrelines")) {
-      const std::filesystem::path file = settings.at("centrelines").get<std::string>();
-      lines = ReadCentrelines(file);
-      context.provenance.AddInput(file);
-    } else {
-      const std::string tissue = settings.at("tissue");
-      lines = CentrelinesOf(scene.Get(ports::kLabels), volume::LabelOf(tissue));
-      if (lines.empty()) {
-        context.Warn("effects/pulsating_vessels: the label map has no vessel of tissue \"" +
-                     tissue + "\" that can be followed over five slices; nothing pulsates");
-      }
-    }
     const double strain = settings.at("radial_strain");
-    std::vector<Tube> vessels;
-    for (const Centreline& line : lines) {
-      vessels.emplace_back(Resampled(line, settings.at("point_spacing_mm")),
-                           settings.at("reach_mm"), strain);
+    std::vector<Tube> vessels = TubesOf(settings, scene, strain, context);
+    if (vessels.empty()) {
+      context.Warn("effects/pulsating_vessels: the label map has no vessel of tissue \"" +
+                   settings.at("tissue").get<std::string>() +
+                   "\" that can be followed over five slices; nothing pulsates");
     }
     const Pulse pulse(settings.at("heart_rate_per_min"), settings.at("rise_share"));
-    return std::make_unique<LoadedVessels>(VesselStage(
+    return std::make_unique<LoadedStep<VesselStage>>(VesselStage(
         std::move(vessels), pulse, strain, settings.at("warp_spacing_mm").get<double>()));
   }
 };

@@ -81,8 +81,8 @@ class BreathingEffect final : public CoupledEffect {
     scene.breathing.emplace(LoadBreathing(s, scene.plan.breath_from_session(), context));
   }
 
-  std::unique_ptr<const CoupledStage> NewStage(StageId /*id*/,
-                                               const Scene& /*scene*/) const override {
+  std::unique_ptr<const CoupledStage> NewStage(StageId id, const Scene& /*scene*/) const override {
+    if (id != StageId::kBreathing) return nullptr;
     return std::make_unique<BreathStage>();
   }
 };

@@ -72,7 +72,7 @@ class CoupledEffect {
   /// loaded. @throws InputError if a file is not readable or a setting does not fit.
   virtual void Load(const scenario::Scenario& /*scenario*/, Scene& /*scene*/,
                     RunContext& /*context*/) const {}
-  /// The work of a stage in scene.plan; null for stages at every image.
+  /// The work of a stage of its own in scene.plan; null for others and for stages at every image.
   /// @param scene  Must outlive it.
   virtual std::unique_ptr<const CoupledStage> NewStage(StageId /*id*/,
                                                        const Scene& /*scene*/) const {

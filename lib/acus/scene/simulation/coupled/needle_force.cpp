@@ -160,7 +160,8 @@ class NeedleForceEffect final : public CoupledEffect {
     context.provenance.AddInput(s.needle_force->table);
   }
 
-  std::unique_ptr<const CoupledStage> NewStage(StageId /*id*/, const Scene& scene) const override {
+  std::unique_ptr<const CoupledStage> NewStage(StageId id, const Scene& scene) const override {
+    if (id != StageId::kNeedleForce) return nullptr;
     if (scene.force_from_tissue) return std::make_unique<NeedleFromTissueStage>();
     return std::make_unique<ForceStage>(scene);
   }

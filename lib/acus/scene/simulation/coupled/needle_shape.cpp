@@ -155,8 +155,8 @@ class NeedleShapeEffect final : public CoupledEffect {
                         tissues, has_beam);
   }
 
-  std::unique_ptr<const CoupledStage> NewStage(StageId /*id*/, const Scene& scene) const override {
-    if (!scene.shape) return nullptr;
+  std::unique_ptr<const CoupledStage> NewStage(StageId id, const Scene& scene) const override {
+    if (id != StageId::kNeedleShape || !scene.shape) return nullptr;
     return std::make_unique<ShapeStage>(scene);
   }
 };

@@ -115,7 +115,8 @@ class ProbeForceEffect final : public CoupledEffect {
     if (!scene.probe_force_from_tissue) context.provenance.AddInput(s.probe_force->table);
   }
 
-  std::unique_ptr<const CoupledStage> NewStage(StageId /*id*/, const Scene& scene) const override {
+  std::unique_ptr<const CoupledStage> NewStage(StageId id, const Scene& scene) const override {
+    if (id != StageId::kProbeForce) return nullptr;
     if (scene.probe_force_from_tissue) return std::make_unique<ProbeFromTissueStage>(scene);
     return std::make_unique<ProbeForceStage>(scene);
   }

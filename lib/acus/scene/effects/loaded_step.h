@@ -1,0 +1,20 @@
+// What an effect has loaded that has a stage at every sample and nothing else.
+#pragma once
+
+#include <utility>
+
+#include "acus/scene/effects/effect.h"
+
+namespace acus::effects {
+
+template <typename Stage>
+class LoadedStep final : public LoadedEffect {
+ public:
+  explicit LoadedStep(Stage stage) : stage_(std::move(stage)) {}
+  const StepStage* step() const override { return &stage_; }
+
+ private:
+  Stage stage_;
+};
+
+}  // namespace acus::effects
