@@ -21,23 +21,13 @@ std::string_view NameOf(ActsOn acts_on);
 
 using effects::PaperValue;
 
-/// A knob in a scenario.
-struct Knob {
-  std::string name;   ///< As in --knob, with its unit: "contact_spacing_mm".
-  std::string title;  ///< "nodes of the bendable needle"
-  std::string unit;   ///< "mm", "Hz"; empty: a number, a word, a truth value.
+/// A knob in a scenario: the last of its values is what errors are against. Its default_value is
+/// the schema's, its scenario_value where it stands; null if there is none.
+struct Knob : effects::Knob {
   /// Where the scenario has it (JSON pointers); empty: it is not in the scenario but in how the
   /// session is played (step_rate_hz).
   std::vector<std::string> pointers;
-  ActsOn acts_on = ActsOn::kForce;
-  /// From cheap to expensive; the last one is what errors are against. Empty: there are none unless
-  /// the user names them (folders).
-  std::vector<nlohmann::json> values;
-  bool falls = false;             ///< Smaller numbers are more expensive: spacings.
-  bool is_folder = false;         ///< Values are folders, from the working folder.
-  nlohmann::json default_value;   ///< Ours, from the schema; null if there is none.
-  nlohmann::json scenario_value;  ///< Where it stands in this scenario; null if it is not known.
-  std::vector<PaperValue> papers;
+  bool falls = false;  ///< Smaller numbers are more expensive: spacings.
 
   /// @pre values is not empty.
   const nlohmann::json& MostExpensive() const { return values.back(); }

@@ -23,24 +23,13 @@ json SchemaDefault(const json& schema, const std::string& pointer) {
 
 Knob KnobOf(effects::Knob declared, std::string_view effect, const Scenario& scenario,
             const json& schema) {
-  Knob knob;
-  knob.name = std::move(declared.name);
-  knob.title = std::move(declared.title);
-  knob.unit = std::move(declared.unit);
-  knob.acts_on = declared.acts_on;
-  knob.values = std::move(declared.values);
-  knob.papers = std::move(declared.papers);
-  knob.is_folder = declared.is_folder;
   const std::string pointer = declared.key.starts_with('/')
                                   ? declared.key
                                   : Message("/effects/", effect, "/", declared.key);
-  knob.pointers = {pointer};
-  knob.default_value = declared.default_value.is_null() ? SchemaDefault(schema, pointer)
-                                                        : std::move(declared.default_value);
+  Knob knob{std::move(declared), {pointer}};
+  if (knob.default_value.is_null()) knob.default_value = SchemaDefault(schema, pointer);
   const json::json_pointer place(pointer);
-  if (!declared.scenario_value.is_null()) {
-    knob.scenario_value = std::move(declared.scenario_value);
-  } else if (scenario.effective.contains(place)) {
+  if (knob.scenario_value.is_null() && scenario.effective.contains(place)) {
     knob.scenario_value = scenario.effective.at(place);
   }
   return knob;

@@ -2,18 +2,15 @@
 
 #include <string>
 
+#include "acus/scene/scenario/optional_path.h"
+
 namespace acus::scenario {
 
 BreathingEffect ReadBreathingEffect(const nlohmann::json& settings,
                                     const std::filesystem::path& folder) {
   BreathingEffect effect;
-  // Files that need not be there: only plans that read them look for them.
-  const auto file = [&](const char* key) {
-    if (!settings.contains(key)) return std::filesystem::path();
-    return (folder / settings.at(key).get<std::string>()).lexically_normal();
-  };
-  effect.motion = file("motion");
-  effect.signal = file("signal");
+  effect.motion = OptionalPath(settings, "motion", folder);
+  effect.signal = OptionalPath(settings, "signal", folder);
   effect.amplitude = settings.at("amplitude");
   effect.signal_file = {settings.at("column"), settings.at("rate_hz")};
   effect.recorded = {settings.at("smoothing_s"), settings.at("repeat")};

@@ -5,6 +5,7 @@
 #include "acus/base/math/rigid.h"
 #include "acus/data/session/plus_config.h"
 #include "acus/data/transforms/transform_file.h"
+#include "acus/scene/scenario/optional_path.h"
 
 namespace acus::scenario {
 namespace {
@@ -27,15 +28,9 @@ Eigen::Isometry3d RigidOf(const json& rows, const std::string& where) {
   }
 }
 
-/// Of a file that need not be there: only effects that read it ask for it.
-fs::path PathOf(const json& object, const char* key, const fs::path& folder) {
-  if (!object.contains(key)) return {};
-  return (folder / object.at(key).get<std::string>()).lexically_normal();
-}
-
 fs::path ExistingPath(const json& object, const char* key, const fs::path& folder,
                       const std::string& where) {
-  const fs::path path = PathOf(object, key, folder);
+  const fs::path path = OptionalPath(object, key, folder);
   if (path.empty()) return {};
   ACUS_REQUIRE(fs::exists(path), where, "/", key, ": ", path.string(),
                ": no such file or folder; paths are relative to the scenario file");
@@ -62,14 +57,14 @@ session::ImportOptions ReadImport(const json& object, const fs::path& folder,
 Patient ReadPatient(const json& object, const fs::path& folder, const std::string& file) {
   const std::string where = file + ": /patient";
   Patient patient;
-  patient.ct = PathOf(object, "ct", folder);
-  patient.labels = PathOf(object, "labels", folder);
-  patient.surfaces = PathOf(object, "surfaces", folder);
+  patient.ct = OptionalPath(object, "ct", folder);
+  patient.labels = OptionalPath(object, "labels", folder);
+  patient.surfaces = OptionalPath(object, "surfaces", folder);
   ACUS_REQUIRE(patient.surfaces.empty() || (patient.ct.empty() && patient.labels.empty()), where,
                ": surfaces stand in place of ct and labels; give those, or surfaces, not both");
-  patient.mesh = PathOf(object, "mesh", folder);
+  patient.mesh = OptionalPath(object, "mesh", folder);
   if (fs::is_directory(patient.mesh)) patient.mesh /= "mesh.vtu";
-  patient.corridor = PathOf(object, "corridor", folder);
+  patient.corridor = OptionalPath(object, "corridor", folder);
   patient.dicom_series = object.at("series");
   ACUS_REQUIRE(!(object.contains("ct_from_reference") && object.contains("ct_from_reference_file")),
                where, ": give ct_from_reference or ct_from_reference_file, not both");
