@@ -18,7 +18,7 @@ std::vector<fs::path> JsonFiles() {
   std::vector<fs::path> files;
   for (const char* folder : {"configs", "testdata"}) {
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(ACUS_SOURCE_DIR) / folder)) {
-      const bool is_schema = entry.path().parent_path().filename() == "schema";
+      const bool is_schema = entry.path().string().find("/schema/") != std::string::npos;
       if (entry.path().extension() == ".json" && !is_schema) files.push_back(entry.path());
     }
   }
