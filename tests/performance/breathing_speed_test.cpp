@@ -101,7 +101,7 @@ TEST(BreathingSpeed, AStepWithTwentyFiveNodesTakesAtMostFiveElevenths) {
     // In shares of the still step beside it: the clock of a shared machine differs from one
     // resolution to the next. The second term is what the clock cannot tell.
     const auto most_share_at_256 = [&] { return 1.2 * best[64].Share() + 0.1 / best[64].still_us; };
-    testing_support::MeasureUntil(1, 6, measure, [&] {
+    testing_support::MeasureUntil(1, 12, measure, [&] {
       return best[64].Share() < kMostShare && best[256].Share() < kMostShare &&
              best[256].Share() < most_share_at_256();
     });
