@@ -33,7 +33,7 @@ std::array<std::size_t, 256> TouchingFaces(const volume::LabelMap& labels, int l
 }
 
 /// Tissues without a surface of their own go with the conforming one that they touch most: a lesion
-/// is then told apart within the liver, and both get their volumes.
+/// is then distinguished within the liver, and both get their volumes.
 void JoinNeighbours(const volume::LabelMap& labels, const std::vector<int>& joining,
                     MaterialOfLabel& materials) {
   for (const int label : joining) {
