@@ -1,4 +1,8 @@
 // DICOM PS3.5: data element encoding (section 7), sequences (7.5), encapsulated pixels (A.4).
+//
+// Read here and not by a library, because of broken files: GDCM stops the program at an assertion,
+// and DCMTK recurses once for each nested sequence, so that a file of 160 kB ends it by a stack
+// overflow (both as of Debian 12; DicomSeries.SequencesNestedTooDeeplyAreRefused).
 #include "acus/data/volume/dicom_header.h"
 
 #include <algorithm>

@@ -211,6 +211,18 @@ TEST(DicomSeries, ATruncatedSliceIsAnInputErrorThatNamesIt) {
               ThrowsMessage<InputError>(testing::AllOf(HasSubstr("slice7"), HasSubstr("cut off"))));
 }
 
+TEST(DicomSeries, SequencesNestedTooDeeplyAreRefused) {
+  const TemporaryFolder folder;
+  std::string bytes = std::string(128, '\0') + "DICM";
+  const std::string sequence("\x08\0\x40\x11SQ\0\0\xFF\xFF\xFF\xFF", 12);
+  const std::string item("\xFE\xFF\0\xE0\xFF\xFF\xFF\xFF", 8);
+  for (int depth = 0; depth < 100'000; ++depth) bytes += sequence + item;
+  std::ofstream(folder / "slice1", std::ios::binary) << bytes;
+  EXPECT_THAT([&] { ReadDicomHeader(folder / "slice1"); },
+              ThrowsMessage<InputError>(
+                  testing::AllOf(HasSubstr("slice1"), HasSubstr("nested too deeply"))));
+}
+
 TEST(DicomSeries, FlippedBitsAreReadOrRefused) {
   const TemporaryFolder folder;
   WriteStack(folder.path(), 4, 2.0);
