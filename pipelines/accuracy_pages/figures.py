@@ -11,7 +11,8 @@ INK = "#222222"
 WIDTH, HEIGHT, LEFT, RIGHT = 860, 340, 62, 844
 LEGEND_TOP, LEGEND_ROW, CHARACTER_WIDTH = 40, 17, 7.2
 SHOWN_SHARE = 1e-4  # Of the largest: what is smaller is rounding, and would stretch the axis.
-MANTISSAS = ([n / 10 for n in range(10, 100)], range(1, 10), (1, 2, 5), (1,))
+# Of labels, from the densest: the first that has room.
+MANTISSAS = ([n / 10 for n in range(10, 100)], (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8), (1, 2, 5), (1,))
 TEMPLATES = jinja2.Environment(loader=jinja2.FileSystemLoader(pathlib.Path(__file__).parent), autoescape=True,
                                trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
 
