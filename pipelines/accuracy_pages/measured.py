@@ -21,7 +21,7 @@ def rounded(value, digits=2):
 
 
 class Claim:
-    """A comparison of numbers, which is true if both were measured and it holds; it knows what it compared."""
+    """A comparison of numbers, which is true if it holds; it knows what it compared, and whether both were measured."""
 
     def __init__(self, left, sign, right):
         self.holds = COMPARISONS[sign](float(left), float(right))
@@ -29,7 +29,7 @@ class Claim:
         self.text = f"{rounded(left, 3)} {sign} {rounded(right, 3)}"
 
     def __bool__(self):
-        return self.measured and self.holds
+        return self.holds
 
 
 class Number(float):

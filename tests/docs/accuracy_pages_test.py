@@ -163,6 +163,11 @@ class Templates(WithTemplates):
                 self.assertTrue(problems[0].startswith("one.template:3: "), problems)
                 self.assertIn(wrong, problems[0])
 
+    def test_say_which_of_several_defaults(self):
+        self.write("data/tissue.csv", TISSUE + row("size_mm", 8, 6, "N", 2, is_default=1))
+        self.assertEqual(self.refused("{{ tissue('size_mm', 'default', 'error N') }}"),
+                         ["one.template:1: the sweep tissue has several rows of 'size_mm' that are default: say which"])
+
     def test_for_elsewhere_link_to_nothing(self):
         text = "See [that page](models/that.md#part), [here](#here).\n"
         self.assertEqual(self.text(text, strict=False), "See that page, [here](#here).\n")
@@ -180,6 +185,11 @@ class Tables(WithTemplates):
                          "| knob | value | % | N |\n|---|---|---|---|\n| size | 4 | 12 | 0 |\n"
                          "| size | **2** | 6 | 0 |\n| size | 1 | 3 | 0 |\n| model | 2D, coarse (paper) |  | 0 |\n"
                          "| model | wild (unusable) |  | 0.001 |")
+
+    def test_have_no_bars_in_cells(self):
+        self.write("data/tissue.csv", TISSUE + row("side", "|left|", 1, "N", 1))
+        self.assertEqual(self.text("{{ table(tissue, knobs={'side': 'side'}, columns={'N': 'error N'}) }}"),
+                         "| side | N |\n|---|---|\n| /left/ | 1 |")
 
     def test_show_values_side_by_side(self):
         self.assertEqual(self.text("{{ pivot(tissue, 'N', at={'4': '4 mm', '1': '1'}, rows={'size_mm': 'size'}, "
