@@ -3,12 +3,14 @@
 #include <iostream>
 
 #include "acus/assess/tuning/goal.h"
+#include "acus/base/config/json_file.h"
 #include "acus/base/core/run_main.h"
 #include "benchmarks/enough.h"
+#include "benchmarks/machine.h"
 #include "benchmarks/tradeoff_report.h"
 
 int main(int argc, char** argv) {
-  std::filesystem::path folder;
+  std::filesystem::path folder, machine_file;
   bool quick = false;
   std::string accuracy;
   CLI::App app{
@@ -26,11 +28,17 @@ int main(int argc, char** argv) {
     command->add_option("--accuracy", accuracy,
                         "Say which setting is enough: force=0.05N, root mean square");
   }
+  CLI::App* machine = app.add_subcommand("machine", "Write down the machine that runs the sweeps");
+  machine->add_option("-o,--output", machine_file, "File of facts to write, JSON")->required();
   app.footer(
       "EXAMPLE\n"
       "  model_sweeps tissue --quick -o tradeoff\n"
       "  model_sweeps tissue --quick --accuracy force=0.05N -o meshes");
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
+    if (machine->parsed()) {
+      acus::config::WriteJson(machine_file, acus::benchmarks::MachineFacts());
+      return acus::ExitCode::kOk;
+    }
     const std::string name = app.get_subcommands().front()->get_name();
     // A wrong text is an error before minutes go by.
     const double limit_n = accuracy.empty() ? 0.0 : acus::tuning::ParseForceAccuracyN(accuracy);

@@ -31,6 +31,8 @@ acus_add_cli_case(model_sweeps.views EXIT 0 TIMEOUT 120
 acus_add_cli_case(model_sweeps.registration EXIT 0 TIMEOUT 120 STDOUT "^spacing_mm" "^wall" "default$"
   CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
   COMMAND ${CMAKE_BINARY_DIR}/tests/model_sweeps registration --quick -o t)
+acus_add_cli_case(model_sweeps.machine EXIT 0 CREATES machine.json
+  COMMAND ${CMAKE_BINARY_DIR}/tests/model_sweeps machine -o machine.json)
 acus_add_cli_case(model_sweeps.unknown_sweep EXIT 2 LEAVES_NOTHING
   STDERR "unknown command .tissues." "Did you mean tissue[?]"
   COMMAND ${CMAKE_BINARY_DIR}/tests/model_sweeps tissues -o t)
