@@ -33,7 +33,7 @@ def template_line():
 
 
 class Page:
-    """One template, filled in. `problems` tells by line what cannot be understood and, if claims must hold, all
+    """One template, filled in. `problems` lists by line what cannot be understood and, if claims must hold, all
     that do not and all that was not measured. Otherwise the text says where it is not so."""
 
     def __init__(self, path, measured, strict):
