@@ -6,7 +6,7 @@ import sys
 
 PIPELINES = pathlib.Path(__file__).resolve().parent.parent
 sys.dont_write_bytecode = True
-sys.path.append(str(PIPELINES / "cohorts"))
+sys.path.append(str(PIPELINES / "common"))
 
 import page  # noqa: E402
 import user  # noqa: E402

@@ -8,10 +8,12 @@ import pathlib
 import sys
 import time
 
-import engine
-import plan as plans
-import user
-from files import UserError, read_json, write_json
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "common"))
+
+import engine  # noqa: E402
+import plan as plans  # noqa: E402
+import user  # noqa: E402
+from files import UserError, read_json, write_json  # noqa: E402
 
 
 def make_plan(output, ct, series, scenario, tissue, seed, atlas, cache):

@@ -26,7 +26,9 @@ import subprocess
 import sys
 import time
 
-from files import UserError, sha256_of, write_json, write_whole
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "common"))
+
+from files import UserError, sha256_of, write_json, write_whole  # noqa: E402
 
 LATE_S = float(os.environ.get("ACUS_LATE_S", 60))  # For files that another machine has written.
 

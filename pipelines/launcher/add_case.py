@@ -9,8 +9,10 @@ import pathlib
 import subprocess
 import sys
 
-from files import UserError, read_csv, read_json, write_whole
-from sessions import CODE
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "common"))
+
+from files import UserError, read_csv, read_json_object, write_whole  # noqa: E402
+from sessions import CODE  # noqa: E402
 
 POINTS = ["name", "x_mm", "y_mm", "z_mm"]
 
@@ -113,8 +115,8 @@ def add(workplace, name, patient, exercise):
     for file in made:
         if file.exists():
             raise UserError(f"{file}: is there already; choose another name")
-    scenario = scenario_of_case(read_json(workplace / "scenario.json"), workplace, patient.resolve())
-    task = read_json(exercise)
+    scenario = scenario_of_case(read_json_object(workplace / "scenario.json"), workplace, patient.resolve())
+    task = read_json_object(exercise)
     task = {**task, "name": f"{task.get('name', exercise.stem)}, {name}", "scenario": f"../{made[0].name}"}
     for file, content in zip(made, (scenario, task)):
         write_whole(file, json.dumps(content, indent=2, ensure_ascii=False) + "\n")

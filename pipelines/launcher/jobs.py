@@ -5,7 +5,7 @@ import subprocess
 
 import live
 import sessions
-from files import UserError, read_json
+from files import UserError, read_json_object
 
 
 # Not what the shell says of a program that was killed.
@@ -74,7 +74,7 @@ class Jobs:
     def _scenario_of(self, exercise):
         """That of the exercise's file, if it is there; else that of the workplace."""
         file = self.folder / "exercises" / f"{exercise}.json"
-        named = str(read_json(file).get("scenario", ""))
+        named = str(read_json_object(file).get("scenario", ""))
         own = (file.parent / named).resolve()
         return own if named and own.is_file() else self.folder / "scenario.json"
 

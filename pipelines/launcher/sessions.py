@@ -7,7 +7,7 @@ import os
 import pathlib
 import re
 
-from files import UserError, read_json, write_whole
+from files import UserError, read_json_object, write_whole
 
 # TIME_EXERCISE, or TIME.N_EXERCISE for the next ones of the same second: pipelines/live-session.
 NAME = re.compile(r"(\d{4}-\d{2}-\d{2})_(\d{2}-\d{2}-\d{2})(?:\.\d+)?_(.+)")
@@ -60,7 +60,7 @@ def folders_in_use(root):
 def goals_of(folder):
     """Goals met, as text; nothing without a report that can be read."""
     try:
-        goals = read_json(folder / "report" / "training.json")["goals"]
+        goals = read_json_object(folder / "report" / "training.json")["goals"]
         return f"{sum(bool(goal['met']) for goal in goals)}/{len(goals)}"
     except (UserError, KeyError, TypeError):
         return ""
@@ -92,7 +92,7 @@ def find(workplace):
         reason = ""
         if state is State.DISCARDED:
             try:
-                reason = str(read_json(folder / "discarded.json").get("reason", ""))
+                reason = str(read_json_object(folder / "discarded.json").get("reason", ""))
             except UserError:
                 pass  # That the file is there is what counts.
         found.append(Session(folder, folder.parent.name, name[3], name[1], name[2].replace("-", ":"), state, reason,

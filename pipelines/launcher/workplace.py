@@ -6,7 +6,7 @@ import pathlib
 import subprocess
 
 import sessions
-from files import UserError, append_csv, read_csv, read_json
+from files import UserError, append_csv, read_csv, read_json_object
 
 ANSWERS = ["code", "questionnaire", "item", "answer"]
 CONSENT = ["code", "consent", "time"]
@@ -44,13 +44,13 @@ class Workplace:
                             f"Make one with: pipelines/live-session --new {folder}")
         self.exercises = {}
         for file in sorted((self.folder / "exercises").glob("*.json")):
-            self.exercises[file.stem] = str(read_json(file).get("name", file.stem))
+            self.exercises[file.stem] = str(read_json_object(file).get("name", file.stem))
         if not self.exercises:
             raise UserError(f"There is no exercise in {self.folder}/exercises; copy one from configs/exercises.")
         (self.folder / "sessions").mkdir(exist_ok=True)
         self.curriculum = self.folder / "curriculum.json"
         study = self.folder / "study.json"
-        self.study = read_json(study) if study.exists() else None
+        self.study = read_json_object(study) if study.exists() else None
         # Codes in the study's order, and whether its file has their consent.
         try:
             self.people = {str(person["code"]): bool(person.get("consent", False))
@@ -67,7 +67,7 @@ class Workplace:
         file = near if near.exists() else self.configs / name
         if not file.exists():
             raise UserError(f"{near}: no such file, and no preset; the study of the workplace names it")
-        document = read_json(file)
+        document = read_json_object(file)
         try:
             return Questionnaire(document["key"], document["title"], [str(word) for word in document["scale"]],
                                  [(item["key"], item["text"]) for item in document["items"]])
@@ -138,7 +138,7 @@ class Workplace:
         file = self.folder / "registration" / "registration.json"
         if not file.exists():
             return None
-        document = read_json(file)
+        document = read_json_object(file)
         error, markers = document.get("fre_rms_mm"), document.get("num_points")
         return None if error is None or markers is None else (float(error), int(markers))
 

@@ -112,7 +112,7 @@ grep -q "replay: CPU time \[s\]" trends/trends.html || fail "trends: no CPU time
 [[ $? == 3 && ! -e trends2 ]] || fail "trends of no output: $(cat err)"
 
 # An outlier of six runs is named, and shown with its image.
-PYTHONPATH=$source/pipelines/cohorts python3 -B - whole >out 2>&1 <<'PYTHON' || fail "outliers: $(cat out)"
+PYTHONPATH=$source/pipelines/cohorts:$source/pipelines/common python3 -B - whole >out 2>&1 <<'PYTHON' || fail "outliers: $(cat out)"
 import pathlib, sys
 import report
 rows = [{"run": f"sub-0{1 + i % 2}/ses-01/replays/smallscenario-insertion", "depth [mm]": 30 + (i % 3) + 40 * (i == 5)}

@@ -3,7 +3,7 @@
 #include <acus/data/image/png.h>
 #include <acus/data/session/session_import.h>
 #include <acus/scene/scenario/scenario.h>
-#include <acus/scene/simulation/image_renderer.h>
+#include <acus/scene/simulation/probe_image_renderer.h>
 #include <acus/scene/simulation/simulation.h>
 #include <algorithm>
 #include <cstdio>
@@ -42,8 +42,8 @@ void StepAndRender(const char* scenario_file, const char* session_folder, const 
   const auto probe = acus::session::PoseAt(session.probe, deepest.time_ns);
   deepest.probe_valid = probe.valid;
   deepest.ct_from_probe = scene.ct_from_reference * probe.reference_from_tool;
-  acus::simulation::ImageRenderer renderer(scene);
-  acus::simulation::Images images;
+  acus::simulation::ProbeImageRenderer renderer(scene);
+  acus::simulation::ProbeImages images;
   renderer.Render(deepest, images);
   acus::image::WritePng(png_file, images.b_mode);
   std::printf("image: %d x %d\n", images.b_mode.width, images.b_mode.height);

@@ -13,7 +13,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LAUNCHER = ROOT / "pipelines" / "launcher"
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(LAUNCHER))
+sys.path[:0] = [str(LAUNCHER), str(LAUNCHER.parent / "common")]
 
 import add_case  # noqa: E402
 import jobs  # noqa: E402

@@ -5,7 +5,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/scene/simulation/simulation.h"
 #include "support/temporary_folder.h"
 
@@ -79,8 +79,8 @@ class PulsatingScene : public testing::Test {
     simulation.Step(state, {.time_ns = kPeakNs, .needle_valid = false});
     Eigen::Isometry3d probe = Eigen::Isometry3d::Identity();
     probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-    ImageRenderer renderer(scene);
-    Images images;
+    ProbeImageRenderer renderer(scene);
+    ProbeImages images;
     renderer.Render({.time_ns = kPeakNs,
                      .session_s = 0.2,
                      .probe_valid = true,

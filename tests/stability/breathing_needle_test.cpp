@@ -2,7 +2,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "support/allocation_counter.h"
 #include "support/bending_scene.h"
 #include "support/bound.h"
@@ -277,8 +277,8 @@ TEST(BreathingImages, AFoldingFieldGivesAnImageAndTheSameAgain) {
     scene.breathing.emplace(Around(MotionKind::kFullCycle, largest_mm, 120.0).Make());
     Snapshot snapshot{.session_s = 2.0, .probe_valid = true};
     snapshot.ct_from_probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-    Images first, second;
-    ImageRenderer renderer(scene);
+    ProbeImages first, second;
+    ProbeImageRenderer renderer(scene);
     renderer.Render(snapshot, first);
     snapshot.session_s = 0.7;
     renderer.Render(snapshot, second);

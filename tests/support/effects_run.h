@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "acus/scene/simulation/effect_images.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/scene/simulation/simulation.h"
 
 namespace acus::testing_support {
@@ -135,9 +135,9 @@ class EffectsRun {
   math::Polyline shape_;
   tissue::TissueLoad load_;
   effects::Memory memory_;
-  std::optional<simulation::ImageRenderer> renderer_;
+  std::optional<simulation::ProbeImageRenderer> renderer_;
   std::map<std::string_view, simulation::EffectImageRenderer> effects_;
-  simulation::Images images_;
+  simulation::ProbeImages images_;
 };
 
 }  // namespace acus::testing_support

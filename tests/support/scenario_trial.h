@@ -9,7 +9,7 @@
 #include "acus/base/core/error.h"
 #include "acus/physics/breathing/breath_source.h"
 #include "acus/physics/forces/closed_loop.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/scene/simulation/simulation.h"
 #include "support/wild_hand.h"
 
@@ -143,9 +143,9 @@ class ScenarioTrial {
     if (scene_.plan.Has(simulation::StageId::kDeformation) && simulation.LoadOf(state, out, load)) {
       snapshot.load = &load;
     }
-    simulation::ImageRenderer renderer(scene_);
-    simulation::Images images;
-    simulation::Images again;
+    simulation::ProbeImageRenderer renderer(scene_);
+    simulation::ProbeImages images;
+    simulation::ProbeImages again;
     renderer.Render(snapshot, images);
     renderer.Render(snapshot, again);
     Require(images.b_mode.pixels == again.b_mode.pixels, "two B-modes of one moment differ");

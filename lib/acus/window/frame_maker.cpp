@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "acus/run/training/session_metrics.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/window/coach.h"
 #include "acus/window/exercise_panel.h"
 

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "acus/scene/effects/view_3d/tissue_under_tools.h"
-#include "acus/scene/simulation/image_renderer.h"
 #include "acus/scene/simulation/image_sleep.h"
 #include "acus/scene/simulation/moment_rest.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 
 namespace acus::window {
 namespace {

@@ -115,8 +115,8 @@ MadeSequence MakeSequence(const DatasetConfig& config, const SequencePlan& plan,
 
   const auto source = replay::LabelSourceOf(scenario, scene, &patient.exercise, quiet);
   replay::LabelledImages images(scene, source, format, folder);
-  simulation::ImageRenderer renderer(scene, nullptr, simulation::ImageChoice::kBModeOnly);
-  simulation::Images rendered;
+  simulation::ProbeImageRenderer renderer(scene, nullptr, simulation::ImageChoice::kBModeOnly);
+  simulation::ProbeImages rendered;
   for (const simulation::Snapshot& moment : moments) {
     quiet.Checkpoint("images", 0.0);
     renderer.Render(moment, rendered);

@@ -11,7 +11,7 @@
 #include "acus/run/replay/cost_check.h"
 #include "acus/run/replay/image_log.h"
 #include "acus/run/replay/step_log.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/scene/simulation/scene.h"
 
 namespace acus::tuning {
@@ -103,8 +103,8 @@ void TakeStepTimes(const replay::StepLog& log, const std::vector<double>& cpu_s,
 /// Renders all moments, in one thread.
 void RunImages(const Scene& scene, const std::vector<Snapshot>& moments,
                simulation::StageTimes& times, const RunContext& context, CaseRun& out) {
-  simulation::ImageRenderer renderer(scene);
-  simulation::Images images;
+  simulation::ProbeImageRenderer renderer(scene);
+  simulation::ProbeImages images;
   // The first image makes room for the others.
   if (!moments.empty()) renderer.Render(moments.front(), images);
   std::vector<double> times_ms;

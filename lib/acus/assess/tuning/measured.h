@@ -33,7 +33,7 @@ struct Measured {
   double step_us_p999 = kNotMeasured;    ///< 99.9th percentile, us.
   double step_us_mean = kNotMeasured;    ///< us
   int images = 0;
-  double image_ms_median = kNotMeasured;  ///< Thread CPU time of ImageRenderer::Render, ms.
+  double image_ms_median = kNotMeasured;  ///< Thread CPU time of ProbeImageRenderer::Render, ms.
   double image_ms_p95 = kNotMeasured;     ///< 95th percentile, ms.
   double image_ms_mean = kNotMeasured;    ///< ms
   std::vector<StageShare> stages;         ///< Of the plan, in order.

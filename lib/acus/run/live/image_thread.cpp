@@ -38,7 +38,7 @@ struct ImageThread::Renderers {
   std::shared_ptr<const acoustics::Probe> probe;
   std::optional<double> gain_db;  ///< As it was asked for last.
   std::optional<double> depth_mm;
-  std::optional<simulation::ImageRenderer> images;
+  std::optional<simulation::ProbeImageRenderer> images;
   std::deque<OfEffect> effects;
 };
 

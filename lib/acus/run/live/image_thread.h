@@ -15,7 +15,7 @@
 #include "acus/run/live/live_snapshot.h"
 #include "acus/run/live/triple_buffer.h"
 #include "acus/scene/simulation/effect_images.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/scene/simulation/scene.h"
 
 namespace acus::live {
@@ -23,7 +23,7 @@ namespace acus::live {
 /// A moment with its images.
 struct LiveImage {
   LiveSnapshot snapshot;
-  simulation::Images images;
+  simulation::ProbeImages images;
   std::vector<simulation::EffectImage> effects;  ///< Of those effects of the list that have one.
   /// As it is set: gain, depth. Null without one in the plan.
   std::shared_ptr<const acoustics::Probe> probe;
@@ -85,7 +85,7 @@ class ImageThread {
   TripleBuffer<LiveImage> images_;
   ImageStatistics statistics_;
   simulation::StageTimes stage_times_;
-  simulation::Images last_images_;
+  simulation::ProbeImages last_images_;
   std::vector<simulation::EffectImage> last_effects_;
   /// The moment that last_images_ show; nothing if they are to be made anew.
   std::optional<LiveSnapshot> shown_;

@@ -6,7 +6,7 @@
 #include "acus/base/math/polyline.h"
 #include "acus/data/session/signals.h"
 #include "acus/physics/tissue/tissue_load.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/scene/simulation/simulation.h"
 
 namespace acus::live {

@@ -18,7 +18,7 @@
 namespace acus::replay {
 namespace {
 
-using simulation::Images;
+using simulation::ProbeImages;
 using simulation::Scene;
 using simulation::Sleep;
 using simulation::Snapshot;
@@ -42,7 +42,7 @@ std::string CaptionOf(const simulation::StepOutput& step) {
 }
 
 /// What the sequence holds, and what is on the left of the film.
-const image::GrayImage& MainImage(const Images& images) {
+const image::GrayImage& MainImage(const ProbeImages& images) {
   return images.b_mode.pixels.empty() ? images.ct_slice : images.b_mode;
 }
 
@@ -70,11 +70,11 @@ class ImageWriter {
     }
   }
 
-  void Write(int index, const Images& frames) {
+  void Write(int index, const ProbeImages& frames) {
     // A plan may have nothing but images of effects.
     if (folder_.empty() || MainImage(frames).pixels.empty()) return;
     const Snapshot& snapshot = snapshots_[static_cast<std::size_t>(index)];
-    const Images& images = persistence_.on() ? WithPersistence(snapshot, frames) : frames;
+    const ProbeImages& images = persistence_.on() ? WithPersistence(snapshot, frames) : frames;
     if (options_.trace) trace_.Add(snapshot.time_ns, images);
     if (labelled_ != nullptr) {
       labelled_->Write(snapshot, StepAt(steps_, snapshot.time_ns), MainImage(images));
@@ -99,7 +99,7 @@ class ImageWriter {
   }
 
  private:
-  const Images& WithPersistence(const Snapshot& snapshot, const Images& frames) {
+  const ProbeImages& WithPersistence(const Snapshot& snapshot, const ProbeImages& frames) {
     if (!snapshot.probe_valid) persistence_.Reset();
     persistence_.Add(snapshot.time_ns, frames.b_mode, persistent_.b_mode);
     if (!snapshot.probe_valid)
@@ -140,7 +140,7 @@ class ImageWriter {
     sequence_->AddFrame(snapshot.time_ns, image.pixels, fields);
   }
 
-  void Compose(const Snapshot& snapshot, const Images& images) {
+  void Compose(const Snapshot& snapshot, const ProbeImages& images) {
     using Shows = ultrasound::Screen::Shows;
     const bool both = !images.b_mode.pixels.empty() && !images.ct_slice.pixels.empty();
     if (!screen_) {
@@ -159,7 +159,7 @@ class ImageWriter {
     screen_->Compose(MainImage(images), both ? &images.ct_slice : nullptr, line, composed_);
   }
 
-  void WriteToFilm(const Images& images) {
+  void WriteToFilm(const ProbeImages& images) {
     // The video begins with the first image that shows something.
     if (!film_ && IsBlack(images.b_mode) && IsBlack(images.ct_slice)) return;
     if (!film_) {
@@ -200,7 +200,7 @@ class ImageWriter {
   std::optional<image::FilmWriter> film_;
   std::optional<ultrasound::Screen> screen_;
   ultrasound::FramePersistence persistence_;
-  Images persistent_;
+  ProbeImages persistent_;
   image::GrayImage composed_;
   ImageTrace trace_;
   std::vector<WrittenPng> pngs_;
@@ -266,7 +266,7 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
   ImageLog log;
   log.num_images = static_cast<int>(snapshots.size());
   if (snapshots.empty()) return log;
-  std::vector<simulation::ImageRenderer> renderers;
+  std::vector<simulation::ProbeImageRenderer> renderers;
   std::vector<simulation::StageTimes> slot_times(static_cast<std::size_t>(context.num_threads));
   for (int i = 0; i < context.num_threads; ++i) {
     // Their frames are not in order: persistence comes with the writer.
@@ -281,14 +281,15 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
   };
 
   // Two batches take turns: while one is rendered, the other is written.
-  std::vector<Images> batches[2] = {std::vector<Images>(kBatch), std::vector<Images>(kBatch)};
+  std::vector<ProbeImages> batches[2] = {std::vector<ProbeImages>(kBatch),
+                                         std::vector<ProbeImages>(kBatch)};
   ImageWriter writer(scene, snapshots, steps, folder, options, labelled);
   std::future<void> written;
   log.cpu_s.resize(snapshots.size());
   for (int begin = 0; begin < log.num_images; begin += kBatch) {
     context.Checkpoint("images", static_cast<double>(begin) / log.num_images);
-    std::vector<Images>& batch = batches[begin / kBatch % 2];
-    const std::vector<Images>& other = batches[(begin / kBatch + 1) % 2];
+    std::vector<ProbeImages>& batch = batches[begin / kBatch % 2];
+    const std::vector<ProbeImages>& other = batches[(begin / kBatch + 1) % 2];
     const int count = std::min(kBatch, log.num_images - begin);
     // One renderer for each thread: thread t makes images t, t + threads, ...
     ParallelFor(context.num_threads, context.num_threads, [&](int thread) {
@@ -303,8 +304,8 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
       }
     });
     for (int i = 0; i < count; ++i) {
-      const Images& before = i > 0 ? batch[static_cast<std::size_t>(i) - 1] : other.back();
-      Images& now = batch[static_cast<std::size_t>(i)];
+      const ProbeImages& before = i > 0 ? batch[static_cast<std::size_t>(i) - 1] : other.back();
+      ProbeImages& now = batch[static_cast<std::size_t>(i)];
       const bool same_b_mode = same(StageId::kUltrasound, begin + i);
       const bool same_ct_slice = same(StageId::kCtSlice, begin + i);
       if (same_b_mode) now.b_mode = before.b_mode;

@@ -10,7 +10,7 @@
 #include "acus/run/replay/labelled_images.h"
 #include "acus/run/replay/replay.h"
 #include "acus/run/replay/step_log.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 
 namespace acus::replay {
 

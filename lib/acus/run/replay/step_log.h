@@ -10,7 +10,7 @@
 #include "acus/base/core/run_context.h"
 #include "acus/data/session/session.h"
 #include "acus/run/replay/force_rows.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/scene/simulation/simulation.h"
 
 namespace acus::replay {

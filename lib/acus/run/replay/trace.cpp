@@ -145,7 +145,7 @@ void WriteTrace(const std::filesystem::path& path, const StepLog& log,
   WriteTextFile(path, text);
 }
 
-void ImageTrace::Add(std::int64_t time_ns, const simulation::Images& images) {
+void ImageTrace::Add(std::int64_t time_ns, const simulation::ProbeImages& images) {
   rows_ += session::SecondsText(time_ns) + ',' + HashOf(images.ct_slice) + ',' +
            HashOf(images.b_mode) + '\n';
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "acus/run/replay/step_log.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 
 namespace acus::replay {
 
@@ -20,7 +20,7 @@ void WriteTrace(const std::filesystem::path& path, const StepLog& log,
 /// Collects image_trace.csv: one row per image; columns time_s, then STAGE/sha256 of its pixels.
 class ImageTrace {
  public:
-  void Add(std::int64_t time_ns, const simulation::Images& images);
+  void Add(std::int64_t time_ns, const simulation::ProbeImages& images);
   void Write(const std::filesystem::path& path) const;
 
  private:

@@ -53,7 +53,7 @@ bool EffectImageRenderer::ImagesHaveChanged(const Snapshot& snapshot, const Snap
          (Reads(ports::kCtImage) && !of_probe_->Sleeps(StageId::kCtSlice, snapshot, *shown));
 }
 
-void EffectImageRenderer::Render(const Snapshot& snapshot, const Images* images,
+void EffectImageRenderer::Render(const Snapshot& snapshot, const ProbeImages* images,
                                  effects::EffectPixels& out, StageTimes* times,
                                  const Snapshot* shown) {
   effects::PortValues values = constant_;

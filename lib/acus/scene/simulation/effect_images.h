@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "acus/scene/simulation/image_renderer.h"
 #include "acus/scene/simulation/moment_rest.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 
 namespace acus::simulation {
 
@@ -37,7 +37,7 @@ class EffectImageRenderer {
   /// @param times  If given, what each stage did is added to it.
   /// @param shown  The moment that `out` shows already: what would be the same is left as it is.
   ///     Null: there is none.
-  void Render(const Snapshot& snapshot, const Images* images, effects::EffectPixels& out,
+  void Render(const Snapshot& snapshot, const ProbeImages* images, effects::EffectPixels& out,
               StageTimes* times = nullptr, const Snapshot* shown = nullptr);
 
  private:
@@ -49,9 +49,9 @@ class EffectImageRenderer {
   int num_threads_;
   effects::PortValues constant_;
   std::unique_ptr<effects::ImageStage> stage_;
-  std::optional<MomentRest> rest_;         ///< If the stage reads it.
-  std::optional<ImageRenderer> of_probe_;  ///< The same.
-  Images images_;
+  std::optional<MomentRest> rest_;              ///< If the stage reads it.
+  std::optional<ProbeImageRenderer> of_probe_;  ///< The same.
+  ProbeImages images_;
   std::vector<Eigen::Vector3d> tip_path_in_ct_mm_;
 };
 

@@ -7,7 +7,7 @@
 #include "acus/data/volume/label_lookup.h"
 #include "acus/imaging/acoustics/field_of_view.h"
 #include "acus/imaging/slicing/needle_paint.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 
 namespace acus::simulation {
 namespace {

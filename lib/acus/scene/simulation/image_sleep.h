@@ -1,7 +1,7 @@
 // When an image need not be made anew: the stage sleeps, and what it made last still stands.
 #pragma once
 
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/scene/simulation/scene.h"
 #include "acus/scene/simulation/stage_timing.h"
 

@@ -53,9 +53,9 @@ TEST_F(ImageSleepReplay, AreThoseThatWouldHaveBeenMade) {
     simulation::StageTimes times;
     RenderImages(scene, snapshots, StepLog(), to, options, &times, context_);
     session::SequenceFile sequence(to / "images.igs.mha");
-    simulation::ImageRenderer renderer(scene);
+    simulation::ProbeImageRenderer renderer(scene);
     for (std::size_t i = 0; i < snapshots.size(); ++i) {
-      simulation::Images anew;
+      simulation::ProbeImages anew;
       renderer.Render(snapshots[i], anew);
       ASSERT_EQ(sequence.ReadImage(i), anew.b_mode.pixels) << i;
     }

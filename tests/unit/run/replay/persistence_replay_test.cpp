@@ -42,11 +42,11 @@ TEST_F(PersistenceReplay, IsThatOfFramesInOrderWithAnyNumberOfThreads) {
   // As a live session renders: one frame after the other, those that do not change asleep.
   std::vector<std::vector<std::uint8_t>> in_order;
   std::vector<std::vector<std::uint8_t>> single;
-  simulation::ImageRenderer renderer(scene);
-  simulation::ImageRenderer of_single(scene, nullptr, simulation::ImageChoice::kAll,
-                                      simulation::Frames::kSingle);
-  simulation::Images images;
-  simulation::Images alone;
+  simulation::ProbeImageRenderer renderer(scene);
+  simulation::ProbeImageRenderer of_single(scene, nullptr, simulation::ImageChoice::kAll,
+                                           simulation::Frames::kSingle);
+  simulation::ProbeImages images;
+  simulation::ProbeImages alone;
   for (std::size_t i = 0; i < snapshots.size(); ++i) {
     renderer.Render(snapshots[i], images, nullptr, i > 0 ? &snapshots[i - 1] : nullptr);
     in_order.push_back(images.b_mode.pixels);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/scene/simulation/simulation.h"
 #include "support/bending_scene.h"
 #include "support/layered_scene.h"
@@ -115,11 +115,11 @@ TEST(Breathing, AsTheSessionRecordedItGivesTheBitsOfTheSourceItCameFrom) {
   }
   Snapshot snapshot{.session_s = 0.8, .probe_valid = true};
   snapshot.ct_from_probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  Images expected, images;
-  ImageRenderer(from_source).Render(snapshot, expected);
+  ProbeImages expected, images;
+  ProbeImageRenderer(from_source).Render(snapshot, expected);
   snapshot.breath = from_source.breathing->NormalAt(0.8);
   snapshot.session_s = 0.0;
-  ImageRenderer(from_session).Render(snapshot, images);
+  ProbeImageRenderer(from_session).Render(snapshot, images);
   EXPECT_EQ(images.b_mode.pixels, expected.b_mode.pixels);
 }
 
@@ -139,9 +139,9 @@ TEST(Breathing, HeldStillItGivesTheBitsOfAPatientWhoDoesNotBreathe) {
   }
   Snapshot snapshot{.session_s = 1.3, .probe_valid = true};
   snapshot.ct_from_probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  Images without, with;
-  ImageRenderer(still).Render(snapshot, without);
-  ImageRenderer(held).Render(snapshot, with);
+  ProbeImages without, with;
+  ProbeImageRenderer(still).Render(snapshot, without);
+  ProbeImageRenderer(held).Render(snapshot, with);
   EXPECT_EQ(without.b_mode.pixels, with.b_mode.pixels);
   EXPECT_EQ(without.ct_slice.pixels, with.ct_slice.pixels);
 }
@@ -151,13 +151,13 @@ TEST(Breathing, AProbeThatMovesWithThePatientShowsTheSameImage) {
   const Scene breathing = Patient(true);
   Snapshot snapshot{.session_s = 0.8, .probe_valid = true};
   snapshot.ct_from_probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  Images without, with, held;
-  ImageRenderer(still).Render(snapshot, without);
-  ImageRenderer renderer(breathing);
+  ProbeImages without, with, held;
+  ProbeImageRenderer(still).Render(snapshot, without);
+  ProbeImageRenderer renderer(breathing);
   renderer.Render(snapshot, held);
   snapshot.ct_from_probe.translation() += ShiftAt(800);
   renderer.Render(snapshot, with);
-  const auto mean_difference = [&](const Images& images) {
+  const auto mean_difference = [&](const ProbeImages& images) {
     double sum = 0.0;
     for (std::size_t n = 0; n < without.ct_slice.pixels.size(); ++n) {
       sum += std::abs(images.ct_slice.pixels[n] - without.ct_slice.pixels[n]);

@@ -6,7 +6,7 @@
 #include "acus/base/core/error.h"
 #include "acus/data/volume/label_lookup.h"
 #include "acus/imaging/acoustics/field_of_view.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "support/breathing_patients.h"
 #include "support/layered_scene.h"
 

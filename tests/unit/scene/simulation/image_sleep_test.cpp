@@ -50,10 +50,10 @@ TEST(ImageSleep, WhatSleepsWouldHaveGivenTheSameBits) {
     RunContext context;
     const Scene scene =
         LoadScene(s, PlanEffects(s, {.needle_poses = true, .probe_poses = true}), context);
-    ImageRenderer renderer(scene);
+    ProbeImageRenderer renderer(scene);
     EffectImageRenderer c_arm(scene, scene.listed.all().front(), context);
     RandomStream random(7, model);
-    Images kept, anew;
+    ProbeImages kept, anew;
     effects::EffectPixels shadow, shadow_anew;
     StageTimes times;
     Snapshot before = Drawn(random);

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "support/bending_scene.h"
 
 namespace acus::simulation {
@@ -212,8 +212,8 @@ TEST(NeedleShape, TheImagesShowTheBentNeedle) {
   Snapshot snapshot{.probe_valid = true};
   snapshot.ct_from_probe.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   snapshot.ct_from_needle = out.ct_from_needle;
-  ImageRenderer renderer(shows);
-  Images straight, bent, again;
+  ProbeImageRenderer renderer(shows);
+  ProbeImages straight, bent, again;
   renderer.Render(snapshot, straight);
   snapshot.needle_shape = &line;
   renderer.Render(snapshot, bent);

@@ -6,7 +6,7 @@
 
 #include "acus/base/math/rigid.h"
 #include "acus/data/volume/label_lookup.h"
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 #include "support/allocation_counter.h"
 #include "support/layered_scene.h"
 
@@ -131,11 +131,11 @@ TEST(Effects, OffAndOnButInactiveGiveIdenticalBits) {
   const Scene off = LayeredScene(PlanOf(false, true, true, false), false);
   const Scene on = LayeredScene(PlanOf(true, true, true, true), true);
   Snapshot snapshot{.probe_valid = true, .ct_from_probe = ProbeOnSkin()};
-  Images without;
-  ImageRenderer(off).Render(snapshot, without);
+  ProbeImages without;
+  ProbeImageRenderer(off).Render(snapshot, without);
   snapshot.ct_from_needle = Eigen::Translation3d(0, 25, -200) * Eigen::Isometry3d::Identity();
-  Images inactive;
-  ImageRenderer(on).Render(snapshot, inactive);
+  ProbeImages inactive;
+  ProbeImageRenderer(on).Render(snapshot, inactive);
   EXPECT_EQ(without.b_mode.pixels, inactive.b_mode.pixels);
   EXPECT_EQ(without.ct_slice.pixels, inactive.ct_slice.pixels);
 
@@ -147,8 +147,8 @@ TEST(Effects, OffAndOnButInactiveGiveIdenticalBits) {
 
   // And it does show when it is there: the comparison above could fail.
   snapshot.ct_from_needle = Eigen::Translation3d(0, 0, 20) * Eigen::Isometry3d::Identity();
-  Images shown;
-  ImageRenderer(on).Render(snapshot, shown);
+  ProbeImages shown;
+  ProbeImageRenderer(on).Render(snapshot, shown);
   EXPECT_NE(without.ct_slice.pixels, shown.ct_slice.pixels);
   EXPECT_NE(without.b_mode.pixels, shown.b_mode.pixels);
 }
@@ -176,9 +176,9 @@ TEST(Effects, TissueThatNothingDeformsGivesTheBitsOfOneThatIsOff) {
   const Scene on = SceneWithMovedTissue(true);
   const Scene off = SceneWithMovedTissue(false);
   Snapshot snapshot{.probe_valid = true, .ct_from_probe = ProbeOnSkin()};
-  Images without, inactive, touched, shown;
-  ImageRenderer(off).Render(snapshot, without);
-  ImageRenderer renderer(on);
+  ProbeImages without, inactive, touched, shown;
+  ProbeImageRenderer(off).Render(snapshot, without);
+  ProbeImageRenderer renderer(on);
   renderer.Render(snapshot, inactive);
   EXPECT_EQ(without.b_mode.pixels, inactive.b_mode.pixels);
   EXPECT_EQ(without.ct_slice.pixels, inactive.ct_slice.pixels);
@@ -204,16 +204,16 @@ TEST(Effects, TissueThatNothingDeformsGivesTheBitsOfOneThatIsOff) {
   EXPECT_NE(without.b_mode.pixels, shown.b_mode.pixels);
   EXPECT_NE(without.ct_slice.pixels, shown.ct_slice.pixels);
   // The same moment again gives the same bits, whatever was rendered between.
-  Images again;
+  ProbeImages again;
   snapshot.load = nullptr;
   renderer.Render(snapshot, again);
   EXPECT_EQ(without.b_mode.pixels, again.b_mode.pixels);
   snapshot.load = &load;
-  ImageRenderer(on).Render(snapshot, again);
+  ProbeImageRenderer(on).Render(snapshot, again);
   EXPECT_EQ(shown.b_mode.pixels, again.b_mode.pixels);
 }
 
-TEST(ImageRenderer, AllocatesNothingForMovedTissueAfterTheFirstImage) {
+TEST(ProbeImageRenderer, AllocatesNothingForMovedTissueAfterTheFirstImage) {
   const Scene scene = SceneWithMovedTissue(true);
   const Simulation simulation(scene);
   State state = simulation.NewState();
@@ -222,18 +222,18 @@ TEST(ImageRenderer, AllocatesNothingForMovedTissueAfterTheFirstImage) {
   tissue::TissueLoad load;
   ASSERT_TRUE(simulation.LoadOf(state, out, load));
   Snapshot snapshot{.probe_valid = true, .ct_from_probe = ProbeOnSkin(), .load = &load};
-  ImageRenderer renderer(scene);
-  Images images;
+  ProbeImageRenderer renderer(scene);
+  ProbeImages images;
   renderer.Render(snapshot, images);
   const long before = testing_support::num_allocations.load();
   for (int i = 0; i < 3; ++i) renderer.Render(snapshot, images);
   EXPECT_EQ(testing_support::num_allocations.load() - before, 0);
 }
 
-TEST(ImageRenderer, IsBlackWhereTheProbeIsNotSeen) {
+TEST(ProbeImageRenderer, IsBlackWhereTheProbeIsNotSeen) {
   const Scene scene = LayeredScene(PlanOf(false, true, true, false), false);
-  ImageRenderer renderer(scene);
-  Images images;
+  ProbeImageRenderer renderer(scene);
+  ProbeImages images;
   renderer.Render({.probe_valid = true, .ct_from_probe = ProbeOnSkin()}, images);
   EXPECT_GT(*std::ranges::max_element(images.b_mode.pixels), 0);
   renderer.Render({.probe_valid = false}, images);

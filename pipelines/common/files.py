@@ -1,5 +1,7 @@
-"""Small things about files that every part of a cohort needs."""
+"""Files of scripts: read with messages that say what is wrong, written whole or not at all."""
+import csv
 import hashlib
+import io
 import json
 import os
 import pathlib
@@ -29,18 +31,25 @@ def sha256_of_text(text):
 
 
 def write_whole(path, text):
-    """Writes a text file completely or not at all."""
+    """Writes a text file completely or not at all, and puts it on the medium."""
     path = pathlib.Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".partial-{os.getpid()}-{path.name}")
     try:
-        with open(partial, "w", encoding="utf-8") as stream:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with open(partial, "w", encoding="utf-8", newline="") as stream:
             stream.write(text)
             stream.flush()
             os.fsync(stream.fileno())
         os.replace(partial, path)
-    except BaseException:
+        folder = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+    except BaseException as error:
         partial.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise UserError(f"{path}: cannot be written: {error.strerror}") from error
         raise
 
 
@@ -55,6 +64,39 @@ def read_json(path):
         return json.loads(re.sub(r"(?m)^\s*//.*$", "", text))
     except (OSError, ValueError) as error:
         raise UserError(f"{path}: no readable JSON: {error}") from error
+
+
+def read_json_object(path):
+    document = read_json(path)
+    if not isinstance(document, dict):
+        raise UserError(f"{path}: must be a JSON object in braces")
+    return document
+
+
+def read_csv(path, columns):
+    """Rows of a CSV file as dictionaries; none if there is no file."""
+    try:
+        with open(path, encoding="utf-8", newline="") as stream:
+            reader = csv.DictReader(stream)
+            rows = list(reader)
+    except FileNotFoundError:
+        return []
+    except (OSError, ValueError, csv.Error) as error:
+        raise UserError(f"{path}: cannot be read: {error}") from error
+    missing = [name for name in columns if name not in (reader.fieldnames or [])]
+    if missing:
+        raise UserError(f"{path}:1: the column {missing[0]} is missing; it must have {','.join(columns)}")
+    return rows
+
+
+def append_csv(path, columns, rows):
+    """The file with more rows; what was in it stays. Rows are dictionaries."""
+    out = io.StringIO()
+    writer = csv.DictWriter(out, columns, lineterminator="\n", extrasaction="ignore", restval="")
+    writer.writeheader()
+    writer.writerows(read_csv(path, columns))
+    writer.writerows(rows)
+    write_whole(path, out.getvalue())
 
 
 def read_tsv(path):

@@ -1,4 +1,5 @@
-// Images of a scene at one moment.
+// Images in the plane of the probe at one moment: those of the coupled effects B-mode and CT slice
+// (coupled/probe_images.cpp), which share needle, tissue and probe.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ namespace acus::simulation {
 /// The needle of a moment as images see it; nothing if there is none.
 std::optional<image::NeedleInImage> ImagedNeedle(const Scene& scene, const Snapshot& snapshot);
 
-struct Images {
+struct ProbeImages {
   image::GrayImage b_mode;    ///< Empty if the plan has no B-mode.
   image::GrayImage ct_slice;  ///< Empty if the plan has no CT slice.
 };
@@ -34,13 +35,15 @@ enum class Frames { kInOrder, kSingle };
 /// The persistence of the scene's display.
 ultrasound::FramePersistence PersistenceOf(const Scene& scene);
 
-/// Renders the images of the plan. Holds buffers: one renderer for each thread.
-class ImageRenderer {
+/// Renders those images of the probe that the plan has. Holds buffers: one renderer for each
+/// thread.
+class ProbeImageRenderer {
  public:
   /// @param scene  Must outlive the renderer.
   /// @param probe  In place of the scene's, set otherwise: gain, depth; null: the scene's.
-  explicit ImageRenderer(const Scene& scene, const acoustics::Probe* probe = nullptr,
-                         ImageChoice choice = ImageChoice::kAll, Frames frames = Frames::kInOrder);
+  explicit ProbeImageRenderer(const Scene& scene, const acoustics::Probe* probe = nullptr,
+                              ImageChoice choice = ImageChoice::kAll,
+                              Frames frames = Frames::kInOrder);
 
   /// The same bits for the same snapshot, whatever was rendered before, but for persistence. Where
   /// the probe is not seen by the tracker, the images are black. Allocates nothing after the
@@ -48,7 +51,7 @@ class ImageRenderer {
   /// @param times  If given, what each stage did is added to it.
   /// @param shown  The moment that `out` shows already, by a renderer of the same probe: an image
   ///     that would be the same is left as it is, its stage sleeps. Null: there is none.
-  void Render(const Snapshot& snapshot, Images& out, StageTimes* times = nullptr,
+  void Render(const Snapshot& snapshot, ProbeImages& out, StageTimes* times = nullptr,
               const Snapshot* shown = nullptr);
 
   /// True if the image of that stage is the same at both moments.

@@ -1,4 +1,4 @@
-#include "acus/scene/simulation/image_renderer.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
 
 #include <algorithm>
 
@@ -28,8 +28,8 @@ ultrasound::FramePersistence PersistenceOf(const Scene& scene) {
   return ultrasound::FramePersistence(display != nullptr ? display->persistence_s : 0.0);
 }
 
-ImageRenderer::ImageRenderer(const Scene& scene, const acoustics::Probe* probe, ImageChoice choice,
-                             Frames frames)
+ProbeImageRenderer::ProbeImageRenderer(const Scene& scene, const acoustics::Probe* probe,
+                                       ImageChoice choice, Frames frames)
     : scene_(scene),
       rest_(scene),
       persistence_(frames == Frames::kInOrder ? PersistenceOf(scene)
@@ -59,13 +59,13 @@ std::optional<image::NeedleInImage> ImagedNeedle(const Scene& scene, const Snaps
   return needle;
 }
 
-bool ImageRenderer::ReadsRestMap() const {
+bool ProbeImageRenderer::ReadsRestMap() const {
   return (ct_slice_ && scene_.plan.Reads(StageId::kCtSlice, effects::ports::kRestMap)) ||
          (b_mode_ && scene_.plan.Reads(StageId::kUltrasound, effects::ports::kRestMap));
 }
 
-Sleep ImageRenderer::SleepOf(StageId id, const Snapshot& snapshot,
-                             const Snapshot* shown) const noexcept {
+Sleep ProbeImageRenderer::SleepOf(StageId id, const Snapshot& snapshot,
+                                  const Snapshot* shown) const noexcept {
   if (!snapshot.probe_valid) return Sleep::kProbeUnseen;
   if (shown == nullptr || !ProbeHasStayed(*shown, snapshot) ||
       !TissueHasStayed(scene_, *shown, snapshot)) {
@@ -79,15 +79,15 @@ Sleep ImageRenderer::SleepOf(StageId id, const Snapshot& snapshot,
   return unseen ? Sleep::kNeedleOffPlane : Sleep::kAwake;
 }
 
-bool ImageRenderer::Sleeps(StageId id, const Snapshot& snapshot,
-                           const Snapshot& shown) const noexcept {
+bool ProbeImageRenderer::Sleeps(StageId id, const Snapshot& snapshot,
+                                const Snapshot& shown) const noexcept {
   if (!snapshot.probe_valid) return !shown.probe_valid;  // Black after black.
   return SleepOf(id, snapshot, &shown) != Sleep::kAwake;
 }
 
-void ImageRenderer::DrawBMode(Sleep sleep, const Snapshot& snapshot,
-                              const std::optional<image::NeedleInImage>& needle,
-                              const slicing::RestMap* rest, image::GrayImage& out) {
+void ProbeImageRenderer::DrawBMode(Sleep sleep, const Snapshot& snapshot,
+                                   const std::optional<image::NeedleInImage>& needle,
+                                   const slicing::RestMap* rest, image::GrayImage& out) {
   if (!persistence_.on()) {
     Draw(*b_mode_, sleep, snapshot, needle, rest, out);
     return;
@@ -100,8 +100,8 @@ void ImageRenderer::DrawBMode(Sleep sleep, const Snapshot& snapshot,
   if (unseen) persistence_.Reset();  // What is seen again does not rise from black.
 }
 
-void ImageRenderer::Render(const Snapshot& snapshot, Images& out, StageTimes* times,
-                           const Snapshot* shown) {
+void ProbeImageRenderer::Render(const Snapshot& snapshot, ProbeImages& out, StageTimes* times,
+                                const Snapshot* shown) {
   Stopwatch watch(times);
   const Sleep none = Sleep::kNothingMoved;
   const Sleep of_slice = ct_slice_ ? SleepOf(StageId::kCtSlice, snapshot, shown) : none;
