@@ -4,8 +4,8 @@ set(marker ${CMAKE_BINARY_DIR}/tests/stand_ins/marker/libacus_marker.so)
 foreach(program ${ACUS_PROGRAMS})
   # All libraries that it needs lie in the working directory, too; none of those is loaded.
   acus_add_cli_case(${program}.loads_nothing_of_the_working_directory EXIT 0 LEAVES_NOTHING
-    BEFORE "ldd $ACUS_BIN/${program} | awk '$2 == \"=>\" {print $1}' | xargs -n 1 cp ${marker}
-            test -f libc.so.6"
+    BEFORE "tee $(ldd $ACUS_BIN/${program} | awk '$2 == \"=>\" {print $1}') <${marker} >/dev/null
+            test -s libc.so.6"
     STDOUT "^${program} "
     COMMAND ${program} --version)
   acus_add_cli_case(${program}.help EXIT 0 LEAVES_NOTHING

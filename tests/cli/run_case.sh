@@ -26,7 +26,11 @@ export ASAN_OPTIONS="exitcode=99:${ASAN_OPTIONS:-}" TSAN_OPTIONS="exitcode=99:${
 program=$(basename "$1")
 set -- "${@//\$INPUTS/$INPUTS}"
 
-listing() { find . -mindepth 1 -printf '%y %p %l ' -a \( -type f -exec sha256sum {} \; -o -print \) | sort; }
+# What lies here, and the contents; many files to a call, as the programs' libraries are hundreds.
+listing() {
+  find . -mindepth 1 -printf '%y %p %l\n' | sort
+  find . -type f -exec sha256sum {} + | sort -k 2
+}
 
 rm -rf "$folder" "$folder.stdout" "$folder.stderr"
 mkdir -p "$folder"

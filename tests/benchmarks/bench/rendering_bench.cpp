@@ -9,6 +9,7 @@
 #include "support/trunk_ct.h"
 #include "support/view_scenes.h"
 #include "support/vtk_volume.h"
+#include "support/wound_sheet.h"
 
 namespace {
 
@@ -172,25 +173,32 @@ void BM_InverseLattice(benchmark::State& state) {
 }
 BENCHMARK(BM_InverseLattice)->Arg(8)->Arg(4)->Arg(2)->Unit(benchmark::kMillisecond);
 
-/// Arguments: vertices (of the paper's bone, skin and vessels), nodes of the field each way.
+/// Arguments: vertices (of the paper's bone, skin and vessels), nodes of the field each way,
+/// threads. With normals; the breath goes on from image to image.
 void BM_Vertices(benchmark::State& state) {
   const auto field = Field(static_cast<int>(state.range(1)));
-  const auto motion = MapOf(field);
-  Eigen::Matrix3Xf rest(3, state.range(0));
-  for (Eigen::Index n = 0; n < rest.cols(); ++n) {
-    const auto a = static_cast<float>(n) * 2e-4F;
-    rest.col(n) << 160.0F * std::cos(40.0F * a), 110.0F * std::sin(40.0F * a),
-        -140.0F + 280.0F * static_cast<float>(n) / static_cast<float>(rest.cols());
+  volume_rendering::MovingSurface surface(testing_support::WoundSheet(state.range(0)));
+  const breathing::MotionMap still = MapOf(field);
+  double breath = 0.5;
+  for (auto _ : state) {
+    breath += 0.001;
+    breathing::MotionWeights weights;
+    for (int n = 0; n < still.weights().count; ++n) {
+      const auto at = static_cast<std::size_t>(n);
+      weights.Add(still.weights().component[at], breath * still.weights().weight[at]);
+    }
+    const breathing::MotionMap motion(field, weights);
+    surface.Update(&motion, static_cast<int>(state.range(2)));
   }
-  Eigen::Matrix3Xf world = rest;
-  for (auto _ : state) volume_rendering::DisplaceVertices(&motion, rest, world, 1);
 }
 BENCHMARK(BM_Vertices)
-    ->Args({430578, 128})
-    ->Args({145648, 128})
-    ->Args({12026, 128})
-    ->Args({430578, 64})
-    ->Args({430578, 256})
+    ->Args({430578, 128, 1})
+    ->Args({145648, 128, 1})
+    ->Args({12026, 128, 1})
+    ->Args({430578, 64, 1})
+    ->Args({430578, 256, 1})
+    ->Args({430578, 128, 2})
+    ->UseRealTime()
     ->Unit(benchmark::kMicrosecond);
 
 /// A surface of 430,000 vertices and its normals, drawn at 512 x 512.

@@ -2,17 +2,12 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <cstdint>
 
 #include "acus/data/mesh/surface.h"
-#include "acus/physics/breathing/motion_map.h"
+#include "acus/physics/breathing/attached_points.h"
 
 namespace acus::volume_rendering {
-
-/// world_mm.col(i) = rest_mm.col(i) + u(rest_mm.col(i), t), in single precision; the same bits with
-/// any number of threads. @param motion  Null: a copy.
-/// @pre Both have the same size.
-void DisplaceVertices(const breathing::MotionMap* motion, const Eigen::Matrix3Xf& rest_mm,
-                      Eigen::Matrix3Xf& world_mm, int num_threads);
 
 /// A triangle surface with a normal for each vertex: at rest the mean of its triangles' by their
 /// areas; moved, that one turned by the gradient of the motion.
@@ -22,7 +17,7 @@ class MovingSurface {
   ///     or a place is not finite.
   explicit MovingSurface(const mesh::Surface& surface);
 
-  /// To a moment. Costs nothing where it is there already: at rest. Allocates nothing.
+  /// To a moment. Costs nothing where it is there already: at rest, or while the breath is held.
   /// @param motion  Null or still: at rest.
   void Update(const breathing::MotionMap* motion, int num_threads);
 
@@ -32,14 +27,14 @@ class MovingSurface {
   Eigen::AlignedBox3d RestBox() const;
 
  private:
-  void SetRestNormals();
+  bool IsAt(const breathing::MotionMap* motion) const;
 
-  Eigen::Matrix3Xf rest_mm_;
   Eigen::Matrix3Xi triangles_;
-  Eigen::Matrix3Xf rest_normals_;
+  breathing::AttachedPoints points_;
   Eigen::Matrix3Xf world_mm_;
   Eigen::Matrix3Xf normals_;
-  bool at_rest_ = false;
+  std::uint64_t field_ = 0;  ///< Of the moment that is shown; 0: at rest.
+  breathing::MotionWeights weights_;
 };
 
 }  // namespace acus::volume_rendering

@@ -16,10 +16,11 @@ constexpr int kCentres = 90;      // Grid of starts, over the insertion...
 constexpr int kWidths = 14;       // ...and from kNarrowest of it upwards.
 constexpr double kNarrowest = 0.005;
 constexpr double kWidest = 1.5;
-constexpr double kLogNarrow = -7.0;  // Logarithms of widths in mm...
-constexpr double kLogWide = 12.0;    // ...that are told apart.
-constexpr double kFar = 25.0;        // In widths: a term is 0 there.
-constexpr int kMostRounds = 4;       // Of taking terms out and looking for better ones.
+constexpr double kLogNarrow = -7.0;    // Logarithms of widths in mm...
+constexpr double kLogWide = 12.0;      // ...that are told apart.
+constexpr double kFar = 25.0;          // In widths: a term is 0 there.
+constexpr Eigen::Index kColumns = 60;  // Of candidates at a time: they stay in the cache.
+constexpr int kMostRounds = 4;         // Of taking terms out and looking for better ones.
 
 /// Parameters: height, centre, logarithm of the width, for each term.
 double Evaluate(std::span<const double> p, double x, std::span<double> gradient) {
@@ -109,22 +110,26 @@ class GaussianFitter {
       basis.col(k) = Bell({1.0, start[i + 1], std::exp(start[i + 2])});
     }
     Eigen::VectorXd residual = Eigen::Map<const Eigen::VectorXd>(y_.data(), rows);
-    Eigen::MatrixXd left = bells_;
+    Eigen::MatrixXd q(rows, terms);
     if (terms > 0) {
-      const Eigen::MatrixXd q =
-          basis.householderQr().householderQ() * Eigen::MatrixXd::Identity(rows, terms);
+      q = basis.householderQr().householderQ() * Eigen::MatrixXd::Identity(rows, terms);
       residual -= q * (q.transpose() * residual);
-      left -= q * (q.transpose() * bells_);
     }
     Eigen::Index choice = 0;
     double most = -1.0;
-    for (Eigen::Index k = 0; k < left.cols(); ++k) {
-      const double norm = left.col(k).squaredNorm();
-      if (norm < 1e-6 * bells_.col(k).squaredNorm()) continue;  // The others make it already.
-      const double product = left.col(k).dot(residual);
-      if (product * product / norm > most) {
-        most = product * product / norm;
-        choice = k;
+    Eigen::MatrixXd left;
+    for (Eigen::Index first = 0; first < bells_.cols(); first += kColumns) {
+      const auto bells = bells_.middleCols(first, std::min(kColumns, bells_.cols() - first));
+      left = bells;
+      if (terms > 0) left.noalias() -= q * (q.transpose() * bells);
+      for (Eigen::Index k = 0; k < left.cols(); ++k) {
+        const double norm = left.col(k).squaredNorm();
+        if (norm < 1e-6 * bells.col(k).squaredNorm()) continue;  // The others make it already.
+        const double product = left.col(k).dot(residual);
+        if (product * product / norm > most) {
+          most = product * product / norm;
+          choice = first + k;
+        }
       }
     }
     return PolishedWith(start, basis, choice);

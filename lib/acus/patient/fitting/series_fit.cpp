@@ -56,13 +56,36 @@ class SeriesCost : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
     const std::span<const double> here(parameters[0], free_.size());
-    std::vector<double> residual;
-    if (!Residuals(here, residual)) return false;
-    std::ranges::copy(residual, residuals);
+    const bool known = last_.is_finite && std::ranges::equal(here, last_.at);
+    if (!known) {
+      last_.at.assign(here.begin(), here.end());
+      last_.jacobian.clear();
+      last_.is_finite = Residuals(here, last_.residual);
+    }
+    if (!last_.is_finite) return false;
+    std::ranges::copy(last_.residual, residuals);
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+    if (last_.jacobian.empty() && !Differences(here, last_.jacobian)) return false;
+    std::ranges::copy(last_.jacobian, jacobians[0]);
+    return true;
+  }
+
+ private:
+  /// The solver asks for one point up to three times: in a line search, as a candidate, and once it
+  /// is accepted.
+  struct Point {
+    std::vector<double> at;
+    std::vector<double> residual;
+    std::vector<double> jacobian;  ///< Row by row; empty until it is asked for.
+    bool is_finite = false;
+  };
+
+  /// False, and `jacobian` empty, if the model gives no numbers near `here`.
+  bool Differences(std::span<const double> here, std::vector<double>& jacobian) const {
     std::vector<double> moved(here.begin(), here.end());
     std::vector<double> up;
     std::vector<double> down;
+    std::vector<double> differences(y_.size() * free_.size());
     for (std::size_t k = 0; k < free_.size(); ++k) {
       const double above = std::min(here[k] + step_[k], high_[k]);
       const double below = std::max(here[k] - step_[k], low_[k]);
@@ -72,13 +95,13 @@ class SeriesCost : public ceres::CostFunction {
       if (!Residuals(moved, down)) return false;
       moved[k] = here[k];
       for (std::size_t i = 0; i < up.size(); ++i) {
-        jacobians[0][i * free_.size() + k] = (up[i] - down[i]) / (above - below);
+        differences[i * free_.size() + k] = (up[i] - down[i]) / (above - below);
       }
     }
+    jacobian = std::move(differences);
     return true;
   }
 
- private:
   const SeriesModel& model_;
   std::span<const double> y_;
   const std::vector<double>& weight_;
@@ -87,6 +110,7 @@ class SeriesCost : public ceres::CostFunction {
   std::vector<double> low_;
   std::vector<double> high_;
   std::vector<double> step_;
+  mutable Point last_;
 };
 
 bool Solve(const SeriesCost& cost, int most_iterations, std::vector<double>& free) {

@@ -234,19 +234,26 @@ void FillInSlices(Mask& mask, int axis, int num_threads,
       return base + static_cast<std::size_t>(u) * stride[static_cast<std::size_t>(u_axis)] +
              static_cast<std::size_t>(v) * stride[static_cast<std::size_t>(v_axis)];
     };
-    std::vector<std::uint8_t> seen(static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv), 0);
+    // 1 where nothing is to be done: mask, beyond the border, seen.
+    const auto row = static_cast<std::size_t>(nu) + 2;
+    std::vector<std::uint8_t> closed(row * (static_cast<std::size_t>(nv) + 2), 1);
+    const auto at_closed = [row](int u, int v) {
+      return static_cast<std::size_t>(v + 1) * row + static_cast<std::size_t>(u + 1);
+    };
+    for (int v = 0; v < nv; ++v) {
+      for (int u = 0; u < nu; ++u) closed[at_closed(u, v)] = mask.voxels[index(u, v)];
+    }
     std::vector<std::pair<int, int>> stack;
+    const auto push = [&](int u, int v) {
+      auto& flag = closed[at_closed(u, v)];
+      if (flag != 0) return;
+      flag = 1;
+      stack.emplace_back(u, v);
+    };
     SliceRegion region;
     for (int v0 = 0; v0 < nv; ++v0) {
       for (int u0 = 0; u0 < nu; ++u0) {
-        const auto push = [&](int u, int v) {
-          if (u < 0 || v < 0 || u >= nu || v >= nv) return;
-          auto& flag = seen[static_cast<std::size_t>(v) * static_cast<std::size_t>(nu) +
-                            static_cast<std::size_t>(u)];
-          if (flag != 0 || mask.voxels[index(u, v)] != 0) return;
-          flag = 1;
-          stack.emplace_back(u, v);
-        };
+        if (closed[at_closed(u0, v0)] != 0) continue;
         region.voxels.clear();
         region.touches_border = false;
         push(u0, v0);
@@ -260,7 +267,6 @@ void FillInSlices(Mask& mask, int axis, int num_threads,
           push(u, v - 1);
           push(u, v + 1);
         }
-        if (region.voxels.empty()) continue;
         if (accept ? !accept(region) : region.touches_border) continue;
         for (const std::size_t at : region.voxels) mask.voxels[at] = 1;
       }

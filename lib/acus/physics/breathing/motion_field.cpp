@@ -1,6 +1,7 @@
 #include "acus/physics/breathing/motion_field.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -64,9 +65,15 @@ std::size_t SpreadOverCache(std::size_t values_per_slice) {
   return (lines % 16 == 0 ? lines + 5 : lines) * kLineValues;
 }
 
+std::uint64_t NextIdentity() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 }  // namespace
 
-MotionField::MotionField(const volume::Geometry& nodes, int num_components) : nodes_(nodes) {
+MotionField::MotionField(const volume::Geometry& nodes, int num_components)
+    : identity_(NextIdentity()), nodes_(nodes) {
   ACUS_REQUIRE((nodes.size >= 2).all(), "motion field of ", nodes.size[0], " x ", nodes.size[1],
                " x ", nodes.size[2], " nodes; at least 2 are needed along each axis");
   ACUS_REQUIRE(num_components >= 1 && num_components <= kMaxComponents, "motion field of ",
@@ -109,6 +116,7 @@ void MotionField::SetComponent(int index, std::span<const float> displacement_in
     largest_mm = std::max(largest_mm, static_cast<double>(std::abs(value)));
   }
   const auto n = static_cast<std::size_t>(index);
+  identity_ = NextIdentity();
   mm_per_unit_[n] = static_cast<float>(largest_mm / kUnits);
   const double units_per_mm = largest_mm > 0.0 ? kUnits / largest_mm : 0.0;
   std::int16_t* values = values_[n].data();
@@ -146,6 +154,7 @@ void MotionField::SetStored(int index, std::span<const std::int16_t> values, dou
   ForEachRow([&](std::size_t stored, std::size_t packed) {
     std::ranges::copy(values.subspan(packed, row_stride_), of_component + stored);
   });
+  identity_ = NextIdentity();
   mm_per_unit_[static_cast<std::size_t>(index)] = static_cast<float>(mm_per_unit);
 }
 

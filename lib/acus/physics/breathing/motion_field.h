@@ -27,6 +27,7 @@ struct MotionWeights {
     weight[static_cast<std::size_t>(count)] = static_cast<float>(share);
     ++count;
   }
+  bool operator==(const MotionWeights&) const = default;
 };
 
 /// Displacements in mm at the nodes of a grid, 16 bits each. With a component's largest value m
@@ -55,6 +56,9 @@ class MotionField {
   const volume::Geometry& nodes() const { return nodes_; }
   int num_components() const { return static_cast<int>(mm_per_unit_.size()); }
   std::size_t bytes() const;
+  /// A number that only fields with the same nodes and values have: copies. For what is derived of
+  /// a field and kept. 0: no field.
+  std::uint64_t identity() const { return identity_; }
 
   /// x, y, z of each node along a row of the grid, in 16 bits as stored.
   std::span<const std::int16_t> StoredRow(int index, int j, int k) const;
@@ -72,6 +76,7 @@ class MotionField {
   }
   std::size_t ValuesPerComponent() const;
 
+  std::uint64_t identity_ = 0;
   volume::Geometry nodes_;
   Eigen::Matrix3d index_linear_ = Eigen::Matrix3d::Identity();
   Eigen::Vector3d index_offset_ = Eigen::Vector3d::Zero();

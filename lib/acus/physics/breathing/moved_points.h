@@ -1,4 +1,4 @@
-// Many points of a patient at one moment of breath: MotionMap for surfaces and lattices.
+// Many points of a patient at one moment of breath: MotionMap for lattices.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,12 +13,5 @@ namespace acus::breathing {
 /// @pre motion.moves(), and the same number of columns.
 void DisplacementsMm(const MotionMap& motion, Eigen::Ref<const Eigen::Matrix3Xf> rest_mm,
                      Eigen::Ref<Eigen::Matrix3Xf> displacement_mm) noexcept;
-
-/// Points to where they are in the world, and normals of a surface there turned along with it.
-/// @pre motion.moves(), and the same number of columns.
-void MoveWithNormals(const MotionMap& motion, Eigen::Ref<const Eigen::Matrix3Xf> rest_mm,
-                     Eigen::Ref<const Eigen::Matrix3Xf> rest_normals,
-                     Eigen::Ref<Eigen::Matrix3Xf> world_mm,
-                     Eigen::Ref<Eigen::Matrix3Xf> normals) noexcept;
 
 }  // namespace acus::breathing
