@@ -16,7 +16,8 @@ inline MotionField TurnedField() {
   nodes.size = {17, 13, 11};
   nodes.spacing_mm = {9.0, 12.0, 15.0};
   nodes.origin_mm = {-70, -60, -75};
-  nodes.direction = Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  nodes.direction =
+      Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   MotionField field(nodes, 2);
   const Eigen::Affine3d ct_from_index = nodes.ct_from_index();
   for (int n = 0; n < 2; ++n) {
