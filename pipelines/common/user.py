@@ -1,4 +1,4 @@
-"""How the programs of a cohort end: one message for what the user can mend, and the exit code for it."""
+"""How scripts end: one message for what the user can mend, and the exit code for it."""
 import sys
 
 from files import UserError

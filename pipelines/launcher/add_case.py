@@ -11,6 +11,7 @@ import sys
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "common"))
 
+import user  # noqa: E402
 from files import UserError, read_csv, read_json_object, write_whole  # noqa: E402
 from sessions import CODE  # noqa: E402
 
@@ -133,19 +134,15 @@ def check(workplace, made):
         raise UserError(done.stderr.strip() or "acus-live --check was ended by a signal")
 
 
-def main(arguments):
+def run(arguments):
     workplace, name, patient, exercise = arguments
-    try:
-        folder = pathlib.Path(workplace).resolve()
-        made = add(folder, name, pathlib.Path(patient), pathlib.Path(exercise))
-        check(folder, made)
-    except UserError as error:
-        print(f"pipelines/live-session: {error}", file=sys.stderr)
-        return 3
+    folder = pathlib.Path(workplace).resolve()
+    made = add(folder, name, pathlib.Path(patient), pathlib.Path(exercise))
+    check(folder, made)
     print(f"Added {os.path.relpath(made[1], folder)}; start it with: "
           f"pipelines/live-session --exercise {name} {workplace}", file=sys.stderr)
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(user.call("pipelines/live-session", run, sys.argv[1:]))

@@ -3,11 +3,11 @@ import argparse
 import fcntl
 import os
 import pathlib
-import sys
 
 import jobs
 import sessions
 import texts
+import user
 import workplace
 from files import UserError
 
@@ -85,19 +85,16 @@ def open_window(place, options):
     held.close()
 
 
-def main(arguments):
-    options = parse(arguments)
-    try:
-        os.environ["ACUS_BIN"] = str(program_folder())
-        configs = pathlib.Path(os.environ.get("ACUS_CONFIGS", ROOT / "configs"))
-        place = workplace.Workplace(options.workplace, program_folder(), configs)
-        if options.list:
-            list_day(place)
-        else:
-            open_window(place, options)
-    except UserError as error:
-        print(f"pipelines/training-day: {error}", file=sys.stderr)
-        return 3
-    except KeyboardInterrupt:
-        return 130
+def run(options):
+    os.environ["ACUS_BIN"] = str(program_folder())
+    configs = pathlib.Path(os.environ.get("ACUS_CONFIGS", ROOT / "configs"))
+    place = workplace.Workplace(options.workplace, program_folder(), configs)
+    if options.list:
+        list_day(place)
+    else:
+        open_window(place, options)
     return 0
+
+
+def main(arguments):
+    return user.call("pipelines/training-day", run, parse(arguments))

@@ -17,24 +17,7 @@ namespace {
 constexpr int kVertices = 430'578;  // Fortmeier-2016, section 4.4.
 
 breathing::MotionField Field(int nodes_each_way) {
-  volume::Geometry nodes;
-  nodes.size.setConstant(nodes_each_way);
-  nodes.spacing_mm.setConstant(400.0 / (nodes_each_way - 1));
-  nodes.origin_mm.setConstant(-200.0);
-  breathing::MotionField field(nodes, 3);
-  const Eigen::Affine3d ct_from_index = nodes.ct_from_index();
-  std::vector<float> values;
-  for (int k = 0; k < nodes_each_way; ++k) {
-    for (int j = 0; j < nodes_each_way; ++j) {
-      for (int i = 0; i < nodes_each_way; ++i) {
-        const Eigen::Vector3d mm =
-            testing_support::DiaphragmMm(ct_from_index * Eigen::Vector3d(i, j, k));
-        for (const double value : mm) values.push_back(static_cast<float>(value));
-      }
-    }
-  }
-  for (int n = 0; n < field.num_components(); ++n) field.SetComponent(n, values);
-  return field;
+  return testing_support::FieldOf(testing_support::DiaphragmMm, nodes_each_way, 3, 400.0);
 }
 
 breathing::MotionWeights WeightsAt(int moment) {

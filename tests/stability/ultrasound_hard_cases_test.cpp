@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 #include <limits>
 
 #include "acus/base/core/error.h"
@@ -15,6 +14,7 @@
 #include "support/allocation_counter.h"
 #include "support/beam_targets.h"
 #include "support/bound.h"
+#include "support/instruction_sets.h"
 
 namespace acus::ultrasound {
 namespace {
@@ -365,14 +365,9 @@ TEST_P(HardImage, EveryInstructionSetGivesTheSameBits) {
   const image::NeedleInImage needle = Needle({32, 25, 24}, {1.0, 0.3, 0.05});
   const Render render = model().make(body, SmallProbe(acoustics::ProbeKind::kCurvilinear));
   const image::GrayImage best = Image(render, kPose, needle, 1, &press);
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    off.Add(LargestOf(best, Image(render, kPose, needle, 1, &press)));
-  }
+  testing_support::OnEveryInstructionSet(
+      [&](const char*) { off.Add(LargestOf(best, Image(render, kPose, needle, 1, &press))); });
   hard.Expect(Of("difference in grey levels"), off, Exactly(0));
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 }  // namespace

@@ -71,13 +71,15 @@ inline Eigen::Vector3d DiaphragmMm(const Eigen::Vector3d& place_mm) {
           -18.0 * share};
 }
 
+/// A field in a cube around the origin. Each component is 0.4 of the one before.
 template <class Displacement>
-breathing::MotionField FieldOf(const Displacement& displacement_mm, int nodes_each_way = 48) {
+breathing::MotionField FieldOf(const Displacement& displacement_mm, int nodes_each_way = 48,
+                               int num_components = 1, double edge_mm = 200.0) {
   volume::Geometry nodes;
   nodes.size.setConstant(nodes_each_way);
-  nodes.spacing_mm.setConstant(200.0 / (nodes_each_way - 1));
-  nodes.origin_mm = {-100, -100, -100};
-  breathing::MotionField field(nodes, 1);
+  nodes.spacing_mm.setConstant(edge_mm / (nodes_each_way - 1));
+  nodes.origin_mm.setConstant(-0.5 * edge_mm);
+  breathing::MotionField field(nodes, num_components);
   std::vector<float> values;
   const Eigen::Affine3d ct_from_index = nodes.ct_from_index();
   for (int k = 0; k < nodes.size[2]; ++k) {
@@ -89,7 +91,10 @@ breathing::MotionField FieldOf(const Displacement& displacement_mm, int nodes_ea
       }
     }
   }
-  field.SetComponent(0, values);
+  for (int n = 0; n < num_components; ++n) {
+    field.SetComponent(n, values);
+    for (float& value : values) value *= 0.4F;
+  }
   return field;
 }
 

@@ -17,34 +17,14 @@ using namespace acus;  // NOLINT: a program of one file.
 
 /// Components that a model mixes.
 breathing::MotionField Field(int nodes_each_way, int num_components = 2) {
-  volume::Geometry nodes;
-  nodes.size.setConstant(nodes_each_way);
-  nodes.spacing_mm.setConstant(400.0 / (nodes_each_way - 1));
-  nodes.origin_mm.setConstant(-200.0);
-  breathing::MotionField field(nodes, num_components);
-  std::vector<float> values;
-  const Eigen::Affine3d ct_from_index = nodes.ct_from_index();
-  for (int k = 0; k < nodes_each_way; ++k) {
-    for (int j = 0; j < nodes_each_way; ++j) {
-      for (int i = 0; i < nodes_each_way; ++i) {
-        for (const double mm :
-             testing_support::DiaphragmMm(ct_from_index * Eigen::Vector3d(i, j, k))) {
-          values.push_back(static_cast<float>(mm));
-        }
-      }
-    }
-  }
-  for (int n = 0; n < num_components; ++n) {
-    field.SetComponent(n, values);
-    for (float& value : values) value *= 0.4F;
-  }
-  return field;
+  return testing_support::FieldOf(testing_support::DiaphragmMm, nodes_each_way, num_components,
+                                  400.0);
 }
 
-breathing::MotionMap MapOf(const breathing::MotionField& field) {
+breathing::MotionMap MapOf(const breathing::MotionField& field, double breath = 1.0) {
   breathing::MotionWeights weights;
-  weights.Add(0, 0.6);
-  weights.Add(1, 0.4);
+  weights.Add(0, 0.6 * breath);
+  weights.Add(1, 0.4 * breath);
   return {field, weights};
 }
 
@@ -178,16 +158,10 @@ BENCHMARK(BM_InverseLattice)->Arg(8)->Arg(4)->Arg(2)->Unit(benchmark::kMilliseco
 void BM_Vertices(benchmark::State& state) {
   const auto field = Field(static_cast<int>(state.range(1)));
   volume_rendering::MovingSurface surface(testing_support::WoundSheet(state.range(0)));
-  const breathing::MotionMap still = MapOf(field);
   double breath = 0.5;
   for (auto _ : state) {
     breath += 0.001;
-    breathing::MotionWeights weights;
-    for (int n = 0; n < still.weights().count; ++n) {
-      const auto at = static_cast<std::size_t>(n);
-      weights.Add(still.weights().component[at], breath * still.weights().weight[at]);
-    }
-    const breathing::MotionMap motion(field, weights);
+    const breathing::MotionMap motion = MapOf(field, breath);
     surface.Update(&motion, static_cast<int>(state.range(2)));
   }
 }

@@ -1,27 +1,16 @@
 #include "acus/imaging/volume_rendering/moving_surface.h"
 
+#include <utility>
+
 #include "acus/base/core/error.h"
 
 namespace acus::volume_rendering {
 namespace {
 
-const mesh::Surface& Checked(const mesh::Surface& surface) {
-  const auto nodes = static_cast<int>(surface.nodes_mm.cols());
-  const Eigen::Matrix3Xi& triangles = surface.triangles;
-  ACUS_REQUIRE(triangles.cols() > 0, "surface: it has no triangle");
-  ACUS_REQUIRE(triangles.minCoeff() >= 0 && triangles.maxCoeff() < nodes,
-               "surface: a triangle names node ", triangles.maxCoeff(), " or below 0; there are ",
-               nodes);
-  ACUS_REQUIRE(surface.nodes_mm.cast<float>().allFinite(),
-               "surface: a node is at a place that is not finite");
-  return surface;
-}
-
 /// Of each node; each triangle counts by its area.
-Eigen::Matrix3Xf NormalsOf(const mesh::Surface& surface) {
-  const Eigen::Matrix3Xf nodes_mm = surface.nodes_mm.cast<float>();
+Eigen::Matrix3Xf NormalsOf(const Eigen::Matrix3Xf& nodes_mm, const Eigen::Matrix3Xi& triangles) {
   Eigen::Matrix3Xf normals = Eigen::Matrix3Xf::Zero(3, nodes_mm.cols());
-  for (const auto& corners : surface.triangles.colwise()) {
+  for (const auto& corners : triangles.colwise()) {
     const Eigen::Vector3f a = nodes_mm.col(corners[0]);
     const Eigen::Vector3f along = nodes_mm.col(corners[1]) - a;
     const Eigen::Vector3f across = nodes_mm.col(corners[2]) - a;
@@ -35,13 +24,25 @@ Eigen::Matrix3Xf NormalsOf(const mesh::Surface& surface) {
   return normals;
 }
 
+breathing::AttachedPoints NodesOf(const mesh::Surface& surface) {
+  const Eigen::Matrix3Xi& triangles = surface.triangles;
+  Eigen::Matrix3Xf nodes_mm = surface.nodes_mm.cast<float>();
+  ACUS_REQUIRE(triangles.cols() > 0, "surface: it has no triangle");
+  ACUS_REQUIRE(triangles.minCoeff() >= 0 && triangles.maxCoeff() < nodes_mm.cols(),
+               "surface: a triangle names node ", triangles.maxCoeff(), " or below 0; there are ",
+               nodes_mm.cols());
+  ACUS_REQUIRE(nodes_mm.allFinite(), "surface: a node is at a place that is not finite");
+  Eigen::Matrix3Xf normals = NormalsOf(nodes_mm, triangles);
+  return {std::move(nodes_mm), std::move(normals)};
+}
+
 }  // namespace
 
 MovingSurface::MovingSurface(const mesh::Surface& surface)
-    : triangles_(Checked(surface).triangles),
-      points_(surface.nodes_mm.cast<float>(), NormalsOf(surface)),
-      world_mm_(points_.rest_mm()),
-      normals_(points_.rest_normals()) {}
+    : nodes_(NodesOf(surface)),
+      triangles_(surface.triangles),
+      world_mm_(nodes_.rest_mm()),
+      normals_(nodes_.rest_normals()) {}
 
 bool MovingSurface::IsAt(const breathing::MotionMap* motion) const {
   if (motion == nullptr) return field_ == 0;
@@ -52,19 +53,19 @@ void MovingSurface::Update(const breathing::MotionMap* motion, int num_threads) 
   if (motion != nullptr && !motion->moves()) motion = nullptr;
   if (IsAt(motion)) return;
   if (motion == nullptr) {
-    world_mm_ = points_.rest_mm();
-    normals_ = points_.rest_normals();
+    world_mm_ = nodes_.rest_mm();
+    normals_ = nodes_.rest_normals();
     field_ = 0;
     return;
   }
-  points_.MoveTo(*motion, num_threads, world_mm_, normals_);
+  nodes_.MoveTo(*motion, num_threads, world_mm_, normals_);
   field_ = motion->field().identity();
   weights_ = motion->weights();
 }
 
 Eigen::AlignedBox3d MovingSurface::RestBox() const {
   Eigen::AlignedBox3d box;
-  for (const auto& node : points_.rest_mm().colwise()) box.extend(node.cast<double>().eval());
+  for (const auto& node : nodes_.rest_mm().colwise()) box.extend(node.cast<double>().eval());
   return box;
 }
 

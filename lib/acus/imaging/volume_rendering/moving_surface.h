@@ -29,8 +29,8 @@ class MovingSurface {
  private:
   bool IsAt(const breathing::MotionMap* motion) const;
 
+  breathing::AttachedPoints nodes_;
   Eigen::Matrix3Xi triangles_;
-  breathing::AttachedPoints points_;
   Eigen::Matrix3Xf world_mm_;
   Eigen::Matrix3Xf normals_;
   std::uint64_t field_ = 0;  ///< Of the moment that is shown; 0: at rest.

@@ -32,7 +32,6 @@ class AttachedPoints {
               Eigen::Matrix3Xf& normals);
 
  private:
-  /// As many as a moment may have.
   struct Component {
     std::uint64_t field = 0;  ///< MotionField::identity().
     int index = 0;
@@ -43,7 +42,7 @@ class AttachedPoints {
 
   Eigen::Matrix3Xf rest_mm_;
   Eigen::Matrix3Xf rest_normals_;
-  std::array<Component, MotionWeights::kMaxCount> components_;
+  std::array<Component, MotionWeights::kMaxCount> components_;  ///< As many as a moment may have.
   std::uint64_t moment_ = 0;
 };
 

@@ -4,13 +4,13 @@
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 #include <numbers>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
 #include "support/fuzz.h"
+#include "support/instruction_sets.h"
 #include "support/temporary_folder.h"
 
 namespace acus::fluoroscopy {
@@ -335,11 +335,9 @@ TEST(Fluoroscope, GivesTheSameBitsWithAnyThreadsAndInstructions) {
     Fluoroscope(ct, SmallArm(), Pose(20, 10), threads)
         .Render(needle, images.emplace_back(), threads, &part);
   }
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
+  testing_support::OnEveryInstructionSet([&](const char*) {
     Fluoroscope(ct, SmallArm(), Pose(20, 10)).Render(needle, images.emplace_back(), 1, &part);
-  }
-  hwy::SetSupportedTargetsForTest(0);
+  });
   for (const image::GrayImage& image : images) EXPECT_EQ(image.pixels, images[0].pixels);
 }
 

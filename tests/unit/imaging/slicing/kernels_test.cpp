@@ -3,27 +3,17 @@
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 #include <vector>
 
 #include "acus/base/core/random.h"
 #include "acus/imaging/ultrasound/bmode.h"
+#include "support/instruction_sets.h"
 #include "support/synthetic_ct.h"
 
 namespace acus::slicing {
 namespace {
 
-/// Calls `body` once on each instruction set that this machine has.
-template <typename Body>
-void OnEveryInstructionSet(const Body& body) {
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    body(hwy::TargetName(target));
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
+using testing_support::OnEveryInstructionSet;
 
 acoustics::Probe KernelsSmallProbe(acoustics::ProbeKind kind) {
   return {.name = "test",

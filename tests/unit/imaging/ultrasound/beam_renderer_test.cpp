@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 #include <limits>
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
 #include "acus/imaging/ultrasound/beam_interface.h"
+#include "support/instruction_sets.h"
 #include "support/synthetic_ct.h"
 
 namespace acus::ultrasound {
@@ -142,14 +142,9 @@ TEST(BeamRenderer, HasTheSameBitsOnEveryInstructionSet) {
        {acoustics::ProbeKind::kLinear, acoustics::ProbeKind::kCurvilinear}) {
     BeamRenderer renderer(scene.tissue, BeamRendererTestProbe(kind), BeamOptions{});
     const image::GrayImage best = BeamRendererImage(renderer, 1, &press);
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-      hwy::SetSupportedTargetsForTest(target);
-      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-      EXPECT_EQ(best.pixels, BeamRendererImage(renderer, 1, &press).pixels)
-          << hwy::TargetName(target);
-    }
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    testing_support::OnEveryInstructionSet([&](const char* name) {
+      EXPECT_EQ(best.pixels, BeamRendererImage(renderer, 1, &press).pixels) << name;
+    });
   }
 }
 

@@ -1,10 +1,10 @@
 #include "acus/imaging/volume_rendering/ray_tile.h"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 #include <memory>
 
 #include "acus/imaging/volume_rendering/smoothing.h"
+#include "support/instruction_sets.h"
 #include "support/trunk_ct.h"
 #include "support/view_scenes.h"
 
@@ -127,19 +127,15 @@ TEST(TileCaster, GivesTheSameBitsOnEveryInstructionSet) {
   const Everything all("soft_tissue");
   std::vector<RayColour> first;
   int targets = 0;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  testing_support::OnEveryInstructionSet([&](const char* name) {
     const std::vector<RayColour> image = all.Image();
     if (first.empty()) first = image;
     for (std::size_t n = 0; n < first.size(); ++n) {
-      ASSERT_TRUE((image[n].colour == first[n].colour).all()) << hwy::TargetName(target) << n;
-      ASSERT_EQ(image[n].opacity, first[n].opacity) << hwy::TargetName(target) << n;
+      ASSERT_TRUE((image[n].colour == first[n].colour).all()) << name << n;
+      ASSERT_EQ(image[n].opacity, first[n].opacity) << name << n;
     }
     ++targets;
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  });
   EXPECT_GT(targets, 1);
 }
 

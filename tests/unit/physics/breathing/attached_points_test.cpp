@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include "acus/base/core/random.h"
+#include "support/instruction_sets.h"
 #include "support/turned_field.h"
 
 namespace acus::breathing {
@@ -99,9 +99,7 @@ TEST(AttachedPoints, AreTheSameBitsOnEveryInstructionSet) {
   const Matrix3Xf normals = rest.colwise().normalized();
   Matrix3Xf first_world;
   Matrix3Xf first_normals;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  testing_support::OnEveryInstructionSet([&](const char* name) {
     Matrix3Xf world(3, rest.cols());
     Matrix3Xf turned(3, rest.cols());
     AttachedPoints(rest, normals).MoveTo(motion, 1, world, turned);
@@ -109,11 +107,9 @@ TEST(AttachedPoints, AreTheSameBitsOnEveryInstructionSet) {
       first_world = world;
       first_normals = turned;
     }
-    EXPECT_EQ(world, first_world) << hwy::TargetName(target);
-    EXPECT_EQ(turned, first_normals) << hwy::TargetName(target);
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    EXPECT_EQ(world, first_world) << name;
+    EXPECT_EQ(turned, first_normals) << name;
+  });
 }
 
 }  // namespace

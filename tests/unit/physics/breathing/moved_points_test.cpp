@@ -2,8 +2,8 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
+#include "support/instruction_sets.h"
 #include "support/turned_field.h"
 
 namespace acus::breathing {
@@ -41,16 +41,12 @@ TEST(MovedPoints, AreTheSameBitsOnEveryInstructionSet) {
   const MotionMap motion = HalfAndHalf(field);
   const Matrix3Xf rest = SomePoints();
   Matrix3Xf first;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  testing_support::OnEveryInstructionSet([&](const char* name) {
     Matrix3Xf moved(3, rest.cols());
     DisplacementsMm(motion, rest, moved);
     if (first.cols() == 0) first = moved;
-    EXPECT_EQ(moved, first) << hwy::TargetName(target);
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    EXPECT_EQ(moved, first) << name;
+  });
 }
 
 }  // namespace

@@ -27,36 +27,27 @@ bool IsOnLargePages(const void* address) {
   return false;
 }
 
-class LargeArrays : public testing::Test {
- protected:
-  void SetUp() override {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "sanitizers have an operator new of their own";
-#endif
-    if (!std::filesystem::exists("/sys/kernel/mm/transparent_hugepage")) {
-      GTEST_SKIP() << "this kernel has no large pages";
-    }
+TEST(LargeArrays, LieOnLargePages) {
+  if (!std::filesystem::exists("/sys/kernel/mm/transparent_hugepage")) {
+    GTEST_SKIP() << "this kernel has no large pages";
   }
-};
-
-TEST_F(LargeArrays, LieOnLargePages) {
   std::vector<float> large(std::size_t{16} << 20);
   EXPECT_TRUE(IsOnLargePages(&large[large.size() / 2]));
 }
 
-TEST_F(LargeArrays, SmallOnesDoNot) {
+TEST(LargeArrays, SmallOnesDoNot) {
   std::vector<float> small(std::size_t{64} << 10);
   EXPECT_FALSE(IsOnLargePages(&small[small.size() / 2]));
 }
 
-TEST_F(LargeArrays, MemoryThatIsNotThereIsRefused) {
+TEST(LargeArrays, MemoryThatIsNotThereIsRefused) {
   std::size_t size = std::numeric_limits<std::size_t>::max() / 2;
   EXPECT_THROW(::operator delete(::operator new(size)), std::bad_alloc);
 }
 
 int num_calls = 0;
 
-TEST_F(LargeArrays, TheHandlerIsAskedFirst) {
+TEST(LargeArrays, TheHandlerIsAskedFirst) {
   num_calls = 0;
   const auto old = std::set_new_handler([] {
     if (++num_calls == 2) std::set_new_handler(nullptr);
