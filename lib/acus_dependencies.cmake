@@ -38,3 +38,5 @@ find_library(ACUS_OPENBLAS openblas REQUIRED)
 find_path(ACUS_SUITESPARSE_INCLUDE cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 # What a window needs: VTK finds its OpenGL, X and fonts at link time, by vtk_module_autoinit.
 find_package(X11 REQUIRED)
+# What casts rays on a graphics card: contexts without a window.
+find_package(OpenGL REQUIRED COMPONENTS OpenGL EGL)

@@ -74,9 +74,10 @@ struct Latency {
 
 /// Of the volume view.
 struct VolumeReadout {
-  double per_s = 0.0;  ///< Images; 0: not known.
-  long dropped = 0;    ///< Moments that a newer one replaced before they were rendered.
-  bool whole = false;  ///< Nothing moves: the image has all pixels of its place.
+  double per_s = 0.0;   ///< Images; 0: not known.
+  long dropped = 0;     ///< Moments that a newer one replaced before they were rendered.
+  bool whole = false;   ///< Nothing moves: the image has all pixels of its place.
+  std::string rays_on;  ///< Name of the graphics card that casts the rays; empty: the processor.
 };
 
 /// What the hand feels, by magnitude; nothing: that device has no motor or is not there.

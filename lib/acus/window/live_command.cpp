@@ -22,6 +22,7 @@ struct Options {
   bool requests = false;
   live::LiveOptions session;
   ConsoleSettings console;
+  std::string volume_rays = "auto";
 };
 
 void AddSessionOptions(CLI::App& app, Options& options) {
@@ -47,10 +48,19 @@ void AddWindowOptions(CLI::App& app, Options& options) {
   app.add_option("--views", options.console.views,
                  "Views to show, with commas: camera, ultrasound, 3d, volume, ct, effects.\n"
                  "Without it all but volume, which the key M brings");
+  app.add_option("--volume-rays", options.volume_rays,
+                 "What renders the volume view: graphics (OpenGL), processor, or auto: a graphics\n"
+                 "card, where there is one")
+      ->check(CLI::IsMember({"auto", "processor", "graphics"}))
+      ->capture_default_str();
   app.add_option("--trainer-views", options.console.trainer_views,
                  "A second window with these views, for a trainer; move it to another screen");
   app.add_option("--screenshot", options.console.screenshot,
                  "PNG of the window, taken at the end; NAME_trainer.png is that of the trainer");
+}
+
+std::string VolumeRaysText(const VolumeReadout& volume) {
+  return "rays on " + (volume.rays_on.empty() ? "the processor" : volume.rays_on);
 }
 
 int NumAsked(const Options& options) {
@@ -98,6 +108,7 @@ ExitCode RunSeries(const Options& options, const live::LiveDevices& devices, Run
 
 ExitCode RunLive(Options& options, RunContext& context, std::ostream& out) {
   const fs::path here = fs::current_path();
+  options.console.window.volume_rays = VolumeRaysOf(options.volume_rays);
   const auto devices = live::ReadLiveDevices(config::FindConfig(options.devices, here));
   if (options.requests) return RunSeries(options, devices, context, out);
   const auto scenario =
@@ -116,6 +127,7 @@ ExitCode RunLive(Options& options, RunContext& context, std::ostream& out) {
     const WindowRun run = RunWithWindow(scenario, session, options.console, context);
     good = run.complete;
     out << "Window: " << FixedText(run.frames_per_s, 1) << " frames a second.\n";
+    if (run.volume) out << "Volume view: " << VolumeRaysText(*run.volume) << ".\n";
   }
   out << session.SummaryText();
   return good ? ExitCode::kOk : ExitCode::kNoAnswer;

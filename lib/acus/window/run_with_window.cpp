@@ -127,7 +127,7 @@ WindowRun RunInWindows(SessionWindows& windows, live::LiveSession& session,
   }
   loop.TakeScreenshot();
   session.Stop();
-  return {session.complete(), loop.FramesPerS()};
+  return {session.complete(), loop.FramesPerS(), windows.volume()};
 }
 
 }  // namespace acus::window

@@ -17,8 +17,9 @@ struct ConsoleSettings : WindowsSettings {
 };
 
 struct WindowRun {
-  bool complete = false;      ///< LiveSession::complete().
-  double frames_per_s = 0.0;  ///< Shown in the window.
+  bool complete = false;                ///< LiveSession::complete().
+  double frames_per_s = 0.0;            ///< Shown in the window.
+  std::optional<VolumeReadout> volume;  ///< At the end, if the volume view is shown.
 };
 
 /// Opens the window, starts the session and runs it until it is over or the person ends it. Keys

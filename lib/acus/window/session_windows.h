@@ -38,6 +38,8 @@ class SessionWindows {
   HandInput TakeHandInput();
   /// The trainee's window was closed. That of the trainer may be closed without further effect.
   bool closed() const;
+  /// Of the trainee's window; nothing while its volume view is not shown.
+  std::optional<VolumeReadout> volume() const { return trainee_.volume(); }
   /// PNG files; the trainer's window is beside the other's as NAME_trainer.png.
   void WriteScreenshots(const std::filesystem::path& path);
 

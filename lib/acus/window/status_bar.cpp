@@ -106,6 +106,7 @@ std::string VolumeText(const VolumeReadout& volume) {
   if (volume.whole) return "all pixels";
   std::string text = volume.per_s > 0.0 ? Digits(volume.per_s, volume.per_s < 2.0 ? 1 : 0) : "-";
   text += " /s";
+  if (!volume.rays_on.empty()) text += ", card";
   if (volume.dropped > 0) text += ", " + std::to_string(volume.dropped) + " dropped";
   return text;
 }

@@ -78,10 +78,11 @@ struct VolumeRenderer::Content {
     bool may_stop = false;
   };
 
-  explicit Content(const std::vector<VolumeLook>& all) : looks(all) {}
+  Content(const std::vector<VolumeLook>& all, VolumeRays on) : looks(all), rays(on) {}
 
   /// Null look: none yet. Only of the thread that renders.
   const std::vector<VolumeLook>& looks;
+  VolumeRays rays;
   std::unique_ptr<volume_rendering::PatientView> view;
   std::size_t view_look = 0;
   double view_opacity = 0.0;
@@ -110,6 +111,32 @@ struct VolumeRenderer::Content {
         WithOpacity(looks.at(moment.look).patient, moment.opacity), LookOfVolume());
     view_look = moment.look;
     view_opacity = moment.opacity;
+    UseCard();
+  }
+
+  /// Where there is none, or it has failed once, the processor is used from then on.
+  void UseCard() {
+    if (rays == VolumeRays::kProcessor) return;
+    std::string name, why;
+    try {
+      auto card = graphics::MakeShaderRays(DriverFor(rays));
+      name = card->name();
+      view->UseDevice(std::move(card));
+    } catch (const InputError& error) {
+      if (rays == VolumeRays::kGraphics) why = error.what();
+      rays = VolumeRays::kProcessor;
+    }
+    const std::lock_guard lock(mutex);
+    counts.rays_on = name;
+    counts.card_trouble = why;
+  }
+  /// After an image.
+  void WatchCard() {
+    if (view->device_trouble().empty() || rays == VolumeRays::kProcessor) return;
+    rays = VolumeRays::kProcessor;
+    const std::lock_guard lock(mutex);
+    counts.rays_on.clear();
+    counts.card_trouble = view->device_trouble();
   }
 
   /// False if it was stopped.
@@ -131,6 +158,7 @@ struct VolumeRenderer::Content {
     if (!view->Render(moment.camera, seen, rendered, 1, job.may_stop ? superseded : nullptr)) {
       return false;
     }
+    WatchCard();
     std::swap(out, rendered.colour);
     return true;
   }
@@ -176,8 +204,22 @@ struct VolumeRenderer::Content {
   }
 };
 
-VolumeRenderer::VolumeRenderer(const std::vector<VolumeLook>& looks, bool in_background)
-    : content_(std::make_unique<Content>(looks)) {
+graphics::DriverKind DriverFor(VolumeRays rays) {
+  ACUS_ASSERT(rays != VolumeRays::kProcessor);
+  return rays == VolumeRays::kAuto ? graphics::DriverKind::kHardware : graphics::DriverKind::kAny;
+}
+
+VolumeRays VolumeRaysOf(std::string_view name) {
+  if (name == "auto") return VolumeRays::kAuto;
+  if (name == "processor") return VolumeRays::kProcessor;
+  ACUS_REQUIRE(name == "graphics", "volume rays on \"", name,
+               "\"; allowed are auto, processor and graphics");
+  return VolumeRays::kGraphics;
+}
+
+VolumeRenderer::VolumeRenderer(const std::vector<VolumeLook>& looks, bool in_background,
+                               VolumeRays rays)
+    : content_(std::make_unique<Content>(looks, rays)) {
   ACUS_ASSERT(!looks.empty());
   if (in_background) content_->thread = std::thread([this] { content_->Work(); });
 }

@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "acus/data/image/image.h"
 #include "acus/imaging/acoustics/probe.h"
+#include "acus/imaging/graphics/shader_rays.h"
 #include "acus/imaging/volume_rendering/camera.h"
 #include "acus/imaging/volume_rendering/patient_view.h"
 #include "acus/physics/breathing/motion_map.h"
@@ -34,6 +36,17 @@ struct VolumeMoment {
   bool SameContent(const VolumeMoment& other) const;  ///< Breath, tissue, tools and their image.
 };
 
+/// What casts the rays.
+enum class VolumeRays {
+  kAuto,       ///< A graphics card, where there is one; else the processor.
+  kProcessor,  ///< The bits of replays.
+  kGraphics,   ///< OpenGL, also where its driver computes on the processor.
+};
+/// @pre not kProcessor.
+graphics::DriverKind DriverFor(VolumeRays rays);
+/// "auto", "processor", "graphics". @throws InputError for another name.
+VolumeRays VolumeRaysOf(std::string_view name);
+
 struct VolumeStatistics {
   long images = 0;
   /// Moments that were asked for while an image was under way, and replaced by a newer one before
@@ -41,6 +54,9 @@ struct VolumeStatistics {
   long dropped = 0;
   double per_s = 0.0;   ///< Of the last images; 0 for fewer than two.
   double cpu_ms = 0.0;  ///< Of the thread, for the last image.
+  std::string rays_on;  ///< Name of the graphics card; empty: the processor.
+  /// Why a graphics card is not used any more, or cannot be; empty: nothing is wrong.
+  std::string card_trouble;
 };
 
 /// Does not wait for anybody, and nobody for it: its thread has a lower priority than all others of
@@ -48,7 +64,8 @@ struct VolumeStatistics {
 class VolumeRenderer {
  public:
   /// @param looks  Must outlive this. @param in_background  False: Ask() renders.
-  VolumeRenderer(const std::vector<VolumeLook>& looks, bool in_background);
+  VolumeRenderer(const std::vector<VolumeLook>& looks, bool in_background,
+                 VolumeRays rays = VolumeRays::kProcessor);
   ~VolumeRenderer();
   VolumeRenderer(const VolumeRenderer&) = delete;
   VolumeRenderer& operator=(const VolumeRenderer&) = delete;

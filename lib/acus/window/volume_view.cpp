@@ -66,7 +66,9 @@ void VolumeView::Update(const DisplayFrame& frame, const Rectangle& place, const
                         const VolumeChoice& choice) {
   shown_ = !empty() && place.width >= 2 && place.height >= 2;
   if (!shown_) return;
-  if (!renderer_) renderer_ = std::make_unique<VolumeRenderer>(looks_, settings_.in_background);
+  if (!renderer_) {
+    renderer_ = std::make_unique<VolumeRenderer>(looks_, settings_.in_background, settings_.rays);
+  }
   renderer_->Take(image_);
   VolumeMoment moment = MomentOf(frame, orbit, choice);
   const volume_rendering::Camera whole = orbit.CameraFor(place.width, place.height);
@@ -100,13 +102,18 @@ std::string VolumeView::TitleDetail(const VolumeChoice& choice) const {
   }
   const std::string_view cut = NameOfCut(choice.cut);
   if (!cut.empty()) text.append(", ").append(cut);
+  const std::string card = renderer_ ? renderer_->statistics().card_trouble : "";
+  if (!card.empty()) text.append("; on the processor: ").append(card);
   return text;
 }
 
 std::optional<VolumeReadout> VolumeView::readout() const {
   if (!shown_ || !renderer_) return std::nullopt;
   const VolumeStatistics counts = renderer_->statistics();
-  return VolumeReadout{.per_s = counts.per_s, .dropped = counts.dropped, .whole = asked_whole_};
+  return VolumeReadout{.per_s = counts.per_s,
+                       .dropped = counts.dropped,
+                       .whole = asked_whole_,
+                       .rays_on = counts.rays_on};
 }
 
 void VolumeView::Wait() {

@@ -20,6 +20,7 @@ struct VolumeViewSettings {
   /// As many moments in a row must be the same before an image of all pixels is rendered.
   int still_moments = 4;
   bool in_background = true;
+  VolumeRays rays = VolumeRays::kProcessor;
 };
 
 /// Planes that cut the patient open.

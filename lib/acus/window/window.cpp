@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "acus/base/core/error.h"
+#include "acus/imaging/graphics/shader_rays.h"
 #include "acus/window/exercise_panel.h"
 #include "acus/window/image_layer.h"
 #include "acus/window/marks.h"
@@ -87,6 +88,19 @@ void MakeDrawable(DisplayFrame& out) {
   }
 }
 
+/// What casts the rays in the end. Drivers are loaded here: once a session runs, that would cost
+/// its steps time.
+VolumeRays FoundRays(VolumeRays wanted, bool has_volume) {
+  if (!has_volume || wanted == VolumeRays::kProcessor) return VolumeRays::kProcessor;
+  try {
+    graphics::MakeShaderRays(DriverFor(wanted));
+    return wanted;
+  } catch (const InputError&) {
+    if (wanted == VolumeRays::kGraphics) throw;
+    return VolumeRays::kProcessor;
+  }
+}
+
 /// What the eye turns about.
 Eigen::AlignedBox3d BoxOf(const Eigen::AlignedBox3d& surfaces,
                           const std::vector<VolumeLook>& looks) {
@@ -137,8 +151,9 @@ struct Window::Content {
               {.scale = s.overlay_scale,
                .falloff_share = s.edge_falloff_share,
                .in_background = s.overlay_in_background}),
-        volume(looks,
-               {.moving_scale = s.volume_moving_scale, .in_background = s.volume_in_background}),
+        volume(looks, {.moving_scale = s.volume_moving_scale,
+                       .in_background = s.volume_in_background,
+                       .rays = FoundRays(s.volume_rays, !looks.empty())}),
         marks(atlas),
         steering(IsListed(s, ViewKind::kVolume)) {
     screen.Add(images.renderer(), 0);

@@ -11,6 +11,7 @@
 #include "acus/window/command.h"
 #include "acus/window/frame.h"
 #include "acus/window/layout.h"
+#include "acus/window/volume_renderer.h"
 #include "acus/window/x_display.h"
 
 namespace acus::window {
@@ -34,6 +35,8 @@ struct WindowSettings {
   std::vector<ViewKind> views;
   /// As VolumeViewSettings::moving_scale.
   double volume_moving_scale = 0.5;
+  /// What casts its rays. kGraphics is refused where there is no driver.
+  VolumeRays volume_rays = VolumeRays::kAuto;
   /// The volume view is rendered beside Show(). False: Show() waits for it.
   bool volume_in_background = true;
   /// The teaching view is drawn anew in each n-th Show().

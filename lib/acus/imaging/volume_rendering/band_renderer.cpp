@@ -10,24 +10,6 @@ namespace {
 constexpr int kTilePx = 16;
 static_assert(kTilePx * TriangleBands::kRows <= kernels::RayTile::kRays);
 
-/// Surfaces of one pixel by rising distance, none after an opaque one, at the end of `met`.
-void AppendFragments(const TriangleBands::Band& band, std::size_t pixel,
-                     std::vector<Fragment>& met) {
-  const auto begin = static_cast<std::ptrdiff_t>(met.size());
-  if (const int n = band.opaque[pixel]; n >= 0) {
-    met.push_back(band.fragments[static_cast<std::size_t>(n)]);
-  }
-  for (int n = band.first[pixel]; n >= 0; n = band.fragments[static_cast<std::size_t>(n)].next) {
-    met.push_back(band.fragments[static_cast<std::size_t>(n)]);
-  }
-  std::stable_sort(met.begin() + begin, met.end(), [](const Fragment& a, const Fragment& b) {
-    return a.distance_mm < b.distance_mm;
-  });
-  const auto opaque = std::find_if(met.begin() + begin, met.end(),
-                                   [](const Fragment& f) { return f.opacity >= 1.0F; });
-  if (opaque != met.end()) met.erase(opaque + 1, met.end());
-}
-
 }  // namespace
 
 BandRenderer::BandRenderer(const VolumeScene& scene, const RaySettings& settings,
@@ -52,8 +34,8 @@ bool BandRenderer::CollectFragments(const TilePlace& tile, int top, Scratch& scr
   for (int row = tile.top_px - top; row < tile.top_px - top + tile.height_px; ++row) {
     for (int column = tile.left_px; column < tile.left_px + tile.width_px; ++column) {
       scratch.first.push_back(scratch.met.size());
-      AppendFragments(scratch.band, static_cast<std::size_t>(row * camera_.width_px + column),
-                      scratch.met);
+      TriangleBands::Append(scratch.band, static_cast<std::size_t>(row * camera_.width_px + column),
+                            scratch.met);
     }
   }
   if (scratch.met.empty()) return false;

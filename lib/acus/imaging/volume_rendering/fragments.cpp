@@ -209,4 +209,43 @@ void TriangleBands::Draw(int band, const Light& light, const ShadowMap* shadows,
   }
 }
 
+void TriangleBands::Append(const Band& band, std::size_t pixel, std::vector<Fragment>& out) {
+  const auto begin = static_cast<std::ptrdiff_t>(out.size());
+  if (const int n = band.opaque[pixel]; n >= 0) {
+    out.push_back(band.fragments[static_cast<std::size_t>(n)]);
+  }
+  for (int n = band.first[pixel]; n >= 0; n = band.fragments[static_cast<std::size_t>(n)].next) {
+    out.push_back(band.fragments[static_cast<std::size_t>(n)]);
+  }
+  std::stable_sort(out.begin() + begin, out.end(), [](const Fragment& a, const Fragment& b) {
+    return a.distance_mm < b.distance_mm;
+  });
+  const auto opaque = std::find_if(out.begin() + begin, out.end(),
+                                   [](const Fragment& f) { return f.opacity >= 1.0F; });
+  if (opaque != out.end()) out.erase(opaque + 1, out.end());
+}
+
+FragmentLists TriangleBands::DrawAll(const Light& light, const ShadowMap* shadows,
+                                     int num_threads) const {
+  std::vector<FragmentLists> of_band(static_cast<std::size_t>(num_bands_));
+  ParallelFor(num_bands_, num_threads, [&](int n) {
+    FragmentLists& lists = of_band[static_cast<std::size_t>(n)];
+    Band band;
+    Draw(n, light, shadows, band);
+    const int rows = std::min(kRows, camera_.height_px - n * kRows);
+    for (int pixel = 0; pixel < rows * camera_.width_px; ++pixel) {
+      Append(band, static_cast<std::size_t>(pixel), lists.fragments);
+      lists.first.push_back(static_cast<std::uint32_t>(lists.fragments.size()));
+    }
+  });
+  FragmentLists all;
+  all.first.push_back(0);
+  for (const FragmentLists& lists : of_band) {
+    const auto before = static_cast<std::uint32_t>(all.fragments.size());
+    for (const std::uint32_t end : lists.first) all.first.push_back(before + end);
+    all.fragments.insert(all.fragments.end(), lists.fragments.begin(), lists.fragments.end());
+  }
+  return all;
+}
+
 }  // namespace acus::volume_rendering

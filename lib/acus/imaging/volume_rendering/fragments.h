@@ -39,6 +39,14 @@ struct Fragment {
   int next = -1;  ///< Of the same pixel, in the order drawn.
 };
 
+/// The surfaces of all pixels of an image.
+struct FragmentLists {
+  /// Those of pixel n, row by row from the top, are fragments first[n] to first[n + 1], by rising
+  /// distance; none comes after an opaque one.
+  std::vector<std::uint32_t> first;
+  std::vector<Fragment> fragments;
+};
+
 /// All triangles of an image, sorted into bands of rows.
 class TriangleBands {
  public:
@@ -56,6 +64,10 @@ class TriangleBands {
     std::vector<int> opaque;  ///< The nearest opaque one, or -1.
   };
   void Draw(int band, const Light& light, const ShadowMap* shadows, Band& out) const;
+  /// Adds those of one pixel of a band by rising distance, none after an opaque one.
+  static void Append(const Band& band, std::size_t pixel, std::vector<Fragment>& out);
+  /// All bands. The same with any number of threads.
+  FragmentLists DrawAll(const Light& light, const ShadowMap* shadows, int num_threads) const;
 
  private:
   struct Item {

@@ -76,6 +76,8 @@ struct PatientView::Content {
   void CastShadows(const Light& light);
   void WriteRows(const std::vector<RayColour>& pixels, int band, const Camera& camera,
                  ViewImage& out) const;
+  bool CastOnDevice(const VolumeScene& scene, const Camera& camera, const Camera& fine,
+                    ViewImage& out, int num_threads);
 
   PatientInView patient;
   ViewSettings settings;
@@ -95,6 +97,10 @@ struct PatientView::Content {
   TriangleBands bands;
   std::optional<ShadowMap> shadows;
   WarpLattice lattice;
+
+  std::unique_ptr<RayDevice> device;  ///< Null: the processor casts the rays.
+  std::string device_trouble;
+  std::vector<std::uint8_t> of_device;
 };
 
 PatientView::Content::Content(PatientInView given, const ViewSettings& view_settings)
@@ -295,6 +301,33 @@ void PatientView::Content::WriteRows(const std::vector<RayColour>& pixels, int b
   }
 }
 
+/// @return false if the device has failed.
+bool PatientView::Content::CastOnDevice(const VolumeScene& scene, const Camera& camera,
+                                        const Camera& fine, ViewImage& out, int num_threads) {
+  try {
+    device->Cast(scene, settings.rays, fine, bands.DrawAll(scene.light, scene.shadows, num_threads),
+                 of_device);
+  } catch (const InputError& error) {
+    device_trouble = error.what();
+    device.reset();
+    return false;
+  }
+  ParallelFor(bands.num_bands(), num_threads, [&](int band) {
+    const int first_row = band * TriangleBands::kRows;
+    const int rows = std::min(TriangleBands::kRows, fine.height_px - first_row);
+    std::vector<RayColour> pixels(static_cast<std::size_t>(rows * fine.width_px));
+    const std::uint8_t* bytes = &of_device[4 * static_cast<std::size_t>(first_row) *
+                                           static_cast<std::size_t>(fine.width_px)];
+    for (RayColour& pixel : pixels) {
+      pixel.colour = Eigen::Array3f(bytes[0], bytes[1], bytes[2]) / 255.0F;
+      pixel.opacity = static_cast<float>(bytes[3]) / 255.0F;
+      bytes += 4;
+    }
+    WriteRows(pixels, band, camera, out);
+  });
+  return true;
+}
+
 PatientView::PatientView(PatientInView patient, const ViewSettings& settings)
     : content_(std::make_unique<Content>(std::move(patient), settings)) {}
 PatientView::~PatientView() = default;
@@ -303,6 +336,15 @@ PatientView& PatientView::operator=(PatientView&&) noexcept = default;
 
 const Eigen::AlignedBox3d& PatientView::box_in_ct_mm() const {
   return content_->box;
+}
+
+void PatientView::UseDevice(std::unique_ptr<RayDevice> device) {
+  content_->device = std::move(device);
+  content_->device_trouble.clear();
+}
+
+const std::string& PatientView::device_trouble() const {
+  return content_->device_trouble;
 }
 
 bool PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewImage& out,
@@ -323,7 +365,7 @@ bool PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewIma
     c.blocks->Widen(pressed->box_in_ct_mm(), pressed->LargestMm());
   }
   c.lattice.Clear();
-  if (c.blocks && motion != nullptr) {
+  if (c.blocks && motion != nullptr && !c.device) {
     c.lattice.Update(*motion, *c.blocks, c.patient.ct->geometry.index_from_ct(),
                      c.settings.rays.warp.lattice_mm, num_threads);
   }
@@ -357,6 +399,11 @@ bool PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewIma
   c.bands.Sort(fine, c.drawings, num_threads);
   out.colour.Resize(camera.width_px, camera.height_px);
   out.coverage.resize(out.colour.rgb.size() / 3);
+  if (c.device && c.blocks) {
+    if (stop && stop()) return false;
+    return c.CastOnDevice(scene, camera, fine, out, num_threads) ||
+           Render(camera, moment, out, num_threads, stop);
+  }
   const BandRenderer renderer(scene, c.settings.rays, fine, c.bands);
   // Whichever thread is free takes the next band; each writes rows of its own.
   std::atomic<int> next = 0;

@@ -17,6 +17,7 @@
 #include "acus/imaging/volume_rendering/camera.h"
 #include "acus/imaging/volume_rendering/cut_planes.h"
 #include "acus/imaging/volume_rendering/pressed_tissue.h"
+#include "acus/imaging/volume_rendering/ray_device.h"
 #include "acus/imaging/volume_rendering/transfer_function.h"
 #include "acus/imaging/volume_rendering/volume_ray.h"
 #include "acus/physics/breathing/motion_map.h"
@@ -87,7 +88,8 @@ struct ViewImage {
 };
 
 /// Renders by itself, without graphics hardware or display: the same input, the same bits, with any
-/// number of threads and whatever was rendered before. Not for two threads at a time.
+/// number of threads and whatever was rendered before, unless a device casts the rays. Not for two
+/// threads at a time.
 class PatientView {
  public:
   /// @throws InputError naming what is wrong: a setting out of range, a surface without triangles,
@@ -103,6 +105,12 @@ class PatientView {
   /// @return false if it was stopped: `out` is not whole.
   bool Render(const Camera& camera, const ViewMoment& moment, ViewImage& out, int num_threads,
               const std::function<bool()>& stop = {});
+
+  /// From now on this casts the rays through the CT; surfaces and tools are drawn as before. If it
+  /// fails, the processor does it again, for good.
+  void UseDevice(std::unique_ptr<RayDevice> device);
+  /// Why the device is not used any more; empty: it is, or there never was one.
+  const std::string& device_trouble() const;
 
   /// Of the patient at rest: surfaces, or else the CT's visible part.
   const Eigen::AlignedBox3d& box_in_ct_mm() const;

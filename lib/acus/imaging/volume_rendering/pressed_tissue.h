@@ -36,6 +36,10 @@ class PressedTissue {
   const Eigen::AlignedBox3f& box_in_ct_mm() const noexcept { return box_; }
   /// Of all knots' |d|.
   float LargestMm() const noexcept { return largest_mm_; }
+  /// d at the knots, x fastest; the first one is at the box's low corner.
+  const std::vector<Eigen::Vector3f>& knots() const noexcept { return knots_; }
+  const Eigen::Array3i& size() const noexcept { return size_; }
+  float spacing_mm() const noexcept { return spacing_mm_; }
 
   bool Contains(const Eigen::Vector3f& world_mm) const noexcept { return box_.contains(world_mm); }
   /// d(world_mm), mm.

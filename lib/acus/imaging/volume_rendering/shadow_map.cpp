@@ -7,8 +7,6 @@ namespace acus::volume_rendering {
 namespace {
 
 constexpr float kNothing = -1e30F;
-/// Not in one's own shadow.
-constexpr float kClearMm = 1.0F;
 
 }  // namespace
 

@@ -45,6 +45,7 @@ class TransferFunction {
   /// True if labels are needed.
   bool has_classes() const { return num_classes_ > 1; }
   const TissueClasses::ClassOfLabel& class_of_label() const { return class_of_label_; }
+  int num_classes() const { return num_classes_; }
   bool empty() const { return integral_.empty(); }
   /// For the kernel; as long as this lives. @pre not empty.
   kernels::EmissionTable table() const noexcept {

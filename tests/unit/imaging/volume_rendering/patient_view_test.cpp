@@ -252,5 +252,39 @@ TEST(PatientView, RefusesAMomentThatIsNone) {
   EXPECT_THAT([&] { Render(view, moment); }, ThrowsMessage<InputError>(HasSubstr("not finite")));
 }
 
+/// Works for some images, then fails as a card does that is reset.
+class FailingDevice final : public RayDevice {
+ public:
+  explicit FailingDevice(int num_good) : left_(num_good) {}
+  std::string name() const override { return "stand-in"; }
+  void Cast(const VolumeScene&, const RaySettings&, const Camera& camera, const FragmentLists&,
+            std::vector<std::uint8_t>& rgba) override {
+    ACUS_REQUIRE(left_-- > 0, "the card was reset");
+    rgba.assign(4 * static_cast<std::size_t>(camera.width_px * camera.height_px), 255);
+  }
+
+ private:
+  int left_;
+};
+
+TEST(PatientView, TheProcessorGoesOnWhereADeviceFails) {
+  const auto field = FieldOf(DiaphragmMm);
+  const auto motion = At(field, 0.7);
+  const ViewMoment moment{.motion = &motion};
+  PatientView without(BallPatient(&field), {});
+  const ViewImage expected = Render(without, moment);
+  PatientView view(BallPatient(&field), {});
+  view.UseDevice(std::make_unique<FailingDevice>(1));
+  const ViewImage first = Render(view, moment);
+  EXPECT_THAT(first.colour.rgb, ::testing::Each(255));
+  EXPECT_EQ(view.device_trouble(), "");
+  for (int n = 0; n < 2; ++n) {
+    const ViewImage image = Render(view, moment);
+    EXPECT_EQ(image.colour.rgb, expected.colour.rgb);
+    EXPECT_EQ(image.coverage, expected.coverage);
+    EXPECT_EQ(view.device_trouble(), "the card was reset");
+  }
+}
+
 }  // namespace
 }  // namespace acus::volume_rendering
