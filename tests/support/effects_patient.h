@@ -82,6 +82,10 @@ inline std::vector<EffectChoice> AllEffectChoices() {
   layers["surfaces"] = Json::array();
   layers["layers"] = Json::array({{{"preset", "bone"}}});
   add("view_3d", "layers", layers);
+  Json maximum = small;
+  maximum["surfaces"] = Json::array();
+  maximum["projection"] = "maximum";
+  add("view_3d", "maximum", maximum);
   add("planes", "",
       {{"width_px", 48},
        {"height_px", 32},

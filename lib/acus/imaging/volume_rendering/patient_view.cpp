@@ -51,6 +51,14 @@ void CheckSettings(const ViewSettings& s) {
                "view: supersampling by ", s.supersampling, "; allowed are 1, 2 and 4");
 }
 
+/// What of the CT can show.
+TransferFunction TransferOf(const PatientInView& patient, const RaySettings& rays) {
+  if (rays.projection == Projection::kEmission) return TransferFunction(patient.layers);
+  ACUS_REQUIRE(patient.ct != nullptr,
+               "view: a maximum intensity projection needs a CT, and there is none");
+  return ShownIn(rays.window);
+}
+
 /// A tool's surface in the world, for one image.
 struct Placed {
   Placed(const mesh::Surface& surface, const Eigen::Isometry3d& ct_from_surface)
@@ -104,7 +112,9 @@ struct PatientView::Content {
 };
 
 PatientView::Content::Content(PatientInView given, const ViewSettings& view_settings)
-    : patient(std::move(given)), settings(view_settings), transfer(patient.layers) {
+    : patient(std::move(given)),
+      settings(view_settings),
+      transfer(TransferOf(patient, settings.rays)) {
   CheckSettings(settings);
   const bool shows_ct = patient.ct != nullptr && !transfer.empty();
   ACUS_REQUIRE(patient.layers.empty() || patient.ct != nullptr,
@@ -119,7 +129,9 @@ PatientView::Content::Content(PatientInView given, const ViewSettings& view_sett
       patient.labels = nullptr;  // Not needed any more.
     }
     blocks.emplace(*patient.ct, transfer, patient.field, classes);
-    slopes = SlopeVolume(Smoothed(*patient.ct, 1), 1);
+    if (settings.rays.projection == Projection::kEmission) {
+      slopes = SlopeVolume(Smoothed(*patient.ct, 1), 1);
+    }
     hidden = HiddenCells(*patient.ct, transfer, classes);
   }
   for (const SurfaceInView& surface : patient.surfaces) {

@@ -34,7 +34,8 @@ struct SurfaceInView {
 /// All that is constant. What is not there is not shown and costs nothing.
 struct PatientInView {
   std::shared_ptr<const volume::CtVolume> ct;  ///< May be null.
-  std::vector<VolumeLayer> layers;             ///< How the CT looks; empty: it does not show.
+  /// How the CT looks; empty: it does not show. A maximum intensity projection needs none.
+  std::vector<VolumeLayer> layers;
   std::vector<SurfaceInView> surfaces;
   /// What the patient breathes by; null: never. Must outlive the view.
   const breathing::MotionField* field = nullptr;
@@ -93,7 +94,8 @@ struct ViewImage {
 class PatientView {
  public:
   /// @throws InputError naming what is wrong: a setting out of range, a surface without triangles,
-  ///     a CT of fewer than two voxels along an axis, a layer without a preset, nothing to show.
+  ///     a CT of fewer than two voxels along an axis, a layer without a preset, a
+  ///     projection without a CT, nothing to show.
   PatientView(PatientInView patient, const ViewSettings& settings);
   ~PatientView();
   PatientView(PatientView&&) noexcept;

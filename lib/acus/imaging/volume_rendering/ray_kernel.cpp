@@ -26,6 +26,7 @@ struct Marching {
   alignas(64) std::int32_t sample[kLanes];
   alignas(64) std::int32_t last[kLanes];
   alignas(64) float passing[kLanes];
+  alignas(64) float highest_hu[kLanes];
   alignas(64) std::int32_t before[kLanes];
   alignas(64) float hu_before[kLanes];
   alignas(64) float index_before[3][kLanes];
@@ -91,7 +92,9 @@ void Prepare(const RayScene& scene, RayTile& tile, Prepared& out) {
     enter = hn::Min(enter, most);
     leave = hn::Min(leave, most);
     const VI first = hn::ConvertTo(d, hn::Mul(enter, per_step));
-    const VI last = hn::ConvertTo(d, hn::Ceil(hn::Mul(leave, per_step)));
+    // A piece of ray needs the sample behind it; a maximum takes none from there.
+    const VF end = hn::Mul(leave, per_step);
+    const VI last = hn::ConvertTo(d, scene.is_maximum ? end : hn::Ceil(end));
     const auto misses = hn::RebindMask(d, hn::Not(hn::Lt(enter, leave)));
     hn::Store(first, d, out.first + r);
     hn::Store(hn::IfThenElse(misses, hn::Set(d, -1), last), d, out.last + r);
@@ -110,6 +113,7 @@ void Refill(const Prepared& rays, const RayTile& tile, int& next, int lane, Marc
   m.sample[lane] = rays.first[ray];
   m.last[lane] = rays.last[ray];
   m.passing[lane] = 1.0F;
+  m.highest_hu[lane] = kOutsideHu;
   m.before[lane] = kNothing;
   for (int a = 0; a < 3; ++a) {
     m.index_step[a][lane] = rays.index_step[a][ray];
@@ -292,6 +296,35 @@ void TakeSamples(const RayScene& scene, RayHost& host, RayTile& tile, std::uint3
   hn::Store(hn::IfThenElse(taken, hn::Add(sample, hn::Set(d, 1)), sample), d, m.sample);
 }
 
+/// What has been found so far, and what is at these samples.
+void TakeMaxima(const RayScene& scene, std::uint32_t lanes, Marching& m) {
+  const F f;
+  const I d;
+  VF index[3];
+  for (int a = 0; a < 3; ++a) index[a] = hn::Load(f, m.index[a]);
+  const auto taken = FromBits(d, lanes);
+  const VF before = hn::Load(f, m.highest_hu);
+  const VF highest =
+      hn::IfThenElse(hn::RebindMask(f, taken), hn::Max(before, HuAt(scene.ct, index)), before);
+  hn::Store(highest, f, m.highest_hu);
+  // A ray that cannot become brighter has ended.
+  const auto enough = hn::Ge(highest, hn::Set(f, scene.enough_hu));
+  hn::Store(hn::IfThenElse(enough, hn::Zero(f), hn::Load(f, m.passing)), f, m.passing);
+  const VI sample = hn::Load(d, m.sample);
+  hn::Store(hn::IfThenElse(taken, hn::Add(sample, hn::Set(d, 1)), sample), d, m.sample);
+}
+
+/// What a ray has found.
+HWY_INLINE void Finish(const RayScene& scene, const Marching& m, int lane, RayTile& tile) {
+  const int ray = m.ray[lane];
+  if (ray < 0) return;
+  if (scene.is_maximum) {
+    tile.highest_hu[ray] = m.highest_hu[lane];
+  } else {
+    tile.passing[ray] = m.passing[lane];
+  }
+}
+
 void CastRays(const RayScene& scene, RayTile& tile, RayHost& host) {
   const F f;
   const I d;
@@ -300,6 +333,7 @@ void CastRays(const RayScene& scene, RayTile& tile, RayHost& host) {
   for (int r = 0; r < RayTile::kRays; r += static_cast<int>(hn::Lanes(f))) {
     for (float* colour : tile.colour) hn::Store(hn::Zero(f), f, colour + r);
     hn::Store(hn::Set(f, 1.0F), f, tile.passing + r);
+    hn::Store(hn::Set(f, kOutsideHu), f, tile.highest_hu + r);
   }
   Marching m{};
   for (int lane = 0; lane < kLanes; ++lane) {
@@ -318,7 +352,7 @@ void CastRays(const RayScene& scene, RayTile& tile, RayHost& host) {
     for (std::uint32_t ended = MaskOf(hn::Or(past, dark)) & ~ready & all; ended != 0;
          ended &= ended - 1) {
       const int lane = __builtin_ctz(ended);
-      if (m.ray[lane] >= 0) tile.passing[m.ray[lane]] = m.passing[lane];
+      Finish(scene, m, lane, tile);
       Refill(rays, tile, next, lane, m);
       seeking &= ~(1U << lane);
       if (m.ray[lane] >= 0) seeking |= 1U << lane;
@@ -326,7 +360,11 @@ void CastRays(const RayScene& scene, RayTile& tile, RayHost& host) {
     if ((seeking | ready) == 0) break;
     // Vectors of samples are taken when they are well filled.
     if (seeking == 0 || __builtin_popcount(ready) > num_lanes * 5 / 8) {
-      TakeSamples(scene, host, tile, ready, m, queue);
+      if (scene.is_maximum) {
+        TakeMaxima(scene, ready, m);
+      } else {
+        TakeSamples(scene, host, tile, ready, m, queue);
+      }
       if (queue.count >= 2 * num_lanes) queue.Shade(scene, host, tile);
       seeking |= ready;
       ready = 0;

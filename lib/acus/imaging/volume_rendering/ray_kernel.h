@@ -74,7 +74,9 @@ struct RayScene {
   float ct_from_slope[9] = {};  ///< Slopes along the axes of the grid into CT space.
   float surface_hu_per_mm = 0.0F;
   float step_mm = 0.0F;
-  float dark = 0.0F;  ///< A ray of which no more than this gets through has ended.
+  float dark = 0.0F;        ///< A ray of which no more than this gets through has ended.
+  bool is_maximum = false;  ///< Only the largest value is sought ...
+  float enough_hu = 0.0F;   ///< ... or one that is no less than this.
   bool moves = false;
   bool has_shadows = false;
 };
@@ -90,6 +92,7 @@ struct RayTile {
   alignas(64) float fragment_mm[kRays];   ///< The first surface; kNone: there is none.
   alignas(64) float colour[3][kRays];     ///< Of the volume, weighted by opacity.
   alignas(64) float passing[kRays];       ///< Light that gets through.
+  alignas(64) float highest_hu[kRays];    ///< If it is sought.
   alignas(64) float direction[3][kRays];  ///< Unit, CT space.
   static constexpr float kNone = std::numeric_limits<float>::max();
 };

@@ -111,8 +111,9 @@ TileCaster::TileCaster(const VolumeScene& scene, const RaySettings& settings, co
   index_from_ct_ = index_from_ct.cast<float>();
   kernels::RayScene& k = kernel_;
   k.ct = GridOf(*scene.ct);
-  k.slopes = scene.slopes->units();
-  k.slope_unit = SlopeVolume::kUnit;
+  k.is_maximum = settings.projection == Projection::kMaximum;
+  k.enough_hu = static_cast<float>(settings.window.high_hu);
+  if (!k.is_maximum) SetTissue();
   if (scene.hidden != nullptr) k.hidden = scene.hidden->bits();
   k.blocks.distance = scene.blocks->distances();
   for (int a = 0; a < 3; ++a) k.blocks.size[a] = scene.blocks->size()[a];
@@ -121,8 +122,6 @@ TileCaster::TileCaster(const VolumeScene& scene, const RaySettings& settings, co
     k.blocks.smooth = scene.lattice->smooth();
     k.blocks.knots = scene.lattice->knots();
   }
-  k.emission = scene.transfer->table();
-  if (scene.classes != nullptr) k.emission.classes = scene.classes->data();
   CopyTo(scene.light.to_lamp, k.lamp.to_lamp);
   k.lamp.ambient = scene.light.ambient;
   k.lamp.diffuse = scene.light.diffuse;
@@ -141,6 +140,14 @@ TileCaster::TileCaster(const VolumeScene& scene, const RaySettings& settings, co
   k.step_mm = static_cast<float>(settings.step_mm);
   k.dark = kDark;
   k.has_shadows = scene.shadows != nullptr;
+}
+
+/// What tissue emits, and what light falls on.
+void TileCaster::SetTissue() {
+  kernel_.slopes = scene_.slopes->units();
+  kernel_.slope_unit = SlopeVolume::kUnit;
+  kernel_.emission = scene_.transfer->table();
+  if (scene_.classes != nullptr) kernel_.emission.classes = scene_.classes->data();
 }
 
 void TileCaster::Cast(const TilePlace& place,
@@ -181,13 +188,14 @@ void TileCaster::Cast(const TilePlace& place,
     RayColour& colour = out[static_cast<std::size_t>(pixel_of[number])];
     colour.colour = {tile.colour[0][ray], tile.colour[1][ray], tile.colour[2][ray]};
     float passing = tile.passing[ray];
-    if (!fragments_of.empty()) {
-      host.mixes[number].Pass(std::numeric_limits<float>::max(), passing);
-      colour.opacity = 1.0F - passing;
-      host.mixes[number].Finish(colour.colour, colour.opacity);
-    } else {
-      colour.opacity = 1.0F - passing;
+    SurfaceMix none;
+    SurfaceMix& mix = fragments_of.empty() ? none : host.mixes[number];
+    if (kernel_.is_maximum) {
+      colour.colour += mix.Cover(OpacityIn(settings_.window, tile.highest_hu[ray]), passing);
     }
+    mix.Pass(std::numeric_limits<float>::max(), passing);
+    colour.opacity = 1.0F - passing;
+    mix.Finish(colour.colour, colour.opacity);
   }
 }
 

@@ -38,6 +38,8 @@ class TileCaster {
             float empty_mm, std::span<RayColour> out) const;
 
  private:
+  void SetTissue();
+
   VolumeScene scene_;
   RaySettings settings_;
   Camera camera_;

@@ -26,16 +26,19 @@ class SurfaceMix {
   /// All fragments up to a distance. @param passing  Light that gets through so far.
   void Pass(float to_mm, float& passing) noexcept {
     for (; next_ < fragments_.size() && fragments_[next_].distance_mm <= to_mm; ++next_) {
-      const Fragment& fragment = fragments_[next_];
-      const float weight = passing * fragment.opacity;
-      const float shine = tool_shine_ * fragment.opacity;
-      if (fragment.is_tool && weight < shine && shine_weight_ == 0.0F) {
-        shine_weight_ = shine - weight;
-        shine_colour_ = fragment.colour;
-      }
-      colour_ += weight * fragment.colour;
-      passing *= 1.0F - fragment.opacity;
+      Take(fragments_[next_], passing);
     }
+  }
+
+  /// A projection of the whole ray: behind all fragments but an opaque one, see Projection.
+  /// @return the weight of its colour.
+  float Cover(float opacity, float& passing) noexcept {
+    for (; next_ < fragments_.size() && fragments_[next_].opacity < 1.0F; ++next_) {
+      Take(fragments_[next_], passing);
+    }
+    const float weight = passing * opacity;
+    passing *= 1.0F - opacity;
+    return weight;
   }
 
   /// Volume of one extinction, and the fragments within. @return the weight of the volume's colour.
@@ -67,6 +70,17 @@ class SurfaceMix {
   }
 
  private:
+  void Take(const Fragment& fragment, float& passing) noexcept {
+    const float weight = passing * fragment.opacity;
+    const float shine = tool_shine_ * fragment.opacity;
+    if (fragment.is_tool && weight < shine && shine_weight_ == 0.0F) {
+      shine_weight_ = shine - weight;
+      shine_colour_ = fragment.colour;
+    }
+    colour_ += weight * fragment.colour;
+    passing *= 1.0F - fragment.opacity;
+  }
+
   std::span<const Fragment> fragments_;
   std::size_t next_ = 0;
   float tool_shine_ = 0.0F;

@@ -23,6 +23,7 @@ struct RayCaster::March {
   float end_mm = std::numeric_limits<float>::max();  ///< Something opaque is there.
   RayColour out;
   float passing = 1.0F;  ///< Light that gets through so far.
+  float highest_hu = kOutsideHu;
 
   bool has_before = false;
   bool hidden_before = false;  ///< The sample before needed no voxel: hu_before is not known.
@@ -158,7 +159,6 @@ Eigen::Vector3f RayCaster::PressedIndex(March& march, const Eigen::Vector3f& pla
 
 void RayCaster::CastVolume(March& march, float empty_mm) const {
   const VisibleBlocks& blocks = *scene_.blocks;
-  const auto step_mm = static_cast<float>(settings_.step_mm);
   // Where the ray is within the blocks at all.
   float enter_mm = empty_mm;
   float leave_mm = march.end_mm;
@@ -179,9 +179,22 @@ void RayCaster::CastVolume(March& march, float empty_mm) const {
     enter_mm = std::max(enter_mm, static_cast<float>(part.near_mm));
     leave_mm = std::min(leave_mm, static_cast<float>(part.far_mm));
   }
-  if (!(enter_mm < leave_mm)) return;
-  const int last = static_cast<int>(std::ceil(leave_mm / step_mm));
-  for (int n = static_cast<int>(enter_mm / step_mm); n <= last && march.passing > kDark;) {
+  if (enter_mm < leave_mm) Step(march, enter_mm, leave_mm);
+}
+
+/// From sample to sample until nothing more can show.
+void RayCaster::Step(March& march, float enter_mm, float leave_mm) const {
+  const VisibleBlocks& blocks = *scene_.blocks;
+  const auto step_mm = static_cast<float>(settings_.step_mm);
+  const bool is_maximum = settings_.projection == Projection::kMaximum;
+  const float enough_hu =
+      is_maximum ? static_cast<float>(settings_.window.high_hu) : std::numeric_limits<float>::max();
+  // Pieces of a ray need a sample beyond either end. A maximum takes none from there: it would be
+  // behind an opaque surface, or cut away.
+  const float first = is_maximum ? std::ceil(enter_mm / step_mm) : enter_mm / step_mm;
+  const float last = is_maximum ? leave_mm / step_mm : std::ceil(leave_mm / step_mm);
+  for (int n = static_cast<int>(first);
+       n <= static_cast<int>(last) && march.passing > kDark && march.highest_hu < enough_hu;) {
     const float at_mm = static_cast<float>(n) * step_mm;
     const Eigen::Vector3f in_blocks = eye_in_blocks_ + at_mm * march.blocks_step;
     const Eigen::Array3i block = in_blocks.array().cast<int>();  // Towards zero.
@@ -195,9 +208,19 @@ void RayCaster::CastVolume(March& march, float empty_mm) const {
       n = NextVisible(march, n, in_blocks, block, distance);
       continue;
     }
-    TakeSample(march, RestIndex(march, n, in_blocks, block), at_mm);
+    const Eigen::Vector3f index = RestIndex(march, n, in_blocks, block);
+    if (is_maximum) {
+      TakeMaximum(march, index);
+    } else {
+      TakeSample(march, index, at_mm);
+    }
     ++n;
   }
+}
+
+void RayCaster::TakeMaximum(March& march, const Eigen::Vector3f& index) const {
+  if (scene_.hidden != nullptr && scene_.hidden->Hides(index)) return;
+  march.highest_hu = std::max(march.highest_hu, HuAt(*scene_.ct, index));
 }
 
 /// Where labels have classes, those of the voxels around the place have their shares in it.
@@ -284,6 +307,10 @@ RayColour RayCaster::Cast(const Eigen::Vector3d& direction, std::span<const Frag
     march.blocks_step = scene_.blocks->blocks_from_ct().linear() * direction.cast<float>();
     if (scene_.motion != nullptr) march.warped.emplace(*scene_.motion, settings_.warp);
     CastVolume(march, empty_mm);
+  }
+  if (settings_.projection == Projection::kMaximum) {
+    march.out.colour +=
+        march.surfaces.Cover(OpacityIn(settings_.window, march.highest_hu), march.passing);
   }
   march.surfaces.Pass(std::numeric_limits<float>::max(), march.passing);
   march.out.opacity = 1.0F - march.passing;

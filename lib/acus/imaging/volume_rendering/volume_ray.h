@@ -8,6 +8,7 @@
 #include "acus/imaging/volume_rendering/cut_planes.h"
 #include "acus/imaging/volume_rendering/fragments.h"
 #include "acus/imaging/volume_rendering/hidden_cells.h"
+#include "acus/imaging/volume_rendering/maximum_projection.h"
 #include "acus/imaging/volume_rendering/pressed_tissue.h"
 #include "acus/imaging/volume_rendering/shading.h"
 #include "acus/imaging/volume_rendering/shadow_map.h"
@@ -30,14 +31,17 @@ struct RaySettings {
   double step_mm = 1.0;
   WarpSettings warp;
   double tool_shine = 0.35;  ///< What is seen of a tool behind tissue; 0: what light gets through.
+  Projection projection = Projection::kEmission;
+  HuWindow window = {};  ///< Of kMaximum.
 };
 
 /// What is there for all rays of an image.
 struct VolumeScene {
   const volume::CtVolume* ct = nullptr;  ///< Null: surfaces only.
-  const SlopeVolume* slopes = nullptr;   ///< What light falls on: of `ct`, smoothed.
-  const TransferFunction* transfer = nullptr;
-  const TissueClasses* classes = nullptr;  ///< Null: `transfer` has none.
+  /// What light falls on: of `ct`, smoothed. Null for Projection::kMaximum.
+  const SlopeVolume* slopes = nullptr;
+  const TransferFunction* transfer = nullptr;  ///< May be null for kMaximum.
+  const TissueClasses* classes = nullptr;      ///< Null: `transfer` has none.
   const VisibleBlocks* blocks = nullptr;
   const HiddenCells* hidden = nullptr;           ///< Null: every sample is looked at.
   const breathing::MotionMap* motion = nullptr;  ///< Null: at rest.
@@ -53,10 +57,10 @@ struct RayColour {
   float opacity = 0.0F;
 };
 
-/// Light along rays from one eye: emission and absorption, front to back (Levoy 1988). Samples lie
-/// at whole multiples of the step from the eye, whatever is jumped over; where the patient
-/// breathes, a WarpedRay tells what is there. One ray at a time: the reference of TileCaster, and
-/// for volumes that it cannot address.
+/// Light along rays from one eye: emission and absorption, front to back, or what else Projection
+/// says. Samples lie at whole multiples of the step from the eye, whatever is jumped over; where
+/// the patient breathes, a WarpedRay tells what is there. One ray at a time: the reference of
+/// TileCaster, and for volumes that it cannot address.
 class RayCaster {
  public:
   RayCaster(const VolumeScene& scene, const RaySettings& settings, const Eigen::Vector3d& eye_mm);
@@ -78,6 +82,8 @@ class RayCaster {
  private:
   struct March;
   void CastVolume(March& march, float empty_mm) const;
+  void Step(March& march, float enter_mm, float leave_mm) const;
+  void TakeMaximum(March& march, const Eigen::Vector3f& index) const;
   void TakeSample(March& march, const Eigen::Vector3f& index, float at_mm) const;
   Eigen::Vector3f RestIndex(March& march, int sample, const Eigen::Vector3f& in_blocks,
                             const Eigen::Array3i& block) const;

@@ -30,9 +30,19 @@ struct Everything {
   std::vector<Fragment> fragments;
   Camera camera;
   VolumeScene scene;
+  RaySettings settings;
 
   explicit Everything(const char* layer)
-      : transfer(std::vector<VolumeLayer>{{layer, 1.0}}),
+      : Everything(TransferFunction(std::vector<VolumeLayer>{{layer, 1.0}})) {}
+
+  explicit Everything(const HuWindow& window) : Everything(ShownIn(window)) {
+    settings.projection = Projection::kMaximum;
+    settings.window = window;
+    scene.slopes = nullptr;
+  }
+
+  explicit Everything(TransferFunction shown)
+      : transfer(std::move(shown)),
         blocks(*ct, transfer, &field),
         slopes(Smoothed(*ct, 1), 1),
         hidden(*ct, transfer) {
@@ -60,7 +70,7 @@ struct Everything {
 
   /// Every third pixel has surfaces.
   std::vector<RayColour> Image() const {
-    const TileCaster caster(scene, {}, camera);
+    const TileCaster caster(scene, settings, camera);
     std::vector<RayColour> out;
     std::vector<std::span<const Fragment>> fragments_of;
     for (int top = 0; top < 96; top += 8) {
@@ -80,7 +90,7 @@ struct Everything {
   }
 
   std::vector<RayColour> ImageRayByRay() const {
-    const RayCaster caster(scene, {}, camera.EyeInCtMm());
+    const RayCaster caster(scene, settings, camera.EyeInCtMm());
     std::vector<RayColour> out;
     for (int top = 0; top < 96; top += 8) {
       for (int left = 0; left < 96; left += 13) {
@@ -98,33 +108,43 @@ struct Everything {
   }
 };
 
+void ExpectWhatRaysGiveOneByOne(const Everything& all) {
+  ASSERT_GT(all.lattice.SmoothShare(), 0.5);
+  ASSERT_LT(all.lattice.SmoothShare(), 0.99);
+  const std::vector<RayColour> many = all.Image();
+  const std::vector<RayColour> one = all.ImageRayByRay();
+  ASSERT_EQ(many.size(), one.size());
+  double sum = 0.0;
+  int seen = 0;
+  int far_off = 0;
+  for (std::size_t n = 0; n < one.size(); ++n) {
+    const float off = std::max((many[n].colour - one[n].colour).abs().maxCoeff(),
+                               std::abs(many[n].opacity - one[n].opacity));
+    sum += static_cast<double>(off) * off;
+    seen += one[n].opacity > 0.5F;
+    // A ray along an edge of a rib or of a shadow may just meet or miss it.
+    far_off += off > 0.02F;
+  }
+  EXPECT_GT(seen, 1500);
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(one.size())), 2e-3);
+  EXPECT_LT(far_off, 10);
+}
+
+// Bone; what ends a ray at the first bone; and what all of the body shows.
+const HuWindow kWindows[] = {{100.0, 1000.0}, {100.0, 600.0}, {-200.0, 100.0}};
+
 TEST(TileCaster, GivesWhatRaysGiveOneByOne) {
   for (const char* layer : {"skin", "bone", "soft_tissue"}) {
-    const Everything all(layer);
-    ASSERT_GT(all.lattice.SmoothShare(), 0.5);
-    ASSERT_LT(all.lattice.SmoothShare(), 0.99);
-    const std::vector<RayColour> many = all.Image();
-    const std::vector<RayColour> one = all.ImageRayByRay();
-    ASSERT_EQ(many.size(), one.size());
-    double sum = 0.0;
-    int seen = 0;
-    int far_off = 0;
-    for (std::size_t n = 0; n < one.size(); ++n) {
-      const float off = std::max((many[n].colour - one[n].colour).abs().maxCoeff(),
-                                 std::abs(many[n].opacity - one[n].opacity));
-      sum += static_cast<double>(off) * off;
-      seen += one[n].opacity > 0.5F;
-      // A ray along an edge of a rib or of a shadow may just meet or miss it.
-      far_off += off > 0.02F;
-    }
-    EXPECT_GT(seen, 1500) << layer;
-    EXPECT_LT(std::sqrt(sum / static_cast<double>(one.size())), 2e-3) << layer;
-    EXPECT_LT(far_off, 10) << layer;
+    SCOPED_TRACE(layer);
+    ExpectWhatRaysGiveOneByOne(Everything(layer));
+  }
+  for (const HuWindow& window : kWindows) {
+    SCOPED_TRACE(window.high_hu);
+    ExpectWhatRaysGiveOneByOne(Everything(window));
   }
 }
 
-TEST(TileCaster, GivesTheSameBitsOnEveryInstructionSet) {
-  const Everything all("soft_tissue");
+void ExpectTheSameBitsOnEveryInstructionSet(const Everything& all) {
   std::vector<RayColour> first;
   int targets = 0;
   testing_support::OnEveryInstructionSet([&](const char* name) {
@@ -139,10 +159,16 @@ TEST(TileCaster, GivesTheSameBitsOnEveryInstructionSet) {
   EXPECT_GT(targets, 1);
 }
 
+TEST(TileCaster, GivesTheSameBitsOnEveryInstructionSet) {
+  ExpectTheSameBitsOnEveryInstructionSet(Everything("soft_tissue"));
+  for (const HuWindow& window : kWindows) {
+    ExpectTheSameBitsOnEveryInstructionSet(Everything(window));
+  }
+}
+
 // The same pixels in tiles of other sizes: lanes do not depend on each other.
-TEST(TileCaster, RaysDoNotDependOnAdjacentRays) {
-  const Everything all("skin");
-  const TileCaster caster(all.scene, {}, all.camera);
+void ExpectRaysThatDoNotDependOnAdjacentRays(const Everything& all) {
+  const TileCaster caster(all.scene, all.settings, all.camera);
   std::vector<RayColour> whole(128);
   caster.Cast({40, 40, 16, 8}, {}, 0.0F, whole);
   for (const int n : {0, 17, 60, 127}) {
@@ -150,6 +176,13 @@ TEST(TileCaster, RaysDoNotDependOnAdjacentRays) {
     caster.Cast({40 + n % 16, 40 + n / 16, 1, 1}, {}, 0.0F, alone);
     EXPECT_TRUE((alone[0].colour == whole[static_cast<std::size_t>(n)].colour).all()) << n;
     EXPECT_EQ(alone[0].opacity, whole[static_cast<std::size_t>(n)].opacity) << n;
+  }
+}
+
+TEST(TileCaster, RaysDoNotDependOnAdjacentRays) {
+  ExpectRaysThatDoNotDependOnAdjacentRays(Everything("skin"));
+  for (const HuWindow& window : kWindows) {
+    ExpectRaysThatDoNotDependOnAdjacentRays(Everything(window));
   }
 }
 

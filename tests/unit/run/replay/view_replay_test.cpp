@@ -13,6 +13,7 @@ namespace acus::replay {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
@@ -62,6 +63,22 @@ TEST_F(ViewReplay, ShowsTheCtIfALayerRequestsIt) {
   Run("layers", 1, with_ct);
   EXPECT_NE(ReadTextFile(folder_ / "layers/view_3d.png"),
             ReadTextFile(folder_ / "surfaces/view_3d.png"));
+}
+
+TEST_F(ViewReplay, ShowsTheLargestValuesOfTheCtInAWindow) {
+  std::vector<scenario::Override> maximum = {
+      {"/effects/view_3d/projection", "maximum"},
+      {"/effects/view_3d/surfaces", nlohmann::json::array()}};
+  EXPECT_THAT([&] { Run(nullptr, 1, maximum); },
+              ThrowsMessage<InputError>(HasSubstr("/patient/ct")));
+  maximum.push_back({"/patient/ct", (folder_ / "ct.nrrd").string()});
+  Run("bone", 1, maximum);
+  Run("bone_2", 2, maximum);
+  maximum.push_back({"/effects/view_3d/window_hu", {-200, 200}});
+  Run("body", 1, maximum);
+  const std::string bone = ReadTextFile(folder_ / "bone/view_3d.png");
+  EXPECT_EQ(bone, ReadTextFile(folder_ / "bone_2/view_3d.png"));
+  EXPECT_NE(bone, ReadTextFile(folder_ / "body/view_3d.png"));
 }
 
 TEST_F(ViewReplay, BreathesWithThePatientUnlessHeldAtRest) {
@@ -147,6 +164,16 @@ TEST_F(ViewReplay, SaysWhatDoesNotFit) {
               ThrowsMessage<InputError>(HasSubstr("nothing to show")));
   EXPECT_THAT(with("/effects/view_3d/camera/eye_mm", nlohmann::json::array({0, 0, 0})),
               ThrowsMessage<InputError>(HasSubstr("go together")));
+  EXPECT_THAT(
+      with("/effects/view_3d/window_hu", {1000, 100}),
+      ThrowsMessage<InputError>(AllOf(HasSubstr("/effects/view_3d/window_hu: from 1000 to 100 HU"),
+                                      HasSubstr("the first must be below the second"))));
+  EXPECT_THAT(with("/effects/view_3d/window_hu", {300, 300}),
+              ThrowsMessage<InputError>(HasSubstr("below the second")));
+  EXPECT_THAT(with("/effects/view_3d/window_hu", {0, 5000}),
+              ThrowsMessage<InputError>(HasSubstr("3071")));
+  EXPECT_THAT(with("/effects/view_3d/projection", "mean"),
+              ThrowsMessage<InputError>(AllOf(HasSubstr("emission"), HasSubstr("maximum"))));
   EXPECT_THAT(with("/effects/view_3d/supersampling", 3),
               ThrowsMessage<InputError>(HasSubstr("supersampling")));
 }

@@ -101,7 +101,8 @@ TEST(PlanEffects, TheViewReadsWhatItShowsAndNothingElse) {
   scenario::Scenario s;
   s.file = "scene.json";
   s.patient.labels = "labels.seg.nrrd";
-  nlohmann::json settings = {{"layers", nlohmann::json::array()},
+  nlohmann::json settings = {{"projection", "emission"},
+                             {"layers", nlohmann::json::array()},
                              {"surfaces", {{{"tissue", "liver"}}}},
                              {"needle", true},
                              {"probe", false},
@@ -118,6 +119,9 @@ TEST(PlanEffects, TheViewReadsWhatItShowsAndNothingElse) {
   s.ultrasound.emplace();
   EXPECT_THAT(StagesIn(PlanEffects(s, kAll)),
               testing::ElementsAre("needle pose", "probe pose", "B-mode", "view in 3D"));
+  s.ultrasound.reset();
+  s.listed.front().settings["projection"] = "maximum";
+  EXPECT_TRUE(PlanEffects(s, kAll).Needs(effects::ports::kCt));
 }
 
 TEST(PlanEffects, NamesEveryMissingInputAtOnce) {

@@ -20,10 +20,14 @@ constexpr ports::FilePort kCameraPath{"camera path"};
 volume_rendering::PatientInView PatientOf(const View3dSettings& settings, const PortValues& scene,
                                           const RunContext& context) {
   volume_rendering::PatientInView patient;
-  if (!settings.layers.empty()) {
+  if (settings.maximum_projection || !settings.layers.empty()) {
     patient.ct = {std::shared_ptr<const void>(), &scene.Get(ports::kCt)};
   }
-  for (const auto& layer : settings.layers) patient.layers.push_back({layer.preset, layer.opacity});
+  if (!settings.maximum_projection) {
+    for (const auto& layer : settings.layers) {
+      patient.layers.push_back({layer.preset, layer.opacity});
+    }
+  }
   if (!settings.surfaces.empty()) {
     patient.surfaces = SurfacesOf(settings, scene.Get(ports::kLabels), context);
   }
@@ -34,8 +38,13 @@ volume_rendering::PatientInView PatientOf(const View3dSettings& settings, const 
   return patient;
 }
 
+bool IsMaximumProjection(const json& settings) {
+  return settings.at("projection") == "maximum";
+}
+
 /// True if a layer holds in some tissues only: labels say where they are.
 bool HasTissueLayer(const json& settings) {
+  if (IsMaximumProjection(settings)) return false;  // It shows no layer.
   return std::ranges::any_of(settings.at("layers"), [](const json& layer) {
     const auto file =
         volume_rendering::FindTransferFunction(layer.at("preset").get<std::string>(), {});
@@ -49,6 +58,10 @@ volume_rendering::ViewSettings LookOf(const View3dSettings& settings) {
   look.rays.warp.max_iterations = settings.inverse_iterations;
   look.rays.warp.lattice_mm = settings.warp_tolerance_mm;
   look.rays.tool_shine = settings.tool_shine;
+  if (settings.maximum_projection) {
+    look.rays.projection = volume_rendering::Projection::kMaximum;
+    look.rays.window = {settings.window_hu[0], settings.window_hu[1]};
+  }
   look.supersampling = settings.supersampling;
   look.tool_shadows = settings.shadows;
   return look;
@@ -202,6 +215,8 @@ class View3dEffect final : public Effect {
         "camera_path": {"type": "string", "description": "Path of the camera (acus-camera-path), in place of `camera`: camera_paths/turntable.json, or a file"},
         "beside": {"enum": ["nothing", "rest"], "default": "nothing", "description": "rest: on the left the patient at rest, without breath and not pressed; on the right as he is"},
         "event_stills": {"type": "boolean", "default": true, "description": "A still of every puncture and bone contact for the report, with the path of the needle's tip"},
+        "projection": {"enum": ["emission", "maximum"], "default": "emission", "description": "How the CT becomes an image. emission: by its `layers`; maximum: maximum intensity projection, white by the largest HU along each ray, see window_hu; layers are not used then. Opaque surfaces hide what is behind them: `surfaces`: [] shows the CT alone"},
+        "window_hu": {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number", "minimum": -1024, "maximum": 3071}, "default": [100, 1000], "description": "Of the maximum intensity projection, HU: transparent up to the first, white from the second, linear between"},
         "layers": {
           "type": "array",
           "default": [],
@@ -255,8 +270,15 @@ class View3dEffect final : public Effect {
     const json& camera = settings.at("camera");
     ACUS_REQUIRE(camera.contains("eye_mm") == camera.contains("focus_mm"), where,
                  "/camera: eye_mm and focus_mm go together; give both, or `from`");
-    ACUS_REQUIRE(!settings.at("layers").empty() || !settings.at("surfaces").empty(), where,
-                 ": there is nothing to show; give a layer of the CT, or a surface");
+    const json& window = settings.at("window_hu");
+    ACUS_REQUIRE(window[0] < window[1], where, "/window_hu: from ", window[0].get<double>(), " to ",
+                 window[1].get<double>(),
+                 " HU; the first must be below the second, as in [100, 1000]");
+    ACUS_REQUIRE(IsMaximumProjection(settings) || !settings.at("layers").empty() ||
+                     !settings.at("surfaces").empty(),
+                 where,
+                 ": there is nothing to show; give a layer of the CT, or a surface, or "
+                 "\"projection\": \"maximum\"");
   }
 
   void ResolveFiles(json& settings, const std::filesystem::path& folder) const override {
@@ -274,7 +296,9 @@ class View3dEffect final : public Effect {
     const auto add = [](std::vector<PortRef>& to, std::initializer_list<PortRef> ports) {
       to.insert(to.end(), ports);
     };
-    if (!settings.at("layers").empty()) add(stage.reads, {ports::kCt});
+    if (IsMaximumProjection(settings) || !settings.at("layers").empty()) {
+      add(stage.reads, {ports::kCt});
+    }
     if (!settings.at("surfaces").empty() || HasTissueLayer(settings)) {
       add(stage.reads, {ports::kLabels});
     }
@@ -299,11 +323,12 @@ class View3dEffect final : public Effect {
 
   std::unique_ptr<const LoadedEffect> Load(const json& settings, const PortValues& /*scene*/,
                                            RunContext& context) const override {
-    for (const json& layer : settings.at("layers")) {
-      context.provenance.AddInput(
-          volume_rendering::FindTransferFunction(layer.at("preset").get<std::string>(), {}));
-    }
     View3dSettings view = ReadView3dSettings(settings);
+    if (!view.maximum_projection) {
+      for (const auto& layer : view.layers) {
+        context.provenance.AddInput(volume_rendering::FindTransferFunction(layer.preset, {}));
+      }
+    }
     if (!view.camera_path.empty()) {
       CameraPath::Read(view.camera_path);  // What is wrong with it is said before anything runs.
       context.provenance.AddInput(view.camera_path);

@@ -35,6 +35,9 @@ View3dSettings ReadView3dSettings(const json& object) {
   settings.width_px = object.at("width_px");
   settings.height_px = object.at("height_px");
   ReadCamera(object.at("camera"), settings);
+  settings.maximum_projection = object.at("projection") == "maximum";
+  const json& window = object.at("window_hu");
+  settings.window_hu = {window[0].get<double>(), window[1].get<double>()};
   for (const json& layer : object.at("layers")) {
     settings.layers.push_back({layer.at("preset"), layer.at("opacity")});
   }

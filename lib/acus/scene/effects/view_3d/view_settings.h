@@ -32,6 +32,8 @@ struct View3dSettings {
   std::filesystem::path camera_path;  ///< Empty: the camera stays.
   bool beside_rest = false;           ///< Two images: at rest, and now.
   bool event_stills = true;
+  bool maximum_projection = false;                      ///< In place of the layers.
+  Eigen::Vector2d window_hu = Eigen::Vector2d::Zero();  ///< Of the projection: low and high end.
   std::vector<Layer> layers;
   std::vector<Surface> surfaces;
   double surface_grid_mm = 0.0;
