@@ -70,8 +70,8 @@ BENCHMARK(BM_Volume)->Apply(VolumeArguments)->Unit(benchmark::kMillisecond)->Min
 
 /// Table 2 of Fortmeier-2016: 1224 x 1014, CT of 256^3, a field of three components. CPU time of
 /// all threads and wall time. Arguments: layer, nodes of the field each way, components at a moment
-/// (0: at rest; 2: between two key frames; 3: surrogate), threads (0: shaders, on the driver that there
-/// is).
+/// (0: at rest; 2: between two key frames; 3: surrogate), threads (0: shaders, on the driver that
+/// there is).
 void BM_Table2(benchmark::State& state) {
   static const auto ct = testing_support::TrunkCt(256);
   static int nodes = 0;

@@ -70,6 +70,8 @@ uniform float step_mm;
 uniform float tool_shine;
 uniform float dark;
 uniform int num_cuts;
+uniform int is_maximum;  // Rays show their largest HU in this window.
+uniform vec2 window_hu;
 layout(std430, binding = 2) readonly buffer Cuts { vec4 cuts[]; };
 
 // Surfaces: those of pixel n are from first[n] to first[n + 1], by rising distance.
@@ -99,27 +101,41 @@ vec3 surface_colour = vec3(0.0);
 float shine_weight = 0.0;
 vec3 shine_colour = vec3(0.0);
 
+float AbsorbShare(float opacity) {
+  float weight = passing * opacity;
+  passing *= 1.0 - opacity;
+  return weight;
+}
+
+void Take(Fragment met) {
+  vec3 colour = vec3(met.red, met.green, met.blue);
+  float weight = passing * met.opacity;
+  float shine = tool_shine * met.opacity;
+  if (met.is_tool > 0.0 && weight < shine && shine_weight == 0.0) {
+    shine_weight = shine - weight;
+    shine_colour = colour;
+  }
+  surface_colour += weight * colour;
+  passing *= 1.0 - met.opacity;
+}
+
 void Pass(float to_mm) {
   for (; next_fragment < end_fragment; ++next_fragment) {
-    Fragment met = fragments[next_fragment];
-    if (met.distance_mm > to_mm) return;
-    vec3 colour = vec3(met.red, met.green, met.blue);
-    float weight = passing * met.opacity;
-    float shine = tool_shine * met.opacity;
-    if (met.is_tool > 0.0 && weight < shine && shine_weight == 0.0) {
-      shine_weight = shine - weight;
-      shine_colour = colour;
-    }
-    surface_colour += weight * colour;
-    passing *= 1.0 - met.opacity;
+    if (fragments[next_fragment].distance_mm > to_mm) return;
+    Take(fragments[next_fragment]);
   }
 }
 
+// A projection of the whole ray: behind all surfaces but an opaque one. Returns its weight.
+float Cover(float opacity) {
+  for (; next_fragment < end_fragment && fragments[next_fragment].opacity < 1.0; ++next_fragment) {
+    Take(fragments[next_fragment]);
+  }
+  return AbsorbShare(opacity);
+}
+
 float AbsorbPiece(float extinction_per_mm, float length_mm) {
-  float through = exp(-extinction_per_mm * length_mm);
-  float weight = passing * (1.0 - through);
-  passing *= through;
-  return weight;
+  return AbsorbShare(1.0 - exp(-extinction_per_mm * length_mm));
 }
 
 // Volume between two distances, and the surfaces within. Returns the weight of its colour.
@@ -349,7 +365,8 @@ vec3 CastVolume(vec3 direction, float end_mm) {
   if (!(part.x < part.y)) return colour;
   bool has_before = false;
   float hu_before = kOutsideHu;
-  int last = int(ceil(part.y / step_mm));
+  float highest_hu = kOutsideHu;
+  int last = int(is_maximum != 0 ? part.y / step_mm : ceil(part.y / step_mm));
   for (int n = int(part.x / step_mm); n <= last && passing > dark;) {
     float at_mm = float(n) * step_mm;
     vec3 in_blocks = blocks_eye + at_mm * blocks_step;
@@ -364,7 +381,9 @@ vec3 CastVolume(vec3 direction, float end_mm) {
     vec3 place_mm = eye_mm + at_mm * direction;
     vec3 index = RestIndex(place_mm, step_mm * direction);
     float hu_now = HuAt(index);
-    if (has_before) {
+    highest_hu = max(highest_hu, hu_now);
+    if (is_maximum != 0 && highest_hu >= window_hu[1]) break;
+    if (has_before && is_maximum == 0) {
       vec4 emission = EmissionAt(index, hu_before, hu_now);
       if (emission.w > 0.0) {
         vec3 lit = ColourAt(emission.rgb / emission.w, index, place_mm, direction);
@@ -375,7 +394,9 @@ vec3 CastVolume(vec3 direction, float end_mm) {
     hu_before = hu_now;
     ++n;
   }
-  return colour;
+  if (is_maximum == 0) return colour;
+  float share = (highest_hu - window_hu[0]) / (window_hu[1] - window_hu[0]);
+  return vec3(Cover(clamp(share, 0.0, 1.0)));
 }
 
 void main() {

@@ -74,7 +74,9 @@ void Renderer::LoadPatient(const VolumeScene& scene) {
   const volume::Geometry& grid = scene.ct->geometry;
   const Eigen::Affine3f index_from_ct = grid.index_from_ct().cast<float>();
   hu_.Set(TexelFormat::kShort, grid.size, scene.ct->voxels.data());
-  slopes_.Set(TexelFormat::kByte4, grid.size, scene.slopes->units());
+  if (scene.slopes->units() != nullptr) {
+    slopes_.Set(TexelFormat::kByte4, grid.size, scene.slopes->units());
+  }
   const bool has_classes = scene.classes != nullptr && scene.classes->data() != nullptr;
   if (has_classes) classes_.Set(TexelFormat::kIndex, grid.size, scene.classes->data());
   const auto table = scene.transfer->table();
@@ -219,6 +221,9 @@ void Renderer::Cast(const VolumeScene& scene, const RaySettings& settings, const
   SetSurfaces(surfaces);
   program_.Set("step_mm", static_cast<float>(settings.step_mm));
   program_.Set("tool_shine", static_cast<float>(settings.tool_shine));
+  program_.Set("is_maximum", settings.projection == Projection::kMaximum ? 1 : 0);
+  program_.Set("window_hu", Eigen::Vector2f(static_cast<float>(settings.window.low_hu),
+                                            static_cast<float>(settings.window.high_hu)));
   rgba.resize(4 * static_cast<std::size_t>(camera.width_px) *
               static_cast<std::size_t>(camera.height_px));
   pixels_.Set(nullptr, rgba.size());

@@ -151,6 +151,20 @@ TEST(ShaderRays, ShowPressedTissueAndCuts) {
   ExpectSamePicture(Ball("bone", &field), moment);
 }
 
+TEST(ShaderRays, ProjectMaxima) {
+  ViewSettings settings;
+  settings.rays.projection = volume_rendering::Projection::kMaximum;
+  PatientInView patient = Trunk({});
+  patient.surfaces = {{"veil", BallSurface({0, 0, 0}, 60.0), {0.2F, 0.5F, 0.9F}, 0.3},
+                      {"stone", BallSurface({30, -40, 10}, 15.0), {0.9F, 0.3F, 0.2F}, 1.0}};
+  const Camera camera = SideCamera();
+  ExpectSamePicture(ByShader(patient, {}, camera, settings),
+                    OnProcessor(patient, {}, camera, settings));
+  settings.rays.window = {.low_hu = -900.0, .high_hu = 200.0};
+  ExpectSamePicture(ByShader(patient, {}, camera, settings),
+                    OnProcessor(patient, {}, camera, settings));
+}
+
 TEST(ShaderRays, ATissueHasItsOwnFunction) {
   volume::Geometry grid;
   grid.size = {40, 40, 40};
