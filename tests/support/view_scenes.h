@@ -125,4 +125,13 @@ inline Blob CoveredPart(const volume_rendering::ViewImage& image) {
   return out;
 }
 
+/// Of images of one size, against the full scale; infinity: they are the same.
+inline double PsnrDb(const volume_rendering::ViewImage& a, const volume_rendering::ViewImage& b) {
+  double sum = 0.0;
+  for (std::size_t n = 0; n < a.colour.rgb.size(); ++n) {
+    sum += std::pow((a.colour.rgb[n] - b.colour.rgb[n]) / 255.0, 2.0);
+  }
+  return -10.0 * std::log10(sum / static_cast<double>(a.colour.rgb.size()));
+}
+
 }  // namespace acus::testing_support

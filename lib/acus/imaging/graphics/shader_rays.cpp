@@ -74,7 +74,7 @@ void Renderer::LoadPatient(const VolumeScene& scene) {
   const volume::Geometry& grid = scene.ct->geometry;
   const Eigen::Affine3f index_from_ct = grid.index_from_ct().cast<float>();
   hu_.Set(TexelFormat::kShort, grid.size, scene.ct->voxels.data());
-  if (scene.slopes->units() != nullptr) {
+  if (scene.slopes != nullptr && scene.slopes->units() != nullptr) {
     slopes_.Set(TexelFormat::kByte4, grid.size, scene.slopes->units());
   }
   const bool has_classes = scene.classes != nullptr && scene.classes->data() != nullptr;

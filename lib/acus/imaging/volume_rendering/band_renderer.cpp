@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "acus/imaging/volume_rendering/pixel_filling.h"
+
 namespace acus::volume_rendering {
 namespace {
 
@@ -15,6 +17,7 @@ static_assert(kTilePx * TriangleBands::kRows <= kernels::RayTile::kRays);
 BandRenderer::BandRenderer(const VolumeScene& scene, const RaySettings& settings,
                            const Camera& camera, const TriangleBands& bands)
     : scene_(scene),
+      settings_(settings),
       camera_(camera),
       bands_(bands),
       ray_caster_(scene, settings, camera.EyeInCtMm()) {
@@ -66,7 +69,7 @@ void BandRenderer::CastTile(const TilePlace& tile, int top, Scratch& scratch) co
   scratch.of_tile.assign(static_cast<std::size_t>(tile.width_px * tile.height_px), {});
   const bool shows_volume = empty_mm < RayCaster::kFarMm;
   if (shows_volume && tile_caster_) {
-    tile_caster_->Cast(tile, scratch.fragments_of, empty_mm, scratch.of_tile);
+    CastByNeed(tile, empty_mm, scratch);
     return;
   }
   if (!has_surfaces && !shows_volume) return;
@@ -78,6 +81,19 @@ void BandRenderer::CastTile(const TilePlace& tile, int top, Scratch& scratch) co
           direction, has_surfaces ? scratch.fragments_of[pixel] : std::span<const Fragment>{},
           empty_mm);
     }
+  }
+}
+
+/// From coarse to fine: pixels whose neighbours are alike need no ray.
+void BandRenderer::CastByNeed(const TilePlace& tile, float empty_mm, Scratch& scratch) const {
+  const auto tolerance = static_cast<float>(settings_.pixel_tolerance);
+  scratch.wanted.clear();
+  if (tolerance > 0.0F) FirstPixels(tile, scratch.wanted);
+  tile_caster_->Cast(tile, scratch.fragments_of, empty_mm, scratch.of_tile, scratch.wanted);
+  if (!(tolerance > 0.0F)) return;
+  for (int stride = kFirstStride; stride > 1; stride /= 2) {
+    FillBetween(tile, stride, tolerance, scratch.fragments_of, scratch.of_tile, scratch.wanted);
+    tile_caster_->Cast(tile, scratch.fragments_of, empty_mm, scratch.of_tile, scratch.wanted);
   }
 }
 

@@ -24,7 +24,8 @@ class BandRenderer {
     std::vector<RayColour> pixels;  ///< Of the band, row by row: what Render gives.
     TriangleBands::Band band;
     std::vector<Fragment> met;       ///< Of a tile, pixel by pixel.
-    std::vector<RayColour> of_tile;  ///< As are the next two.
+    std::vector<RayColour> of_tile;  ///< As are the next three.
+    std::vector<std::uint8_t> wanted;
     std::vector<std::size_t> first;
     std::vector<std::span<const Fragment>> fragments_of;
   };
@@ -34,8 +35,10 @@ class BandRenderer {
   bool CollectFragments(const TilePlace& tile, int top, Scratch& scratch) const;
   float EmptyMm(const TilePlace& tile) const;
   void CastTile(const TilePlace& tile, int top, Scratch& scratch) const;
+  void CastByNeed(const TilePlace& tile, float empty_mm, Scratch& scratch) const;
 
   VolumeScene scene_;
+  RaySettings settings_;
   Camera camera_;
   const TriangleBands& bands_;
   RayCaster ray_caster_;

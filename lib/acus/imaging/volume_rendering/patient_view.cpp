@@ -45,6 +45,9 @@ void CheckSettings(const ViewSettings& s) {
   ACUS_REQUIRE(s.rays.warp.lattice_mm >= 0.0 && s.rays.warp.lattice_mm <= 10.0,
                "view: a tolerance between knots of the warp of ", s.rays.warp.lattice_mm,
                " mm; allowed is 0 to 10 mm");
+  ACUS_REQUIRE(s.rays.pixel_tolerance >= 0.0 && s.rays.pixel_tolerance <= 1.0,
+               "view: pixels between others within ", s.rays.pixel_tolerance,
+               " of full scale are interpolated; allowed is 0 to 1");
   ACUS_REQUIRE(s.rays.tool_shine >= 0.0 && s.rays.tool_shine <= 1.0,
                "view: tools shine through by ", s.rays.tool_shine, "; allowed is 0 to 1");
   ACUS_REQUIRE(s.supersampling == 1 || s.supersampling == 2 || s.supersampling == 4,

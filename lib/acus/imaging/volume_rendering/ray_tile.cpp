@@ -152,7 +152,7 @@ void TileCaster::SetTissue() {
 
 void TileCaster::Cast(const TilePlace& place,
                       std::span<const std::span<const Fragment>> fragments_of, float empty_mm,
-                      std::span<RayColour> out) const {
+                      std::span<RayColour> out, std::span<const std::uint8_t> wanted) const {
   RayTile tile;
   TileHost host(scene_, settings_, eye_mm_, index_from_ct_, tile);
   std::array<int, RayTile::kRays> pixel_of;
@@ -162,8 +162,9 @@ void TileCaster::Cast(const TilePlace& place,
   for (int n = 0; n < all; ++n) {
     const Pixel at = PixelOf(n, place.width_px);
     if (at.column >= place.width_px || at.row >= place.height_px) continue;
-    const int ray = tile.count++;
     const int pixel = at.row * place.width_px + at.column;
+    if (!wanted.empty() && wanted[static_cast<std::size_t>(pixel)] == 0) continue;
+    const int ray = tile.count++;
     pixel_of[static_cast<std::size_t>(ray)] = pixel;
     tile.column[ray] = static_cast<float>(place.left_px + at.column);
     tile.row[ray] = static_cast<float>(place.top_px + at.row);

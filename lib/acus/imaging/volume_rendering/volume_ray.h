@@ -30,6 +30,9 @@ inline constexpr float kSurfaceHuPerMm = 40.0F;
 struct RaySettings {
   double step_mm = 1.0;
   WarpSettings warp;
+  /// Where neighbours differ by no more than this share of full scale in all channels, pixels
+  /// between them are interpolated: see FirstPixels(). 0: every pixel has its ray.
+  double pixel_tolerance = 0.0;
   double tool_shine = 0.35;  ///< What is seen of a tool behind tissue; 0: what light gets through.
   Projection projection = Projection::kEmission;
   HuWindow window = {};  ///< Of kMaximum.

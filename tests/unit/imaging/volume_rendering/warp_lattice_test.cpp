@@ -10,6 +10,8 @@
 namespace acus::volume_rendering {
 namespace {
 
+using testing_support::PsnrDb;
+
 using Eigen::Vector3d;
 
 /// Organs within a wall slide along it by 15 mm; all else follows DiaphragmMm.
@@ -50,16 +52,6 @@ ViewImage Image(const std::shared_ptr<const volume::CtVolume>& ct, const char* l
   ViewImage out;
   view.Render(camera, {.motion = &motion}, out, 2);
   return out;
-}
-
-double PsnrDb(const ViewImage& a, const ViewImage& b) {
-  double sum = 0.0;
-  for (std::size_t n = 0; n < a.colour.rgb.size(); ++n) {
-    const double off = static_cast<double>(a.colour.rgb[n]) - b.colour.rgb[n];
-    sum += off * off;
-  }
-  const double mean = sum / static_cast<double>(a.colour.rgb.size());
-  return mean > 0.0 ? 10.0 * std::log10(255.0 * 255.0 / mean) : 200.0;
 }
 
 // Against every sample inverted to the last digits. 40 dB is 2.5 of 255 grey levels: not seen.
