@@ -74,6 +74,8 @@ class ViewsSweeper {
           [](ViewSetting& s, double v) { s.supersampling = static_cast<int>(v); });
     Sweep("warp_tolerance_mm", {0.002, 0.01, 0.05, 0.15}, 0.0, 0.15,
           [](ViewSetting& s, double v) { s.rays.warp.lattice_mm = v; });
+    Sweep("pixel_tolerance", {0.005, 0.01, 0.02, 0.05}, 0.0, 0.0,
+          [](ViewSetting& s, double v) { s.rays.pixel_tolerance = v; });
     // Every sample asks, to the end: as no scene does unless told.
     Sweep("warp_iterations", {1, 2, 5}, 50, kNoDefault, [](ViewSetting& s, double v) {
       s.rays.warp.lattice_mm = 0.0;

@@ -57,6 +57,7 @@ volume_rendering::ViewSettings LookOf(const View3dSettings& settings) {
   look.rays.step_mm = settings.step_mm;
   look.rays.warp.max_iterations = settings.inverse_iterations;
   look.rays.warp.lattice_mm = settings.warp_tolerance_mm;
+  look.rays.pixel_tolerance = settings.pixel_tolerance;
   look.rays.tool_shine = settings.tool_shine;
   if (settings.maximum_projection) {
     look.rays.projection = volume_rendering::Projection::kMaximum;
@@ -257,7 +258,8 @@ class View3dEffect final : public Effect {
         "supersampling": {"enum": [1, 2, 4], "default": 2, "description": "A pixel is the mean of this many each way: smooth edges"},
         "step_mm": {"type": "number", "minimum": 0.05, "maximum": 20, "default": 1, "description": "Distance of the samples on a ray, mm"},
         "inverse_iterations": {"type": "integer", "minimum": 1, "maximum": 1000, "default": 5, "description": "Of a patient who breathes: at most this many iterations to find where a sample was at rest"},
-        "warp_tolerance_mm": {"type": "number", "minimum": 0, "maximum": 10, "default": 0.15, "description": "Of a patient who breathes, accuracy against time: where it is right to this, samples take the inverse from between knots about 6 mm apart; 0: every sample inverts for itself, at twice the time, mm"}
+        "warp_tolerance_mm": {"type": "number", "minimum": 0, "maximum": 10, "default": 0.15, "description": "Of a patient who breathes, accuracy against time: where it is right to this, samples take the inverse from between knots about 6 mm apart; 0: every sample inverts for itself, at twice the time, mm"},
+        "pixel_tolerance": {"type": "number", "minimum": 0, "maximum": 1, "default": 0, "description": "Accuracy against time: pixels between others that differ by no more than this share of full scale are interpolated; 0: every pixel has its ray"}
       }
     })json");
   }

@@ -58,6 +58,7 @@ View3dSettings ReadView3dSettings(const json& object) {
   settings.step_mm = object.at("step_mm");
   settings.inverse_iterations = object.at("inverse_iterations");
   settings.warp_tolerance_mm = object.at("warp_tolerance_mm");
+  settings.pixel_tolerance = object.at("pixel_tolerance");
   return settings;
 }
 

@@ -47,6 +47,7 @@ struct View3dSettings {
   double step_mm = 0.0;
   int inverse_iterations = 0;
   double warp_tolerance_mm = 0.0;
+  double pixel_tolerance = 0.0;
 };
 
 /// @param settings  As the schema checked and completed them.
