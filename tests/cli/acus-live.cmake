@@ -105,3 +105,9 @@ add_test(NAME cli.live-endurance.faults
 set_tests_properties(cli.live-endurance.faults PROPERTIES
   LABELS "cli;performance" TIMEOUT 120 FIXTURES_REQUIRED inputs RUN_SERIAL TRUE
   ENVIRONMENT "ACUS_BIN=${CMAKE_BINARY_DIR}/bin")
+
+# Where the system has no driver, whoever asks for a graphics card is told before the session begins.
+acus_add_cli_case(acus-live.no_graphics_driver EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "no driver for OpenGL 4.5 was found; install"
+  COMMAND env __EGL_VENDOR_LIBRARY_DIRS=/nowhere xvfb-run -a acus-live $INPUTS/scenario.json
+  --devices devices/virtual.json ${live_patient} -o s --volume-rays graphics)

@@ -117,7 +117,7 @@ TEST(VolumeView, CutsTakeAwayTheSideOfTheEyeAndStayWhereTheyAre) {
   EXPECT_NEAR(facing[0].signedDistance(box.center()), 7.0, 1e-9) << "deeper";
 }
 
-TEST(VolumeRenderer, AGraphicsCardGivesThePictureOfTheProcessor) {
+TEST(VolumeRenderer, AGraphicsCardGivesTheImageOfTheProcessor) {
   const auto looks = BallLooks();
   VolumeRenderer processor(looks, false);
   VolumeRenderer card(looks, false, VolumeRays::kGraphics);

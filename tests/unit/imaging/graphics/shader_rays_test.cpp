@@ -1,4 +1,4 @@
-// The picture of the shader against that of the processor, on the driver that there is: without a
+// The image of the shader against that of the processor, on the driver that there is: without a
 // graphics card Mesa's, which computes on the processor.
 #include "acus/imaging/graphics/shader_rays.h"
 
@@ -58,7 +58,7 @@ ViewImage ByShader(const PatientInView& patient, const ViewMoment& moment,
   return image;
 }
 
-void ExpectSamePicture(const ViewImage& shader, const ViewImage& processor) {
+void ExpectSameImage(const ViewImage& shader, const ViewImage& processor) {
   ASSERT_EQ(shader.colour.rgb.size(), processor.colour.rgb.size());
   EXPECT_LT(10.0 * std::log10(MeanSquare(shader.colour.rgb, processor.colour.rgb)), -kLeastPsnrDb);
   EXPECT_LT(10.0 * std::log10(MeanSquare(shader.coverage, processor.coverage)), -kLeastPsnrDb);
@@ -66,8 +66,8 @@ void ExpectSamePicture(const ViewImage& shader, const ViewImage& processor) {
   EXPECT_GT(*std::ranges::max_element(processor.coverage), 200);
 }
 
-void ExpectSamePicture(const PatientInView& patient, const ViewMoment& moment = {}) {
-  ExpectSamePicture(ByShader(patient, moment), OnProcessor(patient, moment));
+void ExpectSameImage(const PatientInView& patient, const ViewMoment& moment = {}) {
+  ExpectSameImage(ByShader(patient, moment), OnProcessor(patient, moment));
 }
 
 PatientInView Ball(const char* layer, const breathing::MotionField* field = nullptr) {
@@ -85,13 +85,13 @@ PatientInView Trunk(std::vector<volume_rendering::VolumeLayer> layers,
           .field = field};
 }
 
-TEST(ShaderRays, GiveThePictureOfTheProcessor) {
-  ExpectSamePicture(Ball("skin"));
-  ExpectSamePicture(Ball("bone"));
+TEST(ShaderRays, GiveTheImageOfTheProcessor) {
+  ExpectSameImage(Ball("skin"));
+  ExpectSameImage(Ball("bone"));
   PatientInView trunk = Trunk({{"soft_tissue", 1.0}});
-  ExpectSamePicture(trunk);
+  ExpectSameImage(trunk);
   trunk.layers = {{"bone", 1.0}, {"skin", 0.3}};
-  ExpectSamePicture(trunk);
+  ExpectSameImage(trunk);
 }
 
 TEST(ShaderRays, FollowBreath) {
@@ -99,9 +99,9 @@ TEST(ShaderRays, FollowBreath) {
   breathing::MotionWeights weights;
   for (const double share : {0.8, -0.3, 0.5}) weights.Add(weights.count, share);
   const breathing::MotionMap motion(field, weights);
-  ExpectSamePicture(Ball("skin", &field), {.motion = &motion});
+  ExpectSameImage(Ball("skin", &field), {.motion = &motion});
   const auto deep = testing_support::At(field, 1.6);
-  ExpectSamePicture(Trunk({{"bone", 1.0}}, &field), {.motion = &deep});
+  ExpectSameImage(Trunk({{"bone", 1.0}}, &field), {.motion = &deep});
 }
 
 // Fields stay on the card: what was there for another moment is not mixed up with this one.
@@ -116,7 +116,7 @@ TEST(ShaderRays, KeepFieldsApartWhileKeyFramesChange) {
     const breathing::MotionMap motion(field, weights);
     ViewImage image;
     view.Render(SideCamera(), {.motion = &motion}, image, 1);
-    ExpectSamePicture(image, OnProcessor(Ball("skin", &field), {.motion = &motion}));
+    ExpectSameImage(image, OnProcessor(Ball("skin", &field), {.motion = &motion}));
   }
 }
 
@@ -130,7 +130,7 @@ TEST(ShaderRays, MixSurfacesAndToolsIn) {
   moment.probe.emplace();
   moment.probe->probe = &probe;
   moment.probe->ct_from_probe.translation() << 10, -130, 20;
-  ExpectSamePicture(patient, moment);
+  ExpectSameImage(patient, moment);
 }
 
 TEST(ShaderRays, ShowPressedTissueAndCuts) {
@@ -146,9 +146,9 @@ TEST(ShaderRays, ShowPressedTissueAndCuts) {
       2);
   ViewMoment moment{.motion = &motion};
   moment.pressed = &pressed;
-  ExpectSamePicture(Ball("skin", &field), moment);
+  ExpectSameImage(Ball("skin", &field), moment);
   moment.cuts = {volume_rendering::CutPlane(Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(0, -10, 0))};
-  ExpectSamePicture(Ball("bone", &field), moment);
+  ExpectSameImage(Ball("bone", &field), moment);
 }
 
 TEST(ShaderRays, ProjectMaxima) {
@@ -158,11 +158,11 @@ TEST(ShaderRays, ProjectMaxima) {
   patient.surfaces = {{"veil", BallSurface({0, 0, 0}, 60.0), {0.2F, 0.5F, 0.9F}, 0.3},
                       {"stone", BallSurface({30, -40, 10}, 15.0), {0.9F, 0.3F, 0.2F}, 1.0}};
   const Camera camera = SideCamera();
-  ExpectSamePicture(ByShader(patient, {}, camera, settings),
-                    OnProcessor(patient, {}, camera, settings));
+  ExpectSameImage(ByShader(patient, {}, camera, settings),
+                  OnProcessor(patient, {}, camera, settings));
   settings.rays.window = {.low_hu = -900.0, .high_hu = 200.0};
-  ExpectSamePicture(ByShader(patient, {}, camera, settings),
-                    OnProcessor(patient, {}, camera, settings));
+  ExpectSameImage(ByShader(patient, {}, camera, settings),
+                  OnProcessor(patient, {}, camera, settings));
 }
 
 TEST(ShaderRays, ATissueHasItsOwnFunction) {
@@ -176,10 +176,10 @@ TEST(ShaderRays, ATissueHasItsOwnFunction) {
       for (int i = 8; i < 31; ++i) labels->At(i, j, k) = volume::LabelOf("liver");
     }
   }
-  ExpectSamePicture({.ct = std::make_shared<volume::CtVolume>(grid, std::int16_t{60}),
-                     .layers = {{"liver", 1.0}, {"muscle", 0.2}},
-                     .surfaces = {},
-                     .labels = labels});
+  ExpectSameImage({.ct = std::make_shared<volume::CtVolume>(grid, std::int16_t{60}),
+                   .layers = {{"liver", 1.0}, {"muscle", 0.2}},
+                   .surfaces = {},
+                   .labels = labels});
 }
 
 TEST(ShaderRays, TakeAnotherSizeEachTime) {
@@ -193,7 +193,7 @@ TEST(ShaderRays, TakeAnotherSizeEachTime) {
     ViewImage image;
     view.Render(camera, {}, image, 2);
     EXPECT_EQ(view.device_trouble(), "");
-    ExpectSamePicture(image, OnProcessor(patient, {}, camera, settings));
+    ExpectSameImage(image, OnProcessor(patient, {}, camera, settings));
   }
 }
 
