@@ -267,8 +267,7 @@ TEST(BreathingNeedle, AStepAllocatesNothing) {
   hard.Expect("allocations in 3000 steps", allocated, Exactly(0));
 }
 
-// Images of a field that folds, and that tears: finite, the same bits again, no more than five
-// iterations a knot.
+// Images of fields that fold: finite, the same bits again, no more than five iterations a knot.
 TEST(BreathingImages, AFoldingFieldGivesAnImageAndTheSameAgain) {
   const HardCase hard("An image of a field that folds, and the same again after another one.");
   Scene scene =

@@ -2,6 +2,7 @@
 // and the stability of breathing are measured on.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -85,12 +86,13 @@ struct BreathingPatient {
       bell.push_back(std::sin(std::numbers::pi * n / (nodes_per_axis - 1)));
     }
     for (int component = 0; const Eigen::Vector3d& amount_mm : amounts_mm) {
-      constexpr double kMmPerUnit = 1e-3;
+      // Micrometres, or coarser where as many do not fit into 16 bits.
+      const double mm_per_unit = std::max(1e-3, amount_mm.cwiseAbs().maxCoeff() / 32767.0);
       std::vector<std::int16_t> values;
       values.reserve(3 * nodes.num_voxels());
       for (const double along_k : bell) {
         for (const double along_j : bell) {
-          const Eigen::Vector3d units = along_k * along_j / kMmPerUnit * amount_mm;
+          const Eigen::Vector3d units = along_k * along_j / mm_per_unit * amount_mm;
           for (const double along_i : bell) {
             for (const double unit : units) {
               values.push_back(static_cast<std::int16_t>(along_i * unit));
@@ -98,7 +100,7 @@ struct BreathingPatient {
           }
         }
       }
-      field.SetStored(component++, values, kMmPerUnit);
+      field.SetStored(component++, values, mm_per_unit);
     }
     return field;
   }

@@ -276,6 +276,7 @@ void PatientView::Content::CastShadows(const Light& light) {
     around.extend(drawing.nodes_mm->rowwise().minCoeff());
     around.extend(drawing.nodes_mm->rowwise().maxCoeff());
   }
+  if (around.isEmpty()) return;  // Of a path alone.
   shadows.emplace();
   shadows->Begin(light.to_lamp, around);
   for (const Drawing& drawing : drawings) {

@@ -56,9 +56,11 @@ void ShadowMap::Add(const Eigen::Matrix3Xf& nodes_mm, const Eigen::Matrix3Xi& tr
 float ShadowMap::LitAt(const Eigen::Vector3f& place_mm) const noexcept {
   const Eigen::Vector3f at = lamp_from_ct_ * place_mm;
   const Eigen::Vector2f cell = (at.head<2>() - low_mm_) / mm_per_cell_;
-  const auto u = static_cast<int>(std::floor(cell[0]));
-  const auto v = static_cast<int>(std::floor(cell[1]));
-  if (!(u >= 1 && v >= 1 && u < kSize - 2 && v < kSize - 2)) return 1.0F;
+  // As numbers with a fraction: a place far away has no cell that an integer could name.
+  constexpr float kEnd = kSize - 2;
+  if (!(cell[0] >= 1.0F && cell[1] >= 1.0F && cell[0] < kEnd && cell[1] < kEnd)) return 1.0F;
+  const auto u = static_cast<int>(cell[0]);
+  const auto v = static_cast<int>(cell[1]);
   // The share of 4 x 4 cells in the light, each as far as it is within a square of 3 cells' width.
   const float fu = cell[0] - static_cast<float>(u);
   const float fv = cell[1] - static_cast<float>(v);

@@ -140,6 +140,20 @@ TEST(CarriedForces, DoTheWorkThatTheyDoAtRest) {
   EXPECT_GT(most_rotated, 1.0);
 }
 
+TEST(BreathingPatient, MovesAsItSaysHoweverFar) {
+  testing_support::BreathingPatient patient{.kind = MotionKind::kHalfCycle, .nodes_per_axis = 41};
+  patient.box.size.setConstant(201);
+  const Eigen::Vector3d middle_mm = Eigen::Vector3d::Constant(100.0);
+  for (const double largest_mm : {20.0, 40.0, 200.0}) {
+    patient.largest_mm = largest_mm;
+    const MotionModel model = patient.Model();
+    const Breath breath{.level = 0.0};
+    const MotionMap map(model.field(), model.WeightsAt(breath));
+    const Eigen::Vector3d wanted_mm = patient.DisplacementMm(breath, middle_mm);
+    EXPECT_LT((map.DisplacementMm(middle_mm) - wanted_mm).norm(), 0.02) << largest_mm;
+  }
+}
+
 TEST(CarriedForces, StayBoundedWhereTheFieldIsNearlySingularOrFolds) {
   testing_support::BreathingPatient patient{.kind = MotionKind::kHalfCycle, .nodes_per_axis = 48};
   patient.box.size.setConstant(201);
