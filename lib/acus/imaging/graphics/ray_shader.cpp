@@ -279,8 +279,10 @@ float LitAt(vec3 place_mm) {
   if (has_shadows == 0) return 1.0;
   vec3 at = lamp_from_ct * place_mm;
   vec2 cell = (at.xy - shadow_low_mm) / shadow_cell_mm;
-  ivec2 low = ivec2(floor(cell));
-  if (any(lessThan(low, ivec2(1))) || any(greaterThanEqual(low, ivec2(shadow_size - 2)))) return 1.0;
+  if (!(all(greaterThanEqual(cell, vec2(1.0))) && all(lessThan(cell, vec2(shadow_size - 2))))) {
+    return 1.0;
+  }
+  ivec2 low = ivec2(cell);
   vec2 share = cell - vec2(low);
   float shadow = 0.0;
   for (int j = 0; j < 4; ++j) {
