@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/text_table.h"
+#include "acus/data/session/pose_csv.h"
 
 namespace acus::training {
 namespace {
@@ -19,6 +21,29 @@ json NumberOrNull(const std::optional<double>& value) {
 std::optional<double> NumberFrom(const json& value) {
   if (value.is_null()) return std::nullopt;
   return value.get<double>();
+}
+
+/// A number of a file that becomes an integer: a larger one has no defined value as such.
+double NumberWithin(const std::string& file, const json& object, const char* key, double least,
+                    double most) {
+  const auto value = object.at(key).get<double>();
+  ACUS_REQUIRE(value >= least && value <= most, file, ": ", key, ": is ", object.at(key).dump(),
+               "; allowed is ", least, " to ", most, ". Make the file again with acus-replay");
+  return value;
+}
+
+std::int64_t TimeNsOf(const std::string& file, const json& object, const char* key) {
+  return std::llround(
+      1e9 * NumberWithin(file, object, key, -session::kMaxTimeS, session::kMaxTimeS));
+}
+
+StructureEntered StructureFrom(const std::string& file, const json& s) {
+  constexpr double kMostLabel = std::numeric_limits<volume::Label>::max();
+  constexpr double kMostEntries = std::numeric_limits<int>::max();
+  return {.label = static_cast<volume::Label>(NumberWithin(file, s, "label", 0.0, kMostLabel)),
+          .num_entries = static_cast<int>(NumberWithin(file, s, "entries", 0.0, kMostEntries)),
+          .path_mm = s.at("path_mm"),
+          .first_ns = TimeNsOf(file, s, "first_time_s")};
 }
 
 bool IsOfProbe(const std::string& metric) {
@@ -179,10 +204,7 @@ Assessment ReadAssessment(const std::filesystem::path& path) {
            g.at("met")});
     }
     for (const json& s : document.at("structures")) {
-      assessment.structures.push_back(
-          {s.at("name"),
-           {s.at("label"), s.at("entries"), s.at("path_mm"),
-            static_cast<std::int64_t>(1e9 * s.at("first_time_s").get<double>())}});
+      assessment.structures.push_back({s.at("name"), StructureFrom(path.string(), s)});
     }
     // Runs of earlier versions do not have these.
     assessment.target = document.value("target", "");
@@ -191,7 +213,7 @@ Assessment ReadAssessment(const std::filesystem::path& path) {
       StepResult result{.text = step.at("text")};
       if (step.at("state") != "open") {
         result.state = step.at("state") == "done" ? StepState::kDone : StepState::kFailed;
-        result.time_ns = std::llround(1e9 * step.at("time_s").get<double>());
+        result.time_ns = TimeNsOf(path.string(), step, "time_s");
       }
       assessment.checklist.push_back(result);
     }

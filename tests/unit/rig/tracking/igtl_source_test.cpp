@@ -133,9 +133,11 @@ TEST(IgtlSource, RequestsTrackingData) {
     server.SendPoses(seen, MonotonicNs());
     return source.board().Latest(0).valid;
   }));
-  // TDATA without the tool says that it is not seen, at once.
+  // TDATA without the tool says that it is not seen, at once, if TDATA had it: what came before the
+  // request was read is a transform.
   const auto before = source.status().counts.fell_silent;
   ASSERT_TRUE(WaitUntil([&] {
+    server.SendPoses(seen, MonotonicNs());
     server.SendPoses(lost, MonotonicNs());
     return !source.board().Latest(0).valid;
   }));

@@ -243,7 +243,10 @@ TEST_F(Session, OutlivesItsTrackerAndReplaysToTheSameForces) {
   EXPECT_EQ(session.end(), SessionEnd::kStopped);
   const auto summary = nlohmann::json::parse(ReadTextFile(folder_ / "s/summary.json"));
   EXPECT_EQ(summary.at("recording").at("steps_lost"), 0);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  // Sanitizers make a step take up to ten times as long.
   EXPECT_EQ(summary.at("steps").at("missed_by_computation"), 0);
+#endif
   EXPECT_GE(summary.at("trackers").at(0).at("connects"), 2);
   EXPECT_GT(summary.at("steps").at("probe_readings").at("jumped"), 0);
   // What each stage did, and how often the probe was not there for it.

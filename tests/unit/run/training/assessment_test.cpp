@@ -174,6 +174,23 @@ TEST(Assessment, SurvivesDamagedFiles) {
   EXPECT_GT(refused, 100);
 }
 
+TEST(Assessment, RefusesNumbersThatNoIntegerHolds) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "training.json";
+  for (const char* key : {"label", "entries", "first_time_s"}) {
+    auto document = ToJson(Example("A7", 2.0));
+    document["structures"][0][key] = 1e300;
+    config::WriteJson(path, document);
+    EXPECT_THAT([&] { ReadAssessment(path); },
+                ThrowsMessage<InputError>(
+                    AllOf(HasSubstr("training.json: "), HasSubstr(key), HasSubstr("1e+300"))));
+  }
+  auto document = ToJson(Example("A7", 2.0));
+  document["checklist"] = {{{"text", "Scan"}, {"state", "done"}, {"time_s", -1e300}}};
+  config::WriteJson(path, document);
+  EXPECT_THAT([&] { ReadAssessment(path); }, ThrowsMessage<InputError>(HasSubstr("time_s: is")));
+}
+
 void WriteRun(const std::filesystem::path& run, const Assessment& assessment) {
   std::filesystem::create_directories(run);
   config::WriteJson(run / "training.json", ToJson(assessment));
