@@ -36,7 +36,8 @@ set(CMAKE_SKIP_RPATH TRUE)
 
 if(ACUS_SANITIZE STREQUAL "address")
   # What the left-out checks of undefined behaviour see, the address sanitizer stops at as well.
-  set(sanitizers -fsanitize=address,undefined -fno-sanitize=null,object-size,vptr
+  set(sanitizers -fsanitize=address,undefined,float-cast-overflow
+                 -fno-sanitize=null,object-size,vptr
                  -fno-sanitize-recover=all -fno-omit-frame-pointer)
 elseif(ACUS_SANITIZE STREQUAL "thread")
   set(sanitizers -fsanitize=thread -fno-sanitize-recover=all -fno-omit-frame-pointer)

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -121,7 +122,7 @@ struct HapticDevice::Impl final : GuardedServo {
   std::atomic<bool> parked{false};          ///< `servo` is not called and may be changed.
   std::atomic<bool> restarts_guard{false};  ///< At the next tick.
 
-  // Servo thread to watchdog. Zero: not within a tick.
+  // Servo thread to watchdog. Zero: not within a tick. Negative: within one that was cut.
   std::atomic<std::int64_t> tick_began_ns{0};
   std::atomic<std::int64_t> last_tick_ns{0};
   std::atomic<std::uint64_t> fault{0};
@@ -133,7 +134,6 @@ struct HapticDevice::Impl final : GuardedServo {
 
   // Watchdog only.
   std::thread watchdog;
-  std::int64_t cut_tick_ns = 0;
   std::int64_t seen_warnings = 0;
 
   // Watchdog, Start, Stop and status(); never the servo thread.
@@ -180,9 +180,11 @@ DeviceForce HapticDevice::Impl::Tick(const DeviceReading& reading,
       std::max(longest_tick_ns.load(std::memory_order_relaxed), end_ns - begin_ns),
       std::memory_order_relaxed);
   last_tick_ns.store(end_ns, std::memory_order_release);
-  tick_began_ns.store(0, std::memory_order_release);
+  // A step that is held up after the guard has looked at the clock is cut by the watchdog alone.
+  // Its force would be there at once; the next reading is late, so that the guard begins anew.
+  const bool is_cut = tick_began_ns.exchange(0, std::memory_order_acq_rel) != begin_ns;
   // The process may have begun to end while the servo was at work.
-  return ForcesAreCut() ? DeviceForce() : force;
+  return is_cut || ForcesAreCut() ? DeviceForce() : force;
 }
 
 void HapticDevice::Impl::Report(DriverFault kind, int code) noexcept {
@@ -215,11 +217,12 @@ bool HapticDevice::Impl::PauseFor(std::chrono::milliseconds time) {
 }
 
 void HapticDevice::Impl::CutOverrun(std::int64_t now_ns) {
-  const std::int64_t began_ns = tick_began_ns.load(std::memory_order_acquire);
-  if (began_ns == 0 || began_ns == cut_tick_ns) return;
+  std::int64_t began_ns = tick_began_ns.load(std::memory_order_acquire);
+  if (began_ns <= 0) return;
   if (1e-9 * static_cast<double>(now_ns - began_ns) <= guard.settings().late_s) return;
+  if (!tick_began_ns.compare_exchange_strong(began_ns, -began_ns, std::memory_order_acq_rel))
+    return;
   driver->ZeroNow();
-  cut_tick_ns = began_ns;
   const std::lock_guard lock(mutex);
   ++num_overruns;
   text = Message(info.name, ": a step took longer than ", guard.settings().late_s * 1e3,
@@ -357,7 +360,10 @@ void HapticDevice::Park() noexcept {
   Impl& me = *impl_;
   if (!me.is_started || me.parked.exchange(true, std::memory_order_seq_cst)) return;
   const std::int64_t under_way_ns = me.tick_began_ns.load(std::memory_order_seq_cst);
-  while (under_way_ns != 0 && me.tick_began_ns.load(std::memory_order_seq_cst) == under_way_ns) {
+  const auto is_under_way = [&] {
+    return std::abs(me.tick_began_ns.load(std::memory_order_seq_cst)) == std::abs(under_way_ns);
+  };
+  while (under_way_ns != 0 && is_under_way()) {
     std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
 }

@@ -33,8 +33,8 @@ double NumberWithin(const std::string& file, const json& object, const char* key
 }
 
 std::int64_t TimeNsOf(const std::string& file, const json& object, const char* key) {
-  return std::llround(
-      1e9 * NumberWithin(file, object, key, -session::kMaxTimeS, session::kMaxTimeS));
+  return std::llround(1e9 *
+                      NumberWithin(file, object, key, -session::kMaxTimeS, session::kMaxTimeS));
 }
 
 StructureEntered StructureFrom(const std::string& file, const json& s) {
