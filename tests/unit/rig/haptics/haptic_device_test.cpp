@@ -1,9 +1,8 @@
 #include "acus/rig/haptics/haptic_device.h"
 
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <chrono>
+#include <gtest/gtest.h>
 #include <memory>
 #include <thread>
 
