@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <numbers>
 #include <vector>
@@ -126,12 +127,13 @@ inline Blob CoveredPart(const volume_rendering::ViewImage& image) {
 }
 
 /// Of images of one size, against the full scale; infinity: they are the same.
-inline double PsnrDb(const volume_rendering::ViewImage& a, const volume_rendering::ViewImage& b) {
+inline double PsnrDb(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
   double sum = 0.0;
-  for (std::size_t n = 0; n < a.colour.rgb.size(); ++n) {
-    sum += std::pow((a.colour.rgb[n] - b.colour.rgb[n]) / 255.0, 2.0);
-  }
-  return -10.0 * std::log10(sum / static_cast<double>(a.colour.rgb.size()));
+  for (std::size_t n = 0; n < a.size(); ++n) sum += std::pow((a[n] - b[n]) / 255.0, 2.0);
+  return -10.0 * std::log10(sum / static_cast<double>(a.size()));
+}
+inline double PsnrDb(const volume_rendering::ViewImage& a, const volume_rendering::ViewImage& b) {
+  return PsnrDb(a.colour.rgb, b.colour.rgb);
 }
 
 }  // namespace acus::testing_support

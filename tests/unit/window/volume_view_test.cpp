@@ -1,6 +1,5 @@
 #include "acus/window/volume_view.h"
 
-#include <cmath>
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <set>
@@ -126,11 +125,7 @@ TEST(VolumeRenderer, AGraphicsCardGivesTheImageOfTheProcessor) {
   card.Ask(MomentAt(BallOrbit(), 120, 90), false);
   ASSERT_TRUE(processor.Take(expected));
   ASSERT_TRUE(card.Take(image));
-  double sum = 0.0;
-  for (std::size_t n = 0; n < image.rgb.size(); ++n) {
-    sum += std::pow((image.rgb[n] - expected.rgb[n]) / 255.0, 2.0);
-  }
-  EXPECT_LT(sum / static_cast<double>(image.rgb.size()), 1e-4);  // 40 dB.
+  EXPECT_GT(testing_support::PsnrDb(image.rgb, expected.rgb), 40.0);
   EXPECT_NE(card.statistics().rays_on, "");
   EXPECT_EQ(card.statistics().card_trouble, "");
   EXPECT_EQ(processor.statistics().rays_on, "");

@@ -50,7 +50,10 @@ GlContext::GlContext(DriverKind kind) {
     if (on_processor && kind == DriverKind::kHardware) break;
     for (int n = 0; n < count; ++n) {
       EGLDeviceEXT device = devices[static_cast<std::size_t>(n)];
-      if (ComputesOnProcessor(egl, device) == on_processor && Open(device)) return;
+      if (ComputesOnProcessor(egl, device) == on_processor &&
+          Open(egl.display(EGL_PLATFORM_DEVICE_EXT, device, nullptr))) {
+        return;
+      }
     }
   }
   throw InputError(kind == DriverKind::kHardware
@@ -59,14 +62,12 @@ GlContext::GlContext(DriverKind kind) {
                          "or libegl-mesa0 to compute on the processor");
 }
 
-bool GlContext::Open(void* device) {
-  const DeviceFunctions egl;
-  display_ = egl.display(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
-  if (display_ == EGL_NO_DISPLAY || eglInitialize(display_, nullptr, nullptr) == EGL_FALSE) {
-    display_ = nullptr;
+bool GlContext::Open(void* display) {
+  if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) == EGL_FALSE) {
     return false;
   }
-  // The first also tells when a card is reset; not all drivers do.
+  display_ = display;
+  // The first also reports a reset of the card, which not all drivers can.
   const std::array tells_resets{EGL_CONTEXT_MAJOR_VERSION,
                                 4,
                                 EGL_CONTEXT_MINOR_VERSION,

@@ -27,7 +27,7 @@ class GlContext {
   void Check(const char* what) const;
 
  private:
-  bool Open(void* device);
+  bool Open(void* display);
   void Close();
 
   void* display_ = nullptr;

@@ -29,7 +29,6 @@ class Texture {
   /// @throws InputError if the card takes no texture of that size.
   void Set(TexelFormat format, const Eigen::Array3i& size, const void* values);
   void Bind(unsigned unit) const;
-  bool empty() const { return name_ == 0; }
 
  private:
   unsigned name_ = 0;

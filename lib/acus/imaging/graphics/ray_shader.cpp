@@ -109,14 +109,13 @@ float AbsorbShare(float opacity) {
 
 void Take(Fragment met) {
   vec3 colour = vec3(met.red, met.green, met.blue);
-  float weight = passing * met.opacity;
+  float weight = AbsorbShare(met.opacity);
   float shine = tool_shine * met.opacity;
   if (met.is_tool > 0.0 && weight < shine && shine_weight == 0.0) {
     shine_weight = shine - weight;
     shine_colour = colour;
   }
   surface_colour += weight * colour;
-  passing *= 1.0 - met.opacity;
 }
 
 void Pass(float to_mm) {
@@ -164,7 +163,7 @@ vec3 DisplacementMm(vec3 rest_mm) {
   return sum;
 }
 
-// Goes on with X <- x - u(X). Steps that do not help are halved: it is bounded where the field folds.
+// Continues with X <- x - u(X). Steps that do not help are halved: it is bounded where the field folds.
 vec3 Refined(vec3 rest_mm, vec3 world_mm, int iterations) {
   vec3 error = rest_mm + DisplacementMm(rest_mm) - world_mm;
   float residual_mm = length(error);

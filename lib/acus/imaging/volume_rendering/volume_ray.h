@@ -62,7 +62,7 @@ struct RayColour {
 
 /// Light along rays from one eye: emission and absorption, front to back, or what else Projection
 /// says. Samples lie at whole multiples of the step from the eye, whatever is jumped over; where
-/// the patient breathes, a WarpedRay tells what is there. One ray at a time: the reference of
+/// the patient breathes, a WarpedRay gives what is there. One ray at a time: the reference of
 /// TileCaster, and for volumes that it cannot address.
 class RayCaster {
  public:

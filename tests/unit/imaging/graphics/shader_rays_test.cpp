@@ -18,6 +18,7 @@ using testing_support::BallCt;
 using testing_support::BallSurface;
 using testing_support::DiaphragmMm;
 using testing_support::FieldOf;
+using testing_support::PsnrDb;
 using volume_rendering::Camera;
 using volume_rendering::PatientInView;
 using volume_rendering::PatientView;
@@ -32,12 +33,6 @@ constexpr double kLeastPsnrDb = 40.0;
 Camera SideCamera(int width_px = 160, int height_px = 120) {
   return volume_rendering::LookAt({.eye_in_ct_mm = {-150, -420, 180}, .focus_in_ct_mm = {0, 0, 0}},
                                   {width_px, height_px});
-}
-
-double MeanSquare(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
-  double sum = 0.0;
-  for (std::size_t n = 0; n < a.size(); ++n) sum += std::pow((a[n] - b[n]) / 255.0, 2.0);
-  return sum / static_cast<double>(a.size());
 }
 
 ViewImage OnProcessor(const PatientInView& patient, const ViewMoment& moment,
@@ -60,8 +55,8 @@ ViewImage ByShader(const PatientInView& patient, const ViewMoment& moment,
 
 void ExpectSameImage(const ViewImage& shader, const ViewImage& processor) {
   ASSERT_EQ(shader.colour.rgb.size(), processor.colour.rgb.size());
-  EXPECT_LT(10.0 * std::log10(MeanSquare(shader.colour.rgb, processor.colour.rgb)), -kLeastPsnrDb);
-  EXPECT_LT(10.0 * std::log10(MeanSquare(shader.coverage, processor.coverage)), -kLeastPsnrDb);
+  EXPECT_GT(PsnrDb(shader, processor), kLeastPsnrDb);
+  EXPECT_GT(PsnrDb(shader.coverage, processor.coverage), kLeastPsnrDb);
   // There is something to compare.
   EXPECT_GT(*std::ranges::max_element(processor.coverage), 200);
 }
