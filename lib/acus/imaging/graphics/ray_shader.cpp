@@ -367,8 +367,10 @@ vec3 CastVolume(vec3 direction, float end_mm) {
   bool has_before = false;
   float hu_before = kOutsideHu;
   float highest_hu = kOutsideHu;
+  // A piece needs a sample beyond either end; a maximum takes none that is hidden or cut away.
+  int first_sample = int(is_maximum != 0 ? ceil(part.x / step_mm) : part.x / step_mm);
   int last = int(is_maximum != 0 ? part.y / step_mm : ceil(part.y / step_mm));
-  for (int n = int(part.x / step_mm); n <= last && passing > dark;) {
+  for (int n = first_sample; n <= last && passing > dark;) {
     float at_mm = float(n) * step_mm;
     vec3 in_blocks = blocks_eye + at_mm * blocks_step;
     ivec3 block = ivec3(in_blocks);

@@ -155,6 +155,10 @@ TEST(ShaderRays, ProjectMaxima) {
   const Camera camera = SideCamera();
   ExpectSameImage(ByShader(patient, {}, camera, settings),
                   OnProcessor(patient, {}, camera, settings));
+  const ViewMoment cut{
+      .cuts = {volume_rendering::CutPlane(Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(0, -10, 0))}};
+  ExpectSameImage(ByShader(patient, cut, camera, settings),
+                  OnProcessor(patient, cut, camera, settings));
   settings.rays.window = {.low_hu = -900.0, .high_hu = 200.0};
   ExpectSameImage(ByShader(patient, {}, camera, settings),
                   OnProcessor(patient, {}, camera, settings));
