@@ -32,6 +32,7 @@ constexpr StandardLabel kLabels[] = {
     {23, "bladder", {225, 215, 90}},
     {24, "gallbladder", {110, 150, 60}},
     {25, "gland", {190, 160, 200}},
+    {26, "cut", {255, 0, 200}},
 };
 
 }  // namespace

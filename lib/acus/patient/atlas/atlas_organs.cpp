@@ -210,7 +210,7 @@ LabelledPatient Read(const AtlasPatient& patient, const segmentation::TissueOpti
   out.organs = segmentation::ImportLabels(
       patient.labels, segmentation::ReadLabelMapping(patient.mapping), out.ct.geometry, context);
   GiveLesionsToOrgans(out.organs);
-  out.tissues = segmentation::FindTissues(out.ct, tissues, context);
+  out.tissues = segmentation::FindTissues(out.ct, tissues, context).labels;
   return out;
 }
 

@@ -18,7 +18,7 @@ struct LabelMeshSettings {
   /// Beside the body's surface; "all" stands for every tissue that occurs.
   std::vector<std::string> conforming_tissues = {"bone"};
   std::vector<std::string> except_tissues;            ///< Not these of them.
-  std::vector<std::string> fixed_tissues = {"bone"};  ///< Their nodes are held in place.
+  std::vector<std::string> fixed_tissues = {"bone", "cut"};  ///< Their nodes are held.
   double smoothing_mm = 1.0;       ///< Standard deviation; takes the voxels' steps away.
   double min_dihedral_deg = 8.0;   ///< A mesh below this is refused.
   double volume_tolerance = 0.03;  ///< Allowed relative error of the conforming tissues' volumes.

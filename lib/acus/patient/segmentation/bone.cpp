@@ -295,7 +295,9 @@ void FillMarrow(const volume::CtVolume& ct, const BoneFound& found, const Mask& 
 
 BoneFound FindDenseBone(const volume::CtVolume& original, const Mask& body,
                         const TissueOptions& options, int num_threads) {
-  const bool noisy = NoiseHu(original, body) > kNoiseToSmoothHu;
+  BoneFound found;
+  found.noise_hu = NoiseHu(original, body);
+  const bool noisy = found.noise_hu > kNoiseToSmoothHu;
   const double pixel_mm = original.geometry.spacing_mm.minCoeff();
   const volume::CtVolume smoothed =
       pixel_mm < kSmoothBelowMm ? SmoothedInSlices(original, num_threads) : original;
@@ -307,7 +309,6 @@ BoneFound FindDenseBone(const volume::CtVolume& original, const Mask& body,
     }
     return mask;
   };
-  BoneFound found;
   // Noise would break an organ that is just above the threshold into crumbs.
   found.contrast =
       ContrastIn(smoothed, above(smoothed, options.bone_threshold_hu), options, num_threads);

@@ -147,7 +147,7 @@ SegmentationConfig ReadSegmentationConfig(const fs::path& path) {
 volume::LabelMap SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
                                 const std::optional<ForeignLabels>& import,
                                 const RunContext& context) {
-  volume::LabelMap labels = FindTissues(ct, config.tissues, context);
+  volume::LabelMap labels = FindTissues(ct, config.tissues, context).labels;
   for (const OrganSeed& organ : config.organs) {
     context.Checkpoint(Message("finding the ", organ.tissue), 0.0);
     AddOrgan(FindOrgan(ct, organ, context), organ.tissue, labels);

@@ -9,21 +9,43 @@
 namespace acus::segmentation {
 namespace {
 
-/// The outermost layer of the body; where the border of the volume cuts the body there is no skin.
-Mask SkinOf(const Mask& body, double thickness_mm, int num_threads) {
-  // At least one voxel, so that a coarse CT has a skin too.
-  const double voxel_mm = 1.01 * body.geometry.spacing_mm.minCoeff();
-  const Mask inner = Eroded(body, std::max(thickness_mm, voxel_mm), num_threads);
-  Mask skin(body.geometry);
-  for (std::size_t i = 0; i < skin.voxels.size(); ++i) {
-    skin.voxels[i] = body.voxels[i] != 0 && inner.voxels[i] == 0 ? 1 : 0;
+constexpr std::size_t kSoftTissueStep = 11;  ///< Enough voxels for a median.
+
+/// The outermost layer of the body, by what lies beyond it.
+struct OuterLayer {
+  Mask skin;  ///< Air. Where the border of the volume cuts the body there is no layer.
+  Mask cut;   ///< What the scanner did not see.
+};
+
+Mask LayerOf(const Mask& body, const Mask& inner) {
+  Mask layer(body.geometry);
+  for (std::size_t i = 0; i < layer.voxels.size(); ++i) {
+    layer.voxels[i] = body.voxels[i] != 0 && inner.voxels[i] == 0 ? 1 : 0;
   }
-  return skin;
+  return layer;
+}
+
+OuterLayer OuterLayerOf(const Mask& body, const ScanField& field, double thickness_mm,
+                        int num_threads) {
+  // At least one voxel, so that a coarse CT has a skin too.
+  const double depth_mm = std::max(thickness_mm, 1.01 * body.geometry.spacing_mm.minCoeff());
+  OuterLayer out{LayerOf(body, Eroded(body, depth_mm, num_threads)), Mask(body.geometry)};
+  if (!field.circle) return out;
+  Mask going_on = UnseenBy(field, body.geometry);
+  for (std::size_t i = 0; i < going_on.voxels.size(); ++i) going_on.voxels[i] |= body.voxels[i];
+  const Mask to_air = LayerOf(body, Eroded(going_on, depth_mm, num_threads));
+  for (std::size_t i = 0; i < out.cut.voxels.size(); ++i) {
+    out.cut.voxels[i] = out.skin.voxels[i] != 0 && to_air.voxels[i] == 0 ? 1 : 0;
+  }
+  out.skin = to_air;
+  return out;
 }
 
 volume::Label LabelAt(std::size_t i, const volume::CtVolume& ct, const Mask& bone,
-                      const AirSpaces& air, const Mask& skin, const TissueOptions& options) {
+                      const AirSpaces& air, const OuterLayer& layer,
+                      const TissueOptions& options) {
   static const volume::Label kSkin = volume::LabelOf("skin");
+  static const volume::Label kCut = volume::LabelOf("cut");
   static const volume::Label kFat = volume::LabelOf("fat");
   static const volume::Label kSoft = volume::LabelOf("soft_tissue");
   static const volume::Label kBone = volume::LabelOf("bone");
@@ -32,7 +54,8 @@ volume::Label LabelAt(std::size_t i, const volume::CtVolume& ct, const Mask& bon
   if (bone.voxels[i] != 0) return kBone;
   if (air.lung.voxels[i] != 0) return kLung;
   // Air within the outermost layer is the rounded edge of the body, not a cavity.
-  if (skin.voxels[i] != 0) return kSkin;
+  if (layer.skin.voxels[i] != 0) return kSkin;
+  if (layer.cut.voxels[i] != 0) return kCut;
   if (air.gas.voxels[i] != 0) return kGas;
   return ct.voxels[i] < options.fat_upper_hu ? kFat : kSoft;
 }
@@ -62,6 +85,24 @@ volume::Label WithSpine(std::size_t i, const Spine& spine, volume::Label label) 
   return label == kSoft && spine.muscle.voxels[i] != 0 ? kMuscle : label;
 }
 
+ScanParameters ScanOf(const volume::CtVolume& ct, const Mask& body, const BoneFound& bone,
+                      const TissueOptions& options) {
+  ScanParameters scan;
+  scan.noise_hu = bone.noise_hu;
+  scan.bone_threshold_hu = bone.threshold_hu;
+  scan.enhanced = bone.enhanced;
+  scan.contrast_ml =
+      static_cast<double>(Count(bone.contrast)) * ct.geometry.voxel_volume_mm3() / 1000.0;
+  std::vector<std::int16_t> soft;
+  for (std::size_t i = 0; i < ct.voxels.size(); i += kSoftTissueStep) {
+    const bool is_soft = body.voxels[i] != 0 && ct.voxels[i] >= options.fat_upper_hu &&
+                         ct.voxels[i] < bone.threshold_hu;
+    if (is_soft) soft.push_back(ct.voxels[i]);
+  }
+  scan.soft_tissue_hu = MedianHu(soft);
+  return scan;
+}
+
 }  // namespace
 
 int MedianHu(std::vector<std::int16_t>& values) {
@@ -71,10 +112,14 @@ int MedianHu(std::vector<std::int16_t>& values) {
   return *middle;
 }
 
-volume::LabelMap FindTissues(const volume::CtVolume& whole, const TissueOptions& options,
-                             const RunContext& context) {
+TissuesFound FindTissues(const volume::CtVolume& original, const TissueOptions& options,
+                         const RunContext& context) {
   const int num_threads = context.num_threads;
   context.Checkpoint("finding the body", 0.0);
+  const ScanField field = FindScanField(original);
+  const auto repaired =
+      WithoutDensePadding(original, field, options.body_threshold_hu, num_threads);
+  const volume::CtVolume& whole = repaired ? *repaired : original;
   const Mask whole_body = FindBody(whole, options, num_threads);
   // All that follows is inside the body: a third to a half of the volume is saved.
   const Box box = BoundsOf(whole_body);
@@ -90,8 +135,14 @@ volume::LabelMap FindTissues(const volume::CtVolume& whole, const TissueOptions&
       ct, BoneWithMarrow(ct, body, dense, OpenIn(spine, ct.geometry), options, num_threads), dense,
       num_threads);
   context.Checkpoint("finding the skin", 0.8);
-  const Mask skin = Cropped(SkinOf(whole_body, options.skin_thickness_mm, num_threads), box);
-  volume::LabelMap labels(whole.geometry);
+  OuterLayer layer =
+      OuterLayerOf(whole_body, field, options.skin_thickness_mm, num_threads);
+  const bool is_cut = Count(layer.cut) > 0;
+  layer = {Cropped(layer.skin, box), Cropped(layer.cut, box)};
+  TissuesFound found{volume::LabelMap(whole.geometry), ScanOf(ct, body, dense, options)};
+  found.scan.field = field;
+  found.scan.has_spine = spine.has_value();
+  volume::LabelMap& labels = found.labels;
   const auto& size = ct.geometry.size;
   for (int k = 0; k < size[2]; ++k) {
     for (int j = 0; j < size[1]; ++j) {
@@ -99,7 +150,7 @@ volume::LabelMap FindTissues(const volume::CtVolume& whole, const TissueOptions&
         const std::size_t at = ct.geometry.Index(i, j, k);
         if (body.voxels[at] == 0) continue;
         volume::Label& label = labels.At(box.low[0] + i, box.low[1] + j, box.low[2] + k);
-        label = LabelAt(at, ct, bone, air, skin, options);
+        label = LabelAt(at, ct, bone, air, layer, options);
         if (spine) label = WithSpine(at, *spine, label);
       }
     }
@@ -107,13 +158,14 @@ volume::LabelMap FindTissues(const volume::CtVolume& whole, const TissueOptions&
   for (const char* name : {"skin", "fat", "soft_tissue", "bone", "lung", "gas"}) {
     labels.names[volume::LabelOf(name)] = name;
   }
+  if (is_cut) labels.names[volume::LabelOf("cut")] = "cut";
   if (spine) {
     for (const char* name : {"spinal_canal", "disc", "ligament", "muscle"}) {
       labels.names[volume::LabelOf(name)] = name;
     }
   }
   context.Checkpoint("finding the skin", 1.0);
-  return labels;
+  return found;
 }
 
 }  // namespace acus::segmentation

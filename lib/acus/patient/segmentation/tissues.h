@@ -3,6 +3,7 @@
 
 #include "acus/base/core/run_context.h"
 #include "acus/patient/segmentation/mask.h"
+#include "acus/patient/segmentation/scan_field.h"
 
 namespace acus::segmentation {
 
@@ -48,6 +49,7 @@ struct BoneFound {
   Mask shell;     ///< `dense`, with small gaps closed.
   bool enhanced = false;      ///< Contrast agent in blood and organs.
   double threshold_hu = 0.0;  ///< The least HU of bone in this scan.
+  double noise_hu = 0.0;      ///< Standard deviation, from adjacent voxels of soft tissue.
 };
 BoneFound FindDenseBone(const volume::CtVolume& ct, const Mask& body, const TissueOptions& options,
                         int num_threads);
@@ -63,8 +65,24 @@ Mask BoneWithMarrow(const volume::CtVolume& ct, const Mask& body, const BoneFoun
 Mask TrimmedToEdge(const volume::CtVolume& ct, const Mask& bone, const BoneFound& found,
                    int num_threads);
 
-/// All tissues by their standard labels.
-volume::LabelMap FindTissues(const volume::CtVolume& ct, const TissueOptions& options,
+/// What was found out about a scan, and used to find its tissues.
+struct ScanParameters {
+  ScanField field;
+  double noise_hu = 0.0;            ///< Standard deviation of adjacent voxels in soft tissue.
+  double soft_tissue_hu = 0.0;      ///< Median between fat and bone.
+  double bone_threshold_hu = 0.0;   ///< The least HU of bone.
+  double contrast_ml = 0.0;         ///< Vessels and organs denser than that.
+  bool enhanced = false;            ///< Contrast agent in blood and organs.
+  bool has_spine = false;
+};
+
+struct TissuesFound {
+  volume::LabelMap labels;  ///< All tissues by their standard labels.
+  ScanParameters scan;
+};
+
+/// @throws InputError if there is no body.
+TissuesFound FindTissues(const volume::CtVolume& ct, const TissueOptions& options,
                              const RunContext& context);
 
 /// The grid axis (0, 1, 2) along which slices are most nearly axial.

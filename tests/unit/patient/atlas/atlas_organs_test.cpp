@@ -56,7 +56,7 @@ void WriteAtlas(const std::filesystem::path& folder, const phantom::Scan& scan) 
 
 LabelMap Found(const phantom::Scan& patient, const std::filesystem::path& atlas,
                RunContext context) {
-  LabelMap labels = segmentation::FindTissues(patient.ct, Tissues(), context);
+  LabelMap labels = segmentation::FindTissues(patient.ct, Tissues(), context).labels;
   AddAtlasOrgans(patient.ct, ReadAtlas(atlas, context), Tissues(), labels, context);
   return labels;
 }

@@ -31,7 +31,7 @@ SpineCase SegmentedBack(std::uint64_t seed) {
                                            config.scanner, context);
   const auto settings =
       ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
-  return {std::move(scan.labels), FindTissues(scan.ct, settings.tissues, context)};
+  return {std::move(scan.labels), FindTissues(scan.ct, settings.tissues, context).labels};
 }
 
 /// 2 |A and B| / (|A| + |B|) of a label in the slices from `first` to `last`.
@@ -153,9 +153,9 @@ TEST(Spine, IsTheSameInWhateverOrderTheAxesAreStored) {
   const auto tissues =
       ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json").tissues;
   const LabelMap a = FindTissues(phantom::RenderScan(anatomy, config.grid, settings, context).ct,
-                                 tissues, context);
+                                 tissues, context).labels;
   const LabelMap b =
-      FindTissues(phantom::RenderScan(anatomy, other, settings, context).ct, tissues, context);
+      FindTissues(phantom::RenderScan(anatomy, other, settings, context).ct, tissues, context).labels;
   EXPECT_GT(VolumeOf(a, "spinal_canal"), 10.0);
   std::size_t differing = 0;
   for (int k = 0; k < 50; ++k) {

@@ -46,12 +46,12 @@ void ExpectTruth(const SyntheticBody& body, const volume::LabelMap& found) {
 
 TEST(FindTissues, RecoversAPlainBodyWithoutItsTable) {
   const SyntheticBody body = MakeSyntheticBody({});
-  ExpectTruth(body, FindTissues(body.ct, Defaults(), TwoThreads()));
+  ExpectTruth(body, FindTissues(body.ct, Defaults(), TwoThreads()).labels);
 }
 
 TEST(FindTissues, ContrastAgentInAVesselDoesNotBecomeBone) {
   const SyntheticBody body = MakeSyntheticBody({.blood_hu = 300.0});
-  const auto found = FindTissues(body.ct, Defaults(), TwoThreads());
+  const auto found = FindTissues(body.ct, Defaults(), TwoThreads()).labels;
   ExpectTruth(body, found);
   const Eigen::Array3i vessel =
       (found.geometry.index_from_ct() * Eigen::Vector3d(28, 12, 30)).array().round().cast<int>();
@@ -61,16 +61,16 @@ TEST(FindTissues, ContrastAgentInAVesselDoesNotBecomeBone) {
 TEST(FindTissues, HoldsOnACoarseAndOnANoisyScan) {
   const SyntheticBody coarse = MakeSyntheticBody({.spacing_mm = 2.5});
   EXPECT_GT(
-      Dice(Of(FindTissues(coarse.ct, Defaults(), TwoThreads()), "bone"), Of(coarse.truth, "bone")),
+      Dice(Of(FindTissues(coarse.ct, Defaults(), TwoThreads()).labels, "bone"), Of(coarse.truth, "bone")),
       0.9);
   const SyntheticBody noisy = MakeSyntheticBody({.noise_hu = 35.0});
-  EXPECT_GT(Dice(BodyOf(FindTissues(noisy.ct, Defaults(), TwoThreads())), BodyOf(noisy.truth)),
+  EXPECT_GT(Dice(BodyOf(FindTissues(noisy.ct, Defaults(), TwoThreads()).labels), BodyOf(noisy.truth)),
             0.98);
 }
 
 TEST(FindTissues, TheCanalIsNotBoneAndMarrowIs) {
   const SyntheticBody body = MakeSyntheticBody({});
-  const auto found = FindTissues(body.ct, Defaults(), TwoThreads());
+  const auto found = FindTissues(body.ct, Defaults(), TwoThreads()).labels;
   const auto at = [&](double x, double y) {
     const Eigen::Array3i v =
         (found.geometry.index_from_ct() * Eigen::Vector3d(x, y, 30)).array().round().cast<int>();
@@ -102,13 +102,13 @@ TEST(FindTissues, AnEvenSkullIsBoneAndNoBladder) {
     ct.voxels[n] = static_cast<std::int16_t>((bone ? 1100.0 : 35.0) + 12.0 * random.Normal());
     truth.voxels[n] = volume::LabelOf(bone ? "bone" : "soft_tissue");
   }
-  const auto found = FindTissues(ct, Defaults(), TwoThreads());
+  const auto found = FindTissues(ct, Defaults(), TwoThreads()).labels;
   EXPECT_GT(Dice(Of(found, "bone"), Of(truth, "bone")), 0.95);
 }
 
 TEST(FindTissues, SkinIsNotWhereTheBorderCutsTheBody) {
   const SyntheticBody body = MakeSyntheticBody({});
-  const auto found = FindTissues(body.ct, Defaults(), TwoThreads());
+  const auto found = FindTissues(body.ct, Defaults(), TwoThreads()).labels;
   const Eigen::Array3i middle =
       (found.geometry.index_from_ct() * Eigen::Vector3d(40, 20, 0)).array().round().cast<int>();
   EXPECT_EQ(found.At(middle[0], middle[1], 0), volume::LabelOf("soft_tissue"));
@@ -118,8 +118,8 @@ TEST(FindTissues, TheSameBitsOnOneAndThreeThreads) {
   const SyntheticBody body = MakeSyntheticBody({.blood_hu = 300.0});
   RunContext three;
   three.num_threads = 3;
-  EXPECT_EQ(FindTissues(body.ct, Defaults(), RunContext{}).voxels,
-            FindTissues(body.ct, Defaults(), three).voxels);
+  EXPECT_EQ(FindTissues(body.ct, Defaults(), RunContext{}).labels.voxels,
+            FindTissues(body.ct, Defaults(), three).labels.voxels);
 }
 
 TEST(FindTissues, RefusesACtOfAir) {
