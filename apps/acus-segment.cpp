@@ -8,19 +8,19 @@
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/atlas/atlas_organs.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
-#include "acus/patient/segmentation/spine.h"
 
 int main(int argc, char** argv) {
   std::filesystem::path ct_path, config_path, import_path, reference_path, mapping_path, folder,
       atlas;
-  std::string series;
-  bool list_series = false;
+  std::string series, vertebra;
+  bool list_series = false, certainty = false;
   CLI::App app{
       "Find the tissues of a CT: body, skin, fat, soft tissue, bone, lung, gas, and organs "
       "from seed points, labelled CTs of other patients, or a label map made elsewhere.",
       "acus-segment"};
   app.footer(
-      "Writes labels.seg.nrrd (3D Slicer), skin.stl, bone.stl, preview_*.png, volumes.csv.\n"
+      "Writes labels.seg.nrrd (3D Slicer), skin.stl, bone.stl, preview_*.png, volumes.csv,\n"
+      "quality.json; vertebrae.seg.nrrd and vertebrae.csv where there is a spine.\n"
       "With --compare also agreement.csv: Dice and 95 % surface distance by tissue.\n\n"
       "EXAMPLE\n"
       "  acus-segment ct.nrrd -o segmented\n");
@@ -52,6 +52,10 @@ int main(int argc, char** argv) {
   app.add_option("--atlas", atlas,
                  "Folder with labelled CTs of other patients (atlas.json): liver, kidneys, spleen")
       ->check(CLI::ExistingDirectory);
+  app.add_option("--vertebra", vertebra,
+                 "Name of one vertebra and a point of its body, CT mm, such as L3=-2.5,110,140");
+  app.add_flag("--certainty", certainty,
+               "Also say where the labels depend on the thresholds; takes three times as long");
   app.add_option("-o,--output", folder, "Folder to write");
   app.callback([&] {
     if (folder.empty() && list_option->count() == 0) throw CLI::RequiredError("--output");
@@ -74,6 +78,8 @@ int main(int argc, char** argv) {
           FindConfig(is_ours ? "label_maps/acus.json" : "label_maps/totalsegmentator.json", ".");
     }
     const auto config = acus::segmentation::ReadSegmentationConfig(config_path);
+    acus::segmentation::Examination examination{.certainty = certainty, .start = {}};
+    if (!vertebra.empty()) examination.start = acus::segmentation::ParseVertebra(vertebra);
     std::optional<acus::segmentation::ForeignLabels> import;
     if (!import_path.empty()) import = {import_path, mapping_path};
     context.provenance.AddInput(config_path);
@@ -85,15 +91,18 @@ int main(int argc, char** argv) {
     }
     const auto others = acus::atlas::ReadAtlas(atlas, context);
     const auto ct = acus::volume::ReadCt(ct_path, series, context);
-    auto labels = acus::segmentation::SegmentPatient(ct, config, import, context);
-    acus::atlas::AddAtlasOrgans(ct, others, config.tissues, labels, context);
-    std::cout << acus::segmentation::SpineSentence(labels);
-    std::vector<acus::segmentation::Agreement> agreement;
+    auto found = acus::segmentation::SegmentPatient(ct, config, import, context);
+    acus::atlas::AddAtlasOrgans(ct, others, config.tissues, found.labels, context);
+    auto patient =
+        acus::segmentation::Examine(ct, config, std::move(found), examination, context);
     if (!reference_path.empty()) {
-      agreement = CompareWithReference(labels, {reference_path, mapping_path}, context);
+      patient.agreement =
+          CompareWithReference(patient.labels, {reference_path, mapping_path}, context);
     }
-    acus::segmentation::WritePatientFolder(folder, ct, labels, config, agreement, context);
-    if (!agreement.empty()) std::cout << acus::segmentation::AgreementTable(agreement);
+    acus::segmentation::WritePatientFolder(folder, ct, patient, config, context);
+    for (const std::string& warning : patient.warnings) context.Warn(warning);
+    std::cout << SummaryOf(patient);
+    if (!patient.agreement.empty()) std::cout << AgreementTable(patient.agreement);
     return acus::ExitCode::kOk;
   });
 }

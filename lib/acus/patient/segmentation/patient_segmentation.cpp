@@ -1,5 +1,6 @@
 #include "acus/patient/segmentation/patient_segmentation.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -14,6 +15,7 @@
 #include "acus/patient/segmentation/label_mapping.h"
 #include "acus/patient/segmentation/metrics.h"
 #include "acus/patient/segmentation/preview.h"
+#include "acus/patient/segmentation/spine.h"
 
 namespace acus::segmentation {
 namespace {
@@ -82,9 +84,14 @@ Agreement Agree(const std::string& tissue, const Mask& ours, const Mask& referen
   return agreement;
 }
 
-void WriteVolumes(const fs::path& path, const volume::LabelMap& labels) {
+std::array<std::size_t, 256> CountsByLabel(const volume::LabelMap& labels) {
   std::array<std::size_t, 256> count{};
   for (const volume::Label label : labels.voxels) ++count[label];
+  return count;
+}
+
+void WriteVolumes(const fs::path& path, const volume::LabelMap& labels) {
+  const auto count = CountsByLabel(labels);
   std::string text = "label,name,volume_ml\n";
   for (const auto& [label, name] : labels.names) {
     if (label == 0) continue;
@@ -93,6 +100,40 @@ void WriteVolumes(const fs::path& path, const volume::LabelMap& labels) {
     text += Message(int{label}, ",", name, ",", NumberText(std::round(ml * 1000.0) / 1000.0), "\n");
   }
   WriteTextFile(path, text);
+}
+
+void WriteVertebrae(const fs::path& folder, const Vertebrae& vertebrae) {
+  volume::WriteLabelMap(folder / "vertebrae.seg.nrrd", vertebrae.labels);
+  std::string text = "name,whole,x_mm,y_mm,z_mm,volume_ml\n";
+  for (const Vertebra& v : vertebrae.list) {
+    text += Message(v.name, ",", v.is_whole ? 1 : 0, ",", FixedText(v.centre_mm[0], 1), ",",
+                    FixedText(v.centre_mm[1], 1), ",", FixedText(v.centre_mm[2], 1), ",",
+                    FixedText(v.volume_ml, 2), "\n");
+  }
+  WriteTextFile(folder / "vertebrae.csv", text);
+}
+
+/// The volume, and its axial slice with the most unsure voxels.
+void WriteUnsure(const fs::path& folder, const volume::CtVolume& ct, const Certainty& certainty) {
+  volume::LabelMap map(ct.geometry);
+  map.voxels = certainty.unsure.voxels;
+  map.names = {{1, "unsure"}, {2, "unsure_both_ways"}};
+  volume::WriteLabelMap(folder / "unsure.nrrd", map);
+  const int axis = AxialAxis(ct.geometry);
+  std::vector<std::size_t> counts(static_cast<std::size_t>(ct.geometry.size[axis]), 0);
+  for (int k = 0; k < ct.geometry.size[2]; ++k) {
+    for (int j = 0; j < ct.geometry.size[1]; ++j) {
+      for (int i = 0; i < ct.geometry.size[0]; ++i) {
+        const std::array at = {i, j, k};
+        if (map.At(i, j, k) != 0) {
+          ++counts[static_cast<std::size_t>(at[static_cast<std::size_t>(axis)])];
+        }
+      }
+    }
+  }
+  Eigen::Array3i voxel = ct.geometry.size / 2;
+  voxel[axis] = static_cast<int>(std::ranges::max_element(counts) - counts.begin());
+  WritePreview(folder / "preview_unsure.png", ct, map, Plane::kAxial, voxel);
 }
 
 void WriteSurface(const fs::path& path, const Mask& mask, const SurfaceOptions& options,
@@ -144,10 +185,11 @@ SegmentationConfig ReadSegmentationConfig(const fs::path& path) {
   return config;
 }
 
-volume::LabelMap SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
-                                const std::optional<ForeignLabels>& import,
-                                const RunContext& context) {
-  volume::LabelMap labels = FindTissues(ct, config.tissues, context).labels;
+TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
+                            const std::optional<ForeignLabels>& import, const RunContext& context) {
+  RequireCt(ct);
+  TissuesFound found = FindTissues(ct, config.tissues, context);
+  volume::LabelMap& labels = found.labels;
   for (const OrganSeed& organ : config.organs) {
     context.Checkpoint(Message("finding the ", organ.tissue), 0.0);
     AddOrgan(FindOrgan(ct, organ, context), organ.tissue, labels);
@@ -157,7 +199,50 @@ volume::LabelMap SegmentPatient(const volume::CtVolume& ct, const SegmentationCo
     Overlay(ImportLabels(import->file, ReadLabelMapping(import->mapping), ct.geometry, context),
             labels);
   }
-  return labels;
+  return found;
+}
+
+SegmentedPatient Examine(const volume::CtVolume& ct, const SegmentationConfig& config,
+                         TissuesFound found, const Examination& examination,
+                         const RunContext& context) {
+  SegmentedPatient patient;
+  patient.warnings = WarningsOf(ct, found);
+  if (examination.certainty) {
+    patient.certainty = FindCertainty(ct, config.tissues, found.labels, context);
+  }
+  context.Checkpoint("naming vertebrae", 0.0);
+  patient.vertebrae = FindVertebrae(ct, found.labels, examination.start);
+  patient.scan = found.scan;
+  patient.labels = std::move(found.labels);
+  return patient;
+}
+
+std::string SummaryOf(const SegmentedPatient& patient) {
+  const auto counts = CountsByLabel(patient.labels);
+  const double ml = patient.labels.geometry.voxel_volume_mm3() / 1000.0;
+  std::vector<std::string> parts;
+  double body_ml = 0.0;
+  for (const auto& [label, name] : patient.labels.names) {
+    if (label == 0 || counts[label] == 0) continue;
+    body_ml += static_cast<double>(counts[label]) * ml;
+    parts.push_back(Message(name, " ", FixedText(static_cast<double>(counts[label]) * ml, 0)));
+  }
+  const ScanParameters& scan = patient.scan;
+  std::string text = Message("Body ", FixedText(body_ml, 0), " ml: ", Joined(parts), ".\n",
+                             "Bone from ", FixedText(scan.bone_threshold_hu, 0), " HU; soft tissue ",
+                             FixedText(scan.soft_tissue_hu, 0), " HU, noise ",
+                             FixedText(scan.noise_hu, 0), " HU; ",
+                             scan.enhanced ? "with" : "without", " contrast agent.\n",
+                             SpineSentence(patient.labels), VertebraeSentence(patient.vertebrae));
+  if (patient.certainty) {
+    std::vector<std::string> tissues;
+    for (const auto& tissue : patient.certainty->tissues) {
+      tissues.push_back(Message(tissue.name, " ", FixedText(tissue.dice, 2)));
+    }
+    text += Message("Unsure: ", FixedText(100.0 * patient.certainty->unsure_ml / body_ml, 1),
+                    " % of the body. Dice with other thresholds: ", Joined(tissues), ".\n");
+  }
+  return text;
 }
 
 std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
@@ -212,7 +297,7 @@ volume::LabelMap TissuesOf(const volume::CtVolume& ct, const fs::path& labels,
                            RunContext& context) {
   if (labels.empty()) {
     const fs::path preset = config::FindConfig("segmentation/default.json", ".");
-    return SegmentPatient(ct, ReadSegmentationConfig(preset), {}, context);
+    return SegmentPatient(ct, ReadSegmentationConfig(preset), {}, context).labels;
   }
   context.provenance.AddInput(labels);
   volume::LabelMap map = volume::ReadTissues(labels);
@@ -222,9 +307,10 @@ volume::LabelMap TissuesOf(const volume::CtVolume& ct, const fs::path& labels,
 }
 
 void WritePatientFolder(const fs::path& folder, const volume::CtVolume& ct,
-                        const volume::LabelMap& labels, const SegmentationConfig& config,
-                        const std::vector<Agreement>& agreement, const RunContext& context) {
+                        const SegmentedPatient& patient, const SegmentationConfig& config,
+                        const RunContext& context) {
   AtomicFolder out(folder, context.overwrite);
+  const volume::LabelMap& labels = patient.labels;
   context.Checkpoint("writing labels", 0.0);
   volume::WriteLabelMap(out.path() / "labels.seg.nrrd", labels);
   WriteVolumes(out.path() / "volumes.csv", labels);
@@ -235,9 +321,12 @@ void WritePatientFolder(const fs::path& folder, const volume::CtVolume& ct,
   context.Checkpoint("extracting the bone", 0.8);
   WriteSurface(out.path() / "bone.stl", MaskOf(labels, volume::LabelOf("bone")),
                config.bone_surface, context);
-  if (!agreement.empty()) {
+  WriteQuality(out.path() / "quality.json", patient.scan, patient.warnings, patient.certainty);
+  if (!patient.vertebrae.empty()) WriteVertebrae(out.path(), patient.vertebrae);
+  if (patient.certainty) WriteUnsure(out.path(), ct, *patient.certainty);
+  if (!patient.agreement.empty()) {
     std::string text = "tissue,dice,surface_distance95_mm,reference_ml,ours_ml\n";
-    for (const Agreement& a : agreement) {
+    for (const Agreement& a : patient.agreement) {
       text += Message(a.tissue, ",", NumberText(a.dice), ",", NumberText(a.surface_distance95_mm),
                       ",", NumberText(a.reference_ml), ",", NumberText(a.ours_ml), "\n");
     }

@@ -8,8 +8,10 @@
 
 #include "acus/base/core/run_context.h"
 #include "acus/patient/segmentation/organs.h"
+#include "acus/patient/segmentation/scan_quality.h"
 #include "acus/patient/segmentation/surface_extraction.h"
 #include "acus/patient/segmentation/tissues.h"
+#include "acus/patient/segmentation/vertebrae.h"
 
 namespace acus::segmentation {
 
@@ -45,20 +47,46 @@ std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
                                             const RunContext& context);
 
 /// Finds tissues, then organs from their seeds, then lays imported labels over them.
-volume::LabelMap SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
-                                const std::optional<ForeignLabels>& import,
-                                const RunContext& context);
+/// @throws InputError if the volume is no CT of a body; NoAnswerError if no patient is like that.
+TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
+                            const std::optional<ForeignLabels>& import, const RunContext& context);
+
+/// What may be asked for beside the labels.
+struct Examination {
+  bool certainty = false;              ///< How much the labels depend on the thresholds.
+  std::optional<NamedVertebra> start;  ///< The name of one vertebra.
+};
+
+/// Labels, what is known about them, and what a person should look at.
+struct SegmentedPatient {
+  volume::LabelMap labels;
+  ScanParameters scan;
+  std::vector<std::string> warnings;
+  Vertebrae vertebrae;
+  std::optional<Certainty> certainty;
+  std::vector<Agreement> agreement;
+};
+
+/// @param found  With imported labels and those from an atlas.
+SegmentedPatient Examine(const volume::CtVolume& ct, const SegmentationConfig& config,
+                         TissuesFound found, const Examination& examination,
+                         const RunContext& context);
+
+/// For people, some lines: volumes, thresholds, spine, certainty.
+std::string SummaryOf(const SegmentedPatient& patient);
 
 /// The tissues of a CT: as in `labels`, or, if that is empty, found with the preset default.json.
 /// @throws InputError if the labels lie on another grid.
 volume::LabelMap TissuesOf(const volume::CtVolume& ct, const std::filesystem::path& labels,
                            RunContext& context);
 
-/// Writes labels.seg.nrrd, skin.stl, bone.stl, three previews, volumes.csv, agreement.csv (if there
-/// is a reference) and provenance.json into a new folder, whole or not at all.
+/// Writes labels.seg.nrrd, skin.stl, bone.stl, three previews, volumes.csv, quality.json,
+/// vertebrae.seg.nrrd and vertebrae.csv (if there are any), unsure.nrrd and preview_unsure.png (with
+/// a certainty), agreement.csv (if there is a reference) and provenance.json into a new folder,
+/// whole or not at all.
 void WritePatientFolder(const std::filesystem::path& folder, const volume::CtVolume& ct,
-                        const volume::LabelMap& labels, const SegmentationConfig& config,
-                        const std::vector<Agreement>& agreement, const RunContext& context);
+                        const SegmentedPatient& patient, const SegmentationConfig& config,
+                        const RunContext& context);
 
 /// A table for people: tissue, Dice, 95 % surface distance, volumes.
 std::string AgreementTable(const std::vector<Agreement>& agreement);

@@ -26,8 +26,9 @@ Mask FindDiscs(const SpineView& view, double fat_upper_hu);
 /// the supraspinous ligament (over the tips).
 Mask FindSpineLigaments(const SpineView& view, double fat_upper_hu);
 
-/// All that is denser than fat behind the vertebral bodies, up to 60 mm from the midline; where it
-/// is not bone, it is muscle.
+/// All that is denser than fat behind the vertebral bodies, their transverse processes and the ribs
+/// (and the straight lines between these), up to 60 mm from the midline; where it is not bone, it is
+/// muscle. Kidneys and lungs lie in front.
 Mask FindBackMuscles(const SpineView& view, const Mask& body, double fat_upper_hu);
 
 }  // namespace acus::segmentation

@@ -5,6 +5,7 @@
 #include "acus/data/volume/labels.h"
 #include "acus/patient/segmentation/crop.h"
 #include "acus/patient/segmentation/spine.h"
+#include "acus/patient/segmentation/vertebrae.h"
 
 namespace acus::segmentation {
 namespace {
@@ -164,6 +165,7 @@ TissuesFound FindTissues(const volume::CtVolume& original, const TissueOptions& 
       labels.names[volume::LabelOf(name)] = name;
     }
   }
+  if (spine) FillBodies(whole, labels);
   context.Checkpoint("finding the skin", 1.0);
   return found;
 }
