@@ -11,6 +11,31 @@ namespace acus::segmentation {
 namespace {
 
 constexpr double kMostObliqueDeg = 30.0;
+constexpr double kBesideMm = 3.0;
+constexpr double kBelowThresholdHu = 45.0;
+constexpr double kWideClosingMm = 2.0;
+
+/// Bone with what is somewhat less dense beside it, its gaps closed: the ring of an arch is whole
+/// here where thick slices or a high threshold have opened it.
+Mask WideShell(const volume::CtVolume& ct, const BoneFound& bone, int num_threads) {
+  Mask wide = Dilated(bone.dense, kBesideMm, num_threads);
+  for (std::size_t i = 0; i < wide.voxels.size(); ++i) {
+    if (ct.voxels[i] < bone.threshold_hu - kBelowThresholdHu) wide.voxels[i] = 0;
+    wide.voxels[i] |= bone.dense.voxels[i];
+  }
+  return Closed(wide, std::max(kWideClosingMm, 1.5 * ct.geometry.spacing_mm.minCoeff()),
+                num_threads);
+}
+
+/// In both shells; in each slice the chain takes the hole that fits it best.
+std::vector<CanalHole> HolesOf(const volume::CtVolume& ct, const Mask& shell, const Mask& wide,
+                               int num_threads) {
+  std::vector<CanalHole> holes = FindCanalHoles(ct, shell, num_threads);
+  const auto more = FindCanalHoles(ct, wide, num_threads);
+  holes.insert(holes.end(), more.begin(), more.end());
+  std::ranges::stable_sort(holes, {}, &CanalHole::k);
+  return holes;
+}
 
 }  // namespace
 
@@ -23,7 +48,9 @@ std::optional<Spine> FindSpine(const volume::CtVolume& original, const Mask& bod
   const auto turned = [&](const auto& grid) { return Turned(grid, g, order, true); };
   const auto back = [&](const auto& grid) { return Turned(grid, g, order, false); };
   const volume::CtVolume ct = turned(original);
-  const auto chain = CanalChain(FindCanalHoles(ct, turned(bone.shell), num_threads), ct.geometry);
+  const auto chain = CanalChain(
+      HolesOf(ct, turned(bone.shell), turned(WideShell(original, bone, num_threads)), num_threads),
+      ct.geometry);
   if (chain.empty()) return std::nullopt;
   const CanalTube tube = FitCanalTube(ct, chain, bone.threshold_hu);
   const Mask canal = CanalMask(tube, ct, bone.threshold_hu);
