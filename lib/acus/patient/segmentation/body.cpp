@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "acus/base/core/parallel.h"
@@ -8,7 +9,83 @@ namespace acus::segmentation {
 namespace {
 
 constexpr int kLowestTissueMedianHu = -200;  ///< A separate part below it is foam or cloth.
+constexpr double kLeastCavityMm2 = 150.0;    ///< Smaller holes are found by filling alone.
+constexpr double kLeastBodyAround = 0.6;
+constexpr double kMostUnseenAround = 0.4;
+constexpr double kLeastAroundAtCut = 0.95;
+constexpr double kThinWallMm = 12.0;
 constexpr std::size_t kSampleStep = 7;       ///< Medians of parts are taken of every 7th voxel.
+
+/// Shares of what borders on a region in its slice.
+struct Border {
+  double body = 0.0;
+  double unseen = 0.0;
+};
+
+Border BorderOf(const SliceRegion& region, const Mask& body, const Mask& unseen, int axis) {
+  const volume::Geometry& g = body.geometry;
+  const std::array<std::size_t, 3> stride = {1, static_cast<std::size_t>(g.size[0]),
+                                             g.Index(0, 0, 1)};
+  std::vector<std::size_t> inside = region.voxels;
+  std::ranges::sort(inside);
+  double all = 0.0;
+  Border border;
+  for (const std::size_t at : inside) {
+    for (int d = 0; d < 3; ++d) {
+      if (d == axis) continue;
+      const std::size_t step = stride[static_cast<std::size_t>(d)];
+      for (const std::size_t next : {at + step, at - step}) {
+        if (next >= body.voxels.size() || std::ranges::binary_search(inside, next)) continue;
+        ++all;
+        if (unseen.voxels[next] != 0) {
+          ++border.unseen;
+        } else if (body.voxels[next] != 0) {
+          ++border.body;
+        }
+      }
+    }
+  }
+  if (all == 0.0) return {};
+  return {border.body / all, border.unseen / all};
+}
+
+/// Lungs whose wall is thinner than the ball that opens the body, and lungs that the scanner's
+/// field of view cuts: holes in a slice of body, tissue and what was not seen. Around most of them
+/// is body (a hole between body and table is half table), and what was not seen only borders on
+/// lung, as the air around a patient is less dense.
+void AddCavitiesBehindThinWalls(const volume::CtVolume& ct, const ScanField& field,
+                                const Mask& solid, const TissueOptions& options, int num_threads,
+                                Mask& body) {
+  const Mask unseen = UnseenBy(field, ct);
+  Mask walls = body;
+  for (std::size_t i = 0; i < walls.voxels.size(); ++i) {
+    walls.voxels[i] |= static_cast<std::uint8_t>(solid.voxels[i] | unseen.voxels[i]);
+  }
+  Mask filled = walls;
+  const int axis = AxialAxis(ct.geometry);
+  const double pixel_mm2 = ct.geometry.voxel_volume_mm3() / ct.geometry.spacing_mm[axis];
+  FillInSlices(filled, axis, num_threads, [&](const SliceRegion& region) {
+    const double area_mm2 = static_cast<double>(region.voxels.size()) * pixel_mm2;
+    if (region.touches_border || area_mm2 < kLeastCavityMm2) return false;
+    const Border border = BorderOf(region, body, unseen, axis);
+    if (border.unseen == 0.0) return border.body >= kLeastBodyAround;
+    // Between body, table and the edge of the field there is foam; a lung has no table at it.
+    const double all = border.body + border.unseen;
+    if (border.unseen > kMostUnseenAround || all < kLeastAroundAtCut) return false;
+    std::vector<std::int16_t> hu;
+    for (const std::size_t at : region.voxels) hu.push_back(ct.voxels[at]);
+    return MedianHu(hu) > options.gas_median_hu;
+  });
+  Mask cavity(ct.geometry);
+  for (std::size_t i = 0; i < cavity.voxels.size(); ++i) {
+    cavity.voxels[i] = filled.voxels[i] != 0 && walls.voxels[i] == 0 ? 1 : 0;
+  }
+  if (Count(cavity) == 0) return;
+  const Mask near = Dilated(cavity, kThinWallMm, num_threads);
+  for (std::size_t i = 0; i < body.voxels.size(); ++i) {
+    if (cavity.voxels[i] != 0 || (near.voxels[i] != 0 && solid.voxels[i] != 0)) body.voxels[i] = 1;
+  }
+}
 
 }  // namespace
 
@@ -18,7 +95,8 @@ int AxialAxis(const volume::Geometry& geometry) {
   return static_cast<int>(axis);
 }
 
-Mask FindBody(const volume::CtVolume& ct, const TissueOptions& options, int num_threads) {
+Mask FindBody(const volume::CtVolume& ct, const ScanField& field, const TissueOptions& options,
+              int num_threads) {
   Mask solid(ct.geometry);
   for (std::size_t i = 0; i < ct.voxels.size(); ++i) {
     solid.voxels[i] = ct.voxels[i] > options.body_threshold_hu ? 1 : 0;
@@ -46,6 +124,7 @@ Mask FindBody(const volume::CtVolume& ct, const TissueOptions& options, int num_
   body = Dilated(body, opening_mm + 2.0, num_threads);
   for (std::size_t i = 0; i < body.voxels.size(); ++i) body.voxels[i] &= solid.voxels[i];
   FillInSlices(body, AxialAxis(ct.geometry), num_threads);
+  AddCavitiesBehindThinWalls(ct, field, solid, options, num_threads, body);
   return body;
 }
 

@@ -1,6 +1,8 @@
 #include "acus/patient/segmentation/scan_field.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -22,6 +24,7 @@ constexpr double kShareOfPaddingEdges = 0.9;
 constexpr double kShareOfHardEdges = 0.7;
 constexpr double kMostDenseBeyond = 1e-4;  ///< Share of dense voxels that may lie beyond.
 constexpr double kToleranceVoxels = 1.2;
+constexpr double kEdgeVoxels = 1.5;  ///< The circle is found to within that.
 
 /// The axial slices of a volume in two directions u and v.
 struct SliceView {
@@ -150,6 +153,24 @@ std::size_t NumOn(const ScanCircle& circle, const std::vector<Eigen::Vector2d>& 
   }));
 }
 
+/// Least squares through the places on a circle: x^2 + y^2 = 2 c.x + k is linear (Kasa 1976).
+ScanCircle Refined(const ScanCircle& circle, const std::vector<Eigen::Vector2d>& places_mm,
+                   double tolerance_mm) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector2d& p : places_mm) {
+    const Eigen::Vector2d d = p - circle.centre_mm;
+    if (std::abs(d.norm() - circle.radius_mm) >= tolerance_mm) continue;
+    const Eigen::Vector3d row(2.0 * d.x(), 2.0 * d.y(), 1.0);
+    normal += row * row.transpose();
+    right += d.squaredNorm() * row;
+  }
+  const Eigen::Vector3d x = normal.ldlt().solve(right);
+  const double radius_mm = std::sqrt(std::max(0.0, x[2] + x.head<2>().squaredNorm()));
+  if (!x.allFinite() || std::abs(radius_mm - circle.radius_mm) > 2.0 * tolerance_mm) return circle;
+  return {circle.centre_mm + x.head<2>(), radius_mm};
+}
+
 /// The circle on which at least `share` of the places lie.
 std::optional<ScanCircle> CircleOf(const std::vector<Eigen::Vector2d>& places_mm, double share,
                                    double tolerance_mm) {
@@ -172,9 +193,10 @@ std::optional<ScanCircle> CircleOf(const std::vector<Eigen::Vector2d>& places_mm
       best = circle;
     }
   }
-  const bool found =
-      static_cast<double>(best_count) >= share * static_cast<double>(places_mm.size());
-  return found ? best : std::nullopt;
+  if (!best || static_cast<double>(best_count) < share * static_cast<double>(places_mm.size())) {
+    return std::nullopt;
+  }
+  return Refined(*best, places_mm, tolerance_mm);
 }
 
 /// No tissue may lie beyond what a scanner reconstructs.
@@ -197,19 +219,27 @@ ScanField FindScanField(const volume::CtVolume& ct) {
   const double tolerance_mm = kToleranceVoxels * view.spacing_mm.maxCoeff();
   auto circle = CircleOf(edges.padding_mm, kShareOfPaddingEdges, tolerance_mm);
   if (!circle) circle = CircleOf(edges.hard_mm, kShareOfHardEdges, tolerance_mm);
+  // The edge lies between the last voxel that was seen and the padding.
+  if (circle) circle->radius_mm += 0.5 * view.spacing_mm.mean();
   if (circle && HoldsAll(*circle, edges.dense_mm, tolerance_mm)) field.circle = circle;
   return field;
 }
 
-Mask UnseenBy(const ScanField& field, const volume::Geometry& geometry) {
-  Mask unseen(geometry);
+Mask UnseenBy(const ScanField& field, const volume::CtVolume& ct) {
+  Mask unseen(ct.geometry);
   if (!field.circle) return unseen;
-  const SliceView view(geometry);
+  const SliceView view(ct.geometry);
+  const double edge_mm = kEdgeVoxels * view.spacing_mm.maxCoeff();
   for (int iv = 0; iv < view.num_v; ++iv) {
     for (int iu = 0; iu < view.num_u; ++iu) {
       const Eigen::Vector2d from_centre = view.PlaceMm(iu, iv) - field.circle->centre_mm;
-      if (from_centre.norm() <= field.circle->radius_mm) continue;
-      for (int slice = 0; slice < view.num_slices; ++slice) unseen.voxels[view.At(slice, iu, iv)] = 1;
+      const double beyond_mm = from_centre.norm() - field.circle->radius_mm;
+      if (beyond_mm <= -edge_mm) continue;
+      for (int slice = 0; slice < view.num_slices; ++slice) {
+        const std::size_t at = view.At(slice, iu, iv);
+        const bool is_padding = ct.voxels[at] == *field.padding_hu || ct.voxels[at] == kAirHu;
+        if (beyond_mm > 0.0 || is_padding) unseen.voxels[at] = 1;
+      }
     }
   }
   return unseen;

@@ -26,8 +26,9 @@ struct ScanField {
 /// Looks at some 16 slices; the circle is found by random sample consensus, always the same.
 ScanField FindScanField(const volume::CtVolume& ct);
 
-/// 1 where the scanner saw nothing: beyond the circle. Empty (all 0) without a circle.
-Mask UnseenBy(const ScanField& field, const volume::Geometry& geometry);
+/// 1 where the scanner saw nothing: beyond the circle, and padding at its edge. All 0 without a
+/// circle.
+Mask UnseenBy(const ScanField& field, const volume::CtVolume& ct);
 
 /// The CT with air, -1024 HU, in place of padding that is denser than `body_threshold_hu`, or
 /// nothing if there is none. Padding: what has exactly that value and reaches the border of its

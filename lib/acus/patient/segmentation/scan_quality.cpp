@@ -19,6 +19,8 @@ constexpr double kAirShiftHu = 60.0;
 constexpr double kSizeShift = 0.2;
 constexpr std::size_t kFewestValues = 12;
 constexpr double kMostBone = 0.6;  ///< Of the body; a head has a sixth, a wrist a third.
+constexpr double kMostBoneWithoutAir = 0.3;
+constexpr double kMostBodyWithoutAir = 0.999;
 constexpr double kLeastSoftHu = 5.0;
 constexpr double kMostSoftHu = 140.0;
 constexpr double kMostNoiseHu = 45.0;
@@ -112,9 +114,14 @@ std::vector<std::string> WarningsOf(const volume::CtVolume& ct, const TissuesFou
   const auto part = [&](const char* name) {
     return static_cast<double>(counts[volume::LabelOf(name)]);
   };
-  if (part("bone") > kMostBone * body) {
-    throw NoAnswerError(Message(FixedText(100.0 * part("bone") / body, 0),
-                                " % of the body would be bone, which no patient has. The values "
+  // Without a voxel of air, a volume is the inside of a body, or its values are not HU.
+  const auto volume = static_cast<double>(found.labels.voxels.size());
+  const bool has_air = body < kMostBodyWithoutAir * volume;
+  // What is even and as dense as bone is taken for contrast agent.
+  const double dense = part("bone") + (has_air ? 0.0 : found.scan.contrast_ml / ml);
+  if (dense > (has_air ? kMostBone : kMostBoneWithoutAir) * body) {
+    throw NoAnswerError(Message(FixedText(100.0 * dense / body, 0),
+                                " % of the body would be as dense as bone, which no patient has. The values "
                                 "are probably no Hounsfield units: check the rescale slope and "
                                 "intercept of the export"));
   }

@@ -30,7 +30,7 @@ void RequireCt(const volume::CtVolume& ct);
 
 /// What a person should look at: no bone, values that are no Hounsfield units, a body that is cut,
 /// noise, thick slices. Each says what to do. @throws NoAnswerError if more than 60 % of the body
-/// would be bone, which no patient has.
+/// would be bone (30 % in a volume without air), which no patient has.
 std::vector<std::string> WarningsOf(const volume::CtVolume& ct, const TissuesFound& found);
 
 /// quality.json: what was found out about the scan, the warnings, and the certainty if there is one.

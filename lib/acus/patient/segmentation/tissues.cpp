@@ -26,13 +26,13 @@ Mask LayerOf(const Mask& body, const Mask& inner) {
   return layer;
 }
 
-OuterLayer OuterLayerOf(const Mask& body, const ScanField& field, double thickness_mm,
-                        int num_threads) {
+OuterLayer OuterLayerOf(const volume::CtVolume& ct, const Mask& body, const ScanField& field,
+                        double thickness_mm, int num_threads) {
   // At least one voxel, so that a coarse CT has a skin too.
   const double depth_mm = std::max(thickness_mm, 1.01 * body.geometry.spacing_mm.minCoeff());
   OuterLayer out{LayerOf(body, Eroded(body, depth_mm, num_threads)), Mask(body.geometry)};
   if (!field.circle) return out;
-  Mask going_on = UnseenBy(field, body.geometry);
+  Mask going_on = UnseenBy(field, ct);
   for (std::size_t i = 0; i < going_on.voxels.size(); ++i) going_on.voxels[i] |= body.voxels[i];
   const Mask to_air = LayerOf(body, Eroded(going_on, depth_mm, num_threads));
   for (std::size_t i = 0; i < out.cut.voxels.size(); ++i) {
@@ -121,7 +121,7 @@ TissuesFound FindTissues(const volume::CtVolume& original, const TissueOptions& 
   const auto repaired =
       WithoutDensePadding(original, field, options.body_threshold_hu, num_threads);
   const volume::CtVolume& whole = repaired ? *repaired : original;
-  const Mask whole_body = FindBody(whole, options, num_threads);
+  const Mask whole_body = FindBody(whole, field, options, num_threads);
   // All that follows is inside the body: a third to a half of the volume is saved.
   const Box box = BoundsOf(whole_body);
   const volume::CtVolume ct = Cropped(whole, box);
@@ -137,7 +137,7 @@ TissuesFound FindTissues(const volume::CtVolume& original, const TissueOptions& 
       num_threads);
   context.Checkpoint("finding the skin", 0.8);
   OuterLayer layer =
-      OuterLayerOf(whole_body, field, options.skin_thickness_mm, num_threads);
+      OuterLayerOf(whole, whole_body, field, options.skin_thickness_mm, num_threads);
   const bool is_cut = Count(layer.cut) > 0;
   layer = {Cropped(layer.skin, box), Cropped(layer.cut, box)};
   TissuesFound found{volume::LabelMap(whole.geometry), ScanOf(ct, body, dense, options)};

@@ -31,9 +31,11 @@ struct TissueOptions {
 ///
 /// What is denser than air is opened by a ball, which parts the thin table top from the body; the
 /// largest part and others of at least body_min_part_ml that look like tissue are kept and grown
-/// back; cavities are filled slice by slice (axial), so that lungs cut by the border stay inside.
+/// back; cavities are filled slice by slice (axial), so that lungs cut by the border stay inside,
+/// also those behind a wall thinner than the ball, and those that the field of view cuts.
 /// @throws InputError if there is nothing denser than air.
-Mask FindBody(const volume::CtVolume& ct, const TissueOptions& options, int num_threads);
+Mask FindBody(const volume::CtVolume& ct, const ScanField& field, const TissueOptions& options,
+              int num_threads);
 
 struct AirSpaces {
   Mask lung;  ///< With its vessels.

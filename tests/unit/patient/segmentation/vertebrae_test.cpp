@@ -1,0 +1,171 @@
+#include "acus/patient/segmentation/vertebrae.h"
+
+#include <gmock/gmock.h>
+
+#include "acus/data/volume/labels.h"
+#include "acus/patient/phantom/imaging.h"
+#include "acus/patient/phantom/phantom_config.h"
+#include "acus/patient/segmentation/patient_segmentation.h"
+
+namespace acus::segmentation {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// A synthetic lumbar spine, its tissues as the CT shows them.
+struct LumbarCase {
+  explicit LumbarCase(std::uint64_t seed) {
+    auto config = phantom::ReadPhantomConfig(ACUS_SOURCE_DIR "/configs/phantoms/lumbar.json");
+    config.grid.origin_mm = Eigen::Vector3d(-75, -60, -108);
+    config.grid.size = {151, 146, 116};
+    context.seed = seed;
+    context.num_threads = 2;
+    anatomy.emplace(config.body, seed);
+    ct = phantom::RenderScan(*anatomy, config.grid, config.scanner, context).ct;
+    const auto settings =
+        ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
+    tissues = FindTissues(ct, settings.tissues, context).labels;
+  }
+
+  RunContext context;
+  std::optional<phantom::Anatomy> anatomy;
+  volume::CtVolume ct;
+  volume::LabelMap tissues;
+};
+
+const LumbarCase& Case() {
+  static const LumbarCase lumbar(3);
+  return lumbar;
+}
+
+/// The vertebra that a point belongs to in the exact anatomy, or nothing.
+std::string TruthAt(const phantom::Anatomy& anatomy, const Eigen::Vector3d& p) {
+  if (anatomy.LabelAt(p) != volume::LabelOf("bone")) return "";
+  for (const phantom::Part& part : anatomy.parts()) {
+    const bool vertebra = part.name.size() <= 3 && (part.name[0] == 'L' || part.name[0] == 'T');
+    if (vertebra && part.shape.distance_mm(p / anatomy.scale()) <= 0.0) return part.name;
+  }
+  return "";
+}
+
+TEST(Vertebrae, DiscsLieWhereTheAnatomyHasThem) {
+  const LumbarCase& lumbar = Case();
+  const auto planes = FindDiscPlanes(lumbar.ct, CanalLineOf(lumbar.tissues));
+  for (const char* name : {"disc_L1L2", "disc_L2L3", "disc_L3L4", "disc_L4L5"}) {
+    const Eigen::Vector3d disc = lumbar.anatomy->Landmark(name);
+    double nearest_mm = 100.0;
+    for (const DiscPlane& plane : planes) {
+      nearest_mm = std::min(nearest_mm, std::abs((disc - plane.point_mm).dot(plane.normal)));
+    }
+    EXPECT_LT(nearest_mm, 3.0) << name;
+  }
+}
+
+TEST(Vertebrae, ArePartedAndNamedFromAStart) {
+  const LumbarCase& lumbar = Case();
+  const Eigen::Vector3d in_l3 = 0.5 * (lumbar.anatomy->Landmark("disc_L2L3") +
+                                       lumbar.anatomy->Landmark("disc_L3L4"));
+  const Vertebrae found = FindVertebrae(lumbar.ct, lumbar.tissues, NamedVertebra{"L3", in_l3});
+  std::map<std::string, std::array<std::size_t, 3>> counts;  // Both, ours, theirs.
+  const volume::Geometry& g = lumbar.ct.geometry;
+  for (int k = 0; k < g.size[2]; ++k) {
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        const auto label = found.labels.At(i, j, k);
+        const std::string ours = label == 0 ? "" : found.labels.names.at(label);
+        const std::string theirs =
+            TruthAt(*lumbar.anatomy, g.ct_from_index() * Eigen::Vector3d(i, j, k));
+        if (!ours.empty()) ++counts[ours][1];
+        if (!theirs.empty()) ++counts[theirs][2];
+        if (!ours.empty() && ours == theirs) ++counts[ours][0];
+      }
+    }
+  }
+  for (const char* name : {"L1", "L2", "L3", "L4", "L5"}) {
+    const auto [both, ours, theirs] = counts[name];
+    const double dice = 2.0 * static_cast<double>(both) / static_cast<double>(ours + theirs);
+    std::cout << name << ": Dice " << dice << '\n';
+    EXPECT_GT(dice, 0.85) << name;
+  }
+  // From the head, one after the other.
+  for (std::size_t n = 1; n < found.list.size(); ++n) {
+    EXPECT_LT(found.list[n].centre_mm.z(), found.list[n - 1].centre_mm.z() - 15.0);
+  }
+  EXPECT_EQ(found.discs.size() + 1, found.list.size());
+  EXPECT_THAT(VertebraeSentence(found), HasSubstr("to S1"));
+}
+
+TEST(Vertebrae, AreNumberedFromTheHeadWithoutAName) {
+  LumbarCase lumbar = Case();
+  const Vertebrae found = FindVertebrae(lumbar.ct, lumbar.tissues, std::nullopt);
+  ASSERT_FALSE(found.empty());
+  // This sacrum leans too little to be told from a lumbar vertebra by its disc.
+  if (!found.named_from_sacrum) {
+    EXPECT_EQ(found.list.front().name, "vertebra_1");
+  }
+  EXPECT_EQ(found.labels.names.size(), found.list.size() + found.labels.names.count(0));
+}
+
+TEST(Vertebrae, ANameThatCannotBeIsRefused) {
+  const LumbarCase& lumbar = Case();
+  const Eigen::Vector3d in_l3 = 0.5 * (lumbar.anatomy->Landmark("disc_L2L3") +
+                                       lumbar.anatomy->Landmark("disc_L3L4"));
+  const auto find = [&](const std::string& name, const Eigen::Vector3d& p) {
+    FindVertebrae(lumbar.ct, lumbar.tissues, NamedVertebra{name, p});
+  };
+  EXPECT_THAT([&] { find("S1", in_l3); }, ThrowsMessage<InputError>(HasSubstr("does not fit")));
+  EXPECT_THAT([&] { find("C1", in_l3); }, ThrowsMessage<InputError>(HasSubstr("does not fit")));
+  EXPECT_THAT([&] { find("L3", in_l3 + Eigen::Vector3d(60, 0, 0)); },
+              ThrowsMessage<InputError>(HasSubstr("vertebrae.csv")));
+  const volume::LabelMap empty(lumbar.ct.geometry);
+  EXPECT_TRUE(FindVertebrae(lumbar.ct, empty, std::nullopt).empty());
+  EXPECT_THAT(([&] { FindVertebrae(lumbar.ct, empty, NamedVertebra{"L3", in_l3}); }),
+              ThrowsMessage<InputError>(HasSubstr("no spine")));
+}
+
+TEST(Vertebrae, NamesAreReadFromOneArgument) {
+  const NamedVertebra l3 = ParseVertebra("L3=-2.5,110,1e2");
+  EXPECT_EQ(l3.name, "L3");
+  EXPECT_EQ(l3.point_mm, Eigen::Vector3d(-2.5, 110, 100));
+  for (const char* text : {"", "L3", "L3=", "L3=1,2", "L3=1,2,3,4", "L3=1,2,x", "L3=1,2,nan"}) {
+    EXPECT_THAT([&] { ParseVertebra(text); },
+                ThrowsMessage<InputError>(HasSubstr("L3=-2.5,110,140")))
+        << text;
+  }
+  EXPECT_THAT([] { ParseVertebra("L9=1,2,3"); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("L9"), HasSubstr("T1 to T12"))));
+}
+
+TEST(Vertebrae, MarrowWithinABodyIsBone) {
+  // The exact bone of one body, with a hole that its cortex does not close off in any slice.
+  LumbarCase lumbar = Case();
+  const Eigen::Vector3d centre = 0.5 * (lumbar.anatomy->Landmark("disc_L2L3") +
+                                        lumbar.anatomy->Landmark("disc_L3L4"));
+  const volume::Geometry& g = lumbar.ct.geometry;
+  const auto bone = volume::LabelOf("bone");
+  std::vector<std::size_t> hole;
+  for (int k = 0; k < g.size[2]; ++k) {
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        const Eigen::Vector3d p = g.ct_from_index() * Eigen::Vector3d(i, j, k) - centre;
+        const bool core = p.norm() < 7.0;
+        const bool way_out = std::abs(p.y()) < 2.0 && std::abs(p.z()) < 3.0 && p.x() > 0 &&
+                             p.x() < 26.0;
+        if ((core || way_out) && lumbar.tissues.At(i, j, k) == bone) {
+          hole.push_back(g.Index(i, j, k));
+        }
+      }
+    }
+  }
+  ASSERT_GT(hole.size(), 300U);
+  for (const std::size_t at : hole) lumbar.tissues.voxels[at] = volume::LabelOf("soft_tissue");
+  FillBodies(lumbar.ct, lumbar.tissues);
+  const auto filled = std::ranges::count_if(
+      hole, [&](std::size_t at) { return lumbar.tissues.voxels[at] == bone; });
+  EXPECT_GT(static_cast<double>(filled), 0.9 * static_cast<double>(hole.size()));
+}
+
+}  // namespace
+}  // namespace acus::segmentation
