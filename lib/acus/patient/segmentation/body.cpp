@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kLowestTissueMedianHu = -200;  ///< A separate part below it is foam or cloth.
 constexpr double kLeastCavityMm2 = 150.0;    ///< Smaller holes are found by filling alone.
+constexpr double kLeastCavityMl = 60.0;      ///< Of lung; foam between back and table is less.
 constexpr double kLeastBodyAround = 0.6;
 constexpr double kMostUnseenAround = 0.4;
 constexpr double kLeastAroundAtCut = 0.95;
@@ -50,9 +51,8 @@ Border BorderOf(const SliceRegion& region, const Mask& body, const Mask& unseen,
 }
 
 /// Lungs whose wall is thinner than the ball that opens the body, and lungs that the scanner's
-/// field of view cuts: holes in a slice of body, tissue and what was not seen. Around most of them
-/// is body (a hole between body and table is half table), and what was not seen only borders on
-/// lung, as the air around a patient is less dense.
+/// field of view cuts: holes in a slice of body, tissue and what was not seen, that are denser than
+/// the air around a patient and have mostly body around them.
 void AddCavitiesBehindThinWalls(const volume::CtVolume& ct, const ScanField& field,
                                 const Mask& solid, const TissueOptions& options, int num_threads,
                                 Mask& body) {
@@ -68,10 +68,12 @@ void AddCavitiesBehindThinWalls(const volume::CtVolume& ct, const ScanField& fie
     const double area_mm2 = static_cast<double>(region.voxels.size()) * pixel_mm2;
     if (region.touches_border || area_mm2 < kLeastCavityMm2) return false;
     const Border border = BorderOf(region, body, unseen, axis);
-    if (border.unseen == 0.0) return border.body >= kLeastBodyAround;
     // Between body, table and the edge of the field there is foam; a lung has no table at it.
-    const double all = border.body + border.unseen;
-    if (border.unseen > kMostUnseenAround || all < kLeastAroundAtCut) return false;
+    const bool around = border.unseen == 0.0
+                            ? border.body >= kLeastBodyAround
+                            : border.unseen <= kMostUnseenAround &&
+                                  border.body + border.unseen >= kLeastAroundAtCut;
+    if (!around) return false;
     std::vector<std::int16_t> hu;
     for (const std::size_t at : region.voxels) hu.push_back(ct.voxels[at]);
     return MedianHu(hu) > options.gas_median_hu;
@@ -80,6 +82,11 @@ void AddCavitiesBehindThinWalls(const volume::CtVolume& ct, const ScanField& fie
   for (std::size_t i = 0; i < cavity.voxels.size(); ++i) {
     cavity.voxels[i] = filled.voxels[i] != 0 && walls.voxels[i] == 0 ? 1 : 0;
   }
+  const Components parts = ConnectedComponents(cavity);
+  const double ml = ct.geometry.voxel_volume_mm3() / 1000.0;
+  cavity = Kept(parts, [&](std::int32_t n) {
+    return static_cast<double>(parts.num_voxels[static_cast<std::size_t>(n)]) * ml > kLeastCavityMl;
+  });
   if (Count(cavity) == 0) return;
   const Mask near = Dilated(cavity, kThinWallMm, num_threads);
   for (std::size_t i = 0; i < body.voxels.size(); ++i) {
