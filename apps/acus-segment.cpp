@@ -93,8 +93,7 @@ int main(int argc, char** argv) {
     const auto ct = acus::volume::ReadCt(ct_path, series, context);
     auto found = acus::segmentation::SegmentPatient(ct, config, import, context);
     acus::atlas::AddAtlasOrgans(ct, others, config.tissues, found.labels, context);
-    auto patient =
-        acus::segmentation::Examine(ct, config, std::move(found), examination, context);
+    auto patient = acus::segmentation::Examine(ct, config, std::move(found), examination, context);
     if (!reference_path.empty()) {
       patient.agreement =
           CompareWithReference(patient.labels, {reference_path, mapping_path}, context);

@@ -25,6 +25,15 @@ acus_add_cli_case(acus-segment.no_series EXIT 3 LEAVES_NOTHING
 acus_add_cli_case(acus-segment.unknown_setting EXIT 3 NEEDS inputs LEAVES_NOTHING
   BEFORE "${segment_ct}\necho '{\"format\": \"acus-segmentation/1\", \"bones\": {}}' > c.json"
   STDERR "bones.*unknown|unknown.*bones" COMMAND acus-segment ct.nrrd --config c.json -o out)
+acus_add_cli_case(acus-segment.certainty EXIT 0 NEEDS inputs TIMEOUT 300 BEFORE "${segment_ct}"
+  STDOUT "Unsure: " CREATES out/quality.json out/unsure.nrrd out/preview_unsure.png
+  COMMAND acus-segment ct.nrrd --certainty -o out)
+acus_add_cli_case(acus-segment.vertebra_without_point EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${segment_ct}" STDERR "L3.*must be a name and a point"
+  COMMAND acus-segment ct.nrrd --vertebra L3 -o out)
+acus_add_cli_case(acus-segment.label_map_as_ct EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "label map.*no CT in Hounsfield units"
+  COMMAND acus-segment $INPUTS/labels.seg.nrrd -o out)
 # The lumbar puncture of the demo feels the same with the labels found as with the exact ones.
 foreach(seed 1 12)
   add_test(NAME cli.acus-segment.spine_session_${seed}

@@ -17,7 +17,7 @@ struct LabelMeshSettings {
   ElementSizes sizes;  ///< The corridor in CT space, LPS.
   /// Beside the body's surface; "all" stands for every tissue that occurs.
   std::vector<std::string> conforming_tissues = {"bone"};
-  std::vector<std::string> except_tissues;            ///< Not these of them.
+  std::vector<std::string> except_tissues;                   ///< Not these of them.
   std::vector<std::string> fixed_tissues = {"bone", "cut"};  ///< Their nodes are held.
   double smoothing_mm = 1.0;       ///< Standard deviation; takes the voxels' steps away.
   double min_dihedral_deg = 8.0;   ///< A mesh below this is refused.

@@ -9,10 +9,10 @@ namespace acus::segmentation {
 namespace {
 
 constexpr double kBackHalfWidthMm = 60.0;
-constexpr double kFromBackMm = -7.0;  ///< The back wall of the bodies, from the canal's centre.
-constexpr double kBoneToMm = 60.0;    ///< Transverse processes and ribs lie in front of that.
-constexpr double kBoneReachMm = 14.0; ///< Along the spine, from one process to the next.
-constexpr double kBesideBone = 0.6;   ///< How far the wall recedes beyond the last bone, mm per mm.
+constexpr double kFromBackMm = -7.0;   ///< The back wall of the bodies, from the canal's centre.
+constexpr double kBoneToMm = 60.0;     ///< Transverse processes and ribs lie in front of that.
+constexpr double kBoneReachMm = 14.0;  ///< Along the spine, from one process to the next.
+constexpr double kBesideBone = 0.6;  ///< How far the wall recedes beyond the last bone, mm per mm.
 constexpr double kNoBone = std::numeric_limits<double>::infinity();
 
 /// How far behind the canal's centre the first bone lies, by column across from -kBackHalfWidthMm.

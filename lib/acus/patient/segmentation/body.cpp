@@ -15,7 +15,8 @@ constexpr double kLeastBodyAround = 0.6;
 constexpr double kMostUnseenAround = 0.4;
 constexpr double kLeastAroundAtCut = 0.95;
 constexpr double kThinWallMm = 12.0;
-constexpr std::size_t kSampleStep = 7;       ///< Medians of parts are taken of every 7th voxel.
+constexpr double kLimbRadiusMm = 12.0;  ///< Thinner parts beside the body are pads and boards.
+constexpr std::size_t kSampleStep = 7;  ///< Medians of parts are taken of every 7th voxel.
 
 /// Shares of what borders on a region in its slice.
 struct Border {
@@ -69,10 +70,9 @@ void AddCavitiesBehindThinWalls(const volume::CtVolume& ct, const ScanField& fie
     if (region.touches_border || area_mm2 < kLeastCavityMm2) return false;
     const Border border = BorderOf(region, body, unseen, axis);
     // Between body, table and the edge of the field there is foam; a lung has no table at it.
-    const bool around = border.unseen == 0.0
-                            ? border.body >= kLeastBodyAround
-                            : border.unseen <= kMostUnseenAround &&
-                                  border.body + border.unseen >= kLeastAroundAtCut;
+    const bool around = border.unseen == 0.0 ? border.body >= kLeastBodyAround
+                                             : border.unseen <= kMostUnseenAround &&
+                                                   border.body + border.unseen >= kLeastAroundAtCut;
     if (!around) return false;
     std::vector<std::int16_t> hu;
     for (const std::size_t at : region.voxels) hu.push_back(ct.voxels[at]);
@@ -92,6 +92,23 @@ void AddCavitiesBehindThinWalls(const volume::CtVolume& ct, const ScanField& fie
   for (std::size_t i = 0; i < body.voxels.size(); ++i) {
     if (cavity.voxels[i] != 0 || (near.voxels[i] != 0 && solid.voxels[i] != 0)) body.voxels[i] = 1;
   }
+}
+
+/// Clears `kept` for parts into which no ball of kLimbRadiusMm fits: boards and pads, not limbs.
+void KeepThick(const Components& parts, double opening_mm, int num_threads,
+               std::vector<std::uint8_t>& kept) {
+  if (std::ranges::count(kept, 1) == 0) return;
+  const auto number = [&](std::size_t i) {
+    return static_cast<std::size_t>(parts.number.voxels[i]);
+  };
+  Mask mask(parts.number.geometry);
+  for (std::size_t i = 0; i < mask.voxels.size(); ++i) mask.voxels[i] = kept[number(i)];
+  const Mask inner = Eroded(mask, std::max(kLimbRadiusMm - opening_mm, 0.0), num_threads);
+  std::vector<std::uint8_t> thick(kept.size(), 0);
+  for (std::size_t i = 0; i < inner.voxels.size(); ++i) {
+    if (inner.voxels[i] != 0) thick[number(i)] = 1;
+  }
+  for (std::size_t n = 0; n < kept.size(); ++n) kept[n] = kept[n] & thick[n];
 }
 
 }  // namespace
@@ -121,11 +138,18 @@ Mask FindBody(const volume::CtVolume& ct, const ScanField& field, const TissueOp
   const auto largest = static_cast<std::int32_t>(std::ranges::max_element(parts.num_voxels) -
                                                  parts.num_voxels.begin());
   const double ml = ct.geometry.voxel_volume_mm3() / 1000.0;
+  std::vector<std::uint8_t> is_tissue(parts.num_voxels.size(), 0);
+  for (std::size_t n = 1; n < is_tissue.size(); ++n) {
+    is_tissue[n] =
+        static_cast<std::int32_t>(n) != largest &&
+                static_cast<double>(parts.num_voxels[n]) * ml >= options.body_min_part_ml &&
+                MedianHu(samples[n]) > kLowestTissueMedianHu
+            ? 1
+            : 0;
+  }
+  KeepThick(parts, opening_mm, num_threads, is_tissue);
   Mask body = Kept(parts, [&](std::int32_t n) {
-    const auto at = static_cast<std::size_t>(n);
-    if (n == largest) return true;
-    return static_cast<double>(parts.num_voxels[at]) * ml >= options.body_min_part_ml &&
-           MedianHu(samples[at]) > kLowestTissueMedianHu;
+    return n == largest || is_tissue[static_cast<std::size_t>(n)] != 0;
   });
   // A little further than it was eroded, to win back what is thinner than the ball.
   body = Dilated(body, opening_mm + 2.0, num_threads);

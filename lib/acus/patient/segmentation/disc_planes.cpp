@@ -25,9 +25,9 @@ constexpr std::array kForwardTilts = {-0.36, -0.27, -0.18, -0.09, 0.0, 0.09, 0.1
 constexpr std::array kSidewaysTilts = {-0.18, -0.09, 0.0, 0.09, 0.18};
 constexpr int kLeastPitch = 14;  // Steps of 1 mm.
 constexpr int kMostPitch = 46;
-constexpr double kPitchWeight = 6.0;   ///< Of the square of a relative change of the pitch.
+constexpr double kPitchWeight = 6.0;      ///< Of the square of a relative change of the pitch.
 constexpr double kLeastDiscShare = 0.45;  ///< Of the contrast that the clearest discs nearby have.
-constexpr double kTiltCost = 0.4;     ///< Share of the contrast lost per radian.
+constexpr double kTiltCost = 0.4;         ///< Share of the contrast lost per radian.
 constexpr double kLeastContrastHu = 12.0;
 
 /// Trilinear; the border is carried on.
@@ -73,8 +73,8 @@ Column Straightened(const volume::CtVolume& ct, const CanalLine& canal) {
       for (std::size_t s = 0; s < canal.points_mm.size(); ++s) {
         const Eigen::Vector3d p =
             canal.points_mm[s] + forward * canal.forward[s] + left * canal.Left(s);
-        line.push_back(static_cast<float>(
-            std::clamp(HuAt(ct, index_from_ct * p), kLeastHu, kMostHu)));
+        line.push_back(
+            static_cast<float>(std::clamp(HuAt(ct, index_from_ct * p), kLeastHu, kMostHu)));
       }
     }
   }
@@ -232,9 +232,9 @@ CanalLine CanalLineOf(const volume::LabelMap& tissues) {
   constexpr double kBinMm = 2.0;
   std::vector<Eigen::Vector3d> sums;
   std::vector<int> counts;
-  const double lowest =
-      std::min(ct_from_index.translation().z(),
-               (ct_from_index * (g.size.cast<double>() - 1.0).matrix()).z()) - 500.0;
+  const double lowest = std::min(ct_from_index.translation().z(),
+                                 (ct_from_index * (g.size.cast<double>() - 1.0).matrix()).z()) -
+                        500.0;
   for (int k = 0; k < g.size[2]; ++k) {
     for (int j = 0; j < g.size[1]; ++j) {
       for (int i = 0; i < g.size[0]; ++i) {
@@ -271,8 +271,8 @@ CanalLine CanalLineOf(const volume::LabelMap& tissues) {
   }
   const std::size_t n = line.points_mm.size();
   for (std::size_t s = 0; s < n; ++s) {
-    const std::size_t reach = std::min({std::size_t{10}, std::max<std::size_t>(s, 1),
-                                        std::max<std::size_t>(n - 1 - s, 1)});
+    const std::size_t reach = std::min(
+        {std::size_t{10}, std::max<std::size_t>(s, 1), std::max<std::size_t>(n - 1 - s, 1)});
     const auto& above = line.points_mm[std::min(s + reach, n - 1)];
     const auto& below = line.points_mm[s - std::min(s, reach)];
     const Eigen::Vector3d tangent = (above - below).normalized();
@@ -289,7 +289,8 @@ std::vector<DiscPlane> FindDiscPlanes(const volume::CtVolume& ct, const CanalLin
   const std::vector<double> typical_hu = TypicalContrast(candidates);
   std::vector<double> gain;
   for (std::size_t s = 0; s < candidates.size(); ++s) {
-    gain.push_back(std::clamp(candidates[s].contrast_hu / typical_hu[s], -1.0, 1.2) - kLeastDiscShare);
+    gain.push_back(std::clamp(candidates[s].contrast_hu / typical_hu[s], -1.0, 1.2) -
+                   kLeastDiscShare);
   }
   std::vector<DiscPlane> planes;
   for (const int step : BestSequence(gain)) {

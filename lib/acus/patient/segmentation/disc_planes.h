@@ -10,9 +10,9 @@ namespace acus::segmentation {
 /// A line along the middle of the spinal canal, from the feet to the head, by arc length.
 struct CanalLine {
   double step_mm = 1.0;
-  std::vector<Eigen::Vector3d> points_mm;   ///< CT.
-  std::vector<Eigen::Vector3d> forward;     ///< Unit vectors to the vertebral bodies.
-  std::vector<Eigen::Vector3d> tangent;     ///< Unit vectors to the head.
+  std::vector<Eigen::Vector3d> points_mm;  ///< CT.
+  std::vector<Eigen::Vector3d> forward;    ///< Unit vectors to the vertebral bodies.
+  std::vector<Eigen::Vector3d> tangent;    ///< Unit vectors to the head.
 
   /// Lateral unit vector at a point, to the patient's left.
   Eigen::Vector3d Left(std::size_t at) const { return forward[at].cross(tangent[at]); }

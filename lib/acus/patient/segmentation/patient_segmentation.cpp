@@ -228,12 +228,11 @@ std::string SummaryOf(const SegmentedPatient& patient) {
     parts.push_back(Message(name, " ", FixedText(static_cast<double>(counts[label]) * ml, 0)));
   }
   const ScanParameters& scan = patient.scan;
-  std::string text = Message("Body ", FixedText(body_ml, 0), " ml: ", Joined(parts), ".\n",
-                             "Bone from ", FixedText(scan.bone_threshold_hu, 0), " HU; soft tissue ",
-                             FixedText(scan.soft_tissue_hu, 0), " HU, noise ",
-                             FixedText(scan.noise_hu, 0), " HU; ",
-                             scan.enhanced ? "with" : "without", " contrast agent.\n",
-                             SpineSentence(patient.labels), VertebraeSentence(patient.vertebrae));
+  std::string text = Message(
+      "Body ", FixedText(body_ml, 0), " ml: ", Joined(parts), ".\n", "Bone from ",
+      FixedText(scan.bone_threshold_hu, 0), " HU; soft tissue ", FixedText(scan.soft_tissue_hu, 0),
+      " HU, noise ", FixedText(scan.noise_hu, 0), " HU; ", scan.enhanced ? "with" : "without",
+      " contrast agent.\n", SpineSentence(patient.labels), VertebraeSentence(patient.vertebrae));
   if (patient.certainty) {
     std::vector<std::string> tissues;
     for (const auto& tissue : patient.certainty->tissues) {

@@ -81,9 +81,9 @@ volume::LabelMap TissuesOf(const volume::CtVolume& ct, const std::filesystem::pa
                            RunContext& context);
 
 /// Writes labels.seg.nrrd, skin.stl, bone.stl, three previews, volumes.csv, quality.json,
-/// vertebrae.seg.nrrd and vertebrae.csv (if there are any), unsure.nrrd and preview_unsure.png (with
-/// a certainty), agreement.csv (if there is a reference) and provenance.json into a new folder,
-/// whole or not at all.
+/// vertebrae.seg.nrrd and vertebrae.csv (if there are any), unsure.nrrd and preview_unsure.png
+/// (with a certainty), agreement.csv (if there is a reference) and provenance.json into a new
+/// folder, whole or not at all.
 void WritePatientFolder(const std::filesystem::path& folder, const volume::CtVolume& ct,
                         const SegmentedPatient& patient, const SegmentationConfig& config,
                         const RunContext& context);

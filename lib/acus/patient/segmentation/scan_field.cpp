@@ -43,9 +43,7 @@ struct SliceView {
            static_cast<std::size_t>(iu) * stride[static_cast<std::size_t>(u)] +
            static_cast<std::size_t>(iv) * stride[static_cast<std::size_t>(v)];
   }
-  Eigen::Vector2d PlaceMm(int iu, int iv) const {
-    return {iu * spacing_mm[0], iv * spacing_mm[1]};
-  }
+  Eigen::Vector2d PlaceMm(int iu, int iv) const { return {iu * spacing_mm[0], iv * spacing_mm[1]}; }
 
   int axis, u, v;
   std::array<std::size_t, 3> stride;
@@ -53,7 +51,8 @@ struct SliceView {
   Eigen::Array2d spacing_mm;
 };
 
-/// The voxels of a slice that have exactly `hu` and are connected with its border: 1 by u + v num_u.
+/// The voxels of a slice that have exactly `hu` and are connected with its border: 1 by u + v
+/// num_u.
 std::vector<std::uint8_t> PaddingOf(const volume::CtVolume& ct, const SliceView& view, int slice,
                                     std::int16_t hu) {
   std::vector<std::uint8_t> padding(static_cast<std::size_t>(view.num_u) *

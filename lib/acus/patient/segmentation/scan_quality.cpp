@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/text_table.h"
@@ -17,7 +16,7 @@ using nlohmann::json;
 constexpr double kShiftHu = 20.0;
 constexpr double kAirShiftHu = 60.0;
 constexpr double kSizeShift = 0.2;
-constexpr std::size_t kFewestValues = 12;
+constexpr int kMostOfBytes = 255;
 constexpr double kMostBone = 0.6;  ///< Of the body; a head has a sixth, a wrist a third.
 constexpr double kMostBoneWithoutAir = 0.3;
 constexpr double kMostBodyWithoutAir = 0.999;
@@ -97,14 +96,11 @@ Certainty FindCertainty(const volume::CtVolume& ct, const TissueOptions& options
 }
 
 void RequireCt(const volume::CtVolume& ct) {
-  std::set<std::int16_t> values;
-  for (const std::int16_t value : ct.voxels) {
-    if (values.size() >= kFewestValues) return;
-    if (values.empty() || *values.rbegin() != value) values.insert(value);
-  }
-  ACUS_REQUIRE(values.size() >= kFewestValues, "the volume has only ", values.size(),
-               " different values, so it is a mask or a label map and no CT; a label map is laid "
-               "over a CT by --import");
+  const auto [low, high] = std::ranges::minmax(ct.voxels);
+  ACUS_REQUIRE(low < 0 || high > kMostOfBytes, "the values of the volume go from ", low, " to ",
+               high,
+               ": it is a mask, a label map or an image of 8 bits, and no CT in Hounsfield "
+               "units; a label map is laid over a CT by --import");
 }
 
 std::vector<std::string> WarningsOf(const volume::CtVolume& ct, const TissuesFound& found) {
@@ -120,10 +116,11 @@ std::vector<std::string> WarningsOf(const volume::CtVolume& ct, const TissuesFou
   // What is even and as dense as bone is taken for contrast agent.
   const double dense = part("bone") + (has_air ? 0.0 : found.scan.contrast_ml / ml);
   if (dense > (has_air ? kMostBone : kMostBoneWithoutAir) * body) {
-    throw NoAnswerError(Message(FixedText(100.0 * dense / body, 0),
-                                " % of the body would be as dense as bone, which no patient has. The values "
-                                "are probably no Hounsfield units: check the rescale slope and "
-                                "intercept of the export"));
+    throw NoAnswerError(
+        Message(FixedText(100.0 * dense / body, 0),
+                " % of the body would be as dense as bone, which no patient has. The values "
+                "are probably no Hounsfield units: check the rescale slope and "
+                "intercept of the export"));
   }
   std::vector<std::string> warnings;
   if (part("bone") == 0.0) {
@@ -133,9 +130,9 @@ std::vector<std::string> WarningsOf(const volume::CtVolume& ct, const TissuesFou
   }
   const double soft_hu = found.scan.soft_tissue_hu;
   if (soft_hu < kLeastSoftHu || soft_hu > kMostSoftHu) {
-    warnings.push_back(Message("the median of soft tissue is ", FixedText(soft_hu, 0),
-                               " HU; ", FixedText(kLeastSoftHu, 0), " to ",
-                               FixedText(kMostSoftHu, 0), " HU are usual. Check the rescale slope "
+    warnings.push_back(Message("the median of soft tissue is ", FixedText(soft_hu, 0), " HU; ",
+                               FixedText(kLeastSoftHu, 0), " to ", FixedText(kMostSoftHu, 0),
+                               " HU are usual. Check the rescale slope "
                                "and intercept of the export, or set the thresholds (--config)"));
   }
   if (body * ml < kLeastBodyMl) {

@@ -25,7 +25,8 @@ struct Certainty {
 Certainty FindCertainty(const volume::CtVolume& ct, const TissueOptions& options,
                         const volume::LabelMap& labels, const RunContext& context);
 
-/// @throws InputError if `ct` has so few different values that it is a mask.
+/// @throws InputError if all values of `ct` lie between 0 and 255, so that it is a mask, a label
+/// map or an image of 8 bits.
 void RequireCt(const volume::CtVolume& ct);
 
 /// What a person should look at: no bone, values that are no Hounsfield units, a body that is cut,
@@ -33,7 +34,8 @@ void RequireCt(const volume::CtVolume& ct);
 /// would be bone (30 % in a volume without air), which no patient has.
 std::vector<std::string> WarningsOf(const volume::CtVolume& ct, const TissuesFound& found);
 
-/// quality.json: what was found out about the scan, the warnings, and the certainty if there is one.
+/// quality.json: what was found out about the scan, the warnings, and the certainty if there is
+/// one.
 void WriteQuality(const std::filesystem::path& path, const ScanParameters& scan,
                   const std::vector<std::string>& warnings,
                   const std::optional<Certainty>& certainty);

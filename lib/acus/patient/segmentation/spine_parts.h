@@ -27,8 +27,8 @@ Mask FindDiscs(const SpineView& view, double fat_upper_hu);
 Mask FindSpineLigaments(const SpineView& view, double fat_upper_hu);
 
 /// All that is denser than fat behind the vertebral bodies, their transverse processes and the ribs
-/// (and the straight lines between these), up to 60 mm from the midline; where it is not bone, it is
-/// muscle. Kidneys and lungs lie in front.
+/// (and the straight lines between these), up to 60 mm from the midline; where it is not bone, it
+/// is muscle. Kidneys and lungs lie in front.
 Mask FindBackMuscles(const SpineView& view, const Mask& body, double fat_upper_hu);
 
 }  // namespace acus::segmentation

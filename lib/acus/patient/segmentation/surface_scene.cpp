@@ -29,7 +29,7 @@ double HuOf(const std::string& tissue) {
       {"lesion", 40},      {"ligament", 80}, {"spinal_canal", 15}, {"bowel", 30},
       {"cartilage", 120},  {"tendon", 80},   {"bursa", 5},         {"heart", 45},
       {"disc", 90},        {"pancreas", 40}, {"stomach", 35},      {"bladder", 5},
-      {"gallbladder", 10}, {"gland", 50},     {"cut", 50}};
+      {"gallbladder", 10}, {"gland", 50},    {"cut", 50}};
   const auto found = kHu.find(tissue);
   return found != kHu.end() ? found->second : 40.0;
 }

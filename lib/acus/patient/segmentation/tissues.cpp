@@ -43,8 +43,7 @@ OuterLayer OuterLayerOf(const volume::CtVolume& ct, const Mask& body, const Scan
 }
 
 volume::Label LabelAt(std::size_t i, const volume::CtVolume& ct, const Mask& bone,
-                      const AirSpaces& air, const OuterLayer& layer,
-                      const TissueOptions& options) {
+                      const AirSpaces& air, const OuterLayer& layer, const TissueOptions& options) {
   static const volume::Label kSkin = volume::LabelOf("skin");
   static const volume::Label kCut = volume::LabelOf("cut");
   static const volume::Label kFat = volume::LabelOf("fat");
@@ -136,8 +135,7 @@ TissuesFound FindTissues(const volume::CtVolume& original, const TissueOptions& 
       ct, BoneWithMarrow(ct, body, dense, OpenIn(spine, ct.geometry), options, num_threads), dense,
       num_threads);
   context.Checkpoint("finding the skin", 0.8);
-  OuterLayer layer =
-      OuterLayerOf(whole, whole_body, field, options.skin_thickness_mm, num_threads);
+  OuterLayer layer = OuterLayerOf(whole, whole_body, field, options.skin_thickness_mm, num_threads);
   const bool is_cut = Count(layer.cut) > 0;
   layer = {Cropped(layer.skin, box), Cropped(layer.cut, box)};
   TissuesFound found{volume::LabelMap(whole.geometry), ScanOf(ct, body, dense, options)};

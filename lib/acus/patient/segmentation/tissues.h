@@ -30,9 +30,10 @@ struct TissueOptions {
 /// The space within the patient's skin, without table, pillows and clothes. Arms and legs count.
 ///
 /// What is denser than air is opened by a ball, which parts the thin table top from the body; the
-/// largest part and others of at least body_min_part_ml that look like tissue are kept and grown
-/// back; cavities are filled slice by slice (axial), so that lungs cut by the border stay inside,
-/// also those behind a wall thinner than the ball, and those that the field of view cuts.
+/// largest part and others of at least body_min_part_ml that look like tissue and are as thick as a
+/// limb are kept and grown back; cavities are filled slice by slice (axial), so that lungs cut by
+/// the border stay inside, also those behind a wall thinner than the ball, and those that the field
+/// of view cuts.
 /// @throws InputError if there is nothing denser than air.
 Mask FindBody(const volume::CtVolume& ct, const ScanField& field, const TissueOptions& options,
               int num_threads);
@@ -70,11 +71,11 @@ Mask TrimmedToEdge(const volume::CtVolume& ct, const Mask& bone, const BoneFound
 /// What was found out about a scan, and used to find its tissues.
 struct ScanParameters {
   ScanField field;
-  double noise_hu = 0.0;            ///< Standard deviation of adjacent voxels in soft tissue.
-  double soft_tissue_hu = 0.0;      ///< Median between fat and bone.
-  double bone_threshold_hu = 0.0;   ///< The least HU of bone.
-  double contrast_ml = 0.0;         ///< Vessels and organs denser than that.
-  bool enhanced = false;            ///< Contrast agent in blood and organs.
+  double noise_hu = 0.0;           ///< Standard deviation of adjacent voxels in soft tissue.
+  double soft_tissue_hu = 0.0;     ///< Median between fat and bone.
+  double bone_threshold_hu = 0.0;  ///< The least HU of bone.
+  double contrast_ml = 0.0;        ///< Vessels and organs denser than that.
+  bool enhanced = false;           ///< Contrast agent in blood and organs.
   bool has_spine = false;
 };
 
@@ -85,7 +86,7 @@ struct TissuesFound {
 
 /// @throws InputError if there is no body.
 TissuesFound FindTissues(const volume::CtVolume& ct, const TissueOptions& options,
-                             const RunContext& context);
+                         const RunContext& context);
 
 /// The grid axis (0, 1, 2) along which slices are most nearly axial.
 int AxialAxis(const volume::Geometry& geometry);

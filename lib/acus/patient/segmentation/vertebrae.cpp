@@ -14,8 +14,8 @@
 namespace acus::segmentation {
 namespace {
 
-constexpr std::array kNames = {"C1", "C2", "C3", "C4",  "C5",  "C6",  "C7", "T1", "T2",
-                               "T3", "T4", "T5", "T6",  "T7",  "T8",  "T9", "T10", "T11",
+constexpr std::array kNames = {"C1",  "C2", "C3", "C4", "C5", "C6", "C7", "T1",  "T2",
+                               "T3",  "T4", "T5", "T6", "T7", "T8", "T9", "T10", "T11",
                                "T12", "L1", "L2", "L3", "L4", "L5", "S1"};
 // The core of a body, from the canal's middle; growth starts there.
 constexpr double kCoreHalfWidthMm = 12.0;
@@ -25,14 +25,14 @@ constexpr double kPlateMm = 2.0;  ///< The core keeps away from the discs' plane
 constexpr double kLongestWayMm = 62.0;
 constexpr double kFarthestAsideMm = 50.0;
 constexpr double kFarthestMm = 85.0;
-constexpr double kCortexHu = 350.0;   ///< Ways through less dense bone count for more.
-constexpr double kPorousCost = 2.5;   ///< At 0 HU, in addition to 1.
+constexpr double kCortexHu = 350.0;  ///< Ways through less dense bone count for more.
+constexpr double kPorousCost = 2.5;  ///< At 0 HU, in addition to 1.
 constexpr double kMarrowHalfWidthMm = 22.0;
 constexpr double kMarrowFromMm = 6.0;
 constexpr double kMarrowToMm = 42.0;
 constexpr int kLeastMarrowInBodyHu = -60;
 constexpr double kLeastSacralTiltDeg = 27.0;
-constexpr double kEndMm = 45.0;       ///< Beyond the last disc; no vertebra is higher.
+constexpr double kEndMm = 45.0;  ///< Beyond the last disc; no vertebra is higher.
 
 /// Where a point is along the spine.
 struct SpinePlace {
@@ -226,7 +226,8 @@ int NumberOf(const std::string& name) {
   return static_cast<int>(found - kNames.begin());
 }
 
-/// The disc between L5 and the sacrum leans forward by some 30 to 45 degrees, others by less than 22.
+/// The disc between L5 and the sacrum leans forward by some 30 to 45 degrees, others by less
+/// than 22.
 bool LiesOnSacrum(const DiscPlane& lowest) {
   return lowest.normal.y() < -std::sin(kLeastSacralTiltDeg * M_PI / 180.0);
 }
@@ -269,8 +270,8 @@ void Name(const std::optional<NamedVertebra>& start, const SpineFrame& frame, Ve
   }
   for (int n = 0; n < count; ++n) {
     Vertebra& vertebra = out.list[static_cast<std::size_t>(n)];
-    vertebra.name = first >= 0 ? kNames[static_cast<std::size_t>(first + n)]
-                               : Message("vertebra_", n + 1);
+    vertebra.name =
+        first >= 0 ? kNames[static_cast<std::size_t>(first + n)] : Message("vertebra_", n + 1);
     out.labels.names[static_cast<volume::Label>(n + 1)] = vertebra.name;
   }
 }
@@ -326,8 +327,7 @@ Vertebrae FindVertebrae(const volume::CtVolume& ct, const volume::LabelMap& tiss
                ": the CT shows no spine with at least two discs, so there is nothing to name");
   if (discs.size() < 2) return out;
   const SpineFrame frame(line, discs);
-  const auto number =
-      Growth(ct, tissues, frame, BoxAround(line, ct.geometry)).Run();
+  const auto number = Growth(ct, tissues, frame, BoxAround(line, ct.geometry)).Run();
   out.list.resize(discs.size() + 1);
   out.discs.assign(discs.rbegin(), discs.rend());
   FillList(number, out);

@@ -109,8 +109,7 @@ TEST(ScanField, WhatTheCircleCutsIsNoSkin) {
 TEST(ScanField, ALungThatTheCircleCutsIsInTheBody) {
   // The lung reaches from 23 to 67 mm to the right.
   const SyntheticBody body = MakeSyntheticBody({});
-  const auto found =
-      FindTissues(SeenInCircle(body.ct, -1024, 58.0), DefaultTissues(), {}).labels;
+  const auto found = FindTissues(SeenInCircle(body.ct, -1024, 58.0), DefaultTissues(), {}).labels;
   const Eigen::Array3i in_lung =
       (found.geometry.index_from_ct() * Eigen::Vector3d(-45, -15, 30)).array().round().cast<int>();
   EXPECT_EQ(found.At(in_lung[0], in_lung[1], in_lung[2]), volume::LabelOf("lung"));

@@ -152,10 +152,12 @@ TEST(Spine, IsTheSameInWhateverOrderTheAxesAreStored) {
   other.origin_mm = config.grid.ct_from_index() * Eigen::Vector3d(0, 80, 49);
   const auto tissues =
       ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json").tissues;
-  const LabelMap a = FindTissues(phantom::RenderScan(anatomy, config.grid, settings, context).ct,
-                                 tissues, context).labels;
+  const LabelMap a =
+      FindTissues(phantom::RenderScan(anatomy, config.grid, settings, context).ct, tissues, context)
+          .labels;
   const LabelMap b =
-      FindTissues(phantom::RenderScan(anatomy, other, settings, context).ct, tissues, context).labels;
+      FindTissues(phantom::RenderScan(anatomy, other, settings, context).ct, tissues, context)
+          .labels;
   EXPECT_GT(VolumeOf(a, "spinal_canal"), 10.0);
   std::size_t differing = 0;
   for (int k = 0; k < 50; ++k) {

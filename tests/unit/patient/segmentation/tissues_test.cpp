@@ -49,6 +49,33 @@ TEST(FindTissues, RecoversAPlainBodyWithoutItsTable) {
   ExpectTruth(body, FindTissues(body.ct, Defaults(), TwoThreads()).labels);
 }
 
+TEST(FindTissues, AnArmIsKeptAndAPadIsNot) {
+  SyntheticBody body = MakeSyntheticBody({.has_table = false});
+  const volume::Geometry& g = body.ct.geometry;
+  const auto add = [&](auto&& inside, std::int16_t hu) {
+    for (int k = 0; k < g.size[2]; ++k) {
+      for (int j = 0; j < g.size[1]; ++j) {
+        for (int i = 0; i < g.size[0]; ++i) {
+          const Eigen::Vector3d p = g.ct_from_index() * Eigen::Vector3d(i, j, k);
+          if (inside(p)) body.ct.At(i, j, k) = hu;
+        }
+      }
+    }
+  };
+  add([](const auto& p) { return p.y() > 68.0 && p.y() < 84.0; }, 10);  // A pad of gel, 16 mm.
+  add([](const auto& p) { return std::hypot(p.x() - 80.0, p.y() + 60.0) < 18.0; }, 45);
+  TissueOptions options = Defaults();
+  options.body_min_part_ml = 20.0;  // The volume is a short one.
+  const auto found = FindTissues(body.ct, options, TwoThreads()).labels;
+  const auto at = [&](double x, double y) {
+    const Eigen::Array3i v =
+        (g.index_from_ct() * Eigen::Vector3d(x, y, 30)).array().round().cast<int>();
+    return found.At(v[0], v[1], v[2]);
+  };
+  EXPECT_EQ(at(0, 76), volume::LabelOf("outside"));
+  EXPECT_EQ(at(80, -60), volume::LabelOf("soft_tissue"));
+}
+
 TEST(FindTissues, ContrastAgentInAVesselDoesNotBecomeBone) {
   const SyntheticBody body = MakeSyntheticBody({.blood_hu = 300.0});
   const auto found = FindTissues(body.ct, Defaults(), TwoThreads()).labels;
@@ -60,12 +87,13 @@ TEST(FindTissues, ContrastAgentInAVesselDoesNotBecomeBone) {
 
 TEST(FindTissues, HoldsOnACoarseAndOnANoisyScan) {
   const SyntheticBody coarse = MakeSyntheticBody({.spacing_mm = 2.5});
-  EXPECT_GT(
-      Dice(Of(FindTissues(coarse.ct, Defaults(), TwoThreads()).labels, "bone"), Of(coarse.truth, "bone")),
-      0.9);
+  EXPECT_GT(Dice(Of(FindTissues(coarse.ct, Defaults(), TwoThreads()).labels, "bone"),
+                 Of(coarse.truth, "bone")),
+            0.9);
   const SyntheticBody noisy = MakeSyntheticBody({.noise_hu = 35.0});
-  EXPECT_GT(Dice(BodyOf(FindTissues(noisy.ct, Defaults(), TwoThreads()).labels), BodyOf(noisy.truth)),
-            0.98);
+  EXPECT_GT(
+      Dice(BodyOf(FindTissues(noisy.ct, Defaults(), TwoThreads()).labels), BodyOf(noisy.truth)),
+      0.98);
 }
 
 TEST(FindTissues, TheCanalIsNotBoneAndMarrowIs) {

@@ -65,8 +65,8 @@ TEST(Vertebrae, DiscsLieWhereTheAnatomyHasThem) {
 
 TEST(Vertebrae, ArePartedAndNamedFromAStart) {
   const LumbarCase& lumbar = Case();
-  const Eigen::Vector3d in_l3 = 0.5 * (lumbar.anatomy->Landmark("disc_L2L3") +
-                                       lumbar.anatomy->Landmark("disc_L3L4"));
+  const Eigen::Vector3d in_l3 =
+      0.5 * (lumbar.anatomy->Landmark("disc_L2L3") + lumbar.anatomy->Landmark("disc_L3L4"));
   const Vertebrae found = FindVertebrae(lumbar.ct, lumbar.tissues, NamedVertebra{"L3", in_l3});
   std::map<std::string, std::array<std::size_t, 3>> counts;  // Both, ours, theirs.
   const volume::Geometry& g = lumbar.ct.geometry;
@@ -110,8 +110,8 @@ TEST(Vertebrae, AreNumberedFromTheHeadWithoutAName) {
 
 TEST(Vertebrae, ANameThatCannotBeIsRefused) {
   const LumbarCase& lumbar = Case();
-  const Eigen::Vector3d in_l3 = 0.5 * (lumbar.anatomy->Landmark("disc_L2L3") +
-                                       lumbar.anatomy->Landmark("disc_L3L4"));
+  const Eigen::Vector3d in_l3 =
+      0.5 * (lumbar.anatomy->Landmark("disc_L2L3") + lumbar.anatomy->Landmark("disc_L3L4"));
   const auto find = [&](const std::string& name, const Eigen::Vector3d& p) {
     FindVertebrae(lumbar.ct, lumbar.tissues, NamedVertebra{name, p});
   };
@@ -121,7 +121,9 @@ TEST(Vertebrae, ANameThatCannotBeIsRefused) {
               ThrowsMessage<InputError>(HasSubstr("vertebrae.csv")));
   const volume::LabelMap empty(lumbar.ct.geometry);
   EXPECT_TRUE(FindVertebrae(lumbar.ct, empty, std::nullopt).empty());
-  EXPECT_THAT(([&] { FindVertebrae(lumbar.ct, empty, NamedVertebra{"L3", in_l3}); }),
+  EXPECT_THAT(([&] {
+                FindVertebrae(lumbar.ct, empty, NamedVertebra{"L3", in_l3});
+              }),
               ThrowsMessage<InputError>(HasSubstr("no spine")));
 }
 
@@ -141,8 +143,8 @@ TEST(Vertebrae, NamesAreReadFromOneArgument) {
 TEST(Vertebrae, MarrowWithinABodyIsBone) {
   // The exact bone of one body, with a hole that its cortex does not close off in any slice.
   LumbarCase lumbar = Case();
-  const Eigen::Vector3d centre = 0.5 * (lumbar.anatomy->Landmark("disc_L2L3") +
-                                        lumbar.anatomy->Landmark("disc_L3L4"));
+  const Eigen::Vector3d centre =
+      0.5 * (lumbar.anatomy->Landmark("disc_L2L3") + lumbar.anatomy->Landmark("disc_L3L4"));
   const volume::Geometry& g = lumbar.ct.geometry;
   const auto bone = volume::LabelOf("bone");
   std::vector<std::size_t> hole;
@@ -151,8 +153,8 @@ TEST(Vertebrae, MarrowWithinABodyIsBone) {
       for (int i = 0; i < g.size[0]; ++i) {
         const Eigen::Vector3d p = g.ct_from_index() * Eigen::Vector3d(i, j, k) - centre;
         const bool core = p.norm() < 7.0;
-        const bool way_out = std::abs(p.y()) < 2.0 && std::abs(p.z()) < 3.0 && p.x() > 0 &&
-                             p.x() < 26.0;
+        const bool way_out =
+            std::abs(p.y()) < 2.0 && std::abs(p.z()) < 3.0 && p.x() > 0 && p.x() < 26.0;
         if ((core || way_out) && lumbar.tissues.At(i, j, k) == bone) {
           hole.push_back(g.Index(i, j, k));
         }
