@@ -24,7 +24,7 @@ RunContext TwoThreads() {
 
 volume::LabelMap Segmented(const fs::path& ct) {
   const auto config = ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
-  return SegmentPatient(volume::ReadCt(ct, "", TwoThreads()), config, std::nullopt, TwoThreads());
+  return SegmentPatient(volume::ReadCt(ct, "", TwoThreads()), config, TwoThreads());
 }
 
 Agreement Of(const std::vector<Agreement>& all, const std::string& tissue) {
@@ -87,7 +87,7 @@ std::vector<Agreement> FromAtlas(const fs::path& ct, const ForeignLabels& refere
                                  const atlas::AtlasPatient& other) {
   const auto config = ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
   const auto image = volume::ReadCt(ct, "", TwoThreads());
-  auto labels = SegmentPatient(image, config, std::nullopt, TwoThreads());
+  auto labels = SegmentPatient(image, config, TwoThreads());
   atlas::AddAtlasOrgans(image, {other}, config.tissues, labels, TwoThreads());
   return CompareWithReference(labels, reference, TwoThreads());
 }

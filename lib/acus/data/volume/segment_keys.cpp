@@ -64,6 +64,25 @@ std::map<std::string, std::string> SegmentKeys(const Grid<Label>& labels,
   return keys;
 }
 
+ValueNames SegmentsFromKeys(const std::map<std::string, std::string>& keys) {
+  ValueNames names;
+  for (const auto& [key, text] : keys) {
+    if (!key.starts_with("Segment") || !key.ends_with("_LabelValue")) continue;
+    const std::string segment = key.substr(0, key.size() - std::string("LabelValue").size());
+    std::int32_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || value <= 0) continue;
+    const auto field = [&](const char* name) {
+      const auto found = keys.find(segment + name);
+      return found == keys.end() ? std::string() : found->second;
+    };
+    ValueName name = TermsFrom(field("Tags"));
+    name.text = field("Name");
+    if (!name.text.empty() || !name.codes.empty()) names[value] = std::move(name);
+  }
+  return names;
+}
+
 std::map<Label, std::string> NamesFromKeys(const std::map<std::string, std::string>& keys) {
   std::map<Label, std::string> names;
   for (const auto& [key, text] : keys) {

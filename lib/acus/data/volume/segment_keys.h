@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "acus/data/volume/value_names.h"
 #include "acus/data/volume/volume.h"
 
 namespace acus::volume {
@@ -15,5 +16,9 @@ std::map<std::string, std::string> SegmentKeys(const Grid<Label>& labels,
 
 /// The names by label in such fields; fields that are not understood are left out.
 std::map<Label, std::string> NamesFromKeys(const std::map<std::string, std::string>& keys);
+
+/// What such fields say of each value: its name, and the SNOMED CT codes of its terminology (type,
+/// then region).
+ValueNames SegmentsFromKeys(const std::map<std::string, std::string>& keys);
 
 }  // namespace acus::volume

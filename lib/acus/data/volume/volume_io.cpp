@@ -201,8 +201,10 @@ LabelMap ReadTissues(const fs::path& path) {
   return labels;
 }
 
-Grid<std::int32_t> ReadIntegerVolume(const fs::path& path) {
+Grid<std::int32_t> ReadIntegerVolume(const fs::path& path,
+                                     std::map<std::string, std::string>* keys) {
   const ScalarFile file = ReadAnyFile(path);
+  if (keys != nullptr) *keys = file.keys;
   Grid<std::int32_t> grid(file.geometry);
   ForEach(file, [&](std::size_t i, auto value) { grid.voxels[i] = IntegerFrom(value, path); });
   return grid;

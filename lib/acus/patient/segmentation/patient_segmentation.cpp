@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
@@ -11,7 +12,6 @@
 #include "acus/data/mesh/surface_io.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/segmentation/label_mapping.h"
 #include "acus/patient/segmentation/metrics.h"
 #include "acus/patient/segmentation/preview.h"
 
@@ -145,17 +145,11 @@ SegmentationConfig ReadSegmentationConfig(const fs::path& path) {
 }
 
 volume::LabelMap SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
-                                const std::optional<ForeignLabels>& import,
                                 const RunContext& context) {
   volume::LabelMap labels = FindTissues(ct, config.tissues, context);
   for (const OrganSeed& organ : config.organs) {
     context.Checkpoint(Message("finding the ", organ.tissue), 0.0);
     AddOrgan(FindOrgan(ct, organ, context), organ.tissue, labels);
-  }
-  if (import) {
-    context.Checkpoint("importing labels", 0.0);
-    Overlay(ImportLabels(import->file, ReadLabelMapping(import->mapping), ct.geometry, context),
-            labels);
   }
   return labels;
 }
@@ -163,16 +157,14 @@ volume::LabelMap SegmentPatient(const volume::CtVolume& ct, const SegmentationCo
 std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
                                             const ForeignLabels& reference,
                                             const RunContext& context) {
-  const LabelMapping mapping = ReadLabelMapping(reference.mapping);
-  const volume::LabelMap truth = ImportLabels(reference.file, mapping, labels.geometry, context);
+  ImportedLabels import = ReadImportedLabels(reference, labels.geometry, context);
+  const volume::LabelMap truth = TissuesIn(import);
   std::vector<Agreement> agreement;
-  if (mapping.covers_body) {
+  if (import.mapping.covers_body) {
     context.Checkpoint("comparing the body", 0.0);
     // Values without a tissue of their own are body as well.
-    volume::LabelMap body = truth;
-    LabelMapping any = mapping;
-    for (auto& [value, tissue] : any.tissue) tissue = volume::LabelOf("soft_tissue");
-    body = ImportLabels(reference.file, any, labels.geometry, context);
+    for (auto& [value, tissue] : import.mapping.tissue) tissue = volume::LabelOf("soft_tissue");
+    const volume::LabelMap body = TissuesIn(import);
     agreement.push_back(
         Agree("body", MaskOf(labels, std::nullopt), MaskOf(body, std::nullopt), context));
   }
@@ -212,7 +204,7 @@ volume::LabelMap TissuesOf(const volume::CtVolume& ct, const fs::path& labels,
                            RunContext& context) {
   if (labels.empty()) {
     const fs::path preset = config::FindConfig("segmentation/default.json", ".");
-    return SegmentPatient(ct, ReadSegmentationConfig(preset), {}, context);
+    return SegmentPatient(ct, ReadSegmentationConfig(preset), context);
   }
   context.provenance.AddInput(labels);
   volume::LabelMap map = volume::ReadTissues(labels);

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "acus/base/core/run_context.h"
+#include "acus/patient/segmentation/imported_labels.h"
 #include "acus/patient/segmentation/organs.h"
 #include "acus/patient/segmentation/surface_extraction.h"
 #include "acus/patient/segmentation/tissues.h"
@@ -23,12 +23,6 @@ struct SegmentationConfig {
 /// Reads a file of format acus-segmentation/1. @throws InputError naming every problem.
 SegmentationConfig ReadSegmentationConfig(const std::filesystem::path& path);
 
-/// A label map made elsewhere and the table that translates it.
-struct ForeignLabels {
-  std::filesystem::path file;
-  std::filesystem::path mapping;
-};
-
 /// How one tissue agrees with a reference.
 struct Agreement {
   std::string tissue;  ///< A tissue, or "body": everything but outside.
@@ -44,9 +38,8 @@ std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
                                             const ForeignLabels& reference,
                                             const RunContext& context);
 
-/// Finds tissues, then organs from their seeds, then lays imported labels over them.
+/// Finds tissues, then organs from their seeds.
 volume::LabelMap SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
-                                const std::optional<ForeignLabels>& import,
                                 const RunContext& context);
 
 /// The tissues of a CT: as in `labels`, or, if that is empty, found with the preset default.json.
