@@ -66,7 +66,8 @@ inline std::string PackedBits(const DicomSegObject& object) {
   return packed;
 }
 
-inline void WriteDicomSegmentation(const std::filesystem::path& path, const DicomSegObject& object) {
+inline void WriteDicomSegmentation(const std::filesystem::path& path,
+                                   const DicomSegObject& object) {
   const std::string segmentation_storage = "1.2.840.10008.5.1.4.1.1.66.4";
   DicomBytes meta, body, orientation, measures, shared;
   meta.Element(2, 0x10, "UI", "1.2.840.10008.1.2.1");

@@ -11,8 +11,8 @@
 
 namespace acus::testing_support {
 
-/// 8-bit labels on a grid of 1 mm, axes RAS, first voxel at the origin. Each extension is a text with
-/// code 0.
+/// 8-bit labels on a grid of 1 mm, axes RAS, first voxel at the origin. Each extension is a text
+/// with code 0.
 inline void WriteNiftiLabels(const std::filesystem::path& path, int columns, int rows, int slices,
                              const std::vector<std::uint8_t>& labels,
                              const std::vector<std::string>& extensions) {

@@ -64,23 +64,28 @@ std::map<std::string, std::string> SegmentKeys(const Grid<Label>& labels,
   return keys;
 }
 
-ValueNames SegmentsFromKeys(const std::map<std::string, std::string>& keys) {
-  ValueNames names;
+std::vector<LayeredSegment> SegmentsFromKeys(const std::map<std::string, std::string>& keys) {
+  std::vector<LayeredSegment> segments;
   for (const auto& [key, text] : keys) {
     if (!key.starts_with("Segment") || !key.ends_with("_LabelValue")) continue;
-    const std::string segment = key.substr(0, key.size() - std::string("LabelValue").size());
-    std::int32_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || value <= 0) continue;
+    const std::string prefix = key.substr(0, key.size() - std::string("LabelValue").size());
     const auto field = [&](const char* name) {
-      const auto found = keys.find(segment + name);
+      const auto found = keys.find(prefix + name);
       return found == keys.end() ? std::string() : found->second;
     };
-    ValueName name = TermsFrom(field("Tags"));
-    name.text = field("Name");
-    if (!name.text.empty() || !name.codes.empty()) names[value] = std::move(name);
+    const auto number = [](const std::string& digits) {
+      std::int32_t value = -1;
+      std::from_chars(digits.data(), digits.data() + digits.size(), value);
+      return value;
+    };
+    LayeredSegment segment{.layer = std::max(number(field("Layer")), 0),
+                           .value = number(text),
+                           .name = TermsFrom(field("Tags"))};
+    segment.name.text = field("Name");
+    const bool says_nothing = segment.name.text.empty() && segment.name.codes.empty();
+    if (segment.value > 0 && !says_nothing) segments.push_back(std::move(segment));
   }
-  return names;
+  return segments;
 }
 
 std::map<Label, std::string> NamesFromKeys(const std::map<std::string, std::string>& keys) {

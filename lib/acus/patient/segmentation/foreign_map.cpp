@@ -1,7 +1,6 @@
 #include "acus/patient/segmentation/foreign_map.h"
 
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
 #include "acus/base/core/error.h"
@@ -15,27 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One structure of a folder: the places of its voxels.
-struct MaskFile {
-  std::string name;
-  std::vector<std::uint32_t> voxels;
-};
-
-std::vector<std::uint32_t> VoxelsOf(const volume::Grid<std::int32_t>& mask, const fs::path& file) {
-  ACUS_REQUIRE(mask.voxels.size() < 0xFFFFFFFFU, file.string(), ": has ", mask.voxels.size(),
-               " voxels; masks of a folder have less than 2^32");
-  std::vector<std::uint32_t> voxels;
+/// @throws InputError if the mask has two values above 0.
+void RequireOneValue(const volume::Grid<std::int32_t>& mask, const fs::path& file) {
   std::int32_t first = 0;
-  for (std::size_t n = 0; n < mask.voxels.size(); ++n) {
-    const std::int32_t value = mask.voxels[n];
-    if (value == 0) continue;
+  for (const std::int32_t value : mask.voxels) {
     if (first == 0) first = value;
-    ACUS_REQUIRE(value == first, file.string(), ": has the values ", first, " and ", value,
-                 "; a folder holds one mask for each structure. Give a file with several labels "
-                 "itself, not its folder");
-    voxels.push_back(static_cast<std::uint32_t>(n));
+    ACUS_REQUIRE(value == 0 || value == first, file.string(), ": has the values ", first, " and ",
+                 value, "; a folder holds one mask for each structure. Give a file with several "
+                 "labels itself, not its folder");
   }
-  return voxels;
 }
 
 std::vector<fs::path> FilesIn(const fs::path& folder) {
@@ -47,28 +34,20 @@ std::vector<fs::path> FilesIn(const fs::path& folder) {
   return files;
 }
 
-/// Values are 1, 2, ... in the order of the names.
 volume::NamedValues FromMasks(const std::vector<fs::path>& files) {
-  volume::NamedValues map;
-  std::vector<MaskFile> masks;
+  std::vector<volume::NamedMask> masks;
+  volume::Geometry grid;
   for (const fs::path& file : files) {
     const volume::Grid<std::int32_t> mask = volume::ReadIntegerVolume(file);
-    if (masks.empty()) map.values = volume::Grid<std::int32_t>(mask.geometry);
-    ACUS_REQUIRE(mask.geometry.Matches(map.values.geometry), file.string(),
-                 ": lies on another grid than ", files.front().filename().string(),
-                 "; the masks of a folder need one grid");
-    masks.push_back({.name = StemOf(file), .voxels = VoxelsOf(mask, file)});
+    if (masks.empty()) grid = mask.geometry;
+    ACUS_REQUIRE(mask.geometry.Matches(grid), file.string(), ": lies on another grid than ",
+                 files.front().filename().string(), "; the masks of a folder need one grid");
+    RequireOneValue(mask, file);
+    masks.push_back({.name = {.text = StemOf(file), .codes = {}},
+                     .voxels = VoxelsWhere(mask, file.string(),
+                                           [](std::int32_t value) { return value != 0; })});
   }
-  std::vector<std::size_t> order(masks.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    return masks[a].voxels.size() > masks[b].voxels.size();
-  });
-  for (const std::size_t n : order) {
-    const auto value = static_cast<std::int32_t>(n + 1);
-    for (const std::uint32_t voxel : masks[n].voxels) map.values.voxels[voxel] = value;
-    map.names[value] = {.text = masks[n].name, .codes = {}};
-  }
+  volume::NamedValues map = volume::Merged(masks, grid);
   map.named_by = "by the names of its files";
   return map;
 }

@@ -18,8 +18,14 @@ constexpr double kHeightMarginMm = 80.0;   // Of typical heights, from which on 
 constexpr double kLeastMl = 2.0;           // Smaller pieces have no reliable centroid or HU.
 constexpr double kMostOutsideBody = 0.10;  // Shares of voxels.
 constexpr double kUnusualOutsideBody = 0.01;
-constexpr double kMostWrongHu = 0.25;
+constexpr double kMostWrongHu = 0.25;  // In one structure.
 constexpr double kUnusualWrongHu = 0.12;
+constexpr double kMostWrongHuOfAll = 0.06;  // In all together, where misplaced edges add up.
+constexpr double kUnusualWrongHuOfAll = 0.015;
+constexpr double kJudgedMl = 50.0;    // Smaller structures alone do not refuse a map.
+constexpr int kDenseBoneHu = 100;     // Of cortex and of most marrow.
+constexpr double kLeastDense = 0.25;  // Shares of the bones' voxels.
+constexpr double kUsualDense = 0.45;
 constexpr std::size_t kMostFindings = 8;
 
 /// All voxels of one structure.
@@ -30,6 +36,7 @@ struct PartOfImport {
   double outside_body = 0.0;
   double wrong_hu = 0.0;
   double air = 0.0;
+  double dense = 0.0;
   Eigen::Vector3d sum_mm = Eigen::Vector3d::Zero();
   bool touches_border = false;
   double ml = 0.0;
@@ -75,6 +82,7 @@ Parts PartsOf(const ImportedLabels& import, const volume::CtVolume& ct,
         part.sum_mm += ct_from_index * Eigen::Vector3d(i, j, k);
         part.outside_body += found.voxels[n] == 0 ? 1.0 : 0.0;
         part.air += hu < kAirHu ? 1.0 : 0.0;
+        part.dense += hu > kDenseBoneHu ? 1.0 : 0.0;
         if (range[last]) part.wrong_hu += hu < range[last]->least || hu > range[last]->most;
         part.touches_border |= i == 0 || j == 0 || k == 0 || i + 1 == grid.size[0] ||
                                j + 1 == grid.size[1] || k + 1 == grid.size[2];
@@ -91,7 +99,7 @@ std::string Ml(double ml) {
 }
 
 std::string Percent(double share) {
-  return Message(std::round(100.0 * share), " %");
+  return Message(std::round(1000.0 * share) / 10.0, " %");
 }
 
 void CheckVolumes(const Parts& parts, ImportFindings& findings) {
@@ -189,7 +197,7 @@ void CheckHeights(const Parts& parts, ImportFindings& findings) {
     for (const PartOfImport& low : parts) {
       const auto& above = high.what.structure.height_mm;
       const auto& below = low.what.structure.height_mm;
-      if (!above || !below || *above < *below + kHeightMarginMm) continue;
+      if (!above || !below || *above <= *below + kHeightMarginMm) continue;
       if (high.ml < kLeastMl || low.ml < kLeastMl) continue;
       if (high.centroid_mm()[2] > low.centroid_mm()[2]) {
         ++num_right;
@@ -237,18 +245,50 @@ void CheckBody(const Parts& parts, ImportFindings& findings) {
   }
 }
 
-/// Air in organs, soft "bone", and what else the HU of the CT contradict.
+/// Structures whose HU the CT contradicts: air or fat in an organ, bone in a lung.
 void CheckHu(const Parts& parts, const LabelNames& names, ImportFindings& findings) {
   for (const PartOfImport& part : parts) {
     const auto range = names.HuOf(part.what.structure.tissue);
     if (!range || part.ml < kLeastMl) continue;
     const double share = part.wrong_hu / part.count;
     if (share <= kUnusualWrongHu) continue;
-    auto& list = share > kMostWrongHu ? findings.impossible : findings.unusual;
+    auto& list =
+        share > kMostWrongHu && part.ml > kJudgedMl ? findings.impossible : findings.unusual;
     list.push_back(Message("'", part.name, "' has ", Percent(share), " of its voxels outside ",
                            range->least, " to ", range->most,
                            " HU (air: ", Percent(part.air / part.count), ")"));
   }
+}
+
+/// Edges that do not meet those of the CT: each of the two signs alone may have another cause (bone
+/// that has lost its calcium, gas), both together are a map of another patient or place.
+void CheckEdges(const Parts& parts, const LabelNames& names, ImportFindings& findings) {
+  PartOfImport all, bones;
+  for (const PartOfImport& part : parts) {
+    const volume::Label tissue = part.what.structure.tissue;
+    if (!names.HuOf(tissue)) continue;
+    all.count += part.count;
+    all.ml += part.ml;
+    all.wrong_hu += part.wrong_hu;
+    if (tissue != volume::LabelOf("bone")) continue;
+    bones.count += part.count;
+    bones.ml += part.ml;
+    bones.dense += part.dense;
+  }
+  const double wrong = all.ml > kJudgedMl ? all.wrong_hu / all.count : 0.0;
+  const double dense = bones.ml > kJudgedMl ? bones.dense / bones.count : 1.0;
+  if (wrong <= kUnusualWrongHuOfAll && dense >= kUsualDense) return;
+  const bool both = wrong > kUnusualWrongHuOfAll && dense < kUsualDense;
+  auto& list = both || wrong > kMostWrongHuOfAll || dense < kLeastDense ? findings.impossible
+                                                                        : findings.unusual;
+  std::string text = Message(Percent(wrong),
+                             " of its voxels have HU that their tissues do not have (usual: below ",
+                             Percent(kUnusualWrongHuOfAll), ")");
+  if (bones.ml > kJudgedMl) {
+    text += Message(", and ", Percent(dense), " of its bone is above ", kDenseBoneHu,
+                    " HU (usual: ", Percent(kUsualDense), " or more)");
+  }
+  list.push_back(text + ": another patient, or a map that is shifted");
 }
 
 /// The table and the file's own names must mean the same.
@@ -292,6 +332,7 @@ ImportFindings CheckImport(const ImportedLabels& import, const volume::CtVolume&
   CheckVertebrae(parts, findings);
   CheckBody(parts, findings);
   CheckHu(parts, import.names, findings);
+  CheckEdges(parts, import.names, findings);
   return findings;
 }
 

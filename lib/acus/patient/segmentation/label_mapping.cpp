@@ -102,10 +102,18 @@ volume::LabelMap Translated(const volume::Grid<std::int32_t>& values, const Labe
     if (last_label != 0)
       labels.names[last_label] = std::string(volume::StandardLabels()[last_label].name);
   }
+  constexpr std::size_t kMostValuesListed = 20;
   std::string listed;
-  for (const std::int32_t value : unknown) listed += Message(" ", value);
+  std::size_t num_listed = 0;
+  for (const std::int32_t value : unknown) {
+    if (++num_listed <= kMostValuesListed) listed += Message(" ", value);
+  }
+  if (num_listed > kMostValuesListed) {
+    listed += Message(" and ", num_listed - kMostValuesListed, " more");
+  }
   ACUS_REQUIRE(unknown.empty(), path.string(), ": values that are not in the mapping:", listed,
-               "; add them to it (tissue 'outside' for what should be ignored)");
+               "; add them to it (tissue 'outside' for what should be ignored), or give another "
+               "table by --mapping");
   return labels;
 }
 

@@ -13,7 +13,8 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-/// 3 x 3 pixels of 1 x 2 mm in planes at z = 10 (both segments), 14 (the first) and 22 (the second).
+/// 3 x 3 pixels of 1 x 2 mm in planes at z = 10 (both segments), 14 (the first) and 22 (the
+/// second).
 testing_support::DicomSegObject TwoSegments() {
   testing_support::DicomSegObject object;
   object.segments = {{.label = "Liver", .code = "10200004", .side_code = ""},
@@ -53,8 +54,7 @@ TEST(DicomSegmentation, LiesOnATurnedGridAsItsFramesSay) {
                    {2, {28, 0, 0}, {0, 1, 0, 0, 0, 0, 0, 0, 0}}};
   WriteDicomSegmentation(folder / "s.dcm", object);
   const NamedValues map = ReadDicomSegmentation(folder / "s.dcm");
-  const Eigen::Vector3d second =
-      map.values.geometry.ct_from_index() * Eigen::Vector3d(1, 0, 1);
+  const Eigen::Vector3d second = map.values.geometry.ct_from_index() * Eigen::Vector3d(1, 0, 1);
   EXPECT_EQ(map.values.At(1, 0, 1), 2);
   EXPECT_TRUE(second.isApprox(Eigen::Vector3d(28, 1, 0))) << second;
 }

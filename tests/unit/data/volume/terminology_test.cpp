@@ -53,19 +53,24 @@ TEST(Terminology, OfASegmentIsReadWithTypeRegionAndSide) {
   EXPECT_TRUE(TermsFrom("TerminologyEntry:one~two").codes.empty());
 }
 
-TEST(SegmentsFromKeys, HaveNameAndCodesByValue) {
-  const auto names = SegmentsFromKeys({{"Segment0_LabelValue", "300"},
-                                       {"Segment0_Name", "Segment_1"},
-                                       {"Segment0_Tags", "TerminologyEntry:L~SCT^1^c~SCT^2^t~^^"},
-                                       {"Segment1_LabelValue", "2"},
-                                       {"Segment1_Name", "liver"},
-                                       {"Segment2_LabelValue", "nothing"},
-                                       {"Segment2_Name", "spleen"}});
-  ASSERT_EQ(names.size(), 2U);
-  EXPECT_EQ(names.at(300).text, "Segment_1");
-  EXPECT_EQ(names.at(300).codes, std::vector<std::string>{"2"});
-  EXPECT_EQ(names.at(2).text, "liver");
-  EXPECT_TRUE(names.at(2).codes.empty());
+TEST(SegmentsFromKeys, HaveLayerNameAndCodes) {
+  const auto segments =
+      SegmentsFromKeys({{"Segment0_LabelValue", "300"},
+                        {"Segment0_Name", "Segment_1"},
+                        {"Segment0_Layer", "1"},
+                        {"Segment0_Tags", "TerminologyEntry:L~SCT^1^c~SCT^2^t~^^"},
+                        {"Segment1_LabelValue", "2"},
+                        {"Segment1_Name", "liver"},
+                        {"Segment2_LabelValue", "nothing"},
+                        {"Segment2_Name", "spleen"}});
+  ASSERT_EQ(segments.size(), 2U);
+  EXPECT_EQ(segments[0].layer, 1);
+  EXPECT_EQ(segments[0].value, 300);
+  EXPECT_EQ(segments[0].name.text, "Segment_1");
+  EXPECT_EQ(segments[0].name.codes, std::vector<std::string>{"2"});
+  EXPECT_EQ(segments[1].layer, 0);
+  EXPECT_EQ(segments[1].name.text, "liver");
+  EXPECT_TRUE(segments[1].name.codes.empty());
 }
 
 }  // namespace

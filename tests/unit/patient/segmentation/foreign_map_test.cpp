@@ -79,8 +79,9 @@ TEST(ForeignMap, OfAFolderHasTheSmallerMaskOnTop) {
   EXPECT_THAT([&] { ReadForeignMap(folder / "."); },
               ThrowsMessage<InputError>(HasSubstr("spleen.nii: has the values 1 and 2")));
   WriteNiftiLabels(folder / "spleen.nii", 2, 2, 1, {0, 0, 1, 1}, {});
-  EXPECT_THAT([&] { ReadForeignMap(folder / "."); },
-              ThrowsMessage<InputError>(HasSubstr("spleen.nii: lies on another grid than aorta.nii")));
+  EXPECT_THAT(
+      [&] { ReadForeignMap(folder / "."); },
+      ThrowsMessage<InputError>(HasSubstr("spleen.nii: lies on another grid than aorta.nii")));
 }
 
 TEST(ForeignMap, OfAFolderMayBeASegmentationObject) {

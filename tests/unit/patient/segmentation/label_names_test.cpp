@@ -59,7 +59,8 @@ TEST(LabelNames, HaveEveryStandardTissueByNameAndByItsCode) {
 }
 
 TEST(LabelNames, AreFoundInManySpellings) {
-  for (const char* name : {"kidney_left", "Left Kidney", "left kidneys", "kidney-left", "KIDNEY LEFT"}) {
+  for (const char* name :
+       {"kidney_left", "Left Kidney", "left kidneys", "kidney-left", "KIDNEY LEFT"}) {
     const auto found = Table().Find({.text = name, .codes = {}});
     ASSERT_TRUE(found) << name;
     EXPECT_EQ(found->structure.name, "kidney");

@@ -51,11 +51,13 @@ TEST(LayImports, MergesMapsByNameTheLastRemains) {
                    {NiftiLabelXml({{9, "pancreas"}, {4, "Spleen"}})});
   WriteNiftiLabels(row.folder / "vessels.nii", 6, 1, 1, {0, 1, 2, 0, 0, 0},
                    {NiftiLabelXml({{1, "liver_vessels"}, {2, "body"}})});
-  const std::string report = row.Lay({{row.folder / "total.nii", {}}, {row.folder / "vessels.nii", {}}});
+  const std::string report =
+      row.Lay({{row.folder / "total.nii", {}}, {row.folder / "vessels.nii", {}}});
   EXPECT_THAT(row.Tissues(), testing::ElementsAre("pancreas", "vessel", "pancreas", "spleen",
                                                   "muscle", "spleen"));  // Bone is no obstacle.
-  EXPECT_THAT(report, AllOf(HasSubstr("total.nii: 2 structures, by the label table in its header\n"),
-                            HasSubstr("vessels.nii: 2 structures")));
+  EXPECT_THAT(report,
+              AllOf(HasSubstr("total.nii: 2 structures, by the label table in its header\n"),
+                    HasSubstr("vessels.nii: 2 structures")));
 }
 
 TEST(LayImports, NamesAreThoseOfTheFileWhateverItsNumbersAre) {
@@ -68,7 +70,8 @@ TEST(LayImports, NamesAreThoseOfTheFileWhateverItsNumbersAre) {
   EXPECT_EQ(row.warnings, "");
   EXPECT_THAT(
       [&] {
-        row.Lay({{row.folder / "a.nii", ACUS_SOURCE_DIR "/configs/label_maps/totalsegmentator.json"}});
+        row.Lay(
+            {{row.folder / "a.nii", ACUS_SOURCE_DIR "/configs/label_maps/totalsegmentator.json"}});
       },
       ThrowsMessage<InputError>(HasSubstr("value 5 is 'pancreas' for the file, but 'liver'")));
 }
@@ -86,10 +89,13 @@ TEST(LayImports, ListsNamesThatItDoesNotHave) {
   RowOfVoxels row;
   WriteNiftiLabels(row.folder / "a.nii", 6, 1, 1, {1, 2, 3, 4, 0, 0},
                    {NiftiLabelXml({{1, "splen"}, {2, "Segment_2"}, {4, "liver"}})});
-  EXPECT_THAT([&] { row.Lay({{row.folder / "a.nii", {}}}); },
-              ThrowsMessage<InputError>(
-                  AllOf(HasSubstr("'splen' (1), like 'spleen'?"), HasSubstr("'Segment_2' (2)"),
-                        HasSubstr("'no name' (3)"), HasSubstr("--mapping"))));
+  EXPECT_THAT(
+      [&] {
+        row.Lay({{row.folder / "a.nii", {}}});
+      },
+      ThrowsMessage<InputError>(AllOf(HasSubstr("'splen' (1), like 'spleen'?"),
+                                      HasSubstr("'Segment_2' (2)"), HasSubstr("'no name' (3)"),
+                                      HasSubstr("--mapping"))));
   WriteTextFile(row.folder / "mine.json", R"({"format": "acus-label-names/1", "structures": [
       {"names": ["splen"], "tissue": "spleen"}, {"names": ["segment 2"], "tissue": "outside"}]})");
   WriteNiftiLabels(row.folder / "a.nii", 6, 1, 1, {1, 2, 0, 0, 0, 0},
@@ -98,8 +104,11 @@ TEST(LayImports, ListsNamesThatItDoesNotHave) {
   EXPECT_EQ(row.Tissues()[0], "spleen");
   EXPECT_EQ(row.Tissues()[1], "muscle");
   WriteNiftiLabels(row.folder / "b.nii", 6, 1, 1, {1, 2, 0, 0, 0, 0}, {});
-  EXPECT_THAT([&] { row.Lay({{row.folder / "b.nii", row.folder / "mine.json"}}); },
-              ThrowsMessage<InputError>(HasSubstr("mine.json cannot be used")));
+  EXPECT_THAT(
+      [&] {
+        row.Lay({{row.folder / "b.nii", row.folder / "mine.json"}});
+      },
+      ThrowsMessage<InputError>(HasSubstr("mine.json cannot be used")));
 }
 
 TEST(LayImports, BoneThatACompleteMapDoesNotHaveGoes) {
@@ -123,9 +132,12 @@ TEST(LayImports, SaysWhereTheTwoLieIfTheyDoNotMeet) {
   RowOfVoxels row;
   row.ct.geometry.origin_mm[2] += 500.0;
   row.labels.geometry = row.ct.geometry;
-  EXPECT_THAT([&] { row.Lay({{row.folder / "grid.nii", {}}}); },
-              ThrowsMessage<InputError>(AllOf(HasSubstr("z 0 to 0 mm, the CT"),
-                                              HasSubstr("z 500 to 500 mm"))));
+  EXPECT_THAT(
+      [&] {
+        row.Lay({{row.folder / "grid.nii", {}}});
+      },
+      ThrowsMessage<InputError>(
+          AllOf(HasSubstr("z 0 to 0 mm, the CT"), HasSubstr("z 500 to 500 mm"))));
 }
 
 }  // namespace
