@@ -34,6 +34,35 @@ acus_add_cli_case(acus-segment.vertebra_without_point EXIT 3 NEEDS inputs LEAVES
 acus_add_cli_case(acus-segment.label_map_as_ct EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "label map.*no CT in Hounsfield units"
   COMMAND acus-segment $INPUTS/labels.seg.nrrd -o out)
+# Label maps made elsewhere: by name, and not if they cannot be of the patient.
+acus_add_cli_case(acus-segment.import_by_segments EXIT 0 NEEDS inputs TIMEOUT 300 BEFORE "${segment_ct}"
+  STDOUT "labels.seg.nrrd: [0-9]+ structures, by the names of its segments"
+  CREATES out/labels.seg.nrrd
+  COMMAND acus-segment ct.nrrd --import $INPUTS/labels.seg.nrrd -o out)
+set(segment_muscle_as_spleen
+    "sed 's/\"muscle\", \"tissue\": \"muscle\"/\"spleen\", \"tissue\": \"spleen\"/' $ACUS_CONFIGS/label_maps/acus.json > m.json")
+acus_add_cli_case(acus-segment.import_impossible EXIT 3 NEEDS inputs TIMEOUT 300 LEAVES_NOTHING
+  BEFORE "${segment_ct}\n${segment_muscle_as_spleen}"
+  STDERR "value 3 is 'muscle' for the file, but 'spleen' for the table"
+  COMMAND acus-segment ct.nrrd --import $INPUTS/labels.seg.nrrd --mapping m.json -o out)
+acus_add_cli_case(acus-segment.import_impossible_accepted EXIT 0 NEEDS inputs TIMEOUT 300
+  BEFORE "${segment_ct}\n${segment_muscle_as_spleen}"
+  STDERR "warning: .*labels.seg.nrrd: cannot be labels of the patient" CREATES out/labels.seg.nrrd
+  COMMAND acus-segment ct.nrrd --import $INPUTS/labels.seg.nrrd --mapping m.json
+          --accept-implausible -o out)
+acus_add_cli_case(acus-segment.import_empty_folder EXIT 3 NEEDS inputs TIMEOUT 300 LEAVES_NOTHING
+  BEFORE "${segment_ct}\nmkdir masks" STDERR "masks: holds 0 DICOM segmentation objects"
+  COMMAND acus-segment ct.nrrd --import masks -o out)
+acus_add_cli_case(acus-segment.import_a_ct EXIT 3 NEEDS inputs TIMEOUT 300 LEAVES_NOTHING
+  BEFORE "${segment_ct}" STDERR "ct.nrrd: values that are not in the mapping: .* and [0-9]+ more"
+  COMMAND acus-segment ct.nrrd --import ct.nrrd -o out)
+acus_add_cli_case(acus-segment.accept_without_import EXIT 2 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${segment_ct}" STDERR "--accept-implausible requires --import"
+  COMMAND acus-segment ct.nrrd --accept-implausible -o out)
+acus_add_cli_case(acus-segment.three_mappings_for_two EXIT 2 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${segment_ct}\necho {} > m.json" STDERR "one for all, or one for each --import"
+  COMMAND acus-segment ct.nrrd --import ct.nrrd --import ct.nrrd --mapping m.json --mapping m.json
+          --mapping m.json -o out)
 # The lumbar puncture of the demo feels the same with the labels found as with the exact ones.
 foreach(seed 1 12)
   add_test(NAME cli.acus-segment.spine_session_${seed}

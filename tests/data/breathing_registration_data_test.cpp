@@ -27,7 +27,7 @@ class BreathingCt {
     context_.num_threads = 2;
     const auto config = segmentation::ReadSegmentationConfig(
         std::filesystem::path(ACUS_SOURCE_DIR) / "configs/segmentation/default.json");
-    const auto labels = segmentation::SegmentPatient(ct_, config, {}, context_).labels;
+    const auto labels = segmentation::SegmentPatient(ct_, config, context_).labels;
     const testing_support::TemporaryFolder temporary;
     volume::WriteLabelMap(temporary / "labels.seg.nrrd", labels);
     motion_.emplace(phantom::FindCavity(labels, context_), phantom::BreathingSettings{});

@@ -4,6 +4,7 @@
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/atlas/atlas_organs.h"
+#include "acus/patient/segmentation/import_gate.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
 #include "support/shared_data.h"
 
@@ -11,6 +12,9 @@ namespace acus::segmentation {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
 
 #define ACUS_DATA(variable, name)                          \
   const auto variable = testing_support::SharedData(name); \
@@ -24,7 +28,7 @@ RunContext TwoThreads() {
 
 volume::LabelMap Segmented(const fs::path& ct) {
   const auto config = ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
-  return SegmentPatient(volume::ReadCt(ct, "", TwoThreads()), config, std::nullopt, TwoThreads())
+  return SegmentPatient(volume::ReadCt(ct, "", TwoThreads()), config, TwoThreads())
       .labels;
 }
 
@@ -124,12 +128,125 @@ TEST(RealPatients, ThoraxHasTwoLungsOfALivingPersonAndABody) {
   EXPECT_LT(VolumeMl(labels, "bone"), 2500.0);
 }
 
+/// A CT with the labels of a map made elsewhere, and what speaks against these.
+struct ImportOfData {
+  ImportOfData(const fs::path& ct_path, const fs::path& map_path, const fs::path& mapping)
+      : ct(volume::ReadCt(ct_path, "", TwoThreads())),
+        found(SegmentPatient(
+            ct, ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json"),
+            TwoThreads()).labels),
+        import(ReadImportedLabels({map_path, mapping}, ct.geometry, TwoThreads())) {}
+  ImportFindings Check() const { return CheckImport(import, ct, found); }
+
+  volume::CtVolume ct;
+  volume::LabelMap found;
+  ImportedLabels import;
+};
+
+/// The example's map with every value that occurs given the name of another, as where the table of
+/// another version is used.
+void ShuffleNames(ImportedLabels& import) {
+  std::vector<NamedStructure> structures;
+  for (const auto& [value, what] : import.structures) structures.push_back(what);
+  std::ranges::rotate(structures, structures.begin() + 5);
+  std::size_t next = 0;
+  for (auto& [value, what] : import.structures) {
+    what = structures[next++];
+    import.mapping.tissue[value] = what.structure.tissue;
+    import.mapping.name[value] = what.structure.name;
+  }
+  import.own_names.clear();
+}
+
+/// Moves all values by voxels along each axis.
+void ShiftValues(volume::Grid<std::int32_t>& values, const Eigen::Array3i& by) {
+  const volume::Grid<std::int32_t> from = values;
+  for (int k = 0; k < values.geometry.size[2]; ++k) {
+    for (int j = 0; j < values.geometry.size[1]; ++j) {
+      for (int i = 0; i < values.geometry.size[0]; ++i) {
+        const Eigen::Array3i at = Eigen::Array3i(i, j, k) - by;
+        values.At(i, j, k) =
+            from.geometry.Contains(at[0], at[1], at[2]) ? from.At(at[0], at[1], at[2]) : 0;
+      }
+    }
+  }
+}
+
+TEST(ImportedMaps, OfTheSamePatientAreAcceptedByTheirOwnNames) {
+  ACUS_DATA(total, "ct/totalseg/example_ct.nii.gz");
+  ACUS_DATA(total_labels, "ct/totalseg/example_seg_fast_force_split.nii.gz");
+  ACUS_DATA(ircad, "ct/ircadb01_dicom");
+  ACUS_DATA(ircad_labels, "ct/ircadb01_labels.vti");
+  const ImportOfData by_names(*total, *total_labels, {});
+  EXPECT_EQ(by_names.import.named_by, "by the label table in its header");
+  EXPECT_EQ(by_names.import.structures.size(), 61U);
+  EXPECT_TRUE(by_names.import.mapping.all_bones);
+  EXPECT_THAT(by_names.Check().impossible, IsEmpty());
+  EXPECT_THAT(by_names.Check().unusual, IsEmpty());
+  const ImportOfData by_values(*ircad, *ircad_labels,
+                               ACUS_SOURCE_DIR "/configs/label_maps/ircadb.json");
+  EXPECT_THAT(by_values.Check().impossible, IsEmpty());
+}
+
+TEST(ImportedMaps, ThatAreShuffledMirroredOrShiftedAreRefused) {
+  ACUS_DATA(total, "ct/totalseg/example_ct.nii.gz");
+  ACUS_DATA(total_labels, "ct/totalseg/example_seg_fast_force_split.nii.gz");
+  const ImportOfData right(*total, *total_labels, {});
+  ImportOfData shuffled = right;
+  ShuffleNames(shuffled.import);
+  EXPECT_THAT(shuffled.Check().impossible, Contains(HasSubstr("are possible")));
+  ImportOfData mirrored = right;
+  for (std::size_t row = 0; row < mirrored.import.values.voxels.size(); row += 122) {
+    std::reverse(&mirrored.import.values.voxels[row], &mirrored.import.values.voxels[row] + 122);
+  }
+  EXPECT_THAT(mirrored.Check().impossible, Contains(HasSubstr("left and right are swapped")));
+  for (const Eigen::Array3i& by : {Eigen::Array3i(5, 0, 0), Eigen::Array3i(0, 5, 0),
+                                   Eigen::Array3i(0, 0, 5), Eigen::Array3i(0, 0, -10)}) {
+    ImportOfData shifted = right;
+    ShiftValues(shifted.import.values, by);
+    EXPECT_THAT(shifted.Check().impossible, Contains(HasSubstr("a map that is shifted")))
+        << by.transpose();
+  }
+}
+
+TEST(ImportedMaps, OfAnotherPatientOnTheSameGridAreRefused) {
+  ACUS_DATA(ircad, "ct/ircadb01_dicom");
+  ACUS_DATA(total_labels, "ct/totalseg/example_seg_fast_force_split.nii.gz");
+  ACUS_DATA(total, "ct/totalseg/example_ct.nii.gz");
+  ImportOfData patient(*total, *total_labels, {});
+  // The CT of ircadb01, laid so that the centres of the two fields meet.
+  volume::CtVolume other = volume::ReadCt(*ircad, "", TwoThreads());
+  const auto centre = [](const volume::Geometry& grid) -> Eigen::Vector3d {
+    return grid.ct_from_index() * (0.5 * (grid.size - 1).cast<double>()).matrix();
+  };
+  other.geometry.origin_mm += centre(patient.ct.geometry) - centre(other.geometry);
+  volume::Grid<std::int32_t> hu(other.geometry);
+  constexpr int kShift = 2000;  // So that 0 remains where there is no CT.
+  std::ranges::transform(other.voxels, hu.voxels.begin(), [](int value) { return value + kShift; });
+  const auto resampled = ValuesOnGrid(hu, patient.ct.geometry, *ircad, TwoThreads());
+  std::ranges::transform(resampled.voxels, patient.ct.voxels.begin(), [](std::int32_t value) {
+    return value == 0 ? volume::kPaddingHu : static_cast<std::int16_t>(value - kShift);
+  });
+  EXPECT_THAT(patient.Check().impossible, Contains(HasSubstr("another patient")));
+}
+
+TEST(ImportedMaps, ElevenLitresOfSpleenAreRefused) {
+  ACUS_DATA(ircad, "ct/ircadb01_dicom");
+  ACUS_DATA(ircad_labels, "ct/ircadb01_labels.vti");
+  ImportOfData patient(*ircad, *ircad_labels, ACUS_SOURCE_DIR "/configs/label_maps/ircadb.json");
+  // Value 1 is the body there, and the spleen in the table of TotalSegmentator.
+  patient.import.structures[1] = *patient.import.names.Find({.text = "spleen", .codes = {}});
+  patient.import.mapping.tissue[1] = volume::LabelOf("spleen");
+  patient.import.mapping.name[1] = "spleen";
+  EXPECT_THAT(patient.Check().impossible, Contains(HasSubstr("at most 4000 ml are possible")));
+}
+
 /// Agreement of organs in one CT, found from the labels of the other.
 std::vector<Agreement> FromAtlas(const fs::path& ct, const ForeignLabels& reference,
                                  const atlas::AtlasPatient& other) {
   const auto config = ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
   const auto image = volume::ReadCt(ct, "", TwoThreads());
-  auto labels = SegmentPatient(image, config, std::nullopt, TwoThreads()).labels;
+  auto labels = SegmentPatient(image, config, TwoThreads()).labels;
   atlas::AddAtlasOrgans(image, {other}, config.tissues, labels, TwoThreads());
   return CompareWithReference(labels, reference, TwoThreads());
 }

@@ -48,6 +48,22 @@ class DicomBytes {
     const std::string word{static_cast<char>(value & 255), static_cast<char>(value >> 8)};
     Element(group, element, "US", word);
   }
+  /// A sequence of items with stated lengths.
+  void Sequence(std::uint32_t group, std::uint32_t element, const std::vector<DicomBytes>& items) {
+    DicomBytes all;
+    for (const DicomBytes& item : items) {
+      all.U16(0xFFFE);
+      all.U16(0xE000);
+      all.U32(static_cast<std::uint32_t>(item.bytes_.size()));
+      all.bytes_ += item.bytes_;
+    }
+    U16(group);
+    U16(element);
+    bytes_ += "SQ";
+    U16(0);
+    U32(static_cast<std::uint32_t>(all.bytes_.size()));
+    bytes_ += all.bytes_;
+  }
   const std::string& bytes() const { return bytes_; }
 
  private:

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/words.h"
 
 namespace acus::core {
 namespace {
@@ -28,8 +29,13 @@ class Scanner {
           static_cast<Scanner*>(self)->Guard([&](Scanner& s) { s.Open(name, attributes); });
         },
         [](void* self, const char*) {
-          static_cast<Scanner*>(self)->Guard([](Scanner& s) { s.open_.pop_back(); });
+          static_cast<Scanner*>(self)->Guard([](Scanner& s) { s.Close(); });
         });
+    XML_SetCharacterDataHandler(parser_.get(), [](void* self, const char* part, int length) {
+      static_cast<Scanner*>(self)->Guard([&](Scanner& s) {
+        s.elements_[s.open_.back()].text.append(part, static_cast<std::size_t>(length));
+      });
+    });
     XML_SetEntityDeclHandler(parser_.get(), [](void* self, const char* name, int, const char*, int,
                                                const char*, const char*, const char*, const char*) {
       static_cast<Scanner*>(self)->Guard([&](Scanner& s) {
@@ -79,6 +85,12 @@ class Scanner {
     }
     open_.push_back(elements_.size());
     elements_.push_back(std::move(element));
+  }
+
+  void Close() {
+    std::string& text = elements_[open_.back()].text;
+    text = std::string(Trimmed(text));
+    open_.pop_back();
   }
 
   std::string Place() const {

@@ -1,5 +1,5 @@
 // The elements of an XML file with their attributes: as much of XML as MRML scenes and PLUS
-// configurations use. Text between elements is skipped.
+// configurations use.
 #pragma once
 
 #include <optional>
@@ -14,6 +14,7 @@ struct XmlElement {
   std::string name;
   int depth = 0;  ///< 0 for the root.
   std::vector<std::pair<std::string, std::string>> attributes;
+  std::string text;  ///< Directly inside, without the blanks around it.
 
   std::optional<std::string> Attribute(std::string_view key) const;
 };

@@ -28,4 +28,8 @@ bool NiftiIsPlaced(const std::filesystem::path& path);
 /// @throws InputError
 void CheckNrrdHeader(const std::filesystem::path& path, int channels = 1);
 
+/// How many values an NRRD has for each voxel: the first of four sizes if that is a list or vector
+/// (3D Slicer's layers of a segmentation), otherwise 1.
+int NrrdLayers(const std::filesystem::path& path);
+
 }  // namespace acus::volume

@@ -263,6 +263,10 @@ ScalarFile ReadVectorFile(const fs::path& path) {
   return ReadFile(path, 3);
 }
 
+ScalarFile ReadLayeredFile(const fs::path& path, int num_components) {
+  return ReadFile(path, num_components);
+}
+
 void WriteScalarFile(const fs::path& path, const ScalarFile& file) {
   const std::string extension = path.extension().string();
   ACUS_REQUIRE(extension != ".mhd" && extension != ".nhdr", path.string(),

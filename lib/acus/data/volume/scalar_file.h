@@ -48,6 +48,9 @@ ScalarFile ReadScalarFile(const std::filesystem::path& path);
 /// The same for a file of three numbers per voxel.
 ScalarFile ReadVectorFile(const std::filesystem::path& path);
 
+/// The same for a file of `num_components` numbers per voxel.
+ScalarFile ReadLayeredFile(const std::filesystem::path& path, int num_components);
+
 /// Writes NIfTI, NRRD or MetaImage, by extension; compressed; not atomically.
 /// @throws InputError if the extension is none of .nii, .nii.gz, .nrrd, .mha, or writing fails.
 void WriteScalarFile(const std::filesystem::path& path, const ScalarFile& file);

@@ -64,6 +64,30 @@ std::map<std::string, std::string> SegmentKeys(const Grid<Label>& labels,
   return keys;
 }
 
+std::vector<LayeredSegment> SegmentsFromKeys(const std::map<std::string, std::string>& keys) {
+  std::vector<LayeredSegment> segments;
+  for (const auto& [key, text] : keys) {
+    if (!key.starts_with("Segment") || !key.ends_with("_LabelValue")) continue;
+    const std::string prefix = key.substr(0, key.size() - std::string("LabelValue").size());
+    const auto field = [&](const char* name) {
+      const auto found = keys.find(prefix + name);
+      return found == keys.end() ? std::string() : found->second;
+    };
+    const auto number = [](const std::string& digits) {
+      std::int32_t value = -1;
+      std::from_chars(digits.data(), digits.data() + digits.size(), value);
+      return value;
+    };
+    LayeredSegment segment{.layer = std::max(number(field("Layer")), 0),
+                           .value = number(text),
+                           .name = TermsFrom(field("Tags"))};
+    segment.name.text = field("Name");
+    const bool says_nothing = segment.name.text.empty() && segment.name.codes.empty();
+    if (segment.value > 0 && !says_nothing) segments.push_back(std::move(segment));
+  }
+  return segments;
+}
+
 std::map<Label, std::string> NamesFromKeys(const std::map<std::string, std::string>& keys) {
   std::map<Label, std::string> names;
   for (const auto& [key, text] : keys) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "acus/data/volume/value_names.h"
 #include "acus/data/volume/volume.h"
 
 namespace acus::volume {
@@ -15,5 +16,15 @@ std::map<std::string, std::string> SegmentKeys(const Grid<Label>& labels,
 
 /// The names by label in such fields; fields that are not understood are left out.
 std::map<Label, std::string> NamesFromKeys(const std::map<std::string, std::string>& keys);
+
+/// One segment: in one layer of the file, the voxels with one value.
+struct LayeredSegment {
+  int layer = 0;
+  std::int32_t value = 0;
+  ValueName name;  ///< Its name, and the SNOMED CT codes of its terminology (type, then region).
+};
+
+/// All segments that such fields name; fields that are not understood are left out.
+std::vector<LayeredSegment> SegmentsFromKeys(const std::map<std::string, std::string>& keys);
 
 }  // namespace acus::volume

@@ -56,7 +56,47 @@ std::string TextOf(const Code& code) {
   return Message("SCT^", code.value, "^", code.meaning);
 }
 
+std::vector<std::string_view> FieldsOf(std::string_view text, char separator) {
+  std::vector<std::string_view> fields;
+  for (;;) {
+    const std::size_t at = text.find(separator);
+    fields.push_back(text.substr(0, at));
+    if (at == text.npos) return fields;
+    text.remove_prefix(at + 1);
+  }
+}
+
+/// The value of "scheme^value^meaning"; empty for other schemes than SNOMED CT's.
+std::string SnomedCode(std::string_view code) {
+  const auto parts = FieldsOf(code, '^');
+  const bool is_snomed = parts.size() == 3 && (parts[0] == "SCT" || parts[0] == "SRT");
+  return is_snomed ? std::string(parts[1]) : std::string();
+}
+
 }  // namespace
+
+std::string SideOfCode(std::string_view code) {
+  if (code == "24028007" || code == "G-A100") return "right";
+  return code == "7771000" || code == "G-A101" ? "left" : "";
+}
+
+ValueName TermsFrom(std::string_view tags) {
+  constexpr std::string_view kKey = "TerminologyEntry:";
+  ValueName name;
+  const std::size_t begin = tags.find(kKey);
+  if (begin == tags.npos) return name;
+  tags.remove_prefix(begin + kKey.size());
+  const auto fields = FieldsOf(tags.substr(0, tags.find('|')), '~');
+  // List, category, type, its modifier, list of regions, region, its modifier.
+  for (const std::size_t at : {std::size_t{2}, std::size_t{5}}) {
+    if (at + 1 >= fields.size()) break;
+    const std::string code = SnomedCode(fields[at]);
+    if (!code.empty()) name.codes.push_back(code);
+    const std::string side = SideOfCode(SnomedCode(fields[at + 1]));
+    if (!side.empty()) name.side = side;
+  }
+  return name;
+}
 
 std::string TerminologyEntry(std::string_view name) {
   const auto found = std::ranges::find(kTerms, name, &Term::name);

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 /// Calls use(i, value) for every scalar of a file, in its own type.
 template <typename T, typename Use>
 void ForEachOf(const ScalarFile& file, const Use& use) {
-  for (std::size_t i = 0; i < file.geometry.num_voxels(); ++i) {
+  for (std::size_t i = 0; i < file.bytes.size() / sizeof(T); ++i) {
     T value;
     std::memcpy(&value, &file.bytes[i * sizeof(T)], sizeof(T));
     use(i, value);
@@ -201,11 +201,25 @@ LabelMap ReadTissues(const fs::path& path) {
   return labels;
 }
 
-Grid<std::int32_t> ReadIntegerVolume(const fs::path& path) {
+Grid<std::int32_t> ReadIntegerVolume(const fs::path& path,
+                                     std::map<std::string, std::string>* keys) {
   const ScalarFile file = ReadAnyFile(path);
+  if (keys != nullptr) *keys = file.keys;
   Grid<std::int32_t> grid(file.geometry);
   ForEach(file, [&](std::size_t i, auto value) { grid.voxels[i] = IntegerFrom(value, path); });
   return grid;
+}
+
+std::vector<Grid<std::int32_t>> ReadIntegerLayers(const fs::path& path, int layers,
+                                                  std::map<std::string, std::string>& keys) {
+  const ScalarFile file = ReadLayeredFile(path, layers);
+  keys = file.keys;
+  std::vector<Grid<std::int32_t>> grids(static_cast<std::size_t>(layers),
+                                        Grid<std::int32_t>(file.geometry));
+  ForEach(file, [&](std::size_t i, auto value) {
+    grids[i % grids.size()].voxels[i / grids.size()] = IntegerFrom(value, path);
+  });
+  return grids;
 }
 
 void WriteCt(const fs::path& path, const CtVolume& volume) {

@@ -46,7 +46,13 @@ LabelMap ReadLabelMap(const std::filesystem::path& path);
 LabelMap ReadTissues(const std::filesystem::path& path);
 
 /// Reads a file of integer labels made elsewhere, as it is. VTI is read too.
-Grid<std::int32_t> ReadIntegerVolume(const std::filesystem::path& path);
+/// @param keys  If given: takes the text fields of the header.
+Grid<std::int32_t> ReadIntegerVolume(const std::filesystem::path& path,
+                                     std::map<std::string, std::string>* keys = nullptr);
+
+/// The layers of an NRRD with several values for each voxel (see NrrdLayers).
+std::vector<Grid<std::int32_t>> ReadIntegerLayers(const std::filesystem::path& path, int layers,
+                                                  std::map<std::string, std::string>& keys);
 
 /// Writes NIfTI, NRRD or MetaImage, by extension; atomically, compressed.
 void WriteCt(const std::filesystem::path& path, const CtVolume& volume);

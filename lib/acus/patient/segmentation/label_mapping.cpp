@@ -16,14 +16,25 @@ namespace fs = std::filesystem;
 
 constexpr double kLeastOverlap = 0.01;
 
-/// Values by place of their voxel, or 0 outside `from`.
-volume::Grid<std::int32_t> OnGrid(const volume::Grid<std::int32_t>& from,
-                                  const volume::Geometry& grid, const fs::path& path,
-                                  const RunContext& context) {
+/// "x -120 to 130, y ..., z ... mm": between the outermost voxel centres.
+std::string Extent(const volume::Geometry& grid) {
+  Eigen::AlignedBox3d box;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Array3i at(corner & 1, corner >> 1 & 1, corner >> 2);
+    box.extend(grid.ct_from_index() * (at * (grid.size - 1)).cast<double>().matrix());
+  }
+  const auto range = [&](const char* axis, int d) {
+    return Message(axis, " ", std::round(box.min()[d]), " to ", std::round(box.max()[d]));
+  };
+  return Message(range("x", 0), ", ", range("y", 1), ", ", range("z", 2), " mm");
+}
+
+}  // namespace
+
+volume::Grid<std::int32_t> ValuesOnGrid(const volume::Grid<std::int32_t>& from,
+                                        const volume::Geometry& grid, const fs::path& path,
+                                        const RunContext& context) {
   if (from.geometry.Matches(grid)) return from;
-  context.Warn(Message(path.string(),
-                       ": lies on another grid than the CT; labels are taken from the "
-                       "nearest voxel"));
   volume::Grid<std::int32_t> out(grid, 0);
   std::vector<std::size_t> hits(static_cast<std::size_t>(grid.size[2]), 0);
   const Eigen::Affine3d from_index_to_index = from.geometry.index_from_ct() * grid.ct_from_index();
@@ -40,19 +51,20 @@ volume::Grid<std::int32_t> OnGrid(const volume::Grid<std::int32_t>& from,
   });
   std::size_t total = 0;
   for (const std::size_t h : hits) total += h;
-  ACUS_REQUIRE(static_cast<double>(total) >= kLeastOverlap * static_cast<double>(grid.num_voxels()),
-               path.string(),
-               ": does not overlap the CT; are the two from one patient, and both in "
-               "patient coordinates?");
+  const double share = static_cast<double>(total) / static_cast<double>(grid.num_voxels());
+  ACUS_REQUIRE(share >= kLeastOverlap, path.string(), ": does not overlap the CT: it covers ",
+               Extent(from.geometry), ", the CT ", Extent(grid),
+               " (LPS); are the two from one patient, and both in patient coordinates?");
+  context.Warn(Message(path.string(), ": lies on another grid than the CT, of which it covers ",
+                       std::round(100.0 * share), " %; labels are taken from the nearest voxel"));
   return out;
 }
-
-}  // namespace
 
 LabelMapping ReadLabelMapping(const fs::path& path) {
   const nlohmann::json document = config::ReadConfig(path, "acus-label-mapping");
   LabelMapping mapping;
   mapping.covers_body = document.at("covers_body").get<bool>();
+  mapping.all_bones = document.at("all_bones").get<bool>();
   for (const auto& row : document.at("labels")) {
     const auto value = row.at("value").get<std::int32_t>();
     const auto tissue = row.at("tissue").get<std::string>();
@@ -68,17 +80,16 @@ LabelMapping ReadLabelMapping(const fs::path& path) {
   return mapping;
 }
 
-volume::LabelMap ImportLabels(const fs::path& path, const LabelMapping& mapping,
-                              const volume::Geometry& grid, const RunContext& context) {
-  const auto values = OnGrid(volume::ReadIntegerVolume(path), grid, path, context);
-  volume::LabelMap labels(grid);
+volume::LabelMap Translated(const volume::Grid<std::int32_t>& values, const LabelMapping& mapping,
+                            const fs::path& path) {
+  volume::LabelMap labels(values.geometry);
   std::set<std::int32_t> unknown;
   std::int32_t last_value = 0;
   volume::Label last_label = 0;
   for (std::size_t i = 0; i < values.voxels.size(); ++i) {
     const std::int32_t value = values.voxels[i];
     if (value == 0) continue;
-    if (value != last_value) {  // Most voxels have the value of their neighbour.
+    if (value != last_value) {  // Most voxels have the value of the previous one.
       const auto found = mapping.tissue.find(value);
       if (found == mapping.tissue.end()) {
         unknown.insert(value);
@@ -91,11 +102,25 @@ volume::LabelMap ImportLabels(const fs::path& path, const LabelMapping& mapping,
     if (last_label != 0)
       labels.names[last_label] = std::string(volume::StandardLabels()[last_label].name);
   }
+  constexpr std::size_t kMostValuesListed = 20;
   std::string listed;
-  for (const std::int32_t value : unknown) listed += Message(" ", value);
+  std::size_t num_listed = 0;
+  for (const std::int32_t value : unknown) {
+    if (++num_listed <= kMostValuesListed) listed += Message(" ", value);
+  }
+  if (num_listed > kMostValuesListed) {
+    listed += Message(" and ", num_listed - kMostValuesListed, " more");
+  }
   ACUS_REQUIRE(unknown.empty(), path.string(), ": values that are not in the mapping:", listed,
-               "; add them to it (tissue 'outside' for what should be ignored)");
+               "; add them to it (tissue 'outside' for what should be ignored), or give another "
+               "table by --mapping");
   return labels;
+}
+
+volume::LabelMap ImportLabels(const fs::path& path, const LabelMapping& mapping,
+                              const volume::Geometry& grid, const RunContext& context) {
+  return Translated(ValuesOnGrid(volume::ReadIntegerVolume(path), grid, path, context), mapping,
+                    path);
 }
 
 void Overlay(const volume::LabelMap& over, volume::LabelMap& labels) {

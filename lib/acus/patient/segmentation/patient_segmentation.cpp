@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
@@ -12,7 +13,6 @@
 #include "acus/data/mesh/surface_io.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/segmentation/label_mapping.h"
 #include "acus/patient/segmentation/metrics.h"
 #include "acus/patient/segmentation/preview.h"
 #include "acus/patient/segmentation/spine.h"
@@ -186,18 +186,13 @@ SegmentationConfig ReadSegmentationConfig(const fs::path& path) {
 }
 
 TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
-                            const std::optional<ForeignLabels>& import, const RunContext& context) {
+                            const RunContext& context) {
   RequireCt(ct);
   TissuesFound found = FindTissues(ct, config.tissues, context);
   volume::LabelMap& labels = found.labels;
   for (const OrganSeed& organ : config.organs) {
     context.Checkpoint(Message("finding the ", organ.tissue), 0.0);
     AddOrgan(FindOrgan(ct, organ, context), organ.tissue, labels);
-  }
-  if (import) {
-    context.Checkpoint("importing labels", 0.0);
-    Overlay(ImportLabels(import->file, ReadLabelMapping(import->mapping), ct.geometry, context),
-            labels);
   }
   return found;
 }
@@ -247,16 +242,14 @@ std::string SummaryOf(const SegmentedPatient& patient) {
 std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
                                             const ForeignLabels& reference,
                                             const RunContext& context) {
-  const LabelMapping mapping = ReadLabelMapping(reference.mapping);
-  const volume::LabelMap truth = ImportLabels(reference.file, mapping, labels.geometry, context);
+  ImportedLabels import = ReadImportedLabels(reference, labels.geometry, context);
+  const volume::LabelMap truth = TissuesIn(import);
   std::vector<Agreement> agreement;
-  if (mapping.covers_body) {
+  if (import.mapping.covers_body) {
     context.Checkpoint("comparing the body", 0.0);
     // Values without a tissue of their own are body as well.
-    volume::LabelMap body = truth;
-    LabelMapping any = mapping;
-    for (auto& [value, tissue] : any.tissue) tissue = volume::LabelOf("soft_tissue");
-    body = ImportLabels(reference.file, any, labels.geometry, context);
+    for (auto& [value, tissue] : import.mapping.tissue) tissue = volume::LabelOf("soft_tissue");
+    const volume::LabelMap body = TissuesIn(import);
     agreement.push_back(
         Agree("body", MaskOf(labels, std::nullopt), MaskOf(body, std::nullopt), context));
   }
@@ -296,7 +289,7 @@ volume::LabelMap TissuesOf(const volume::CtVolume& ct, const fs::path& labels,
                            RunContext& context) {
   if (labels.empty()) {
     const fs::path preset = config::FindConfig("segmentation/default.json", ".");
-    return SegmentPatient(ct, ReadSegmentationConfig(preset), {}, context).labels;
+    return SegmentPatient(ct, ReadSegmentationConfig(preset), context).labels;
   }
   context.provenance.AddInput(labels);
   volume::LabelMap map = volume::ReadTissues(labels);

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "acus/base/core/run_context.h"
+#include "acus/patient/segmentation/imported_labels.h"
 #include "acus/patient/segmentation/organs.h"
 #include "acus/patient/segmentation/scan_quality.h"
 #include "acus/patient/segmentation/surface_extraction.h"
@@ -25,12 +25,6 @@ struct SegmentationConfig {
 /// Reads a file of format acus-segmentation/1. @throws InputError naming every problem.
 SegmentationConfig ReadSegmentationConfig(const std::filesystem::path& path);
 
-/// A label map made elsewhere and the table that translates it.
-struct ForeignLabels {
-  std::filesystem::path file;
-  std::filesystem::path mapping;
-};
-
 /// How one tissue agrees with a reference.
 struct Agreement {
   std::string tissue;  ///< A tissue, or "body": everything but outside.
@@ -46,10 +40,10 @@ std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
                                             const ForeignLabels& reference,
                                             const RunContext& context);
 
-/// Finds tissues, then organs from their seeds, then lays imported labels over them.
+/// Finds tissues, then organs from their seeds.
 /// @throws InputError if the volume is no CT of a body; NoAnswerError if no patient is like that.
 TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
-                            const std::optional<ForeignLabels>& import, const RunContext& context);
+                            const RunContext& context);
 
 /// What may be asked for beside the labels.
 struct Examination {

@@ -30,6 +30,12 @@ TEST(Xml, ReadsElementsInOrderWithDepthAndAttributes) {
   EXPECT_EQ(elements[1].Attribute("y"), "<\"&>'A");
 }
 
+TEST(Xml, KeepsTheTextDirectlyInsideAnElementWithoutBlanksAroundIt) {
+  const auto elements = ScanXml("<a> one <b><![CDATA[x < y]]></b> two\n</a>", "t");
+  EXPECT_EQ(elements[0].text, "one  two");
+  EXPECT_EQ(elements[1].text, "x < y");
+}
+
 TEST(Xml, LineEndsAndTabsInAttributesAreBlanks) {
   const auto elements = ScanXml("<a x='1 0\r\n\t0 1\n'/>", "t");
   EXPECT_EQ(elements[0].Attribute("x"), "1 0  0 1 ");

@@ -40,5 +40,38 @@ TEST(Terminology, IsATagOfEachSegment) {
             std::string::npos);
 }
 
+TEST(Terminology, OfASegmentIsReadWithTypeRegionAndSide) {
+  const ValueName own = TermsFrom("a:b|TerminologyEntry:" + TerminologyEntry("liver") + "|");
+  EXPECT_EQ(own.codes, std::vector<std::string>{"10200004"});
+  EXPECT_EQ(own.side, "");
+  const ValueName kidney = TermsFrom(
+      "TerminologyEntry:List~SCT^123037004^Anatomical Structure~SCT^64033007^Kidney"
+      "~SCT^7771000^Left~Regions~SCT^818983003^Abdomen~^^|Segmentation.Status:completed|");
+  EXPECT_EQ(kidney.codes, (std::vector<std::string>{"64033007", "818983003"}));
+  EXPECT_EQ(kidney.side, "left");
+  EXPECT_TRUE(TermsFrom("Segmentation.Status:completed|").codes.empty());
+  EXPECT_TRUE(TermsFrom("TerminologyEntry:one~two").codes.empty());
+}
+
+TEST(SegmentsFromKeys, HaveLayerNameAndCodes) {
+  const auto segments =
+      SegmentsFromKeys({{"Segment0_LabelValue", "300"},
+                        {"Segment0_Name", "Segment_1"},
+                        {"Segment0_Layer", "1"},
+                        {"Segment0_Tags", "TerminologyEntry:L~SCT^1^c~SCT^2^t~^^"},
+                        {"Segment1_LabelValue", "2"},
+                        {"Segment1_Name", "liver"},
+                        {"Segment2_LabelValue", "nothing"},
+                        {"Segment2_Name", "spleen"}});
+  ASSERT_EQ(segments.size(), 2U);
+  EXPECT_EQ(segments[0].layer, 1);
+  EXPECT_EQ(segments[0].value, 300);
+  EXPECT_EQ(segments[0].name.text, "Segment_1");
+  EXPECT_EQ(segments[0].name.codes, std::vector<std::string>{"2"});
+  EXPECT_EQ(segments[1].layer, 0);
+  EXPECT_EQ(segments[1].name.text, "liver");
+  EXPECT_TRUE(segments[1].name.codes.empty());
+}
+
 }  // namespace
 }  // namespace acus::volume

@@ -41,7 +41,7 @@ TEST(ScanQuality, ParametersOfTheScanAreFound) {
 TEST(ScanQuality, AMaskIsNoCt) {
   volume::CtVolume mask(MakeSyntheticBody({}).ct.geometry, 0);
   for (std::size_t i = mask.voxels.size() / 3; i < mask.voxels.size() / 2; ++i) mask.voxels[i] = 1;
-  EXPECT_THAT([&] { SegmentPatient(mask, DefaultConfig(), std::nullopt, {}); },
+  EXPECT_THAT([&] { SegmentPatient(mask, DefaultConfig(), {}); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("from 0 to 1"), HasSubstr("--import"))));
 }
 

@@ -1,0 +1,23 @@
+// Label maps made elsewhere: one file, or a folder with one mask for each structure.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "acus/data/volume/named_values.h"
+
+namespace acus::segmentation {
+
+/// Reads a label map and all names of its values that it or a file beside it gives.
+///
+/// A folder with volumes has one mask for each structure, named by the file (`spleen.nii.gz`); all
+/// masks lie on one grid. Where masks overlap, the one with fewer voxels remains: a tumour in the
+/// liver, the liver in the body. A folder with a single DICOM segmentation object is that.
+/// @throws InputError if a file is broken, a mask has several values, or the folder has neither.
+volume::NamedValues ReadForeignMap(const std::filesystem::path& path);
+
+/// The file name without the endings of label maps: "spleen" of "spleen.nii.gz" and
+/// "spleen.seg.nrrd".
+std::string StemOf(const std::filesystem::path& file);
+
+}  // namespace acus::segmentation
