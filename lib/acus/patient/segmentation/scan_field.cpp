@@ -14,7 +14,7 @@ namespace acus::segmentation {
 namespace {
 
 constexpr int kNumSlicesLookedAt = 16;
-constexpr std::int16_t kAirHu = -1024;
+constexpr std::int16_t kPaddedAirHu = -1024;
 constexpr double kDenseHu = -300.0;  ///< Tissue; next to padding in one step, it has been cut off.
 constexpr std::size_t kFewestEdges = 60;
 constexpr int kNumTrials = 400;
@@ -236,7 +236,7 @@ Mask UnseenBy(const ScanField& field, const volume::CtVolume& ct) {
       if (beyond_mm <= -edge_mm) continue;
       for (int slice = 0; slice < view.num_slices; ++slice) {
         const std::size_t at = view.At(slice, iu, iv);
-        const bool is_padding = ct.voxels[at] == *field.padding_hu || ct.voxels[at] == kAirHu;
+        const bool is_padding = ct.voxels[at] == *field.padding_hu || ct.voxels[at] == kPaddedAirHu;
         if (beyond_mm > 0.0 || is_padding) unseen.voxels[at] = 1;
       }
     }
@@ -256,7 +256,7 @@ std::optional<volume::CtVolume> WithoutDensePadding(const volume::CtVolume& ct,
       for (int iu = 0; iu < view.num_u; ++iu) {
         if (padding[static_cast<std::size_t>(iv) * static_cast<std::size_t>(view.num_u) +
                     static_cast<std::size_t>(iu)] != 0) {
-          out.voxels[view.At(slice, iu, iv)] = kAirHu;
+          out.voxels[view.At(slice, iu, iv)] = kPaddedAirHu;
         }
       }
     }
