@@ -1,9 +1,11 @@
 // acus-phantom: synthetic patients with known truth, and scenes on other patients.
 #include <CLI/CLI.hpp>
+#include <iostream>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/run_main.h"
 #include "acus/data/volume/volume_io.h"
+#include "acus/patient/phantom/approach_window.h"
 #include "acus/patient/phantom/breathing_folder.h"
 #include "acus/patient/phantom/patient_folder.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
@@ -12,12 +14,14 @@ int main(int argc, char** argv) {
   std::string kind, series;
   std::filesystem::path config_path, labels_path, ct_path, folder;
   acus::phantom::BreathingFolderSettings breath;
+  acus::phantom::SceneRequest request;
   CLI::App app{"Make a synthetic patient with exact truth, or a scene on another patient.",
                "acus-phantom"};
   app.footer(
       "EXAMPLE\n"
       "  acus-phantom patient lumbar --seed 1 -o patient\n"
       "  acus-phantom scene patient/labels.seg.nrrd -o scene\n"
+      "  acus-phantom scene patient/labels.seg.nrrd --target liver --window intercostal -o biopsy\n"
       "  acus-phantom warp liver_patient/ct.nrrd --phases 4 -o moving\n");
   app.require_subcommand(1);
   app.fallthrough();
@@ -38,6 +42,17 @@ int main(int argc, char** argv) {
   scene->add_option("labels", labels_path, "Label map, such as acus-segment's labels.seg.nrrd")
       ->required()
       ->check(CLI::ExistingFile);
+  scene->add_option("--target", request.target,
+                    "Where the needle ends: a structure of the label map, such as liver,\n"
+                    "kidney_left or spinal_canal (the deepest point inside it that a free path\n"
+                    "reaches), or a point x,y,z (CT, LPS, mm)");
+  scene
+      ->add_option(
+          "--window", request.window,
+          "From where probe and needle approach: paramedian, midline or transverse (back),\n"
+          "intercostal or subcostal (liver), flank (kidney), anterior, or shortest (from\n"
+          "any side); default: the usual one of the target")
+      ->check(CLI::IsMember(acus::phantom::WindowNames()));
   CLI::App* warp = app.add_subcommand(
       "warp", "A 4D CT with exactly known motion from one CT, taken as end expiration");
   warp->add_option("ct", ct_path, "CT: DICOM folder, .nii.gz, .nrrd, .mha")
@@ -74,19 +89,22 @@ int main(int argc, char** argv) {
       const auto ct = acus::volume::ReadCt(ct_path, series, context);
       acus::phantom::WriteBreathingPatient(
           folder, ct, acus::segmentation::TissuesOf(ct, labels_path, context), breath, context);
+      std::cout << acus::phantom::BreathingFolderText(breath);
       return acus::ExitCode::kOk;
     }
     if (config_path.empty()) {
-      const std::string preset = scene->parsed() ? "scene" : kind;
+      const bool requests = !request.target.empty() || !request.window.empty();
+      const std::string preset = !scene->parsed() ? kind : requests ? "scene_target" : "scene";
       config_path = acus::config::FindConfig("phantoms/" + preset + ".json", ".");
     }
     context.provenance.AddInput(config_path);
     const auto config = acus::phantom::ReadPhantomConfig(config_path);
     if (scene->parsed()) {
       context.provenance.AddInput(labels_path);
-      acus::phantom::WriteScene(folder, acus::volume::ReadTissues(labels_path), config, context);
+      std::cout << acus::phantom::WriteScene(folder, acus::volume::ReadTissues(labels_path), config,
+                                             context, request);
     } else {
-      acus::phantom::WritePatient(folder, config, context);
+      std::cout << acus::phantom::WritePatient(folder, config, context);
     }
     return acus::ExitCode::kOk;
   });
