@@ -1,10 +1,10 @@
 #include "acus/base/core/atomic_file.h"
-#include "acus/base/core/output_check.h"
 
 #include <fstream>
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/output_check.h"
 #include "acus/base/core/parallel.h"
 #include "acus/base/core/provenance.h"
 #include "support/temporary_folder.h"
