@@ -1,5 +1,6 @@
 // acus-mesh: label map or closed surface to a tetrahedral mesh.
 #include <CLI/CLI.hpp>
+#include <iostream>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/run_main.h"
@@ -64,11 +65,11 @@ int main(int argc, char** argv) {
     const std::filesystem::path& input = !mesh.empty() ? mesh : surface.empty() ? labels : surface;
     context.provenance.AddInput(input);
     if (!mesh.empty()) {
-      acus::meshing::CondenseMeshToFolder(input, config, folder, context);
+      std::cout << acus::meshing::CondenseMeshToFolder(input, config, folder, context);
     } else if (surface.empty()) {
-      acus::meshing::MeshLabelsToFolder(input, config, folder, context);
+      std::cout << acus::meshing::MeshLabelsToFolder(input, config, folder, context);
     } else {
-      acus::meshing::MeshSurfaceToFolder(input, tissue, config, folder, context);
+      std::cout << acus::meshing::MeshSurfaceToFolder(input, tissue, config, folder, context);
     }
     return acus::ExitCode::kOk;
   });

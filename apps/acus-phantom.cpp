@@ -1,9 +1,11 @@
 // acus-phantom: synthetic patients with known truth, and scenes on other patients.
 #include <CLI/CLI.hpp>
+#include <iostream>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/run_main.h"
 #include "acus/data/volume/volume_io.h"
+#include "acus/patient/phantom/approach_window.h"
 #include "acus/patient/phantom/breathing_folder.h"
 #include "acus/patient/phantom/patient_folder.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
@@ -12,37 +14,42 @@ int main(int argc, char** argv) {
   std::string kind, series;
   std::filesystem::path config_path, labels_path, ct_path, folder;
   acus::phantom::BreathingFolderSettings breath;
+  acus::phantom::SceneRequest request;
   CLI::App app{"Make a synthetic patient with exact truth, or a scene on another patient.",
                "acus-phantom"};
   app.footer(
       "EXAMPLE\n"
       "  acus-phantom patient lumbar --seed 1 -o patient\n"
       "  acus-phantom scene patient/labels.seg.nrrd -o scene\n"
+      "  acus-phantom scene patient/labels.seg.nrrd --target liver --window intercostal -o biopsy\n"
       "  acus-phantom warp liver_patient/ct.nrrd --phases 4 -o moving\n");
   app.require_subcommand(1);
   app.fallthrough();
-
   CLI::App* patient = app.add_subcommand(
       "patient", "CT, label map, truth, markers, target, force curves and a session at 1 kHz");
-  patient
-      ->add_option(
-          "kind", kind,
-          "lumbar (puncture at L3/L4), liver (biopsy of a lesion), liver_ptc (drainage of a "
-          "bile duct), kidney (nephrostomy), shoulder (puncture of the bursa), and "
-          "shoulder_effusion, shoulder_calcification, shoulder_tear")
+  const char* kinds =
+      "lumbar (puncture at L3/L4), liver (biopsy of a lesion), liver_ptc (drainage of a bile "
+      "duct), "
+      "kidney (nephrostomy), shoulder (puncture of the bursa), and shoulder_effusion, "
+      "shoulder_calcification, shoulder_tear";
+  patient->add_option("kind", kind, kinds)
       ->required()
       ->check(CLI::IsMember({"lumbar", "liver", "liver_ptc", "kidney", "shoulder",
                              "shoulder_effusion", "shoulder_calcification", "shoulder_tear"}));
   CLI::App* scene = app.add_subcommand(
       "scene", "Markers, target and a session on the label map of any patient; finds a free path");
-  scene->add_option("labels", labels_path, "Label map, such as acus-segment's labels.seg.nrrd")
-      ->required()
-      ->check(CLI::ExistingFile);
+  const char* labels_help = "Label map, such as acus-segment's labels.seg.nrrd";
+  scene->add_option("labels", labels_path, labels_help)->required()->check(CLI::ExistingFile);
+  scene->add_option(
+      "--target", request.target,
+      "A structure of the label map, such as liver, kidney_left or spinal_canal (its\n"
+      "deepest point that a free path reaches), or a point x,y,z (CT, LPS, mm)");
+  scene->add_option("--window", request.window, "From where; default: as usual for the target")
+      ->check(CLI::IsMember(acus::phantom::WindowNames()));
   CLI::App* warp = app.add_subcommand(
       "warp", "A 4D CT with exactly known motion from one CT, taken as end expiration");
-  warp->add_option("ct", ct_path, "CT: DICOM folder, .nii.gz, .nrrd, .mha")
-      ->required()
-      ->check(CLI::ExistingPath);
+  const char* ct_help = "CT: DICOM folder, .nii.gz, .nrrd, .mha";
+  warp->add_option("ct", ct_path, ct_help)->required()->check(CLI::ExistingPath);
   warp->add_option("--series", series, "Which series of a DICOM folder");
   warp->add_option("--labels", labels_path, "Its tissues; default: found as acus-segment does")
       ->check(CLI::ExistingFile);
@@ -53,18 +60,15 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 30.0));
   warp->add_option("--hysteresis-mm", breath.motion.hysteresis_mm, "Half the loop's width")
       ->check(CLI::Range(0.0, 20.0));
-  warp->add_option("--period-s", breath.motion.period_s, "Of a breath")
-      ->check(CLI::Range(0.5, 60.));
+  warp->add_option("--period-s", breath.motion.period_s, "Of a breath")->check(CLI::Range(.5, 60.));
   warp->add_option("--noise-hu", breath.noise_sd_hu, "Standard deviation, new in every phase")
       ->check(CLI::Range(0.0, 200.0));
   warp->add_option("--landmarks", breath.num_landmarks, "Random points in lung and liver")
       ->check(CLI::Range(0, 100000));
   warp->add_option("-o,--output", folder, "Folder to write")->required();
+  const char* config_help = "Settings (format acus-phantom/1); default: the preset";
   for (CLI::App* command : {patient, scene}) {
-    command
-        ->add_option("--config", config_path,
-                     "Settings (format acus-phantom/1); default: the preset")
-        ->check(CLI::ExistingFile);
+    command->add_option("--config", config_path, config_help)->check(CLI::ExistingFile);
     command->add_option("-o,--output", folder, "Folder to write")->required();
   }
 
@@ -72,21 +76,24 @@ int main(int argc, char** argv) {
     if (warp->parsed()) {
       context.provenance.AddInput(ct_path);
       const auto ct = acus::volume::ReadCt(ct_path, series, context);
-      acus::phantom::WriteBreathingPatient(
-          folder, ct, acus::segmentation::TissuesOf(ct, labels_path, context), breath, context);
+      const auto tissues = acus::segmentation::TissuesOf(ct, labels_path, context);
+      acus::phantom::WriteBreathingPatient(folder, ct, tissues, breath, context);
+      std::cout << acus::phantom::BreathingFolderText(breath);
       return acus::ExitCode::kOk;
     }
     if (config_path.empty()) {
-      const std::string preset = scene->parsed() ? "scene" : kind;
+      const bool requests = !request.target.empty() || !request.window.empty();
+      const std::string preset = !scene->parsed() ? kind : requests ? "scene_target" : "scene";
       config_path = acus::config::FindConfig("phantoms/" + preset + ".json", ".");
     }
     context.provenance.AddInput(config_path);
     const auto config = acus::phantom::ReadPhantomConfig(config_path);
     if (scene->parsed()) {
       context.provenance.AddInput(labels_path);
-      acus::phantom::WriteScene(folder, acus::volume::ReadTissues(labels_path), config, context);
+      std::cout << acus::phantom::WriteScene(folder, acus::volume::ReadTissues(labels_path), config,
+                                             context, request);
     } else {
-      acus::phantom::WritePatient(folder, config, context);
+      std::cout << acus::phantom::WritePatient(folder, config, context);
     }
     return acus::ExitCode::kOk;
   });

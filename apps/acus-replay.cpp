@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
     if (check) {
       using acus::replay::PlanDetail;
       if (!explain || !session_path.empty()) {
-        acus::replay::RequireRunnable(scenario, session_path, options.exercise, context);
+        acus::replay::RequireRunnable(scenario, session_path, options, context);
       }
       const auto detail = explain ? PlanDetail::kAll : PlanDetail::kStages;
       std::cout << acus::replay::CheckText(scenario, session_path, detail, context);

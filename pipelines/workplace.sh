@@ -88,25 +88,47 @@ find_patient() {
   [[ -z $labels ]] || labels=$(realpath "$labels") || stop "There is no label map $labels." 2
 }
 
-# find_target: sets target, and point and direction of the hands.
+# take_corridor: target, and point and direction of the hands, from the file $corridor.
+take_corridor() {
+  target=$(point_of "$corridor" target) || stop "$corridor has no point named target." 3
+  point=$(point_of "$corridor" entry) || stop "$corridor has no point named entry." 3
+  direction=$(awk -v a="$point" -v b="$target" 'BEGIN {
+    split(a, p, " "); split(b, q, " ")
+    for (i = 1; i <= 3; ++i) { d[i] = q[i] - p[i]; n += d[i] * d[i] }
+    if (n < 1) exit 1
+    print d[1] / sqrt(n), d[2] / sqrt(n), d[3] / sqrt(n) }') ||
+    stop "$corridor: entry and target are less than 1 mm apart." 3
+}
+
+# plan_target: a free path to the named target or through the window, once there is a label map.
+plan_target() {
+  local map=$labels options=()
+  [[ $map == /* ]] || map=$workplace/$map
+  [[ -z $target ]] || options+=("--target=$target")
+  [[ -z $window ]] || options+=("--window=$window")
+  acus-phantom scene "$map" "${options[@]}" --quiet -o "$workplace/plan" >&2 ||
+    stop "No path of the needle was found; the message above says why."
+  corridor=$workplace/plan/corridor_ct.csv
+  take_corridor
+}
+
+# find_target: sets target, and point and direction of the hands; or is_planned, for plan_target.
 find_target() {
   local given=$target
+  is_planned=''
+  if [[ -n $window || $given =~ ^[a-z_]+$ ]]; then
+    is_planned=1
+    return
+  fi
   if [[ -z $given && -n $corridor ]]; then
-    target=$(point_of "$corridor" target) || stop "$corridor has no point named target." 3
-    point=$(point_of "$corridor" entry) || stop "$corridor has no point named entry." 3
-    direction=$(awk -v a="$point" -v b="$target" 'BEGIN {
-      split(a, p, " "); split(b, q, " ")
-      for (i = 1; i <= 3; ++i) { d[i] = q[i] - p[i]; n += d[i] * d[i] }
-      if (n < 1) exit 1
-      print d[1] / sqrt(n), d[2] / sqrt(n), d[3] / sqrt(n) }') ||
-      stop "$corridor: entry and target are less than 1 mm apart." 3
+    take_corridor
     return
   fi
   corridor=''
   [[ -n $given ]] || given=$(ask "Target in the CT: L,P,S in mm, as 3D Slicer shows them with R and A negated") ||
     stop "No target was given." 2
   target=$(numbers_of "$given") ||
-    stop "--target must be three numbers L,P,S in mm, within 2 m, such as 12.5,-40,830; got '$given'." 2
+    stop "--target must be three numbers L,P,S in mm, within 2 m, such as 12.5,-40,830, or a tissue, such as liver; got '$given'." 2
   [[ -n $from ]] || from=$(choose "The needle comes from" anterior posterior left right superior inferior) ||
     stop "No side was chosen." 2
   direction=$(direction_of "$from") ||
@@ -185,6 +207,7 @@ make_workplace_of_patient() {
     acus-segment "$ct" --quiet -o "$workplace/segmentation" >/dev/null || stop "The CT cannot be segmented; see above."
     labels=segmentation/labels.seg.nrrd
   fi
+  [[ -z $is_planned ]] || plan_target
   # Tools of a real tracker are where the mannequin is; virtual hands may be in the CT's frame.
   if [[ -n $markers && ($devices != virtual || -n $recorded) ]]; then
     acus-register --quiet --from "$markers/markers_mannequin.csv" --to "$markers/markers_ct.csv" \

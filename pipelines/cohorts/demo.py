@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """The jobs of pipelines/demo: one patient, without participants and sessions, in one folder.
 
-Usage: demo.py OUTPUT CT SERIES SCENARIO TISSUE SEED ATLAS; CT, SERIES, TISSUE and ATLAS may be empty.
+Usage: demo.py OUTPUT CT SERIES SCENARIO TISSUE SEED ATLAS TARGET WINDOW; CT, SERIES, TISSUE and all
+after SEED may be empty.
 """
 import os
 import pathlib
@@ -16,9 +17,9 @@ import user  # noqa: E402
 from files import UserError, read_json, write_json  # noqa: E402
 
 
-def make_plan(output, ct, series, scenario, tissue, seed, atlas, cache):
+def make_plan(output, ct, series, scenario, tissue, seed, atlas, scene_options, cache):
     options = plans.Options(scenarios=[scenario], tissue=tissue, mesh=True, folders=True, quiet=False,
-                            replay_options=[], threads=os.cpu_count())
+                            replay_options=[], threads=os.cpu_count(), scene_options=scene_options)
     plan = plans.Plan(output, options, cache)
     source = {"path": ct, "seed": seed, "series": series}
     files = {"ct": [source]} if ct else {"phantom": [{**source, "path": "lumbar"}]}
@@ -60,8 +61,10 @@ and, of the steps before:
 
 
 def main(words):
-    folder, *words, seed_text, atlas_folder = words
-    return run(pathlib.Path(folder), *words, int(seed_text), atlas_folder)
+    folder, *words, seed_text, atlas_folder, target, window = words
+    # As one word each: a point may begin with a minus.
+    scene_options = [f"--{name}={value}" for name, value in (("target", target), ("window", window)) if value]
+    return run(pathlib.Path(folder), *words, int(seed_text), atlas_folder, scene_options)
 
 
 if __name__ == "__main__":

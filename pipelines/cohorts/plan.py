@@ -26,6 +26,7 @@ class Options:
         self.reference = ""        # An earlier output folder to compare with.
         self.tolerances = "tolerances/default.json"
         self.segment_options = []
+        self.scene_options = []    # Target and window of the sessions that are made.
         self.quiet = True
         for name, value in values.items():
             assert hasattr(self, name), name
@@ -245,7 +246,8 @@ class Patient:
         seed = self.files["ct"][0]["seed"] or 0
         segment = self.path("segmentation").replace("/", "_")
         job = self.add("scene", "scene", "acus-phantom",
-                       ["scene", self.path("segmentation/labels.seg.nrrd"), "--seed", str(seed)],
+                       ["scene", self.path("segmentation/labels.seg.nrrd"), "--seed", str(seed),
+                        *self.plan.options.scene_options],
                        parents=[segment],
                        title="Markers, a target and a recorded session on this patient")
         name = session_of_phantom("scene", "")[0]

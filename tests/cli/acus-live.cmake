@@ -111,3 +111,11 @@ acus_add_cli_case(acus-live.no_graphics_driver EXIT 3 NEEDS inputs LEAVES_NOTHIN
   STDERR "no driver for OpenGL 4.5 was found; install"
   COMMAND env __EGL_VENDOR_LIBRARY_DIRS=/nowhere xvfb-run -a acus-live $INPUTS/scenario.json
   --devices devices/virtual.json ${live_patient} -o s --volume-rays graphics)
+# --check refuses what a session would refuse before its first step.
+acus_add_cli_case(acus-live.check_output_is_there EXIT 3 NEEDS inputs
+  BEFORE "mkdir s && echo mine > s/notes.txt" STDERR "s: exists already; choose another"
+  COMMAND acus-live $INPUTS/scenario.json ${virtual} ${live_patient} --check -o s)
+acus_add_cli_case(acus-live.check_camera_model_is_missing EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "sed 's#\"needle\":#\"camera\": {\"place\": \"folder:.\", \"model\": \"cameras/none.json\", \"facets\": \"facets/training.json\"}, &#' ${CMAKE_SOURCE_DIR}/configs/devices/virtual.json > d.json"
+  STDERR "cameras/none.json: no such file"
+  COMMAND acus-live $INPUTS/scenario.json --devices d.json --headless ${live_patient} --check)

@@ -1,6 +1,9 @@
 set(mesh_cube "printf 'v 0 0 0\\nv 9 0 0\\nv 0 9 0\\nv 9 9 0\\nv 0 0 9\\nv 9 0 9\\nv 0 9 9\\nv 9 9 9\\nf 1 3 4 2\\nf 5 6 8 7\\nf 1 2 6 5\\nf 3 7 8 4\\nf 1 5 7 3\\nf 2 4 8 6\\n' > cube.obj")
 acus_add_cli_case(acus-mesh.surface EXIT 0 BEFORE "${mesh_cube}"
   CREATES mesh/mesh.vtu mesh/quality.json mesh/quality.svg mesh/provenance.json
+  STDOUT "^Mesh: [0-9]+ nodes, [0-9]+ tetrahedra, smallest dihedral angle"
+         "^Fixed nodes: 0: nothing holds the mesh"
+  STDERR "warning: no node of the mesh is fixed \\(fixed_nodes: 0\\)" "fixed_tissues"
   COMMAND acus-mesh --surface cube.obj --tissue liver -o mesh)
 acus_add_cli_case(acus-mesh.open_surface EXIT 3 LEAVES_NOTHING
   BEFORE "${mesh_cube}\nsed -i 's/^f 1 3 4 2/f 1 3 8/' cube.obj"

@@ -42,3 +42,29 @@ acus_add_cli_case(acus-phantom.warp_without_lung EXIT 3 NEEDS inputs
 acus_add_cli_case(acus-phantom.warp_other_labels EXIT 3 NEEDS inputs
   STDERR "another grid"
   COMMAND acus-phantom warp $INPUTS/liver_patient/ct.nrrd --labels $INPUTS/labels.seg.nrrd --quiet -o p)
+# Targets and windows, on the small lumbar patient.
+set(scene_labels "ln -s $INPUTS/labels.seg.nrrd .")
+acus_add_cli_case(acus-phantom.scene_of_a_structure EXIT 0 NEEDS inputs BEFORE "${scene_labels}"
+  CREATES s/truth.json s/corridor_ct.csv s/sessions/insertion/needle.csv
+  STDOUT "^Target: spinal_canal, [0-9.]+ mm inside it" "^Window: paramedian" "^Path: [0-9.]+ mm from"
+         "^Passes through: skin .*spinal_canal" "^First attempt: " "^Session: insertion"
+  COMMAND acus-phantom scene labels.seg.nrrd --target spinal_canal -o s)
+acus_add_cli_case(acus-phantom.scene_through_a_window EXIT 0 NEEDS inputs BEFORE "${scene_labels}"
+  CREATES s/truth.json STDOUT "^Window: transverse"
+  COMMAND acus-phantom scene labels.seg.nrrd --window transverse -o s --quiet)
+acus_add_cli_case(acus-phantom.scene_of_an_unknown_structure EXIT 3 LEAVES_NOTHING NEEDS inputs
+  BEFORE "${scene_labels}" STDERR "no spinal_cannal" "did you mean 'spinal_canal'" "It has .*fat"
+  COMMAND acus-phantom scene labels.seg.nrrd --target spinal_cannal -o s)
+acus_add_cli_case(acus-phantom.scene_of_bone EXIT 3 LEAVES_NOTHING NEEDS inputs
+  BEFORE "${scene_labels}" STDERR "--target bone: a needle does not end there"
+  COMMAND acus-phantom scene labels.seg.nrrd --target bone -o s)
+acus_add_cli_case(acus-phantom.scene_outside_the_volume EXIT 3 LEAVES_NOTHING NEEDS inputs
+  BEFORE "${scene_labels}" STDERR "--target 0,0,900: lies outside the volume, which reaches from"
+  COMMAND acus-phantom scene labels.seg.nrrd --target 0,0,900 -o s)
+acus_add_cli_case(acus-phantom.scene_of_an_unknown_window EXIT 2 LEAVES_NOTHING NEEDS inputs
+  BEFORE "${scene_labels}" STDERR "--window" "paramedian"
+  COMMAND acus-phantom scene labels.seg.nrrd --window paramedial -o s)
+acus_add_cli_case(acus-phantom.scene_of_a_blocked_window EXIT 4 LEAVES_NOTHING NEEDS inputs
+  BEFORE "${scene_labels}"
+  STDERR "no free path leads to \\(0,9.5,36\\) through the window anterior" "% meet bone" "free: --window"
+  COMMAND acus-phantom scene labels.seg.nrrd --target 0,9.5,36 --window anterior -o s --quiet)

@@ -176,3 +176,18 @@ add_test(NAME cli.processors
           ${CMAKE_SOURCE_DIR}/configs/scenarios/liver_biopsy_beams.json)
 set_tests_properties(cli.processors PROPERTIES LABELS "cli" TIMEOUT 300
   ENVIRONMENT "ACUS_BIN=${CMAKE_BINARY_DIR}/bin")
+# --check refuses what a run would refuse before its first step.
+acus_add_cli_case(acus-replay.check_output_is_there EXIT 3 NEEDS inputs
+  BEFORE "mkdir run && echo mine > run/notes.txt" STDERR "run: exists already; choose another"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} --check -o run)
+acus_add_cli_case(acus-replay.check_output_cannot_be_made EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "/proc/run: cannot be made"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} --check -o /proc/run)
+acus_add_cli_case(acus-replay.check_goal_without_target EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "goal for \"tip to target at the end\", but neither the exercise nor the scenario has a target"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} --check
+          --exercise exercises/lumbar_puncture.json)
+acus_add_cli_case(acus-replay.goal_without_target EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "neither the exercise nor the scenario has a target"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run
+          --exercise exercises/lumbar_puncture.json)

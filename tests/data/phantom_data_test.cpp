@@ -57,5 +57,38 @@ TEST(SceneOnIrcadb, GoesIntoTheLiverBetweenTheRibs) {
   }
 }
 
+/// What holds for every window: a free path to the structure, and the probe on skin that is there.
+void ExpectWindowOn(const volume::LabelMap& labels, const char* window, const char* structure) {
+  SCOPED_TRACE(window);
+  const LabelMapField field(labels);
+  const PhantomConfig config = ReadPhantomConfig(std::filesystem::path(ACUS_SOURCE_DIR) /
+                                                 "configs/phantoms/scene_target.json");
+  const testing_support::TemporaryFolder folder;
+  WriteScene(folder / "s", labels, config, {}, {.target = structure, .window = window});
+  const auto insertion = config::ReadJson(folder / "s/truth.json").at("insertion");
+  EXPECT_TRUE(insertion.at("window").get<std::string>().starts_with(window));
+  EXPECT_EQ(insertion.at("passes_through").back().at("tissue"), structure);
+  for (const auto& part : insertion.at("passes_through")) {
+    for (const char* avoided : {"bone", "lung", "gas"}) EXPECT_NE(part.at("tissue"), avoided);
+  }
+  const auto session = session::ReadSession(folder / "s/sessions/insertion", {});
+  const Eigen::Isometry3d ct_from_reference = config.markers.reference_from_ct.inverse();
+  for (std::size_t i = 2000; i < session.probe.size(); i += 200) {
+    const Vector3d face = ct_from_reference * session.probe[i].reference_from_tool.translation();
+    ASSERT_NEAR(field.SkinDistanceMm(face), 0.5, 0.5) << "at " << i << " ms";
+    ASSERT_TRUE(field.bounds_ct_mm().contains(face)) << "on the border of the volume";
+    ASSERT_FALSE(field.IsCut(face)) << "on the cut of the field of view";
+  }
+}
+
+TEST(WindowsOnIrcadb, LeadToLiverAndKidneys) {
+  const auto path = testing_support::SharedData("ct/ircadb01_labels.vti");
+  if (!path) GTEST_SKIP() << "test data ct/ircadb01_labels.vti is not here";
+  const volume::LabelMap labels = Ircadb(*path);
+  ExpectWindowOn(labels, "intercostal", "liver");
+  ExpectWindowOn(labels, "subcostal", "liver");
+  ExpectWindowOn(labels, "flank", "kidney");
+}
+
 }  // namespace
 }  // namespace acus::phantom

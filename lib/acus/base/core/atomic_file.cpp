@@ -9,6 +9,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
+#include "acus/base/core/output_check.h"
 
 namespace acus {
 namespace {
@@ -128,6 +129,25 @@ void AtomicFolder::Commit() {
   error.clear();
   ReplaceInSteps(path(), target_, error);
   ACUS_REQUIRE(!error, target_.string(), ": cannot be put in place: ", error.message());
+}
+
+void RequireFolderCanBeMade(const fs::path& target, bool overwrite) {
+  const fs::path wanted = Absolute(target);
+  std::error_code error;
+  if (fs::exists(wanted, error)) {
+    FolderLock lock;
+    if (fs::is_directory(wanted)) lock = FolderLock(wanted);
+    RequireReplaceable(wanted, overwrite);
+  }
+  fs::path first_missing = wanted;
+  while (!fs::exists(first_missing.parent_path(), error) && first_missing.has_relative_path())
+    first_missing = first_missing.parent_path();
+  // Only making it shows whether it can be made: permissions, quotas, names that are too long.
+  const Temporary trial(TemporaryName(first_missing));
+  fs::create_directory(trial.path(), error);
+  ACUS_REQUIRE(!error, wanted.string(), ": cannot be made: ", error.message());
+  fs::create_directory(trial.path() / wanted.filename(), error);
+  ACUS_REQUIRE(!error, wanted.string(), ": cannot be made: ", error.message());
 }
 
 std::string ReadTextFile(const fs::path& path) {

@@ -4,6 +4,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/cpu_time.h"
+#include "acus/base/math/point_text.h"
 #include "acus/patient/meshing/mesh_config.h"
 #include "acus/physics/mechanics/compliance_file.h"
 #include "acus/physics/mechanics/element_names.h"
@@ -67,7 +68,7 @@ CondenseSettings CondenseSettingsFromJson(const json& document,
   out.corridor_radius_mm = from.at("corridor_radius_mm").get<double>();
   out.tip_reach_mm = from.at("tip_reach_mm").get<double>();
   if (from.contains("probe")) out.probe = PatchFromJson(from.at("probe"));
-  if (!probe_at.empty()) out.probe->centre_mm = PointFromText(probe_at, "--probe-at");
+  if (!probe_at.empty()) out.probe->centre_mm = math::PointFromText(probe_at, "--probe-at");
   out.image_radius_mm = from.at("image_radius_mm").get<double>();
   out.storage =
       from.at("storage") == "float" ? mechanics::Storage::kFloat : mechanics::Storage::kDouble;

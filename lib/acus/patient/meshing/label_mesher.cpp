@@ -28,7 +28,7 @@ constexpr double kFirstGainMm = 12.0;
 constexpr double kFullBudget = 0.93;
 constexpr double kMentionedSpecks = 0.001;  ///< Of the body.
 constexpr double kSpeckEdge = 0.5;  ///< Of the shortest edge asked for: smaller cubes are specks.
-constexpr int kAttempts = 3;        ///< Each with finer elements, where a limit was missed.
+constexpr int kAttempts = 5;        ///< Each with finer elements, where a limit was missed.
 constexpr double kRefinement = 0.7;
 constexpr double kFarOff = 3.0;  ///< Times the limit: finer elements would not help.
 /// Nodes by which a finer mesh grows: between surface (2.0) and volume (2.9) for that refinement.

@@ -54,9 +54,8 @@ struct LabelMesh {
 /// conforming tissues, shared by both sides; the other tissues are told apart element by element.
 /// Conforming tissues that such elements cannot hold (thin ones, whose volume misses the limit)
 /// are told apart element by element instead, with a warning. Otherwise
-/// a mesh that misses a limit is made again with finer elements, at most twice and only up to some
-/// 600,000 nodes.
-/// Method and limits: docs/models/mesh.md.
+/// a mesh that misses a limit is made again with finer elements, at most four times and only up to
+/// some 600,000 nodes. Method and limits: docs/models/mesh.md.
 /// @throws InputError if the map holds no body, or a setting is out of range.
 /// @throws NoAnswerError if the smallest dihedral angle or the body's volume misses its limit.
 LabelMesh MeshLabelMap(const volume::LabelMap& labels, const LabelMeshSettings& settings,

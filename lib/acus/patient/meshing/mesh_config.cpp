@@ -1,11 +1,10 @@
 #include "acus/patient/meshing/mesh_config.h"
 
-#include <charconv>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/math/point_text.h"
 
 namespace acus::meshing {
 namespace {
@@ -51,22 +50,6 @@ MeshConfig MeshConfigFromJson(const json& document) {
   return out;
 }
 
-Eigen::Vector3d PointFromText(const std::string& text, const std::string& what) {
-  Eigen::Vector3d out = Eigen::Vector3d::Zero();
-  const char* at = text.data();
-  const char* end = at + text.size();
-  bool is_sound = true;
-  for (int d = 0; d < 3 && is_sound; ++d) {
-    const auto [rest, error] = std::from_chars(at, end, out[d]);
-    is_sound = error == std::errc() && std::isfinite(out[d]) &&
-               (d == 2 ? rest == end : rest != end && *rest == ',');
-    at = rest + 1;
-  }
-  ACUS_REQUIRE(is_sound, what, ": '", text,
-               "' is not a point; write x,y,z in mm, such as 1.5,-20,340");
-  return out;
-}
-
 void SetCorridor(MeshConfig& config, const std::string& from, const std::string& to) {
   if (!config.labels.sizes.corridor) {
     const json filled = config::CheckedConfig(
@@ -74,8 +57,8 @@ void SetCorridor(MeshConfig& config, const std::string& from, const std::string&
         "acus-mesh", "corridor");
     config.labels.sizes.corridor = CorridorFromJson(filled.at("corridor"));
   }
-  config.labels.sizes.corridor->from_mm = PointFromText(from, "--corridor-from");
-  config.labels.sizes.corridor->to_mm = PointFromText(to, "--corridor-to");
+  config.labels.sizes.corridor->from_mm = math::PointFromText(from, "--corridor-from");
+  config.labels.sizes.corridor->to_mm = math::PointFromText(to, "--corridor-to");
 }
 
 void RequestCondensation(MeshConfig& config, const json& document,

@@ -20,9 +20,6 @@ struct MeshConfig {
 /// @param document  Of format acus-mesh/1, checked and with defaults (config::ReadConfig).
 MeshConfig MeshConfigFromJson(const nlohmann::json& document);
 
-/// "x,y,z" in mm. @throws InputError if it is not three finite numbers; `what` names it.
-Eigen::Vector3d PointFromText(const std::string& text, const std::string& what);
-
 /// Sets the corridor's ends; without one in the config it gets the schema's radius and size.
 void SetCorridor(MeshConfig& config, const std::string& from, const std::string& to);
 

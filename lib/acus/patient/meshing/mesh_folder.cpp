@@ -9,6 +9,7 @@
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/meshing/mesh_report.h"
+#include "acus/patient/meshing/mesh_summary.h"
 
 namespace acus::meshing {
 namespace {
@@ -25,10 +26,13 @@ void FinishFolder(AtomicFolder& folder, const mesh::TetraMesh& mesh, const MeshC
   folder.Commit();
 }
 
-void WriteFolder(const std::filesystem::path& target, const mesh::TetraMesh& mesh,
-                 const std::vector<TissueVolume>& tissues, const Eigen::Vector3d& centre_mm,
-                 double min_dihedral_deg, const json& about, const MeshConfig& config,
-                 const RunContext& context) {
+/// Returns the summary.
+std::string WriteFolder(const std::filesystem::path& target, const mesh::TetraMesh& mesh,
+                        const std::vector<TissueVolume>& tissues, const Eigen::Vector3d& centre_mm,
+                        double min_dihedral_deg, const json& about, const MeshLosses& losses,
+                        const MeshConfig& config, const RunContext& context) {
+  // Condensing refuses such a mesh.
+  if (!config.condense) WarnWithoutFixedNodes(mesh, tissues, config.labels.fixed_tissues, context);
   context.Checkpoint("writing the mesh", 0.9);
   AtomicFolder folder(target, context.overwrite);
   mesh::WriteTetraMesh(folder.path() / "mesh.vtu", mesh);
@@ -40,12 +44,13 @@ void WriteFolder(const std::filesystem::path& target, const mesh::TetraMesh& mes
   WriteTextFile(folder.path() / "quality.svg",
                 MeshImageSvg(mesh, tissues, centre_mm, min_dihedral_deg));
   FinishFolder(folder, mesh, config, context);
+  return MeshText(mesh, tissues, config.labels.fixed_tissues, losses);
 }
 
 }  // namespace
 
-void MeshLabelsToFolder(const std::filesystem::path& labels, const MeshConfig& config,
-                        const std::filesystem::path& folder, const RunContext& context) {
+std::string MeshLabelsToFolder(const std::filesystem::path& labels, const MeshConfig& config,
+                               const std::filesystem::path& folder, const RunContext& context) {
   context.Checkpoint("reading labels", 0.0);
   const volume::LabelMap map = volume::ReadLabelMap(labels);
   LabelMesh out = MeshLabelMap(map, config.labels, context);
@@ -64,13 +69,14 @@ void MeshLabelsToFolder(const std::filesystem::path& labels, const MeshConfig& c
                         {"interior", out.sizes.interior_mm}}}};
   const Eigen::Vector3d centre_mm =
       corridor ? Eigen::Vector3d(0.5 * (corridor->from_mm + corridor->to_mm)) : CentreOf(out.mesh);
-  WriteFolder(folder, out.mesh, out.tissues, centre_mm, config.labels.min_dihedral_deg, about,
-              config, context);
+  return WriteFolder(folder, out.mesh, out.tissues, centre_mm, config.labels.min_dihedral_deg,
+                     about, {.islands_ml = out.dropped_ml, .specks_ml = out.specks_ml}, config,
+                     context);
 }
 
-void MeshSurfaceToFolder(const std::filesystem::path& surface, const std::string& tissue,
-                         const MeshConfig& config, const std::filesystem::path& folder,
-                         const RunContext& context) {
+std::string MeshSurfaceToFolder(const std::filesystem::path& surface, const std::string& tissue,
+                                const MeshConfig& config, const std::filesystem::path& folder,
+                                const RunContext& context) {
   SurfaceMeshSettings settings = config.surface;
   settings.tissue = volume::LabelOf(tissue);
   ACUS_REQUIRE(settings.tissue != 0, "'", tissue,
@@ -85,12 +91,12 @@ void MeshSurfaceToFolder(const std::filesystem::path& surface, const std::string
                                               .mesh_ml = out.mesh_ml,
                                               .is_conforming = !out.is_remeshed}};
   const json about = {{"repairs", out.repairs}, {"surface_was_made_anew", out.is_remeshed}};
-  WriteFolder(folder, out.mesh, tissues, CentreOf(out.mesh), settings.min_dihedral_deg, about,
-              config, context);
+  return WriteFolder(folder, out.mesh, tissues, CentreOf(out.mesh), settings.min_dihedral_deg,
+                     about, {}, config, context);
 }
 
-void CondenseMeshToFolder(const std::filesystem::path& mesh, const MeshConfig& config,
-                          const std::filesystem::path& folder, const RunContext& context) {
+std::string CondenseMeshToFolder(const std::filesystem::path& mesh, const MeshConfig& config,
+                                 const std::filesystem::path& folder, const RunContext& context) {
   ACUS_ASSERT(config.condense && config.labels.sizes.corridor);
   context.Checkpoint("reading the mesh", 0.0);
   const mesh::TetraMesh content = mesh::ReadTetraMesh(mesh);
@@ -100,6 +106,7 @@ void CondenseMeshToFolder(const std::filesystem::path& mesh, const MeshConfig& c
   AtomicFolder out(folder, context.overwrite);
   mesh::WriteTetraMesh(out.path() / "mesh.vtu", content);
   FinishFolder(out, content, config, context);
+  return MeshText(content, {}, config.labels.fixed_tissues, {});
 }
 
 }  // namespace acus::meshing

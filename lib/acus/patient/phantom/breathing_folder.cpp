@@ -165,4 +165,13 @@ void WriteBreathingPatient(const fs::path& folder, const volume::CtVolume& ct,
   out.Commit();
 }
 
+std::string BreathingFolderText(const BreathingFolderSettings& settings) {
+  const BreathingSettings& motion = settings.motion;
+  return Message("4D CT: ", settings.num_phases, " phases and a scan at ", settings.deeper_level,
+                 " times the breath\nMotion: diaphragm ", motion.diaphragm_mm, " mm, chest ",
+                 motion.chest_mm, " mm, hysteresis ", motion.hysteresis_mm, " mm, a breath in ",
+                 motion.period_s, " s\nLandmarks: up to ", settings.num_landmarks,
+                 " in lung and liver; fields of displacement in truth/\n");
+}
+
 }  // namespace acus::phantom

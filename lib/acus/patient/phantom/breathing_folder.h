@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "acus/base/core/run_context.h"
 #include "acus/patient/phantom/breathing_scan.h"
@@ -30,5 +31,8 @@ breathing::Breath BreathOfPhase(int n, const BreathingFolderSettings& settings);
 void WriteBreathingPatient(const std::filesystem::path& folder, const volume::CtVolume& ct,
                            const volume::LabelMap& labels, const BreathingFolderSettings& settings,
                            const RunContext& context);
+
+/// What such a folder holds, for people.
+std::string BreathingFolderText(const BreathingFolderSettings& settings);
 
 }  // namespace acus::phantom

@@ -22,31 +22,6 @@ bool Avoided(const PlanSettings& settings, volume::Label label) {
   return std::ranges::find(settings.avoid, label) != settings.avoid.end();
 }
 
-bool WellInside(const PatientField& field, const Vector3d& p) {
-  const Box box = field.bounds_ct_mm();
-  return ((p - box.min()).array() > kBorderMm).all() && ((box.max() - p).array() > kBorderMm).all();
-}
-
-/// Fills in the image plane: it holds the needle and `axis`, or if that is zero, the skin's normal.
-InsertionPlan Complete(const Vector3d& entry, const Vector3d& normal, const Vector3d& target,
-                       const Vector3d& axis) {
-  InsertionPlan plan;
-  plan.entry_ct_mm = entry;
-  plan.target_ct_mm = target;
-  plan.direction = (target - entry).normalized();
-  Vector3d along = axis.norm() > 0.0 ? axis : Vector3d(plan.direction + normal);
-  // An axis along the needle spans no plane: then the head's direction does, or any.
-  for (const Vector3d& other : {Vector3d(Vector3d::UnitZ()), normal.unitOrthogonal().eval()}) {
-    if (plan.direction.cross(along).norm() > 0.05) break;
-    along = other;
-  }
-  const Vector3d lateral = along.cross(plan.direction).normalized();
-  plan.skin_normal = (normal - normal.dot(lateral) * lateral).normalized();
-  plan.heading = plan.skin_normal.cross(-lateral).normalized();
-  if (plan.heading.dot(along) < 0.0) plan.heading = -plan.heading;
-  return plan;
-}
-
 /// Depth at which a ray from the entry meets bone, if it meets nothing else that is to be avoided.
 std::optional<double> BoneDepth(const PatientField& field, const InsertionPlan& plan,
                                 const Vector3d& axis, double angle_rad,
@@ -76,47 +51,12 @@ std::optional<double> SquareBoneDepth(const PatientField& field, const Insertion
   return depth;
 }
 
-/// Looks for the smallest turn that runs into bone: in the image plane if there is one, else
-/// across.
-void FindBone(const PatientField& field, const PlanSettings& settings, InsertionPlan& plan) {
-  for (const Vector3d& axis : {plan.lateral(), plan.heading}) {
-    for (int degrees = 2; degrees <= 30; ++degrees) {
-      for (const double side : {1.0, -1.0}) {
-        const double angle = side * degrees * math::kRadPerDegree;
-        const auto depth = SquareBoneDepth(field, plan, axis, angle, settings);
-        if (!depth) continue;
-        plan.bone_angle_rad = angle;
-        plan.bone_axis = axis;
-        plan.bone_depth_mm = *depth;
-        return;
-      }
-    }
-  }
-}
-
-/// How well a probe would sit ahead of the entry: its distance from the tangent plane, or nothing
-/// if there is no skin there.
-std::optional<double> ProbeUnevenness(const PatientField& field, const InsertionPlan& plan) {
-  double worst = 0.0;
-  for (const double ahead : {kProbeAheadMm - 20.0, kProbeAheadMm, kProbeAheadMm + 20.0}) {
-    const Vector3d start = plan.entry_ct_mm + ahead * plan.heading;
-    const auto skin = SkinAlong(field, start, plan.skin_normal, 25.0);
-    if (!skin || !field.bounds_ct_mm().contains(*skin)) return std::nullopt;
-    worst = std::max(worst, std::abs((*skin - start).dot(plan.skin_normal)));
-  }
-  for (const double across : {-kProbeAcrossMm, kProbeAcrossMm}) {
-    const Vector3d start =
-        plan.entry_ct_mm + kProbeAheadMm * plan.heading + across * plan.lateral();
-    if (!SkinAlong(field, start, plan.skin_normal, 50.0)) return std::nullopt;
-  }
-  return worst;
-}
-
 /// What speaks against a path, in arbitrary points: fat along it, an end in fat, bone or lung right
 /// under the probe, nothing to see there because the volume or the body ends; an end in the liver
-/// or a lesion speaks for it.
+/// or a lesion speaks for it, one outside the trunk against it.
 double TissueCost(const PatientField& field, const InsertionPlan& plan,
-                  const PlanSettings& settings) {
+                  const PlanSettings& settings, const BodyFrame* frame) {
+  constexpr double kOffTrunk = 100.0;  // More than all else: only if nothing else is free.
   static const volume::Label kFat = volume::LabelOf("fat");
   static const volume::Label kLiver = volume::LabelOf("liver");
   static const volume::Label kLesion = volume::LabelOf("lesion");
@@ -139,7 +79,8 @@ double TissueCost(const PatientField& field, const InsertionPlan& plan,
       missing += field.LabelAt(at) == 0 ? 1 : 0;
     }
   }
-  return end_cost + 30.0 * fat / std::max(steps, 1) + 1.0 * hidden + 0.5 * missing;
+  const double off_trunk = frame && !frame->IsTrunk(plan.target_ct_mm) ? kOffTrunk : 0.0;
+  return off_trunk + end_cost + 30.0 * fat / std::max(steps, 1) + 1.0 * hidden + 0.5 * missing;
 }
 
 struct Candidate {
@@ -148,8 +89,8 @@ struct Candidate {
 };
 
 /// Tries paths from one entry point, tilted towards four sides, and keeps the best.
-void TryEntry(const PatientField& field, const PlanSettings& settings, const Vector3d& entry,
-              Candidate& best) {
+void TryEntry(const PatientField& field, const PlanSettings& settings, const BodyFrame* frame,
+              const Vector3d& entry, Candidate& best) {
   const Vector3d normal = SkinNormal(field, entry);
   const Eigen::Isometry3d tangent = math::PoseFromAxes(entry, normal, Vector3d::UnitZ());
   for (int side = 0; side < 4; ++side) {
@@ -163,10 +104,11 @@ void TryEntry(const PatientField& field, const PlanSettings& settings, const Vec
       for (double length = settings.min_length_mm; length <= settings.max_length_mm;
            length += 10.0) {
         const InsertionPlan plan =
-            Complete(entry, normal, entry + length * direction, Vector3d::Zero());
-        const double cost = TissueCost(field, plan, settings) + 0.2 * std::abs(tilt_deg - 30.0);
+            CompletePlan(entry, normal, entry + length * direction, Vector3d::Zero());
+        const double cost =
+            TissueCost(field, plan, settings, frame) + 0.2 * std::abs(tilt_deg - 30.0);
         if (cost >= best.cost || !PathIsFree(field, entry, plan.target_ct_mm, settings)) continue;
-        if (!uneven) uneven = ProbeUnevenness(field, plan);
+        if (!uneven) uneven = ProbeUnevennessMm(field, plan);
         if (!*uneven || cost + 1.5 * **uneven >= best.cost) continue;
         best = {cost + 1.5 * **uneven, plan};
       }
@@ -176,8 +118,8 @@ void TryEntry(const PatientField& field, const PlanSettings& settings, const Vec
 
 /// The best of the paths from all around the body; `best` without a plan if there is none. Returns
 /// how many points of the skin were tried.
-int SearchAround(const PatientField& field, const PlanSettings& settings, Candidate& best,
-                 const RunContext& context) {
+int SearchAround(const PatientField& field, const PlanSettings& settings, const BodyFrame* frame,
+                 Candidate& best, const RunContext& context) {
   const Box box = field.body_ct_mm();
   const Vector3d middle = box.center();
   const double reach = 0.5 * box.diagonal().norm() + 1.0;
@@ -191,8 +133,8 @@ int SearchAround(const PatientField& field, const PlanSettings& settings, Candid
       const Vector3d out(std::sin(angle), -std::cos(angle), 0.0);
       const Vector3d outside = Vector3d(middle.x(), middle.y(), z) + reach * out;
       const auto entry = SkinAlong(field, outside, out, reach);
-      if (!entry || !WellInside(field, *entry)) continue;
-      TryEntry(field, settings, *entry, best);
+      if (!entry || !CanEnterAt(field, *entry)) continue;
+      TryEntry(field, settings, frame, *entry, best);
       ++entries;
     }
   }
@@ -200,6 +142,64 @@ int SearchAround(const PatientField& field, const PlanSettings& settings, Candid
 }
 
 }  // namespace
+
+bool CanEnterAt(const PatientField& field, const Vector3d& p) {
+  const Box box = field.bounds_ct_mm();
+  return !field.IsCut(p) && ((p - box.min()).array() > kBorderMm).all() &&
+         ((box.max() - p).array() > kBorderMm).all();
+}
+
+InsertionPlan CompletePlan(const Vector3d& entry, const Vector3d& normal, const Vector3d& target,
+                           const Vector3d& axis) {
+  InsertionPlan plan;
+  plan.entry_ct_mm = entry;
+  plan.target_ct_mm = target;
+  plan.direction = (target - entry).normalized();
+  Vector3d along = axis.norm() > 0.0 ? axis : Vector3d(plan.direction + normal);
+  // An axis along the needle spans no plane: then the head's direction does, or any.
+  for (const Vector3d& other : {Vector3d(Vector3d::UnitZ()), normal.unitOrthogonal().eval()}) {
+    if (plan.direction.cross(along).norm() > 0.05) break;
+    along = other;
+  }
+  const Vector3d lateral = along.cross(plan.direction).normalized();
+  plan.skin_normal = (normal - normal.dot(lateral) * lateral).normalized();
+  plan.heading = plan.skin_normal.cross(-lateral).normalized();
+  if (plan.heading.dot(along) < 0.0) plan.heading = -plan.heading;
+  return plan;
+}
+
+void FindBone(const PatientField& field, const PlanSettings& settings, InsertionPlan& plan) {
+  for (const Vector3d& axis : {plan.lateral(), plan.heading}) {
+    for (int degrees = 2; degrees <= 30; ++degrees) {
+      for (const double side : {1.0, -1.0}) {
+        const double angle = side * degrees * math::kRadPerDegree;
+        const auto depth = SquareBoneDepth(field, plan, axis, angle, settings);
+        if (!depth) continue;
+        plan.bone_angle_rad = angle;
+        plan.bone_axis = axis;
+        plan.bone_depth_mm = *depth;
+        return;
+      }
+    }
+  }
+}
+
+std::optional<double> ProbeUnevennessMm(const PatientField& field, const InsertionPlan& plan) {
+  double worst = 0.0;
+  for (const double ahead : {kProbeAheadMm - 20.0, kProbeAheadMm, kProbeAheadMm + 20.0}) {
+    const Vector3d start = plan.entry_ct_mm + ahead * plan.heading;
+    const auto skin = SkinAlong(field, start, plan.skin_normal, 25.0);
+    if (!skin || !field.bounds_ct_mm().contains(*skin) || field.IsCut(*skin)) return std::nullopt;
+    worst = std::max(worst, std::abs((*skin - start).dot(plan.skin_normal)));
+  }
+  for (const double across : {-kProbeAcrossMm, kProbeAcrossMm}) {
+    const Vector3d start =
+        plan.entry_ct_mm + kProbeAheadMm * plan.heading + across * plan.lateral();
+    const auto skin = SkinAlong(field, start, plan.skin_normal, 50.0);
+    if (!skin || field.IsCut(*skin)) return std::nullopt;
+  }
+  return worst;
+}
 
 bool PathIsFree(const PatientField& field, const Vector3d& entry, const Vector3d& target,
                 const PlanSettings& settings) {
@@ -244,12 +244,13 @@ InsertionPlan PlanToTarget(const PatientField& field, const Vector3d& target,
                                    std::sin(polar) * std::sin(azimuth), std::cos(polar));
       const auto entry =
           SkinAlong(field, target + settings.max_length_mm * out, out, settings.max_length_mm);
-      if (!entry || !WellInside(field, *entry)) continue;
+      if (!entry || !CanEnterAt(field, *entry)) continue;
       const double length = (*entry - target).norm();
       if (length < settings.min_length_mm || length > settings.max_length_mm) continue;
       if (!PathIsFree(field, *entry, target, settings)) continue;
-      InsertionPlan plan = Complete(*entry, SkinNormal(field, *entry), target, settings.image_axis);
-      if (!ProbeUnevenness(field, plan)) continue;
+      InsertionPlan plan =
+          CompletePlan(*entry, SkinNormal(field, *entry), target, settings.image_axis);
+      if (!ProbeUnevennessMm(field, plan)) continue;
       FindBone(field, settings, plan);
       return plan;
     }
@@ -261,9 +262,9 @@ InsertionPlan PlanToTarget(const PatientField& field, const Vector3d& target,
 }
 
 InsertionPlan PlanAnywhere(const PatientField& field, const PlanSettings& settings,
-                           const RunContext& context) {
+                           const RunContext& context, const BodyFrame* frame) {
   Candidate best;
-  const int entries = SearchAround(field, settings, best, context);
+  const int entries = SearchAround(field, settings, frame, best, context);
   if (entries == 0) {
     throw NoAnswerError(Message("no skin lies more than ", kBorderMm,
                                 " mm inside the volume: the body fills it or is too small"));
@@ -273,7 +274,7 @@ InsertionPlan PlanAnywhere(const PatientField& field, const PlanSettings& settin
     PlanSettings shorter = settings;
     shorter.min_length_mm = shortest_mm;
     shorter.max_length_mm = settings.min_length_mm;
-    SearchAround(field, shorter, best, context);
+    SearchAround(field, shorter, frame, best, context);
     if (best.plan) {
       context.Warn(Message("no free path of ", settings.min_length_mm, " mm or more leads into ",
                            "this body; one of ", best.plan->length_mm(), " mm is taken"));

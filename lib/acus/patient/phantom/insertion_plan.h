@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "acus/base/core/run_context.h"
+#include "acus/patient/phantom/body_frame.h"
 #include "acus/patient/phantom/patient_field.h"
 
 namespace acus::phantom {
@@ -41,6 +42,22 @@ struct InsertionPlan {
   Eigen::Vector3d lateral() const { return heading.cross(-skin_normal).normalized(); }
 };
 
+/// Whether a needle may enter here: not near the border of the volume, nor at a cut.
+bool CanEnterAt(const PatientField& field, const Eigen::Vector3d& entry_ct_mm);
+
+/// A plan whose image plane holds the needle and `axis`, or if that is zero, the skin's normal.
+/// `skin_normal` is that at the entry.
+InsertionPlan CompletePlan(const Eigen::Vector3d& entry_ct_mm, const Eigen::Vector3d& skin_normal,
+                           const Eigen::Vector3d& target_ct_mm, const Eigen::Vector3d& axis);
+
+/// Looks for the smallest turn of the needle that runs into bone: in the image plane if there is
+/// one, otherwise across. Sets the plan's bone angle, axis and depth.
+void FindBone(const PatientField& field, const PlanSettings& settings, InsertionPlan& plan);
+
+/// How well a probe would sit ahead of the entry: the skin's distance from the tangent plane, mm,
+/// or nothing if there is no skin there, or a cut.
+std::optional<double> ProbeUnevennessMm(const PatientField& field, const InsertionPlan& plan);
+
 /// True if nothing of `avoid` comes nearer than `clearance_mm` to the path inside the body.
 bool PathIsFree(const PatientField& field, const Eigen::Vector3d& entry_ct_mm,
                 const Eigen::Vector3d& target_ct_mm, const PlanSettings& settings);
@@ -51,9 +68,10 @@ InsertionPlan PlanToTarget(const PatientField& field, const Eigen::Vector3d& tar
                            const PlanSettings& settings, const RunContext& context);
 
 /// The best of many paths all around the body: into the liver or a lesion if one can be reached,
-/// otherwise deep into soft tissue, in plane with a probe on flat skin over a window.
+/// otherwise deep into soft tissue, in plane with a probe on flat skin over a window. With `frame`,
+/// shoulders, arms and neck only if no path in the trunk is free.
 /// @throws NoAnswerError if there is none.
 InsertionPlan PlanAnywhere(const PatientField& field, const PlanSettings& settings,
-                           const RunContext& context);
+                           const RunContext& context, const BodyFrame* frame = nullptr);
 
 }  // namespace acus::phantom

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace acus::phantom {
 namespace {
@@ -11,6 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double kSkinSigmaMm = 2.5;
 constexpr double kKnownAirMm = 12.0;  ///< Beyond a border that takes the place of the skin.
+constexpr double kCutMarginMm = 6.0;  ///< So near to a cut, the smoothed body bends towards it.
 
 Box Extent(const volume::Geometry& g) {
   return Box(Vector3d::Zero(), (g.size - 1).cast<double>().matrix()).transformed(g.ct_from_index());
@@ -32,6 +34,38 @@ Box BodyExtent(const volume::LabelMap& labels) {
   if (last[0] < 0) return Extent(labels.geometry);
   return Box(first.cast<double>().matrix(), last.cast<double>().matrix())
       .transformed(labels.geometry.ct_from_index());
+}
+
+/// Distance from the middle of the slices, within them.
+double RadiusMm(const volume::Geometry& g, const Eigen::Array3d& index) {
+  const Eigen::Array3d from_middle = (index - 0.5 * (g.size - 1).cast<double>()) * g.spacing_mm;
+  return std::hypot(from_middle[0], from_middle[1]);
+}
+
+/// Radius of the circle of reconstruction, if it cuts the body: no voxel of the body lies outside
+/// of the circle that touches the sides of the slices, and a long arc of it bounds the body.
+double CutRadiusMm(const volume::LabelMap& labels) {
+  const volume::Geometry& g = labels.geometry;
+  const double voxel_mm = std::max(g.spacing_mm[0], g.spacing_mm[1]);
+  const double radius_mm = 0.5 * std::min(g.size[0] * g.spacing_mm[0], g.size[1] * g.spacing_mm[1]);
+  constexpr double kMinArcMm = 40.0;  // In one slice: what a round back or belly never has.
+  const double kNone = std::numeric_limits<double>::infinity();
+  double longest_arc_mm = 0.0;
+  for (int k = 0; k < g.size[2]; ++k) {
+    std::size_t near = 0;
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        if (labels.At(i, j, k) == 0) continue;
+        const double r = RadiusMm(g, Eigen::Array3d(i, j, k));
+        if (r > radius_mm + voxel_mm) return kNone;
+        near += r > radius_mm - 2.0 * voxel_mm ? 1 : 0;
+      }
+    }
+    // The ring that is counted is two to three voxels wide.
+    longest_arc_mm = std::max(longest_arc_mm, static_cast<double>(near) * g.spacing_mm[0] *
+                                                  g.spacing_mm[1] / (2.5 * voxel_mm));
+  }
+  return longest_arc_mm > kMinArcMm ? radius_mm : kNone;
 }
 
 struct Stencil {
@@ -66,7 +100,9 @@ LabelMapField::LabelMapField(const volume::LabelMap& labels, Beyond beyond)
       beyond_(beyond),
       index_from_ct_(labels.geometry.index_from_ct()),
       bounds_(Extent(labels.geometry)),
-      body_(BodyExtent(labels)) {
+      body_(BodyExtent(labels)),
+      cut_radius_mm_(beyond == Beyond::kAir ? std::numeric_limits<double>::infinity()
+                                            : CutRadiusMm(labels)) {
   if (beyond_ == Beyond::kAir) {
     const Vector3d more = Vector3d::Constant(kKnownAirMm);
     bounds_ = Box(bounds_.min() - more, bounds_.max() + more);
@@ -79,6 +115,10 @@ volume::Label LabelMapField::LabelAt(const Vector3d& p) const {
   const auto j = static_cast<int>(std::floor(index.y() + 0.5));
   const auto k = static_cast<int>(std::floor(index.z() + 0.5));
   return labels_.geometry.Contains(i, j, k) ? labels_.At(i, j, k) : volume::Label{0};
+}
+
+bool LabelMapField::IsCut(const Vector3d& p) const {
+  return RadiusMm(labels_.geometry, index_from_ct_ * p) > cut_radius_mm_ - kCutMarginMm;
 }
 
 double LabelMapField::BodyAt(const Vector3d& p) const {

@@ -19,6 +19,10 @@ class PatientField {
   /// Where the field is known: the volume's extent.
   virtual Box bounds_ct_mm() const = 0;
 
+  /// Whether the field of view, not air, ends the body near this point of its surface: no place for
+  /// a needle or a probe.
+  virtual bool IsCut(const Eigen::Vector3d& /*point_ct_mm*/) const { return false; }
+
   /// Around the body.
   virtual Box body_ct_mm() const { return bounds_ct_mm(); }
 };
@@ -38,7 +42,9 @@ class AnatomyField : public PatientField {
 };
 
 /// Labels by nearest voxel; label 0 is outside the body. The skin is the half level of the body
-/// smoothed by a Gaussian of 2.5 mm, so that a probe does not climb the stairs of the voxels.
+/// smoothed by a Gaussian of 2.5 mm, so that a probe does not climb the stairs of the voxels. Where
+/// the circle of the scanner's reconstruction, centred in the slices, cuts the body, the surface is
+/// a cut.
 class LabelMapField : public PatientField {
  public:
   /// What lies beyond the volume where it cuts the body: more of it, or air, so that the border
@@ -49,6 +55,7 @@ class LabelMapField : public PatientField {
   explicit LabelMapField(const volume::LabelMap& labels, Beyond beyond = Beyond::kSame);
   volume::Label LabelAt(const Eigen::Vector3d& p) const override;
   double SkinDistanceMm(const Eigen::Vector3d& p) const override;
+  bool IsCut(const Eigen::Vector3d& p) const override;
   Box bounds_ct_mm() const override { return bounds_; }
   Box body_ct_mm() const override { return body_; }
 
@@ -61,6 +68,7 @@ class LabelMapField : public PatientField {
   Eigen::Affine3d index_from_ct_;
   Box bounds_;
   Box body_;
+  double cut_radius_mm_;  ///< Of the circle that cuts the body; infinite if none does.
 };
 
 /// The point of the skin nearest to `start` on the line along `direction`, within `reach_mm` to

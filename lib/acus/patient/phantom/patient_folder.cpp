@@ -9,6 +9,8 @@
 #include "acus/data/session/session_io.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
+#include "acus/patient/phantom/insertion_summary.h"
+#include "acus/patient/phantom/scene_plan.h"
 
 namespace acus::phantom {
 namespace {
@@ -46,13 +48,16 @@ Json ToJson(const forces::CurveParameters& p) {
           {"offset_n", p.offset_n}};
 }
 
-/// Plans, places markers and plays the session; writes all of it and returns its part of the truth.
-Json WriteInsertion(const std::filesystem::path& folder, const PatientField& field,
-                    const InsertionPlan& plan, const PhantomConfig& config,
-                    const RunContext& context) {
-  if (!plan.bone_angle_rad) {
-    context.Warn("no bone lies near the path: the session is made without touching bone");
-  }
+/// What WriteInsertion has written.
+struct Insertion {
+  Json truth;
+  std::string text;  ///< For people.
+};
+
+/// Places markers and plays the session; writes all of it.
+Insertion WriteInsertion(const std::filesystem::path& folder, const PatientField& field,
+                         const InsertionPlan& plan, const SceneChoice& choice,
+                         const PhantomConfig& config, const RunContext& context) {
   const auto markers = PlaceMarkers(field, plan, config.markers, context);
   WritePoints(folder / "markers_ct.csv", markers);
   WritePoints(folder / "markers_mannequin.csv",
@@ -73,17 +78,27 @@ Json WriteInsertion(const std::filesystem::path& folder, const PatientField& fie
   }
   Json points = Json::object();
   for (const NamedPoint& marker : markers) points[marker.name] = config::Row(marker.position_mm);
-  return {{"format", "acus-truth/1"},
-          {"seed", context.seed},
-          {"config", config.document},
-          {"reference_from_ct", config::MatrixRows(config.markers.reference_from_ct)},
-          {"fle_mm", config.markers.fle_mm},
-          {"markers_ct_mm", points},
-          {"insertion", ToJson(plan)},
-          {"sessions",
-           {{config.session.name,
-             {{"duration_s", 1e-9 * static_cast<double>(scripted.session.needle.back().time_ns)},
-              {"events", events}}}}}};
+  const std::vector<PathPart> parts = TissuesAlong(field, plan);
+  Json insertion = ToJson(plan);
+  insertion.update(ChoiceJson(choice, parts));
+  Json truth = {
+      {"format", "acus-truth/1"},
+      {"seed", context.seed},
+      {"config", config.document},
+      {"reference_from_ct", config::MatrixRows(config.markers.reference_from_ct)},
+      {"fle_mm", config.markers.fle_mm},
+      {"markers_ct_mm", points},
+      {"insertion", insertion},
+      {"sessions",
+       {{config.session.name,
+         {{"duration_s", 1e-9 * static_cast<double>(scripted.session.needle.back().time_ns)},
+          {"events", events}}}}}};
+  return {truth, InsertionText(plan, choice, parts, scripted)};
+}
+
+void WarnWithoutBone(const InsertionPlan& plan, const RunContext& context) {
+  if (plan.bone_angle_rad) return;
+  context.Warn("no bone lies near the path: the session is made without touching bone");
 }
 
 /// The settings' parameters, each varied by its spread.
@@ -143,8 +158,8 @@ bool IsCut(const volume::LabelMap& labels) {
 
 }  // namespace
 
-void WritePatient(const std::filesystem::path& folder, const PhantomConfig& config,
-                  const RunContext& context) {
+std::string WritePatient(const std::filesystem::path& folder, const PhantomConfig& config,
+                         const RunContext& context) {
   AtomicFolder out(folder, context.overwrite);
   const Anatomy anatomy(config.body, context.seed);
   const AnatomyField field(anatomy, config.grid);
@@ -152,7 +167,11 @@ void WritePatient(const std::filesystem::path& folder, const PhantomConfig& conf
                "/insertion/target: name a landmark of the anatomy");
   const Vector3d target = anatomy.Landmark(config.insertion.target) + config.insertion.offset_mm;
   const InsertionPlan plan = PlanToTarget(field, target, config.insertion, context);
-  Json truth = WriteInsertion(out.path(), field, plan, config, context);
+  WarnWithoutBone(plan, context);
+  Insertion insertion = WriteInsertion(
+      out.path(), field, plan, {.target = config.insertion.target, .window = "", .reason = ""},
+      config, context);
+  Json& truth = insertion.truth;
   truth["force_curves"] = WriteForceCurves(out.path() / "force_curves", config, context);
   const Scan scan = RenderScan(anatomy, config.grid, config.scanner, context);
   volume::WriteCt(out.path() / "ct.nrrd", scan.ct);
@@ -165,28 +184,33 @@ void WritePatient(const std::filesystem::path& folder, const PhantomConfig& conf
   config::WriteJson(out.path() / "truth.json", truth);
   config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
   out.Commit();
+  return insertion.text;
 }
 
-void WriteScene(const std::filesystem::path& folder, const volume::LabelMap& labels,
-                const PhantomConfig& config, const RunContext& context) {
+std::string WriteScene(const std::filesystem::path& folder, const volume::LabelMap& labels,
+                       const PhantomConfig& config, const RunContext& context,
+                       const SceneRequest& request) {
   AtomicFolder out(folder, context.overwrite);
   const auto insert = [&](LabelMapField::Beyond beyond) {
     const LabelMapField field(labels, beyond);
-    const InsertionPlan plan = PlanAnywhere(field, config.insertion, context);
-    return WriteInsertion(out.path(), field, plan, config, context);
+    const ScenePlan plan = PlanScene(labels, field, config.insertion, request, context);
+    if (plan.touches_bone) WarnWithoutBone(plan.insertion, context);
+    return WriteInsertion(out.path(), field, plan.insertion, plan.choice, config, context);
   };
-  Json truth;
+  Insertion insertion;
   try {
-    truth = insert(LabelMapField::Beyond::kSame);
+    insertion = insert(LabelMapField::Beyond::kSame);
   } catch (const NoAnswerError& error) {
-    if (!IsCut(labels)) throw;
+    // A window is on skin that is there, or nowhere.
+    if (!IsCut(labels) || !request.window.empty()) throw;
     context.Warn(Message(error.what(), ". Where the volume's border cuts the body, it now takes ",
                          "the place of the skin"));
-    truth = insert(LabelMapField::Beyond::kAir);
+    insertion = insert(LabelMapField::Beyond::kAir);
   }
-  config::WriteJson(out.path() / "truth.json", truth);
+  config::WriteJson(out.path() / "truth.json", insertion.truth);
   config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
   out.Commit();
+  return insertion.text;
 }
 
 }  // namespace acus::phantom

@@ -89,4 +89,8 @@ void Broadcast::SetStatus(bool is_ok, const std::string& text) {
   server_.SetStatus(is_ok, text);
 }
 
+void RequirePortFree(const SendOut& where) {
+  tracking::PoseServer(OptionsOf(where)).Start();
+}
+
 }  // namespace acus::live

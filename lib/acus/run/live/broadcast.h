@@ -42,4 +42,7 @@ class Broadcast {
   tracking::PoseServer server_;
 };
 
+/// Listens for an instant: whether a session could. @throws InputError if the port is taken.
+void RequirePortFree(const SendOut& where);
+
 }  // namespace acus::live

@@ -7,6 +7,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/monotonic_time.h"
+#include "acus/base/core/output_check.h"
 #include "acus/base/core/text_table.h"
 #include "acus/data/session/session_import.h"
 #include "acus/rig/haptics/open_device.h"
@@ -124,6 +125,14 @@ LiveSession::LiveSession(const scenario::Scenario& scenario,
   PlaceProbeOnSkin();
   if (!options.hand.empty()) FollowSession(devices_, options.hand);
   TakeDevices();
+  if (options_.only_checks) CheckStart();
+}
+
+/// What Start() would refuse before its first step.
+void LiveSession::CheckStart() const {
+  if (!options_.session_folder.empty())
+    RequireFolderCanBeMade(options_.session_folder, context_.overwrite);
+  if (devices_.send_out) RequirePortFree(*devices_.send_out);
 }
 
 LiveSession::~LiveSession() {

@@ -146,6 +146,7 @@ class LiveSession {
  private:
   struct Bridge;
   haptics::HapticDevice* Take(const haptics::ToolConfig& tool);
+  void CheckStart() const;
   void TakeDevices();
   void FollowSession(LiveDevices& devices, const std::filesystem::path& session);
   void PlaceProbeOnSkin();

@@ -6,6 +6,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/core/machine.h"
+#include "acus/base/core/output_check.h"
 #include "acus/base/core/text_table.h"
 #include "acus/data/session/integrity.h"
 #include "acus/data/session/session_import.h"
@@ -121,6 +122,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   if (!options.exercise.empty()) {
     exercise = training::ReadExercise(options.exercise);
     context.provenance.AddInput(options.exercise);
+    RequireTargetOfGoals(*exercise, scenario);
   }
   transforms::Landmarks targets;
   if (folder) targets = TargetsOf(exercise ? &*exercise : nullptr, scenario);
@@ -168,7 +170,8 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
 }
 
 void RequireRunnable(const scenario::Scenario& scenario, const fs::path& session_path,
-                     const fs::path& exercise, RunContext& context) {
+                     const ReplayOptions& options, RunContext& context) {
+  if (!options.run_folder.empty()) RequireFolderCanBeMade(options.run_folder, context.overwrite);
   std::optional<session::Session> session;
   simulation::AvailableInputs available{.needle_poses = true, .probe_poses = true, .breath = true};
   if (!session_path.empty()) {
@@ -177,9 +180,10 @@ void RequireRunnable(const scenario::Scenario& scenario, const fs::path& session
   }
   const simulation::EffectPlan plan = simulation::PlanEffects(scenario, available);
   const Scene scene = simulation::LoadScene(scenario, plan, context);
-  if (exercise.empty()) return;
-  RequireAssessable(training::ReadExercise(exercise), scenario, scene,
-                    session ? &*session : nullptr);
+  if (options.exercise.empty()) return;
+  const training::Exercise exercise = training::ReadExercise(options.exercise);
+  RequireAssessable(exercise, scenario, scene, session ? &*session : nullptr);
+  RequireTargetOfGoals(exercise, scenario);
 }
 
 std::string CheckText(const scenario::Scenario& scenario, const fs::path& session_path,

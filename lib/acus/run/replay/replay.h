@@ -54,8 +54,9 @@ std::string CheckText(const scenario::Scenario& scenario, const std::filesystem:
 /// Loads the patient, all models, the session and the exercise as ReplaySession does, up to its
 /// first step, and keeps nothing: whatever a run would refuse before that is refused here.
 /// @param session_path  May be empty: it is taken to hold all that effects read.
+/// @param options  Its exercise and run folder are looked at; either may be empty.
 /// @throws InputError as ReplaySession does.
 void RequireRunnable(const scenario::Scenario& scenario, const std::filesystem::path& session_path,
-                     const std::filesystem::path& exercise, RunContext& context);
+                     const ReplayOptions& options, RunContext& context);
 
 }  // namespace acus::replay

@@ -6,6 +6,7 @@
 #include "acus/data/transforms/landmarks.h"
 #include "acus/run/replay/exercise_watch.h"
 #include "acus/run/training/handling_metrics.h"
+#include "acus/run/training/session_metrics.h"
 #include "acus/scene/simulation/scene.h"
 
 namespace acus::replay {
@@ -35,6 +36,18 @@ void RequireAssessable(const training::Exercise& exercise, const scenario::Scena
                "an exercise needs a needle; this session has none");
   const std::filesystem::path target = TargetFile(exercise, scenario);
   if (!target.empty()) TargetOf(exercise, target);
+}
+
+void RequireTargetOfGoals(const training::Exercise& exercise, const scenario::Scenario& scenario) {
+  if (!TargetFile(exercise, scenario).empty()) return;
+  for (const training::Goal& goal : exercise.goals) {
+    const bool is_of_target =
+        goal.metric.starts_with("tip to target") || goal.metric == training::kTimeToTarget;
+    ACUS_REQUIRE(
+        !is_of_target, "the exercise has a goal for \"", goal.metric,
+        "\", but neither the exercise nor the scenario has a target: give /patient/corridor,"
+        " such as corridor_ct.csv of acus-phantom, or the exercise's target/file");
+  }
 }
 
 std::optional<Eigen::Vector3d> TargetInCtMm(const training::Exercise& exercise,

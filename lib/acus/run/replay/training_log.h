@@ -19,6 +19,11 @@ namespace acus::replay {
 void RequireAssessable(const training::Exercise& exercise, const scenario::Scenario& scenario,
                        const simulation::Scene& scene, const session::Session* session);
 
+/// Refuses a goal of the target where neither the exercise nor the scenario has one: the assessment
+/// would refuse it after the whole run.
+/// @throws InputError naming the goal and what to give.
+void RequireTargetOfGoals(const training::Exercise& exercise, const scenario::Scenario& scenario);
+
 /// Where the tip is to go, in CT space: of the exercise's own file, else of the scenario's
 /// corridor; nothing if there is neither.
 /// @throws InputError if the file is missing or has no such point.

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/output_check.h"
 #include "acus/base/core/parallel.h"
 #include "acus/base/core/provenance.h"
 #include "support/temporary_folder.h"
@@ -120,6 +121,26 @@ TEST(AtomicFolder, WithoutCommitTheEarlierOutputStays) {
     WriteTextFile(output.path() / "provenance.json", "new");
   }
   EXPECT_EQ(ReadTextFile(folder / "run" / "provenance.json"), "old");
+  EXPECT_EQ(NumEntries(folder), 1);
+}
+
+TEST(RequireFolderCanBeMade, RefusesWhatAtomicFolderRefusesAndLeavesNothing) {
+  const testing_support::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  RequireFolderCanBeMade(folder / "run", false);
+  RequireFolderCanBeMade(folder / "deep" / "er" / "run", false);
+  EXPECT_EQ(NumEntries(folder), 0);
+  fs::create_directory(folder / "full");
+  WriteTextFile(folder / "full" / "mine", "text");
+  EXPECT_THROW(RequireFolderCanBeMade(folder / "full", false), InputError);
+  EXPECT_THROW(RequireFolderCanBeMade(folder / "full", true), InputError);
+  EXPECT_THROW(RequireFolderCanBeMade(folder / "full" / "mine" / "run", false), InputError);
+  WriteTextFile(folder / "full" / "provenance.json", "{}");
+  RequireFolderCanBeMade(folder / "full", true);
+  EXPECT_EQ(NumEntries(folder / "full"), 2);
+  EXPECT_THROW(RequireFolderCanBeMade(folder / std::string(300, 'a'), false), InputError);
+  EXPECT_THROW(RequireFolderCanBeMade(folder / "new" / std::string(300, 'a'), false), InputError);
+  EXPECT_THROW(RequireFolderCanBeMade("/proc/run", false), InputError);
   EXPECT_EQ(NumEntries(folder), 1);
 }
 

@@ -61,5 +61,35 @@ TEST(AnatomyField, HasTheSkinOfTheAnatomy) {
   EXPECT_EQ(field.LabelAt(*skin - Vector3d(0, 0.01, 0)), volume::LabelOf("skin"));
 }
 
+/// A body wider than the circle of reconstruction, or a narrower one, cut by nothing.
+volume::LabelMap BodyInACircle(double half_width_mm) {
+  volume::Geometry g;
+  g.size = {100, 100, 10};
+  g.spacing_mm = {3.0, 3.0, 5.0};
+  g.origin_mm = {-148.5, -148.5, 0.0};
+  volume::LabelMap labels(g);
+  for (int k = 0; k < g.size[2]; ++k) {
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        const Vector3d p = g.ct_from_index() * Vector3d(i, j, k);
+        const bool in_body = std::hypot(p.x() / half_width_mm, p.y() / 100.0) < 1.0;
+        if (in_body && std::hypot(p.x(), p.y()) < 150.0)
+          labels.At(i, j, k) = volume::LabelOf("soft_tissue");
+      }
+    }
+  }
+  return labels;
+}
+
+TEST(LabelMapField, FindsWhereTheCircleOfReconstructionCutsTheBody) {
+  const volume::LabelMap wide = BodyInACircle(220.0);
+  const LabelMapField cut(wide);
+  EXPECT_TRUE(cut.IsCut({149.0, 0.0, 20.0}));
+  EXPECT_FALSE(cut.IsCut({0.0, 100.0, 20.0})) << "skin";
+  EXPECT_FALSE(LabelMapField(wide, LabelMapField::Beyond::kAir).IsCut({149.0, 0.0, 20.0}));
+  const volume::LabelMap narrow = BodyInACircle(140.0);
+  EXPECT_FALSE(LabelMapField(narrow).IsCut({149.0, 0.0, 20.0}));
+}
+
 }  // namespace
 }  // namespace acus::phantom

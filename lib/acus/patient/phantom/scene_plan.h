@@ -1,0 +1,23 @@
+// The insertion of a scene: as requested, or what suits the patient.
+#pragma once
+
+#include "acus/patient/phantom/insertion_summary.h"
+#include "acus/patient/phantom/scene_target.h"
+
+namespace acus::phantom {
+
+struct ScenePlan {
+  InsertionPlan insertion;
+  SceneChoice choice;
+  bool touches_bone = false;  ///< A first attempt on bone belongs to it, where bone is near.
+};
+
+/// The plan for a requested target or window. Without a request: into a lesion or the liver if a
+/// good path from around the body ends there, otherwise into a kidney or the spinal canal through
+/// their usual windows, otherwise deep into soft tissue of the trunk.
+/// @throws InputError, NoAnswerError as PlanAsRequested and PlanAnywhere.
+ScenePlan PlanScene(const volume::LabelMap& labels, const PatientField& field,
+                    const PlanSettings& settings, const SceneRequest& request,
+                    const RunContext& context);
+
+}  // namespace acus::phantom
