@@ -220,11 +220,10 @@ void WriteBoundMap(const fs::path& path, const BoundImage& bound) {
 }
 
 std::string BoundText(const BoundSummary& bound) {
-  std::string text = Message("95 of 100 places are within ", Fixed(bound.median_mm, 1),
-                             " mm of the truth in half of the "
-                             "tissue at full inspiration, within ",
-                             Fixed(bound.p95_mm, 1), " mm in 95 % of it, within ",
-                             Fixed(bound.largest_mm, 1), " mm at worst.");
+  std::string text =
+      Message("Bound on the error that 95 of 100 places keep, at full inspiration: median ",
+              Fixed(bound.median_mm, 1), " mm, 95 % of the tissue ", Fixed(bound.p95_mm, 1),
+              " mm, largest ", Fixed(bound.largest_mm, 1), " mm.");
   if (bound.unseen_share > kWorthSaying) {
     text +=
         Message(" ", Fixed(100.0 * bound.unseen_share, 1),
