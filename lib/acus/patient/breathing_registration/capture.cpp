@@ -19,6 +19,7 @@ using Eigen::Vector3d;
 constexpr MotionKind kKinds[] = {MotionKind::kSinusoid, MotionKind::kFullCycle,
                                  MotionKind::kHalfCycle, MotionKind::kSurrogate};
 constexpr double kBeyondBelief = 200.0;  // mm.
+constexpr double kUpperHalf = 0.5;       // Of normal breath.
 
 double Largest(const std::vector<float>& displacement_mm) {
   double largest2 = 0.0;
@@ -67,19 +68,18 @@ std::string FileOf(const PhaseFile& phase) {
   return phase.path.filename().string();
 }
 
-std::vector<double> LandmarkErrors(const KnownLandmarks& landmarks, const std::string& reference,
-                                   const PhaseFile& phase, const PhaseField& field,
-                                   const Tissue& tissue) {
-  std::vector<double> errors_mm;
+/// Fills in the errors at landmarks, and what they should keep to.
+void AtLandmarks(const KnownLandmarks& landmarks, const std::string& reference,
+                 const PhaseField& field, const Tissue& tissue, PhaseResult& result) {
   for (const auto& point : landmarks.points) {
     const auto rest = point.at_mm.find(reference);
-    const auto moved = point.at_mm.find(FileOf(phase));
+    const auto moved = point.at_mm.find(FileOf(result.file));
     if (rest == point.at_mm.end() || moved == point.at_mm.end()) continue;
-    const Vector3d found =
-        rest->second + field.DisplacementMm(rest->second, SideAt(tissue, rest->second));
-    errors_mm.push_back((found - moved->second).norm());
+    const Side side = SideAt(tissue, rest->second);
+    const Vector3d found = rest->second + field.DisplacementMm(rest->second, side);
+    result.landmark_error_mm.push_back((found - moved->second).norm());
+    result.landmark_bound_mm.push_back(field.BoundMm(rest->second, side));
   }
-  return errors_mm;
 }
 
 /// Of a model, over all phases that have landmarks.
@@ -192,7 +192,9 @@ Capture EmptyCapture(const std::string& name) {
           .variance_of_modes = {},
           .landmarks = {},
           .image = {},
-          .shown = {}};
+          .shown = {},
+          .bound = {},
+          .bound_image = {}};
 }
 
 /// The coronal slice in the middle.
@@ -210,6 +212,75 @@ DifferenceImage Image(const volume::Grid<float>& before, const volume::Grid<floa
     }
   }
   return image;
+}
+
+/// The coronal slice in the middle, as the difference images.
+BoundImage BoundImageOf(const PhaseField& field, const Tissue& tissue, const std::string& phase) {
+  volume::Geometry slice = field.nodes();
+  slice.origin_mm += slice.direction.col(1) * slice.spacing_mm[1] * (slice.size[1] / 2);
+  slice.size[1] = 1;
+  const std::vector<float> mm = field.BoundOnNodes(slice, tissue, 1);
+  BoundImage image{.width = slice.size[0], .height = slice.size[2], .mm = {}, .phase = phase};
+  for (int k = slice.size[2] - 1; k >= 0; --k) {
+    const auto row = mm.begin() + static_cast<std::ptrdiff_t>(slice.Index(0, 0, k));
+    image.mm.insert(image.mm.end(), row, row + slice.size[0]);
+  }
+  return image;
+}
+
+/// From 0 at the lowest level of normal breath to 1 at the highest.
+double ShareOfBreath(const PhaseFiles& files, const breathing::Breath& breath) {
+  const auto [low, high] = std::ranges::minmax(
+      files.phases, {}, [](const PhaseFile& phase) { return phase.breath.level; });
+  const double span = high.breath.level - low.breath.level;
+  return span > 0.0 ? (breath.level - low.breath.level) / span : 0.0;
+}
+
+void Enlarge(std::vector<float>& largest, const std::vector<float>& values, double scale) {
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    largest[n] = std::max(largest[n], static_cast<float>(scale) * values[n]);
+  }
+}
+
+/// Share of the landmarks, over all phases, where the model as written keeps to its bound.
+std::optional<double> KeptShare(const Capture& capture, const std::vector<PhaseFile>& phases) {
+  const breathing::PatientMotion& motion = capture.motion;
+  int kept = 0, all = 0;
+  for (const PhaseFile& phase : phases) {
+    if (FileOf(phase) == capture.reference) continue;
+    const auto weights = motion.model.WeightsAt(phase.breath);
+    for (const auto& point : capture.landmarks.points) {
+      const auto rest = point.at_mm.find(capture.reference);
+      const auto moved = point.at_mm.find(FileOf(phase));
+      if (rest == point.at_mm.end() || moved == point.at_mm.end()) continue;
+      const Vector3d u = motion.model.field().DisplacementMm(weights, rest->second);
+      const double bound_mm = motion.bound->Mm(rest->second, motion.Normal(phase.breath).level);
+      kept += (rest->second + u - moved->second).norm() <= bound_mm ? 1 : 0;
+      ++all;
+    }
+  }
+  if (all == 0) return std::nullopt;
+  return static_cast<double>(kept) / all;
+}
+
+/// @param bound_mm  Of registration, at the model's nodes.
+void BoundTheModel(std::vector<float> bound_mm, const std::vector<PhaseFile>& phases,
+                   MotionKind kind, Capture& capture) {
+  if (!capture.bound) return;
+  const auto row = std::ranges::find(capture.models, kind, &ModelRow::kind);
+  const auto model_mm = static_cast<float>(row->in_sample.p95_mm);
+  std::vector<double> tissue_mm;
+  for (float& mm : bound_mm) {
+    if (mm == 0.0F) continue;
+    mm = std::hypot(mm, model_mm);
+    tissue_mm.push_back(static_cast<double>(mm));
+  }
+  if (tissue_mm.empty()) return;
+  capture.bound->median_mm = math::Quantile(tissue_mm, 0.5);
+  capture.bound->p95_mm = math::Quantile(tissue_mm, 0.95);
+  capture.bound->largest_mm = std::ranges::max(tissue_mm);
+  capture.motion.bound.emplace(capture.motion.model.field().nodes(), std::move(bound_mm));
+  capture.bound->kept_share = KeptShare(capture, phases);
 }
 
 /// Away from the reference, first forwards in time, then backwards; the deeper breath last.
@@ -288,7 +359,8 @@ Capture CaptureMotion(const PhaseFiles& files, const volume::CtVolume& reference
   }
   const std::vector<Stop> route = Route(files, base);
   std::map<std::size_t, PhaseField> done;
-  double worst = -1.0;
+  std::vector<float> bound_mm(fields.normal.nodes.num_voxels(), 0.0F);
+  double worst = -1.0, fullest = -1.0;
   for (std::size_t n = 0; n < route.size(); ++n) {
     const Stop& stop = route[n];
     context.Checkpoint("registering " + stop.phase->name,
@@ -300,14 +372,25 @@ Capture CaptureMotion(const PhaseFiles& files, const volume::CtVolume& reference
                        .residual = {},
                        .largest_mm = 0.0,
                        .smallest_determinant = 1.0,
-                       .landmark_error_mm = {}};
+                       .landmark_error_mm = {},
+                       .landmark_bound_mm = {}};
     PhaseField field = registration.Register(image, start == done.end() ? nullptr : &start->second,
                                              context, &result.residual);
     auto on_nodes = field.OnNodes(fields.normal.nodes, tissue, context.num_threads);
     result.largest_mm = Largest(on_nodes);
     result.smallest_determinant = SmallestDeterminant(field);
-    result.landmark_error_mm =
-        LandmarkErrors(landmarks, capture.reference, *stop.phase, field, tissue);
+    result.unseen_share = field.unseen_share();
+    AtLandmarks(landmarks, capture.reference, field, tissue, result);
+    const double share = ShareOfBreath(files, stop.phase->breath);
+    if (!result.deeper && share >= kUpperHalf) {
+      Enlarge(bound_mm, field.BoundOnNodes(fields.normal.nodes, tissue, context.num_threads),
+              1.0 / share);
+    }
+    if (!result.deeper && share > fullest) {
+      fullest = share;
+      capture.bound_image = BoundImageOf(field, tissue, stop.phase->name);
+      capture.bound = BoundSummary{.unseen_share = result.unseen_share, .kept_share = {}};
+    }
     if (result.residual.before > worst) {
       worst = result.residual.before;
       capture.image = Image(registration.Difference(image, nullptr, context.num_threads),
@@ -324,6 +407,7 @@ Capture CaptureMotion(const PhaseFiles& files, const volume::CtVolume& reference
   }
   done.clear();
   BuildModels(fields, tissue, files.phases, settings, context, capture);
+  BoundTheModel(std::move(bound_mm), files.phases, settings.kind, capture);
   return capture;
 }
 
@@ -350,7 +434,8 @@ Capture CaptureFields(const PhaseFiles& files, const volume::Geometry* ct,
                               .residual = {},
                               .largest_mm = largest,
                               .smallest_determinant = 1.0,
-                              .landmark_error_mm = {}});
+                              .landmark_error_mm = {},
+                              .landmark_bound_mm = {}});
     if (largest == 0.0) field.displacement_in_ct_mm.clear();
     return breathing::MotionPhase{.breath = phase.breath,
                                   .displacement_in_ct_mm = std::move(field.displacement_in_ct_mm)};
@@ -408,7 +493,8 @@ Capture CaptureSingle(const volume::LabelMap& labels, double diaphragm_mm,
          .residual = {},
          .largest_mm = Largest(fields.normal.phases.back().displacement_in_ct_mm),
          .smallest_determinant = 1.0,
-         .landmark_error_mm = {}});
+         .landmark_error_mm = {},
+         .landmark_bound_mm = {}});
   }
   const breathing::Breath deeper{.cycle = 0.0, .level = breath.deeper_level, .level_per_s = 0.0};
   fields.deeper = {.breath = deeper,

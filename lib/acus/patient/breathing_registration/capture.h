@@ -44,6 +44,8 @@ struct PhaseResult {
   double largest_mm = 0.0;                ///< Displacement.
   double smallest_determinant = 1.0;      ///< Of the gradient, between nodes: <= 0 is a fold.
   std::vector<double> landmark_error_mm;  ///< In the order of the landmarks.
+  std::vector<double> landmark_bound_mm;  ///< What the error should keep to: PhaseField::BoundMm.
+  double unseen_share = 0.0;              ///< Tissue whose match the phase does not show.
 };
 
 /// How well each model repeats the registered fields, mm.
@@ -62,6 +64,21 @@ struct DifferenceImage {
   std::vector<float> before, after;  ///< Rows from the head down.
 };
 
+/// Bound on the error in one phase, a coronal slice; mm, 0 where there is no tissue.
+struct BoundImage {
+  int width = 0, height = 0;
+  std::vector<float> mm;  ///< Rows from the head down.
+  std::string phase;
+};
+
+/// The bound of the motion as written, over the tissue.
+struct BoundSummary {
+  double median_mm = 0.0, p95_mm = 0.0, largest_mm = 0.0;
+  double unseen_share = 0.0;  ///< In the phase of the deepest normal breath.
+  /// Share of the landmarks, over all phases, where the model's error keeps to the bound.
+  std::optional<double> kept_share;
+};
+
 struct Capture {
   breathing::PatientMotion motion;
   std::vector<PhaseResult> phases;  ///< Without the reference; the deeper one last.
@@ -71,8 +88,13 @@ struct Capture {
   KnownLandmarks landmarks;
   DifferenceImage image;
   std::string shown;
+  std::optional<BoundSummary> bound;  ///< If the fields were registered here.
+  BoundImage bound_image;
 };
 
+/// The motion's bound is that of the phases in the upper half of normal breath, with what the model
+/// adds: 95 % of its distance from the fields.
+///
 /// Registers all phases to the one nearest to end expiration (the lowest level), each starting from
 /// its neighbour in time, filters the fields in time, and builds and judges the models.
 /// @param tissue  Of the reference, whose image is `reference`.

@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 using breathing::ModelError;
 
 constexpr double kNearWallMm = 10.0;
+constexpr float kWhiteBoundMm = 8.0F;    // In the map of the bound.
+constexpr double kWorthSaying = 0.0005;  // Share of the tissue.
 
 std::string Fixed(double value, int digits) {
   std::ostringstream out;
@@ -34,23 +36,29 @@ std::string Text(const std::optional<ModelError>& error) {
 struct LandmarkGroup {
   std::string name;
   std::vector<double> errors_mm;
+  int kept = 0;  ///< How many keep to their bound.
 };
 
 std::vector<LandmarkGroup> Groups(const Capture& capture) {
-  std::vector<LandmarkGroup> groups = {{"all", {}},
-                                       {"within 10 mm of the sliding wall", {}},
-                                       {"farther from it", {}},
-                                       {"lung", {}},
-                                       {"liver", {}}};
+  std::vector<LandmarkGroup> groups = {
+      {.name = "all", .errors_mm = {}},
+      {.name = "within 10 mm of the sliding wall", .errors_mm = {}},
+      {.name = "farther from it", .errors_mm = {}},
+      {.name = "lung", .errors_mm = {}},
+      {.name = "liver", .errors_mm = {}}};
   const auto& points = capture.landmarks.points;
   for (const PhaseResult& phase : capture.phases) {
     if (phase.deeper || phase.landmark_error_mm.size() != points.size()) continue;
     for (std::size_t n = 0; n < points.size(); ++n) {
       const double error = phase.landmark_error_mm[n];
-      groups[0].errors_mm.push_back(error);
-      groups[points[n].wall_mm < kNearWallMm ? 1 : 2].errors_mm.push_back(error);
-      if (points[n].tissue == "lung") groups[3].errors_mm.push_back(error);
-      if (points[n].tissue == "liver") groups[4].errors_mm.push_back(error);
+      const auto add = [&](LandmarkGroup& group) {
+        group.errors_mm.push_back(error);
+        group.kept += error <= phase.landmark_bound_mm[n] ? 1 : 0;
+      };
+      add(groups[0]);
+      add(groups[points[n].wall_mm < kNearWallMm ? 1 : 2]);
+      if (points[n].tissue == "lung") add(groups[3]);
+      if (points[n].tissue == "liver") add(groups[4]);
     }
   }
   std::erase_if(groups, [](const LandmarkGroup& group) { return group.errors_mm.empty(); });
@@ -59,8 +67,8 @@ std::vector<LandmarkGroup> Groups(const Capture& capture) {
 
 using Rows = std::vector<std::vector<std::string>>;
 
-const std::vector<std::string> kLandmarkHeader = {"landmarks", "number", "mean mm", "95 % mm",
-                                                  "largest mm"};
+const std::vector<std::string> kLandmarkHeader = {"landmarks", "number",     "mean mm",
+                                                  "95 % mm",   "largest mm", "in bound %"};
 
 Rows LandmarkRows(const Capture& capture) {
   Rows rows;
@@ -68,7 +76,8 @@ Rows LandmarkRows(const Capture& capture) {
     rows.push_back({group.name, std::to_string(group.errors_mm.size()),
                     Fixed(math::Mean(group.errors_mm), 2),
                     Fixed(math::Quantile(group.errors_mm, 0.95), 2),
-                    Fixed(std::ranges::max(group.errors_mm), 2)});
+                    Fixed(std::ranges::max(group.errors_mm), 2),
+                    Fixed(100.0 * group.kept / static_cast<double>(group.errors_mm.size()), 1)});
   }
   return rows;
 }
@@ -149,7 +158,7 @@ void WriteTables(const fs::path& folder, const Capture& capture) {
                         models));
 }
 
-/// Error of the registration at each landmark.
+/// Error of the registration at each landmark, and the bound that it should keep.
 void WriteLandmarkErrors(const fs::path& path, const Capture& capture) {
   Rows rows;
   const auto& points = capture.landmarks.points;
@@ -157,11 +166,13 @@ void WriteLandmarkErrors(const fs::path& path, const Capture& capture) {
     if (phase.landmark_error_mm.size() != points.size()) continue;
     for (std::size_t n = 0; n < points.size(); ++n) {
       rows.push_back({phase.file.name, points[n].name, points[n].tissue,
-                      NumberText(points[n].wall_mm), NumberText(phase.landmark_error_mm[n])});
+                      NumberText(points[n].wall_mm), NumberText(phase.landmark_error_mm[n]),
+                      NumberText(phase.landmark_bound_mm[n])});
     }
   }
   if (rows.empty()) return;
-  WriteTextFile(path, CsvText({"phase", "name", "tissue", "wall_mm", "error_mm"}, rows));
+  WriteTextFile(path,
+                CsvText({"phase", "name", "tissue", "wall_mm", "error_mm", "bound_mm"}, rows));
 }
 
 /// Before and after side by side, black where they are equal, three pixels for each.
@@ -188,6 +199,43 @@ void WriteDifference(const fs::path& path, const DifferenceImage& difference) {
     }
   }
   image::WritePng(path, image);
+}
+
+/// White at kWhiteBoundMm, three pixels for each.
+void WriteBoundMap(const fs::path& path, const BoundImage& bound) {
+  constexpr int kZoom = 3;
+  image::GrayImage image;
+  image.Resize(kZoom * bound.width, kZoom * bound.height);
+  for (int row = 0; row < image.height; ++row) {
+    for (int column = 0; column < image.width; ++column) {
+      const std::size_t n =
+          static_cast<std::size_t>(row / kZoom) * static_cast<std::size_t>(bound.width) +
+          static_cast<std::size_t>(column / kZoom);
+      image.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
+                   static_cast<std::size_t>(column)] =
+          static_cast<std::uint8_t>(255.0F * std::min(bound.mm[n] / kWhiteBoundMm, 1.0F));
+    }
+  }
+  image::WritePng(path, image);
+}
+
+std::string BoundText(const BoundSummary& bound) {
+  std::string text =
+      Message("Bound on the error that 95 of 100 places keep, at full inspiration: median ",
+              Fixed(bound.median_mm, 1), " mm, 95 % of the tissue ", Fixed(bound.p95_mm, 1),
+              " mm, largest ", Fixed(bound.largest_mm, 1), " mm.");
+  if (bound.unseen_share > kWorthSaying) {
+    text +=
+        Message(" ", Fixed(100.0 * bound.unseen_share, 1),
+                " % of the tissue has no match in the images there: it left the volume, or lies "
+                "where other tissue came in over the border. Its motion is only drawn out from "
+                "the surroundings.");
+  }
+  if (bound.kept_share) {
+    text += Message(" Landmarks where the model keeps to the bound: ",
+                    Fixed(100.0 * *bound.kept_share, 1), " %.");
+  }
+  return text;
 }
 
 report::Plot LandmarkPlot(const Capture& capture) {
@@ -258,6 +306,14 @@ void WriteReport(const fs::path& folder, const Capture& capture, const RunContex
                    " from the reference before (left) and after "
                    "registration (right); white is 150 HU");
   }
+  if (capture.bound) {
+    WriteBoundMap(folder / "bound.png", capture.bound_image);
+    html.Section("How far it may be wrong");
+    html.Paragraph(BoundText(*capture.bound));
+    html.Image(folder / "bound.png", "A coronal slice: bright where the error may be large",
+               "Bound on the error of registration in " + capture.bound_image.phase +
+                   ", which 95 of 100 places keep; white is 8 mm and more");
+  }
   html.SetProvenance(context.provenance.ToJson());
   html.Write(folder / "report.html");
 }
@@ -290,6 +346,7 @@ std::string CaptureText(const Capture& capture) {
   std::string text = "errors in mm: mean / 95 %\n" + table(kModelHeader, ModelRows(capture));
   const Rows landmarks = LandmarkRows(capture);
   if (!landmarks.empty()) text += "\n" + table(kLandmarkHeader, landmarks);
+  if (capture.bound) text += "\n" + BoundText(*capture.bound) + "\n";
   return text;
 }
 

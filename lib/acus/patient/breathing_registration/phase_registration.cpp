@@ -14,6 +14,7 @@ using Eigen::Vector3f;
 constexpr double kWallMm = 1e6;  // Where nothing slides, all is far from the wall.
 constexpr double kDefaultMm = 2.0, kCoarsestMm = 20.0;  // Spacing of the finest grid.
 constexpr float kOutlier = 8.0F;                        // In units of noise, on the finest grid.
+constexpr float kDoubtfulMm = 32.0F;  // From the border, before any motion is known.
 constexpr float kCoarser = 4.0F;  // Times more on each coarser one: there edges are far apart yet.
 
 Eigen::Array3i VoxelOf(const volume::Geometry& g, std::size_t v) {
@@ -25,7 +26,7 @@ Eigen::Array3i VoxelOf(const volume::Geometry& g, std::size_t v) {
 
 struct Domain {
   std::shared_ptr<const SlidingGrid> grid;
-  std::vector<float> trust;
+  std::vector<float> wall_mm, trust;
 };
 
 Domain MakeDomain(const volume::Geometry& geometry, const Tissue& tissue, int num_threads) {
@@ -55,9 +56,11 @@ Domain MakeDomain(const volume::Geometry& geometry, const Tissue& tissue, int nu
       }
     }
   });
-  Domain domain{.grid = std::make_shared<SlidingGrid>(geometry, side, normal), .trust = {}};
+  Domain domain{
+      .grid = std::make_shared<SlidingGrid>(geometry, side, normal), .wall_mm = {}, .trust = {}};
   for (int n = 0; n < domain.grid->num_nodes(); ++n) {
-    const double share = std::abs(static_cast<double>(distance[domain.grid->Voxel(n)])) / h;
+    domain.wall_mm.push_back(std::abs(distance[domain.grid->Voxel(n)]));
+    const double share = static_cast<double>(domain.wall_mm.back()) / h;
     domain.trust.push_back(static_cast<float>(std::clamp(share, 0.1, 1.0)));
   }
   return domain;
@@ -90,6 +93,32 @@ Vector3d PhaseField::DisplacementMm(const Vector3d& rest_mm, Side side) const {
   const Vector3d index = g.index_from_ct() * rest_mm;
   const Vector3d voxels = grid_->At(displacement_, index.cast<float>(), side).cast<double>();
   return g.direction * (g.spacing_mm * voxels.array()).matrix();
+}
+
+double PhaseField::BoundMm(const Vector3d& rest_mm, Side side) const {
+  return bound_.Mm((nodes().index_from_ct() * rest_mm).cast<float>(), side);
+}
+
+bool PhaseField::IsUnseen(const Vector3d& rest_mm, Side side) const {
+  return bound_.IsUnseen((nodes().index_from_ct() * rest_mm).cast<float>(), side);
+}
+
+std::vector<float> PhaseField::BoundOnNodes(const volume::Geometry& nodes_out, const Tissue& tissue,
+                                            int num_threads) const {
+  const Eigen::Affine3d ct_from_node = nodes_out.ct_from_index();
+  std::vector<float> out(nodes_out.num_voxels(), 0.0F);
+  ParallelFor(nodes_out.size[2], num_threads, [&](int k) {
+    for (int j = 0; j < nodes_out.size[1]; ++j) {
+      for (int i = 0; i < nodes_out.size[0]; ++i) {
+        const Vector3d p = ct_from_node * Vector3d(i, j, k);
+        if (!tissue.is_tissue(p)) continue;
+        const bool in = tissue.wall_mm && tissue.wall_mm(p) < 0.0;
+        out[nodes_out.Index(i, j, k)] =
+            static_cast<float>(BoundMm(p, in ? Side::kCavity : Side::kWall));
+      }
+    }
+  });
+  return out;
 }
 
 std::vector<float> PhaseField::OnNodes(const volume::Geometry& nodes_out, const Tissue& tissue,
@@ -146,39 +175,66 @@ PhaseRegistration::PhaseRegistration(const volume::CtVolume& reference, const Ti
     ACUS_REQUIRE(domain.grid->num_nodes() > 0, "registration: there is no tissue in the reference");
     levels_.push_back({.grid = std::move(domain.grid),
                        .reference = std::make_shared<ModelImage>(image, context.num_threads),
+                       .outlier = kOutlier * std::pow(kCoarser, static_cast<float>(n)),
+                       .wall_mm = std::move(domain.wall_mm),
                        .trust = std::move(domain.trust)});
   }
 }
 
+PhaseRegistration::Match PhaseRegistration::MatchOf(const Level& level, int node, const Vector3f& u,
+                                                    const ModelImage& phase,
+                                                    const EnteredTissue& entered) const {
+  const std::size_t v = level.grid->Voxel(node);
+  const Vector3f at = VoxelOf(level.grid->geometry(), v).cast<float>().matrix() + u;
+  const ModelImage::Sample moved = phase.At(at);
+  if (!moved.within || entered.Holds(at)) return {};
+  const auto noise = static_cast<float>(settings_.noise);
+  const Eigen::Array4f& rest = level.reference->Voxel(v);
+  const float r = (moved.value - rest[0]) / noise;
+  const float doubt = 1.0F + r * r / (level.outlier * level.outlier);
+  // The mean of both gradients converges faster than either.
+  return {.gradient = 0.5F / noise * (moved.gradient + rest.tail<3>().matrix()),
+          .residual = r,
+          .root_weight = std::sqrt(level.trust[static_cast<std::size_t>(node)]) / doubt};
+}
+
+ErrorBound PhaseRegistration::BoundOf(const ModelImage& phase, const SlidingGrid::Field& u,
+                                      const SlidingGrid::Field& coarser, int num_threads) const {
+  const Level& level = levels_[0];
+  const EnteredTissue entered(*level.grid, u);
+  Solution solution{.displacement_voxels = u,
+                    .coarser_voxels = coarser,
+                    .is_seen = std::vector<std::uint8_t>(u.size()),
+                    .wall_mm = level.wall_mm};
+  for (int i = 0; i < level.grid->num_nodes(); ++i) {
+    const auto n = static_cast<std::size_t>(i);
+    solution.is_seen[n] = MatchOf(level, i, u[n], phase, entered).root_weight > 0.0F ? 1 : 0;
+  }
+  return {*level.grid, solution, num_threads};
+}
+
 SlidingGrid::Field PhaseRegistration::Refine(const Level& level, const ModelImage& phase,
-                                             SlidingGrid::Field u, int num_threads) const {
+                                             SlidingGrid::Field u, bool motion_known,
+                                             int num_threads) const {
   const SlidingGrid& grid = *level.grid;
   const auto coarser = static_cast<float>(grid.geometry().spacing_mm[0] / settings_.spacing_mm);
-  const float outlier = kOutlier * std::pow(kCoarser, std::log2(coarser));
   const int count = grid.num_nodes();
-  const auto noise = static_cast<float>(settings_.noise);
   // Coarse grids say where tissue went as a whole, fine ones what is left: smoother first.
   const float stiffness = static_cast<float>(settings_.smoothness) * coarser * coarser;
   DataTerm data{.gradient = SlidingGrid::Field(u.size()), .force = SlidingGrid::Field(u.size())};
   constexpr int kChunk = 8192;
   for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
+    const bool guess = !motion_known && 2 * iteration < settings_.iterations;
+    const EnteredTissue entered =
+        guess ? EnteredTissue(grid, kDoubtfulMm / static_cast<float>(grid.geometry().spacing_mm[0]))
+              : EnteredTissue(grid, u);
     ParallelFor((count + kChunk - 1) / kChunk, num_threads, [&](int c) {
       for (int i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) {
         const auto n = static_cast<std::size_t>(i);
-        const std::size_t v = grid.Voxel(i);
-        const Vector3f at = VoxelOf(grid.geometry(), v).cast<float>().matrix() + u[n];
-        const ModelImage::Sample moved = phase.At(at);
-        data.gradient[n].setZero();
-        data.force[n] = -stiffness * grid.Pull(u, i);
-        if (!moved.within) continue;
-        const Eigen::Array4f& rest = level.reference->Voxel(v);
-        const float r = (moved.value - rest[0]) / noise;
-        // The mean of both gradients converges faster than either.
-        const Vector3f g = 0.5F / noise * (moved.gradient + rest.tail<3>().matrix());
-        const float doubt = 1.0F + r * r / (outlier * outlier);
-        const float root = std::sqrt(level.trust[n]) / doubt;
-        data.gradient[n] = root * g;
-        data.force[n] -= root * root * r * g;
+        const Match match = MatchOf(level, i, u[n], phase, entered);
+        data.gradient[n] = match.root_weight * match.gradient;
+        data.force[n] = -stiffness * grid.Pull(u, i) -
+                        match.root_weight * match.root_weight * match.residual * match.gradient;
       }
     });
     const SlidingGrid::Field step =
@@ -212,11 +268,14 @@ PhaseField PhaseRegistration::Register(const volume::CtVolume& phase, const Phas
   if (start != nullptr) {
     u = Transferred(start->grid(), start->displacement_voxels(), *levels_[coarsest].grid);
   }
+  SlidingGrid::Field coarser = u;
   for (std::size_t n = levels_.size(); n-- > 0;) {
     if (n != coarsest) u = Transferred(*levels_[n + 1].grid, u, *levels_[n].grid);
-    u = Refine(levels_[n], images[n], std::move(u), context.num_threads);
+    if (n == 0) coarser = u;
+    u = Refine(levels_[n], images[n], std::move(u), n != coarsest, context.num_threads);
   }
-  PhaseField field(levels_[0].grid, std::move(u));
+  ErrorBound bound = BoundOf(images[0], u, coarser, context.num_threads);
+  PhaseField field(levels_[0].grid, std::move(u), std::move(bound));
   if (residual != nullptr) {
     *residual = {.before = RootMeanSquare(*levels_[0].grid, Difference(images[0], nullptr)),
                  .after = RootMeanSquare(*levels_[0].grid, Difference(images[0], &field))};

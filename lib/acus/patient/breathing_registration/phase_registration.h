@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "acus/base/core/run_context.h"
+#include "acus/patient/breathing_registration/entered_tissue.h"
+#include "acus/patient/breathing_registration/error_bound.h"
 #include "acus/patient/breathing_registration/level_image.h"
 #include "acus/patient/breathing_registration/sliding_grid.h"
 
@@ -34,11 +36,25 @@ struct Tissue {
 /// Displacements of tissue from the reference to one phase.
 class PhaseField {
  public:
-  PhaseField(std::shared_ptr<const SlidingGrid> grid, SlidingGrid::Field displacement_voxels)
-      : grid_(std::move(grid)), displacement_(std::move(displacement_voxels)) {}
+  PhaseField(std::shared_ptr<const SlidingGrid> grid, SlidingGrid::Field displacement_voxels,
+             ErrorBound bound)
+      : grid_(std::move(grid)),
+        displacement_(std::move(displacement_voxels)),
+        bound_(std::move(bound)) {}
 
   /// mm in CT space, of tissue on that side of the wall. @param rest_mm  In the reference.
   Eigen::Vector3d DisplacementMm(const Eigen::Vector3d& rest_mm, Side side) const;
+
+  /// What the error of DisplacementMm does not exceed at 95 of 100 places: see ErrorBound.
+  double BoundMm(const Eigen::Vector3d& rest_mm, Side side) const;
+  /// The images show no match there.
+  bool IsUnseen(const Eigen::Vector3d& rest_mm, Side side) const;
+  /// Of all tissue.
+  double unseen_share() const { return bound_.unseen_share(); }
+
+  /// The bound at each of other nodes, i fastest, mm; 0 where there is no tissue.
+  std::vector<float> BoundOnNodes(const volume::Geometry& nodes, const Tissue& tissue,
+                                  int num_threads) const;
 
   /// (x, y, z) in CT space at each of other nodes, i fastest, mm: for breathing::MotionPhase. Each
   /// node goes by the tissue on its side of the wall; beyond the tissue as the nearest of it.
@@ -52,6 +68,7 @@ class PhaseField {
  private:
   std::shared_ptr<const SlidingGrid> grid_;
   SlidingGrid::Field displacement_;
+  ErrorBound bound_;
 };
 
 /// What is left of the difference between reference and phase, in units of contrast.
@@ -65,7 +82,9 @@ struct Residual {
 ///   sum |I(X + u) - R(X)|^2 / (2 noise^2) + smoothness / 2 * sum over neighbours |u - u'|^2
 ///
 /// by Gauss-Newton steps, with the second sum as in SlidingGrid. Robust: differences far above the
-/// noise count less (Geman & McClure). The same bits for any number of threads.
+/// noise count less (Geman & McClure). What came in over the border of the volume is matched to
+/// nothing (EnteredTissue); before any motion is known, what is near the border is not, either. The
+/// same bits for any number of threads.
 class PhaseRegistration {
  public:
   /// @throws InputError for settings that are out of range, or if there is no tissue.
@@ -86,11 +105,23 @@ class PhaseRegistration {
   struct Level {
     std::shared_ptr<const SlidingGrid> grid;
     std::shared_ptr<const ModelImage> reference;
-    std::vector<float> trust;  ///< Of each node: less at the wall, where voxels hold both sides.
+    float outlier = 1.0F;        ///< Difference that counts little, in units of noise.
+    std::vector<float> wall_mm;  ///< Distance of each node to the wall.
+    std::vector<float> trust;    ///< Of each node: less at the wall, where voxels hold both sides.
+  };
+  /// What one node sees: the linearised difference of the images. Nothing: all zero.
+  struct Match {
+    Eigen::Vector3f gradient = Eigen::Vector3f::Zero();  ///< Per voxel, in units of noise.
+    float residual = 0.0F;                               ///< In units of noise.
+    float root_weight = 0.0F;                            ///< 0: nothing is seen.
   };
   volume::Grid<float> Difference(const ModelImage& phase, const PhaseField* field) const;
+  Match MatchOf(const Level& level, int node, const Eigen::Vector3f& u, const ModelImage& phase,
+                const EnteredTissue& entered) const;
+  ErrorBound BoundOf(const ModelImage& phase, const SlidingGrid::Field& u,
+                     const SlidingGrid::Field& coarser, int num_threads) const;
   SlidingGrid::Field Refine(const Level& level, const ModelImage& phase, SlidingGrid::Field u,
-                            int num_threads) const;
+                            bool motion_known, int num_threads) const;
 
   RegistrationSettings settings_;
   volume::Geometry ct_;

@@ -158,6 +158,10 @@ void WritePatientMotion(const std::filesystem::path& folder, const PatientMotion
   for (const KeyFrame& frame : model.frames()) {
     document["frames"].push_back({{"at", frame.at}, {"field", frame.component}});
   }
+  if (motion.bound) {
+    document["bound"] = MotionBound::kFile;
+    WriteMotionBound(folder, *motion.bound);
+  }
   WriteFields(folder / "fields.raw", field);
   WriteTextFile(folder / "fields.nhdr", NrrdHeader(field));
   config::WriteJson(folder / "motion.json", document);
@@ -173,12 +177,17 @@ PatientMotion ReadPatientMotion(const std::filesystem::path& path) {
   RequireSize(fields, nodes, mm_per_unit.size());
   MotionField field(nodes, static_cast<int>(mm_per_unit.size()));
   ReadFields(fields, mm_per_unit, field);
+  std::optional<MotionBound> bound;
+  if (document.contains("bound")) {
+    bound = ReadMotionBound(file.parent_path() / MotionBound::kFile, nodes);
+  }
   try {
     return {.name = document.at("name").get<std::string>(),
             .model = ModelOf(document, std::move(field)),
             .inspiration_level = document.at("inspiration_level").get<double>(),
             .expiration_level = document.at("expiration_level").get<double>(),
-            .period_s = document.at("period_s").get<double>()};
+            .period_s = document.at("period_s").get<double>(),
+            .bound = std::move(bound)};
   } catch (const InputError& error) {
     throw InputError(file.string() + ": " + error.what());
   }

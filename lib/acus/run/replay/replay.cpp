@@ -12,6 +12,7 @@
 #include "acus/data/session/session_import.h"
 #include "acus/run/replay/labelled_images.h"
 #include "acus/run/replay/markups.h"
+#include "acus/run/replay/motion_bound_metrics.h"
 #include "acus/run/replay/plan_table.h"
 #include "acus/run/replay/run_folder.h"
 #include "acus/run/replay/trace.h"
@@ -154,6 +155,11 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
     run.cost = CheckCost(*scenario.evidence, std::move(step_cpu_s), run.images.cpu_s);
   }
   run.metrics = MetricsOf(scene, run.session, run.steps, exercise ? &*exercise : nullptr);
+  if (scene.breathing) {
+    const auto bounds =
+        MotionBoundMetrics(*scene.breathing, run.session, run.steps, targets.points_mm);
+    run.metrics.insert(run.metrics.end(), bounds.begin(), bounds.end());
+  }
   if (exercise) {
     run.assessment = Assess(*exercise, scenario, scene, run.session, run.metrics, context);
     run.assessment->trainee = options.trainee;

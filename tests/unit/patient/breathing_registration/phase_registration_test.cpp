@@ -102,6 +102,43 @@ TEST(PhaseRegistration, SlidingIsBetterThanNoneAtTheWall) {
   EXPECT_LT(near_wall(trunk.tissue), 0.75 * near_wall({trunk.tissue.is_tissue, {}}));
 }
 
+/// Share of the errors at points of tissue that keep to the bound, and the bounds' mean.
+struct Kept {
+  double share = 0.0, mean_bound_mm = 0.0;
+};
+
+Kept KeptBy(const Trunk& trunk, const PhaseField& field, double low, double high) {
+  Kept kept;
+  RandomStream random(11, "bounded points");
+  constexpr int kCount = 2000;
+  for (int n = 0; n < kCount;) {
+    const Vector3d p(random.Uniform(-125, 125), random.Uniform(-90, 90), random.Uniform(-90, 110));
+    const double wall_mm = trunk.motion.cavity().wall.LevelMm(p);
+    if (!trunk.tissue.is_tissue(p) || std::abs(wall_mm) < low || std::abs(wall_mm) > high) continue;
+    const Side side = wall_mm < 0.0 ? Side::kCavity : Side::kWall;
+    const double error = (field.DisplacementMm(p, side) - (trunk.motion.WorldMm(p, {}) - p)).norm();
+    kept.share += (error <= field.BoundMm(p, side) ? 1.0 : 0.0) / kCount;
+    kept.mean_bound_mm += field.BoundMm(p, side) / kCount;
+    ++n;
+  }
+  return kept;
+}
+
+TEST(PhaseRegistration, ItsErrorKeepsToTheBound) {
+  const Trunk& trunk = TheTrunk();
+  const PhaseRegistration registration(trunk.ct, trunk.tissue, kCoarse, {});
+  const PhaseField field = registration.Register(trunk.phase, nullptr, {});
+  const Kept all = KeptBy(trunk, field, 0.0, 60.0), sliding = KeptBy(trunk, field, 0.0, 8.0);
+  RecordProperty("kept", std::to_string(all.share));
+  RecordProperty("kept_sliding", std::to_string(sliding.share));
+  RecordProperty("mean_bound_mm", std::to_string(all.mean_bound_mm));
+  EXPECT_GT(all.share, 0.93);
+  EXPECT_GT(sliding.share, 0.93);
+  // A bound that says nothing would keep everything.
+  EXPECT_LT(all.mean_bound_mm, 4.0);
+  EXPECT_GT(sliding.mean_bound_mm, all.mean_bound_mm);
+}
+
 TEST(PhaseRegistration, TheSameBitsOnAnyThreads) {
   const Trunk& trunk = TheTrunk();
   RunContext one, three;

@@ -54,6 +54,41 @@ TEST_F(MotionFile, ReadsBackTheSameBitsForEveryModel) {
   }
 }
 
+TEST_F(MotionFile, ReadsBackTheBound) {
+  PatientMotion written = Motion(MotionKind::kSurrogate);
+  const volume::Geometry& nodes = written.model.field().nodes();
+  std::vector<float> mm(nodes.num_voxels(), 2.0F);
+  mm[0] = 0.0F;  // No tissue.
+  written.bound.emplace(nodes, mm);
+  WritePatientMotion(folder(), written);
+  const PatientMotion read = ReadPatientMotion(folder());
+  ASSERT_TRUE(read.bound);
+  EXPECT_EQ(read.bound->at_nodes_mm(), mm);
+  const Eigen::Vector3d first = nodes.origin_mm;
+  EXPECT_EQ(read.bound->Mm(first, 1.0), 0.0);
+  // Beside the node without tissue only the others count.
+  const Eigen::Vector3d beside = nodes.ct_from_index() * Eigen::Vector3d(0.5, 0.5, 0.5);
+  EXPECT_NEAR(read.bound->Mm(beside, 1.0), 2.0, 1e-9);
+  EXPECT_NEAR(read.bound->Mm(beside, 0.5), 1.0, 1e-9);
+  EXPECT_NEAR(read.bound->Mm(beside, 0.0), 0.4, 1e-9);
+  EXPECT_EQ(read.bound->Mm(first - Eigen::Vector3d(0, 0, 1e4), 1.0), 0.0);
+  EXPECT_THAT(ReadTextFile(folder() / "bound.nhdr"), testing::HasSubstr("data file: bound.raw"));
+}
+
+TEST_F(MotionFile, SaysWhatIsWrongWithTheBound) {
+  PatientMotion written = Motion(MotionKind::kSurrogate);
+  const volume::Geometry& nodes = written.model.field().nodes();
+  EXPECT_THROW(MotionBound(nodes, {1.0F}), InputError);
+  EXPECT_THROW(MotionBound(nodes, std::vector<float>(nodes.num_voxels(), -1.0F)), InputError);
+  written.bound.emplace(nodes, std::vector<float>(nodes.num_voxels(), 2.0F));
+  WritePatientMotion(folder(), written);
+  std::filesystem::resize_file(folder() / "bound.raw", 4);
+  EXPECT_THAT(Refusal(),
+              testing::AllOf(testing::HasSubstr("bound.raw"), testing::HasSubstr("copied whole")));
+  std::filesystem::remove(folder() / "bound.raw");
+  EXPECT_THAT(Refusal(), testing::HasSubstr("beside motion.json"));
+}
+
 TEST_F(MotionFile, PutsNormalBreathIntoTheTermsOfTheSignal) {
   const Breath breath = Motion(MotionKind::kSurrogate)
                             .InTermsOfSignal({.cycle = 0.25, .level = 0.5, .level_per_s = -2.0});
