@@ -416,8 +416,7 @@ int NrrdLayers(const fs::path& path) {
   constexpr double kMaxLayers = 4096.0;
   auto fields = NrrdFields(path);
   const auto sizes = NumbersIn(fields["sizes"], path, "sizes");
-  const bool is_list =
-      fields["kinds"].starts_with("list") || fields["kinds"].starts_with("vector");
+  const bool is_list = fields["kinds"].starts_with("list") || fields["kinds"].starts_with("vector");
   if (sizes.size() != 4 || !is_list || !(sizes[0] >= 1.0 && sizes[0] <= kMaxLayers)) return 1;
   return static_cast<int>(sizes[0]);
 }

@@ -25,13 +25,11 @@ NamedValues FromLayers(const std::filesystem::path& path, int layers) {
   std::vector<NamedMask> masks;
   for (const LayeredSegment& segment : SegmentsFromKeys(keys)) {
     ACUS_REQUIRE(segment.layer < layers, path.string(), ": segment '", segment.name.text,
-                 "' is in layer ", segment.layer, ", but there are ", layers,
-                 "; export it again");
-    masks.push_back({.name = segment.name,
-                     .voxels = VoxelsWhere(grids[static_cast<std::size_t>(segment.layer)],
-                                           path.string(), [&](std::int32_t value) {
-                                             return value == segment.value;
-                                           })});
+                 "' is in layer ", segment.layer, ", but there are ", layers, "; export it again");
+    masks.push_back(
+        {.name = segment.name,
+         .voxels = VoxelsWhere(grids[static_cast<std::size_t>(segment.layer)], path.string(),
+                               [&](std::int32_t value) { return value == segment.value; })});
   }
   ACUS_REQUIRE(!masks.empty(), path.string(), ": has ", layers,
                " values for each voxel and no segments (Segment0_Name, ...); a label map has one");

@@ -20,7 +20,8 @@ void RequireOneValue(const volume::Grid<std::int32_t>& mask, const fs::path& fil
   for (const std::int32_t value : mask.voxels) {
     if (first == 0) first = value;
     ACUS_REQUIRE(value == 0 || value == first, file.string(), ": has the values ", first, " and ",
-                 value, "; a folder holds one mask for each structure. Give a file with several "
+                 value,
+                 "; a folder holds one mask for each structure. Give a file with several "
                  "labels itself, not its folder");
   }
 }
