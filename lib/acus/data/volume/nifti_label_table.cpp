@@ -1,4 +1,4 @@
-// NIfTI-1 header extensions: https://nifti.nimh.nih.gov/nifti-1/documentation/nifti1fields
+// NIfTI-1: its header is followed by extensions (size, code, text) up to vox_offset.
 #include "acus/data/volume/nifti_label_table.h"
 
 #include <algorithm>

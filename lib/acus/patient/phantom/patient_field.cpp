@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "acus/data/volume/labels.h"
+
 namespace acus::phantom {
 namespace {
 
@@ -118,7 +120,18 @@ volume::Label LabelMapField::LabelAt(const Vector3d& p) const {
 }
 
 bool LabelMapField::IsCut(const Vector3d& p) const {
-  return RadiusMm(labels_.geometry, index_from_ct_ * p) > cut_radius_mm_ - kCutMarginMm;
+  if (RadiusMm(labels_.geometry, index_from_ct_ * p) > cut_radius_mm_ - kCutMarginMm) return true;
+  static const volume::Label kCut = volume::LabelOf("cut");
+  if (!labels_.names.contains(kCut)) return false;
+  constexpr double kStepMm = 1.5;  // The layer is 2 mm thick.
+  for (double x = -kCutMarginMm; x <= kCutMarginMm; x += kStepMm) {
+    for (double y = -kCutMarginMm; y <= kCutMarginMm; y += kStepMm) {
+      for (double z = -kCutMarginMm; z <= kCutMarginMm; z += kStepMm) {
+        if (LabelAt(p + Vector3d(x, y, z)) == kCut) return true;
+      }
+    }
+  }
+  return false;
 }
 
 double LabelMapField::BodyAt(const Vector3d& p) const {

@@ -43,8 +43,8 @@ class AnatomyField : public PatientField {
 
 /// Labels by nearest voxel; label 0 is outside the body. The skin is the half level of the body
 /// smoothed by a Gaussian of 2.5 mm, so that a probe does not climb the stairs of the voxels. Where
-/// the circle of the scanner's reconstruction, centred in the slices, cuts the body, the surface is
-/// a cut.
+/// the circle of the scanner's reconstruction, centred in the slices, cuts the body, and beside the
+/// label cut, the surface is a cut.
 class LabelMapField : public PatientField {
  public:
   /// What lies beyond the volume where it cuts the body: more of it, or air, so that the border

@@ -18,6 +18,27 @@ TEST(LabelMapField, GivesTheNearestVoxelAndNothingBeyondTheVolume) {
   EXPECT_EQ(field.LabelAt(Vector3d(0, 0, 500)), 0);
 }
 
+TEST(LabelMapField, TheLabelCutIsACut) {
+  volume::LabelMap labels = SyntheticBody({150, 120, 30}, 2.0);
+  const auto cut = volume::LabelOf("cut");
+  labels.names[cut] = "cut";
+  const volume::Geometry& g = labels.geometry;
+  for (int k = 0; k < g.size[2]; ++k) {
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        const Vector3d p = g.ct_from_index() * Vector3d(i, j, k);
+        const bool outer = std::hypot(p.x() / 140.0, p.y() / 105.0) > 0.97;
+        if (labels.At(i, j, k) != 0 && outer && p.x() > 0.0) labels.At(i, j, k) = cut;
+      }
+    }
+  }
+  const LabelMapField field(labels);
+  EXPECT_TRUE(field.IsCut({140.0, 0.0, 3.0}));
+  EXPECT_TRUE(field.IsCut({100.0, 73.0, 3.0}));
+  EXPECT_FALSE(field.IsCut({-140.0, 0.0, 3.0}));
+  EXPECT_FALSE(field.IsCut({-100.0, 73.0, 3.0}));
+}
+
 TEST(LabelMapField, SmoothsTheStairsOfItsVoxels) {
   const volume::LabelMap labels = SyntheticBody({150, 120, 30}, 2.0);
   const LabelMapField field(labels);
