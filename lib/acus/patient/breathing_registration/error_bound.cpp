@@ -13,8 +13,9 @@ using Eigen::Array3i;
 using Eigen::Vector3f;
 
 constexpr int kScales = 6;
-// Lengths in nodes; of the fit to the landmarks of two CTs.
-constexpr float kStrainReach = 2.0F, kDisagreement = 0.55F, kWallReach = 5.0F, kWallLayer = 4.0F;
+// Of the fit to the landmarks of two CTs.
+constexpr float kStrainReachMm = 4.0F, kDisagreement = 0.55F;
+constexpr float kWallReachMm = 10.0F, kWallLayerMm = 8.0F;
 constexpr float kSmallestMm = 0.05F;
 constexpr float kSeenEnough = 0.25F;  // Share of the nodes of a cube.
 
@@ -39,7 +40,6 @@ float SquaredStrain(const SlidingGrid& grid, const SlidingGrid::Field& u, int n,
 
 SidedSums SumsOf(const SlidingGrid& grid, const Solution& solution) {
   const volume::Geometry& g = grid.geometry();
-  const auto h = static_cast<float>(g.spacing_mm[0]);
   const auto row = static_cast<std::size_t>(g.size[0]);
   const auto column = static_cast<std::size_t>(g.size[1]);
   SidedSums sums(g.size, kScales);
@@ -54,7 +54,7 @@ SidedSums SumsOf(const SlidingGrid& grid, const Solution& solution) {
     numbers[kSeen] = solution.is_seen[n] != 0 ? 1.0F : 0.0F;
     numbers[kStrain2] = SquaredStrain(grid, u, i, at);
     numbers[kDisagreement2] = (u[n] - solution.coarser_voxels[n]).squaredNorm();
-    numbers[kNearWall] = std::exp(-solution.wall_mm[n] / (kWallLayer * h));
+    numbers[kNearWall] = std::exp(-solution.wall_mm[n] / kWallLayerMm);
     sums.Add(at, grid.SideOf(i), numbers);
   }
   sums.Finish();
@@ -91,12 +91,14 @@ float UnseenReach(const SidedSums& sums, const Vector3f& at, Side side) {
   return static_cast<float>(2 << kScales);
 }
 
-float BoundInNodes(const SidedSums& sums, float strain_of_phase, const Vector3f& at, Side side) {
+/// @param h_mm  Distance of the nodes.
+float BoundMm(const SidedSums& sums, float strain_of_phase, float h_mm, const Vector3f& at,
+              Side side) {
   const SidedSums::Numbers small = sums.At(at, side, 1), large = sums.At(at, side, 3);
   const float strain = std::sqrt(0.5F * (Mean(small, kStrain2) + Mean(large, kStrain2)));
-  const float reach = std::hypot(kStrainReach, UnseenReach(sums, at, side));
-  return std::hypot(reach * strain, kDisagreement * std::sqrt(Mean(small, kDisagreement2)),
-                    kWallReach * strain_of_phase * Mean(sums.At(at, side, 0), kNearWall));
+  const float reach = std::hypot(kStrainReachMm, h_mm * UnseenReach(sums, at, side));
+  return std::hypot(reach * strain, kDisagreement * h_mm * std::sqrt(Mean(small, kDisagreement2)),
+                    kWallReachMm * strain_of_phase * Mean(sums.At(at, side, 0), kNearWall));
 }
 
 }  // namespace
@@ -119,7 +121,7 @@ ErrorBound::ErrorBound(const SlidingGrid& grid, const Solution& solution, int nu
           const SidedSums::Numbers own = sums.At(at, side, 0);
           if (own[kCount] < 0.5F) continue;
           cubes[CubeAt(size_, {i, j, k})] = {
-              .mm = std::hypot(h * BoundInNodes(sums, strain_of_phase, at, side), kSmallestMm),
+              .mm = std::hypot(BoundMm(sums, strain_of_phase, h, at, side), kSmallestMm),
               .unseen_share = 1.0F - Mean(own, kSeen)};
         }
       }

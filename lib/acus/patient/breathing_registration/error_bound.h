@@ -18,10 +18,10 @@ struct Solution {
 };
 
 /// A bound on the length of a registration's error that holds at 95 of 100 places. With the strain
-/// S of the solution, nodes h apart, the distance D between what this grid and the next coarser one
+/// S of the solution, the distance D between what this grid and the next coarser one
 /// found, the strain S' of the whole phase and the distance w to the wall,
 ///
-///   bound^2 = (2 h S)^2 + (0.55 D)^2 + (5 h S' exp(-w / 4 h))^2 + (L S)^2 + (0.05 mm)^2
+///   bound^2 = (4 mm S)^2 + (0.55 D)^2 + (10 mm S' exp(-w / 8 mm))^2 + (L S)^2 + (0.05 mm)^2
 ///
 /// S and D are root mean squares over some nodes of the same side. L is 0 where images show a
 /// match; otherwise the width of the smallest cube about the place that is seen in part: so far the

@@ -133,6 +133,7 @@ TEST(PhaseRegistration, ItsErrorKeepsToTheBound) {
   RecordProperty("kept_sliding", std::to_string(sliding.share));
   RecordProperty("mean_bound_mm", std::to_string(all.mean_bound_mm));
   EXPECT_GT(all.share, 0.93);
+  EXPECT_LT(all.share, 0.97);
   EXPECT_GT(sliding.share, 0.93);
   // A bound that says nothing would keep everything.
   EXPECT_LT(all.mean_bound_mm, 4.0);
