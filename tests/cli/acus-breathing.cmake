@@ -1,8 +1,8 @@
 # A small breathing patient is among the inputs; the example of --help is run by run_examples.sh.
 acus_add_cli_case(acus-breathing.registers EXIT 0 NEEDS inputs TIMEOUT 120
-  STDOUT "surrogate" "within 10 mm of the sliding wall"
+  STDOUT "surrogate" "within 10 mm of the sliding wall" "Bound on the error"
   CREATES m/motion.json m/fields.raw m/fields.nhdr m/phases.csv m/models.csv m/report.html
-          m/difference.png m/provenance.json
+          m/difference.png m/bound.raw m/bound.nhdr m/bound.png m/provenance.json
   COMMAND acus-breathing $INPUTS/breathing_patient --spacing-mm 8 --resolution 32 --quiet
           --labels $INPUTS/liver_patient/labels.seg.nrrd -o m)
 acus_add_cli_case(acus-breathing.fields EXIT 0 NEEDS inputs
