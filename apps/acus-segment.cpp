@@ -40,8 +40,7 @@ int main(int argc, char** argv) {
     acus::atlas::AddAtlasOrgans(ct, others, config.tissues, found.labels, context);
     auto patient = segmentation::Examine(ct, config, std::move(found), examination, context);
     if (!options.reference.empty()) {
-      patient.agreement =
-          CompareWithReference(patient.labels, options.Reference(context), context);
+      patient.agreement = CompareWithReference(patient.labels, options.Reference(context), context);
     }
     segmentation::WritePatientFolder(options.folder, ct, patient, config, context);
     for (const std::string& warning : patient.warnings) context.Warn(warning);

@@ -28,8 +28,7 @@ RunContext TwoThreads() {
 
 volume::LabelMap Segmented(const fs::path& ct) {
   const auto config = ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
-  return SegmentPatient(volume::ReadCt(ct, "", TwoThreads()), config, TwoThreads())
-      .labels;
+  return SegmentPatient(volume::ReadCt(ct, "", TwoThreads()), config, TwoThreads()).labels;
 }
 
 Agreement Of(const std::vector<Agreement>& all, const std::string& tissue) {
@@ -133,8 +132,9 @@ struct ImportOfData {
   ImportOfData(const fs::path& ct_path, const fs::path& map_path, const fs::path& mapping)
       : ct(volume::ReadCt(ct_path, "", TwoThreads())),
         found(SegmentPatient(
-            ct, ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json"),
-            TwoThreads()).labels),
+                  ct, ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json"),
+                  TwoThreads())
+                  .labels),
         import(ReadImportedLabels({map_path, mapping}, ct.geometry, TwoThreads())) {}
   ImportFindings Check() const { return CheckImport(import, ct, found); }
 

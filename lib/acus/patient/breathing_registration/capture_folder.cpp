@@ -228,7 +228,7 @@ std::string BoundText(const BoundSummary& bound) {
     text +=
         Message(" ", Fixed(100.0 * bound.unseen_share, 1),
                 " % of the tissue has no match in the images there: it left the volume, or lies "
-                "where other tissue came in over the border. Its motion is only drawn out from "
+                "where other tissue came in over the border. Its motion is only extrapolated from "
                 "the surroundings.");
   }
   if (bound.kept_share) {

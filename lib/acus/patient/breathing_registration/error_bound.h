@@ -25,7 +25,7 @@ struct Solution {
 ///
 /// S and D are root mean squares over some nodes of the same side. L is 0 where images show a
 /// match; otherwise the width of the smallest cube about the place that is seen in part: so far the
-/// solution is only drawn out. Factors are calibrated on two CTs: see
+/// solution is only extrapolated. Factors are calibrated on two CTs: see
 /// docs/models/breathing_registration.md. A value; const access from any number of threads.
 class ErrorBound {
  public:
@@ -35,7 +35,7 @@ class ErrorBound {
 
   /// @param at  In voxels of the grid. @returns mm; 0 without tissue of that side.
   double Mm(const Eigen::Vector3f& at, Side side) const noexcept;
-  /// Images show no match here: the solution is drawn out from its surroundings.
+  /// Images show no match here: the solution is extrapolated from its surroundings.
   bool IsUnseen(const Eigen::Vector3f& at, Side side) const noexcept;
   /// Of all tissue.
   double unseen_share() const { return unseen_share_; }

@@ -63,10 +63,10 @@ void AddSegmentOptions(CLI::App& app, SegmentOptions& options) {
                      "over the tissues found; may be given several times, the last remains")
           ->allow_extra_args(false)
           ->check(CLI::ExistingPath);
-  auto* compare_option =
-      app.add_option("--compare", options.reference, "Reference label map to hold the result against")
-          ->check(CLI::ExistingPath)
-          ->excludes(import_option);
+  auto* compare_option = app.add_option("--compare", options.reference,
+                                        "Reference label map to hold the result against")
+                             ->check(CLI::ExistingPath)
+                             ->excludes(import_option);
   auto* mapping_option =
       app.add_option(
              "--mapping", options.mappings,
