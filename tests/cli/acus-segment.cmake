@@ -40,7 +40,7 @@ acus_add_cli_case(acus-segment.import_by_segments EXIT 0 NEEDS inputs TIMEOUT 30
   CREATES out/labels.seg.nrrd
   COMMAND acus-segment ct.nrrd --import $INPUTS/labels.seg.nrrd -o out)
 set(segment_muscle_as_spleen
-    "sed 's/\"muscle\", \"tissue\": \"muscle\"/\"spleen\", \"tissue\": \"spleen\"/' $ACUS_CONFIGS/label_maps/acus.json > m.json")
+    "sed 's/\"muscle\", \"tissue\": \"muscle\"/\"spleen\", \"tissue\": \"spleen\"/' ${CMAKE_SOURCE_DIR}/configs/label_maps/acus.json > m.json")
 acus_add_cli_case(acus-segment.import_impossible EXIT 3 NEEDS inputs TIMEOUT 300 LEAVES_NOTHING
   BEFORE "${segment_ct}\n${segment_muscle_as_spleen}"
   STDERR "value 3 is 'muscle' for the file, but 'spleen' for the table"
