@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
       "EXAMPLE\n"
       "  acus-phantom patient lumbar --seed 1 -o patient\n"
       "  acus-phantom scene patient/labels.seg.nrrd -o scene\n"
-      "  acus-phantom scene patient/labels.seg.nrrd --target liver --window intercostal -o biopsy\n"
+      "  acus-phantom scene patient/labels.seg.nrrd --target liver --window subcostal -o biopsy\n"
       "  acus-phantom warp liver_patient/ct.nrrd --phases 4 -o moving\n");
   app.require_subcommand(1);
   app.fallthrough();
