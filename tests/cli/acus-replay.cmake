@@ -139,7 +139,7 @@ acus_add_cli_case(acus-replay.exercise EXIT 0 NEEDS inputs
   COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run --trainee A7 --no-film
           --set /patient/corridor=$INPUTS/target_ct.csv --exercise exercises/lumbar_puncture.json)
 acus_add_cli_case(acus-replay.exercise_without_target EXIT 3 NEEDS inputs LEAVES_NOTHING
-  STDERR "has a goal for .tip to target at the end." "they give: needle elapsed time"
+  STDERR "has a goal for .tip to target at the end." "give /patient/corridor"
   COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run --no-film
           --exercise exercises/lumbar_puncture.json)
 # What a run refuses before its first step, the check refuses, too.
