@@ -4,27 +4,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <span>
-#include <string>
 #include <vector>
+
+#include "acus/data/volume/dicom_elements.h"
 
 namespace acus::volume {
 
 /// One data set, or one item of a sequence. Tags are group * 65536 + element.
-class DicomItem {
- public:
-  using Bytes = std::span<const std::uint8_t>;
-
-  std::map<std::uint32_t, Bytes> values;
+struct DicomItem : DicomValues {
   std::map<std::uint32_t, std::vector<DicomItem>> sequences;
 
-  bool Has(std::uint32_t tag) const { return values.contains(tag); }
-  /// Without the blanks around it; empty if missing.
-  std::string Text(std::uint32_t tag) const;
-  /// An unsigned 16-bit value, or `missing`.
-  int Short(std::uint32_t tag, int missing) const;
-  /// A decimal string of `count` finite numbers; empty if it is missing or not that.
-  std::vector<double> Decimals(std::uint32_t tag, std::size_t count) const;
   /// The first item of a sequence, or null.
   const DicomItem* First(std::uint32_t sequence) const;
 };

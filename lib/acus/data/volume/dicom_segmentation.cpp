@@ -187,7 +187,7 @@ class SegmentPixels {
   int bits_;
   int threshold_ = 1;
   bool is_label_map_ = false;
-  DicomItem::Bytes bytes_;
+  DicomBytes bytes_;
 };
 
 }  // namespace

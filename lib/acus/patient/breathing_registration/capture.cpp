@@ -68,18 +68,25 @@ std::string FileOf(const PhaseFile& phase) {
   return phase.path.filename().string();
 }
 
+/// visit(place in the reference, place in the phase), CT mm, for landmarks with both.
+template <typename Visit>
+void ForEachLandmark(const KnownLandmarks& landmarks, const std::string& reference,
+                     const PhaseFile& phase, Visit&& visit) {
+  for (const auto& point : landmarks.points) {
+    const auto rest = point.at_mm.find(reference);
+    const auto moved = point.at_mm.find(FileOf(phase));
+    if (rest != point.at_mm.end() && moved != point.at_mm.end()) visit(rest->second, moved->second);
+  }
+}
+
 /// Fills in the errors at landmarks, and what they should keep to.
 void AtLandmarks(const KnownLandmarks& landmarks, const std::string& reference,
                  const PhaseField& field, const Tissue& tissue, PhaseResult& result) {
-  for (const auto& point : landmarks.points) {
-    const auto rest = point.at_mm.find(reference);
-    const auto moved = point.at_mm.find(FileOf(result.file));
-    if (rest == point.at_mm.end() || moved == point.at_mm.end()) continue;
-    const Side side = SideAt(tissue, rest->second);
-    const Vector3d found = rest->second + field.DisplacementMm(rest->second, side);
-    result.landmark_error_mm.push_back((found - moved->second).norm());
-    result.landmark_bound_mm.push_back(field.BoundMm(rest->second, side));
-  }
+  ForEachLandmark(landmarks, reference, result.file, [&](const auto& rest, const auto& moved) {
+    const Side side = SideAt(tissue, rest);
+    result.landmark_error_mm.push_back((rest + field.DisplacementMm(rest, side) - moved).norm());
+    result.landmark_bound_mm.push_back(field.BoundMm(rest, side));
+  });
 }
 
 /// Of a model, over all phases that have landmarks.
@@ -90,13 +97,10 @@ std::optional<breathing::ModelError> ModelAtLandmarks(const breathing::MotionMod
   std::vector<double> errors_mm;
   for (const PhaseFile& phase : phases) {
     const auto weights = model.WeightsAt(phase.breath);
-    for (const auto& point : landmarks.points) {
-      const auto rest = point.at_mm.find(reference);
-      const auto moved = point.at_mm.find(FileOf(phase));
-      if (rest == point.at_mm.end() || moved == point.at_mm.end()) continue;
-      const Vector3d u = model.field().DisplacementMm(weights, rest->second);
-      errors_mm.push_back((rest->second + u - moved->second).norm());
-    }
+    ForEachLandmark(landmarks, reference, phase, [&](const auto& rest, const auto& moved) {
+      const Vector3d u = model.field().DisplacementMm(weights, rest);
+      errors_mm.push_back((rest + u - moved).norm());
+    });
   }
   if (errors_mm.empty()) return std::nullopt;
   return Summary(errors_mm);
@@ -249,15 +253,13 @@ std::optional<double> KeptShare(const Capture& capture, const std::vector<PhaseF
   for (const PhaseFile& phase : phases) {
     if (FileOf(phase) == capture.reference) continue;
     const auto weights = motion.model.WeightsAt(phase.breath);
-    for (const auto& point : capture.landmarks.points) {
-      const auto rest = point.at_mm.find(capture.reference);
-      const auto moved = point.at_mm.find(FileOf(phase));
-      if (rest == point.at_mm.end() || moved == point.at_mm.end()) continue;
-      const Vector3d u = motion.model.field().DisplacementMm(weights, rest->second);
-      const double bound_mm = motion.bound->Mm(rest->second, motion.Normal(phase.breath).level);
-      kept += (rest->second + u - moved->second).norm() <= bound_mm ? 1 : 0;
+    const double level = motion.Normal(phase.breath).level;
+    const auto visit = [&](const Vector3d& rest, const Vector3d& moved) {
+      const Vector3d u = motion.model.field().DisplacementMm(weights, rest);
+      kept += (rest + u - moved).norm() <= motion.bound->Mm(rest, level) ? 1 : 0;
       ++all;
-    }
+    };
+    ForEachLandmark(capture.landmarks, capture.reference, phase, visit);
   }
   if (all == 0) return std::nullopt;
   return static_cast<double>(kept) / all;

@@ -6,7 +6,7 @@
 namespace acus::breathing_registration {
 namespace {
 
-constexpr float kStill = 0.5F;  // Voxels: less is not told apart from no motion.
+constexpr float kLeastMotionVoxels = 0.5F;  // Less cannot be distinguished from no motion.
 
 /// The two axes of a face.
 std::array<int, 2> AxesOf(int axis) {
@@ -44,7 +44,7 @@ EnteredTissue::EnteredTissue(const SlidingGrid& grid, const SlidingGrid::Field& 
     const float along = displacement_voxels[static_cast<std::size_t>(n)][axis];
     const float inwards = high ? -along : along;
     // One more: voxels at the front of what came in are averages with it.
-    return inwards > kStill ? inwards + 1.0F : 0.0F;
+    return inwards > kLeastMotionVoxels ? inwards + 1.0F : 0.0F;
   });
 }
 

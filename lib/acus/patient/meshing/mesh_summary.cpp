@@ -4,8 +4,9 @@
 #include <map>
 
 #include "acus/base/core/text_table.h"
+#include "acus/base/core/words.h"
 #include "acus/data/mesh/quality.h"
-#include "acus/data/volume/labels.h"
+#include "acus/data/volume/label_map_content.h"
 
 namespace acus::meshing {
 namespace {
@@ -13,15 +14,7 @@ namespace {
 std::string NameOfTissue(std::uint8_t label, const std::vector<TissueVolume>& tissues) {
   const auto known = std::ranges::find(tissues, label, &TissueVolume::label);
   if (known != tissues.end()) return known->name;
-  const auto standard = volume::StandardLabels();
-  return label < standard.size() ? std::string(standard[label].name)
-                                 : "label_" + std::to_string(label);
-}
-
-std::string WithCommas(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
+  return volume::NameOfLabel(label);
 }
 
 /// "bone 5030": nodes of elements that are held as a whole, by tissue.
@@ -44,7 +37,7 @@ std::string FixedByTissue(const mesh::TetraMesh& mesh, const std::vector<TissueV
   std::vector<std::string> words;
   for (const auto& [name, nodes] : held)
     words.push_back(Message(name, " ", std::ranges::count(nodes, true)));
-  return WithCommas(words);
+  return Joined(words);
 }
 
 std::string TissuesText(const std::vector<TissueVolume>& tissues) {
@@ -53,8 +46,8 @@ std::string TissuesText(const std::vector<TissueVolume>& tissues) {
     all.push_back(tissue.name);
     if (tissue.is_conforming) own.push_back(tissue.name);
   }
-  return Message("Tissues: ", WithCommas(all), "\nWith a surface of faces: body",
-                 own.empty() ? "" : ", ", WithCommas(own), "\n");
+  return Message("Tissues: ", Joined(all), "\nWith a surface of faces: body",
+                 own.empty() ? "" : ", ", Joined(own), "\n");
 }
 
 std::string MissingText(const std::vector<TissueVolume>& tissues, const MeshLosses& losses) {
@@ -68,7 +61,7 @@ std::string MissingText(const std::vector<TissueVolume>& tissues, const MeshLoss
     words.push_back(RoundedText(losses.islands_ml, 2) + " ml in loose pieces of the body");
   if (losses.specks_ml > 0.0)
     words.push_back(RoundedText(losses.specks_ml, 2) + " ml in specks, now the tissue around them");
-  return "Not in the mesh: " + (words.empty() ? "nothing" : WithCommas(words)) + "\n";
+  return "Not in the mesh: " + (words.empty() ? "nothing" : Joined(words)) + "\n";
 }
 
 }  // namespace
@@ -94,10 +87,10 @@ void WarnWithoutFixedNodes(const mesh::TetraMesh& mesh, const std::vector<Tissue
   for (const TissueVolume& tissue : tissues) names.push_back(tissue.name);
   context.Warn(
       Message("no node of the mesh is fixed (fixed_nodes: 0): no element is ",
-              fixed_tissues.empty() ? "of a tissue that is held" : WithCommas(fixed_tissues),
+              fixed_tissues.empty() ? "of a tissue that is held" : Joined(fixed_tissues),
               ", so that tissue models of finite elements refuse this mesh. Try: a --config whose ",
               "\"fixed_tissues\" names a tissue that stays in place", names.empty() ? "" : ", of ",
-              WithCommas(names), "; or find out why the label map has no bone"));
+              Joined(names), "; or find out why the label map has no bone"));
 }
 
 }  // namespace acus::meshing

@@ -5,7 +5,7 @@
 
 #include "acus/base/core/text_table.h"
 #include "acus/base/math/angles.h"
-#include "acus/data/volume/labels.h"
+#include "acus/data/volume/label_map_content.h"
 
 namespace acus::phantom {
 namespace {
@@ -34,10 +34,7 @@ std::string FirstAttemptText(const InsertionPlan& plan) {
 }  // namespace
 
 std::string TissueNameAt(const PatientField& field, const Eigen::Vector3d& point_ct_mm) {
-  const auto standard = volume::StandardLabels();
-  const volume::Label label = field.LabelAt(point_ct_mm);
-  return label < standard.size() ? std::string(standard[label].name)
-                                 : "label_" + std::to_string(label);
+  return volume::NameOfLabel(field.LabelAt(point_ct_mm));
 }
 
 std::vector<PathPart> TissuesAlong(const PatientField& field, const InsertionPlan& plan) {

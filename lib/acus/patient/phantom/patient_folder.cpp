@@ -7,6 +7,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/random.h"
 #include "acus/data/session/session_io.h"
+#include "acus/data/volume/label_map_content.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/phantom/insertion_summary.h"
@@ -133,8 +134,7 @@ Json WriteForceCurves(const std::filesystem::path& folder, const PhantomConfig& 
 }
 
 Json VolumesMl(const volume::LabelMap& labels) {
-  std::array<std::size_t, 256> count{};
-  for (const volume::Label label : labels.voxels) ++count[label];
+  const auto count = volume::CountsByLabel(labels);
   Json volumes = Json::object();
   for (const auto& [label, name] : labels.names) {
     volumes[name] = 1e-3 * labels.geometry.voxel_volume_mm3() * static_cast<double>(count[label]);

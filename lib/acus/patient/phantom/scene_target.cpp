@@ -7,7 +7,9 @@
 
 #include "acus/base/core/spelling.h"
 #include "acus/base/core/text_table.h"
+#include "acus/base/core/words.h"
 #include "acus/base/math/point_text.h"
+#include "acus/data/volume/label_map_content.h"
 #include "acus/data/volume/labels.h"
 #include "acus/patient/segmentation/mask.h"
 
@@ -19,14 +21,6 @@ using Eigen::Vector3d;
 constexpr std::size_t kMaxPoints = 24;
 constexpr double kPointSpacingMm = 10.0;
 constexpr double kLeastDepthShare = 0.3;  ///< Of the greatest depth: no points in thin ends.
-
-std::string NameOf(const volume::LabelMap& labels, volume::Label label) {
-  const auto named = labels.names.find(label);
-  if (named != labels.names.end()) return named->second;
-  const auto standard = volume::StandardLabels();
-  return label < standard.size() ? std::string(standard[label].name)
-                                 : "label_" + std::to_string(label);
-}
 
 std::array<bool, 256> LabelsIn(const volume::LabelMap& labels) {
   std::array<bool, 256> found{};
@@ -51,7 +45,7 @@ NamedStructure StructureOf(const volume::LabelMap& labels, const std::string& re
   const auto label_named = [&](const std::string& name) -> std::optional<volume::Label> {
     for (int label = 1; label < 256; ++label) {
       const auto l = static_cast<volume::Label>(label);
-      if (found[label] && NameOf(labels, l) == name) return l;
+      if (found[label] && volume::NameOfLabel(labels, l) == name) return l;
     }
     return std::nullopt;
   };
@@ -188,7 +182,7 @@ SceneTarget PointTarget(const volume::LabelMap& labels, const PatientField& fiel
       label != 0, "--target ", request,
       ": lies outside the body; give a point in tissue, in CT space, LPS, or a structure: ",
       TargetList(labels));
-  const std::string name = NameOf(labels, label);
+  const std::string name = volume::NameOfLabel(labels, label);
   ACUS_REQUIRE(CanBeTarget(name), "--target ", request, ": lies in ", name,
                "; give a point that a needle can reach, or a structure: ", TargetList(labels));
   return {
@@ -201,15 +195,14 @@ std::vector<std::string> TargetNames(const volume::LabelMap& labels) {
   const std::array<bool, 256> found = LabelsIn(labels);
   std::set<std::string> names;
   for (int label = 1; label < 256; ++label) {
-    const std::string name = NameOf(labels, static_cast<volume::Label>(label));
+    const std::string name = volume::NameOfLabel(labels, static_cast<volume::Label>(label));
     if (found[label] && CanBeTarget(name)) names.insert(name);
   }
   return {names.begin(), names.end()};
 }
 
 std::string TargetList(const volume::LabelMap& labels) {
-  std::string text;
-  for (const std::string& name : TargetNames(labels)) text += (text.empty() ? "" : ", ") + name;
+  const std::string text = Joined(TargetNames(labels));
   return text.empty() ? "nothing that can be a target" : text;
 }
 

@@ -54,10 +54,8 @@ Border BorderOf(const SliceRegion& region, const Mask& body, const Mask& unseen,
 /// Lungs whose wall is thinner than the ball that opens the body, and lungs that the scanner's
 /// field of view cuts: holes in a slice of body, tissue and what was not seen, that are denser than
 /// the air around a patient and have mostly body around them.
-void AddCavitiesBehindThinWalls(const volume::CtVolume& ct, const ScanField& field,
-                                const Mask& solid, const TissueOptions& options, int num_threads,
-                                Mask& body) {
-  const Mask unseen = UnseenBy(field, ct);
+void AddCavitiesBehindThinWalls(const volume::CtVolume& ct, const Mask& unseen, const Mask& solid,
+                                const TissueOptions& options, int num_threads, Mask& body) {
   Mask walls = body;
   for (std::size_t i = 0; i < walls.voxels.size(); ++i) {
     walls.voxels[i] |= static_cast<std::uint8_t>(solid.voxels[i] | unseen.voxels[i]);
@@ -119,7 +117,7 @@ int AxialAxis(const volume::Geometry& geometry) {
   return static_cast<int>(axis);
 }
 
-Mask FindBody(const volume::CtVolume& ct, const ScanField& field, const TissueOptions& options,
+Mask FindBody(const volume::CtVolume& ct, const Mask& unseen, const TissueOptions& options,
               int num_threads) {
   Mask solid(ct.geometry);
   for (std::size_t i = 0; i < ct.voxels.size(); ++i) {
@@ -155,7 +153,7 @@ Mask FindBody(const volume::CtVolume& ct, const ScanField& field, const TissueOp
   body = Dilated(body, opening_mm + 2.0, num_threads);
   for (std::size_t i = 0; i < body.voxels.size(); ++i) body.voxels[i] &= solid.voxels[i];
   FillInSlices(body, AxialAxis(ct.geometry), num_threads);
-  AddCavitiesBehindThinWalls(ct, field, solid, options, num_threads, body);
+  AddCavitiesBehindThinWalls(ct, unseen, solid, options, num_threads, body);
   return body;
 }
 

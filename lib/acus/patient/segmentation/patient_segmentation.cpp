@@ -11,6 +11,7 @@
 #include "acus/base/core/text_table.h"
 #include "acus/base/core/words.h"
 #include "acus/data/mesh/surface_io.h"
+#include "acus/data/volume/label_map_content.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/segmentation/metrics.h"
@@ -84,14 +85,8 @@ Agreement Agree(const std::string& tissue, const Mask& ours, const Mask& referen
   return agreement;
 }
 
-std::array<std::size_t, 256> CountsByLabel(const volume::LabelMap& labels) {
-  std::array<std::size_t, 256> count{};
-  for (const volume::Label label : labels.voxels) ++count[label];
-  return count;
-}
-
 void WriteVolumes(const fs::path& path, const volume::LabelMap& labels) {
-  const auto count = CountsByLabel(labels);
+  const auto count = volume::CountsByLabel(labels);
   std::string text = "label,name,volume_ml\n";
   for (const auto& [label, name] : labels.names) {
     if (label == 0) continue;
@@ -213,7 +208,7 @@ SegmentedPatient Examine(const volume::CtVolume& ct, const SegmentationConfig& c
 }
 
 std::string SummaryOf(const SegmentedPatient& patient) {
-  const auto counts = CountsByLabel(patient.labels);
+  const auto counts = volume::CountsByLabel(patient.labels);
   const double ml = patient.labels.geometry.voxel_volume_mm3() / 1000.0;
   std::vector<std::string> parts;
   double body_ml = 0.0;

@@ -6,6 +6,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/text_table.h"
+#include "acus/data/volume/label_map_content.h"
 #include "acus/data/volume/labels.h"
 
 namespace acus::segmentation {
@@ -45,16 +46,10 @@ TissueOptions Shifted(TissueOptions o, double direction) {
   return o;
 }
 
-std::array<std::size_t, 256> CountsOf(const volume::LabelMap& labels) {
-  std::array<std::size_t, 256> counts{};
-  for (const volume::Label label : labels.voxels) ++counts[label];
-  return counts;
-}
-
 /// Lowers the Dice of each tissue to that with `other`, and counts where it differs.
 void Compare(const volume::LabelMap& labels, const volume::LabelMap& other, Certainty& out) {
-  const auto ours = CountsOf(labels);
-  const auto theirs = CountsOf(other);
+  const auto ours = volume::CountsByLabel(labels);
+  const auto theirs = volume::CountsByLabel(other);
   std::array<std::size_t, 256> both{};
   for (std::size_t i = 0; i < labels.voxels.size(); ++i) {
     if (labels.voxels[i] == other.voxels[i]) {
@@ -83,7 +78,7 @@ Certainty FindCertainty(const volume::CtVolume& ct, const TissueOptions& options
                         const volume::LabelMap& labels, const RunContext& context) {
   Certainty out;
   out.unsure = volume::Grid<std::uint8_t>(ct.geometry);
-  const auto counts = CountsOf(labels);
+  const auto counts = volume::CountsByLabel(labels);
   for (const auto& [label, name] : labels.names) {
     if (label != 0 && counts[label] > 0) out.tissues.push_back({name, 1.0});
   }
@@ -104,7 +99,7 @@ void RequireCt(const volume::CtVolume& ct) {
 }
 
 std::vector<std::string> WarningsOf(const volume::CtVolume& ct, const TissuesFound& found) {
-  const auto counts = CountsOf(found.labels);
+  const auto counts = volume::CountsByLabel(found.labels);
   const double ml = ct.geometry.voxel_volume_mm3() / 1000.0;
   const auto body = static_cast<double>(found.labels.voxels.size() - counts[0]);
   const auto part = [&](const char* name) {

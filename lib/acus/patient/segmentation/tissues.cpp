@@ -26,15 +26,15 @@ Mask LayerOf(const Mask& body, const Mask& inner) {
   return layer;
 }
 
-OuterLayer OuterLayerOf(const volume::CtVolume& ct, const Mask& body, const ScanField& field,
-                        double thickness_mm, int num_threads) {
+OuterLayer OuterLayerOf(const Mask& body, const Mask& unseen, double thickness_mm,
+                        int num_threads) {
   // At least one voxel, so that a coarse CT has a skin too.
   const double depth_mm = std::max(thickness_mm, 1.01 * body.geometry.spacing_mm.minCoeff());
   OuterLayer out{LayerOf(body, Eroded(body, depth_mm, num_threads)), Mask(body.geometry)};
-  if (!field.circle) return out;
-  Mask going_on = UnseenBy(field, ct);
-  for (std::size_t i = 0; i < going_on.voxels.size(); ++i) going_on.voxels[i] |= body.voxels[i];
-  const Mask to_air = LayerOf(body, Eroded(going_on, depth_mm, num_threads));
+  if (Count(unseen) == 0) return out;
+  Mask not_air = unseen;
+  for (std::size_t i = 0; i < not_air.voxels.size(); ++i) not_air.voxels[i] |= body.voxels[i];
+  const Mask to_air = LayerOf(body, Eroded(not_air, depth_mm, num_threads));
   for (std::size_t i = 0; i < out.cut.voxels.size(); ++i) {
     out.cut.voxels[i] = out.skin.voxels[i] != 0 && to_air.voxels[i] == 0 ? 1 : 0;
   }
@@ -120,7 +120,8 @@ TissuesFound FindTissues(const volume::CtVolume& original, const TissueOptions& 
   const auto repaired =
       WithoutDensePadding(original, field, options.body_threshold_hu, num_threads);
   const volume::CtVolume& whole = repaired ? *repaired : original;
-  const Mask whole_body = FindBody(whole, field, options, num_threads);
+  const Mask unseen = UnseenBy(field, whole);
+  const Mask whole_body = FindBody(whole, unseen, options, num_threads);
   // All that follows is inside the body: a third to a half of the volume is saved.
   const Box box = BoundsOf(whole_body);
   const volume::CtVolume ct = Cropped(whole, box);
@@ -135,7 +136,7 @@ TissuesFound FindTissues(const volume::CtVolume& original, const TissueOptions& 
       ct, BoneWithMarrow(ct, body, dense, OpenIn(spine, ct.geometry), options, num_threads), dense,
       num_threads);
   context.Checkpoint("finding the skin", 0.8);
-  OuterLayer layer = OuterLayerOf(whole, whole_body, field, options.skin_thickness_mm, num_threads);
+  OuterLayer layer = OuterLayerOf(whole_body, unseen, options.skin_thickness_mm, num_threads);
   const bool is_cut = Count(layer.cut) > 0;
   layer = {Cropped(layer.skin, box), Cropped(layer.cut, box)};
   TissuesFound found{volume::LabelMap(whole.geometry), ScanOf(ct, body, dense, options)};

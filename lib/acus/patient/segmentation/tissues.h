@@ -34,8 +34,9 @@ struct TissueOptions {
 /// limb are kept and grown back; cavities are filled slice by slice (axial), so that lungs cut by
 /// the border stay inside, also those behind a wall thinner than the ball, and those that the field
 /// of view cuts.
+/// @param unseen  What lies beyond the scanner's field of view: UnseenBy.
 /// @throws InputError if there is nothing denser than air.
-Mask FindBody(const volume::CtVolume& ct, const ScanField& field, const TissueOptions& options,
+Mask FindBody(const volume::CtVolume& ct, const Mask& unseen, const TissueOptions& options,
               int num_threads);
 
 struct AirSpaces {

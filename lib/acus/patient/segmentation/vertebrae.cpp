@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <queue>
 
 #include "acus/base/core/csv.h"
 #include "acus/base/core/text_table.h"
 #include "acus/base/core/words.h"
+#include "acus/base/math/point_text.h"
 #include "acus/data/volume/labels.h"
+#include "acus/patient/segmentation/mask.h"
 
 namespace acus::segmentation {
 namespace {
@@ -86,12 +87,8 @@ class SpineFrame {
   const std::vector<DiscPlane>& discs_;  ///< From the feet to the head.
 };
 
-/// Bone near the spine, as a small grid.
-struct BoneNearSpine {
-  Eigen::Array3i low, high;  ///< Voxels, inclusive.
-};
-
-BoneNearSpine BoxAround(const CanalLine& line, const volume::Geometry& g) {
+/// The voxels within reach of the canal.
+Box BoxAround(const CanalLine& line, const volume::Geometry& g) {
   Eigen::Array3d low = Eigen::Array3d::Constant(1e9), high = Eigen::Array3d::Constant(-1e9);
   const auto index_from_ct = g.index_from_ct();
   for (const Eigen::Vector3d& p : line.points_mm) {
@@ -101,7 +98,7 @@ BoneNearSpine BoxAround(const CanalLine& line, const volume::Geometry& g) {
   }
   const Eigen::Array3d reach = kFarthestMm / g.spacing_mm;
   const Eigen::Array3d last = (g.size - 1).cast<double>();
-  BoneNearSpine box;
+  Box box;
   box.low = (low - reach).max(0.0).floor().cast<int>();
   box.high = (high + reach).min(last).ceil().cast<int>();
   return box;
@@ -111,7 +108,7 @@ BoneNearSpine BoxAround(const CanalLine& line, const volume::Geometry& g) {
 class Growth {
  public:
   Growth(const volume::CtVolume& ct, const volume::LabelMap& tissues, const SpineFrame& frame,
-         const BoneNearSpine& box)
+         const Box& box)
       : ct_(ct), bone_(volume::LabelOf("bone")), tissues_(tissues), frame_(frame), box_(box) {
     number_ = volume::Grid<volume::Label>(ct.geometry);
     way_mm_.assign(ct.voxels.size(), 1e9F);
@@ -188,7 +185,7 @@ class Growth {
   const volume::Label bone_;
   const volume::LabelMap& tissues_;
   const SpineFrame& frame_;
-  const BoneNearSpine box_;
+  const Box box_;
   volume::Grid<volume::Label> number_;
   std::vector<float> way_mm_;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
@@ -301,19 +298,12 @@ void Centre(const CanalLine& line, const SpineFrame& frame, const std::vector<Di
 }  // namespace
 
 NamedVertebra ParseVertebra(const std::string& text) {
-  NamedVertebra out;
-  const std::size_t equals = text.find('=');
-  out.name = text.substr(0, equals);
-  const char* at = text.data() + std::min(equals, text.size());
-  const char* const end = text.data() + text.size();
-  int count = 0;
-  for (; count < 3 && at != end; ++count) {
-    const auto [next, error] = std::from_chars(at + 1, end, out.point_mm[count]);
-    if (error != std::errc() || (next != end && *next != ',')) break;
-    at = next;
-  }
-  ACUS_REQUIRE(count == 3 && at == end && out.point_mm.allFinite(), "--vertebra '", text,
-               "': must be a name and a point of its body in CT mm, such as L3=-2.5,110,140");
+  const std::size_t equals = std::min(text.find('='), text.size());
+  NamedVertebra out{.name = text.substr(0, equals), .point_mm = Eigen::Vector3d::Zero()};
+  out.point_mm = math::PointFromText(
+      text.substr(std::min(equals + 1, text.size())),
+      Message("--vertebra '", text,
+              "': must be a name and a point of its body in CT mm, such as L3=-2.5,110,140"));
   NumberOf(out.name);
   return out;
 }
@@ -341,7 +331,7 @@ void FillBodies(const volume::CtVolume& ct, volume::LabelMap& tissues) {
   const std::vector<DiscPlane> discs = FindDiscPlanes(ct, line);
   if (discs.size() < 2) return;
   const SpineFrame frame(line, discs);
-  const BoneNearSpine box = BoxAround(line, ct.geometry);
+  const Box box = BoxAround(line, ct.geometry);
   const volume::Label bone = volume::LabelOf("bone");
   const std::array open = {volume::LabelOf("fat"), volume::LabelOf("soft_tissue"),
                            volume::LabelOf("muscle")};

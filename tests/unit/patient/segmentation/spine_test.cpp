@@ -5,9 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "acus/data/volume/labels.h"
-#include "acus/patient/phantom/imaging.h"
-#include "acus/patient/phantom/phantom_config.h"
-#include "acus/patient/segmentation/patient_segmentation.h"
+#include "lumbar_back.h"
 
 namespace acus::segmentation {
 namespace {
@@ -21,17 +19,8 @@ struct SpineCase {
 };
 
 SpineCase SegmentedBack(std::uint64_t seed) {
-  auto config = phantom::ReadPhantomConfig(ACUS_SOURCE_DIR "/configs/phantoms/lumbar.json");
-  config.grid.origin_mm = Eigen::Vector3d(-75, -60, -108);
-  config.grid.size = {151, 146, 116};
-  RunContext context;
-  context.seed = seed;
-  context.num_threads = 2;
-  phantom::Scan scan = phantom::RenderScan(phantom::Anatomy(config.body, seed), config.grid,
-                                           config.scanner, context);
-  const auto settings =
-      ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
-  return {std::move(scan.labels), FindTissues(scan.ct, settings.tissues, context).labels};
+  LumbarBack back = MakeLumbarBack(seed);
+  return {std::move(back.scan.labels), std::move(back.found)};
 }
 
 /// 2 |A and B| / (|A| + |B|) of a label in the slices from `first` to `last`.

@@ -3,9 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "acus/data/volume/labels.h"
-#include "acus/patient/phantom/imaging.h"
-#include "acus/patient/phantom/phantom_config.h"
-#include "acus/patient/segmentation/patient_segmentation.h"
+#include "lumbar_back.h"
 
 namespace acus::segmentation {
 namespace {
@@ -14,30 +12,10 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// A synthetic lumbar spine, its tissues as the CT shows them.
-struct LumbarCase {
-  explicit LumbarCase(std::uint64_t seed) {
-    auto config = phantom::ReadPhantomConfig(ACUS_SOURCE_DIR "/configs/phantoms/lumbar.json");
-    config.grid.origin_mm = Eigen::Vector3d(-75, -60, -108);
-    config.grid.size = {151, 146, 116};
-    context.seed = seed;
-    context.num_threads = 2;
-    anatomy.emplace(config.body, seed);
-    ct = phantom::RenderScan(*anatomy, config.grid, config.scanner, context).ct;
-    const auto settings =
-        ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
-    tissues = FindTissues(ct, settings.tissues, context).labels;
-  }
-
-  RunContext context;
-  std::optional<phantom::Anatomy> anatomy;
-  volume::CtVolume ct;
-  volume::LabelMap tissues;
-};
-
-const LumbarCase& Case() {
-  static const LumbarCase lumbar(3);
-  return lumbar;
+/// Seed 3: the method was developed on 1 and 2.
+const LumbarBack& Back() {
+  static const LumbarBack back = MakeLumbarBack(3);
+  return back;
 }
 
 /// The vertebra that a point belongs to in the exact anatomy, or nothing.
@@ -51,10 +29,10 @@ std::string TruthAt(const phantom::Anatomy& anatomy, const Eigen::Vector3d& p) {
 }
 
 TEST(Vertebrae, DiscsLieWhereTheAnatomyHasThem) {
-  const LumbarCase& lumbar = Case();
-  const auto planes = FindDiscPlanes(lumbar.ct, CanalLineOf(lumbar.tissues));
+  const LumbarBack& lumbar = Back();
+  const auto planes = FindDiscPlanes(lumbar.scan.ct, CanalLineOf(lumbar.found));
   for (const char* name : {"disc_L1L2", "disc_L2L3", "disc_L3L4", "disc_L4L5"}) {
-    const Eigen::Vector3d disc = lumbar.anatomy->Landmark(name);
+    const Eigen::Vector3d disc = lumbar.anatomy.Landmark(name);
     double nearest_mm = 100.0;
     for (const DiscPlane& plane : planes) {
       nearest_mm = std::min(nearest_mm, std::abs((disc - plane.point_mm).dot(plane.normal)));
@@ -64,19 +42,19 @@ TEST(Vertebrae, DiscsLieWhereTheAnatomyHasThem) {
 }
 
 TEST(Vertebrae, ArePartedAndNamedFromAStart) {
-  const LumbarCase& lumbar = Case();
+  const LumbarBack& lumbar = Back();
   const Eigen::Vector3d in_l3 =
-      0.5 * (lumbar.anatomy->Landmark("disc_L2L3") + lumbar.anatomy->Landmark("disc_L3L4"));
-  const Vertebrae found = FindVertebrae(lumbar.ct, lumbar.tissues, NamedVertebra{"L3", in_l3});
+      0.5 * (lumbar.anatomy.Landmark("disc_L2L3") + lumbar.anatomy.Landmark("disc_L3L4"));
+  const Vertebrae found = FindVertebrae(lumbar.scan.ct, lumbar.found, NamedVertebra{"L3", in_l3});
   std::map<std::string, std::array<std::size_t, 3>> counts;  // Both, ours, theirs.
-  const volume::Geometry& g = lumbar.ct.geometry;
+  const volume::Geometry& g = lumbar.scan.ct.geometry;
   for (int k = 0; k < g.size[2]; ++k) {
     for (int j = 0; j < g.size[1]; ++j) {
       for (int i = 0; i < g.size[0]; ++i) {
         const auto label = found.labels.At(i, j, k);
         const std::string ours = label == 0 ? "" : found.labels.names.at(label);
         const std::string theirs =
-            TruthAt(*lumbar.anatomy, g.ct_from_index() * Eigen::Vector3d(i, j, k));
+            TruthAt(lumbar.anatomy, g.ct_from_index() * Eigen::Vector3d(i, j, k));
         if (!ours.empty()) ++counts[ours][1];
         if (!theirs.empty()) ++counts[theirs][2];
         if (!ours.empty() && ours == theirs) ++counts[ours][0];
@@ -98,8 +76,8 @@ TEST(Vertebrae, ArePartedAndNamedFromAStart) {
 }
 
 TEST(Vertebrae, AreNumberedFromTheHeadWithoutAName) {
-  LumbarCase lumbar = Case();
-  const Vertebrae found = FindVertebrae(lumbar.ct, lumbar.tissues, std::nullopt);
+  LumbarBack lumbar = Back();
+  const Vertebrae found = FindVertebrae(lumbar.scan.ct, lumbar.found, std::nullopt);
   ASSERT_FALSE(found.empty());
   // This sacrum leans too little to be told from a lumbar vertebra by its disc.
   if (!found.named_from_sacrum) {
@@ -109,20 +87,20 @@ TEST(Vertebrae, AreNumberedFromTheHeadWithoutAName) {
 }
 
 TEST(Vertebrae, ANameThatCannotBeIsRefused) {
-  const LumbarCase& lumbar = Case();
+  const LumbarBack& lumbar = Back();
   const Eigen::Vector3d in_l3 =
-      0.5 * (lumbar.anatomy->Landmark("disc_L2L3") + lumbar.anatomy->Landmark("disc_L3L4"));
+      0.5 * (lumbar.anatomy.Landmark("disc_L2L3") + lumbar.anatomy.Landmark("disc_L3L4"));
   const auto find = [&](const std::string& name, const Eigen::Vector3d& p) {
-    FindVertebrae(lumbar.ct, lumbar.tissues, NamedVertebra{name, p});
+    FindVertebrae(lumbar.scan.ct, lumbar.found, NamedVertebra{name, p});
   };
   EXPECT_THAT([&] { find("S1", in_l3); }, ThrowsMessage<InputError>(HasSubstr("does not fit")));
   EXPECT_THAT([&] { find("C1", in_l3); }, ThrowsMessage<InputError>(HasSubstr("does not fit")));
   EXPECT_THAT([&] { find("L3", in_l3 + Eigen::Vector3d(60, 0, 0)); },
               ThrowsMessage<InputError>(HasSubstr("vertebrae.csv")));
-  const volume::LabelMap empty(lumbar.ct.geometry);
-  EXPECT_TRUE(FindVertebrae(lumbar.ct, empty, std::nullopt).empty());
+  const volume::LabelMap empty(lumbar.scan.ct.geometry);
+  EXPECT_TRUE(FindVertebrae(lumbar.scan.ct, empty, std::nullopt).empty());
   EXPECT_THAT(([&] {
-                FindVertebrae(lumbar.ct, empty, NamedVertebra{"L3", in_l3});
+                FindVertebrae(lumbar.scan.ct, empty, NamedVertebra{"L3", in_l3});
               }),
               ThrowsMessage<InputError>(HasSubstr("no spine")));
 }
@@ -142,10 +120,10 @@ TEST(Vertebrae, NamesAreReadFromOneArgument) {
 
 TEST(Vertebrae, MarrowWithinABodyIsBone) {
   // The exact bone of one body, with a hole that its cortex does not close off in any slice.
-  LumbarCase lumbar = Case();
+  LumbarBack lumbar = Back();
   const Eigen::Vector3d centre =
-      0.5 * (lumbar.anatomy->Landmark("disc_L2L3") + lumbar.anatomy->Landmark("disc_L3L4"));
-  const volume::Geometry& g = lumbar.ct.geometry;
+      0.5 * (lumbar.anatomy.Landmark("disc_L2L3") + lumbar.anatomy.Landmark("disc_L3L4"));
+  const volume::Geometry& g = lumbar.scan.ct.geometry;
   const auto bone = volume::LabelOf("bone");
   std::vector<std::size_t> hole;
   for (int k = 0; k < g.size[2]; ++k) {
@@ -155,17 +133,17 @@ TEST(Vertebrae, MarrowWithinABodyIsBone) {
         const bool core = p.norm() < 7.0;
         const bool way_out =
             std::abs(p.y()) < 2.0 && std::abs(p.z()) < 3.0 && p.x() > 0 && p.x() < 26.0;
-        if ((core || way_out) && lumbar.tissues.At(i, j, k) == bone) {
+        if ((core || way_out) && lumbar.found.At(i, j, k) == bone) {
           hole.push_back(g.Index(i, j, k));
         }
       }
     }
   }
   ASSERT_GT(hole.size(), 300U);
-  for (const std::size_t at : hole) lumbar.tissues.voxels[at] = volume::LabelOf("soft_tissue");
-  FillBodies(lumbar.ct, lumbar.tissues);
-  const auto filled = std::ranges::count_if(
-      hole, [&](std::size_t at) { return lumbar.tissues.voxels[at] == bone; });
+  for (const std::size_t at : hole) lumbar.found.voxels[at] = volume::LabelOf("soft_tissue");
+  FillBodies(lumbar.scan.ct, lumbar.found);
+  const auto filled =
+      std::ranges::count_if(hole, [&](std::size_t at) { return lumbar.found.voxels[at] == bone; });
   EXPECT_GT(static_cast<double>(filled), 0.9 * static_cast<double>(hole.size()));
 }
 
