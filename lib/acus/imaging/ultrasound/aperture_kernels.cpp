@@ -156,8 +156,12 @@ void AddLossRow(const LossRow& row, int lanes) {
   }
 }
 
+/// A ray that is fainter has ended: the product of many losses would be a denormal number.
+constexpr float kFaintestRay = 1e-15F;
+
 void MarchRayRow(const RayRow& row, int lanes) {
   const F f;
+  const VF faintest = hn::Set(f, kFaintestRay);
   const int whole = static_cast<int>(std::floor(row.shift));
   const VF share = hn::Set(f, row.shift - static_cast<float>(whole));
   const int step = LanesPerStep();
@@ -168,7 +172,8 @@ void MarchRayRow(const RayRow& row, int lanes) {
                      : at > lanes + row.margin - step - 1 ? lanes + row.margin - step - 1
                                                           : at;
     const VF left = Mix(hn::LoadU(f, row.left + safe), hn::LoadU(f, row.left + safe + 1), share);
-    hn::StoreU(hn::Mul(hn::LoadU(f, row.ray + r), left), f, row.ray + r);
+    const VF ray = hn::Mul(hn::LoadU(f, row.ray + r), left);
+    hn::StoreU(hn::IfThenElseZero(hn::Ge(ray, faintest), ray), f, row.ray + r);
   }
   if (row.weight == 0.0F) return;
   const VF weight = hn::Set(f, row.weight);

@@ -126,11 +126,6 @@ struct ApertureRenderer::State {
         samples_per_shown(SamplesPerShownRow(probe, grid)),
         shown_rows(ShownRows(grid, samples_per_shown)),
         display(probe, shown_rows, options.display),
-        lattice_path({.grid = &grid,
-                      .index_from_ct = geometry.index_from_ct(),
-                      .lattice_from_index =
-                          SpeckleLatticeFromIndex(geometry, filter.grain_mm(), options.seed),
-                      .elevation_mm = {}}),
         haze(grid.lines(), kernels::RoundUp(grid.lines()), rows.step_mm, options.clutter_reach_mm,
              ClutterDb(options)) {
     MakePlanes();
@@ -169,8 +164,9 @@ struct ApertureRenderer::State {
     BeamPath::Frame frame;
     frame.grid = &rows;
     frame.index_from_ct = geometry.index_from_ct();
+    // The plane in the middle first: contact is judged there, and the speckle is its own.
+    frame.lattice_from_index = SpeckleLatticeFromIndex(geometry, filter.grain_mm(), options.seed);
     double sum = 0.0;
-    // The plane in the middle first: contact is judged there.
     for (int p = 0; p < options.elevation_planes; ++p) {
       const int from_middle = (p + 1) / 2 * (p % 2 == 1 ? -1 : 1);
       const double offset = 0.8 * from_middle;
@@ -180,6 +176,7 @@ struct ApertureRenderer::State {
             offset * acoustics::SigmaOfFwhm(acoustics::ElevationFwhmMm(probe, k * rows.step_mm)));
       }
       planes.push_back({.path = BeamPath(frame), .weight = std::exp(-0.5 * offset * offset)});
+      frame.lattice_from_index.reset();
       sum += planes.back().weight;
     }
     for (AperturePlane& plane : planes) plane.weight /= sum;
@@ -368,16 +365,16 @@ struct ApertureRenderer::State {
 
   void MakeSpeckleRow(int k, float* amplitude, float* after) {
     const int row = k / samples_per_row;
-    const float between =
-        static_cast<float>(k - row * samples_per_row) / static_cast<float>(samples_per_row);
-    kernels::LerpRow(speckle.row(row), speckle.row(row + 1), between, lanes, amplitude);
+    const float place = static_cast<float>(k) / static_cast<float>(samples_per_row);
+    kernels::LerpRow(speckle.row(row), speckle.row(row + 1), place - static_cast<float>(row), lanes,
+                     amplitude);
     if (options.mean_speckle) {
       std::fill_n(echoes.re.row(k), lanes, 0.0F);
       std::fill_n(echoes.im.row(k), lanes, 0.0F);
       return;
     }
-    const int piece = lattice_path.PieceAt(k);
-    kernels::SpeckleRow row_of_speckle{.lattice = lattice_path.Lattice(piece, 0),
+    const BeamPath& middle = planes.front().path;
+    kernels::SpeckleRow row_of_speckle{.lattice = middle.Lattice(middle.PieceAt(row), 0),
                                        .scatter = ones.data(),
                                        .decay = ones.data(),
                                        .energy = amplitude,
@@ -386,7 +383,7 @@ struct ApertureRenderer::State {
                                        .re = echoes.re.row(k),
                                        .im = echoes.im.row(k)};
     filter.look().Set(k, 0, row_of_speckle);
-    kernels::SpeckleEchoRow(row_of_speckle, static_cast<float>(k), lanes, false);
+    kernels::SpeckleEchoRow(row_of_speckle, place, lanes, false);
   }
 
   void AddMeanSpeckle(int k) {
@@ -446,7 +443,6 @@ struct ApertureRenderer::State {
   int samples_per_shown;
   acoustics::ScanGrid shown_rows;  ///< Of the image before scan conversion.
   BeamDisplay display;
-  BeamPath lattice_path;                   ///< Of the samples, in the middle plane.
   std::unique_ptr<Refraction> refraction;  ///< Null: straight rays.
   std::vector<AperturePlane> planes;
   std::vector<EchoList> lists;  ///< By block of lines.
@@ -481,7 +477,6 @@ void ApertureRenderer::State::TraceAndCompress(
     rest = refraction.get();
   }
   for (AperturePlane& plane : planes) plane.path.Set(ct_from_probe, rest);
-  lattice_path.Set(ct_from_probe, rest);
   const std::uint64_t pose_hash =
       HashOf(ct_from_probe) ^ std::bit_cast<std::uint64_t>(probe.steer_rad);
   ParallelFor(tracer.blocks(), num_threads, [this](int block) {

@@ -214,12 +214,27 @@ HWY_INLINE Noise Times(const Noise& a, const Noise& b) {
           hn::Add(hn::Mul(a.re, b.im), hn::Mul(a.im, b.re))};
 }
 
+/// Fainter amplitudes are none: shadows cost nothing, and stay out of the denormal numbers.
+constexpr float kFaintestSpeckle = 1e-12F;
+
 template <bool kAdd, bool kTurn>
 HWY_INLINE void SpeckleEcho(const SpeckleRow& row, float s, int lanes) {
   const F f;
   const VF sample = hn::Set(f, s);
   const VF gain = hn::Set(f, row.gain);
   for (int l = 0; l < lanes; l += Step()) {
+    const VF energy = hn::Load(f, row.energy + l);
+    const VF arriving = hn::Mul(hn::Mul(energy, gain), hn::Load(f, row.scatter + l));
+    const auto heard = hn::Ge(arriving, hn::Set(f, kFaintestSpeckle));
+    hn::Store(hn::Mul(energy, hn::Load(f, row.decay + l)), f, row.energy_after + l);
+    if (hn::AllFalse(f, heard)) {
+      if constexpr (!kAdd) {
+        hn::Store(hn::Zero(f), f, row.re + l);
+        hn::Store(hn::Zero(f), f, row.im + l);
+      }
+      continue;
+    }
+    const VF amplitude = hn::IfThenElseZero(heard, arriving);
     Noise noise = NoiseAt(Place(row.lattice, 0, sample, l), Place(row.lattice, 1, sample, l),
                           Place(row.lattice, 2, sample, l));
     if constexpr (kTurn) {
@@ -228,8 +243,6 @@ HWY_INLINE void SpeckleEcho(const SpeckleRow& row, float s, int lanes) {
       const Noise of_row{hn::Set(f, row.turn_of_row[0]), hn::Set(f, row.turn_of_row[1])};
       noise = Times(noise, Times(of_lane, of_row));
     }
-    const VF energy = hn::Load(f, row.energy + l);
-    const VF amplitude = hn::Mul(hn::Mul(energy, gain), hn::Load(f, row.scatter + l));
     VF re = hn::Mul(amplitude, noise.re);
     VF im = hn::Mul(amplitude, noise.im);
     if constexpr (kAdd) {
@@ -238,7 +251,6 @@ HWY_INLINE void SpeckleEcho(const SpeckleRow& row, float s, int lanes) {
     }
     hn::Store(re, f, row.re + l);
     hn::Store(im, f, row.im + l);
-    hn::Store(hn::Mul(energy, hn::Load(f, row.decay + l)), f, row.energy_after + l);
   }
 }
 

@@ -25,7 +25,9 @@ std::vector<int> Knots(int count, int step) {
 }  // namespace
 
 BeamPath::BeamPath(const Frame& frame)
-    : frame_(frame), lanes_(slicing::kernels::RoundUp(frame.grid->lines())) {
+    : frame_(frame),
+      lanes_(slicing::kernels::RoundUp(frame.grid->lines())),
+      sets_(frame.lattice_from_index ? 2 : 1) {
   const acoustics::ScanGrid& grid = *frame_.grid;
   for (int l = 0; l < lanes_; ++l) {
     const auto line = static_cast<std::size_t>(std::min(l, grid.lines() - 1));
@@ -71,7 +73,7 @@ void BeamPath::Lay(double spacing_mm) {
     piece_of_.push_back(p);
   }
   offset_.resize(knot_samples_.size() * knot_lines_.size());
-  lines_.Reserve((knot_samples_.size() - 1) * 12 * static_cast<std::size_t>(lanes_));
+  lines_.Reserve((knot_samples_.size() - 1) * static_cast<std::size_t>(FloatsPerPiece()));
 }
 
 slicing::kernels::Lines BeamPath::LinesAt(int set, int first) const {
@@ -95,7 +97,7 @@ void BeamPath::Set(const Eigen::Isometry3d& ct_from_probe, const slicing::RestMa
   if (straight_ && frame_.elevation_mm.empty()) {
     // The same pieces with and without a map that moves nothing.
     MakePiece(0, 0, 1);
-    const auto size = static_cast<std::size_t>(12 * lanes_);
+    const auto size = static_cast<std::size_t>(FloatsPerPiece());
     for (std::size_t p = 1; p + 1 < knot_samples_.size(); ++p) {
       std::copy_n(lines_.data(), size, lines_.data() + p * size);
     }
@@ -164,7 +166,7 @@ void BeamPath::MakePiece(int piece, int first_sample, int last_sample) {
   std::array<float*, 3> low{places_.data(), places_.data() + at, places_.data() + 2 * at};
   std::array<float*, 3> high{places_.data() + 3 * at, places_.data() + 4 * at,
                              places_.data() + 5 * at};
-  float* lines = lines_.data() + static_cast<std::ptrdiff_t>(piece) * 12 * at;
+  float* lines = lines_.data() + piece * FloatsPerPiece();
   if (straight_ && frame_.elevation_mm.empty()) {
     for (int a = 0; a < 3; ++a) {
       const Eigen::RowVector2d row = index_from_probe_.linear().block<1, 2>(a, 0);
@@ -195,7 +197,13 @@ void BeamPath::MakePiece(int piece, int first_sample, int last_sample) {
       }
     }
   }
-  const Eigen::Matrix3f turn = frame_.lattice_from_index.cast<float>();
+  if (frame_.lattice_from_index) TurnIntoLattice(piece);
+}
+
+void BeamPath::TurnIntoLattice(int piece) {
+  const auto at = static_cast<std::ptrdiff_t>(lanes_);
+  float* lines = lines_.data() + piece * FloatsPerPiece();
+  const Eigen::Matrix3f turn = frame_.lattice_from_index->cast<float>();
   for (std::ptrdiff_t part = 0; part < 2; ++part) {
     const float* i = lines + part * at;
     const float* j = i + 2 * at;

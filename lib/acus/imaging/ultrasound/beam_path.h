@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "acus/data/image/image.h"
@@ -19,7 +21,7 @@ class BeamPath {
   struct Frame {
     const acoustics::ScanGrid* grid = nullptr;
     Eigen::Affine3d index_from_ct = Eigen::Affine3d::Identity();
-    Eigen::Matrix3d lattice_from_index = Eigen::Matrix3d::Identity();
+    std::optional<Eigen::Matrix3d> lattice_from_index{};  ///< None: Lattice() is not used.
     /// Distance from the plane along the probe's z, by sample; empty: in the plane.
     std::vector<double> elevation_mm;
   };
@@ -36,9 +38,12 @@ class BeamPath {
     return n < piece_of_.size() ? piece_of_[n] : piece_of_.back();
   }
   /// From lane `first` on: place of sample k is start + k * step.
-  slicing::kernels::Lines Voxels(int piece, int first) const { return LinesAt(2 * piece, first); }
+  slicing::kernels::Lines Voxels(int piece, int first) const {
+    return LinesAt(sets_ * piece, first);
+  }
+  /// @pre the frame has a lattice.
   slicing::kernels::Lines Lattice(int piece, int first) const {
-    return LinesAt(2 * piece + 1, first);
+    return LinesAt(sets_ * piece + 1, first);
   }
 
  private:
@@ -47,9 +52,12 @@ class BeamPath {
   void AskAtKnots(const Eigen::Isometry3d& ct_from_probe, const slicing::RestMap* rest);
   void PlaceKnotRow(std::size_t row, std::array<float*, 3> place) const;
   void MakePiece(int piece, int first_sample, int last_sample);
+  void TurnIntoLattice(int piece);
+  std::ptrdiff_t FloatsPerPiece() const { return std::ptrdiff_t{6} * sets_ * lanes_; }
 
   Frame frame_;
   int lanes_;
+  int sets_;  ///< By piece: voxels, and the lattice if there is one.
   double laid_for_mm_ = -1.0;
   bool straight_ = true;
   Eigen::Affine3d index_from_probe_ = Eigen::Affine3d::Identity();

@@ -78,7 +78,7 @@ struct BeamRenderer::State {
     frame.grid = &grid;
     frame.index_from_ct = geometry().index_from_ct();
     frame.lattice_from_index = lattice_from_index;
-    materials.TurnFibres(frame.lattice_from_index * geometry().index_from_ct().linear(),
+    materials.TurnFibres(lattice_from_index * geometry().index_from_ct().linear(),
                          filter.grain_mm());
     double sum = 0.0;
     for (int p = 0; p < options.elevation_planes; ++p) {

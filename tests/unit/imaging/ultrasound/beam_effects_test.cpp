@@ -126,7 +126,6 @@ TEST(BeamEffects, LinesBendAtAFlatInterface) {
   acoustics::ScanGrid grid = acoustics::BeamGridOf(BeamEffectsTestProbe());
   const BeamPath::Frame frame{.grid = &grid,
                               .index_from_ct = labels.geometry.index_from_ct(),
-                              .lattice_from_index = Eigen::Matrix3d::Identity(),
                               .elevation_mm = {}};
   BeamPath path(frame);
   const double tilt = 20.0 * kDegree;
