@@ -5,17 +5,13 @@
 #include <functional>
 
 #include "acus/base/config/json_file.h"
-#include "acus/base/core/cpu_time.h"
 #include "acus/base/core/text_table.h"
-#include "acus/base/math/statistics.h"
-#include "benchmarks/image_scene.h"
+#include "benchmarks/image_errors.h"
 
 namespace acus::benchmarks {
 namespace {
 
 using image::GrayImage;
-
-constexpr double kDynamicRangeDb = 60.0;
 
 /// One way to make the image; what is not being swept is as Acus does it, or better.
 struct Setting {
@@ -25,55 +21,6 @@ struct Setting {
   int warp_iterations = 8;
   double warp_spacing_mm = 2.0;
 };
-
-acoustics::Probe ProbeOf(const Setting& setting) {
-  acoustics::Probe probe = acoustics::DefaultProbe();
-  probe.kind = acoustics::ProbeKind::kLinear;
-  probe.frequency_mhz = 7.5;
-  probe.width_mm = 40.0;
-  probe.depth_mm = 45.0;
-  probe.focus_mm = 28.0;
-  probe.scan_lines = setting.lines;
-  probe.samples_per_line = setting.samples;
-  probe.image_width_px = probe.image_height_px = 512;
-  probe.slice_thickness_mm = 3.0;
-  probe.pulse_length_mm = 0.5;
-  probe.beam_width_mm = 0.8;
-  probe.dynamic_range_db = kDynamicRangeDb;
-  probe.gain_db = 25.0;
-  probe.tgc_db_per_cm = 7.0;
-  return probe;
-}
-
-struct Image {
-  GrayImage image;
-  double median_us = 0.0;
-  double most_us = 0.0;
-};
-
-/// Means over squares of 16 pixels, some 1.5 mm: what is left when speckle is averaged.
-std::vector<double> LocalMeans(const GrayImage& image) {
-  constexpr int kSide = 16;
-  std::vector<double> means;
-  for (int r = 0; r + kSide <= image.height; r += kSide) {
-    for (int c = 0; c + kSide <= image.width; c += kSide) {
-      double sum = 0.0;
-      for (int n = 0; n < kSide * kSide; ++n) sum += image.At(c + n % kSide, r + n / kSide);
-      means.push_back(sum / (kSide * kSide));
-    }
-  }
-  return means;
-}
-
-template <typename Values>
-double RmsDifference(const Values& a, const Values& b) {
-  double sum = 0.0;
-  for (std::size_t n = 0; n < a.size(); ++n) {
-    const double off = static_cast<double>(a[n]) - static_cast<double>(b[n]);
-    sum += off * off;
-  }
-  return std::sqrt(sum / static_cast<double>(a.size()));
-}
 
 double Correlation(const GrayImage& a, const GrayImage& b) {
   double sa = 0.0, sb = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
@@ -120,28 +67,18 @@ class ImageSweeper {
 
  private:
   template <typename Renderer>
-  Image Rendered(Renderer& renderer, const Setting& setting) const {
-    Image out;
-    std::vector<double> times_us;
-    for (int n = 0; n < (quick_ ? 4 : 12); ++n) {
-      const PressedTissue rest(scene_.needle.tip_in_ct_mm, setting.warp_iterations,
-                               setting.warp_spacing_mm);
-      const double begin_s = ThreadCpuSeconds();
-      renderer.Render(scene_.ct_from_probe, scene_.needle, out.image, 1, &rest);
-      if (n > 0) times_us.push_back(1e6 * (ThreadCpuSeconds() - begin_s));
-    }
-    out.median_us = math::Median(times_us);
-    out.most_us = std::ranges::max(times_us);
-    return out;
+  TimedImage Rendered(Renderer& renderer, const Setting& setting) const {
+    return TimedRender(scene_, renderer, {setting.warp_iterations, setting.warp_spacing_mm},
+                       quick_ ? 4 : 12);
   }
 
-  Image Beams(const Setting& setting) const {
+  TimedImage Beams(const Setting& setting) const {
     ultrasound::BeamRenderer renderer({.labels = &scene_.labels, .acoustics = &scene_.acoustics},
-                                      ProbeOf(setting), setting.options);
+                                      ImageProbe(setting.lines, setting.samples), setting.options);
     return Rendered(renderer, setting);
   }
 
-  Row RowOf(const std::string& knob, const std::string& value, const Image& image) const {
+  Row RowOf(const std::string& knob, const std::string& value, const TimedImage& image) const {
     Row row;
     row.knob = knob;
     row.value = value;
@@ -149,18 +86,6 @@ class ImageSweeper {
     row.step_us_median = image.median_us;
     row.step_us_p999 = image.most_us;
     return row;
-  }
-
-  /// Two rows: pixel by pixel, and of local means, both in dB of the display.
-  /// @param change  What an effect does is no error: it has a unit of its own.
-  void Add(Row row, const GrayImage& image, const GrayImage& reference, bool change = false) {
-    constexpr double kDbPerGrey = kDynamicRangeDb / 255.0;
-    row.error = kDbPerGrey * RmsDifference(image.pixels, reference.pixels);
-    row.error_unit = change ? "dB of change, pixels" : "dB, pixels";
-    rows_.push_back(row);
-    row.error = kDbPerGrey * RmsDifference(LocalMeans(image), LocalMeans(reference));
-    row.error_unit = change ? "dB of change, means over 1.5 mm" : "dB, means over 1.5 mm";
-    rows_.push_back(std::move(row));
   }
 
   void Sweep(const std::string& knob, const std::vector<double>& values, double usual,
@@ -171,11 +96,11 @@ class ImageSweeper {
     const GrayImage reference = Beams(setting).image;
     for (const double value : values) {
       turn(setting, value);
-      const Image image = Beams(setting);
+      const TimedImage image = Beams(setting);
       Row row = RowOf(knob, RoundedText(value, 2), image);
       row.reference = "the same at " + RoundedText(most_expensive, 2);
       row.is_default = value == usual;
-      Add(std::move(row), image.image, reference);
+      AddImageErrors(std::move(row), image.image, reference, ImageChange::kError, rows_);
     }
   }
 
@@ -185,10 +110,10 @@ class ImageSweeper {
     const auto without = [&](const char* name, auto&& change) {
       Setting setting;
       change(setting.options);
-      const Image image = Beams(setting);
+      const TimedImage image = Beams(setting);
       Row row = RowOf("effect", name, image);
       row.reference = "all standard effects";
-      Add(std::move(row), image.image, reference, true);
+      AddImageErrors(std::move(row), image.image, reference, ImageChange::kEffect, rows_);
     };
     using Options = ultrasound::BeamOptions;
     without("no speckle", [](Options& o) { o.speckle = false; });
@@ -204,7 +129,7 @@ class ImageSweeper {
     without("with multiple reflections", [](Options& o) { o.multiple_reflections = true; });
   }
 
-  void AddLevel(const char* name, const Image& image, const GrayImage& reference, bool paper) {
+  void AddLevel(const char* name, const TimedImage& image, const GrayImage& reference, bool paper) {
     Row row = RowOf("model", name, image);
     row.model = name;
     row.error = 1.0 - Correlation(image.image, reference);
@@ -218,8 +143,8 @@ class ImageSweeper {
   void Models() {
     Setting most_expensive;
     most_expensive.options.elevation_planes = 9;
-    const Image all = Beams(most_expensive);
-    const acoustics::Probe probe = ProbeOf({});
+    const TimedImage all = Beams(most_expensive);
+    const acoustics::Probe probe = ImageProbe(Setting().lines, Setting().samples);
     ultrasound::VidalRenderer vidal(scene_.ct, probe, ultrasound::DefaultVidalOptions());
     AddLevel("vidal_2008", Rendered(vidal, {}), all.image, true);
     ultrasound::AlamillaRenderer alamilla(

@@ -1,6 +1,7 @@
 #include "benchmarks/sweep.h"
 
 #include "acus/base/core/error.h"
+#include "benchmarks/aperture_sweep.h"
 #include "benchmarks/breathing_sweep.h"
 #include "benchmarks/forces_sweep.h"
 #include "benchmarks/image_sweep.h"
@@ -13,9 +14,9 @@
 namespace acus::benchmarks {
 
 const std::vector<Sweep>& Sweeps() {
-  static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep(),      ForcesSweep(),
-                                            ImageSweep(),  BreathingSweep(),   ProbeSweep(),
-                                            ViewsSweep(),  RegistrationSweep()};
+  static const std::vector<Sweep> sweeps = {TissueSweep(), NeedleSweep(),   ForcesSweep(),
+                                            ImageSweep(),  ApertureSweep(), BreathingSweep(),
+                                            ProbeSweep(),  ViewsSweep(),    RegistrationSweep()};
   return sweeps;
 }
 

@@ -170,10 +170,10 @@ struct AperturePreset {
   int n = 0;
 };
 
-// Measured 1.8 to 2.3: 256 lines of 2048 samples in three planes.
-TEST(ImageSpeed, TheAperturePresetTakesThreeSlices) {
+// Measured 1.0 with vectors of 16 numbers, 1.4 of 8: 256 lines of 2048 samples in three planes.
+TEST(ImageSpeed, TheAperturePresetTakesTwoSlices) {
   AperturePreset preset;
-  ExpectShareAtMost(3.0, [&](const Eigen::Isometry3d& pose, int num_threads) {
+  ExpectShareAtMost(2.4, [&](const Eigen::Isometry3d& pose, int num_threads) {
     preset.Render(pose, num_threads);
   });
   EXPECT_GT(testing_support::MeanGrey(preset.image), 5.0);

@@ -66,7 +66,21 @@ void BeamBend::Lay(const acoustics::ScanGrid& grid, double spacing_mm) {
   const double line_mm = grid.lines() > 1 ? grid.LateralSpacingMm(grid.samples / 2) : spacing_mm;
   across_.Spread(grid.lines(), StepOf(spacing_mm, line_mm), kernels::RoundUp(grid.lines()));
   along_.Spread(grid.samples, StepOf(spacing_mm, grid.step_mm), grid.samples);
-  for (auto& offset : offset_) offset.resize(across_.knot.size() * along_.knot.size());
+  lanes_ = kernels::RoundUp(grid.lines());
+  for (auto& at_knot : at_knot_) at_knot.resize(across_.knot.size());
+  for (auto& offset : offset_) {
+    offset.Reserve(static_cast<std::size_t>(lanes_) * along_.knot.size());
+  }
+}
+
+void BeamBend::SpreadKnots(std::size_t row) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    kernels::SpreadRow({.knot = across_.knot.data(),
+                        .cells = static_cast<int>(across_.knot.size()) - 1,
+                        .weight = across_.weight.data(),
+                        .offset = at_knot_[a].data()},
+                       lanes_, offset_[a].data() + row * static_cast<std::size_t>(lanes_));
+  }
 }
 
 void BeamBend::Set(const acoustics::ScanGrid& grid, const Eigen::Isometry3d& ct_from_probe,
@@ -74,8 +88,9 @@ void BeamBend::Set(const acoustics::ScanGrid& grid, const Eigen::Isometry3d& ct_
   active_ = false;
   if (rest == nullptr) return;
   if (laid_for_mm_ != rest->SpacingMm()) Lay(grid, rest->SpacingMm());
-  std::size_t n = 0;
+  std::size_t row = 0;
   for (const int k : along_.knot) {
+    std::size_t n = 0;
     Eigen::Vector3d moved_mm = Eigen::Vector3d::Zero();  // From the place to its rest.
     for (const int line : across_.knot) {
       const auto l = static_cast<std::size_t>(std::min(line, grid.lines() - 1));
@@ -86,11 +101,12 @@ void BeamBend::Set(const acoustics::ScanGrid& grid, const Eigen::Isometry3d& ct_
       moved_mm = rest->RestInCtMm(place_mm, place_mm + moved_mm) - place_mm;
       const Eigen::Vector3d offset = index_from_ct.linear() * moved_mm;
       for (std::size_t a = 0; a < 3; ++a) {
-        offset_[a][n] = static_cast<float>(offset[static_cast<Eigen::Index>(a)]);
+        at_knot_[a][n] = static_cast<float>(offset[static_cast<Eigen::Index>(a)]);
       }
       active_ = active_ || !offset.isZero(0.0);
       ++n;
     }
+    SpreadKnots(row++);
   }
 }
 
@@ -104,21 +120,16 @@ kernels::Lines BeamBend::PlaceRow(const BeamLines& lines, int k, int first, int 
   sample = static_cast<float>(k);
   if (!active_) return placed;
 
-  const auto columns = across_.knot.size();
   const auto at = static_cast<std::size_t>(k);
-  const std::size_t above = static_cast<std::size_t>(along_.cell[at]) * columns;
+  const std::ptrdiff_t above = std::ptrdiff_t{along_.cell[at]} * lanes_ + first;
   for (std::size_t a = 0; a < 3; ++a) {
-    const float* top = offset_[a].data() + above;
-    kernels::BendRow({.start = lines.start[a].data(),
-                      .step = lines.step[a].data(),
+    kernels::BendRow({.start = placed.start[a],
+                      .step = placed.step[a],
                       .sample = sample,
-                      .knot = across_.knot.data(),
-                      .cells = static_cast<int>(columns) - 1,
-                      .weight = across_.weight.data(),
-                      .above = top,
-                      .below = top + columns,
+                      .above = offset_[a].data() + above,
+                      .below = offset_[a].data() + above + lanes_,
                       .down = along_.weight[at]},
-                     across_.cell[static_cast<std::size_t>(first)], first, count, row.place[a]);
+                     count, row.place[a]);
     placed.start[a] = row.place[a];
     placed.step[a] = kNoStep.data();
   }

@@ -67,12 +67,15 @@ class BeamBend {
     void Spread(int count, int step, int rounded_count);
   };
   void Lay(const acoustics::ScanGrid& grid, double spacing_mm);
+  void SpreadKnots(std::size_t row);
 
   bool active_ = false;
   double laid_for_mm_ = 0.0;
-  Axis across_;                   ///< Lines.
-  Axis along_;                    ///< Samples.
-  std::vector<float> offset_[3];  ///< By sample knot, then line knot, in voxels.
+  int lanes_ = 0;
+  Axis across_;                     ///< Lines.
+  Axis along_;                      ///< Samples.
+  std::vector<float> at_knot_[3];   ///< Offsets of one row of knots, in voxels.
+  image::AlignedFloats offset_[3];  ///< By sample knot, then lane, in voxels.
 };
 
 }  // namespace acus::slicing

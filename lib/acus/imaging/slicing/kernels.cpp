@@ -78,28 +78,32 @@ void SampleRow(const Voxels& voxels, const Lines& lines, float s, int lanes, flo
   }
 }
 
-void BendRow(const BentRow& row, int cell, int first, int count, float* out) {
+void SpreadRow(const KnotRow& row, int lanes, float* out) {
+  const F f;
+  const int step = static_cast<int>(hn::Lanes(f));
+  for (int l = 0, c = 0; l < lanes; ++c) {
+    const float left = row.offset[c];
+    const float change = row.offset[c + 1] - left;
+    const int end = c + 1 < row.cells ? row.knot[c + 1] : lanes;
+    // What a vector writes beyond the cell is written again by the next one.
+    for (; l < end && l + step <= lanes; l += step) {
+      const VF weight = hn::LoadU(f, row.weight + l);
+      hn::StoreU(hn::Add(hn::Set(f, left), hn::Mul(weight, hn::Set(f, change))), f, out + l);
+    }
+    for (; l < end; ++l) out[l] = left + row.weight[l] * change;
+    l = end;
+  }
+}
+
+void BendRow(const BentRow& row, int lanes, float* out) {
   const F f;
   const VF sample = hn::Set(f, row.sample);
-  const int lanes = static_cast<int>(hn::Lanes(f));
-  const int last = first + count;
-  for (int l = first, c = cell; l < last; ++c) {
-    const float left = row.above[c] + row.down * (row.below[c] - row.above[c]);
-    const float right = row.above[c + 1] + row.down * (row.below[c + 1] - row.above[c + 1]);
-    const float change = right - left;
-    const int end = c + 1 < row.cells ? std::min(row.knot[c + 1], last) : last;
-    // What a vector writes beyond the cell is written again by the next one.
-    for (; l < end && l + lanes <= last; l += lanes) {
-      const VF straight =
-          hn::Add(hn::LoadU(f, row.start + l), hn::Mul(sample, hn::LoadU(f, row.step + l)));
-      const VF offset =
-          hn::Add(hn::Set(f, left), hn::Mul(hn::LoadU(f, row.weight + l), hn::Set(f, change)));
-      hn::StoreU(hn::Add(straight, offset), f, out + (l - first));
-    }
-    for (; l < end; ++l) {
-      out[l - first] = row.start[l] + row.sample * row.step[l] + (left + row.weight[l] * change);
-    }
-    l = end;
+  const VF down = hn::Set(f, row.down);
+  for (int l = 0; l < lanes; l += static_cast<int>(hn::Lanes(f))) {
+    const VF straight =
+        hn::Add(hn::Load(f, row.start + l), hn::Mul(sample, hn::Load(f, row.step + l)));
+    const VF offset = Lerp(hn::Load(f, row.above + l), hn::Load(f, row.below + l), down);
+    hn::Store(hn::Add(straight, offset), f, out + l);
   }
 }
 
@@ -270,6 +274,7 @@ HWY_AFTER_NAMESPACE();
 namespace acus::slicing::kernels {
 
 HWY_EXPORT(SampleRow);
+HWY_EXPORT(SpreadRow);
 HWY_EXPORT(BendRow);
 HWY_EXPORT(CurveRow);
 HWY_EXPORT(ReflectRow);
@@ -286,8 +291,11 @@ HWY_EXPORT(InterpolateRow);
 void SampleRow(const Voxels& voxels, const Lines& lines, float s, int lanes, float* out) {
   HWY_DYNAMIC_DISPATCH(SampleRow)(voxels, lines, s, lanes, out);
 }
-void BendRow(const BentRow& row, int cell, int first, int count, float* out) {
-  HWY_DYNAMIC_DISPATCH(BendRow)(row, cell, first, count, out);
+void SpreadRow(const KnotRow& row, int lanes, float* out) {
+  HWY_DYNAMIC_DISPATCH(SpreadRow)(row, lanes, out);
+}
+void BendRow(const BentRow& row, int lanes, float* out) {
+  HWY_DYNAMIC_DISPATCH(BendRow)(row, lanes, out);
 }
 void CurveRow(const Curve& curve, const float* hu, int lanes, float* out) {
   HWY_DYNAMIC_DISPATCH(CurveRow)(curve, hu, lanes, out);

@@ -150,7 +150,7 @@ AcousticVolume::AcousticVolume(const BeamTissue& tissue, const BeamMaterials& pe
   const VoxelReader reader(tissue, per_mm, gains);
   const volume::Geometry& geometry = reader.geometry();
   FindBox(reader, first_, size_);
-  spacing_mm_ = geometry.spacing_mm;
+  per_spacing_mm_ = geometry.spacing_mm.inverse().cast<float>();
 
   // Bone and gas lose far more than a code can hold; what they lose beyond is `strong`
   // (AddLossRow).
@@ -238,20 +238,21 @@ AcousticVolume::Around AcousticVolume::AroundOf(const Eigen::Array3i& voxel) con
   return around;
 }
 
-Eigen::Vector3d AcousticVolume::DifferenceAt(const Around& around,
+Eigen::Vector3f AcousticVolume::DifferenceAt(const Around& around,
                                              const Eigen::Array3i& place) const {
-  const auto zeta = [&](const Eigen::Array3i& n) {
-    const std::uint32_t packed = packed_[static_cast<std::size_t>(
-        around.at[0][n[0]] + around.at[1][n[1]] + around.at[2][n[2]])];
-    return view_.zeta_first + view_.zeta_unit * static_cast<float>(packed >> 20);
+  const std::array<int, 3> at = {around.at[0][place[0]], around.at[1][place[1]],
+                                 around.at[2][place[2]]};
+  const auto code = [&](int voxel) {
+    return static_cast<int>(packed_[static_cast<std::size_t>(voxel)] >> 20);
   };
-  Eigen::Vector3d difference;
-  for (int a = 0; a < 3; ++a) {
-    Eigen::Array3i low = place;
-    Eigen::Array3i high = place;
-    low[a] -= 1;
-    high[a] += 1;
-    difference[a] = double{zeta(high) - zeta(low)} / spacing_mm_[a];
+  const int all = at[0] + at[1] + at[2];
+  Eigen::Vector3f difference;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto axis = static_cast<Eigen::Index>(a);
+    const int others = all - at[a];
+    const int change =
+        code(others + around.at[a][place[axis] + 1]) - code(others + around.at[a][place[axis] - 1]);
+    difference[axis] = static_cast<float>(change) * per_spacing_mm_[axis];
   }
   return difference;
 }
@@ -260,20 +261,19 @@ Eigen::Vector3d AcousticVolume::NormalAt(const Eigen::Vector3d& index) const {
   const Eigen::Array3i voxel = (index.array() + 0.5).floor().cast<int>();
   const Around around = AroundOf(voxel);
   const Eigen::Array3i middle = Eigen::Array3i::Constant(Around::kPlaces / 2);
-  const Eigen::Vector3d here = DifferenceAt(around, middle);
-  Eigen::Vector3d sum = here;
+  const Eigen::Vector3f here = DifferenceAt(around, middle);
+  Eigen::Vector3f sum = here;
   // Around, along the surface, the stairs of labels have other phases; off it the slope is small.
   for (int a = 0; a < 3; ++a) {
     for (const int step : {-2, 2}) {
       Eigen::Array3i beside = middle;
       beside[a] += step;
-      const Eigen::Vector3d there = DifferenceAt(around, beside);
+      const Eigen::Vector3f there = DifferenceAt(around, beside);
       // The far side of a thin layer slopes the other way.
-      if (there.dot(here) > 0.0) sum += there;
+      if (there.dot(here) > 0.0F) sum += there;
     }
   }
-  const double length = sum.norm();
-  return length > 0.0 ? Eigen::Vector3d(sum / length) : Eigen::Vector3d::Zero();
+  return sum.cast<double>().normalized();
 }
 
 }  // namespace acus::ultrasound

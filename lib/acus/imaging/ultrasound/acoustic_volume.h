@@ -40,14 +40,14 @@ class AcousticVolume {
     int at[3][kPlaces];
   };
   Around AroundOf(const Eigen::Array3i& voxel) const;
-  /// Of zeta over four voxels along each axis, at a place of `around`.
-  Eigen::Vector3d DifferenceAt(const Around& around, const Eigen::Array3i& place) const;
+  /// Of zeta's codes over four voxels along each axis, per spacing, at a place of `around`.
+  Eigen::Vector3f DifferenceAt(const Around& around, const Eigen::Array3i& place) const;
 
   std::vector<std::uint32_t> packed_;
   kernels::AcousticVoxels view_{};
   Eigen::Array3i first_;  ///< Of the box, in voxels of the grid.
   Eigen::Array3i size_;   ///< Of the box.
-  Eigen::Array3d spacing_mm_;
+  Eigen::Array3f per_spacing_mm_;
 };
 
 }  // namespace acus::ultrasound

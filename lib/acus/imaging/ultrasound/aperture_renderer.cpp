@@ -31,7 +31,7 @@ namespace {
 /// Rows of one piece of work.
 constexpr int kRowsPerPieceOfImage = 32;
 constexpr float kFaintestEcho = 1e-6F;
-constexpr std::size_t kEchoesPerLine = 512;
+constexpr std::size_t kEchoesPerLine = 512;  ///< In each plane.
 /// Reflections from which a surface is one of bone or gas.
 constexpr float kStrong = 0.3F;
 /// Numbers of the receiver's noise that are drawn once, and read from a random place for each row.
@@ -156,7 +156,8 @@ struct ApertureRenderer::State {
     std::fill_n(ones.data(), lanes, 1.0F);
     lists.resize(static_cast<std::size_t>(tracer.blocks()));
     for (EchoList& list : lists) {
-      list.Reserve(kEchoesPerLine * static_cast<std::size_t>(ApertureTracer::kLanesPerBlock));
+      list.Reserve(kEchoesPerLine * static_cast<std::size_t>(ApertureTracer::kLanesPerBlock) *
+                   planes.size());
     }
   }
 
@@ -331,11 +332,12 @@ struct ApertureRenderer::State {
     list.Clear();
     if (options.clutter) Clear(bright, block);
     if (lobes != nullptr) Clear(strong, block);
+    // The list takes no more than it holds: first what must not be lost.
+    AddNeedle(block, list);
+    if (options.ring_down) AddRingDown(block, list);
     for (const ApertureTracer::Crossing& crossing : tracer.crossings(block)) {
       AddSurface(crossing, list);
     }
-    AddNeedle(block, list);
-    if (options.ring_down) AddRingDown(block, list);
   }
 
   /// Amplitude of the speckle at each row of tissue, with the haze of the echoes around.

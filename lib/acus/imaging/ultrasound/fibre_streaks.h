@@ -18,9 +18,10 @@ namespace acus::ultrasound {
 double FibreIntensity(double cosine);
 
 /// Changes the scatterers of labelled tissues with fibres: by FibreIntensity, and by sheets of
-/// perimysium along the fibres. Each fascicle is about 2 mm wide and some centimetres long; sheets
-/// send back 10 dB more than what they enclose, where the beam is across them (estimates). The mean
-/// intensity of tissue across the beam does not change.
+/// perimysium along the fibres. Each fascicle is about 2 mm wide and some centimetres long; a sheet
+/// that faces the beam sends back 30 dB more than what it encloses, one that is turned by 30
+/// degrees 22 dB (chosen on recorded frames of a leg). The mean of tissue across the beam, in dB,
+/// does not change.
 class FibreStreaks {
  public:
   /// Reads the labels once; keeps one byte per voxel. @pre tissue has labels.
@@ -37,7 +38,12 @@ class FibreStreaks {
     Eigen::Matrix3f cells_from_index;  ///< Fascicles: across, across, along.
     Eigen::Vector3f along;             ///< Unit, mm along the voxel axes.
   };
-  float SheetAt(const Eigen::Vector3f& cell) const;
+  /// Noise whose middle level is a sheet, and its slope from cell to cell.
+  struct Sheet {
+    float noise;
+    Eigen::Vector3f slope;
+  };
+  Sheet SheetAt(const Eigen::Vector3f& cell) const;
 
   std::uint32_t seed_;
   std::vector<Fibre> fibres_;

@@ -105,9 +105,8 @@ Refraction::Refraction(SpeedVolume speed, const volume::Geometry& geometry,
       line_(fan_ ? probe.field_of_view_rad / std::max(1, rows.lines() - 1)
                  : rows.LateralSpacingMm(0)),
       columns_(RasterColumns(rows, geometry)),
-      raster_path_({.grid = &columns_,
-                    .index_from_ct = geometry.index_from_ct(),
-                    .elevation_mm = {}}),
+      raster_path_(
+          {.grid = &columns_, .index_from_ct = geometry.index_from_ct(), .elevation_mm = {}}),
       raster_first_mm_(columns_.start_mm.front().cast<float>()),
       raster_mm_(static_cast<float>(columns_.step_mm)),
       raster_x_(columns_.lines()),

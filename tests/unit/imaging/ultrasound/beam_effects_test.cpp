@@ -124,9 +124,8 @@ TEST(BeamEffects, LinesBendAtAFlatInterface) {
   const acoustics::TissueAcousticsTable table = Table();
   const volume::LabelMap labels = Layers({{10.0, "fat"}, {60.0, "muscle"}});
   acoustics::ScanGrid grid = acoustics::BeamGridOf(BeamEffectsTestProbe());
-  const BeamPath::Frame frame{.grid = &grid,
-                              .index_from_ct = labels.geometry.index_from_ct(),
-                              .elevation_mm = {}};
+  const BeamPath::Frame frame{
+      .grid = &grid, .index_from_ct = labels.geometry.index_from_ct(), .elevation_mm = {}};
   BeamPath path(frame);
   const double tilt = 20.0 * kDegree;
   path.Set(kPose * Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitZ()), nullptr);
