@@ -77,6 +77,23 @@ TEST(ImageSpeed, TheSliceIsThatOfVtk) {
   }
 }
 
+// The bare slice and that of moved tissue, with a needle. Measured 0.13 and 0.16 with vectors of 16
+// numbers.
+TEST(ImageSpeed, OurSliceTakesAThirdOfTheirsAndHalfInMovedTissue) {
+  slicing::CtSliceRenderer slice(Ct(), acoustics::ImageOf(FullLinearProbe()), 3.0);
+  image::GrayImage image;
+  ExpectShareAtMost(0.33, [&](const Eigen::Isometry3d& pose, int num_threads) {
+    slice.Render(pose, NeedleInPlane(pose), image, num_threads);
+  });
+  int n = 0;
+  ExpectShareAtMost(0.5, [&](const Eigen::Isometry3d& pose, int num_threads) {
+    const image::NeedleInImage needle = NeedleInPlane(pose);
+    const testing_support::BreathingAndNeedle rest(n++, needle.tip_in_ct_mm);
+    slice.Render(pose, needle, image, num_threads, &rest);
+  });
+  EXPECT_GT(testing_support::MeanGrey(image), 5.0);
+}
+
 // Measured 0.29 to 0.35 of the wall time, 0.24 to 0.33 of the CPU time.
 TEST(ImageSpeed, The2010ModelTakesFourTenthsOfASlice) {
   BModeRenderer renderer(Ct(), FullLinearProbe(), DefaultBModeOptions());

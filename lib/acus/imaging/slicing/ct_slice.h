@@ -37,6 +37,8 @@ class CtSliceRenderer {
   const image::ImageGeometry& image() const { return image_; }
 
  private:
+  void ShowRow(int r, image::GrayImage& out) const;
+
   CtSampler sampler_;
   image::ImageGeometry image_;
   double slice_thickness_mm_;
