@@ -9,7 +9,7 @@ acus_add_cli_case(acus-fit.folder EXIT 0 BEFORE "${fit_inputs}"
   CREATES fit/fit.json fit/recording_over_time.svg
   COMMAND acus-fit recording -o fit)
 acus_add_cli_case(acus-fit.table EXIT 0 BEFORE "${fit_inputs}"
-  STDOUT "\"source\": \"acus-fit" "\"cutting_n\": 0\\.[67]"
+  STDOUT "\"source\": \"acus-fit" "\"cutting_n\": 0\\.[67]" "\"share\": 0\\.[0-9]+"
   COMMAND bash -c "acus-fit a.csv recording --tissue liver -o fit >/dev/null && cat fit/forces.json")
 acus_add_cli_case(acus-fit.same_bits EXIT 0 BEFORE "${fit_inputs}"
   COMMAND bash -c "acus-fit a.csv --threads 1 -o one >/dev/null && acus-fit a.csv --threads 2 -o two >/dev/null && cmp one/fit.json two/fit.json && cmp one/fit.svg two/fit.svg")

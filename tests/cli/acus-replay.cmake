@@ -28,6 +28,16 @@ acus_add_cli_case(acus-replay.preset_of_measured_forces EXIT 0 NEEDS inputs
   STDOUT "largest axial force: [1-9]" "punctures: [1-9]" CREATES r/forces.csv
   COMMAND acus-replay scenarios/liver_biopsy_measured.json $INPUTS/session ${patient} -o r
           --set /effects/ultrasound=null --set /effects/ct_slice=null)
+acus_add_cli_case(acus-replay.preset_of_viscoelastic_forces EXIT 0 NEEDS inputs
+  STDOUT "largest axial force: [1-9]" "punctures: [1-9]" CREATES r/forces.csv
+  COMMAND acus-replay scenarios/liver_biopsy_viscoelastic.json $INPUTS/session ${patient} -o r
+          --set /effects/ultrasound=null --set /effects/ct_slice=null)
+acus_add_cli_case(acus-replay.a_fitted_table EXIT 0 NEEDS inputs
+  BEFORE "bash ${CMAKE_CURRENT_LIST_DIR}/fit_inputs.sh\n$ACUS_BIN/acus-fit a.csv recording --tissue liver -o fit >/dev/null"
+  STDOUT "largest axial force: [1-9]" CREATES r/forces.csv
+  COMMAND acus-replay scenarios/liver_biopsy_viscoelastic.json $INPUTS/session ${patient} -o r
+          --set /effects/needle_force/table=fit/forces.json
+          --set /effects/ultrasound=null --set /effects/ct_slice=null)
 acus_add_cli_case(acus-replay.explain_sleep EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "^needle force +force +needle, tissue, needle preset, force table"
          "needle force: needle outside the tissue in [0-9.]+ % of the steps"

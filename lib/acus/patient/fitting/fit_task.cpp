@@ -9,6 +9,7 @@
 #include "acus/data/volume/labels.h"
 #include "acus/patient/fitting/fit_models.h"
 #include "acus/patient/fitting/fit_report.h"
+#include "acus/patient/fitting/fitted_relaxation.h"
 #include "acus/patient/fitting/measured_fit.h"
 #include "acus/patient/fitting/tension_fit.h"
 
@@ -133,7 +134,10 @@ std::string RunFits(const FitTask& task, RunContext& context) {
   if (!task.tissue.empty()) {
     const auto base = config::ReadJson(config::FindConfig("forces/default.json", "."));
     WriteIfAny(folder.path() / "forces.json", document, context, [&] {
-      return TableWithFittedTissue(base, task.tissue, punctures, task.diameter_mm);
+      std::vector<const ForceCurve*> curves;
+      for (const FittedCurve& fit : fits) curves.push_back(&fit.curve);
+      const auto relaxation = RelaxationRow(FitHold(HoldCurve::MeanOf(curves, punctures)));
+      return TableWithFittedTissue(base, task.tissue, punctures, relaxation, task.diameter_mm);
     });
   }
   config::WriteJson(folder.path() / "fit.json", document);
