@@ -116,6 +116,7 @@ ForceTable ForceTableFromJson(json document, const std::string& label) {
   table.vidal = VidalFromJson(document.at("vidal"), label + ": /vidal");
   table.multi_proxy = MultiProxyFromJson(document.at("multi_proxy"), label + ": /multi_proxy");
   table.hu_tissues = HuTissuesFromJson(document.at("hu_tissues"), label + ": /hu_tissues");
+  table.hu_springs = HuSpringsFromJson(document.at("hu_springs"), label + ": /hu_springs");
   table.friction_time = FrictionTimeFrom(document.at("friction_time"));
   const json& rows = document.at("tissues");
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -158,6 +159,7 @@ ForceTable ForceTable::ScaledTo(double outer_diameter_mm) const {
     row.friction_n_per_mm *= ratio;
     row.withdrawal_friction_n_per_mm *= ratio;
   }
+  scaled.hu_springs.Scale(ratio);
   scaled.vidal.resistance_n_s_per_mm = vidal.resistance_n_s_per_mm * ratio;
   scaled.vidal.withdrawal_n_s_per_mm *= ratio;
   scaled.vidal.skin_n_per_mm *= ratio;

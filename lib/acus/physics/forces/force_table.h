@@ -10,6 +10,7 @@
 
 #include "acus/data/volume/labels.h"
 #include "acus/physics/forces/force_laws.h"
+#include "acus/physics/forces/hu_springs.h"
 #include "acus/physics/forces/model_settings.h"
 #include "acus/physics/forces/skin_nick.h"
 #include "acus/physics/forces/tissue_time.h"
@@ -62,6 +63,7 @@ struct ForceTable {
   VidalSettings vidal;
   MultiProxySettings multi_proxy;
   HuTissues hu_tissues;
+  HuSprings hu_springs;
   FrictionTime friction_time;
   SkinNick nick;                               ///< Not of the file: of the scene.
   std::bitset<256> named;                      ///< Labels that the file has a row for.
