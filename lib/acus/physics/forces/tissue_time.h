@@ -23,7 +23,6 @@ struct TissueTime {
   double friction_rate = 0.0;  ///< Share by which friction grows with each factor e of speed, >= 0.
   double friction_dwell = 0.0;  ///< The same with each factor e of rest, >= 0.
 
-  bool IsNone() const noexcept { return *this == TissueTime{}; }
   bool operator==(const TissueTime&) const = default;
 };
 
