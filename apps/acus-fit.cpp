@@ -19,13 +19,15 @@ int main(int argc, char** argv) {
                  "Folder to make: fit.json, measured.json (for needle_force.model measured), plots")
       ->required();
   CLI::Option* models =
-      app.add_option("--models", task.models,
-                     "What to fit beside the puncture, joined by commas; hyperelastic, alone, is "
-                     "for tension tests (CSV with the dimensions in the first line)")
+      app.add_option(
+             "--models", task.models,
+             "What to fit beside the puncture, joined by commas; hyperelastic, alone, is "
+             "for tension tests (CSV with the dimensions in the first line), and so is indentation "
+             "for indentations (CSV: time_s,force_n,indentation_mm,tool_gap_mm)")
           ->delimiter(',')
           ->allow_extra_args(false)
-          ->check(CLI::IsMember(
-              {"gaussians", "mechanical", "lugre", "hu-table", "hyperelastic", "all", "none"}))
+          ->check(CLI::IsMember({"gaussians", "mechanical", "lugre", "hu-table", "hyperelastic",
+                                 "indentation", "all", "none"}))
           ->capture_default_str();
   CLI::Option* tissue = app.add_option("--tissue", task.tissue,
                                        "Also write a force table with this tissue's fitted row");
@@ -34,7 +36,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--predict", task.predict,
                  "Fit nothing: predict the curves from this fit of four recordings or more (its "
-                 "folder, or its measured.json), with bounds for 95 % of the samples")
+                 "folder, or its measured.json), with bounds for 95 % of the samples; "
+                 "indentations with the shape that those of the fit share")
       ->check(CLI::ExistingPath)
       ->excludes(models)
       ->excludes(tissue);

@@ -9,7 +9,7 @@ acus_add_cli_case(acus-fit.folder EXIT 0 BEFORE "${fit_inputs}"
   CREATES fit/fit.json fit/recording_over_time.svg
   COMMAND acus-fit recording -o fit)
 acus_add_cli_case(acus-fit.table EXIT 0 BEFORE "${fit_inputs}"
-  STDOUT "\"source\": \"acus-fit" "\"cutting_n\": 0\\.[67]"
+  STDOUT "\"source\": \"acus-fit" "\"cutting_n\": 0\\.[67]" "\"share\": 0\\.[0-9]+"
   COMMAND bash -c "acus-fit a.csv recording --tissue liver -o fit >/dev/null && cat fit/forces.json")
 acus_add_cli_case(acus-fit.same_bits EXIT 0 BEFORE "${fit_inputs}"
   COMMAND bash -c "acus-fit a.csv --threads 1 -o one >/dev/null && acus-fit a.csv --threads 2 -o two >/dev/null && cmp one/fit.json two/fit.json && cmp one/fit.svg two/fit.svg")
@@ -63,6 +63,22 @@ acus_add_cli_case(acus-fit.hyperelastic_without_dimensions EXIT 3 LEAVES_NOTHING
 acus_add_cli_case(acus-fit.hyperelastic_and_another EXIT 3 LEAVES_NOTHING BEFORE "${tension_input}"
   STDERR "hyperelastic is for tension tests.*give it alone"
   COMMAND acus-fit strip.csv --models hyperelastic,gaussians -o fit)
+set(indentation_input "bash ${CMAKE_CURRENT_LIST_DIR}/indentation_input.sh")
+acus_add_cli_case(acus-fit.indentation EXIT 0 BEFORE "${indentation_input}"
+  STDOUT "^a +(neo_hookean|yeoh|fung) +0\\.[01][0-9]+ " CREATES fit/fit.json fit/b_indentation.svg
+  COMMAND acus-fit a.csv b.csv --models indentation -o fit)
+acus_add_cli_case(acus-fit.indentation_predicts_another EXIT 0
+  BEFORE "${indentation_input}\n$ACUS_BIN/acus-fit a.csv b.csv --models indentation -o fit >/dev/null"
+  STDOUT "^c +(neo_hookean|yeoh|fung) +0\\.[0-9]+ .* [0-2]\\.[0-9]+ +[0-2]\\.[0-9]+"
+  CREATES prediction/prediction.json prediction/c_indentation.svg
+  COMMAND acus-fit c.csv --predict fit -o prediction)
+acus_add_cli_case(acus-fit.indentation_with_other_columns EXIT 3 LEAVES_NOTHING
+  BEFORE "${indentation_input}\nsed -i '1s/indentation_mm/depth_mm/' a.csv"
+  STDERR "a.csv:1: is 'time_s,force_n,depth_mm.*the columns must be time_s,force_n,indentation_mm"
+  COMMAND acus-fit a.csv --models indentation -o fit)
+acus_add_cli_case(acus-fit.indentation_and_tissue EXIT 3 LEAVES_NOTHING BEFORE "${indentation_input}"
+  STDERR "indentation is for indentations.*give it alone"
+  COMMAND acus-fit a.csv --models indentation --tissue liver -o fit)
 acus_add_cli_case(acus-fit.missing_file EXIT 2 LEAVES_NOTHING
   STDERR "none.csv" COMMAND acus-fit none.csv -o fit)
 acus_add_cli_case(acus-fit.wrong_diameter EXIT 2 LEAVES_NOTHING BEFORE "${fit_inputs}"

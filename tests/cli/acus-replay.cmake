@@ -28,6 +28,28 @@ acus_add_cli_case(acus-replay.preset_of_measured_forces EXIT 0 NEEDS inputs
   STDOUT "largest axial force: [1-9]" "punctures: [1-9]" CREATES r/forces.csv
   COMMAND acus-replay scenarios/liver_biopsy_measured.json $INPUTS/session ${patient} -o r
           --set /effects/ultrasound=null --set /effects/ct_slice=null)
+acus_add_cli_case(acus-replay.preset_of_viscoelastic_forces EXIT 0 NEEDS inputs
+  STDOUT "largest axial force: [1-9]" "punctures: [1-9]" CREATES r/forces.csv
+  COMMAND acus-replay scenarios/liver_biopsy_viscoelastic.json $INPUTS/session ${patient} -o r
+          --set /effects/ultrasound=null --set /effects/ct_slice=null)
+acus_add_cli_case(acus-replay.a_fitted_table EXIT 0 NEEDS inputs
+  BEFORE "bash ${CMAKE_CURRENT_LIST_DIR}/fit_inputs.sh\n$ACUS_BIN/acus-fit a.csv recording --tissue liver -o fit >/dev/null"
+  STDOUT "largest axial force: [1-9]" CREATES r/forces.csv
+  COMMAND acus-replay scenarios/liver_biopsy_viscoelastic.json $INPUTS/session ${patient} -o r
+          --set /effects/needle_force/table=fit/forces.json
+          --set /effects/ultrasound=null --set /effects/ct_slice=null)
+# A CT without labels: springs by HU, from the preset, and why not with another model.
+acus_add_cli_case(acus-replay.springs_by_hu EXIT 0 NEEDS inputs
+  STDOUT "largest axial force: 0\\.[1-9]|largest axial force: [1-9]"
+  STDERR "warning: there is no label map: the springs' tissues are identified by the CT's HU"
+  CREATES r/forces.csv
+  COMMAND acus-replay scenarios/fortmeier_2016_hu.json $INPUTS/session --ct $INPUTS/ct.nrrd
+          --transform $INPUTS/ct_from_reference.tfm -o r --set /effects/ct_slice=null)
+acus_add_cli_case(acus-replay.springs_by_hu_of_a_wrong_row EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "sed 's/\"hu\": 80/\"hu\": 30/' \"${CMAKE_SOURCE_DIR}/configs/forces/fortmeier_hu.json\" > wrong.json"
+  STDERR "wrong.json: /hu_springs/3/hu: is 30; it must be above the row before, 40"
+  COMMAND acus-replay scenarios/fortmeier_2016_hu.json $INPUTS/session --ct $INPUTS/ct.nrrd
+          --transform $INPUTS/ct_from_reference.tfm -o r --set /effects/tissue/table=wrong.json)
 acus_add_cli_case(acus-replay.explain_sleep EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "^needle force +force +needle, tissue, needle preset, force table"
          "needle force: needle outside the tissue in [0-9.]+ % of the steps"

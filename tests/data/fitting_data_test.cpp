@@ -5,10 +5,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "acus/base/config/json_file.h"
 #include "acus/base/math/statistics.h"
 #include "acus/patient/fitting/fit_models.h"
+#include "acus/patient/fitting/fit_report.h"
+#include "acus/patient/fitting/fitted_relaxation.h"
 #include "acus/patient/fitting/measured_fit.h"
 #include "acus/physics/forces/measured_model.h"
+#include "acus/physics/forces/needle_force.h"
 #include "support/shared_data.h"
 
 namespace acus::fitting {
@@ -276,6 +280,96 @@ TEST(HumanLiver, AllModelsMeetTheirNumbers) {
   TheMeasuredModelReplaysEveryRecording();
   NothingIsBelowItsBound();
   PrintTable();
+}
+
+/// A recording's own depths through a force table, liver from the start, without the offset.
+std::vector<double> LayeredReplay(const forces::ForceTable& table, const FittedCurve& f) {
+  const forces::NeedleForceModel model(
+      table, {.name = "18G", .gauge = 18, .length_mm = 150.0, .beam = {.outer_diameter_mm = 1.27}});
+  forces::NeedleForceState state;
+  const volume::Label liver = volume::LabelOf("liver");
+  std::vector<double> force;
+  for (std::size_t i = f.puncture.phases.advance.begin; i < f.puncture.phases.retract.end; ++i) {
+    const double depth_mm = std::max(0.0, f.curve.depth_mm[i]);
+    force.push_back(
+        model
+            .Step(state,
+                  {f.curve.time_s[i], {0, 0, depth_mm}, Eigen::Vector3d::UnitZ(), liver, true})
+            .AxialN());
+  }
+  return force;
+}
+
+/// Mean force while the needle has rested for so long, recorded or replayed.
+struct HoldForce {
+  const FittedCurve& f;
+  const std::vector<double>& replay;
+
+  double At(double from_s, double to_s, bool is_replayed) const {
+    const CurvePhases& phases = f.puncture.phases;
+    std::vector<double> force;
+    for (std::size_t i = phases.hold.begin; i < phases.retract.begin; ++i) {
+      const double rested_s = f.curve.time_s[i] - f.curve.time_s[phases.hold.begin];
+      if (rested_s < from_s || rested_s >= to_s) continue;
+      force.push_back(is_replayed ? replay[i - phases.advance.begin]
+                                  : f.curve.force_n[i] - f.puncture.offset_n->value);
+    }
+    return math::Mean(force);
+  }
+};
+
+/// The largest difference of what is left of the force that the hold begins with, at 1 to 50 s.
+double WorstLeft(const forces::ForceTable& table, const FittedCurve& f) {
+  const std::vector<double> replay = LayeredReplay(table, f);
+  const HoldForce hold{f, replay};
+  double worst = 0.0;
+  std::printf("  %-7s recorded, replayed:", f.curve.name.c_str());
+  for (const auto& [from_s, to_s] :
+       {std::pair{0.0, 0.1}, {0.9, 1.1}, {4.5, 5.5}, {18.0, 22.0}, {48.0, 52.0}}) {
+    const double recorded_n = hold.At(from_s, to_s, false);
+    const double replayed_n = hold.At(from_s, to_s, true);
+    std::printf(" %.2f %.2f N,", recorded_n, replayed_n);
+    worst = std::max(worst, std::abs(recorded_n / hold.At(0.0, 0.1, false) -
+                                     replayed_n / hold.At(0.0, 0.1, true)));
+  }
+  std::printf(" largest difference of the shares %.2f\n", worst);
+  return worst;
+}
+
+// Fitted to ten recordings and written as a table; the other ten are replayed through it.
+TEST(HumanLiver, AFittedTableFallsInAHoldAsOtherRecordingsDo) {
+  const auto folders = Recordings();
+  if (folders.empty()) GTEST_SKIP() << "test data forces/human_liver is not here";
+  std::vector<FittedCurve> fitted;
+  std::vector<FittedCurve> others;
+  std::vector<PunctureCurveFit> punctures;
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    const bool is_other = i % 10 < 5;  // Data0 to 8 and Data20 to 28.
+    FittedCurve f =
+        FitModelsTo(ReadForceCurve(folders[i]), {.gaussians = false, .mechanical = false});
+    if (!is_other) punctures.push_back(f.puncture);
+    (is_other ? others : fitted).push_back(std::move(f));
+  }
+  const fs::path base = fs::path(ACUS_SOURCE_DIR) / "configs/forces/default.json";
+  std::vector<const ForceCurve*> curves;
+  for (const FittedCurve& f : fitted) curves.push_back(&f.curve);
+  const nlohmann::json relaxation = RelaxationRow(FitHold(HoldCurve::MeanOf(curves, punctures)));
+  const nlohmann::json document =
+      TableWithFittedTissue(config::ReadJson(base), "liver", punctures, relaxation, 1.27);
+  forces::ForceTable table = forces::ForceTableFromJson(document, "fitted");
+  forces::TissueForce& liver = table.tissue[volume::LabelOf("liver")];
+  liver.membrane = {};  // The recordings begin inside.
+  for (int k = 0; k < liver.time.relaxation.num_terms; ++k) {
+    std::printf("  relaxation: %.3f with %.3f s\n", liver.time.relaxation.share[k],
+                liver.time.relaxation.time_s[k]);
+  }
+  std::printf(" fitted\n");
+  for (const FittedCurve& f : fitted) WorstLeft(table, f);
+  std::printf(" held apart\n");
+  std::vector<double> worst;
+  for (const FittedCurve& f : others) worst.push_back(WorstLeft(table, f));
+  EXPECT_LT(math::Median(worst), 0.15);
+  EXPECT_LT(*std::ranges::max_element(worst), 0.25);
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ TEST(ForcesClosedLoop, NoShippedModelGeneratesEnergy) {
   const HardCase hard(
       "Encoder steps and a late force, a hand at random for a minute, three times.");
   const LayeredBodyField body = Abdomen();
-  for (const char* table : {"default.json", "alamilla.json", "vidal.json"}) {
+  for (const char* table : {"default.json", "viscoelastic.json", "alamilla.json", "vidal.json"}) {
     std::printf(" %s\n", table);
     const NeedleForceModel layered(ShippedTable(table), Trocar18G());
     const AlamillaModel alamilla(ShippedTable(table), Trocar18G());

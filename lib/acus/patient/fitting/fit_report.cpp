@@ -167,7 +167,8 @@ std::string FitTable(std::span<const PunctureCurveFit> fits) {
 }
 
 json TableWithFittedTissue(json base, const std::string& tissue,
-                           std::span<const PunctureCurveFit> fits, double measured_diameter_mm) {
+                           std::span<const PunctureCurveFit> fits, const json& relaxation,
+                           double measured_diameter_mm) {
   const double ratio = base.value("reference_diameter_mm", 1.27) / measured_diameter_mm;
   const double out_n_per_mm = MedianOf(fits, &PunctureCurveFit::friction_n_per_mm, "friction");
   // Behind the puncture the force grows with the buried shaft: its slope is the friction on the way
@@ -178,7 +179,8 @@ json TableWithFittedTissue(json base, const std::string& tissue,
   json row = {{"tissue", tissue},
               {"cutting_n", ratio * MedianCuttingN(fits, in_n_per_mm)},
               {"friction_n_per_mm", ratio * in_n_per_mm},
-              {"withdrawal_friction_n_per_mm", ratio * std::max(0.0, out_n_per_mm)}};
+              {"withdrawal_friction_n_per_mm", ratio * std::max(0.0, out_n_per_mm)},
+              {"relaxation", relaxation}};
   row["source"] = Message("acus-fit: medians of ", fits.size(), " recordings, needle of ",
                           measured_diameter_mm, " mm");
   json& rows = base.at("tissues");
@@ -188,7 +190,9 @@ json TableWithFittedTissue(json base, const std::string& tissue,
   if (known == rows.end()) {
     rows.push_back(row);
   } else {
-    if (known->contains("no_membrane_from")) row["no_membrane_from"] = (*known)["no_membrane_from"];
+    for (const char* key : {"no_membrane_from", "friction_rate", "friction_dwell"}) {
+      if (known->contains(key)) row[key] = (*known)[key];
+    }
     *known = row;
   }
   try {

@@ -23,11 +23,13 @@ std::string FitTable(std::span<const PunctureCurveFit> fits);
 /// of the usable fits, scaled from the needle that was measured to the table's reference needle.
 ///   cutting = plateau - friction x shaft in the tissue at the puncture, not below 0.
 /// a1, a2 and puncture_n are the capsule's: from recordings in which the needle comes in from
-/// outside (is_entry); without one they stay what they were in `base`.
+/// outside (is_entry); without one they stay what they were in `base`, as friction_rate and
+/// friction_dwell do.
+/// @param relaxation  array of the row, see fitted_relaxation.h.
 /// @throws NoAnswerError if no fit has the plateau or none the friction, or these are not a row
 ///     that a table may have.
 nlohmann::json TableWithFittedTissue(nlohmann::json base, const std::string& tissue,
                                      std::span<const PunctureCurveFit> fits,
-                                     double measured_diameter_mm);
+                                     const nlohmann::json& relaxation, double measured_diameter_mm);
 
 }  // namespace acus::fitting

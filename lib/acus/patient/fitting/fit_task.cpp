@@ -9,6 +9,8 @@
 #include "acus/data/volume/labels.h"
 #include "acus/patient/fitting/fit_models.h"
 #include "acus/patient/fitting/fit_report.h"
+#include "acus/patient/fitting/fitted_relaxation.h"
+#include "acus/patient/fitting/indentation_fit.h"
 #include "acus/patient/fitting/measured_fit.h"
 #include "acus/patient/fitting/tension_fit.h"
 
@@ -133,7 +135,10 @@ std::string RunFits(const FitTask& task, RunContext& context) {
   if (!task.tissue.empty()) {
     const auto base = config::ReadJson(config::FindConfig("forces/default.json", "."));
     WriteIfAny(folder.path() / "forces.json", document, context, [&] {
-      return TableWithFittedTissue(base, task.tissue, punctures, task.diameter_mm);
+      std::vector<const ForceCurve*> curves;
+      for (const FittedCurve& fit : fits) curves.push_back(&fit.curve);
+      const auto relaxation = RelaxationRow(FitHold(HoldCurve::MeanOf(curves, punctures)));
+      return TableWithFittedTissue(base, task.tissue, punctures, relaxation, task.diameter_mm);
     });
   }
   config::WriteJson(folder.path() / "fit.json", document);
@@ -176,12 +181,72 @@ std::string RunTensions(const FitTask& task, RunContext& context) {
   return TensionTable(tests, fits);
 }
 
+/// Reads, fits and draws every specimen. @param fit_one  an IndentationFit of a test.
+template <typename FitOne>
+std::string RunIndentationTests(const FitTask& task, RunContext& context, const FitOne& fit_one,
+                                bool is_shared) {
+  AtomicFolder folder(task.output, context.overwrite);
+  std::vector<IndentationTest> tests;
+  std::vector<IndentationFit> fits;
+  std::vector<std::string> names;
+  nlohmann::json specimens = nlohmann::json::array();
+  for (std::size_t i = 0; i < task.inputs.size(); ++i) {
+    Advance("fitting", i, task, context);
+    const IndentationTest& test = tests.emplace_back(ReadIndentationTest(task.inputs[i]));
+    ACUS_REQUIRE(std::ranges::find(names, test.name) == names.end(), task.inputs[i].string(),
+                 ": another specimen is named '", test.name, "' too; rename one");
+    names.push_back(test.name);
+    const IndentationFit& fit = fits.emplace_back(fit_one(test));
+    specimens.push_back(IndentationJson(test, fit));
+    report::WriteSvg(folder.path() / (test.name + "_indentation.svg"), IndentationPlot(test, fit));
+    if (!fit.converged) {
+      context.Warn(Message(task.inputs[i].string(), ": no answer: ", fit.message));
+    }
+  }
+  if (!std::ranges::any_of(fits, &IndentationFit::converged)) {
+    throw NoAnswerError("no law has an answer for any specimen, nothing is written: " +
+                        fits.front().message);
+  }
+  nlohmann::json document = {{"specimens", specimens}};
+  if (is_shared) document["shared"] = ShapeJson(FitSharedShape(tests, fits));
+  config::WriteJson(folder.path() / (is_shared ? "fit.json" : "prediction.json"), document);
+  config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
+  folder.Commit();
+  return IndentationTable(tests, fits);
+}
+
+std::string RunIndentations(const FitTask& task, RunContext& context) {
+  ACUS_REQUIRE(task.models.size() == 1 && task.tissue.empty(),
+               "--models indentation is for indentations, not for recordings of a needle; give it "
+               "alone, without --tissue");
+  return RunIndentationTests(task, context, FitIndentation, true);
+}
+
+/// The shared shape of a saved fit of indentations; empty for fits of needles.
+std::optional<IndentationShape> SavedShape(const fs::path& fit, RunContext& context) {
+  const fs::path file = fs::is_directory(fit) ? fit / "fit.json" : fit;
+  if (fs::exists(fit / "measured.json") || !fs::exists(file)) return {};
+  const nlohmann::json document = config::ReadJson(file);
+  if (!document.contains("shared")) return {};
+  context.provenance.AddInput(file);
+  return ShapeFromJson(document["shared"], file.string());
+}
+
 }  // namespace
 
 std::string RunFit(const FitTask& task, RunContext& context) {
-  if (!task.predict.empty()) return RunPrediction(task, context);
-  const bool is_tension = std::ranges::find(task.models, "hyperelastic") != task.models.end();
-  return is_tension ? RunTensions(task, context) : RunFits(task, context);
+  if (!task.predict.empty()) {
+    const auto shape = SavedShape(task.predict, context);
+    if (!shape) return RunPrediction(task, context);
+    return RunIndentationTests(
+        task, context, [&](const IndentationTest& test) { return FitWithShape(test, *shape); },
+        false);
+  }
+  const auto asks_for = [&](const char* model) {
+    return std::ranges::find(task.models, model) != task.models.end();
+  };
+  if (asks_for("hyperelastic")) return RunTensions(task, context);
+  return asks_for("indentation") ? RunIndentations(task, context) : RunFits(task, context);
 }
 
 }  // namespace acus::fitting

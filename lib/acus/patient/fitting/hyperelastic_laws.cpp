@@ -50,11 +50,23 @@ std::span<const char* const> ParametersOf(HyperelasticLaw law) noexcept {
   return {};
 }
 
-double NominalStressMpa(HyperelasticLaw law, std::span<const double> parameters,
-                        double stretch) noexcept {
-  if (!(stretch > 1.0)) return 0.0;
+namespace {
+
+double StressMpa(HyperelasticLaw law, std::span<const double> parameters, double stretch) noexcept {
   const double invariant = stretch * stretch + 2.0 / stretch;
   return 2.0 * (stretch - 1.0 / (stretch * stretch)) * Slope(law, parameters, invariant - 3.0);
+}
+
+}  // namespace
+
+double NominalStressMpa(HyperelasticLaw law, std::span<const double> parameters,
+                        double stretch) noexcept {
+  return stretch > 1.0 ? StressMpa(law, parameters, stretch) : 0.0;
+}
+
+double CompressiveStressMpa(HyperelasticLaw law, std::span<const double> parameters,
+                            double stretch) noexcept {
+  return stretch < 1.0 ? -StressMpa(law, parameters, stretch) : 0.0;
 }
 
 }  // namespace acus::fitting

@@ -1,4 +1,5 @@
-// Incompressible hyperelastic laws in uniaxial tension: nominal stress by stretch, closed forms.
+// Incompressible hyperelastic laws in uniaxial tension and compression: nominal stress by stretch,
+// closed forms.
 #pragma once
 
 #include <span>
@@ -26,5 +27,9 @@ std::span<const char* const> ParametersOf(HyperelasticLaw law) noexcept;
 /// result is finite.
 double NominalStressMpa(HyperelasticLaw law, std::span<const double> parameters,
                         double stretch) noexcept;
+
+/// The same in compression, as a pressure > 0; 0 from a stretch of 1 on. @param stretch  > 0.
+double CompressiveStressMpa(HyperelasticLaw law, std::span<const double> parameters,
+                            double stretch) noexcept;
 
 }  // namespace acus::fitting

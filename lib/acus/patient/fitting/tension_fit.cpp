@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -10,6 +9,7 @@
 #include "acus/base/core/error.h"
 #include "acus/base/core/text_table.h"
 #include "acus/base/math/statistics.h"
+#include "acus/patient/fitting/csv_number.h"
 #include "acus/patient/fitting/series_fit.h"
 
 namespace acus::fitting {
@@ -24,17 +24,6 @@ constexpr double kYieldedShare = 1.0 / 3.0;  // Of the largest slope: no law her
 constexpr double kTornShare = 0.05;          // Of the largest force: a fall by so much is failure.
 constexpr double kLargestMpa = 1e3;
 constexpr double kLargestExponentRate = 1e3;
-
-double NumberAt(const std::string& cell, const std::string& where, const char* what) {
-  char* end = nullptr;
-  const double value = std::strtod(cell.c_str(), &end);
-  const bool is_number =
-      end != cell.c_str() &&
-      cell.find_first_not_of(" \r\t", static_cast<std::size_t>(end - cell.c_str())) == cell.npos;
-  ACUS_REQUIRE(is_number && std::isfinite(value) && std::abs(value) < 1e6, where, ": ", what,
-               " is '", cell, "'; a finite number is needed");
-  return value;
-}
 
 double DimensionIn(const std::string& line, const char* key, const std::string& where) {
   const std::string text = std::string(key) + "=";

@@ -87,12 +87,8 @@ void AlamillaModel::AlongThePath(AlamillaState& state, const NeedleMotion& motio
                                             table_.tissue[state.held_by].cutting_n);
     state.channel_mm = std::max(state.channel_mm, state.depth_mm);
   }
-  const PressedMembrane membrane = ActiveMembrane(table_, state);
-  if (membrane.law != nullptr) {
-    // The larger of the two acts: the tip leaves the tissue before only when it presses harder.
-    const double pressed_n = membrane.law->ForceN(state.depth_mm - membrane.at_mm);
-    out.puncture_n = std::max(0.0, pressed_n - std::max(0.0, out.cutting_n));
-  }
+  // The larger of the two acts: the tip leaves the tissue before only when it presses harder.
+  out.puncture_n = std::max(0.0, PressedN(table_, state) - std::max(0.0, out.cutting_n));
   const HardContactSettings& knock = table_.alamilla.hard_contact;
   if (step.event == NeedleEvent::kBoneContact) {
     const double impact_mm_per_s =

@@ -1,5 +1,6 @@
 #include "acus/physics/forces/force_table.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "acus/base/config/json_file.h"
@@ -9,6 +10,56 @@ namespace acus::forces {
 namespace {
 
 using nlohmann::json;
+
+constexpr double kMostRelaxed = 0.95;
+constexpr double kLeastFriction = 0.1;
+
+ForceRelaxation RelaxationFrom(const json& terms, const std::string& where) {
+  ForceRelaxation relaxation;
+  for (const json& term : terms) {  // Their number is the schema's.
+    relaxation.share[relaxation.num_terms] = term.at("share");
+    relaxation.time_s[relaxation.num_terms] = term.at("time_s");
+    ++relaxation.num_terms;
+  }
+  const double sum = 1.0 - relaxation.ElasticShare();
+  ACUS_REQUIRE(sum <= kMostRelaxed, where, "/relaxation: the shares sum to ", sum,
+               "; allowed: up to ", kMostRelaxed, ", since tissue that holds nothing is a fluid");
+  return relaxation;
+}
+
+FrictionTime FrictionTimeFrom(const json& block) {
+  return {.reference_mm_per_s = block.at("reference_mm_per_s"),
+          .least_mm_per_s = block.at("least_mm_per_s"),
+          .least_dwell_s = block.at("least_dwell_s"),
+          .slip_mm = block.at("slip_mm")};
+}
+
+/// What is left of friction at the least speed, on a contact of no age.
+void RequireFriction(const TissueTime& time, const FrictionTime& settings,
+                     const std::string& where) {
+  const double least = 1.0 + time.friction_rate * settings.RateLog(0.0) +
+                       time.friction_dwell * settings.DwellLog(0.0);
+  ACUS_REQUIRE(least >= kLeastFriction, where, ": friction_rate ", time.friction_rate,
+               " and friction_dwell ", time.friction_dwell, " leave ", least,
+               " of the friction at the least speed without any rest; allowed: at least ",
+               kLeastFriction, "; lower them or raise least_mm_per_s or least_dwell_s");
+}
+
+/// The different times of the rows.
+void CollectTimes(ForceTable& table, const std::string& label) {
+  for (std::size_t i = 1; i < table.tissue.size(); ++i) {
+    const TissueTime& time = table.tissue[i].time;
+    const auto end = table.times.begin() + table.num_times;
+    const auto known = std::find(table.times.begin(), end, time);
+    table.time_of[i] = static_cast<std::uint8_t>(known - table.times.begin());
+    if (known != end) continue;
+    ACUS_REQUIRE(table.num_times < ForceTable::kMostTimes, label, ": /tissues: have more than ",
+                 ForceTable::kMostTimes - 1,
+                 " different combinations of relaxation, friction_rate and friction_dwell; give "
+                 "similar tissues the same");
+    table.times[static_cast<std::size_t>(table.num_times++)] = time;
+  }
+}
 
 TissueForce Tissue(const json& row, const std::string& where) {
   TissueForce tissue;
@@ -22,6 +73,9 @@ TissueForce Tissue(const json& row, const std::string& where) {
   tissue.cutting_a2_n_per_mm2 = row.at("cutting_a2_n_per_mm2");
   tissue.shaft_n_per_mm2 = row.at("shaft_n_per_mm2");
   tissue.impenetrable = row.at("impenetrable");
+  tissue.time = {.relaxation = RelaxationFrom(row.at("relaxation"), where),
+                 .friction_rate = row.at("friction_rate"),
+                 .friction_dwell = row.at("friction_dwell")};
   for (const json& name : row.at("no_membrane_from")) {
     tissue.no_membrane_from.set(TissueLabelAt(name, where + "/no_membrane_from"));
   }
@@ -62,6 +116,8 @@ ForceTable ForceTableFromJson(json document, const std::string& label) {
   table.vidal = VidalFromJson(document.at("vidal"), label + ": /vidal");
   table.multi_proxy = MultiProxyFromJson(document.at("multi_proxy"), label + ": /multi_proxy");
   table.hu_tissues = HuTissuesFromJson(document.at("hu_tissues"), label + ": /hu_tissues");
+  table.hu_springs = HuSpringsFromJson(document.at("hu_springs"), label + ": /hu_springs");
+  table.friction_time = FrictionTimeFrom(document.at("friction_time"));
   const json& rows = document.at("tissues");
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::string where = Message(label, ": /tissues/", i);
@@ -70,6 +126,7 @@ ForceTable ForceTableFromJson(json document, const std::string& label) {
     ACUS_REQUIRE(!table.named.test(tissue), where, "/tissue: ", rows[i].at("tissue").dump(),
                  " has a row already; remove one of the two");
     table.tissue[tissue] = Tissue(rows[i], where);
+    RequireFriction(table.tissue[tissue].time, table.friction_time, where);
     table.named.set(tissue);
   }
   const volume::Label fallback = volume::LabelOf("soft_tissue");
@@ -79,6 +136,7 @@ ForceTable ForceTableFromJson(json document, const std::string& label) {
   for (std::size_t i = 1; i < table.tissue.size(); ++i) {
     if (!table.named.test(i)) table.tissue[i] = table.tissue[fallback];
   }
+  CollectTimes(table, label);
   return table;
 }
 
@@ -101,6 +159,7 @@ ForceTable ForceTable::ScaledTo(double outer_diameter_mm) const {
     row.friction_n_per_mm *= ratio;
     row.withdrawal_friction_n_per_mm *= ratio;
   }
+  scaled.hu_springs.Scale(ratio);
   scaled.vidal.resistance_n_s_per_mm = vidal.resistance_n_s_per_mm * ratio;
   scaled.vidal.withdrawal_n_s_per_mm *= ratio;
   scaled.vidal.skin_n_per_mm *= ratio;

@@ -3,14 +3,17 @@
 
 #include <array>
 #include <bitset>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "acus/data/volume/labels.h"
 #include "acus/physics/forces/force_laws.h"
+#include "acus/physics/forces/hu_springs.h"
 #include "acus/physics/forces/model_settings.h"
 #include "acus/physics/forces/skin_nick.h"
+#include "acus/physics/forces/tissue_time.h"
 #include "acus/physics/needle/needle_preset.h"
 
 namespace acus::forces {
@@ -29,6 +32,7 @@ struct TissueForce {
   double cutting_a2_n_per_mm2 = 0.0;
   double shaft_n_per_mm2 = 0.0;       ///< k per mm of the springs along a shaft; 0: by elasticity.
   bool impenetrable = false;          ///< Bone: the tip stops at the surface.
+  TissueTime time;                    ///< Models layered and alamilla: see needle_forces.md.
   std::bitset<256> no_membrane_from;  ///< Labels from which this tissue is entered without one.
 };
 
@@ -49,6 +53,8 @@ struct ForceSettings {
 /// Forces by label. Labels that the file does not name behave as its "soft_tissue"; label 0
 /// ("outside") is free space.
 struct ForceTable {
+  static constexpr int kMostTimes = 16;
+
   std::string description;
   double reference_diameter_mm = 1.0;  ///< Outer diameter of the needle that the rows are for.
   ForceSettings settings;
@@ -57,8 +63,16 @@ struct ForceTable {
   VidalSettings vidal;
   MultiProxySettings multi_proxy;
   HuTissues hu_tissues;
-  SkinNick nick;           ///< Not of the file: of the scene.
-  std::bitset<256> named;  ///< Labels that the file has a row for.
+  HuSprings hu_springs;
+  FrictionTime friction_time;
+  SkinNick nick;                               ///< Not of the file: of the scene.
+  std::bitset<256> named;                      ///< Labels that the file has a row for.
+  std::array<TissueTime, kMostTimes> times{};  ///< The different ones of the rows; first: none.
+  int num_times = 1;
+  std::array<std::uint8_t, 256> time_of{};  ///< Of `times`, by label.
+
+  /// True if any tissue's force depends on time.
+  bool HasTime() const noexcept { return num_times > 1; }
 
   /// True if a tip that comes from one tissue meets a membrane where the other begins.
   bool HasMembrane(volume::Label from, volume::Label to) const noexcept {

@@ -27,7 +27,10 @@ double LateralStiffnessNPerMm(const NeedleProperties& needle, const ForceSetting
 
 NeedleForceModel::NeedleForceModel(const ForceTable& table, const NeedleProperties& needle,
                                    GuidanceKind guidance)
-    : table_(table.ScaledTo(needle.beam.outer_diameter_mm)), needle_(needle), guidance_(guidance) {}
+    : table_(table.ScaledTo(needle.beam.outer_diameter_mm)),
+      needle_(needle),
+      guidance_(guidance),
+      shaft_(table_) {}
 
 NeedleForce NeedleForceModel::Step(NeedleForceState& state,
                                    const NeedleInput& input) const noexcept {
@@ -41,7 +44,11 @@ NeedleForce NeedleForceModel::Step(NeedleForceState& state,
   if (touched) {
     TouchSkin(table_, state, motion);
     state.wall = {};
+    state.walls_of = 0;
+    state.walls_n = 0.0;
+    state.crept_wall_mm.fill(0.0);
     state.bristle = {};
+    state.shaft = {};
     state.redirecting = false;
     state.guide = {};
   }
@@ -69,13 +76,20 @@ NeedleForce NeedleForceModel::InBody(NeedleForceState& state, const NeedleMotion
     // before.
     const double cutting_n = std::min(table_.tissue[state.cut_tissue].cutting_n, step.punctured_n);
     state.wall.wall_mm = state.depth_mm - cutting_n / table_.settings.cutting_stiffness_n_per_mm;
+    state.crept_wall_mm.fill(state.wall.wall_mm);
+    state.walls_of = state.cut_tissue;
   }
   if (step.was_pierced) {
-    state.bristle.Slide(state.depth_mm - step.previous_mm, table_.settings.friction_buildup_mm);
+    const double travel_mm = state.depth_mm - step.previous_mm;
+    if (table_.HasTime()) {
+      shaft_.Slide(state.shaft, travel_mm, motion.dt_s);
+    } else {
+      state.bristle.Slide(travel_mm, table_.settings.friction_buildup_mm);
+    }
   }
   // Guidance that knows where the needle may turn does so itself.
   if (guidance_ == GuidanceKind::kOwn || guidance_ == GuidanceKind::kNone) Redirect(state, motion);
-  TipForces(state, out);
+  TipForces(state, {step.previous_mm, state.depth_mm, motion.dt_s}, out);
   Finish(state, motion, step.was_pierced, out);
   return out;
 }
@@ -128,29 +142,54 @@ void NeedleForceModel::Redirect(NeedleForceState& state,
     state.channel_mm = std::max(0.0, depth_mm);
     state.cut_tissue = state.path.LastTissue();
     state.wall.wall_mm = depth_mm;
+    state.crept_wall_mm.fill(depth_mm);
     state.pressing = state.has_candidate = false;
   }
 }
 
-void NeedleForceModel::TipForces(NeedleForceState& state, NeedleForce& out) const noexcept {
+void NeedleForceModel::TipForces(NeedleForceState& state, const TipMove& move,
+                                 NeedleForce& out) const noexcept {
   const PressedMembrane membrane = ActiveMembrane(table_, state);
   double buried_mm = state.depth_mm;
-  if (membrane.law != nullptr) buried_mm = std::min(buried_mm, membrane.at_mm);
+  if (membrane.tissue != 0) buried_mm = std::min(buried_mm, membrane.at_mm);
   if (state.pierced) {
     state.channel_mm = std::max(state.channel_mm, buried_mm);
-    out.cutting_n = state.wall.Advance(state.depth_mm, table_.tissue[state.cut_tissue].cutting_n,
-                                       table_.settings.cutting_stiffness_n_per_mm);
-    const double shaft_mm = std::min(buried_mm, needle_.length_mm);
-    const double share = state.bristle.Slide(0.0, table_.settings.friction_buildup_mm);
-    // Each sign has its own spring of bristles, and both begin at 0: no energy comes of it.
-    out.friction_n = share * (share < 0.0 ? state.path.WithdrawalFrictionN(shaft_mm)
-                                          : state.path.FrictionN(shaft_mm));
+    out.cutting_n = CuttingN(state, move);
+    out.friction_n = FrictionN(state, std::min(buried_mm, needle_.length_mm));
   }
-  if (membrane.law != nullptr) {
-    // The larger of the two acts: the tip leaves the tissue before only when it presses harder.
-    const double pressed_n = membrane.law->ForceN(state.depth_mm - membrane.at_mm);
-    out.puncture_n = std::max(0.0, pressed_n - out.cutting_n);
+  // The larger of the two acts: the tip leaves the tissue before only when it presses harder.
+  out.puncture_n = std::max(0.0, PressedN(table_, state) - out.cutting_n);
+}
+
+double NeedleForceModel::CuttingN(NeedleForceState& state, const TipMove& move) const noexcept {
+  const TissueForce& tissue = table_.tissue[state.cut_tissue];
+  const double stiffness = table_.settings.cutting_stiffness_n_per_mm;
+  if (!table_.HasTime()) return state.wall.Advance(state.depth_mm, tissue.cutting_n, stiffness);
+  if (state.walls_of != state.cut_tissue) {
+    // Springs of the same mean length hold the same force and store no more.
+    const double length_mm = state.walls_n / stiffness;
+    if (length_mm > 0.0) state.wall.wall_mm = move.from_mm - length_mm;
+    state.crept_wall_mm.fill(state.wall.wall_mm);
+    state.walls_of = state.cut_tissue;
   }
+  const ForceRelaxation& relaxation = tissue.time.relaxation;
+  const double home_mm = state.wall.wall_mm;
+  const double elastic_n = state.wall.Advance(move.to_mm, tissue.cutting_n, stiffness);
+  state.walls_n = relaxation.ElasticShare() * elastic_n;
+  for (int k = 0; k < relaxation.num_terms; ++k) {
+    TrackingWall crept{CreptMm(state.crept_wall_mm[k], move, home_mm, relaxation.time_s[k])};
+    state.walls_n += relaxation.share[k] * crept.Advance(move.to_mm, tissue.cutting_n, stiffness);
+    state.crept_wall_mm[k] = crept.wall_mm;
+  }
+  return state.walls_n;
+}
+
+double NeedleForceModel::FrictionN(NeedleForceState& state, double shaft_mm) const noexcept {
+  if (table_.HasTime()) return shaft_.ForceN(state.shaft, state.path, shaft_mm);
+  const double share = state.bristle.Slide(0.0, table_.settings.friction_buildup_mm);
+  // Each sign has its own spring of bristles, and both begin at 0: no energy comes of it.
+  return share *
+         (share < 0.0 ? state.path.WithdrawalFrictionN(shaft_mm) : state.path.FrictionN(shaft_mm));
 }
 
 void NeedleForceModel::Finish(NeedleForceState& state, const NeedleMotion& motion, bool was_pierced,

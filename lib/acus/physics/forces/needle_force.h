@@ -3,9 +3,10 @@
 // The model is one-dimensional along the path that the needle makes when it pierces the skin
 // (docs/models/needle_forces.md): membranes indented and punctured (Alamilla-2021 eq. 2), cutting
 // by a tracking wall (eq. 3), friction along the buried shaft with bristles (eq. 4-6 without the
-// velocity terms), bone as a proxy (Vidal-2008 eq. 7), and across the path a beam on a soft
-// foundation (Augmented-2010, section II.D). Tissue does not deform in this model: the tip of the
-// device is the tip of the needle, except on bone.
+// velocity terms), relaxation, rate and rest where a tissue has them (shaft_friction.h), bone as a
+// proxy (Vidal-2008 eq. 7), and across the path a beam on a soft foundation (Augmented-2010,
+// section II.D). Tissue does not deform in this model: the tip of the device is the tip of the
+// needle, except on bone.
 #pragma once
 
 #include "acus/physics/forces/force_laws.h"
@@ -13,6 +14,7 @@
 #include "acus/physics/forces/guidance.h"
 #include "acus/physics/forces/needle_sample.h"
 #include "acus/physics/forces/needle_track.h"
+#include "acus/physics/forces/shaft_friction.h"
 
 namespace acus::forces {
 
@@ -25,6 +27,11 @@ double LateralStiffnessNPerMm(const NeedleProperties& needle, const ForceSetting
 struct NeedleForceState : NeedleTrack {
   TrackingWall wall;
   BristleFriction bristle;
+  // In place of the bristle, and beside the wall, where the force depends on time.
+  ShaftFrictionState shaft;
+  std::array<double, ForceRelaxation::kMostTerms> crept_wall_mm{};
+  double walls_n = 0.0;        ///< Force of all walls.
+  volume::Label walls_of = 0;  ///< Tissue that the walls are of.
   GuidanceState guide;
   bool redirecting = false;  ///< Drawn back far enough to be turned to a new path.
   double lowest_mm = 0.0;    ///< Least depth since then.
@@ -56,13 +63,16 @@ class NeedleForceModel {
                      bool touched) const noexcept;
   void Guide(NeedleForceState& state, const NeedleMotion& motion) const noexcept;
   void Redirect(NeedleForceState& state, const NeedleMotion& motion) const noexcept;
-  void TipForces(NeedleForceState& state, NeedleForce& out) const noexcept;
+  void TipForces(NeedleForceState& state, const TipMove& move, NeedleForce& out) const noexcept;
+  double CuttingN(NeedleForceState& state, const TipMove& move) const noexcept;
+  double FrictionN(NeedleForceState& state, double shaft_mm) const noexcept;
   void Finish(NeedleForceState& state, const NeedleMotion& motion, bool was_pierced,
               NeedleForce& out) const noexcept;
 
   ForceTable table_;
   NeedleProperties needle_;
   GuidanceKind guidance_;
+  ShaftFriction shaft_;
 };
 
 }  // namespace acus::forces

@@ -1,7 +1,5 @@
 #include "acus/physics/forces/needle_path.h"
 
-#include <algorithm>
-
 namespace acus::forces {
 
 double NeedlePath::DepthMm(const Eigen::Vector3d& point_in_ct_mm) const noexcept {
@@ -59,23 +57,11 @@ void NeedlePath::CutOffAt(double end_mm) noexcept {
 }
 
 double NeedlePath::FrictionN(double depth_mm) const noexcept {
-  return SumN(depth_mm, &Segment::friction_n_per_mm);
+  return SumN(depth_mm, [](const Segment& s) { return s.friction_n_per_mm; });
 }
 
 double NeedlePath::WithdrawalFrictionN(double depth_mm) const noexcept {
-  return SumN(depth_mm, &Segment::withdrawal_n_per_mm);
-}
-
-double NeedlePath::SumN(double depth_mm, double Segment::*per_mm) const noexcept {
-  double total_n = 0.0;
-  double begin_mm = 0.0;
-  for (int i = 0; i < num_segments && begin_mm < depth_mm; ++i) {
-    const bool last = i + 1 == num_segments;  // The last tissue goes on as far as is asked.
-    const double end_mm = last ? depth_mm : std::min(segment[i].end_mm, depth_mm);
-    total_n += segment[i].*per_mm * (end_mm - begin_mm);
-    begin_mm = segment[i].end_mm;
-  }
-  return total_n;
+  return SumN(depth_mm, [](const Segment& s) { return s.withdrawal_n_per_mm; });
 }
 
 }  // namespace acus::forces

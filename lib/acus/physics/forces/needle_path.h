@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 
 #include "acus/data/volume/volume.h"
@@ -49,8 +50,19 @@ struct NeedlePath {
   /// The same while it is drawn out.
   double WithdrawalFrictionN(double depth_mm) const noexcept;
 
- private:
-  double SumN(double depth_mm, double Segment::*per_mm) const noexcept;
+  /// Of what `per_mm` gives for a segment, N/mm, over a shaft buried from 0 to `depth_mm`, N.
+  template <typename PerMm>
+  double SumN(double depth_mm, const PerMm& per_mm) const noexcept {
+    double total_n = 0.0;
+    double begin_mm = 0.0;
+    for (int i = 0; i < num_segments && begin_mm < depth_mm; ++i) {
+      const bool last = i + 1 == num_segments;  // The last tissue goes on as far as is asked.
+      const double end_mm = last ? depth_mm : std::min(segment[i].end_mm, depth_mm);
+      total_n += per_mm(segment[i]) * (end_mm - begin_mm);
+      begin_mm = segment[i].end_mm;
+    }
+    return total_n;
+  }
 };
 
 }  // namespace acus::forces

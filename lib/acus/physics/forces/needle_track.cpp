@@ -135,18 +135,44 @@ NeedleEvent MeetTissue(const ForceTable& table, NeedleTrack& track, volume::Labe
 }
 
 PressedMembrane ActiveMembrane(const ForceTable& table, const NeedleTrack& track) noexcept {
-  if (track.pressing) return {&table.tissue[track.membrane_of].membrane, track.membrane_mm};
+  if (track.pressing) return {track.membrane_of, track.membrane_mm};
   if (track.has_candidate && table.HasMembrane(track.path.LastTissue(), track.candidate)) {
-    return {&table.tissue[track.candidate].membrane, track.candidate_mm};
+    return {track.candidate, track.candidate_mm};
   }
   return {};
+}
+
+void CreepMembrane(const ForceTable& table, NeedleTrack& track, const TipMove& move) noexcept {
+  const PressedMembrane membrane = ActiveMembrane(table, track);
+  const ForceRelaxation& relaxation = table.tissue[membrane.tissue].time.relaxation;
+  if (track.creeping != membrane) {
+    track.creeping = membrane;
+    track.crept_mm.fill(membrane.at_mm);
+  }
+  for (int k = 0; k < relaxation.num_terms; ++k) {
+    track.crept_mm[k] = CreptMm(track.crept_mm[k], move, membrane.at_mm, relaxation.time_s[k]);
+  }
+}
+
+double PressedN(const ForceTable& table, const NeedleTrack& track) noexcept {
+  const PressedMembrane membrane = ActiveMembrane(table, track);
+  if (membrane.tissue == 0) return 0.0;
+  const TissueForce& tissue = table.tissue[membrane.tissue];
+  const ForceRelaxation& relaxation = tissue.time.relaxation;
+  double force_n = tissue.membrane.ForceN(track.depth_mm - membrane.at_mm);
+  if (relaxation.num_terms == 0) return force_n;
+  force_n *= relaxation.ElasticShare();
+  for (int k = 0; k < relaxation.num_terms; ++k) {
+    force_n += relaxation.share[k] * tissue.membrane.ForceN(track.depth_mm - track.crept_mm[k]);
+  }
+  return force_n;
 }
 
 double TryPuncture(const ForceTable& table, NeedleTrack& track, const NeedleMotion& motion,
                    double bone_n) noexcept {
   if (!track.pressing) return 0.0;
   const PuncturePolynomial& law = table.tissue[track.membrane_of].membrane;
-  const double pressed_n = law.ForceN(track.depth_mm - track.membrane_mm) + bone_n;
+  const double pressed_n = PressedN(table, track) + bone_n;
   if (pressed_n < law.puncture_n) return 0.0;
   track.pressing = false;
   track.cut_tissue = track.path.LastTissue();
@@ -207,6 +233,7 @@ TrackStep FollowPath(const ForceTable& table, NeedleTrack& track, const NeedleMo
     step.bone_penetration_mm = std::max(0.0, device_mm - track.bone_mm);
     step.bone_n = table.settings.bone.ForceN(step.bone_penetration_mm, step.device_speed_mm_per_s);
   }
+  CreepMembrane(table, track, {step.previous_mm, track.depth_mm, motion.dt_s});
   step.punctured_n = TryPuncture(table, track, motion, step.bone_n);
   step.event = FirstOf(step.event, PassInChannel(table, track, step));
   if (touched) step.event = FirstOf(step.event, NeedleEvent::kContact);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 
 #include "acus/physics/forces/force_table.h"
 #include "acus/physics/forces/needle_path.h"
@@ -10,6 +11,14 @@
 #include "acus/physics/forces/sample_gate.h"
 
 namespace acus::forces {
+
+/// A membrane that the tip presses on: of which tissue, and where it is at rest; 0: none.
+struct PressedMembrane {
+  volume::Label tissue = 0;
+  double at_mm = 0.0;
+
+  bool operator==(const PressedMembrane&) const = default;
+};
 
 /// The base of a model's state. A plain value.
 struct NeedleTrack : SampleGate {
@@ -30,6 +39,8 @@ struct NeedleTrack : SampleGate {
   bool pressing = false;  ///< On the membrane of `membrane_of`, at rest at `membrane_mm`.
   double membrane_mm = 0.0;
   volume::Label membrane_of = 0;
+  PressedMembrane creeping;  ///< Whose relaxing springs these are:
+  std::array<double, ForceRelaxation::kMostTerms> crept_mm{};  ///< where each is at rest.
   bool has_candidate = false;  ///< Another tissue was seen, but not yet for long enough.
   volume::Label candidate = 0;
   double candidate_mm = 0.0;
@@ -56,12 +67,6 @@ struct NeedleMotion {
 /// @pre the gate's verdict on `input` was kStep.
 NeedleMotion MotionOf(const NeedleTrack& track, const NeedleInput& input) noexcept;
 
-/// A membrane that the tip presses on: its law and where it is at rest; null: none.
-struct PressedMembrane {
-  const PuncturePolynomial* law = nullptr;
-  double at_mm = 0.0;
-};
-
 /// Begins a path at the skin: half way between the last sample outside and this one. In the table's
 /// nick there is no skin to press on.
 void TouchSkin(const ForceTable& table, NeedleTrack& track, const NeedleMotion& motion) noexcept;
@@ -82,6 +87,12 @@ NeedleEvent MeetTissue(const ForceTable& table, NeedleTrack& track, volume::Labe
 /// The membrane that is pressed on; also one that was seen too shortly to be certain, so that its
 /// force begins at zero.
 PressedMembrane ActiveMembrane(const ForceTable& table, const NeedleTrack& track) noexcept;
+
+/// Lets the relaxing springs of the membrane that is pressed on creep.
+void CreepMembrane(const ForceTable& table, NeedleTrack& track, const TipMove& move) noexcept;
+
+/// Force of that membrane; 0 without one.
+double PressedN(const ForceTable& table, const NeedleTrack& track) noexcept;
 
 /// Lets the membrane give way if it is pressed hard enough. On piercing the skin, the path takes
 /// the needle's direction (Augmented-2010, section II.D).

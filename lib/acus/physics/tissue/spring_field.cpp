@@ -30,7 +30,7 @@ void SpringField::Update(const TissueLoad& load) noexcept {
     if (i == last) {
       moved_mm = needle.tip_in_ct_mm - rest_mm;  // What is at the tip goes with it.
     } else if (i > 0) {
-      const PathNode& springs = model_->TissueNode(model_->tissue_at_(rest_mm));
+      const PathNode springs = model_->NodeAt(rest_mm);
       const double weight =
           (rest_mm - load.point[i - 1].rest_in_ct_mm).norm() / model_->settings().node_spacing_mm;
       const Eigen::Vector3d& force_n = load.point[i].force_in_ct_n;

@@ -55,11 +55,12 @@ double FrictionOffsetMm(double offset_mm, double travel_mm, double stiffness_n_p
 SpringModel::SpringModel(const SpringSettings& settings, const forces::ForceTable& forces,
                          const forces::NeedleProperties& needle,
                          const mechanics::ElasticityTable& elasticity,
-                         const std::bitset<256>& tissues, TissueAt tissue_at)
+                         const std::bitset<256>& tissues, TissueAt tissue_at, HuAt hu_at)
     : settings_(settings),
       table_(forces.ScaledTo(needle.beam.outer_diameter_mm)),
       node_of_(256),
-      tissue_at_(std::move(tissue_at)) {
+      tissue_at_(std::move(tissue_at)),
+      hu_at_(table_.hu_springs.rows.empty() ? HuAt() : std::move(hu_at)) {
   ACUS_REQUIRE(settings.node_spacing_mm > 0.0 && std::isfinite(settings.node_spacing_mm),
                "node_spacing_mm is ", settings.node_spacing_mm, "; allowed: above 0");
   ACUS_REQUIRE(settings.friction_rate_n_per_s > 0.0, "friction_rate_n_per_s is ",
@@ -79,6 +80,7 @@ SpringModel::SpringModel(const SpringSettings& settings, const forces::ForceTabl
     if (node.a1_n_per_mm == 0.0 && node.a2_n_per_mm2 == 0.0) {
       node.a1_n_per_mm = table_.settings.cutting_stiffness_n_per_mm;
     }
+    node.cutting_n = table_.tissue[label].cutting_n;
     if (label == 0 || !tissues.test(label) || table_.tissue[label].impenetrable) continue;
     const double per_mm = elasticity.At(tissue).ShearModulusMpa() * settings.node_spacing_mm;
     const forces::TissueForce& row = table_.tissue[label];
@@ -135,19 +137,15 @@ forces::NeedleForce SpringModel::Step(SpringState& state, const ToolSample& samp
 }
 
 /// Eq. 5, at most the cutting force.
-double SpringModel::CuttingN(volume::Label tissue, double ahead_mm) const noexcept {
-  const PathNode& node = node_of_[tissue];
-  return std::min((node.a2_n_per_mm2 * ahead_mm + node.a1_n_per_mm) * ahead_mm,
-                  table_.tissue[tissue].cutting_n);
+double SpringModel::CuttingN(const PathNode& tip, double ahead_mm) noexcept {
+  return std::min((tip.a2_n_per_mm2 * ahead_mm + tip.a1_n_per_mm) * ahead_mm, tip.cutting_n);
 }
 
 /// How far the device is ahead of a tip that cuts.
-double SpringModel::CuttingAheadMm(volume::Label tissue) const noexcept {
-  const PathNode& node = node_of_[tissue];
-  const double cutting_n = table_.tissue[tissue].cutting_n;
-  if (!(node.a2_n_per_mm2 > 0.0)) return cutting_n / node.a1_n_per_mm;
-  const double gamma_1 = 0.5 * node.a1_n_per_mm / node.a2_n_per_mm2;
-  return std::sqrt(gamma_1 * gamma_1 + cutting_n / node.a2_n_per_mm2) - gamma_1;
+double SpringModel::CuttingAheadMm(const PathNode& tip) noexcept {
+  if (!(tip.a2_n_per_mm2 > 0.0)) return tip.cutting_n / tip.a1_n_per_mm;
+  const double gamma_1 = 0.5 * tip.a1_n_per_mm / tip.a2_n_per_mm2;
+  return std::sqrt(gamma_1 * gamma_1 + tip.cutting_n / tip.a2_n_per_mm2) - gamma_1;
 }
 
 /// First contact: a node where the skin is between the last place outside and this one.
@@ -168,7 +166,6 @@ void SpringModel::Touch(SpringState& state, const Eigen::Vector3d& before_mm,
   state.pressing = !state.on_bone && table_.HasMembrane(0, tissue);
   state.pierced = !state.pressing && !state.on_bone;
   state.membrane_of = tissue;
-  state.cut_tissue = 0;
   state.bone_from_mm = state.ahead_mm = state.friction_n = 0.0;
 }
 
@@ -205,6 +202,7 @@ void SpringModel::DrawBack(SpringState& state, double back_mm) const noexcept {
       continue;
     }
     tip.rest_in_ct_mm += (back_mm / length_mm) * to_behind;
+    if (hu_at_) SetByHu(tip);
     back_mm = 0.0;
     if (length_mm >= 0.5 * settings_.node_spacing_mm || state.num_nodes < 3) break;
     // The two segments become one, with the same force in it.
@@ -244,8 +242,8 @@ NeedleEvent SpringModel::Advance(SpringState& state) const noexcept {
       AppendTip(state);
       continue;
     }
-    const double advance_mm = TipAdvanceMm(state.ahead_mm, tip.a1_n_per_mm, tip.a2_n_per_mm2,
-                                           table_.tissue[tip.tissue].cutting_n);
+    const double advance_mm =
+        TipAdvanceMm(state.ahead_mm, tip.a1_n_per_mm, tip.a2_n_per_mm2, tip.cutting_n);
     if (advance_mm <= kSpringTinyMm) break;
     const double step_mm = std::min(advance_mm, 0.5 * settings_.node_spacing_mm);
     const Ahead ahead = LookAhead(state, step_mm);
@@ -294,11 +292,10 @@ NeedleEvent SpringModel::Meet(SpringState& state, volume::Label next,
                             [&](const Eigen::Vector3d& p) { return tissue_at_(p) != next; }));
   PathNode& tip = state.node[state.num_nodes - 1];
   state.ahead_mm = (state.device_in_ct_mm - tip.rest_in_ct_mm).dot(state.tip_direction_in_ct);
-  state.cut_tissue = before.tissue;
   if (table_.tissue[next].impenetrable) {
     state.on_bone = true;
     // What cut the last tissue is pressed in already; the rest of the way to here was not.
-    state.bone_from_mm = std::min(state.ahead_mm, CuttingAheadMm(before.tissue));
+    state.bone_from_mm = std::min(state.ahead_mm, CuttingAheadMm(before));
     return NeedleEvent::kBoneContact;
   }
   if (table_.HasMembrane(before.tissue, next)) {
@@ -327,10 +324,12 @@ void SpringModel::MoveTip(SpringState& state, const Eigen::Vector3d& to_mm) cons
     between.rest_in_ct_mm =
         behind.rest_in_ct_mm + (settings_.node_spacing_mm / length_mm) * segment;
     between.offset_mm = tip.offset_mm;
+    between.axial_n_per_mm = tip.axial_n_per_mm;
     SetTissue(between, tissue_at_(between.rest_in_ct_mm));
     state.node[state.num_nodes - 1] = between;
     ++state.num_nodes;
   }
+  if (hu_at_) SetByHu(tip);
   state.node[state.num_nodes - 1] = tip;
 }
 
@@ -345,12 +344,35 @@ void SpringModel::AppendTip(SpringState& state) const noexcept {
 void SpringModel::SetTissue(PathNode& node, volume::Label tissue) const noexcept {
   const PathNode& of = node_of_[tissue];
   node.tissue = tissue;
-  node.axial_n_per_mm = of.axial_n_per_mm;
   node.lateral_n_per_mm = of.lateral_n_per_mm;
+  if (hu_at_) return SetByHu(node);
+  node.axial_n_per_mm = of.axial_n_per_mm;
   node.friction_n = of.friction_n;
   node.a1_n_per_mm = of.a1_n_per_mm;
   node.a2_n_per_mm2 = of.a2_n_per_mm2;
+  node.cutting_n = of.cutting_n;
   node.offset_mm = FrictionOffsetMm(node.offset_mm, 0.0, of.axial_n_per_mm, of.friction_n);
+}
+
+/// A stiffer place takes the spring's force over, in a softer one it keeps its length: neither
+/// gives energy.
+void SpringModel::SetByHu(PathNode& node) const noexcept {
+  const forces::SpringParameters at = table_.hu_springs.At(hu_at_(node.rest_in_ct_mm));
+  const double stiffness = at.shaft_n_per_mm2 * settings_.node_spacing_mm;
+  if (stiffness > node.axial_n_per_mm) node.offset_mm *= node.axial_n_per_mm / stiffness;
+  node.axial_n_per_mm = stiffness;
+  node.friction_n = at.friction_n_per_mm * settings_.node_spacing_mm;
+  node.a1_n_per_mm = at.a1_n_per_mm;
+  node.a2_n_per_mm2 = at.a2_n_per_mm2;
+  node.cutting_n = at.cutting_n;
+  node.offset_mm = FrictionOffsetMm(node.offset_mm, 0.0, stiffness, node.friction_n);
+}
+
+PathNode SpringModel::NodeAt(const Eigen::Vector3d& rest_in_ct_mm) const noexcept {
+  PathNode node;
+  node.rest_in_ct_mm = rest_in_ct_mm;
+  SetTissue(node, tissue_at_(rest_in_ct_mm));
+  return node;
 }
 
 double SpringModel::Weight(const SpringState& state, int i) const noexcept {
@@ -371,8 +393,7 @@ void SpringModel::Forces(SpringState& state, double dt_s, double ahead_before_mm
   forces::NeedleForce& out = state.force;
   const PathNode& tip = state.node[state.num_nodes - 1];
   const double ahead_mm = std::max(state.ahead_mm, 0.0);
-  const bool held = state.pressing || state.on_bone;
-  if (state.pierced) out.cutting_n = CuttingN(held ? state.cut_tissue : tip.tissue, ahead_mm);
+  if (state.pierced) out.cutting_n = CuttingN(tip, ahead_mm);
   if (state.pressing) {
     const double pressed_n = table_.tissue[state.membrane_of].membrane.ForceN(ahead_mm);
     out.puncture_n = std::max(0.0, pressed_n - out.cutting_n);

@@ -39,6 +39,7 @@ struct PathNode {
   double friction_n = 0.0;        ///< R_i: the shaft slides beyond it.
   double a1_n_per_mm = 0.0;       ///< a_1,i of the cut.
   double a2_n_per_mm2 = 0.0;      ///< a_2,i.
+  double cutting_n = 0.0;         ///< f_cut,i.
   double offset_mm = 0.0;         ///< Delta x_i: how far the tissue is dragged along.
 };
 
@@ -62,7 +63,6 @@ struct SpringState {
   bool pierced = false;
   bool pressing = false;  ///< The tip is held by the membrane of `membrane_of`.
   volume::Label membrane_of = 0;
-  volume::Label cut_tissue = 0;  ///< Before the membrane or bone; 0: none, nothing is cut.
   bool on_bone = false;
   double bone_from_mm = 0.0;   ///< ahead_mm when the bone was met.
   double friction_n = 0.0;     ///< After the limit of its rate.
@@ -82,10 +82,13 @@ double FrictionOffsetMm(double offset_mm, double travel_mm, double stiffness_n_p
 class SpringModel {
  public:
   /// @param tissues  labels that the scene has; all but free space and bone need elastic constants.
+  /// @param hu_at  given, and with rows in the table's hu_springs: parameters of cut and shaft are
+  ///     those at the HU of each node (Fortmeier-2016 section 2.3); membranes, bone and the springs
+  ///     across the needle are the tissue's. As tissue_at, called in the step.
   /// @throws InputError for a setting out of range or a tissue that `elasticity` has no row for.
   SpringModel(const SpringSettings& settings, const forces::ForceTable& forces,
               const forces::NeedleProperties& needle, const mechanics::ElasticityTable& elasticity,
-              const std::bitset<256>& tissues, TissueAt tissue_at);
+              const std::bitset<256>& tissues, TissueAt tissue_at, HuAt hu_at = nullptr);
 
   SpringState NewState() const { return {}; }
 
@@ -104,6 +107,8 @@ class SpringModel {
 
   /// Springs and friction limit of a node of the path in this tissue.
   const PathNode& TissueNode(volume::Label tissue) const { return node_of_[tissue]; }
+  /// The same of a node at a place: by its HU, where parameters are.
+  PathNode NodeAt(const Eigen::Vector3d& rest_in_ct_mm) const noexcept;
   const SpringSettings& settings() const { return settings_; }
   const forces::ForceTable& table() const { return table_; }
 
@@ -112,8 +117,8 @@ class SpringModel {
 
  private:
   using Event = forces::NeedleEvent;
-  double CuttingN(volume::Label tissue, double ahead_mm) const noexcept;
-  double CuttingAheadMm(volume::Label tissue) const noexcept;
+  static double CuttingN(const PathNode& tip, double ahead_mm) noexcept;
+  static double CuttingAheadMm(const PathNode& tip) noexcept;
   void Touch(SpringState& state, const Eigen::Vector3d& before_mm, bool was_outside) const noexcept;
   bool HasLeft(const SpringState& state) const noexcept;
   void DragShaft(SpringState& state, double travel_mm) const noexcept;
@@ -129,13 +134,14 @@ class SpringModel {
   void MoveTip(SpringState& state, const Eigen::Vector3d& to_mm) const noexcept;
   void AppendTip(SpringState& state) const noexcept;
   void SetTissue(PathNode& node, volume::Label tissue) const noexcept;
+  void SetByHu(PathNode& node) const noexcept;
   void Forces(SpringState& state, double dt_s, double ahead_before_mm) const noexcept;
 
   SpringSettings settings_;
   forces::ForceTable table_;
   std::vector<PathNode> node_of_;  ///< By label.
   TissueAt tissue_at_;
-  friend class SpringField;
+  HuAt hu_at_;  ///< Null: parameters are those of the tissues.
 };
 
 /// Displacements for the image: those of the path's nodes, faded out to the influence radius as in

@@ -12,4 +12,7 @@ namespace acus::tissue {
 /// or lock: it is called in the step.
 using TissueAt = std::function<volume::Label(const Eigen::Vector3d& rest_in_ct_mm)>;
 
+/// HU of the CT at such a place; the same rules.
+using HuAt = std::function<double(const Eigen::Vector3d& rest_in_ct_mm)>;
+
 }  // namespace acus::tissue

@@ -84,6 +84,23 @@ tissue::TissueModel Springs(const TissueEffect& effect, const TissueMap& tissues
                           parts.table, parts.needle, elasticity, tissues.Tissues(), tissues));
 }
 
+/// Without labels: tissues and parameters by the HU of the CT, as the table says.
+tissue::TissueModel SpringsByHu(const TissueEffect& effect,
+                                const std::shared_ptr<const forces::HuField>& hu,
+                                const mechanics::ElasticityTable& elasticity,
+                                const NeedleParts& parts) {
+  std::bitset<256> tissues;
+  for (const forces::HuTissues::Row& row : parts.table.hu_tissues.rows) tissues.set(row.tissue);
+  const auto hu_at = [hu](const Eigen::Vector3d& rest_in_ct_mm) { return hu->HuAt(rest_in_ct_mm); };
+  const auto tissue_at = [hu, rows = parts.table.hu_tissues](const Eigen::Vector3d& rest_in_ct_mm) {
+    return rows.At(hu->HuAt(rest_in_ct_mm));
+  };
+  return tissue::TissueModel(
+      tissue::SpringModel({.node_spacing_mm = effect.path_spacing_mm,
+                           .influence_radius_mm = effect.influence_radius_mm},
+                          parts.table, parts.needle, elasticity, tissues, tissue_at, hu_at));
+}
+
 /// Through entry and target of the needle's way, as nearly transverse as that allows: the slice of
 /// the CT that a probe beside the needle shows.
 tissue::PlanePlacement PlaneThrough(const std::filesystem::path& corridor, double& length_mm) {
@@ -169,6 +186,9 @@ tissue::TissueModel LoadTissue(const scenario::Scenario& scenario, const TissueI
     case TissueModelKind::kDisplacementFunctions:
       return Functions(effect, TissueMap(inputs.labels), elasticity, context);
     case TissueModelKind::kSprings:
+      if (inputs.hu) {
+        return SpringsByHu(effect, inputs.hu, elasticity, ReadNeedleParts(scenario, context));
+      }
       return Springs(effect, TissueMap(inputs.labels), elasticity,
                      ReadNeedleParts(scenario, context));
     case TissueModelKind::kFem3d:

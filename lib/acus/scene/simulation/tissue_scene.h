@@ -6,6 +6,7 @@
 #include "acus/base/core/run_context.h"
 #include "acus/data/volume/volume.h"
 #include "acus/imaging/acoustics/probe.h"
+#include "acus/physics/forces/hu_field.h"
 #include "acus/physics/tissue/tissue_model.h"
 #include "acus/scene/scenario/scenario.h"
 
@@ -14,6 +15,7 @@ namespace acus::simulation {
 /// What the scene has loaded already.
 struct TissueInputs {
   std::shared_ptr<const volume::LabelMap> labels;  ///< Null if the model does not read it.
+  std::shared_ptr<const forces::HuField> hu;       ///< Instead of labels, for springs.
   const acoustics::Probe* probe = nullptr;         ///< Null if the probe does not press.
   bool shows_deformation = false;                  ///< An image shows what the tissue does.
 };

@@ -33,6 +33,11 @@ bool AreTissuesByHu(const Scenario& s) {
          !IsFeltFromTissue(s);
 }
 
+bool AreSpringsByHu(const Scenario& s) {
+  return s.patient.labels.empty() && !s.patient.ct.empty() && s.tissue &&
+         s.tissue->model == scenario::TissueModelKind::kSprings;
+}
+
 bool ShowsDeformation(const Scenario& s) {
   return (s.tissue && s.tissue->image) || (s.breathing && s.breathing->image) || IsTissueMoved(s);
 }

@@ -28,6 +28,9 @@ bool IsFeltFromTissue(const scenario::Scenario& scenario);
 /// says.
 bool AreTissuesByHu(const scenario::Scenario& scenario);
 
+/// The same for springs that hold the needle, as the table of tissue says.
+bool AreSpringsByHu(const scenario::Scenario& scenario);
+
 /// True if the images show tissue elsewhere than the CT does.
 bool ShowsDeformation(const scenario::Scenario& scenario);
 

@@ -17,9 +17,10 @@ Ports ShapeInputs(const Scenario& s) {
   Add(reads, {from_tissue ? effects::PortRef(ports::kContact) : effects::PortRef(ports::kTissue),
               ports::kNeedleElasticity});
   // Which tissues there are; a mesh does not say, and all that can be deformed are taken.
-  if (from_tissue ? s.tissue->model != scenario::TissueModelKind::kFem3d : !AreTissuesByHu(s)) {
-    Add(reads, {ports::kLabels});
-  }
+  const bool are_labels_read =
+      from_tissue ? s.tissue->model != scenario::TissueModelKind::kFem3d && !AreSpringsByHu(s)
+                  : !AreTissuesByHu(s);
+  if (are_labels_read) Add(reads, {ports::kLabels});
   if (s.breathing) Add(reads, {ports::kBreath});
   return reads;
 }

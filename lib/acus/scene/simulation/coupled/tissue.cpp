@@ -16,7 +16,7 @@ Ports ContactInputs(const Scenario& s) {
     case scenario::TissueModelKind::kDisplacementFunctions:
       return {};  // Nothing that steps: see DeformationInputs.
     case scenario::TissueModelKind::kSprings:
-      Add(reads, {ports::kLabels});
+      Add(reads, {AreSpringsByHu(s) ? effects::PortRef(ports::kCt) : ports::kLabels});
       break;
     case scenario::TissueModelKind::kPlane2010:
       Add(reads, {ports::kLabels, ports::kCorridor});
@@ -169,8 +169,16 @@ class TissueEffect final : public CoupledEffect {
     scene.tools_deform_images =
         scene.plan.Has(StageId::kDeformation) && s.tissue && s.tissue->image;
     if (!scene.plan.Has(StageId::kTissueContact) && !scene.tools_deform_images) return;
+    const bool are_springs_by_hu = scene.plan.Reads(StageId::kTissueContact, ports::kCt);
+    if (are_springs_by_hu) {
+      if (!scene.hu) scene.hu = std::make_shared<forces::CtField>(*scene.ct);
+      context.Warn(
+          "there is no label map: the springs' tissues are identified by the CT's HU, as "
+          "effects/tissue/table says");
+    }
     scene.tissue = LoadTissue(s,
                               {.labels = scene.labels,
+                               .hu = are_springs_by_hu ? scene.hu : nullptr,
                                .probe = scene.probe ? &*scene.probe : nullptr,
                                .shows_deformation = scene.tools_deform_images},
                               context);
