@@ -167,8 +167,10 @@ bool IsReadFor(const EffectPlan& plan, effects::PortRef input, const std::string
 
 /// Where there is no label map. All others that read labels cannot do without.
 bool TissuesAreToldByTheCt(const EffectChoice& choice) {
-  const bool by_force = choice.effect == "needle_force" || choice.effect == "needle";
-  return by_force && !choice.effects.contains("tissue");
+  if (choice.effects.contains("tissue")) {
+    return choice.effects.at("tissue").value("model", "") == "springs";
+  }
+  return choice.effect == "needle_force" || choice.effect == "needle";
 }
 
 TEST(EffectInputs, EveryMissingInputOfEveryEffectIsAnErrorThatNamesBoth) {

@@ -6,38 +6,10 @@
 #include <vector>
 
 #include "acus/physics/mechanics/condensation.h"
-#include "acus/physics/tissue/needle_contact.h"
-#include "benchmarks/tissue_run.h"
+#include "benchmarks/punctures.h"
 
 namespace acus::benchmarks {
 namespace {
-
-struct Puncture {
-  double depth_mm;
-  double force_n;
-};
-
-std::vector<Puncture> PuncturesWith(double element_mm, const TissueBlockTables& tables) {
-  const auto samples = ScriptedInsertion();
-  const mesh::TetraMesh mesh = TissueBlock::Mesh(element_mm);
-  const mechanics::FreeNodes free = mechanics::FindFreeNodes(mesh);
-  const mechanics::Condensation condensation(
-      mesh, free, tables.elasticity, mechanics::ElementKind::kAveragedDilatation,
-      mechanics::NeedleNodes(mesh, free, WayOf(samples, 6.0), 12.0), mechanics::kDefaultMemoryMib,
-      RunContext{});
-  tissue::FemContactSettings settings;
-  settings.contact_spacing_mm = 2.0;
-  const tissue::FemNeedleModel model(mesh, condensation.Compliance(mechanics::Storage::kFloat),
-                                     tables.elasticity, tables.forces, tables.needle, settings);
-  auto state = model.NewState();
-  std::vector<Puncture> out;
-  for (const tissue::ToolSample& sample : samples) {
-    const forces::NeedleForce force = model.Step(state, sample);
-    if (force.event != forces::NeedleEvent::kPuncture) continue;
-    out.push_back({force.depth_mm, force.puncture_n + force.cutting_n});
-  }
-  return out;
-}
 
 TEST(TissuePuncture, DoesNotDependOnTheMesh) {
   Provenance provenance;
@@ -45,7 +17,7 @@ TEST(TissuePuncture, DoesNotDependOnTheMesh) {
   const std::vector<double> sizes = {6.0, 4.0, 3.0, 2.0};
   std::vector<std::vector<Puncture>> all;
   for (const double size : sizes) {
-    all.push_back(PuncturesWith(size, tables));
+    all.push_back(PuncturesWith(size, tables, mechanics::kDefaultMemoryMib));
     std::printf("elements of %.0f mm:", size);
     for (const Puncture& p : all.back()) std::printf("  %.2f mm %.2f N", p.depth_mm, p.force_n);
     std::printf("\n");
