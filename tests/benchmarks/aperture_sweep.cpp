@@ -54,16 +54,6 @@ class ApertureSweeper {
     return TimedRender(scene_, renderer, {}, quick_ ? 4 : 12);
   }
 
-  Row RowOf(const std::string& knob, const std::string& value, const TimedImage& image) const {
-    Row row;
-    row.knob = knob;
-    row.value = value;
-    row.model = "aperture";
-    row.step_us_median = image.median_us;
-    row.step_us_p999 = image.most_us;
-    return row;
-  }
-
   void Sweep(const std::string& knob, const std::vector<double>& values,
              const std::function<void(ApertureSetting&, int)>& turn, int most_expensive) {
     context_.Checkpoint(knob, 0.2 * static_cast<double>(++knobs_));
@@ -75,7 +65,7 @@ class ApertureSweeper {
     for (const double value : values) {
       turn(setting, static_cast<int>(value));
       const TimedImage image = Rendered(setting);
-      Row row = RowOf(knob, RoundedText(value, 2), image);
+      Row row = TimedRow("aperture", knob, RoundedText(value, 2), image);
       row.reference = "the same at " + std::to_string(most_expensive);
       row.is_default = image.image.pixels == usual.pixels;
       AddImageErrors(std::move(row), image.image, reference, ImageChange::kError, rows_);
@@ -89,7 +79,7 @@ class ApertureSweeper {
       ApertureSetting setting;
       turn(setting.options);
       const TimedImage image = Rendered(setting);
-      Row row = RowOf("effect", name, image);
+      Row row = TimedRow("aperture", "effect", name, image);
       row.reference = "as in the presets";
       AddImageErrors(std::move(row), image.image, reference, ImageChange::kEffect, rows_);
     };

@@ -53,6 +53,17 @@ acoustics::Probe ImageProbe(int lines, int samples) {
   return probe;
 }
 
+Row TimedRow(const std::string& model, const std::string& knob, const std::string& value,
+             const TimedImage& image) {
+  Row row;
+  row.knob = knob;
+  row.value = value;
+  row.model = model;
+  row.step_us_median = image.median_us;
+  row.step_us_p999 = image.most_us;
+  return row;
+}
+
 void AddImageErrors(Row row, const image::GrayImage& image, const image::GrayImage& reference,
                     ImageChange change, std::vector<Row>& rows) {
   constexpr double kDbPerGrey = kDynamicRangeDb / 255.0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "acus/base/core/cpu_time.h"
@@ -41,6 +42,10 @@ TimedImage TimedRender(const ImageScene& scene, Renderer& renderer, const Warp& 
   out.most_us = std::ranges::max(times_us);
   return out;
 }
+
+/// A row with the time of an image.
+Row TimedRow(const std::string& model, const std::string& knob, const std::string& value,
+             const TimedImage& image);
 
 /// What an effect does is no error: it has a unit of its own.
 enum class ImageChange { kError, kEffect };

@@ -78,16 +78,6 @@ class ImageSweeper {
     return Rendered(renderer, setting);
   }
 
-  Row RowOf(const std::string& knob, const std::string& value, const TimedImage& image) const {
-    Row row;
-    row.knob = knob;
-    row.value = value;
-    row.model = "beams";
-    row.step_us_median = image.median_us;
-    row.step_us_p999 = image.most_us;
-    return row;
-  }
-
   void Sweep(const std::string& knob, const std::vector<double>& values, double usual,
              const std::function<void(Setting&, double)>& turn, double most_expensive) {
     context_.Checkpoint(knob, 0.1 * static_cast<double>(++knobs_));
@@ -97,7 +87,7 @@ class ImageSweeper {
     for (const double value : values) {
       turn(setting, value);
       const TimedImage image = Beams(setting);
-      Row row = RowOf(knob, RoundedText(value, 2), image);
+      Row row = TimedRow("beams", knob, RoundedText(value, 2), image);
       row.reference = "the same at " + RoundedText(most_expensive, 2);
       row.is_default = value == usual;
       AddImageErrors(std::move(row), image.image, reference, ImageChange::kError, rows_);
@@ -111,7 +101,7 @@ class ImageSweeper {
       Setting setting;
       change(setting.options);
       const TimedImage image = Beams(setting);
-      Row row = RowOf("effect", name, image);
+      Row row = TimedRow("beams", "effect", name, image);
       row.reference = "all standard effects";
       AddImageErrors(std::move(row), image.image, reference, ImageChange::kEffect, rows_);
     };
@@ -130,8 +120,7 @@ class ImageSweeper {
   }
 
   void AddLevel(const char* name, const TimedImage& image, const GrayImage& reference, bool paper) {
-    Row row = RowOf("model", name, image);
-    row.model = name;
+    Row row = TimedRow(name, "model", name, image);
     row.error = 1.0 - Correlation(image.image, reference);
     row.error_unit = "1 - correlation";
     row.reference = "beams with 9 planes";

@@ -148,71 +148,81 @@ std::string RunFits(const FitTask& task, RunContext& context) {
   return FitTable(punctures) + ModelTable(fits);
 }
 
+/// What was read and fitted, one after the other.
+template <typename Test, typename Fit>
+struct Specimens {
+  std::vector<Test> tests;
+  std::vector<Fit> fits;
+  nlohmann::json documents = nlohmann::json::array();
+};
+
+/// How specimens of one kind are read, described and drawn.
+template <typename Test, typename Fit>
+struct SpecimenKind {
+  Test (*read)(const fs::path&);
+  nlohmann::json (*describe)(const Test&, const Fit&);
+  report::Plot (*draw)(const Test&, const Fit&);
+  const char* plot_ending;
+};
+
+constexpr SpecimenKind<TensionTest, TensionFit> kTensions{ReadTensionTest, TensionJson, TensionPlot,
+                                                          "_tension.svg"};
+constexpr SpecimenKind<IndentationTest, IndentationFit> kIndentations{
+    ReadIndentationTest, IndentationJson, IndentationPlot, "_indentation.svg"};
+
+/// Reads, fits and draws every specimen into the folder. @param fit_one  a Fit of a test.
+/// @throws NoAnswerError if no specimen has an answer.
+template <typename Test, typename Fit, typename FitOne>
+Specimens<Test, Fit> FitSpecimens(const FitTask& task, RunContext& context,
+                                  const AtomicFolder& folder, const SpecimenKind<Test, Fit>& kind,
+                                  const FitOne& fit_one) {
+  Specimens<Test, Fit> out;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < task.inputs.size(); ++i) {
+    Advance("fitting", i, task, context);
+    const Test& test = out.tests.emplace_back(kind.read(task.inputs[i]));
+    ACUS_REQUIRE(std::ranges::find(names, test.name) == names.end(), task.inputs[i].string(),
+                 ": another specimen is named '", test.name, "' too; rename one");
+    names.push_back(test.name);
+    const Fit& fit = out.fits.emplace_back(fit_one(test));
+    out.documents.push_back(kind.describe(test, fit));
+    report::WriteSvg(folder.path() / (test.name + kind.plot_ending), kind.draw(test, fit));
+    if (!fit.converged) {
+      context.Warn(Message(task.inputs[i].string(), ": no answer: ", fit.message));
+    }
+  }
+  if (!std::ranges::any_of(out.fits, &Fit::converged)) {
+    throw NoAnswerError("no law has an answer for any specimen, nothing is written: " +
+                        out.fits.front().message);
+  }
+  return out;
+}
+
 std::string RunTensions(const FitTask& task, RunContext& context) {
   ACUS_REQUIRE(
       task.models.size() == 1 && task.tissue.empty(),
       "--models hyperelastic is for tension tests, not for recordings of a needle; give it "
       "alone, without --tissue");
   AtomicFolder folder(task.output, context.overwrite);
-  std::vector<TensionTest> tests;
-  std::vector<TensionFit> fits;
-  std::vector<std::string> names;
-  nlohmann::json specimens = nlohmann::json::array();
-  for (std::size_t i = 0; i < task.inputs.size(); ++i) {
-    Advance("fitting", i, task, context);
-    const TensionTest& test = tests.emplace_back(ReadTensionTest(task.inputs[i]));
-    ACUS_REQUIRE(std::ranges::find(names, test.name) == names.end(), task.inputs[i].string(),
-                 ": another specimen is named '", test.name, "' too; rename one");
-    names.push_back(test.name);
-    fits.push_back(FitTension(test));
-    specimens.push_back(TensionJson(test, fits.back()));
-    report::WriteSvg(folder.path() / (test.name + "_tension.svg"), TensionPlot(test, fits.back()));
-    if (!fits.back().converged) {
-      context.Warn(Message(task.inputs[i].string(), ": no answer: ", fits.back().message));
-    }
-  }
-  if (!std::ranges::any_of(fits, &TensionFit::converged)) {
-    throw NoAnswerError("no law has an answer for any specimen, nothing is written: " +
-                        fits.front().message);
-  }
-  config::WriteJson(folder.path() / "fit.json", {{"specimens", specimens}});
+  const auto specimens = FitSpecimens(task, context, folder, kTensions, FitTension);
+  config::WriteJson(folder.path() / "fit.json", {{"specimens", specimens.documents}});
   config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
   folder.Commit();
-  return TensionTable(tests, fits);
+  return TensionTable(specimens.tests, specimens.fits);
 }
 
-/// Reads, fits and draws every specimen. @param fit_one  an IndentationFit of a test.
+/// @param fit_one  an IndentationFit of a test.
 template <typename FitOne>
 std::string RunIndentationTests(const FitTask& task, RunContext& context, const FitOne& fit_one,
                                 bool is_shared) {
   AtomicFolder folder(task.output, context.overwrite);
-  std::vector<IndentationTest> tests;
-  std::vector<IndentationFit> fits;
-  std::vector<std::string> names;
-  nlohmann::json specimens = nlohmann::json::array();
-  for (std::size_t i = 0; i < task.inputs.size(); ++i) {
-    Advance("fitting", i, task, context);
-    const IndentationTest& test = tests.emplace_back(ReadIndentationTest(task.inputs[i]));
-    ACUS_REQUIRE(std::ranges::find(names, test.name) == names.end(), task.inputs[i].string(),
-                 ": another specimen is named '", test.name, "' too; rename one");
-    names.push_back(test.name);
-    const IndentationFit& fit = fits.emplace_back(fit_one(test));
-    specimens.push_back(IndentationJson(test, fit));
-    report::WriteSvg(folder.path() / (test.name + "_indentation.svg"), IndentationPlot(test, fit));
-    if (!fit.converged) {
-      context.Warn(Message(task.inputs[i].string(), ": no answer: ", fit.message));
-    }
-  }
-  if (!std::ranges::any_of(fits, &IndentationFit::converged)) {
-    throw NoAnswerError("no law has an answer for any specimen, nothing is written: " +
-                        fits.front().message);
-  }
-  nlohmann::json document = {{"specimens", specimens}};
-  if (is_shared) document["shared"] = ShapeJson(FitSharedShape(tests, fits));
+  const auto specimens = FitSpecimens(task, context, folder, kIndentations, fit_one);
+  nlohmann::json document = {{"specimens", specimens.documents}};
+  if (is_shared) document["shared"] = ShapeJson(FitSharedShape(specimens.tests, specimens.fits));
   config::WriteJson(folder.path() / (is_shared ? "fit.json" : "prediction.json"), document);
   config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
   folder.Commit();
-  return IndentationTable(tests, fits);
+  return IndentationTable(specimens.tests, specimens.fits);
 }
 
 std::string RunIndentations(const FitTask& task, RunContext& context) {

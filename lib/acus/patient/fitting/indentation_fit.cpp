@@ -100,24 +100,32 @@ void Describe(const IndentationTest& test, IndentationFit& fit) {
   fit.relative_rms_hold = std::sqrt(held / static_cast<double>(unit.size() - hold));
 }
 
-IndentationFit FitLawTo(const IndentationTest& test, HyperelasticLaw law) {
+/// Contact and what `shape_of` takes of the parameters behind it.
+template <typename ShapeOfParameters>
+IndentationFit FitContact(const IndentationTest& test, std::vector<SeriesParameter> parameters,
+                          const ShapeOfParameters& shape_of, const SeriesOptions& options) {
   const SeriesModel model = [&](std::span<const double> p, std::span<double> predicted) {
-    const std::vector<double> unit = ReplayIndentation(ShapeOf(law, p.subspan(1)), test, p[0]);
+    const std::vector<double> unit = ReplayIndentation(shape_of(p.subspan(1)), test, p[0]);
     const double scale = BestScale(unit, test.force_n);
     for (std::size_t i = 0; i < unit.size(); ++i) predicted[i] = scale * unit[i];
   };
-  std::vector<SeriesParameter> parameters = {ContactParameter(test)};
-  for (SeriesParameter& p : ShapeParameters(law)) parameters.push_back(std::move(p));
-  const SeriesFit series = FitSeries(model, test.force_n, parameters, {.most_iterations = 150});
+  parameters.insert(parameters.begin(), ContactParameter(test));
+  const SeriesFit series = FitSeries(model, test.force_n, parameters, options);
   IndentationFit fit;
   fit.converged = series.converged;
   fit.message = series.message;
   if (!series.converged) return fit;
-  fit.shape = ShapeOf(law, std::span<const double>(series.parameters).subspan(1));
+  fit.shape = shape_of(std::span<const double>(series.parameters).subspan(1));
   fit.contact_mm = series.Of(0);
   fit.aic = series.aic;
   Describe(test, fit);
   return fit;
+}
+
+IndentationFit FitLawTo(const IndentationTest& test, HyperelasticLaw law) {
+  return FitContact(test, ShapeParameters(law),
+                    [law](std::span<const double> p) { return ShapeOf(law, p); },
+                    {.most_iterations = 150});
 }
 
 }  // namespace
@@ -238,20 +246,8 @@ IndentationShape FitSharedShape(std::span<const IndentationTest> tests,
 }
 
 IndentationFit FitWithShape(const IndentationTest& test, const IndentationShape& shape) {
-  const SeriesModel model = [&](std::span<const double> p, std::span<double> predicted) {
-    const std::vector<double> unit = ReplayIndentation(shape, test, p[0]);
-    const double scale = BestScale(unit, test.force_n);
-    for (std::size_t i = 0; i < unit.size(); ++i) predicted[i] = scale * unit[i];
-  };
-  const SeriesFit series = FitSeries(model, test.force_n, {ContactParameter(test)});
-  IndentationFit fit;
-  fit.converged = series.converged;
-  fit.message = series.message;
-  fit.shape = shape;
-  if (!series.converged) return fit;
-  fit.contact_mm = series.Of(0);
-  Describe(test, fit);
-  return fit;
+  return FitContact(test, {},
+                    [&](std::span<const double>) -> const IndentationShape& { return shape; }, {});
 }
 
 json ShapeJson(const IndentationShape& shape) {
