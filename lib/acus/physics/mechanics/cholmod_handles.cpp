@@ -3,13 +3,12 @@
 #include <algorithm>
 
 #include "acus/base/core/error.h"
-
-extern "C" void openblas_set_num_threads(int num_threads);
+#include "acus/physics/mechanics/blas.h"
 
 namespace acus::mechanics {
 
 CholmodCommon::CholmodCommon() {
-  openblas_set_num_threads(1);
+  HoldBlasToOneThread();
   cholmod_l_start(&common_);
   common_.print = 0;
   common_.error_handler = nullptr;

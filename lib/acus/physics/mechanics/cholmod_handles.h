@@ -9,9 +9,8 @@
 
 namespace acus::mechanics {
 
-/// CHOLMOD's workspace and settings, with long indices: supernodal LL^T, METIS, silent. Keeps
-/// OpenBLAS to one thread (process-wide), so that the same matrix gives the same bits, and because
-/// it is faster for the sizes here.
+/// CHOLMOD's workspace and settings, with long indices: supernodal LL^T, METIS, silent. Holds
+/// OpenBLAS to one thread (blas.h).
 class CholmodCommon {
  public:
   CholmodCommon();

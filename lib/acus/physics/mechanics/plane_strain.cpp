@@ -6,12 +6,7 @@
 #include <numeric>
 
 #include "acus/base/core/error.h"
-
-extern "C" {
-void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
-void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
-void openblas_set_num_threads(int num_threads);
-}
+#include "acus/physics/mechanics/blas.h"
 
 namespace acus::mechanics {
 namespace {
@@ -241,7 +236,7 @@ PlaneCompliance InvertPlane(const PlaneGrid& grid, const std::vector<ElasticTiss
     }
   }
   const Eigen::VectorXd diagonal = out.matrix.diagonal();
-  openblas_set_num_threads(1);
+  HoldBlasToOneThread();
   int info = 0;
   dpotrf_("L", &num_dofs, out.matrix.data(), &num_dofs, &info);
   for (int i = 0; i < num_dofs && info == 0; ++i) {
