@@ -64,3 +64,7 @@ exec unshare -rn \"$@\"" - ${trust_replay} --png none -o run)
 acus_add_cli_case(trust.list_of_combinations EXIT 0 NEEDS inputs TIMEOUT 60 STDOUT "^case jointly-"
   COMMAND acus-tradeoff scene $INPUTS/scenario.json $INPUTS/session --ct $INPUTS/ct.nrrd
           --labels $INPUTS/labels.seg.nrrd --jointly --list)
+
+# A mutant behind its switch does what the change of the source itself does.
+acus_add_cli_case(trust.mutants EXIT 0 STDOUT "changes, [0-9]+ tokens"
+  COMMAND python3 ${CMAKE_CURRENT_LIST_DIR}/mutants.py ${CMAKE_SOURCE_DIR} mutants)

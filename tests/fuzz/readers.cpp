@@ -22,13 +22,16 @@
 #include "acus/data/transforms/landmarks.h"
 #include "acus/data/transforms/transform_file.h"
 #include "acus/data/volume/dicom_header.h"
+#include "acus/data/volume/dicom_segmentation.h"
 #include "acus/data/volume/displacement_file.h"
+#include "acus/data/volume/named_values.h"
 #include "acus/data/volume/scalar_file.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/data/volume/vti_file.h"
 #include "acus/imaging/rf/matlab_file.h"
 #include "acus/physics/forces/force_curve.h"
 #include "acus/rig/tracking/igtl_wire.h"
+#include "support/dicom_segmentation_writer.h"
 
 namespace acus::fuzz {
 namespace {
@@ -174,6 +177,27 @@ void WriteChannels(Path folder) {
   rf::WriteMatlab(folder / "seed.mat", data);
 }
 
+void WriteSegmentation(Path folder) {
+  testing_support::DicomSegObject object;
+  object.segments = {{.label = "Liver", .code = "10200004", .side_code = ""},
+                     {.label = "Kidney", .code = "64033007", .side_code = "7771000"}};
+  object.frames = {{1, {5, 6, 10}, {1, 0, 0, 0, 0, 0, 0, 0, 1}},
+                   {2, {5, 6, 14}, {0, 1, 0, 0, 0, 0, 0, 0, 0}}};
+  testing_support::WriteDicomSegmentation(folder / "seed.dcm", object);
+}
+
+/// Two segments in two layers.
+void WriteSegments(Path folder) {
+  volume::ScalarFile file = SmallVolume(2);
+  file.type = volume::ScalarType::kUint8;
+  file.bytes.resize(24);
+  file.keys = {{"Segment0_ID", "a"},         {"Segment0_Layer", "0"},
+               {"Segment0_LabelValue", "1"}, {"Segment0_Name", "liver"},
+               {"Segment1_ID", "b"},         {"Segment1_Layer", "1"},
+               {"Segment1_LabelValue", "1"}, {"Segment1_Name", "tumour"}};
+  volume::WriteScalarFile(folder / "seed.seg.nrrd", file);
+}
+
 constexpr Reader kReaders[] = {
     {"preset", ".json", ReadPreset, WritePresets},
     {"csv_table", ".csv",
@@ -197,6 +221,9 @@ constexpr Reader kReaders[] = {
                                  "1.2\0",
                                  12));
      }},
+    {"dicom_segmentation", ".dcm", [](Path file) { volume::ReadDicomSegmentation(file); },
+     WriteSegmentation},
+    {"segments", ".seg.nrrd", [](Path file) { volume::ReadNamedValues(file); }, WriteSegments},
     {"stl", ".stl", ReadSurfaceFile, [](Path folder) { WriteMesh(folder, ".stl"); }},
     {"obj", ".obj", ReadSurfaceFile, [](Path folder) { WriteMesh(folder, ".obj"); }},
     {"ply", ".ply", ReadSurfaceFile, [](Path folder) { WriteMesh(folder, ".ply"); }},

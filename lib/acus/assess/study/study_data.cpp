@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <set>
 #include <tuple>
 
 #include "acus/assess/study/csv_cell.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 #include "acus/run/training/discarded.h"
 #include "acus/run/training/score.h"
 
@@ -52,11 +52,9 @@ void RequireListed(const TrialRecord& record, const Study& study, const std::str
 }
 
 int WholeNumber(const std::string& text, const std::string& where, const char* what) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  ACUS_REQUIRE(error == std::errc{} && end == text.data() + text.size(), where, ": ", what, " \"",
-               text, "\" is not a whole number");
-  return value;
+  const auto value = ParseNumber<int>(text);
+  ACUS_REQUIRE(value, where, ": ", what, " \"", text, "\" is not a whole number");
+  return *value;
 }
 
 std::vector<TrialRecord> RecordsOfTable(const fs::path& path, const Study& study) {

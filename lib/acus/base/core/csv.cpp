@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 #include "acus/base/core/spelling.h"
 #include "acus/base/core/words.h"
 
@@ -86,10 +86,9 @@ std::vector<double> CsvTable::Numbers(std::string_view column) const {
   std::vector<double> values(num_rows());
   for (std::size_t row = 0; row < values.size(); ++row) {
     const std::string& cell = cells_[row * columns_.size() + index];
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), values[row]);
-    const bool whole = error == std::errc() && end == cell.data() + cell.size();
-    ACUS_REQUIRE(whole && std::isfinite(values[row]), Where(row), ": ", column, " is '", cell,
-                 "'; a finite number is needed");
+    const auto value = ParseFinite(cell);
+    ACUS_REQUIRE(value, Where(row), ": ", column, " is '", cell, "'; a finite number is needed");
+    values[row] = *value;
   }
   return values;
 }

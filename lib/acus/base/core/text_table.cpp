@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 
 namespace acus {
 namespace {
@@ -17,9 +17,7 @@ std::size_t Width(const std::string& text) {
 }
 
 bool IsNumberOrNothing(const std::string& text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return text.empty() || text == "-" || (error == std::errc() && end == text.data() + text.size());
+  return text.empty() || text == "-" || ParseNumber<double>(text);
 }
 
 }  // namespace

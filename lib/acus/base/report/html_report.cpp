@@ -1,23 +1,17 @@
 #include "acus/base/report/html_report.h"
 
 #include <array>
-#include <charconv>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 #include "acus/base/report/html_parts.h"
 #include "acus/base/report/markup.h"
 
 namespace acus::report {
 namespace {
-
-bool IsNumber(const std::string& text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
-}
 
 /// A relative path as a URL: bytes with a meaning in URLs are percent-encoded.
 std::string Url(const std::filesystem::path& path) {
@@ -71,7 +65,8 @@ void HtmlReport::Table(const std::vector<std::string>& header,
   for (const auto& row : rows) {
     ACUS_ASSERT(row.size() == header.size());
     for (std::size_t i = 0; i < row.size(); ++i) {
-      is_number[i] = is_number[i] && (row[i].empty() || row[i] == "-" || IsNumber(row[i]));
+      is_number[i] =
+          is_number[i] && (row[i].empty() || row[i] == "-" || ParseNumber<double>(row[i]));
     }
   }
   body_ += "<div class=\"scroll\"><table>\n";

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <charconv>
-#include <cmath>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 
 namespace acus::mesh {
 
@@ -37,11 +37,9 @@ class TextScanner {
     ACUS_REQUIRE(index < words_.size(), Where(), ": a number is missing; is the file cut off?");
     std::string_view word = words_[index];
     if (word.starts_with('+')) word.remove_prefix(1);
-    double value = 0.0;
-    const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    ACUS_REQUIRE(error == std::errc() && rest == word.data() + word.size() && std::isfinite(value),
-                 Where(), ": '", words_[index], "' is not a finite number");
-    return value;
+    const auto value = ParseFinite(word);
+    ACUS_REQUIRE(value, Where(), ": '", words_[index], "' is not a finite number");
+    return *value;
   }
 
   /// Leading whole number of word `index`, up to its end or a '/'.

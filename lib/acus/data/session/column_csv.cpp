@@ -7,6 +7,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 #include "acus/data/session/csv_rows.h"
 #include "acus/data/session/pose_csv.h"
 
@@ -114,7 +115,7 @@ ToolColumns ToolOf(const json& tool, const std::vector<std::string>& names,
 }
 
 std::optional<double> NumberAt(const std::vector<std::string>& cells, std::size_t column) {
-  return column < cells.size() ? FiniteNumber(cells[column]) : std::nullopt;
+  return column < cells.size() ? ParseFinite(cells[column]) : std::nullopt;
 }
 
 /// Nothing if the tool was not seen.

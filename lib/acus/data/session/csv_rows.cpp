@@ -1,11 +1,10 @@
 #include "acus/data/session/csv_rows.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 #include "acus/base/core/words.h"
 #include "acus/data/session/pose_csv.h"
 
@@ -34,13 +33,6 @@ std::string List(std::span<const std::string_view> words, std::string_view separ
 }
 
 }  // namespace
-
-std::optional<double> FiniteNumber(std::string_view text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
-  return value;
-}
 
 CsvRows::CsvRows(const std::filesystem::path& path, std::span<const std::string_view> columns,
                  std::span<const std::string_view> words, const RunContext& context)
@@ -118,7 +110,7 @@ bool CsvRows::ReadRow(std::string_view line, bool is_complete) {
 }
 
 double CsvRows::Number(std::size_t column) const {
-  const auto value = FiniteNumber(cells_[column]);
+  const auto value = ParseFinite(cells_[column]);
   ACUS_REQUIRE(value.has_value(), Where(), ": ", columns_[column], " is '", cells_[column],
                "'; a finite number is needed");
   return *value;

@@ -66,7 +66,4 @@ class CsvRows {
   std::optional<std::int64_t> last_time_ns_;
 };
 
-/// The cell as a finite number, if it is one.
-std::optional<double> FiniteNumber(std::string_view text);
-
 }  // namespace acus::session

@@ -7,6 +7,7 @@
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 #include "acus/base/core/xml_scan.h"
 #include "acus/data/session/csv_rows.h"
 #include "acus/data/session/pose_csv.h"
@@ -20,8 +21,8 @@ constexpr std::int64_t kSearchNs = 2'000'000;
 
 /// Slicer keeps times as text of six significant digits.
 std::int64_t StampNs(const core::XmlElement& entry, const std::string& label) {
-  const auto seconds = FiniteNumber(entry.Attribute("TimeStampSec").value_or(""));
-  const auto nanoseconds = FiniteNumber(entry.Attribute("TimeStampNSec").value_or(""));
+  const auto seconds = ParseFinite(entry.Attribute("TimeStampSec").value_or(""));
+  const auto nanoseconds = ParseFinite(entry.Attribute("TimeStampNSec").value_or(""));
   const double time_s = seconds && nanoseconds ? *seconds + 1e-9 * *nanoseconds : kMaxTimeS;
   ACUS_REQUIRE(std::abs(time_s) < kMaxTimeS, label,
                ": a log entry has no valid TimeStampSec and TimeStampNSec");

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <span>
@@ -10,6 +9,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 #include "acus/data/session/csv_rows.h"
 
 namespace acus::session {
@@ -26,7 +26,7 @@ constexpr std::array<std::string_view, 2> kStatus = {"OK", "INVALID"};
 transforms::Pose PoseOf(const CsvRows& rows) {
   std::array<double, 7> values{};
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto value = FiniteNumber(rows.Cell(i + 1));
+    const auto value = ParseFinite(rows.Cell(i + 1));
     ACUS_REQUIRE(value.has_value(), rows.Where(), ": ", kColumns[i + 1], " is '", rows.Cell(i + 1),
                  "'; a finite number is needed (a tool that was not seen has status INVALID)");
     values[i] = *value;
@@ -125,7 +125,7 @@ std::string SecondsText(std::int64_t time_ns) {
 }
 
 std::optional<std::int64_t> NanosecondsFromText(std::string_view seconds) {
-  const auto value = FiniteNumber(seconds);
+  const auto value = ParseFinite(seconds);
   if (!value || std::abs(*value) > kMaxTimeS) return {};
   // A double holds only 15 to 17 digits: a stamp in Unix time would lose its nanoseconds.
   const bool negative = !seconds.empty() && seconds.front() == '-';

@@ -1,13 +1,12 @@
 #include "acus/data/session/sequence_header.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <map>
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
+#include "acus/base/core/number_text.h"
 #include "acus/base/core/words.h"
 
 namespace acus::session {
@@ -25,13 +24,6 @@ constexpr std::uint64_t kMaxUntimedFrames = 1'000'000;
 // No zlib stream grows by more than this (deflate codes 258 bytes in 2 bits).
 constexpr std::uint64_t kMaxInflation = 1032;
 constexpr std::string_view kFramePrefix = "Seq_Frame";
-
-std::optional<std::uint64_t> Whole(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return {};
-  return value;
-}
 
 std::vector<std::string_view> Words(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r\n";
@@ -94,11 +86,9 @@ std::size_t BytesOf(PixelType type) {
 std::optional<std::vector<double>> NumbersOf(std::string_view text) {
   std::vector<double> numbers;
   for (const std::string_view word : Words(text)) {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
-      return {};
-    numbers.push_back(value);
+    const auto value = ParseFinite(word);
+    if (!value) return {};
+    numbers.push_back(*value);
   }
   return numbers;
 }
@@ -203,7 +193,7 @@ class SequenceHeaderReader {
       ACUS_REQUIRE(Flag(value), Where(),
                    ": BinaryData is False; pixels written as text are not read");
     } else if (name == "CompressedDataSize") {
-      compressed_bytes_ = Whole(value);
+      compressed_bytes_ = ParseNumber<std::uint64_t>(value);
       ACUS_REQUIRE(compressed_bytes_, Where(), ": CompressedDataSize is '", value,
                    "'; a whole number is needed");
     } else if (name == "ElementDataFile") {
@@ -255,7 +245,7 @@ class SequenceHeaderReader {
       return;
     }
     const std::size_t underscore = name.find('_', kFramePrefix.size());
-    const auto frame = Whole(name.substr(
+    const auto frame = ParseNumber<std::uint64_t>(name.substr(
         kFramePrefix.size(), underscore == name.npos ? 0 : underscore - kFramePrefix.size()));
     ACUS_REQUIRE(frame && underscore + 1 < name.size(), Where(), ": '", name,
                  "' is not the name of a frame's field (Seq_Frame0000_Name)");
@@ -286,9 +276,10 @@ class SequenceHeaderReader {
   void SetSizes(const std::vector<std::string_view>& words) {
     ACUS_REQUIRE(words.size() == 2 || words.size() == 3, Where(), ": the size has ", words.size(),
                  " numbers; width, height and number of frames are needed");
-    const auto width = Whole(words[0]);
-    const auto height = Whole(words[1]);
-    const auto frames = words.size() == 3 ? Whole(words[2]) : std::optional<std::uint64_t>(1);
+    const auto width = ParseNumber<std::uint64_t>(words[0]);
+    const auto height = ParseNumber<std::uint64_t>(words[1]);
+    const auto frames =
+        words.size() == 3 ? ParseNumber<std::uint64_t>(words[2]) : std::optional<std::uint64_t>(1);
     ACUS_REQUIRE(
         width && height && frames && *width <= kMaxSide && *height <= kMaxSide && *frames >= 1,
         Where(), ": the size is not three whole numbers (width and height at most ", kMaxSide,
@@ -307,7 +298,7 @@ class SequenceHeaderReader {
   }
 
   void SetChannels(std::string_view value) {
-    const auto channels = Whole(value);
+    const auto channels = ParseNumber<std::uint64_t>(value);
     ACUS_REQUIRE(channels && *channels >= 1 && *channels <= 4, Where(), ": ", value,
                  " values per pixel; 1 to 4 are read");
     header_.channels = *channels;

@@ -1,6 +1,5 @@
 #include "acus/data/transforms/transform_file.h"
 
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -9,6 +8,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 #include "acus/base/core/words.h"
 #include "acus/base/math/rigid.h"
 
@@ -30,11 +30,9 @@ std::vector<double> Numbers(std::string_view text, const std::string& where) {
   for (std::size_t begin = text.find_first_not_of(kSeparators); begin != text.npos;) {
     const std::size_t end = std::min(text.find_first_of(kSeparators, begin), text.size());
     const std::string_view word = text.substr(begin, end - begin);
-    double value = 0.0;
-    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    ACUS_REQUIRE(error == std::errc() && stop == word.data() + word.size() && std::isfinite(value),
-                 where, ": '", word.substr(0, 40), "' is not a finite number");
-    numbers.push_back(value);
+    const auto value = ParseFinite(word);
+    ACUS_REQUIRE(value, where, ": '", word.substr(0, 40), "' is not a finite number");
+    numbers.push_back(*value);
     begin = text.find_first_not_of(kSeparators, end);
   }
   return numbers;

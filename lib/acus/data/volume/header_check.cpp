@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -13,6 +12,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
+#include "acus/base/core/number_text.h"
 #include "acus/base/core/words.h"
 
 namespace acus::volume {
@@ -80,11 +80,10 @@ std::vector<double> NumbersIn(const std::string& text, const fs::path& path,
   std::vector<double> values;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    ACUS_REQUIRE(error == std::errc() && end == word.data() + word.size() && std::isfinite(value),
-                 path.string(), ": ", key, ": '", word, "' is not a number; the header is broken");
-    values.push_back(value);
+    const auto value = ParseFinite(word);
+    ACUS_REQUIRE(value, path.string(), ": ", key, ": '", word,
+                 "' is not a number; the header is broken");
+    values.push_back(*value);
   }
   return values;
 }

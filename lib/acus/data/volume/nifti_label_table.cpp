@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <cstring>
 #include <memory>
 #include <string_view>
 #include <zlib.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 #include "acus/base/core/xml_scan.h"
 
 namespace acus::volume {
@@ -57,11 +56,10 @@ ValueNames TableIn(std::string_view xml, const std::string& label) {
   for (const core::XmlElement& element : core::ScanXml(xml, label)) {
     if (element.name != "Label") continue;
     const std::string key = element.Attribute("Key").value_or("");
-    std::int32_t value = 0;
-    const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), value);
-    ACUS_REQUIRE(error == std::errc() && end == key.data() + key.size(), label, ": the Key '", key,
-                 "' of label '", element.text, "' is not an integer; export the file again");
-    if (value != 0) names[value] = {.text = element.text, .codes = {}};
+    const auto value = ParseNumber<std::int32_t>(key);
+    ACUS_REQUIRE(value, label, ": the Key '", key, "' of label '", element.text,
+                 "' is not an integer; export the file again");
+    if (*value != 0) names[*value] = {.text = element.text, .codes = {}};
   }
   return names;
 }

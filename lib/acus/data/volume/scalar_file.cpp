@@ -226,6 +226,15 @@ bool IsScalarFileName(const fs::path& path) {
   return FormatOf(path) != Format::kUnknown;
 }
 
+std::string VolumeStem(const fs::path& path) {
+  std::string name = path.filename().string();
+  for (const std::string_view ending :
+       {".gz", ".nii", ".nrrd", ".nhdr", ".seg", ".mha", ".mhd", ".vti", ".dcm"}) {
+    if (name.ends_with(ending)) name.erase(name.size() - ending.size());
+  }
+  return name;
+}
+
 void RequireUsable(const Geometry& geometry, const fs::path& path) {
   const auto& spacing = geometry.spacing_mm;
   ACUS_REQUIRE((geometry.size >= 1).all(), path.string(), ": the volume is empty");

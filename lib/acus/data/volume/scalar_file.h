@@ -39,6 +39,10 @@ std::size_t BytesOf(ScalarType type);
 /// .mha, .mhd).
 bool IsScalarFileName(const std::filesystem::path& path);
 
+/// The file's name without the endings of volumes, label maps and DICOM files: "spleen" of
+/// "a/spleen.nii.gz" and "spleen.seg.nrrd".
+std::string VolumeStem(const std::filesystem::path& path);
+
 /// Reads NIfTI, NRRD or MetaImage, by extension. The direction of the result is right-handed: the
 /// slices of a left-handed file are taken in reverse order.
 /// @throws InputError if the file is broken, cut off, not a single 3-D scalar volume, or its

@@ -58,14 +58,6 @@ std::optional<long> NumberIn(const std::string& name) {
   return std::stol(name.substr(begin, end - begin));
 }
 
-std::string StemOf(const fs::path& path) {
-  std::string name = path.filename().string();
-  for (const char* ending : {".gz", ".nii", ".nrrd", ".nhdr", ".mha", ".mhd"}) {
-    if (name.ends_with(ending)) name.erase(name.size() - std::string(ending).size());
-  }
-  return name;
-}
-
 /// In the order of the numbers in the names, which must be evenly spaced; by name without numbers.
 void SortByNumber(std::vector<PhaseFile>& phases, const fs::path& folder) {
   const bool numbered = std::ranges::all_of(
@@ -96,7 +88,7 @@ std::vector<PhaseFile> VolumesIn(const fs::path& folder) {
     const fs::path& path = entry.path();
     if (!entry.is_regular_file() || !volume::IsScalarFileName(path)) continue;
     if (path.filename().string().find(".seg.") != std::string::npos) continue;
-    phases.push_back({.name = StemOf(path), .path = path, .series = {}, .breath = {}});
+    phases.push_back({.name = volume::VolumeStem(path), .path = path, .series = {}, .breath = {}});
   }
   SortByNumber(phases, folder);
   return phases;

@@ -44,7 +44,7 @@ volume::NamedValues FromMasks(const std::vector<fs::path>& files) {
     ACUS_REQUIRE(mask.geometry.Matches(grid), file.string(), ": lies on another grid than ",
                  files.front().filename().string(), "; the masks of a folder need one grid");
     RequireOneValue(mask, file);
-    masks.push_back({.name = {.text = StemOf(file), .codes = {}},
+    masks.push_back({.name = {.text = volume::VolumeStem(file), .codes = {}},
                      .voxels = VoxelsWhere(mask, file.string(),
                                            [](std::int32_t value) { return value != 0; })});
   }
@@ -79,15 +79,6 @@ volume::NamedValues ReadForeignMap(const fs::path& path) {
   if (!beside.names.empty()) map.named_by = "by " + beside.file.filename().string();
   map.names = std::move(beside.names);
   return map;
-}
-
-std::string StemOf(const fs::path& file) {
-  std::string name = file.filename().string();
-  for (const char* ending :
-       {".gz", ".nii", ".nrrd", ".nhdr", ".seg", ".mha", ".mhd", ".vti", ".dcm"}) {
-    if (name.ends_with(ending)) name.erase(name.size() - std::string(ending).size());
-  }
-  return name;
 }
 
 }  // namespace acus::segmentation

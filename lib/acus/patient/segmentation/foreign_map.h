@@ -16,8 +16,4 @@ namespace acus::segmentation {
 /// @throws InputError if a file is broken, a mask has several values, or the folder has neither.
 volume::NamedValues ReadForeignMap(const std::filesystem::path& path);
 
-/// The file name without the endings of label maps: "spleen" of "spleen.nii.gz" and
-/// "spleen.seg.nrrd".
-std::string StemOf(const std::filesystem::path& file);
-
 }  // namespace acus::segmentation

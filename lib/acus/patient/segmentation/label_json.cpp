@@ -1,26 +1,19 @@
 #include "acus/patient/segmentation/label_json.h"
 
-#include <charconv>
 #include <optional>
 #include <vector>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
+#include "acus/data/volume/scalar_file.h"
 #include "acus/data/volume/terminology.h"
-#include "acus/patient/segmentation/foreign_map.h"
 
 namespace acus::segmentation {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-std::optional<std::int32_t> IntegerIn(const std::string& text) {
-  std::int32_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return {};
-  return value;
-}
 
 void AddName(std::int32_t value, const std::string& text, const fs::path& file,
              volume::ValueNames& names) {
@@ -37,7 +30,7 @@ volume::ValueNames NamesIn(const json& object, const fs::path& file) {
   if (!object.is_object()) return names;
   for (const auto& [key, entry] : object.items()) {
     if (entry.is_string()) {
-      const auto value = IntegerIn(key);
+      const auto value = ParseNumber<std::int32_t>(key);
       if (!value) return {};
       AddName(*value, entry.get<std::string>(), file, names);
     } else if (entry.is_number_integer()) {
@@ -94,7 +87,7 @@ volume::ValueNames NamesOfDocument(const json& document, const fs::path& file) {
 
 NamesBeside FindNamesBeside(const fs::path& label_map) {
   const fs::path folder = label_map.parent_path();
-  std::vector<fs::path> candidates = {folder / (StemOf(label_map) + ".json")};
+  std::vector<fs::path> candidates = {folder / (volume::VolumeStem(label_map) + ".json")};
   for (const fs::path& place : {folder, folder / ".."}) {
     for (const char* name : {"dataset.json", "metadata.json"}) candidates.push_back(place / name);
   }

@@ -1,12 +1,11 @@
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <optional>
 #include <sstream>
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 #include "acus/base/math/statistics.h"
 #include "acus/physics/breathing/recorded_breath.h"
 
@@ -34,11 +33,9 @@ std::vector<double> NumbersOf(std::string line, const std::string& where) {
   std::istringstream in(line);
   std::vector<double> numbers;
   for (std::string word; in >> word;) {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    ACUS_REQUIRE(error == std::errc() && end == word.data() + word.size() && std::isfinite(value),
-                 where, ": '", word, "' is not a finite number");
-    numbers.push_back(value);
+    const auto value = ParseFinite(word);
+    ACUS_REQUIRE(value, where, ": '", word, "' is not a finite number");
+    numbers.push_back(*value);
   }
   return numbers;
 }
@@ -85,12 +82,11 @@ BreathSignal FromPlainColumns(const std::filesystem::path& path, const std::stri
   std::size_t column = 0;
   if (!options.column.empty()) {
     const auto& name = options.column;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), column);
-    ACUS_REQUIRE(error == std::errc() && end == name.data() + name.size() &&
-                     column < columns.rows.front().size(),
-                 path.string(), ": no column '", name,
-                 "'; the file has no header, so columns are 0 to ",
+    const auto number = ParseNumber<std::size_t>(name);
+    ACUS_REQUIRE(number && *number < columns.rows.front().size(), path.string(), ": no column '",
+                 name, "'; the file has no header, so columns are 0 to ",
                  columns.rows.front().size() - 1);
+    column = *number;
   }
   BreathSignal out{.start_s = 0.0, .step_s = 1.0 / rate_hz, .level = {}};
   for (const auto& row : columns.rows) out.level.push_back(row[column]);

@@ -2,10 +2,10 @@
 
 #include <array>
 #include <atomic>
-#include <charconv>
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/monotonic_time.h"
+#include "acus/base/core/number_text.h"
 #include "acus/rig/haptics/axes.h"
 #include "acus/rig/haptics/dhd_api.h"
 #include "acus/rig/haptics/real_time.h"
@@ -19,11 +19,10 @@ constexpr int kTicksPerStatus = 50;
 constexpr unsigned char kWatchdogTicks = 25;  ///< In the device, of 4 ms or so each.
 
 int SerialOf(const std::string& text) {
-  int serial = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), serial);
-  ACUS_REQUIRE(error == std::errc() && end == text.data() + text.size() && serial >= 0,
+  const auto serial = ParseNumber<int>(text);
+  ACUS_REQUIRE(serial && *serial >= 0,
                "Force Dimension SDK: a device is named by its serial number, not '", text, "'");
-  return serial;
+  return *serial;
 }
 
 /// Opens one device. @throws InputError

@@ -7,6 +7,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/random.h"
 #include "acus/data/volume/labels.h"
+#include "acus/data/volume/scalar_file.h"
 #include "support/temporary_folder.h"
 
 namespace acus::volume {
@@ -141,6 +142,12 @@ INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat,
                            std::erase(name, '.');
                            return name;
                          });
+
+TEST(VolumeStem, IsTheNameWithoutTheEndingsOfVolumes) {
+  EXPECT_EQ(VolumeStem("a/spleen.nii.gz"), "spleen");
+  EXPECT_EQ(VolumeStem("spleen.seg.nrrd"), "spleen");
+  EXPECT_EQ(VolumeStem("s.1.mha"), "s.1");
+}
 
 TEST(LabelMap, NamesAndVoxelsComeBackFromASegNrrd) {
   const TemporaryFolder folder;

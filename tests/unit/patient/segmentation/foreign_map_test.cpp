@@ -95,11 +95,5 @@ TEST(ForeignMap, OfAFolderMayBeASegmentationObject) {
   EXPECT_EQ(NameIn(ReadForeignMap(folder / "."), 1), "Liver");
 }
 
-TEST(StemOf, RemovesTheEndingsOfLabelMaps) {
-  EXPECT_EQ(StemOf("a/spleen.nii.gz"), "spleen");
-  EXPECT_EQ(StemOf("spleen.seg.nrrd"), "spleen");
-  EXPECT_EQ(StemOf("s.1.mha"), "s.1");
-}
-
 }  // namespace
 }  // namespace acus::segmentation
