@@ -20,7 +20,8 @@ OPERATORS = {(" + ", " - "): "PlusMinus", (" - ", " + "): "MinusPlus", (" * ", "
              (" <= ", " < "): "AtMostLess", (" > ", " >= "): "GreaterOrEqual", (" > ", " < "): "GreaterLess",
              (" >= ", " > "): "AtLeastGreater", (" == ", " != "): "EqualNot", (" != ", " == "): "NotEqual"}
 CONNECTIVES = {" && ": "AndOr", " || ": "OrAnd"}
-CONSTANT = re.compile(r"(?:^|[;{}~])\s*(?:static |inline )?(constexpr) [^;(){}]*(?:=[^;]*|\{[^;]*)$")
+# A number by itself: tables are needed by other initialisers.
+CONSTANT = re.compile(r"(?:^|[;{}~])\s*(?:static |inline )?(constexpr) [^;(){}\[\]<]*=[^;{]*$")
 OPENING, CLOSING = "([{", ")]}"
 
 Mutant = collections.namedtuple("Mutant", "file line column offset before after")
