@@ -32,6 +32,18 @@ acus_add_cli_case(acus-replay.preset_of_viscoelastic_forces EXIT 0 NEEDS inputs
   STDOUT "largest axial force: [1-9]" "punctures: [1-9]" CREATES r/forces.csv
   COMMAND acus-replay scenarios/liver_biopsy_viscoelastic.json $INPUTS/session ${patient} -o r
           --set /effects/ultrasound=null --set /effects/ct_slice=null)
+foreach(model springs 2d)
+  acus_add_cli_case(acus-replay.preset_of_viscoelastic_${model} EXIT 0 NEEDS inputs
+    STDOUT "largest axial force: [1-9]" "punctures: [1-9]" CREATES r/forces.csv
+    COMMAND acus-replay scenarios/liver_biopsy_viscoelastic_${model}.json $INPUTS/session ${patient} -o r
+            --set /patient/corridor=$INPUTS/corridor_ct.csv
+            --set /effects/ultrasound=null --set /effects/ct_slice=null)
+endforeach()
+acus_add_cli_case(acus-replay.elastic_table_that_would_flow EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "sed 's/0.43/0.7/' \"${CMAKE_SOURCE_DIR}/configs/elasticity/viscoelastic.json\" > flow.json"
+  STDERR "flow.json: /relaxation/terms: the shares sum to 1.02; they must stay below 1"
+  COMMAND acus-replay scenarios/liver_biopsy_viscoelastic_2d.json ${patient} --check
+          --set /patient/corridor=$INPUTS/corridor_ct.csv --set /effects/tissue/elasticity=flow.json)
 acus_add_cli_case(acus-replay.a_fitted_table EXIT 0 NEEDS inputs
   BEFORE "bash ${CMAKE_CURRENT_LIST_DIR}/fit_inputs.sh\n$ACUS_BIN/acus-fit a.csv recording --tissue liver -o fit >/dev/null"
   STDOUT "largest axial force: [1-9]" CREATES r/forces.csv
