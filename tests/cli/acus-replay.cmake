@@ -50,6 +50,22 @@ acus_add_cli_case(acus-replay.a_fitted_table EXIT 0 NEEDS inputs
   COMMAND acus-replay scenarios/liver_biopsy_viscoelastic.json $INPUTS/session ${patient} -o r
           --set /effects/needle_force/table=fit/forces.json
           --set /effects/ultrasound=null --set /effects/ct_slice=null)
+# Textures learned from example images: the shipped ones, one that is missing, one in colour.
+set(examples acus-replay scenarios/alamilla_2021.json $INPUTS/session ${patient} -o r
+    --set /effects/view_3d=null)
+set(example_table "${CMAKE_SOURCE_DIR}/configs/acoustics/alamilla_2021_examples.json")
+acus_add_cli_case(acus-replay.textures_from_examples EXIT 0 NEEDS inputs
+  STDOUT "^Replayed " CREATES r/images.igs.mha r/provenance.json
+  COMMAND ${examples} --set /effects/ultrasound/alamilla_2021/acoustics=acoustics/alamilla_2021_examples.json)
+acus_add_cli_case(acus-replay.texture_without_its_example EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "sed 's/textures.fat.png/textures\\/nowhere.png/' \"${example_table}\" > table.json"
+  STDERR "textures/nowhere.png"
+  COMMAND ${examples} --check --set /effects/ultrasound/alamilla_2021/acoustics=table.json)
+acus_add_cli_case(acus-replay.texture_from_what_is_no_image EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "sed 's/textures.fat.png/table.json/' \"${example_table}\" > table.json"
+  STDERR "table.json: is not a PNG"
+  COMMAND ${examples} --set /effects/ultrasound/alamilla_2021/acoustics=table.json)
+
 # A CT without labels: springs by HU, from the preset, and why not with another model.
 acus_add_cli_case(acus-replay.springs_by_hu EXIT 0 NEEDS inputs
   STDOUT "largest axial force: 0\\.[1-9]|largest axial force: [1-9]"
