@@ -16,6 +16,8 @@ replay run_1000 patient $session "${common[@]}" "${no_images[@]}" --set /effects
 replay run_bevel patient $session "${common[@]}" "${no_images[@]}" --set /effects/tissue/model=springs \
   --set /effects/needle/model=bendable --set /effects/needle/axis_lock=false \
   --set /needle=needles/bevel_22g.json
+replay run_viscoelastic patient $session "${common[@]}" "${no_images[@]}" \
+  --set /effects/tissue/elasticity=elasticity/viscoelastic.json --set /effects/tissue/table=forces/viscoelastic.json
 # nodes SPACING: of the plane 90 mm wide that begins 12 mm above the skin and ends 30 mm beyond the target.
 nodes() {
   awk -F, -v h="$1" '$1 == "entry" || $1 == "target" { n++; for (i = 2; i <= 4; ++i) p[n, i] = $i }
@@ -67,6 +69,8 @@ heading "Future work that is there"
 table_begins
 row "bevel and bending" "future work" "largest lateral force $(metric run_bevel "largest lateral force")" \
   "needle bendable, tissue springs, needles/bevel_22g.json" "a variant of the preset"
+row "viscoelastic tissue" "-" "largest axial force $(metric run_viscoelastic "largest axial force")" \
+  "fe_2d, elasticity/viscoelastic.json, forces/viscoelastic.json" "a variant of the preset"
 row "layers of tissue" "future work" "$(awk -F, '{ t[$3] } END { for (n in t) ++k; print k - 2 " tissues" }' run/events.csv)" \
   "met by the tip in this run" "each has its elasticity and its puncture"
 row "3D elements" "future work" "fe_3d" "pipelines/demo --paper augmented_2010 --tissue fe_3d" "condensed beforehand by acus-mesh"

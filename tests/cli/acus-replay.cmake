@@ -32,12 +32,40 @@ acus_add_cli_case(acus-replay.preset_of_viscoelastic_forces EXIT 0 NEEDS inputs
   STDOUT "largest axial force: [1-9]" "punctures: [1-9]" CREATES r/forces.csv
   COMMAND acus-replay scenarios/liver_biopsy_viscoelastic.json $INPUTS/session ${patient} -o r
           --set /effects/ultrasound=null --set /effects/ct_slice=null)
+foreach(model springs 2d)
+  acus_add_cli_case(acus-replay.preset_of_viscoelastic_${model} EXIT 0 NEEDS inputs
+    STDOUT "largest axial force: [1-9]" "punctures: [1-9]" CREATES r/forces.csv
+    COMMAND acus-replay scenarios/liver_biopsy_viscoelastic_${model}.json $INPUTS/session ${patient} -o r
+            --set /patient/corridor=$INPUTS/corridor_ct.csv
+            --set /effects/ultrasound=null --set /effects/ct_slice=null)
+endforeach()
+acus_add_cli_case(acus-replay.elastic_table_that_would_flow EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "sed 's/0.43/0.7/' \"${CMAKE_SOURCE_DIR}/configs/elasticity/viscoelastic.json\" > flow.json"
+  STDERR "flow.json: /relaxation/terms: the shares sum to 1.02; they must stay below 1"
+  COMMAND acus-replay scenarios/liver_biopsy_viscoelastic_2d.json ${patient} --check
+          --set /patient/corridor=$INPUTS/corridor_ct.csv --set /effects/tissue/elasticity=flow.json)
 acus_add_cli_case(acus-replay.a_fitted_table EXIT 0 NEEDS inputs
   BEFORE "bash ${CMAKE_CURRENT_LIST_DIR}/fit_inputs.sh\n$ACUS_BIN/acus-fit a.csv recording --tissue liver -o fit >/dev/null"
   STDOUT "largest axial force: [1-9]" CREATES r/forces.csv
   COMMAND acus-replay scenarios/liver_biopsy_viscoelastic.json $INPUTS/session ${patient} -o r
           --set /effects/needle_force/table=fit/forces.json
           --set /effects/ultrasound=null --set /effects/ct_slice=null)
+# Textures learned from example images: the shipped ones, one that is missing, one in colour.
+set(examples acus-replay scenarios/alamilla_2021.json $INPUTS/session ${patient} -o r
+    --set /effects/view_3d=null)
+set(example_table "${CMAKE_SOURCE_DIR}/configs/acoustics/alamilla_2021_examples.json")
+acus_add_cli_case(acus-replay.textures_from_examples EXIT 0 NEEDS inputs
+  STDOUT "^Replayed " CREATES r/images.igs.mha r/provenance.json
+  COMMAND ${examples} --set /effects/ultrasound/alamilla_2021/acoustics=acoustics/alamilla_2021_examples.json)
+acus_add_cli_case(acus-replay.texture_without_its_example EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "sed 's/textures.fat.png/textures\\/nowhere.png/' \"${example_table}\" > table.json"
+  STDERR "textures/nowhere.png"
+  COMMAND ${examples} --check --set /effects/ultrasound/alamilla_2021/acoustics=table.json)
+acus_add_cli_case(acus-replay.texture_from_what_is_no_image EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "sed 's/textures.fat.png/table.json/' \"${example_table}\" > table.json"
+  STDERR "table.json: is not a PNG"
+  COMMAND ${examples} --set /effects/ultrasound/alamilla_2021/acoustics=table.json)
+
 # A CT without labels: springs by HU, from the preset, and why not with another model.
 acus_add_cli_case(acus-replay.springs_by_hu EXIT 0 NEEDS inputs
   STDOUT "largest axial force: 0\\.[1-9]|largest axial force: [1-9]"

@@ -10,8 +10,14 @@
 namespace acus::testing_support {
 
 /// Labels of the scene: 4 soft tissue with a skin of `skin_n`, 5 firmer inside, 6 bone.
-inline forces::ForceTable SceneForces() {
+/// @param time  of both soft tissues.  @param friction  of their friction.
+inline forces::ForceTable SceneForces(const forces::TissueTime& time = {}, double friction = 1.0) {
   forces::ForceTable table;
+  if (time != forces::TissueTime{}) {
+    table.num_times = 2;
+    table.times[1] = table.tissue[4].time = table.tissue[5].time = time;
+    table.time_of[4] = table.time_of[5] = 1;
+  }
   table.reference_diameter_mm = 1.2;
   table.settings.cutting_stiffness_n_per_mm = 2.0;
   table.settings.friction_buildup_mm = 0.5;
@@ -24,10 +30,10 @@ inline forces::ForceTable SceneForces() {
   table.tissue[4].membrane = {0.1, 0.01, 1.5};
   table.tissue[4].no_membrane_from.set(5);
   table.tissue[4].cutting_n = 0.5;
-  table.tissue[4].friction_n_per_mm = 0.02;
+  table.tissue[4].friction_n_per_mm = 0.02 * friction;
   table.tissue[5].membrane = {0.1, 0.01, 1.2};
   table.tissue[5].cutting_n = 0.8;
-  table.tissue[5].friction_n_per_mm = 0.03;
+  table.tissue[5].friction_n_per_mm = 0.03 * friction;
   table.tissue[6].impenetrable = true;
   return table;
 }
@@ -54,6 +60,8 @@ struct SceneOptions {
   double reach_mm = 1e9;  ///< Nodes within this of the z axis are in the compliance.
   tissue::FemContactSettings contact{};
   mechanics::Relaxation relaxation{};
+  forces::TissueTime time{};
+  double friction = 1.0;  ///< Of that of the tissues.
   std::vector<mechanics::Membrane> membranes{};
 };
 
@@ -97,8 +105,8 @@ struct FemScene {
         compliance(ComplianceOf(
             mesh, SceneElasticity(options), options.storage,
             [&](const Eigen::Vector3d& x) { return x.head<2>().norm() <= options.reach_mm; })),
-        model(mesh, compliance, SceneElasticity(options), SceneForces(), SceneNeedle(),
-              options.contact),
+        model(mesh, compliance, SceneElasticity(options),
+              SceneForces(options.time, options.friction), SceneNeedle(), options.contact),
         state(model.NewState()) {}
 
   /// The tip at this depth below the top of a box of 60 mm, 1 ms after the last.

@@ -10,6 +10,7 @@
 #include "acus/imaging/slicing/kernels.h"
 #include "acus/imaging/slicing/needle_paint.h"
 #include "acus/imaging/ultrasound/display.h"
+#include "acus/imaging/ultrasound/place_hash.h"
 
 namespace acus::ultrasound {
 namespace {
@@ -87,12 +88,52 @@ void AlamillaRenderer::FillTissues() {
           fibres_->MainDirection(static_cast<volume::Label>(l)).cast<double>();
       stretch -= (1.0 - 1.0 / options_.thick_fibre_ratio) * f * f.transpose();
     }
-    const Eigen::Matrix3d tile = kVoxelsPerGrain / t.grain_mm * stretch * ct_from_index.linear();
+    Eigen::Matrix3d tile = kVoxelsPerGrain / t.grain_mm * stretch * ct_from_index.linear();
+    if (options_.speckle && t.example) {
+      tile = AddExample(t, static_cast<volume::Label>(l), fibres_ && fibrous[l]) *
+             ct_from_index.linear();
+      out.example = static_cast<int>(examples_.size()) - 1;
+      out.contrast = 1.0F;
+    }
     for (int a = 0; a < 9; ++a) {
       out.tile_from_index[static_cast<std::size_t>(a)] = static_cast<float>(tile(a / 3, a % 3));
     }
   }
   tissue_[kNeedle] = {.grey = 0.9F, .reflection = 1.0F};
+}
+
+/// Reads the images of a tissue. @return places of the texture, mm, from those of the CT: along the
+/// fibres, and twice across them.
+Eigen::Matrix3d AlamillaRenderer::AddExample(const AlamillaTissue& tissue, volume::Label label,
+                                             bool fibrous) {
+  const TextureImages& images = *tissue.example;
+  std::optional<TextureExample> across;
+  if (!images.across.empty()) across = TextureExample::Read(images.across, images.mm_per_px);
+  Eigen::Vector3d fibre = Eigen::Vector3d::UnitX();
+  if (fibrous) {
+    const Eigen::Vector3d main = fibres_->MainDirection(label).cast<double>();
+    if (main.norm() > 0.5) fibre = main.normalized();
+  }
+  examples_.push_back(
+      {ExampleTexture(TextureExample::Read(images.along, images.mm_per_px), across,
+                      HashOfPlace(label, 0, 0, static_cast<std::uint32_t>(options_.seed))),
+       fibre});
+  Eigen::Matrix3d frame;
+  frame.row(0) = fibre;
+  frame.row(1) = fibre.unitOrthogonal();
+  frame.row(2) = frame.row(0).cross(frame.row(1));
+  return frame;
+}
+
+/// Which of a tissue's two images counts by how much, for the plane of this image.
+void AlamillaRenderer::TurnExamples(const Eigen::Vector3d& image_normal_in_ct) {
+  for (ExampleRow& row : examples_) {
+    const double along_normal = row.fibre.dot(image_normal_in_ct);
+    row.share_across = row.texture.has_across()
+                           ? static_cast<float>(std::min(1.0, along_normal * along_normal))
+                           : 0.0F;
+    row.per_mean = 0.5F / row.texture.Mean(row.share_across);
+  }
 }
 
 void AlamillaRenderer::SampleRow(int k) {
@@ -131,6 +172,15 @@ void AlamillaRenderer::SampleRow(int k) {
     }
     const float one[3] = {1.0F, 1.0F, 1.0F};
     noise_tile_->Row(tile_lines, 0.0F, one, count, noise_.row(k) + first);
+    if (examples_.empty()) continue;
+    for (int l = 0; l < count; ++l) {
+      const int example = tissue_[static_cast<std::size_t>(label[l])].example;
+      if (example < 0) continue;
+      const ExampleRow& of = examples_[static_cast<std::size_t>(example)];
+      // With a contrast of 1 the grey is the row's times the texture's over its mean.
+      noise_.row(k)[first + l] =
+          of.per_mean * of.texture.GreyAt({place[0][l], place[1][l], place[2][l]}, of.share_across);
+    }
   }
 }
 
@@ -297,6 +347,7 @@ void AlamillaRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   slicing::PlaceLines(grid_, index_from_ct_, ct_from_probe, lines_);
   bend_.Set(grid_, ct_from_probe, index_from_ct_, rest);
   probe_from_ct_ = ct_from_probe.linear().transpose();
+  TurnExamples(ct_from_probe.linear().col(2));
   label_.Resize(grid_.lines(), grid_.samples);
   noise_.Resize(grid_.lines(), grid_.samples);
   grey_.Resize(grid_.lines(), grid_.samples);

@@ -15,6 +15,7 @@
 #include "acus/imaging/slicing/beam_bend.h"
 #include "acus/imaging/slicing/ct_sampler.h"
 #include "acus/imaging/ultrasound/alamilla_options.h"
+#include "acus/imaging/ultrasound/example_texture.h"
 #include "acus/imaging/ultrasound/fibre_field.h"
 #include "acus/imaging/ultrasound/noise_tile.h"
 #include "acus/imaging/ultrasound/scan_conversion.h"
@@ -58,9 +59,20 @@ class AlamillaRenderer {
     bool blocks = false;
     bool thin_fibres = false;
     std::array<float, 9> tile_from_index{};  ///< Row by row.
+    int example = -1;                        ///< Of examples_; -1: noise.
+  };
+
+  /// Of one tissue. Its places are in mm, along the fibres first.
+  struct ExampleRow {
+    ExampleTexture texture;
+    Eigen::Vector3d fibre;      ///< Unit length, CT.
+    float share_across = 0.0F;  ///< Of the image of the last pose.
+    float per_mean = 1.0F;      ///< One over twice the mean grey.
   };
 
   void FillTissues();
+  Eigen::Matrix3d AddExample(const AlamillaTissue& tissue, volume::Label label, bool fibrous);
+  void TurnExamples(const Eigen::Vector3d& image_normal_in_ct);
   void SampleRow(int k);
   void FillCoupling();
   void FindSurfaces(int line);
@@ -80,6 +92,7 @@ class AlamillaRenderer {
   std::optional<NoiseTile> noise_tile_;                          ///< Empty if there is no speckle.
   std::optional<FibreField> fibres_;                             ///< Empty if nothing is fibrous.
   std::array<TissueRow, 257> tissue_{};                          ///< By label; the last: needle.
+  std::vector<ExampleRow> examples_;
   slicing::BeamLines lines_;
   slicing::BeamBend bend_;
   slicing::BeamImage label_;  ///< Labels as floats, as PaintNeedle wants.

@@ -7,6 +7,30 @@
 #include "acus/base/core/error.h"
 
 namespace acus::ultrasound {
+namespace {
+
+TextureImages ImagesOf(const nlohmann::json& block, const std::filesystem::path& table) {
+  TextureImages images;
+  const auto found = [&](const char* key) {
+    return config::FindConfig(block.at(key).get<std::string>(), table.parent_path());
+  };
+  images.along = found("along");
+  if (!block.at("across").get<std::string>().empty()) images.across = found("across");
+  images.mm_per_px = block.at("mm_per_px");
+  return images;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> AlamillaOptions::ExampleImages() const {
+  std::vector<std::filesystem::path> images;
+  for (const AlamillaTissue& tissue_of_row : tissues) {
+    if (!tissue_of_row.example) continue;
+    images.push_back(tissue_of_row.example->along);
+    if (!tissue_of_row.example->across.empty()) images.push_back(tissue_of_row.example->across);
+  }
+  return images;
+}
 
 AlamillaOptions ReadAlamillaOptions(const std::filesystem::path& path) {
   static const std::map<std::string, TissueTexture> kTextures = {
@@ -27,6 +51,12 @@ AlamillaOptions ReadAlamillaOptions(const std::filesystem::path& path) {
     tissue.contrast = row.at("contrast");
     tissue.grain_mm = row.at("grain_mm");
     tissue.texture = kTextures.at(row.at("texture").get<std::string>());
+    if (row.contains("example")) {
+      ACUS_REQUIRE(tissue.texture != TissueTexture::kThinFibres, path.string(), ": /tissues/",
+                   seen.size() - 1, ": an example for the texture thin_fibres, which is noise ",
+                   "blurred along the fibres; choose thick_fibres or speckle, or no example");
+      tissue.example = ImagesOf(row.at("example"), path);
+    }
     tissue.absorption_per_cm = row.at("absorption_per_cm");
     tissue.reflection = row.at("reflection");
     tissue.blocks = row.at("blocks");

@@ -15,12 +15,21 @@ enum class TissueTexture {
   kThinFibres,   ///< Speckle blurred along the fibres (tendon, ligament).
 };
 
+/// Images that a tissue's texture is to look like.
+struct TextureImages {
+  std::filesystem::path along;   ///< In it the fibres run from left to right.
+  std::filesystem::path across;  ///< A cut across them; may be empty.
+  double mm_per_px = 0.0;        ///< Of both, > 0.
+};
+
 struct AlamillaTissue {
   std::string tissue;     ///< Name of a label.
   double grey = 0.0;      ///< Mean share of white, right under the probe.
   double contrast = 0.0;  ///< Of the texture: grey times 1 - c to 1 + c.
   double grain_mm = 0.5;
   TissueTexture texture = TissueTexture::kSpeckle;
+  /// Instead of noise; contrast and grain are then those of the images.
+  std::optional<TextureImages> example{};
   double absorption_per_cm = 0.0;  ///< Grey falls as exp(-this times depth in cm).
   double reflection = 0.0;         ///< Share of white that its surface adds, met at a right angle.
   bool blocks = false;             ///< Bone and gas: shadow behind its surface.
@@ -48,6 +57,9 @@ struct AlamillaOptions {
   /// Gain of the probe for which the table of greys holds, dB; nothing: the probe's, whatever it
   /// is.
   std::optional<double> gain_of_table_db;
+
+  /// Of all tissues.
+  std::vector<std::filesystem::path> ExampleImages() const;
 };
 
 /// Reads configs/acoustics/<name>.json (format acus-image-alamilla/1).

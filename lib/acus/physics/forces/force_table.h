@@ -32,7 +32,7 @@ struct TissueForce {
   double cutting_a2_n_per_mm2 = 0.0;
   double shaft_n_per_mm2 = 0.0;       ///< k per mm of the springs along a shaft; 0: by elasticity.
   bool impenetrable = false;          ///< Bone: the tip stops at the surface.
-  TissueTime time;                    ///< Models layered and alamilla: see needle_forces.md.
+  TissueTime time;                    ///< Which models read what: see needle_forces.md.
   std::bitset<256> no_membrane_from;  ///< Labels from which this tissue is entered without one.
 };
 

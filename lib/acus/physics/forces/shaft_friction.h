@@ -6,17 +6,15 @@
 #include <cstdint>
 
 #include "acus/physics/forces/force_table.h"
+#include "acus/physics/forces/friction_pace.h"
 #include "acus/physics/forces/needle_path.h"
 
 namespace acus::forces {
 
 /// A plain value.
-struct ShaftFrictionState {
+struct ShaftFrictionState : FrictionPace {
   /// Of the elastic and the relaxing bristles, by law; 1 slides steadily at the reference speed.
   std::array<std::array<double, ForceRelaxation::kMostTerms + 1>, ForceTable::kMostTimes> strain{};
-  double ahead_mm = 0.0;        ///< Of the shaft before what counts as motion, within the play.
-  double speed_mm_per_s = 0.0;  ///< Filtered.
-  double age_s = 0.0;           ///< Of the contact: at rest it grows as time, sliding loses it.
 };
 
 /// Const after construction. Bristles of each of the table's times side by side,
@@ -42,7 +40,6 @@ class ShaftFriction {
     TissueTime time;
     double steady = 1.0;  ///< Sum of the strains that slide steadily at the reference speed.
   };
-  double LimitOf(const Law& law, double rate_log, double dwell_log) const noexcept;
 
   FrictionTime settings_;
   double buildup_mm_;

@@ -39,7 +39,7 @@ struct ElasticityTable {
   /// Of tissues with a membrane: what the solid beneath it is like; others are not in it.
   std::array<ElasticTissue, 256> beneath{};
   std::bitset<256> has_beneath;
-  Relaxation relaxation;  ///< Of the 3D contact model; the moduli are those of fast deformation.
+  Relaxation relaxation;  ///< Of fe_2d and fe_3d; the moduli are those of fast deformation.
 
   /// @throws InputError that names tissue, file and remedy if there is no row for `label`.
   const ElasticTissue& At(volume::Label label) const;

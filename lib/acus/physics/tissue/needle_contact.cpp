@@ -117,6 +117,7 @@ forces::NeedleForce FemNeedleModel::Step(FemNeedleState& state,
     Touch(state, sample.tip_in_ct_mm, state.axis_in_ct, outcome);
   }
   if (state.phase == NeedlePhase::kInside) {
+    FollowPace(state, state.started ? sample.time_s - state.valid_time_s : 1.0);
     Demand(state);
   } else if (state.phase == NeedlePhase::kOnSkin) {
     PressSkin(state);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "acus/physics/forces/force_table.h"
+#include "acus/physics/forces/friction_pace.h"
 #include "acus/physics/forces/needle_force.h"
 #include "acus/physics/mechanics/elasticity_table.h"
 #include "acus/physics/tissue/contact_mesh.h"
@@ -45,6 +46,7 @@ struct NeedlePoint {
   double slip_mm = 0.0;   ///< It sticks where u = depth of the tip - slip.
   double moved_mm = 0.0;  ///< Its axial displacement u after the last step.
   double friction_n_per_mm = 0.0;
+  volume::Label tissue = 0;
 };
 
 /// All that the model remembers. A plain value: a copy goes on with the same bits. Made by
@@ -68,6 +70,9 @@ struct FemNeedleState : SampleGate {
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  ///< Lateral, lateral, axial.
   double depth_mm = 0.0;                                ///< Of the tip, from the entry at rest.
   std::vector<NeedlePoint> point;
+  forces::FrictionPace pace;
+  forces::PaceLogs pace_logs;
+  double slid_mm = 0.0;  ///< By how much the points slid in the last step, on average.
 
   // The end of the cut, at rest: where the tip cuts on. Kept when the needle leaves.
   bool has_channel = false;
@@ -139,6 +144,7 @@ class FemNeedleModel {
   // needle_insertion.cpp
   void Enter(FemNeedleState& state, const Eigen::Vector3d& axis) const noexcept;
   void Demand(FemNeedleState& state) const noexcept;
+  void FollowPace(FemNeedleState& state, double dt_s) const noexcept;
   void FollowSlip(FemNeedleState& state) const noexcept;
   forces::NeedleEvent Cut(FemNeedleState& state) const noexcept;
   void SetPoints(FemNeedleState& state) const noexcept;
@@ -151,6 +157,7 @@ class FemNeedleModel {
   void FollowDimple(FemNeedleState& state) const noexcept;
   double TipLimitN(const FemNeedleState& state) const noexcept;
   const mechanics::Membrane* MembraneBefore(const FemNeedleState& state) const noexcept;
+  double FrictionNPerMm(const FemNeedleState& state, const NeedlePoint& point) const noexcept;
   double FrictionLengthMm(const FemNeedleState& state, int point) const noexcept;
   Eigen::Vector2d LineMm(const FemNeedleState& state, double axial_mm) const noexcept;
 

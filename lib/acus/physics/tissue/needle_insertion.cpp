@@ -151,6 +151,9 @@ void FemNeedleModel::Enter(FemNeedleState& state, const Eigen::Vector3d& axis) c
   state.phase = NeedlePhase::kInside;
   state.frame = FrameAlong(axis);
   state.depth_mm = (state.tip_in_ct_mm - state.entry_mm).dot(axis);
+  state.pace = {};
+  state.pace_logs = {};
+  state.slid_mm = 0.0;
   system_.Restart(state.contact, state.frame);
   AppendPoint(state, 0.0);
   PlaceTip(state, axis);
@@ -165,22 +168,40 @@ void FemNeedleModel::Demand(FemNeedleState& state) const noexcept {
     const Eigen::Vector2d lateral_mm =
         LineMm(state, point.axial_mm + point.moved_mm) - point.lateral_mm - point.offset_mm;
     state.contact.SetLateral(p, lateral_mm.x(), lateral_mm.y());
-    const double friction_n = point.friction_n_per_mm * FrictionLengthMm(state, p);
+    const double friction_n = FrictionNPerMm(state, point) * FrictionLengthMm(state, p);
     state.contact.SetPointAxial(p, state.depth_mm - point.slip_mm, -friction_n, friction_n);
   }
   const double end_mm = (state.end_mm - state.entry_mm).dot(axial);
   DemandTip(state, state.depth_mm - end_mm - state.tip_offset_mm);
 }
 
+/// Sets what friction can hold in this step.
+void FemNeedleModel::FollowPace(FemNeedleState& state, double dt_s) const noexcept {
+  if (!table_.HasTime()) return;
+  const double depth_mm = (state.tip_in_ct_mm - state.entry_mm).dot(state.frame.col(2));
+  state.pace_logs = forces::StepPace(state.pace, table_.friction_time,
+                                     {depth_mm - state.depth_mm, state.slid_mm, dt_s});
+}
+
+double FemNeedleModel::FrictionNPerMm(const FemNeedleState& state,
+                                      const NeedlePoint& point) const noexcept {
+  if (!table_.HasTime()) return point.friction_n_per_mm;
+  return point.friction_n_per_mm *
+         forces::FrictionShare(table_.tissue[point.tissue].time, state.pace_logs);
+}
+
 /// The return map: a point that slipped sticks, from now on, where it slipped to.
 void FemNeedleModel::FollowSlip(FemNeedleState& state) const noexcept {
+  double slid_mm = 0.0;
   for (int p = 0; p < state.contact.num_points(); ++p) {
     NeedlePoint& point = state.point[static_cast<std::size_t>(p)];
     if (state.contact.PointStatus(p) != ContactStatus::kStick) {
       point.slip_mm -= state.contact.PointExcessMm(p);
+      slid_mm -= state.contact.PointExcessMm(p);
     }
     point.moved_mm = state.depth_mm - point.slip_mm;
   }
+  state.slid_mm = slid_mm / std::max(1, state.contact.num_points());
 }
 
 /// Drops the points that the tip has been drawn back past.
@@ -272,7 +293,7 @@ void FemNeedleModel::AppendPoint(FemNeedleState& state, double axial_mm) const n
     const Eigen::Vector2d last_moved_mm(state.contact.LateralMm(2 * n - 2),
                                         state.contact.LateralMm(2 * n - 1));
     point.lateral_mm = LineMm(state, axial_mm + last.moved_mm) - last_moved_mm;
-    const double limit_n = last.friction_n_per_mm * FrictionLengthMm(state, n - 1);
+    const double limit_n = FrictionNPerMm(state, last) * FrictionLengthMm(state, n - 1);
     if (limit_n > 0.0) {
       share = std::clamp(state.contact.PointForceN(n - 1)[2] / limit_n, -1.0, 1.0);
     }
@@ -305,13 +326,14 @@ void FemNeedleModel::AppendPoint(FemNeedleState& state, double axial_mm) const n
     if (!spot.reachable) ++state.num_out_of_reach;
   }
   point.friction_n_per_mm = table_.tissue[spot.tissue].friction_n_per_mm;
+  point.tissue = spot.tissue;
   const Eigen::Vector3d moved_mm = system_.AppendPoint(state.contact, spot.place, local) +
                                    state.frame.transpose() * StrainMovedMm(state, spot.place);
   const Eigen::Vector3d axial = state.frame.col(2);
   const double own_mm_per_n =
       axial.dot(system_.Between(spot.place, spot.place) * axial) + local.axial_mm_per_n;
   // Friction goes on as at the point before, so that a sliding needle does not feel the points.
-  const double begin_n = share * 0.5 * spacing_mm_ * point.friction_n_per_mm;
+  const double begin_n = share * 0.5 * spacing_mm_ * FrictionNPerMm(state, point);
   point.moved_mm = moved_mm[2];
   point.slip_mm = state.depth_mm - moved_mm[2] - own_mm_per_n * begin_n;
   point.offset_mm =

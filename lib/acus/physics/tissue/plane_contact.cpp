@@ -10,11 +10,32 @@ namespace {
 
 constexpr double kForceSlackN = 1e-10;  // Beyond a bound by less is at the bound.
 constexpr double kSlideSlackMm = 1e-10;
-constexpr int kBlockTries = 8;  // Rounds of many swaps that may fail to lessen what is wrong.
+constexpr int kBlockTries = 8;       // Rounds of many swaps that may fail to lessen what is wrong.
+constexpr double kShortStep = 1e-3;  // Below it a series is exact and differences are not.
+
+/// A first-order lag over a step in which its input changes evenly: what is left of it, and its
+/// answer to the input at both ends.
+struct RampStep {
+  double decay = 1.0;
+  double by_begin = 0.0;
+  double by_end = 0.0;
+};
+
+/// @param x  duration over time constant, > 0.
+RampStep RampStepOf(double x) noexcept {
+  RampStep step;
+  const double gone = -std::expm1(-x);
+  step.decay = 1.0 - gone;
+  step.by_end =
+      x < kShortStep ? x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0))) : 1.0 - gone / x;
+  step.by_begin = gone - step.by_end;
+  return step;
+}
 
 }  // namespace
 
-PlaneContact::PlaneContact(const Eigen::MatrixXd& compliance, int capacity, PlaneUpdate update)
+PlaneContact::PlaneContact(const Eigen::MatrixXd& compliance, int capacity, PlaneUpdate update,
+                           const mechanics::Relaxation& relaxation)
     : compliance_(&compliance),
       update_(update),
       base_(RowMajor::Zero(capacity, capacity)),
@@ -23,12 +44,54 @@ PlaneContact::PlaneContact(const Eigen::MatrixXd& compliance, int capacity, Plan
       dof_(capacity / 2, 0),
       cosine_(capacity / 2, 1.0),
       sine_(capacity / 2, 0.0),
-      status_(capacity, SlotStatus::kAtLow) {
+      status_(capacity, SlotStatus::kAtLow),
+      relaxation_(relaxation),
+      lag_(RowMajor::Zero(relaxation.num_terms, capacity)) {
   ACUS_ASSERT(capacity % 2 == 0);
-  for (Eigen::VectorXd* v :
-       {&target_, &low_, &high_, &given_, &found_, &force_, &moved_, &residual_}) {
+  for (Eigen::VectorXd* v : {&target_, &low_, &high_, &elastic_low_, &elastic_high_, &given_,
+                             &found_, &force_, &moved_, &residual_, &held_}) {
     v->setZero(capacity);
   }
+}
+
+void PlaneContact::Pass(double duration_s) noexcept {
+  if (relaxation_.num_terms == 0) return;
+  held_.head(size_).setZero();
+  alpha_ = 1.0;
+  for (int k = 0; k < relaxation_.num_terms; ++k) {
+    const auto& [share, time_s] = relaxation_.term[k];
+    const RampStep step = RampStepOf(duration_s / time_s);
+    auto lag = lag_.row(k).head(size_).transpose();
+    const auto elastic = force_.head(size_);
+    lag += gain_[k] * elastic;  // q at the end of the last step.
+    lag = step.decay * lag + share * step.by_begin * elastic;
+    held_.head(size_) += lag;
+    gain_[k] = share * step.by_end;
+    alpha_ -= gain_[k];
+  }
+}
+
+PlaneContact::Past PlaneContact::PastOf(int pair) const noexcept {
+  Past past{};
+  for (int k = 0; k < relaxation_.num_terms; ++k) {
+    past[k] = {lag_(k, 2 * pair), lag_(k, 2 * pair + 1)};
+  }
+  return past;
+}
+
+void PlaneContact::SetPast(int pair, const Past& past_n) noexcept {
+  for (const int i : {0, 1}) {
+    Forget(2 * pair + i);
+    for (int k = 0; k < relaxation_.num_terms; ++k) {
+      lag_(k, 2 * pair + i) = past_n[k][i];
+      held_[2 * pair + i] += past_n[k][i];
+    }
+  }
+}
+
+void PlaneContact::Forget(int i) noexcept {
+  held_[i] = 0.0;
+  for (int k = 0; k < relaxation_.num_terms; ++k) lag_(k, i) = 0.0;
 }
 
 void PlaneContact::Append(int dof, double cosine, double sine) noexcept {
@@ -62,6 +125,8 @@ void PlaneContact::Append(int dof, double cosine, double sine) noexcept {
   for (const int i : {size_, size_ + 1}) {
     status_[i] = SlotStatus::kAtLow;
     target_[i] = low_[i] = high_[i] = given_[i] = force_[i] = 0.0;
+    elastic_low_[i] = elastic_high_[i] = 0.0;
+    Forget(i);
   }
   size_ += 2;
   Apply();  // Where the node is by what the others do.
@@ -117,7 +182,8 @@ void PlaneContact::Swap(int i, SlotStatus to) noexcept {
     ++num_swaps_;
   }
   status_[i] = to;
-  given_[i] = is_stick ? target_[i] : (to == SlotStatus::kAtLow ? low_[i] : high_[i]);
+  given_[i] =
+      is_stick ? target_[i] : (to == SlotStatus::kAtLow ? elastic_low_[i] : elastic_high_[i]);
 }
 
 void PlaneContact::Gather(const double* y, double* x) const noexcept {
@@ -162,8 +228,9 @@ bool PlaneContact::IsWrong(int i, SlotStatus& to) const noexcept {
   if (low_[i] >= high_[i]) return false;
   switch (status_[i]) {
     case SlotStatus::kStick:
-      to = force_[i] > high_[i] ? SlotStatus::kAtHigh : SlotStatus::kAtLow;
-      return force_[i] > high_[i] + kForceSlackN || force_[i] < low_[i] - kForceSlackN;
+      to = force_[i] > elastic_high_[i] ? SlotStatus::kAtHigh : SlotStatus::kAtLow;
+      return force_[i] > elastic_high_[i] + kForceSlackN ||
+             force_[i] < elastic_low_[i] - kForceSlackN;
     case SlotStatus::kAtHigh:  // Pushed as hard as it may: the tissue must stay behind.
       to = SlotStatus::kStick;
       return moved_[i] > target_[i] + kSlideSlackMm;
@@ -220,8 +287,10 @@ bool PlaneContact::Solve(double force_error_n) noexcept {
   if (solved) return true;
   ++num_unresolved_;
   for (int i = 0; i < size_; ++i) {
-    if (low_[i] < high_[i]) force_[i] = std::clamp(force_[i], low_[i], high_[i]);
-    if (!std::isfinite(force_[i])) force_[i] = low_[i];
+    if (low_[i] < high_[i]) {
+      force_[i] = std::clamp(force_[i], elastic_low_[i], elastic_high_[i]);
+    }
+    if (!std::isfinite(force_[i])) force_[i] = elastic_low_[i];
   }
   return false;
 }

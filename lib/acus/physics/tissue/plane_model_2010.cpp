@@ -43,7 +43,8 @@ PlaneModel2010::PlaneModel2010(const PlaneSettings& settings, const PlanePlaceme
       table_(forces.ScaledTo(needle.beam.outer_diameter_mm)),
       tissue_at_(std::move(tissue_at)),
       planes_(settings, placement, table_, elasticity, 0.5 * needle.beam.outer_diameter_mm,
-              tissue_at_) {
+              tissue_at_),
+      relaxation_(elasticity.relaxation) {
   ACUS_REQUIRE(settings.lateral_limit_n_per_mm > 0.0 && settings.image_fade_mm > 0.0 &&
                    settings.force_error_n > 0.0,
                "lateral_limit_n_per_mm is ", settings.lateral_limit_n_per_mm, ", image_fade_mm ",
@@ -99,7 +100,7 @@ PlaneModel2010 PlaneModel2010::WithUpdate(PlaneUpdate update) const {
 PlaneState PlaneModel2010::NewState() const {
   PlaneState state;
   const int capacity = std::min(kMostNodes, std::max(planes_.grid().rows, planes_.grid().columns));
-  state.contact = PlaneContact(planes_.compliance(), 2 * capacity, settings_.update);
+  state.contact = PlaneContact(planes_.compliance(), 2 * capacity, settings_.update, relaxation_);
   state.node.resize(capacity);
   state.frame = planes_.planned();
   return state;
@@ -113,6 +114,7 @@ forces::NeedleForce PlaneModel2010::Step(PlaneState& state,
   }
   const bool started = state.gate.started;
   const double dt_s = started ? sample.time_s - state.gate.valid_time_s : 1.0;
+  state.contact.Pass(dt_s);
   Lay(state, sample);
   const Eigen::Vector3d tip_mm = state.frame.ToPlaneMm(sample.tip_in_ct_mm);
   state.tip_in_ct_mm = sample.tip_in_ct_mm;
@@ -156,7 +158,7 @@ forces::NeedleForce PlaneModel2010::Step(PlaneState& state,
       const Eigen::Vector2d turned = motion.from_axis + part * (motion.to_axis - motion.from_axis);
       const Eigen::Vector2d direction =
           turned.norm() > 1e-6 ? Eigen::Vector2d(turned.normalized()) : motion.to_axis;
-      event = FirstOf(event, Substep(state, tip, direction));
+      event = FirstOf(event, Substep(state, tip, direction, dt_s / num));
     }
     if (state.in_body()) Forces(state, (state.device_mm - device_before_mm) / dt_s);
   }
@@ -177,6 +179,9 @@ bool PlaneModel2010::Touch(PlaneState& state, const Motion& motion) const noexce
   }
   const volume::Label tissue = LabelAt(state.frame, skin_mm);
   state.device_mm = state.needle_mm = state.aside_mm = state.slope = 0.0;
+  state.pace = {};
+  state.pace_logs = {};
+  state.slid_mm = 0.0;
   StartPath(state, motion.to_axis, skin_mm);
   if (!AppendNode(state, 0.0)) return false;  // Outside the region: nothing to deform there.
   state.tip_rest_mm = state.channel_mm = 0.0;
@@ -245,6 +250,7 @@ bool PlaneModel2010::AppendNode(PlaneState& state, double travel_mm) const noexc
   added.at_mm = (rest_mm - state.entry_mm).dot(state.along);
   const volume::Label tissue = LabelAt(state.frame, rest_mm);
   added.friction_n_per_mm = table_.tissue[tissue].friction_n_per_mm;
+  added.tissue = tissue;
   state.contact.Append(dof_of[node], state.along.x(), state.along.y());
   const int slot = 2 * state.num_nodes;
   added.reference_mm.x() = state.needle_mm - travel_mm - state.contact.DisplacementMm(slot);
@@ -262,7 +268,7 @@ void PlaneModel2010::LoadOf(const PlaneState& state, TissueLoad& out) const noex
   const Eigen::Vector2d across(-state.along.y(), state.along.x());
   for (int q = 0; q < state.num_nodes; ++q) {
     const Eigen::Vector2d force_n =
-        state.contact.ForceN(2 * q) * state.along + state.contact.ForceN(2 * q + 1) * across;
+        state.contact.ElasticN(2 * q) * state.along + state.contact.ElasticN(2 * q + 1) * across;
     out.point[q].rest_in_ct_mm = state.frame.ToCtMm(planes_.grid().PositionMm(state.node[q].node));
     out.point[q].force_in_ct_n = state.frame.DirectionInCt(force_n);
   }
@@ -329,13 +335,20 @@ void PlaneModel2010::Leave(PlaneState& state) const noexcept {
   state.device_mm = state.needle_mm = state.tip_rest_mm = state.channel_mm = 0.0;
 }
 
+double PlaneModel2010::FrictionNPerMm(const PlaneState& state,
+                                      const PlaneNode& node) const noexcept {
+  if (!table_.HasTime()) return node.friction_n_per_mm;
+  return node.friction_n_per_mm *
+         forces::FrictionShare(table_.tissue[node.tissue].time, state.pace_logs);
+}
+
 /// The needle's distance from the path's line at a depth.
 double PlaneModel2010::AcrossMm(const PlaneState& state, double at_mm) const noexcept {
   return state.aside_mm + (at_mm - state.device_mm) * state.slope;
 }
 
 NeedleEvent PlaneModel2010::Substep(PlaneState& state, const Eigen::Vector2d& tip_mm,
-                                    const Eigen::Vector2d& axis) const noexcept {
+                                    const Eigen::Vector2d& axis, double dt_s) const noexcept {
   const Eigen::Vector2d across(-state.along.y(), state.along.x());
   const Eigen::Vector2d off_mm = tip_mm - state.entry_mm;
   const double needle_before_mm = state.needle_mm;
@@ -348,7 +361,13 @@ NeedleEvent PlaneModel2010::Substep(PlaneState& state, const Eigen::Vector2d& ti
     event = NeedleEvent::kBoneRelease;
   }
   state.needle_mm = state.on_bone ? std::min(state.device_mm, state.bone_at_mm) : state.device_mm;
-  event = FirstOf(event, Balance(state, state.needle_mm - needle_before_mm));
+  const double travel_mm = state.needle_mm - needle_before_mm;
+  if (table_.HasTime() && state.pierced()) {
+    state.pace_logs =
+        forces::StepPace(state.pace, table_.friction_time, {travel_mm, state.slid_mm, dt_s});
+  }
+  state.slid_mm = 0.0;
+  event = FirstOf(event, Balance(state, travel_mm));
   if (!HasLeft(state)) return event;
   if (state.pierced()) event = FirstOf(event, NeedleEvent::kWithdrawal);
   Leave(state);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "acus/physics/forces/force_table.h"
+#include "acus/physics/forces/friction_pace.h"
 #include "acus/physics/forces/needle_force.h"
 #include "acus/physics/mechanics/elasticity_table.h"
 #include "acus/physics/tissue/elastic_planes.h"
@@ -25,6 +26,7 @@ struct PlaneNode {
   int node = 0;
   double at_mm = 0.0;  ///< Along the path, at rest.
   double friction_n_per_mm = 0.0;
+  volume::Label tissue = 0;
   /// Coordinates of the needle (along, across the path) for which the node, sticking, is at rest.
   Eigen::Vector2d reference_mm = Eigen::Vector2d::Zero();
 };
@@ -66,6 +68,9 @@ struct PlaneState {
   volume::Label cut_tissue = 0;
   volume::Label membrane_of = 0;
   double bone_at_mm = 0.0;  ///< The needle goes no farther.
+  forces::FrictionPace pace;
+  forces::PaceLogs pace_logs;
+  double slid_mm = 0.0;  ///< By how much the nodes slid in the last substep, on average.
   forces::NeedleForce force;
 };
 
@@ -106,8 +111,8 @@ class PlaneModel2010 {
   bool AppendNode(PlaneState& state, double travel_mm) const noexcept;
   int NodeOfLayer(const PlaneState& state, int layer) const noexcept;
   static int LayerStep(const PlaneState& state) noexcept;
-  Event Substep(PlaneState& state, const Eigen::Vector2d& tip_mm,
-                const Eigen::Vector2d& axis) const noexcept;
+  Event Substep(PlaneState& state, const Eigen::Vector2d& tip_mm, const Eigen::Vector2d& axis,
+                double dt_s) const noexcept;
   Event Balance(PlaneState& state, double travel_mm) const noexcept;
   void SetDemands(PlaneState& state, double lead_mm) const noexcept;
   bool CanDropLast(const PlaneState& state) const noexcept;
@@ -118,6 +123,7 @@ class PlaneModel2010 {
   bool HasLeft(const PlaneState& state) const noexcept;
   void Leave(PlaneState& state) const noexcept;
   double TipLimitN(const PlaneState& state) const noexcept;
+  double FrictionNPerMm(const PlaneState& state, const PlaneNode& node) const noexcept;
   double AcrossMm(const PlaneState& state, double at_mm) const noexcept;
   double Hat(const PlaneState& state, int q, double at_mm) const noexcept;
   double HatIntegral(const PlaneState& state, int q, double end_mm) const noexcept;
@@ -128,6 +134,7 @@ class PlaneModel2010 {
   forces::ForceTable table_;
   TissueAt tissue_at_;
   ElasticPlanes planes_;
+  mechanics::Relaxation relaxation_;
 };
 
 /// Displacements for the image: exact in the nodes, linear in the triangles, faded out of the

@@ -18,6 +18,7 @@ constexpr double kBalancedShare = 0.02;  // Of the spacing: advance that calls f
 constexpr double kLabelStepMm = 0.1;     // Along the path, between looks at the tissue.
 constexpr double kTinyMm = 1e-6;
 constexpr double kTinyN = 1e-9;
+constexpr double kForgottenN = 1e-6;
 constexpr int kPlaneBisections = 30;
 
 /// Integral from `from` to `to` of the ramp that is 0 at `low` and 1 at `high`, within [low, high].
@@ -93,7 +94,7 @@ void PlaneModel2010::SetDemands(PlaneState& state, double lead_mm) const noexcep
   for (int q = 0; q < state.num_nodes; ++q) {
     const PlaneNode& node = state.node[q];
     const double length_mm = HatIntegral(state, q, buried_mm);
-    const double shaft_n = node.friction_n_per_mm * length_mm;
+    const double shaft_n = FrictionNPerMm(state, node) * length_mm;
     const double at_tip_n = tip_n * Hat(state, q, state.channel_mm + lead_mm);
     state.contact.SetDemand(2 * q, state.needle_mm - node.reference_mm.x(), -shaft_n,
                             shaft_n + at_tip_n);
@@ -109,7 +110,9 @@ void PlaneModel2010::KeepSlips(PlaneState& state) const noexcept {
   for (int q = 0; q < state.num_nodes; ++q) {
     PlaneNode& node = state.node[q];
     if (state.contact.Status(2 * q) != SlotStatus::kStick) {
+      const double before_mm = node.reference_mm.x();
       node.reference_mm.x() = state.needle_mm - state.contact.DisplacementMm(2 * q);
+      state.slid_mm += (node.reference_mm.x() - before_mm) / state.num_nodes;
     }
     if (state.contact.Status(2 * q + 1) != SlotStatus::kStick) {
       node.reference_mm.y() = AcrossMm(state, node.at_mm) - state.contact.DisplacementMm(2 * q + 1);
@@ -121,7 +124,12 @@ void PlaneModel2010::KeepSlips(PlaneState& state) const noexcept {
 bool PlaneModel2010::CanDropLast(const PlaneState& state) const noexcept {
   const int last = state.num_nodes - 1;
   if (last < 1 || state.engaged || state.tip_rest_mm >= state.node[last - 1].at_mm) return false;
-  return state.contact.HighN(2 * last) <= 0.0 && state.contact.HighN(2 * last + 1) <= 0.0;
+  for (const int slot : {2 * last, 2 * last + 1}) {
+    if (state.contact.HighN(slot) > 0.0) return false;
+    // Tissue that has not come back yet would jump.
+    if (std::abs(state.contact.ElasticN(slot)) > kForgottenN) return false;
+  }
+  return true;
 }
 
 /// Forces in balance with where the needle is, and the tip where they let it be.
@@ -169,6 +177,7 @@ NeedleEvent PlaneModel2010::Pierce(PlaneState& state) const noexcept {
   // The path is locked to the needle's direction now (Augmented-2010, II.D).
   const Eigen::Vector2d axis =
       (state.along + std::clamp(state.slope, -1.0, 1.0) * across).normalized();
+  const PlaneContact::Past past_n = state.contact.PastOf(0);
   StartPath(state, axis, tip_mm - state.device_mm * axis);
   state.aside_mm = state.slope = 0.0;
   state.pressing = false;
@@ -176,6 +185,7 @@ NeedleEvent PlaneModel2010::Pierce(PlaneState& state) const noexcept {
     Leave(state);
     return NeedleEvent::kNone;
   }
+  state.contact.SetPast(0, past_n);
   state.phase = NeedlePhase::kInside;
   state.engaged = true;
   state.cut_tissue = state.membrane_of;

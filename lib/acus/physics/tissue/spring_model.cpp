@@ -20,6 +20,15 @@ constexpr double kSpringLookMm = 0.1;     // Between looks at the tissue on the 
 constexpr double kSpringTinyMm = 1e-9;
 constexpr int kSpringBisections = 30;
 
+/// No branch is longer than friction of steady sliding holds it.
+void HoldOffsets(PathNode& node) {
+  const auto held = [&](double offset_mm) {
+    return FrictionOffsetMm(offset_mm, 0.0, node.axial_n_per_mm, node.friction_n);
+  };
+  node.offset_mm = held(node.offset_mm);
+  for (double& offset_mm : node.relaxing_mm) offset_mm = held(offset_mm);
+}
+
 /// Last place, going from a to b, whose label is that of a.
 template <typename SameAsA>
 Eigen::Vector3d BoundaryMm(Eigen::Vector3d a, Eigen::Vector3d b, const SameAsA& same) {
@@ -115,9 +124,10 @@ forces::NeedleForce SpringModel::Step(SpringState& state, const ToolSample& samp
     Touch(state, before_mm, was_outside);
     event = NeedleEvent::kContact;
   } else if (state.num_nodes > 0) {
-    DragShaft(state, (state.device_in_ct_mm - before_mm).dot(state.axis_in_ct));
+    DragShaft(state, (state.device_in_ct_mm - before_mm).dot(state.axis_in_ct), dt_s);
   }
   if (state.num_nodes > 0) {
+    if (table_.HasTime()) CreepTip(state, state.ahead_mm, dt_s);
     const bool was_on_bone = state.on_bone;
     event = FirstOf(event, Advance(state));
     if (was_on_bone && !state.on_bone) event = FirstOf(event, NeedleEvent::kBoneRelease);
@@ -148,6 +158,25 @@ double SpringModel::CuttingAheadMm(const PathNode& tip) noexcept {
   return std::sqrt(gamma_1 * gamma_1 + tip.cutting_n / tip.a2_n_per_mm2) - gamma_1;
 }
 
+/// What a law of the indentation gives for the elastic branch and those that relax, together.
+template <class Law>
+double SpringModel::TipN(const SpringState& state, double ahead_mm, const Law& law) const noexcept {
+  const forces::ForceRelaxation& relaxation = TipRelaxation(state);
+  double force_n = law(ahead_mm);
+  if (relaxation.num_terms == 0) return force_n;
+  force_n *= relaxation.ElasticShare();
+  for (int k = 0; k < relaxation.num_terms; ++k) {
+    force_n += relaxation.share[k] * law(std::max(0.0, ahead_mm - state.rest_mm[k]));
+  }
+  return force_n;
+}
+
+/// Of the membrane that the tip presses.
+double SpringModel::PressedN(const SpringState& state, double ahead_mm) const noexcept {
+  const forces::PuncturePolynomial& membrane = table_.tissue[state.membrane_of].membrane;
+  return TipN(state, ahead_mm, [&](double in_mm) { return membrane.ForceN(in_mm); });
+}
+
 /// First contact: a node where the skin is between the last place outside and this one.
 void SpringModel::Touch(SpringState& state, const Eigen::Vector3d& before_mm,
                         bool was_outside) const noexcept {
@@ -167,6 +196,9 @@ void SpringModel::Touch(SpringState& state, const Eigen::Vector3d& before_mm,
   state.pierced = !state.pressing && !state.on_bone;
   state.membrane_of = tissue;
   state.bone_from_mm = state.ahead_mm = state.friction_n = 0.0;
+  state.rest_mm.fill(0.0);
+  state.pace = {};
+  state.slid_mm = 0.0;
 }
 
 bool SpringModel::HasLeft(const SpringState& state) const noexcept {
@@ -181,7 +213,8 @@ bool SpringModel::HasLeft(const SpringState& state) const noexcept {
 }
 
 /// Eq. 6: the tissue sticks to the shaft until the spring holds as much as friction can.
-void SpringModel::DragShaft(SpringState& state, double travel_mm) const noexcept {
+void SpringModel::DragShaft(SpringState& state, double travel_mm, double dt_s) const noexcept {
+  if (table_.HasTime()) return DragInTime(state, travel_mm, dt_s);
   for (int i = 1; i < state.num_nodes; ++i) {
     PathNode& node = state.node[i];
     node.offset_mm =
@@ -212,6 +245,11 @@ void SpringModel::DrawBack(SpringState& state, double back_mm) const noexcept {
     SetTissue(merged, behind.tissue);
     merged.offset_mm = (tip_weight * tip.offset_mm + behind_weight * behind.offset_mm) /
                        (tip_weight + behind_weight);
+    for (std::size_t k = 0; k < merged.relaxing_mm.size(); ++k) {
+      merged.relaxing_mm[k] =
+          (tip_weight * merged.relaxing_mm[k] + behind_weight * behind.relaxing_mm[k]) /
+          (tip_weight + behind_weight);
+    }
     --state.num_nodes;
     state.node[state.num_nodes - 1] = merged;
   }
@@ -233,8 +271,8 @@ NeedleEvent SpringModel::Advance(SpringState& state) const noexcept {
     }
     if (state.on_bone) break;
     if (state.pressing) {
-      const forces::PuncturePolynomial& law = table_.tissue[state.membrane_of].membrane;
-      if (law.ForceN(state.ahead_mm) < law.puncture_n) break;
+      const double puncture_n = table_.tissue[state.membrane_of].membrane.puncture_n;
+      if (PressedN(state, state.ahead_mm) < puncture_n) break;
       event = FirstOf(event, GiveWay(state));
       continue;
     }
@@ -279,7 +317,7 @@ NeedleEvent SpringModel::GiveWay(SpringState& state) const noexcept {
     state.pierced = true;
     AppendTip(state);
   }
-  SetTissue(state.node[state.num_nodes - 1], state.membrane_of);
+  SetTissue(state.node[state.num_nodes - 1], state.membrane_of);  // Whose series it has already.
   return NeedleEvent::kPuncture;
 }
 
@@ -298,18 +336,21 @@ NeedleEvent SpringModel::Meet(SpringState& state, volume::Label next,
     state.bone_from_mm = std::min(state.ahead_mm, CuttingAheadMm(before));
     return NeedleEvent::kBoneContact;
   }
+  const forces::ForceRelaxation& relaxation = TipRelaxation(state);
   if (table_.HasMembrane(before.tissue, next)) {
     state.pressing = true;
     state.membrane_of = next;
   } else {
     SetTissue(tip, next);
   }
+  TakeTipOver(state, relaxation);
   return NeedleEvent::kInterface;
 }
 
 /// Puts nodes behind the tip where the last segment gets long.
 void SpringModel::MoveTip(SpringState& state, const Eigen::Vector3d& to_mm) const noexcept {
   PathNode tip = state.node[state.num_nodes - 1];
+  AdvanceRests(state, (to_mm - tip.rest_in_ct_mm).dot(state.tip_direction_in_ct));
   tip.rest_in_ct_mm = to_mm;
   while (true) {
     const PathNode& behind = state.node[state.num_nodes - 2];
@@ -323,7 +364,9 @@ void SpringModel::MoveTip(SpringState& state, const Eigen::Vector3d& to_mm) cons
     PathNode between;
     between.rest_in_ct_mm =
         behind.rest_in_ct_mm + (settings_.node_spacing_mm / length_mm) * segment;
+    between.tissue = tip.tissue;
     between.offset_mm = tip.offset_mm;
+    between.relaxing_mm = tip.relaxing_mm;
     between.axial_n_per_mm = tip.axial_n_per_mm;
     SetTissue(between, tissue_at_(between.rest_in_ct_mm));
     state.node[state.num_nodes - 1] = between;
@@ -338,11 +381,13 @@ void SpringModel::AppendTip(SpringState& state) const noexcept {
   ACUS_ASSERT(state.num_nodes == 1);
   state.node[1] = state.node[0];
   state.node[1].offset_mm = 0.0;
+  state.node[1].relaxing_mm.fill(0.0);
   state.num_nodes = 2;
 }
 
 void SpringModel::SetTissue(PathNode& node, volume::Label tissue) const noexcept {
   const PathNode& of = node_of_[tissue];
+  TakeMeanOffset(node, tissue);
   node.tissue = tissue;
   node.lateral_n_per_mm = of.lateral_n_per_mm;
   if (hu_at_) return SetByHu(node);
@@ -351,7 +396,7 @@ void SpringModel::SetTissue(PathNode& node, volume::Label tissue) const noexcept
   node.a1_n_per_mm = of.a1_n_per_mm;
   node.a2_n_per_mm2 = of.a2_n_per_mm2;
   node.cutting_n = of.cutting_n;
-  node.offset_mm = FrictionOffsetMm(node.offset_mm, 0.0, of.axial_n_per_mm, of.friction_n);
+  HoldOffsets(node);
 }
 
 /// A stiffer place takes the spring's force over, in a softer one it keeps its length: neither
@@ -359,13 +404,16 @@ void SpringModel::SetTissue(PathNode& node, volume::Label tissue) const noexcept
 void SpringModel::SetByHu(PathNode& node) const noexcept {
   const forces::SpringParameters at = table_.hu_springs.At(hu_at_(node.rest_in_ct_mm));
   const double stiffness = at.shaft_n_per_mm2 * settings_.node_spacing_mm;
-  if (stiffness > node.axial_n_per_mm) node.offset_mm *= node.axial_n_per_mm / stiffness;
+  if (stiffness > node.axial_n_per_mm) {
+    node.offset_mm *= node.axial_n_per_mm / stiffness;
+    for (double& offset_mm : node.relaxing_mm) offset_mm *= node.axial_n_per_mm / stiffness;
+  }
   node.axial_n_per_mm = stiffness;
   node.friction_n = at.friction_n_per_mm * settings_.node_spacing_mm;
   node.a1_n_per_mm = at.a1_n_per_mm;
   node.a2_n_per_mm2 = at.a2_n_per_mm2;
   node.cutting_n = at.cutting_n;
-  node.offset_mm = FrictionOffsetMm(node.offset_mm, 0.0, stiffness, node.friction_n);
+  HoldOffsets(node);
 }
 
 PathNode SpringModel::NodeAt(const Eigen::Vector3d& rest_in_ct_mm) const noexcept {
@@ -393,10 +441,11 @@ void SpringModel::Forces(SpringState& state, double dt_s, double ahead_before_mm
   forces::NeedleForce& out = state.force;
   const PathNode& tip = state.node[state.num_nodes - 1];
   const double ahead_mm = std::max(state.ahead_mm, 0.0);
-  if (state.pierced) out.cutting_n = CuttingN(tip, ahead_mm);
+  if (state.pierced) {
+    out.cutting_n = TipN(state, ahead_mm, [&](double in_mm) { return CuttingN(tip, in_mm); });
+  }
   if (state.pressing) {
-    const double pressed_n = table_.tissue[state.membrane_of].membrane.ForceN(ahead_mm);
-    out.puncture_n = std::max(0.0, pressed_n - out.cutting_n);
+    out.puncture_n = std::max(0.0, PressedN(state, ahead_mm) - out.cutting_n);
   }
   if (state.on_bone) {
     out.bone_penetration_mm = std::max(0.0, ahead_mm - state.bone_from_mm);
@@ -410,7 +459,7 @@ void SpringModel::Forces(SpringState& state, double dt_s, double ahead_before_mm
   for (int i = 1; i < state.num_nodes; ++i) {
     const PathNode& node = state.node[i];
     const double weight = Weight(state, i);
-    friction_n += node.axial_n_per_mm * weight * node.offset_mm;
+    friction_n += node.axial_n_per_mm * weight * HeldOffsetMm(node);
     depth_mm += weight * settings_.node_spacing_mm;
     across_n_per_mm += node.lateral_n_per_mm * weight;
     if (!state.bends) {

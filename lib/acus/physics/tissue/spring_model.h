@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "acus/physics/forces/force_table.h"
+#include "acus/physics/forces/friction_pace.h"
 #include "acus/physics/forces/needle_force.h"
 #include "acus/physics/mechanics/elasticity_table.h"
 #include "acus/physics/tissue/sample_gate.h"
@@ -41,6 +42,8 @@ struct PathNode {
   double a2_n_per_mm2 = 0.0;      ///< a_2,i.
   double cutting_n = 0.0;         ///< f_cut,i.
   double offset_mm = 0.0;         ///< Delta x_i: how far the tissue is dragged along.
+  /// The same of the branches that relax, of the tissue's series.
+  std::array<double, forces::ForceRelaxation::kMostTerms> relaxing_mm{};
 };
 
 /// A plain value: copy it to save, assign it to restore.
@@ -58,6 +61,10 @@ struct SpringState {
   bool bends = false;  ///< The tip's direction is given: the springs across act on the bent needle.
   Eigen::Vector3d tip_direction_in_ct = Eigen::Vector3d::UnitZ();  ///< d_l; the axis if rigid.
   double ahead_mm = 0.0;  ///< Delta d: of the device beyond the tip of the path.
+  /// Where the branches that relax are at rest ahead of the tip of the path; >= 0.
+  std::array<double, forces::ForceRelaxation::kMostTerms> rest_mm{};
+  forces::FrictionPace pace;
+  double slid_mm = 0.0;  ///< By how much the nodes slid in the last piece of a step, on average.
   volume::Label tissue_at_tip = 0;
 
   bool pierced = false;
@@ -121,7 +128,7 @@ class SpringModel {
   static double CuttingAheadMm(const PathNode& tip) noexcept;
   void Touch(SpringState& state, const Eigen::Vector3d& before_mm, bool was_outside) const noexcept;
   bool HasLeft(const SpringState& state) const noexcept;
-  void DragShaft(SpringState& state, double travel_mm) const noexcept;
+  void DragShaft(SpringState& state, double travel_mm, double dt_s) const noexcept;
   void DrawBack(SpringState& state, double back_mm) const noexcept;
   struct Ahead {
     volume::Label tissue = 0;
@@ -136,6 +143,20 @@ class SpringModel {
   void SetTissue(PathNode& node, volume::Label tissue) const noexcept;
   void SetByHu(PathNode& node) const noexcept;
   void Forces(SpringState& state, double dt_s, double ahead_before_mm) const noexcept;
+  template <class Law>
+  double TipN(const SpringState& state, double ahead_mm, const Law& law) const noexcept;
+  double PressedN(const SpringState& state, double ahead_mm) const noexcept;
+
+  // spring_time.cpp
+  void DragInTime(SpringState& state, double travel_mm, double dt_s) const noexcept;
+  void DragNode(PathNode& node, const forces::PaceLogs& logs, double travel_mm,
+                double dt_s) const noexcept;
+  double HeldOffsetMm(const PathNode& node) const noexcept;
+  void TakeMeanOffset(PathNode& node, volume::Label tissue) const noexcept;
+  const forces::ForceRelaxation& TipRelaxation(const SpringState& state) const noexcept;
+  void TakeTipOver(SpringState& state, const forces::ForceRelaxation& before) const noexcept;
+  void CreepTip(SpringState& state, double from_mm, double dt_s) const noexcept;
+  void AdvanceRests(SpringState& state, double step_mm) const noexcept;
 
   SpringSettings settings_;
   forces::ForceTable table_;

@@ -1,6 +1,7 @@
 #include "acus/imaging/ultrasound/alamilla.h"
 
 #include <cmath>
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <numbers>
 
@@ -100,6 +101,68 @@ TEST(Alamilla, GainBrightensByItsShareOfTheDynamicRange) {
     greys.push_back(image.At(image.width / 2, 20));
   }
   EXPECT_NEAR(greys[1] - greys[0], 255.0 * 6.0 / probe.dynamic_range_db, 1.01);
+}
+
+/// A muscle along x with the shipped examples; where its fibres run is told by its surface.
+AlamillaOptions WithExamples() {
+  AlamillaOptions options = Flat();
+  const auto textures = std::filesystem::path(ACUS_SOURCE_DIR) / "configs/textures";
+  options.tissues[1].grey = 0.4;
+  options.tissues[1].texture = TissueTexture::kThickFibres;
+  options.tissues[1].example = {textures / "muscle_along.png", textures / "muscle_across.png",
+                                0.15};
+  options.speckle = options.fibres = true;
+  return options;
+}
+
+volume::LabelMap MuscleAlongX() {
+  return Scene([](double, double y, double z) {
+    return (y - 40) * (y - 40) / 900 + (z - 10) * (z - 10) / 81 < 1.0 ? kMuscle : kFat;
+  });
+}
+
+TEST(Alamilla, ExampleTexturesKeepTheGreyOfTheTable) {
+  const volume::LabelMap labels = MuscleAlongX();
+  const AlamillaOptions options = WithExamples();
+  AlamillaRenderer renderer(labels, TestProbe(), options);
+  const Eigen::Isometry3d along = Pose();
+  Eigen::Isometry3d across = along;
+  across.linear() << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+  for (const Eigen::Isometry3d& pose : {along, across}) {
+    image::GrayImage image, threads;
+    renderer.Render(pose, std::nullopt, image);
+    renderer.Render(pose, std::nullopt, threads, 4);
+    EXPECT_EQ(image.pixels, threads.pixels);
+    // In the muscle, 8 mm to each side of the middle of both planes.
+    double sum = 0.0, squares = 0.0, aside = 0.0, down = 0.0;
+    int count = 0;
+    for (int r = 30; r < 110; ++r) {
+      for (int c = 50; c < 78; ++c, ++count) {
+        const double grey = image.At(c, r) - 0.4 * 255;
+        sum += grey;
+        squares += grey * grey;
+        aside += grey * (image.At(c + 2, r) - 0.4 * 255);
+        down += grey * (image.At(c, r + 2) - 0.4 * 255);
+      }
+    }
+    EXPECT_NEAR(sum / count, 0.0, 0.08 * 0.4 * 255);
+    EXPECT_GT(std::sqrt(squares / count), 0.3 * 0.4 * 255);
+    if (pose.isApprox(along)) {
+      EXPECT_GT(aside / squares, 0.7) << "streaks";
+      EXPECT_LT(down / squares, 0.4);
+    } else {
+      EXPECT_LT(aside / squares, 0.4) << "dots";
+    }
+  }
+}
+
+TEST(Alamilla, ExampleImagesAreReadFromTheTable) {
+  const auto preset = ReadAlamillaOptions(std::filesystem::path(ACUS_SOURCE_DIR) /
+                                          "configs/acoustics/alamilla_2021_examples.json");
+  EXPECT_EQ(preset.ExampleImages().size(), 3U);
+  AlamillaOptions options = WithExamples();
+  options.tissues[1].example->along = "nowhere.png";
+  EXPECT_THROW(AlamillaRenderer(MuscleAlongX(), TestProbe(), options), InputError);
 }
 
 TEST(Alamilla, BoneShadowsBehindItsSurface) {

@@ -74,10 +74,40 @@ TEST(TissueModels, CountingFindsWhatEigenTakes) {
 #endif
 }
 
+forces::ForceTable RelaxingForces() {
+  forces::ForceTable table = testing_support::RoundForces();
+  table.num_times = 2;
+  table.times[1] = {
+      .relaxation = {.share = {0.4, 0.3, 0.0}, .time_s = {0.5, 16.0, 1.0}, .num_terms = 2},
+      .friction_rate = 0.1,
+      .friction_dwell = 0.05};
+  for (const char* tissue : {"skin", "fat", "liver"}) {
+    table.tissue[volume::LabelOf(tissue)].time = table.times[1];
+    table.time_of[volume::LabelOf(tissue)] = 1;
+  }
+  return table;
+}
+
+mechanics::ElasticityTable RelaxingElasticity() {
+  mechanics::ElasticityTable table = testing_support::RoundElasticity();
+  table.relaxation.term[0] = {0.4, 0.5};
+  table.relaxation.term[1] = {0.3, 16.0};
+  table.relaxation.num_terms = 2;
+  return table;
+}
+
 TEST(TissueModels, SpringsTakeNoMemoryInAStep) {
-  const SpringModel model({}, testing_support::RoundForces(), testing_support::Trocar18(),
-                          testing_support::RoundElasticity(), kBody.Tissues(), kBody.At());
-  ExpectNoAllocation(model, SpringField(model));
+  for (const forces::ForceTable& table : {testing_support::RoundForces(), RelaxingForces()}) {
+    const SpringModel model({}, table, testing_support::Trocar18(),
+                            testing_support::RoundElasticity(), kBody.Tissues(), kBody.At());
+    ExpectNoAllocation(model, SpringField(model));
+  }
+}
+
+TEST(TissueModels, APlaneThatRelaxesTakesNoMemoryInAStep) {
+  const PlaneModel2010 model({}, {}, RelaxingForces(), testing_support::Trocar18(),
+                             RelaxingElasticity(), kBody.At());
+  ExpectNoAllocation(model, PlaneField2010(model));
 }
 
 TEST(TissueModels, ThePlaneTakesNoMemoryInAStep) {

@@ -165,6 +165,9 @@ class BModeEffect final : public CoupledEffect {
     scene.b_mode =
         ReadImageSettings(*s.ultrasound, *scene.probe, is_by_labels ? scene.labels.get() : nullptr);
     context.provenance.AddInput(s.ultrasound->acoustics);
+    if (const auto* alamilla = std::get_if<ultrasound::AlamillaOptions>(&*scene.b_mode)) {
+      for (const auto& image : alamilla->ExampleImages()) context.provenance.AddInput(image);
+    }
     if (s.ultrasound->display.empty()) return;
     context.provenance.AddInput(s.ultrasound->display);
     // Screens say what the images have.
