@@ -8,6 +8,7 @@ find_package(EXPAT REQUIRED)
 find_package(Threads REQUIRED)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(ZLIB REQUIRED)
+find_package(PNG REQUIRED)
 # ITK, VTK, OpenCV and TetGen stay inside sources: PRIVATE_LIBRARIES, never in a header.
 find_package(ITK 5.2 REQUIRED COMPONENTS
              ITKCommon ITKGDCM ITKIOImageBase ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOTransformBase

@@ -100,6 +100,28 @@ TEST(WriteJson, WritesValidJsonWhateverBytesANameHolds) {
   EXPECT_EQ(ReadJson(path).at("file"), "p\uFFFDt.csv");
 }
 
+TEST(WriteJson, EndsWithALineAndRefusesNumbersThatJsonLacks) {
+  const testing_support::TemporaryFolder folder;
+  const auto path = folder / "a.json";
+  WriteJson(path, {{"depth_mm", 80}});
+  EXPECT_EQ(ReadTextFile(path), "{\n  \"depth_mm\": 80\n}\n");
+  EXPECT_THAT(
+      [&] {
+        WriteJson(path, {{"depth_mm", {1.0, std::nan("")}}});
+      },
+      ThrowsMessage<InputError>(HasSubstr("a.json: ")));
+  EXPECT_EQ(ReadJson(path).at("depth_mm"), 80);
+}
+
+TEST(CheckedConfig, WantsTheFormatOfItsSchema) {
+  json document = {{"format", "acus-needle/1"}};
+  const auto check = [&] { CheckedConfig(document, "acus-scenario", "s.json"); };
+  EXPECT_THAT(check, ThrowsMessage<InputError>(
+                         HasSubstr("must be \"acus-scenario/1\", got \"acus-needle/1\"")));
+  document.erase("format");
+  EXPECT_THAT(check, ThrowsMessage<InputError>(HasSubstr("got nothing")));
+}
+
 TEST(Schemas, AreValidJsonWithDescribedStrictObjects) {
   ASSERT_FALSE(SchemaNames().empty());
   for (const std::string& name : SchemaNames()) {

@@ -24,6 +24,8 @@ TEST(FixedText, RoundsToTheDigitsRequested) {
   EXPECT_EQ(FixedText(2.0 / 3, 3), "0.667");
   EXPECT_EQ(FixedText(-1.0, 0), "-1");
   EXPECT_EQ(FixedText(std::numeric_limits<double>::infinity(), 2), "inf");
+  EXPECT_EQ(FixedText(-std::numeric_limits<double>::infinity(), 2), "-inf");
+  EXPECT_EQ(FixedText(std::nan(""), 2), "nan");
   EXPECT_EQ(FixedText(-1.79e308, 30).size(), 1U + 309U + 1U + 30U);
 }
 
@@ -34,6 +36,8 @@ TEST(RoundedText, KeepsTheDigitsRequestedAndAllBeforeThePoint) {
   EXPECT_EQ(RoundedText(1234.56, 3), "1235");
   EXPECT_EQ(RoundedText(-123456.0, 3), "-123456");
   EXPECT_EQ(RoundedText(0.0, 3), "0");
+  EXPECT_EQ(RoundedText(1000.0, 3), "1000");
+  EXPECT_EQ(RoundedText(-999999999.0, 3), "-999999999");
   EXPECT_EQ(RoundedText(1.5e-7, 3), "1.5e-07");
   EXPECT_EQ(RoundedText(2e9, 3), "2e+09");
   EXPECT_EQ(RoundedText(-std::numeric_limits<double>::infinity(), 3), "-inf");

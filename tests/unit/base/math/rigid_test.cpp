@@ -35,6 +35,9 @@ TEST(PoseFromAxes, IsRightHandedAlsoWhenTheHintIsParallel) {
     EXPECT_TRUE(IsRigid(pose.matrix(), 1e-12));
     EXPECT_TRUE(pose.linear().col(2).isApprox(Eigen::Vector3d::UnitZ()));
   }
+  // As near to the hint as can be, however short the hint is.
+  const Eigen::Isometry3d pose = PoseFromAxes({}, {0, 0, 5}, {1e-6, 1e-6, 0});
+  EXPECT_TRUE(pose.linear().col(0).isApprox(Eigen::Vector3d(1, 1, 0).normalized()));
 }
 
 TEST(RasFromLps, IsItsOwnInverse) {
@@ -42,6 +45,11 @@ TEST(RasFromLps, IsItsOwnInverse) {
   pose.translation() << 1, 2, 3;
   EXPECT_TRUE(RasFromLps(RasFromLps(pose)).isApprox(pose));
   EXPECT_TRUE(RasFromLps(pose).translation().isApprox(Eigen::Vector3d(-1, -2, 3)));
+  // A point that is turned goes to the same place in either frame.
+  const Eigen::Vector3d lps_mm(4, 5, 6);
+  const Eigen::Vector3d turned = pose * lps_mm;
+  EXPECT_TRUE((RasFromLps(pose) * Eigen::Vector3d(-4, -5, 6))
+                  .isApprox(Eigen::Vector3d(-turned.x(), -turned.y(), turned.z())));
 }
 
 TEST(Quantile, InterpolatesBetweenOrderStatistics) {

@@ -38,6 +38,29 @@ TEST(NearestTriangle, FindsWhatLookingAtAllFinds) {
   }
 }
 
+TEST(NearestTriangle, IsTheNearestPointOfOneTriangleInAllItsRegions) {
+  Surface surface;
+  surface.nodes_mm.resize(3, 3);
+  surface.nodes_mm << 0, 4, 1, 0, 1, 3, 0, 0, 1;
+  surface.triangles.resize(3, 1);
+  surface.triangles << 0, 1, 2;
+  const NearestTriangle nearest(surface);
+  RandomStream random(2, "around");
+  for (int i = 0; i < 500; ++i) {
+    const Vector3d x_mm(random.Uniform(-4, 8), random.Uniform(-4, 8), random.Uniform(-3, 3));
+    const NearestPoint found = nearest.Find(x_mm);
+    EXPECT_NEAR(found.squared_mm2,
+                SquaredDistanceToTriangle(x_mm, surface.nodes_mm.col(0), surface.nodes_mm.col(1),
+                                          surface.nodes_mm.col(2)),
+                1e-9);
+    Eigen::Map<const Vector3d> weights(found.weights.data());
+    EXPECT_GE(weights.minCoeff(), -1e-12);
+    EXPECT_NEAR(weights.sum(), 1.0, 1e-12);
+    EXPECT_LT((surface.nodes_mm * weights - found.point_mm).norm(), 1e-9);
+    EXPECT_NEAR((x_mm - found.point_mm).squaredNorm(), found.squared_mm2, 1e-9);
+  }
+}
+
 TEST(NearestTriangle, NormalsPointOutwards) {
   const NearestTriangle nearest(testing_support::Ball(50));
   const NearestPoint found = nearest.Find({60, 20, 10});

@@ -71,11 +71,13 @@ TEST(CheckSurface, ReportsEachDefectWithItsPlace) {
   std::swap(flipped.triangles(0, 4), flipped.triangles(1, 4));
   EXPECT_EQ(CheckSurface(flipped).flipped_edges.count, 3U);
 
-  Surface doubled = cube;
-  doubled.triangles.conservativeResize(3, 13);
-  doubled.triangles.col(12) = cube.triangles.col(0);
-  EXPECT_EQ(CheckSurface(doubled).duplicate_triangles.count, 1U);
-  EXPECT_EQ(CheckSurface(doubled).crowded_edges.count, 3U);
+  for (int t = 0; t < cube.triangles.cols(); ++t) {
+    Surface doubled = cube;
+    doubled.triangles.conservativeResize(3, 13);
+    doubled.triangles.col(12) = cube.triangles.col(t);
+    EXPECT_EQ(CheckSurface(doubled).duplicate_triangles.count, 1U) << t;
+    EXPECT_EQ(CheckSurface(doubled).crowded_edges.count, 3U) << t;
+  }
 
   Surface loose = cube;
   loose.nodes_mm.conservativeResize(3, 10);

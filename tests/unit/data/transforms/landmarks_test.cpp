@@ -48,6 +48,9 @@ TEST(ReadLandmarks, ReadsCsvWithAndWithoutNames) {
   EXPECT_THAT(named.names, ElementsAre("A", "B"));
   EXPECT_EQ(named.points_mm.col(1), Eigen::Vector3d(-10, 0, 0.5));
   EXPECT_THAT(ReadLandmarks(FileWith("b.csv", "x_mm,y_mm,z_mm\n1,2,3\n")).names, ElementsAre(""));
+  // A column that is called like one of Slicer's does not make it Slicer's.
+  EXPECT_EQ(ReadLandmarks(FileWith("c.csv", "r,s,x_mm,y_mm,z_mm\n7,8,1,2,3\n")).points_mm.col(0),
+            Eigen::Vector3d(1, 2, 3));
 }
 
 TEST(ReadLandmarks, TurnsEverySlicerFrameIntoLps) {
@@ -143,6 +146,11 @@ TEST(ReadLandmarks, ReadsLocalisationErrorsAndPlusPhantoms) {
   const auto path = Scratch() / "errors.csv";
   WriteTextFile(path, "name,x_mm,y_mm,z_mm,fle_mm\nA,1,2,3,0.3\nB,4,5,6,0.6\n");
   EXPECT_NEAR(ReadLandmarks(path).sd_mm(2, 1), 0.6 / std::sqrt(3.0), 1e-12);
+  WriteTextFile(path,
+                "name,x_mm,y_mm,z_mm,sd_x_mm,sd_y_mm,sd_z_mm\nA,1,2,3,0.1,0.2,0.3\n"
+                "B,4,5,6,0.4,0.5,0.6\n");
+  EXPECT_EQ(ReadLandmarks(path).sd_mm.col(0), Eigen::Vector3d(0.1, 0.2, 0.3));
+  EXPECT_EQ(ReadLandmarks(path).sd_mm.col(1), Eigen::Vector3d(0.4, 0.5, 0.6));
   WriteTextFile(path, "name,x_mm,y_mm,z_mm,fle_mm\nA,1,2,3,0\n");
   EXPECT_THAT(
       [&] { ReadLandmarks(path); },
@@ -177,6 +185,16 @@ TEST(MatchLandmarks, PairsByNameInWhateverOrder) {
   EXPECT_EQ(pairs.ct_mm.col(2), b.points_mm.col(0));
   EXPECT_THAT(pairs.warnings,
               ElementsAre(HasSubstr("lacks 'only a'"), HasSubstr("lacks 'only b'")));
+}
+
+TEST(MatchLandmarks, ErrorsStayWithTheirPoints) {
+  Landmarks a = Points({"p", "q", "r"});
+  Landmarks b = Points({"r", "p", "q"});
+  a.sd_mm = a.points_mm.cwiseAbs();
+  b.sd_mm = b.points_mm.cwiseAbs();
+  const MarkerPairs pairs = MatchLandmarks(a, b);
+  EXPECT_EQ(pairs.reference_sd_mm, pairs.reference_mm.cwiseAbs());
+  EXPECT_EQ(pairs.ct_sd_mm, pairs.ct_mm.cwiseAbs());
 }
 
 TEST(MatchLandmarks, PairsByOrderOnlyWhereNothingElseIsMeant) {

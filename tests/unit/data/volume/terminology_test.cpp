@@ -51,6 +51,13 @@ TEST(Terminology, OfASegmentIsReadWithTypeRegionAndSide) {
   EXPECT_EQ(kidney.side, "left");
   EXPECT_TRUE(TermsFrom("Segmentation.Status:completed|").codes.empty());
   EXPECT_TRUE(TermsFrom("TerminologyEntry:one~two").codes.empty());
+  // Codes of other lists may have the same text.
+  EXPECT_TRUE(
+      TermsFrom("TerminologyEntry:List~99X^1^A~99X^64033007^Kidney~^^~R~^^~^^|").codes.empty());
+  EXPECT_EQ(TermsFrom("TerminologyEntry:List~SRT^T-D0050^Tissue~SRT^T-71000^Kidney~SRT^G-A100^Right"
+                      "~R~^^~^^|")
+                .side,
+            "right");
 }
 
 TEST(SegmentsFromKeys, HaveLayerNameAndCodes) {

@@ -56,6 +56,32 @@ TEST(Probe, PresetsAreReadWithTheDefaultsOfTheSchema) {
   EXPECT_EQ(curved.scan_lines, 384);
 }
 
+TEST(PlaceInBeams, FindsTheSamplesOfTheGridAlsoWhereLinesLean) {
+  for (Probe probe : {ProbeLinear(), Curved()}) {
+    for (const double steer_rad : {0.0, 0.2, -0.3}) {
+      probe.steer_rad = steer_rad;
+      probe.scan_lines = 65;
+      probe.samples_per_line = 301;
+      const ScanGrid grid = BeamGridOf(probe);
+      for (int line = 0; line < grid.lines(); line += 16) {
+        for (int sample = 0; sample < grid.samples; sample += 50) {
+          const Eigen::Vector2d at_mm =
+              grid.start_mm[static_cast<std::size_t>(line)] +
+              sample * grid.step_mm * grid.direction[static_cast<std::size_t>(line)];
+          const BeamPlace place = PlaceInBeams(probe, grid, at_mm);
+          EXPECT_NEAR(place.line, line, 1e-6) << steer_rad;
+          EXPECT_NEAR(place.sample, sample, 1e-6) << steer_rad;
+        }
+      }
+    }
+  }
+}
+
+TEST(Probe, TheFaceOfACurvedProbeIsTheChordOfItsArc) {
+  EXPECT_EQ(FaceLengthMm(ProbeLinear()), 38.0);
+  EXPECT_NEAR(FaceLengthMm(Curved()), 2.0 * 60.0 * std::sin(0.6), 1e-12);
+}
+
 TEST(Probe, TheArrayOfACurvedProbeIsAsLongAsItsArc) {
   EXPECT_EQ(ReadProbe(Preset("linear_l14.json")).ArrayLengthMm(), 50.0);
   Probe curved = ReadProbe(Preset("curvilinear_c5.json"));

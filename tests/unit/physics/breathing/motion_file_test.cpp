@@ -75,6 +75,28 @@ TEST_F(MotionFile, ReadsBackTheBound) {
   EXPECT_THAT(ReadTextFile(folder() / "bound.nhdr"), testing::HasSubstr("data file: bound.raw"));
 }
 
+TEST(MotionBound, IsLinearBetweenItsNodes) {
+  volume::Geometry nodes;
+  nodes.size = {4, 5, 6};
+  nodes.spacing_mm = {2.0, 3.0, 4.0};
+  const auto at = [](const Eigen::Vector3d& index) {
+    return 1.0 + index.dot(Eigen::Vector3d(0.5, 0.25, 2.0));
+  };
+  std::vector<float> mm(nodes.num_voxels());
+  for (int k = 0; k < 6; ++k) {
+    for (int j = 0; j < 5; ++j) {
+      for (int i = 0; i < 4; ++i)
+        mm[nodes.Index(i, j, k)] = static_cast<float>(at({1.0 * i, 1.0 * j, 1.0 * k}));
+    }
+  }
+  const MotionBound bound(nodes, mm);
+  for (const Eigen::Vector3d& index :
+       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(3, 4, 5), Eigen::Vector3d(1.25, 2.5, 4.75),
+        Eigen::Vector3d(2.5, 0.5, 1.0), Eigen::Vector3d(0.5, 3.75, 2.25)}) {
+    EXPECT_NEAR(bound.Mm(nodes.ct_from_index() * index, 1.0), at(index), 1e-6) << index;
+  }
+}
+
 TEST_F(MotionFile, SaysWhatIsWrongWithTheBound) {
   PatientMotion written = Motion(MotionKind::kSurrogate);
   const volume::Geometry& nodes = written.model.field().nodes();
