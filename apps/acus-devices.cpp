@@ -19,6 +19,7 @@ struct Options {
   HandScript script;
   std::vector<std::string> names = {ToolNames().needle, ToolNames().probe};
   std::vector<std::filesystem::path> camera;
+  std::filesystem::path stereo;
   std::vector<std::string> faults;
   PlaybackOptions playback;
 };
@@ -81,8 +82,12 @@ int main(int argc, char** argv) {
                  "What goes wrong, when and how long, s: drop, freeze, occlude, nan, jump (50 mm)\n"
                  "or garbage, as in occlude@5:2; may be given again")
       ->check(FaultProblem);
-  app.add_option("--camera", options.camera, "Send images: a camera and facets, files or presets")
-      ->expected(2);
+  CLI::Option* camera = app.add_option("--camera", options.camera,
+                                       "Send images: a camera and facets, files or presets")
+                            ->expected(2);
+  app.add_option("--stereo", options.stereo,
+                 "Both cameras of this pair (acus-stereo) in place of the one: VideoRight too")
+      ->needs(camera);
   app.footer(
       "EXAMPLE\n"
       "  acus-devices play session --port 0 --seconds 1 --fault occlude@0.2:0.3\n"
@@ -93,7 +98,14 @@ int main(int argc, char** argv) {
     playback.on_listening = SayPort;
     std::unique_ptr<ImageSource> images;
     for (auto& file : options.camera) file = acus::config::FindConfig(file, ".");
-    if (!options.camera.empty()) images = MannequinImages(options.camera[0], options.camera[1]);
+    if (!options.stereo.empty()) options.stereo = acus::config::FindConfig(options.stereo, ".");
+    if (!options.camera.empty()) {
+      MannequinView view;
+      view.camera = options.camera[0];
+      view.facets = options.camera[1];
+      view.stereo = options.stereo;
+      images = MannequinImages(view);
+    }
     std::cout << Text(Play(*motion, images.get(), playback, context));
     return acus::ExitCode::kOk;
   });

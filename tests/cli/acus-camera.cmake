@@ -38,3 +38,15 @@ acus_add_cli_case(acus-camera.hand_eye_counts EXIT 3 LEAVES_NOTHING TIMEOUT 300
   STDERR "body.csv: has 1 poses, sample/board has 2 images"
   COMMAND acus-camera hand-eye sample/board --poses body.csv -o eye
           --camera-file ${CMAKE_SOURCE_DIR}/configs/cameras/webcam_720p.json)
+acus_add_cli_case(acus-camera.pair EXIT 0 TIMEOUT 300
+  STDOUT "^Reference +3 +3 +0" "^Probe +3 +3 +0"
+  CREATES sample/facets_right/0002.png sample/board_right/0002.png tracked/Reference.csv
+  COMMAND bash -c "acus-camera sample --count 3 --stereo cameras/micron_pair_2010.json -o sample && acus-camera track sample/facets --right sample/facets_right --stereo cameras/micron_pair_2010.json -o tracked")
+acus_add_cli_case(acus-camera.pair_exchanged EXIT 4 LEAVES_NOTHING TIMEOUT 300
+  BEFORE "acus-camera sample --count 3 --stereo cameras/micron_pair_2010.json -o sample"
+  STDERR "put the facets in different places, .* left and right are exchanged"
+  COMMAND acus-camera track sample/facets_right --right sample/facets --stereo cameras/micron_pair_2010.json -o tracked)
+acus_add_cli_case(acus-camera.pair_counts EXIT 3 LEAVES_NOTHING TIMEOUT 300
+  BEFORE "acus-camera sample --count 2 --stereo cameras/micron_pair_2010.json -o sample\nrm sample/facets_right/0001.png"
+  STDERR "there are 2 images of the left camera, but 1 of the right"
+  COMMAND acus-camera track sample/facets --right sample/facets_right --stereo cameras/micron_pair_2010.json -o tracked)

@@ -68,3 +68,20 @@ acus_add_cli_case(acus-phantom.scene_of_a_blocked_window EXIT 4 LEAVES_NOTHING N
   BEFORE "${scene_labels}"
   STDERR "no free path leads to \\(0,9.5,36\\) through the window anterior" "% meet bone" "free: --window"
   COMMAND acus-phantom scene labels.seg.nrrd --target 0,9.5,36 --window anterior -o s --quiet)
+# Vessels, ducts and a lesion in the small liver patient, and a scene on them.
+acus_add_cli_case(acus-phantom.ducts EXIT 0 NEEDS inputs
+  STDOUT "^Vessels: [0-9]+ tubes" "^Bile ducts: [0-9]+ tubes" "^Lesion: at "
+  CREATES d/ct.nrrd d/labels.seg.nrrd d/ducts.csv d/ducts.json d/provenance.json
+  COMMAND acus-phantom ducts $INPUTS/liver_patient/ct.nrrd --seed 2 --lesion-mm 12 12 12
+          --labels $INPUTS/liver_patient/labels.seg.nrrd --vessel-mm 8 --duct-mm 6 -o d)
+acus_add_cli_case(acus-phantom.ducts_other_labels EXIT 3 LEAVES_NOTHING NEEDS inputs
+  STDERR "another grid"
+  COMMAND acus-phantom ducts $INPUTS/liver_patient/ct.nrrd --labels $INPUTS/labels.seg.nrrd -o d)
+acus_add_cli_case(acus-phantom.ducts_too_large EXIT 4 LEAVES_NOTHING NEEDS inputs
+  STDERR "a lesion with a radius of 100 mm" "fits nowhere into the liver"
+  COMMAND acus-phantom ducts $INPUTS/liver_patient/ct.nrrd --lesion-mm 200 200 200
+          --labels $INPUTS/liver_patient/labels.seg.nrrd -o d)
+acus_add_cli_case(acus-phantom.ducts_in_a_session EXIT 0 NEEDS inputs TIMEOUT 300
+  STDOUT "largest axial force: [0-9.]+ N" CREATES run/report.html
+  BEFORE "acus-phantom ducts $INPUTS/liver_patient/ct.nrrd --labels $INPUTS/liver_patient/labels.seg.nrrd --seed 2 --vessel-mm 8 --duct-mm 6 -o d\nacus-phantom scene d/labels.seg.nrrd --target gallbladder -o s\nacus-register --from s/markers_mannequin.csv --to s/markers_ct.csv --target s/target_ct.csv -o r\nacus-breathing --single d/ct.nrrd --labels d/labels.seg.nrrd --model surrogate --resolution 24 -o motion"
+  COMMAND bash -c "acus-replay scenarios/fortmeier_2016.json s/sessions/insertion --ct d/ct.nrrd --labels d/labels.seg.nrrd --transform r/ct_from_reference.tfm --set /patient/corridor=$PWD/s/corridor_ct.csv --set /effects/breathing/motion=$PWD/motion --set /effects/ultrasound=null --set /effects/ct_slice=null --set /effects/fluoroscopy=null --set /effects/view_3d=null -o run")

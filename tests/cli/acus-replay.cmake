@@ -149,6 +149,14 @@ acus_add_cli_case(acus-replay.probe_force EXIT 0 NEEDS inputs
   CREATES run/probe_forces.csv run/probe_forces.svg run/report.html
   COMMAND acus-replay scenarios/palpation.json $INPUTS/session ${patient} -o run
           --set /effects/probe_force/press_mm=8)
+# Palpation that is seen changes the images, no force; without what computes it elsewhere.
+string(REPLACE ";" " " palpate "acus-replay scenarios/palpation.json $INPUTS/session ${patient} --quiet --set /effects/probe_force/press_mm=8 --set /effects/probe_force/multi_proxy/tool=fingertip")
+acus_add_cli_case(acus-replay.palpation_is_seen EXIT 0 NEEDS inputs CREATES run/images.igs.mha
+  COMMAND bash -c "${palpate} -o plain && ${palpate} -o run --set /effects/probe_force/multi_proxy/image=true && cmp plain/probe_forces.csv run/probe_forces.csv && ! cmp -s plain/images.igs.mha run/images.igs.mha")
+acus_add_cli_case(acus-replay.palpation_seen_twice EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "multi_proxy/image and /effects/tissue/pressed_by_probe both press the tissue in the images"
+  COMMAND acus-replay scenarios/fortmeier_2016.json $INPUTS/session ${patient} -o run
+          --set /effects/tissue/pressed_by_probe=true)
 acus_add_cli_case(acus-replay.display EXIT 0 NEEDS inputs STDOUT "^Replayed " CREATES run/images.igs.mha
   COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o run
           --set /effects/ultrasound/model=aperture

@@ -88,7 +88,8 @@ struct TissueWatch::Content {
 };
 
 TissueWatch::TissueWatch(const simulation::Scene& scene) {
-  if (scene.tools_deform_images) content_ = std::make_unique<Content>(scene);
+  if (scene.tools_deform_images || scene.pressed_by_proxies)
+    content_ = std::make_unique<Content>(scene);
 }
 
 TissueWatch::~TissueWatch() {

@@ -52,6 +52,8 @@ class MultiProxyProbe {
   ProbeForce Step(MultiProxyState& state, const ProbeInput& input) const noexcept;
 
   double largest_force_n() const { return law_.largest_force_n; }
+  const PalpationTool& tool() const { return tool_; }
+  const PalpationFields& fields() const { return fields_; }
 
  private:
   struct Touch;

@@ -26,6 +26,9 @@ class ProbeForceModel {
   /// @pre `state` is of this model.
   ProbeForce Step(ProbeForceState& state, const ProbeInput& input) const noexcept;
 
+  /// Null for another model.
+  const MultiProxyProbe* multi_proxy() const { return std::get_if<MultiProxyProbe>(&model_); }
+
   /// Bound on the magnitude of the force.
   double LargestForceN() const noexcept;
 

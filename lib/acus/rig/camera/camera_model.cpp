@@ -166,7 +166,11 @@ double CameraModel::HorizontalAngleDeg() const {
 }
 
 CameraModel ReadCamera(const std::filesystem::path& path) {
-  const json document = config::ReadConfig(path, "acus-camera");
+  return CameraOf(config::ReadConfig(path, "acus-camera"), path.string());
+}
+
+CameraModel CameraOf(const json& node, const std::string& where) {
+  const json document = config::CheckedConfig(node, "acus-camera", where);
   CameraParameters p;
   p.name = document.at("name");
   p.description = document.at("description");
@@ -184,7 +188,7 @@ CameraModel ReadCamera(const std::filesystem::path& path) {
   try {
     return CameraModel(p);
   } catch (const InputError& error) {
-    throw InputError(path.string() + ": " + error.what());
+    throw InputError(where + ": " + error.what());
   }
 }
 

@@ -65,6 +65,8 @@ class CameraModel {
 
 /// A file of format acus-camera/1. @throws InputError as ReadConfig and CameraModel do.
 CameraModel ReadCamera(const std::filesystem::path& path);
+/// The same from a document that is part of another file. @param where  Named in messages.
+CameraModel CameraOf(const nlohmann::json& document, const std::string& where);
 /// Of format acus-camera/1.
 nlohmann::json ToJson(const CameraModel& camera);
 void WriteCamera(const std::filesystem::path& path, const CameraModel& camera);

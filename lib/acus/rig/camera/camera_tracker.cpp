@@ -20,6 +20,13 @@ std::vector<std::string> ToolNames(const std::vector<CameraTool>& tools) {
   return names;
 }
 
+/// Beside a second camera its images are read as they come, so that their times can be compared.
+std::unique_ptr<FrameSource> OpenFirst(const CameraTrackerOptions& options) {
+  auto source = OpenFrameSource(options.place, options.source);
+  if (!options.second || IsRecorded(options.place)) return source;
+  return std::make_unique<NewestFrames>(std::move(source));
+}
+
 }  // namespace
 
 class CameraTracker::Worker {
@@ -28,7 +35,7 @@ class CameraTracker::Worker {
       : camera_(std::move(camera)),
         facets_(std::move(facets)),
         options_(std::move(options)),
-        source_(OpenFrameSource(options_.place, options_.source)),
+        source_(OpenFirst(options_)),
         detector_(facets_.dictionary, options_.detector),
         board_(ToolNames(options_.tools), options_.journal_capacity) {
     std::vector<std::string> wanted;
@@ -38,6 +45,9 @@ class CameraTracker::Worker {
       ACUS_REQUIRE(facets_.Find(object) != nullptr, "camera '", options_.name, "': object '",
                    object, "' is not in the facet set '", facets_.name, "'");
     }
+    if (!options_.second) return;
+    RequireSameCamera(options_.second->pair.left, camera_, "left");
+    second_ = std::make_unique<SecondCamera>(*options_.second, options_.source);
   }
   ~Worker() { Stop(); }
 
@@ -114,18 +124,21 @@ class CameraTracker::Worker {
 
   void Locate(CameraView& view) {
     const auto seen = detector_.Detect(view.image, &camera_);
+    const auto seen_by_second = SeenBySecond(view.image.time_ns);
     for (const FacetObject& object : facets_.objects) {
       const auto before = previous_.find(object.name);
-      auto pose =
-          LocateObject(object, seen, camera_, options_.pose,
-                       before == previous_.end() ? std::nullopt : std::optional(before->second));
-      if (!pose) {
+      auto found = Find(object, seen, seen_by_second,
+                        before == previous_.end() ? std::nullopt : std::optional(before->second));
+      if (!found) {
         previous_.erase(object.name);
         continue;
       }
-      if (!pose->ambiguous) previous_[object.name] = pose->camera_from_object;
-      view.objects.push_back(std::move(*pose));
+      agreement_.Count(found->use);
+      view.by_pair += found->use == PairUse::kBoth ? 1 : 0;
+      if (!found->pose.ambiguous) previous_[object.name] = found->pose.camera_from_object;
+      view.objects.push_back(std::move(found->pose));
     }
+    if (agreement_.refused()) view.objects.clear();
     const std::int64_t now = view.image.time_ns;
     if (const ObjectPose* reference = Usable(view, options_.reference)) {
       reference_ = reference->camera_from_object;
@@ -135,6 +148,31 @@ class CameraTracker::Worker {
     }
     if (options_.reference.empty()) reference_ = Eigen::Isometry3d::Identity();
     view.camera_from_reference = reference_;
+  }
+
+  std::vector<DetectedMarker> SeenBySecond(std::int64_t time_ns) {
+    if (second_ == nullptr) return {};
+    const auto image = second_->At(time_ns);
+    if (!image) return {};
+    return detector_.Detect(*image, &options_.second->pair.right);
+  }
+
+  std::optional<PairPose> Find(const FacetObject& object, std::span<const DetectedMarker> seen,
+                               std::span<const DetectedMarker> seen_by_second,
+                               const std::optional<Eigen::Isometry3d>& before) const {
+    if (second_ != nullptr) {
+      return LocateObjectInPair(object, seen, seen_by_second, options_.second->pair, options_.pose,
+                                before);
+    }
+    auto pose = LocateObject(object, seen, camera_, options_.pose, before);
+    if (!pose) return std::nullopt;
+    return PairPose{.pose = std::move(*pose)};
+  }
+
+  /// What is the matter with the pair; empty if nothing, or if there is none.
+  std::string ProblemOfPair() const {
+    if (agreement_.refused()) return agreement_.Problem();
+    return second_ == nullptr ? "" : second_->Problem();
   }
 
   static const ObjectPose* Usable(const CameraView& view, const std::string& object) {
@@ -188,6 +226,10 @@ class CameraTracker::Worker {
     if (connected && status_.state != tracking::SourceState::kConnected) ++status_.counts.connects;
     if (!connected) status_.last_error = source.text;
     status_.peer_status = source.text;
+    const std::string problem = ProblemOfPair();
+    if (!problem.empty() && (connected || agreement_.refused())) {
+      status_.last_error = status_.peer_status = problem;
+    }
     status_.state =
         connected ? tracking::SourceState::kConnected : tracking::SourceState::kConnecting;
   }
@@ -196,12 +238,14 @@ class CameraTracker::Worker {
   FacetSet facets_;
   CameraTrackerOptions options_;
   std::unique_ptr<FrameSource> source_;
+  std::unique_ptr<SecondCamera> second_;
   MarkerDetector detector_;
   tracking::PoseBoard board_;
   // Of the thread.
   std::map<std::string, Eigen::Isometry3d> previous_;
   std::optional<Eigen::Isometry3d> reference_;
   std::int64_t reference_ns_ = 0;
+  PairAgreement agreement_;
 
   std::thread thread_;
   std::atomic<bool> stop_{false};

@@ -9,6 +9,8 @@
 #include "acus/rig/camera/facet_pose.h"
 #include "acus/rig/camera/frame_source.h"
 #include "acus/rig/camera/marker_detector.h"
+#include "acus/rig/camera/pair_pose.h"
+#include "acus/rig/camera/second_camera.h"
 #include "acus/rig/tracking/pose_source.h"
 
 namespace acus::camera {
@@ -25,6 +27,8 @@ struct CameraTrackerOptions {
   std::string name = "camera";  ///< For messages to the user.
   std::string place;            ///< See OpenFrameSource.
   FrameSourceOptions source;
+  /// Beside the first one, whose video is shown: objects that both see are tracked by the pair.
+  std::optional<SecondCameraOptions> second;
   /// The object whose frame poses are given in; empty: the camera's own frame.
   std::string reference = "Reference";
   std::vector<CameraTool> tools;
@@ -43,16 +47,18 @@ struct CameraView {
   Image image;               ///< As it came; its time is when it arrived.
   std::uint64_t number = 0;  ///< Images so far, this one included.
   std::vector<ObjectPose> objects;
+  int by_pair = 0;  ///< How many of these both cameras agree on.
   std::optional<Eigen::Isometry3d> camera_from_reference;
 };
 
 /// One thread takes images, looks for markers and publishes: each tool gets one reading with each
 /// image, valid or not. A camera that is unplugged is looked for again; nothing that it sends
-/// ends the thread. Ambiguous poses are published as not valid.
+/// ends the thread. Ambiguous poses are published as not valid. A pair whose cameras disagree for
+/// some time is refused: then no tool is seen, and the status says why.
 class CameraTracker final : public tracking::PoseSource {
  public:
-  /// @throws InputError if the set has no such object, a tool is there twice, or the place is not
-  ///     understood.
+  /// @throws InputError if the set has no such object, a tool is there twice, the place is not
+  ///     understood, or the pair's left camera is another one (RequireSameCamera).
   CameraTracker(CameraModel camera, FacetSet facets, CameraTrackerOptions options);
   ~CameraTracker() override;
 

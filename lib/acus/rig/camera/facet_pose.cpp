@@ -21,13 +21,16 @@ constexpr double kLargestRatio = 1e6;
 struct Match {
   const Marker* marker;
   const DetectedMarker* seen;
+  std::size_t view;  ///< In which of the images.
 };
 
-std::vector<Match> Matches(const FacetObject& object, std::span<const DetectedMarker> seen) {
+std::vector<Match> Matches(const FacetObject& object, std::span<const ViewedMarkers> views) {
   std::vector<Match> matches;
-  for (const Marker& marker : object.markers) {
-    for (const DetectedMarker& detected : seen) {
-      if (detected.id == marker.id) matches.push_back({&marker, &detected});
+  for (std::size_t view = 0; view < views.size(); ++view) {
+    for (const Marker& marker : object.markers) {
+      for (const DetectedMarker& detected : views[view].markers) {
+        if (detected.id == marker.id) matches.push_back({&marker, &detected, view});
+      }
     }
   }
   return matches;
@@ -37,17 +40,17 @@ void AddPoints(const Match& match, double least_sigma_px, std::vector<SeenPoint>
   const auto corners = match.marker->CornersInObjectMm();
   for (std::size_t i = 0; i < 4; ++i) {
     points.push_back({corners[i], match.seen->corners_px[i],
-                      std::hypot(match.seen->sigma_px[i], least_sigma_px)});
+                      std::hypot(match.seen->sigma_px[i], least_sigma_px), match.view});
   }
 }
 
 /// Both poses from which a flat square looks as seen: Collins & Bartoli 2014.
-std::vector<Eigen::Isometry3d> FromOneMarker(const Match& match, const CameraModel& camera) {
+std::vector<Eigen::Isometry3d> FromOneMarker(const Match& match, const Viewpoint& viewpoint) {
   const double h = 0.5 * match.marker->side_mm;
   const std::vector<cv::Point3d> corners = {{-h, h, 0}, {h, h, 0}, {h, -h, 0}, {-h, -h, 0}};
   std::vector<cv::Point2d> slopes;
   for (const Eigen::Vector2d& pixel : match.seen->corners_px) {
-    const auto ray = camera.Ray(pixel);
+    const auto ray = viewpoint.camera->Ray(pixel);
     if (!ray) return {};
     slopes.emplace_back((*ray)[0], (*ray)[1]);
   }
@@ -72,33 +75,39 @@ std::vector<Eigen::Isometry3d> FromOneMarker(const Match& match, const CameraMod
           Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
     }
     camera_from_marker.translation() = shift;
-    poses.push_back(camera_from_marker * match.marker->object_from_marker.inverse());
+    poses.push_back(viewpoint.here_from_first.inverse() * camera_from_marker *
+                    match.marker->object_from_marker.inverse());
   }
   return poses;
 }
 
-double CostOfMatch(const Match& match, const Eigen::Isometry3d& pose, const CameraModel& camera,
-                   double least_sigma_px) {
+double CostOfMatch(const Match& match, const Eigen::Isometry3d& pose,
+                   std::span<const Viewpoint> viewpoints, double least_sigma_px) {
   std::vector<SeenPoint> points;
   AddPoints(match, least_sigma_px, points);
   double cost = 0.0;
   for (const SeenPoint& point : points) {
-    cost += SquaredResidual(point, pose, camera, kOutlierSigmas * kOutlierSigmas);
+    cost += SquaredResidual(point, pose, viewpoints, kOutlierSigmas * kOutlierSigmas);
   }
   return cost;
 }
 
+bool SameSheet(const Match& a, const Match& b) {
+  return a.marker == b.marker && a.view == b.view;
+}
+
 /// The corners that a pose speaks for: of a number that was seen twice, the better one.
 std::vector<SeenPoint> PointsFor(const Eigen::Isometry3d& pose, std::span<const Match> matches,
-                                 const CameraModel& camera, double least_sigma_px, double* cost) {
+                                 std::span<const Viewpoint> viewpoints, double least_sigma_px,
+                                 double* cost) {
   std::vector<SeenPoint> points;
   *cost = 0.0;
   for (std::size_t i = 0; i < matches.size();) {
     std::size_t best = i;
-    double best_cost = CostOfMatch(matches[i], pose, camera, least_sigma_px);
+    double best_cost = CostOfMatch(matches[i], pose, viewpoints, least_sigma_px);
     std::size_t next = i + 1;
-    for (; next < matches.size() && matches[next].marker == matches[i].marker; ++next) {
-      const double other = CostOfMatch(matches[next], pose, camera, least_sigma_px);
+    for (; next < matches.size() && SameSheet(matches[next], matches[i]); ++next) {
+      const double other = CostOfMatch(matches[next], pose, viewpoints, least_sigma_px);
       if (other < best_cost) {
         best = next;
         best_cost = other;
@@ -122,24 +131,30 @@ bool Cheaper(const Candidate& a, const Candidate& b) {
 }
 
 /// Refined poses, best first, each only once.
-std::vector<Candidate> Search(std::span<const Match> matches, const CameraModel& camera,
+std::vector<Candidate> Search(std::span<const Match> matches, std::span<const Viewpoint> viewpoints,
                               const PoseSettings& settings,
+                              std::span<const Eigen::Isometry3d> starts,
                               const std::optional<Eigen::Isometry3d>& previous) {
   std::vector<Candidate> candidates;
   const auto consider = [&](const Eigen::Isometry3d& pose) {
     Candidate candidate{.pose = pose, .points = {}, .cost = 0.0};
-    candidate.points = PointsFor(pose, matches, camera, settings.corner_sigma_px, &candidate.cost);
+    candidate.points =
+        PointsFor(pose, matches, viewpoints, settings.corner_sigma_px, &candidate.cost);
     candidates.push_back(std::move(candidate));
   };
   for (const Match& match : matches) {
-    for (const Eigen::Isometry3d& pose : FromOneMarker(match, camera)) consider(pose);
+    for (const Eigen::Isometry3d& pose : FromOneMarker(match, viewpoints[match.view])) {
+      consider(pose);
+    }
   }
+  for (const Eigen::Isometry3d& start : starts) consider(start);
   if (previous) consider(*previous);
   std::stable_sort(candidates.begin(), candidates.end(), Cheaper);
   if (candidates.size() > kRefined) candidates.resize(kRefined);
   std::vector<Candidate> refined;
   for (Candidate& candidate : candidates) {
-    const RefinedPose pose = RefinePose(candidate.points, candidate.pose, camera, kOutlierSigmas);
+    const RefinedPose pose =
+        RefinePose(candidate.points, candidate.pose, viewpoints, kOutlierSigmas);
     candidate.pose = pose.camera_from_object;
     candidate.cost = pose.cost;
     const auto same = [&](const Candidate& other) {
@@ -157,13 +172,13 @@ std::vector<Candidate> Search(std::span<const Match> matches, const CameraModel&
 }
 
 /// Leaves out what does not fit, refines with the rest and says how good it is.
-std::optional<ObjectPose> Finish(const Candidate& candidate, const CameraModel& camera,
+std::optional<ObjectPose> Finish(const Candidate& candidate, std::span<const Viewpoint> viewpoints,
                                  const PoseSettings& settings) {
   ObjectPose out;
   const double largest2 = settings.largest_residual_px * settings.largest_residual_px;
   std::vector<SeenPoint> used;
   for (const SeenPoint& point : candidate.points) {
-    const double off = SquaredResidual(point, candidate.pose, camera, 1e12);
+    const double off = SquaredResidual(point, candidate.pose, viewpoints, 1e12);
     const bool fits = off < kOutlierSigmas * kOutlierSigmas * 4.0 &&
                       off * point.sigma_px * point.sigma_px < largest2;
     if (fits) used.push_back(point);
@@ -172,12 +187,12 @@ std::optional<ObjectPose> Finish(const Candidate& candidate, const CameraModel& 
   out.corners_rejected = static_cast<int>(candidate.points.size() - used.size());
   // Most corners must agree: otherwise the sheets are not where the file says.
   if (out.corners_used < 4 || out.corners_used < out.corners_rejected) return std::nullopt;
-  const RefinedPose refined = RefinePose(used, candidate.pose, camera, kOutlierSigmas);
+  const RefinedPose refined = RefinePose(used, candidate.pose, viewpoints, kOutlierSigmas);
   out.camera_from_object = refined.camera_from_object;
   double sum_px2 = 0.0;
   double chi2 = 0.0;
   for (const SeenPoint& point : used) {
-    const double off = SquaredResidual(point, refined.camera_from_object, camera, 1e12);
+    const double off = SquaredResidual(point, refined.camera_from_object, viewpoints, 1e12);
     chi2 += off;
     sum_px2 += off * point.sigma_px * point.sigma_px;
   }
@@ -204,9 +219,20 @@ std::optional<ObjectPose> LocateObject(const FacetObject& object,
                                        std::span<const DetectedMarker> markers,
                                        const CameraModel& camera, const PoseSettings& settings,
                                        const std::optional<Eigen::Isometry3d>& previous) {
-  const std::vector<Match> matches = Matches(object, markers);
+  const ViewedMarkers view{.viewpoint = {.camera = &camera}, .markers = markers};
+  return LocateObjectInViews(object, {&view, 1}, settings, {}, previous);
+}
+
+std::optional<ObjectPose> LocateObjectInViews(const FacetObject& object,
+                                              std::span<const ViewedMarkers> views,
+                                              const PoseSettings& settings,
+                                              std::span<const Eigen::Isometry3d> starts,
+                                              const std::optional<Eigen::Isometry3d>& previous) {
+  const std::vector<Match> matches = Matches(object, views);
   if (matches.empty()) return std::nullopt;
-  std::vector<Candidate> candidates = Search(matches, camera, settings, previous);
+  std::vector<Viewpoint> viewpoints;
+  for (const ViewedMarkers& view : views) viewpoints.push_back(view.viewpoint);
+  std::vector<Candidate> candidates = Search(matches, viewpoints, settings, starts, previous);
   if (candidates.empty()) return std::nullopt;
   double ratio = kLargestRatio;
   bool ambiguous = false;
@@ -224,7 +250,7 @@ std::optional<ObjectPose> LocateObject(const FacetObject& object,
     // Nearer to both alike tells nothing.
     ambiguous = std::min(first, second) > 0.5 * std::max(first, second);
   }
-  std::optional<ObjectPose> pose = Finish(candidates[0], camera, settings);
+  std::optional<ObjectPose> pose = Finish(candidates[0], viewpoints, settings);
   if (!pose) return std::nullopt;
   pose->name = object.name;
   pose->ambiguity_ratio = ratio;

@@ -10,6 +10,7 @@
 #include "acus/rig/camera/camera_model.h"
 #include "acus/rig/camera/facets.h"
 #include "acus/rig/camera/marker_detector.h"
+#include "acus/rig/camera/pose_refinement.h"
 
 namespace acus::camera {
 
@@ -44,5 +45,20 @@ std::optional<ObjectPose> LocateObject(const FacetObject& object,
                                        std::span<const DetectedMarker> markers,
                                        const CameraModel& camera, const PoseSettings& settings,
                                        const std::optional<Eigen::Isometry3d>& previous);
+
+/// The markers that one of several cameras sees.
+struct ViewedMarkers {
+  Viewpoint viewpoint;
+  std::span<const DetectedMarker> markers;
+};
+
+/// The same from the images that several cameras took at one moment: the pose, in the first
+/// camera's frame, fits the corners of all of them. A corner that only one camera sees counts too.
+/// @param starts  Further poses to begin from, besides those of each single marker.
+std::optional<ObjectPose> LocateObjectInViews(const FacetObject& object,
+                                              std::span<const ViewedMarkers> views,
+                                              const PoseSettings& settings,
+                                              std::span<const Eigen::Isometry3d> starts,
+                                              const std::optional<Eigen::Isometry3d>& previous);
 
 }  // namespace acus::camera

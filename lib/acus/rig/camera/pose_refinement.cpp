@@ -16,13 +16,15 @@ struct NormalEquations {
 };
 
 NormalEquations Accumulate(std::span<const SeenPoint> points, const Eigen::Isometry3d& pose,
-                           const CameraModel& camera, double outlier_sigmas) {
+                           std::span<const Viewpoint> viewpoints, double outlier_sigmas) {
   const double c2 = outlier_sigmas * outlier_sigmas;
   NormalEquations normal;
   for (const SeenPoint& point : points) {
+    const Viewpoint& view = viewpoints[point.viewpoint];
     const Eigen::Vector3d turned = pose.linear() * point.in_object_mm;
     Eigen::Matrix<double, 2, 3> by_point;
-    const auto pixel = camera.Project(turned + pose.translation(), by_point);
+    const auto pixel =
+        view.camera->Project(view.here_from_first * (turned + pose.translation()), by_point);
     if (!pixel) {
       normal.cost += c2;
       continue;
@@ -31,6 +33,7 @@ NormalEquations Accumulate(std::span<const SeenPoint> points, const Eigen::Isome
     const double r2 = residual.squaredNorm();
     const double share = c2 / (c2 + r2);
     normal.cost += share * r2;
+    by_point *= view.here_from_first.linear();  // From here on by the point in the first's frame.
     Eigen::Matrix<double, 2, 6> derivative;
     Eigen::Matrix3d cross;
     cross << 0, turned[2], -turned[1], -turned[2], 0, turned[0], turned[1], -turned[0], 0;
@@ -58,17 +61,19 @@ Eigen::Isometry3d Moved(const Eigen::Isometry3d& pose, const Vector6& step) {
 }  // namespace
 
 double SquaredResidual(const SeenPoint& point, const Eigen::Isometry3d& camera_from_object,
-                       const CameraModel& camera, double cap) {
-  const auto pixel = camera.Project(camera_from_object * point.in_object_mm);
+                       std::span<const Viewpoint> viewpoints, double cap) {
+  const Viewpoint& view = viewpoints[point.viewpoint];
+  const auto pixel =
+      view.camera->Project(view.here_from_first * (camera_from_object * point.in_object_mm));
   if (!pixel) return cap;
   return std::min(cap, (*pixel - point.pixel).squaredNorm() / (point.sigma_px * point.sigma_px));
 }
 
 RefinedPose RefinePose(std::span<const SeenPoint> points, const Eigen::Isometry3d& start,
-                       const CameraModel& camera, double outlier_sigmas) {
+                       std::span<const Viewpoint> viewpoints, double outlier_sigmas) {
   RefinedPose out;
   out.camera_from_object = start;
-  NormalEquations normal = Accumulate(points, start, camera, outlier_sigmas);
+  NormalEquations normal = Accumulate(points, start, viewpoints, outlier_sigmas);
   double damping = 1e-4;
   for (int iteration = 0; iteration < 40 && !out.converged; ++iteration) {
     Matrix6 damped = normal.matrix;
@@ -77,7 +82,7 @@ RefinedPose RefinePose(std::span<const SeenPoint> points, const Eigen::Isometry3
     const Vector6 step = damped.ldlt().solve(normal.right);
     if (!step.allFinite()) break;
     const Eigen::Isometry3d moved = Moved(out.camera_from_object, step);
-    const NormalEquations there = Accumulate(points, moved, camera, outlier_sigmas);
+    const NormalEquations there = Accumulate(points, moved, viewpoints, outlier_sigmas);
     if (there.cost <= normal.cost) {
       out.converged = step.head<3>().norm() < 1e-6 && step.tail<3>().norm() < 1e-9;
       out.converged |= normal.cost - there.cost <= 1e-12 * normal.cost && damping <= 1e-4;
@@ -94,7 +99,7 @@ RefinedPose RefinePose(std::span<const SeenPoint> points, const Eigen::Isometry3
   out.covariance = information.ldlt().solve(Matrix6::Identity());
   const double cap = outlier_sigmas * outlier_sigmas;
   for (const SeenPoint& point : points) {
-    out.cost += SquaredResidual(point, out.camera_from_object, camera, cap);
+    out.cost += SquaredResidual(point, out.camera_from_object, viewpoints, cap);
   }
   return out;
 }

@@ -12,6 +12,7 @@
 #include "acus/rig/camera/calibration.h"
 #include "acus/rig/camera/camera_hand_eye.h"
 #include "acus/rig/camera/stereo.h"
+#include "acus/rig/camera/stereo_pair.h"
 
 namespace acus::camera {
 namespace {
@@ -97,8 +98,9 @@ std::string Run(const HandEyeOptions& options, const CalibrationBoard& board,
 }
 
 /// From its file, or calibrated with the images.
-CameraModel CameraOf(const fs::path& file, const std::vector<fs::path>& images,
-                     const CalibrationBoard& board, const fs::path& written, RunContext& context) {
+CameraModel CalibratedOrRead(const fs::path& file, const std::vector<fs::path>& images,
+                             const CalibrationBoard& board, const fs::path& written,
+                             RunContext& context) {
   if (!file.empty()) {
     context.provenance.AddInput(file);
     return ReadCamera(file);
@@ -114,9 +116,9 @@ std::string Run(const StereoOptions& options, const CalibrationBoard& board, con
   const auto left = ImagesOf(options.left, context);
   const auto right = ImagesOf(options.right, context);
   const CameraModel left_camera =
-      CameraOf(options.left_camera, left, board, folder / "left.json", context);
+      CalibratedOrRead(options.left_camera, left, board, folder / "left.json", context);
   const CameraModel right_camera =
-      CameraOf(options.right_camera, right, board, folder / "right.json", context);
+      CalibratedOrRead(options.right_camera, right, board, folder / "right.json", context);
   const auto result = CalibrateStereo(FindBoardViews(left, board, kLeastCorners, context),
                                       FindBoardViews(right, board, kLeastCorners, context), board,
                                       left_camera, right_camera, options.limit_px);
@@ -131,12 +133,12 @@ std::string Run(const StereoOptions& options, const CalibrationBoard& board, con
     rows.push_back({view.left, view.right, std::to_string(view.corners),
                     view.rejected.empty() ? FixedText(view.rms_px, 3) : "-", view.rejected});
   }
-  config::WriteJson(folder / "stereo.json",
-                    {{"format", "acus-stereo/1"},
-                     {"right_from_left", config::MatrixRows(result.right_from_left)},
-                     {"reprojection_rms_px", result.rms_px},
-                     {"baseline_mm", result.baseline_mm},
-                     {"views", views}});
+  json document = ToJson(StereoPair{.left = left_camera,
+                                    .right = right_camera,
+                                    .right_from_left = result.right_from_left,
+                                    .reprojection_rms_px = result.rms_px});
+  document["views"] = views;
+  config::WriteJson(folder / "stereo.json", document);
   transforms::WriteTransform(
       folder / "right_from_left.tfm", result.right_from_left,
       "right_from_left: takes points of the left camera's frame to the right one's (mm)");

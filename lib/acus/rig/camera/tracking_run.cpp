@@ -11,6 +11,7 @@
 #include "acus/base/core/text_table.h"
 #include "acus/data/session/pose_csv.h"
 #include "acus/rig/camera/mannequin_camera.h"
+#include "acus/rig/camera/pair_pose.h"
 
 namespace acus::camera {
 namespace {
@@ -25,6 +26,41 @@ std::int64_t TimeNs(std::size_t image, double rate_hz) {
   return std::llround(1e9 * static_cast<double>(image) / rate_hz);
 }
 
+std::string FolderOf(const std::string& name, std::size_t camera) {
+  return camera == 0 ? name : name + "_right";
+}
+
+/// Each camera has noise of its own.
+std::uint64_t NoiseOf(int image, std::size_t camera) {
+  return static_cast<std::uint64_t>(image) + (std::uint64_t{camera} << 40);
+}
+
+Image ReadOfSize(const std::filesystem::path& file, const CameraModel& camera) {
+  Image image = ReadImage(file);
+  const CameraParameters& p = camera.parameters();
+  ACUS_REQUIRE(image.width_px == p.width_px && image.height_px == p.height_px, file.string(),
+               ": has ", image.width_px, " x ", image.height_px, " pixels, the camera's file says ",
+               p.width_px, " x ", p.height_px, "; use the camera's own file");
+  return image;
+}
+
+TrackingRun EmptyRun(const FacetSet& facets, double rate_hz) {
+  ACUS_REQUIRE(rate_hz > 0.0 && rate_hz <= 10000.0, "images at ", rate_hz,
+               " Hz; allowed is above 0 to 10000");
+  TrackingRun run;
+  run.rate_hz = rate_hz;
+  for (const FacetObject& object : facets.objects) {
+    run.objects.push_back({.name = object.name, .poses = {}});
+  }
+  return run;
+}
+
+/// The last pose that is clear.
+std::optional<Eigen::Isometry3d> Before(const TrackedObject& object) {
+  if (object.poses.empty() || !object.poses.back() || object.poses.back()->ambiguous) return {};
+  return object.poses.back()->camera_from_object;
+}
+
 /// Seen from the camera: z of the object towards it, y up, tilted about an axis in the image.
 Eigen::Isometry3d Facing(const Eigen::Vector3d& at_mm, double tilt_rad, double azimuth_rad) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -36,13 +72,15 @@ Eigen::Isometry3d Facing(const Eigen::Vector3d& at_mm, double tilt_rad, double a
   return pose;
 }
 
-void WriteMovingObjects(const std::filesystem::path& folder, const CameraModel& camera,
+void WriteMovingObjects(const std::filesystem::path& folder, std::span<const Viewpoint> cameras,
                         const FacetSet& facets, int count, const RunContext& context) {
   std::vector<BodyInView> bodies;
   if (facets.Find("Reference") != nullptr) {
     bodies.push_back({.object = "Reference", .surface = PlainTorso()});
   }
-  MannequinCamera maker(camera, facets, std::move(bodies), {});
+  std::vector<MannequinCamera> makers;
+  for (const Viewpoint& view : cameras)
+    makers.emplace_back(*view.camera, facets, bodies, ImageMaking{});
   std::vector<session::PoseStream> truth(facets.objects.size());
   Image image;
   for (int i = 0; i < count; ++i) {
@@ -65,20 +103,25 @@ void WriteMovingObjects(const std::filesystem::path& folder, const CameraModel& 
       sample.reference_from_tool = transforms::Pose(pose);
       truth[o].push_back(sample);
     }
-    maker.Render(shown, static_cast<std::uint64_t>(i) + context.seed, image);
-    WriteImage(folder / ImageName(i), image);
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      std::vector<ObjectInView> here = shown;
+      for (ObjectInView& object : here) {
+        object.camera_from_object = cameras[c].here_from_first * object.camera_from_object;
+      }
+      makers[c].Render(here, NoiseOf(i, c) + context.seed, image);
+      WriteImage(folder / FolderOf("facets", c) / ImageName(i), image);
+    }
   }
   for (std::size_t o = 0; o < truth.size(); ++o) {
-    session::WritePoseCsv(folder.parent_path() / "truth" / (facets.objects[o].name + ".csv"),
-                          truth[o]);
+    session::WritePoseCsv(folder / "truth" / (facets.objects[o].name + ".csv"), truth[o]);
   }
 }
 
-void WriteBoards(const std::filesystem::path& folder, const CameraModel& camera,
+void WriteBoards(const std::filesystem::path& folder, std::span<const Viewpoint> cameras,
                  const CalibrationBoard& board, int count, const RunContext& context) {
   Image image;
   // As far off as fills half of the image with it.
-  const CameraParameters& p = camera.parameters();
+  const CameraParameters& p = cameras[0].camera->parameters();
   const double z = 2.0 * board.square_mm * board.rows * p.focal_px[1] / p.height_px * 0.6;
   for (int i = 0; i < count; ++i) {
     context.Checkpoint("Drawing", static_cast<double>(i) / count);
@@ -89,8 +132,11 @@ void WriteBoards(const std::filesystem::path& folder, const CameraModel& camera,
         Facing(at, random.Uniform(0.2, 0.7), random.Uniform(0.0, 2.0 * std::numbers::pi)) *
         Eigen::AngleAxisd(random.Uniform(-std::numbers::pi, std::numbers::pi),
                           Eigen::Vector3d::UnitZ());
-    RenderBoard(camera, board, pose, {.colour = false}, static_cast<std::uint64_t>(i), image);
-    WriteImage(folder / ImageName(i), image);
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      RenderBoard(*cameras[c].camera, board, cameras[c].here_from_first * pose, {.colour = false},
+                  NoiseOf(i, c), image);
+      WriteImage(folder / FolderOf("board", c) / ImageName(i), image);
+    }
   }
 }
 
@@ -116,33 +162,45 @@ double TrackedObject::JitterMm() const {
 
 TrackingRun TrackImages(const std::vector<std::filesystem::path>& images, const CameraModel& camera,
                         const FacetSet& facets, double rate_hz, const RunContext& context) {
-  ACUS_REQUIRE(rate_hz > 0.0 && rate_hz <= 10000.0, "images at ", rate_hz,
-               " Hz; allowed is above 0 to 10000");
-  TrackingRun run;
-  run.rate_hz = rate_hz;
-  for (const FacetObject& object : facets.objects) {
-    run.objects.push_back({.name = object.name, .poses = {}});
-  }
+  TrackingRun run = EmptyRun(facets, rate_hz);
   MarkerDetector detector(facets.dictionary);
-  const CameraParameters& p = camera.parameters();
   for (std::size_t i = 0; i < images.size(); ++i) {
     context.Checkpoint("Tracking", static_cast<double>(i) / static_cast<double>(images.size()));
-    const Image image = ReadImage(images[i]);
-    ACUS_REQUIRE(image.width_px == p.width_px && image.height_px == p.height_px, images[i].string(),
-                 ": has ", image.width_px, " x ", image.height_px,
-                 " pixels, the camera's file says ", p.width_px, " x ", p.height_px,
-                 "; use the camera's own file");
     run.files.push_back(images[i].filename().string());
-    const auto seen = detector.Detect(image, &camera);
+    const auto seen = detector.Detect(ReadOfSize(images[i], camera), &camera);
     for (std::size_t o = 0; o < facets.objects.size(); ++o) {
-      auto& poses = run.objects[o].poses;
-      std::optional<Eigen::Isometry3d> before;
-      if (!poses.empty() && poses.back() && !poses.back()->ambiguous) {
-        before = poses.back()->camera_from_object;
-      }
-      poses.push_back(LocateObject(facets.objects[o], seen, camera, {}, before));
+      TrackedObject& object = run.objects[o];
+      object.poses.push_back(LocateObject(facets.objects[o], seen, camera, {}, Before(object)));
     }
   }
+  return run;
+}
+
+TrackingRun TrackPairs(const std::vector<std::filesystem::path>& left,
+                       const std::vector<std::filesystem::path>& right, const StereoPair& pair,
+                       const FacetSet& facets, double rate_hz, const RunContext& context) {
+  ACUS_REQUIRE(left.size() == right.size(), "there are ", left.size(),
+               " images of the left camera, but ", right.size(),
+               " of the right; both need one of each moment, in the same order");
+  TrackingRun run = EmptyRun(facets, rate_hz);
+  MarkerDetector detector(facets.dictionary);
+  PairAgreement agreement;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    context.Checkpoint("Tracking", static_cast<double>(i) / static_cast<double>(left.size()));
+    run.files.push_back(left[i].filename().string());
+    const auto in_left = detector.Detect(ReadOfSize(left[i], pair.left), &pair.left);
+    const auto in_right = detector.Detect(ReadOfSize(right[i], pair.right), &pair.right);
+    for (std::size_t o = 0; o < facets.objects.size(); ++o) {
+      TrackedObject& object = run.objects[o];
+      const auto found =
+          LocateObjectInPair(facets.objects[o], in_left, in_right, pair, {}, Before(object));
+      object.poses.push_back(found ? std::optional(found->pose) : std::nullopt);
+      if (!found) continue;
+      agreement.Count(found->use);
+      object.by_pair += found->use == PairUse::kBoth ? 1 : 0;
+    }
+  }
+  if (agreement.disagreed() > agreement.agreed()) throw NoAnswerError(agreement.Problem());
   return run;
 }
 
@@ -159,12 +217,12 @@ std::string TableText(const TrackingRun& run) {
       sigma_deg += pose->AngleSigmaDeg() / seen;
       ambiguous += pose->ambiguous ? 1 : 0;
     }
-    rows.push_back({object.name, std::to_string(object.Seen()), std::to_string(ambiguous),
-                    FixedText(std::sqrt(rms), 3), FixedText(sigma_mm, 3), FixedText(sigma_deg, 3),
-                    FixedText(object.JitterMm(), 3)});
+    rows.push_back({object.name, std::to_string(object.Seen()), std::to_string(object.by_pair),
+                    std::to_string(ambiguous), FixedText(std::sqrt(rms), 3), FixedText(sigma_mm, 3),
+                    FixedText(sigma_deg, 3), FixedText(object.JitterMm(), 3)});
   }
-  return TextTable({"object", "seen", "ambiguous", "corners RMS px", "expected mm", "expected deg",
-                    "about its mean, RMS mm"},
+  return TextTable({"object", "seen", "by pair", "ambiguous", "corners RMS px", "expected mm",
+                    "expected deg", "about its mean, RMS mm"},
                    rows) +
          Message(run.files.size(), " images\n");
 }
@@ -186,14 +244,17 @@ void WriteResult(const std::filesystem::path& folder, const TrackingRun& run,
   config::WriteJson(folder / "provenance.json", context.provenance.ToJson());
 }
 
-void WriteSamples(const std::filesystem::path& folder, const CameraModel& camera,
+void WriteSamples(const std::filesystem::path& folder, std::span<const Viewpoint> cameras,
                   const CalibrationBoard& board, const FacetSet& facets, int count,
                   const RunContext& context) {
-  for (const char* name : {"board", "facets", "truth"}) {
-    std::filesystem::create_directories(folder / name);
+  std::filesystem::create_directories(folder / "truth");
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    for (const char* name : {"board", "facets"}) {
+      std::filesystem::create_directories(folder / FolderOf(name, c));
+    }
   }
-  WriteBoards(folder / "board", camera, board, count, context);
-  WriteMovingObjects(folder / "facets", camera, facets, count, context);
+  WriteBoards(folder, cameras, board, count, context);
+  WriteMovingObjects(folder, cameras, facets, count, context);
   config::WriteJson(folder / "provenance.json", context.provenance.ToJson());
 }
 

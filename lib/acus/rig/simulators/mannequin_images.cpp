@@ -7,11 +7,13 @@
 #include "acus/base/math/rigid.h"
 #include "acus/data/transforms/transform_graph.h"
 #include "acus/rig/camera/mannequin_camera.h"
+#include "acus/rig/camera/stereo_pair.h"
 
 namespace acus::simulators {
 namespace {
 
 constexpr const char* kReference = "Reference";
+constexpr std::uint64_t kNoiseOfEach = 1ULL << 40;  ///< Images of one camera, before the next's.
 
 /// Half the samples of a still image: 30 images a second of 720 lines take 75 % of one core.
 camera::ImageMaking Making() {
@@ -23,16 +25,48 @@ camera::ImageMaking Making() {
 class Images final : public ImageSource {
  public:
   Images(const MannequinView& view, camera::FacetSet facets)
-      : view_(view),
-        facets_(facets),
-        camera_(camera::ReadCamera(view.camera), std::move(facets),
-                {{.object = kReference, .surface = camera::PlainTorso()}}, Making()) {}
+      : view_(view), facets_(std::move(facets)) {
+    if (view.stereo.empty()) {
+      Add("Video", camera::ReadCamera(view.camera), Eigen::Isometry3d::Identity());
+      return;
+    }
+    const camera::StereoPair pair = camera::ReadStereo(view.stereo);
+    Add("Video", pair.left, Eigen::Isometry3d::Identity());
+    Add("VideoRight", pair.right, pair.right_from_left);
+  }
 
-  std::string stream() const override { return "Video"; }
+  std::vector<std::string> streams() const override { return streams_; }
   double rate_hz() const override { return view_.rate_hz; }
 
-  tracking::Image Draw(std::span<const tracking::NamedPose> poses, std::int64_t time_ns) override {
-    const Eigen::Isometry3d camera_from_reference = CameraFromReference(view_, time_ns);
+  std::vector<tracking::Image> Draw(std::span<const tracking::NamedPose> poses,
+                                    std::int64_t time_ns) override {
+    std::vector<tracking::Image> drawn;
+    for (Eye& eye : eyes_) {
+      drawn.push_back(
+          DrawFrom(eye, eye.here_from_first * CameraFromReference(view_, time_ns), poses));
+    }
+    return drawn;
+  }
+
+ private:
+  struct Eye {
+    Eigen::Isometry3d here_from_first;
+    camera::MannequinCamera camera;
+    std::uint64_t number;  ///< Of its next image; each camera has noise of its own.
+  };
+
+  void Add(const std::string& stream, const camera::CameraModel& camera,
+           const Eigen::Isometry3d& here_from_first) {
+    eyes_.push_back(
+        {.here_from_first = here_from_first,
+         .camera = camera::MannequinCamera(
+             camera, facets_, {{.object = kReference, .surface = camera::PlainTorso()}}, Making()),
+         .number = kNoiseOfEach * streams_.size()});
+    streams_.push_back(stream);
+  }
+
+  tracking::Image DrawFrom(Eye& eye, const Eigen::Isometry3d& camera_from_reference,
+                           std::span<const tracking::NamedPose> poses) {
     std::vector<camera::ObjectInView> objects = {
         {.name = kReference, .camera_from_object = camera_from_reference}};
     for (const tracking::NamedPose& pose : poses) {
@@ -42,19 +76,18 @@ class Images final : public ImageSource {
           {.name = name->from,
            .camera_from_object = camera_from_reference * pose.reference_from_tool.isometry()});
     }
-    camera_.Render(objects, number_++, drawn_);
+    eye.camera.Render(objects, eye.number++, drawn_);
     return {.width = drawn_.width_px,
             .height = drawn_.height_px,
             .channels = drawn_.channels,
             .pixels = drawn_.pixels};
   }
 
- private:
   MannequinView view_;
   camera::FacetSet facets_;
-  camera::MannequinCamera camera_;
+  std::vector<Eye> eyes_;
+  std::vector<std::string> streams_;
   camera::Image drawn_;
-  std::uint64_t number_ = 0;
 };
 
 }  // namespace
@@ -78,14 +111,6 @@ std::unique_ptr<ImageSource> MannequinImages(const MannequinView& view) {
   ACUS_REQUIRE(facets.Find(kReference) != nullptr, view.facets.string(),
                ": there is no object 'Reference', which is the mannequin");
   return std::make_unique<Images>(view, std::move(facets));
-}
-
-std::unique_ptr<ImageSource> MannequinImages(const std::filesystem::path& camera,
-                                             const std::filesystem::path& facets) {
-  MannequinView view;
-  view.camera = camera;
-  view.facets = facets;
-  return MannequinImages(view);
 }
 
 }  // namespace acus::simulators

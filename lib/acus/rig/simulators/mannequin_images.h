@@ -11,7 +11,8 @@ namespace acus::simulators {
 
 /// Where the camera stands and what it sees.
 struct MannequinView {
-  std::filesystem::path camera;  ///< Format acus-camera/1.
+  std::filesystem::path camera;  ///< Format acus-camera/1. Not read if there is a pair:
+  std::filesystem::path stereo;  ///< format acus-stereo/1; empty: one camera.
   std::filesystem::path facets;  ///< Format acus-facets/1: the object Reference, and the tools.
   /// In the reference frame, whose z is up on the mannequin, mm.
   Eigen::Vector3d eye_mm = {0.0, -700.0, 550.0};
@@ -24,15 +25,13 @@ struct MannequinView {
 
 /// Draws the facets of the mannequin and of each tool that is seen ("ProbeToReference" is the
 /// object Probe), on a plain torso. The same poses and times give the same images.
-/// Stream "Video"; its reference_from_pixel is the identity: a camera has no pixels in space.
-/// @throws InputError as ReadCamera and ReadFacets do, if there is no object Reference, or the eye
+/// Stream "Video", and of a pair's right camera "VideoRight", of the same moments; their
+/// reference_from_pixel is the identity: a camera has no pixels in space.
+/// @throws InputError as ReadCamera, ReadStereo and ReadFacets do, if there is no object Reference,
+/// or the eye
 ///     is less than 100 mm from what it looks at.
 std::unique_ptr<ImageSource> MannequinImages(const MannequinView& view);
-/// The same from where the camera stands by default.
-std::unique_ptr<ImageSource> MannequinImages(const std::filesystem::path& camera,
-                                             const std::filesystem::path& facets);
-
-/// The camera's pose at a time of the motion: what registration or a tracker must find.
+/// The (left) camera's pose at a time of the motion: what registration or a tracker must find.
 Eigen::Isometry3d CameraFromReference(const MannequinView& view, std::int64_t time_ns);
 
 }  // namespace acus::simulators

@@ -80,7 +80,10 @@ class ImageThread {
       if (stopping_ || paused_ || poses.empty()) continue;
       const std::int64_t taken_ns = MonotonicNs();
       try {
-        server_.SendImage(source.stream(), source.Draw(poses, time_ns), taken_ns);
+        const std::vector<tracking::Image> drawn = source.Draw(poses, time_ns);
+        for (std::size_t i = 0; i < drawn.size(); ++i) {
+          server_.SendImage(source.streams()[i], drawn[i], taken_ns);
+        }
       } catch (const InputError& error) {
         const std::lock_guard lock(mutex_);
         error_ = error.what();

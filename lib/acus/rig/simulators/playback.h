@@ -23,11 +23,13 @@ namespace acus::simulators {
 class ImageSource {
  public:
   virtual ~ImageSource() = default;
-  virtual std::string stream() const = 0;  ///< Name on the network: "Video".
+  /// Names on the network, one for each image of a moment: "Video".
+  virtual std::vector<std::string> streams() const = 0;
   virtual double rate_hz() const = 0;
-  /// The scene at a time of the motion. `poses`: the newest of each tool, with its validity.
-  virtual tracking::Image Draw(std::span<const tracking::NamedPose> poses,
-                               std::int64_t time_ns) = 0;
+  /// The scene at a time of the motion, for each stream. `poses`: the newest of each tool, with its
+  /// validity.
+  virtual std::vector<tracking::Image> Draw(std::span<const tracking::NamedPose> poses,
+                                            std::int64_t time_ns) = 0;
 };
 
 struct PlaybackOptions {

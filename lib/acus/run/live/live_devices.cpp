@@ -39,6 +39,13 @@ BeltConfig BeltOf(const json& node, const std::string& where) {
 
 constexpr double kFilmRateHz = 30.0;  ///< Of films and folders in place of a camera.
 
+camera::SecondCameraOptions SecondOf(const json& node, const fs::path& folder) {
+  return {
+      .place = node.at("place"),
+      .pair = camera::ReadStereo(config::FindConfig(node.at("stereo").get<std::string>(), folder)),
+      .apart_ms = node.at("apart_ms")};
+}
+
 CameraConfig CameraOf(const json& node, const fs::path& folder, const std::string& where) {
   CameraConfig camera;
   camera.model = config::FindConfig(node.at("model").get<std::string>(), folder);
@@ -51,6 +58,7 @@ CameraConfig CameraOf(const json& node, const fs::path& folder, const std::strin
   options.reference = node.at("reference");
   options.hold_reference_ms = node.at("hold_reference_ms");
   options.journal_capacity = 1U << 12;
+  if (node.contains("second")) options.second = SecondOf(node.at("second"), folder);
   const json& tools = node.at("tools");
   for (std::size_t i = 0; i < tools.size(); ++i) {
     options.tools.push_back(

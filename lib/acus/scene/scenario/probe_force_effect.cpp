@@ -23,6 +23,8 @@ ProbeForceEffect ReadProbeForce(const nlohmann::json& settings,
   effect.num_proxies = multi_proxy.at("proxies");
   effect.face_width_mm = multi_proxy.at("face_width_mm");
   effect.fingertip_radius_mm = multi_proxy.at("fingertip_radius_mm");
+  effect.presses_images =
+      effect.model == ProbeForceModelKind::kMultiProxy && multi_proxy.at("image");
   return effect;
 }
 

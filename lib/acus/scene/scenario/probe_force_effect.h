@@ -18,6 +18,7 @@ struct ProbeForceEffect {
   int num_proxies = 0;
   double face_width_mm = 0.0;  ///< Of a probe, across the image plane.
   double fingertip_radius_mm = 0.0;
+  bool presses_images = false;  ///< Images show the tissue that the proxies press in.
 
   /// True if it depends on what the probe looks like.
   bool NeedsProbePreset() const {

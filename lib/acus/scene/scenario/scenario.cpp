@@ -118,6 +118,12 @@ void CheckTogether(const Scenario& s) {
                  ": /effects/probe_force/model is \"tissue\", but no effects/tissue is pressed by "
                  "the probe; give it the model fe_3d with fe_3d/probe_contact true");
   }
+  if (s.probe_force && s.probe_force->presses_images && s.tissue) {
+    ACUS_REQUIRE(!s.tissue->pressed_by_probe && !s.tissue->probe_contact, file,
+                 ": /effects/probe_force/multi_proxy/image and /effects/tissue/",
+                 s.tissue->probe_contact ? "fe_3d/probe_contact" : "pressed_by_probe",
+                 " both press the tissue in the images; set one of them to false");
+  }
   if (s.tissue && s.tissue->pressed_by_probe) {
     ACUS_REQUIRE(s.tissue->model != TissueModelKind::kFem3d, file,
                  ": /effects/tissue/pressed_by_probe is for models that the probe does not deform; "

@@ -41,6 +41,15 @@ const slicing::RestMap* MomentRest::At(const Snapshot& snapshot) {
     pressed_.emplace(face, snapshot.ct_from_probe, *tissue_, rest, scene_->warp_spacing_mm);
     if (pressed_->presses()) rest = &*pressed_;
   }
+  if (scene_->pressed_by_proxies && snapshot.probe_valid) {
+    const forces::MultiProxyProbe& probe = *scene_->probe_force->multi_proxy();
+    // As the force takes it: deeper along the beam.
+    Eigen::Isometry3d ct_from_tool = snapshot.ct_from_probe;
+    ct_from_tool.translation() += scene_->probe_press_mm * ct_from_tool.linear().col(1);
+    palpated_.emplace(probe.tool(), ct_from_tool, *probe.fields().skin, probe.fields().skin_value,
+                      rest, scene_->warp_spacing_mm);
+    if (palpated_->presses()) rest = &*palpated_;
+  }
   return rest;
 }
 

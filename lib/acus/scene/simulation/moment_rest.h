@@ -6,6 +6,7 @@
 
 #include "acus/scene/simulation/breathing_scene.h"
 #include "acus/scene/simulation/deformed_tissue.h"
+#include "acus/scene/simulation/pressed_by_proxies.h"
 #include "acus/scene/simulation/pressed_skin.h"
 #include "acus/scene/simulation/scene.h"
 #include "acus/scene/simulation/snapshot.h"
@@ -47,6 +48,7 @@ class MomentRest {
   std::optional<BreathingRest> breathing_;
   std::optional<forces::TissueLookup> tissue_;  ///< If the probe presses.
   std::optional<PressedSkin> pressed_;
+  std::optional<PressedByProxies> palpated_;
 };
 
 }  // namespace acus::simulation

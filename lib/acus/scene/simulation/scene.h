@@ -32,7 +32,8 @@ struct Scene {
   bool force_from_tissue = false;    ///< What is felt is what the deformed tissue does.
   bool tools_deform_images = false;  ///< Images show what tools do to the tissue.
   bool pressed_by_probe = false;     ///< ... and as far as its face is in the skin, the probe.
-  double warp_spacing_mm = 0.0;
+  bool pressed_by_proxies = false;   ///< Images show what the probe's proxies do to the tissue.
+  double warp_spacing_mm = 2.0;
   int inverse_iterations = 12;  ///< ... at whose knots it is looked for what was there at rest.
 
   std::optional<Breathing> breathing;              ///< If the plan has breathing.

@@ -86,6 +86,109 @@ TEST_F(Tracker, GivesAToolInTheMannequinsFrame) {
   EXPECT_LT(ErrorOf(*view->camera_from_reference, mannequin_).position_mm, 0.5);
 }
 
+class TrackerOfAPair : public Tracker {
+ protected:
+  StereoPair pair_ = ReadStereo(ConfigPath("cameras/micron_pair_2010.json"));
+
+  /// Ten pairs of images. @param beside  Where the right camera is, seen from the left one.
+  CameraTrackerOptions Recorded(const Eigen::Isometry3d& right_from_left, int count) {
+    MannequinCamera left(pair_.left, set_, {}, {.colour = false});
+    MannequinCamera right(pair_.right, set_, {}, {.colour = false});
+    for (const char* name : {"left", "right"}) std::filesystem::create_directory(folder_ / name);
+    Image image;
+    for (int i = 0; i < count; ++i) {
+      const std::string file = std::to_string(100 + i) + ".png";
+      const auto number = static_cast<std::uint64_t>(i);
+      const ObjectInView in_left[] = {{"Reference", mannequin_}, {"Probe", probe_}};
+      left.Render(in_left, number, image);
+      WriteImage(folder_ / "left" / file, image);
+      const ObjectInView in_right[] = {{"Reference", right_from_left * mannequin_},
+                                       {"Probe", right_from_left * probe_}};
+      right.Render(in_right, 1000 + number, image);
+      WriteImage(folder_ / "right" / file, image);
+    }
+    CameraTrackerOptions options = Options("folder:" + (folder_ / "left").string());
+    options.second =
+        SecondCameraOptions{.place = "folder:" + (folder_ / "right").string(), .pair = pair_};
+    options.journal_capacity = 64;
+    return options;
+  }
+};
+
+TEST_F(TrackerOfAPair, BothCamerasAgree) {
+  CameraTracker tracker(pair_.left, set_, Recorded(pair_.right_from_left, 2));
+  tracker.Start();
+  ASSERT_TRUE(Eventually([&] { return tracker.status().counts.messages == 2; }));
+  tracker.Stop();
+  ExpectProbeIsRight(tracker.board().Latest(0));
+  const auto view = tracker.Latest();
+  ASSERT_NE(view, nullptr);
+  EXPECT_EQ(view->by_pair, 2);
+  EXPECT_EQ(tracker.status().last_error.find("camera"), std::string::npos)
+      << tracker.status().last_error;
+}
+
+TEST_F(TrackerOfAPair, APairThatNeverAgreesIsRefused) {
+  const Eigen::Isometry3d elsewhere =
+      Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitY()) * pair_.right_from_left;
+  CameraTracker tracker(pair_.left, set_, Recorded(elsewhere, 10));
+  tracker.Start();
+  ASSERT_TRUE(Eventually([&] { return tracker.status().counts.messages == 10; }));
+  tracker.Stop();
+  EXPECT_FALSE(tracker.board().Latest(0).valid);
+  EXPECT_NE(tracker.status().last_error.find("put the facets in different places"),
+            std::string::npos)
+      << tracker.status().last_error;
+}
+
+TEST_F(TrackerOfAPair, WithoutItsSecondCameraOneTracks) {
+  CameraTrackerOptions options = Recorded(pair_.right_from_left, 2);
+  options.second->place = "device:" + (folder_ / "video77").string();
+  CameraTracker tracker(pair_.left, set_, options);
+  tracker.Start();
+  ASSERT_TRUE(Eventually([&] { return tracker.status().counts.messages == 2; }));
+  tracker.Stop();
+  std::array<tracking::ToolReading, 16> readings;
+  ASSERT_GE(tracker.board().TakeReadings(readings), 2U);
+  ExpectProbeIsRight(readings[1].pose);
+  EXPECT_EQ(tracker.Latest()->by_pair, 0);
+}
+
+TEST_F(TrackerOfAPair, ImagesComeOverTheNetwork) {
+  const CameraTrackerOptions recorded = Recorded(pair_.right_from_left, 1);
+  const auto sent = [&](const char* name) {
+    const Image image = ReadImage(folder_ / name / "100.png");
+    return tracking::Image{.width = image.width_px,
+                           .height = image.height_px,
+                           .channels = image.channels,
+                           .pixels = image.pixels};
+  };
+  const tracking::Image left = sent("left"), right = sent("right");
+  tracking::PoseServer server({.host = "127.0.0.1", .port = 0});
+  server.Start();
+  const std::string place = "igtl:127.0.0.1:" + std::to_string(server.port());
+  CameraTrackerOptions options = recorded;
+  options.place = place + "/Video";
+  options.second->place = place + "/VideoRight";
+  options.second->apart_ms = 500;  // The machine may be busy.
+  CameraTracker tracker(pair_.left, set_, options);
+  tracker.Start();
+  std::int64_t number = 0;
+  EXPECT_TRUE(Eventually([&] {
+    server.SendImage("Video", left, ++number);
+    server.SendImage("VideoRight", right, number);
+    const auto view = tracker.Latest();
+    return view != nullptr && view->by_pair == 2;
+  }));
+}
+
+TEST_F(TrackerOfAPair, AFileOfAnotherPairIsRefused) {
+  CameraTrackerOptions options = Recorded(pair_.right_from_left, 1);
+  CameraParameters other = pair_.left.parameters();
+  other.focal_px *= 1.05;
+  EXPECT_THROW(CameraTracker(CameraModel(other), set_, options), InputError);
+}
+
 TEST_F(Tracker, ACameraThatIsNotThereIsSaidAndWaitedFor) {
   CameraTracker tracker(camera_, set_, Options("device:" + (folder_ / "video77").string()));
   tracker.Start();

@@ -46,15 +46,26 @@ TEST(MannequinImages, ShowsTheMarkersOfWhatIsSeen) {
   std::vector<tracking::NamedPose> poses = {
       {.name = "ProbeToReference", .reference_from_tool = pose},
       {.name = "StylusToReference", .reference_from_tool = pose}};  // No facets: not drawn.
-  const std::set<int> with_probe = MarkersIn(images->Draw(poses, 0));
+  const std::set<int> with_probe = MarkersIn(images->Draw(poses, 0)[0]);
   poses[0].valid = false;
-  const std::set<int> without = MarkersIn(images->Draw(poses, 0));
+  const std::set<int> without = MarkersIn(images->Draw(poses, 0)[0]);
   for (int id = 0; id < 8; ++id) {
     EXPECT_TRUE(with_probe.contains(id)) << id;
     EXPECT_TRUE(without.contains(id)) << id;
   }
   EXPECT_TRUE(with_probe.contains(10) || with_probe.contains(11));
   EXPECT_EQ(without.size(), 8u) << "only the mannequin's";
+}
+
+TEST(MannequinImages, APairSeesTheSameFromBesideEachOther) {
+  MannequinView view = View();
+  view.stereo = ACUS_SOURCE_DIR "/configs/cameras/micron_pair_2010.json";
+  const auto images = MannequinImages(view);
+  EXPECT_EQ(images->streams(), (std::vector<std::string>{"Video", "VideoRight"}));
+  const auto drawn = images->Draw({}, 0);
+  ASSERT_EQ(drawn.size(), 2u);
+  EXPECT_EQ(MarkersIn(drawn[0]), MarkersIn(drawn[1]));
+  EXPECT_NE(drawn[0].pixels, drawn[1].pixels);
 }
 
 TEST(MannequinImages, RefusesWhatIsNoView) {

@@ -161,11 +161,12 @@ TEST(Playback, AJumpIsFiftyMillimetresAndGarbageIsSkipped) {
 
 class GreyImages final : public ImageSource {
  public:
-  std::string stream() const override { return "Video"; }
+  std::vector<std::string> streams() const override { return {"Video"}; }
   double rate_hz() const override { return 50.0; }
-  tracking::Image Draw(std::span<const tracking::NamedPose> poses, std::int64_t) override {
+  std::vector<tracking::Image> Draw(std::span<const tracking::NamedPose> poses,
+                                    std::int64_t) override {
     if (fails) throw InputError("the camera is made of wood");
-    return {.width = 2, .height = 1, .channels = 1, .pixels = {1, std::uint8_t(poses.size())}};
+    return {{.width = 2, .height = 1, .channels = 1, .pixels = {1, std::uint8_t(poses.size())}}};
   }
   std::atomic<bool> fails{false};
 };

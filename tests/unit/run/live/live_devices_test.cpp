@@ -72,6 +72,18 @@ TEST_F(LiveDevicesFile, IsReadWhole) {
   EXPECT_TRUE(devices.send_out);
 }
 
+TEST_F(LiveDevicesFile, TheSecondCameraIsRead) {
+  const LiveDevices devices =
+      Read(Changed(R"("place": "device:0", "model": "cameras/webcam_720p.json")",
+                   R"("place": "device:0", "model": "cameras/micron_tracker_2010.json",
+                      "second": {"place": "device:1", "stereo": "cameras/micron_pair_2010.json"})"));
+  ASSERT_TRUE(devices.camera->options.second);
+  EXPECT_EQ(devices.camera->options.second->place, "device:1");
+  EXPECT_EQ(devices.camera->options.second->apart_ms, 12);
+  EXPECT_NEAR(devices.camera->options.second->pair.BaselineMm(), 120.0, 1e-9);
+  EXPECT_FALSE(Read(kAll).camera->options.second);
+}
+
 TEST_F(LiveDevicesFile, SaysWhatContradictsItself) {
   ExpectFails(Changed(R"("needle": {"device": "right"},)",
                       R"("needle": {"device": "right"}, "probe": {"device": "left"},)"),

@@ -52,8 +52,9 @@ Eigen::AlignedBox3d ReachOf(const ToolsOnTissue& tools) {
     box.extend(needle.tip_in_ct_mm - 0.67 * needle.length_mm * needle.axis_in_ct);
     for (int i = 0; i < needle.shape.num_points; ++i) box.extend(needle.shape.At(i));
   }
-  if (tools.ct_from_probe && tools.probe != nullptr) {
-    const double half_mm = 0.5 * acoustics::FaceLengthMm(*tools.probe);
+  if (tools.ct_from_probe) {  // Without a preset it is a fingertip.
+    const double half_mm =
+        tools.probe == nullptr ? 0.0 : 0.5 * acoustics::FaceLengthMm(*tools.probe);
     box.extend(*tools.ct_from_probe * Eigen::Vector3d(-half_mm, 0.0, 0.0));
     box.extend(*tools.ct_from_probe * Eigen::Vector3d(half_mm, 0.0, 0.0));
     box.extend(*tools.ct_from_probe * Eigen::Vector3d(0.0, kReachMm, 0.0));

@@ -39,7 +39,8 @@ bool AreSpringsByHu(const Scenario& s) {
 }
 
 bool ShowsDeformation(const Scenario& s) {
-  return (s.tissue && s.tissue->image) || (s.breathing && s.breathing->image) || IsTissueMoved(s);
+  return (s.tissue && s.tissue->image) || (s.breathing && s.breathing->image) || IsTissueMoved(s) ||
+         (s.probe_force && s.probe_force->presses_images);
 }
 
 bool IsTissueMoved(const Scenario& s) {

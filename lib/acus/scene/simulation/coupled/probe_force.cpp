@@ -84,6 +84,15 @@ class ProbeForceEffect final : public CoupledEffect {
     return {{StageId::kProbeForce, "probe_force"}};
   }
 
+  std::vector<Goal> Helpers(const Scenario& s) const override {
+    if (!s.probe_force || !s.probe_force->presses_images) return {};
+    return {{StageId::kDeformation, "probe_force"}};
+  }
+
+  bool Offers(const Scenario& s, effects::PortRef port) const override {
+    return port == ports::kRestMap && s.probe_force && s.probe_force->presses_images;
+  }
+
   std::vector<effects::Knob> Knobs(const Scenario& s) const override {
     if (!s.probe_force) return {};
     std::vector<effects::Knob> knobs{{.name = "probe_force_model",
