@@ -63,6 +63,7 @@ MeasuredRun RunFem(const FemSetting& setting, const TissueBlockTables& tables,
   tissue::FemContactSettings settings;
   const double default_mm = settings.contact_spacing_mm;
   settings.contact_spacing_mm = setting.contact_spacing_mm;
+  settings.strain = setting.strain;
   if (setting.contact_spacing_mm < default_mm) {
     // Room for the whole needle: with less, the model would space points wider than asked for.
     settings.max_points =

@@ -10,6 +10,7 @@
 #include "acus/physics/mechanics/stiffness.h"
 #include "acus/physics/tissue/plane_model_2010.h"
 #include "acus/physics/tissue/spring_model.h"
+#include "acus/physics/tissue/strain_contact.h"
 #include "benchmarks/insertion.h"
 #include "benchmarks/tissue_block.h"
 
@@ -24,6 +25,7 @@ struct FemSetting {
   double tip_reach_mm = 12.0;
   mechanics::Storage storage = mechanics::Storage::kDouble;
   double contact_spacing_mm = 2.0;
+  std::optional<tissue::StrainSettings> strain{};  ///< None: the linear law.
 };
 
 struct MeasuredRun {

@@ -50,8 +50,9 @@ StrainContact::StrainContact(const mesh::TetraMesh& mesh, const mechanics::Elast
   ACUS_REQUIRE(settings.tolerance_mm > 0.0 && std::isfinite(settings.tolerance_mm),
                "the tolerance must be more than 0 mm, got ", settings.tolerance_mm);
   ACUS_REQUIRE(region_->num_nodes() > 0, "no tissue within ", settings.corridor.radius_mm,
-               " mm of the corridor is in the compliance as a whole, so that none can stiffen; "
-               "condense a wider corridor with acus-mesh, or choose the law \"linear\"");
+               " mm of the corridor is in the compliance as a whole and has at most ",
+               settings.max_nodes, " nodes, so that none can stiffen; condense a wider corridor ",
+               "with acus-mesh, allow more strain_nodes, or choose the law \"linear\"");
   std::vector<float> columns(static_cast<std::size_t>(stride_) * num_dofs_, 0.0f);
   for (int dof = 0; dof < num_dofs_; ++dof) {
     float* row = columns.data() + static_cast<std::ptrdiff_t>(dof) * stride_;
