@@ -6,9 +6,9 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/run_main.h"
 #include "acus/rig/camera/calibration.h"
+#include "acus/rig/camera/facet_tasks.h"
 #include "acus/rig/camera/rig_tasks.h"
 #include "acus/rig/camera/sheet.h"
-#include "acus/rig/camera/tracking_run.h"
 
 namespace {
 
@@ -17,10 +17,8 @@ using namespace acus::camera;
 
 struct Options {
   fs::path board = "cameras/board_a4.json", facets = "facets/training.json", images, output;
-  fs::path camera = "cameras/webcam_720p.json", right, stereo;
+  fs::path camera = "cameras/webcam_720p.json";
   CalibrationSettings calibration;
-  double rate_hz = 30.0;
-  int count = 20;
 };
 
 fs::path Find(const fs::path& name, acus::RunContext& context) {
@@ -43,32 +41,6 @@ void Calibrate(const Options& o, const fs::path& folder, acus::RunContext& conte
   std::cout << TableText(result);
 }
 
-void Track(const Options& o, const fs::path& folder, acus::RunContext& context) {
-  const FacetSet facets = ReadFacets(Find(o.facets, context));
-  const auto run =
-      o.right.empty() ? TrackImages(ImageFiles(o.images), ReadCamera(Find(o.camera, context)),
-                                    facets, o.rate_hz, context)
-                      : TrackPairs(ImageFiles(o.images), ImageFiles(o.right),
-                                   ReadStereo(Find(o.stereo, context)), facets, o.rate_hz, context);
-  WriteResult(folder, run, context);
-  std::cout << TableText(run);
-}
-
-void Sample(const Options& o, const fs::path& folder, acus::RunContext& context) {
-  const CalibrationBoard board = ReadBoard(Find(o.board, context));
-  const FacetSet facets = ReadFacets(Find(o.facets, context));
-  if (o.stereo.empty()) {
-    const CameraModel camera = ReadCamera(Find(o.camera, context));
-    const Viewpoint view{.camera = &camera};
-    WriteSamples(folder, {&view, 1}, board, facets, o.count, context);
-    return;
-  }
-  const StereoPair pair = ReadStereo(Find(o.stereo, context));
-  const Viewpoint views[] = {{.camera = &pair.left},
-                             {.camera = &pair.right, .here_from_first = pair.right_from_left}};
-  WriteSamples(folder, views, board, facets, o.count, context);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -81,26 +53,15 @@ int main(int argc, char** argv) {
   app.add_option("--camera", o.camera, "Camera file")->capture_default_str();
   auto* print = app.add_subcommand("print", "Sheets at true scale: PDF, SVG, PNG")->fallthrough();
   auto* calibrate = app.add_subcommand("calibrate", "Images of the board to a camera file");
-  auto* track = app.add_subcommand("track", "Images of facets to poses, with their jitter");
-  auto* sample = app.add_subcommand("sample", "Draw images to try the others with");
-  for (CLI::App* command : {calibrate, track}) {
-    command->fallthrough()
-        ->add_option("images", o.images, "Folder")
-        ->required()
-        ->check(CLI::ExistingDirectory);
-  }
+  calibrate->fallthrough()
+      ->add_option("images", o.images, "Folder")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  const FacetTasks facets = AddFacetTasks(app);
   const RigTasks rig = AddRigTasks(app);
   calibrate->add_option("--limit-px", o.calibration.limit_px, "Larger errors (RMS) are an error")
       ->check(CLI::Range(0.01, 100.0));
   calibrate->add_flag("--fit-k3", o.calibration.fit_k3, "For wide lenses: fit k3 too");
-  track->add_option("--rate-hz", o.rate_hz, "Of the images")->check(CLI::Range(0.01, 1e4));
-  auto* stereo = track->add_option("--stereo", o.stereo, "Track by this pair (stereo.json)");
-  auto* right = track->add_option("--right", o.right, "Folder of its right camera's images")
-                    ->check(CLI::ExistingDirectory)
-                    ->needs(stereo);
-  stereo->needs(right);
-  sample->add_option("--stereo", o.stereo, "Draw for both cameras of a pair (stereo.json)");
-  sample->fallthrough()->add_option("--count", o.count, "Images")->check(CLI::Range(1, 9999));
   app.footer(
       "EXAMPLE\n  acus-camera sample --count 12 -o sample\n"
       "  acus-camera calibrate sample/board -o calibrated\n"
@@ -110,13 +71,10 @@ int main(int argc, char** argv) {
     if (!o.images.empty()) {
       for (const fs::path& file : ImageFiles(o.images)) context.provenance.AddInput(file);
     }
-    if (!o.right.empty()) {
-      for (const fs::path& file : ImageFiles(o.right)) context.provenance.AddInput(file);
-    }
     if (print->parsed()) Print(o, folder.path(), context);
     if (calibrate->parsed()) Calibrate(o, folder.path(), context);
-    if (track->parsed()) Track(o, folder.path(), context);
-    if (sample->parsed()) Sample(o, folder.path(), context);
+    std::cout << facets({.board = o.board, .facets = o.facets, .camera = o.camera}, folder.path(),
+                        context);
     std::cout << rig(o.board, folder.path(), context);
     folder.Commit();
     return acus::ExitCode::kOk;

@@ -12,14 +12,13 @@ namespace {
 using namespace acus::simulators;
 
 struct Options {
-  std::filesystem::path session;
+  std::filesystem::path session, stereo;
   std::optional<double> rate_hz;
   bool loop = false;
   std::vector<double> entry_mm = {0, 0, 0}, target_mm = {0, 0, -60};
   HandScript script;
   std::vector<std::string> names = {ToolNames().needle, ToolNames().probe};
   std::vector<std::filesystem::path> camera;
-  std::filesystem::path stereo;
   std::vector<std::string> faults;
   PlaybackOptions playback;
 };
@@ -82,12 +81,10 @@ int main(int argc, char** argv) {
                  "What goes wrong, when and how long, s: drop, freeze, occlude, nan, jump (50 mm)\n"
                  "or garbage, as in occlude@5:2; may be given again")
       ->check(FaultProblem);
-  CLI::Option* camera = app.add_option("--camera", options.camera,
-                                       "Send images: a camera and facets, files or presets")
-                            ->expected(2);
+  app.add_option("--camera", options.camera, "Send images: a camera and facets, files or presets")
+      ->expected(2);
   app.add_option("--stereo", options.stereo,
-                 "Both cameras of this pair (acus-stereo) in place of the one: VideoRight too")
-      ->needs(camera);
+                 "Both cameras of this pair (acus-stereo) in place of the one: VideoRight too");
   app.footer(
       "EXAMPLE\n"
       "  acus-devices play session --port 0 --seconds 1 --fault occlude@0.2:0.3\n"
@@ -96,16 +93,7 @@ int main(int argc, char** argv) {
     for (const std::string& fault : options.faults) playback.faults.push_back(ParseFault(fault));
     const auto motion = Motion(options, play->parsed(), context);
     playback.on_listening = SayPort;
-    std::unique_ptr<ImageSource> images;
-    for (auto& file : options.camera) file = acus::config::FindConfig(file, ".");
-    if (!options.stereo.empty()) options.stereo = acus::config::FindConfig(options.stereo, ".");
-    if (!options.camera.empty()) {
-      MannequinView view;
-      view.camera = options.camera[0];
-      view.facets = options.camera[1];
-      view.stereo = options.stereo;
-      images = MannequinImages(view);
-    }
+    const auto images = MannequinImages(options.camera, options.stereo);
     std::cout << Text(Play(*motion, images.get(), playback, context));
     return acus::ExitCode::kOk;
   });

@@ -40,8 +40,8 @@ struct LiverDucts {
 
 /// Grows the trees where the label map says liver, and puts them into labels (vessel, gallbladder,
 /// lesion) and CT. A voxel of which the share c lies in a structure becomes
-///   HU + c (HU asked for - mean HU of the CT over the voxels that lie in it whole),
-/// so that noise and texture stay, and that mean is the one asked for.
+///   HU + c (requested HU - mean HU of the CT over the voxels that lie in it whole),
+/// so that noise and texture stay, and that mean is the one requested.
 /// @throws InputError if the labels lie on another grid or hold no liver, a setting is out of
 ///     range, or the place of the lesion is not in the liver by margin and radius.
 /// @throws NoAnswerError if a root or the lesion fits nowhere.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/math/rigid.h"
 #include "acus/data/transforms/transform_graph.h"
@@ -111,6 +112,19 @@ std::unique_ptr<ImageSource> MannequinImages(const MannequinView& view) {
   ACUS_REQUIRE(facets.Find(kReference) != nullptr, view.facets.string(),
                ": there is no object 'Reference', which is the mannequin");
   return std::make_unique<Images>(view, std::move(facets));
+}
+
+std::unique_ptr<ImageSource> MannequinImages(
+    const std::vector<std::filesystem::path>& camera_and_facets,
+    const std::filesystem::path& stereo) {
+  ACUS_REQUIRE(stereo.empty() || !camera_and_facets.empty(), "--stereo ", stereo.string(),
+               ": draws nothing without facets; give --camera CAMERA FACETS too");
+  if (camera_and_facets.empty()) return nullptr;
+  MannequinView view;
+  view.camera = config::FindConfig(camera_and_facets.at(0), ".");
+  view.facets = config::FindConfig(camera_and_facets.at(1), ".");
+  if (!stereo.empty()) view.stereo = config::FindConfig(stereo, ".");
+  return MannequinImages(view);
 }
 
 }  // namespace acus::simulators

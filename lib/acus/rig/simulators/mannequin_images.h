@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "acus/rig/simulators/playback.h"
 
@@ -31,6 +32,13 @@ struct MannequinView {
 /// or the eye
 ///     is less than 100 mm from what it looks at.
 std::unique_ptr<ImageSource> MannequinImages(const MannequinView& view);
+/// The same from where the camera stands by default.
+/// @param camera_and_facets  Files or names of presets; empty: null is returned.
+/// @param stereo  Likewise; empty: one camera. @throws InputError if it is alone.
+std::unique_ptr<ImageSource> MannequinImages(
+    const std::vector<std::filesystem::path>& camera_and_facets,
+    const std::filesystem::path& stereo);
+
 /// The (left) camera's pose at a time of the motion: what registration or a tracker must find.
 Eigen::Isometry3d CameraFromReference(const MannequinView& view, std::int64_t time_ns);
 

@@ -7,9 +7,10 @@
 namespace acus::training {
 namespace {
 
-constexpr std::array<std::string_view, 8> kConditionNames = {
+constexpr std::array<std::string_view, 12> kConditionNames = {
     "probe_on_skin", "target_in_view", "needle_in_plane",  "needle_in_tissue",
-    "breath_held",   "target_reached", "needle_withdrawn", "structures_spared"};
+    "breath_held",   "target_reached", "needle_withdrawn", "structures_spared",
+    "needle_seen",   "needle_at_skin", "needle_jiggled",   "position_checked"};
 
 }  // namespace
 
@@ -53,12 +54,25 @@ bool ChecklistMeter::Holds(StepCondition condition, const Situation& now,
       return withdrawn;
     case StepCondition::kStructuresSpared:
       return !entered_avoided && (now.target_reached || withdrawn);
+    case StepCondition::kNeedleSeen:
+      return now.needle_seen;
+    case StepCondition::kNeedleAtSkin:
+      return now.needle_at_skin || now.needle_in_tissue;
+    case StepCondition::kNeedleJiggled:
+      return jiggle_.jiggled();
+    case StepCondition::kPositionChecked:
+      return now.breath_held && now.target_reached && now.needle_in_plane && now.target_in_view;
   }
   return false;
 }
 
 void ChecklistMeter::Add(std::int64_t time_ns, const Situation& now, bool entered_avoided) {
   was_in_tissue_ = was_in_tissue_ || now.needle_in_tissue;
+  if (now.tip_mm && now.needle_in_tissue && now.needle_in_plane) {
+    jiggle_.Add(time_ns, *now.tip_mm);
+  } else {
+    jiggle_ = {};
+  }
   bool may_be_next = true;
   for (std::size_t i = 0; i < results_.size(); ++i) {
     StepResult& result = results_[i];

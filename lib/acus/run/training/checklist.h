@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "acus/run/training/jiggle_meter.h"
 #include "acus/run/training/situation.h"
 
 namespace acus::training {
@@ -22,6 +23,10 @@ enum class StepCondition {
   kTargetReached,
   kNeedleWithdrawn,   ///< Out of tissue, after it was in.
   kStructuresSpared,  ///< At the target or withdrawn without an entry; fails at the first entry.
+  kNeedleSeen,        ///< In the hand.
+  kNeedleAtSkin,      ///< Tissue begins at most 3 mm ahead of the tip, or the tip is in it.
+  kNeedleJiggled,     ///< Moved back and forth in tissue and in the image plane; see JiggleMeter.
+  kPositionChecked,   ///< Breath held, tip at the target, needle and target in the image.
 };
 std::string_view NameOf(StepCondition condition);
 /// Nothing for another word.
@@ -65,6 +70,7 @@ class ChecklistMeter {
   std::vector<StepResult> results_;
   std::vector<std::optional<std::int64_t>> since_ns_;  ///< The condition holds since then.
   bool was_in_tissue_ = false;
+  JiggleMeter jiggle_;  ///< Of the tip, while needle and image plane agree.
 };
 
 /// The first step that is open; nothing if there is none.

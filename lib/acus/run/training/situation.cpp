@@ -22,7 +22,11 @@ Situation SituationOf(const session::PoseSample& needle, const session::PoseSamp
   now.probe_seen = probe != nullptr && probe->valid;
   const Eigen::Vector3d tip_mm = needle.reference_from_tool.translation();
   if (now.needle_seen) {
+    now.tip_mm = tip_mm;
     now.needle_in_tissue = label_at(tip_mm) != 0;
+    const Eigen::Vector3d ahead_mm =
+        tip_mm + options.contact_mm * needle.reference_from_tool.linear().col(2);
+    now.needle_at_skin = !now.needle_in_tissue && label_at(ahead_mm) != 0;
     if (options.target_mm) {
       now.tip_to_target_mm = (tip_mm - *options.target_mm).norm();
       now.target_reached = *now.tip_to_target_mm <= options.target_radius_mm;

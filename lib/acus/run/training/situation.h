@@ -29,13 +29,16 @@ struct Situation {
   std::optional<Eigen::Vector3d> tip_in_probe_mm;
   bool needle_in_plane = false;  ///< Tip and shaft.
   bool needle_in_tissue = false;
+  bool needle_at_skin = false;            ///< Tissue begins within contact_mm ahead of the tip.
+  std::optional<Eigen::Vector3d> tip_mm;  ///< Reference frame.
   std::optional<double> tip_to_target_mm;
   bool target_reached = false;
   bool breath_held = false;
 };
 
 struct SituationOptions {
-  /// The probe is in contact if tissue begins at most this far in front of the middle of its face.
+  /// The probe is in contact if tissue begins at most this far in front of the middle of its face,
+  /// a needle is at the skin if it begins so far ahead of the tip.
   double contact_mm = 3.0;
   PlaneOptions plane;
   std::optional<Eigen::Vector3d> target_mm;  ///< Reference frame.

@@ -1,5 +1,6 @@
 #include "acus/run/training/checklist.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace acus::training {
@@ -55,6 +56,60 @@ TEST(Checklist, StructuresAreSparedOnlyToTheEnd) {
   meter.Add(2 * kSecond, now, true);
   EXPECT_EQ(meter.results()[0].state, StepState::kFailed);
   EXPECT_EQ(meter.results()[0].time_ns, 2 * kSecond);
+}
+
+TEST(Checklist, ANeedleThatIsMovedToAndFroInTheImageIsJiggled) {
+  const auto done = [](double amplitude_mm, bool in_plane, double advance_mm_s) {
+    ChecklistMeter meter({.steps = {{"jiggle", StepCondition::kNeedleJiggled, 0.0, ""}}});
+    Situation now;
+    now.needle_seen = now.needle_in_tissue = true;
+    now.needle_in_plane = in_plane;
+    for (int i = 0; i < 400; ++i) {  // 4 s at 100 Hz, a stroke each half second.
+      const double t = 0.01 * i;
+      now.tip_mm =
+          Eigen::Vector3d(3.0, amplitude_mm * std::sin(2.0 * M_PI * t), 20.0 + advance_mm_s * t);
+      meter.Add(static_cast<std::int64_t>(t * 1e9), now, false);
+    }
+    return meter.results()[0].state == StepState::kDone;
+  };
+  EXPECT_TRUE(done(2.0, true, 0.0));
+  EXPECT_TRUE(done(2.0, true, 5.0));
+  EXPECT_FALSE(done(0.3, true, 0.0)) << "tremor";
+  EXPECT_FALSE(done(0.0, true, 20.0)) << "an advance";
+  EXPECT_FALSE(done(2.0, false, 0.0)) << "not in the image";
+}
+
+TEST(Checklist, SlowStrokesAreNoJiggle) {
+  ChecklistMeter meter({.steps = {{"jiggle", StepCondition::kNeedleJiggled, 0.0, ""}}});
+  Situation now;
+  now.needle_seen = now.needle_in_tissue = now.needle_in_plane = true;
+  for (int i = 0; i < 3000; ++i) {
+    now.tip_mm = Eigen::Vector3d(0.0, 5.0 * std::sin(2.0 * M_PI * 0.01 * i / 6.0), 0.0);
+    meter.Add(i * kSecond / 100, now, false);
+  }
+  EXPECT_EQ(meter.results()[0].state, StepState::kOpen);
+}
+
+TEST(Checklist, ThePositionIsCheckedInAHeldBreath) {
+  ChecklistMeter meter({.steps = {{"skin", StepCondition::kNeedleAtSkin, 0.0, ""},
+                                  {"check", StepCondition::kPositionChecked, 1.0, ""}}});
+  Situation now;
+  now.needle_seen = now.needle_at_skin = true;
+  meter.Add(kSecond, now, false);
+  EXPECT_EQ(meter.results()[0].state, StepState::kDone);
+  now.needle_at_skin = false;
+  now.needle_in_tissue = now.target_reached = now.needle_in_plane = now.target_in_view = true;
+  for (int s = 2; s < 5; ++s) meter.Add(s * kSecond, now, false);
+  EXPECT_EQ(meter.results()[1].state, StepState::kOpen) << "breathing";
+  now.breath_held = true;
+  meter.Add(5 * kSecond, now, false);
+  now.needle_in_plane = false;
+  meter.Add(6 * kSecond, now, false);
+  EXPECT_EQ(meter.results()[1].state, StepState::kOpen) << "out of the image";
+  now.needle_in_plane = true;
+  meter.Add(7 * kSecond, now, false);
+  meter.Add(8 * kSecond, now, false);
+  EXPECT_EQ(meter.results()[1].state, StepState::kDone);
 }
 
 TEST(Checklist, HintsFadeWithTrials) {

@@ -17,6 +17,22 @@ session::PoseSample At(double x, double y, double z) {
   return {0, transforms::Pose(pose), true};
 }
 
+TEST(Situation, ANeedleIsAtTheSkinWithinThreeMillimetres) {
+  const auto at_skin = [](double y_mm, bool down) {
+    session::PoseSample needle = At(0.0, y_mm, 0.0);
+    Eigen::Isometry3d pose = needle.reference_from_tool.isometry();
+    // Its z axis is the way of the needle: down is +y here.
+    pose.linear() =
+        Eigen::AngleAxisd(down ? -M_PI / 2 : M_PI / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    needle.reference_from_tool = transforms::Pose(pose);
+    return SituationOf(needle, nullptr, {}, TissueBelow, {}).needle_at_skin;
+  };
+  EXPECT_TRUE(at_skin(-2.5, true));
+  EXPECT_FALSE(at_skin(-3.5, true)) << "too far";
+  EXPECT_FALSE(at_skin(-2.5, false)) << "points away";
+  EXPECT_FALSE(at_skin(2.0, true)) << "in tissue";
+}
+
 TEST(Situation, ContactViewAndPlane) {
   const ImageField field{.depth_mm = 60.0, .half_width_mm = 20.0};
   SituationOptions options;
