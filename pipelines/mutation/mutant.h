@@ -86,6 +86,8 @@ struct Held<T> {
     using Result = typename Held<Before>::Type;                                             \
     if constexpr (requires { Result(std::forward<A>(left.a) AFTER std::forward<B>(b)); }) { \
       if (On<N>()) return Result(std::forward<A>(left.a) AFTER std::forward<B>(b));         \
+    } else {                                                                                \
+      Impossible<N>();                                                                      \
     }                                                                                       \
     return Result(std::forward<A>(left.a) BEFORE std::forward<B>(b));                       \
   }
