@@ -20,8 +20,8 @@ using testing::ThrowsMessage;
 TEST(Sweeps, AreFoundByName) {
   EXPECT_EQ(SweepNamed("tissue").name, "tissue");
   EXPECT_THAT([] { SweepNamed("tissues"); },
-              ThrowsMessage<InputError>(
-                  HasSubstr("there is no sweep 'tissues'; there are: tissue, needle, forces")));
+              ThrowsMessage<InputError>(HasSubstr(
+                  "there is no sweep 'tissues'; there are: tissue, strain, needle, forces")));
 }
 
 std::vector<Row> TwoRows() {

@@ -11,6 +11,7 @@
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
+#include "acus/base/core/text_table.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/segmentation/mask.h"
@@ -311,8 +312,8 @@ std::string LiverDuctsText(const LiverDucts& ducts) {
               " tubes (label gallbladder)\n");
   if (ducts.lesion) {
     const Vector3d& at = ducts.lesion->centre_mm;
-    text += Message("Lesion: at ", NumberText(at.x()), ", ", NumberText(at.y()), ", ",
-                    NumberText(at.z()), " mm (CT, LPS)\n");
+    text += Message("Lesion: at ", FixedText(at.x(), 1), ", ", FixedText(at.y(), 1), ", ",
+                    FixedText(at.z(), 1), " mm (CT, LPS)\n");
   }
   return text;
 }

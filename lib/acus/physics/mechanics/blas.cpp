@@ -29,7 +29,7 @@ const char* BestKernels() {
   return nullptr;
 }
 
-/// OpenBLAS knows processors by their numbers, and gives one that is newer than itself the kernels
+/// OpenBLAS tells processors by their numbers, and gives one that is newer than itself the kernels
 /// of 2004: factors then take twice as long. Whoever names a kernel is obeyed.
 bool ChooseKernels() {
   const char* best = BestKernels();

@@ -77,10 +77,15 @@ std::string Rounded(double value) {
   return RoundedText(value, 3);
 }
 
-std::string SummaryOf(const Run& run, const ReplayOptions& options) {
+std::string SummaryOf(const Run& run, const scenario::Scenario& scenario,
+                      const ReplayOptions& options) {
   std::string text = Message("Replayed ", Rounded(SpanSeconds(run.session)),
                              " s: ", run.steps.steps.size(), " steps, ", run.images.num_images,
                              " images, ", Rounded(run.cpu_s.value_or(0.0)), " s of CPU time.\n");
+  if (scenario.patient.ct_from_reference.matrix() == Eigen::Matrix4d::Identity()) {
+    text += Message("  The session's frame ", run.session.reference_frame,
+                    " is used as that of the CT: there is no transform (--transform)\n");
+  }
   for (const Metric& metric : run.metrics) {
     text += Message("  ", metric.name, ": ", Rounded(metric.value), metric.unit.empty() ? "" : " ",
                     metric.unit, "\n");
@@ -165,7 +170,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
     run.assessment->trainee = options.trainee;
     run.metrics = run.assessment->metrics;
   }
-  ReplayResult result{PlanText(scene.plan, &run.times), SummaryOf(run, options)};
+  ReplayResult result{PlanText(scene.plan, &run.times), SummaryOf(run, scenario, options)};
   if (folder) {
     if (!options.times) ForgetTimes(run);
     WriteRunFolder(folder->path(), scenario, scene, targets, run, context);
