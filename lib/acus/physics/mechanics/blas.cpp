@@ -29,8 +29,8 @@ const char* BestKernels() {
   return nullptr;
 }
 
-/// OpenBLAS tells processors by their numbers, and gives one that is newer than itself the kernels
-/// of 2004: factors then take twice as long. Whoever names a kernel is obeyed.
+/// OpenBLAS identifies processors by their numbers, and gives one that is newer than itself the
+/// kernels of 2004: factors then take twice as long. Whoever names a kernel is obeyed.
 bool ChooseKernels() {
   const char* best = BestKernels();
   if (best == nullptr || std::getenv(kVariable) != nullptr) return false;

@@ -15,7 +15,7 @@ const DetectedMarker* OnlyOne(std::span<const DetectedMarker> markers, int id) {
   const DetectedMarker* found = nullptr;
   for (const DetectedMarker& marker : markers) {
     if (marker.id != id) continue;
-    if (found != nullptr) return nullptr;  // There twice: which one it is must be told by a pose.
+    if (found != nullptr) return nullptr;  // Seen twice: only a pose shows which one it is.
     found = &marker;
   }
   return found;

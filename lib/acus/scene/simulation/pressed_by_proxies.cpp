@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acus/scene/simulation/inside_length.h"
+
 namespace acus::simulation {
 namespace {
 
 constexpr double kSkinLookMm = 0.25;
-constexpr int kBisectionsToSkin = 10;
 /// Of the distance between proxies: the middle of four of them is 0.71 away.
 constexpr double kPlateau = 0.75;
 
@@ -54,18 +55,7 @@ double PressedByProxies::SkinBehindMm(const Eigen::Vector3d& place_mm, const for
     const Eigen::Vector3d behind = place_mm - behind_mm * axis_;
     return skin.HuAt(NextMm(behind, behind)) < skin_value;
   };
-  if (in_air(0.0)) return 0.0;
-  double inside_mm = 0.0, outside_mm = kSkinLookMm;
-  while (!in_air(outside_mm)) {
-    inside_mm = outside_mm;
-    outside_mm += kSkinLookMm;
-    if (outside_mm > kDeepestMm) return 0.0;
-  }
-  for (int i = 0; i < kBisectionsToSkin; ++i) {
-    const double middle_mm = 0.5 * (inside_mm + outside_mm);
-    (in_air(middle_mm) ? outside_mm : inside_mm) = middle_mm;
-  }
-  return inside_mm;
+  return InsideLengthMm(in_air, kSkinLookMm, kDeepestMm);
 }
 
 Eigen::Vector3d PressedByProxies::NextMm(const Eigen::Vector3d& place_mm,

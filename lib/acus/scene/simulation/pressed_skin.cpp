@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "acus/physics/tissue/displacement_functions.h"
+#include "acus/scene/simulation/inside_length.h"
 
 namespace acus::simulation {
 namespace {
 
 constexpr double kLookMm = 0.5;  // Along the beam, between looks for the skin.
-constexpr int kSkinBisections = 10;
 constexpr int kDepthBisections = 40;
 constexpr double kLeastReach = 3.0;  // Times the depth: the map does not fold below 1.5.
 
@@ -38,19 +38,7 @@ double PressedSkin::SkinAboveMm(const Eigen::Vector3d& face_in_ct_mm, const Eige
     const Eigen::Vector3d place_mm = face_in_ct_mm - above_mm * beam;
     return tissue.At(NextMm(place_mm, place_mm)) == 0;
   };
-  if (in_air(0.0)) return 0.0;
-  double inside_mm = 0.0;
-  double outside_mm = kLookMm;
-  while (!in_air(outside_mm)) {
-    inside_mm = outside_mm;
-    outside_mm += kLookMm;
-    if (outside_mm > kDeepestMm) return 0.0;
-  }
-  for (int i = 0; i < kSkinBisections; ++i) {
-    const double middle_mm = 0.5 * (inside_mm + outside_mm);
-    (in_air(middle_mm) ? outside_mm : inside_mm) = middle_mm;
-  }
-  return inside_mm;
+  return InsideLengthMm(in_air, kLookMm, kDeepestMm);
 }
 
 Eigen::Vector3d PressedSkin::NextMm(const Eigen::Vector3d& place_mm,
