@@ -10,7 +10,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 "$build/bin/acus-phantom" patient liver -o patient --quiet
-xvfb-run -a -s "-screen 0 1280x800x24" "$build/tests/window_figures" patient .
+"$here/../../pipelines/common/on_display.sh" "$build/tests/window_figures" patient .
 for image in window_*.png; do
   ffmpeg -nostdin -loglevel error -y -i "$image" \
     -vf "split[a][b];[a]palettegen=max_colors=256[p];[b][p]paletteuse=dither=none" \

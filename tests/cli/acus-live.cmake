@@ -109,7 +109,7 @@ set_tests_properties(cli.live-endurance.faults PROPERTIES
 # Where the system has no driver, whoever asks for a graphics card is told before the session begins.
 acus_add_cli_case(acus-live.no_graphics_driver EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "no driver for OpenGL 4.5 was found; install"
-  COMMAND env __EGL_VENDOR_LIBRARY_DIRS=/nowhere xvfb-run -a acus-live $INPUTS/scenario.json
+  COMMAND ${CMAKE_SOURCE_DIR}/pipelines/common/on_display.sh env __EGL_VENDOR_LIBRARY_DIRS=/nowhere acus-live $INPUTS/scenario.json
   --devices devices/virtual.json ${live_patient} -o s --volume-rays graphics)
 # --check refuses what a session would refuse before its first step.
 acus_add_cli_case(acus-live.check_output_is_there EXIT 3 NEEDS inputs
