@@ -16,8 +16,8 @@ int main(int argc, char** argv) {
       "from seed points, labelled CTs of other patients, or label maps made elsewhere.",
       "acus-segment"};
   app.footer(
-      "Writes labels.seg.nrrd (3D Slicer), skin.stl, bone.stl, preview_*.png, volumes.csv,\n"
-      "quality.json; vertebrae.seg.nrrd and vertebrae.csv where there is a spine.\n"
+      "Writes labels.seg.nrrd (3D Slicer), body.stl, skin.stl, bone.stl, preview_*.png,\n"
+      "volumes.csv, quality.json; vertebrae.seg.nrrd and vertebrae.csv where there is a spine.\n"
       "With --compare also agreement.csv: Dice and 95 % surface distance by tissue.\n\n"
       "EXAMPLE\n"
       "  acus-segment ct.nrrd -o segmented\n");

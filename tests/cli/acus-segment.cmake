@@ -1,6 +1,6 @@
 set(segment_ct "ln -s $INPUTS/ct.nrrd .")
 acus_add_cli_case(acus-segment.good EXIT 0 NEEDS inputs TIMEOUT 300 BEFORE "${segment_ct}"
-  CREATES out/labels.seg.nrrd out/skin.stl out/bone.stl out/preview_axial.png
+  CREATES out/labels.seg.nrrd out/body.stl out/skin.stl out/bone.stl out/preview_axial.png
           out/preview_coronal.png out/preview_sagittal.png out/volumes.csv out/provenance.json
   COMMAND acus-segment ct.nrrd -o out)
 acus_add_cli_case(acus-segment.no_output EXIT 2 NEEDS inputs LEAVES_NOTHING BEFORE "${segment_ct}"

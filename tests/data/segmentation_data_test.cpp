@@ -259,12 +259,12 @@ TEST(RealPatients, OrgansOfOnePatientAreFoundInTheOther) {
   const fs::path ircad_mapping = ACUS_SOURCE_DIR "/configs/label_maps/ircadb.json";
   const fs::path total_mapping = ACUS_SOURCE_DIR "/configs/label_maps/totalsegmentator.json";
   const auto in_ircad = FromAtlas(*ircad, {*ircad_labels, ircad_mapping},
-                                  {"totalseg", *total, "", *total_labels, total_mapping});
+                                  {"totalseg", *total, "", {*total_labels, total_mapping}});
   EXPECT_GE(Of(in_ircad, "liver").dice, 0.85);
   EXPECT_GE(Of(in_ircad, "spleen").dice, 0.80);
   EXPECT_GE(Of(in_ircad, "kidney").dice, 0.80);
   const auto in_total = FromAtlas(*total, {*total_labels, total_mapping},
-                                  {"ircadb01", *ircad, "", *ircad_labels, ircad_mapping});
+                                  {"ircadb01", *ircad, "", {*ircad_labels, ircad_mapping}});
   EXPECT_GE(Of(in_total, "liver").dice, 0.85);
   EXPECT_GE(Of(in_total, "spleen").dice, 0.80);
   // The upper two thirds of the right kidney are missed: see the page.

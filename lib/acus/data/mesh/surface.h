@@ -13,4 +13,7 @@ struct Surface {
 /// The volume enclosed by a closed surface; negative if its triangles face inwards.
 double SignedVolumeMm3(const Surface& surface);
 
+/// Without the nodes that no triangle uses.
+Surface WithoutUnusedNodes(const Surface& surface);
+
 }  // namespace acus::mesh

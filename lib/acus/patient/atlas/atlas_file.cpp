@@ -18,17 +18,18 @@ std::vector<AtlasPatient> ReadAtlas(const fs::path& folder, RunContext& context)
                    path.string(), " does not exist");
       return path;
     };
+    const std::string mapping = node.at("mapping");
     patients.push_back(
         {.name = node.at("name"),
          .ct = place("ct"),
          .series = node.at("series"),
-         .labels = place("labels"),
-         .mapping = config::FindConfig(node.at("mapping").get<std::string>(), folder)});
+         .labels = {.file = place("labels"),
+                    .mapping = mapping.empty() ? "" : config::FindConfig(mapping, folder)}});
   }
   context.provenance.AddInput(file);
   for (const AtlasPatient& patient : patients) {
-    for (const fs::path& path : {patient.ct, patient.labels, patient.mapping}) {
-      context.provenance.AddInput(path);
+    for (const fs::path& path : {patient.ct, patient.labels.file, patient.labels.mapping}) {
+      if (!path.empty()) context.provenance.AddInput(path);
     }
   }
   return patients;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "acus/base/core/run_context.h"
+#include "acus/patient/segmentation/imported_labels.h"
 
 namespace acus::atlas {
 
@@ -14,8 +15,7 @@ struct AtlasPatient {
   std::string name;
   std::filesystem::path ct;
   std::string series;  ///< Of a DICOM folder.
-  std::filesystem::path labels;
-  std::filesystem::path mapping;  ///< What the values of `labels` mean.
+  segmentation::ForeignLabels labels;
 };
 
 /// Reads atlas.json (format acus-atlas/1) of a folder; its files become inputs of the provenance.

@@ -13,7 +13,7 @@
 #include "acus/patient/atlas/organ_cut.h"
 #include "acus/patient/atlas/patient_map.h"
 #include "acus/patient/segmentation/crop.h"
-#include "acus/patient/segmentation/label_mapping.h"
+#include "acus/patient/segmentation/imported_labels.h"
 
 namespace acus::atlas {
 namespace {
@@ -207,8 +207,8 @@ LabelledPatient Read(const AtlasPatient& patient, const segmentation::TissueOpti
                      const RunContext& context) {
   LabelledPatient out{
       .ct = volume::ReadCt(patient.ct, patient.series, context), .tissues = {}, .organs = {}};
-  out.organs = segmentation::ImportLabels(
-      patient.labels, segmentation::ReadLabelMapping(patient.mapping), out.ct.geometry, context);
+  out.organs = segmentation::TissuesIn(
+      segmentation::ReadImportedLabels(patient.labels, out.ct.geometry, context));
   GiveLesionsToOrgans(out.organs);
   out.tissues = segmentation::FindTissues(out.ct, tissues, context).labels;
   return out;

@@ -7,7 +7,6 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/parallel.h"
 #include "acus/data/volume/labels.h"
-#include "acus/data/volume/volume_io.h"
 
 namespace acus::segmentation {
 namespace {
@@ -115,12 +114,6 @@ volume::LabelMap Translated(const volume::Grid<std::int32_t>& values, const Labe
                "; add them to it (tissue 'outside' for what should be ignored), or give another "
                "table by --mapping");
   return labels;
-}
-
-volume::LabelMap ImportLabels(const fs::path& path, const LabelMapping& mapping,
-                              const volume::Geometry& grid, const RunContext& context) {
-  return Translated(ValuesOnGrid(volume::ReadIntegerVolume(path), grid, path, context), mapping,
-                    path);
 }
 
 void Overlay(const volume::LabelMap& over, volume::LabelMap& labels) {

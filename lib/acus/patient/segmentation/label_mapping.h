@@ -30,16 +30,10 @@ volume::Grid<std::int32_t> ValuesOnGrid(const volume::Grid<std::int32_t>& from,
                                         const std::filesystem::path& path,
                                         const RunContext& context);
 
-/// The tissues of values. @throws InputError naming all values that are not in the table.
+/// The tissues of values; none where a value maps to none. @throws InputError naming all values
+/// that are not in the table.
 volume::LabelMap Translated(const volume::Grid<std::int32_t>& values, const LabelMapping& mapping,
                             const std::filesystem::path& path);
-
-/// Reads a foreign label map and translates it onto `grid`: as it is if it lies on the same grid,
-/// otherwise by nearest voxel. Values that map to no tissue become 0.
-/// @throws InputError if a value is not in the table (all of them are named), or if the map does
-///     not overlap the grid.
-volume::LabelMap ImportLabels(const std::filesystem::path& path, const LabelMapping& mapping,
-                              const volume::Geometry& grid, const RunContext& context);
 
 /// Where `over` has a tissue, `labels` takes it.
 void Overlay(const volume::LabelMap& over, volume::LabelMap& labels);

@@ -16,6 +16,7 @@
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/segmentation/metrics.h"
 #include "acus/patient/segmentation/preview.h"
+#include "acus/patient/segmentation/skin_surface.h"
 #include "acus/patient/segmentation/spine.h"
 
 namespace acus::segmentation {
@@ -131,18 +132,29 @@ void WriteUnsure(const fs::path& folder, const volume::CtVolume& ct, const Certa
   WritePreview(folder / "preview_unsure.png", ct, map, Plane::kAxial, voxel);
 }
 
-void WriteSurface(const fs::path& path, const Mask& mask, const SurfaceOptions& options,
-                  const RunContext& context) {
-  const std::string name = path.stem().string();
-  mesh::Surface surface;
+/// None, with a warning: a CT of soft tissue alone has no bone, and the rest is still of use.
+std::optional<mesh::Surface> SurfaceOf(const std::string& name, const Mask& mask,
+                                       const SurfaceOptions& options, const RunContext& context) {
   try {
-    surface = ExtractSurface(mask, options, context.num_threads);
+    return ExtractSurface(mask, options, context.num_threads);
   } catch (const InputError& error) {
-    // A CT of soft tissue alone has no bone: the rest is still of use.
     context.Warn(Message(name, ".stl is not written: ", error.what()));
-    return;
+    return std::nullopt;
   }
-  mesh::WriteSurface(path, surface);
+}
+
+/// body.stl and skin.stl.
+void WriteBody(const fs::path& folder, const volume::LabelMap& labels,
+               const SurfaceOptions& options, const RunContext& context) {
+  const auto body = SurfaceOf("body", MaskOf(labels, std::nullopt), options, context);
+  if (!body) return;
+  mesh::WriteSurface(folder / "body.stl", *body);
+  const mesh::Surface skin = SkinOf(*body, labels, options.grid_mm);
+  if (skin.triangles.cols() > 0) {
+    mesh::WriteSurface(folder / "skin.stl", skin);
+  } else {
+    context.Warn("skin.stl is not written: the edges of the CT cut the body all around");
+  }
 }
 
 }  // namespace
@@ -304,10 +316,12 @@ void WritePatientFolder(const fs::path& folder, const volume::CtVolume& ct,
   context.Checkpoint("drawing previews", 0.3);
   WritePreviews(out.path(), ct, labels);
   context.Checkpoint("extracting the skin", 0.5);
-  WriteSurface(out.path() / "skin.stl", MaskOf(labels, std::nullopt), config.skin_surface, context);
+  WriteBody(out.path(), labels, config.skin_surface, context);
   context.Checkpoint("extracting the bone", 0.8);
-  WriteSurface(out.path() / "bone.stl", MaskOf(labels, volume::LabelOf("bone")),
-               config.bone_surface, context);
+  const Mask bone = MaskOf(labels, volume::LabelOf("bone"));
+  if (const auto surface = SurfaceOf("bone", bone, config.bone_surface, context)) {
+    mesh::WriteSurface(out.path() / "bone.stl", *surface);
+  }
   WriteQuality(out.path() / "quality.json", patient.scan, patient.warnings, patient.certainty);
   if (!patient.vertebrae.empty()) WriteVertebrae(out.path(), patient.vertebrae);
   if (patient.certainty) WriteUnsure(out.path(), ct, *patient.certainty);

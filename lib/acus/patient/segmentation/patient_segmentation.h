@@ -74,7 +74,7 @@ std::string SummaryOf(const SegmentedPatient& patient);
 volume::LabelMap TissuesOf(const volume::CtVolume& ct, const std::filesystem::path& labels,
                            RunContext& context);
 
-/// Writes labels.seg.nrrd, skin.stl, bone.stl, three previews, volumes.csv, quality.json,
+/// Writes labels.seg.nrrd, body.stl, skin.stl, bone.stl, three previews, volumes.csv, quality.json,
 /// vertebrae.seg.nrrd and vertebrae.csv (if there are any), unsure.nrrd and preview_unsure.png
 /// (with a certainty), agreement.csv (if there is a reference) and provenance.json into a new
 /// folder, whole or not at all.

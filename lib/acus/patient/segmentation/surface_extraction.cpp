@@ -116,27 +116,6 @@ mesh::Surface FromVtk(vtkPolyData* poly, const volume::Geometry& g) {
   return surface;
 }
 
-/// Removes nodes that no triangle uses.
-mesh::Surface Compacted(const mesh::Surface& surface) {
-  std::vector<int> number(static_cast<std::size_t>(surface.nodes_mm.cols()), -1);
-  mesh::Surface out;
-  out.triangles.resize(3, surface.triangles.cols());
-  out.nodes_mm.resize(3, surface.nodes_mm.cols());
-  int used = 0;
-  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
-    for (int c = 0; c < 3; ++c) {
-      int& n = number[static_cast<std::size_t>(surface.triangles(c, t))];
-      if (n < 0) {
-        n = used++;
-        out.nodes_mm.col(n) = surface.nodes_mm.col(surface.triangles(c, t));
-      }
-      out.triangles(c, t) = n;
-    }
-  }
-  out.nodes_mm.conservativeResize(3, used);
-  return out;
-}
-
 }  // namespace
 
 mesh::Surface ExtractSurface(const Mask& mask, const SurfaceOptions& options, int num_threads) {
@@ -172,7 +151,7 @@ mesh::Surface ExtractSurface(const Mask& mask, const SurfaceOptions& options, in
       1.0 - options.target_triangles / static_cast<double>(std::max<vtkIdType>(triangles, 1)), 0.0,
       0.99));
   decimate->Update();
-  return Compacted(FromVtk(decimate->GetOutput(), share.geometry));
+  return mesh::WithoutUnusedNodes(FromVtk(decimate->GetOutput(), share.geometry));
 }
 
 }  // namespace acus::segmentation

@@ -51,7 +51,7 @@ void WriteAtlas(const std::filesystem::path& folder, const phantom::Scan& scan) 
   volume::WriteCt(folder / "ct.nrrd", scan.ct);
   volume::WriteLabelMap(folder / "labels.seg.nrrd", scan.labels);
   WriteTextFile(folder / "atlas.json", R"({"format": "acus-atlas/1", "patients": [{"name": "one",
-    "ct": "ct.nrrd", "labels": "labels.seg.nrrd", "mapping": "label_maps/acus.json"}]})");
+    "ct": "ct.nrrd", "labels": "labels.seg.nrrd"}]})");
 }
 
 LabelMap Found(const phantom::Scan& patient, const std::filesystem::path& atlas,

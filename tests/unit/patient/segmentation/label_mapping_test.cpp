@@ -5,6 +5,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
+#include "acus/patient/segmentation/imported_labels.h"
 #include "support/temporary_folder.h"
 
 namespace acus::segmentation {
@@ -47,18 +48,24 @@ TEST(LabelMapping, OurOwnMapsHaveEveryStandardLabelAsItIs) {
   }
 }
 
+/// By the values of TotalSegmentator.
+volume::LabelMap Imported(const std::filesystem::path& file, const volume::Geometry& grid) {
+  return TissuesIn(ReadImportedLabels(
+      {.file = file, .mapping = ACUS_SOURCE_DIR "/configs/label_maps/totalsegmentator.json"}, grid,
+      RunContext{}));
+}
+
 TEST(ImportLabels, TranslatesOnTheSameGridAndOnAFinerOne) {
   const testing_support::TemporaryFolder folder;
   WriteLabelMap(folder / "f.seg.nrrd", Foreign());
-  const auto same =
-      ImportLabels(folder / "f.seg.nrrd", TotalSegmentator(), Foreign().geometry, RunContext{});
+  const auto same = Imported(folder / "f.seg.nrrd", Foreign().geometry);
   EXPECT_EQ(same.At(1, 2, 3), volume::LabelOf("liver"));
   EXPECT_EQ(same.At(4, 4, 4), volume::LabelOf("bone"));
   volume::Geometry fine = Foreign().geometry;
   fine.size = {12, 12, 12};
   fine.spacing_mm = {1, 1, 1};
   fine.origin_mm.setConstant(-0.5);
-  const auto finer = ImportLabels(folder / "f.seg.nrrd", TotalSegmentator(), fine, RunContext{});
+  const auto finer = Imported(folder / "f.seg.nrrd", fine);
   EXPECT_EQ(finer.At(2, 4, 6), volume::LabelOf("liver"));
   EXPECT_EQ(finer.At(3, 5, 7), volume::LabelOf("liver"));
   EXPECT_EQ(finer.At(4, 5, 7), 0);
@@ -70,14 +77,11 @@ TEST(ImportLabels, NamesEveryUnknownValueAndRefusesAnotherPatient) {
   labels.At(0, 0, 0) = 200;
   labels.At(0, 0, 1) = 201;
   WriteLabelMap(folder / "f.seg.nrrd", labels);
-  EXPECT_THAT(
-      [&] {
-        ImportLabels(folder / "f.seg.nrrd", TotalSegmentator(), labels.geometry, RunContext{});
-      },
-      ThrowsMessage<InputError>(HasSubstr("200 201")));
+  EXPECT_THAT([&] { Imported(folder / "f.seg.nrrd", labels.geometry); },
+              ThrowsMessage<InputError>(HasSubstr("200 201")));
   volume::Geometry away = labels.geometry;
   away.origin_mm = {500, 0, 0};
-  EXPECT_THAT([&] { ImportLabels(folder / "f.seg.nrrd", TotalSegmentator(), away, RunContext{}); },
+  EXPECT_THAT([&] { Imported(folder / "f.seg.nrrd", away); },
               ThrowsMessage<InputError>(HasSubstr("does not overlap")));
 }
 
