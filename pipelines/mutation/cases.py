@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import threading
@@ -42,8 +43,10 @@ class Case:
                 except ProcessLookupError:
                     pass
 
-    def explore(self, folder):
-        """Runs without a mutant. @return does it pass?"""
+    def explore(self, folder, store):
+        """Runs without a mutant, unless the store has what came of it. @return does it pass?"""
+        if store and store.recall(self):
+            return True
         file = pathlib.Path(folder) / f"{threading.get_ident()}.reached"
         file.write_bytes(bytes(MOST))
         begin = time.monotonic()
@@ -51,7 +54,46 @@ class Case:
         self.seconds = time.monotonic() - begin
         self.reached = file.read_bytes()
         file.unlink()
+        if passed and store:
+            store.remember(self)
         return passed is True
+
+
+class Store:
+    """What cases reached, for as long as their programs stay the same."""
+
+    def __init__(self, folder):
+        self.build = pathlib.Path(folder)
+        self.folder = self.build / "explored"
+        self.folder.mkdir(exist_ok=True)
+        self.newest = max((path.stat().st_mtime_ns for path in (self.build / "bin").glob("*")), default=0)
+
+    def stamp(self, case):
+        program = pathlib.Path(case.command[0])
+        own = program.is_relative_to(self.build) and program.exists()
+        return str(program.stat().st_mtime_ns if own else self.newest)
+
+    def file(self, case):
+        return self.folder / (re.sub(r"\W", "_", case.name) + ".json")
+
+    def recall(self, case):
+        if not self.file(case).exists():
+            return False
+        kept = json.loads(self.file(case).read_text(encoding="utf-8"))
+        if kept["stamp"] != self.stamp(case):
+            return False
+        reached = bytearray(MOST)
+        for state in (REACHED, IMPOSSIBLE):
+            for number in kept[str(state)]:
+                reached[number] = state
+        case.reached, case.seconds = bytes(reached), kept["seconds"]
+        return True
+
+    def remember(self, case):
+        kept = {"stamp": self.stamp(case), "seconds": case.seconds}
+        for state in (REACHED, IMPOSSIBLE):
+            kept[str(state)] = [number for number, value in enumerate(case.reached) if value == state]
+        self.file(case).write_text(json.dumps(kept), encoding="utf-8")
 
 
 def read_cases(build, labels):

@@ -61,6 +61,21 @@ TEST(Camera, AViewFromASideHoldsTheWholeBox) {
   }
 }
 
+TEST(Camera, SidesLookStraightAlongAnAxisAndOppositeSidesFaceEachOther) {
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(-10, -20, -30), Eigen::Vector3d(30, 40, 50));
+  const auto from = [&](const char* side) {
+    const Viewpoint view = ViewFrom(side, box, {64, 64});
+    EXPECT_TRUE(view.focus_in_ct_mm.isApprox(box.center())) << side;
+    return (view.eye_in_ct_mm - view.focus_in_ct_mm).normalized().eval();
+  };
+  EXPECT_TRUE(from("anterior").isApprox(-Eigen::Vector3d::UnitY()));
+  EXPECT_TRUE(from("posterior").isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_TRUE(from("left").isApprox(Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(from("right").isApprox(-Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(from("superior").isApprox(Eigen::Vector3d::UnitZ()));
+  EXPECT_TRUE(from("inferior").isApprox(-Eigen::Vector3d::UnitZ()));
+}
+
 TEST(Camera, RefusesWhatIsNoView) {
   const Viewpoint good{.eye_in_ct_mm = {0, -500, 0}, .focus_in_ct_mm = {0, 0, 0}};
   const ImageSize size{64, 64};

@@ -75,6 +75,28 @@ TEST(VirtualHand, RefusesSettingsOutOfRange) {
   refuses([](VirtualHandSettings& s) { s.rate_hz = 0.0; });
 }
 
+// The ranges that the schema of a devices file states.
+TEST(VirtualHand, AcceptsSettingsAtTheEndsOfTheirRanges) {
+  const auto accepts = [](auto change) {
+    VirtualHandSettings settings;
+    change(settings);
+    EXPECT_NO_THROW(settings.Check());
+  };
+  for (const double kg : {0.01, 10.0}) accepts([&](VirtualHandSettings& s) { s.mass_kg = kg; });
+  for (const double n_s_per_m : {0.0, 1000.0}) {
+    accepts([&](VirtualHandSettings& s) { s.damping_n_s_per_m = n_s_per_m; });
+    accepts([&](VirtualHandSettings& s) { s.grip_damping_n_s_per_m = n_s_per_m; });
+  }
+  for (const double n_per_m : {1.0, 5000.0}) {
+    accepts([&](VirtualHandSettings& s) { s.stiffness_n_per_m = n_per_m; });
+  }
+  for (const double kg_mm2 : {1.0, 1e5}) {
+    accepts([&](VirtualHandSettings& s) { s.inertia_kg_mm2 = kg_mm2; });
+  }
+  for (const double mm : {0.0, 5.0}) accepts([&](VirtualHandSettings& s) { s.tremor_mm = mm; });
+  for (const double hz : {100.0, 4000.0}) accepts([&](VirtualHandSettings& s) { s.rate_hz = hz; });
+}
+
 TEST(VirtualHand, YieldsToAForceByTheStiffnessOfItsGrip) {
   VirtualHand hand(Still(), nullptr);
   DeviceReading reading;

@@ -40,9 +40,16 @@ TEST(Jerk, IsSmooth) {
   EXPECT_NEAR(hardest, 10.0 / std::sqrt(3.0) / (0.25 * 0.25), 0.1);
 }
 
+TEST(Jerk, MayBeginAtOnce) {
+  const Jerk at_once(0.0, 0.25, 1.5);
+  EXPECT_EQ(at_once.DurationS(), 1.75);
+  EXPECT_NEAR(at_once.At(0.125), 0.5, 1e-12);
+}
+
 TEST(Jerk, RefusesDurationsThatAreNone) {
   EXPECT_THROW(Jerk(-0.1, 0.2, 1.0), InputError);
   EXPECT_THROW(Jerk(0.1, 0.0, 1.0), InputError);
+  EXPECT_THROW(Jerk(0.1, 0.2, 0.0), InputError);
   EXPECT_THROW(Jerk(0.1, 0.2, std::numeric_limits<double>::infinity()), InputError);
 }
 
