@@ -5,7 +5,6 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/run_main.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/phantom/approach_window.h"
 #include "acus/patient/phantom/breathing_folder.h"
 #include "acus/patient/phantom/ducts_task.h"
 #include "acus/patient/phantom/patient_folder.h"
@@ -25,6 +24,7 @@ int main(int argc, char** argv) {
       "  acus-phantom patient lumbar --seed 1 -o patient\n"
       "  acus-phantom scene patient/labels.seg.nrrd -o scene\n"
       "  acus-phantom scene patient/labels.seg.nrrd --target liver --window subcostal -o biopsy\n"
+      "  acus-phantom scene segmented/labels.seg.nrrd --target L3-L4 -o puncture\n"
       "  acus-phantom warp liver_patient/ct.nrrd --phases 4 -o moving\n");
   app.require_subcommand(1)->fallthrough();
   CLI::App* patient = app.add_subcommand(
@@ -39,14 +39,10 @@ int main(int argc, char** argv) {
                              "shoulder_effusion", "shoulder_calcification", "shoulder_tear"}));
   CLI::App* scene = app.add_subcommand(
       "scene", "Markers, target and a session on the label map of any patient; finds a free path");
-  const char* labels_help = "Label map, such as acus-segment's labels.seg.nrrd";
-  scene->add_option("labels", labels_path, labels_help)->required()->check(CLI::ExistingFile);
-  scene->add_option(
-      "--target", request.target,
-      "A structure of the label map, such as liver, kidney_left or spinal_canal (its\n"
-      "deepest point that a free path reaches), or a point x,y,z (CT, LPS, mm)");
-  scene->add_option("--window", request.window, "From where; default: as usual for the target")
-      ->check(CLI::IsMember(WindowNames()));
+  scene->add_option("labels", labels_path, "Label map, such as acus-segment's labels.seg.nrrd")
+      ->required()
+      ->check(CLI::ExistingFile);
+  request.AddOptions(*scene);
   CLI::App* warp = app.add_subcommand(
       "warp", "A 4D CT with exactly known motion from one CT, taken as end expiration");
   warp->add_option("ct", ct_path, "DICOM folder, .nii.gz, .nrrd, .mha")
@@ -69,9 +65,9 @@ int main(int argc, char** argv) {
   warp->add_option("--landmarks", breath.num_landmarks, "Random points in lung and liver")
       ->check(CLI::Range(0, 100000));
   warp->add_option("-o,--output", folder, "Folder to write")->required();
-  const char* config_help = "Settings (format acus-phantom/1); default: the preset";
   for (CLI::App* command : {patient, scene}) {
-    command->add_option("--config", config_path, config_help)->check(CLI::ExistingFile);
+    command->add_option("--config", config_path, "Settings (acus-phantom/1); default: the preset")
+        ->check(CLI::ExistingFile);
     command->add_option("-o,--output", folder, "Folder to write")->required();
   }
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
@@ -85,13 +81,15 @@ int main(int argc, char** argv) {
     }
     if (ducts.IsChosen()) return ducts.Run(std::cout, context);
     if (config_path.empty()) {
-      const bool requests = !request.target.empty() || !request.window.empty();
-      const std::string preset = !scene->parsed() ? kind : requests ? "scene_target" : "scene";
+      const std::string preset = !scene->parsed()  ? kind
+                                 : request.empty() ? "scene"
+                                                   : "scene_target";
       config_path = acus::config::FindConfig("phantoms/" + preset + ".json", ".");
     }
     context.provenance.AddInput(config_path);
     const auto config = ReadPhantomConfig(config_path);
     if (scene->parsed()) context.provenance.AddInput(labels_path);
+    request.FindVertebrae(labels_path, context);
     std::cout << (scene->parsed() ? WriteScene(folder, acus::volume::ReadTissues(labels_path),
                                                config, context, request)
                                   : WritePatient(folder, config, context));

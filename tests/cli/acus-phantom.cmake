@@ -85,3 +85,6 @@ acus_add_cli_case(acus-phantom.ducts_in_a_session EXIT 0 NEEDS inputs TIMEOUT 30
   STDOUT "largest axial force: [0-9.]+ N" CREATES run/report.html
   BEFORE "acus-phantom ducts $INPUTS/liver_patient/ct.nrrd --labels $INPUTS/liver_patient/labels.seg.nrrd --seed 2 --vessel-mm 8 --duct-mm 6 -o d\nacus-phantom scene d/labels.seg.nrrd --target gallbladder -o s\nacus-register --from s/markers_mannequin.csv --to s/markers_ct.csv --target s/target_ct.csv -o r\nacus-breathing --single d/ct.nrrd --labels d/labels.seg.nrrd --model surrogate --resolution 24 -o motion"
   COMMAND bash -c "acus-replay scenarios/fortmeier_2016.json s/sessions/insertion --ct d/ct.nrrd --labels d/labels.seg.nrrd --transform r/ct_from_reference.tfm --set /patient/corridor=$PWD/s/corridor_ct.csv --set /effects/breathing/motion=$PWD/motion --set /effects/ultrasound=null --set /effects/ct_slice=null --set /effects/fluoroscopy=null --set /effects/view_3d=null -o run")
+acus_add_cli_case(acus-phantom.scene_at_a_height_without_vertebrae EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "vertebrae.csv, which does not exist; acus-segment writes it"
+  COMMAND acus-phantom scene $INPUTS/labels.seg.nrrd --target L3-L4 -o s)

@@ -6,7 +6,7 @@
 
 #include "acus/base/core/run_context.h"
 #include "acus/patient/phantom/phantom_config.h"
-#include "acus/patient/phantom/scene_target.h"
+#include "acus/patient/phantom/scene_request.h"
 
 namespace acus::phantom {
 

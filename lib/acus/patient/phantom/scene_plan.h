@@ -2,7 +2,7 @@
 #pragma once
 
 #include "acus/patient/phantom/insertion_summary.h"
-#include "acus/patient/phantom/scene_target.h"
+#include "acus/patient/phantom/scene_request.h"
 
 namespace acus::phantom {
 

@@ -20,6 +20,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kMaxPoints = 24;
 constexpr double kPointSpacingMm = 10.0;
+constexpr double kLevelSpacingMm = 3.0;   ///< Of points at one height of the spine.
 constexpr double kLeastDepthShare = 0.3;  ///< Of the greatest depth: no points in thin ends.
 
 std::array<bool, 256> LabelsIn(const volume::LabelMap& labels) {
@@ -106,7 +107,9 @@ segmentation::Mask MaskOf(const volume::LabelMap& labels, const NamedStructure& 
 }
 
 /// Points deep inside, the deepest first. Equal depths are in the order of voxels.
-std::vector<TargetPoint> DeepestPoints(const segmentation::Mask& mask, int num_threads) {
+/// @param level  If given, only points at that height.
+std::vector<TargetPoint> DeepestPoints(const segmentation::Mask& mask, const SpinalLevel* level,
+                                       double spacing_mm, int num_threads) {
   segmentation::Mask around = mask;
   for (auto& voxel : around.voxels) voxel = voxel == 0 ? 1 : 0;
   const volume::Grid<float> depth = segmentation::DistanceMm(around, num_threads);
@@ -124,8 +127,9 @@ std::vector<TargetPoint> DeepestPoints(const segmentation::Mask& mask, int num_t
     const Vector3d index(static_cast<double>(n % columns), static_cast<double>(n / columns % rows),
                          static_cast<double>(n / columns / rows));
     const Vector3d p = ct_from_index * index;
+    if (level && !level->HasAt(p)) continue;
     const bool is_apart = std::ranges::none_of(points, [&](const TargetPoint& other) {
-      return (other.point_ct_mm - p).norm() < kPointSpacingMm;
+      return (other.point_ct_mm - p).norm() < spacing_mm;
     });
     if (is_apart) points.push_back({p, depth.voxels[n]});
     if (points.size() == kMaxPoints) break;
@@ -216,11 +220,26 @@ SceneTarget FindSceneTarget(const volume::LabelMap& labels, const PatientField& 
     const NamedStructure structure = StructureOf(labels, request);
     target = {.structure = structure.name,
               .name = request,
-              .points = DeepestPoints(MaskOf(labels, structure, frame), num_threads),
+              .points = DeepestPoints(MaskOf(labels, structure, frame), nullptr, kPointSpacingMm,
+                                      num_threads),
               .passable = {structure.label}};
   }
   const auto around = OrganAround(field, target.points.front().point_ct_mm);
   if (around && !IsOrgan(target.passable.front())) target.passable.push_back(*around);
+  return target;
+}
+
+SceneTarget FindLevelTarget(const volume::LabelMap& labels, const BodyFrame& frame,
+                            const std::string& name, const SpinalLevel& level, int num_threads) {
+  const NamedStructure canal = StructureOf(labels, "spinal_canal");
+  SceneTarget target{
+      .structure = canal.name,
+      .name = "the spinal canal at " + name,
+      .points = DeepestPoints(MaskOf(labels, canal, frame), &level, kLevelSpacingMm, num_threads),
+      .passable = {canal.label}};
+  ACUS_REQUIRE(!target.points.empty(), "--target ", name,
+               ": the label map has no spinal canal at that height; do vertebrae.csv and the label "
+               "map belong together?");
   return target;
 }
 

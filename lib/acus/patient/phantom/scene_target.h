@@ -6,14 +6,9 @@
 
 #include "acus/patient/phantom/body_frame.h"
 #include "acus/patient/phantom/patient_field.h"
+#include "acus/patient/phantom/spinal_level.h"
 
 namespace acus::phantom {
-
-/// What a scene may be asked for; empty: the program chooses.
-struct SceneRequest {
-  std::string target;  ///< A structure such as "liver" or "kidney_left", or "x,y,z" (CT LPS, mm).
-  std::string window;  ///< A name of WindowNames().
-};
 
 struct TargetPoint {
   Eigen::Vector3d point_ct_mm;
@@ -42,5 +37,11 @@ std::string TargetList(const volume::LabelMap& labels);
 ///     target, or if the point lies outside the body, in bone or in gas.
 SceneTarget FindSceneTarget(const volume::LabelMap& labels, const PatientField& field,
                             const BodyFrame& frame, const std::string& request, int num_threads);
+
+/// The spinal canal between two vertebrae; points 3 mm from each other or more.
+/// @param name  For people, such as "L3-L4".
+/// @throws InputError if the map has no canal there.
+SceneTarget FindLevelTarget(const volume::LabelMap& labels, const BodyFrame& frame,
+                            const std::string& name, const SpinalLevel& level, int num_threads);
 
 }  // namespace acus::phantom

@@ -231,7 +231,11 @@ WindowPlan PlanAsRequested(const volume::LabelMap& labels, const PatientField& f
                            const BodyFrame& frame, const SceneRequest& request,
                            const PlanSettings& settings, const RunContext& context) {
   const std::string structure = RequestedStructure(request, labels);
-  const SceneTarget target = FindSceneTarget(labels, field, frame, structure, context.num_threads);
+  const SceneTarget target =
+      NamesSpinalLevel(structure)
+          ? FindLevelTarget(labels, frame, structure, ReadSpinalLevel(structure, request.vertebrae),
+                            context.num_threads)
+          : FindSceneTarget(labels, field, frame, structure, context.num_threads);
   const auto windows = request.window.empty() ? UsualWindows(target.structure, OrganOf(target))
                                               : std::vector{&WindowNamed(request.window)};
   Refusals refusals;

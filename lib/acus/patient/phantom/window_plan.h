@@ -6,6 +6,7 @@
 
 #include "acus/patient/phantom/approach_window.h"
 #include "acus/patient/phantom/insertion_plan.h"
+#include "acus/patient/phantom/scene_request.h"
 #include "acus/patient/phantom/scene_target.h"
 
 namespace acus::phantom {

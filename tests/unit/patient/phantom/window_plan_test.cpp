@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "acus/base/core/atomic_file.h"
 #include "acus/patient/phantom/rib_shadow.h"
 #include "acus/patient/phantom/scene_plan.h"
+#include "support/temporary_folder.h"
 #include "unit/patient/phantom/window_patient.h"
 
 namespace acus::phantom {
@@ -49,6 +51,33 @@ TEST(WindowPlan, ParamedianIsBesideTheMidlineInASagittalObliqueImage) {
   EXPECT_GT(std::abs(plan.insertion.heading.z()), 0.9);
   EXPECT_LT(std::abs(plan.insertion.lateral().z()), 0.1);
   EXPECT_TRUE(plan.insertion.bone_angle_rad.has_value());
+}
+
+TEST(WindowPlan, ReachesTheCanalBetweenTwoVertebrae) {
+  const WindowPatient& patient = WindowPatient::Get();
+  const Anatomy anatomy(Preset("liver").body, 1);
+  // The bodies lie between the discs.
+  const Vector3d upper = anatomy.Landmark("disc_L2L3");
+  const Vector3d middle = anatomy.Landmark("disc_L3L4");
+  const Vector3d lower = anatomy.Landmark("disc_L4L5");
+  const testing_support::TemporaryFolder folder;
+  std::string rows = "name,whole,x_mm,y_mm,z_mm,volume_ml\n";
+  const auto add = [&](const char* name, const Vector3d& at) {
+    rows += Message(name, ",1,", at.x(), ",", at.y(), ",", at.z(), ",40\n");
+  };
+  add("L3", 0.5 * (upper + middle));
+  add("L4", 0.5 * (middle + lower));
+  add("L5", lower + 0.5 * (lower - middle));
+  WriteTextFile(folder / "vertebrae.csv", rows);
+  for (const auto& [level, canal] :
+       {std::pair("L3-L4", "canal_L3L4"), std::pair("L4-L5", "canal_L4L5")}) {
+    const WindowPlan plan =
+        PlanAsRequested(patient.labels, patient.field, patient.frame,
+                        {.target = level, .window = "", .vertebrae = folder / "vertebrae.csv"},
+                        Preset("scene_target").insertion, {});
+    ExpectSoundPlan(plan, "spinal_canal");
+    EXPECT_NEAR(plan.insertion.target_ct_mm.z(), anatomy.Landmark(canal).z(), 12.0) << level;
+  }
 }
 
 TEST(WindowPlan, MidlineIsOnTheMidline) {
