@@ -116,7 +116,7 @@ plan_target() {
 find_target() {
   local given=$target
   is_planned=''
-  if [[ -n $window || $given =~ ^[a-z_]+$ ]]; then
+  if [[ -n $window || $given =~ ^[a-z_]+$ || $given =~ ^[A-Za-z][A-Za-z0-9_]*-[A-Za-z] ]]; then
     is_planned=1
     return
   fi
@@ -128,7 +128,7 @@ find_target() {
   [[ -n $given ]] || given=$(ask "Target in the CT: L,P,S in mm, as 3D Slicer shows them with R and A negated") ||
     stop "No target was given." 2
   target=$(numbers_of "$given") ||
-    stop "--target must be three numbers L,P,S in mm, within 2 m, such as 12.5,-40,830, or a tissue, such as liver; got '$given'." 2
+    stop "--target must be three numbers L,P,S in mm, within 2 m, such as 12.5,-40,830, a tissue, such as liver, or two vertebrae, such as L3-L4; got '$given'." 2
   [[ -n $from ]] || from=$(choose "The needle comes from" anterior posterior left right superior inferior) ||
     stop "No side was chosen." 2
   direction=$(direction_of "$from") ||
