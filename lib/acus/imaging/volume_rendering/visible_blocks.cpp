@@ -204,11 +204,7 @@ VisibleBlocks::Shift VisibleBlocks::ShiftOf(const RestBlock& block,
 
 void VisibleBlocks::Widen(const Eigen::AlignedBox3f& box_in_ct_mm, float by_mm) {
   if (visible_.empty() || box_in_ct_mm.isEmpty()) return;
-  Eigen::AlignedBox3f blocks;
-  for (int n = 0; n < 8; ++n) {
-    blocks.extend(blocks_from_ct_ *
-                  box_in_ct_mm.corner(static_cast<Eigen::AlignedBox3f::CornerType>(n)));
-  }
+  const Eigen::AlignedBox3f blocks = box_in_ct_mm.transformed(blocks_from_ct_);
   const Eigen::Array3i from = blocks.min().array().floor().cast<int>().max(0);
   const Eigen::Array3i to = blocks.max().array().ceil().cast<int>().min(size_ - 1);
   const auto reach =

@@ -54,11 +54,7 @@ PutStructure EllipsoidOf(const Lesion& lesion) {
 /// Calls `visit` for each voxel near a box.
 void ForVoxelsNear(const Geometry& g, const Eigen::AlignedBox3d& box_mm,
                    const std::function<void(int, int, int)>& visit) {
-  Eigen::AlignedBox3d index;
-  for (int corner = 0; corner < 8; ++corner) {
-    index.extend(g.index_from_ct() *
-                 box_mm.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
-  }
+  const Eigen::AlignedBox3d index = box_mm.transformed(g.index_from_ct());
   const Eigen::Array3i low = (index.min().array() - 1.0).floor().cast<int>().max(0);
   const Eigen::Array3i high = (index.max().array() + 1.0).ceil().cast<int>().min(g.size - 1);
   for (int k = low[2]; k <= high[2]; ++k) {

@@ -19,11 +19,7 @@ struct IndexBox {
 };
 
 IndexBox IndicesOf(const volume::Geometry& geometry, const Eigen::AlignedBox3d& box_mm) {
-  Eigen::AlignedBox3d index;
-  for (int n = 0; n < 8; ++n) {
-    index.extend(geometry.index_from_ct() *
-                 box_mm.corner(static_cast<Eigen::AlignedBox3d::CornerType>(n)));
-  }
+  const Eigen::AlignedBox3d index = box_mm.transformed(geometry.index_from_ct());
   return {index.min().array().floor().cast<int>(), index.max().array().ceil().cast<int>()};
 }
 
