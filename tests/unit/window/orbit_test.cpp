@@ -25,6 +25,22 @@ TEST(Orbit, PresetsLookFromTheirSides) {
   EXPECT_EQ(orbit.CameraFor(640, 400).EyeInCtMm(), before);
 }
 
+TEST(Orbit, LooksAtTheSideOfAPlaceAndStaysIfItHasNone) {
+  Orbit orbit(kBox);
+  for (const Eigen::Vector3d& out :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, 1, 0)}) {
+    orbit.LookAtSideOf(kMiddle + 120.0 * out + Eigen::Vector3d(0, 0, 80));
+    const Eigen::Vector3d way = (orbit.CameraFor(640, 400).EyeInCtMm() - kMiddle).normalized();
+    EXPECT_GT(way.dot(out), 0.7);
+    EXPECT_GT(way.z(), 0.0) << "from above";
+  }
+  const Eigen::Vector3d before = orbit.CameraFor(640, 400).EyeInCtMm();
+  orbit.LookAtSideOf(kMiddle + Eigen::Vector3d(0, 0, 90));
+  EXPECT_EQ(orbit.CameraFor(640, 400).EyeInCtMm(), before) << "a place on the axis has no side";
+  orbit.LookAtSideOf(Eigen::Vector3d::Constant(std::nan("")));
+  EXPECT_EQ(orbit.CameraFor(640, 400).EyeInCtMm(), before);
+}
+
 TEST(Orbit, TheWholePatientIsInTheImageAlsoWhereItIsNarrow) {
   Orbit orbit(kBox);
   for (int preset = 1; preset <= 7; ++preset) {

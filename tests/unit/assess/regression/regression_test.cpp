@@ -1,6 +1,7 @@
 #include "acus/assess/regression/regression.h"
 
 #include <gmock/gmock.h>
+#include <regex>
 
 #include "acus/assess/regression/new_suite.h"
 #include "acus/assess/regression/regression_report.h"
@@ -82,6 +83,10 @@ TEST_F(Regression, ReportsWhatMovedAndAcceptsItOnlyIfRequested) {
   EXPECT_FALSE(moved.passed());
   EXPECT_EQ(moved.cases[0].verdict, Verdict::kMoved);
   EXPECT_THAT(TextOf(moved), AllOf(HasSubstr("MOVED"), HasSubstr("force_axial_n")));
+  const auto failed = moved.cases[0].comparison->failed();
+  ASSERT_GT(failed.size(), 2U);
+  EXPECT_THAT(TextOf(moved), HasSubstr(Message(failed.size() - 1, " more")))
+      << "one is named, the others are counted";
   EXPECT_THAT(ReadTextFile(folder_ / "moved/regression.html"),
               AllOf(HasSubstr("force_axial_n"), HasSubstr(">expected<"), HasSubstr(">now<")));
   EXPECT_EQ(ReadTextFile(folder_ / "expected/in/forces.csv"), before);
@@ -191,6 +196,13 @@ TEST_F(Regression, TimeIsComparedInCalibrationLoops) {
   const SuiteResult slow = Run("slow");
   EXPECT_THAT(slow.cases[0].comparison->failed(),
               testing::ElementsAre("CPU time, more than expected"));
+  // Verdict, case, checks passed, time / expected: ten times, give or take what else runs here.
+  std::smatch row;
+  const std::string text = TextOf(slow);
+  ASSERT_TRUE(std::regex_search(text, row, std::regex(R"(MOVED +in +\d+ of \d+ +([0-9.]+))")))
+      << text;
+  EXPECT_GT(std::stod(row[1]), 3.0);
+  EXPECT_LT(std::stod(row[1]), 30.0);
   // As if it had taken ten times the work: being faster is no fault.
   expected["cpu_s"] = 100.0 * expected.at("cpu_s").get<double>();
   config::WriteJson(timing, expected);

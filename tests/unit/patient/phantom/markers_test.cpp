@@ -22,6 +22,19 @@ TEST(PlaceMarkers, PutsThemOnTheSkinAroundTheEntry) {
   }
 }
 
+TEST(PlaceMarkers, SpreadsThemEvenlyAroundTheEntry) {
+  const Case c("lumbar", 1);
+  const auto markers = PlaceMarkers(c.field, c.plan, c.config.markers, {});
+  const auto angle = [&](const NamedPoint& marker) {
+    const Eigen::Vector3d out = marker.position_mm - c.plan.entry_ct_mm;
+    return std::atan2(out.dot(c.plan.lateral()), out.dot(c.plan.heading));
+  };
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    const double step = angle(markers[(i + 1) % markers.size()]) - angle(markers[i]);
+    EXPECT_NEAR(std::remainder(step - 2.0 * M_PI / 8.0, 2.0 * M_PI), 0.0, 0.1) << markers[i].name;
+  }
+}
+
 TEST(PlaceMarkers, IsPulledInByTheBorderOfTheVolumeAndSaysSoIfNothingIsLeft) {
   const volume::LabelMap labels = SyntheticBody({90, 70, 14}, 4.0);  // 52 mm high.
   const LabelMapField field(labels);

@@ -58,6 +58,27 @@ TEST(ScriptedHand, TremorHasItsSizeAndIsSmooth) {
   EXPECT_LT(fastest_mm, 0.05) << "per ms";
 }
 
+// 7 to 12 Hz; the rate of rising through zero is the root mean square of the frequencies.
+TEST(ScriptedHand, TremblesAsFastAsAHand) {
+  constexpr int kSeeds = 12, kSteps = 5000;
+  long rises = 0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    HandScript script = Script();
+    const auto hand = ScriptedHand(script, {}, static_cast<std::uint64_t>(seed));
+    script.tremor_mm = 0.0;
+    const auto steady = ScriptedHand(script, {}, static_cast<std::uint64_t>(seed));
+    Vector3d last_mm = Vector3d::Zero();
+    for (int i = 0; i < kSteps; ++i) {
+      const Vector3d tremor_mm =
+          Needle(*hand, 1e-3 * i).translation() - Needle(*steady, 1e-3 * i).translation();
+      if (i > 0) rises += ((last_mm.array() < 0.0) && (tremor_mm.array() >= 0.0)).count();
+      last_mm = tremor_mm;
+    }
+  }
+  const double rate_hz = static_cast<double>(rises) / (3e-3 * kSteps * kSeeds);
+  EXPECT_NEAR(rate_hz, std::sqrt((7.0 * 7.0 + 7.0 * 12.0 + 12.0 * 12.0) / 3.0), 0.8);
+}
+
 TEST(ScriptedHand, IsTheSameForTheSameSeed) {
   const auto a = ScriptedHand(Script(), {}, 7), b = ScriptedHand(Script(), {}, 7);
   const auto c = ScriptedHand(Script(), {}, 8);

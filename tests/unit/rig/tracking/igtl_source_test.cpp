@@ -200,6 +200,22 @@ TEST(IgtlSource, ContinuesAfterInvalidDataBetweenMessages) {
   EXPECT_GT(source.status().counts.skipped_bytes, 20'000u);
 }
 
+TEST(IgtlSource, CountsWhatWasBadOverAllConnections) {
+  IgtlSourcePeer peer;
+  IgtlSource source(Options(peer.port()));
+  source.Start();
+  for (std::uint64_t round = 1; round <= 3; ++round) {
+    peer.Accept();
+    Bytes broken = PackTransform("NeedleToReference", 1, PoseAt(1.0));
+    broken.back() ^= 1U;  // The checksum is wrong.
+    peer.Say(broken);
+    peer.Say(PackTransform("NeedleToReference", 2, PoseAt(static_cast<double>(round))));
+    ASSERT_TRUE(WaitUntil([&] { return XMm(source) == static_cast<double>(round); }));
+    ASSERT_TRUE(WaitUntil([&] { return source.status().counts.bad_messages == round; })) << round;
+    peer.socket = Descriptor();
+  }
+}
+
 TEST(IgtlSource, LeavesAPeerThatSpeaksSomethingElse) {
   IgtlSourcePeer peer;
   IgtlSource source(Options(peer.port()));

@@ -75,6 +75,26 @@ TEST_F(CameraPathTest, ATurntableTurnsUniformlyAndAgain) {
   }
 }
 
+TEST_F(CameraPathTest, ATurntableShowsAllOfThePatientInImagesOfAnyShape) {
+  const CameraPath path = CameraPath::Read(std::filesystem::path(ACUS_SOURCE_DIR) /
+                                           "configs/camera_paths/turntable.json");
+  for (const volume_rendering::ImageSize size :
+       {volume_rendering::ImageSize{800, 200}, {400, 400}, {200, 800}}) {
+    for (double time_s = 0.0; time_s < 20.0; time_s += 2.3) {
+      const auto camera = volume_rendering::LookAt(path.At(time_s, kPatient, size), size);
+      double most = 0.0;  // Of the half width or height: 1 at the border.
+      for (int n = 0; n < 8; ++n) {
+        const Eigen::Vector2d pixel =
+            camera.ProjectPx(kPatient.corner(static_cast<Eigen::AlignedBox3d::CornerType>(n)));
+        const Eigen::Vector2d half(0.5 * size.width_px, 0.5 * size.height_px);
+        most = std::max(most, (pixel - half).cwiseQuotient(half).cwiseAbs().maxCoeff());
+      }
+      EXPECT_LT(most, 1.0) << size.width_px << " x " << size.height_px;
+      EXPECT_GT(most, 0.3) << "and it is no small spot";
+    }
+  }
+}
+
 TEST_F(CameraPathTest, SaysWhatIsWrongWithAFile) {
   const auto expect = [&](const std::string& keys, const char* said) {
     EXPECT_THAT([&] { Path(keys); }, ThrowsMessage<InputError>(HasSubstr(said))) << keys;
