@@ -160,11 +160,16 @@ void ReadMessage(Path file) {
   tracking::ReadStartTrackingData(body->content);
   tracking::ReadStatus(body->content);
   tracking::ReadImage(body->content);
+  tracking::ReadTable(body->content);
+  tracking::ReadText(body->content);
 }
 
 void WriteMessages(Path folder) {
   const auto bytes = tracking::PackTransform("NeedleToReference", 1'000'000'000, {});
   WriteSeed(folder, "transform", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const auto table =
+      tracking::PackTable("Steps", 1'000'000'000, {.columns = 2, .values = {1.0, 2.0, 3.0, 4.0}});
+  WriteSeed(folder, "table", {reinterpret_cast<const char*>(table.data()), table.size()});
 }
 
 void WriteChannels(Path folder) {

@@ -121,6 +121,7 @@ LiveSession::LiveSession(const scenario::Scenario& scenario,
     exercise_.emplace(*options.exercise, *scene_, replay::TargetInCtMm(*options.exercise, scenario),
                       has_probe());
   }
+  if (devices_.images_from) digest_ = DigestOf(scenario, *scene_);
   targets_ = replay::TargetsOf(options.exercise ? &*options.exercise : nullptr, scenario);
   PlaceProbeOnSkin();
   if (!options.hand.empty()) FollowSession(devices_, options.hand);
@@ -237,6 +238,11 @@ void LiveSession::TakeDevices() {
 }
 
 void LiveSession::MakeCore() {
+  if (devices_.images_from) {
+    remote_ = std::make_unique<RemoteImages>(*devices_.images_from, *scene_, digest_);
+    remote_->Connect();  // Else images are made here, and the status says why.
+    core_settings_.feed = &remote_->feed();
+  }
   core_settings_.origin_ns = MonotonicNs();
   recorder_ =
       std::make_unique<Recorder>(options_.session_folder, name_,
@@ -261,6 +267,7 @@ void LiveSession::MakeCore() {
       [this](const LiveImage& image) {
         if (broadcast_) broadcast_->Send(image);
       });
+  images_->TakeFrom(remote_.get());
 }
 
 void LiveSession::Start() {
@@ -276,6 +283,7 @@ void LiveSession::Start() {
     }
     recorder_->Start();
     rig_->StartTrackers();
+    if (remote_) remote_->Start(core_settings_.origin_ns);
     images_->Start();
     started_ = true;
     if (bridge_) bridge_->core = core_.get();
@@ -325,6 +333,7 @@ void LiveSession::Stop() noexcept {
   rig_->ReleaseDevices();
   if (bridge_) bridge_->core = nullptr;
   if (images_) images_->Stop();
+  if (remote_) remote_->Stop();
   rig_->ReleaseTrackers();
   if (broadcast_) broadcast_->Stop();
   if (recorder_) recorder_->Close();
