@@ -27,6 +27,17 @@ acus_add_cli_case(acus-live.make_images_and_output EXIT 2 NEEDS inputs LEAVES_NO
 acus_add_cli_case(acus-live.make_images_at_no_port EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "address 'here:there': the port must be a number from 0 to 65535"
   COMMAND acus-live $INPUTS/scenario.json ${virtual} ${live_patient} --make-images here:there)
+# Without a loudspeaker the session is like any other.
+set(cries --set "/effects/pain_reaction={\"sound\": \"cry\"}")
+acus_add_cli_case(acus-live.no_loudspeaker EXIT 0 NEEDS inputs
+  STDERR "warning: The patient is not heard: .*(loudspeaker: OpenAL Soft finds none|Install the package libopenal1)"
+  CREATES s/forces.csv
+  COMMAND env ALSOFT_DRIVERS=nothing acus-live $INPUTS/scenario.json ${virtual} ${live_patient}
+  ${cries} -o s --duration 2)
+acus_add_cli_case(acus-live.no_such_sound EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "/effects/pain_reaction/sound: .*gone.wav"
+  COMMAND acus-live $INPUTS/scenario.json ${virtual} ${live_patient}
+  --set "/effects/pain_reaction={\"sound\": \"gone.wav\"}" -o s)
 acus_add_cli_case(acus-live.check EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "needle force" "^Needle: virtual hand, 1000 Hz, up to [0-9]+ N" "^Probe: virtual hand"
   COMMAND acus-live $INPUTS/scenario.json ${virtual} ${live_patient} --check)

@@ -23,6 +23,7 @@
 #include "acus/run/live/live_core.h"
 #include "acus/run/live/live_devices.h"
 #include "acus/run/live/live_exercise.h"
+#include "acus/run/live/patient_voice.h"
 #include "acus/run/live/recent_rate.h"
 #include "acus/run/live/recorder.h"
 #include "acus/run/live/remote_images.h"
@@ -181,6 +182,8 @@ class LiveSession {
   RecentRate recent_steps_{10.0};
   std::int64_t rates_read_ns_ = 0;
   std::int64_t status_sent_ns_ = 0;
+  std::optional<sound::Sound> pain_sound_;
+  std::unique_ptr<PatientVoice> voice_;  ///< Null: the patient makes no sound.
   std::unique_ptr<Recorder> recorder_;
   std::string digest_;                    ///< Of the scene, if another computer is to make images.
   std::unique_ptr<RemoteImages> remote_;  ///< Null: all images are made here.

@@ -108,6 +108,9 @@ std::vector<StatusLine> LiveSession::Status() const {
     lines.push_back({Severity::kFault, trouble});
   }
   if (remote_) AddRemote(*remote_, lines);
+  if (voice_ && !voice_->trouble().empty()) {
+    lines.push_back({Severity::kWarning, "The patient is not heard: " + voice_->trouble()});
+  }
   const std::int64_t now_ns = MonotonicNs();
   for (std::size_t t = 0; t < rig_->trackers().size(); ++t) {
     const tracking::SourceStatus status = rig_->trackers()[t]->status();
@@ -181,6 +184,7 @@ json LiveSession::Summary() const {
           {"steps", statistics().ToJson()},
           {"images", image_statistics().ToJson()},
           {"images_from", remote_ ? remote_->ToJson() : json(nullptr)},
+          {"pain_sound", voice_ ? voice_->ToJson() : json(nullptr)},
           {"effect_plan", simulation::PlanJson(scene_->plan, stage_times())},
           {"recording",
            {{"steps_on_disk", recording.steps_on_disk},
