@@ -25,6 +25,8 @@ class ImageMaker {
   /// Takes images of about that moment. False, and `out` is not to be used, if they are not of the
   /// size that the probe has then.
   bool Take(const LiveSnapshot& snapshot, const MadeImages& made, LiveImage& out);
+  /// The last images at another moment: of tools and needle, while nothing newer has come.
+  void Keep(const LiveSnapshot& snapshot, LiveImage& out) { Finish(snapshot, time_ns_, out); }
   /// All images are to be made anew.
   void Forget();
 

@@ -12,6 +12,7 @@ namespace acus::live {
 namespace {
 
 constexpr std::size_t kRecentSnapshots = 250;  // There is one each 4 ms.
+constexpr std::int64_t kLateNs = 150'000'000;
 
 }  // namespace
 
@@ -106,7 +107,10 @@ void ImageThread::TakeImage() {
       recent_.push_back(snapshots_.Front());
       if (recent_.size() > kRecentSnapshots) recent_.pop_front();
     }
-    if (!TakeNewest()) std::this_thread::sleep_for(kTurn);
+    if (!TakeNewest()) {
+      KeepLast();
+      std::this_thread::sleep_for(kTurn);
+    }
     SetTrouble("");
   } catch (const std::bad_alloc&) {
     SetTrouble("there is no memory for images; close other programs");
@@ -122,6 +126,16 @@ bool ImageThread::TakeNewest() {
   LiveImage& out = images_.Back();
   if (maker_.Take(SnapshotAt(made->time_ns), *made, out)) Hand(out);
   return true;
+}
+
+/// While images are late, the window still shows where the tools are.
+void ImageThread::KeepLast() {
+  const std::int64_t now_ns = MonotonicNs();
+  const bool is_late = statistics_.images > 0 && now_ns - statistics_.last_ns > kLateNs;
+  if (!is_late || recent_.empty() || recent_.back().moment.time_ns == kept_ns_) return;
+  kept_ns_ = recent_.back().moment.time_ns;
+  maker_.Keep(recent_.back(), images_.Back());
+  images_.Publish();
 }
 
 /// The last one before that time; the oldest there is, if that is later.

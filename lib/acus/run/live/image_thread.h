@@ -67,6 +67,7 @@ class ImageThread {
   void MakeImage(std::int64_t begin_ns);
   void TakeImage();
   bool TakeNewest();
+  void KeepLast();
   const LiveSnapshot& SnapshotAt(std::int64_t time_ns) const;
   void Hand(const LiveImage& out);
   void SetTrouble(const char* what);
@@ -77,6 +78,7 @@ class ImageThread {
   ImageMaker maker_;
   RemoteImages* remote_ = nullptr;   ///< Null: images are made here.
   std::int64_t taken_ = 0;           ///< Number of the newest of its images that was taken.
+  std::int64_t kept_ns_ = 0;         ///< Of the last moment that got images of before.
   std::deque<LiveSnapshot> recent_;  ///< Of the last second, for its images.
   TripleBuffer<LiveImage> images_;
   ImageStatistics statistics_;

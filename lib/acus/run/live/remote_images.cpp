@@ -111,9 +111,8 @@ void RemoteImages::TakeMessages() {
     }
     if (!reader_.TakeWhole()) continue;
     const std::int64_t now_ns = MonotonicNs();
-    const std::int64_t age_ns = now_ns - origin_ns_ - reader_.images().time_ns;
-    age_.Add(age_ns);
-    age_ns_ = age_ns;
+    age_.Add(now_ns - origin_ns_ - reader_.images().time_ns);
+    newest_ns_ = reader_.images().time_ns;
     progress_ns_ = now_ns;
     ++images_;
     auto images = std::make_shared<const MadeImages>(reader_.images());
@@ -128,7 +127,7 @@ void RemoteImages::TakeMessages() {
 /// Steps are sent and nothing comes back: it is too slow, or has stopped.
 void RemoteImages::CheckProgress() {
   if (sent_steps_ == 0) progress_ns_ = MonotonicNs();
-  const bool is_behind = sent_ns_ - (images_ > 0 ? reader_.images().time_ns : 0) > kMostBehindNs;
+  const bool is_behind = sent_ns_ - newest_ns_ > kMostBehindNs;
   if (is_behind && MonotonicNs() - progress_ns_ > kMostBehindNs) {
     link_->Fail(place_ + " has sent no image for 2 s");
   }
@@ -144,6 +143,10 @@ void RemoteImages::Lose(const std::string& why) noexcept {
 std::shared_ptr<const MadeImages> RemoteImages::Newest() const {
   const std::lock_guard lock(mutex_);
   return newest_;
+}
+
+double RemoteImages::age_ms() const {
+  return 1e-6 * static_cast<double>(MonotonicNs() - origin_ns_ - newest_ns_);
 }
 
 std::string RemoteImages::trouble() const {

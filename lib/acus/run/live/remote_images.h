@@ -43,8 +43,9 @@ class RemoteImages {
   const std::string& place() const { return place_; }
   /// Why images are made here; empty if they are not. Any thread.
   std::string trouble() const;
-  /// From the time that the newest images show to their arrival.
-  double age_ms() const { return 1e-6 * static_cast<double>(age_ns_.load()); }
+  /// Of the newest images, now: since the time that they show. @pre works()
+  double age_ms() const;
+  /// Of all images, at their arrival.
   double median_age_ms() const { return 1e-6 * age_.QuantileNs(0.5); }
   std::int64_t num_images() const { return images_; }
   nlohmann::json ToJson() const;
@@ -75,7 +76,7 @@ class RemoteImages {
   DurationHistogram age_;
   std::atomic<std::int64_t> images_{0};
   std::atomic<std::int64_t> steps_sent_{0};
-  std::atomic<std::int64_t> age_ns_{0};
+  std::atomic<std::int64_t> newest_ns_{0};  ///< Session time that the newest images show.
   std::atomic<bool> works_{false};
   std::atomic<bool> stopping_{false};
   mutable std::mutex mutex_;

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
@@ -284,6 +285,37 @@ TEST_F(SecondComputer, ThatSendsNothingIsLeftAfterTwoSeconds) {
   EXPECT_TRUE(PollUntil(*session, [&] { return shown_.size() >= 5; })) << "made here meanwhile";
   EXPECT_TRUE(PollUntil(*session, [&] { return !session->remote_images()->trouble().empty(); }));
   EXPECT_THAT(FirstStatus(*session), HasSubstr("no image for 2 s"));
+  session->Stop();
+}
+
+/// One set of images and no more: these stay, the tools move, and the age is that of now.
+TEST_F(SecondComputer, ThatStallsLeavesTheToolsMoving) {
+  const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
+  const simulation::Scene scene = LoadLiveScene(scenario, Devices(1), context_);
+  const image::ImageGeometry size = acoustics::ImageOf(*scene.probe);
+  const auto count =
+      static_cast<std::size_t>(size.width_px) * static_cast<std::size_t>(size.height_px);
+  const tracking::Image white{.width = size.width_px,
+                              .height = size.height_px,
+                              .channels = 1,
+                              .pixels = std::vector<std::uint8_t>(count, 255)};
+  Impostor impostor([&](tracking::IgtlLink& link) {
+    link.Queue(tracking::PackImage("Ultrasound", 5, white));
+    link.Queue(tracking::PackTable("Moment", 5, {.columns = 2, .values = {1e6, 1.0}}));
+  });
+  const auto session = StartSession(impostor.port());
+  std::set<std::int64_t> moments;
+  ASSERT_TRUE(PollUntil(*session, [&] {
+    const LiveImage& image = session->images().Front();
+    if (image.time_ns == 1'000'000) {
+      moments.insert(image.snapshot.moment.time_ns);
+      EXPECT_EQ(image.images.b_mode.pixels, white.pixels);
+    }
+    return session->session_s() > 1.0;
+  }));
+  EXPECT_GT(moments.size(), 20U);
+  EXPECT_GT(session->remote_images()->age_ms(), 900.0);
+  EXPECT_THAT(FirstStatus(*session), testing::ContainsRegex("Images come from .*, [0-9]+ ms old"));
   session->Stop();
 }
 
