@@ -42,7 +42,7 @@ set(CPACK_DEBIAN_ACUS_PACKAGE_NAME acus)
 set(CPACK_DEBIAN_ACUS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_ACUS_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_ACUS_PACKAGE_DEPENDS "python3, snakemake")
-set(CPACK_DEBIAN_ACUS_PACKAGE_RECOMMENDS "zenity, xdg-utils, python3-tk")
+set(CPACK_DEBIAN_ACUS_PACKAGE_RECOMMENDS "libopenal1, zenity, xdg-utils, python3-tk")
 set(CPACK_DEBIAN_ACUS_PACKAGE_SUGGESTS acus-doc)
 set(CPACK_DEBIAN_ACUS_DESCRIPTION "Programs that prepare a patient from a CT, replay recorded device trajectories
 through models of forces and ultrasound, run live sessions with haptic devices

@@ -13,6 +13,31 @@ acus_add_cli_case(acus-live.ends_on_a_signal_with_a_whole_recording EXIT 0 NEEDS
 acus_add_cli_case(acus-live.killed_it_leaves_what_can_be_replayed EXIT 0 NEEDS inputs
   STDOUT "^same$"
   COMMAND bash ${live_checks} kill)
+# A second process makes the images; a third receives what the session shows.
+acus_add_cli_case(acus-live.images_of_a_second_computer EXIT 0 NEEDS inputs
+  STDOUT "^same$" "^[3-9][0-9] different images are frames of the replay, 0 are not|1[0-9][0-9] different images are frames of the replay, 0 are not"
+         "images from localhost:[0-9]+: [0-9]+, [0-9.]+ ms old" "^Images for " "^Ended: "
+  COMMAND bash ${live_checks} images)
+acus_add_cli_case(acus-live.second_computer_is_killed EXIT 0 NEEDS inputs
+  STDOUT "^same$" "images from localhost:[0-9]+: .*closed the link" "steps_lost.: 0"
+  COMMAND bash ${live_checks} images_cut)
+acus_add_cli_case(acus-live.make_images_and_output EXIT 2 NEEDS inputs LEAVES_NOTHING
+  STDERR "--make-images goes with none of --output, --check and --requests"
+  COMMAND acus-live $INPUTS/scenario.json ${virtual} -o s --make-images 0)
+acus_add_cli_case(acus-live.make_images_at_no_port EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "address 'here:there': the port must be a number from 0 to 65535"
+  COMMAND acus-live $INPUTS/scenario.json ${virtual} ${live_patient} --make-images here:there)
+# Without a loudspeaker the session is like any other.
+set(cries --set "/effects/pain_reaction={\"sound\": \"cry\"}")
+acus_add_cli_case(acus-live.no_loudspeaker EXIT 0 NEEDS inputs
+  STDERR "warning: The patient is not heard: .*(loudspeaker: OpenAL Soft finds none|Install the package libopenal1)"
+  CREATES s/forces.csv
+  COMMAND env ALSOFT_DRIVERS=nothing acus-live $INPUTS/scenario.json ${virtual} ${live_patient}
+  ${cries} -o s --duration 2)
+acus_add_cli_case(acus-live.no_such_sound EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "/effects/pain_reaction/sound: .*gone.wav"
+  COMMAND acus-live $INPUTS/scenario.json ${virtual} ${live_patient}
+  --set "/effects/pain_reaction={\"sound\": \"gone.wav\"}" -o s)
 acus_add_cli_case(acus-live.check EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "needle force" "^Needle: virtual hand, 1000 Hz, up to [0-9]+ N" "^Probe: virtual hand"
   COMMAND acus-live $INPUTS/scenario.json ${virtual} ${live_patient} --check)

@@ -19,6 +19,7 @@
 #include "acus/data/session/session_import.h"
 #include "acus/data/session/signals.h"
 #include "acus/data/session/slicer_scene.h"
+#include "acus/data/sound/sound.h"
 #include "acus/data/transforms/landmarks.h"
 #include "acus/data/transforms/transform_file.h"
 #include "acus/data/volume/dicom_header.h"
@@ -160,11 +161,16 @@ void ReadMessage(Path file) {
   tracking::ReadStartTrackingData(body->content);
   tracking::ReadStatus(body->content);
   tracking::ReadImage(body->content);
+  tracking::ReadTable(body->content);
+  tracking::ReadText(body->content);
 }
 
 void WriteMessages(Path folder) {
   const auto bytes = tracking::PackTransform("NeedleToReference", 1'000'000'000, {});
   WriteSeed(folder, "transform", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const auto table =
+      tracking::PackTable("Steps", 1'000'000'000, {.columns = 2, .values = {1.0, 2.0, 3.0, 4.0}});
+  WriteSeed(folder, "table", {reinterpret_cast<const char*>(table.data()), table.size()});
 }
 
 void WriteChannels(Path folder) {
@@ -224,6 +230,10 @@ constexpr Reader kReaders[] = {
     {"dicom_segmentation", ".dcm", [](Path file) { volume::ReadDicomSegmentation(file); },
      WriteSegmentation},
     {"segments", ".seg.nrrd", [](Path file) { volume::ReadNamedValues(file); }, WriteSegments},
+    {"wav", ".wav", [](Path file) { sound::ReadWav(file); },
+     [](Path folder) {
+       sound::WriteWav(folder / "seed.wav", {.rate_hz = 8000, .samples = {1, 2, 3, 4}});
+     }},
     {"stl", ".stl", ReadSurfaceFile, [](Path folder) { WriteMesh(folder, ".stl"); }},
     {"obj", ".obj", ReadSurfaceFile, [](Path folder) { WriteMesh(folder, ".obj"); }},
     {"ply", ".ply", ReadSurfaceFile, [](Path folder) { WriteMesh(folder, ".ply"); }},

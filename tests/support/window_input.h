@@ -23,7 +23,9 @@ class WindowInput {
 
  private:
   static void Run(const std::string& action) {
-    if (std::system(("xdotool " + action + " >/dev/null 2>&1").c_str()) != 0) std::abort();
+    std::string command = "xdotool ";
+    command.append(action).append(" >/dev/null 2>&1");
+    if (std::system(command.c_str()) != 0) std::abort();
   }
 };
 

@@ -29,7 +29,7 @@ constexpr std::array kKeys = {
     KeyHelp{Command::kVolumeCut, "C", "volume: next cut (axial, coronal, sagittal, facing you)"},
     KeyHelp{Command::kCutOn, "X", "volume: move the cut"},
     KeyHelp{Command::kCutBack, "Shift+X", "volume: move the cut back"},
-    KeyHelp{Command::kStereo, "S", "3D in stereo: side by side, red-cyan, off"},
+    KeyHelp{Command::kStereo, "S", "3D in stereo: side by side, red-cyan, shutter, off"},
     KeyHelp{Command::kSteerOther, "Tab", "mouse and arrows move the other tool"},
     KeyHelp{Command::kHelp, "H", "this page"},
     KeyHelp{Command::kQuit, "Q", "end the session (press twice)"},

@@ -22,7 +22,7 @@ enum class Command {
   kQuit,        ///< By key, pressed twice, or by closing the window.
   kNextView,    ///< Grid, then each view alone.
   kGrid,
-  kStereo,  ///< Off, side by side, red-cyan.
+  kStereo,  ///< Off, side by side, red-cyan, shutter glasses.
   kOverlayMore,
   kOverlayLess,
   kNeedleGuide,

@@ -7,6 +7,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/text_table.h"
+#include "acus/run/live/image_server.h"
 #include "acus/run/replay/replay.h"
 #include "acus/window/session_series.h"
 
@@ -20,6 +21,7 @@ struct Options {
   std::vector<std::string> changes;
   bool headless = false;
   bool requests = false;
+  std::string make_images;  ///< [HOST:]PORT to listen on; empty: this is the session itself.
   live::LiveOptions session;
   ConsoleSettings console;
   std::string volume_rays = "auto";
@@ -66,7 +68,7 @@ std::string VolumeRaysText(const VolumeReadout& volume) {
 int NumAsked(const Options& options) {
   const live::LiveOptions& session = options.session;
   return (session.session_folder.empty() ? 0 : 1) + (session.only_checks ? 1 : 0) +
-         (options.requests ? 1 : 0);
+         (options.requests ? 1 : 0) + (options.make_images.empty() ? 0 : 1);
 }
 
 /// What a request says for itself.
@@ -78,6 +80,9 @@ bool AsksForOneSession(const Options& options) {
 
 void CheckCombination(const Options& options) {
   if (NumAsked(options) == 0) throw CLI::RequiredError("--output");
+  if (!options.make_images.empty() && NumAsked(options) > 1) {
+    throw CLI::ValidationError("--make-images goes with none of --output, --check and --requests");
+  }
   if (!options.requests) return;
   if (NumAsked(options) > 1) {
     throw CLI::ValidationError("--requests goes with neither --output nor --check");
@@ -106,11 +111,34 @@ ExitCode RunSeries(const Options& options, const live::LiveDevices& devices, Run
   return series.Run(STDIN_FILENO);
 }
 
+/// This is the second computer.
+ExitCode MakeImages(const Options& options, const live::LiveDevices& devices, RunContext& context,
+                    std::ostream& out) {
+  const auto [host, port] = live::ListenAddress(options.make_images);
+  const auto scenario = scenario::ReadScenario(
+      config::FindConfig(options.scenario, fs::current_path()), OverridesOf(options));
+  const simulation::Scene scene = live::LoadLiveScene(scenario, devices, context);
+  live::ImageServer server(scene, live::DigestOf(scenario, scene),
+                           {.host = host,
+                            .port = port,
+                            .has_needle = devices.has_needle(),
+                            .has_probe = devices.has_probe(),
+                            .least_image_rate_hz = options.session.least_image_rate_hz,
+                            .duration_s = options.session.duration_s,
+                            .on_event = [&out](const std::string& line) {
+                              out << line << std::endl;  // At once: somebody looks on.
+                            }});
+  out << "listening on port " << server.port() << std::endl;
+  server.Run(context.stop);
+  return ExitCode::kOk;
+}
+
 ExitCode RunLive(Options& options, RunContext& context, std::ostream& out) {
   const fs::path here = fs::current_path();
   options.console.window.volume_rays = VolumeRaysOf(options.volume_rays);
   const auto devices = live::ReadLiveDevices(config::FindConfig(options.devices, here));
   if (options.requests) return RunSeries(options, devices, context, out);
+  if (!options.make_images.empty()) return MakeImages(options, devices, context, out);
   const auto scenario =
       scenario::ReadScenario(config::FindConfig(options.scenario, here), OverridesOf(options));
   if (!options.exercise.empty()) live::UseExercise(options.exercise, options.session, context);
@@ -152,6 +180,10 @@ std::function<ExitCode(RunContext& context, std::ostream& out)> AddLiveOptions(C
                "Sessions one after the other, as lines of JSON on standard input request them\n"
                "(acus-session-request); devices and window stay open from one to the next.\n"
                "Standard output has a line of JSON when all is ready and when a session ends");
+  app.add_option("--make-images", options->make_images,
+                 "Be the second computer: make the images of sessions that run elsewhere, whose\n"
+                 "devices file names this one in images_from. [HOST:]PORT to listen on, such as\n"
+                 ":18946 for the whole network; without a host only this computer hears it");
   app.callback([options] { CheckCombination(*options); });
   return
       [options](RunContext& context, std::ostream& out) { return RunLive(*options, context, out); };

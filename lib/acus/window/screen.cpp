@@ -1,5 +1,6 @@
 #include "acus/window/screen.h"
 
+#include <GL/gl.h>
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
@@ -7,6 +8,8 @@
 #include <vtkCallbackCommand.h>
 #include <vtkCommand.h>
 #include <vtkNew.h>
+#include <vtkOpenGLFramebufferObject.h>
+#include <vtkOpenGLRenderWindow.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
@@ -92,6 +95,7 @@ Screen::Screen(const std::string& title, int width_px, int height_px)
   window.SetWindowName(title.c_str());
   window.SetSize(width_px, height_px);
   window.SetMultiSamples(0);
+  window.StereoCapableWindowOn();  // Asked for; VTK takes it back where the driver has none.
   window.SetNumberOfLayers(kNumLayers);
   content_->interactor->SetRenderWindow(&window);
   content_->interactor->SetInteractorStyle(nullptr);  // It has keys of its own, among them to exit.
@@ -128,9 +132,19 @@ void Screen::Render() {
   content_->window->Render();
 }
 
-void Screen::SetAnaglyph(bool on) {
-  content_->window->SetStereoTypeToAnaglyph();
-  content_->window->SetStereoRender(on ? 1 : 0);
+bool Screen::has_shutter() const {
+  return content_->window->GetStereoCapableWindow() != 0;
+}
+
+void Screen::SetStereo(Stereo stereo) {
+  vtkRenderWindow& window = *content_->window;
+  const bool is_shutter = stereo == Stereo::kShutter && has_shutter();
+  if (is_shutter) {
+    window.SetStereoTypeToCrystalEyes();
+  } else {
+    window.SetStereoTypeToAnaglyph();
+  }
+  window.SetStereoRender(is_shutter || stereo == Stereo::kRedCyan ? 1 : 0);
 }
 
 int Screen::width_px() const {
@@ -140,11 +154,39 @@ int Screen::height_px() const {
   return content_->window->GetSize()[1];
 }
 
-image::ColourImage Screen::Screenshot() {
+namespace {
+
+/// VTK draws both eyes into a buffer of its own before the driver gets them.
+/// False without SetStereo(kShutter).
+bool ReadEye(EyeSide eye, vtkRenderWindow& window, vtkUnsignedCharArray& pixels) {
+  auto* gl_window = vtkOpenGLRenderWindow::SafeDownCast(&window);
+  if (gl_window == nullptr || window.GetStereoRender() == 0) return false;
+  vtkOpenGLFramebufferObject& drawn = *gl_window->GetDisplayFramebuffer();
+  if (window.GetStereoType() != VTK_STEREO_CRYSTAL_EYES ||
+      drawn.GetNumberOfColorAttachments() < 2) {
+    return false;
+  }
+  const int* size = window.GetSize();
+  pixels.SetNumberOfComponents(3);
+  pixels.SetNumberOfTuples(static_cast<vtkIdType>(size[0]) * size[1]);
+  window.MakeCurrent();
+  drawn.Bind(vtkOpenGLFramebufferObject::GetReadMode());
+  drawn.ActivateReadBuffer(eye == EyeSide::kLeft ? 0 : 1);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, size[0], size[1], GL_RGB, GL_UNSIGNED_BYTE, pixels.GetPointer(0));
+  drawn.UnBind(vtkOpenGLFramebufferObject::GetReadMode());
+  return true;
+}
+
+}  // namespace
+
+image::ColourImage Screen::Screenshot(EyeSide eye) {
   image::ColourImage out;
   out.Resize(width_px(), height_px());
-  content_->window->GetPixelData(0, 0, out.width - 1, out.height - 1, /*front=*/0,
-                                 content_->pixels);
+  if (!ReadEye(eye, *content_->window, *content_->pixels)) {
+    content_->window->GetPixelData(0, 0, out.width - 1, out.height - 1, /*front=*/0,
+                                   content_->pixels);
+  }
   const auto row_bytes = static_cast<std::size_t>(3 * out.width);
   if (content_->pixels->GetNumberOfValues() < static_cast<vtkIdType>(out.rgb.size())) return out;
   for (int row = 0; row < out.height; ++row) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "acus/data/image/image.h"
+#include "acus/window/stereo.h"
 
 class vtkRenderer;
 
@@ -49,12 +50,15 @@ class Screen {
   bool HasHeldKeys() const;
   /// Draws all layers and shows them.
   void Render();
-  /// Of the whole window, for red-cyan glasses.
-  void SetAnaglyph(bool on);
+  /// Whether the graphics driver has given the window buffers for both eyes.
+  bool has_shutter() const;
+  /// Of the whole window. kShutter without has_shutter(), and kSideBySide, show one eye.
+  void SetStereo(Stereo stereo);
 
   int width_px() const;
   int height_px() const;
-  image::ColourImage Screenshot();
+  /// The right eye has an image of its own with SetStereo(kShutter) only.
+  image::ColourImage Screenshot(EyeSide eye = EyeSide::kLeft);
 
  private:
   struct Content;

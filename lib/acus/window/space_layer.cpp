@@ -199,10 +199,10 @@ void SpaceLayer::SetLight(const Eigen::Vector3d& towards) {
 
 void SpaceLayer::SetView(const Rectangle& place, const Rectangle& window,
                          const volume_rendering::Camera& camera, const DepthRange& range,
-                         bool through_red_cyan) {
+                         bool both_eyes) {
   Eye& eye = content_->eyes[0];
   eye.SetPlace(place, window);
-  if (!place.empty()) eye.SetCamera(camera, range, through_red_cyan);
+  if (!place.empty()) eye.SetCamera(camera, range, both_eyes);
 }
 
 void SpaceLayer::SetRightEye(const Rectangle& place, const Rectangle& window,

@@ -56,11 +56,11 @@ class SpaceLayer {
   void SetLight(const Eigen::Vector3d& towards);
 
   /// Where in the window, and the camera, whose image fills that. An empty place: not drawn.
-  /// @param through_red_cyan  The eyes are told apart by the window (square pixels, the axis in
+  /// @param both_eyes  The eyes are told apart by the window (square pixels, the axis in
   ///     the middle of the image).
   void SetView(const Rectangle& place, const Rectangle& window,
                const volume_rendering::Camera& camera, const DepthRange& range,
-               bool through_red_cyan = false);
+               bool both_eyes = false);
   /// The right eye beside it; nothing: none.
   void SetRightEye(const Rectangle& place, const Rectangle& window,
                    const std::optional<volume_rendering::Camera>& camera, const DepthRange& range);

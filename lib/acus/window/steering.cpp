@@ -126,7 +126,7 @@ void Steering::Letter(char letter, bool shift, std::span<const ViewKind> shown) 
       choice_.needle_guide = !choice_.needle_guide;
       return add(Command::kNeedleGuide);
     case 's':
-      choice_.stereo = static_cast<Stereo>((static_cast<int>(choice_.stereo) + 1) % 3);
+      choice_.stereo = static_cast<Stereo>((static_cast<int>(choice_.stereo) + 1) % kNumStereo);
       return add(Command::kStereo);
     case 'h':
       choice_.help = !choice_.help;

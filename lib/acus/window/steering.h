@@ -10,10 +10,9 @@
 #include "acus/window/command.h"
 #include "acus/window/layout.h"
 #include "acus/window/screen.h"
+#include "acus/window/stereo.h"
 
 namespace acus::window {
-
-enum class Stereo { kOff, kSideBySide, kRedCyan };
 
 /// What is taken away of the patient in the volume view: the side of a plane that the eye is on.
 enum class VolumeCut { kNone, kAxial, kCoronal, kSagittal, kFacing };

@@ -223,7 +223,7 @@ void TeachingView::SetPlace(const Rectangle& place, const Rectangle& window, con
   if (place.width < 2 || place.height < 2) return Hide();
   if (stereo != Stereo::kSideBySide) {
     layer_.SetView(place, window, orbit.CameraFor(place.width, place.height), range,
-                   stereo == Stereo::kRedCyan);
+                   FillsWindow(stereo));
     layer_.SetRightEye({}, window, std::nullopt, range);
     return;
   }

@@ -218,8 +218,8 @@ struct Window::Content {
       return kind != ViewKind::kVolume && !IsListed(settings, kind);
     });
     std::optional<ViewKind> alone = steering.choice().alone;
-    // Both eyes of red-cyan glasses see the whole window: it is the teaching view's alone.
-    if (steering.choice().stereo == Stereo::kRedCyan) alone = ViewKind::kTeaching;
+    // Both eyes see the whole window: it is the teaching view's alone.
+    if (FillsWindow(StereoNow())) alone = ViewKind::kTeaching;
     layout =
         LayOut(screen.width_px(), screen.height_px(), shown, alone, frame.exercise.has_value());
   }
@@ -287,13 +287,29 @@ struct Window::Content {
     const Rectangle place = PlaceOf(ViewKind::kTeaching);
     if (place.empty()) return teaching.Hide();
     if (frames % settings.teaching_view_each == 0) teaching.Update(frame);
-    const Stereo stereo = steering.choice().stereo;
-    teaching.SetPlace(place, WindowPlace(), orbit, stereo);
-    DrawTitle(TitleOf(ViewKind::kTeaching),
-              stereo == Stereo::kSideBySide ? "side by side"
-              : stereo == Stereo::kRedCyan  ? "red-cyan glasses"
-                                            : "",
-              place, sizes, sketch);
+    teaching.SetPlace(place, WindowPlace(), orbit, StereoNow());
+    DrawTitle(TitleOf(ViewKind::kTeaching), StereoText(), place, sizes, sketch);
+  }
+
+  /// As it is wanted, where the driver has it.
+  Stereo StereoNow() const {
+    const Stereo wanted = steering.choice().stereo;
+    return wanted == Stereo::kShutter && !screen.has_shutter() ? Stereo::kSideBySide : wanted;
+  }
+
+  const char* StereoText() const {
+    switch (steering.choice().stereo) {
+      case Stereo::kOff:
+        return "";
+      case Stereo::kSideBySide:
+        return "side by side";
+      case Stereo::kRedCyan:
+        return "red-cyan glasses";
+      case Stereo::kShutter:
+        break;
+    }
+    return screen.has_shutter() ? "shutter glasses"
+                                : "side by side: the driver has no stereo for shutter glasses";
   }
 
   void DrawVolume(const DisplayFrame& frame, const TextSizes& sizes) {
@@ -322,7 +338,7 @@ struct Window::Content {
   void Show(const DisplayFrame& frame) {
     FindShown(frame);
     PlaceEye(frame);
-    screen.SetAnaglyph(steering.choice().stereo == Stereo::kRedCyan && !teaching.empty());
+    screen.SetStereo(teaching.empty() ? Stereo::kOff : StereoNow());
     const TextSizes sizes = SizesFor(screen.height_px());
     images.SetWindowSize(screen.width_px(), screen.height_px());
     sketch.Clear();
@@ -401,8 +417,8 @@ bool Window::closed() const {
 Layout Window::layout() const {
   return content_->layout;
 }
-image::ColourImage Window::Screenshot() {
-  return content_->screen.Screenshot();
+image::ColourImage Window::Screenshot(EyeSide eye) {
+  return content_->screen.Screenshot(eye);
 }
 std::optional<VolumeReadout> Window::volume() const {
   return content_->volume.readout();

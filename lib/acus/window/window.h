@@ -11,6 +11,7 @@
 #include "acus/window/command.h"
 #include "acus/window/frame.h"
 #include "acus/window/layout.h"
+#include "acus/window/stereo.h"
 #include "acus/window/volume_renderer.h"
 #include "acus/window/x_display.h"
 
@@ -70,7 +71,7 @@ class Window {
   Layout layout() const;  ///< Where the views are now.
 
   /// What is on the screen now.
-  image::ColourImage Screenshot();
+  image::ColourImage Screenshot(EyeSide eye = EyeSide::kLeft);
   /// Number of volume renderings made for the overlay so far.
   long num_overlays() const;
   /// Of the volume view; nothing while it is not shown.

@@ -5,8 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
+#include <optional>
 
 #include "acus/base/core/error.h"
+#include "acus/window/screen.h"
+#include "support/stereo_visuals.h"
 #include "support/window_events.h"
 #include "support/window_input.h"
 #include "support/window_scene.h"
@@ -255,6 +258,74 @@ TEST_F(WindowTest, StereoShowsTwoEyes) {
   const Rectangle all{.left = 0, .top = 40, .width = 1280, .height = 600};
   EXPECT_GT(shot.Count(all, [](int r, int g, int b) { return r > b + 40 && r > g + 40; }), 200);
   EXPECT_GT(shot.Count(all, [](int r, int g, int b) { return g > r + 40 && b > r + 30; }), 200);
+}
+
+class ShutterStereo : public WindowTest {
+ protected:
+  /// Presses the key of stereo so often, each time until the window has taken it.
+  static void Press(Window& window, const DisplayFrame& frame, int times) {
+    if (!input_) input_.emplace();  // It waits for the pointer to move: once is enough.
+    for (int i = 0; i < times; ++i) {
+      input_->Key("s");
+      ASSERT_TRUE(ShowUntil(window, frame, [&] { return !window.TakeCommands().empty(); }));
+    }
+  }
+
+ private:
+  static inline std::optional<testing_support::WindowInput> input_;
+};
+
+TEST_F(ShutterStereo, IsSideBySideWhereTheDriverHasNone) {
+  if (Screen("stereo?", 100, 100).has_shutter()) GTEST_SKIP() << "this driver has it";
+  Window window(Patient(), Settings());
+  DisplayFrame frame;
+  frame.needle = Frame().needle;
+  Press(window, frame, 1);
+  const Shot side_by_side = ShotOf(window, frame);
+  Press(window, frame, 2);
+  const Shot shutter = ShotOf(window, frame);
+  int differ_in_title = 0;
+  int differ_below = 0;
+  for (int row = 0; row < shutter.image.height; ++row) {
+    for (int column = 0; column < shutter.image.width; ++column) {
+      const bool differs = (shutter.At(column, row) - side_by_side.At(column, row)).any();
+      if (differs) (row < 40 ? differ_in_title : differ_below) += 1;
+    }
+  }
+  EXPECT_GT(differ_in_title, 200) << "the title says that there is none";
+  EXPECT_EQ(differ_below, 0);
+  Press(window, frame, 1);
+  const Shot off = ShotOf(window, frame);
+  EXPECT_FALSE((off.At(640, 300) - shutter.At(640, 300)).isZero() &&
+               (off.At(400, 300) - shutter.At(400, 300)).isZero());
+}
+
+TEST_F(ShutterStereo, DrawsBothEyes) {
+  const testing_support::OfferShutterStereo driver;
+  Window window(Patient(), Settings());
+  DisplayFrame frame = Frame();
+  Press(window, frame, 3);
+  ShotOf(window, frame);
+  EXPECT_EQ(window.layout().views.size(), 1U) << "the view in 3D alone";
+  const Shot left{window.Screenshot(EyeSide::kLeft)};
+  const Shot right{window.Screenshot(EyeSide::kRight)};
+  int differ = 0;
+  int alike = 0;
+  int lit = 0;
+  for (int row = 100; row < 700; ++row) {
+    for (int column = 40; column < 1240; ++column) {
+      const int by = (left.At(column, row) - right.At(column, row)).abs().maxCoeff();
+      (by > 12 ? differ : alike) += 1;
+      if (right.At(column, row).maxCoeff() > 100) ++lit;
+    }
+  }
+  EXPECT_GT(differ, 500) << "what is nearer is elsewhere";
+  EXPECT_GT(alike, 5 * differ) << "else it is the same scene";
+  EXPECT_GT(lit, 1000);
+  // Off again: both eyes see the same.
+  Press(window, frame, 1);
+  ShotOf(window, frame);
+  EXPECT_EQ(window.Screenshot(EyeSide::kLeft).rgb, window.Screenshot(EyeSide::kRight).rgb);
 }
 
 TEST_F(WindowTest, FollowsItsSize) {

@@ -9,6 +9,7 @@ bool IgtlReader::IsKept(const std::string& type) const {
                                                "STATUS",     "STT_TDATA",  "STP_TDATA", "RTS_TDATA",
                                                "GET_STATUS", "GET_CAPABIL"};
   if (type == "IMAGE") return options_.keep_images;
+  if (type == "NDARRAY" || type == "STRING") return options_.keep_tables;
   return std::find(std::begin(kKept), std::end(kKept), type) != std::end(kKept);
 }
 

@@ -24,7 +24,8 @@ class IgtlReader {
  public:
   struct Options {
     bool keep_images = false;
-    bool check_crc = true;  ///< Off for senders that leave it 0.
+    bool keep_tables = false;  ///< And texts: NDARRAY, STRING.
+    bool check_crc = true;     ///< Off for senders that leave it 0.
   };
   struct Counts {
     std::uint64_t messages = 0;        ///< Whole and right, kept or not.

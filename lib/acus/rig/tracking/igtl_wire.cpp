@@ -5,8 +5,10 @@
 #include <cmath>
 #include <igtl_header.h>
 #include <igtl_image.h>
+#include <igtl_ndarray.h>
 #include <igtl_point.h>
 #include <igtl_qtdata.h>
+#include <igtl_string.h>
 #include <igtl_tdata.h>
 #include <igtl_transform.h>
 #include <igtl_util.h>
@@ -22,6 +24,7 @@ static_assert(kIgtlHeaderBytes == IGTL_HEADER_SIZE && kIgtlNameBytes == IGTL_HEA
 constexpr std::size_t kStatusBytes = 30;  // Code, sub-code, name of the error; then the text.
 constexpr std::size_t kExtendedHeaderBytes = 12;
 constexpr std::uint64_t kMaxControlBytes = 64 * 1024;
+constexpr std::uint16_t kAscii = 3;  // In the list of IANA.
 
 bool IsName(std::string_view name, bool may_be_empty) {
   return (may_be_empty || !name.empty()) && std::all_of(name.begin(), name.end(), [](char c) {
@@ -265,6 +268,28 @@ std::optional<Image> ReadImage(ByteView content) {
   return image;
 }
 
+std::optional<NumberTable> ReadTable(ByteView content) {
+  Reader in(content);
+  const auto type = in.Number<std::uint8_t>();
+  const auto dimensions = in.Number<std::uint8_t>();
+  if (type != IGTL_NDARRAY_STYPE_TYPE_FLOAT64 || dimensions != 2) return std::nullopt;
+  const std::size_t rows = in.Number<std::uint16_t>();
+  const std::size_t columns = in.Number<std::uint16_t>();
+  if (!in.ok() || rows == 0 || columns == 0) return std::nullopt;
+  if (in.left() != rows * columns * sizeof(double)) return std::nullopt;
+  NumberTable table{.columns = columns, .values = std::vector<double>(rows * columns)};
+  for (double& value : table.values) value = in.Number<double>();
+  return table;
+}
+
+std::optional<std::string> ReadText(ByteView content) {
+  Reader in(content);
+  in.Number<std::uint16_t>();  // Encoding: what we look at is ASCII.
+  const auto size = in.Number<std::uint16_t>();
+  if (!in.ok() || size != in.left()) return std::nullopt;
+  return Printable(in.Text(size));
+}
+
 bool SaysValid(const Metadata& metadata) {
   for (const auto& [key, value] : metadata) {
     if (key == "TransformStatus" && value != "OK") return false;
@@ -293,7 +318,7 @@ Bytes PackTransformWithStatus(std::string_view device, std::int64_t time_ns,
   sizes.Number(static_cast<std::uint16_t>(std::size(entries)));
   for (const auto& [key, value] : entries) {
     sizes.Number(static_cast<std::uint16_t>(key.size()));
-    sizes.Number(std::uint16_t{3});  // US-ASCII in the list of IANA.
+    sizes.Number(kAscii);
     sizes.Number(static_cast<std::uint32_t>(value.size()));
     texts.Text(key, key.size());
     texts.Text(value, value.size());
@@ -354,6 +379,28 @@ Bytes PackImage(std::string_view device, std::int64_t time_ns, const Image& imag
   for (const std::uint16_t value : size) body.Number(value);
   body.Raw(image.pixels);
   return Whole("IMAGE", device, time_ns, body);
+}
+
+Bytes PackTable(std::string_view device, std::int64_t time_ns, const NumberTable& table) {
+  ACUS_ASSERT(table.columns > 0 && table.columns <= 65535 && !table.values.empty());
+  const std::size_t rows = table.values.size() / table.columns;
+  ACUS_ASSERT(rows * table.columns == table.values.size() && rows <= 65535);
+  Writer body;
+  body.Number(std::uint8_t{IGTL_NDARRAY_STYPE_TYPE_FLOAT64});
+  body.Number(std::uint8_t{2});
+  body.Number(static_cast<std::uint16_t>(rows));
+  body.Number(static_cast<std::uint16_t>(table.columns));
+  for (const double value : table.values) body.Number(value);
+  return Whole("NDARRAY", device, time_ns, body);
+}
+
+Bytes PackText(std::string_view device, std::string_view text) {
+  ACUS_ASSERT(text.size() <= 65535);
+  Writer body;
+  body.Number(kAscii);
+  body.Number(static_cast<std::uint16_t>(text.size()));
+  body.Text(text, text.size());
+  return Whole("STRING", device, 0, body);
 }
 
 Bytes PackVolume(std::string_view device, std::int64_t time_ns, const VolumeView& volume) {

@@ -55,6 +55,12 @@ struct ToolMatrix {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
 };
 
+/// Numbers in rows of the same length.
+struct NumberTable {
+  std::size_t columns = 0;
+  std::vector<double> values = {};  ///< Row after row.
+};
+
 /// Contents. Nothing if the size is wrong.
 std::optional<Eigen::Matrix4d> ReadTransform(ByteView content);
 std::optional<Eigen::Matrix4d> ReadPosition(ByteView content);
@@ -66,6 +72,10 @@ std::optional<int> ReadStartTrackingData(ByteView content);
 std::optional<std::string> ReadStatus(ByteView content);
 /// Grey or RGB of 8 bits, one slice. Nothing if it is something else or its sizes do not fit.
 std::optional<Image> ReadImage(ByteView content);
+/// NDARRAY of two dimensions and 64-bit floating-point numbers.
+std::optional<NumberTable> ReadTable(ByteView content);
+/// STRING, without what would upset a screen or a log.
+std::optional<std::string> ReadText(ByteView content);
 
 /// What PLUS says of a transform in its metadata (TransformValid, TransformStatus); true without.
 bool SaysValid(const Metadata& metadata);
@@ -81,6 +91,10 @@ Bytes PackTrackingData(std::string_view device, std::int64_t time_ns,
                        std::span<const std::pair<std::string, transforms::Pose>> tools);
 Bytes PackStatus(std::string_view device, std::int64_t time_ns, bool ok, std::string_view text);
 Bytes PackImage(std::string_view device, std::int64_t time_ns, const Image& image);
+/// @pre 1 to 65535 rows and columns, all of them full.
+Bytes PackTable(std::string_view device, std::int64_t time_ns, const NumberTable& table);
+/// @pre at most 65535 bytes of ASCII.
+Bytes PackText(std::string_view device, std::string_view text);
 /// @pre volume has as many voxels as its size says.
 Bytes PackVolume(std::string_view device, std::int64_t time_ns, const VolumeView& volume);
 /// POINT: a list of points, in red.

@@ -2,33 +2,22 @@
 #pragma once
 
 #include <atomic>
+#include <deque>
 #include <functional>
-#include <memory>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "acus/run/live/duration_histogram.h"
-#include "acus/run/live/live_snapshot.h"
+#include "acus/run/live/image_maker.h"
+#include "acus/run/live/live_image.h"
 #include "acus/run/live/triple_buffer.h"
-#include "acus/scene/simulation/effect_images.h"
-#include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/scene/simulation/scene.h"
 
 namespace acus::live {
 
-/// A moment with its images.
-struct LiveImage {
-  LiveSnapshot snapshot;
-  simulation::ProbeImages images;
-  std::vector<simulation::EffectImage> effects;  ///< Of those effects of the list that have one.
-  /// As it is set: gain, depth. Null without one in the plan.
-  std::shared_ptr<const acoustics::Probe> probe;
-  std::int64_t number = 0;  ///< 0: none yet.
-};
+class RemoteImages;
 
 struct ImageStatistics {
   std::atomic<std::int64_t> images{0};
@@ -46,7 +35,8 @@ struct ImageStatistics {
 };
 
 /// Renders the newest snapshot at a fixed rate. A snapshot that says "frozen" keeps the images
-/// that were there. An image that cannot be made is counted, and the next one tried.
+/// that were there. An image that cannot be made is counted, and the next one tried. While another
+/// computer sends images, these are taken instead.
 class ImageThread {
  public:
   /// @param scene, snapshots  Must outlive this. @param on_image  Called in this thread after
@@ -57,6 +47,8 @@ class ImageThread {
   ImageThread(const ImageThread&) = delete;
   ImageThread& operator=(const ImageThread&) = delete;
 
+  /// Before Start(). @param remote  Must outlive this.
+  void TakeFrom(RemoteImages* remote) { remote_ = remote; }
   void Start();
   /// Lets the image that is in work be finished. Twice is once.
   void Stop() noexcept;
@@ -65,31 +57,31 @@ class ImageThread {
   TripleBuffer<LiveImage>& images() noexcept { return images_; }
   const ImageStatistics& statistics() const noexcept { return statistics_; }
   /// What the stages of the images did. Only to be read after Stop().
-  const simulation::StageTimes& stage_times() const noexcept { return stage_times_; }
+  const simulation::StageTimes& stage_times() const noexcept { return maker_.stage_times(); }
   double rate_hz() const noexcept { return rate_hz_; }
   /// Why the last image could not be made; empty if it could.
   std::string trouble() const;
 
  private:
-  struct Renderers;
   void Run();
   void MakeImage(std::int64_t begin_ns);
+  void TakeImage();
+  bool TakeNewest();
+  void KeepLast();
+  const LiveSnapshot& SnapshotAt(std::int64_t time_ns) const;
+  void Hand(const LiveImage& out);
   void SetTrouble(const char* what);
-  void Render(LiveImage& out);
-  void SetProbe(const LiveSnapshot& snapshot);
 
   TripleBuffer<LiveSnapshot>& snapshots_;
   double rate_hz_;
   std::function<void(const LiveImage&)> on_image_;
-  std::unique_ptr<Renderers> renderers_;
+  ImageMaker maker_;
+  RemoteImages* remote_ = nullptr;   ///< Null: images are made here.
+  std::int64_t taken_ = 0;           ///< Number of the newest of its images that was taken.
+  std::int64_t kept_ns_ = 0;         ///< Of the last moment that got images of before.
+  std::deque<LiveSnapshot> recent_;  ///< Of the last second, for its images.
   TripleBuffer<LiveImage> images_;
   ImageStatistics statistics_;
-  simulation::StageTimes stage_times_;
-  simulation::ProbeImages last_images_;
-  std::vector<simulation::EffectImage> last_effects_;
-  /// The moment that last_images_ show; nothing if they are to be made anew.
-  std::optional<LiveSnapshot> shown_;
-  std::int64_t number_ = 0;
   mutable std::mutex trouble_mutex_;
   std::string trouble_;
   std::atomic<bool> stopping_{false};

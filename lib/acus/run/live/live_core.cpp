@@ -82,6 +82,7 @@ DeviceForce LiveCore::Tick(const DeviceReading& reading) noexcept {
   const DeviceForce on_probe =
       ForceOn(probe_, record_.output.probe.force_in_ct_n, record_.output.probe.torque_in_ct_n_mm);
   if (recorder_ != nullptr) recorder_->Push(record_);
+  Feed();
   const bool servo_holds_needle = settings_.servo_is_needle != hands_swapped_;
   other_force_.Put(servo_holds_needle ? on_probe : on_needle, reading.time_ns);
   Show(on_needle, on_probe);
@@ -221,6 +222,16 @@ void LiveCore::Step() noexcept {
   }
   record_.output = simulation_.Step(state_, sample, &stage_times_);
   Add(statistics_.steps);
+}
+
+void LiveCore::Feed() noexcept {
+  if (settings_.feed == nullptr) return;
+  settings_.feed->Push({.time_ns = record_.time_ns,
+                        .needle = record_.needle,
+                        .probe = record_.probe,
+                        .breath = record_.breath,
+                        .gain_db = gain_db_,
+                        .depth_mm = depth_mm_});
 }
 
 DeviceForce LiveCore::ForceOn(const Tool& tool, const Eigen::Vector3d& force_in_ct_n,

@@ -15,6 +15,7 @@
 #include "acus/run/live/live_snapshot.h"
 #include "acus/run/live/pose_gate.h"
 #include "acus/run/live/recorder.h"
+#include "acus/run/live/step_feed.h"
 #include "acus/run/live/triple_buffer.h"
 #include "acus/scene/simulation/simulation.h"
 
@@ -54,6 +55,7 @@ struct CoreSettings {
   /// When hands are swapped, what is fixed to the handles goes along: both are haptic devices.
   bool tools_change_handles = false;
   double snapshot_s = 0.004;  ///< At most this often.
+  StepFeed* feed = nullptr;   ///< Is given the input of each step. Null: nobody wants it.
 };
 
 /// All of Tick() runs in one thread, the servo of a haptic device; it takes no lock, allocates
@@ -101,6 +103,7 @@ class LiveCore {
   Tool ReadOther(std::int64_t now_ns) noexcept;
   void ReadBelt() noexcept;
   void Step() noexcept;
+  void Feed() noexcept;
   haptics::DeviceForce ForceOn(const Tool& tool, const Eigen::Vector3d& force_in_ct_n,
                                const Eigen::Vector3d& torque_in_ct_n_mm) const noexcept;
   void Show(const haptics::DeviceForce& on_needle, const haptics::DeviceForce& on_probe) noexcept;

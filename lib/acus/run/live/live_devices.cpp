@@ -137,6 +137,10 @@ LiveDevices ReadLiveDevices(const fs::path& path) {
     const json& out = document.at("send_out");
     devices.send_out = SendOut{.host = out.at("host"), .port = out.at("port")};
   }
+  if (document.contains("images_from")) {
+    const json& from = document.at("images_from");
+    devices.images_from = ImagesFrom{.host = from.at("host"), .port = from.at("port")};
+  }
   CheckTools(devices, file);
   return devices;
 }

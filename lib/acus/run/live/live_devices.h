@@ -28,6 +28,12 @@ struct SendOut {
   int port = 18945;
 };
 
+/// A second computer that makes the images: acus-live --make-images.
+struct ImagesFrom {
+  std::string host = "localhost";
+  int port = 18946;
+};
+
 struct TrackerConfig {
   tracking::IgtlOptions options;
   double stale_s = 0.2;  ///< News older than this: the tool is not seen.
@@ -50,6 +56,7 @@ struct LiveDevices {
   std::optional<CameraConfig> camera;
   std::optional<BeltConfig> belt;
   std::optional<SendOut> send_out;
+  std::optional<ImagesFrom> images_from;
 
   /// The tracker with the tool of that name (the camera comes after the others), and its number
   /// there.

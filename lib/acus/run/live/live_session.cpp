@@ -16,6 +16,7 @@
 #include "acus/run/live/start_on_skin.h"
 #include "acus/run/live/tracked_driver.h"
 #include "acus/run/replay/markups.h"
+#include "acus/run/replay/pain_sound.h"
 #include "acus/run/replay/training_log.h"
 #include "acus/run/training/exercise.h"
 #include "acus/run/training/session_metrics.h"
@@ -121,6 +122,8 @@ LiveSession::LiveSession(const scenario::Scenario& scenario,
     exercise_.emplace(*options.exercise, *scene_, replay::TargetInCtMm(*options.exercise, scenario),
                       has_probe());
   }
+  pain_sound_ = replay::PainSoundOf(scenario, context);
+  if (devices_.images_from) digest_ = DigestOf(scenario, *scene_);
   targets_ = replay::TargetsOf(options.exercise ? &*options.exercise : nullptr, scenario);
   PlaceProbeOnSkin();
   if (!options.hand.empty()) FollowSession(devices_, options.hand);
@@ -237,6 +240,12 @@ void LiveSession::TakeDevices() {
 }
 
 void LiveSession::MakeCore() {
+  if (devices_.images_from) {
+    remote_ = std::make_unique<RemoteImages>(*devices_.images_from, *scene_, digest_);
+    remote_->Connect();  // Else images are made here, and the status says why.
+    core_settings_.feed = &remote_->feed();
+  }
+  if (pain_sound_) voice_ = std::make_unique<PatientVoice>(*scene_, *pain_sound_);
   core_settings_.origin_ns = MonotonicNs();
   recorder_ =
       std::make_unique<Recorder>(options_.session_folder, name_,
@@ -259,8 +268,10 @@ void LiveSession::MakeCore() {
   images_ = std::make_unique<ImageThread>(
       *scene_, core_->snapshots(), std::max(scene_->image_rate_hz, options_.least_image_rate_hz),
       [this](const LiveImage& image) {
+        if (voice_) voice_->Follow(image.snapshot);
         if (broadcast_) broadcast_->Send(image);
       });
+  images_->TakeFrom(remote_.get());
 }
 
 void LiveSession::Start() {
@@ -276,6 +287,7 @@ void LiveSession::Start() {
     }
     recorder_->Start();
     rig_->StartTrackers();
+    if (remote_) remote_->Start(core_settings_.origin_ns);
     images_->Start();
     started_ = true;
     if (bridge_) bridge_->core = core_.get();
@@ -325,6 +337,7 @@ void LiveSession::Stop() noexcept {
   rig_->ReleaseDevices();
   if (bridge_) bridge_->core = nullptr;
   if (images_) images_->Stop();
+  if (remote_) remote_->Stop();
   rig_->ReleaseTrackers();
   if (broadcast_) broadcast_->Stop();
   if (recorder_) recorder_->Close();

@@ -4,6 +4,7 @@
 //   servo of the other device, if there is one    hands its pose in, takes its force out
 //   trackers                                      receive poses
 //   images (30 Hz or more)                      render the newest snapshot, send it out
+//   a second computer, if there is one            is sent all steps, sends images
 //   recorder                                      writes
 //   the caller                                    Poll(), status, windows, orders
 #pragma once
@@ -22,8 +23,10 @@
 #include "acus/run/live/live_core.h"
 #include "acus/run/live/live_devices.h"
 #include "acus/run/live/live_exercise.h"
+#include "acus/run/live/patient_voice.h"
 #include "acus/run/live/recent_rate.h"
 #include "acus/run/live/recorder.h"
+#include "acus/run/live/remote_images.h"
 #include "acus/run/live/rig.h"
 #include "acus/scene/scenario/scenario.h"
 
@@ -128,6 +131,8 @@ class LiveSession {
   double recent_images_per_s() const { return recent_images_.per_s(); }
   /// To be called while a pedal or its key is down: see HapticDevice.
   void HoldPedal();
+  /// Null: no second computer makes the images.
+  const RemoteImages* remote_images() const { return remote_.get(); }
   TripleBuffer<LiveImage>& images() { return images_->images(); }
   const CoreStatistics& statistics() const { return core_->statistics(); }
   const ImageStatistics& image_statistics() const { return images_->statistics(); }
@@ -177,7 +182,11 @@ class LiveSession {
   RecentRate recent_steps_{10.0};
   std::int64_t rates_read_ns_ = 0;
   std::int64_t status_sent_ns_ = 0;
+  std::optional<sound::Sound> pain_sound_;
+  std::unique_ptr<PatientVoice> voice_;  ///< Null: the patient makes no sound.
   std::unique_ptr<Recorder> recorder_;
+  std::string digest_;                    ///< Of the scene, if another computer is to make images.
+  std::unique_ptr<RemoteImages> remote_;  ///< Null: all images are made here.
   std::unique_ptr<LiveCore> core_;
   std::unique_ptr<ImageThread> images_;
   transforms::Landmarks targets_;  ///< Of exercise and corridor, CT space.

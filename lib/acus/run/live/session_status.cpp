@@ -84,6 +84,15 @@ void AddDevice(const haptics::HapticDevice& device, std::vector<StatusLine>& lin
   }
 }
 
+void AddRemote(const RemoteImages& remote, std::vector<StatusLine>& lines) {
+  if (remote.works()) {
+    lines.push_back({Severity::kNote, Message("Images come from ", remote.place(), ", ",
+                                              RoundedText(remote.age_ms(), 2), " ms old.")});
+  } else if (const std::string trouble = remote.trouble(); !trouble.empty()) {
+    lines.push_back({Severity::kWarning, "Images are made on this computer: " + trouble + "."});
+  }
+}
+
 }  // namespace
 
 std::vector<StatusLine> LiveSession::Status() const {
@@ -97,6 +106,10 @@ std::vector<StatusLine> LiveSession::Status() const {
   }
   if (const std::string trouble = images_->trouble(); !trouble.empty()) {
     lines.push_back({Severity::kFault, trouble});
+  }
+  if (remote_) AddRemote(*remote_, lines);
+  if (voice_ && !voice_->trouble().empty()) {
+    lines.push_back({Severity::kWarning, "The patient is not heard: " + voice_->trouble()});
   }
   const std::int64_t now_ns = MonotonicNs();
   for (std::size_t t = 0; t < rig_->trackers().size(); ++t) {
@@ -170,6 +183,8 @@ json LiveSession::Summary() const {
           {"ended_by", NameOf(end_)},
           {"steps", statistics().ToJson()},
           {"images", image_statistics().ToJson()},
+          {"images_from", remote_ ? remote_->ToJson() : json(nullptr)},
+          {"pain_sound", voice_ ? voice_->ToJson() : json(nullptr)},
           {"effect_plan", simulation::PlanJson(scene_->plan, stage_times())},
           {"recording",
            {{"steps_on_disk", recording.steps_on_disk},
@@ -201,6 +216,12 @@ std::string LiveSession::SummaryText() const {
               " (99 %: ", ms(images.tracker_to_image.QuantileNs(0.99)),
               ")\n  recorded: ", recording.steps_on_disk, " steps in ",
               options_.session_folder.string(), "; lost: ", recording.steps_lost, "\n");
+  if (remote_) {
+    const std::string trouble = remote_->trouble();
+    text += Message("  images from ", remote_->place(), ": ", remote_->num_images(), ", ",
+                    RoundedText(remote_->median_age_ms(), 3), " ms old",
+                    trouble.empty() ? "" : "; ", trouble, "\n");
+  }
   for (const auto* device : {servo_device_, other_device_}) {
     if (device == nullptr) continue;
     for (const std::string& notice : device->info().notices) text += "  " + notice + '\n';

@@ -13,6 +13,7 @@
 #include "acus/run/replay/labelled_images.h"
 #include "acus/run/replay/markups.h"
 #include "acus/run/replay/motion_bound_metrics.h"
+#include "acus/run/replay/pain_sound.h"
 #include "acus/run/replay/plan_table.h"
 #include "acus/run/replay/run_folder.h"
 #include "acus/run/replay/trace.h"
@@ -137,6 +138,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   run.session = ReadSessionFor(scenario, session_path, context);
   const simulation::EffectPlan plan = simulation::PlanEffects(scenario, AvailableIn(run.session));
   const Scene scene = simulation::LoadScene(scenario, plan, context);
+  const auto pain_sound = PainSoundOf(scenario, context);
 
   const double begin_s = ProcessCpuSeconds();
   // The steps go through the moments of all images in one order of time.
@@ -174,6 +176,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   if (folder) {
     if (!options.times) ForgetTimes(run);
     WriteRunFolder(folder->path(), scenario, scene, targets, run, context);
+    if (pain_sound) WritePainSound(folder->path(), *pain_sound, scene, run.steps);
     if (options.trace) WriteTrace(folder->path() / "trace.csv", run.steps, scene);
     folder->Commit();
   }
@@ -191,6 +194,7 @@ void RequireRunnable(const scenario::Scenario& scenario, const fs::path& session
   }
   const simulation::EffectPlan plan = simulation::PlanEffects(scenario, available);
   const Scene scene = simulation::LoadScene(scenario, plan, context);
+  PainSoundOf(scenario, context);
   if (options.exercise.empty()) return;
   const training::Exercise exercise = training::ReadExercise(options.exercise);
   RequireAssessable(exercise, scenario, scene, session ? &*session : nullptr);

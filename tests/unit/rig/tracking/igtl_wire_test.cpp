@@ -1,5 +1,6 @@
 #include "acus/rig/tracking/igtl_wire.h"
 
+#include <cstring>
 #include <gtest/gtest.h>
 #include <igtlImageMessage.h>
 #include <igtlPointMessage.h>
@@ -8,6 +9,8 @@
 #include <igtlStatusMessage.h>
 #include <igtlTrackingDataMessage.h>
 #include <igtlTransformMessage.h>
+#include <igtl_header.h>
+#include <igtl_ndarray.h>
 
 #include "acus/base/math/rigid.h"
 
@@ -319,6 +322,53 @@ TEST(IgtlWire, StampsKeepNanoseconds) {
   }
   EXPECT_EQ(StampFromNs(0), 0u);
   EXPECT_EQ(StampFromNs(-5), 0u) << "a stamp before 1970 is none";
+}
+
+TEST(IgtlWire, TablesAndTextsKeepEveryBit) {
+  const NumberTable table{.columns = 3, .values = {1.0, -0.1, 1e300, 5e-324, -0.0, 1.0 / 3.0}};
+  const Bytes message = PackTable("Steps", 7, table);
+  const auto header = ParseHeader(ByteView(message).first(kIgtlHeaderBytes));
+  ASSERT_TRUE(header);
+  EXPECT_EQ(header->type, "NDARRAY");
+  EXPECT_EQ(header->time_ns, 7);
+  const ByteView content = ByteView(message).subspan(kIgtlHeaderBytes);
+  EXPECT_EQ(header->crc, Crc64(content));
+  const auto read = ReadTable(content);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->columns, 3u);
+  ASSERT_EQ(read->values.size(), 6u);
+  EXPECT_EQ(std::memcmp(read->values.data(), table.values.data(), 48), 0);
+  for (std::size_t size = 0; size < content.size(); ++size) {
+    EXPECT_FALSE(ReadTable(content.first(size))) << size;
+  }
+  Bytes wrong(content.begin(), content.end());
+  wrong[3] = 3;  // Rows.
+  EXPECT_FALSE(ReadTable(wrong));
+  wrong[3] = 2;
+  wrong[0] = 10;  // 32-bit numbers.
+  EXPECT_FALSE(ReadTable(wrong));
+
+  const Bytes text = PackText("Images", "{\"a\": 1}");
+  const ByteView body = ByteView(text).subspan(kIgtlHeaderBytes);
+  EXPECT_EQ(ReadText(body), "{\"a\": 1}");
+  for (std::size_t size = 0; size < body.size(); ++size) EXPECT_FALSE(ReadText(body.first(size)));
+}
+
+/// OpenIGTLink's own library reads what we pack.
+TEST(IgtlWire, TheLibraryReadsTables) {
+  const NumberTable table{.columns = 2, .values = {1.5, -2.25, 1.0 / 3.0, 1e-9, 4.0, 5.0}};
+  Bytes message = PackTable("Steps", 7, table);
+  igtl_ndarray_info info;
+  igtl_ndarray_init_info(&info);
+  ASSERT_EQ(igtl_ndarray_unpack(IGTL_TYPE_PREFIX_NONE, message.data() + kIgtlHeaderBytes, &info,
+                                message.size() - kIgtlHeaderBytes),
+            1);
+  EXPECT_EQ(info.type, IGTL_NDARRAY_STYPE_TYPE_FLOAT64);
+  ASSERT_EQ(info.dim, 2);
+  EXPECT_EQ(info.size[0], 3);
+  EXPECT_EQ(info.size[1], 2);
+  EXPECT_EQ(std::memcmp(info.array, table.values.data(), 48), 0);
+  igtl_ndarray_free_info(&info);
 }
 
 }  // namespace

@@ -100,15 +100,10 @@ class PainReactionEffect final : public Effect {
         "latency_s": {"type": "number", "minimum": 0, "maximum": 5, "default": 0.15, "description": "From the pain to the beginning of the movement"},
         "rise_s": {"type": "number", "minimum": 0.02, "maximum": 10, "default": 0.25, "description": "Duration of the movement away"},
         "return_s": {"type": "number", "minimum": 0.02, "maximum": 60, "default": 1.5, "description": "Duration of the movement back"},
-        "pause_s": {
-    "type" : "number",
-             "minimum" : 0,
-             "maximum" : 600,
-             "default" : 2,
-             "description" : "After a reaction the patient feels no other one for this time"
-  }
-}
-})json");
+        "pause_s": {"type": "number", "minimum": 0, "maximum": 600, "default": 2, "description": "After a reaction the patient feels no other one for this time"},
+        "sound": {"type": "string", "default": "none", "description": "What is heard with the movement: none; cry, a synthetic one; or a WAV file of yours (16 bits, at most 60 s). Live through the loudspeaker, in replays as pain_reaction.wav"}
+      }
+    })json");
   }
 
   void Check(const json& settings, const std::string& where) const override {
@@ -119,6 +114,13 @@ class PainReactionEffect final : public Effect {
         throw InputError(where + "/tissues: " + error.what());
       }
     }
+  }
+
+  void ResolveFiles(json& settings, const std::filesystem::path& folder) const override {
+    if (!settings.contains("sound") || !settings["sound"].is_string()) return;
+    const auto sound = settings["sound"].get<std::string>();
+    if (sound == "none" || sound == "cry") return;
+    settings["sound"] = (folder / sound).lexically_normal().string();
   }
 
   std::optional<StageDeclaration> StepStageOf(const json& /*settings*/) const override {

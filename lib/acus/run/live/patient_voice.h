@@ -1,0 +1,37 @@
+// The patient is heard when something hurts: the sound of the effect pain_reaction, in a session.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "acus/data/sound/sound.h"
+#include "acus/rig/loudspeaker/loudspeaker.h"
+#include "acus/run/live/live_snapshot.h"
+#include "acus/scene/simulation/scene.h"
+
+namespace acus::live {
+
+class PatientVoice {
+ public:
+  /// Opens the loudspeaker. A session without one is like any other, but trouble() says why.
+  /// @param scene  Must outlive this. @param sound  As replay::PainSoundOf() gives it.
+  PatientVoice(const simulation::Scene& scene, const sound::Sound& sound);
+
+  /// Plays if there is a new reaction. One thread, not that of the steps.
+  void Follow(const LiveSnapshot& snapshot) noexcept;
+
+  /// In plain words; empty if all is well.
+  const std::string& trouble() const { return trouble_; }
+  nlohmann::json ToJson() const;
+
+ private:
+  const simulation::Scene& scene_;
+  std::unique_ptr<loudspeaker::Loudspeaker> loudspeaker_;
+  std::string trouble_;
+  int reactions_ = 0;
+  std::atomic<int> played_{0};
+};
+
+}  // namespace acus::live

@@ -1,0 +1,87 @@
+// The cry against closed forms: gain of the resonator, pitch, loudness.
+#include "acus/data/sound/cry.h"
+
+#include <cmath>
+#include <complex>
+#include <gtest/gtest.h>
+#include <numbers>
+
+namespace acus::sound {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+/// |A / (1 - B z^-1 - C z^-2)| on the unit circle.
+double GainOf(const Formant& formant, double rate_hz, double frequency_hz) {
+  const double c = -std::exp(-kTurn * formant.width_hz / rate_hz);
+  const double b = 2.0 * std::exp(-0.5 * kTurn * formant.width_hz / rate_hz) *
+                   std::cos(kTurn * formant.frequency_hz / rate_hz);
+  const std::complex<double> back = std::polar(1.0, -kTurn * frequency_hz / rate_hz);
+  return (1.0 - b - c) / std::abs(1.0 - b * back - c * back * back);
+}
+
+TEST(Resonator, HasTheGainOfItsTransferFunction) {
+  constexpr int kRateHz = 44100;
+  const Formant formant{700.0, 130.0};
+  for (const double frequency_hz : {100.0, 635.0, 700.0, 765.0, 3000.0}) {
+    Resonator resonator(formant, kRateHz);
+    double largest = 0.0;
+    for (int i = 0; i < kRateHz; ++i) {
+      const double y = resonator.Next(std::sin(kTurn * frequency_hz * i / kRateHz));
+      if (i > kRateHz / 2) largest = std::max(largest, std::abs(y));
+    }
+    const double expected = GainOf(formant, kRateHz, frequency_hz);
+    EXPECT_NEAR(largest, expected, 0.003 * expected) << frequency_hz;
+  }
+  // A step settles at 1, and half the width off the power is half that of the peak.
+  Resonator resonator(formant, kRateHz);
+  double y = 0.0;
+  for (int i = 0; i < kRateHz; ++i) y = resonator.Next(1.0);
+  EXPECT_NEAR(y, 1.0, 1e-9);
+  const double peak = GainOf(formant, kRateHz, 700.0);
+  EXPECT_NEAR(std::pow(GainOf(formant, kRateHz, 765.0) / peak, 2), 0.5, 0.05);
+}
+
+/// Power of the sound at a frequency.
+double PowerAt(const Sound& sound, double frequency_hz) {
+  std::complex<double> sum;
+  for (std::size_t i = 0; i < sound.samples.size(); ++i) {
+    sum += std::polar(static_cast<double>(sound.samples[i]),
+                      -kTurn * frequency_hz * static_cast<double>(i) / sound.rate_hz);
+  }
+  return std::norm(sum);
+}
+
+TEST(Cry, HasItsPitchAndItsPeak) {
+  CrySettings settings;
+  settings.pitch_hz = {200.0, 200.0, 200.0};
+  settings.duration_s = 1.0;
+  const Sound sound = Cry(settings);
+  EXPECT_EQ(sound.samples.size(), 44100U);
+  int largest = 0;
+  for (const int sample : sound.samples) largest = std::max(largest, std::abs(sample));
+  EXPECT_EQ(largest, std::lround(32767.0 * settings.peak));
+  // All power is at multiples of the pitch, most of it near the first formant.
+  for (const double frequency_hz : {200.0, 400.0, 600.0, 800.0, 1200.0}) {
+    EXPECT_GT(PowerAt(sound, frequency_hz), 200.0 * PowerAt(sound, frequency_hz + 100.0));
+  }
+  for (const double frequency_hz : {200.0, 400.0, 1000.0, 1600.0, 2600.0}) {
+    EXPECT_GT(PowerAt(sound, 600.0) + PowerAt(sound, 800.0), PowerAt(sound, frequency_hz));
+  }
+}
+
+TEST(Cry, RisesFallsAndEndsSoftly) {
+  const CrySettings settings;
+  EXPECT_EQ(PitchAt(settings, 0.0), settings.pitch_hz[0]);
+  EXPECT_NEAR(PitchAt(settings, settings.duration_s / 3.0), settings.pitch_hz[1], 1e-9);
+  EXPECT_EQ(PitchAt(settings, settings.duration_s), settings.pitch_hz[2]);
+  const Sound sound = Cry(settings);
+  EXPECT_EQ(sound.samples.front(), 0);
+  for (std::size_t i = sound.samples.size() - 20; i < sound.samples.size(); ++i) {
+    EXPECT_LT(std::abs(sound.samples[i]), 100) << "no click";
+  }
+  EXPECT_EQ(sound.samples, Cry(settings).samples);
+}
+
+}  // namespace
+}  // namespace acus::sound
