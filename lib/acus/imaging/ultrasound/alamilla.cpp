@@ -37,7 +37,8 @@ void Check(const AlamillaOptions& o) {
 }  // namespace
 
 AlamillaRenderer::AlamillaRenderer(const volume::LabelMap& labels, const acoustics::Probe& probe,
-                                   const AlamillaOptions& options)
+                                   const AlamillaOptions& options,
+                                   const tracing::SurfaceTracer* triangles)
     : labels_(labels),
       probe_(acoustics::CheckedProbe(probe)),
       options_(options),
@@ -49,12 +50,17 @@ AlamillaRenderer::AlamillaRenderer(const volume::LabelMap& labels, const acousti
   ACUS_REQUIRE(
       (labels.geometry.size > 0).all() && labels.voxels.size() == labels.geometry.num_voxels(),
       "label map: ", labels.voxels.size(), " voxels do not fill its size");
-  FillTissues();
+  if (triangles != nullptr) traced_.emplace(*triangles, labels.geometry.ct_from_index());
+  FillTissues(triangles);
 }
 
-void AlamillaRenderer::FillTissues() {
+void AlamillaRenderer::FillTissues(const tracing::SurfaceTracer* triangles) {
   std::bitset<256> occurs;
   for (const volume::Label label : labels_.voxels) occurs.set(label);
+  // Between the centres of voxels there may be tissue that no voxel has.
+  for (std::size_t n = 0; triangles != nullptr && n < triangles->num_surfaces(); ++n) {
+    occurs.set(triangles->label(n));
+  }
   std::array<const AlamillaTissue*, 256> row{};
   std::bitset<256> fibrous;
   for (const auto& [label, name] : labels_.names) {
@@ -136,8 +142,17 @@ void AlamillaRenderer::TurnExamples(const Eigen::Vector3d& image_normal_in_ct) {
   }
 }
 
+volume::Label AlamillaRenderer::LabelAt(const float* index) const {
+  const Eigen::Array3i& size = labels_.geometry.size;
+  int at[3];
+  for (int a = 0; a < 3; ++a) {
+    if (!(index[a] > -0.5F && index[a] < static_cast<float>(size[a]) - 0.5F)) return 0;
+    at[a] = static_cast<int>(index[a] + 0.5F);
+  }
+  return labels_.At(at[0], at[1], at[2]);
+}
+
 void AlamillaRenderer::SampleRow(int k) {
-  const Eigen::Array3i size = labels_.geometry.size;
   const int lanes = slicing::kernels::RoundUp(label_.lines());
   for (int first = 0; first < lanes; first += slicing::BeamBend::kMaxLanes) {
     const int count = std::min(slicing::BeamBend::kMaxLanes, lanes - first);
@@ -149,15 +164,9 @@ void AlamillaRenderer::SampleRow(int k) {
     float* label = label_.row(k) + first;
     for (int l = 0; l < count; ++l) {
       float index[3];
-      bool inside = true;
-      int at[3];
-      for (int a = 0; a < 3; ++a) {
-        index[a] = placed.start[a][l] + sample * placed.step[a][l];
-        inside = inside && index[a] > -0.5F && index[a] < static_cast<float>(size[a]) - 0.5F;
-        at[a] = inside ? static_cast<int>(index[a] + 0.5F) : 0;
-      }
-      const volume::Label value = inside ? labels_.At(at[0], at[1], at[2]) : volume::Label{0};
-      label[l] = static_cast<float>(value);
+      for (int a = 0; a < 3; ++a) index[a] = placed.start[a][l] + sample * placed.step[a][l];
+      if (!traced_) label[l] = static_cast<float>(LabelAt(index));
+      const auto value = static_cast<std::size_t>(label[l]);
       const auto& tile = tissue_[value].tile_from_index;
       for (std::size_t a = 0; a < 3; ++a) {
         place[a][l] =
@@ -356,6 +365,7 @@ void AlamillaRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   num_surfaces_.resize(lines);
   begins_.resize(lines);
 
+  if (traced_) traced_->Fill(lines_, bend_, num_threads, label_);
   const auto rows = [this](int p) {
     const int end = std::min(grid_.samples, (p + 1) * kRowsPerPiece);
     for (int k = p * kRowsPerPiece; k < end; ++k) SampleRow(k);
