@@ -44,12 +44,12 @@ row "Table II: bone" "4 N" "$(column run_turned/forces.csv bone_n | awk -F, '$2 
 row "clamping, straight" "a figure" "$(metric run_straight "largest lateral force")" "figure 19" "tremor of the scripted hand"
 row "clamping, turned" "larger" "$(metric run_turned "largest lateral force")" "figure 19" "falls when the turned needle advances, as in the paper"
 row "ultrasound image" "2 ms" "$(awk -v us="$(time_of run_turned B-mode)" 'BEGIN { printf "%.2g ms", us / 1000 }')" \
-  "labels of the shoulder, deformed, one core; the paper: a GeForce 1070 and up to 7,864,320 triangles" "voxels in place of triangles; the scene of 7.86 million triangles is not made here"
+  "labels of the shoulder, deformed, one core; the paper: a GeForce 1070 and up to 7,864,320 triangles" "voxels in place of triangles; bench_surfaces measures the scene of 7,864,320 triangles"
 row "force step" "-" "$(step_us run_turned) us" "all stages of a step" "the paper gives no time"
 table_ends
 heading "Figures"
 figure figure_18.svg "Depth of the tip. The paper's trajectories are of an expert, ours of a scripted hand with tremor."
-figure figure_19.svg "Clamping: the force across the path. Arrows in the 3D view (figures 16, 17) are not drawn."
+figure figure_19.svg "Clamping: the force across the path. Arrows in the 3D view (figures 16, 17): force_arrow_mm_per_n of view_3d."
 figure figure_20.svg "Cutting (above 0) and withdrawal (below 0)."
 last=$(find run_turned -name 'event_*.png' | sort | tail -n 1)
 figure "$last" "Ultrasound at the last event, deformed (figures 6, 7, 9, 10)."

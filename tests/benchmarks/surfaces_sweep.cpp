@@ -24,7 +24,7 @@ class SurfacesSweeper {
             config::FindConfig("acoustics/alamilla_2021.json", "."))) {}
 
   std::vector<Row> Run() {
-    const int levels = quick_ ? 5 : 7;
+    const int levels = quick_ ? 5 : 8;
     auto surfaces = BumpyBalls::Surfaces(levels);
     for (const double spacing_mm :
          quick_ ? std::vector{2.0, 1.0} : std::vector{2.0, 1.0, kUsualSpacingMm, 0.25}) {
@@ -43,7 +43,7 @@ class SurfacesSweeper {
     const double begin_s = ThreadCpuSeconds();
     const tracing::SurfaceTracer tracer(std::move(surfaces), 1);
     const double build_s = ThreadCpuSeconds() - begin_s;
-    for (const int l : quick_ ? std::vector{4} : std::vector{5, 6}) {
+    for (const int l : quick_ ? std::vector{4} : std::vector{5, 6, 7}) {
       const tracing::SurfaceTracer coarse(BumpyBalls::Surfaces(l), 1);
       AddTriangles(coarse, kNotMeasured, labels);
     }

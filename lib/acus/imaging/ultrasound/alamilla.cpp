@@ -9,6 +9,7 @@
 #include "acus/base/core/parallel.h"
 #include "acus/imaging/slicing/kernels.h"
 #include "acus/imaging/slicing/needle_paint.h"
+#include "acus/imaging/ultrasound/blur_kernel.h"
 #include "acus/imaging/ultrasound/display.h"
 #include "acus/imaging/ultrasound/place_hash.h"
 
@@ -288,22 +289,15 @@ float AlamillaRenderer::BlurredNoise(int k, int line) const {
   const double aside = (fibre[0] * beam[1] - fibre[1] * beam[0]) / lateral_mm;
   const double half = 0.5 * options_.thin_fibre_mm * std::max(std::abs(down), std::abs(aside));
   const int taps = std::min(kMaxTaps, static_cast<int>(half));
-  if (taps == 0) return noise_.row(k)[line];
+  if (taps == 0 || grid_.lines() < 2 || grid_.samples < 2) return noise_.row(k)[line];
   const double step_mm = 0.5 * options_.thin_fibre_mm / taps;
-  double sum = 0.0;
-  for (int t = -taps; t <= taps; ++t) {
-    const double x = std::clamp(line + t * step_mm * aside, 0.0, grid_.lines() - 1.0);
-    const double y = std::clamp(k + t * step_mm * down, 0.0, grid_.samples - 1.0);
-    const int c = std::min(static_cast<int>(x), std::max(0, grid_.lines() - 2));
-    const int r = std::min(static_cast<int>(y), std::max(0, grid_.samples - 2));
-    const double u = x - c;
-    const double v = y - r;
-    const float* upper = noise_.row(r) + c;
-    const float* lower = noise_.row(std::min(r + 1, grid_.samples - 1)) + c;
-    sum += (1.0 - v) * ((1.0 - u) * upper[0] + u * upper[1]) +
-           v * ((1.0 - u) * lower[0] + u * lower[1]);
-  }
-  return static_cast<float>(sum / (2 * taps + 1));
+  return kernels::MeanAlong({.data = noise_.row(0),
+                             .stride = noise_.stride(),
+                             .lines = grid_.lines(),
+                             .samples = grid_.samples},
+                            static_cast<float>(line), static_cast<float>(k),
+                            static_cast<float>(step_mm * aside), static_cast<float>(step_mm * down),
+                            taps);
 }
 
 void AlamillaRenderer::ShadeLine(int line) {
