@@ -24,5 +24,8 @@ if [[ ${1:-} == compare ]]; then # Images differ by where labels come from, forc
   images voxels
   images triangles --set /effects/ultrasound/alamilla_2021/labels_from=triangles
   cmp triangles/forces.csv voxels/forces.csv
-  ! cmp -s triangles/images.igs.mha voxels/images.igs.mha
+  if cmp -s triangles/images.igs.mha voxels/images.igs.mha; then
+    echo "the images do not differ" >&2
+    exit 1
+  fi
 fi

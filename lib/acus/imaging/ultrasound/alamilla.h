@@ -80,11 +80,11 @@ class AlamillaRenderer {
   void SampleRow(int k);
   volume::Label LabelAt(const float* index) const;
   void FillCoupling();
-  void FindSurfaces(int line);
+  void FindSurfaces(int first, int count);
   void WeighSurfaces(int line);
   float SlopeOf(int line, const Surface& surface) const;
   float BlurredNoise(int k, int line) const;
-  void ShadeLine(int line);
+  void ShadeLines(int first, int count);
 
   const volume::LabelMap& labels_;
   std::optional<tracing::BeamLabels> traced_;  ///< Empty: labels come from the label map.
