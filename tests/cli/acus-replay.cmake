@@ -66,6 +66,14 @@ acus_add_cli_case(acus-replay.texture_from_what_is_no_image EXIT 3 NEEDS inputs 
   STDERR "table.json: is not a PNG"
   COMMAND ${examples} --set /effects/ultrasound/alamilla_2021/acoustics=table.json)
 
+# The direct method in place of the tracking wall, and why not with another model.
+acus_add_cli_case(acus-replay.direct_method EXIT 0 NEEDS inputs
+  STDOUT "largest axial force: [1-9]" CREATES r/forces.csv
+  COMMAND acus-replay scenarios/alamilla_2021.json $INPUTS/session ${patient} -o r
+          --set /effects/ultrasound=null --set /effects/view_3d=null --set /effects/needle_force/wall=direct)
+acus_add_cli_case(acus-replay.direct_method_of_another_model EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "needle_force/wall is .direct.: only the model alamilla has the direct method"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o r --set /effects/needle_force/wall=direct)
 # A scene of surfaces, its image from voxels and from the triangles themselves; the latter without surfaces.
 set(surface_inputs "bash ${CMAKE_CURRENT_LIST_DIR}/surface_inputs.sh")
 set(surfaces acus-replay scenarios/alamilla_2021.json $INPUTS/session --transform $INPUTS/ct_from_reference.tfm
