@@ -77,7 +77,7 @@ acus_add_cli_case(acus-replay.direct_method_of_another_model EXIT 3 NEEDS inputs
 # A scene of surfaces, its image from voxels and from the triangles themselves; the latter without surfaces.
 set(surface_inputs "bash ${CMAKE_CURRENT_LIST_DIR}/surface_inputs.sh")
 set(surfaces acus-replay scenarios/alamilla_2021.json $INPUTS/session --transform $INPUTS/ct_from_reference.tfm
-    --set /effects/view_3d=null)
+    --set /effects/view_3d=null --set /image_rate_hz=2)
 set(triangles --set /effects/ultrasound/alamilla_2021/labels_from=triangles)
 acus_add_cli_case(acus-replay.surfaces_by_triangles EXIT 0 NEEDS inputs BEFORE "${surface_inputs} compare"
   STDOUT "^Replayed " CREATES r/images.igs.mha r/forces.csv

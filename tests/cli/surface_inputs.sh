@@ -18,7 +18,7 @@ images() {
   local name=$1
   shift
   "$ACUS_BIN/acus-replay" scenarios/alamilla_2021.json "$INPUTS/session" --transform "$INPUTS/ct_from_reference.tfm" \
-    --set /effects/view_3d=null --set /patient/surfaces=surfaces.json "$@" -o "$name" >/dev/null
+    --set /effects/view_3d=null --set /image_rate_hz=2 --set /patient/surfaces=surfaces.json "$@" -o "$name" >/dev/null
 }
 if [[ ${1:-} == compare ]]; then # Images differ by where labels come from, forces do not.
   images voxels
