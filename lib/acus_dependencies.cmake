@@ -21,6 +21,7 @@ find_package(VTK 9.1 REQUIRED COMPONENTS
              InteractionStyle)
 find_package(OpenCV 4.6 REQUIRED GLOBAL COMPONENTS core imgproc imgcodecs videoio calib3d aruco)
 find_package(Ceres 2.1 REQUIRED)
+find_package(embree 3.13 REQUIRED)  # Rays against triangles.
 find_package(hwy REQUIRED GLOBAL)  # Global: the tests choose instruction sets.
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(libav REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil)

@@ -9,15 +9,17 @@
 #include "benchmarks/probe_sweep.h"
 #include "benchmarks/registration_sweep.h"
 #include "benchmarks/strain_sweep.h"
+#include "benchmarks/surfaces_sweep.h"
 #include "benchmarks/tissue_sweep.h"
 #include "benchmarks/views_sweep.h"
 
 namespace acus::benchmarks {
 
 const std::vector<Sweep>& Sweeps() {
-  static const std::vector<Sweep> sweeps = {
-      TissueSweep(),   StrainSweep(),    NeedleSweep(), ForcesSweep(), ImageSweep(),
-      ApertureSweep(), BreathingSweep(), ProbeSweep(),  ViewsSweep(),  RegistrationSweep()};
+  static const std::vector<Sweep> sweeps = {TissueSweep(),       StrainSweep(),  NeedleSweep(),
+                                            ForcesSweep(),       ImageSweep(),   ApertureSweep(),
+                                            BreathingSweep(),    ProbeSweep(),   ViewsSweep(),
+                                            RegistrationSweep(), SurfacesSweep()};
   return sweeps;
 }
 

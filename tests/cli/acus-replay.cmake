@@ -66,6 +66,34 @@ acus_add_cli_case(acus-replay.texture_from_what_is_no_image EXIT 3 NEEDS inputs 
   STDERR "table.json: is not a PNG"
   COMMAND ${examples} --set /effects/ultrasound/alamilla_2021/acoustics=table.json)
 
+# The direct method in place of the tracking wall, and why not with another model.
+acus_add_cli_case(acus-replay.direct_method EXIT 0 NEEDS inputs
+  STDOUT "largest axial force: [1-9]" CREATES r/forces.csv
+  COMMAND acus-replay scenarios/alamilla_2021.json $INPUTS/session ${patient} -o r
+          --set /effects/ultrasound=null --set /effects/view_3d=null --set /effects/needle_force/wall=direct)
+acus_add_cli_case(acus-replay.direct_method_of_another_model EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "needle_force/wall is .direct.: only the model alamilla has the direct method"
+  COMMAND acus-replay $INPUTS/scenario.json $INPUTS/session ${patient} -o r --set /effects/needle_force/wall=direct)
+# A scene of surfaces, its image from voxels and from the triangles themselves; the latter without surfaces.
+set(surface_inputs "bash ${CMAKE_CURRENT_LIST_DIR}/surface_inputs.sh")
+set(surfaces acus-replay scenarios/alamilla_2021.json $INPUTS/session --transform $INPUTS/ct_from_reference.tfm
+    --set /effects/view_3d=null --set /image_rate_hz=2)
+set(triangles --set /effects/ultrasound/alamilla_2021/labels_from=triangles)
+acus_add_cli_case(acus-replay.surfaces_by_triangles EXIT 0 NEEDS inputs BEFORE "${surface_inputs} compare"
+  STDOUT "^Replayed " CREATES r/images.igs.mha r/forces.csv
+  COMMAND ${surfaces} --set /patient/surfaces=surfaces.json ${triangles} -o r)
+acus_add_cli_case(acus-replay.triangles_without_surfaces EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "alamilla_2021/labels_from is .triangles., but there is no /patient/surfaces"
+  COMMAND acus-replay scenarios/alamilla_2021.json $INPUTS/session ${patient} ${triangles} -o r)
+acus_add_cli_case(acus-replay.triangles_of_an_open_surface EXIT 3 NEEDS inputs LEAVES_NOTHING
+  BEFORE "${surface_inputs} && sed -i '$d' bone.obj"
+  STDERR "bone.obj: is not closed"
+  COMMAND ${surfaces} --set /patient/surfaces=surfaces.json ${triangles} -o r)
+acus_add_cli_case(acus-replay.labels_from_nothing_known EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "labels_from" "label_map"
+  COMMAND acus-replay scenarios/alamilla_2021.json $INPUTS/session ${patient} -o r
+          --set /effects/ultrasound/alamilla_2021/labels_from=voxels)
+
 # A CT without labels: springs by HU, from the preset, and why not with another model.
 acus_add_cli_case(acus-replay.springs_by_hu EXIT 0 NEEDS inputs
   STDOUT "largest axial force: 0\\.[1-9]|largest axial force: [1-9]"

@@ -53,6 +53,10 @@ class BeamBend {
   /// False if no knot moved: then the lines are straight, and nothing is computed for them.
   bool active() const { return active_; }
 
+  /// Samples between which each bent line is straight, ascending, from the first to the last or
+  /// beyond it. Of the last map that Set was given.
+  const std::vector<int>& samples_of_knots() const { return along_.knot; }
+
   /// Positions of sample `k` of lanes [first, first + count) in the form that kernels take, and the
   /// sample number to give them. Straight lines are passed on; bent ones are written into `row`.
   /// @pre count <= kMaxLanes.

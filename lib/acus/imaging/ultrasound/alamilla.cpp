@@ -9,6 +9,7 @@
 #include "acus/base/core/parallel.h"
 #include "acus/imaging/slicing/kernels.h"
 #include "acus/imaging/slicing/needle_paint.h"
+#include "acus/imaging/ultrasound/blur_kernel.h"
 #include "acus/imaging/ultrasound/display.h"
 #include "acus/imaging/ultrasound/place_hash.h"
 
@@ -37,7 +38,8 @@ void Check(const AlamillaOptions& o) {
 }  // namespace
 
 AlamillaRenderer::AlamillaRenderer(const volume::LabelMap& labels, const acoustics::Probe& probe,
-                                   const AlamillaOptions& options)
+                                   const AlamillaOptions& options,
+                                   const tracing::SurfaceTracer* triangles)
     : labels_(labels),
       probe_(acoustics::CheckedProbe(probe)),
       options_(options),
@@ -49,12 +51,17 @@ AlamillaRenderer::AlamillaRenderer(const volume::LabelMap& labels, const acousti
   ACUS_REQUIRE(
       (labels.geometry.size > 0).all() && labels.voxels.size() == labels.geometry.num_voxels(),
       "label map: ", labels.voxels.size(), " voxels do not fill its size");
-  FillTissues();
+  if (triangles != nullptr) traced_.emplace(*triangles, labels.geometry.ct_from_index());
+  FillTissues(triangles);
 }
 
-void AlamillaRenderer::FillTissues() {
+void AlamillaRenderer::FillTissues(const tracing::SurfaceTracer* triangles) {
   std::bitset<256> occurs;
   for (const volume::Label label : labels_.voxels) occurs.set(label);
+  // Between the centres of voxels there may be tissue that no voxel has.
+  for (std::size_t n = 0; triangles != nullptr && n < triangles->num_surfaces(); ++n) {
+    occurs.set(triangles->label(n));
+  }
   std::array<const AlamillaTissue*, 256> row{};
   std::bitset<256> fibrous;
   for (const auto& [label, name] : labels_.names) {
@@ -136,8 +143,17 @@ void AlamillaRenderer::TurnExamples(const Eigen::Vector3d& image_normal_in_ct) {
   }
 }
 
+volume::Label AlamillaRenderer::LabelAt(const float* index) const {
+  const Eigen::Array3i& size = labels_.geometry.size;
+  int at[3];
+  for (int a = 0; a < 3; ++a) {
+    if (!(index[a] > -0.5F && index[a] < static_cast<float>(size[a]) - 0.5F)) return 0;
+    at[a] = static_cast<int>(index[a] + 0.5F);
+  }
+  return labels_.At(at[0], at[1], at[2]);
+}
+
 void AlamillaRenderer::SampleRow(int k) {
-  const Eigen::Array3i size = labels_.geometry.size;
   const int lanes = slicing::kernels::RoundUp(label_.lines());
   for (int first = 0; first < lanes; first += slicing::BeamBend::kMaxLanes) {
     const int count = std::min(slicing::BeamBend::kMaxLanes, lanes - first);
@@ -149,15 +165,9 @@ void AlamillaRenderer::SampleRow(int k) {
     float* label = label_.row(k) + first;
     for (int l = 0; l < count; ++l) {
       float index[3];
-      bool inside = true;
-      int at[3];
-      for (int a = 0; a < 3; ++a) {
-        index[a] = placed.start[a][l] + sample * placed.step[a][l];
-        inside = inside && index[a] > -0.5F && index[a] < static_cast<float>(size[a]) - 0.5F;
-        at[a] = inside ? static_cast<int>(index[a] + 0.5F) : 0;
-      }
-      const volume::Label value = inside ? labels_.At(at[0], at[1], at[2]) : volume::Label{0};
-      label[l] = static_cast<float>(value);
+      for (int a = 0; a < 3; ++a) index[a] = placed.start[a][l] + sample * placed.step[a][l];
+      if (!traced_) label[l] = static_cast<float>(LabelAt(index));
+      const auto value = static_cast<std::size_t>(label[l]);
       const auto& tile = tissue_[value].tile_from_index;
       for (std::size_t a = 0; a < 3; ++a) {
         place[a][l] =
@@ -193,18 +203,25 @@ void AlamillaRenderer::FillCoupling() {
   }
 }
 
-void AlamillaRenderer::FindSurfaces(int line) {
-  Surface* surfaces = surface_.data() + static_cast<std::ptrdiff_t>(line) * kMaxSurfaces;
-  int count = 0;
-  int before = -1;
-  for (int k = begins_[static_cast<std::size_t>(line)]; k < label_.samples(); ++k) {
-    const int label = std::min(kNeedle, static_cast<int>(label_.row(k)[line]));
-    if (label != before && before >= 0 && count < kMaxSurfaces) {
-      surfaces[count++] = {k, label, 0.0F};
+/// Row by row, as the samples lie in memory.
+void AlamillaRenderer::FindSurfaces(int first, int count) {
+  std::array<int, kLinesPerPiece> before;
+  before.fill(-1);
+  std::fill_n(num_surfaces_.begin() + first, count, 0);
+  for (int k = 0; k < label_.samples(); ++k) {
+    const float* const labels = label_.row(k) + first;
+    for (int n = 0; n < count; ++n) {
+      const auto l = static_cast<std::size_t>(first + n);
+      if (k < begins_[l]) continue;
+      int& last = before[static_cast<std::size_t>(n)];
+      const int label = std::min(kNeedle, static_cast<int>(labels[n]));
+      if (label != last && last >= 0 && num_surfaces_[l] < kMaxSurfaces) {
+        surface_[l * kMaxSurfaces + static_cast<std::size_t>(num_surfaces_[l]++)] = {k, label,
+                                                                                     0.0F};
+      }
+      last = label;
     }
-    before = label;
   }
-  num_surfaces_[static_cast<std::size_t>(line)] = count;
 }
 
 float AlamillaRenderer::SlopeOf(int line, const Surface& surface) const {
@@ -279,64 +296,79 @@ float AlamillaRenderer::BlurredNoise(int k, int line) const {
   const double aside = (fibre[0] * beam[1] - fibre[1] * beam[0]) / lateral_mm;
   const double half = 0.5 * options_.thin_fibre_mm * std::max(std::abs(down), std::abs(aside));
   const int taps = std::min(kMaxTaps, static_cast<int>(half));
-  if (taps == 0) return noise_.row(k)[line];
+  if (taps == 0 || grid_.lines() < 2 || grid_.samples < 2) return noise_.row(k)[line];
   const double step_mm = 0.5 * options_.thin_fibre_mm / taps;
-  double sum = 0.0;
-  for (int t = -taps; t <= taps; ++t) {
-    const double x = std::clamp(line + t * step_mm * aside, 0.0, grid_.lines() - 1.0);
-    const double y = std::clamp(k + t * step_mm * down, 0.0, grid_.samples - 1.0);
-    const int c = std::min(static_cast<int>(x), std::max(0, grid_.lines() - 2));
-    const int r = std::min(static_cast<int>(y), std::max(0, grid_.samples - 2));
-    const double u = x - c;
-    const double v = y - r;
-    const float* upper = noise_.row(r) + c;
-    const float* lower = noise_.row(std::min(r + 1, grid_.samples - 1)) + c;
-    sum += (1.0 - v) * ((1.0 - u) * upper[0] + u * upper[1]) +
-           v * ((1.0 - u) * lower[0] + u * lower[1]);
-  }
-  return static_cast<float>(sum / (2 * taps + 1));
+  return kernels::MeanAlong({.data = noise_.row(0),
+                             .stride = noise_.stride(),
+                             .lines = grid_.lines(),
+                             .samples = grid_.samples},
+                            static_cast<float>(line), static_cast<float>(k),
+                            static_cast<float>(step_mm * aside), static_cast<float>(step_mm * down),
+                            taps);
 }
 
-void AlamillaRenderer::ShadeLine(int line) {
-  const auto l = static_cast<std::size_t>(line);
-  const Surface* surface = surface_.data() + static_cast<std::ptrdiff_t>(line) * kMaxSurfaces;
-  const Surface* const end = surface + num_surfaces_[l];
+/// Row by row, as the samples lie in memory.
+void AlamillaRenderer::ShadeLines(int first, int count) {
+  struct Shade {
+    const Surface* surface;  ///< The next one.
+    const Surface* end;
+    int begin;
+    float left = 1.0F;  ///< Of the grey, after absorption.
+    int shadow_from;
+    int needle_shadow_from;
+    int line_from;
+    float line_grey = 0.0F;
+  };
   const int thick = std::max(1, static_cast<int>(std::lround(options_.surface_mm / grid_.step_mm)));
   const auto shadow_share = static_cast<float>(options_.shadow_share);
   const auto needle_share = static_cast<float>(options_.needle_share);
-  float left = 1.0F;  // Of the grey, after absorption.
-  int shadow_from = grid_.samples;
-  int needle_shadow_from = grid_.samples;
-  int line_from = -thick;
-  float line_grey = 0.0F;
+  std::array<Shade, kLinesPerPiece> shades;
+  for (int n = 0; n < count; ++n) {
+    const auto l = static_cast<std::size_t>(first + n);
+    const Surface* surface = surface_.data() + l * kMaxSurfaces;
+    shades[static_cast<std::size_t>(n)] = {.surface = surface,
+                                           .end = surface + num_surfaces_[l],
+                                           .begin = begins_[l],
+                                           .shadow_from = grid_.samples,
+                                           .needle_shadow_from = grid_.samples,
+                                           .line_from = -thick};
+  }
   for (int k = 0; k < grid_.samples; ++k) {
-    float grey = 0.0F;
-    if (k >= begins_[l]) {
-      const int label = std::min(kNeedle, static_cast<int>(label_.row(k)[line]));
+    const float* const labels = label_.row(k) + first;
+    const float* const noises = noise_.row(k) + first;
+    float* const greys = grey_.row(k) + first;
+    for (int n = 0; n < count; ++n) {
+      Shade& s = shades[static_cast<std::size_t>(n)];
+      if (k < s.begin) {
+        greys[n] = 0.0F;
+        continue;
+      }
+      const int label = std::min(kNeedle, static_cast<int>(labels[n]));
       const TissueRow& tissue = tissue_[static_cast<std::size_t>(label)];
-      grey = tissue.grey;
+      float grey = tissue.grey;
       if (noise_tile_) {
-        const float noise = tissue.thin_fibres ? BlurredNoise(k, line) : noise_.row(k)[line];
+        const float noise = tissue.thin_fibres ? BlurredNoise(k, first + n) : noises[n];
         grey *= std::max(0.0F, 1.0F + tissue.contrast * (2.0F * noise - 1.0F));
       }
       if (options_.shadow && label == kNeedle) {
-        needle_shadow_from = std::min(needle_shadow_from, k + thick);
+        s.needle_shadow_from = std::min(s.needle_shadow_from, k + thick);
       }
-      if (options_.shadow && tissue.blocks) shadow_from = std::min(shadow_from, k + thick);
-      if (options_.reflection && surface != end && surface->sample == k) {
-        line_from = k;
-        line_grey = surface->grey;
-        ++surface;
+      if (options_.shadow && tissue.blocks) s.shadow_from = std::min(s.shadow_from, k + thick);
+      if (options_.reflection && s.surface != s.end && s.surface->sample == k) {
+        s.line_from = k;
+        s.line_grey = s.surface->grey;
+        ++s.surface;
       }
-      const int behind = k - line_from;
-      if (behind < thick)
-        grey += line_grey * (1.0F - static_cast<float>(behind) / static_cast<float>(thick));
-      grey *= left * (k >= shadow_from          ? shadow_share
-                      : k >= needle_shadow_from ? needle_share
-                                                : 1.0F);
-      left *= tissue.passed;
+      const int behind = k - s.line_from;
+      if (behind < thick) {
+        grey += s.line_grey * (1.0F - static_cast<float>(behind) / static_cast<float>(thick));
+      }
+      grey *= s.left * (k >= s.shadow_from          ? shadow_share
+                        : k >= s.needle_shadow_from ? needle_share
+                                                    : 1.0F);
+      s.left *= tissue.passed;
+      greys[n] = grey;
     }
-    grey_.row(k)[line] = grey;
   }
 }
 
@@ -356,6 +388,7 @@ void AlamillaRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   num_surfaces_.resize(lines);
   begins_.resize(lines);
 
+  if (traced_) traced_->Fill(lines_, bend_, num_threads, label_);
   const auto rows = [this](int p) {
     const int end = std::min(grid_.samples, (p + 1) * kRowsPerPiece);
     for (int k = p * kRowsPerPiece; k < end; ++k) SampleRow(k);
@@ -364,15 +397,17 @@ void AlamillaRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   FillCoupling();
   if (needle)
     slicing::PaintNeedle(*needle, ct_from_probe, probe_.slice_thickness_mm, grid_, label_);
-  for (int l = 0; l < grid_.lines(); ++l) FindSurfaces(l);
+  const auto find = [this](int p) {
+    FindSurfaces(p * kLinesPerPiece, std::min(kLinesPerPiece, grid_.lines() - p * kLinesPerPiece));
+  };
+  const int pieces = (grid_.lines() + kLinesPerPiece - 1) / kLinesPerPiece;
+  ParallelFor(pieces, num_threads, std::ref(find));
   const auto shade = [this](int p) {
     const int end = std::min(grid_.lines(), (p + 1) * kLinesPerPiece);
-    for (int l = p * kLinesPerPiece; l < end; ++l) {
-      if (options_.reflection) WeighSurfaces(l);
-      ShadeLine(l);
-    }
+    for (int l = p * kLinesPerPiece; options_.reflection && l < end; ++l) WeighSurfaces(l);
+    ShadeLines(p * kLinesPerPiece, end - p * kLinesPerPiece);
   };
-  ParallelFor((grid_.lines() + kLinesPerPiece - 1) / kLinesPerPiece, num_threads, std::ref(shade));
+  ParallelFor(pieces, num_threads, std::ref(shade));
   const auto black = static_cast<float>(255.0 * brightness_);
   const auto grey_row = [this, black](int k, int, std::uint8_t* grey) {
     slicing::kernels::WindowRow(grey_.row(k), black, 255.0F,

@@ -14,6 +14,7 @@
 #include "acus/imaging/acoustics/probe.h"
 #include "acus/imaging/slicing/beam_bend.h"
 #include "acus/imaging/slicing/ct_sampler.h"
+#include "acus/imaging/tracing/beam_labels.h"
 #include "acus/imaging/ultrasound/alamilla_options.h"
 #include "acus/imaging/ultrasound/example_texture.h"
 #include "acus/imaging/ultrasound/fibre_field.h"
@@ -25,11 +26,14 @@ namespace acus::ultrasound {
 /// Equations: docs/models/ultrasound_alamilla.md. Not for two threads at a time: it holds buffers.
 class AlamillaRenderer {
  public:
-  /// Keeps a reference to `labels`, which must outlive this.
-  /// @throws InputError if the probe or an option is out of range, or the label map has a tissue
-  ///     without a row.
+  /// Keeps references to `labels` and `triangles`, which must outlive this.
+  /// @param triangles  What the labels of samples come from in place of the label map, which then
+  ///     tells the directions of fibres only; null: the label map.
+  /// @throws InputError if the probe or an option is out of range, or the label map or a surface
+  ///     has a tissue without a row.
   AlamillaRenderer(const volume::LabelMap& labels, const acoustics::Probe& probe,
-                   const AlamillaOptions& options);
+                   const AlamillaOptions& options,
+                   const tracing::SurfaceTracer* triangles = nullptr);
 
   /// Allocation-free after the first call. The same bits with any `num_threads`.
   /// @throws InputError if the pose or the needle is not finite.
@@ -70,18 +74,20 @@ class AlamillaRenderer {
     float per_mean = 1.0F;      ///< One over twice the mean grey.
   };
 
-  void FillTissues();
+  void FillTissues(const tracing::SurfaceTracer* triangles);
   Eigen::Matrix3d AddExample(const AlamillaTissue& tissue, volume::Label label, bool fibrous);
   void TurnExamples(const Eigen::Vector3d& image_normal_in_ct);
   void SampleRow(int k);
+  volume::Label LabelAt(const float* index) const;
   void FillCoupling();
-  void FindSurfaces(int line);
+  void FindSurfaces(int first, int count);
   void WeighSurfaces(int line);
   float SlopeOf(int line, const Surface& surface) const;
   float BlurredNoise(int k, int line) const;
-  void ShadeLine(int line);
+  void ShadeLines(int first, int count);
 
   const volume::LabelMap& labels_;
+  std::optional<tracing::BeamLabels> traced_;  ///< Empty: labels come from the label map.
   acoustics::Probe probe_;
   AlamillaOptions options_;
   acoustics::ScanGrid grid_;

@@ -116,20 +116,40 @@ SurfaceScene ReadSurfaceScene(const fs::path& path) {
   return scene;
 }
 
+std::vector<std::size_t> RisingOrder(const SurfaceScene& scene) {
+  std::vector<std::size_t> order(scene.surfaces.size());
+  for (std::size_t n = 0; n < order.size(); ++n) order[n] = n;
+  std::ranges::stable_sort(order, {}, [&](std::size_t n) { return scene.surfaces[n].priority; });
+  return order;
+}
+
+std::vector<ClosedSurface> ReadClosedSurfaces(const SurfaceScene& scene,
+                                              const RunContext& context) {
+  std::vector<ClosedSurface> out;
+  for (const TissueSurface& listed : scene.surfaces) {
+    context.Checkpoint("reading surfaces", static_cast<double>(out.size()) /
+                                               static_cast<double>(scene.surfaces.size()));
+    mesh::Surface surface = mesh::ReadSurface(listed.file);
+    const Winding winding = CheckClosed(surface, listed.file.string());
+    surface.nodes_mm = listed.ct_from_surface * surface.nodes_mm;
+    out.push_back({std::move(surface), winding});
+  }
+  return out;
+}
+
 volume::LabelMap LabelsOfSurfaces(const SurfaceScene& scene, const RunContext& context) {
-  std::vector<mesh::Surface> surfaces;
-  std::vector<Winding> windings;
+  return LabelsOfSurfaces(scene, ReadClosedSurfaces(scene, context), context);
+}
+
+volume::LabelMap LabelsOfSurfaces(const SurfaceScene& scene,
+                                  const std::vector<ClosedSurface>& surfaces,
+                                  const RunContext& context) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e30);
   Eigen::Vector3d high = -low;
-  const double count = static_cast<double>(scene.surfaces.size());
-  for (const TissueSurface& listed : scene.surfaces) {
-    context.Checkpoint("reading surfaces", static_cast<double>(surfaces.size()) / count);
-    mesh::Surface surface = mesh::ReadSurface(listed.file);
-    windings.push_back(CheckClosed(surface, listed.file.string()));
-    surface.nodes_mm = listed.ct_from_surface * surface.nodes_mm;
-    low = low.cwiseMin(surface.nodes_mm.rowwise().minCoeff());
-    high = high.cwiseMax(surface.nodes_mm.rowwise().maxCoeff());
-    surfaces.push_back(std::move(surface));
+  const double count = static_cast<double>(surfaces.size());
+  for (const ClosedSurface& closed : surfaces) {
+    low = low.cwiseMin(closed.surface.nodes_mm.rowwise().minCoeff());
+    high = high.cwiseMax(closed.surface.nodes_mm.rowwise().maxCoeff());
   }
   volume::Geometry g;
   const Eigen::Array3d voxels =
@@ -141,13 +161,12 @@ volume::LabelMap LabelsOfSurfaces(const SurfaceScene& scene, const RunContext& c
   g.spacing_mm.setConstant(scene.spacing_mm);
   g.origin_mm = low - Eigen::Vector3d::Constant(kMargin * scene.spacing_mm);
   volume::LabelMap labels(g);
-  std::vector<std::size_t> order(surfaces.size());
-  for (std::size_t n = 0; n < order.size(); ++n) order[n] = n;
-  std::ranges::stable_sort(order, {}, [&](std::size_t n) { return scene.surfaces[n].priority; });
+  const std::vector<std::size_t> order = RisingOrder(scene);
   for (std::size_t done = 0; done < order.size(); ++done) {
     context.Checkpoint("filling surfaces", static_cast<double>(done) / count);
     const std::size_t n = order[done];
-    PaintInside(surfaces[n], windings[n], scene.surfaces[n].label, context.num_threads, labels);
+    PaintInside(surfaces[n].surface, surfaces[n].winding, scene.surfaces[n].label,
+                context.num_threads, labels);
     labels.names[scene.surfaces[n].label] = scene.surfaces[n].tissue;
   }
   return labels;

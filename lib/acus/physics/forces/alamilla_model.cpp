@@ -65,6 +65,9 @@ NeedleForce AlamillaModel::InBody(AlamillaState& state, const NeedleMotion& moti
 /// spring keeps its length: neither gives energy.
 double AlamillaModel::WallN(AlamillaState& state, double previous_mm) const noexcept {
   const TissueForce& tissue = table_.tissue[state.held_by];
+  if (table_.alamilla.direct_method) {
+    return state.wall_n = DirectMethodN(state.depth_mm, tissue.cutting_n);
+  }
   const double own = tissue.cutting_stiffness_n_per_mm;
   const double stiffness = own > 0.0 ? own : table_.settings.cutting_stiffness_n_per_mm;
   if (stiffness > state.wall_n_per_mm && state.wall_n_per_mm > 0.0) {

@@ -9,13 +9,13 @@
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
 #include "acus/base/math/driven_mass.h"
+#include "acus/physics/forces/chatter_meter.h"
 
 namespace acus::forces {
 namespace {
 
 constexpr int kStepsPerSample = 20;
 constexpr double kFreeN = 1e-12;
-constexpr double kChatterHz = 30.0;
 
 Eigen::Vector3d Measured(const Eigen::Vector3d& place_mm, double encoder_mm) {
   if (encoder_mm <= 0.0) return place_mm;
@@ -92,17 +92,11 @@ LoopResult RunClosedLoop(const HapticDevice& device, const Hand& hand, const For
 double LoopResult::ChatterN(double from_s, double to_s) const {
   if (samples.size() < 2) return 0.0;
   const double sample_s = samples[1].time_s - samples[0].time_s;
-  const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * kChatterHz * sample_s);
-  Eigen::Vector3d slow_n = samples.front().force_n;
-  double sum = 0.0;
-  int num = 0;
+  ChatterMeter meter;
   for (const LoopSample& sample : samples) {
-    slow_n += share * (sample.force_n - slow_n);
-    if (sample.time_s < from_s || sample.time_s >= to_s) continue;
-    sum += (sample.force_n - slow_n).squaredNorm();
-    ++num;
+    meter.Add(sample_s, sample.force_n, sample.time_s >= from_s && sample.time_s < to_s);
   }
-  return num > 0 ? std::sqrt(sum / num) : 0.0;
+  return meter.RmsN();
 }
 
 double LoopResult::SwingMm(double from_s, double to_s) const {

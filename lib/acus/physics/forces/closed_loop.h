@@ -61,8 +61,7 @@ struct LoopResult {
   double generated_mj = 0.0;        ///< By PassivityObserver.
   double taken_mj = 0.0;
 
-  /// Root mean square of the force above 30 Hz (first-order high-pass) over [from_s, to_s): what a
-  /// hand feels as buzzing.
+  /// As ChatterMeter, over [from_s, to_s).
   double ChatterN(double from_s, double to_s) const;
   /// Largest extent of the device's motion along any axis over [from_s, to_s), mm.
   double SwingMm(double from_s, double to_s) const;
@@ -86,11 +85,5 @@ struct RandomHand {
 };
 std::function<Eigen::Vector3d(double time_s)> RandomMotion(const RandomHand& hand,
                                                            double duration_s, std::uint64_t seed);
-
-/// The direct method: the whole force as soon as the tip is behind the wall. Alamilla-2021 section
-/// VI.A shows that it chatters; here to compare with.
-inline double DirectMethodN(double depth_mm, double force_n) noexcept {
-  return depth_mm > 0.0 ? force_n : 0.0;
-}
 
 }  // namespace acus::forces

@@ -38,6 +38,12 @@ struct TrackingWall {
                          double stiffness_n_per_mm) noexcept;
 };
 
+/// The direct method: the whole force as soon as the tip is behind the wall. It chatters
+/// (Alamilla-2021, section VI.A); here to compare with.
+inline double DirectMethodN(double depth_mm, double force_n) noexcept {
+  return depth_mm > 0.0 ? force_n : 0.0;
+}
+
 /// Dry friction with elastic bristles: LuGre (Alamilla-2021 eq. 4-6) without its velocity terms,
 ///   dz/ds = 1 - sign(ds) z / z0,
 /// integrated exactly over each displacement: stable for any step, and the same force for a path

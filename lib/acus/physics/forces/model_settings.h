@@ -21,6 +21,9 @@ volume::Label TissueLabelAt(const nlohmann::json& name, const std::string& where
 
 /// Block "alamilla".
 struct AlamillaSettings {
+  /// The cutting force by the direct method in place of the tracking wall: not of the table, but of
+  /// who calls for the model.
+  bool direct_method = false;
   double withdrawal_share = 0.0;  ///< Withdrawal force as a share of the tissue's cutting force.
   LuGreParameters friction;
   FixtureSettings clamping;

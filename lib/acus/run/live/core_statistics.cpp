@@ -26,6 +26,7 @@ nlohmann::json CoreStatistics::ToJson() const {
           {"missed_by_machine", missed_by_machine.load()},
           {"needle_readings", OfTool(needle)},
           {"probe_readings", OfTool(probe)},
+          {"needle_chatter_n", needle_chatter_n.load()},
           {"step_cpu", step_cpu.ToJson()},
           {"device_to_force", device_to_force.ToJson()},
           {"interval", interval.ToJson()}};

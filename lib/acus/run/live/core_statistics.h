@@ -25,6 +25,8 @@ struct CoreStatistics {
   Count missed_by_machine{0};
   std::array<Count, kNumVerdicts> needle{};  ///< By PoseVerdict, of steps.
   std::array<Count, kNumVerdicts> probe{};
+  /// RMS of the needle's force above 30 Hz while it feels something, before the guard, N.
+  std::atomic<double> needle_chatter_n{0.0};
   DurationHistogram step_cpu;         ///< CPU time of a tick.
   DurationHistogram device_to_force;  ///< From the reading to the force that answers it.
   DurationHistogram interval;         ///< From one reading to the next.

@@ -87,6 +87,7 @@ DeviceForce LiveCore::Tick(const DeviceReading& reading) noexcept {
   other_force_.Put(servo_holds_needle ? on_probe : on_needle, reading.time_ns);
   Show(on_needle, on_probe);
   session_ns_.store(time_ns, std::memory_order_relaxed);
+  MeasureChatter(on_needle.force_n, reading.time_ns);
   Count(reading, begin_cpu_s);
   started_ = true;
   return servo_holds_needle ? on_needle : on_probe;
@@ -288,6 +289,15 @@ void LiveCore::Show(const DeviceForce& on_needle, const DeviceForce& on_probe) n
   out.target_in_ct_mm = target_in_ct_mm_;
   out.measured_ns = probe_.sample.valid ? probe_.measured_ns : needle_.measured_ns;
   snapshots_.Publish();
+}
+
+void LiveCore::MeasureChatter(const Eigen::Vector3d& on_needle_n,
+                              std::int64_t reading_ns) noexcept {
+  constexpr double kFeltN = 0.01;  ///< Below 30 Hz.
+  if (!started_) return;
+  needle_chatter_.Add(1e-9 * static_cast<double>(reading_ns - last_reading_ns_), on_needle_n,
+                      needle_chatter_.slow_n().norm() > kFeltN);
+  statistics_.needle_chatter_n.store(needle_chatter_.RmsN(), std::memory_order_relaxed);
 }
 
 void LiveCore::Count(const DeviceReading& reading, double begin_cpu_s) noexcept {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "acus/physics/forces/chatter_meter.h"
 #include "acus/rig/haptics/device_reading.h"
 #include "acus/rig/tracking/pose_board.h"
 #include "acus/run/live/command_queue.h"
@@ -107,6 +108,7 @@ class LiveCore {
   haptics::DeviceForce ForceOn(const Tool& tool, const Eigen::Vector3d& force_in_ct_n,
                                const Eigen::Vector3d& torque_in_ct_n_mm) const noexcept;
   void Show(const haptics::DeviceForce& on_needle, const haptics::DeviceForce& on_probe) noexcept;
+  void MeasureChatter(const Eigen::Vector3d& on_needle_n, std::int64_t reading_ns) noexcept;
   void Count(const haptics::DeviceReading& reading, double begin_cpu_s) noexcept;
 
   const simulation::Scene& scene_;
@@ -131,6 +133,7 @@ class LiveCore {
   TripleBuffer<LiveSnapshot> snapshots_;
   ForceMailbox other_force_;
   CoreStatistics statistics_;
+  forces::ChatterMeter needle_chatter_;
   std::atomic<std::int64_t> session_ns_{0};
 
   // Of the present step.

@@ -46,6 +46,10 @@ NeedleForceEffect ReadNeedleForce(const nlohmann::json& effect, const std::files
   force.model = kModels.at(effect.at("model"));
   force.guidance = kGuidance.at(effect.at("guidance"));
   force.table = config::FindConfig(effect.at("table").get<std::string>(), folder);
+  force.direct_method = effect.at("wall").get<std::string>() == "direct";
+  ACUS_REQUIRE(!force.direct_method || force.model == NeedleForceModelKind::kAlamilla, file,
+               ": /effects/needle_force/wall is \"direct\": only the model alamilla has the direct "
+               "method; leave it out, or take that model");
   ReadMeasured(effect, folder, file, force);
   force.skin_nick_radius_mm = effect.at("skin_nick_radius_mm");
   const bool goes_by_membranes = force.model != NeedleForceModelKind::kMeasured &&

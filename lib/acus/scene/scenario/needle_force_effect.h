@@ -16,6 +16,7 @@ enum class GuidanceKind { kOwn, kNone, kVidal, kVirtualFixture };
 struct NeedleForceEffect {
   NeedleForceModelKind model = NeedleForceModelKind::kLayered;
   GuidanceKind guidance = GuidanceKind::kOwn;
+  bool direct_method = false;  ///< Of kAlamilla, in place of its tracking wall.
   std::filesystem::path table;
   std::filesystem::path measured;    ///< Only kMeasured: acus-measured-force.
   std::string recording = "mean";    ///< Of that file.

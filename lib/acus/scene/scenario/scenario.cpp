@@ -124,6 +124,12 @@ void CheckTogether(const Scenario& s) {
                  s.tissue->probe_contact ? "fe_3d/probe_contact" : "pressed_by_probe",
                  " both press the tissue in the images; set one of them to false");
   }
+  if (s.ultrasound && s.ultrasound->from_triangles) {
+    ACUS_REQUIRE(
+        !s.patient.surfaces.empty(), file,
+        ": /effects/ultrasound/alamilla_2021/labels_from is \"triangles\", but there is no "
+        "/patient/surfaces; give a list of surfaces, or set it to \"label_map\"");
+  }
   if (s.tissue && s.tissue->pressed_by_probe) {
     ACUS_REQUIRE(s.tissue->model != TissueModelKind::kFem3d, file,
                  ": /effects/tissue/pressed_by_probe is for models that the probe does not deform; "

@@ -37,6 +37,8 @@ UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
     out.display = config::FindConfig(display, folder);
   }
   out.acoustics = config::FindConfig(settings.at("acoustics").get<std::string>(), folder);
+  out.from_triangles = out.model == UltrasoundModel::kAlamilla2021 &&
+                       settings.at("labels_from").get<std::string>() == "triangles";
   if (out.InBeamSpace()) {
     out.beams = settings;
     out.volume = kVolumes.at(settings.at("volume").get<std::string>());

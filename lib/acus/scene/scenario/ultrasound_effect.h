@@ -21,8 +21,9 @@ struct UltrasoundEffect {
   int samples_per_line = 0;                 ///< 0: as the probe preset says.
   std::uint64_t seed = 0;                   ///< Of speckle and noise.
   BeamVolume volume = BeamVolume::kLabels;  ///< In beam space, as all that follows.
-  nlohmann::json beams;                     ///< The model's settings, checked against the schema.
-  std::filesystem::path display;            ///< What the scanner adds; empty: nothing.
+  bool from_triangles = false;    ///< Of alamilla_2021: labels come from the patient's surfaces.
+  nlohmann::json beams;           ///< The model's settings, checked against the schema.
+  std::filesystem::path display;  ///< What the scanner adds; empty: nothing.
 
   bool InBeamSpace() const {
     return model == UltrasoundModel::kBeams || model == UltrasoundModel::kAperture;

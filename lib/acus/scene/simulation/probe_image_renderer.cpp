@@ -43,7 +43,8 @@ ProbeImageRenderer::ProbeImageRenderer(const Scene& scene, const acoustics::Prob
                       scene.ct_window);
   }
   if (has_b_mode) {
-    b_mode_.emplace(ImagePatient{scene.ct.get(), scene.labels.get()}, *probe, *scene.b_mode);
+    b_mode_.emplace(ImagePatient{scene.ct.get(), scene.labels.get(), scene.triangles.get()}, *probe,
+                    *scene.b_mode);
   }
   if (scene.needle) {
     needle_reach_mm_ = NeedleReachMm(*probe, 0.5 * scene.needle->beam.outer_diameter_mm);

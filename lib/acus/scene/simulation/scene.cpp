@@ -11,17 +11,34 @@ namespace acus::simulation {
 
 namespace {
 
+/// The surfaces for rays, in the order in which their voxels are filled.
+std::shared_ptr<const tracing::SurfaceTracer> TrianglesOf(
+    const segmentation::SurfaceScene& list, std::vector<segmentation::ClosedSurface> surfaces,
+    int num_threads) {
+  std::vector<tracing::LabelledSurface> labelled;
+  for (const std::size_t n : segmentation::RisingOrder(list)) {
+    labelled.push_back(
+        {std::move(surfaces[n].surface), surfaces[n].winding, list.surfaces[n].label});
+  }
+  return std::make_shared<tracing::SurfaceTracer>(std::move(labelled), num_threads);
+}
+
 /// Labels, and a CT of constant HU in each tissue, where the patient is a list of surfaces.
 void LoadSurfaces(const scenario::Scenario& scenario, const EffectPlan& plan, Scene& scene,
                   RunContext& context) {
   if (!plan.Needs(effects::ports::kCt) && !plan.Needs(effects::ports::kLabels)) return;
   const segmentation::SurfaceScene list = segmentation::ReadSurfaceScene(scenario.patient.surfaces);
-  auto labels = segmentation::LabelsOfSurfaces(list, context);
+  auto surfaces = segmentation::ReadClosedSurfaces(list, context);
+  auto labels = segmentation::LabelsOfSurfaces(list, surfaces, context);
   if (plan.Needs(effects::ports::kCt)) {
     scene.ct = std::make_shared<volume::CtVolume>(segmentation::CtOfLabels(list, labels));
   }
   if (plan.Needs(effects::ports::kLabels)) {
     scene.labels = std::make_shared<volume::LabelMap>(std::move(labels));
+  }
+  if (plan.Has(StageId::kUltrasound) && scenario.ultrasound->from_triangles) {
+    context.Checkpoint("arranging triangles", 0.0);
+    scene.triangles = TrianglesOf(list, std::move(surfaces), context.num_threads);
   }
   context.provenance.AddInput(scenario.patient.surfaces);
   for (const auto& surface : list.surfaces) context.provenance.AddInput(surface.file);

@@ -8,6 +8,7 @@
 #include "acus/data/volume/volume.h"
 #include "acus/imaging/acoustics/probe.h"
 #include "acus/imaging/slicing/ct_slice.h"
+#include "acus/imaging/tracing/surface_tracer.h"
 #include "acus/physics/forces/force_model.h"
 #include "acus/physics/forces/hu_field.h"
 #include "acus/physics/forces/probe_force_model.h"
@@ -39,6 +40,8 @@ struct Scene {
   std::optional<Breathing> breathing;              ///< If the plan has breathing.
   std::shared_ptr<const volume::CtVolume> ct;      ///< If the plan reads "ct".
   std::shared_ptr<const volume::LabelMap> labels;  ///< If the plan reads "labels".
+  /// If the B-mode follows the patient's surfaces as triangles.
+  std::shared_ptr<const tracing::SurfaceTracer> triangles;
   std::optional<forces::NeedleProperties> needle;  ///< If the plan reads "needle preset".
   std::shared_ptr<const forces::CtField> hu;       ///< Of the CT, if forces read it.
   std::optional<forces::HuTissues> hu_tissues;     ///< If tissues are looked up without labels.

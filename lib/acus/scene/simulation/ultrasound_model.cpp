@@ -15,7 +15,7 @@ struct MakeRenderer {
   }
   Renderer operator()(const ultrasound::AlamillaOptions& options) const {
     return Renderer(std::in_place_type<ultrasound::AlamillaRenderer>, *patient.labels, probe,
-                    options);
+                    options, patient.triangles);
   }
   Renderer operator()(const ultrasound::BModeOptions& options) const {
     return Renderer(std::in_place_type<ultrasound::BModeRenderer>, *patient.ct, probe, options);

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "acus/data/volume/volume.h"
+#include "acus/imaging/tracing/surface_tracer.h"
 #include "acus/imaging/ultrasound/alamilla.h"
 #include "acus/imaging/ultrasound/aperture_renderer.h"
 #include "acus/imaging/ultrasound/beam_renderer.h"
@@ -34,6 +35,7 @@ const ultrasound::DisplayOptions* DisplayOf(const ImageSettings& settings);
 struct ImagePatient {
   const volume::CtVolume* ct = nullptr;
   const volume::LabelMap* labels = nullptr;
+  const tracing::SurfaceTracer* triangles = nullptr;  ///< In place of labels, for alamilla_2021.
 };
 
 /// Renders with the model that the settings are of. Not for two threads at a time.

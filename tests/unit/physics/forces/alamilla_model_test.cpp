@@ -1,7 +1,10 @@
 #include "acus/physics/forces/alamilla_model.h"
 
+#include <algorithm>
 #include <gmock/gmock.h>
 
+#include "acus/data/volume/labels.h"
+#include "acus/physics/forces/closed_loop.h"
 #include "support/force_scenes.h"
 
 namespace acus::forces {
@@ -203,6 +206,45 @@ TEST_F(AlamillaTest, LostAndBadSamplesAreThoseOfTheLayeredModel) {
   const NeedleInput late{time_s, {0, 0, 90}, {0, 0, 1}, 3, true};
   model.Step(driven.state, late);
   EXPECT_EQ(driven.state.num_time_back, 1);
+}
+
+TEST_F(AlamillaTest, TheDirectMethodIsTheWholeForceWhicheverWayTheTipMoves) {
+  ForceTable direct_table = table;
+  direct_table.alamilla.direct_method = true;
+  const AlamillaModel direct(direct_table, Trocar18G());
+  DrivenAlamilla drive{direct, body};
+  double t = 0.0;
+  double z = -1.0;
+  for (; z < 25.0; z += 0.008) drive.Step(t += 0.001, {0, 0, z});
+  EXPECT_EQ(drive.last.cutting_n, table.tissue[volume::LabelOf("muscle")].cutting_n);
+  for (; z > 20.0; z -= 0.008) drive.Step(t += 0.001, {0, 0, z});
+  EXPECT_EQ(drive.last.cutting_n, table.tissue[volume::LabelOf("muscle")].cutting_n);
+}
+
+// Figures 14 and 15: a hand that rests at the skin's wall of 1 N, through a nick, with 0.6 N; a
+// light device.
+TEST_F(AlamillaTest, AHandAtTheWallChattersByTheDirectMethodOnly) {
+  const auto chatter_n = [&](bool direct_method) {
+    ForceTable with_nick = table;
+    with_nick.alamilla.direct_method = direct_method;
+    with_nick.nick = {Eigen::Vector3d::Zero(), 3.0};
+    const AlamillaModel wall(with_nick, Trocar18G());
+    DrivenAlamilla drive{wall, body};
+    Hand hand;
+    hand.wants_in_ct_mm = [](double time) {
+      const double s = std::clamp(time, 0.0, 1.0);
+      return Eigen::Vector3d(0, 0, -2.0 + 3.5 * s * s * (3.0 - 2.0 * s));
+    };
+    const LoopResult result = RunClosedLoop(
+        {.dry_friction_n = 0.05}, hand,
+        [&](double time, const Eigen::Vector3d& tip_mm) {
+          return drive.Step(time, tip_mm).force_in_ct_n;
+        },
+        6.0);
+    return result.ChatterN(2.0, 6.0);
+  };
+  EXPECT_GT(chatter_n(true), 0.2);
+  EXPECT_LT(chatter_n(false), 0.005);
 }
 
 }  // namespace

@@ -50,6 +50,13 @@ TEST_F(ScenarioFile, TakesGuidanceWithAnyModelButTheOnesThatGuideThemselves) {
   EXPECT_EQ(Read(kText, {ParseOverride("/effects/needle_force/guidance=virtual_fixture")})
                 .needle_force->guidance,
             GuidanceKind::kVirtualFixture);
+  EXPECT_FALSE(Read(kText).needle_force->direct_method);
+  EXPECT_TRUE(Read(kText, {ParseOverride("/effects/needle_force/model=alamilla"),
+                           ParseOverride("/effects/needle_force/wall=direct")})
+                  .needle_force->direct_method);
+  EXPECT_THAT(
+      [&] { Read(kText, {ParseOverride("/effects/needle_force/wall=direct")}); },
+      ThrowsMessage<InputError>(HasSubstr("only the model alamilla has the direct method")));
   EXPECT_THAT([&] { Read(kText, {ParseOverride("/effects/needle_force/guidance=fixture")}); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("/effects/needle_force/guidance"),
                                               HasSubstr("virtual_fixture"))));

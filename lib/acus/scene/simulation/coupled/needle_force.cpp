@@ -39,6 +39,7 @@ forces::GuidanceKind GuidanceOf(scenario::GuidanceKind kind) {
 
 forces::ForceTable ReadTable(const Scenario& s, RunContext& context) {
   forces::ForceTable table = forces::ReadForceTable(s.needle_force->table);
+  table.alamilla.direct_method = s.needle_force->direct_method;
   if (const double nick_mm = s.needle_force->skin_nick_radius_mm; nick_mm > 0.0) {
     table.nick = {ReadNeedleLine(s.patient.corridor).entry_in_ct_mm, nick_mm};
     context.provenance.AddInput(s.patient.corridor);
