@@ -134,6 +134,10 @@ TEST_P(Overlay, FadesTowardsTheOutline) {
   OverlayImage image;
   ASSERT_TRUE(overlay.Take(image));
   const Eigen::Vector2i middle = camera.ProjectPx(Eigen::Vector3d::Zero()).cast<int>();
+  const std::uint8_t* skin =
+      &image.rgba[4 * static_cast<std::size_t>(middle[1] * camera.width_px + middle[0])];
+  EXPECT_GT(skin[0], skin[1]) << "red before green";
+  EXPECT_GT(skin[1], skin[2]) << "green before blue";
   int before = 255;
   int faded = 0;
   for (int x = middle[0]; x < camera.width_px; ++x) {

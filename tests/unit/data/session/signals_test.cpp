@@ -74,14 +74,14 @@ TEST(Signals, NoWordBeginsAnother) {
 }
 
 TEST(Signals, BreathBetweenSamplesIsLinearAndItsCycleGoesRound) {
-  const BreathStream stream = {{.time_ns = 0, .cycle = 0.9, .level = 1.0, .level_per_s = 2.0},
-                               {.time_ns = 10, .cycle = 0.1, .level = 0.0, .level_per_s = -2.0}};
-  EXPECT_EQ(BreathAt(stream, -5).cycle, 0.9);
-  EXPECT_EQ(BreathAt(stream, 99).cycle, 0.1);
-  EXPECT_EQ(BreathAt(stream, 10).level, 0.0);
-  EXPECT_NEAR(BreathAt(stream, 4).level, 0.6, 1e-15);
-  EXPECT_NEAR(BreathAt(stream, 4).level_per_s, 0.4, 1e-15);
-  EXPECT_NEAR(BreathAt(stream, 8).cycle, 0.06, 1e-15);
+  const BreathStream stream = {{.time_ns = 1000, .cycle = 0.9, .level = 1.0, .level_per_s = 2.0},
+                               {.time_ns = 1010, .cycle = 0.1, .level = 0.0, .level_per_s = -2.0}};
+  EXPECT_EQ(BreathAt(stream, 995).cycle, 0.9);
+  EXPECT_EQ(BreathAt(stream, 1099).cycle, 0.1);
+  EXPECT_EQ(BreathAt(stream, 1010).level, 0.0);
+  EXPECT_NEAR(BreathAt(stream, 1004).level, 0.6, 1e-15);
+  EXPECT_NEAR(BreathAt(stream, 1004).level_per_s, 0.4, 1e-15);
+  EXPECT_NEAR(BreathAt(stream, 1008).cycle, 0.06, 1e-15);
 }
 
 TEST(Signals, ACutOffLastLineIsOmittedAndOtherFaultsAreErrors) {

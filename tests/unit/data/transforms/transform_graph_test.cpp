@@ -80,6 +80,21 @@ TEST(TransformGraph, TakesTheShortestPath) {
   EXPECT_EQ(graph.Find("A", "C")->to_from_from, RandomPose(2));
 }
 
+TEST(TransformGraph, AddsWhatIsMissingAndKeepsWhatItHas) {
+  TransformGraph graph, other;
+  graph.Set(Name("ProbeToTracker"), RandomPose(0), true);
+  other.Set(Name("ProbeToTracker"), RandomPose(1), false);
+  other.Set(Name("ProbeToImage"), RandomPose(2), true);
+  other.Set(Name("NeedleToTracker"), RandomPose(3), true);
+  graph.AddMissing(other);
+  EXPECT_EQ(graph.Find("Probe", "Tracker")->to_from_from, RandomPose(0));
+  EXPECT_TRUE(graph.Find("Probe", "Tracker")->valid);
+  ASSERT_TRUE(graph.Find("Probe", "Image")) << "shares one name only";
+  EXPECT_EQ(graph.Find("Probe", "Image")->to_from_from, RandomPose(2));
+  ASSERT_TRUE(graph.Find("Needle", "Tracker"));
+  EXPECT_EQ(graph.Find("Needle", "Tracker")->to_from_from, RandomPose(3));
+}
+
 TEST(TransformGraph, FindsNothingAcrossAGapOrASingularTransform) {
   TransformGraph graph;
   graph.Set(Name("AToB"), RandomPose(0), true);

@@ -1,5 +1,6 @@
 #include "acus/patient/breathing_registration/phase_files.h"
 
+#include <cmath>
 #include <fstream>
 #include <gmock/gmock.h>
 
@@ -29,6 +30,23 @@ TEST(FindPhases, TakesVolumesInTheOrderOfTheirNumbers) {
   EXPECT_NEAR(files.phases[0].breath.level, 1.0, 1e-9);
   EXPECT_NEAR(files.phases[2].breath.level, 0.0, 1e-9);
   EXPECT_LT(files.phases[1].breath.level_per_s, 0.0);
+}
+
+// A belt whose level is a cosine, from end inspiration, with a period of 4 s.
+TEST(FindPhases, TakesLevelsAndRatesOfTheRecordedBreaths) {
+  const TemporaryFolder folder;
+  for (int n = 0; n < 10; ++n) Touch(folder / Message("p", n, ".nrrd"));
+  breathing::BreathSignal signal{.start_s = 0.0, .step_s = 0.02, .level = {}};
+  for (int n = 0; n <= 3000; ++n) signal.level.push_back(7.0 + std::cos(M_PI / 2.0 * 0.02 * n));
+  const PhaseFiles files = FindPhases(folder.path(), signal);
+  ASSERT_EQ(files.phases.size(), 10);
+  for (int n = 0; n < 10; ++n) {
+    const auto& breath = files.phases[static_cast<std::size_t>(n)].breath;
+    const double angle_rad = 2.0 * M_PI * n / 10.0;
+    EXPECT_EQ(breath.cycle, n / 10.0);
+    EXPECT_NEAR(breath.level, 0.5 + 0.5 * std::cos(angle_rad), 0.05) << n;
+    EXPECT_NEAR(breath.level_per_s, -M_PI / 4.0 * std::sin(angle_rad), 0.08) << n;
+  }
 }
 
 TEST(FindPhases, SaysWhichIsMissing) {
