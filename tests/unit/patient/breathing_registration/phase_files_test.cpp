@@ -32,7 +32,7 @@ TEST(FindPhases, TakesVolumesInTheOrderOfTheirNumbers) {
   EXPECT_LT(files.phases[1].breath.level_per_s, 0.0);
 }
 
-// A belt whose level is a cosine, from end inspiration, with a period of 4 s.
+// A belt whose level is a cosine, from end inspiration, with a period of 4 s; in its own unit.
 TEST(FindPhases, TakesLevelsAndRatesOfTheRecordedBreaths) {
   const TemporaryFolder folder;
   for (int n = 0; n < 10; ++n) Touch(folder / Message("p", n, ".nrrd"));
@@ -44,8 +44,8 @@ TEST(FindPhases, TakesLevelsAndRatesOfTheRecordedBreaths) {
     const auto& breath = files.phases[static_cast<std::size_t>(n)].breath;
     const double angle_rad = 2.0 * M_PI * n / 10.0;
     EXPECT_EQ(breath.cycle, n / 10.0);
-    EXPECT_NEAR(breath.level, 0.5 + 0.5 * std::cos(angle_rad), 0.05) << n;
-    EXPECT_NEAR(breath.level_per_s, -M_PI / 4.0 * std::sin(angle_rad), 0.08) << n;
+    EXPECT_NEAR(breath.level, 7.0 + std::cos(angle_rad), 0.04) << n;
+    EXPECT_NEAR(breath.level_per_s, -M_PI / 2.0 * std::sin(angle_rad), 0.06) << n;
   }
 }
 
