@@ -27,6 +27,7 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(libav REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil)
 find_package(HDF5 REQUIRED COMPONENTS C)
 pkg_check_modules(matio REQUIRED IMPORTED_TARGET matio)
+pkg_check_modules(sndfile REQUIRED IMPORTED_TARGET GLOBAL sndfile)  # Global: tests write other formats.
 find_library(ACUS_ZIP zip REQUIRED)  # libzip's own package file asks for tools that it does not need.
 # OpenIGTLink's own USE_FILE sets compiler flags that break others: a target of our own instead.
 find_library(ACUS_OPENIGTLINK OpenIGTLink REQUIRED)

@@ -230,7 +230,7 @@ constexpr Reader kReaders[] = {
     {"dicom_segmentation", ".dcm", [](Path file) { volume::ReadDicomSegmentation(file); },
      WriteSegmentation},
     {"segments", ".seg.nrrd", [](Path file) { volume::ReadNamedValues(file); }, WriteSegments},
-    {"wav", ".wav", [](Path file) { sound::ReadWav(file); },
+    {"wav", ".wav", [](Path file) { sound::ReadSound(file); },
      [](Path folder) {
        sound::WriteWav(folder / "seed.wav", {.rate_hz = 8000, .samples = {1, 2, 3, 4}});
      }},

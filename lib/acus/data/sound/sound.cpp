@@ -2,118 +2,91 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <fstream>
+#include <sndfile.hh>
+#include <string_view>
 
 #include "acus/base/core/atomic_file.h"
-#include "acus/base/core/bytes.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 
 namespace acus::sound {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint16_t kPcm = 1;
-constexpr std::uint16_t kExtensible = 0xfffe;  // Says further on what it is.
-constexpr std::size_t kFormatBytes = 16;
+constexpr std::size_t kFramesAtOnce = 4096;
+constexpr double kFullScale = 32768.0;
+constexpr const char* kTry =
+    "; convert it, for example with ffmpeg -i IN -ac 1 -ar 44100 -sample_fmt s16 -t 60 OUT.wav";
 
-struct Format {
-  std::uint16_t kind = 0;
-  std::uint16_t channels = 0;
-  std::uint32_t rate_hz = 0;
-  std::uint16_t bits = 0;
-};
+/// WAV, AIFF, FLAC, Ogg. libsndfile reads more, but tells some by the name alone, and its decoder
+/// of MP3 writes messages of its own.
+constexpr std::string_view kBegins[] = {"RIFF", "FORM", "fLaC", "OggS"};
 
-Format FormatOf(std::span<const std::uint8_t> bytes) {
-  core::ByteReader in(bytes, std::endian::little);
-  Format format;
-  format.kind = in.Number<std::uint16_t>();
-  format.channels = in.Number<std::uint16_t>();
-  format.rate_hz = in.Number<std::uint32_t>();
-  in.Take(6);  // Bytes per second and per sample follow from the rest.
-  format.bits = in.Number<std::uint16_t>();
-  if (format.kind == kExtensible) {
-    in.Take(8);
-    format.kind = in.Number<std::uint16_t>();
-  }
-  return format;
+void CheckBegin(const fs::path& path) {
+  RequireInputFile(path);
+  std::string begin(kBegins[0].size(), '\0');
+  std::ifstream(path, std::ios::binary)
+      .read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  ACUS_REQUIRE(std::ranges::count(kBegins, begin) == 1, path.string(),
+               ": is no WAV, AIFF, FLAC or Ogg file", kTry);
 }
 
-void Check(const Format& format, const std::string& where) {
-  constexpr const char* kTry = "; convert it, for example with ffmpeg -i IN -ac 1 -sample_fmt s16";
-  ACUS_REQUIRE(format.kind == kPcm && format.bits == 16, where, ": format ", format.kind, " with ",
-               format.bits, " bits; allowed is PCM (1) with 16 bits", kTry);
-  ACUS_REQUIRE(format.channels == 1 || format.channels == 2, where, ": ", format.channels,
+void Check(const SndfileHandle& file, const std::string& where) {
+  ACUS_REQUIRE(file.channels() == 1 || file.channels() == 2, where, ": ", file.channels(),
                " channels; allowed are 1 and 2", kTry);
-  ACUS_REQUIRE(format.rate_hz >= kLeastRateHz && format.rate_hz <= kLargestRateHz, where, ": ",
-               format.rate_hz, " samples per second; allowed are ", kLeastRateHz, " to ",
+  ACUS_REQUIRE(file.samplerate() >= kLeastRateHz && file.samplerate() <= kLargestRateHz, where,
+               ": ", file.samplerate(), " samples per second; allowed are ", kLeastRateHz, " to ",
                kLargestRateHz, kTry);
 }
 
-Sound SoundOf(const Format& format, std::span<const std::uint8_t> data, const std::string& where) {
-  const std::size_t count = data.size() / (2UL * format.channels);
-  ACUS_REQUIRE(count > 0, where, ": it has no sample");
-  ACUS_REQUIRE(static_cast<double>(count) <= kLongestSoundS * format.rate_hz, where, ": ",
-               static_cast<double>(count) / format.rate_hz, " s long; allowed are ", kLongestSoundS,
-               " s");
-  Sound sound{.rate_hz = static_cast<int>(format.rate_hz),
-              .samples = std::vector<std::int16_t>(count)};
-  core::ByteReader in(data, std::endian::little);
-  for (std::int16_t& sample : sound.samples) {
-    int sum = 0;
-    for (int channel = 0; channel < format.channels; ++channel) sum += in.Number<std::int16_t>();
-    sample = static_cast<std::int16_t>(sum / format.channels);
-  }
-  return sound;
+std::int16_t SampleOf(double value) {
+  return static_cast<std::int16_t>(
+      std::lround(std::clamp(kFullScale * value, -kFullScale, kFullScale - 1.0)));
 }
 
 }  // namespace
 
-Sound ReadWav(const fs::path& path) {
+Sound ReadSound(const fs::path& path) {
   const std::string where = path.string();
-  const std::string text = ReadTextFile(path);
-  core::ByteReader in(text, std::endian::little);
-  const std::string riff = in.Text(4);
-  in.Take(4);  // Size of all: the parts have their own.
-  ACUS_REQUIRE(riff == "RIFF" && in.Text(4) == "WAVE", where, ": is no WAV file");
-  std::optional<Format> format;
-  while (in.left() >= 8) {
-    const std::string name = in.Text(4);
-    const std::size_t size = in.Number<std::uint32_t>();
-    ACUS_REQUIRE(size <= in.left(), where, ": part '", name, "' should have ", size,
-                 " bytes, but the file ends after ", in.left());
-    const auto part = in.Take(size);
-    if (name == "fmt ") {
-      ACUS_REQUIRE(size >= kFormatBytes, where, ": part 'fmt ' has ", size, " bytes of ",
-                   kFormatBytes);
-      format = FormatOf(part);
-      Check(*format, where);
-    } else if (name == "data") {
-      ACUS_REQUIRE(format, where, ": part 'data' comes before 'fmt '");
-      return SoundOf(*format, part, where);
+  CheckBegin(path);
+  SndfileHandle file(where);
+  ACUS_REQUIRE(file.rawHandle() != nullptr, where, ": cannot be read: ", file.strError(), kTry);
+  Check(file, where);
+  Sound sound{.rate_hz = file.samplerate(), .samples = {}};
+  const auto channels = static_cast<std::size_t>(file.channels());
+  // What the file says of its length is not believed: it grows with what is there.
+  std::vector<float> values(kFramesAtOnce * channels);
+  for (;;) {
+    const auto count = static_cast<std::size_t>(file.readf(values.data(), kFramesAtOnce));
+    ACUS_REQUIRE(file.error() == 0, where, ": is damaged after ", sound.duration_s(),
+                 " s: ", file.strError(), kTry);
+    if (count == 0) break;
+    for (std::size_t i = 0; i < count; ++i) {
+      double sum = 0.0;
+      for (std::size_t c = 0; c < channels; ++c) sum += values[i * channels + c];
+      ACUS_REQUIRE(std::isfinite(sum), where, ": sample ", sound.samples.size(),
+                   " is no finite number", kTry);
+      sound.samples.push_back(SampleOf(sum / static_cast<double>(channels)));
     }
-    if (size % 2 == 1) in.Take(1);
+    ACUS_REQUIRE(sound.duration_s() <= kLongestSoundS, where, ": longer than the allowed ",
+                 kLongestSoundS, " s", kTry);
   }
-  throw InputError(where + ": has no part 'data'; was it cut off?");
+  ACUS_REQUIRE(!sound.samples.empty(), where, ": it has no sample", kTry);
+  return sound;
 }
 
 void WriteWav(const fs::path& path, const Sound& sound) {
-  core::ByteWriter out(std::endian::little);
-  const auto data_bytes = static_cast<std::uint32_t>(2 * sound.samples.size());
-  out.Text("RIFF", 4);
-  out.Number(std::uint32_t{36 + data_bytes});
-  out.Text("WAVEfmt ", 8);
-  out.Number(static_cast<std::uint32_t>(kFormatBytes));
-  out.Number(kPcm);
-  out.Number(std::uint16_t{1});
-  out.Number(static_cast<std::uint32_t>(sound.rate_hz));
-  out.Number(static_cast<std::uint32_t>(2 * sound.rate_hz));
-  out.Number(std::uint16_t{2});
-  out.Number(std::uint16_t{16});
-  out.Text("data", 4);
-  out.Number(data_bytes);
-  for (const std::int16_t sample : sound.samples) out.Number(sample);
-  WriteTextFile(path, out.AsString());
+  AtomicFile out(path);
+  const auto count = static_cast<sf_count_t>(sound.samples.size());
+  {
+    SndfileHandle file(out.path().string(), SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 1,
+                       sound.rate_hz);
+    ACUS_REQUIRE(file.rawHandle() != nullptr && file.writef(sound.samples.data(), count) == count,
+                 path.string(), ": cannot be written: ", file.strError());
+  }
+  out.Commit();
 }
 
 Sound TrackOf(const Sound& sound, const std::vector<double>& times_s, double duration_s) {

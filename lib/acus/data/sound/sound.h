@@ -1,4 +1,4 @@
-// A sound, and its WAV file.
+// A sound, and its file.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +21,14 @@ inline constexpr int kLeastRateHz = 8000;
 inline constexpr int kLargestRateHz = 192000;
 inline constexpr double kLongestSoundS = 60.0;  ///< Of a file that is read.
 
-/// Reads PCM of 16 bits with 1 or 2 channels, which become their mean.
-/// @throws InputError for anything else: another format, a rate that is not allowed, no sample,
-/// more
-///     than kLongestSoundS, sizes that the file does not hold.
-Sound ReadWav(const std::filesystem::path& path);
+/// Reads WAV, AIFF, FLAC and Ogg, whatever the name says. 2 channels become their mean; values
+/// beyond full scale are clipped. A file that was cut off may be read as far as it goes.
+/// @throws InputError for anything else: another format, more channels, a rate that is not allowed,
+///     no sample, a value that is not finite, more than kLongestSoundS, damage that the decoder
+///     sees.
+Sound ReadSound(const std::filesystem::path& path);
 
+/// PCM of 16 bits. The same bytes for the same sound.
 /// @throws InputError if the file cannot be written.
 void WriteWav(const std::filesystem::path& path, const Sound& sound);
 

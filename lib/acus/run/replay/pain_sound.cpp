@@ -24,7 +24,7 @@ std::optional<sound::Sound> PainSoundOf(const scenario::Scenario& scenario, RunC
     sound = sound::Cry();
   } else {
     try {
-      sound = sound::ReadWav(name);
+      sound = sound::ReadSound(name);
     } catch (const InputError& error) {
       throw InputError(Message(scenario.file.string(), ": /effects/pain_reaction/sound: ",
                                error.what(), " (or \"none\" or \"cry\")"));

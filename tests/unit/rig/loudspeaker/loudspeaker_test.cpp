@@ -30,7 +30,7 @@ TEST(ALoudspeaker, PlaysTheSoundEachTimeFromItsBeginning) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1200));
   }
   loudspeaker.reset();
-  const sound::Sound played = sound::ReadWav(file);
+  const sound::Sound played = sound::ReadSound(file);
   ASSERT_EQ(played.rate_hz, cry.rate_hz);
   const auto found = testing_support::FindSounds(played, cry);
   ASSERT_EQ(found.size(), 2U);

@@ -53,7 +53,7 @@ TEST_F(PatientInPain, IsHeardLiveAndInTheReplay) {
 
   // The replay has a cry where the movement begins, to the sample.
   const sound::Sound cry = sound::Cry();
-  const sound::Sound track = sound::ReadWav(folder_ / "r/pain_reaction.wav");
+  const sound::Sound track = sound::ReadSound(folder_ / "r/pain_reaction.wav");
   const auto in_track = testing_support::FindSounds(track, cry);
   std::vector<double> begins_s;
   double first_s = -1.0;
@@ -80,7 +80,7 @@ TEST_F(PatientInPain, IsHeardLiveAndInTheReplay) {
   const auto heard = config::ReadJson(folder_ / "s/summary.json").at("pain_sound");
   if (heard.at("trouble") != "") GTEST_SKIP() << heard.at("trouble");
   EXPECT_EQ(heard.at("played"), reactions);
-  const sound::Sound played = sound::ReadWav(folder_ / "played.wav");
+  const sound::Sound played = sound::ReadSound(folder_ / "played.wav");
   const auto in_room = testing_support::FindSounds(played, cry);
   ASSERT_GE(in_room.size(), 1U);
   for (std::size_t i = 0; i < in_room.size(); ++i) {

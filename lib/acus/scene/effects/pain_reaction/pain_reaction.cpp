@@ -101,7 +101,7 @@ class PainReactionEffect final : public Effect {
         "rise_s": {"type": "number", "minimum": 0.02, "maximum": 10, "default": 0.25, "description": "Duration of the movement away"},
         "return_s": {"type": "number", "minimum": 0.02, "maximum": 60, "default": 1.5, "description": "Duration of the movement back"},
         "pause_s": {"type": "number", "minimum": 0, "maximum": 600, "default": 2, "description": "After a reaction the patient feels no other one for this time"},
-        "sound": {"type": "string", "default": "none", "description": "What is heard with the movement: none; cry, a synthetic one; or a WAV file of yours (16 bits, at most 60 s). Live through the loudspeaker, in replays as pain_reaction.wav"}
+        "sound": {"type": "string", "default": "none", "description": "What is heard with the movement: none; cry, a synthetic one; or a sound file of yours (WAV, AIFF, FLAC or Ogg; 1 or 2 channels, at most 60 s). Live through the loudspeaker, in replays as pain_reaction.wav"}
       }
     })json");
   }
