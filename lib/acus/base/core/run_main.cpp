@@ -12,6 +12,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <thread>
 #include <unistd.h>
@@ -147,6 +148,13 @@ void EndWithoutExitHandlersOfLibraries() {
   std::abort();
 }
 
+/// OpenCV and ITK have exceptions of their own for it.
+bool SaysNoMemory(const std::exception& error) {
+  const std::string_view what = error.what();
+  return what.find("Insufficient memory") != std::string_view::npos ||
+         what.find("Failed to allocate memory") != std::string_view::npos;
+}
+
 bool StandardOutputIsWritten() {
   std::cout.flush();
   return std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
@@ -182,7 +190,9 @@ int CodeOf(const std::function<ExitCode()>& body,
                            "(ulimit -v, ulimit -u)")
                     : fail(ExitCode::kInternal, Message("unexpected error: ", error.what()));
   } catch (const std::exception& error) {
-    return fail(ExitCode::kInternal, Message("unexpected error: ", error.what()));
+    return SaysNoMemory(error)
+               ? fail(ExitCode::kInput, kNoMemory)
+               : fail(ExitCode::kInternal, Message("unexpected error: ", error.what()));
   }
 }
 
