@@ -67,3 +67,31 @@ case $paper in
     ;;
 esac
 while read -r what; do held "${what% *}" "${what##* }"; done <"$root/tests/cli/papers/$paper.txt"
+
+# Figures 5, upper, and 10 of Fortmeier-2016 as the page makes them.
+if [[ $paper == fortmeier_2016 ]]; then
+  # shellcheck source=/dev/null
+  source "$root/pipelines/paper_pages/fortmeier_2016_figures.sh"
+  figure_5_upper
+  # at_40_mm RUN N: on the way in, within 0.01 N.
+  at_40_mm() {
+    awk -F, -v want="$2" '$1 > deep { deep = $1; n = $2 } END { d = n - want; exit !(deep > 39 && d * d < 1e-4) }' "$1.csv" ||
+      fail "$paper: figure 5, upper: $1 is not $2 N at 40 mm" 4
+  }
+  at_40_mm printed 1.37
+  at_40_mm block 1.49
+  for model in half_cycle surrogate; do synthetic_motion $model 24 motion_deep_$model --diaphragm-mm 30; done
+  figure_10
+  # hysteresis MODEL: mean difference of the slices in the middle of in- and expiration, without their text, grey levels.
+  hysteresis() {
+    /usr/bin/python3 -B - "$root/pipelines/paper_pages" "breath_$1/frames/planes_0000" <<'PYTHON'
+import sys
+sys.path.append(sys.argv[1])
+import sheet
+out, back = (sheet.read(f"{sys.argv[2]}{n}.png")[24:] for n in (1, 3))
+print(sum(abs(a - b) for rows in zip(out, back) for a, b in zip(*rows)) / sum(map(len, out)))
+PYTHON
+  }
+  [[ $(hysteresis half_cycle) == 0.0 ]] || fail "$paper: figure 10: half-cycle key frames show hysteresis" 4
+  awk -v grey="$(hysteresis surrogate)" 'BEGIN { exit !(grey > 1) }' || fail "$paper: figure 10: the surrogate model shows no hysteresis" 4
+fi
