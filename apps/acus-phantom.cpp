@@ -24,7 +24,6 @@ int main(int argc, char** argv) {
       "  acus-phantom patient lumbar --seed 1 -o patient\n"
       "  acus-phantom scene patient/labels.seg.nrrd -o scene\n"
       "  acus-phantom scene patient/labels.seg.nrrd --target liver --window subcostal -o biopsy\n"
-      "  acus-phantom scene segmented/labels.seg.nrrd --target L3-L4 -o puncture\n"
       "  acus-phantom warp liver_patient/ct.nrrd --phases 4 -o moving\n");
   app.require_subcommand(1)->fallthrough();
   CLI::App* patient = app.add_subcommand(

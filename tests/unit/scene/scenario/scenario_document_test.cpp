@@ -41,6 +41,8 @@ TEST(ScenarioDocument, DecidesForEveryTextWhetherItIsAPath) {
                                           "/effects/breathing/column",
                                           "/effects/needle_force/recording",
                                           "/effects/pulsating_vessels/tissue",
+                                          // Or a file, which the effect finds by itself.
+                                          "/effects/pain_reaction/sound",
                                           "/effects/peristalsis/tissue",
                                           "/evidence/asked",
                                           "/evidence/machine",
