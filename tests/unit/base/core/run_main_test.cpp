@@ -75,6 +75,18 @@ TEST(RunMain, TurnsEachKindOfErrorIntoItsExitCodeAndOneMessage) {
   EXPECT_EQ(RunThrowing(Cancelled()).code, 130);
 }
 
+// What OpenCV and ITK throw in place of std::bad_alloc.
+TEST(RunMain, KnowsTheLibrariesWordsForTooLittleMemory) {
+  const std::string wanted = RunThrowing(std::bad_alloc()).stderr_text;
+  for (const char* text :
+       {"OpenCV(4.6.0) alloc.cpp:73: error: (-4:Insufficient memory) Failed to allocate 2132040 "
+        "bytes in function 'OutOfMemoryError'",
+        "Failed to allocate memory for image."}) {
+    EXPECT_EQ(RunThrowing(std::runtime_error(text)).code, 3);
+    EXPECT_EQ(RunThrowing(std::runtime_error(text)).stderr_text, wanted);
+  }
+}
+
 TEST(RunMain, TakesWhatTheSystemRefusesForAnInputError) {
   const auto loop = std::make_error_code(std::errc::too_many_symbolic_link_levels);
   const Result files = RunThrowing(std::filesystem::filesystem_error("status", "a.json", loop));

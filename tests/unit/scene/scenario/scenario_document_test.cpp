@@ -34,20 +34,13 @@ TEST(ScenarioDocument, DecidesForEveryTextWhetherItIsAPath) {
   }
   // A new one belongs here, or among the paths: else a scenario written elsewhere would not find
   // it.
-  const std::set<std::string> no_paths = {"/name",
-                                          "/patient/series",
-                                          "/session/reference_frame",
-                                          "/effects/tissue/fe_3d/element",
-                                          "/effects/breathing/column",
-                                          "/effects/needle_force/recording",
-                                          "/effects/pulsating_vessels/tissue",
-                                          // Or a file, which the effect finds by itself.
-                                          "/effects/pain_reaction/sound",
-                                          "/effects/peristalsis/tissue",
-                                          "/evidence/asked",
-                                          "/evidence/machine",
-                                          "/evidence/acus_version",
-                                          "/evidence/session/name"};
+  const std::set<std::string> no_paths = {
+      "/name", "/patient/series", "/session/reference_frame", "/effects/tissue/fe_3d/element",
+      "/effects/breathing/column", "/effects/needle_force/recording",
+      "/effects/pulsating_vessels/tissue",
+      // Or a file, which the effect finds by itself.
+      "/effects/pain_reaction/sound", "/effects/peristalsis/tissue", "/evidence/asked",
+      "/evidence/machine", "/evidence/acus_version", "/evidence/session/name"};
   EXPECT_EQ(places, no_paths);
 }
 
