@@ -26,7 +26,7 @@ in_ct() {
 }
 only_images=(--set /effects/needle_force=null --set /effects/needle=null --set /effects/tissue=null --set /needle=null)
 no_view=(--set /effects/view_3d=null)
-sheet() { python3 "$root/pipelines/paper_pages/sheet.py" "$@"; }
+sheet() { /usr/bin/python3 "$root/pipelines/paper_pages/sheet.py" "$@"; }
 
 # session_of FOLDER TOOL: a session of one tool, its rows from standard input.
 session_of() {

@@ -51,4 +51,15 @@ inline mesh::Surface Icosphere(double radius_mm, int levels,
   return out;
 }
 
+/// Two surfaces in one.
+inline mesh::Surface Joined(const mesh::Surface& a, const mesh::Surface& b) {
+  mesh::Surface out;
+  out.nodes_mm.resize(3, a.nodes_mm.cols() + b.nodes_mm.cols());
+  out.nodes_mm << a.nodes_mm, b.nodes_mm;
+  out.triangles.resize(3, a.triangles.cols() + b.triangles.cols());
+  out.triangles << a.triangles,
+      (b.triangles.array() + static_cast<int>(a.nodes_mm.cols())).matrix();
+  return out;
+}
+
 }  // namespace acus::testing_support

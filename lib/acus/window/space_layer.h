@@ -56,8 +56,8 @@ class SpaceLayer {
   void SetLight(const Eigen::Vector3d& towards);
 
   /// Where in the window, and the camera, whose image fills that. An empty place: not drawn.
-  /// @param both_eyes  The eyes are told apart by the window (square pixels, the axis in
-  ///     the middle of the image).
+  /// @param both_eyes  The window gives each eye its own image (square pixels, the axis in the
+  ///     middle of the image).
   void SetView(const Rectangle& place, const Rectangle& window,
                const volume_rendering::Camera& camera, const DepthRange& range,
                bool both_eyes = false);

@@ -20,8 +20,8 @@ constexpr double kFullScale = 32768.0;
 constexpr const char* kTry =
     "; convert it, for example with ffmpeg -i IN -ac 1 -ar 44100 -sample_fmt s16 -t 60 OUT.wav";
 
-/// WAV, AIFF, FLAC, Ogg. libsndfile reads more, but tells some by the name alone, and its decoder
-/// of MP3 writes messages of its own.
+/// WAV, AIFF, FLAC, Ogg. libsndfile reads more, but takes some formats from the name alone, and its
+/// decoder of MP3 writes messages of its own.
 constexpr std::string_view kBegins[] = {"RIFF", "FORM", "fLaC", "OggS"};
 
 void CheckBegin(const fs::path& path) {

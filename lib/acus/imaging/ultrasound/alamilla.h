@@ -28,7 +28,7 @@ class AlamillaRenderer {
  public:
   /// Keeps references to `labels` and `triangles`, which must outlive this.
   /// @param triangles  What the labels of samples come from in place of the label map, which then
-  ///     tells the directions of fibres only; null: the label map.
+  ///     gives the directions of fibres only; null: the label map.
   /// @throws InputError if the probe or an option is out of range, or the label map or a surface
   ///     has a tissue without a row.
   AlamillaRenderer(const volume::LabelMap& labels, const acoustics::Probe& probe,

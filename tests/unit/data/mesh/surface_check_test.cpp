@@ -42,7 +42,7 @@ Surface Torus(int around, int across) {
 }
 
 TEST(CheckSurface, FindsNothingWrongWithASphere) {
-  const SurfaceReport report = CheckSurface(shapes::Sphere(10.0, 3));
+  const SurfaceReport report = CheckSurface(shapes::Icosphere(10.0, 3));
   EXPECT_TRUE(report.is_fit_for_meshing());
   EXPECT_THAT(report.Sentences(), IsEmpty());
   EXPECT_EQ(report.euler_number, 2);
@@ -103,21 +103,21 @@ TEST(CheckSurface, SeesSheetsThatTouchInOneNode) {
 }
 
 TEST(CheckSurface, FindsSurfacesThatCutEachOther) {
-  const SurfaceReport apart =
-      CheckSurface(shapes::Joined(shapes::Sphere(1.0, 2), shapes::Sphere(1.0, 2, {2.1, 0, 0})));
+  const SurfaceReport apart = CheckSurface(
+      shapes::Joined(shapes::Icosphere(1.0, 2), shapes::Icosphere(1.0, 2, {2.1, 0, 0})));
   EXPECT_EQ(apart.intersections.count, 0U);
   const SurfaceReport through = CheckSurface(
-      shapes::Joined(shapes::Sphere(1.0, 2), shapes::Sphere(1.0, 2, {1.0, 0.01, 0.02})));
+      shapes::Joined(shapes::Icosphere(1.0, 2), shapes::Icosphere(1.0, 2, {1.0, 0.01, 0.02})));
   EXPECT_GT(through.intersections.count, 20U);
   EXPECT_NEAR(through.intersections.first_mm[0], 0.5, 0.2);
   EXPECT_THAT(through.Sentences(), Contains(HasSubstr("cut each other")));
   const SurfaceReport inside =
-      CheckSurface(shapes::Joined(shapes::Sphere(1.0, 2), shapes::Sphere(0.5, 2)));
+      CheckSurface(shapes::Joined(shapes::Icosphere(1.0, 2), shapes::Icosphere(0.5, 2)));
   EXPECT_EQ(inside.intersections.count, 0U);
 }
 
 TEST(CheckSurface, TakesLittleTimeForManyTriangles) {
-  const Surface fine = shapes::Sphere(100.0, 6);  // 81,920 triangles.
+  const Surface fine = shapes::Icosphere(100.0, 6);  // 81,920 triangles.
   const auto start = std::chrono::steady_clock::now();
   EXPECT_TRUE(CheckSurface(fine).is_fit_for_meshing());
   // Comparing all pairs would take minutes; generous for loaded machines and sanitizers.
@@ -145,7 +145,7 @@ TEST(RepairSurface, TurnsASoupOfFlippedTrianglesIntoACube) {
 }
 
 TEST(RepairSurface, ClosesHolesAndTurnsInsideOut) {
-  Surface sphere = shapes::Sphere(10.0, 3);
+  Surface sphere = shapes::Icosphere(10.0, 3);
   const double volume = SignedVolumeMm3(sphere);
   sphere.triangles.row(0).swap(sphere.triangles.row(1));
   const Repair repair = RepairSurface(WithoutTriangles(sphere, 100, 4));
@@ -159,7 +159,7 @@ TEST(RepairSurface, ClosesHolesAndTurnsInsideOut) {
 }
 
 TEST(RepairSurface, SmoothsASmallFold) {
-  Surface sphere = shapes::Sphere(10.0, 4);
+  Surface sphere = shapes::Icosphere(10.0, 4);
   const int moved = sphere.triangles(0, 700);
   const Eigen::Vector3d over = sphere.nodes_mm.col(sphere.triangles(1, 700));
   sphere.nodes_mm.col(moved) += 1.9 * (over - sphere.nodes_mm.col(moved));
@@ -169,7 +169,7 @@ TEST(RepairSurface, SmoothsASmallFold) {
 }
 
 TEST(RepairSurface, LeavesAGoodSurfaceAlone) {
-  const Surface sphere = shapes::Sphere(10.0, 2);
+  const Surface sphere = shapes::Icosphere(10.0, 2);
   const Repair repair = RepairSurface(sphere);
   EXPECT_THAT(repair.done, IsEmpty());
   EXPECT_EQ(repair.surface.nodes_mm, sphere.nodes_mm);

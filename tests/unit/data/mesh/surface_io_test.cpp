@@ -24,7 +24,7 @@ INSTANTIATE_TEST_SUITE_P(All, SurfaceFormat, testing::Values("stl", "obj", "ply"
 
 TEST_P(SurfaceFormat, GivesBackWhatWasWritten) {
   const auto path = TemporaryPath(std::string("sphere.") + GetParam());
-  const Surface sphere = shapes::Sphere(20.0, 2);
+  const Surface sphere = shapes::Icosphere(20.0, 2);
   WriteSurface(path, sphere);
   const Surface back = ReadSurface(path);
   ASSERT_EQ(back.nodes_mm.cols(), sphere.nodes_mm.cols());

@@ -148,15 +148,8 @@ TEST(SurfaceTracer, TrianglesMayFaceEitherWayAndOverlapsAreNoHoles) {
     EXPECT_EQ(LabelAt(tracer, at), LabelAt(same, at));
   }
   // Two balls in one surface, overlapping: the middle is inside both.
-  Surface two = Icosphere(6.0, 3, {-2, 0, 0});
-  const Surface second = Icosphere(6.0, 3, {2, 0, 0});
-  const auto nodes = two.nodes_mm.cols();
-  Eigen::Matrix3Xd all(3, 2 * nodes);
-  all << two.nodes_mm, second.nodes_mm;
-  Eigen::Matrix3Xi triangles(3, 2 * two.triangles.cols());
-  triangles << two.triangles, (second.triangles.array() + static_cast<int>(nodes)).matrix();
-  two.nodes_mm = all;
-  two.triangles = triangles;
+  const Surface two =
+      testing_support::Joined(Icosphere(6.0, 3, {-2, 0, 0}), Icosphere(6.0, 3, {2, 0, 0}));
   EXPECT_EQ(LabelsOf(Traced(SurfaceTracer({Labelled(two, 5)}, 1), path)),
             (std::vector<int>{0, 5, 0}));
 }

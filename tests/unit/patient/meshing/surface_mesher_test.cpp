@@ -10,8 +10,8 @@
 namespace acus::meshing {
 namespace {
 
+using mesh::shapes::Icosphere;
 using mesh::shapes::Joined;
-using mesh::shapes::Sphere;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -30,9 +30,9 @@ TEST(MeshSurface, FillsACubeExactly) {
 
 TEST(MeshSurface, ObeysTheElementSize) {
   SurfaceMeshSettings settings;
-  const auto coarse = MeshSurface(Sphere(20.0, 3), "sphere", settings, {});
+  const auto coarse = MeshSurface(Icosphere(20.0, 3), "sphere", settings, {});
   settings.tetgen.element_size_mm = 2.0;
-  const auto fine = MeshSurface(Sphere(20.0, 3), "sphere", settings, {});
+  const auto fine = MeshSurface(Icosphere(20.0, 3), "sphere", settings, {});
   EXPECT_NEAR(coarse.mesh_ml, coarse.surface_ml, 1e-9 * coarse.surface_ml);
   EXPECT_GT(fine.mesh.tetrahedra.cols(), 3 * coarse.mesh.tetrahedra.cols());
 }
@@ -53,7 +53,7 @@ TEST(MeshSurface, MakesASurfaceOfThinTrianglesAgain) {
 }
 
 TEST(MeshSurface, SaysWhatIsWrongAndWhere) {
-  const auto cut = Joined(Sphere(10.0, 2), Sphere(10.0, 2, {10, 0.1, 0.2}));
+  const auto cut = Joined(Icosphere(10.0, 2), Icosphere(10.0, 2, {10, 0.1, 0.2}));
   EXPECT_THAT([&] { MeshSurface(cut, "two.stl", {}, {}); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("two.stl: cannot be filled"),
                                               HasSubstr("cut each other, the first at ("),
@@ -66,11 +66,11 @@ TEST(VoxelsInside, CountTheVolumeOfOverlapsOnce) {
     const volume::LabelMap labels = VoxelsInside(surface, voxel_mm, 3);
     return static_cast<double>(std::ranges::count(labels.voxels, 3)) * std::pow(voxel_mm, 3);
   };
-  const double one = SignedVolumeMm3(Sphere(10.0, 4));
-  EXPECT_NEAR(volume_of(Sphere(10.0, 4)), one, 0.005 * one);
+  const double one = SignedVolumeMm3(Icosphere(10.0, 4));
+  EXPECT_NEAR(volume_of(Icosphere(10.0, 4)), one, 0.005 * one);
   EXPECT_NEAR(volume_of(mesh::shapes::Cube(10.0)), 1000.0, 30.0);
-  EXPECT_NEAR(volume_of(Joined(Sphere(10.0, 4), Sphere(5.0, 3))), one, 0.005 * one);
-  EXPECT_THROW(VoxelsInside(Sphere(10.0, 1), 0.001, 1), InputError);
+  EXPECT_NEAR(volume_of(Joined(Icosphere(10.0, 4), Icosphere(5.0, 3))), one, 0.005 * one);
+  EXPECT_THROW(VoxelsInside(Icosphere(10.0, 1), 0.001, 1), InputError);
 }
 
 }  // namespace

@@ -20,10 +20,6 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-mesh::Surface SurfaceSceneBall(double radius_mm, int levels, const Eigen::Vector3d& middle_mm) {
-  return testing_support::Icosphere(radius_mm, levels, middle_mm);
-}
-
 mesh::Surface Box(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   mesh::Surface out;
   out.nodes_mm.resize(3, 8);
@@ -51,7 +47,7 @@ std::size_t Count(const volume::LabelMap& labels, volume::Label label) {
 
 TEST(Rasterise, EveryVoxelCentreIsOnItsSideOfABall) {
   volume::LabelMap labels = Grid(90, 0.5, -22.3);
-  const mesh::Surface ball = SurfaceSceneBall(20.0, 5, {0, 0, 0});
+  const mesh::Surface ball = testing_support::Icosphere(20.0, 5, {0, 0, 0});
   EXPECT_EQ(CheckClosed(ball, "ball"), Winding::kOriented);
   PaintInside(ball, Winding::kOriented, 8, 1, labels);
   // Faces lie up to 0.008 mm within the sphere.
@@ -119,7 +115,7 @@ TEST(Rasterise, LinesThroughNodesAndEdgesAreCountedOnce) {
 }
 
 TEST(Rasterise, TrianglesMayFaceEitherWayAndOverlapsAreNoHoles) {
-  mesh::Surface ball = SurfaceSceneBall(8.0, 3, {10, 10, 10});
+  mesh::Surface ball = testing_support::Icosphere(8.0, 3, {10, 10, 10});
   volume::LabelMap outwards = Grid(20, 1.0, 0.0);
   PaintInside(ball, Winding::kOriented, 1, 1, outwards);
   mesh::Surface inwards = ball;
@@ -133,22 +129,16 @@ TEST(Rasterise, TrianglesMayFaceEitherWayAndOverlapsAreNoHoles) {
   PaintInside(ball, Winding::kUnoriented, 1, 1, mixed);
   EXPECT_EQ(outwards.voxels, mixed.voxels);
   // Two balls in one surface, overlapping: the middle is inside both.
-  mesh::Surface two = SurfaceSceneBall(6.0, 3, {8, 10, 10});
-  const mesh::Surface second = SurfaceSceneBall(6.0, 3, {12, 10, 10});
-  const auto nodes = two.nodes_mm.cols();
-  Eigen::Matrix3Xd all(3, 2 * nodes);
-  all << two.nodes_mm, second.nodes_mm;
-  Eigen::Matrix3Xi triangles(3, 2 * two.triangles.cols());
-  triangles << two.triangles, (second.triangles.array() + static_cast<int>(nodes)).matrix();
-  two.nodes_mm = all;
-  two.triangles = triangles;
+  const mesh::Surface two =
+      testing_support::Joined(testing_support::Icosphere(6.0, 3, {8, 10, 10}),
+                              testing_support::Icosphere(6.0, 3, {12, 10, 10}));
   volume::LabelMap joined = Grid(20, 1.0, 0.0);
   PaintInside(two, CheckClosed(two, "two"), 1, 1, joined);
   EXPECT_EQ(joined.At(10, 10, 10), 1);
 }
 
 TEST(Rasterise, GivesTheSameLabelsWithMoreThreads) {
-  const mesh::Surface ball = SurfaceSceneBall(20.0, 4, {1, 2, 3});
+  const mesh::Surface ball = testing_support::Icosphere(20.0, 4, {1, 2, 3});
   volume::LabelMap one = Grid(60, 0.8, -22.0), three = one;
   PaintInside(ball, Winding::kOriented, 8, 1, one);
   PaintInside(ball, Winding::kOriented, 8, 3, three);
@@ -156,13 +146,13 @@ TEST(Rasterise, GivesTheSameLabelsWithMoreThreads) {
 }
 
 TEST(Rasterise, AnOpenSurfaceIsRefusedWithThePlace) {
-  mesh::Surface ball = SurfaceSceneBall(20.0, 3, {100, 0, 0});
+  mesh::Surface ball = testing_support::Icosphere(20.0, 3, {100, 0, 0});
   ball.triangles.conservativeResize(3, ball.triangles.cols() - 1);
   EXPECT_THAT([&] { CheckClosed(ball, "skin.stl"); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("skin.stl: is not closed: 3 edges"),
                                               HasSubstr("Close its holes"))));
   EXPECT_THROW(CheckClosed(mesh::Surface{}, "empty"), InputError);
-  ball = SurfaceSceneBall(20.0, 1, {0, 0, 0});
+  ball = testing_support::Icosphere(20.0, 1, {0, 0, 0});
   ball.nodes_mm(0, 0) = std::nan("");
   EXPECT_THROW(CheckClosed(ball, "nan"), InputError);
 }
@@ -170,9 +160,9 @@ TEST(Rasterise, AnOpenSurfaceIsRefusedWithThePlace) {
 class SurfaceList : public ::testing::Test {
  protected:
   void SetUp() override {
-    mesh::WriteSurface(folder_ / "body.stl", SurfaceSceneBall(30.0, 4, {0, 0, 0}));
-    mesh::WriteSurface(folder_ / "liver.ply", SurfaceSceneBall(10.0, 4, {0, 0, 0}));
-    mesh::WriteSurface(folder_ / "cyst.vtp", SurfaceSceneBall(4.0, 3, {0, 0, 0}));
+    mesh::WriteSurface(folder_ / "body.stl", testing_support::Icosphere(30.0, 4, {0, 0, 0}));
+    mesh::WriteSurface(folder_ / "liver.ply", testing_support::Icosphere(10.0, 4, {0, 0, 0}));
+    mesh::WriteSurface(folder_ / "cyst.vtp", testing_support::Icosphere(4.0, 3, {0, 0, 0}));
   }
   SurfaceScene Read(const std::string& surfaces, const char* more = "") {
     WriteTextFile(folder_ / "scene.json",
@@ -215,7 +205,7 @@ TEST_F(SurfaceList, TissuesHaveTheirVolumesNamesAndHu) {
   const volume::LabelMap labels = LabelsOfSurfaces(scene, context_);
   // The volume of the triangles, which lie within the ball.
   const auto volume = [](double r, int levels) {
-    return mesh::SignedVolumeMm3(SurfaceSceneBall(r, levels, {0, 0, 0}));
+    return mesh::SignedVolumeMm3(testing_support::Icosphere(r, levels, {0, 0, 0}));
   };
   const auto filled = [&](volume::Label label) {
     return 0.125 * static_cast<double>(Count(labels, label));
@@ -247,11 +237,11 @@ TEST_F(SurfaceList, MistakesAreNamed) {
           "ct_from_surface");
   Refuses("", "surfaces");
   Refuses(kBody, "spacing_mm", R"(, "spacing": 0.5)");
-  mesh::Surface open = SurfaceSceneBall(10.0, 2, {0, 0, 0});
+  mesh::Surface open = testing_support::Icosphere(10.0, 2, {0, 0, 0});
   open.triangles.conservativeResize(3, open.triangles.cols() - 2);
   mesh::WriteSurface(folder_ / "open.stl", open);
   Refuses(R"({"file": "open.stl", "tissue": "liver"})", "open.stl: is not closed");
-  mesh::WriteSurface(folder_ / "huge.stl", SurfaceSceneBall(3000.0, 2, {0, 0, 0}));
+  mesh::WriteSurface(folder_ / "huge.stl", testing_support::Icosphere(3000.0, 2, {0, 0, 0}));
   Refuses(R"({"file": "huge.stl", "tissue": "liver"})", "Give a larger /spacing_mm");
 }
 

@@ -199,13 +199,7 @@ TEST_F(ImageMessages, TheDigestIsOfContentsAndSettingsNotOfPlaces) {
   std::string ct = ReadTextFile(folder_ / "elsewhere/ct.nrrd");
   ct.back() = static_cast<char>(ct.back() ^ 1);
   WriteTextFile(folder_ / "elsewhere/ct.nrrd", ct);
-  std::string other;
-  try {
-    other = Digest(elsewhere);
-  } catch (const InputError&) {
-    GTEST_SKIP() << "the last byte is of a checksum";
-  }
-  EXPECT_NE(other, digest);
+  EXPECT_NE(Digest(elsewhere), digest);
 }
 
 }  // namespace
