@@ -84,12 +84,12 @@ if [[ $paper == fortmeier_2016 ]]; then
   figure_10
   # hysteresis MODEL: mean difference of the slices in the middle of in- and expiration, without their text, grey levels.
   hysteresis() {
-    /usr/bin/python3 -B - "$root/pipelines/paper_pages" "breath_$1/frames/planes_0000" <<'PYTHON'
+    /usr/bin/python3 - "breath_$1/frames/planes_0000" <<'PYTHON'
 import sys
-sys.path.append(sys.argv[1])
-import sheet
-out, back = (sheet.read(f"{sys.argv[2]}{n}.png")[24:] for n in (1, 3))
-print(sum(abs(a - b) for rows in zip(out, back) for a, b in zip(*rows)) / sum(map(len, out)))
+from PIL import Image, ImageChops, ImageStat
+out, back = (Image.open(f"{sys.argv[1]}{n}.png").convert("L") for n in (1, 3))
+below_text = (0, 24, out.width, out.height)
+print(ImageStat.Stat(ImageChops.difference(out, back).crop(below_text)).mean[0])
 PYTHON
   }
   [[ $(hysteresis half_cycle) == 0.0 ]] || fail "$paper: figure 10: half-cycle key frames show hysteresis" 4
