@@ -43,14 +43,14 @@ class Case:
                 except ProcessLookupError:
                     pass
 
-    def explore(self, folder, store):
-        """Runs without a mutant, unless the store has what came of it. @return does it pass?"""
+    def explore(self, folder, store, limit_s):
+        """Runs without a mutant, unless the store has what came of it. @return does it pass in time?"""
         if store and store.recall(self):
             return True
         file = pathlib.Path(folder) / f"{threading.get_ident()}.reached"
         file.write_bytes(bytes(MOST))
         begin = time.monotonic()
-        passed = self.run(self.limit_s, MUTANT_REACHED=str(file))
+        passed = self.run(min(self.limit_s, limit_s), MUTANT_REACHED=str(file))
         self.seconds = time.monotonic() - begin
         self.reached = file.read_bytes()
         file.unlink()
