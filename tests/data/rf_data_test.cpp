@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <gtest/gtest.h>
-#include <optional>
 
 #include "acus/imaging/rf/matlab_file.h"
 #include "acus/imaging/rf/measures.h"
@@ -30,24 +29,22 @@ struct Measured {
 
 class FibrePhantom : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    const auto path = testing_support::SharedData("ultrasound/phantom_rf/RFdata1.mat");
-    if (!path) return;
-    const auto configs = std::filesystem::path(ACUS_SOURCE_DIR) / "configs";
-    settings_ = ReadRfSettings(configs / "rf" / "fibre_phantom.json");
-    ChannelData recorded = ReadMatlab(*path, "RF1");
+  Measured Recorded(const std::filesystem::path& path) const {
+    ChannelData recorded = ReadMatlab(path, "RF1");
     recorded.sampling_mhz = settings_.channels.sampling_mhz;
     recorded.start_us = -kEchoMiddleUs;
-    real_ = {Fibres(Lowered(recorded)), Speckle(Lowered(recorded))};
-    // Fibres without speckle: their widths do not depend on the places of scatterers.
-    simulated_ = {Fibres(Lowered(Simulated(settings_.points))),
-                  Speckle(Lowered(Simulated(ScatterersIn(settings_.speckle, 1))))};
-  }
-  void SetUp() override {
-    if (!real_) GTEST_SKIP() << "test data ultrasound/phantom_rf is not here";
+    const Baseband lowered = Lowered(recorded);
+    return {Fibres(lowered), Speckle(lowered)};
   }
 
-  static ChannelData Simulated(const std::vector<Scatterer>& scatterers) {
+  /// Fibres without speckle: their widths do not depend on the places of scatterers.
+  Measured Simulated() const {
+    return {Fibres(Lowered(EchoesOf(settings_.points))),
+            Speckle(Lowered(EchoesOf(ScatterersIn(settings_.speckle, 1))))};
+  }
+
+ private:
+  ChannelData EchoesOf(const std::vector<Scatterer>& scatterers) const {
     const ChannelSimulator simulator(settings_.array, settings_.pulse, settings_.transmits,
                                      settings_.channels);
     ChannelData data = simulator.Empty();
@@ -55,15 +52,15 @@ class FibrePhantom : public ::testing::Test {
     return data;
   }
 
-  static IqImage Image(const Baseband& baseband, const PixelGrid& grid) {
+  IqImage Image(const Baseband& baseband, const PixelGrid& grid) const {
     return DelayAndSum(baseband, settings_.array, settings_.transmits, grid, settings_.beamform, 2);
   }
 
-  static Baseband Lowered(const ChannelData& data) {
+  Baseband Lowered(const ChannelData& data) const {
     return BasebandOf(data, settings_.pulse.frequency_mhz, settings_.baseband_oversampling, 2);
   }
 
-  static std::array<PointWidths, 5> Fibres(const Baseband& baseband) {
+  std::array<PointWidths, 5> Fibres(const Baseband& baseband) const {
     std::array<PointWidths, 5> out;
     for (std::size_t i = 0; i < kFibreDepthsMm.size(); ++i) {
       const PixelGrid grid{{0.0, kFibreDepthsMm[i] - 0.9}, {0.04, 0.02}, 101, 91};
@@ -72,13 +69,13 @@ class FibrePhantom : public ::testing::Test {
     return out;
   }
 
-  static std::vector<float> Speckle(const Baseband& baseband) {
+  std::vector<float> Speckle(const Baseband& baseband) const {
     std::vector<float> out;
     for (const double depth_mm : kSpeckleDepthsMm) AddSpeckle(baseband, depth_mm, out);
     return out;
   }
 
-  static void AddSpeckle(const Baseband& baseband, double depth_mm, std::vector<float>& out) {
+  void AddSpeckle(const Baseband& baseband, double depth_mm, std::vector<float>& out) const {
     const PixelGrid grid{{-16.0, depth_mm - 5.0}, {0.2, 0.1}, 161, 101};
     const std::vector<float> envelope = Envelope(Image(baseband, grid));
     for (int row = 0; row < grid.rows; ++row) {
@@ -89,18 +86,15 @@ class FibrePhantom : public ::testing::Test {
     }
   }
 
-  static RfSettings settings_;
-  static std::optional<Measured> real_;
-  static std::optional<Measured> simulated_;
+  RfSettings settings_ = ReadRfSettings(std::filesystem::path(ACUS_SOURCE_DIR) / "configs" /
+                                        "rf" / "fibre_phantom.json");
 };
-RfSettings FibrePhantom::settings_;
-std::optional<Measured> FibrePhantom::real_;
-std::optional<Measured> FibrePhantom::simulated_;
 
-TEST_F(FibrePhantom, FibresAreAsWideAsRecorded) {
+void ExpectEqualWidths(const std::array<PointWidths, 5>& recorded,
+                       const std::array<PointWidths, 5>& simulations) {
   for (std::size_t i = 0; i < kFibreDepthsMm.size(); ++i) {
-    const PointWidths& real = real_->fibres[i];
-    const PointWidths& simulated = simulated_->fibres[i];
+    const PointWidths& real = recorded[i];
+    const PointWidths& simulated = simulations[i];
     std::printf("%6.1f mm: lateral %.3f recorded, %.3f simulated; axial %.3f, %.3f mm\n",
                 kFibreDepthsMm[i], real.lateral_mm, simulated.lateral_mm, real.axial_mm,
                 simulated.axial_mm);
@@ -112,16 +106,18 @@ TEST_F(FibrePhantom, FibresAreAsWideAsRecorded) {
 }
 
 /// Mean over standard deviation.
-TEST_F(FibrePhantom, SpeckleIsAsRecorded) {
-  const double real = SpeckleSnr(real_->speckle);
-  const double simulated = SpeckleSnr(simulated_->speckle);
+void ExpectEqualSnr(const std::vector<float>& recorded_speckle,
+                    const std::vector<float>& simulated_speckle) {
+  const double real = SpeckleSnr(recorded_speckle);
+  const double simulated = SpeckleSnr(simulated_speckle);
   std::printf("mean over standard deviation: %.3f recorded, %.3f simulated\n", real, simulated);
   EXPECT_NEAR(real, 1.88, 0.05);
   EXPECT_NEAR(simulated, real, 0.05);
 }
 
 /// Half of the sum of differences between histograms of 32 bins over 60 dB around the mean.
-TEST_F(FibrePhantom, GreyLevelsAreDistributedAsRecorded) {
+void ExpectEqualGreyLevels(const std::vector<float>& recorded_speckle,
+                           const std::vector<float>& simulated_speckle) {
   constexpr int kBins = 32;
   const auto histogram = [&](const std::vector<float>& values) {
     std::array<double, kBins> bins{};
@@ -132,12 +128,22 @@ TEST_F(FibrePhantom, GreyLevelsAreDistributedAsRecorded) {
     }
     return bins;
   };
-  const auto real = histogram(real_->speckle);
-  const auto simulated = histogram(simulated_->speckle);
+  const auto real = histogram(recorded_speckle);
+  const auto simulated = histogram(simulated_speckle);
   double distance = 0.0;
   for (int b = 0; b < kBins; ++b) distance += 0.5 * std::abs(real[b] - simulated[b]);
   std::printf("distance of grey-level histograms: %.4f\n", distance);
   EXPECT_LT(distance, 0.05);
+}
+
+TEST_F(FibrePhantom, IsAsRecorded) {
+  const auto path = testing_support::SharedData("ultrasound/phantom_rf/RFdata1.mat");
+  if (!path) GTEST_SKIP() << "test data ultrasound/phantom_rf is not here";
+  const Measured real = Recorded(*path);
+  const Measured simulated = Simulated();
+  ExpectEqualWidths(real.fibres, simulated.fibres);
+  ExpectEqualSnr(real.speckle, simulated.speckle);
+  ExpectEqualGreyLevels(real.speckle, simulated.speckle);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ class WindowInput {
  public:
   WindowInput() { Point(200, 150); }
   void Point(int column, int row) {
-    Run("mousemove --sync " + std::to_string(column) + " " + std::to_string(row));
+    Run("mousemove " + std::to_string(column) + " " + std::to_string(row));
   }
   void Key(const std::string& name) { Run("key " + name); }
   void KeyDown(const std::string& name) { Run("keydown " + name); }
