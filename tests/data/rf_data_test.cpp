@@ -86,8 +86,8 @@ class FibrePhantom : public ::testing::Test {
     }
   }
 
-  RfSettings settings_ = ReadRfSettings(std::filesystem::path(ACUS_SOURCE_DIR) / "configs" /
-                                        "rf" / "fibre_phantom.json");
+  RfSettings settings_ = ReadRfSettings(std::filesystem::path(ACUS_SOURCE_DIR) / "configs" / "rf" /
+                                        "fibre_phantom.json");
 };
 
 void ExpectEqualWidths(const std::array<PointWidths, 5>& recorded,

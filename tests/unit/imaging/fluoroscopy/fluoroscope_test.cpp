@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
@@ -328,6 +330,61 @@ TEST(Fluoroscope, TissueMovesAlikeInACroppedVolume) {
         largest, std::abs(of_whole.Sum(p % 128, p / 128) - of_cropped.Sum(p % 128, p / 128)));
   }
   EXPECT_LT(largest, 1e-4 * of_whole.Sum(64, 48));
+}
+
+/// Moves what lies about `from_mm` as it is, and nothing else.
+class MovedPart : public slicing::RestMap {
+ public:
+  MovedPart(Eigen::Vector3d from_mm, Eigen::Vector3d by_mm)
+      : from_mm_(std::move(from_mm)), by_mm_(std::move(by_mm)) {}
+  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place,
+                             const Eigen::Vector3d&) const noexcept override {
+    return (place - from_mm_ - by_mm_).norm() < 14.0 ? Eigen::Vector3d(place - by_mm_) : place;
+  }
+  double SpacingMm() const noexcept override { return 4.0; }
+
+ private:
+  Eigen::Vector3d from_mm_, by_mm_;
+};
+
+TEST(Fluoroscope, OfTwoBallsTheOneThatMovesIsSeenWhereItIsNow) {
+  // The three sides differ: none may stand for another.
+  volume::Geometry g;
+  g.size = {120, 96, 72};
+  g.spacing_mm = {1, 1, 1};
+  g.origin_mm = {-60, -48, -36};
+  const auto balls = [&](const std::vector<Eigen::Vector3d>& middles) {
+    volume::CtVolume ct(g, std::int16_t{-1000});
+    for (int k = 0; k < g.size[2]; ++k) {
+      for (int j = 0; j < g.size[1]; ++j) {
+        for (int i = 0; i < g.size[0]; ++i) {
+          const Eigen::Vector3d place = g.ct_from_index() * Eigen::Vector3d(i, j, k);
+          for (const auto& middle : middles) {
+            if ((place - middle).norm() < 6.0) ct.At(i, j, k) = 0;
+          }
+        }
+      }
+    }
+    return ct;
+  };
+  const Eigen::Vector3d by_mm(5, -3, 2);
+  image::GrayImage image;
+  for (const Eigen::Vector3d& from :
+       {Eigen::Vector3d(-36, 24, -16), Eigen::Vector3d(38, -22, 14), Eigen::Vector3d(8, 26, 12)}) {
+    Fluoroscope moved(balls({from, -from}), SmallArm(), Pose(20, 10));
+    Fluoroscope there(balls({from + by_mm, -from}), SmallArm(), Pose(20, 10));
+    const MovedPart part(from, by_mm);
+    moved.Render({}, image, 1, &part);
+    there.Render({}, image);
+    double largest = 0.0, sum = 0.0;
+    for (int p = 0; p < 128 * 96; ++p) {
+      const double truth = there.Sum(p % 128, p / 128);
+      largest = std::max(largest, std::abs(moved.Sum(p % 128, p / 128) - truth));
+      sum = std::max(sum, truth);
+    }
+    EXPECT_GT(sum, 0.0);
+    EXPECT_LT(largest, 1e-4 * sum) << from.transpose();
+  }
 }
 
 TEST(Fluoroscope, AMapThatMovesNothingGivesTheSameBitsAndTissueComesBack) {

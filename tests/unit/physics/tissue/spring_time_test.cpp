@@ -164,6 +164,38 @@ TEST(SpringTime, ATableWithoutTimeForTheTissueGivesItsForces) {
   }
 }
 
+// Tissues whose tip forces are equal in all but what they remember: the tip meets no step.
+TEST(SpringTime, TheForceAheadOfTheTipIsTakenOverByTheNextTissue) {
+  forces::ForceTable table = SpringForces();
+  const volume::Label fat = volume::LabelOf("fat"), vessel = volume::LabelOf("vessel");
+  table.tissue[vessel] = table.tissue[fat];
+  table.num_times = std::max(table.num_times, 3);
+  table.times[2].relaxation.num_terms = 1;
+  table.times[2].relaxation.share[0] = 0.6;
+  table.times[2].relaxation.time_s[0] = 3.0;
+  table.tissue[vessel].time = table.times[2];
+  table.time_of[vessel] = 2;
+  const SpringModel model = TimedSpringModel(table, Layers{{{0, "fat"}, {20, "vessel"}}});
+  TimedSprings insertion{model};
+  const auto tissue = [&] { return insertion.state.node[insertion.state.num_nodes - 1].tissue; };
+  bool has_crossed = false;
+  insertion.MoveToDepth(19.0, 5.0);
+  const double begin_mm = 19.95 + insertion.state.ahead_mm;  // The tip is just before the vessel.
+  insertion.MoveToDepth(begin_mm, 5.0);
+  Hold(insertion, 1.0);  // What is ahead of it creeps.
+  for (int n = 1; n <= 1000; ++n) {
+    const bool was_in_fat = tissue() == fat;
+    const double before_n = insertion.last.cutting_n;
+    insertion.StepTo({0.0, 0.0, begin_mm + 0.001 * n});
+    if (!was_in_fat || tissue() != vessel) continue;
+    has_crossed = true;
+    EXPECT_LT(before_n, 0.35);
+    EXPECT_GT(before_n, 0.2);
+    EXPECT_NEAR(insertion.last.cutting_n, before_n, 0.002);
+  }
+  EXPECT_TRUE(has_crossed);
+}
+
 TEST(SpringTime, NoRandomHandGetsWorkFromIt) {
   const SpringModel model =
       TimedSpringModel(SpringForces(R"(, "friction_rate": 0.1, "friction_dwell": 0.08)"), kFat);
