@@ -23,8 +23,7 @@ class ApertureRenderer {
   /// Reads the volumes and the table of `tissue` here, on up to `num_threads` threads, and keeps
   /// nothing of them but four bytes per voxel around the patient.
   /// @throws InputError if the probe or an option is out of range, the volumes are missing, empty
-  /// or
-  ///     do not fit each other, or a label has no acoustic entry.
+  ///     or do not fit each other, or a label has no acoustic entry.
   ApertureRenderer(const BeamTissue& tissue, const acoustics::Probe& probe,
                    const ApertureOptions& options, int num_threads = 2);
   ~ApertureRenderer();

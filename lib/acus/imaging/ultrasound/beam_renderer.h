@@ -24,8 +24,7 @@ class BeamRenderer {
  public:
   /// Keeps references to the volumes of `tissue`, which must outlive this; the table is read here.
   /// @throws InputError if the probe or an option is out of range, the volumes are missing, empty
-  /// or
-  ///     do not fit each other, or a label has no acoustic entry.
+  ///     or do not fit each other, or a label has no acoustic entry.
   BeamRenderer(const BeamTissue& tissue, const acoustics::Probe& probe, const BeamOptions& options);
   ~BeamRenderer();
   BeamRenderer(BeamRenderer&&) noexcept;

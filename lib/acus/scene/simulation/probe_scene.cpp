@@ -41,10 +41,11 @@ forces::PalpationFields FieldsByLabel(const forces::ForceTable& table, Scene& sc
   return fields;
 }
 
-forces::PalpationFields FieldsByHu(const forces::ForceTable& table, const Scene& scene) {
-  forces::PalpationFields fields{scene.hu.get(), table.multi_proxy.skin_hu, {}};
+forces::PalpationFields FieldsByHu(const forces::ForceTable& table, Scene& scene) {
+  const forces::HuField* hu = NeedHu(scene).get();
+  forces::PalpationFields fields{hu, table.multi_proxy.skin_hu, {}};
   for (const auto& law : table.multi_proxy.structures) {
-    if (law.from_hu) fields.structures.push_back({scene.hu.get(), *law.from_hu, law});
+    if (law.from_hu) fields.structures.push_back({hu, *law.from_hu, law});
   }
   return fields;
 }
@@ -56,11 +57,8 @@ void LoadProbeForce(const ProbeForceEffect& effect, Scene& scene) {
   scene.probe_force_from_tissue = effect.model == scenario::ProbeForceModelKind::kTissue;
   if (scene.probe_force_from_tissue) return;
   const forces::ForceTable table = forces::ReadForceTable(effect.table);
-  if (!effect.reads_labels && !scene.hu) {
-    scene.hu = std::make_shared<forces::CtField>(*scene.ct);
-  }
   if (effect.model == scenario::ProbeForceModelKind::kVidal) {
-    scene.probe_force.emplace(forces::VidalProbe(table, *scene.hu));
+    scene.probe_force.emplace(forces::VidalProbe(table, *NeedHu(scene)));
     return;
   }
   forces::PalpationFields fields =

@@ -54,6 +54,11 @@ effects::PortValues DataOf(const Scene& scene) {
 
 }  // namespace
 
+const std::shared_ptr<const forces::CtField>& NeedHu(Scene& scene) {
+  if (!scene.hu) scene.hu = std::make_shared<forces::CtField>(*scene.ct);
+  return scene.hu;
+}
+
 Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context) {
   RequireFiles(plan, scenario);
   Scene scene;

@@ -57,6 +57,9 @@ struct Scene {
   ListedEffects listed;                                ///< Of the list of effects.
 };
 
+/// `hu` of the scene, which has a CT; made when it is first asked for.
+const std::shared_ptr<const forces::CtField>& NeedHu(Scene& scene);
+
 /// Loads what `plan` needs of the scenario, and nothing else.
 /// @throws InputError if a file is not there (as RequireFiles) or not readable.
 Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context);

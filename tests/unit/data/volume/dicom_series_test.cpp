@@ -211,6 +211,15 @@ TEST(DicomSeries, ATruncatedSliceIsAnInputErrorThatNamesIt) {
               ThrowsMessage<InputError>(testing::AllOf(HasSubstr("slice7"), HasSubstr("cut off"))));
 }
 
+TEST(DicomSeries, AnEmptyElementMayBeTheLast) {
+  const TemporaryFolder folder;
+  WriteStack(folder.path(), 5, 2.0);
+  const CtVolume before = Read(folder.path());
+  std::ofstream(folder / "slice7", std::ios::binary | std::ios::app)
+      << std::string("\xE1\x7F\x10\0LO\0\0", 8);
+  EXPECT_EQ(Read(folder.path()).voxels, before.voxels);
+}
+
 TEST(DicomSeries, SequencesNestedTooDeeplyAreRefused) {
   const TemporaryFolder folder;
   std::string bytes = std::string(128, '\0') + "DICM";

@@ -1,6 +1,7 @@
 #include "acus/imaging/slicing/label_slice.h"
 
 #include <cmath>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "acus/base/core/error.h"
@@ -104,6 +105,15 @@ TEST(LabelSlice, ASphereIsMarkedWhereItsTissueIs) {
     }
   }
   EXPECT_GT(marked, 300);
+}
+
+TEST(LabelSlice, ASphereAroundTheImageMarksEveryPixel) {
+  const volume::LabelMap labels = Chequered();
+  LabelSlice slice(labels, kLabelImage);
+  image::GrayImage image;
+  slice.Render(ObliquePose(), nullptr, image);
+  slice.MarkSphere(slice.RestOfPixelMm(100, 40), 1000.0, 250, image);
+  EXPECT_THAT(image.pixels, ::testing::Each(250));
 }
 
 TEST(LabelSlice, RefusesAPoseThatIsNotFinite) {

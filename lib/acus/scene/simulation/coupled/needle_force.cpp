@@ -149,9 +149,7 @@ class NeedleForceEffect final : public CoupledEffect {
     const forces::ForceTable table = ReadTable(s, context);
     const bool are_tissues_by_hu = scene.plan.Reads(StageId::kTissueLookup, ports::kCt);
     const bool is_force_by_hu = s.needle_force->model == NeedleForceModelKind::kVidal;
-    if ((is_force_by_hu || are_tissues_by_hu) && !scene.hu) {
-      scene.hu = std::make_shared<forces::CtField>(*scene.ct);
-    }
+    if (is_force_by_hu || are_tissues_by_hu) NeedHu(scene);
     if (are_tissues_by_hu) {
       context.Warn(
           "there is no label map: tissues are identified by the CT's HU, as the force table says");

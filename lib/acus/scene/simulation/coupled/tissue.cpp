@@ -174,14 +174,13 @@ class TissueEffect final : public CoupledEffect {
     if (!scene.plan.Has(StageId::kTissueContact) && !scene.tools_deform_images) return;
     const bool are_springs_by_hu = scene.plan.Reads(StageId::kTissueContact, ports::kCt);
     if (are_springs_by_hu) {
-      if (!scene.hu) scene.hu = std::make_shared<forces::CtField>(*scene.ct);
       context.Warn(
           "there is no label map: the springs' tissues are identified by the CT's HU, as "
           "effects/tissue/table says");
     }
     scene.tissue = LoadTissue(s,
                               {.labels = scene.labels,
-                               .hu = are_springs_by_hu ? scene.hu : nullptr,
+                               .hu = are_springs_by_hu ? NeedHu(scene) : nullptr,
                                .probe = scene.probe ? &*scene.probe : nullptr,
                                .shows_deformation = scene.tools_deform_images},
                               context);
