@@ -115,6 +115,12 @@ TEST(SvgText, RefusesWhatCannotBeDrawnAndSaysWhere) {
                                               HasSubstr("row 1"), HasSubstr("not finite"))));
   EXPECT_THAT(draw(OneSeries({0, 1}, {0})),
               ThrowsMessage<InputError>(HasSubstr("1 values, x has 2")));
+  Plot half = OneSeries({0, 1}, {0, 1});
+  half.series.front().low = {0, 1};  // And no high.
+  EXPECT_THAT(draw(half), ThrowsMessage<InputError>(HasSubstr("high")));
+  half.series.front().low.clear();
+  half.series.front().x_high = {0, 1};
+  EXPECT_THAT(draw(half), ThrowsMessage<InputError>(HasSubstr("x_low")));
   Plot logarithmic = OneSeries({1, 2}, {1, 0});
   logarithmic.log_y = true;
   EXPECT_THAT(draw(logarithmic), ThrowsMessage<InputError>(HasSubstr("needs positive values")));

@@ -81,6 +81,19 @@ TEST(Cry, RisesFallsAndEndsSoftly) {
     EXPECT_LT(std::abs(sound.samples[i]), 100) << "no click";
   }
   EXPECT_EQ(sound.samples, Cry(settings).samples);
+  // It is loud between a tenth and half of its duration.
+  const auto loudest = [&](double from, double to) {
+    const auto size = static_cast<double>(sound.samples.size());
+    int most = 0;
+    for (auto i = static_cast<std::size_t>(from * size); i < static_cast<std::size_t>(to * size);
+         ++i) {
+      most = std::max(most, std::abs(sound.samples[i]));
+    }
+    return most;
+  };
+  EXPECT_LT(loudest(0.0, 0.03), 0.6 * loudest(0.1, 0.5));
+  EXPECT_LT(loudest(0.95, 1.0), 0.3 * loudest(0.1, 0.5));
+  EXPECT_GT(loudest(0.1, 0.2), 0.6 * loudest(0.1, 0.5));
 }
 
 }  // namespace

@@ -95,6 +95,15 @@ TEST(TransformGraph, AddsWhatIsMissingAndKeepsWhatItHas) {
   EXPECT_EQ(graph.Find("Needle", "Tracker")->to_from_from, RandomPose(3));
 }
 
+TEST(TransformGraph, HasTheFramesOfItsTransforms) {
+  TransformGraph graph;
+  EXPECT_FALSE(graph.HasFrame("Probe"));
+  graph.Set(Name("ProbeToTracker"), RandomPose(0), true);
+  EXPECT_TRUE(graph.HasFrame("Probe"));
+  EXPECT_TRUE(graph.HasFrame("Tracker"));
+  EXPECT_FALSE(graph.HasFrame("Needle"));
+}
+
 TEST(TransformGraph, FindsNothingAcrossAGapOrASingularTransform) {
   TransformGraph graph;
   graph.Set(Name("AToB"), RandomPose(0), true);

@@ -185,6 +185,12 @@ TEST(Probe, WhatIsSetWithoutAFileIsCheckedToo) {
   EXPECT_THROW(CheckedProbe(with(0.0, 60.0)), InputError);
   EXPECT_THROW(CheckedProbe(with(60.0, 120.1)), InputError);
   EXPECT_THROW(CheckedProbe(with(60.0, 0.0)), InputError);
+  Probe fan = ReadProbe(Preset("curvilinear_c5_2.json"));
+  EXPECT_NO_THROW(CheckedProbe(fan));
+  for (const double field_of_view_rad : {0.0, 3.1, std::nan("")}) {
+    fan.field_of_view_rad = field_of_view_rad;
+    EXPECT_THROW(CheckedProbe(fan), InputError) << field_of_view_rad;
+  }
 }
 
 TEST(Probe, DamagedFilesAreReadOrRefused) {

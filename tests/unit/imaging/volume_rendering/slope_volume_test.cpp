@@ -27,12 +27,12 @@ volume::CtVolume Ramp(const Eigen::Vector3d& slope_hu_per_mm) {
 TEST(SlopeVolume, OfARampIsItsSlopeAlongEveryAxis) {
   // Rounded HU over 3 mm and more, and half a unit.
   constexpr double kRounding = 1.0 / 3.0 + 0.5 * SlopeVolume::kUnit;
-  for (const Eigen::Vector3d& slope :
-       {Eigen::Vector3d(40, 0, 0), Eigen::Vector3d(0, 60, 0), Eigen::Vector3d(0, 0, -50),
-        Eigen::Vector3d(30, -45, 60)}) {
+  for (const Eigen::Vector3d& slope : {Eigen::Vector3d(40, 0, 0), Eigen::Vector3d(0, 60, 0),
+                                       Eigen::Vector3d(0, 0, -50), Eigen::Vector3d(30, -45, 60)}) {
     const SlopeVolume slopes(Ramp(slope), 1);
     for (const Eigen::Vector3f& index :
-         {Eigen::Vector3f(3, 3, 2), Eigen::Vector3f(9.5F, 8.25F, 6.75F), Eigen::Vector3f(15, 13, 9)}) {
+         {Eigen::Vector3f(3, 3, 2), Eigen::Vector3f(9.5F, 8.25F, 6.75F),
+          Eigen::Vector3f(15, 13, 9)}) {
       const Eigen::Vector3d off = slopes.At(index).cast<double>() - slope;
       EXPECT_LT(off.cwiseAbs().maxCoeff(), kRounding) << slope.transpose() << " at " << index;
     }

@@ -173,6 +173,32 @@ TEST(NeedleShape, ABendableNeedleGivesTheSameBitsAgainAndFromASavedState) {
   }
 }
 
+// A second insertion at the same place and pace as the first, after the needle was bent and drawn
+// out: it begins straight.
+TEST(NeedleShape, EveryInsertionBeginsStraight) {
+  const Scene scene = SceneWith(NeedleModelKind::kBendable, NeedleForceModelKind::kLayered);
+  const Simulation simulation(scene);
+  const auto insert = [&](State& state, int from_ms) {
+    Vector3d tip_mm = Vector3d::Zero();
+    double deflection_mm = 0.0;
+    for (int ms = 0; ms < 600; ++ms) {
+      Sample sample = Wandering(ms);
+      sample.time_ns += 1'000'000LL * from_ms;
+      const StepOutput out = simulation.Step(state, sample);
+      tip_mm = out.shape.tip_in_ct_mm;
+      deflection_mm = out.shape.tip_deflection_mm;
+    }
+    EXPECT_GT(deflection_mm, 0.001);
+    return tip_mm;
+  };
+  State state = simulation.NewState();
+  const Vector3d first_mm = insert(state, 0);
+  for (int ms = 0; ms < 600; ++ms) {  // Out, along another way.
+    simulation.Step(state, NeedleAt(0.6 + 1e-3 * ms, {3.0, 0.0, 25.0 - 0.1 * ms}, {0.0, 0.2, 0.0}));
+  }
+  EXPECT_LT((insert(state, 1300) - first_mm).norm(), 1e-6);
+}
+
 TEST(NeedleShape, StandingStillNoBitChanges) {
   const Scene scene = SceneWith(NeedleModelKind::kBendable, NeedleForceModelKind::kLayered);
   const Simulation simulation(scene);
