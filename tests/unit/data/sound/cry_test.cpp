@@ -75,6 +75,10 @@ TEST(Cry, RisesFallsAndEndsSoftly) {
   EXPECT_EQ(PitchAt(settings, 0.0), settings.pitch_hz[0]);
   EXPECT_NEAR(PitchAt(settings, settings.duration_s / 3.0), settings.pitch_hz[1], 1e-9);
   EXPECT_EQ(PitchAt(settings, settings.duration_s), settings.pitch_hz[2]);
+  EXPECT_NEAR(PitchAt(settings, settings.duration_s / 6.0),
+              0.5 * (settings.pitch_hz[0] + settings.pitch_hz[1]), 1e-9);
+  EXPECT_NEAR(PitchAt(settings, settings.duration_s * 2.0 / 3.0),
+              0.5 * (settings.pitch_hz[1] + settings.pitch_hz[2]), 1e-9);
   const Sound sound = Cry(settings);
   EXPECT_EQ(sound.samples.front(), 0);
   for (std::size_t i = sound.samples.size() - 20; i < sound.samples.size(); ++i) {

@@ -48,10 +48,14 @@ TEST(Slab, MeanAndMaximumOfAParabolaAreKnown) {
   for (const SlabValue value : {SlabValue::kMean, SlabValue::kMaximum}) {
     SlabRenderer slab(ct, kPlane, {.thickness_mm = 12.0, .value = value, .window = {}});
     slab.Render(pose, {}, image);
-    const double plane_hu = 3.0 * 30.0 - 2.0 * (30.0 - 15.4 + 0.7 * 22);
     const double of_z_hu = value == SlabValue::kMean ? 0.2 * (9.0 + 12.0) : 0.2 * 8.5 * 8.5;
-    // Voxels are whole HU; slices are in the middle of 12 pieces.
-    EXPECT_NEAR(static_cast<double>(slab.hu().row(22)[30]), plane_hu + of_z_hu, 0.6);
+    for (const auto& [column, row] : {std::pair{0, 0}, {60, 0}, {30, 22}, {0, 44}, {60, 44}}) {
+      const double plane_hu =
+          3.0 * (30.0 + 0.7 * (column - 30)) - 2.0 * (30.0 - 15.4 + 0.7 * row);
+      // Voxels are whole HU; slices are in the middle of 12 pieces.
+      EXPECT_NEAR(static_cast<double>(slab.hu().row(row)[column]), plane_hu + of_z_hu, 1.0)
+          << column << ' ' << row;
+    }
     EXPECT_EQ(slab.num_slices(), 12);
   }
 }
