@@ -17,8 +17,9 @@ ChannelData Tone(int cycles, double phase_rad, float constant) {
   data.elements = data.transmits = 1;
   data.sampling_mhz = kSamplingMhz;
   for (int n = 0; n < kSamples; ++n) {
-    data.values.push_back(constant + static_cast<float>(std::cos(
-                                         2.0 * std::numbers::pi * cycles * n / kSamples + phase_rad)));
+    data.values.push_back(
+        constant +
+        static_cast<float>(std::cos(2.0 * std::numbers::pi * cycles * n / kSamples + phase_rad)));
   }
   return data;
 }

@@ -50,8 +50,7 @@ TEST(Slab, MeanAndMaximumOfAParabolaAreKnown) {
     slab.Render(pose, {}, image);
     const double of_z_hu = value == SlabValue::kMean ? 0.2 * (9.0 + 12.0) : 0.2 * 8.5 * 8.5;
     for (const auto& [column, row] : {std::pair{0, 0}, {60, 0}, {30, 22}, {0, 44}, {60, 44}}) {
-      const double plane_hu =
-          3.0 * (30.0 + 0.7 * (column - 30)) - 2.0 * (30.0 - 15.4 + 0.7 * row);
+      const double plane_hu = 3.0 * (30.0 + 0.7 * (column - 30)) - 2.0 * (30.0 - 15.4 + 0.7 * row);
       // Voxels are whole HU; slices are in the middle of 12 pieces.
       EXPECT_NEAR(static_cast<double>(slab.hu().row(row)[column]), plane_hu + of_z_hu, 1.0)
           << column << ' ' << row;

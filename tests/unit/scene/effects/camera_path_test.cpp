@@ -95,6 +95,20 @@ TEST_F(CameraPathTest, ATurntableShowsAllOfThePatientInImagesOfAnyShape) {
   }
 }
 
+// Straight from above there would be no upright direction, and a curve goes beyond its keys.
+TEST_F(CameraPathTest, ViewsFromAboveStayUpright) {
+  const CameraPath path = Path(R"({"time_s": 0, "azimuth_deg": 30, "elevation_deg": -20},
+    {"time_s": 1, "azimuth_deg": 30, "elevation_deg": 88}, {"time_s": 2, "azimuth_deg": 30, "elevation_deg": 89})");
+  double highest_deg = 0.0;
+  for (double time_s = 0.0; time_s <= 2.0; time_s += 0.05) {
+    const Viewpoint seen = path.At(time_s, kPatient, kWide);
+    const Eigen::Vector3d towards = (seen.eye_in_ct_mm - seen.focus_in_ct_mm).normalized();
+    highest_deg = std::max(highest_deg, std::asin(towards.z()) * 180.0 / M_PI);
+    EXPECT_NEAR(std::atan2(towards.x(), -towards.y()) * 180.0 / M_PI, 30.0, 1e-6) << time_s;
+  }
+  EXPECT_NEAR(highest_deg, 89.0, 1e-6);
+}
+
 TEST_F(CameraPathTest, SaysWhatIsWrongWithAFile) {
   const auto expect = [&](const std::string& keys, const char* said) {
     EXPECT_THAT([&] { Path(keys); }, ThrowsMessage<InputError>(HasSubstr(said))) << keys;

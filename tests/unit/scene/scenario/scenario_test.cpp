@@ -196,6 +196,10 @@ TEST_F(ScenarioFile, ReadsTheTissueEffectWithTheSettingsOfItsModel) {
       Read(kTissueText, {ParseOverride("/effects/tissue/model=springs"),
                          ParseOverride("/effects/tissue/springs/influence_radius_mm=7")});
   EXPECT_EQ(springs.tissue->influence_radius_mm, 7.0);
+  EXPECT_FALSE(springs.tissue->printed_form);
+  EXPECT_TRUE(
+      Read(kTissueText, {ParseOverride("/effects/tissue/displacement_functions/form=printed")})
+          .tissue->printed_form);
 }
 
 TEST_F(ScenarioFile, FidelityOfImagesHasItsDefaultsAndItsBounds) {
