@@ -19,8 +19,7 @@ inline constexpr int kMaxJsonDepth = 100;
 /// which a reader would wait or read for ever.
 /// @returns its size in bytes.
 /// @throws InputError if it is something else, missing, a loop of links, not readable, or larger
-/// than
-///     `max_bytes`.
+///     than `max_bytes`.
 std::uintmax_t RequireInputFile(
     const std::filesystem::path& path,
     std::uintmax_t max_bytes = std::numeric_limits<std::uintmax_t>::max());

@@ -25,11 +25,10 @@ struct Extent {
 class Axis {
  public:
   /// @param padding     Free space at both ends as a fraction of the range; none beyond a 0 that
-  /// ends
-  ///     the range if `sits_on_zero`.
+  ///     ends the range if `sits_on_zero`.
   /// @param max_labels  At most so many labels.
-  /// @pre Values are finite; positive if `is_log`. An empty extent gives [0, 1] ([1, 10] if
-  /// is_log).
+  /// @pre Values are finite; positive if `is_log`. An empty extent gives [0, 1]
+  ///     ([1, 10] if is_log).
   Axis(const Extent& extent, bool is_log, double padding, int max_labels,
        bool sits_on_zero = false);
 

@@ -50,8 +50,7 @@ struct MarkerPairs {
 /// Matches by name. Points that only one side has are left out with a warning. If the two have no
 /// name in common, or there are none, points are matched by order, with a warning.
 /// @throws InputError if fewer than `least` pairs remain, or there are no common names and the
-/// counts
-///     differ.
+///     counts differ.
 MarkerPairs MatchLandmarks(const Landmarks& reference, const Landmarks& ct, std::size_t least = 3);
 
 /// Leaves out points by name. @throws InputError if there is none of that name.

@@ -34,8 +34,7 @@ struct HandEye {
 /// @param tracker_from_marker  B_i, from the tracker.
 /// @throws InputError if there are fewer than 4 pairs, or the counts differ.
 /// @throws NoAnswerError if the body turned about one axis only, or by less than 5 degrees: then X
-/// and
-///     Z slide along that axis.
+///     and Z slide along that axis.
 HandEye CalibrateHandEye(std::span<const Eigen::Isometry3d> device_from_handle,
                          std::span<const Eigen::Isometry3d> tracker_from_marker,
                          double arm_mm = 100.0);

@@ -49,6 +49,14 @@ TEST(Axis, GivesAConstantRoomOnBothSides) {
   }
 }
 
+TEST(Axis, GivesAConstantOnALogarithmicAxisHalfADecadeOnBothSides) {
+  for (const double value : {3e-7, 1.0, 250.0}) {
+    const Axis axis(Between(value, value), true, 0, 5);
+    EXPECT_NEAR(axis.low(), value / std::sqrt(10.0), 1e-9 * value);
+    EXPECT_NEAR(axis.high(), value * std::sqrt(10.0), 1e-9 * value);
+  }
+}
+
 TEST(Axis, LeavesNoRoomBelowZeroWhereBarsStandOnIt) {
   const Axis axis(Between(0, 10), false, 0.05, 5, /*sits_on_zero=*/true);
   EXPECT_EQ(axis.low(), 0.0);

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include "acus/base/core/error.h"
+
 namespace acus::rf {
 namespace {
 
@@ -41,6 +43,17 @@ TEST(BasebandOf, OfAToneTurnsAtTheDifferenceToTheCarrier) {
             << cycles << " cycles, sample " << n << " of " << baseband.samples;
       }
     }
+  }
+}
+
+TEST(BasebandOf, RefusesWhatIsOutOfRange) {
+  const ChannelData tone = Tone(40, 0.0, 0.0F);
+  for (const int oversampling : {0, 17}) {
+    EXPECT_THROW(BasebandOf(tone, 5.0, oversampling, 1), InputError) << oversampling;
+  }
+  EXPECT_NO_THROW(BasebandOf(tone, 5.0, 16, 1));
+  for (const double carrier_mhz : {0.0, 20.0, -1.0}) {
+    EXPECT_THROW(BasebandOf(tone, carrier_mhz, 1, 1), InputError) << carrier_mhz;
   }
 }
 

@@ -8,8 +8,7 @@ namespace acus::effects {
 class Pulse {
  public:
   /// @throws InputError if the rate is outside (0, 300] beats a minute or the share of the cycle
-  /// that
-  ///     the rise takes outside (0, 1).
+  ///     that the rise takes outside (0, 1).
   Pulse(double beats_per_min, double rise_share);
 
   double period_s() const { return period_s_; }
