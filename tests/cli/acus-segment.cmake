@@ -28,6 +28,9 @@ acus_add_cli_case(acus-segment.unknown_setting EXIT 3 NEEDS inputs LEAVES_NOTHIN
 acus_add_cli_case(acus-segment.certainty EXIT 0 NEEDS inputs TIMEOUT 300 BEFORE "${segment_ct}"
   STDOUT "Unsure: " CREATES out/quality.json out/unsure.nrrd out/preview_unsure.png
   COMMAND acus-segment ct.nrrd --certainty -o out)
+acus_add_cli_case(acus-segment.vessels_without_liver EXIT 3 NEEDS inputs TIMEOUT 300 LEAVES_NOTHING
+  BEFORE "${segment_ct}" STDERR "--vessels: the labels have no liver"
+  COMMAND acus-segment ct.nrrd --vessels -o out)
 acus_add_cli_case(acus-segment.vertebra_without_point EXIT 3 NEEDS inputs LEAVES_NOTHING
   BEFORE "${segment_ct}" STDERR "L3.*must be a name and a point"
   COMMAND acus-segment ct.nrrd --vertebra L3 -o out)
