@@ -115,10 +115,13 @@ void AddWallMuscles(volume::LabelMap& labels, int num_threads) {
   const Mask found = SoftWall(labels, zone, num_threads);
   if (Count(found) == 0) return;
   const Mask closed = Closed(found, kHalfGapMm, num_threads);
+  // The opening takes the outermost soft tissue off; a needle would pass it and miss the fascia.
+  const Mask near = Dilated(found, kHalfSheetMm, num_threads);
   for (std::size_t n = 0; n < found.voxels.size(); ++n) {
     const Label here = labels.voxels[n];
-    const bool fills =
-        closed.voxels[n] != 0 && zone.voxels[n] != 0 && (here == fat || here == soft);
+    const bool is_gap = closed.voxels[n] != 0 && (here == fat || here == soft);
+    const bool is_rim = near.voxels[n] != 0 && here == soft;
+    const bool fills = zone.voxels[n] != 0 && (is_gap || is_rim);
     if (found.voxels[n] != 0 || fills) labels.voxels[n] = muscle;
   }
   labels.names[muscle] = "muscle";
