@@ -6,6 +6,7 @@
 #include "acus/data/volume/dicom_series.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/atlas/atlas_organs.h"
+#include "acus/patient/segmentation/organ_vessels.h"
 #include "acus/patient/segmentation/segment_options.h"
 
 int main(int argc, char** argv) {
@@ -38,6 +39,7 @@ int main(int argc, char** argv) {
     auto found = segmentation::SegmentPatient(ct, config, context);
     std::cout << segmentation::LayImports(imports, ct, found.labels, context);
     acus::atlas::AddAtlasOrgans(ct, others, config.tissues, found.labels, context);
+    if (options.vessels) std::cout << segmentation::AddLiverVessels(ct, found.labels, context);
     auto patient = segmentation::Examine(ct, config, std::move(found), examination, context);
     if (!options.reference.empty()) {
       patient.agreement = CompareWithReference(patient.labels, options.Reference(context), context);

@@ -28,6 +28,9 @@ acus_add_cli_case(acus-segment.unknown_setting EXIT 3 NEEDS inputs LEAVES_NOTHIN
 acus_add_cli_case(acus-segment.certainty EXIT 0 NEEDS inputs TIMEOUT 300 BEFORE "${segment_ct}"
   STDOUT "Unsure: " CREATES out/quality.json out/unsure.nrrd out/preview_unsure.png
   COMMAND acus-segment ct.nrrd --certainty -o out)
+acus_add_cli_case(acus-segment.vessels_without_liver EXIT 3 NEEDS inputs TIMEOUT 300 LEAVES_NOTHING
+  BEFORE "${segment_ct}" STDERR "--vessels: the labels have no liver"
+  COMMAND acus-segment ct.nrrd --vessels -o out)
 acus_add_cli_case(acus-segment.vertebra_without_point EXIT 3 NEEDS inputs LEAVES_NOTHING
   BEFORE "${segment_ct}" STDERR "L3.*must be a name and a point"
   COMMAND acus-segment ct.nrrd --vertebra L3 -o out)
@@ -70,4 +73,15 @@ foreach(seed 1 12)
             ${ACUS_CLI_FOLDER}/acus-segment.spine_session_${seed} ${seed})
   set_tests_properties(cli.acus-segment.spine_session_${seed} PROPERTIES LABELS cli TIMEOUT 600
     ENVIRONMENT "ACUS_BIN=${CMAKE_BINARY_DIR}/bin;ACUS_CONFIGS=${CMAKE_SOURCE_DIR}/configs")
+endforeach()
+# Fascia and capsule of a liver biopsy likewise, on a synthetic patient and on a real CT.
+foreach(patient "phantom 1" "phantom 4" ircadb01)
+  separate_arguments(words UNIX_COMMAND "${patient}")
+  string(REPLACE " " "_" name "${patient}")
+  add_test(NAME cli.acus-segment.liver_session_${name}
+    COMMAND ${ACUS_BASH} ${CMAKE_CURRENT_SOURCE_DIR}/liver_session.sh
+            ${ACUS_CLI_FOLDER}/acus-segment.liver_session_${name} ${words})
+  set_tests_properties(cli.acus-segment.liver_session_${name} PROPERTIES LABELS cli TIMEOUT 600
+    SKIP_REGULAR_EXPRESSION "^skipped"
+    ENVIRONMENT "ACUS_BIN=${CMAKE_BINARY_DIR}/bin;ACUS_CONFIGS=${CMAKE_SOURCE_DIR}/configs;ACUS_SOURCE=${CMAKE_SOURCE_DIR}")
 endforeach()

@@ -5,6 +5,7 @@
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/atlas/atlas_organs.h"
 #include "acus/patient/segmentation/import_gate.h"
+#include "acus/patient/segmentation/organ_vessels.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
 #include "support/shared_data.h"
 
@@ -269,6 +270,76 @@ TEST(RealPatients, OrgansOfOnePatientAreFoundInTheOther) {
   EXPECT_GE(Of(in_total, "spleen").dice, 0.80);
   // The upper two thirds of the right kidney are missed: see the page.
   EXPECT_GE(Of(in_total, "kidney").dice, 0.65);
+}
+
+/// Voxels whose value is one of some.
+Mask MaskOfValues(const volume::Grid<std::int32_t>& values, std::initializer_list<int> those) {
+  Mask mask(values.geometry);
+  for (std::size_t n = 0; n < mask.voxels.size(); ++n) {
+    mask.voxels[n] = std::ranges::find(those, values.voxels[n]) != those.end() ? 1 : 0;
+  }
+  return mask;
+}
+
+/// How found vessels agree with a reference on one side of a plane.
+struct VesselAgreement {
+  double dice = 0.0;
+  double sensitivity = 0.0;  ///< Part of the reference within 2 mm of what was found.
+  double precision = 0.0;    ///< Part of what was found within 2 mm of the reference.
+};
+
+VesselAgreement AgreeBeside(const Mask& found, const Mask& reference, int column, bool beyond) {
+  const auto to_found = DistanceMm(found, 2), to_reference = DistanceMm(reference, 2);
+  const auto row = static_cast<std::size_t>(found.geometry.size[0]);
+  double ours = 0, theirs = 0, both = 0, theirs_near = 0, ours_near = 0;
+  for (std::size_t n = 0; n < found.voxels.size(); ++n) {
+    if ((n % row >= static_cast<std::size_t>(column)) != beyond) continue;
+    const bool is_found = found.voxels[n] != 0, is_true = reference.voxels[n] != 0;
+    ours += is_found;
+    theirs += is_true;
+    both += is_found && is_true;
+    theirs_near += is_true && to_found.voxels[n] <= 2.0F;
+    ours_near += is_found && to_reference.voxels[n] <= 2.0F;
+  }
+  const VesselAgreement agreement{2.0 * both / (ours + theirs), theirs_near / theirs,
+                                  ours_near / ours};
+  std::cout << (beyond ? "left" : "right") << ": Dice " << agreement.dice << ", sensitivity "
+            << agreement.sensitivity << " and precision " << agreement.precision
+            << " within 2 mm\n";
+  return agreement;
+}
+
+TEST(RealPatients, VesselsOfALiverWithContrastAgentAreFound) {
+  ACUS_DATA(ct, "ct/ircadb01_dicom");
+  ACUS_DATA(reference, "ct/ircadb01_labels.vti");
+  const auto values = volume::ReadIntegerVolume(*reference);
+  const Mask vessels = MaskOfValues(values, {465, 481});
+  const auto image = volume::ReadCt(*ct, "", TwoThreads());
+  // Half of the reference lies on each side of column 164. The right side was used for development.
+  for (const bool has_tumours : {false, true}) {
+    const Mask organ = has_tumours ? MaskOfValues(values, {449, 465, 481, 451, 453})
+                                   : MaskOfValues(values, {449, 465, 481});
+    const OrganVessels found = FindVesselsIn(image, organ, 2);
+    ASSERT_TRUE(found.is_found) << found.reason;
+    const VesselAgreement right = AgreeBeside(found.vessels, vessels, 164, false);
+    EXPECT_GT(right.dice, 0.65);
+    EXPECT_GT(right.sensitivity, 0.85);
+    EXPECT_GT(right.precision, 0.82);
+    const VesselAgreement left = AgreeBeside(found.vessels, vessels, 164, true);
+    EXPECT_GT(left.dice, 0.58);
+    EXPECT_GT(left.sensitivity, 0.80);
+    EXPECT_GT(left.precision, 0.70);
+  }
+}
+
+TEST(RealPatients, ALiverWithoutContrastAgentHasNoVessels) {
+  ACUS_DATA(ct, "ct/totalseg/example_ct.nii.gz");
+  ACUS_DATA(reference, "ct/totalseg/example_seg_fast_force_split.nii.gz");
+  const Mask liver = MaskOfValues(volume::ReadIntegerVolume(*reference), {5});
+  const OrganVessels found = FindVesselsIn(volume::ReadCt(*ct, "", TwoThreads()), liver, 2);
+  EXPECT_NEAR(found.organ_hu, 46.0, 2.0);
+  EXPECT_FALSE(found.is_found);
+  EXPECT_THAT(found.reason, HasSubstr("a scan without contrast agent"));
 }
 
 }  // namespace

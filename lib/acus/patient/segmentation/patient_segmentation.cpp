@@ -18,6 +18,7 @@
 #include "acus/patient/segmentation/preview.h"
 #include "acus/patient/segmentation/skin_surface.h"
 #include "acus/patient/segmentation/spine.h"
+#include "acus/patient/segmentation/wall_muscles.h"
 
 namespace acus::segmentation {
 namespace {
@@ -201,6 +202,8 @@ TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig
     context.Checkpoint(Message("finding the ", organ.tissue), 0.0);
     AddOrgan(FindOrgan(ct, organ, context), organ.tissue, labels);
   }
+  context.Checkpoint("finding muscles", 0.0);
+  AddWallMuscles(labels, context.num_threads);
   return found;
 }
 

@@ -40,7 +40,7 @@ std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
                                             const ForeignLabels& reference,
                                             const RunContext& context);
 
-/// Finds tissues, then organs from their seeds.
+/// Finds tissues, then organs from their seeds, then the muscles of the wall.
 /// @throws InputError if the volume is no CT of a body; NoAnswerError if no patient is like that.
 TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
                             const RunContext& context);

@@ -8,6 +8,7 @@
 #include "acus/base/core/text_table.h"
 #include "acus/data/volume/label_map_content.h"
 #include "acus/data/volume/labels.h"
+#include "acus/patient/segmentation/wall_muscles.h"
 
 namespace acus::segmentation {
 namespace {
@@ -83,7 +84,9 @@ Certainty FindCertainty(const volume::CtVolume& ct, const TissueOptions& options
     if (label != 0 && counts[label] > 0) out.tissues.push_back({name, 1.0});
   }
   for (const double direction : {-1.0, 1.0}) {
-    Compare(labels, FindTissues(ct, Shifted(options, direction), context).labels, out);
+    volume::LabelMap variant = FindTissues(ct, Shifted(options, direction), context).labels;
+    AddWallMuscles(variant, context.num_threads);
+    Compare(labels, variant, out);
   }
   const auto unsure = std::ranges::count_if(out.unsure.voxels, [](auto n) { return n > 0; });
   out.unsure_ml = static_cast<double>(unsure) * ct.geometry.voxel_volume_mm3() / 1000.0;

@@ -82,6 +82,9 @@ void AddSegmentOptions(CLI::App& app, SegmentOptions& options) {
   app.add_option("--atlas", options.atlas,
                  "Folder with labelled CTs of other patients (atlas.json): liver, kidneys, spleen")
       ->check(CLI::ExistingDirectory);
+  app.add_flag("--vessels", options.vessels,
+               "Find the vessels inside the liver of a CT with contrast agent; the liver must be "
+               "known by --atlas, --import or a seed");
   app.add_option("--vertebra", options.vertebra,
                  "Name of one vertebra and a point of its body, CT mm, such as L3=-2.5,110,140");
   app.add_flag("--certainty", options.certainty,

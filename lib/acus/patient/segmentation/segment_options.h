@@ -19,7 +19,7 @@ struct SegmentOptions {
   std::filesystem::path ct, config, reference, folder, atlas;
   std::vector<std::filesystem::path> imports, mappings;
   std::string series, vertebra;
-  bool list_series = false, certainty = false, accept_implausible = false;
+  bool list_series = false, certainty = false, accept_implausible = false, vessels = false;
 
   /// The file of settings: that of --config, or the preset.
   std::filesystem::path ConfigPath() const;

@@ -70,7 +70,7 @@ TEST(ScanQuality, ThickSlicesAndNoiseAreSaid) {
 TEST(ScanQuality, CertaintyFallsWhereTheValuesAreNearAThreshold) {
   const SegmentationConfig config = DefaultConfig();
   const auto certainty_of = [&](const volume::CtVolume& ct) {
-    return FindCertainty(ct, config.tissues, FindTissues(ct, config.tissues, {}).labels, {});
+    return FindCertainty(ct, config.tissues, SegmentPatient(ct, config, {}).labels, {});
   };
   const auto dice_of = [](const Certainty& certainty, const char* name) {
     for (const auto& tissue : certainty.tissues) {
