@@ -9,10 +9,10 @@
 namespace acus::breathing_registration {
 
 /// How a reference looks in a phase: lung that grows gets less dense, lung that is compressed
-/// denser. Its mass stays, so that HU + 1000 is divided by the ratio of its volumes (Yin et al.
-/// 2009, doi:10.1118/1.3193526). Here the images give that ratio, not the field: mass of lung in
-/// the reference by mass where the field takes it in the phase, averaged over lung nearby. All but
-/// lung keeps its HU. A value; const access from any number of threads.
+/// denser. Its mass stays, so that HU + 1000 is divided by the ratio of its volumes (Yin,
+/// Hoffman and Lin, Medical Physics 2009). Here the images give that ratio, not the field: mass of
+/// lung in the reference by mass where the field takes it in the phase, averaged over lung nearby.
+/// All but lung keeps its HU. A value; const access from any number of threads.
 class LungDensity {
  public:
   /// Lung looks as it does in the reference.
