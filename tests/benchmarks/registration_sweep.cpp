@@ -72,8 +72,8 @@ class RegistrationSweeper {
     Turn("solver_iterations", quick_ ? std::vector{25.0} : std::vector{5.0, 10.0, 25.0, 50.0}, 25,
          [](RegistrationSettings& s, double v) { s.solver_iterations = static_cast<int>(v); });
     Turn("smoothness",
-         quick_ ? std::vector{0.01, 1.0, 100.0} : std::vector{0.01, 0.1, 0.3, 1.0, 3.0, 10.0}, 1,
-         [](RegistrationSettings& s, double v) { s.smoothness = v; });
+         quick_ ? std::vector{0.01, 0.3, 1.0, 100.0} : std::vector{0.01, 0.1, 0.3, 1.0, 3.0, 10.0},
+         0.3, [](RegistrationSettings& s, double v) { s.smoothness = v; });
     Wall();
     return std::move(rows_);
   }

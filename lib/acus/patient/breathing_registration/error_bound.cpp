@@ -14,7 +14,7 @@ using Eigen::Vector3f;
 
 constexpr int kScales = 6;
 // Of the fit to the landmarks of two CTs.
-constexpr float kStrainReachMm = 4.0F, kDisagreement = 0.55F;
+constexpr float kStrainReachMm = 4.5F, kDisagreement = 0.62F;
 constexpr float kWallReachMm = 10.0F, kWallLayerMm = 8.0F;
 constexpr float kSmallestMm = 0.05F;
 constexpr float kSeenEnough = 0.25F;  // Share of the nodes of a cube.

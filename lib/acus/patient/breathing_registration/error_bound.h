@@ -21,7 +21,7 @@ struct Solution {
 /// S of the solution, the distance D between what this grid and the next coarser one
 /// found, the strain S' of the whole phase and the distance w to the wall,
 ///
-///   bound^2 = (4 mm S)^2 + (0.55 D)^2 + (10 mm S' exp(-w / 8 mm))^2 + (L S)^2 + (0.05 mm)^2
+///   bound^2 = (4.5 mm S)^2 + (0.62 D)^2 + (10 mm S' exp(-w / 8 mm))^2 + (L S)^2 + (0.05 mm)^2
 ///
 /// S and D are root mean squares over some nodes of the same side. L is 0 where images show a
 /// match; otherwise the width of the smallest cube about the place that is seen in part: so far the

@@ -15,14 +15,8 @@ constexpr double kWallMm = 1e6;  // Where nothing slides, all is far from the wa
 constexpr double kDefaultMm = 2.0, kCoarsestMm = 20.0;  // Spacing of the finest grid.
 constexpr float kOutlier = 8.0F;                        // In units of noise, on the finest grid.
 constexpr float kDoubtfulMm = 32.0F;  // From the border, before any motion is known.
+constexpr double kMixedNodes = 3.0;   // From the wall: voxels there are averages of both sides.
 constexpr float kCoarser = 4.0F;  // Times more on each coarser one: there edges are far apart yet.
-
-Eigen::Array3i VoxelOf(const volume::Geometry& g, std::size_t v) {
-  const auto row = static_cast<std::size_t>(g.size[0]);
-  const auto column = static_cast<std::size_t>(g.size[1]);
-  return {static_cast<int>(v % row), static_cast<int>(v / row % column),
-          static_cast<int>(v / row / column)};
-}
 
 struct Domain {
   std::shared_ptr<const SlidingGrid> grid;
@@ -60,7 +54,7 @@ Domain MakeDomain(const volume::Geometry& geometry, const Tissue& tissue, int nu
       .grid = std::make_shared<SlidingGrid>(geometry, side, normal), .wall_mm = {}, .trust = {}};
   for (int n = 0; n < domain.grid->num_nodes(); ++n) {
     domain.wall_mm.push_back(std::abs(distance[domain.grid->Voxel(n)]));
-    const double share = static_cast<double>(domain.wall_mm.back()) / h;
+    const double share = static_cast<double>(domain.wall_mm.back()) / (kMixedNodes * h);
     domain.trust.push_back(static_cast<float>(std::clamp(share, 0.1, 1.0)));
   }
   return domain;
@@ -72,7 +66,7 @@ SlidingGrid::Field Transferred(const SlidingGrid& from, const SlidingGrid::Field
       static_cast<float>(from.geometry().spacing_mm[0] / to.geometry().spacing_mm[0]);
   SlidingGrid::Field out(static_cast<std::size_t>(to.num_nodes()));
   for (int n = 0; n < to.num_nodes(); ++n) {
-    const Vector3f index = VoxelOf(to.geometry(), to.Voxel(n)).cast<float>().matrix() / scale;
+    const Vector3f index = to.IndexOf(n) / scale;
     out[static_cast<std::size_t>(n)] = scale * from.At(u, index, to.SideOf(n));
   }
   return out;
@@ -183,17 +177,19 @@ PhaseRegistration::PhaseRegistration(const volume::CtVolume& reference, const Ti
 
 PhaseRegistration::Match PhaseRegistration::MatchOf(const Level& level, int node, const Vector3f& u,
                                                     const ModelImage& phase,
-                                                    const EnteredTissue& entered) const {
+                                                    const EnteredTissue& entered,
+                                                    const LungDensity& density) const {
   const std::size_t v = level.grid->Voxel(node);
-  const Vector3f at = VoxelOf(level.grid->geometry(), v).cast<float>().matrix() + u;
+  const Vector3f at = level.grid->IndexOf(node) + u;
   const ModelImage::Sample moved = phase.At(at);
   if (!moved.within || entered.Holds(at)) return {};
   const auto noise = static_cast<float>(settings_.noise);
   const Eigen::Array4f& rest = level.reference->Voxel(v);
-  const float r = (moved.value - rest[0]) / noise;
+  const LungDensity::Look expected = density.At(node, rest[0]);
+  const float r = (moved.value - expected.contrast) / noise;
   const float doubt = 1.0F + r * r / (level.outlier * level.outlier);
   // The mean of both gradients converges faster than either.
-  return {.gradient = 0.5F / noise * (moved.gradient + rest.tail<3>().matrix()),
+  return {.gradient = 0.5F / noise * (moved.gradient + expected.slope * rest.tail<3>().matrix()),
           .residual = r,
           .root_weight = std::sqrt(level.trust[static_cast<std::size_t>(node)]) / doubt};
 }
@@ -208,7 +204,7 @@ ErrorBound PhaseRegistration::BoundOf(const ModelImage& phase, const SlidingGrid
                     .wall_mm = level.wall_mm};
   for (int i = 0; i < level.grid->num_nodes(); ++i) {
     const auto n = static_cast<std::size_t>(i);
-    solution.is_seen[n] = MatchOf(level, i, u[n], phase, entered).root_weight > 0.0F ? 1 : 0;
+    solution.is_seen[n] = MatchOf(level, i, u[n], phase, entered, {}).root_weight > 0.0F ? 1 : 0;
   }
   return {*level.grid, solution, num_threads};
 }
@@ -228,10 +224,11 @@ SlidingGrid::Field PhaseRegistration::Refine(const Level& level, const ModelImag
     const EnteredTissue entered =
         guess ? EnteredTissue(grid, kDoubtfulMm / static_cast<float>(grid.geometry().spacing_mm[0]))
               : EnteredTissue(grid, u);
+    const LungDensity density(grid, u, *level.reference, phase, num_threads);
     ParallelFor((count + kChunk - 1) / kChunk, num_threads, [&](int c) {
       for (int i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) {
         const auto n = static_cast<std::size_t>(i);
-        const Match match = MatchOf(level, i, u[n], phase, entered);
+        const Match match = MatchOf(level, i, u[n], phase, entered, density);
         data.gradient[n] = match.root_weight * match.gradient;
         data.force[n] = -stiffness * grid.Pull(u, i) -
                         match.root_weight * match.root_weight * match.residual * match.gradient;
@@ -289,7 +286,7 @@ volume::Grid<float> PhaseRegistration::Difference(const ModelImage& phase,
   volume::Grid<float> out(grid.geometry());
   for (int i = 0; i < grid.num_nodes(); ++i) {
     const std::size_t v = grid.Voxel(i);
-    Vector3f at = VoxelOf(grid.geometry(), v).cast<float>().matrix();
+    Vector3f at = grid.IndexOf(i);
     if (field != nullptr) at += field->displacement_voxels()[static_cast<std::size_t>(i)];
     const ModelImage::Sample moved = phase.At(at);
     if (moved.within) out.voxels[v] = moved.value - levels_[0].reference->Voxel(v)[0];

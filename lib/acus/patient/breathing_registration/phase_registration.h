@@ -9,6 +9,7 @@
 #include "acus/patient/breathing_registration/entered_tissue.h"
 #include "acus/patient/breathing_registration/error_bound.h"
 #include "acus/patient/breathing_registration/level_image.h"
+#include "acus/patient/breathing_registration/lung_density.h"
 #include "acus/patient/breathing_registration/sliding_grid.h"
 
 namespace acus::breathing_registration {
@@ -22,7 +23,7 @@ struct RegistrationSettings {
   int solver_iterations = 25;  ///< Conjugate gradients in each.
   /// What strain costs against one standard deviation of noise; four times as much on each coarser
   /// grid.
-  double smoothness = 1.0;
+  double smoothness = 0.3;
   double noise = 20.0;  ///< Difference of contrast (HU of soft tissue) that says nothing.
 };
 
@@ -81,10 +82,10 @@ struct Residual {
 ///
 ///   sum |I(X + u) - R(X)|^2 / (2 noise^2) + smoothness / 2 * sum over neighbours |u - u'|^2
 ///
-/// by Gauss-Newton steps, with the second sum as in SlidingGrid. Robust: differences far above the
-/// noise count less (Geman & McClure). What came in over the border of the volume is matched to
-/// nothing (EnteredTissue); before any motion is known, what is near the border is not, either. The
-/// same bits for any number of threads.
+/// by Gauss-Newton steps, with the second sum as in SlidingGrid. Lung in R is as dense as it is in
+/// I (LungDensity). Robust: differences far above the noise count less (Geman & McClure). What came
+/// in over the border of the volume is matched to nothing (EnteredTissue); before any motion is
+/// known, what is near the border is not, either. The same bits for any number of threads.
 class PhaseRegistration {
  public:
   /// @throws InputError for settings that are out of range, or if there is no tissue.
@@ -117,7 +118,7 @@ class PhaseRegistration {
   };
   volume::Grid<float> Difference(const ModelImage& phase, const PhaseField* field) const;
   Match MatchOf(const Level& level, int node, const Eigen::Vector3f& u, const ModelImage& phase,
-                const EnteredTissue& entered) const;
+                const EnteredTissue& entered, const LungDensity& density) const;
   ErrorBound BoundOf(const ModelImage& phase, const SlidingGrid::Field& u,
                      const SlidingGrid::Field& coarser, int num_threads) const;
   SlidingGrid::Field Refine(const Level& level, const ModelImage& phase, SlidingGrid::Field u,

@@ -55,6 +55,14 @@ SlidingGrid::SlidingGrid(const volume::Geometry& geometry, const std::vector<Sid
   }
 }
 
+Eigen::Vector3f SlidingGrid::IndexOf(int node) const {
+  const std::size_t v = Voxel(node);
+  const auto row = static_cast<std::size_t>(geometry_.size[0]);
+  const auto column = static_cast<std::size_t>(geometry_.size[1]);
+  return {static_cast<float>(v % row), static_cast<float>(v / row % column),
+          static_cast<float>(v / row / column)};
+}
+
 Eigen::Matrix3f SlidingGrid::Stiffness(int n) const noexcept {
   Eigen::Matrix3f sum = Eigen::Matrix3f::Zero();
   for (const std::int32_t m : neighbours_[static_cast<std::size_t>(n)]) {
@@ -63,7 +71,8 @@ Eigen::Matrix3f SlidingGrid::Stiffness(int n) const noexcept {
       sum += Eigen::Matrix3f::Identity();
     } else {
       const Eigen::Vector3f normal = NormalBetween(n, m);
-      sum += (1.0F - kDrag) * normal * normal.transpose() + kDrag * Eigen::Matrix3f::Identity();
+      sum += (kNormalShare - kDrag) * normal * normal.transpose() +
+             kDrag * Eigen::Matrix3f::Identity();
     }
   }
   return sum;

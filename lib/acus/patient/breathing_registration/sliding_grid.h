@@ -14,8 +14,8 @@ namespace acus::breathing_registration {
 enum class Side : std::uint8_t { kNone, kWall, kCavity };
 
 /// Nodes of a grid that are tissue, their neighbours, and the smoothness that ties them: all of the
-/// difference of neighbours on the same side; across the wall what is normal to it and hardly
-/// anything of what is along it, so that tissue slides, but neither parts nor overlaps
+/// difference of neighbours on the same side; across the wall a part of what is normal to it and
+/// hardly anything of what is along it, so that tissue slides, but neither parts nor overlaps
 /// (direction-dependent regularisation, Schmidt-Richberg et al. 2012).
 class SlidingGrid {
  public:
@@ -30,12 +30,18 @@ class SlidingGrid {
   /// accuracy at the wall.
   static constexpr float kDrag = 1e-4F;
 
+  /// Share of its smoothness that keeps tissue at the wall. Not all: what slides far along a wall
+  /// that curves ends off the plane that touches it where it began.
+  static constexpr float kNormalShare = 0.1F;
+
   using Field = std::vector<Eigen::Vector3f>;  ///< One vector for each node that is tissue.
 
   int num_nodes() const { return static_cast<int>(voxel_.size()); }
   const volume::Geometry& geometry() const { return geometry_; }
   std::size_t Voxel(int node) const { return voxel_[static_cast<std::size_t>(node)]; }
   Side SideOf(int node) const { return side_[static_cast<std::size_t>(node)]; }
+  /// Of a node, in voxels.
+  Eigen::Vector3f IndexOf(int node) const;
   /// The node at a voxel; -1 where there is no tissue.
   std::int32_t NodeAt(std::size_t voxel) const { return node_at_[voxel]; }
 
@@ -50,10 +56,17 @@ class SlidingGrid {
         sum += difference;
       } else {
         const Eigen::Vector3f normal = NormalBetween(n, m);
-        sum += (1.0F - kDrag) * normal.dot(difference) * normal + kDrag * difference;
+        sum += (kNormalShare - kDrag) * normal.dot(difference) * normal + kDrag * difference;
       }
     }
     return sum;
+  }
+  /// Calls use(m) for the nodes beside node n that are on its side.
+  template <class Use>
+  void ForNodesBeside(int n, const Use& use) const {
+    for (const std::int32_t m : neighbours_[static_cast<std::size_t>(n)]) {
+      if (m >= 0 && SideOf(m) == SideOf(n)) use(m);
+    }
   }
   /// The block of that row on the diagonal.
   Eigen::Matrix3f Stiffness(int n) const noexcept;
