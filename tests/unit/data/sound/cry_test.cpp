@@ -46,8 +46,8 @@ TEST(Resonator, HasTheGainOfItsTransferFunction) {
 double PowerAt(const Sound& sound, double frequency_hz) {
   std::complex<double> sum;
   for (std::size_t i = 0; i < sound.samples.size(); ++i) {
-    sum += std::polar(static_cast<double>(sound.samples[i]),
-                      -kTurn * frequency_hz * static_cast<double>(i) / sound.rate_hz);
+    sum += static_cast<double>(sound.samples[i]) *
+           std::polar(1.0, -kTurn * frequency_hz * static_cast<double>(i) / sound.rate_hz);
   }
   return std::norm(sum);
 }
