@@ -24,4 +24,18 @@ volume::Grid<Scalar> Cropped(const volume::Grid<Scalar>& grid, const Box& box) {
   return out;
 }
 
+/// The way back: `part`, cropped by `box`, in its place in `whole`.
+template <typename Scalar>
+void Paste(const volume::Grid<Scalar>& part, const Box& box, volume::Grid<Scalar>& whole) {
+  const Eigen::Array3i& size = part.geometry.size;
+  for (int k = 0; k < size[2]; ++k) {
+    for (int j = 0; j < size[1]; ++j) {
+      const std::size_t to = whole.geometry.Index(box.low[0], box.low[1] + j, box.low[2] + k);
+      const auto from = static_cast<std::ptrdiff_t>(part.geometry.Index(0, j, k));
+      std::copy_n(part.voxels.begin() + from, size[0],
+                  whole.voxels.begin() + static_cast<std::ptrdiff_t>(to));
+    }
+  }
+}
+
 }  // namespace acus::segmentation

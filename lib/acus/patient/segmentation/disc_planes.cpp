@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "acus/data/volume/labels.h"
+#include "acus/patient/segmentation/trilinear.h"
 
 namespace acus::segmentation {
 namespace {
@@ -30,30 +31,6 @@ constexpr double kLeastDiscShare = 0.45;  ///< Of the contrast that the clearest
 constexpr double kTiltCost = 0.4;         ///< Share of the contrast lost per radian.
 constexpr double kLeastContrastHu = 12.0;
 
-/// Trilinear; the border is carried on.
-double HuAt(const volume::CtVolume& ct, const Eigen::Vector3d& index) {
-  const auto& size = ct.geometry.size;
-  std::array<int, 3> low{};
-  std::array<double, 3> part{};
-  for (int d = 0; d < 3; ++d) {
-    const double x = std::clamp(index[d], 0.0, size[d] - 1.0);
-    low[static_cast<std::size_t>(d)] = std::min(static_cast<int>(x), std::max(size[d] - 2, 0));
-    part[static_cast<std::size_t>(d)] = x - low[static_cast<std::size_t>(d)];
-  }
-  double sum = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1.0;
-    std::array<int, 3> at{};
-    for (std::size_t d = 0; d < 3; ++d) {
-      const bool upper = ((corner >> d) & 1) != 0;
-      weight *= upper ? part[d] : 1.0 - part[d];
-      at[d] = std::min(low[d] + (upper ? 1 : 0), size[static_cast<Eigen::Index>(d)] - 1);
-    }
-    if (weight > 0.0) sum += weight * ct.At(at[0], at[1], at[2]);
-  }
-  return sum;
-}
-
 /// The column of bodies, straightened: HU by place across it and step along the canal.
 struct Column {
   struct Place {
@@ -74,7 +51,7 @@ Column Straightened(const volume::CtVolume& ct, const CanalLine& canal) {
         const Eigen::Vector3d p =
             canal.points_mm[s] + forward * canal.forward[s] + left * canal.Left(s);
         line.push_back(
-            static_cast<float>(std::clamp(HuAt(ct, index_from_ct * p), kLeastHu, kMostHu)));
+            static_cast<float>(std::clamp(TrilinearAt(ct, index_from_ct * p), kLeastHu, kMostHu)));
       }
     }
   }

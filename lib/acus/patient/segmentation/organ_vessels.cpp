@@ -184,17 +184,6 @@ std::string ReasonAgainst(const OrganVessels& found, double organ_ml) {
   return {};
 }
 
-void Paste(const Mask& part, const Box& box, Mask& whole) {
-  const Eigen::Array3i& size = part.geometry.size;
-  for (int k = 0; k < size[2]; ++k) {
-    for (int j = 0; j < size[1]; ++j) {
-      for (int i = 0; i < size[0]; ++i) {
-        whole.At(box.low[0] + i, box.low[1] + j, box.low[2] + k) = part.At(i, j, k);
-      }
-    }
-  }
-}
-
 /// The liver with its vessels, and soft tissue between its parts: bright vessels that whoever
 /// labelled the liver did not count. Without lesions.
 Mask LiverWithVessels(const volume::LabelMap& labels, int num_threads) {

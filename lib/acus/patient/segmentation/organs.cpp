@@ -198,14 +198,7 @@ Mask FindOrgan(const volume::CtVolume& ct, const OrganSeed& organ, const RunCont
                                 "widen the range of HU"));
   }
   Mask whole(ct.geometry);
-  const auto& size = mask.geometry.size;
-  for (int k = 0; k < size[2]; ++k) {
-    for (int j = 0; j < size[1]; ++j) {
-      for (int i = 0; i < size[0]; ++i) {
-        whole.At(box.low[0] + i, box.low[1] + j, box.low[2] + k) = mask.At(i, j, k);
-      }
-    }
-  }
+  Paste(mask, box, whole);
   return whole;
 }
 

@@ -7,6 +7,7 @@
 #include "acus/base/core/parallel.h"
 #include "acus/data/volume/labels.h"
 #include "acus/patient/segmentation/line_filter.h"
+#include "acus/patient/segmentation/trilinear.h"
 #include "acus/patient/segmentation/trunk_wall.h"
 
 namespace acus::segmentation {
@@ -21,32 +22,12 @@ constexpr double kHalfBackMm = 50.0;     ///< The back muscles reach 10 mm farth
 constexpr double kWallSmoothMm = 3.0;    ///< Takes the stairs of the coarse grid off the wall.
 constexpr double kFractionInside = 0.5;  ///< At the inner surface of the wall.
 
-/// How far inside the wall a point is: 1 inside, 0 outside, smooth between them.
-class InsideOfWall {
- public:
-  InsideOfWall(const TrunkWall& wall, int num_threads) : share_(wall.inside.geometry) {
-    std::ranges::copy(wall.inside.voxels, share_.voxels.begin());
-    share_ = segmentation::Blurred(share_, kWallSmoothMm, num_threads);
-  }
-
-  /// Trilinear; beyond the grid as at its border.
-  double At(const Eigen::Vector3d& index) const {
-    const Eigen::Array3i& size = share_.geometry.size;
-    const Eigen::Array3d at = index.array().max(0.0).min((size - 1).cast<double>());
-    const Eigen::Array3i low = at.cast<int>().min(size - 2).max(0);
-    const Eigen::Array3d t = at - low.cast<double>();
-    double sum = 0.0;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Eigen::Array3i d(corner & 1, (corner >> 1) & 1, corner >> 2);
-      const Eigen::Array3i v = (low + d).min(size - 1);
-      sum += (d == 1).select(t, 1.0 - t).prod() * static_cast<double>(share_.At(v[0], v[1], v[2]));
-    }
-    return sum;
-  }
-
- private:
-  volume::Grid<float> share_;
-};
+/// How far inside the wall each voxel is: 1 inside, 0 outside, smooth between them.
+volume::Grid<float> InsideOf(const TrunkWall& wall, int num_threads) {
+  volume::Grid<float> share(wall.inside.geometry);
+  std::ranges::copy(wall.inside.voxels, share.voxels.begin());
+  return Blurred(share, kWallSmoothMm, num_threads);
+}
 
 /// Beside the spine, from its front to the back.
 bool IsBack(const TrunkWall& wall, const Eigen::Vector3d& index) {
@@ -59,7 +40,7 @@ bool IsBack(const TrunkWall& wall, const Eigen::Vector3d& index) {
 
 /// All voxels between skin and cavity, but those of the back.
 Mask WallZone(const volume::LabelMap& labels, const TrunkWall& wall, int num_threads) {
-  const InsideOfWall inside(wall, num_threads);
+  const volume::Grid<float> inside = InsideOf(wall, num_threads);
   const Eigen::Affine3d coarse_from_index =
       wall.inside.geometry.index_from_ct() * labels.geometry.ct_from_index();
   Mask zone(labels.geometry);
@@ -69,7 +50,7 @@ Mask WallZone(const volume::LabelMap& labels, const TrunkWall& wall, int num_thr
       for (int i = 0; i < size[0]; ++i) {
         if (labels.At(i, j, k) == 0) continue;
         const Eigen::Vector3d at = coarse_from_index * Eigen::Vector3d(i, j, k);
-        zone.At(i, j, k) = inside.At(at) < kFractionInside && !IsBack(wall, at) ? 1 : 0;
+        zone.At(i, j, k) = TrilinearAt(inside, at) < kFractionInside && !IsBack(wall, at) ? 1 : 0;
       }
     }
   });
