@@ -10,6 +10,7 @@
 #include "acus/base/core/words.h"
 #include "acus/base/math/point_text.h"
 #include "acus/data/volume/labels.h"
+#include "acus/patient/segmentation/lps_axes.h"
 #include "acus/patient/segmentation/mask.h"
 
 namespace acus::segmentation {
@@ -19,6 +20,7 @@ constexpr std::array kNames = {"C1",  "C2", "C3", "C4", "C5", "C6", "C7", "T1", 
                                "T3",  "T4", "T5", "T6", "T7", "T8", "T9", "T10", "T11",
                                "T12", "L1", "L2", "L3", "L4", "L5", "S1"};
 // The core of a body, from the canal's middle; growth starts there.
+constexpr double kLeastObliqueDeg = 0.1;
 constexpr double kCoreHalfWidthMm = 12.0;
 constexpr double kCoreFromMm = 11.0;
 constexpr double kCoreToMm = 28.0;
@@ -273,6 +275,37 @@ void Name(const std::optional<NamedVertebra>& start, const SpineFrame& frame, Ve
   }
 }
 
+/// Spines are followed along the axes of patients. Where those of a CT are oblique, it is looked at
+/// as if they were not.
+bool IsOblique(const volume::Geometry& geometry) {
+  return ObliquityDeg(geometry) > kLeastObliqueDeg;
+}
+
+template <typename Volume>
+Volume On(const volume::Geometry& geometry, Volume volume) {
+  volume.geometry = geometry;
+  return volume;
+}
+
+/// Brings the places of voxels in one grid to those of the same voxels in another.
+Eigen::Isometry3d TurnTo(const volume::Geometry& from, const volume::Geometry& to) {
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  turn.linear() = to.direction * from.direction.transpose();
+  turn.translation() = to.origin_mm - turn.linear() * from.origin_mm;
+  return turn;
+}
+
+Vertebrae Moved(Vertebrae found, const volume::Geometry& to, const Eigen::Isometry3d& motion) {
+  if (found.empty()) return found;
+  found.labels.geometry = to;
+  for (Vertebra& vertebra : found.list) vertebra.centre_mm = motion * vertebra.centre_mm;
+  for (DiscPlane& disc : found.discs) {
+    disc.point_mm = motion * disc.point_mm;
+    disc.normal = motion.linear() * disc.normal;
+  }
+  return found;
+}
+
 /// The middle of each body: half-way between its discs, or 15 mm beyond the last one.
 void Centre(const CanalLine& line, const SpineFrame& frame, const std::vector<DiscPlane>& discs,
             Vertebrae& out) {
@@ -310,6 +343,14 @@ NamedVertebra ParseVertebra(const std::string& text) {
 
 Vertebrae FindVertebrae(const volume::CtVolume& ct, const volume::LabelMap& tissues,
                         const std::optional<NamedVertebra>& start) {
+  if (IsOblique(ct.geometry)) {
+    const volume::Geometry straight = WithoutObliquity(ct.geometry);
+    const Eigen::Isometry3d turn = TurnTo(ct.geometry, straight);
+    std::optional<NamedVertebra> there = start;
+    if (there) there->point_mm = turn * there->point_mm;
+    return Moved(FindVertebrae(On(straight, ct), On(straight, tissues), there), ct.geometry,
+                 turn.inverse());
+  }
   Vertebrae out;
   const CanalLine line = CanalLineOf(tissues);
   const std::vector<DiscPlane> discs = FindDiscPlanes(ct, line);
@@ -327,6 +368,12 @@ Vertebrae FindVertebrae(const volume::CtVolume& ct, const volume::LabelMap& tiss
 }
 
 void FillBodies(const volume::CtVolume& ct, volume::LabelMap& tissues) {
+  if (IsOblique(ct.geometry)) {
+    tissues.geometry = WithoutObliquity(ct.geometry);
+    FillBodies(On(tissues.geometry, ct), tissues);
+    tissues.geometry = ct.geometry;
+    return;
+  }
   const CanalLine line = CanalLineOf(tissues);
   const std::vector<DiscPlane> discs = FindDiscPlanes(ct, line);
   if (discs.size() < 2) return;

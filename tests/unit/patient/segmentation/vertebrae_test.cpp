@@ -86,6 +86,40 @@ TEST(Vertebrae, AreNumberedFromTheHeadWithoutAName) {
   EXPECT_EQ(found.labels.names.size(), found.list.size() + found.labels.names.count(0));
 }
 
+/// The CT in a file whose axes are turned against those of the patient.
+TEST(Vertebrae, AreTheSameInAnObliqueGrid) {
+  LumbarBack lumbar = Back();
+  Eigen::Vector3d in_l3 =
+      0.5 * (lumbar.anatomy.Landmark("disc_L2L3") + lumbar.anatomy.Landmark("disc_L3L4"));
+  const Vertebrae straight =
+      FindVertebrae(lumbar.scan.ct, lumbar.found, NamedVertebra{"L3", in_l3});
+  volume::LabelMap filled = lumbar.found;
+  FillBodies(lumbar.scan.ct, filled);
+
+  const Eigen::Isometry3d turn = Eigen::Translation3d(5, -40, 12) *
+                                 Eigen::AngleAxisd(0.35, Eigen::Vector3d::UnitZ()) *
+                                 Eigen::AngleAxisd(-0.2, Eigen::Vector3d::UnitX());
+  for (volume::Geometry* g : {&lumbar.scan.ct.geometry, &lumbar.found.geometry}) {
+    g->direction = turn.linear() * g->direction;
+    g->origin_mm = turn * g->origin_mm;
+  }
+  const Vertebrae oblique =
+      FindVertebrae(lumbar.scan.ct, lumbar.found, NamedVertebra{"L3", turn * in_l3});
+  EXPECT_EQ(oblique.labels.voxels, straight.labels.voxels);
+  EXPECT_TRUE(oblique.labels.geometry.Matches(lumbar.scan.ct.geometry));
+  ASSERT_EQ(oblique.list.size(), straight.list.size());
+  for (std::size_t n = 0; n < oblique.list.size(); ++n) {
+    EXPECT_EQ(oblique.list[n].name, straight.list[n].name);
+    EXPECT_LT((oblique.list[n].centre_mm - turn * straight.list[n].centre_mm).norm(), 1e-6);
+  }
+  for (std::size_t n = 0; n < oblique.discs.size(); ++n) {
+    EXPECT_LT((oblique.discs[n].normal - turn.linear() * straight.discs[n].normal).norm(), 1e-9);
+  }
+  FillBodies(lumbar.scan.ct, lumbar.found);
+  EXPECT_EQ(lumbar.found.voxels, filled.voxels);
+  EXPECT_TRUE(lumbar.found.geometry.Matches(lumbar.scan.ct.geometry));
+}
+
 TEST(Vertebrae, ANameThatCannotBeIsRefused) {
   const LumbarBack& lumbar = Back();
   const Eigen::Vector3d in_l3 =
