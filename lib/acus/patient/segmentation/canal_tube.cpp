@@ -21,7 +21,8 @@ constexpr double kCanalMeanHu = 0.0;    ///< Of fluid and fat beside the bone.
 constexpr double kMedianReachMm = 7.0;  ///< Weights fall by e over that distance between slices.
 constexpr double kQuantile =
     0.3;  ///< Bone narrows the canal where it closes, and recedes elsewhere.
-constexpr double kRoundingMm = 5.5;  ///< Least radius of curvature of a canal's cross-section.
+/// Least radius of curvature of a cross-section, over that of the largest circle in it.
+constexpr double kRoundingShare = 0.8;
 constexpr double kRoundingGridMm = 0.25;
 constexpr double kSoftRimMm = 3.0;         ///< Muscle, ligament or disc may reach that far into it.
 constexpr double kMostCanalSoftHu = 45.0;  ///< Of fat, fluid and nerves, over 3 x 3 x 3 voxels.
@@ -120,22 +121,24 @@ double RadiusAt(const Radii& radii, const Eigen::Vector2d& from_centre_mm) {
          share * radii[static_cast<std::size_t>((n + 1) % kNumCanalRays)];
 }
 
-/// The cross-section without corners that a disc of kRoundingMm does not reach into: fat in the
-/// lateral recesses and between the laminae is not taken for canal.
+/// The cross-section without corners, which a disc somewhat smaller than the largest in it does not
+/// reach into: fat in the lateral recesses and between the laminae is not taken for canal.
 Radii Rounded(const Radii& radii) {
   volume::Geometry g;
-  const int half = static_cast<int>(std::ceil((kLongestRayMm + kRoundingMm) / kRoundingGridMm));
+  const int half = static_cast<int>(std::ceil(kLongestRayMm / kRoundingGridMm)) + 2;
   g.size = {2 * half + 1, 2 * half + 1, 1};
   g.spacing_mm = {kRoundingGridMm, kRoundingGridMm, 1.0};
-  Mask section(g);
+  Mask section(g), outside(g);
   for (int j = 0; j < g.size[1]; ++j) {
     for (int i = 0; i < g.size[0]; ++i) {
       const Eigen::Vector2d p(kRoundingGridMm * (i - half), kRoundingGridMm * (j - half));
       section.At(i, j, 0) = p.norm() < RadiusAt(radii, p) ? 1 : 0;
+      outside.At(i, j, 0) = 1 - section.At(i, j, 0);
     }
   }
   // Only within the slice: the grid is one voxel high.
-  const Mask opened = Opened(section, kRoundingMm, 1);
+  const double widest_mm = std::ranges::max(DistanceMm(outside, 1).voxels);
+  const Mask opened = Opened(section, kRoundingShare * widest_mm, 1);
   Radii out{};
   for (int n = 0; n < kNumCanalRays; ++n) {
     const Eigen::Vector2d direction = Direction(n);

@@ -89,10 +89,10 @@ TEST_P(SpineOfSeed, HasAnOpenCanalAndItsLigaments) {
   std::cout << "seed " << GetParam() << ": canal Dice " << whole << ", L1 to L5 " << lumbar
             << ", least slice " << least << "; flavum within 1 mm in " << near << " of " << windows
             << " slices; bone volume ratio " << bone << "; disc Dice " << discs << '\n';
-  // In four of the twenty the canal of the sacrum is lost, and with it the last disc.
-  EXPECT_GE(whole, 0.87);
-  EXPECT_GE(lumbar, 0.94);
-  EXPECT_GE(least, 0.5) << "the canal is nearly closed in a slice";
+  // In one of the twenty the canal of the sacrum is lost, and with it the last disc.
+  EXPECT_GE(whole, 0.88);
+  EXPECT_GE(lumbar, 0.95);
+  EXPECT_GE(least, 0.8) << "the canal is nearly closed in a slice";
   ASSERT_GE(windows, 20);
   EXPECT_GE(near, 0.8 * windows);
   EXPECT_NEAR(bone, 1.0, 0.05);
