@@ -11,6 +11,7 @@
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/atlas/organ_cut.h"
+#include "acus/patient/atlas/organ_place.h"
 #include "acus/patient/atlas/patient_map.h"
 #include "acus/patient/segmentation/crop.h"
 #include "acus/patient/segmentation/imported_labels.h"
@@ -30,9 +31,11 @@ constexpr float kBeyondAtlas = 0.5F;  // Weight of the prior where the atlas's C
 struct Organ {
   std::string_view name;
   double least_ml, most_ml;  ///< Volumes that a patient can have.
+  double reach_mm;  ///< How far it may lie from where it is in the aligned body; see Placed.
 };
-constexpr std::array kOrgans = {Organ{"liver", 300.0, 4000.0}, Organ{"kidney", 40.0, 1200.0},
-                                Organ{"spleen", 20.0, 2000.0}};
+constexpr std::array kOrgans = {Organ{"liver", 300.0, 4000.0, 0.0},
+                                Organ{"kidney", 40.0, 1200.0, 60.0},
+                                Organ{"spleen", 20.0, 2000.0, 0.0}};
 
 /// Distance [mm] to the surface of a region, positive inside.
 Grid<float> SignedDistanceMm(const Mask& region, int num_threads) {
@@ -88,11 +91,11 @@ void ForbidAirAndSkin(const LabelMap& labels, Mask& allowed) {
   }
 }
 
-/// Where one atlas patient has the organ.
-Mask RegionOf(const CarriedLabels& carried, volume::Label organ) {
-  Mask region(carried.organs.geometry);
+/// Where the organ is.
+Mask RegionOf(const LabelMap& organs, volume::Label organ) {
+  Mask region(organs.geometry);
   for (std::size_t n = 0; n < region.voxels.size(); ++n) {
-    region.voxels[n] = carried.organs.voxels[n] == organ;
+    region.voxels[n] = organs.voxels[n] == organ;
   }
   return region;
 }
@@ -113,14 +116,20 @@ segmentation::Box BoxAround(const std::vector<Mask>& regions) {
 }
 
 /// None if no atlas patient has the organ where the CT shows the body.
-std::optional<Grid<float>> FindOrgan(const Patient& patient, volume::Label organ,
+std::optional<Grid<float>> FindOrgan(const Patient& patient, const Organ& wanted,
                                      const RunContext& context) {
+  const volume::Label organ = volume::LabelOf(wanted.name);
   std::vector<Mask> regions, covered;
   double organ_hu = 0.0;
   for (const CarriedLabels& carried : patient.carried) {
     const auto hu = carried.organ_hu.find(organ);
     if (hu == carried.organ_hu.end()) continue;
-    regions.push_back(RegionOf(carried, organ));
+    regions.push_back(RegionOf(carried.organs, organ));
+    const Mask aligned = RegionOf(carried.aligned, organ);
+    if (wanted.reach_mm > 0.0 && segmentation::Count(aligned) > 0) {
+      regions.back() =
+          Placed(patient.hu, aligned, hu->second, wanted.reach_mm, context.num_threads);
+    }
     covered.push_back(carried.covered);
     organ_hu += hu->second;
   }
@@ -248,7 +257,7 @@ void AddAtlasOrgans(const volume::CtVolume& ct, const std::vector<AtlasPatient>&
     const volume::Label label = volume::LabelOf(name);
     if (is_known(organ)) continue;
     context.Checkpoint(Message("finding the ", name), 0.0);
-    const auto u = FindOrgan(patient, label, context);
+    const auto u = FindOrgan(patient, organ, context);
     if (!u) continue;
     const Mask mask = OnCt(*u, labels, context.num_threads);
     const double ml =

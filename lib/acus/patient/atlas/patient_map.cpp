@@ -26,6 +26,7 @@ using volume::Grid;
 
 constexpr double kAlignmentMm = 6.0;  // Grid on which bodies are aligned.
 constexpr int kLevels = 4, kIterations = 20;
+constexpr double kSmoothness = 1.0;   // Patients differ more smoothly than one patient breathes.
 constexpr double kFirstNoise = 40.0;  // Before the organs' HU are known ...
 constexpr double kNoise = 20.0;       // ... and after.
 constexpr int kColourings = 2;
@@ -89,6 +90,7 @@ class Carrier {
     settings.spacing_mm = covered_.geometry.spacing_mm[0];
     settings.levels = kLevels;
     settings.iterations = kIterations;
+    settings.smoothness = kSmoothness;
     settings.noise = noise;
     const Eigen::Affine3d index_from_ct = covered_.geometry.index_from_ct();
     const auto is_tissue = [&](const Vector3d& p) {
@@ -110,7 +112,8 @@ class Carrier {
         for (int i = 0; i < out.geometry.size[0]; ++i) {
           if (covered_.At(i, j, k) == 0) continue;
           const Vector3d at = ct_from_index * Vector3d(i, j, k);
-          const Vector3d bent = at + field_->DisplacementMm(at, Side::kWall);
+          const Vector3d bent =
+              field_ ? Vector3d(at + field_->DisplacementMm(at, Side::kWall)) : at;
           out.At(i, j, k) =
               volume::LabelAt(atlas_.organs, voxel_from_ct, atlas_from_patient_ * bent);
         }
@@ -147,9 +150,10 @@ class Carrier {
   }
 
   /// On the patient's whole coarse grid.
-  CarriedLabels Result(const volume::LabelMap& organs,
+  CarriedLabels Result(const volume::LabelMap& organs, const volume::LabelMap& aligned,
                        std::map<volume::Label, double> organ_hu) const {
     CarriedLabels out{.organs = volume::LabelMap(patient_.geometry()),
+                      .aligned = volume::LabelMap(patient_.geometry()),
                       .covered = Mask(patient_.geometry()),
                       .organ_hu = std::move(organ_hu)};
     const Eigen::Array3i& size = organs.geometry.size;
@@ -158,6 +162,7 @@ class Carrier {
         for (int i = 0; i < size[0]; ++i) {
           const Eigen::Array3i at = box_.low + Eigen::Array3i(i, j, k);
           out.organs.At(at[0], at[1], at[2]) = organs.At(i, j, k);
+          out.aligned.At(at[0], at[1], at[2]) = aligned.At(i, j, k);
           out.covered.At(at[0], at[1], at[2]) = covered_.At(i, j, k);
         }
       }
@@ -242,6 +247,7 @@ std::optional<CarriedLabels> CarryLabels(const LabelledPatient& atlas, const Pat
   if (!affine) return std::nullopt;
   Carrier carrier(atlas, atlas_image, patient, *affine, context);
   if (carrier.empty()) return std::nullopt;
+  const volume::LabelMap aligned = carrier.Organs();
   carrier.Bend(first, atlas_first, kFirstNoise);
   volume::LabelMap organs = carrier.Organs();
   const Grid<float> hu = segmentation::Cropped(patient.Hu(num_threads), carrier.box());
@@ -254,7 +260,7 @@ std::optional<CarriedLabels> CarryLabels(const LabelledPatient& atlas, const Pat
     carrier.Bend(image, atlas_image.Imitated(atlas.organs, organ_hu, soft_hu, num_threads), kNoise);
     organs = carrier.Organs();
   }
-  return carrier.Result(organs, carrier.OrganHu(hu, organs));
+  return carrier.Result(organs, aligned, carrier.OrganHu(hu, organs));
 }
 
 }  // namespace acus::atlas

@@ -19,6 +19,7 @@ struct LabelledPatient {
 /// What an atlas says of a patient.
 struct CarriedLabels {
   volume::LabelMap organs;                   ///< On the patient's coarse grid; 0: nothing.
+  volume::LabelMap aligned;                  ///< The same before the atlas was bent.
   segmentation::Mask covered;                ///< Where the atlas has the body too.
   std::map<volume::Label, double> organ_hu;  ///< In this patient: the most frequent HU of each.
 };
