@@ -67,7 +67,8 @@ int main(int argc, char** argv) {
   app.add_option("--modes", o.settings.num_modes, "Principal components over time; 0: all")
       ->check(CLI::Range(0, 60));
   app.add_option("--spacing-mm", o.settings.registration.spacing_mm,
-                 "Of the registration's grid; default: 2, or a voxel's if that is larger")
+                 "Of the registration's grid; default: 2, or more where voxels are larger or the "
+                 "patient is large, so that ten phases take about a minute on two cores")
       ->check(CLI::Range(0.5, 20.0));
   app.add_option("--diaphragm-mm", in.diaphragm_mm, "Travel of the diaphragm, with --single")
       ->check(CLI::Range(0.0, 80.0));

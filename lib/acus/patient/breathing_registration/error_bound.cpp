@@ -13,9 +13,9 @@ using Eigen::Array3i;
 using Eigen::Vector3f;
 
 constexpr int kScales = 6;
-// Of the fit to the landmarks of two CTs.
-constexpr float kStrainReachMm = 4.5F, kDisagreement = 0.62F;
-constexpr float kWallReachMm = 10.0F, kWallLayerMm = 8.0F;
+// Of the fit to the landmarks of two CTs; lengths in distances of the nodes.
+constexpr float kStrainReach = 1.3F, kDisagreement = 0.42F;
+constexpr float kWallReach = 2.0F, kWallLayerMm = 8.0F;
 constexpr float kSmallestMm = 0.05F;
 constexpr float kSeenEnough = 0.25F;  // Share of the nodes of a cube.
 
@@ -96,9 +96,9 @@ float BoundMm(const SidedSums& sums, float strain_of_phase, float h_mm, const Ve
               Side side) {
   const SidedSums::Numbers small = sums.At(at, side, 1), large = sums.At(at, side, 3);
   const float strain = std::sqrt(0.5F * (Mean(small, kStrain2) + Mean(large, kStrain2)));
-  const float reach = std::hypot(kStrainReachMm, h_mm * UnseenReach(sums, at, side));
-  return std::hypot(reach * strain, kDisagreement * h_mm * std::sqrt(Mean(small, kDisagreement2)),
-                    kWallReachMm * strain_of_phase * Mean(sums.At(at, side, 0), kNearWall));
+  const float reach = std::hypot(kStrainReach, UnseenReach(sums, at, side));
+  return h_mm * std::hypot(reach * strain, kDisagreement * std::sqrt(Mean(small, kDisagreement2)),
+                           kWallReach * strain_of_phase * Mean(sums.At(at, side, 0), kNearWall));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "acus/base/core/parallel.h"
 
@@ -13,6 +14,7 @@ using Eigen::Vector3f;
 
 constexpr double kWallMm = 1e6;  // Where nothing slides, all is far from the wall.
 constexpr double kDefaultMm = 2.0, kCoarsestMm = 20.0;  // Spacing of the finest grid.
+constexpr double kMostNodes = 1.3e6, kCountedMm = 8.0;  // Of the default; tissue is counted so.
 constexpr float kOutlier = 8.0F;                        // In units of noise, on the finest grid.
 constexpr float kDoubtfulMm = 32.0F;  // From the border, before any motion is known.
 constexpr double kMixedNodes = 3.0;   // From the wall: voxels there are averages of both sides.
@@ -145,12 +147,29 @@ std::vector<float> PhaseField::OnNodes(const volume::Geometry& nodes_out, const 
   return out;
 }
 
+double DefaultSpacingMm(const volume::Geometry& ct, const Tissue& tissue, int num_threads) {
+  const volume::Geometry coarse = CubicGrid(ct, kCountedMm);
+  const Eigen::Affine3d ct_from_index = coarse.ct_from_index();
+  std::vector<double> in_plane(static_cast<std::size_t>(coarse.size[2]), 0.0);
+  ParallelFor(coarse.size[2], num_threads, [&](int k) {
+    for (int j = 0; j < coarse.size[1]; ++j) {
+      for (int i = 0; i < coarse.size[0]; ++i) {
+        const bool counts = tissue.is_tissue(ct_from_index * Vector3d(i, j, k));
+        in_plane[static_cast<std::size_t>(k)] += counts ? 1.0 : 0.0;
+      }
+    }
+  });
+  const double count = std::accumulate(in_plane.begin(), in_plane.end(), 0.0);
+  return std::clamp(std::max(ct.spacing_mm.maxCoeff(), kCountedMm * std::cbrt(count / kMostNodes)),
+                    kDefaultMm, kCoarsestMm);
+}
+
 PhaseRegistration::PhaseRegistration(const volume::CtVolume& reference, const Tissue& tissue,
                                      const RegistrationSettings& settings,
                                      const RunContext& context)
     : settings_(settings), ct_(reference.geometry) {
   if (settings.spacing_mm == 0.0) {
-    settings_.spacing_mm = std::clamp(ct_.spacing_mm.maxCoeff(), kDefaultMm, kCoarsestMm);
+    settings_.spacing_mm = DefaultSpacingMm(ct_, tissue, context.num_threads);
   }
   ACUS_REQUIRE(settings_.spacing_mm >= 0.5 && settings_.spacing_mm <= kCoarsestMm,
                "registration: a grid of ", settings_.spacing_mm, " mm; it must be in [0.5, 20]");

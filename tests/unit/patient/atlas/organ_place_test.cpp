@@ -92,8 +92,7 @@ TEST_F(TwoKidneys, ReachFartherAlongTheBody) {
   Eigen::Matrix3d turn;                               // z along i: k goes across the body.
   turn << 0, 1, 0, 0, 0, 1, 1, 0, 0;
   for (volume::Geometry* g : {&hu.geometry, &atlas.geometry}) g->direction = turn;
-  EXPECT_EQ(Placed(hu, atlas, 32.0, 60.0, 1).voxels,
-            EllipsoidAt(g_, {12, 20, 28}, kHalf).voxels);
+  EXPECT_EQ(Placed(hu, atlas, 32.0, 60.0, 1).voxels, EllipsoidAt(g_, {12, 20, 28}, kHalf).voxels);
 }
 
 }  // namespace

@@ -67,8 +67,8 @@ TEST(ErrorBound, GrowsWithTheDistanceToWhatIsSeen) {
   const ErrorBound whole = BoundOfStretched(grid, 31), part = BoundOfStretched(grid, 15);
   EXPECT_EQ(whole.unseen_share(), 0.0);
   EXPECT_NEAR(part.unseen_share(), 0.5, 1e-9);
-  // 4.5 mm at a strain of 0.1.
-  EXPECT_NEAR(whole.Mm({16, 16, 16}, Side::kWall), 0.45, 0.05);
+  // 1.3 nodes of 2 mm at a strain of 0.1.
+  EXPECT_NEAR(whole.Mm({16, 16, 16}, Side::kWall), 1.3 * 2.0 * 0.1, 0.01);
   EXPECT_NEAR(part.Mm({16, 16, 8}, Side::kWall), whole.Mm({16, 16, 8}, Side::kWall), 1e-6);
   EXPECT_GT(part.Mm({16, 16, 22}, Side::kWall), 2.0 * whole.Mm({16, 16, 22}, Side::kWall));
   EXPECT_GT(part.Mm({16, 16, 30}, Side::kWall), part.Mm({16, 16, 20}, Side::kWall));

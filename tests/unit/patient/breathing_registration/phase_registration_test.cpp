@@ -157,6 +157,26 @@ TEST(PhaseRegistration, AnImageIsWhereItIs) {
   for (const auto& u : field.displacement_voxels()) EXPECT_LT(u.norm(), 1e-6);
 }
 
+TEST(DefaultSpacing, GrowsWithVoxelsAndWithTheTissue) {
+  const Tissue all{[](const Vector3d&) { return true; }, {}};
+  const auto spacing_mm = [&](int size, double voxel_mm, const Tissue& tissue) {
+    volume::Geometry ct;
+    ct.size = {size, size, size};
+    ct.spacing_mm = Eigen::Array3d::Constant(voxel_mm);
+    return DefaultSpacingMm(ct, tissue, 2);
+  };
+  EXPECT_DOUBLE_EQ(spacing_mm(100, 0.9, all), 2.0);
+  EXPECT_DOUBLE_EQ(spacing_mm(80, 2.5, all), 2.5);
+  // 512 mm each way: 134 l over 1.3 million nodes.
+  const double large_mm = spacing_mm(257, 2.0, all);
+  EXPECT_NEAR(large_mm, std::cbrt(520.0 * 520.0 * 520.0 / 1.3e6), 0.01);
+  // An eighth of that in tissue: half the distance.
+  const Tissue corner{[](const Vector3d& p) { return (p.array() < 256.0).all(); }, {}};
+  EXPECT_NEAR(spacing_mm(257, 2.0, corner), std::max(2.0, 0.5 * large_mm), 0.05);
+  const Tissue none{[](const Vector3d&) { return false; }, {}};
+  EXPECT_DOUBLE_EQ(spacing_mm(100, 0.9, none), 2.0);
+}
+
 TEST(PhaseRegistration, RefusesOtherGrids) {
   const Trunk& trunk = TheTrunk();
   const PhaseRegistration registration(trunk.ct, trunk.tissue, {.spacing_mm = 8.0}, {});
