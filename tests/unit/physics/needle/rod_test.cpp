@@ -216,6 +216,24 @@ TEST(RodModel, ASprungHubYieldsByForceOverStiffness) {
               0.4 * lever_mm / 2000.0, 1e-6);
 }
 
+// However soft: a load that the springs nearly balance by themselves.
+TEST(RodModel, AHubMayBeSprungSoftly) {
+  const RodModel model = Rod(25);
+  const RodLoad load = TipLoad({1e-6, 0.0, 0.0});
+  RodInput input = Input({}, {&load, 1});
+  input.base.sprung = true;
+  input.base.stiffness_n_per_mm = 0.01;
+  input.base.stiffness_n_mm_per_rad = 0.05;
+  RodState state = model.NewState();
+  EXPECT_NE(model.Solve(state, input).status, RodStatus::kRejected);
+  for (double RodBase::*stiffness :
+       {&RodBase::stiffness_n_per_mm, &RodBase::stiffness_n_mm_per_rad}) {
+    RodInput none = input;
+    none.base.*stiffness = 0.0;
+    EXPECT_EQ(model.Solve(state, none).status, RodStatus::kRejected);
+  }
+}
+
 TEST(RodModel, TheOrderOfContactsChangesNoBit) {
   const RodModel model = Rod(25);
   auto channel = Channel(40.0, 30, 0.3);
