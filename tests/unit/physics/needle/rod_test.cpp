@@ -234,6 +234,27 @@ TEST(RodModel, AHubMayBeSprungSoftly) {
   }
 }
 
+// In steps too small to be a jump.
+TEST(RodModel, AClampedHubThatOnlyTurnsTakesTheNeedleAlong) {
+  const RodModel model = Rod(25, 1e-6);
+  const auto channel = Channel(40.0, 30, 0.3);
+  RodInput input = Input(channel);
+  RodState state = Solved(model, input);
+  for (int n = 1; n <= 10; ++n) {
+    input.base.orientation = Eigen::AngleAxisd(0.005 * n, Vector3d::UnitY());
+    EXPECT_TRUE(model.Solve(state, input).converged());
+    EXPECT_NEAR(std::atan2(state.point[0].tangent.x(), state.point[0].tangent.z()), 0.005 * n,
+                1e-9);
+  }
+  const RodState at_once = Solved(model, input);
+  EXPECT_GT(
+      (at_once.point[8].position_mm - Solved(model, Input(channel)).point[8].position_mm).norm(),
+      0.1);
+  for (std::size_t i = 0; i < state.point.size(); ++i) {
+    EXPECT_NEAR((state.point[i].position_mm - at_once.point[i].position_mm).norm(), 0.0, 1e-4) << i;
+  }
+}
+
 TEST(RodModel, TheOrderOfContactsChangesNoBit) {
   const RodModel model = Rod(25);
   auto channel = Channel(40.0, 30, 0.3);
