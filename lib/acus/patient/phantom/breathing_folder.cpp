@@ -87,22 +87,6 @@ void WriteLandmarks(const fs::path& path, const std::vector<TissueLandmark>& lan
   WriteTextFile(path, text);
 }
 
-/// The cavity on the grid of its wall.
-volume::LabelMap CavityLabels(const Cavity& cavity) {
-  volume::LabelMap labels(cavity.wall.geometry());
-  labels.names[1] = "cavity";
-  const volume::Geometry& g = labels.geometry;
-  for (int k = 0; k < g.size[2]; ++k) {
-    for (int j = 0; j < g.size[1]; ++j) {
-      for (int i = 0; i < g.size[0]; ++i) {
-        const Vector3d p = g.ct_from_index() * Vector3d(i, j, k);
-        labels.At(i, j, k) = cavity.wall.LevelMm(p) < 0.0 ? 1 : 0;
-      }
-    }
-  }
-  return labels;
-}
-
 nlohmann::json TruthJson(const BreathingMotion& motion, const BreathingFolderSettings& settings,
                          std::uint64_t seed) {
   const Cavity& cavity = motion.cavity();
@@ -159,7 +143,7 @@ void WriteBreathingPatient(const fs::path& folder, const volume::CtVolume& ct,
         RandomLandmarks(labels, motion, moments.back().breath, settings.num_landmarks, context);
     WriteLandmarks(out.path() / "landmarks.csv", landmarks, motion, moments);
   }
-  volume::WriteLabelMap(out.path() / "cavity.seg.nrrd", CavityLabels(motion.cavity()));
+  volume::WriteLabelMap(out.path() / "cavity.seg.nrrd", LabelsOf(motion.cavity()));
   config::WriteJson(out.path() / "motion_truth.json", TruthJson(motion, settings, context.seed));
   config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
   out.Commit();

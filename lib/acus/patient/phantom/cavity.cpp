@@ -122,4 +122,19 @@ Cavity FindCavity(const volume::LabelMap& labels, const RunContext& context) {
   return cavity;
 }
 
+volume::LabelMap LabelsOf(const Cavity& cavity) {
+  volume::LabelMap labels(cavity.wall.geometry());
+  labels.names[1] = "cavity";
+  const volume::Geometry& g = labels.geometry;
+  for (int k = 0; k < g.size[2]; ++k) {
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        const Eigen::Vector3d p = g.ct_from_index() * Eigen::Vector3d(i, j, k);
+        labels.At(i, j, k) = cavity.wall.LevelMm(p) < 0.0 ? 1 : 0;
+      }
+    }
+  }
+  return labels;
+}
+
 }  // namespace acus::phantom

@@ -24,4 +24,7 @@ struct Cavity {
 /// @throws InputError if there is no bone, no body, or no lung.
 Cavity FindCavity(const volume::LabelMap& labels, const RunContext& context);
 
+/// On the grid of its wall: 1, "cavity", within it.
+volume::LabelMap LabelsOf(const Cavity& cavity);
+
 }  // namespace acus::phantom

@@ -137,6 +137,19 @@ TEST_F(PlusSimulatorFile, WrongValuesAreNamed) {
   Refuses(linear, "<ScanConversion", "<xScanConversion", "has no ScanConversion");
 }
 
+TEST_F(PlusSimulatorFile, ASmallAndALargeRadiusAreRead) {
+  for (const auto& [start, stop] : {std::pair{"1", "61"}, {"200", "260"}}) {
+    std::string text = Document(kCurved);
+    text.replace(text.find("60.0"), 4, start);
+    text.replace(text.find("120.0"), 5, stop);
+    const Probe probe = ReadProbe(Write(text));
+    EXPECT_EQ(probe.radius_mm, std::stod(start));
+    EXPECT_EQ(probe.depth_mm, 60.0);
+  }
+  Refuses(Document(kCurved), "RadiusStartMm=\"60.0\"", "RadiusStartMm=\"0.9\"", "1 to 200");
+  Refuses(Document(kCurved), "RadiusStartMm=\"60.0\"", "RadiusStartMm=\"200.1\"", "1 to 200");
+}
+
 TEST_F(PlusSimulatorFile, OtherXmlIsRefused) {
   EXPECT_THAT([&] { ReadProbe(Write("<MRML/>")); },
               ThrowsMessage<InputError>(HasSubstr("not a PLUS configuration")));

@@ -307,6 +307,61 @@ TEST(Fluoroscope, TissueThatMovesIsSeenWhereItIsNow) {
   EXPECT_NEAR(mass_moved / mass_at_rest, 1.0, 0.002);
 }
 
+// Tiles of 16 x 8 rays: here one column and one row lie beyond the last whole tile.
+TEST(Fluoroscope, TheLastColumnAndRowAreThere) {
+  const volume::CtVolume ct = Cube(60, 1.0, 0);
+  CArm c_arm = SmallArm();
+  c_arm.width_px = 33;
+  c_arm.height_px = 25;
+  c_arm.detector_width_mm = 33;
+  c_arm.detector_height_mm = 25;
+  Fluoroscope scope(ct, c_arm, Pose(0, 0));
+  image::GrayImage image;
+  scope.Render({}, image);
+  for (int r = 0; r < 25; ++r) {
+    for (int c = 0; c < 33; ++c) {
+      EXPECT_NEAR(scope.Sum(c, r), 0.0206 * InBoxMm(scope.geometry(), c, r, 30.0), 0.01)
+          << c << " " << r;
+    }
+  }
+}
+
+TEST(Fluoroscope, TissueAtTheSidesOfTheVolumeMovesToo) {
+  constexpr int kVoxels = 40;
+  for (const int across : {0, 2}) {  // Axis of the CT; it moves along the other.
+    for (const int from : {0, kVoxels - 3}) {
+      volume::CtVolume rest = Cube(kVoxels, 1.0), now = Cube(kVoxels, 1.0);
+      for (int n = 0; n < 3 * 8 * 8; ++n) {
+        Eigen::Array3i v(12 + n / 3 % 8, 12 + n / 24, 12 + n / 3 % 8);
+        v[across] = from + n % 3;
+        rest.At(v[0], v[1], v[2]) = 1000;
+        v[2 - across] += 5;
+        now.At(v[0], v[1], v[2]) = 1000;
+      }
+      CArm c_arm = SmallArm();
+      c_arm.detector_width_mm = 80;
+      c_arm.detector_height_mm = 80;
+      Fluoroscope moving(rest, c_arm, Pose(0, 0)), still(now, c_arm, Pose(0, 0));
+      image::GrayImage image;
+      still.Render({}, image);
+      Eigen::Vector3d by_mm = Eigen::Vector3d::Zero();
+      by_mm[2 - across] = 5.0;
+      const Shift shift(by_mm);
+      for (const int time : {1, 2}) {
+        moving.Render({}, image, 1, &shift);
+        double most = 0.0, largest = 0.0;
+        for (int p = 0; p < 128 * 96; ++p) {
+          const double sum = still.Sum(p % 128, p / 128);
+          most = std::max(most, sum);
+          largest = std::max(largest, std::abs(moving.Sum(p % 128, p / 128) - sum));
+        }
+        EXPECT_GT(most, 0.2);
+        EXPECT_LT(largest, 0.01 * most) << "axis " << across << ", time " << time;
+      }
+    }
+  }
+}
+
 // Only air is cut off, so that the image is the same; the three sides differ.
 TEST(Fluoroscope, TissueMovesAlikeInACroppedVolume) {
   const volume::CtVolume whole = Ball(96, 1.0, 22.0);

@@ -115,6 +115,26 @@ TEST(ShaderRays, KeepFieldsApartWhileKeyFramesChange) {
   }
 }
 
+// Components of one field that move differently; and nothing of the breath stays when it stops.
+TEST(ShaderRays, TellComponentsApartAndRestFromBreath) {
+  auto field = FieldOf(DiaphragmMm, 24, 2);
+  std::vector<float> aside(3 * field.nodes().num_voxels(), 0.0F);
+  for (std::size_t n = 0; n < aside.size(); n += 3) aside[n] = 15.0F;
+  field.SetComponent(1, aside);
+  breathing::MotionWeights weights;
+  weights.Add(0, 0.5);
+  weights.Add(1, 1.0);
+  const breathing::MotionMap motion(field, weights);
+  const PatientInView patient = Ball("skin", &field);
+  PatientView view(patient, {});
+  view.UseDevice(MakeShaderRays(DriverKind::kAny));
+  for (const ViewMoment& moment : {ViewMoment{.motion = &motion}, ViewMoment{}}) {
+    ViewImage image;
+    view.Render(SideCamera(), moment, image, 1);
+    ExpectSameImage(image, OnProcessor(patient, moment));
+  }
+}
+
 TEST(ShaderRays, MixSurfacesAndToolsIn) {
   PatientInView patient = Trunk({{"soft_tissue", 0.6}});
   patient.surfaces = {{"veil", BallSurface({0, 0, 0}, 60.0), {0.2F, 0.5F, 0.9F}, 0.3},

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <numbers>
 
 #include "acus/base/core/error.h"
 #include "acus/imaging/rf/analytic.h"
@@ -52,6 +53,61 @@ TEST(ChannelSimulator, ExchangingTransmitterAndReceiverChangesNothing) {
   ASSERT_GT(peak, 1e-4);
   for (int k = 0; k < baseband.samples; ++k) {
     ASSERT_LT(std::abs(baseband.Trace(0, 1)[k] - baseband.Trace(1, 0)[k]), 0.01 * peak);
+  }
+}
+
+// An element's own echo of a point, at any fraction of a sample: a Gaussian times a cosine.
+TEST(ChannelSimulator, AnEchoIsTheDelayedPulseBetweenSamplesToo) {
+  struct Recording {
+    int phases;
+    double bandwidth;
+    double tolerance;
+  };
+  // Few phases: linear between them, h^2 / 8 of the carrier. A short pulse: cubic between samples.
+  for (const Recording& recording : {Recording{4, 0.5, 0.025}, Recording{64, 0.7, 0.01}}) {
+    const Array one = RowOf(1);
+    const Pulse pulse{5.0, recording.bandwidth, 0.0};
+    ChannelOptions options = Lossless(700);
+    options.sampling_mhz = 20.0;
+    options.phases = recording.phases;
+    for (int n = 0; n < 11; ++n) {
+      const double y_mm = 20.0 + 0.0035 * n;  // Over one sample.
+      const ChannelData data = Recorded(one, {Transmit{}}, {{{0.0, y_mm}, 1.0}}, options, 1, pulse);
+      double largest = 0.0;
+      for (int k = 0; k < options.samples; ++k) {
+        const double t_us = k / options.sampling_mhz - 2.0 * y_mm / options.sound_speed_mm_per_us;
+        const double turns = 2.0 * std::numbers::pi * pulse.SigmaMhz() * t_us;
+        const double expected = std::exp(-0.5 * turns * turns) *
+                                std::cos(2.0 * std::numbers::pi * pulse.frequency_mhz * t_us);
+        const double value = data.values[static_cast<std::size_t>(k)] * y_mm * y_mm;
+        largest = std::max(largest, std::abs(value - expected));
+      }
+      EXPECT_LT(largest, recording.tolerance) << recording.phases << " at " << y_mm;
+    }
+  }
+}
+
+TEST(ChannelSimulator, ALateWaveFadesByARaisedCosine) {
+  const Array pair = RowOf(2, 10.0);
+  const Eigen::Vector2d place(3.0, 15.0);
+  const double near_us = std::hypot(2.0, 15.0) / 1.54;
+  const double far_us = std::hypot(8.0, 15.0) / 1.54;
+  const auto late_echo = [&](double tail_us) {
+    ChannelOptions options = Lossless(1200);
+    options.transmit_tail_us = tail_us;
+    const ChannelData data = Recorded(pair, {Transmit{}}, {{place, 1.0}}, options);
+    const Baseband baseband = BasebandOf(data, 5.0, 8, 1);
+    const int near = pair.elements[1].position_mm.x() > 0.0 ? 1 : 0;
+    const auto at = std::lround((far_us + near_us) * baseband.sampling_mhz);
+    return std::abs(baseband.Trace(0, near)[at]);
+  };
+  const double whole = late_echo(10.0);
+  ASSERT_GT(whole, 1e-5);
+  for (const double late : {0.3, 0.55, 0.65, 0.75, 0.85, 1.05}) {
+    const double expected = late < 0.5   ? 1.0
+                            : late < 1.0 ? 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * late)
+                                         : 0.0;
+    EXPECT_NEAR(late_echo((far_us - near_us) / late) / whole, expected, 0.02) << late;
   }
 }
 

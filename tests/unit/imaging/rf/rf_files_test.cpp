@@ -1,6 +1,7 @@
 #include <bit>
 #include <cstring>
 #include <fstream>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "acus/base/core/atomic_file.h"
@@ -12,6 +13,9 @@
 
 namespace acus::rf {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 ChannelData Numbered() {
   ChannelData data{20, 3, 2, 25.0, 1.5, {}};
@@ -83,9 +87,14 @@ TEST_F(RfFiles, MatlabThatDeclaresMoreThanItHasIsRefusedBeforeMemoryIsTaken) {
   values[0] = 9;
   values[4] = 32;
   EXPECT_EQ(read(MatlabArray(6, 2, values)).samples, 2);
-  EXPECT_THROW(read(MatlabArray(6, 0x40000000, values)), InputError) << "numbers";
-  EXPECT_THROW(read(MatlabArray(1, 0x40000000, "")), InputError) << "cells";
-  EXPECT_THROW(read(MatlabArray(2, 0x40000000, "")), InputError) << "structures";
+  const auto refuses = [&](std::uint32_t kind, std::uint32_t rows, const std::string& rest) {
+    EXPECT_THAT([&] { read(MatlabArray(kind, rows, rest)); },
+                ThrowsMessage<InputError>(HasSubstr("declares more values than it has")))
+        << kind;
+  };
+  refuses(6, 0x40000000, values);  // Numbers,
+  refuses(1, 0x40000000, "");      // cells
+  refuses(2, 0x40000000, "");      // and structures.
   values[5] = 1;
   EXPECT_THROW(read(MatlabArray(6, 2, values)), InputError) << "an element longer than its array";
   EXPECT_THROW(read(std::string("\1\0\0\0\0\0\0\x0f.M\1", 11)), InputError) << "version 4";

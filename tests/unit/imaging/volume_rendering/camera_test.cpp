@@ -104,5 +104,22 @@ TEST(Camera, RefusesWhatIsNoView) {
   EXPECT_THAT([&] { ViewFrom("left", {}, size); }, ThrowsMessage<InputError>(HasSubstr("nothing")));
 }
 
+TEST(Camera, EveryNumberIsChecked) {
+  const Camera good = LookAt({.eye_in_ct_mm = {0, -500, 0}, .focus_in_ct_mm = {0, 0, 0}}, {64, 64});
+  EXPECT_NO_THROW(good.Check());
+  const auto refuses = [&](auto change) {
+    Camera camera = good;
+    change(camera);
+    EXPECT_THAT([&] { camera.Check(); }, ThrowsMessage<InputError>(HasSubstr("all numbers")));
+  };
+  for (const int axis : {0, 1}) {
+    for (const double focal_px : {0.0, -50.0, std::nan("")}) {
+      refuses([&](Camera& camera) { camera.focal_px[axis] = focal_px; });
+    }
+    refuses([&](Camera& camera) { camera.centre_px[axis] = std::nan(""); });
+  }
+  refuses([](Camera& camera) { camera.camera_from_ct.translation()[2] = std::nan(""); });
+}
+
 }  // namespace
 }  // namespace acus::volume_rendering

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
+#include "acus/data/volume/labels.h"
 #include "acus/imaging/volume_rendering/smoothing.h"
 #include "support/instruction_sets.h"
 #include "support/trunk_ct.h"
@@ -17,6 +18,7 @@ using Eigen::Vector3d;
 struct Everything {
   std::shared_ptr<volume::CtVolume> ct = testing_support::TrunkCt(80);
   TransferFunction transfer;
+  TissueClasses classes;
   breathing::MotionField field = testing_support::FieldOf([](const Vector3d& place) -> Vector3d {
     const double slip_mm = place[2] > 20.0 ? 9.0 : 0.0;
     return 0.5 * testing_support::DiaphragmMm(place) + Vector3d(slip_mm, 0.0, 0.0);
@@ -41,17 +43,19 @@ struct Everything {
     scene.slopes = nullptr;
   }
 
-  explicit Everything(TransferFunction shown)
+  explicit Everything(TransferFunction shown, TissueClasses of_tissues = {})
       : transfer(std::move(shown)),
-        blocks(*ct, transfer, &field),
+        classes(std::move(of_tissues)),
+        blocks(*ct, transfer, &field, classes),
         slopes(Smoothed(*ct, 1), 1),
-        hidden(*ct, transfer) {
+        hidden(*ct, transfer, classes) {
     blocks.Update(&motion, 1.0);
     lattice.Update(motion, blocks, ct->geometry.index_from_ct(), 0.15, 1);
     camera = LookAt({.eye_in_ct_mm = {-300, -700, 250}, .focus_in_ct_mm = {0, 0, 0}}, {96, 96});
     scene.ct = ct.get();
     scene.slopes = &slopes;
     scene.transfer = &transfer;
+    if (classes.data() != nullptr) scene.classes = &classes;
     scene.blocks = &blocks;
     scene.hidden = &hidden;
     scene.motion = &motion;
@@ -141,6 +145,39 @@ TEST(TileCaster, GivesWhatRaysGiveOneByOne) {
   for (const HuWindow& window : kWindows) {
     SCOPED_TRACE(window.high_hu);
     ExpectWhatRaysGiveOneByOne(Everything(window));
+  }
+}
+
+/// The trunk, of which labels call a slanted half liver.
+Everything HalfALiver() {
+  const TransferFunction transfer(std::vector<VolumeLayer>{{"liver", 1.0}});
+  const volume::Geometry grid = testing_support::TrunkCt(80)->geometry;
+  volume::LabelMap labels(grid, volume::LabelOf("muscle"));
+  for (int k = 0; k < grid.size[2]; ++k) {
+    for (int j = 0; j < grid.size[1]; ++j) {
+      for (int i = 0; i < grid.size[0]; ++i) {
+        if (i + j - k < 50) labels.At(i, j, k) = volume::LabelOf("liver");
+      }
+    }
+  }
+  return Everything(transfer, TissueClasses(grid, labels, transfer.class_of_label()));
+}
+
+TEST(TileCaster, GivesWhatRaysGiveOneByOneByTissue) {
+  ExpectWhatRaysGiveOneByOne(HalfALiver());
+}
+
+// A sample that nothing can show at is not looked at; the image is the same.
+TEST(TileCaster, PassesHiddenCellsWithoutLosingASample) {
+  for (const char* layer : {"skin", "bone"}) {
+    Everything all(layer);
+    const std::vector<RayColour> passing = all.Image();
+    all.scene.hidden = nullptr;
+    const std::vector<RayColour> looking = all.Image();
+    for (std::size_t n = 0; n < looking.size(); ++n) {
+      EXPECT_LT((passing[n].colour - looking[n].colour).abs().maxCoeff(), 1e-4F) << n;
+      EXPECT_NEAR(passing[n].opacity, looking[n].opacity, 1e-4F) << n;
+    }
   }
 }
 

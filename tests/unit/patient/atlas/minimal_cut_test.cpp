@@ -63,6 +63,38 @@ TEST(MinimalCut, ANoisyBallBecomesABall) {
   EXPECT_LT(wrong, 0.05 * Volume(ball));
 }
 
+// The sides of the grid cost nothing: a slab of 4 voxels pays 0.8 for one face and gains 1.2. All
+// axes are alike.
+TEST(MinimalCut, ASlabAtAnySideIsTheSameSlab) {
+  const int size = 12;
+  volume::Grid<float> first(Cube(size));
+  for (const int axis : {0, 1, 2}) {
+    volume::Grid<float> preference(Cube(size));
+    // From one axis to the next, places turn with it.
+    const auto turned = [&](int i, int j, int k) {
+      const int at[3] = {i, j, k};
+      return Eigen::Array3i(at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3]);
+    };
+    for (int n = 0; n < size * size * size; ++n) {
+      const int i = n % size, j = n / size % size, k = n / (size * size);
+      const Eigen::Array3i at = turned(i, j, k);
+      preference.At(i, j, k) = (at[0] >= 8 ? 0.3F : -0.3F) + 0.02F * static_cast<float>(at[1] % 5) -
+                               0.03F * static_cast<float>(at[2] % 3);
+    }
+    const auto u = MinimalCut(preference, volume::Grid<float>(Cube(size), 0.8F), 400, 1);
+    for (int n = 0; n < size * size * size; ++n) {
+      const int i = n % size, j = n / size % size, k = n / (size * size);
+      const Eigen::Array3i at = turned(i, j, k);
+      if (axis == 0) {
+        first.At(i, j, k) = u.At(i, j, k);
+        EXPECT_EQ(u.At(i, j, k) > 0.5F, i >= 8) << i << " " << j << " " << k;
+      } else {
+        EXPECT_NEAR(u.At(i, j, k), first.At(at[0], at[1], at[2]), 1e-3) << axis;
+      }
+    }
+  }
+}
+
 TEST(MinimalCut, TheSameBitsForAnyNumberOfThreads) {
   const auto ball = Ball(17, 5.0);
   const auto cost = volume::Grid<float>(ball.geometry, 0.5F);

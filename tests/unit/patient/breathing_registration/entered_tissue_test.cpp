@@ -77,5 +77,34 @@ TEST(ErrorBound, GrowsWithTheDistanceToWhatIsSeen) {
   EXPECT_EQ(part.Mm({16, 16, 8}, Side::kCavity), 0.0);
 }
 
+/// At rest; the next coarser grid had found it elsewhere where z is from `first` to `last`.
+ErrorBound BoundOfDoubt(const SlidingGrid& grid, int first, int last) {
+  const auto count = static_cast<std::size_t>(grid.num_nodes());
+  Solution solution{.displacement_voxels = Uniform(grid, Vector3f::Zero()),
+                    .coarser_voxels = Uniform(grid, Vector3f::Zero()),
+                    .is_seen = std::vector<std::uint8_t>(count, 1),
+                    .wall_mm = std::vector<float>(count, 1e6F)};
+  for (int n = 0; n < grid.num_nodes(); ++n) {
+    const auto z = static_cast<int>(grid.Voxel(n) / 1024);
+    if (z >= first && z <= last) {
+      solution.coarser_voxels[static_cast<std::size_t>(n)] = Vector3f::UnitX();
+    }
+  }
+  return {grid, solution, 1};
+}
+
+TEST(ErrorBound, IsTheSameFromBothEnds) {
+  const SlidingGrid grid = WholeCube(32);
+  const ErrorBound low = BoundOfDoubt(grid, 0, 11), high = BoundOfDoubt(grid, 20, 31);
+  // 0.62 times a voxel of 2 mm in the middle of the doubt, hardly anything far from it.
+  EXPECT_NEAR(low.Mm({16, 16, 2}, Side::kWall), 1.24, 0.1);
+  EXPECT_NEAR(low.Mm({16, 16, 28}, Side::kWall), 0.05, 0.01);
+  for (int z = 0; z < 32; ++z) {
+    const auto at = static_cast<float>(z);
+    EXPECT_NEAR(low.Mm({16, 16, at}, Side::kWall), high.Mm({16, 16, 31 - at}, Side::kWall), 1e-3)
+        << z;
+  }
+}
+
 }  // namespace
 }  // namespace acus::breathing_registration

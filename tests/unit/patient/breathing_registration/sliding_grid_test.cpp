@@ -105,6 +105,20 @@ TEST(SlidingGrid, BeyondTissueAsTheNearestOfIt) {
   for (const Vector3f& u : grid.Everywhere({Vector3f(1, 2, 3)})) EXPECT_EQ(u, Vector3f(1, 2, 3));
 }
 
+// Sums run over 8192 nodes at a time: here one is left over.
+TEST(SlidingGrid, EveryNodeOfALongRowIsSolved) {
+  volume::Geometry g;
+  g.size = {3, 2731, 1};
+  const SlidingGrid grid(g, std::vector(g.num_voxels(), Side::kWall),
+                         std::vector<Vector3f>(g.num_voxels(), Vector3f::Zero()));
+  const auto count = static_cast<std::size_t>(grid.num_nodes());
+  ASSERT_EQ(count, 8193u);
+  DataTerm data{.gradient = SlidingGrid::Field(count, Vector3f(10, 0, 0)),
+                .force = SlidingGrid::Field(count, Vector3f(100, 0, 0))};
+  const SlidingGrid::Field step = SolveStep(grid, data, 1.0F, 20, 1);
+  for (std::size_t n = 0; n < count; ++n) EXPECT_NEAR(step[n].x(), 1.0F, 1e-3F) << n;
+}
+
 TEST(SlidingGrid, SolvesTheSameOnAnyThreads) {
   const SlidingGrid grid = TwoHalves();
   const DataTerm data = DataInCavity(grid, {1, 0, 0}, 0);

@@ -1,5 +1,6 @@
 #include "acus/patient/fitting/hu_table_fit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -81,6 +82,15 @@ TEST(HuTableFit, SaysWhereNoRecordingComes) {
   const HuTableFit fit = Fit({curve});
   ASSERT_TRUE(fit.converged);
   EXPECT_THAT(fit.warnings, Contains(HasSubstr("no recording comes there")));
+}
+
+TEST(HuTableFit, WithoutEdgesTheFactorIsOne) {
+  forces::ForceCurve curve = Path(3, 1.0, 0.0, 5.0);
+  std::ranges::fill(curve.hu_gradient_per_mm, 0.0);
+  const HuTableFit fit = Fit({curve});
+  ASSERT_TRUE(fit.converged) << fit.message;
+  EXPECT_EQ(fit.table.edge_factor, 1.0);
+  EXPECT_LT(fit.rms_n, 0.03);
 }
 
 TEST(HuTableFit, WithoutHuThereIsNoAnswer) {

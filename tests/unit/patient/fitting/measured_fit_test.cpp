@@ -41,6 +41,16 @@ SavedFit Saved(const nlohmann::json& document) {
   return ReadSavedFit(path);
 }
 
+TEST(MeasuredFit, TheSpreadIsLinearBetweenItsPlaces) {
+  const ResidualSpread spread{.x = {1.0, 2.0, 5.0}, .sd_n = {0.1, 0.3, 0.0}};
+  EXPECT_DOUBLE_EQ(spread.At(-3.0), 0.1);
+  EXPECT_DOUBLE_EQ(spread.At(1.0), 0.1);
+  EXPECT_DOUBLE_EQ(spread.At(1.25), 0.15);
+  EXPECT_DOUBLE_EQ(spread.At(2.0), 0.3);
+  EXPECT_DOUBLE_EQ(spread.At(4.0), 0.1);
+  EXPECT_DOUBLE_EQ(spread.At(9.0), 0.0);
+}
+
 TEST(MeasuredFit, BoundsCoverOtherRecordingsOfTheTissue) {
   const SavedFit fit = Saved(MeasuredJson(FittedTissue(8), 1.27));
   EXPECT_EQ(fit.band.recordings, 8);

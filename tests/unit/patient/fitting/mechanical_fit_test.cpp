@@ -53,6 +53,14 @@ TEST(MechanicalFit, IntervalsOfAllParametersHoldTheTruth) {
       inside[name] += estimate.AmongSeveral(12).Contains(value) ? 1 : 0;
       EXPECT_NEAR(estimate.value, value, std::max(0.15 * value, 0.02)) << name;
     }
+    // The fitted laws agree with each other as the true ones do.
+    const auto value_of = [&](const char* wanted) {
+      return std::ranges::find(fit.estimates, wanted, [](const auto& e) { return e.first; })
+          ->second.value;
+    };
+    EXPECT_NEAR(value_of("tissue_stiffness_n_per_mm") * value_of("buildup_in_mm") *
+                    fit.constant.SteadyStrain(true),
+                value_of("insertion_n"), 1e-6);
   }
   // Joint intervals: all 12 of a fit hold at once in 95 of 100 fits.
   for (const auto& [name, count] : inside) EXPECT_GE(count, seeds - 2) << name;

@@ -85,6 +85,15 @@ TEST_P(Seeds, PutEveryOrganWhereItBelongs) {
   EXPECT_EQ(label(Vector3d(0, 0, 400) + Vector3d(300, 0, 0)), "outside");
 }
 
+TEST_P(Seeds, HaveAKidneyEitherSideOfTheMidline) {
+  const Anatomy anatomy(Body(), GetParam());
+  const Vector3d left = anatomy.Landmark("left_kidney"), right = anatomy.Landmark("right_kidney");
+  EXPECT_GT(left.x(), 50.0);
+  EXPECT_NEAR(left.x(), -right.x(), 1e-9);
+  EXPECT_NEAR(left.y(), right.y(), 1e-9);
+  EXPECT_GT(left.z(), right.z()) << "the liver is above the right one";
+}
+
 TEST_P(Seeds, KeepTheSkinClosedAndOfItsThickness) {
   const Anatomy anatomy(Body(), GetParam());
   for (double z = -100; z <= 250; z += 50) {

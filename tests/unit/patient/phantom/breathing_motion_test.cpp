@@ -58,6 +58,22 @@ TEST(BreathingMotion, FindsTheCavityOfATrunk) {
   }
 }
 
+TEST(FindCavity, LabelsAreOneWithinTheWallOnly) {
+  const volume::LabelMap labels = LabelsOf(TrunkCavity());
+  EXPECT_EQ(labels.names.at(1), "cavity");
+  const auto at = [&](double x, double y, double z) {
+    const Eigen::Array3i v =
+        (labels.geometry.index_from_ct() * Vector3d(x, y, z)).array().round().cast<int>();
+    return static_cast<int>(labels.At(v[0], v[1], v[2]));
+  };
+  for (const double z : {-80.0, -20.0, 40.0}) {
+    EXPECT_EQ(at(100, 0, z), 1);
+    EXPECT_EQ(at(0, 0, z), 1);
+    EXPECT_EQ(at(130, 0, z), 0);
+    EXPECT_EQ(at(0, 90, z), 0);
+  }
+}
+
 TEST(BreathingMotion, NothingMovesAtEndExpiration) {
   const BreathingMotion motion(TrunkCavity(), {});
   RandomStream random(1, "rest");

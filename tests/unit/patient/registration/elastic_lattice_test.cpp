@@ -97,6 +97,37 @@ TEST(ElasticLattice, SharesStrainByStiffness) {
   EXPECT_NEAR(across / 20.0, -0.3 * soft, 0.02 * soft);  // Poisson.
 }
 
+// A block held at its bottom and pulled aside at its top by springs as stiff as itself gives half
+// of the way. In simple shear its stiffness is G area / height, G = E / (2 (1 + 0.3)).
+TEST(ElasticLattice, ShearsByTheShearModulus) {
+  LatticeField field({Vector3d::Zero(), Vector3d(20, 20, 30)}, 5.0);
+  const ElasticLattice body(
+      field, [](const Vector3d&) { return 1.0; }, 1);
+  const Eigen::Array3i last = field.size() - 1;
+  const double stiffness = 1.0 / 2.6 * 20.0 * 20.0 / 30.0;
+  std::vector<Spring> springs;
+  for (int k = 0; k <= last[2]; ++k) {
+    for (int j = 0; j <= last[1]; ++j) {
+      for (int i = 0; i <= last[0]; ++i) {
+        const Vector3d x_mm = field.PlaceMm(i, j, k);
+        for (int axis = k == 0 ? 0 : 1; axis < 3; ++axis) {
+          springs.push_back({.rest_mm = x_mm, .direction = Vector3d::Unit(axis), .stiffness = 1e4});
+        }
+        if (k != last[2]) continue;
+        // Nodes at the sides have half of a face, those at corners a quarter.
+        const double share = (i % last[0] == 0 ? 0.5 : 1.0) * (j % last[1] == 0 ? 0.5 : 1.0) / 16.0;
+        springs.push_back({.rest_mm = x_mm,
+                           .direction = Vector3d::UnitX(),
+                           .pull_mm = 1.0,
+                           .stiffness = share * stiffness});
+      }
+    }
+  }
+  body.Solve(springs, field, 1);
+  EXPECT_NEAR(field.At({10, 10, 30}).x(), 0.5, 0.005);
+  EXPECT_NEAR(field.At({3, 17, 15}).x(), 0.25, 0.005);
+}
+
 TEST(ElasticLattice, DoesNotDependOnThreads) {
   RandomStream random(1, "springs");
   std::vector<Spring> springs;

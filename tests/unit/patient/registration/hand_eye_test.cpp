@@ -62,6 +62,19 @@ TEST(RequireOneBody, RefusesPairsOfDifferentMoments) {
               ThrowsMessage<NoAnswerError>(HasSubstr("not of the same moments")));
 }
 
+TEST(RequireOneBody, SaysHowManyPairsAreUsed) {
+  HandEye result;
+  result.rms_mm = 1.0;
+  result.used.assign(40, true);
+  std::fill_n(result.used.begin(), 18, false);
+  EXPECT_THAT([&] { RequireOneBody(result, 5.0); },
+              ThrowsMessage<NoAnswerError>(HasSubstr("over 55 % of 40 pairs")));
+  std::fill_n(result.used.begin(), 16, true);  // 95 %.
+  EXPECT_NO_THROW(RequireOneBody(result, 5.0));
+  EXPECT_THAT([&] { RequireOneBody(result, 0.9); },
+              ThrowsMessage<NoAnswerError>(HasSubstr("over 95 % of 40 pairs")));
+}
+
 TEST(CalibrateHandEye, IsExactWithoutNoise) {
   for (const int count : {4, 8, 50}) {
     const Recording r = Recorded(count, 0.5, 0, 0);

@@ -97,6 +97,16 @@ TEST(CalibrateFacets, AveragesNoiseAndRejectsFlips) {
   }
 }
 
+// Four places of the same noise give one pose: of their 12 coordinates 6 to 9 are left, as far as
+// noise turns it. A point is off by sqrt(3) times 0.1 mm times the root of their share.
+TEST(CalibrateFacets, SaysTheNoiseOfEachFacet) {
+  const FacetModel model = CalibrateFacets(Facets(), Moments(400, 0.1, 0.0, /*all=*/true));
+  double sum_mm2 = 0.0;
+  for (const double rms_mm : model.facet_rms_mm) sum_mm2 += rms_mm * rms_mm / 4.0;
+  EXPECT_GT(std::sqrt(sum_mm2), 0.1 * std::sqrt(3.0 * 0.5) - 0.005);
+  EXPECT_LT(std::sqrt(sum_mm2), 0.1 * std::sqrt(3.0 * 0.75) + 0.005);
+}
+
 TEST(CalibrateFacets, NamesFacetsThatWereNeverSeenWithTheOthers) {
   auto moments = Moments(12, 0, 0);
   for (FacetPoses& poses : moments) {

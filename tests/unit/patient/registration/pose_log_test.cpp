@@ -4,6 +4,7 @@
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/data/session/session_io.h"
 #include "support/fuzz.h"
 #include "support/temporary_folder.h"
 
@@ -79,6 +80,32 @@ TEST(ReadTool, SaysWhichToolsThereAre) {
   EXPECT_TRUE(IsPoseLog(file));
   EXPECT_EQ(ReadTool({.log = file, .tool = "x", .reference = "y"}, context).size(), 1U);
   EXPECT_THAT(ToolsOf(file, "Tracker", context), ElementsAre("log"));
+}
+
+TEST(ReadTool, TakesTheNeedleOrTheProbeOfASession) {
+  const testing_support::TemporaryFolder folder;
+  session::Session session;
+  for (int i = 0; i < 3; ++i) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation().x() = 10.0 + i;
+    session.needle.push_back(
+        {.time_ns = i * 1'000'000, .reference_from_tool = pose, .valid = true});
+    pose.translation().x() = 20.0 + i;
+    session.probe.push_back({.time_ns = i * 1'000'000, .reference_from_tool = pose, .valid = true});
+  }
+  const auto path = folder.path() / "session";
+  RunContext context;
+  session::WriteSession(path, session, context);
+  const auto first_x = [&](const char* tool) {
+    return ReadTool({.log = path, .tool = tool}, context)
+        .front()
+        .reference_from_tool.translation()
+        .x();
+  };
+  EXPECT_EQ(first_x("needle"), 10.0);
+  EXPECT_EQ(first_x("probe"), 20.0);
+  EXPECT_THAT([&] { first_x("Stylus"); },
+              ThrowsMessage<InputError>(HasSubstr("needle and probe, not 'Stylus'")));
 }
 
 }  // namespace

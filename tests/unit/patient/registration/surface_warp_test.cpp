@@ -100,6 +100,18 @@ TEST(WarpToMannequin, CarriesTheSkinAndKeepsBoneRigid) {
   EXPECT_LT(warp.field.At({0, -50, -20}).norm(), 0.35 * skin_mm);
 }
 
+TEST(WarpToMannequin, IsJudgedByWhatIsLeftAfterTheLastRound) {
+  const Patient patient = MakePatient();
+  WarpSettings settings = Coarse();
+  settings.num_rounds = 1;
+  settings.lattice_mm = 25.0;
+  settings.most_points = 800;
+  const WarpQuality q =
+      WarpToMannequin(patient.labels, patient.skin, Mannequin(800, 0.0), settings, RunContext{})
+          .quality;
+  EXPECT_LT(q.after_rms_mm, 0.5 * q.before_rms_mm);
+}
+
 TEST(WarpToMannequin, SmoothsNoiseAndPassesOverWhatIsNotSkin) {
   const Patient patient = MakePatient();
   MannequinSkin mannequin = Mannequin(2500, 0.7, true);

@@ -67,6 +67,23 @@ TEST(FindTouches, TakesAPlaceThatIsTouchedTwiceAsOne) {
   EXPECT_NEAR(touches[1].reference_mm.x(), 60.25, 0.3);
 }
 
+TEST(FindTouches, AveragesFromTheFirstMomentUpToBeforeTheLast) {
+  session::PoseStream stream;
+  for (int i = 0; i < 30; ++i) {  // 10 Hz; the tip creeps by 0.01 mm a sample.
+    Isometry3d pose = Isometry3d::Identity();
+    pose.translation() = Vector3d(0.01 * i, 0, 0) - kTouchesTipMm;
+    stream.push_back({.time_ns = i * 100'000'000LL, .reference_from_tool = pose, .valid = true});
+  }
+  TouchSettings settings;
+  settings.average_from_s = 0.2;
+  settings.average_to_s = 0.5;
+  const auto touches = FindTouches(stream, kTouchesTipMm, settings);
+  ASSERT_THAT(touches, SizeIs(1));
+  EXPECT_EQ(touches[0].start_ns, 0);
+  EXPECT_EQ(touches[0].num_samples, 3U);  // 0.2, 0.3 and 0.4 s.
+  EXPECT_NEAR(touches[0].reference_mm.x(), 0.03, 1e-9);
+}
+
 TEST(FindTouches, RefusesSettingsThatMakeNoSense) {
   const auto stream = TouchesRecorded(kPlacesMm, 0.0);
   const auto with = [&](auto change) {

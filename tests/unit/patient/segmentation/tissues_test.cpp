@@ -111,6 +111,37 @@ TEST(FindTissues, TheCanalIsNotBoneAndMarrowIs) {
   EXPECT_EQ(at(0, -58), volume::LabelOf("fat"));
 }
 
+// Tubes along the three axes, open at their ends: a ring of bone is seen along one axis only.
+TEST(FindTissues, FattyMarrowIsBoneAlongWhicheverAxisABoneLies) {
+  volume::Geometry g;
+  g.size = {72, 72, 72};
+  g.origin_mm = {-35.5, -35.5, -35.5};
+  volume::CtVolume ct(g, -1000);
+  const Eigen::Vector3d middle_mm[3] = {{0, -12, -12}, {12, 0, 12}, {-12, 12, 0}};
+  RandomStream random(4, "noise", 0);
+  for (int k = 0; k < 72; ++k) {
+    for (int j = 0; j < 72; ++j) {
+      for (int i = 0; i < 72; ++i) {
+        const Eigen::Vector3d p = g.ct_from_index() * Eigen::Vector3d(i, j, k);
+        if (p.norm() > 34.0) continue;
+        double hu = 40.0;
+        for (int axis = 0; axis < 3; ++axis) {
+          Eigen::Vector3d d = p - middle_mm[axis];
+          if (std::abs(d[axis]) > 14.0) continue;
+          d[axis] = 0.0;
+          if (d.norm() < 7.0) hu = d.norm() < 4.2 ? -60.0 : 800.0;
+        }
+        ct.At(i, j, k) = static_cast<std::int16_t>(hu + 10.0 * random.Normal());
+      }
+    }
+  }
+  const auto found = FindTissues(ct, Defaults(), TwoThreads()).labels;
+  for (const Eigen::Vector3d& at_mm : middle_mm) {
+    const Eigen::Array3i at = (g.index_from_ct() * at_mm).array().round().cast<int>();
+    EXPECT_EQ(found.At(at[0], at[1], at[2]), volume::LabelOf("bone")) << at_mm.transpose();
+  }
+}
+
 TEST(FindTissues, AnEvenSkullIsBoneAndNoBladder) {
   volume::Geometry g;
   g.size = {90, 90, 80};

@@ -71,6 +71,12 @@ TEST(Vertebrae, ArePartedAndNamedFromAStart) {
   for (std::size_t n = 1; n < found.list.size(); ++n) {
     EXPECT_LT(found.list[n].centre_mm.z(), found.list[n - 1].centre_mm.z() - 15.0);
   }
+  for (std::size_t n = 0; n < found.list.size(); ++n) {
+    if (!found.list[n].is_whole) continue;
+    const Eigen::Array3i centre =
+        (g.index_from_ct() * found.list[n].centre_mm).array().round().cast<int>();
+    EXPECT_EQ(found.labels.At(centre[0], centre[1], centre[2]), n + 1) << found.list[n].name;
+  }
   EXPECT_EQ(found.discs.size() + 1, found.list.size());
   EXPECT_THAT(VertebraeSentence(found), HasSubstr("to S1"));
 }

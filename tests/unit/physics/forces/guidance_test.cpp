@@ -109,5 +109,20 @@ TEST_F(GuidanceTest, TheForceAlongTheNeedleIsTheModelsOwn) {
   }
 }
 
+// The trajectory gives way without taking the needle deeper or shallower: the depth follows the
+// tip.
+TEST_F(GuidanceTest, TheDepthChangesNoFasterThanTheTip) {
+  for (const auto& felt :
+       {Layered(GuidanceKind::kVirtualFixture), Alamilla(GuidanceKind::kVirtualFixture)}) {
+    double largest_mm = 0.0;
+    for (std::size_t i = 1601; i < 2400; ++i) {  // 5 mm in, turned, in 800 steps.
+      const double change_mm = felt[i].depth_mm - felt[i - 1].depth_mm;
+      EXPECT_LT(std::abs(change_mm), 0.0064) << i;
+      largest_mm = std::max(largest_mm, change_mm);
+    }
+    EXPECT_GT(largest_mm, 0.006);
+  }
+}
+
 }  // namespace
 }  // namespace acus::forces

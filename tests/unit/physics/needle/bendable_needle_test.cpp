@@ -128,9 +128,16 @@ TEST(BendableNeedle, RefusesWhatIsNotFiniteAndKeepsItsShape) {
   BendableNeedleOptions options;
   options.path_spacing_mm = 0.0;
   EXPECT_THROW(Needle(options), InputError);
-  options = {};
-  options.hand.stiffness_n_per_mm = -1.0;
-  EXPECT_THROW(Needle(options), InputError);
+  for (int part = 0; part < 4; ++part) {
+    for (const double value : {0.0, -1.0, nan}) {
+      options = {};
+      (part == 0   ? options.hand.stiffness_n_per_mm
+       : part == 1 ? options.hand.stiffness_n_mm_per_rad
+       : part == 2 ? options.coupling.tip_stiffness_n_per_mm
+                   : options.kappa_n_per_mm) = value;
+      EXPECT_THROW(Needle(options), InputError) << part << " " << value;
+    }
+  }
 }
 
 TEST(BendableNeedle, APathBegunDeepHasItsSkinBehindTheTip) {

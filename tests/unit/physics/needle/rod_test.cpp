@@ -216,6 +216,45 @@ TEST(RodModel, ASprungHubYieldsByForceOverStiffness) {
               0.4 * lever_mm / 2000.0, 1e-6);
 }
 
+// However soft: a load that the springs nearly balance by themselves.
+TEST(RodModel, AHubMayBeSprungSoftly) {
+  const RodModel model = Rod(25);
+  const RodLoad load = TipLoad({1e-6, 0.0, 0.0});
+  RodInput input = Input({}, {&load, 1});
+  input.base.sprung = true;
+  input.base.stiffness_n_per_mm = 0.01;
+  input.base.stiffness_n_mm_per_rad = 0.05;
+  RodState state = model.NewState();
+  EXPECT_NE(model.Solve(state, input).status, RodStatus::kRejected);
+  for (double RodBase::*stiffness :
+       {&RodBase::stiffness_n_per_mm, &RodBase::stiffness_n_mm_per_rad}) {
+    RodInput none = input;
+    none.base.*stiffness = 0.0;
+    EXPECT_EQ(model.Solve(state, none).status, RodStatus::kRejected);
+  }
+}
+
+// In steps too small to be a jump.
+TEST(RodModel, AClampedHubThatOnlyTurnsTakesTheNeedleAlong) {
+  const RodModel model = Rod(25, 1e-6);
+  const auto channel = Channel(40.0, 30, 0.3);
+  RodInput input = Input(channel);
+  RodState state = Solved(model, input);
+  for (int n = 1; n <= 10; ++n) {
+    input.base.orientation = Eigen::AngleAxisd(0.005 * n, Vector3d::UnitY());
+    EXPECT_TRUE(model.Solve(state, input).converged());
+    EXPECT_NEAR(std::atan2(state.point[0].tangent.x(), state.point[0].tangent.z()), 0.005 * n,
+                1e-9);
+  }
+  const RodState at_once = Solved(model, input);
+  EXPECT_GT(
+      (at_once.point[8].position_mm - Solved(model, Input(channel)).point[8].position_mm).norm(),
+      0.1);
+  for (std::size_t i = 0; i < state.point.size(); ++i) {
+    EXPECT_NEAR((state.point[i].position_mm - at_once.point[i].position_mm).norm(), 0.0, 1e-4) << i;
+  }
+}
+
 TEST(RodModel, TheOrderOfContactsChangesNoBit) {
   const RodModel model = Rod(25);
   auto channel = Channel(40.0, 30, 0.3);

@@ -90,6 +90,28 @@ TEST(FemNeedle, ReinsertionAlongTheChannelCutsNothingUpToItsEnd) {
   EXPECT_NEAR(scene.Move(15.0, 28.0).cutting_n, 0.5, 1e-12);  // Beyond the end it cuts again.
 }
 
+// Without friction the tissue is at rest while the needle is drawn back: the tip meets the capsule
+// again where its cut ends.
+TEST(FemNeedle, DrawnBackFromACapsuleItMeetsItWhereItIs) {
+  SceneOptions options;
+  options.inner_below_mm = 40.0;
+  options.friction = 0.0;
+  FemScene scene(options);
+  scene.Move(0.0, 16.0);
+  double depth_mm = 16.0;
+  while (scene.StepAt(depth_mm += 0.05).event != NeedleEvent::kInterface) {
+    ASSERT_LT(depth_mm, 40.0);
+  }
+  EXPECT_GT(scene.Move(depth_mm, depth_mm + 0.4).puncture_n, 0.1);
+  scene.Move(depth_mm + 0.4, depth_mm - 6.0);
+  depth_mm -= 6.0;
+  NeedleForce force;
+  while (force.cutting_n + force.puncture_n < 1e-3 && depth_mm < 40.0) {
+    force = scene.StepAt(depth_mm += 0.02);
+  }
+  EXPECT_NEAR(depth_mm, (scene.state.end_mm - scene.state.entry_mm).norm(), 0.05);
+}
+
 TEST(FemNeedle, EntryElsewherePuncturesAgain) {
   FemScene scene(NeedleContactLayers());
   scene.Move(-1.0, 15.0);

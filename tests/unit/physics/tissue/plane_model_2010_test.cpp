@@ -120,6 +120,27 @@ TEST(PlaneModel2010, CapsuleIsPressedInAndPunctured) {
   EXPECT_NEAR(insertion.last.cutting_n, 0.8, 5e-3);
 }
 
+// A hand that gives way a little while it presses on a capsule does not meet it again: only what is
+// drawn back farther than the hysteresis of 0.2 mm does.
+TEST(PlaneModel2010, ACapsuleIsMetAgainOnlyAfterItWasLeft) {
+  const PlaneModel2010 model = Model({{{0, "fat"}, {20, "liver"}}});
+  for (const double back_mm : {0.0, 1.0}) {
+    Insertion insertion{model};
+    const auto advance = [&](double mm) {
+      insertion.StepTo(insertion.tip_mm + Vector3d(0, 0, mm));
+    };
+    insertion.MoveToDepth(18.0, 40.0);
+    while (insertion.Count(NeedleEvent::kInterface) == 0 && insertion.tip_mm.z() < 40)
+      advance(0.02);
+    for (int n = 0; n < 15; ++n) advance(0.02);
+    while (insertion.state.engaged && insertion.tip_mm.z() > 10) advance(-0.005);
+    ASSERT_GT(insertion.state.tip_rest_mm, insertion.state.channel_mm - 0.1);
+    for (double mm = 0.0; mm < back_mm; mm += 0.02) advance(-0.02);
+    while (insertion.Count(NeedleEvent::kPuncture) < 2 && insertion.tip_mm.z() < 60) advance(0.02);
+    EXPECT_EQ(insertion.Count(NeedleEvent::kInterface), back_mm > 0.0 ? 2 : 1) << back_mm;
+  }
+}
+
 TEST(PlaneModel2010, BoneStopsTheNeedle) {
   const PlaneModel2010 model = Model({{{0, "fat"}, {30, "bone"}}});
   Insertion insertion{model};

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "acus/physics/tissue/tissue_model.h"
 #include "support/fem_needle_scene.h"
 
 namespace acus::tissue {
@@ -59,6 +60,14 @@ TEST(ProbeContact, PressesOnlyAndAsFarAsItIsPressed) {
     }
     last_n = pressed_n;
   }
+  const auto pressing = [&scene] {
+    int count = 0;
+    for (std::size_t s = 0; s < scene.state.probe.node_of_slot.size(); ++s) {
+      count += scene.state.contact.SlotForceN(1 + static_cast<int>(s)) > 0.0;
+    }
+    return count;
+  };
+  EXPECT_EQ(scene.state.probe_force.num_nodes, pressing());
   EXPECT_GE(scene.state.probe_force.num_nodes, 8);
   // Every node under the face is as deep as the face.
   const ContactState& contact = scene.state.contact;
@@ -72,6 +81,10 @@ TEST(ProbeContact, PressesOnlyAndAsFarAsItIsPressed) {
       EXPECT_NEAR(moved.dot(contact.slot_direction(slot)), 6.0, 1e-9);
     }
   }
+  // Just off the skin nodes are still followed, but none of them presses.
+  scene.model.Step(scene.state, Sample(scene, -0.3));
+  EXPECT_EQ(scene.state.probe_force.num_nodes, 0);
+  EXPECT_EQ(scene.state.probe_force.deepest_mm, 0.0);
   // Off the skin nothing is left: the tissue does not hold on to it.
   scene.model.Step(scene.state, Sample(scene, -1.0));
   EXPECT_EQ(scene.state.probe_force.force_in_ct_n, Eigen::Vector3d::Zero());
@@ -87,6 +100,21 @@ TEST(ProbeContact, AConvexFacePressesItsMiddleFirst) {
   EXPECT_GT(convex.state.probe_force.num_nodes, 0);
   EXPECT_LT(convex.state.probe_force.num_nodes, flat.state.probe_force.num_nodes);
   EXPECT_LT(convex.state.probe_force.force_in_ct_n.z(), flat.state.probe_force.force_in_ct_n.z());
+}
+
+TEST(ProbeContact, OneNodeThatIsPressedIsTouch) {
+  SceneOptions options = WithProbe();
+  options.contact.probe = ProbeFace{40.0, 6.0, 25.0};  // Narrower than the distance of the nodes.
+  FemScene scene(options);
+  const TissueModel model(FemTissue{scene.model, nullptr});
+  TissueState state = model.NewState();
+  int of_one_node = 0;
+  for (int step = -10; step < 60; ++step) {
+    const TissueForce force = model.Step(state, Sample(scene, 0.02 * step));
+    EXPECT_EQ(force.touched, force.num_probe_nodes > 0) << step;
+    of_one_node += force.num_probe_nodes == 1;
+  }
+  EXPECT_GT(of_one_node, 0);
 }
 
 TEST(ProbeContact, TurningTheProbeBackGivesTheSameForce) {

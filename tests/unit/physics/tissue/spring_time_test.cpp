@@ -124,11 +124,13 @@ TEST(SpringTime, FrictionGrowsWithTheLogarithmOfSpeedAndOfRest) {
   };
   for (const double speed_mm_per_s : {2.0, 5.0, 50.0}) {
     TimedSprings of_plain{plain}, of_timed{timed};
-    of_plain.MoveToDepth(60.0, speed_mm_per_s);
-    of_timed.MoveToDepth(60.0, speed_mm_per_s);
-    EXPECT_NEAR(of_timed.last.friction_n / of_plain.last.friction_n,
-                share_at(speed_mm_per_s, time.slip_mm / speed_mm_per_s), 5e-3)
-        << speed_mm_per_s;
+    for (const double depth_mm : {9.0, 60.0}) {  // A few nodes, and many.
+      of_plain.MoveToDepth(depth_mm, speed_mm_per_s);
+      of_timed.MoveToDepth(depth_mm, speed_mm_per_s);
+      EXPECT_NEAR(of_timed.last.friction_n / of_plain.last.friction_n,
+                  share_at(speed_mm_per_s, time.slip_mm / speed_mm_per_s), 5e-3)
+          << speed_mm_per_s << " at " << depth_mm;
+    }
   }
   TimedSprings rested{timed};
   rested.MoveToDepth(60.0, 5.0);
