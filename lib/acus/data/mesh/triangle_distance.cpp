@@ -23,7 +23,7 @@ double SquaredDistanceToTriangle(const Eigen::Vector3d& x, const Eigen::Vector3d
   const double d6 = ac.dot(cx);
   if (d6 >= 0.0 && d5 <= d6) return cx.squaredNorm();
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return (ax - d1 / (d1 - d3) * ab).squaredNorm();
+  if (vc <= 0.0 && d1 > 0.0 && d3 <= 0.0) return (ax - d1 / (d1 - d3) * ab).squaredNorm();
   const double vb = d5 * d2 - d1 * d6;
   if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return (ax - d2 / (d2 - d6) * ac).squaredNorm();
   const double va = d3 * d6 - d5 * d4;
