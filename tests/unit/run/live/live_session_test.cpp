@@ -24,6 +24,7 @@ using std::chrono::milliseconds;
 using testing::Contains;
 using testing::Field;
 using testing::HasSubstr;
+using testing::Not;
 
 Eigen::Isometry3d ProbeOnSkin() {
   Eigen::Isometry3d probe = Eigen::Isometry3d::Identity();
@@ -121,6 +122,7 @@ TEST_F(Session, HasTheGoalsAndStepsOfItsReport) {
   const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
   LiveSession session(scenario, ReadLiveDevices(folder_ / "devices.json"), options, context_);
   EXPECT_TRUE(RunHeadless(session, context_));
+  EXPECT_THAT(session.SummaryText(), Not(HasSubstr("could not be made")));
 
   replay::ReplayOptions replay;
   replay.run_folder = folder_ / "run";
