@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace acus::mesh {
@@ -64,7 +65,7 @@ TriangleDistance::TriangleDistance(Eigen::Matrix3Xd corners) : corners_(std::mov
   for (Eigen::Index t = 0; t < count; ++t) {
     for_cells(t, [&](std::size_t cell) { ++first_[cell + 1]; });
   }
-  for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
   members_.resize(first_.back());
   std::vector<int> next(first_.begin(), first_.end() - 1);
   for (Eigen::Index t = 0; t < count; ++t) {

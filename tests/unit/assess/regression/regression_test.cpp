@@ -75,6 +75,10 @@ TEST_F(Regression, IsNewThenAcceptedThenTheSame) {
   const SuiteResult second = Run("second");
   EXPECT_TRUE(second.passed()) << TextOf(second);
   EXPECT_THAT(AcceptResult(ReadSuite(folder_), folder_ / "second"), HasSubstr("was as expected"));
+  context_.overwrite = true;  // Of the result as a whole, not of runs in it.
+  const SuiteResult again = RunSuite(ReadSuite(folder_), folder_ / "second", context_);
+  EXPECT_EQ(again.cases[0].verdict, Verdict::kNoResult);
+  EXPECT_THAT(again.cases[0].message, HasSubstr("exists already"));
 }
 
 TEST_F(Regression, ReportsWhatMovedAndAcceptsItOnlyIfRequested) {
