@@ -1,4 +1,4 @@
-// Writes a DICOM segmentation object: explicit little endian, binary.
+// Writes a DICOM segmentation object: explicit little endian.
 #pragma once
 
 #include "support/dicom_writer.h"
@@ -14,7 +14,7 @@ struct DicomSegment {
 struct DicomSegFrame {
   int segment = 1;
   Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
-  std::vector<int> pixels;  ///< 0 or 1, columns x rows.
+  std::vector<int> pixels;  ///< Columns x rows; 0 or 1 if binary.
 };
 
 struct DicomSegObject {
@@ -22,6 +22,8 @@ struct DicomSegObject {
   int rows = 3;
   std::string spacing = "2\\1";  ///< Between rows, between columns.
   std::string orientation = "1\\0\\0\\0\\1\\0";
+  std::string type = "BINARY";
+  int bits = 1;  ///< Of a pixel: 1, 8 or 16.
   std::vector<DicomSegment> segments;
   std::vector<DicomSegFrame> frames;
 };
@@ -52,9 +54,18 @@ inline DicomBytes DicomFrameItem(const DicomSegFrame& frame) {
   return item;
 }
 
-/// Bits of all frames, without gaps between them.
-inline std::string PackedBits(const DicomSegObject& object) {
+/// Pixels of all frames, without gaps between them.
+inline std::string PackedPixels(const DicomSegObject& object) {
   std::string packed;
+  if (object.bits > 1) {
+    for (const DicomSegFrame& frame : object.frames) {
+      for (const int pixel : frame.pixels) {
+        packed += static_cast<char>(pixel & 0xFF);
+        if (object.bits == 16) packed += static_cast<char>(pixel >> 8);
+      }
+    }
+    return packed;
+  }
   std::size_t bit = 0;
   for (const DicomSegFrame& frame : object.frames) {
     for (const int pixel : frame.pixels) {
@@ -77,8 +88,8 @@ inline void WriteDicomSegmentation(const std::filesystem::path& path,
   body.Element(0x28, 8, "IS", std::to_string(object.frames.size()));
   body.Short(0x28, 0x10, object.rows);
   body.Short(0x28, 0x11, object.columns);
-  body.Short(0x28, 0x100, 1);
-  body.Element(0x62, 1, "CS", "BINARY");
+  body.Short(0x28, 0x100, object.bits);
+  body.Element(0x62, 1, "CS", object.type);
   std::vector<DicomBytes> segments, frames;
   for (const DicomSegment& segment : object.segments) {
     segments.push_back(DicomSegmentItem(segment, static_cast<int>(segments.size()) + 1));
@@ -92,7 +103,7 @@ inline void WriteDicomSegmentation(const std::filesystem::path& path,
   body.Sequence(0x5200, 0x9229, {shared});
   for (const DicomSegFrame& frame : object.frames) frames.push_back(DicomFrameItem(frame));
   body.Sequence(0x5200, 0x9230, frames);
-  body.Element(0x7FE0, 0x10, "OB", PackedBits(object));
+  body.Element(0x7FE0, 0x10, "OB", PackedPixels(object));
   std::ofstream out(path, std::ios::binary);
   out << std::string(128, '\0') << "DICM" << meta.bytes() << body.bytes();
 }

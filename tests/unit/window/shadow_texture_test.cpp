@@ -63,6 +63,16 @@ TEST_F(Shadow, TextureIsDarkAndOpaqueWhereNodesAreShaded) {
   EXPECT_EQ(pixel(1, 3), 102);
 }
 
+TEST_F(Shadow, TextureReachesHalfAPixelBeyondTheSurfaceOnAllSides) {
+  const mesh::Surface ball = testing_support::BallSurface({0, 0, 0}, 100.0);
+  const Eigen::Matrix2Xf at = shadow_.PlacesOf(ball.nodes_mm);
+  const float half_pixel = 0.5F / ShadowTexture::kSize;
+  for (int axis = 0; axis < 2; ++axis) {
+    EXPECT_NEAR(at.row(axis).minCoeff(), half_pixel, 1e-5F);
+    EXPECT_NEAR(at.row(axis).maxCoeff(), 1.0F - half_pixel, 1e-5F);
+  }
+}
+
 TEST_F(Shadow, IgnoresWhatIsNotFinite) {
   const double nan = std::nan("");
   const std::array<Eigen::Vector3d, 2> line{Eigen::Vector3d(nan, 0, 0), {0, -150, 0}};

@@ -171,8 +171,7 @@ Goal LiveGoalOf(const SweepPlan& plan, const RunContext& context) {
       scenario::ReadScenario(plan.request.scene.scenario, plan.request.scene.changes);
   const session::Session session = ReadSessionOf(plan.request.scene, scenario, context);
   const bool images = (scenario.ultrasound || scenario.ct_slice) && !session.probe.empty();
-  const bool forces = scenario.needle_force || scenario.probe_force ||
-                      (scenario.tissue && scenario.tissue->TouchesNeedle());
+  const bool forces = scenario.needle_force || scenario.probe_force || scenario.tissue;
   ACUS_REQUIRE(images || forces, plan.request.scene.scenario.string(),
                ": has neither forces nor images of the probe that a live session would wait for");
   Goal goal = LiveBudget(kServoHz, scenario.image_rate_hz);

@@ -64,8 +64,7 @@ std::vector<Knob> KnobsOf(const Scenario& scenario, double recorded_rate_hz) {
   for (const effects::CalledEffect& called : scenario.listed) {
     add(called.effect->Knobs(), called.effect->key());
   }
-  const bool steps = scenario.needle_force || scenario.probe_force ||
-                     (scenario.tissue && scenario.tissue->TouchesNeedle());
+  const bool steps = scenario.needle_force || scenario.probe_force || scenario.tissue;
   if (steps && recorded_rate_hz > 0.0) knobs.push_back(StepRate(recorded_rate_hz));
   for (Knob& knob : knobs) {
     const bool are_numbers = knob.values.size() >= 2 && knob.values.front().is_number();

@@ -28,7 +28,7 @@ Vector3d NearestWeights(const Vector3d& x, const Vector3d& a, const Vector3d& b,
   const double d5 = ab.dot(cx), d6 = ac.dot(cx);
   if (d6 >= 0.0 && d5 <= d6) return {0, 0, 1};
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
+  if (vc <= 0.0 && d1 > 0.0 && d3 <= 0.0) {
     const double v = d1 / (d1 - d3);
     return {1 - v, v, 0};
   }

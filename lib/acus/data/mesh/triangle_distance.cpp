@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace acus::mesh {
@@ -23,7 +24,7 @@ double SquaredDistanceToTriangle(const Eigen::Vector3d& x, const Eigen::Vector3d
   const double d6 = ac.dot(cx);
   if (d6 >= 0.0 && d5 <= d6) return cx.squaredNorm();
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return (ax - d1 / (d1 - d3) * ab).squaredNorm();
+  if (vc <= 0.0 && d1 > 0.0 && d3 <= 0.0) return (ax - d1 / (d1 - d3) * ab).squaredNorm();
   const double vb = d5 * d2 - d1 * d6;
   if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return (ax - d2 / (d2 - d6) * ac).squaredNorm();
   const double va = d3 * d6 - d5 * d4;
@@ -64,7 +65,7 @@ TriangleDistance::TriangleDistance(Eigen::Matrix3Xd corners) : corners_(std::mov
   for (Eigen::Index t = 0; t < count; ++t) {
     for_cells(t, [&](std::size_t cell) { ++first_[cell + 1]; });
   }
-  for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
   members_.resize(first_.back());
   std::vector<int> next(first_.begin(), first_.end() - 1);
   for (Eigen::Index t = 0; t < count; ++t) {

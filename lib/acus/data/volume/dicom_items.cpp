@@ -26,7 +26,6 @@ class ItemParser {
     at_ = bytes_.size() >= 132 && std::equal(bytes_.begin() + 128, bytes_.begin() + 132, "DICM")
               ? 132
               : 0;
-    explicit_type_ = true;
     while (at_ + 8 <= bytes_.size() && DicomU16(bytes_, at_) == 2) Element(root, bytes_.size(), 0);
     const std::string syntax = root.Text(kDicomTransferSyntax);
     explicit_type_ =
@@ -106,7 +105,7 @@ class ItemParser {
   const fs::path& path_;
   DicomBytes bytes_;
   std::size_t at_ = 0;
-  bool explicit_type_ = true;
+  bool explicit_type_ = true;  ///< The first group is, whatever the others are.
 };
 
 }  // namespace

@@ -27,7 +27,6 @@ struct OpenAl {
   void (*delete_sources)(int, const unsigned*) = nullptr;
   void (*source_i)(unsigned, int what, int value) = nullptr;
   void (*source_play)(unsigned) = nullptr;
-  void (*source_stop)(unsigned) = nullptr;
 };
 
 OpenAl LoadOpenAl() {
@@ -44,8 +43,7 @@ OpenAl LoadOpenAl() {
                                      haptics::Required("alGenSources", al.gen_sources),
                                      haptics::Required("alDeleteSources", al.delete_sources),
                                      haptics::Required("alSourcei", al.source_i),
-                                     haptics::Required("alSourcePlay", al.source_play),
-                                     haptics::Required("alSourceStop", al.source_stop)};
+                                     haptics::Required("alSourcePlay", al.source_play)};
   haptics::LoadLibrary({.product = "OpenAL Soft",
                         .path = "",
                         .names = {"libopenal.so.1"},
@@ -65,8 +63,7 @@ struct Loudspeaker::Device {
   unsigned source = 0;
 
   ~Device() {
-    if (source != 0) al.source_stop(source);
-    if (source != 0) al.delete_sources(1, &source);
+    if (source != 0) al.delete_sources(1, &source);  // One that still plays is stopped.
     if (buffer != 0) al.delete_buffers(1, &buffer);
     if (context != nullptr) {
       al.make_current(nullptr);

@@ -29,6 +29,7 @@ struct SmallRun {
   double force_offset_n = 0.0;  ///< Added to force_axial_n everywhere.
   double spike_n = 0.0;         ///< Added to friction_n at sample 50.
   int puncture_at = 80;         ///< Sample of the event.
+  int air_samples = 0;          ///< Before the skin.
   std::string event = "puncture";
   std::string extra_column;
   std::string extra_value = "1";
@@ -45,7 +46,10 @@ struct SmallRun {
     for (int i = 0; i < samples; ++i) {
       const double axial_n = 0.01 * i + force_offset_n;
       const double friction_n = 0.2 + (i == 50 ? spike_n : 0.0);
-      csv += NumberText(i * 1e-3) + "," + NumberText(0.1 * i) + "," + (i < 100 ? "skin" : "fat") +
+      csv += NumberText(i * 1e-3) + "," + NumberText(0.1 * i) + "," +
+             (i < air_samples ? "air"
+              : i < 100       ? "skin"
+                              : "fat") +
              "," + NumberText(axial_n) + "," + NumberText(friction_n) + "," +
              (i == puncture_at ? event : "") + (extra_column.empty() ? "" : "," + extra_value) +
              "\n";
@@ -133,6 +137,14 @@ TEST_F(RunComparisonTest, StatesForceDifferencesAsTheyAre) {
       {"forces",
        {{"rms_n", 0.005}, {"components", {{"friction_n", {{"rms_n", 0.1}, {"max_n", 1}}}}}}}};
   EXPECT_TRUE(CompareWritten(lenient).passed());
+}
+
+TEST_F(RunComparisonTest, CountsSamplesInAnotherTissueFromTheFirstOn) {
+  SmallRun b;
+  b.air_samples = 1;
+  const Check check = Find(Compare(SmallRun{}, b), "tissue: samples that differ");
+  EXPECT_DOUBLE_EQ(*check.value, 0.5);
+  EXPECT_THAT(check.remark, HasSubstr("first at 0 s: skin | air"));
 }
 
 TEST_F(RunComparisonTest, HoldsTheShapeOfANeedleThatBends) {

@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <regex>
 
+#include "acus/assess/regression/bisect.h"
+#include "acus/assess/regression/calibration.h"
 #include "acus/assess/regression/new_suite.h"
 #include "acus/assess/regression/regression_report.h"
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/cpu_time.h"
 #include "acus/base/core/error.h"
 #include "acus/data/session/session_io.h"
 #include "acus/data/volume/volume_io.h"
@@ -72,6 +75,10 @@ TEST_F(Regression, IsNewThenAcceptedThenTheSame) {
   const SuiteResult second = Run("second");
   EXPECT_TRUE(second.passed()) << TextOf(second);
   EXPECT_THAT(AcceptResult(ReadSuite(folder_), folder_ / "second"), HasSubstr("was as expected"));
+  context_.overwrite = true;  // Of the result as a whole, not of runs in it.
+  const SuiteResult again = RunSuite(ReadSuite(folder_), folder_ / "second", context_);
+  EXPECT_EQ(again.cases[0].verdict, Verdict::kNoResult);
+  EXPECT_THAT(again.cases[0].message, HasSubstr("exists already"));
 }
 
 TEST_F(Regression, ReportsWhatMovedAndAcceptsItOnlyIfRequested) {
@@ -124,15 +131,18 @@ TEST_F(Regression, ARunWithChangesIsComparedButNotAccepted) {
 }
 
 TEST_F(Regression, ANewSuiteFindsItsFilesFromAnyFolder) {
+  fs::copy(folder_ / "session", folder_ / "Try 2-b.1", fs::copy_options::recursive);
   NewSuite made{.scenario = folder_ / "scene.json",
-                .sessions = {folder_ / "session", folder_ / "session/"},
+                .sessions = {folder_ / "session", folder_ / "session/", folder_ / "Try 2-b.1"},
                 .labels = folder_ / "labels.seg.nrrd"};
   WriteTextFile(folder_ / "points.csv", "name,x_mm,y_mm,z_mm\ntarget,0,20,20\n");
   made.changes = {Message("/patient/corridor=", (folder_ / "points.csv").string())};
-  EXPECT_THAT(WriteNewSuite(folder_ / "made", made, context_), HasSubstr("2 cases: session"));
+  EXPECT_THAT(WriteNewSuite(folder_ / "made", made, context_),
+              HasSubstr("3 cases: Try_2-b.1 session session-2"));
   const auto document = config::ReadJson(folder_ / "made/suite.json");
   EXPECT_EQ(document["cases"][0]["name"], "session");
   EXPECT_EQ(document["cases"][1]["name"], "session-2");
+  EXPECT_EQ(document["cases"][2]["name"], "Try_2-b.1");
   EXPECT_EQ(document["cases"][0]["scenario"], "../scene.json");
   EXPECT_EQ(document["cases"][0]["session"], "../session");
   EXPECT_EQ(document["cases"][0]["patient"]["labels"], "../labels.seg.nrrd");
@@ -140,7 +150,8 @@ TEST_F(Regression, ANewSuiteFindsItsFilesFromAnyFolder) {
   EXPECT_EQ(document["tolerances"], "tolerances/default.json");
   // Moved with all that it names, it is still whole.
   fs::create_directories(folder_ / "elsewhere");
-  for (const char* name : {"made", "scene.json", "session", "labels.seg.nrrd", "points.csv"}) {
+  for (const char* name :
+       {"made", "scene.json", "session", "Try 2-b.1", "labels.seg.nrrd", "points.csv"}) {
     fs::rename(folder_ / name, folder_ / "elsewhere" / name);
   }
   fs::create_directories(folder_ / "result");
@@ -196,6 +207,9 @@ TEST_F(Regression, TimeIsComparedInCalibrationLoops) {
   const SuiteResult slow = Run("slow");
   EXPECT_THAT(slow.cases[0].comparison->failed(),
               testing::ElementsAre("CPU time, more than expected"));
+  const CaseResult& c = slow.cases[0];
+  EXPECT_NEAR(*c.comparison->checks.back().value,
+              100.0 * (c.timing.Ratio() / c.expected_timing->Ratio() - 1.0), 1e-6);
   // Verdict, case, checks passed, time / expected: ten times, give or take what else runs here.
   std::smatch row;
   const std::string text = TextOf(slow);
@@ -230,6 +244,51 @@ TEST_F(Regression, RefusesSuitesAndResultsThatDoNotFit) {
               ThrowsMessage<InputError>(HasSubstr("there is no case \"b\"; the suite has: a")));
   EXPECT_THAT([&] { AcceptResult(ReadSuite(folder_), folder_ / "session"); },
               ThrowsMessage<InputError>(HasSubstr("is not a result of acus-regression run")));
+}
+
+/// Two runs with a trace of three steps; `write` makes them differ.
+class Bisecting : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* run : {"a", "b"}) {
+      fs::create_directories(folder_ / run);
+      Write(run, "trace.csv", "time_s,force/depth_mm,image/gain\n0,1,5\n0.1,2,5\n0.2,3,5\n");
+    }
+  }
+  void Write(const char* run, const char* trace, std::string_view text) {
+    WriteTextFile(folder_ / run / trace, text);
+  }
+  Bisection Found() const { return Bisect(folder_ / "a", folder_ / "b"); }
+
+  testing_support::TemporaryFolder folder_;
+};
+
+TEST_F(Bisecting, NamesTheFirstStepAndInItTheFirstStage) {
+  EXPECT_TRUE(Found().same());
+  Write("b", "trace.csv", "time_s,force/depth_mm,image/gain\n0,1,5\n0.1,2.5,6\n0.2,3,7\n");
+  const Bisection found = Found();
+  ASSERT_TRUE(found.step);
+  EXPECT_FALSE(found.image);
+  EXPECT_EQ(found.step->row, 1U);
+  EXPECT_EQ(found.step->time_s, "0.1");
+  EXPECT_EQ(found.step->stage + "/" + found.step->variable, "force/depth_mm");
+  EXPECT_EQ(found.step->a + " " + found.step->b, "2 2.5");
+}
+
+TEST_F(Bisecting, ImagesAreComparedIfAnyRunHasThem) {
+  Write("a", "image_trace.csv", "time_s,image/gain\n0,1\n");
+  EXPECT_THAT([&] { Found(); }, ThrowsMessage<InputError>(HasSubstr("b/image_trace.csv")));
+  Write("b", "image_trace.csv", "time_s,image/gain\n0,2\n");
+  ASSERT_TRUE(Found().image);
+  EXPECT_EQ(Found().image->variable, "gain");
+}
+
+TEST(CalibrationSeconds, IsTheCpuTimeOfTheQuickestOfThreeGoes) {
+  const double begin_s = ThreadCpuSeconds();
+  const double least_s = CalibrationSeconds();
+  const double all_s = ThreadCpuSeconds() - begin_s;
+  EXPECT_GT(least_s, 0.1 * all_s);
+  EXPECT_LE(3.0 * least_s, all_s);
 }
 
 }  // namespace

@@ -1,8 +1,13 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <gmock/gmock.h>
 #include <map>
+#include <regex>
 
 #include "acus/assess/study/box_plot.h"
 #include "acus/assess/study/curriculum.h"
+#include "acus/assess/study/curriculum_command.h"
+#include "acus/assess/study/study_command.h"
 #include "acus/assess/study/study_export.h"
 #include "acus/assess/study/study_report.h"
 #include "acus/assess/study/study_tables.h"
@@ -357,6 +362,51 @@ TEST(BoxPlotSvg, DrawsBoxesAndSaysIfThereIsNothing) {
   const std::string svg = BoxPlotSvg("time", "s", boxes);
   EXPECT_THAT(svg, testing::AllOf(HasSubstr("time [s]"), HasSubstr("expert &amp; co (2)")));
   EXPECT_THAT(BoxPlotSvg("time", "s", {}), HasSubstr("no values"));
+}
+
+TEST(BoxPlotSvg, TheAxisRisesInEqualStepsBeyondAllValues) {
+  const std::vector<Box> boxes = {{"a", {100, 500}}, {"b", {300}}};
+  const std::string svg = BoxPlotSvg("time", "s", boxes);
+  const std::regex label("y=\"([0-9.]+)\" text-anchor=\"end\"[^>]*>([-0-9.]+)<");
+  std::vector<std::pair<double, double>> labels;  // Pixels from the top, and values.
+  for (std::sregex_iterator at(svg.begin(), svg.end(), label), end; at != end; ++at) {
+    labels.emplace_back(std::stod((*at)[1]), std::stod((*at)[2]));
+  }
+  ASSERT_EQ(labels.size(), 5U);
+  EXPECT_EQ(labels.front().second, 80.0) << "a twentieth of the range below the least";
+  EXPECT_EQ(labels.back().second, 520.0);
+  for (std::size_t i = 1; i < labels.size(); ++i) {
+    EXPECT_NEAR(labels[i].second - labels[i - 1].second, 110.0, 1.0);
+    EXPECT_NEAR(labels[i - 1].first - labels[i].first,
+                0.25 * (labels.front().first - labels.back().first), 0.11);
+  }
+}
+
+TEST_F(StudyTest, TheReportHasThreeDigits) {
+  WriteTrials();
+  auto trials = Trials(folder_ / "trials");
+  for (TrialRecord& trial : trials) {
+    for (auto& [metric, value] : trial.metrics) value /= 7.0;
+  }
+  WriteStudyReport(folder_, Read(), trials, {}, Analyse(Read(), trials, {}), context_);
+  const std::string html = ReadTextFile(folder_ / "study.html");
+  // Mean (SD); median [quartiles] of 70 / 7 and 80 / 7.
+  EXPECT_THAT(html, HasSubstr("10.7 (1); 10.7 [10.4, 11.1]"));
+}
+
+TEST(StudyCommands, WhatFollowsTheTrialsIsNoTrial) {
+  const testing_support::TemporaryFolder folder;
+  const std::string trials = folder.path().string();
+  const auto parses = [](CLI::App& app, std::vector<std::string> words) {
+    std::ranges::reverse(words);
+    EXPECT_NO_THROW(app.parse(words));
+  };
+  CLI::App study;
+  const auto study_command = AddStudyCommands(study);
+  parses(study, {"report", "--trials", trials, trials, "-o", "out"});
+  CLI::App curriculum;
+  const auto curriculum_command = AddCurriculumOptions(curriculum);
+  parses(curriculum, {"--trials", trials, trials, "--json"});
 }
 
 }  // namespace

@@ -62,6 +62,24 @@ TEST_F(TraineeTest, WithoutErrorsTheTargetIsHitInOnePass) {
   EXPECT_GT(*ValueOf(result.assessment, "needle in the image plane"), 99.9);
 }
 
+TEST_F(TraineeTest, TheNeedleIsAsFastAsTheTraineeWishes) {
+  const TrialScene scene = Scene();
+  TraineeSkill skill = Perfect();
+  skill.speed_mm_per_s = 15.0;
+  skill.aim_s = 10.0;  // Slower than the insertion.
+  const auto made = SimulateTrial(scene, PlannedPathOf(scene), skill, "P", 1, 0, 200.0);
+  double fastest_mm_per_s = 0.0;
+  for (std::size_t i = 1; i < made.session.needle.size(); ++i) {
+    const auto& now = made.session.needle[i];
+    const auto& before = made.session.needle[i - 1];
+    const double mm =
+        (now.reference_from_tool.translation() - before.reference_from_tool.translation()).norm();
+    fastest_mm_per_s =
+        std::max(fastest_mm_per_s, mm / (1e-9 * static_cast<double>(now.time_ns - before.time_ns)));
+  }
+  EXPECT_NEAR(fastest_mm_per_s, skill.speed_mm_per_s, 0.1);
+}
+
 TEST_F(TraineeTest, ABiasMovesTheEndByItsLength) {
   const TrialScene scene = Scene();
   TraineeSkill skill = Perfect();

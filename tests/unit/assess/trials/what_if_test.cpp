@@ -165,7 +165,12 @@ TEST_F(WhatIfTest, WritesPageMapTableAndSessions) {
   EXPECT_EQ(CsvTable(folder_ / "what_if.csv").num_rows(), 60U);
   const auto json = config::ReadJson(folder_ / "what_if.json");
   EXPECT_EQ(json.at("best").size(), 2U);
-  EXPECT_THAT(ReadTextFile(folder_ / "map.svg"), HasSubstr("10 mm"));
+  // From the worst, dark, to the best, light.
+  EXPECT_THAT(
+      ReadTextFile(folder_ / "map.svg"),
+      testing::AllOf(HasSubstr("10 mm"), HasSubstr("rgb(68,1,84)"), HasSubstr("rgb(253,231,37)")));
+  EXPECT_THAT(ReadTextFile(folder_ / "what_if.html"),
+              testing::AllOf(HasSubstr(">best 2<"), testing::Not(HasSubstr(">best 3<"))));
   EXPECT_EQ(session::ReadSession(folder_ / "sessions/trial", context_).needle.size(),
             trial.needle.size());
   EXPECT_TRUE(std::filesystem::exists(folder_ / "sessions/best_2/needle.csv"));

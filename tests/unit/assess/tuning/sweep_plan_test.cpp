@@ -4,6 +4,8 @@
 #include <map>
 #include <set>
 
+#include "acus/assess/tuning/budget.h"
+#include "acus/assess/tuning/case_run.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/version.h"
 #include "support/sweep_folder.h"
@@ -12,8 +14,10 @@ namespace acus::tuning {
 namespace {
 
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::MatchesRegex;
+using testing::Pair;
 using testing::StartsWith;
 using testing::ThrowsMessage;
 using testing_support::kBendableEffects;
@@ -74,6 +78,57 @@ TEST_F(PlanTest, JointlyAllCombinationsOrASpreadSubset) {
   EXPECT_GE(some.cases.size(), 7U);
   EXPECT_LE(some.cases.size(), 9U);
   EXPECT_TRUE(some.cases[0].is_reference);
+}
+
+TEST_F(PlanTest, JointlyTheScenariosOwnSettingComesAfterTheMostExpensive) {
+  Make(kBendableEffects);
+  request_.knobs = {"needle_nodes=8,15,25,50", "step_rate_hz=500,1000,2000"};
+  request_.jointly = true;
+  request_.most_combinations = 2;
+  const SweepPlan plan = Plan();
+  ASSERT_GE(plan.cases.size(), 2U);
+  EXPECT_EQ(plan.cases[0].setting, (Setting{{"needle_nodes", 50}, {"step_rate_hz", 2000}}));
+  EXPECT_EQ(plan.cases[1].setting, (Setting{{"needle_nodes", 15}, {"step_rate_hz", 1000}}));
+}
+
+TEST_F(PlanTest, ALiveSessionWaitsForWhatTheSceneHas) {
+  request_.knobs = {"step_rate_hz=500,1000"};
+  Make(kBendableEffects);
+  Goal goal = LiveGoalOf(Plan(), context_);
+  EXPECT_TRUE(goal.force);
+  EXPECT_FALSE(goal.image);
+  context_.overwrite = true;
+  request_.knobs = {};
+  Make(R"({"ultrasound": {}})");
+  goal = LiveGoalOf(Plan(), context_);
+  EXPECT_FALSE(goal.force);
+  EXPECT_TRUE(goal.image);
+}
+
+TEST_F(PlanTest, RatesAreTakenUpToTheirLimits) {
+  session::Session session = Insertion();
+  session.needle.resize(3);
+  EXPECT_EQ(Resampled(session, 1e5).needle.size(), 201U);
+  EXPECT_EQ(Resampled(session, 10.0).needle.size(), 1U);
+  for (const double rate_hz : {100'001.0, 9.99}) {
+    EXPECT_THAT([&] { Resampled(session, rate_hz); },
+                ThrowsMessage<InputError>(HasSubstr("step_rate_hz")));
+  }
+}
+
+TEST(SeedChanges, AddToTheScenariosOwnSeeds) {
+  scenario::Scenario scenario;
+  scenario.ultrasound.emplace().seed = 3;
+  scenario.breathing.emplace().pattern.seed = 7;
+  const auto seeds = [&] {
+    std::map<std::string, int> out;
+    for (const auto& change : SeedChanges(scenario, 5)) out[change.pointer] = change.value;
+    return out;
+  };
+  EXPECT_THAT(seeds(), ElementsAre(Pair("/effects/ultrasound/seed", 8))) << "an even breath";
+  scenario.breathing->pattern.level_spread = 0.1;
+  EXPECT_THAT(seeds(), ElementsAre(Pair("/effects/breathing/pattern/seed", 12),
+                                   Pair("/effects/ultrasound/seed", 8)));
 }
 
 TEST_F(PlanTest, WrongRequestsAreReportedAtOnce) {

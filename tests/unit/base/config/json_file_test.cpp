@@ -14,6 +14,9 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Lt;
+using testing::Not;
+using testing::SizeIs;
 using testing::ThrowsMessage;
 
 const json kSchema = json::parse(R"({
@@ -45,6 +48,14 @@ TEST(Problems, AreAllReportedAtOnceWithPlaceValueAndRemedy) {
                 HasSubstr("got \"x\""))));
 }
 
+TEST(Problems, LongValuesAreCutAndShortOnesAreNot) {
+  const auto problem = [](const json& mode) {
+    return Problems(kSchema, json{{"name", "a"}, {"mode", mode}}).at(0);
+  };
+  EXPECT_THAT(problem("slow"), AllOf(HasSubstr("got \"slow\""), Not(HasSubstr("..."))));
+  EXPECT_THAT(problem(std::string(500, 'x')), AllOf(HasSubstr("xxx..."), SizeIs(Lt(200))));
+}
+
 TEST(FillDefaults, ReachesIntoObjectsAndItems) {
   json document = json::parse(R"({"name": "a", "layers": [{}]})");
   FillDefaults(kSchema, document);
@@ -65,7 +76,8 @@ TEST(ReadJson, RefusesDuplicateKeysAndSaysWhereSyntaxBreaks) {
   EXPECT_THAT(read(R"({"a": 1, "b": {"a": 2}, "a": 3})"),
               ThrowsMessage<InputError>(HasSubstr("key 'a' is given twice")));
   EXPECT_NO_THROW(read(R"({"a": 1, "b": {"a": 2}} // fine)")());
-  EXPECT_THAT(read("{\n\"a\": }"), ThrowsMessage<InputError>(HasSubstr("line 2")));
+  EXPECT_THAT(read("{\n\"a\": }"), ThrowsMessage<InputError>(HasSubstr(
+                                       "config.json: is not valid JSON: parse error at line 2")));
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += R"({"a":)";
   EXPECT_THAT(read(deep), ThrowsMessage<InputError>(HasSubstr("nested more than 100 deep")));

@@ -35,8 +35,8 @@ TEST(PoseFromAxes, IsRightHandedAlsoWhenTheHintIsParallel) {
     EXPECT_TRUE(IsRigid(pose.matrix(), 1e-12));
     EXPECT_TRUE(pose.linear().col(2).isApprox(Eigen::Vector3d::UnitZ()));
   }
-  // As near to the hint as can be, however short the hint is.
-  const Eigen::Isometry3d pose = PoseFromAxes({}, {0, 0, 5}, {1e-6, 1e-6, 0});
+  // As near to the hint as can be, however short the axes are.
+  const Eigen::Isometry3d pose = PoseFromAxes({}, {0, 0, 1e-6}, {1e-6, 1e-6, 0});
   EXPECT_TRUE(pose.linear().col(0).isApprox(Eigen::Vector3d(1, 1, 0).normalized()));
 }
 

@@ -129,6 +129,32 @@ TEST(Film, ColoursAreReadBackWhereTheyWere) {
   }
 }
 
+TEST(Film, GreyIsAsBrightInAColourImage) {
+  const TemporaryFolder folder;
+  FilmWriter in_grey(folder / "grey.mp4", 64, 64), in_colour(folder / "colour.mp4", 64, 64);
+  constexpr int kStep = 16;
+  for (int level = 0; level < 256; level += kStep) {
+    GrayImage grey;
+    grey.Resize(64, 64);
+    std::ranges::fill(grey.pixels, static_cast<std::uint8_t>(level));
+    in_grey.Add(grey);
+    ColourImage colour;
+    colour.Resize(64, 64);
+    std::ranges::fill(colour.rgb, static_cast<std::uint8_t>(level));
+    in_colour.Add(colour);
+  }
+  in_grey.Finish();
+  in_colour.Finish();
+  cv::VideoCapture a((folder / "grey.mp4").string()), b((folder / "colour.mp4").string());
+  cv::Mat grey, colour;
+  double brighter = 0.0;
+  for (int level = 0; level < 256; level += kStep) {
+    ASSERT_TRUE(a.read(grey) && b.read(colour));
+    brighter += (cv::mean(colour)[1] - cv::mean(grey)[1]) * kStep / 256.0;
+  }
+  EXPECT_NEAR(brighter, 0.0, 0.2);
+}
+
 TEST(Film, OddSizesArePaddedByOnePixel) {
   const TemporaryFolder folder;
   WriteFilm(folder / "film.mp4", 101, 77, 3);

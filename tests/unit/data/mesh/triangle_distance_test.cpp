@@ -1,8 +1,11 @@
 #include "acus/data/mesh/triangle_distance.h"
 
+#include <algorithm>
+#include <array>
 #include <gtest/gtest.h>
 
 #include "acus/base/core/random.h"
+#include "acus/data/mesh/nearest_triangle.h"
 
 namespace acus::mesh {
 namespace {
@@ -22,6 +25,30 @@ TEST(DistanceToTriangle, IsKnownAboveFaceEdgesAndCorners) {
   EXPECT_DOUBLE_EQ(Distance({-2, 1.5, 0}), 2.0);
   // The long edge lies on 3 x + 4 y = 12.
   EXPECT_NEAR(Distance({2 + 0.6 * 5, 1.5 + 0.8 * 5, 0}), 5.0, 1e-12);
+}
+
+/// Triangles without area are in many files of surfaces.
+TEST(DistanceToTriangle, OfATriangleWithoutAreaIsThatOfItsLine) {
+  const Eigen::Vector3d a(1, 2, 3), b(5, 0, 4);
+  const Eigen::Vector3d middle = a + 0.25 * (b - a);
+  const auto of_line = [&](const Eigen::Vector3d& x) {
+    const double share = std::clamp((x - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+    return (x - a - share * (b - a)).squaredNorm();
+  };
+  RandomStream random(6, "line");
+  for (int n = 0; n < 100; ++n) {
+    const Eigen::Vector3d x(random.Uniform(-4, 10), random.Uniform(-5, 7), random.Uniform(-2, 9));
+    const double expected = of_line(x);
+    for (const auto& c : {a, b, middle}) {
+      for (const auto& corners : {std::array{a, b, c}, {b, a, c}, {c, a, b}}) {
+        EXPECT_NEAR(SquaredDistanceToTriangle(x, corners[0], corners[1], corners[2]), expected,
+                    1e-9);
+        const Eigen::Vector3d w = NearestWeights(x, corners[0], corners[1], corners[2]);
+        const Eigen::Vector3d nearest = w[0] * corners[0] + w[1] * corners[1] + w[2] * corners[2];
+        EXPECT_NEAR((x - nearest).squaredNorm(), expected, 1e-9);
+      }
+    }
+  }
 }
 
 TEST(TriangleDistance, AgreesWithTryingAllTriangles) {

@@ -45,6 +45,7 @@ void SequenceWriteExample(const fs::path& path, const SequenceFormat& format,
     SequenceFields fields;
     AddTransform(fields, "ProbeToReference", PoseOf(i), i != 2);
     fields.emplace_back("ForceN", "0.25");
+    fields.emplace_back("Note", "");
     writer.AddFrame(1'000'000'000 + static_cast<std::int64_t>(i) * 33'333'333,
                     NoisyImage(format.width * format.height * format.channels, i), fields);
   }
@@ -81,6 +82,7 @@ TEST_P(SequenceRoundTrip, KeepsEveryPixelPoseAndStamp) {
     EXPECT_EQ(pose->valid, i != 2);
     EXPECT_EQ(file.Transforms(i).Find("Image", "Probe")->to_from_from, PoseOf(9));
     EXPECT_EQ(file.header().Field(i, "ForceN"), "0.25");
+    EXPECT_EQ(file.header().Field(i, "Note"), "");
     EXPECT_EQ(file.header().Field(i, "ImageStatus"), "OK");
   }
 }

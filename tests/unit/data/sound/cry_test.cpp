@@ -1,10 +1,12 @@
 // The cry against closed forms: gain of the resonator, pitch, loudness.
 #include "acus/data/sound/cry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <span>
 
 namespace acus::sound {
 namespace {
@@ -98,6 +100,50 @@ TEST(Cry, RisesFallsAndEndsSoftly) {
   EXPECT_LT(loudest(0.0, 0.03), 0.6 * loudest(0.1, 0.5));
   EXPECT_LT(loudest(0.95, 1.0), 0.3 * loudest(0.1, 0.5));
   EXPECT_GT(loudest(0.1, 0.2), 0.6 * loudest(0.1, 0.5));
+}
+
+/// A voice without a mouth: what the lips radiate, the flow's rate of change.
+CrySettings VoiceAlone() {
+  CrySettings settings;
+  settings.pitch_hz = {200.0, 200.0, 200.0};
+  settings.duration_s = 1.0;
+  settings.formants.fill({.frequency_hz = 0.0, .width_hz = 1e6});
+  return settings;
+}
+
+TEST(Cry, TheGlottisClosesFasterThanItOpens) {
+  const Sound voice = Cry(VoiceAlone());
+  // Rosenberg's pulse B rises by at most 1.5 / 0.40 and falls by at most 2 / 0.16 of itself in a
+  // period. It begins and ends at 0: the changes of a period add up to nothing.
+  const auto period = std::span(voice.samples).subspan(44 * 220, 221);
+  const double steepest = *std::ranges::max_element(period);
+  EXPECT_NEAR(*std::ranges::min_element(period) / steepest, -(2.0 / 0.16) / (1.5 / 0.40), 0.1);
+  double sum = 0.0, of_sizes = 0.0;
+  for (std::size_t i = 44 * 220; i < 44 * 220 + 2205; ++i) {  // Ten periods.
+    sum += voice.samples[i];
+    of_sizes += std::abs(voice.samples[i]);
+  }
+  EXPECT_NEAR(sum / of_sizes, 0.0, 0.01);
+}
+
+TEST(Cry, IsEvenlyLoudFromATenthToAHalfAndFadesSteadily) {
+  const Sound voice = Cry(VoiceAlone());
+  const auto rms = [&](double from_s) {  // Over four periods.
+    double sum = 0.0;
+    const auto begin = static_cast<std::size_t>(44100 * from_s);
+    for (std::size_t i = begin; i < begin + 882; ++i) sum += std::pow(voice.samples[i], 2);
+    return std::sqrt(sum / 882.0);
+  };
+  const double full = rms(0.3);
+  for (double from_s = 0.10; from_s < 0.48; from_s += 0.02) {
+    EXPECT_NEAR(rms(from_s), full, 0.02 * full) << from_s;
+  }
+  for (double from_s = 0.0; from_s < 0.08; from_s += 0.02) {
+    EXPECT_LT(rms(from_s), rms(from_s + 0.02)) << from_s;
+  }
+  for (double from_s = 0.50; from_s < 0.95; from_s += 0.02) {
+    EXPECT_GT(rms(from_s), rms(from_s + 0.02)) << from_s;
+  }
 }
 
 }  // namespace

@@ -53,6 +53,14 @@ TEST(ReadLandmarks, ReadsCsvWithAndWithoutNames) {
             Eigen::Vector3d(1, 2, 3));
 }
 
+TEST(ReadLandmarks, DeviationsOfOneAxisNeedThoseOfTheOthers) {
+  for (const auto& [given, lacking] :
+       {std::pair("sd_x_mm", "sd_y_mm"), {"sd_y_mm", "sd_x_mm"}, {"sd_z_mm", "sd_x_mm"}}) {
+    EXPECT_THAT(Reading("a.csv", Message("x_mm,y_mm,z_mm,", given, "\n1,2,3,0.5\n")),
+                ThrowsMessage<InputError>(HasSubstr(lacking)));
+  }
+}
+
 TEST(ReadLandmarks, TurnsEverySlicerFrameIntoLps) {
   const Eigen::Vector3d as_written(1.5, -2, 3);
   const Eigen::Vector3d turned(-1.5, 2, 3);

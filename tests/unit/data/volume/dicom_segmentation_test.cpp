@@ -59,6 +59,24 @@ TEST(DicomSegmentation, LiesOnATurnedGridAsItsFramesSay) {
   EXPECT_TRUE(second.isApprox(Eigen::Vector3d(28, 1, 0))) << second;
 }
 
+TEST(DicomSegmentation, PixelsMayHaveOneOrTwoBytes) {
+  const testing_support::TemporaryFolder folder;
+  testing_support::DicomSegObject object;
+  object.type = "LABELMAP";
+  object.bits = 16;
+  object.frames = {{0, {0, 0, 0}, {0, 1, 255, 256, 258, 4000, 65535, 0, 0}}};
+  WriteDicomSegmentation(folder / "s.dcm", object);
+  EXPECT_THAT(ReadDicomSegmentation(folder / "s.dcm").values.voxels,
+              testing::ElementsAreArray(object.frames[0].pixels));
+  // Of shares from 0 to 255, a half and more belong to the segment.
+  object.type = "FRACTIONAL";
+  object.bits = 8;
+  object.frames = {{3, {0, 0, 0}, {0, 1, 127, 128, 255, 0, 0, 0, 0}}};
+  WriteDicomSegmentation(folder / "s.dcm", object);
+  EXPECT_THAT(ReadDicomSegmentation(folder / "s.dcm").values.voxels,
+              testing::ElementsAre(0, 0, 0, 3, 3, 0, 0, 0, 0));
+}
+
 TEST(DicomSegmentation, RefusesWhatIsCutOffOrOnNoGrid) {
   const testing_support::TemporaryFolder folder;
   const auto refuses = [&](const testing_support::DicomSegObject& object, const char* message) {
@@ -69,6 +87,10 @@ TEST(DicomSegmentation, RefusesWhatIsCutOffOrOnNoGrid) {
   testing_support::DicomSegObject object = TwoSegments();
   object.frames[1].position_mm[2] = 15.5;
   refuses(object, "frame 3 does not lie on the grid");
+  object = TwoSegments();
+  object.frames[1].position_mm[2] = 10.02;
+  object.frames[2].position_mm[2] = 1410.0;  // 70000 steps.
+  refuses(object, "the segmentation is broken");
   object = TwoSegments();
   object.frames[3].pixels.clear();
   object.frames[2].pixels.clear();

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fstream>
 #include <gmock/gmock.h>
 
@@ -61,6 +62,18 @@ TEST(DicomSeries, SlicesAreOrderedByPositionAndPlacedInLps) {
     const Eigen::Vector3d p = ct_from_index * v.cast<double>().matrix();
     EXPECT_NEAR(ct.At(v[0], v[1], v[2]), FieldHu(p), 0.51);
   }
+}
+
+TEST(DicomSeries, ProgressRisesToOne) {
+  const TemporaryFolder folder;
+  WriteStack(folder.path(), 10, 2.0);
+  RunContext context;
+  std::vector<double> fractions;
+  context.on_progress = [&](std::string_view, double fraction) { fractions.push_back(fraction); };
+  ReadCt(folder.path(), "", context);
+  EXPECT_TRUE(std::ranges::is_sorted(fractions));
+  EXPECT_GE(fractions.front(), 0.0);
+  EXPECT_EQ(fractions.back(), 1.0);
 }
 
 TEST(DicomSeries, OtherFilesInTheFolderAreIgnored) {

@@ -4,6 +4,7 @@
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/text_table.h"
 #include "acus/rig/camera/stereo.h"
 #include "support/facet_views.h"
 #include "support/temporary_folder.h"
@@ -86,7 +87,14 @@ TEST_F(CalibrationTest, FindsTheCameraThatTookTheImages) {
 }
 
 TEST_F(CalibrationTest, BadViewsAreExcludedAndNamed) {
-  TakeImages(7, 40.0);
+  TakeImages(8, 40.0);
+  // The first is of another camera.
+  CameraParameters other = truth_.parameters();
+  other.radial[0] += 0.3;
+  Image foreign;
+  RenderBoard(CameraModel(other), board_, FacingPose({-120, 60, 450}, 35.0, 30.0, 0.0),
+              {.samples = 2, .colour = false}, 1, foreign);
+  WriteImage(folder_ / "100.png", foreign);
   Image empty;
   empty.Resize(1280, 720, 1);
   std::fill(empty.pixels.begin(), empty.pixels.end(), std::uint8_t{90});
@@ -94,9 +102,11 @@ TEST_F(CalibrationTest, BadViewsAreExcludedAndNamed) {
   empty.Resize(640, 480, 1);
   WriteImage(folder_ / "201.png", empty);
   const Calibration found = Calibrate();
-  ASSERT_EQ(found.views.size(), 9U);
-  EXPECT_NE(found.views[7].rejected.find("only 0 corners"), std::string::npos);
-  EXPECT_NE(found.views[8].rejected.find("640 x 480"), std::string::npos);
+  ASSERT_EQ(found.views.size(), 10U);
+  EXPECT_THAT(found.views[0].rejected, HasSubstr("does not fit the others"));
+  for (std::size_t i = 1; i < 8; ++i) EXPECT_EQ(found.views[i].rejected, "") << i;
+  EXPECT_THAT(found.views[8].rejected, HasSubstr("only 0 corners"));
+  EXPECT_THAT(found.views[9].rejected, HasSubstr("640 x 480"));
   EXPECT_FALSE(found.warnings.empty());
 }
 
@@ -144,7 +154,11 @@ TEST_F(CalibrationTest, RefusesResidualsAboveTheLimit) {
 
 TEST_F(CalibrationTest, NoIntervalReadsAsZero) {
   TakeImages(8, 40.0);
-  const std::string text = TableText(Calibrate());
+  const Calibration found = Calibrate();
+  const std::string text = TableText(found);
+  const Eigen::Vector2d centre_px = found.camera.parameters().centre_px;
+  EXPECT_THAT(text, testing::ContainsRegex(Message("centre ", FixedText(centre_px.x(), 2),
+                                                   " .. [0-9.]+, ", FixedText(centre_px.y(), 2))));
   EXPECT_EQ(text.find("+- 0,"), std::string::npos) << text;
   EXPECT_EQ(text.find("+- 0.00 "), std::string::npos) << text;
   EXPECT_NE(text.find("95 % intervals"), std::string::npos) << text;

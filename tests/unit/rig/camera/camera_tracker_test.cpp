@@ -7,6 +7,7 @@
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
+#include "acus/data/image/film.h"
 #include "acus/rig/tracking/pose_server.h"
 #include "support/facet_views.h"
 #include "support/temporary_folder.h"
@@ -278,6 +279,26 @@ TEST_F(Tracker, RefusesWhatCanNeverWork) {
   options = Options("device:0");
   options.tools.push_back(options.tools[0]);
   refused(options);
+}
+
+TEST(FrameSource, AVideoGivesItsImagesAndSaysThatItIsOver) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "film.mp4").string();
+  image::FilmWriter film(file, 64, 48, {});
+  image::GrayImage grey;
+  grey.Resize(64, 48);
+  for (int n = 0; n < 3; ++n) film.Add(grey);
+  film.Finish();
+  const auto source = OpenFrameSource("video:" + file);
+  EXPECT_EQ(source->status().text, "video " + file);
+  EXPECT_TRUE(source->status().connected);
+  Image out;
+  while (!source->finished()) {
+    if (!source->Next(out, 1000)) continue;
+    EXPECT_EQ(out.width_px, 64);
+  }
+  EXPECT_EQ(source->status().received, 3U);
+  EXPECT_EQ(source->status().text, "the video " + file + " is over");
 }
 
 TEST(FrameSource, AFileOfImagesSurvivesInvalidData) {

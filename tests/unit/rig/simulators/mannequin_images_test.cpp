@@ -36,6 +36,12 @@ TEST(MannequinImages, TheCameraLooksAtItsTargetAndIsMoved) {
   EXPECT_LT((still.linear() * Eigen::Vector3d::UnitZ()).y(), 0.0) << "up is up";
   const Eigen::Isometry3d later = CameraFromReference(view, 2'500'000'000);
   EXPECT_NEAR((later.inverse() * still).translation().norm(), std::hypot(15.0, 14.03), 0.5);
+  // Along x it comes back after 5 s, along both after 65 s.
+  const auto eye_mm = [&](std::int64_t time_s) -> Eigen::Vector3d {
+    return CameraFromReference(view, time_s * 1'000'000'000).inverse().translation();
+  };
+  EXPECT_NEAR(eye_mm(5).x(), view.eye_mm.x(), 1e-9);
+  EXPECT_NEAR((eye_mm(65) - view.eye_mm).norm(), 0.0, 1e-9);
 }
 
 TEST(MannequinImages, ShowsTheMarkersOfWhatIsSeen) {

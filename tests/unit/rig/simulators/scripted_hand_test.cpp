@@ -62,6 +62,7 @@ TEST(ScriptedHand, TremorHasItsSizeAndIsSmooth) {
 TEST(ScriptedHand, TremblesAsFastAsAHand) {
   constexpr int kSeeds = 12, kSteps = 5000;
   long rises = 0;
+  double sum_mm2 = 0.0;
   for (int seed = 1; seed <= kSeeds; ++seed) {
     HandScript script = Script();
     const auto hand = ScriptedHand(script, {}, static_cast<std::uint64_t>(seed));
@@ -71,12 +72,14 @@ TEST(ScriptedHand, TremblesAsFastAsAHand) {
     for (int i = 0; i < kSteps; ++i) {
       const Vector3d tremor_mm =
           Needle(*hand, 1e-3 * i).translation() - Needle(*steady, 1e-3 * i).translation();
+      sum_mm2 += tremor_mm.squaredNorm() / 3.0;
       if (i > 0) rises += ((last_mm.array() < 0.0) && (tremor_mm.array() >= 0.0)).count();
       last_mm = tremor_mm;
     }
   }
   const double rate_hz = static_cast<double>(rises) / (3e-3 * kSteps * kSeeds);
   EXPECT_NEAR(rate_hz, std::sqrt((7.0 * 7.0 + 7.0 * 12.0 + 12.0 * 12.0) / 3.0), 0.8);
+  EXPECT_NEAR(std::sqrt(sum_mm2 / (kSteps * kSeeds)), 0.1, 0.003) << "and as much as it says";
 }
 
 TEST(ScriptedHand, IsTheSameForTheSameSeed) {

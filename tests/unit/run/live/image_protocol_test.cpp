@@ -92,6 +92,17 @@ TEST(ImageProtocol, StepsThatCannotBeAreRefused) {
   EXPECT_TRUE(refused(wrong));
 }
 
+TEST(ImageProtocol, ATableOfOtherColumnsHoldsNoSteps) {
+  const auto steps = SomeSteps(3);
+  auto table = tracking::ReadTable(ContentOf(PackSteps(steps, 0)));
+  ASSERT_TRUE(table);
+  const auto packed = [&] { return tracking::PackTable("x", steps.back().time_ns, *table); };
+  EXPECT_TRUE(ReadSteps(ContentOf(packed()), 0, INT64_MIN));
+  table->columns *= 3;  // The same numbers in one row.
+  EXPECT_FALSE(ReadSteps(ContentOf(packed()), 0, INT64_MIN));
+  EXPECT_FALSE(ReadSteps({}, 0, INT64_MIN));
+}
+
 /// Any byte of a message changed at random, its checksum put right again.
 TEST(ImageProtocol, FlippedBytesAreNoStepsOrStepsInBounds) {
   RandomStream random(6, "flips");

@@ -24,6 +24,7 @@ using std::chrono::milliseconds;
 using testing::Contains;
 using testing::Field;
 using testing::HasSubstr;
+using testing::Not;
 
 Eigen::Isometry3d ProbeOnSkin() {
   Eigen::Isometry3d probe = Eigen::Isometry3d::Identity();
@@ -116,11 +117,13 @@ TEST_F(Session, HasTheGoalsAndStepsOfItsReport) {
                               {"text": "Out", "when": "needle_withdrawn"}]}})");
   LiveOptions options;
   options.session_folder = folder_ / "session";
-  options.duration_s = 4.0;
+  options.duration_s = 5.3;  // The rate of images is that of the last 5 s.
   options.exercise = training::ReadExercise(folder_ / "exercise.json");
   const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
   LiveSession session(scenario, ReadLiveDevices(folder_ / "devices.json"), options, context_);
   EXPECT_TRUE(RunHeadless(session, context_));
+  EXPECT_GT(session.recent_images_per_s(), 1.0);
+  EXPECT_THAT(session.SummaryText(), Not(HasSubstr("could not be made")));
 
   replay::ReplayOptions replay;
   replay.run_folder = folder_ / "run";

@@ -74,5 +74,28 @@ TEST_F(ImageSleepReplay, AreThoseThatWouldHaveBeenMade) {
   }
 }
 
+TEST_F(ImageSleepReplay, CostsAreThoseOfImagesMadeAnewWithoutTheFirstOfEachThread) {
+  const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
+  const simulation::Scene scene = simulation::LoadScene(
+      scenario, simulation::PlanEffects(scenario, {.needle_poses = true, .probe_poses = true}),
+      context_);
+  session::Session session = StandStill();
+  session.probe.resize(20);  // 0.4 s.
+  session.needle.resize(20);
+  for (std::size_t i = 0; i < session.probe.size(); ++i) {
+    session.probe[i].reference_from_tool =
+        Eigen::Translation3d(0.05 * static_cast<double>(i), 0.0, 0.0) *
+        session.probe[i].reference_from_tool.isometry();
+  }
+  const auto snapshots = Snapshots(scene, session, nullptr);
+  ASSERT_GE(snapshots.size(), 4U);
+  for (const int num_threads : {1, 3}) {
+    context_.num_threads = num_threads;
+    const ImageLog log = RenderImages(scene, snapshots, StepLog(), "", {}, nullptr, context_);
+    EXPECT_EQ(log.cpu_s.size(), snapshots.size() - static_cast<std::size_t>(num_threads));
+    for (const double cpu_s : log.cpu_s) EXPECT_GT(cpu_s, 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace acus::replay

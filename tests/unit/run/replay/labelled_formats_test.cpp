@@ -96,7 +96,9 @@ std::vector<T> ReadHdf5(const fs::path& path, const char* name, hid_t type,
   const hid_t set = H5Dopen2(file, name, H5P_DEFAULT);
   const hid_t space = H5Dget_space(set);
   size.resize(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
-  H5Sget_simple_extent_dims(space, size.data(), nullptr);
+  std::vector<hsize_t> most(size.size());
+  H5Sget_simple_extent_dims(space, size.data(), most.data());
+  EXPECT_TRUE(std::equal(size.begin() + 1, size.end(), most.begin() + 1)) << "only longer stacks";
   std::vector<T> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
   EXPECT_GE(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0) << name;
   H5Sclose(space);

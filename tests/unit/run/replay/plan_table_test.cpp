@@ -1,6 +1,8 @@
 #include "acus/run/replay/plan_table.h"
 
+#include <algorithm>
 #include <gmock/gmock.h>
+#include <regex>
 
 #include "acus/run/replay/plan_diagram.h"
 
@@ -71,6 +73,21 @@ TEST(PlanSvg, DrawsEveryStageOnceGreyIfOutHatchedAsFarAsItSlept) {
     EXPECT_EQ(count(word), 1) << word;
   }
   EXPECT_EQ(count(">mesh<"), 0);
+}
+
+TEST(PlanSvg, HatchesTheRightPartOfAStagesBox) {
+  const std::string svg = PlanSvg(ForceAndSlice(), SomeTimes());
+  // A box, and right behind it what is hatched in it.
+  const std::string rect = R"re(<rect x="([0-9.]+)" y="[0-9.]+" width="([0-9.]+)"[^>]*)re";
+  const std::regex pair(rect + R"re(fill="#ffffff"/>\n)re" + rect + R"re(url\(#asleep\)"/>)re");
+  std::vector<double> shares;
+  for (std::sregex_iterator at(svg.begin(), svg.end(), pair), end; at != end; ++at) {
+    const auto number = [&](int i) { return std::stod((*at)[static_cast<std::size_t>(i)]); };
+    EXPECT_NEAR(number(3) + number(4), number(1) + number(2), 0.2) << "right sides";
+    shares.push_back(number(4) / number(2));
+  }
+  std::ranges::sort(shares);
+  EXPECT_THAT(shares, testing::ElementsAre(testing::DoubleNear(0.34, 2e-3), 1.0));
 }
 
 }  // namespace

@@ -223,6 +223,24 @@ TEST_F(Replay, FramesHaveTheirPlace) {
   }
 }
 
+TEST_F(Replay, ReportsWhenTheStepsOfAChecklistWereDone) {
+  WriteTextFile(folder_ / "exercise.json", R"({"format": "acus-exercise/1", "name": "In",
+    "checklist": {"order": "free", "steps": [{"text": "Needle", "when": "needle_in_tissue"}]}})");
+  const std::vector<scenario::Override> changes = {
+      scenario::ParseOverride("/effects/ultrasound=null"),
+      scenario::ParseOverride("/effects/ct_slice=null")};
+  ReplayOptions options;
+  options.run_folder = folder_ / "run";
+  options.exercise = folder_ / "exercise.json";
+  ReplaySession(scenario::ReadScenario(folder_ / "scene.json", changes), folder_ / "session",
+                options, context_);
+  const auto step = config::ReadJson(folder_ / "run/training.json").at("checklist").at(0);
+  EXPECT_EQ(step.at("state"), "done");
+  EXPECT_NEAR(step.at("time_s").get<double>(), 0.2, 0.02) << "5 mm at 25 mm/s";
+  EXPECT_THAT(ReadTextFile(folder_ / "run/report.html"),
+              testing::ContainsRegex("Needle</td><td[^>]*>0.2"));
+}
+
 TEST_F(Replay, WritesOneImagePerPeriod) {
   Run("run", 2);
   const auto run = config::ReadJson(folder_ / "run/run.json");

@@ -177,6 +177,12 @@ TEST(Assessment, SurvivesDamagedFiles) {
 TEST(Assessment, RefusesNumbersThatNoIntegerHolds) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "training.json";
+  for (const int entries : {0, std::numeric_limits<int>::max()}) {
+    auto document = ToJson(Example("A7", 2.0));
+    document["structures"][0]["entries"] = entries;
+    config::WriteJson(path, document);
+    EXPECT_EQ(ReadAssessment(path).structures[0].entered.num_entries, entries);
+  }
   for (const char* key : {"label", "entries", "first_time_s"}) {
     auto document = ToJson(Example("A7", 2.0));
     document["structures"][0][key] = 1e300;

@@ -34,6 +34,24 @@ TEST(Smoothness, DoesNotDependOnSizeAndFallsWithEveryStop) {
   EXPECT_LT(LogDimensionlessJerk(with_stop, 100.0), LogDimensionlessJerk(Bump(), 100.0) - 1.0);
 }
 
+TEST(Smoothness, KnowsNoFrequencyAboveHalfTheRate) {
+  const std::vector<double> speed = {0.0, 3.0, 1.0, 4.0, 1.0, 5.0, 2.0, 0.0};
+  EXPECT_EQ(SpectralArcLength(speed, 20.0, {.cutoff_hz = 19.0}),
+            SpectralArcLength(speed, 20.0, {.cutoff_hz = 10.0}));
+}
+
+TEST(SpeedProfile, NeedsThreeSteps) {
+  session::PoseStream stream;
+  for (const std::int64_t time_ns : {0, 30'000'000}) {
+    const Eigen::Translation3d at_mm(1e-6 * static_cast<double>(time_ns), 0.0, 0.0);  // 1 m/s.
+    stream.push_back({time_ns, transforms::Pose(Eigen::Isometry3d(at_mm)), true});
+  }
+  const auto speed = SpeedProfile(stream, 0, 30'000'000, 100.0);
+  ASSERT_EQ(speed.size(), 3U);
+  for (const double mm_per_s : speed) EXPECT_NEAR(mm_per_s, 1000.0, 1e-6);
+  EXPECT_TRUE(SpeedProfile(stream, 0, 29'000'000, 100.0).empty());
+}
+
 TEST(Smoothness, RestIsNoMovement) {
   const std::vector<double> rest(50, 0.0);
   EXPECT_EQ(SpectralArcLength(rest, 100.0), 0.0);

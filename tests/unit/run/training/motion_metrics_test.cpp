@@ -121,6 +121,17 @@ TEST(TissueMetrics, CountsAnInsertionOnlyAfterAWithdrawal) {
       11);
 }
 
+TEST(TissueMetrics, AWithdrawalByExactlyTheLimitCounts) {
+  // Out of the tissue from z = -1 by 5 mm, and in again.
+  const auto stream = Tips({{0, 0, 1}, {0, 0, -1}, {0, 0, 1}, {0, 0, 4}, {0, 0, -1}}, 1);
+  const auto insertions = [&](double withdrawal_mm) {
+    return ComputeTissueMetrics(stream, BelowSurface, {.withdrawal_mm = withdrawal_mm})
+        .num_insertions;
+  };
+  EXPECT_EQ(insertions(5.0), 2);
+  EXPECT_EQ(insertions(5.001), 1);
+}
+
 TEST(ShaftExit, FindsTheSurfaceAndStopsAtTheHub) {
   const Eigen::Vector3d down = Eigen::Vector3d(1, 0, -1).normalized();
   const Eigen::Isometry3d needle = math::PoseFromAxes(Eigen::Vector3d(30, 5, -20), down, {0, 1, 0});

@@ -77,6 +77,16 @@ TEST(ScenarioDocument, FindsItsFilesFromAnotherFolder) {
   EXPECT_FALSE(written.contains("evidence"));
 }
 
+TEST(ScenarioDocument, PresetsStayPresetsEvenIfThereIsNoneOfThatName) {
+  const testing_support::TemporaryFolder folder;
+  for (const char* name : {"needles/trocar_18g.json", "needles/not_there.json"}) {
+    EXPECT_EQ(ForAnyFolder(json{{"needle", name}}, folder.path()).at("needle"), name);
+  }
+  WriteTextFile(folder / "own.json", "");
+  EXPECT_EQ(ForAnyFolder(json{{"needle", "own.json"}}, folder.path()).at("needle"),
+            (folder / "own.json").string());
+}
+
 TEST(ScenarioDocument, TakesPathsOfChangesFromTheWorkingFolder) {
   const testing_support::TemporaryFolder temporary;
   const fs::path file = temporary.path() / "scene.json";

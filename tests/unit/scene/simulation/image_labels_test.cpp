@@ -142,6 +142,16 @@ TEST_F(ImageLabelsTest, ANeedleThatCrossesThePlaneIsVisibleByTheShareInTheSlice)
   ForEachPixel(truth, [&](int, int, int label) { EXPECT_NE(label, kTipInImage); });
 }
 
+TEST_F(ImageLabelsTest, OfANeedleAlmostInThePlaneThePartWithinTheSliceIsVisible) {
+  constexpr double kOffRad = 0.15;
+  const Eigen::Vector3d axis(std::sin(kOffRad), 0.0, std::cos(kOffRad));
+  const ImageTruth truth = Truth(At({2.5, 0.0, 34.0}, axis));
+  const double half_mm =
+      0.5 * scene_.probe->slice_thickness_mm + 0.5 * scene_.needle->beam.outer_diameter_mm;
+  ASSERT_TRUE(truth.visible_share);
+  EXPECT_NEAR(*truth.visible_share * truth.inserted_mm, 2.0 * half_mm / axis.x(), 1.0);
+}
+
 TEST_F(ImageLabelsTest, ANeedleBesideThePlaneIsInNoPixel) {
   const ImageTruth truth = Truth(At({8.0, 0.0, 30.0}, Eigen::Vector3d::UnitZ()));
   ForEachPixel(truth, [&](int, int, int label) {

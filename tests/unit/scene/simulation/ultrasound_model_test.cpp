@@ -4,7 +4,9 @@
 #include <set>
 
 #include "acus/base/config/json_file.h"
+#include "acus/scene/simulation/beam_settings.h"
 #include "support/layered_scene.h"
+#include "support/temporary_folder.h"
 
 namespace acus::simulation {
 namespace {
@@ -46,6 +48,35 @@ TEST(UltrasoundModel, EveryModelReadsItsPresetAndShowsTheScene) {
     images.insert(image.pixels);
   }
   EXPECT_EQ(images.size(), models.size()) << "two models gave the same image";
+}
+
+TEST(BeamSettings, FibresThatShowAtAllHaveADirection) {
+  // A bar along x.
+  volume::Geometry geometry;
+  geometry.size = {40, 12, 12};
+  volume::LabelMap labels(geometry, volume::Label{0});
+  labels.names[1] = "tendon";
+  for (int k = 4; k < 8; ++k) {
+    for (int j = 4; j < 8; ++j) {
+      for (int i = 0; i < 40; ++i) labels.At(i, j, k) = 1;
+    }
+  }
+  const testing_support::TemporaryFolder folder;
+  scenario::UltrasoundEffect effect = EffectOf("beams");
+  nlohmann::json table = config::ReadJson(effect.acoustics);
+  effect.acoustics = folder / "tissues.json";
+  for (const double ratio : {1.0, 1.05}) {
+    auto& tendon = table.at("tissues").at("tendon");
+    tendon["fibre_ratio"] = ratio;
+    tendon.erase("attenuation_along_fibres_db_per_cm_mhz");
+    tendon.at("sources").erase("attenuation_along_fibres_db_per_cm_mhz");
+    config::WriteJson(effect.acoustics, table);
+    const auto fibres = ReadBeamSettings(effect, &labels).fibres_in_ct;
+    ASSERT_EQ(fibres.contains("tendon"), ratio > 1.0);
+    if (ratio > 1.0) {
+      EXPECT_NEAR(std::abs(fibres.at("tendon").x()), 1.0, 1e-3);
+    }
+  }
 }
 
 TEST(UltrasoundModel, GainActsInEveryModel) {
