@@ -1,4 +1,5 @@
-"""Each mutant behind its switch does what the same change of the source does.
+"""Each mutant behind its switch does what the same change of the source does; each reason why none
+notices a change names a line of the source.
 mutants.py SOURCE WORK"""
 import os
 import pathlib
@@ -9,7 +10,7 @@ import sys
 source, work = map(pathlib.Path, sys.argv[1:])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(source / "pipelines"))
-from mutation import mutants  # noqa: E402
+from mutation import mutants, reasons  # noqa: E402
 
 SAMPLE = """#include <algorithm>
 #include <cmath>
@@ -58,3 +59,8 @@ for number, mutant in numbered:
     seen.add(mutant.before)
 print(f"{len(taken)} of {len(numbered)} changes, {len(seen)} tokens")
 assert len(taken) >= 30 and len(seen) >= 18
+
+for file, text, before, after in reasons.read():
+    lines = {line.strip() for line in (source / file).read_text(encoding="utf-8").splitlines()}
+    assert text in lines, f"{reasons.TABLE.name}: {file} has no line '{text}'; remove the row or correct it"
+    assert before in text and before != after
