@@ -91,15 +91,6 @@ void ForbidAirAndSkin(const LabelMap& labels, Mask& allowed) {
   }
 }
 
-/// Where the organ is.
-Mask RegionOf(const LabelMap& organs, volume::Label organ) {
-  Mask region(organs.geometry);
-  for (std::size_t n = 0; n < region.voxels.size(); ++n) {
-    region.voxels[n] = organs.voxels[n] == organ;
-  }
-  return region;
-}
-
 /// The part of the patient around all regions.
 segmentation::Box BoxAround(const std::vector<Mask>& regions) {
   Mask anywhere(regions.front().geometry);
@@ -124,8 +115,8 @@ std::optional<Grid<float>> FindOrgan(const Patient& patient, const Organ& wanted
   for (const CarriedLabels& carried : patient.carried) {
     const auto hu = carried.organ_hu.find(organ);
     if (hu == carried.organ_hu.end()) continue;
-    regions.push_back(RegionOf(carried.organs, organ));
-    const Mask aligned = RegionOf(carried.aligned, organ);
+    regions.push_back(segmentation::MaskOf(carried.organs, organ));
+    const Mask aligned = segmentation::MaskOf(carried.aligned, organ);
     if (wanted.reach_mm > 0.0 && segmentation::Count(aligned) > 0) {
       regions.back() =
           Placed(patient.hu, aligned, hu->second, wanted.reach_mm, context.num_threads);
@@ -178,10 +169,7 @@ Mask OnCt(const Grid<float>& u, const LabelMap& labels, int num_threads) {
 /// Lesions become the organ that most of their surroundings are.
 void GiveLesionsToOrgans(LabelMap& organs) {
   static const volume::Label kLesion = volume::LabelOf("lesion");
-  Mask lesions(organs.geometry);
-  for (std::size_t n = 0; n < lesions.voxels.size(); ++n) {
-    lesions.voxels[n] = organs.voxels[n] == kLesion;
-  }
+  const Mask lesions = segmentation::MaskOf(organs, kLesion);
   if (segmentation::Count(lesions) == 0) return;
   const segmentation::Components parts = segmentation::ConnectedComponents(lesions);
   std::vector<std::array<std::size_t, 256>> around(parts.num_voxels.size());

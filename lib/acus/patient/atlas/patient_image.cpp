@@ -37,17 +37,11 @@ float SoftValue(double hu, double soft_hu) {
   return static_cast<float>(std::clamp(hu - soft_hu, kLeastContrast, kMostContrast));
 }
 
-Mask BodyOf(const volume::LabelMap& tissues) {
-  Mask body(tissues.geometry);
-  for (std::size_t n = 0; n < body.voxels.size(); ++n) body.voxels[n] = tissues.voxels[n] != 0;
-  return body;
-}
-
 }  // namespace
 
 PatientImage::PatientImage(const volume::CtVolume& ct, const volume::LabelMap& tissues,
                            double spacing_mm)
-    : ct_(ct), tissues_(tissues), box_(segmentation::BoundsOf(BodyOf(tissues))) {
+    : ct_(ct), tissues_(tissues), box_(segmentation::BoundsOf(segmentation::BodyOf(tissues))) {
   ACUS_REQUIRE(!box_.empty(), "atlas: there is no body in the CT");
   volume::Geometry part = ct.geometry;
   part.size = box_.high - box_.low + 1;

@@ -38,12 +38,6 @@ constexpr int kPeakBlurHu = 10;
 constexpr std::array kColoured = {"liver", "kidney", "spleen",   "vessel",  "lesion",
                                   "bowel", "heart",  "pancreas", "stomach", "gallbladder"};
 
-Mask MaskOfLabel(const volume::LabelMap& labels, volume::Label label) {
-  Mask mask(labels.geometry);
-  for (std::size_t n = 0; n < mask.voxels.size(); ++n) mask.voxels[n] = labels.voxels[n] == label;
-  return mask;
-}
-
 volume::CtVolume Rounded(const Grid<float>& image) {
   volume::CtVolume out(image.geometry);
   for (std::size_t n = 0; n < out.voxels.size(); ++n) {
@@ -127,7 +121,7 @@ class Carrier {
     std::map<volume::Label, double> found;
     for (const char* name : kColoured) {
       const volume::Label label = volume::LabelOf(name);
-      const Mask mask = MaskOfLabel(organs, label);
+      const Mask mask = segmentation::MaskOf(organs, label);
       if (segmentation::Count(mask) < kLeastVoxels) continue;
       const bool thin = label == volume::LabelOf("vessel");
       found[label] =

@@ -21,13 +21,6 @@ struct Kinds {
   Label skin = volume::LabelOf("skin");
 };
 
-Mask MaskOf(const volume::Grid<Label>& labels, Label label) {
-  Mask mask(labels.geometry);
-  std::ranges::transform(labels.voxels, mask.voxels.begin(),
-                         [&](Label here) { return here == label ? 1 : 0; });
-  return mask;
-}
-
 /// Height of the domes: where the lung ends above at least 24 mm of something else.
 double DomeZ(const volume::Grid<Label>& labels, const Kinds& kinds) {
   const volume::Geometry& g = labels.geometry;
@@ -97,8 +90,10 @@ Cavity FindCavity(const volume::LabelMap& labels, const RunContext& context) {
   const int top = LungTop(coarse, kinds);
   cavity.top_z_mm = top < g.size[2] ? g.origin_mm.z() + kGridMm * top : cavity.dome_z_mm + 160.0;
   Mask inside = wall->inside;
-  const Mask lung = segmentation::Closed(MaskOf(coarse, kinds.lung), 4.5, context.num_threads);
-  const Mask bone = segmentation::Dilated(MaskOf(coarse, kinds.bone), 3.1, context.num_threads);
+  const Mask lung =
+      segmentation::Closed(segmentation::MaskOf(coarse, kinds.lung), 4.5, context.num_threads);
+  const Mask bone =
+      segmentation::Dilated(segmentation::MaskOf(coarse, kinds.bone), 3.1, context.num_threads);
   for (std::size_t n = 0; n < inside.voxels.size(); ++n) {
     const bool above = static_cast<int>(n / g.Index(0, 0, 1)) > top;
     const bool in =

@@ -142,6 +142,20 @@ void EnvelopeAlongLine(std::vector<double>& f, double spacing_mm, std::vector<in
 
 }  // namespace
 
+Mask MaskOf(const volume::Grid<volume::Label>& labels, volume::Label label) {
+  Mask mask(labels.geometry);
+  std::ranges::transform(labels.voxels, mask.voxels.begin(),
+                         [&](volume::Label here) { return here == label ? 1 : 0; });
+  return mask;
+}
+
+Mask BodyOf(const volume::Grid<volume::Label>& labels) {
+  Mask body(labels.geometry);
+  std::ranges::transform(labels.voxels, body.voxels.begin(),
+                         [](volume::Label here) { return here != 0 ? 1 : 0; });
+  return body;
+}
+
 std::size_t Count(const Mask& mask) {
   return std::accumulate(mask.voxels.begin(), mask.voxels.end(), std::size_t{0});
 }

@@ -14,6 +14,11 @@ using Mask = volume::Grid<std::uint8_t>;
 
 std::size_t Count(const Mask& mask);
 
+/// Where this label is.
+Mask MaskOf(const volume::Grid<volume::Label>& labels, volume::Label label);
+/// Where any label but 0, outside, is.
+Mask BodyOf(const volume::Grid<volume::Label>& labels);
+
 /// Voxels within `radius_mm` of the mask (distance between voxel centres, in mm: the ball is round
 /// also on uneven grids). Exact. Cost O(voxels * radius / spacing).
 Mask Dilated(const Mask& mask, double radius_mm, int num_threads);

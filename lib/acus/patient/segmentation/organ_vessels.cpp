@@ -189,9 +189,7 @@ std::string ReasonAgainst(const OrganVessels& found, double organ_ml) {
 Mask LiverWithVessels(const volume::LabelMap& labels, int num_threads) {
   const volume::Label liver = volume::LabelOf("liver"), soft = volume::LabelOf("soft_tissue"),
                       vessel = volume::LabelOf("vessel");
-  Mask region(labels.geometry);
-  std::ranges::transform(labels.voxels, region.voxels.begin(),
-                         [&](volume::Label here) { return here == liver ? 1 : 0; });
+  Mask region = MaskOf(labels, liver);
   Box box = BoundsOf(region);
   if (box.empty()) return region;
   const Eigen::Array3i margin = (kEnclosedMm / region.geometry.spacing_mm).ceil().cast<int>() + 1;

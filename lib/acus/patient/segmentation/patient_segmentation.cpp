@@ -67,14 +67,6 @@ void AddOrgan(const Mask& organ, const std::string& tissue, volume::LabelMap& la
   labels.names[label] = tissue;
 }
 
-Mask MaskOf(const volume::LabelMap& labels, std::optional<volume::Label> label) {
-  Mask mask(labels.geometry);
-  for (std::size_t i = 0; i < mask.voxels.size(); ++i) {
-    mask.voxels[i] = (label ? labels.voxels[i] == *label : labels.voxels[i] != 0) ? 1 : 0;
-  }
-  return mask;
-}
-
 Agreement Agree(const std::string& tissue, const Mask& ours, const Mask& reference,
                 const RunContext& context) {
   const double ml = ours.geometry.voxel_volume_mm3() / 1000.0;
@@ -147,7 +139,7 @@ std::optional<mesh::Surface> SurfaceOf(const std::string& name, const Mask& mask
 /// body.stl and skin.stl.
 void WriteBody(const fs::path& folder, const volume::LabelMap& labels,
                const SurfaceOptions& options, const RunContext& context) {
-  const auto body = SurfaceOf("body", MaskOf(labels, std::nullopt), options, context);
+  const auto body = SurfaceOf("body", BodyOf(labels), options, context);
   if (!body) return;
   mesh::WriteSurface(folder / "body.stl", *body);
   const mesh::Surface skin = SkinOf(*body, labels, options.grid_mm);
@@ -260,8 +252,7 @@ std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
     // Values without a tissue of their own are body as well.
     for (auto& [value, tissue] : import.mapping.tissue) tissue = volume::LabelOf("soft_tissue");
     const volume::LabelMap body = TissuesIn(import);
-    agreement.push_back(
-        Agree("body", MaskOf(labels, std::nullopt), MaskOf(body, std::nullopt), context));
+    agreement.push_back(Agree("body", BodyOf(labels), BodyOf(body), context));
   }
   std::vector<std::string> not_found;
   for (const auto& [label, name] : truth.names) {
