@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "acus/data/volume/labels.h"
+#include "acus/patient/segmentation/lps_axes.h"
 #include "acus/patient/segmentation/trilinear.h"
 
 namespace acus::segmentation {
@@ -209,15 +210,17 @@ CanalLine CanalLineOf(const volume::LabelMap& tissues) {
   constexpr double kBinMm = 2.0;
   std::vector<Eigen::Vector3d> sums;
   std::vector<int> counts;
-  const double lowest = std::min(ct_from_index.translation().z(),
-                                 (ct_from_index * (g.size.cast<double>() - 1.0).matrix()).z()) -
-                        500.0;
+  const Eigen::Vector3d last = ct_from_index * (g.size.cast<double>() - 1.0).matrix();
+  CanalLine line;
+  line.axes = Turned(g, LpsOrder(g)).direction;
+  const Eigen::Vector3d back = line.axes.col(1), up = line.axes.col(2);
+  const double lowest = std::min(up.dot(ct_from_index.translation()), up.dot(last)) - 500.0;
   for (int k = 0; k < g.size[2]; ++k) {
     for (int j = 0; j < g.size[1]; ++j) {
       for (int i = 0; i < g.size[0]; ++i) {
         if (tissues.At(i, j, k) != canal) continue;
         const Eigen::Vector3d p = ct_from_index * Eigen::Vector3d(i, j, k);
-        const auto bin = static_cast<std::size_t>((p.z() - lowest) / kBinMm);
+        const auto bin = static_cast<std::size_t>((up.dot(p) - lowest) / kBinMm);
         if (bin >= sums.size()) {
           sums.resize(bin + 1, Eigen::Vector3d::Zero());
           counts.resize(bin + 1, 0);
@@ -231,8 +234,7 @@ CanalLine CanalLineOf(const volume::LabelMap& tissues) {
   for (std::size_t bin = 0; bin < sums.size(); ++bin) {
     if (counts[bin] > 0) raw.emplace_back(sums[bin] / counts[bin]);
   }
-  CanalLine line;
-  if (raw.size() < 2 || raw.back().z() - raw.front().z() < kShortestLineMm) return line;
+  if (raw.size() < 2 || up.dot(raw.back() - raw.front()) < kShortestLineMm) return line;
   const double sigma = kLineSmoothingMm / kBinMm;
   raw = Smoothed(raw, sigma);
   // Steps of equal length.
@@ -254,8 +256,7 @@ CanalLine CanalLineOf(const volume::LabelMap& tissues) {
     const auto& below = line.points_mm[s - std::min(s, reach)];
     const Eigen::Vector3d tangent = (above - below).normalized();
     line.tangent.push_back(tangent);
-    const Eigen::Vector3d front = -Eigen::Vector3d::UnitY();
-    line.forward.push_back((front - front.dot(tangent) * tangent).normalized());
+    line.forward.push_back((back.dot(tangent) * tangent - back).normalized());
   }
   return line;
 }

@@ -10,6 +10,8 @@ namespace acus::segmentation {
 /// A line along the middle of the spinal canal, from the feet to the head, by arc length.
 struct CanalLine {
   double step_mm = 1.0;
+  /// To the left, the back and the head: those of the grid, which may be oblique.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   std::vector<Eigen::Vector3d> points_mm;  ///< CT.
   std::vector<Eigen::Vector3d> forward;    ///< Unit vectors to the vertebral bodies.
   std::vector<Eigen::Vector3d> tangent;    ///< Unit vectors to the head.
@@ -19,7 +21,7 @@ struct CanalLine {
 };
 
 /// Through the voxels labelled spinal_canal, smoothed over 15 mm. Empty if they span less than
-/// 30 mm along z.
+/// 30 mm towards the head.
 CanalLine CanalLineOf(const volume::LabelMap& tissues);
 
 /// The middle plane of a disc.

@@ -33,16 +33,6 @@ double ObliquityDeg(const volume::Geometry& geometry) {
   return std::acos(std::min(least, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-volume::Geometry WithoutObliquity(const volume::Geometry& geometry) {
-  const AxisOrder order = LpsOrder(geometry);
-  volume::Geometry out = geometry;
-  out.direction.setZero();
-  for (std::size_t d = 0; d < 3; ++d) {
-    out.direction(static_cast<int>(d), order.axis[d]) = order.reversed[d] ? -1.0 : 1.0;
-  }
-  return out;
-}
-
 volume::Geometry Turned(const volume::Geometry& geometry, const AxisOrder& order) {
   volume::Geometry turned;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();

@@ -21,10 +21,6 @@ AxisOrder LpsOrder(const volume::Geometry& geometry);
 /// The largest angle between an axis of `geometry` and the patient axis it comes nearest to, deg.
 double ObliquityDeg(const volume::Geometry& geometry);
 
-/// The same grid with its axes laid along the patient axes that they come nearest to. The first
-/// voxel stays where it is.
-volume::Geometry WithoutObliquity(const volume::Geometry& geometry);
-
 /// The grid of the same voxels with axes in this order.
 volume::Geometry Turned(const volume::Geometry& geometry, const AxisOrder& order);
 

@@ -10,7 +10,6 @@
 #include "acus/base/core/words.h"
 #include "acus/base/math/point_text.h"
 #include "acus/data/volume/labels.h"
-#include "acus/patient/segmentation/lps_axes.h"
 #include "acus/patient/segmentation/mask.h"
 
 namespace acus::segmentation {
@@ -20,7 +19,6 @@ constexpr std::array kNames = {"C1",  "C2", "C3", "C4", "C5", "C6", "C7", "T1", 
                                "T3",  "T4", "T5", "T6", "T7", "T8", "T9", "T10", "T11",
                                "T12", "L1", "L2", "L3", "L4", "L5", "S1"};
 // The core of a body, from the canal's middle; growth starts there.
-constexpr double kLeastObliqueDeg = 0.1;
 constexpr double kCoreHalfWidthMm = 12.0;
 constexpr double kCoreFromMm = 11.0;
 constexpr double kCoreToMm = 28.0;
@@ -49,11 +47,12 @@ class SpineFrame {
       : line_(line), discs_(discs) {}
 
   SpinePlace PlaceOf(const Eigen::Vector3d& p) const {
-    // The line runs upwards, nearly along z.
-    const double bottom = line_.points_mm.front().z();
-    const double top = line_.points_mm.back().z();
+    // The line runs upwards, nearly along that axis.
+    const Eigen::Vector3d up = line_.axes.col(2);
+    const Eigen::Vector3d& bottom = line_.points_mm.front();
+    const double length_mm = up.dot(line_.points_mm.back() - bottom);
     const auto last = static_cast<double>(line_.points_mm.size() - 1);
-    double at = std::clamp((p.z() - bottom) / (top - bottom), 0.0, 1.0) * last;
+    double at = std::clamp(up.dot(p - bottom) / length_mm, 0.0, 1.0) * last;
     for (int round = 0; round < 4; ++round) {
       const auto s = static_cast<std::size_t>(std::lround(at));
       at = std::clamp(at + (p - line_.points_mm[s]).dot(line_.tangent[s]) / line_.step_mm, 0.0,
@@ -227,8 +226,8 @@ int NumberOf(const std::string& name) {
 
 /// The disc between L5 and the sacrum leans forward by some 30 to 45 degrees, others by less
 /// than 22.
-bool LiesOnSacrum(const DiscPlane& lowest) {
-  return lowest.normal.y() < -std::sin(kLeastSacralTiltDeg * M_PI / 180.0);
+bool LiesOnSacrum(const DiscPlane& lowest, const CanalLine& line) {
+  return lowest.normal.dot(line.axes.col(1)) < -std::sin(kLeastSacralTiltDeg * M_PI / 180.0);
 }
 
 /// Measures and numbers, from the head.
@@ -245,7 +244,8 @@ void FillList(const volume::Grid<volume::Label>& number, Vertebrae& out) {
   }
 }
 
-void Name(const std::optional<NamedVertebra>& start, const SpineFrame& frame, Vertebrae& out) {
+void Name(const std::optional<NamedVertebra>& start, const CanalLine& line, const SpineFrame& frame,
+          Vertebrae& out) {
   const auto count = static_cast<int>(out.list.size());
   int first = -1;
   if (start) {
@@ -263,7 +263,7 @@ void Name(const std::optional<NamedVertebra>& start, const SpineFrame& frame, Ve
                  start->name, ": ", count - 1 - from_feet, " vertebrae lie above and ", from_feet,
                  " below it in the CT, which does not fit this name");
   }
-  if (!start && LiesOnSacrum(out.discs.back())) {
+  if (!start && LiesOnSacrum(out.discs.back(), line)) {
     first = NumberOf("S1") - (count - 1);
     out.named_from_sacrum = first >= 0;
   }
@@ -273,37 +273,6 @@ void Name(const std::optional<NamedVertebra>& start, const SpineFrame& frame, Ve
         first >= 0 ? kNames[static_cast<std::size_t>(first + n)] : Message("vertebra_", n + 1);
     out.labels.names[static_cast<volume::Label>(n + 1)] = vertebra.name;
   }
-}
-
-/// Spines are followed along the axes of patients. Where those of a CT are oblique, it is looked at
-/// as if they were not.
-bool IsOblique(const volume::Geometry& geometry) {
-  return ObliquityDeg(geometry) > kLeastObliqueDeg;
-}
-
-template <typename Volume>
-Volume On(const volume::Geometry& geometry, Volume volume) {
-  volume.geometry = geometry;
-  return volume;
-}
-
-/// Brings the places of voxels in one grid to those of the same voxels in another.
-Eigen::Isometry3d TurnTo(const volume::Geometry& from, const volume::Geometry& to) {
-  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
-  turn.linear() = to.direction * from.direction.transpose();
-  turn.translation() = to.origin_mm - turn.linear() * from.origin_mm;
-  return turn;
-}
-
-Vertebrae Moved(Vertebrae found, const volume::Geometry& to, const Eigen::Isometry3d& motion) {
-  if (found.empty()) return found;
-  found.labels.geometry = to;
-  for (Vertebra& vertebra : found.list) vertebra.centre_mm = motion * vertebra.centre_mm;
-  for (DiscPlane& disc : found.discs) {
-    disc.point_mm = motion * disc.point_mm;
-    disc.normal = motion.linear() * disc.normal;
-  }
-  return found;
 }
 
 /// The middle of each body: half-way between its discs, or 15 mm beyond the last one.
@@ -343,14 +312,6 @@ NamedVertebra ParseVertebra(const std::string& text) {
 
 Vertebrae FindVertebrae(const volume::CtVolume& ct, const volume::LabelMap& tissues,
                         const std::optional<NamedVertebra>& start) {
-  if (IsOblique(ct.geometry)) {
-    const volume::Geometry straight = WithoutObliquity(ct.geometry);
-    const Eigen::Isometry3d turn = TurnTo(ct.geometry, straight);
-    std::optional<NamedVertebra> there = start;
-    if (there) there->point_mm = turn * there->point_mm;
-    return Moved(FindVertebrae(On(straight, ct), On(straight, tissues), there), ct.geometry,
-                 turn.inverse());
-  }
   Vertebrae out;
   const CanalLine line = CanalLineOf(tissues);
   const std::vector<DiscPlane> discs = FindDiscPlanes(ct, line);
@@ -362,18 +323,12 @@ Vertebrae FindVertebrae(const volume::CtVolume& ct, const volume::LabelMap& tiss
   out.list.resize(discs.size() + 1);
   out.discs.assign(discs.rbegin(), discs.rend());
   FillList(number, out);
-  Name(start, frame, out);
+  Name(start, line, frame, out);
   Centre(line, frame, discs, out);
   return out;
 }
 
 void FillBodies(const volume::CtVolume& ct, volume::LabelMap& tissues) {
-  if (IsOblique(ct.geometry)) {
-    tissues.geometry = WithoutObliquity(ct.geometry);
-    FillBodies(On(tissues.geometry, ct), tissues);
-    tissues.geometry = ct.geometry;
-    return;
-  }
   const CanalLine line = CanalLineOf(tissues);
   const std::vector<DiscPlane> discs = FindDiscPlanes(ct, line);
   if (discs.size() < 2) return;
