@@ -5,35 +5,14 @@
 #include <numeric>
 #include <utility>
 
+#include "acus/data/mesh/nearest_triangle.h"
+
 namespace acus::mesh {
 
 double SquaredDistanceToTriangle(const Eigen::Vector3d& x, const Eigen::Vector3d& a,
                                  const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  const Eigen::Vector3d ab = b - a;
-  const Eigen::Vector3d ac = c - a;
-  const Eigen::Vector3d ax = x - a;
-  const double d1 = ab.dot(ax);
-  const double d2 = ac.dot(ax);
-  if (d1 <= 0.0 && d2 <= 0.0) return ax.squaredNorm();
-  const Eigen::Vector3d bx = x - b;
-  const double d3 = ab.dot(bx);
-  const double d4 = ac.dot(bx);
-  if (d3 >= 0.0 && d4 <= d3) return bx.squaredNorm();
-  const Eigen::Vector3d cx = x - c;
-  const double d5 = ab.dot(cx);
-  const double d6 = ac.dot(cx);
-  if (d6 >= 0.0 && d5 <= d6) return cx.squaredNorm();
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 > 0.0 && d3 <= 0.0) return (ax - d1 / (d1 - d3) * ab).squaredNorm();
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return (ax - d2 / (d2 - d6) * ac).squaredNorm();
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return (bx - w * (c - b)).squaredNorm();
-  }
-  const double sum = va + vb + vc;
-  return (ax - vb / sum * ab - vc / sum * ac).squaredNorm();
+  const Eigen::Vector3d weights = NearestWeights(x, a, b, c);
+  return (x - a - weights[1] * (b - a) - weights[2] * (c - a)).squaredNorm();
 }
 
 TriangleDistance::TriangleDistance(Eigen::Matrix3Xd corners) : corners_(std::move(corners)) {
