@@ -106,6 +106,19 @@ segmentation::Box BoxAround(const std::vector<Mask>& regions) {
   return box;
 }
 
+/// Where one atlas patient has the organ.
+Mask RegionOf(const Patient& patient, const CarriedLabels& carried, const Organ& organ,
+              double organ_hu, int num_threads) {
+  const volume::Label label = volume::LabelOf(organ.name);
+  if (organ.reach_mm > 0.0) {
+    const Mask aligned = segmentation::MaskOf(carried.aligned, label);
+    if (segmentation::Count(aligned) > 0) {
+      return Placed(patient.hu, aligned, organ_hu, organ.reach_mm, num_threads);
+    }
+  }
+  return segmentation::MaskOf(carried.organs, label);
+}
+
 /// None if no atlas patient has the organ where the CT shows the body.
 std::optional<Grid<float>> FindOrgan(const Patient& patient, const Organ& wanted,
                                      const RunContext& context) {
@@ -115,12 +128,7 @@ std::optional<Grid<float>> FindOrgan(const Patient& patient, const Organ& wanted
   for (const CarriedLabels& carried : patient.carried) {
     const auto hu = carried.organ_hu.find(organ);
     if (hu == carried.organ_hu.end()) continue;
-    regions.push_back(segmentation::MaskOf(carried.organs, organ));
-    const Mask aligned = segmentation::MaskOf(carried.aligned, organ);
-    if (wanted.reach_mm > 0.0 && segmentation::Count(aligned) > 0) {
-      regions.back() =
-          Placed(patient.hu, aligned, hu->second, wanted.reach_mm, context.num_threads);
-    }
+    regions.push_back(RegionOf(patient, carried, wanted, hu->second, context.num_threads));
     covered.push_back(carried.covered);
     organ_hu += hu->second;
   }

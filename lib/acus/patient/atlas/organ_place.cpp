@@ -67,11 +67,10 @@ struct Scored {
 Eigen::Array3i BestShift(const Grid<float>& likeness, const Mask& part, double along_mm,
                          int num_threads) {
   const double spacing_mm = part.geometry.spacing_mm[0];
-  Mask shell = segmentation::Dilated(part, kShellToMm, num_threads);
-  const Mask near = segmentation::Dilated(part, kShellFromMm, num_threads);
-  for (std::size_t n = 0; n < shell.voxels.size(); ++n) {
-    if (near.voxels[n] != 0) shell.voxels[n] = 0;
-  }
+  const Grid<float> away_mm = segmentation::DistanceMm(part, num_threads);
+  Mask shell(part.geometry);
+  std::ranges::transform(away_mm.voxels, shell.voxels.begin(),
+                         [](double mm) { return mm > kShellFromMm && mm <= kShellToMm ? 1 : 0; });
   const Voxels inside = VoxelsOf(part);
   const Voxels around = VoxelsOf(shell);
   const int along = static_cast<int>(along_mm / spacing_mm);
