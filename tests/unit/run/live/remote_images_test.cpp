@@ -128,9 +128,6 @@ class SecondComputer : public testing_support::ReplayFolder {
 };
 
 TEST_F(SecondComputer, MakesTheImagesOfTheReplay) {
-#if defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "an image takes longer here than the link waits for";
-#endif
   StartServer();
   const auto session = StartSession(server_->port());
   const RemoteImages& remote = *session->remote_images();
@@ -293,9 +290,6 @@ TEST_F(SecondComputer, ThatSendsNothingIsLeftAfterTwoSeconds) {
 
 /// One set of images and no more: these stay, the tools move, and the age is that of now.
 TEST_F(SecondComputer, ThatStallsLeavesTheToolsMoving) {
-#if defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "an image takes longer here than the link waits for";
-#endif
   const auto scenario = scenario::ReadScenario(folder_ / "scene.json", {});
   const simulation::Scene scene = LoadLiveScene(scenario, Devices(1), context_);
   const image::ImageGeometry size = acoustics::ImageOf(*scene.probe);
