@@ -50,8 +50,8 @@ elseif(NOT ACUS_SANITIZE STREQUAL "")
   message(FATAL_ERROR "ACUS_SANITIZE is '${ACUS_SANITIZE}'; allowed: empty, address, thread, fuzz")
 endif()
 if(sanitizers)
-  set(CMAKE_CXX_FLAGS_RELEASE "-O1")  # Compiles in half the time, and reports name the right lines.
-  add_compile_options(${sanitizers} -g1 -Wno-maybe-uninitialized)
+  # -O1 compiles in half the time, and reports name the right lines.
+  add_compile_options(-O1 ${sanitizers} -g1 -Wno-maybe-uninitialized)
   add_link_options(${sanitizers})
   add_compile_definitions(_GLIBCXX_ASSERTIONS)
 endif()
@@ -121,17 +121,53 @@ endfunction()
 function(acus_optimise module)
   acus_module_folder(${module} folder)
   list(TRANSFORM ARGN PREPEND ${folder}/)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O3
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<NOT:$<CONFIG:Debug>>:-O3>
                               SKIP_UNITY_BUILD_INCLUSION TRUE SKIP_PRECOMPILE_HEADERS TRUE)
+endfunction()
+
+# acus_missing(OUT [DEPENDS module...] [LIBRARIES target...]): the libraries that are not there and that
+# the modules or the list need, each once.
+function(acus_missing out)
+  cmake_parse_arguments(arg "" "" "DEPENDS;LIBRARIES" ${ARGN})
+  list(REMOVE_ITEM arg_LIBRARIES ${CMAKE_DL_LIBS})  # Not a target, and in every C library.
+  set(missing "")
+  foreach(module IN LISTS arg_DEPENDS)
+    get_property(of_module GLOBAL PROPERTY ACUS_MISSING_${module})
+    list(APPEND missing ${of_module})
+  endforeach()
+  foreach(library IN LISTS arg_LIBRARIES)
+    if(NOT TARGET ${library})
+      list(APPEND missing ${library})
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES missing)
+  set(${out} "${missing}" PARENT_SCOPE)
+endfunction()
+
+# acus_report_left_out(): which programs are not built, and what each needs.
+function(acus_report_left_out)
+  get_property(rows GLOBAL PROPERTY ACUS_LEFT_OUT)
+  if(rows)
+    list(JOIN rows "\n  " rows)
+    message(NOTICE "Left out, because libraries are missing:\n  ${rows}")
+  endif()
 endfunction()
 
 # acus_add_module(NAME [DEPENDS module...] [LIBRARIES target...] [PRIVATE_LIBRARIES target...])
 #
 # One static library from all sources of the wing's folder NAME. DEPENDS is the whole list of modules
 # whose headers it may include; a test holds every #include against it.
-# LIBRARIES appear in public headers, PRIVATE_LIBRARIES only in sources.
+# LIBRARIES appear in public headers, PRIVATE_LIBRARIES only in sources. Left out if a library is missing.
 function(acus_add_module name)
   cmake_parse_arguments(arg "" "" "DEPENDS;LIBRARIES;PRIVATE_LIBRARIES" ${ARGN})
+  list(JOIN arg_DEPENDS " " row)
+  file(APPEND ${ACUS_MODULE_GRAPH} "${ACUS_WING} ${name} ${row}\n")
+  acus_missing(missing DEPENDS ${arg_DEPENDS} LIBRARIES ${arg_LIBRARIES} ${arg_PRIVATE_LIBRARIES})
+  if(missing)
+    set_property(GLOBAL PROPERTY ACUS_MISSING_${name} ${missing})
+    return()
+  endif()
+  set_property(GLOBAL APPEND PROPERTY ACUS_LIBRARIES ${arg_LIBRARIES} ${arg_PRIVATE_LIBRARIES})
   acus_module_folder(${name} folder)
   # A module of many parts has a folder for each of them.
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp
@@ -149,8 +185,6 @@ function(acus_add_module name)
   set_target_properties(acus_${name} PROPERTIES EXPORT_NAME ${name})
   install(TARGETS acus_${name} EXPORT AcusTargets
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/acus COMPONENT library)
-  list(JOIN arg_DEPENDS " " row)
-  file(APPEND ${ACUS_MODULE_GRAPH} "${ACUS_WING} ${name} ${row}\n")
 endfunction()
 
 # acus_install_library(): headers, libraries and what find_package(Acus) reads.
@@ -164,7 +198,12 @@ function(acus_install_library)
   include(CMakePackageConfigHelpers)
   write_basic_package_version_file(${CMAKE_BINARY_DIR}/AcusConfigVersion.cmake
                                    COMPATIBILITY SameMinorVersion)
-  install(FILES ${CMAKE_SOURCE_DIR}/lib/AcusConfig.cmake
+  # The libraries that were there must be there again; those of modules that are left out need not.
+  get_property(ACUS_LIBRARIES GLOBAL PROPERTY ACUS_LIBRARIES)
+  list(REMOVE_DUPLICATES ACUS_LIBRARIES)
+  list(REMOVE_ITEM ACUS_LIBRARIES ${CMAKE_DL_LIBS})
+  configure_file(${CMAKE_SOURCE_DIR}/lib/AcusConfig.cmake.in ${CMAKE_BINARY_DIR}/AcusConfig.cmake @ONLY)
+  install(FILES ${CMAKE_BINARY_DIR}/AcusConfig.cmake
                 ${CMAKE_SOURCE_DIR}/lib/acus_dependencies.cmake
                 ${CMAKE_BINARY_DIR}/AcusConfigVersion.cmake
           DESTINATION ${folder} COMPONENT library)
@@ -173,7 +212,14 @@ endfunction()
 add_custom_target(programs)
 
 # acus_add_program(NAME module...): the program apps/NAME.cpp, built on the given modules and installed.
+# Left out if a library is missing.
 function(acus_add_program name)
+  acus_missing(missing DEPENDS ${ARGN})
+  if(missing)
+    acus_debian_packages(packages ${missing})
+    set_property(GLOBAL APPEND PROPERTY ACUS_LEFT_OUT "${name}: ${packages}")
+    return()
+  endif()
   add_executable(${name} ${CMAKE_CURRENT_SOURCE_DIR}/${name}.cpp)
   list(TRANSFORM ARGN PREPEND acus:: OUTPUT_VARIABLE modules)
   target_link_libraries(${name} PRIVATE acus_flags CLI11::CLI11 ${modules} large_arrays)

@@ -53,6 +53,7 @@ set(CPACK_DEBIAN_LIBACUS-DEV_PACKAGE_DEPENDS "libeigen3-dev, nlohmann-json3-dev,
 libexpat1-dev, zlib1g-dev, libvalijson-dev, libinsighttoolkit5-dev, libvtk9-dev, libopencv-dev, libopencv-contrib-dev, \
 libembree-dev, libtet1.5-dev, libavformat-dev, libavcodec-dev, libavutil-dev, libhdf5-dev, libmatio-dev, libpng-dev, libzip-dev, libsndfile1-dev, \
 libopenigtlink-dev, libceres-dev, libhwy-dev, libsuitesparse-dev, libopenblas-dev, libcli11-dev, libx11-dev, pkg-config")
+set(CPACK_DEBIAN_LIBACUS-DEV_PACKAGE_RECOMMENDS acus)  # The presets.
 set(CPACK_DEBIAN_LIBACUS-DEV_DESCRIPTION "Headers, static libraries and the files that find_package(Acus) reads: tissue,
 needle, forces, ultrasound and breathing, to be built into other programs.")
 set(CPACK_DEBIAN_ACUS-DOC_PACKAGE_NAME acus-doc)
@@ -62,12 +63,12 @@ set(CPACK_DEBIAN_ACUS-DOC_DESCRIPTION "Tutorials, models with their equations, f
 library, as a web site that opens from disk: /usr/share/doc/acus-doc/html.")
 
 get_property(acus_programs GLOBAL PROPERTY ACUS_PROGRAMS)
-set(CPACK_COMPONENTS_ALL ${acus_programs} Unspecified desktop library documentation)
+set(CPACK_COMPONENTS_ALL ${acus_programs} Unspecified presets desktop library documentation)
 include(CPack)
 cpack_add_component_group(acus)
 cpack_add_component_group(libacus-dev)
 cpack_add_component_group(acus-doc)
-foreach(component ${acus_programs} Unspecified desktop)
+foreach(component ${acus_programs} Unspecified presets desktop)
   cpack_add_component(${component} GROUP acus)
 endforeach()
 cpack_add_component(library GROUP libacus-dev)

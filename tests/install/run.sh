@@ -5,7 +5,10 @@ set -euo pipefail
 build=$1 source=$2 work=$(realpath -m "$3")
 rm -rf "$work"
 mkdir -p "$work"
-cmake --install "$build" --prefix "$work/acus" --component library >"$work/install.log"
+for component in library presets; do
+  cmake --install "$build" --prefix "$work/acus" --component "$component"
+done >"$work/install.log"
+export ACUS_CONFIGS=$work/acus/share/acus/configs
 if grep -rlE -- "-Werror|$source" "$work/acus/lib"*/cmake "$work/acus/lib"*/*/cmake 2>/dev/null; then
   echo "the installed package names the source tree, or makes warnings errors" >&2
   exit 1

@@ -1,5 +1,7 @@
 #include "acus/patient/phantom/scene_request.h"
 
+#include <CLI/CLI.hpp>
+
 #include "acus/patient/phantom/approach_window.h"
 #include "acus/patient/phantom/spinal_level.h"
 

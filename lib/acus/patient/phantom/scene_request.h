@@ -1,11 +1,14 @@
 // What a scene on a label map may be asked for.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 
 #include "acus/base/core/run_context.h"
+
+namespace CLI {
+class App;
+}
 
 namespace acus::phantom {
 
