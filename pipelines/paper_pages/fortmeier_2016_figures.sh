@@ -1,4 +1,4 @@
-# shellcheck shell=bash disable=SC2154 # Names of pipelines/papers and pipelines/figures.
+# shellcheck shell=bash disable=SC2154 # Names of pipelines/papers and developer/figures.
 # Figures 5, 8, 10 and 11 of Fortmeier-2016 from replays of its preset, in CT space.
 # Expects: $paper, common.sh, and the folder `patient` (liver_ptc).
 

@@ -47,12 +47,24 @@ TEST(Docs, LinksLeadToFiles) {
 }
 
 TEST(Docs, FilesThatAreNamedAreThere) {
-  const std::regex path(R"re(`((?:lib|apps|tests|configs|docs|pipelines)/[\w./-]*\.[a-z]+)`)re");
+  const std::regex path(R"re(`((?:lib|apps|tests|configs|docs|developer|pipelines)/[\w./-]*\.[a-z]+)`)re");
   for (const fs::path& page : Pages()) {
     for (const std::string& name : Matches(ReadTextFile(page), path)) {
       EXPECT_TRUE(fs::exists(kRoot / name)) << page << ": " << name;
     }
   }
+}
+
+TEST(Docs, CommandsThatAreNamedAreThere) {
+  const std::regex command(R"re((?:^|[\s`(])((?:pipelines|developer)/[\w-]+))re");
+  int num_commands = 0;
+  for (const fs::path& page : Pages()) {
+    for (const std::string& name : Matches(ReadTextFile(page), command)) {
+      EXPECT_TRUE(fs::exists(kRoot / name)) << page << ": " << name;
+      ++num_commands;
+    }
+  }
+  EXPECT_GT(num_commands, 100);
 }
 
 // In the order in which the build has them: from the lowest to the highest.
@@ -71,8 +83,8 @@ TEST(Docs, ArchitectureListsTheWingsAndModulesThatThereAre) {
 TEST(Docs, TheFigureOfTheWingsIsThatOfTheBuild) {
   const std::string root = kRoot.string();
   const std::string command =
-      "python3 '" + root + "/pipelines/module-graph' --check '" ACUS_BUILD_DIR "/modules.txt'";
-  EXPECT_EQ(std::system(command.c_str()), 0) << "run pipelines/module-graph";
+      "python3 '" + root + "/developer/module-graph' --check '" ACUS_BUILD_DIR "/modules.txt'";
+  EXPECT_EQ(std::system(command.c_str()), 0) << "run developer/module-graph";
 }
 
 }  // namespace

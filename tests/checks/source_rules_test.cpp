@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 const fs::path kSourceRulesRoot = ACUS_SOURCE_DIR;
 const std::set<std::string> kTopLevel = {"apps",
                                          "configs",
+                                         "developer",
                                          "docs",
                                          "lib",
                                          "pipelines",
@@ -106,7 +107,7 @@ TEST(SourceRules, TheLibraryIsSilent) {
 TEST(SourceRules, ArithmeticIsNotRelaxed) {
   const std::regex relaxed(
       R"re(-ffast-math|-Ofast|-funsafe-math|-ffp-contract=(fast|on)|-march=native)re");
-  for (const Line& line : Lines({"CMakeLists.txt", "lib", "apps", "pipelines"}, {})) {
+  for (const Line& line : Lines({"CMakeLists.txt", "lib", "apps", "pipelines", "developer"}, {})) {
     EXPECT_FALSE(std::regex_search(line.text, relaxed)) << line.Where() << ": " << line.text;
   }
   for (const Line& line : Lines({"tests"}, {".txt", ".cmake"})) {
@@ -154,7 +155,7 @@ TEST(SourceRules, NothingIsMarkedAsUnfinished) {
 }
 
 TEST(SourceRules, ScriptsParse) {
-  for (const char* folder : {"pipelines", ".ci", "tests/cli"}) {
+  for (const char* folder : {"pipelines", "developer", ".ci", "tests/cli"}) {
     for (const auto& entry : fs::directory_iterator(kSourceRulesRoot / folder)) {
       std::ifstream in(entry.path());
       std::string first;

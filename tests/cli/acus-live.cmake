@@ -125,7 +125,7 @@ acus_add_cli_case(acus-live.keeps_what_is_there EXIT 3 NEEDS inputs LEAVES_NOTHI
 # Ten minutes of it are run by hand: docs/concepts/live_session.md. It judges times of steps, so it runs alone
 # and again if the machine was busy with something else.
 add_test(NAME cli.live-endurance.faults
-  COMMAND ${ACUS_BASH} ${CMAKE_SOURCE_DIR}/pipelines/live-endurance --seconds 20 --faults
+  COMMAND ${ACUS_BASH} ${CMAKE_SOURCE_DIR}/developer/live-endurance --seconds 20 --faults
           --least-rate 10 --patient ${ACUS_CLI_FOLDER}/inputs -o ${ACUS_CLI_FOLDER}/live-endurance)
 set_tests_properties(cli.live-endurance.faults PROPERTIES
   LABELS "cli;performance" TIMEOUT 120 FIXTURES_REQUIRED inputs RUN_SERIAL TRUE

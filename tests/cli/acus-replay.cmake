@@ -257,7 +257,7 @@ acus_add_cli_case(acus-replay.labels_in_image_without_map EXIT 3 NEEDS inputs LE
 
 # Emulated, without AVX and fused multiply-add: the same bytes. The rest of the presets by hand.
 add_test(NAME cli.processors
-  COMMAND ${ACUS_BASH} ${CMAKE_SOURCE_DIR}/pipelines/processors -o ${ACUS_CLI_FOLDER}/processors
+  COMMAND ${ACUS_BASH} ${CMAKE_SOURCE_DIR}/developer/processors -o ${ACUS_CLI_FOLDER}/processors
           ${CMAKE_SOURCE_DIR}/configs/scenarios/lumbar_puncture.json
           ${CMAKE_SOURCE_DIR}/configs/scenarios/liver_biopsy_beams.json)
 set_tests_properties(cli.processors PROPERTIES LABELS "cli" TIMEOUT 300

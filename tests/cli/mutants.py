@@ -9,7 +9,7 @@ import sys
 
 source, work = map(pathlib.Path, sys.argv[1:])
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(source / "pipelines"))
+sys.path.insert(0, str(source / "developer"))
 from mutation import mutants, reasons  # noqa: E402
 
 SAMPLE = """#include <algorithm>
@@ -45,7 +45,7 @@ work.mkdir(parents=True)
 sample = work / "sample.cpp"
 sample.write_text(SAMPLE, encoding="utf-8")
 numbered = list(enumerate(mutants.candidates(sample), start=1))
-together, taken = mutants.with_mutants(SAMPLE, numbered, source / "pipelines/mutation/mutant.h")
+together, taken = mutants.with_mutants(SAMPLE, numbered, source / "developer/mutation/mutant.h")
 unchanged = output(SAMPLE, "plain")
 assert output(together, "together") == unchanged
 seen = set()

@@ -1,5 +1,5 @@
 // A real CT breathes with a known motion, and registration finds it: two phases, as a short form of
-// pipelines/breathing-accuracy.
+// developer/breathing-accuracy.
 #include <gmock/gmock.h>
 #include <optional>
 

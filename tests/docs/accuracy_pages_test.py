@@ -12,7 +12,7 @@ import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-COMMAND = ROOT / "pipelines" / "accuracy_pages" / "command.py"
+COMMAND = ROOT / "developer" / "accuracy_pages" / "command.py"
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(COMMAND.parent))
 
@@ -70,7 +70,7 @@ class StoredPages(WithTemplates):
         self.assertGreater(len(files), 5)
         for name, text in files.items():
             is_same = (DOCS / name).is_file() and (DOCS / name).read_text(encoding="utf-8") == text
-            self.assertTrue(is_same, f"docs/{name} is out of date; run pipelines/accuracy-and-time --from-stored")
+            self.assertTrue(is_same, f"docs/{name} is out of date; run developer/accuracy-and-time --from-stored")
 
     def test_are_the_same_twice(self):
         made = []
@@ -232,7 +232,7 @@ class Results(WithTemplates):
             self.pages("")
 
     def test_and_templates_must_be_there(self):
-        with self.assertRaisesRegex(UserError, "nowhere: there is no table of a sweep; run pipelines/accuracy"):
+        with self.assertRaisesRegex(UserError, "nowhere: there is no table of a sweep; run developer/accuracy"):
             make_pages(DOCS / "templates", self.folder / "nowhere", strict=True)
         with self.assertRaisesRegex(UserError, "there is no .*template"):
             make_pages(self.folder / "templates", self.folder / "data", strict=True)

@@ -1,5 +1,5 @@
 // docs/reference/commands and docs/reference/config.md are made from the programs and schemas.
-// This test compares them; with ACUS_WRITE_DOCS set it writes them instead (pipelines/docs).
+// This test compares them; with ACUS_WRITE_DOCS set it writes them instead (developer/docs).
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -28,8 +28,8 @@ void ExpectGenerated(const fs::path& file, const std::string& text) {
     WriteTextFile(file, text);
     return;
   }
-  ASSERT_TRUE(fs::exists(file)) << file << " is missing; run pipelines/docs";
-  EXPECT_TRUE(ReadTextFile(file) == text) << file << " is out of date; run pipelines/docs";
+  ASSERT_TRUE(fs::exists(file)) << file << " is missing; run developer/docs";
+  EXPECT_TRUE(ReadTextFile(file) == text) << file << " is out of date; run developer/docs";
 }
 
 /// Trailing blanks of a line mean something in Markdown, and nothing here.
@@ -80,7 +80,7 @@ std::vector<std::string> Programs() {
 TEST(Docs, CommandsAreThoseOfTheHelp) {
   for (const std::string& program : Programs()) {
     const std::string help = HelpOf(program, "");
-    std::string page = "# " + program + "\n\n<!-- Made by pipelines/docs from --help. -->\n\n";
+    std::string page = "# " + program + "\n\n<!-- Made by developer/docs from --help. -->\n\n";
     page += "```\n" + help + "```\n";
     for (const std::string& name : Subcommands(help)) {
       page += "\n## " + program + " " + name + "\n\n```\n" + HelpOf(program, name) + "```\n";
@@ -171,7 +171,7 @@ void AddRows(const json& root, const json& schema, const std::string& prefix, st
 
 TEST(Docs, ConfigsAreThoseOfTheSchemas) {
   std::string page =
-      "# Configuration files\n\n<!-- Made by pipelines/docs from configs/schema. -->\n\n"
+      "# Configuration files\n\n<!-- Made by developer/docs from configs/schema. -->\n\n"
       "Every JSON file begins with its `format`. Unknown keys, wrong types and values out of "
       "range\n"
       "are refused, all at once, with the place in the file. Comments (`//`) are allowed. Units "

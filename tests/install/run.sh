@@ -5,9 +5,13 @@ set -euo pipefail
 build=$1 source=$2 work=$(realpath -m "$3")
 rm -rf "$work"
 mkdir -p "$work"
-for component in library presets; do
+for component in library presets Unspecified; do
   cmake --install "$build" --prefix "$work/acus" --component "$component"
 done >"$work/install.log"
+# The workflows find what they share.
+for workflow in "$work"/acus/share/acus/pipelines/*; do
+  [[ ! -x $workflow || -d $workflow ]] || "$workflow" --help >/dev/null
+done
 export ACUS_CONFIGS=$work/acus/share/acus/configs
 if grep -rlE -- "-Werror|$source" "$work/acus/lib"*/cmake "$work/acus/lib"*/*/cmake 2>/dev/null; then
   echo "the installed package names the source tree, or makes warnings errors" >&2

@@ -1,4 +1,4 @@
-// A random hand through every force model, 20 s by default: pipelines/stability --full takes a
+// A random hand through every force model, 20 s by default: developer/stability --full takes a
 // million steps through each. Finite, bounded, and no energy that the hand did not put in.
 #include <gmock/gmock.h>
 

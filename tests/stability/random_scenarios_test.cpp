@@ -219,7 +219,7 @@ TEST_F(ExtremeScenarios, AreSoundInPairs) {
   hard.Note("seed", std::to_string(StabilitySeed()));
 }
 
-// Runs a failure again that was kept: pipelines/stability --reproduce FOLDER.
+// Runs a failure again that was kept: developer/stability --reproduce FOLDER.
 TEST_F(RandomScenarios, AGivenScenarioIsSound) {
   const char* file = std::getenv("ACUS_STABILITY_SCENARIO");
   if (file == nullptr) GTEST_SKIP() << "ACUS_STABILITY_SCENARIO names no scenario";

@@ -1,5 +1,5 @@
 // A long session: the patient breathes, the needle goes in and out. 36 s by default, an hour with
-// pipelines/stability --full. Nothing drifts, nothing grows, no step gets slower.
+// developer/stability --full. Nothing drifts, nothing grows, no step gets slower.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// stability_page: what the tests of pipelines/stability kept, as a page.
+// stability_page: what the tests of developer/stability kept, as a page.
 #include <CLI/CLI.hpp>
 #include <iostream>
 
@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
       "Make stability.html and stability.json of what tests kept in FOLDER/bounds and\n"
       "FOLDER/tests. Exit code 4 if a bound is broken or a test failed.",
       "stability_page"};
-  app.add_option("folder", folder, "Folder of pipelines/stability")
+  app.add_option("folder", folder, "Folder of developer/stability")
       ->required()
       ->check(CLI::ExistingDirectory);
   app.add_option("--docs", docs, "Markdown table to write, too");

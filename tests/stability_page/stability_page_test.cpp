@@ -157,7 +157,7 @@ TEST_F(StabilityPageTest, TheTableForTheDocumentation) {
 }
 
 TEST_F(StabilityPageTest, BrokenRecordsAreNamed) {
-  EXPECT_THAT([this] { Read(); }, ThrowsMessage<InputError>(HasSubstr("pipelines/stability")));
+  EXPECT_THAT([this] { Read(); }, ThrowsMessage<InputError>(HasSubstr("developer/stability")));
   std::filesystem::create_directories(folder_ / "bounds");
   WriteTextFile(folder_ / "bounds/needle.jsonl",
                 Record("T", "q", 0.5, true).dump() + "\n{\"kind\": \"bound\"");

@@ -263,7 +263,7 @@ json StabilityJson(const StabilityRun& run, const Provenance& provenance) {
 std::string StabilityTable(const StabilityRun& run, const Provenance& provenance) {
   std::ostringstream out;
   out << "# Hard cases and their bounds\n\n"
-         "<!-- Made by pipelines/stability --docs. -->\n\n"
+         "<!-- Made by developer/stability --docs. -->\n\n"
       << Summary(run) << ". How to run this, read it and add to it: "
       << "[stability](concepts/stability.md).\n\nRun: "
       << (run.settings.empty() ? "by hand" : run.settings) << "; " << MachineText() << "; version "

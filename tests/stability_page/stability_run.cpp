@@ -252,7 +252,7 @@ StabilityRun ReadStabilityRun(const fs::path& folder) {
   StabilityRun run;
   for (const fs::path& file : Files(folder / "bounds", ".jsonl")) ReadBounds(file, run);
   ACUS_REQUIRE(!run.values.empty(), (folder / "bounds").string(),
-               ": no test stated a bound there; run pipelines/stability");
+               ": no test stated a bound there; run developer/stability");
   MarkSharedNames(run);
   for (const fs::path& file : Files(folder / "tests", ".json")) ReadTests(file, run);
   if (fs::exists(folder / "programs.jsonl")) {

@@ -1,6 +1,6 @@
 // Hard cases with their bounds: a test says what is hard, and states each value that it measured
 // next to its bound. With ACUS_BOUNDS=FOLDER all that is stated is also kept, for the page of
-// pipelines/stability.
+// developer/stability.
 //
 //   const HardCase hard("A million changes of contact, each of which could add round-off.");
 //   Largest error_n;

@@ -67,7 +67,7 @@ inline void KeepFailure(const std::filesystem::path& folder, const FailureToKeep
                         "\nscenario.json is the smallest scenario that does it; session/ is what "
                         "the hand did up to that step,\nwithout samples that are no poses.\n"
                         "To see it:    acus-replay scenario.json session -o run\n"
-                        "To check it:  pipelines/stability --reproduce FOLDER\n"));
+                        "To check it:  developer/stability --reproduce FOLDER\n"));
   WriteTextFile(
       folder / "reproduce.sh",
       Message("#!/usr/bin/env bash\n# ", failure.what.substr(0, failure.what.find('\n')),

@@ -1,5 +1,5 @@
 // How long hard cases run: short by default, so that they run with all other tests, and as long as
-// pipelines/stability --full asks for.
+// developer/stability --full asks for.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // What ITK's own registrations make of two phases of a 4D CT whose motion is known, for
-// pipelines/breathing-accuracy: demons and B-splines, plain settings, not tuned.
+// developer/breathing-accuracy: demons and B-splines, plain settings, not tuned.
 #include <algorithm>
 #include <functional>
 #include <iostream>

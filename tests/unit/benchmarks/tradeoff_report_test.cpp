@@ -5,7 +5,7 @@
 namespace acus::benchmarks {
 namespace {
 
-// As pipelines/accuracy_pages/measured.py reads it.
+// As developer/accuracy_pages/measured.py reads it.
 TEST(TradeoffReport, TableHasNoCommasInTextsAndNothingWhereNothingWasMeasured) {
   Row row;
   row.knob = "model";

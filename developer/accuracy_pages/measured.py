@@ -159,7 +159,7 @@ def read_folder(folder):
     folder = pathlib.Path(folder)
     measured = {path.stem: read_sweep(path) for path in sorted(folder.glob("*.csv"))}
     if not measured:
-        raise UserError(f"{folder}: there is no table of a sweep; run pipelines/accuracy-and-time")
+        raise UserError(f"{folder}: there is no table of a sweep; run developer/accuracy-and-time")
     return measured | {path.stem: read_facts(path) for path in sorted(folder.glob("*.json"))}
 
 

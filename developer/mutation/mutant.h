@@ -1,5 +1,5 @@
 // All mutants of a build: each is off unless MUTANT holds its number. Included by the copies of the
-// sources that pipelines/mutants writes.
+// sources that developer/mutants writes.
 #pragma once
 
 #include <algorithm>

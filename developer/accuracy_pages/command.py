@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Pages about accuracy and time from stored results; pipelines/accuracy-and-time runs it."""
+"""Pages about accuracy and time from stored results; developer/accuracy-and-time runs it."""
 import argparse
 import pathlib
 import sys
 
-PIPELINES = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.dont_write_bytecode = True
-sys.path.append(str(PIPELINES / "common"))
+sys.path.append(str(ROOT / "pipelines" / "common"))
 
 import page  # noqa: E402
 import user  # noqa: E402
@@ -15,7 +15,7 @@ from files import write_whole  # noqa: E402
 
 def parser():
     out = argparse.ArgumentParser(prog="accuracy_pages", description=__doc__)
-    out.add_argument("--templates", type=pathlib.Path, default=PIPELINES.parent / "docs" / "templates",
+    out.add_argument("--templates", type=pathlib.Path, default=ROOT / "docs" / "templates",
                      metavar="DIR", help="folder of *.template")
     out.add_argument("--data", type=pathlib.Path, required=True, metavar="DIR",
                      help="folder of results: SWEEP.csv, machine.json, ...")
