@@ -10,8 +10,8 @@
 #include "acus/base/math/statistics.h"
 #include "acus/physics/needle/curved_path.h"
 #include "acus/physics/needle/path_coupling.h"
-#include "acus/physics/needle/stiffness_fit.h"
 #include "benchmarks/insertion.h"
+#include "references/stiffness_fit.h"
 
 namespace acus::benchmarks {
 namespace {

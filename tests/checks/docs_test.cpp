@@ -47,7 +47,8 @@ TEST(Docs, LinksLeadToFiles) {
 }
 
 TEST(Docs, FilesThatAreNamedAreThere) {
-  const std::regex path(R"re(`((?:lib|apps|tests|configs|docs|developer|pipelines)/[\w./-]*\.[a-z]+)`)re");
+  const std::regex path(
+      R"re(`((?:lib|apps|tests|configs|docs|developer|pipelines)/[\w./-]*\.[a-z]+)`)re");
   for (const fs::path& page : Pages()) {
     for (const std::string& name : Matches(ReadTextFile(page), path)) {
       EXPECT_TRUE(fs::exists(kRoot / name)) << page << ": " << name;

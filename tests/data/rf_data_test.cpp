@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "acus/imaging/rf/matlab_file.h"
-#include "acus/imaging/rf/measures.h"
 #include "acus/imaging/rf/rf_settings.h"
+#include "support/envelope_measures.h"
 #include "support/shared_data.h"
 
 namespace acus::rf {

@@ -5,7 +5,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "acus/physics/mechanics/static_solver.h"
+#include "references/static_solver.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
 #include "support/temporary_folder.h"

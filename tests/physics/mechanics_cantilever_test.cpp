@@ -1,7 +1,7 @@
 // A clamped beam under a force at its end, against beam theory with shear.
 #include <gtest/gtest.h>
 
-#include "acus/physics/mechanics/static_solver.h"
+#include "references/static_solver.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
 

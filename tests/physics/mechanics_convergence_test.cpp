@@ -1,7 +1,7 @@
 // Displacements approach the exact ones with the square of the element size.
 #include <gtest/gtest.h>
 
-#include "acus/physics/mechanics/static_solver.h"
+#include "references/static_solver.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
 

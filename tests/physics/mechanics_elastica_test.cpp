@@ -1,8 +1,8 @@
 // A slender cantilever bent far, against the elastica; and what the linear model makes of it.
 #include <gtest/gtest.h>
 
-#include "acus/physics/mechanics/corotational.h"
-#include "acus/physics/mechanics/static_solver.h"
+#include "references/corotational.h"
+#include "references/static_solver.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
 

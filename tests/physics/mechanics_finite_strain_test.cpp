@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/mechanics/finite_strain.h"
+#include "references/finite_strain.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
 

@@ -7,7 +7,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "acus/physics/mechanics/finite_strain.h"
+#include "references/finite_strain.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
 #include "support/temporary_folder.h"

@@ -1,7 +1,7 @@
 // What linear elements must give exactly: constant strain, layer by layer.
 #include <gtest/gtest.h>
 
-#include "acus/physics/mechanics/static_solver.h"
+#include "references/static_solver.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
 

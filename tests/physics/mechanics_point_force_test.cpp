@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "acus/data/mesh/point_location.h"
-#include "acus/physics/mechanics/static_solver.h"
+#include "references/static_solver.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
 #include "support/half_space.h"

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/mechanics/static_solver.h"
+#include "references/static_solver.h"
 #include "support/bound.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"

@@ -3,7 +3,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
-#include "acus/physics/mechanics/finite_strain.h"
+#include "references/finite_strain.h"
 #include "support/bound.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"

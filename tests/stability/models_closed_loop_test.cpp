@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <gmock/gmock.h>
 
-#include "acus/physics/forces/closed_loop.h"
 #include "benchmarks/force_model_cases.h"
+#include "references/closed_loop.h"
 #include "support/bound.h"
 
 namespace acus::benchmarks {

@@ -2,8 +2,8 @@
 // million steps through each. Finite, bounded, and no energy that the hand did not put in.
 #include <gmock/gmock.h>
 
-#include "acus/physics/forces/closed_loop.h"
 #include "benchmarks/force_model_cases.h"
+#include "references/closed_loop.h"
 #include "support/bound.h"
 #include "support/stability_length.h"
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "acus/physics/forces/closed_loop.h"
+#include "references/closed_loop.h"
 #include "support/allocation_counter.h"
 #include "support/bending_scene.h"
 #include "support/bound.h"

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "acus/base/core/random.h"
-#include "acus/physics/forces/closed_loop.h"
 #include "acus/physics/tissue/spring_model.h"
+#include "references/closed_loop.h"
 #include "support/bound.h"
 #include "support/layered_tissue.h"
 #include "support/stability_length.h"

@@ -8,9 +8,9 @@
 
 #include "acus/base/core/error.h"
 #include "acus/physics/breathing/breath_source.h"
-#include "acus/physics/forces/closed_loop.h"
 #include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/scene/simulation/simulation.h"
+#include "references/closed_loop.h"
 #include "support/wild_hand.h"
 
 namespace acus::testing_support {

@@ -14,8 +14,8 @@
 #include "acus/physics/needle/curved_path.h"
 #include "acus/physics/needle/path_coupling.h"
 #include "acus/physics/needle/rod.h"
-#include "acus/physics/needle/stiffness_fit.h"
 #include "benchmarks/bench/bullet_chain.h"
+#include "references/stiffness_fit.h"
 #include "unit/physics/needle/elastica.h"
 
 namespace acus::bench {

@@ -1,5 +1,4 @@
-// Tetrahedra at large strain, in the patches that change their volume together: energy, forces and
-// stiffness. Shared by the static solver and by the steps of a simulation.
+// Tetrahedra at large strain, in the patches that change their volume together: state and forces.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +10,6 @@
 #include "acus/physics/mechanics/elasticity_table.h"
 #include "acus/physics/mechanics/element_patches.h"
 #include "acus/physics/mechanics/linear_tetrahedron.h"
-#include "acus/physics/mechanics/mesh_newton.h"
 
 namespace acus::mechanics {
 
@@ -50,19 +48,9 @@ struct FiniteStrainBody {
 void DeformAll(const FiniteStrainBody& body, const Eigen::Ref<const Eigen::Matrix3Xd>& u_mm,
                std::span<StrainedTetrahedron> out) noexcept;
 
-double EnergyNmm(const FiniteStrainBody& body, std::span<const StrainedTetrahedron> state) noexcept;
-
-/// Adds the forces that hold the nodes, times `factor`, N.
-void AddForces(const FiniteStrainBody& body, std::span<const StrainedTetrahedron> state,
-               double factor, Eigen::Ref<Eigen::Matrix3Xd> force_n) noexcept;
-
 /// Adds the forces that the linear model of the same patches needs to hold the nodes, less those
 /// that the laws need: 0 at rest, of second order in the strain.
 void AddMissingForces(const FiniteStrainBody& body, std::span<const StrainedTetrahedron> state,
                       Eigen::Ref<Eigen::Matrix3Xd> force_n) noexcept;
-
-/// Stiffness of one patch, N/mm, by 3 times the place in `nodes` (ascending) + axis.
-Eigen::MatrixXd PatchStiffness(const FiniteStrainBody& body, int patch, std::span<const int> nodes,
-                               std::span<const StrainedTetrahedron> state, Curvature curvature);
 
 }  // namespace acus::mechanics

@@ -28,7 +28,7 @@ struct CameraParameters {
 
 /// The camera's frame has x to the right, y down, z forward (mm); centres of pixels are at whole
 /// numbers: as volume_rendering::Camera has it, so that a rendered image of `Pinhole()` lies over
-/// the straightened video (see straighten.h).
+/// the video without the distortion of its lens.
 class CameraModel {
  public:
   /// @throws InputError unless the size is 16 to 8192 pixels each way, the focal lengths are

@@ -6,8 +6,8 @@
 
 #include "acus/base/core/error.h"
 #include "acus/imaging/rf/compression.h"
-#include "acus/imaging/rf/measures.h"
 #include "rf_scenes.h"
+#include "support/envelope_measures.h"
 
 namespace acus::rf {
 namespace {

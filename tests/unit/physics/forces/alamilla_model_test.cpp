@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "acus/data/volume/labels.h"
-#include "acus/physics/forces/closed_loop.h"
+#include "references/closed_loop.h"
 #include "support/force_scenes.h"
 
 namespace acus::forces {

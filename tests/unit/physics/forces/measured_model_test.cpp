@@ -7,9 +7,9 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
-#include "acus/physics/forces/closed_loop.h"
 #include "acus/physics/forces/force_model.h"
 #include "acus/physics/forces/measured_forces.h"
+#include "references/closed_loop.h"
 #include "unit/physics/forces/layered_body.h"
 
 namespace acus::forces {

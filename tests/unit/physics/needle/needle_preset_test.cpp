@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/needle/stiffness_fit.h"
+#include "references/stiffness_fit.h"
 #include "support/temporary_folder.h"
 
 namespace acus::needle {

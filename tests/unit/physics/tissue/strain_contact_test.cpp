@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/mechanics/finite_strain.h"
+#include "references/finite_strain.h"
 #include "support/fem_needle_scene.h"
 
 namespace acus::tissue {

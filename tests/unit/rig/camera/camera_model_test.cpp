@@ -7,7 +7,6 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
-#include "acus/rig/camera/straighten.h"
 #include "support/fuzz.h"
 #include "support/temporary_folder.h"
 
@@ -129,48 +128,6 @@ TEST(CameraFile, DamagedCopiesAreReadOrRefused) {
   const int refused = testing_support::ReadDamagedCopies(
       valid, folder / "damaged.json", 300, [&] { ReadCamera(folder / "damaged.json"); });
   EXPECT_GT(refused, 100);
-}
-
-TEST(Straightener, MakesTheLinesOfADistortedImageStraight) {
-  const CameraModel camera(Webcam());
-  // What the lens makes of a line x + 0.3 y = 0.2: dark on one side of it.
-  Image image;
-  image.Resize(1280, 720, 1);
-  for (int row = 0; row < 720; ++row) {
-    for (int column = 0; column < 1280; ++column) {
-      const Eigen::Vector3d ray = *camera.Ray(Eigen::Vector2d(column, row));
-      const double side_px = 1108.5 * (ray[0] + 0.3 * ray[1] - 0.2);
-      image.pixels[static_cast<std::size_t>(row * 1280 + column)] =
-          static_cast<std::uint8_t>(std::clamp(128.0 + 40.0 * side_px, 0.0, 255.0));
-    }
-  }
-  image.time_ns = 5;
-  Image straight;
-  const Straightener straightener(camera);
-  straightener.Straighten(image, straight);
-  EXPECT_EQ(straight.time_ns, 5);
-  const CameraParameters& p = straightener.pinhole().parameters();
-  double largest_px = 0.0;
-  for (int row = 40; row < 680; row += 16) {
-    const double y = (row - p.centre_px[1]) / p.focal_px[1];
-    const double wanted = p.centre_px[0] + p.focal_px[0] * (0.2 - 0.3 * y);
-    int column = 0;
-    const auto grey = [&](int c) {
-      return straight.pixels[static_cast<std::size_t>(row * 1280 + c)];
-    };
-    while (column < 1278 && grey(column + 1) < 128) ++column;
-    const double found =
-        column + (128.0 - grey(column)) / std::max(1, grey(column + 1) - grey(column));
-    largest_px = std::max(largest_px, std::abs(found - wanted));
-  }
-  EXPECT_LT(largest_px, 0.05);
-}
-
-TEST(Straightener, RefusesImagesOfAnotherSize) {
-  Image image;
-  image.Resize(640, 480, 3);
-  Image out;
-  EXPECT_THROW(Straightener(CameraModel(Webcam())).Straighten(image, out), InputError);
 }
 
 }  // namespace

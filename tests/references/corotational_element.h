@@ -1,11 +1,10 @@
-// A linear tetrahedron that is turned as a whole: strain is measured in its own frame. Private to
-// this module.
+// A linear tetrahedron that is turned as a whole: strain is measured in its own frame.
 #pragma once
 
 #include <Eigen/Dense>
 
 #include "acus/physics/mechanics/linear_tetrahedron.h"
-#include "acus/physics/mechanics/mesh_newton.h"
+#include "references/mesh_newton.h"
 
 namespace acus::mechanics {
 

@@ -1,10 +1,10 @@
-#include "acus/physics/mechanics/corotational.h"
+#include "references/corotational.h"
 
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
-#include "acus/physics/mechanics/static_solver.h"
+#include "references/static_solver.h"
 #include "support/box_mesh.h"
 #include "support/elastic_loads.h"
 

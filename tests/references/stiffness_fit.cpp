@@ -1,4 +1,4 @@
-#include "acus/physics/needle/stiffness_fit.h"
+#include "references/stiffness_fit.h"
 
 #include <algorithm>
 #include <cmath>

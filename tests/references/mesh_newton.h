@@ -1,5 +1,4 @@
-// Newton's method for the energy of a mesh: what the non-linear static solvers share. Private to
-// this module.
+// Newton's method for the energy of a mesh: what the non-linear static solvers share.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/finite_strain.h"
+#include "references/finite_strain.h"
 
 #include <Eigen/SVD>
 #include <algorithm>
@@ -8,11 +8,105 @@
 #include "acus/base/core/error.h"
 #include "acus/physics/mechanics/block_matrix.h"
 #include "acus/physics/mechanics/finite_strain_body.h"
+#include "references/mesh_newton.h"
 
 namespace acus::mechanics {
 namespace {
 
 constexpr double kStrainRoundOff = 2e-12;  // Of the force by a strain of 1: forces below are noise.
+
+using Corners34 = Eigen::Matrix<double, 3, 4>;
+
+double MeanVolumeRatio(const FiniteStrainBody& body, const FiniteStrainPatch& patch,
+                       std::span<const StrainedTetrahedron> state) noexcept {
+  double sum_mm3 = 0.0;
+  for (int t = patch.first; t < patch.first + patch.count; ++t) {
+    sum_mm3 += body.shapes[t].volume_mm3 * state[t].volume_ratio;
+  }
+  return sum_mm3 / patch.volume_mm3;
+}
+
+/// Rows of shape function gradients that turn entries of F (column by column) into corner values.
+Eigen::Matrix<double, 9, 12> GradientByCorners(const LinearTetrahedron& shape) {
+  Eigen::Matrix<double, 9, 12> b = Eigen::Matrix<double, 9, 12>::Zero();
+  for (int c = 0; c < 4; ++c) {
+    for (int k = 0; k < 3; ++k) {
+      b.block<3, 3>(3 * k, 3 * c).diagonal().setConstant(shape.gradients_per_mm(k, c));
+    }
+  }
+  return b;
+}
+
+double EnergyNmm(const FiniteStrainBody& body,
+                 std::span<const StrainedTetrahedron> state) noexcept {
+  double energy = 0.0;
+  for (const FiniteStrainPatch& patch : body.patches) {
+    const double mean = MeanVolumeRatio(body, patch, state);
+    energy += 0.5 * patch.volume_mm3 * patch.bulk_mpa * (mean - 1.0) * (mean - 1.0);
+    for (int t = patch.first; t < patch.first + patch.count; ++t) {
+      const double off2 = (state[t].volume_ratio - mean) * (state[t].volume_ratio - mean);
+      energy += body.shapes[t].volume_mm3 *
+                (ShapeEnergyMpa(patch.law, patch.shear_mpa, state[t].gradient) +
+                 kOwnVolume * patch.shear_mpa * off2 * off2);
+    }
+  }
+  return energy;
+}
+
+/// Adds the forces that hold the nodes, N.
+void AddForces(const FiniteStrainBody& body, std::span<const StrainedTetrahedron> state,
+               Eigen::Ref<Eigen::Matrix3Xd> force_n) noexcept {
+  for (const FiniteStrainPatch& patch : body.patches) {
+    for (int t = patch.first; t < patch.first + patch.count; ++t) {
+      const LinearTetrahedron& shape = body.shapes[t];
+      Eigen::Matrix3d stress = ShapeStressMpa(patch.law, patch.shear_mpa, state[t].gradient);
+      stress += state[t].pressure_mpa * Cofactor(state[t].gradient);
+      const Corners34 f = shape.volume_mm3 * stress * shape.gradients_per_mm;
+      for (int c = 0; c < 4; ++c) force_n.col(body.corners[t][c]) += f.col(c);
+    }
+  }
+}
+
+/// Stiffness of one patch, N/mm, by 3 times the place in `nodes` (ascending) + axis.
+Eigen::MatrixXd PatchStiffness(const FiniteStrainBody& body, int patch_number,
+                               std::span<const int> nodes,
+                               std::span<const StrainedTetrahedron> state, Curvature curvature) {
+  const FiniteStrainPatch& patch = body.patches[static_cast<std::size_t>(patch_number)];
+  const double mean = MeanVolumeRatio(body, patch, state);
+  const auto size = static_cast<Eigen::Index>(3 * nodes.size());
+  Eigen::MatrixXd k = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd mean_by_u = Eigen::VectorXd::Zero(size);  // d Jbar / du.
+  Eigen::VectorXd weighted = Eigen::VectorXd::Zero(size);   // sum V h dJ_t / du.
+  double weight_sum = 0.0;
+  for (int t = patch.first; t < patch.first + patch.count; ++t) {
+    const LinearTetrahedron& shape = body.shapes[t];
+    std::array<Eigen::Index, 4> at{};
+    for (int c = 0; c < 4; ++c) {
+      at[c] = 3 * (std::ranges::lower_bound(nodes, body.corners[t][c]) - nodes.begin());
+    }
+    Matrix9 tangent =
+        ShapeTangentMpa(patch.law, patch.shear_mpa, state[t].gradient, state[t].pressure_mpa);
+    if (curvature == Curvature::kPositive) tangent = PositivePart(tangent);
+    const double off = state[t].volume_ratio - mean;
+    const double h = 12.0 * kOwnVolume * patch.shear_mpa * off * off * shape.volume_mm3;
+    const Corners34 j_by_u = Cofactor(state[t].gradient) * shape.gradients_per_mm;
+    const Eigen::Map<const Eigen::Matrix<double, 12, 1>> j(j_by_u.data());
+    const Eigen::Matrix<double, 9, 12> b = GradientByCorners(shape);
+    TetrahedronMatrix own = shape.volume_mm3 * (b.transpose() * tangent * b);
+    own += h * j * j.transpose();
+    for (int c = 0; c < 4; ++c) {
+      mean_by_u.segment<3>(at[c]) += shape.volume_mm3 / patch.volume_mm3 * j.segment<3>(3 * c);
+      weighted.segment<3>(at[c]) += h * j.segment<3>(3 * c);
+      for (int d = 0; d < 4; ++d) {
+        k.block<3, 3>(at[c], at[d]) += own.block<3, 3>(3 * c, 3 * d);
+      }
+    }
+    weight_sum += h;
+  }
+  k += (patch.bulk_mpa * patch.volume_mm3 + weight_sum) * mean_by_u * mean_by_u.transpose();
+  k -= weighted * mean_by_u.transpose() + mean_by_u * weighted.transpose();
+  return k;
+}
 
 }  // namespace
 
@@ -50,7 +144,7 @@ struct FiniteStrainSolver::Impl : MeshEnergy {
   }
   Eigen::Matrix3Xd Forces(const std::vector<StrainedTetrahedron>& state) const {
     Eigen::Matrix3Xd force_n = Eigen::Matrix3Xd::Zero(3, mesh.nodes_mm.cols());
-    AddForces(body, state, 1.0, force_n);
+    AddForces(body, state, force_n);
     return force_n;
   }
 

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/static_solver.h"
+#include "references/static_solver.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "acus/physics/forces/closed_loop.h"
+#include "references/closed_loop.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/corotational_element.h"
+#include "references/corotational_element.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "acus/imaging/rf/measures.h"
+#include "support/envelope_measures.h"
 
 #include <algorithm>
 #include <cmath>

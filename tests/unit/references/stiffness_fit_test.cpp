@@ -1,11 +1,11 @@
-#include "acus/physics/needle/stiffness_fit.h"
+#include "references/stiffness_fit.h"
 
 #include <array>
 #include <gtest/gtest.h>
 
 #include "acus/base/core/error.h"
 #include "acus/physics/needle/tube.h"
-#include "elastica.h"
+#include "unit/physics/needle/elastica.h"
 
 namespace acus::needle {
 namespace {

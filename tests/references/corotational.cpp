@@ -1,13 +1,13 @@
-#include "acus/physics/mechanics/corotational.h"
+#include "references/corotational.h"
 
 #include <algorithm>
 #include <vector>
 
 #include "acus/base/core/error.h"
 #include "acus/physics/mechanics/block_matrix.h"
-#include "acus/physics/mechanics/corotational_element.h"
 #include "acus/physics/mechanics/element_patches.h"
-#include "acus/physics/mechanics/mesh_newton.h"
+#include "references/corotational_element.h"
+#include "references/mesh_newton.h"
 
 namespace acus::mechanics {
 namespace {

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/mesh_newton.h"
+#include "references/mesh_newton.h"
 
 #include <algorithm>
 #include <cmath>
