@@ -43,7 +43,7 @@ find_package(PNG QUIET)
 # ITK, VTK, OpenCV and TetGen stay inside sources: PRIVATE_LIBRARIES, never in a header.
 find_package(ITK 5.2 QUIET COMPONENTS
              ITKCommon ITKIOImageBase ITKIONIFTI ITKIONRRD ITKIOMeta
-             ITKSmoothing ITKRegionGrowing ITKLevelSets)
+             ITKGDCM ITKSmoothing ITKRegionGrowing ITKLevelSets)
 if(ITK_FOUND AND NOT TARGET acus::with_itk)
   add_library(acus::with_itk INTERFACE IMPORTED GLOBAL)
   set_target_properties(acus::with_itk PROPERTIES INTERFACE_LINK_LIBRARIES "${ITK_LIBRARIES}"
