@@ -149,7 +149,7 @@ function(acus_report_left_out)
   get_property(rows GLOBAL PROPERTY ACUS_LEFT_OUT)
   if(rows)
     list(JOIN rows "\n  " rows)
-    message(NOTICE "Left out, because libraries are missing:\n  ${rows}")
+    message(NOTICE "Not built, because libraries are missing:\n  ${rows}")
   endif()
 endfunction()
 
