@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   bool condenses = false;
   CLI::App app{
       "Divide a patient into tetrahedra with a tissue each: faces along skin and bone, fine "
-      "along the needle's way, bone nodes marked fixed.",
+      "along the needle's path, bone nodes marked fixed.",
       "acus-mesh"};
   app.footer(
       "Writes mesh.vtu (ParaView: cell data tissue, point data fixed), quality.json and "
@@ -36,12 +36,12 @@ int main(int argc, char** argv) {
                  "Settings (format acus-mesh/1); default: the preset meshes/default.json")
       ->check(CLI::ExistingFile);
   auto* from_option = app.add_option("--corridor-from", from,
-                                     "One end of the needle's way, x,y,z in mm (CT space, LPS)");
+                                     "One end of the needle's path, x,y,z in mm (CT space, LPS)");
   auto* to_option = app.add_option("--corridor-to", to, "Its other end; elements are fine between");
   from_option->needs(to_option);
   to_option->needs(from_option);
-  auto* condense_option =
-      app.add_flag("--condense", condenses, "Compute the compliance that the needle's way needs");
+  auto* condense_option = app.add_flag(
+      "--condense", condenses, "Compute the compliance of the nodes along the needle's path");
   mesh_option->needs(condense_option);
   app.add_option("--probe-at", probe, "Where a probe presses the skin, x,y,z in mm")
       ->needs(condense_option);

@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
   app.add_option("--exercise", exercise_path,
                  "Goals to judge the session by (acus-exercise JSON): a file, or a preset such as\n"
                  "exercises/lumbar_puncture.json");
-  app.add_option("--trainee", options.trainee, "Code of who did it, kept in training.json");
+  app.add_option("--trainee", options.trainee, "Code of the trainee, kept in training.json");
   app.add_option("--png", png, "Frames as PNG: those at events (the default), all, or none")
       ->check(CLI::IsMember({"events", "all", "none"}));
   app.add_flag("!--no-film", options.film, "Write no video");

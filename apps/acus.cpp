@@ -1,4 +1,4 @@
-// acus: all programs and workflows under one name, and the presets that they know.
+// acus: all programs and workflows under one name, and their presets.
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <optional>

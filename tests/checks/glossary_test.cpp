@@ -1,4 +1,4 @@
-// Pages, help texts, messages and descriptions of schemas and presets use the words of
+// Pages, help texts, messages, comments and descriptions of schemas and presets use the words of
 // docs/glossary.md. The page is the single source: what stands in code type in a column "not" is a
 // regular expression for whole words.
 #include <algorithm>
@@ -204,6 +204,59 @@ TEST(Glossary, IdentifiersUseItsWords) {
   }
   EXPECT_EQ(Code("int a = Of(\"a \\\"picture\\\"\", b);  // Of a picture"),
             "int a = Of(\"\", b);  ");
+}
+
+/// The wings whose comments are held against the glossary.
+const std::vector<std::string> kWingsWithCheckedComments = {"base",    "data",    "physics",
+                                                            "imaging", "patient", "rig"};
+
+/// The comment of a line, without code spans and names of parameters; empty if it has none.
+std::string Comment(std::string line) {
+  static const std::regex literal(R"re("(?:\\.|[^"\\])*")re");
+  static const std::regex code(R"re(`[^`]*`|@param [\w, ]+?  )re");
+  line = std::regex_replace(line, literal, "\"\"");
+  const auto begin = line.find("//");
+  return begin == line.npos ? "" : std::regex_replace(line.substr(begin), code, "");
+}
+
+TEST(Glossary, CommentsUseItsWords) {
+  std::vector<GlossaryWord> words = WordsToAvoid();
+  // The usual word for adjacent voxels, nodes and triangles.
+  std::erase_if(words,
+                [](const GlossaryWord& word) { return word.avoid.starts_with("neighbour"); });
+  // A whole line that begins like this has no subject; at the end of a line the member is that.
+  const std::regex without_subject(R"re(^\s*//[/!]? ?Of )re");
+  std::size_t num_comments = 0;
+  for (const std::string& file : FilesWithMessages()) {
+    const bool is_checked = std::ranges::any_of(
+        kWingsWithCheckedComments,
+        [&file](const std::string& wing) { return file.starts_with("lib/acus/" + wing + "/"); });
+    if ((!is_checked && !file.starts_with("apps/")) || file.ends_with(".json")) continue;
+    std::istringstream in(ReadTextFile(kGlossaryRoot / file));
+    int number = 0;
+    std::string previous;
+    for (std::string line; std::getline(in, line); previous = line) {
+      ++number;
+      const std::string comment = InLowerCase(Comment(line));
+      if (comment.empty()) continue;
+      ++num_comments;
+      for (const GlossaryWord& word : words) {
+        EXPECT_FALSE(std::regex_search(comment, word.whole_word))
+            << file << ":" << number << ": say '" << word.say << "', not '" << word.avoid
+            << "': " << line;
+      }
+      const bool begins = previous.find("//") == previous.npos;
+      EXPECT_FALSE(begins && std::regex_search(line, without_subject))
+          << file << ":" << number << ": name the quantity: " << line;
+    }
+  }
+  EXPECT_GT(num_comments, 10000u);
+}
+
+TEST(Glossary, FindsTheCommentOfALine) {
+  EXPECT_EQ(Comment("F(\"// a\");  // One `code`."), "// One .");
+  EXPECT_EQ(Comment("/// @param wanted  By pixel."), "/// By pixel.");
+  EXPECT_EQ(Comment("int a;"), "");
 }
 
 TEST(Glossary, PagesUseItsWords) {

@@ -116,7 +116,7 @@ acus_add_cli_case(acus-fit.models EXIT 0 BEFORE "${fit_inputs}"
   COMMAND acus-fit a.csv --models gaussians,mechanical -o fit)
 acus_add_cli_case(acus-fit.several EXIT 0
   BEFORE "${fit_inputs}\ncp a.csv b.csv\ncp a.csv c.csv"
-  STDOUT "\"foretold_by_the_others\"" "\"knots_in\""
+  STDOUT "\"leave_one_out_predictions\"" "\"knots_in\""
   COMMAND bash -c "acus-fit a.csv b.csv c.csv --models mechanical -o fit >/dev/null && cat fit/fit.json")
 acus_add_cli_case(acus-fit.one_speed EXIT 0 BEFORE "${fit_inputs}"
   STDOUT "the needle moves at one speed only"

@@ -164,7 +164,7 @@ fs::path FindConfig(const fs::path& name, const fs::path& relative_to) {
   if (is_there(near)) return near;
   const fs::path installed = ConfigsFolder() / name;
   if (!name.is_absolute() && is_there(installed)) return installed;
-  // A change on the command line (--set) is told as seen from there.
+  // A change on the command line (--set) is reported as seen from there.
   const fs::path here = fs::current_path(ignored) / name;
   if (is_there(here)) return here;
   throw InputError(Message(name.string(), ": no such file; tried ", near.string(), ", ",

@@ -1,4 +1,4 @@
-// Runs a call into a foreign library in a process of its own, because it may crash, exit or hang.
+// Runs a call into a foreign library in a separate process, because it may crash, exit or hang.
 #pragma once
 
 #include <functional>

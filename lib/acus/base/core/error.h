@@ -29,7 +29,7 @@ class NoAnswerError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A stop was asked for (Ctrl-C, or RunContext::stop).
+/// A stop was requested (Ctrl-C, or RunContext::stop).
 class Cancelled : public std::runtime_error {
  public:
   Cancelled() : std::runtime_error("stopped on request; nothing was written") {}

@@ -22,14 +22,14 @@ struct RunContext {
   std::function<void(std::string_view text)> on_warning;                    ///< May be empty.
   const std::atomic<bool>* stop = nullptr;                                  ///< May be null.
 
-  /// Reports progress in [0, 1] and throws Cancelled if a stop was asked for.
+  /// Reports progress in [0, 1] and throws Cancelled if a stop was requested.
   /// Call at most ~100 times per task, from one thread: between slices, not inside voxel loops.
   void Checkpoint(std::string_view task, double fraction) const {
     if (stop != nullptr && stop->load(std::memory_order_relaxed)) throw Cancelled();
     if (on_progress) on_progress(task, fraction);
   }
 
-  /// "Continuing, but ...": something the user should know and the report should carry.
+  /// "Continuing, but ...": something that concerns the user and that the report should carry.
   void Warn(std::string_view text) const {
     if (on_warning) on_warning(text);
   }

@@ -15,7 +15,7 @@ bool FoldersAreShown();
 std::string ShownPath(const std::filesystem::path& path);
 
 /// A message as it may stand in an output: without the folders of the paths that ShownPath() was
-/// asked for, if folders are not shown.
+/// requested, if folders are not shown.
 std::string ShownText(std::string text);
 
 /// One word of a command line as it may stand in an output, where a path may follow a '=', as in

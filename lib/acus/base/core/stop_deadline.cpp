@@ -35,7 +35,7 @@ void NotifyStop() noexcept {
 }
 
 StopDeadline::StopDeadline(std::string program) : program_(std::move(program)) {
-  while (::sem_trywait(&StopSemaphore()) == 0) {  // What is left of a stop before.
+  while (::sem_trywait(&StopSemaphore()) == 0) {  // What remains of a stop before.
   }
   try {
     thread_ = std::thread([this] { Watch(); });

@@ -1,4 +1,4 @@
-// A stop that was asked for (Ctrl-C, SIGTERM) ends the program soon, whatever it is computing.
+// A stop that was requested (Ctrl-C, SIGTERM) ends the program soon, whatever it is computing.
 #pragma once
 
 #include <atomic>

@@ -22,7 +22,7 @@ std::vector<double> Redrawn(std::span<const double> values, RandomStream& random
 /// @pre confidence in (0, 1), statistics is not empty.
 Interval PercentileInterval(std::span<const double> statistics, double confidence);
 
-/// Of the mean. Depends on the seed and the name only.
+/// Interval of the mean. Depends on the seed and the name only.
 /// @pre values is not empty, confidence in (0, 1), draws > 0.
 Interval BootstrapIntervalOfMean(std::span<const double> values, double confidence, int draws,
                                  std::uint64_t seed, std::string_view name);

@@ -18,7 +18,7 @@ struct Polyline {
 
   bool empty() const noexcept { return num_points == 0; }
   void Clear() noexcept { num_points = 0; }
-  /// Points beyond the capacity are left out.
+  /// Points beyond the capacity are omitted.
   void Add(const Eigen::Vector3d& at_mm) noexcept {
     if (num_points < kMaxPoints) point_mm[static_cast<std::size_t>(num_points++)] = at_mm;
   }

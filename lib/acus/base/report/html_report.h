@@ -40,10 +40,10 @@ class HtmlReport {
   void Image(const std::filesystem::path& png, const std::string& alt,
              const std::string& caption = "");
 
-  /// A film that lies beside the report: linked by its path relative to it, not embedded.
+  /// A video that lies beside the report: linked by its path relative to it, not embedded.
   void Film(const std::filesystem::path& relative_path, const std::string& caption = "");
 
-  /// What the user should know before trusting the numbers; stands at the top of the report.
+  /// What the user should read before trusting the numbers; stands at the top of the report.
   void Warnings(std::span<const std::string> texts);
 
   /// What made the report (Provenance::ToJson()); stands at its end.

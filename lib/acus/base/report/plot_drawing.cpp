@@ -16,7 +16,7 @@
 namespace acus::report {
 namespace {
 
-// Okabe & Ito's palette without its yellow: told apart with any colour vision, dark enough on
+// Okabe & Ito's palette without its yellow: distinguished with any colour vision, dark enough on
 // white.
 constexpr std::array<const char*, 7> kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                  "#e69f00", "#56b4e9", "#444444"};
@@ -45,7 +45,7 @@ const char* ColourOf(const Series& series, std::size_t index) {
   return kColours[series.colour_of.value_or(index) % kColours.size()];
 }
 
-/// Lines beyond the palette are told apart by their dashes.
+/// Lines beyond the palette are distinguished by their dashes.
 const char* DashesOf(const Series& series, std::size_t index) {
   if (series.dashed) return " stroke-dasharray=\"4 3\"";
   const bool again =

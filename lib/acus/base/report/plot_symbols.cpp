@@ -64,7 +64,7 @@ std::string BarsPath(const std::vector<PixelPoint>& from, const std::vector<Pixe
   for (std::size_t i = 0; i < from.size(); ++i) {
     const PixelPoint& a = from[i];
     const PixelPoint& b = to[i];
-    if (std::hypot(b.x - a.x, b.y - a.y) < 1.0) continue;  // Nobody would see it.
+    if (std::hypot(b.x - a.x, b.y - a.y) < 1.0) continue;  // Too short to be seen.
     line(a.x, a.y, b.x, b.y);
     const bool upright = std::abs(b.y - a.y) > std::abs(b.x - a.x);
     for (const PixelPoint& end : {a, b}) {

@@ -10,7 +10,7 @@
 namespace acus::report {
 
 /// Residuals as bars over the names of their points (numbers, if there are none), with the error
-/// that the other points tell of each as a dot, where there is one.
+/// that the other points predict for each as a dot, where there is one.
 Plot ResidualPlot(const std::string& title, const std::vector<std::string>& names,
                   const std::vector<double>& residual_mm,
                   const std::vector<std::optional<double>>& error_by_others_mm = {});

@@ -16,7 +16,7 @@ enum class Style {
   kBars,    ///< Histogram: a bar from 0 to y around each x, as wide as the smallest gap.
 };
 
-/// Of the points of a series.
+/// The shape of the points of a series.
 enum class Symbol {
   kDot,
   kRing,     ///< Around a dot of another series: "this one".
@@ -24,8 +24,8 @@ enum class Symbol {
   kStar,     ///< Filled, larger than a dot: what the plot is about.
 };
 
-/// Of a series: that of its place in the plot, or that of texts, which stands for remarks on
-/// others.
+/// The colour of a series: that of its place in the plot, or that of texts, which stands for
+/// remarks on others.
 enum class Colour { kOwn, kInk };
 
 struct Series {
@@ -33,14 +33,14 @@ struct Series {
   std::vector<double> x = {};
   std::vector<double> y = {};
   Style style = Style::kLine;
-  /// Of a band, as long as x. Of points: the ends of a bar through each, or empty.
+  /// Lower edge of a band, as long as x. For points: the ends of a bar through each, or empty.
   std::vector<double> low = {};
   std::vector<double> high = {};
-  // Of points only, each as long as x, or empty.
+  // For points only, each as long as x, or empty.
   std::vector<double> x_low = {};  ///< Ends of a level bar through each.
   std::vector<double> x_high = {};
   std::vector<std::string> labels =
-      {};  ///< Beside the points; those that find no room are left out.
+      {};  ///< Beside the points; those that find no room are omitted.
   Symbol symbol = Symbol::kDot;
   Colour colour = Colour::kOwn;
   std::optional<std::size_t> colour_of = std::nullopt;  ///< That of the series at this place.
@@ -76,7 +76,7 @@ struct Plot {
   bool y_from_zero = false;               ///< The y axis reaches down (or up) to 0.
   std::vector<std::string> x_names = {};  ///< Stand at x = 0, 1, 2, ... instead of numbers.
   std::vector<Series> series = {};
-  std::vector<Mark> marks = {};  ///< Those outside the x range are left out, unless they widen it.
+  std::vector<Mark> marks = {};  ///< Those outside the x range are omitted, unless they widen it.
   std::vector<Span> spans = {};
   std::vector<Limit> limits = {};
   int width_px = 860;

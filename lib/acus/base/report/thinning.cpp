@@ -43,7 +43,7 @@ std::vector<PixelPoint> ThinnedLine(const std::vector<PixelPoint>& points, int m
     begin = end;
   }
   if (kept.size() <= limit) return kept;
-  // The line runs to and fro between columns: thin it along its length.
+  // The line runs back and forth between columns: thin it along its length.
   kept.clear();
   const std::size_t runs = limit / 6;
   const std::size_t length = (points.size() + runs - 1) / runs;

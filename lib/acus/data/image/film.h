@@ -1,4 +1,4 @@
-// Films: images as H.264 in MP4, which every browser plays.
+// Videos: images as H.264 in MP4, which every browser plays.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,17 @@ constexpr std::uint8_t VideoLuma(std::uint8_t grey) {
 struct FilmOptions {
   double frames_per_s = 30.0;
   int quality = 27;         ///< H.264 quantiser: 0 lossless ... 51 worst.
-  bool background = false;  ///< Encode on a thread of its own. The bytes are the same.
+  bool background = false;  ///< Encode on a separate thread. The bytes are the same.
 };
 
-/// Writes a film image by image, whole or not at all. The same images give the same bytes.
+/// Writes a video image by image, whole or not at all. The same images give the same bytes.
 class FilmWriter {
  public:
   /// @throws InputError if an option is out of range, the size is not 16 to 8192 each way, the
   ///     file cannot be made, or this system's libavcodec has no H.264 encoder.
   FilmWriter(const std::filesystem::path& path, int width_px, int height_px,
              const FilmOptions& options = {});
-  /// Without Finish() nothing is left behind.
+  /// Without Finish() no file remains.
   ~FilmWriter();
   FilmWriter(const FilmWriter&) = delete;
   FilmWriter& operator=(const FilmWriter&) = delete;
@@ -36,12 +36,12 @@ class FilmWriter {
   /// later call.
   /// @throws InputError if the image has another size, or the disk is full.
   void Add(const GrayImage& image);
-  /// At once, also in the background after what is queued. A film is of one kind of image.
+  /// At once, also in the background after what is queued. A video is of one kind of image.
   void Add(const ColourImage& image);
 
   int num_frames() const { return num_frames_; }
 
-  /// Completes the film and puts it in place.
+  /// Completes the video and puts it in place.
   /// @throws InputError if it has no frame, or the file cannot be written.
   void Finish();
 

@@ -31,7 +31,7 @@ Corners CornersOf(const TetraMesh& mesh, Eigen::Index tetrahedron);
 struct QualityReport {
   Eigen::Index num_nodes = 0;
   Eigen::Index num_tetrahedra = 0;
-  Eigen::Index num_inverted = 0;  ///< Without positive volume; left out of all that follows.
+  Eigen::Index num_inverted = 0;  ///< Without positive volume; not counted in what follows.
   double min_dihedral_deg = 0.0;
   double max_dihedral_deg = 0.0;
   double mean_min_dihedral_deg = 0.0;  ///< Mean over tetrahedra of their smallest angle.

@@ -62,7 +62,7 @@ struct Repair {
 
 /// Welds nodes, drops flat and doubled triangles and loose nodes, turns triangles the same way and
 /// outwards, closes holes and smooths small folds in which triangles cut each other. What it cannot
-/// mend, CheckSurface() of the result tells.
+/// repair, CheckSurface() of the result reports.
 Repair RepairSurface(const Surface& surface, const RepairLimits& limits = {});
 
 }  // namespace acus::mesh

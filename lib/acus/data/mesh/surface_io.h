@@ -10,7 +10,7 @@ namespace acus::mesh {
 
 /// Reads .stl (binary or text), .obj, .ply (text or binary) or .vtp, by extension; coordinates are
 /// taken as LPS mm, as they stand. Polygons are cut into triangles. The corners of an STL file that
-/// lie at exactly the same place become one node; nothing else is mended: see surface_check.h.
+/// lie at exactly the same place become one node; nothing else is repaired: see surface_check.h.
 /// @throws InputError if the extension is unknown or the file is missing, empty, cut off or broken.
 Surface ReadSurface(const std::filesystem::path& path);
 

@@ -172,7 +172,7 @@ TetraMesh ReadVtu(const std::filesystem::path& path) {
 }
 
 void WriteVtp(const std::filesystem::path& path, const Surface& surface) {
-  vtkObject::GlobalWarningDisplayOff();  // A full disk is told by the exception alone.
+  vtkObject::GlobalWarningDisplayOff();  // A full disk is reported by the exception alone.
   vtkNew<vtkPolyData> data;
   data->SetPoints(PointsOf(surface.nodes_mm));
   vtkNew<vtkCellArray> triangles;

@@ -16,7 +16,7 @@ namespace acus::session {
 /// Reads the lines of one file one after the other. Columns are found by name, in any order; empty
 /// lines and lines that begin with '#' are skipped. A line ends with a word of a fixed set in its
 /// last column: without it, a line that has no end was being written when the recording stopped,
-/// and is left out with a warning.
+/// and is omitted with a warning.
 class CsvRows {
  public:
   static constexpr std::size_t kMaxColumns = 12;
@@ -32,7 +32,7 @@ class CsvRows {
   ///     one has none of the words.
   bool Next();
 
-  /// Of the present row.
+  /// A cell of the present row.
   std::string_view Cell(std::size_t column) const { return cells_[column]; }
   /// Index in `words` of the last cell.
   std::size_t Word() const { return word_; }

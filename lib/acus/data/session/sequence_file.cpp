@@ -75,7 +75,7 @@ class SequenceFile::Pixels {
     position_ += out.size();
   }
 
-  /// Behind the last frame stands the checksum of all of them; zlib looks at it when asked for
+  /// Behind the last frame stands the checksum of all of them; zlib looks at it on request
   /// more.
   void VerifyChecksum() {
     std::uint8_t beyond = 0;

@@ -15,7 +15,7 @@
 namespace acus::session {
 
 /// A sequence file: frames with fields (transforms, status, time) and, mostly, an image each.
-/// The header is read at once, images when they are asked for, so that memory holds one at a time.
+/// The header is read at once, images when they are requested, so that memory holds one at a time.
 class SequenceFile {
  public:
   /// Reads the header of an .igs.mha, .igs.mhd, .mha, .igs.nrrd or .seq.nrrd file.
@@ -43,7 +43,7 @@ class SequenceFile {
   std::string Orientation() const;
 
   /// The pixels of a frame as stored: channels, then width, then height; numbers in this machine's
-  /// byte order. In order of frames is fastest (a compressed file starts anew when going back).
+  /// byte order. In order of frames is fastest (a compressed file starts again when going back).
   /// @throws InputError if the file has no images, or ends early, or its compression is broken.
   std::vector<std::uint8_t> ReadImage(std::size_t frame);
 

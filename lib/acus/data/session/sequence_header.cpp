@@ -358,7 +358,7 @@ class SequenceHeaderReader {
     std::error_code error;
     const auto bytes_of_file = fs::file_size(header_.data_path, error);
     if (error)
-      return;  // Poses can be read without the pixels; who asks for these gets the message.
+      return;  // Poses can be read without the pixels; who requests these gets the message.
     const std::uint64_t available =
         bytes_of_file - std::min<std::uint64_t>(bytes_of_file, header_.data_offset);
     const std::uint64_t most = header_.compressed ? available * kMaxInflation : available;

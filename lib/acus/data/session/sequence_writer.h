@@ -23,7 +23,7 @@ struct SequenceFormat {
   bool compressed = false;          ///< zlib over all frames (gzip in NRRD): smaller, slower.
   std::string orientation = "MFA";  ///< Columns to the marked side, rows far from the transducer.
   std::string image_type = "BRIGHTNESS";
-  /// Of the whole file, e.g. ImageToProbeTransform.
+  /// Fields of the whole file, e.g. ImageToProbeTransform.
   std::map<std::string, std::string> fields = {};
 };
 
@@ -39,7 +39,7 @@ void AddTransform(SequenceFields& fields, std::string_view name,
 
 /// Writes frame by frame; memory does not grow with the images. The file appears on Commit().
 /// ".mha" makes a MetaImage, ".nrrd" an NRRD. Name the file *.igs.mha or *.igs.nrrd, so that PLUS
-/// and Slicer know it for a sequence.
+/// and Slicer recognise a sequence.
 class SequenceWriter {
  public:
   /// @throws InputError if the ending is another one, or the place cannot be written to.

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An image frame is told from a tool by its scale: nobody records 1 mm pixels.
+// An image frame is distinguished from a tool by its scale: no image has pixels of 1 mm.
 constexpr double kRigidScaleTolerance = 0.02;
 
 transforms::TransformGraph Calibrations(const ImportOptions& options) {

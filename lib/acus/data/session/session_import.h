@@ -40,7 +40,7 @@ struct ImportedSession {
 
 /// Reads a PLUS sequence file (.igs.mha, .igs.mhd, .igs.nrrd). Poses are found through the
 /// transforms of each frame: ProbeToTracker and ReferenceToTracker give reference_from_probe. A
-/// frame in which any transform on the way has another status than OK is an invalid sample.
+/// frame in which any transform of the chain has another status than OK is an invalid sample.
 /// @throws InputError if the file is not readable, a frame has no time stamp, time goes back, or
 ///     neither needle nor probe is connected with the reference (naming the transforms there are).
 ImportedSession ReadPlusSession(const std::filesystem::path& path, const ImportOptions& options,

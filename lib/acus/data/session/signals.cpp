@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 11> kCommandWords = {
 constexpr std::array<std::string_view, 5> kBreathColumns = {"time_s", "cycle", "level",
                                                             "level_per_s", "status"};
 constexpr std::array<std::string_view, 3> kCommandColumns = {"time_s", "value", "command"};
-constexpr double kMostLevel = 1e6;  // Nobody breathes a million normal breaths at once.
+constexpr double kMostLevel = 1e6;  // No breath is a million normal ones.
 
 }  // namespace
 

@@ -68,7 +68,7 @@ inline constexpr std::string_view kCommandHeader = "time_s,value,command";
 void AppendBreathRow(std::string& text, const BreathSample& sample);
 void AppendCommandRow(std::string& text, const Command& command);
 
-/// Strict, but for a last line that is cut off. Commands may come at the same time.
+/// Strict, except for a last line that is cut off. Commands may come at the same time.
 /// @throws InputError at file:row.
 BreathStream ReadBreathCsv(const std::filesystem::path& path, const RunContext& context);
 std::vector<Command> ReadCommandsCsv(const std::filesystem::path& path, const RunContext& context);

@@ -31,7 +31,7 @@ struct SlicerScene {
 SlicerScene ReadSlicerScene(const std::filesystem::path& path);
 
 /// The transforms at the instants at which `frame` was recorded against `reference`: those of the
-/// one sequence on the way, or of all sequences together if there are several on the way.
+/// one sequence of the chain, or of all sequences together if the chain has several.
 std::vector<TimedTransforms> InstantsFor(const SlicerScene& scene, const std::string& frame,
                                          const std::string& reference);
 

@@ -1,4 +1,4 @@
-// A short cry, as of somebody in pain: a voiced "ah" from pulses of the glottis and three
+// A short cry, as of a person in pain: a voiced "ah" from pulses of the glottis and three
 // resonances of the mouth (Klatt, Journal of the Acoustical Society of America 67:971, 1980).
 // docs/models/pain_reaction.md
 #pragma once

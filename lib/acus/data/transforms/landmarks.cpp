@@ -150,7 +150,7 @@ std::string TextOf(const json& node) {
 void AddControlPoint(const json& point, bool is_ras, const std::string& where,
                      Collector& collector) {
   const json& status = Member(point, "positionStatus");
-  if (status.is_string() && status != "defined") return;  // Placed by nobody yet.
+  if (status.is_string() && status != "defined") return;  // Not placed yet.
   const json& position = Member(point, "position");
   const auto is_number = [](const json& value) { return value.is_number(); };
   ACUS_REQUIRE(

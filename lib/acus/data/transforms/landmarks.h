@@ -42,18 +42,18 @@ struct MarkerPairs {
   std::vector<std::string> names;
   Markers reference_mm;
   Markers ct_mm;
-  std::vector<std::string> warnings;  ///< What was left out, and how the rest was matched.
+  std::vector<std::string> warnings;  ///< What was omitted, and how the rest was matched.
   Markers reference_sd_mm = {};       ///< As Landmarks::sd_mm; empty if not known.
   Markers ct_sd_mm = {};
 };
 
-/// Matches by name. Points that only one side has are left out with a warning. If the two have no
+/// Matches by name. Points that only one side has are omitted with a warning. If the two have no
 /// name in common, or there are none, points are matched by order, with a warning.
 /// @throws InputError if fewer than `least` pairs remain, or there are no common names and the
 ///     counts differ.
 MarkerPairs MatchLandmarks(const Landmarks& reference, const Landmarks& ct, std::size_t least = 3);
 
-/// Leaves out points by name. @throws InputError if there is none of that name.
+/// Omits points by name. @throws InputError if there is none of that name.
 MarkerPairs Without(const MarkerPairs& pairs, const std::vector<std::string>& names);
 
 }  // namespace acus::transforms

@@ -7,7 +7,7 @@
 namespace acus::transforms {
 namespace {
 
-// A normalised quaternion has a squared norm of 1 to within some 8 ulp. Normalising it once more
+// A normalised quaternion has a squared norm of 1 to within about 8 ulp. Normalising it once more
 // could move its last bits, and a file that is read and written again would drift.
 constexpr double kUnitTolerance = 4e-15;
 

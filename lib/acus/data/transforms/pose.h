@@ -8,7 +8,7 @@ namespace acus::transforms {
 /// A rigid pose, target_from_source, kept as a unit quaternion and a translation in mm. The matrix
 /// is always the one that belongs to the quaternion: a pose that is made live and the same pose
 /// read from its recording agree in every bit. Assigning a matrix goes through the quaternion,
-/// which moves its entries by some 1e-16.
+/// which moves its entries by about 1e-16.
 class Pose {
  public:
   Pose() = default;

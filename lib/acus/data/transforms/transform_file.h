@@ -1,4 +1,4 @@
-// Rigid transforms on disk, as ITK and 3D Slicer know them.
+// Rigid transforms on disk, as ITK and 3D Slicer have them.
 #pragma once
 
 #include <Eigen/Geometry>

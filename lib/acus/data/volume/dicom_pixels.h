@@ -10,7 +10,7 @@ namespace acus::volume {
 
 /// Decodes a slice to Hounsfield units: columns x rows, padding as -1024, at most 32767.
 /// @throws InputError if the pixels are cut off, broken, compressed in a way that GDCM does not
-///     know, or not grey with 8 or 16 bits.
+///     read, or not grey with 8 or 16 bits.
 std::vector<std::int16_t> DecodedSlice(const DicomHeader& header);
 
 }  // namespace acus::volume

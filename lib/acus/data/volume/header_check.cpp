@@ -25,7 +25,7 @@ constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20U;
 constexpr int kMaxHeaderLines = 100'000;
 /// NrrdIO copies a field that it cannot understand into a message of 1,024 bytes, unchecked.
 constexpr std::size_t kMaxNrrdFieldBytes = 500;
-/// MetaIO copies a key that it does not know into 255 bytes, unchecked.
+/// MetaIO copies an unknown key into 255 bytes, unchecked.
 constexpr std::size_t kMaxMetaKeyBytes = 200;
 
 /// "key = value" lines of a MetaImage up to ElementDataFile, in which no key has two values.
@@ -236,7 +236,7 @@ void RequireShortNrrdFields(const fs::path& path) {
   }
 }
 
-/// Of header and data. The data file of a .nhdr must lie beside it.
+/// Bytes of header and data. The data file of a .nhdr must lie beside it.
 double NrrdBytesOnDisk(const fs::path& path, const std::map<std::string, std::string>& fields) {
   const auto found = std::ranges::find_if(fields, [](const auto& field) {
     return field.first == "data file" || field.first == "datafile";

@@ -1,4 +1,4 @@
-// The standard labels: one number, one name and one colour for every tissue that Acus knows.
+// The standard labels: one number, one name and one colour for every tissue.
 #pragma once
 
 #include <array>

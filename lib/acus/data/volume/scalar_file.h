@@ -59,7 +59,7 @@ ScalarFile ReadLayeredFile(const std::filesystem::path& path, int num_components
 /// @throws InputError if the extension is none of .nii, .nii.gz, .nrrd, .mha, or writing fails.
 void WriteScalarFile(const std::filesystem::path& path, const ScalarFile& file);
 
-/// Reverses the slices if `file.geometry.direction` is left-handed.
+/// Reverses the slices if `file.geometry.direction` has a negative determinant.
 void MakeRightHanded(ScalarFile& file);
 
 /// @throws InputError if the geometry is not usable: an empty or negative size, spacing that is

@@ -14,7 +14,7 @@ namespace acus::volume {
 std::map<std::string, std::string> SegmentKeys(const Grid<Label>& labels,
                                                const std::map<Label, std::string>& names);
 
-/// The names by label in such fields; fields that are not understood are left out.
+/// The names by label in such fields; fields that are not understood are omitted.
 std::map<Label, std::string> NamesFromKeys(const std::map<std::string, std::string>& keys);
 
 /// One segment: in one layer of the file, the voxels with one value.
@@ -24,7 +24,7 @@ struct LayeredSegment {
   ValueName name;  ///< Its name, and the SNOMED CT codes of its terminology (type, then region).
 };
 
-/// All segments that such fields name; fields that are not understood are left out.
+/// All segments that such fields name; fields that are not understood are omitted.
 std::vector<LayeredSegment> SegmentsFromKeys(const std::map<std::string, std::string>& keys);
 
 }  // namespace acus::volume

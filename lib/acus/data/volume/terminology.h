@@ -1,4 +1,4 @@
-// Codes by which other programs know what a segment is: SNOMED CT, as DICOM and 3D Slicer use it.
+// Codes that other programs have for segments: SNOMED CT, as DICOM and 3D Slicer use it.
 #pragma once
 
 #include <string>

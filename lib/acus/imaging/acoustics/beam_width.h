@@ -35,14 +35,14 @@ double TransmitApertureMm(const Probe& probe);
 /// Active aperture on reception at a depth: grows with it until all elements work.
 double ReceiveApertureMm(const Probe& probe, double depth_mm);
 
-/// FWHM across the beam in the plane, there and back (amplitude, -6 dB), at a depth along the line:
+/// FWHM across the beam in the plane, two-way (amplitude, -6 dB), at a depth along the line:
 /// transmission is focused at focus_mm, reception at every depth. The second harmonic is made where
 /// the square of the transmitted pressure is large, and received at half the wavelength.
 /// @pre depth_mm >= 0.
 double LateralFwhmMm(const Probe& probe, double depth_mm,
                      double speed_m_per_s = kScannerSpeedMPerS);
 
-/// FWHM across the plane, there and back: one lens both ways.
+/// FWHM across the plane, two-way: one lens both ways.
 double ElevationFwhmMm(const Probe& probe, double depth_mm,
                        double speed_m_per_s = kScannerSpeedMPerS);
 

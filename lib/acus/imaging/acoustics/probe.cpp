@@ -238,7 +238,7 @@ BeamPlace PlaceInBeams(const Probe& probe, const ScanGrid& grid, const Eigen::Ve
     const double range_mm = place_mm.y() / cosine;
     return {(place_mm.x() - range_mm * sine) / line_mm + middle, range_mm / grid.step_mm};
   }
-  // Of the triangle centre of the face, start of the line, place: R^2 + r^2 + 2 R r cos = rho^2.
+  // In the triangle centre of the face, start of the line, place: R^2 + r^2 + 2 R r cos = rho^2.
   const double line_rad = probe.field_of_view_rad / (grid.lines() - 1);
   const double y_mm = place_mm.y() + probe.radius_mm;
   const double from_centre_mm = std::hypot(place_mm.x(), y_mm);

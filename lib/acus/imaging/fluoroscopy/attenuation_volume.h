@@ -1,5 +1,5 @@
-// The CT as fluoroscopy reads it: attenuation in slices across the beam, coarser if wanted, and as
-// the tissue is now.
+// The CT as fluoroscopy reads it: attenuation in slices across the beam, coarser if required, and
+// as the tissue is now.
 #pragma once
 
 #include <Eigen/Geometry>

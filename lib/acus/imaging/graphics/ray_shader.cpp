@@ -184,7 +184,7 @@ vec3 Refined(vec3 rest_mm, vec3 world_mm, int iterations) {
   return rest_mm;
 }
 
-// Of the sample before: the tissue there, and how far it has come.
+// The sample before: the tissue there, and how far it has come.
 bool has_rest = false;
 vec3 last_rest_mm;
 vec3 last_displacement_mm = vec3(0.0);

@@ -19,7 +19,7 @@ enum Binding : unsigned { kIntegral, kValue, kCuts, kFirst, kFragments, kPixels 
 /// Units of its textures.
 enum Unit : unsigned { kHu, kSlopes, kClasses, kDistances, kPressed, kShadows, kFirstComponent };
 constexpr int kGroup = 8;  // Pixels each way of a group of the shader.
-/// Fields of breath that stay on the card: those of a moment, and of some key frames.
+/// Fields of breath that stay on the card: those of an instant, and of some key frames.
 constexpr std::size_t kMostFields = 8;
 
 struct ShaderFragment {

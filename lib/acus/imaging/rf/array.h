@@ -8,8 +8,8 @@
 
 namespace acus::rf {
 
-/// Of one element, in the probe's plane: x lateral, y depth, mm. The middle of the face is the
-/// origin.
+/// Place of one element, in the probe's plane: x lateral, y depth, mm. The middle of the face is
+/// the origin.
 struct Element {
   Eigen::Vector2d position_mm = Eigen::Vector2d::Zero();
   Eigen::Vector2d normal = Eigen::Vector2d::UnitY();  ///< Unit, into the tissue.

@@ -19,16 +19,16 @@ struct ChannelOptions {
   double start_us = 0.0;
   int samples = 2688;
   /// Echoes of transmitting elements that arrive later than the first one by more than this are
-  /// left out, by a raised cosine from half of it on: waves from the edges of the aperture. Shorter
+  /// omitted, by a raised cosine from half of it on: waves from the edges of the aperture. Shorter
   /// is faster.
   double transmit_tail_us = 2.0;
-  int phases = 16;             ///< Of PulseTable, and of the delay on the way back.
+  int phases = 16;             ///< Of PulseTable, and of the delay of reception.
   double pulse_half_us = 1.2;  ///< The pulse is cut beyond.
 };
 
 /// Linear acoustics in the image plane, no multiple scattering, no dispersion: each element has
 /// Directivity() at the centre frequency of the echo, and amplitudes fall with 1/r (not below 0.1
-/// mm) there and back. Attenuation acts on the spectrum by bands of path, on the rest of a path by
+/// mm) two-way. Attenuation acts on the spectrum by bands of path, on the rest of a path by
 /// its gain at the centre frequency. Each pulse is 1 high at 1 mm from a transmitting element.
 class ChannelSimulator {
  public:

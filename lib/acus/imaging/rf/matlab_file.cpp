@@ -80,7 +80,7 @@ std::size_t CountOf(const matvar_t& variable) {
   return count;
 }
 
-/// Reads headers until the one that was asked for. Adds the names of all variables to `names`.
+/// Reads headers until the one that was requested. Adds the names of all variables to `names`.
 MatlabVariable FindHeader(mat_t* file, const std::string& variable, std::string& names) {
   while (MatlabVariable header{Mat_VarReadNextInfo(file)}) {
     if (header->name == nullptr) continue;

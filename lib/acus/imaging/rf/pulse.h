@@ -3,8 +3,8 @@
 
 namespace acus::rf {
 
-/// Of transmission and reception together. The amplitude spectrum is a Gaussian around the centre
-/// frequency, times that of a rectangular burst of a sine.
+/// The pulse of transmission and reception together. The amplitude spectrum is a Gaussian around
+/// the centre frequency, times that of a rectangular burst of a sine.
 struct Pulse {
   double frequency_mhz = 5.0;
   double fractional_bandwidth = 0.6;  ///< Of the probe: width at half of the amplitude over centre.

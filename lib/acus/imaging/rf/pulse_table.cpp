@@ -30,7 +30,7 @@ SampledSpectrum Sample(const Pulse& pulse, const PulseTableOptions& options, dou
   return out;
 }
 
-/// Of the amplitudes.
+/// Centre frequency of the amplitudes.
 double CentreOf(const SampledSpectrum& spectrum) {
   double sum = 0.0;
   double moment = 0.0;

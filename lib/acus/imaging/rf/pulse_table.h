@@ -13,7 +13,7 @@ namespace acus::rf {
 struct PulseTableOptions {
   double sampling_mhz = 20.0;
   double attenuation_db_per_cm_mhz = 0.0;
-  double longest_path_mm = 0.0;  ///< There and back.
+  double longest_path_mm = 0.0;  ///< Two-way.
   double band_mm = 4.0;          ///< Of path: each band has a pulse of its own.
   int phases = 16;               ///< Delays by fractions of a sample.
   double half_length_us = 0.8;   ///< The pulse is 0 beyond.

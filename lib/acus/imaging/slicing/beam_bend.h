@@ -11,7 +11,7 @@
 
 namespace acus::slicing {
 
-/// Tells where tissue that is now at a place was when the CT was taken.
+/// Where tissue that is now at a place was when the CT was taken.
 class RestMap {
  public:
   virtual ~RestMap() = default;

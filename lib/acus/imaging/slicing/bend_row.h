@@ -6,7 +6,7 @@ namespace acus::slicing::kernels {
 /// One axis of a row of knots. Cells of lanes lie between knots.
 struct KnotRow {
   const int* knot;      ///< Lane of each knot, ascending, from 0.
-  int cells;            ///< Between the knots; the last goes on to the end.
+  int cells;            ///< Between the knots; the last continues to the end.
   const float* weight;  ///< By lane: share of the knot after it.
   const float* offset;  ///< By knot.
 };

@@ -46,7 +46,7 @@ class BeamImage {
 class CtSampler {
  public:
   static constexpr float kOutsideHu = -1024.0F;
-  /// For those who must tell air from what was not scanned: below what a voxel can hold.
+  /// Distinguishes air from what was not scanned: below what a voxel can hold.
   static constexpr float kNotScanned = -65536.0F;
 
   /// Keeps a reference to `ct`, which must outlive this.

@@ -75,7 +75,7 @@ struct AngleRow {
 };
 void AngleRowWeights(const AngleRow& row, int lanes, float* weight);
 
-/// Echo and what goes on: echo = energy * reflected [* weight] [+ energy * scattered];
+/// Echo and what continues: echo = energy * reflected [* weight] [+ energy * scattered];
 /// energy *= (1 - reflected)^2. `weight` and `scattered` may be null.
 void PropagateRow(const float* reflected, const float* weight, const float* scattered, int lanes,
                   float* energy, float* echo);

@@ -13,7 +13,7 @@ namespace acus::slicing {
 namespace {
 
 constexpr double kLargestMm = 200.0;
-/// Of a single slice: what is drawn of the needle.
+/// Thickness of a single slice in which the needle is drawn.
 constexpr double kThinMm = 2.0;
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace {
 using Difference = std::array<std::int64_t, 3>;
 __extension__ using Wide = __int128;
 
-/// Of the sum of the magnitudes of a determinant's six products: above it the sign is right.
+/// Share of the sum of the magnitudes of a determinant's six products: above it the sign is right.
 /// Rounding adds up to less than 8 units of 2^-53 (Shewchuk 1997, section 4.2).
 constexpr double kRounding = 1e-15;
 

@@ -40,7 +40,8 @@ class AcousticVolume {
     int at[3][kPlaces];
   };
   Around AroundOf(const Eigen::Array3i& voxel) const;
-  /// Of zeta's codes over four voxels along each axis, per spacing, at a place of `around`.
+  /// Difference of zeta's codes over four voxels along each axis, per spacing, at a place of
+  /// `around`.
   Eigen::Vector3f DifferenceAt(const Around& around, const Eigen::Array3i& place) const;
 
   std::vector<std::uint32_t> packed_;

@@ -232,7 +232,7 @@ float AlamillaRenderer::SlopeOf(int line, const Surface& surface) const {
   int high = line;
   int low_sample = surface.sample;
   int high_sample = surface.sample;
-  // Follows the depth map to both sides as long as it goes on.
+  // Follows the depth map to both sides as long as it continues.
   const auto follow = [&](int step, int& at, int& sample) {
     for (int n = 0; n < reach; ++n) {
       const int next = at + step;

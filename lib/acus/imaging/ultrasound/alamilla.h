@@ -66,7 +66,7 @@ class AlamillaRenderer {
     int example = -1;                        ///< Of examples_; -1: noise.
   };
 
-  /// Of one tissue. Its places are in mm, along the fibres first.
+  /// Texture of one tissue. Its places are in mm, along the fibres first.
   struct ExampleRow {
     ExampleTexture texture;
     Eigen::Vector3d fibre;      ///< Unit length, CT.

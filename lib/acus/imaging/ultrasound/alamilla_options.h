@@ -58,7 +58,7 @@ struct AlamillaOptions {
   /// is.
   std::optional<double> gain_of_table_db;
 
-  /// Of all tissues.
+  /// The files of all tissues.
   std::vector<std::filesystem::path> ExampleImages() const;
 };
 

@@ -11,19 +11,19 @@
 namespace acus::ultrasound {
 
 /// Writes text into an image, its upper left corner at (column, row). What is not inside the
-/// image is left out. Letters are about 10 pixels high times `scale`.
+/// image is omitted. Letters are about 10 pixels high times `scale`.
 void DrawText(image::GrayImage& image, int column, int row, std::string_view text,
               std::uint8_t grey = 230, double scale = 1.0);
 
-/// Lays out the image that films show. Marks are drawn once, so that a frame costs two copies.
+/// Lays out the image that videos show. Marks are drawn once, so that a frame costs two copies.
 class Screen {
  public:
   enum class Shows { kBMode, kCtSlice, kBoth };
 
-  /// Of both, the B-mode is on the left; they have the same scale. Depth ticks each 5 mm (10 mm for
-  /// depths above 100 mm), labelled each second one in cm; a ring at the top on the marked side;
-  /// below the probe's name and depth. With a B-mode also a triangle beside the ticks at the focus,
-  /// and frequency, gain and dynamic range.
+  /// The B-mode is on the left of the two; they have the same scale. Depth ticks each 5 mm (10 mm
+  /// for depths above 100 mm), labelled each second one in cm; a ring at the top on the marked
+  /// side; below the probe's name and depth. With a B-mode also a triangle beside the ticks at the
+  /// focus, and frequency, gain and dynamic range.
   Screen(const acoustics::Probe& probe, Shows shows);
 
   /// @param left  The B-mode, or the CT slice alone.

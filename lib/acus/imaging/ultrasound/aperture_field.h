@@ -10,7 +10,7 @@
 
 namespace acus::ultrasound {
 
-/// Amplitude at a place: the mean over the aperture of what is left on the straight way from each
+/// Amplitude at a place: the mean over the aperture of what remains on the straight way from each
 /// element, squared, since the echo comes back through the same aperture. A bone narrower than the
 /// aperture throws a shadow that fills in below it; the edge of a wide one is a penumbra that grows
 /// with depth.

@@ -15,7 +15,7 @@ namespace acus::ultrasound {
 /// A phased probe has the middle one only: see SteeredRays.
 class ApertureRays {
  public:
-  /// @param grid  Rows at which rays are wanted; keeps nothing of it. @pre directions is odd.
+  /// @param grid  Rows at which rays are required; keeps nothing of it. @pre directions is odd.
   ApertureRays(const acoustics::Probe& probe, const acoustics::ScanGrid& grid, int directions);
 
   int directions() const { return static_cast<int>(tan_at_face_.size()); }

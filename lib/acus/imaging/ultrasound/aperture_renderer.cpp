@@ -292,7 +292,7 @@ struct ApertureRenderer::State {
   }
 
   /// Echoes of the probe itself: they fade within a few pulses; where the face looks into air they
-  /// go on.
+  /// continue.
   void AddRingDown(int block, EchoList& list) const {
     const int first = block * ApertureTracer::kLanesPerBlock;
     const int end = std::min(grid.lines(), first + ApertureTracer::kLanesPerBlock);

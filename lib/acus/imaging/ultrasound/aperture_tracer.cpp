@@ -168,7 +168,7 @@ void ApertureTracer::AddCrossings(const Pass& pass, int k, ApertureField& field)
     at.reflection = static_cast<float>(reflection);
     at.lead = static_cast<float>(kSlopeVoxels) / std::max(1e-3F, at.step.norm());
     work.crossings.push_back(at);
-    // Behind it, there and back, 1 - R^2 is left: the root of it one way. Rows above this one hold
+    // Behind it, two-way, 1 - R^2 remains: the root of it one way. Rows above this one hold
     // all planes.
     const double lost = 1.0 - std::sqrt(std::max(1e-4, 1.0 - reflection * reflection));
     const int behind = std::min(k, row + 1);

@@ -72,7 +72,7 @@ class ApertureTracer {
   const std::vector<float>& SmoothContact();
 
  private:
-  /// Of the lines of a block in one plane.
+  /// State of the lines of a block in one plane.
   struct PlaneState {
     alignas(64) float previous[kLanesPerBlock];
     alignas(64) float start[kLanesPerBlock];

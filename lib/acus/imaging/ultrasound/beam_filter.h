@@ -29,10 +29,10 @@ class BeamFilter {
   double grain_mm() const { return grain_mm_; }  ///< Lattice of the speckle.
   /// Phase of the speckle under steered lines.
   const LookPhase& look() const { return look_; }
-  /// Of the speckle of one sample, so that its envelope has the root mean square asked for.
+  /// Gain of the speckle of one sample, so that its envelope has the root mean square requested.
   float SpeckleGain(int k) const { return speckle_gain_[static_cast<std::size_t>(k)]; }
-  /// Of white noise, one complex number per sample, so that its envelope has a root mean square
-  /// of 1.
+  /// Gain of white noise, one complex number per sample, so that its envelope has a root mean
+  /// square of 1.
   float NoiseGain(int k) const { return noise_gain_[static_cast<std::size_t>(k)]; }
   /// Width of the window across over that along the beam, in mm.
   double AcrossOverAlong(int k) const { return across_over_along_[static_cast<std::size_t>(k)]; }

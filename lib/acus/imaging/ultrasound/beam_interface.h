@@ -13,7 +13,7 @@ namespace acus::ultrasound {
 struct InterfaceEcho {
   double echo = 0.0;          ///< Towards the probe, with its sign.
   double reflection = 0.0;    ///< Fresnel's, whatever its direction.
-  double transmission = 1.0;  ///< There and back: 1 - R^2, or that of bone and gas.
+  double transmission = 1.0;  ///< Two-way: 1 - R^2, or that of bone and gas.
 };
 
 /// R = (Z2 cos a1 - Z1 cos a2) / (Z2 cos a1 + Z1 cos a2); |R| = 1 beyond the critical angle.

@@ -35,7 +35,7 @@ void LabelRow(const LabelVoxels& voxels, const Lines& lines, float s, int lanes,
 /// What the echo is computed from, for one row of samples.
 struct TissueRow {
   float* log_impedance;  ///< zeta = ln(Z / MRayl) / 2: R = tanh of its step across an interface.
-  float* decay;          ///< Amplitude left after one sample, there and back.
+  float* decay;          ///< Amplitude left after one sample, two-way.
   float* scatter;        ///< Amplitude of the speckle (root mean square of the envelope).
 };
 

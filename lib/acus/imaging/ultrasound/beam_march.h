@@ -12,7 +12,7 @@ namespace acus::ultrasound {
 /// @param direction    Unit, of the sound.
 /// @param normal       Unit, either way.
 /// @param speed_ratio  c2 / c1.
-/// @return unit; `direction` beyond the critical angle, where nothing goes on.
+/// @return unit; `direction` beyond the critical angle, where nothing continues.
 Eigen::Vector3d Refracted(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal,
                           double speed_ratio);
 

@@ -10,7 +10,7 @@
 namespace acus::ultrasound {
 namespace {
 
-/// dB/cm one way to nepers of amplitude per sample, there and back.
+/// dB/cm one way to nepers of amplitude per sample, two-way.
 double NepersPerSample(double db_per_cm, double step_mm) {
   return db_per_cm * 0.1 * step_mm * 2.0 * std::numbers::ln10 / 20.0;
 }

@@ -39,7 +39,7 @@ class BeamRenderer {
               int num_threads = 1, const slicing::RestMap* rest = nullptr);
 
   /// Amplitude before compression and gains, of the last image: row(k)[line]. 1 is the echo of a
-  /// flat perfect reflector at a right angle there, without attenuation. Computed when asked for.
+  /// flat perfect reflector at a right angle there, without attenuation. Computed on request.
   const slicing::BeamImage& envelope();
 
   const acoustics::ScanGrid& grid() const;

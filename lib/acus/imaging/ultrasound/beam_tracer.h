@@ -26,7 +26,7 @@ struct ElevationPlane {
   double speckle_weight = 1.0;  ///< The squares sum up to 1.
 };
 
-/// With E the amplitude that arrives, there and back, from 1 at the face (0 against air):
+/// With E the amplitude that arrives, two-way, from 1 at the face (0 against air):
 ///   echo = E * (reflection of an interface that lies here) + E * backscatter * noise,
 ///   E    = E * (1 - R^2) behind an interface, and * exp(-2 alpha step) at each sample.
 class BeamTracer {
@@ -96,7 +96,7 @@ class BeamTracer {
     double weight;
     double speckle_weight;
     bool add;  ///< To what other planes have left.
-    // Of the current sample: where the lines are at s.
+    // The current sample: where the lines are at s.
     slicing::kernels::Lines voxels{};
     slicing::kernels::Lines lattice{};
     float s = 0.0F;

@@ -74,7 +74,7 @@ EchoTracer::EchoTracer(const acoustics::ScanGrid& grid, double frequency_mhz,
   span_ = std::min(span_, grid.samples);
   echo_row_.share_per_sample = 1.0F / static_cast<float>(span_);
   echo_row_.threshold = static_cast<float>(options.shadow_threshold);
-  // The samples of one interface together reflect what is wanted, whatever their number: a strong
+  // The samples of one interface together reflect what is required, whatever their number: a strong
   // one is seen from its surface on, by the second half of them.
   const int second_half = span_ - span_ / 2;
   const auto per_sample = [&](double reflection) {
@@ -92,7 +92,7 @@ EchoTracer::EchoTracer(const acoustics::ScanGrid& grid, double frequency_mhz,
     }
   }
   if (options.attenuation) {
-    // dB/cm/MHz, one way, to nepers of intensity per sample, there and back.
+    // dB/cm/MHz, one way, to nepers of intensity per sample, two-way.
     const double factor = frequency_mhz * 0.1 * grid.step_mm * 2.0 * std::numbers::ln10 / 10.0;
     nepers_ = CurveOf(Scaled(options.attenuation_db_per_cm_mhz, factor));
   }

@@ -18,7 +18,7 @@ slicing::kernels::Curve CurveOf(const std::vector<HuKnot>& knots);
 /// Follows each scan line down, from intensity 1 at the face (0 where it is against air):
 ///   r_k     = ((Z_b - Z_a) / (Z_b + Z_a))^2, Z_a and Z_b one interface span apart around sample k,
 ///   echo_k  = E_k * r_k * (angle weight) + E_k * scattered_k,
-///   E_{k+1} = E_k * (1 - r_k)^2 * attenuation_k^2        (there and back).
+///   E_{k+1} = E_k * (1 - r_k)^2 * attenuation_k^2        (two-way).
 /// Stages that are off are not called. Deterministic with any number of threads.
 class EchoTracer {
  public:

@@ -20,7 +20,7 @@ class EdgeEnhancement {
   bool on() const { return !weight_.empty(); }
 
   /// Row `k` of `rows` rows, each `stride` bytes after the one before; the first and the last row
-  /// go on outside.
+  /// continue outside.
   void EnhanceRow(const std::uint8_t* grey, std::ptrdiff_t stride, int rows, int k, int lanes,
                   std::uint8_t* out) const;
 

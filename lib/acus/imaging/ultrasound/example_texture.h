@@ -47,7 +47,7 @@ class ExampleTexture {
   /// @param share_across  0: the image contains the fibres; 1: it lies across them.
   float GreyAt(const Eigen::Vector3f& place_mm, float share_across) const noexcept;
 
-  /// Of the greys, for this share.
+  /// Mean of the greys, for this share.
   float Mean(float share_across) const noexcept;
   /// Whether the image's direction matters.
   bool has_across() const { return across_.has_value(); }

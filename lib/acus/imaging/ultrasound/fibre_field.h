@@ -1,4 +1,4 @@
-// Which way the fibres of labelled tissue run, told by its surface alone.
+// The direction of the fibres of labelled tissue, from its surface alone.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +25,7 @@ class FibreField {
   /// @param index  Continuous voxel index.
   Eigen::Vector3f At(volume::Label label, const Eigen::Vector3f& index) const;
 
-  /// Of the whole label. Zero as above.
+  /// Direction of the whole label. Zero as above.
   Eigen::Vector3f MainDirection(volume::Label label) const;
 
  private:

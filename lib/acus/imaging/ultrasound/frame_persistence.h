@@ -19,10 +19,11 @@ class FramePersistence {
   bool on() const { return time_constant_s_ > 0.0; }
 
   /// The mean so far takes in `frame`, and is written to `out` (not `frame`). The first frame, one
-  /// of another size, and one that is not after the last start anew. Allocates only if frames grow.
+  /// of another size, and one that is not after the last start again. Allocates only if frames
+  /// grow.
   void Add(std::int64_t time_ns, const image::GrayImage& frame, image::GrayImage& out);
 
-  /// The next frame starts anew.
+  /// The next frame starts a new average.
   void Reset() { mean_.clear(); }
 
  private:

@@ -9,7 +9,7 @@
 namespace acus::ultrasound {
 
 /// Grey, 0 to 1, of a level that lies u of the dynamic range above its foot; 0 and 1 at the ends
-/// but for the power, whose foot is 10^(-exponent range / 20), and which is cut off there.
+/// except for the power, whose foot is 10^(-exponent range / 20), and which is cut off there.
 ///   log: u (Kaplan and Ma, J. Acoust. Soc. Am. 95:1396, 1994);
 ///   power: (amplitude over that of white)^exponent;
 ///   sigmoid: the SIGMOID function of DICOM PS3.3 C.11.2.1.3, stretched to 0 ... 1.

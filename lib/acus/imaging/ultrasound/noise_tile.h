@@ -29,7 +29,7 @@ class NoiseTile {
   void Row(const slicing::kernels::Lines& lines, float sample, const float tile_per_index[3],
            int lanes, float* out) const;
 
-  /// Of one voxel; indices are taken modulo kSize.
+  /// Noise of one voxel; indices are taken modulo kSize.
   float At(int i, int j, int k) const;
 
  private:

@@ -15,11 +15,11 @@ constexpr double kKnotMm = 0.8;
 constexpr double kKnotRowMm = 1.0;
 /// Binomial windows over the places of knots: a standard deviation of 1.7 knots.
 constexpr int kBeamPasses = 3;
-/// The raster goes on beside the outermost lines, for rays that leave them.
+/// The raster continues beside the outermost lines, for rays that leave them.
 constexpr double kMarginMm = 6.0;
 constexpr int kRasterRowsPerPiece = 16;
 /// (c / c0)^2 of the fastest soft tissue and of bone, and what bone takes of the energy per mm, one
-/// way: 40 dB there and back.
+/// way: 40 dB two-way.
 constexpr float kSoft = 1.5F;
 constexpr float kBone = 4.0F;
 constexpr float kBoneNepersPerMm = 4.6F;

@@ -1,5 +1,5 @@
 // Rays that the speed of sound bends, over the whole aperture: what a scanner that assumes straight
-// rays shows where, and how much of its focus is left.
+// rays shows where, and how much of its focus remains.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -22,7 +22,7 @@ namespace acus::ultrasound {
 /// K_de = exp(-(x_d - x_e)^2 / (4 sigma^2)) of their distance across the beam, sigma that of the
 /// point spread,
 ///   G^2 = sum_d w_d sum_e w_e K_de,   r = sum_d w_d r_d sum_e w_e K_de / G^2:
-/// the share of the two-way intensity that is left, and the place that is seen. Equal places give
+/// the share of the two-way intensity that remains, and the place that is seen. Equal places give
 /// G = 1. Rays that end in bone have no part in either. Within the plane only.
 class Refraction final : public slicing::RestMap {
  public:
@@ -90,7 +90,7 @@ class Refraction final : public slicing::RestMap {
   std::vector<Eigen::Array2f> shift_mm_;
   std::vector<float> component_mm_;
   std::vector<float> gain_;
-  // Of the image that is being rendered.
+  // State of the image that is being rendered.
   Eigen::Isometry3d ct_from_probe_ = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d probe_from_ct_ = Eigen::Isometry3d::Identity();
   const slicing::RestMap* rest_ = nullptr;

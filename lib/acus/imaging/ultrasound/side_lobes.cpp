@@ -11,9 +11,9 @@ namespace acus::ultrasound {
 namespace {
 
 constexpr double kStepMm = 5.0;
-/// Of the point spread's standard deviation: beyond begin the lobes.
+/// In standard deviations of the point spread: beyond begin the lobes.
 constexpr double kMainLobe = 2.6;
-/// Of lines: what a reflector adds to them is kept for each pair.
+/// Pairs of lines: what a reflector adds to them is kept for each pair.
 constexpr int kMostBins = 96;
 constexpr int kSines = 1024;  ///< Of a table over 0 to 2.
 

@@ -35,12 +35,12 @@ double LobeIntensity(const acoustics::Probe& probe, Apodisation apodisation, dou
 /// Spreads the intensity of strong echoes along arcs of equal range to the lines beside them, by
 /// LobeIntensity, ElementDirectivity and the lobe of a rough mirror that faces the reflector's own
 /// line; a phased probe sees reflectors from one place, so that the first alone counts. Within the
-/// main lobe nothing is added: that is the point spread. What is fainter than kFaintest is left out
+/// main lobe nothing is added: that is the point spread. What is fainter than kFaintest is omitted
 /// before any image: a probe without visible lobes costs nothing.
 class SideLobes {
  public:
   static constexpr double kFaintest = 1e-7;  ///< Intensity: -70 dB.
-  /// Of the pitch that an element fills. Estimate.
+  /// Share of the pitch that an element fills. Estimate.
   static constexpr double kElementShare = 0.9;
 
   /// @param rows  Rows of tissue, along the scan lines; kept by reference.

@@ -15,7 +15,7 @@ namespace acus::ultrasound {
 /// Refractive index n = c0 / c of each voxel, c0 = 1540 m/s, smoothed by a binomial window of one
 /// voxel along each axis, so that stairs of labels bend no rays. In one byte: within 0.0008 for
 /// soft tissue, 0.005 for bone. Gas, and what lies around the patient, count as gel of c0: sound
-/// that meets gas does not go on.
+/// that meets gas does not continue.
 class SpeedVolume {
  public:
   /// Reads labels and CT once; keeps nothing of them.

@@ -12,11 +12,11 @@ namespace acus::ultrasound {
 /// at the range rho from the middle of the face, on the line of the angle
 ///   theta = phi + asin(u cos(phi) / rho),
 /// and the place (rho, theta) is reached from u under tan(phi) = (rho sin(theta) - u) /
-/// (rho cos(theta)). Rays are numbered by phi, lines apart as the image's, and go on beside the
+/// (rho cos(theta)). Rays are numbered by phi, lines apart as the image's, and continue beside the
 /// outermost lines.
 class SteeredRays {
  public:
-  /// @param grid  Rows at which rays are wanted; keeps nothing of it.
+  /// @param grid  Rows at which rays are required; keeps nothing of it.
   /// @param directions  Odd: places u across the aperture.
   /// @pre the probe is phased, and grid has two lines or more.
   SteeredRays(const acoustics::Probe& probe, const acoustics::ScanGrid& grid, int directions);

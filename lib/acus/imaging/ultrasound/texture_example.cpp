@@ -39,7 +39,7 @@ double CorrelationPixels(const image::GrayImage& image, double mean, double vari
   return longest;
 }
 
-/// Within 0 to `size`: a place of the line that is laid to and fro over it.
+/// Within 0 to `size`: a place of the line that is laid back and forth over it.
 float Mirrored(float place, float size) {
   const float turn = place - 2.0F * size * std::floor(place / (2.0F * size));
   return std::clamp(turn > size ? 2.0F * size - turn : turn, 0.0F, size);
@@ -121,7 +121,7 @@ void TextureExample::SetGreys(const image::GrayImage& image, const std::string& 
   grey_of_[kSteps + 1] = grey_of_[kSteps];
 }
 
-/// Interpolation between pixels takes variance: on average (2 + c) / 3 along each axis is left, c
+/// Interpolation between pixels takes variance: on average (2 + c) / 3 along each axis remains, c
 /// the correlation of adjacent pixels. The field is made larger by as much.
 void TextureExample::KeepVariance() {
   double along = 0.0;

@@ -21,7 +21,7 @@ class TextureExample {
   ///     that hangs together over more than a sixteenth of its length or width.
   TextureExample(const image::GrayImage& image, double mm_per_px, const std::string& label);
 
-  /// Of an 8-bit PNG. @throws InputError also if it cannot be read or has colours.
+  /// Reads an 8-bit PNG. @throws InputError also if it cannot be read or has colours.
   static TextureExample Read(const std::filesystem::path& path, double mm_per_px);
 
   double mean() const { return mean_; }                     ///< Of the greys, 0 to 1.

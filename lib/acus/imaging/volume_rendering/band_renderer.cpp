@@ -22,7 +22,7 @@ BandRenderer::BandRenderer(const VolumeScene& scene, const RaySettings& settings
       bands_(bands),
       ray_caster_(scene, settings, camera.EyeInCtMm()) {
   const bool shows_volume = scene.ct != nullptr && !scene.blocks->nothing_visible();
-  // Tiles know neither cuts nor tissue under tools.
+  // Tiles have neither cuts nor tissue under tools.
   const bool is_plain = scene.pressed == nullptr && scene.cuts.empty();
   if (shows_volume && is_plain && TileCaster::CanCast(*scene.ct)) {
     tile_caster_.emplace(scene, settings, camera);

@@ -7,7 +7,7 @@
 namespace acus::volume_rendering {
 namespace {
 
-/// Of each node; each triangle counts by its area.
+/// Normal of each node; each triangle counts by its area.
 Eigen::Matrix3Xf NormalsOf(const Eigen::Matrix3Xf& nodes_mm, const Eigen::Matrix3Xi& triangles) {
   Eigen::Matrix3Xf normals = Eigen::Matrix3Xf::Zero(3, nodes_mm.cols());
   for (const auto& corners : triangles.colwise()) {

@@ -33,7 +33,7 @@ class MovingSurface {
   Eigen::Matrix3Xi triangles_;
   Eigen::Matrix3Xf world_mm_;
   Eigen::Matrix3Xf normals_;
-  std::uint64_t field_ = 0;  ///< Of the moment that is shown; 0: at rest.
+  std::uint64_t field_ = 0;  ///< Of the instant that is shown; 0: at rest.
   breathing::MotionWeights weights_;
 };
 

@@ -101,7 +101,7 @@ struct PatientView::Content {
   std::vector<PressedSurface> pressed_surfaces;
   Eigen::AlignedBox3d box;
 
-  // Of one image.
+  // State of one image.
   std::deque<Placed> tools;
   ImagePlane plane;
   std::vector<Drawing> drawings;

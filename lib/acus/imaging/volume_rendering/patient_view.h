@@ -60,7 +60,7 @@ struct ProbeInView {
   const image::GrayImage* b_mode = nullptr;  ///< Shown in the plane; null: an empty pane.
 };
 
-/// What an image needs to know of a moment. Tools are in the world: where they are, not where
+/// What an image needs of an instant. Tools are in the world: where they are, not where
 /// that was at rest.
 /// From one place to another, drawn as an arrow; CT space.
 struct Arrow {
@@ -74,7 +74,7 @@ struct ViewMoment {
   std::optional<ProbeInView> probe = std::nullopt;
   /// Where the needle's tip has been, drawn as a line; CT space, mm. Fewer than two: none.
   std::span<const Eigen::Vector3d> path_in_ct_mm = {};
-  /// Of a force; one that is not finite or has no length is not drawn.
+  /// Arrow of a force; one that is not finite or has no length is not drawn.
   std::optional<Arrow> arrow = std::nullopt;
   /// Tissue that tools press, after breath; null: none.
   const PressedTissue* pressed = nullptr;
@@ -114,7 +114,7 @@ class PatientView {
   /// Why the device is not used any more; empty: it is, or there never was one.
   const std::string& device_trouble() const;
 
-  /// Of the patient at rest: surfaces, or else the CT's visible part.
+  /// Box of the patient at rest: surfaces, or else the CT's visible part.
   const Eigen::AlignedBox3d& box_in_ct_mm() const;
 
  private:

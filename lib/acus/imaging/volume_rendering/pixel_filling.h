@@ -20,7 +20,7 @@ void FirstPixels(const TilePlace& tile, std::vector<std::uint8_t>& wanted);
 
 /// The grid of half the stride. A pixel that is not in the grid of `stride` gets what lies between
 /// the two or four around it in that, if these differ by no more than the tolerance in each channel
-/// and in opacity, and no surface is in it; else it is wanted.
+/// and in opacity, and no surface is in it; else it is required.
 /// @param fragments_of  By pixel; empty: there are none.
 /// @param pixels  Those of the grid of `stride` are known.
 /// @param wanted  Gets 1 for each pixel that needs a ray.

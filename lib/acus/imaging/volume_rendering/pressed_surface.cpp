@@ -41,7 +41,7 @@ void PressedSurface::Update(const PressedTissue& pressed, const Eigen::Matrix3Xf
   if (num_pressed_ > 0) RenewNormals(triangles);
 }
 
-/// Of the nodes whose triangles have changed.
+/// Normals of the nodes whose triangles have changed.
 void PressedSurface::RenewNormals(const Eigen::Matrix3Xi& triangles) {
   const auto flag = [&](int node) -> std::uint8_t& {
     return touched_[static_cast<std::size_t>(node)];

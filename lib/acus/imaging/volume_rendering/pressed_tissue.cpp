@@ -10,7 +10,7 @@ namespace acus::volume_rendering {
 namespace {
 
 constexpr std::int64_t kMostKnots = 4'000'000;
-/// Shorter offsets are what is left of an inversion, not of a tool.
+/// Shorter offsets are what remains of an inversion, not of a tool.
 constexpr double kLeastMm = 1e-3;
 
 }  // namespace

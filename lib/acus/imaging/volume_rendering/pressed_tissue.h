@@ -34,7 +34,7 @@ class PressedTissue {
   bool empty() const noexcept { return knots_.empty(); }
   /// CT space; nothing is pressed outside of it.
   const Eigen::AlignedBox3f& box_in_ct_mm() const noexcept { return box_; }
-  /// Of all knots' |d|.
+  /// The largest of all knots' |d|.
   float LargestMm() const noexcept { return largest_mm_; }
   /// d at the knots, x fastest; the first one is at the box's low corner.
   const std::vector<Eigen::Vector3f>& knots() const noexcept { return knots_; }

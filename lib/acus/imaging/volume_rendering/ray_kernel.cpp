@@ -30,7 +30,7 @@ struct Marching {
   alignas(64) std::int32_t before[kLanes];
   alignas(64) float hu_before[kLanes];
   alignas(64) float index_before[3][kLanes];
-  // Of the present sample.
+  // The present sample.
   alignas(64) std::int32_t hidden[kLanes];
   alignas(64) float index[3][kLanes];
   alignas(64) std::int32_t block[3][kLanes];

@@ -34,8 +34,8 @@ class TileCaster {
   /// @param fragments_of  By pixel, row by row: surfaces by rising distance, none after an opaque
   ///     one; empty: there are none.
   /// @param empty_mm  Nothing of the CT shows before that.
-  /// @param out  By pixel, row by row; those left out stay as they are.
-  /// @param wanted  By pixel: 0 for those to be left out; empty: all are cast.
+  /// @param out  By pixel, row by row; those omitted stay as they are.
+  /// @param wanted  By pixel: 0 for those to be omitted; empty: all are cast.
   void Cast(const TilePlace& place, std::span<const std::span<const Fragment>> fragments_of,
             float empty_mm, std::span<RayColour> out,
             std::span<const std::uint8_t> wanted = {}) const;

@@ -26,7 +26,7 @@ class ShadowMap {
   /// Where the middle of cell (0, 0) is, and how far cells are apart.
   const Eigen::Vector2f& low_mm() const { return low_mm_; }
   float mm_per_cell() const { return mm_per_cell_; }
-  /// Of the tool nearest to the lamp, along z; kSize x kSize cells, x fastest.
+  /// Height of the tool nearest to the lamp, along z; kSize x kSize cells, x fastest.
   const std::vector<float>& height_mm() const { return height_mm_; }
 
  private:

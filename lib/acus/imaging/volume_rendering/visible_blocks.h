@@ -12,7 +12,7 @@
 
 namespace acus::volume_rendering {
 
-/// The volume in blocks of some 6 mm. Blocks of the patient at rest are known from the voxels; the
+/// The volume in blocks of about 6 mm. Blocks of the patient at rest are known from the voxels; the
 /// blocks of the world that they can reach are found for each moment, with bounds that hold: the
 /// displacement anywhere in a cell lies between those of its nodes.
 class VisibleBlocks {
@@ -42,7 +42,7 @@ class VisibleBlocks {
   const Eigen::Array3i& size() const { return size_; }
   /// DistanceOf, i fastest; 3 more bytes may be read. @pre something is visible.
   const std::uint8_t* distances() const noexcept { return distance_.data(); }
-  /// Of the patient at rest, CT space; the whole volume if nothing is visible.
+  /// Box of the patient at rest, CT space; the whole volume if nothing is visible.
   Eigen::AlignedBox3d VisibleBox() const;
   bool nothing_visible() const { return visible_.empty(); }
 

@@ -12,7 +12,7 @@ struct WarpSettings {
   int max_iterations = 5;
   /// ... and no more than needed for steps shorter than this.
   double tolerance_mm = 0.05;
-  /// Where |X + u(X) - x| stays below this between the corners of a block of some 6 mm, samples in
+  /// Where |X + u(X) - x| stays below this between the corners of a block of about 6 mm, samples in
   /// it take what lies between those (WarpLattice). 0: every sample inverts for itself.
   double lattice_mm = 0.15;
 };

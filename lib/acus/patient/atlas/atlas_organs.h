@@ -12,7 +12,7 @@ namespace acus::atlas {
 /// Gives liver, kidney and spleen to what is fat, soft tissue or muscle in `labels`; organs that
 /// `labels` has already stay as they are. Each atlas patient is bent onto the CT; where their
 /// organs lie on average is the prior of a minimal cut on the CT's HU (see the page of the model).
-/// Atlas patients that share too little of the body with the CT are left out with a warning; so are
+/// Atlas patients that share too little of the body with the CT are omitted with a warning; so are
 /// organs with an impossible volume.
 /// @param tissues  Settings for the atlas's CTs.
 /// @param atlas  Empty, or no organ unknown: nothing happens.

@@ -18,7 +18,7 @@ using volume::Grid;
 
 constexpr double kLeastContrast = -80.0, kMostContrast = 150.0;  // Of soft tissue, HU.
 
-/// The value of a tissue that is told by its label alone; none for soft tissue.
+/// The value of a tissue that follows from its label alone; none for soft tissue.
 std::optional<float> FixedValue(volume::Label tissue) {
   static const auto values = [] {
     std::array<std::optional<float>, 256> table;

@@ -34,7 +34,7 @@ constexpr std::size_t kLeastVoxels = 200;  // Of an organ whose HU is taken.
 constexpr double kOrganDepthMm = 6.0, kVesselDepthMm = 3.0;
 constexpr int kPeakBlurHu = 10;
 
-/// Labels whose HU tell them from the tissue around them.
+/// Labels whose HU distinguish them from the tissue around them.
 constexpr std::array kColoured = {"liver", "kidney", "spleen",   "vessel",  "lesion",
                                   "bowel", "heart",  "pancreas", "stomach", "gallbladder"};
 

@@ -13,7 +13,7 @@ namespace acus::atlas {
 struct LabelledPatient {
   volume::CtVolume ct;
   volume::LabelMap tissues;  ///< As acus-segment finds them.
-  volume::LabelMap organs;   ///< As somebody drew them, on the same grid.
+  volume::LabelMap organs;   ///< As drawn by a person, on the same grid.
 };
 
 /// What an atlas says of a patient.

@@ -18,8 +18,8 @@ using Eigen::Vector3d;
 
 constexpr MotionKind kKinds[] = {MotionKind::kSinusoid, MotionKind::kFullCycle,
                                  MotionKind::kHalfCycle, MotionKind::kSurrogate};
-constexpr double kBeyondBelief = 200.0;  // mm.
-constexpr double kUpperHalf = 0.5;       // Of normal breath.
+constexpr double kLargestPlausibleMm = 200.0;
+constexpr double kUpperHalf = 0.5;  // Of normal breath.
 
 double Largest(const std::vector<float>& displacement_mm) {
   double largest2 = 0.0;
@@ -89,7 +89,7 @@ void AtLandmarks(const KnownLandmarks& landmarks, const std::string& reference,
   });
 }
 
-/// Of a model, over all phases that have landmarks.
+/// Error of a model, over all phases that have landmarks.
 std::optional<breathing::ModelError> ModelAtLandmarks(const breathing::MotionModel& model,
                                                       const KnownLandmarks& landmarks,
                                                       const std::string& reference,
@@ -428,7 +428,8 @@ Capture CaptureFields(const PhaseFiles& files, const volume::Geometry* ct,
                  given.nodes.size.transpose(), " at ", given.nodes.origin_mm.transpose(),
                  " mm; all fields must lie on the same grid");
     const double largest = Largest(field.displacement_in_ct_mm);
-    ACUS_REQUIRE(largest < kBeyondBelief, phase.path.string(), ": displacements of up to ", largest,
+    ACUS_REQUIRE(largest < kLargestPlausibleMm, phase.path.string(), ": displacements of up to ",
+                 largest,
                  " mm; breath moves nothing that far. Fields must be in mm of CT space (LPS), from "
                  "the reference to the phase");
     capture.phases.push_back({.file = phase,

@@ -13,7 +13,7 @@ using Eigen::Array3i;
 using Eigen::Vector3f;
 
 constexpr int kScales = 6;
-// Of the fit to the landmarks of two CTs; lengths in distances of the nodes.
+// Constants of the fit to the landmarks of two CTs; lengths in distances of the nodes.
 constexpr float kStrainReach = 1.3F, kDisagreement = 0.42F;
 constexpr float kWallReach = 2.0F, kWallLayerMm = 8.0F;
 constexpr float kSmallestMm = 0.05F;

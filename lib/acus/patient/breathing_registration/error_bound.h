@@ -37,7 +37,7 @@ class ErrorBound {
   double Mm(const Eigen::Vector3f& at, Side side) const noexcept;
   /// Images show no match here: the solution is extrapolated from its surroundings.
   bool IsUnseen(const Eigen::Vector3f& at, Side side) const noexcept;
-  /// Of all tissue.
+  /// Share of all tissue for which IsUnseen() holds.
   double unseen_share() const { return unseen_share_; }
 
  private:

@@ -25,7 +25,7 @@ class LungDensity {
     float contrast = 0.0F;
     float slope = 1.0F;  ///< Of it by the contrast in the reference.
   };
-  /// Of node n in the phase. @param contrast  In the reference.
+  /// How node n looks in the phase. @param contrast  In the reference.
   Look At(int n, float contrast) const noexcept;
   /// Volume in the phase by volume in the reference, in [0.5, 2]; 1 where no lung is near.
   float VolumeRatio(int n) const noexcept {

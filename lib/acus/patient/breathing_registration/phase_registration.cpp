@@ -234,7 +234,7 @@ SlidingGrid::Field PhaseRegistration::Refine(const Level& level, const ModelImag
   const SlidingGrid& grid = *level.grid;
   const auto coarser = static_cast<float>(grid.geometry().spacing_mm[0] / settings_.spacing_mm);
   const int count = grid.num_nodes();
-  // Coarse grids say where tissue went as a whole, fine ones what is left: smoother first.
+  // Coarse grids say where tissue went as a whole, fine ones what remains: smoother first.
   const float stiffness = static_cast<float>(settings_.smoothness) * coarser * coarser;
   DataTerm data{.gradient = SlidingGrid::Field(u.size()), .force = SlidingGrid::Field(u.size())};
   constexpr int kChunk = 8192;

@@ -15,7 +15,7 @@
 namespace acus::breathing_registration {
 
 struct RegistrationSettings {
-  /// Of the finest grid; each coarser one has twice the last's. 0: DefaultSpacingMm.
+  /// Spacing of the finest grid; each coarser one has twice the last's. 0: DefaultSpacingMm.
   double spacing_mm = 0.0;
   int levels = 3;
   int iterations = 6;          ///< Linearisations on each grid.
@@ -49,7 +49,7 @@ class PhaseField {
   double BoundMm(const Eigen::Vector3d& rest_mm, Side side) const;
   /// The images show no match there.
   bool IsUnseen(const Eigen::Vector3d& rest_mm, Side side) const;
-  /// Of all tissue.
+  /// Share of all tissue without a match in the images.
   double unseen_share() const { return bound_.unseen_share(); }
 
   /// The bound at each of other nodes, i fastest, mm; 0 where there is no tissue.
@@ -75,7 +75,7 @@ class PhaseField {
 /// tissue: ten phases then take about a minute on two cores.
 double DefaultSpacingMm(const volume::Geometry& ct, const Tissue& tissue, int num_threads);
 
-/// What is left of the difference between reference and phase, in units of contrast.
+/// What remains of the difference between reference and phase, in units of contrast.
 struct Residual {
   double before = 0.0;  ///< Root mean square over the tissue.
   double after = 0.0;

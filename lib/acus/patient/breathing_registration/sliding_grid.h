@@ -40,7 +40,7 @@ class SlidingGrid {
   const volume::Geometry& geometry() const { return geometry_; }
   std::size_t Voxel(int node) const { return voxel_[static_cast<std::size_t>(node)]; }
   Side SideOf(int node) const { return side_[static_cast<std::size_t>(node)]; }
-  /// Of a node, in voxels.
+  /// Place of a node, in voxels.
   Eigen::Vector3f IndexOf(int node) const;
   /// The node at a voxel; -1 where there is no tissue.
   std::int32_t NodeAt(std::size_t voxel) const { return node_at_[voxel]; }

@@ -166,9 +166,9 @@ void Fitter::FitRise() {
                            rise.x.size(), " samples");
     return;
   }
-  // Both terms; only if one of them comes out below 0, or cannot be told from the contact depth (as
-  // a1 near 0), the better of the two laws with one term. In air the law is known to hold, and an
-  // estimate may be below 0 by its error, or the interval would not be fair.
+  // Both terms; only if one of them comes out below 0, or cannot be distinguished from the contact
+  // depth (as a1 near 0), the better of the two laws with one term. In air the law is known to
+  // hold, and an estimate may be below 0 by its error, or the interval would not be fair.
   const auto is_negative = [&](const Estimate& term) {
     return (IsFreeApproach() ? term.high : term.value) < 0.0;
   };

@@ -15,7 +15,7 @@ namespace acus::fitting {
 struct PunctureCurveFit {
   std::string name;
   bool converged = false;
-  std::string message;  ///< Why not, or what to know about the fit.
+  std::string message;  ///< Why not, or a remark on the fit.
   CurvePhases phases;
   std::size_t main = 0;   ///< Of phases.punctures: the one that is fitted.
   bool is_entry = false;  ///< It is where the needle comes in from outside: a capsule or skin. Else

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kShortestPhaseMm = 3.0;  // A line over less depth has no slope to fit.
 constexpr double kReversalMm = 3.0;       // Travel in which friction has turned round, at least...
-constexpr double kReversalShare = 0.2;    // ...or this share of the way out.
+constexpr double kReversalShare = 0.2;    // ...or this share of the withdrawal.
 constexpr double kShortestHoldS = 1.0;
 constexpr double kEntryShare = 0.5;    // Of the largest fall, that the entry's has at least.
 constexpr double kRelaxationS = 10.0;  // One exponential describes so long a hold, not minutes.

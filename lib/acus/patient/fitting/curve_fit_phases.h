@@ -8,13 +8,14 @@ namespace acus::fitting {
 
 inline constexpr double kStickMm = 4.0;  ///< An embedded needle's shaft slides after this travel.
 
-double OffsetN(const PunctureCurveFit& fit);  ///< 0 where there is no rest to tell it from.
-/// Drive depth at which a force is first felt: on the way out the needle leaves the tissue there.
+double OffsetN(const PunctureCurveFit& fit);  ///< 0 where there is no rest to find it from.
+/// Drive depth at which a force first appears: during withdrawal the needle leaves the tissue
+/// there.
 double FirstForceMm(const ForceCurve& curve, const PunctureCurveFit& fit);
 Samples RestSamples(const ForceCurve& curve, const CurvePhases& phases);
 
-/// True if the force is higher on the way out than on the way in or, without a way out, below its
-/// offset deep inside: + must push the needle out.
+/// True if the force is higher during withdrawal than during insertion or, without a withdrawal,
+/// below its offset deep inside: + must push the needle out.
 bool SignIsReversed(const ForceCurve& curve, const PunctureCurveFit& fit);
 inline constexpr const char* kReversedSign =
     "the force pulls the needle in while it advances and pushes it out while it is withdrawn; is "

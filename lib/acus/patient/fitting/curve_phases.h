@@ -30,7 +30,7 @@ struct CurvePhases {
   SampleRange rest;             ///< Before the drive moves; may be empty.
   SampleRange advance;          ///< From the first motion to the greatest depth.
   SampleRange hold;             ///< At the greatest depth.
-  SampleRange retract;          ///< On the way out, until the drive stops.
+  SampleRange retract;          ///< The withdrawal, until the drive stops.
   std::vector<bool> moving_in;  ///< By sample: advancing at near full speed.
   double advance_mm_per_s = 0.0;
   double rate_hz = 0.0;

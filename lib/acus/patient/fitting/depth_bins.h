@@ -7,7 +7,7 @@
 
 namespace acus::fitting {
 
-/// Means over steps of depth, in order of depth; steps without a sample are left out.
+/// Means over steps of depth, in order of depth; steps without a sample are omitted.
 struct DepthBins {
   std::vector<double> depth_mm;
   std::vector<double> force_n;

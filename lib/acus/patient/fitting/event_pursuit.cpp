@@ -26,7 +26,7 @@ class Pursuit {
   const Eigen::VectorXd& residual() const { return residual_; }
   double squares() const { return residual_.squaredNorm(); }
 
-  /// What an event would bring; columns that ask for a negative factor are left out.
+  /// What an event would bring; columns that call for a negative factor are omitted.
   void Try(const EventShape& shape, Eigen::Index positive, EventChoice& best) const {
     const Eigen::MatrixXd left = shape.columns - q_ * (q_.transpose() * shape.columns);
     const Eigen::Index n = left.cols();

@@ -26,7 +26,7 @@ struct EventChoice {
 /// A kind of event.
 struct EventKind {
   std::function<EventShape(const std::vector<double>& place)> shape_at;
-  /// Places to look at, given what is left by row.
+  /// Places to look at, given what remains by row.
   std::function<std::vector<std::vector<double>>(const Eigen::VectorXd& left)> places;
   std::function<double(const EventChoice&)> size_n;
   Eigen::Index positive = 0;  ///< So many of the first columns have factors >= 0.

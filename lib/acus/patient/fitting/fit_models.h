@@ -65,7 +65,7 @@ std::vector<ModelScore> ScoreInsertion(const FittedCurve& fitted);
 
 /// Parameters of Fortmeier-2016 eq. 4-7 for path nodes of this spacing.
 struct FortmeierFit {
-  // Of the capsule: only from a recording in which the needle comes in from outside. A puncture of
+  // The capsule: only from a recording in which the needle comes in from outside. A puncture of
   // a structure inside says nothing about the capsule.
   std::optional<Estimate> a1_n_per_mm;
   std::optional<Estimate> a2_n_per_mm2;
@@ -90,7 +90,7 @@ std::string ModelTable(std::span<const FittedCurve> fitted);
 /// resistance by HU, medians.
 nlohmann::json TogetherJson(std::span<const FittedCurve> fitted, const FitModels& models);
 
-/// Measured force with the fit of the puncture over it, and what is left, over x.
+/// Measured force with the fit of the puncture over it, and what remains, over x.
 std::vector<report::Plot> PuncturePlots(const FittedCurve& fitted, const std::vector<double>& x,
                                         const char* x_label);
 /// Insertion and retraction over depth with all models, what they leave, and everything over time.

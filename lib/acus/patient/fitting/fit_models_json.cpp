@@ -69,7 +69,7 @@ json GaussiansJson(const GaussianFit& fit) {
 json EventsJson(const MechanicalFit& fit) {
   json punctures = json::array();
   for (const FoundPuncture& p : fit.punctures) {
-    // What stays after it tells a membrane from a change of tissue.
+    // What stays after it distinguishes a membrane from a change of tissue.
     const double drop_n = p.law.PeakN() - p.law.step_n;
     punctures.push_back({{"kind", drop_n > 0.05 ? "puncture" : "interface"},
                          {"contact_mm", EstimateJson(p.contact_mm)},
@@ -157,7 +157,7 @@ void AddJoint(const std::vector<JointRecording>& recordings, json& result) {
                              {"two_constants_rms_n", RmsJson(p.two_knots)},
                              {"mean_curve_rms_n", RmsJson(p.mean_curve)}});
     }
-    result["foretold_by_the_others"] = predictions;
+    result["leave_one_out_predictions"] = predictions;
   } catch (const NoAnswerError& error) {
     result["joint"] = {{"recordings", recordings.size()}, {"why_not", error.what()}};
   }

@@ -70,7 +70,7 @@ void AddCapsule(std::span<const PunctureCurveFit> fits, double ratio, const json
   row["source"] = Message(source, "; entries of ", entries.size());
 }
 
-/// What is left of the plateau's force when the friction of the buried shaft is taken off.
+/// What remains of the plateau's force when the friction of the buried shaft is taken off.
 double MedianCuttingN(std::span<const PunctureCurveFit> fits, double friction_n_per_mm) {
   std::vector<double> values;
   for (const PunctureCurveFit& fit : fits) {
@@ -171,8 +171,9 @@ json TableWithFittedTissue(json base, const std::string& tissue,
                            double measured_diameter_mm) {
   const double ratio = base.value("reference_diameter_mm", 1.27) / measured_diameter_mm;
   const double out_n_per_mm = MedianOf(fits, &PunctureCurveFit::friction_n_per_mm, "friction");
-  // Behind the puncture the force grows with the buried shaft: its slope is the friction on the way
-  // in. One that falls is something else (a layer that ends); then there is only the way out.
+  // Behind the puncture the force grows with the buried shaft: its slope is the friction of the
+  // insertion. One that falls is something else (a layer that ends); then there is only the
+  // withdrawal.
   const double slope_n_per_mm =
       MedianOf(fits, &PunctureCurveFit::plateau_slope_n_per_mm, "slope of the plateau");
   const double in_n_per_mm = slope_n_per_mm > 0.0 ? slope_n_per_mm : out_n_per_mm;

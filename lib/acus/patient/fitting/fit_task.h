@@ -19,8 +19,8 @@ struct FitTask {
   double diameter_mm = 1.27;                  ///< Of the needle that was used.
 };
 
-/// Fits, or predicts, and writes the folder. A model that has no answer for a recording is told in
-/// a warning, in fit.json and in the table; the others are written.
+/// Fits, or predicts, and writes the folder. A model that has no answer for a recording is reported
+/// in a warning, in fit.json and in the table; the others are written.
 /// @return the table for the terminal.
 /// @throws InputError, and NoAnswerError if nothing at all has an answer: then nothing is written.
 std::string RunFit(const FitTask& task, RunContext& context);

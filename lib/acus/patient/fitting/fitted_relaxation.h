@@ -10,7 +10,7 @@
 
 namespace acus::fitting {
 
-/// What is left of the force that a hold begins with.
+/// What remains of the force that a hold begins with.
 struct HoldCurve {
   std::vector<double> held_s;  ///< Increasing.
   std::vector<double> left;    ///< 1 at first.

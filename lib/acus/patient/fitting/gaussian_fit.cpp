@@ -72,7 +72,7 @@ class GaussianFitter {
   }
 
  private:
-  /// Each term in turn taken out and looked for anew, as long as that helps.
+  /// Each term in turn taken out and looked for again, as long as that helps.
   ModelFit Exchanged(ModelFit best) const {
     for (int round = 0; round < kMostRounds; ++round) {
       bool better = false;

@@ -31,7 +31,7 @@ std::vector<double> RestedS(const PhaseSamples& samples, const MechanicalModel& 
   return rested;
 }
 
-/// What a relaxation that is fitted anew can take up: a constant and the model's exponentials.
+/// What a relaxation that is fitted again can take up: a constant and the model's exponentials.
 /// Orthonormal columns.
 Eigen::MatrixXd RelaxationBasis(const PhaseSamples& samples, const MechanicalModel& model) {
   std::vector<double> times_s;

@@ -36,8 +36,8 @@ struct HuTableFit {
 
 /// Least squares over the insertions of all recordings that have HU (curve.hu), with coefficients
 /// >= 0, a linear term for the shaft that gets buried, and a penalty on bends that is chosen by
-/// leaving out one recording (of a single one, a fifth of its path) at a time. K_edge is fitted
-/// where curve.hu_gradient_per_mm is there. The first 2 mm are left out: there the force builds up.
+/// omitting one recording (of a single one, a fifth of its path) at a time. K_edge is fitted
+/// where curve.hu_gradient_per_mm is there. The first 2 mm are omitted: there the force builds up.
 /// @param offsets_n  of the sensor, by recording.
 HuTableFit FitHuTable(std::span<const ForceCurve> curves, std::span<const CurvePhases> phases,
                       std::span<const double> offsets_n, double edge_hu_per_mm = 40.0);

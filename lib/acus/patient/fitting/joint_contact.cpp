@@ -16,10 +16,10 @@ constexpr double kTurnMm = 4.0;   // Of the withdrawal: then it slides.
 constexpr int kHoldSamples = 60;  // Evenly over the logarithm of the time.
 constexpr double kFewestHoldS = 1.0;
 
-/// The samples of one recording that tell of its contact.
+/// The samples of one recording that depend on its contact.
 struct ContactSamples {
   ForceCurve all;              ///< Force without offset and drift.
-  std::vector<double> weight;  ///< Square roots; 0 on the way in.
+  std::vector<double> weight;  ///< Square roots; 0 during insertion.
 };
 
 void AddSamples(const ForceCurve& from, double weight, ContactSamples& to) {

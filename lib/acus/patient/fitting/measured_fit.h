@@ -15,7 +15,7 @@
 namespace acus::fitting {
 
 /// Standard deviation of what the mean law leaves of a recording that it does not come from:
-/// differences between recordings and what goes on within one. Linear in between, constant beyond.
+/// differences between recordings and the variation within one. Linear in between, constant beyond.
 struct ResidualSpread {
   std::vector<double> x;  ///< Depth since the contact, mm; in the hold logarithm of 0.1 s + time.
   std::vector<double> sd_n;
@@ -26,7 +26,7 @@ struct ResidualSpread {
 /// Bounds about the mean curve: +- factor * spread at each sample.
 struct PredictionBand {
   int recordings = 0;
-  double factor = 0.0;  ///< Such that 95 % of the samples of each phase, of recordings left out in
+  double factor = 0.0;  ///< Such that 95 % of the samples of each phase, of recordings omitted in
                         ///< turn, are within, times Student's quantile over the normal one.
   ResidualSpread in;
   ResidualSpread hold;

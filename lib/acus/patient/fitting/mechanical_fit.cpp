@@ -126,7 +126,7 @@ bool AreOne(const Estimate& a, const Estimate& b) {
 }
 
 /// What the tip alone resists: insertion less withdrawal where the shaft is as deep. With one
-/// friction for both it is the same everywhere and is taken where the two lines tell it best;
+/// friction for both it is the same everywhere and is taken where the two lines determine it best;
 /// else where there is the least shaft.
 Estimate CuttingN(const ModelFit& in, const ModelFit& out, double length_mm) {
   double at_mm = 0.0;
@@ -218,7 +218,7 @@ class MechanicalFitter {
     fit_.eventful = WithHoldOf(empty_);
     if (options.find_events) {
       FindEvents();
-      // Build-up and relaxation again, now that the events are no longer in the way.
+      // Build-up and relaxation again, now that the events are no longer in the data.
       WeightedFit(fit_.eventful);
     }
     fit_.constant = WithHoldOf(empty_);
@@ -288,7 +288,7 @@ void MechanicalFitter::WeightedFit(const MechanicalModel& model) {
 
 /// The model with this recording's build-up, and its hold fitted: two constants end at another
 /// force than the recording, and the hold begins there. Slips are added one after the other, as
-/// long as Akaike's criterion of the hold says so; the relaxation is fitted anew beside each.
+/// long as Akaike's criterion of the hold says so; the relaxation is fitted again beside each.
 MechanicalModel MechanicalFitter::WithHoldOf(const MechanicalModel& model) const {
   std::vector<double> predicted(samples_.all.size());
   std::vector<SeriesParameter> parameters = shared_.definition;
@@ -366,7 +366,7 @@ double OriginMm(const ForceCurve& curve, const PunctureCurveFit& puncture) {
   const SampleRange& advance = puncture.phases.advance;
   const double begin_mm = curve.depth_mm[advance.begin];
   if (puncture.starts_in_tissue || advance.size() == 0) return begin_mm;
-  // The fitted puncture may be far behind the surface: that is where a force is felt at all.
+  // The fitted puncture may be far behind the surface: that is where a force appears at all.
   double first_mm = FirstForceMm(curve, puncture);
   if (puncture.contact_depth_mm) {
     first_mm = std::min(puncture.contact_depth_mm->value, first_mm);

@@ -53,7 +53,7 @@ MechanicalFit FitMechanical(const ForceCurve& curve, const PunctureCurveFit& pun
 /// from the start, else where a force is first felt, or the fitted contact before it.
 double OriginMm(const ForceCurve& curve, const PunctureCurveFit& puncture);
 
-/// Of model - measured, over all samples of each phase.
+/// RMS of model - measured, over all samples of each phase.
 PhaseRms ReplayRms(const MechanicalModel& model, const ForceCurve& curve,
                    const CurvePhases& phases);
 

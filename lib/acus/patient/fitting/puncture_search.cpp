@@ -20,7 +20,7 @@ constexpr double kRisesMm[] = {0.4, 0.8, 1.5, 2.5, 4.0, 6.0, 9.0, 14.0};
 constexpr double kRecoveriesMm[] = {0.1, 0.4, 1.0, 2.5};
 constexpr double kWidthsMm[] = {0.1, 0.4, 1.2, 3.0};
 
-/// Depths at which what is left (times the sign of the strain) is larger than around it.
+/// Depths at which what remains (times the sign of the strain) is larger than around it.
 std::vector<std::size_t> Peaks(const StrainedRows& rows, const Eigen::VectorXd& residual) {
   std::vector<std::size_t> peaks;
   const std::size_t n = rows.depth_mm.size();
@@ -126,7 +126,7 @@ class EventFit {
     fit_ = FitSeries(model, rows_.force_n, parameters_, {.most_iterations = 25});
   }
 
-  /// Takes out one event and fits the others anew, if Akaike's criterion is then no worse.
+  /// Takes out one event and fits the others again, if Akaike's criterion is then no worse.
   bool TryWithout(std::size_t first) {
     EventFit other = *this;
     for (std::size_t k = 0; k < parameters_.size(); ++k) {

@@ -1,5 +1,5 @@
-// Internal punctures (membranes, vessel walls) on the way in, and releases on the way out: found
-// one after the other in what a resistance profile leaves, then fitted together.
+// Internal punctures (membranes, vessel walls) during insertion, and releases during withdrawal:
+// found one after the other in what a resistance profile leaves, then fitted together.
 #pragma once
 
 #include <string>
@@ -25,14 +25,14 @@ struct FoundRelease {
   Estimate step_n;
 };
 
-/// How events are told from noise.
+/// How events are distinguished from noise.
 struct SearchLimits {
   double least_n = 0.08;  ///< Smaller peaks and steps are not looked at, N.
   int most_events = 16;
 };
 
 /// Adds the event that leaves least, and so on; keeps as many as Akaike's criterion is least for
-/// (with the number of independent samples, from the autocorrelation of what is left); then fits
+/// (with the number of independent samples, from the autocorrelation of what remains); then fits
 /// all with the profile's forces.
 /// @param profile  in: its knots; out: its forces beside the events.
 std::vector<FoundPuncture> FindInternalPunctures(const StrainedRows& rows,

@@ -71,12 +71,12 @@ class SeriesCost : public ceres::CostFunction {
   }
 
  private:
-  /// The solver asks for one point up to three times: in a line search, as a candidate, and once it
+  /// The solver requests one point up to three times: in a line search, as a candidate, and once it
   /// is accepted.
   struct Point {
     std::vector<double> at;
     std::vector<double> residual;
-    std::vector<double> jacobian;  ///< Row by row; empty until it is asked for.
+    std::vector<double> jacobian;  ///< Row by row; empty until it is requested.
     bool is_finite = false;
   };
 

@@ -67,7 +67,7 @@ class SharedFit {
 
   SeriesFit Run(const std::vector<SeriesParameter>& parameters, bool weight_is_information);
 
-  /// Weights each phase by what is left in it, and how many independent samples that is. Without
+  /// Weights each phase by what remains in it, and how many independent samples that is. Without
   /// it every phase has the same weight.
   void WeighByResidual(std::span<const double> p);
 

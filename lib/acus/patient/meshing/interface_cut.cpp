@@ -21,7 +21,7 @@ constexpr int kMostDivisions = 2;       ///< Of one original edge and its parts.
 
 struct Cut {
   Eigen::Vector3d place;
-  double share = 0.5;  ///< Of the way from a to b.
+  double share = 0.5;  ///< Of the edge from a to b.
   MaterialSet materials = 0;
 };
 

@@ -20,21 +20,21 @@ namespace acus::meshing {
 namespace {
 
 constexpr double kGoalDeg =
-    15.0;  ///< Improvement stops there; the margin over the limit asked for.
+    15.0;  ///< Improvement stops there; the margin over the limit requested.
 constexpr double kFloorDeg = 13.0;  ///< Nodes return to their interface only above this.
 constexpr int kVolumeRounds = 7;
-constexpr int kBudgetRounds = 6;  ///< Divisions tried for a wanted number of nodes.
+constexpr int kBudgetRounds = 6;  ///< Divisions tried for a required number of nodes.
 constexpr double kFirstGainMm = 12.0;
 constexpr double kFullBudget = 0.93;
 constexpr double kMentionedSpecks = 0.001;  ///< Of the body.
-constexpr double kSpeckEdge = 0.5;  ///< Of the shortest edge asked for: smaller cubes are specks.
+constexpr double kSpeckEdge = 0.5;  ///< Of the shortest edge requested: smaller cubes are specks.
 constexpr int kAttempts = 5;        ///< Each with finer elements, where a limit was missed.
 constexpr double kRefinement = 0.7;
 constexpr double kFarOff = 3.0;  ///< Times the limit: finer elements would not help.
 /// Nodes by which a finer mesh grows: between surface (2.0) and volume (2.9) for that refinement.
 constexpr double kGrowth = 2.4;
 constexpr double kMostNodesAgain =
-    6e5;  ///< A larger mesh is made only if it is asked for: minutes.
+    6e5;  ///< A larger mesh is made only if it is requested: minutes.
 
 void Check(const volume::LabelMap& labels, const LabelMeshSettings& settings) {
   const ElementSizes& s = settings.sizes;
@@ -128,8 +128,8 @@ class LabelMesher {
     return labels_.geometry.direction.transpose() * (x - labels_.geometry.origin_mm);
   }
 
-  /// The body divided and cut at interfaces; with finest_mm, the finest division within the wanted
-  /// number of nodes, or the coarsest of all if that has more.
+  /// The body divided and cut at interfaces; with finest_mm, the finest division within the
+  /// required number of nodes, or the coarsest of all if that has more.
   TetraEditor Divide() {
     if (settings_.sizes.finest_mm <= 0.0) return Lattice({});
     const InterfaceShape shape(field_, BlocksOf(field_, settings_.sizes),
@@ -202,7 +202,7 @@ class LabelMesher {
     }
     for (int l = 1; l < 256; ++l) {
       if (all_mm3_[l] <= 0.0) continue;
-      // With "all", what is left is one tissue, whose surface is what the others leave.
+      // With "all", what remains is one tissue, whose surface is what the others leave.
       int sharers = 0;
       for (int k = 1; k < 256; ++k) {
         sharers +=
@@ -255,7 +255,7 @@ LabelMesh MeshLabelMap(const volume::LabelMap& labels, const LabelMeshSettings& 
                                   " nodes; try smaller elements, another smoothing_mm, or wider "
                                   "limits in the config"));
     }
-    // Far off, or not mended by finer elements: the elements cannot hold it.
+    // Far off, or not repaired by finer elements: the elements cannot hold it.
     const std::string thin = GiveUpThinTissues(out, attempt == 0 ? kFarOff : 1.0, finer);
     if (!thin.empty()) {
       context.Warn(Message(shortfall, "; meshing again without surfaces of their own for ", thin,

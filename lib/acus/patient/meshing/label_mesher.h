@@ -22,7 +22,7 @@ struct LabelMeshSettings {
   double smoothing_mm = 1.0;       ///< Standard deviation; takes the voxels' steps away.
   double min_dihedral_deg = 8.0;   ///< A mesh below this is refused.
   double volume_tolerance = 0.03;  ///< Allowed relative error of the conforming tissues' volumes.
-  double min_island_share = 0.01;  ///< Pieces of the body below this share of it are left out.
+  double min_island_share = 0.01;  ///< Pieces of the body below this share of it are omitted.
   std::size_t max_nodes = 2'000'000;
   /// With sizes.finest_mm: elements shrink at the worst places until there are about so many.
   std::size_t wanted_nodes = 60'000;
@@ -45,17 +45,17 @@ struct LabelMesh {
   double body_mesh_ml = 0.0;
   std::vector<TissueVolume> tissues;  ///< By label.
   std::optional<SurfaceDistance> body_surface = std::nullopt;
-  double dropped_ml = 0.0;  ///< Islands left out.
+  double dropped_ml = 0.0;  ///< Islands omitted.
   double specks_ml = 0.0;   ///< In pieces smaller than the elements; their surroundings got them.
-  ElementSizes sizes;       ///< As used: finer than asked for where a limit was missed.
+  ElementSizes sizes;       ///< As used: finer than requested where a limit was missed.
 };
 
 /// Meshes the body (all labels but 0), with faces along its surface and along the surfaces of the
-/// conforming tissues, shared by both sides; the other tissues are told apart element by element.
-/// Conforming tissues that such elements cannot hold (thin ones, whose volume misses the limit)
-/// are told apart element by element instead, with a warning. Otherwise
-/// a mesh that misses a limit is made again with finer elements, at most four times and only up to
-/// some 600,000 nodes. Method and limits: docs/models/mesh.md.
+/// conforming tissues, shared by both sides; the other tissues are distinguished element by
+/// element. Conforming tissues that such elements cannot hold (thin ones, whose volume misses the
+/// limit) are distinguished element by element instead, with a warning. Otherwise a mesh that
+/// misses a limit is made again with finer elements, at most four times and only up to about
+/// 600,000 nodes. Method and limits: docs/models/mesh.md.
 /// @throws InputError if the map holds no body, or a setting is out of range.
 /// @throws NoAnswerError if the smallest dihedral angle or the body's volume misses its limit.
 LabelMesh MeshLabelMap(const volume::LabelMap& labels, const LabelMeshSettings& settings,

@@ -20,7 +20,7 @@ double DistanceToSegment(const Eigen::Vector3d& x, const Corridor& corridor) {
   return (x - corridor.from_mm - t * along).norm();
 }
 
-/// Blocks that are divided until each is as small as is wanted there.
+/// Blocks that are divided until each is as small as is required there.
 class Octree {
  public:
   Octree(const MaterialField& field, const ElementSizes& sizes, const ShapeLimit& limit)
@@ -59,7 +59,7 @@ class Octree {
     return level > 0 && divided_[level][grid_.Index(level, block)] != 0;
   }
 
-  /// Whether a block of this level is larger than what is wanted anywhere in it.
+  /// Whether a block of this level is larger than what is required anywhere in it.
   bool IsTooLarge(int level, const Eigen::Vector3i& block) const {
     const double size = SizeMm(level);
     const double limit = 0.999 * size;

@@ -17,7 +17,7 @@ struct Corridor {
   double element_size_mm = 4.0;
 };
 
-/// Wanted length of edges, mm.
+/// Required length of edges, mm.
 struct ElementSizes {
   double interface_mm = 6.0;  ///< At interfaces inside the body: bone.
   double skin_mm = 10.0;      ///< At the body's surface.
@@ -38,7 +38,7 @@ struct ShapeLimit {
   double gain_mm = 1.0;
 };
 
-/// Corners and centres of the leaves of an octree whose leaves are no larger than the size wanted
+/// Corners and centres of the leaves of an octree whose leaves are no larger than the size required
 /// there and at most twice as large as any leaf that touches them; the body and one layer of leaves
 /// around it. Where leaves are equal the points are a body-centred cubic lattice, whose Delaunay
 /// tetrahedra have dihedral angles of 60 and 90 degrees (Labelle & Shewchuk 2007).

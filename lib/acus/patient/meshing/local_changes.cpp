@@ -149,7 +149,7 @@ bool LocalChanges::SwapFace(int t, int c) {
   std::vector<New> fresh;
   for (int i = 0; i < 4; ++i) {
     if (i == c) continue;
-    TetraEditor::Tetrahedron n = corners;  // The corner of the face gives way to the far node.
+    TetraEditor::Tetrahedron n = corners;  // The corner of the face yields to the far node.
     n[i] = far;
     fresh.push_back({n, editor_.material(t)});
   }
@@ -187,7 +187,7 @@ bool LocalChanges::MoveNode(int n) {
     for (const Eigen::Vector3d& direction : Directions()) attempt(centre + step_mm * direction);
   }
   editor_.set_node(n, best);
-  // Smaller steps are kept, but are no reason to go on.
+  // Smaller steps are kept, but are no reason to continue.
   return mesh::DegreesOfScore(best_score) > mesh::DegreesOfScore(first_score) + kLeastGainDeg;
 }
 

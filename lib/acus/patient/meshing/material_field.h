@@ -9,7 +9,7 @@
 
 namespace acus::meshing {
 
-/// What the mesh must tell apart by its faces: 0 is outside the body, then groups of tissues.
+/// What the mesh must separate by its faces: 0 is outside the body, then groups of tissues.
 using MaterialOfLabel = std::array<std::uint8_t, 256>;
 
 /// Field m is the share of material m in the neighbourhood (Gaussian) plus an offset b_m, sampled

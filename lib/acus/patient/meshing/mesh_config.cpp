@@ -64,7 +64,7 @@ void SetCorridor(MeshConfig& config, const std::string& from, const std::string&
 void RequestCondensation(MeshConfig& config, const json& document,
                          const std::filesystem::path& relative_to, const std::string& probe_at) {
   ACUS_REQUIRE(config.labels.sizes.corridor.has_value(),
-               "condensation needs the needle's way: give --corridor-from and --corridor-to, or "
+               "condensation needs the needle's path: give --corridor-from and --corridor-to, or "
                "\"corridor\" in the configuration");
   config.condense = CondenseSettingsFromJson(document, relative_to, probe_at);
 }

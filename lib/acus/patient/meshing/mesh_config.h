@@ -14,7 +14,7 @@ namespace acus::meshing {
 struct MeshConfig {
   LabelMeshSettings labels;
   SurfaceMeshSettings surface;
-  std::optional<CondenseSettings> condense;  ///< Only if asked for: see RequestCondensation.
+  std::optional<CondenseSettings> condense;  ///< Only if requested: see RequestCondensation.
 };
 
 /// @param document  Of format acus-mesh/1, checked and with defaults (config::ReadConfig).

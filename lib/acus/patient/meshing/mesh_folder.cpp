@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Condenses the mesh if that was asked for.
+/// Condenses the mesh if that was requested.
 void FinishFolder(AtomicFolder& folder, const mesh::TetraMesh& mesh, const MeshConfig& config,
                   const RunContext& context) {
   if (config.condense) {

@@ -82,7 +82,7 @@ CleanedMap WithoutSpecks(const volume::LabelMap& labels, const MaterialOfLabel& 
     const double piece_ml = voxel_ml * static_cast<double>(piece.voxels.size());
     if (1000.0 * piece_ml >= limits.speck_mm3) return;
     const bool is_outside = labels.voxels[piece.voxels[0]] == 0;
-    if (is_outside && piece.faces[0] > 0) return;  // Goes on beyond the volume.
+    if (is_outside && piece.faces[0] > 0) return;  // Continues beyond the volume.
     const auto most = std::ranges::max_element(piece.faces) - piece.faces.begin();
     if (piece.faces[static_cast<std::size_t>(most)] == 0) return;  // There is nothing else.
     for (const std::size_t voxel : piece.voxels) {

@@ -25,7 +25,7 @@ struct VoxelFace {
   std::int8_t axis;
 };
 
-/// Labels, with 0 beyond the volume, turned into yes and no for one tissue; 0 asks for the body.
+/// Labels, with 0 beyond the volume, turned into yes and no for one tissue; 0 stands for the body.
 struct Region {
   const volume::LabelMap& labels;
   volume::Label label;

@@ -25,7 +25,7 @@ struct SurfaceDistance {
 };
 
 /// One entry for the body, then one for each label that occurs in the map, in order. Steps of the
-/// voxels alone make some 0.3 voxels on a slanting surface that is followed perfectly.
+/// voxels alone make about 0.3 voxels on a slanting surface that is followed perfectly.
 /// Distances beyond 64 voxels or mm count as that.
 std::vector<SurfaceDistance> MeasureSurfaceDistances(const volume::LabelMap& labels,
                                                      const mesh::TetraMesh& mesh, int num_threads);

@@ -18,7 +18,7 @@ std::string NameOf(const volume::LabelMap& labels, int label);
 
 LabelVolumes VolumesMm3(const volume::LabelMap& labels);
 
-/// Of all labels but 0.
+/// Volume of all labels except 0.
 double BodyMm3(const LabelVolumes& volumes);
 
 /// True if every tissue that occurs gets a surface.

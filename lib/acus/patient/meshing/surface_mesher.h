@@ -20,18 +20,18 @@ struct SurfaceMeshSettings {
 
 struct SurfaceMesh {
   mesh::TetraMesh mesh;
-  std::vector<std::string> repairs;  ///< What was mended, as sentences; warned of, too.
-  bool is_remeshed = false;  ///< The surface was made anew, because its triangles are too thin.
-  double surface_ml = 0.0;   ///< Volume inside the mended surface.
+  std::vector<std::string> repairs;  ///< What was repaired, as sentences; warned of, too.
+  bool is_remeshed = false;  ///< The surface was made again, because its triangles are too thin.
+  double surface_ml = 0.0;   ///< Volume inside the repaired surface.
   double mesh_ml = 0.0;
 };
 
-/// Mends simple defects, fills the surface by TetGen and improves the elements inside. Where the
-/// triangles of the surface themselves forbid the angle asked for, or TetGen fails, the inside is
+/// Repairs simple defects, fills the surface by TetGen and improves the elements inside. Where the
+/// triangles of the surface themselves forbid the angle requested, or TetGen fails, the inside is
 /// meshed by way of voxels (label_mesher.h): the surface is then followed to about a tenth of the
 /// element size, and a warning says so.
 /// @param label  Names the surface in messages.
-/// @throws InputError with every defect and its place, if the surface cannot be mended.
+/// @throws InputError with every defect and its place, if the surface cannot be repaired.
 /// @throws NoAnswerError if the smallest dihedral angle misses its limit both ways.
 SurfaceMesh MeshSurface(const mesh::Surface& surface, const std::string& label,
                         const SurfaceMeshSettings& settings, const RunContext& context);

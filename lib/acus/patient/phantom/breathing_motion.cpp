@@ -49,7 +49,7 @@ Vector3d BreathingMotion::Velocity(const Vector3d& p, double down_mm,
   const double below = cavity_.dome_z_mm - 2.0 * half_band - p.z();
   const double rise = std::max(cavity_.top_z_mm - cavity_.dome_z_mm - 5.0, 40.0);
   const double along = (1.0 - Ramp(above / rise)) * (1.0 - Ramp(below / kFallBelowMm));
-  // The back of the diaphragm goes further than its front, the middle less than the sides.
+  // The back of the diaphragm goes farther than its front, the middle less than the sides.
   const double depth = cavity_.spine_front_mm - cavity_.skin_front_mm;
   const double to_front = (cavity_.spine_front_mm - p.y()) / depth;
   const double from_middle = (p.x() - cavity_.middle_x_mm) / 45.0;
@@ -121,7 +121,7 @@ Vector3d BreathingMotion::RestMm(const Vector3d& world_mm, const breathing::Brea
   // The flow keeps to its side of the wall: who is in now was in before.
   if (!InCavity(slid)) return slid;
   Vector3d rest = BeforeSlidingMm(slid, breath);
-  // The backward flow is the inverse up to the error of its steps; what is left is taken off.
+  // The backward flow is the inverse up to the error of its steps; what remains is taken off.
   for (int n = 0; n < 4; ++n) {
     const Vector3d error = WorldMm(rest, breath, true) - world_mm;
     if (error.norm() < 1e-3) break;

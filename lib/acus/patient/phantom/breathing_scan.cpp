@@ -89,7 +89,7 @@ class BackwardFlow {
 double HuAt(const volume::CtVolume& ct, const Vector3d& index) {
   const Eigen::Array3i& size = ct.geometry.size;
   const Eigen::Array3d last = (size - 1).cast<double>();
-  // Beyond the border as in a mirror: a border drawn out would make stripes, which look as if
+  // Beyond the border as in a mirror: an extended border would make stripes, which look as if
   // nothing had moved.
   const Eigen::Array3d at = (last - (last - index.array().abs()).abs()).max(0.0);
   const Eigen::Array3i base = at.cast<int>().min(size - 2).max(0);

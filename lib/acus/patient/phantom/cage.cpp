@@ -53,7 +53,7 @@ Vector3d RibPoint(const Trunk& trunk, const Rib& rib, double azimuth) {
 double BandDistance(const Trunk& trunk, const Rib& rib, const Vector3d& p, double from, double to) {
   const Section wall = Wall(trunk, p.z());
   const Vector3d q(std::abs(p.x()), p.y(), p.z());
-  // Most points asked for lie far inside of the wall: save them the trigonometry.
+  // Most points requested lie far inside of the wall: save them the trigonometry.
   const double u = q.x() / wall.half_width_mm;
   const double v = (q.y() - wall.centre_y_mm) / wall.half_depth_mm;
   constexpr double kFarInside = 0.7, kFarMm = 15.0;

@@ -33,7 +33,7 @@ struct DuctTreeSettings {
 
 /// Where a tree may grow.
 struct FreeSpace {
-  /// Of each voxel's centre to the nearest one that is not free, mm.
+  /// Distance of each voxel's centre to the nearest one that is not free, mm.
   volume::Grid<float> distance_mm;
 
   /// A lower bound of the distance from a point to the centre of a voxel that is not free: that of

@@ -100,7 +100,7 @@ std::vector<float> GaussianWeights(double sigma_voxels) {
   return weights;
 }
 
-/// Smooths `count` values that lie `stride` apart; beyond the ends the last value goes on.
+/// Smooths `count` values that lie `stride` apart; beyond the ends the last value continues.
 void SmoothLine(float* values, std::size_t stride, int count, const std::vector<float>& weights,
                 std::vector<float>& line) {
   line.resize(static_cast<std::size_t>(count));

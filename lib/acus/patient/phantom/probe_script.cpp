@@ -38,7 +38,7 @@ ProbePath::ProbePath(const PatientField& field, const InsertionPlan& plan,
       height_mm_.push_back((*skin - start).dot(plan.skin_normal));
     }
   }
-  // The beam goes into the skin squarely, in the needle's plane, but for the toe.
+  // The beam goes into the skin squarely, in the needle's plane, except for the toe.
   const Vector3d face = plan.entry_ct_mm + script.ahead_mm * plan.heading +
                         Height(script.ahead_mm, script.out_of_plane_mm) * plan.skin_normal;
   const Vector3d inwards = -SkinNormal(field, face);

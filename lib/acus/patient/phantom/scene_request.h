@@ -1,4 +1,4 @@
-// What a scene on a label map may be asked for.
+// Requests for a scene on a label map.
 #pragma once
 
 #include <filesystem>

@@ -68,7 +68,7 @@ struct ScriptedSession {
 };
 
 /// Plays the script at 1 kHz. Poses are reference_from_ct * ct_from_tool, the tremor depends on
-/// context.seed. Moves to bone are left out where the plan knows of no bone near the path.
+/// context.seed. Moves to bone are omitted where the plan has no bone near the path.
 ScriptedSession PlayScript(const PatientField& field, const InsertionPlan& plan,
                            const SessionSettings& settings,
                            const Eigen::Isometry3d& reference_from_ct, const RunContext& context);

@@ -14,7 +14,7 @@ using Eigen::MatrixXd;
 constexpr double kTellingFactor = 0.2;
 constexpr double kAlikeFactor = 1.5;
 constexpr double kLeastFreMm =
-    0.05;  ///< Nobody touches better: keeps exact data from looking clear.
+    0.05;  ///< No touch is more accurate: keeps exact data from looking clear.
 
 MatrixXd Distances(const transforms::Markers& markers_mm) {
   MatrixXd distances(markers_mm.cols(), markers_mm.cols());

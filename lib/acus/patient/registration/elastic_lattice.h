@@ -56,7 +56,7 @@ struct Spring {
 };
 
 /// Linear elasticity (Poisson 0.3) with trilinear cubes, each with its own Young's modulus in any
-/// one unit. Small strains and turns: right for what is left after a rigid registration.
+/// one unit. Small strains and turns: right for what remains after a rigid registration.
 class ElasticLattice {
  public:
   /// @param modulus  At a place, > 0; averaged over eight places of each cell.

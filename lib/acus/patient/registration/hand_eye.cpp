@@ -22,7 +22,7 @@ using Matrix12 = Eigen::Matrix<double, 12, 12>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 
 constexpr double kLeastTurnDeg = 5.0;
-/// Of the pairs that must agree.
+/// Share of the pairs that must agree.
 constexpr double kLeastUsedPairs = 0.6;
 
 Matrix3d Cross(const Vector3d& v) {

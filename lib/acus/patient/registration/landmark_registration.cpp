@@ -109,7 +109,7 @@ std::string Joined(const transforms::MarkerPairs& pairs, const std::vector<Index
   return text;
 }
 
-/// Looks for wrong points, and takes them out if asked for.
+/// Looks for wrong points, and takes them out if requested.
 void TreatOutliers(const RegistrationSettings& settings, RegistrationReport& report) {
   const transforms::MarkerPairs pairs = report.pairs;
   // In a wrong order several points are off; CommonMistakes says so.

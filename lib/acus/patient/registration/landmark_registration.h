@@ -1,4 +1,4 @@
-// Landmarks in two spaces to a transform, with everything that a user should know of it.
+// Landmarks in two spaces to a transform, with its errors and warnings.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace acus::registration {
 struct RegistrationSettings {
   std::optional<double> fle_rms_mm =
       {};                           ///< Localisation error, if known; else from the residuals.
-  bool leave_out_outliers = false;  ///< Wrong points are left out, not only named.
+  bool leave_out_outliers = false;  ///< Wrong points are omitted, not only named.
   bool find_order = false;          ///< A better order of the points is taken, not only named.
   double confidence = 0.95;         ///< Of TargetError::bound_mm.
 };
@@ -37,7 +37,7 @@ struct RegistrationReport {
   std::vector<std::optional<LeaveOneOut>> leave_one_out;  ///< Per marker; empty with 3 markers.
   std::vector<Outlier> outliers;  ///< Among the points given; `marker` counts those.
   std::vector<std::string> outlier_names;
-  std::vector<std::string> left_out;  ///< Names of those outliers, if they were left out.
+  std::vector<std::string> left_out;  ///< Names of those outliers, if they were omitted.
   std::vector<TargetError> targets;
   std::vector<std::string> notes;  ///< Worth knowing, but no reason to worry.
   std::vector<std::string> warnings;
@@ -47,7 +47,7 @@ struct RegistrationReport {
 /// for the usual mistakes. With localisation errors in the pairs the fit is weighted by them.
 /// @throws InputError as FitMarkers does, if fle_rms_mm is not positive, or if it is given beside
 ///     localisation errors of the points.
-/// @throws NoAnswerError if outliers are to be left out, but the points cannot tell which are
+/// @throws NoAnswerError if outliers are to be omitted, but the points cannot decide which are
 /// wrong.
 RegistrationReport Register(const transforms::MarkerPairs& pairs,
                             const std::optional<transforms::Landmarks>& targets_ct,

@@ -82,7 +82,7 @@ class FirstGuess {
   }
 
  private:
-  /// Of the middle moment in which both are seen: single flips rarely hit it, and the later
+  /// Pose at the middle moment in which both are seen: single flips rarely hit it, and the later
   /// iterations reject them.
   std::optional<Isometry3d> Relative(std::size_t i, std::size_t j) const {
     std::vector<Isometry3d> found;

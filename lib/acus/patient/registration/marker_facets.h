@@ -39,7 +39,7 @@ struct FacetModel {
 /// Finds how the facets lie on their object, from moments in which several were seen together,
 /// while the object may move: poses of the object and places of the facets in turn by least squares
 /// over their points (generalised Procrustes analysis, Gower 1975) until they change by less than
-/// 1e-6 mm. Readings more than 5 times the median residual off are left out.
+/// 1e-6 mm. Readings more than 5 times the median residual off are omitted.
 /// @throws InputError if a facet has too few points, or names that are not unique.
 /// @throws NoAnswerError naming the facets that were never seen together with the others.
 FacetModel CalibrateFacets(const std::vector<Facet>& facets, std::span<const FacetPoses> moments);
@@ -52,11 +52,11 @@ struct FusedPose {
 };
 
 /// The pose of the object from the facets that are seen, each weighted by its noise. With three or
-/// more, those that do not fit the others (5 times the noise) are left out. Nothing if none is
+/// more, those that do not fit the others (5 times the noise) are omitted. Nothing if none is
 /// seen.
 std::optional<FusedPose> FuseFacets(const FacetModel& model, const FacetPoses& seen);
 
-/// Facets whose points do not fit the others in CT (moved since the scan): each facet is left out
+/// Facets whose points do not fit the others in CT (moved since the scan): each facet is omitted
 /// in turn and judged as LeaveEachOut() judges single markers, corrected for the number of facets.
 struct MovedFacet {
   std::string name;

@@ -91,7 +91,7 @@ Best BestOfSize(const Pairs& pairs, Index size) {
   }
 }
 
-/// Holds the improvement by leaving out `removed` more markers against what remains.
+/// Holds the improvement by omitting `removed` more markers against what remains.
 class Judge {
  public:
   Judge(Index count, std::optional<double> fle_rms_mm) : count_(count), fle_rms_mm_(fle_rms_mm) {}
@@ -108,7 +108,7 @@ class Judge {
     return math::FUpperTail(gain / removed / (rest / freedom), removed, freedom);
   }
 
-  /// Whether two ways to leave out as many are too alike to choose.
+  /// Whether two ways to omit as many are too alike to choose.
   bool AreAlike(double sum, double other, Index out) const {
     if (!std::isfinite(other)) return false;
     const double freedom = 3.0 * static_cast<double>(count_ - out) - 6.0;

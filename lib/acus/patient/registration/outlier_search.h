@@ -28,7 +28,7 @@ int MostOutliers(Eigen::Index num_markers);
 ///    localisation error is known, times the number of sets (Bonferroni), is below `significance`;
 ///  - taking any one of the k back is as unlikely.
 /// The largest k that passes is taken. Unlike the search one by one it finds markers that hide each
-/// other (masking). Beyond 50,000 sets it goes on one by one from the best set found.
+/// other (masking). Beyond 50,000 sets it continues one by one from the best set found.
 ///
 /// @param fle_rms_mm  The localisation error of a marker in both spaces together, if it is known.
 OutlierSearch SearchOutliers(const transforms::Markers& reference_mm,

@@ -35,7 +35,7 @@ struct TipAndPivot {
 };
 
 /// Weighted least squares of R_i tip + t_i = pivot. The pivot is eliminated first: it is the mean
-/// of the left side. What is left for the tip is (I - mean(R)^T mean(R)) tip = ..., whose smallest
+/// of the left side. What remains for the tip is (I - mean(R)^T mean(R)) tip = ..., whose smallest
 /// eigenvalue is about the squared turn angle that the weakest direction has seen.
 TipAndPivot Solve(std::span<const Isometry3d> poses, const std::vector<double>& weights) {
   Matrix3d mean_rotation = Matrix3d::Zero();

@@ -16,7 +16,7 @@ struct PivotCalibration {
   double residual_rms_mm = 0.0;             ///< RMS length over the poses used: sqrt(3) times that.
   Eigen::Vector3d tip_sd_mm;  ///< Standard error along the principal directions, largest last.
   double tilt_deg = 0.0;      ///< RMS turn that the weakest direction of the tip has seen.
-  std::vector<double> residual_mm;  ///< Length, one per pose given (also those left out).
+  std::vector<double> residual_mm;  ///< Length, one per pose given (also those omitted).
   std::vector<bool> used;           ///< One per pose given.
 };
 
@@ -25,10 +25,10 @@ struct PivotCalibration {
 /// Yaniv 2015 (doi:10.1117/12.2081348), "algebraic one-step".
 /// @param reference_from_tool  At least 3 poses.
 /// @throws InputError if there are fewer than 3 poses.
-/// @throws NoAnswerError if they turn too little (tilt_deg below 3) to tell the tip.
+/// @throws NoAnswerError if they turn too little (tilt_deg below 3) to determine the tip.
 PivotCalibration CalibratePivot(std::span<const Eigen::Isometry3d> reference_from_tool);
 
-/// The same with poses left out that do not fit: a first fit of least absolute residuals, then
+/// The same with poses omitted that do not fit: a first fit of least absolute residuals, then
 /// repeated least squares over the poses within 4 standard deviations (from the median residual).
 /// Stands up to about a third of wrong poses.
 PivotCalibration CalibratePivotRobustly(std::span<const Eigen::Isometry3d> reference_from_tool);
@@ -43,7 +43,7 @@ void RequirePivoted(const PivotCalibration& calibration,
 
 /// Poses reference_from_tool of one file or folder: a folder of text files with 4 x 4 matrices (in
 /// order of name), one such file, or a CSV stream of a session (x_mm, y_mm, z_mm, qw, qx, qy, qz;
-/// rows whose status is not OK are left out).
+/// rows whose status is not OK are omitted).
 /// @throws InputError with file and place.
 std::vector<Eigen::Isometry3d> ReadPoses(const std::filesystem::path& path);
 

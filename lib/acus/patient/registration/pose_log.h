@@ -27,7 +27,7 @@ bool IsPoseLog(const std::filesystem::path& path);
 std::vector<Facet> ReadFacetPoints(const std::filesystem::path& path);
 
 /// Poses of facets (time_s, facet, x_mm .. qz, status) by moment: rows of the same time belong
-/// together. Rows whose status is not OK are left out. @throws InputError at file:row, also for a
+/// together. Rows whose status is not OK are omitted. @throws InputError at file:row, also for a
 /// facet that is not among `facets`.
 std::vector<FacetPoses> ReadFacetPoses(const std::filesystem::path& path,
                                        const std::vector<Facet>& facets);

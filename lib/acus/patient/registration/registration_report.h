@@ -1,4 +1,4 @@
-// A registration with everything that a user should know of it, as a table and as JSON.
+// A registration with its errors and warnings, as a table and as JSON.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ std::vector<std::optional<double>> ErrorsByOthersMm(const RegistrationReport& re
 std::string TableText(const RegistrationReport& report);
 std::string TableText(const PivotCalibration& calibration);
 
-/// Of format acus-registration/1 and acus-pivot/1, without provenance.
+/// JSON of format acus-registration/1 and acus-pivot/1, without provenance.
 nlohmann::json ToJson(const RegistrationReport& report);
 nlohmann::json ToJson(const PivotCalibration& calibration);
 

@@ -54,7 +54,7 @@ struct LeaveOneOut {
   double p_value = 1.0;  ///< Chance of such an improvement if all markers were equally good.
 };
 
-/// Leaves out each marker in turn. Markers without which the rest lie on a line have no answer.
+/// Omits each marker in turn. Markers without which the rest lie on a line have no answer.
 ///
 /// The improvement of the sum of squares is held against what remains by an F test with 3 and
 /// 3 n - 9 degrees of freedom (markers have 3 coordinates, the transform takes 6), corrected for n
@@ -72,8 +72,8 @@ struct Outlier {
 std::vector<Outlier> FindOutliers(const transforms::Markers& reference_mm,
                                   const transforms::Markers& ct_mm, double significance = 0.01);
 
-/// Mistakes that a transform cannot mend, in words: two markers exchanged, a mirrored axis, a wrong
-/// unit. Empty if there is no sign of any.
+/// Mistakes that a transform cannot repair, in words: two markers exchanged, a mirrored axis, a
+/// wrong unit. Empty if there is no sign of any.
 std::vector<std::string> CommonMistakes(const transforms::MarkerPairs& pairs);
 
 }  // namespace acus::registration

@@ -38,7 +38,7 @@ struct WarpQuality {
   double largest_mm = 0.0;        ///< Displacement of the tissue.
   double smallest_volume = 1.0;   ///< Jacobian: local volume after over before, within the body.
   double largest_volume = 1.0;
-  double bone_rms_mm = 0.0;  ///< What is left of bone's displacements after one rigid motion.
+  double bone_rms_mm = 0.0;  ///< What remains of bone's displacements after one rigid motion.
   double bone_strain = 0.0;  ///< Largest stretch of bone, 95th percentile.
 };
 
@@ -53,7 +53,7 @@ struct SurfaceWarp {
 /// smoothness). Pulls are soft at first.
 ///
 /// @param labels  Tissues of the CT; its grid bounds the field.
-/// @param skin    The CT's skin; where it is cut by the ends of the CT it is left out.
+/// @param skin    The CT's skin; where it is cut by the ends of the CT it is omitted.
 /// @throws InputError if a setting is out of its range or there are fewer than 100 mannequin
 /// points.
 /// @throws NoAnswerError if hardly a point is in reach, or the field folds.

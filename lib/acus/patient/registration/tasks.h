@@ -78,7 +78,7 @@ struct FacetTask {
 
 /// Jitter of the tools in a recording; accuracy over places of known layout.
 struct TrackerTask {
-  std::filesystem::path log = {};       ///< Empty: no jitter is asked for.
+  std::filesystem::path log = {};       ///< Empty: no jitter is requested.
   std::vector<std::string> tools = {};  ///< Empty: all.
   std::string reference = "Tracker";
   double still_mm = 1.0;

@@ -10,8 +10,8 @@
 
 namespace acus::registration {
 
-/// The way in which PLUS (vtkPlusLandmarkDetectionAlgo) finds landmarks, and its defaults, but for
-/// the shaft: a pointer that stands still is as good here as one that pivots.
+/// How PLUS (vtkPlusLandmarkDetectionAlgo) finds landmarks, and its defaults, except
+/// for the shaft: a pointer that stands still is as good here as one that pivots.
 struct TouchSettings {
   double window_s = 0.2;       ///< > 0. The tip is averaged over windows before it is looked at.
   double still_mm = 1.5;       ///< > 0. The windows' means stay within a box with this diagonal ...
@@ -19,7 +19,8 @@ struct TouchSettings {
   double shaft_mm = 0.0;       ///< >= 0. A point of the shaft 100 mm above moves by this much.
   double same_place_mm = 5.0;  ///< >= 0. A rest nearer than this to an earlier one adds to it.
   /// What of the first rest at a place is averaged, from its start. By default all of it and of
-  /// later rests there, but for samples more than three times the median distance from the median.
+  /// later rests there, except for samples more than three times the median distance from the
+  /// median.
   double average_from_s = 0.0;
   double average_to_s = std::numeric_limits<double>::infinity();
 };

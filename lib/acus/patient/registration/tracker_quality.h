@@ -10,7 +10,7 @@
 
 namespace acus::registration {
 
-/// Of one tool, from samples [first, last] in which it lay still.
+/// Jitter of one tool, from samples [first, last] in which it lay still.
 struct Jitter {
   std::string tool;
   std::size_t first = 0;

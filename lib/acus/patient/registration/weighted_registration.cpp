@@ -23,7 +23,7 @@ Matrix3d CrossMatrix(const Vector3d& v) {
   return m;
 }
 
-/// Of a point's place by (rotation about the centre, translation).
+/// Derivative of a point's place by (rotation about the centre, translation).
 Jacobian JacobianAt(const Vector3d& point_mm, const Vector3d& centre_mm) {
   Jacobian j;
   j << -CrossMatrix(point_mm - centre_mm), Matrix3d::Identity();

@@ -149,7 +149,7 @@ Mask FindBody(const volume::CtVolume& ct, const Mask& unseen, const TissueOption
   Mask body = Kept(parts, [&](std::int32_t n) {
     return n == largest || is_tissue[static_cast<std::size_t>(n)] != 0;
   });
-  // A little further than it was eroded, to win back what is thinner than the ball.
+  // A little farther than it was eroded, to win back what is thinner than the ball.
   body = Dilated(body, opening_mm + 2.0, num_threads);
   for (std::size_t i = 0; i < body.voxels.size(); ++i) body.voxels[i] &= solid.voxels[i];
   FillInSlices(body, AxialAxis(ct.geometry), num_threads);

@@ -34,7 +34,7 @@ Eigen::Vector2d Direction(int ray) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-/// Bilinear in slice k; the last value goes on beyond the border.
+/// Bilinear in slice k; the last value continues beyond the border.
 double HuAt(const volume::CtVolume& ct, int k, const Eigen::Vector2d& p_mm) {
   const volume::Geometry& g = ct.geometry;
   const double x = std::clamp(p_mm.x() / g.spacing_mm[0], 0.0, g.size[0] - 1.001);
@@ -179,7 +179,7 @@ void ForNeighbours(const volume::CtVolume& ct, int i, int j, int k, const Visit&
 }
 
 /// Whether a voxel and what is around it are muscle, ligament or disc. Beside bone there is no
-/// telling: its blur looks like that.
+/// conclusive: its blur looks like that.
 bool IsSoft(const volume::CtVolume& ct, int i, int j, int k, double bone_hu) {
   double sum = 0.0;
   int count = 0;

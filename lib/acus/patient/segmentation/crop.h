@@ -24,7 +24,7 @@ volume::Grid<Scalar> Cropped(const volume::Grid<Scalar>& grid, const Box& box) {
   return out;
 }
 
-/// The way back: `part`, cropped by `box`, in its place in `whole`.
+/// The inverse: `part`, cropped by `box`, in its place in `whole`.
 template <typename Scalar>
 void Paste(const volume::Grid<Scalar>& part, const Box& box, volume::Grid<Scalar>& whole) {
   const Eigen::Array3i& size = part.geometry.size;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLineSmoothingMm = 7.5;
 constexpr double kShortestLineMm = 30.0;
-// The part of the column that is looked at, from the canal's middle: bodies are some 34 mm deep.
+// The part of the column that is looked at, from the canal's middle: bodies are about 34 mm deep.
 constexpr double kLookHalfWidthMm = 12.0;
 constexpr double kLookFromMm = 12.0;
 constexpr double kLookToMm = 28.0;
@@ -114,7 +114,7 @@ std::vector<int> BestSequence(const std::vector<double>& gain) {
   const auto index = [](int s, int p) {
     return static_cast<std::size_t>(s) * kPitches + static_cast<std::size_t>(p);
   };
-  // Of all sequences that end with a disc at s, the last distance being kLeastPitch + p.
+  // Best value of all sequences that end with a disc at s, the last distance being kLeastPitch + p.
   std::vector<double> value(static_cast<std::size_t>(n) * kPitches, kNoSequence);
   std::vector<int> from(value.size(), -1);
   double best_value = 0.0;

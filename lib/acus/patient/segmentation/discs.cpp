@@ -109,7 +109,7 @@ Mask FindDiscs(const SpineView& view, double fat_upper_hu) {
   const volume::Geometry& g = view.ct.geometry;
   std::vector<Gap> gaps;
   int num_lines = 0;
-  // No wider than a voxel, so that no voxel is left out between two lines.
+  // No wider than a voxel, so that no voxel is omitted between two lines.
   const double grid_mm = 0.9 * std::min(g.spacing_mm[0], g.spacing_mm[1]);
   for (double back = -kColumnDepthMm; back <= 0.0; back += grid_mm) {
     for (double across = -kColumnHalfWidthMm; across <= kColumnHalfWidthMm; across += grid_mm) {

@@ -23,7 +23,7 @@ Mask BodyOf(const volume::Grid<volume::Label>& labels);
 /// also on uneven grids). Exact. Cost O(voxels * radius / spacing).
 Mask Dilated(const Mask& mask, double radius_mm, int num_threads);
 
-/// Voxels further than `radius_mm` from any outside voxel. Beyond the border counts as inside, so
+/// Voxels farther than `radius_mm` from any outside voxel. Beyond the border counts as inside, so
 /// that a body that is cut by the border keeps its full cross-section there.
 Mask Eroded(const Mask& mask, double radius_mm, int num_threads);
 

@@ -1,4 +1,4 @@
-// Organs that are told apart from their neighbours from seed points.
+// Organs that are distinguished from their neighbours from seed points.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct OrganSeed {
   enum class Method { kRegionGrowing, kLevelSet } method = Method::kRegionGrowing;
   double lower_hu = 0.0;
   double upper_hu = 0.0;
-  double radius_mm = 0.0;         ///< Nothing further than this from every seed is taken.
+  double radius_mm = 0.0;         ///< Nothing farther than this from every seed is taken.
   double smoothing_mm = 0.0;      ///< Radius of the ball that cuts leaks and closes vessels.
   double curvature_weight = 1.0;  ///< Level set only: how smooth the front is kept.
   int iterations = 0;             ///< Level set only.
@@ -31,7 +31,7 @@ struct OrganSeed {
 ///
 /// @throws InputError if a seed is outside the volume or its surroundings outside the range (the
 ///     message gives the HU there).
-/// @throws NoAnswerError if nothing is left.
+/// @throws NoAnswerError if nothing remains.
 Mask FindOrgan(const volume::CtVolume& ct, const OrganSeed& organ, const RunContext& context);
 
 }  // namespace acus::segmentation

@@ -45,7 +45,7 @@ std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
 TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig& config,
                             const RunContext& context);
 
-/// What may be asked for beside the labels.
+/// What may be requested beside the labels.
 struct Examination {
   bool certainty = false;              ///< How much the labels depend on the thresholds.
   std::optional<NamedVertebra> start;  ///< The name of one vertebra.

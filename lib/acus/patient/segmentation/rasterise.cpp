@@ -21,9 +21,9 @@ struct Crossing {
 /// A node in continuous indices of the grid.
 using Node = Eigen::Vector3d;
 
-/// Twice the area that (j, k) spans with the edge from a to b, seen along i; its sign tells the
-/// side. The same number for both triangles at an edge, but for the sign. On the edge: as if (j, k)
-/// were moved by (-e, -e^2), e above 0 but next to nothing.
+/// Twice the area that (j, k) spans with the edge from a to b, seen along i; its sign gives the
+/// side. The same number for both triangles at an edge, except for the sign. On the edge: as if (j,
+/// k) were moved by (-e, -e^2), e above 0 but next to nothing.
 struct Side {
   double value;
   bool positive;

@@ -23,7 +23,7 @@ struct ScanField {
   std::optional<ScanCircle> circle;
 };
 
-/// Looks at some 16 slices; the circle is found by random sample consensus, always the same.
+/// Looks at about 16 slices; the circle is found by random sample consensus, always the same.
 ScanField FindScanField(const volume::CtVolume& ct);
 
 /// 1 where the scanner saw nothing: beyond the circle, and padding at its edge. All 0 without a

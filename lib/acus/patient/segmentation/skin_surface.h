@@ -10,7 +10,7 @@ namespace acus::segmentation {
 /// the volume or on the label `cut`, where the body extends beyond what the scanner has seen.
 /// @param body  Closed, LPS mm, outwards, such as ExtractSurface makes from `labels`.
 /// @param reach_mm  Above 0. Triangles closer than that to the border, along their normal, are
-///     left out; so deep behind a triangle is `cut` looked for.
+///     omitted; so deep behind a triangle is `cut` looked for.
 mesh::Surface SkinOf(const mesh::Surface& body, const volume::LabelMap& labels, double reach_mm);
 
 }  // namespace acus::segmentation

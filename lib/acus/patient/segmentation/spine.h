@@ -16,7 +16,7 @@ struct Spine {
   Mask muscle;    ///< Behind the vertebral bodies, where it is not bone.
 };
 
-/// Nothing if the CT shows too little of a spine: fewer than some 14 mm of closed arches in a row,
+/// Nothing if the CT shows too little of a spine: fewer than about 14 mm of closed arches in a row,
 /// or axes more than 30 degrees off the patient's.
 std::optional<Spine> FindSpine(const volume::CtVolume& ct, const Mask& body, const BoneFound& bone,
                                const TissueOptions& options, int num_threads);

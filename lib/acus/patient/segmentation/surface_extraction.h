@@ -11,7 +11,7 @@ struct SurfaceOptions {
   int smoothing_iterations = 15;  ///< Of the windowed sinc filter; 0 = none.
   double smoothing_pass_band = 0.1;  ///< In (0, 2]; lower is smoother. Does not shrink.
   int target_triangles = 60000;  ///< Decimated to about that many; more where topology needs it.
-  double min_part_ml = 1.0;      ///< Smaller parts are left out, and holes within are filled.
+  double min_part_ml = 1.0;      ///< Smaller parts are omitted, and holes within are filled.
 };
 
 /// The surface of a mask, in LPS mm: closed (also where the border of the volume cuts the mask),

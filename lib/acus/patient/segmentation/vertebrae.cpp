@@ -224,7 +224,7 @@ int NumberOf(const std::string& name) {
   return static_cast<int>(found - kNames.begin());
 }
 
-/// The disc between L5 and the sacrum leans forward by some 30 to 45 degrees, others by less
+/// The disc between L5 and the sacrum leans forward by about 30 to 45 degrees, others by less
 /// than 22.
 bool LiesOnSacrum(const DiscPlane& lowest, const CanalLine& line) {
   return lowest.normal.dot(line.axes.col(1)) < -std::sin(kLeastSacralTiltDeg * M_PI / 180.0);

@@ -35,7 +35,7 @@ class AttachedPoints {
   struct Component {
     std::uint64_t field = 0;  ///< MotionField::identity().
     int index = 0;
-    std::uint64_t used = 0;  ///< Number of the moment that had it last.
+    std::uint64_t used = 0;  ///< Number of the instant that had it last.
     std::vector<kernels::SurfaceBlock> blocks;
   };
   Component& FindOrLookUp(const MotionField& field, int index, int num_threads);

@@ -1,4 +1,4 @@
-// What a patient's breath does at a moment: all that motion models ask for.
+// What a patient's breath does at a moment: all that motion models need.
 #pragma once
 
 namespace acus::breathing {

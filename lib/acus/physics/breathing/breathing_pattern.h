@@ -1,4 +1,4 @@
-// Breath that nobody recorded: regular, or as irregular as asked, and the same for the same seed.
+// Synthetic breath: regular, or as irregular as requested, and the same for the same seed.
 #pragma once
 
 #include <cstdint>

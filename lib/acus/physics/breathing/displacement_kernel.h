@@ -41,7 +41,7 @@ struct SurfaceBlock {
 void LookUpSurface(const FieldNow& field, const float* rest_mm, const float* rest_normals,
                    int count, SurfaceBlock* blocks);
 
-/// The components of a moment at a surface.
+/// The components of an instant at a surface.
 struct SurfaceNow {
   int num_components = 0;
   const SurfaceBlock* blocks[FieldNow::kMaxComponents] = {};  ///< From LookUpSurface.

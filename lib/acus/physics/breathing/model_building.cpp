@@ -88,7 +88,7 @@ MotionModel BuildFrames(MotionKind kind, const MotionPhases& phases) {
   };
   std::vector<std::size_t> which;
   for (std::size_t j = 0; j < phases.phases.size(); ++j) {
-    // From inspiration to expiration only: the way back is another one.
+    // From inspiration to expiration only: expiration has another path.
     if (full || phases.phases[j].breath.cycle <= 0.5 + 1e-9) which.push_back(j);
   }
   std::ranges::sort(which, {}, place);

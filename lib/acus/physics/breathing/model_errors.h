@@ -16,12 +16,12 @@ struct ModelError {
 };
 
 /// |u_model - u_known| at the nodes where `where` is not 0 (empty: everywhere), over the phases.
-/// @pre `known` is on the model's nodes. @throws InputError if no node is left.
+/// @pre `known` is on the model's nodes. @throws InputError if no node remains.
 ModelError ErrorOf(const MotionModel& model, const MotionPhases& known,
                    std::span<const std::uint8_t> where);
 
 /// For each phase but the reference: the error there of a model built without it. Key frames at the
-/// ends of half a cycle cannot be left out: there the model extrapolates.
+/// ends of half a cycle cannot be omitted: there the model extrapolates.
 /// @throws InputError if the phases that are left do not determine the model.
 ModelError LeaveOneOutError(MotionKind kind, const MotionPhases& known,
                             std::span<const std::uint8_t> where);

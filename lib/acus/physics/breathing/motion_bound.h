@@ -40,7 +40,7 @@ class MotionBound {
 /// @throws InputError if writing fails.
 void WriteMotionBound(const std::filesystem::path& folder, const MotionBound& bound);
 
-/// @throws InputError if the file is missing, or has another size than the nodes ask for, or holds
+/// @throws InputError if the file is missing, or has another size than the nodes require, or holds
 ///     a value that is not one.
 MotionBound ReadMotionBound(const std::filesystem::path& file, const volume::Geometry& nodes);
 

@@ -20,7 +20,7 @@ struct MotionWeights {
   std::array<std::uint8_t, kMaxCount> component{};
   std::array<float, kMaxCount> weight{};
 
-  /// Components of weight 0 are left out. @pre fewer than kMaxCount so far.
+  /// Components of weight 0 are omitted. @pre fewer than kMaxCount so far.
   void Add(int index, double share) noexcept {
     if (share == 0.0) return;
     component[static_cast<std::size_t>(count)] = static_cast<std::uint8_t>(index);

@@ -23,7 +23,7 @@ struct PatientMotion {
 
   /// Breath whose levels run from 0 to 1, in the terms of the model's signal.
   Breath InTermsOfSignal(const Breath& normal) const noexcept;
-  /// The other way round. A signal that does not tell the two levels apart gives 1, at rest.
+  /// The other way round. A signal that does not distinguish the two levels gives 1, at rest.
   Breath Normal(const Breath& of_signal) const noexcept;
 };
 

@@ -77,7 +77,7 @@ RecordedBreath::RecordedBreath(const BreathSignal& signal, const RecordedBreathS
 }
 
 void RecordedBreath::FindBreaths() {
-  // A breath swings through at least a third of what most of the signal spans.
+  // A breath spans at least a third of what most of the signal spans.
   const double span = math::Quantile(level_, 0.95) - math::Quantile(level_, 0.05);
   const double swing = span / 3.0;
   const auto shortest = static_cast<std::size_t>(kShortestBreathS / step_s_);

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kFewestSamples = 16;
 constexpr double kLargestGap = 5.0;  ///< Times the median step.
 
-/// Numbers in columns, and the rate that a comment tells.
+/// Numbers in columns, and the rate that a comment states.
 struct PlainColumns {
   std::vector<std::vector<double>> rows;
   double rate_hz = 0.0;

@@ -16,7 +16,7 @@
 
 namespace acus::forces {
 
-/// All that the model remembers. A plain value: copy it to save, assign it to restore.
+/// The state of the model between steps. A plain value: copy it to save, assign it to restore.
 struct AlamillaState : NeedleTrack {
   TrackingWall wall;
   double wall_n = 0.0;         ///< Its last force.

@@ -14,7 +14,7 @@ class ChatterMeter {
   /// @param counts  Whether the sample is part of the mean; the filter sees all.
   void Add(double dt_s, const Eigen::Vector3d& force_n, bool counts) noexcept;
 
-  /// What is left of the force below 30 Hz.
+  /// What remains of the force below 30 Hz.
   const Eigen::Vector3d& slow_n() const noexcept { return slow_n_; }
   double RmsN() const noexcept;  ///< 0 before the first sample that counts.
 

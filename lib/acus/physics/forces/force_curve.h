@@ -25,7 +25,7 @@ struct ForceCurve {
 ///  - a CSV with columns time_s, depth_mm, force_n, and hu and hu_gradient_per_mm if there are, or
 ///  - a folder with the headerless time_displacement.csv (s, mm) and time_force.csv (s, N). Their
 ///    clocks may differ: the depth is interpolated linearly at the times of the force, and force
-///    samples outside the depth's time span are left out.
+///    samples outside the depth's time span are omitted.
 /// The name is the file's stem or the folder's name.
 /// @throws InputError with file:row if a value is not finite or beyond 2 m or 1 kN, time does not
 ///     increase, or fewer than 20 samples are left; and if the depth looks like

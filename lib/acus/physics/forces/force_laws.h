@@ -7,7 +7,7 @@
 
 namespace acus::forces {
 
-/// A membrane (skin, capsule, ligament) indented before it gives way: f = a1 x + a2 x^2 up to the
+/// A membrane (skin, capsule, ligament) indented before it yields: f = a1 x + a2 x^2 up to the
 /// puncture force. Alamilla-2021 eq. 2.
 struct PuncturePolynomial {
   double a1_n_per_mm = 0.0;   ///< >= 0.
@@ -32,7 +32,7 @@ struct TrackingWall {
   /// @pre stiffness_n_per_mm > 0, cutting_n >= 0.
   double Advance(double tip_mm, double cutting_n, double stiffness_n_per_mm) noexcept;
 
-  /// The same with a wall that also follows a tip that is drawn back, as in the paper: the spring
+  /// The same with a wall that also follows a tip that is withdrawn, as in the paper: the spring
   /// then pulls, by up to withdrawal_n. Returns the force, in [-withdrawal_n, cutting_n].
   double AdvanceBothWays(double tip_mm, double cutting_n, double withdrawal_n,
                          double stiffness_n_per_mm) noexcept;
@@ -57,8 +57,8 @@ struct BristleFriction {
   double Slide(double travel_mm, double z0_mm) noexcept;
 };
 
-/// Bone: the tip stays at the surface, the device is drawn back to it by a spring-damper that never
-/// pulls the needle in (the proxy of Vidal-2008 eq. 7).
+/// Bone: the tip stays at the surface, the device is pulled back to it by a spring-damper that
+/// never pulls the needle in (the proxy of Vidal-2008 eq. 7).
 struct BoneSpring {
   double stiffness_n_per_mm = 0.0;
   double damping_n_s_per_mm = 0.0;

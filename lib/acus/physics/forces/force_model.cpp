@@ -7,7 +7,7 @@
 namespace acus::forces {
 namespace {
 
-/// What models that go by labels tell apart.
+/// What models that use labels distinguish.
 struct SweptLabels {
   const SweptTissue& tissue;
   static constexpr int kMostLooks = SweepLimits::kMostLooks;
@@ -17,7 +17,7 @@ struct SweptLabels {
   }
 };
 
-/// What a model tells apart that reads the CT itself.
+/// What a model distinguishes that reads the CT itself.
 template <class Model>
 struct SweptField {
   const Model& model;

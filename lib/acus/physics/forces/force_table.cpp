@@ -34,7 +34,7 @@ FrictionTime FrictionTimeFrom(const json& block) {
           .slip_mm = block.at("slip_mm")};
 }
 
-/// What is left of friction at the least speed, on a contact of no age.
+/// What remains of friction at the least speed, on a contact of no age.
 void RequireFriction(const TissueTime& time, const FrictionTime& settings,
                      const std::string& where) {
   const double least = 1.0 + time.friction_rate * settings.RateLog(0.0) +

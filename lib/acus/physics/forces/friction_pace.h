@@ -13,8 +13,8 @@ struct FrictionPace {
   double age_s = 0.0;           ///< Of the contact: at rest it grows as time, sliding loses it.
 };
 
-/// Of a shaft in one step or piece of a step. Its speed is that of its travel: where tissue that
-/// sticks gives way, a speed of sliding would make friction chatter.
+/// Motion of a shaft in one step or piece of a step. Its speed is that of its travel: where tissue
+/// that sticks yields, a speed of sliding would make friction chatter.
 struct ShaftMove {
   double travel_mm = 0.0;
   double slid_mm = 0.0;  ///< In the tissue, which may stick and go along.

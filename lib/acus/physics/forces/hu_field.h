@@ -22,8 +22,8 @@ class HuField {
   Eigen::Vector3d GradientHuPerMm(const Eigen::Vector3d& place_in_ct_mm,
                                   double reach_mm = 0.0) const noexcept;
 
-  /// The first place on the way from `from` to `to` where the field comes from below to `hu`, as a
-  /// share of the way; above 1 if there is none. Steps of half a resolution length (longer on ways
+  /// The first place on the line from `from` to `to` where the field comes from below to `hu`, as a
+  /// share of the line; above 1 if there is none. Steps of half a resolution length (longer on ways
   /// over 64 of them), then bisection. 0 if it is at or above `hu` already at `from`.
   double FirstCrossing(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                        double hu) const noexcept;

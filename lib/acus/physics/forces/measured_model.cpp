@@ -56,7 +56,7 @@ NeedleForce MeasuredModel::Step(MeasuredState& state, const NeedleInput& input) 
     contact = {};
     contact.Advance(law_, previous_s, 0.0);
   }
-  // A needle that was drawn back and turned has fresh tissue ahead: its channel is cut off.
+  // A needle that was withdrawn and turned has fresh tissue ahead: its channel is cut off.
   contact.deepest_mm = std::min(contact.deepest_mm, std::max(state.channel_mm, contact.depth_mm));
   const double deepest_mm = contact.deepest_mm;
   const ContactStrain strain = contact.Advance(law_, input.time_s, state.depth_mm);

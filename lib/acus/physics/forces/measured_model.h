@@ -10,7 +10,7 @@
 
 namespace acus::forces {
 
-/// All that the model remembers. A plain value: copy it to save, assign it to restore.
+/// The state of the model between steps. A plain value: copy it to save, assign it to restore.
 struct MeasuredState : NeedleForceState {
   MechanicalState contact;
 };
@@ -27,7 +27,7 @@ class MeasuredModel {
   /// Takes in the next sample, as NeedleForceModel::Step: bad samples and the bound on the force
   /// are treated as there. Exact for constant speed between samples, however far apart they are.
   /// Allocates nothing. puncture_n is what internal punctures add to the resistance, friction_n all
-  /// the rest: a recording does not tell cutting from friction at one depth. cutting_n is 0.
+  /// the rest: a recording does not distinguish cutting from friction at one depth. cutting_n is 0.
   NeedleForce Step(MeasuredState& state, const NeedleInput& input) const noexcept;
 
   const ForceTable& table() const { return layered_.table(); }

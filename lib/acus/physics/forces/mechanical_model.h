@@ -35,7 +35,7 @@ struct InternalPuncture {
   double ForceN(double depth_mm) const noexcept;
 };
 
-/// On the way out the resistance changes by `step_n` where the tip leaves what had gripped it:
+/// During withdrawal the resistance changes by `step_n` where the tip leaves what had gripped it:
 /// step / (1 + exp((at - depth) / width)), more resistance deeper than `at`.
 struct Release {
   double at_mm = 0.0;  ///< Drive depth.
@@ -45,7 +45,7 @@ struct Release {
   double ForceN(double depth_mm) const noexcept;
 };
 
-/// Tissue that gives way by itself while the needle rests: after resting for `after_s` the strain
+/// Tissue that yields by itself while the needle rests: after resting for `after_s` the strain
 /// falls by `share` of itself.
 struct Slip {
   double after_s = 0.0;
@@ -89,8 +89,8 @@ struct MechanicalModel {
   double drift_n_per_s = 0.0;  ///< Since `start_s`.
   double start_s = 0.0;
 
-  /// Of the path ahead, if `deepest_mm` is not beyond `depth_mm`; else of the path that is cut:
-  /// there are no membranes any more, only what they left.
+  /// Resistance of the path ahead, if `deepest_mm` is not beyond `depth_mm`; else of the path that
+  /// is cut: there are no membranes any more, only what they left.
   double ResistanceInN(double depth_mm, double deepest_mm) const noexcept;
   double ResistanceOutN(double depth_mm) const noexcept;
   /// The sum of the branches when sliding steadily at the reference speed.

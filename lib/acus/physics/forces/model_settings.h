@@ -72,10 +72,10 @@ struct MultiProxySettings {
     double a2_n_per_mm2 = 0.0;
     double friction = 0.0;
   };
-  /// Something under the skin that is felt through it.
+  /// A structure under the skin that adds to the force on the hand.
   struct Structure {
     volume::Label tissue = 0;
-    std::optional<double> from_hu;  ///< None: only label maps tell it.
+    std::optional<double> from_hu;  ///< None: only label maps have it.
     Repulsion repulsion;            ///< On top of the skin's, by the depth behind its surface.
   };
   double skin_hu = 0.0;

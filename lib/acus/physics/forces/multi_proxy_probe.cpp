@@ -10,7 +10,7 @@
 namespace acus::forces {
 namespace {
 
-/// Of a pose: its translation, or something that no sample gate lets pass unless it is rigid.
+/// Place of a pose: its translation, or something that no sample gate lets pass unless it is rigid.
 Eigen::Vector3d PlaceOf(const Eigen::Isometry3d& pose) noexcept {
   const Eigen::Matrix3d turn = pose.linear();
   const double off = (turn.transpose() * turn - Eigen::Matrix3d::Identity()).norm();

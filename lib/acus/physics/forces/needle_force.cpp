@@ -87,14 +87,14 @@ NeedleForce NeedleForceModel::InBody(NeedleForceState& state, const NeedleMotion
       state.bristle.Slide(travel_mm, table_.settings.friction_buildup_mm);
     }
   }
-  // Guidance that knows where the needle may turn does so itself.
+  // Guidance that decides where the needle may turn does so itself.
   if (guidance_ == GuidanceKind::kOwn || guidance_ == GuidanceKind::kNone) Redirect(state, motion);
   TipForces(state, {step.previous_mm, state.depth_mm, motion.dt_s}, out);
   Finish(state, motion, step.was_pierced, out);
   return out;
 }
 
-/// Turns the path where the tissue gives way to the lateral force.
+/// Turns the path where the tissue yields to the lateral force.
 void NeedleForceModel::Guide(NeedleForceState& state, const NeedleMotion& motion) const noexcept {
   if (!state.pierced) return;
   NeedlePath& path = state.path;
@@ -120,7 +120,7 @@ void NeedleForceModel::Guide(NeedleForceState& state, const NeedleMotion& motion
   }
 }
 
-/// A needle drawn back to near the skin may be turned freely; it starts a new path.
+/// A needle withdrawn to near the skin may be turned freely; it starts a new path.
 void NeedleForceModel::Redirect(NeedleForceState& state,
                                 const NeedleMotion& motion) const noexcept {
   const double redirect_mm = table_.settings.redirect_depth_mm;

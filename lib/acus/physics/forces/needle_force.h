@@ -23,7 +23,7 @@ namespace acus::forces {
 double LateralStiffnessNPerMm(const NeedleProperties& needle, const ForceSettings& settings,
                               double depth_mm) noexcept;
 
-/// All that the model remembers. A plain value: copy it to save, assign it to restore.
+/// The state of the model between steps. A plain value: copy it to save, assign it to restore.
 struct NeedleForceState : NeedleTrack {
   TrackingWall wall;
   BristleFriction bristle;
@@ -33,7 +33,7 @@ struct NeedleForceState : NeedleTrack {
   double walls_n = 0.0;        ///< Force of all walls.
   volume::Label walls_of = 0;  ///< Tissue that the walls are of.
   GuidanceState guide;
-  bool redirecting = false;  ///< Drawn back far enough to be turned to a new path.
+  bool redirecting = false;  ///< Withdrawn far enough to be turned to a new path.
   double lowest_mm = 0.0;    ///< Least depth since then.
 };
 

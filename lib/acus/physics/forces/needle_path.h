@@ -17,8 +17,8 @@ struct NeedlePath {
   struct Segment {
     double end_mm = 0.0;
     volume::Label tissue = 0;
-    double friction_n_per_mm = 0.0;    ///< On the way in.
-    double withdrawal_n_per_mm = 0.0;  ///< On the way out.
+    double friction_n_per_mm = 0.0;    ///< During insertion.
+    double withdrawal_n_per_mm = 0.0;  ///< During withdrawal.
   };
 
   Eigen::Vector3d entry_in_ct_mm = Eigen::Vector3d::Zero();
@@ -47,16 +47,16 @@ struct NeedlePath {
 
   /// Full sliding friction of a shaft buried from 0 to `depth_mm` that is pushed in, N.
   double FrictionN(double depth_mm) const noexcept;
-  /// The same while it is drawn out.
+  /// The same while it is withdrawn.
   double WithdrawalFrictionN(double depth_mm) const noexcept;
 
-  /// Of what `per_mm` gives for a segment, N/mm, over a shaft buried from 0 to `depth_mm`, N.
+  /// Sum of what `per_mm` gives for a segment, N/mm, over a shaft buried from 0 to `depth_mm`, N.
   template <typename PerMm>
   double SumN(double depth_mm, const PerMm& per_mm) const noexcept {
     double total_n = 0.0;
     double begin_mm = 0.0;
     for (int i = 0; i < num_segments && begin_mm < depth_mm; ++i) {
-      const bool last = i + 1 == num_segments;  // The last tissue goes on as far as is asked.
+      const bool last = i + 1 == num_segments;  // The last tissue continues as far as is asked.
       const double end_mm = last ? depth_mm : std::min(segment[i].end_mm, depth_mm);
       total_n += per_mm(segment[i]) * (end_mm - begin_mm);
       begin_mm = segment[i].end_mm;

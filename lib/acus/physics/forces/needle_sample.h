@@ -22,7 +22,7 @@ struct NeedleInput {
 enum class NeedleEvent : std::uint8_t {
   kNone,
   kContact,    ///< The tip touches the skin.
-  kPuncture,   ///< A membrane gave way.
+  kPuncture,   ///< A membrane yielded.
   kInterface,  ///< The tip reached another tissue, which it had not cut before.
   kBoneContact,
   kBoneRelease,
@@ -32,7 +32,7 @@ enum class NeedleEvent : std::uint8_t {
 std::string_view NameOf(NeedleEvent event) noexcept;
 
 /// Along the path, + pushes the needle out; the four parts add up to the axial force. Below 0 each
-/// of them pulls the needle in, as friction does while it is drawn back.
+/// of them pulls the needle in, as friction does while it is withdrawn.
 struct NeedleForce {
   double puncture_n = 0.0;  ///< What a membrane adds while it is indented.
   double cutting_n = 0.0;
@@ -49,7 +49,7 @@ struct NeedleForce {
   double AxialN() const { return puncture_n + cutting_n + friction_n + bone_n; }
 };
 
-/// Of two events of one step, the one that is told.
+/// The one of two events of a step that is reported.
 NeedleEvent FirstOf(NeedleEvent a, NeedleEvent b) noexcept;
 
 /// All parts of the force and its torque times `share`; the event and lengths stay.

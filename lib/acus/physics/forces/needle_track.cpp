@@ -98,7 +98,7 @@ NeedleEvent MeetTissue(const ForceTable& table, NeedleTrack& track, volume::Labe
   const double depth_mm = track.depth_mm;
   const double hysteresis_mm = table.settings.interface_hysteresis_mm;
   if (track.pressing && track.pierced && depth_mm < track.membrane_mm - hysteresis_mm) {
-    track.pressing = track.has_candidate = false;  // Drawn back from an inner membrane.
+    track.pressing = track.has_candidate = false;  // Withdrawn from an inner membrane.
     path.CutOffAt(track.membrane_mm);
   }
   if (depth_mm <= path.EndMm()) {
@@ -195,8 +195,8 @@ volume::Label TissueAroundTip(const NeedleTrack& track, volume::Label before,
 
 namespace {
 
-/// Passing from tissue to tissue in the channel is told apart from cutting into one for the first
-/// time, which is the event that the step has already.
+/// Passing from tissue to tissue in the channel is distinguished from cutting into one for the
+/// first time, which is the event that the step has already.
 NeedleEvent PassInChannel(const ForceTable& table, NeedleTrack& track,
                           const TrackStep& step) noexcept {
   const volume::Label before = track.around_tip;

@@ -25,12 +25,12 @@ struct NeedleTrack : SampleGate {
   Eigen::Vector3d tip_in_ct_mm = Eigen::Vector3d::Zero();  ///< Of the last valid sample.
   volume::Label tissue_at_tip = 0;
 
-  bool in_body = false;     ///< There is a path: the tip has touched the skin.
-  NeedlePath path;          ///< Segments are what the tip has met so far.
-  bool pierced = false;     ///< The skin has given way; from then on the path guides the needle.
-  double device_mm = 0.0;   ///< Depth of the device's tip.
-  double depth_mm = 0.0;    ///< Depth of the needle's tip.
-  double channel_mm = 0.0;  ///< Depth to which tissue is cut.
+  bool in_body = false;          ///< There is a path: the tip has touched the skin.
+  NeedlePath path;               ///< Segments are what the tip has met so far.
+  bool pierced = false;          ///< The skin has yielded; from then on the path guides the needle.
+  double device_mm = 0.0;        ///< Depth of the device's tip.
+  double depth_mm = 0.0;         ///< Depth of the needle's tip.
+  double channel_mm = 0.0;       ///< Depth to which tissue is cut.
   volume::Label cut_tissue = 0;  ///< What the tip cuts, or would if it advanced.
 
   volume::Label around_tip =
@@ -94,10 +94,10 @@ void CreepMembrane(const ForceTable& table, NeedleTrack& track, const TipMove& m
 /// Force of that membrane; 0 without one.
 double PressedN(const ForceTable& table, const NeedleTrack& track) noexcept;
 
-/// Lets the membrane give way if it is pressed hard enough. On piercing the skin, the path takes
+/// Lets the membrane yield if it is pressed hard enough. On piercing the skin, the path takes
 /// the needle's direction (Augmented-2010, section II.D).
 /// @param bone_n  force of a bone right behind it, which presses too.
-/// @return the force at which it gave way; 0 if it did not.
+/// @return the force at which it yielded; 0 if it did not.
 double TryPuncture(const ForceTable& table, NeedleTrack& track, const NeedleMotion& motion,
                    double bone_n) noexcept;
 
@@ -115,7 +115,7 @@ struct TrackStep {
   double device_speed_mm_per_s = 0.0;  ///< Along the path, + inwards.
   double bone_penetration_mm = 0.0;    ///< Of the device beyond the bone.
   double bone_n = 0.0;                 ///< By the table's BoneSpring.
-  double punctured_n = 0.0;            ///< Force at which a membrane gave way; 0: none did.
+  double punctured_n = 0.0;            ///< Force at which a membrane yielded; 0: none did.
   NeedleEvent event = NeedleEvent::kNone;
 };
 

@@ -6,7 +6,7 @@
 namespace acus::forces {
 namespace {
 
-/// A share of 1, 2, 1 quarters along one axis; the border goes on as it is.
+/// A share of 1, 2, 1 quarters along one axis; the border continues as it is.
 void SmoothAlong(volume::CtVolume& grid, int axis) {
   const Eigen::Array3i size = grid.geometry.size;
   const int length = size[axis];

@@ -1,4 +1,4 @@
-// Tissues of a label map as a field with a surface, where the CT's values do not tell it.
+// Tissues of a label map as a field with a surface, where the CT's values do not show it.
 #pragma once
 
 #include <bitset>

@@ -22,8 +22,9 @@ struct ProbeForce {
   double bone_mm = 0.0;  ///< To the proxy on bone.
   /// On the probe, about the middle of its face; zero in models with one proxy.
   Eigen::Vector3d torque_in_ct_n_mm = Eigen::Vector3d::Zero();
-  int num_on_skin = 0;          ///< Proxies.
-  volume::Label structure = 0;  ///< What is felt under the skin, the strongest of several; 0: none.
+  int num_on_skin = 0;  ///< Proxies.
+  volume::Label structure =
+      0;  ///< The structure under the skin that presses most, the strongest of several; 0: none.
 };
 
 }  // namespace acus::forces

@@ -61,7 +61,7 @@ void MeetStructure(const HuField& field, const SurfaceProxySettings& settings,
     structure.Touch(field, settings, skin.at_in_ct_mm + crossing * line);
   } else if (field.HuAt(place) >= settings.hu) {
     // Pushed into its side: it pushes back from where the device came in. A device that slid below
-    // it through soft tissue feels nothing of it: a force out of nowhere would throw the hand.
+    // it through soft tissue has no force: a force out of nowhere would throw the hand.
     const double side = field.FirstCrossing(before, place, settings.hu);
     structure.Touch(field, settings, before + std::min(side, 1.0) * travel_mm);
   }

@@ -21,7 +21,7 @@ struct SampleGate {
   enum class Verdict {
     kStep,  ///< Valid and later: step, then call Accept().
     kHold,  ///< Time not later, or the needle is lost: Held().
-    kZero,  ///< Rubbish, or lost before it was ever seen: no force, the state stays.
+    kZero,  ///< Invalid, or lost before it was ever seen: no force, the state stays.
   };
   Verdict Judge(double sample_time_s, bool valid, const Eigen::Vector3d& tip_in_ct_mm,
                 const Eigen::Vector3d& axis_in_ct) noexcept;
@@ -29,7 +29,7 @@ struct SampleGate {
     return Judge(input.time_s, input.valid, input.tip_in_ct_mm, input.axis_in_ct);
   }
 
-  /// The share of the last force that is left: 1 for the table's tracking_loss hold time, then
+  /// The remaining share of the last force: 1 for the table's tracking_loss hold time, then
   /// falling to 0 over its ramp.
   double HeldShare(const ForceSettings& settings) const noexcept;
   /// The last force times that share, without its event.

@@ -13,7 +13,8 @@ namespace acus::forces {
 
 /// A plain value.
 struct ShaftFrictionState : FrictionPace {
-  /// Of the elastic and the relaxing bristles, by law; 1 slides steadily at the reference speed.
+  /// Strain of the elastic and the relaxing bristles, by law; 1 slides steadily at the reference
+  /// speed.
   std::array<std::array<double, ForceRelaxation::kMostTerms + 1>, ForceTable::kMostTimes> strain{};
 };
 
@@ -27,8 +28,8 @@ class ShaftFriction {
   explicit ShaftFriction(const ForceTable& table);
 
   /// Exact for constant speed where g is constant; else g is that of the middle of pieces of 5 ms
-  /// and a quarter of the slip, 64 at most. Travel to and fro by up to 5 um is neither speed nor
-  /// slip. @param travel_mm  + into the tissue.  @param dt_s  > 0.
+  /// and a quarter of the slip, 64 at most. Travel back and forth by up to 5 um is neither speed
+  /// nor slip. @param travel_mm  + into the tissue.  @param dt_s  > 0.
   void Slide(ShaftFrictionState& state, double travel_mm, double dt_s) const noexcept;
 
   /// Force on a shaft buried from 0 to `depth_mm`, + pushes it out.

@@ -28,16 +28,16 @@ struct SweptWay {
     input.tip_in_ct_mm = At(share);
     const Eigen::Vector3d to_axis = to.axis_in_ct.normalized();
     const Eigen::Vector3d axis = from_axis + share * (to_axis - from_axis);
-    // An axis that turns right round has no direction on the way.
+    // An axis that turns right round has no direction in between.
     input.axis_in_ct = axis.norm() > 0.1 ? axis : to_axis;
     input.tissue_at_tip = label;
     return input;
   }
 };
 
-/// The steps of one sample. `Place` is what a model tells apart on the way: its At(mm, before)
-/// gives an integer that changes where there is something to meet (`before`: at the place before),
-/// its LabelAt(mm) the label of a sample there. Allocates nothing.
+/// The steps of one sample. `Place` is what a model distinguishes along the path: its At(mm,
+/// before) gives an integer that changes where there is something to meet (`before`: at the place
+/// before), its LabelAt(mm) the label of a sample there. Allocates nothing.
 template <class Model, class State, class Place>
 class Sweep {
  public:
@@ -88,7 +88,7 @@ class Sweep {
     if (high < 1.0) StepTo(way, high);
   }
 
-  /// Through one tissue. If it is cut already it is told by its inside, away from both of its ends.
+  /// Through one tissue. If it is cut already its inside decides, away from both of its ends.
   void StepThrough(const SweptWay& way, double share) noexcept {
     const double from = at_;
     const int parts = (share - from) * way.length_mm < SweepLimits::kThinMm ? 4 : 2;
@@ -96,7 +96,7 @@ class Sweep {
     StepTo(way, share);
   }
 
-  /// Up to a share of the way, with a stop at each event.
+  /// Up to a share of the step, with a stop at each event.
   void StepTo(const SweptWay& way, double share) noexcept {
     if (share <= at_) return;
     if (at_ == 0.0) force_ = state_.held;
@@ -159,7 +159,7 @@ class Sweep {
   const Place& place_;
   double step_mm_;
   PassedEvents& events_;
-  double at_ = 0.0;  ///< Share of the way that is taken.
+  double at_ = 0.0;  ///< Share of the step that is done.
   int left_ = SweepLimits::kMostModelSteps;
   NeedleForce force_;
   NeedleEvent event_ = NeedleEvent::kNone;

@@ -57,7 +57,8 @@ struct SweepLimits {
   static constexpr double kThinMm = 2.0;
   /// A tip that jumps farther was not followed by its tracker: one step.
   static constexpr double kFarthestMm = 100.0;
-  /// Of the model, in one sample. What is met after them is met in one step, as without a sweep.
+  /// Steps of the model in one sample. What is met after them is met in one step, as without a
+  /// sweep.
   static constexpr int kMostModelSteps = 128;
 };
 

@@ -40,7 +40,7 @@ double CreptMm(double rest_mm, const TipMove& move, double home_mm, double time_
   const double steady_mm = (move.to_mm - move.from_mm) / move.dt_s * time_s;
   const double then_mm = steady_mm + (pressed_mm - steady_mm) * std::exp(-move.dt_s / time_s);
   if (then_mm >= 0.0) return move.to_mm - then_mm;
-  // It comes off on the way back.
+  // It comes off during withdrawal.
   const double off_s = std::min(move.dt_s, time_s * std::log1p(-pressed_mm / steady_mm));
   const double off_mm = move.from_mm + steady_mm / time_s * off_s;
   const double left_s = move.dt_s - off_s;

@@ -17,7 +17,7 @@ struct ForceRelaxation {
   bool operator==(const ForceRelaxation&) const = default;
 };
 
-/// Of one tissue. All zero: its force does not depend on time.
+/// Dependence on time of one tissue. All zero: its force does not depend on time.
 struct TissueTime {
   ForceRelaxation relaxation;
   double friction_rate = 0.0;  ///< Share by which friction grows with each factor e of speed, >= 0.

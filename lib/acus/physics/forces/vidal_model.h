@@ -1,6 +1,6 @@
 // The force on a needle after Vidal-2008, eq. 1 to 8: from the CT itself, not from labels.
 //
-// On the skin a proxy until it gives way; then the resistance of a B-spline table by HU, larger
+// On the skin a proxy until it yields; then the resistance of a B-spline table by HU, larger
 // where tissues meet, averaged; bone by a proxy; and a force that keeps the needle on its line.
 // Equations and decisions: docs/models/forces_vidal.md.
 #pragma once
@@ -15,7 +15,7 @@
 
 namespace acus::forces {
 
-/// All that the model remembers. A plain value: copy it to save, assign it to restore.
+/// The state of the model between steps. A plain value: copy it to save, assign it to restore.
 struct VidalState : NeedleTrack {
   SurfaceProxy skin;                                             ///< Until the skin is pierced.
   Eigen::Vector3d resistance_in_ct_n = Eigen::Vector3d::Zero();  ///< F1, by the passive mean.
@@ -36,13 +36,13 @@ class VidalModel {
 
   /// Takes in the next sample; its tissue_at_tip is not used. Bad samples and the bound on the
   /// force: as NeedleForceModel::Step. puncture_n is the skin's force, cutting_n the resistance
-  /// while the needle advances, friction_n (below 0) while it is drawn back; an interface is where
+  /// while the needle advances, friction_n (below 0) while it is withdrawn; an interface is where
   /// the gradient passes the threshold.
   NeedleForce Step(VidalState& state, const NeedleInput& input) const noexcept;
 
   const ForceTable& table() const { return table_; }
 
-  /// What the model tells apart at a place: air, tissue, bone, each at an edge or not.
+  /// What the model distinguishes at a place: air, tissue, bone, each at an edge or not.
   /// @param before  at the place before: an edge ends at a smaller gradient than it begins.
   int KindAt(const Eigen::Vector3d& place_in_ct_mm, int before) const noexcept;
   /// How close to look so as to meet all of it, mm.

@@ -1,7 +1,7 @@
 // Clamping: tissue that holds a needle on the trajectory that it took, Alamilla-2021 eq. 7 to 11.
 //
-// A bilateral fixture for direction and place, with stiffness and damping. It gives way beyond its
-// limits, and takes a new trajectory when a turned needle is pushed on.
+// A bilateral fixture for direction and place, with stiffness and damping. It yields beyond its
+// limits, and takes a new trajectory when a turned needle is advanced.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -56,7 +56,7 @@ Eigen::Quaterniond WithoutTwist(const Eigen::Quaterniond& ct_from_reference,
                                 const Eigen::Vector3d& axis_in_ct) noexcept;
 
 /// One step: turns and shifts the trajectory where the needle advanced or the limits were passed
-/// (each only lowers the energy in the fixture), then gives the force of what is left.
+/// (each only lowers the energy in the fixture), then gives the force of what remains.
 FixtureForce StepFixture(const FixtureSettings& settings, Fixture& fixture,
                          const FixtureMotion& motion) noexcept;
 

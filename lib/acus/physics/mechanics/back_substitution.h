@@ -10,15 +10,15 @@ namespace acus::mechanics {
 
 /// With the rows R of a CondensedFactor and all others I, a force on R moves
 ///     u_I = -L11^-T L21^T C f:
-/// only the backward half of a solve, and of it only the columns that the wanted nodes depend on
+/// only the backward half of a solve, and of it only the columns that the required nodes depend on
 /// (their ancestors in the elimination tree).
 class BackSubstitution {
  public:
   /// @param wanted  Rows of free nodes, may be among those of R. `factor` must live longer.
   BackSubstitution(const CondensedFactor& factor, std::span<const int> wanted);
 
-  /// Displacements, mm/N, of the wanted nodes (3 each) by unit forces on rows first ..
-  /// first + count of the compliance: one column of 3 wanted.size() values after the other.
+  /// Displacements, mm/N, of the required nodes (3 each) by unit forces on rows first ..
+  /// first + count of the compliance: one column of 3 required.size() values after the other.
   void Columns(int first, int count, float* out);
 
  private:
@@ -29,7 +29,7 @@ class BackSubstitution {
   int num_condensed_ = 0;         ///< Rows of R.
   std::vector<char> is_needed_;   ///< By group.
   std::vector<long> place_;       ///< Of each row in the order of elimination, in solution_; -1.
-  std::vector<long> wanted_;      ///< Place of each wanted row.
+  std::vector<long> wanted_;      ///< Place of each required row.
   std::vector<double> solution_;  ///< `count` values for each place.
   std::vector<double> gathered_;
 };

@@ -12,7 +12,7 @@ CholmodCommon::CholmodCommon() {
   cholmod_l_start(&common_);
   common_.print = 0;
   common_.error_handler = nullptr;
-  common_.try_catch = 1;  // Failures are told by RequireCholmodOk.
+  common_.try_catch = 1;  // RequireCholmodOk reports failures.
   common_.useGPU = 0;
   common_.supernodal = CHOLMOD_SUPERNODAL;
   common_.final_ll = 1;

@@ -27,7 +27,7 @@ class Compliance {
                                const Eigen::Ref<const Eigen::MatrixXd>& matrix_mm_per_n,
                                Storage storage);
 
-  /// Wraps numbers that somebody else keeps, such as a mapped file, and keeps `owner` alive.
+  /// Wraps numbers of another owner, such as a mapped file, and keeps `owner` alive.
   Compliance(std::vector<int> nodes, Storage storage, const void* values,
              std::shared_ptr<const void> owner);
 

@@ -33,7 +33,7 @@ ComplianceFileCost WriteCompliance(const std::filesystem::path& path, Condensati
 
 /// What of a file's numbers is held against its checksums. Header and tables always are.
 enum class ComplianceCheck {
-  kNothing,     ///< Opens in no time, whatever the size; pages are read when first used.
+  kNothing,     ///< Opens at once, whatever the size; pages are read when first used.
   kCompliance,  ///< Reads the compliance, so that it is in memory before the first step.
   kEverything,  ///< The image block, too.
 };

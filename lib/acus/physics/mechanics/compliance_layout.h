@@ -65,7 +65,7 @@ struct ComplianceLayout {
   }
 };
 
-/// 64 bits that tell damage, not malice, at the speed of memory: 64-bit words are multiplied into
+/// 64 bits that detect damage, not malice, at the speed of memory: 64-bit words are multiplied into
 /// four lanes, and high bits are brought down, so that they count, too. Every step can be undone,
 /// so that a change within one word always shows.
 inline std::uint64_t Checksum(const void* bytes, std::uint64_t size) {

@@ -24,7 +24,7 @@ struct CondensationCost {
 inline constexpr double kDefaultMemoryMib = 12000.0;
 
 /// The stiffness matrix of the free nodes is factored once, with the reachable ones last; the
-/// inverse of the factor's last block is their compliance, exact but for rounding.
+/// inverse of the factor's last block is their compliance, exact except for rounding.
 /// Method, times and memory: docs/models/tissue_condensation.md.
 class Condensation {
  public:
@@ -54,7 +54,7 @@ class Condensation {
   void SetVisible(std::span<const int> mesh_nodes);
 
   /// Displacements, mm, of the visible nodes (x, y, z of each) by 1 N on degrees of freedom first
-  /// .. first + count of the compliance, one column after the other. Some 100 at a time are best.
+  /// .. first + count of the compliance, one column after the other. About 100 at a time are best.
   void ImageColumns(int first, int count, float* out);
 
   const CondensationCost& cost() const { return cost_; }

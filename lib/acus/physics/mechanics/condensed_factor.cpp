@@ -154,7 +154,7 @@ CondensedFactor::CondensedFactor(Eigen::SparseMatrix<double>&& lower_n_per_mm,
       lower_n_per_mm, {static_cast<const long*>(impl.factor->Perm), impl.factor->n}, impl.common);
   Eigen::SparseMatrix<double>().swap(lower_n_per_mm);  // Gives its memory back; resize() would not.
   impl.factor->ordering = CHOLMOD_NATURAL;             // It is in order already.
-  malloc_trim(0);  // What assembly left in small pieces, some 200 MiB, is for the factor to have.
+  malloc_trim(0);  // What assembly left in small pieces, about 200 MiB, is for the factor to have.
   context.Checkpoint("factoring the stiffness", 0.1);
   cholmod_l_factorize(matrix.get(), impl.factor.get(), impl.common.get());
   RequireCholmodOk(impl.common, impl.factor.get(), "factoring the stiffness matrix");

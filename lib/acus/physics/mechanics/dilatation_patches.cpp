@@ -11,7 +11,7 @@
 namespace acus::mechanics {
 namespace {
 
-// A star is worth a patch if so much of it is free: first whole stars only, then what is left.
+// A star is worth a patch if so much of it is free: first whole stars only, then what remains.
 constexpr double kFreeShare[] = {1.0, 0.5};
 constexpr int kSmallestPatch = 6;
 
@@ -101,7 +101,7 @@ class Packing {
         open += is_free && !IsAt(next, star.node);
       }
     }
-    // Of torn stars those that are more whole come first.
+    // Torn stars that are more whole come first.
     return touching / std::max(1.0, static_cast<double>(touching + open)) +
            (num_free < size ? num_free / size : 1.0);
   }

@@ -13,7 +13,7 @@ namespace acus::mechanics {
 /// volume.
 ///
 /// Stars of nodes are packed as closely as they go, like an advancing front: next is always the
-/// free star that has the largest share of its surface against what is taken. What is left over
+/// free star that has the largest share of its surface against what is taken. What remains over
 /// joins a patch beside it. Choices depend on places of nodes and on how they are joined, never on
 /// their numbers or on those of the tetrahedra; docs/models/tissue_elasticity.md says why patches
 /// and why these.

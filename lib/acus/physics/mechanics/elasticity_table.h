@@ -26,8 +26,8 @@ struct ElasticTissue {
   }
 };
 
-/// Elastic constants by label. There is no fallback: a stiffness nobody chose would change every
-/// force without a word.
+/// Elastic constants by label. There is no fallback: a stiffness that was not chosen would change
+/// every force without a word.
 struct ElasticityTable {
   std::string file;  ///< Where it was read, for messages.
   std::string description;
@@ -36,7 +36,7 @@ struct ElasticityTable {
   std::bitset<256> named;                  ///< Labels that the file has a row for.
   /// On surfaces of tissues; ascending by tissue, one per tissue at most. Of 3D meshes only.
   std::vector<Membrane> membranes;
-  /// Of tissues with a membrane: what the solid beneath it is like; others are not in it.
+  /// For tissues with a membrane: what the solid beneath it is like; others are not in it.
   std::array<ElasticTissue, 256> beneath{};
   std::bitset<256> has_beneath;
   Relaxation relaxation;  ///< Of fe_2d and fe_3d; the moduli are those of fast deformation.

@@ -16,7 +16,7 @@ struct ElementPatch {
   std::vector<int> nodes;       ///< Of these, ascending, each once.
 };
 
-/// One patch per tetrahedron for linear elements. Tetrahedra that are left out or have four fixed
+/// One patch per tetrahedron for linear elements. Tetrahedra that are omitted or have four fixed
 /// nodes are in none. @param is_left_out  Flag per tetrahedron; empty: none.
 std::vector<ElementPatch> ElementPatches(const mesh::TetraMesh& mesh, ElementKind kind,
                                          std::span<const std::uint8_t> is_left_out);

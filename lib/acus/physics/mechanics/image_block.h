@@ -18,7 +18,7 @@ class ImageBlock {
   /// Holds nothing: no node is visible.
   ImageBlock() = default;
 
-  /// Wraps numbers that somebody else keeps, such as a mapped file, and keeps `owner` alive.
+  /// Wraps numbers of another owner, such as a mapped file, and keeps `owner` alive.
   /// @param nodes  Mesh node of each three rows, ascending.
   ImageBlock(std::vector<int> nodes, const float* values, std::shared_ptr<const void> owner);
 

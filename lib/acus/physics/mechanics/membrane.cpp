@@ -31,7 +31,7 @@ struct FlatFace {
   Vector3d normal, first, second;
   std::array<Vector2d, 6> place;
   double area_mm2 = 0.0;
-  /// Of the linear function that is 1 at corner n and 0 at the others.
+  /// Gradient of the linear function that is 1 at corner n and 0 at the others.
   std::array<Vector2d, 3> gradient;
 };
 

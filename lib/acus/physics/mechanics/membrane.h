@@ -47,7 +47,7 @@ std::vector<MembraneFace> FacesOf(const Membrane& membrane, const mesh::TetraMes
 /// displacement w along its normal; bending D ((w_xx + w_yy)^2 - 2 (1 - nu) (w_xx w_yy - w_xy^2)) /
 /// 2 with constant curvature, from the three corners and the three opposite ones (a patch without
 /// rotations, after Phaal and Calladine 1992, Int. J. Numer. Meth. Eng. 35:955-977). Rigid motions
-/// need no force but for tension, which resists turning. docs/models/tissue_membranes.md
+/// need no force except for tension, which resists turning. docs/models/tissue_membranes.md
 Eigen::SparseMatrix<double> MembraneStiffness(const mesh::TetraMesh& mesh,
                                               std::span<const Membrane> membranes,
                                               std::span<const std::uint8_t> is_left_out = {});

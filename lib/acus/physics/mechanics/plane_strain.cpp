@@ -15,7 +15,8 @@ constexpr double kLeastStiffness = 1e-12;  // Relative; below it a part is not h
 
 using StrainRow = Eigen::Matrix<double, 1, 6>;
 
-/// Of a constant-strain triangle: strain = rows times the displacements (x0, y0, x1, y1, x2, y2).
+/// Strain of a constant-strain triangle: strain = rows times the displacements (x0, y0, x1, y1, x2,
+/// y2).
 struct Strain {
   double area_mm2 = 0.0;
   StrainRow xx, yy, xy;  ///< xy: engineering shear.
@@ -240,7 +241,7 @@ PlaneCompliance InvertPlane(const PlaneGrid& grid, const std::vector<ElasticTiss
   int info = 0;
   dpotrf_("L", &num_dofs, out.matrix.data(), &num_dofs, &info);
   for (int i = 0; i < num_dofs && info == 0; ++i) {
-    // What is left of the diagonal after elimination: the stiffness with all others free.
+    // What remains of the diagonal after elimination: the stiffness with all others free.
     const double left = out.matrix(i, i) * out.matrix(i, i);
     if (!(left > kLeastStiffness * diagonal[i])) info = i + 1;
   }

@@ -23,7 +23,7 @@ struct SkinPatch {
 };
 
 /// All nodes that can move of every tetrahedron that has a point in common with the capsule: a
-/// needle in it is then inside elements that are reachable as a whole (but for fixed nodes).
+/// needle in it is then inside elements that are reachable as a whole (except for fixed nodes).
 /// @returns mesh nodes, ascending.
 /// @throws InputError if there is none, with the capsule and the mesh's bounds.
 std::vector<int> CorridorNodes(const mesh::TetraMesh& mesh, const FreeNodes& free,

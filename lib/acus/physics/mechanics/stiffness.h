@@ -15,7 +15,7 @@ namespace acus::mechanics {
 enum class ElementKind {
   /// Constant strain (CalculiX: C3D4). Far too stiff near a Poisson's ratio of 0.5.
   kLinear,
-  /// The same, but for the change of volume, which is averaged over patches of one tissue
+  /// The same, except for the change of volume, which is averaged over patches of one tissue
   /// (mechanics/dilatation_patches.h): right up to 0.4999. After de Souza Neto et al. 2005, small
   /// strains.
   kAveragedDilatation,

@@ -23,14 +23,14 @@ struct FreeNodes {
   std::vector<int> mesh_node;             ///< Of each row, ascending.
   std::vector<int> row_of_node;           ///< Of each mesh node; -1: it is held.
   std::vector<std::uint8_t> is_left_out;  ///< Of each tetrahedron: part of a loose piece.
-  std::vector<LoosePiece> loose;          ///< Left out; largest first. Tell the user.
+  std::vector<LoosePiece> loose;          ///< Omitted; largest first. For a warning to the user.
   int num_dofs() const { return 3 * static_cast<int>(mesh_node.size()); }
 };
 
-/// Loose pieces up to this share of the volume, all together, are left out; more is an error.
+/// Loose pieces up to this share of the volume, all together, are omitted; more is an error.
 inline constexpr double kLargestLooseShare = 0.01;
 
-/// Finds the nodes of supported tetrahedra that are not fixed. Loose pieces are left out: their
+/// Finds the nodes of supported tetrahedra that are not fixed. Loose pieces are omitted: their
 /// tetrahedra resist nothing, and those of their nodes that belong to nothing else stay in place,
 /// as do nodes without tetrahedra.
 /// @throws InputError if no node is fixed; if loose pieces make up more than kLargestLooseShare

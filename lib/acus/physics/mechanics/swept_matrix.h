@@ -14,7 +14,7 @@ namespace acus::mechanics {
 
 /// A compliance C of up to `capacity` degrees of freedom, swept on the set D of those whose
 /// displacement is given. Only its lower triangle is kept. No function but the constructors
-/// allocates. Copies are independent; a copy goes on with the same bits.
+/// allocates. Copies are independent; a copy continues with the same bits.
 ///
 /// Two uses. The *full* update of the paper: all degrees of freedom from the beginning, O(n^2) per
 /// swap. The *restricted* update: only those that touch the needle, appended with their rows of C

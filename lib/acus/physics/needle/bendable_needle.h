@@ -28,8 +28,8 @@ struct BendableNeedleInput {
   Eigen::Vector3d tip_mm = Eigen::Vector3d::Zero();          ///< Of the needle if it were not bent.
   Eigen::Quaterniond hand = Eigen::Quaterniond::Identity();  ///< +z along the needle, to its tip.
   bool touches = false;  ///< That tip is in the body: begins a path if there is none.
-  /// Of the tip in the tissue since the last step; < 0 back. In the step that begins a path, how
-  /// far behind tip_mm the skin is.
+  /// Travel of the tip in the tissue since the last step; < 0 back. In the step that begins a path,
+  /// how far behind tip_mm the skin is.
   double advance_mm = 0.0;
   PathNode tissue;                     ///< At the tip: label and stiffness.
   const PathMotion* motion = nullptr;  ///< Null: tissue stays where the path was cut.

@@ -1,7 +1,7 @@
 // The channel that a bendable needle has cut: nodes along a curve in the tissue at rest.
 //
-// Fortmeier-2016, section 2.3: nodes about `spacing_mm` apart that stay where they are, but for the
-// last one, which is the tip. It moves forward in a direction that the caller gives (of the
+// Fortmeier-2016, section 2.3: nodes about `spacing_mm` apart that stay where they are, except for
+// the last one, which is the tip. It moves forward in a direction that the caller gives (of the
 // needle's tip), and back towards the node before it. A node is put in when the tip is over 1.5
 // spacings from the one before it, and taken out when it is nearer than half a spacing.
 #pragma once
@@ -61,7 +61,7 @@ struct CurvedPath {
   void StepForward(const Eigen::Vector3d& unit, double step_mm, const PathNode& tissue) noexcept;
 };
 
-/// A bevel tip is pushed off its way by the tissue it cuts: the path bends with a constant
+/// A bevel tip is deflected by the tissue it cuts: the path bends with a constant
 /// curvature towards the side that the bevel leaves (the unicycle model of Webster et al. 2006).
 struct BevelTip {
   double curvature_per_mm = 0.0;

@@ -68,7 +68,7 @@ struct RodInput {
 
 enum class RodStatus : std::uint8_t {
   kConverged,
-  kIterationLimit,  ///< The best shape so far; the next call goes on from it.
+  kIterationLimit,  ///< The best shape so far; the next call continues from it.
   kStalled,         ///< No step lowers the energy further, though moments are not balanced.
   kRejected,        ///< An input is not finite, negative, beyond 100 m, 1e9 N/mm or 1e6 N, or too
                     ///< many: nothing was changed.
@@ -109,7 +109,7 @@ struct RodAction {
   Eigen::Vector3d gradient_n = Eigen::Vector3d::Zero();  ///< dE / d(place); minus force on the rod.
 };
 
-/// Of one Newton step, for each element.
+/// Terms of one Newton step, for each element.
 struct RodSweep {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();      ///< dE / d(position of the element's end)
   Eigen::Vector3d moment_n_mm = Eigen::Vector3d::Zero();  ///< dE / d(rotation of the element's end)

@@ -103,7 +103,7 @@ void Insert(const RodModel& model, RodAction action, std::vector<RodAction>& lis
   list[at] = action;
 }
 
-/// What the tip's side of an element adds up to: second derivatives and gradient of what is left of
+/// What the tip's side of an element adds up to: second derivatives and gradient of what remains of
 /// the energy when its curvatures are at their best, by position x and rotation f of its start.
 struct Value {
   Matrix3d xx = Matrix3d::Zero(), xf = Matrix3d::Zero(), ff = Matrix3d::Zero();
@@ -124,7 +124,7 @@ Matrix3d RotationCurvature(const Vector3d& n, const Vector3d& d) noexcept {
   return m;
 }
 
-/// Second derivative of n . chord by curvature, at curvature 0; what is left out is of the order of
+/// Second derivative of n . chord by curvature, at curvature 0; what is omitted is of the order of
 /// the turn of one element, and slows Newton's last digits only.
 Matrix3d ChordCurvature(double length_mm, const Vector3d& n, const Vector3d& t) noexcept {
   Matrix3d m = n * t.transpose() + t * n.transpose();

@@ -47,7 +47,7 @@ struct BaseGradient {
 };
 BaseGradient GradientAtBase(const RodState& state) noexcept;
 
-/// The quadratic model of the energy that is left when the base moves: value terms at the base.
+/// The quadratic model of the energy that remains when the base moves: value terms at the base.
 struct BaseModel {
   Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();

@@ -10,7 +10,7 @@ constexpr int kBlockRoundsWithoutGain = 5;
 constexpr int kMostBlockRounds = 30;
 constexpr int kMostRounds = 120;
 constexpr int kProjectedSweeps = 60;
-// Of the force (N) within which a bound counts as kept, and of the displacement through S.
+// Share of the force (N) within which a bound counts as kept, and of the displacement through S.
 constexpr double kForceTolerance = 1e-13;
 
 }  // namespace

@@ -33,7 +33,7 @@ struct BoxCounts {
 /// 587-596): all wrong unknowns are swapped at once; when that does not help for a while, only the
 /// one with the highest number, which must end (Murty 1974) as S is positive definite. The number
 /// of rounds is bounded; when it is used up, projected Gauss-Seidel gives forces that keep to their
-/// bounds, and the next step goes on from there.
+/// bounds, and the next step continues from there.
 ///
 /// Starts from the statuses of the last solve and keeps what is still right of its factor. The
 /// result depends on S, r, the bounds and those statuses only. Nothing is allocated.
@@ -51,7 +51,7 @@ class BoxSolver {
     const double* high = nullptr;
   };
 
-  /// Unknowns in kOff are left out. @param x  the solution, 0 where off.
+  /// Unknowns in kOff are omitted. @param x  the solution, 0 where off.
   /// @return false if the rounds were used up.
   bool Solve(const Problem& problem, double* x) noexcept;
 

@@ -49,7 +49,8 @@ Eigen::Vector3d SumAtNode(const mechanics::Compliance& compliance, int row,
   return sum;
 }
 
-/// Of one place with itself, along a direction: half of the blocks, as the compliance is symmetric.
+/// Compliance of one place with itself, along a direction: half of the blocks, as the compliance is
+/// symmetric.
 template <class T>
 double SumWithin(const mechanics::Compliance& compliance, const ContactPlace& place,
                  const Eigen::Vector3d& direction) noexcept {

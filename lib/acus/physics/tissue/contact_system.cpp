@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kPointsPerCopy = 8;
 constexpr int kSolvesPerCheck = 16;
-// Of the largest displacement asked for, but at least of 1 mm. A force is wrong by no more than
-// this over the compliance of a point, some mm/N.
+// Share of the largest displacement requested, but at least of 1 mm. A force is wrong by no more
+// than this over the compliance of a point, some mm/N.
 constexpr double kLargestResidualShare = 1e-10;
 
 }  // namespace
@@ -113,7 +113,7 @@ void ContactSystem::Pass(ContactState& state, double duration_s) const noexcept 
   }
 }
 
-/// A column begins anew: its tissue has no past.
+/// Resets a column: its tissue has no history.
 void ContactSystem::Forget(ContactState& state, int column) const noexcept {
   if (relaxation_.num_terms == 0) return;
   const std::size_t laterals = state.held_lateral_n_.size();

@@ -1,5 +1,5 @@
 // Forces between tools and elastic tissue at the places where they touch, from the compliance of
-// the tissue: the numerics of contact, which know nothing of needles.
+// the tissue: the numerics of contact, independent of needles.
 //
 // Two kinds of unknown (docs/models/tissue_contact.md):
 //  - points of a needle: two lateral forces, bilateral (the displacement across the needle is
@@ -43,7 +43,7 @@ struct LocalCompliance {
 
 class ContactSystem;
 
-/// Which places are in contact, the factors, the forces. A plain value: a copy goes on with the
+/// Which places are in contact, the factors, the forces. A plain value: a copy continues with the
 /// same bits. Made by ContactSystem::NewState(), which takes all the memory that it will ever need.
 class ContactState {
  public:
@@ -57,7 +57,7 @@ class ContactState {
   const Eigen::Vector3d& slot_direction(int slot) const { return slot_direction_[slot]; }
   double slot_local_mm_per_n(int slot) const { return slot_local_[slot]; }
 
-  /// What the next Solve() is asked for. Lateral displacement along the frame's first two columns.
+  /// The input of the next Solve(). Lateral displacement along the frame's first two columns.
   void SetLateral(int point, double first_mm, double second_mm) {
     lateral_mm_[2 * point] = first_mm;
     lateral_mm_[2 * point + 1] = second_mm;
@@ -69,10 +69,10 @@ class ContactState {
     SetBounded(slot, displacement_mm, low_n, high_n);
   }
 
-  /// Of a column (slots, then points); its bounds stay.
+  /// Sets the demand of a column (slots, then points); its bounds stay.
   void SetDemand(int column, double displacement_mm) { demand_mm_[column] = displacement_mm; }
 
-  /// What was asked for: of points' two lateral displacements; of columns (slots, then points).
+  /// What was requested: of points' two lateral displacements; of columns (slots, then points).
   double LateralMm(int row) const { return lateral_mm_[row]; }
   double DemandMm(int column) const { return demand_mm_[column]; }
   double LowN(int column) const { return low_n_[column]; }
@@ -102,7 +102,7 @@ class ContactState {
     return {lateral_n_[2 * point], lateral_n_[2 * point + 1], bounded_n_[num_slots_ + point]};
   }
   double ElasticSlotN(int slot) const { return bounded_n_[slot]; }
-  /// Displacement less what was asked for; 0 while a point sticks.
+  /// Displacement less what was requested; 0 while a point sticks.
   double PointExcessMm(int point) const { return solver_.Excess(num_slots_ + point); }
   double SlotExcessMm(int slot) const { return solver_.Excess(slot); }
   ContactStatus PointStatus(int point) const { return solver_.status(num_slots_ + point); }
@@ -215,7 +215,7 @@ class ContactSystem {
   void Pass(ContactState& state, double duration_s) const noexcept;
 
   /// Finds all forces for what was asked by Set...(). Every few calls one point is held against the
-  /// compliance itself; if the residual is above kLargestResidualMm, all is factored anew, solved
+  /// compliance itself; if the residual is above kLargestResidualMm, all is factored again, solved
   /// again and counted.
   /// @return false if the bounded part ran out of rounds; forces then keep to their bounds.
   bool Solve(ContactState& state) const noexcept;
@@ -227,7 +227,7 @@ class ContactSystem {
   Eigen::Vector3d DisplacementMm(const ContactState& state,
                                  const ContactPlace& place) const noexcept;
 
-  /// What is left of the equations of one point, straight from the compliance, mm.
+  /// What remains of the equations of one point, straight from the compliance, mm.
   double ResidualMm(const ContactState& state, int point) const noexcept;
 
   /// Compliance between two places, CT axes, mm/N.

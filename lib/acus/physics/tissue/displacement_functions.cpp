@@ -12,7 +12,7 @@ namespace acus::tissue {
 namespace {
 
 constexpr double kPrintedLengthMm = 1.0;
-constexpr double kProbeDepthMm = 1.0;       // The skin's modulus is asked for so far inside it.
+constexpr double kProbeDepthMm = 1.0;       // The skin's modulus is requested so far inside it.
 constexpr double kShallowestShaftMm = 1.0;  // Friction is spread over at least this length.
 constexpr double kLongestBlend = 4.0;       // Of R_max.
 constexpr double kFarthestMm = 1e5;

@@ -35,8 +35,8 @@ class FemImage {
 /// Displacements at one moment. Fields of one FemImage may be used by different threads.
 ///
 /// Inside an element they are interpolated linearly between its nodes; nodes that are not stored
-/// count as zero. So the field is continuous, exact at stored nodes (but for the storage in float,
-/// some 1e-6 of the largest displacement), and zero away from them.
+/// count as zero. So the field is continuous, exact at stored nodes (except for the storage in
+/// float, about 1e-6 of the largest displacement), and zero away from them.
 class FemField {
  public:
   explicit FemField(const FemImage& image);
@@ -49,7 +49,7 @@ class FemField {
   /// Zero outside the elements with stored nodes, and where a coordinate is not a number.
   Eigen::Vector3d DisplacementMm(const Eigen::Vector3d& rest_in_ct_mm) const noexcept;
 
-  /// Of the last Update.
+  /// Loads without room in the last Update.
   int num_dropped_loads() const { return num_dropped_; }
 
  private:

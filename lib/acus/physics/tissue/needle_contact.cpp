@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kFarthestTipMm = 1e5;      // A probe beyond it is not in a room.
 constexpr double kLongestSearchMm = 400.0;  // From inside the body back to the skin.
-constexpr double kSamePlaceMm = 0.1;      // On the skin; the tip's compliance is found anew beyond.
-constexpr double kSameCosine = 0.9998;    // 1 degree.
-constexpr double kReentryMm = 1.0;        // So near the old entry, the tip finds the channel again.
+constexpr double kSamePlaceMm = 0.1;    // On the skin; the tip's compliance is found again beyond.
+constexpr double kSameCosine = 0.9998;  // 1 degree.
+constexpr double kReentryMm = 1.0;      // So near the old entry, the tip finds the channel again.
 constexpr double kReentryCosine = 0.996;  // And with less than 5 degrees to it.
 
 bool IsPosition(const Eigen::Vector3d& x_mm) {
@@ -99,7 +99,7 @@ forces::NeedleForce FemNeedleModel::Step(FemNeedleState& state,
     StepProbe(state, sample);
   }
   if (verdict != SampleGate::Verdict::kStep) {
-    if (is_later && probe_) {  // The needle stays where it was; the probe goes on.
+    if (is_later && probe_) {  // The needle stays where it was; the probe continues.
       if (state.phase == NeedlePhase::kInside) Demand(state);
       SolveContact(state);
       if (state.phase != NeedlePhase::kFree) FollowDimple(state);
@@ -151,7 +151,7 @@ void FemNeedleModel::SolveContact(FemNeedleState& state) const noexcept {
   }
 }
 
-/// Displacement of a place that the contact does not know of, CT axes: of tissue at large strain.
+/// Displacement of a place outside the contact, CT axes: of tissue at large strain.
 Eigen::Vector3d FemNeedleModel::StrainMovedMm(const FemNeedleState& state,
                                               const ContactPlace& place) const noexcept {
   return strain_ ? strain_->MovedMm(state.strain, place) : Eigen::Vector3d::Zero();
@@ -219,7 +219,7 @@ void FemNeedleModel::Touch(FemNeedleState& state, const Eigen::Vector3d& tip_mm,
 
 void FemNeedleModel::PressSkin(FemNeedleState& state) const noexcept {
   state.depth_mm = (state.tip_in_ct_mm - state.entry_mm).dot(state.frame.col(2));
-  // A membrane's dimple widens with its depth, so that its kernel is placed anew in every step.
+  // A membrane's dimple widens with its depth, so that its kernel is placed again in every step.
   const bool same = state.contact.slot_in_use(0) && state.dimple.stretching_n_per_mm <= 0.0 &&
                     (state.end_mm - state.placed_mm).norm() < kSamePlaceMm &&
                     state.contact.slot_direction(0).dot(state.frame.col(2)) > kSameCosine;
@@ -237,7 +237,7 @@ void FemNeedleModel::Release(FemNeedleState& state) const noexcept {
   state.dimple = {};
 }
 
-/// True if the membrane that the tip presses gives way, or on the skin, what is there instead.
+/// True if the membrane that the tip presses yields, or on the skin, what is there instead.
 bool FemNeedleModel::Pierced(FemNeedleState& state, Outcome& outcome) const noexcept {
   if (state.end_is_bone) return false;
   const bool on_skin = state.phase == NeedlePhase::kOnSkin;

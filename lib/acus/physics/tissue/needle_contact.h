@@ -49,8 +49,8 @@ struct NeedlePoint {
   volume::Label tissue = 0;
 };
 
-/// All that the model remembers. A plain value: a copy goes on with the same bits. Made by
-/// FemNeedleModel::NewState(), which takes all the memory that it will ever need.
+/// The state of the model between steps. A plain value: a copy continues with the same bits. Made
+/// by FemNeedleModel::NewState(), which takes all the memory that it will ever need.
 struct FemNeedleState : SampleGate {
   ContactState contact;
   StrainState strain;  ///< Empty for the linear law.
@@ -79,7 +79,7 @@ struct FemNeedleState : SampleGate {
   Eigen::Vector3d end_mm = Eigen::Vector3d::Zero();
   volume::Label end_tissue = 0;
   volume::Label beyond = 0;  ///< Tissue whose membrane is pressed.
-  double membrane_n = 0.0;   ///< It gives way at this force; 0: none is pressed.
+  double membrane_n = 0.0;   ///< It yields at this force; 0: none is pressed.
   bool end_is_bone = false;
   bool on_bone = false;
   double tip_offset_mm = 0.0;  ///< Keeps the force when the tip meets something harder.
@@ -165,7 +165,7 @@ class FemNeedleModel {
   std::array<mechanics::ElasticTissue, 256> elastic_{};  ///< Solids, beneath their membranes.
   std::array<mechanics::ElasticTissue, 256> whole_{};    ///< With them: what holds the shaft.
   std::vector<mechanics::Membrane> membranes_;
-  /// Of the membrane between each tissue and the outside.
+  /// Near field of the membrane between each tissue and the outside.
   std::array<std::optional<ShellNearField>, 256> skin_shell_;
   ContactMesh mesh_;
   TipKernel kernel_;

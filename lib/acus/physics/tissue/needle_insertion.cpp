@@ -13,7 +13,7 @@ namespace {
 constexpr int kMostNewPoints = 3;   // Per step: the rest follows in the next ones.
 constexpr double kMarchMm = 0.5;    // So closely the tip looks for other tissues on its way.
 constexpr int kHalvings = 12;       // Finds an interface to 0.1 um of that.
-constexpr double kReplaceMm = 0.5;  // Of cutting, after which the tip's compliance is found anew.
+constexpr double kReplaceMm = 0.5;  // Of cutting, after which the tip's compliance is found again.
 constexpr double kChannelMm =
     1.0;  // Further aside, the tip leaves its old cut and makes a new one.
 constexpr double kNothingMmPerN = 1e6;  // Around a place without tissue.
@@ -128,7 +128,7 @@ void FemNeedleModel::FollowDimple(FemNeedleState& state) const noexcept {
   state.contact.SetSlotExtra(0, state.dimple.ForceN(state.kernel_moved_mm - state.dimple_from_mm));
 }
 
-/// The same where a harder limit begins: goes on with the force as it is.
+/// The same where a harder limit begins: continues with the force as it is.
 void FemNeedleModel::PlaceTipKeepingForce(FemNeedleState& state) const noexcept {
   const Eigen::Vector3d axial = state.frame.col(2);
   const double force_n = state.contact.ElasticSlotN(0);
@@ -146,7 +146,7 @@ void FemNeedleModel::PlaceTipKeepingForce(FemNeedleState& state) const noexcept 
       axial.dot(system_.DisplacementMm(state.contact, place) + StrainMovedMm(state, place));
 }
 
-/// The skin has given way: from now on there are points along the shaft.
+/// The skin has yielded: from now on there are points along the shaft.
 void FemNeedleModel::Enter(FemNeedleState& state, const Eigen::Vector3d& axis) const noexcept {
   state.phase = NeedlePhase::kInside;
   state.frame = FrameAlong(axis);
@@ -204,7 +204,7 @@ void FemNeedleModel::FollowSlip(FemNeedleState& state) const noexcept {
   state.slid_mm = slid_mm / std::max(1, state.contact.num_points());
 }
 
-/// Drops the points that the tip has been drawn back past.
+/// Drops the points that the tip has been withdrawn past.
 void FemNeedleModel::DropPoints(FemNeedleState& state) const noexcept {
   int count = state.contact.num_points();
   while (count > 0) {
@@ -215,7 +215,7 @@ void FemNeedleModel::DropPoints(FemNeedleState& state) const noexcept {
   system_.TruncatePoints(state.contact, count);
 }
 
-/// A tip at its limit that was asked for more has cut its way on, up to where something stops it.
+/// A tip at its limit whose requested depth is larger has cut on, up to where something stops it.
 forces::NeedleEvent FemNeedleModel::Cut(FemNeedleState& state) const noexcept {
   forces::NeedleEvent event = forces::NeedleEvent::kNone;
   if (state.membrane_n > 0.0 || state.end_is_bone) return event;
@@ -332,7 +332,7 @@ void FemNeedleModel::AppendPoint(FemNeedleState& state, double axial_mm) const n
   const Eigen::Vector3d axial = state.frame.col(2);
   const double own_mm_per_n =
       axial.dot(system_.Between(spot.place, spot.place) * axial) + local.axial_mm_per_n;
-  // Friction goes on as at the point before, so that a sliding needle does not feel the points.
+  // Friction continues as at the point before, so that a sliding needle does not feel the points.
   const double begin_n = share * 0.5 * spacing_mm_ * FrictionNPerMm(state, point);
   point.moved_mm = moved_mm[2];
   point.slip_mm = state.depth_mm - moved_mm[2] - own_mm_per_n * begin_n;

@@ -8,7 +8,7 @@ namespace acus::tissue {
 enum class NeedlePhase : std::uint8_t {
   kFree,    ///< Outside.
   kOnSkin,  ///< The tip presses the skin.
-  kInside,  ///< The skin has given way.
+  kInside,  ///< The skin has yielded.
 };
 
 }  // namespace acus::tissue

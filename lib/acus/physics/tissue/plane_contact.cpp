@@ -13,7 +13,7 @@ constexpr double kSlideSlackMm = 1e-10;
 constexpr int kBlockTries = 8;       // Rounds of many swaps that may fail to lessen what is wrong.
 constexpr double kShortStep = 1e-3;  // Below it a series is exact and differences are not.
 
-/// A first-order lag over a step in which its input changes evenly: what is left of it, and its
+/// A first-order lag over a step in which its input changes evenly: what remains of it, and its
 /// answer to the input at both ends.
 struct RampStep {
   double decay = 1.0;

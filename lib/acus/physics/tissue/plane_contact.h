@@ -1,5 +1,5 @@
 // Stick and slip at the nodes of a needle by swaps of constraints on an explicit inverse: the
-// numerics of the 2D model of 2010, which know nothing of needles.
+// numerics of the 2D model of 2010, independent of needles.
 //
 // Augmented-2010, section II.B and III; DiMaio and Salcudean. A degree of freedom that sticks has
 // its displacement given, one that slips has its force given, at one of its bounds. Which is which
@@ -28,7 +28,7 @@ enum class PlaneUpdate {
 
 enum class SlotStatus : std::uint8_t { kStick, kAtLow, kAtHigh };
 
-/// A plain value: a copy goes on with the same bits. Slots come in pairs, last-in-first-out: two
+/// A plain value: a copy continues with the same bits. Slots come in pairs, last-in-first-out: two
 /// directions at one node. Only the constructors allocate. With kFull it refers to the compliance
 /// that it was made of, which must outlive it.
 class PlaneContact {

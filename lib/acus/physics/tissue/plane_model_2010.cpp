@@ -19,7 +19,7 @@ constexpr double kEscapeMm = 20.0;
 constexpr double kLeastPathCosine = 0.2;  // Between needle and path.
 constexpr int kBisections = 30;
 
-/// Of the grid, along which the path goes on by one layer of nodes after the other.
+/// The axis of the grid along which the path continues by one layer of nodes after the other.
 int MajorAxis(const Eigen::Vector2d& along) {
   return std::abs(along.y()) >= std::abs(along.x()) ? 1 : 0;
 }

@@ -54,7 +54,7 @@ struct PlaneState {
 
   NeedlePhase phase = NeedlePhase::kFree;  ///< There is a path unless it is free.
   bool pressing = false;                   ///< The tip is held by the membrane of `membrane_of`.
-  bool engaged = false;  ///< The tip is at the end of its channel, not drawn back in it.
+  bool engaged = false;  ///< The tip is at the end of its channel, not withdrawn in it.
   bool cutting = false;  ///< The channel got longer in the last substep.
   bool on_bone = false;
   Eigen::Vector2d entry_mm = Eigen::Vector2d::Zero();

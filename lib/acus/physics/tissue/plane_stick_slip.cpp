@@ -47,7 +47,8 @@ double PlaneModel2010::Hat(const PlaneState& state, int q, double at_mm) const n
   return std::clamp((after_mm - at_mm) / (after_mm - here_mm), 0.0, 1.0);
 }
 
-/// Of the hat function from the skin to `end_mm`: the length of shaft that the node stands for.
+/// Integral of the hat function from the skin to `end_mm`: the length of shaft that the node stands
+/// for.
 double PlaneModel2010::HatIntegral(const PlaneState& state, int q, double end_mm) const noexcept {
   const double here_mm = state.node[q].at_mm;
   double sum = 0.0;
@@ -120,7 +121,7 @@ void PlaneModel2010::KeepSlips(PlaneState& state) const noexcept {
   }
 }
 
-/// The tip is drawn back beyond the last node but one, and the last has no force any more.
+/// The tip is withdrawn beyond the last node but one, and the last has no force any more.
 bool PlaneModel2010::CanDropLast(const PlaneState& state) const noexcept {
   const int last = state.num_nodes - 1;
   if (last < 1 || state.engaged || state.tip_rest_mm >= state.node[last - 1].at_mm) return false;
@@ -135,7 +136,7 @@ bool PlaneModel2010::CanDropLast(const PlaneState& state) const noexcept {
 /// Forces in balance with where the needle is, and the tip where they let it be.
 NeedleEvent PlaneModel2010::Balance(PlaneState& state, double travel_mm) const noexcept {
   NeedleEvent event = NeedleEvent::kNone;
-  // A tip that cuts is expected to go on: the load moves with the needle, not after it.
+  // A tip that cuts is expected to continue: the load moves with the needle, not after it.
   double lead_mm =
       state.cutting && !state.pressing && !state.on_bone ? std::max(0.0, travel_mm) : 0;
   const double channel_before_mm = state.channel_mm;
@@ -164,7 +165,7 @@ NeedleEvent PlaneModel2010::Balance(PlaneState& state, double travel_mm) const n
   return event;
 }
 
-/// The skin gives way when it is pressed with all that it can bear.
+/// The skin yields when it is pressed with all that it can bear.
 NeedleEvent PlaneModel2010::Pierce(PlaneState& state) const noexcept {
   if (!state.pressing || state.contact.Status(0) != SlotStatus::kAtHigh) {
     state.tip_rest_mm = 0.0;
@@ -210,7 +211,7 @@ NeedleEvent PlaneModel2010::FollowTip(PlaneState& state) const noexcept {
     if (!tip_pushes) {
       state.engaged = false;
       if (rest_mm < state.channel_mm - table_.settings.interface_hysteresis_mm) {
-        state.pressing = false;  // Drawn back from an inner membrane.
+        state.pressing = false;  // Withdrawn from an inner membrane.
       }
     }
     return NeedleEvent::kNone;
@@ -267,7 +268,7 @@ NeedleEvent PlaneModel2010::AdvanceChannel(PlaneState& state, double to_mm) cons
     if (table_.HasMembrane(state.cut_tissue, next)) {
       state.pressing = true;
       state.membrane_of = next;
-      // What is left of this step does not go through the membrane, it presses it in.
+      // What remains of this step does not go through the membrane, it presses it in.
       for (int q = 0; q < state.num_nodes; ++q) {
         if (Hat(state, q, other_mm) > 0.0) state.node[q].reference_mm.x() -= to_mm - other_mm;
       }

@@ -171,7 +171,7 @@ double SpringModel::TipN(const SpringState& state, double ahead_mm, const Law& l
   return force_n;
 }
 
-/// Of the membrane that the tip presses.
+/// Force of the membrane that the tip presses.
 double SpringModel::PressedN(const SpringState& state, double ahead_mm) const noexcept {
   const forces::PuncturePolynomial& membrane = table_.tissue[state.membrane_of].membrane;
   return TipN(state, ahead_mm, [&](double in_mm) { return membrane.ForceN(in_mm); });
@@ -332,7 +332,7 @@ NeedleEvent SpringModel::Meet(SpringState& state, volume::Label next,
   state.ahead_mm = (state.device_in_ct_mm - tip.rest_in_ct_mm).dot(state.tip_direction_in_ct);
   if (table_.tissue[next].impenetrable) {
     state.on_bone = true;
-    // What cut the last tissue is pressed in already; the rest of the way to here was not.
+    // What cut the last tissue is pressed in already; the rest of the travel to here was not.
     state.bone_from_mm = std::min(state.ahead_mm, CuttingAheadMm(before));
     return NeedleEvent::kBoneContact;
   }

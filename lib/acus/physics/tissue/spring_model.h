@@ -26,8 +26,8 @@ struct SpringSettings {
   double influence_radius_mm = 20.0;  ///< Tissue is held at this distance from the needle.
   /// Largest change of the friction force per second: keeps stiff springs from overshooting.
   double friction_rate_n_per_s = 1000.0;
-  /// Of all springs across the needle together. A spring K that comes 1.5 steps T late needs a
-  /// damping of 1.5 K T: at 1 kHz a device and hand of 4.5 N s/m hold up to 3 N/mm.
+  /// Stiffness of all springs across the needle together. A spring K that comes 1.5 steps T late
+  /// needs a damping of 1.5 K T: at 1 kHz a device and hand of 4.5 N s/m hold up to 3 N/mm.
   double stiffest_across_n_per_mm = 2.0;
 };
 
@@ -78,7 +78,7 @@ struct SpringState {
 };
 
 /// Eq. 4 and the update of the tip: how far the path's tip advances when the device is `ahead_mm`
-/// beyond it, so that a2 x^2 + a1 x of what is left is at most `cutting_n`. Below 0 it moves back.
+/// beyond it, so that a2 x^2 + a1 x of what remains is at most `cutting_n`. Below 0 it moves back.
 double TipAdvanceMm(double ahead_mm, double a1_n_per_mm, double a2_n_per_mm2,
                     double cutting_n) noexcept;
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double kLeastMixing = 1e-3;
 constexpr double kLongestStepMm = 1.0;  // Of any node, in one iteration.
 constexpr double kFreshMixing = 0.1;
-constexpr double kLostMm = 1.0;   // Displacements that are out by more may be better found anew.
+constexpr double kLostMm = 1.0;   // Displacements that are out by more may be better found again.
 constexpr double kGrowth = 1.25;  // Of the mixing after a good iteration.
 constexpr double kRidge = 1e-10;  // Of the secants' least squares.
 

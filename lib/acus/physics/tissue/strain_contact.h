@@ -49,7 +49,7 @@ struct StrainState {
   double mixing = 0.5;
 
   std::int64_t num_unsettled = 0;  ///< Steps that ended above the tolerance.
-  std::int64_t num_fresh = 0;      ///< Times that starting anew was better.
+  std::int64_t num_fresh = 0;      ///< Times that starting again was better.
   double error_mm = 0.0;           ///< Of the last step: largest residual_mm.
 
   // Work space.

@@ -1,4 +1,4 @@
-// What tools do to the tissue at one moment: all that an image needs to know to show it deformed.
+// What tools do to the tissue at one moment: all that an image needs to show it deformed.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,10 +14,10 @@ struct PointLoad {
   Eigen::Vector3d force_in_ct_n = Eigen::Vector3d::Zero();
 };
 
-/// The needle in the tissue, for models that know displacements from forces along it only.
+/// The needle in the tissue, for models that compute displacements from forces along it only.
 struct NeedleLoad {
   bool in_contact = false;  ///< The tip touches or is inside the body.
-  bool pierced = false;     ///< The skin has given way.
+  bool pierced = false;     ///< The skin has yielded.
   Eigen::Vector3d entry_in_ct_mm =
       Eigen::Vector3d::Zero();                             ///< Where it touched the skin, at rest.
   Eigen::Vector3d tip_in_ct_mm = Eigen::Vector3d::Zero();  ///< Where the tip is.

@@ -25,7 +25,7 @@ concept Stepping = requires(const Model& model) {
 template <Stepping Model>
 using StateOf = decltype(Contact(std::declval<const Model&>())->NewState());
 
-/// What a model knows beside the force on the needle.
+/// What a model computes beside the force on the needle.
 void Describe(const SpringModel&, const SpringState& state, TissueForce& out) noexcept {
   out.touched = state.num_nodes > 0;
   out.pierced = state.pierced;
@@ -47,7 +47,7 @@ void Describe(const FemNeedleModel& model, const FemNeedleState& state, TissueFo
   out.num_probe_nodes = state.probe_force.num_nodes;
   out.probe_depth_mm = state.probe_force.deepest_mm;
   if (state.phase == NeedlePhase::kFree) return;
-  // At the end of its cut the tip is where it cut last; drawn back, somewhere along the cut.
+  // At the end of its cut the tip is where it cut last; withdrawn, somewhere along the cut.
   const Eigen::Vector3d axis = state.frame.col(2);
   const bool drawn_back = state.depth_mm < (state.end_mm - state.entry_mm).dot(axis);
   out.tissue_at_tip = drawn_back ? model.mesh().Find(state.entry_mm + state.depth_mm * axis).tissue

@@ -35,7 +35,7 @@ struct FemTissue {
   std::shared_ptr<const FemImage> image;  ///< Null if no image shows the deformation.
 };
 
-/// All that a model remembers between steps. A plain value: a copy goes on with the same bits.
+/// The state of a model between steps. A plain value: a copy continues with the same bits.
 using TissueState = std::variant<std::monostate, SpringState, PlaneState, FemNeedleState>;
 
 /// Displacements at rest points by the forces of one moment. One for each thread; keeps a

@@ -94,7 +94,7 @@ void CheckCount(const Corners& corners, const CalibrationSettings& settings) {
       "degrees, and in every corner of the image"));
 }
 
-/// Leaves out views far worse than the rest. True if there were any.
+/// Omits views far worse than the rest. True if there were any.
 bool RejectBadViews(const Solution& solution, Corners& corners,
                     std::vector<CalibrationView>& views) {
   std::vector<double> rms;

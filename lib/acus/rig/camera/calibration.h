@@ -39,7 +39,7 @@ struct Calibration {
 };
 
 /// Zhang's method (2000, doi:10.1109/34.888718) by OpenCV on the corners of all images. Views
-/// whose residuals are over three times the median (and over 0.3 px) are left out, once.
+/// whose residuals are over three times the median (and over 0.3 px) are omitted, once.
 /// @throws InputError if a file cannot be read. @throws NoAnswerError if too few views are left,
 ///     the markers do not lie as on the board, or residuals are above limit_px: the message says
 ///     why.

@@ -36,7 +36,7 @@ Eigen::Isometry3d BoardPose(const std::vector<BoardCorner>& corners, const Calib
 
 /// Solves A X = X B over all motions between pairs (OpenCV's calibrateHandEye by the method of Park
 /// and Martin 1994, doi:10.1109/70.326576).
-/// @param reference_from_body  From the tracker, at the moment of each image.
+/// @param reference_from_body  From the tracker, at the instant of each image.
 /// @param camera_from_board    Of each image.
 /// @param limit_mm  Largest RMS of the residuals.
 /// @throws InputError if the counts differ or there are fewer than 5 pairs.

@@ -67,7 +67,7 @@ class CameraModel {
 CameraModel ReadCamera(const std::filesystem::path& path);
 /// The same from a document that is part of another file. @param where  Named in messages.
 CameraModel CameraOf(const nlohmann::json& document, const std::string& where);
-/// Of format acus-camera/1.
+/// JSON of format acus-camera/1.
 nlohmann::json ToJson(const CameraModel& camera);
 void WriteCamera(const std::filesystem::path& path, const CameraModel& camera);
 

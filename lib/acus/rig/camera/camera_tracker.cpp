@@ -104,7 +104,7 @@ class CameraTracker::Worker {
         PublishLost(now);
       }
       TakeStatus();
-      // A film that is over must not keep a processor busy.
+      // A video that is over must not keep a processor busy.
       if (!got && source_->finished()) {
         std::this_thread::sleep_for(std::chrono::milliseconds(kWaitMs));
       }
@@ -241,7 +241,7 @@ class CameraTracker::Worker {
   std::unique_ptr<SecondCamera> second_;
   MarkerDetector detector_;
   tracking::PoseBoard board_;
-  // Of the thread.
+  // State of the thread.
   std::map<std::string, Eigen::Isometry3d> previous_;
   std::optional<Eigen::Isometry3d> reference_;
   std::int64_t reference_ns_ = 0;

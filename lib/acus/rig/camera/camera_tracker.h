@@ -15,7 +15,7 @@
 
 namespace acus::camera {
 
-/// A tool that is wanted, and which object of the facet set it is.
+/// A tool that is required, and which object of the facet set it is.
 struct CameraTool {
   std::string tool;    ///< Our name: "probe".
   std::string object;  ///< Of the facet set: "Probe".

@@ -12,7 +12,7 @@ constexpr double kUnrefinedSigmaPx = 0.7;
 constexpr double kLargestChangePx = 3.0;
 constexpr double kLeastReachPx = 1.3;
 constexpr double kBlurPx = 1.5;  ///< How far a step reaches in an image in focus.
-/// Of the side, at both ends: there the other edges show.
+/// Share of the side, at both ends: there the other edges show.
 constexpr double kLeftOut = 0.08;
 
 /// Pixels of the image to those of a pinhole at the same place, where edges are straight.
@@ -59,7 +59,7 @@ std::vector<EdgePixel> Collect(const Image& grey, const PinholePixels& pinhole,
   const Eigen::Vector2d middle = 0.5 * (a + b);
   const double length = (b - a).norm();
   const Eigen::Vector2d along = (b - a) / length;
-  // Corners run clockwise as seen, rows grow downwards: outside is to the left of the way.
+  // Corners run clockwise as seen, rows grow downwards: outside is to the left of the outline.
   const Eigen::Vector2d out(along[1], -along[0]);
   // The lens moves pixels by less than this between the image and the pinhole, per pixel.
   const double margin = reach + 2.0;

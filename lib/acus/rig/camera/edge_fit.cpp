@@ -135,7 +135,7 @@ std::optional<EdgeFit> FitEdge(std::span<const EdgePixel> pixels, double reach_p
   Vector6 p = FirstGuess(pixels, reach_px);
   std::vector<double> scratch;
   const Vector6 guess = p;
-  // First with nothing left out, then without what sticks out, by its new scale.
+  // First with nothing omitted, then without what sticks out, by its new scale.
   Normal normal = Descend(pixels, /*scale=*/255.0, reach_px, p);
   for (int round = 0; round < 2; ++round) {
     normal = Descend(pixels, Scale(pixels, p, scratch), reach_px, p);

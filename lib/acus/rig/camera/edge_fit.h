@@ -24,7 +24,7 @@ struct EdgeFit {
 };
 
 /// Fits level = m + g along + (c / 2) erf((across - offset - slope along) / (sqrt(2) sigma)) by
-/// least squares with Tukey's weights, so that what hides a tenth of the edge is left out.
+/// least squares with Tukey's weights, so that what hides a tenth of the edge is omitted.
 /// @param reach_px  Pixels are given for |across| up to here; the edge must lie within.
 /// Nothing if it does not converge, the contrast is below 8 grey levels, or fewer than 12 pixels
 /// count.

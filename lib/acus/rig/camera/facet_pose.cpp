@@ -171,7 +171,7 @@ std::vector<Candidate> Search(std::span<const Match> matches, std::span<const Vi
   return refined;
 }
 
-/// Leaves out what does not fit, refines with the rest and says how good it is.
+/// Omits what does not fit, refines with the rest and says how good it is.
 std::optional<ObjectPose> Finish(const Candidate& candidate, std::span<const Viewpoint> viewpoints,
                                  const PoseSettings& settings) {
   ObjectPose out;
@@ -247,7 +247,7 @@ std::optional<ObjectPose> LocateObjectInViews(const FacetObject& object,
     const double first = math::AngleBetweenRad(candidates[0].pose, *previous);
     const double second = math::AngleBetweenRad(candidates[1].pose, *previous);
     if (second < first) std::swap(candidates[0], candidates[1]);
-    // Nearer to both alike tells nothing.
+    // A pose that is as near to both decides nothing.
     ambiguous = std::min(first, second) > 0.5 * std::max(first, second);
   }
   std::optional<ObjectPose> pose = Finish(candidates[0], viewpoints, settings);

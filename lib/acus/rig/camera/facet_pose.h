@@ -20,13 +20,13 @@ struct ObjectPose {
   int corners_used = 0;
   int corners_rejected = 0;  ///< Did not fit the others.
   double rms_px = 0.0;       ///< Of the used corners' residuals.
-  /// Of small changes d: camera_from_object * (exp of d). Translation in the camera's frame first
-  /// (mm), then rotation about the object's origin along the camera's axes (rad).
+  /// Covariance of small changes d: camera_from_object * (exp of d). Translation in the camera's
+  /// frame first (mm), then rotation about the object's origin along the camera's axes (rad).
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   /// Squared residuals of the best other pose, over those of this one: a flat marker seen from far
   /// off has two. Large is clear; 1 is no difference.
   double ambiguity_ratio = 0.0;
-  bool ambiguous = false;  ///< The ratio is small, and no earlier pose told which it is.
+  bool ambiguous = false;  ///< The ratio is small, and no earlier pose decides which it is.
 
   /// Standard deviations along the worst direction, from `covariance`.
   double PositionSigmaMm() const;
@@ -34,7 +34,7 @@ struct ObjectPose {
 };
 
 struct PoseSettings {
-  double largest_residual_px = 2.0;       ///< Corners further off are left out.
+  double largest_residual_px = 2.0;       ///< Corners further off are omitted.
   double smallest_ambiguity_ratio = 2.5;  ///< Below it a pose is ambiguous.
   double corner_sigma_px = 0.03;          ///< Least standard deviation of a corner.
 };

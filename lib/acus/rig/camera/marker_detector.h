@@ -25,7 +25,7 @@ struct DetectorSettings {
   double smallest_side_px = 12.0;
   /// Half of the length over which an edge is looked for across it, pixels.
   double search_px = 4.0;
-  /// 2: outlines are looked for in an image of twice the size, for markers of some 10 px a side.
+  /// 2: outlines are looked for in an image of twice the size, for markers of about 10 px a side.
   int magnification = 1;
 };
 

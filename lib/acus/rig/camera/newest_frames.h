@@ -12,8 +12,8 @@
 
 namespace acus::camera {
 
-/// Images are stamped when they arrive, however busy whoever uses them is; those that nobody asks
-/// for are dropped.
+/// Images are stamped when they arrive, however busy whoever uses them is; those that no thread
+/// requests are dropped.
 class NewestFrames final : public FrameSource {
  public:
   explicit NewestFrames(std::unique_ptr<FrameSource> source);

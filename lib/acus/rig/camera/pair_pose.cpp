@@ -8,7 +8,7 @@
 namespace acus::camera {
 namespace {
 
-/// Of the corners that each camera uses alone, so many must fit one pose of both.
+/// Share of the corners that each camera uses alone, so many must fit one pose of both.
 constexpr double kLeastShare = 0.75;
 
 const DetectedMarker* OnlyOne(std::span<const DetectedMarker> markers, int id) {

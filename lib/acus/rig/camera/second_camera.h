@@ -1,4 +1,4 @@
-// The second camera of a pair: its image of the moment of the first one's.
+// The second camera of a pair: its image of the instant of the first one's.
 #pragma once
 
 #include <memory>
@@ -26,7 +26,7 @@ class SecondCamera {
   /// @throws InputError as OpenFrameSource does.
   SecondCamera(const SecondCameraOptions& options, const FrameSourceOptions& source);
 
-  /// The image of the moment of the first camera's: with recorded images the next one. Nothing if
+  /// The image of the instant of the first camera's: with recorded images the next one. Nothing if
   /// there is none, or none of the size in the pair's file.
   std::optional<Image> At(std::int64_t time_ns);
   /// What is wrong with its images; empty if nothing.

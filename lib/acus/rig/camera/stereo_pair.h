@@ -23,7 +23,7 @@ struct StereoPair {
 /// @throws InputError as ReadConfig and CameraModel do, for a matrix that is not rigid, or cameras
 ///     less than 1 mm apart.
 StereoPair ReadStereo(const std::filesystem::path& path);
-/// Of format acus-stereo/1, without the table of views.
+/// JSON of format acus-stereo/1, without the table of views.
 nlohmann::json ToJson(const StereoPair& pair);
 
 /// Throws unless a camera's own file and the pair's file speak of the same camera: width and

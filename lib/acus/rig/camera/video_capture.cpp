@@ -1,4 +1,4 @@
-// Cameras of this computer, and films.
+// Cameras of this computer, and video files.
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>

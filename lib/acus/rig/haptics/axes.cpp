@@ -7,7 +7,7 @@
 namespace acus::haptics {
 namespace {
 
-/// Further from a rotation than this is no rounding: something is broken.
+/// Farther from a rotation than this is no rounding: something is broken.
 constexpr double kMostSkew = 0.05;
 
 }  // namespace

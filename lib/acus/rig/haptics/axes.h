@@ -21,9 +21,9 @@ class Axes {
   Eigen::Vector3d ToVendor(const Eigen::Vector3d& v) const noexcept {
     return matrix_.transpose() * v;
   }
-  /// The rotation is made orthonormal (SDKs are off by some 1e-3), unless it is no rotation at all:
-  /// then it stays, and the guard refuses it. The handle's own axes are turned, too: it lies along
-  /// the device frame where the vendor says that it is not turned.
+  /// The rotation is made orthonormal (SDKs are off by about 1e-3), unless it is no rotation at
+  /// all: then it stays, and the guard refuses it. The handle's own axes are turned, too: it lies
+  /// along the device frame where the vendor says that it is not turned.
   Eigen::Isometry3d ToDevice(const Eigen::Matrix3d& rotation,
                              const Eigen::Vector3d& place_mm) const noexcept;
 

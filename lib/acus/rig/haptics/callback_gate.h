@@ -5,7 +5,7 @@
 
 namespace acus::haptics {
 
-/// A vendor's scheduler calls back on a thread of its own and cannot be joined. The gate lets its
+/// A vendor's scheduler calls back on a separate thread and cannot be joined. The gate lets its
 /// calls through until one of them has been the last.
 class CallbackGate {
  public:
@@ -33,7 +33,7 @@ class CallbackGate {
   /// @return false if the vendor calls no more: the motors are as the tick before left them.
   bool AwaitLastTick() noexcept;
 
-  /// Returns when no call is inside. @pre the vendor has been told to make no more.
+  /// Returns when no call is inside. @pre the vendor makes no more.
   void AwaitNobodyInside() const noexcept;
 
  private:

@@ -1,4 +1,4 @@
-// What a haptic device says and what it is told, in the one frame that all devices are turned into.
+// What a haptic device reports and receives, in the one frame that all devices are turned into.
 //
 // Device frame: origin where the device has its own, x to the right of the user, y up, z towards
 // the user; mm, N, N mm, rad. docs/concepts/haptic_devices.md.

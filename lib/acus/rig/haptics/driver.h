@@ -13,7 +13,7 @@ namespace acus::haptics {
 enum class DriverFault : std::uint8_t {
   kNone,
   kWarning,  ///< Runs on.
-  kReopen,   ///< Communication: halt, open anew, ramp-in.
+  kReopen,   ///< Communication: halt, open again, ramp-in.
   kFatal,    ///< Halt for good.
 };
 
@@ -31,7 +31,7 @@ class GuardedServo {
   /// Reports an error of the vendor's library by its number; Driver::FaultText() words it.
   virtual void Report(DriverFault fault, int code) noexcept = 0;
 
-  /// Something the user should know, in plain words. From Run() only, not from a servo thread.
+  /// A message for the user, in plain words. From Run() only, not from a servo thread.
   virtual void Notice(const std::string& text) = 0;
 };
 
@@ -39,7 +39,7 @@ class Driver {
  public:
   virtual ~Driver() = default;
 
-  /// Finds and prepares the device, motors off. Called again after Halt() to open it anew.
+  /// Finds and prepares the device, motors off. Called again after Halt() to open it again.
   /// @throws InputError
   virtual DeviceInfo Open() = 0;
 
@@ -47,8 +47,9 @@ class Driver {
   /// @throws InputError, after which the device is as after Halt().
   virtual void Run(GuardedServo& servo) = 0;
 
-  /// Zero force, stop the scheduler, disable the device, in this order; goes on if one fails. When
-  /// it returns, the servo is not called any more. Also after a failed Open() or Run(), and twice.
+  /// Zero force, stop the scheduler, disable the device, in this order; continues if one fails.
+  /// When it returns, the servo is not called any more. Also after a failed Open() or Run(), and
+  /// twice.
   virtual void Halt() noexcept = 0;
 
   /// Zero force right now, from any thread, while the servo thread may be stuck. Must not block

@@ -9,8 +9,8 @@ namespace acus::haptics {
 namespace {
 
 constexpr double kRotationTolerance = 1e-3;
-/// Of the continuous limit: up to this mean square, in shares of its own, the peak limit holds
-/// alone.
+/// Share of the continuous limit: up to this mean square, in shares of its own, the peak limit
+/// holds alone.
 constexpr double kCool = 0.64;
 constexpr double kAboutOne = 1.0 - 1e-15;  ///< So that rounding never goes over a limit.
 
@@ -50,7 +50,7 @@ bool Shorten(Eigen::Vector3d& vector, double most) {
   return true;
 }
 
-/// Brings `wanted` to within `step` of the way from nothing to `last`; true if it had to.
+/// Brings `wanted` to within `step` of the span from nothing to `last`; true if it had to.
 bool Slow(Eigen::Vector3d& wanted, const Eigen::Vector3d& last, double step) {
   const double squared = last.squaredNorm();
   const double share = squared > 0.0 ? std::clamp(wanted.dot(last) / squared, 0.0, 1.0) : 0.0;
@@ -210,7 +210,7 @@ double ForceGuard::RampShare() const noexcept {
   return steady_s >= settings_.ramp_in_s ? 1.0 : steady_s / settings_.ramp_in_s;
 }
 
-/// Weight of the new force in the mean of the squares.
+/// Weight of the new force on average of the squares.
 double ForceGuard::WarmingShare() const noexcept {
   return -std::expm1(-since_last_s_ / settings_.continuous_over_s);
 }

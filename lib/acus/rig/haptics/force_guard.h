@@ -1,7 +1,7 @@
 // The last thing that every force passes before a motor: nothing leaves it that is not finite, not
 // within the limits, or grows faster than it may. docs/concepts/haptic_devices.md.
 //
-// Pure: it knows the time from its inputs only, so that the same inputs give the same bits. One
+// Pure: the time comes from its inputs only, so that the same inputs give the same bits. One
 // thread calls Admit() and Limit() in turns; any thread reads the counts.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace acus::haptics {
 enum class DeadMan {
   kNone,
   kButton,  ///< A button of the device: `dead_man_buttons`.
-  kPedal,   ///< Something else, told by GuardConditions::pedal_held.
+  kPedal,   ///< Something else, given by GuardConditions::pedal_held.
 };
 
 struct GuardSettings {
@@ -30,7 +30,7 @@ struct GuardSettings {
   double ramp_in_s = 0.5;  ///< From nothing to the whole force, after a start and after a fault.
   double settle_s = 0.05;  ///< Readings must be good for so long before the ramp begins.
   double late_s = 0.01;    ///< Later than this after the one before, or after its reading: fault.
-  double jump_mm = 20.0;   ///< Further than this from one reading to the next: fault.
+  double jump_mm = 20.0;   ///< Farther than this from one reading to the next: fault.
   double jump_rad = 0.785;
   DeadMan dead_man = DeadMan::kNone;
   unsigned dead_man_buttons = 1;  ///< Bits; any of them.
@@ -84,7 +84,7 @@ class ForceGuard {
   /// @pre settings.Check() passes.
   explicit ForceGuard(const GuardSettings& settings) noexcept : settings_(settings) {}
 
-  /// Begins anew: no force, ramp-in, dead-man to be seen open. The counts stay.
+  /// Begins again: no force, ramp-in, dead-man to be seen open. The counts stay.
   void Restart() noexcept;
 
   /// Judges a reading. What comes back is finite and rigid, and valid only if no fault is pending.

@@ -181,7 +181,7 @@ DeviceForce HapticDevice::Impl::Tick(const DeviceReading& reading,
       std::memory_order_relaxed);
   last_tick_ns.store(end_ns, std::memory_order_release);
   // A step that is held up after the guard has looked at the clock is cut by the watchdog alone.
-  // Its force would be there at once; the next reading is late, so that the guard begins anew.
+  // Its force would be there at once; the next reading is late, so that the guard begins again.
   const bool is_cut = tick_began_ns.exchange(0, std::memory_order_acq_rel) != begin_ns;
   // The process may have begun to end while the servo was at work.
   return is_cut || ForcesAreCut() ? DeviceForce() : force;
@@ -194,7 +194,7 @@ void HapticDevice::Impl::Report(DriverFault kind, int code) noexcept {
     num_warnings.fetch_add(1, std::memory_order_release);
     return;
   }
-  // The first one tells why; a fatal one comes after nothing.
+  // The first one has the reason; a fatal one comes after nothing.
   std::uint64_t none = 0;
   fault.compare_exchange_strong(none, PackFault(kind, code), std::memory_order_acq_rel);
 }

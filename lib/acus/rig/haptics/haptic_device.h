@@ -1,8 +1,8 @@
-// A haptic device: reads a handle's pose at some 1 kHz and pushes the hand that holds it.
+// A haptic device: reads a handle's pose at about 1 kHz and pushes the hand that holds it.
 //
 // Every force goes through a ForceGuard on its way to the motors, whatever the driver. A second
 // thread of this class watches over the servo: it sends zero force if a tick does not come back,
-// and opens the device anew after an error of communication.
+// and opens the device again after an error of communication.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct DeviceInfo {
 enum class DeviceState {
   kStopped,
   kRunning,
-  kRecovering,  ///< Zero force; the device is being opened anew.
+  kRecovering,  ///< Zero force; the device is being opened again.
   kFailed,      ///< Zero force; given up. `text` says why.
 };
 
@@ -62,16 +62,17 @@ class HapticDevice {
   const DeviceInfo& info() const noexcept;
 
   /// Starts the servo. A device that was stopped or parked may be started again; counts and texts
-  /// of status() begin anew.
+  /// of status() begin again.
   /// @throws InputError if it cannot be, or runs.
   void Start(Servo servo);
 
   /// Zero force from the next reading on. The device stays open, and an error of communication is
-  /// mended as ever, until Start() gives it another servo. When it returns, no tick is under way,
+  /// repaired as ever, until Start() gives it another servo. When it returns, no tick is under way,
   /// and the servo will not be called any more. Nothing happens if the device is not running.
   void Park() noexcept;
 
-  /// Zero force, then the scheduler, then the device; the threads are joined. Twice is once.
+  /// Zero force, then the scheduler, then the device; the threads are joined. A second call has no
+  /// effect.
   void Stop() noexcept;
 
   DeviceStatus status() const;  ///< Any thread.

@@ -14,9 +14,9 @@ namespace acus::haptics {
 /// @param priority  1 to 99; a servo has 80, what watches over it 85.
 std::string RequestRealTime(int priority);
 
-/// Calls a function at a fixed rate from a thread of its own with real-time priority. The times
+/// Calls a function at a fixed rate from a separate thread with real-time priority. The times
 /// are those of a grid: a call that comes late does not shift the later ones, and calls that were
-/// missed altogether are left out.
+/// missed altogether are omitted.
 class ServoThread {
  public:
   /// @param call  false ends the thread.
@@ -31,7 +31,7 @@ class ServoThread {
   /// @throws InputError if there can be no more threads.
   std::string Start(double rate_hz, Call call, void* context);
 
-  /// Lets the call that is under way finish, and waits for it. Twice is once.
+  /// Lets the call that is under way finish, and waits for it. A second call has no effect.
   void Stop() noexcept;
 
  private:

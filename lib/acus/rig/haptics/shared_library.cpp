@@ -84,7 +84,7 @@ pid_t StartProbe(const LibraryRequest& request, const std::string& name) {
   return error == 0 ? child : -1;
 }
 
-/// What is wrong with loading the library, as far as only a process of its own may find out; or
+/// What is wrong with loading the library, as far as only a separate process may find out; or
 /// empty. A file that is not there is no such thing: the loader says that better.
 std::string TryInChild(const LibraryRequest& request, const std::string& name) {
   using Clock = std::chrono::steady_clock;
@@ -132,7 +132,7 @@ Loaded& AllLoaded() {
   return *loaded;
 }
 
-/// What the loader is asked for, one after the other, once nothing of it can be the working
+/// The paths for the loader, one after the other, once nothing of it can be the working
 /// directory's.
 std::vector<std::string> WhatToLoad(const LibraryRequest& request) {
   CheckLibraryWord(request.path, Message(request.product, ": library"));

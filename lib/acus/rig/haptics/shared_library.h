@@ -40,10 +40,10 @@ struct LibraryRequest {
   double timeout_s = 5.0;            ///< For its constructors.
 };
 
-/// Loads the library and fills the table. The library is first loaded by a process of its own:
+/// Loads the library and fills the table. The library is first loaded by a separate process:
 /// some hang or abort at that, and then only that process does. It is never unloaded: some fail
 /// when they are loaded a second time. Asking again for the same one is cheap.
-/// A path is loaded if it is a TrustedFile(); a name is left to the system's search, which must not
+/// A path is loaded if it is a TrustedFile(); a name goes to the system's search, which must not
 /// lead to the working directory (CheckSearch).
 /// @throws InputError naming the library, what was tried, the loader's own words, and for a symbol
 ///     that is missing, which.
@@ -58,8 +58,8 @@ std::filesystem::path FindLibrary(const LibraryRequest& request);
 /// Calls that may never return, one at a time.
 class PatientCalls {
  public:
-  /// Calls `function` in a thread of its own and waits for it. If it does not return in time, the
-  /// thread is left behind with what `function` holds: give it copies. Until it returns, later
+  /// Calls `function` in a separate thread and waits for it. If it does not return in time, the
+  /// thread remains with what `function` holds: give it copies. Until it returns, later
   /// calls fail at once.
   /// @param what  "hdInitDevice of OpenHaptics", for the message.
   /// @throws InputError after `timeout_s`, and with the words of what `function` throws.

@@ -14,8 +14,8 @@ void CheckLibraryWord(const std::string& library, const std::string& where);
 
 /// The file that an absolute path leads to, links followed. It is a regular file; it and each
 /// folder above it belong to root or to the user who runs this; and neither their group nor others
-/// may write them. A folder with the sticky bit, such as /tmp, may be written by all: there, nobody
-/// can exchange what belongs to somebody else.
+/// may write them. A folder with the sticky bit, such as /tmp, may be written by all: there, no
+/// user can exchange what belongs to another one.
 /// @param where  file and place, or the product, for the message.  @throws InputError
 std::filesystem::path TrustedFile(const std::string& path, const std::string& where);
 

@@ -1,5 +1,5 @@
 // A hand that is not there: holds the handle of a device without motors, wants to go somewhere,
-// trembles, and gives way to forces. docs/concepts/haptic_devices.md.
+// trembles, and yields to forces. docs/concepts/haptic_devices.md.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -42,7 +42,7 @@ struct VirtualHandSettings {
   double grip_damping_n_s_per_m = 15.0;
   double inertia_kg_mm2 = 100.0;
   double grip_torque_nmm_per_rad = 2000.0;
-  double tremor_mm = 0.1;     ///< Amplitude along each axis, at some 9 Hz.
+  double tremor_mm = 0.1;     ///< Amplitude along each axis, at about 9 Hz.
   double encoder_mm = 0.02;   ///< Steps of the reading; 0: exact.
   double max_force_n = 20.0;  ///< Of the motors that it pretends to have.
   double max_torque_nmm = 1000.0;

@@ -1,4 +1,4 @@
-// The virtual hand as a haptic device: at 1 kHz from a thread of its own, or stepped by its owner.
+// The virtual hand as a haptic device: at 1 kHz from a separate thread, or stepped by its owner.
 #pragma once
 
 #include <atomic>

@@ -42,7 +42,7 @@ class Device final : public Driver {
 
  private:
   void Must(int result, const char* what) const;
-  /// The vendor's loop goes on calling after an error, until it is stopped.
+  /// The vendor's loop continues calling after an error, until it is stopped.
   static void OnTick(virtuose::Context, void* me) {
     auto* const device = static_cast<Device*>(me);
     device->gate_.Pass([device]() noexcept { return device->Tick(); });

@@ -6,7 +6,7 @@
 namespace acus::loudspeaker {
 namespace {
 
-// Of al.h and alc.h (OpenAL 1.1), whose binary interface has been the same since 2005.
+// Declarations of al.h and alc.h (OpenAL 1.1), whose binary interface has been the same since 2005.
 struct AlcDevice;
 struct AlcContext;
 constexpr int kMono16 = 0x1101;

@@ -18,12 +18,12 @@
 
 namespace acus::simulators {
 
-/// Images of what goes on, such as a camera that looks at the mannequin. Drawn by a thread of its
-/// own, so that poses never wait for one.
+/// Images of the session, such as those of a camera that looks at the mannequin. Drawn by a thread
+/// of its own, so that poses never wait for one.
 class ImageSource {
  public:
   virtual ~ImageSource() = default;
-  /// Names on the network, one for each image of a moment: "Video".
+  /// Names on the network, one for each image of an instant: "Video".
   virtual std::vector<std::string> streams() const = 0;
   virtual double rate_hz() const = 0;
   /// The scene at a time of the motion, for each stream. `poses`: the newest of each tool, with its
@@ -36,7 +36,7 @@ struct PlaybackOptions {
   tracking::PoseServerOptions server = {};
   double speed = 1.0;             ///< Of the motion; stamps are those of sending.
   std::optional<double> seconds;  ///< Ends after this; else at the motion's end, or never.
-  bool wait_for_client = false;   ///< The motion begins when somebody listens.
+  bool wait_for_client = false;   ///< The motion begins when a client listens.
   std::vector<Fault> faults = {};
   std::function<void(int port)> on_listening = {};  ///< Called once, before the first pose.
 };
@@ -50,7 +50,7 @@ struct PlaybackReport {
   tracking::PoseServerStatus server = {};
 };
 
-/// Plays until the end or until a stop is asked for (context.stop), which is no error.
+/// Plays until the end or until a stop is requested (context.stop), which is no error.
 /// @throws InputError if the port is taken or the speed is not in [0.01, 100].
 PlaybackReport Play(const ToolMotion& motion, ImageSource* images, const PlaybackOptions& options,
                     const RunContext& context);

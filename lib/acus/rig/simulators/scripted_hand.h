@@ -15,7 +15,7 @@ struct HandScript {
   Eigen::Vector3d target_mm = {0.0, 0.0, -60.0};       ///< Where the needle is led to.
   double hover_mm = 40.0;        ///< Before the skin, where it begins and ends.
   double insertion_mm_s = 10.0;  ///< Mean speed of the tip.
-  double hold_s = 2.0;           ///< At the target, and again before it begins anew.
+  double hold_s = 2.0;           ///< At the target, and again before it begins again.
   double tremor_mm = 0.1;        ///< RMS of each axis, 7 to 12 Hz.
   /// The probe stands beside the entry, its beam along the needle's way, and sweeps about there.
   double probe_aside_mm = 25.0;

@@ -22,12 +22,12 @@ struct ToolNames {
 class ToolMotion {
  public:
   virtual ~ToolMotion() = default;
-  /// End of the motion; nothing if it goes on for ever.
+  /// End of the motion; nothing if it continues for ever.
   virtual std::optional<std::int64_t> end_ns() const = 0;
   /// The first instant after `time_ns` at which a tool is measured; nothing after the last. Begin
   /// with -1.
   virtual std::optional<std::int64_t> Next(std::int64_t time_ns) const = 0;
-  /// The tools at such an instant; those without a measurement then are left out.
+  /// The tools at such an instant; those without a measurement then are omitted.
   virtual std::vector<tracking::NamedPose> At(std::int64_t time_ns) const = 0;
 };
 
@@ -40,7 +40,7 @@ std::unique_ptr<ToolMotion> RecordedMotion(session::Session session, const ToolN
 std::unique_ptr<ToolMotion> ResampledMotion(session::Session session, const ToolNames& names,
                                             double rate_hz);
 
-/// Forth and back without end, so that nothing jumps where it begins anew.
+/// Forth and back without end, so that nothing jumps where it begins again.
 /// @throws InputError if the motion has no end, or is shorter than 1 ms.
 std::unique_ptr<ToolMotion> ForthAndBack(std::unique_ptr<ToolMotion> motion);
 

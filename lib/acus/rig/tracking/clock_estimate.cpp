@@ -21,7 +21,7 @@ void ClockEstimate::Observe(std::int64_t source_ns, std::int64_t arrival_ns) noe
     return;
   }
   const std::int64_t below_ns = OffsetNs(arrival_ns) - offset_ns;
-  // Far late is a clock set back only if it stays: the smallest of a whole window tells (below).
+  // Far late is a clock set back only if it stays: the smallest of a whole window decides (below).
   if (below_ns > kSetNs) {
     ++times_set_;
     Restart(offset_ns, arrival_ns);

@@ -12,9 +12,9 @@ namespace acus::tracking {
 /// A message stamped s arrives at a = s + offset + delay with delay >= the shortest one. The
 /// smallest a - s of each second lies close to offset + shortest delay, whatever the jitter; a
 /// straight line under the last 30 of them gives offset and drift (docs/concepts/tracking.md). The
-/// shortest delay itself cannot be told from the offset, so it is part of it.
+/// shortest delay itself cannot be distinguished from the offset, so it is part of it.
 ///
-/// A clock that is set (more than 0.5 s off the line) starts the estimate anew. Allocates nothing.
+/// A clock that is set (more than 0.5 s off the line) starts the estimate again. Allocates nothing.
 class ClockEstimate {
  public:
   /// Takes the stamp of a message and its arrival, in order of arrival. ns.

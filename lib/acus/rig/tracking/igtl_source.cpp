@@ -97,7 +97,7 @@ class IgtlSource::Receiver {
   std::thread thread_;
   std::atomic<bool> stopping_{false};
 
-  // Of the receiving thread.
+  // State of the receiving thread.
   Bytes chunk_ = Bytes(256 * 1024);
   IgtlReader::Counts before_;  ///< Of all links before this one.
   std::uint64_t unreadable_ = 0, unexpected_ = 0, connects_ = 0;

@@ -11,7 +11,7 @@
 
 namespace acus::tracking {
 
-/// A tool that is wanted, and how to find it in what the peer sends.
+/// A tool that is required, and how to find it in what the peer sends.
 struct IgtlTool {
   std::string tool = {};    ///< Our name: "probe".
   std::string device = {};  ///< Name in the messages: "ProbeToReference". Its first 20 characters.
@@ -29,14 +29,14 @@ struct IgtlOptions {
   /// We wait for the peer to connect to us, for trackers that are clients. Port 0 is a free one.
   bool listen = false;
   std::vector<IgtlTool> tools = {};
-  /// Ask for TDATA (STT_TDATA) at this least interval; 0 as fast as can be; negative: do not ask.
+  /// Request TDATA (STT_TDATA) at this least interval; 0 as fast as can be; negative: do not ask.
   int tdata_interval_ms = -1;
   bool check_crc = true;
   bool keep_images = false;  ///< Images are kept for Image().
   /// A tool without a reading for so long is published as not seen: PLUS by default does not send
   /// transforms of tools that it does not see.
   int lost_after_ms = 200;
-  /// A silent link is opened anew after this.
+  /// A silent link is opened again after this.
   int silence_ms = 10'000;
   /// A message must be complete within this: a peer that trickles is disconnected.
   int message_ms = 2'000;
@@ -52,7 +52,7 @@ struct ReceivedImage {
 };
 
 /// One thread receives, and connects again by itself (100 ms after a loss, then doubling to 2 s;
-/// from the start again once messages came). Whatever the peer sends, the thread goes on: see
+/// from the start again once messages came). Whatever the peer sends, the thread continues: see
 /// IgtlReader. Everything that is not published is counted in status().
 class IgtlSource final : public PoseSource {
  public:

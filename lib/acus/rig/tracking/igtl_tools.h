@@ -19,7 +19,7 @@ struct MessageTimes {
   std::int64_t arrival_ns = 0;
 };
 
-/// Knows which transform in the messages belongs to which tool, composes, checks, publishes and
+/// Assigns the transforms in the messages to tools, composes, checks, publishes and
 /// counts. Used by one thread.
 class IgtlTools {
  public:
@@ -30,10 +30,10 @@ class IgtlTools {
   void Take(std::string_view device, const Eigen::Matrix4d& matrix, bool seen,
             const MessageTimes& times);
   /// All tools that a tracker sees at an instant (TDATA, QTDATA): one that the same `list` had
-  /// before and leaves out now is not seen.
+  /// before and omits now is not seen.
   void TakeAll(const std::string& list, const std::vector<ToolMatrix>& tools,
                const MessageTimes& times);
-  /// Publishes as not seen what was silent for too long. Call some 50 times a second.
+  /// Publishes as not seen what was silent for too long. Call about 50 times a second.
   void PublishSilent(std::int64_t now_ns);
   /// Publishes all tools as not seen, and forgets the clock of the peer.
   void LinkLost(std::int64_t now_ns);

@@ -122,7 +122,7 @@ Eigen::Vector3d Vector(Reader& in) {
 }  // namespace
 
 std::optional<IgtlHeader> ParseHeader(ByteView bytes) {
-  // Most places in rubbish are told apart by the first two bytes.
+  // Most places in invalid data are distinguished by the first two bytes.
   if (bytes[0] != 0 || bytes[1] < 1 || bytes[1] > 3) return std::nullopt;
   Reader in(bytes);
   IgtlHeader header;

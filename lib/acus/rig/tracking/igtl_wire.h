@@ -35,7 +35,7 @@ using ByteView = std::span<const std::uint8_t>;
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 /// Nothing if these cannot be the first bytes of a message that we would read: version, type name
-/// or a size that does not go with a type that we know. @pre 58 bytes
+/// or a size that does not go with a known type. @pre 58 bytes
 std::optional<IgtlHeader> ParseHeader(ByteView bytes);
 
 /// The checksum of the protocol (ECMA-182). `crc` continues that of the bytes before.
@@ -66,7 +66,7 @@ std::optional<Eigen::Matrix4d> ReadTransform(ByteView content);
 std::optional<Eigen::Matrix4d> ReadPosition(ByteView content);
 std::optional<std::vector<ToolMatrix>> ReadTrackingData(ByteView content);
 std::optional<std::vector<ToolMatrix>> ReadQuaternionTrackingData(ByteView content);
-/// Least interval in ms that STT_TDATA asks for; 0 is as fast as there are poses.
+/// Least interval in ms that STT_TDATA requests; 0 is as fast as there are poses.
 std::optional<int> ReadStartTrackingData(ByteView content);
 /// "OK", or "code 3: name: text".
 std::optional<std::string> ReadStatus(ByteView content);

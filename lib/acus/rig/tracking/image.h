@@ -22,7 +22,7 @@ struct Image {
   Eigen::Matrix4d reference_from_pixel = Eigen::Matrix4d::Identity();
 };
 
-/// A volume that somebody else holds, such as a CT or a label map.
+/// A volume of another owner, such as a CT or a label map.
 struct VolumeView {
   std::array<int, 3> size = {};  ///< Along i, j, k; each 1 to 65535.
   /// HU, or labels; index i runs fastest.

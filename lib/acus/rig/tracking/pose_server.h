@@ -45,13 +45,13 @@ struct PoseServerStatus {
 };
 
 /// An OpenIGTLink server. On connecting a client gets the status, if one was set, and what is kept
-/// for all: a CT, a target. Every client gets TRANSFORM messages of all tools; one that asks for
-/// TDATA (STT_TDATA) gets these instead, at the interval it asked for, until STP_TDATA. GET_STATUS
+/// for all: a CT, a target. Every client gets TRANSFORM messages of all tools; one that requests
+/// TDATA (STT_TDATA) gets these instead, at the interval it requested, until STP_TDATA. GET_STATUS
 /// and GET_CAPABIL are answered.
 ///
-/// One thread does the network. Sending hands over and returns: a slow client delays nobody. Of
+/// One thread does the network. Sending hands over and returns: a slow client delays no other. Of
 /// images that a client has not taken the newest of each stream waits, older ones are counted;
-/// poses are never left out, they go before images, and a client that takes none is disconnected.
+/// poses are never omitted, they go before images, and a client that takes none is disconnected.
 ///
 /// All methods can be called from any thread but take a short lock and allocate: not for the loop
 /// that feels forces.

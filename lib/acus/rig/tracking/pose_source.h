@@ -27,7 +27,7 @@ struct SourceCounts {
   std::uint64_t out_of_order = 0;    ///< Of these: stamp before the last one.
   std::uint64_t repeated = 0;        ///< Of these: stamp equal to the last one.
   std::uint64_t fell_silent = 0;     ///< Published as not valid because nothing came for too long.
-  std::uint64_t other_tools = 0;     ///< Readings of tools that were not asked for.
+  std::uint64_t other_tools = 0;     ///< Readings of tools that were not requested.
   std::uint64_t other_messages = 0;  ///< Of a type that is not ours.
   std::uint64_t bad_messages = 0;    ///< Checksum, size or content wrong.
   std::uint64_t skipped_bytes = 0;   ///< Thrown away in search of the next message.
@@ -50,12 +50,12 @@ struct ClockStatus {
 
 struct SourceStatus {
   SourceState state = SourceState::kStopped;
-  std::string last_error = {};    ///< In plain words; stays after it is mended. Empty if none.
+  std::string last_error = {};    ///< In plain words; stays after it is repaired. Empty if none.
   std::string peer_status = {};   ///< What the peer last said about itself (STATUS). May be empty.
   std::int64_t last_news_ns = 0;  ///< Arrival of the last message, MonotonicNs(). 0 if none.
   SourceCounts counts = {};
   ClockStatus clock = {};
-  /// Names that came and were not asked for (the first few): what to write into the config.
+  /// Names that came and were not requested (the first few): what to write into the config.
   std::vector<std::string> other_names = {};
 };
 
@@ -68,7 +68,7 @@ class PoseSource {
   /// Starts the thread(s) of the source and returns at once; a peer that is not there yet is no
   /// error. @throws InputError if it can never work (no such device, address not understood).
   virtual void Start() = 0;
-  /// Ends its threads, within some 100 ms. Idempotent.
+  /// Ends its threads, within about 100 ms. Idempotent.
   virtual void Stop() noexcept = 0;
 
   /// Poses, from any thread. Lives as long as the source.

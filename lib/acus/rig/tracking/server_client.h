@@ -1,4 +1,4 @@
-// One client of the pose server: what waits for it, and what it asked for.
+// One client of the pose server: what waits for it, and what it requested.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ class ServerClient {
   const Descriptor& socket() const { return socket_; }
   const std::string& peer() const { return peer_; }
 
-  /// Queues poses, or whatever must not be left out.
+  /// Queues poses, or whatever must not be omitted.
   void Add(const SharedBytes& bytes);
   /// Queues an image; the one of the stream that still waits is replaced. @returns whether it was.
   bool AddImage(const std::string& stream, const SharedBytes& bytes);

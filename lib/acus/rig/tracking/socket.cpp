@@ -39,7 +39,7 @@ void SetOption(int fd, int level, int option, int value) {
   setsockopt(fd, level, option, &value, sizeof(value));
 }
 
-/// Poses are small and urgent; a peer that is gone is noticed within some 4 s; the kernel holds at
+/// Poses are small and urgent; a peer that is gone is noticed within about 4 s; the kernel holds at
 /// most a few images, so that what waits can still be replaced by news.
 void Tune(int fd) {
   SetOption(fd, IPPROTO_TCP, TCP_NODELAY, 1);

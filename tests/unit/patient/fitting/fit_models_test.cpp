@@ -143,7 +143,7 @@ TEST(FitModels, DocumentsHaveABlockForEachModel) {
   EXPECT_EQ(one["gaussians"]["terms"].size(), 8u);
   EXPECT_GE(one["mechanical"]["events"]["punctures"].size(), 1u);
   const nlohmann::json together = TogetherJson(fitted, FitModels::FromNames({"all"}));
-  EXPECT_EQ(together["foretold_by_the_others"].size(), 3u);
+  EXPECT_EQ(together["leave_one_out_predictions"].size(), 3u);
   EXPECT_EQ(together["joint"]["recordings"], 3);
   EXPECT_FALSE(together["hu_table"]["converged"].get<bool>());
   EXPECT_THAT(ModelTable(fitted), HasSubstr("r2"));
