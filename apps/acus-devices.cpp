@@ -73,8 +73,7 @@ int main(int argc, char** argv) {
   app.add_option("--speed", playback.speed, "Times the recorded speed")
       ->check(CLI::Range(0.01, 100.0));
   app.add_option("--seconds", playback.seconds, "End after this")->check(CLI::Range(0.0, 1e7));
-  app.add_option("--names", options.names, "Names of needle and probe in the messages")
-      ->expected(2);
+  app.add_option("--names", options.names, "Needle and probe in the messages")->expected(2);
   app.add_flag("--wait", playback.wait_for_client, "Begin when the first client is there");
   app.add_flag("--send-validity", playback.server.send_validity,
                "Say what is not seen, as PLUS does with protocol 3; else leave it out");

@@ -32,7 +32,19 @@ struct GlossaryWord {
   std::string say;
   std::string avoid;
   std::regex whole_word;
+  std::string begin = {};  ///< Letters that every match begins with: fast to look for.
+
+  bool IsIn(const std::string& text) const {
+    return text.find(begin) != text.npos && std::regex_search(text, whole_word);
+  }
 };
+
+/// The letters before the first one that a pattern does not fix.
+std::string FixedBeginning(const std::string& pattern) {
+  auto end = pattern.find_first_of("?*+.\\[(|");
+  if (end != pattern.npos && end > 0 && (pattern[end] == '?' || pattern[end] == '*')) --end;
+  return pattern.substr(0, end);
+}
 
 std::string InLowerCase(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -93,7 +105,8 @@ std::vector<GlossaryWord> WordsToAvoid() {
     const std::string& avoid = cells[static_cast<std::size_t>(column)];
     for (std::sregex_iterator match(avoid.begin(), avoid.end(), code), end; match != end; ++match) {
       const std::string word = (*match)[1];
-      words.push_back({cells.front(), word, std::regex("\\b(?:" + word + ")\\b")});
+      words.push_back(
+          {cells.front(), word, std::regex("\\b(?:" + word + ")\\b"), FixedBeginning(word)});
     }
   }
   return words;
@@ -163,9 +176,8 @@ TEST(Glossary, MessagesUseItsWords) {
     for (const Text& text : Literals(ReadTextFile(kGlossaryRoot / file))) {
       ++num_texts;
       for (const GlossaryWord& word : words) {
-        EXPECT_FALSE(std::regex_search(text.text, word.whole_word))
-            << file << ":" << text.line << ": say '" << word.say << "', not '" << word.avoid
-            << "': " << text.text;
+        EXPECT_FALSE(word.IsIn(text.text)) << file << ":" << text.line << ": say '" << word.say
+                                           << "', not '" << word.avoid << "': " << text.text;
       }
     }
   }
@@ -212,6 +224,7 @@ const std::vector<std::string> kWingsWithCheckedComments = {"base",    "data",  
 
 /// The comment of a line, without code spans and names of parameters; empty if it has none.
 std::string Comment(std::string line) {
+  if (line.find("//") == line.npos) return "";
   static const std::regex literal(R"re("(?:\\.|[^"\\])*")re");
   static const std::regex code(R"re(`[^`]*`|@param [\w, ]+?  )re");
   line = std::regex_replace(line, literal, "\"\"");
@@ -241,9 +254,8 @@ TEST(Glossary, CommentsUseItsWords) {
       if (comment.empty()) continue;
       ++num_comments;
       for (const GlossaryWord& word : words) {
-        EXPECT_FALSE(std::regex_search(comment, word.whole_word))
-            << file << ":" << number << ": say '" << word.say << "', not '" << word.avoid
-            << "': " << line;
+        EXPECT_FALSE(word.IsIn(comment)) << file << ":" << number << ": say '" << word.say
+                                         << "', not '" << word.avoid << "': " << line;
       }
       const bool begins = previous.find("//") == previous.npos;
       EXPECT_FALSE(begins && std::regex_search(line, without_subject))
@@ -271,9 +283,8 @@ TEST(Glossary, PagesUseItsWords) {
     for (const std::string& line : ProseLines(text)) {
       ++number;
       for (const GlossaryWord& word : words) {
-        EXPECT_FALSE(std::regex_search(line, word.whole_word))
-            << page << ":" << number << ": say '" << word.say << "', not '" << word.avoid
-            << "': " << line;
+        EXPECT_FALSE(word.IsIn(line)) << page << ":" << number << ": say '" << word.say
+                                      << "', not '" << word.avoid << "': " << line;
       }
     }
   }
@@ -287,7 +298,7 @@ TEST(Glossary, ReadsProseAndNothingElse) {
   ASSERT_NE(picture, words.end());
   std::vector<bool> found;
   for (const std::string& line : lines) {
-    found.push_back(std::regex_search(line, picture->whole_word));
+    found.push_back(picture->IsIn(line));
   }
   EXPECT_EQ(found, (std::vector<bool>{true, false, false, false, false, false, false, false}));
 }

@@ -21,7 +21,7 @@ struct CrySettings {
   double peak = 0.7;  ///< Of full scale.
   /// Pitch at the beginning, at a third of the duration, and at the end; straight in between.
   std::array<double, 3> pitch_hz = {190.0, 310.0, 150.0};
-  /// Of "ah" (Klatt 1980, table II).
+  /// Frequencies of "ah" (Klatt 1980, table II).
   std::array<Formant, 3> formants = {{{700.0, 130.0}, {1220.0, 70.0}, {2600.0, 160.0}}};
 };
 

@@ -14,7 +14,8 @@ namespace {
 
 constexpr int kMaxDevices = 16;
 
-/// Of EGL_EXT_device_enumeration and EGL_EXT_platform_device: null where they are not there.
+/// Functions of EGL_EXT_device_enumeration and EGL_EXT_platform_device: null where they are not
+/// there.
 struct DeviceFunctions {
   PFNEGLQUERYDEVICESEXTPROC query_devices =
       reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));

@@ -255,7 +255,7 @@ std::vector<FreeMotion> Motions(const Alternation& alternation, const View& view
   return motions;
 }
 
-/// Of (turn in rad, shift) about the centroid, from the scatter of the distances.
+/// Covariance of (turn in rad, shift) about the centroid, from the scatter of the distances.
 PoseError ErrorOf(const Alternation& alternation, const View& view, const Matrix6& information) {
   std::vector<double> size_mm;
   for (Index i = 0; i < view.distance_mm.size(); ++i)
