@@ -1,4 +1,5 @@
 """From the sources of a cohort to its jobs: which program, on what, after which others."""
+import json
 import os
 import pathlib
 import re
@@ -305,7 +306,8 @@ class Patient:
                 parents = [*parents, self.path("mesh").replace("/", "_")]
         for change in options.set:
             deformable += ["--set", change]
-        series = ["--set", f"/patient/series={self.series()}"] if self.series() else []
+        # Quoted: a part of a UID may look like a number.
+        series = ["--set", f"/patient/series={json.dumps(self.series())}"] if self.series() else []
         labels = self.path("segmentation/labels.seg.nrrd")
         transform = self.path("registration/ct_from_reference.tfm")
         recorded = resources.megabytes(self.links[recording]) if recording in self.links else 0.0

@@ -97,7 +97,7 @@ TEST(RealPatients, VertebraeArePartedAndNamedFromTheSacrum) {
   const auto labels = Segmented(*ct);
   const Vertebrae found =
       FindVertebrae(volume::ReadCt(*ct, "", TwoThreads()), labels, std::nullopt);
-  EXPECT_TRUE(found.named_from_sacrum);
+  EXPECT_EQ(found.named_from, NamedFrom::kSacrumAndLastRib);
   const auto values = volume::ReadIntegerVolume(*reference);
   const std::map<std::string, std::int32_t> value_of = {{"L5", 27}, {"L4", 28}, {"L3", 29},
                                                         {"L2", 30}, {"L1", 31}, {"T12", 32}};

@@ -208,7 +208,9 @@ SegmentedPatient Examine(const volume::CtVolume& ct, const SegmentationConfig& c
     patient.certainty = FindCertainty(ct, config.tissues, found.labels, context);
   }
   context.Checkpoint("naming vertebrae", 0.0);
-  patient.vertebrae = FindVertebrae(ct, found.labels, examination.start);
+  patient.vertebrae =
+      FindVertebrae(ct, found.labels, examination.start,
+                    examination.vertebrae.voxels.empty() ? nullptr : &examination.vertebrae);
   patient.scan = found.scan;
   patient.labels = std::move(found.labels);
   return patient;

@@ -49,6 +49,7 @@ TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig
 struct Examination {
   bool certainty = false;              ///< How much the labels depend on the thresholds.
   std::optional<NamedVertebra> start;  ///< The name of one vertebra.
+  volume::LabelMap vertebrae = {};     ///< Those of an import (VertebraeIn), or empty.
 };
 
 /// Labels, what is known about them, and what a person should look at.
