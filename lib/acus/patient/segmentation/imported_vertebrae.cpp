@@ -13,7 +13,7 @@ constexpr int kBesideSteps = 4;          ///< A disc that was found so near to a
 constexpr double kThickestShare = 0.5;  ///< Of the greatest depth: the body, without its processes.
 
 /// The steps along the canal's line between which the body of a vertebra lies.
-struct Extent {
+struct BodyExtent {
   int number, low, high;
 };
 
@@ -32,7 +32,7 @@ void ForVertebrae(const volume::LabelMap& map, const Visit& visit) {
 }
 
 /// From the feet to the head.
-std::vector<Extent> ExtentsOf(const volume::LabelMap& imported, const CanalLine& line) {
+std::vector<BodyExtent> ExtentsOf(const volume::LabelMap& imported, const CanalLine& line) {
   const std::vector<DiscPlane> none;
   const SpineFrame frame(line, none);
   const int last = static_cast<int>(line.points_mm.size()) - 1;
@@ -42,7 +42,7 @@ std::vector<Extent> ExtentsOf(const volume::LabelMap& imported, const CanalLine&
     const auto step = static_cast<int>(place.step);
     if (BodyCore::Has(place) && step > 0 && step < last) steps[label - 1].push_back(step);
   });
-  std::vector<Extent> extents;
+  std::vector<BodyExtent> extents;
   for (auto& [number, all] : steps) {
     if (static_cast<double>(all.size()) < kLeastCoreVoxels) continue;
     std::ranges::sort(all);
@@ -51,7 +51,7 @@ std::vector<Extent> ExtentsOf(const volume::LabelMap& imported, const CanalLine&
     };
     extents.push_back({number, at(kStrayShare), at(1.0 - kStrayShare)});
   }
-  std::ranges::sort(extents, {}, &Extent::low);
+  std::ranges::sort(extents, {}, &BodyExtent::low);
   return extents;
 }
 
@@ -85,7 +85,7 @@ volume::LabelMap VertebraeIn(const ImportedLabels& import) {
 
 std::vector<DiscPlane> DiscsBetweenImported(const volume::LabelMap& imported, const CanalLine& line,
                                             std::vector<DiscPlane> found) {
-  const std::vector<Extent> extents = ExtentsOf(imported, line);
+  const std::vector<BodyExtent> extents = ExtentsOf(imported, line);
   if (extents.empty()) return found;
   std::vector<DiscPlane> discs;
   const auto in_gap = [&](int low, int high) {

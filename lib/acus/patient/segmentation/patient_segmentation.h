@@ -7,6 +7,7 @@
 
 #include "acus/base/core/run_context.h"
 #include "acus/patient/segmentation/imported_labels.h"
+#include "acus/patient/segmentation/organ_checks.h"
 #include "acus/patient/segmentation/organs.h"
 #include "acus/patient/segmentation/scan_quality.h"
 #include "acus/patient/segmentation/surface_extraction.h"
@@ -58,6 +59,7 @@ struct SegmentedPatient {
   ScanParameters scan;
   std::vector<std::string> warnings;
   Vertebrae vertebrae;
+  std::vector<OrganCheck> organs;
   std::optional<Certainty> certainty;
   std::vector<Agreement> agreement;
 };
