@@ -47,8 +47,8 @@ PlanSettings SettingsForTarget(PlanSettings settings) {
   settings.min_length_mm = std::min(settings.min_length_mm, 15.0);
   settings.max_length_mm = std::max(settings.max_length_mm, 150.0);
   settings.clearance_mm = std::min(settings.clearance_mm, 2.0);
-  for (const char* tissue : {"vessel", "heart", "spinal_canal", "liver", "kidney", "spleen",
-                             "pancreas", "bowel", "stomach", "bladder", "gallbladder"}) {
+  for (const char* tissue : {"cartilage", "vessel", "heart", "spinal_canal", "liver", "kidney",
+                             "spleen", "pancreas", "bowel", "stomach", "bladder", "gallbladder"}) {
     const volume::Label label = volume::LabelOf(tissue);
     if (std::ranges::find(settings.avoid, label) == settings.avoid.end()) {
       settings.avoid.push_back(label);
