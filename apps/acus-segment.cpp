@@ -30,14 +30,16 @@ int main(int argc, char** argv) {
       return acus::ExitCode::kOk;
     }
     const auto config = segmentation::ReadSegmentationConfig(options.ConfigPath());
-    const auto examination = options.ToExamine();
+    auto examination = options.ToExamine();
     context.provenance.AddInput(options.ConfigPath());
     context.provenance.AddInput(options.ct);
     const auto imports = options.ToImport(context);
     const auto others = acus::atlas::ReadAtlas(options.atlas, context);
     const auto ct = acus::volume::ReadCt(options.ct, options.series, context);
     auto found = segmentation::SegmentPatient(ct, config, context);
-    std::cout << segmentation::LayImports(imports, ct, found.labels, context);
+    auto laid = segmentation::LayImports(imports, ct, found.labels, context);
+    std::cout << laid.report;
+    examination.vertebrae = std::move(laid.vertebrae);
     acus::atlas::AddAtlasOrgans(ct, others, config.tissues, found.labels, context);
     if (options.vessels) std::cout << segmentation::AddLiverVessels(ct, found.labels, context);
     auto patient = segmentation::Examine(ct, config, std::move(found), examination, context);

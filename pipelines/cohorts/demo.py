@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The jobs of pipelines/demo: one patient, without participants and sessions, in one folder.
 
-Usage: demo.py OUTPUT CT SERIES SCENARIO TISSUE SEED ATLAS TARGET WINDOW; CT, SERIES, TISSUE and all
+Usage: demo.py OUTPUT CT SERIES SCENARIO TISSUE SEED ATLAS TARGET WINDOW LABELS; CT, SERIES, TISSUE and all
 after SEED may be empty.
 """
 import os
@@ -17,14 +17,17 @@ import user  # noqa: E402
 from files import UserError, read_json, write_json  # noqa: E402
 
 
-def make_plan(output, ct, series, scenario, tissue, seed, atlas, scene_options, cache):
+def make_plan(output, ct, series, scenario, tissue, seed, atlas, scene_options, labels, cache):
     options = plans.Options(scenarios=[scenario], tissue=tissue, mesh=True, folders=True, quiet=False,
-                            replay_options=[], threads=os.cpu_count(), scene_options=scene_options)
+                            replay_options=[], threads=os.cpu_count(), scene_options=scene_options,
+                            scene_titles=True)
     plan = plans.Plan(output, options, cache)
     source = {"path": ct, "seed": seed, "series": series}
     files = {"ct": [source]} if ct else {"phantom": [{**source, "path": "lumbar"}]}
     if atlas:
         files["atlas"] = [{"path": atlas, "seed": None, "series": ""}]
+    if labels:
+        files["labels"] = [{"path": labels, "seed": None, "series": ""}]
     plans.Patient(plan, "", "", files).jobs()
     return plan
 
@@ -61,10 +64,10 @@ and, of the steps before:
 
 
 def main(words):
-    folder, *words, seed_text, atlas_folder, target, window = words
+    folder, *words, seed_text, atlas_folder, target, window, labels = words
     # As one word each: a point may begin with a minus.
     scene_options = [f"--{name}={value}" for name, value in (("target", target), ("window", window)) if value]
-    return run(pathlib.Path(folder), *words, int(seed_text), atlas_folder, scene_options)
+    return run(pathlib.Path(folder), *words, int(seed_text), atlas_folder, scene_options, labels)
 
 
 if __name__ == "__main__":

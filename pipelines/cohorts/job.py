@@ -46,13 +46,26 @@ def point(file, name):
     raise UserError(f"{file}: has no point named {name}")
 
 
+def title(file):
+    """What is punctured, from where, and why that was chosen, by the truth.json of a scene."""
+    with open(file, encoding="utf-8") as stream:
+        insertion = json.load(stream)["insertion"]
+    text = f"Puncture of {insertion['target']}, {insertion['length_mm']:.0f} mm deep"
+    text += f", {insertion['window']}" if insertion["window"] else ""
+    return text + (f". Chosen: {insertion['reason']}" if insertion["reason"] else "")
+
+
 def expanded(argv):
-    """The command as it is run: patterns of files, and points of CSV files (@point:FILE:NAME)."""
+    """The command as it is run: patterns of files, points of CSV files (@point:FILE:NAME) and the title of a scene
+    (@title:FILE)."""
     words = []
     for word in argv:
         match = re.search(r"@point:(.*):(\w+)$", word)
+        titled = re.search(r"@title:(.*)$", word)
         if match:
             words.append(word[:match.start()] + point(match[1], match[2]))
+        elif titled:
+            words.append(word[:titled.start()] + json.dumps(title(titled[1])))
         elif "*" in word:
             found = sorted(glob.glob(word))
             if not found:

@@ -1,4 +1,5 @@
 """From the sources of a cohort to its jobs: which program, on what, after which others."""
+import json
 import os
 import pathlib
 import re
@@ -28,6 +29,7 @@ class Options:
         self.segment_options = []
         self.scene_options = []    # Target and window of the sessions that are made.
         self.quiet = True
+        self.scene_titles = False  # Whether reports are named by the scenes that are made.
         for name, value in values.items():
             assert hasattr(self, name), name
             setattr(self, name, value)
@@ -174,6 +176,7 @@ class Patient:
                if kind in files}
         many = {kind: [self.link(kind, entry, i + 1) for i, entry in enumerate(files.get(kind, []))]
                 for kind in ("force_curves", "recording")}
+        self.has_scene = False
         names = [re.sub(r"[^A-Za-z0-9]+", "", pathlib.Path(e["path"]).name.split(".")[0])
                  for e in files.get("recording", [])]
         truth = []  # The job that makes what is not given.
@@ -186,6 +189,7 @@ class Patient:
         segment = self.segment(one, truth)
         if not truth and not ("markers_ct" in one and many["recording"]):
             truth = [self.scene(one, many, names)]
+            self.has_scene = True
         if options.mesh:
             self.mesh(one, [segment, *truth])
         if many["force_curves"]:
@@ -305,7 +309,10 @@ class Patient:
                 parents = [*parents, self.path("mesh").replace("/", "_")]
         for change in options.set:
             deformable += ["--set", change]
-        series = ["--set", f"/patient/series={self.series()}"] if self.series() else []
+        # Quoted: a part of a UID may look like a number.
+        series = ["--set", f"/patient/series={json.dumps(self.series())}"] if self.series() else []
+        if self.has_scene and options.scene_titles:
+            deformable += ["--set", f"/name=@title:{self.path('scene')}/truth.json"]
         labels = self.path("segmentation/labels.seg.nrrd")
         transform = self.path("registration/ct_from_reference.tfm")
         recorded = resources.megabytes(self.links[recording]) if recording in self.links else 0.0

@@ -8,6 +8,7 @@
 #include "acus/patient/segmentation/organ_vessels.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
 #include "support/shared_data.h"
+#include "support/transformed_ct.h"
 
 namespace acus::segmentation {
 namespace {
@@ -97,7 +98,7 @@ TEST(RealPatients, VertebraeArePartedAndNamedFromTheSacrum) {
   const auto labels = Segmented(*ct);
   const Vertebrae found =
       FindVertebrae(volume::ReadCt(*ct, "", TwoThreads()), labels, std::nullopt);
-  EXPECT_TRUE(found.named_from_sacrum);
+  EXPECT_EQ(found.named_from, NamedFrom::kSacrumAndLastRib);
   const auto values = volume::ReadIntegerVolume(*reference);
   const std::map<std::string, std::int32_t> value_of = {{"L5", 27}, {"L4", 28}, {"L3", 29},
                                                         {"L2", 30}, {"L1", 31}, {"T12", 32}};
@@ -117,6 +118,62 @@ TEST(RealPatients, VertebraeArePartedAndNamedFromTheSacrum) {
     EXPECT_GT(dice, 0.75) << name;
   }
   EXPECT_EQ(found.list.size(), 7U);
+}
+
+/// Numbers of the names that are right, wrong and missing, by the values of the reference.
+struct NamesFound {
+  int right = 0, wrong = 0, unnamed = 0;
+};
+
+NamesFound NamesIn(const testing_support::LabelledCt& copy) {
+  const auto config = ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
+  const auto labels = FindTissues(copy.ct, config.tissues, TwoThreads()).labels;
+  const Vertebrae found = FindVertebrae(copy.ct, labels, std::nullopt);
+  NamesFound names;
+  for (std::size_t n = 0; n < found.list.size(); ++n) {
+    const auto number = NumberOfVertebra(found.list[n].name);
+    if (!number) {
+      ++names.unnamed;
+      continue;
+    }
+    std::map<int, int> votes;  // TotalSegmentator counts from the sacrum (25) and S1 (26) upwards.
+    for (std::size_t at = 0; at < copy.labels.voxels.size(); ++at) {
+      const int value = copy.labels.voxels[at];
+      if (found.labels.voxels[at] != n + 1 || value < 25 || value > 50) continue;
+      ++votes[24 - std::max(value - 26, 0)];
+    }
+    const auto most = std::ranges::max_element(votes, {}, [](const auto& v) { return v.second; });
+    ++(most != votes.end() && most->first == *number ? names.right : names.wrong);
+  }
+  std::cout << names.right << " right, " << names.wrong << " wrong, " << names.unnamed
+            << " unnamed\n";
+  return names;
+}
+
+TEST(RealPatients, NoVertebraOfATransformedCopyHasAWrongName) {
+  ACUS_DATA(ct, "ct/totalseg/example_ct.nii.gz");
+  ACUS_DATA(reference, "ct/totalseg/example_seg_fast_force_split.nii.gz");
+  const testing_support::LabelledCt whole{volume::ReadCt(*ct, "", TwoThreads()),
+                                          volume::ReadIntegerVolume(*reference)};
+  const Eigen::Array3i last = whole.ct.geometry.size - 1;
+  const auto from = [&](double share) {
+    return testing_support::CutTo(whole, {0, 0, static_cast<int>(share * (last[2] + 1))}, last);
+  };
+  const auto up_to = [&](double share) {
+    return testing_support::CutTo(whole, Eigen::Array3i::Zero(),
+                                  {last[0], last[1], static_cast<int>(share * (last[2] + 1))});
+  };
+  constexpr double kRad = M_PI / 180.0;
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
+  EXPECT_EQ(NamesIn(whole).right, 7);
+  for (const auto& copy :
+       {from(0.15), from(0.25), from(0.4), up_to(0.8), up_to(0.5),
+        testing_support::Turned(whole, x, 10 * kRad), testing_support::Turned(whole, x, -10 * kRad),
+        testing_support::Turned(whole, y, 8 * kRad), testing_support::Turned(whole, y, -8 * kRad),
+        testing_support::Noisy(whole, 20.0), testing_support::Noisy(whole, 45.0),
+        testing_support::Thickened(whole, 2)}) {
+    EXPECT_EQ(NamesIn(copy).wrong, 0);
+  }
 }
 
 TEST(RealPatients, ThoraxHasTwoLungsOfALivingPersonAndABody) {

@@ -25,13 +25,14 @@ ScenePlan FromWindow(const WindowPlan& plan, const std::string& name, const std:
 std::optional<ScenePlan> IntoOtherOrgan(const volume::LabelMap& labels, const PatientField& field,
                                         const BodyFrame& frame, const PlanSettings& settings,
                                         const RunContext& context) {
+  const PlanSettings wider = SettingsForTarget(settings);
   const std::vector<std::string> present = TargetNames(labels);
   for (const char* organ : {"kidney", "spinal_canal"}) {
     if (std::ranges::find(present, organ) == present.end()) continue;
     const SceneTarget target = FindSceneTarget(labels, field, frame, organ, context.num_threads);
     std::vector<const ApproachWindow*> windows = UsualWindows(organ, "");
     windows.pop_back();  // Not from any side: that is no exercise.
-    const auto plan = PlanThroughWindows(field, frame, target, windows, settings, context, nullptr);
+    const auto plan = PlanThroughWindows(field, frame, target, windows, wider, context, nullptr);
     if (!plan) continue;
     return FromWindow(*plan, organ,
                       Message("no good path to a lesion or the liver was found; the ", organ,
@@ -41,6 +42,20 @@ std::optional<ScenePlan> IntoOtherOrgan(const volume::LabelMap& labels, const Pa
 }
 
 }  // namespace
+
+PlanSettings SettingsForTarget(PlanSettings settings) {
+  settings.min_length_mm = std::min(settings.min_length_mm, 15.0);
+  settings.max_length_mm = std::max(settings.max_length_mm, 150.0);
+  settings.clearance_mm = std::min(settings.clearance_mm, 2.0);
+  for (const char* tissue : {"cartilage", "vessel", "heart", "spinal_canal", "liver", "kidney",
+                             "spleen", "pancreas", "bowel", "stomach", "bladder", "gallbladder"}) {
+    const volume::Label label = volume::LabelOf(tissue);
+    if (std::ranges::find(settings.avoid, label) == settings.avoid.end()) {
+      settings.avoid.push_back(label);
+    }
+  }
+  return settings;
+}
 
 ScenePlan PlanScene(const volume::LabelMap& labels, const PatientField& field,
                     const PlanSettings& settings, const SceneRequest& request,

@@ -216,6 +216,26 @@ void ShiftBehindBody(const volume::CtVolume& ct, int k, double bone_hu, const Ra
   if (median > kShiftFromMm) centre_mm.y() += std::min(median, kMostShiftMm);
 }
 
+/// Calls visit(i, j, k, inside_mm) for the voxels of the tube; inside_mm from its surface.
+template <typename Visit>
+void ForTube(const CanalTube& tube, const volume::Geometry& g, const Visit& visit) {
+  for (int k = tube.first; k <= tube.last(); ++k) {
+    const Eigen::Vector2d centre = tube.Centre(k);
+    const auto low = ((centre.array() - kLongestRayMm) / g.spacing_mm.head<2>()).floor();
+    const auto high = ((centre.array() + kLongestRayMm) / g.spacing_mm.head<2>()).ceil();
+    for (int j = std::max(static_cast<int>(low[1]), 0);
+         j <= std::min(static_cast<int>(high[1]), g.size[1] - 1); ++j) {
+      for (int i = std::max(static_cast<int>(low[0]), 0);
+           i <= std::min(static_cast<int>(high[0]), g.size[0] - 1); ++i) {
+        const Eigen::Vector2d from(i * g.spacing_mm[0] - centre.x(),
+                                   j * g.spacing_mm[1] - centre.y());
+        const double inside_mm = tube.RadiusMm(k, from) - from.norm();
+        if (inside_mm >= 0.0) visit(i, j, k, inside_mm);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 double CanalTube::RadiusMm(int k, const Eigen::Vector2d& from_centre_mm) const {
@@ -275,27 +295,23 @@ CanalTube FitCanalTube(const volume::CtVolume& ct, const std::vector<CanalHole>&
 }
 
 Mask CanalMask(const CanalTube& tube, const volume::CtVolume& ct, double bone_hu) {
-  const volume::Geometry& g = ct.geometry;
-  Mask canal(g);
-  for (int k = tube.first; k <= tube.last(); ++k) {
-    const Eigen::Vector2d centre = tube.Centre(k);
-    const auto low = ((centre.array() - kLongestRayMm) / g.spacing_mm.head<2>()).floor();
-    const auto high = ((centre.array() + kLongestRayMm) / g.spacing_mm.head<2>()).ceil();
-    for (int j = std::max(static_cast<int>(low[1]), 0);
-         j <= std::min(static_cast<int>(high[1]), g.size[1] - 1); ++j) {
-      for (int i = std::max(static_cast<int>(low[0]), 0);
-           i <= std::min(static_cast<int>(high[0]), g.size[0] - 1); ++i) {
-        const Eigen::Vector2d from(i * g.spacing_mm[0] - centre.x(),
-                                   j * g.spacing_mm[1] - centre.y());
-        const double inside_mm = tube.RadiusMm(k, from) - from.norm();
-        if (inside_mm < 0.0) continue;
-        const bool is_foreign = IsBone(ct, i, j, k, bone_hu) ||
-                                (inside_mm < kSoftRimMm && IsSoft(ct, i, j, k, bone_hu));
-        canal.At(i, j, k) = is_foreign ? 0 : 1;
-      }
-    }
-  }
+  Mask canal(ct.geometry);
+  ForTube(tube, ct.geometry, [&](int i, int j, int k, double inside_mm) {
+    const bool is_foreign =
+        IsBone(ct, i, j, k, bone_hu) || (inside_mm < kSoftRimMm && IsSoft(ct, i, j, k, bone_hu));
+    canal.At(i, j, k) = is_foreign ? 0 : 1;
+  });
   return canal;
+}
+
+Mask CanalLining(const CanalTube& tube, const volume::CtVolume& ct, const Mask& bone,
+                 const Mask& canal, double fat_upper_hu) {
+  Mask lining(ct.geometry);
+  ForTube(tube, ct.geometry, [&](int i, int j, int k, double /*inside_mm*/) {
+    const bool is_soft = bone.At(i, j, k) == 0 && canal.At(i, j, k) == 0;
+    lining.At(i, j, k) = is_soft && ct.At(i, j, k) > fat_upper_hu ? 1 : 0;
+  });
+  return lining;
 }
 
 }  // namespace acus::segmentation

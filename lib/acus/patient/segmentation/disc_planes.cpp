@@ -276,7 +276,7 @@ std::vector<DiscPlane> FindDiscPlanes(const volume::CtVolume& ct, const CanalLin
     const Candidate& c = candidates[s];
     const Eigen::Vector3d normal =
         canal.tangent[s] - c.forward_tilt * canal.forward[s] - c.sideways_tilt * canal.Left(s);
-    planes.push_back({canal.points_mm[s], normal.normalized(), c.contrast_hu});
+    planes.push_back({canal.points_mm[s], normal.normalized(), c.contrast_hu, step});
   }
   return planes;
 }

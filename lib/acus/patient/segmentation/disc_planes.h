@@ -29,6 +29,7 @@ struct DiscPlane {
   Eigen::Vector3d point_mm;  ///< CT, on the canal's line.
   Eigen::Vector3d normal;    ///< Unit vector, towards the head.
   double contrast_hu = 0.0;  ///< End plates over disc.
+  int step = 0;              ///< Of the canal's line.
 };
 
 /// The discs along a canal, from the feet to the head. Each is where the HU of the column, taken

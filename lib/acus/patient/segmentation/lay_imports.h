@@ -15,11 +15,16 @@ struct ImportOptions {
   bool accept_implausible = false;  ///< Only warn of maps that cannot be of this patient.
 };
 
+struct LaidImports {
+  std::string report;          ///< One line for each map: how many structures, how they are named.
+  volume::LabelMap vertebrae;  ///< Single ones that the maps name, see VertebraeIn; may be empty.
+};
+
 /// Lays every map over `labels`, after holding it against anatomy and the CT. Where a map that
-/// contains every bone has none, bone becomes soft tissue.
-/// @returns one line for each map: how many structures, and how their names were found.
+/// contains every bone has none, bone becomes soft tissue. Gas stays where the map has another
+/// tissue than lung.
 /// @throws InputError if a map is broken, not understood, or cannot be of this patient.
-std::string LayImports(const ImportOptions& imports, const volume::CtVolume& ct,
+LaidImports LayImports(const ImportOptions& imports, const volume::CtVolume& ct,
                        volume::LabelMap& labels, const RunContext& context);
 
 }  // namespace acus::segmentation

@@ -15,6 +15,7 @@
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/segmentation/metrics.h"
+#include "acus/patient/segmentation/muscle_smoothing.h"
 #include "acus/patient/segmentation/preview.h"
 #include "acus/patient/segmentation/skin_surface.h"
 #include "acus/patient/segmentation/spine.h"
@@ -196,6 +197,7 @@ TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig
   }
   context.Checkpoint("finding muscles", 0.0);
   AddWallMuscles(labels, context.num_threads);
+  SmoothMuscles(ct, config.tissues.fat_upper_hu, context.num_threads, labels);
   return found;
 }
 
@@ -208,7 +210,10 @@ SegmentedPatient Examine(const volume::CtVolume& ct, const SegmentationConfig& c
     patient.certainty = FindCertainty(ct, config.tissues, found.labels, context);
   }
   context.Checkpoint("naming vertebrae", 0.0);
-  patient.vertebrae = FindVertebrae(ct, found.labels, examination.start);
+  patient.vertebrae =
+      FindVertebrae(ct, found.labels, examination.start,
+                    examination.vertebrae.voxels.empty() ? nullptr : &examination.vertebrae);
+  patient.organs = CheckOrgans(found.labels);
   patient.scan = found.scan;
   patient.labels = std::move(found.labels);
   return patient;
@@ -229,7 +234,8 @@ std::string SummaryOf(const SegmentedPatient& patient) {
       "Body ", FixedText(body_ml, 0), " ml: ", Joined(parts), ".\n", "Bone from ",
       FixedText(scan.bone_threshold_hu, 0), " HU; soft tissue ", FixedText(scan.soft_tissue_hu, 0),
       " HU, noise ", FixedText(scan.noise_hu, 0), " HU; ", scan.enhanced ? "with" : "without",
-      " contrast agent.\n", SpineSentence(patient.labels), VertebraeSentence(patient.vertebrae));
+      " contrast agent.\n", SpineSentence(patient.labels), VertebraeSentence(patient.vertebrae),
+      OrganTable(patient.organs));
   if (patient.certainty) {
     std::vector<std::string> tissues;
     for (const auto& tissue : patient.certainty->tissues) {
@@ -308,7 +314,7 @@ void WritePatientFolder(const fs::path& folder, const volume::CtVolume& ct,
   volume::WriteLabelMap(out.path() / "labels.seg.nrrd", labels);
   WriteVolumes(out.path() / "volumes.csv", labels);
   context.Checkpoint("drawing previews", 0.3);
-  WritePreviews(out.path(), ct, labels);
+  WritePreviews(out.path(), ct, WithDoubtsInNames(labels, patient.organs));
   context.Checkpoint("extracting the skin", 0.5);
   WriteBody(out.path(), labels, config.skin_surface, context);
   context.Checkpoint("extracting the bone", 0.8);
@@ -316,7 +322,8 @@ void WritePatientFolder(const fs::path& folder, const volume::CtVolume& ct,
   if (const auto surface = SurfaceOf("bone", bone, config.bone_surface, context)) {
     mesh::WriteSurface(out.path() / "bone.stl", *surface);
   }
-  WriteQuality(out.path() / "quality.json", patient.scan, patient.warnings, patient.certainty);
+  WriteQuality(out.path() / "quality.json", patient.scan, patient.warnings, patient.organs,
+               patient.certainty);
   if (!patient.vertebrae.empty()) WriteVertebrae(out.path(), patient.vertebrae);
   if (patient.certainty) WriteUnsure(out.path(), ct, *patient.certainty);
   if (!patient.agreement.empty()) {

@@ -7,6 +7,7 @@
 
 #include "acus/base/core/run_context.h"
 #include "acus/patient/segmentation/imported_labels.h"
+#include "acus/patient/segmentation/organ_checks.h"
 #include "acus/patient/segmentation/organs.h"
 #include "acus/patient/segmentation/scan_quality.h"
 #include "acus/patient/segmentation/surface_extraction.h"
@@ -49,6 +50,7 @@ TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig
 struct Examination {
   bool certainty = false;              ///< How much the labels depend on the thresholds.
   std::optional<NamedVertebra> start;  ///< The name of one vertebra.
+  volume::LabelMap vertebrae = {};     ///< Those of an import (VertebraeIn), or empty.
 };
 
 /// Labels, what is known about them, and what a person should look at.
@@ -57,6 +59,7 @@ struct SegmentedPatient {
   ScanParameters scan;
   std::vector<std::string> warnings;
   Vertebrae vertebrae;
+  std::vector<OrganCheck> organs;
   std::optional<Certainty> certainty;
   std::vector<Agreement> agreement;
 };

@@ -159,7 +159,7 @@ std::vector<std::string> WarningsOf(const volume::CtVolume& ct, const TissuesFou
 }
 
 void WriteQuality(const std::filesystem::path& path, const ScanParameters& scan,
-                  const std::vector<std::string>& warnings,
+                  const std::vector<std::string>& warnings, const std::vector<OrganCheck>& organs,
                   const std::optional<Certainty>& certainty) {
   json out = {{"format", "acus-segmentation-quality/1"},
               {"scan",
@@ -171,7 +171,14 @@ void WriteQuality(const std::filesystem::path& path, const ScanParameters& scan,
                 {"spine_found", scan.has_spine},
                 {"field_of_view", ToJson(scan.field)}}},
               {"warnings", warnings},
+              {"organs", json::array()},
               {"certainty", nullptr}};
+  for (const OrganCheck& organ : organs) {
+    out["organs"].push_back({{"name", organ.name},
+                             {"volume_ml", organ.volume_ml},
+                             {"sure", organ.is_sure()},
+                             {"doubts", organ.doubts}});
+  }
   if (certainty) {
     json tissues = json::object();
     for (const auto& tissue : certainty->tissues) tissues[tissue.name] = tissue.dice;

@@ -27,7 +27,7 @@ std::filesystem::path SegmentOptions::ConfigPath() const {
 }
 
 Examination SegmentOptions::ToExamine() const {
-  Examination examination{.certainty = certainty, .start = {}};
+  Examination examination{.certainty = certainty, .start = {}, .vertebrae = {}};
   if (!vertebra.empty()) examination.start = ParseVertebra(vertebra);
   return examination;
 }

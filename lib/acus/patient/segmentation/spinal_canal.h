@@ -57,4 +57,9 @@ CanalTube FitCanalTube(const volume::CtVolume& ct, const std::vector<CanalHole>&
 /// The voxels within the tube, without bone, and without muscle, ligament or disc in its rim.
 Mask CanalMask(const CanalTube& tube, const volume::CtVolume& ct, double bone_hu);
 
+/// What lines the canal: the voxels of the tube above `fat_upper_hu` that are neither `bone` nor
+/// canal. That is flavum and posterior longitudinal ligament; no muscle lies inside the canal.
+Mask CanalLining(const CanalTube& tube, const volume::CtVolume& ct, const Mask& bone,
+                 const Mask& canal, double fat_upper_hu);
+
 }  // namespace acus::segmentation

@@ -59,7 +59,10 @@ std::optional<Spine> FindSpine(const volume::CtVolume& original, const Mask& bod
   Spine spine;
   spine.canal = back(canal);
   spine.disc = back(FindDiscs(view, options.fat_upper_hu));
-  spine.ligament = back(FindSpineLigaments(view, options.fat_upper_hu));
+  Mask ligament = FindSpineLigaments(view, options.fat_upper_hu);
+  const Mask lining = CanalLining(tube, ct, dense, canal, options.fat_upper_hu);
+  for (std::size_t n = 0; n < ligament.voxels.size(); ++n) ligament.voxels[n] |= lining.voxels[n];
+  spine.ligament = back(ligament);
   spine.muscle = back(FindBackMuscles(view, turned(body), options.fat_upper_hu));
   return spine;
 }

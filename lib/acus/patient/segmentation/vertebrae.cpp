@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <queue>
 
 #include "acus/base/core/csv.h"
@@ -10,21 +11,18 @@
 #include "acus/base/core/words.h"
 #include "acus/base/math/point_text.h"
 #include "acus/data/volume/labels.h"
+#include "acus/patient/segmentation/imported_vertebrae.h"
 #include "acus/patient/segmentation/mask.h"
+#include "acus/patient/segmentation/spine_frame.h"
+#include "acus/patient/segmentation/spine_profile.h"
 
 namespace acus::segmentation {
 namespace {
 
-constexpr std::array kNames = {"C1",  "C2", "C3", "C4", "C5", "C6", "C7", "T1",  "T2",
-                               "T3",  "T4", "T5", "T6", "T7", "T8", "T9", "T10", "T11",
-                               "T12", "L1", "L2", "L3", "L4", "L5", "S1"};
-// The core of a body, from the canal's middle; growth starts there.
-constexpr double kCoreHalfWidthMm = 12.0;
-constexpr double kCoreFromMm = 11.0;
-constexpr double kCoreToMm = 28.0;
-constexpr double kPlateMm = 2.0;  ///< The core keeps away from the discs' planes.
 constexpr double kLongestWayMm = 62.0;
 constexpr double kFarthestAsideMm = 50.0;
+constexpr double kLongestRibWayMm = 160.0;  ///< Ribs are followed so far, to see whether there are.
+constexpr double kFarthestRibMm = 75.0;     ///< From the midline.
 constexpr double kFarthestMm = 85.0;
 constexpr double kCortexHu = 350.0;  ///< Ways through less dense bone count for more.
 constexpr double kPorousCost = 2.5;  ///< At 0 HU, in addition to 1.
@@ -32,61 +30,6 @@ constexpr double kMarrowHalfWidthMm = 22.0;
 constexpr double kMarrowFromMm = 6.0;
 constexpr double kMarrowToMm = 42.0;
 constexpr int kLeastMarrowInBodyHu = -60;
-constexpr double kLeastSacralTiltDeg = 27.0;
-constexpr double kEndMm = 45.0;  ///< Beyond the last disc; no vertebra is higher.
-
-/// Where a point is along the spine.
-struct SpinePlace {
-  std::size_t step = 0;
-  double left_mm = 0.0, forward_mm = 0.0;
-};
-
-class SpineFrame {
- public:
-  SpineFrame(const CanalLine& line, const std::vector<DiscPlane>& discs)
-      : line_(line), discs_(discs) {}
-
-  SpinePlace PlaceOf(const Eigen::Vector3d& p) const {
-    // The line runs upwards, nearly along that axis.
-    const Eigen::Vector3d up = line_.axes.col(2);
-    const Eigen::Vector3d& bottom = line_.points_mm.front();
-    const double length_mm = up.dot(line_.points_mm.back() - bottom);
-    const auto last = static_cast<double>(line_.points_mm.size() - 1);
-    double at = std::clamp(up.dot(p - bottom) / length_mm, 0.0, 1.0) * last;
-    for (int round = 0; round < 4; ++round) {
-      const auto s = static_cast<std::size_t>(std::lround(at));
-      at = std::clamp(at + (p - line_.points_mm[s]).dot(line_.tangent[s]) / line_.step_mm, 0.0,
-                      last);
-    }
-    SpinePlace place;
-    place.step = static_cast<std::size_t>(std::lround(at));
-    const Eigen::Vector3d d = p - line_.points_mm[place.step];
-    place.left_mm = d.dot(line_.Left(place.step));
-    place.forward_mm = d.dot(line_.forward[place.step]);
-    return place;
-  }
-
-  /// Vertebrae are numbered from the feet here: n lies above disc n - 1 and below disc n. -1 near a
-  /// disc's plane, or too far beyond the last one.
-  int Between(const Eigen::Vector3d& p) const {
-    int number = 0;
-    for (const DiscPlane& disc : discs_) {
-      const double above = (p - disc.point_mm).dot(disc.normal);
-      if (std::abs(above) < kPlateMm) return -1;
-      if (above > 0.0) ++number;
-    }
-    const auto beyond = [&](const DiscPlane& disc) {
-      return std::abs((p - disc.point_mm).dot(disc.normal)) > kEndMm;
-    };
-    if (number == 0 && beyond(discs_.front())) return -1;
-    if (number == static_cast<int>(discs_.size()) && beyond(discs_.back())) return -1;
-    return number;
-  }
-
- private:
-  const CanalLine& line_;
-  const std::vector<DiscPlane>& discs_;  ///< From the feet to the head.
-};
 
 /// The voxels within reach of the canal.
 Box BoxAround(const CanalLine& line, const volume::Geometry& g) {
@@ -113,18 +56,24 @@ class Growth {
       : ct_(ct), bone_(volume::LabelOf("bone")), tissues_(tissues), frame_(frame), box_(box) {
     number_ = volume::Grid<volume::Label>(ct.geometry);
     way_mm_.assign(ct.voxels.size(), 1e9F);
+    reach_mm_.assign(256, {0.0, 0.0});
   }
 
   volume::Grid<volume::Label> Run() {
     Seed();
-    while (!queue_.empty()) {
+    while (!queue_.empty()) {  // Dense bone first, so that joints part what touches.
       const auto [way, at] = queue_.top();
       queue_.pop();
-      if (way > way_mm_[at] || way > kLongestWayMm) continue;
+      if (way > way_mm_[at]) continue;
       Visit(at, way);
     }
     return std::move(number_);
   }
+
+  /// How far the bone of each vertebra reaches to the left and right, by number.
+  const std::vector<std::array<double, 2>>& reach_mm() const { return reach_mm_; }
+  /// Of each voxel that was grown to, from its body.
+  const std::vector<float>& way_mm() const { return way_mm_; }
 
  private:
   using Entry = std::pair<float, std::size_t>;
@@ -136,10 +85,7 @@ class Growth {
           if (tissues_.At(i, j, k) != bone_) continue;
           const Eigen::Vector3d p = ct_.geometry.ct_from_index() * Eigen::Vector3d(i, j, k);
           const SpinePlace place = frame_.PlaceOf(p);
-          if (std::abs(place.left_mm) > kCoreHalfWidthMm || place.forward_mm < kCoreFromMm ||
-              place.forward_mm > kCoreToMm) {
-            continue;
-          }
+          if (!BodyCore::Has(place)) continue;
           const int number = frame_.Between(p);
           if (number >= 0) Set(ct_.geometry.Index(i, j, k), 0.0F, number + 1);
         }
@@ -173,10 +119,13 @@ class Growth {
           const double sparse =
               std::clamp(1.0 - static_cast<double>(ct_.voxels[there]) / kCortexHu, 0.0, 1.0);
           const auto next = static_cast<float>(way + length_mm * (1.0 + kPorousCost * sparse));
-          if (next >= way_mm_[there] || next > kLongestWayMm) continue;
-          const SpinePlace place = frame_.PlaceOf(g.ct_from_index() * to.cast<double>().matrix());
-          if (std::abs(place.left_mm) > kFarthestAsideMm) continue;
+          if (next >= way_mm_[there] || next > kLongestRibWayMm) continue;
+          const double left_mm =
+              frame_.PlaceOf(g.ct_from_index() * to.cast<double>().matrix()).left_mm;
+          if (std::abs(left_mm) > kFarthestRibMm) continue;
           Set(there, next, number_.voxels[at]);
+          double& reach = reach_mm_[number_.voxels[at]][left_mm > 0.0 ? 0 : 1];
+          reach = std::max(reach, std::abs(left_mm));
         }
       }
     }
@@ -189,6 +138,7 @@ class Growth {
   const Box box_;
   volume::Grid<volume::Label> number_;
   std::vector<float> way_mm_;
+  std::vector<std::array<double, 2>> reach_mm_;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };
 
@@ -213,74 +163,12 @@ int NumHidden(const volume::LabelMap& tissues, volume::Label bone, const Eigen::
   return hidden;
 }
 
-std::string AllNames() {
-  return Message(kNames.front(), " to C7, T1 to T12, L1 to L5, ", kNames.back());
-}
-
-/// Place of a name in kNames. @throws InputError
-int NumberOf(const std::string& name) {
-  const auto found = std::ranges::find(kNames, name);
-  ACUS_REQUIRE(found != kNames.end(), "'", name, "' is no vertebra; allowed: ", AllNames());
-  return static_cast<int>(found - kNames.begin());
-}
-
-/// The disc between L5 and the sacrum leans forward by about 30 to 45 degrees, others by less
-/// than 22.
-bool LiesOnSacrum(const DiscPlane& lowest, const CanalLine& line) {
-  return lowest.normal.dot(line.axes.col(1)) < -std::sin(kLeastSacralTiltDeg * M_PI / 180.0);
-}
-
-/// Measures and numbers, from the head.
-void FillList(const volume::Grid<volume::Label>& number, Vertebrae& out) {
-  const auto count = static_cast<int>(out.list.size());
-  const volume::Geometry& g = number.geometry;
-  const double ml = g.voxel_volume_mm3() / 1000.0;
-  out.labels = volume::LabelMap(g);
-  for (std::size_t at = 0; at < number.voxels.size(); ++at) {
-    if (number.voxels[at] == 0) continue;
-    const int place = count - number.voxels[at];  // 1 is the lowest.
-    out.labels.voxels[at] = static_cast<volume::Label>(place + 1);
-    out.list[static_cast<std::size_t>(place)].volume_ml += ml;
-  }
-}
-
-void Name(const std::optional<NamedVertebra>& start, const CanalLine& line, const SpineFrame& frame,
-          Vertebrae& out) {
-  const auto count = static_cast<int>(out.list.size());
-  int first = -1;
-  if (start) {
-    const int from_feet = frame.Between(start->point_mm);
-    const SpinePlace place = frame.PlaceOf(start->point_mm);
-    ACUS_REQUIRE(from_feet >= 0 && std::abs(place.left_mm) < 25.0 && place.forward_mm > -10.0 &&
-                     place.forward_mm < 50.0,
-                 "vertebra ", start->name, ": the point (", NumberText(start->point_mm[0]), ", ",
-                 NumberText(start->point_mm[1]), ", ", NumberText(start->point_mm[2]),
-                 ") mm is not in the body of a vertebra that was found; centres are in "
-                 "vertebrae.csv of a run without --vertebra");
-    first = NumberOf(start->name) - (count - 1 - from_feet);
-    // The lowest may be the sacrum as a whole, but nothing lies below it.
-    ACUS_REQUIRE(first >= 0 && first + count <= static_cast<int>(kNames.size()), "vertebra ",
-                 start->name, ": ", count - 1 - from_feet, " vertebrae lie above and ", from_feet,
-                 " below it in the CT, which does not fit this name");
-  }
-  if (!start && LiesOnSacrum(out.discs.back(), line)) {
-    first = NumberOf("S1") - (count - 1);
-    out.named_from_sacrum = first >= 0;
-  }
-  for (int n = 0; n < count; ++n) {
-    Vertebra& vertebra = out.list[static_cast<std::size_t>(n)];
-    vertebra.name =
-        first >= 0 ? kNames[static_cast<std::size_t>(first + n)] : Message("vertebra_", n + 1);
-    out.labels.names[static_cast<volume::Label>(n + 1)] = vertebra.name;
-  }
-}
-
 /// The middle of each body: half-way between its discs, or 15 mm beyond the last one.
 void Centre(const CanalLine& line, const SpineFrame& frame, const std::vector<DiscPlane>& discs,
             Vertebrae& out) {
   const auto in_front = [&](const Eigen::Vector3d& on_line) -> Eigen::Vector3d {
     const auto step = frame.PlaceOf(on_line).step;
-    return line.points_mm[step] + 0.5 * (kCoreFromMm + kCoreToMm) * line.forward[step];
+    return line.points_mm[step] + 0.5 * (BodyCore::kFromMm + BodyCore::kToMm) * line.forward[step];
   };
   const std::size_t count = out.list.size();
   for (std::size_t n = 0; n < count; ++n) {
@@ -297,34 +185,142 @@ void Centre(const CanalLine& line, const SpineFrame& frame, const std::vector<Di
   }
 }
 
-}  // namespace
-
-NamedVertebra ParseVertebra(const std::string& text) {
-  const std::size_t equals = std::min(text.find('='), text.size());
-  NamedVertebra out{.name = text.substr(0, equals), .point_mm = Eigen::Vector3d::Zero()};
-  out.point_mm = math::PointFromText(
-      text.substr(std::min(equals + 1, text.size())),
-      Message("--vertebra '", text,
-              "': must be a name and a point of its body in CT mm, such as L3=-2.5,110,140"));
-  NumberOf(out.name);
-  return out;
+/// Where the voxels of a label map's vertebrae and those that were grown are, measured.
+void FillLabels(const volume::Grid<volume::Label>& number, const volume::LabelMap* imported,
+                const std::vector<VertebraEvidence>& evidence, Vertebrae& out) {
+  const std::size_t count = out.list.size();
+  const volume::Geometry& g = number.geometry;
+  const double ml = g.voxel_volume_mm3() / 1000.0;
+  std::map<int, std::size_t> place_of;
+  for (std::size_t n = 0; n < count; ++n) {
+    if (evidence[n].known) place_of[*evidence[n].known] = n;
+  }
+  out.labels = volume::LabelMap(g);
+  for (std::size_t at = 0; at < number.voxels.size(); ++at) {
+    std::size_t place = count - number.voxels[at];  // 1 is the lowest.
+    if (imported != nullptr && imported->voxels[at] != 0) {
+      const auto known = place_of.find(imported->voxels[at] - 1);
+      if (known != place_of.end()) place = known->second;
+    } else if (number.voxels[at] == 0 || evidence[place].known) {
+      continue;
+    }
+    if (place >= count) continue;
+    out.labels.voxels[at] = static_cast<volume::Label>(place + 1);
+    out.list[place].volume_ml += ml;
+  }
+  for (std::size_t n = 0; n < count; ++n) {
+    out.labels.names[static_cast<volume::Label>(n + 1)] = out.list[n].name;
+  }
 }
 
+/// Grown farther than the vertebrae themselves: ribs and what is far aside belong to none.
+void CutRibs(const CanalLine& line, const std::vector<float>& way_mm, const SpineFrame& frame,
+             volume::Grid<volume::Label>& number) {
+  const volume::Geometry& g = number.geometry;
+  const Box box = BoxAround(line, g);
+  for (int k = box.low[2]; k <= box.high[2]; ++k) {
+    for (int j = box.low[1]; j <= box.high[1]; ++j) {
+      for (int i = box.low[0]; i <= box.high[0]; ++i) {
+        const std::size_t at = g.Index(i, j, k);
+        if (number.voxels[at] == 0) continue;
+        const auto place = frame.PlaceOf(g.ct_from_index() * Eigen::Vector3d(i, j, k));
+        if (way_mm[at] > kLongestWayMm || std::abs(place.left_mm) > kFarthestAsideMm) {
+          number.voxels[at] = 0;
+        }
+      }
+    }
+  }
+}
+
+/// Whether the CT shows where ribs would be beside a vertebra.
+bool ShowsFlanks(const volume::Geometry& g, const CanalLine& line, std::size_t step) {
+  const Eigen::Affine3d index_from_ct = g.index_from_ct();
+  for (const double left : {-VertebraEvidence::kRibMm, VertebraEvidence::kRibMm}) {
+    for (const double forward : {-25.0, 10.0}) {
+      const Eigen::Vector3d p =
+          line.points_mm[step] + left * line.Left(step) + forward * line.forward[step];
+      const Eigen::Array3i v = (index_from_ct * p).array().round().cast<int>();
+      if (!g.Contains(v[0], v[1], v[2])) return false;
+    }
+  }
+  return true;
+}
+
+/// What is seen of the vertebrae, from the head. @param discs  From the feet.
+std::vector<VertebraEvidence> EvidenceOf(const volume::Geometry& g, const CanalLine& line,
+                                         const SpineFrame& frame, const SpineProfile& profile,
+                                         const std::vector<DiscPlane>& discs,
+                                         const std::vector<std::array<double, 2>>& reach_mm,
+                                         const Vertebrae& found) {
+  std::vector<VertebraEvidence> evidence;
+  for (std::size_t n = 0; n < found.list.size(); ++n) {
+    const std::size_t from_feet = found.list.size() - 1 - n;
+    VertebraEvidence seen{
+        .is_whole = found.list[n].is_whole,
+        .shows_flanks = ShowsFlanks(g, line, frame.PlaceOf(found.list[n].centre_mm).step),
+        .reach_mm = reach_mm[from_feet + 1]};
+    if (from_feet > 0) seen.lies_on_open_disc = IsOpenAt(profile, discs[from_feet - 1]);
+    if (seen.is_whole) {
+      seen.height_mm = (discs[from_feet].point_mm - discs[from_feet - 1].point_mm).norm();
+    }
+    evidence.push_back(seen);
+  }
+  return evidence;
+}
+
+/// The place from the head of the vertebra whose body a point lies in. @throws InputError
+GivenName PlaceOf(const NamedVertebra& given, const SpineFrame& frame, std::size_t count) {
+  const int from_feet = frame.Between(given.point_mm);
+  const SpinePlace place = frame.PlaceOf(given.point_mm);
+  ACUS_REQUIRE(from_feet >= 0 && std::abs(place.left_mm) < 25.0 && place.forward_mm > -10.0 &&
+                   place.forward_mm < 50.0,
+               "vertebra ", given.name, ": the point (", NumberText(given.point_mm[0]), ", ",
+               NumberText(given.point_mm[1]), ", ", NumberText(given.point_mm[2]),
+               ") mm is not in the body of a vertebra that was found; centres are in "
+               "vertebrae.csv of a run without --vertebra");
+  return {count - 1 - static_cast<std::size_t>(from_feet), *NumberOfVertebra(given.name)};
+}
+
+void SetNames(VertebraNames names, Vertebrae& out) {
+  for (std::size_t n = 0; n < out.list.size(); ++n) out.list[n].name = names.names[n];
+  out.named_from = names.from;
+  out.doubt = std::move(names.doubt);
+}
+
+}  // namespace
+
 Vertebrae FindVertebrae(const volume::CtVolume& ct, const volume::LabelMap& tissues,
-                        const std::optional<NamedVertebra>& start) {
+                        const std::optional<NamedVertebra>& start,
+                        const volume::LabelMap* imported) {
   Vertebrae out;
   const CanalLine line = CanalLineOf(tissues);
-  const std::vector<DiscPlane> discs = FindDiscPlanes(ct, line);
+  std::vector<DiscPlane> discs = FindDiscPlanes(ct, line);
+  bool ends_on_sacrum = false;
+  const SpineProfile profile(line, tissues);
+  if (!line.points_mm.empty()) {
+    out.dropped_discs = DropDiscsWithinVertebrae(profile, discs);
+    if (const auto sacral = DiscOnSacrum(profile, line, discs)) {
+      ends_on_sacrum = true;
+      discs.erase(discs.begin(), discs.begin() + static_cast<std::ptrdiff_t>(*sacral));
+    }
+    if (imported != nullptr) discs = DiscsBetweenImported(*imported, line, std::move(discs));
+  }
   ACUS_REQUIRE(discs.size() >= 2 || !start, "vertebra ", start ? start->name : "",
                ": the CT shows no spine with at least two discs, so there is nothing to name");
-  if (discs.size() < 2) return out;
+  if (discs.size() < 2) return imported != nullptr ? VertebraeOfImport(*imported) : out;
   const SpineFrame frame(line, discs);
-  const auto number = Growth(ct, tissues, frame, BoxAround(line, ct.geometry)).Run();
+  Growth growth(ct, tissues, frame, BoxAround(line, ct.geometry));
+  volume::Grid<volume::Label> number = growth.Run();
+  CutRibs(line, growth.way_mm(), frame, number);
   out.list.resize(discs.size() + 1);
   out.discs.assign(discs.rbegin(), discs.rend());
-  FillList(number, out);
-  Name(start, line, frame, out);
   Centre(line, frame, discs, out);
+  auto evidence = EvidenceOf(ct.geometry, line, frame, profile, discs, growth.reach_mm(), out);
+  if (imported != nullptr) AddKnownNames(*imported, frame, evidence);
+  std::optional<GivenName> by_user;
+  if (start) by_user = PlaceOf(*start, frame, out.list.size());
+  SetNames(NameVertebrae(evidence, by_user, ends_on_sacrum), out);
+  FillLabels(number, imported, evidence, out);
   return out;
 }
 
@@ -360,11 +356,28 @@ void FillBodies(const volume::CtVolume& ct, volume::LabelMap& tissues) {
 
 std::string VertebraeSentence(const Vertebrae& vertebrae) {
   if (vertebrae.empty()) return "";
-  return Message(vertebrae.list.size(), " vertebrae: ", vertebrae.list.front().name, " to ",
-                 vertebrae.list.back().name, ", from the head",
-                 vertebrae.named_from_sacrum ? ". Named from the tilt of the lowest disc; "
-                                               "--vertebra names them otherwise.\n"
-                                             : ".\n");
+  static const std::map<NamedFrom, const char*> kFrom = {
+      {NamedFrom::kNothing, ""},
+      {NamedFrom::kUser, " Named from --vertebra."},
+      {NamedFrom::kImport, " Named by the label map."},
+      {NamedFrom::kSacrum, " Named from the sacrum, whose wings the CT shows."},
+      {NamedFrom::kLastRib,
+       " Named from the last pair of ribs, taken for those of T12; in some "
+       "people they are not."},
+      {NamedFrom::kSacrumAndLastRib, " Named from the sacrum and the last pair of ribs."}};
+  std::string text =
+      Message(vertebrae.list.size(), " vertebrae: ", vertebrae.list.front().name, " to ",
+              vertebrae.list.back().name, ", from the head.", kFrom.at(vertebrae.named_from), "\n");
+  if (vertebrae.dropped_discs > 0) {
+    text += Message(vertebrae.dropped_discs,
+                    " discs were dropped: vertebrae without pedicles lay beside them.\n");
+  }
+  if (!vertebrae.doubt.empty()) {
+    text += Message("Not all vertebrae are named: ", vertebrae.doubt,
+                    ". --vertebra L3=X,Y,Z names them from one that you recognise; their centres "
+                    "are in vertebrae.csv.\n");
+  }
+  return text;
 }
 
 }  // namespace acus::segmentation

@@ -6,20 +6,12 @@
 #include <vector>
 
 #include "acus/patient/segmentation/disc_planes.h"
+#include "acus/patient/segmentation/vertebra_names.h"
 
 namespace acus::segmentation {
 
-/// A vertebra whose name is known, by any point of its body.
-struct NamedVertebra {
-  std::string name;          ///< C2 to C7, T1 to T12, L1 to L5, S1.
-  Eigen::Vector3d point_mm;  ///< CT.
-};
-
-/// Reads "L3=X,Y,Z", mm. @throws InputError saying what is allowed.
-NamedVertebra ParseVertebra(const std::string& text);
-
 struct Vertebra {
-  std::string name;       ///< With a start "L3", else "vertebra_1" from the head.
+  std::string name;       ///< "L3" if that is sure, else "vertebra_1" from the head.
   bool is_whole = false;  ///< Between two discs; otherwise one lies beyond what the CT shows.
   Eigen::Vector3d centre_mm = Eigen::Vector3d::Zero();  ///< Of its body, CT.
   double volume_ml = 0.0;
@@ -30,7 +22,9 @@ struct Vertebrae {
   std::vector<DiscPlane> discs;  ///< From the head to the feet; list[i] lies above discs[i].
   volume::LabelMap labels;       ///< 1 + place in the list; 0 elsewhere.
 
-  bool named_from_sacrum = false;
+  NamedFrom named_from = NamedFrom::kNothing;
+  std::string doubt;      ///< For people: why there are numbers; empty if all are named.
+  int dropped_discs = 0;  ///< Found within a vertebra, which has no disc there.
 
   bool empty() const { return list.empty(); }
 };
@@ -38,20 +32,22 @@ struct Vertebrae {
 /// Vertebrae of the bone in `tissues`, which must have a spinal_canal; empty without one, or
 /// without two discs. From the bodies between the discs they grow along bone, dense bone first, so
 /// that joints part them; ribs and pelvis beyond 62 mm of way or 50 mm off the midline are left.
-/// @param start  Names all. Without it they are named if the lowest disc leans forward by 27
-/// degrees
-///     or more, as between L5 and the sacrum; otherwise they are numbered.
+/// What lies below the disc on the sacrum is one.
+/// @param start  Names all; see NameVertebrae for what does without it.
+/// @param imported  If given: vertebrae of a label map, 1 + NumberOfVertebra; they stay as they
+///     are, and their names go before those from the CT. Without a canal they are all.
 /// @throws InputError if the start lies in no vertebra, or its name does not leave room for as many
 ///     vertebrae as are there above and below.
 Vertebrae FindVertebrae(const volume::CtVolume& ct, const volume::LabelMap& tissues,
-                        const std::optional<NamedVertebra>& start);
+                        const std::optional<NamedVertebra>& start,
+                        const volume::LabelMap* imported = nullptr);
 
 /// Labels as bone what bone surrounds within the bodies of vertebrae: marrow that the cortex, where
 /// it is thin, does not close off in a slice. Of fat, muscle and soft tissue, voxels that are not
 /// at a disc and that bone hides in at least 7 of 8 directions across the spine, within 30 mm.
 void FillBodies(const volume::CtVolume& ct, volume::LabelMap& tissues);
 
-/// For people: how many there are, and their names.
+/// For people: how many there are, their names, what these follow from or why there are none.
 std::string VertebraeSentence(const Vertebrae& vertebrae);
 
 }  // namespace acus::segmentation

@@ -186,6 +186,15 @@ TEST(ScenePlan, TakesASpinalCanalWhereThereIsNoLiver) {
   EXPECT_TRUE(plan.touches_bone);
 }
 
+TEST(ScenePlan, LooksForAKnownTargetWithTheSettingsOfARequestedOne) {
+  const PlanSettings ours = SettingsForTarget(Preset("scene").insertion);
+  const PlanSettings preset = Preset("scene_target").insertion;
+  EXPECT_EQ(ours.min_length_mm, preset.min_length_mm);
+  EXPECT_EQ(ours.max_length_mm, preset.max_length_mm);
+  EXPECT_EQ(ours.clearance_mm, preset.clearance_mm);
+  EXPECT_THAT(ours.avoid, testing::IsSupersetOf(preset.avoid));
+}
+
 TEST(ScenePlan, GoesIntoAShoulderOnlyIfTheTrunkHasNoPath) {
   // A trunk with lungs right under its fat beside a shoulder of soft tissue.
   volume::LabelMap labels = SyntheticBody();

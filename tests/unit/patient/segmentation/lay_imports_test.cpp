@@ -5,6 +5,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
+#include "acus/patient/segmentation/vertebra_names.h"
 #include "support/nifti_writer.h"
 #include "support/temporary_folder.h"
 
@@ -27,7 +28,9 @@ struct RowOfVoxels {
     context.on_warning = [this](std::string_view text) { warnings += text; };
   }
   std::string Lay(const std::vector<ForeignLabels>& maps) {
-    return LayImports({.maps = maps, .accept_implausible = false}, ct, labels, context);
+    LaidImports laid = LayImports({.maps = maps, .accept_implausible = false}, ct, labels, context);
+    vertebrae = std::move(laid.vertebrae);
+    return laid.report;
   }
   std::vector<std::string> Tissues() const {
     std::vector<std::string> names;
@@ -40,6 +43,7 @@ struct RowOfVoxels {
   testing_support::TemporaryFolder folder;
   volume::CtVolume ct;
   volume::LabelMap labels;
+  volume::LabelMap vertebrae;  ///< Of the last maps laid.
   RunContext context;
   std::string warnings;
 };
@@ -58,6 +62,32 @@ TEST(LayImports, MergesMapsByNameTheLastRemains) {
   EXPECT_THAT(report,
               AllOf(HasSubstr("total.nii: 2 structures, by the label table in its header\n"),
                     HasSubstr("vessels.nii: 2 structures")));
+}
+
+TEST(LayImports, GasStaysInTheBowelOfAMap) {
+  RowOfVoxels row;
+  row.labels.voxels[1] = row.labels.voxels[4] = volume::LabelOf("gas");
+  WriteNiftiLabels(row.folder / "total.nii", 6, 1, 1, {1, 1, 1, 0, 2, 2},
+                   {NiftiLabelXml({{1, "colon"}, {2, "lung_upper_lobe_left"}})});
+  row.Lay({{row.folder / "total.nii", {}}});
+  EXPECT_THAT(row.Tissues(),
+              testing::ElementsAre("bowel", "gas", "bowel", "muscle", "lung", "lung"));
+}
+
+TEST(LayImports, NamesOfVertebraeAreKept) {
+  RowOfVoxels row;
+  WriteNiftiLabels(row.folder / "a.nii", 6, 1, 1, {1, 1, 2, 0, 0, 0},
+                   {NiftiLabelXml({{1, "vertebrae_L4"}, {2, "sacrum"}})});
+  WriteNiftiLabels(row.folder / "b.nii", 6, 1, 1, {0, 0, 0, 7, 0, 0},
+                   {NiftiLabelXml({{7, "liver"}})});
+  row.Lay({{row.folder / "b.nii", {}}});
+  EXPECT_TRUE(row.vertebrae.voxels.empty());
+  row.Lay({{row.folder / "a.nii", {}}, {row.folder / "b.nii", {}}});
+  const auto label = [](const char* name) {
+    return static_cast<volume::Label>(*NumberOfVertebra(name) + 1);
+  };
+  EXPECT_THAT(row.vertebrae.voxels,
+              testing::ElementsAre(label("L4"), label("L4"), label("S1"), 0, 0, 0));
 }
 
 TEST(LayImports, NamesAreThoseOfTheFileWhateverItsNumbersAre) {

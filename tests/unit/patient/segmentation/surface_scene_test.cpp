@@ -20,7 +20,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-mesh::Surface Box(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+mesh::Surface BoxSurface(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   mesh::Surface out;
   out.nodes_mm.resize(3, 8);
   for (int n = 0; n < 8; ++n) {
@@ -71,7 +71,7 @@ TEST(Rasterise, InterfacesLieWithinHalfAVoxel) {
   // A box whose faces lie at shares of a voxel.
   for (const double share : {0.0, 0.25, 0.5, 0.75}) {
     volume::LabelMap labels = Grid(40, 1.0, 0.0);
-    PaintInside(Box({10 + share, 12 + share, 9 + share}, {25 + share, 30 + share, 28 + share}),
+    PaintInside(BoxSurface({10 + share, 12 + share, 9 + share}, {25 + share, 30 + share, 28 + share}),
                 Winding::kOriented, 5, 1, labels);
     int first = 99, last = -1;
     for (int i = 0; i < 40; ++i) {
@@ -86,10 +86,10 @@ TEST(Rasterise, InterfacesLieWithinHalfAVoxel) {
 }
 
 TEST(Rasterise, LinesThroughNodesAndEdgesAreCountedOnce) {
-  EXPECT_EQ(CheckClosed(Box({0, 0, 0}, {1, 1, 1}), "box"), Winding::kOriented);
+  EXPECT_EQ(CheckClosed(BoxSurface({0, 0, 0}, {1, 1, 1}), "box"), Winding::kOriented);
   // All faces, edges and nodes of the box, and the diagonals of its faces, lie on lines of voxels.
   volume::LabelMap labels = Grid(20, 1.0, 0.0);
-  PaintInside(Box({4, 4, 4}, {12, 12, 12}), Winding::kOriented, 3, 1, labels);
+  PaintInside(BoxSurface({4, 4, 4}, {12, 12, 12}), Winding::kOriented, 3, 1, labels);
   EXPECT_EQ(Count(labels, 3), 8U * 8U * 8U);
   // An octahedron with its nodes on voxels: no line leaks to the border.
   mesh::Surface octahedron;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "acus/data/volume/labels.h"
+#include "acus/patient/segmentation/crop.h"
+#include "acus/patient/segmentation/spine_profile.h"
 #include "lumbar_back.h"
 
 namespace acus::segmentation {
@@ -81,15 +83,117 @@ TEST(Vertebrae, ArePartedAndNamedFromAStart) {
   EXPECT_THAT(VertebraeSentence(found), HasSubstr("to S1"));
 }
 
-TEST(Vertebrae, AreNumberedFromTheHeadWithoutAName) {
-  LumbarBack lumbar = Back();
+TEST(Vertebrae, AreNamedFromTheSacrumIfTheCtShowsItsWings) {
+  const LumbarBack& lumbar = Back();
   const Vertebrae found = FindVertebrae(lumbar.scan.ct, lumbar.found, std::nullopt);
+  EXPECT_EQ(found.named_from, NamedFrom::kSacrum);
+  const Eigen::Vector3d in_l3 =
+      0.5 * (lumbar.anatomy.Landmark("disc_L2L3") + lumbar.anatomy.Landmark("disc_L3L4"));
+  const auto l3 = std::ranges::find(found.list, "L3", &Vertebra::name);
+  ASSERT_NE(l3, found.list.end());
+  EXPECT_LT((l3->centre_mm - in_l3).norm(), 10.0);
+  EXPECT_THAT(VertebraeSentence(found), HasSubstr("to S1, from the head. Named from the sacrum"));
+}
+
+TEST(Vertebrae, AreNumberedInAFieldOfViewWithoutTheWings) {
+  const LumbarBack& lumbar = Back();
+  Box box{Eigen::Array3i(40, 0, 0), lumbar.scan.ct.geometry.size - 1};
+  box.high[0] = 110;
+  const auto labels = Cropped(lumbar.found, box);
+  volume::LabelMap narrow(labels.geometry);
+  narrow.voxels = labels.voxels;
+  narrow.names = lumbar.found.names;
+  const Vertebrae found = FindVertebrae(Cropped(lumbar.scan.ct, box), narrow, std::nullopt);
   ASSERT_FALSE(found.empty());
-  // This sacrum leans too little to be told from a lumbar vertebra by its disc.
-  if (!found.named_from_sacrum) {
-    EXPECT_EQ(found.list.front().name, "vertebra_1");
+  EXPECT_EQ(found.named_from, NamedFrom::kNothing);
+  EXPECT_EQ(found.list.front().name, "vertebra_1");
+  EXPECT_EQ(found.labels.names.size(), found.list.size());
+  EXPECT_THAT(VertebraeSentence(found), AllOf(HasSubstr("wings"), HasSubstr("--vertebra L3=")));
+}
+
+/// Exact voxels of single vertebrae, as a label map made elsewhere has them.
+volume::LabelMap ExactVertebrae(const LumbarBack& lumbar,
+                                const std::map<std::string, std::string>& name_of) {
+  volume::LabelMap out(lumbar.scan.ct.geometry);
+  const volume::Geometry& g = out.geometry;
+  for (int k = 0; k < g.size[2]; ++k) {
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        const auto name =
+            name_of.find(TruthAt(lumbar.anatomy, g.ct_from_index() * Eigen::Vector3d(i, j, k)));
+        if (name == name_of.end()) continue;
+        out.At(i, j, k) = static_cast<volume::Label>(*NumberOfVertebra(name->second) + 1);
+      }
+    }
   }
-  EXPECT_EQ(found.labels.names.size(), found.list.size() + found.labels.names.count(0));
+  return out;
+}
+
+TEST(Vertebrae, NamesOfALabelMapStayAndGoOnUpAndDown) {
+  const LumbarBack& lumbar = Back();
+  const auto imported = ExactVertebrae(lumbar, {{"L2", "L2"}, {"L3", "L3"}});
+  const Vertebrae found = FindVertebrae(lumbar.scan.ct, lumbar.found, std::nullopt, &imported);
+  EXPECT_EQ(found.named_from, NamedFrom::kImport);
+  const auto is_named = [&](const char* name) {
+    return std::ranges::find(found.list, name, &Vertebra::name);
+  };
+  for (const char* name : {"L1", "L2", "L3", "L4", "L5"}) {
+    ASSERT_NE(is_named(name), found.list.end()) << name;
+  }
+  for (const char* name : {"L1", "L4"}) {
+    const auto next = name == std::string("L1") ? "disc_L1L2" : "disc_L4L5";
+    EXPECT_LT((is_named(name)->centre_mm - lumbar.anatomy.Landmark(next)).norm(), 45.0) << name;
+  }
+  // The voxels are those of the map.
+  const auto l3 = static_cast<volume::Label>(is_named("L3") - found.list.begin() + 1);
+  const auto theirs = static_cast<volume::Label>(*NumberOfVertebra("L3") + 1);
+  for (std::size_t n = 0; n < imported.voxels.size(); ++n) {
+    ASSERT_EQ(found.labels.voxels[n] == l3, imported.voxels[n] == theirs);
+  }
+}
+
+TEST(Vertebrae, NamesOfALabelMapThatDoNotFollowEachOtherStay) {
+  const LumbarBack& lumbar = Back();
+  const auto imported = ExactVertebrae(lumbar, {{"L2", "L1"}, {"L3", "L3"}});
+  const Vertebrae found = FindVertebrae(lumbar.scan.ct, lumbar.found, std::nullopt, &imported);
+  EXPECT_THAT(found.doubt, HasSubstr("do not follow"));
+  EXPECT_EQ(std::ranges::count(found.list, "L1", &Vertebra::name), 1);
+  EXPECT_EQ(std::ranges::count(found.list, "L2", &Vertebra::name), 0);
+}
+
+TEST(Vertebrae, OfALabelMapAreThereWithoutASpine) {
+  const LumbarBack& lumbar = Back();
+  const auto imported = ExactVertebrae(lumbar, {{"L2", "L2"}, {"L3", "L3"}});
+  const volume::LabelMap empty(lumbar.scan.ct.geometry);
+  const Vertebrae found = FindVertebrae(lumbar.scan.ct, empty, std::nullopt, &imported);
+  ASSERT_EQ(found.list.size(), 2U);
+  EXPECT_EQ(found.list[1].name, "L3");
+  const Eigen::Vector3d in_l3 =
+      0.5 * (lumbar.anatomy.Landmark("disc_L2L3") + lumbar.anatomy.Landmark("disc_L3L4"));
+  EXPECT_LT((found.list[1].centre_mm - in_l3).norm(), 8.0);
+}
+
+/// In slices of 5 mm the middle of a body is less dense than its end plates, like a disc.
+TEST(Vertebrae, AreNotPartedBetweenTheirPedicles) {
+  const LumbarBack& lumbar = Back();
+  const CanalLine line = CanalLineOf(lumbar.found);
+  const auto discs = FindDiscPlanes(lumbar.scan.ct, line);
+  const SpineProfile profile(line, lumbar.found);
+  std::vector<DiscPlane> parted;
+  for (std::size_t n = 0; n < discs.size(); ++n) {
+    if (n > 0) {  // Pedicles are at the upper half of a body.
+      const int step = (2 * discs[n].step + discs[n - 1].step) / 3;
+      parted.push_back({line.points_mm[static_cast<std::size_t>(step)],
+                        line.tangent[static_cast<std::size_t>(step)], 50.0, step});
+    }
+    parted.push_back(discs[n]);
+  }
+  ASSERT_GE(discs.size(), 5U);
+  const int dropped = DropDiscsWithinVertebrae(profile, parted);
+  EXPECT_EQ(dropped, static_cast<int>(discs.size()) - 1);
+  ASSERT_EQ(parted.size(), discs.size());
+  for (std::size_t n = 0; n < discs.size(); ++n) EXPECT_EQ(parted[n].step, discs[n].step);
+  EXPECT_EQ(DropDiscsWithinVertebrae(profile, parted), 0);
 }
 
 /// The CT in a file whose axes are turned against those of the patient.
