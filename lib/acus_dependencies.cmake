@@ -16,7 +16,7 @@ find_package(ITK 5.2 REQUIRED COMPONENTS
              ITKConnectedComponents ITKBinaryMathematicalMorphology ITKDistanceMap ITKLabelMap
              ITKRegionGrowing ITKLevelSets ITKImageGrid ITKImageFunction ITKAnisotropicSmoothing)
 find_package(VTK 9.1 REQUIRED COMPONENTS
-             CommonCore CommonDataModel FiltersCore FiltersGeneral FiltersModeling IOXML IOGeometry
+             CommonCore CommonDataModel FiltersCore FiltersGeneral FiltersModeling IOLegacy IOXML IOGeometry
              IOPLY IOImage ImagingCore RenderingCore RenderingOpenGL2 RenderingFreeType RenderingUI
              InteractionStyle)
 find_package(OpenCV 4.6 REQUIRED GLOBAL COMPONENTS core imgproc imgcodecs videoio calib3d aruco)
