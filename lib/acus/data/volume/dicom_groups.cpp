@@ -121,6 +121,11 @@ bool AreAtOnePlace(const DicomHeader& a, const DicomHeader& b) {
 bool AreCopies(const DicomHeader& a, const DicomHeader& b) {
   if (!AreAtOnePlace(a, b)) return false;
   if (!a.instance_uid.empty() && a.instance_uid == b.instance_uid) return true;
+  // Phases of a breath may have equal pixels: copies also have the same place in the series.
+  const bool is_same_image = a.instance_number == b.instance_number &&
+                             a.acquisition_number == b.acquisition_number &&
+                             a.acquisition_time == b.acquisition_time && a.comments == b.comments;
+  if (!is_same_image) return false;
   try {
     return DecodedSlice(a) == DecodedSlice(b);
   } catch (const InputError&) {
