@@ -196,9 +196,9 @@ void DropTimeGoingBack(std::vector<TimedTransforms>& instants, TimeGoingBack wha
   }
   if (instants.size() == before) return;
   context.Warn(Message(label, ": ", before - instants.size(), " of ", before, " frames ",
-                       what == TimeGoingBack::kCut ? "from where time goes back on are left out"
+                       what == TimeGoingBack::kCut ? "from where time goes back on are omitted"
                                                    : "are earlier than one before them and are "
-                                                     "left out"));
+                                                     "omitted"));
 }
 
 ImportedSession ReadSequenceSession(const fs::path& path, const RecordingOptions& recording,

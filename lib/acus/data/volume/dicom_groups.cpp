@@ -145,7 +145,7 @@ void DropCopies(Headers& stack, std::vector<std::string>& notes) {
     if (!is_copy) kept.push_back(std::move(header));
   }
   if (kept.size() < stack.size()) {
-    notes.push_back(Message(stack.size() - kept.size(), " identical copies of slices left out"));
+    notes.push_back(Message(stack.size() - kept.size(), " identical copies of slices omitted"));
   }
   stack = std::move(kept);
 }

@@ -75,7 +75,7 @@ Signals ReadSignals(CsvTable table, std::span<const WantedColumn> wanted) {
   Note(signals.how_read, signals.table.how_read());
   for (const std::string_view name : names) Note(signals.how_read, signals.table.Taken(name));
   const std::size_t dropped = signals.table.DropRowsWithout(names);
-  if (dropped > 0) Note(signals.how_read, Message(dropped, " rows with empty cells left out"));
+  if (dropped > 0) Note(signals.how_read, Message(dropped, " rows with empty cells omitted"));
   signals.time_s = signals.table.Numbers("time_s");
   for (const WantedColumn& column : wanted) {
     const auto& values = signals.values.emplace_back(signals.table.Numbers(column.name));
