@@ -37,17 +37,19 @@ int main(int argc, char** argv) {
   app.add_option("--frame-rate-hz", options.frame_rate_hz,
                  "Make up time stamps at this rate, if a frame has none")
       ->check(CLI::Range(0.01, 1e5));
-  app.add_option("--columns", columns,
-                 "Which columns of a .csv or .txt hold what (acus-columns JSON): a file, or a preset\n"
-                 "such as columns/optitrack_motive.json");
+  app.add_option(
+      "--columns", columns,
+      "Which columns of a .csv or .txt hold what (acus-columns JSON): a file, or a preset\n"
+      "such as columns/optitrack_motive.json");
   using acus::session::TimeGoingBack;
-  app.add_option("--time-goes-back", options.time_going_back,
-                 "Frames of a sequence that are earlier than one before: refuse, drop them, or cut\n"
-                 "the recording there")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, TimeGoingBack>{
-          {"refuse", TimeGoingBack::kRefuse},
-          {"drop", TimeGoingBack::kDrop},
-          {"cut", TimeGoingBack::kCut}}));
+  app.add_option(
+         "--time-goes-back", options.time_going_back,
+         "Frames of a sequence that are earlier than one before: refuse, drop them, or cut\n"
+         "the recording there")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, TimeGoingBack>{{"refuse", TimeGoingBack::kRefuse},
+                                               {"drop", TimeGoingBack::kDrop},
+                                               {"cut", TimeGoingBack::kCut}}));
   app.add_flag("--as-it-is", options.as_it_is,
                "Take positions that look like another unit as they are");
   app.footer(

@@ -25,7 +25,8 @@ int main(int argc, char** argv) {
   auto* labels_option =
       app.add_option("labels", labels, "Label map, such as acus-segment's labels.seg.nrrd")
           ->check(CLI::ExistingFile);
-  app.add_option("--surface", surface, "Fill this closed surface instead (.stl, .obj, .ply, .vtp, .vtk)")
+  app.add_option("--surface", surface,
+                 "Fill this closed surface instead (.stl, .obj, .ply, .vtp, .vtk)")
       ->check(CLI::ExistingFile)
       ->excludes(labels_option);
   auto* mesh_option = app.add_option("--mesh", mesh, "Condense this mesh (.vtu of acus-mesh)")

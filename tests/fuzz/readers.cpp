@@ -121,7 +121,8 @@ constexpr std::string_view kPlus =
     "To=\"Probe\" Matrix=\"0.1 0 0 5 0 0.2 0 6 0 0 0.1 7 0 0 0 1\" />"
     "</CoordinateDefinitions></PlusConfiguration>\n";
 constexpr const char* kMachine =
-    "\"Specimen\";\"A;1\"\n\nTime;Extension;Load\n(ms);(mm);(kN)\n0;0;0,1\n1,5;0,5;\n2;\"1,0\";0,3\n";
+    "\"Specimen\";\"A;1\"\n\nTime;Extension;Load\n(ms);(mm);(kN)\n0;0;0,1\n1,5;0,5;\n2;\"1,0\";0,"
+    "3\n";
 constexpr std::string_view kForces =
     "time_s,depth_mm,force_n\n0,0,0\n0.1,1,0.1\n0.2,2,0.2\n0.3,3,0.1\n0.4,4,0.2\n";
 constexpr std::string_view kMarkups =
@@ -270,8 +271,7 @@ constexpr Reader kReaders[] = {
      [](Path folder) { WriteSeed(folder, "seed.csv", kForces); }},
     {"machine_table", ".csv", [](Path file) { forces::ReadForceCurve(file); },
      [](Path folder) { WriteSeed(folder, "seed.csv", kMachine); }},
-    {"plain_table", ".csv",
-     [](Path file) { AsPlainCsv(ReadTextFile(file), file.string()); },
+    {"plain_table", ".csv", [](Path file) { AsPlainCsv(ReadTextFile(file), file.string()); },
      [](Path folder) { WriteSeed(folder, "seed.csv", kMachine); }},
     {"channel_data", ".mat", [](Path file) { rf::ReadMatlab(file, ""); }, WriteChannels},
     {"tracker_message", ".bin", ReadMessage, WriteMessages},

@@ -33,8 +33,7 @@ bool IsFull(std::span<const std::string> cells) {
 
 bool IsUnitRow(std::span<const std::string> cells) {
   const auto is_unit = [](const std::string& cell) { return cell.empty() || IsUnitCell(cell); };
-  return std::ranges::all_of(cells, is_unit) &&
-         !std::ranges::all_of(cells, &std::string::empty);
+  return std::ranges::all_of(cells, is_unit) && !std::ranges::all_of(cells, &std::string::empty);
 }
 
 }  // namespace
@@ -233,8 +232,10 @@ void CsvTable::Accept(std::string_view column, std::span<const std::string_view>
   }
   if (fitting.empty()) return;  // Whoever asks for it is told what there is.
   ACUS_REQUIRE(fitting.size() == 1, path_.string(), ": '", column, "' may be column '",
-               columns_[fitting[0]], "' or '", columns_[fitting[1]], "'; name the one that is "
-               "meant ", column, ", or give a mapping (--columns)");
+               columns_[fitting[0]], "' or '", columns_[fitting[1]],
+               "'; name the one that is "
+               "meant ",
+               column, ", or give a mapping (--columns)");
   given_.emplace(column, InUnitOf(column, fitting[0], ""));
 }
 
@@ -243,8 +244,9 @@ void CsvTable::Take(std::string_view column, std::string_view name_or_number,
   std::size_t index = columns_.size();
   const auto number = ParseNumber<std::size_t>(name_or_number);
   for (std::size_t i = 0; i < columns_.size() && index == columns_.size(); ++i) {
-    const bool is_named = columns_[i] == name_or_number ||
-                          ParseColumnName(columns_[i]).words == ParseColumnName(name_or_number).words;
+    const bool is_named =
+        columns_[i] == name_or_number ||
+        ParseColumnName(columns_[i]).words == ParseColumnName(name_or_number).words;
     if (is_named || (number && *number == i + 1)) index = i;
   }
   ACUS_REQUIRE(index < columns_.size(), path_.string(), ": has no column '", name_or_number,

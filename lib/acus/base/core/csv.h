@@ -16,8 +16,9 @@
 namespace acus {
 
 /// A whole table in memory, column access by name. Encodings, separators, quotes and decimal commas
-/// as in delimited_text.h; empty lines and comments are skipped. The header is the last row of names
-/// before the numbers, so that a preamble is skipped; a row of units below it is taken as units.
+/// as in delimited_text.h; empty lines and comments are skipped. The header is the last row of
+/// names before the numbers, so that a preamble is skipped; a row of units below it is taken as
+/// units.
 class CsvTable {
  public:
   /// @throws InputError if the file cannot be read, has no header, a name twice, or a row with
@@ -90,9 +91,9 @@ class CsvTable {
   std::string how_read_;
   std::vector<std::string> columns_;
   std::map<std::string, Place, std::less<>> given_;  ///< Taken for other names.
-  std::vector<std::string> cells_;  ///< num_rows() x columns, row by row.
-  std::vector<std::size_t> line_;   ///< 1-based line in the file, by row.
-  std::vector<std::string> row_;    ///< Of the line that is being read.
+  std::vector<std::string> cells_;                   ///< num_rows() x columns, row by row.
+  std::vector<std::size_t> line_;                    ///< 1-based line in the file, by row.
+  std::vector<std::string> row_;                     ///< Of the line that is being read.
 };
 
 /// The shortest text that reads back as the same double. @throws InputError if it is not finite.

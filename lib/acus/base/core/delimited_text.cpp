@@ -232,7 +232,8 @@ TableStyle StyleOf(std::string_view text, const std::string& label) {
     }
   }
   ACUS_REQUIRE(with_comma.empty() || with_point.empty(), label, ": has the numbers '", with_point,
-               "' and '", with_comma, "': in one of them, either ',' or '.' may stand for "
+               "' and '", with_comma,
+               "': in one of them, either ',' or '.' may stand for "
                "thousands. Write all numbers with a decimal point and without separated thousands");
   style.has_decimal_comma = !with_comma.empty();
   return style;
@@ -246,8 +247,8 @@ void SplitCells(std::string_view line, char separator, std::vector<std::string>&
   do {
     cells.emplace_back();
     std::string& cell = cells.back();
-    const std::size_t first = line.find_first_not_of(by_blanks || separator == '\t' ? " " : " \t",
-                                                     at);
+    const std::size_t first =
+        line.find_first_not_of(by_blanks || separator == '\t' ? " " : " \t", at);
     if (first != line.npos && line[first] == '"') {
       at = first + 1;
       while (at < line.size()) {

@@ -19,7 +19,8 @@ std::string ExtensionOf(const std::filesystem::path& path) {
 }
 
 [[noreturn]] void RefuseExtension(const std::filesystem::path& path) {
-  throw InputError(Message(path.string(), ": a surface must be .stl, .obj, .ply, .vtp or (to be read) .vtk, not '",
+  throw InputError(Message(path.string(),
+                           ": a surface must be .stl, .obj, .ply, .vtp or (to be read) .vtk, not '",
                            path.extension().string(), "'"));
 }
 

@@ -79,8 +79,8 @@ std::string LoadSurface(const std::filesystem::path& path) {
   for (strips->InitTraversal(); strips->GetNextCell(size, corners) != 0;) {
     for (vtkIdType i = 2; i < size; ++i) {  // Every second one turns the other way.
       const bool is_odd = i % 2 == 1;
-      for (const vtkIdType corner : {corners[i - 2], corners[is_odd ? i : i - 1],
-                                     corners[is_odd ? i - 1 : i]}) {
+      for (const vtkIdType corner :
+           {corners[i - 2], corners[is_odd ? i : i - 1], corners[is_odd ? i - 1 : i]}) {
         triangles.push_back(CheckedNode(corner, data.GetNumberOfPoints()));
       }
     }

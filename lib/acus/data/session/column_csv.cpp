@@ -41,9 +41,7 @@ TableStyle StyleFrom(const std::string& delimiter, std::string_view text,
 
 Rows RowsOf(const fs::path& path, const std::string& delimiter) {
   const std::string text = Utf8Text(ReadTextFile(path), path.string());
-  Rows rows{.cells = {},
-            .is_comment = {},
-            .style = StyleFrom(delimiter, text, path.string())};
+  Rows rows{.cells = {}, .is_comment = {}, .style = StyleFrom(delimiter, text, path.string())};
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string_view line = Trimmed(std::string_view(text).substr(begin, end - begin));
@@ -97,9 +95,9 @@ void RequirePlausiblePlaces(const PoseStream& stream, const char* tool, double m
   ACUS_REQUIRE(usual_mm <= kFarthestToolMm, label, ": the ", tool, " is ", usual_mm / 1000.0,
                " m away: the file is probably in ", mm_per_unit == 1.0 ? "micrometres" : "mm",
                ", not in ", mm_per_unit == 1.0 ? "mm" : "metres", advice);
-  const bool in_metres = box.max().cwiseAbs().cwiseMax(box.min().cwiseAbs()).maxCoeff() <
-                             kNearestToolMm &&
-                         box.diagonal().norm() > 1e-3 && mm_per_unit == 1.0;
+  const bool in_metres =
+      box.max().cwiseAbs().cwiseMax(box.min().cwiseAbs()).maxCoeff() < kNearestToolMm &&
+      box.diagonal().norm() > 1e-3 && mm_per_unit == 1.0;
   ACUS_REQUIRE(!in_metres, label, ": the ", tool, " stays within ", usual_mm,
                " mm of the origin: the file is probably in metres, not in mm", advice);
 }

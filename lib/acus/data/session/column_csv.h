@@ -10,8 +10,9 @@ namespace acus::session {
 
 /// Reads needle and probe from a CSV; encodings, separators and decimal commas as in
 /// delimited_text.h. A unit of length that the file itself declares ("Length Units" of Motive) is
-/// used, with a warning where the mapping has another. Rows of equal time are one. Rows whose cells are empty, not numbers, beyond a kilometre,
-/// or whose status is none of the valid ones are samples that were not seen.
+/// used, with a warning where the mapping has another. Rows of equal time are one. Rows whose cells
+/// are empty, not numbers, beyond a kilometre, or whose status is none of the valid ones are
+/// samples that were not seen.
 /// @param columns  File of format acus-columns/1: rows that make up the names of the columns, the
 ///     first row of data, the columns of time, position and rotation, and their units.
 /// @throws InputError naming file, row and column; for a column that is not there, those that are.

@@ -126,9 +126,9 @@ std::int64_t CsvRows::TimeNs(std::size_t column) {
   ACUS_REQUIRE(time_ns.has_value(), Where(), ": ", columns_[column], " is '", cells_[column],
                "'; a finite number of seconds within +-", kMaxTimeS, " is needed");
   is_repeated_ = last_time_ns_ && *time_ns == *last_time_ns_;
-  ACUS_REQUIRE(!last_time_ns_ || *time_ns >= *last_time_ns_, Where(), ": ", columns_[column], " is ",
-               cells_[column], ", but the sample before is at ", SecondsText(*last_time_ns_),
-               "; time must increase: remove or sort the rows");
+  ACUS_REQUIRE(!last_time_ns_ || *time_ns >= *last_time_ns_, Where(), ": ", columns_[column],
+               " is ", cells_[column], ", but the sample before is at ",
+               SecondsText(*last_time_ns_), "; time must increase: remove or sort the rows");
   last_time_ns_ = time_ns;
   return *time_ns;
 }

@@ -20,7 +20,7 @@ struct RecordingOptions {
   std::filesystem::path columns = {};  ///< Of a CSV: a file of format acus-columns/1.
   /// Of a PLUS sequence: kDrop leaves out the frames that are late, kCut all from the first on.
   TimeGoingBack time_going_back = TimeGoingBack::kRefuse;
-  bool as_it_is = false;               ///< Places that no tracker sees are not refused.
+  bool as_it_is = false;  ///< Places that no tracker sees are not refused.
 };
 
 /// As ReadAnySession, and also CSV files of trackers.

@@ -53,7 +53,8 @@ void WarnIfCalibrationIsUnused(const std::optional<ToolStream>& probe,
   context.Warn(Message(label, ": the probe's pose is that of the marker ", probe->frame,
                        ", not of the transducer, although the calibration ImageTo", probe->frame,
                        " is known. 'acus-import --probe Image --face-px COLUMN ROW' uses it; "
-                       "--probe ", probe->frame, " means the marker"));
+                       "--probe ",
+                       probe->frame, " means the marker"));
 }
 
 /// Moves the origin of an image's pose from its corner to the transducer face.

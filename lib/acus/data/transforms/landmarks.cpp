@@ -158,9 +158,9 @@ std::string TextOf(const json& node) {
 double MillimetresPerUnit(const json& units, const std::string& where) {
   if (units.is_null()) return 1.0;
   const json& first = units.is_array() && !units.empty() ? units[0] : units;
-  const auto factor =
-      first.is_string() ? UnitFactor(ParseColumnName(first.get<std::string>()).words, "mm")
-                        : std::nullopt;
+  const auto factor = first.is_string()
+                          ? UnitFactor(ParseColumnName(first.get<std::string>()).words, "mm")
+                          : std::nullopt;
   ACUS_REQUIRE(factor, where, "/coordinateUnits: is ", TextOf(units).substr(0, 60),
                "; units of length (mm, cm, m, um) are read");
   return *factor;
@@ -197,7 +197,8 @@ Landmarks ReadMarkupsJson(const std::filesystem::path& path) {
     const json& points = Member(markups[m], "controlPoints");
     ACUS_REQUIRE(points.is_array(), where, "/controlPoints: must be a list");
     for (std::size_t i = 0; i < points.size(); ++i) {
-      AddControlPoint(points[i], is_ras, mm_per_unit, Message(where, "/controlPoints/", i), collector);
+      AddControlPoint(points[i], is_ras, mm_per_unit, Message(where, "/controlPoints/", i),
+                      collector);
     }
   }
   return collector.Take();

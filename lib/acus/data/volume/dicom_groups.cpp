@@ -16,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSameAxes = 5e-3;       ///< rad. Larger angles are another scan, or a scout.
-constexpr double kNotedAxes = 2e-4;      ///< rad. Smaller ones are rounding.
-constexpr double kSameSpacing = 1e-3;    ///< Relative.
+constexpr double kSameAxes = 5e-3;     ///< rad. Larger angles are another scan, or a scout.
+constexpr double kNotedAxes = 2e-4;    ///< rad. Smaller ones are rounding.
+constexpr double kSameSpacing = 1e-3;  ///< Relative.
 constexpr double kSamePlaceMm = 1e-3;
 constexpr std::size_t kFewestSlices = 3;  ///< Of a volume.
 
@@ -83,8 +83,7 @@ using GroupKey = std::tuple<std::string, int, int, int>;
 std::vector<Headers> Stacks(Headers images) {
   std::map<GroupKey, std::vector<Headers>> stacks;
   for (DicomHeader& image : images) {
-    auto& of_key =
-        stacks[{image.series_uid, image.temporal_position, image.columns, image.rows}];
+    auto& of_key = stacks[{image.series_uid, image.temporal_position, image.columns, image.rows}];
     const auto found = std::ranges::find_if(
         of_key, [&](const Headers& stack) { return AreOneStack(stack.front(), image); });
     auto& stack = found == of_key.end() ? of_key.emplace_back() : *found;
@@ -200,7 +199,7 @@ std::vector<Part> PartsByOrder(const Headers& stack) {
 }
 
 /// The one text that all headers have; empty if they differ.
-std::string CommonText(const Headers& headers, std::string DicomHeader::* text) {
+std::string CommonText(const Headers& headers, std::string DicomHeader::*text) {
   for (const DicomHeader& header : headers) {
     if (header.*text != headers.front().*text) return {};
   }

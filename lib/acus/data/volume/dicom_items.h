@@ -25,8 +25,8 @@ struct DicomDataSet {
   bool is_encapsulated = false;  ///< Its pixels are compressed.
 };
 
-/// Reads a file that ReadDicomHeader has accepted. The value of compressed pixels is the sequence of
-/// their fragments.
+/// Reads a file that ReadDicomHeader has accepted. The value of compressed pixels is the sequence
+/// of their fragments.
 /// @throws InputError if an item is cut off, broken or nested too deeply.
 DicomDataSet ReadDicomDataSet(const std::filesystem::path& path);
 

@@ -94,8 +94,8 @@ class MinimalDicom {
 std::int32_t WithoutHighBits(std::int32_t whole, unsigned unused, const DicomHeader& header) {
   if (unused == 0) return whole;
   const auto bits = static_cast<unsigned>(header.bits_stored);
-  const auto low = static_cast<std::int32_t>(static_cast<std::uint32_t>(whole) &
-                                             ((1U << bits) - 1U));
+  const auto low =
+      static_cast<std::int32_t>(static_cast<std::uint32_t>(whole) & ((1U << bits) - 1U));
   const bool is_negative = header.is_signed && (low >> (bits - 1U) & 1) != 0;
   return is_negative ? low - (1 << bits) : low;
 }
@@ -144,9 +144,8 @@ std::vector<std::int16_t> DecodedSlice(const DicomHeader& header) {
                         ? header.decoded_frames->substr(header.frame * frame_bytes, frame_bytes)
                         : PixelBytes(header);
   if (header.is_encapsulated && !header.decoded_frames) raw = DecodedFrames(header, raw);
-  ACUS_REQUIRE(raw.size() >= frame_bytes, name, ": has ", raw.size(),
-               " bytes of pixels for ", header.columns, " x ", header.rows,
-               "; it is cut off or broken");
+  ACUS_REQUIRE(raw.size() >= frame_bytes, name, ": has ", raw.size(), " bytes of pixels for ",
+               header.columns, " x ", header.rows, "; it is cut off or broken");
   const double slope = header.rescale_slope;
   const double intercept = header.rescale_intercept;
   ACUS_REQUIRE(slope != 0.0 && std::abs(slope) < 1e4 && std::abs(intercept) < 1e5, name,

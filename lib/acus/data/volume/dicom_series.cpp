@@ -73,8 +73,7 @@ std::optional<double> StepOfRounded(const std::vector<DicomHeader>& headers) {
   constexpr double kLeastStepMm = 0.3;  // Below it, a missing slice would look like rounding.
   const Eigen::Vector3d normal = NormalOf(headers.front());
   const double count = static_cast<double>(headers.size() - 1);
-  double step_mm =
-      (headers.back().position_mm - headers.front().position_mm).dot(normal) / count;
+  double step_mm = (headers.back().position_mm - headers.front().position_mm).dot(normal) / count;
   const auto& first_at = headers.front().slice_location_mm;
   const auto& last_at = headers.back().slice_location_mm;
   if (first_at && last_at) {
@@ -109,8 +108,7 @@ Stack StackOf(const fs::path& folder, const std::vector<DicomHeader>& headers) {
                  headers[s].position_mm.transpose(),
                  " mm); two scans or copies are mixed in this "
                  "series, keep one of them");
-    ACUS_REQUIRE(rounded_mm ||
-                     std::abs(steps[s] - typical) <= kMaxStepDeviation * typical + 1e-2,
+    ACUS_REQUIRE(rounded_mm || std::abs(steps[s] - typical) <= kMaxStepDeviation * typical + 1e-2,
                  folder.string(), ": the slices are not evenly spaced: ", steps[s], " mm between ",
                  between, ", ", typical, " mm elsewhere (", headers.size(),
                  " slices). Slices are "
@@ -268,8 +266,10 @@ CtVolume ReadDicomCt(const fs::path& folder, const std::string& series, const Ru
   const Stack stack = StackOf(folder, headers);
   for (const std::string& note : group.notes) context.Warn(Message(folder.string(), ": ", note));
   if (stack.is_rounded) {
-    context.Warn(Message(folder.string(), ": positions of the slices are rounded to 0.1 mm; their "
-                         "mean distance of ", stack.step_mm, " mm is used"));
+    context.Warn(Message(folder.string(),
+                         ": positions of the slices are rounded to 0.1 mm; their "
+                         "mean distance of ",
+                         stack.step_mm, " mm is used"));
   }
   const auto [grid, first_px] = GridOf(headers, stack);
   const bool tilted = (stack.shift_mm != 0.0).any();

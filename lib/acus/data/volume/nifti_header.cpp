@@ -21,7 +21,7 @@ constexpr std::size_t kBytesOfVersion2 = 540;
 constexpr double kReadByItk = 2e-6;        ///< Cosine between axes that ITK takes as 0.
 constexpr double kMostSkewDeg = 1.0;       ///< More is no rounding.
 constexpr double kSamePlaceVoxels = 0.1;   ///< Forms that differ by less are one.
-constexpr double kSameFormSpacing = 0.01;      ///< Relative.
+constexpr double kSameFormSpacing = 0.01;  ///< Relative.
 
 /// A number of the header of NIfTI-2.
 template <typename T>
@@ -68,8 +68,7 @@ NiftiHeader FromVersion2(const std::array<std::uint8_t, kBytesOfVersion2>& wide,
   whole(WideAt<std::int32_t>(wide, 348, swapped), 254, "sform_code");
   real(352, 256, 6);
   real(400, 280, 12);
-  header.bytes[123] =
-      static_cast<std::uint8_t>(WideAt<std::int32_t>(wide, 500, swapped) & 0xFF);
+  header.bytes[123] = static_cast<std::uint8_t>(WideAt<std::int32_t>(wide, 500, swapped) & 0xFF);
   whole(WideAt<std::int32_t>(wide, 504, swapped), 68, "intent_code");
   std::copy_n(wide.begin() + 240, 80, header.bytes.begin() + 148);  // The description.
   std::memcpy(&header.bytes[344], "n+1", 4);
@@ -82,17 +81,15 @@ Form SformOf(const NiftiHeader& header) {
   Form form;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column) {
-      form(row, column) =
-          header.At<float>(280 + 16 * static_cast<std::size_t>(row) +
-                           4 * static_cast<std::size_t>(column));
+      form(row, column) = header.At<float>(280 + 16 * static_cast<std::size_t>(row) +
+                                           4 * static_cast<std::size_t>(column));
     }
   }
   return form;
 }
 
 Form QformOf(const NiftiHeader& header) {
-  const Eigen::Vector3d vector(header.At<float>(256), header.At<float>(260),
-                               header.At<float>(264));
+  const Eigen::Vector3d vector(header.At<float>(256), header.At<float>(260), header.At<float>(264));
   const double w = std::sqrt(std::max(0.0, 1.0 - vector.squaredNorm()));
   Eigen::Matrix3d axes =
       Eigen::Quaterniond(w, vector.x(), vector.y(), vector.z()).normalized().toRotationMatrix();
@@ -109,7 +106,8 @@ Form QformOf(const NiftiHeader& header) {
 double CornerDistance(const Form& a, const Form& b, const Eigen::Array3d& size) {
   double largest = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Array3d at = (size - 1.0) * Eigen::Array3d(corner & 1, corner >> 1 & 1, corner >> 2);
+    const Eigen::Array3d at =
+        (size - 1.0) * Eigen::Array3d(corner & 1, corner >> 1 & 1, corner >> 2);
     const Eigen::Vector4d index(at[0], at[1], at[2], 1.0);
     largest = std::max(largest, ((a - b) * index).norm());
   }
@@ -135,7 +133,8 @@ std::optional<ChosenForm> Choose(const NiftiHeader& header, const fs::path& path
   const Eigen::Array3d s_mm = s.leftCols<3>().colwise().norm().transpose();
   ACUS_REQUIRE(((q_mm / s_mm - 1.0).abs() < kSameFormSpacing).all(), path.string(),
                ": its qform has voxels of ", q_mm.transpose(), " mm and its sform of ",
-               s_mm.transpose(), " mm; one of them is wrong. Export it again, or set the code of "
+               s_mm.transpose(),
+               " mm; one of them is wrong. Export it again, or set the code of "
                "the wrong one to 0");
   Eigen::Array3d size;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -188,8 +187,7 @@ double SkewOf(const Form& form, const fs::path& path) {
 std::unique_ptr<Temporary> CopyWith(const NiftiHeader& header, const fs::path& path) {
   static std::atomic<int> count{0};
   auto copy = std::make_unique<Temporary>(
-      fs::temp_directory_path() /
-      Message(".acus-", getpid(), "-", count.fetch_add(1), ".nii"));
+      fs::temp_directory_path() / Message(".acus-", getpid(), "-", count.fetch_add(1), ".nii"));
   const auto begin = static_cast<z_off_t>(header.At<float>(108));
   NiftiHeader written = header;
   written.Set(108, 352.0F);
@@ -243,8 +241,8 @@ std::unique_ptr<Temporary> ReadableNifti(const fs::path& path, std::vector<std::
   ACUS_REQUIRE(skew_deg <= kMostSkewDeg, path.string(), ": its voxel axes are up to ", skew_deg,
                " degrees from perpendicular (at most ", kMostSkewDeg,
                " are read); resample it to a rectangular grid first (for example in 3D Slicer)");
-  const bool is_readable = !header.is_version_2 && skew <= kReadByItk &&
-                           !(chosen && chosen->differs);
+  const bool is_readable =
+      !header.is_version_2 && skew <= kReadByItk && !(chosen && chosen->differs);
   if (is_readable) return nullptr;
   if (skew > kReadByItk) {
     notes.push_back(Message("its voxel axes are up to ", skew_deg,

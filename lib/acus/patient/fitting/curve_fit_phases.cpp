@@ -79,8 +79,7 @@ constexpr std::size_t kFewestOfApproach = 20;
 Samples ApproachSamples(const ForceCurve& curve, const CurvePhases& phases) {
   Samples level;
   if (phases.advance.size() < kFewestOfApproach) return level;
-  const auto first = std::span(phases.smooth_n)
-                         .subspan(phases.advance.begin, kFewestOfApproach);
+  const auto first = std::span(phases.smooth_n).subspan(phases.advance.begin, kFewestOfApproach);
   const double level_n = math::Median(std::vector<double>(first.begin(), first.end()));
   std::size_t end = phases.advance.begin;
   while (end < phases.advance.end &&

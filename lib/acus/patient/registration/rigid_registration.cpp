@@ -249,8 +249,8 @@ void RequireSameShape(const transforms::MarkerPairs& pairs) {
                "distances between the points in CT are ", scale,
                " times those in the other frame: one of the files is not in mm (1000: it is in "
                "metres)");
-  const bool is_mirrored = fre_mm > kLeastMirrorShare * SpreadMm(pairs.ct_mm).norm() &&
-                           IsMirrored(pairs, fre_mm);
+  const bool is_mirrored =
+      fre_mm > kLeastMirrorShare * SpreadMm(pairs.ct_mm).norm() && IsMirrored(pairs, fre_mm);
   if (is_mirrored) throw NoAnswerError(Message(kMirrored, " FRE is ", fre_mm, " mm"));
 }
 

@@ -123,14 +123,14 @@ volume::ValueNames NamesOfOneValue(std::int32_t value, const LabelNames& table,
       other.empty() ? std::nullopt : table.Find({.text = other, .codes = {}});
   const bool agree =
       is_mask || (known && default_known && known->structure.name == default_known->structure.name);
-  ACUS_REQUIRE(known && agree, file.string(), ": has one value, ", value, ", and no name for it",
-               known && !agree ? Message(": by the file's name it is '", name->text, "'")
-                               : std::string(),
-               !is_mask && !other.empty()
-                   ? Message(known ? ", " : ": ", "in TotalSegmentator's table it is '", other, "'")
-                   : std::string(),
-               ". Which structure is it? Name a mask of 0 and 1 after it (liver.nii.gz), or give a "
-               "table of values (acus-label-mapping/1) by --mapping");
+  ACUS_REQUIRE(
+      known && agree, file.string(), ": has one value, ", value, ", and no name for it",
+      known && !agree ? Message(": by the file's name it is '", name->text, "'") : std::string(),
+      !is_mask && !other.empty()
+          ? Message(known ? ", " : ": ", "in TotalSegmentator's table it is '", other, "'")
+          : std::string(),
+      ". Which structure is it? Name a mask of 0 and 1 after it (liver.nii.gz), or give a "
+      "table of values (acus-label-mapping/1) by --mapping");
   return {{value, *name}};
 }
 

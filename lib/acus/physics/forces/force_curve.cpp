@@ -93,7 +93,7 @@ void FindColumns(CsvTable& table, const ForceColumns& columns) {
   static constexpr std::string_view kTime[] = {"t", "elapsed_time", "timestamp", "test_time",
                                                "zeit"};
   static constexpr std::string_view kDepth[] = {"displacement", "extension", "insertion_depth",
-                                                "crosshead", "stroke", "weg"};
+                                                "crosshead",    "stroke",    "weg"};
   static constexpr std::string_view kForce[] = {"load", "axial_force", "kraft"};
   const auto find = [&table](const ForceColumn& column, const char* name, auto& words) {
     if (column.column.empty()) {
@@ -109,8 +109,7 @@ void FindColumns(CsvTable& table, const ForceColumns& columns) {
 
 void RequireEnough(const std::filesystem::path& path, std::size_t count) {
   ACUS_REQUIRE(count >= kFewestSamples, path.string(), ": has ", count,
-               " usable samples; at least ", kFewestSamples,
-               " are needed");
+               " usable samples; at least ", kFewestSamples, " are needed");
 }
 
 /// A depth in metres: an insertion of 10 to 300 mm would be one of 0.01 to 0.3 "mm", over which

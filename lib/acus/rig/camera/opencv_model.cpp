@@ -22,8 +22,8 @@ cv::FileNode NodeOf(const cv::FileStorage& file, std::initializer_list<const cha
   for (const char* name : names) {
     if (const cv::FileNode node = file[name]; !node.empty()) return node;
   }
-  throw InputError(Message(label, ": has no ", *names.begin(),
-                           "; a calibration of OpenCV or ROS is needed"));
+  throw InputError(
+      Message(label, ": has no ", *names.begin(), "; a calibration of OpenCV or ROS is needed"));
 }
 
 /// The numbers of a matrix, or of a list.
@@ -47,13 +47,13 @@ int SizeOf(const cv::FileNode& node, const std::string& what) {
 CameraParameters ParametersFrom(const cv::FileStorage& file, const std::string& label) {
   CameraParameters p;
   p.name = label;
-  p.width_px = SizeOf(NodeOf(file, {"image_width", "image_Width", "width"}, label),
-                      label + ": image_width");
+  p.width_px =
+      SizeOf(NodeOf(file, {"image_width", "image_Width", "width"}, label), label + ": image_width");
   p.height_px = SizeOf(NodeOf(file, {"image_height", "image_Height", "height"}, label),
                        label + ": image_height");
-  const auto matrix = NumbersOf(
-      NodeOf(file, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "K"}, label),
-      label + ": camera_matrix");
+  const auto matrix =
+      NumbersOf(NodeOf(file, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "K"}, label),
+                label + ": camera_matrix");
   ACUS_REQUIRE(matrix.size() == 9 && matrix[1] == 0.0 && matrix[3] == 0.0 && matrix[8] == 1.0,
                label, ": camera_matrix is not [fx 0 cx; 0 fy cy; 0 0 1]");
   p.focal_px = {matrix[0], matrix[4]};
@@ -88,8 +88,8 @@ CameraModel ReadOpenCvCamera(const std::filesystem::path& path) {
   if (!text.starts_with("%YAML")) text = "%YAML:1.0\n---\n" + text;
   CameraParameters parameters;
   try {
-    const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY |
-                                         cv::FileStorage::FORMAT_YAML);
+    const cv::FileStorage file(
+        text, cv::FileStorage::READ | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML);
     ACUS_REQUIRE(file.isOpened(), label, ": is no YAML");
     parameters = ParametersFrom(file, label);
     parameters.name = path.stem().string();

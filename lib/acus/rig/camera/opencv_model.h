@@ -1,9 +1,8 @@
 // Cameras and poses as OpenCV's functions take them: its types stay out of headers.
 #pragma once
 
-#include <filesystem>
-
 #include <Eigen/Geometry>
+#include <filesystem>
 
 #include "acus/rig/camera/camera_model.h"
 

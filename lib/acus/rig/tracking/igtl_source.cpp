@@ -289,8 +289,8 @@ std::vector<std::string> IgtlSource::Receiver::WhyNotSeen(const IgtlReader& read
   std::vector<std::string> why = tools_.WhyNotSeen();
   std::string more;
   if (reader.counts().bad_checksums > 0) {
-    more += Message("; ", reader.counts().bad_checksums,
-                    " messages have a wrong checksum, named ", Joined(reader.refused_names()),
+    more += Message("; ", reader.counts().bad_checksums, " messages have a wrong checksum, named ",
+                    Joined(reader.refused_names()),
                     " (check_crc: false of the tracker accepts a sender that does not set it)");
   }
   const auto& others = tools_.other_names();

@@ -125,9 +125,9 @@ std::vector<StatusLine> LiveSession::Status() const {
       const tracking::TrackedPose pose = board.Latest(i);
       if (pose.valid && pose.AgeNs(now_ns) < 200'000'000) continue;
       const std::string why = i < status.why_not_seen.size() ? status.why_not_seen[i] : "";
-      lines.push_back({Severity::kWarning, Message("The tracker ", rig_->trackers()[t]->name(),
-                                                   " does not see the ", board.tools()[i],
-                                                   why.empty() ? "" : ": ", why, ".")});
+      lines.push_back({Severity::kWarning,
+                       Message("The tracker ", rig_->trackers()[t]->name(), " does not see the ",
+                               board.tools()[i], why.empty() ? "" : ": ", why, ".")});
     }
   }
   const std::int64_t late = recent_late_steps_.recent();

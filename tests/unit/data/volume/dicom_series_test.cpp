@@ -166,8 +166,7 @@ TEST(DicomSeries, OrientationsThatDifferByAMilliradianAreOneStack) {
 TEST(DicomSeries, PositionsRoundedToATenthGiveTheirMeanDistance) {
   const TemporaryFolder folder;
   for (int k = 0; k < 40; ++k) {
-    WriteDicomSlice(folder / Message("slice", k),
-                    SliceAt({0, 0, std::round(6.25 * k) / 10.0}));
+    WriteDicomSlice(folder / Message("slice", k), SliceAt({0, 0, std::round(6.25 * k) / 10.0}));
   }
   EXPECT_NEAR(Read(folder.path()).geometry.spacing_mm[2], 0.625, 0.002);
   fs::remove(folder / "slice17");

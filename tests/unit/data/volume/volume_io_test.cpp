@@ -291,10 +291,10 @@ TEST(ReadCt, NiftiThatIsShearedALittleGetsTheNearestRotation) {
   };
   std::string warnings;
   const CtVolume read = ReadChanged(folder, "sheared.nii", warnings, sheared(0.005));
-  EXPECT_LT((read.geometry.direction.transpose() * read.geometry.direction -
-             Eigen::Matrix3d::Identity())
-                .norm(),
-            1e-5);
+  EXPECT_LT(
+      (read.geometry.direction.transpose() * read.geometry.direction - Eigen::Matrix3d::Identity())
+          .norm(),
+      1e-5);
   EXPECT_TRUE(read.geometry.Matches(ObliqueGeometry(), 0.05));
   EXPECT_THAT(warnings, HasSubstr("the nearest rotation is used"));
   EXPECT_THAT([&] { ReadChanged(folder, "more.nii", warnings, sheared(0.1)); },

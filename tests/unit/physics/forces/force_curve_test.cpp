@@ -129,15 +129,16 @@ TEST(ReadForceCurve, ReadsExportsOfMachines) {
     }
     return text;
   };
-  WriteTextFile(Temp("machine.csv"), "Specimen,A1\n\nTime,Extension,Load\n(s),(mm),(N)\n" +
-                                         rows(",", 1.0));
+  WriteTextFile(Temp("machine.csv"),
+                "Specimen,A1\n\nTime,Extension,Load\n(s),(mm),(N)\n" + rows(",", 1.0));
   const ForceCurve curve = ReadForceCurve(Temp("machine.csv"));
   EXPECT_NEAR(curve.depth_mm.back(), 1.95, 1e-9);
   EXPECT_NEAR(curve.force_n.back(), -0.078, 1e-9);
   EXPECT_THAT(curve.how_read, HasSubstr("force_n from 'Load (N)'"));
-  const ForceCurve turned = ReadForceCurve(
-      Temp("machine.csv"),
-      {.time = {.column = "Time"}, .depth = {.column = "2"}, .force = {.column = "Load", .sign = -1}});
+  const ForceCurve turned =
+      ReadForceCurve(Temp("machine.csv"), {.time = {.column = "Time"},
+                                           .depth = {.column = "2"},
+                                           .force = {.column = "Load", .sign = -1}});
   EXPECT_NEAR(turned.force_n.back(), 0.078, 1e-9);
   WriteTextFile(Temp("milli.csv"), "time_ms;depth_mm;force_mN\n" + rows(";", 1000.0));
   EXPECT_NEAR(ReadForceCurve(Temp("milli.csv")).force_n.back(), -0.078, 1e-9);
@@ -162,8 +163,9 @@ TEST(ReadForceCurve, RefusesAForceThatNoNeedleTakes) {
   std::string text = "time_s,depth_mm,force_n\n";
   for (int i = 0; i < 50; ++i) text += Message(i, ",", i, ",", 4 * i, "\n");
   WriteTextFile(Temp("strong.csv"), text);
-  EXPECT_THAT([] { ReadForceCurve(Temp("strong.csv")); },
-              ThrowsMessage<InputError>(AllOf(HasSubstr("reaches 196 N"), HasSubstr("--as-it-is"))));
+  EXPECT_THAT(
+      [] { ReadForceCurve(Temp("strong.csv")); },
+      ThrowsMessage<InputError>(AllOf(HasSubstr("reaches 196 N"), HasSubstr("--as-it-is"))));
   EXPECT_EQ(ReadForceCurve(Temp("strong.csv"), {}, true).size(), 50u);
 }
 
