@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   acus::fitting::FitTask task;
   task.models = {"gaussians", "mechanical"};
   app.add_option("CURVES", task.inputs,
-                 "CSV files (time_s,depth_mm,force_n) or two-file recordings")
+                 "CSV files (time, depth and force with their units) or two-file recordings")
       ->required()
       ->check(CLI::ExistingPath);
   app.add_option("-o,--output", task.output,
@@ -41,6 +41,10 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingPath)
       ->excludes(models)
       ->excludes(tissue);
+  app.add_option("--columns", task.columns,
+                 "Mapping of a machine's export: which columns are time, depth and force, in which "
+                 "units and with which signs (acus-force-columns/1)");
+  app.add_flag("--as-it-is", task.as_it_is, "Take forces that no needle takes as they are");
   app.footer("EXAMPLE\n  acus-fit force_curves/*.csv -o fit\n  Then look at fit/fit.svg.");
 
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   app.add_option(
          "recording", recording,
          "PLUS .igs.mha/.igs.mhd/.igs.nrrd; Slicer .mrml, .mrb or folder; Perk Tutor .xml;\n"
-         "a tracker's .csv")
+         "a tracker's .csv or .txt")
       ->required()
       ->check(CLI::ExistingPath);
   app.add_option("-o,--output", output, "Session folder to make; without it, only the report");
@@ -37,9 +37,21 @@ int main(int argc, char** argv) {
   app.add_option("--frame-rate-hz", options.frame_rate_hz,
                  "Make up time stamps at this rate, if a frame has none")
       ->check(CLI::Range(0.01, 1e5));
-  app.add_option("--columns", columns,
-                 "Which columns of a .csv hold what (acus-columns JSON): a file, or a preset such\n"
-                 "as columns/optitrack_motive.json");
+  app.add_option(
+      "--columns", columns,
+      "Which columns of a .csv or .txt hold what (acus-columns JSON): a file, or a preset\n"
+      "such as columns/optitrack_motive.json");
+  using acus::session::TimeGoingBack;
+  app.add_option(
+         "--time-goes-back", options.time_going_back,
+         "Frames of a sequence that are earlier than one before: refuse, drop them, or cut\n"
+         "the recording there")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, TimeGoingBack>{{"refuse", TimeGoingBack::kRefuse},
+                                               {"drop", TimeGoingBack::kDrop},
+                                               {"cut", TimeGoingBack::kCut}}));
+  app.add_flag("--as-it-is", options.as_it_is,
+               "Take positions that look like another unit as they are");
   app.footer(
       "EXAMPLE\n"
       "  acus-import session -o imported\n"

@@ -9,7 +9,7 @@
 int main(int argc, char** argv) {
   std::filesystem::path labels, surface, mesh, config_path, folder;
   std::string from, to, probe, tissue = "soft_tissue";
-  bool condenses = false;
+  bool condenses = false, as_it_is = false;
   CLI::App app{
       "Divide a patient into tetrahedra with a tissue each: faces along skin and bone, fine "
       "along the needle's path, bone nodes marked fixed.",
@@ -25,12 +25,14 @@ int main(int argc, char** argv) {
   auto* labels_option =
       app.add_option("labels", labels, "Label map, such as acus-segment's labels.seg.nrrd")
           ->check(CLI::ExistingFile);
-  app.add_option("--surface", surface, "Fill this closed surface instead (.stl, .obj, .ply, .vtp)")
+  app.add_option("--surface", surface,
+                 "Fill this closed surface instead (.stl, .obj, .ply, .vtp, .vtk)")
       ->check(CLI::ExistingFile)
       ->excludes(labels_option);
   auto* mesh_option = app.add_option("--mesh", mesh, "Condense this mesh (.vtu of acus-mesh)")
                           ->check(CLI::ExistingFile)
                           ->excludes(labels_option);
+  app.add_flag("--as-it-is", as_it_is, "Take a surface that seems to be in metres as it is");
   app.add_option("--tissue", tissue, "Tissue inside the surface")->capture_default_str();
   app.add_option("--config", config_path,
                  "Settings (format acus-mesh/1); default: the preset meshes/default.json")
@@ -57,6 +59,7 @@ int main(int argc, char** argv) {
     context.provenance.AddInput(config_path);
     const auto document = acus::config::ReadConfig(config_path, "acus-mesh");
     auto config = acus::meshing::MeshConfigFromJson(document);
+    config.as_it_is = as_it_is;
     if (!from.empty()) acus::meshing::SetCorridor(config, from, to);
     if (condenses) {
       acus::meshing::RequestCondensation(config, document, config_path.parent_path(), probe);

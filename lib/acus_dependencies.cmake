@@ -50,7 +50,7 @@ if(ITK_FOUND AND NOT TARGET acus::with_itk)
                         INTERFACE_INCLUDE_DIRECTORIES "${ITK_INCLUDE_DIRS}")
 endif()
 # What a window needs: VTK finds its OpenGL, X and fonts at link time, by vtk_module_autoinit.
-find_package(VTK 9.1 QUIET COMPONENTS CommonCore CommonDataModel IOXML
+find_package(VTK 9.1 QUIET COMPONENTS CommonCore CommonDataModel IOLegacy IOXML
              OPTIONAL_COMPONENTS FiltersCore RenderingCore RenderingOpenGL2 RenderingFreeType
                                  RenderingUI InteractionStyle)
 find_package(OpenCV 4.6 QUIET GLOBAL COMPONENTS core imgproc

@@ -95,8 +95,8 @@ acus_add_cli_case(acus-fit.time_goes_back EXIT 3 LEAVES_NOTHING
   STDERR "a.csv:100: time_s is 0.2 after 0.97; time must increase"
   COMMAND acus-fit a.csv -o fit)
 acus_add_cli_case(acus-fit.wrong_column EXIT 3 LEAVES_NOTHING
-  BEFORE "${fit_inputs}\nsed -i '1s/depth_mm/depth_cm/' a.csv"
-  STDERR "a.csv:1: no column 'depth_mm'.*rename 'depth_cm'"
+  BEFORE "${fit_inputs}\nsed -i '1s/depth_mm/depth_v/' a.csv"
+  STDERR "a.csv:1: no column 'depth_mm'.*rename 'depth_v'"
   COMMAND acus-fit a.csv -o fit)
 acus_add_cli_case(acus-fit.truncated EXIT 3 LEAVES_NOTHING
   BEFORE "${fit_inputs}\nhead -n 99 a.csv > cut.csv\nprintf 0.98,0 >> cut.csv"

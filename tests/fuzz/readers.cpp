@@ -8,6 +8,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/csv.h"
+#include "acus/base/core/delimited_text.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/run_context.h"
 #include "acus/data/mesh/surface_io.h"
@@ -119,6 +120,9 @@ constexpr std::string_view kPlus =
     "<PlusConfiguration version=\"2.1\"><CoordinateDefinitions><Transform From=\"Image\" "
     "To=\"Probe\" Matrix=\"0.1 0 0 5 0 0.2 0 6 0 0 0.1 7 0 0 0 1\" />"
     "</CoordinateDefinitions></PlusConfiguration>\n";
+constexpr const char* kMachine =
+    "\"Specimen\";\"A;1\"\n\nTime;Extension;Load\n(ms);(mm);(kN)\n0;0;0,1\n1,5;0,5;\n2;\"1,0\";0,"
+    "3\n";
 constexpr std::string_view kForces =
     "time_s,depth_mm,force_n\n0,0,0\n0.1,1,0.1\n0.2,2,0.2\n0.3,3,0.1\n0.4,4,0.2\n";
 constexpr std::string_view kMarkups =
@@ -265,6 +269,10 @@ constexpr Reader kReaders[] = {
      [](Path folder) { WriteSeed(folder, "seed.xml", kPlus); }},
     {"force_curve", ".csv", [](Path file) { forces::ReadForceCurve(file); },
      [](Path folder) { WriteSeed(folder, "seed.csv", kForces); }},
+    {"machine_table", ".csv", [](Path file) { forces::ReadForceCurve(file); },
+     [](Path folder) { WriteSeed(folder, "seed.csv", kMachine); }},
+    {"plain_table", ".csv", [](Path file) { AsPlainCsv(ReadTextFile(file), file.string()); },
+     [](Path folder) { WriteSeed(folder, "seed.csv", kMachine); }},
     {"channel_data", ".mat", [](Path file) { rf::ReadMatlab(file, ""); }, WriteChannels},
     {"tracker_message", ".bin", ReadMessage, WriteMessages},
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
@@ -13,14 +14,26 @@
 namespace acus {
 namespace {
 
-std::vector<std::string_view> Split(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(',', begin), line.size());
-    cells.push_back(Trimmed(line.substr(begin, end - begin)));
-    begin = end + 1;
+constexpr std::size_t kLinesForHeader = 60;
+
+/// The most frequent number of cells; of equally frequent ones the largest.
+std::size_t UsualCount(const std::vector<std::vector<std::string>>& rows) {
+  std::map<std::size_t, std::size_t> times;
+  for (const auto& row : rows) ++times[row.size()];
+  std::size_t usual = 0;
+  for (const auto& [count, rows_of_it] : times) {
+    if (usual == 0 || rows_of_it >= times[usual]) usual = count;
   }
-  return cells;
+  return usual;
+}
+
+bool IsFull(std::span<const std::string> cells) {
+  return std::ranges::none_of(cells, &std::string::empty);
+}
+
+bool IsUnitRow(std::span<const std::string> cells) {
+  const auto is_unit = [](const std::string& cell) { return cell.empty() || IsUnitCell(cell); };
+  return std::ranges::all_of(cells, is_unit) && !std::ranges::all_of(cells, &std::string::empty);
 }
 
 }  // namespace
@@ -35,66 +48,257 @@ CsvTable::CsvTable(const std::filesystem::path& path,
   Parse(ReadTextFile(path), /*has_header=*/false);
 }
 
-void CsvTable::Parse(std::string_view text, bool has_header) {
-  bool header_pending = has_header;
-  std::size_t line_number = 0;
+void CsvTable::Split(std::string_view line, std::vector<std::string>& cells) const {
+  if (!style_.IsPlain() || line.find('"') != line.npos) {
+    SplitCells(line, style_.separator, cells);
+    return;
+  }
+  std::size_t count = 0;
+  for (std::size_t begin = 0; begin <= line.size(); ++count) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    if (count == cells.size()) cells.emplace_back();
+    cells[count] = Trimmed(line.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  cells.resize(count);
+}
+
+bool CsvTable::HasNumber(std::span<const std::string> cells) const {
+  return std::ranges::any_of(cells, [this](const std::string& cell) {
+    return NumberInCell(cell, style_.has_decimal_comma).has_value();
+  });
+}
+
+/// Appends the units of a row of them to the names that have none.
+void CsvTable::TakeUnits(std::span<const std::string> units) {
+  for (std::size_t i = 0; i < columns_.size() && i < units.size(); ++i) {
+    const bool is_open = !units[i].empty() && ParseColumnName(columns_[i]).unit.empty();
+    if (!is_open) continue;
+    const bool in_brackets = std::string_view("([{").find(units[i][0]) != std::string_view::npos;
+    columns_[i] += in_brackets ? " " + units[i] : " (" + units[i] + ")";
+  }
+}
+
+/// Finds the header in the first lines. @returns the index of the first line after it.
+std::size_t CsvTable::TakeHeader(std::span<const Line> lines) {
+  std::vector<std::vector<std::string>> rows(std::min(lines.size(), kLinesForHeader));
+  for (std::size_t i = 0; i < rows.size(); ++i) Split(lines[i].text, rows[i]);
+  const std::size_t usual = UsualCount(rows);
+  std::size_t header = 0;
+  std::size_t next = 1;
+  const bool begins_at_once = rows[0].size() == usual && IsFull(rows[0]) && !HasNumber(rows[0]);
+  if (!begins_at_once) {
+    std::size_t data = 0;
+    while (data < rows.size() && !(rows[data].size() == usual && HasNumber(rows[data]))) ++data;
+    if (data > 0 && data < rows.size()) {
+      header = data - 1;
+      if (header > 0 && IsUnitRow(rows[header])) --header;
+      next = header + 1;
+    }
+  }
+  columns_ = rows[header];
+  while (!columns_.empty() && columns_.back().empty()) columns_.pop_back();
+  if (next < rows.size() && IsUnitRow(rows[next]) && !HasNumber(rows[next])) {
+    TakeUnits(rows[next]);
+    how_read_ += "; a row of units";
+    ++next;
+  }
+  if (header > 0) {
+    how_read_ += Message("; header in line ", lines[header].number, ", ", header,
+                         header == 1 ? " row" : " rows", " before it skipped");
+  }
+  auto sorted = columns_;
+  std::ranges::sort(sorted);
+  const auto twice = std::ranges::adjacent_find(sorted);
+  ACUS_REQUIRE(twice == sorted.end(), path_.string(), ":", lines[header].number, ": column '",
+               *twice, "' appears twice");
+  return next;
+}
+
+void CsvTable::AddRow(const Line& line, bool is_last_and_open) {
+  Split(line.text, row_);
+  while (row_.size() > columns_.size() && row_.back().empty()) row_.pop_back();
+  if (row_.size() != columns_.size()) {
+    const bool may_be_decimals = style_.IsPlain() && row_.size() > columns_.size();
+    throw InputError(Message(
+        path_.string(), ":", line.number, ": has ", row_.size(), " cells, the columns are ",
+        columns_.size(), " (", Joined(columns_, ","), ")",
+        is_last_and_open  ? "; the last line has no end: is the file cut off?"
+        : may_be_decimals ? "; a comma may separate cells or decimals here: write decimals with a "
+                            "point, or separate cells by ';'"
+                          : "; complete the row, or remove it"));
+  }
+  cells_.insert(cells_.end(), row_.begin(), row_.end());
+  line_.push_back(line.number);
+}
+
+void CsvTable::Parse(std::string bytes, bool has_header) {
+  const std::string name = path_.string();
+  const std::string text = Utf8Text(std::move(bytes), name);
+  style_ = StyleOf(text, name);
+  std::vector<Line> lines;
+  std::size_t number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string_view line = Trimmed(text.substr(begin, end - begin));
+    std::string_view line = std::string_view(text).substr(begin, end - begin);
     begin = end + 1;
-    ++line_number;
-    if (line.empty() || line.front() == '#') continue;
-    ACUS_REQUIRE(line.find('\0') == line.npos, path_.string(), ":", line_number,
+    ++number;
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (Trimmed(line).empty() || IsCommentLine(line)) continue;
+    ACUS_REQUIRE(line.find('\0') == line.npos, name, ":", number,
                  ": has a zero byte; this is not a CSV file");
-    const auto cells = Split(line);
-    if (header_pending) {
-      header_pending = false;
-      columns_.assign(cells.begin(), cells.end());
-      auto sorted = columns_;
-      std::ranges::sort(sorted);
-      const auto twice = std::ranges::adjacent_find(sorted);
-      ACUS_REQUIRE(twice == sorted.end(), path_.string(), ":", line_number, ": column '", *twice,
-                   "' appears twice");
+    lines.push_back({line, number});
+  }
+  ACUS_REQUIRE(!has_header || !lines.empty(), name, ": is empty; a header row is needed");
+  std::size_t next = 0;
+  if (has_header) {
+    next = TakeHeader(lines);
+  } else if (!lines.empty()) {
+    Split(lines[0].text, row_);
+    if (!HasNumber(row_)) next = 1;
+  }
+  std::size_t num_empty = 0;
+  for (std::size_t i = next; i < lines.size(); ++i) {
+    if (lines[i].text.find_first_not_of(" \t,;|\"") == std::string_view::npos) {
+      ++num_empty;
       continue;
     }
-    ACUS_REQUIRE(cells.size() == columns_.size(), path_.string(), ":", line_number, ": has ",
-                 cells.size(), " cells, the columns are ", columns_.size(), " (",
-                 Joined(columns_, ","), "); is the file cut off?");
-    cells_.insert(cells_.end(), cells.begin(), cells.end());
-    line_.push_back(line_number);
+    AddRow(lines[i], i + 1 == lines.size() && !text.ends_with('\n'));
   }
-  ACUS_REQUIRE(!header_pending, path_.string(), ": is empty; a header row is needed");
+  if (num_empty > 0) how_read_ += Message("; ", num_empty, " empty rows skipped");
+  if (!style_.IsPlain()) how_read_ = "; " + style_.Text() + how_read_;
+  if (!how_read_.empty()) how_read_.erase(0, 2);
+}
+
+/// The column of this name, or those of the same words in a unit of the same kind.
+std::vector<CsvTable::Place> CsvTable::PlacesOf(std::string_view column) const {
+  if (const auto given = given_.find(column); given != given_.end()) return {given->second};
+  const auto found = std::ranges::find(columns_, column);
+  if (found != columns_.end()) {
+    return {{.index = static_cast<std::size_t>(found - columns_.begin()), .factor = 1.0}};
+  }
+  const ColumnName wanted = ParseColumnName(column);
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const ColumnName name = ParseColumnName(columns_[i]);
+    if (name.words != wanted.words) continue;
+    if (name.unit == wanted.unit) {
+      places.push_back({.index = i, .factor = 1.0});
+    } else if (const auto factor = UnitFactor(name.unit, wanted.unit)) {
+      places.push_back({.index = i, .factor = *factor});
+    }
+  }
+  return places;
+}
+
+CsvTable::Place CsvTable::PlaceOf(std::string_view column) const {
+  const auto places = PlacesOf(column);
+  ACUS_REQUIRE(places.size() <= 1, path_.string(), ": '", column, "' may be column '",
+               columns_[places.front().index], "' or '", columns_[places.back().index],
+               "'; rename the one that is not meant");
+  if (!places.empty()) return places.front();
+  const ColumnName wanted = ParseColumnName(column);
+  for (std::size_t i = 0; i < columns_.size() && !wanted.unit.empty(); ++i) {
+    const ColumnName here = ParseColumnName(columns_[i]);
+    if (here.words == wanted.words && here.unit.empty()) InUnitOf(column, i, "");
+  }
+  const auto nearest = NearestSpelling(column, columns_);
+  throw InputError(Message(path_.string(), ":1: no column '", column, "'; the header is ",
+                           Joined(columns_, ","),
+                           nearest ? Message("; rename '", *nearest, "'?") : std::string()));
+}
+
+CsvTable::Place CsvTable::InUnitOf(std::string_view column, std::size_t index,
+                                   std::string_view unit) const {
+  const std::string wanted = ParseColumnName(column).unit;
+  const std::string here = unit.empty() ? ParseColumnName(columns_[index]).unit : std::string(unit);
+  ACUS_REQUIRE(!here.empty(), path_.string(), ": column '", columns_[index],
+               "' does not say its unit; name it '", column, "', or with its own unit in brackets");
+  const auto factor = here == wanted ? 1.0 : UnitFactor(here, wanted);
+  ACUS_REQUIRE(factor, path_.string(), ": column '", columns_[index], "' is in '", here,
+               "', which cannot be converted to ", wanted);
+  return {.index = index, .factor = *factor};
+}
+
+void CsvTable::Accept(std::string_view column, std::span<const std::string_view> words) {
+  if (!PlacesOf(column).empty()) return;
+  const std::string own = ParseColumnName(column).words;
+  std::vector<std::size_t> fitting;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const ColumnName name = ParseColumnName(columns_[i]);
+    if (name.words == own || std::ranges::find(words, name.words) != words.end()) {
+      fitting.push_back(i);
+    }
+  }
+  if (fitting.empty()) return;  // Whoever asks for it is told what there is.
+  ACUS_REQUIRE(fitting.size() == 1, path_.string(), ": '", column, "' may be column '",
+               columns_[fitting[0]], "' or '", columns_[fitting[1]],
+               "'; name the one that is "
+               "meant ",
+               column, ", or give a mapping (--columns)");
+  given_.emplace(column, InUnitOf(column, fitting[0], ""));
+}
+
+void CsvTable::Take(std::string_view column, std::string_view name_or_number,
+                    std::string_view unit) {
+  std::size_t index = columns_.size();
+  const auto number = ParseNumber<std::size_t>(name_or_number);
+  for (std::size_t i = 0; i < columns_.size() && index == columns_.size(); ++i) {
+    const bool is_named =
+        columns_[i] == name_or_number ||
+        ParseColumnName(columns_[i]).words == ParseColumnName(name_or_number).words;
+    if (is_named || (number && *number == i + 1)) index = i;
+  }
+  ACUS_REQUIRE(index < columns_.size(), path_.string(), ": has no column '", name_or_number,
+               "'; change the mapping (--columns); there are: ", Joined(columns_));
+  given_.insert_or_assign(std::string(column), InUnitOf(column, index, unit));
 }
 
 bool CsvTable::Has(std::string_view column) const {
-  return std::ranges::find(columns_, column) != columns_.end();
+  return !PlacesOf(column).empty();
 }
 
-std::size_t CsvTable::IndexOf(std::string_view column) const {
-  const auto found = std::ranges::find(columns_, column);
-  if (found == columns_.end()) {
-    const auto nearest = NearestSpelling(column, columns_);
-    throw InputError(Message(path_.string(), ":1: no column '", column, "'; the header is ",
-                             Joined(columns_, ","),
-                             nearest ? Message("; rename '", *nearest, "'?") : std::string()));
-  }
-  return static_cast<std::size_t>(found - columns_.begin());
+std::string CsvTable::Taken(std::string_view column) const {
+  const std::string& name = columns_[PlaceOf(column).index];
+  return name == column ? std::string() : Message(column, " from '", name, "'");
 }
 
 std::vector<double> CsvTable::Numbers(std::string_view column) const {
-  const std::size_t index = IndexOf(column);
+  const Place place = PlaceOf(column);
   std::vector<double> values(num_rows());
   for (std::size_t row = 0; row < values.size(); ++row) {
-    const std::string& cell = cells_[row * columns_.size() + index];
-    const auto value = ParseFinite(cell);
+    const std::string& cell = cells_[row * columns_.size() + place.index];
+    const auto value = NumberInCell(cell, style_.has_decimal_comma);
     ACUS_REQUIRE(value, Where(row), ": ", column, " is '", cell, "'; a finite number is needed");
-    values[row] = *value;
+    values[row] = *value * place.factor;
   }
   return values;
 }
 
+std::size_t CsvTable::DropRowsWithout(std::span<const std::string_view> columns) {
+  std::vector<std::size_t> needed;
+  for (const std::string_view column : columns) needed.push_back(PlaceOf(column).index);
+  const std::size_t width = columns_.size();
+  std::size_t kept = 0;
+  for (std::size_t row = 0; row < num_rows(); ++row) {
+    const auto is_missing = [&](std::size_t i) { return IsMissingCell(cells_[row * width + i]); };
+    if (std::ranges::any_of(needed, is_missing)) continue;
+    if (kept != row) {
+      for (std::size_t i = 0; i < width; ++i) {
+        cells_[kept * width + i] = std::move(cells_[row * width + i]);
+      }
+      line_[kept] = line_[row];
+    }
+    ++kept;
+  }
+  const std::size_t dropped = num_rows() - kept;
+  line_.resize(kept);
+  cells_.resize(kept * width);
+  return dropped;
+}
+
 std::vector<std::string> CsvTable::Texts(std::string_view column) const {
-  const std::size_t index = IndexOf(column);
+  const std::size_t index = PlaceOf(column).index;
   std::vector<std::string> values(num_rows());
   for (std::size_t row = 0; row < values.size(); ++row) {
     values[row] = cells_[row * columns_.size() + index];

@@ -3,8 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <optional>
+#include <span>
 
 #include "acus/base/core/csv.h"
+#include "acus/base/core/delimited_text.h"
 #include "acus/data/mesh/surface_builder.h"
 #include "acus/data/mesh/text_scanner.h"
 
@@ -63,6 +66,19 @@ Surface ParseTextStl(std::string_view bytes, const std::string& label) {
   return builder.Finish(label);
 }
 
+/// mm per unit that a comment declares, as "# Units: mm" or "# unit = meter".
+std::optional<double> UnitInComment(std::span<const std::string_view> words) {
+  for (std::size_t i = 0; i + 1 < words.size(); ++i) {
+    const std::string key = ParseColumnName(words[i]).words;
+    if (!key.starts_with("unit")) continue;
+    for (std::size_t k = i + 1; k < words.size(); ++k) {
+      const auto factor = UnitFactor(ParseColumnName(words[k]).words, "mm");
+      if (factor) return factor;
+    }
+  }
+  return {};
+}
+
 void AppendBytes(std::string& out, const void* data, std::size_t size) {
   out.append(static_cast<const char*>(data), size);
 }
@@ -90,6 +106,7 @@ Surface ParseObj(std::string_view bytes, const std::string& label) {
   SurfaceBuilder builder;
   TextScanner lines(bytes, label);
   std::vector<long long> corners;
+  double mm_per_unit = 1.0;
   while (lines.NextLine()) {
     const std::string_view word = lines.words()[0];
     if (word == "v") {
@@ -102,14 +119,18 @@ Surface ParseObj(std::string_view bytes, const std::string& label) {
         corners.push_back(number > 0 ? number - 1 : builder.num_nodes() + number);
       }
       builder.AddPolygon(corners, lines.Where());
-    } else if (!word.starts_with('#')) {
+    } else if (word.starts_with('#')) {
+      mm_per_unit = UnitInComment(lines.words()).value_or(mm_per_unit);
+    } else {
       bool is_known = false;
       for (const std::string_view ignored : kIgnored) is_known = is_known || word == ignored;
       ACUS_REQUIRE(is_known, lines.Where(), ": '", word.substr(0, 20),
                    "' is not a word of OBJ; is the file damaged?");
     }
   }
-  return builder.Finish(label);
+  Surface surface = builder.Finish(label);
+  if (mm_per_unit != 1.0) surface.nodes_mm *= mm_per_unit;
+  return surface;
 }
 
 std::string FormatStl(const Surface& surface) {

@@ -19,7 +19,8 @@ std::string ExtensionOf(const std::filesystem::path& path) {
 }
 
 [[noreturn]] void RefuseExtension(const std::filesystem::path& path) {
-  throw InputError(Message(path.string(), ": a surface must be .stl, .obj, .ply or .vtp, not '",
+  throw InputError(Message(path.string(),
+                           ": a surface must be .stl, .obj, .ply, .vtp or (to be read) .vtk, not '",
                            path.extension().string(), "'"));
 }
 
@@ -47,10 +48,24 @@ void RequirePositive(const TetraMesh& mesh, const std::string& label) {
 Surface ReadSurface(const std::filesystem::path& path) {
   const std::string extension = ExtensionOf(path);
   if (extension == ".vtp") return ReadVtp(path);
+  if (extension == ".vtk") return ReadLegacyVtk(path);
   if (extension == ".stl") return ParseStl(ReadTextFile(path), path.string());
   if (extension == ".obj") return ParseObj(ReadTextFile(path), path.string());
   if (extension == ".ply") return ParsePly(ReadTextFile(path), path.string());
   RefuseExtension(path);
+}
+
+void RequireSizeOfBody(const Surface& surface, const std::filesystem::path& path) {
+  constexpr double kLeastMm = 5.0;
+  constexpr double kLargestMm = 5000.0;
+  const Eigen::Vector3d size_mm =
+      surface.nodes_mm.rowwise().maxCoeff() - surface.nodes_mm.rowwise().minCoeff();
+  const double diagonal_mm = size_mm.norm();
+  const bool is_tiny = diagonal_mm < kLeastMm;
+  ACUS_REQUIRE(!is_tiny && diagonal_mm <= kLargestMm, path.string(), ": the surface is ",
+               size_mm[0], " x ", size_mm[1], " x ", size_mm[2], " mm: it is probably in ",
+               is_tiny ? "metres" : "micrometres",
+               ". Coordinates are needed in mm; --as-it-is takes them as they are");
 }
 
 void WriteSurface(const std::filesystem::path& path, const Surface& surface) {

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <vtkCell.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
+#include <vtkPolyDataReader.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLPolyDataReader.h>
@@ -55,8 +57,10 @@ int CheckedNode(vtkIdType node, vtkIdType count) {
   return static_cast<int>(node);
 }
 
+/// A surface of polygons or strips of triangles.
+template <typename Reader>
 std::string LoadSurface(const std::filesystem::path& path) {
-  vtkNew<vtkXMLPolyDataReader> reader;
+  vtkNew<Reader> reader;
   ReadFile(*reader, path);
   vtkPolyData& data = *reader->GetOutput();
   const std::vector<double> nodes = NodesOf(data);
@@ -67,6 +71,16 @@ std::string LoadSurface(const std::filesystem::path& path) {
   for (polygons->InitTraversal(); polygons->GetNextCell(size, corners) != 0;) {
     for (vtkIdType i = 2; i < size; ++i) {
       for (const vtkIdType corner : {corners[0], corners[i - 1], corners[i]}) {
+        triangles.push_back(CheckedNode(corner, data.GetNumberOfPoints()));
+      }
+    }
+  }
+  vtkCellArray* strips = data.GetStrips();
+  for (strips->InitTraversal(); strips->GetNextCell(size, corners) != 0;) {
+    for (vtkIdType i = 2; i < size; ++i) {  // Every second one turns the other way.
+      const bool is_odd = i % 2 == 1;
+      for (const vtkIdType corner :
+           {corners[i - 2], corners[is_odd ? i : i - 1], corners[is_odd ? i - 1 : i]}) {
         triangles.push_back(CheckedNode(corner, data.GetNumberOfPoints()));
       }
     }
@@ -137,6 +151,14 @@ std::string Load(const std::filesystem::path& path,
   return std::move(result.bytes);
 }
 
+Surface SurfaceFrom(const std::string& bytes) {
+  core::ByteReader in(bytes, kPackedOrder);
+  Surface out;
+  out.nodes_mm = TakeColumns<double, 3>(in);
+  out.triangles = TakeColumns<int, 3>(in);
+  return out;
+}
+
 vtkSmartPointer<vtkUnsignedCharArray> ArrayOf(const char* name,
                                               const std::vector<std::uint8_t>& values) {
   auto array = vtkSmartPointer<vtkUnsignedCharArray>::New();
@@ -151,12 +173,20 @@ vtkSmartPointer<vtkUnsignedCharArray> ArrayOf(const char* name,
 }  // namespace
 
 Surface ReadVtp(const std::filesystem::path& path) {
-  const std::string bytes = Load(path, LoadSurface);
-  core::ByteReader in(bytes, kPackedOrder);
-  Surface out;
-  out.nodes_mm = TakeColumns<double, 3>(in);
-  out.triangles = TakeColumns<int, 3>(in);
-  return out;
+  return SurfaceFrom(Load(path, LoadSurface<vtkXMLPolyDataReader>));
+}
+
+Surface ReadLegacyVtk(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head, title;
+  std::getline(file, head);
+  std::getline(file, title);
+  ACUS_REQUIRE(head.starts_with("# vtk DataFile"), path.string(),
+               ": does not begin with '# vtk DataFile'; it is no legacy VTK file");
+  Surface surface = SurfaceFrom(Load(path, LoadSurface<vtkPolyDataReader>));
+  // 3D Slicer says in the title in which space the points are; LPS is ours.
+  if (title.find("SPACE=RAS") != title.npos) surface.nodes_mm.topRows<2>() *= -1.0;
+  return surface;
 }
 
 TetraMesh ReadVtu(const std::filesystem::path& path) {

@@ -1,4 +1,4 @@
-// VTK's XML formats. The only door to VTK in this module; private to surface_io.cpp.
+// VTK's formats. The only door to VTK in this module; private to surface_io.cpp.
 #pragma once
 
 #include <filesystem>
@@ -12,6 +12,8 @@ namespace acus::mesh {
 /// As ReadSurface and ReadTetraMesh. Reading happens in a child process: VTK may crash on, or
 /// allocate far too much for, a broken file.
 Surface ReadVtp(const std::filesystem::path& path);
+/// Polygonal data of the legacy format (.vtk), text or binary.
+Surface ReadLegacyVtk(const std::filesystem::path& path);
 TetraMesh ReadVtu(const std::filesystem::path& path);
 
 void WriteVtp(const std::filesystem::path& path, const Surface& surface);

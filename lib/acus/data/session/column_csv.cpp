@@ -6,9 +6,10 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/delimited_text.h"
 #include "acus/base/core/error.h"
-#include "acus/base/core/number_text.h"
-#include "acus/data/session/csv_rows.h"
+#include "acus/base/core/words.h"
+#include "acus/base/math/statistics.h"
 #include "acus/data/session/pose_csv.h"
 
 namespace acus::session {
@@ -19,40 +20,86 @@ using nlohmann::json;
 
 constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
 constexpr double kQuaternionTolerance = 0.02;
+constexpr double kFarthestToolMm = 1e4;  ///< No tracker of tools sees farther.
+constexpr double kNearestToolMm = 3.0;   ///< Coordinates below it are metres.
 
-std::string TrimmedCell(std::string text) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && is_blank(text.back())) text.pop_back();
-  text.erase(text.begin(), std::ranges::find_if_not(text, is_blank));
-  return text;
+/// The file as rows of cells.
+struct Rows {
+  std::vector<std::vector<std::string>> cells;  ///< By line, also of empty ones.
+  std::vector<bool> is_comment;                 ///< By line; names may stand in a comment.
+  TableStyle style;
+};
+
+TableStyle StyleFrom(const std::string& delimiter, std::string_view text,
+                     const std::string& label) {
+  TableStyle style = StyleOf(text, label);
+  if (delimiter == "auto") return style;
+  const char separator = delimiter == "tab" ? '\t' : delimiter == "blanks" ? ' ' : delimiter[0];
+  if (style.separator != separator) style = {.separator = separator, .has_decimal_comma = false};
+  return style;
 }
 
-/// Cells of a line; quotes may hold the delimiter.
-std::vector<std::string> CellsOf(const std::string& line, char delimiter) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == delimiter && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  for (std::string& cell : cells) cell = TrimmedCell(cell);
-  return cells;
-}
-
-std::vector<std::vector<std::string>> LinesOf(const fs::path& path, char delimiter) {
-  const std::string text = ReadTextFile(path);
-  std::vector<std::vector<std::string>> lines;
+Rows RowsOf(const fs::path& path, const std::string& delimiter) {
+  const std::string text = Utf8Text(ReadTextFile(path), path.string());
+  Rows rows{.cells = {}, .is_comment = {}, .style = StyleFrom(delimiter, text, path.string())};
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    lines.push_back(CellsOf(text.substr(begin, end - begin), delimiter));
+    std::string_view line = Trimmed(std::string_view(text).substr(begin, end - begin));
+    rows.is_comment.push_back(line.starts_with('#') || line.starts_with('%'));
+    if (rows.is_comment.back()) line = Trimmed(line.substr(1));
+    SplitCells(line, rows.style.separator, rows.cells.emplace_back());
     begin = end + 1;
   }
-  return lines;
+  return rows;
+}
+
+/// mm per unit that the rows before the data declare in a cell after "Length Units".
+std::optional<std::pair<std::string, double>> DeclaredUnit(const Rows& rows,
+                                                           std::size_t first_row) {
+  for (std::size_t row = 0; row < std::min(rows.cells.size(), first_row); ++row) {
+    const auto& cells = rows.cells[row];
+    for (std::size_t i = 0; i + 1 < cells.size(); ++i) {
+      const std::string key = ParseColumnName(cells[i]).words;
+      if (key != "length_units" && key != "length_unit") continue;
+      const auto factor = UnitFactor(ParseColumnName(cells[i + 1]).words, "mm");
+      if (factor) return std::pair(cells[i + 1], *factor);
+    }
+  }
+  return {};
+}
+
+double MillimetresPerUnit(const Rows& rows, const json& mapping, const std::string& label,
+                          const RunContext& context) {
+  const double mapped = mapping.at("length_unit") == "m" ? 1000.0 : 1.0;
+  const auto declared = DeclaredUnit(rows, mapping.at("first_row").get<std::size_t>() - 1);
+  if (!declared || declared->second == mapped) return mapped;
+  context.Warn(Message(label, ": its length units are ", declared->first,
+                       ", as it says itself; the mapping says ",
+                       mapping.at("length_unit").get<std::string>(), ". The file's are used"));
+  return declared->second;
+}
+
+/// A tool of a tracker is neither many metres away, nor does it move within a millimetre.
+void RequirePlausiblePlaces(const PoseStream& stream, const char* tool, double mm_per_unit,
+                            const std::string& label) {
+  std::vector<double> distance_mm;
+  Eigen::AlignedBox3d box;
+  for (const PoseSample& sample : stream) {
+    if (!sample.valid) continue;
+    distance_mm.push_back(sample.reference_from_tool.translation().norm());
+    box.extend(sample.reference_from_tool.translation());
+  }
+  if (distance_mm.empty()) return;
+  const double usual_mm = math::Median(distance_mm);
+  const char* advice = "; check length_unit of the mapping, or give --as-it-is";
+  ACUS_REQUIRE(usual_mm <= kFarthestToolMm, label, ": the ", tool, " is ", usual_mm / 1000.0,
+               " m away: the file is probably in ", mm_per_unit == 1.0 ? "micrometres" : "mm",
+               ", not in ", mm_per_unit == 1.0 ? "mm" : "metres", advice);
+  const bool in_metres =
+      box.max().cwiseAbs().cwiseMax(box.min().cwiseAbs()).maxCoeff() < kNearestToolMm &&
+      box.diagonal().norm() > 1e-3 && mm_per_unit == 1.0;
+  ACUS_REQUIRE(!in_metres, label, ": the ", tool, " stays within ", usual_mm,
+               " mm of the origin: the file is probably in metres, not in mm", advice);
 }
 
 /// The names of the columns: cells of the header rows, joined by "/"; the second of the same name
@@ -114,20 +161,24 @@ ToolColumns ToolOf(const json& tool, const std::vector<std::string>& names,
   return out;
 }
 
-std::optional<double> NumberAt(const std::vector<std::string>& cells, std::size_t column) {
-  return column < cells.size() ? ParseFinite(cells[column]) : std::nullopt;
+std::optional<double> NumberAt(const std::vector<std::string>& cells, std::size_t column,
+                               bool has_decimal_comma) {
+  if (column >= cells.size()) return {};
+  return NumberInCell(cells[column], has_decimal_comma);
 }
 
 /// Nothing if the tool was not seen.
 std::optional<Eigen::Isometry3d> PoseAtRow(const std::vector<std::string>& cells,
-                                           const ToolColumns& tool, double mm_per_unit) {
+                                           const ToolColumns& tool, double mm_per_unit,
+                                           bool has_decimal_comma) {
   if (tool.status != kNoColumn &&
       (tool.status >= cells.size() || std::ranges::count(tool.valid, cells[tool.status]) == 0)) {
     return {};
   }
   std::array<double, 7> values{};
   for (std::size_t i = 0; i < 7; ++i) {
-    const auto value = NumberAt(cells, i < 3 ? tool.position[i] : tool.rotation[i - 3]);
+    const std::size_t column = i < 3 ? tool.position[i] : tool.rotation[i - 3];
+    const auto value = NumberAt(cells, column, has_decimal_comma);
     if (!value) return {};
     values[i] = *value;
   }
@@ -150,14 +201,15 @@ void Append(PoseStream& stream, std::int64_t time_ns,
 
 }  // namespace
 
-Session ReadColumnCsv(const fs::path& path, const fs::path& columns) {
+Session ReadColumnCsv(const fs::path& path, const fs::path& columns, bool as_it_is,
+                      const RunContext& context) {
   const json mapping = config::ReadConfig(columns, "acus-columns");
   const std::string label = path.string();
-  const std::string delimiter = mapping.at("delimiter");
-  const auto lines = LinesOf(path, delimiter == "tab" ? '\t' : delimiter.front());
+  const Rows rows = RowsOf(path, mapping.at("delimiter"));
+  const bool decimal_comma = rows.style.has_decimal_comma;
   const auto names =
-      NamesOf(lines, mapping.at("header_rows").get<std::vector<std::size_t>>(), label);
-  const double mm_per_unit = mapping.at("length_unit") == "m" ? 1000.0 : 1.0;
+      NamesOf(rows.cells, mapping.at("header_rows").get<std::vector<std::size_t>>(), label);
+  const double mm_per_unit = MillimetresPerUnit(rows, mapping, label, context);
   const json& time = mapping.at("time");
   const std::size_t time_column = ColumnOf(time.at("column"), names, label);
   const double s_per_unit = 1.0 / time.at("units_per_s").get<double>();
@@ -170,28 +222,39 @@ Session ReadColumnCsv(const fs::path& path, const fs::path& columns) {
     tools.emplace_back(&stream, ToolOf(tool, names, label));
   }
   std::optional<std::int64_t> last_ns;
-  for (std::size_t row = mapping.at("first_row").get<std::size_t>() - 1; row < lines.size();
+  std::size_t num_repeated = 0;
+  for (std::size_t row = mapping.at("first_row").get<std::size_t>() - 1; row < rows.cells.size();
        ++row) {
-    const auto& cells = lines[row];
-    if (cells.size() == 1 && cells.front().empty()) continue;
-    const auto units = NumberAt(cells, time_column);
+    const auto& cells = rows.cells[row];
+    if (rows.is_comment[row] || std::ranges::all_of(cells, &std::string::empty)) continue;
+    const auto units = NumberAt(cells, time_column, decimal_comma);
     ACUS_REQUIRE(units && std::abs(*units * s_per_unit) <= kMaxTimeS, label, ":", row + 1,
                  ": has no time in column '", names[time_column], "'");
     const auto time_ns = static_cast<std::int64_t>(std::llround(*units * s_per_unit * 1e9));
-    ACUS_REQUIRE(!last_ns || time_ns > *last_ns, label, ":", row + 1,
+    ACUS_REQUIRE(!last_ns || time_ns >= *last_ns, label, ":", row + 1,
                  ": its time does not increase; does column '", names[time_column],
                  "' hold the time?");
+    if (last_ns == time_ns) {
+      ++num_repeated;
+      continue;
+    }
     last_ns = time_ns;
-    for (auto& [stream, tool] : tools)
-      Append(*stream, time_ns, PoseAtRow(cells, tool, mm_per_unit));
+    for (auto& [stream, tool] : tools) {
+      Append(*stream, time_ns, PoseAtRow(cells, tool, mm_per_unit, decimal_comma));
+    }
   }
   ACUS_REQUIRE(last_ns, label, ": has no rows of data from row ",
                mapping.at("first_row").get<int>(), " on");
+  if (num_repeated > 0) {
+    context.Warn(Message(label, ": ", num_repeated,
+                         " rows have the time of the row before; the first of each is kept"));
+  }
   for (auto& [stream, tool] : tools) {
-    ACUS_REQUIRE(std::ranges::any_of(*stream, &PoseSample::valid), label, ": the ",
-                 stream == &session.needle ? "needle" : "probe",
+    const char* name = stream == &session.needle ? "needle" : "probe";
+    ACUS_REQUIRE(std::ranges::any_of(*stream, &PoseSample::valid), label, ": the ", name,
                  " was never seen: no row has numbers of a pose (quaternion of length 1) in the "
                  "columns of the mapping");
+    if (!as_it_is) RequirePlausiblePlaces(*stream, name, mm_per_unit, label);
   }
   return session;
 }

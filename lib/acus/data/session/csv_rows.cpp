@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/delimited_text.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/number_text.h"
 #include "acus/base/core/words.h"
@@ -42,6 +43,7 @@ CsvRows::CsvRows(const std::filesystem::path& path, std::span<const std::string_
       words_(words),
       text_(ReadTextFile(path)) {
   ACUS_ASSERT(columns.size() <= kMaxColumns);
+  if (!text_.starts_with(Header())) text_ = AsPlainCsv(std::move(text_), name_);
   // After a power cut some file systems fill the end of a file with zero bytes.
   while (!text_.empty() && text_.back() == '\0') text_.pop_back();
 }
@@ -76,8 +78,9 @@ bool CsvRows::Next() {
 void CsvRows::ReadHeader(std::string_view line) {
   Cells cells;
   const std::size_t count = Split(line, cells);
-  ACUS_REQUIRE(count == columns_.size(), Where(), ": the header has ", count,
-               " columns; it must be ", Header());
+  ACUS_REQUIRE(count <= kMaxColumns, Where(), ": the header has ", count, " columns; at most ",
+               kMaxColumns, " are read: ", Header());
+  num_cells_ = count;
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     const auto found = std::ranges::find(cells, columns_[i]);
     ACUS_REQUIRE(found != cells.end(), Where(), ": no column '", columns_[i],
@@ -90,10 +93,12 @@ void CsvRows::ReadHeader(std::string_view line) {
 bool CsvRows::ReadRow(std::string_view line, bool is_complete) {
   Cells in_file;
   const std::size_t count = Split(line, in_file);
-  for (std::size_t i = 0; i < columns_.size(); ++i) cells_[i] = in_file[place_[i]];
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    cells_[i] = place_[i] < count ? in_file[place_[i]] : std::string_view();
+  }
   const std::string_view last = cells_[columns_.size() - 1];
   const auto word = std::ranges::find(words_, last);
-  const bool known = count == columns_.size() && word != words_.end();
+  const bool known = count == num_cells_ && word != words_.end();
   if (!is_complete && !known) {
     // The word ends a line, so a line without it was being written when the recording stopped.
     context_.Warn(Message(Where(),
@@ -101,8 +106,8 @@ bool CsvRows::ReadRow(std::string_view line, bool is_complete) {
                           "it is omitted"));
     return false;
   }
-  ACUS_REQUIRE(count == columns_.size(), Where(), ": has ", count, " cells, the columns are ",
-               columns_.size(), " (", Header(), ")");
+  ACUS_REQUIRE(count == num_cells_, Where(), ": has ", count, " cells, the columns are ",
+               num_cells_, " (", Header(), num_cells_ > columns_.size() ? " and others)" : ")");
   ACUS_REQUIRE(known, Where(), ": ", columns_.back(), " is '", last,
                "'; allowed: ", List(words_, ", "));
   word_ = static_cast<std::size_t>(word - words_.begin());
@@ -120,9 +125,10 @@ std::int64_t CsvRows::TimeNs(std::size_t column) {
   const auto time_ns = NanosecondsFromText(cells_[column]);
   ACUS_REQUIRE(time_ns.has_value(), Where(), ": ", columns_[column], " is '", cells_[column],
                "'; a finite number of seconds within +-", kMaxTimeS, " is needed");
-  ACUS_REQUIRE(!last_time_ns_ || *time_ns > *last_time_ns_, Where(), ": ", columns_[column], " is ",
-               cells_[column], ", but the sample before is at ", SecondsText(*last_time_ns_),
-               "; time must increase: remove or sort the rows");
+  is_repeated_ = last_time_ns_ && *time_ns == *last_time_ns_;
+  ACUS_REQUIRE(!last_time_ns_ || *time_ns >= *last_time_ns_, Where(), ": ", columns_[column],
+               " is ", cells_[column], ", but the sample before is at ",
+               SecondsText(*last_time_ns_), "; time must increase: remove or sort the rows");
   last_time_ns_ = time_ns;
   return *time_ns;
 }

@@ -13,13 +13,14 @@
 
 namespace acus::session {
 
-/// Reads the lines of one file one after the other. Columns are found by name, in any order; empty
-/// lines and lines that begin with '#' are skipped. A line ends with a word of a fixed set in its
+/// Reads the lines of one file one after the other. Columns are found by name, in any order, among
+/// others; empty lines and lines that begin with '#' are skipped. Encodings, separators and decimal
+/// commas as in delimited_text.h. A line ends with a word of a fixed set in its
 /// last column: without it, a line that has no end was being written when the recording stopped,
 /// and is omitted with a warning.
 class CsvRows {
  public:
-  static constexpr std::size_t kMaxColumns = 12;
+  static constexpr std::size_t kMaxColumns = 40;
 
   /// @param columns  All columns, the one with the word last. At most kMaxColumns. As `words`, it
   ///     must outlive this.
@@ -39,8 +40,10 @@ class CsvRows {
 
   /// The cell as a number. @throws InputError if it is none, or not finite.
   double Number(std::size_t column) const;
-  /// The cell as a time. @throws InputError if it is none, or not later than the row before.
+  /// The cell as a time. @throws InputError if it is none, or before that of the row before.
   std::int64_t TimeNs(std::size_t column);
+  /// Whether the row has the time of the row before: a sample that was stored twice.
+  bool IsRepeated() const { return is_repeated_; }
 
   std::string Where() const;  ///< "file.csv:17".
   /// Bytes of the file, to guess the number of rows.
@@ -63,6 +66,8 @@ class CsvRows {
   bool has_header_ = false;
   Cells cells_{};
   std::size_t word_ = 0;
+  std::size_t num_cells_ = 0;  ///< Of the header.
+  bool is_repeated_ = false;
   std::optional<std::int64_t> last_time_ns_;
 };
 

@@ -42,6 +42,13 @@ transforms::Pose PoseOf(const CsvRows& rows) {
   return {rotation, Eigen::Vector3d(values[0], values[1], values[2])};
 }
 
+bool HasMissingCell(const CsvRows& rows) {
+  for (std::size_t i = 1; i + 1 < kColumns.size(); ++i) {
+    if (rows.Cell(i).empty()) return true;
+  }
+  return false;
+}
+
 void FillLeadingInvalid(PoseStream& stream, const std::string& name, const RunContext& context) {
   const auto first_good = std::ranges::find(stream, true, &PoseSample::valid);
   if (first_good == stream.end()) {
@@ -59,14 +66,32 @@ PoseStream ReadPoseCsv(const std::filesystem::path& path, const RunContext& cont
   CsvRows rows(path, kColumns, kStatus, context);
   PoseStream stream;
   stream.reserve(rows.size() / 80);
+  std::size_t num_repeated = 0;
+  std::size_t num_empty = 0;
   while (rows.Next()) {
     PoseSample sample{rows.TimeNs(0), transforms::Pose(), kStatus[rows.Word()] == "OK"};
+    if (rows.IsRepeated()) {
+      ++num_repeated;
+      continue;
+    }
+    if (sample.valid && HasMissingCell(rows)) {
+      sample.valid = false;
+      ++num_empty;
+    }
     if (sample.valid) {
       sample.reference_from_tool = PoseOf(rows);
     } else if (!stream.empty()) {
       sample.reference_from_tool = stream.back().reference_from_tool;
     }
     stream.push_back(sample);
+  }
+  if (num_repeated > 0) {
+    context.Warn(Message(path.string(), ": ", num_repeated,
+                         " rows have the time stamp of the row before; the first of each is kept"));
+  }
+  if (num_empty > 0) {
+    context.Warn(Message(path.string(), ": ", num_empty,
+                         " rows with empty cells are taken as INVALID: the tool was not seen"));
   }
   ACUS_REQUIRE(!stream.empty(), path.string(),
                ": has no samples; record again, or take the stream out "

@@ -1,5 +1,7 @@
 #include "acus/data/session/session_import.h"
 
+#include <algorithm>
+
 #include "acus/base/core/error.h"
 #include "acus/base/core/text_table.h"
 #include "acus/base/core/words.h"
@@ -7,6 +9,7 @@
 #include "acus/data/session/frame_guess.h"
 #include "acus/data/session/integrity.h"
 #include "acus/data/session/perk_buffer.h"
+#include "acus/data/session/pose_csv.h"
 #include "acus/data/session/recording_import.h"
 #include "acus/data/session/sequence_file.h"
 #include "acus/data/session/session_io.h"
@@ -34,6 +37,24 @@ transforms::TransformGraph Calibrations(const ImportOptions& options) {
 
 bool IsImage(const ToolStream& tool) {
   return (tool.scale - Eigen::Vector3d::Ones()).cwiseAbs().maxCoeff() > kRigidScaleTolerance;
+}
+
+/// Names a calibration of the image that is there, where the probe's pose is that of its marker.
+void WarnIfCalibrationIsUnused(const std::optional<ToolStream>& probe,
+                               const transforms::TransformGraph& transforms,
+                               const ImportOptions& options, const std::string& label,
+                               const RunContext& context) {
+  constexpr const char* kImage = "Image";
+  if (!probe || probe->frame == kImage || options.probe_frames != ImportOptions().probe_frames) {
+    return;
+  }
+  const bool is_calibrated = transforms.HasFrame(kImage) && transforms.Find(kImage, probe->frame);
+  if (!is_calibrated) return;
+  context.Warn(Message(label, ": the probe's pose is that of the marker ", probe->frame,
+                       ", not of the transducer, although the calibration ImageTo", probe->frame,
+                       " is known. 'acus-import --probe Image --face-px COLUMN ROW' uses it; "
+                       "--probe ",
+                       probe->frame, " means the marker"));
 }
 
 /// Moves the origin of an image's pose from its corner to the transducer face.
@@ -157,19 +178,50 @@ fs::path SceneOf(const fs::path& folder) {
 
 namespace {
 
-ImportedSession ReadSequenceSession(const fs::path& path, const ImportOptions& options,
-                                    double frame_rate_hz, const RunContext& context) {
+/// Leaves out frames that are earlier than one before them, or all from the first such on.
+void DropTimeGoingBack(std::vector<TimedTransforms>& instants, TimeGoingBack what,
+                       const std::string& label, const RunContext& context) {
+  if (what == TimeGoingBack::kRefuse || instants.empty()) return;
+  const std::size_t before = instants.size();
+  std::int64_t latest_ns = instants.front().time_ns;
+  if (what == TimeGoingBack::kCut) {
+    const auto back = std::ranges::adjacent_find(
+        instants, [](const auto& a, const auto& b) { return b.time_ns < a.time_ns; });
+    if (back != instants.end()) instants.erase(back + 1, instants.end());
+  } else {
+    std::erase_if(instants, [&](const TimedTransforms& instant) {
+      if (instant.time_ns < latest_ns) return true;
+      latest_ns = instant.time_ns;
+      return false;
+    });
+  }
+  if (instants.size() == before) return;
+  context.Warn(Message(label, ": ", before - instants.size(), " of ", before, " frames ",
+                       what == TimeGoingBack::kCut ? "from where time goes back on are omitted"
+                                                   : "are earlier than one before them and are "
+                                                     "omitted"));
+}
+
+ImportedSession ReadSequenceSession(const fs::path& path, const RecordingOptions& recording,
+                                    const RunContext& context) {
+  const ImportOptions& options = recording.frames;
   const std::string label = path.string();
   const SequenceFile file(path);
-  const auto instants = Instants(file, label, options, frame_rate_hz);
+  auto instants = Instants(file, label, options, recording.frame_rate_hz);
+  DropTimeGoingBack(instants, recording.time_going_back, label, context);
   auto needle =
       ExtractTool(instants, options.needle_frames, options.reference_frame, label, context);
   auto probe = ExtractTool(instants, options.probe_frames, options.reference_frame, label, context);
   if (!needle && !probe) {
     const auto guessed = Guessed(NamesOfFrames(file), options, label, context);
-    if (guessed) return ReadSequenceSession(path, *guessed, frame_rate_hz, context);
+    if (guessed) {
+      RecordingOptions with_guess = recording;
+      with_guess.frames = *guessed;
+      return ReadSequenceSession(path, with_guess, context);
+    }
     NothingFound(label, options, instants.front().transforms.Names());
   }
+  WarnIfCalibrationIsUnused(probe, instants.front().transforms, options, label, context);
   return Assemble(label, options, std::move(needle), std::move(probe));
 }
 
@@ -195,6 +247,12 @@ ImportedSession SessionOfScene(SlicerScene scene, const std::string& label,
     const auto guessed = Guessed(names, options, label, context);
     if (guessed) return SessionOfScene(std::move(scene), label, *guessed, context);
     NothingFound(label, options, TransformNames(scene));
+  }
+  if (probe) {
+    const auto instants = InstantsFor(scene, "Image", options.reference_frame);
+    if (!instants.empty()) {
+      WarnIfCalibrationIsUnused(probe, instants.front().transforms, options, label, context);
+    }
   }
   return Assemble(label, options, std::move(needle), std::move(probe));
 }
@@ -224,7 +282,7 @@ std::string ToolReport(const std::string& tool, const std::string& frame, const 
 
 ImportedSession ReadPlusSession(const fs::path& path, const ImportOptions& options,
                                 const RunContext& context) {
-  return ReadSequenceSession(path, options, 0.0, context);
+  return ReadSequenceSession(path, {.frames = options}, context);
 }
 
 ImportedSession ReadSlicerSession(const fs::path& path, const ImportOptions& options,
@@ -233,9 +291,26 @@ ImportedSession ReadSlicerSession(const fs::path& path, const ImportOptions& opt
                         path.string(), options, context);
 }
 
+std::string WithoutCommonTime(const Session& session) {
+  if (session.needle.empty() || session.probe.empty()) return {};
+  const bool meet = session.needle.front().time_ns <= session.probe.back().time_ns &&
+                    session.probe.front().time_ns <= session.needle.back().time_ns;
+  if (meet) return {};
+  const auto range = [](const PoseStream& stream) {
+    return SecondsText(stream.front().time_ns) + " to " + SecondsText(stream.back().time_ns) + " s";
+  };
+  return "needle and probe have no common time: the needle's is " + range(session.needle) +
+         ", the probe's " + range(session.probe) +
+         "; were they recorded by two clocks? 'acus-register temporal' finds the lag between two "
+         "recordings of one motion";
+}
+
 ImportedSession ReadAnySession(const fs::path& path, const ImportOptions& options,
                                const RunContext& context) {
-  return ImportRecording(path, {.frames = options}, context);
+  ImportedSession imported = ImportRecording(path, {.frames = options}, context);
+  const std::string trouble = WithoutCommonTime(imported.session);
+  ACUS_REQUIRE(trouble.empty(), path.string(), ": ", trouble);
+  return imported;
 }
 
 ImportedSession ImportRecording(const fs::path& path, const RecordingOptions& recording,
@@ -256,13 +331,14 @@ ImportedSession ImportRecording(const fs::path& path, const RecordingOptions& re
   if (ending == ".xml") {
     return SessionOfScene(ReadPerkBuffer(path), path.string(), options, context);
   }
-  if (ending == ".csv") {
+  if (ending == ".csv" || ending == ".txt" || ending == ".tsv" || ending == ".dat" ||
+      ending == ".tum") {
     ACUS_REQUIRE(
         !recording.columns.empty(), path.string(),
         ": 'acus-import --columns MAPPING' reads it; a mapping (acus-columns/1) says which "
-        "columns hold what, such as columns/optitrack_motive.json");
+        "columns hold what, such as columns/optitrack_motive.json or columns/tum.json");
     ImportedSession imported;
-    imported.session = ReadColumnCsv(path, recording.columns);
+    imported.session = ReadColumnCsv(path, recording.columns, recording.as_it_is, context);
     if (!imported.session.needle.empty()) imported.needle_frame = "of the mapping";
     if (!imported.session.probe.empty()) imported.probe_frame = "of the mapping";
     return imported;
@@ -271,15 +347,17 @@ ImportedSession ImportRecording(const fs::path& path, const RecordingOptions& re
       ending == ".mha" || ending == ".mhd" || ending == ".nrrd", path.string(),
       ": is not a session; allowed: a session folder (with session.json), a PLUS sequence "
       "(.igs.mha, .igs.mhd, .igs.nrrd), a Slicer scene (.mrml, .mrb, or its folder), a transform "
-      "buffer of Perk Tutor (.xml); with acus-import also a tracker's .csv");
-  return ReadSequenceSession(path, options, recording.frame_rate_hz, context);
+      "buffer of Perk Tutor (.xml); with acus-import also a tracker's .csv or .txt");
+  return ReadSequenceSession(path, recording, context);
 }
 
 std::string ImportReport(const ImportedSession& imported) {
   const Session& session = imported.session;
+  const std::string trouble = WithoutCommonTime(session);
   std::string text = Message("reference: ", session.reference_frame, "\n") +
                      ToolReport("needle", imported.needle_frame, session.needle, "--needle") +
                      ToolReport("probe", imported.probe_frame, session.probe, "--probe");
+  if (!trouble.empty()) text += "warning: " + trouble + "\n";
   if (imported.probe_mm_per_px) {
     text += Message("  an image of ", imported.probe_mm_per_px->transpose(),
                     " mm per pixel: --face-px moves the probe's origin to its transducer\n");

@@ -72,6 +72,7 @@ BreathStream ReadBreathCsv(const std::filesystem::path& path, const RunContext& 
   CsvRows rows(path, kBreathColumns, kBreathWords, context);
   BreathStream stream;
   stream.reserve(rows.size() / 60);
+  std::size_t num_repeated = 0;
   while (rows.Next()) {
     const BreathSample sample{.time_ns = rows.TimeNs(0),
                               .cycle = rows.Number(1),
@@ -82,7 +83,15 @@ BreathStream ReadBreathCsv(const std::filesystem::path& path, const RunContext& 
                  sample.cycle, "; it must be at least 0 and less than 1");
     ACUS_REQUIRE(std::abs(sample.level) <= kMostLevel && std::abs(sample.level_per_s) <= kMostLevel,
                  rows.Where(), ": level and level_per_s must lie within +-", kMostLevel);
-    stream.push_back(sample);
+    if (rows.IsRepeated()) {
+      ++num_repeated;
+    } else {
+      stream.push_back(sample);
+    }
+  }
+  if (num_repeated > 0) {
+    context.Warn(Message(path.string(), ": ", num_repeated,
+                         " rows have the time stamp of the row before; the first of each is kept"));
   }
   return stream;
 }

@@ -39,7 +39,9 @@ ToolStream Extract(std::span<const TimedTransforms> instants, const std::string&
     }
     ACUS_REQUIRE(tool.poses.empty() || time_ns > tool.poses.back().time_ns, label, ": frame ", i,
                  ": time goes back from ", SecondsText(tool.poses.back().time_ns), " s to ",
-                 SecondsText(time_ns), " s; sort the frames, or cut the recording here");
+                 SecondsText(time_ns),
+                 " s; sort the frames, or let 'acus-import --time-goes-back' drop them or cut the "
+                 "recording here");
     const auto found = instants[i].transforms.Find(frame, reference);
     PoseSample sample{time_ns, {}, found && found->valid};
     if (sample.valid) {

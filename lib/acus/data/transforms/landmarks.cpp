@@ -10,6 +10,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/csv.h"
+#include "acus/base/core/delimited_text.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/spelling.h"
 #include "acus/base/core/xml_scan.h"
@@ -100,6 +101,11 @@ Landmarks FromTable(const CsvTable& table, const std::string& name_column,
   }
   Landmarks landmarks = collector.Take();
   landmarks.sd_mm = DeviationsFrom(table);
+  landmarks.how_read = table.how_read();
+  for (const char* column : columns) {
+    const std::string taken = table.Taken(column);
+    if (!taken.empty()) landmarks.how_read += (landmarks.how_read.empty() ? "" : "; ") + taken;
+  }
   return landmarks;
 }
 
@@ -123,7 +129,7 @@ bool IsRas(const std::string& text, const std::string& where) {
 }
 
 Landmarks ReadFcsv(const std::filesystem::path& path) {
-  std::istringstream lines(ReadTextFile(path));
+  std::istringstream lines(Utf8Text(ReadTextFile(path), path.string()));
   bool is_ras = true;  // Files older than the key are RAS.
   for (std::string line; std::getline(lines, line) && line.starts_with('#');) {
     const auto equals = line.find('=');
@@ -147,7 +153,20 @@ std::string TextOf(const json& node) {
   return node.is_string() ? node.get<std::string>() : node.dump();
 }
 
-void AddControlPoint(const json& point, bool is_ras, const std::string& where,
+/// mm per unit of a point list: a word, three words, or a code of three words ("mm", "UCUM",
+/// "millimeter").
+double MillimetresPerUnit(const json& units, const std::string& where) {
+  if (units.is_null()) return 1.0;
+  const json& first = units.is_array() && !units.empty() ? units[0] : units;
+  const auto factor = first.is_string()
+                          ? UnitFactor(ParseColumnName(first.get<std::string>()).words, "mm")
+                          : std::nullopt;
+  ACUS_REQUIRE(factor, where, "/coordinateUnits: is ", TextOf(units).substr(0, 60),
+               "; units of length (mm, cm, m, um) are read");
+  return *factor;
+}
+
+void AddControlPoint(const json& point, bool is_ras, double mm_per_unit, const std::string& where,
                      Collector& collector) {
   const json& status = Member(point, "positionStatus");
   if (status.is_string() && status != "defined") return;  // Not placed yet.
@@ -159,7 +178,8 @@ void AddControlPoint(const json& point, bool is_ras, const std::string& where,
   const json& label = Member(point, "label");
   const std::string name = label.is_string() ? label.get<std::string>() : "";
   collector.Add(name,
-                {position[0].get<double>(), position[1].get<double>(), position[2].get<double>()},
+                mm_per_unit * Eigen::Vector3d(position[0].get<double>(), position[1].get<double>(),
+                                              position[2].get<double>()),
                 is_ras, where);
 }
 
@@ -173,14 +193,12 @@ Landmarks ReadMarkupsJson(const std::filesystem::path& path) {
     const std::string where = Message(path.string(), ": /markups/", m);
     const json& system = Member(markups[m], "coordinateSystem");
     const bool is_ras = !system.is_null() && IsRas(TextOf(system), where + "/coordinateSystem");
-    const json& units = Member(markups[m], "coordinateUnits");
-    const bool in_mm = units.is_null() || units == "mm" || units == json({"mm", "mm", "mm"});
-    ACUS_REQUIRE(in_mm, where, "/coordinateUnits: is ", TextOf(units).substr(0, 60),
-                 "; only mm is read");
+    const double mm_per_unit = MillimetresPerUnit(Member(markups[m], "coordinateUnits"), where);
     const json& points = Member(markups[m], "controlPoints");
     ACUS_REQUIRE(points.is_array(), where, "/controlPoints: must be a list");
     for (std::size_t i = 0; i < points.size(); ++i) {
-      AddControlPoint(points[i], is_ras, Message(where, "/controlPoints/", i), collector);
+      AddControlPoint(points[i], is_ras, mm_per_unit, Message(where, "/controlPoints/", i),
+                      collector);
     }
   }
   return collector.Take();

@@ -18,6 +18,7 @@ struct Landmarks {
   /// Localisation error along the axes of the file's frame, standard deviations; empty if the file
   /// does not say.
   Markers sd_mm = {};
+  std::string how_read = {};  ///< What was taken from a table in another form than the plain one.
 };
 
 /// Reads points from
@@ -26,10 +27,11 @@ struct Landmarks {
 ///    the localisation error in columns fle_mm (RMS length) or sd_x_mm, sd_y_mm, sd_z_mm, if known;
 ///  - `.mrk.json` of 3D Slicer: all defined points of all point lists, RAS turned to LPS
 ///    (coordinateSystem "LPS" or 1, "RAS" or 0; LPS if it is not said);
+///    coordinates in coordinateUnits (mm if it is not said);
 ///  - `.fcsv` of 3D Slicer, the same;
 ///  - `.xml` of PLUS: the landmarks of its phantom definition, in the phantom's frame.
 /// @throws InputError with file and place if the file is broken, holds no point, a name twice, a
-///     coordinate that is not finite or is beyond a kilometre, or a unit other than mm.
+///     coordinate that is not finite or is beyond a kilometre, or a unit that is no length.
 Landmarks ReadLandmarks(const std::filesystem::path& path);
 
 /// Writes `.csv` (name, x_mm, y_mm, z_mm) or `.mrk.json` (LPS), by extension, atomically. Reading

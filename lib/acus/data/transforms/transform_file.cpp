@@ -1,5 +1,6 @@
 #include "acus/data/transforms/transform_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -21,6 +22,8 @@ using Eigen::Matrix4d;
 using Eigen::Vector3d;
 
 constexpr double kFarthestTranslationMm = 1e6;
+constexpr std::string_view kComposite = "CompositeTransform_";
+constexpr std::size_t kMostParts = 100;
 constexpr std::string_view kMagic = "#Insight Transform File V1.0";
 
 /// All numbers of a text; nothing else may be in it.
@@ -56,8 +59,9 @@ struct Block {
   std::optional<std::vector<double>> fixed;
 };
 
-Block ReadBlock(std::string_view text, const std::string& file) {
-  Block block;
+/// The blocks of a file: one, or a composite transform and its parts.
+std::vector<Block> ReadBlocks(std::string_view text, const std::string& file) {
+  std::vector<Block> blocks;
   int line_number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -72,22 +76,26 @@ Block ReadBlock(std::string_view text, const std::string& file) {
     const std::string_view key = Trimmed(line.substr(0, colon));
     const std::string_view value = Trimmed(line.substr(colon + 1));
     if (key == "Transform") {
-      ACUS_REQUIRE(block.type.empty(), where,
+      ACUS_REQUIRE(blocks.empty() || blocks.front().type.starts_with(kComposite), where,
                    ": a second transform; save the one that is meant (in Slicer: harden it first)");
-      block.type = value;
-    } else if (key == "Parameters") {
-      block.parameters = Numbers(value, where);
-    } else if (key == "FixedParameters") {
-      block.fixed = Numbers(value, where);
+      ACUS_REQUIRE(blocks.size() < kMostParts, where, ": more than ", kMostParts, " transforms");
+      blocks.emplace_back().type = value;
+    } else if (!blocks.empty() && key == "Parameters") {
+      blocks.back().parameters = Numbers(value, where);
+    } else if (!blocks.empty() && key == "FixedParameters") {
+      blocks.back().fixed = Numbers(value, where);
     } else {
       throw InputError(Message(where, ": unknown key '", key.substr(0, 40),
                                "'; Transform, Parameters and FixedParameters are known"));
     }
   }
-  ACUS_REQUIRE(
-      !block.type.empty() && block.parameters && block.fixed, file,
-      ": has no complete transform (Transform, Parameters, FixedParameters); is it cut off?");
-  return block;
+  const bool is_composite = !blocks.empty() && blocks.front().type.starts_with(kComposite);
+  if (is_composite) blocks.erase(blocks.begin());
+  const auto is_complete = [](const Block& block) { return block.parameters && block.fixed; };
+  ACUS_REQUIRE(!blocks.empty() && std::ranges::all_of(blocks, is_complete), file,
+               ": has no complete transform; each needs the lines Transform, Parameters and "
+               "FixedParameters");
+  return blocks;
 }
 
 /// The rotation of a versor given by its vector part. @throws InputError if that is too long.
@@ -151,8 +159,7 @@ Parts PartsOf(const Block& block, const std::string& file) {
   return parts;
 }
 
-Eigen::Isometry3d Parse(std::string_view text, const std::string& file) {
-  const Block block = ReadBlock(text, file);
+Matrix4d MatrixOf(const Block& block, const std::string& file) {
   ACUS_REQUIRE(block.type.ends_with("_3_3"), file, ": transform '", block.type.substr(0, 60),
                "' is not three-dimensional");
   const Parts parts = PartsOf(block, file);
@@ -161,6 +168,13 @@ Eigen::Isometry3d Parse(std::string_view text, const std::string& file) {
   Matrix4d matrix = Matrix4d::Identity();
   matrix.topLeftCorner<3, 3>() = parts.matrix;
   matrix.topRightCorner<3, 1>() = parts.translation + centre - parts.matrix * centre;
+  return matrix;
+}
+
+/// A composite transform applies the last of its parts first, as ITK does.
+Eigen::Isometry3d Parse(std::string_view text, const std::string& file) {
+  Matrix4d matrix = Matrix4d::Identity();
+  for (const Block& block : ReadBlocks(text, file)) matrix = matrix * MatrixOf(block, file);
   return RigidWithin(matrix, file);
 }
 

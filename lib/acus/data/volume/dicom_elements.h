@@ -57,11 +57,16 @@ struct DicomValues {
   std::string Text(std::uint32_t tag) const;
   /// An unsigned 16-bit value, or `missing`.
   int Short(std::uint32_t tag, int missing) const;
+  /// An unsigned 32-bit value, or `missing`.
+  int Long(std::uint32_t tag, int missing) const;
   /// A decimal string of `count` finite numbers; empty if it is missing or not that.
   std::vector<double> Decimals(std::uint32_t tag, std::size_t count) const;
 };
 
-/// A file of at most 4 GB. @throws InputError if it cannot be read.
+inline constexpr const char* kDicomDeflated = "1.2.840.10008.1.2.1.99";
+
+/// A file of at most 4 GB; the data set of a deflated one is inflated.
+/// @throws InputError if it cannot be read, or its compressed data is broken or larger than memory.
 std::vector<std::uint8_t> ReadDicomBytes(const std::filesystem::path& path);
 
 }  // namespace acus::volume

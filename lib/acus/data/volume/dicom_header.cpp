@@ -17,6 +17,8 @@
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
 #include "acus/data/volume/dicom_elements.h"
+#include "acus/data/volume/dicom_items.h"
+#include "acus/data/volume/dicom_pixels.h"
 
 namespace acus::volume {
 namespace {
@@ -35,10 +37,9 @@ class Walker {
     explicit_vr_ = true;
     while (at_ + 4 <= bytes_.size() && PeekTag() >> 16U == 2U) Element(0);
     const std::string syntax = values_.Text(kDicomTransferSyntax);
-    ACUS_REQUIRE(syntax != "1.2.840.10008.1.2.2" && syntax != "1.2.840.10008.1.2.1.99",
-                 path_.string(),
-                 ": big-endian and deflated DICOM are not read; convert the "
-                 "series to explicit little endian (for example with dcmconv)");
+    ACUS_REQUIRE(syntax != "1.2.840.10008.1.2.2", path_.string(),
+                 ": big-endian DICOM is not read; convert the series to explicit little endian "
+                 "(for example with dcmconv)");
     // Without a meta header the syntax shows in whether a VR in capitals follows the first tag.
     explicit_vr_ = syntax.empty() ? DicomLooksExplicit(bytes_, at_) : syntax != "1.2.840.10008.1.2";
     while (at_ < bytes_.size()) {
@@ -154,6 +155,29 @@ Kind KindOf(const fs::path& path) {
   return bare ? Kind::kMaybeBare : Kind::kNotDicom;
 }
 
+/// Places an image, if all three are there and usable. Spacing: rows first.
+void Place(const std::vector<double>& position, const std::vector<double>& axes,
+           const std::vector<double>& spacing, DicomHeader& header) {
+  if (position.empty() || axes.empty() || spacing.empty()) return;
+  header.position_mm = Eigen::Vector3d(position[0], position[1], position[2]);
+  header.column_axis = Eigen::Vector3d(axes[0], axes[1], axes[2]);
+  header.row_axis = Eigen::Vector3d(axes[3], axes[4], axes[5]);
+  header.spacing_mm = Eigen::Array2d(spacing[1], spacing[0]);
+  header.is_placed = std::abs(header.column_axis.norm() - 1.0) < 1e-2 &&
+                     std::abs(header.row_axis.norm() - 1.0) < 1e-2 &&
+                     std::abs(header.column_axis.dot(header.row_axis)) < 1e-2 &&
+                     (header.spacing_mm > 1e-3).all() && (header.spacing_mm < 100.0).all();
+  header.column_axis.normalize();
+  header.row_axis -= header.column_axis * header.column_axis.dot(header.row_axis);
+  header.row_axis.normalize();
+}
+
+void Rescale(const std::vector<double>& slope, const std::vector<double>& intercept,
+             DicomHeader& header) {
+  if (!slope.empty()) header.rescale_slope = slope[0];
+  if (!intercept.empty()) header.rescale_intercept = intercept[0];
+}
+
 DicomHeader HeaderFrom(const Walker& walker, const fs::path& path) {
   const DicomValues& dicom = walker.values();
   DicomHeader header;
@@ -166,6 +190,16 @@ DicomHeader HeaderFrom(const Walker& walker, const fs::path& path) {
   header.description = dicom.Text(0x0008103EU);
   header.modality = dicom.Text(0x00080060U);
   header.image_type = dicom.Text(0x00080008U);
+  header.instance_uid = dicom.Text(0x00080018U);
+  header.acquisition_number = dicom.Text(0x00200012U);
+  header.acquisition_time = dicom.Text(0x00080032U);
+  header.comments = dicom.Text(0x00204000U);
+  if (const auto number = dicom.Decimals(0x00200013U, 1); !number.empty()) {
+    header.instance_number = number[0];
+  }
+  if (const auto location = dicom.Decimals(0x00201041U, 1); !location.empty()) {
+    header.slice_location_mm = location[0];
+  }
   header.rows = dicom.Short(0x00280010U, 0);
   header.columns = dicom.Short(0x00280011U, 0);
   header.bits_allocated = dicom.Short(0x00280100U, 16);
@@ -175,26 +209,9 @@ DicomHeader HeaderFrom(const Walker& walker, const fs::path& path) {
   const auto frames = dicom.Decimals(0x00280008U, 1);
   header.num_frames = frames.empty() ? 1 : static_cast<int>(std::clamp(frames[0], 0.0, 1e6));
   header.has_pixels = dicom.Has(kDicomPixels) && header.rows > 0 && header.columns > 0;
-  const auto position = dicom.Decimals(0x00200032U, 3);
-  const auto axes = dicom.Decimals(0x00200037U, 6);
-  const auto spacing = dicom.Decimals(0x00280030U, 2);
-  if (!position.empty() && !axes.empty() && !spacing.empty()) {
-    header.position_mm = Eigen::Vector3d(position[0], position[1], position[2]);
-    header.column_axis = Eigen::Vector3d(axes[0], axes[1], axes[2]);
-    header.row_axis = Eigen::Vector3d(axes[3], axes[4], axes[5]);
-    header.spacing_mm = Eigen::Array2d(spacing[1], spacing[0]);  // The file gives rows first.
-    header.is_placed = std::abs(header.column_axis.norm() - 1.0) < 1e-2 &&
-                       std::abs(header.row_axis.norm() - 1.0) < 1e-2 &&
-                       std::abs(header.column_axis.dot(header.row_axis)) < 1e-2 &&
-                       (header.spacing_mm > 1e-3).all() && (header.spacing_mm < 100.0).all();
-    header.column_axis.normalize();
-    header.row_axis -= header.column_axis * header.column_axis.dot(header.row_axis);
-    header.row_axis.normalize();
-  }
-  const auto slope = dicom.Decimals(0x00281053U, 1);
-  const auto intercept = dicom.Decimals(0x00281052U, 1);
-  if (!slope.empty()) header.rescale_slope = slope[0];
-  if (!intercept.empty()) header.rescale_intercept = intercept[0];
+  Place(dicom.Decimals(0x00200032U, 3), dicom.Decimals(0x00200037U, 6),
+        dicom.Decimals(0x00280030U, 2), header);
+  Rescale(dicom.Decimals(0x00281053U, 1), dicom.Decimals(0x00281052U, 1), header);
   if (dicom.Has(0x00280120U)) {
     const int raw = dicom.Short(0x00280120U, 0);
     header.padding_value = header.is_signed ? static_cast<std::int16_t>(raw) : raw;
@@ -222,6 +239,52 @@ std::optional<DicomHeader> ReadDicomHeader(const fs::path& file) {
     throw;
   }
   return HeaderFrom(walker, file);
+}
+
+std::vector<DicomHeader> FramesOf(const DicomHeader& object) {
+  const DicomDataSet data = ReadDicomDataSet(object.file);
+  const DicomItem& root = data.root;
+  const auto items = root.sequences.find(0x52009230U);
+  const auto count = static_cast<std::size_t>(object.num_frames);
+  if (items == root.sequences.end() || items->second.size() != count) return {object};
+  const DicomItem* shared = root.First(0x52009229U);
+  std::vector<DicomHeader> frames(count, object);
+  std::shared_ptr<const std::string> decoded;
+  if (object.is_encapsulated) {
+    const DicomBytes pixels = root.values.at(kDicomPixels);
+    decoded = std::make_shared<const std::string>(
+        DecodedFrames(object, std::string(pixels.begin(), pixels.end())));
+  }
+  for (std::size_t n = 0; n < count; ++n) {
+    DicomHeader& frame = frames[n];
+    const DicomItem& own = items->second[n];
+    const auto attribute = [&](std::uint32_t group, std::uint32_t tag, std::size_t size) {
+      const DicomItem* found = own.First(group);
+      if (found == nullptr && shared != nullptr) found = shared->First(group);
+      return found == nullptr ? std::vector<double>() : found->Decimals(tag, size);
+    };
+    Place(attribute(0x00209113U, 0x00200032U, 3), attribute(0x00209116U, 0x00200037U, 6),
+          attribute(0x00289110U, 0x00280030U, 2), frame);
+    Rescale(attribute(0x00289145U, 0x00281053U, 1), attribute(0x00289145U, 0x00281052U, 1), frame);
+    if (const DicomItem* content = own.First(0x00209111U)) {
+      frame.temporal_position = content->Long(0x00209128U, frame.temporal_position);
+      const int acquisition = content->Short(0x00209156U, 0);
+      if (acquisition > 0) frame.acquisition_number = std::to_string(acquisition);
+      frame.comments = content->Text(0x00209158U);
+    }
+    frame.num_frames = 1;
+    frame.frame = n;
+    frame.instance_number = static_cast<double>(n + 1);
+    frame.instance_uid.clear();  // All have that of the object.
+    frame.decoded_frames = decoded;
+    if (decoded) continue;
+    const std::size_t bytes = static_cast<std::size_t>(object.rows) *
+                              static_cast<std::size_t>(object.columns) *
+                              static_cast<std::size_t>(object.bits_allocated / 8);
+    frame.pixels_begin = std::min(object.pixels_begin + n * bytes, object.pixels_end);
+    frame.pixels_end = std::min(frame.pixels_begin + bytes, object.pixels_end);
+  }
+  return frames;
 }
 
 }  // namespace acus::volume

@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace acus::volume {
 
@@ -16,6 +18,12 @@ struct DicomHeader {
   int temporal_position = 0;  ///< Temporal Position Identifier, of a scan over time; 0: none.
   std::string modality;       ///< "CT", "MR", "SEG", ...
   std::string image_type;     ///< For example "ORIGINAL\PRIMARY\LOCALIZER".
+  std::string instance_uid;   ///< Of the object; may be empty.
+  std::string acquisition_number;
+  std::string acquisition_time;
+  std::string comments;                     ///< Image comments: of some scanners, the phase.
+  double instance_number = 0.0;             ///< 0: not known.
+  std::optional<double> slice_location_mm;  ///< As the scanner says, along its axis.
   int columns = 0;
   int rows = 0;
   int num_frames = 1;
@@ -35,6 +43,9 @@ struct DicomHeader {
   double rescale_slope = 1.0;                              ///< HU = slope * stored + intercept.
   double rescale_intercept = 0.0;
   std::optional<double> padding_value;  ///< As stored, before rescaling.
+  /// Of a frame of a compressed multi-frame object: all its frames, decoded; and which one it is.
+  std::shared_ptr<const std::string> decoded_frames;
+  std::size_t frame = 0;
 };
 
 /// Reads and checks the whole element structure, nested sequences too: no length in it is trusted
@@ -42,5 +53,9 @@ struct DicomHeader {
 /// @returns Nothing if the file is not DICOM.
 /// @throws InputError if it is DICOM, but cut off or broken.
 std::optional<DicomHeader> ReadDicomHeader(const std::filesystem::path& file);
+
+/// The frames of a multi-frame object (Enhanced CT), each with its place and rescaling. The object
+/// itself if it does not say them.
+std::vector<DicomHeader> FramesOf(const DicomHeader& object);
 
 }  // namespace acus::volume

@@ -13,9 +13,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Sequences that a file with implicit types does not mark as such.
-constexpr std::array<std::uint32_t, 12> kSequenceTags = {
-    0x00082218U, 0x00082220U, 0x00209113U, 0x00209116U, 0x00289110U, 0x00620002U,
-    0x00620003U, 0x0062000AU, 0x0062000FU, 0x00620011U, 0x52009229U, 0x52009230U};
+constexpr std::array<std::uint32_t, 14> kSequenceTags = {
+    0x00082218U, 0x00082220U, 0x00209111U, 0x00289145U, 0x00209113U, 0x00209116U, 0x00289110U,
+    0x00620002U, 0x00620003U, 0x0062000AU, 0x0062000FU, 0x00620011U, 0x52009229U, 0x52009230U};
 
 class ItemParser {
  public:
@@ -33,6 +33,8 @@ class ItemParser {
     while (at_ + 8 <= bytes_.size()) Element(root, bytes_.size(), 0);
     return root;
   }
+
+  bool is_encapsulated() const { return is_encapsulated_; }
 
  private:
   [[noreturn]] void Fail(const char* what) const {
@@ -58,9 +60,13 @@ class ItemParser {
     const auto [tag, type, length, size] = head;
     at_ += size;
     if (length != kDicomOpenLength) Need(length, end);
-    ACUS_REQUIRE(tag != kDicomPixels || length != kDicomOpenLength, path_.string(),
-                 ": its pixels are compressed, which is not read in segmentations; export it "
-                 "uncompressed (for example with gdcmconv --raw)");
+    if (tag == kDicomPixels && length == kDicomOpenLength) {
+      const std::size_t begin = at_;
+      SkipFragments(end);
+      item.values[tag] = bytes_.subspan(begin, at_ - begin);
+      is_encapsulated_ = true;
+      return;
+    }
     if (!IsSequence(head)) {
       item.values[tag] = bytes_.subspan(at_, length);
       at_ += length;
@@ -71,6 +77,19 @@ class ItemParser {
     item.sequences[tag] = Items(length == kDicomOpenLength ? end : at_ + length,
                                 length == kDicomOpenLength, depth + 1);
     explicit_type_ = outer;
+  }
+
+  void SkipFragments(std::size_t end) {
+    for (;;) {
+      Need(8, end);
+      const std::uint32_t tag = Tag();
+      const std::uint32_t length = DicomU32(bytes_, at_ + 4);
+      at_ += 8;
+      if (tag == kDicomSequenceEnd) return;
+      if (tag != kDicomItem) Fail("an encapsulated pixel item is missing");
+      Need(length, end);
+      at_ += length;
+    }
   }
 
   std::vector<DicomItem> Items(std::size_t end, bool is_open, int depth) {
@@ -105,6 +124,7 @@ class ItemParser {
   const fs::path& path_;
   DicomBytes bytes_;
   std::size_t at_ = 0;
+  bool is_encapsulated_ = false;
   bool explicit_type_ = true;  ///< The first group is, whatever the others are.
 };
 
@@ -118,7 +138,9 @@ const DicomItem* DicomItem::First(std::uint32_t sequence) const {
 DicomDataSet ReadDicomDataSet(const fs::path& path) {
   DicomDataSet data;
   data.bytes = ReadDicomBytes(path);
-  data.root = ItemParser(path, data.bytes).Parse();
+  ItemParser parser(path, data.bytes);
+  data.root = parser.Parse();
+  data.is_encapsulated = parser.is_encapsulated();
   return data;
 }
 

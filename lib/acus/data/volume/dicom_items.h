@@ -22,11 +22,12 @@ struct DicomItem : DicomValues {
 struct DicomDataSet {
   std::vector<std::uint8_t> bytes;
   DicomItem root;
+  bool is_encapsulated = false;  ///< Its pixels are compressed.
 };
 
-/// Reads a file that ReadDicomHeader has accepted: little endian, not deflated.
-/// @throws InputError if an item is cut off, broken or nested too deeply, or its pixels are
-///     compressed.
+/// Reads a file that ReadDicomHeader has accepted. The value of compressed pixels is the sequence
+/// of their fragments.
+/// @throws InputError if an item is cut off, broken or nested too deeply.
 DicomDataSet ReadDicomDataSet(const std::filesystem::path& path);
 
 }  // namespace acus::volume

@@ -9,6 +9,8 @@
 #include <sstream>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
+#include "acus/data/volume/dicom_elements.h"
 
 namespace acus::volume {
 namespace {
@@ -18,6 +20,13 @@ constexpr double kMaxPlausibleHu = 3072.0;  ///< A padding value above this is n
 
 /// The bytes of the pixel data element, or of its whole sequence of fragments.
 std::string PixelBytes(const DicomHeader& header) {
+  if (header.transfer_syntax == kDicomDeflated) {  // The place is that in the inflated file.
+    const auto all = ReadDicomBytes(header.file);
+    ACUS_REQUIRE(header.pixels_end <= all.size(), header.file.string(),
+                 ": has changed while it was read");
+    return {all.begin() + static_cast<std::ptrdiff_t>(header.pixels_begin),
+            all.begin() + static_cast<std::ptrdiff_t>(header.pixels_end)};
+  }
   std::ifstream file(header.file, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(header.pixels_begin));
   std::string bytes(header.pixels_end - header.pixels_begin, '\0');
@@ -42,6 +51,7 @@ class MinimalDicom {
     Element(8, 0x18, "UI", "1.2.3");
     Number(0x02, 1);
     Element(0x28, 4, "CS", "MONOCHROME2");
+    if (header.num_frames > 1) Element(0x28, 8, "IS", std::to_string(header.num_frames));
     Number(0x10, header.rows);
     Number(0x11, header.columns);
     Number(0x100, header.bits_allocated);
@@ -80,8 +90,19 @@ class MinimalDicom {
   std::string bytes_;
 };
 
-/// @returns columns x rows stored values of bits_allocated bits.
-std::string Decompressed(const DicomHeader& header, const std::string& fragments) {
+/// The stored bits of a pixel, which are the lowest, with their sign.
+std::int32_t WithoutHighBits(std::int32_t whole, unsigned unused, const DicomHeader& header) {
+  if (unused == 0) return whole;
+  const auto bits = static_cast<unsigned>(header.bits_stored);
+  const auto low =
+      static_cast<std::int32_t>(static_cast<std::uint32_t>(whole) & ((1U << bits) - 1U));
+  const bool is_negative = header.is_signed && (low >> (bits - 1U) & 1) != 0;
+  return is_negative ? low - (1 << bits) : low;
+}
+
+}  // namespace
+
+std::string DecodedFrames(const DicomHeader& header, const std::string& fragments) {
   const std::string name = header.file.string();
   gdcm::Trace::DebugOff();
   gdcm::Trace::WarningOff();
@@ -94,8 +115,11 @@ std::string Decompressed(const DicomHeader& header, const std::string& fragments
                "); the file is broken or the compression is not known. "
                "Try dcmdjpeg or gdcmconv --raw on the series");
   const gdcm::Image& image = reader.GetImage();
-  const auto count =
-      static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows);
+  const auto count = static_cast<std::size_t>(header.columns) *
+                     static_cast<std::size_t>(header.rows) *
+                     static_cast<std::size_t>(header.num_frames);
+  RequireMemory(static_cast<double>(count) * header.bits_allocated / 8.0,
+                static_cast<double>(fragments.size()), name);
   ACUS_REQUIRE(image.GetDimension(0) == static_cast<unsigned>(header.columns) &&
                    image.GetDimension(1) == static_cast<unsigned>(header.rows) &&
                    image.GetBufferLength() == count * (header.bits_allocated / 8U),
@@ -106,8 +130,6 @@ std::string Decompressed(const DicomHeader& header, const std::string& fragments
   return raw;
 }
 
-}  // namespace
-
 std::vector<std::int16_t> DecodedSlice(const DicomHeader& header) {
   const std::string name = header.file.string();
   const bool wide = header.bits_allocated == 16;
@@ -115,13 +137,15 @@ std::vector<std::int16_t> DecodedSlice(const DicomHeader& header) {
                    header.bits_stored >= 1 && header.bits_stored <= header.bits_allocated,
                name, ": has ", header.samples_per_pixel, " samples of ", header.bits_allocated,
                " bits (", header.bits_stored, " used) per pixel; one of 8 or 16 is needed");
-  std::string raw = PixelBytes(header);
-  if (header.is_encapsulated) raw = Decompressed(header, raw);
   const auto count =
       static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows);
-  ACUS_REQUIRE(raw.size() >= count * (wide ? 2 : 1), name, ": has ", raw.size(),
-               " bytes of pixels for ", header.columns, " x ", header.rows,
-               "; it is cut off or broken");
+  const std::size_t frame_bytes = count * (wide ? 2 : 1);
+  std::string raw = header.decoded_frames
+                        ? header.decoded_frames->substr(header.frame * frame_bytes, frame_bytes)
+                        : PixelBytes(header);
+  if (header.is_encapsulated && !header.decoded_frames) raw = DecodedFrames(header, raw);
+  ACUS_REQUIRE(raw.size() >= frame_bytes, name, ": has ", raw.size(), " bytes of pixels for ",
+               header.columns, " x ", header.rows, "; it is cut off or broken");
   const double slope = header.rescale_slope;
   const double intercept = header.rescale_intercept;
   ACUS_REQUIRE(slope != 0.0 && std::abs(slope) < 1e4 && std::abs(intercept) < 1e5, name,
@@ -129,14 +153,19 @@ std::vector<std::int16_t> DecodedSlice(const DicomHeader& header) {
   const double padding = header.padding_value.value_or(0.0) * slope + intercept;
   const bool has_high_padding = header.padding_value && padding > kMaxPlausibleHu;
   std::vector<std::int16_t> hu(count);
+  // Bits above those stored may hold an overlay; padding may use them.
+  const unsigned unused = static_cast<unsigned>(header.bits_allocated - header.bits_stored);
   for (std::size_t i = 0; i < count; ++i) {
     const auto low = static_cast<std::uint8_t>(raw[wide ? 2 * i : i]);
-    std::int32_t stored = header.is_signed ? static_cast<std::int8_t>(low) : low;
+    std::int32_t whole = header.is_signed ? static_cast<std::int8_t>(low) : low;
     if (wide) {
       const auto word =
           static_cast<std::uint16_t>(low | static_cast<std::uint8_t>(raw[2 * i + 1]) << 8);
-      stored = header.is_signed ? static_cast<std::int16_t>(word) : word;
+      whole = header.is_signed ? static_cast<std::int16_t>(word) : word;
     }
+    const bool is_declared_padding = header.padding_value && whole == *header.padding_value;
+    const std::int32_t stored =
+        is_declared_padding ? whole : WithoutHighBits(whole, unused, header);
     const double value = std::round(stored * slope + intercept);
     const bool is_padding = has_high_padding && value >= padding;
     hu[i] =

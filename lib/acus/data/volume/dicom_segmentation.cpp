@@ -7,6 +7,7 @@
 #include "acus/base/core/input_file.h"
 #include "acus/data/volume/dicom_header.h"
 #include "acus/data/volume/dicom_items.h"
+#include "acus/data/volume/dicom_pixels.h"
 #include "acus/data/volume/scalar_file.h"
 #include "acus/data/volume/terminology.h"
 
@@ -154,7 +155,9 @@ Geometry GridOf(const DicomItem& root, std::vector<SegmentFrame>& frames, const 
 /// The pixels of all frames, one after the other; bits are packed without gaps between frames.
 class SegmentPixels {
  public:
-  SegmentPixels(const DicomItem& root, std::size_t count, const fs::path& path)
+  /// @param decoded  Of compressed pixels; otherwise empty.
+  SegmentPixels(const DicomItem& root, const std::string& decoded, std::size_t count,
+                const fs::path& path)
       : bits_(root.Short(0x00280100U, 1)) {
     const std::string type = root.Text(0x00620001U);
     const int largest = root.Short(0x0062000EU, 255);
@@ -164,11 +167,15 @@ class SegmentPixels {
                  ": has ", bits_,
                  " bits for each pixel; segmentations have 1, 8, or 16 as label maps");
     const auto found = root.values.find(kSegmentPixels);
-    const std::size_t have = found == root.values.end() ? 0 : found->second.size();
+    if (!decoded.empty()) {
+      bytes_ = {reinterpret_cast<const std::uint8_t*>(decoded.data()), decoded.size()};
+    } else if (found != root.values.end()) {
+      bytes_ = found->second;
+    }
+    const std::size_t have = bytes_.size();
     const std::size_t need = (count * static_cast<std::size_t>(bits_) + 7) / 8;
     ACUS_REQUIRE(have >= need, path.string(), ": has ", have, " bytes of pixels for ", need,
                  "; it is cut off or broken. Copy or export it again");
-    bytes_ = found->second;
   }
 
   /// The value that a pixel gives to its voxel, 0 for none.
@@ -190,6 +197,24 @@ class SegmentPixels {
   DicomBytes bytes_;
 };
 
+/// Compressed pixels, decoded: of 8 or 16 bits, as single bits cannot be compressed.
+std::string DecodedPixels(const DicomItem& root, int count, const fs::path& path) {
+  DicomHeader header;
+  header.file = path;
+  header.transfer_syntax = root.Text(kDicomTransferSyntax);
+  header.rows = root.Short(0x00280010U, 0);
+  header.columns = root.Short(0x00280011U, 0);
+  header.num_frames = count;
+  header.bits_allocated = root.Short(0x00280100U, 1);
+  header.bits_stored = root.Short(0x00280101U, header.bits_allocated);
+  ACUS_REQUIRE(header.bits_allocated == 8 || header.bits_allocated == 16, path.string(),
+               ": its pixels of ", header.bits_allocated,
+               " bits are compressed, which is read for 8 and 16; export it uncompressed (for "
+               "example with gdcmconv --raw)");
+  const DicomBytes fragments = root.values.at(kSegmentPixels);
+  return DecodedFrames(header, std::string(fragments.begin(), fragments.end()));
+}
+
 }  // namespace
 
 bool IsDicomSegmentation(const fs::path& path) {
@@ -210,7 +235,8 @@ NamedValues ReadDicomSegmentation(const fs::path& path) {
                 static_cast<double>(data.bytes.size()), path.string());
   map.values = Grid<std::int32_t>(geometry);
   const std::size_t frame_pixels = geometry.Index(0, 0, 1);
-  const SegmentPixels pixels(root, frame_pixels * frames.size(), path);
+  const std::string decoded = data.is_encapsulated ? DecodedPixels(root, count, path) : "";
+  const SegmentPixels pixels(root, decoded, frame_pixels * frames.size(), path);
   for (std::size_t n = 0; n < frames.size(); ++n) {
     const std::size_t begin = geometry.Index(0, 0, frames[n].plane);
     for (std::size_t p = 0; p < frame_pixels; ++p) {

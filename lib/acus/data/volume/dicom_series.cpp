@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <tuple>
+#include <optional>
 
 #include "acus/base/core/parallel.h"
 #include "acus/base/core/text_table.h"
 #include "acus/base/math/statistics.h"
+#include "acus/data/volume/dicom_groups.h"
 #include "acus/data/volume/dicom_header.h"
 #include "acus/data/volume/dicom_pixels.h"
 #include "acus/data/volume/volume_io.h"
@@ -20,78 +20,7 @@ namespace fs = std::filesystem;
 constexpr double kMaxStepDeviation = 0.02;  ///< Of slice steps, relative to their median.
 constexpr double kMaxShiftMm = 0.05;        ///< Per slice; below it a tilt is rounding.
 
-struct Group {
-  DicomSeries series;
-  std::vector<DicomHeader> headers;  ///< In order along the slice normal.
-};
-
-/// Slices that can form one volume: same series, moment, size, orientation and pixel spacing.
-using GroupKey = std::tuple<std::string, int, int, int, std::string>;
-
-GroupKey KeyOf(const DicomHeader& header) {
-  std::string plane;
-  for (int d = 0; d < 3; ++d) {
-    plane += Message(std::lround(header.column_axis[d] * 1e3), ",",
-                     std::lround(header.row_axis[d] * 1e3), ",");
-  }
-  plane += Message(std::lround(header.spacing_mm[0] * 1e4), ",",
-                   std::lround(header.spacing_mm[1] * 1e4));
-  return {header.series_uid, header.temporal_position, header.columns, header.rows, plane};
-}
-
-Eigen::Vector3d NormalOf(const DicomHeader& header) {
-  return header.column_axis.cross(header.row_axis);
-}
-
-std::vector<fs::path> FilesIn(const fs::path& folder) {
-  std::error_code error;
-  ACUS_REQUIRE(fs::is_directory(folder, error), folder.string(), ": no such folder");
-  std::vector<fs::path> files;
-  const auto options = fs::directory_options::skip_permission_denied;
-  for (auto it = fs::recursive_directory_iterator(folder, options, error);
-       it != fs::recursive_directory_iterator(); it.increment(error)) {
-    if (!error && it->is_regular_file(error)) files.push_back(it->path());
-  }
-  std::ranges::sort(files);
-  return files;
-}
-
-std::vector<Group> GroupsIn(const fs::path& folder, int num_threads) {
-  const auto files = FilesIn(folder);
-  std::vector<std::optional<DicomHeader>> headers(files.size());
-  ParallelFor(static_cast<int>(files.size()), num_threads, [&](int i) {
-    const auto at = static_cast<std::size_t>(i);
-    headers[at] = ReadDicomHeader(files[at]);
-  });
-  std::map<GroupKey, Group> groups;
-  for (const auto& header : headers) {
-    if (!header || !header->has_pixels) continue;
-    groups[KeyOf(*header)].headers.push_back(*header);
-  }
-  ACUS_REQUIRE(!groups.empty(), folder.string(), ": no DICOM image in it (", files.size(),
-               " files looked at); give the folder that holds the slices");
-  std::map<std::string, int> parts;
-  std::vector<Group> out;
-  for (auto& [key, group] : groups) {
-    const DicomHeader& first = group.headers.front();
-    const Eigen::Vector3d normal = NormalOf(first);
-    std::ranges::stable_sort(group.headers, {}, [&](const DicomHeader& header) {
-      return header.position_mm.dot(normal);
-    });
-    const std::string uid = first.series_uid.empty() ? "unnamed" : first.series_uid;
-    const int part = ++parts[uid];
-    group.series = {.uid = part == 1 ? uid : Message(uid, "#", part),
-                    .description = first.description,
-                    .temporal_position = first.temporal_position,
-                    .files = {},
-                    .image_size = {first.columns, first.rows}};
-    for (const DicomHeader& header : group.headers) group.series.files.push_back(header.file);
-    out.push_back(std::move(group));
-  }
-  std::ranges::stable_sort(
-      out, [](const Group& a, const Group& b) { return a.headers.size() > b.headers.size(); });
-  return out;
-}
+using Group = SliceGroup;
 
 bool IsCtLike(const Group& group) {
   return group.headers.size() >= 3 && group.headers.front().is_placed &&
@@ -133,8 +62,32 @@ Group Chosen(const fs::path& folder, const std::string& wanted, std::vector<Grou
 /// the next (of a tilted gantry), in mm along columns and rows.
 struct Stack {
   double step_mm = 0.0;
+  bool is_rounded = false;  ///< Positions are rounded to 0.1 mm; the step is their mean.
   Eigen::Array2d shift_mm = Eigen::Array2d::Zero();
 };
+
+/// The even step that places along the normal show which are rounded to 0.1 mm; nothing if they
+/// are not, as where a slice is missing.
+std::optional<double> StepOfRounded(const std::vector<DicomHeader>& headers) {
+  constexpr double kRoundingMm = 0.06;
+  constexpr double kLeastStepMm = 0.3;  // Below it, a missing slice would look like rounding.
+  const Eigen::Vector3d normal = NormalOf(headers.front());
+  const double count = static_cast<double>(headers.size() - 1);
+  double step_mm = (headers.back().position_mm - headers.front().position_mm).dot(normal) / count;
+  const auto& first_at = headers.front().slice_location_mm;
+  const auto& last_at = headers.back().slice_location_mm;
+  if (first_at && last_at) {
+    const double stated_mm = std::abs(*last_at - *first_at) / count;
+    if (std::abs(stated_mm - step_mm) * count < 2.0 * kRoundingMm) step_mm = stated_mm;
+  }
+  if (step_mm < kLeastStepMm) return {};
+  for (std::size_t s = 0; s < headers.size(); ++s) {
+    const double along_mm = (headers[s].position_mm - headers.front().position_mm).dot(normal);
+    const double off_mm = along_mm - step_mm * static_cast<double>(s);
+    if (std::abs(off_mm) > 2.0 * kRoundingMm) return {};
+  }
+  return step_mm;
+}
 
 Stack StackOf(const fs::path& folder, const std::vector<DicomHeader>& headers) {
   const DicomHeader& first = headers.front();
@@ -144,6 +97,10 @@ Stack StackOf(const fs::path& folder, const std::vector<DicomHeader>& headers) {
     steps.push_back((headers[s].position_mm - headers[s - 1].position_mm).dot(normal));
   }
   const double typical = math::Median(steps);
+  const bool is_even = std::ranges::all_of(steps, [typical](double step) {
+    return std::abs(step - typical) <= kMaxStepDeviation * typical + 1e-2;
+  });
+  const auto rounded_mm = is_even ? std::nullopt : StepOfRounded(headers);
   for (std::size_t s = 0; s < steps.size(); ++s) {
     const std::string between = Message(headers[s].file.filename().string(), " and ",
                                         headers[s + 1].file.filename().string());
@@ -151,7 +108,7 @@ Stack StackOf(const fs::path& folder, const std::vector<DicomHeader>& headers) {
                  headers[s].position_mm.transpose(),
                  " mm); two scans or copies are mixed in this "
                  "series, keep one of them");
-    ACUS_REQUIRE(std::abs(steps[s] - typical) <= kMaxStepDeviation * typical + 1e-2,
+    ACUS_REQUIRE(rounded_mm || std::abs(steps[s] - typical) <= kMaxStepDeviation * typical + 1e-2,
                  folder.string(), ": the slices are not evenly spaced: ", steps[s], " mm between ",
                  between, ", ", typical, " mm elsewhere (", headers.size(),
                  " slices). Slices are "
@@ -160,7 +117,8 @@ Stack StackOf(const fs::path& folder, const std::vector<DicomHeader>& headers) {
   const Eigen::Vector3d span = headers.back().position_mm - first.position_mm;
   const double count = static_cast<double>(steps.size());
   Stack stack;
-  stack.step_mm = span.dot(normal) / count;
+  stack.step_mm = rounded_mm.value_or(span.dot(normal) / count);
+  stack.is_rounded = rounded_mm.has_value();
   const Eigen::Array2d shift_mm(span.dot(first.column_axis) / count,
                                 span.dot(first.row_axis) / count);
   for (std::size_t s = 0; s < headers.size(); ++s) {
@@ -222,7 +180,8 @@ void RequireCtSlices(const fs::path& folder, const std::vector<DicomHeader>& hea
                  ": has no usable position, orientation "
                  "or pixel spacing, so it cannot be placed; export the original slices");
     ACUS_REQUIRE(header.num_frames == 1, header.file.string(), ": holds ", header.num_frames,
-                 " frames; multi-frame DICOM is not read, convert it to NIfTI or NRRD first");
+                 " frames without a position of each; export it as Enhanced CT or as single "
+                 "slices");
   }
   const std::string& modality = headers.front().modality;
   ACUS_REQUIRE(modality == "CT" || modality.empty(), folder.string(), ": modality is ", modality,
@@ -282,12 +241,12 @@ std::vector<std::string> RowOf(const Group& group, const fs::path& folder,
 
 std::vector<DicomSeries> ListDicomSeries(const fs::path& folder) {
   std::vector<DicomSeries> series;
-  for (Group& group : GroupsIn(folder, 1)) series.push_back(std::move(group.series));
+  for (Group& group : SliceGroupsIn(folder, 1)) series.push_back(std::move(group.series));
   return series;
 }
 
 std::string SeriesTable(const fs::path& folder, const RunContext& context) {
-  const auto groups = GroupsIn(folder, context.num_threads);
+  const auto groups = SliceGroupsIn(folder, context.num_threads);
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     context.Checkpoint("reading DICOM slices",
@@ -301,10 +260,17 @@ std::string SeriesTable(const fs::path& folder, const RunContext& context) {
 
 CtVolume ReadDicomCt(const fs::path& folder, const std::string& series, const RunContext& context) {
   context.Checkpoint("reading DICOM headers", 0.0);
-  const Group group = Chosen(folder, series, GroupsIn(folder, context.num_threads));
+  const Group group = Chosen(folder, series, SliceGroupsIn(folder, context.num_threads));
   const auto& headers = group.headers;
   RequireCtSlices(folder, headers);
   const Stack stack = StackOf(folder, headers);
+  for (const std::string& note : group.notes) context.Warn(Message(folder.string(), ": ", note));
+  if (stack.is_rounded) {
+    context.Warn(Message(folder.string(),
+                         ": positions of the slices are rounded to 0.1 mm; their "
+                         "mean distance of ",
+                         stack.step_mm, " mm is used"));
+  }
   const auto [grid, first_px] = GridOf(headers, stack);
   const bool tilted = (stack.shift_mm != 0.0).any();
   if (tilted) {

@@ -6,14 +6,17 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <vector>
 #include <zlib.h>
 
+#include "acus/base/core/delimited_text.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
 #include "acus/base/core/number_text.h"
 #include "acus/base/core/words.h"
+#include "acus/data/volume/nifti_header.h"
 
 namespace acus::volume {
 namespace {
@@ -142,36 +145,6 @@ int BytesOfMetaType(const std::string& type) {
       {"MET_FLOAT", 4}, {"MET_DOUBLE", 8}, {"MET_LONG_LONG", 8}, {"MET_ULONG_LONG", 8}};
   const auto found = kBytes.find(type);
   return found == kBytes.end() ? 0 : found->second;
-}
-
-struct NiftiHeader {
-  bool swapped = false;
-  std::array<std::uint8_t, 352> bytes{};
-
-  template <typename T>
-  T At(std::size_t offset) const {
-    std::array<std::uint8_t, sizeof(T)> raw{};
-    for (std::size_t i = 0; i < sizeof(T); ++i) {
-      raw[i] = bytes[offset + (swapped ? sizeof(T) - 1 - i : i)];
-    }
-    T value;
-    std::memcpy(&value, raw.data(), sizeof(T));
-    return value;
-  }
-};
-
-NiftiHeader ReadNiftiHeader(const fs::path& path) {
-  NiftiHeader header;
-  gzFile file = gzopen(path.c_str(), "rb");  // Reads plain files too.
-  ACUS_REQUIRE(file != nullptr, path.string(), ": cannot be read");
-  const int got = gzread(file, header.bytes.data(), static_cast<unsigned>(header.bytes.size()));
-  gzclose(file);
-  ACUS_REQUIRE(got >= 348, path.string(), ": is cut off or no NIfTI file (", std::max(got, 0),
-               " bytes of a 348-byte header)");
-  if (header.At<std::int32_t>(0) != 348) header.swapped = true;
-  ACUS_REQUIRE(header.At<std::int32_t>(0) == 348 && std::memcmp(&header.bytes[344], "n+1", 3) == 0,
-               path.string(), ": is not a single-file NIfTI-1 (.nii or .nii.gz)");
-  return header;
 }
 
 /// Where the voxels begin in an .mha: after the line of ElementDataFile.
@@ -409,6 +382,25 @@ void CheckNrrdHeader(const fs::path& path, int channels) {
   RequireBytes(MostVoxelBytes(path), values, path);
   const double on_disk = NrrdBytesOnDisk(path, fields);
   RequireMemory(values * BytesOfNrrdType(fields["type"]), on_disk, path.string());
+}
+
+double NrrdMillimetresPerUnit(const fs::path& path) {
+  const std::string text = NrrdFields(path)["space units"];
+  std::optional<double> unit;
+  for (std::size_t open = text.find('"'); open != text.npos; open = text.find('"', open)) {
+    const std::size_t close = text.find('"', open + 1);
+    if (close == text.npos) break;
+    const std::string word = text.substr(open + 1, close - open - 1);
+    open = close + 1;
+    if (word.empty()) continue;
+    const auto factor = UnitFactor(ParseColumnName(word).words, "mm");
+    ACUS_REQUIRE(factor, path.string(), ": space units: '", word,
+                 "' is no unit of length that is known; mm, cm, m and um are");
+    ACUS_REQUIRE(!unit || *unit == *factor, path.string(), ": space units: ", text,
+                 " are not the same; export it again");
+    unit = factor;
+  }
+  return unit.value_or(1.0);
 }
 
 int NrrdLayers(const fs::path& path) {

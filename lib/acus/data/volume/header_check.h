@@ -28,6 +28,10 @@ bool NiftiIsPlaced(const std::filesystem::path& path);
 /// @throws InputError
 void CheckNrrdHeader(const std::filesystem::path& path, int channels = 1);
 
+/// How many mm the unit of an NRRD's space has ("space units"); 1 if it does not say.
+/// @throws InputError if it is no length, or not one for all axes.
+double NrrdMillimetresPerUnit(const std::filesystem::path& path);
+
 /// How many values an NRRD has for each voxel: the first of four sizes if that is a list or vector
 /// (3D Slicer's layers of a segmentation), otherwise 1.
 int NrrdLayers(const std::filesystem::path& path);

@@ -14,6 +14,7 @@
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
 #include "acus/data/volume/header_check.h"
+#include "acus/data/volume/nifti_header.h"
 
 namespace acus::volume {
 namespace {
@@ -154,9 +155,10 @@ std::string Reason(const itk::ExceptionObject& error) {
   return text.substr(0, 200);
 }
 
-ScalarFile ReadChecked(const fs::path& path, int num_components) {
-  const auto io = MakeImageIo(path);
-  io->SetFileName(path.string());
+/// @param source  The file itself, or a copy of it that ITK reads.
+ScalarFile ReadChecked(const fs::path& path, const fs::path& source, int num_components) {
+  const auto io = MakeImageIo(source);
+  io->SetFileName(source.string());
   io->ReadImageInformation();
   ScalarFile file;
   file.num_components = num_components;
@@ -168,7 +170,7 @@ ScalarFile ReadChecked(const fs::path& path, int num_components) {
       file.geometry.num_voxels() * static_cast<std::uint64_t>(num_components);
   const std::uint64_t stored =
       num_voxels * (FormatOf(path) == Format::kNifti ? 1 : BytesOf(file.type));
-  ACUS_REQUIRE(stored <= MostVoxelBytes(path), path.string(), ": its header promises ", stored,
+  ACUS_REQUIRE(stored <= MostVoxelBytes(source), path.string(), ": its header promises ", stored,
                " bytes of voxels, more than the file can hold; it is cut off or broken");
   for (const std::string& key : io->GetMetaDataDictionary().GetKeys()) {
     std::string value;
@@ -183,18 +185,30 @@ ScalarFile ReadChecked(const fs::path& path, int num_components) {
   return file;
 }
 
+void ConvertUnits(const fs::path& path, ScalarFile& file) {
+  const double mm_per_unit = NrrdMillimetresPerUnit(path);
+  if (mm_per_unit == 1.0) return;
+  file.geometry.spacing_mm *= mm_per_unit;
+  file.geometry.origin_mm *= mm_per_unit;
+  file.notes.push_back(Message("its space units are ", mm_per_unit, " mm; they are converted"));
+}
+
 ScalarFile ReadFile(const fs::path& path, int num_components) {
   ACUS_REQUIRE(RequireInputFile(path) > 0, path.string(), ": is empty");
   MakeImageIo(path);  // Refuses unknown endings before anything is read.
   CheckHeader(path, num_components);
   try {
-    ScalarFile file = ReadChecked(path, num_components);
+    std::vector<std::string> notes;
+    const auto copy = FormatOf(path) == Format::kNifti ? ReadableNifti(path, notes) : nullptr;
+    ScalarFile file = ReadChecked(path, copy ? copy->path() : path, num_components);
+    file.notes = std::move(notes);
+    if (FormatOf(path) == Format::kNrrd) ConvertUnits(path, file);
     RequireUsable(file.geometry, path);
     MakeRightHanded(file);
     return file;
   } catch (const itk::ExceptionObject& exception) {
     throw InputError(Message(path.string(), ": cannot be read: ", Reason(exception),
-                             " (cut off or broken? Export or copy it again)"));
+                             "; export or copy it again"));
   } catch (const std::length_error&) {
     throw InputError(Message(path.string(), ": its header is broken; export it again"));
   }

@@ -73,9 +73,11 @@ std::int16_t HuFrom(T value) {
 template <typename T>
 std::int32_t IntegerFrom(T value, const fs::path& path) {
   if constexpr (std::is_floating_point_v<T>) {
-    ACUS_REQUIRE(value == std::floor(value) && std::abs(value) <= T{1 << 24}, path.string(),
-                 ": value ", value,
+    // Resampling and rescaling leave integers that are rounded to single precision.
+    ACUS_REQUIRE(std::abs(value - std::round(value)) <= T{1e-3F} && std::abs(value) <= T{1 << 24},
+                 path.string(), ": value ", value,
                  " is not an integer label; is this an image and not a label map?");
+    value = std::round(value);
   } else {
     const bool too_large = value > T{} && static_cast<std::uint64_t>(value) > 0x7FFFFFFFU;
     const bool too_small = value < T{} && static_cast<std::int64_t>(value) < -0x7FFFFFFF;
@@ -100,6 +102,18 @@ void WarnIfNotHounsfield(const CtVolume& ct, const fs::path& path, const RunCont
                          ", so there is no air in it. "
                          "Are these Hounsfield units? (Some exports are shifted by 1024)"));
   }
+}
+
+/// Voxels of a patient's CT are not finer than this, nor is it larger than a room.
+void RequireSizeOfBody(const Geometry& geometry, const fs::path& path) {
+  constexpr double kFinestMm = 0.02;
+  constexpr double kLargestMm = 1e4;
+  const Eigen::Array3d size_mm = geometry.spacing_mm * geometry.size.cast<double>();
+  const bool is_tiny = geometry.spacing_mm.maxCoeff() < kFinestMm;
+  ACUS_REQUIRE(!is_tiny && size_mm.maxCoeff() < kLargestMm, path.string(), ": is a volume of ",
+               size_mm.transpose(), " mm: its spacing of ", geometry.spacing_mm.transpose(),
+               " is probably in ", is_tiny ? "metres" : "micrometres",
+               ", not in mm; correct the header, or in an NRRD say so in 'space units'");
 }
 
 CtVolume CtFrom(const ScalarFile& file) {
@@ -156,7 +170,10 @@ CtVolume ReadCt(const fs::path& path, const std::string& series, const RunContex
     ACUS_REQUIRE(IsScalarFileName(path) || !ReadDicomHeader(path), path.string(),
                  ": is one DICOM slice; give the folder that holds the whole series");
     context.Checkpoint("reading the CT", 0.0);
-    ct = CtFrom(ReadScalarFile(path));
+    const ScalarFile file = ReadScalarFile(path);
+    for (const std::string& note : file.notes) context.Warn(Message(path.string(), ": ", note));
+    RequireSizeOfBody(file.geometry, path);
+    ct = CtFrom(file);
     const std::string name = path.filename().string();
     if ((name.ends_with(".nii") || name.ends_with(".nii.gz")) && !NiftiIsPlaced(path)) {
       context.Warn(Message(path.string(),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <regex>
 
 #include "acus/base/core/csv.h"
 #include "acus/data/volume/scalar_file.h"
@@ -48,14 +49,28 @@ PhaseFiles FromTable(const fs::path& folder) {
   return out;
 }
 
-/// The last number in a name; nothing if there is none.
+/// The number of a phase in a name, as scanners write it: before "%" or "pct" ("20.0%A",
+/// "CT_20_pct_ex"), after "T=" or "phase", else the last one. Nothing if there is none.
 std::optional<long> NumberIn(const std::string& name) {
+  static const std::regex kPercent("([0-9]{1,3})(\\.0+)?[ _]*(%|pct|percent|prct)",
+                                   std::regex::icase);
+  static const std::regex kNamed("(t ?=|phase|\\bph)[ _]*([0-9]{1,9})", std::regex::icase);
+  std::smatch found;
+  if (std::regex_search(name, found, kPercent)) return std::stol(found[1]);
+  if (std::regex_search(name, found, kNamed)) return std::stol(found[2]);
   std::size_t end = name.size();
   while (end > 0 && std::isdigit(static_cast<unsigned char>(name[end - 1])) == 0) --end;
   std::size_t begin = end;
   while (begin > 0 && std::isdigit(static_cast<unsigned char>(name[begin - 1])) != 0) --begin;
   if (begin == end || end - begin > 9) return std::nullopt;
   return std::stol(name.substr(begin, end - begin));
+}
+
+/// Averages and projections over the breath are no phases of it.
+bool IsOverAllPhases(const volume::DicomSeries& series) {
+  static const std::regex kOver("(^|[^a-z])(avg|ave|average|mean|mip|minip)([^a-z]|$)",
+                                std::regex::icase);
+  return std::regex_search(series.description, kOver);
 }
 
 /// In the order of the numbers in the names, which must be evenly spaced; by name without numbers.
@@ -96,6 +111,9 @@ std::vector<PhaseFile> VolumesIn(const fs::path& folder) {
 
 std::vector<PhaseFile> DicomIn(const fs::path& folder) {
   auto series = volume::ListDicomSeries(folder);
+  std::erase_if(series, IsOverAllPhases);
+  ACUS_REQUIRE(!series.empty(), folder.string(),
+               ": holds only averages and projections over the breath, and no phase");
   const std::size_t slices = series.front().files.size();
   // Scouts and dose reports have fewer slices.
   std::erase_if(series, [&](const volume::DicomSeries& s) { return 2 * s.files.size() < slices; });

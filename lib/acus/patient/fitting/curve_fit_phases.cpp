@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "acus/base/math/statistics.h"
 
@@ -66,8 +68,45 @@ void Draw(const ModelFit& law, const SampleModel& model, const Samples& samples,
   }
 }
 
+namespace {
+
+constexpr double kShortestApproachMm = 1.5;  // Less at one level may be anything.
+constexpr std::size_t kFewestOfApproach = 20;
+
+/// The samples before the force first leaves its level, if the drive moves from the first sample on
+/// and the level does not depend on the depth: the needle is in air, and the level is the sensor's
+/// zero. In tissue the force would rise with the buried shaft. Empty if there is no such approach.
+Samples ApproachSamples(const ForceCurve& curve, const CurvePhases& phases) {
+  Samples level;
+  if (phases.advance.size() < kFewestOfApproach) return level;
+  const auto first = std::span(phases.smooth_n).subspan(phases.advance.begin, kFewestOfApproach);
+  const double level_n = math::Median(std::vector<double>(first.begin(), first.end()));
+  std::size_t end = phases.advance.begin;
+  while (end < phases.advance.end &&
+         std::abs(phases.smooth_n[end] - level_n) < phases.least_drop_n) {
+    level.Add(end, curve.depth_mm[end], curve.force_n[end]);
+    ++end;
+  }
+  const bool then_rises = end < phases.advance.end && phases.smooth_n[end] > level_n;
+  if (!then_rises || level.x.size() < kFewestOfApproach || level.Span() < kShortestApproachMm) {
+    return {};
+  }
+  // The rise begins before it is clear of the noise.
+  Samples before;
+  const double last_mm = level.x.front() + 0.7 * level.Span();
+  for (std::size_t i = 0; i < level.x.size() && level.x[i] <= last_mm; ++i) {
+    before.Add(level.index[i], level.x[i], level.y[i]);
+  }
+  const ModelFit line = FitLine(before, math::Mean(before.x));
+  const Estimate slope = line.Of(1);
+  return line.converged && slope.low <= 0.0 && slope.high >= 0.0 ? before : Samples();
+}
+
+}  // namespace
+
 void FitOffset(const ForceCurve& curve, PunctureCurveFit& fit) {
   Samples rest = RestSamples(curve, fit.phases);
+  if (rest.x.size() < 10) rest = ApproachSamples(curve, fit.phases);
   const SampleModel constant = [](std::span<const double> p, double, std::span<double> gradient) {
     gradient[0] = 1.0;
     return p[0];

@@ -1,6 +1,7 @@
 #include "acus/patient/fitting/fit_task.h"
 
 #include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
 
 #include "acus/base/config/json_file.h"
@@ -28,9 +29,26 @@ void WritePlots(const fs::path& folder, const FittedCurve& fitted) {
   report::WriteSvg(folder / (name + "_replay.svg"), TimePlots(fitted));
 }
 
+forces::ForceColumn ColumnFrom(const nlohmann::json& row) {
+  std::string unit = row.at("unit");
+  std::ranges::transform(unit, unit.begin(), [](unsigned char c) { return std::tolower(c); });
+  return {.column = row.at("column"), .unit = unit, .sign = row.at("sign").get<double>()};
+}
+
+forces::ForceColumns ColumnsFrom(const fs::path& file) {
+  if (file.empty()) return {};
+  const auto mapping = config::ReadConfig(config::FindConfig(file, "."), "acus-force-columns");
+  return {.time = ColumnFrom(mapping.at("time")),
+          .depth = ColumnFrom(mapping.at("depth")),
+          .force = ColumnFrom(mapping.at("force"))};
+}
+
 /// Reads one recording; two of a name would overwrite each other's plots.
-ForceCurve ReadNamed(const fs::path& input, std::vector<std::string>& names) {
-  ForceCurve curve = forces::ReadForceCurve(input);
+/// @param taken  Takes a line on what was read, where the file is not in the plain form.
+ForceCurve ReadNamed(const fs::path& input, const FitTask& task, std::vector<std::string>& names,
+                     std::string& taken) {
+  ForceCurve curve = forces::ReadForceCurve(input, ColumnsFrom(task.columns), task.as_it_is);
+  if (!curve.how_read.empty()) taken += Message(input.string(), ": ", curve.how_read, "\n");
   ACUS_REQUIRE(std::ranges::find(names, curve.name) == names.end(), input.string(),
                ": another curve is named '", curve.name, "' too; rename one");
   names.push_back(curve.name);
@@ -50,10 +68,10 @@ std::string RunPrediction(const FitTask& task, RunContext& context) {
   std::vector<PredictedCurve> predicted;
   std::vector<std::string> names;
   nlohmann::json curves = nlohmann::json::array();
-  std::string missing;
+  std::string missing, taken;
   for (std::size_t i = 0; i < task.inputs.size(); ++i) {
     Advance("predicting", i, task, context);
-    ForceCurve curve = ReadNamed(task.inputs[i], names);
+    ForceCurve curve = ReadNamed(task.inputs[i], task, names, taken);
     try {
       predicted.push_back(Predict(fit, std::move(curve)));
     } catch (const NoAnswerError& error) {
@@ -73,7 +91,7 @@ std::string RunPrediction(const FitTask& task, RunContext& context) {
                                                         {"curves", curves}});
   config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
   folder.Commit();
-  return PredictionTable(predicted);
+  return taken + PredictionTable(predicted);
 }
 
 /// A file that only some recordings allow: without it the rest is written all the same.
@@ -105,11 +123,11 @@ std::string RunFits(const FitTask& task, RunContext& context) {
   std::vector<std::string> names;
   std::vector<report::Plot> overview;
   nlohmann::json results = nlohmann::json::array();
-  std::string missing;
+  std::string missing, taken;
   for (std::size_t i = 0; i < task.inputs.size(); ++i) {
     Advance("fitting", i, task, context);
     const FittedCurve& fit =
-        fits.emplace_back(FitModelsTo(ReadNamed(task.inputs[i], names), models));
+        fits.emplace_back(FitModelsTo(ReadNamed(task.inputs[i], task, names, taken), models));
     punctures.push_back(fit.puncture);
     missing += MissingAnswers(task.inputs[i].string(), fit);
     results.push_back(CurveJson(fit));
@@ -145,7 +163,7 @@ std::string RunFits(const FitTask& task, RunContext& context) {
   report::WriteSvg(folder.path() / "fit.svg", overview);
   config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
   folder.Commit();
-  return FitTable(punctures) + ModelTable(fits);
+  return taken + FitTable(punctures) + ModelTable(fits);
 }
 
 /// What was read and fitted, one after the other.

@@ -17,6 +17,8 @@ struct FitTask {
   std::string tissue;                         ///< Also a force table with this tissue; or empty.
   std::filesystem::path predict;              ///< A saved fit: predicts the inputs; or empty.
   double diameter_mm = 1.27;                  ///< Of the needle that was used.
+  std::filesystem::path columns;  ///< Which columns are what (acus-force-columns/1); or empty.
+  bool as_it_is = false;          ///< Forces that no needle takes are not refused.
 };
 
 /// Fits, or predicts, and writes the folder. A model that has no answer for a recording is reported

@@ -14,6 +14,7 @@ namespace acus::meshing {
 struct MeshConfig {
   LabelMeshSettings labels;
   SurfaceMeshSettings surface;
+  bool as_it_is = false;  ///< A surface of a size that no body has is not refused.
   std::optional<CondenseSettings> condense;  ///< Only if requested: see RequestCondensation.
 };
 

@@ -82,8 +82,9 @@ std::string MeshSurfaceToFolder(const std::filesystem::path& surface, const std:
   ACUS_REQUIRE(settings.tissue != 0, "'", tissue,
                "' is not a tissue; name what the surface encloses");
   settings.is_fixed = std::ranges::count(config.labels.fixed_tissues, tissue) > 0;
-  const SurfaceMesh out =
-      MeshSurface(mesh::ReadSurface(surface), surface.string(), settings, context);
+  const mesh::Surface content = mesh::ReadSurface(surface);
+  if (!config.as_it_is) mesh::RequireSizeOfBody(content, surface);
+  const SurfaceMesh out = MeshSurface(content, surface.string(), settings, context);
   const std::vector<TissueVolume> tissues = {{.label = settings.tissue,
                                               .name = tissue,
                                               .map_ml = out.surface_ml,

@@ -69,6 +69,8 @@ CLI::App* AddPivot(CLI::App& app, PivotTask& task) {
   command->add_option("--limit-mm", task.limit_mm, "Larger residuals (RMS length) are an error")
       ->check(Range(0.001, 1000.0))
       ->capture_default_str();
+  command->add_flag("--as-it-is", task.as_it_is,
+                    "Accept a tip that seems to be in another unit than mm");
   return command;
 }
 
@@ -185,7 +187,7 @@ CLI::App* AddSurface(CLI::App& app, SurfaceTask& task) {
   command->add_option("points", task.points, "Points, or a recording of the pointer")
       ->required()
       ->check(ExistingPath);
-  command->add_option("--skin", task.surface, "The CT's skin (.stl, .ply, .obj, .vtp)")
+  command->add_option("--skin", task.surface, "The CT's skin (.stl, .ply, .obj, .vtp, .vtk)")
       ->required()
       ->check(ExistingFile);
   command->add_option("--start", task.start, "A rough ct_from_reference.tfm")->check(ExistingFile);

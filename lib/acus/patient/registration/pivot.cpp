@@ -23,6 +23,10 @@ constexpr double kLeastUsedShare = 0.6;
 /// Residuals of a pivoted tip are a small share of how far the marker moves.
 constexpr double kMovedShare = 0.2;
 
+constexpr double kShortestPointerMm = 2.0;  ///< From marker to tip: less are metres.
+constexpr double kLongestPointerMm = 5000.0;
+constexpr double kNearestToTrackerMm = 10.0;  ///< Coordinates below it are metres.
+
 constexpr double kMinTiltRad = 3.0 * std::numbers::pi / 180.0;
 
 /// Median length of a 3D normal vector with unit variance per axis.
@@ -211,6 +215,24 @@ void RequirePivoted(const PivotCalibration& calibration, std::span<const Isometr
                               "the tip slid, or the reference moved; press the tip into a small "
                               "hole and name the reference that is fixed to it (--reference); "
                               "--limit-mm accepts a tracker with larger errors"));
+}
+
+void RequireTipInMillimetres(const PivotCalibration& calibration,
+                             std::span<const Isometry3d> poses) {
+  double farthest_mm = 0.0;
+  for (const Isometry3d& pose : poses) {
+    farthest_mm = std::max(farthest_mm, pose.translation().cwiseAbs().maxCoeff());
+  }
+  const double tip_mm = calibration.tip_mm.norm();
+  const double spread_mm = OriginSpreadMm(poses);
+  // A tool that is calibrated already has its tip at 0, but far from the tracker.
+  const bool in_metres = tip_mm < kShortestPointerMm && spread_mm < kShortestPointerMm &&
+                         farthest_mm < kNearestToTrackerMm;
+  const bool in_micrometres = tip_mm > kLongestPointerMm;
+  ACUS_REQUIRE(!in_metres && !in_micrometres, "the tip is ", tip_mm,
+               " mm from the marker, which moves by ", spread_mm, " mm and is up to ", farthest_mm,
+               " mm away: are the poses in ", in_metres ? "metres" : "micrometres",
+               "? They are needed in mm; --as-it-is takes them as they are");
 }
 
 std::vector<Isometry3d> ReadPoses(const std::filesystem::path& path) {

@@ -33,6 +33,11 @@ PivotCalibration CalibratePivot(std::span<const Eigen::Isometry3d> reference_fro
 /// Stands up to about a third of wrong poses.
 PivotCalibration CalibratePivotRobustly(std::span<const Eigen::Isometry3d> reference_from_tool);
 
+/// Refuses a tip that is in another unit than mm.
+/// @throws InputError that names the likely unit.
+void RequireTipInMillimetres(const PivotCalibration& calibration,
+                             std::span<const Eigen::Isometry3d> poses);
+
 /// Refuses a calibration that cannot be that of a pivoted pointer.
 /// @param limit_mm  Largest RMS length of the residuals.
 /// @throws NoAnswerError if the residuals are larger or fewer than 60 % of the poses were used. The

@@ -11,6 +11,7 @@
 #include "acus/patient/registration/pose_log.h"
 #include "acus/patient/registration/registration_report.h"
 #include "acus/patient/registration/result_folder.h"
+#include "acus/patient/registration/rigid_registration.h"
 #include "acus/patient/registration/tasks.h"
 
 namespace acus::registration {
@@ -28,6 +29,7 @@ std::optional<transforms::Landmarks> Targets(const fs::path& target, RunContext&
 template <class More>
 std::string WriteRegistration(const RegistrationReport& report, const fs::path& folder,
                               RunContext& context, const More& more) {
+  RequireSameShape(report.pairs);
   for (const std::string& warning : report.warnings) context.Warn(warning);
   const auto plot = report::ResidualPlot("Residuals after registration", report.pairs.names,
                                          ResidualsMm(report), ErrorsByOthersMm(report));
@@ -160,6 +162,7 @@ std::string Run(const PivotTask& task, const fs::path& folder, RunContext& conte
   }
   const auto result = task.robust ? CalibratePivotRobustly(poses) : CalibratePivot(poses);
   RequirePivoted(result, poses, task.limit_mm);
+  if (!task.as_it_is) RequireTipInMillimetres(result, poses);
   const auto plot = report::ResidualPlot("Residuals of the poses", {}, result.residual_mm);
   AtomicFolder output(folder, context.overwrite);
   WriteResult(output.path(), result, context);

@@ -160,19 +160,27 @@ namespace {
 /// How much smaller an error must become before a mistake is named.
 constexpr double kMuchBetterFit = 0.2;
 
-void AddMirror(const transforms::MarkerPairs& pairs, double fre_mm,
-               std::vector<std::string>& mistakes) {
+constexpr double kLeastMirrorShare = 0.02;  ///< FRE of a mirror image, of the points' spread.
+constexpr double kOtherUnit = 5.0;          ///< No body differs so much in size from its image.
+
+constexpr const char* kMirrored =
+    "one set of points is the mirror image of the other; is the sign of one axis wrong in one of "
+    "the files?";
+
+bool IsMirrored(const transforms::MarkerPairs& pairs, double fre_mm) {
+  if (pairs.ct_mm.cols() < 4) return false;
   transforms::Markers mirrored_mm = pairs.reference_mm;
   mirrored_mm.row(0) *= -1.0;
-  if (FitMarkers(mirrored_mm, pairs.ct_mm).fre_rms_mm >= kMuchBetterFit * fre_mm) return;
-  mistakes.emplace_back(
-      "one set of points is the mirror image of the other; is the sign of one "
-      "axis wrong in one of the files?");
+  return FitMarkers(mirrored_mm, pairs.ct_mm).fre_rms_mm < kMuchBetterFit * fre_mm;
+}
+
+double ScaleOf(const transforms::MarkerPairs& pairs) {
+  return SpreadMm(pairs.ct_mm).norm() / SpreadMm(pairs.reference_mm).norm();
 }
 
 void AddScale(const transforms::MarkerPairs& pairs, double fre_mm,
               std::vector<std::string>& mistakes) {
-  const double scale = SpreadMm(pairs.ct_mm).norm() / SpreadMm(pairs.reference_mm).norm();
+  const double scale = ScaleOf(pairs);
   const transforms::Markers scaled_mm = scale * pairs.reference_mm;
   if (std::abs(scale - 1.0) < 0.02) return;
   if (FitMarkers(scaled_mm, pairs.ct_mm).fre_rms_mm >= kMuchBetterFit * fre_mm) return;
@@ -225,15 +233,25 @@ std::vector<std::string> CommonMistakes(const transforms::MarkerPairs& pairs) {
   std::vector<std::string> mistakes;
   if (fre_mm < kFitRoundingMm) return mistakes;
   AddScale(pairs, fre_mm, mistakes);
-  if (pairs.ct_mm.cols() >= 4) {
-    AddMirror(pairs, fre_mm, mistakes);
-  }
+  if (IsMirrored(pairs, fre_mm)) mistakes.emplace_back(kMirrored);
   if (pairs.ct_mm.cols() <= kMostToOrder) {
     AddOrder(pairs, mistakes);
   } else if (pairs.ct_mm.cols() <= kMostToExchange) {
     AddExchange(pairs, fre_mm, mistakes);
   }
   return mistakes;
+}
+
+void RequireSameShape(const transforms::MarkerPairs& pairs) {
+  const double fre_mm = FitMarkers(pairs.reference_mm, pairs.ct_mm).fre_rms_mm;
+  const double scale = ScaleOf(pairs);
+  ACUS_REQUIRE(scale < kOtherUnit && scale > 1.0 / kOtherUnit,
+               "distances between the points in CT are ", scale,
+               " times those in the other frame: one of the files is not in mm (1000: it is in "
+               "metres)");
+  const bool is_mirrored =
+      fre_mm > kLeastMirrorShare * SpreadMm(pairs.ct_mm).norm() && IsMirrored(pairs, fre_mm);
+  if (is_mirrored) throw NoAnswerError(Message(kMirrored, " FRE is ", fre_mm, " mm"));
 }
 
 }  // namespace acus::registration

@@ -76,4 +76,10 @@ std::vector<Outlier> FindOutliers(const transforms::Markers& reference_mm,
 /// wrong unit. Empty if there is no sign of any.
 std::vector<std::string> CommonMistakes(const transforms::MarkerPairs& pairs);
 
+/// Refuses two sets of points that no rigid transform can bring together.
+/// @throws NoAnswerError if one set is the mirror image of the other; InputError if distances
+/// differ
+///     as units do, by a factor of five or more.
+void RequireSameShape(const transforms::MarkerPairs& pairs);
+
 }  // namespace acus::registration

@@ -37,6 +37,7 @@ struct PivotTask {
   LogTool tool = {};                              ///< Names, for recordings.
   bool robust = false;
   double limit_mm = 5.0;  ///< Largest RMS length of the residuals that is accepted.
+  bool as_it_is = false;  ///< A tip that seems to be in another unit is not refused.
 };
 
 /// Points touched with a pointer, found in its recording, to those of a file.

@@ -1,10 +1,15 @@
 #include "acus/patient/segmentation/imported_labels.h"
 
+#include <algorithm>
+#include <cctype>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "acus/base/config/json_file.h"
+#include "acus/base/core/words.h"
 #include "acus/data/volume/labels.h"
+#include "acus/data/volume/scalar_file.h"
 #include "acus/patient/segmentation/foreign_map.h"
 
 namespace acus::segmentation {
@@ -70,6 +75,65 @@ LabelMapping MappingByNames(const volume::NamedValues& map, const LabelNames& ta
   return mapping;
 }
 
+std::vector<std::string> WordsOfName(const fs::path& file) {
+  std::vector<std::string> words(1);
+  for (const char c : volume::VolumeStem(file)) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (std::isalnum(letter) != 0) {
+      words.back() += static_cast<char>(std::tolower(letter));
+    } else if (!words.back().empty()) {
+      words.emplace_back();
+    }
+  }
+  return words;
+}
+
+/// The structure that a file's name tells: that of the most words of it that are one after the
+/// other in the table. Nothing if there is none, or two.
+std::optional<volume::ValueName> StructureInName(const fs::path& file, const LabelNames& table) {
+  const std::vector<std::string> words = WordsOfName(file);
+  for (std::size_t count = words.size(); count > 0; --count) {
+    std::optional<volume::ValueName> found;
+    std::string structure;
+    for (std::size_t begin = 0; begin + count <= words.size(); ++begin) {
+      const volume::ValueName name{.text = Joined(std::span(words).subspan(begin, count), "_"),
+                                   .codes = {}};
+      const auto known = table.Find(name);
+      if (!known || known->structure.name == structure) continue;
+      if (found) return {};
+      found = name;
+      structure = known->structure.name;
+    }
+    if (found) return found;
+  }
+  return {};
+}
+
+/// The name of the one value of a file that names none: the file's. A value beyond those of masks
+/// must mean the same in the default table.
+/// @throws InputError if there is no such name, or another: a guess could be any organ.
+volume::ValueNames NamesOfOneValue(std::int32_t value, const LabelNames& table,
+                                   const LabelMapping& defaults, const fs::path& file) {
+  const auto name = StructureInName(file, table);
+  const auto by_default = defaults.name.find(value);
+  const std::string other = by_default == defaults.name.end() ? "" : by_default->second;
+  const bool is_mask = value == 1 || value == 255;
+  const auto known = name ? table.Find(*name) : std::nullopt;
+  const auto default_known =
+      other.empty() ? std::nullopt : table.Find({.text = other, .codes = {}});
+  const bool agree =
+      is_mask || (known && default_known && known->structure.name == default_known->structure.name);
+  ACUS_REQUIRE(
+      known && agree, file.string(), ": has one value, ", value, ", and no name for it",
+      known && !agree ? Message(": by the file's name it is '", name->text, "'") : std::string(),
+      !is_mask && !other.empty()
+          ? Message(known ? ", " : ": ", "in TotalSegmentator's table it is '", other, "'")
+          : std::string(),
+      ". Which structure is it? Name a mask of 0 and 1 after it (liver.nii.gz), or give a "
+      "table of values (acus-label-mapping/1) by --mapping");
+  return {{value, *name}};
+}
+
 /// What a value of a table is; a tissue by its own name if the table's words are not known.
 std::optional<NamedStructure> StructureOf(std::int32_t value, const LabelMapping& mapping,
                                           const LabelNames& names) {
@@ -110,6 +174,17 @@ ImportedLabels ReadImportedLabels(const ForeignLabels& labels, const volume::Geo
       .names =
           LabelNames(own_table ? labels.mapping : config::FindConfig("label_maps/names.json", ".")),
       .structures = {}};
+  const bool is_ours = labels.file.string().ends_with(".seg.nrrd");
+  if (by_names && map.names.empty() && !is_ours) {
+    const auto values = ValuesThatOccur(map.values);
+    if (values.size() == 1) {
+      const LabelMapping defaults =
+          ReadLabelMapping(config::FindConfig("label_maps/totalsegmentator.json", "."));
+      map.names = NamesOfOneValue(*values.begin(), import.names, defaults, labels.file);
+      map.named_by = "by the file's name";
+      import.named_by = map.named_by;
+    }
+  }
   ACUS_REQUIRE(!own_table || !map.names.empty(), labels.file.string(),
                ": neither the file nor one beside it names its values, so ",
                labels.mapping.filename().string(),
@@ -117,7 +192,6 @@ ImportedLabels ReadImportedLabels(const ForeignLabels& labels, const volume::Geo
   if (by_names && !map.names.empty()) {
     import.mapping = MappingByNames(map, import.names, labels.file);
   } else {
-    const bool is_ours = labels.file.string().ends_with(".seg.nrrd");
     const fs::path table =
         !labels.mapping.empty()
             ? labels.mapping

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <sstream>
 
 #include "acus/base/core/atomic_file.h"
@@ -14,37 +15,101 @@ namespace {
 
 constexpr double kLargestDepthMm = 2000.0;
 constexpr double kLargestForceN = 1000.0;
+constexpr double kLargestOfNeedleN = 100.0;
 constexpr double kLeastTravelMm = 1.0;
 constexpr double kLargestHu = 1e5;
 constexpr std::size_t kFewestSamples = 20;
 
-/// One column over time, as read, with the table kept for messages.
-struct Signal {
+/// One or more columns over time, as read, with the table kept for messages.
+struct Signals {
   CsvTable table;
   std::vector<double> time_s;
-  std::vector<double> value;
+  std::vector<std::vector<double>> values;
+  std::string how_read;
 };
 
-Signal ReadSignal(const std::filesystem::path& path, const char* column, double largest,
-                  const char* unit, bool has_header) {
-  Signal signal{has_header ? CsvTable(path) : CsvTable(path, {"time_s", column}), {}, {}};
-  signal.time_s = signal.table.Numbers("time_s");
-  signal.value = signal.table.Numbers(column);
-  for (std::size_t i = 0; i < signal.value.size(); ++i) {
-    ACUS_REQUIRE(std::abs(signal.value[i]) <= largest, signal.table.Where(i), ": ", column, " is ",
-                 signal.value[i], "; allowed: -", largest, " to ", largest, " ", unit,
-                 ". Is the column in another unit?");
-    ACUS_REQUIRE(i == 0 || signal.time_s[i] > signal.time_s[i - 1], signal.table.Where(i),
-                 ": time_s is ", signal.time_s[i], " after ", signal.time_s[i - 1],
-                 "; time must increase. Sort the rows and remove repeated ones");
+void Note(std::string& notes, const std::string& note) {
+  if (!note.empty()) notes += (notes.empty() ? "" : "; ") + note;
+}
+
+/// Samples of one stamp become one, their mean.
+void MergeEqualStamps(Signals& signals) {
+  std::vector<double>& time_s = signals.time_s;
+  std::size_t kept = 0;
+  for (std::size_t begin = 0; begin < time_s.size(); ++kept) {
+    std::size_t end = begin + 1;
+    while (end < time_s.size() && time_s[end] == time_s[begin]) ++end;
+    ACUS_REQUIRE(end == time_s.size() || time_s[end] > time_s[begin], signals.table.Where(end),
+                 ": time_s is ", time_s[end], " after ", time_s[begin],
+                 "; time must not go back. Sort the rows, or use the part before or after it");
+    for (auto& values : signals.values) {
+      double sum = 0.0;
+      for (std::size_t i = begin; i < end; ++i) sum += values[i];
+      values[kept] = end == begin + 1 ? values[begin] : sum / static_cast<double>(end - begin);
+    }
+    time_s[kept] = time_s[begin];
+    begin = end;
   }
-  return signal;
+  if (kept < time_s.size()) {
+    Note(signals.how_read, Message(time_s.size() - kept,
+                                   " rows had the time stamp of the row before and were averaged "
+                                   "with it"));
+  }
+  time_s.resize(kept);
+  for (auto& values : signals.values) values.resize(kept);
+}
+
+struct WantedColumn {
+  const char* name;
+  double largest;
+  const char* unit;
+};
+
+constexpr WantedColumn kDepthColumn = {"depth_mm", kLargestDepthMm, "mm"};
+constexpr WantedColumn kForceColumn = {"force_n", kLargestForceN, "N"};
+
+Signals ReadSignals(CsvTable table, std::span<const WantedColumn> wanted) {
+  Signals signals{std::move(table), {}, {}, {}};
+  std::vector<std::string_view> names = {"time_s"};
+  for (const WantedColumn& column : wanted) names.emplace_back(column.name);
+  Note(signals.how_read, signals.table.how_read());
+  for (const std::string_view name : names) Note(signals.how_read, signals.table.Taken(name));
+  const std::size_t dropped = signals.table.DropRowsWithout(names);
+  if (dropped > 0) Note(signals.how_read, Message(dropped, " rows with empty cells omitted"));
+  signals.time_s = signals.table.Numbers("time_s");
+  for (const WantedColumn& column : wanted) {
+    const auto& values = signals.values.emplace_back(signals.table.Numbers(column.name));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      ACUS_REQUIRE(std::abs(values[i]) <= column.largest, signals.table.Where(i), ": ", column.name,
+                   " is ", values[i], "; allowed: -", column.largest, " to ", column.largest, " ",
+                   column.unit, ". Is the column in another unit?");
+    }
+  }
+  return signals;
+}
+
+/// The columns of a machine's export, by the mapping or by their usual names.
+void FindColumns(CsvTable& table, const ForceColumns& columns) {
+  static constexpr std::string_view kTime[] = {"t", "elapsed_time", "timestamp", "test_time",
+                                               "zeit"};
+  static constexpr std::string_view kDepth[] = {"displacement", "extension", "insertion_depth",
+                                                "crosshead",    "stroke",    "weg"};
+  static constexpr std::string_view kForce[] = {"load", "axial_force", "kraft"};
+  const auto find = [&table](const ForceColumn& column, const char* name, auto& words) {
+    if (column.column.empty()) {
+      table.Accept(name, words);
+    } else {
+      table.Take(name, column.column, column.unit);
+    }
+  };
+  find(columns.time, "time_s", kTime);
+  find(columns.depth, "depth_mm", kDepth);
+  find(columns.force, "force_n", kForce);
 }
 
 void RequireEnough(const std::filesystem::path& path, std::size_t count) {
   ACUS_REQUIRE(count >= kFewestSamples, path.string(), ": has ", count,
-               " usable samples; at least ", kFewestSamples,
-               " are needed. Is the recording cut off?");
+               " usable samples; at least ", kFewestSamples, " are needed");
 }
 
 /// A depth in metres: an insertion of 10 to 300 mm would be one of 0.01 to 0.3 "mm", over which
@@ -60,13 +125,30 @@ void RequireMillimetres(const std::filesystem::path& path, const ForceCurve& cur
                " s: it seems to be in metres. It is needed in mm: multiply the column by 1000");
 }
 
+/// No needle takes 100 N: it would bend, or the force is in mN.
+void RequireForceOfNeedle(const std::filesystem::path& path, const ForceCurve& curve,
+                          bool as_it_is) {
+  double largest_n = 0.0;
+  for (const double force_n : curve.force_n) largest_n = std::max(largest_n, std::abs(force_n));
+  ACUS_REQUIRE(as_it_is || largest_n <= kLargestOfNeedleN, path.string(), ": the force reaches ",
+               largest_n, " N; needles are inserted with less than ", kLargestOfNeedleN,
+               " N. Is it in mN or gram-force? Name the column with its unit (force_mN), or read "
+               "it by a mapping (--columns); --as-it-is takes it as N");
+}
+
 ForceCurve ReadFolder(const std::filesystem::path& folder) {
-  const Signal depth = ReadSignal(folder / "time_displacement.csv", "depth_mm", kLargestDepthMm,
-                                  "mm", /*has_header=*/false);
-  const Signal force = ReadSignal(folder / "time_force.csv", "force_n", kLargestForceN, "N",
-                                  /*has_header=*/false);
+  const auto read = [&](const char* file, const WantedColumn& column) {
+    Signals signals =
+        ReadSignals(CsvTable(folder / file, {"time_s", column.name}), std::span(&column, 1));
+    MergeEqualStamps(signals);
+    return signals;
+  };
+  const Signals depth = read("time_displacement.csv", kDepthColumn);
+  const Signals force = read("time_force.csv", kForceColumn);
   ForceCurve curve;
   curve.name = folder.filename().string();
+  if (!depth.how_read.empty()) curve.how_read = "time_displacement.csv: " + depth.how_read;
+  if (!force.how_read.empty()) Note(curve.how_read, "time_force.csv: " + force.how_read);
   std::size_t next = 1;  // First depth sample that is not before the force sample.
   for (std::size_t i = 0; i < force.time_s.size() && depth.time_s.size() >= 2; ++i) {
     const double time = force.time_s[i];
@@ -75,9 +157,9 @@ ForceCurve ReadFolder(const std::filesystem::path& folder) {
     const double fraction =
         (time - depth.time_s[next - 1]) / (depth.time_s[next] - depth.time_s[next - 1]);
     curve.time_s.push_back(time);
-    curve.depth_mm.push_back(depth.value[next - 1] +
-                             fraction * (depth.value[next] - depth.value[next - 1]));
-    curve.force_n.push_back(force.value[i]);
+    curve.depth_mm.push_back(depth.values[0][next - 1] +
+                             fraction * (depth.values[0][next] - depth.values[0][next - 1]));
+    curve.force_n.push_back(force.values[0][i]);
   }
   RequireEnough(folder, curve.size());
   RequireMillimetres(folder, curve);
@@ -112,28 +194,36 @@ void RequireSensible(const CurveParameters& truth, const DrivePlan& plan, double
 
 }  // namespace
 
-ForceCurve ReadForceCurve(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) return ReadFolder(path);
-  Signal depth = ReadSignal(path, "depth_mm", kLargestDepthMm, "mm", /*has_header=*/true);
-  Signal force = ReadSignal(path, "force_n", kLargestForceN, "N", /*has_header=*/true);
-  RequireEnough(path, depth.time_s.size());
-  ForceCurve curve{path.stem().string(),
-                   std::move(depth.time_s),
-                   std::move(depth.value),
-                   std::move(force.value),
-                   {},
-                   {}};
-  const auto read_if_any = [&](const char* column, std::vector<double>& into) {
-    if (!force.table.Has(column)) return;
-    into = force.table.Numbers(column);
-    for (std::size_t i = 0; i < into.size(); ++i) {
-      ACUS_REQUIRE(std::abs(into[i]) <= kLargestHu, force.table.Where(i), ": ", column, " is ",
-                   into[i], "; allowed: -100000 to 100000");
-    }
-  };
-  read_if_any("hu", curve.hu);
-  read_if_any("hu_gradient_per_mm", curve.hu_gradient_per_mm);
+ForceCurve ReadForceCurve(const std::filesystem::path& path, const ForceColumns& columns,
+                          bool as_it_is) {
+  if (std::filesystem::is_directory(path)) {
+    ForceCurve curve = ReadFolder(path);
+    RequireForceOfNeedle(path, curve, as_it_is);
+    return curve;
+  }
+  CsvTable table(path);
+  FindColumns(table, columns);
+  std::vector<WantedColumn> wanted = {kDepthColumn, kForceColumn};
+  for (const char* column : {"hu", "hu_gradient_per_mm"}) {
+    if (table.Has(column)) wanted.push_back({column, kLargestHu, "HU"});
+  }
+  Signals signals = ReadSignals(std::move(table), wanted);
+  MergeEqualStamps(signals);
+  RequireEnough(path, signals.time_s.size());
+  ForceCurve curve;
+  curve.name = path.stem().string();
+  curve.time_s = std::move(signals.time_s);
+  curve.depth_mm = std::move(signals.values[0]);
+  curve.force_n = std::move(signals.values[1]);
+  curve.how_read = std::move(signals.how_read);
+  for (std::size_t i = 2; i < wanted.size(); ++i) {
+    const bool is_hu = std::string_view(wanted[i].name) == "hu";
+    (is_hu ? curve.hu : curve.hu_gradient_per_mm) = std::move(signals.values[i]);
+  }
+  for (double& depth_mm : curve.depth_mm) depth_mm *= columns.depth.sign;
+  for (double& force_n : curve.force_n) force_n *= columns.force.sign;
   RequireMillimetres(path, curve);
+  RequireForceOfNeedle(path, curve, as_it_is);
   return curve;
 }
 

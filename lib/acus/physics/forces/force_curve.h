@@ -17,20 +17,36 @@ struct ForceCurve {
   std::vector<double> force_n;
   std::vector<double> hu;                  ///< Of the CT at the tip; empty if not known.
   std::vector<double> hu_gradient_per_mm;  ///< Magnitude of the CT's gradient there; or empty.
+  std::string how_read;  ///< What was taken from a file in another form than the plain one.
 
   std::size_t size() const { return time_s.size(); }
 };
 
+/// Which column of a machine's export holds what.
+struct ForceColumn {
+  std::string column;  ///< Its name or number from 1; empty: found by its name.
+  std::string unit;    ///< In lower case; empty: as the file says.
+  double sign = 1.0;   ///< -1: the file counts the other way.
+};
+struct ForceColumns {
+  ForceColumn time, depth, force;
+};
+
 /// Reads either
-///  - a CSV with columns time_s, depth_mm, force_n, and hu and hu_gradient_per_mm if there are, or
+///  - a CSV with columns time_s, depth_mm, force_n, and hu and hu_gradient_per_mm if there are. All
+///    forms of tables and units that CsvTable reads; "load", "displacement", "extension" and the
+///    like are found by their names, or all by a mapping; or
 ///  - a folder with the headerless time_displacement.csv (s, mm) and time_force.csv (s, N). Their
 ///    clocks may differ: the depth is interpolated linearly at the times of the force, and force
 ///    samples outside the depth's time span are omitted.
-/// The name is the file's stem or the folder's name.
-/// @throws InputError with file:row if a value is not finite or beyond 2 m or 1 kN, time does not
-///     increase, or fewer than 20 samples are left; and if the depth looks like
-///     metres: all of it within 1 mm over more than 2 s, with forces that differ by 0.05 N or more.
-ForceCurve ReadForceCurve(const std::filesystem::path& path);
+/// The name is the file's stem or the folder's name. Rows with an empty cell are omitted; samples
+/// of one stamp (a coarse clock) are averaged; both are counted in how_read.
+/// @throws InputError with file:row if a value is not finite or beyond 2 m or 1 kN, time goes
+///     back, or fewer than 20 samples are left; and if the depth looks like
+///     metres: all of it within 1 mm over more than 2 s, with forces that differ by 0.05 N or more;
+///     and if the largest force is above 100 N, unless `as_it_is`.
+ForceCurve ReadForceCurve(const std::filesystem::path& path, const ForceColumns& columns = {},
+                          bool as_it_is = false);
 
 /// Writes the CSV form, whole or not at all.
 void WriteForceCurve(const std::filesystem::path& path, const ForceCurve& curve);

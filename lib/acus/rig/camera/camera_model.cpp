@@ -5,6 +5,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
+#include "acus/rig/camera/opencv_model.h"
 
 namespace acus::camera {
 namespace {
@@ -166,6 +167,8 @@ double CameraModel::HorizontalAngleDeg() const {
 }
 
 CameraModel ReadCamera(const std::filesystem::path& path) {
+  const std::string ending = path.extension().string();
+  if (ending == ".yml" || ending == ".yaml") return ReadOpenCvCamera(path);
   return CameraOf(config::ReadConfig(path, "acus-camera"), path.string());
 }
 

@@ -1,8 +1,107 @@
 #include "acus/rig/camera/opencv_model.h"
 
+#include <cmath>
+#include <initializer_list>
 #include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/error.h"
+#include "acus/base/core/input_file.h"
 
 namespace acus::camera {
+namespace {
+
+constexpr std::uintmax_t kMostYamlBytes = 1U << 20U;
+constexpr std::size_t kMostCoefficients = 14;
+
+/// The first node of these names.
+cv::FileNode NodeOf(const cv::FileStorage& file, std::initializer_list<const char*> names,
+                    const std::string& label) {
+  for (const char* name : names) {
+    if (const cv::FileNode node = file[name]; !node.empty()) return node;
+  }
+  throw InputError(
+      Message(label, ": has no ", *names.begin(), "; a calibration of OpenCV or ROS is needed"));
+}
+
+/// The numbers of a matrix, or of a list.
+std::vector<double> NumbersOf(const cv::FileNode& node, const std::string& what) {
+  const cv::FileNode data = node.isMap() ? node["data"] : node;
+  std::vector<double> numbers;
+  ACUS_REQUIRE(data.isSeq() && data.size() <= 16, what, ": is no matrix of up to 16 numbers");
+  for (const cv::FileNode& number : data) {
+    ACUS_REQUIRE((number.isReal() || number.isInt()) && std::isfinite(number.real()), what,
+                 ": holds something else than finite numbers");
+    numbers.push_back(number.real());
+  }
+  return numbers;
+}
+
+int SizeOf(const cv::FileNode& node, const std::string& what) {
+  ACUS_REQUIRE(node.isInt(), what, ": must be a whole number of pixels");
+  return static_cast<int>(node);
+}
+
+CameraParameters ParametersFrom(const cv::FileStorage& file, const std::string& label) {
+  CameraParameters p;
+  p.name = label;
+  p.width_px =
+      SizeOf(NodeOf(file, {"image_width", "image_Width", "width"}, label), label + ": image_width");
+  p.height_px = SizeOf(NodeOf(file, {"image_height", "image_Height", "height"}, label),
+                       label + ": image_height");
+  const auto matrix =
+      NumbersOf(NodeOf(file, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "K"}, label),
+                label + ": camera_matrix");
+  ACUS_REQUIRE(matrix.size() == 9 && matrix[1] == 0.0 && matrix[3] == 0.0 && matrix[8] == 1.0,
+               label, ": camera_matrix is not [fx 0 cx; 0 fy cy; 0 0 1]");
+  p.focal_px = {matrix[0], matrix[4]};
+  p.centre_px = {matrix[2], matrix[5]};
+  const auto lens = NumbersOf(NodeOf(file,
+                                     {"distortion_coefficients", "Distortion_Coefficients",
+                                      "distCoeffs", "dist_coeffs", "D"},
+                                     label),
+                              label + ": distortion_coefficients");
+  ACUS_REQUIRE(lens.size() >= 4 && lens.size() <= kMostCoefficients, label,
+               ": distortion_coefficients are ", lens.size(), "; 4, 5 or more are needed");
+  for (std::size_t i = 5; i < lens.size(); ++i) {
+    ACUS_REQUIRE(lens[i] == 0.0, label, ": distortion_coefficients: coefficient ", i + 1, " is ",
+                 lens[i], "; lenses of five coefficients (k1 k2 p1 p2 k3) are modelled");
+  }
+  p.radial = {lens[0], lens[1], lens.size() > 4 ? lens[4] : 0.0};
+  p.tangential = {lens[2], lens[3]};
+  const cv::FileNode model = file["distortion_model"];
+  ACUS_REQUIRE(model.empty() || (model.isString() && model.string() == "plumb_bob"), label,
+               ": distortion_model is ", model.isString() ? model.string() : "no word",
+               "; plumb_bob is read");
+  return p;
+}
+
+}  // namespace
+
+CameraModel ReadOpenCvCamera(const std::filesystem::path& path) {
+  const std::string label = path.string();
+  RequireInputFile(path, kMostYamlBytes);
+  std::string text = ReadTextFile(path);
+  RequireJsonDepth(text, label);  // Its parser descends into braces, too.
+  if (!text.starts_with("%YAML")) text = "%YAML:1.0\n---\n" + text;
+  CameraParameters parameters;
+  try {
+    const cv::FileStorage file(
+        text, cv::FileStorage::READ | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML);
+    ACUS_REQUIRE(file.isOpened(), label, ": is no YAML");
+    parameters = ParametersFrom(file, label);
+    parameters.name = path.stem().string();
+  } catch (const cv::Exception& error) {
+    throw InputError(Message(label, ": is no YAML of OpenCV: ", error.err));
+  }
+  try {
+    return CameraModel(parameters);
+  } catch (const InputError& error) {
+    throw InputError(label + ": " + error.what());
+  }
+}
 
 cv::Mat MatrixOf(const CameraModel& camera) {
   const CameraParameters& p = camera.parameters();

@@ -21,6 +21,12 @@ void IgtlReader::Append(ByteView bytes) {
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
 }
 
+void IgtlReader::NoteBadChecksum(const std::string& name) {
+  ++counts_.bad_checksums;
+  const bool is_new = std::ranges::find(refused_names_, name) == refused_names_.end();
+  if (is_new && refused_names_.size() < kMaxRefusedNames) refused_names_.push_back(name);
+}
+
 void IgtlReader::SkipByte() {
   ++begin_;
   ++counts_.skipped_bytes;
@@ -80,6 +86,7 @@ std::optional<IgtlMessage> IgtlReader::Next() {
     if (is_right) parts = SplitBody(*header_, body);
     if (!parts) {
       ++counts_.bad_messages;
+      if (!is_right) NoteBadChecksum(header_->device);
       // An image that is wrong is passed over whole: looking for messages among its pixels, each
       // as large as it, would take for ever.
       if (header_->type == "IMAGE") {

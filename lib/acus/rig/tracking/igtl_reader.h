@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "acus/rig/tracking/igtl_wire.h"
 
@@ -31,6 +33,7 @@ class IgtlReader {
     std::uint64_t messages = 0;        ///< Whole and right, kept or not.
     std::uint64_t other_messages = 0;  ///< Of these: of a type that is not kept.
     std::uint64_t bad_messages = 0;    ///< Checksum or sizes inside wrong.
+    std::uint64_t bad_checksums = 0;   ///< Of these: the checksum.
     std::uint64_t skipped_bytes = 0;   ///< Not part of any message.
   };
 
@@ -44,20 +47,25 @@ class IgtlReader {
   const Counts& counts() const { return counts_; }
   /// Bytes skipped since the last good message: much of it is a peer that speaks something else.
   std::uint64_t skipped_in_a_row() const { return skipped_in_a_row_; }
+  /// Names in messages whose checksum was wrong (the first few; they may be rubbish).
+  const std::vector<std::string>& refused_names() const { return refused_names_; }
   /// A message has begun and not ended.
   bool in_message() const { return passing_bytes_ > 0 || begin_ < buffer_.size(); }
   std::size_t memory_bytes() const { return buffer_.capacity(); }
 
  private:
   bool IsKept(const std::string& type) const;
+  void NoteBadChecksum(const std::string& name);
   void SkipByte();
   void SkipToPlausible();
   void Pass();
 
   static constexpr std::uint64_t kMaxKeptBytes = 64 * 1024;
+  static constexpr std::size_t kMaxRefusedNames = 8;
 
   Options options_;
   Counts counts_;
+  std::vector<std::string> refused_names_;
   std::uint64_t skipped_in_a_row_ = 0;
   Bytes buffer_;
   std::size_t begin_ = 0;             ///< What is before was dealt with.

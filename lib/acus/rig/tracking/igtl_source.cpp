@@ -8,6 +8,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/monotonic_time.h"
+#include "acus/base/core/words.h"
 #include "acus/rig/tracking/igtl_reader.h"
 #include "acus/rig/tracking/igtl_tools.h"
 #include "acus/rig/tracking/socket.h"
@@ -87,6 +88,7 @@ class IgtlSource::Receiver {
   void KeepImage(const IgtlMessage& message, std::int64_t arrival_ns);
   void SetState(SourceState state, const std::string& error);
   void PublishStatus(const IgtlReader& reader);
+  std::vector<std::string> WhyNotSeen(const IgtlReader& reader) const;
 
   const IgtlOptions options_;
   PoseBoard board_;
@@ -276,9 +278,31 @@ void IgtlSource::Receiver::PublishStatus(const IgtlReader& reader) {
   status_.peer_status = peer_status_;
   status_.last_news_ns = last_news_ns_;
   status_.clock = tools_.clock();
+  status_.why_not_seen = WhyNotSeen(reader);
   if (status_.other_names.size() != tools_.other_names().size()) {
     status_.other_names = tools_.other_names();
   }
+}
+
+/// What the messages tell, for each tool that is not seen.
+std::vector<std::string> IgtlSource::Receiver::WhyNotSeen(const IgtlReader& reader) const {
+  std::vector<std::string> why = tools_.WhyNotSeen();
+  std::string more;
+  if (reader.counts().bad_checksums > 0) {
+    more += Message("; ", reader.counts().bad_checksums, " messages have a wrong checksum, named ",
+                    Joined(reader.refused_names()),
+                    " (check_crc: false of the tracker accepts a sender that does not set it)");
+  }
+  const auto& others = tools_.other_names();
+  if (!others.empty()) more += "; names received: " + Joined(others);
+  if (others.empty() && more.empty() && reader.counts().other_messages > 0) {
+    more = Message("; ", reader.counts().other_messages,
+                   " messages came, of kinds that carry no pose");
+  }
+  for (std::string& text : why) {
+    if (!text.empty()) text += more;
+  }
+  return why;
 }
 
 IgtlSource::IgtlSource(IgtlOptions options)

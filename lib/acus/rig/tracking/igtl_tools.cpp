@@ -1,6 +1,7 @@
 #include "acus/rig/tracking/igtl_tools.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "acus/base/core/error.h"
 #include "acus/base/math/rigid.h"
@@ -75,6 +76,9 @@ void IgtlTools::Update(Transform& transform, const Eigen::Matrix4d& matrix, bool
   transform.times = times;
   transform.is_seen = seen;
   transform.is_good = seen && math::IsRigid(matrix, kRigidTolerance);
+  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+  transform.off_rigid =
+      (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (transform.is_good) transform.frame_from_marker.matrix() = matrix;
 }
 
@@ -179,6 +183,37 @@ void IgtlTools::LinkLost(std::int64_t now_ns) {
   }
   clock_ = {};
   last_delay_ns_ = max_delay_ns_ = 0;
+}
+
+std::string IgtlTools::TroubleOf(const Transform& transform) const {
+  const std::string& name = transform.device;
+  if (transform.times.arrival_ns == 0) {
+    const auto same_letters = [](unsigned char a, unsigned char b) {
+      return std::tolower(a) == std::tolower(b);
+    };
+    for (const std::string& other : other_names_) {
+      if (std::ranges::equal(name, other, same_letters)) {
+        return Message("no message is named '", name, "', but '", other,
+                       "' is: names must have the same case");
+      }
+    }
+    return Message("no message is named '", name, "'");
+  }
+  if (!transform.is_seen) return Message("'", name, "' says that it is not in view");
+  if (transform.is_good) return {};
+  return Message("the rotation of '", name, "' is not rigid: R^T R differs from 1 by ",
+                 transform.off_rigid, ", allowed are ", kRigidTolerance);
+}
+
+std::vector<std::string> IgtlTools::WhyNotSeen() const {
+  std::vector<std::string> why;
+  for (const Tool& tool : tools_) {
+    std::string& text = why.emplace_back();
+    if (!tool.is_lost) continue;
+    text = TroubleOf(transforms_[tool.device]);
+    if (text.empty() && tool.relative_to != kNone) text = TroubleOf(transforms_[tool.relative_to]);
+  }
+  return why;
 }
 
 ClockStatus IgtlTools::clock() const {

@@ -41,6 +41,8 @@ class IgtlTools {
   const SourceCounts& counts() const { return counts_; }
   const std::vector<std::string>& other_names() const { return other_names_; }
   ClockStatus clock() const;
+  /// Why each tool is not seen, in the order of the tools; empty where it is.
+  std::vector<std::string> WhyNotSeen() const;
 
  private:
   /// A transform as it last came.
@@ -49,6 +51,7 @@ class IgtlTools {
     Eigen::Isometry3d frame_from_marker = Eigen::Isometry3d::Identity();
     bool is_good = false;  ///< Seen, finite and rigid.
     bool is_seen = false;
+    double off_rigid = 0.0;         ///< Largest element of R^T R - I.
     std::string list = {};          ///< Name of the TDATA that had it; empty if none had.
     std::uint64_t list_number = 0;  ///< Which of them.
     MessageTimes times = {};
@@ -63,6 +66,7 @@ class IgtlTools {
   };
   static constexpr std::size_t kNone = SIZE_MAX;
 
+  std::string TroubleOf(const Transform& transform) const;
   std::size_t FindOrAdd(const std::string& device);
   std::size_t Find(std::string_view device) const;
   void Update(Transform& transform, const Eigen::Matrix4d& matrix, bool seen,

@@ -124,8 +124,10 @@ std::vector<StatusLine> LiveSession::Status() const {
     for (std::size_t i = 0; i < board.tools().size(); ++i) {
       const tracking::TrackedPose pose = board.Latest(i);
       if (pose.valid && pose.AgeNs(now_ns) < 200'000'000) continue;
-      lines.push_back({Severity::kWarning, Message("The tracker ", rig_->trackers()[t]->name(),
-                                                   " does not see the ", board.tools()[i], ".")});
+      const std::string why = i < status.why_not_seen.size() ? status.why_not_seen[i] : "";
+      lines.push_back({Severity::kWarning,
+                       Message("The tracker ", rig_->trackers()[t]->name(), " does not see the ",
+                               board.tools()[i], why.empty() ? "" : ": ", why, ".")});
     }
   }
   const std::int64_t late = recent_late_steps_.recent();

@@ -40,6 +40,57 @@ TEST(CsvTable, NamesFileRowAndValueOfWhatIsWrong) {
   EXPECT_THAT(message(""), ThrowsMessage<InputError>(HasSubstr("is empty")));
 }
 
+void ExpectCurve(std::string_view text) {
+  const CsvTable table(FileWith(text));
+  EXPECT_EQ(table.Numbers("time_s"), (std::vector<double>{0.0, 0.5, 1.0})) << text;
+  EXPECT_EQ(table.Numbers("force_n"), (std::vector<double>{0.0, -1.25, 2.5})) << text;
+}
+
+TEST(CsvTable, ReadsWhatProgramsAndMachinesWrite) {
+  ExpectCurve("\xEF\xBB\xBFtime_s,force_n\r\n0,0\r\n0.5,-1.25\r\n1,2.5");
+  ExpectCurve("time_s;force_n\n0;0\n0,5;-1,25\n1,0;2,5\n");
+  ExpectCurve("time_s\tforce_n\n0\t0\n0,5\t-1,25\n1\t2,5\n");
+  ExpectCurve("time_s force_n\n 0   0\n 0.5 -1.25 \n1 +2.5\n");
+  ExpectCurve("time_s  force_n\n0,0 0,0\n0,5 -1,25\n1,0 2,5\n");
+  ExpectCurve("\"time_s\",\"force_n\"\n\"0\",\"0\"\n\"0,5\",\"-1,25\"\n\"1,0\",\"2,5\"\n");
+  ExpectCurve("Time (ms),Force [mN]\n0,0\n500,-1250\n1000,2500\n");
+  ExpectCurve("Time,Force\n(s),(kN)\n0,0\n0.5,-0.00125\n1,0.0025\n");
+  ExpectCurve("Specimen,A1\nDate,2024\n\nTime,Force,Note\ns,N,\n0,0,\n0.5,-1.25,\n1,2.5,\n");
+  ExpectCurve("% a\n// b\nTIME_S|FORCE_N\n0|0\n0.5|-1.25\n1|2.5\n||\n");
+  std::string wide = "\xFF\xFE";
+  for (const char c : std::string("time_s;force_n\n0;0\n0,5;-1,25\n1;2,5\n")) {
+    wide += {c, '\0'};
+  }
+  ExpectCurve(wide);
+}
+
+TEST(CsvTable, SaysWhatItTook) {
+  CsvTable table(FileWith("Weg\na;b\nTime [s];Load_kN\n0,5;1\n1,5;\n2,5;3\n"));
+  constexpr std::string_view kForce[] = {"load"};
+  table.Accept("force_n", kForce);
+  EXPECT_EQ(table.Taken("force_n"), "force_n from 'Load_kN'");
+  EXPECT_THAT(table.how_read(), HasSubstr("semicolons between cells, decimal comma"));
+  EXPECT_THAT(table.how_read(), HasSubstr("2 rows before it skipped"));
+  constexpr std::string_view kNeeded[] = {"force_n"};
+  EXPECT_EQ(table.DropRowsWithout(kNeeded), 1U);
+  EXPECT_EQ(table.Numbers("force_n"), (std::vector<double>{1000.0, 3000.0}));
+  EXPECT_EQ(table.Where(1), table.path().string() + ":6");
+}
+
+TEST(CsvTable, RefusesWhatHasTwoReadings) {
+  const auto message = [](std::string_view text) {
+    return [text] { CsvTable(FileWith(text)).Numbers("force_n"); };
+  };
+  EXPECT_THAT(message("time_s,force_n\n0,5,1,5\n"),
+              ThrowsMessage<InputError>(HasSubstr("a comma may separate cells or decimals")));
+  EXPECT_THAT(message("time_s;force_n\n0.5;1,5\n"),
+              ThrowsMessage<InputError>(HasSubstr("the numbers '0.5' and '1,5'")));
+  EXPECT_THAT(message("time_s,Force\n0,1\n"),
+              ThrowsMessage<InputError>(HasSubstr("'Force' does not say its unit")));
+  EXPECT_THAT(message("Force [N],force_kn\n0,1\n"),
+              ThrowsMessage<InputError>(HasSubstr("may be column 'Force [N]' or 'force_kn'")));
+}
+
 TEST(NumberText, ReadsBackAsTheSameBits) {
   for (const double value : {0.1, -1e-300, 1.0 / 3.0, 123456789.123456789}) {
     EXPECT_EQ(std::stod(NumberText(value)), value);

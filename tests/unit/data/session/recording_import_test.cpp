@@ -156,6 +156,46 @@ TEST(ColumnCsv, ReadsAnExportOfMotive) {
               ThrowsMessage<InputError>(HasSubstr("--columns")));
 }
 
+std::filesystem::path Preset(const char* name) {
+  return std::filesystem::path(ACUS_SOURCE_DIR) / "configs/columns" / name;
+}
+
+TEST(ColumnCsv, UsesTheUnitThatTheFileDeclares) {
+  const TemporaryFolder folder;
+  const std::string head = "Format Version,1.25,Length Units,Millimeters\n";
+  const std::string names = "time,x,y,z,w,a,b,c\n";
+  WriteTextFile(folder / "mm.csv", head + names + "0,5,10,60,1,0,0,0\n1,5,10,59,1,0,0,0\n");
+  WriteTextFile(folder / "map.json",
+                R"json({"format": "acus-columns/1", "name": "m", "header_rows": [2],
+    "first_row": 3, "length_unit": "m", "time": {"column": "time"}, "tools": [{"tool": "needle",
+      "position": ["x", "y", "z"], "rotation": ["w", "a", "b", "c"]}]})json");
+  std::string warnings;
+  const auto found = Import(folder / "mm.csv", {.columns = folder / "map.json"}, warnings);
+  EXPECT_EQ(found.session.needle.back().reference_from_tool.translation().z(), 59.0);
+  EXPECT_THAT(warnings, HasSubstr("length units are Millimeters"));
+  // Without the declaration, the mapping puts the needle 60 m away.
+  WriteTextFile(folder / "mm.csv", "\n" + names + "0,5,10,60,1,0,0,0\n1,5,10,59,1,0,0,0\n");
+  const auto import = [&](bool as_it_is) {
+    return ImportRecording(folder / "mm.csv",
+                           {.columns = folder / "map.json", .as_it_is = as_it_is}, RunContext{});
+  };
+  EXPECT_THAT([&] { import(false); }, ThrowsMessage<InputError>(HasSubstr("probably in mm")));
+  EXPECT_EQ(import(true).session.needle.size(), 2U);
+}
+
+TEST(ColumnCsv, ReadsPosesBetweenBlanks) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "a.txt",
+                "# timestamp tx ty tz qx qy qz qw\n"
+                "1714557700.25 0.005 0.01 0.06 0 0 0 1\n1714557700.25 0.005 0.01 0.06 0 0 0 1\n"
+                "1714557700.30 0.005 0.01 0.059 0 0 0 1\n");
+  std::string warnings;
+  const auto found = Import(folder / "a.txt", {.columns = Preset("tum.json")}, warnings);
+  ASSERT_EQ(found.session.needle.size(), 2U);
+  EXPECT_NEAR(found.session.needle[1].reference_from_tool.translation().z(), 59.0, 1e-9);
+  EXPECT_THAT(warnings, HasSubstr("1 rows have the time of the row before"));
+}
+
 TEST(ColumnCsv, NamesTheColumnsThereAre) {
   const TemporaryFolder folder;
   WriteTextFile(folder / "ndi.csv",
@@ -163,17 +203,17 @@ TEST(ColumnCsv, NamesTheColumnsThereAre) {
                 "60,OK,1,0,0,0,1,2,3\n61,Missing,1,0,0,0,9,9,9\n");
   const std::filesystem::path preset =
       std::filesystem::path(ACUS_SOURCE_DIR) / "configs/columns/ndi_toolbox.json";
-  const auto session = ReadColumnCsv(folder / "ndi.csv", preset);
+  const auto session = ReadColumnCsv(folder / "ndi.csv", preset, false, RunContext{});
   EXPECT_EQ(session.needle.front().time_ns, 1'000'000'000);
   EXPECT_FALSE(session.needle.back().valid);
   WriteTextFile(folder / "other.csv", "Frame,State,A\n1,OK,2\n");
-  EXPECT_THAT([&] { ReadColumnCsv(folder / "other.csv", preset); },
+  EXPECT_THAT([&] { ReadColumnCsv(folder / "other.csv", preset, false, RunContext{}); },
               ThrowsMessage<InputError>(HasSubstr("has no column 'Tx'; change the mapping "
                                                   "(--columns); there are: Frame, State, A")));
   WriteTextFile(folder / "back.csv",
                 "Frame,State,Q0,Qx,Qy,Qz,Tx,Ty,Tz\n"
-                "60,OK,1,0,0,0,1,2,3\n60,OK,1,0,0,0,1,2,3\n");
-  EXPECT_THAT([&] { ReadColumnCsv(folder / "back.csv", preset); },
+                "60,OK,1,0,0,0,1,2,3\n59,OK,1,0,0,0,1,2,3\n");
+  EXPECT_THAT([&] { ReadColumnCsv(folder / "back.csv", preset, false, RunContext{}); },
               ThrowsMessage<InputError>(HasSubstr("back.csv:3: its time does not increase")));
 }
 

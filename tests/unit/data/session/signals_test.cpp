@@ -101,7 +101,7 @@ TEST(Signals, ACutOffLastLineIsOmittedAndOtherFaultsAreErrors) {
   fails("0,-0.1,1,0,HELD\n", "cycle is -0.1");
   fails("0,0,nan,0,HELD\n", "level is 'nan'");
   fails("0,0,2e6,0,HELD\n", "must lie within");
-  fails("0,0,1,0,HELD\n0,0,1,0,HELD\n", "time must increase");
+  fails("0,0,1,0,HELD\n-1,0,1,0,HELD\n", "time must increase");
   fails("0,0,1,HELD\n", "has 4 cells");
   WriteTextFile(folder / "c.csv", std::string(kCommandHeader) + "\n1,0,view\n0.5,0,view\n");
   EXPECT_THAT([&] { ReadCommandsCsv(folder / "c.csv", RunContext()); },

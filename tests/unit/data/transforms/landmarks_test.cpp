@@ -99,11 +99,11 @@ TEST(ReadLandmarks, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(Reading("a.csv", "name,x_mm,y_mm,z_mm\nA,1,2,3\n,3,4,5\n"),
               ThrowsMessage<InputError>(HasSubstr("some have none")));
   EXPECT_THAT(Reading("a.csv", "name,x,y,z\nA,1,2,3\n"),
-              ThrowsMessage<InputError>(HasSubstr("no column 'x_mm'")));
+              ThrowsMessage<InputError>(HasSubstr("'x' does not say its unit; name it 'x_mm'")));
   EXPECT_THAT(Reading("a.mrk.json", Markups("\"LAS\"")),
               ThrowsMessage<InputError>(HasSubstr("/markups/0/coordinateSystem: is \"LAS\"")));
-  EXPECT_THAT(Reading("a.mrk.json", Markups("\"LPS\"", R"("coordinateUnits": "m", )")),
-              ThrowsMessage<InputError>(HasSubstr("only mm is read")));
+  EXPECT_THAT(Reading("a.mrk.json", Markups("\"LPS\"", R"("coordinateUnits": "voxel", )")),
+              ThrowsMessage<InputError>(HasSubstr("units of length")));
   EXPECT_THAT(Reading("a.mrk.json", R"({"markups": [{"controlPoints": [{"position": [1, 2]}]}]})"),
               ThrowsMessage<InputError>(HasSubstr("/markups/0/controlPoints/0/position")));
   EXPECT_THAT(Reading("a.mrk.json", "[]"), ThrowsMessage<InputError>(HasSubstr("/markups")));

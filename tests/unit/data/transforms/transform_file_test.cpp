@@ -121,6 +121,17 @@ TEST(ReadTransform, AgreesWithItk) {
       1e-12);
 }
 
+TEST(ReadTransform, ComposesTheLastPartFirst) {
+  const std::string text = std::string(kHead) +
+                           "Transform: CompositeTransform_double_3_3\n#Transform 1\n"
+                           "Transform: TranslationTransform_double_3_3\nParameters: 1 2 3\n"
+                           "FixedParameters: \n#Transform 2\n"
+                           "Transform: AffineTransform_double_3_3\n"
+                           "Parameters: 0 -1 0 1 0 0 0 0 1 10 0 0\nFixedParameters: 0 0 0\n";
+  // The rotation and its translation, then the other translation.
+  EXPECT_LT((ReadText(text) * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(11, 3, 3)).norm(), 1e-12);
+}
+
 TEST(ReadTransform, SaysWhatIsWrong) {
   const auto reading = [](const std::string& text) { return [text] { ReadText(text); }; };
   const std::string affine = std::string(kHead) + "Transform: AffineTransform_double_3_3\n";
@@ -136,7 +147,7 @@ TEST(ReadTransform, SaysWhatIsWrong) {
               ThrowsMessage<InputError>(HasSubstr("kilometre")));
   EXPECT_THAT(reading(affine + "Parameters: 1 0 0\n" + fixed),
               ThrowsMessage<InputError>(HasSubstr("needs 12 parameters, got 3")));
-  EXPECT_THAT(reading(affine), ThrowsMessage<InputError>(HasSubstr("is it cut off?")));
+  EXPECT_THAT(reading(affine), ThrowsMessage<InputError>(HasSubstr("has no complete transform")));
   EXPECT_THAT(reading(affine + affine), ThrowsMessage<InputError>(HasSubstr("second transform")));
   EXPECT_THAT(
       reading(std::string(kHead) + "Transform: BSplineTransform_double_3_3\nParameters: 1\n" +

@@ -139,11 +139,52 @@ TEST(DicomSeries, AMissingSliceIsNamedAndRefused) {
                                                        HasSubstr("2 mm elsewhere"))));
 }
 
-TEST(DicomSeries, TheSamePlaceTwiceIsRefused) {
+TEST(DicomSeries, ACopyIsLeftOutAndAnotherSliceAtThePlaceIsRefused) {
   const TemporaryFolder folder;
   WriteStack(folder.path(), 5, 2.0);
   fs::copy_file(folder / "slice7", folder / "copy");
+  EXPECT_EQ(Read(folder.path()).geometry.size[2], 5);
+  DicomSlice other = SliceAt({5.0, -3.0, 44.0});
+  for (auto& value : other.stored) value = static_cast<std::int16_t>(value + 7);
+  WriteDicomSlice(folder / "other", other);
   EXPECT_THAT([&] { Read(folder.path()); }, ThrowsMessage<InputError>(HasSubstr("same place")));
+}
+
+TEST(DicomSeries, OrientationsThatDifferByAMilliradianAreOneStack) {
+  const TemporaryFolder folder;
+  for (int k = 0; k < 6; ++k) {
+    DicomSlice slice = SliceAt({0, 0, 2.0 * k});
+    if (k % 2 == 1) {
+      slice.column_axis = Eigen::Vector3d(1.0, 0.001, 0.0).normalized();
+      slice.row_axis = Eigen::Vector3d(-0.001, 1.0, 0.0).normalized();
+    }
+    WriteDicomSlice(folder / Message("slice", k), slice);
+  }
+  EXPECT_EQ(Read(folder.path()).geometry.size[2], 6);
+}
+
+TEST(DicomSeries, PositionsRoundedToATenthGiveTheirMeanDistance) {
+  const TemporaryFolder folder;
+  for (int k = 0; k < 40; ++k) {
+    WriteDicomSlice(folder / Message("slice", k), SliceAt({0, 0, std::round(6.25 * k) / 10.0}));
+  }
+  EXPECT_NEAR(Read(folder.path()).geometry.spacing_mm[2], 0.625, 0.002);
+  fs::remove(folder / "slice17");
+  EXPECT_THAT([&] { Read(folder.path()); },
+              ThrowsMessage<InputError>(HasSubstr("not evenly spaced")));
+}
+
+TEST(DicomSeries, TwoVolumesOfOneSeriesAreTwo) {
+  const TemporaryFolder folder;
+  for (int k = 0; k < 10; ++k) {
+    DicomSlice slice = SliceAt({0, 0, 2.0 * (k % 5)});
+    for (auto& value : slice.stored) value = static_cast<std::int16_t>(value + k);
+    WriteDicomSlice(folder / Message("slice", k), slice);
+  }
+  const auto list = ListDicomSeries(folder.path());
+  ASSERT_EQ(list.size(), 2U);
+  EXPECT_EQ(list[0].files.size(), 5U);
+  EXPECT_THAT(list[1].description, HasSubstr("[part 2]"));
 }
 
 TEST(DicomSeries, ATiltedGantryIsStraightened) {

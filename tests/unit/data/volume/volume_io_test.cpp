@@ -261,6 +261,101 @@ TEST(ReadCt, NiftiValuesHaveSlopeAndIntercept) {
   }
 }
 
+void Put(std::string& bytes, std::size_t at, auto value) {
+  std::memcpy(&bytes[at], &value, sizeof value);
+}
+
+/// A NIfTI file with a sform alone, changed by `change`; returns what is read, and the warnings.
+template <typename Change>
+CtVolume ReadChanged(const TemporaryFolder& folder, const char* name, std::string& warnings,
+                     const Change& change) {
+  WriteCt(folder / "ct.nii", NumberedCt(ObliqueGeometry()));
+  std::string bytes = Slurp(folder / "ct.nii");
+  Put(bytes, 252, std::int16_t{0});
+  Put(bytes, 254, std::int16_t{1});
+  change(bytes);
+  WriteTextFile(folder / name, bytes);
+  RunContext context;
+  context.on_warning = [&](std::string_view text) { warnings += text; };
+  return ReadCt(folder / name, "", context);
+}
+
+TEST(ReadCt, NiftiThatIsShearedALittleGetsTheNearestRotation) {
+  const TemporaryFolder folder;
+  const auto sheared = [](double by_mm) {
+    return [by_mm](std::string& bytes) {
+      float value = 0.0F;
+      std::memcpy(&value, &bytes[284], sizeof value);
+      Put(bytes, 284, static_cast<float>(value + by_mm));
+    };
+  };
+  std::string warnings;
+  const CtVolume read = ReadChanged(folder, "sheared.nii", warnings, sheared(0.005));
+  EXPECT_LT(
+      (read.geometry.direction.transpose() * read.geometry.direction - Eigen::Matrix3d::Identity())
+          .norm(),
+      1e-5);
+  EXPECT_TRUE(read.geometry.Matches(ObliqueGeometry(), 0.05));
+  EXPECT_THAT(warnings, HasSubstr("the nearest rotation is used"));
+  EXPECT_THAT([&] { ReadChanged(folder, "more.nii", warnings, sheared(0.1)); },
+              ThrowsMessage<InputError>(HasSubstr("degrees from perpendicular")));
+}
+
+TEST(ReadCt, NiftiSaysWhichOfTwoFormsIsUsed) {
+  const TemporaryFolder folder;
+  std::string warnings;
+  const CtVolume read = ReadChanged(folder, "two.nii", warnings, [](std::string& bytes) {
+    Put(bytes, 252, std::int16_t{1});
+    float value = 0.0F;
+    std::memcpy(&value, &bytes[292], sizeof value);
+    Put(bytes, 292, value - 5.0F);  // In RAS.
+  });
+  EXPECT_THAT(warnings, HasSubstr("by up to 5 mm; the sform is used"));
+  EXPECT_NEAR(read.geometry.origin_mm.x(), ObliqueGeometry().origin_mm.x() + 5.0, 1e-3);
+}
+
+TEST(ReadCt, Nifti2IsRead) {
+  const TemporaryFolder folder;
+  std::string warnings;
+  ReadChanged(folder, "one.nii", warnings, [](std::string&) {});
+  const std::string one = Slurp(folder / "one.nii");
+  std::string two(544, '\0');
+  Put(two, 0, std::int32_t{540});
+  std::memcpy(&two[4], "n+2\0\r\n\032\n", 8);
+  two.replace(12, 4, one, 70, 4);
+  const auto get = [&one](std::size_t at, auto value) {
+    std::memcpy(&value, &one[at], sizeof value);
+    return value;
+  };
+  for (std::size_t i = 0; i < 8; ++i) {
+    Put(two, 16 + 8 * i, static_cast<std::int64_t>(get(40 + 2 * i, std::int16_t{})));
+    Put(two, 104 + 8 * i, static_cast<double>(get(76 + 4 * i, 0.0F)));
+  }
+  Put(two, 168, std::int64_t{544});
+  Put(two, 176, 1.0);
+  Put(two, 348, std::int32_t{1});
+  for (std::size_t i = 0; i < 12; ++i) {
+    Put(two, 400 + 8 * i, static_cast<double>(get(280 + 4 * i, 0.0F)));
+  }
+  WriteTextFile(folder / "two.nii", two + one.substr(352));
+  const CtVolume read = ReadCt(folder / "two.nii", "", RunContext{});
+  EXPECT_EQ(read.voxels, NumberedCt(ObliqueGeometry()).voxels);
+  EXPECT_TRUE(read.geometry.Matches(ObliqueGeometry(), 1e-3));
+}
+
+TEST(ReadCt, NrrdInMetresIsConverted) {
+  const TemporaryFolder folder;
+  WriteCt(folder / "ct.nrrd", NumberedCt(ObliqueGeometry()));
+  std::string text = Slurp(folder / "ct.nrrd");
+  const std::size_t kinds = text.find("kinds:");
+  ASSERT_NE(kinds, text.npos);
+  text.insert(kinds, "space units: \"cm\" \"cm\" \"cm\"\n");
+  WriteTextFile(folder / "cm.nrrd", text);
+  const CtVolume read = ReadCt(folder / "cm.nrrd", "", RunContext{});
+  EXPECT_NEAR(read.geometry.spacing_mm[2], 25.0, 1e-6);
+  EXPECT_NEAR(read.geometry.origin_mm[0], -1202.5, 1e-3);
+}
+
 TEST(ReadCt, RefusesWhatIsNoVolume) {
   const TemporaryFolder folder;
   const auto refuses = [&](const std::string& name, const std::string& content,

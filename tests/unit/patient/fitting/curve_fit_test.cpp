@@ -161,5 +161,22 @@ TEST(FitPunctureCurve, SurvivesNonsense) {
   }
 }
 
+TEST(PunctureCurveFit, TakesTheLevelInAirAsTheSensorsZero) {
+  CurveParameters truth;
+  truth.contact_depth_mm = 8.0;
+  for (const double offset_n : {0.4, -0.4}) {
+    truth.offset_n = offset_n;
+    DrivePlan plan;
+    plan.rest_s = 0.0;  // The recording begins while the needle is driven through air.
+    plan.rate_hz = 200.0;
+    const auto fit = FitPunctureCurve(SynthesizeForceCurve(truth, plan, 0.01, 3, "approach"));
+    ASSERT_TRUE(fit.converged) << fit.message;
+    ASSERT_TRUE(fit.offset_n);
+    EXPECT_NEAR(fit.offset_n->value, offset_n, 0.02);
+    EXPECT_NEAR(fit.plateau_n->value, truth.plateau_n, 0.05);
+    EXPECT_FALSE(fit.starts_in_tissue);
+  }
+}
+
 }  // namespace
 }  // namespace acus::fitting

@@ -188,5 +188,15 @@ TEST(CommonMistakes, AreRecognised) {
               testing::ElementsAre(HasSubstr("are both files in mm?")));
 }
 
+TEST(RequireSameShape, RefusesMirrorImagesAndOtherUnits) {
+  const transforms::Markers reference_mm = Spread(6);
+  const transforms::Markers ct_mm = Noisy(kTruth * reference_mm, 0.5, 1);
+  EXPECT_NO_THROW(RequireSameShape(RigidRegistrationPairs(reference_mm, ct_mm)));
+  transforms::Markers mirrored_mm = reference_mm;
+  mirrored_mm.row(1) *= -1.0;
+  EXPECT_THROW(RequireSameShape(RigidRegistrationPairs(mirrored_mm, ct_mm)), NoAnswerError);
+  EXPECT_THROW(RequireSameShape(RigidRegistrationPairs(reference_mm / 1000.0, ct_mm)), InputError);
+}
+
 }  // namespace
 }  // namespace acus::registration

@@ -109,9 +109,9 @@ TEST(ReadForceCurve, SaysWhatIsWrongAndWhere) {
     WriteTextFile(Temp("bad.csv"), "time_s,depth_mm,force_n\n" + rows);
     return [] { ReadForceCurve(Temp("bad.csv")); };
   };
-  EXPECT_THAT(write("0,0,0\n0,1,1\n"),
-              ThrowsMessage<InputError>(AllOf(HasSubstr("bad.csv:3"), HasSubstr("must increase"))));
-  EXPECT_THAT(write("0,0,0\n1,2,nan\n"),
+  EXPECT_THAT(write("0,0,0\n-1,1,1\n"),
+              ThrowsMessage<InputError>(AllOf(HasSubstr("bad.csv:3"), HasSubstr("not go back"))));
+  EXPECT_THAT(write("0,0,0\n1,2,inf\n"),
               ThrowsMessage<InputError>(HasSubstr("bad.csv:3: force_n")));
   EXPECT_THAT(write("0,0,5000\n"), ThrowsMessage<InputError>(HasSubstr("another unit")));
   EXPECT_THAT(write("0,-2001,1\n"), ThrowsMessage<InputError>(HasSubstr("depth_mm is -2001")));
@@ -119,6 +119,54 @@ TEST(ReadForceCurve, SaysWhatIsWrongAndWhere) {
               ThrowsMessage<InputError>(HasSubstr("has 2 usable samples")));
   EXPECT_THAT([] { ReadForceCurve(Temp("no_such.csv")); },
               ThrowsMessage<InputError>(HasSubstr("no_such")));
+}
+
+TEST(ReadForceCurve, ReadsExportsOfMachines) {
+  const auto rows = [](const char* row, double scale) {
+    std::string text;
+    for (int i = 0; i < 40; ++i) {
+      text += Message(0.01 * i * scale, row, 0.05 * i, row, -0.002 * i * scale, "\n");
+    }
+    return text;
+  };
+  WriteTextFile(Temp("machine.csv"),
+                "Specimen,A1\n\nTime,Extension,Load\n(s),(mm),(N)\n" + rows(",", 1.0));
+  const ForceCurve curve = ReadForceCurve(Temp("machine.csv"));
+  EXPECT_NEAR(curve.depth_mm.back(), 1.95, 1e-9);
+  EXPECT_NEAR(curve.force_n.back(), -0.078, 1e-9);
+  EXPECT_THAT(curve.how_read, HasSubstr("force_n from 'Load (N)'"));
+  const ForceCurve turned =
+      ReadForceCurve(Temp("machine.csv"), {.time = {.column = "Time"},
+                                           .depth = {.column = "2"},
+                                           .force = {.column = "Load", .sign = -1}});
+  EXPECT_NEAR(turned.force_n.back(), 0.078, 1e-9);
+  WriteTextFile(Temp("milli.csv"), "time_ms;depth_mm;force_mN\n" + rows(";", 1000.0));
+  EXPECT_NEAR(ReadForceCurve(Temp("milli.csv")).force_n.back(), -0.078, 1e-9);
+  WriteTextFile(Temp("two.csv"), "time_s,depth_mm,Load [N],Kraft [N]\n0,0,0,0\n");
+  EXPECT_THAT([] { ReadForceCurve(Temp("two.csv")); },
+              ThrowsMessage<InputError>(HasSubstr("may be column 'Load [N]' or 'Kraft [N]'")));
+}
+
+TEST(ReadForceCurve, MergesEqualStampsAndSkipsEmptyCells) {
+  std::string text = "time_s,depth_mm,force_n\n";
+  for (int i = 0; i < 50; ++i) text += Message(i / 2, ",", i, ",", i == 7 ? "" : "1.5", "\n");
+  WriteTextFile(Temp("coarse.csv"), text);
+  const ForceCurve curve = ReadForceCurve(Temp("coarse.csv"));
+  ASSERT_EQ(curve.size(), 25u);
+  EXPECT_EQ(curve.depth_mm[4], 8.5);  // The mean of 8 and 9.
+  EXPECT_EQ(curve.depth_mm[3], 6.0);  // Row 7 has no force.
+  EXPECT_THAT(curve.how_read, HasSubstr("1 rows with empty cells omitted"));
+  EXPECT_THAT(curve.how_read, HasSubstr("24 rows had the time stamp of the row before"));
+}
+
+TEST(ReadForceCurve, RefusesAForceThatNoNeedleTakes) {
+  std::string text = "time_s,depth_mm,force_n\n";
+  for (int i = 0; i < 50; ++i) text += Message(i, ",", i, ",", 4 * i, "\n");
+  WriteTextFile(Temp("strong.csv"), text);
+  EXPECT_THAT(
+      [] { ReadForceCurve(Temp("strong.csv")); },
+      ThrowsMessage<InputError>(AllOf(HasSubstr("reaches 196 N"), HasSubstr("--as-it-is"))));
+  EXPECT_EQ(ReadForceCurve(Temp("strong.csv"), {}, true).size(), 50u);
 }
 
 // A damaged file reads or is refused; it never crashes.

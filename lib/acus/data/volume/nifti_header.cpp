@@ -1,0 +1,255 @@
+#include "acus/data/volume/nifti_header.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "acus/base/core/error.h"
+
+namespace acus::volume {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kBytesOfVersion2 = 540;
+constexpr double kReadByItk = 2e-6;        ///< Cosine between axes that ITK takes as 0.
+constexpr double kMostSkewDeg = 1.0;       ///< More is no rounding.
+constexpr double kSamePlaceVoxels = 0.1;   ///< Forms that differ by less are one.
+constexpr double kSameFormSpacing = 0.01;  ///< Relative.
+
+/// A number of the header of NIfTI-2.
+template <typename T>
+T WideAt(const std::array<std::uint8_t, kBytesOfVersion2>& bytes, std::size_t offset,
+         bool swapped) {
+  std::array<std::uint8_t, sizeof(T)> raw{};
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    raw[i] = bytes[offset + (swapped ? sizeof(T) - 1 - i : i)];
+  }
+  T value;
+  std::memcpy(&value, raw.data(), sizeof(T));
+  return value;
+}
+
+/// Offsets as in nifti1.h and nifti2.h.
+NiftiHeader FromVersion2(const std::array<std::uint8_t, kBytesOfVersion2>& wide, bool swapped,
+                         const fs::path& path) {
+  NiftiHeader header;
+  header.swapped = swapped;
+  header.is_version_2 = true;
+  const auto real = [&](std::size_t from, std::size_t to, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      header.Set(to + 4 * i, static_cast<float>(WideAt<double>(wide, from + 8 * i, swapped)));
+    }
+  };
+  const auto whole = [&](std::int64_t value, std::size_t to, const char* what) {
+    ACUS_REQUIRE(value >= -32768 && value <= 32767, path.string(), ": ", what, " is ", value,
+                 "; at most 32767 are read");
+    header.Set(to, static_cast<std::int16_t>(value));
+  };
+  header.Set<std::int32_t>(0, 348);
+  for (std::size_t i = 0; i < 8; ++i) {
+    whole(WideAt<std::int64_t>(wide, 16 + 8 * i, swapped), 40 + 2 * i, "a size");
+  }
+  header.Set(70, WideAt<std::int16_t>(wide, 12, swapped));
+  header.Set(72, WideAt<std::int16_t>(wide, 14, swapped));
+  real(80, 56, 3);
+  real(104, 76, 8);
+  const auto offset = WideAt<std::int64_t>(wide, 168, swapped);
+  header.Set(108, static_cast<float>(std::clamp<std::int64_t>(offset, 0, 1'000'000'000)));
+  real(176, 112, 2);
+  real(192, 124, 2);
+  whole(WideAt<std::int32_t>(wide, 344, swapped), 252, "qform_code");
+  whole(WideAt<std::int32_t>(wide, 348, swapped), 254, "sform_code");
+  real(352, 256, 6);
+  real(400, 280, 12);
+  header.bytes[123] = static_cast<std::uint8_t>(WideAt<std::int32_t>(wide, 500, swapped) & 0xFF);
+  whole(WideAt<std::int32_t>(wide, 504, swapped), 68, "intent_code");
+  std::copy_n(wide.begin() + 240, 80, header.bytes.begin() + 148);  // The description.
+  std::memcpy(&header.bytes[344], "n+1", 4);
+  return header;
+}
+
+using Form = Eigen::Matrix<double, 3, 4>;
+
+Form SformOf(const NiftiHeader& header) {
+  Form form;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      form(row, column) = header.At<float>(280 + 16 * static_cast<std::size_t>(row) +
+                                           4 * static_cast<std::size_t>(column));
+    }
+  }
+  return form;
+}
+
+Form QformOf(const NiftiHeader& header) {
+  const Eigen::Vector3d vector(header.At<float>(256), header.At<float>(260), header.At<float>(264));
+  const double w = std::sqrt(std::max(0.0, 1.0 - vector.squaredNorm()));
+  Eigen::Matrix3d axes =
+      Eigen::Quaterniond(w, vector.x(), vector.y(), vector.z()).normalized().toRotationMatrix();
+  if (header.At<float>(76) < 0.0F) axes.col(2) *= -1.0;
+  Form form;
+  for (int d = 0; d < 3; ++d) {
+    form.col(d) = axes.col(d) * std::abs(header.At<float>(80 + 4 * static_cast<std::size_t>(d)));
+    form(d, 3) = header.At<float>(268 + 4 * static_cast<std::size_t>(d));
+  }
+  return form;
+}
+
+/// The largest distance between the places of a corner voxel.
+double CornerDistance(const Form& a, const Form& b, const Eigen::Array3d& size) {
+  double largest = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Array3d at =
+        (size - 1.0) * Eigen::Array3d(corner & 1, corner >> 1 & 1, corner >> 2);
+    const Eigen::Vector4d index(at[0], at[1], at[2], 1.0);
+    largest = std::max(largest, ((a - b) * index).norm());
+  }
+  return largest;
+}
+
+/// The form to go by, and whether another one places the voxels elsewhere.
+struct ChosenForm {
+  Form form;
+  bool differs = false;
+};
+
+std::optional<ChosenForm> Choose(const NiftiHeader& header, const fs::path& path,
+                                 std::vector<std::string>& notes) {
+  const auto q_code = header.At<std::int16_t>(252);
+  const auto s_code = header.At<std::int16_t>(254);
+  if (q_code <= 0 && s_code <= 0) return {};
+  if (s_code <= 0) return ChosenForm{.form = QformOf(header)};
+  if (q_code <= 0) return ChosenForm{.form = SformOf(header)};
+  const Form q = QformOf(header);
+  const Form s = SformOf(header);
+  const Eigen::Array3d q_mm = q.leftCols<3>().colwise().norm().transpose();
+  const Eigen::Array3d s_mm = s.leftCols<3>().colwise().norm().transpose();
+  ACUS_REQUIRE(((q_mm / s_mm - 1.0).abs() < kSameFormSpacing).all(), path.string(),
+               ": its qform has voxels of ", q_mm.transpose(), " mm and its sform of ",
+               s_mm.transpose(),
+               " mm; one of them is wrong. Export it again, or set the code of "
+               "the wrong one to 0");
+  Eigen::Array3d size;
+  for (std::size_t d = 0; d < 3; ++d) {
+    size[static_cast<Eigen::Index>(d)] = header.At<std::int16_t>(42 + 2 * d);
+  }
+  const double apart_mm = CornerDistance(q, s, size);
+  const bool take_q = q_code == 1 && s_code != 1;
+  if (apart_mm <= kSamePlaceVoxels * s_mm.minCoeff()) return ChosenForm{.form = s};
+  notes.push_back(Message("qform and sform place it differently, by up to ", apart_mm, " mm; the ",
+                          take_q ? "qform" : "sform", " is used",
+                          take_q ? ", which is in scanner coordinates" : ""));
+  return ChosenForm{.form = take_q ? q : s, .differs = true};
+}
+
+/// Writes a form without skew as qform, alone.
+void SetForm(NiftiHeader& header, const Form& form) {
+  const Eigen::Matrix3d linear = form.leftCols<3>();
+  const Eigen::Vector3d spacing = linear.colwise().norm().transpose();
+  const Eigen::Matrix3d unit = linear * spacing.cwiseInverse().asDiagonal();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(unit, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d axes = svd.matrixU() * svd.matrixV().transpose();
+  const bool is_mirrored = axes.determinant() < 0.0;
+  if (is_mirrored) axes.col(2) *= -1.0;
+  Eigen::Quaterniond rotation(axes);
+  if (rotation.w() < 0.0) rotation.coeffs() *= -1.0;
+  header.Set(76, is_mirrored ? -1.0F : 1.0F);
+  const Eigen::Vector3d vector = rotation.vec();
+  for (std::size_t d = 0; d < 3; ++d) {
+    const auto at = static_cast<Eigen::Index>(d);
+    header.Set(80 + 4 * d, static_cast<float>(spacing[at]));
+    header.Set(256 + 4 * d, static_cast<float>(vector[at]));
+    header.Set(268 + 4 * d, static_cast<float>(form(at, 3)));
+  }
+  header.Set<std::int16_t>(252, 1);
+  header.Set<std::int16_t>(254, 0);
+}
+
+/// The largest cosine between two axes.
+double SkewOf(const Form& form, const fs::path& path) {
+  const Eigen::Matrix3d linear = form.leftCols<3>();
+  const Eigen::Vector3d spacing = linear.colwise().norm().transpose();
+  ACUS_REQUIRE(spacing.minCoeff() > 1e-4, path.string(), ": its voxel axes have the lengths ",
+               spacing.transpose(), " mm; the header is broken");
+  const Eigen::Matrix3d unit = linear * spacing.cwiseInverse().asDiagonal();
+  Eigen::Matrix3d gram = unit.transpose() * unit;
+  gram.diagonal().setZero();
+  return gram.cwiseAbs().maxCoeff();
+}
+
+std::unique_ptr<Temporary> CopyWith(const NiftiHeader& header, const fs::path& path) {
+  static std::atomic<int> count{0};
+  auto copy = std::make_unique<Temporary>(
+      fs::temp_directory_path() / Message(".acus-", getpid(), "-", count.fetch_add(1), ".nii"));
+  const auto begin = static_cast<z_off_t>(header.At<float>(108));
+  NiftiHeader written = header;
+  written.Set(108, 352.0F);
+  std::fill(written.bytes.begin() + 348, written.bytes.end(), std::uint8_t{0});
+  gzFile in = gzopen(path.c_str(), "rb");  // Reads plain files too.
+  ACUS_REQUIRE(in != nullptr, path.string(), ": cannot be read");
+  std::ofstream out(copy->path(), std::ios::binary);
+  out.write(reinterpret_cast<const char*>(written.bytes.data()),
+            static_cast<std::streamsize>(written.bytes.size()));
+  std::vector<char> block(1U << 20U);
+  int got = gzseek(in, begin, SEEK_SET) == begin ? 1 : -1;
+  while (got > 0 && (got = gzread(in, block.data(), static_cast<unsigned>(block.size()))) > 0) {
+    out.write(block.data(), got);
+  }
+  gzclose(in);
+  out.close();
+  ACUS_REQUIRE(got == 0 && out, path.string(), ": cannot be copied to ",
+               fs::temp_directory_path().string(), "; is the disk full?");
+  return copy;
+}
+
+}  // namespace
+
+NiftiHeader ReadNiftiHeader(const fs::path& path) {
+  std::array<std::uint8_t, kBytesOfVersion2> bytes{};
+  gzFile file = gzopen(path.c_str(), "rb");  // Reads plain files too.
+  ACUS_REQUIRE(file != nullptr, path.string(), ": cannot be read");
+  const int got = gzread(file, bytes.data(), static_cast<unsigned>(bytes.size()));
+  gzclose(file);
+  ACUS_REQUIRE(got >= 348, path.string(), ": is cut off or no NIfTI file (", std::max(got, 0),
+               " bytes of a 348-byte header)");
+  const bool as_version_2 = std::memcmp(&bytes[4], "n+2", 3) == 0;
+  if (as_version_2 && got == static_cast<int>(kBytesOfVersion2)) {
+    const bool swapped = WideAt<std::int32_t>(bytes, 0, false) != 540;
+    return FromVersion2(bytes, swapped, path);
+  }
+  NiftiHeader header;
+  std::copy_n(bytes.begin(), std::min<std::size_t>(static_cast<std::size_t>(got), 352),
+              header.bytes.begin());
+  if (header.At<std::int32_t>(0) != 348) header.swapped = true;
+  ACUS_REQUIRE(header.At<std::int32_t>(0) == 348 && std::memcmp(&header.bytes[344], "n+1", 3) == 0,
+               path.string(), ": is not a single-file NIfTI (.nii or .nii.gz)");
+  return header;
+}
+
+std::unique_ptr<Temporary> ReadableNifti(const fs::path& path, std::vector<std::string>& notes) {
+  NiftiHeader header = ReadNiftiHeader(path);
+  const auto chosen = Choose(header, path, notes);
+  const double skew = chosen ? SkewOf(chosen->form, path) : 0.0;
+  const double skew_deg = std::asin(std::min(1.0, skew)) * 180.0 / M_PI;
+  ACUS_REQUIRE(skew_deg <= kMostSkewDeg, path.string(), ": its voxel axes are up to ", skew_deg,
+               " degrees from perpendicular (at most ", kMostSkewDeg,
+               " are read); resample it to a rectangular grid first (for example in 3D Slicer)");
+  const bool is_readable =
+      !header.is_version_2 && skew <= kReadByItk && !(chosen && chosen->differs);
+  if (is_readable) return nullptr;
+  if (skew > kReadByItk) {
+    notes.push_back(Message("its voxel axes are up to ", skew_deg,
+                            " degrees from perpendicular; the nearest rotation is used"));
+  }
+  if (chosen) SetForm(header, chosen->form);
+  return CopyWith(header, path);
+}
+
+}  // namespace acus::volume
