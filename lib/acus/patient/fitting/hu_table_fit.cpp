@@ -147,14 +147,14 @@ class TableFitter {
     normal.topLeftCorner(n, n) += Penalty(smoothing);
     double squares = 0.0;
     for (const double r : residual) squares += r * r;
-    const double variance =
-        squares / static_cast<double>(residual.size()) * Inflation(residual);
+    const double variance = squares / static_cast<double>(residual.size()) * Inflation(residual);
     std::vector<bool> is_free;
     for (const double value : solution) is_free.push_back(value > 0.0);
     is_free.push_back(edge_factor_ > 1.0 && edge_factor_ < kLargestEdgeFactor);
     Eigen::VectorXd at(n + 1), fall(n + 1);
     at << solution, edge_factor_;
-    fall = -columns.transpose() * Eigen::Map<const Eigen::VectorXd>(residual.data(), columns.rows());
+    fall =
+        -columns.transpose() * Eigen::Map<const Eigen::VectorXd>(residual.data(), columns.rows());
     fall.head(n) -= Penalty(smoothing) * solution;
     std::vector<Estimate> estimates;
     for (Eigen::Index k = 0; k <= n; ++k) {
@@ -172,8 +172,8 @@ class TableFitter {
       // Where the unknown would go if it were free: no step for one that is.
       const double value =
           at(k) + (is_free[static_cast<std::size_t>(k)] ? 0.0 : fall(k) / information);
-      estimates.push_back(Estimate::Normal(value, std::sqrt(variance / information))
-                              .AtLeast(k < n ? 0.0 : 1.0));
+      estimates.push_back(
+          Estimate::Normal(value, std::sqrt(variance / information)).AtLeast(k < n ? 0.0 : 1.0));
     }
     return estimates;
   }

@@ -53,8 +53,9 @@ void MoveToFreeMinimum(const Eigen::MatrixXd& normal, const Eigen::VectorXd& rig
 
 NonNegativeSolution SolveNonNegative(const Eigen::MatrixXd& normal, const Eigen::VectorXd& right) {
   ACUS_ASSERT(normal.rows() == normal.cols() && normal.rows() == right.size());
-  NonNegativeSolution solution{.x = Eigen::VectorXd::Zero(right.size()),
-                               .is_free = std::vector(static_cast<std::size_t>(right.size()), false)};
+  NonNegativeSolution solution{
+      .x = Eigen::VectorXd::Zero(right.size()),
+      .is_free = std::vector(static_cast<std::size_t>(right.size()), false)};
   const double least = kRounding * right.cwiseAbs().maxCoeff();
   // Each round lowers the objective, so no set of free unknowns comes twice; the limit is for
   // rounding.

@@ -7,7 +7,7 @@
 namespace acus::fitting {
 
 struct NonNegativeSolution {
-  Eigen::VectorXd x;        ///< >= 0.
+  Eigen::VectorXd x;          ///< >= 0.
   std::vector<bool> is_free;  ///< By unknown: not held at 0.
 };
 

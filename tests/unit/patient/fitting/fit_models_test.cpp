@@ -185,7 +185,8 @@ TEST(FitModels, TheExportedFrictionIsTheWholeLaw) {
   p.offset_n = law["offset_n"];
   const std::vector<double> again = ReplayLuGre(p, curve.time_s, curve.depth_mm);
   double squares = 0.0;
-  for (std::size_t i = 0; i < again.size(); ++i) squares += std::pow(again[i] - curve.force_n[i], 2);
+  for (std::size_t i = 0; i < again.size(); ++i)
+    squares += std::pow(again[i] - curve.force_n[i], 2);
   EXPECT_LT(std::sqrt(squares / static_cast<double>(again.size())), 0.015);
   EXPECT_NEAR(p.growth_per_mm, truth.growth_per_mm, 0.002);
   EXPECT_NEAR(p.offset_n, truth.offset_n, 0.02);

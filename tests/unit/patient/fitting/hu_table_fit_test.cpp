@@ -63,8 +63,8 @@ TEST(HuTableFit, SeveralPathsGiveTheTableTheEdgeAndTheShaft) {
   EXPECT_EQ(fit.n_s_per_mm.size(), fit.table.n_s_per_mm.size());
 }
 
-/// Root mean square of (estimate - truth) / standard error: 1 if the intervals are neither too narrow
-/// nor too wide.
+/// Root mean square of (estimate - truth) / standard error: 1 if the intervals are neither too
+/// narrow nor too wide.
 double SpreadInErrors(const std::vector<Estimate>& estimates, double truth) {
   double squares = 0.0;
   for (const Estimate& e : estimates) squares += std::pow((e.value - truth) / e.standard_error, 2);
@@ -87,8 +87,8 @@ TEST(HuTableFit, IntervalsOfEdgeAndShaftAreAsWideAsTheyScatter) {
   EXPECT_LT(SpreadInErrors(friction, 0.01), 1.45);
 }
 
-/// Fat that resists nothing: its coefficients are held at 0, and the interval of each says how large
-/// it could be.
+/// Fat that resists nothing: its coefficients are held at 0, and the interval of each says how
+/// large it could be.
 TEST(HuTableFit, HeldCoefficientsHaveAnInterval) {
   forces::ForceCurve curve = Path(1, 1.0, 0.0, 5.0);
   RandomStream noise(1, "fat");

