@@ -1,7 +1,8 @@
 // Arrays of volumes on large pages: this operator new takes the place of the standard one in the
 // programs. The kernel fills 512 pages of 4 kB as slowly as many large ones, and a CT of 200 MB
 // goes through dozens of arrays of that size. What is smaller, or has an alignment of its own,
-// comes as from the standard one.
+// comes as from the standard one. docs/library.md says so to users of the library, which does not
+// contain it.
 #include <cstdint>
 #include <cstdlib>
 #include <new>

@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "acus/base/math/statistics.h"
+#include "acus/rig/camera/calibration.h"
 #include "acus/rig/camera/marker_detector.h"
 #include "support/shared_data.h"
 
@@ -91,6 +92,33 @@ TEST(CameraData, CornersOfRealPhotographs) {
     EXPECT_LT(math::RootMeanSquare(off), 1.0);
     for (const DetectedMarker& marker : found) EXPECT_EQ(marker.id, 0);
   }
+}
+
+// Some markers are misread, and the lens moves corners by a third of a marker's side.
+TEST(CameraData, AnEndoscopeIsCalibratedInSpiteOfMisreadMarkers) {
+  const auto folder = testing_support::SharedData("registration/charuco_endoscope");
+  if (!folder) GTEST_SKIP() << "test data registration/charuco_endoscope is not here";
+  const CalibrationBoard board{.name = "endoscope",
+                               .dictionary = "aruco_4x4_250",
+                               .columns = 19,
+                               .rows = 26,
+                               .square_mm = 5.0,
+                               .first_square = FirstSquare::kMarker,
+                               .marker_mm = 4.0};
+  const Calibration found = CalibrateCamera(ImageFiles(*folder), board, {}, RunContext{});
+  int used = 0, misread = 0;
+  for (const CalibrationView& view : found.views) {
+    used += view.rejected.empty() ? 1 : 0;
+    misread += view.misread;
+  }
+  const Eigen::Vector2d focal_px = found.camera.parameters().focal_px;
+  std::cout << "endoscope: " << used << " of " << found.views.size() << " images, " << misread
+            << " markers misread, " << found.rms_px << " px RMS, focal " << focal_px.transpose()
+            << " px\n";
+  EXPECT_GE(used, 25);
+  EXPECT_GT(misread, 0);
+  EXPECT_LT(found.rms_px, 1.1);
+  EXPECT_NEAR(focal_px[0], 833.0, 0.02 * 833.0);
 }
 
 }  // namespace

@@ -282,6 +282,58 @@ TEST(HumanLiver, AllModelsMeetTheirNumbers) {
   PrintTable();
 }
 
+/// Mean over the depths of an insertion through untouched tissue.
+double MeanInN(const forces::MechanicalModel& law) {
+  std::vector<double> force;
+  for (double depth_mm = 10.0; depth_mm <= 80.0; depth_mm += 0.5) {
+    force.push_back(law.ResistanceInN(depth_mm, -1e9));
+  }
+  return math::Mean(force);
+}
+
+/// The same of what was recorded.
+double MeanInN(const FittedCurve& f) {
+  std::vector<double> force;
+  const SampleRange& range = f.puncture.phases.advance;
+  const double begin_mm = f.curve.depth_mm[range.begin];
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    const double depth_mm = f.curve.depth_mm[i] - begin_mm;
+    if (depth_mm < 10.0 || depth_mm > 80.0) continue;
+    force.push_back(f.curve.force_n[i] - f.puncture.offset_n->value);
+  }
+  return math::Mean(force);
+}
+
+// Fitted to every other recording; 500 seeds against the ten others.
+TEST(HumanLiver, SeedsScatterAsOtherRecordingsDo) {
+  const auto folders = Recordings();
+  if (folders.empty()) GTEST_SKIP() << "test data forces/human_liver is not here";
+  std::vector<FittedCurve> fitted;
+  std::vector<double> own_n, others_n, drawn_n;
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    const bool is_other = i % 2 == 1;
+    FittedCurve f = FitModelsTo(
+        ReadForceCurve(folders[i]),
+        {.gaussians = false, .mechanical = !is_other, .lugre = false, .hu_table = false});
+    (is_other ? others_n : own_n).push_back(MeanInN(f));
+    if (!is_other) fitted.push_back(std::move(f));
+  }
+  const forces::MeasuredForces forces =
+      forces::MeasuredForcesFromJson(MeasuredJson(fitted, 1.27), "ten");
+  for (std::uint64_t seed = 1; seed <= 500; ++seed) drawn_n.push_back(MeanInN(forces.Drawn(seed)));
+  const double own_sd = math::StandardDeviation(own_n), drawn_sd = math::StandardDeviation(drawn_n),
+               others_sd = math::StandardDeviation(others_n);
+  std::printf(
+      "  mean force in: fitted %.3f +- %.3f N, drawn %.3f +- %.3f N, held apart %.3f +- %.3f N\n",
+      math::Mean(own_n), own_sd, math::Mean(drawn_n), drawn_sd, math::Mean(others_n), others_sd);
+  EXPECT_NEAR(drawn_sd, own_sd, 0.2 * own_sd);
+  EXPECT_NEAR(math::Mean(drawn_n), math::Mean(own_n), 0.05);
+  // Ten recordings give an SD to 24 % (SD), a mean to a third of their SD.
+  EXPECT_GT(drawn_sd, 0.5 * others_sd);
+  EXPECT_LT(drawn_sd, 2.0 * others_sd);
+  EXPECT_NEAR(math::Mean(drawn_n), math::Mean(others_n), 1.5 * others_sd);
+}
+
 /// A recording's own depths through a force table, liver from the start, without the offset.
 std::vector<double> LayeredReplay(const forces::ForceTable& table, const FittedCurve& f) {
   const forces::NeedleForceModel model(

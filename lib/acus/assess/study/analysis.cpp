@@ -38,8 +38,10 @@ Comparison Compare(const GroupValues& first, const GroupValues& second, const St
                              settings.bootstrap_draws, study.seed, what + name);
   };
   comparison.delta_interval = interval(CliffsDelta, "delta ");
-  if (first.values.size() >= 2 && second.values.size() >= 2) {
-    comparison.hedges_g = HedgesG(second.values, first.values);
+  const bool has_pairs = first.values.size() >= 2 && second.values.size() >= 2;
+  const double g = has_pairs ? HedgesG(second.values, first.values) : NAN;
+  if (!std::isnan(g)) {
+    comparison.hedges_g = g;
     comparison.g_interval = interval(HedgesG, "g ");
     comparison.next_study = SizeForPower(*comparison.hedges_g, settings.power, settings.alpha);
   }

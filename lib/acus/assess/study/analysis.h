@@ -38,7 +38,7 @@ struct Comparison {
   double auc = 0.5;           ///< P(second > first); below 0.5: the first has the greater values.
   double cliffs_delta = 0.0;  ///< Of the second against the first.
   Interval delta_interval;
-  std::optional<double> hedges_g;  ///< With two values in each group.
+  std::optional<double> hedges_g;  ///< With two values in each group, and scatter in one.
   std::optional<Interval> g_interval;
   SampleSize next_study;   ///< To find this g again.
   bool separates = false;  ///< max(auc, 1 - auc) is at least AnalysisSettings::separating_auc.

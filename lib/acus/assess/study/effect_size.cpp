@@ -1,8 +1,10 @@
 #include "acus/assess/study/effect_size.h"
 
+#include <algorithm>
 #include <boost/math/distributions/non_central_t.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -14,6 +16,7 @@ namespace acus::study {
 namespace {
 
 constexpr int kMostPerGroup = 100'000;
+constexpr double kRounding = 1e-12;
 
 }  // namespace
 
@@ -37,7 +40,10 @@ double HedgesG(std::span<const double> a, std::span<const double> b) {
   const double sd_b = math::StandardDeviation(b);
   const double pooled =
       std::sqrt(((m - 1.0) * sd_a * sd_a + (n - 1.0) * sd_b * sd_b) / (m + n - 2.0));
-  if (pooled == 0.0) return 0.0;
+  double largest = 0.0;
+  for (const double x : a) largest = std::max(largest, std::abs(x));
+  for (const double x : b) largest = std::max(largest, std::abs(x));
+  if (!(pooled > kRounding * largest)) return std::numeric_limits<double>::quiet_NaN();
   return (math::Mean(a) - math::Mean(b)) / pooled * (1.0 - 3.0 / (4.0 * (m + n) - 9.0));
 }
 
@@ -50,8 +56,11 @@ Interval BootstrapInterval(std::span<const double> a, std::span<const double> b,
   for (int draw = 0; draw < draws; ++draw) {
     const auto again_a = math::Redrawn(a, random);
     const auto again_b = math::Redrawn(b, random);
-    values.push_back(statistic(again_a, again_b));
+    const double value = statistic(again_a, again_b);
+    if (!std::isnan(value)) values.push_back(value);
   }
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  if (values.empty()) return {kNaN, kNaN};
   return math::PercentileInterval(values, confidence);
 }
 

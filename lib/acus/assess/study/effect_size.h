@@ -20,14 +20,16 @@ double AreaUnderCurve(std::span<const double> a, std::span<const double> b);
 double CliffsDelta(std::span<const double> a, std::span<const double> b);
 
 /// Standardised mean difference (a - b) over the pooled SD, times 1 - 3 / (4 (m + n) - 9) (Hedges
-/// 1981). 0 if the pooled SD is. @pre both have at least two values.
+/// 1981). NaN if the values do not scatter within the groups (pooled SD below 1e-12 of the largest
+/// value): the difference has no scale then. @pre both have at least two values.
 double HedgesG(std::span<const double> a, std::span<const double> b);
 
 using TwoSampleStatistic =
     std::function<double(std::span<const double> a, std::span<const double> b)>;
 
 /// Percentile interval of a statistic (Efron & Tibshirani 1993): both samples are drawn again with
-/// replacement, `draws` times. Depends on the seed and the name only.
+/// replacement, `draws` times; draws of which the statistic is NaN do not count. NaN if none
+/// counts. Depends on the seed and the name only.
 /// @pre confidence in (0, 1), draws > 0.
 Interval BootstrapInterval(std::span<const double> a, std::span<const double> b,
                            const TwoSampleStatistic& statistic, double confidence, int draws,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 namespace acus::study {
 
@@ -12,12 +13,13 @@ struct IntraclassCorrelation {
   double icc_1_k = 0.0, icc_2_k = 0.0, icc_3_k = 0.0;
 };
 
-/// From the mean squares of the analysis of variance. All 0 if no value differs from another.
+/// From the mean squares of the analysis of variance. None if no value differs from another. A form
+/// whose denominator is 0 (persons do not differ, raters do) is 0.
 /// @pre at least two rows and two columns, finite.
-IntraclassCorrelation ComputeIcc(const Eigen::MatrixXd& ratings);
+std::optional<IntraclassCorrelation> ComputeIcc(const Eigen::MatrixXd& ratings);
 
-/// Cronbach's alpha (1951): rows are persons, columns items. 0 if the sums do not vary.
+/// Cronbach's alpha (1951): rows are persons, columns items. None if the sums do not vary.
 /// @pre at least two rows and two columns, finite.
-double CronbachAlpha(const Eigen::MatrixXd& answers);
+std::optional<double> CronbachAlpha(const Eigen::MatrixXd& answers);
 
 }  // namespace acus::study

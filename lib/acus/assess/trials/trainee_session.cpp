@@ -22,6 +22,7 @@ constexpr double kHandS = 0.1;     ///< In which the hand takes up a speed.
 constexpr double kEyeS = 1.0;      ///< In which the image plane follows the needle.
 constexpr double kSlowingS = 0.6;  ///< Before the target: speed is the remaining depth over it.
 constexpr double kLeastMmPerS = 1.0;
+constexpr double kLeftInMm = 5.0;   ///< Of the needle, at least, when it is withdrawn from deeper.
 constexpr double kPlaneKept = 0.6;  ///< Of the image plane's errors, at each stop.
 constexpr double kProbeHz = 50.0;
 
@@ -207,7 +208,8 @@ class Intention {
     ++num_corrections_;
     from_axis_ = axis_;
     to_axis_ = Jittered(axis, person_.correction_deg * kRadPerDegree, random_);
-    withdraw_to_mm_ = std::max(5.0, withdraw_to_mm);
+    if (along_mm_ > kLeftInMm) withdraw_to_mm = std::max(kLeftInMm, withdraw_to_mm);
+    withdraw_to_mm_ = std::min(along_mm_, withdraw_to_mm);
     Begin(Phase::kWithdraw, time_s);
   }
 

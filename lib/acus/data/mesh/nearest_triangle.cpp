@@ -63,7 +63,7 @@ NearestTriangle::NearestTriangle(const Surface& surface) {
     centres.col(t) = corner.rowwise().mean();
     const Vector3d normal =
         Vector3d(corner.col(1) - corner.col(0)).cross(Vector3d(corner.col(2) - corner.col(0)));
-    normals_.col(t) = normal.stableNormalized();
+    normals_.col(t) = normal.isZero(0.0) ? normal : normal.stableNormalized();
   }
   order_.resize(static_cast<std::size_t>(count));
   std::iota(order_.begin(), order_.end(), 0);

@@ -30,30 +30,6 @@ double Largest(const std::vector<float>& displacement_mm) {
   return std::sqrt(largest2);
 }
 
-/// Smallest determinant of the gradient by forward differences between nodes of the same side.
-double SmallestDeterminant(const PhaseField& field) {
-  const SlidingGrid& grid = field.grid();
-  const volume::Geometry& g = grid.geometry();
-  const std::array<std::size_t, 3> step = {1, g.Index(0, 1, 0), g.Index(0, 0, 1)};
-  double smallest = 1.0;
-  for (int n = 0; n < grid.num_nodes(); ++n) {
-    Eigen::Matrix3f gradient = Eigen::Matrix3f::Identity();
-    bool whole = true;
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::size_t v = grid.Voxel(n) + step[static_cast<std::size_t>(axis)];
-      const std::int32_t m = v < g.num_voxels() ? grid.NodeAt(v) : -1;
-      whole = whole && m >= 0 && grid.SideOf(m) == grid.SideOf(n);
-      if (!whole) break;
-      gradient.col(axis) += field.displacement_voxels()[static_cast<std::size_t>(m)] -
-                            field.displacement_voxels()[static_cast<std::size_t>(n)];
-    }
-    if (!whole) continue;
-    const auto det = gradient.col(0).cross(gradient.col(1)).dot(gradient.col(2));
-    smallest = std::min(smallest, static_cast<double>(det));
-  }
-  return smallest;
-}
-
 breathing::ModelError Summary(const std::vector<double>& errors_mm) {
   return {.mean_mm = math::Mean(errors_mm),
           .p95_mm = math::Quantile(errors_mm, 0.95),
@@ -295,7 +271,7 @@ struct Stop {
 std::vector<Stop> Route(const PhaseFiles& files, std::size_t reference) {
   const std::size_t count = files.phases.size();
   std::vector<Stop> route;
-  const std::size_t forwards = (count - 1 + 1) / 2;
+  const std::size_t forwards = count / 2;
   for (std::size_t n = 1; n <= forwards; ++n) {
     const std::size_t at = (reference + n) % count;
     route.push_back({&files.phases[at], at, (reference + n - 1) % count});
@@ -373,14 +349,14 @@ Capture CaptureMotion(const PhaseFiles& files, const volume::CtVolume& reference
                        .deeper = stop.at == files.phases.size(),
                        .residual = {},
                        .largest_mm = 0.0,
-                       .smallest_determinant = 1.0,
+                       .smallest_determinant = {},
                        .landmark_error_mm = {},
                        .landmark_bound_mm = {}};
     PhaseField field = registration.Register(image, start == done.end() ? nullptr : &start->second,
                                              context, &result.residual);
     auto on_nodes = field.OnNodes(fields.normal.nodes, tissue, context.num_threads);
     result.largest_mm = Largest(on_nodes);
-    result.smallest_determinant = SmallestDeterminant(field);
+    result.smallest_determinant = field.grid().SmallestDeterminant(field.displacement_voxels());
     result.unseen_share = field.unseen_share();
     AtLandmarks(landmarks, capture.reference, field, tissue, result);
     const double share = ShareOfBreath(files, stop.phase->breath);
@@ -436,7 +412,7 @@ Capture CaptureFields(const PhaseFiles& files, const volume::Geometry* ct,
                               .deeper = false,
                               .residual = {},
                               .largest_mm = largest,
-                              .smallest_determinant = 1.0,
+                              .smallest_determinant = {},
                               .landmark_error_mm = {},
                               .landmark_bound_mm = {}});
     if (largest == 0.0) field.displacement_in_ct_mm.clear();
@@ -495,7 +471,7 @@ Capture CaptureSingle(const volume::LabelMap& labels, double diaphragm_mm,
         {.file = phases.back(),
          .residual = {},
          .largest_mm = Largest(fields.normal.phases.back().displacement_in_ct_mm),
-         .smallest_determinant = 1.0,
+         .smallest_determinant = {},
          .landmark_error_mm = {},
          .landmark_bound_mm = {}});
   }

@@ -41,8 +41,9 @@ struct PhaseResult {
   PhaseFile file;
   bool deeper = false;  ///< Beyond normal breath: only to judge models by.
   Residual residual;
-  double largest_mm = 0.0;                ///< Displacement.
-  double smallest_determinant = 1.0;      ///< Of the gradient, between nodes: <= 0 is a fold.
+  double largest_mm = 0.0;  ///< Displacement.
+  /// Of registered fields: SlidingGrid::SmallestDeterminant.
+  std::optional<double> smallest_determinant;
   std::vector<double> landmark_error_mm;  ///< In the order of the landmarks.
   std::vector<double> landmark_bound_mm;  ///< What the error should keep to: PhaseField::BoundMm.
   double unseen_share = 0.0;              ///< Tissue whose match the phase does not show.

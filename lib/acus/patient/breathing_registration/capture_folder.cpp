@@ -102,13 +102,13 @@ Rows PhaseRows(const Capture& capture) {
   Rows rows;
   for (const PhaseResult& phase : capture.phases) {
     const auto& errors = phase.landmark_error_mm;
-    rows.push_back(
-        {phase.file.name, Fixed(phase.file.breath.cycle, 2), Fixed(phase.file.breath.level, 2),
-         Fixed(phase.largest_mm, 1), Fixed(phase.residual.before, 1),
-         Fixed(phase.residual.after, 1), Fixed(phase.smallest_determinant, 2),
-         errors.empty()
-             ? "-"
-             : Fixed(math::Mean(errors), 2) + " / " + Fixed(math::Quantile(errors, 0.95), 2)});
+    rows.push_back({phase.file.name, Fixed(phase.file.breath.cycle, 2),
+                    Fixed(phase.file.breath.level, 2), Fixed(phase.largest_mm, 1),
+                    Fixed(phase.residual.before, 1), Fixed(phase.residual.after, 1),
+                    phase.smallest_determinant ? Fixed(*phase.smallest_determinant, 2) : "-",
+                    errors.empty() ? "-"
+                                   : Fixed(math::Mean(errors), 2) + " / " +
+                                         Fixed(math::Quantile(errors, 0.95), 2)});
   }
   return rows;
 }
@@ -131,7 +131,7 @@ void WriteTables(const fs::path& folder, const Capture& capture) {
     phases.push_back({p.file.name, NumberText(p.file.breath.cycle), NumberText(p.file.breath.level),
                       NumberText(p.file.breath.level_per_s), NumberText(p.largest_mm),
                       NumberText(p.residual.before), NumberText(p.residual.after),
-                      NumberText(p.smallest_determinant),
+                      p.smallest_determinant ? NumberText(*p.smallest_determinant) : "",
                       errors.empty() ? "" : NumberText(math::Mean(errors))});
   }
   WriteTextFile(

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "acus/base/core/parallel.h"
@@ -104,6 +105,24 @@ Eigen::Vector3f SlidingGrid::At(const Field& u, const Eigen::Vector3f& index,
   }
   if (same_weight > 0.0F) return same / same_weight;
   return any_weight > 0.0F ? Eigen::Vector3f(any / any_weight) : any;
+}
+
+std::optional<double> SlidingGrid::SmallestDeterminant(const Field& u) const {
+  std::optional<double> smallest;
+  for (int n = 0; n < num_nodes(); ++n) {
+    Eigen::Matrix3d gradient = Eigen::Matrix3d::Identity();
+    bool whole = true;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int32_t m =
+          neighbours_[static_cast<std::size_t>(n)][static_cast<std::size_t>(2 * axis + 1)];
+      whole = m >= 0 && SideOf(m) == SideOf(n);
+      if (!whole) break;
+      gradient.col(axis) +=
+          (u[static_cast<std::size_t>(m)] - u[static_cast<std::size_t>(n)]).cast<double>();
+    }
+    if (whole) smallest = std::min(smallest.value_or(HUGE_VAL), gradient.determinant());
+  }
+  return smallest;
 }
 
 std::vector<Eigen::Vector3f> SlidingGrid::Everywhere(const Field& u) const {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "acus/data/volume/volume.h"
@@ -75,6 +76,10 @@ class SlidingGrid {
   /// none, zero if there is no tissue. Trilinear.
   Eigen::Vector3f At(const Field& u, const Eigen::Vector3f& index, Side side) const noexcept;
 
+  /// Smallest determinant of the deformation gradient I + du/dx, by forward differences between
+  /// nodes of the same side; <= 0 is a fold. None if no node has all three neighbours.
+  std::optional<double> SmallestDeterminant(const Field& u) const;
+
   /// On all nodes of the grid: beyond the tissue as the nearest of it, layer by layer.
   std::vector<Eigen::Vector3f> Everywhere(const Field& u) const;
 
@@ -90,7 +95,7 @@ class SlidingGrid {
   std::vector<std::size_t> voxel_;
   std::vector<Side> side_;
   std::vector<Eigen::Vector3f> normal_;
-  std::vector<std::array<std::int32_t, 6>> neighbours_;
+  std::vector<std::array<std::int32_t, 6>> neighbours_;  ///< Before and after, axis by axis.
   std::vector<std::int32_t> node_at_;
 };
 

@@ -118,7 +118,19 @@ json LuGreJson(const LuGreFit& fit) {
                  {"warnings", fit.warnings},   {"undetermined", fit.undetermined},
                  {"parameters", estimates},    {"rms_n", fit.rms_n}};
   if (fit.converged) {
-    // As the block "alamilla" of a force table has it, for a normal force of 1 N.
+    // The whole law: with it, ReplayLuGre repeats the fit.
+    const LuGreParameters& p = fit.parameters;
+    result["law"] = {{"sigma0_n_per_mm", p.sigma0_n_per_mm},
+                     {"sigma1_n_s_per_mm", p.sigma1_n_s_per_mm},
+                     {"sigma2_n_s_per_mm", p.sigma2_n_s_per_mm},
+                     {"coulomb_n", p.coulomb_n},
+                     {"static_n", p.static_n},
+                     {"stribeck_mm_per_s", p.stribeck_mm_per_s},
+                     {"growth_per_mm", p.growth_per_mm},
+                     {"middle_mm", p.middle_mm},
+                     {"offset_n", p.offset_n}};
+    // As the block "alamilla" of a force table has it, for a normal force of 1 N: at middle_mm, and
+    // without the offset.
     result["friction"] = {{"sigma0_per_mm", fit.parameters.sigma0_n_per_mm},
                           {"sigma1_s_per_mm", fit.parameters.sigma1_n_s_per_mm},
                           {"sigma2_s_per_mm", fit.parameters.sigma2_n_s_per_mm},
@@ -132,12 +144,18 @@ json LuGreJson(const LuGreFit& fit) {
 json HuTableJson(const HuTableFit& fit) {
   if (!fit.converged) return {{"converged", false}, {"message", fit.message}};
   json errors = json::array();
-  for (const Estimate& e : fit.n_s_per_mm) errors.push_back(e.standard_error);
+  json high = json::array();
+  for (const Estimate& e : fit.n_s_per_mm) {
+    errors.push_back(e.standard_error);
+    high.push_back(e.high);
+  }
   return {{"converged", true},
           {"warnings", fit.warnings},
           {"vidal", VidalBlock(fit.table)},
           {"n_s_per_mm_standard_error", errors},
+          {"n_s_per_mm_high_95", high},
           {"friction_n_per_mm", EstimateJson(fit.friction_n_per_mm)},
+          {"edge_factor", EstimateJson(fit.edge_factor)},
           {"smoothing", fit.smoothing},
           {"rms_n", fit.rms_n}};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
@@ -55,6 +56,38 @@ ForceCurve ReadNamed(const fs::path& input, const FitTask& task, std::vector<std
   return curve;
 }
 
+/// Files that are broken, and recordings without an answer: the others are predicted without them.
+class Missing {
+ public:
+  /// Runs what may throw for one input. False if it did.
+  template <typename Action>
+  bool Try(const fs::path& input, const Action& action) {
+    try {
+      action();
+      return true;
+    } catch (const InputError& error) {
+      if (!broken_) broken_ = error;
+      text_ += Message("\n  ", error.what());
+    } catch (const NoAnswerError& error) {
+      text_ += Message("\n  ", input.string(), ": ", error.what());
+    }
+    return false;
+  }
+
+  /// @throws InputError or NoAnswerError if nothing was predicted.
+  void Report(bool any_predicted, RunContext& context) const {
+    if (!any_predicted && broken_) throw InputError(*broken_);
+    if (!any_predicted) {
+      throw NoAnswerError("no recording could be predicted, nothing is written:" + text_);
+    }
+    if (!text_.empty()) context.Warn("the others are predicted, but not these:" + text_);
+  }
+
+ private:
+  std::string text_;
+  std::optional<InputError> broken_;
+};
+
 void Advance(const char* what, std::size_t i, const FitTask& task, RunContext& context) {
   context.Checkpoint(what, static_cast<double>(i) / static_cast<double>(task.inputs.size()));
   context.provenance.AddInput(task.inputs[i]);
@@ -68,24 +101,19 @@ std::string RunPrediction(const FitTask& task, RunContext& context) {
   std::vector<PredictedCurve> predicted;
   std::vector<std::string> names;
   nlohmann::json curves = nlohmann::json::array();
-  std::string missing, taken;
+  Missing missing;
+  std::string taken;
   for (std::size_t i = 0; i < task.inputs.size(); ++i) {
     Advance("predicting", i, task, context);
-    ForceCurve curve = ReadNamed(task.inputs[i], task, names, taken);
-    try {
-      predicted.push_back(Predict(fit, std::move(curve)));
-    } catch (const NoAnswerError& error) {
-      missing += Message("\n  ", task.inputs[i].string(), ": ", error.what());
-      continue;
-    }
+    const bool is_predicted = missing.Try(task.inputs[i], [&] {
+      predicted.push_back(Predict(fit, ReadNamed(task.inputs[i], task, names, taken)));
+    });
+    if (!is_predicted) continue;
     curves.push_back(PredictionJson(predicted.back()));
     report::WriteSvg(folder.path() / (predicted.back().curve.name + "_predicted.svg"),
                      PredictionPlot(predicted.back()));
   }
-  if (predicted.empty()) {
-    throw NoAnswerError("no recording could be predicted, nothing is written:" + missing);
-  }
-  if (!missing.empty()) context.Warn("the others are predicted, but not these:" + missing);
+  missing.Report(!predicted.empty(), context);
   config::WriteJson(folder.path() / "prediction.json", {{"fitted_recordings", fit.band.recordings},
                                                         {"factor", fit.band.factor},
                                                         {"curves", curves}});
@@ -189,16 +217,24 @@ constexpr SpecimenKind<IndentationTest, IndentationFit> kIndentations{
     ReadIndentationTest, IndentationJson, IndentationPlot, "_indentation.svg"};
 
 /// Reads, fits and draws every specimen into the folder. @param fit_one  a Fit of a test.
+/// @param needs_all  A file that is broken stops it; otherwise the others go on without it.
 /// @throws NoAnswerError if no specimen has an answer.
 template <typename Test, typename Fit, typename FitOne>
 Specimens<Test, Fit> FitSpecimens(const FitTask& task, RunContext& context,
                                   const AtomicFolder& folder, const SpecimenKind<Test, Fit>& kind,
-                                  const FitOne& fit_one) {
+                                  const FitOne& fit_one, bool needs_all) {
   Specimens<Test, Fit> out;
+  Missing missing;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < task.inputs.size(); ++i) {
     Advance("fitting", i, task, context);
-    const Test& test = out.tests.emplace_back(kind.read(task.inputs[i]));
+    const auto read = [&] { out.tests.push_back(kind.read(task.inputs[i])); };
+    if (needs_all) {
+      read();
+    } else if (!missing.Try(task.inputs[i], read)) {
+      continue;
+    }
+    const Test& test = out.tests.back();
     ACUS_REQUIRE(std::ranges::find(names, test.name) == names.end(), task.inputs[i].string(),
                  ": another specimen is named '", test.name, "' too; rename one");
     names.push_back(test.name);
@@ -209,6 +245,7 @@ Specimens<Test, Fit> FitSpecimens(const FitTask& task, RunContext& context,
       context.Warn(Message(task.inputs[i].string(), ": no answer: ", fit.message));
     }
   }
+  missing.Report(!out.tests.empty(), context);
   if (!std::ranges::any_of(out.fits, &Fit::converged)) {
     throw NoAnswerError("no law has an answer for any specimen, nothing is written: " +
                         out.fits.front().message);
@@ -222,7 +259,7 @@ std::string RunTensions(const FitTask& task, RunContext& context) {
       "--models hyperelastic is for tension tests, not for recordings of a needle; give it "
       "alone, without --tissue");
   AtomicFolder folder(task.output, context.overwrite);
-  const auto specimens = FitSpecimens(task, context, folder, kTensions, FitTension);
+  const auto specimens = FitSpecimens(task, context, folder, kTensions, FitTension, true);
   config::WriteJson(folder.path() / "fit.json", {{"specimens", specimens.documents}});
   config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
   folder.Commit();
@@ -234,7 +271,7 @@ template <typename FitOne>
 std::string RunIndentationTests(const FitTask& task, RunContext& context, const FitOne& fit_one,
                                 bool is_shared) {
   AtomicFolder folder(task.output, context.overwrite);
-  const auto specimens = FitSpecimens(task, context, folder, kIndentations, fit_one);
+  const auto specimens = FitSpecimens(task, context, folder, kIndentations, fit_one, is_shared);
   nlohmann::json document = {{"specimens", specimens.documents}};
   if (is_shared) document["shared"] = ShapeJson(FitSharedShape(specimens.tests, specimens.fits));
   config::WriteJson(folder.path() / (is_shared ? "fit.json" : "prediction.json"), document);

@@ -8,6 +8,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/math/statistics.h"
+#include "acus/patient/fitting/non_negative.h"
 #include "acus/physics/forces/hu_resistance.h"
 
 namespace acus::fitting {
@@ -27,15 +28,15 @@ forces::CubicBSpline Spline(const std::vector<double>& hu, std::vector<double> c
 /// Means over kStepMm of the sliding part of an insertion.
 struct Row {
   double hu = 0.0;
-  double gradient = 0.0;
+  double edge_share = 0.0;  ///< Of the samples, at an edge.
   double speed = 0.0;
   double travel_mm = 0.0;
   double force_n = 0.0;
   int fold = 0;
 };
 
-void AddRows(const ForceCurve& curve, const CurvePhases& phases, double offset_n, int fold,
-             std::vector<Row>& rows) {
+void AddRows(const ForceCurve& curve, const CurvePhases& phases, double offset_n,
+             double edge_hu_per_mm, int fold, std::vector<Row>& rows) {
   const double begin_mm = curve.depth_mm[phases.advance.begin];
   const bool has_gradient = !curve.hu_gradient_per_mm.empty();
   Row sum;
@@ -52,12 +53,12 @@ void AddRows(const ForceCurve& curve, const CurvePhases& phases, double offset_n
       continue;
     }
     sum.hu += curve.hu[i];
-    sum.gradient += has_gradient ? curve.hu_gradient_per_mm[i] : 0.0;
+    if (has_gradient && curve.hu_gradient_per_mm[i] > edge_hu_per_mm) sum.edge_share += 1.0;
     sum.travel_mm += depth - begin_mm;
     sum.force_n += curve.force_n[i] - offset_n;
     count += 1.0;
     if (depth - from_mm < kStepMm) continue;
-    rows.push_back({sum.hu / count, sum.gradient / count,
+    rows.push_back({sum.hu / count, sum.edge_share / count,
                     (depth - from_mm) / (curve.time_s[i] - from_s), sum.travel_mm / count,
                     sum.force_n / count, fold});
     sum = {};
@@ -69,8 +70,8 @@ void AddRows(const ForceCurve& curve, const CurvePhases& phases, double offset_n
 
 class TableFitter {
  public:
-  TableFitter(std::vector<Row> rows, std::vector<double> breakpoints, double edge_hu_per_mm)
-      : rows_(std::move(rows)), hu_(std::move(breakpoints)), edge_hu_per_mm_(edge_hu_per_mm) {
+  TableFitter(std::vector<Row> rows, std::vector<double> breakpoints)
+      : rows_(std::move(rows)), hu_(std::move(breakpoints)) {
     Assemble();
   }
 
@@ -86,21 +87,7 @@ class TableFitter {
       right += row.transpose() * rows_[i].force_n;
     }
     normal += Penalty(smoothing);
-    std::vector<Eigen::Index> free;
-    for (Eigen::Index k = 0; k < n; ++k) free.push_back(k);
-    Eigen::VectorXd solution = Eigen::VectorXd::Zero(n);
-    while (!free.empty()) {
-      const Eigen::VectorXd part = normal(free, free).ldlt().solve(right(free));
-      const auto worst = std::ranges::min_element(part) - part.begin();
-      if (part(worst) >= 0.0) {
-        for (std::size_t k = 0; k < free.size(); ++k) {
-          solution(free[k]) = part(static_cast<Eigen::Index>(k));
-        }
-        break;
-      }
-      free.erase(free.begin() + worst);
-    }
-    return solution;
+    return SolveNonNegative(normal, right).x;
   }
 
   double BestSmoothing() const {
@@ -128,17 +115,14 @@ class TableFitter {
 
   /// K_edge for these coefficients, then the columns with it.
   double UpdateEdgeFactor(const Eigen::VectorXd& solution) {
-    double product = 0.0;
-    double squares = 0.0;
-    const Eigen::Index last = columns_.cols() - 1;
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      if (rows_[i].gradient <= edge_hu_per_mm_) continue;
-      const auto row = columns_.row(static_cast<Eigen::Index>(i));
-      const double plain = row.head(last).dot(solution.head(last)) / edge_factor_;
-      product += plain * (rows_[i].force_n - row(last) * solution(last));
-      squares += plain * plain;
+    const Eigen::VectorXd slope = EdgeColumn(solution);
+    const std::vector<double> residual = Residuals(solution);
+    const double fall =
+        -slope.dot(Eigen::Map<const Eigen::VectorXd>(residual.data(), slope.size()));
+    const double squares = slope.squaredNorm();
+    if (squares > 0.0) {
+      edge_factor_ = std::clamp(edge_factor_ + fall / squares, 1.0, kLargestEdgeFactor);
     }
-    if (squares > 0.0) edge_factor_ = std::clamp(product / squares, 1.0, kLargestEdgeFactor);
     Assemble();
     return edge_factor_;
   }
@@ -152,12 +136,46 @@ class TableFitter {
     return residual;
   }
 
-  Eigen::MatrixXd Covariance(double smoothing, const std::vector<double>& residual) const {
-    const Eigen::MatrixXd normal = columns_.transpose() * columns_ + Penalty(smoothing);
+  /// Of each unknown and, last, of K_edge: each with the other ones that are not held at a bound,
+  /// so that none counts as exact that is not.
+  std::vector<Estimate> Estimates(double smoothing, const Eigen::VectorXd& solution,
+                                  const std::vector<double>& residual) const {
+    const Eigen::Index n = columns_.cols();
+    Eigen::MatrixXd columns(columns_.rows(), n + 1);
+    columns << columns_, EdgeColumn(solution);
+    Eigen::MatrixXd normal = columns.transpose() * columns;
+    normal.topLeftCorner(n, n) += Penalty(smoothing);
     double squares = 0.0;
     for (const double r : residual) squares += r * r;
-    return squares / static_cast<double>(residual.size()) * Inflation(residual) *
-           normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+    const double variance = squares / static_cast<double>(residual.size()) * Inflation(residual);
+    std::vector<bool> is_free;
+    for (const double value : solution) is_free.push_back(value > 0.0);
+    is_free.push_back(edge_factor_ > 1.0 && edge_factor_ < kLargestEdgeFactor);
+    Eigen::VectorXd at(n + 1), fall(n + 1);
+    at << solution, edge_factor_;
+    fall =
+        -columns.transpose() * Eigen::Map<const Eigen::VectorXd>(residual.data(), columns.rows());
+    fall.head(n) -= Penalty(smoothing) * solution;
+    std::vector<Estimate> estimates;
+    for (Eigen::Index k = 0; k <= n; ++k) {
+      std::vector<Eigen::Index> others;
+      for (Eigen::Index m = 0; m <= n; ++m) {
+        if (m != k && is_free[static_cast<std::size_t>(m)]) others.push_back(m);
+      }
+      const Eigen::VectorXd shared = normal(others, k);
+      const double information =
+          normal(k, k) - shared.dot(normal(others, others).ldlt().solve(shared));
+      if (!(information > 0.0)) {  // No edges.
+        estimates.push_back({at(k), 0.0, at(k), at(k)});
+        continue;
+      }
+      // Where the unknown would go if it were free: no step for one that is.
+      const double value =
+          at(k) + (is_free[static_cast<std::size_t>(k)] ? 0.0 : fall(k) / information);
+      estimates.push_back(
+          Estimate::Normal(value, std::sqrt(variance / information)).AtLeast(k < n ? 0.0 : 1.0));
+    }
+    return estimates;
   }
 
   /// Sum of each coefficient's basis function over the rows.
@@ -165,6 +183,18 @@ class TableFitter {
   const std::vector<double>& hu() const { return hu_; }
 
  private:
+  double FactorOf(const Row& row) const { return 1.0 + (edge_factor_ - 1.0) * row.edge_share; }
+
+  /// d force / d K_edge of each row.
+  Eigen::VectorXd EdgeColumn(const Eigen::VectorXd& solution) const {
+    const Eigen::Index last = columns_.cols() - 1;
+    Eigen::VectorXd slope = columns_.leftCols(last) * solution.head(last);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      slope(static_cast<Eigen::Index>(i)) *= rows_[i].edge_share / FactorOf(rows_[i]);
+    }
+    return slope;
+  }
+
   void Assemble() {
     columns_ = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows_.size()),
                                      static_cast<Eigen::Index>(hu_.size()) + 3);
@@ -173,7 +203,7 @@ class TableFitter {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const Row& row = rows_[i];
       const int first = spline.Basis(row.hu, basis);
-      const double factor = row.speed * (row.gradient > edge_hu_per_mm_ ? edge_factor_ : 1.0);
+      const double factor = row.speed * FactorOf(row);
       for (int k = 0; k < 4; ++k) {
         columns_(static_cast<Eigen::Index>(i), first + k) = factor * basis[k];
       }
@@ -196,7 +226,6 @@ class TableFitter {
 
   std::vector<Row> rows_;
   std::vector<double> hu_;
-  double edge_hu_per_mm_;
   double edge_factor_ = 1.0;
   Eigen::MatrixXd columns_;
 };
@@ -229,7 +258,7 @@ HuTableFit FitHuTable(std::span<const ForceCurve> curves, std::span<const CurveP
   bool has_gradient = false;
   for (std::size_t c = 0; c < curves.size(); ++c) {
     if (curves[c].hu.empty() || phases[c].advance.size() == 0) continue;
-    AddRows(curves[c], phases[c], offsets_n[c], fold++, rows);
+    AddRows(curves[c], phases[c], offsets_n[c], edge_hu_per_mm, fold++, rows);
     has_gradient = has_gradient || !curves[c].hu_gradient_per_mm.empty();
   }
   if (rows.size() < 40) {
@@ -242,7 +271,7 @@ HuTableFit FitHuTable(std::span<const ForceCurve> curves, std::span<const CurveP
       rows[i].fold = static_cast<int>(i * kFolds / rows.size());
     }
   }
-  TableFitter fitter(rows, Breakpoints(rows), edge_hu_per_mm);
+  TableFitter fitter(rows, Breakpoints(rows));
   fit.smoothing = fitter.BestSmoothing();
   Eigen::VectorXd solution = fitter.Solve(fit.smoothing, -1);
   for (int round = 0; round < 50 && has_gradient; ++round) {
@@ -257,23 +286,18 @@ HuTableFit FitHuTable(std::span<const ForceCurve> curves, std::span<const CurveP
   fit.table.n_s_per_mm.assign(solution.begin(), solution.begin() + count);
   const std::vector<double> residual = fitter.Residuals(solution);
   fit.rms_n = math::RootMeanSquare(residual);
-  const Eigen::MatrixXd covariance = fitter.Covariance(fit.smoothing, residual);
-  const auto estimate = [&](Eigen::Index k) {
-    const double error = std::sqrt(std::max(0.0, covariance(k, k)));
-    Estimate out = Estimate::Normal(solution(k), error);
-    out.low = std::max(0.0, out.low);
-    return out;
-  };
+  fit.n_s_per_mm = fitter.Estimates(fit.smoothing, solution, residual);
+  fit.edge_factor = fit.n_s_per_mm.back();
+  fit.friction_n_per_mm = fit.n_s_per_mm[static_cast<std::size_t>(count)];
+  fit.n_s_per_mm.resize(static_cast<std::size_t>(count));
   const Eigen::VectorXd support = fitter.Support();
   const double typical = support.head(count).mean();
   for (Eigen::Index k = 0; k < count; ++k) {
-    fit.n_s_per_mm.push_back(estimate(k));
     if (support(k) > 1e-3 * typical) continue;
     const auto at = static_cast<std::size_t>(std::clamp<Eigen::Index>(k - 1, 0, count - 3));
     fit.warnings.push_back(Message("resistance around ", fit.table.hu[at],
                                    " HU: no recording comes there; smoothness alone sets it"));
   }
-  fit.friction_n_per_mm = estimate(count);
   fit.converged = true;
   return fit;
 }

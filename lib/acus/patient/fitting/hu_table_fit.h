@@ -30,12 +30,13 @@ struct HuTableFit {
   HuTable table;
   std::vector<Estimate> n_s_per_mm;  ///< As the coefficients.
   Estimate friction_n_per_mm;        ///< Of the shaft, taken off: force per depth since the start.
+  Estimate edge_factor;              ///< Of table.edge_factor; of no width without edges.
   double smoothing = 0.0;            ///< Weight of the coefficients' bends, by cross-validation.
   double rms_n = 0.0;
 };
 
-/// Least squares over the insertions of all recordings that have HU (curve.hu), with coefficients
-/// >= 0, a linear term for the shaft that gets buried, and a penalty on bends that is chosen by
+/// Non-negative least squares over the insertions of all recordings that have HU (curve.hu), with a
+/// linear term for the shaft that gets buried, and a penalty on bends that is chosen by
 /// omitting one recording (of a single one, a fifth of its path) at a time. K_edge is fitted
 /// where curve.hu_gradient_per_mm is there. The first 2 mm are omitted: there the force builds up.
 /// @param offsets_n  of the sensor, by recording.

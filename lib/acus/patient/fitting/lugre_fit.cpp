@@ -103,21 +103,29 @@ std::vector<SeriesParameter> Start(const Motion& motion, double force_n, double 
   return p;
 }
 
+/// Of the static force's logarithm: that of the Coulomb force and of the ratio to it, together.
+Estimate LogStatic(const SeriesFit& fit) {
+  const Estimate coulomb = fit.Bounded(kCoulomb), ratio = fit.Bounded(kStaticRatio);
+  const double value = coulomb.value + ratio.value;
+  if (fit.undetermined[kCoulomb] || fit.undetermined[kStaticRatio]) {
+    return {value, std::hypot(coulomb.standard_error, ratio.standard_error),
+            coulomb.low + ratio.low, coulomb.high + ratio.high};
+  }
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(kNum);
+  gradient(kCoulomb) = gradient(kStaticRatio) = 1.0;
+  return fit.Of(value, gradient);
+}
+
 void AddEstimates(const SeriesFit& fit, LuGreFit& result) {
   for (std::size_t k = 0; k < kNum; ++k) {
     if (fit.definition[k].low == fit.definition[k].high) continue;
-    Estimate estimate = fit.Bounded(k);
-    std::string name = kNames[k];
+    Estimate estimate = k == kStaticRatio ? LogStatic(fit) : fit.Bounded(k);
+    const std::string name = k == kStaticRatio ? "static_n" : kNames[k];
     const bool logarithm = k == kSigma0 || k == kCoulomb || k == kStaticRatio || k == kStribeck;
     if (logarithm) {
-      double factor = 1.0;
-      if (k == kStaticRatio) {
-        factor = result.parameters.coulomb_n;
-        name = "static_n";
-      }
-      const double value = factor * std::exp(estimate.value);
-      estimate = {value, value * estimate.standard_error, factor * std::exp(estimate.low),
-                  factor * std::exp(estimate.high)};
+      const double value = std::exp(estimate.value);
+      estimate = {value, value * estimate.standard_error, std::exp(estimate.low),
+                  std::exp(estimate.high)};
     }
     result.estimates.emplace_back(name, estimate);
     if (fit.undetermined[k]) {

@@ -101,10 +101,10 @@ ModelFit LevelAndSlope(const StrainedRows& rows, const ResistanceProfile& profil
   return FitModel(line, index, rows.force_n, {0.0, 0.0}, false);
 }
 
-Estimate Exponential(const Estimate& logarithm, double shift = 0.0) {
-  const double value = std::exp(logarithm.value + shift);
-  return {value, value * logarithm.standard_error, std::exp(logarithm.low + shift),
-          std::exp(logarithm.high + shift)};
+Estimate Exponential(const Estimate& logarithm) {
+  const double value = std::exp(logarithm.value);
+  return {value, value * logarithm.standard_error, std::exp(logarithm.low),
+          std::exp(logarithm.high)};
 }
 
 /// Force per travel where the strain is 0, of a level that is built up over `length_mm`.
@@ -174,25 +174,40 @@ void AddEstimates(const PhaseSamples& samples, const SeriesFit& shared, Mechanic
   AddRelaxation(shared, fit);
 }
 
+/// Shares and times are fitted relative to the branch before: what is uncertain of one branch makes
+/// the later ones uncertain too.
 void AddRelaxation(const SeriesFit& shared, MechanicalFit& fit) {
   constexpr Shared kShares[] = {kFirstShare, kSecondShare, kThirdShare};
   constexpr Shared kTimes[] = {kLogTau, kLogRatio, kThirdLogRatio};
-  double rest = 1.0;   // Of the share that the branches before leave.
-  double shift = 0.0;  // Logarithm of the time of the branch before.
+  double rest = 1.0;      // What the branches before leave,
+  double log_time = 0.0;  // and the logarithm of the time of the last of them.
+  bool has_share = true, has_time = true;
+  Eigen::VectorXd rest_slope = Eigen::VectorXd::Zero(kNumShared), time_slope = rest_slope;
+  const auto add = [&](const std::string& name, const Estimate& estimate, bool undetermined) {
+    fit.estimates.emplace_back(name, estimate);
+    if (undetermined) fit.undetermined.push_back(name);
+  };
   for (int k = 0; k < fit.relaxing_branches; ++k) {
     const std::string number = std::to_string(k + 1);
-    const auto add = [&](const std::string& name, const Estimate& estimate, bool undetermined) {
-      fit.estimates.emplace_back(name, estimate);
-      if (undetermined) fit.undetermined.push_back(name);
-    };
-    const Estimate e = shared.Bounded(kShares[k]);
-    add("relaxing_share_" + number,
-        {rest * e.value, rest * e.standard_error, rest * e.low, rest * e.high, 0.0},
-        shared.undetermined[kShares[k]]);
-    add("relaxation_" + number + "_s", Exponential(shared.Bounded(kTimes[k]), shift),
-        shared.undetermined[kTimes[k]]);
-    rest *= 1.0 - shared.parameters[kShares[k]];
-    shift += shared.parameters[kTimes[k]];
+    const Estimate share = shared.Bounded(kShares[k]), time = shared.Bounded(kTimes[k]);
+    has_share = has_share && !shared.undetermined[kShares[k]];
+    has_time = has_time && !shared.undetermined[kTimes[k]];
+    Eigen::VectorXd share_slope = share.value * rest_slope;
+    share_slope(kShares[k]) = rest;
+    Estimate part = shared.Of(rest * share.value, share_slope);
+    if (!has_share) part = {part.value, 1.0, 0.0, 1.0};
+    part.low = std::max(0.0, part.low);
+    part.high = std::min(1.0, part.high);
+    add("relaxing_share_" + number, part, !has_share);
+    time_slope(kTimes[k]) = 1.0;
+    const Estimate sum = shared.Of(log_time + time.value, time_slope);
+    const double low = log_time + time.low, high = log_time + time.high;
+    add("relaxation_" + number + "_s",
+        Exponential(has_time ? sum : Estimate{sum.value, high - low, low, high}), !has_time);
+    rest_slope = (1.0 - share.value) * rest_slope;
+    rest_slope(kShares[k]) = -rest;
+    rest *= 1.0 - share.value;
+    log_time += time.value;
   }
 }
 

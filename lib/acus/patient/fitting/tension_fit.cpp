@@ -272,6 +272,20 @@ report::Plot TensionPlot(const TensionTest& test, const TensionFit& fit) {
   return plot;
 }
 
+namespace {
+
+/// "mu_kpa 0.2971" of mu_mpa 2.971e-4: fat and fresh organs have tenths of a kPa.
+std::string InKpa(std::string name, double value) {
+  constexpr std::string_view kMpa = "_mpa";
+  if (name.ends_with(kMpa)) {
+    name.replace(name.size() - kMpa.size(), kMpa.size(), "_kpa");
+    value *= 1e3;
+  }
+  return Message(name, " ", RoundedText(value, 4));
+}
+
+}  // namespace
+
 std::string TensionTable(std::span<const TensionTest> tests, std::span<const TensionFit> fits) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < tests.size(); ++i) {
@@ -280,8 +294,7 @@ std::string TensionTable(std::span<const TensionTest> tests, std::span<const Ten
       std::vector<std::string> row = {tests[i].name, std::string(NameOf(law.law))};
       std::string values;
       for (std::size_t n = 0; n < law.parameters.size(); ++n) {
-        values += Message(n > 0 ? ", " : "", ParametersOf(law.law)[n], " ",
-                          FixedText(law.parameters[n].value, 4));
+        values += (n > 0 ? ", " : "") + InKpa(ParametersOf(law.law)[n], law.parameters[n].value);
       }
       row.push_back(law.converged ? values : "no answer: " + law.message);
       row.push_back(law.converged ? FixedText(100.0 * law.relative_rms, 2) : "-");

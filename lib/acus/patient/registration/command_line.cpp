@@ -46,7 +46,7 @@ void AddLandmarks(CLI::App& app, Tasks& tasks) {
       ->check(Range(1e-6, 1e3));
   app.add_option("--leave-out", task.leave_out, "Landmarks not to use, by name");
   app.add_flag("--robust", task.settings.leave_out_outliers, "Exclude points that do not fit");
-  app.add_flag("--find-order", task.settings.find_order, "Find which point is which, of up to 8");
+  app.add_flag("--find-order", task.settings.find_order, "Find which point is which, of up to 40");
   app.add_option("--confidence", task.settings.confidence,
                  "Of the bound that is stated for the error at a target")
       ->check(Range(0.5, 0.9999));

@@ -10,7 +10,9 @@
 namespace acus::registration {
 
 /// More markers than this are not searched through.
-constexpr Eigen::Index kMostToOrder = 8;
+constexpr Eigen::Index kMostToOrder = 40;
+/// Up to so many, every order that fits is found.
+constexpr Eigen::Index kMostToOrderInFull = 8;
 
 struct Order {
   /// Reference marker i is CT marker ct_of[i].
@@ -21,6 +23,11 @@ struct Order {
 /// The orders of the CT markers that fit the reference markers with an FRE of at most `limit_mm`,
 /// best first, at most `most`. Markers i and j can only be a and b if the distance is the same to
 /// within 2 sqrt(n) limit_mm, so that few of the n! orders are tried, and none is missed.
+///
+/// With more than kMostToOrderInFull markers, three that lie far apart are taken for any three
+/// others with the same distances; the pose that follows puts each marker at the nearest one, and
+/// is fitted again until no choice changes. An order is found if the markers are farther apart than
+/// `limit_mm` throws them from their places.
 /// @pre n <= kMostToOrder, both sets determine a pose.
 std::vector<Order> FindOrders(const transforms::Markers& reference_mm,
                               const transforms::Markers& ct_mm, double limit_mm,

@@ -37,9 +37,21 @@ double PeakRow(const Eigen::VectorXd& profile) {
   return sum > 0.0 ? moment / sum : static_cast<double>(best);
 }
 
+/// The row beside the largest peak, in the direction of `step`, where the profile crosses half its
+/// height; the image's border where it does not.
+double EdgeRow(const Eigen::VectorXd& profile, Eigen::Index step) {
+  Eigen::Index row = 0;
+  const double half = 0.5 * profile.maxCoeff(&row);
+  while (row + step >= 0 && row + step < profile.size() && profile[row + step] > half) row += step;
+  if (row + step < 0 || row + step >= profile.size()) return static_cast<double>(row);
+  const double share = (profile[row] - half) / std::max(1e-12, profile[row] - profile[row + step]);
+  return static_cast<double>(row) + static_cast<double>(step) * share;
+}
+
 }  // namespace
 
-MotionSignal LineMotion(const std::filesystem::path& sequence, const RunContext& context) {
+std::vector<MotionSignal> LineMotion(const std::filesystem::path& sequence,
+                                     const RunContext& context) {
   session::SequenceFile file(sequence);
   const auto& header = file.header();
   ACUS_REQUIRE(file.has_images() && header.pixel_type == session::PixelType::kUint8 &&
@@ -57,14 +69,21 @@ MotionSignal LineMotion(const std::filesystem::path& sequence, const RunContext&
     profiles.conservativeResize(Eigen::NoChange, profiles.cols() + 1);
     profiles.rightCols<1>() = RowMeans(file.ReadImage(i), header.width, header.height);
   }
+  MotionSignal centre = signal, upper = signal, lower = signal, plain = signal;
+  for (MotionSignal* one : {&centre, &upper, &lower, &plain})
+    one->values.resize(profiles.cols(), 1);
+  for (Eigen::Index i = 0; i < profiles.cols(); ++i) plain.values(i, 0) = PeakRow(profiles.col(i));
   for (Eigen::Index row = 0; row < profiles.rows(); ++row) {
     std::vector<double> over_time(static_cast<std::size_t>(profiles.cols()));
     Eigen::VectorXd::Map(over_time.data(), profiles.cols()) = profiles.row(row).transpose();
     if (!over_time.empty()) profiles.row(row).array() -= math::Median(over_time);
   }
-  signal.values.resize(profiles.cols(), 1);
-  for (Eigen::Index i = 0; i < profiles.cols(); ++i) signal.values(i, 0) = PeakRow(profiles.col(i));
-  return signal;
+  for (Eigen::Index i = 0; i < profiles.cols(); ++i) {
+    centre.values(i, 0) = PeakRow(profiles.col(i));
+    upper.values(i, 0) = EdgeRow(profiles.col(i), -1);
+    lower.values(i, 0) = EdgeRow(profiles.col(i), 1);
+  }
+  return {centre, upper, lower, plain};
 }
 
 }  // namespace acus::registration

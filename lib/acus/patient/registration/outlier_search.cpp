@@ -18,6 +18,7 @@ using Set = std::vector<Index>;
 constexpr double kMostSets = 50000.0;
 constexpr double kOutlierRoundingMm = 1e-6;  ///< Sums of squares below its square are rounding.
 constexpr double kLineRatio = 1e-3;
+constexpr double kFarInFle = 5.0;
 
 double Binomial(Index n, Index k) {
   double value = 1.0;
@@ -122,6 +123,19 @@ class Judge {
   std::optional<double> fle_rms_mm_;
 };
 
+/// Whether every marker that is left out lies far beyond the scatter of the others: markers on skin
+/// or in tissue do not all scatter alike, which the F test takes for granted.
+bool EachIsFar(const Pairs& pairs, const Best& best) {
+  const Set kept = Others(pairs.ct_mm.cols(), best.out);
+  const MarkerFit fit = pairs.Fit(kept);
+  const double freedom = 3.0 * static_cast<double>(kept.size()) - 6.0;
+  const double fle_mm = std::sqrt(3.0 * best.sum / freedom);
+  return std::ranges::all_of(best.out, [&](Index i) {
+    const Vector3d reference_mm = pairs.reference_mm.col(i), ct_mm = pairs.ct_mm.col(i);
+    return (ct_mm - fit.ct_from_reference * reference_mm).norm() > kFarInFle * fle_mm;
+  });
+}
+
 bool EachIsWrong(const Pairs& pairs, const Judge& judge, const Best& best, double significance) {
   const auto size = static_cast<Index>(best.out.size());
   const auto choices = static_cast<double>(pairs.ct_mm.cols() - size + 1);
@@ -176,6 +190,7 @@ OutlierSearch SearchOutliers(const transforms::Markers& reference_mm,
     const Best best = BestOfSize(pairs, k);
     const double p = std::min(1.0, Binomial(n, k) * judge.P(all, best.sum, 0, k));
     if (p >= significance || !EachIsWrong(pairs, judge, best, significance)) continue;
+    if (!fle_rms_mm && !EachIsFar(pairs, best)) continue;
     search.wrong = best.out;
     search.p_value = p;
     search.instead.clear();

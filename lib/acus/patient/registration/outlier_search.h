@@ -26,7 +26,9 @@ int MostOutliers(Eigen::Index num_markers);
 /// S_k that remains without the best set of k:
 ///  - F = ((S_0 - S_k) / 3k) / (S_k / (3 (n - k) - 6)), or (S_0 - S_k) / s^2 by chi-square if the
 ///    localisation error is known, times the number of sets (Bonferroni), is below `significance`;
-///  - taking any one of the k back is as unlikely.
+///  - taking any one of the k back is as unlikely;
+///  - unless the localisation error is known, each of the k is more than 5 times that of the others
+///    (RMS, from their residuals) from where they put it: real markers do not all scatter alike.
 /// The largest k that passes is taken. Unlike the search one by one it finds markers that hide each
 /// other (masking). Beyond 50,000 sets it continues one by one from the best set found.
 ///

@@ -3,9 +3,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include "acus/base/core/error.h"
+#include "acus/base/math/distributions.h"
 #include "acus/base/math/statistics.h"
 
 namespace acus::registration {
@@ -17,6 +19,7 @@ using Eigen::VectorXd;
 constexpr int kFeatures = 13;  // 1, position, rotation matrix.
 constexpr std::size_t kLeastSamples = 40;
 constexpr std::size_t kMostSamples = 2000;
+constexpr std::size_t kLeastCycles = 6;
 constexpr double kNanosecondsPerS = 1e9;
 /// Another peak that leaves less than this times the residual variance is as good.
 constexpr double kAmbiguousRatio = 1.5;
@@ -69,43 +72,64 @@ class Predictor {
       : tracker_(tracker), signal_(signal) {}
 
   struct Prediction {
-    double share = 0.0;      ///< Of the variance that is explained.
-    double residual2 = 0.0;  ///< Sum of squares.
-    MatrixXd values;         ///< One row per sample; 0 where the pose is not valid.
+    double share = 0.0;  ///< Of the variance that is explained.
+    MatrixXd features;   ///< One row per sample; 0 where the pose is not valid.
+    MatrixXd weights;    ///< Of the features.
+    MatrixXd values;     ///< features * weights.
+    MatrixXd residual;   ///< Signal less values.
     std::size_t num_used = 0;
   };
 
   Prediction At(double lag_s) const {
+    Prediction out;
+    out.features = Features(lag_s);
+    MatrixXd target = signal_.values;
+    for (Eigen::Index i = 0; i < target.rows(); ++i) {
+      if (out.features(i, 0) == 0.0) target.row(i).setZero();
+    }
+    out.num_used = static_cast<std::size_t>(std::lround(out.features.col(0).sum()));
+    if (out.num_used < kLeastSamples) return out;
+    const auto count = static_cast<double>(out.num_used);
+    const Eigen::RowVectorXd mean = target.colwise().sum() / count;
+    target -= out.features.col(0) * mean;
+    out.weights = Normal(out.features).ldlt().solve(out.features.transpose() * target);
+    out.values = out.features * out.weights;
+    out.residual = target - out.values;
+    const double total = target.squaredNorm();
+    out.share = total > 0.0 ? 1.0 - out.residual.squaredNorm() / total : 0.0;
+    return out;
+  }
+
+  /// d values / d lag, less what a change of the weights takes back.
+  MatrixXd Slope(const Prediction& at, double lag_s, double step_s) const {
+    const MatrixXd before = Features(lag_s - step_s), after = Features(lag_s + step_s);
+    MatrixXd slope = (after - before) * at.weights / (2.0 * step_s);
+    for (Eigen::Index i = 0; i < slope.rows(); ++i) {
+      if (before(i, 0) == 0.0 || after(i, 0) == 0.0) slope.row(i).setZero();
+    }
+    return slope - at.features * Normal(at.features).ldlt().solve(at.features.transpose() * slope);
+  }
+
+ private:
+  MatrixXd Features(double lag_s) const {
     const auto lag_ns = static_cast<std::int64_t>(std::llround(lag_s * kNanosecondsPerS));
     MatrixXd features = MatrixXd::Zero(signal_.values.rows(), kFeatures);
-    MatrixXd target = MatrixXd::Zero(signal_.values.rows(), signal_.values.cols());
-    Prediction out;
     for (Eigen::Index i = 0; i < features.rows(); ++i) {
       const auto pose =
           session::PoseAt(tracker_, signal_.time_ns[static_cast<std::size_t>(i)] + lag_ns);
       if (!pose.valid) continue;
       features.row(i) = FeaturesOf(pose.reference_from_tool.isometry()).transpose();
-      target.row(i) = signal_.values.row(i);
-      ++out.num_used;
     }
-    if (out.num_used < kLeastSamples) return out;
-    const auto count = static_cast<double>(out.num_used);
-    Centre(features, count);
-    const Eigen::RowVectorXd mean = target.colwise().sum() / count;
-    for (Eigen::Index i = 0; i < target.rows(); ++i) {
-      if (features(i, 0) != 0.0) target.row(i) -= mean;
-    }
-    MatrixXd normal = features.transpose() * features;
-    normal.diagonal().array() += 1e-9 * count;
-    const MatrixXd weights = normal.ldlt().solve(features.transpose() * target);
-    out.values = features * weights;
-    out.residual2 = (target - out.values).squaredNorm();
-    const double total = target.squaredNorm();
-    out.share = total > 0.0 ? 1.0 - out.residual2 / total : 0.0;
-    return out;
+    Centre(features, std::max(1.0, features.col(0).sum()));
+    return features;
   }
 
- private:
+  static MatrixXd Normal(const MatrixXd& features) {
+    MatrixXd normal = features.transpose() * features;
+    normal.diagonal().array() += 1e-9 * features.col(0).sum();
+    return normal;
+  }
+
   /// Columns of zero mean and unit variance; those that do not vary become 0.
   static void Centre(MatrixXd& features, double count) {
     const VectorXd used = features.col(0);
@@ -189,19 +213,40 @@ MotionSignal PositionsOf(const session::PoseStream& stream) {
   return signal;
 }
 
-TemporalCalibration CalibrateTime(const session::PoseStream& tracker, const MotionSignal& signal,
-                                  const TemporalSettings& settings) {
-  ACUS_REQUIRE(settings.max_lag_s > 0.0, "max_lag_s is ", settings.max_lag_s, "; it must be > 0");
-  ACUS_REQUIRE(tracker.size() >= kLeastSamples && signal.time_ns.size() >= kLeastSamples,
-               "a temporal calibration needs at least ", kLeastSamples,
-               " samples of each recording, got ", tracker.size(), " and ", signal.time_ns.size());
-  const MotionSignal covered = Covered(tracker, signal, settings.max_lag_s);
+namespace {
+
+/// The number of the motion's cycle that each sample is in: a cycle begins where the predicted
+/// signal rises through its mean. With few of them, equal parts of the time.
+std::vector<std::size_t> CyclesOf(const MatrixXd& predicted) {
+  Eigen::Index widest = 0;
+  predicted.colwise().squaredNorm().maxCoeff(&widest);
+  std::vector<std::size_t> cycle;
+  std::size_t number = 0;
+  for (Eigen::Index i = 0; i < predicted.rows(); ++i) {
+    if (i > 0 && predicted(i - 1, widest) < 0.0 && predicted(i, widest) >= 0.0) ++number;
+    cycle.push_back(number);
+  }
+  if (number + 1 >= kLeastCycles) return cycle;
+  for (std::size_t i = 0; i < cycle.size(); ++i) cycle[i] = i * kLeastCycles / cycle.size();
+  return cycle;
+}
+
+/// The lag of one detector, and what each sample adds to it.
+struct DetectorLag {
+  TemporalCalibration found;
+  VectorXd influence_s;
+  MatrixXd predicted;
+};
+
+DetectorLag LagOf(const session::PoseStream& tracker, const MotionSignal& covered,
+                  const TemporalSettings& settings) {
   const Predictor predictor(tracker, covered);
   const double interval_s = MedianIntervalS(covered.time_ns);
   const double step_s =
       std::clamp(0.25 * interval_s, settings.max_lag_s / 500.0, settings.max_lag_s / 20.0);
   const int reach = static_cast<int>(std::floor(settings.max_lag_s / step_s));
-  TemporalCalibration found;
+  DetectorLag lag;
+  TemporalCalibration& found = lag.found;
   for (int i = -reach; i <= reach; ++i) {
     found.searched_lag_s.push_back(i * step_s);
     found.searched_share.push_back(predictor.At(i * step_s).share);
@@ -211,15 +256,78 @@ TemporalCalibration CalibrateTime(const session::PoseStream& tracker, const Moti
   RequireAnswer(found, best, settings);
   found.lag_s = ParabolaPeak(found.searched_lag_s, found.searched_share, best, 4);
   const auto at = predictor.At(found.lag_s);
-  const MatrixXd slope =
-      (predictor.At(found.lag_s + step_s).values - predictor.At(found.lag_s - step_s).values) /
-      (2.0 * step_s);
-  const auto count = static_cast<double>(at.num_used) * static_cast<double>(covered.values.cols());
-  const double variance =
-      at.residual2 / std::max(1.0, count - kFeatures * static_cast<double>(covered.values.cols()));
-  found.sd_s = std::sqrt(variance / std::max(1e-300, slope.squaredNorm()));
+  const MatrixXd slope = predictor.Slope(at, found.lag_s, step_s);
+  lag.influence_s =
+      at.residual.cwiseProduct(slope).rowwise().sum() / std::max(1e-300, slope.squaredNorm());
+  lag.predicted = at.values;
   found.explained_share = at.share;
   found.num_samples = at.num_used;
+  return lag;
+}
+
+/// Standard error and interval of the mean lag, from the scatter over cycles and over detectors.
+void StateError(const std::vector<DetectorLag>& lags, TemporalCalibration& found) {
+  const std::vector<std::size_t> cycle = CyclesOf(lags.front().predicted);
+  const auto num_detectors = static_cast<double>(lags.size());
+  std::vector<double> of_cycle(cycle.back() + 1, 0.0);
+  for (const DetectorLag& lag : lags) {
+    for (std::size_t i = 0; i < cycle.size(); ++i) {
+      of_cycle[cycle[i]] += lag.influence_s[static_cast<Eigen::Index>(i)] / num_detectors;
+    }
+  }
+  const auto num_cycles = static_cast<double>(of_cycle.size());
+  double over_cycles_s2 = 0.0;
+  for (const double part : of_cycle) over_cycles_s2 += part * part;
+  over_cycles_s2 *= num_cycles / (num_cycles - 1.0);
+  double over_detectors_s2 = 0.0;
+  if (lags.size() > 1) {
+    const double sd_s = math::StandardDeviation(found.detector_lag_s);
+    over_detectors_s2 = sd_s * sd_s / num_detectors;
+  }
+  const double variance_s2 = over_cycles_s2 + over_detectors_s2;
+  // Welch & Satterthwaite: degrees of freedom of the sum.
+  double inverse = over_cycles_s2 * over_cycles_s2 / (num_cycles - 1.0);
+  if (lags.size() > 1) inverse += over_detectors_s2 * over_detectors_s2 / (num_detectors - 1.0);
+  const double freedom = inverse > 0.0 ? std::max(1.0, variance_s2 * variance_s2 / inverse) : 1.0;
+  found.num_cycles = static_cast<int>(of_cycle.size());
+  found.sd_s = std::sqrt(variance_s2);
+  found.half_width_s = math::StudentQuantile(0.975, freedom) * found.sd_s;
+}
+
+}  // namespace
+
+TemporalCalibration CalibrateTime(const session::PoseStream& tracker, const MotionSignal& signal,
+                                  const TemporalSettings& settings) {
+  return CalibrateTime(tracker, std::span(&signal, 1), settings);
+}
+
+TemporalCalibration CalibrateTime(const session::PoseStream& tracker,
+                                  std::span<const MotionSignal> detectors,
+                                  const TemporalSettings& settings) {
+  ACUS_ASSERT(!detectors.empty());
+  ACUS_REQUIRE(settings.max_lag_s > 0.0, "max_lag_s is ", settings.max_lag_s, "; it must be > 0");
+  const std::size_t num_samples = detectors.front().time_ns.size();
+  ACUS_REQUIRE(tracker.size() >= kLeastSamples && num_samples >= kLeastSamples,
+               "a temporal calibration needs at least ", kLeastSamples,
+               " samples of each recording, got ", tracker.size(), " and ", num_samples);
+  std::vector<DetectorLag> lags;
+  std::optional<NoAnswerError> refused;
+  for (const MotionSignal& detector : detectors) {
+    try {
+      lags.push_back(LagOf(tracker, Covered(tracker, detector, settings.max_lag_s), settings));
+    } catch (const NoAnswerError& error) {
+      if (!refused) refused = error;
+    }
+  }
+  if (lags.empty()) throw NoAnswerError(*refused);
+  TemporalCalibration found = lags.front().found;
+  found.lag_s = 0.0;
+  for (const DetectorLag& lag : lags) {
+    found.detector_lag_s.push_back(lag.found.lag_s);
+    found.lag_s += lag.found.lag_s / static_cast<double>(lags.size());
+    found.explained_share = std::min(found.explained_share, lag.found.explained_share);
+  }
+  StateError(lags, found);
   return found;
 }
 

@@ -13,6 +13,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kOfOneRecording = 0.9;
+
 ResistanceProfile ProfileFrom(const json& block, const std::string& where) {
   ResistanceProfile profile{block.at("depth_mm").get<std::vector<double>>(),
                             block.at("force_n").get<std::vector<double>>()};
@@ -105,16 +107,18 @@ MechanicalModel MeasuredForces::Drawn(std::uint64_t seed) const {
   if (seed == 0 || recordings.size() < 2) return mean;
   const auto n = static_cast<double>(recordings.size());
   RandomStream random(seed, "measured force");
-  std::vector<double> z(recordings.size());
-  for (double& value : z) value = random.Normal() / std::sqrt(n - 1.0);
-  const auto pick = static_cast<std::size_t>(random.Uniform() * n);
-  MechanicalModel drawn = recordings[std::min(pick, recordings.size() - 1)].law;
+  const double spread = std::sqrt(1.0 - kOfOneRecording * kOfOneRecording) / std::sqrt(n - 1.0);
+  std::vector<double> weight(recordings.size());
+  for (double& value : weight) value = spread * random.Normal();
+  const auto pick = std::min(static_cast<std::size_t>(random.Uniform() * n), recordings.size() - 1);
+  weight[pick] += kOfOneRecording;
+  MechanicalModel drawn = recordings[pick].law;
   for (const auto side : {&MechanicalModel::in, &MechanicalModel::out}) {
     ResistanceProfile profile{(mean.*side).depth_mm, {}};
     const std::vector<double> mean_n = MeanN(recordings, side, profile.depth_mm);
     profile.force_n = mean_n;
-    for (std::size_t k = 0; k < z.size(); ++k) {
-      AddDeviation(z[k], recordings[k].law.*side, mean_n, profile);
+    for (std::size_t k = 0; k < weight.size(); ++k) {
+      AddDeviation(weight[k], recordings[k].law.*side, mean_n, profile);
     }
     for (double& force : profile.force_n) force = std::max(0.0, force);
     drawn.*side = std::move(profile);
@@ -123,8 +127,8 @@ MechanicalModel MeasuredForces::Drawn(std::uint64_t seed) const {
     double mean_log = 0.0;
     for (const RecordedLaw& r : recordings) mean_log += std::log(r.law.*travel) / n;
     double log_travel = mean_log;
-    for (std::size_t k = 0; k < z.size(); ++k) {
-      log_travel += z[k] * (std::log(recordings[k].law.*travel) - mean_log);
+    for (std::size_t k = 0; k < weight.size(); ++k) {
+      log_travel += weight[k] * (std::log(recordings[k].law.*travel) - mean_log);
     }
     drawn.*travel = std::exp(log_travel);
   }

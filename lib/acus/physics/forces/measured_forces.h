@@ -30,10 +30,12 @@ struct MeasuredForces {
   const MechanicalModel& Law(const std::string& name) const;
 
   /// A needle path as the recordings vary: 0 gives the mean, any other seed always the same draw.
-  ///   R = mean R + sum_k z_k (R_k - mean R_k) / sqrt(n - 1),   z_k normal
-  /// has the recordings' own mean and covariance at any two depths; the logarithms of the build-up
-  /// travels move with the same z. R_k are the profiles beside the events; events and relaxation
-  /// are those of one of the recordings, each as likely. With fewer than two recordings: the mean.
+  /// Smoothed bootstrap: events and relaxation are those of one recording j, each as likely, and
+  ///   R = mean R + a (R_j - mean R) + b sum_k z_k (R_k - mean R) / sqrt(n - 1),
+  /// z_k normal, a = 0.9, a^2 + b^2 = 1; the same for the logarithms of the build-up travels. R_k
+  /// are the profiles beside the events, in and out. Profiles have the recordings' mean and
+  /// covariance at any two depths, and nine tenths of their covariance with events and relaxation,
+  /// so that the whole force scatters as theirs does. With fewer than two recordings: the mean.
   MechanicalModel Drawn(std::uint64_t seed) const;
 };
 

@@ -240,7 +240,7 @@ bool TakeActions(const RodModel& model, const RodInput& input, RodState& state) 
     action.arc_mm = contact.arc_mm;
     action.stiffness_n_per_mm = contact.stiffness_n_per_mm;
     action.anchor_mm = contact.anchor_mm;
-    action.free_axis = contact.free_axis.stableNormalized();
+    if (!contact.free_axis.isZero(0.0)) action.free_axis = contact.free_axis.stableNormalized();
     Insert(model, action, state.action, count);
   }
   for (const RodLoad& load : input.loads) {

@@ -1,9 +1,9 @@
 #include "acus/rig/camera/board_views.h"
 
+#include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <opencv2/calib3d.hpp>
+#include <optional>
 #include <set>
 
 #include "acus/base/core/error.h"
@@ -12,10 +12,12 @@
 namespace acus::camera {
 namespace {
 
-/// A lens bends the board by a few per cent of a marker's side; a wrong layout moves whole squares.
-constexpr double kWrongLayoutSides = 0.3;
-/// The right layout fits better than a wrong one by this.
-constexpr double kBetterBy = 4.0;
+/// Farther than this from where the other markers put it, in sides of a marker, a marker is
+/// misread: that moves it by whole squares, the distortion of an endoscope by a third of a side.
+constexpr double kMisreadSides = 0.6;
+/// The layout is right if so many markers lie as on the board: up to 14 % misread were seen.
+constexpr double kRightShare = 0.75;
+constexpr double kBetterBy = 0.15;  ///< Share by which another layout fits better.
 constexpr std::size_t kLeastMarkers = 4;
 
 /// On fewer than two rows or columns a view says next to nothing, and the solver may fail.
@@ -29,39 +31,52 @@ bool IsSpread(const std::vector<BoardCorner>& corners, int columns) {
   return rows.size() >= 2 && columns_seen.size() >= 2;
 }
 
-/// RMS distance of the markers' corners from their places by the best homography, in sides of the
-/// markers. Nothing if fewer than four markers of the board were seen.
-std::optional<double> LayoutError(const std::vector<DetectedMarker>& seen,
-                                  const std::vector<Marker>& markers) {
+/// Which of the markers lie as on the board, by a homography that most of them agree on. Nothing if
+/// fewer than four markers of the board were seen.
+std::optional<std::vector<bool>> FittingMarkers(const std::vector<DetectedMarker>& seen,
+                                                const std::vector<Marker>& markers) {
   std::vector<cv::Point2f> from, to;
+  std::vector<std::size_t> which;
   double side_px = 0.0;
-  for (const DetectedMarker& detected : seen) {
-    if (detected.id < 0 || detected.id >= static_cast<int>(markers.size())) continue;
-    const auto corners = markers[static_cast<std::size_t>(detected.id)].CornersInObjectMm();
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i].id < 0 || seen[i].id >= static_cast<int>(markers.size())) continue;
+    which.push_back(i);
+    const auto corners = markers[static_cast<std::size_t>(seen[i].id)].CornersInObjectMm();
     for (std::size_t k = 0; k < 4; ++k) {
       from.emplace_back(static_cast<float>(corners[k][0]), static_cast<float>(corners[k][1]));
-      to.emplace_back(static_cast<float>(detected.corners_px[k][0]),
-                      static_cast<float>(detected.corners_px[k][1]));
-      side_px += (detected.corners_px[(k + 1) % 4] - detected.corners_px[k]).norm();
+      to.emplace_back(static_cast<float>(seen[i].corners_px[k][0]),
+                      static_cast<float>(seen[i].corners_px[k][1]));
+      side_px += (seen[i].corners_px[(k + 1) % 4] - seen[i].corners_px[k]).norm();
     }
   }
-  if (from.size() < 4 * kLeastMarkers) return std::nullopt;
+  if (which.size() < kLeastMarkers) return std::nullopt;
   side_px /= static_cast<double>(from.size());
-  const cv::Mat map = cv::findHomography(from, to);
-  if (map.empty()) return std::nullopt;
+  const double limit_px = kMisreadSides * side_px;
+  std::vector<bool> fits(seen.size(), false);
+  const cv::Mat map = cv::findHomography(from, to, cv::RANSAC, limit_px);
+  if (map.empty()) return fits;
   std::vector<cv::Point2f> mapped;
   cv::perspectiveTransform(from, mapped, map);
-  return cv::norm(mapped, to) / std::sqrt(static_cast<double>(from.size())) / side_px;
+  for (std::size_t m = 0; m < which.size(); ++m) {
+    double off_px = 0.0;
+    for (std::size_t k = 4 * m; k < 4 * m + 4; ++k) off_px += cv::norm(mapped[k] - to[k]) / 4.0;
+    fits[which[m]] = off_px <= limit_px;
+  }
+  return fits;
 }
 
-double MedianLayoutError(const std::vector<std::vector<DetectedMarker>>& images,
-                         const CalibrationBoard& board) {
+/// Share of the markers that lie as on the board: median over the images that show enough.
+double FittingShare(const std::vector<std::vector<DetectedMarker>>& images,
+                    const CalibrationBoard& board) {
   const auto markers = board.Markers();
-  std::vector<double> errors;
+  std::vector<double> shares;
   for (const auto& seen : images) {
-    if (const auto error = LayoutError(seen, markers)) errors.push_back(*error);
+    if (const auto fits = FittingMarkers(seen, markers)) {
+      shares.push_back(static_cast<double>(std::ranges::count(*fits, true)) /
+                       static_cast<double>(fits->size()));
+    }
   }
-  return errors.empty() ? std::numeric_limits<double>::infinity() : math::Median(errors);
+  return shares.empty() ? 1.0 : math::Median(shares);
 }
 
 const char* NameOf(FirstSquare first) {
@@ -72,24 +87,35 @@ const char* NameOf(FirstSquare first) {
 
 }  // namespace
 
+std::vector<DetectedMarker> WithoutMisread(const std::vector<DetectedMarker>& seen,
+                                           const CalibrationBoard& board) {
+  const auto fits = FittingMarkers(seen, board.Markers());
+  if (!fits) return seen;
+  std::vector<DetectedMarker> read;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if ((*fits)[i]) read.push_back(seen[i]);
+  }
+  return read;
+}
+
 std::string ExplainLayout(const std::vector<std::vector<DetectedMarker>>& images,
                           const CalibrationBoard& board) {
-  const double own = MedianLayoutError(images, board);
-  if (!(own > kWrongLayoutSides) || !std::isfinite(own)) return {};
+  const double own = FittingShare(images, board);
+  if (own >= kRightShare) return {};
   CalibrationBoard best = board;
-  double best_error = own;
+  double best_share = own;
   for (const bool swap : {false, true}) {
     for (const FirstSquare first : {FirstSquare::kBlack, FirstSquare::kMarker}) {
       CalibrationBoard other = board;
       if (swap) std::swap(other.columns, other.rows);
       other.first_square = first;
-      const double error = MedianLayoutError(images, other);
-      if (error >= best_error) continue;
+      const double share = FittingShare(images, other);
+      if (share <= best_share) continue;
       best = other;
-      best_error = error;
+      best_share = share;
     }
   }
-  if (best_error * kBetterBy > own) {
+  if (best_share < own + kBetterBy) {
     return "the markers do not lie as on this board: compare its columns, rows and first_square "
            "with the print";
   }
@@ -124,7 +150,9 @@ BoardViews FindBoardViews(const std::vector<std::filesystem::path>& files,
       continue;
     }
     markers.push_back(detector.Detect(image));
-    view.corners = FindBoardCorners(image, board, markers.back());
+    const std::vector<DetectedMarker> read = WithoutMisread(markers.back(), board);
+    view.misread = static_cast<int>(markers.back().size() - read.size());
+    view.corners = FindBoardCorners(image, board, read);
     if (static_cast<int>(view.corners.size()) < least_corners ||
         !IsSpread(view.corners, board.columns)) {
       view.rejected = Message("only ", view.corners.size(), " corners of the board; ",

@@ -20,6 +20,9 @@ using nlohmann::json;
 constexpr int kFieldsAcross = 8;
 constexpr int kFieldsDown = 6;
 constexpr double kLeastOutlierPx = 0.3;
+constexpr double kLeastStrayPx = 1.0;
+constexpr double kStrayMedians = 5.0;
+constexpr double kMostStrays = 0.3;  ///< Share of a view's corners.
 
 /// Corners of the images that are used, and which view each belongs to.
 struct Corners {
@@ -50,6 +53,7 @@ Corners FindCorners(const std::vector<std::filesystem::path>& images, const Cali
     CalibrationView& view = views.emplace_back();
     view.file = seen.file;
     view.corners = static_cast<int>(seen.corners.size());
+    view.misread = seen.misread;
     view.rejected = seen.rejected;
     if (!view.rejected.empty()) continue;
     std::vector<cv::Point3f>& from = all.on_board.emplace_back();
@@ -92,6 +96,43 @@ void CheckCount(const Corners& corners, const CalibrationSettings& settings) {
       "only ", corners.view.size(), " images show enough of the board, ", settings.least_views,
       " are needed: take 15 to 25 sharp ones, with the board at different angles of 20 to 50 "
       "degrees, and in every corner of the image"));
+}
+
+/// Omits corners that the model, distortion included, puts elsewhere: stray reflections, or
+/// markers misread by less than a square. True if there were any.
+bool RejectBadCorners(const Solution& solution, Corners& corners,
+                      const CalibrationSettings& settings, std::vector<CalibrationView>& views) {
+  std::vector<std::vector<double>> off_px;
+  std::vector<double> all_px;
+  for (std::size_t i = 0; i < corners.view.size(); ++i) {
+    std::vector<cv::Point2f> mapped;
+    cv::projectPoints(corners.on_board[i], solution.turns[i], solution.shifts[i], solution.matrix,
+                      solution.distortion, mapped);
+    std::vector<double>& off = off_px.emplace_back();
+    for (std::size_t k = 0; k < mapped.size(); ++k) {
+      off.push_back(cv::norm(mapped[k] - corners.in_image[i][k]));
+    }
+    all_px.insert(all_px.end(), off.begin(), off.end());
+  }
+  const double limit_px = std::max(kLeastStrayPx, kStrayMedians * math::Median(all_px));
+  bool any = false;
+  for (std::size_t i = corners.view.size(); i-- > 0;) {
+    const auto strays = std::ranges::count_if(off_px[i], [&](double px) { return px > limit_px; });
+    // A view of which many corners are off is bad as a whole: RejectBadViews.
+    if (static_cast<double>(strays) > kMostStrays * static_cast<double>(off_px[i].size())) continue;
+    for (std::size_t k = off_px[i].size(); k-- > 0;) {
+      if (off_px[i][k] <= limit_px) continue;
+      corners.on_board[i].erase(corners.on_board[i].begin() + static_cast<std::ptrdiff_t>(k));
+      corners.in_image[i].erase(corners.in_image[i].begin() + static_cast<std::ptrdiff_t>(k));
+      any = true;
+    }
+    CalibrationView& view = views[corners.view[i]];
+    view.corners = static_cast<int>(corners.in_image[i].size());
+    if (view.corners >= settings.least_corners) continue;
+    view.rejected = Message("only ", view.corners, " corners of the board fit the others");
+    corners.Remove(i);
+  }
+  return any;
 }
 
 /// Omits views far worse than the rest. True if there were any.
@@ -188,10 +229,11 @@ void AddWarnings(const Corners& corners, Calibration& out) {
                                    ": there the lens is a guess; add images with the board there"));
   }
   double largest_tilt = 0.0;
-  int rejected = 0;
+  int rejected = 0, misread = 0;
   for (const CalibrationView& view : out.views) {
     if (view.rejected.empty()) largest_tilt = std::max(largest_tilt, view.tilt_deg);
     rejected += view.rejected.empty() ? 0 : 1;
+    misread += view.misread;
   }
   if (largest_tilt < 20.0) {
     out.warnings.push_back(Message("the board was never tilted by more than ",
@@ -209,6 +251,9 @@ void AddWarnings(const Corners& corners, Calibration& out) {
         Message("corners are off by ", FixedText(out.rms_px, 2),
                 " px RMS: is the board flat, and its square as long as the file says?"));
   }
+  if (misread > 0) {
+    out.warnings.push_back(Message(misread, " markers were misread and left out"));
+  }
   if (rejected > 0) {
     out.warnings.push_back(Message(rejected, " of ", out.views.size(), " images were not used"));
   }
@@ -223,6 +268,10 @@ Calibration CalibrateCamera(const std::vector<std::filesystem::path>& images,
   Corners corners = FindCorners(images, board, settings, context, views);
   CheckCount(corners, settings);
   Solution solution = Solve(corners, settings.fit_k3);
+  if (RejectBadCorners(solution, corners, settings, views)) {
+    CheckCount(corners, settings);
+    solution = Solve(corners, settings.fit_k3);
+  }
   if (RejectBadViews(solution, corners, views)) {
     CheckCount(corners, settings);
     solution = Solve(corners, settings.fit_k3);
@@ -272,6 +321,7 @@ json ToJson(const Calibration& calibration) {
   for (const CalibrationView& view : calibration.views) {
     views.push_back({{"file", view.file},
                      {"corners", view.corners},
+                     {"misread_markers", view.misread},
                      {"rms_px", view.rms_px},
                      {"tilt_deg", view.tilt_deg},
                      {"distance_mm", view.distance_mm},

@@ -15,6 +15,7 @@ namespace acus::camera {
 struct CalibrationView {
   std::string file;
   int corners = 0;
+  int misread = 0;           ///< Markers that were left out: BoardView.
   double rms_px = 0.0;       ///< Of its corners' residuals; 0 if it was not used.
   double tilt_deg = 0.0;     ///< Between the board's normal and the camera's axis.
   double distance_mm = 0.0;  ///< Of the board's middle.
@@ -39,7 +40,9 @@ struct Calibration {
 };
 
 /// Zhang's method (2000, doi:10.1109/34.888718) by OpenCV on the corners of all images. Views
-/// whose residuals are over three times the median (and over 0.3 px) are omitted, once.
+/// whose residuals are over three times the median (and over 0.3 px) are omitted, once; before
+/// that corners that are over five times the median of all from where the first model, with its
+/// distortion, puts them (and over 1 px).
 /// @throws InputError if a file cannot be read. @throws NoAnswerError if too few views are left,
 ///     the markers do not lie as on the board, or residuals are above limit_px: the message says
 ///     why.

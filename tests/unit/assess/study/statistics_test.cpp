@@ -155,21 +155,22 @@ Eigen::MatrixXd Ratings() {
 }
 
 TEST(ComputeIcc, GivesTheSixPublishedForms) {
-  const IntraclassCorrelation icc = ComputeIcc(Ratings());
+  const IntraclassCorrelation icc = ComputeIcc(Ratings()).value();
   EXPECT_NEAR(icc.icc_1_1, 0.17, 0.005);
   EXPECT_NEAR(icc.icc_2_1, 0.29, 0.005);
   EXPECT_NEAR(icc.icc_3_1, 0.71, 0.005);
   EXPECT_NEAR(icc.icc_1_k, 0.44, 0.005);
   EXPECT_NEAR(icc.icc_2_k, 0.62, 0.005);
   EXPECT_NEAR(icc.icc_3_k, 0.91, 0.005);
-  EXPECT_EQ(ComputeIcc(Eigen::MatrixXd::Ones(3, 2)).icc_2_1, 0.0);
+  EXPECT_FALSE(ComputeIcc(Eigen::MatrixXd::Ones(3, 2)));
 }
 
 TEST(CronbachAlpha, IsTheThirdFormOfTheMean) {
-  EXPECT_NEAR(CronbachAlpha(Ratings()), ComputeIcc(Ratings()).icc_3_k, 1e-14);
+  EXPECT_NEAR(CronbachAlpha(Ratings()).value(), ComputeIcc(Ratings())->icc_3_k, 1e-14);
   Eigen::MatrixXd same(3, 2);
   same << 1, 1, 2, 2, 5, 5;
-  EXPECT_NEAR(CronbachAlpha(same), 1.0, 1e-14);
+  EXPECT_NEAR(CronbachAlpha(same).value(), 1.0, 1e-14);
+  EXPECT_FALSE(CronbachAlpha(Eigen::MatrixXd::Ones(3, 2)));
 }
 
 TEST(EffectSize, ClosedForms) {
@@ -178,6 +179,25 @@ TEST(EffectSize, ClosedForms) {
   EXPECT_EQ(AreaUnderCurve(Values{2, 3}, Values{2}), 0.75);
   EXPECT_EQ(CliffsDelta(Values{2, 3}, Values{2}), 0.5);
   EXPECT_NEAR(HedgesG(Values{1, 2, 3}, Values{4, 5, 6}), -3.0 * 0.8, 1e-14);
+}
+
+/// Of groups that differ without scatter, the difference has no scale: 0 would say that they are
+/// alike.
+TEST(EffectSize, ThereIsNoHedgesGWithoutScatter) {
+  EXPECT_TRUE(std::isnan(HedgesG(Values{1, 1}, Values{2, 2})));
+  EXPECT_TRUE(std::isnan(HedgesG(Values{0.1, 0.1, 0.1}, Values{0.3, 0.3, 0.3})));
+  EXPECT_TRUE(std::isnan(HedgesG(Values{0, 0}, Values{0, 0})));
+  EXPECT_LT(HedgesG(Values{1, 1}, Values{2, 3}), -1.0);
+}
+
+/// Redrawn pairs are often one value twice; g = 0 of those would pull the interval of groups that
+/// lie far apart towards 0.
+TEST(EffectSize, TheIntervalOfGIsOfDrawsThatHaveOne) {
+  const Interval interval =
+      BootstrapInterval(Values{1, 2}, Values{11, 12}, HedgesG, 0.95, 2000, 1, "g");
+  EXPECT_LT(interval.high, -4.0);
+  EXPECT_TRUE(
+      std::isnan(BootstrapInterval(Values{1, 1}, Values{2, 2}, HedgesG, 0.95, 100, 1, "g").low));
 }
 
 /// Cohen 1988, table 2.4.1: two-sided 0.05, power 0.80.

@@ -80,6 +80,39 @@ TEST_F(TraineeTest, TheNeedleIsAsFastAsTheTraineeWishes) {
   EXPECT_NEAR(fastest_mm_per_s, skill.speed_mm_per_s, 0.1);
 }
 
+/// Bone 2 mm below the skin: the needle is drawn back from there, not pushed on to the depth at
+/// which a withdrawal ends.
+TEST_F(TraineeTest, WithdrawalFromShallowBoneDoesNotGoIn) {
+  auto labels = volume::ReadLabelMap(folder_ / "labels.seg.nrrd");
+  auto ct = volume::ReadCt(folder_ / "ct.nrrd", "", context_);
+  for (int k = 12; k < labels.geometry.size[2]; ++k) {
+    for (int j = 0; j < labels.geometry.size[1]; ++j) {
+      for (int i = 0; i < labels.geometry.size[0]; ++i) {
+        labels.At(i, j, k) = volume::LabelOf("bone");
+        ct.At(i, j, k) = 900;
+      }
+    }
+  }
+  volume::WriteLabelMap(folder_ / "labels.seg.nrrd", labels);
+  volume::WriteCt(folder_ / "ct.nrrd", ct);
+  const TrialScene scene = Scene();
+  TraineeSkill skill = Perfect();
+  skill.speed_mm_per_s = 5.0;
+  const PlannedPath path = PlannedPathOf(scene);
+  const auto made = SimulateTrial(scene, path, skill, "P", 1, 0, 500.0);
+  EXPECT_GT(made.num_bone_contacts, 0);
+  double deepest_mm = -100.0, longest_mm = 0.0;
+  for (std::size_t i = 1; i < made.session.needle.size(); ++i) {
+    const Eigen::Vector3d now = made.session.needle[i].reference_from_tool.translation();
+    const Eigen::Vector3d before = made.session.needle[i - 1].reference_from_tool.translation();
+    deepest_mm = std::max(deepest_mm, now.z());
+    if (now.z() > 0.0) longest_mm = std::max(longest_mm, (now - before).norm());
+  }
+  // A withdrawal is 1.5 times as fast as an insertion; in 2 ms.
+  EXPECT_LE(longest_mm, 1.5 * skill.speed_mm_per_s * 0.002 + 1e-9);
+  EXPECT_LT(deepest_mm, 4.0);
+}
+
 TEST_F(TraineeTest, ABiasMovesTheEndByItsLength) {
   const TrialScene scene = Scene();
   TraineeSkill skill = Perfect();

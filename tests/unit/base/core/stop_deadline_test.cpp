@@ -1,9 +1,10 @@
 #include "acus/base/core/stop_deadline.h"
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <gtest/gtest.h>
-#include <optional>
+#include <thread>
 #include <unistd.h>
 
 #include "acus/base/core/atomic_file.h"
@@ -45,21 +46,43 @@ TEST(StopDeadlineDeathTest, RemovesWhatIsNotFinished) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(StopDeadline, DoesNothingWithoutAStopOrAfterTheEnd) {
-  { const StopDeadline deadline("acus-thing"); }
-  {
-    const StopDeadline deadline("acus-thing");
-    NotifyStop();
-  }
-  const StopDeadline deadline("acus-thing");
-  std::this_thread::sleep_for(1500ms);  // The stop before is not taken for one of this.
+/// Longer than the deadline lasts after a stop; then the program ends by itself.
+void OutliveTheDeadline() {
+  std::this_thread::sleep_for(1500ms);
+  std::_Exit(0);
 }
 
-TEST(StopDeadline, WaitsForARecording) {
-  const StopDeadline deadline("acus-thing");
-  const NoStopDeadline recording;
-  NotifyStop();
-  std::this_thread::sleep_for(1500ms);
+TEST(StopDeadlineDeathTest, DoesNothingWithoutAStop) {
+  EXPECT_EXIT(
+      {
+        const StopDeadline deadline("acus-thing");
+        OutliveTheDeadline();
+      },
+      ::testing::ExitedWithCode(0), "^$");
+}
+
+TEST(StopDeadlineDeathTest, AStopBeforeIsNotTakenForOneOfThis) {
+  EXPECT_EXIT(
+      {
+        {
+          const StopDeadline before("acus-thing");
+          NotifyStop();
+        }
+        const StopDeadline deadline("acus-thing");
+        OutliveTheDeadline();
+      },
+      ::testing::ExitedWithCode(0), "^$");
+}
+
+TEST(StopDeadlineDeathTest, WaitsForARecording) {
+  EXPECT_EXIT(
+      {
+        const StopDeadline deadline("acus-thing");
+        const NoStopDeadline recording;
+        NotifyStop();
+        OutliveTheDeadline();
+      },
+      ::testing::ExitedWithCode(0), "^$");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "acus/patient/breathing_registration/sliding_grid.h"
 
+#include <cmath>
 #include <gmock/gmock.h>
 
 namespace acus::breathing_registration {
@@ -46,6 +47,44 @@ TEST(SlidingGrid, TissueSlidesAlongTheWallButDoesNotLeaveIt) {
     EXPECT_NEAR(along[i].x(), grid.SideOf(n) == Side::kCavity ? 1.0 : 0.0, 1e-2);
     EXPECT_NEAR(away[i].z(), 1.0, 1e-2);
   }
+}
+
+/// A body that fills the grid to its border, squeezed by `gradient` everywhere.
+SlidingGrid::Field Affine(const SlidingGrid& grid, const Eigen::Matrix3f& gradient) {
+  SlidingGrid::Field u;
+  for (int n = 0; n < grid.num_nodes(); ++n) {
+    u.push_back((gradient - Eigen::Matrix3f::Identity()) * grid.IndexOf(n));
+  }
+  return u;
+}
+
+TEST(SlidingGrid, TheDeterminantIsThatOfTheMotionUpToTheBorder) {
+  const SlidingGrid grid = TwoHalves();
+  Eigen::Matrix3f gradient;
+  gradient << 0.9F, 0.2F, 0.0F, -0.1F, 1.1F, 0.1F, 0.0F, 0.05F, 0.8F;
+  EXPECT_NEAR(grid.SmallestDeterminant(Affine(grid, gradient)).value(),
+              static_cast<double>(gradient.determinant()), 1e-5);
+  const Eigen::Matrix3f wider = 1.3F * Eigen::Matrix3f::Identity();
+  EXPECT_NEAR(grid.SmallestDeterminant(Affine(grid, wider)).value(), std::pow(1.3, 3), 1e-5);
+}
+
+TEST(SlidingGrid, AFoldIsSeenAndSlidingIsNone) {
+  const SlidingGrid grid = TwoHalves();
+  SlidingGrid::Field u(static_cast<std::size_t>(grid.num_nodes()), Vector3f::Zero());
+  for (int n = 0; n < grid.num_nodes(); ++n) {
+    if (grid.SideOf(n) == Side::kCavity) u[static_cast<std::size_t>(n)] = {5, 3, 0};
+  }
+  EXPECT_EQ(grid.SmallestDeterminant(u).value(), 1.0);
+  u[static_cast<std::size_t>(grid.NodeAt(5 + 12 * (5 + 12 * 2)))].x() -= 1.5F;
+  EXPECT_NEAR(grid.SmallestDeterminant(u).value(), -0.5, 1e-6);
+}
+
+TEST(SlidingGrid, ALayerOfOneNodeHasNoDeterminant) {
+  volume::Geometry g;
+  g.size = {4, 4, 1};
+  const SlidingGrid grid(g, std::vector<Side>(16, Side::kWall),
+                         std::vector<Vector3f>(16, Vector3f::UnitZ()));
+  EXPECT_FALSE(grid.SmallestDeterminant(SlidingGrid::Field(16, Vector3f::Zero())));
 }
 
 /// Nodes that the other side surrounds are tied along one normal only; with steep images beside

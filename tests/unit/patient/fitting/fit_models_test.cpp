@@ -1,6 +1,7 @@
 #include "acus/patient/fitting/fit_models.h"
 
 #include <algorithm>
+#include <cmath>
 #include <gmock/gmock.h>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -150,6 +151,45 @@ TEST(FitModels, DocumentsHaveABlockForEachModel) {
   EXPECT_EQ(DepthPlots(fitted[0]).size(), 2u);
   EXPECT_GE(DepthPlots(fitted[0])[0].series.size(), 5u);
   EXPECT_EQ(TimePlots(fitted[0])[0].series.size(), 3u);
+}
+
+/// Friction that grows with depth, and a sensor's offset: what is exported repeats the fit.
+TEST(FitModels, TheExportedFrictionIsTheWholeLaw) {
+  const LuGreParameters truth{.sigma0_n_per_mm = 2.5,
+                              .coulomb_n = 0.8,
+                              .static_n = 0.8,
+                              .stribeck_mm_per_s = 1.0,
+                              .growth_per_mm = 0.02,
+                              .middle_mm = 20.0,
+                              .offset_n = 0.3};
+  forces::ForceCurve curve;
+  RandomStream noise(1, "law");
+  for (int i = 0; i < 1000; ++i) {
+    curve.time_s.push_back(0.01 * i);
+    curve.depth_mm.push_back(20.0 + 10.0 * std::sin(6.0 * curve.time_s.back()));
+  }
+  curve.force_n = ReplayLuGre(truth, curve.time_s, curve.depth_mm);
+  for (double& force : curve.force_n) force += 0.01 * noise.Normal();
+  const FittedCurve fitted = FitModelsTo(curve, FitModels::FromNames({"lugre"}));
+  ASSERT_TRUE(fitted.lugre->converged);
+  const nlohmann::json law = CurveJson(fitted)["lugre"]["law"];
+  LuGreParameters p;
+  p.sigma0_n_per_mm = law["sigma0_n_per_mm"];
+  p.sigma1_n_s_per_mm = law["sigma1_n_s_per_mm"];
+  p.sigma2_n_s_per_mm = law["sigma2_n_s_per_mm"];
+  p.coulomb_n = law["coulomb_n"];
+  p.static_n = law["static_n"];
+  p.stribeck_mm_per_s = law["stribeck_mm_per_s"];
+  p.growth_per_mm = law["growth_per_mm"];
+  p.middle_mm = law["middle_mm"];
+  p.offset_n = law["offset_n"];
+  const std::vector<double> again = ReplayLuGre(p, curve.time_s, curve.depth_mm);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < again.size(); ++i)
+    squares += std::pow(again[i] - curve.force_n[i], 2);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(again.size())), 0.015);
+  EXPECT_NEAR(p.growth_per_mm, truth.growth_per_mm, 0.002);
+  EXPECT_NEAR(p.offset_n, truth.offset_n, 0.02);
 }
 
 /// Whatever a reader lets through must be fitted or declined: no crash, no endless loop, finite

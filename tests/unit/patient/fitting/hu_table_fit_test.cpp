@@ -63,6 +63,56 @@ TEST(HuTableFit, SeveralPathsGiveTheTableTheEdgeAndTheShaft) {
   EXPECT_EQ(fit.n_s_per_mm.size(), fit.table.n_s_per_mm.size());
 }
 
+/// Root mean square of (estimate - truth) / standard error: 1 if the intervals are neither too
+/// narrow nor too wide.
+double SpreadInErrors(const std::vector<Estimate>& estimates, double truth) {
+  double squares = 0.0;
+  for (const Estimate& e : estimates) squares += std::pow((e.value - truth) / e.standard_error, 2);
+  return std::sqrt(squares / static_cast<double>(estimates.size()));
+}
+
+TEST(HuTableFit, IntervalsOfEdgeAndShaftAreAsWideAsTheyScatter) {
+  std::vector<Estimate> edge, friction;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const HuTableFit fit = Fit({Path(seed, 1.6, 0.01, 5.0)});
+    ASSERT_TRUE(fit.converged) << fit.message;
+    EXPECT_EQ(fit.edge_factor.value, fit.table.edge_factor);
+    edge.push_back(fit.edge_factor);
+    friction.push_back(fit.friction_n_per_mm);
+  }
+  // 40 draws give this ratio to within 11 % (SD).
+  EXPECT_GT(SpreadInErrors(edge, 1.6), 0.65);
+  EXPECT_LT(SpreadInErrors(edge, 1.6), 1.45);
+  EXPECT_GT(SpreadInErrors(friction, 0.01), 0.65);
+  EXPECT_LT(SpreadInErrors(friction, 0.01), 1.45);
+}
+
+/// Fat that resists nothing: its coefficients are held at 0, and the interval of each says how
+/// large it could be.
+TEST(HuTableFit, HeldCoefficientsHaveAnInterval) {
+  forces::ForceCurve curve = Path(1, 1.0, 0.0, 5.0);
+  RandomStream noise(1, "fat");
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    const bool moves = i > 0 && curve.depth_mm[i] > curve.depth_mm[i - 1];
+    curve.force_n[i] =
+        (moves ? 5.0 * std::max(0.0, 0.002 * (curve.hu[i] - 10.0)) : 0.0) + 0.02 * noise.Normal();
+  }
+  const HuTableFit fit = Fit({curve});
+  ASSERT_TRUE(fit.converged) << fit.message;
+  int held = 0;
+  for (const Estimate& e : fit.n_s_per_mm) {
+    EXPECT_GE(e.low, 0.0);
+    EXPECT_LE(e.low, e.value);
+    EXPECT_GT(e.high, e.value);
+    held += e.at_bound ? 1 : 0;
+    if (e.at_bound) {
+      EXPECT_EQ(e.value, 0.0);
+      EXPECT_LT(e.high, 0.02);
+    }
+  }
+  EXPECT_GE(held, 1);
+}
+
 TEST(HuTableFit, TheBlockIsWhatTheForceModelReads) {
   const HuTableFit fit = Fit({Path(1, 1.0, 0.0, 5.0)});
   ASSERT_TRUE(fit.converged);

@@ -32,6 +32,23 @@ TEST(BetterOrder, FindsTheOrderOfUpToEightPoints) {
   }
 }
 
+TEST(BetterOrder, FindsTheOrderOfManyPoints) {
+  for (const int count : {9, 15, 40}) {
+    for (std::uint64_t seed = 0; seed < 5; ++seed) {
+      const transforms::Markers reference_mm = SpreadMarkers(count, seed);
+      const transforms::Markers ct_mm = NoisyMarkers(KnownPose() * reference_mm, 0.4, seed);
+      transforms::Markers reversed_mm(3, count);  // As listed from the end.
+      for (int i = 0; i < count; ++i) reversed_mm.col(count - 1 - i) = ct_mm.col(i);
+      const auto order = BetterOrder(reference_mm, reversed_mm);
+      ASSERT_TRUE(order) << count << " points, seed " << seed;
+      for (int i = 0; i < count; ++i) {
+        EXPECT_EQ(order->ct_of[static_cast<std::size_t>(i)], count - 1 - i);
+      }
+      EXPECT_FALSE(BetterOrder(reference_mm, ct_mm)) << "a right order, seed " << seed;
+    }
+  }
+}
+
 TEST(BetterOrder, LeavesARightOrderAlone) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const transforms::Markers reference_mm = SpreadMarkers(6, seed);
@@ -50,6 +67,13 @@ TEST(EquallyGoodOrders, ReportsASymmetricalLayout) {
               testing::SizeIs(1));  // Still its own mirror image in the diagonal.
   EXPECT_THAT(EquallyGoodOrders(SpreadMarkers(6), NoisyMarkers(SpreadMarkers(6), 0.3, 1)),
               IsEmpty());
+}
+
+/// A grid of 4 x 4 looks the same after four turns, from both sides.
+TEST(EquallyGoodOrders, ReportsAGridOfManyPoints) {
+  transforms::Markers grid_mm(3, 16);
+  for (int i = 0; i < 16; ++i) grid_mm.col(i) << 30.0 * (i % 4), 30.0 * (i / 4), 0.0;
+  EXPECT_EQ(EquallyGoodOrders(grid_mm, KnownPose() * grid_mm).size(), 7U);
 }
 
 TEST(Order, IsSaidInNames) {

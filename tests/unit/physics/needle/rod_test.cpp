@@ -1,5 +1,6 @@
 #include "acus/physics/needle/rod.h"
 
+#include <cfenv>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
@@ -284,6 +285,20 @@ TEST(RodModel, InterpolatesAlongItsArcs) {
   const Vector3d slope =
       (model.PositionMm(state, 50.001) - model.PositionMm(state, 49.999)) / 0.002;
   EXPECT_NEAR((slope - model.Tangent(state, 50.0)).norm(), 0.0, 1e-6);
+}
+
+/// A contact without free axis acts in 3D, and no step divides by its length.
+TEST(RodModel, AContactWithoutFreeAxisRaisesNoInvalidOperation) {
+  const RodModel rod = Rod(21);
+  RodState state = rod.NewState();
+  RodContact contact;
+  contact.arc_mm = 100.0;
+  contact.anchor_mm = {1.0, 0.0, 101.0};
+  contact.stiffness_n_per_mm = 10.0;
+  std::feclearexcept(FE_ALL_EXCEPT);
+  rod.Solve(state, Input(std::span(&contact, 1)));
+  EXPECT_EQ(std::fetestexcept(FE_INVALID | FE_DIVBYZERO), 0);
+  EXPECT_EQ(state.action[0].free_axis.norm(), 0.0);
 }
 
 TEST(RodModel, RefusesWhatIsNoRod) {

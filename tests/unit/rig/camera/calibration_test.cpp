@@ -134,6 +134,48 @@ TEST_F(CalibrationTest, SaysThatTheFirstSquareIsAnother) {
               ThrowsMessage<NoAnswerError>(HasSubstr(R"("first_square": "marker")")));
 }
 
+/// The markers of a board close to an endoscope, whose lens moves them by up to a third of their
+/// side; every eighth is misread as another.
+std::vector<DetectedMarker> ThroughAnEndoscope(const CalibrationBoard& board) {
+  std::vector<DetectedMarker> seen;
+  const auto markers = board.Markers();
+  for (const Marker& marker : markers) {
+    DetectedMarker& detected = seen.emplace_back();
+    detected.id = marker.id;
+    const auto corners = marker.CornersInObjectMm();
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector2d at = corners[k].head<2>() / 150.0;
+      detected.corners_px[k] =
+          Eigen::Vector2d(480, 270) + 800.0 * (1.0 - 0.12 * at.squaredNorm()) * at;
+    }
+  }
+  for (std::size_t i = 0; i < seen.size(); i += 8) {
+    seen[i].id = static_cast<int>((i + markers.size() / 2) % markers.size());
+  }
+  return seen;
+}
+
+TEST(BoardViews, MisreadMarkersAreLeftOutAndDistortionIsNoOtherLayout) {
+  for (const FirstSquare first : {FirstSquare::kBlack, FirstSquare::kMarker}) {
+    CalibrationBoard board = ReadBoard(ConfigPath("cameras/board_a4.json"));
+    board.first_square = first;
+    const auto seen = ThroughAnEndoscope(board);
+    const auto read = WithoutMisread(seen, board);
+    EXPECT_EQ(read.size(), seen.size() - (seen.size() + 7) / 8);
+    const auto markers = board.Markers();
+    const auto truth = ThroughAnEndoscope(board);
+    for (const DetectedMarker& marker : read) {
+      // Still at the place of its number.
+      EXPECT_LT(
+          (marker.corners_px[0] - truth[static_cast<std::size_t>(marker.id)].corners_px[0]).norm(),
+          1e-9);
+    }
+    EXPECT_EQ(ExplainLayout({seen}, board), "");
+    board.first_square = first == FirstSquare::kBlack ? FirstSquare::kMarker : FirstSquare::kBlack;
+    EXPECT_THAT(ExplainLayout({seen}, board), HasSubstr("first_square"));
+  }
+}
+
 TEST_F(CalibrationTest, FindsTheCameraWithABoardWhoseFirstSquareHoldsAMarker) {
   board_.first_square = FirstSquare::kMarker;
   TakeImages(12, 40.0, 1.0, 2);

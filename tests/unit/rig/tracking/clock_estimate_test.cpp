@@ -74,7 +74,8 @@ TEST(ClockEstimate, ShowsAGrowingLagRatherThanHidingIt) {
     clock.Observe(source_ns, arrival_ns);
     shown_ns = arrival_ns - clock.OursNs(source_ns, arrival_ns);
   }
-  EXPECT_NEAR(double(shown_ns), double(late_ns), 0.35 * double(late_ns));
+  // Over three seconds 0.1 % may pass for drift: 3 ms, and the jitter.
+  EXPECT_NEAR(double(shown_ns), double(late_ns), 5e6);
 }
 
 TEST(ClockEstimate, FollowsAClockThatIsSet) {
