@@ -179,6 +179,8 @@ def make_own(folder, given):
     patient = {"ct": given.ct, "labels": given.labels, "corridor": "target_ct.csv"}
     if (folder / "registration").is_dir():
         patient["ct_from_reference_file"] = "registration/ct_from_reference.tfm"
+    else:  # Virtual hands are in the CT's frame.
+        patient["ct_from_reference"] = [float(i % 5 == 0) for i in range(16)]
     write_document(folder / "scenario.json", scenario_of(given.model, patient))
     write_exercise(folder, given.exercise)
     poses = (poses_of_session(pathlib.Path(given.session)) if given.session else
