@@ -83,9 +83,8 @@ DeviceForce LiveCore::Tick(const DeviceReading& reading) noexcept {
   TakeOrders();
   ReadTools(reading);
   Step();
-  const DeviceForce on_needle =
-      ForceOn(needle_, record_.output.force.force_in_ct_n + held_in_ct_n_,
-              record_.output.force.torque_in_ct_n_mm);
+  const DeviceForce on_needle = ForceOn(needle_, record_.output.force.force_in_ct_n + held_in_ct_n_,
+                                        record_.output.force.torque_in_ct_n_mm);
   const DeviceForce on_probe =
       ForceOn(probe_, record_.output.probe.force_in_ct_n, record_.output.probe.torque_in_ct_n_mm);
   if (recorder_ != nullptr) recorder_->Push(record_);

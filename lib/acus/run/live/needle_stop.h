@@ -1,4 +1,5 @@
-// What keeps a needle from going further in: bone at its tip, skin at its hub. A hand yields to both.
+// What keeps a needle from going further in: bone at its tip, skin at its hub. A hand yields to
+// both.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,7 +27,8 @@ class NeedleStop {
   /// @param tissue  What it refers to must outlive this. @param length_mm  From tip to hub.
   NeedleStop(const forces::TissueLookup& tissue, double length_mm);
 
-  /// @param tip_mm, axis  Where the hand has the needle in the CT at rest; the axis is the direction
+  /// @param tip_mm, axis  Where the hand has the needle in the CT at rest; the axis is the
+  /// direction
   ///     of insertion, of unit length.
   Held At(const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& axis) noexcept;
 
