@@ -30,41 +30,6 @@ direction_of() {
   esac
 }
 
-# hands_at POINT DIRECTION: two virtual hands as JSON. The needle is 30 mm before the point and looks
-# along the direction; the probe is 25 mm beside it, its image plane holds the needle.
-hands_at() {
-  awk -v point="$1" -v direction="$2" '
-    function pose(name, x, y, z,   q0, q1, q2, q3, s, i) {
-      # Columns x, y, z of the rotation as a quaternion: the largest component first.
-      s = 1 + x[1] + y[2] + z[3]
-      if (s > 0.5) { q0 = sqrt(s) / 2; q1 = (y[3] - z[2]) / (4 * q0); q2 = (z[1] - x[3]) / (4 * q0); q3 = (x[2] - y[1]) / (4 * q0) }
-      else if (x[1] >= y[2] && x[1] >= z[3]) { q1 = sqrt(1 + x[1] - y[2] - z[3]) / 2; q0 = (y[3] - z[2]) / (4 * q1); q2 = (x[2] + y[1]) / (4 * q1); q3 = (z[1] + x[3]) / (4 * q1) }
-      else if (y[2] >= z[3]) { q2 = sqrt(1 - x[1] + y[2] - z[3]) / 2; q0 = (z[1] - x[3]) / (4 * q2); q1 = (x[2] + y[1]) / (4 * q2); q3 = (y[3] + z[2]) / (4 * q2) }
-      else { q3 = sqrt(1 - x[1] - y[2] + z[3]) / 2; q0 = (x[2] - y[1]) / (4 * q3); q1 = (z[1] + x[3]) / (4 * q3); q2 = (y[3] + z[2]) / (4 * q3) }
-      printf "  {\"name\": \"%s\", \"driver\": \"virtual_hand\",\n", name
-      printf "   \"reference_from_device\": {\"translation_mm\": [%.6f, %.6f, %.6f],\n", at[1], at[2], at[3]
-      printf "     \"quaternion_wxyz\": [%.12f, %.12f, %.12f, %.12f]}}", q0, q1, q2, q3
-    }
-    BEGIN {
-      split(point, p, " "); split(direction, d, " ")
-      # Across the direction, towards the head; or to the left where the needle comes from there.
-      split("0 0 1", a, " ")
-      if (d[3] * d[3] > 0.9) split("1 0 0", a, " ")
-      along = a[1] * d[1] + a[2] * d[2] + a[3] * d[3]
-      for (i = 1; i <= 3; ++i) { x[i] = a[i] - along * d[i]; n += x[i] * x[i] }
-      for (i = 1; i <= 3; ++i) x[i] /= sqrt(n)
-      # Of the needle z is the direction, of the probe y.
-      y[1] = d[2] * x[3] - d[3] * x[2]; y[2] = d[3] * x[1] - d[1] * x[3]; y[3] = d[1] * x[2] - d[2] * x[1]
-      for (i = 1; i <= 3; ++i) at[i] = p[i] - 30 * d[i]
-      pose("right", x, y, d)
-      printf ",\n"
-      w[1] = x[2] * d[3] - x[3] * d[2]; w[2] = x[3] * d[1] - x[1] * d[3]; w[3] = x[1] * d[2] - x[2] * d[1]
-      for (i = 1; i <= 3; ++i) at[i] = p[i] - 30 * d[i] + 25 * x[i]
-      pose("left", x, d, w)
-      printf "\n"
-    }'
-}
-
 # find_patient: sets ct, labels, corridor and, of a mannequin, markers from --patient or --ct.
 find_patient() {
   corridor='' markers='' recorded=''
@@ -153,46 +118,12 @@ choose_preset() {
   fi
 }
 
-# The preset with its patient in place.
-scenario_of_patient() {
-  local parts="\"ct\": \"$ct\", \"labels\": \"$labels\", \"corridor\": \"target_ct.csv\""
-  [[ ! -d $workplace/registration ]] ||
-    parts+=", \"ct_from_reference_file\": \"registration/ct_from_reference.tfm\""
-  awk -v patient="$parts" '
-    /^\/\/ The patient comes from the command line/ { next }
-    /"patient": \{\},/ { print "  \"patient\": {" patient "},"; found = 1; next }
-    { print }
-    END { exit !found }' "$root/configs/scenarios/$scenario.json"
-}
-
-# How fast this machine is with the new workplace: three seconds with virtual hands.
-check_speed() {
-  local folder steps late rate
-  folder=$(mktemp -d)
-  echo "Trying the workplace for three seconds ..." >&2
-  if ! acus-live "$workplace/scenario.json" --devices "$1" --headless --duration 3 --quiet \
-    -o "$folder/session" >/dev/null; then
-    rm -rf "$folder"
-    stop "The workplace does not start; the message above says why."
-  fi
-  number() { grep -o "\"$1\": *[0-9.e+-]*" "$folder/session/summary.json" | head -n 1 | sed 's/.*: *//'; }
-  late=$(number missed_by_computation)
-  steps=$(awk 'END { print NR - 1 }' "$folder/session/needle.csv")
-  rate=$(number per_s)
-  rm -rf "$folder"
-  printf 'This machine: %.1f images a second of 30, %d of %d steps late.\n' "$rate" "$late" "$steps" >&2
-  if awk -v rate="$rate" -v late="$late" -v steps="$steps" 'BEGIN { exit !(rate < 25 || late > steps / 100) }'; then
-    tell "Acus" "The model $scenario is too slow for this machine. Make the workplace with another --model, such as lumbar_puncture or liver_biopsy; acus-tradeoff finds settings for a machine."
-  fi
-}
-
 # The workplace of a patient of yours; what no option says is asked.
 make_workplace_of_patient() {
-  [[ ! -e $workplace || -z $(ls -A "$workplace") ]] ||
-    stop "$workplace is there and not empty; give --new another folder, or move it away." 2
+  require_new_folder
   find_patient
   find_target
-  local given
+  local given recorded_hands=()
   given=$devices devices=$(choose_preset "Devices" devices "$devices") ||
     stop "--devices must be one of: $devices; got '$given'." 2
   given=$exercise exercise=$(choose_preset "Exercise" exercises "$exercise") ||
@@ -218,27 +149,8 @@ make_workplace_of_patient() {
     [[ -z $corridor ]] || echo "entry,${point// /,}"
     echo "target,${target// /,}"
   } >"$workplace/target_ct.csv"
-  scenario_of_patient >"$workplace/scenario.json" ||
-    stop "The preset scenarios/$scenario.json has a patient of its own; choose another --model." 2
-  sed 's#"scenario": *"[^"]*"#"scenario": "../scenario.json"#' \
-    "$root/configs/exercises/$exercise.json" >"$workplace/exercises/$exercise.json"
-  {
-    echo '// Two virtual hands, steered by mouse and keyboard.'
-    echo '{"format": "acus-devices/1", "name": "virtual hands", "devices": ['
-    if [[ -d $workplace/registration && -n $recorded ]]; then
-      hand right needle "$(dirname "$recorded")" && echo ',' && hand left probe "$(dirname "$recorded")"
-    else
-      hands_at "$point" "$direction"
-    fi
-    echo '], "needle": {"device": "right"}, "probe": {"device": "left"}}'
-  } >"$workplace/virtual_hands.json"
-  if [[ $devices == virtual ]]; then
-    mv "$workplace/virtual_hands.json" "$workplace/devices.json"
-    check_speed "$workplace/devices.json"
-  else
-    cp "$root/configs/devices/$devices.json" "$workplace/devices.json"
-    check_speed "$workplace/virtual_hands.json"
-  fi
+  [[ ! -d $workplace/registration || -z $recorded ]] || recorded_hands=("--session=$(dirname "$recorded")")
+  write_workplace "--model=$scenario" "--exercise=$exercise" "--devices=$devices" "--ct=$ct" "--labels=$labels" \
+    "--point=$point" "--direction=$direction" "${recorded_hands[@]}"
   trap - EXIT
-  echo "Start it with: pipelines/live-session $workplace" >&2
 }

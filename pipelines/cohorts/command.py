@@ -16,6 +16,7 @@ import report
 import user
 from files import UserError, read_json, read_tsv, write_json, write_tsv, write_whole
 from sources import read_sources
+from wording import counted, duration
 
 EPILOG = """\
 INPUT has participants.tsv and either the files of each participant as
@@ -159,14 +160,14 @@ def prediction(plan, todo, cores, memory_mb):
     longest = max((j["seconds"] for j in jobs), default=0.0)
     fit = [min(cores, max(1, memory_mb // j["memory_mb"])) for j in jobs]
     wall = max(longest, sum(j["seconds"] / n for j, n in zip(jobs, fit)))
-    lines = [f"{len(jobs)} jobs of {len({j['participant'] for j in jobs})} participants; "
-             f"{len(plan.jobs) - len(jobs)} are done."]
+    lines = [f"{counted(len(jobs), 'job')} of {counted(len({j['participant'] for j in jobs}), 'participant')}; "
+             f"done: {len(plan.jobs) - len(jobs)}."]
     for rule in plans.RULES:
         of_rule = [j for j in jobs if j["rule"] == rule]
         if of_rule:
-            lines.append(f"  {rule:<10}{len(of_rule):6d} jobs {sum(j['seconds'] for j in of_rule) / 3600:9.3f} h"
-                         f" CPU, up to {max(j['memory_mb'] for j in of_rule)} MB each")
-    lines.append(f"CPU time {cpu / 3600:.3f} h; about {wall / 3600:.3f} h on {cores} cores")
+            lines.append(f"  {rule:<10}{counted(len(of_rule), 'job'):>10}, CPU time "
+                         f"{duration(sum(j['seconds'] for j in of_rule))}, up to {max(j['memory_mb'] for j in of_rule)} MB each")
+    lines.append(f"CPU time {duration(cpu)}; about {duration(wall)} on {counted(cores, 'core')}")
     return "\n".join(lines), {"cpu_s": cpu, "wall_s": wall, "cores": cores}
 
 

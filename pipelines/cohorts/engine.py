@@ -92,7 +92,7 @@ def run(output, plan, todo, *, cores, memory_mb, profile="", quiet=False, retrie
         "parents": {name: plan.jobs[name]["parents"] for name in todo},
         "titles": {name: [plan.jobs[name]["title"], " ".join(plan.jobs[name]["argv"])]
                    for name in todo if titles}})
-    environment = {**os.environ, "PYTHONPATH": str(HERE), "PYTHONDONTWRITEBYTECODE": "1",
+    environment = {**os.environ, "PYTHONPATH": f"{HERE}{os.pathsep}{HERE.parent / 'common'}", "PYTHONDONTWRITEBYTECODE": "1",
                    "ACUS_PROGRESS": str(output / "work/progress.json")}
     with open(output / "work/snakemake.log", "w", encoding="utf-8") as log:
         to = os.dup(sys.stderr.fileno())

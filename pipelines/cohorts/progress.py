@@ -3,18 +3,14 @@ import json
 import os
 import time
 
+from wording import duration
+
 _state = {"begin": time.monotonic(), "done": 0, "failed": set(), "last": 0.0, "names": {},
           "seconds_done": 0.0}
 # {"todo": {job: predicted seconds}, "quiet": bool}, and where to write.
 with open(os.environ["ACUS_PROGRESS"], encoding="utf-8") as _stream:
     _plan = json.load(_stream)
 _out = os.fdopen(int(os.environ["ACUS_PROGRESS_TO"]), "w", closefd=False)
-
-
-def _duration(seconds):
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
 def _line():
@@ -25,7 +21,7 @@ def _line():
     elapsed = time.monotonic() - _state["begin"]
     to_go = ""
     if _state["done"] and _state["seconds_done"] > 0:
-        to_go = f", {_duration(elapsed * left / _state['seconds_done'])} to go"
+        to_go = f", {duration(elapsed * left / _state['seconds_done'])} to go"
     failed = len(_state["failed"])
     missing = len(todo) - _state["done"] - failed - len(_blocked())
     return f"{_state['done']} done, {failed} failed, {missing} left{to_go}"

@@ -111,7 +111,7 @@ def scenario_of_case(scenario, folder, patient):
 def add(workplace, name, patient, exercise):
     """exercise: the file that the case's exercise is made from. @returns the new exercise's file."""
     if not CODE.fullmatch(name):
-        raise UserError(f"The name of a case may only hold letters, digits, '-' and '_'; got '{name}'.")
+        raise UserError(f"The name of a case may only hold letters from a to z and A to Z, digits, '-' and '_'; got '{name}'.")
     made = [workplace / f"case_{name}.json", workplace / "exercises" / f"{name}.json"]
     for file in made:
         if file.exists():

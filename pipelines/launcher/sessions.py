@@ -41,7 +41,7 @@ class Session:
 
 def check_code(code):
     if not CODE.fullmatch(code):
-        raise UserError(f"The code '{code}' may only hold letters, digits, '-' and '_'. A code, not a name.")
+        raise UserError(f"The code '{code}' may only hold letters from a to z and A to Z, digits, '-' and '_'. A code, not a name.")
 
 
 def folders_in_use(root):

@@ -27,7 +27,7 @@ cohort() {
 }
 
 cohort --dry-run whole >dry || fail "--dry-run: $(cat dry)"
-grep -q "CPU time .* h" dry || fail "no prediction: $(cat dry)"
+grep -q "CPU time [0-9.]* \(s\|min\|h\); about" dry || fail "no prediction: $(cat dry)"
 [[ ! -e whole ]] || fail "--dry-run wrote"
 
 # All that can be made is made; who fails is named, with the message of the program.

@@ -43,6 +43,33 @@ grep -q '"state": "done"' "$session/report/training.json" || fail "no step was t
 grep -q 'trial 1' <(sed -n 's/.*--trial \([0-9]*\).*/trial \1/p' "$session/provenance.json") ||
   fail "the first session is not trial 1"
 
+# The workplaces of the papers start. One patient serves all: making each its own takes a minute.
+expect 2 "must be one of augmented_2010, .*; got 'x'" "$launcher" --text --new no --paper x
+PYTHONPATH=$source/pipelines/launcher python3 -B - <<'PYTHON' || fail "a paper's workplace does not start"
+import pathlib
+import new_workplace
+from files import UserError, read_json_object, write_whole
+new_workplace.SYSTEMS["fortmeier_2016"]["without"].append("breathing")  # No lungs: nothing moves.
+for paper in new_workplace.SYSTEMS:
+    folder = pathlib.Path(f"paper_{paper}").resolve()
+    (folder / "exercises").mkdir(parents=True)
+    for name in ("patient", "registration"):
+        (folder / name).symlink_to(pathlib.Path("work", name).resolve())
+    new_workplace.write_system(folder, paper)
+    preset = read_json_object(new_workplace.CONFIGS / f"scenarios/{paper or 'lumbar_puncture'}.json")
+    made = read_json_object(folder / "scenario.json")
+    assert made["effects"]["ultrasound"] == preset["effects"]["ultrasound"], paper
+# What would not start is said.
+write_whole(folder / "scenario.json", "{}")
+try:
+    new_workplace.check(folder, folder / "devices.json")
+except UserError as error:
+    assert "/format: must be" in str(error), error
+else:
+    raise AssertionError("an empty scenario starts")
+PYTHON
+[[ ! -e no ]] || fail "half a workplace was left behind"
+
 # Two starts in one second: each has its folder.
 mkdir bin
 printf '#!/bin/sh\necho 2026-01-01_00-00-00\n' >bin/date
@@ -61,7 +88,7 @@ both=(work/sessions/B8/2026*_lumbar_puncture/report/training.json)
 # Workplaces of a patient of one's own: prepared, and of a CT with a target.
 expect 0 "images a second of 30, [0-9]+ of [0-9]+ steps late" "$launcher" --text --new own \
   --patient work/patient --devices virtual --exercise lumbar_puncture --model liver_biopsy
-grep -q '"corridor": "target_ct.csv", "ct_from_reference_file": "registration/' own/scenario.json ||
+[[ $(grep -c '"corridor": "target_ct.csv"\|"ct_from_reference_file": "registration/' own/scenario.json) == 2 ]] ||
   fail "the workplace has not the patient's corridor and registration"
 target=$(awk -F, '$1 == "target" { print $2 "," $3 "," $4 }' work/patient/corridor_ct.csv)
 expect 0 "images a second" "$launcher" --text --new of_ct --ct work/patient/ct.nrrd \

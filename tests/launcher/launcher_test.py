@@ -19,6 +19,7 @@ import add_case  # noqa: E402
 import jobs  # noqa: E402
 import sessions  # noqa: E402
 import texts  # noqa: E402
+import wording  # noqa: E402
 import workplace  # noqa: E402
 from files import UserError, read_csv, write_whole  # noqa: E402
 from sessions import State  # noqa: E402
@@ -354,7 +355,7 @@ class AnotherPatient(WithWorkplace):
             self.write("scenario.json", json.dumps({**scenario, **change}))
             with self.assertRaisesRegex(UserError, reason):
                 add_case.add(self.folder, "x", patient, task)
-        with self.assertRaisesRegex(UserError, "letters, digits"):
+        with self.assertRaisesRegex(UserError, "letters from a to z"):
             add_case.add(self.folder, "../x", own, task)
         self.assertFalse((self.folder / "exercises/x.json").exists() or (self.folder / "case_x.json").exists())
 
@@ -405,6 +406,13 @@ class Words(unittest.TestCase):
                 self.assertIn(key, english, language)
                 asked = {f for _, f, _, _ in string.Formatter().parse(text) if f}
                 self.assertLessEqual(asked, fields[key], f"{language}: {key}")
+
+
+class Wording(unittest.TestCase):
+    def test_one_is_singular_and_times_have_the_unit_that_suits_them(self):
+        self.assertEqual([wording.counted(n, "job") for n in (0, 1, 2)], ["0 jobs", "1 job", "2 jobs"])
+        self.assertEqual([wording.duration(s) for s in (0.4, 89, 97, 3600, 5400, 9000)],
+                         ["0 s", "89 s", "2 min", "60 min", "1.5 h", "2.5 h"])
 
 
 class CommandLine(unittest.TestCase):

@@ -1,5 +1,7 @@
 #include "acus/window/hand_steering.h"
 
+#include <algorithm>
+
 namespace acus::window {
 
 ToolWay WayOf(const HandInput& input, const Eigen::Isometry3d& device_from_tool, double dt_s) {
@@ -13,9 +15,12 @@ ToolWay WayOf(const HandInput& input, const Eigen::Isometry3d& device_from_tool,
 }
 
 void Steer(haptics::HandSteering* hand, const Eigen::Isometry3d& handle_from_tool,
-           const HandInput& input, double dt_s) {
+           const HandInput& input, double dt_s, bool may_advance) {
   if (hand == nullptr) return;
-  const ToolWay way = WayOf(input, hand->goal() * handle_from_tool, dt_s);
+  const Eigen::Isometry3d device_from_tool = hand->goal() * handle_from_tool;
+  ToolWay way = WayOf(input, device_from_tool, dt_s);
+  const Eigen::Vector3d along = device_from_tool.linear().col(2);
+  if (!may_advance) way.way_mm -= std::max(0.0, way.way_mm.dot(along)) * along;
   if (!way.IsZero()) hand->Nudge(way.way_mm, way.turn_rad);
 }
 

@@ -22,7 +22,9 @@ struct ToolWay {
 ToolWay WayOf(const HandInput& input, const Eigen::Isometry3d& device_from_tool, double dt_s);
 
 /// Moves the goal of the hand that holds a tool. Null: a real hand does, and nothing happens.
+/// @param may_advance  False: not along the tool, so that the goal stays near a needle that is
+/// held.
 void Steer(haptics::HandSteering* hand, const Eigen::Isometry3d& handle_from_tool,
-           const HandInput& input, double dt_s);
+           const HandInput& input, double dt_s, bool may_advance = true);
 
 }  // namespace acus::window

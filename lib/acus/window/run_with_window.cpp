@@ -89,7 +89,7 @@ class Loop {
     const HandInput input = window_.TakeHandInput();
     if (input.pedal) session_.HoldPedal();
     const live::HeldTool held = session_.HeldBy(steers_needle_);
-    Steer(held.hand.get(), held.handle_from_tool, input, dt_s);
+    Steer(held.hand.get(), held.handle_from_tool, input, dt_s, held.may_advance);
   }
 
   live::LiveSession& session_;

@@ -103,6 +103,22 @@ TEST(Steering, MovesAlongTheNeedleAndAsTheMouseGoes) {
   EXPECT_TRUE(WayOf({}, device_from_tool, 0.1).IsZero());
 }
 
+TEST(Steering, TheGoalStaysWhereTheNeedleIsHeld) {
+  haptics::HandSteering hand;
+  hand.SetGoal(Eigen::Isometry3d::Identity());
+  haptics::VirtualHand follower({}, &hand);
+  HandInput input;
+  input.moved_mm = {2.0, 0.0, 0.0};
+  input.advanced_mm = 3.0;
+  Steer(&hand, Eigen::Isometry3d::Identity(), input, 0.01, /*may_advance=*/false);
+  follower.Step({}, 0.001);
+  EXPECT_EQ(hand.goal().translation(), Eigen::Vector3d(2.0, 0.0, 0.0));
+  input.advanced_mm = -3.0;  // Withdrawn it may be.
+  Steer(&hand, Eigen::Isometry3d::Identity(), input, 0.01, /*may_advance=*/false);
+  follower.Step({}, 0.001);
+  EXPECT_EQ(hand.goal().translation(), Eigen::Vector3d(4.0, 0.0, -3.0));
+}
+
 TEST(Steering, TheGoalOfAVirtualHandFollows) {
   haptics::HandSteering hand;
   hand.SetGoal(Eigen::Isometry3d::Identity());

@@ -20,7 +20,7 @@ double PercentOf(const TrialRecord& trial, const char* name) {
 }
 
 bool Meets(const CurriculumStep& step, const TrialRecord& trial) {
-  return PercentOf(trial, kScore) >= step.score_percent &&
+  return trial.passed && PercentOf(trial, kScore) >= step.score_percent &&
          PercentOf(trial, kGoalsMet) >= step.goals_met_percent;
 }
 

@@ -105,6 +105,7 @@ TrialRecord RecordOf(const training::Assessment& assessment) {
   TrialRecord record;
   record.code = assessment.trainee;
   record.exercise = assessment.exercise;
+  record.passed = assessment.Passed();
   for (const training::Metric& metric : assessment.metrics) {
     record.metrics[{CsvCell(metric.name), metric.unit}] = metric.value;
   }

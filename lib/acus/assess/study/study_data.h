@@ -28,7 +28,8 @@ struct TrialRecord {
   std::string exercise;
   int trial = 1;  ///< From 1, in the order of the files.
   std::map<MetricKey, double> metrics;
-  std::filesystem::path folder;  ///< Of its files; empty if it comes from a table.
+  std::filesystem::path folder = {};  ///< Of its files; empty if it comes from a table.
+  bool passed = true;                 ///< All musts of its exercise were met.
 };
 
 struct Answer {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "acus/base/core/counted.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/text_table.h"
 #include "acus/base/math/statistics.h"
 #include "acus/data/session/pose_csv.h"
 
@@ -127,8 +129,9 @@ double MedianStepMm(const PoseStream& stream) {
 std::string Sentence(const std::string& tool, const std::vector<IntegrityEvent>& events,
                      const char* what, const char* unit) {
   const auto worst = std::ranges::max_element(events, {}, &IntegrityEvent::amount);
-  return Message(tool, ": ", events.size(), " ", what, ", the largest of ", worst->amount, " ",
-                 unit, " at ", SecondsText(worst->time_ns), " s (sample ", worst->sample, ")");
+  return Message(tool, ": ", Counted(std::ssize(events), what),
+                 events.size() == 1 ? ", of " : ", the largest of ", RoundedText(worst->amount, 3),
+                 " ", unit, " at ", SecondsText(worst->time_ns), " s (sample ", worst->sample, ")");
 }
 
 }  // namespace
@@ -157,15 +160,15 @@ std::vector<std::string> Describe(const IntegrityReport& report, const std::stri
                                 "one before them"));
   }
   if (!report.gaps.empty()) {
-    sentences.push_back(Sentence(tool, report.gaps, "gaps without samples", "s"));
+    sentences.push_back(Sentence(tool, report.gaps, "gap# without samples", "s"));
   }
   if (!report.jumps.empty()) {
     sentences.push_back(
-        Sentence(tool, report.jumps, "jumps faster or farther than a hand moves", "mm"));
+        Sentence(tool, report.jumps, "jump# faster or farther than a hand moves", "mm"));
   }
   if (report.num_invalid > 0) {
     sentences.push_back(
-        Message(Sentence(tool, report.invalid_runs, "times the tool was not seen", "samples"),
+        Message(Sentence(tool, report.invalid_runs, "time# the tool was not seen", "samples"),
                 ", together ", report.num_invalid, " of ", report.num_samples, " samples"));
   }
   // A hand that moved for seconds comes at least this far; a tool that lies still shows no more

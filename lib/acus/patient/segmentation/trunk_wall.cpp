@@ -101,8 +101,11 @@ std::vector<TrunkSlice> LookAlong(const volume::Grid<Label>& labels, const WallK
       }
     }
     if (spine.empty()) return {};
-    slices[static_cast<std::size_t>(k)].spine_y = math::Quantile(spine, 0.5);
-    slices[static_cast<std::size_t>(k)].middle_x = math::Quantile(middle, 0.5);
+    TrunkSlice& slice = slices[static_cast<std::size_t>(k)];
+    slice.spine_y = math::Quantile(spine, 0.5);
+    slice.middle_x = math::Quantile(middle, 0.5);
+    // Behind the spine of its neighbours lies no trunk: an arm, or a head that bends back.
+    slice.body = slice.body && slice.front_y < slice.spine_y;
   }
   return slices;
 }

@@ -10,7 +10,7 @@ namespace acus::segmentation {
 
 /// One slice of the trunk: its middle, the front of the spine and of the skin; grid numbers.
 struct TrunkSlice {
-  bool body = false;
+  bool body = false;  ///< Of the trunk: its skin lies in front of the spine.
   double middle_x = 0.0;
   double spine_y = 0.0;
   double front_y = 0.0;

@@ -15,6 +15,7 @@ using session::CommandKind;
 using simulation::StageId;
 
 constexpr std::int64_t kOldestForceNs = 20'000'000;
+constexpr double kHeldNPerMm = 5.0;  ///< As stiff as bone in the tables of forces.
 
 std::int64_t Nanoseconds(double seconds) noexcept {
   return std::llround(1e9 * seconds);
@@ -49,6 +50,11 @@ LiveCore::LiveCore(const simulation::Scene& scene, const CoreSettings& settings,
   steps_probe_ = feels_probe || scene.plan.Has(StageId::kTissueContact);
   steps_ = steps_needle_ || feels_probe || scene.listed.has_steps();
   shapes_ = scene.plan.Has(StageId::kNeedleShape);
+  if (scene.needle && (scene.labels || (scene.hu && scene.hu_tissues))) {
+    stop_.emplace(scene.labels ? forces::TissueLookup(*scene.labels)
+                               : forces::TissueLookup(*scene.hu, *scene.hu_tissues),
+                  scene.needle->length_mm);
+  }
   if (partner != nullptr) breath_.emplace(*partner, settings.belt.has_value());
 }
 
@@ -77,8 +83,8 @@ DeviceForce LiveCore::Tick(const DeviceReading& reading) noexcept {
   TakeOrders();
   ReadTools(reading);
   Step();
-  const DeviceForce on_needle =
-      ForceOn(needle_, record_.output.force.force_in_ct_n, record_.output.force.torque_in_ct_n_mm);
+  const DeviceForce on_needle = ForceOn(needle_, record_.output.force.force_in_ct_n + held_in_ct_n_,
+                                        record_.output.force.torque_in_ct_n_mm);
   const DeviceForce on_probe =
       ForceOn(probe_, record_.output.probe.force_in_ct_n, record_.output.probe.torque_in_ct_n_mm);
   if (recorder_ != nullptr) recorder_->Push(record_);
@@ -183,10 +189,32 @@ void LiveCore::ReadTools(const DeviceReading& reading) noexcept {
   needle_ = servo_holds_needle ? servo : other;
   probe_ = servo_holds_needle ? other : servo;
   needle_.sample.time_ns = probe_.sample.time_ns = record_.time_ns;
+  HoldNeedle();
   record_.needle = needle_.sample;
   record_.probe = probe_.sample;
   if (needle_.mount != nullptr) Add(statistics_.needle[static_cast<std::size_t>(needle_.verdict)]);
   if (probe_.mount != nullptr) Add(statistics_.probe[static_cast<std::size_t>(probe_.verdict)]);
+}
+
+/// What is recorded and stepped on is the needle as it is held, so that a replay is the same.
+void LiveCore::HoldNeedle() noexcept {
+  held_in_ct_n_.setZero();
+  NeedleStop::Held held;
+  if (stop_ && needle_.verdict != PoseVerdict::kGood) stop_->Forget();
+  if (stop_ && needle_.verdict == PoseVerdict::kGood && needle_.mount->by_virtual_hand) {
+    Eigen::Isometry3d pose = needle_.sample.reference_from_tool.isometry();
+    const Eigen::Isometry3d ct_from_needle = scene_.ct_from_reference * pose;
+    // The tissue moves little from step to step.
+    const Eigen::Isometry3d at_rest = record_.output.needle_at_rest.ct_from_tool *
+                                      record_.output.ct_from_needle.inverse() * ct_from_needle;
+    held = stop_->At(at_rest.translation(), at_rest.linear().col(2));
+    if (held.beyond_mm > 0.0) {
+      pose.translation() -= held.beyond_mm * pose.linear().col(2);
+      needle_.sample.reference_from_tool = transforms::Pose(pose);
+      held_in_ct_n_ = -kHeldNPerMm * held.beyond_mm * ct_from_needle.linear().col(2);
+    }
+  }
+  stopped_by_.store(held.by, std::memory_order_relaxed);
 }
 
 void LiveCore::ReadBelt() noexcept {

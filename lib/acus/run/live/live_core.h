@@ -14,6 +14,7 @@
 #include "acus/run/live/force_mailbox.h"
 #include "acus/run/live/live_breath.h"
 #include "acus/run/live/live_snapshot.h"
+#include "acus/run/live/needle_stop.h"
 #include "acus/run/live/pose_gate.h"
 #include "acus/run/live/recorder.h"
 #include "acus/run/live/step_feed.h"
@@ -26,6 +27,7 @@ namespace acus::live {
 struct ToolMount {
   Eigen::Isometry3d reference_from_device = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d handle_from_tool = Eigen::Isometry3d::Identity();
+  bool by_virtual_hand = false;  ///< Its needle is held where bone and the skin stop it.
 };
 
 /// A tool that is read from a board: of a tracker, or of a device with a servo of its own.
@@ -86,6 +88,8 @@ class LiveCore {
   const simulation::StageTimes& stage_times() const noexcept { return stage_times_; }
   /// Session time of the last step, ns. Any thread.
   std::int64_t session_ns() const noexcept { return session_ns_.load(std::memory_order_relaxed); }
+  /// What keeps the needle of a virtual hand from going further in. Any thread.
+  StopKind stopped_by() const noexcept { return stopped_by_.load(std::memory_order_relaxed); }
   bool hands_swapped() const noexcept { return hands_swapped_.load(std::memory_order_relaxed); }
 
  private:
@@ -102,6 +106,7 @@ class LiveCore {
   void ReadTools(const haptics::DeviceReading& reading) noexcept;
   Tool ReadServo(const haptics::DeviceReading& reading) noexcept;
   Tool ReadOther(std::int64_t now_ns) noexcept;
+  void HoldNeedle() noexcept;
   void ReadBelt() noexcept;
   void Step() noexcept;
   void Feed() noexcept;
@@ -123,6 +128,7 @@ class LiveCore {
   bool shapes_ = false;
 
   std::optional<LiveBreath> breath_;
+  std::optional<NeedleStop> stop_;
   PoseGate servo_gate_;
   PoseGate other_gate_;
   std::uint64_t other_number_ = 0;  ///< Of the last reading that was judged.
@@ -140,6 +146,8 @@ class LiveCore {
   StepRecord record_;
   Tool needle_;
   Tool probe_;
+  Eigen::Vector3d held_in_ct_n_ = Eigen::Vector3d::Zero();  ///< On the needle, by what stops it.
+  std::atomic<StopKind> stopped_by_{StopKind::kNone};
   bool started_ = false;
   std::int64_t last_reading_ns_ = 0;
   std::int64_t shown_ns_ = 0;

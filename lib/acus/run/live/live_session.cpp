@@ -188,7 +188,9 @@ haptics::HapticDevice* LiveSession::Take(const haptics::ToolConfig& tool) {
 
 void LiveSession::TakeDevices() {
   const auto mount = [&](const haptics::ToolConfig& tool) {
-    return ToolMount{devices_.reference_from_device.at(tool.device), tool.handle_from_tool};
+    return ToolMount{.reference_from_device = devices_.reference_from_device.at(tool.device),
+                     .handle_from_tool = tool.handle_from_tool,
+                     .by_virtual_hand = steering_.contains(tool.device)};
   };
   const auto tracked = [&](const char* tool) -> std::optional<BoardTool> {
     const auto place = devices_.FindTracked(tool);
@@ -361,7 +363,8 @@ HeldTool LiveSession::HeldBy(bool needle) const {
   if (found == steering_.end()) return {};
   return {.hand = found->second,
           .handle_from_tool = tool.handle_from_tool,
-          .reference_from_device = devices_.reference_from_device.at(device.device)};
+          .reference_from_device = devices_.reference_from_device.at(device.device),
+          .may_advance = !needle || !core_ || core_->stopped_by() == StopKind::kNone};
 }
 
 ForceLimits LiveSession::force_limits() const {

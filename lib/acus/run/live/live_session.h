@@ -67,6 +67,7 @@ struct HeldTool {
   std::shared_ptr<haptics::HandSteering> hand = nullptr;  ///< Null: no virtual hand holds it.
   Eigen::Isometry3d handle_from_tool = Eigen::Isometry3d::Identity();  ///< mm.
   Eigen::Isometry3d reference_from_device = Eigen::Isometry3d::Identity();
+  bool may_advance = true;  ///< False: bone or the skin stops the needle.
 };
 
 /// The largest forces that guards let through; 0: no motor.

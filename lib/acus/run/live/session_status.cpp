@@ -84,6 +84,16 @@ void AddDevice(const haptics::HapticDevice& device, std::vector<StatusLine>& lin
   }
 }
 
+void AddStop(StopKind stop, std::vector<StatusLine>& lines) {
+  if (stop == StopKind::kBone) {
+    lines.push_back({Severity::kWarning,
+                     "Bone: the needle does not advance. Withdraw it, and change its direction."});
+  } else if (stop == StopKind::kHub) {
+    lines.push_back(
+        {Severity::kWarning, "The hub is at the skin: the needle is inserted to its full length."});
+  }
+}
+
 void AddRemote(const RemoteImages& remote, std::vector<StatusLine>& lines) {
   if (remote.works()) {
     lines.push_back({Severity::kNote, Message("Images come from ", remote.place(), ", ",
@@ -99,6 +109,7 @@ std::vector<StatusLine> LiveSession::Status() const {
   std::vector<StatusLine> lines;
   AddDevice(*servo_device_, lines);
   if (other_device_) AddDevice(*other_device_, lines);
+  AddStop(core_->stopped_by(), lines);
   const RecordingStatus recording = recorder_->status();
   if (!recording.trouble.empty()) {
     lines.push_back(

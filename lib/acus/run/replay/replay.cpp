@@ -1,6 +1,7 @@
 #include "acus/run/replay/replay.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "acus/base/core/atomic_file.h"
@@ -74,19 +75,29 @@ class WarningsKept {
   std::function<void(std::string_view)> before_;
 };
 
+/// Where a scenario has no registration, poses are taken as if they were in the CT.
+void WarnWithoutRegistration(const scenario::Scenario& scenario, const session::Session& session,
+                             const RunContext& context) {
+  using Pointer = nlohmann::json::json_pointer;
+  if (session.reference_frame == "CT") return;
+  for (const char* key : {"/patient/ct_from_reference", "/patient/ct_from_reference_file"}) {
+    if (scenario.effective.contains(Pointer(key))) return;
+  }
+  context.Warn(Message(
+      "there is no registration: the poses of the session, in the frame ", session.reference_frame,
+      ", are used as if they were in that of the CT, and all metrics with them. Give "
+      "--transform FILE of acus-register, or state that the frames are one with "
+      "--set /patient/ct_from_reference=[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]"));
+}
+
 std::string Rounded(double value) {
   return RoundedText(value, 3);
 }
 
-std::string SummaryOf(const Run& run, const scenario::Scenario& scenario,
-                      const ReplayOptions& options) {
+std::string SummaryOf(const Run& run, const ReplayOptions& options) {
   std::string text = Message("Replayed ", Rounded(SpanSeconds(run.session)),
                              " s: ", run.steps.steps.size(), " steps, ", run.images.num_images,
                              " images, ", Rounded(run.cpu_s.value_or(0.0)), " s of CPU time.\n");
-  if (scenario.patient.ct_from_reference.matrix() == Eigen::Matrix4d::Identity()) {
-    text += Message("  The session's frame ", run.session.reference_frame,
-                    " is used as that of the CT: there is no transform (--transform)\n");
-  }
   for (const Metric& metric : run.metrics) {
     text += Message("  ", metric.name, ": ", Rounded(metric.value), metric.unit.empty() ? "" : " ",
                     metric.unit, "\n");
@@ -136,6 +147,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   Run run;
   const WarningsKept kept(context, run.warnings);
   run.session = ReadSessionFor(scenario, session_path, context);
+  WarnWithoutRegistration(scenario, run.session, context);
   const simulation::EffectPlan plan = simulation::PlanEffects(scenario, AvailableIn(run.session));
   const Scene scene = simulation::LoadScene(scenario, plan, context);
   const auto pain_sound = PainSoundOf(scenario, context);
@@ -172,7 +184,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
     run.assessment->trainee = options.trainee;
     run.metrics = run.assessment->metrics;
   }
-  ReplayResult result{PlanText(scene.plan, &run.times), SummaryOf(run, scenario, options)};
+  ReplayResult result{PlanText(scene.plan, &run.times), SummaryOf(run, options)};
   if (folder) {
     if (!options.times) ForgetTimes(run);
     WriteRunFolder(folder->path(), scenario, scene, targets, run, context);
@@ -190,6 +202,7 @@ void RequireRunnable(const scenario::Scenario& scenario, const fs::path& session
   simulation::AvailableInputs available{.needle_poses = true, .probe_poses = true, .breath = true};
   if (!session_path.empty()) {
     session = session::ReadAnySession(session_path, scenario.session, context).session;
+    WarnWithoutRegistration(scenario, *session, context);
     available = AvailableIn(*session);
   }
   const simulation::EffectPlan plan = simulation::PlanEffects(scenario, available);

@@ -173,15 +173,15 @@ void AddGoalLines(report::Plot& plot, const ReportContent& content, std::string_
 
 void AddExercise(report::HtmlReport& html, const training::Assessment& assessment) {
   html.Section("Outcome");
-  html.Paragraph(training::OutcomeText(assessment));
+  html.Paragraph(training::OutcomeText(assessment) + ' ' + training::VerdictText(assessment));
   html.Paragraph(Message(assessment.exercise, assessment.trainee.empty() ? "" : ", trainee ",
                          assessment.trainee, ": ", assessment.NumMet(), " of ",
                          assessment.goals.size(), " goals met."));
   std::vector<std::vector<std::string>> goals;
   for (const training::GoalResult& result : assessment.goals) {
-    goals.push_back({result.met ? "met" : "not met", result.goal.metric,
-                     result.value ? FourDigits(*result.value) : "-", result.unit,
-                     GoalText(result.goal, result.unit), result.goal.why});
+    goals.push_back({Message(result.met ? "met" : "not met", result.goal.must ? " (must)" : ""),
+                     result.goal.metric, result.value ? FourDigits(*result.value) : "-",
+                     result.unit, GoalText(result.goal, result.unit), result.goal.why});
   }
   html.Table({"", "goal", "value", "unit", "required", "why"}, goals);
   std::vector<std::vector<std::string>> steps;

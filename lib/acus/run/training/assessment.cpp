@@ -60,6 +60,10 @@ std::size_t Assessment::NumMet() const {
   return static_cast<std::size_t>(std::ranges::count_if(goals, &GoalResult::met));
 }
 
+bool Assessment::Passed() const {
+  return std::ranges::all_of(goals, [](const GoalResult& r) { return r.met || !r.goal.must; });
+}
+
 bool HasInsertion(const std::vector<Metric>& metrics) {
   const auto passes = std::ranges::find(metrics, "passes", &Metric::name);
   return passes == metrics.end() || passes->value > 0.0;
@@ -126,16 +130,37 @@ std::string GoalText(const Goal& goal, const std::string& unit) {
   return text;
 }
 
+namespace {
+
+/// "tip to target at the end: 21 mm, required at most 3 mm".
+std::string UnmetText(const GoalResult& result) {
+  return Message(result.goal.metric, ": ", result.value ? RoundedText(*result.value, 3) : "-",
+                 result.unit.empty() ? "" : " ", result.unit, ", required ",
+                 GoalText(result.goal, result.unit));
+}
+
+}  // namespace
+
+std::string VerdictText(const Assessment& assessment) {
+  if (assessment.goals.empty()) return "";
+  if (assessment.Passed()) return "Passed.";
+  std::string text;
+  for (const GoalResult& result : assessment.goals) {
+    if (!result.goal.must || result.met) continue;
+    text += (text.empty() ? "Failed: " : "; ") + UnmetText(result);
+  }
+  return text + '.';
+}
+
 std::string GoalsText(const Assessment& assessment) {
-  std::string text = Message(OutcomeText(assessment), "\nGoals met: ", assessment.NumMet(), " of ",
-                             assessment.goals.size(), "\n");
+  const std::string verdict = VerdictText(assessment);
+  std::string text =
+      Message(OutcomeText(assessment), '\n', verdict, verdict.empty() ? "" : "\n",
+              "Goals met: ", assessment.NumMet(), " of ", assessment.goals.size(), "\n");
   for (const GoalResult& result : assessment.goals) {
     if (result.met) continue;
-    text +=
-        Message("  not met: ", result.goal.metric, ": ",
-                result.value ? RoundedText(*result.value, 3) : "-", result.unit.empty() ? "" : " ",
-                result.unit, ", required ", GoalText(result.goal, result.unit),
-                result.goal.why.empty() ? "" : ": ", result.goal.why, "\n");
+    text += Message("  not met: ", UnmetText(result), result.goal.why.empty() ? "" : ": ",
+                    result.goal.why, "\n");
   }
   return text;
 }
@@ -153,6 +178,8 @@ json ToJson(const Assessment& assessment) {
                      {"at_most", NumberOrNull(result.goal.at_most)},
                      {"at_least", NumberOrNull(result.goal.at_least)},
                      {"why", result.goal.why},
+                     {"weight", result.goal.weight},
+                     {"must", result.goal.must},
                      {"met", result.met}});
   }
   json structures = json::array();
@@ -179,6 +206,7 @@ json ToJson(const Assessment& assessment) {
           {"goals", goals},
           {"structures", structures},
           {"outcome", OutcomeText(assessment)},
+          {"passed", assessment.Passed()},
           {"target", assessment.target},
           {"target_radius_mm", assessment.target_radius_mm},
           {"checklist", checklist}};
@@ -198,7 +226,8 @@ Assessment ReadAssessment(const std::filesystem::path& path) {
     }
     for (const json& g : document.at("goals")) {
       assessment.goals.push_back(
-          {{g.at("metric"), NumberFrom(g.at("at_most")), NumberFrom(g.at("at_least")), g.at("why")},
+          {{g.at("metric"), NumberFrom(g.at("at_most")), NumberFrom(g.at("at_least")), g.at("why"),
+            g.value("weight", 1.0), g.value("must", false)},
            g.at("unit"),
            NumberFrom(g.at("value")),
            g.at("met")});

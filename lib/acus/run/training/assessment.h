@@ -33,6 +33,7 @@ struct Assessment {
   std::vector<StepResult> checklist = {};
 
   std::size_t NumMet() const;
+  bool Passed() const;  ///< All musts are met.
 };
 
 /// True unless the metrics say that the needle made no pass in tissue.
@@ -48,10 +49,14 @@ std::string OutcomeText(const Assessment& assessment);
 std::vector<GoalResult> JudgeGoals(const std::vector<Goal>& goals,
                                    const std::vector<Metric>& metrics);
 
+/// "Passed.", or "Failed: tip to target at the end: 21 mm, required at most 3 mm." with each must
+/// that is not met. Empty without goals.
+std::string VerdictText(const Assessment& assessment);
+
 /// "at most 3 mm", "at least 70 %, at most 90 %".
 std::string GoalText(const Goal& goal, const std::string& unit);
 
-/// "Goals met: 5 of 6", then a line for each goal that was not. Ends with '\n'.
+/// Outcome, verdict, "Goals met: 5 of 6", then a line for each goal that was not. Ends with '\n'.
 std::string GoalsText(const Assessment& assessment);
 
 /// training.json, format acus-training/1.

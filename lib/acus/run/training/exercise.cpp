@@ -16,6 +16,12 @@ std::optional<double> LimitOf(const json& goal, const char* key) {
   return goal.at(key).get<double>();
 }
 
+/// Unless the file says otherwise, the target is what a trial is about.
+bool IsMust(const json& goal) {
+  if (goal.contains("must")) return goal.at("must");
+  return goal.at("metric").get<std::string>().starts_with("tip to target");
+}
+
 std::vector<Goal> GoalsOf(const json& list, const std::string& file) {
   std::vector<Goal> goals;
   std::set<std::string> seen;
@@ -23,7 +29,7 @@ std::vector<Goal> GoalsOf(const json& list, const std::string& file) {
     const json& entry = list[i];
     const std::string where = Message(file, ": /goals/", i, ": ");
     Goal goal{entry.at("metric"), LimitOf(entry, "at_most"), LimitOf(entry, "at_least"),
-              entry.at("why")};
+              entry.at("why"),    entry.at("weight"),        IsMust(entry)};
     ACUS_REQUIRE(goal.at_most || goal.at_least, where,
                  "has no limit; give at_most, at_least or both");
     ACUS_REQUIRE(!goal.at_most || !goal.at_least || *goal.at_least <= *goal.at_most, where,

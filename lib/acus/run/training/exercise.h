@@ -17,7 +17,9 @@ struct Goal {
   std::string metric;  ///< Name, as in metrics.json.
   std::optional<double> at_most;
   std::optional<double> at_least;
-  std::string why;  ///< May be empty.
+  std::string why;      ///< May be empty.
+  double weight = 1.0;  ///< In the score. > 0.
+  bool must = false;    ///< A trial that does not meet it fails.
 };
 
 struct Exercise {

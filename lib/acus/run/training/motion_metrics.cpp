@@ -100,7 +100,7 @@ TissueMeter::TissueMeter(InsideTissue inside, const MetricOptions& options)
 void TissueMeter::Restart() {
   last_.reset();
   was_inside_ = false;
-  outside_path_mm_ = std::numeric_limits<double>::infinity();
+  away_mm_ = std::numeric_limits<double>::infinity();
 }
 
 void TissueMeter::Add(const session::PoseSample& sample) {
@@ -119,10 +119,9 @@ void TissueMeter::Add(const session::PoseSample& sample) {
     metrics_.tissue_damage_mm2 += TriangleArea(tip_mm, Origin(*last_), exit_mm) +
                                   TriangleArea(exit_mm, last_exit_mm_, Origin(*last_));
   }
-  if (is_inside && !was_inside_ && outside_path_mm_ >= options_.withdrawal_mm) {
-    ++metrics_.num_insertions;
-  }
-  outside_path_mm_ = is_inside ? 0.0 : outside_path_mm_ + step_mm;
+  if (is_inside && !was_inside_ && away_mm_ >= options_.withdrawal_mm) ++metrics_.num_insertions;
+  if (is_inside) left_mm_ = tip_mm;
+  away_mm_ = is_inside ? 0.0 : std::max(away_mm_, (tip_mm - left_mm_).norm());
   was_inside_ = is_inside;
   last_exit_mm_ = exit_mm;
   last_ = sample;

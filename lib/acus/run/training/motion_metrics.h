@@ -40,7 +40,8 @@ struct MetricOptions {
   double speed_window_s = 0.1;  ///< > 0. Shorter ones measure the jitter of the tracker.
   double needle_length_mm =
       300;  ///< > 0. How far along the shaft the tissue's surface is looked for.
-  /// An entry is counted if since the last exit the tip moved at least this far outside. >= 0.
+  /// An entry is counted if since the last exit the tip was at least this far from where it left:
+  /// a distance, not a path, which tremor and the rate of samples lengthen. >= 0.
   double withdrawal_mm = 5.0;
 };
 
@@ -69,7 +70,8 @@ class TissueMeter {
   MetricOptions options_;
   TissueMetrics metrics_;
   bool was_inside_ = false;
-  double outside_path_mm_ = std::numeric_limits<double>::infinity();  ///< Since the last exit.
+  Eigen::Vector3d left_mm_ = Eigen::Vector3d::Zero();         ///< Where the tip was last in tissue.
+  double away_mm_ = std::numeric_limits<double>::infinity();  ///< The farthest from there since.
   Eigen::Vector3d last_exit_mm_ = Eigen::Vector3d::Zero();
   std::optional<session::PoseSample> last_;
 };

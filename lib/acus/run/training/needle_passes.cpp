@@ -75,11 +75,10 @@ void PassMeter::Add(const PoseSample& sample) {
   }
   if (inside_(tip_mm)) {
     if (!turns_) turns_.emplace(options_.turn_mm, num_attempts_++, sample);
-    outside_mm_ = 0.0;
+    left_mm_ = tip_mm;
     return;
   }
-  outside_mm_ += motion_mm.norm();
-  if (!turns_ || outside_mm_ < options_.withdrawal_mm) return;
+  if (!turns_ || (tip_mm - left_mm_).norm() < options_.withdrawal_mm) return;
   Keep(ended_, turns_->Ended());
   turns_.reset();
 }

@@ -85,7 +85,7 @@ class PassMeter {
   std::vector<NeedlePass> ended_;
   std::optional<TurnFinder> turns_;  ///< While an attempt lasts.
   int num_attempts_ = 0;
-  double outside_mm_ = 0.0;  ///< Path since the last exit.
+  Eigen::Vector3d left_mm_ = Eigen::Vector3d::Zero();  ///< Where the tip was last in tissue.
   std::optional<Eigen::Vector3d> last_mm_;
 };
 

@@ -40,7 +40,8 @@ std::vector<std::vector<std::string>> Rows(std::span<const Assessment> sessions)
   std::vector<std::vector<std::string>> rows;
   for (const Assessment& session : sessions) {
     rows.push_back({TraineeOf(session), session.session,
-                    Message(session.NumMet(), " of ", session.goals.size())});
+                    Message(session.NumMet(), " of ", session.goals.size(),
+                            session.Passed() ? "" : ", failed")});
     for (const GoalResult& goal : session.goals) rows.back().push_back(ValueText(goal));
   }
   return rows;

@@ -20,8 +20,15 @@ double ScoreOfGoal(const GoalResult& result) {
 double ScoreOf(const Assessment& assessment) {
   if (assessment.goals.empty()) return 1.0;
   double sum = 0.0;
-  for (const GoalResult& goal : assessment.goals) sum += ScoreOfGoal(goal);
-  return sum / static_cast<double>(assessment.goals.size());
+  double weights = 0.0;
+  double of_musts = 1.0;
+  for (const GoalResult& result : assessment.goals) {
+    const double score = ScoreOfGoal(result);
+    sum += result.goal.weight * score;
+    weights += result.goal.weight;
+    if (result.goal.must) of_musts *= score;
+  }
+  return of_musts * sum / weights;
 }
 
 }  // namespace acus::training

@@ -17,7 +17,7 @@ constexpr double kLongestMm = 50.0;
 void StructureMeter::Look(const Eigen::Vector3d& tip_mm, double step_mm, std::int64_t time_ns) {
   const volume::Label label = label_at_(tip_mm);
   for (auto& [other, visit] : visits_) {
-    if (other != label) visit.outside_mm += step_mm;
+    if (other != label) visit.away_mm = std::max(visit.away_mm, (tip_mm - visit.left_mm).norm());
   }
   if (label == 0) return;
   Visit& visit = visits_[label];
@@ -26,8 +26,9 @@ void StructureMeter::Look(const Eigen::Vector3d& tip_mm, double step_mm, std::in
     entered.label = label;
     entered.first_ns = time_ns;
   }
-  if (visit.outside_mm >= kReentryMm) ++entered.num_entries;
-  visit.outside_mm = 0.0;
+  if (visit.away_mm >= kReentryMm) ++entered.num_entries;
+  visit.left_mm = tip_mm;
+  visit.away_mm = 0.0;
   entered.path_mm += step_mm;
 }
 

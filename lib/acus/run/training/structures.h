@@ -19,7 +19,8 @@ using LabelAtPoint = std::function<volume::Label(const Eigen::Vector3d& point_in
 
 struct StructureEntered {
   volume::Label label = 0;
-  /// The tip went in; again only after it has moved kReentryMm outside.
+  /// The tip went in; again only after it was kReentryMm away from where it left. A distance, not a
+  /// path: tremor at a surface is no entry, at any rate of samples.
   int num_entries = 0;
   double path_mm = 0.0;  ///< Of the tip within it.
   std::int64_t first_ns = 0;
@@ -49,7 +50,8 @@ class StructureMeter {
  private:
   struct Visit {
     StructureEntered so_far;
-    double outside_mm = std::numeric_limits<double>::infinity();  ///< Since the tip was last in it.
+    Eigen::Vector3d left_mm = Eigen::Vector3d::Zero();         ///< Where the tip was last in it.
+    double away_mm = std::numeric_limits<double>::infinity();  ///< The farthest from there since.
   };
   void Look(const Eigen::Vector3d& tip_mm, double step_mm, std::int64_t time_ns);
 

@@ -291,6 +291,9 @@ TEST_F(StudyTest, ACurriculumOpensStepsAsTheyAreMastered) {
   EXPECT_EQ(state["trainees"]["new"]["steps"][0]["state"], "open") << "nobody needs a trial first";
   EXPECT_EQ(state["trainees"]["new"]["steps"][1]["state"], "locked");
   trials.push_back(Scored("Exercise a", 91.0));
+  trials.back().passed = false;
+  EXPECT_FALSE(ProgressOf(curriculum, "A", trials)[0].mastered) << "a must was not met";
+  trials.back().passed = true;
   trials.push_back(Scored("Exercise a", 10.0));
   states = ProgressOf(curriculum, "A", trials);
   EXPECT_TRUE(states[0].mastered) << "and stays so";

@@ -10,6 +10,7 @@
 #include "acus/data/session/session_io.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/physics/breathing/motion_file.h"
+#include "acus/rig/haptics/virtual_hand.h"
 #include "support/layered_folder.h"
 #include "support/replay_folder.h"
 
@@ -171,6 +172,54 @@ TEST_F(LiveReplay, ARigidNeedleFeelsTheSame) {
   EXPECT_GT(largest_n_, 0.5);
   EXPECT_EQ(needle_seen_, 3000 - 40 - 49);
   ExpectReplaySame("rigid", "forces.csv");
+}
+
+// As when Page Down is held, 30 mm/s for 8 s, by a hand that has no sense: through bone and beyond
+// the hub the needle does not go, whatever limits the device's force.
+TEST_F(LiveReplay, ANeedleOfAVirtualHandStopsAtBoneAndAtItsHub) {
+  struct Case {
+    const char* name;
+    double y_mm;
+    const char* needle;
+    double deepest_mm;  ///< Bone begins at 60 mm; the short needle's hub is at 38 mm.
+    StopKind by;
+  };
+  WriteTextFile(folder_ / "short.json", R"({"format": "acus-needle/1", "name": "short", "gauge": 22,
+      "outer_diameter_mm": 0.7, "length_mm": 38, "tip": "quincke"})");
+  for (const Case& c : {Case{"bone", 20.0, "needles/spinal_22g.json", 62.0, StopKind::kBone},
+                        Case{"hub", 5.0, "short.json", 38.0, StopKind::kHub}}) {
+    Load({{"/needle", c.needle}});
+    Recorder recorder(folder_ / c.name, c.name, {.needle = true, .commands = true}, *scene_,
+                      kOriginNs, {}, context_);
+    CoreSettings settings;
+    settings.origin_ns = kOriginNs;
+    settings.servo.by_virtual_hand = true;
+    LiveCore core(*scene_, settings, &recorder, nullptr);
+    haptics::HandSteering steering;
+    Eigen::Isometry3d goal(Eigen::Translation3d(0.0, c.y_mm, -5.0));
+    steering.SetGoal(goal);
+    haptics::VirtualHand hand({}, &steering);
+    haptics::DeviceForce force;
+    double deepest_mm = 0.0;
+    for (int ms = 0; ms < 8000; ++ms) {
+      if (ms % 10 == 0) steering.Nudge({0.0, 0.0, 0.3}, Eigen::Vector3d::Zero());
+      DeviceReading reading = hand.Step(force, 1e-3);
+      reading.time_ns = kOriginNs + (ms + 1) * kMs;
+      force = core.Tick(reading);
+      // As a guard limits it.
+      if (force.force_n.norm() > 3.0) force.force_n *= 3.0 / force.force_n.norm();
+      if (core.snapshots().Refresh()) {
+        deepest_mm =
+            std::max(deepest_mm, core.snapshots().Front().moment.ct_from_needle->translation().z());
+      }
+    }
+    EXPECT_LE(deepest_mm, c.deepest_mm) << c.name;
+    EXPECT_GE(deepest_mm, c.deepest_mm - 2.5) << c.name;
+    EXPECT_EQ(core.stopped_by(), c.by) << c.name;
+    recorder.Start();
+    recorder.Close();
+    ExpectReplaySame(c.name, "forces.csv");
+  }
 }
 
 TEST_F(LiveReplay, ABendableNeedleFeelsTheSame) {

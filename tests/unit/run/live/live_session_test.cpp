@@ -87,6 +87,29 @@ class Session : public testing_support::ReplayFolder {
   tracking::Image video_;  ///< What a camera sees, if there is one.
 };
 
+TEST_F(Session, SaysThatBoneStopsTheNeedle) {
+  WriteTextFile(folder_ / "devices.json", R"({"format": "acus-devices/1", "devices": [
+      {"name": "right", "driver": "virtual_hand", "virtual_hand": {"path": [
+        {"time_s": 0, "translation_mm": [0, 20, -5]}, {"time_s": 0.7, "translation_mm": [0, 20, 90]}]}},
+      {"name": "left", "driver": "virtual_hand"}],
+      "needle": {"device": "right"}, "probe": {"device": "left"}})");
+  LiveOptions options;
+  options.session_folder = folder_ / "session";
+  options.duration_s = 1.2;
+  LiveSession session(scenario::ReadScenario(folder_ / "scene.json", {}),
+                      ReadLiveDevices(folder_ / "devices.json"), options, context_);
+  session.Start();
+  EXPECT_THAT(session.Status(), Not(Contains(Field(&StatusLine::text, HasSubstr("Bone:")))));
+  EXPECT_TRUE(session.HeldBy(/*needle=*/true).may_advance);
+  while (session.Poll() && session.HeldBy(true).may_advance) {
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  EXPECT_THAT(session.Status(), Contains(Field(&StatusLine::text, HasSubstr("Bone: the needle"))));
+  EXPECT_TRUE(session.HeldBy(/*needle=*/false).may_advance);
+  while (session.Poll()) std::this_thread::sleep_for(milliseconds(20));
+  session.Stop();
+}
+
 TEST_F(Session, HasTheGoalsAndStepsOfItsReport) {
   WriteTextFile(folder_ / "devices.json", R"({"format": "acus-devices/1", "devices": [
       {"name": "right", "driver": "virtual_hand", "virtual_hand": {"path": [

@@ -8,6 +8,7 @@
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
 #include "acus/run/training/progress.h"
+#include "acus/run/training/score.h"
 #include "support/fuzz.h"
 #include "support/temporary_folder.h"
 
@@ -153,9 +154,49 @@ Assessment Example(const std::string& trainee, double attempts) {
   assessment.trainee = trainee;
   assessment.session = "session";
   assessment.metrics = {{"attempts", "", attempts}, {"time", "s", 12.5}};
-  assessment.goals = JudgeGoals({{"attempts", 1.0, {}, "it hurts"}}, assessment.metrics);
+  assessment.goals = JudgeGoals({{"attempts", 1.0, {}, "it hurts", 2.0, true}}, assessment.metrics);
   assessment.structures = {{"vessel", {11, 2, 3.5, 1'500'000'000}}};
   return assessment;
+}
+
+// 20 mm beside the target, and all other goals met: a trial of every exercise that is shipped
+// fails.
+TEST(Assessment, AMissOfTheTargetFailsTheTrial) {
+  int exercises = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(ACUS_SOURCE_DIR "/configs/exercises")) {
+    const Exercise exercise = ReadExercise(entry.path());
+    Assessment trial;
+    for (const Goal& goal : exercise.goals) {
+      const bool is_target = goal.metric == "tip to target at the end";
+      EXPECT_EQ(goal.must, is_target) << entry.path() << goal.metric;
+      trial.metrics.push_back(
+          {goal.metric, "mm",
+           is_target ? 20.0 : goal.at_most.value_or(goal.at_least.value_or(0.0))});
+    }
+    trial.goals = JudgeGoals(exercise.goals, trial.metrics);
+    EXPECT_EQ(trial.NumMet() + 1, trial.goals.size()) << entry.path();
+    EXPECT_FALSE(trial.Passed()) << entry.path();
+    EXPECT_LT(ScoreOf(trial), 0.25) << entry.path();
+    EXPECT_THAT(GoalsText(trial), HasSubstr("Failed: tip to target at the end: 20 mm, required"));
+    EXPECT_EQ(ToJson(trial).at("passed"), false);
+    ++exercises;
+  }
+  EXPECT_EQ(exercises, 6);
+}
+
+TEST(Exercise, SaysItselfWhatIsAMust) {
+  const TemporaryFolder folder;
+  const auto goals = ReadExercise(Written(folder, R"({"format": "acus-exercise/1", "name": "x",
+      "goals": [{"metric": "attempts", "at_most": 1, "must": true, "weight": 2.5},
+                {"metric": "tip to target at the end", "at_most": 3, "must": false},
+                {"metric": "tip to target, closest", "at_most": 3}]})"))
+                         .goals;
+  EXPECT_TRUE(goals[0].must);
+  EXPECT_EQ(goals[0].weight, 2.5);
+  EXPECT_FALSE(goals[1].must);
+  EXPECT_EQ(goals[1].weight, Goal{}.weight);
+  EXPECT_TRUE(goals[2].must);
 }
 
 TEST(Assessment, ReadsBackAsWritten) {

@@ -21,5 +21,18 @@ TEST(ScoreOf, IsContinuousAtTheLimitAndFallsBeyond) {
   EXPECT_EQ(ScoreOf({}), 1.0);
 }
 
+TEST(ScoreOf, WeighsGoalsAndFailsWithAMust) {
+  Assessment a;
+  a.goals = {{{"attempts", 1.0, {}, "", 3.0}, "", 1.0, true},
+             {{"tip to target at the end", 3.0, {}, "", 1.0}, "mm", 9.0, false}};
+  EXPECT_NEAR(ScoreOf(a), (3.0 + 1.0 / 3.0) / 4.0, 1e-15);
+  EXPECT_TRUE(a.Passed());
+  a.goals[1].goal.must = true;
+  EXPECT_NEAR(ScoreOf(a), (3.0 + 1.0 / 3.0) / 4.0 / 3.0, 1e-15);
+  EXPECT_FALSE(a.Passed());
+  a.goals[1].value = 3.0 + 1e-9;  // Continuous at the limit.
+  EXPECT_NEAR(ScoreOf(a), 1.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace acus::training

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/random.h"
 #include "acus/base/math/rigid.h"
 
 namespace acus::training {
@@ -71,6 +72,29 @@ TEST(Structures, TremorAtAWallIsOneEntry) {
   const auto entered = NamedStructuresOf(session, {labels});
   ASSERT_EQ(entered.size(), 2);
   EXPECT_EQ(entered[1].entered.num_entries, 1);
+}
+
+// A hand that trembles by 0.1 mm rests for 10 s where the vessel begins, once in; at any rate it is
+// one entry, one attempt. Its path outside grows with the rate.
+TEST(Structures, EntriesDoNotGrowWithTheRateOfSamples) {
+  const auto labels = Tissue();
+  for (const double z_mm : {30.0, 0.0}) {  // The vessel's wall, the skin.
+    for (const int hz : {8, 60, 1000}) {
+      RandomStream random(7, "tremor", 0);
+      Session session;
+      session.needle.push_back(At(-1.0, {0, 0, -20.0}));
+      for (int i = 0; i < 10 * hz; ++i) {
+        session.needle.push_back(
+            At(static_cast<double>(i) / hz, {0, 0, z_mm + 0.1 * random.Normal()}));
+      }
+      const auto entered = NamedStructuresOf(session, {labels});
+      for (const auto& structure : entered) {
+        EXPECT_EQ(structure.entered.num_entries, 1) << structure.name << " at " << hz << " Hz";
+      }
+      EXPECT_EQ(entered.size(), z_mm > 0.0 ? 2 : 1);
+      EXPECT_EQ(ValueOf(NeedleMetricsOf(session, {labels}), "attempts"), 1.0) << hz;
+    }
+  }
 }
 
 TEST(Structures, ReportsWhatThePatientsMapDoesNotDistinguish) {
