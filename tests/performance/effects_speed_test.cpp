@@ -68,11 +68,11 @@ class Measured {
     testing_support::Outputs out;
     const Snapshot now = run.Now();
     run.RenderImages(now, out);  // Buffers are made now.
-    StageTimes times;
+    StageTimes times(scene_.plan);
     run.RenderImages(now, out, &times);
     for (const PlannedStage& stage : scene_.plan.stages()) {
-      if (!stage.in || stage.rate != "image" || times.Of(stage.id).runs == 0) continue;
-      Keep(std::string(stage.name), 1e3 * times.Of(stage.id).seconds);
+      if (!stage.in || stage.rate != "image" || times.Of(stage).runs == 0) continue;
+      Keep(std::string(stage.name), 1e3 * times.Of(stage).seconds);
     }
   }
   const Costs& costs() const { return costs_; }

@@ -100,10 +100,10 @@ void ExpectOnlyDeclaredData(const EffectPlan& plan, const Scene& scene) {
   EXPECT_EQ(scene.tissue.has_value(), plan.Needs(effects::ports::kTissueElasticity));
   EXPECT_EQ(scene.b_mode.has_value(), plan.Needs(effects::ports::kAcoustics));
   EXPECT_EQ(scene.forces.has_value(),
-            plan.Has(StageId::kNeedleForce) &&
-                plan.Reads(StageId::kNeedleForce, effects::ports::kForceTable));
-  EXPECT_EQ(scene.shape.has_value(), plan.Has(StageId::kNeedleShape));
-  EXPECT_EQ(scene.probe_force.has_value(), plan.Has(StageId::kProbeForce));
+            plan.Writes(effects::ports::kForce) &&
+                plan.Reads(effects::ports::kForce, effects::ports::kForceTable));
+  EXPECT_EQ(scene.shape.has_value(), plan.Writes(effects::ports::kShape));
+  EXPECT_EQ(scene.probe_force.has_value(), plan.Writes(effects::ports::kProbeForce));
 }
 
 void RunAll(const Scene& scene) {
@@ -119,7 +119,7 @@ TEST(EffectInputs, EveryEffectRunsWithNothingButWhatItsStagesDeclare) {
     Scenario s = EffectsInputsPatient().With(choice.effects);
     const EffectPlan plan = PlanEffects(s, {.needle_poses = true, .probe_poses = true});
     if (choice.effect == "breathing") {
-      EXPECT_FALSE(plan.Has(StageId::kBreathing));  // Nobody is there to be moved.
+      EXPECT_FALSE(plan.Writes(effects::ports::kBreath));  // Nobody is there to be moved.
     }
     HideUndeclared(plan, s);
     RunContext context;
@@ -160,7 +160,7 @@ bool IsSeenOnly(const EffectChoice& choice) {
 
 bool IsReadFor(const EffectPlan& plan, effects::PortRef input, const std::string& effect) {
   return std::ranges::any_of(plan.stages(), [&](const PlannedStage& stage) {
-    return plan.Reads(stage.id, input) &&
+    return stage.in && stage.Reads(input) &&
            std::ranges::find(stage.effects, effect) != stage.effects.end();
   });
 }

@@ -73,7 +73,7 @@ class EffectsRun {
     now.needle_force_in_ct_n = last_.force.force_in_ct_n;
     now.probe_valid = true;
     now.ct_from_probe = scene_.ct_from_reference * last_sample_.reference_from_probe;
-    if (scene_.plan.Has(simulation::StageId::kNeedlePose)) {
+    if (scene_.plan.Writes(effects::ports::kNeedle)) {
       now.ct_from_needle = scene_.ct_from_reference * last_sample_.reference_from_needle;
     }
     if (simulation_.ShapeOf(state_, shape_)) now.needle_shape = &shape_;
@@ -102,25 +102,24 @@ class EffectsRun {
 
  private:
   void Keep(const simulation::StepOutput& step, Outputs& out) const {
-    using simulation::StageId;
     const auto add = [](std::vector<double>& to, const auto& vector) {
       to.insert(to.end(), vector.data(), vector.data() + vector.size());
     };
-    if (scene_.plan.Has(StageId::kNeedleForce)) {
+    if (scene_.plan.Writes(effects::ports::kForce)) {
       add(out.needle_force, step.force.force_in_ct_n);
       add(out.needle_force, step.force.torque_in_ct_n_mm);
       out.needle_force.push_back(step.force.depth_mm);
       out.needle_force.push_back(static_cast<double>(step.tissue_at_tip));
     }
-    if (scene_.plan.Has(StageId::kNeedleShape)) {
+    if (scene_.plan.Writes(effects::ports::kShape)) {
       add(out.needle, step.shape.tip_in_ct_mm);
       out.needle.push_back(step.shape.tip_deflection_mm);
     }
-    if (scene_.plan.Has(StageId::kProbeForce)) {
+    if (scene_.plan.Writes(effects::ports::kProbeForce)) {
       add(out.probe_force, step.probe.force_in_ct_n);
       add(out.probe_force, step.probe.torque_in_ct_n_mm);
     }
-    if (scene_.plan.Has(StageId::kTissueContact)) {
+    if (scene_.plan.Writes(effects::ports::kContact)) {
       add(out.tissue, step.tissue.needle.force_in_ct_n);
       add(out.tissue, step.tissue.probe_in_ct_n);
     }

@@ -140,7 +140,7 @@ class ScenarioTrial {
     math::Polyline line;
     if (simulation.ShapeOf(state, line)) snapshot.needle_shape = &line;
     tissue::TissueLoad load;
-    if (scene_.plan.Has(simulation::StageId::kDeformation) && simulation.LoadOf(state, out, load)) {
+    if (scene_.plan.Writes(effects::ports::kRestMap) && simulation.LoadOf(state, out, load)) {
       snapshot.load = &load;
     }
     simulation::ProbeImageRenderer renderer(scene_);

@@ -19,7 +19,6 @@ namespace {
 
 using simulation::Scene;
 using simulation::Snapshot;
-using simulation::StageId;
 
 std::int64_t Nanoseconds(double seconds) {
   return std::llround(1e9 * seconds);
@@ -131,13 +130,13 @@ std::vector<StageShare> SharesOf(const simulation::EffectPlan& plan,
   const auto total = [&](std::string_view rate) {
     double seconds = 0.0;
     for (const auto& stage : plan.stages()) {
-      if (stage.rate == rate) seconds += times.Of(stage.id).seconds;
+      if (stage.rate == rate) seconds += times.Of(stage).seconds;
     }
     return seconds;
   };
   std::vector<StageShare> shares;
   for (const auto& stage : plan.stages()) {
-    const auto& cost = times.Of(stage.id);
+    const auto& cost = times.Of(stage);
     if (!stage.in || cost.runs == 0) continue;
     shares.push_back({std::string(stage.name), std::string(stage.rate),
                       cost.seconds / std::max(1e-12, total(stage.rate)),
@@ -156,7 +155,7 @@ Scene LoadTimed(const scenario::Scenario& scenario, const simulation::EffectPlan
   out.memory_mb = std::max(0.0, HeapMb() - heap_mb);
   // The compliance is mapped from its file: it does not lie on the heap.
   const auto compliance = scenario.patient.mesh.parent_path() / "compliance.acc";
-  if (plan.Has(StageId::kTissueContact) && std::filesystem::exists(compliance)) {
+  if (plan.Writes(effects::ports::kContact) && std::filesystem::exists(compliance)) {
     out.memory_mb += 1e-6 * static_cast<double>(std::filesystem::file_size(compliance));
   }
   return scene;
@@ -249,7 +248,7 @@ CaseRun RunCase(const SweptScene& swept, const RunSettings& settings, RunContext
   TakeForces(log, window, session.start_ns(), out.series);
   TakeStepTimes(log, step_cpu_s, window, out.measured);
   out.measured.unusable = WhyUnusable(scenario, scene, log);
-  simulation::StageTimes times;
+  simulation::StageTimes times(plan);
   RunImages(scene, moments, times, context, out);
   // Reading the clock at each stage would be in the time of the steps: they go a second time.
   if (!log.steps.empty()) replay::RunSteps(scene, session, {}, &times, context);

@@ -6,6 +6,7 @@
 
 #include "acus/run/live/live_snapshot.h"
 #include "acus/run/live/step_feed.h"
+#include "acus/run/step/step_inputs.h"
 #include "acus/scene/simulation/scene.h"
 #include "acus/scene/simulation/simulation.h"
 
@@ -39,10 +40,8 @@ class ImageFollower {
   simulation::Simulation simulation_;
   simulation::State state_;
   simulation::StepOutput output_;
+  step::StepInputs inputs_;
   bool has_probe_;
-  bool steps_needle_;
-  bool steps_probe_;
-  bool steps_;
   double rate_hz_;
   std::optional<StepInput> last_;
   std::int64_t first_ns_ = 0;

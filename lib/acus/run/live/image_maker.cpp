@@ -53,7 +53,7 @@ struct ImageMaker::Renderers {
 };
 
 ImageMaker::ImageMaker(const simulation::Scene& scene)
-    : renderers_(std::make_unique<Renderers>(scene)) {
+    : renderers_(std::make_unique<Renderers>(scene)), stage_times_(scene.plan) {
   for (const auto& effect : renderers_->effects) {
     const simulation::ListedEffect& of = effect.renderer.effect();
     last_effects_.push_back({of.key, of.title, {}});

@@ -12,7 +12,6 @@ namespace {
 using haptics::DeviceForce;
 using haptics::DeviceReading;
 using session::CommandKind;
-using simulation::StageId;
 
 constexpr std::int64_t kOldestForceNs = 20'000'000;
 constexpr double kHeldNPerMm = 5.0;  ///< As stiff as bone in the tables of forces.
@@ -42,14 +41,12 @@ LiveCore::LiveCore(const simulation::Scene& scene, const CoreSettings& settings,
       recorder_(recorder),
       simulation_(scene),
       state_(simulation_.NewState()),
+      stage_times_(scene.plan),
+      inputs_(scene, {.needle = settings.servo_is_needle || settings.other,
+                      .probe = !settings.servo_is_needle || settings.other}),
       servo_gate_(settings.gate),
       other_gate_(settings.gate) {
-  // As acus-replay decides, so that both step on the same samples.
-  steps_needle_ = scene.plan.Has(StageId::kNeedlePose);
-  const bool feels_probe = scene.plan.Has(StageId::kProbeForce);
-  steps_probe_ = feels_probe || scene.plan.Has(StageId::kTissueContact);
-  steps_ = steps_needle_ || feels_probe || scene.listed.has_steps();
-  shapes_ = scene.plan.Has(StageId::kNeedleShape);
+  shapes_ = scene.plan.Writes(effects::ports::kShape);
   if (scene.needle && (scene.labels || (scene.hu && scene.hu_tissues))) {
     stop_.emplace(scene.labels ? forces::TissueLookup(*scene.labels)
                                : forces::TissueLookup(*scene.hu, *scene.hu_tissues),
@@ -229,27 +226,18 @@ void LiveCore::ReadBelt() noexcept {
 }
 
 void LiveCore::Step() noexcept {
-  simulation::Sample sample;
-  sample.time_ns = record_.time_ns;
+  breathing::Breath breath;
   if (breath_) {
     if (settings_.belt) ReadBelt();
     record_.breath =
         breath_->Step(1e-9 * static_cast<double>(record_.time_ns - state_.session_start_ns));
     record_.breath.time_ns = record_.time_ns;
-    sample.breath = {.cycle = record_.breath.cycle,
-                     .level = record_.breath.level,
-                     .level_per_s = record_.breath.level_per_s};
+    breath = step::BreathOf(record_.breath);
   }
-  if (!steps_) return;
-  if (steps_needle_) {
-    sample.reference_from_needle = needle_.sample.reference_from_tool;
-    sample.needle_valid = needle_.sample.valid;
-  }
-  if (steps_probe_ && probe_.mount != nullptr) {
-    sample.reference_from_probe = probe_.sample.reference_from_tool;
-    sample.probe_valid = probe_.sample.valid;
-  }
-  record_.output = simulation_.Step(state_, sample, &stage_times_);
+  if (!inputs_.steps()) return;
+  record_.output = simulation_.Step(
+      state_, inputs_.SampleAt(record_.time_ns, needle_.sample, probe_.sample, breath),
+      &stage_times_);
   Add(statistics_.steps);
 }
 
@@ -266,7 +254,8 @@ void LiveCore::Feed() noexcept {
 DeviceForce LiveCore::ForceOn(const Tool& tool, const Eigen::Vector3d& force_in_ct_n,
                               const Eigen::Vector3d& torque_in_ct_n_mm) const noexcept {
   DeviceForce out;
-  if (!steps_ || forces_paused_ || tool.mount == nullptr || tool.verdict != PoseVerdict::kGood) {
+  if (!inputs_.steps() || forces_paused_ || tool.mount == nullptr ||
+      tool.verdict != PoseVerdict::kGood) {
     return out;
   }
   const Eigen::Matrix3d device_from_ct =
@@ -290,12 +279,10 @@ void LiveCore::Show(const DeviceForce& on_needle, const DeviceForce& on_probe) n
   out.moment = {};
   out.moment.time_ns = record_.time_ns;
   out.moment.session_s = 1e-9 * static_cast<double>(record_.time_ns - state_.session_start_ns);
-  out.moment.breath = {.cycle = record_.breath.cycle,
-                       .level = record_.breath.level,
-                       .level_per_s = record_.breath.level_per_s};
+  out.moment.breath = step::BreathOf(record_.breath);
   out.moment.probe_valid = probe_.sample.valid;
   out.moment.ct_from_probe = scene_.ct_from_reference * probe_.sample.reference_from_tool;
-  if (needle_.sample.valid && steps_needle_) {
+  if (needle_.sample.valid && inputs_.reads_needle()) {
     out.moment.ct_from_needle = scene_.ct_from_reference * needle_.sample.reference_from_tool;
   }
   out.moment.needle_force_in_ct_n = record_.output.force.force_in_ct_n;

@@ -19,6 +19,7 @@
 #include "acus/run/live/recorder.h"
 #include "acus/run/live/step_feed.h"
 #include "acus/run/live/triple_buffer.h"
+#include "acus/run/step/step_inputs.h"
 #include "acus/scene/simulation/simulation.h"
 
 namespace acus::live {
@@ -95,7 +96,7 @@ class LiveCore {
  private:
   /// A tool as read, in the reference frame.
   struct Tool {
-    session::PoseSample sample;
+    session::PoseSample sample{.valid = false};
     PoseVerdict verdict = PoseVerdict::kNotSeen;
     std::int64_t measured_ns = 0;
     const ToolMount* mount = nullptr;  ///< Null: there is no such tool.
@@ -122,9 +123,7 @@ class LiveCore {
   simulation::Simulation simulation_;
   simulation::State state_;
   simulation::StageTimes stage_times_;
-  bool steps_needle_ = false;
-  bool steps_probe_ = false;
-  bool steps_ = false;
+  step::StepInputs inputs_;
   bool shapes_ = false;
 
   std::optional<LiveBreath> breath_;

@@ -100,10 +100,10 @@ Recorder::Recorder(const fs::path& folder, const std::string& name,
   if (streams.breathing) open(kBreathing, session::kBreathingFile, session::kBreathHeader);
   if (streams.probe) open(kProbe, session::kProbeFile, session::kPoseHeader);
   if (streams.needle) open(kNeedle, session::kNeedleFile, session::kPoseHeader);
-  if (scene.plan.Has(simulation::StageId::kNeedleForce)) {
+  if (scene.plan.Writes(effects::ports::kForce)) {
     open(kForces, "forces.csv", replay::ForceHeader(scene));
   }
-  if (scene.plan.Has(simulation::StageId::kProbeForce)) {
+  if (scene.plan.Writes(effects::ports::kProbeForce)) {
     open(kProbeForces, "probe_forces.csv", replay::ProbeForceHeader());
   }
   for (const simulation::ListedEffect& other : scene.listed.all()) {

@@ -50,8 +50,8 @@ void ForceMeter::AddProbe(std::vector<Metric>& metrics) const {
 std::vector<Metric> ForceMeter::Metrics(const simulation::Scene& scene) const {
   std::vector<Metric> metrics;
   if (!first_ns_) return metrics;
-  if (scene.plan.Has(simulation::StageId::kNeedleForce)) AddNeedle(metrics);
-  if (scene.plan.Has(simulation::StageId::kProbeForce)) AddProbe(metrics);
+  if (scene.plan.Writes(effects::ports::kForce)) AddNeedle(metrics);
+  if (scene.plan.Writes(effects::ports::kProbeForce)) AddProbe(metrics);
   return metrics;
 }
 

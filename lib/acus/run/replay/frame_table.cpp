@@ -44,15 +44,14 @@ void AppendPlace(const std::optional<Eigen::Vector3d>& place, std::vector<double
 
 void AppendForces(const simulation::Scene& scene, const simulation::StepOutput* step,
                   std::vector<double>& row) {
-  using simulation::StageId;
-  const bool felt = step != nullptr && scene.plan.Has(StageId::kNeedleForce);
+  const bool felt = step != nullptr && scene.plan.Writes(effects::ports::kForce);
   row.push_back(felt ? step->tissue_at_tip : kMissing);
   const forces::NeedleForce force = felt ? step->force : forces::NeedleForce{};
   for (const double value : {force.depth_mm, force.AxialN(), force.puncture_n, force.cutting_n,
                              force.friction_n, force.bone_n, force.lateral_n}) {
     row.push_back(felt ? value : kMissing);
   }
-  const bool pressed = step != nullptr && scene.plan.Has(StageId::kProbeForce);
+  const bool pressed = step != nullptr && scene.plan.Writes(effects::ports::kProbeForce);
   row.push_back(pressed ? step->probe.force_in_ct_n.norm() : kMissing);
 }
 

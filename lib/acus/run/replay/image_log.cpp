@@ -22,14 +22,13 @@ using simulation::ProbeImages;
 using simulation::Scene;
 using simulation::Sleep;
 using simulation::Snapshot;
-using simulation::StageId;
 
 /// Images rendered before the writer takes over: enough that both threads stay busy.
 constexpr int kBatch = 16;
 constexpr double kNotCounted = -1.0;  ///< In place of an image's time.
 
 bool HasImages(const Scene& scene) {
-  return scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice) ||
+  return scene.plan.Writes(effects::ports::kBMode) || scene.plan.Writes(effects::ports::kCtImage) ||
          scene.listed.has_images();
 }
 
@@ -130,10 +129,10 @@ class ImageWriter {
                             (reference_from_ct * *snapshot.ct_from_needle).matrix(), true);
     }
     if (const auto* step = StepAt(steps_, snapshot.time_ns)) {
-      if (scene_.plan.Has(StageId::kNeedleForce)) {
+      if (scene_.plan.Writes(effects::ports::kForce)) {
         fields.emplace_back("NeedleAxialForceN", NumberText(step->force.AxialN()));
       }
-      if (scene_.plan.Has(StageId::kProbeForce)) {
+      if (scene_.plan.Writes(effects::ports::kProbeForce)) {
         fields.emplace_back("ProbeForceN", NumberText(step->probe.force_in_ct_n.norm()));
       }
     }
@@ -151,7 +150,7 @@ class ImageWriter {
     char text[80];
     std::snprintf(text, sizeof text, "%8.3f s", 1e-9 * static_cast<double>(snapshot.time_ns));
     std::string line = text;
-    if (step != nullptr && scene_.plan.Has(StageId::kNeedleForce)) {
+    if (step != nullptr && scene_.plan.Writes(effects::ports::kForce)) {
       std::snprintf(text, sizeof text, "  %6.1f mm  %5.2f N", step->force.depth_mm,
                     step->force.AxialN());
       line += text;
@@ -232,7 +231,7 @@ Snapshot SnapshotAt(const Scene& scene, const session::Session& session, std::in
   if (!session.probe.empty()) probe = session::PoseAt(session.probe, time_ns);
   snapshot.probe_valid = probe.valid;
   snapshot.ct_from_probe = scene.ct_from_reference * probe.reference_from_tool;
-  if (scene.plan.Has(StageId::kNeedlePose) && !session.needle.empty()) {
+  if (scene.plan.Writes(effects::ports::kNeedle) && !session.needle.empty()) {
     const session::PoseSample pose = session::PoseAt(session.needle, time_ns);
     if (pose.valid) snapshot.ct_from_needle = scene.ct_from_reference * pose.reference_from_tool;
   }
@@ -242,7 +241,7 @@ Snapshot SnapshotAt(const Scene& scene, const session::Session& session, std::in
 std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& session,
                                 simulation::StageTimes* times) {
   std::vector<Snapshot> snapshots;
-  const bool has_needle = scene.plan.Has(StageId::kNeedlePose);
+  const bool has_needle = scene.plan.Writes(effects::ports::kNeedle);
   const auto& stream = session.probe.empty() && has_needle ? session.needle : session.probe;
   if (!HasImages(scene) || stream.empty()) return snapshots;
   const std::int64_t first_ns = stream.front().time_ns;
@@ -253,7 +252,7 @@ std::vector<Snapshot> Snapshots(const Scene& scene, const session::Session& sess
         first_ns + std::llround(1e9 * static_cast<double>(i) / scene.image_rate_hz);
     if (time_ns > last_ns) break;
     snapshots.push_back(SnapshotAt(scene, session, time_ns));
-    watch.EndOf(StageId::kProbePose,
+    watch.EndOf(scene.plan.WriterOf(effects::ports::kProbe).number,
                 snapshots.back().probe_valid ? Sleep::kAwake : Sleep::kProbeUnseen);
   }
   return snapshots;
@@ -267,7 +266,8 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
   log.num_images = static_cast<int>(snapshots.size());
   if (snapshots.empty()) return log;
   std::vector<simulation::ProbeImageRenderer> renderers;
-  std::vector<simulation::StageTimes> slot_times(static_cast<std::size_t>(context.num_threads));
+  std::vector<simulation::StageTimes> slot_times(static_cast<std::size_t>(context.num_threads),
+                                                 simulation::StageTimes(scene.plan));
   for (int i = 0; i < context.num_threads; ++i) {
     // Their frames are not in order: persistence comes with the writer.
     renderers.emplace_back(scene, nullptr, simulation::ImageChoice::kAll,
@@ -275,7 +275,7 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
   }
 
   // An image that is the same as the one before is not made again, but copied.
-  const auto same = [&](StageId id, int i) {
+  const auto same = [&](effects::PortRef id, int i) {
     const auto at = static_cast<std::size_t>(i);
     return i > 0 && renderers[0].Sleeps(id, snapshots[at], snapshots[at - 1]);
   };
@@ -306,8 +306,8 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
     for (int i = 0; i < count; ++i) {
       const ProbeImages& before = i > 0 ? batch[static_cast<std::size_t>(i) - 1] : other.back();
       ProbeImages& now = batch[static_cast<std::size_t>(i)];
-      const bool same_b_mode = same(StageId::kUltrasound, begin + i);
-      const bool same_ct_slice = same(StageId::kCtSlice, begin + i);
+      const bool same_b_mode = same(effects::ports::kBMode, begin + i);
+      const bool same_ct_slice = same(effects::ports::kCtImage, begin + i);
       if (same_b_mode) now.b_mode = before.b_mode;
       if (same_ct_slice) now.ct_slice = before.ct_slice;
       if (same_b_mode || same_ct_slice || begin + i < context.num_threads) {

@@ -1,6 +1,8 @@
 #include "acus/run/replay/plan_diagram.h"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "acus/base/core/error.h"
@@ -13,7 +15,6 @@ namespace {
 
 using report::Px;
 using simulation::PlannedStage;
-using simulation::StageId;
 using simulation::StageTimes;
 
 constexpr double kColumnPx = 150.0;
@@ -32,36 +33,35 @@ struct Place {
   double row;
 };
 
-Place PlaceOf(StageId id) {
-  switch (id) {
-    case StageId::kBreathing:
-      return {1, 0};
-    case StageId::kNeedlePose:
-      return {1, 1.5};
-    case StageId::kProbePose:
-      return {1, 5};
-    case StageId::kTissueLookup:
-      return {2, 0.7};
-    case StageId::kTissueContact:
-      return {2, 2.3};
-    case StageId::kNeedleForce:
-      return {3, 1.5};
-    case StageId::kProbeForce:
-      return {3, 4};
-    case StageId::kNeedleShape:
-      return {4, 0.7};
-    case StageId::kDeformation:
-      return {4, 2.6};
-    case StageId::kCtSlice:
-      return {5, 3.3};
-    case StageId::kUltrasound:
-      return {5, 5};
-    case StageId::kEnd:
-      break;
+/// Stages that every scene has, by what they write.
+std::optional<Place> FixedPlaceOf(const PlannedStage& stage) {
+  namespace ports = effects::ports;
+  const std::pair<effects::PortRef, Place> fixed[] = {
+      {ports::kBreath, {1, 0}},     {ports::kNeedle, {1, 1.5}},  {ports::kProbe, {1, 5}},
+      {ports::kTissue, {2, 0.7}},   {ports::kContact, {2, 2.3}}, {ports::kForce, {3, 1.5}},
+      {ports::kProbeForce, {3, 4}}, {ports::kShape, {4, 0.7}},   {ports::kRestMap, {4, 2.6}},
+      {ports::kCtImage, {5, 3.3}},  {ports::kBMode, {5, 5}}};
+  for (const auto& [port, place] : fixed) {
+    if (stage.writes.front() == port) return place;
   }
-  // Those of other effects, below: at every sample first, at every image last.
-  const int other = static_cast<int>(id) - simulation::kNumStages;
-  return {other % 2 == 0 ? 1.0 : 6.0, 6.0 + other / 2};
+  return std::nullopt;
+}
+
+/// By the number of the stage. Stages of other effects stand below: an effect in a row, at every
+/// sample on the left, at every image on the right.
+std::vector<Place> PlacesOf(const std::vector<PlannedStage>& stages) {
+  std::vector<Place> places;
+  std::vector<std::string_view> rows;
+  for (const PlannedStage& stage : stages) {
+    if (const auto fixed = FixedPlaceOf(stage)) {
+      places.push_back(*fixed);
+      continue;
+    }
+    auto row = std::ranges::find(rows, stage.owner);
+    if (row == rows.end()) row = rows.insert(rows.end(), stage.owner);
+    places.push_back({stage.is_image() ? 6.0 : 1.0, 6.0 + static_cast<double>(row - rows.begin())});
+  }
+  return places;
 }
 
 double LeftOf(double column) {
@@ -101,11 +101,11 @@ void Spread(std::vector<Item>& items, double height_px) {
 class PlanDrawing {
  public:
   PlanDrawing(const simulation::EffectPlan& plan, const StageTimes& times)
-      : plan_(plan), times_(times) {
+      : plan_(plan), times_(times), places_(PlacesOf(plan.stages())) {
     double lowest_px = 0.0;
     for (const PlannedStage& stage : plan.stages()) {
-      total_s_ += times.Of(stage.id).seconds;
-      lowest_px = std::max(lowest_px, MiddleOf(PlaceOf(stage.id).row));
+      total_s_ += times.Of(stage).seconds;
+      lowest_px = std::max(lowest_px, MiddleOf(PlaceOf(stage).row));
     }
     CollectInputs();
     CollectOutputs();
@@ -139,6 +139,8 @@ class PlanDrawing {
   }
 
  private:
+  const Place& PlaceOf(const PlannedStage& stage) const { return places_[stage.number]; }
+
   static double WidthPx() { return LeftOf(kLastColumn) + kItemWidthPx + 12.0; }
 
   void CollectInputs() {
@@ -147,7 +149,7 @@ class PlanDrawing {
       int readers = 0;
       for (const PlannedStage& stage : plan_.stages()) {
         if (!stage.in || !Holds(stage.reads, input.port)) continue;
-        sum_px += MiddleOf(PlaceOf(stage.id).row);
+        sum_px += MiddleOf(PlaceOf(stage).row);
         ++readers;
       }
       inputs_.push_back({input.port, sum_px / std::max(readers, 1)});
@@ -158,7 +160,7 @@ class PlanDrawing {
   void CollectOutputs() {
     for (const PlannedStage& stage : plan_.stages()) {
       if (!stage.in || !stage.reason.starts_with("effect")) continue;
-      outputs_.push_back({stage.writes.front(), MiddleOf(PlaceOf(stage.id).row)});
+      outputs_.push_back({stage.writes.front(), MiddleOf(PlaceOf(stage).row)});
     }
   }
 
@@ -174,7 +176,7 @@ class PlanDrawing {
   }
 
   void DrawFlowInto(const PlannedStage& stage) {
-    const Place to = PlaceOf(stage.id);
+    const Place to = PlaceOf(stage);
     const double x1 = LeftOf(to.column);
     const double y1 = MiddleOf(to.row);
     for (const Item& item : inputs_) {
@@ -184,7 +186,7 @@ class PlanDrawing {
     }
     for (const PlannedStage& writer : plan_.stages()) {
       if (!writer.in || !Holds(stage.reads, writer.writes.front())) continue;
-      const Place from = PlaceOf(writer.id);
+      const Place from = PlaceOf(writer);
       if (from.column == to.column) {  // Below each other.
         const double x = LeftOf(to.column) + 0.5 * kBoxWidthPx;
         out_ += Message("<path d=\"M", Px(x), " ", Px(MiddleOf(from.row)), "V", Px(y1),
@@ -213,9 +215,9 @@ class PlanDrawing {
   }
 
   void DrawStage(const PlannedStage& stage) {
-    const double x = LeftOf(PlaceOf(stage.id).column);
-    const double y = MiddleOf(PlaceOf(stage.id).row) - 0.5 * kBoxHeightPx;
-    const StageTimes::Cost& cost = times_.Of(stage.id);
+    const double x = LeftOf(PlaceOf(stage).column);
+    const double y = MiddleOf(PlaceOf(stage).row) - 0.5 * kBoxHeightPx;
+    const StageTimes::Cost& cost = times_.Of(stage);
     out_ += Message("<g class=\"", stage.in ? "in" : "out", "\"><title>",
                     report::Escaped(Tooltip(stage)), "</title>\n");
     if (!stage.in) {
@@ -249,7 +251,7 @@ class PlanDrawing {
 
   std::string Tooltip(const PlannedStage& stage) const {
     std::string text = Message(stage.name, ": ", stage.in ? "in, " : "out, ", stage.reason);
-    const StageTimes::Cost& cost = times_.Of(stage.id);
+    const StageTimes::Cost& cost = times_.Of(stage);
     for (std::size_t r = 0; r < cost.asleep_for.size(); ++r) {
       if (cost.asleep_for[r] == 0) continue;
       text += Message("; asleep in ", cost.asleep_for[r], " of ", cost.runs,
@@ -272,6 +274,7 @@ class PlanDrawing {
 
   const simulation::EffectPlan& plan_;
   const StageTimes& times_;
+  std::vector<Place> places_;  ///< By the number of the stage.
   double total_s_ = 0.0;
   double height_px_ = 0.0;
   std::vector<Item> inputs_;

@@ -25,7 +25,7 @@ std::string Listed(const std::vector<effects::PortRef>& ports) {
 std::string StateOf(const PlannedStage& stage, const StageTimes* times) {
   if (!stage.in) return "out";
   if (times == nullptr) return "in";
-  const StageTimes::Cost& cost = times->Of(stage.id);
+  const StageTimes::Cost& cost = times->Of(stage);
   return cost.runs > 0 && cost.asleep == cost.runs ? "asleep" : "in";
 }
 
@@ -40,13 +40,13 @@ PlanTable TableOfPlan(const EffectPlan& plan, const StageTimes* times) {
   double total_s = 0.0;
   if (times != nullptr) {
     table.header.insert(table.header.end(), {"runs", "asleep %", "CPU ms", "us/run", "share %"});
-    for (const auto& stage : plan.stages()) total_s += times->Of(stage.id).seconds;
+    for (const auto& stage : plan.stages()) total_s += times->Of(stage).seconds;
   }
   for (const auto& stage : plan.stages()) {
     std::vector<std::string> row{std::string(stage.name), std::string(stage.rate),
                                  StateOf(stage, times), stage.reason};
     if (times != nullptr) {
-      const auto& cost = times->Of(stage.id);
+      const auto& cost = times->Of(stage);
       const double runs = static_cast<double>(std::max<std::int64_t>(cost.runs, 1));
       row.insert(
           row.end(),
@@ -75,7 +75,7 @@ std::vector<std::string> SleepLines(const EffectPlan& plan, const StageTimes& ti
   };
   std::vector<Line> lines;
   for (const auto& stage : plan.stages()) {
-    const auto& cost = times.Of(stage.id);
+    const auto& cost = times.Of(stage);
     for (std::size_t r = 0; r < cost.asleep_for.size(); ++r) {
       if (cost.asleep_for[r] == 0) continue;
       const double percent =

@@ -150,6 +150,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   WarnWithoutRegistration(scenario, run.session, context);
   const simulation::EffectPlan plan = simulation::PlanEffects(scenario, AvailableIn(run.session));
   const Scene scene = simulation::LoadScene(scenario, plan, context);
+  run.times = simulation::StageTimes(plan);
   const auto pain_sound = PainSoundOf(scenario, context);
 
   const double begin_s = ProcessCpuSeconds();

@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using simulation::Scene;
-using simulation::StageId;
 
 std::vector<std::string> WarningsOf(const Scene& scene, const Run& run) {
   std::vector<std::string> warnings = run.warnings;
@@ -31,7 +30,7 @@ std::vector<std::string> WarningsOf(const Scene& scene, const Run& run) {
   }
   const bool felt =
       std::ranges::any_of(run.steps.steps, [](const auto& step) { return step.probe.on_skin; });
-  if (scene.plan.Has(StageId::kProbeForce) && !felt) {
+  if (scene.plan.Writes(effects::ports::kProbeForce) && !felt) {
     warnings.emplace_back(
         "the probe never touched the skin: is the transform right? On a mannequin that does not "
         "yield it only lies on it; /effects/probe_force/press_mm takes it deeper");
@@ -85,13 +84,13 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
                     const transforms::Landmarks& targets, const Run& run,
                     const RunContext& context) {
   WriteTargets(folder, targets);
-  if (scene.plan.Has(StageId::kNeedleForce)) {
+  if (scene.plan.Writes(effects::ports::kForce)) {
     WriteForces(folder / "forces.csv", run.steps, scene);
     const std::vector<LoggedEvent> events = EventsOf(scene, run.steps);
     WriteEvents(folder / "events.csv", events);
     WriteEventMarkups(folder, events);
   }
-  if (scene.plan.Has(StageId::kProbeForce)) {
+  if (scene.plan.Writes(effects::ports::kProbeForce)) {
     WriteProbeForces(folder / "probe_forces.csv", run.steps, scene);
   }
   WriteListedEffects(folder, run.steps, scene);

@@ -253,7 +253,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   for (const WrittenPng& image : content.images) {
     html.Image(folder / image.file, image.caption, image.caption);
   }
-  const bool has_forces = scene.plan.Has(simulation::StageId::kNeedleForce) && !log.steps.empty();
+  const bool has_forces = scene.plan.Writes(effects::ports::kForce) && !log.steps.empty();
   if (has_forces) {
     html.Section("Forces");
     auto plots = ForcePlots(log);
@@ -270,7 +270,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
     }
     AddEvents(html, log, scene);
   }
-  if (scene.plan.Has(simulation::StageId::kProbeForce) && !log.steps.empty()) {
+  if (scene.plan.Writes(effects::ports::kProbeForce) && !log.steps.empty()) {
     html.Section("Probe");
     auto plots = ProbePlots(log);
     AddGoalLines(plots[0], content, "largest probe force");

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "acus/base/core/cpu_time.h"
+#include "acus/run/step/step_inputs.h"
 
 namespace acus::replay {
 namespace {
@@ -17,9 +18,9 @@ class ImageStates {
       : simulation_(simulation),
         log_(log),
         loads_(scene.tools_deform_images),
-        shapes_(scene.plan.Has(simulation::StageId::kNeedleShape)),
+        shapes_(scene.plan.Writes(effects::ports::kShape)),
         memories_(scene.listed.has_steps()),
-        forces_(scene.plan.Has(simulation::StageId::kNeedleForce)) {
+        forces_(scene.plan.Writes(effects::ports::kForce)) {
     if (loads_ || shapes_ || memories_ || forces_) images_ = images;
   }
 
@@ -95,24 +96,21 @@ void WriteRows(const std::filesystem::path& path, const std::string& header, con
 
 breathing::Breath BreathOf(const session::Session& session, std::int64_t time_ns) {
   if (session.breath.empty()) return {};
-  const session::BreathSample sample = session::BreathAt(session.breath, time_ns);
-  return {.cycle = sample.cycle, .level = sample.level, .level_per_s = sample.level_per_s};
+  return step::BreathOf(session::BreathAt(session.breath, time_ns));
 }
 
 StepLog RunSteps(const simulation::Scene& scene, const session::Session& session,
                  std::span<simulation::Snapshot> images, simulation::StageTimes* times,
                  const RunContext& context, std::vector<double>* step_cpu_s) {
   StepLog log;
-  const bool has_needle = scene.plan.Has(simulation::StageId::kNeedlePose);
-  const bool feels_probe = scene.plan.Has(simulation::StageId::kProbeForce);
-  if (!has_needle && !feels_probe && !scene.listed.has_steps()) return log;
+  const step::StepInputs inputs(
+      scene, {.needle = !session.needle.empty(), .probe = !session.probe.empty()});
+  if (!inputs.steps()) return log;
   const simulation::Simulation simulation(scene);
   log.final_state = simulation.NewState(session.start_ns());
   ImageStates states(scene, simulation, images, log);
-  const bool presses = scene.plan.Has(simulation::StageId::kTissueContact);
-  const bool has_probe = (feels_probe || presses) && !session.probe.empty();
-  // The needle's samples come at the rate of forces. Where nobody asks for it, the probe's count.
-  const bool by_needle = has_needle || session.probe.empty();
+  // The needle's samples come at the rate of forces. Where no stage reads it, the probe's count.
+  const bool by_needle = inputs.reads_needle() || session.probe.empty();
   const session::PoseStream& clock = by_needle ? session.needle : session.probe;
   const std::size_t count = clock.size();
   log.steps.reserve(count);
@@ -122,19 +120,11 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
     if (i % piece == 0) {
       context.Checkpoint("forces", static_cast<double>(i) / static_cast<double>(count));
     }
-    simulation::Sample sample;
-    sample.time_ns = clock[i].time_ns;
-    if (has_needle) {
-      sample.reference_from_needle = clock[i].reference_from_tool;
-      sample.needle_valid = clock[i].valid;
-    }
-    if (has_probe) {
-      const session::PoseSample pose =
-          has_needle ? session::PoseAt(session.probe, sample.time_ns) : clock[i];
-      sample.reference_from_probe = pose.reference_from_tool;
-      sample.probe_valid = pose.valid;
-    }
-    sample.breath = BreathOf(session, sample.time_ns);
+    const std::int64_t time_ns = clock[i].time_ns;
+    const bool between = inputs.reads_probe() && by_needle;  // The probe has samples of its own.
+    const simulation::Sample sample = inputs.SampleAt(
+        time_ns, clock[i], between ? session::PoseAt(session.probe, time_ns) : clock[i],
+        BreathOf(session, time_ns));
     states.GiveBefore(sample.time_ns);
     const double step_begin_s = step_cpu_s != nullptr ? ThreadCpuSeconds() : 0.0;
     log.steps.push_back(simulation.Step(log.final_state, sample, times));

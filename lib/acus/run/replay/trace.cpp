@@ -11,7 +11,6 @@
 namespace acus::replay {
 namespace {
 
-using simulation::StageId;
 using simulation::StepOutput;
 
 /// Also of what is not finite.
@@ -31,21 +30,23 @@ class Columns {
   explicit Columns(const simulation::Scene& scene) : scene_(scene) {}
 
   template <typename Get>
-  void Number(StageId stage, const char* name, const char* variable, Get get) {
-    Text(stage, name, variable, [get](const StepOutput& step) { return ExactText(get(step)); });
+  void Number(effects::PortRef written, const char* name, const char* variable, Get get) {
+    Text(written, name, variable, [get](const StepOutput& step) { return ExactText(get(step)); });
   }
 
   template <typename Get>
-  void Vector(StageId stage, const char* name, const char* variable, const char* unit, Get get) {
+  void Vector(effects::PortRef written, const char* name, const char* variable, const char* unit,
+              Get get) {
     for (int i = 0; i < 3; ++i) {
       const std::string full = std::string(variable) + "_" + "xyz"[i] + unit;
-      Number(stage, name, full.c_str(), [get, i](const StepOutput& step) { return get(step)[i]; });
+      Number(written, name, full.c_str(),
+             [get, i](const StepOutput& step) { return get(step)[i]; });
     }
   }
 
   template <typename Get>
-  void Text(StageId stage, const char* name, const char* variable, Get get) {
-    if (scene_.plan.Has(stage)) list.push_back({std::string(name) + "/" + variable, get});
+  void Text(effects::PortRef written, const char* name, const char* variable, Get get) {
+    if (scene_.plan.Writes(written)) list.push_back({std::string(name) + "/" + variable, get});
   }
 
   std::vector<TraceColumn> list;
@@ -54,19 +55,19 @@ class Columns {
   const simulation::Scene& scene_;
 };
 
-void AddPose(Columns& columns, StageId stage, const char* name,
+void AddPose(Columns& columns, effects::PortRef written, const char* name,
              const std::function<const Eigen::Isometry3d&(const StepOutput&)>& pose) {
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column) {
       const std::string entry = "ct_from_needle_" + std::to_string(row) + std::to_string(column);
-      columns.Number(stage, name, entry.c_str(), [pose, row, column](const StepOutput& step) {
+      columns.Number(written, name, entry.c_str(), [pose, row, column](const StepOutput& step) {
         return pose(step).matrix()(row, column);
       });
     }
   }
 }
 
-void AddForce(Columns& columns, StageId stage, const char* name,
+void AddForce(Columns& columns, effects::PortRef written, const char* name,
               const std::function<const forces::NeedleForce&(const StepOutput&)>& force) {
   const std::array<std::pair<const char*, double forces::NeedleForce::*>, 7> parts = {
       {{"depth_mm", &forces::NeedleForce::depth_mm},
@@ -77,14 +78,14 @@ void AddForce(Columns& columns, StageId stage, const char* name,
        {"bone_penetration_mm", &forces::NeedleForce::bone_penetration_mm},
        {"lateral_n", &forces::NeedleForce::lateral_n}}};
   for (const auto& [variable, part] : parts) {
-    columns.Number(stage, name, variable,
+    columns.Number(written, name, variable,
                    [force, part = part](const StepOutput& step) { return force(step).*part; });
   }
-  columns.Vector(stage, name, "force", "_n",
+  columns.Vector(written, name, "force", "_n",
                  [force](const StepOutput& step) { return force(step).force_in_ct_n; });
-  columns.Vector(stage, name, "torque", "_n_mm",
+  columns.Vector(written, name, "torque", "_n_mm",
                  [force](const StepOutput& step) { return force(step).torque_in_ct_n_mm; });
-  columns.Text(stage, name, "event", [force](const StepOutput& step) {
+  columns.Text(written, name, "event", [force](const StepOutput& step) {
     return std::string(forces::NameOf(force(step).event));
   });
 }
@@ -92,28 +93,28 @@ void AddForce(Columns& columns, StageId stage, const char* name,
 std::vector<TraceColumn> ColumnsOf(const simulation::Scene& scene) {
   Columns columns(scene);
   AddPose(
-      columns, StageId::kNeedlePose, "needle pose",
+      columns, effects::ports::kNeedle, "needle pose",
       [](const StepOutput& s) -> const auto& { return s.ct_from_needle; });
   AddPose(
-      columns, StageId::kBreathing, "breathing",
+      columns, effects::ports::kBreath, "breathing",
       [](const StepOutput& s) -> const auto& { return s.needle_at_rest.ct_from_tool; });
-  columns.Text(StageId::kTissueLookup, "tissue lookup", "tissue",
+  columns.Text(effects::ports::kTissue, "tissue lookup", "tissue",
                [](const StepOutput& s) { return std::to_string(int{s.tissue_at_tip}); });
   AddForce(
-      columns, StageId::kTissueContact, "tissue contact",
+      columns, effects::ports::kContact, "tissue contact",
       [](const StepOutput& s) -> const auto& { return s.tissue.needle; });
-  columns.Vector(StageId::kTissueContact, "tissue contact", "probe", "_n",
+  columns.Vector(effects::ports::kContact, "tissue contact", "probe", "_n",
                  [](const StepOutput& s) { return s.tissue.probe_in_ct_n; });
   AddForce(
-      columns, StageId::kNeedleForce, "needle force",
+      columns, effects::ports::kForce, "needle force",
       [](const StepOutput& s) -> const auto& { return s.force; });
-  columns.Vector(StageId::kNeedleShape, "needle shape", "tip", "_mm",
+  columns.Vector(effects::ports::kShape, "needle shape", "tip", "_mm",
                  [](const StepOutput& s) { return s.shape.tip_in_ct_mm; });
-  columns.Number(StageId::kNeedleShape, "needle shape", "deflection_mm",
+  columns.Number(effects::ports::kShape, "needle shape", "deflection_mm",
                  [](const StepOutput& s) { return s.shape.tip_deflection_mm; });
-  columns.Vector(StageId::kProbeForce, "probe force", "force", "_n",
+  columns.Vector(effects::ports::kProbeForce, "probe force", "force", "_n",
                  [](const StepOutput& s) { return s.probe.force_in_ct_n; });
-  columns.Number(StageId::kProbeForce, "probe force", "skin_mm",
+  columns.Number(effects::ports::kProbeForce, "probe force", "skin_mm",
                  [](const StepOutput& s) { return s.probe.skin_mm; });
   for (const simulation::ListedEffect& effect : scene.listed.all()) {
     for (std::size_t n = 0; n < effect.columns.size(); ++n) {

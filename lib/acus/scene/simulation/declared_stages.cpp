@@ -1,6 +1,7 @@
 #include "acus/scene/simulation/declared_stages.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <span>
 
@@ -30,75 +31,90 @@ bool IsThere(const Scenario& s, PortRef port) {
   });
 }
 
-PlannedStage Planned(const Scenario& s, StageId id, std::string_view rate,
+PlannedStage Planned(const Scenario& s, std::string_view owner, std::string_view rate,
                      const effects::StageDeclaration& stage) {
-  PlannedStage planned{id, stage.name, rate, stage.reads, stage.writes, false, "", {}};
+  PlannedStage planned{stage.name, rate, stage.reads, stage.writes, owner};
   std::ranges::copy_if(stage.optional_reads, std::back_inserter(planned.reads),
                        [&s](PortRef port) { return IsThere(s, port); });
   return planned;
+}
+
+/// Stages of coupled effects: those at every sample, then those at every image, each in the order
+/// of the effects.
+std::vector<PlannedStage> CoupledStages(const Scenario& s, bool breath_from_session) {
+  std::vector<PlannedStage> stages;
+  for (const CoupledEffect* effect : CoupledEffects()) {
+    for (PlannedStage& stage : effect->Stages(s, breath_from_session)) {
+      stage.owner = effect->key();
+      stages.push_back(std::move(stage));
+    }
+  }
+  std::ranges::stable_partition(stages, std::not_fn(&PlannedStage::is_image));
+  return stages;
 }
 
 /// Of the list of effects: at every sample those that read nothing of a tool's stages come right
 /// after breathing, so that tools see what they write; others after the tools. At every image they
 /// are last.
 void AddListed(const Scenario& s, std::vector<PlannedStage>& stages) {
-  ACUS_REQUIRE(s.listed.size() <= kMaxListed, s.file.string(), ": calls for ", s.listed.size(),
-               " effects of the list; at most ", kMaxListed, " are allowed");
-  const auto is_image = [](const PlannedStage& stage) { return stage.rate == "image"; };
-  for (std::size_t n = 0; n < s.listed.size(); ++n) {
-    if (const auto step = s.listed[n].step()) {
-      const auto end_of_steps = std::ranges::find_if(stages, is_image);
-      const auto first_of_tools =
-          std::ranges::find(stages, StageId::kNeedlePose, &PlannedStage::id);
+  for (const effects::CalledEffect& called : s.listed) {
+    if (const auto step = called.step()) {
+      const auto end_of_steps = std::ranges::find_if(stages, &PlannedStage::is_image);
+      const auto first_of_tools = std::ranges::find_if(
+          stages, [](const PlannedStage& stage) { return stage.Writes(ports::kNeedle); });
       const bool after = ReadsWhatIsWritten(*step, {first_of_tools, end_of_steps});
       stages.insert(after ? end_of_steps : first_of_tools,
-                    Planned(s, StepStageOf(n), "step", *step));
+                    Planned(s, called.effect->key(), "step", *step));
     }
-    if (const auto image = s.listed[n].image()) {
-      stages.push_back(Planned(s, ImageStageOf(n), "image", *image));
+    if (const auto image = called.image()) {
+      stages.push_back(Planned(s, called.effect->key(), "image", *image));
     }
   }
+}
+
+template <typename Predicate>
+std::size_t FirstWhere(const std::vector<PlannedStage>& stages, Predicate is_wanted) {
+  const auto found = std::ranges::find_if(stages, is_wanted);
+  ACUS_ASSERT(found != stages.end());
+  return found->number;
+}
+
+/// Of the first stage that writes a port.
+std::size_t NumberOf(const std::vector<PlannedStage>& stages, PortRef port) {
+  return FirstWhere(stages, [port](const PlannedStage& stage) { return stage.Writes(port); });
+}
+
+/// Of an effect's stage of a rate.
+std::size_t NumberOf(const std::vector<PlannedStage>& stages, std::string_view owner,
+                     bool is_image) {
+  return FirstWhere(stages, [owner, is_image](const PlannedStage& stage) {
+    return stage.owner == owner && stage.is_image() == is_image;
+  });
 }
 
 }  // namespace
 
-std::vector<PlannedStage> DeclaredStages(const Scenario& s, bool breath_from_session) {
-  std::vector<PlannedStage> stages;
-  for (const CoupledEffect* effect : CoupledEffects()) {
-    std::ranges::move(effect->Stages(s, breath_from_session), std::back_inserter(stages));
-  }
-  std::ranges::sort(stages, {}, &PlannedStage::id);
+DeclaredStages::DeclaredStages(const Scenario& s, bool breath_from_session)
+    : stages(CoupledStages(s, breath_from_session)) {
   AddListed(s, stages);
-  return stages;
-}
-
-std::vector<Goal> GoalsOf(const Scenario& s) {
-  std::vector<Goal> goals;
+  for (std::size_t n = 0; n < stages.size(); ++n) stages[n].number = n;
   for (const CoupledEffect* effect : CoupledEffects()) {
-    std::ranges::copy(effect->Goals(s), std::back_inserter(goals));
+    for (const PortRef port : effect->Goals(s)) {
+      goals.push_back({NumberOf(stages, port), effect->key()});
+    }
+    for (const PortRef port : effect->Helpers(s)) {
+      helpers.push_back({NumberOf(stages, port), effect->key()});
+    }
   }
-  for (std::size_t n = 0; n < s.listed.size(); ++n) {
-    const std::string_view key = s.listed[n].effect->key();
-    const auto step = s.listed[n].step();
-    if (step && step->is_goal) goals.push_back({StepStageOf(n), key});
-    const auto image = s.listed[n].image();
-    if (image && image->is_goal) goals.push_back({ImageStageOf(n), key});
+  for (const effects::CalledEffect& called : s.listed) {
+    const std::string_view key = called.effect->key();
+    if (const auto step = called.step()) {
+      (step->is_goal ? goals : helpers).push_back({NumberOf(stages, key, false), key});
+    }
+    const auto image = called.image();
+    if (image && image->is_goal) goals.push_back({NumberOf(stages, key, true), key});
+    if (called.MovesTissue()) helpers.push_back({NumberOf(stages, ports::kRestMap), key});
   }
-  return goals;
-}
-
-std::vector<Goal> HelpersOf(const Scenario& s) {
-  std::vector<Goal> helpers;
-  for (const CoupledEffect* effect : CoupledEffects()) {
-    std::ranges::copy(effect->Helpers(s), std::back_inserter(helpers));
-  }
-  for (std::size_t n = 0; n < s.listed.size(); ++n) {
-    const std::string_view key = s.listed[n].effect->key();
-    const auto step = s.listed[n].step();
-    if (step && !step->is_goal) helpers.push_back({StepStageOf(n), key});
-    if (s.listed[n].MovesTissue()) helpers.push_back({StageId::kDeformation, key});
-  }
-  return helpers;
 }
 
 namespace {

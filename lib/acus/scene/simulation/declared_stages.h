@@ -5,19 +5,21 @@
 
 namespace acus::simulation {
 
-/// All stages that there are, in the order in which they run, none of them in.
-std::vector<PlannedStage> DeclaredStages(const scenario::Scenario& scenario,
-                                         bool breath_from_session);
-
-/// A stage that is there for the sake of an effect, not because another stage needs it.
+/// A stage that is there for the sake of an effect.
 struct Goal {
-  StageId stage;
+  std::size_t stage;        ///< Its number.
   std::string_view effect;  ///< Its key in the scenario.
 };
-std::vector<Goal> GoalsOf(const scenario::Scenario& scenario);
 
-/// Stages that effects work through, where another effect's stage reads what they write.
-std::vector<Goal> HelpersOf(const scenario::Scenario& scenario);
+/// All stages that there are, none of them in, and which of them the scenario's effects are for.
+struct DeclaredStages {
+  DeclaredStages(const scenario::Scenario& scenario, bool breath_from_session);
+
+  std::vector<PlannedStage> stages;  ///< In the order in which they run.
+  std::vector<Goal> goals;           ///< In the plan even if no other stage reads what they write.
+  /// Stages that effects work through, where another effect's stage reads what they write.
+  std::vector<Goal> helpers;
+};
 
 /// An input from outside that stages may read.
 struct DeclaredInput {

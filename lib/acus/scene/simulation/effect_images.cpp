@@ -49,8 +49,8 @@ EffectImageRenderer::EffectImageRenderer(const Scene& scene, const ListedEffect&
 
 bool EffectImageRenderer::ImagesHaveChanged(const Snapshot& snapshot, const Snapshot* shown) const {
   if (shown == nullptr) return true;
-  return (Reads(ports::kBMode) && !of_probe_->Sleeps(StageId::kUltrasound, snapshot, *shown)) ||
-         (Reads(ports::kCtImage) && !of_probe_->Sleeps(StageId::kCtSlice, snapshot, *shown));
+  return (Reads(ports::kBMode) && !of_probe_->Sleeps(ports::kBMode, snapshot, *shown)) ||
+         (Reads(ports::kCtImage) && !of_probe_->Sleeps(ports::kCtImage, snapshot, *shown));
 }
 
 void EffectImageRenderer::Render(const Snapshot& snapshot, const ProbeImages* images,
@@ -80,7 +80,8 @@ void EffectImageRenderer::Render(const Snapshot& snapshot, const ProbeImages* im
     const slicing::RestMap* rest = needed ? rest_->At(snapshot) : nullptr;
     values.Set(ports::kRestMap, rest);
     const Sleep idle = needed ? Sleep::kUndeformed : Sleep::kNothingMoved;
-    watch.EndOf(StageId::kDeformation, rest != nullptr ? Sleep::kAwake : idle);
+    watch.EndOf(scene_.plan.WriterOf(ports::kRestMap).number,
+                rest != nullptr ? Sleep::kAwake : idle);
   }
   std::optional<image::NeedleInImage> needle;
   if (Reads(ports::kNeedlePreset)) needle = ImagedNeedle(scene_, snapshot);
@@ -94,7 +95,7 @@ void EffectImageRenderer::Render(const Snapshot& snapshot, const ProbeImages* im
   values.Set(ports::kProbe, &snapshot.ct_from_probe);
   const bool has_state = effect_.step != nullptr && snapshot.memory != nullptr;
   moment.state = has_state ? effect_.StateIn(*snapshot.memory) : nullptr;
-  watch.EndOf(effect_.image_id, SleepAfter(stage_->Render(moment, values, out)));
+  watch.EndOf(effect_.image_stage, SleepAfter(stage_->Render(moment, values, out)));
 }
 
 }  // namespace acus::simulation

@@ -41,7 +41,9 @@ class EffectImageRenderer {
               StageTimes* times = nullptr, const Snapshot* shown = nullptr);
 
  private:
-  bool Reads(effects::PortRef port) const { return scene_.plan.Reads(effect_.image_id, port); }
+  bool Reads(effects::PortRef port) const {
+    return scene_.plan.stages()[effect_.image_stage].Reads(port);
+  }
   bool ImagesHaveChanged(const Snapshot& snapshot, const Snapshot* shown) const;
 
   const Scene& scene_;

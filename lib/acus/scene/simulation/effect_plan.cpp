@@ -11,14 +11,6 @@ namespace {
 using scenario::Scenario;
 using Stages = std::vector<PlannedStage>;
 
-PlannedStage& StageOf(Stages& stages, StageId id) {
-  return *std::ranges::find(stages, id, &PlannedStage::id);
-}
-
-bool Reads(const PlannedStage& stage, effects::PortRef data) {
-  return std::ranges::find(stage.reads, data) != stage.reads.end();
-}
-
 void WorkFor(PlannedStage& stage, std::string_view effect) {
   if (std::ranges::find(stage.effects, effect) == stage.effects.end()) {
     stage.effects.push_back(effect);
@@ -26,9 +18,9 @@ void WorkFor(PlannedStage& stage, std::string_view effect) {
 }
 
 /// Backwards: a stage is in if one behind it reads what it writes.
-void PickStages(const Scenario& scenario, Stages& stages) {
-  for (const Goal& goal : GoalsOf(scenario)) {
-    PlannedStage& stage = StageOf(stages, goal.stage);
+void PickStages(const DeclaredStages& declared, Stages& stages) {
+  for (const Goal& goal : declared.goals) {
+    PlannedStage& stage = stages[goal.stage];
     stage.in = true;
     stage.reason = Message("effect ", goal.effect, " is called for");
     WorkFor(stage, goal.effect);
@@ -46,8 +38,8 @@ void PickStages(const Scenario& scenario, Stages& stages) {
   for (PlannedStage& stage : stages) {
     if (!stage.in) stage.reason = "no effect of the scenario needs it";
   }
-  for (const Goal& helper : HelpersOf(scenario)) {
-    PlannedStage& stage = StageOf(stages, helper.stage);
+  for (const Goal& helper : declared.helpers) {
+    PlannedStage& stage = stages[helper.stage];
     if (stage.in) {
       WorkFor(stage, helper.effect);
     } else {
@@ -74,37 +66,48 @@ void RequireNothing(const std::string& lacks, const Scenario& scenario) {
 
 }  // namespace
 
-bool EffectPlan::Has(StageId id) const {
-  return std::ranges::any_of(stages_, [id](const auto& s) { return s.id == id && s.in; });
+const PlannedStage& EffectPlan::WriterOf(effects::PortRef port) const {
+  const auto writer = std::ranges::find_if(
+      stages_, [port](const PlannedStage& stage) { return stage.Writes(port); });
+  ACUS_ASSERT(writer != stages_.end());
+  return *writer;
 }
 
-const PlannedStage& EffectPlan::Of(StageId id) const {
-  const auto found = std::ranges::find(stages_, id, &PlannedStage::id);
-  ACUS_ASSERT(found != stages_.end());
-  return *found;
+bool EffectPlan::Writes(effects::PortRef port) const {
+  return std::ranges::any_of(
+      stages_, [port](const PlannedStage& stage) { return stage.in && stage.Writes(port); });
 }
 
-bool EffectPlan::Reads(StageId id, effects::PortRef data) const {
-  return Has(id) && simulation::Reads(Of(id), data);
+bool EffectPlan::Reads(effects::PortRef written, effects::PortRef data) const {
+  return std::ranges::any_of(stages_, [written, data](const PlannedStage& stage) {
+    return stage.in && stage.Writes(written) && stage.Reads(data);
+  });
+}
+
+bool EffectPlan::StepReads(effects::PortRef data) const {
+  return std::ranges::any_of(stages_, [data](const PlannedStage& stage) {
+    return stage.in && !stage.is_image() && stage.Reads(data);
+  });
 }
 
 bool EffectPlan::Needs(effects::PortRef data) const {
-  return std::ranges::any_of(
-      stages_, [data](const auto& stage) { return stage.in && simulation::Reads(stage, data); });
+  return std::ranges::any_of(stages_,
+                             [data](const auto& stage) { return stage.in && stage.Reads(data); });
 }
 
 EffectPlan PlanEffects(const Scenario& scenario, const AvailableInputs& available) {
   EffectPlan plan;
   plan.breath_from_session_ = scenario.breathing && available.breath &&
                               scenario.breathing->from_session != scenario::SessionBreath::kNever;
-  plan.stages_ = DeclaredStages(scenario, plan.breath_from_session_);
-  PickStages(scenario, plan.stages_);
+  const DeclaredStages declared(scenario, plan.breath_from_session_);
+  plan.stages_ = declared.stages;
+  PickStages(declared, plan.stages_);
   const auto inputs = DeclaredInputs(scenario, available);
   std::string lacks;
   for (const PlannedStage& stage : plan.stages_) {
     if (!stage.in) continue;
     for (const auto& [input, missing] : inputs) {
-      if (!missing.empty() && Reads(stage, input.port)) {
+      if (!missing.empty() && stage.Reads(input.port)) {
         lacks += Lack(stage, input.port.name(), missing);
       }
     }
@@ -121,7 +124,7 @@ void RequireFiles(const EffectPlan& plan, const Scenario& scenario) {
   for (const PlannedInput& input : plan.inputs()) {
     if (input.file.empty() || std::filesystem::exists(input.file)) continue;
     for (const PlannedStage& stage : plan.stages()) {
-      if (!stage.in || !Reads(stage, input.port)) continue;
+      if (!stage.in || !stage.Reads(input.port)) continue;
       lacks += Lack(stage, input.port.name(),
                     Message(input.where, ": ", input.file.string(),
                             ": no such file or folder; paths are relative to the scenario file"));

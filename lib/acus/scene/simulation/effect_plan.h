@@ -1,6 +1,7 @@
 // The effect plan: just the stages that the scene's effects need, in order, and why.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -11,46 +12,26 @@
 
 namespace acus::simulation {
 
-/// A piece of work. kStep stages run at every sample, kImage stages at every image.
-enum class StageId {
-  kBreathing,
-  kNeedlePose,
-  kTissueLookup,
-  kTissueContact,
-  kNeedleForce,
-  kNeedleShape,
-  kProbeForce,
-  kProbePose,
-  kDeformation,
-  kCtSlice,
-  kUltrasound,
-  kEnd,  ///< No stage: it comes after the last one.
-};
-inline constexpr int kNumStages = static_cast<int>(StageId::kEnd);
-
-/// Stages of Scenario::listed come after those: two numbers for each effect, by its place in the
-/// list.
-inline constexpr int kMaxListed = 8;
-inline constexpr int kMaxStages = kNumStages + 2 * kMaxListed;
-constexpr StageId StepStageOf(std::size_t other) {
-  return static_cast<StageId>(kNumStages + 2 * static_cast<int>(other));
-}
-constexpr StageId ImageStageOf(std::size_t other) {
-  return static_cast<StageId>(kNumStages + 2 * static_cast<int>(other) + 1);
-}
-
-/// A stage in the plan, or one that is left out.
+/// A stage in the plan, or one that is left out. It runs at every sample or at every image.
 struct PlannedStage {
-  StageId id;
   std::string_view name;
   std::string_view rate;  ///< "step" or "image".
   /// Data that must be there before: inputs or what other stages write. It touches nothing else.
   std::vector<effects::PortRef> reads;
   std::vector<effects::PortRef> writes;
+  std::string_view owner = {};  ///< Key of the effect whose stage it is; empty: shared by all.
   bool in = false;
-  std::string reason;  ///< Why it is in or out.
+  std::string reason = {};  ///< Why it is in or out.
   /// Keys of the scenario's effects that it works for, directly or through other stages.
   std::vector<std::string_view> effects = {};
+
+  std::size_t number = 0;  ///< Its place in EffectPlan::stages().
+
+  bool is_image() const { return rate == "image"; }
+  bool Reads(effects::PortRef port) const { return std::ranges::find(reads, port) != reads.end(); }
+  bool Writes(effects::PortRef port) const {
+    return std::ranges::find(writes, port) != writes.end();
+  }
 };
 
 /// Something from outside that stages in the plan read.
@@ -70,11 +51,18 @@ struct AvailableInputs {
 class EffectPlan {
  public:
   const std::vector<PlannedStage>& stages() const { return stages_; }
-  bool Has(StageId id) const;
-  const PlannedStage& Of(StageId id) const;
 
-  /// True if that stage is in the plan and reads `data`.
-  bool Reads(StageId id, effects::PortRef data) const;
+  /// The first stage that writes `port`, in the plan or not. @pre there is one.
+  const PlannedStage& WriterOf(effects::PortRef port) const;
+
+  /// True if a stage in the plan writes `port`.
+  bool Writes(effects::PortRef port) const;
+
+  /// True if a stage in the plan writes `written` and reads `data` for that.
+  bool Reads(effects::PortRef written, effects::PortRef data) const;
+
+  /// True if a stage at every sample is in the plan and reads `data`.
+  bool StepReads(effects::PortRef data) const;
 
   /// What the stages in the plan read from outside; all of it is there. Nothing else is loaded.
   const std::vector<PlannedInput>& inputs() const { return inputs_; }

@@ -16,7 +16,8 @@ constexpr double kShaftStepMm = 1.0;
 
 const volume::LabelMap& CheckedLabels(const Scene& scene,
                                       const std::shared_ptr<const volume::LabelMap>& labels) {
-  const bool images = scene.plan.Has(StageId::kUltrasound) || scene.plan.Has(StageId::kCtSlice);
+  const bool images =
+      scene.plan.Writes(effects::ports::kBMode) || scene.plan.Writes(effects::ports::kCtImage);
   ACUS_REQUIRE(images && scene.probe.has_value(),
                "labels of images: no effect of this scenario makes an image of the probe; call for "
                "ultrasound or ct_slice");

@@ -21,33 +21,35 @@ bool Holds(std::span<const PortRef> list, PortRef port) {
   return std::ranges::find(list, port) != list.end();
 }
 
-bool IsListed(const PlannedStage& stage) {
-  return static_cast<int>(stage.id) >= kNumStages;
-}
-
-/// True if a stage of an effect that runs at every sample before `stage` writes it.
-bool IsWrittenBefore(const EffectPlan& plan, const PlannedStage& stage, PortRef port) {
-  for (const PlannedStage& writer : plan.stages()) {
-    if (writer.id == stage.id) return false;
-    if (writer.in && writer.rate == "step" && IsListed(writer) && Holds(writer.writes, port)) {
-      return true;
-    }
+/// An effect's stage of that rate; null if the plan has none.
+const PlannedStage* StageOf(const EffectPlan& plan, std::string_view key, bool is_image) {
+  for (const PlannedStage& stage : plan.stages()) {
+    if (stage.in && stage.owner == key && stage.is_image() == is_image) return &stage;
   }
-  return false;
+  return nullptr;
 }
 
-void RequirePorts(const EffectPlan& plan, const effects::CalledEffect& called, StageId id) {
-  const PlannedStage& stage = plan.Of(id);
-  const bool is_image = stage.rate == "image";
+/// True if a stage of an effect of the list that runs at every sample before `stage` writes it.
+bool IsWrittenBefore(const EffectPlan& plan, const scenario::Scenario& scenario,
+                     const PlannedStage& stage, PortRef port) {
+  return std::ranges::any_of(scenario.listed, [&](const effects::CalledEffect& called) {
+    const PlannedStage* writer = StageOf(plan, called.effect->key(), false);
+    return writer != nullptr && writer->number < stage.number && writer->Writes(port);
+  });
+}
+
+void RequirePorts(const EffectPlan& plan, const scenario::Scenario& scenario,
+                  const effects::CalledEffect& called, const PlannedStage& stage) {
   for (const PortRef port : stage.reads) {
     const bool is_file = std::ranges::any_of(
         called.effect->Paths(), [port](const auto& path) { return path.port == port; });
-    const bool is_given = is_image ? Holds(kOfImages, port)
-                                   : Holds(kOfTools, port) || IsWrittenBefore(plan, stage, port);
+    const bool is_given =
+        stage.is_image() ? Holds(kOfImages, port)
+                         : Holds(kOfTools, port) || IsWrittenBefore(plan, scenario, stage, port);
     ACUS_REQUIRE(is_file || is_given || Holds(kOfPatient, port), "effects/", called.effect->key(),
                  ": stage '", stage.name, "' reads '", port.name(),
-                 is_image ? "', which images are not given"
-                          : "', which no stage before it writes at every sample");
+                 stage.is_image() ? "', which images are not given"
+                                  : "', which no stage before it writes at every sample");
   }
 }
 
@@ -58,22 +60,21 @@ ListedEffects::ListedEffects(const scenario::Scenario& scenario, const EffectPla
     : data_(data) {
   std::size_t bytes = 0;
   std::size_t columns = 0;
-  for (std::size_t n = 0; n < scenario.listed.size(); ++n) {
-    const effects::CalledEffect& called = scenario.listed[n];
-    const bool steps = plan.Has(simulation::StepStageOf(n));
-    const bool has_image = plan.Has(simulation::ImageStageOf(n));
-    if (!steps && !has_image) continue;
-    if (steps) RequirePorts(plan, called, simulation::StepStageOf(n));
-    if (has_image) RequirePorts(plan, called, simulation::ImageStageOf(n));
+  for (const effects::CalledEffect& called : scenario.listed) {
+    const PlannedStage* step = StageOf(plan, called.effect->key(), false);
+    const PlannedStage* image = StageOf(plan, called.effect->key(), true);
+    if (step == nullptr && image == nullptr) continue;
+    if (step != nullptr) RequirePorts(plan, scenario, called, *step);
+    if (image != nullptr) RequirePorts(plan, scenario, called, *image);
     ListedEffect effect;
     effect.key = called.effect->key();
     effect.title = called.effect->title();
-    effect.step_id = simulation::StepStageOf(n);
-    effect.image_id = simulation::ImageStageOf(n);
+    if (image != nullptr) effect.image_stage = image->number;
     effect.loaded = called.effect->Load(called.settings, data, context);
-    effect.has_image = has_image;
+    effect.has_image = image != nullptr;
     effect.timing = called.timing();
-    if (steps) {
+    if (step != nullptr) {
+      effect.step_stage = step->number;
       effect.step = effect.loaded->step();
       ACUS_ASSERT(effect.step != nullptr);
       effect.moves_tissue = called.MovesTissue();
@@ -88,12 +89,12 @@ ListedEffects::ListedEffects(const scenario::Scenario& scenario, const EffectPla
     }
     all_.push_back(std::move(effect));
   }
-  bool after_tools = false;
+  const std::size_t first_of_tools = plan.WriterOf(ports::kNeedle).number;
   for (const PlannedStage& stage : plan.stages()) {
-    after_tools = after_tools || stage.id == StageId::kNeedlePose;
-    const auto found = std::ranges::find(all_, stage.id, &ListedEffect::step_id);
-    if (!stage.in || found == all_.end()) continue;
-    steps_[after_tools ? 1 : 0].push_back(static_cast<std::size_t>(found - all_.begin()));
+    for (std::size_t n = 0; n < all_.size(); ++n) {
+      if (all_[n].step == nullptr || all_[n].step_stage != stage.number) continue;
+      steps_[stage.number > first_of_tools ? 1 : 0].push_back(n);
+    }
   }
   ACUS_REQUIRE(bytes <= effects::Memory::kBytes, scenario.file.string(),
                ": the states of its effects take ", bytes, " bytes; ", effects::Memory::kBytes,
@@ -123,7 +124,7 @@ void ListedEffects::Step(bool after_tools, effects::Memory& memory, const effect
     const auto activity =
         effect.step->StepIn(memory.bytes.data() + effect.state_at, time, ports,
                             std::span(columns).subspan(effect.first_column, effect.columns.size()));
-    watch.EndOf(effect.step_id,
+    watch.EndOf(effect.step_stage,
                 activity == effects::Activity::kActive ? Sleep::kAwake : Sleep::kEffectIdle);
   }
 }

@@ -21,8 +21,8 @@ using EffectColumns = std::array<double, effects::kMaxColumns>;
 struct ListedEffect {
   std::string_view key;
   std::string_view title;
-  StageId step_id{};
-  StageId image_id{};
+  std::size_t step_stage = 0;  ///< Number in the plan, if it has the stage; as the next.
+  std::size_t image_stage = 0;
   std::shared_ptr<const effects::LoadedEffect> loaded;
   const effects::StepStage* step = nullptr;  ///< Null: not in the plan.
   bool has_image = false;                    ///< The plan has its stage at every image.

@@ -17,7 +17,7 @@ nlohmann::json NamesOf(const std::vector<effects::PortRef>& ports) {
 nlohmann::json PlanJson(const EffectPlan& plan, const StageTimes& times) {
   nlohmann::json stages = nlohmann::json::array();
   for (const PlannedStage& stage : plan.stages()) {
-    const StageTimes::Cost& cost = times.Of(stage.id);
+    const StageTimes::Cost& cost = times.Of(stage);
     nlohmann::json because = nlohmann::json::object();
     for (std::size_t r = 0; r < cost.asleep_for.size(); ++r) {
       if (cost.asleep_for[r] == 0) continue;

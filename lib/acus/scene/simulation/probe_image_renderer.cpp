@@ -35,8 +35,9 @@ ProbeImageRenderer::ProbeImageRenderer(const Scene& scene, const acoustics::Prob
       persistence_(frames == Frames::kInOrder ? PersistenceOf(scene)
                                               : ultrasound::FramePersistence(0.0)) {
   if (probe == nullptr && scene.probe) probe = &*scene.probe;
-  const bool has_b_mode = scene.plan.Has(StageId::kUltrasound);
-  const bool has_ct_slice = choice == ImageChoice::kAll && scene.plan.Has(StageId::kCtSlice);
+  const bool has_b_mode = scene.plan.Writes(effects::ports::kBMode);
+  const bool has_ct_slice =
+      choice == ImageChoice::kAll && scene.plan.Writes(effects::ports::kCtImage);
   if (!has_b_mode && !has_ct_slice) return;
   if (has_ct_slice) {
     ct_slice_.emplace(*scene.ct, acoustics::ImageOf(*probe), probe->slice_thickness_mm,
@@ -61,11 +62,11 @@ std::optional<image::NeedleInImage> ImagedNeedle(const Scene& scene, const Snaps
 }
 
 bool ProbeImageRenderer::ReadsRestMap() const {
-  return (ct_slice_ && scene_.plan.Reads(StageId::kCtSlice, effects::ports::kRestMap)) ||
-         (b_mode_ && scene_.plan.Reads(StageId::kUltrasound, effects::ports::kRestMap));
+  return (ct_slice_ && scene_.plan.Reads(effects::ports::kCtImage, effects::ports::kRestMap)) ||
+         (b_mode_ && scene_.plan.Reads(effects::ports::kBMode, effects::ports::kRestMap));
 }
 
-Sleep ProbeImageRenderer::SleepOf(StageId id, const Snapshot& snapshot,
+Sleep ProbeImageRenderer::SleepOf(effects::PortRef id, const Snapshot& snapshot,
                                   const Snapshot* shown) const noexcept {
   if (!snapshot.probe_valid) return Sleep::kProbeUnseen;
   if (shown == nullptr || !ProbeHasStayed(*shown, snapshot) ||
@@ -73,14 +74,14 @@ Sleep ProbeImageRenderer::SleepOf(StageId id, const Snapshot& snapshot,
     return Sleep::kAwake;
   }
   const bool with_needle =
-      id == StageId::kCtSlice ? scene_.needle_in_ct_slice : scene_.needle_in_b_mode;
+      id == effects::ports::kCtImage ? scene_.needle_in_ct_slice : scene_.needle_in_b_mode;
   if (!with_needle || NeedleHasStayed(*shown, snapshot)) return Sleep::kNothingMoved;
   const bool unseen = NeedleIsOffPlane(scene_, *shown, needle_reach_mm_) &&
                       NeedleIsOffPlane(scene_, snapshot, needle_reach_mm_);
   return unseen ? Sleep::kNeedleOffPlane : Sleep::kAwake;
 }
 
-bool ProbeImageRenderer::Sleeps(StageId id, const Snapshot& snapshot,
+bool ProbeImageRenderer::Sleeps(effects::PortRef id, const Snapshot& snapshot,
                                 const Snapshot& shown) const noexcept {
   if (!snapshot.probe_valid) return !shown.probe_valid;  // Black after black.
   return SleepOf(id, snapshot, &shown) != Sleep::kAwake;
@@ -105,16 +106,17 @@ void ProbeImageRenderer::Render(const Snapshot& snapshot, ProbeImages& out, Stag
                                 const Snapshot* shown) {
   Stopwatch watch(times);
   const Sleep none = Sleep::kNothingMoved;
-  const Sleep of_slice = ct_slice_ ? SleepOf(StageId::kCtSlice, snapshot, shown) : none;
+  const Sleep of_slice = ct_slice_ ? SleepOf(effects::ports::kCtImage, snapshot, shown) : none;
   const bool has_frame = !persistence_.on() || !frame_.pixels.empty();
   const Sleep of_b_mode =
-      b_mode_ ? SleepOf(StageId::kUltrasound, snapshot, has_frame ? shown : nullptr) : none;
+      b_mode_ ? SleepOf(effects::ports::kBMode, snapshot, has_frame ? shown : nullptr) : none;
   const bool draws = of_slice == Sleep::kAwake || of_b_mode == Sleep::kAwake;
   const slicing::RestMap* rest = draws ? rest_.At(snapshot) : nullptr;
   if (ReadsRestMap()) {
     const Sleep still = snapshot.probe_valid ? Sleep::kNothingMoved : Sleep::kProbeUnseen;
     const Sleep idle = draws ? Sleep::kUndeformed : still;
-    watch.EndOf(StageId::kDeformation, rest != nullptr ? Sleep::kAwake : idle);
+    watch.EndOf(scene_.plan.WriterOf(effects::ports::kRestMap).number,
+                rest != nullptr ? Sleep::kAwake : idle);
   }
   std::optional<image::NeedleInImage> needle;
   if (draws && (scene_.needle_in_ct_slice || scene_.needle_in_b_mode)) {
@@ -123,12 +125,12 @@ void ProbeImageRenderer::Render(const Snapshot& snapshot, ProbeImages& out, Stag
   if (ct_slice_) {
     Draw(*ct_slice_, of_slice, snapshot, scene_.needle_in_ct_slice ? needle : std::nullopt, rest,
          out.ct_slice);
-    watch.EndOf(StageId::kCtSlice, of_slice);
+    watch.EndOf(scene_.plan.WriterOf(effects::ports::kCtImage).number, of_slice);
   }
   if (b_mode_) {
     DrawBMode(of_b_mode, snapshot, scene_.needle_in_b_mode ? needle : std::nullopt, rest,
               out.b_mode);
-    watch.EndOf(StageId::kUltrasound, of_b_mode);
+    watch.EndOf(scene_.plan.WriterOf(effects::ports::kBMode).number, of_b_mode);
   }
 }
 

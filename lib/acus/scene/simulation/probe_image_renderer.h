@@ -55,14 +55,15 @@ class ProbeImageRenderer {
               const Snapshot* shown = nullptr);
 
   /// True if the image of that stage is the same at both moments.
-  bool Sleeps(StageId id, const Snapshot& snapshot, const Snapshot& shown) const noexcept;
+  bool Sleeps(effects::PortRef id, const Snapshot& snapshot, const Snapshot& shown) const noexcept;
 
  private:
   bool ReadsRestMap() const;
   void DrawBMode(Sleep sleep, const Snapshot& snapshot,
                  const std::optional<image::NeedleInImage>& needle, const slicing::RestMap* rest,
                  image::GrayImage& out);
-  Sleep SleepOf(StageId id, const Snapshot& snapshot, const Snapshot* shown) const noexcept;
+  Sleep SleepOf(effects::PortRef id, const Snapshot& snapshot,
+                const Snapshot* shown) const noexcept;
 
   const Scene& scene_;
   double needle_reach_mm_ = 0.0;

@@ -65,7 +65,7 @@ void LoadProbeForce(const ProbeForceEffect& effect, Scene& scene) {
       effect.reads_labels ? FieldsByLabel(table, scene) : FieldsByHu(table, scene);
   scene.probe_force.emplace(
       forces::MultiProxyProbe(table, ToolOf(effect, scene), std::move(fields)));
-  scene.pressed_by_proxies = effect.presses_images && scene.plan.Has(StageId::kDeformation);
+  scene.pressed_by_proxies = effect.presses_images && scene.plan.Writes(effects::ports::kRestMap);
 }
 
 }  // namespace acus::simulation

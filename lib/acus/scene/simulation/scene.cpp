@@ -36,7 +36,7 @@ void LoadSurfaces(const scenario::Scenario& scenario, const EffectPlan& plan, Sc
   if (plan.Needs(effects::ports::kLabels)) {
     scene.labels = std::make_shared<volume::LabelMap>(std::move(labels));
   }
-  if (plan.Has(StageId::kUltrasound) && scenario.ultrasound->from_triangles) {
+  if (plan.Writes(effects::ports::kBMode) && scenario.ultrasound->from_triangles) {
     context.Checkpoint("arranging triangles", 0.0);
     scene.triangles = TrianglesOf(list, std::move(surfaces), context.num_threads);
   }

@@ -8,12 +8,13 @@
 namespace acus::simulation {
 
 Simulation::Simulation(const Scene& scene)
-    : scene_(scene), tools_(scene), runs_contact_(scene.plan.Has(StageId::kTissueContact)) {
+    : scene_(scene), tools_(scene), runs_contact_(scene.plan.Writes(effects::ports::kContact)) {
   for (const PlannedStage& stage : scene.plan.stages()) {
     if (!stage.in) continue;
     for (const CoupledEffect* effect : CoupledEffects()) {
-      if (auto work = effect->NewStage(stage.id, scene)) {
-        stages_.push_back({stage.id, std::move(work)});
+      if (effect->key() != stage.owner) continue;
+      if (auto work = effect->NewStage(stage.writes.front(), scene)) {
+        stages_.push_back({stage.number, std::move(work)});
       }
     }
   }
@@ -43,7 +44,7 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   }
   const ToolsAtRest tools = tools_.Lay(state, sample);
   StepFrame frame{.sample = sample, .tools = tools, .state = state, .out = out};
-  for (const Stage& stage : stages_) watch.EndOf(stage.id, stage.work->Step(frame));
+  for (const Stage& stage : stages_) watch.EndOf(stage.number, stage.work->Step(frame));
   tools_.CarryForces(tools, out);
   if (ports) {
     ports->Set(effects::ports::kNeedle, &out.needle_at_rest);

@@ -40,7 +40,7 @@ class Simulation {
 
  private:
   struct Stage {
-    StageId id{};
+    std::size_t number = 0;  ///< In the plan.
     std::shared_ptr<const CoupledStage> work;
   };
 

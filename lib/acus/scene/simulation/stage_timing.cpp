@@ -36,6 +36,7 @@ std::string_view WordsOf(Sleep sleep) {
 }
 
 void StageTimes::Add(const StageTimes& other) {
+  ACUS_ASSERT(cost.size() == other.cost.size());
   for (std::size_t i = 0; i < cost.size(); ++i) {
     cost[i].seconds += other.cost[i].seconds;
     cost[i].runs += other.cost[i].runs;
@@ -51,9 +52,9 @@ Stopwatch::Stopwatch(StageTimes* times, int stands_for, clockid_t clock) noexcep
   if (stands_for_ > 0) last_s_ = CpuSeconds(clock_);
 }
 
-void Stopwatch::EndOf(StageId id, Sleep sleep) noexcept {
+void Stopwatch::EndOf(std::size_t stage, Sleep sleep) noexcept {
   if (times_ == nullptr) return;
-  StageTimes::Cost& cost = times_->Of(id);
+  StageTimes::Cost& cost = times_->cost[stage];
   ++cost.runs;
   if (sleep != Sleep::kAwake) {
     ++cost.asleep;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <ctime>
 #include <string_view>
+#include <vector>
 
 #include "acus/scene/simulation/effect_plan.h"
 
@@ -31,7 +32,7 @@ inline constexpr int kNumSleeps = static_cast<int>(Sleep::kEnd);
 /// "needle outside the tissue"; "awake" for kAwake.
 std::string_view WordsOf(Sleep sleep);
 
-/// CPU time and runs by stage. Only ever written by the stages: no model reads it.
+/// CPU time and runs of the stages of a plan. Only ever written by the stages: no model reads it.
 struct StageTimes {
   struct Cost {
     /// CPU time of all runs. Of stages at every sample, a sixteenth of the runs is measured and
@@ -41,10 +42,14 @@ struct StageTimes {
     std::int64_t asleep = 0;                            ///< Runs with nothing to do, in all ...
     std::array<std::int64_t, kNumSleeps> asleep_for{};  ///< ... and for each reason.
   };
-  std::array<Cost, kMaxStages> cost{};
+  std::vector<Cost> cost;  ///< By the number of the stage.
 
-  Cost& Of(StageId id) { return cost[static_cast<std::size_t>(id)]; }
-  const Cost& Of(StageId id) const { return cost[static_cast<std::size_t>(id)]; }
+  StageTimes() = default;
+  explicit StageTimes(const EffectPlan& plan) : cost(plan.stages().size()) {}
+
+  Cost& Of(const PlannedStage& stage) { return cost[stage.number]; }
+  const Cost& Of(const PlannedStage& stage) const { return cost[stage.number]; }
+  /// @pre they are of the same plan.
   void Add(const StageTimes& other);
 };
 
@@ -65,7 +70,7 @@ class Stopwatch {
     return {times, 1, num_threads > 1 ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_THREAD_CPUTIME_ID};
   }
 
-  void EndOf(StageId id, Sleep sleep = Sleep::kAwake) noexcept;
+  void EndOf(std::size_t stage, Sleep sleep = Sleep::kAwake) noexcept;
 
  private:
   static constexpr int kMeasuredEvery = 16;

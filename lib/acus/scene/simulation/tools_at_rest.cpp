@@ -8,8 +8,8 @@ Eigen::Isometry3d PressedProbe(const ToolsAtRest& tools, double press_mm) noexce
 
 ToolMotion::ToolMotion(const Scene& scene)
     : scene_(scene),
-      has_needle_(scene.plan.Has(StageId::kNeedlePose)),
-      has_probe_(scene.plan.Has(StageId::kProbeForce) || scene.plan.Has(StageId::kTissueContact)) {
+      has_needle_(scene.plan.StepReads(effects::ports::kNeedlePoses)),
+      has_probe_(scene.plan.StepReads(effects::ports::kProbePoses)) {
   if (scene.force_from_tissue) {
     largest_needle_n_ = scene.tissue->LargestForceN();
   } else if (scene.forces) {

@@ -42,7 +42,7 @@ TEST_F(ImageSleepReplay, AreThoseThatWouldHaveBeenMade) {
       context_);
   const auto snapshots = Snapshots(scene, session, nullptr);
   ASSERT_EQ(snapshots.size(), 60U);
-  simulation::StageTimes first;
+  simulation::StageTimes first(scene.plan);
   for (const int num_threads : {1, 3}) {
     const auto to = folder_ / std::to_string(num_threads);
     std::filesystem::create_directories(to);
@@ -50,7 +50,7 @@ TEST_F(ImageSleepReplay, AreThoseThatWouldHaveBeenMade) {
     ReplayOptions options;
     options.film = false;
     options.png = PngChoice::kNone;
-    simulation::StageTimes times;
+    simulation::StageTimes times(scene.plan);
     RenderImages(scene, snapshots, StepLog(), to, options, &times, context_);
     session::SequenceFile sequence(to / "images.igs.mha");
     simulation::ProbeImageRenderer renderer(scene);
@@ -59,7 +59,7 @@ TEST_F(ImageSleepReplay, AreThoseThatWouldHaveBeenMade) {
       renderer.Render(snapshots[i], anew);
       ASSERT_EQ(sequence.ReadImage(i), anew.b_mode.pixels) << i;
     }
-    const auto& cost = times.Of(simulation::StageId::kUltrasound);
+    const auto& cost = times.Of(scene.plan.WriterOf(effects::ports::kBMode));
     EXPECT_EQ(cost.runs, 60);
     const auto asleep = [&cost](simulation::Sleep why) {
       return cost.asleep_for[static_cast<std::size_t>(why)];
@@ -70,7 +70,7 @@ TEST_F(ImageSleepReplay, AreThoseThatWouldHaveBeenMade) {
     EXPECT_LT(cost.asleep, 57);  // The probe moves, is lost and found; the needle comes and goes.
     // As often with any number of threads.
     if (num_threads == 1) first = times;
-    EXPECT_EQ(cost.asleep_for, first.Of(simulation::StageId::kUltrasound).asleep_for);
+    EXPECT_EQ(cost.asleep_for, first.Of(scene.plan.WriterOf(effects::ports::kBMode)).asleep_for);
   }
 }
 

@@ -10,7 +10,6 @@ namespace acus::replay {
 namespace {
 
 using simulation::Sleep;
-using simulation::StageId;
 using simulation::StageTimes;
 using testing::HasSubstr;
 
@@ -31,9 +30,10 @@ StageTimes::Cost Slept(std::int64_t runs, std::int64_t asleep, Sleep why, double
 }
 
 StageTimes SomeTimes() {
-  StageTimes times;
-  times.Of(StageId::kNeedleForce) = Slept(1000, 340, Sleep::kNeedleOutside, 0.030);
-  times.Of(StageId::kCtSlice) = Slept(50, 50, Sleep::kProbeUnseen, 0.010);
+  const auto plan = ForceAndSlice();
+  StageTimes times(plan);
+  times.Of(plan.WriterOf(effects::ports::kForce)) = Slept(1000, 340, Sleep::kNeedleOutside, 0.030);
+  times.Of(plan.WriterOf(effects::ports::kCtImage)) = Slept(50, 50, Sleep::kProbeUnseen, 0.010);
   return times;
 }
 
@@ -65,7 +65,7 @@ TEST(PlanSvg, DrawsEveryStageOnceGreyIfOutHatchedAsFarAsItSlept) {
     return n;
   };
   EXPECT_EQ(count("<g class=\"in\">"), 5);
-  EXPECT_EQ(count("<g class=\"out\">"), simulation::kNumStages - 5);
+  EXPECT_EQ(count("<g class=\"out\">"), static_cast<int>(ForceAndSlice().stages().size()) - 5);
   EXPECT_EQ(count("fill=\"url(#asleep)\""), 3);  // Two stages and the key.
   EXPECT_EQ(count(">75.0 %, asleep 34 %<"), 1);
   EXPECT_THAT(svg, HasSubstr("asleep in 340 of 1000 runs: needle outside the tissue"));

@@ -79,8 +79,7 @@ TEST(PlanEffects, KeepsTheNeedlePoseForAnImageThatShowsTheNeedle) {
   images.ct_slice.reset();
   const EffectPlan plan = PlanEffects(images, kAll);
   EXPECT_THAT(StagesIn(plan), testing::ElementsAre("needle pose", "probe pose", "B-mode"));
-  EXPECT_EQ(std::ranges::find(plan.stages(), StageId::kNeedlePose, &PlannedStage::id)->reason,
-            "needed by B-mode");
+  EXPECT_EQ(plan.WriterOf(effects::ports::kNeedle).reason, "needed by B-mode");
 }
 
 TEST(PlanEffects, TheNeedlesShapeComesBetweenItsForceAndTheImages) {
@@ -94,7 +93,7 @@ TEST(PlanEffects, TheNeedlesShapeComesBetweenItsForceAndTheImages) {
   EXPECT_TRUE(plan.Needs(effects::ports::kNeedleElasticity));
   s.shape->model = scenario::NeedleModelKind::kRigid;
   EXPECT_FALSE(PlanEffects(s, kAll).Needs(effects::ports::kNeedleElasticity));
-  EXPECT_FALSE(PlanEffects(AllEffects(), kAll).Has(StageId::kNeedleShape));
+  EXPECT_FALSE(PlanEffects(AllEffects(), kAll).Writes(effects::ports::kShape));
 }
 
 TEST(PlanEffects, TheViewReadsWhatItShowsAndNothingElse) {
@@ -176,11 +175,11 @@ TEST(PlanEffects, DisplacementFunctionsFollowTheForcesAndAreOnlyForImages) {
               testing::ElementsAre("needle pose", "tissue lookup", "needle force", "probe pose",
                                    "deformation", "CT slice", "B-mode"));
   s.tissue->image = false;
-  EXPECT_FALSE(PlanEffects(s, kAll).Has(StageId::kDeformation));
+  EXPECT_FALSE(PlanEffects(s, kAll).Writes(effects::ports::kRestMap));
   s.tissue->image = true;
   s.ultrasound.reset();
   s.ct_slice.reset();
-  EXPECT_FALSE(PlanEffects(s, kAll).Has(StageId::kDeformation));
+  EXPECT_FALSE(PlanEffects(s, kAll).Writes(effects::ports::kRestMap));
 }
 
 TEST(PlanEffects, SceneWithoutTissueNeedsNothingOfIt) {
@@ -188,8 +187,8 @@ TEST(PlanEffects, SceneWithoutTissueNeedsNothingOfIt) {
   s.tissue.reset();
   s.patient.mesh.clear();
   const EffectPlan plan = PlanEffects(s, kAll);
-  EXPECT_FALSE(plan.Has(StageId::kTissueContact));
-  EXPECT_FALSE(plan.Has(StageId::kDeformation));
+  EXPECT_FALSE(plan.Writes(effects::ports::kContact));
+  EXPECT_FALSE(plan.Writes(effects::ports::kRestMap));
   EXPECT_FALSE(plan.Needs(effects::ports::kMesh));
   EXPECT_FALSE(plan.Needs(effects::ports::kTissueElasticity));
   EXPECT_FALSE(plan.Needs(effects::ports::kTissueForceTable));
@@ -225,7 +224,7 @@ TEST(PlanEffects, AProbeThatPressesTissueNeedsNoImages) {
   const EffectPlan plan = PlanEffects(s, kAll);
   EXPECT_THAT(StagesIn(plan),
               testing::ElementsAre("needle pose", "tissue contact", "needle force"));
-  EXPECT_TRUE(plan.Reads(StageId::kTissueContact, effects::ports::kProbePreset));
+  EXPECT_TRUE(plan.Reads(effects::ports::kContact, effects::ports::kProbePreset));
 }
 
 TEST(PlanEffects, AProbeThatFeelsTheTissueReadsItsContactAndNothingElse) {
@@ -233,22 +232,22 @@ TEST(PlanEffects, AProbeThatFeelsTheTissueReadsItsContactAndNothingElse) {
   s.tissue->probe_contact = true;
   s.probe_force.emplace().model = scenario::ProbeForceModelKind::kTissue;
   const EffectPlan plan = PlanEffects(s, kAll);
-  EXPECT_TRUE(plan.Has(StageId::kProbeForce));
-  EXPECT_TRUE(plan.Reads(StageId::kProbeForce, effects::ports::kContact));
-  EXPECT_FALSE(plan.Reads(StageId::kProbeForce, effects::ports::kProbeForceTable));
+  EXPECT_TRUE(plan.Writes(effects::ports::kProbeForce));
+  EXPECT_TRUE(plan.Reads(effects::ports::kProbeForce, effects::ports::kContact));
+  EXPECT_FALSE(plan.Reads(effects::ports::kProbeForce, effects::ports::kProbeForceTable));
 }
 
 TEST(PlanEffects, StagesKnowTheEffectsThatTheyWorkFor) {
   scenario::Scenario s = WithTissue(scenario::TissueModelKind::kSprings);
   s.breathing.emplace();
   const EffectPlan plan = PlanEffects(s, kAll);
-  EXPECT_THAT(plan.Of(StageId::kNeedlePose).effects,
+  EXPECT_THAT(plan.WriterOf(effects::ports::kNeedle).effects,
               testing::UnorderedElementsAre("needle_force", "tissue", "ct_slice", "ultrasound"));
-  EXPECT_THAT(plan.Of(StageId::kProbePose).effects,
+  EXPECT_THAT(plan.WriterOf(effects::ports::kProbe).effects,
               testing::UnorderedElementsAre("ct_slice", "ultrasound"));
-  EXPECT_THAT(plan.Of(StageId::kDeformation).effects,
+  EXPECT_THAT(plan.WriterOf(effects::ports::kRestMap).effects,
               testing::UnorderedElementsAre("tissue", "breathing", "ct_slice", "ultrasound"));
-  EXPECT_THAT(plan.Of(StageId::kNeedleShape).effects, testing::IsEmpty());
+  EXPECT_THAT(plan.WriterOf(effects::ports::kShape).effects, testing::IsEmpty());
 }
 
 TEST(PlanEffects, SaysSoWhereNothingIsThereForAnEffectToChange) {
@@ -258,8 +257,8 @@ TEST(PlanEffects, SaysSoWhereNothingIsThereForAnEffectToChange) {
   s.ct_slice->needle = false;
   s.breathing.emplace().image = false;
   const EffectPlan plan = PlanEffects(s, kAll);
-  EXPECT_FALSE(plan.Has(StageId::kBreathing));
-  EXPECT_EQ(plan.Of(StageId::kBreathing).reason,
+  EXPECT_FALSE(plan.Writes(effects::ports::kBreath));
+  EXPECT_EQ(plan.WriterOf(effects::ports::kBreath).reason,
             "effect breathing is called for, but none that it changes");
   EXPECT_FALSE(plan.Needs(effects::ports::kMotion));
 }

@@ -33,8 +33,7 @@ struct Counts {
   std::int64_t still = 0;
   std::int64_t off_plane = 0;
 };
-Counts CountsOf(const StageTimes& times, StageId id) {
-  const auto& cost = times.Of(id);
+Counts CountsOf(const StageTimes::Cost& cost) {
   return {cost.runs, cost.asleep_for[static_cast<std::size_t>(Sleep::kNothingMoved)],
           cost.asleep_for[static_cast<std::size_t>(Sleep::kNeedleOffPlane)]};
 }
@@ -55,7 +54,7 @@ TEST(ImageSleep, WhatSleepsWouldHaveGivenTheSameBits) {
     RandomStream random(7, model);
     ProbeImages kept, anew;
     effects::EffectPixels shadow, shadow_anew;
-    StageTimes times;
+    StageTimes times(scene.plan);
     Snapshot before = Drawn(random);
     renderer.Render(before, kept);
     c_arm.Render(before, nullptr, shadow);
@@ -75,12 +74,13 @@ TEST(ImageSleep, WhatSleepsWouldHaveGivenTheSameBits) {
       }
       before = now;
     }
-    for (const StageId id : {StageId::kUltrasound, StageId::kCtSlice}) {
-      const Counts counts = CountsOf(times, id);
+    for (const effects::PortRef id : std::initializer_list<effects::PortRef>{
+             effects::ports::kBMode, effects::ports::kCtImage}) {
+      const Counts counts = CountsOf(times.Of(scene.plan.WriterOf(id)));
       EXPECT_EQ(counts.runs, kMoments);
       EXPECT_GT(counts.still, 0);
       EXPECT_GT(counts.off_plane, 0);
-      EXPECT_LT(times.Of(id).asleep, kMoments - 10);
+      EXPECT_LT(times.Of(scene.plan.WriterOf(id)).asleep, kMoments - 10);
     }
   }
 }
@@ -97,7 +97,7 @@ TEST(ImageSleep, OnlyTheNeedlesShadowIsNewWhileThePatientStays) {
   Snapshot before;
   kept.Render(before, nullptr, first);
   shadow = first;
-  StageTimes times;
+  StageTimes times(scene.plan);
   for (const double z_mm : {10.0, 20.0, 20.0, 35.0}) {
     Snapshot now;
     now.ct_from_needle = Eigen::Translation3d(1.0, 0.0, z_mm) * Eigen::Isometry3d::Identity();
@@ -107,7 +107,7 @@ TEST(ImageSleep, OnlyTheNeedlesShadowIsNewWhileThePatientStays) {
     EXPECT_NE(shadow.gray.pixels, first.gray.pixels);
     before = now;
   }
-  EXPECT_EQ(times.Of(fluoroscopy.image_id).asleep, 1);
+  EXPECT_EQ(times.cost[fluoroscopy.image_stage].asleep, 1);
   // The needle is gone: so is its shadow.
   kept.Render({}, nullptr, shadow, &times, &before);
   EXPECT_EQ(shadow.gray.pixels, first.gray.pixels);
@@ -159,26 +159,29 @@ TEST(Sleep, StepsSayWhyTheyHadNothingToDo) {
   const Scene scene =
       LoadScene(s, PlanEffects(s, {.needle_poses = true, .probe_poses = true}), context);
   testing_support::EffectsRun run(scene);
-  StageTimes times;
+  StageTimes times(scene.plan);
   run.Steps(30, {.needle_in = false, .probe_on = false}, nullptr, &times);
-  const auto asleep = [&times](StageId id, Sleep why) {
-    return times.Of(id).asleep_for[static_cast<std::size_t>(why)];
+  const auto asleep = [&](effects::PortRef id, Sleep why) {
+    return times.Of(scene.plan.WriterOf(id)).asleep_for[static_cast<std::size_t>(why)];
   };
-  EXPECT_EQ(asleep(StageId::kBreathing, Sleep::kAtRest), 30);
-  EXPECT_EQ(asleep(StageId::kNeedleForce, Sleep::kNeedleOutside), 30);
-  EXPECT_EQ(asleep(StageId::kNeedleShape, Sleep::kNeedleOutside), 30);
-  EXPECT_EQ(asleep(StageId::kProbeForce, Sleep::kProbeOffSkin), 30);
+  EXPECT_EQ(asleep(effects::ports::kBreath, Sleep::kAtRest), 30);
+  EXPECT_EQ(asleep(effects::ports::kForce, Sleep::kNeedleOutside), 30);
+  EXPECT_EQ(asleep(effects::ports::kShape, Sleep::kNeedleOutside), 30);
+  EXPECT_EQ(asleep(effects::ports::kProbeForce, Sleep::kProbeOffSkin), 30);
   run.Steps(330, {}, nullptr, &times);
-  EXPECT_LT(times.Of(StageId::kNeedleForce).asleep, 120);
-  EXPECT_EQ(times.Of(StageId::kProbeForce).asleep, 30);
-  EXPECT_EQ(times.Of(StageId::kNeedleForce).runs, 330);
-  EXPECT_GT(times.Of(StageId::kNeedleForce).seconds, 0.0);
+  EXPECT_LT(times.Of(scene.plan.WriterOf(effects::ports::kForce)).asleep, 120);
+  EXPECT_EQ(times.Of(scene.plan.WriterOf(effects::ports::kProbeForce)).asleep, 30);
+  EXPECT_EQ(times.Of(scene.plan.WriterOf(effects::ports::kForce)).runs, 330);
+  EXPECT_GT(times.Of(scene.plan.WriterOf(effects::ports::kForce)).seconds, 0.0);
   Simulation simulation(scene);
   State state = simulation.NewState();
-  StageTimes unseen;
+  StageTimes unseen(scene.plan);
   simulation.Step(state, {.time_ns = 1}, &unseen);
-  for (const StageId id : {StageId::kNeedlePose, StageId::kTissueLookup, StageId::kNeedleForce}) {
-    EXPECT_EQ(unseen.Of(id).asleep_for[static_cast<std::size_t>(Sleep::kNeedleUnseen)], 1);
+  for (const effects::PortRef id : std::initializer_list<effects::PortRef>{
+           effects::ports::kNeedle, effects::ports::kTissue, effects::ports::kForce}) {
+    EXPECT_EQ(unseen.Of(scene.plan.WriterOf(id))
+                  .asleep_for[static_cast<std::size_t>(Sleep::kNeedleUnseen)],
+              1);
   }
 }
 

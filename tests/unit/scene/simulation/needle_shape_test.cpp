@@ -69,14 +69,14 @@ TEST(NeedleShape, InTheAirEveryModelGivesTheBitsOfNone) {
       const Scene plain = WithoutShape(scene);
       const Simulation with(scene), without(plain);
       State a = with.NewState(), b = without.NewState();
-      StageTimes times;
+      StageTimes times(scene.plan);
       for (int ms = 0; ms < 90; ++ms) {  // To 0.5 mm above the skin.
         ASSERT_TRUE(SameBits(with.Step(a, Wandering(ms), &times).force,
                              without.Step(b, Wandering(ms)).force));
         math::Polyline line;
         ASSERT_FALSE(with.ShapeOf(a, line));
       }
-      EXPECT_EQ(times.Of(StageId::kNeedleShape).asleep, 90);
+      EXPECT_EQ(times.Of(scene.plan.WriterOf(effects::ports::kShape)).asleep, 90);
       EXPECT_EQ(a.shape.tip_offset_mm, Vector3d(0, 0, 0));
     }
   }

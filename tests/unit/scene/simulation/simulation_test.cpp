@@ -91,13 +91,13 @@ TEST(Step, GivesTheSameBitsAgainAndFromASavedState) {
     if (ms == 1500) saved = a;
     first.push_back(simulation.Step(a, SimulationInserting(ms, 0.3, 0.2)));
   }
-  StageTimes times;
+  StageTimes times(scene.plan);
   for (int ms = 1500; ms < 3000; ++ms) {
     ASSERT_TRUE(
         SimulationSameBits(first[static_cast<std::size_t>(ms)],
                            simulation.Step(saved, SimulationInserting(ms, 0.3, 0.2), &times)));
   }
-  EXPECT_EQ(times.Of(StageId::kNeedleForce).runs, 1500);
+  EXPECT_EQ(times.Of(scene.plan.WriterOf(effects::ports::kForce)).runs, 1500);
 }
 
 TEST(Step, AllocatesNothing) {

@@ -29,14 +29,13 @@ class BreathingEffect final : public CoupledEffect {
   std::string_view key() const override { return "breathing"; }
 
   std::vector<PlannedStage> Stages(const Scenario& s, bool breath_from_session) const override {
-    return {StepStage(StageId::kBreathing, "breathing", BreathInputs(s, breath_from_session),
-                      {ports::kBreath})};
+    return {StepStage("breathing", BreathInputs(s, breath_from_session), {ports::kBreath})};
   }
 
-  std::vector<Goal> Helpers(const Scenario& s) const override {
+  Ports Helpers(const Scenario& s) const override {
     if (!s.breathing) return {};
-    std::vector<Goal> helpers{{StageId::kBreathing, "breathing"}};
-    if (s.breathing->image) helpers.push_back({StageId::kDeformation, "breathing"});
+    Ports helpers{ports::kBreath};
+    if (s.breathing->image) helpers.emplace_back(ports::kRestMap);
     return helpers;
   }
 
@@ -76,13 +75,14 @@ class BreathingEffect final : public CoupledEffect {
   }
 
   void Load(const Scenario& s, Scene& scene, RunContext& context) const override {
-    if (!scene.plan.Has(StageId::kBreathing)) return;
+    if (!scene.plan.Writes(ports::kBreath)) return;
     context.Checkpoint("reading the motion", 0.0);
     scene.breathing.emplace(LoadBreathing(s, scene.plan.breath_from_session(), context));
   }
 
-  std::unique_ptr<const CoupledStage> NewStage(StageId id, const Scene& /*scene*/) const override {
-    if (id != StageId::kBreathing) return nullptr;
+  std::unique_ptr<const CoupledStage> NewStage(effects::PortRef writes,
+                                               const Scene& /*scene*/) const override {
+    if (writes != ports::kBreath) return nullptr;
     return std::make_unique<BreathStage>();
   }
 };

@@ -52,11 +52,17 @@ class CoupledEffect {
 
   /// Among the scenario's effects: "needle_force". Empty: what all of them share.
   virtual std::string_view key() const = 0;
-  /// All its stages, whether the scenario calls for them or not; the plan orders them by StageId.
+  /// All its stages, whether the scenario calls for them or not, in the order in which they run.
   virtual std::vector<PlannedStage> Stages(const scenario::Scenario& scenario,
                                            bool breath_from_session) const = 0;
-  virtual std::vector<Goal> Goals(const scenario::Scenario& /*scenario*/) const { return {}; }
-  virtual std::vector<Goal> Helpers(const scenario::Scenario& /*scenario*/) const { return {}; }
+  /// What its stages write that are there for its own sake.
+  virtual std::vector<effects::PortRef> Goals(const scenario::Scenario& /*scenario*/) const {
+    return {};
+  }
+  /// What stages write that it works through, where another stage reads it.
+  virtual std::vector<effects::PortRef> Helpers(const scenario::Scenario& /*scenario*/) const {
+    return {};
+  }
   /// True if the scenario has what one of its stages writes, for those that can do without.
   virtual bool Offers(const scenario::Scenario& /*scenario*/, effects::PortRef /*port*/) const {
     return false;
@@ -72,15 +78,15 @@ class CoupledEffect {
   /// loaded. @throws InputError if a file is not readable or a setting does not fit.
   virtual void Load(const scenario::Scenario& /*scenario*/, Scene& /*scene*/,
                     RunContext& /*context*/) const {}
-  /// The work of a stage of its own in scene.plan; null for others and for stages at every image.
+  /// The work of its stage in scene.plan that writes a port; null for stages at every image.
   /// @param scene  Must outlive it.
-  virtual std::unique_ptr<const CoupledStage> NewStage(StageId /*id*/,
+  virtual std::unique_ptr<const CoupledStage> NewStage(effects::PortRef /*writes*/,
                                                        const Scene& /*scene*/) const {
     return nullptr;
   }
 };
 
-/// In the order in which they are loaded.
+/// In the order in which their stages run, and in which they are loaded.
 std::vector<const CoupledEffect*> CoupledEffects();
 
 namespace coupled {

@@ -3,8 +3,8 @@
 namespace acus::simulation {
 
 std::vector<const CoupledEffect*> CoupledEffects() {
-  return {&coupled::Breathing(),   &coupled::Tools(),      &coupled::NeedleForce(),
-          &coupled::NeedleShape(), &coupled::ProbeForce(), &coupled::Tissue(),
+  return {&coupled::Breathing(),   &coupled::Tools(),       &coupled::Tissue(),
+          &coupled::NeedleForce(), &coupled::NeedleShape(), &coupled::ProbeForce(),
           &coupled::CtSlice(),     &coupled::BMode()};
 }
 

@@ -11,12 +11,12 @@ void Add(Ports& reads, const Ports& more) {
   reads.insert(reads.end(), more.begin(), more.end());
 }
 
-PlannedStage StepStage(StageId id, std::string_view name, Ports reads, Ports writes) {
-  return {id, name, "step", std::move(reads), std::move(writes), false, "", {}};
+PlannedStage StepStage(std::string_view name, Ports reads, Ports writes) {
+  return {name, "step", std::move(reads), std::move(writes)};
 }
 
-PlannedStage ImageStage(StageId id, std::string_view name, Ports reads, Ports writes) {
-  return {id, name, "image", std::move(reads), std::move(writes), false, "", {}};
+PlannedStage ImageStage(std::string_view name, Ports reads, Ports writes) {
+  return {name, "image", std::move(reads), std::move(writes)};
 }
 
 DeclaredInput File(effects::PortRef port, const std::filesystem::path& file,

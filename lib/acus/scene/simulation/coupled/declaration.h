@@ -14,8 +14,8 @@ using Ports = std::vector<effects::PortRef>;
 
 void Add(Ports& reads, const Ports& more);
 
-PlannedStage StepStage(StageId id, std::string_view name, Ports reads, Ports writes);
-PlannedStage ImageStage(StageId id, std::string_view name, Ports reads, Ports writes);
+PlannedStage StepStage(std::string_view name, Ports reads, Ports writes);
+PlannedStage ImageStage(std::string_view name, Ports reads, Ports writes);
 
 /// A file that the scenario names.
 DeclaredInput File(effects::PortRef port, const std::filesystem::path& file,

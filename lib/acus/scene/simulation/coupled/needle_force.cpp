@@ -112,12 +112,12 @@ class NeedleForceEffect final : public CoupledEffect {
   std::string_view key() const override { return "needle_force"; }
 
   std::vector<PlannedStage> Stages(const Scenario& s, bool /*breath_from_session*/) const override {
-    return {StepStage(StageId::kNeedleForce, "needle force", ForceInputs(s), {ports::kForce})};
+    return {StepStage("needle force", ForceInputs(s), {ports::kForce})};
   }
 
-  std::vector<Goal> Goals(const Scenario& s) const override {
+  Ports Goals(const Scenario& s) const override {
     if (!s.needle_force) return {};
-    return {{StageId::kNeedleForce, "needle_force"}};
+    return {ports::kForce};
   }
 
   std::vector<effects::Knob> Knobs(const Scenario& s) const override {
@@ -145,9 +145,9 @@ class NeedleForceEffect final : public CoupledEffect {
 
   void Load(const Scenario& s, Scene& scene, RunContext& context) const override {
     scene.force_from_tissue = IsFeltFromTissue(s);
-    if (!scene.plan.Has(StageId::kNeedleForce) || scene.force_from_tissue) return;
+    if (!scene.plan.Writes(ports::kForce) || scene.force_from_tissue) return;
     const forces::ForceTable table = ReadTable(s, context);
-    const bool are_tissues_by_hu = scene.plan.Reads(StageId::kTissueLookup, ports::kCt);
+    const bool are_tissues_by_hu = scene.plan.Reads(ports::kTissue, ports::kCt);
     const bool is_force_by_hu = s.needle_force->model == NeedleForceModelKind::kVidal;
     if (is_force_by_hu || are_tissues_by_hu) NeedHu(scene);
     if (are_tissues_by_hu) {
@@ -159,8 +159,9 @@ class NeedleForceEffect final : public CoupledEffect {
     context.provenance.AddInput(s.needle_force->table);
   }
 
-  std::unique_ptr<const CoupledStage> NewStage(StageId id, const Scene& scene) const override {
-    if (id != StageId::kNeedleForce) return nullptr;
+  std::unique_ptr<const CoupledStage> NewStage(effects::PortRef writes,
+                                               const Scene& scene) const override {
+    if (writes != ports::kForce) return nullptr;
     if (scene.force_from_tissue) return std::make_unique<NeedleFromTissueStage>();
     return std::make_unique<ForceStage>(scene);
   }

@@ -29,7 +29,7 @@ Ports ShapeInputs(const Scenario& s) {
 /// A map that is there for other stages' sake says nothing here.
 std::bitset<256> TissuesOf(const Scene& scene, const mechanics::ElasticityTable& elasticity) {
   std::bitset<256> found;
-  if (scene.plan.Reads(StageId::kNeedleShape, ports::kLabels)) {
+  if (scene.plan.Reads(ports::kShape, ports::kLabels)) {
     for (const volume::Label label : scene.labels->voxels) found.set(label);
   } else if (scene.hu_tissues) {
     for (const auto& row : scene.hu_tissues->rows) found.set(row.tissue);
@@ -94,12 +94,12 @@ class NeedleShapeEffect final : public CoupledEffect {
   std::string_view key() const override { return "needle"; }
 
   std::vector<PlannedStage> Stages(const Scenario& s, bool /*breath_from_session*/) const override {
-    return {StepStage(StageId::kNeedleShape, "needle shape", ShapeInputs(s), {ports::kShape})};
+    return {StepStage("needle shape", ShapeInputs(s), {ports::kShape})};
   }
 
-  std::vector<Goal> Goals(const Scenario& s) const override {
+  Ports Goals(const Scenario& s) const override {
     if (!s.shape) return {};
-    return {{StageId::kNeedleShape, "needle"}};
+    return {ports::kShape};
   }
 
   bool Offers(const Scenario& s, effects::PortRef port) const override {
@@ -137,7 +137,7 @@ class NeedleShapeEffect final : public CoupledEffect {
   }
 
   void Load(const Scenario& s, Scene& scene, RunContext& context) const override {
-    if (!scene.plan.Has(StageId::kNeedleShape)) return;
+    if (!scene.plan.Writes(ports::kShape)) return;
     const forces::ForceTable table =
         scene.force_from_tissue
             ? forces::ReadForceTable(s.tissue->table).ScaledTo(scene.needle->beam.outer_diameter_mm)
@@ -156,8 +156,9 @@ class NeedleShapeEffect final : public CoupledEffect {
                         tissues, has_beam);
   }
 
-  std::unique_ptr<const CoupledStage> NewStage(StageId id, const Scene& scene) const override {
-    if (id != StageId::kNeedleShape || !scene.shape) return nullptr;
+  std::unique_ptr<const CoupledStage> NewStage(effects::PortRef writes,
+                                               const Scene& scene) const override {
+    if (writes != ports::kShape || !scene.shape) return nullptr;
     return std::make_unique<ShapeStage>(scene);
   }
 };

@@ -75,18 +75,17 @@ class ProbeForceEffect final : public CoupledEffect {
   std::string_view key() const override { return "probe_force"; }
 
   std::vector<PlannedStage> Stages(const Scenario& s, bool /*breath_from_session*/) const override {
-    return {
-        StepStage(StageId::kProbeForce, "probe force", ProbeForceInputs(s), {ports::kProbeForce})};
+    return {StepStage("probe force", ProbeForceInputs(s), {ports::kProbeForce})};
   }
 
-  std::vector<Goal> Goals(const Scenario& s) const override {
+  Ports Goals(const Scenario& s) const override {
     if (!s.probe_force) return {};
-    return {{StageId::kProbeForce, "probe_force"}};
+    return {ports::kProbeForce};
   }
 
-  std::vector<Goal> Helpers(const Scenario& s) const override {
+  Ports Helpers(const Scenario& s) const override {
     if (!s.probe_force || !s.probe_force->presses_images) return {};
-    return {{StageId::kDeformation, "probe_force"}};
+    return {ports::kRestMap};
   }
 
   bool Offers(const Scenario& s, effects::PortRef port) const override {
@@ -119,13 +118,14 @@ class ProbeForceEffect final : public CoupledEffect {
   }
 
   void Load(const Scenario& s, Scene& scene, RunContext& context) const override {
-    if (!scene.plan.Has(StageId::kProbeForce)) return;
+    if (!scene.plan.Writes(ports::kProbeForce)) return;
     LoadProbeForce(*s.probe_force, scene);
     if (!scene.probe_force_from_tissue) context.provenance.AddInput(s.probe_force->table);
   }
 
-  std::unique_ptr<const CoupledStage> NewStage(StageId id, const Scene& scene) const override {
-    if (id != StageId::kProbeForce) return nullptr;
+  std::unique_ptr<const CoupledStage> NewStage(effects::PortRef writes,
+                                               const Scene& scene) const override {
+    if (writes != ports::kProbeForce) return nullptr;
     if (scene.probe_force_from_tissue) return std::make_unique<ProbeFromTissueStage>(scene);
     return std::make_unique<ProbeForceStage>(scene);
   }

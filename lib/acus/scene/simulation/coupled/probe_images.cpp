@@ -14,12 +14,12 @@ class CtSliceEffect final : public CoupledEffect {
   std::vector<PlannedStage> Stages(const Scenario& s, bool /*breath_from_session*/) const override {
     Ports reads;
     if (s.ct_slice) reads = ImageInputs(s, s.ct_slice->needle, {ports::kCt});
-    return {ImageStage(StageId::kCtSlice, "CT slice", std::move(reads), {ports::kCtImage})};
+    return {ImageStage("CT slice", std::move(reads), {ports::kCtImage})};
   }
 
-  std::vector<Goal> Goals(const Scenario& s) const override {
+  Ports Goals(const Scenario& s) const override {
     if (!s.ct_slice) return {};
-    return {{StageId::kCtSlice, "ct_slice"}};
+    return {ports::kCtImage};
   }
 
   bool Offers(const Scenario& s, effects::PortRef port) const override {
@@ -124,12 +124,12 @@ class BModeEffect final : public CoupledEffect {
       patient.push_back(ports::kAcoustics);
       reads = ImageInputs(s, s.ultrasound->needle, std::move(patient));
     }
-    return {ImageStage(StageId::kUltrasound, "B-mode", std::move(reads), {ports::kBMode})};
+    return {ImageStage("B-mode", std::move(reads), {ports::kBMode})};
   }
 
-  std::vector<Goal> Goals(const Scenario& s) const override {
+  Ports Goals(const Scenario& s) const override {
     if (!s.ultrasound) return {};
-    return {{StageId::kUltrasound, "ultrasound"}};
+    return {ports::kBMode};
   }
 
   bool Offers(const Scenario& s, effects::PortRef port) const override {
@@ -158,10 +158,10 @@ class BModeEffect final : public CoupledEffect {
   }
 
   void Load(const Scenario& s, Scene& scene, RunContext& context) const override {
-    if (!scene.plan.Has(StageId::kUltrasound)) return;
+    if (!scene.plan.Writes(ports::kBMode)) return;
     SetLines(*s.ultrasound, *scene.probe);
     scene.needle_in_b_mode = s.ultrasound->needle;
-    const bool is_by_labels = scene.plan.Reads(StageId::kUltrasound, ports::kLabels);
+    const bool is_by_labels = scene.plan.Reads(ports::kBMode, ports::kLabels);
     scene.b_mode =
         ReadImageSettings(*s.ultrasound, *scene.probe, is_by_labels ? scene.labels.get() : nullptr);
     context.provenance.AddInput(s.ultrasound->acoustics);

@@ -116,19 +116,18 @@ class TissueEffect final : public CoupledEffect {
   std::string_view key() const override { return "tissue"; }
 
   std::vector<PlannedStage> Stages(const Scenario& s, bool /*breath_from_session*/) const override {
-    return {
-        StepStage(StageId::kTissueContact, "tissue contact", ContactInputs(s), {ports::kContact}),
-        ImageStage(StageId::kDeformation, "deformation", DeformationInputs(s), {ports::kRestMap})};
+    return {StepStage("tissue contact", ContactInputs(s), {ports::kContact}),
+            ImageStage("deformation", DeformationInputs(s), {ports::kRestMap})};
   }
 
-  std::vector<Goal> Goals(const Scenario& s) const override {
+  Ports Goals(const Scenario& s) const override {
     if (!s.tissue || !s.tissue->TouchesNeedle()) return {};
-    return {{StageId::kTissueContact, "tissue"}};
+    return {ports::kContact};
   }
 
-  std::vector<Goal> Helpers(const Scenario& s) const override {
+  Ports Helpers(const Scenario& s) const override {
     if (!s.tissue || !s.tissue->image) return {};
-    return {{StageId::kDeformation, "tissue"}};
+    return {ports::kRestMap};
   }
 
   bool Offers(const Scenario& s, effects::PortRef port) const override {
@@ -169,10 +168,9 @@ class TissueEffect final : public CoupledEffect {
   }
 
   void Load(const Scenario& s, Scene& scene, RunContext& context) const override {
-    scene.tools_deform_images =
-        scene.plan.Has(StageId::kDeformation) && s.tissue && s.tissue->image;
-    if (!scene.plan.Has(StageId::kTissueContact) && !scene.tools_deform_images) return;
-    const bool are_springs_by_hu = scene.plan.Reads(StageId::kTissueContact, ports::kCt);
+    scene.tools_deform_images = scene.plan.Writes(ports::kRestMap) && s.tissue && s.tissue->image;
+    if (!scene.plan.Writes(ports::kContact) && !scene.tools_deform_images) return;
+    const bool are_springs_by_hu = scene.plan.Reads(ports::kContact, ports::kCt);
     if (are_springs_by_hu) {
       context.Warn(
           "there is no label map: the springs' tissues are identified by the CT's HU, as "
@@ -190,8 +188,9 @@ class TissueEffect final : public CoupledEffect {
     scene.inverse_iterations = s.tissue->inverse_iterations;
   }
 
-  std::unique_ptr<const CoupledStage> NewStage(StageId id, const Scene& scene) const override {
-    if (id != StageId::kTissueContact) return nullptr;
+  std::unique_ptr<const CoupledStage> NewStage(effects::PortRef writes,
+                                               const Scene& scene) const override {
+    if (writes != ports::kContact) return nullptr;
     return std::make_unique<ContactStage>(scene);
   }
 };

@@ -58,14 +58,15 @@ class ToolPoses final : public CoupledEffect {
     AddMotion(s, needle);
     Ports lookup = AreTissuesByHu(s) ? Ports{ports::kNeedle, ports::kCt, ports::kForceTable}
                                      : Ports{ports::kNeedle, ports::kLabels};
-    return {StepStage(StageId::kNeedlePose, "needle pose", std::move(needle), {ports::kNeedle}),
-            StepStage(StageId::kTissueLookup, "tissue lookup", std::move(lookup), {ports::kTissue}),
-            ImageStage(StageId::kProbePose, "probe pose", {ports::kProbePoses}, {ports::kProbe})};
+    return {StepStage("needle pose", std::move(needle), {ports::kNeedle}),
+            StepStage("tissue lookup", std::move(lookup), {ports::kTissue}),
+            ImageStage("probe pose", {ports::kProbePoses}, {ports::kProbe})};
   }
 
-  std::unique_ptr<const CoupledStage> NewStage(StageId id, const Scene& scene) const override {
-    if (id == StageId::kNeedlePose) return std::make_unique<NeedlePoseStage>(scene);
-    if (id == StageId::kTissueLookup) return std::make_unique<TissueLookupStage>(scene);
+  std::unique_ptr<const CoupledStage> NewStage(effects::PortRef writes,
+                                               const Scene& scene) const override {
+    if (writes == ports::kNeedle) return std::make_unique<NeedlePoseStage>(scene);
+    if (writes == ports::kTissue) return std::make_unique<TissueLookupStage>(scene);
     return nullptr;
   }
 };
