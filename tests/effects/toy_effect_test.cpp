@@ -1,6 +1,7 @@
 // An effect stands on its own: this file defines one and registers it, and without another line
 // anywhere it is in the schema, the plan, --explain, the log and report of a replay, a live session
 // and a sweep.
+#include <deque>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -161,6 +162,17 @@ class Reader final : public Sway {
   std::string_view key_;
 };
 
+/// One of many tables.
+class Numbered final : public Sway {
+ public:
+  explicit Numbered(int n) : key_("toy_table_" + std::to_string(n)) {}
+  std::string_view key() const override { return key_; }
+
+ private:
+  std::string key_;
+};
+constexpr int kNumTables = 12;
+
 constexpr const char* kWithSway =
     R"({"needle_force": {}, "probe_force": {"press_mm": 5}, "ct_slice": {}, "toy_sway": {}})";
 
@@ -174,6 +186,8 @@ class ToyEffect : public testing_support::SweepFolder {
          {static_cast<const Sway*>(&early), &sway, static_cast<const Sway*>(&late)}) {
       effects::RegisterEffect(*effect);
     }
+    static std::deque<Numbered> tables;
+    for (int n = 0; n < kNumTables; ++n) effects::RegisterEffect(tables.emplace_back(n));
   }
 
   void SetUp() override { Make(kWithSway); }
@@ -219,6 +233,21 @@ TEST_F(ToyEffect, IsInThePlanAndExplained) {
       replay::CheckText(Scene({{"/effects/toy_sway", nullptr}}), folder_ / "session",
                         replay::PlanDetail::kAll, context_);
   EXPECT_THAT(without, testing::Not(HasSubstr("sway")));
+}
+
+TEST_F(ToyEffect, AnyNumberOfEffectsIsPlanned) {
+  std::vector<scenario::Override> all;
+  for (int n = 0; n < kNumTables; ++n) {
+    all.push_back({"/effects/toy_table_" + std::to_string(n), json::object()});
+  }
+  const auto plan =
+      simulation::PlanEffects(Scene(all), {.needle_poses = true, .probe_poses = true});
+  for (int n = 0; n < kNumTables; ++n) {
+    const std::string key = "toy_table_" + std::to_string(n);
+    const auto is_its = [&key](const auto& stage) { return stage.in && stage.owner == key; };
+    EXPECT_EQ(std::ranges::count_if(plan.stages(), is_its), 2) << key;  // Step and image.
+  }
+  for (std::size_t n = 0; n < plan.stages().size(); ++n) EXPECT_EQ(plan.stages()[n].number, n);
 }
 
 TEST_F(ToyEffect, IsInTheLogAndTheReportOfAReplay) {

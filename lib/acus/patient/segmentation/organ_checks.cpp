@@ -20,8 +20,7 @@ constexpr double kMostKidneyRatio = 1.8;   ///< Of the two volumes.
 constexpr double kMostKidneyStepMm = 60.0;
 constexpr double kMostInOtherHalfMm = 15.0;  ///< Of the centroid.
 
-/// Volumes of adults: mean and three standard deviations, or the least and most of a study
-/// (docs/models/segmentation.md).
+/// Volumes of adults: wide limits around published means, rounded; not a study's quantiles.
 struct Range {
   const char* tissue;
   double least_ml, most_ml;
