@@ -11,6 +11,7 @@
 #include <zlib.h>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/text_table.h"
 
 namespace acus::volume {
 namespace {
@@ -143,9 +144,9 @@ std::optional<ChosenForm> Choose(const NiftiHeader& header, const fs::path& path
   const double apart_mm = CornerDistance(q, s, size);
   const bool take_q = q_code == 1 && s_code != 1;
   if (apart_mm <= kSamePlaceVoxels * s_mm.minCoeff()) return ChosenForm{.form = s};
-  notes.push_back(Message("qform and sform place it differently, by up to ", apart_mm, " mm; the ",
-                          take_q ? "qform" : "sform", " is used",
-                          take_q ? ", which is in scanner coordinates" : ""));
+  notes.push_back(Message("qform and sform place it differently, by up to ",
+                          RoundedText(apart_mm, 3), " mm; the ", take_q ? "qform" : "sform",
+                          " is used", take_q ? ", which is in scanner coordinates" : ""));
   return ChosenForm{.form = take_q ? q : s, .differs = true};
 }
 

@@ -132,6 +132,9 @@ TEST(ReadAnySession, SaysWhatItReads) {
   const TemporaryFolder folder;
   WriteTextFile(folder / "poses.txt", "1 2 3");
   EXPECT_THAT([&] { ReadAnySession(folder / "poses.txt", {}, RunContext{}); },
+              ThrowsMessage<InputError>(HasSubstr("'acus-import --columns MAPPING' reads it")));
+  WriteTextFile(folder / "poses.dat", "1 2 3");
+  EXPECT_THAT([&] { ReadAnySession(folder / "poses.dat", {}, RunContext{}); },
               ThrowsMessage<InputError>(HasSubstr("allowed: a session folder")));
   EXPECT_THAT([&] { ReadAnySession(folder / "none", {}, RunContext{}); },
               ThrowsMessage<InputError>(HasSubstr("no such file")));

@@ -145,7 +145,6 @@ TEST(PoseCsv, NamesRowAndValueOfWhatIsWrong) {
   expect(good + "1,0,0,1e9,1,0,0,0,OK\n", "needle.csv:3: z_mm is 1e9");
   expect(good + "nan,0,0,0,1,0,0,0,OK\n", "needle.csv:3: time_s is 'nan'");
   expect(good + "1e300,0,0,0,1,0,0,0,OK\n", "needle.csv:3: time_s is '1e300'");
-  expect(good + "0,0,0,0,1,0,0,0,OK\n", "time_s is 0, but the sample before is at 0");
   expect(good + "-0.001,0,0,0,1,0,0,0,OK\n", "time must increase");
   expect("0,0,0,0,1.002,0,0,0,OK\n", "needle.csv:2: the quaternion (qw,qx,qy,qz) has norm 1.002");
   expect("0,0,0,0,0,0,0,0,OK\n", "has norm 0");
@@ -153,6 +152,14 @@ TEST(PoseCsv, NamesRowAndValueOfWhatIsWrong) {
   expect(good + "1,0,0,0,1,0,0,OK\n", "needle.csv:3: has 8 cells");
   expect(good + "1,0,0,0,1,0,0,0,OK,7\n", "needle.csv:3: has 10 cells");
   expect("", "has no samples");
+}
+
+TEST(PoseCsv, KeepsTheFirstOfRowsWithOneStamp) {
+  const PoseStream stream =
+      ReadRows("0,1,0,0,1,0,0,0,OK\n0,2,0,0,1,0,0,0,OK\n1,3,0,0,1,0,0,0,OK\n");
+  ASSERT_EQ(stream.size(), 2U);
+  EXPECT_EQ(stream[0].reference_from_tool.translation().x(), 1.0);
+  EXPECT_EQ(stream[1].reference_from_tool.translation().x(), 3.0);
 }
 
 TEST(PoseCsv, AcceptsAQuaternionAtTheEdgeOfTheToleranceAndNormalisesIt) {

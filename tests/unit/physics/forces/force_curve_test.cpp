@@ -136,9 +136,9 @@ TEST(ReadForceCurve, ReadsExportsOfMachines) {
   EXPECT_NEAR(curve.force_n.back(), -0.078, 1e-9);
   EXPECT_THAT(curve.how_read, HasSubstr("force_n from 'Load (N)'"));
   const ForceCurve turned =
-      ReadForceCurve(Temp("machine.csv"), {.time = {.column = "Time"},
-                                           .depth = {.column = "2"},
-                                           .force = {.column = "Load", .sign = -1}});
+      ReadForceCurve(Temp("machine.csv"), {.time = {.column = "Time", .unit = {}},
+                                           .depth = {.column = "2", .unit = {}},
+                                           .force = {.column = "Load", .unit = {}, .sign = -1}});
   EXPECT_NEAR(turned.force_n.back(), 0.078, 1e-9);
   WriteTextFile(Temp("milli.csv"), "time_ms;depth_mm;force_mN\n" + rows(";", 1000.0));
   EXPECT_NEAR(ReadForceCurve(Temp("milli.csv")).force_n.back(), -0.078, 1e-9);
