@@ -230,7 +230,7 @@ void CsvTable::Accept(std::string_view column, std::span<const std::string_view>
       fitting.push_back(i);
     }
   }
-  if (fitting.empty()) return;  // Whoever asks for it is told what there is.
+  if (fitting.empty()) return;  // The message of a missing column lists the columns.
   ACUS_REQUIRE(fitting.size() == 1, path_.string(), ": '", column, "' may be column '",
                columns_[fitting[0]], "' or '", columns_[fitting[1]],
                "'; name the one that is "

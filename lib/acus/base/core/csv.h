@@ -36,12 +36,12 @@ class CsvTable {
   /// kind: "Force [kN]" for "force_n".
   bool Has(std::string_view column) const;
 
-  /// The cells of a column as finite numbers, in the unit of the name that is asked for.
+  /// The cells of a column as finite numbers, in the unit of the requested name.
   /// @throws InputError if there is no such column, two of them, or at the first cell that is not a
   ///     number.
   std::vector<double> Numbers(std::string_view column) const;
 
-  /// Leaves out the rows in which one of these columns is empty or "NaN". @returns how many.
+  /// Omits the rows in which one of these columns is empty or "NaN". @returns how many.
   /// @throws InputError if there is no such column.
   std::size_t DropRowsWithout(std::span<const std::string_view> columns);
 
@@ -56,7 +56,7 @@ class CsvTable {
 
   /// What was taken where the file is not plain CSV: separators, skipped rows; otherwise empty.
   const std::string& how_read() const { return how_read_; }
-  /// "force_n from 'Load_kN'"; empty if a column has the name that is asked for.
+  /// "force_n from 'Load_kN'"; empty if a column has the requested name.
   std::string Taken(std::string_view column) const;
 
   /// The cells of a column as text. @throws InputError if there is no such column.

@@ -48,7 +48,7 @@ bool IsDecimalCommaNumber(std::string_view cell) {
          NumberInCell(cell, true).has_value();
 }
 
-/// The first lines with content, comments left out.
+/// The first lines with content, without comments.
 std::vector<std::string_view> LinesLookedAt(std::string_view text) {
   std::vector<std::string_view> lines;
   for (std::size_t begin = 0; begin < text.size() && lines.size() < kLinesLookedAt;) {

@@ -18,7 +18,7 @@ struct RecordingOptions {
   /// recording is an error.
   double frame_rate_hz = 0.0;
   std::filesystem::path columns = {};  ///< Of a CSV: a file of format acus-columns/1.
-  /// Of a PLUS sequence: kDrop leaves out the frames that are late, kCut all from the first on.
+  /// Of a PLUS sequence: kDrop omits the frames that are late, kCut all from the first on.
   TimeGoingBack time_going_back = TimeGoingBack::kRefuse;
   bool as_it_is = false;  ///< Places that no tracker sees are not refused.
 };

@@ -178,7 +178,7 @@ fs::path SceneOf(const fs::path& folder) {
 
 namespace {
 
-/// Leaves out frames that are earlier than one before them, or all from the first such on.
+/// Omits frames that are earlier than one before them, or all from the first such on.
 void DropTimeGoingBack(std::vector<TimedTransforms>& instants, TimeGoingBack what,
                        const std::string& label, const RunContext& context) {
   if (what == TimeGoingBack::kRefuse || instants.empty()) return;

@@ -128,7 +128,7 @@ bool AreCopies(const DicomHeader& a, const DicomHeader& b) {
   try {
     return DecodedSlice(a) == DecodedSlice(b);
   } catch (const InputError&) {
-    return false;  // Whoever reads the pixels is told.
+    return false;  // Reading the pixels reports it.
   }
 }
 
@@ -157,7 +157,7 @@ void SortAlong(Headers& stack) {
   std::ranges::stable_sort(stack, {}, Along);
 }
 
-/// A part of a stack with what tells it from the others.
+/// A part of a stack with what distinguishes it from the others.
 struct Part {
   std::string name;
   Headers headers;

@@ -14,15 +14,15 @@ namespace acus::volume {
 struct SliceGroup {
   DicomSeries series;
   std::vector<DicomHeader> headers;  ///< In order along the slice normal.
-  std::vector<std::string> notes;    ///< What was mended or left out.
+  std::vector<std::string> notes;    ///< What was repaired or omitted.
 };
 
 Eigen::Vector3d NormalOf(const DicomHeader& header);
 
 /// The images of a folder (searched recursively), largest group first: those of one series, moment
 /// and size whose orientations differ by less than 5 mrad and whose pixel spacings by less than
-/// 0.1 %. Frames of a multi-frame object are images. Identical copies are left out. A group with
-/// several images at one place is split by what tells them apart: acquisition number, comment,
+/// 0.1 %. Frames of a multi-frame object are images. Identical copies are omitted. A group with
+/// several images at one place is split by what distinguishes them: acquisition number, comment,
 /// acquisition time, image type, or the order of the instances.
 /// @throws InputError if there is no readable DICOM image in it.
 std::vector<SliceGroup> SliceGroupsIn(const std::filesystem::path& folder, int num_threads);

@@ -31,7 +31,7 @@ struct ScalarFile {
   int num_components = 1;                   ///< Scalars per voxel; 3: a vector.
   std::vector<std::byte> bytes;             ///< num_components for each voxel.
   std::map<std::string, std::string> keys;  ///< Text fields of the header (NRRD key := value).
-  std::vector<std::string> notes = {};      ///< What was mended when it was read.
+  std::vector<std::string> notes = {};      ///< What was repaired when it was read.
 };
 
 std::size_t BytesOf(ScalarType type);

@@ -217,7 +217,7 @@ constexpr SpecimenKind<IndentationTest, IndentationFit> kIndentations{
     ReadIndentationTest, IndentationJson, IndentationPlot, "_indentation.svg"};
 
 /// Reads, fits and draws every specimen into the folder. @param fit_one  a Fit of a test.
-/// @param needs_all  A file that is broken stops it; otherwise the others go on without it.
+/// @param needs_all  A file that is broken stops it; otherwise the others are used without it.
 /// @throws NoAnswerError if no specimen has an answer.
 template <typename Test, typename Fit, typename FitOne>
 Specimens<Test, Fit> FitSpecimens(const FitTask& task, RunContext& context,

@@ -123,7 +123,7 @@ class Judge {
   std::optional<double> fle_rms_mm_;
 };
 
-/// Whether every marker that is left out lies far beyond the scatter of the others: markers on skin
+/// Whether every omitted marker lies far beyond the scatter of the others: markers on skin
 /// or in tissue do not all scatter alike, which the F test takes for granted.
 bool EachIsFar(const Pairs& pairs, const Best& best) {
   const Set kept = Others(pairs.ct_mm.cols(), best.out);

@@ -88,7 +88,7 @@ std::vector<std::string> WordsOfName(const fs::path& file) {
   return words;
 }
 
-/// The structure that a file's name tells: that of the most words of it that are one after the
+/// The structure that a file's name states: that of the most words of it that are one after the
 /// other in the table. Nothing if there is none, or two.
 std::optional<volume::ValueName> StructureInName(const fs::path& file, const LabelNames& table) {
   const std::vector<std::string> words = WordsOfName(file);

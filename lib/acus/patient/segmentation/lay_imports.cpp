@@ -11,7 +11,7 @@
 namespace acus::segmentation {
 namespace {
 
-/// A map's bowel or stomach has its gas in it, which the map does not tell apart; the CT does.
+/// A map's bowel or stomach has its gas in it, which the map does not distinguish; the CT does.
 void KeepGas(const volume::LabelMap& found, volume::LabelMap& tissues) {
   const volume::Label gas = volume::LabelOf("gas"), lung = volume::LabelOf("lung");
   for (std::size_t n = 0; n < found.voxels.size(); ++n) {

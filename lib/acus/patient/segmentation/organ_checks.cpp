@@ -122,7 +122,7 @@ void CompareKidneys(const Organ& left, const Organ& right, OrganCheck& left_chec
   }
 }
 
-/// Both kidneys, or what there is without a middle to tell them apart.
+/// Both kidneys, or what there is without a middle to distinguish them.
 void AddKidneys(const Mask& mask, const Range& range, const std::optional<double>& middle_x_mm,
                 std::vector<OrganCheck>& checks) {
   if (!middle_x_mm) {

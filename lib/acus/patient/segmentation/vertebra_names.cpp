@@ -91,7 +91,7 @@ VertebraNames From(const std::vector<VertebraEvidence>& list, const Anchor& anch
       if (checked && !AreAlike(list[n], list[next])) {
         out.doubt =
             Message("beyond ", out.names[n], " the heights of vertebrae do not fit their ",
-                    "neighbours (", FixedText(list[n].height_mm, 0), " and ",
+                    "adjacent ones (", FixedText(list[n].height_mm, 0), " and ",
                     FixedText(list[next].height_mm, 0), " mm): a disc is missed there, or is none");
         break;
       }

@@ -24,7 +24,7 @@ struct BoardViews {
 };
 
 /// Finds the board's corners in each image. Markers that do not lie as on the board, by a
-/// homography that most of them agree on, are misread and left out. Views with fewer than
+/// homography that most of them agree on, are misread and omitted. Views with fewer than
 /// `least_corners` corners, with all of them in one row or column, or of another size than the
 /// first are rejected.
 /// @throws InputError if a file cannot be read.

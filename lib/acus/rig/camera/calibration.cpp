@@ -252,7 +252,7 @@ void AddWarnings(const Corners& corners, Calibration& out) {
                 " px RMS: is the board flat, and its square as long as the file says?"));
   }
   if (misread > 0) {
-    out.warnings.push_back(Message(misread, " markers were misread and left out"));
+    out.warnings.push_back(Message(misread, " markers were misread and omitted"));
   }
   if (rejected > 0) {
     out.warnings.push_back(Message(rejected, " of ", out.views.size(), " images were not used"));

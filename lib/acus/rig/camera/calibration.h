@@ -15,7 +15,7 @@ namespace acus::camera {
 struct CalibrationView {
   std::string file;
   int corners = 0;
-  int misread = 0;           ///< Markers that were left out: BoardView.
+  int misread = 0;           ///< Omitted markers: BoardView.
   double rms_px = 0.0;       ///< Of its corners' residuals; 0 if it was not used.
   double tilt_deg = 0.0;     ///< Between the board's normal and the camera's axis.
   double distance_mm = 0.0;  ///< Of the board's middle.

@@ -47,7 +47,7 @@ class IgtlReader {
   const Counts& counts() const { return counts_; }
   /// Bytes skipped since the last good message: much of it is a peer that speaks something else.
   std::uint64_t skipped_in_a_row() const { return skipped_in_a_row_; }
-  /// Names in messages whose checksum was wrong (the first few; they may be rubbish).
+  /// Names in messages whose checksum was wrong (the first few; they may be damaged).
   const std::vector<std::string>& refused_names() const { return refused_names_; }
   /// A message has begun and not ended.
   bool in_message() const { return passing_bytes_ > 0 || begin_ < buffer_.size(); }

@@ -284,7 +284,7 @@ void IgtlSource::Receiver::PublishStatus(const IgtlReader& reader) {
   }
 }
 
-/// What the messages tell, for each tool that is not seen.
+/// What the messages state, for each tool that is not seen.
 std::vector<std::string> IgtlSource::Receiver::WhyNotSeen(const IgtlReader& reader) const {
   std::vector<std::string> why = tools_.WhyNotSeen();
   std::string more;

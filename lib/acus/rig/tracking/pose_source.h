@@ -57,7 +57,7 @@ struct SourceStatus {
   ClockStatus clock = {};
   /// Names that came and were not requested (the first few): what to write into the config.
   std::vector<std::string> other_names = {};
-  /// For each tool why it is not seen, as far as its messages tell; empty where it is, or is not
+  /// For each tool why it is not seen, as far as its messages show it; empty where it is, or is not
   /// known. May be shorter than the tools.
   std::vector<std::string> why_not_seen = {};
 };
