@@ -136,8 +136,8 @@ class TableFitter {
     return residual;
   }
 
-  /// Of each unknown and, last, of K_edge: each with the other ones that are not held at a bound,
-  /// so that none counts as exact that is not.
+  /// Intervals of each unknown and, last, of K_edge: each with the other ones that are not held at
+  /// a bound, so that none counts as exact that is not.
   std::vector<Estimate> Estimates(double smoothing, const Eigen::VectorXd& solution,
                                   const std::vector<double>& residual) const {
     const Eigen::Index n = columns_.cols();

@@ -103,7 +103,7 @@ std::vector<SeriesParameter> Start(const Motion& motion, double force_n, double 
   return p;
 }
 
-/// Of the static force's logarithm: that of the Coulomb force and of the ratio to it, together.
+/// Logarithm of the static force: that of the Coulomb force and of the ratio to it, together.
 Estimate LogStatic(const SeriesFit& fit) {
   const Estimate coulomb = fit.Bounded(kCoulomb), ratio = fit.Bounded(kStaticRatio);
   const double value = coulomb.value + ratio.value;

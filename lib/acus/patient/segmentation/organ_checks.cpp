@@ -96,8 +96,8 @@ OrganCheck Checked(const std::string& name, const Organ& organ, const Range& ran
   const Components parts = ConnectedComponents(organ.mask);
   const auto largest = static_cast<double>(std::ranges::max(parts.num_voxels)) * voxel_ml;
   if (largest < kLeastInOnePiece * check.volume_ml) {
-    check.doubts.push_back(
-        Message("in pieces: the largest has ", Millilitres(largest), " of ", Millilitres(check.volume_ml)));
+    check.doubts.push_back(Message("in pieces: the largest has ", Millilitres(largest), " of ",
+                                   Millilitres(check.volume_ml)));
   }
   if (middle_x_mm && range.side != 0.0 &&
       (organ.centroid_mm.x() - *middle_x_mm) * range.side < -kMostInOtherHalfMm) {

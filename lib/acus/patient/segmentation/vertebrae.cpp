@@ -72,7 +72,7 @@ class Growth {
 
   /// How far the bone of each vertebra reaches to the left and right, by number.
   const std::vector<std::array<double, 2>>& reach_mm() const { return reach_mm_; }
-  /// Of each voxel that was grown to, from its body.
+  /// Distance of each voxel that was grown to from its body.
   const std::vector<float>& way_mm() const { return way_mm_; }
 
  private:

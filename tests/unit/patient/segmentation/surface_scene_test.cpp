@@ -71,8 +71,9 @@ TEST(Rasterise, InterfacesLieWithinHalfAVoxel) {
   // A box whose faces lie at shares of a voxel.
   for (const double share : {0.0, 0.25, 0.5, 0.75}) {
     volume::LabelMap labels = Grid(40, 1.0, 0.0);
-    PaintInside(BoxSurface({10 + share, 12 + share, 9 + share}, {25 + share, 30 + share, 28 + share}),
-                Winding::kOriented, 5, 1, labels);
+    PaintInside(
+        BoxSurface({10 + share, 12 + share, 9 + share}, {25 + share, 30 + share, 28 + share}),
+        Winding::kOriented, 5, 1, labels);
     int first = 99, last = -1;
     for (int i = 0; i < 40; ++i) {
       if (labels.At(i, 20, 20) != 5) continue;
