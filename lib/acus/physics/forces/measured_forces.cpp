@@ -111,7 +111,8 @@ MechanicalModel MeasuredForces::Drawn(std::uint64_t seed) const {
   std::vector<double> weight(recordings.size());
   for (double& value : weight) value = spread * random.Normal();
   const auto pick = std::min(static_cast<std::size_t>(random.Uniform() * n), recordings.size() - 1);
-  weight[pick] += kOfOneRecording;
+  // The scatter of a picked recording about their mean is that of n, not of n - 1.
+  weight[pick] += kOfOneRecording * std::sqrt(n / (n - 1.0));
   MechanicalModel drawn = recordings[pick].law;
   for (const auto side : {&MechanicalModel::in, &MechanicalModel::out}) {
     ResistanceProfile profile{(mean.*side).depth_mm, {}};

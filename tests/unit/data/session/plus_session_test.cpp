@@ -133,8 +133,8 @@ TEST(ReadAnySession, SaysWhatItReads) {
   WriteTextFile(folder / "poses.txt", "1 2 3");
   EXPECT_THAT([&] { ReadAnySession(folder / "poses.txt", {}, RunContext{}); },
               ThrowsMessage<InputError>(HasSubstr("'acus-import --columns MAPPING' reads it")));
-  WriteTextFile(folder / "poses.dat", "1 2 3");
-  EXPECT_THAT([&] { ReadAnySession(folder / "poses.dat", {}, RunContext{}); },
+  WriteTextFile(folder / "poses.pdf", "1 2 3");
+  EXPECT_THAT([&] { ReadAnySession(folder / "poses.pdf", {}, RunContext{}); },
               ThrowsMessage<InputError>(HasSubstr("allowed: a session folder")));
   EXPECT_THAT([&] { ReadAnySession(folder / "none", {}, RunContext{}); },
               ThrowsMessage<InputError>(HasSubstr("no such file")));

@@ -108,11 +108,22 @@ TEST(LayImports, NamesAreThoseOfTheFileWhateverItsNumbersAre) {
 
 TEST(LayImports, AssumesATableOnlyWithAWarning) {
   RowOfVoxels row;
-  WriteNiftiLabels(row.folder / "a.nii", 6, 1, 1, {7, 0, 0, 0, 0, 0}, {});
+  WriteNiftiLabels(row.folder / "a.nii", 6, 1, 1, {7, 5, 0, 0, 0, 0}, {});
   const std::string report = row.Lay({{row.folder / "a.nii", {}}});
   EXPECT_EQ(row.Tissues()[0], "pancreas");
   EXPECT_THAT(report, HasSubstr("by the values of totalsegmentator.json"));
   EXPECT_THAT(row.warnings, HasSubstr("those of totalsegmentator.json are assumed"));
+}
+
+TEST(LayImports, AsksForTheNameOfAMaskOfOneValue) {
+  RowOfVoxels row;
+  WriteNiftiLabels(row.folder / "a.nii", 6, 1, 1, {7, 0, 0, 0, 0, 0}, {});
+  EXPECT_THAT(
+      [&] {
+        row.Lay({{row.folder / "a.nii", {}}});
+      },
+      ThrowsMessage<InputError>(
+          AllOf(HasSubstr("has one value, 7, and no name for it"), HasSubstr("--mapping"))));
 }
 
 TEST(LayImports, ListsNamesThatItDoesNotHave) {
@@ -162,9 +173,10 @@ TEST(LayImports, SaysWhereTheTwoLieIfTheyDoNotMeet) {
   RowOfVoxels row;
   row.ct.geometry.origin_mm[2] += 500.0;
   row.labels.geometry = row.ct.geometry;
+  WriteNiftiLabels(row.folder / "liver.nii", 6, 1, 1, {1, 0, 0, 0, 0, 0}, {});
   EXPECT_THAT(
       [&] {
-        row.Lay({{row.folder / "grid.nii", {}}});
+        row.Lay({{row.folder / "liver.nii", {}}});
       },
       ThrowsMessage<InputError>(
           AllOf(HasSubstr("z 0 to 0 mm, the CT"), HasSubstr("z 500 to 500 mm"))));
