@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kOfOneRecording = 0.9;
+constexpr double kOfOneRecording = 0.95;
 
 ResistanceProfile ProfileFrom(const json& block, const std::string& where) {
   ResistanceProfile profile{block.at("depth_mm").get<std::vector<double>>(),
