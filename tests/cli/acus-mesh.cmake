@@ -13,7 +13,7 @@ acus_add_cli_case(acus-mesh.truncated_surface EXIT 3 LEAVES_NOTHING
   BEFORE "${mesh_cube}\nhead -c 40 cube.obj > cut.obj"
   STDERR "cut.obj" COMMAND acus-mesh --surface cut.obj -o mesh)
 acus_add_cli_case(acus-mesh.wrong_kind EXIT 3 LEAVES_NOTHING BEFORE "echo hello > a.png"
-  STDERR "a.png: a surface must be .stl, .obj, .ply or .vtp"
+  STDERR "a.png: a surface must be .stl, .obj, .ply, .vtp or"
   COMMAND acus-mesh --surface a.png -o mesh)
 acus_add_cli_case(acus-mesh.not_a_label_map EXIT 3 LEAVES_NOTHING BEFORE "echo hello > a.nrrd"
   STDERR "a.nrrd" COMMAND acus-mesh a.nrrd -o mesh)

@@ -18,7 +18,7 @@ acus_add_cli_case(acus-segment.atlas_without_ct EXIT 3 NEEDS inputs LEAVES_NOTHI
   STDERR "/patients/0/ct.*no.nrrd does not exist"
   COMMAND acus-segment ct.nrrd --atlas atlas -o out)
 acus_add_cli_case(acus-segment.truncated EXIT 3 NEEDS inputs LEAVES_NOTHING
-  BEFORE "head -c 3000 $INPUTS/ct.nrrd > cut.nrrd" STDERR "cut.nrrd.*(cut off|broken)"
+  BEFORE "head -c 3000 $INPUTS/ct.nrrd > cut.nrrd" STDERR "cut.nrrd.*(cut off|broken|cannot be read)"
   COMMAND acus-segment cut.nrrd -o out)
 acus_add_cli_case(acus-segment.no_series EXIT 3 LEAVES_NOTHING
   BEFORE "mkdir empty" STDERR "no DICOM image" COMMAND acus-segment empty -o out)

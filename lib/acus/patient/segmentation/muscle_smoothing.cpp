@@ -8,13 +8,32 @@
 namespace acus::segmentation {
 namespace {
 
-constexpr double kHalfStreakMm = 1.5;  ///< Of the thickest fat or muscle that is smoothed away.
-constexpr double kLeastMuscleBodyMl = 1.0;
+constexpr double kLeastPieceMl = 1.0;  ///< Smaller parts of fat and muscle are stipple.
+
+/// True if most of the six voxels around one are of a label.
+bool IsAmong(const volume::Grid<volume::Label>& part, std::size_t at, volume::Label label) {
+  const auto row = static_cast<std::size_t>(part.geometry.size[0]);
+  const std::size_t steps[] = {1, row, row * static_cast<std::size_t>(part.geometry.size[1])};
+  int count = 0;
+  for (const std::size_t step : steps) {
+    if (at >= step) count += part.voxels[at - step] == label ? 1 : 0;
+    if (at + step < part.voxels.size()) count += part.voxels[at + step] == label ? 1 : 0;
+  }
+  return count >= 4;
+}
+
+/// Parts of a mask below kLeastPieceMl, or all others.
+Mask PartsBySize(const Mask& mask, bool small, double voxel_ml) {
+  const Components parts = ConnectedComponents(mask);
+  return Kept(parts, [&](std::int32_t number) {
+    const auto voxels = parts.num_voxels[static_cast<std::size_t>(number)];
+    return (static_cast<double>(voxels) * voxel_ml < kLeastPieceMl) == small;
+  });
+}
 
 }  // namespace
 
-void SmoothMuscles(const volume::CtVolume& ct, double fat_upper_hu, int num_threads,
-                   volume::LabelMap& labels) {
+void SmoothMuscles(const volume::CtVolume& ct, double fat_upper_hu, volume::LabelMap& labels) {
   const volume::Label muscle = volume::LabelOf("muscle"), fat = volume::LabelOf("fat"),
                       soft = volume::LabelOf("soft_tissue");
   const Mask whole = MaskOf(labels, muscle);
@@ -23,29 +42,20 @@ void SmoothMuscles(const volume::CtVolume& ct, double fat_upper_hu, int num_thre
   const Eigen::Array3i margin = (3.0 / labels.geometry.spacing_mm).ceil().cast<int>() + 1;
   box.low = (box.low - margin).max(0);
   box.high = (box.high + margin).min(labels.geometry.size - 1);
-  const Mask before = Cropped(whole, box);
-  // At least to the next voxel, so that single ones go in coarse volumes as well.
-  const double reach_mm = std::max(kHalfStreakMm, 1.01 * labels.geometry.spacing_mm.minCoeff());
-  const Mask closed = Closed(before, reach_mm, num_threads);
-  Mask solid = closed;
   const volume::Grid<volume::Label> part = Cropped<volume::Label>(labels, box);
-  // Bone and ligaments carry a muscle that is thin beside them.
-  for (std::size_t n = 0; n < solid.voxels.size(); ++n) {
-    const volume::Label here = part.voxels[n];
-    if (here != fat && here != soft && here != muscle) solid.voxels[n] = here != 0 ? 1 : 0;
-  }
-  solid = Opened(solid, reach_mm, num_threads);
-  for (std::size_t n = 0; n < solid.voxels.size(); ++n) {
-    const volume::Label here = part.voxels[n];
-    const bool may_change = here == fat || here == soft || here == muscle;
-    solid.voxels[n] = may_change && closed.voxels[n] != 0 ? solid.voxels[n] : 0;
+  Mask gaps = Cropped(whole, box);
+  for (std::size_t n = 0; n < gaps.voxels.size(); ++n) {
+    gaps.voxels[n] = part.voxels[n] == fat || part.voxels[n] == soft ? 1 : 0;
+    if (IsAmong(part, n, muscle)) gaps.voxels[n] = 0;
   }
   const double ml = labels.geometry.voxel_volume_mm3() / 1000.0;
-  const Components parts = ConnectedComponents(solid);
-  const Mask after = Kept(parts, [&](std::int32_t number) {
-    return static_cast<double>(parts.num_voxels[static_cast<std::size_t>(number)]) * ml >=
-           kLeastMuscleBodyMl;
-  });
+  Mask filled = PartsBySize(gaps, true, ml);
+  for (std::size_t n = 0; n < filled.voxels.size(); ++n) {
+    const volume::Label here = part.voxels[n];
+    const bool is_dent = (here == fat || here == soft) && IsAmong(part, n, muscle);
+    if (here == muscle || is_dent) filled.voxels[n] = 1;
+  }
+  const Mask after = PartsBySize(filled, false, ml);
   for (int k = box.low[2]; k <= box.high[2]; ++k) {
     for (int j = box.low[1]; j <= box.high[1]; ++j) {
       for (int i = box.low[0]; i <= box.high[0]; ++i) {

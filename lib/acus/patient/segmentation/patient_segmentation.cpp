@@ -197,7 +197,7 @@ TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig
   }
   context.Checkpoint("finding muscles", 0.0);
   AddWallMuscles(labels, context.num_threads);
-  SmoothMuscles(ct, config.tissues.fat_upper_hu, context.num_threads, labels);
+  SmoothMuscles(ct, config.tissues.fat_upper_hu, labels);
   return found;
 }
 

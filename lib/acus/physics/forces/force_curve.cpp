@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/counted.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
@@ -75,7 +76,8 @@ Signals ReadSignals(CsvTable table, std::span<const WantedColumn> wanted) {
   Note(signals.how_read, signals.table.how_read());
   for (const std::string_view name : names) Note(signals.how_read, signals.table.Taken(name));
   const std::size_t dropped = signals.table.DropRowsWithout(names);
-  if (dropped > 0) Note(signals.how_read, Message(dropped, " rows with empty cells omitted"));
+  if (dropped > 0)
+    Note(signals.how_read, Message(Counted(dropped, "row# with empty cells"), " omitted"));
   signals.time_s = signals.table.Numbers("time_s");
   for (const WantedColumn& column : wanted) {
     const auto& values = signals.values.emplace_back(signals.table.Numbers(column.name));

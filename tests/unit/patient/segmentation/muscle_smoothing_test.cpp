@@ -46,7 +46,7 @@ struct FattyMuscle {
 TEST(MuscleSmoothing, ANeedleMeetsOneFasciaInAFattyMuscle) {
   FattyMuscle body(0.2);
   EXPECT_GE(body.NumFascias(20, 20), 3);
-  SmoothMuscles(body.ct, kFatUpperHu, 1, body.labels);
+  SmoothMuscles(body.ct, kFatUpperHu, body.labels);
   for (const int at : {10, 15, 20, 25, 30}) EXPECT_EQ(body.NumFascias(at, 20), 1) << at;
   EXPECT_EQ(body.labels.At(20, 3, 20), volume::LabelOf("fat"));
 }
@@ -59,7 +59,7 @@ TEST(MuscleSmoothing, SpecksOfMuscleInFatGo) {
       body.ct.At(at, at, k) = 40;
     }
   }
-  SmoothMuscles(body.ct, kFatUpperHu, 1, body.labels);
+  SmoothMuscles(body.ct, kFatUpperHu, body.labels);
   EXPECT_THAT(body.labels.voxels, testing::Not(testing::Contains(volume::LabelOf("muscle"))));
   EXPECT_EQ(body.labels.At(20, 20, 20), volume::LabelOf("soft_tissue"));
 }
@@ -68,11 +68,11 @@ TEST(MuscleSmoothing, LayersOfFatBetweenMusclesStay) {
   FattyMuscle body(0.0);
   for (int k = 0; k < 40; ++k) {
     for (int i = 0; i < 40; ++i) {
-      for (int j = 20; j < 25; ++j) body.labels.At(i, j, k) = volume::LabelOf("fat");
+      for (int j = 20; j < 22; ++j) body.labels.At(i, j, k) = volume::LabelOf("fat");
     }
   }
   const auto before = body.labels.voxels;
-  SmoothMuscles(body.ct, kFatUpperHu, 1, body.labels);
+  SmoothMuscles(body.ct, kFatUpperHu, body.labels);
   EXPECT_EQ(body.labels.voxels, before);
 }
 
