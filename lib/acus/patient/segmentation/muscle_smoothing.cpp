@@ -43,19 +43,20 @@ void SmoothMuscles(const volume::CtVolume& ct, double fat_upper_hu, volume::Labe
   box.low = (box.low - margin).max(0);
   box.high = (box.high + margin).min(labels.geometry.size - 1);
   const volume::Grid<volume::Label> part = Cropped<volume::Label>(labels, box);
-  Mask gaps = Cropped(whole, box);
+  Mask muscles = Cropped(whole, box);
+  Mask gaps = muscles;
   for (std::size_t n = 0; n < gaps.voxels.size(); ++n) {
-    gaps.voxels[n] = part.voxels[n] == fat || part.voxels[n] == soft ? 1 : 0;
-    if (IsAmong(part, n, muscle)) gaps.voxels[n] = 0;
+    const bool is_gap = part.voxels[n] == fat || part.voxels[n] == soft;
+    const bool is_dent = is_gap && IsAmong(part, n, muscle);
+    if (is_dent) muscles.voxels[n] = 1;
+    gaps.voxels[n] = is_gap && !is_dent ? 1 : 0;
   }
   const double ml = labels.geometry.voxel_volume_mm3() / 1000.0;
-  Mask filled = PartsBySize(gaps, true, ml);
-  for (std::size_t n = 0; n < filled.voxels.size(); ++n) {
-    const volume::Label here = part.voxels[n];
-    const bool is_dent = (here == fat || here == soft) && IsAmong(part, n, muscle);
-    if (here == muscle || is_dent) filled.voxels[n] = 1;
+  const Mask small_gaps = PartsBySize(gaps, true, ml);
+  for (std::size_t n = 0; n < muscles.voxels.size(); ++n) {
+    muscles.voxels[n] |= small_gaps.voxels[n];
   }
-  const Mask after = PartsBySize(filled, false, ml);
+  const Mask after = PartsBySize(muscles, false, ml);
   for (int k = box.low[2]; k <= box.high[2]; ++k) {
     for (int j = box.low[1]; j <= box.high[1]; ++j) {
       for (int i = box.low[0]; i <= box.high[0]; ++i) {

@@ -5,7 +5,8 @@
 
 namespace acus::segmentation {
 
-/// Parts of fat and soft tissue below 1 ml among muscle become muscle, parts of muscle below 1 ml
+/// Parts of fat and soft tissue below 1 ml among muscle become muscle, as does a voxel of them with
+/// muscle on four or more of its six sides; parts of muscle below 1 ml
 /// become fat or soft tissue, by what they were: a needle punctures the fascia of a muscle, and
 /// neither each septum of fat in it nor each fibre in fat. Planes of fat between muscles are
 /// connected, and stay. Only muscle, fat and soft tissue change.
