@@ -6,6 +6,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/counted.h"
 #include "acus/base/core/delimited_text.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/words.h"
@@ -246,8 +247,8 @@ Session ReadColumnCsv(const fs::path& path, const fs::path& columns, bool as_it_
   ACUS_REQUIRE(last_ns, label, ": has no rows of data from row ",
                mapping.at("first_row").get<int>(), " on");
   if (num_repeated > 0) {
-    context.Warn(Message(label, ": ", num_repeated,
-                         " rows have the time of the row before; the first of each is kept"));
+    context.Warn(Message(label, ": ", Counted(num_repeated, "row# with the time of the row before"),
+                         " omitted; the first of each is kept"));
   }
   for (auto& [stream, tool] : tools) {
     const char* name = stream == &session.needle ? "needle" : "probe";

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/counted.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/number_text.h"
@@ -86,12 +87,13 @@ PoseStream ReadPoseCsv(const std::filesystem::path& path, const RunContext& cont
     stream.push_back(sample);
   }
   if (num_repeated > 0) {
-    context.Warn(Message(path.string(), ": ", num_repeated,
-                         " rows have the time stamp of the row before; the first of each is kept"));
+    context.Warn(Message(path.string(), ": ",
+                         Counted(num_repeated, "row# with the time stamp of the row before"),
+                         " omitted; the first of each is kept"));
   }
   if (num_empty > 0) {
-    context.Warn(Message(path.string(), ": ", num_empty,
-                         " rows with empty cells are taken as INVALID: the tool was not seen"));
+    context.Warn(Message(path.string(), ": ", Counted(num_empty, "row# with empty cells"),
+                         " taken as INVALID: the tool was not seen"));
   }
   ACUS_REQUIRE(!stream.empty(), path.string(),
                ": has no samples; record again, or take the stream out "

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "acus/base/core/counted.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
 #include "acus/data/session/csv_rows.h"
@@ -90,8 +91,9 @@ BreathStream ReadBreathCsv(const std::filesystem::path& path, const RunContext& 
     }
   }
   if (num_repeated > 0) {
-    context.Warn(Message(path.string(), ": ", num_repeated,
-                         " rows have the time stamp of the row before; the first of each is kept"));
+    context.Warn(Message(path.string(), ": ",
+                         Counted(num_repeated, "row# with the time stamp of the row before"),
+                         " omitted; the first of each is kept"));
   }
   return stream;
 }

@@ -193,7 +193,7 @@ TEST(ColumnCsv, ReadsPosesBetweenBlanks) {
   const auto found = Import(folder / "a.txt", {.columns = Preset("tum.json")}, warnings);
   ASSERT_EQ(found.session.needle.size(), 2U);
   EXPECT_NEAR(found.session.needle[1].reference_from_tool.translation().z(), 59.0, 1e-9);
-  EXPECT_THAT(warnings, HasSubstr("1 rows have the time of the row before"));
+  EXPECT_THAT(warnings, HasSubstr("1 row with the time of the row before"));
 }
 
 TEST(ColumnCsv, NamesTheColumnsThereAre) {

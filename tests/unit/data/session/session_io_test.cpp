@@ -197,6 +197,18 @@ TEST(PoseCsv, InvalidSamplesKeepTheLastGoodPose) {
   EXPECT_THAT(valid, ElementsAre(false, true, false, false, true));
 }
 
+TEST(PoseCsv, RowsWithEmptyCellsAreInvalidAndCounted) {
+  std::vector<std::string> warnings;
+  RunContext context;
+  context.on_warning = [&](std::string_view text) { warnings.emplace_back(text); };
+  const PoseStream stream =
+      ReadRows("0,5,0,0,1,0,0,0,OK\n1,,0,0,1,0,0,0,OK\n2,7,0,0,1,0,0,0,OK\n", context);
+  ASSERT_EQ(stream.size(), 3U);
+  EXPECT_FALSE(stream[1].valid);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings[0], HasSubstr("1 row with empty cells taken as INVALID"));
+}
+
 TEST(SecondsText, IsExactToTheNanosecond) {
   for (const std::int64_t time_ns :
        {std::int64_t{0}, std::int64_t{1}, std::int64_t{-1}, std::int64_t{1'000'000},

@@ -155,7 +155,7 @@ TEST(ReadForceCurve, MergesEqualStampsAndSkipsEmptyCells) {
   ASSERT_EQ(curve.size(), 25u);
   EXPECT_EQ(curve.depth_mm[4], 8.5);  // The mean of 8 and 9.
   EXPECT_EQ(curve.depth_mm[3], 6.0);  // Row 7 has no force.
-  EXPECT_THAT(curve.how_read, HasSubstr("1 rows with empty cells omitted"));
+  EXPECT_THAT(curve.how_read, HasSubstr("1 row with empty cells omitted"));
   EXPECT_THAT(curve.how_read, HasSubstr("24 rows had the time stamp of the row before"));
 }
 
