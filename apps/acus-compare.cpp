@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "acus/assess/comparison/run_comparison.h"
+#include "acus/assess/regression/comparison/run_comparison.h"
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/run_main.h"

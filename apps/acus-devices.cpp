@@ -5,8 +5,8 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/run_main.h"
 #include "acus/data/session/session_import.h"
-#include "acus/rig/simulators/mannequin_images.h"
-#include "acus/rig/simulators/scripted_hand.h"
+#include "acus/rig/camera/mannequin_images.h"
+#include "acus/rig/tracking/simulators/scripted_hand.h"
 
 namespace {
 using namespace acus::simulators;

@@ -5,7 +5,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/run_main.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/phantom/breathing_folder.h"
+#include "acus/patient/phantom/breath/breathing_folder.h"
 #include "acus/patient/phantom/ducts_task.h"
 #include "acus/patient/phantom/patient_folder.h"
 #include "acus/patient/segmentation/patient_segmentation.h"

@@ -6,8 +6,8 @@
 #include "acus/data/volume/dicom_series.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/atlas/atlas_organs.h"
-#include "acus/patient/segmentation/organ_vessels.h"
 #include "acus/patient/segmentation/segment_options.h"
+#include "acus/patient/segmentation/segmenters/organ_vessels.h"
 
 int main(int argc, char** argv) {
   namespace segmentation = acus::segmentation;

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "acus/base/core/text_table.h"
-#include "acus/imaging/ultrasound/aperture_renderer.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
 #include "benchmarks/image_errors.h"
 
 namespace acus::benchmarks {

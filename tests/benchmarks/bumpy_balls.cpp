@@ -8,8 +8,8 @@
 #include "acus/base/core/cpu_time.h"
 #include "acus/data/volume/labels.h"
 #include "acus/imaging/slicing/ct_sampler.h"
-#include "acus/imaging/tracing/beam_labels.h"
-#include "acus/patient/segmentation/rasterise.h"
+#include "acus/imaging/slicing/tracing/beam_labels.h"
+#include "acus/patient/segmentation/voxels/rasterise.h"
 #include "support/icosphere.h"
 
 namespace acus::benchmarks {

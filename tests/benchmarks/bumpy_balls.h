@@ -8,7 +8,7 @@
 #include "acus/data/volume/volume.h"
 #include "acus/imaging/acoustics/probe.h"
 #include "acus/imaging/slicing/beam_bend.h"
-#include "acus/imaging/tracing/surface_tracer.h"
+#include "acus/imaging/slicing/tracing/surface_tracer.h"
 
 namespace acus::benchmarks {
 

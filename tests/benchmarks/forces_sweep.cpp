@@ -7,7 +7,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/text_table.h"
 #include "acus/base/math/statistics.h"
-#include "acus/physics/forces/force_table.h"
+#include "acus/physics/forces/laws/force_table.h"
 #include "benchmarks/force_model_cases.h"
 #include "benchmarks/friction_integration.h"
 #include "benchmarks/insertion.h"

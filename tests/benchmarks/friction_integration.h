@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "acus/physics/forces/lugre.h"
+#include "acus/physics/forces/laws/lugre.h"
 
 namespace acus::benchmarks {
 

@@ -3,10 +3,10 @@
 
 #include <memory>
 
-#include "acus/imaging/ultrasound/alamilla.h"
-#include "acus/imaging/ultrasound/beam_renderer.h"
-#include "acus/imaging/ultrasound/bmode.h"
-#include "acus/imaging/ultrasound/vidal.h"
+#include "acus/imaging/ultrasound/beams/beam_renderer.h"
+#include "acus/imaging/ultrasound/columns/alamilla.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
+#include "acus/imaging/ultrasound/columns/vidal.h"
 
 namespace acus::benchmarks {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "acus/base/core/cpu_time.h"
-#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/forces/models/needle_force.h"
 #include "acus/physics/tissue/tool_sample.h"
 
 namespace acus::benchmarks {

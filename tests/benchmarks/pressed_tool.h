@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <string_view>
 
-#include "acus/physics/forces/model_settings.h"
-#include "acus/physics/forces/palpation_tool.h"
+#include "acus/physics/forces/models/model_settings.h"
+#include "acus/physics/forces/probe/palpation_tool.h"
 
 namespace acus::benchmarks {
 

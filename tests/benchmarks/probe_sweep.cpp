@@ -6,8 +6,8 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/math/statistics.h"
-#include "acus/physics/forces/force_table.h"
-#include "acus/physics/forces/multi_proxy_probe.h"
+#include "acus/physics/forces/laws/force_table.h"
+#include "acus/physics/forces/probe/multi_proxy_probe.h"
 #include "benchmarks/insertion.h"
 #include "benchmarks/pressed_tool.h"
 

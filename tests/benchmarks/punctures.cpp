@@ -1,6 +1,6 @@
 #include "benchmarks/punctures.h"
 
-#include "acus/physics/mechanics/condensation.h"
+#include "acus/physics/mechanics/condensation/condensation.h"
 #include "acus/physics/tissue/needle_contact.h"
 #include "benchmarks/tissue_run.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "acus/base/core/cpu_time.h"
-#include "acus/physics/forces/needle_sample.h"
+#include "acus/physics/forces/path/needle_sample.h"
 #include "acus/physics/tissue/tool_sample.h"
 
 namespace acus::benchmarks {

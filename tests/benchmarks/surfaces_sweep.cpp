@@ -7,7 +7,7 @@
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/core/text_table.h"
 #include "acus/base/math/statistics.h"
-#include "acus/imaging/ultrasound/alamilla.h"
+#include "acus/imaging/ultrasound/columns/alamilla.h"
 #include "benchmarks/bumpy_balls.h"
 
 namespace acus::benchmarks {

@@ -8,8 +8,8 @@
 #include "acus/base/core/provenance.h"
 #include "acus/data/mesh/tetra_mesh.h"
 #include "acus/data/volume/volume.h"
-#include "acus/physics/forces/force_table.h"
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/forces/laws/force_table.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 
 namespace acus::benchmarks {
 

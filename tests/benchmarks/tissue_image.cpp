@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "acus/base/core/cpu_time.h"
-#include "acus/physics/mechanics/compliance_file.h"
-#include "acus/physics/mechanics/condensation.h"
+#include "acus/physics/mechanics/condensation/compliance_file.h"
+#include "acus/physics/mechanics/condensation/condensation.h"
 #include "acus/physics/tissue/displacement_functions.h"
 #include "acus/physics/tissue/fem_field.h"
 #include "acus/physics/tissue/needle_contact.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "acus/data/volume/labels.h"
-#include "acus/physics/forces/needle_force.h"
-#include "acus/physics/mechanics/condensation.h"
-#include "acus/physics/mechanics/reachable.h"
+#include "acus/physics/forces/models/needle_force.h"
+#include "acus/physics/mechanics/condensation/condensation.h"
+#include "acus/physics/mechanics/condensation/reachable.h"
 #include "acus/physics/tissue/needle_contact.h"
 #include "acus/physics/tissue/plane_model_2010.h"
 #include "acus/physics/tissue/spring_model.h"

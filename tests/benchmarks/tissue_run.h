@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "acus/base/core/run_context.h"
-#include "acus/physics/mechanics/compliance.h"
-#include "acus/physics/mechanics/reachable.h"
-#include "acus/physics/mechanics/stiffness.h"
+#include "acus/physics/mechanics/condensation/compliance.h"
+#include "acus/physics/mechanics/condensation/reachable.h"
+#include "acus/physics/mechanics/elements/stiffness.h"
 #include "acus/physics/tissue/plane_model_2010.h"
 #include "acus/physics/tissue/spring_model.h"
 #include "acus/physics/tissue/strain_contact.h"

@@ -11,8 +11,8 @@
 #include "acus/patient/fitting/fit_report.h"
 #include "acus/patient/fitting/fitted_relaxation.h"
 #include "acus/patient/fitting/measured_fit.h"
-#include "acus/physics/forces/measured_model.h"
-#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/forces/models/measured_model.h"
+#include "acus/physics/forces/models/needle_force.h"
 #include "support/shared_data.h"
 
 namespace acus::fitting {

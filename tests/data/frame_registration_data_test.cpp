@@ -15,7 +15,7 @@
 
 #include "acus/base/core/random.h"
 #include "acus/data/mesh/surface_io.h"
-#include "acus/patient/segmentation/rasterise.h"
+#include "acus/patient/segmentation/voxels/rasterise.h"
 #include "acus/scene/frame_registration/frame_patient.h"
 #include "acus/scene/frame_registration/pose_search.h"
 #include "support/leg_sweep.h"

@@ -4,9 +4,9 @@
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/atlas/atlas_organs.h"
-#include "acus/patient/segmentation/import_gate.h"
-#include "acus/patient/segmentation/organ_vessels.h"
+#include "acus/patient/segmentation/import/import_gate.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
+#include "acus/patient/segmentation/segmenters/organ_vessels.h"
 #include "support/shared_data.h"
 #include "support/transformed_ct.h"
 

@@ -8,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "acus/data/mesh/surface_io.h"
-#include "acus/imaging/ultrasound/aperture_renderer.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
 #include "support/leg_measures.h"
 #include "support/shared_data.h"
 

@@ -8,8 +8,8 @@
 #include "acus/data/image/png.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/imaging/slicing/ct_slice.h"
-#include "acus/imaging/ultrasound/annotate.h"
-#include "acus/imaging/ultrasound/bmode.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
+#include "acus/imaging/ultrasound/display/annotate.h"
 #include "support/shared_data.h"
 
 namespace acus::ultrasound {

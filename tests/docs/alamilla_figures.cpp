@@ -4,7 +4,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/report/svg_plot.h"
-#include "acus/physics/forces/force_laws.h"
+#include "acus/physics/forces/laws/force_laws.h"
 #include "support/force_scenes.h"
 
 namespace acus::forces {

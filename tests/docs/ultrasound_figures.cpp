@@ -14,11 +14,11 @@
 #include "acus/data/session/session_io.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/imaging/slicing/ct_slice.h"
-#include "acus/imaging/ultrasound/alamilla.h"
-#include "acus/imaging/ultrasound/annotate.h"
-#include "acus/imaging/ultrasound/beam_renderer.h"
-#include "acus/imaging/ultrasound/bmode.h"
-#include "acus/imaging/ultrasound/vidal.h"
+#include "acus/imaging/ultrasound/beams/beam_renderer.h"
+#include "acus/imaging/ultrasound/columns/alamilla.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
+#include "acus/imaging/ultrasound/columns/vidal.h"
+#include "acus/imaging/ultrasound/display/annotate.h"
 
 namespace acus {
 namespace {

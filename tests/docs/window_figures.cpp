@@ -19,7 +19,7 @@
 #include "acus/data/volume/volume_io.h"
 #include "acus/imaging/fluoroscopy/fluoroscope.h"
 #include "acus/imaging/slicing/ct_slice.h"
-#include "acus/imaging/ultrasound/beam_renderer.h"
+#include "acus/imaging/ultrasound/beams/beam_renderer.h"
 #include "acus/scene/effects/view_3d/patient_surfaces.h"
 #include "acus/window/orbit.h"
 #include "acus/window/volume_renderer.h"

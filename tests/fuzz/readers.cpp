@@ -31,7 +31,7 @@
 #include "acus/data/volume/volume_io.h"
 #include "acus/data/volume/vti_file.h"
 #include "acus/imaging/rf/matlab_file.h"
-#include "acus/physics/forces/force_curve.h"
+#include "acus/physics/forces/laws/force_curve.h"
 #include "acus/rig/tracking/igtl_wire.h"
 #include "support/dicom_segmentation_writer.h"
 

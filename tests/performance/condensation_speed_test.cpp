@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "acus/base/core/cpu_time.h"
-#include "acus/physics/mechanics/reachable.h"
+#include "acus/physics/mechanics/condensation/reachable.h"
 #include "acus/physics/tissue/fem_field.h"
 #include "support/box_mesh.h"
 #include "support/slice_time.h"

@@ -5,8 +5,8 @@
 
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/math/statistics.h"
-#include "acus/physics/forces/force_model.h"
-#include "acus/physics/forces/vidal_probe.h"
+#include "acus/physics/forces/models/force_model.h"
+#include "acus/physics/forces/probe/vidal_probe.h"
 #include "benchmarks/force_model_cases.h"
 #include "support/force_scenes.h"
 

@@ -8,10 +8,10 @@
 #include <thread>
 
 #include "acus/imaging/slicing/ct_slice.h"
-#include "acus/imaging/ultrasound/aperture_renderer.h"
-#include "acus/imaging/ultrasound/beam_renderer.h"
-#include "acus/imaging/ultrasound/bmode.h"
-#include "acus/imaging/ultrasound/frame_persistence.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
+#include "acus/imaging/ultrasound/beams/beam_renderer.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
+#include "acus/imaging/ultrasound/display/frame_persistence.h"
 #include "support/paired_times.h"
 #include "support/reslice_scene.h"
 #include "support/vtk_reslice.h"

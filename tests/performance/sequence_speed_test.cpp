@@ -6,7 +6,7 @@
 
 #include "acus/base/core/cpu_time.h"
 #include "acus/data/session/sequence_writer.h"
-#include "acus/imaging/ultrasound/bmode.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
 #include "support/reslice_scene.h"
 #include "support/temporary_folder.h"
 

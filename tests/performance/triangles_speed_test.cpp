@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <gtest/gtest.h>
 
-#include "acus/imaging/ultrasound/alamilla.h"
+#include "acus/imaging/ultrasound/columns/alamilla.h"
 #include "benchmarks/bumpy_balls.h"
 #include "support/paired_times.h"
 

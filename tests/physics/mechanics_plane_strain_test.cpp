@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "acus/physics/mechanics/plane_strain.h"
+#include "acus/physics/mechanics/elements/plane_strain.h"
 
 namespace acus::mechanics {
 namespace {

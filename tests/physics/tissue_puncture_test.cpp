@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "acus/physics/mechanics/condensation.h"
+#include "acus/physics/mechanics/condensation/condensation.h"
 #include "benchmarks/punctures.h"
 
 namespace acus::benchmarks {

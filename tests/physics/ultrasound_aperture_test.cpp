@@ -6,8 +6,8 @@
 
 #include "acus/base/core/error.h"
 #include "acus/imaging/acoustics/beam_width.h"
-#include "acus/imaging/ultrasound/aperture_renderer.h"
-#include "acus/imaging/ultrasound/ct_texture.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
+#include "acus/imaging/ultrasound/columns/ct_texture.h"
 #include "support/beam_targets.h"
 
 namespace acus::ultrasound {

@@ -4,8 +4,8 @@
 
 #include "acus/base/core/error.h"
 #include "acus/imaging/acoustics/beam_width.h"
-#include "acus/imaging/ultrasound/aperture_renderer.h"
-#include "acus/imaging/ultrasound/side_lobes.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
+#include "acus/imaging/ultrasound/beams/side_lobes.h"
 #include "support/beam_targets.h"
 
 namespace acus::ultrasound {

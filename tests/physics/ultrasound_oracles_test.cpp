@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "acus/imaging/acoustics/beam_width.h"
-#include "acus/imaging/ultrasound/aperture_field.h"
-#include "acus/imaging/ultrasound/echo_list.h"
-#include "acus/imaging/ultrasound/refraction.h"
-#include "acus/imaging/ultrasound/side_lobes.h"
+#include "acus/imaging/ultrasound/aperture/aperture_field.h"
+#include "acus/imaging/ultrasound/beams/refraction.h"
+#include "acus/imaging/ultrasound/beams/side_lobes.h"
+#include "acus/imaging/ultrasound/columns/echo_list.h"
 #include "support/beam_targets.h"
 
 namespace acus::ultrasound {

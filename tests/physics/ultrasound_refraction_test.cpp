@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "acus/imaging/acoustics/beam_width.h"
-#include "acus/imaging/ultrasound/aperture_renderer.h"
-#include "acus/imaging/ultrasound/beam_march.h"
-#include "acus/imaging/ultrasound/refraction.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
+#include "acus/imaging/ultrasound/beams/beam_march.h"
+#include "acus/imaging/ultrasound/beams/refraction.h"
 #include "support/beam_targets.h"
 
 namespace acus::ultrasound {

@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 
-#include "acus/imaging/ultrasound/alamilla.h"
-#include "acus/imaging/ultrasound/aperture_renderer.h"
-#include "acus/imaging/ultrasound/beam_renderer.h"
-#include "acus/imaging/ultrasound/bmode.h"
-#include "acus/imaging/ultrasound/vidal.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
+#include "acus/imaging/ultrasound/beams/beam_renderer.h"
+#include "acus/imaging/ultrasound/columns/alamilla.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
+#include "acus/imaging/ultrasound/columns/vidal.h"
 #include "support/synthetic_ct.h"
 
 namespace acus::ultrasound {

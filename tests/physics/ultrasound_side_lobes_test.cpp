@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "acus/imaging/acoustics/beam_width.h"
-#include "acus/imaging/ultrasound/side_lobes.h"
+#include "acus/imaging/ultrasound/beams/side_lobes.h"
 #include "support/beam_targets.h"
 
 namespace acus::ultrasound {

@@ -9,7 +9,7 @@
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
 #include "acus/base/math/driven_mass.h"
-#include "acus/physics/forces/chatter_meter.h"
+#include "acus/physics/forces/path/chatter_meter.h"
 
 namespace acus::forces {
 namespace {

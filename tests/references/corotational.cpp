@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/mechanics/block_matrix.h"
-#include "acus/physics/mechanics/element_patches.h"
+#include "acus/physics/mechanics/elements/element_patches.h"
+#include "acus/physics/mechanics/sparse/block_matrix.h"
 #include "references/corotational_element.h"
 #include "references/mesh_newton.h"
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "acus/physics/mechanics/linear_tetrahedron.h"
+#include "acus/physics/mechanics/elements/linear_tetrahedron.h"
 #include "references/mesh_newton.h"
 
 namespace acus::mechanics {

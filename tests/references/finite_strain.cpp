@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/mechanics/block_matrix.h"
-#include "acus/physics/mechanics/finite_strain_body.h"
+#include "acus/physics/mechanics/elements/finite_strain_body.h"
+#include "acus/physics/mechanics/sparse/block_matrix.h"
 #include "references/mesh_newton.h"
 
 namespace acus::mechanics {

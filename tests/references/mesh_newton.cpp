@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/mechanics/stiffness.h"
+#include "acus/physics/mechanics/elements/stiffness.h"
 
 namespace acus::mechanics {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "acus/physics/mechanics/sparse_factor.h"
-#include "acus/physics/mechanics/supported_nodes.h"
+#include "acus/physics/mechanics/elements/supported_nodes.h"
+#include "acus/physics/mechanics/sparse/sparse_factor.h"
 
 namespace acus::mechanics {
 

@@ -5,10 +5,10 @@
 #include <Eigen/SparseCore>
 
 #include "acus/data/mesh/tetra_mesh.h"
-#include "acus/physics/mechanics/elasticity_table.h"
-#include "acus/physics/mechanics/sparse_factor.h"
-#include "acus/physics/mechanics/stiffness.h"
-#include "acus/physics/mechanics/supported_nodes.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
+#include "acus/physics/mechanics/elements/stiffness.h"
+#include "acus/physics/mechanics/elements/supported_nodes.h"
+#include "acus/physics/mechanics/sparse/sparse_factor.h"
 
 namespace acus::mechanics {
 

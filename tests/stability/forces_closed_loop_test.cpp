@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <gmock/gmock.h>
 
-#include "acus/physics/forces/force_laws.h"
+#include "acus/physics/forces/laws/force_laws.h"
 #include "support/bound.h"
 #include "support/force_scenes.h"
 

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <numbers>
 
-#include "acus/physics/forces/force_model.h"
+#include "acus/physics/forces/models/force_model.h"
 #include "support/allocation_counter.h"
 #include "support/bound.h"
 #include "support/force_scenes.h"

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "acus/base/core/random.h"
-#include "acus/physics/mechanics/plane_strain.h"
-#include "acus/physics/mechanics/swept_matrix.h"
+#include "acus/physics/mechanics/elements/plane_strain.h"
+#include "acus/physics/mechanics/sparse/swept_matrix.h"
 #include "support/bound.h"
 
 namespace acus::tissue {

@@ -8,9 +8,9 @@
 
 #include "acus/base/core/error.h"
 #include "acus/data/volume/labels.h"
-#include "acus/imaging/ultrasound/alamilla.h"
-#include "acus/imaging/ultrasound/bmode.h"
-#include "acus/imaging/ultrasound/vidal.h"
+#include "acus/imaging/ultrasound/columns/alamilla.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
+#include "acus/imaging/ultrasound/columns/vidal.h"
 #include "support/allocation_counter.h"
 #include "support/beam_targets.h"
 #include "support/bound.h"

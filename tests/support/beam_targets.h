@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "acus/imaging/ultrasound/beam_renderer.h"
+#include "acus/imaging/ultrasound/beams/beam_renderer.h"
 
 namespace acus::testing_support {
 

@@ -1,8 +1,8 @@
 // A small box of tissue, condensed.
 #pragma once
 
-#include "acus/physics/mechanics/condensation.h"
-#include "acus/physics/mechanics/reachable.h"
+#include "acus/physics/mechanics/condensation/condensation.h"
+#include "acus/physics/mechanics/condensation/reachable.h"
 #include "support/box_mesh.h"
 
 namespace acus::testing_support {

@@ -8,8 +8,8 @@
 
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/core/random.h"
-#include "acus/physics/mechanics/condensation.h"
-#include "acus/physics/mechanics/reachable.h"
+#include "acus/physics/mechanics/condensation/condensation.h"
+#include "acus/physics/mechanics/condensation/reachable.h"
 #include "support/fem_needle_scene.h"
 #include "support/fresh_contact.h"
 

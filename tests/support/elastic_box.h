@@ -4,10 +4,10 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "acus/physics/mechanics/compliance.h"
-#include "acus/physics/mechanics/condensation.h"
-#include "acus/physics/mechanics/sparse_factor.h"
-#include "acus/physics/mechanics/stiffness.h"
+#include "acus/physics/mechanics/condensation/compliance.h"
+#include "acus/physics/mechanics/condensation/condensation.h"
+#include "acus/physics/mechanics/elements/stiffness.h"
+#include "acus/physics/mechanics/sparse/sparse_factor.h"
 #include "support/box_mesh.h"
 
 namespace acus::testing_support {

@@ -9,8 +9,8 @@
 #include "acus/data/mesh/quality.h"
 #include "acus/data/mesh/tetra_faces.h"
 #include "acus/data/mesh/tetra_mesh.h"
-#include "acus/physics/mechanics/elasticity_table.h"
-#include "acus/physics/mechanics/stiffness.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
+#include "acus/physics/mechanics/elements/stiffness.h"
 
 namespace acus::testing_support {
 

@@ -6,13 +6,13 @@
 #include <numbers>
 #include <vector>
 
-#include "acus/physics/forces/alamilla_model.h"
-#include "acus/physics/forces/measured_forces.h"
-#include "acus/physics/forces/measured_model.h"
-#include "acus/physics/forces/multi_proxy_probe.h"
-#include "acus/physics/forces/needle_force.h"
-#include "acus/physics/forces/vidal_model.h"
-#include "acus/physics/forces/vidal_probe.h"
+#include "acus/physics/forces/models/alamilla_model.h"
+#include "acus/physics/forces/models/measured_forces.h"
+#include "acus/physics/forces/models/measured_model.h"
+#include "acus/physics/forces/models/needle_force.h"
+#include "acus/physics/forces/models/vidal_model.h"
+#include "acus/physics/forces/probe/multi_proxy_probe.h"
+#include "acus/physics/forces/probe/vidal_probe.h"
 #include "references/closed_loop.h"
 
 namespace acus::testing_support {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "acus/data/volume/labels.h"
-#include "acus/physics/forces/force_table.h"
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/forces/laws/force_table.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 #include "acus/physics/tissue/spring_model.h"
 
 namespace acus::testing_support {

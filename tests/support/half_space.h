@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 
 namespace acus::testing_support {
 

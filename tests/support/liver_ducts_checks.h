@@ -8,8 +8,8 @@
 #include <string>
 
 #include "acus/data/volume/labels.h"
-#include "acus/patient/phantom/liver_ducts.h"
-#include "acus/patient/segmentation/mask.h"
+#include "acus/patient/phantom/anatomy/liver_ducts.h"
+#include "acus/patient/segmentation/voxels/mask.h"
 
 namespace acus::testing_support {
 

@@ -7,7 +7,7 @@
 
 #include "acus/base/core/random.h"
 #include "acus/data/volume/volume.h"
-#include "acus/patient/segmentation/crop.h"
+#include "acus/patient/segmentation/voxels/crop.h"
 
 namespace acus::testing_support {
 

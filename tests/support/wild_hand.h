@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "acus/base/core/random.h"
-#include "acus/physics/forces/needle_sample.h"
+#include "acus/physics/forces/path/needle_sample.h"
 
 namespace acus::testing_support {
 

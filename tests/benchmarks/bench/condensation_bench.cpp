@@ -9,9 +9,9 @@
 #include <string>
 
 #include "acus/base/core/cpu_time.h"
-#include "acus/physics/mechanics/compliance_file.h"
-#include "acus/physics/mechanics/element_names.h"
-#include "acus/physics/mechanics/reachable.h"
+#include "acus/physics/mechanics/condensation/compliance_file.h"
+#include "acus/physics/mechanics/condensation/reachable.h"
+#include "acus/physics/mechanics/elements/element_names.h"
 #include "support/box_mesh.h"
 
 namespace acus::mechanics {

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "acus/imaging/slicing/ct_slice.h"
-#include "acus/imaging/ultrasound/beam_renderer.h"
-#include "acus/imaging/ultrasound/bmode.h"
+#include "acus/imaging/ultrasound/beams/beam_renderer.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
 #include "support/paired_times.h"
 #include "support/reslice_scene.h"
 #include "support/vtk_reslice.h"

@@ -8,8 +8,8 @@
 
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/math/statistics.h"
-#include "acus/physics/mechanics/condensation.h"
-#include "acus/physics/mechanics/reachable.h"
+#include "acus/physics/mechanics/condensation/condensation.h"
+#include "acus/physics/mechanics/condensation/reachable.h"
 #include "acus/physics/tissue/needle_contact.h"
 #include "benchmarks/tissue_block.h"
 #include "references/finite_strain.h"

@@ -11,8 +11,8 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/cpu_time.h"
 #include "acus/data/image/png.h"
-#include "acus/imaging/tracing/beam_labels.h"
-#include "acus/imaging/ultrasound/alamilla.h"
+#include "acus/imaging/slicing/tracing/beam_labels.h"
+#include "acus/imaging/ultrasound/columns/alamilla.h"
 #include "benchmarks/bumpy_balls.h"
 #include "support/paired_times.h"
 

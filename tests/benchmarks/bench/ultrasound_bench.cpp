@@ -7,8 +7,8 @@
 #include "acus/data/image/film.h"
 #include "acus/imaging/fluoroscopy/fluoroscope.h"
 #include "acus/imaging/slicing/ct_slice.h"
-#include "acus/imaging/ultrasound/annotate.h"
-#include "acus/imaging/ultrasound/bmode.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
+#include "acus/imaging/ultrasound/display/annotate.h"
 #include "support/synthetic_ct.h"
 
 namespace acus::ultrasound {

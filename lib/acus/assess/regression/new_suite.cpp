@@ -6,7 +6,7 @@
 #include <memory>
 #include <set>
 
-#include "acus/assess/comparison/tolerances.h"
+#include "acus/assess/regression/comparison/tolerances.h"
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"

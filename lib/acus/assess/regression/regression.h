@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "acus/assess/comparison/run_comparison.h"
+#include "acus/assess/regression/comparison/run_comparison.h"
 #include "acus/assess/regression/suite.h"
 
 namespace acus::regression {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "acus/assess/comparison/image_difference.h"
+#include "acus/assess/regression/comparison/image_difference.h"
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/provenance.h"

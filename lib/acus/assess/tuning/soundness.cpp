@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/forces/force_table.h"
+#include "acus/physics/forces/laws/force_table.h"
 
 namespace acus::tuning {
 namespace {

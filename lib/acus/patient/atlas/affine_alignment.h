@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "acus/patient/breathing_registration/level_image.h"
-#include "acus/patient/segmentation/mask.h"
+#include "acus/patient/segmentation/voxels/mask.h"
 
 namespace acus::atlas {
 

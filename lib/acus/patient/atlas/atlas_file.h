@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "acus/base/core/run_context.h"
-#include "acus/patient/segmentation/imported_labels.h"
+#include "acus/patient/segmentation/import/imported_labels.h"
 
 namespace acus::atlas {
 

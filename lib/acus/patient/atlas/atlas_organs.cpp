@@ -13,8 +13,8 @@
 #include "acus/patient/atlas/organ_cut.h"
 #include "acus/patient/atlas/organ_place.h"
 #include "acus/patient/atlas/patient_map.h"
-#include "acus/patient/segmentation/crop.h"
-#include "acus/patient/segmentation/imported_labels.h"
+#include "acus/patient/segmentation/import/imported_labels.h"
+#include "acus/patient/segmentation/voxels/crop.h"
 
 namespace acus::atlas {
 namespace {

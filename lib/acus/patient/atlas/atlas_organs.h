@@ -5,7 +5,7 @@
 
 #include "acus/base/core/run_context.h"
 #include "acus/patient/atlas/atlas_file.h"
-#include "acus/patient/segmentation/tissues.h"
+#include "acus/patient/segmentation/segmenters/tissues.h"
 
 namespace acus::atlas {
 

@@ -1,7 +1,7 @@
 // One organ, cut out of a CT near where it is expected.
 #pragma once
 
-#include "acus/patient/segmentation/mask.h"
+#include "acus/patient/segmentation/voxels/mask.h"
 
 namespace acus::atlas {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "acus/base/core/parallel.h"
-#include "acus/patient/segmentation/tissues.h"
+#include "acus/patient/segmentation/segmenters/tissues.h"
 
 namespace acus::atlas {
 namespace {

@@ -1,7 +1,7 @@
 // Where an organ lies that moves on its own: kidneys, in their fat.
 #pragma once
 
-#include "acus/patient/segmentation/mask.h"
+#include "acus/patient/segmentation/voxels/mask.h"
 
 namespace acus::atlas {
 

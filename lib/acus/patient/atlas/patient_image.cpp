@@ -7,8 +7,8 @@
 #include "acus/data/volume/label_lookup.h"
 #include "acus/data/volume/labels.h"
 #include "acus/patient/breathing_registration/level_image.h"
-#include "acus/patient/segmentation/crop.h"
-#include "acus/patient/segmentation/tissues.h"
+#include "acus/patient/segmentation/segmenters/tissues.h"
+#include "acus/patient/segmentation/voxels/crop.h"
 
 namespace acus::atlas {
 namespace {

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "acus/data/volume/volume.h"
-#include "acus/patient/segmentation/mask.h"
+#include "acus/patient/segmentation/voxels/mask.h"
 
 namespace acus::atlas {
 

@@ -10,7 +10,7 @@
 #include "acus/patient/atlas/affine_alignment.h"
 #include "acus/patient/atlas/hu_density.h"
 #include "acus/patient/breathing_registration/phase_registration.h"
-#include "acus/patient/segmentation/crop.h"
+#include "acus/patient/segmentation/voxels/crop.h"
 
 namespace acus::atlas {
 namespace {

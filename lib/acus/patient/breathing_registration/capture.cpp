@@ -7,7 +7,7 @@
 #include "acus/base/math/statistics.h"
 #include "acus/data/volume/displacement_file.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/phantom/breathing_folder.h"
+#include "acus/patient/phantom/breath/breathing_folder.h"
 
 namespace acus::breathing_registration {
 namespace {

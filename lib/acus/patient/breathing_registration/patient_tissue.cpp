@@ -1,6 +1,6 @@
 #include "acus/patient/breathing_registration/patient_tissue.h"
 
-#include "acus/patient/phantom/cavity.h"
+#include "acus/patient/phantom/anatomy/cavity.h"
 
 namespace acus::breathing_registration {
 

@@ -7,7 +7,7 @@
 
 #include "acus/patient/fitting/curve_phases.h"
 #include "acus/patient/fitting/least_squares.h"
-#include "acus/physics/forces/force_curve.h"
+#include "acus/physics/forces/laws/force_curve.h"
 
 namespace acus::fitting {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "acus/physics/forces/force_curve.h"
+#include "acus/physics/forces/laws/force_curve.h"
 
 namespace acus::fitting {
 

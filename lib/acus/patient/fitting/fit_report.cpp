@@ -9,7 +9,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/math/statistics.h"
-#include "acus/physics/forces/force_table.h"
+#include "acus/physics/forces/laws/force_table.h"
 
 namespace acus::fitting {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "acus/patient/fitting/curve_fit.h"
-#include "acus/physics/forces/tissue_time.h"
+#include "acus/physics/forces/laws/tissue_time.h"
 
 namespace acus::fitting {
 

@@ -9,7 +9,7 @@
 #include "acus/base/core/error.h"
 #include "acus/base/math/statistics.h"
 #include "acus/patient/fitting/non_negative.h"
-#include "acus/physics/forces/hu_resistance.h"
+#include "acus/physics/forces/laws/hu_resistance.h"
 
 namespace acus::fitting {
 namespace {

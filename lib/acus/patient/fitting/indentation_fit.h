@@ -12,7 +12,7 @@
 #include "acus/base/report/svg_plot.h"
 #include "acus/patient/fitting/hyperelastic_laws.h"
 #include "acus/patient/fitting/least_squares.h"
-#include "acus/physics/forces/tissue_time.h"
+#include "acus/physics/forces/laws/tissue_time.h"
 
 namespace acus::fitting {
 

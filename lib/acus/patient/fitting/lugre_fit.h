@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "acus/patient/fitting/least_squares.h"
-#include "acus/physics/forces/force_curve.h"
+#include "acus/physics/forces/laws/force_curve.h"
 
 namespace acus::fitting {
 

@@ -10,7 +10,7 @@
 
 #include "acus/base/report/svg_plot.h"
 #include "acus/patient/fitting/fit_models.h"
-#include "acus/physics/forces/measured_forces.h"
+#include "acus/physics/forces/models/measured_forces.h"
 
 namespace acus::fitting {
 

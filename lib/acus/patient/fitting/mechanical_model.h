@@ -2,7 +2,7 @@
 // and felt in the simulation.
 #pragma once
 
-#include "acus/physics/forces/mechanical_model.h"
+#include "acus/physics/forces/models/mechanical_model.h"
 
 namespace acus::fitting {
 

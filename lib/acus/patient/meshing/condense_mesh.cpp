@@ -6,8 +6,8 @@
 #include "acus/base/core/cpu_time.h"
 #include "acus/base/math/point_text.h"
 #include "acus/patient/meshing/mesh_config.h"
-#include "acus/physics/mechanics/compliance_file.h"
-#include "acus/physics/mechanics/element_names.h"
+#include "acus/physics/mechanics/condensation/compliance_file.h"
+#include "acus/physics/mechanics/elements/element_names.h"
 
 namespace acus::meshing {
 namespace {

@@ -8,10 +8,10 @@
 
 #include "acus/base/core/run_context.h"
 #include "acus/patient/meshing/lattice_points.h"
-#include "acus/physics/mechanics/compliance.h"
-#include "acus/physics/mechanics/elasticity_table.h"
-#include "acus/physics/mechanics/reachable.h"
-#include "acus/physics/mechanics/stiffness.h"
+#include "acus/physics/mechanics/condensation/compliance.h"
+#include "acus/physics/mechanics/condensation/reachable.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
+#include "acus/physics/mechanics/elements/stiffness.h"
 
 namespace acus::meshing {
 

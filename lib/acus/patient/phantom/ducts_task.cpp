@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/phantom/liver_ducts.h"
+#include "acus/patient/phantom/anatomy/liver_ducts.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
 
 namespace acus::phantom {

@@ -10,8 +10,8 @@
 #include "acus/data/volume/label_map_content.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/phantom/insertion_summary.h"
-#include "acus/patient/phantom/scene_plan.h"
+#include "acus/patient/phantom/planning/insertion_summary.h"
+#include "acus/patient/phantom/planning/scene_plan.h"
 
 namespace acus::phantom {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "acus/base/core/run_context.h"
-#include "acus/patient/phantom/phantom_config.h"
-#include "acus/patient/phantom/scene_request.h"
+#include "acus/patient/phantom/anatomy/phantom_config.h"
+#include "acus/patient/phantom/planning/scene_request.h"
 
 namespace acus::phantom {
 

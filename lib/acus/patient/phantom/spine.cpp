@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "acus/patient/phantom/trunk.h"
+#include "acus/patient/phantom/anatomy/trunk.h"
 
 namespace acus::phantom {
 namespace {

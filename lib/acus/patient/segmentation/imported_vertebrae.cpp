@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "acus/patient/segmentation/mask.h"
+#include "acus/patient/segmentation/voxels/mask.h"
 
 namespace acus::segmentation {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "acus/patient/segmentation/imported_labels.h"
+#include "acus/patient/segmentation/import/imported_labels.h"
+#include "acus/patient/segmentation/spine/vertebrae.h"
 #include "acus/patient/segmentation/spine_frame.h"
-#include "acus/patient/segmentation/vertebrae.h"
 
 namespace acus::segmentation {
 

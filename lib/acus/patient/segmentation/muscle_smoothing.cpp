@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "acus/data/volume/labels.h"
-#include "acus/patient/segmentation/crop.h"
+#include "acus/patient/segmentation/voxels/crop.h"
 
 namespace acus::segmentation {
 namespace {

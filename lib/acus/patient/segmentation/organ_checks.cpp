@@ -10,7 +10,7 @@
 #include "acus/base/core/text_table.h"
 #include "acus/base/core/words.h"
 #include "acus/data/volume/labels.h"
-#include "acus/patient/segmentation/crop.h"
+#include "acus/patient/segmentation/voxels/crop.h"
 
 namespace acus::segmentation {
 namespace {

@@ -14,12 +14,12 @@
 #include "acus/data/volume/label_map_content.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/segmentation/metrics.h"
 #include "acus/patient/segmentation/muscle_smoothing.h"
 #include "acus/patient/segmentation/preview.h"
-#include "acus/patient/segmentation/skin_surface.h"
-#include "acus/patient/segmentation/spine.h"
-#include "acus/patient/segmentation/wall_muscles.h"
+#include "acus/patient/segmentation/segmenters/wall_muscles.h"
+#include "acus/patient/segmentation/spine/spine.h"
+#include "acus/patient/segmentation/surfaces/skin_surface.h"
+#include "acus/patient/segmentation/voxels/metrics.h"
 
 namespace acus::segmentation {
 namespace {

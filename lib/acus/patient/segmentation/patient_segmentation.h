@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "acus/base/core/run_context.h"
-#include "acus/patient/segmentation/imported_labels.h"
+#include "acus/patient/segmentation/import/imported_labels.h"
 #include "acus/patient/segmentation/organ_checks.h"
-#include "acus/patient/segmentation/organs.h"
-#include "acus/patient/segmentation/scan_quality.h"
-#include "acus/patient/segmentation/surface_extraction.h"
-#include "acus/patient/segmentation/tissues.h"
-#include "acus/patient/segmentation/vertebrae.h"
+#include "acus/patient/segmentation/segmenters/organs.h"
+#include "acus/patient/segmentation/segmenters/tissues.h"
+#include "acus/patient/segmentation/spine/vertebrae.h"
+#include "acus/patient/segmentation/surfaces/surface_extraction.h"
+#include "acus/patient/segmentation/voxels/scan_quality.h"
 
 namespace acus::segmentation {
 

@@ -8,7 +8,7 @@
 #include "acus/base/core/error.h"
 #include "acus/data/image/png.h"
 #include "acus/data/volume/labels.h"
-#include "acus/patient/segmentation/mask.h"
+#include "acus/patient/segmentation/voxels/mask.h"
 
 namespace acus::segmentation {
 namespace {

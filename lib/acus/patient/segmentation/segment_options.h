@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "acus/base/core/run_context.h"
-#include "acus/patient/segmentation/lay_imports.h"
+#include "acus/patient/segmentation/import/lay_imports.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
 
 namespace CLI {

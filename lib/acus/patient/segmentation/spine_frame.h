@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "acus/patient/segmentation/disc_planes.h"
+#include "acus/patient/segmentation/spine/disc_planes.h"
 
 namespace acus::segmentation {
 

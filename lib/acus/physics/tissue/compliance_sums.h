@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "acus/physics/mechanics/compliance.h"
+#include "acus/physics/mechanics/condensation/compliance.h"
 #include "acus/physics/tissue/contact_system.h"
 
 namespace acus::tissue {

@@ -8,7 +8,7 @@
 #include "acus/data/mesh/point_location.h"
 #include "acus/data/mesh/tetra_mesh.h"
 #include "acus/data/volume/volume.h"
-#include "acus/physics/mechanics/compliance.h"
+#include "acus/physics/mechanics/condensation/compliance.h"
 #include "acus/physics/tissue/contact_system.h"
 
 namespace acus::tissue {

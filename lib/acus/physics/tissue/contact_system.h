@@ -19,8 +19,8 @@
 #include <limits>
 #include <vector>
 
-#include "acus/physics/mechanics/compliance.h"
-#include "acus/physics/mechanics/relaxation.h"
+#include "acus/physics/mechanics/condensation/compliance.h"
+#include "acus/physics/mechanics/elements/relaxation.h"
 #include "acus/physics/tissue/box_solver.h"
 #include "acus/physics/tissue/triangular_factor.h"
 

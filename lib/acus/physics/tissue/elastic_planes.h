@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include "acus/physics/forces/force_table.h"
-#include "acus/physics/mechanics/elasticity_table.h"
-#include "acus/physics/mechanics/plane_strain.h"
+#include "acus/physics/forces/laws/force_table.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
+#include "acus/physics/mechanics/elements/plane_strain.h"
 #include "acus/physics/tissue/plane_contact.h"
 #include "acus/physics/tissue/plane_frame.h"
 #include "acus/physics/tissue/tissue_at.h"

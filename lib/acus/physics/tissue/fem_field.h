@@ -7,7 +7,7 @@
 
 #include "acus/data/mesh/point_location.h"
 #include "acus/data/mesh/tetra_mesh.h"
-#include "acus/physics/mechanics/compliance_file.h"
+#include "acus/physics/mechanics/condensation/compliance_file.h"
 #include "acus/physics/tissue/tissue_load.h"
 
 namespace acus::tissue {

@@ -8,7 +8,7 @@
 // and of a rigid sphere at the tip. Added to the diagonal, it makes forces independent of the mesh.
 #pragma once
 
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 #include "acus/physics/tissue/contact_system.h"
 
 namespace acus::tissue {

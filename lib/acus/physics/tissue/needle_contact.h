@@ -11,10 +11,10 @@
 #include <optional>
 #include <vector>
 
-#include "acus/physics/forces/force_table.h"
-#include "acus/physics/forces/friction_pace.h"
-#include "acus/physics/forces/needle_force.h"
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/forces/laws/force_table.h"
+#include "acus/physics/forces/laws/friction_pace.h"
+#include "acus/physics/forces/models/needle_force.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 #include "acus/physics/tissue/contact_mesh.h"
 #include "acus/physics/tissue/contact_system.h"
 #include "acus/physics/tissue/membrane_dimple.h"

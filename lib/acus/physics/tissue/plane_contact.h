@@ -16,8 +16,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "acus/physics/mechanics/relaxation.h"
-#include "acus/physics/mechanics/swept_matrix.h"
+#include "acus/physics/mechanics/elements/relaxation.h"
+#include "acus/physics/mechanics/sparse/swept_matrix.h"
 
 namespace acus::tissue {
 

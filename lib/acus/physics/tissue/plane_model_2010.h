@@ -7,10 +7,10 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "acus/physics/forces/force_table.h"
-#include "acus/physics/forces/friction_pace.h"
-#include "acus/physics/forces/needle_force.h"
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/forces/laws/force_table.h"
+#include "acus/physics/forces/laws/friction_pace.h"
+#include "acus/physics/forces/models/needle_force.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 #include "acus/physics/tissue/elastic_planes.h"
 #include "acus/physics/tissue/needle_phase.h"
 #include "acus/physics/tissue/plane_contact.h"

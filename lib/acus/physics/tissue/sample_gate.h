@@ -1,7 +1,7 @@
 // What a model does with samples that it cannot step on, the same as every force model.
 #pragma once
 
-#include "acus/physics/forces/sample_gate.h"
+#include "acus/physics/forces/path/sample_gate.h"
 #include "acus/physics/tissue/tool_sample.h"
 
 namespace acus::tissue {

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 
 namespace acus::tissue {
 

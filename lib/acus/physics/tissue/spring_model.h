@@ -10,10 +10,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "acus/physics/forces/force_table.h"
-#include "acus/physics/forces/friction_pace.h"
-#include "acus/physics/forces/needle_force.h"
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/forces/laws/force_table.h"
+#include "acus/physics/forces/laws/friction_pace.h"
+#include "acus/physics/forces/models/needle_force.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 #include "acus/physics/tissue/sample_gate.h"
 #include "acus/physics/tissue/tissue_at.h"
 #include "acus/physics/tissue/tissue_load.h"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "acus/data/mesh/tetra_mesh.h"
-#include "acus/physics/mechanics/strain_region.h"
+#include "acus/physics/mechanics/elements/strain_region.h"
 #include "acus/physics/tissue/contact_system.h"
 
 namespace acus::tissue {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "acus/data/mesh/tetra_mesh.h"
-#include "acus/physics/mechanics/compliance.h"
+#include "acus/physics/mechanics/condensation/compliance.h"
 #include "acus/physics/tissue/contact_system.h"
 
 namespace acus::tissue {

@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "acus/data/volume/volume.h"
-#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/forces/models/needle_force.h"
 #include "acus/physics/tissue/displacement_functions.h"
 #include "acus/physics/tissue/fem_field.h"
 #include "acus/physics/tissue/needle_contact.h"

@@ -6,8 +6,8 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/config/pose_json.h"
 #include "acus/base/core/error.h"
+#include "acus/base/core/trusted_library.h"
 #include "acus/rig/haptics/axes.h"
-#include "acus/rig/haptics/trusted_library.h"
 
 namespace acus::haptics {
 namespace {

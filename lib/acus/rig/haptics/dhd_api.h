@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "acus/base/core/shared_library.h"
 #include "acus/rig/haptics/driver.h"
-#include "acus/rig/haptics/shared_library.h"
 
 namespace acus::haptics::dhd {
 

@@ -6,10 +6,10 @@
 #include "acus/base/core/error.h"
 #include "acus/base/core/monotonic_time.h"
 #include "acus/base/core/number_text.h"
+#include "acus/base/core/shared_library.h"
 #include "acus/rig/haptics/axes.h"
 #include "acus/rig/haptics/dhd_api.h"
 #include "acus/rig/haptics/real_time.h"
-#include "acus/rig/haptics/shared_library.h"
 
 namespace acus::haptics {
 namespace {

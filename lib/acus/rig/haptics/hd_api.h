@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "acus/rig/haptics/shared_library.h"
+#include "acus/base/core/shared_library.h"
 
 namespace acus::haptics::hd {
 

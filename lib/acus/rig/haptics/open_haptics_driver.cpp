@@ -9,11 +9,11 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/monotonic_time.h"
+#include "acus/base/core/shared_library.h"
 #include "acus/rig/haptics/axes.h"
 #include "acus/rig/haptics/callback_gate.h"
 #include "acus/rig/haptics/hd_api.h"
 #include "acus/rig/haptics/hd_errors.h"
-#include "acus/rig/haptics/shared_library.h"
 
 namespace acus::haptics {
 namespace {

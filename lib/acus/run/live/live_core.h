@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "acus/physics/forces/chatter_meter.h"
+#include "acus/physics/forces/path/chatter_meter.h"
 #include "acus/rig/haptics/device_reading.h"
 #include "acus/rig/tracking/pose_board.h"
 #include "acus/run/live/command_queue.h"

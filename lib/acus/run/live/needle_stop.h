@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "acus/physics/forces/tissue_lookup.h"
+#include "acus/physics/forces/laws/tissue_lookup.h"
 
 namespace acus::live {
 

@@ -6,8 +6,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "acus/data/sound/loudspeaker.h"
 #include "acus/data/sound/sound.h"
-#include "acus/rig/loudspeaker/loudspeaker.h"
 #include "acus/run/live/live_snapshot.h"
 #include "acus/scene/simulation/scene.h"
 

@@ -9,7 +9,7 @@
 #include "acus/data/image/film.h"
 #include "acus/data/image/png.h"
 #include "acus/data/session/sequence_writer.h"
-#include "acus/imaging/ultrasound/annotate.h"
+#include "acus/imaging/ultrasound/display/annotate.h"
 #include "acus/scene/simulation/effect_images.h"
 
 namespace acus::replay {

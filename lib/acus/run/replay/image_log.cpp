@@ -12,7 +12,7 @@
 #include "acus/data/image/film.h"
 #include "acus/data/image/png.h"
 #include "acus/data/session/sequence_writer.h"
-#include "acus/imaging/ultrasound/annotate.h"
+#include "acus/imaging/ultrasound/display/annotate.h"
 #include "acus/run/replay/trace.h"
 
 namespace acus::replay {

@@ -11,9 +11,9 @@
 #include "acus/physics/breathing/breath.h"
 #include "acus/physics/breathing/motion_field.h"
 #include "acus/physics/breathing/tool_at_rest.h"
-#include "acus/physics/forces/force_model.h"
-#include "acus/physics/forces/needle_sample.h"
-#include "acus/physics/forces/probe_sample.h"
+#include "acus/physics/forces/models/force_model.h"
+#include "acus/physics/forces/path/needle_sample.h"
+#include "acus/physics/forces/probe/probe_sample.h"
 #include "acus/scene/effects/port.h"
 
 namespace acus::effects::ports {

@@ -5,7 +5,7 @@
 #include "acus/base/core/error.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/segmentation/surface_scene.h"
+#include "acus/patient/segmentation/surfaces/surface_scene.h"
 
 namespace acus::frame_registration {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "acus/base/core/error.h"
-#include "acus/imaging/ultrasound/aperture_renderer.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
 
 namespace acus::frame_registration {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "acus/data/image/image.h"
 #include "acus/imaging/acoustics/probe.h"
-#include "acus/imaging/ultrasound/aperture_options.h"
+#include "acus/imaging/ultrasound/aperture/aperture_options.h"
 
 namespace acus::frame_registration {
 

@@ -10,7 +10,7 @@
 #include "acus/base/core/text_table.h"
 #include "acus/data/image/png.h"
 #include "acus/data/transforms/transform_file.h"
-#include "acus/imaging/ultrasound/aperture_renderer.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
 #include "acus/patient/registration/result_folder.h"
 #include "acus/scene/frame_registration/frame_patient.h"
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "acus/base/core/error.h"
-#include "acus/imaging/ultrasound/fibre_field.h"
+#include "acus/imaging/ultrasound/columns/fibre_field.h"
 
 namespace acus::simulation {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "acus/data/volume/volume.h"
 #include "acus/imaging/acoustics/tissue_acoustics.h"
-#include "acus/imaging/ultrasound/aperture_options.h"
+#include "acus/imaging/ultrasound/aperture/aperture_options.h"
 #include "acus/scene/scenario/ultrasound_effect.h"
 
 namespace acus::simulation {

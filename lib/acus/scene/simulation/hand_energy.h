@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/forces/models/needle_force.h"
 
 namespace acus::simulation {
 

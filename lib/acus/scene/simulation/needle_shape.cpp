@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/forces/models/needle_force.h"
 #include "acus/physics/tissue/shaft_springs.h"
 
 namespace acus::simulation {

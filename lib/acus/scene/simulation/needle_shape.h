@@ -9,10 +9,10 @@
 #include <optional>
 
 #include "acus/base/math/polyline.h"
-#include "acus/physics/forces/force_table.h"
-#include "acus/physics/forces/needle_sample.h"
-#include "acus/physics/forces/sample_gate.h"
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/forces/laws/force_table.h"
+#include "acus/physics/forces/path/needle_sample.h"
+#include "acus/physics/forces/path/sample_gate.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 #include "acus/physics/needle/bendable_needle.h"
 #include "acus/scene/scenario/needle_effect.h"
 #include "acus/scene/simulation/hand_energy.h"

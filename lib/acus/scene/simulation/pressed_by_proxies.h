@@ -5,8 +5,8 @@
 #include <array>
 
 #include "acus/imaging/slicing/beam_bend.h"
-#include "acus/physics/forces/hu_field.h"
-#include "acus/physics/forces/palpation_tool.h"
+#include "acus/physics/forces/laws/hu_field.h"
+#include "acus/physics/forces/probe/palpation_tool.h"
 
 namespace acus::simulation {
 

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "acus/imaging/slicing/beam_bend.h"
-#include "acus/physics/forces/tissue_lookup.h"
+#include "acus/physics/forces/laws/tissue_lookup.h"
 #include "acus/physics/tissue/probe_contact.h"
 
 namespace acus::simulation {

@@ -7,7 +7,7 @@
 
 #include "acus/data/image/image.h"
 #include "acus/imaging/slicing/ct_slice.h"
-#include "acus/imaging/ultrasound/frame_persistence.h"
+#include "acus/imaging/ultrasound/display/frame_persistence.h"
 #include "acus/physics/breathing/breath.h"
 #include "acus/scene/simulation/moment_rest.h"
 #include "acus/scene/simulation/scene.h"

@@ -3,7 +3,7 @@
 #include <bitset>
 #include <utility>
 
-#include "acus/physics/forces/occupancy_field.h"
+#include "acus/physics/forces/laws/occupancy_field.h"
 
 namespace acus::simulation {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/segmentation/surface_scene.h"
+#include "acus/patient/segmentation/surfaces/surface_scene.h"
 #include "acus/scene/simulation/coupled/coupled_effect.h"
 
 namespace acus::simulation {

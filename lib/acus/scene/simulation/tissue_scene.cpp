@@ -10,9 +10,9 @@
 #include "acus/data/mesh/surface_io.h"
 #include "acus/data/transforms/landmarks.h"
 #include "acus/data/volume/label_lookup.h"
-#include "acus/physics/mechanics/compliance_file.h"
-#include "acus/physics/mechanics/elasticity_table.h"
-#include "acus/physics/mechanics/element_names.h"
+#include "acus/physics/mechanics/condensation/compliance_file.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
+#include "acus/physics/mechanics/elements/element_names.h"
 #include "acus/scene/simulation/needle_line.h"
 
 namespace acus::simulation {

@@ -6,7 +6,7 @@
 #include "acus/base/core/run_context.h"
 #include "acus/data/volume/volume.h"
 #include "acus/imaging/acoustics/probe.h"
-#include "acus/physics/forces/hu_field.h"
+#include "acus/physics/forces/laws/hu_field.h"
 #include "acus/physics/tissue/tissue_model.h"
 #include "acus/scene/scenario/scenario.h"
 

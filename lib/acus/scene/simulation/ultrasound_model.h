@@ -7,12 +7,12 @@
 #include <variant>
 
 #include "acus/data/volume/volume.h"
-#include "acus/imaging/tracing/surface_tracer.h"
-#include "acus/imaging/ultrasound/alamilla.h"
-#include "acus/imaging/ultrasound/aperture_renderer.h"
-#include "acus/imaging/ultrasound/beam_renderer.h"
-#include "acus/imaging/ultrasound/bmode.h"
-#include "acus/imaging/ultrasound/vidal.h"
+#include "acus/imaging/slicing/tracing/surface_tracer.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
+#include "acus/imaging/ultrasound/beams/beam_renderer.h"
+#include "acus/imaging/ultrasound/columns/alamilla.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
+#include "acus/imaging/ultrasound/columns/vidal.h"
 #include "acus/scene/scenario/ultrasound_effect.h"
 #include "acus/scene/simulation/beam_settings.h"
 

@@ -6,7 +6,7 @@
 
 #include "acus/imaging/slicing/ct_sampler.h"
 #include "acus/imaging/slicing/ct_slice.h"
-#include "acus/imaging/ultrasound/bmode.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
 #include "support/synthetic_ct.h"
 
 namespace acus::slicing {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "acus/base/core/random.h"
-#include "acus/imaging/ultrasound/bmode.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
 #include "support/instruction_sets.h"
 #include "support/synthetic_ct.h"
 

@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/alamilla.h"
+#include "acus/imaging/ultrasound/columns/alamilla.h"
 
 #include <cmath>
 #include <filesystem>

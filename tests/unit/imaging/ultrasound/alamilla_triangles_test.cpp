@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "acus/base/core/error.h"
-#include "acus/imaging/ultrasound/alamilla.h"
+#include "acus/imaging/ultrasound/columns/alamilla.h"
 #include "support/icosphere.h"
 
 namespace acus::ultrasound {

@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/annotate.h"
+#include "acus/imaging/ultrasound/display/annotate.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>

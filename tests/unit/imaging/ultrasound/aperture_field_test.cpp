@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/aperture_field.h"
+#include "acus/imaging/ultrasound/aperture/aperture_field.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/aperture_renderer.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/beam_display.h"
+#include "acus/imaging/ultrasound/display/beam_display.h"
 
 #include <gtest/gtest.h>
 

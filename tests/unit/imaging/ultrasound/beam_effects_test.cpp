@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "acus/imaging/acoustics/beam_width.h"
-#include "acus/imaging/ultrasound/beam_interface.h"
-#include "acus/imaging/ultrasound/beam_march.h"
-#include "acus/imaging/ultrasound/beam_renderer.h"
+#include "acus/imaging/ultrasound/beams/beam_interface.h"
+#include "acus/imaging/ultrasound/beams/beam_march.h"
+#include "acus/imaging/ultrasound/beams/beam_renderer.h"
 
 namespace acus::ultrasound {
 namespace {

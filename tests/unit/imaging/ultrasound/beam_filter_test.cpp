@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/beam_filter.h"
+#include "acus/imaging/ultrasound/beams/beam_filter.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/beam_path.h"
+#include "acus/imaging/ultrasound/beams/beam_path.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/beam_renderer.h"
+#include "acus/imaging/ultrasound/beams/beam_renderer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
-#include "acus/imaging/ultrasound/beam_interface.h"
+#include "acus/imaging/ultrasound/beams/beam_interface.h"
 #include "support/instruction_sets.h"
 #include "support/synthetic_ct.h"
 

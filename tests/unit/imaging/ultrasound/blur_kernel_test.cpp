@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/blur_kernel.h"
+#include "acus/imaging/ultrasound/speckle/blur_kernel.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/bmode_options.h"
+#include "acus/imaging/ultrasound/columns/bmode_options.h"
 
 #include <filesystem>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/bmode.h"
+#include "acus/imaging/ultrasound/columns/bmode.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
-#include "acus/imaging/ultrasound/beam_renderer.h"
+#include "acus/imaging/ultrasound/beams/beam_renderer.h"
 #include "support/allocation_counter.h"
 #include "support/synthetic_ct.h"
 

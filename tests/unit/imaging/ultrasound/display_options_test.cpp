@@ -1,5 +1,5 @@
 // Presets of the display, curves of grey, edges along the lines, persistence over time.
-#include "acus/imaging/ultrasound/display_options.h"
+#include "acus/imaging/ultrasound/display/display_options.h"
 
 #include <cmath>
 #include <fstream>
@@ -8,9 +8,9 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
-#include "acus/imaging/ultrasound/edge_enhancement.h"
-#include "acus/imaging/ultrasound/frame_persistence.h"
-#include "acus/imaging/ultrasound/grey_curve.h"
+#include "acus/imaging/ultrasound/display/edge_enhancement.h"
+#include "acus/imaging/ultrasound/display/frame_persistence.h"
+#include "acus/imaging/ultrasound/display/grey_curve.h"
 
 namespace acus::ultrasound {
 namespace {

@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/display.h"
+#include "acus/imaging/ultrasound/display/display.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/echo.h"
+#include "acus/imaging/ultrasound/columns/echo.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

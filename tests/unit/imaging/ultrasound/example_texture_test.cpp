@@ -1,5 +1,5 @@
 // Textures like an example: the same greys, as long and as wide, without seams.
-#include "acus/imaging/ultrasound/example_texture.h"
+#include "acus/imaging/ultrasound/columns/example_texture.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/fibre_field.h"
+#include "acus/imaging/ultrasound/columns/fibre_field.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

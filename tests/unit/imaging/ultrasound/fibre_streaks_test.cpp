@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/fibre_streaks.h"
+#include "acus/imaging/ultrasound/columns/fibre_streaks.h"
 
 #include <algorithm>
 #include <array>

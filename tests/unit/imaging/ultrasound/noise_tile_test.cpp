@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/noise_tile.h"
+#include "acus/imaging/ultrasound/speckle/noise_tile.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

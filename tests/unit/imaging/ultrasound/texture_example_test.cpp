@@ -1,5 +1,5 @@
 // What example images may be, and what is read off them.
-#include "acus/imaging/ultrasound/texture_example.h"
+#include "acus/imaging/ultrasound/columns/texture_example.h"
 
 #include <cmath>
 #include <gmock/gmock.h>

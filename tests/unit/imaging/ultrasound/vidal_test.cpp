@@ -1,4 +1,4 @@
-#include "acus/imaging/ultrasound/vidal.h"
+#include "acus/imaging/ultrasound/columns/vidal.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -5,10 +5,10 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/phantom/imaging.h"
-#include "acus/patient/phantom/phantom_config.h"
-#include "acus/patient/segmentation/metrics.h"
+#include "acus/patient/phantom/anatomy/imaging.h"
+#include "acus/patient/phantom/anatomy/phantom_config.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
+#include "acus/patient/segmentation/voxels/metrics.h"
 #include "support/temporary_folder.h"
 
 namespace acus::atlas {

@@ -11,7 +11,7 @@
 #include "acus/patient/breathing_registration/capture_folder.h"
 #include "acus/patient/breathing_registration/capture_inputs.h"
 #include "acus/patient/breathing_registration/patient_tissue.h"
-#include "acus/patient/phantom/breathing_scan.h"
+#include "acus/patient/phantom/breath/breathing_scan.h"
 #include "support/synthetic_trunk.h"
 #include "support/temporary_folder.h"
 

@@ -4,7 +4,7 @@
 
 #include "acus/base/core/random.h"
 #include "acus/base/math/statistics.h"
-#include "acus/patient/phantom/breathing_scan.h"
+#include "acus/patient/phantom/breath/breathing_scan.h"
 #include "support/synthetic_trunk.h"
 
 namespace acus::breathing_registration {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "acus/patient/fitting/fit_report.h"
-#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/forces/models/needle_force.h"
 #include "unit/patient/fitting/synthetic_recording.h"
 
 namespace acus::fitting {

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "acus/physics/forces/hu_resistance.h"
+#include "acus/physics/forces/laws/hu_resistance.h"
 #include "unit/patient/fitting/synthetic_recording.h"
 
 namespace acus::fitting {

@@ -6,7 +6,7 @@
 
 #include "acus/base/core/random.h"
 #include "acus/patient/fitting/mechanical_model.h"
-#include "acus/physics/forces/force_curve.h"
+#include "acus/physics/forces/laws/force_curve.h"
 
 namespace acus::fitting {
 

@@ -6,7 +6,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/data/mesh/surface_io.h"
 #include "acus/patient/meshing/mesh_folder.h"
-#include "acus/physics/mechanics/compliance_file.h"
+#include "acus/physics/mechanics/condensation/compliance_file.h"
 #include "support/box_mesh.h"
 #include "support/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/anatomy.h"
+#include "acus/patient/phantom/anatomy/anatomy.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/body_frame.h"
+#include "acus/patient/phantom/planning/body_frame.h"
 
 #include <gtest/gtest.h>
 

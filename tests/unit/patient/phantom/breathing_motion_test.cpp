@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/breathing_motion.h"
+#include "acus/patient/phantom/breath/breathing_motion.h"
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>

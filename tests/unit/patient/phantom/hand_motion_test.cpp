@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/hand_motion.h"
+#include "acus/patient/phantom/hands/hand_motion.h"
 
 #include <cmath>
 #include <complex>

@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/imaging.h"
+#include "acus/patient/phantom/anatomy/imaging.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

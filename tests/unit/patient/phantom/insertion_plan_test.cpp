@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/insertion_plan.h"
+#include "acus/patient/phantom/planning/insertion_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

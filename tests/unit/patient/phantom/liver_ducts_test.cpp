@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/liver_ducts.h"
+#include "acus/patient/phantom/anatomy/liver_ducts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

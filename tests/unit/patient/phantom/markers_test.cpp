@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/markers.h"
+#include "acus/patient/phantom/hands/markers.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/patient_field.h"
+#include "acus/patient/phantom/anatomy/patient_field.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/phantom_config.h"
+#include "acus/patient/phantom/anatomy/phantom_config.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

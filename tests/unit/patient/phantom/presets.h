@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "acus/data/volume/labels.h"
-#include "acus/patient/phantom/phantom_config.h"
+#include "acus/patient/phantom/anatomy/phantom_config.h"
 
 namespace acus::phantom {
 

@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/scene_target.h"
+#include "acus/patient/phantom/planning/scene_target.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

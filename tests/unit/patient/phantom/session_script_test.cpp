@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/session_script.h"
+#include "acus/patient/phantom/hands/session_script.h"
 
 #include <cmath>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/shapes.h"
+#include "acus/patient/phantom/anatomy/shapes.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

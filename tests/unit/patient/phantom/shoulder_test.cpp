@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/shoulder.h"
+#include "acus/patient/phantom/anatomy/shoulder.h"
 
 #include <gtest/gtest.h>
 

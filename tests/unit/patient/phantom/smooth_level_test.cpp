@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/smooth_level.h"
+#include "acus/patient/phantom/anatomy/smooth_level.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "acus/patient/phantom/spinal_level.h"
+#include "acus/patient/phantom/planning/spinal_level.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 // The label map that tests of targets and windows share: the trunk of the synthetic patient.
 #pragma once
 
-#include "acus/patient/phantom/body_frame.h"
-#include "acus/patient/phantom/patient_field.h"
+#include "acus/patient/phantom/anatomy/patient_field.h"
+#include "acus/patient/phantom/planning/body_frame.h"
 #include "unit/patient/phantom/presets.h"
 
 namespace acus::phantom {

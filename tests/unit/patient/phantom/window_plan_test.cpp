@@ -1,11 +1,11 @@
-#include "acus/patient/phantom/window_plan.h"
+#include "acus/patient/phantom/planning/window_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "acus/base/core/atomic_file.h"
-#include "acus/patient/phantom/rib_shadow.h"
-#include "acus/patient/phantom/scene_plan.h"
+#include "acus/patient/phantom/planning/rib_shadow.h"
+#include "acus/patient/phantom/planning/scene_plan.h"
 #include "support/temporary_folder.h"
 #include "unit/patient/phantom/window_patient.h"
 

@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/foreign_map.h"
+#include "acus/patient/segmentation/import/foreign_map.h"
 
 #include <gmock/gmock.h>
 

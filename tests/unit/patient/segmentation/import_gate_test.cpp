@@ -1,10 +1,10 @@
-#include "acus/patient/segmentation/import_gate.h"
+#include "acus/patient/segmentation/import/import_gate.h"
 
 #include <gmock/gmock.h>
 
 #include "acus/data/volume/labels.h"
-#include "acus/patient/segmentation/lay_imports.h"
-#include "acus/patient/segmentation/other_bones.h"
+#include "acus/patient/segmentation/import/lay_imports.h"
+#include "acus/patient/segmentation/segmenters/other_bones.h"
 #include "support/nifti_writer.h"
 #include "support/temporary_folder.h"
 

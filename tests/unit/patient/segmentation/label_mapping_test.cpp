@@ -1,11 +1,11 @@
-#include "acus/patient/segmentation/label_mapping.h"
+#include "acus/patient/segmentation/import/label_mapping.h"
 
 #include <gmock/gmock.h>
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/segmentation/imported_labels.h"
+#include "acus/patient/segmentation/import/imported_labels.h"
 #include "support/temporary_folder.h"
 
 namespace acus::segmentation {

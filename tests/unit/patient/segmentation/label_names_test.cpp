@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/label_names.h"
+#include "acus/patient/segmentation/voxels/label_names.h"
 
 #include <gmock/gmock.h>
 
@@ -6,7 +6,7 @@
 #include "acus/base/core/error.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/terminology.h"
-#include "acus/patient/segmentation/label_mapping.h"
+#include "acus/patient/segmentation/import/label_mapping.h"
 #include "support/temporary_folder.h"
 
 namespace acus::segmentation {

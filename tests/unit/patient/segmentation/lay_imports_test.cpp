@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/lay_imports.h"
+#include "acus/patient/segmentation/import/lay_imports.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/line_filter.h"
+#include "acus/patient/segmentation/voxels/line_filter.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

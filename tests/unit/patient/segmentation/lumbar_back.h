@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "acus/patient/phantom/imaging.h"
-#include "acus/patient/phantom/phantom_config.h"
+#include "acus/patient/phantom/anatomy/imaging.h"
+#include "acus/patient/phantom/anatomy/phantom_config.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
 
 namespace acus::segmentation {

@@ -1,9 +1,9 @@
-#include "acus/patient/segmentation/mask.h"
+#include "acus/patient/segmentation/voxels/mask.h"
 
 #include <gmock/gmock.h>
 
 #include "acus/base/core/random.h"
-#include "acus/patient/segmentation/metrics.h"
+#include "acus/patient/segmentation/voxels/metrics.h"
 
 namespace acus::segmentation {
 namespace {

@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/organ_vessels.h"
+#include "acus/patient/segmentation/segmenters/organ_vessels.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 
 #include "acus/base/core/random.h"
 #include "acus/data/volume/labels.h"
-#include "acus/patient/segmentation/line_filter.h"
-#include "acus/patient/segmentation/metrics.h"
+#include "acus/patient/segmentation/voxels/line_filter.h"
+#include "acus/patient/segmentation/voxels/metrics.h"
 
 namespace acus::segmentation {
 namespace {

@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/scan_field.h"
+#include "acus/patient/segmentation/voxels/scan_field.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/scan_quality.h"
+#include "acus/patient/segmentation/voxels/scan_quality.h"
 
 #include <gmock/gmock.h>
 

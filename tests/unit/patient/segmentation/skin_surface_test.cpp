@@ -1,9 +1,9 @@
-#include "acus/patient/segmentation/skin_surface.h"
+#include "acus/patient/segmentation/surfaces/skin_surface.h"
 
 #include <gtest/gtest.h>
 
 #include "acus/data/volume/labels.h"
-#include "acus/patient/segmentation/surface_extraction.h"
+#include "acus/patient/segmentation/surfaces/surface_extraction.h"
 
 namespace acus::segmentation {
 namespace {

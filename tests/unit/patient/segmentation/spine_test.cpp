@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/spine.h"
+#include "acus/patient/segmentation/spine/spine.h"
 
 #include <algorithm>
 #include <cmath>

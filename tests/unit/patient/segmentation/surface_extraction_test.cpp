@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/surface_extraction.h"
+#include "acus/patient/segmentation/surfaces/surface_extraction.h"
 
 #include <gmock/gmock.h>
 #include <map>

@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/surface_scene.h"
+#include "acus/patient/segmentation/surfaces/surface_scene.h"
 
 #include <cmath>
 #include <fstream>
@@ -8,7 +8,7 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
 #include "acus/data/mesh/surface_io.h"
-#include "acus/patient/segmentation/rasterise.h"
+#include "acus/patient/segmentation/voxels/rasterise.h"
 #include "support/fuzz.h"
 #include "support/icosphere.h"
 #include "support/temporary_folder.h"

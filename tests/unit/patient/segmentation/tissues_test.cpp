@@ -1,10 +1,10 @@
-#include "acus/patient/segmentation/tissues.h"
+#include "acus/patient/segmentation/segmenters/tissues.h"
 
 #include <gmock/gmock.h>
 
-#include "acus/patient/segmentation/metrics.h"
-#include "acus/patient/segmentation/organs.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
+#include "acus/patient/segmentation/segmenters/organs.h"
+#include "acus/patient/segmentation/voxels/metrics.h"
 #include "synthetic_body.h"
 
 namespace acus::segmentation {

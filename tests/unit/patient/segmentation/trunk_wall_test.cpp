@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/trunk_wall.h"
+#include "acus/patient/segmentation/segmenters/trunk_wall.h"
 
 #include <gtest/gtest.h>
 #include <numbers>

@@ -1,10 +1,10 @@
-#include "acus/patient/segmentation/vertebrae.h"
+#include "acus/patient/segmentation/spine/vertebrae.h"
 
 #include <gmock/gmock.h>
 
 #include "acus/data/volume/labels.h"
-#include "acus/patient/segmentation/crop.h"
 #include "acus/patient/segmentation/spine_profile.h"
+#include "acus/patient/segmentation/voxels/crop.h"
 #include "lumbar_back.h"
 
 namespace acus::segmentation {

@@ -1,4 +1,4 @@
-#include "acus/patient/segmentation/wall_muscles.h"
+#include "acus/patient/segmentation/segmenters/wall_muscles.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "acus/data/volume/labels.h"
-#include "acus/patient/phantom/imaging.h"
-#include "acus/patient/phantom/phantom_config.h"
+#include "acus/patient/phantom/anatomy/imaging.h"
+#include "acus/patient/phantom/anatomy/phantom_config.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
 #include "synthetic_body.h"
 

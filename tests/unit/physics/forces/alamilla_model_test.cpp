@@ -1,4 +1,4 @@
-#include "acus/physics/forces/alamilla_model.h"
+#include "acus/physics/forces/models/alamilla_model.h"
 
 #include <algorithm>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "acus/physics/forces/chatter_meter.h"
+#include "acus/physics/forces/path/chatter_meter.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/physics/forces/force_curve.h"
+#include "acus/physics/forces/laws/force_curve.h"
 
 #include <cmath>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "acus/physics/forces/force_laws.h"
+#include "acus/physics/forces/laws/force_laws.h"
 
 #include <cmath>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "acus/physics/forces/force_table.h"
+#include "acus/physics/forces/laws/force_table.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include "acus/physics/forces/guidance.h"
+#include "acus/physics/forces/path/guidance.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "acus/physics/forces/hard_contact.h"
+#include "acus/physics/forces/laws/hard_contact.h"
 
 #include <cmath>
 #include <gmock/gmock.h>

@@ -1,10 +1,10 @@
-#include "acus/physics/forces/hu_field.h"
+#include "acus/physics/forces/laws/hu_field.h"
 
 #include <gmock/gmock.h>
 #include <limits>
 
-#include "acus/physics/forces/model_settings.h"
-#include "acus/physics/forces/tissue_lookup.h"
+#include "acus/physics/forces/laws/tissue_lookup.h"
+#include "acus/physics/forces/models/model_settings.h"
 
 namespace acus::forces {
 namespace {

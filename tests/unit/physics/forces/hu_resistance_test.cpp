@@ -1,4 +1,4 @@
-#include "acus/physics/forces/hu_resistance.h"
+#include "acus/physics/forces/laws/hu_resistance.h"
 
 #include <gmock/gmock.h>
 #include <limits>

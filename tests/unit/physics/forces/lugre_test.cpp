@@ -1,4 +1,4 @@
-#include "acus/physics/forces/lugre.h"
+#include "acus/physics/forces/laws/lugre.h"
 
 #include <cmath>
 #include <gmock/gmock.h>

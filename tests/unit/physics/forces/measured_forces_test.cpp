@@ -1,4 +1,4 @@
-#include "acus/physics/forces/measured_forces.h"
+#include "acus/physics/forces/models/measured_forces.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/physics/forces/measured_model.h"
+#include "acus/physics/forces/models/measured_model.h"
 
 #include <cmath>
 #include <gmock/gmock.h>
@@ -7,8 +7,8 @@
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
-#include "acus/physics/forces/force_model.h"
-#include "acus/physics/forces/measured_forces.h"
+#include "acus/physics/forces/models/force_model.h"
+#include "acus/physics/forces/models/measured_forces.h"
 #include "references/closed_loop.h"
 #include "unit/physics/forces/layered_body.h"
 

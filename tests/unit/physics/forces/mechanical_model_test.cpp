@@ -1,4 +1,4 @@
-#include "acus/physics/forces/mechanical_model.h"
+#include "acus/physics/forces/models/mechanical_model.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
-#include "acus/physics/forces/multi_proxy_probe.h"
+#include "acus/physics/forces/probe/multi_proxy_probe.h"
 
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/forces/occupancy_field.h"
+#include "acus/physics/forces/laws/occupancy_field.h"
 #include "support/force_scenes.h"
 
 namespace acus::forces {

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <new>
 
-#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/forces/models/needle_force.h"
 #include "layered_body.h"
 #include "support/wild_hand.h"
 

@@ -1,4 +1,4 @@
-#include "acus/physics/forces/needle_force.h"
+#include "acus/physics/forces/models/needle_force.h"
 
 #include <cmath>
 #include <gmock/gmock.h>

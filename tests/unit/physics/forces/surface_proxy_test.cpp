@@ -1,8 +1,8 @@
-#include "acus/physics/forces/surface_proxy.h"
+#include "acus/physics/forces/probe/surface_proxy.h"
 
 #include <gmock/gmock.h>
 
-#include "acus/physics/forces/window_average.h"
+#include "acus/physics/forces/laws/window_average.h"
 
 namespace acus::forces {
 namespace {

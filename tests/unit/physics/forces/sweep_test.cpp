@@ -2,7 +2,7 @@
 #include <cstring>
 #include <gmock/gmock.h>
 
-#include "acus/physics/forces/force_model.h"
+#include "acus/physics/forces/models/force_model.h"
 #include "layered_body.h"
 #include "support/force_scenes.h"
 

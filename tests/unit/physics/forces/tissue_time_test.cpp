@@ -1,11 +1,11 @@
-#include "acus/physics/forces/tissue_time.h"
+#include "acus/physics/forces/laws/tissue_time.h"
 
 #include <cmath>
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/random.h"
-#include "acus/physics/forces/shaft_friction.h"
+#include "acus/physics/forces/laws/shaft_friction.h"
 #include "unit/physics/forces/layered_body.h"
 
 namespace acus::forces {

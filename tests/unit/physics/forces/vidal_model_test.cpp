@@ -1,4 +1,4 @@
-#include "acus/physics/forces/vidal_model.h"
+#include "acus/physics/forces/models/vidal_model.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

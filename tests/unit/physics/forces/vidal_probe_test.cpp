@@ -1,4 +1,4 @@
-#include "acus/physics/forces/vidal_probe.h"
+#include "acus/physics/forces/probe/vidal_probe.h"
 
 #include <gmock/gmock.h>
 

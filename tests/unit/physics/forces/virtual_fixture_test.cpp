@@ -1,4 +1,4 @@
-#include "acus/physics/forces/virtual_fixture.h"
+#include "acus/physics/forces/laws/virtual_fixture.h"
 
 #include <cmath>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/blas.h"
+#include "acus/physics/mechanics/sparse/blas.h"
 
 #include <cstdlib>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/block_matrix.h"
+#include "acus/physics/mechanics/sparse/block_matrix.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "acus/physics/mechanics/compliance_file.h"
+#include "acus/physics/mechanics/condensation/compliance_file.h"
 
 #include <fstream>
 #include <gmock/gmock.h>
 
 #include "acus/base/core/atomic_file.h"
-#include "acus/physics/mechanics/compliance_layout.h"
+#include "acus/physics/mechanics/condensation/compliance_layout.h"
 #include "support/condensed_box.h"
 #include "support/fuzz.h"
 #include "support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/compliance.h"
+#include "acus/physics/mechanics/condensation/compliance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "acus/physics/mechanics/condensation.h"
+#include "acus/physics/mechanics/condensation/condensation.h"
 
 #include <gmock/gmock.h>
 
-#include "acus/physics/mechanics/sparse_factor.h"
+#include "acus/physics/mechanics/sparse/sparse_factor.h"
 #include "support/box_mesh.h"
 
 namespace acus::mechanics {

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/dilatation_patches.h"
+#include "acus/physics/mechanics/elements/dilatation_patches.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/face_neighbours.h"
+#include "acus/physics/mechanics/elements/face_neighbours.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/hyperelastic_law.h"
+#include "acus/physics/mechanics/elements/hyperelastic_law.h"
 
 #include <Eigen/Dense>
 #include <cmath>

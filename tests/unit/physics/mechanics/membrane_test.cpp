@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/membrane.h"
+#include "acus/physics/mechanics/elements/membrane.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 #include "support/box_mesh.h"
 
 namespace acus::mechanics {

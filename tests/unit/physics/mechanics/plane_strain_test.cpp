@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/plane_strain.h"
+#include "acus/physics/mechanics/elements/plane_strain.h"
 
 #include <Eigen/Cholesky>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/reachable.h"
+#include "acus/physics/mechanics/condensation/reachable.h"
 
 #include <gmock/gmock.h>
 #include <set>

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/sparse_factor.h"
+#include "acus/physics/mechanics/sparse/sparse_factor.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/stiffness.h"
+#include "acus/physics/mechanics/elements/stiffness.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/supported_nodes.h"
+#include "acus/physics/mechanics/elements/supported_nodes.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/swept_matrix.h"
+#include "acus/physics/mechanics/sparse/swept_matrix.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "acus/base/core/error.h"
-#include "acus/physics/mechanics/sparse_factor.h"
+#include "acus/physics/mechanics/sparse/sparse_factor.h"
 #include "support/condensed_box.h"
 
 namespace acus::tissue {

@@ -1,4 +1,4 @@
-#include "acus/rig/haptics/system_libraries.h"
+#include "acus/base/core/system_libraries.h"
 
 #include <cstdint>
 #include <dlfcn.h>
@@ -7,7 +7,7 @@
 
 #include "acus/base/core/error.h"
 
-namespace acus::haptics {
+namespace acus {
 namespace {
 
 namespace fs = std::filesystem;
@@ -87,4 +87,4 @@ TEST(LoaderSearch, FindsWhatTheLoaderLoads) {
 }
 
 }  // namespace
-}  // namespace acus::haptics
+}  // namespace acus

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "acus/imaging/ultrasound/aperture_renderer.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
 
 namespace acus::frame_registration {
 namespace {

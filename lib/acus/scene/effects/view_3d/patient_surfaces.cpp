@@ -4,7 +4,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/data/volume/labels.h"
-#include "acus/patient/segmentation/surface_extraction.h"
+#include "acus/patient/segmentation/surfaces/surface_extraction.h"
 
 namespace acus::effects {
 namespace {

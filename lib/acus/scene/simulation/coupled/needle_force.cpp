@@ -1,4 +1,4 @@
-#include "acus/physics/forces/measured_forces.h"
+#include "acus/physics/forces/models/measured_forces.h"
 #include "acus/scene/simulation/coupled/coupled_effect.h"
 #include "acus/scene/simulation/coupled/declaration.h"
 #include "acus/scene/simulation/needle_line.h"

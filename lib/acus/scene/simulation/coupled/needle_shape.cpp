@@ -1,4 +1,4 @@
-#include "acus/physics/mechanics/elasticity_table.h"
+#include "acus/physics/mechanics/elements/elasticity_table.h"
 #include "acus/scene/simulation/coupled/coupled_effect.h"
 #include "acus/scene/simulation/coupled/declaration.h"
 

@@ -1,5 +1,5 @@
 // Where the tools are, and in which tissue the needle's tip is: what all effects share.
-#include "acus/physics/forces/tissue_lookup.h"
+#include "acus/physics/forces/laws/tissue_lookup.h"
 #include "acus/scene/simulation/coupled/coupled_effect.h"
 #include "acus/scene/simulation/coupled/declaration.h"
 

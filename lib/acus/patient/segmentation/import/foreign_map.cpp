@@ -1,0 +1,84 @@
+#include "acus/patient/segmentation/import/foreign_map.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "acus/base/core/error.h"
+#include "acus/data/volume/dicom_segmentation.h"
+#include "acus/data/volume/scalar_file.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/patient/segmentation/voxels/label_json.h"
+
+namespace acus::segmentation {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// @throws InputError if the mask has two values above 0.
+void RequireOneValue(const volume::Grid<std::int32_t>& mask, const fs::path& file) {
+  std::int32_t first = 0;
+  for (const std::int32_t value : mask.voxels) {
+    if (first == 0) first = value;
+    ACUS_REQUIRE(value == 0 || value == first, file.string(), ": has the values ", first, " and ",
+                 value,
+                 "; a folder holds one mask for each structure. Give a file with several "
+                 "labels itself, not its folder");
+  }
+}
+
+std::vector<fs::path> FilesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+volume::NamedValues FromMasks(const std::vector<fs::path>& files) {
+  std::vector<volume::NamedMask> masks;
+  volume::Geometry grid;
+  for (const fs::path& file : files) {
+    const volume::Grid<std::int32_t> mask = volume::ReadIntegerVolume(file);
+    if (masks.empty()) grid = mask.geometry;
+    ACUS_REQUIRE(mask.geometry.Matches(grid), file.string(), ": lies on another grid than ",
+                 files.front().filename().string(), "; the masks of a folder need one grid");
+    RequireOneValue(mask, file);
+    masks.push_back({.name = {.text = volume::VolumeStem(file), .codes = {}},
+                     .voxels = VoxelsWhere(mask, file.string(),
+                                           [](std::int32_t value) { return value != 0; })});
+  }
+  volume::NamedValues map = volume::Merged(masks, grid);
+  map.named_by = "by the names of its files";
+  return map;
+}
+
+volume::NamedValues FromFolder(const fs::path& folder) {
+  std::vector<fs::path> masks, segmentations;
+  for (const fs::path& file : FilesIn(folder)) {
+    if (volume::IsScalarFileName(file)) {
+      masks.push_back(file);
+    } else if (file.extension() == ".dcm" && volume::IsDicomSegmentation(file)) {
+      segmentations.push_back(file);
+    }
+  }
+  if (!masks.empty()) return FromMasks(masks);
+  ACUS_REQUIRE(segmentations.size() == 1, folder.string(), ": holds ", segmentations.size(),
+               " DICOM segmentation objects and no NIfTI, NRRD or MetaImage masks; give a folder "
+               "with one mask for each structure, or the file itself");
+  return volume::ReadNamedValues(segmentations.front());
+}
+
+}  // namespace
+
+volume::NamedValues ReadForeignMap(const fs::path& path) {
+  if (fs::is_directory(path)) return FromFolder(path);
+  volume::NamedValues map = volume::ReadNamedValues(path);
+  if (!map.names.empty()) return map;  // Written with the values: nothing beside it is nearer.
+  NamesBeside beside = FindNamesBeside(path);
+  if (!beside.names.empty()) map.named_by = "by " + beside.file.filename().string();
+  map.names = std::move(beside.names);
+  return map;
+}
+
+}  // namespace acus::segmentation

@@ -1,0 +1,71 @@
+#include "acus/patient/segmentation/segmenters/tissues.h"
+
+namespace acus::segmentation {
+namespace {
+
+constexpr std::int16_t kDensestInLungHu = 200;  ///< Vessels with contrast agent.
+constexpr double kLargestLungHoleMm2 = 400.0;   ///< Of a vessel in a slice of the lung.
+
+/// Median HU by component, of voxels all of whose face neighbours are in the component too: edges
+/// are mixed with tissue.
+std::vector<int> CoreMedians(const volume::CtVolume& ct, const Components& components) {
+  const auto& number = components.number;
+  const auto& size = ct.geometry.size;
+  std::vector<std::vector<std::int16_t>> cores(components.num_voxels.size());
+  for (int k = 1; k + 1 < size[2]; ++k) {
+    for (int j = 1; j + 1 < size[1]; ++j) {
+      for (int i = 1; i + 1 < size[0]; ++i) {
+        const std::int32_t n = number.At(i, j, k);
+        if (n == 0 || number.At(i - 1, j, k) != n || number.At(i + 1, j, k) != n ||
+            number.At(i, j - 1, k) != n || number.At(i, j + 1, k) != n ||
+            number.At(i, j, k - 1) != n || number.At(i, j, k + 1) != n) {
+          continue;
+        }
+        cores[static_cast<std::size_t>(n)].push_back(ct.At(i, j, k));
+      }
+    }
+  }
+  std::vector<int> medians;
+  for (auto& core : cores) medians.push_back(MedianHu(core));
+  return medians;
+}
+
+}  // namespace
+
+AirSpaces FindAirSpaces(const volume::CtVolume& ct, const Mask& body, const TissueOptions& options,
+                        int num_threads) {
+  Mask air(ct.geometry);
+  for (std::size_t i = 0; i < air.voxels.size(); ++i) {
+    air.voxels[i] = body.voxels[i] != 0 && ct.voxels[i] < options.air_threshold_hu ? 1 : 0;
+  }
+  const Components components = ConnectedComponents(air);
+  const std::vector<int> medians = CoreMedians(ct, components);
+  const double ml = ct.geometry.voxel_volume_mm3() / 1000.0;
+  AirSpaces out;
+  out.lung = Kept(components, [&](std::int32_t n) {
+    const auto at = static_cast<std::size_t>(n);
+    return static_cast<double>(components.num_voxels[at]) * ml >= options.lung_min_ml &&
+           medians[at] > options.gas_median_hu;
+  });
+  out.gas = Mask(ct.geometry);
+  for (std::size_t i = 0; i < air.voxels.size(); ++i) {
+    out.gas.voxels[i] = air.voxels[i] != 0 && out.lung.voxels[i] == 0 ? 1 : 0;
+  }
+  // Vessels and bronchial walls belong to the lung.
+  Mask filled = Closed(out.lung, options.lung_closing_mm, num_threads);
+  const double pixel_mm2 =
+      ct.geometry.voxel_volume_mm3() / ct.geometry.spacing_mm[AxialAxis(ct.geometry)];
+  FillInSlices(filled, AxialAxis(ct.geometry), num_threads, [&](const SliceRegion& region) {
+    return !region.touches_border &&
+           static_cast<double>(region.voxels.size()) * pixel_mm2 < kLargestLungHoleMm2;
+  });
+  for (std::size_t i = 0; i < filled.voxels.size(); ++i) {
+    if (filled.voxels[i] != 0 && body.voxels[i] != 0 && out.gas.voxels[i] == 0 &&
+        ct.voxels[i] < kDensestInLungHu) {
+      out.lung.voxels[i] = 1;
+    }
+  }
+  return out;
+}
+
+}  // namespace acus::segmentation

@@ -1,0 +1,160 @@
+#include "acus/physics/mechanics/elements/elasticity_table.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/error.h"
+
+namespace acus::mechanics {
+namespace {
+
+using nlohmann::json;
+
+volume::Label LabelAt(const json& name, const std::string& where) {
+  try {
+    return volume::LabelOf(name.get<std::string>());
+  } catch (const InputError& error) {
+    throw InputError(Message(where, ": ", error.what()));
+  }
+}
+
+std::string NameOf(volume::Label label) {
+  for (const volume::StandardLabel& standard : volume::StandardLabels()) {
+    if (standard.label == label) return Message("'", standard.name, "' (label ", int{label}, ")");
+  }
+  return Message("label ", int{label}, ", which is no standard label,");
+}
+
+/// The block "law" of a row. @param where  Of the row, for messages.
+HyperelasticLaw LawFrom(const json& block, double shear_modulus_mpa, const std::string& where) {
+  HyperelasticLaw law;
+  const std::string model = block.at("model");
+  const auto refuse_other = [&](const char* key, const char* owner) {
+    ACUS_REQUIRE(model == owner || !block.contains(key), where, "/law/", key,
+                 ": belongs to the law ", owner, ", this one is ", model,
+                 "; remove the key or choose that law");
+  };
+  const auto demand = [&](const char* key) {
+    ACUS_REQUIRE(block.contains(key), where, "/law/", key, ": missing; ", model, " needs it");
+    return block.at(key).get<double>();
+  };
+  refuse_other("b", "fung");
+  refuse_other("c2_kpa", "yeoh");
+  refuse_other("c3_kpa", "yeoh");
+  if (model == "fung") {
+    law.kind = LawKind::kFung;
+    law.exponent_b = demand("b");
+  } else if (model == "yeoh") {
+    law.kind = LawKind::kYeoh;
+    law.c2_mpa = demand("c2_kpa") * 1e-3;
+    law.c3_mpa = demand("c3_kpa") * 1e-3;
+  }
+  const double least = LeastSlopeShare(law, shear_modulus_mpa);
+  ACUS_REQUIRE(least >= kLeastSlopeShare, where, "/law: with c2_kpa ", block.value("c2_kpa", 0.0),
+               " the tissue's stiffness falls to ", least, " of that at rest, at least ",
+               kLeastSlopeShare, " is allowed: it would let go under strain; use a larger c2_kpa ",
+               "or c3_kpa");
+  return law;
+}
+
+/// The tissues of the list, or all but the tissue itself where there is none.
+std::bitset<256> OtherSide(const json& membrane, volume::Label tissue, const std::string& where) {
+  std::bitset<256> out;
+  if (membrane.contains("against")) {
+    for (const json& name : membrane.at("against")) out.set(LabelAt(name, where));
+  } else {
+    out.set();
+  }
+  if (membrane.contains("not_against")) {
+    for (const json& name : membrane.at("not_against")) out.reset(LabelAt(name, where));
+  }
+  out.reset(tissue);
+  return out;
+}
+
+void ReadMembrane(const json& row, volume::Label tissue, const std::string& where,
+                  ElasticityTable& table) {
+  if (!row.contains("membrane")) return;
+  const json& from = row.at("membrane");
+  Membrane membrane;
+  membrane.tissue = tissue;
+  membrane.against = OtherSide(from, tissue, where + "/membrane");
+  membrane.youngs_modulus_mpa = from.at("youngs_modulus_kpa").get<double>() * 1e-3;
+  membrane.poissons_ratio = from.at("poissons_ratio");
+  membrane.thickness_mm = from.at("thickness_mm");
+  membrane.tension_n_per_mm = from.at("tension_n_per_m").get<double>() * 1e-3;
+  table.membranes.push_back(membrane);
+  if (from.contains("solid_youngs_modulus_kpa")) {
+    table.beneath[tissue] = {from.at("solid_youngs_modulus_kpa").get<double>() * 1e-3,
+                             table.tissue[tissue].poissons_ratio};
+    table.has_beneath.set(tissue);
+  }
+}
+
+Relaxation ReadRelaxation(const json& document, const std::string& label) {
+  Relaxation out;
+  if (!document.contains("relaxation")) return out;
+  double sum = 0.0;
+  for (const json& term : document.at("relaxation").at("terms")) {
+    out.term[static_cast<std::size_t>(out.num_terms++)] = {term.at("share"), term.at("time_s")};
+    sum += term.at("share").get<double>();
+  }
+  ACUS_REQUIRE(sum < 1.0, label, ": /relaxation/terms: the shares sum to ", sum,
+               "; they must stay below 1, since tissue that lost all its force would flow");
+  return out;
+}
+
+}  // namespace
+
+const ElasticTissue& ElasticityTable::SolidAt(volume::Label label) const {
+  const ElasticTissue& whole = At(label);
+  return has_beneath.test(label) ? beneath[label] : whole;
+}
+
+const Membrane* ElasticityTable::MembraneOf(volume::Label covered, volume::Label beyond) const {
+  const auto found = std::ranges::find(membranes, covered, &Membrane::tissue);
+  return found != membranes.end() && found->against.test(beyond) ? &*found : nullptr;
+}
+
+const ElasticTissue& ElasticityTable::At(volume::Label label) const {
+  ACUS_REQUIRE(label != 0, "the mesh holds tetrahedra of 'outside' (label 0), which is free space ",
+               "and has no stiffness; mesh the label map again with acus-mesh");
+  ACUS_REQUIRE(named.test(label), "the mesh holds ", NameOf(label), " but ", file,
+               " has no row for it; add a row with youngs_modulus_kpa and poissons_ratio, or mesh ",
+               "with that tissue among the fixed_tissues");
+  return tissue[label];
+}
+
+ElasticityTable ElasticityTableFromJson(json document, const std::string& label) {
+  document = config::CheckedConfig(std::move(document), "acus-elasticity", label);
+  ElasticityTable table;
+  table.file = label;
+  table.description = document.at("description");
+  const json& rows = document.at("tissues");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const json& row = rows[i];
+    const std::string where = Message(label, ": /tissues/", i, "/tissue");
+    const volume::Label tissue = LabelAt(row.at("tissue"), where);
+    ACUS_REQUIRE(tissue != 0, where, ": 'outside' is free space and has no row");
+    ACUS_REQUIRE(!table.named.test(tissue), where, ": ", row.at("tissue").dump(),
+                 " has a row already; remove one of the two");
+    table.tissue[tissue] = {row.at("youngs_modulus_kpa").get<double>() * 1e-3,
+                            row.at("poissons_ratio")};
+    if (row.contains("law")) {
+      table.law[tissue] = LawFrom(row.at("law"), table.tissue[tissue].ShearModulusMpa(),
+                                  Message(label, ": /tissues/", i));
+    }
+    table.named.set(tissue);
+    ReadMembrane(row, tissue, Message(label, ": /tissues/", i), table);
+  }
+  std::ranges::sort(table.membranes, {}, &Membrane::tissue);
+  table.relaxation = ReadRelaxation(document, label);
+  return table;
+}
+
+ElasticityTable ReadElasticityTable(const std::filesystem::path& path) {
+  return ElasticityTableFromJson(config::ReadJson(path), path.string());
+}
+
+}  // namespace acus::mechanics

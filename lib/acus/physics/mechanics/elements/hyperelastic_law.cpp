@@ -1,0 +1,143 @@
+#include "acus/physics/mechanics/elements/hyperelastic_law.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace acus::mechanics {
+namespace {
+
+using Vector9 = Eigen::Matrix<double, 9, 1>;
+
+/// Within the range of use.
+LawAt Inside(const HyperelasticLaw& law, double half_shear_mpa, double x) {
+  switch (law.kind) {
+    case LawKind::kNeoHookean:
+      break;
+    case LawKind::kYeoh:
+      return {x * (half_shear_mpa + x * (law.c2_mpa + x * law.c3_mpa)),
+              half_shear_mpa + x * (2.0 * law.c2_mpa + 3.0 * law.c3_mpa * x),
+              2.0 * law.c2_mpa + 6.0 * law.c3_mpa * x};
+    case LawKind::kFung: {
+      const double b = law.exponent_b;
+      const double growth = std::expm1(b * x);
+      return {half_shear_mpa / b * growth, half_shear_mpa * (1.0 + growth),
+              half_shear_mpa * b * (1.0 + growth)};
+    }
+  }
+  return {half_shear_mpa * x, half_shear_mpa, 0.0};
+}
+
+double EndOfUse(const HyperelasticLaw& law) {
+  if (law.kind != LawKind::kFung) return kLargestX;
+  return std::min(kLargestX, std::log(kLargestStiffening) / law.exponent_b);
+}
+
+/// The second derivative of det F, times `weight`: blocks are cross products with a column of F.
+void AddDeterminantCurvature(const Eigen::Matrix3d& f, double weight, Matrix9& out) {
+  const auto cross = [&](int column) {
+    const Eigen::Vector3d v = weight * f.col(column);
+    Eigen::Matrix3d m;
+    m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+    return m;
+  };
+  // det F = f0 . (f1 x f2): d/df1 of f1 x f2 is -[f2]x, of f2 by d/df2 is [f1]x.
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3;
+    const int c = (a + 2) % 3;
+    out.block<3, 3>(3 * a, 3 * b) -= cross(c);
+    out.block<3, 3>(3 * a, 3 * c) += cross(b);
+  }
+}
+
+}  // namespace
+
+std::string_view LawName(LawKind kind) {
+  switch (kind) {
+    case LawKind::kYeoh:
+      return "yeoh";
+    case LawKind::kFung:
+      return "fung";
+    case LawKind::kNeoHookean:
+      break;
+  }
+  return "neo_hookean";
+}
+
+double LeastSlopeShare(const HyperelasticLaw& law, double shear_modulus_mpa) {
+  if (law.kind != LawKind::kYeoh) return 1.0;
+  const double half = 0.5 * shear_modulus_mpa;
+  const double at_end = Inside(law, half, kLargestX).slope_mpa / half;
+  if (law.c2_mpa >= 0.0 || law.c3_mpa <= 0.0) return std::min(1.0, at_end);
+  const double x = -law.c2_mpa / (3.0 * law.c3_mpa);
+  return Inside(law, half, std::min(x, kLargestX)).slope_mpa / half;
+}
+
+LawAt ValueOf(const HyperelasticLaw& law, double shear_modulus_mpa, double x) {
+  const double half = 0.5 * shear_modulus_mpa;
+  if (x < 0.0) return {half * x, half, 0.0};
+  const double end = EndOfUse(law);
+  if (x <= end) return Inside(law, half, x);
+  const LawAt at = Inside(law, half, end);
+  const double over = x - end;
+  return {at.energy_mpa + over * (at.slope_mpa + 0.5 * at.curvature_mpa * over),
+          at.slope_mpa + at.curvature_mpa * over, at.curvature_mpa};
+}
+
+VolumeFactor VolumeFactorAt(double j) {
+  const double at = std::max(j, kLeastJ);
+  const double root = std::cbrt(at);
+  const double value = 1.0 / (root * root);
+  const double slope = -2.0 / 3.0 * value / at;
+  const double curvature = -5.0 / 3.0 * slope / at;
+  const double over = std::min(j - kLeastJ, 0.0);
+  return {value + over * (slope + 0.5 * curvature * over), slope + curvature * over, curvature};
+}
+
+Eigen::Matrix3d Cofactor(const Eigen::Matrix3d& f) {
+  Eigen::Matrix3d c;
+  c.col(0) = f.col(1).cross(f.col(2));
+  c.col(1) = f.col(2).cross(f.col(0));
+  c.col(2) = f.col(0).cross(f.col(1));
+  return c;
+}
+
+double ShapeEnergyMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
+                      const Eigen::Matrix3d& f) {
+  const double g = VolumeFactorAt(f.determinant()).value;
+  return ValueOf(law, shear_modulus_mpa, g * f.squaredNorm() - 3.0).energy_mpa;
+}
+
+Eigen::Matrix3d ShapeStressMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
+                               const Eigen::Matrix3d& f) {
+  const Eigen::Matrix3d c = Cofactor(f);
+  const VolumeFactor g = VolumeFactorAt(f.col(0).dot(c.col(0)));
+  const double i1 = f.squaredNorm();
+  const double slope = ValueOf(law, shear_modulus_mpa, g.value * i1 - 3.0).slope_mpa;
+  return (2.0 * slope * g.value) * f + (slope * g.slope * i1) * c;
+}
+
+Matrix9 ShapeTangentMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
+                        const Eigen::Matrix3d& f, double pressure_mpa) {
+  const Eigen::Matrix3d cofactor = Cofactor(f);
+  const VolumeFactor g = VolumeFactorAt(f.col(0).dot(cofactor.col(0)));
+  const double i1 = f.squaredNorm();
+  const LawAt w = ValueOf(law, shear_modulus_mpa, g.value * i1 - 3.0);
+  const Eigen::Map<const Vector9> fv(f.data());
+  const Eigen::Map<const Vector9> cv(cofactor.data());
+  const Vector9 x_by_f = 2.0 * g.value * fv + g.slope * i1 * cv;
+  Matrix9 out = w.curvature_mpa * x_by_f * x_by_f.transpose();
+  out += (2.0 * w.slope_mpa * g.slope) * (fv * cv.transpose() + cv * fv.transpose());
+  out += (w.slope_mpa * g.curvature * i1) * cv * cv.transpose();
+  out.diagonal().array() += 2.0 * w.slope_mpa * g.value;
+  AddDeterminantCurvature(f, w.slope_mpa * g.slope * i1 + pressure_mpa, out);
+  return out;
+}
+
+Matrix9 PositivePart(const Matrix9& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(symmetric);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+}  // namespace acus::mechanics
