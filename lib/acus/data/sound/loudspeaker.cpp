@@ -31,25 +31,25 @@ struct OpenAl {
 
 OpenAl LoadOpenAl() {
   OpenAl al;
-  const haptics::Symbol symbols[] = {haptics::Required("alcOpenDevice", al.open_device),
-                                     haptics::Required("alcCloseDevice", al.close_device),
-                                     haptics::Required("alcCreateContext", al.create_context),
-                                     haptics::Required("alcMakeContextCurrent", al.make_current),
-                                     haptics::Required("alcDestroyContext", al.destroy_context),
-                                     haptics::Required("alGetError", al.error),
-                                     haptics::Required("alGenBuffers", al.gen_buffers),
-                                     haptics::Required("alDeleteBuffers", al.delete_buffers),
-                                     haptics::Required("alBufferData", al.buffer_data),
-                                     haptics::Required("alGenSources", al.gen_sources),
-                                     haptics::Required("alDeleteSources", al.delete_sources),
-                                     haptics::Required("alSourcei", al.source_i),
-                                     haptics::Required("alSourcePlay", al.source_play)};
-  haptics::LoadLibrary({.product = "OpenAL Soft",
-                        .path = "",
-                        .names = {"libopenal.so.1"},
-                        .preload = {},
-                        .advice = "Install the package libopenal1, or leave the sound out"},
-                       symbols);
+  const Symbol symbols[] = {Required("alcOpenDevice", al.open_device),
+                            Required("alcCloseDevice", al.close_device),
+                            Required("alcCreateContext", al.create_context),
+                            Required("alcMakeContextCurrent", al.make_current),
+                            Required("alcDestroyContext", al.destroy_context),
+                            Required("alGetError", al.error),
+                            Required("alGenBuffers", al.gen_buffers),
+                            Required("alDeleteBuffers", al.delete_buffers),
+                            Required("alBufferData", al.buffer_data),
+                            Required("alGenSources", al.gen_sources),
+                            Required("alDeleteSources", al.delete_sources),
+                            Required("alSourcei", al.source_i),
+                            Required("alSourcePlay", al.source_play)};
+  LoadLibrary({.product = "OpenAL Soft",
+               .path = "",
+               .names = {"libopenal.so.1"},
+               .preload = {},
+               .advice = "Install the package libopenal1, or leave the sound out"},
+              symbols);
   return al;
 }
 

@@ -8,7 +8,7 @@ namespace acus::ultrasound {
 namespace {
 
 /// Blocks to each side that a direction is taken from.
-constexpr int kReach = 2;
+constexpr int kReachVoxels = 2;
 
 /// Towards the outside of `label`, in voxel axes scaled to mm; zero inside it. All 26 neighbours
 /// count, so that steps of the voxels are rounded off.
@@ -34,7 +34,7 @@ Eigen::Vector3d LeastChange(const Eigen::Matrix3d& tensor) {
   return solver.eigenvectors().col(0);
 }
 
-/// Sums over 2 kReach + 1 neighbours along one axis.
+/// Sums over 2 kReachVoxels + 1 neighbours along one axis.
 void SumAlong(const Eigen::Array3i& size, int axis, std::vector<Eigen::Matrix3d>& values) {
   const std::array<int, 3> stride = {1, size[0], size[0] * size[1]};
   const int step = stride[static_cast<std::size_t>(axis)];
@@ -43,7 +43,8 @@ void SumAlong(const Eigen::Array3i& size, int axis, std::vector<Eigen::Matrix3d>
     if (start / step % size[axis] != 0) continue;
     for (int n = 0; n < size[axis]; ++n) {
       line[static_cast<std::size_t>(n)] = Eigen::Matrix3d::Zero();
-      for (int m = std::max(0, n - kReach); m <= std::min(size[axis] - 1, n + kReach); ++m) {
+      for (int m = std::max(0, n - kReachVoxels); m <= std::min(size[axis] - 1, n + kReachVoxels);
+           ++m) {
         line[static_cast<std::size_t>(n)] += values[static_cast<std::size_t>(start + m * step)];
       }
     }
