@@ -1,6 +1,7 @@
 // An effect stands on its own: this file defines one and registers it, and without another line
 // anywhere it is in the schema, the plan, --explain, the log and report of a replay, a live session
-// and a sweep.
+// and a sweep; it moves tissue, adds a force on the needle, changes the echoes of the B-mode, has
+// an event, a metric and a finding in the report.
 #include <deque>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -16,6 +17,8 @@
 #include "acus/run/replay/replay.h"
 #include "acus/scene/effects/effect_list.h"
 #include "acus/scene/effects/ports.h"
+#include "acus/scene/simulation/probe_image_renderer.h"
+#include "acus/scene/simulation/simulation.h"
 #include "support/sweep_folder.h"
 
 namespace acus {
@@ -28,23 +31,32 @@ using testing::HasSubstr;
 
 struct SwayState {
   double offset_mm = 0.0;
+  std::int32_t turns = 0;
+  bool is_started = false;
 };
 
 /// The patient's table sways along x, as a sum of the odd terms of a triangle wave.
 class SwayStep final : public effects::StepStageOf<SwayState> {
  public:
   explicit SwayStep(const json& settings)
-      : amplitude_mm_(settings.at("amplitude_mm")), num_terms_(settings.at("terms")) {}
+      : amplitude_mm_(settings.at("amplitude_mm")),
+        num_terms_(settings.at("terms")),
+        push_n_per_mm_(settings.at("push_n_per_mm")),
+        echo_db_(settings.at("echo_db")) {}
 
   Activity Step(SwayState& state, const effects::StepTime& time, effects::PortValues& /*ports*/,
                 std::span<double> columns) const noexcept override {
+    const double before_mm = state.offset_mm;
     state.offset_mm = 0.0;
     for (int n = 0; n < num_terms_; ++n) {
       const double k = 2.0 * n + 1.0;
       state.offset_mm += amplitude_mm_ * 8.0 / (std::numbers::pi * std::numbers::pi) *
                          std::cos(2.0 * std::numbers::pi * k * time.session_s) / (k * k);
     }
+    if (state.is_started && (state.offset_mm > 0.0) != (before_mm > 0.0)) ++state.turns;
+    state.is_started = true;
     columns[0] = state.offset_mm;
+    columns[1] = state.turns;
     return state.offset_mm == 0.0 ? Activity::kIdle : Activity::kActive;
   }
   Eigen::Vector3d RestInCtMm(const SwayState& state,
@@ -54,10 +66,33 @@ class SwayStep final : public effects::StepStageOf<SwayState> {
   bool IsSameMotion(const SwayState& a, const SwayState& b) const noexcept override {
     return a.offset_mm == b.offset_mm;
   }
+  Eigen::Vector3d ForceInCtN(const SwayState& state) const noexcept override {
+    return -push_n_per_mm_ * state.offset_mm * Eigen::Vector3d::UnitZ();
+  }
+  double EchoChangeDb(const SwayState& /*state*/,
+                      const effects::EchoPlace& place) const noexcept override {
+    return place.depth_mm < 20.0 ? echo_db_ : 0.0;
+  }
 
  private:
   double amplitude_mm_;
   int num_terms_;
+  double push_n_per_mm_;
+  double echo_db_;
+};
+
+class SwayMeter final : public effects::EffectMeter {
+ public:
+  void Add(double /*session_s*/, std::span<const double> columns) override {
+    largest_mm_ = std::max(largest_mm_, std::abs(columns[0]));
+  }
+  std::vector<effects::MeasuredValue> Values() const override {
+    return {{"largest sway", "mm", largest_mm_}};
+  }
+  std::vector<std::string> Findings() const override { return {"The table swayed."}; }
+
+ private:
+  double largest_mm_ = 0.0;
 };
 
 /// A bar as long as the table has moved.
@@ -88,6 +123,9 @@ class LoadedSway final : public effects::LoadedEffect {
                                                      const RunContext&) const override {
     return std::make_unique<SwayImage>();
   }
+  std::unique_ptr<effects::EffectMeter> NewMeter() const override {
+    return std::make_unique<SwayMeter>();
+  }
 
  private:
   SwayStep step_;
@@ -104,18 +142,24 @@ class Sway : public effects::Effect {
         "amplitude_mm": {"type": "number", "minimum": 0, "maximum": 10, "default": 2,
                          "description": "To each side"},
         "terms": {"type": "integer", "minimum": 1, "maximum": 64, "default": 8,
-                  "description": "Of the series of a triangle wave"}}})");
+                  "description": "Of the series of a triangle wave"},
+        "push_n_per_mm": {"type": "number", "default": 0, "description": "Of the needle, upwards"},
+        "echo_db": {"type": "number", "default": 0, "description": "Of the first 20 mm"}}})");
   }
-  std::optional<effects::StageDeclaration> StepStageOf(const json&) const override {
-    return effects::StageDeclaration{
+  std::optional<effects::StageDeclaration> StepStageOf(const json& settings) const override {
+    effects::StageDeclaration stage{
         .name = "sway", .reads = {}, .writes = {effects::ports::kTissueMotion}};
+    if (settings.at("push_n_per_mm") != 0) stage.writes.push_back(effects::ports::kAddedForce);
+    if (settings.at("echo_db") != 0) stage.writes.push_back(effects::ports::kEcho);
+    return stage;
   }
   std::optional<effects::StageDeclaration> ImageStageOf(const json&) const override {
     return effects::StageDeclaration{
         .name = "sway image", .reads = {effects::ports::kProbe}, .writes = {kImage}};
   }
   std::vector<effects::Column> Columns() const override {
-    return {{"sway_mm", "How far the table is aside", "mm"}};
+    return {{"sway_mm", "How far the table is aside", "mm"},
+            {"turns", "Times that the table was in the middle", "", "table_in_the_middle"}};
   }
   std::vector<effects::Knob> Knobs() const override {
     return {{.name = "sway_terms",
@@ -313,6 +357,71 @@ TEST_F(ToyEffect, IsFeltAndSeenAndTheSameWithAnyNumberOfThreads) {
   EXPECT_EQ(Text("zero/images.igs.mha"), Text("still/images.igs.mha"));
 }
 
+TEST_F(ToyEffect, AddsAForceOnTheNeedle) {
+  Replay("without");
+  Replay("with", {{"/effects/toy_sway/push_n_per_mm", 0.5}});
+  const CsvTable without(folder_ / "without" / "forces.csv");
+  const CsvTable with(folder_ / "with" / "forces.csv");
+  const auto sway_mm = CsvTable(folder_ / "with" / "toy_sway.csv").Numbers("sway_mm");
+  const auto added_n = with.Numbers("added_n");
+  const auto along_n = with.Numbers("force_axial_n"), before_n = without.Numbers("force_axial_n");
+  const auto z_n = with.Numbers("force_z_n"), z_before_n = without.Numbers("force_z_n");
+  ASSERT_EQ(added_n.size(), 1001U);
+  for (std::size_t i = 0; i < added_n.size(); ++i) {
+    ASSERT_NEAR(added_n[i], 0.5 * sway_mm[i], 1e-9);  // The needle points along z.
+    ASSERT_NEAR(along_n[i], before_n[i] + added_n[i], 1e-9);
+    ASSERT_NEAR(z_n[i], z_before_n[i] - added_n[i], 1e-9);
+  }
+  EXPECT_FALSE(without.Has("added_n"));
+  EXPECT_THAT(
+      [&] {
+        Replay("alone",
+               {{"/effects/toy_sway/push_n_per_mm", 0.5}, {"/effects/needle_force", nullptr}});
+      },
+      testing::ThrowsMessage<InputError>(HasSubstr("adds a force on the needle")));
+}
+
+TEST_F(ToyEffect, ChangesEchoesOfTheBMode) {
+  const scenario::Override image{"/effects/ultrasound", {{"model", "columns_2010"}}};
+  const scenario::Override still{"/effects/toy_sway/amplitude_mm", 0};
+  const auto grey_of = [&](double echo_db) {
+    const auto scenario = Scene({image, still, {"/effects/toy_sway/echo_db", echo_db}});
+    const auto plan =
+        simulation::PlanEffects(scenario, {.needle_poses = true, .probe_poses = true});
+    const simulation::Scene scene = simulation::LoadScene(scenario, plan, context_);
+    const simulation::Simulation simulation(scene);
+    simulation::State state = simulation.NewState();
+    simulation.Step(state, {});
+    simulation::Snapshot moment{.probe_valid = true, .memory = &state.effects};
+    moment.ct_from_probe =
+        scene.ct_from_reference * Insertion().probe.front().reference_from_tool.isometry();
+    simulation::ProbeImages images;
+    simulation::ProbeImageRenderer(scene).Render(moment, images);
+    double sum = 0.0;
+    for (const std::uint8_t grey : images.b_mode.pixels) sum += grey;
+    return sum / static_cast<double>(images.b_mode.pixels.size());
+  };
+  const double as_it_is = grey_of(0.0);
+  EXPECT_GT(as_it_is, 1.0);
+  EXPECT_LT(grey_of(-200.0), 0.9 * as_it_is);
+  EXPECT_GT(grey_of(6.0), as_it_is);
+}
+
+TEST_F(ToyEffect, HasAnEventAMetricAndAFinding) {
+  Replay("run");
+  EXPECT_THAT(Text("run/events.csv"), HasSubstr("table_in_the_middle"));
+  EXPECT_THAT(Text("run/run.json"), HasSubstr("table_in_the_middle"));
+  const std::string report = Text("run/report.html");
+  EXPECT_THAT(report, HasSubstr("table in the middle"));
+  EXPECT_THAT(report, HasSubstr("The table swayed."));
+  const json metrics = config::ReadJson(folder_ / "run" / "metrics.json").at("metrics");
+  const auto largest = std::ranges::find(metrics, "largest sway", [](const json& metric) {
+    return metric.at("name").get<std::string>();
+  });
+  ASSERT_NE(largest, metrics.end());
+  EXPECT_NEAR(largest->at("value").get<double>(), 2.0, 0.1);
+}
+
 TEST_F(ToyEffect, IsInALiveSessionThatReplaysToTheSameNumbers) {
   WriteTextFile(folder_ / "devices.json", R"({"format": "acus-devices/1", "devices": [
       {"name": "right", "driver": "virtual_hand", "virtual_hand": {"repeats": true, "path": [
@@ -324,8 +433,9 @@ TEST_F(ToyEffect, IsInALiveSessionThatReplaysToTheSameNumbers) {
   live::LiveOptions options;
   options.session_folder = folder_ / "live";
   options.duration_s = 1.5;
-  live::LiveSession session(Scene(), live::ReadLiveDevices(folder_ / "devices.json"), options,
-                            context_);
+  const std::vector<scenario::Override> pushing{{"/effects/toy_sway/push_n_per_mm", 0.5}};
+  live::LiveSession session(Scene(pushing), live::ReadLiveDevices(folder_ / "devices.json"),
+                            options, context_);
   session.Start();
   std::size_t width_px = 0;
   double largest_mm = 0.0;
@@ -346,7 +456,7 @@ TEST_F(ToyEffect, IsInALiveSessionThatReplaysToTheSameNumbers) {
 
   replay::ReplayOptions replay;
   replay.run_folder = folder_ / "replayed";
-  replay::ReplaySession(Scene(), folder_ / "live", replay, context_);
+  replay::ReplaySession(Scene(pushing), folder_ / "live", replay, context_);
   EXPECT_EQ(Text("live/toy_sway.csv"), Text("replayed/toy_sway.csv"));
   EXPECT_EQ(Text("live/forces.csv"), Text("replayed/forces.csv"));
 }

@@ -12,6 +12,8 @@ constexpr std::array kKeys = {
     KeyHelp{Command::kDeeper, "D", "deeper"},
     KeyHelp{Command::kShallower, "Shift+D", "shallower"},
     KeyHelp{Command::kMarkTarget, "T", "mark the needle's tip as target"},
+    KeyHelp{Command::kPressPlunger, "I", "press the plunger of the syringe harder"},
+    KeyHelp{Command::kEasePlunger, "Shift+I", "ease the plunger; below zero: pull it"},
     KeyHelp{Command::kHoldBreath, "B", "hold the breath, and breathe on"},
     KeyHelp{Command::kSwapHands, "W", "swap needle and probe (left-handed)"},
     KeyHelp{Command::kNextView, "V", "next view alone, then all again"},
@@ -55,6 +57,10 @@ std::string_view NameOf(Command command) noexcept {
       return "hold_breath";
     case Command::kMarkTarget:
       return "mark_target";
+    case Command::kPressPlunger:
+      return "press_plunger";
+    case Command::kEasePlunger:
+      return "ease_plunger";
     case Command::kSteerOther:
       return "steer_other";
     case Command::kQuit:

@@ -18,6 +18,8 @@ enum class Command {
   kSwapHands,
   kHoldBreath,
   kMarkTarget,
+  kPressPlunger,  ///< More force of the thumb on the syringe.
+  kEasePlunger,
   kSteerOther,  ///< Mouse and arrow keys move the other tool: needle or probe.
   kQuit,        ///< By key, pressed twice, or by closing the window.
   kNextView,    ///< Grid, then each view alone.

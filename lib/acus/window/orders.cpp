@@ -14,6 +14,8 @@ using session::CommandKind;
 namespace {
 /// Images show an order well before this.
 constexpr double kShownAfterS = 0.5;
+/// By keys: what a thumb holds for seconds.
+constexpr double kMostThumbN = 40.0;
 }  // namespace
 
 void OrderedSettings::Refresh(const live::LiveSnapshot& snapshot, const ImageSetting& image,
@@ -31,6 +33,9 @@ void OrderedSettings::Add(const live::CommandQueue::Order& order, double now_s) 
       break;
     case CommandKind::kDepth:
       image_.depth_mm = order.value;
+      break;
+    case CommandKind::kPlunger:
+      snapshot_.plunger_n = order.value;
       break;
     case CommandKind::kFreezeImage:
     case CommandKind::kRunImage:
@@ -53,6 +58,9 @@ std::string WhyWithoutEffect(Command command, const SessionAbilities& session) {
       return session.has_both_tools ? "" : "There is one tool only: W swaps nothing.";
     case Command::kMarkTarget:
       return session.has_exercise_target ? "The exercise has its target: T marks no other." : "";
+    case Command::kPressPlunger:
+    case Command::kEasePlunger:
+      return session.has_syringe ? "" : "There is no syringe on this needle: I has no effect.";
     case Command::kGainUp:
     case Command::kGainDown:
     case Command::kDeeper:
@@ -78,7 +86,15 @@ std::optional<live::CommandQueue::Order> OrderOf(Command command,
     return order(CommandKind::kDepth,
                  std::clamp(present.depth_mm + step_mm, kLeastDepthMm, kLargestDepthMm));
   };
+  const auto plunger = [&](double step_n) {
+    return order(CommandKind::kPlunger,
+                 std::clamp(snapshot.plunger_n + step_n, -kMostThumbN, kMostThumbN));
+  };
   switch (command) {
+    case Command::kPressPlunger:
+      return plunger(kPlungerStepN);
+    case Command::kEasePlunger:
+      return plunger(-kPlungerStepN);
     case Command::kFreeze:
       return order(snapshot.frozen ? CommandKind::kRunImage : CommandKind::kFreezeImage);
     case Command::kGainUp:

@@ -12,6 +12,7 @@ namespace acus::window {
 
 inline constexpr double kGainStepDb = 3.0;
 inline constexpr double kDepthStepMm = 10.0;
+inline constexpr double kPlungerStepN = 1.0;
 
 /// How the image is set at present.
 struct ImageSetting {
@@ -42,6 +43,7 @@ struct SessionAbilities {
   bool has_both_tools = false;
   bool has_probe = false;
   bool has_exercise_target = false;
+  bool has_syringe = false;
 };
 std::string WhyWithoutEffect(Command command, const SessionAbilities& session);
 

@@ -27,7 +27,8 @@ class Loop {
                   .has_both_tools = session.has_needle() && session.has_probe(),
                   .has_probe = session.scene().probe.has_value(),
                   .has_exercise_target = session.exercise() != nullptr &&
-                                         session.exercise()->target_in_ct_mm().has_value()};
+                                         session.exercise()->target_in_ct_mm().has_value(),
+                  .has_syringe = session.scene().plan.Needs(effects::ports::kPlungerForce)};
   }
 
   /// False when the person has ended the session.

@@ -72,8 +72,8 @@ void Steering::KeyDown(const InputEvent& event, std::span<const ViewKind> shown)
   if (is_letter) {
     const char letter = static_cast<char>(std::tolower(static_cast<unsigned char>(event.key[0])));
     // Of the keys that repeat while held, only those of more and less mean it.
-    const bool may_repeat =
-        letter == 'g' || letter == 'd' || letter == 'o' || letter == 'p' || letter == 'x';
+    const bool may_repeat = letter == 'g' || letter == 'd' || letter == 'o' || letter == 'p' ||
+                            letter == 'x' || letter == 'i';
     if (repeated && !may_repeat) return;
     if (letter != 'q') choice_.quit_asked = false;
     Letter(letter, event.shift, shown);
@@ -110,6 +110,8 @@ void Steering::Letter(char letter, bool shift, std::span<const ViewKind> shown) 
       return add(shift ? Command::kShallower : Command::kDeeper);
     case 't':
       return add(Command::kMarkTarget);
+    case 'i':
+      return add(shift ? Command::kEasePlunger : Command::kPressPlunger);
     case 'b':
       return add(Command::kHoldBreath);
     case 'w':

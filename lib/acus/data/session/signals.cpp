@@ -15,9 +15,9 @@ namespace {
 
 // In the order of the enumerations. No word begins another: a cut-off line must not pass for one.
 constexpr std::array<std::string_view, 4> kBreathWords = {"BREATHING", "HELD", "PREDICTED", "LOST"};
-constexpr std::array<std::string_view, 11> kCommandWords = {
-    "hold_breath", "breathe_on", "freeze_image", "run_image",    "mark_target",  "swap_hands",
-    "gain_db",     "depth_mm",   "view",         "pause_forces", "resume_forces"};
+constexpr std::array<std::string_view, 12> kCommandWords = {
+    "hold_breath", "breathe_on", "freeze_image", "run_image",    "mark_target",   "swap_hands",
+    "gain_db",     "depth_mm",   "view",         "pause_forces", "resume_forces", "plunger_n"};
 constexpr std::array<std::string_view, 5> kBreathColumns = {"time_s", "cycle", "level",
                                                             "level_per_s", "status"};
 constexpr std::array<std::string_view, 3> kCommandColumns = {"time_s", "value", "command"};
@@ -107,7 +107,11 @@ std::vector<Command> ReadCommandsCsv(const std::filesystem::path& path, const Ru
                  "'; a finite number of seconds within +-", kMaxTimeS, " is needed");
     ACUS_REQUIRE(commands.empty() || *time_ns >= commands.back().time_ns, rows.Where(),
                  ": time_s is ", rows.Cell(0), ", before the command above; sort the rows");
-    commands.push_back({*time_ns, static_cast<CommandKind>(rows.Word()), rows.Number(1)});
+    const Command command{*time_ns, static_cast<CommandKind>(rows.Word()), rows.Number(1)};
+    ACUS_REQUIRE(command.kind != CommandKind::kPlunger || std::abs(command.value) <= kMostPlungerN,
+                 rows.Where(), ": the plunger's force is ", command.value, " N; allowed: -",
+                 kMostPlungerN, " to ", kMostPlungerN);
+    commands.push_back(command);
   }
   return commands;
 }

@@ -50,7 +50,11 @@ enum class CommandKind : std::uint8_t {
   kView,   ///< value: number of the view.
   kPauseForces,
   kResumeForces,
+  kPlunger,  ///< value: force of the thumb on the plunger of a syringe, N; below 0: pulls.
 };
+
+/// No thumb presses harder.
+inline constexpr double kMostPlungerN = 100.0;
 
 /// The word of commands.csv: "hold_breath", ...
 std::string_view NameOf(CommandKind kind);

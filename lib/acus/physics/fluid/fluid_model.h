@@ -1,10 +1,10 @@
 // A syringe on a needle in tissue: pressures, flow and the force on the plunger, step by step.
 //
 // Volume balance of the syringe, Hagen-Poiseuille in the needle, an opening pressure and Darcy's
-// spread in the tissue, and the plunger's momentum are one monotone equation for the pressure at the
-// bevel, which backward Euler solves to rounding: stable and passive for any stiffness, compliance
-// and step. Volumes are conserved exactly, as flow moves them from one account to another.
-// Equations, sources, limits: docs/models/fluid.md. Units: see syringe.h.
+// spread in the tissue, and the plunger's momentum are one monotone equation for the pressure at
+// the bevel, which backward Euler solves to rounding: stable and passive for any stiffness,
+// compliance and step. Volumes are conserved exactly, as flow moves them from one account to
+// another. Equations, sources, limits: docs/models/fluid.md. Units: see syringe.h.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,8 +34,8 @@ struct BevelContact {
 struct FluidInput {
   Hub hub = Hub::kSyringe;
   Drive drive = Drive::kForce;
-  double hand_n = 0.0;               ///< kForce: + pushes the plunger in.
-  double hand_mm = 0.0;              ///< kPosition: where the hand holds the plunger, 0 to the stroke.
+  double hand_n = 0.0;   ///< kForce: + pushes the plunger in.
+  double hand_mm = 0.0;  ///< kPosition: where the hand holds the plunger, 0 to the stroke.
   double hand_mm_per_s = 0.0;
   double coupling_n_per_mm = 5.0;    ///< kPosition: between the hand and the plunger; > 0.
   double coupling_n_s_per_mm = 0.0;  ///< >= 0.
@@ -48,8 +48,8 @@ struct FluidInput {
 
 /// Fluid in one tissue.
 struct TissueFluid {
-  double liquid_ml = 0.0;   ///< Injected less returned and absorbed; < 0 where content was drawn.
-  double air_ml = 0.0;      ///< At atmospheric pressure.
+  double liquid_ml = 0.0;  ///< Injected less returned and absorbed; < 0 where content was drawn.
+  double air_ml = 0.0;     ///< At atmospheric pressure.
   double absorbed_ml = 0.0;
   std::array<double, 3> centre_mm = {};  ///< Of what was injected.
 };
@@ -64,10 +64,10 @@ struct FluidState {
   double lumen_liquid_ml = 0.0;  ///< The rest of the lumen holds air.
   double syringe_kpa = 0.0;
   double bevel_kpa = 0.0;
-  double drawn_ml = 0.0;         ///< Of the liquid in syringe and lumen: drawn from a tissue.
-  int drawn_from = 0;            ///< The last tissue whose content was drawn; 0: none.
-  double hub_ml = 0.0;           ///< Liquid that left an open hub.
-  double hub_entered_ml = 0.0;   ///< Air that entered there.
+  double drawn_ml = 0.0;        ///< Of the liquid in syringe and lumen: drawn from a tissue.
+  int drawn_from = 0;           ///< The last tissue whose content was drawn; 0: none.
+  double hub_ml = 0.0;          ///< Liquid that left an open hub.
+  double hub_entered_ml = 0.0;  ///< Air that entered there.
   Hub hub = Hub::kSyringe;
   std::array<int, 2> spread_tissue = {};  ///< Tissue of each spread below; 0: none.
   std::array<TissueSpread::State, 2> spread = {};
@@ -79,19 +79,19 @@ struct FluidState {
 
 struct FluidOutput {
   double plunger_mm = 0.0;
-  double reaction_n = 0.0;      ///< On the hand at the plunger; + pushes the plunger out.
-  double barrel_n = 0.0;        ///< On barrel and needle along the axis; + pushes them in.
-  double flow_ml_per_s = 0.0;   ///< Through the needle; + into the tissue.
+  double reaction_n = 0.0;     ///< On the hand at the plunger; + pushes the plunger out.
+  double barrel_n = 0.0;       ///< On barrel and needle along the axis; + pushes them in.
+  double flow_ml_per_s = 0.0;  ///< Through the needle; + into the tissue.
   double syringe_kpa = 0.0;
   double bevel_kpa = 0.0;
-  double resting_kpa = 0.0;     ///< Of the tissue that most of the bevel is in, now.
-  double hub_ml_per_s = 0.0;    ///< Liquid that leaves an open hub; >= 0.
+  double resting_kpa = 0.0;        ///< Of the tissue that most of the bevel is in, now.
+  double hub_ml_per_s = 0.0;       ///< Liquid that leaves an open hub; >= 0.
   double air_in_syringe_ml = 0.0;  ///< At the present pressure.
 };
 
 struct FluidOptions {
-  int num_shells = 8;        ///< Of the spread, 1 to kMaxShells.
-  int max_iterations = 80;   ///< Newton and bisection together.
+  int num_shells = 8;       ///< Of the spread, 1 to kMaxShells.
+  int max_iterations = 80;  ///< Newton and bisection together.
 };
 
 /// Drops of 0.05 ml: 20 per ml, as infusion sets count them.

@@ -42,7 +42,8 @@ void ImageFollower::Step(const StepInput& input) {
   const bool from_session = scene_.plan.breath_from_session();
   output_ = simulation_.Step(
       state_, inputs_.SampleAt(input.time_ns, input.needle, input.probe,
-                               from_session ? step::BreathOf(input.breath) : breathing::Breath{}));
+                               from_session ? step::BreathOf(input.breath) : breathing::Breath{},
+                               input.plunger_n));
 }
 
 void ImageFollower::ShowMoment(std::int64_t time_ns, const StepInput& next) {

@@ -20,7 +20,7 @@ constexpr const char* kFormat = "acus-images/1";
 constexpr const char* kRequestName = "Images";
 constexpr const char* kStepsName = "Steps";
 constexpr const char* kMomentName = "Moment";
-constexpr std::size_t kColumns = 23;
+constexpr std::size_t kColumns = 24;
 constexpr double kLargestTimeNs = 9e15;  // Whole numbers up to there are exact.
 constexpr double kLargestMm = 1e6;
 
@@ -63,6 +63,13 @@ bool Get(const double*& at, std::optional<double>& value) {
   if (std::isinf(*at)) return false;
   if (!std::isnan(*at)) value = *at;
   ++at;
+  return true;
+}
+
+/// False if no hand has this force.
+bool Get(const double*& at, double& force_n) {
+  if (!(std::abs(*at) <= session::kMostPlungerN)) return false;
+  force_n = *at++;
   return true;
 }
 
@@ -135,7 +142,7 @@ Bytes PackSteps(std::span<const StepInput> steps, std::int64_t first_number) {
     Put(table.values, step.needle);
     Put(table.values, step.probe);
     for (const double value : {step.breath.cycle, step.breath.level, step.breath.level_per_s,
-                               NumberOf(step.gain_db), NumberOf(step.depth_mm)}) {
+                               NumberOf(step.gain_db), NumberOf(step.depth_mm), step.plunger_n}) {
       table.values.push_back(value);
     }
   }
@@ -158,7 +165,8 @@ std::optional<std::vector<StepInput>> ReadSteps(ByteView content, std::int64_t f
     if (step.time_ns <= after_ns) return std::nullopt;
     after_ns = step.time_ns;
     const bool is_right = Get(at, step.needle) && Get(at, step.probe) && Get(at, step.breath) &&
-                          Get(at, step.gain_db) && Get(at, step.depth_mm);
+                          Get(at, step.gain_db) && Get(at, step.depth_mm) &&
+                          Get(at, step.plunger_n);
     if (!is_right) return std::nullopt;
     step.needle.time_ns = step.probe.time_ns = step.breath.time_ns = step.time_ns;
   }

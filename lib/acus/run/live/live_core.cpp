@@ -139,6 +139,9 @@ void LiveCore::Obey(const CommandQueue::Order& order) noexcept {
     case CommandKind::kDepth:
       depth_mm_ = order.value;
       break;
+    case CommandKind::kPlunger:
+      plunger_n_ = order.value;
+      break;
     case CommandKind::kView:
       break;  // Of the window: only recorded.
   }
@@ -236,7 +239,7 @@ void LiveCore::Step() noexcept {
   }
   if (!inputs_.steps()) return;
   record_.output = simulation_.Step(
-      state_, inputs_.SampleAt(record_.time_ns, needle_.sample, probe_.sample, breath),
+      state_, inputs_.SampleAt(record_.time_ns, needle_.sample, probe_.sample, breath, plunger_n_),
       &stage_times_);
   Add(statistics_.steps);
 }
@@ -248,7 +251,8 @@ void LiveCore::Feed() noexcept {
                         .probe = record_.probe,
                         .breath = record_.breath,
                         .gain_db = gain_db_,
-                        .depth_mm = depth_mm_});
+                        .depth_mm = depth_mm_,
+                        .plunger_n = plunger_n_});
 }
 
 DeviceForce LiveCore::ForceOn(const Tool& tool, const Eigen::Vector3d& force_in_ct_n,
@@ -301,6 +305,7 @@ void LiveCore::Show(const DeviceForce& on_needle, const DeviceForce& on_probe) n
   out.forces_paused = forces_paused_;
   out.gain_db = gain_db_;
   out.depth_mm = depth_mm_;
+  out.plunger_n = plunger_n_;
   out.target_in_ct_mm = target_in_ct_mm_;
   out.measured_ns = probe_.sample.valid ? probe_.measured_ns : needle_.measured_ns;
   snapshots_.Publish();

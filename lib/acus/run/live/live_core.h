@@ -153,6 +153,7 @@ class LiveCore {
   std::atomic<bool> hands_swapped_{false};
   std::optional<double> gain_db_;
   std::optional<double> depth_mm_;
+  double plunger_n_ = 0.0;
   bool frozen_ = false;
   bool forces_paused_ = false;
   std::optional<Eigen::Vector3d> target_in_ct_mm_;

@@ -33,6 +33,7 @@ struct LiveSnapshot {
   bool forces_paused = false;
   std::optional<double> gain_db;   ///< Of the probe, if somebody has set it.
   std::optional<double> depth_mm;  ///< The same.
+  double plunger_n = 0.0;          ///< Force of the thumb on the plunger of a syringe, as ordered.
   std::optional<Eigen::Vector3d> target_in_ct_mm;
   /// CLOCK_MONOTONIC, ns: when the probe's pose (else the needle's) was measured.
   std::int64_t measured_ns = 0;

@@ -18,6 +18,7 @@ struct StepInput {
   session::BreathSample breath;
   std::optional<double> gain_db;   ///< Of the image, if somebody has set it.
   std::optional<double> depth_mm;  ///< The same.
+  double plunger_n = 0.0;          ///< Force of the thumb on the plunger of a syringe.
 };
 
 /// From the real-time thread to the one that sends. Neither waits for the other.

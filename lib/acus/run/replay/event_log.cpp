@@ -9,6 +9,33 @@
 
 namespace acus::replay {
 
+namespace {
+
+/// Those of effects in a step: of each count that rises.
+void AddEffectEvents(const simulation::Scene& scene, const StepLog& log, std::size_t i,
+                     const Eigen::Vector3d& tip_ct_mm, std::vector<LoggedEvent>& events) {
+  const simulation::StepOutput& step = log.steps[i];
+  const double before_n = i > 0 ? log.steps[i - 1].force.AxialN() : 0.0;
+  for (const simulation::ListedEffect& effect : scene.listed.all()) {
+    for (std::size_t n = 0; n < effect.columns.size(); ++n) {
+      const std::string& name = effect.columns[n].event;
+      if (name.empty()) continue;
+      const std::size_t at = effect.first_column + n;
+      const double before = i > 0 ? log.steps[i - 1].effect[at] : 0.0;
+      if (!(step.effect[at] > before)) continue;
+      events.push_back({.time_ns = step.time_ns,
+                        .name = name,
+                        .tissue = TissueName(scene, step.tissue_at_tip),
+                        .depth_mm = step.force.depth_mm,
+                        .force_axial_n = step.force.AxialN(),
+                        .force_before_n = before_n,
+                        .tip_ct_mm = tip_ct_mm});
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<LoggedEvent> EventsOf(const simulation::Scene& scene, const StepLog& log) {
   std::vector<LoggedEvent> events;
   auto passed = log.passed.begin();
@@ -23,6 +50,7 @@ std::vector<LoggedEvent> EventsOf(const simulation::Scene& scene, const StepLog&
         const forces::PassedEvent& event = passed->event;
         events.push_back({.time_ns = step.time_ns,
                           .event = event.event,
+                          .name = std::string(forces::NameOf(event.event)),
                           .tissue = TissueName(scene, event.tissue),
                           .depth_mm = event.depth_mm,
                           .force_axial_n = event.force_axial_n,
@@ -34,12 +62,14 @@ std::vector<LoggedEvent> EventsOf(const simulation::Scene& scene, const StepLog&
       const bool left = force.event == forces::NeedleEvent::kWithdrawal && i > 0;
       events.push_back({.time_ns = step.time_ns,
                         .event = force.event,
+                        .name = std::string(forces::NameOf(force.event)),
                         .tissue = TissueName(scene, step.tissue_at_tip),
                         .depth_mm = left ? before.depth_mm : force.depth_mm,
                         .force_axial_n = force.AxialN(),
                         .force_before_n = before.AxialN(),
                         .tip_ct_mm = tip_ct_mm});
     }
+    AddEffectEvents(scene, log, i, tip_ct_mm, events);
   }
   return events;
 }
@@ -48,9 +78,9 @@ void WriteEvents(const std::filesystem::path& path, const std::vector<LoggedEven
   std::ofstream out(path, std::ios::binary);
   out << "time_s,event,tissue,depth_mm,force_axial_n,force_before_n\n";
   for (const LoggedEvent& event : events) {
-    out << session::SecondsText(event.time_ns) << ',' << forces::NameOf(event.event) << ','
-        << event.tissue << ',' << NumberText(event.depth_mm) << ','
-        << NumberText(event.force_axial_n) << ',' << NumberText(event.force_before_n) << '\n';
+    out << session::SecondsText(event.time_ns) << ',' << event.name << ',' << event.tissue << ','
+        << NumberText(event.depth_mm) << ',' << NumberText(event.force_axial_n) << ','
+        << NumberText(event.force_before_n) << '\n';
   }
   out.close();
   ACUS_REQUIRE(out, path.string(), ": cannot be written; is the disk full?");
@@ -60,7 +90,7 @@ nlohmann::json EventsJson(const std::vector<LoggedEvent>& events) {
   nlohmann::json list = nlohmann::json::array();
   for (const LoggedEvent& event : events) {
     list.push_back({{"time_s", 1e-9 * static_cast<double>(event.time_ns)},
-                    {"event", forces::NameOf(event.event)},
+                    {"event", event.name},
                     {"tissue", event.tissue},
                     {"depth_mm", event.depth_mm},
                     {"force_axial_n", event.force_axial_n},

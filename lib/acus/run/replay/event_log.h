@@ -12,7 +12,9 @@ namespace acus::replay {
 
 struct LoggedEvent {
   std::int64_t time_ns = 0;
+  /// kNone: an event of an effect, which has a name only.
   forces::NeedleEvent event = forces::NeedleEvent::kNone;
+  std::string name;             ///< "puncture", "loss_of_resistance".
   std::string tissue;           ///< At the tip.
   double depth_mm = 0.0;        ///< Along the path; in deformed tissue at a withdrawal, before it.
   double force_axial_n = 0.0;   ///< Then: after a puncture, when the force has fallen.
@@ -20,7 +22,7 @@ struct LoggedEvent {
   Eigen::Vector3d tip_ct_mm = Eigen::Vector3d::Zero();  ///< CT space, at the end of that step.
 };
 
-/// In order of time.
+/// In order of time: those of the needle, and those of effects of the list.
 std::vector<LoggedEvent> EventsOf(const simulation::Scene& scene, const StepLog& log);
 
 /// events.csv: time_s,event,tissue,depth_mm,force_axial_n,force_before_n; one row per event.

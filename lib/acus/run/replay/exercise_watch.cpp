@@ -64,6 +64,7 @@ ExerciseWatch::ExerciseWatch(const training::Exercise& exercise, const simulatio
       passes_(InsideBy(label_at_), exercise.passes),
       plane_(InsideBy(label_at_), exercise.image_plane),
       structures_(label_at_),
+      effects_(scene),
       checklist_(exercise.checklist) {
   situation_.plane = exercise.image_plane;
   situation_.target_radius_mm = exercise.target_radius_mm;
@@ -106,6 +107,7 @@ void ExerciseWatch::Add(const PoseSample& needle, const PoseSample* probe,
     plane_.Add(needle, *probe);
   }
   forces_.Add(output);
+  effects_.Add(output);
   training::Situation now = SituationOf(needle, probe, field_, label_at_, situation_);
   now.breath_held = breath_held_;
   checklist_.Add(now_ns_, now, HasEnteredAvoided());
@@ -126,6 +128,7 @@ std::vector<Metric> ExerciseWatch::Metrics() const {
   if (has_probe_) share = plane_.share();
   add(training::NeedleMetrics(tissue_.metrics(), passes, share));
   add(forces_.Metrics(scene_));
+  add(effects_.Metrics());
   if (target_) add(target_->Metrics(passes));
   metrics.push_back(training::EntriesMetric(structures_.EntriesInto(avoided_)));
   return metrics;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "acus/run/replay/effect_meters.h"
 #include "acus/run/replay/force_meter.h"
 #include "acus/run/training/assessment.h"
 #include "acus/run/training/exercise.h"
@@ -42,7 +43,7 @@ class ExerciseWatch {
            const simulation::StepOutput& output);
 
   /// Of the metrics that goals may have: elapsed time and path of needle and probe, in tissue, of
-  /// the target and of the forces; those of phases and smoothness are missing.
+  /// the target, of the forces and of effects; those of phases and smoothness are missing.
   std::vector<training::Metric> Metrics() const;
   ExerciseProgress progress() const;
   const std::vector<training::StepResult>& checklist() const { return checklist_.results(); }
@@ -71,6 +72,7 @@ class ExerciseWatch {
   training::StructureMeter structures_;
   std::optional<training::TargetMeter> target_;
   ForceMeter forces_;
+  EffectMeters effects_;
   training::ChecklistMeter checklist_;
   bool has_probe_ = false;
   bool breath_held_ = false;

@@ -48,10 +48,10 @@ std::string TissueName(const simulation::Scene& scene, volume::Label label) {
 }
 
 std::string ForceHeader(const simulation::Scene& scene) {
-  return Message(
-      "time_s,depth_mm,tissue,force_axial_n,puncture_n,cutting_n,friction_n,bone_n,lateral_n,"
-      "force_x_n,force_y_n,force_z_n,",
-      IsBendable(scene) ? kShapeColumns : "", "event");
+  return Message("time_s,depth_mm,tissue,force_axial_n,puncture_n,cutting_n,friction_n,bone_n,",
+                 scene.listed.adds_force() ? "added_n," : "",
+                 "lateral_n,force_x_n,force_y_n,force_z_n,", IsBendable(scene) ? kShapeColumns : "",
+                 "event");
 }
 
 std::string ProbeForceHeader() {
@@ -80,10 +80,11 @@ void AppendForceRow(std::string& text, const simulation::StepOutput& step,
   text += session::SecondsText(step.time_ns);
   Add(text, f.depth_mm);
   text += ',' + TissueName(scene, step.tissue_at_tip);
-  for (const double value :
-       {f.AxialN(), f.puncture_n, f.cutting_n, f.friction_n, f.bone_n, f.lateral_n}) {
+  for (const double value : {f.AxialN(), f.puncture_n, f.cutting_n, f.friction_n, f.bone_n}) {
     Add(text, value);
   }
+  if (scene.listed.adds_force()) Add(text, f.added_n);
+  Add(text, f.lateral_n);
   Add(text, f.force_in_ct_n);
   if (IsBendable(scene)) {
     Add(text, f.torque_in_ct_n_mm);

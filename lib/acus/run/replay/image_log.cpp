@@ -37,7 +37,7 @@ std::string CaptionOf(const simulation::StepOutput& step) {
   char text[64];
   std::snprintf(text, sizeof text, " at %.2f s, %.1f mm deep",
                 1e-9 * static_cast<double>(step.time_ns), step.force.depth_mm);
-  return EventWords(step.force.event) + text;
+  return EventWords(forces::NameOf(step.force.event)) + text;
 }
 
 /// What the sequence holds, and what is on the left of the film.

@@ -50,8 +50,7 @@ void WriteEventMarkups(const fs::path& folder, const std::vector<LoggedEvent>& e
   points.points_mm.resize(3, static_cast<Eigen::Index>(events.size()));
   for (const LoggedEvent& event : events) {
     points.points_mm.col(static_cast<Eigen::Index>(points.names.size())) = event.tip_ct_mm;
-    points.names.push_back(
-        Message(points.names.size() + 1, " ", forces::NameOf(event.event), " ", event.tissue));
+    points.names.push_back(Message(points.names.size() + 1, " ", event.name, " ", event.tissue));
   }
   transforms::WriteLandmarks(folder / kEventMarkups, points);
 }

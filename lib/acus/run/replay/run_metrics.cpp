@@ -1,6 +1,7 @@
 #include "acus/run/replay/run_metrics.h"
 
 #include "acus/base/config/json_file.h"
+#include "acus/run/replay/effect_meters.h"
 #include "acus/run/replay/force_meter.h"
 #include "acus/run/training/session_metrics.h"
 
@@ -16,9 +17,14 @@ std::vector<Metric> MetricsOf(const simulation::Scene& scene, const session::Ses
     metrics.insert(metrics.end(), needle.begin(), needle.end());
   }
   ForceMeter meter;
-  for (const simulation::StepOutput& step : log.steps) meter.Add(step);
-  const std::vector<Metric> forces = meter.Metrics(scene);
-  metrics.insert(metrics.end(), forces.begin(), forces.end());
+  EffectMeters effects(scene);
+  for (const simulation::StepOutput& step : log.steps) {
+    meter.Add(step);
+    effects.Add(step);
+  }
+  for (const auto& measured : {meter.Metrics(scene), effects.Metrics()}) {
+    metrics.insert(metrics.end(), measured.begin(), measured.end());
+  }
   if (scene.shape && scene.shape->bendable() && !log.steps.empty()) {
     const double most_mm =
         log.most_bent.empty() ? 0.0 : log.steps[log.most_bent_step].shape.tip_deflection_mm;

@@ -5,6 +5,7 @@
 #include "acus/base/core/text_table.h"
 #include "acus/base/report/html_report.h"
 #include "acus/base/report/svg_plot.h"
+#include "acus/run/replay/effect_meters.h"
 #include "acus/run/replay/event_log.h"
 #include "acus/run/replay/plan_diagram.h"
 #include "acus/run/replay/plan_table.h"
@@ -52,7 +53,7 @@ std::vector<report::Plot> ForcePlots(const StepLog& log) {
                   SeriesOf(log, "bone", [](const StepOutput& s) { return s.force.bone_n; })};
   for (const StepOutput& step : log.steps) {
     if (!IsMarked(step.force.event)) continue;
-    axial.marks.push_back({SecondsOf(log, step), EventWords(step.force.event)});
+    axial.marks.push_back({SecondsOf(log, step), EventWords(forces::NameOf(step.force.event))});
   }
   report::Plot lateral;
   lateral.title = "Force across the needle";
@@ -145,7 +146,7 @@ void AddEvents(report::HtmlReport& html, const StepLog& log, const simulation::S
   for (const LoggedEvent& event : EventsOf(scene, log)) {
     rows.push_back(
         {FourDigits(1e-9 * static_cast<double>(event.time_ns - log.steps.front().time_ns)),
-         EventWords(event.event), event.tissue, FourDigits(event.depth_mm),
+         EventWords(event.name), event.tissue, FourDigits(event.depth_mm),
          FourDigits(event.force_before_n), FourDigits(event.force_axial_n)});
   }
   html.Section("Events");
@@ -212,9 +213,52 @@ void AddPlan(report::HtmlReport& html, const simulation::EffectPlan& plan,
   html.Table(flow.header, flow.rows, "What they read and write. They touch nothing else.");
 }
 
-/// What effects of the list wrote down, over time.
+/// Marks the moments at which the effect's counts of events rise.
+void MarkEvents(report::Plot& plot, const StepLog& log, const simulation::ListedEffect& effect) {
+  for (std::size_t n = 0; n < effect.columns.size(); ++n) {
+    const std::string& event = effect.columns[n].event;
+    if (event.empty()) continue;
+    double before = 0.0;
+    for (const StepOutput& step : log.steps) {
+      const double now = step.effect[effect.first_column + n];
+      if (now > before) plot.marks.push_back({SecondsOf(log, step), EventWords(event)});
+      before = now;
+    }
+  }
+}
+
+/// A column over the depth of the needle, with the tissues on its way.
+report::Plot OverDepth(const StepLog& log, const simulation::ListedEffect& effect, std::size_t n,
+                       const simulation::Scene& scene) {
+  const effects::Column& column = effect.columns[n];
+  report::Plot plot;
+  plot.title = column.title + " over depth";
+  plot.x_label = "depth [mm]";
+  plot.y_label = Message(column.name, " [", column.unit, "]");
+  plot.height_px = 220;
+  report::Series series;
+  double deepest_mm = 0.0;
+  volume::Label tissue = 0;
+  for (const StepOutput& step : log.steps) {
+    if (step.force.depth_mm <= 0.0) continue;
+    series.x.push_back(step.force.depth_mm);
+    series.y.push_back(step.effect[effect.first_column + n]);
+    if (step.force.depth_mm <= deepest_mm) continue;
+    deepest_mm = step.force.depth_mm;
+    if (step.tissue_at_tip != tissue) {
+      plot.marks.push_back({deepest_mm, TissueName(scene, step.tissue_at_tip)});
+    }
+    tissue = step.tissue_at_tip;
+  }
+  plot.series = {std::move(series)};
+  return plot;
+}
+
+/// What effects of the list found, and what they wrote down over time.
 void AddListedEffects(report::HtmlReport& html, const StepLog& log,
                       const simulation::Scene& scene) {
+  EffectMeters meters(scene);
+  for (const StepOutput& step : log.steps) meters.Add(step);
   for (const simulation::ListedEffect& other : scene.listed.all()) {
     if (other.columns.empty() || log.steps.empty()) continue;
     std::vector<report::Plot> plots;
@@ -232,9 +276,14 @@ void AddListedEffects(report::HtmlReport& html, const StepLog& log,
           column.unit.empty() ? column.name : Message(column.name, " [", column.unit, "]");
       plot.height_px = 180;
       plot.series = {std::move(series)};
+      if (plots.empty()) MarkEvents(plot, log, other);
       plots.push_back(std::move(plot));
+      if (column.over_depth && scene.plan.Writes(effects::ports::kForce)) {
+        plots.push_back(OverDepth(log, other, n, scene));
+      }
     }
     html.Section(std::string(other.title));
+    for (const std::string& finding : meters.FindingsOf(other.key)) html.Paragraph(finding);
     html.Plots(plots);
   }
 }

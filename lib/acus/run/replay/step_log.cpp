@@ -115,6 +115,7 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
   const std::size_t count = clock.size();
   log.steps.reserve(count);
   const std::size_t piece = count / 50 + 1;
+  step::PlungerForce plunger(session.commands);
   const double begin_s = ThreadCpuSeconds();
   for (std::size_t i = 0; i < count; ++i) {
     if (i % piece == 0) {
@@ -124,7 +125,7 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
     const bool between = inputs.reads_probe() && by_needle;  // The probe has samples of its own.
     const simulation::Sample sample = inputs.SampleAt(
         time_ns, clock[i], between ? session::PoseAt(session.probe, time_ns) : clock[i],
-        BreathOf(session, time_ns));
+        BreathOf(session, time_ns), plunger.At(time_ns));
     states.GiveBefore(sample.time_ns);
     const double step_begin_s = step_cpu_s != nullptr ? ThreadCpuSeconds() : 0.0;
     log.steps.push_back(simulation.Step(log.final_state, sample, times));
@@ -143,8 +144,8 @@ const simulation::StepOutput* StepAt(const StepLog& log, std::int64_t time_ns) {
   return after == log.steps.begin() ? nullptr : &*(after - 1);
 }
 
-std::string EventWords(forces::NeedleEvent event) {
-  std::string words(forces::NameOf(event));
+std::string EventWords(std::string_view name) {
+  std::string words(name);
   std::ranges::replace(words, '_', ' ');
   return words;
 }

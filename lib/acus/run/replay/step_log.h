@@ -49,8 +49,8 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
 /// The step at or before a time; null before the first.
 const simulation::StepOutput* StepAt(const StepLog& log, std::int64_t time_ns);
 
-/// "bone contact": an event in words.
-std::string EventWords(forces::NeedleEvent event);
+/// "bone contact": the name of an event in words.
+std::string EventWords(std::string_view name);
 
 /// Writes forces.csv: one row per step, columns with units; forces are those on the needle,
 /// force_axial_n is + where it pushes the needle out.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "acus/data/session/session.h"
 #include "acus/scene/simulation/scene.h"
@@ -17,6 +18,21 @@ breathing::Breath BreathOf(const session::BreathSample& sample) noexcept;
 struct Tools {
   bool needle = false;
   bool probe = false;
+};
+
+/// The force of the thumb on the plunger, by the orders of a session: that of the last one.
+class PlungerForce {
+ public:
+  /// @param commands  In order of time; must outlive this.
+  explicit PlungerForce(const std::vector<session::Command>& commands) : commands_(commands) {}
+
+  /// N; an order acts on the step of its time. @param time_ns  Never goes back.
+  double At(std::int64_t time_ns) noexcept;
+
+ private:
+  const std::vector<session::Command>& commands_;
+  std::size_t next_ = 0;
+  double force_n_ = 0.0;
 };
 
 /// Const after construction; SampleAt is real time.
@@ -34,8 +50,8 @@ class StepInputs {
   /// The sample of a step, reference frame. Tools that no stage of a step reads are not seen, so
   /// that their jitter cannot change a result.
   simulation::Sample SampleAt(std::int64_t time_ns, const session::PoseSample& needle,
-                              const session::PoseSample& probe,
-                              const breathing::Breath& breath) const noexcept;
+                              const session::PoseSample& probe, const breathing::Breath& breath,
+                              double plunger_n) const noexcept;
 
  private:
   Tools reads_;

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,6 +58,29 @@ struct Column {
   std::string name;   ///< With its unit: "radius_mm".
   std::string title;  ///< Of the plot in reports.
   std::string unit;
+  /// If not empty, the column is a count, and each time that it rises is an event of this name,
+  /// "loss_of_resistance": in events.csv, the report and the markups.
+  std::string event = {};
+  bool over_depth = false;  ///< Reports also plot it over the depth of the needle.
+};
+
+/// A number that a session is judged by.
+struct MeasuredValue {
+  std::string name;  ///< "largest injection pressure"; goals of exercises refer to it.
+  std::string unit;  ///< Empty for a count.
+  double value = 0.0;
+};
+
+/// What an effect measures over a session, in a replay or as a live session goes on.
+class EffectMeter {
+ public:
+  virtual ~EffectMeter() = default;
+  /// Each step in turn. @param columns  Those of the effect.
+  virtual void Add(double session_s, std::span<const double> columns) = 0;
+  /// As far as the session has come; also rows of the metrics of a run.
+  virtual std::vector<MeasuredValue> Values() const = 0;
+  /// Sentences for the effect's part of a report.
+  virtual std::vector<std::string> Findings() const { return {}; }
 };
 
 /// What an effect has loaded for a scene. Const from then on; shared by all threads.
@@ -73,6 +98,8 @@ class LoadedEffect {
                                                     const RunContext& /*context*/) const {
     return nullptr;
   }
+  /// A new one for each session; null if the effect measures nothing.
+  virtual std::unique_ptr<EffectMeter> NewMeter() const { return nullptr; }
 };
 
 /// A kind of effect. One object for each, of static storage.
@@ -116,6 +143,6 @@ class Effect {
 };
 
 /// Numbers of all effects of a scene together, in a step.
-inline constexpr std::size_t kMaxColumns = 12;
+inline constexpr std::size_t kMaxColumns = 32;
 
 }  // namespace acus::effects

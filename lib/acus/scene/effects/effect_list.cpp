@@ -7,7 +7,6 @@
 #include "acus/scene/effects/pain_reaction/pain_reaction.h"
 #include "acus/scene/effects/peristalsis/peristalsis.h"
 #include "acus/scene/effects/planes/planes.h"
-#include "acus/scene/effects/ports.h"
 #include "acus/scene/effects/pulsating_vessels/pulsating_vessels.h"
 #include "acus/scene/effects/view_3d/view_3d.h"
 
@@ -22,10 +21,9 @@ std::vector<const Effect*>& List() {
 
 }  // namespace
 
-bool CalledEffect::MovesTissue() const {
+bool CalledEffect::StepWrites(PortRef port) const {
   const auto stage = step();
-  return stage &&
-         std::ranges::find(stage->writes, PortRef(ports::kTissueMotion)) != stage->writes.end();
+  return stage && std::ranges::find(stage->writes, port) != stage->writes.end();
 }
 
 std::vector<const Effect*> AllEffects() {

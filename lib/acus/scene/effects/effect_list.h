@@ -17,8 +17,8 @@ struct CalledEffect {
   std::optional<StageDeclaration> step() const { return effect->StepStageOf(settings); }
   std::optional<StageDeclaration> image() const { return effect->ImageStageOf(settings); }
   ImageTiming timing() const { return effect->TimingOf(settings); }
-  /// True if its stage at every sample moves tissue.
-  bool MovesTissue() const;
+  /// True if its stage at every sample writes the port.
+  bool StepWrites(PortRef port) const;
 };
 
 /// All effects: those of Acus, then those that were registered, in that order.

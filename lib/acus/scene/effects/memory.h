@@ -11,7 +11,7 @@ namespace acus::effects {
 /// The states of all stages of effects, one beside the other. A plain value of fixed size: it can
 /// be copied at any time, from thread to thread, without allocating.
 struct Memory {
-  static constexpr std::size_t kBytes = 2048;
+  static constexpr std::size_t kBytes = 8192;
   static constexpr std::size_t kAlignment = alignof(std::max_align_t);
 
   alignas(kAlignment) std::array<std::byte, kBytes> bytes{};

@@ -25,6 +25,8 @@ using FilePort = Port<std::filesystem::path>;
 inline constexpr Port<Eigen::Isometry3d> kNeedlePoses{"needle poses"};
 inline constexpr Port<Eigen::Isometry3d> kProbePoses{"probe poses"};
 inline constexpr Port<breathing::Breath> kSessionBreath{"session's breath"};
+/// Force in N of the thumb on the plunger of a syringe; zero where the session has none.
+inline constexpr Port<double> kPlungerForce{"plunger force"};
 
 // What the patient gives.
 inline constexpr Port<volume::CtVolume> kCt{"ct"};
@@ -52,6 +54,11 @@ inline constexpr Port<breathing::MotionField> kMotionField{"motion field"};
 inline constexpr Port<breathing::Breath> kBreath{"breath"};
 /// Written by any number of stages: see StepStage::RestInCtMm.
 inline constexpr Port<void> kTissueMotion{"tissue motion"};
+/// The same in images only: tools do not feel it.
+inline constexpr Port<void> kSwelling{"swelling"};
+/// The same: see StepStage::ForceIn and EchoChangeDbIn.
+inline constexpr Port<void> kAddedForce{"added force"};
+inline constexpr Port<void> kEcho{"echo"};
 inline constexpr Port<breathing::ToolAtRest> kNeedle{"needle"};
 inline constexpr Port<volume::Label> kTissue{"tissue"};
 inline constexpr Port<void> kContact{"contact"};

@@ -30,6 +30,14 @@ struct StepTime {
   double session_s = 0.0;  ///< Since the session began.
 };
 
+/// Where an echo comes from, CT space.
+struct EchoPlace {
+  Eigen::Vector3d place_in_ct_mm = Eigen::Vector3d::Zero();
+  Eigen::Vector3d beam_in_ct = Eigen::Vector3d::UnitZ();  ///< Unit, from the face to the place.
+  double depth_mm = 0.0;                                  ///< Along the beam, from the face.
+  double frequency_mhz = 0.0;                             ///< Of the probe.
+};
+
 /// The work of an effect at every sample. Const after loading: all that changes is in its state, a
 /// plain value of state_bytes() that the simulation keeps. Implement StepStageOf<State> instead.
 class StepStage {
@@ -46,7 +54,8 @@ class StepStage {
                           std::span<double> columns) const noexcept = 0;
 
   /// Where tissue that is now at a place was without this effect, CT space. Only called if the
-  /// stage writes ports::kTissueMotion, by tools at every sample and by images at their knots.
+  /// stage writes ports::kTissueMotion, by tools at every sample and by images at their knots, or
+  /// ports::kSwelling, by images.
   virtual Eigen::Vector3d RestIn(const std::byte* /*state*/,
                                  const Eigen::Vector3d& place_in_ct_mm) const noexcept {
     return place_in_ct_mm;
@@ -57,6 +66,25 @@ class StepStage {
   }
   /// Distance over which the motion may be taken as linear.
   virtual double MotionSpacingMm() const noexcept { return 1e3; }
+
+  /// Force on the needle in N, CT space, beside those of other stages; the sum is felt and logged.
+  /// Only called if the stage writes ports::kAddedForce, after each step.
+  virtual Eigen::Vector3d ForceIn(const std::byte* /*state*/) const noexcept {
+    return Eigen::Vector3d::Zero();
+  }
+
+  /// False: there is no change of any echo in this state.
+  virtual bool ChangesEchoIn(const std::byte* /*state*/) const noexcept { return true; }
+  /// By how many dB the echo of a place differs from that without this effect. Only called if the
+  /// stage writes ports::kEcho, for each pixel of a B-mode image.
+  virtual double EchoChangeDbIn(const std::byte* /*state*/,
+                                const EchoPlace& /*place*/) const noexcept {
+    return 0.0;
+  }
+  /// True if echoes are the same in both states: a B-mode image need not be rendered anew.
+  virtual bool IsSameEchoIn(const std::byte* /*a*/, const std::byte* /*b*/) const noexcept {
+    return true;
+  }
 };
 
 /// A stage whose state is of a type of its own.
@@ -71,6 +99,14 @@ class StepStageOf : public StepStage {
     return place_in_ct_mm;
   }
   virtual bool IsSameMotion(const State& /*a*/, const State& /*b*/) const noexcept { return true; }
+  virtual Eigen::Vector3d ForceInCtN(const State& /*state*/) const noexcept {
+    return Eigen::Vector3d::Zero();
+  }
+  virtual bool ChangesEcho(const State& /*state*/) const noexcept { return true; }
+  virtual double EchoChangeDb(const State& /*state*/, const EchoPlace& /*place*/) const noexcept {
+    return 0.0;
+  }
+  virtual bool IsSameEcho(const State& /*a*/, const State& /*b*/) const noexcept { return true; }
 
   static const State& StateAt(const std::byte* state) noexcept {
     return *std::launder(reinterpret_cast<const State*>(state));
@@ -88,6 +124,18 @@ class StepStageOf : public StepStage {
   }
   bool IsSameMotionIn(const std::byte* a, const std::byte* b) const noexcept final {
     return IsSameMotion(StateAt(a), StateAt(b));
+  }
+  Eigen::Vector3d ForceIn(const std::byte* state) const noexcept final {
+    return ForceInCtN(StateAt(state));
+  }
+  bool ChangesEchoIn(const std::byte* state) const noexcept final {
+    return ChangesEcho(StateAt(state));
+  }
+  double EchoChangeDbIn(const std::byte* state, const EchoPlace& place) const noexcept final {
+    return EchoChangeDb(StateAt(state), place);
+  }
+  bool IsSameEchoIn(const std::byte* a, const std::byte* b) const noexcept final {
+    return IsSameEcho(StateAt(a), StateAt(b));
   }
 };
 

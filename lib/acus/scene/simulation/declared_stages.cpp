@@ -113,7 +113,9 @@ DeclaredStages::DeclaredStages(const Scenario& s, bool breath_from_session)
     }
     const auto image = called.image();
     if (image && image->is_goal) goals.push_back({NumberOf(stages, key, true), key});
-    if (called.MovesTissue()) helpers.push_back({NumberOf(stages, ports::kRestMap), key});
+    if (called.StepWrites(ports::kTissueMotion) || called.StepWrites(ports::kSwelling)) {
+      helpers.push_back({NumberOf(stages, ports::kRestMap), key});
+    }
   }
 }
 
@@ -144,6 +146,7 @@ std::vector<DeclaredInput> DeclaredInputs(const Scenario& s, const AvailableInpu
       FromSession(ports::kSessionBreath, available.breath,
                   "the session has no breathing stream; /effects/breathing/from_session "
                   "\"if_recorded\" would take the scenario's"),
+      FromSession(ports::kPlungerForce, true, ""),
       Volume(s, ports::kCt, s.patient.ct),
       Volume(s, ports::kLabels, s.patient.labels),
       OfPatient(ports::kMesh, s.patient.mesh, "; acus-mesh --condense makes one"),

@@ -1,6 +1,7 @@
 #include "acus/scene/simulation/listed_effects.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "acus/base/core/error.h"
 
@@ -11,11 +12,12 @@ namespace ports = effects::ports;
 using effects::PortRef;
 
 /// What stages of effects are given, besides what other effects write at every sample.
-constexpr PortRef kOfTools[] = {ports::kNeedle, ports::kTissue, ports::kForce, ports::kProbeForce};
+constexpr PortRef kOfTools[] = {ports::kNeedle, ports::kTissue, ports::kForce, ports::kProbeForce,
+                                ports::kPlungerForce};
 constexpr PortRef kOfImages[] = {
     ports::kBMode,        ports::kCtImage,     ports::kRestMap, ports::kProbe,  ports::kNeedle,
     ports::kNeedlePreset, ports::kProbePreset, ports::kShape,   ports::kBreath, ports::kForce};
-constexpr PortRef kOfPatient[] = {ports::kCt, ports::kLabels};
+constexpr PortRef kOfPatient[] = {ports::kCt, ports::kLabels, ports::kNeedlePreset};
 
 bool Holds(std::span<const PortRef> list, PortRef port) {
   return std::ranges::find(list, port) != list.end();
@@ -51,13 +53,20 @@ void RequirePorts(const EffectPlan& plan, const scenario::Scenario& scenario,
                  stage.is_image() ? "', which images are not given"
                                   : "', which no stage before it writes at every sample");
   }
+  ACUS_REQUIRE(!stage.Writes(ports::kAddedForce) || plan.Writes(ports::kForce), "effects/",
+               called.effect->key(), ": stage '", stage.name,
+               "' adds a force on the needle to that of effects/needle_force, which is not there; "
+               "add it, for example --set /effects/needle_force/model=layered");
 }
 
 }  // namespace
 
 ListedEffects::ListedEffects(const scenario::Scenario& scenario, const EffectPlan& plan,
-                             const effects::PortValues& data, RunContext& context)
+                             const effects::PortValues& data,
+                             const forces::NeedleProperties* needle, RunContext& context)
     : data_(data) {
+  effects::PortValues loading = data;
+  if (needle != nullptr) loading.Set(ports::kNeedlePreset, needle);
   std::size_t bytes = 0;
   std::size_t columns = 0;
   for (const effects::CalledEffect& called : scenario.listed) {
@@ -70,14 +79,17 @@ ListedEffects::ListedEffects(const scenario::Scenario& scenario, const EffectPla
     effect.key = called.effect->key();
     effect.title = called.effect->title();
     if (image != nullptr) effect.image_stage = image->number;
-    effect.loaded = called.effect->Load(called.settings, data, context);
+    effect.loaded = called.effect->Load(called.settings, loading, context);
     effect.has_image = image != nullptr;
     effect.timing = called.timing();
     if (step != nullptr) {
       effect.step_stage = step->number;
       effect.step = effect.loaded->step();
       ACUS_ASSERT(effect.step != nullptr);
-      effect.moves_tissue = called.MovesTissue();
+      effect.moves_tissue = step->Writes(ports::kTissueMotion);
+      effect.swells = step->Writes(ports::kSwelling);
+      effect.adds_force = step->Writes(ports::kAddedForce);
+      effect.changes_echo = step->Writes(ports::kEcho);
       effect.columns = called.effect->Columns();
       effect.first_column = columns;
       columns += effect.columns.size();
@@ -86,6 +98,9 @@ ListedEffects::ListedEffects(const scenario::Scenario& scenario, const EffectPla
       bytes = effect.state_at + effect.step->state_bytes();
       has_steps_ = true;
       moves_tissue_ = moves_tissue_ || effect.moves_tissue;
+      shows_motion_ = shows_motion_ || effect.moves_tissue || effect.swells;
+      adds_force_ = adds_force_ || effect.adds_force;
+      changes_echo_ = changes_echo_ || effect.changes_echo;
     }
     all_.push_back(std::move(effect));
   }
@@ -138,20 +153,73 @@ Eigen::Vector3d ListedEffects::RestInCtMm(const effects::Memory& memory,
   return rest_mm;
 }
 
+Eigen::Vector3d ListedEffects::SeenRestInCtMm(
+    const effects::Memory& memory, const Eigen::Vector3d& place_in_ct_mm) const noexcept {
+  Eigen::Vector3d rest_mm = place_in_ct_mm;
+  for (const ListedEffect& effect : all_) {
+    if (effect.moves_tissue || effect.swells) {
+      rest_mm = effect.step->RestIn(effect.StateIn(memory), rest_mm);
+    }
+  }
+  return rest_mm;
+}
+
 bool ListedEffects::IsSameMotion(const effects::Memory* a,
                                  const effects::Memory* b) const noexcept {
-  if (!moves_tissue_) return true;
+  if (!shows_motion_) return true;
   if (a == nullptr || b == nullptr) return a == b;
   return std::ranges::all_of(all_, [a, b](const ListedEffect& effect) {
-    return !effect.moves_tissue ||
+    return !(effect.moves_tissue || effect.swells) ||
            effect.step->IsSameMotionIn(effect.StateIn(*a), effect.StateIn(*b));
+  });
+}
+
+Eigen::Vector3d ListedEffects::AddedForceInCtN(const effects::Memory& memory) const noexcept {
+  Eigen::Vector3d sum_n = Eigen::Vector3d::Zero();
+  for (const auto& order : steps_) {
+    for (const std::size_t n : order) {
+      if (!all_[n].adds_force) continue;
+      const Eigen::Vector3d force_n = all_[n].step->ForceIn(all_[n].StateIn(memory));
+      const double size_n = force_n.norm();
+      if (!std::isfinite(size_n)) continue;
+      sum_n +=
+          size_n > kLargestAddedN ? Eigen::Vector3d(force_n * (kLargestAddedN / size_n)) : force_n;
+    }
+  }
+  return sum_n;
+}
+
+bool ListedEffects::ChangesEchoNow(const effects::Memory& memory) const noexcept {
+  return std::ranges::any_of(all_, [&memory](const ListedEffect& effect) {
+    return effect.changes_echo && effect.step->ChangesEchoIn(effect.StateIn(memory));
+  });
+}
+
+double ListedEffects::EchoChangeDb(const effects::Memory& memory,
+                                   const effects::EchoPlace& place) const noexcept {
+  double change_db = 0.0;
+  for (const ListedEffect& effect : all_) {
+    if (effect.changes_echo)
+      change_db += effect.step->EchoChangeDbIn(effect.StateIn(memory), place);
+  }
+  return change_db;
+}
+
+bool ListedEffects::IsSameEcho(const effects::Memory* a, const effects::Memory* b) const noexcept {
+  if (!changes_echo_) return true;
+  if (a == nullptr || b == nullptr) return a == b;
+  return std::ranges::all_of(all_, [a, b](const ListedEffect& effect) {
+    return !effect.changes_echo ||
+           effect.step->IsSameEchoIn(effect.StateIn(*a), effect.StateIn(*b));
   });
 }
 
 double ListedEffects::MotionSpacingMm() const noexcept {
   double spacing_mm = 1e3;
   for (const ListedEffect& effect : all_) {
-    if (effect.moves_tissue) spacing_mm = std::min(spacing_mm, effect.step->MotionSpacingMm());
+    if (effect.moves_tissue || effect.swells) {
+      spacing_mm = std::min(spacing_mm, effect.step->MotionSpacingMm());
+    }
   }
   return spacing_mm;
 }

@@ -28,6 +28,9 @@ struct ListedEffect {
   bool has_image = false;                    ///< The plan has its stage at every image.
   effects::ImageTiming timing;
   bool moves_tissue = false;
+  bool swells = false;
+  bool adds_force = false;
+  bool changes_echo = false;
   std::size_t state_at = 0;  ///< Bytes into the memory.
   std::vector<effects::Column> columns;
   std::size_t first_column = 0;
@@ -42,17 +45,22 @@ class ListedEffects {
  public:
   ListedEffects() = default;
 
-  /// @param data  What the plan has loaded.
+  /// @param data  What the plan has loaded of the patient.
+  /// @param needle  Its preset, to load effects by; null if no stage reads it.
   /// @throws InputError if an effect cannot be loaded, reads a port that is not given to its stage,
   ///     or the states or columns of all of them together are too many.
   ListedEffects(const scenario::Scenario& scenario, const EffectPlan& plan,
-                const effects::PortValues& data, RunContext& context);
+                const effects::PortValues& data, const forces::NeedleProperties* needle,
+                RunContext& context);
 
   const std::vector<ListedEffect>& all() const { return all_; }
   bool has_steps() const { return has_steps_; }
   /// True if there are images at the moments of the scene's images.
   bool has_images() const;
+  /// True if tools feel a motion of tissue; images show it as well.
   bool moves_tissue() const { return moves_tissue_; }
+  /// True if images show a motion of tissue.
+  bool shows_motion() const { return shows_motion_; }
   const effects::PortValues& data() const { return data_; }
 
   void Begin(effects::Memory& memory) const;
@@ -61,12 +69,31 @@ class ListedEffects {
   void Step(bool after_tools, effects::Memory& memory, const effects::StepTime& time,
             effects::PortValues& ports, EffectColumns& columns, Stopwatch& watch) const noexcept;
 
-  /// Where tissue that is now at a place was without these effects.
+  /// Where tissue that is now at a place was without these effects: as tools feel it, and as images
+  /// show it.
   Eigen::Vector3d RestInCtMm(const effects::Memory& memory,
                              const Eigen::Vector3d& place_in_ct_mm) const noexcept;
-  /// True if tissue lies the same at both moments. Null: not moved.
+  Eigen::Vector3d SeenRestInCtMm(const effects::Memory& memory,
+                                 const Eigen::Vector3d& place_in_ct_mm) const noexcept;
+  /// True if images show tissue at the same place at both moments. Null: not moved.
   bool IsSameMotion(const effects::Memory* a, const effects::Memory* b) const noexcept;
   double MotionSpacingMm() const noexcept;
+
+  bool adds_force() const { return adds_force_; }
+  /// What these effects add to the force on the needle, N, CT space: in the order of the plan, each
+  /// no larger than kLargestAddedN; what is not finite counts as zero.
+  Eigen::Vector3d AddedForceInCtN(const effects::Memory& memory) const noexcept;
+
+  bool changes_echo() const { return changes_echo_; }
+  /// True if an effect changes the echo of any place at this moment.
+  bool ChangesEchoNow(const effects::Memory& memory) const noexcept;
+  /// Sum over these effects.
+  double EchoChangeDb(const effects::Memory& memory,
+                      const effects::EchoPlace& place) const noexcept;
+  /// True if echoes are the same at both moments. Null: not changed.
+  bool IsSameEcho(const effects::Memory* a, const effects::Memory* b) const noexcept;
+
+  static constexpr double kLargestAddedN = 40.0;
 
  private:
   std::vector<ListedEffect> all_;
@@ -75,6 +102,9 @@ class ListedEffects {
   effects::PortValues data_;
   bool has_steps_ = false;
   bool moves_tissue_ = false;
+  bool shows_motion_ = false;
+  bool adds_force_ = false;
+  bool changes_echo_ = false;
 };
 
 }  // namespace acus::simulation

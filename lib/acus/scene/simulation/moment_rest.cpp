@@ -6,7 +6,7 @@ namespace acus::simulation {
 
 Eigen::Vector3d EffectsRest::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
                                         const Eigen::Vector3d& /*guess_in_ct_mm*/) const noexcept {
-  const Eigen::Vector3d rest_mm = effects_.RestInCtMm(memory_, place_in_ct_mm);
+  const Eigen::Vector3d rest_mm = effects_.SeenRestInCtMm(memory_, place_in_ct_mm);
   return next_ == nullptr ? rest_mm : next_->RestInCtMm(rest_mm, rest_mm);
 }
 
@@ -28,7 +28,7 @@ const slicing::RestMap* MomentRest::At(const Snapshot& snapshot) {
     deformed_->Update(*snapshot.load);
     rest = &*deformed_;
   }
-  if (scene_->listed.moves_tissue() && snapshot.memory != nullptr) {
+  if (scene_->listed.shows_motion() && snapshot.memory != nullptr) {
     rest = &effects_.emplace(scene_->listed, *snapshot.memory, rest);
   }
   if (scene_->breathing && scene_->breathing->image) {

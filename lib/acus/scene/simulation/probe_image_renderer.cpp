@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "acus/scene/simulation/echo_changes.h"
 #include "acus/scene/simulation/image_sleep.h"
 
 namespace acus::simulation {
@@ -39,6 +40,7 @@ ProbeImageRenderer::ProbeImageRenderer(const Scene& scene, const acoustics::Prob
   const bool has_ct_slice =
       choice == ImageChoice::kAll && scene.plan.Writes(effects::ports::kCtImage);
   if (!has_b_mode && !has_ct_slice) return;
+  probe_ = *probe;
   if (has_ct_slice) {
     ct_slice_.emplace(*scene.ct, acoustics::ImageOf(*probe), probe->slice_thickness_mm,
                       scene.ct_window);
@@ -73,6 +75,9 @@ Sleep ProbeImageRenderer::SleepOf(effects::PortRef id, const Snapshot& snapshot,
       !TissueHasStayed(scene_, *shown, snapshot)) {
     return Sleep::kAwake;
   }
+  if (id == effects::ports::kBMode && !scene_.listed.IsSameEcho(shown->memory, snapshot.memory)) {
+    return Sleep::kAwake;
+  }
   const bool with_needle =
       id == effects::ports::kCtImage ? scene_.needle_in_ct_slice : scene_.needle_in_b_mode;
   if (!with_needle || NeedleHasStayed(*shown, snapshot)) return Sleep::kNothingMoved;
@@ -90,12 +95,11 @@ bool ProbeImageRenderer::Sleeps(effects::PortRef id, const Snapshot& snapshot,
 void ProbeImageRenderer::DrawBMode(Sleep sleep, const Snapshot& snapshot,
                                    const std::optional<image::NeedleInImage>& needle,
                                    const slicing::RestMap* rest, image::GrayImage& out) {
-  if (!persistence_.on()) {
-    Draw(*b_mode_, sleep, snapshot, needle, rest, out);
-    return;
-  }
+  image::GrayImage& drawn = persistence_.on() ? frame_ : out;
+  Draw(*b_mode_, sleep, snapshot, needle, rest, drawn);
+  if (sleep == Sleep::kAwake) ChangeEchoes(scene_, snapshot, *probe_, b_mode_->image(), drawn);
+  if (!persistence_.on()) return;
   // What has not moved goes on to settle.
-  Draw(*b_mode_, sleep, snapshot, needle, rest, frame_);
   const bool unseen = sleep == Sleep::kProbeUnseen;
   if (unseen) persistence_.Reset();
   persistence_.Add(snapshot.time_ns, frame_, out);

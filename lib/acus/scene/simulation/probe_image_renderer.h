@@ -68,6 +68,7 @@ class ProbeImageRenderer {
   const Scene& scene_;
   double needle_reach_mm_ = 0.0;
   MomentRest rest_;
+  std::optional<acoustics::Probe> probe_;  ///< That of the images.
   std::optional<UltrasoundModel> b_mode_;
   std::optional<slicing::CtSliceRenderer> ct_slice_;
   ultrasound::FramePersistence persistence_;

@@ -92,7 +92,8 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   }
   for (const CoupledEffect* effect : CoupledEffects()) effect->Load(scenario, scene, context);
   if (!scenario.listed.empty()) {
-    scene.listed = ListedEffects(scenario, plan, DataOf(scene), context);
+    const forces::NeedleProperties* needle = scene.needle ? &*scene.needle : nullptr;
+    scene.listed = ListedEffects(scenario, plan, DataOf(scene), needle, context);
   }
   return scene;
 }

@@ -40,6 +40,7 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
   std::optional<effects::PortValues> ports;  // What one stage of an effect writes, later ones read.
   if (scene_.listed.has_steps()) {
     ports.emplace(scene_.listed.data());
+    ports->Set(effects::ports::kPlungerForce, &sample.plunger_n);
     scene_.listed.Step(false, state.effects, effect_time, *ports, out.effect, watch);
   }
   const ToolsAtRest tools = tools_.Lay(state, sample);
@@ -52,6 +53,11 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
     ports->Set(effects::ports::kForce, &out.force);
     ports->Set(effects::ports::kProbeForce, &out.probe);
     scene_.listed.Step(true, state.effects, effect_time, *ports, out.effect, watch);
+    if (scene_.listed.adds_force()) {
+      const Eigen::Vector3d added_n = scene_.listed.AddedForceInCtN(state.effects);
+      out.force.force_in_ct_n += added_n;
+      out.force.added_n = -added_n.dot(out.ct_from_needle.linear().col(2));
+    }
   }
   return out;
 }

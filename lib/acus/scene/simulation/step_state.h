@@ -25,6 +25,7 @@ struct Sample {
   bool probe_valid = false;
   /// In terms of a normal breath. Only read if the session says how the patient breathes.
   breathing::Breath breath = {};
+  double plunger_n = 0.0;  ///< Force of the thumb on the plunger of a syringe.
 };
 
 /// What one step gives.

@@ -24,7 +24,7 @@ TEST(StepInputs, AToolThatNoStageOfAStepReadsIsNotSeen) {
   EXPECT_TRUE(inputs.steps());
   EXPECT_TRUE(inputs.reads_needle());
   EXPECT_FALSE(inputs.reads_probe());
-  const simulation::Sample sample = inputs.SampleAt(7, At(1.0), At(2.0), {.cycle = 0.25});
+  const simulation::Sample sample = inputs.SampleAt(7, At(1.0), At(2.0), {.cycle = 0.25}, 3.5);
   EXPECT_EQ(sample.time_ns, 7);
   EXPECT_TRUE(sample.needle_valid);
   EXPECT_EQ(sample.reference_from_needle.translation().x(), 1.0);
@@ -36,7 +36,7 @@ TEST(StepInputs, AToolThatNoStageOfAStepReadsIsNotSeen) {
 TEST(StepInputs, AToolThatTheSessionLacksIsNotSeen) {
   const simulation::Scene scene = LayeredScene(PlanOf(true, false, false, false), false);
   const StepInputs inputs(scene, {.needle = false, .probe = true});
-  EXPECT_FALSE(inputs.SampleAt(0, At(1.0), At(2.0), {}).needle_valid);
+  EXPECT_FALSE(inputs.SampleAt(0, At(1.0), At(2.0), {}, 0.0).needle_valid);
 }
 
 TEST(StepInputs, ASceneWithoutStagesOfAStepHasNothingToStep) {

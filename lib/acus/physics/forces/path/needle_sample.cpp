@@ -23,6 +23,7 @@ void Scale(NeedleForce& force, double share) noexcept {
   force.cutting_n *= share;
   force.friction_n *= share;
   force.bone_n *= share;
+  force.added_n *= share;
   force.lateral_n *= share;
   force.force_in_ct_n *= share;
   force.torque_in_ct_n_mm *= share;

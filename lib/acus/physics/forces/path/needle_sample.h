@@ -31,14 +31,15 @@ enum class NeedleEvent : std::uint8_t {
 };
 std::string_view NameOf(NeedleEvent event) noexcept;
 
-/// Along the path, + pushes the needle out; the four parts add up to the axial force. Below 0 each
+/// Along the path, + pushes the needle out; the parts add up to the axial force. Below 0 each
 /// of them pulls the needle in, as friction does while it is withdrawn.
 struct NeedleForce {
   double puncture_n = 0.0;  ///< What a membrane adds while it is indented.
   double cutting_n = 0.0;
   double friction_n = 0.0;
   double bone_n = 0.0;
-  double lateral_n = 0.0;                                   ///< Across the path, magnitude.
+  double added_n = 0.0;    ///< By other effects of a scene: along the needle, of their forces.
+  double lateral_n = 0.0;  ///< Across the path, magnitude.
   Eigen::Vector3d force_in_ct_n = Eigen::Vector3d::Zero();  ///< Total, on the needle.
   double depth_mm = 0.0;             ///< Of the needle's tip along the path since the skin.
   double bone_penetration_mm = 0.0;  ///< How far the device is beyond the tip, held by bone.
@@ -46,7 +47,7 @@ struct NeedleForce {
   /// On the needle, about its tip; zero in models that do not clamp the needle's direction.
   Eigen::Vector3d torque_in_ct_n_mm = Eigen::Vector3d::Zero();
 
-  double AxialN() const { return puncture_n + cutting_n + friction_n + bone_n; }
+  double AxialN() const { return puncture_n + cutting_n + friction_n + bone_n + added_n; }
 };
 
 /// The one of two events of a step that is reported.

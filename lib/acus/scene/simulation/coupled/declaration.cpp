@@ -40,11 +40,16 @@ bool AreSpringsByHu(const Scenario& s) {
 
 bool ShowsDeformation(const Scenario& s) {
   return (s.tissue && s.tissue->image) || (s.breathing && s.breathing->image) || IsTissueMoved(s) ||
-         (s.probe_force && s.probe_force->presses_images);
+         IsWrittenByListed(s, ports::kSwelling) || (s.probe_force && s.probe_force->presses_images);
+}
+
+bool IsWrittenByListed(const Scenario& s, effects::PortRef port) {
+  return std::ranges::any_of(s.listed,
+                             [port](const auto& called) { return called.StepWrites(port); });
 }
 
 bool IsTissueMoved(const Scenario& s) {
-  return std::ranges::any_of(s.listed, &effects::CalledEffect::MovesTissue);
+  return IsWrittenByListed(s, ports::kTissueMotion);
 }
 
 bool HasProbeImage(const Scenario& s) {

@@ -34,6 +34,9 @@ bool AreSpringsByHu(const scenario::Scenario& scenario);
 /// True if the images show tissue elsewhere than the CT does.
 bool ShowsDeformation(const scenario::Scenario& scenario);
 
+/// True if an effect of the list writes the port at every sample.
+bool IsWrittenByListed(const scenario::Scenario& scenario, effects::PortRef port);
+
 /// True if an effect of the list moves tissue, whatever the tools do.
 bool IsTissueMoved(const scenario::Scenario& scenario);
 

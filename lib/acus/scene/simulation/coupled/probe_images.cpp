@@ -122,6 +122,7 @@ class BModeEffect final : public CoupledEffect {
       if (s.ultrasound->ReadsCt()) patient.push_back(ports::kCt);
       if (s.ultrasound->ReadsLabels()) patient.push_back(ports::kLabels);
       patient.push_back(ports::kAcoustics);
+      if (IsWrittenByListed(s, ports::kEcho)) patient.push_back(ports::kEcho);
       reads = ImageInputs(s, s.ultrasound->needle, std::move(patient));
     }
     return {ImageStage("B-mode", std::move(reads), {ports::kBMode})};

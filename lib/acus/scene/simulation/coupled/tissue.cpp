@@ -42,6 +42,7 @@ Ports DeformationInputs(const Scenario& s) {
   }
   if (s.breathing && s.breathing->image) Add(reads, {ports::kBreath});
   if (IsTissueMoved(s)) Add(reads, {ports::kTissueMotion});
+  if (IsWrittenByListed(s, ports::kSwelling)) Add(reads, {ports::kSwelling});
   if (s.probe_force && s.probe_force->presses_images) {
     Add(reads, {ports::kProbe, ports::kProbeForce});
   }
