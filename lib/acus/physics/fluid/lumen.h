@@ -31,8 +31,8 @@ struct Lumen {
 
 /// Pressure over flow of a lumen filled with one fluid.
 struct LumenResistance {
-  double linear_kpa_s_per_ml = 0.0;        ///< R.
-  double quadratic_kpa_s2_per_ml2 = 0.0;   ///< K.
+  double linear_kpa_s_per_ml = 0.0;       ///< R.
+  double quadratic_kpa_s2_per_ml2 = 0.0;  ///< K.
 
   double PressureKpa(double flow_ml_per_s) const noexcept {
     const double magnitude = flow_ml_per_s < 0.0 ? -flow_ml_per_s : flow_ml_per_s;
