@@ -14,13 +14,13 @@ namespace acus::fluid {
 
 struct BevelBranch {
   double tissue_kpa = 0.0;
-  double opening_kpa = 0.0;      ///< >= 0.
-  double kpa_s_per_ml = 0.0;     ///< B > 0; 0: the branch is closed.
-  double least_ml_per_s = 0.0;   ///< <= 0: the fastest return.
+  double opening_kpa = 0.0;     ///< >= 0.
+  double kpa_s_per_ml = 0.0;    ///< B > 0; 0: the branch is closed.
+  double least_ml_per_s = 0.0;  ///< <= 0: the fastest return.
 };
 
 struct BevelFlow {
-  double ml_per_s = 0.0;           ///< Sum, + into the tissue.
+  double ml_per_s = 0.0;            ///< Sum, + into the tissue.
   double slope_ml_per_kpa_s = 0.0;  ///< Its derivative by the pressure; >= 0.
   std::array<double, 2> branch_ml_per_s = {};
 };

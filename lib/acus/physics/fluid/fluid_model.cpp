@@ -19,6 +19,8 @@ constexpr double kMostHandN = 500.0;
 constexpr double kMostMm = 1e4;
 constexpr double kMostMmPerS = 1e5;
 constexpr double kMostCoupling = 1e6;
+constexpr double kLeastStepS = 1e-6;
+constexpr double kMostStepS = 10.0;
 /// Systole: share of a heart beat until the pressure is highest.
 constexpr double kUpstroke = 0.3;
 /// Less liquid than this before the air is none.
@@ -41,7 +43,8 @@ double Within(double value, double low, double high) noexcept {
 }
 
 /// The same input with every number usable.
-FluidInput Usable(const FluidInput& input, const FluidState& state, std::size_t num_tissues) noexcept {
+FluidInput Usable(const FluidInput& input, const FluidState& state,
+                  std::size_t num_tissues) noexcept {
   FluidInput out = input;
   const auto usable = [](double value, double most, double otherwise) {
     return Within(FiniteOr(value, otherwise), -most, most);
@@ -82,9 +85,9 @@ void RequireUsable(const Syringe& syringe, const Filling& filling, const Lumen& 
                ", the syringe's capacity, is allowed");
   ACUS_REQUIRE(filling.air_share >= 0.0 && filling.air_share <= 1.0, "filling: air_share is ",
                filling.air_share, "; 0 to 1 is allowed");
-  ACUS_REQUIRE(lumen.inner_diameter_mm > 0.0 && lumen.length_mm > 0.0,
-               "needle: the bore is ", lumen.inner_diameter_mm, " mm, its length ",
-               lumen.length_mm, " mm; both must be above 0 for fluid to pass");
+  ACUS_REQUIRE(lumen.inner_diameter_mm > 0.0 && lumen.length_mm > 0.0, "needle: the bore is ",
+               lumen.inner_diameter_mm, " mm, its length ", lumen.length_mm,
+               " mm; both must be above 0 for fluid to pass");
   ACUS_REQUIRE(lumen.tip_length_mm >= 0.0 && lumen.tip_length_mm < lumen.length_mm &&
                    (lumen.tip_length_mm == 0.0 || lumen.tip_inner_diameter_mm > 0.0),
                "needle: the tapered tip must be shorter than the needle, with a bore above 0");
@@ -145,8 +148,8 @@ FluidState FluidModel::NewState(Hub hub) const noexcept {
   const bool has_liquid = filling_.air_share < 1.0;
   state.hub = hub;
   state.plunger_mm = (syringe_.capacity_ml - filling_.volume_ml) / syringe_.AreaMlPerMm();
-  state.liquid_ml = filling_.volume_ml * (1.0 - filling_.air_share) +
-                    (has_liquid ? syringe_.dead_space_ml : 0.0);
+  state.liquid_ml =
+      filling_.volume_ml * (1.0 - filling_.air_share) + (has_liquid ? syringe_.dead_space_ml : 0.0);
   state.air_ml = RoomMl(syringe_, state.plunger_mm) - state.liquid_ml;
   if (hub == Hub::kSyringe && has_liquid) state.lumen_liquid_ml = lumen_ml_;
   if (hub == Hub::kOpen || (hub == Hub::kSyringe && !has_liquid)) state.lumen_air_ml = lumen_ml_;
@@ -227,8 +230,8 @@ BevelLaw FluidModel::LawAt(const FluidState& state, const FluidInput& input,
     const TissueFluid& fluid = state.tissue[at];
     const TissueSpread::Response response = spreads_[at].ResponseOf(state.spread[i], dt_s);
     BevelBranch& branch = law.branch[i];
-    branch.tissue_kpa = RestingKpa(contact.tissue, input.heart_cycles, input.breath_level) +
-                        response.free_kpa;
+    branch.tissue_kpa =
+        RestingKpa(contact.tissue, input.heart_cycles, input.breath_level) + response.free_kpa;
     branch.opening_kpa = row.opening_kpa;
     branch.kpa_s_per_ml = row.entry_kpa_s_per_ml / contact.share + response.kpa_s_per_ml;
     if (row.space_compliance_ml_per_kpa > 0.0) {
@@ -260,7 +263,9 @@ LumenResistance FluidModel::ResistanceNow(const FluidState& state) const noexcep
       mix(liquid_resistance_.quadratic_kpa_s2_per_ml2, air_resistance_.quadratic_kpa_s2_per_ml2)};
 }
 
-FluidOutput FluidModel::Step(FluidState& state, const FluidInput& raw, double dt_s) const noexcept {
+FluidOutput FluidModel::Step(FluidState& state, const FluidInput& raw,
+                             double step_s) const noexcept {
+  const double dt_s = Within(FiniteOr(step_s, kLeastStepS), kLeastStepS, kMostStepS);
   const FluidInput input = Usable(raw, state, table_.tissues.size());
   ChangeHub(state, input.hub);
   FollowTip(state, input);
@@ -274,9 +279,9 @@ FluidOutput FluidModel::Step(FluidState& state, const FluidInput& raw, double dt
   } else {
     equation.lumen = ResistanceNow(state);
     if (PushesAir(state)) {
-      equation.expansion = Within((kAtmosphericKpa + state.syringe_kpa) /
-                                      std::max(1.0, kAtmosphericKpa + state.bevel_kpa),
-                                  1.0, 100.0);
+      equation.expansion = Within(
+          (kAtmosphericKpa + state.syringe_kpa) / std::max(1.0, kAtmosphericKpa + state.bevel_kpa),
+          1.0, 100.0);
     }
     if (state.hub == Hub::kSyringe) {
       equation.syringe = &syringe_;

@@ -113,7 +113,8 @@ class FluidModel {
   /// Syringe filled, and the lumen too where it is attached; else the lumen holds stylet or air.
   FluidState NewState(Hub hub = Hub::kSyringe) const noexcept;
 
-  /// One step of `dt_s` > 0. Inputs that are not finite are taken as those of a hand at rest.
+  /// One step of `dt_s`, which is held within 1 us and 10 s. Inputs that are not finite are taken
+  /// as those of a hand at rest.
   FluidOutput Step(FluidState& state, const FluidInput& input, double dt_s) const noexcept;
 
   /// Resting pressure of a tissue with pulse and breath.

@@ -63,8 +63,9 @@ FluidTissue TissueFrom(const json& row, const std::string& where,
   require_above_0("flatness", out.flatness);
   ACUS_REQUIRE(out.fluid_share <= 1.0 && out.flatness <= 1.0, where,
                ": fluid_share and flatness must be at most 1");
-  ACUS_REQUIRE(out.returns != Return::kContent || out.content_ml > 0.0, where,
-               ": returns its content, of which content_ml gives the volume, but that is not given");
+  ACUS_REQUIRE(
+      out.returns != Return::kContent || out.content_ml > 0.0, where,
+      ": returns its content, of which content_ml gives the volume, but that is not given");
   return out;
 }
 
@@ -112,8 +113,8 @@ double FluidTable::BoreMm(int gauge, std::string_view needle) const {
     if (bore.gauge == gauge && bore.needle == needle) return bore.inner_diameter_mm;
     known += Message(known.empty() ? "" : ", ", bore.gauge, " G ", bore.needle);
   }
-  throw InputError(Message(file, ": has no bore of a needle of ", gauge, " G ", needle,
-                           "; there are: ", known));
+  throw InputError(
+      Message(file, ": has no bore of a needle of ", gauge, " G ", needle, "; there are: ", known));
 }
 
 FluidTable FluidTableFromJson(json document, const std::string& label,

@@ -1,6 +1,5 @@
 // The accounts of a step: every volume that leaves one enters another.
 #include <algorithm>
-#include <cmath>
 
 #include "acus/physics/fluid/fluid_model.h"
 #include "acus/physics/fluid/lumen_content.h"
@@ -68,8 +67,8 @@ Passage FluidModel::TakeFromHub(FluidState& state, double volume_ml,
   Passage out;
   out.liquid_ml = std::min(volume_ml, state.liquid_ml);
   out.gas_volume_ml = volume_ml - out.liquid_ml;
-  out.air_ml = std::min(state.air_ml, out.gas_volume_ml * (kAtmosphericKpa + syringe_kpa) /
-                                          kAtmosphericKpa);
+  out.air_ml =
+      std::min(state.air_ml, out.gas_volume_ml * (kAtmosphericKpa + syringe_kpa) / kAtmosphericKpa);
   state.liquid_ml -= out.liquid_ml;
   state.air_ml -= out.air_ml;
   return out;

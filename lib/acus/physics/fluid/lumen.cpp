@@ -31,8 +31,7 @@ double LumenResistance::FlowMlPerS(double pressure_kpa) const noexcept {
   return std::copysign(2.0 * magnitude_kpa / (linear_kpa_s_per_ml + root), pressure_kpa);
 }
 
-LumenResistance ResistanceOf(const Lumen& lumen, const Fluid& fluid,
-                             double kinetic_loss) noexcept {
+LumenResistance ResistanceOf(const Lumen& lumen, const Fluid& fluid, double kinetic_loss) noexcept {
   LumenResistance out;
   out.linear_kpa_s_per_ml = PoiseuilleKpaSPerMl(
       fluid.viscosity_mpa_s, lumen.length_mm - lumen.tip_length_mm, lumen.inner_diameter_mm);

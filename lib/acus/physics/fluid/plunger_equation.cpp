@@ -57,9 +57,9 @@ PlungerEquation::Point PlungerEquation::At(double bevel_kpa) const noexcept {
   const double q_slope = share * out.flow.slope_ml_per_kpa_s;
   out.needle_ml_per_s = q;
   out.syringe_kpa = bevel_kpa + lumen.PressureKpa(q);
-  const double kpa_slope = 1.0 + (lumen.linear_kpa_s_per_ml +
-                                  2.0 * lumen.quadratic_kpa_s2_per_ml2 * std::abs(q)) *
-                                     q_slope;
+  const double kpa_slope =
+      1.0 +
+      (lumen.linear_kpa_s_per_ml + 2.0 * lumen.quadratic_kpa_s2_per_ml2 * std::abs(q)) * q_slope;
   if (syringe == nullptr) {
     out.residual = out.syringe_kpa;
     out.slope = kpa_slope;
@@ -69,10 +69,10 @@ PlungerEquation::Point PlungerEquation::At(double bevel_kpa) const noexcept {
   const double area = syringe->AreaMlPerMm();
   const ValueAndSlope gas = GasMl(air_ml, syringe->capacity_ml, out.syringe_kpa);
   // Room = liquid + gas, at the end of the step.
-  out.plunger_mm = (syringe->capacity_ml + syringe->dead_space_ml +
-                    syringe->compliance_ml_per_kpa * out.syringe_kpa + dt_s * q - liquid_ml -
-                    gas.value) /
-                   area;
+  out.plunger_mm =
+      (syringe->capacity_ml + syringe->dead_space_ml +
+       syringe->compliance_ml_per_kpa * out.syringe_kpa + dt_s * q - liquid_ml - gas.value) /
+      area;
   const double mm_slope =
       ((syringe->compliance_ml_per_kpa - gas.slope) * kpa_slope + dt_s * q_slope) / area;
   const double travel_mm = out.plunger_mm - start_mm;
@@ -90,10 +90,10 @@ PlungerEquation::Point PlungerEquation::At(double bevel_kpa) const noexcept {
   const double mass_n = 1e-3 * syringe->plunger_mass_kg * (speed_mm_per_s - start_mm_per_s) / dt_s;
   const double hand = hand_n - hand_n_per_mm * travel_mm - hand_n_s_per_mm * speed_mm_per_s;
   out.residual = mass_n + out.resisting_n - hand;
-  const double n_per_mm =
-      1e-3 * syringe->plunger_mass_kg / (dt_s * dt_s) +
-      (syringe->viscous_n_s_per_mm + hand_n_s_per_mm) / dt_s + hand_n_per_mm + stop.slope +
-      (is_stuck ? syringe->stick_n_per_mm + stick_n_s_per_mm / dt_s : 0.0);
+  const double n_per_mm = 1e-3 * syringe->plunger_mass_kg / (dt_s * dt_s) +
+                          (syringe->viscous_n_s_per_mm + hand_n_s_per_mm) / dt_s + hand_n_per_mm +
+                          stop.slope +
+                          (is_stuck ? syringe->stick_n_per_mm + stick_n_s_per_mm / dt_s : 0.0);
   out.slope = n_per_mm * mm_slope + area * kpa_slope;
   out.scale = 1.0 + std::abs(hand_n) + std::abs(hand_n_per_mm * travel_mm) +
               std::abs(area * out.syringe_kpa) + std::abs(mass_n);

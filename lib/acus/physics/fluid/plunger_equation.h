@@ -20,11 +20,11 @@ struct PlungerEquation {
   double start_mm = 0.0;
   double start_mm_per_s = 0.0;
   double stick_mm = 0.0;
-  double stick_n_s_per_mm = 0.0;   ///< Damping of the stopper that sticks.
-  double yield_n = 0.0;            ///< Friction at which the stopper slips.
-  double hand_n = 0.0;             ///< Constant part of the hand's force,
-  double hand_n_per_mm = 0.0;      ///< less this times the travel of the step,
-  double hand_n_s_per_mm = 0.0;    ///< less this times its speed.
+  double stick_n_s_per_mm = 0.0;  ///< Damping of the stopper that sticks.
+  double yield_n = 0.0;           ///< Friction at which the stopper slips.
+  double hand_n = 0.0;            ///< Constant part of the hand's force,
+  double hand_n_per_mm = 0.0;     ///< less this times the travel of the step,
+  double hand_n_s_per_mm = 0.0;   ///< less this times its speed.
 
   struct Point {
     double residual = 0.0;  ///< N at a plunger, kPa at an open hub.
@@ -35,7 +35,7 @@ struct PlungerEquation {
     double plunger_mm = 0.0;
     double resisting_n = 0.0;  ///< Pressure, friction and stops.
     double stick_mm = 0.0;
-    double scale = 1.0;        ///< Of what the residual is the sum of.
+    double scale = 1.0;  ///< Of what the residual is the sum of.
   };
 
   Point At(double bevel_kpa) const noexcept;

@@ -30,8 +30,8 @@ TissueSpread::TissueSpread(double steady_kpa_s_per_ml, double time_s, int num_sh
     const double outer_face = is_last ? 2.0 * radius - inner_face : 0.5 * (radius + next);
     out_ml_per_kpa_s_[at] =
         1.0 / (steady_kpa_s_per_ml * (1.0 / radius - (is_last ? 0.0 : 1.0 / next)));
-    storage_ml_per_kpa_[at] = time_s / (3.0 * steady_kpa_s_per_ml) *
-                              (std::pow(outer_face, 3) - std::pow(inner_face, 3));
+    storage_ml_per_kpa_[at] =
+        time_s / (3.0 * steady_kpa_s_per_ml) * (std::pow(outer_face, 3) - std::pow(inner_face, 3));
     inner_face = outer_face;
   }
 }

@@ -20,8 +20,8 @@ FluidModel IdealModel(const Lumen& lumen, Syringe syringe = IdealSyringe(), Fill
   return FluidModel(TestTable(), std::move(syringe), filling, lumen);
 }
 
-FluidOutput Played(const FluidModel& model, FluidState& state, const FluidInput& input, double time_s,
-                double dt_s = 1e-3) {
+FluidOutput Played(const FluidModel& model, FluidState& state, const FluidInput& input,
+                   double time_s, double dt_s = 1e-3) {
   FluidOutput output;
   const int num = static_cast<int>(std::lround(time_s / dt_s));
   for (int i = 0; i < num; ++i) output = model.Step(state, input, dt_s);
@@ -72,7 +72,7 @@ TEST(FluidModel, ABlockedBubbleIsCompressedByBoyle) {
   const FluidModel model = IdealModel(Tuohy16G(), IdealSyringe(), {5.0, 0.2});
   FluidState state = model.NewState();
   const FluidOutput output = Played(model, state, Pressed(kBlocked, 10.0), 2.0);
-  const double kpa = 10.0 / model.syringe().AreaMlPerMm() ;
+  const double kpa = 10.0 / model.syringe().AreaMlPerMm();
   EXPECT_NEAR(output.syringe_kpa, kpa, 1e-6 * kpa);
   EXPECT_NEAR(output.air_in_syringe_ml, 101.325 / (101.325 + kpa), 1e-9);
   const double travel_mm = (1.0 - output.air_in_syringe_ml) / model.syringe().AreaMlPerMm();
@@ -220,10 +220,11 @@ TEST(FluidModel, ReturnsCerebrospinalFluidAsFastAsMeasured) {
               0.15 * 40.3);
   EXPECT_NEAR(events.num_drops, 20, 1);
   EXPECT_NEAR(events.drops_per_min, 30.0, 4.5);
-  EXPECT_NEAR(SamplingTimeS({.inner_diameter_mm = narrow, .length_mm = 90.0}), 225.3,
-              0.15 * 225.3);
-  EXPECT_NEAR(SamplingTimeS({.inner_diameter_mm = wide, .length_mm = 90.0,
-                             .tip_inner_diameter_mm = narrow, .tip_length_mm = 10.0}),
+  EXPECT_NEAR(SamplingTimeS({.inner_diameter_mm = narrow, .length_mm = 90.0}), 225.3, 0.15 * 225.3);
+  EXPECT_NEAR(SamplingTimeS({.inner_diameter_mm = wide,
+                             .length_mm = 90.0,
+                             .tip_inner_diameter_mm = narrow,
+                             .tip_length_mm = 10.0}),
               63.0, 0.15 * 63.0);
 }
 

@@ -4,12 +4,13 @@
 #include <cstdio>
 #include <gtest/gtest.h>
 #include <limits>
-#include <vector>
 #include <string>
+#include <vector>
 
 #include "acus/base/core/random.h"
 #include "acus/physics/fluid/fluid_model.h"
 #include "injections.h"
+#include "support/allocation_counter.h"
 
 namespace acus::fluid {
 namespace {
@@ -33,11 +34,11 @@ std::vector<HardCase> HardCases() {
       for (const double air : {0.0, 0.05, 1.0}) {
         for (const double compliance : {0.0, 3e-4}) {
           for (const bool is_blocked : {false, true}) {
-            HardCase c{"", compliance, compliance > 0.0 ? 2.0 : 0.0, air, coupling, dt_s,
-                       is_blocked};
+            HardCase c{"",   compliance, compliance > 0.0 ? 2.0 : 0.0, air, coupling,
+                       dt_s, is_blocked};
             c.name = "dt " + std::to_string(dt_s) + " coupling " + std::to_string(coupling) +
-                     " air " + std::to_string(air) + " compliance " +
-                     std::to_string(compliance) + (is_blocked ? " blocked" : "");
+                     " air " + std::to_string(air) + " compliance " + std::to_string(compliance) +
+                     (is_blocked ? " blocked" : "");
             out.push_back(c);
           }
         }
@@ -58,7 +59,8 @@ FluidModel ModelOf(const HardCase& c) {
 /// A hand that trembles, taps and pulls, within the stroke.
 class RandomHand {
  public:
-  RandomHand(double start_mm, std::uint64_t index) : hand_mm_(start_mm), random_(4, "hand", index) {}
+  RandomHand(double start_mm, std::uint64_t index)
+      : hand_mm_(start_mm), random_(4, "hand", index) {}
 
   void Move(FluidInput& input, double dt_s) {
     if (random_.Uniform() < 2.0 * dt_s) aim_mm_ = random_.Uniform(-20.0, 20.0);
@@ -191,6 +193,35 @@ TEST(FluidStability, InputsThatAreNotNumbersDoNotSpread) {
     }
   }
   EXPECT_TRUE(std::isfinite(model.Step(state, Pressed(kSpace, 1.0), 1e-3).syringe_kpa));
+}
+
+TEST(FluidStability, AStepTakesNoMemory) {
+  const FluidModel model = ModelOf({.name = "bubble", .friction_n = 1.0, .air_share = 0.1});
+  FluidState state = model.NewState();
+  RandomHand hand(state.plunger_mm, 1);
+  FluidInput input = Held(kBlocked, state.plunger_mm, 5.0);
+  const long before = acus::testing_support::num_allocations;
+  for (int n = 0; n < 4000; ++n) {
+    hand.Move(input, 1e-3);
+    input.bevel[0].tissue = n / 100 % 6;
+    input.hub = n / 700 % 3 == 0 ? Hub::kSyringe : n / 700 % 3 == 1 ? Hub::kOpen : Hub::kStylet;
+    model.Step(state, input, 1e-3);
+  }
+  EXPECT_EQ(acus::testing_support::num_allocations - before, 0);
+  // Over changes of the hub, too, nothing is lost.
+  const FluidState start = model.NewState();
+  EXPECT_NEAR(TotalLiquidMl(state), TotalLiquidMl(start), 1e-11);
+  EXPECT_NEAR(TotalAirMl(state), TotalAirMl(start), 1e-11);
+}
+
+TEST(FluidStability, StepsOfAnyLengthStayFinite) {
+  const FluidModel model = ModelOf({.name = "bubble", .air_share = 0.1});
+  FluidState state = model.NewState();
+  for (const double dt_s : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), 1e-9, 1.0, 1e9}) {
+    const FluidOutput output = model.Step(state, Pressed(kSpace, 5.0), dt_s);
+    EXPECT_TRUE(std::isfinite(output.syringe_kpa) && std::isfinite(output.plunger_mm)) << dt_s;
+  }
+  EXPECT_NEAR(TotalLiquidMl(state), TotalLiquidMl(model.NewState()), 1e-12);
 }
 
 TEST(FluidStability, APulledPlungerBoilsTheLiquidBeforeItTearsIt) {

@@ -23,7 +23,9 @@ std::string ErrorOf(const json& document) {
   return "";
 }
 
-json Default() { return config::ReadJson(kDefaultTable); }
+json Default() {
+  return config::ReadJson(kDefaultTable);
+}
 
 TEST(FluidTable, HasTheSpacesOfThePunctures) {
   const FluidTable table = ReadFluidTable(kDefaultTable);

@@ -60,8 +60,12 @@ inline Syringe IdealSyringe() {
   return syringe;
 }
 
-inline Lumen Needle27G() { return {.inner_diameter_mm = 0.21, .length_mm = 90.0}; }
-inline Lumen Tuohy16G() { return {.inner_diameter_mm = 1.194, .length_mm = 80.0}; }
+inline Lumen Needle27G() {
+  return {.inner_diameter_mm = 0.21, .length_mm = 90.0};
+}
+inline Lumen Tuohy16G() {
+  return {.inner_diameter_mm = 1.194, .length_mm = 80.0};
+}
 
 inline FluidInput In(int tissue) {
   FluidInput input;

@@ -95,6 +95,35 @@ double SpringMm(double air_share) {
   return state.plunger_mm - start_mm;
 }
 
+/// Pressure in the syringe 3 s after a loss into `space`, as a share of that before.
+double PressureLater(const char* space, int* num_losses) {
+  const Puncture puncture;
+  const FluidModel model = puncture.Model(0.0);
+  FluidState state = model.NewState();
+  FluidEvents events;
+  double before_kpa = 0.0;
+  FluidOutput output;
+  for (int n = 0; n < 4000; ++n) {
+    FluidInput input =
+        Pressed(n < 1000 ? puncture.ligament : puncture.table.TissueIndex(space), 10.0);
+    input.coupling_n_s_per_mm = 2.0;  // A thumb that follows at 5 mm/s.
+    output = model.Step(state, input, 1e-3);
+    events.Advance({}, output, 1e-3);
+    if (n == 999) before_kpa = output.syringe_kpa;
+  }
+  *num_losses = events.num_losses;
+  return output.syringe_kpa / before_kpa;
+}
+
+// A gap in the midline is a loss too, but it fills up, and resistance returns.
+TEST(LossOfResistance, AMidlineGapFillsUpAndTheEpiduralSpaceDoesNot) {
+  int num_losses = 0;
+  EXPECT_GT(PressureLater("midline_gap", &num_losses), 0.3);
+  EXPECT_EQ(num_losses, 1);
+  EXPECT_LT(PressureLater("epidural_lumbar", &num_losses), 0.15);
+  EXPECT_EQ(num_losses, 1);
+}
+
 // The usual advice: a bubble is compressed, saline is not. Boyle: V (1 - p0 / p) over the bore.
 TEST(LossOfResistance, ABubbleSpringsInTheLigamentAndSalineDoesNot) {
   const double rigid_mm = SpringMm(0.0);
