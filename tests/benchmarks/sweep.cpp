@@ -3,6 +3,7 @@
 #include "acus/base/core/error.h"
 #include "benchmarks/aperture_sweep.h"
 #include "benchmarks/breathing_sweep.h"
+#include "benchmarks/fluid_sweep.h"
 #include "benchmarks/forces_sweep.h"
 #include "benchmarks/image_sweep.h"
 #include "benchmarks/needle_sweep.h"
@@ -16,10 +17,10 @@
 namespace acus::benchmarks {
 
 const std::vector<Sweep>& Sweeps() {
-  static const std::vector<Sweep> sweeps = {TissueSweep(),       StrainSweep(),  NeedleSweep(),
-                                            ForcesSweep(),       ImageSweep(),   ApertureSweep(),
-                                            BreathingSweep(),    ProbeSweep(),   ViewsSweep(),
-                                            RegistrationSweep(), SurfacesSweep()};
+  static const std::vector<Sweep> sweeps = {TissueSweep(),       StrainSweep(),   NeedleSweep(),
+                                            ForcesSweep(),       ImageSweep(),    ApertureSweep(),
+                                            BreathingSweep(),    ProbeSweep(),    ViewsSweep(),
+                                            RegistrationSweep(), SurfacesSweep(), FluidSweep()};
   return sweeps;
 }
 

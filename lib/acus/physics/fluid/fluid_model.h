@@ -12,8 +12,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "acus/physics/fluid/bevel_flow.h"
 #include "acus/physics/fluid/fluid_table.h"
 #include "acus/physics/fluid/lumen.h"
+#include "acus/physics/fluid/lumen_content.h"
 #include "acus/physics/fluid/syringe.h"
 #include "acus/physics/fluid/tissue_spread.h"
 
@@ -34,11 +36,13 @@ struct BevelContact {
 struct FluidInput {
   Hub hub = Hub::kSyringe;
   Drive drive = Drive::kForce;
-  double hand_n = 0.0;   ///< kForce: + pushes the plunger in.
-  double hand_mm = 0.0;  ///< kPosition: where the hand holds the plunger, 0 to the stroke.
-  double hand_mm_per_s = 0.0;
-  double coupling_n_per_mm = 5.0;    ///< kPosition: between the hand and the plunger; > 0.
-  double coupling_n_s_per_mm = 0.0;  ///< >= 0.
+  double hand_n = 0.0;         ///< kForce: + pushes the plunger in.
+  double hand_mm = 0.0;        ///< kPosition: where the hand holds the plunger, 0 to the stroke.
+  double hand_mm_per_s = 0.0;  ///< Travel of hand_mm in this step over its time.
+  double coupling_n_per_mm = 5.0;  ///< kPosition: between the hand and the plunger; > 0.
+  /// >= 0. kPosition: beside the spring. kForce: what the thumb loses with the plunger's speed, as
+  /// no thumb follows with the same force; hand_n / this is its highest speed.
+  double coupling_n_s_per_mm = 0.0;
   /// The tissues at the opening; two while it passes from one into the next.
   std::array<BevelContact, 2> bevel = {{{0, 1.0}, {0, 0.0}}};
   Eigen::Vector3d tip_mm = Eigen::Vector3d::Zero();  ///< In CT space: for depots.
@@ -62,12 +66,13 @@ struct FluidState {
   double liquid_ml = 0.0;        ///< In the syringe.
   double air_ml = 0.0;           ///< In the syringe, at atmospheric pressure.
   double lumen_liquid_ml = 0.0;  ///< The rest of the lumen holds air.
+  double lumen_air_ml = 0.0;     ///< At atmospheric pressure.
   double syringe_kpa = 0.0;
   double bevel_kpa = 0.0;
-  double drawn_ml = 0.0;        ///< Of the liquid in syringe and lumen: drawn from a tissue.
-  int drawn_from = 0;           ///< The last tissue whose content was drawn; 0: none.
-  double hub_ml = 0.0;          ///< Liquid that left an open hub.
-  double hub_entered_ml = 0.0;  ///< Air that entered there.
+  double drawn_ml = 0.0;    ///< Of the liquid in syringe and lumen: content of a tissue.
+  int drawn_from = 0;       ///< The last tissue whose content was drawn; 0: none.
+  double hub_ml = 0.0;      ///< Liquid that left an open hub.
+  double hub_air_ml = 0.0;  ///< Air that entered there, less what left.
   Hub hub = Hub::kSyringe;
   std::array<int, 2> spread_tissue = {};  ///< Tissue of each spread below; 0: none.
   std::array<TissueSpread::State, 2> spread = {};
@@ -87,10 +92,12 @@ struct FluidOutput {
   double resting_kpa = 0.0;        ///< Of the tissue that most of the bevel is in, now.
   double hub_ml_per_s = 0.0;       ///< Liquid that leaves an open hub; >= 0.
   double air_in_syringe_ml = 0.0;  ///< At the present pressure.
+  double drawn_share = 0.0;  ///< Of the liquid in syringe and lumen: content of state.drawn_from.
+  int iterations = 0;        ///< Of the solver.
 };
 
 struct FluidOptions {
-  int num_shells = 8;       ///< Of the spread, 1 to kMaxShells.
+  int num_shells = 8;       ///< Of the spread, 2 to kMaxShells.
   int max_iterations = 80;  ///< Newton and bisection together.
 };
 
@@ -103,10 +110,11 @@ class FluidModel {
   FluidModel(FluidTable table, Syringe syringe, Filling filling, Lumen lumen,
              FluidOptions options = {});
 
-  /// Syringe filled, lumen filled with liquid (with air, for a filling of air).
-  FluidState NewState() const noexcept;
+  /// Syringe filled, and the lumen too where it is attached; else the lumen holds stylet or air.
+  FluidState NewState(Hub hub = Hub::kSyringe) const noexcept;
 
-  /// One step of `dt_s` > 0. Inputs that are not finite are taken as those of a hand at rest.
+  /// One step of `dt_s`, which is held within 1 us and 10 s. Inputs that are not finite are taken
+  /// as those of a hand at rest.
   FluidOutput Step(FluidState& state, const FluidInput& input, double dt_s) const noexcept;
 
   /// Resting pressure of a tissue with pulse and breath.
@@ -122,6 +130,18 @@ class FluidModel {
   const Lumen& lumen() const noexcept { return lumen_; }
 
  private:
+  void ChangeHub(FluidState& state, Hub hub) const noexcept;
+  void FollowTip(FluidState& state, const FluidInput& input) const noexcept;
+  BevelLaw LawAt(const FluidState& state, const FluidInput& input, double dt_s) const noexcept;
+  LumenResistance ResistanceNow(const FluidState& state) const noexcept;
+  bool PushesAir(const FluidState& state) const noexcept;
+  /// Removes what enters the needle at the hub.
+  Passage TakeFromHub(FluidState& state, double volume_ml, double syringe_kpa) const noexcept;
+  /// @param volume_ml  Through the needle, + outwards.
+  void MoveFluid(FluidState& state, const BevelFlow& flow, double volume_ml, double syringe_kpa,
+                 double dt_s, FluidOutput& output) const noexcept;
+  void AdvanceTissues(FluidState& state, const BevelFlow& flow, double dt_s) const noexcept;
+
   FluidTable table_;
   Syringe syringe_;
   Filling filling_;
@@ -133,8 +153,9 @@ class FluidModel {
   std::vector<TissueSpread> spreads_;  ///< One for each tissue.
 };
 
-/// Everything that was ever in the system: constant but for rounding, of liquid and of air.
+/// All liquid, and all air, of the system and of what it exchanged fluid with: constant to
+/// rounding.
 double TotalLiquidMl(const FluidState& state) noexcept;
-double TotalAirMl(const FluidModel& model, const FluidState& state) noexcept;
+double TotalAirMl(const FluidState& state) noexcept;
 
 }  // namespace acus::fluid

@@ -31,8 +31,8 @@ struct FluidTissue {
   double spread_time_s = 1.0;        ///< a^2/D: time constant of the spread, > 0.
   double source_radius_mm = 1.0;     ///< a: of the cavity at the bevel, > 0.
   double space_compliance_ml_per_kpa = 0.0;  ///< Of a space as a whole; 0: it does not fill up.
-  double resting_kpa = 0.0;
-  double pulse_kpa = 0.0;     ///< From diastole to systole.
+  double resting_kpa = 0.0;                  ///< Mean over a heart beat, at end expiration.
+  double pulse_kpa = 0.0;                    ///< From diastole to systole, about that.
   double breath_kpa = 0.0;    ///< Rise from end expiration to end inspiration; may be < 0.
   double content_ml = 0.0;    ///< Own fluid that can return, with Return::kContent.
   double fluid_share = 1.0;   ///< Of the volume of a depot: 1 a cavity; in (0, 1].

@@ -37,9 +37,10 @@ struct Filling {
 };
 
 /// Friction at the plunger: a spring that yields at a limit, which falls from static to sliding
-/// friction with the speed of the previous step (Stribeck).
+/// friction with the speed of slip in the previous step (Stribeck).
 struct PlungerFriction {
-  double stick_mm = 0.0;  ///< Elastic part of the travel.
+  double stick_mm = 0.0;       ///< Elastic part of the travel.
+  double slip_mm_per_s = 0.0;  ///< Of the rest, in the previous step.
 };
 
 }  // namespace acus::fluid

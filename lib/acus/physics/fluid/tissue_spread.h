@@ -10,10 +10,29 @@
 #pragma once
 
 #include <array>
+#include <numbers>
+
+#include "acus/physics/fluid/lumen.h"
 
 namespace acus::fluid {
 
-inline constexpr int kMaxShells = 16;
+/// R = mu / (Omega k a). @param permeability_m2  k.  @param solid_angle_sr  2 pi at an impermeable
+/// face that the cavity lies at.
+inline double DarcyKpaSPerMl(const Fluid& fluid, double permeability_m2, double radius_mm,
+                             double solid_angle_sr = 4.0 * std::numbers::pi) noexcept {
+  // mPa s / (m^2 mm) = Pa s/m^3 = 1e-9 kPa s/ml.
+  return 1e-9 * fluid.viscosity_mpa_s / (solid_angle_sr * permeability_m2 * radius_mm);
+}
+
+/// a^2 / D with D = k M / mu. @param modulus_kpa  M: stress per strain of the drained tissue,
+/// confined.
+inline double DarcyTimeS(const Fluid& fluid, double permeability_m2, double modulus_kpa,
+                         double radius_mm) noexcept {
+  // mm^2 mPa s / (m^2 kPa) = 1e-12 s.
+  return 1e-12 * radius_mm * radius_mm * fluid.viscosity_mpa_s / (permeability_m2 * modulus_kpa);
+}
+
+inline constexpr int kMaxShells = 32;
 
 /// The shells of a spread. Const.
 class TissueSpread {
@@ -30,7 +49,7 @@ class TissueSpread {
 
   TissueSpread() = default;
   /// @param steady_kpa_s_per_ml  R >= 0; 0: no resistance, pressures stay 0.
-  /// @param time_s  a^2/D > 0.  @param num_shells  1 to kMaxShells.
+  /// @param time_s  a^2/D > 0.  @param num_shells  2 to kMaxShells.
   TissueSpread(double steady_kpa_s_per_ml, double time_s, int num_shells) noexcept;
 
   /// What a step of `dt_s` > 0 from `state` makes of any flow.
@@ -41,6 +60,13 @@ class TissueSpread {
   double StoredMl(const State& state) const noexcept;
 
  private:
+  /// What each shell and those beyond it make of flow into it: (stored + out) p = right + inflow.
+  struct Sweep {
+    std::array<double, kMaxShells> diagonal;
+    std::array<double, kMaxShells> right;
+  };
+  Sweep Eliminate(const State& state, double dt_s) const noexcept;
+
   int num_ = 0;
   std::array<double, kMaxShells> storage_ml_per_kpa_ = {};
   std::array<double, kMaxShells> out_ml_per_kpa_s_ = {};  ///< Conductance to the next shell.
