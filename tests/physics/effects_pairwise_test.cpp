@@ -42,7 +42,7 @@ struct Idle {
 };
 Idle IdleOf(const EffectChoice& choice) {
   Idle idle{choice.effects, {}};
-  if (choice.effect == "needle_force" || choice.effect == "needle") idle.hands.needle_in = false;
+  if (choice.effect == "needle_force" || choice.effect == "needle" || choice.effect == "fluid") idle.hands.needle_in = false;
   if (choice.effect == "probe_force") idle.hands.probe_on = false;
   if (choice.effects.contains("tissue")) idle.hands = {.needle_in = false, .probe_on = false};
   if (choice.effect == "breathing") idle.effects["breathing"]["amplitude"] = 0;
@@ -136,6 +136,9 @@ TEST(Effects, ActiveOnesDoShow) {
   jerked["pain_reaction"] = {{"tissues", {"skin", "muscle"}}, {"latency_s", 0.0}};
   EXPECT_NE(RunOf(jerked, {}).needle_force, at_rest.needle_force);
   EXPECT_NE(RunOf(jerked, {}).probe_force, at_rest.probe_force);
+  json pressed = felt;
+  pressed["fluid"] = {{"thumb", "continuous"}};
+  EXPECT_NE(RunOf(pressed, {}).needle_force, at_rest.needle_force);
   const auto largest = [](const std::vector<double>& values) {
     return *std::ranges::max_element(values, {}, [](double v) { return std::abs(v); });
   };

@@ -53,6 +53,13 @@ inline SchemaSampler ScenarioSampler() {
       {"/effects/pulsating_vessels/tissue", {"vessel", "liver", "bone"}},
       {"/effects/peristalsis/centrelines", {}},
       {"/effects/peristalsis/tissue", {"vessel", "liver", "bone"}},
+      {"/effects/fluid/syringe", {"lor_plastic_10ml", "plastic_2ml"}},
+      {"/effects/fluid/filling_ml", {0.0, 1.5}},
+      {"/effects/fluid/gauge", {18}},
+      {"/effects/fluid/bore", {"regular", "tuohy"}},
+      {"/effects/fluid/epidural", {"epidural_lumbar"}},
+      {"/effects/fluid/subarachnoid", {"spinal_canal"}},
+      {"/effects/fluid/vessel", {"vein", "artery"}},
       {"/effects/pain_reaction/tissues", {{"skin"}, {"skin", "liver", "bone"}, json::array()}}};
   return {scenario::ScenarioSchema(), choices};
 }
@@ -65,7 +72,8 @@ inline nlohmann::json Mended(nlohmann::json document) {
   const auto model_of = [&effects](const char* effect) {
     return effects.contains(effect) ? effects[effect].value("model", "") : std::string();
   };
-  if (effects.contains("needle") || model_of("tissue") == "displacement_functions") {
+  if (effects.contains("needle") || effects.contains("fluid") ||
+      model_of("tissue") == "displacement_functions") {
     effects.emplace("needle_force", json::object());
   }
   if (model_of("needle_force") == "tissue" && model_of("tissue") != "springs" &&

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "acus/base/core/error.h"
+#include "acus/scene/effects/fluid/fluid_effect.h"
 #include "acus/scene/effects/fluoroscopy/fluoroscopy_effect.h"
 #include "acus/scene/effects/pain_reaction/pain_reaction.h"
 #include "acus/scene/effects/peristalsis/peristalsis.h"
@@ -15,7 +16,7 @@ namespace {
 
 std::vector<const Effect*>& List() {
   static std::vector<const Effect*> list = {&PainReaction(), &PulsatingVessels(), &Peristalsis(),
-                                            &Fluoroscopy(),  &View3d(),           &Planes()};
+                                            &FluidThroughNeedle(), &Fluoroscopy(),  &View3d(),           &Planes()};
   return list;
 }
 

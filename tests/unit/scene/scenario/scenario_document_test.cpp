@@ -38,6 +38,9 @@ TEST(ScenarioDocument, DecidesForEveryTextWhetherItIsAPath) {
       "/name", "/patient/series", "/session/reference_frame", "/effects/tissue/fe_3d/element",
       "/effects/breathing/column", "/effects/needle_force/recording",
       "/effects/pulsating_vessels/tissue",
+      // Names in the table of the effect.
+      "/effects/fluid/syringe", "/effects/fluid/bore", "/effects/fluid/epidural",
+      "/effects/fluid/subarachnoid", "/effects/fluid/vessel",
       // Or a file, which the effect finds by itself.
       "/effects/pain_reaction/sound", "/effects/peristalsis/tissue", "/evidence/asked",
       "/evidence/machine", "/evidence/acus_version", "/evidence/session/name"};

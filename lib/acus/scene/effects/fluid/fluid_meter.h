@@ -1,0 +1,28 @@
+// What an injection is judged by.
+#pragma once
+
+#include "acus/scene/effects/effect.h"
+
+namespace acus::effects {
+
+class FluidMeter final : public EffectMeter {
+ public:
+  void Add(double session_s, std::span<const double> columns) override;
+  std::vector<MeasuredValue> Values() const override;
+  std::vector<std::string> Findings() const override;
+
+ private:
+  double largest_kpa_ = 0.0;
+  double injected_ml_ = 0.0;
+  double returned_ml_ = 0.0;
+  double losses_ = 0.0;
+  double false_losses_ = 0.0;
+  double dural_punctures_ = 0.0;
+  double vessel_entries_ = 0.0;
+  double before_loss_kpa_ = 0.0;   ///< Highest pressure before the first loss.
+  double first_loss_s_ = 0.0;      ///< Of the first loss in the epidural space.
+  double overshoot_mm_ = 0.0;      ///< Largest advance after it.
+  double deepest_s_ = 0.0;         ///< When that was reached.
+};
+
+}  // namespace acus::effects

@@ -1,0 +1,134 @@
+// Fluid through the needle at every sample: what the syringe, the thumb and the tissue at the bevel
+// do, and what of it the hand feels and the images show.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "acus/data/volume/volume.h"
+#include "acus/physics/fluid/depot.h"
+#include "acus/physics/fluid/fluid_events.h"
+#include "acus/physics/fluid/fluid_model.h"
+#include "acus/scene/effects/stage.h"
+
+namespace acus::effects {
+
+/// Who presses the plunger.
+enum class Thumb {
+  kSession,     ///< The session: its recorded orders, or keys.
+  kContinuous,  ///< A steady force, eased after the loss of resistance.
+  kTaps,        ///< The same in short pushes.
+};
+
+/// Rows of the table of tissues, by what the needle's tip is in.
+struct FluidRows {
+  std::array<int, 256> of_label{};  ///< Outside the spinal canal.
+  volume::Label canal = 0;          ///< Labels: of the spinal canal ...
+  volume::Label ligament = 0;       ///< ... of the ligaments before it ...
+  volume::Label fat = 0;            ///< ... of fat, which right behind them is epidural.
+  int epidural = 0;
+  int subarachnoid = 0;
+  int vessel = 0;
+};
+
+struct FluidSettings {
+  FluidRows rows;
+  fluid::Hub hub = fluid::Hub::kSyringe;
+  Thumb thumb = Thumb::kSession;
+  double thumb_n = 0.0;
+  double taps_per_s = 0.0;
+  double eased_after_ml = 0.0;  ///< Injected since the loss of resistance.
+  double heart_per_s = 0.0;
+  double epidural_depth_mm = 0.0;  ///< On the needle's way through the canal, until the dura.
+};
+
+/// A region of injected fluid.
+struct ShownDepot {
+  std::array<double, 3> centre_in_ct_mm{};
+  std::array<double, 3> normal_in_ct{};  ///< Of its layers, unit length.
+  double width_radius_mm = 0.0;
+  double thickness_radius_mm = 0.0;
+  double displaced_radius_mm = 0.0;  ///< Of a sphere of the tissue that it displaces.
+  double wet_share = 0.0;
+  double air_ml = 0.0;
+};
+inline constexpr int kMostShownDepots = 4;
+
+struct FluidStageState {
+  fluid::FluidState fluid;
+  fluid::FluidEvents events;
+  double last_s = 0.0;
+  bool is_started = false;
+  volume::Label label = 0;  ///< At the tip.
+  bool is_in_canal = false;  ///< The canal, or epidural fat before it.
+  std::array<double, 3> canal_entry_mm{};  ///< Where the tip came into the canal.
+  int row = 0;                             ///< At the bevel.
+  double thumb_n = 0.0;
+  double injected_ml = 0.0;  ///< Into tissue, from the syringe.
+  bool is_lost = false;      ///< There was a loss of resistance: what follows is of the last one.
+  std::array<double, 3> loss_tip_mm{};
+  double injected_at_loss_ml = 0.0;
+  double beyond_loss_mm = 0.0;
+  std::int32_t losses = 0;
+  std::int32_t false_losses = 0;
+  std::int32_t dural_punctures = 0;
+  std::int32_t vessel_entries = 0;
+  std::array<double, 3> force_in_ct_n{};
+  std::array<ShownDepot, kMostShownDepots> depot{};
+  int num_depots = 0;
+};
+
+/// Columns of the stage, in this order.
+enum class FluidColumn {
+  kPlungerN,
+  kPlungerMm,
+  kSyringeKpa,
+  kBevelKpa,
+  kFlowMlPerMin,
+  kInjectedMl,
+  kReturnedMl,
+  kDropsPerMin,
+  kBeyondLossMm,
+  kLosses,
+  kFalseLosses,
+  kDuralPunctures,
+  kVesselEntries,
+  kCount,
+};
+
+class FluidStage final : public StepStageOf<FluidStageState> {
+ public:
+  FluidStage(std::shared_ptr<const fluid::FluidModel> model, const FluidSettings& settings)
+      : model_(std::move(model)), settings_(settings) {}
+
+  FluidStageState Begin() const noexcept override;
+  Activity Step(FluidStageState& state, const StepTime& time, PortValues& ports,
+                std::span<double> columns) const noexcept override;
+  /// Syringe and needle are one body: what the thumb presses, the other hand holds.
+  Eigen::Vector3d ForceInCtN(const FluidStageState& state) const noexcept override;
+  /// Tissue around a depot is displaced by its volume, without compression.
+  Eigen::Vector3d RestInCtMm(const FluidStageState& state,
+                             const Eigen::Vector3d& place_in_ct_mm) const noexcept override;
+  bool IsSameMotion(const FluidStageState& a, const FluidStageState& b) const noexcept override;
+  double MotionSpacingMm() const noexcept override { return 2.0; }
+  bool ChangesEcho(const FluidStageState& state) const noexcept override {
+    return state.num_depots > 0;
+  }
+  double EchoChangeDb(const FluidStageState& state, const EchoPlace& place) const noexcept override;
+  bool IsSameEcho(const FluidStageState& a, const FluidStageState& b) const noexcept override {
+    return IsSameMotion(a, b);
+  }
+
+ private:
+  int RowAt(FluidStageState& state, volume::Label label,
+            const Eigen::Vector3d& tip_mm) const noexcept;
+  double ThumbN(const FluidStageState& state, double session_n, double session_s) const noexcept;
+  void Count(FluidStageState& state, int row, const Eigen::Vector3d& tip_mm) const noexcept;
+  void KeepDepots(FluidStageState& state, const Eigen::Vector3d& axis_in_ct) const noexcept;
+
+  std::shared_ptr<const fluid::FluidModel> model_;
+  FluidSettings settings_;
+  fluid::FluidEventLimits limits_;
+};
+
+}  // namespace acus::effects
