@@ -12,7 +12,7 @@ using live::kLeastDepthMm;
 using session::CommandKind;
 
 namespace {
-/// Images show an order well before this.
+/// Images show an order well before this time.
 constexpr double kShownAfterS = 0.5;
 }  // namespace
 
