@@ -3,9 +3,8 @@
 //
 //   to that computer                          back
 //   STRING  Images    format and digest       STATUS  Images   code 1: accepted, or why not
-//   NDARRAY Steps     inputs of steps         IMAGE   ...      what has changed since the last
-//   moment
-//                                             NDARRAY Moment   these were all of that moment
+//   NDARRAY Steps     inputs of steps         IMAGE   ...      an image that has changed
+//                                             NDARRAY Moment   end of the images of one time
 #pragma once
 
 #include <optional>

@@ -146,7 +146,7 @@ class LiveCore {
   StepRecord record_;
   Tool needle_;
   Tool probe_;
-  Eigen::Vector3d held_in_ct_n_ = Eigen::Vector3d::Zero();  ///< Of the obstacle on the needle.
+  Eigen::Vector3d held_in_ct_n_ = Eigen::Vector3d::Zero();  ///< By the obstacle, on the needle.
   std::atomic<StopKind> stopped_by_{StopKind::kNone};
   bool started_ = false;
   std::int64_t last_reading_ns_ = 0;

@@ -3,7 +3,7 @@
 //   servo of a haptic device (1 kHz, real-time)   LiveCore::Tick: step, force, record, snapshot
 //   servo of the other device, if there is one    passes its pose on, takes its force
 //   trackers                                      receive poses
-//   images (30 Hz or more)                      render the newest snapshot, send it
+//   images (30 Hz or more)                        render the newest snapshot, send it
 //   a second computer, if there is one            receives all steps, sends images
 //   recorder                                      writes
 //   the caller                                    Poll(), status, windows, orders
@@ -34,7 +34,7 @@ namespace acus::live {
 
 struct LiveOptions {
   std::filesystem::path session_folder;
-  std::string name;         ///< Of the session; empty: the scenario's.
+  std::string name;         ///< Name of the session; empty: the scenario's.
   double duration_s = 0.0;  ///< 0: until it is stopped.
   /// A session that the virtual hands of needle and probe follow. Empty: the devices file decides.
   std::filesystem::path hand;
