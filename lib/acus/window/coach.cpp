@@ -11,7 +11,7 @@ std::string MmText(double distance_mm) {
   return std::to_string(std::lround(std::abs(distance_mm))) + " mm";
 }
 
-/// "Tab selects the probe, Left moves it there." or, of a hand: "slide the probe there."
+/// "Tab selects the probe, Left moves it there." or, for a real hand: "slide the probe there."
 std::string Remedy(const SteeredTool& tool, const std::string& name,
                    const Eigen::Vector3d& direction_in_ct, const std::string& by_hand) {
   if (!tool.is_virtual) return by_hand;

@@ -1,5 +1,5 @@
-// One line for the trainee: the first thing that stands between the session and the insertion, with
-// the key or the movement that helps.
+// One line for the trainee: the first obstacle to the insertion, with the key or the movement that
+// removes it.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -10,20 +10,20 @@
 
 namespace acus::window {
 
-/// A tool as mouse and keys move it.
+/// A tool and how mouse and keys move it.
 struct SteeredTool {
-  bool is_virtual = false;  ///< Keys move it; else a hand does.
+  bool is_virtual = false;  ///< Keys move it; else a real hand does.
   bool is_selected = false;
   Eigen::Matrix3d device_from_ct = Eigen::Matrix3d::Identity();  ///< Rotation.
-  Eigen::Vector3d along_in_ct = Eigen::Vector3d::UnitZ();  ///< Where Page Down moves it. Unit.
+  Eigen::Vector3d along_in_ct = Eigen::Vector3d::UnitZ();        ///< Direction of Page Down. Unit.
 };
 
-/// All that the coach looks at.
+/// The inputs of the coach.
 struct CoachView {
   bool switch_is_open = false;
   bool has_needle = false;
   bool has_probe = false;
-  bool wants_plane = false;  ///< The exercise has the needle in the image plane.
+  bool wants_plane = false;  ///< The exercise requires the needle in the image plane.
   training::Situation now;
   std::optional<double> gap_to_skin_mm;  ///< In front of the probe's face; nothing: no skin there.
   training::ImageField field;
@@ -33,8 +33,8 @@ struct CoachView {
   SteeredTool probe;
 };
 
-/// Empty: nothing stands in the way. The order: switch, probe not seen, no contact, target out of
-/// view (plane, side, depth), needle not seen, needle out of the image plane.
+/// Empty: no obstacle. In this order: switch, probe not seen, no contact, target out of view
+/// (plane, side, depth), needle not seen, needle out of the image plane.
 std::string CoachLine(const CoachView& view);
 
 /// The key that moves a tool best in a direction: "Page Down", "Left". @param direction_in_ct  Not

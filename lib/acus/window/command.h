@@ -1,4 +1,4 @@
-// What the person at the window wants.
+// Commands and hand movements of the user at the window.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,8 +7,8 @@
 
 namespace acus::window {
 
-/// Those up to kQuit are for the caller to carry out. The others the window carries out itself; the
-/// caller gets them too, for the record.
+/// The caller carries out those up to kQuit. The window carries out the others itself; the caller
+/// receives them too, for the record.
 enum class Command {
   kFreeze,
   kGainUp,
@@ -21,7 +21,7 @@ enum class Command {
   kPressPlunger,  ///< More force of the thumb on the syringe.
   kEasePlunger,
   kSteerOther,  ///< Mouse and arrow keys move the other tool: needle or probe.
-  kQuit,        ///< By key, pressed twice, or by closing the window.
+  kQuit,        ///< By a key pressed twice, or by closing the window.
   kNextView,    ///< Grid, then each view alone.
   kGrid,
   kStereo,  ///< Off, side by side, red-cyan, shutter glasses.
@@ -50,8 +50,8 @@ struct KeyHelp {
 /// All keys, in the order of the help page.
 std::span<const KeyHelp> Keys() noexcept;
 
-/// How mouse and keyboard move the virtual hand, since it was last asked for. Device frame: x to
-/// the right, y up, z towards the user.
+/// Motion of the virtual hand by mouse and keyboard since the last call. Device frame: x to the
+/// right, y up, z towards the user.
 struct HandInput {
   Eigen::Vector3d moved_mm = Eigen::Vector3d::Zero();    ///< Left button: x and y.
   Eigen::Vector3d turned_rad = Eigen::Vector3d::Zero();  ///< Right button: about x and y.

@@ -1,4 +1,5 @@
-// The exercise beside the views: target, goals with their values now, and the steps to tick off.
+// The exercise beside the views: target, goals with their current values, and the steps to tick
+// off.
 #pragma once
 
 #include "acus/window/frame.h"
@@ -8,13 +9,13 @@
 
 namespace acus::window {
 
-/// What an exercise shows at one moment.
-/// @param trial  Of the trainee, from 1: hints fade with it.
+/// The exercise as displayed at one time.
+/// @param trial  Number of the trainee's trial, from 1: hints become rarer with it.
 ExerciseOnDisplay ExerciseToShow(const training::Exercise& exercise,
                                  const replay::ExerciseProgress& progress,
                                  const std::optional<double>& tip_to_target_mm, int trial);
 
-/// Rows that find no room are not drawn.
+/// Rows without room are not drawn.
 void DrawExercise(const ExerciseOnDisplay& exercise, const Rectangle& place, const TextSizes& sizes,
                   Sketch& sketch);
 

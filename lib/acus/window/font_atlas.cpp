@@ -46,7 +46,7 @@ std::string Utf8(char32_t code) {
   return out;
 }
 
-/// Writes letters with VTK, which brings its fonts along.
+/// Draws letters with VTK, which contains its own fonts.
 class Pen {
  public:
   Pen(int size_px, bool bold) : renderer_(vtkTextRenderer::GetInstance()) {
@@ -123,7 +123,7 @@ std::pair<int, int> FontAtlas::Reserve(int width, int height) {
 
 void FontAtlas::AddFace(int size_px, bool bold) {
   Pen pen(size_px, bold);
-  // Boxes are as wide as what is black or as the advance, whichever is more; between two bars it
+  // The box of a text has the larger width of its black pixels and its advance; between two bars it
   // is the advance.
   const int bars = pen.Width("||");
   Face face;

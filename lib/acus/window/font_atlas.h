@@ -1,4 +1,4 @@
-// Letters as an image, so that any amount of text is drawn, and changed, at once.
+// Letters as an image, so that any amount of text is drawn and changed quickly.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 namespace acus::window {
 
 /// Sans-serif letters of several sizes: ASCII, Latin-1, and the ellipsis. Beside them a row whose
-/// opacity falls off to both sides, for smooth lines, and white, for filled shapes.
+/// opacity decreases to both sides, for smooth lines, and white, for filled shapes.
 class FontAtlas {
  public:
-  /// Letters stand `advance` apart; `left` may be below zero.
+  /// Distance of letters is `advance`; `left` may be below zero.
   struct Glyph {
     int left = 0;
     int top = 0;  ///< Below the upper edge of the line.
@@ -24,10 +24,10 @@ class FontAtlas {
     int row = 0;
   };
   struct Face {
-    int height = 0;  ///< Of a line: from a capital's accent, or less, to the lowest tail.
+    int height = 0;  ///< Height of a line: from at most a capital's accent to the lowest descender.
     std::vector<Glyph> glyphs;
   };
-  /// Columns of the line's profile: 0 opacity at both ends.
+  /// Columns of the line's profile: opacity 0 at both ends.
   struct Strip {
     int column = 0;
     int row = 0;
@@ -38,7 +38,7 @@ class FontAtlas {
 
   /// The largest face not above `size_px`, or else the smallest.
   const Face& FaceOf(int size_px, bool bold) const;
-  /// @param code_point  Unicode; '?' for those that are not there.
+  /// @param code_point  Unicode; '?' replaces missing ones.
   const Glyph& GlyphOf(const Face& face, char32_t code_point) const;
 
   int width() const { return width_; }
@@ -63,7 +63,7 @@ class FontAtlas {
   Strip white_;
 };
 
-/// Code points of UTF-8; bytes that are none become '?'.
+/// Code points of UTF-8; invalid bytes become '?'.
 std::vector<char32_t> CodePointsOf(std::string_view text);
 
 }  // namespace acus::window

@@ -71,7 +71,7 @@ void FrameMaker::AddTools(const live::LiveImage& image) {
   frame_.ct_from_probe.reset();
   if (moment.probe_valid) frame_.ct_from_probe = moment.ct_from_probe;
   frame_.target_in_ct_mm = image.snapshot.target_in_ct_mm;
-  // The report judges by the exercise's target: the window shows no other.
+  // The report uses the exercise's target: the window shows only that.
   if (const live::LiveExercise* exercise = session_.exercise()) {
     if (exercise->target_in_ct_mm()) frame_.target_in_ct_mm = exercise->target_in_ct_mm();
   }

@@ -1,4 +1,4 @@
-// From what a live session publishes to what its window shows.
+// Converts the data of a live session to the content of its window.
 #pragma once
 
 #include <memory>
@@ -13,15 +13,15 @@
 
 namespace acus::window {
 
-/// Fills one frame, whose buffers it keeps.
+/// Fills one frame, and keeps its buffers.
 class FrameMaker {
  public:
   /// @param session  Must outlive this.
-  /// @param trial  Of the trainee, from 1: hints fade with it.
+  /// @param trial  Number of the trainee's trial, from 1: hints become rarer with it.
   /// @param caption  Below the exercise's name; may be empty.
   explicit FrameMaker(const live::LiveSession& session, int trial = 1, std::string caption = {});
 
-  /// @param image  The newest of the session.  @param video  Null: no camera, or nothing yet.
+  /// @param image  The newest of the session.  @param video  Null: no camera, or no image yet.
   /// @param steers_probe  Mouse and keys move the probe, else the needle.
   const DisplayFrame& Make(const live::LiveImage& image, const camera::CameraView* video,
                            bool steers_probe = false);

@@ -1,4 +1,4 @@
-// Mouse and keyboard move the virtual hands.
+// Moves the virtual hands with mouse and keyboard.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -8,11 +8,11 @@
 
 namespace acus::window {
 
-/// Keys that are held move a tool at this speed; with Shift at a tenth.
+/// Speed of a tool while a key is held; a tenth of it with Shift.
 inline constexpr double kHeldMmPerS = 30.0;
 
-/// The way and turn of a tool that `input` asks for within `dt_s`, device frame: along the needle,
-/// +z of the tool, and as the mouse goes.
+/// Translation and rotation of a tool by `input` within `dt_s`, device frame: along the needle, +z
+/// of the tool, and in the direction of the mouse.
 struct ToolWay {
   Eigen::Vector3d way_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();
@@ -21,9 +21,8 @@ struct ToolWay {
 };
 ToolWay WayOf(const HandInput& input, const Eigen::Isometry3d& device_from_tool, double dt_s);
 
-/// Moves the goal of the hand that holds a tool. Null: a real hand does, and nothing happens.
-/// @param may_advance  False: not along the tool, so that the goal stays near a needle that is
-/// held.
+/// Moves the goal of the hand that holds a tool. Null: a real hand holds it, and nothing changes.
+/// @param may_advance  False: not along the tool, so that the goal stays near a stopped needle.
 void Steer(haptics::HandSteering* hand, const Eigen::Isometry3d& handle_from_tool,
            const HandInput& input, double dt_s, bool may_advance = true);
 

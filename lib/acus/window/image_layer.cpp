@@ -19,11 +19,11 @@
 namespace acus::window {
 namespace {
 
-// A bent lens is straightened piece by piece: of 16 pixels in 640, 0.1 pixel for k1 = -0.3.
+// Distortion is corrected piecewise: with pieces of 16 pixels in 640, to 0.1 pixel for k1 = -0.3.
 constexpr int kColumns = 40;
 constexpr int kRows = 30;
 
-/// One image on a net of places.
+/// One image on a grid of points.
 struct Sheet {
   vtkNew<vtkImageData> image;
   vtkNew<vtkTexture> texture;
@@ -57,7 +57,7 @@ struct Sheet {
       image->SetDimensions(width, height, 1);
       image->AllocateScalars(VTK_UNSIGNED_CHAR, components);
     }
-    // What is there already is not sent to the graphics again.
+    // An unchanged image is not sent to the graphics card again.
     const std::size_t bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                               static_cast<std::size_t>(components);
     if (std::memcmp(image->GetScalarPointer(), pixels, bytes) == 0) return;

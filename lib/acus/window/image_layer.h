@@ -14,7 +14,7 @@ class vtkRenderer;
 
 namespace acus::window {
 
-/// Places are pixels of the window from its upper left corner.
+/// Positions are pixels of the window from its upper left corner.
 class ImageLayer {
  public:
   ImageLayer();
@@ -25,11 +25,11 @@ class ImageLayer {
   vtkRenderer* renderer();
   void SetWindowSize(int width_px, int height_px);
 
-  /// Scaled to fill the place.
+  /// Scaled to fill the rectangle.
   void Show(ViewKind view, const image::GrayImage& image, const Rectangle& place);
   void Show(ViewKind view, const image::ColourImage& image, const Rectangle& place);
   /// Without the lens's distortion (Brown's k1, k2, p1, p2, k3): as the pinhole of `camera` would
-  /// see it. What the lens did not see is black.
+  /// see it. Pixels outside the lens's image are black.
   void Show(const image::ColourImage& image, const volume_rendering::Camera& camera,
             const std::array<double, 5>& distortion, const Rectangle& place);
   void Hide(ViewKind view);
@@ -42,7 +42,7 @@ class ImageLayer {
   std::unique_ptr<Content> content_;
 };
 
-/// Where Brown's lens puts what a pinhole sees at `pixel`.
+/// The position under Brown's distortion of the point at `pixel` of a pinhole camera.
 Eigen::Vector2d Distorted(const Eigen::Vector2d& pixel, const volume_rendering::Camera& camera,
                           const std::array<double, 5>& distortion);
 

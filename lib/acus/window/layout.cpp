@@ -18,10 +18,11 @@ int StatusHeight(int height_px) {
   return std::clamp(height_px * 2 / 15, 60, 160);
 }
 
-/// Of three views, the first has this share of the room.
+/// The share of the room for the first of three views.
 constexpr double kShareOfFirst = 0.58;
 
-/// Splits a room into `count` places of nearly the same size, beside or below each other.
+/// Splits a room into `count` rectangles of nearly the same size, side by side or one below the
+/// other.
 void Place(const Rectangle& room, std::span<const ViewKind> kinds, bool below,
            std::vector<Layout::View>& out) {
   const int count = static_cast<int>(kinds.size());
@@ -62,7 +63,7 @@ std::string_view TitleOf(ViewKind view) noexcept {
       return "CT in the probe's plane";
     case ViewKind::kEffect:
     case ViewKind::kSecondEffect:
-      return "Effect";  // Its own title stands in the window.
+      return "Effect";  // Its own title is in the window.
   }
   return "";
 }

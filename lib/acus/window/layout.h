@@ -1,4 +1,4 @@
-// Where in the window each view is.
+// The positions of the views in the window.
 #pragma once
 
 #include <array>
@@ -12,12 +12,12 @@ enum class ViewKind { kVideo, kUltrasound, kTeaching, kVolume, kCtSlice, kEffect
 inline constexpr std::array kViewKinds = {
     ViewKind::kVideo,   ViewKind::kUltrasound, ViewKind::kTeaching,    ViewKind::kVolume,
     ViewKind::kCtSlice, ViewKind::kEffect,     ViewKind::kSecondEffect};
-/// Of the images of effects, as many are shown.
+/// At most this number of effects' images is shown.
 inline constexpr std::array kEffectViews = {ViewKind::kEffect, ViewKind::kSecondEffect};
 std::string_view TitleOf(ViewKind view) noexcept;
 
-/// From names as in `acus-live --views`: "ultrasound,3d,volume". Those of `effects` are two.
-/// @throws InputError for an empty list, or a name that no view has.
+/// Parses names as in `acus-live --views`: "ultrasound,3d,volume". `effects` stands for two views.
+/// @throws InputError for an empty list, or an unknown name.
 std::vector<ViewKind> ViewsOf(std::string_view names);
 
 /// In pixels of the window, from its upper left corner, row 0 at the top.
@@ -41,18 +41,18 @@ struct Layout {
   Rectangle status;         ///< The bar below them.
   Rectangle exercise;       ///< Left of the views; empty: there is none, or no room for it.
 
-  /// Null if it is not shown.
+  /// Null if the view is not shown.
   const View* Find(ViewKind kind) const;
-  /// Null if none is there.
+  /// Null if no view is there.
   const View* At(int column, int row) const;
 };
 
-/// One view fills all, two share it, of three the first has a side of its own and the others lie
-/// above each other; four or more make two rows. A window that is higher than wide is divided the
-/// other way round.
+/// One view fills all, two share it, of three the first has one side and the others lie one above
+/// the other; four or more form two rows. In a window that is higher than wide, rows and columns
+/// are exchanged.
 /// @param shown  Without repetition.
-/// @param alone  If among those shown: it gets all the room.
-/// @param has_exercise  Leaves room for the exercise, in windows of at least kLeastForExercisePx.
+/// @param alone  If among those shown: it fills all the room.
+/// @param has_exercise  Reserves room for the exercise, in windows of at least kLeastForExercisePx.
 Layout LayOut(int width_px, int height_px, const std::vector<ViewKind>& shown,
               std::optional<ViewKind> alone, bool has_exercise = false);
 

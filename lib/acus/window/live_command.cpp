@@ -21,7 +21,7 @@ struct Options {
   std::vector<std::string> changes;
   bool headless = false;
   bool requests = false;
-  std::string make_images;  ///< [HOST:]PORT to listen on; empty: this is the session itself.
+  std::string make_images;  ///< [HOST:]PORT to listen on; empty: runs the session itself.
   live::LiveOptions session;
   ConsoleSettings console;
   std::string volume_rays = "auto";
@@ -71,7 +71,7 @@ int NumAsked(const Options& options) {
          (options.requests ? 1 : 0) + (options.make_images.empty() ? 0 : 1);
 }
 
-/// What a request says for itself.
+/// True if options are given that a request contains.
 bool AsksForOneSession(const Options& options) {
   const live::LiveOptions& session = options.session;
   return !options.exercise.empty() || !session.hand.empty() || session.duration_s > 0.0 ||
@@ -111,7 +111,7 @@ ExitCode RunSeries(const Options& options, const live::LiveDevices& devices, Run
   return series.Run(STDIN_FILENO);
 }
 
-/// This is the second computer.
+/// Runs as the second computer.
 ExitCode MakeImages(const Options& options, const live::LiveDevices& devices, RunContext& context,
                     std::ostream& out) {
   const auto [host, port] = live::ListenAddress(options.make_images);
@@ -126,7 +126,7 @@ ExitCode MakeImages(const Options& options, const live::LiveDevices& devices, Ru
                             .least_image_rate_hz = options.session.least_image_rate_hz,
                             .duration_s = options.session.duration_s,
                             .on_event = [&out](const std::string& line) {
-                              out << line << std::endl;  // At once: somebody looks on.
+                              out << line << std::endl;  // At once: a program reads it.
                             }});
   out << "listening on port " << server.port() << std::endl;
   server.Run(context.stop);

@@ -12,8 +12,8 @@ class App;
 
 namespace acus::window {
 
-/// Adds the options to `app`. What comes back runs the session, or the sessions, that they ask for.
-/// What they print goes to `out`.
+/// Adds the options to `app`. The returned function runs the sessions that they request. Their
+/// output goes to `out`.
 std::function<ExitCode(RunContext& context, std::ostream& out)> AddLiveOptions(CLI::App& app);
 
 }  // namespace acus::window

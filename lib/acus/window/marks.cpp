@@ -10,7 +10,7 @@
 namespace acus::window {
 namespace {
 
-/// Further from the plane than this, something is not in the image.
+/// Farther from the plane than this, a point is not in the image.
 constexpr double kInPlaneMm = 3.0;
 
 Eigen::Vector2i Corner(int column, int row) {
@@ -42,7 +42,7 @@ void DrawDepthScale(const PlaneOnScreen& plane, const acoustics::Probe& probe,
   }
 }
 
-/// The way ahead of the tip, as far as the image goes.
+/// The path ahead of the tip, up to the border of the image.
 void DrawGuide(const image::NeedleInImage& needle, const PlaneOnScreen& plane, Sketch& sketch) {
   constexpr double kAheadMm = 200.0;
   Eigen::Vector3d tip_mm = needle.tip_in_ct_mm;
@@ -55,7 +55,7 @@ void DrawGuide(const image::NeedleInImage& needle, const PlaneOnScreen& plane, S
   const Eigen::Vector3d ahead = plane.At(tip_mm + kAheadMm * axis);
   if (!tip.allFinite() || !ahead.allFinite()) return;
   sketch.Dashes(tip.head<2>(), ahead.head<2>(), 1.0, palette::kNeedle.Faded(0.75));
-  // Where it passes through the plane, if it does ahead of the tip.
+  // The intersection with the plane, if it is ahead of the tip.
   const double leaves = tip[2] - ahead[2];
   if (std::abs(leaves) < 1e-6) return;
   const double share = tip[2] / leaves;
@@ -105,7 +105,7 @@ Rectangle ImageRoom(ViewKind view, const Rectangle& place, const TextSizes& size
   const int below = is_ultrasound ? sizes.normal_px + 12 : 6;
   Rectangle out = place;
   if (view == ViewKind::kTeaching || view == ViewKind::kVolume)
-    return out;  // It fills its place; the title lies over it.
+    return out;  // It fills its rectangle; the title lies over it.
   out.left += side;
   out.width -= 2 * side;
   out.top += title;
@@ -147,7 +147,7 @@ void DrawUltrasoundMarks(const DisplayFrame& frame, const Rectangle& place,
             sketch);
   DrawDepthScale(plane, probe, sizes, sketch);
   sketch.SetClip(plane.place);
-  // The marked side, as the ridge on the probe: to the right, where +x is.
+  // The marked side, as the ridge on the probe: on the right, in the direction of +x.
   sketch.Ring({plane.place.left + plane.place.width - 12.0, plane.place.top + 12.0}, 6.0, 2.0,
               palette::kGood);
   if (frame.ct_from_probe) {

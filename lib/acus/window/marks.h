@@ -10,7 +10,7 @@
 
 namespace acus::window {
 
-/// Sizes of letters for a window of some height.
+/// Text sizes for the height of a window.
 struct TextSizes {
   int small_px = 12;
   int normal_px = 14;
@@ -18,17 +18,17 @@ struct TextSizes {
 };
 TextSizes SizesFor(int window_height_px);
 
-/// Where a view's image is: below its title, and beside its scale if it has one.
+/// The rectangle of a view's image: below its title, and beside its scale if it has one.
 Rectangle ImageRoom(ViewKind view, const Rectangle& place, const TextSizes& sizes);
 
-/// An image of the probe's plane on the screen, and from CT space to it.
+/// An image of the probe's plane on the screen, and the map from CT space to it.
 struct PlaneOnScreen {
   image::ImageGeometry geometry;
   Rectangle place;
   Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
 
   double PxPerMm() const;
-  /// Column and row in the window, and how far in front of the plane, mm.
+  /// Column and row in the window, and the signed distance from the plane, mm.
   Eigen::Vector3d At(const Eigen::Vector3d& place_in_ct_mm) const;
 };
 
@@ -46,7 +46,7 @@ void DrawSliceMarks(const DisplayFrame& frame, const PlaneOnScreen& plane, Sketc
 /// Needle, target and the probe's plane over the video.
 void DrawVideoMarks(const DisplayFrame& frame, const Rectangle& place, Sketch& sketch);
 
-/// From the tip, in mm. Nothing if one of them is not there.
+/// Distance from the tip to the target, mm. Nothing if one of them does not exist.
 std::optional<double> TipToTargetMm(const DisplayFrame& frame);
 
 /// "12.3": a fixed number of digits after the point.

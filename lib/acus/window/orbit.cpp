@@ -12,7 +12,7 @@ constexpr std::array<std::string_view, 7> kSides = {"anterior", "posterior", "le
                                                     "superior", "inferior",  "oblique"};
 constexpr double kRadPerPx = 0.008;
 constexpr int kObliquePreset = 7;
-constexpr double kNarrow = 1.6;  // Width over height that presets are made for.
+constexpr double kNarrow = 1.6;  // The ratio of width to height for which presets are designed.
 
 }  // namespace
 
@@ -31,7 +31,7 @@ void Orbit::SetPreset(int number) {
 }
 
 void Orbit::LookAtSideOf(const Eigen::Vector3d& place_in_ct_mm) {
-  // The patient is long: what counts is where around the axis, which is z.
+  // The patient is long: only the direction around the axis, z, is used.
   Eigen::Vector3d side = place_in_ct_mm - box_.center();
   side.z() = 0.0;
   if (!side.allFinite() || side.norm() < 1.0) return;
@@ -78,7 +78,7 @@ void Orbit::Zoom(double factor) {
 volume_rendering::Camera Orbit::CameraFor(int width_px, int height_px) const {
   volume_rendering::Camera camera =
       volume_rendering::LookAt(viewpoint_, {.width_px = width_px, .height_px = height_px});
-  // The angle is over the height; a narrow image needs more of it.
+  // The angle is over the height; a narrow image needs a larger one.
   camera.focal_px *= std::min(1.0, width_px / (kNarrow * height_px));
   return camera;
 }

@@ -12,7 +12,7 @@ using live::kLeastDepthMm;
 using session::CommandKind;
 
 namespace {
-/// Images show an order well before this.
+/// Images show an order well before this time.
 constexpr double kShownAfterS = 0.5;
 /// By keys: what a thumb holds for seconds.
 constexpr double kMostThumbN = 40.0;

@@ -1,4 +1,4 @@
-// What a key at the window orders the session to do.
+// Converts keys at the window to orders for the session.
 #pragma once
 
 #include <optional>
@@ -14,17 +14,17 @@ inline constexpr double kGainStepDb = 3.0;
 inline constexpr double kDepthStepMm = 10.0;
 inline constexpr double kPlungerStepN = 1.0;
 
-/// How the image is set at present.
+/// The current settings of the image.
 struct ImageSetting {
   double gain_db = 0.0;
   double depth_mm = 0.0;
 };
 
-/// What the session is set to, with orders that no image shows yet: keys that are pressed faster
-/// than images come all count.
+/// The settings of the session with orders that no image shows yet, so that each of several quick
+/// key presses counts.
 class OrderedSettings {
  public:
-  /// @param image  Of the newest image.
+  /// @param image  Settings of the newest image.
   void Refresh(const live::LiveSnapshot& snapshot, const ImageSetting& image, double now_s);
   /// @param order  Given to the session at `now_s`.
   void Add(const live::CommandQueue::Order& order, double now_s);
@@ -37,7 +37,8 @@ class OrderedSettings {
   double last_order_s_ = -1e9;
 };
 
-/// Why a key does nothing in this session, for the person who pressed it; empty if it does.
+/// The features of a session. WhyWithoutEffect() gives a message for the user if a key needs a
+/// missing one; else it is empty.
 struct SessionAbilities {
   bool breath_can_be_held = false;
   bool has_both_tools = false;
@@ -47,8 +48,8 @@ struct SessionAbilities {
 };
 std::string WhyWithoutEffect(Command command, const SessionAbilities& session);
 
-/// The order of a command, as things stand in `snapshot`: a key that switches something on switches
-/// it off again. Nothing for those that the window has carried out itself, and for kQuit and
+/// The order of a command in the state `snapshot`: a key that switches something on switches it off
+/// again. Nothing for commands that the window has carried out itself, and for kQuit and
 /// kSteerOther, which are no orders to the session.
 std::optional<live::CommandQueue::Order> OrderOf(Command command,
                                                  const live::LiveSnapshot& snapshot,

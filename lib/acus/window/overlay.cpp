@@ -17,10 +17,10 @@
 namespace acus::window {
 namespace {
 
-/// Less than this nobody sees.
+/// Smaller motions are invisible.
 constexpr double kSamePlacePx = 0.25;
 constexpr std::uint8_t kVisible = 8;
-/// The window shows the last overlay meanwhile: its images come first.
+/// Images of the window have priority; it shows the last overlay meanwhile.
 constexpr int kOverlayNice = 5;
 
 struct Job {
@@ -40,7 +40,7 @@ bool SameMotion(const breathing::MotionWeights& a, const breathing::MotionWeight
   return true;
 }
 
-/// Undoes the weighting by opacity, over black, and puts in the fading.
+/// Divides by the opacity, over black, and applies the fading.
 void Compose(const volume_rendering::ViewImage& image, const std::vector<float>& distance_px,
              double falloff_px, std::vector<std::uint8_t>& rgba) {
   const std::size_t count = image.coverage.size();
@@ -68,7 +68,7 @@ double EdgeOpacity(double distance_px, double falloff_px) noexcept {
 std::vector<float> DistanceToEdge(const std::vector<std::uint8_t>& inside, int width, int height) {
   std::vector<float> out(inside.size(), 0.0F);
   if (inside.empty()) return out;
-  // OpenCV has no distance for an image without an outside.
+  // OpenCV defines no distance for an image without an outside.
   if (std::ranges::find(inside, 0) == inside.end()) {
     std::ranges::fill(out, std::numeric_limits<float>::infinity());
     return out;
@@ -84,7 +84,7 @@ std::vector<std::uint8_t> SilhouetteOf(const mesh::Surface& surface,
   std::vector<std::uint8_t> out(
       static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px), 0);
   constexpr double kNearMm = 1.0;
-  constexpr int kFraction = 4;  // Bits of a pixel.
+  constexpr int kFraction = 4;  // Fractional bits of a pixel.
   constexpr double kFarPx = 1e4;
   cv::Mat mask(camera.height_px, camera.width_px, CV_8UC1, out.data());
   for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
@@ -144,11 +144,11 @@ struct OverlayRenderer::Content {
 
   std::mutex mutex;
   std::condition_variable changed;
-  std::optional<Job> job;  ///< Waiting or under way.
+  std::optional<Job> job;  ///< Waiting or being rendered.
   std::optional<OverlayImage> done;
-  std::optional<Job> newest;  ///< What the newest overlay was rendered for.
+  std::optional<Job> newest;  ///< The job of the newest overlay.
   long num_rendered = 0;
-  std::exception_ptr error;  ///< Of the thread, for the next that asks.
+  std::exception_ptr error;  ///< Error of the thread, thrown by the next call.
   bool stop = false;
   std::thread thread;
 

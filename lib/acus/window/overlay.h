@@ -19,11 +19,11 @@ namespace acus::window {
 /// get closer to the 2D projected edge of the volume"), which names no formula.
 double EdgeOpacity(double distance_px, double falloff_px) noexcept;
 
-/// Distances of the pixels of `inside` (row by row, 0 is outside) from the next outside pixel, in
-/// pixels; 0 outside. What lies beyond the image counts as inside.
+/// Distances of the pixels of `inside` (row by row, 0 is outside) from the nearest outside pixel,
+/// in pixels; 0 outside. Pixels beyond the image count as inside.
 std::vector<float> DistanceToEdge(const std::vector<std::uint8_t>& inside, int width, int height);
 
-/// Pixels that a surface covers, 255, and others, 0. Triangles behind the eye are left out.
+/// Pixels that a surface covers, 255, and others, 0. Triangles behind the eye are omitted.
 std::vector<std::uint8_t> SilhouetteOf(const mesh::Surface& surface,
                                        const volume_rendering::Camera& camera);
 
@@ -31,26 +31,26 @@ std::vector<std::uint8_t> SilhouetteOf(const mesh::Surface& surface,
 volume_rendering::Camera Resampled(const volume_rendering::Camera& camera, int width_px,
                                    int height_px);
 
-/// The largest distance in pixels by which places of the box move from one camera's image to the
-/// other's; infinite if one of them cannot be seen.
+/// The largest distance in pixels by which points of the box move from one camera's image to the
+/// other's; infinite if one of them is not visible.
 double LargestShiftPx(const volume_rendering::Camera& from, const volume_rendering::Camera& to,
                       const Eigen::AlignedBox3d& box_in_ct_mm);
 
 struct OverlayImage {
-  volume_rendering::Camera camera;  ///< That it was rendered for; of its own size in pixels.
+  volume_rendering::Camera camera;  ///< The camera of the rendering; with its own size in pixels.
   std::vector<std::uint8_t> rgba;
 };
 
 struct OverlaySettings {
-  double scale = 0.5;           ///< Pixels each way, of those of the video.
-  double falloff_share = 0.10;  ///< Of the image's width.
+  double scale = 0.5;           ///< Ratio of its width and height to those of the video, in pixels.
+  double falloff_share = 0.10;  ///< In shares of the image's width.
   bool in_background = true;
 };
 
-/// Renders overlays one after the other in a thread of its own.
+/// Renders overlays one after the other in a separate thread.
 class OverlayRenderer {
  public:
-  /// @param outline  What the projected edge is taken of; null or empty: of what is visible.
+  /// @param outline  Its projected edge is used; null or empty: that of the visible layers.
   /// @throws InputError as PatientView does.
   OverlayRenderer(const volume_rendering::PatientInView& patient, const mesh::Surface* outline,
                   const OverlaySettings& settings);
@@ -58,13 +58,13 @@ class OverlayRenderer {
   OverlayRenderer(const OverlayRenderer&) = delete;
   OverlayRenderer& operator=(const OverlayRenderer&) = delete;
 
-  /// Renders for this camera of the video, unless the newest overlay does for it, or one is under
-  /// way. @param motion  Copied; null: at rest.
+  /// Renders for this camera of the video, unless the newest overlay is for it, or one is being
+  /// rendered. @param motion  Copied; null: at rest.
   /// @throws InputError for a camera or motion that cannot be rendered, now or at a later call.
   void Ask(const volume_rendering::Camera& video, const breathing::MotionMap* motion);
-  /// True if there is a newer one than at the last call; then it is in `out`.
+  /// True if there is a newer overlay than at the last call; then it is in `out`.
   bool Take(OverlayImage& out);
-  /// Until nothing is under way.
+  /// Waits until no overlay is being rendered.
   void Wait();
 
   const Eigen::AlignedBox3d& box_in_ct_mm() const;

@@ -11,20 +11,20 @@
 namespace acus::window {
 namespace {
 
-/// Coarse enough for a window that is drawn thirty times a second.
+/// Coarse enough for a window that is rendered thirty times a second.
 constexpr double kSurfaceGridMm = 3.0;
 constexpr double kSkinOpacity = 0.3;
-/// Of all surfaces in the volume view together: they move with the breath in each image.
+/// Total of all surfaces in the volume view: they move with the breath in each image.
 constexpr int kVolumeTriangles = 40000;
 
-/// What the teaching view shows if the scenario does not say it; the skin last, as it is drawn.
+/// The default content of the teaching view; the skin last, as it is drawn.
 std::vector<effects::View3dSettings::Surface> StandardSurfaces() {
   std::vector<effects::View3dSettings::Surface> surfaces;
   for (const char* tissue : {"bone", "disc", "kidney", "vessel", "lesion", "spinal_canal", "tendon",
                              "cartilage", "bursa", "ligament", "gallbladder", "gland"}) {
     surfaces.push_back({.tissue = tissue, .opacity = 1.0, .colour = std::nullopt});
   }
-  // Large ones, with others in them or behind them.
+  // Large organs, with others in them or behind them.
   for (const auto& [tissue, opacity] : {std::pair{"heart", 0.6},
                                         {"spleen", 0.6},
                                         {"pancreas", 0.7},
@@ -48,7 +48,7 @@ effects::View3dSettings ViewOf(const scenario::Scenario& scenario) {
   if (view.surfaces.empty()) view.surfaces = StandardSurfaces();
   if (view.layers.empty()) view.layers = {{.preset = "bone", .opacity = 1.0}};
   view.surface_grid_mm = std::max(view.surface_grid_mm, kSurfaceGridMm);
-  // Transparent ones over what they hide.
+  // Transparent surfaces after those that they hide.
   std::ranges::stable_partition(view.surfaces,
                                 [](const auto& surface) { return surface.tissue != "skin"; });
   return view;
@@ -56,7 +56,7 @@ effects::View3dSettings ViewOf(const scenario::Scenario& scenario) {
 
 using volume_rendering::PatientInView;
 
-/// Bone by rays instead of triangles, with the other tissues around it.
+/// Bone by ray casting instead of triangles, with the other tissues around it.
 PatientInView BoneAndOrgans(const PatientOnDisplay& patient) {
   PatientInView look = patient.in_overlay;
   for (const auto& surface : patient.in_teaching_view) {
@@ -72,7 +72,7 @@ PatientInView BoneAndOrgans(const PatientOnDisplay& patient) {
   return look;
 }
 
-/// What the scenario says first, then the CT by each preset alone.
+/// The look of the scenario first, then the CT by each preset alone.
 std::vector<VolumeLook> LooksOf(const PatientOnDisplay& patient) {
   std::vector<VolumeLook> looks;
   if (!patient.in_overlay.ct) return looks;

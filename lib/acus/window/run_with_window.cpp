@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kNoticeNs = 4'000'000'000;
 
-/// One turn of the window's loop after the other.
+/// The loop of the window.
 class Loop {
  public:
   Loop(live::LiveSession& session, SessionWindows& window, const ConsoleSettings& settings)
@@ -31,7 +31,7 @@ class Loop {
                   .has_syringe = session.scene().plan.Needs(effects::ports::kPlungerForce)};
   }
 
-  /// False when the person has ended the session.
+  /// False when the user has ended the session.
   bool Turn() {
     const std::int64_t now_ns = MonotonicNs();
     const double dt_s = last_ns_ == 0 ? 0.0 : 1e-9 * static_cast<double>(now_ns - last_ns_);
@@ -122,7 +122,7 @@ WindowRun RunInWindows(SessionWindows& windows, live::LiveSession& session,
   const auto period_ns = static_cast<std::int64_t>(1e9 / settings.rate_hz);
   std::int64_t due_ns = MonotonicNs();
   while (session.Poll() && loop.Turn()) {
-    // A slow image does not make the next ones hurry.
+    // After a slow image the next ones keep their interval.
     due_ns = std::max(due_ns + period_ns, MonotonicNs());
     std::this_thread::sleep_for(std::chrono::nanoseconds(due_ns - MonotonicNs()));
   }

@@ -63,13 +63,13 @@ std::optional<InputEvent> EventOf(unsigned long event) {
 }  // namespace
 
 struct Screen::Content {
-  XConnection connection;  ///< Outlives the window.
+  XConnection connection;  ///< Must outlive the window.
   vtkNew<vtkRenderWindow> window;
   vtkNew<vtkRenderWindowInteractor> interactor;
   vtkNew<vtkCallbackCommand> callback;
   vtkNew<vtkUnsignedCharArray> pixels;
   std::vector<InputEvent> events;
-  int height_px = 0;  ///< When the events came.
+  int height_px = 0;  ///< Height at the time of the events.
 
   static void OnEvent(vtkObject* caller, unsigned long event, void* self, void* /*data*/) {
     auto* content = static_cast<Content*>(self);
@@ -95,10 +95,10 @@ Screen::Screen(const std::string& title, int width_px, int height_px)
   window.SetWindowName(title.c_str());
   window.SetSize(width_px, height_px);
   window.SetMultiSamples(0);
-  window.StereoCapableWindowOn();  // Asked for; VTK takes it back where the driver has none.
+  window.StereoCapableWindowOn();  // A request; VTK cancels it if the driver has none.
   window.SetNumberOfLayers(kNumLayers);
   content_->interactor->SetRenderWindow(&window);
-  content_->interactor->SetInteractorStyle(nullptr);  // It has keys of its own, among them to exit.
+  content_->interactor->SetInteractorStyle(nullptr);  // VTK's style has an exit key.
   content_->callback->SetCallback(&Content::OnEvent);
   content_->callback->SetClientData(content_.get());
   content_->interactor->AddObserver(vtkCommand::AnyEvent, content_->callback);
@@ -156,7 +156,7 @@ int Screen::height_px() const {
 
 namespace {
 
-/// VTK draws both eyes into a buffer of its own before the driver gets them.
+/// VTK renders both eyes into its own buffer before the driver receives them.
 /// False without SetStereo(kShutter).
 bool ReadEye(EyeSide eye, vtkRenderWindow& window, vtkUnsignedCharArray& pixels) {
   auto* gl_window = vtkOpenGLRenderWindow::SafeDownCast(&window);

@@ -1,4 +1,4 @@
-// The window itself, and what the person does in it.
+// The window of the operating system, and the user's input in it.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@ class vtkRenderer;
 
 namespace acus::window {
 
-/// Something the person did. Places are pixels from the upper left corner.
+/// An input by the user. Positions are pixels from the upper left corner.
 struct InputEvent {
   enum class Kind {
     kKeyDown,
@@ -32,7 +32,7 @@ struct InputEvent {
   bool shift = false;
 };
 
-/// Renderers are drawn in their layer's order. All calls from the thread that made it.
+/// Renderers are drawn in the order of their layers. All calls come from the constructing thread.
 class Screen {
  public:
   static constexpr int kNumLayers = 3;
@@ -44,20 +44,20 @@ class Screen {
   Screen& operator=(const Screen&) = delete;
 
   void Add(vtkRenderer* renderer, int layer);
-  /// What happened since the last call.
+  /// The events since the last call.
   std::vector<InputEvent> TakeEvents();
-  /// False: keys that were held are so no more, whether their release was told or not.
+  /// False: no key is held any more, whether or not its release was reported.
   bool HasHeldKeys() const;
   /// Draws all layers and shows them.
   void Render();
   /// Whether the graphics driver has given the window buffers for both eyes.
   bool has_shutter() const;
-  /// Of the whole window. kShutter without has_shutter(), and kSideBySide, show one eye.
+  /// Applies to the whole window. kShutter without has_shutter(), and kSideBySide, show one eye.
   void SetStereo(Stereo stereo);
 
   int width_px() const;
   int height_px() const;
-  /// The right eye has an image of its own with SetStereo(kShutter) only.
+  /// The right eye has a separate image with SetStereo(kShutter) only.
   image::ColourImage Screenshot(EyeSide eye = EyeSide::kLeft);
 
  private:

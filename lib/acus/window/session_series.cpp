@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kPollMs = 50;
-/// Nothing moves meanwhile, and the processor is for the reports that are made then.
+/// Nothing moves meanwhile, and the processor is free for the reports.
 constexpr std::int64_t kRedrawNs = 1'000'000'000;
 constexpr const char* kWaiting = "Waiting for the next session.";
 
@@ -102,7 +102,7 @@ void SessionSeries::FollowNext(LineReader& requests) {
   }
 }
 
-/// The window stays awake while nobody asks for a session.
+/// Keeps the window responsive while no session is requested.
 void SessionSeries::ShowWaiting() {
   if (!windows_ || windows_->closed()) return;
   const std::int64_t now_ns = MonotonicNs();

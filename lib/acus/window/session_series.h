@@ -1,5 +1,5 @@
-// Sessions one after the other, as another program requests them: devices, trackers, the scene and
-// the window stay open from one to the next.
+// Runs sessions one after the other, as another program requests them: devices, trackers, the scene
+// and the window stay open from one to the next.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@
 namespace acus::window {
 
 struct SeriesSettings {
-  std::filesystem::path scenario;  ///< Of requests that name none.
+  std::filesystem::path scenario;  ///< For requests that name none.
   std::vector<scenario::Override> overrides;
   live::LiveDevices devices;
   ConsoleSettings console;
@@ -30,15 +30,15 @@ class SessionSeries {
  public:
   /// Loads the scenario, opens devices and window and starts the trackers.
   /// @param context  Must outlive this, as must `events`.
-  /// @param events  Gets a line of JSON for each: {"event": "ready"}, {"event": "refused", "code",
-  ///     "message"} for a request that cannot be followed, {"event": "ended", "output", "code",
-  ///     "message"}.
+  /// @param events  Receives a line of JSON for each event: {"event": "ready"}, {"event":
+  ///     "refused", "code", "message"} for a request that is not possible, {"event": "ended",
+  ///     "output", "code", "message"}.
   /// @throws InputError
   SessionSeries(const SeriesSettings& settings, RunContext& context, std::ostream& events);
 
-  /// Follows the requests of a file descriptor (acus-session-request, one per line) until it ends
-  /// or a stop is asked for. A session that runs when it ends is not cut off.
-  /// @returns The code of the first request that did not end well, or kOk.
+  /// Carries out the requests of a file descriptor (acus-session-request, one per line) until it
+  /// ends or a stop is requested. A session that runs at that time is not cut off.
+  /// @returns The code of the first request that failed, or kOk.
   ExitCode Run(int requests);
 
  private:

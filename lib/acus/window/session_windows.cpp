@@ -5,7 +5,7 @@
 namespace acus::window {
 namespace {
 
-/// The trainee's images come first.
+/// The trainee's images have priority.
 constexpr long kTrainerEach = 3;
 
 WindowSettings With(WindowSettings settings, const std::string& views) {

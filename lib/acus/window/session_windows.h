@@ -1,4 +1,4 @@
-// The windows of a session: the trainee's, and that of a trainer who looks on.
+// The windows of a session: the trainee's, and that of a trainer who watches.
 #pragma once
 
 #include <filesystem>
@@ -14,33 +14,33 @@ struct WindowsSettings {
   WindowSettings window;
   /// Names of the views to show, as ViewsOf() takes them; empty: see WindowSettings::views.
   std::string views;
-  /// Of a second window, for the trainer; empty: none. Its keys are those of the first; it has no
-  /// hand on the tools.
+  /// Views of a second window, for the trainer; empty: none. It has the same keys as the first; its
+  /// mouse and keys do not move tools.
   std::string trainer_views;
 };
 
 class SessionWindows {
  public:
-  /// Opens them.
-  /// @throws InputError as Window(), or for a view that there is not.
+  /// Opens the windows.
+  /// @throws InputError as Window(), or for a view that does not exist.
   SessionWindows(const PatientOnDisplay& patient, const WindowsSettings& settings);
 
-  /// Handles what was done, then shows a moment; the trainer's window in each third call.
+  /// Handles the input, then shows a frame; the trainer's window in each third call.
   void Show(const DisplayFrame& frame);
-  /// Before the next session: its keys and views as at first.
+  /// Before the next session: resets keys and views.
   void Restart();
   /// While no session runs.
   void ShowText(const std::string& text);
   void HandleEvents();
-  /// Of both windows, since the last call.
+  /// Commands of both windows, since the last call.
   std::vector<Command> TakeCommands();
-  /// Of the trainee's window alone.
+  /// Input of the trainee's window alone.
   HandInput TakeHandInput();
-  /// The trainee's window was closed. That of the trainer may be closed without further effect.
+  /// The trainee's window was closed. Closing the trainer's has no further effect.
   bool closed() const;
-  /// Of the trainee's window; nothing while its volume view is not shown.
+  /// State of the trainee's window; nothing while its volume view is not shown.
   std::optional<VolumeReadout> volume() const { return trainee_.volume(); }
-  /// PNG files; the trainer's window is beside the other's as NAME_trainer.png.
+  /// Writes PNG files; the trainer's window as NAME_trainer.png beside the other.
   void WriteScreenshots(const std::filesystem::path& path);
 
  private:

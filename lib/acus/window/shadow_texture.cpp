@@ -8,7 +8,7 @@ namespace acus::window {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::lowest();
-/// Nearer than this a tool is at the skin, not above it: no shadow that flickers.
+/// A closer tool is at the skin, not above it: avoids shadows that flicker.
 constexpr double kTouchingMm = 1.0;
 constexpr int kBlurPx = 1;  // To both sides.
 constexpr int kDarkest = 200;

@@ -1,4 +1,4 @@
-// Shadows of needle and probe on the skin: they tell how far off the tools are (Alamilla-2021,
+// Shadows of needle and probe on the skin: they show the distance of the tools (Alamilla-2021,
 // section V: the view for teaching).
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace acus::window {
 
-/// Light from a direction falls on a surface; what is between them throws a shadow. The texture is
-/// laid on the surface along the light, so that shadows move without a change of the surface.
+/// Light from a direction falls on a surface; tools above it cast a shadow. The texture is mapped
+/// onto the surface along the light, so that shadows move without a change of the surface.
 class ShadowTexture {
  public:
   static constexpr int kSize = 320;
@@ -21,19 +21,19 @@ class ShadowTexture {
   /// @param towards_light  In CT space.
   ShadowTexture(const mesh::Surface& surface, const Eigen::Vector3d& towards_light);
 
-  /// Where the texture lies on nodes of the surface: SpaceLayer::SetTexturePlaces.
+  /// Texture coordinates of nodes of the surface: SpaceLayer::SetTexturePlaces.
   Eigen::Matrix2Xf PlacesOf(const Eigen::Matrix3Xd& nodes_mm) const;
 
   void Clear();
-  /// What of the line is outside.
+  /// Adds the part of the line that is outside.
   void AddLine(std::span<const Eigen::Vector3d> points_mm, double radius_mm);
-  /// What of the surface is outside.
+  /// Adds the part of the surface that is outside.
   void AddSurface(const mesh::Surface& tool, const Eigen::Isometry3d& ct_from_tool);
-  /// Softens the edges; the image is white where there is light, and grey in the shade. Its
-  /// opacity is `lit_opacity`, and 1 in the shade: a shadow is seen on a transparent skin too.
+  /// Softens the edges; the image is white in the light, and grey in the shade. Its opacity is
+  /// `lit_opacity`, and 1 in the shade: a shadow shows on a transparent skin too.
   Texture Finish(double lit_opacity);
 
-  /// Share of the light that is kept from a place on the surface, 0 or 1, before Finish().
+  /// Share of the light that is blocked at a point of the surface, 0 or 1, before Finish().
   bool IsShaded(const Eigen::Vector3d& place_mm) const;
 
  private:
@@ -44,7 +44,7 @@ class ShadowTexture {
   Eigen::Matrix3d light_from_ct_;
   Eigen::Vector2d corner_mm_ = Eigen::Vector2d::Zero();
   double mm_per_px_ = 1.0;
-  std::vector<float> height_mm_;  ///< Of the surface towards the light; lowest: none.
+  std::vector<float> height_mm_;  ///< Height of the surface towards the light; lowest: none.
   std::vector<std::uint8_t> shade_;
   std::vector<std::uint8_t> row_sums_;
   std::vector<std::uint8_t> rgba_;

@@ -45,7 +45,7 @@ void Sketch::Clear() {
 
 void Sketch::Piece(const std::array<Eigen::Vector2d, 4>& corners, const FontAtlas::Strip& texture,
                    Colour colour) {
-  // Along the first edge the texture runs over its width; its middle row, to meet no neighbour.
+  // The texture's width is along the first edge; its middle row avoids adjacent letters.
   const auto row = static_cast<float>(texture.row + 2);
   const auto first = static_cast<float>(texture.column) + 0.5F;
   const auto last = static_cast<float>(texture.column + texture.width) - 0.5F;
@@ -89,7 +89,7 @@ void Sketch::Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double
   const Eigen::Vector2d along = b - a;
   const double length = along.norm();
   if (length < 1e-9) return;
-  // The profile's outer pixels are transparent: one more on each side than what is to be seen.
+  // The profile's outer pixels are transparent: one more on each side than the visible width.
   const Eigen::Vector2d across =
       Eigen::Vector2d(-along[1], along[0]) / length * (0.5 * width + 1.0);
   Piece({a - across, a + across, b + across, b - across}, atlas_->line(), colour);

@@ -27,7 +27,7 @@ struct Colour {
   }
 };
 
-/// What the window looks like: calm, dark, and colours with one meaning each.
+/// The appearance of the window: calm, dark, and one meaning for each colour.
 namespace palette {
 inline constexpr Colour kBackground{.red = 15, .green = 19, .blue = 24, .opacity = 255};
 inline constexpr Colour kPanel{.red = 6, .green = 8, .blue = 11, .opacity = 255};
@@ -48,10 +48,10 @@ struct TextStyle {
   Colour colour = palette::kText;
   Align align = Align::kLeft;
   bool bold = false;
-  bool shade = false;  ///< A dark rim, to be read over images.
+  bool shade = false;  ///< A dark rim, for legibility over images.
 };
 
-/// Places are pixels from the upper left corner of the window; (0, 0) is the corner itself.
+/// Positions are pixels from the upper left corner of the window; (0, 0) is the corner itself.
 class Sketch {
  public:
   struct Vertex {
@@ -64,7 +64,7 @@ class Sketch {
   explicit Sketch(const FontAtlas& atlas) : atlas_(&atlas) {}
 
   void Clear();
-  /// Lines and dots from now on stay within.
+  /// Clips all further lines and dots.
   void SetClip(const Rectangle& clip) { clip_ = clip; }
 
   void Fill(const Rectangle& place, Colour colour);
@@ -79,12 +79,12 @@ class Sketch {
 
   int TextWidth(std::string_view text, int size_px, bool bold = false) const;
   int TextHeight(int size_px, bool bold = false) const;
-  /// The line's upper edge is at `place`. Text wider than `room_px`, if that is not negative, ends
-  /// with an ellipsis. Gives the width drawn.
+  /// Draws text with its upper edge at `place`. Text wider than `room_px`, if that is not negative,
+  /// ends with an ellipsis. Returns the width drawn.
   int Text(const Eigen::Vector2i& place, std::string_view text, const TextStyle& style,
            int room_px = -1);
 
-  /// Four for each piece, in turn.
+  /// Four vertices for each piece, in order.
   const std::vector<Vertex>& vertices() const { return vertices_; }
 
  private:

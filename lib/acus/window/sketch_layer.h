@@ -11,7 +11,7 @@ namespace acus::window {
 
 class SketchLayer {
  public:
-  /// @param atlas  That of the sketches.
+  /// @param atlas  The atlas of the sketches.
   explicit SketchLayer(const FontAtlas& atlas);
   ~SketchLayer();
   SketchLayer(const SketchLayer&) = delete;

@@ -43,8 +43,8 @@ void FillCells(const Eigen::Matrix3Xi& triangles, vtkCellArray& cells) {
   cells.Modified();
 }
 
-/// As OpenGL wants it, for eyes that look along -z with y up. The image's edges are half a pixel
-/// outside the outermost pixels' centres.
+/// The projection in the convention of OpenGL, for eyes that look along -z with y up. The image's
+/// edges are half a pixel outside the outermost pixels' centres.
 void Project(const volume_rendering::Camera& camera, const DepthRange& range, vtkMatrix4x4& out) {
   const double width = camera.width_px;
   const double height = camera.height_px;
@@ -59,7 +59,7 @@ void Project(const volume_rendering::Camera& camera, const DepthRange& range, vt
   out.SetElement(3, 2, -1.0);
 }
 
-/// Triangles whose corners do not lie on a line: others stop the thinning.
+/// Triangles whose corners do not lie on a line: the others stop the thinning.
 Eigen::Matrix3Xi WithArea(const mesh::Surface& surface) {
   Eigen::Matrix3Xi out(3, surface.triangles.cols());
   Eigen::Index kept = 0;
@@ -89,7 +89,7 @@ struct Eye {
     vtkCamera& out = *renderer->GetActiveCamera();
     const Eigen::Vector3d eye = camera.EyeInCtMm();
     const Eigen::Matrix3d& axes = camera.camera_from_ct.linear();
-    // Red-cyan eyes converge on the focus: in the middle of what is seen.
+    // Red-cyan eyes converge on the focus: at the geometric mean of the depth range.
     const double focus_mm = std::sqrt(range.near_mm * range.far_mm);
     const Eigen::Vector3d focus = eye + focus_mm * axes.row(2).transpose();
     const Eigen::Vector3d up = -axes.row(1).transpose();
@@ -133,7 +133,7 @@ struct SpaceLayer::Thing {
       texture->SetColorModeToDirectScalars();
       actor->SetTexture(texture);
     }
-    // What is there already is not sent to the graphics again.
+    // An unchanged image is not sent to the graphics card again.
     const std::size_t bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                               static_cast<std::size_t>(components);
     if (std::memcmp(image->GetScalarPointer(), pixels, bytes) == 0) return;
@@ -152,7 +152,7 @@ struct SpaceLayer::Content {
 
 SpaceLayer::SpaceLayer() : content_(std::make_unique<Content>()) {
   for (Eye& eye : content_->eyes) {
-    // They cut away by a camera of VTK's own kind, which this one is not.
+    // They cull with VTK's standard camera, which this one is not.
     eye.renderer->GetCullers()->RemoveAllItems();
     eye.renderer->InteractiveOff();
     eye.renderer->DrawOff();
@@ -176,7 +176,7 @@ void SpaceLayer::SetBackground(const Eigen::Array3f& top, const Eigen::Array3f& 
 }
 
 void SpaceLayer::PaintBackground() {
-  // Renderers of upper layers leave what is there.
+  // Renderers of upper layers do not clear the image.
   for (Eye& eye : content_->eyes) eye.renderer->PreserveColorBufferOff();
 }
 

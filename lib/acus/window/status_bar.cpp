@@ -9,7 +9,7 @@
 namespace acus::window {
 namespace {
 
-/// A tenth below 30 images/s is seen; 29 are not.
+/// A lower rate is visible; 29 in place of 30 images/s is not.
 constexpr double kSlowImagesPerS = 27.0;
 
 Eigen::Vector2i StatusBarCorner(int column, int row) {
@@ -22,7 +22,7 @@ std::string ClockText(double session_s) {
   return std::to_string(seconds / 60) + ":" + two(seconds % 60);
 }
 
-/// All lines that there is room for, the worst first.
+/// All lines that fit, the worst first.
 void DrawLines(const DisplayFrame& frame, const ViewChoice& choice, const Rectangle& place,
                const TextSizes& sizes, Sketch& sketch) {
   std::vector<StatusLine> lines = frame.status;
@@ -37,7 +37,7 @@ void DrawLines(const DisplayFrame& frame, const ViewChoice& choice, const Rectan
   } else if (lines.empty()) {
     lines.push_back({.severity = Severity::kGood, .text = "All is well."});
   }
-  // What is well needs no place before what is told; faults do.
+  // Good states come after messages, faults before.
   std::ranges::stable_sort(lines, std::ranges::greater(), [](const StatusLine& line) {
     return std::max(line.severity, Severity::kNote);
   });

@@ -1,4 +1,4 @@
-// The bar below the views: what happened, forces, latency; and the page of keys.
+// The bar below the views: messages, forces, latency; and the page of keys.
 #pragma once
 
 #include "acus/window/frame.h"
@@ -15,7 +15,7 @@ void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice,
                    const std::optional<VolumeReadout>& volume, const Rectangle& place,
                    const TextSizes& sizes, Sketch& sketch);
 
-/// Over all views.
+/// Drawn over all views.
 void DrawHelp(const Rectangle& window, const TextSizes& sizes, Sketch& sketch);
 
 }  // namespace acus::window

@@ -71,7 +71,7 @@ void Steering::KeyDown(const InputEvent& event, std::span<const ViewKind> shown)
       event.key.size() == 1 && std::isalpha(static_cast<unsigned char>(event.key[0])) != 0;
   if (is_letter) {
     const char letter = static_cast<char>(std::tolower(static_cast<unsigned char>(event.key[0])));
-    // Of the keys that repeat while held, only those of more and less mean it.
+    // Only keys that increase or decrease a value repeat while held.
     const bool may_repeat = letter == 'g' || letter == 'd' || letter == 'o' || letter == 'p' ||
                             letter == 'x' || letter == 'i';
     if (repeated && !may_repeat) return;
@@ -140,7 +140,7 @@ void Steering::Letter(char letter, bool shift, std::span<const ViewKind> shown) 
   }
 }
 
-/// True if the letter is one of the volume view.
+/// True if the letter is a key of the volume view.
 bool Steering::VolumeLetter(char letter, bool shift) {
   VolumeChoice& volume = choice_.volume;
   const double sign = shift ? -1.0 : 1.0;
@@ -192,7 +192,7 @@ void Steering::NextView(std::span<const ViewKind> shown) {
 }
 
 void Steering::Quit() {
-  // A session is not to end by a slip of the finger.
+  // A single accidental key press must not end a session.
   if (choice_.quit_asked) commands_.push_back(Command::kQuit);
   choice_.quit_asked = !choice_.quit_asked;
 }

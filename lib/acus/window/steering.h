@@ -1,4 +1,4 @@
-// From keys and mouse to what the person wants.
+// Converts keys and mouse motion to commands and hand movements.
 #pragma once
 
 #include <optional>
@@ -14,31 +14,31 @@
 
 namespace acus::window {
 
-/// What is taken away of the patient in the volume view: the side of a plane that the eye is on.
+/// The part of the patient that the volume view removes: the side of a plane towards the eye.
 enum class VolumeCut { kNone, kAxial, kCoronal, kSagittal, kFacing };
 inline constexpr int kNumVolumeCuts = 5;
 
 struct VolumeChoice {
   bool shown = false;
-  int look = 0;          ///< Of those that the patient has, in turn.
+  int look = 0;          ///< Index of the patient's look.
   double opacity = 1.0;  ///< 0.1 to 1.
   VolumeCut cut = VolumeCut::kNone;
-  double cut_mm = 0.0;  ///< From the middle of the patient.
+  double cut_mm = 0.0;  ///< Distance from the centre of the patient.
 };
 
-/// What the window shows, as far as the person chooses it.
+/// The user's choice of what the window shows.
 struct ViewChoice {
   std::optional<ViewKind> alone;
   Stereo stereo = Stereo::kOff;
   double overlay_share = 0.7;  ///< 0 is the video alone.
   bool needle_guide = true;
   bool help = false;
-  bool quit_asked = false;  ///< Once: a second time ends the session.
+  bool quit_asked = false;  ///< After the first time: a second one ends the session.
   bool steers_probe = false;
   VolumeChoice volume;
 };
 
-/// Of the teaching view, since it was last asked for.
+/// Motion of the eye of the teaching view since the last call.
 struct EyeMotion {
   int preset = 0;  ///< 0: none.
   double turn_right_px = 0.0;
@@ -55,7 +55,8 @@ class Steering {
   void Handle(std::span<const InputEvent> events, const Layout& layout,
               std::span<const ViewKind> shown);
 
-  /// Of keys whose release was not told: a pedal must not stay down when the window is left.
+  /// Releases keys whose release was not reported: a pedal must not stay down after the focus is
+  /// lost.
   void ReleaseKeys() { held_keys_.clear(); }
 
   bool HoldsKeys() const { return !held_keys_.empty(); }

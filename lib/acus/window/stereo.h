@@ -1,10 +1,10 @@
-// How the view in three dimensions is shown to two eyes.
+// Stereo modes of the view in three dimensions.
 #pragma once
 
 namespace acus::window {
 
-/// kShutter: to each eye in turn, for shutter glasses, from buffers that the graphics driver has
-/// for both (quad-buffered stereo).
+/// kShutter: alternating eyes, for shutter glasses, from the graphics driver's buffers for both
+/// eyes (quad-buffered stereo).
 enum class Stereo { kOff, kSideBySide, kRedCyan, kShutter };
 inline constexpr int kNumStereo = 4;
 

@@ -9,15 +9,16 @@
 namespace acus::window {
 namespace {
 
-/// Of a patient on his back whom nobody works on yet: a lamp over the bed.
+/// Direction to the light, CT space, while no tool is near a patient on his back: a lamp over the
+/// bed.
 const Eigen::Vector3d kOverTheBed(0.3, -1.0, 0.4);
-/// The lamp is moved when less than this (a cosine) of it comes from the side that is worked on.
+/// The lamp moves when the cosine of its angle to the side of the tools is below this.
 constexpr double kFromBehind = 0.45;
 constexpr double kLeastNeedleRadiusMm = 0.9;
 constexpr double kTargetRadiusMm = 3.0;
 constexpr std::string_view kSkin = "skin";
 constexpr int kFewestTriangles = 400;
-/// Of a shadow on the skin.
+/// Opacity of a shadow on the skin.
 constexpr double kShadowOpacity = 0.65;
 
 mesh::Surface Ball(double radius_mm) {
@@ -31,7 +32,7 @@ mesh::Surface Ball(double radius_mm) {
   return volume_rendering::Tube(middle, radii);
 }
 
-/// Any, until the real one is known: a thing needs triangles.
+/// A surface before the real one is available: a thing needs triangles.
 mesh::Surface Placeholder() {
   return Ball(1.0);
 }
@@ -48,7 +49,7 @@ TeachingView::TeachingView(const std::vector<volume_rendering::SurfaceInView>& s
     const int budget = std::max(kFewestTriangles, static_cast<int>(share * max_triangles));
     const mesh::Surface thin = Thinned(seen.surface, budget);
     const bool is_skin = seen.name == kSkin;
-    // The texture of shadows brings the skin's own opacity in.
+    // The texture of shadows contains the skin's own opacity.
     const double opacity = is_skin ? std::max(kShadowOpacity, seen.opacity) : seen.opacity;
     volume_rendering::MovingSurface moving(thin);
     box_in_ct_mm_.extend(moving.RestBox());
@@ -63,7 +64,7 @@ TeachingView::TeachingView(const std::vector<volume_rendering::SurfaceInView>& s
     }
     organs_.push_back({.thing = thing, .surface = std::move(moving), .pressed = {}});
   };
-  // Transparent ones after what shines through them, and the skin after all.
+  // Transparent surfaces after those behind them, and the skin last.
   for (const auto& seen : surfaces) {
     if (seen.name != kSkin && seen.opacity >= 1.0) add(seen);
   }
@@ -115,17 +116,17 @@ void TeachingView::AimLight(const DisplayFrame& frame) {
     return;
   }
   Eigen::Vector3d side = tool - box_in_ct_mm_.center();
-  side[2] = 0.0;  // A patient is long: what counts is where around him.
+  side[2] = 0.0;  // The patient is long: only the direction around the axis is used.
   if (side.norm() < 1.0) return;
   side.normalize();
   if (side.dot(towards_light_) >= kFromBehind) return;
-  // Aslant, or shadows would hide behind their tools; and from the head, as no preset looks.
+  // Oblique, or shadows would be hidden behind their tools; and from the head, unlike any preset.
   Eigen::Vector3d aslant = side.cross(Eigen::Vector3d::UnitZ());
   if (aslant.dot(kOverTheBed) < 0.0) aslant = -aslant;
   SetLight(side + 0.35 * aslant + 0.9 * Eigen::Vector3d::UnitZ());
 }
 
-/// Breath, then tools.
+/// First breath, then tools.
 void TeachingView::UpdateOrgan(const DisplayFrame& frame, SpaceLayer& layer, Organ& organ) {
   const bool is_pressed = frame.pressed != nullptr && !frame.pressed->empty();
   if (frame.motion == nullptr && !is_pressed && !organ.is_pressed) return;
@@ -227,7 +228,7 @@ void TeachingView::SetPlace(const Rectangle& place, const Rectangle& window, con
     layer_.SetRightEye({}, window, std::nullopt, range);
     return;
   }
-  // Eyes a thirtieth of the distance apart are comfortable at a screen.
+  // A base of a thirtieth of the distance is comfortable at a screen.
   const double half_base = distance / 60.0;
   Rectangle left = place;
   left.width = place.width / 2 - 1;

@@ -1,5 +1,5 @@
-// The patient, transparent, with needle, probe and what it sees, from any side (Alamilla-2021,
-// section III.B).
+// The transparent patient with needle, probe and its image, from any side (Alamilla-2021, section
+// III.B).
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ class TeachingView {
   TeachingView(const std::vector<volume_rendering::SurfaceInView>& surfaces, int max_triangles);
 
   SpaceLayer& layer() { return layer_; }
-  /// Null if there is none.
+  /// Null if there is no skin.
   const mesh::Surface* skin() const { return has_skin_ ? &skin_surface_ : nullptr; }
   bool empty() const { return organs_.empty(); }
   const Eigen::AlignedBox3d& box_in_ct_mm() const { return box_in_ct_mm_; }
@@ -35,7 +35,7 @@ class TeachingView {
     int thing = 0;
     volume_rendering::MovingSurface surface;
     volume_rendering::PressedSurface pressed;
-    bool is_pressed = false;  ///< As it is drawn now.
+    bool is_pressed = false;  ///< Its nodes are at pressed positions.
   };
   static void UpdateOrgan(const DisplayFrame& frame, SpaceLayer& layer, Organ& organ);
   void UpdateNeedle(const DisplayFrame& frame);
@@ -50,7 +50,7 @@ class TeachingView {
   std::unique_ptr<ShadowTexture> shadows_;
   mesh::Surface skin_surface_;
   bool has_skin_ = false;
-  double lit_opacity_ = 1.0;  ///< Of the skin, as a share of that of a shadow on it.
+  double lit_opacity_ = 1.0;  ///< Ratio of the skin's opacity to that of a shadow on it.
   Eigen::Vector3d towards_light_ = Eigen::Vector3d::Zero();
   int skin_ = -1;
   int shaft_ = -1;

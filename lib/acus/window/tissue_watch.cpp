@@ -19,7 +19,7 @@ namespace {
 using volume_rendering::PressedTissue;
 
 constexpr int kWatchNice = 5;
-/// Coarser than in replays: the views are redrawn all the time.
+/// Coarser than in replays: the views are rendered all the time.
 constexpr int kMostKnots = 8000;
 
 }  // namespace
@@ -29,11 +29,11 @@ struct TissueWatch::Content {
       : scene(of_scene), rest(of_scene, /*beyond_skin=*/true), thread([this] { Work(); }) {}
 
   const simulation::Scene& scene;
-  simulation::MomentRest rest;  ///< Of the thread.
+  simulation::MomentRest rest;  ///< Used by the thread only.
 
   std::mutex mutex;
   std::condition_variable changed;
-  std::unique_ptr<live::LiveSnapshot> asked;    ///< The last that was asked for.
+  std::unique_ptr<live::LiveSnapshot> asked;    ///< The last requested one.
   std::unique_ptr<live::LiveSnapshot> waiting;  ///< Not begun yet.
   bool busy = false;
   std::shared_ptr<const PressedTissue> newest;

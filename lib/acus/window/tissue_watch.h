@@ -9,22 +9,22 @@
 
 namespace acus::window {
 
-/// Computes it beside the session, in a thread of lower priority (5 more of nice): for the newest
-/// moment, one after the other. Nobody waits for it.
+/// Computes the deformation in a thread of lower priority (nice value + 5): for the newest
+/// snapshot, one after the other. No caller waits for it.
 class TissueWatch {
  public:
-  /// Starts no thread if the scene's tools press nothing that images show.
+  /// Starts no thread if images show no tissue that the scene's tools press.
   /// @param scene  Must outlive this.
   explicit TissueWatch(const simulation::Scene& scene);
   ~TissueWatch();
   TissueWatch(const TissueWatch&) = delete;
   TissueWatch& operator=(const TissueWatch&) = delete;
 
-  /// Takes a copy, unless tissue and tools are where they were when it was last asked.
+  /// Takes a copy, unless tissue and tools have not moved since the last request.
   void Ask(const live::LiveSnapshot& snapshot);
-  /// Of the newest moment that is done; null if nothing is pressed.
+  /// Result of the newest completed snapshot; null if nothing is pressed.
   std::shared_ptr<const volume_rendering::PressedTissue> Newest() const;
-  /// Until no moment waits or is under way.
+  /// Waits until no snapshot is waiting or in work.
   void Wait();
 
  private:

@@ -7,7 +7,7 @@
 namespace acus::window {
 namespace {
 
-/// Two triangles, once round from the upper left corner.
+/// Two triangles, in order around the corners from the upper left one.
 mesh::Surface Quad(const std::array<Eigen::Vector3d, 4>& corners_mm) {
   mesh::Surface out;
   out.nodes_mm.resize(3, 4);
@@ -17,9 +17,9 @@ mesh::Surface Quad(const std::array<Eigen::Vector3d, 4>& corners_mm) {
   return out;
 }
 
-/// Where a camera's image is in space, if it is painted on a plane through the box's middle,
-/// across the line of sight. Seen from that camera it fits pixel by pixel; seen from another one
-/// near by, what lies near the plane still does.
+/// The position of a camera's image in space, if it is painted on a plane through the centre of the
+/// box, perpendicular to the line of sight. From that camera it fits pixel by pixel; from another
+/// one near by, points near the plane still do.
 mesh::Surface PaintedThrough(const Eigen::Vector3d& middle_in_ct_mm,
                              const volume_rendering::Camera& camera) {
   const double depth = std::max(1.0, (camera.camera_from_ct * middle_in_ct_mm)[2]);
@@ -82,7 +82,7 @@ void VideoView::UpdateOverlay(const DisplayFrame& frame, double share) {
   }
   layer_.SetShown(sheet_, has_image_);
   if (!has_image_) return;
-  // Looks the same from here wherever on its rays it is: behind all else.
+  // The depth along its rays makes no difference from here: behind everything else.
   const Eigen::Vector3d eye = frame.video->camera.EyeInCtMm();
   mesh::Surface behind = painted_;
   behind.nodes_mm = (kBehind * (painted_.nodes_mm.colwise() - eye)).colwise() + eye;

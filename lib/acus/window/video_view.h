@@ -19,7 +19,7 @@ class VideoView {
   SpaceLayer& layer() { return layer_; }
   long num_overlays() const { return overlay_ ? overlay_->num_rendered() : 0; }
 
-  /// @param place  Of the video's image in the window; empty: not shown.
+  /// @param place  Rectangle of the video's image in the window; empty: not shown.
   /// @param overlay_share  0: the video alone.
   void Update(const DisplayFrame& frame, const Rectangle& place, const Rectangle& window,
               double overlay_share);

@@ -19,7 +19,8 @@ namespace {
 
 constexpr int kNice = 5;
 constexpr std::size_t kTimesKept = 12;
-/// Of full scale; 41 dB and more to an image with a ray for each pixel, in 60 to 100 % of its time.
+/// Tolerance in shares of full scale; PSNR of at least 41 dB to an image with a ray for each pixel,
+/// in 60 to 100 % of its time.
 constexpr double kPixelTolerance = 0.01;
 
 volume_rendering::ViewSettings LookOfVolume() {
@@ -83,7 +84,7 @@ struct VolumeRenderer::Content {
 
   Content(const std::vector<VolumeLook>& all, VolumeRays on) : looks(all), rays(on) {}
 
-  /// Null look: none yet. Only of the thread that renders.
+  /// Null look: none yet. Used by the rendering thread only.
   const std::vector<VolumeLook>& looks;
   VolumeRays rays;
   std::unique_ptr<volume_rendering::PatientView> view;
@@ -117,7 +118,7 @@ struct VolumeRenderer::Content {
     UseCard();
   }
 
-  /// Where there is none, or it has failed once, the processor is used from then on.
+  /// Without a card, or after its first failure, the processor is used.
   void UseCard() {
     if (rays == VolumeRays::kProcessor) return;
     std::string name, why;
@@ -133,7 +134,7 @@ struct VolumeRenderer::Content {
     counts.rays_on = name;
     counts.card_trouble = why;
   }
-  /// After an image.
+  /// Called after an image.
   void WatchCard() {
     if (view->device_trouble().empty() || rays == VolumeRays::kProcessor) return;
     rays = VolumeRays::kProcessor;
@@ -166,7 +167,7 @@ struct VolumeRenderer::Content {
     return true;
   }
 
-  /// @pre `running` is set. Never throws: what is wrong is told by trouble().
+  /// @pre `running` is set. Never throws: trouble() returns the message of an error.
   void RenderRunning() {
     image::ColourImage image;
     std::string what;

@@ -1,4 +1,4 @@
-// Images of the volume view, rendered one after the other in a thread of their own.
+// Images of the volume view, rendered one after the other in a separate thread.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -19,10 +19,10 @@
 
 namespace acus::window {
 
-/// All that an image of the volume view shows: a value that points to nothing which may end.
+/// The inputs of an image of the volume view: a value without references that can dangle.
 struct VolumeMoment {
   volume_rendering::Camera camera;
-  std::size_t look = 0;  ///< Of those that the renderer was made with.
+  std::size_t look = 0;  ///< Index among the looks of the renderer.
   double opacity = 1.0;  ///< Factor on the opacities of the look: above 0, up to 1.
   std::vector<volume_rendering::CutPlane> cuts;
   std::optional<breathing::MotionMap> motion;
@@ -36,11 +36,11 @@ struct VolumeMoment {
   bool SameContent(const VolumeMoment& other) const;  ///< Breath, tissue, tools and their image.
 };
 
-/// What casts the rays.
+/// The device that casts the rays.
 enum class VolumeRays {
-  kAuto,       ///< A graphics card, where there is one; else the processor.
-  kProcessor,  ///< The bits of replays.
-  kGraphics,   ///< OpenGL, also where its driver computes on the processor.
+  kAuto,       ///< A graphics card if there is one; else the processor.
+  kProcessor,  ///< The same bits as in replays.
+  kGraphics,   ///< OpenGL, even if its driver computes on the processor.
 };
 /// @pre not kProcessor.
 graphics::DriverKind DriverFor(VolumeRays rays);
@@ -49,18 +49,18 @@ VolumeRays VolumeRaysOf(std::string_view name);
 
 struct VolumeStatistics {
   long images = 0;
-  /// Moments that were asked for while an image was under way, and replaced by a newer one before
-  /// their turn.
+  /// Frames that were requested while an image was being rendered, and replaced by a newer one
+  /// before their turn.
   long dropped = 0;
-  double per_s = 0.0;   ///< Of the last images; 0 for fewer than two.
-  double cpu_ms = 0.0;  ///< Of the thread, for the last image.
+  double per_s = 0.0;   ///< Rate of the last images; 0 for fewer than two.
+  double cpu_ms = 0.0;  ///< CPU time of the thread for the last image.
   std::string rays_on;  ///< Name of the graphics card; empty: the processor.
-  /// Why a graphics card is not used any more, or cannot be; empty: nothing is wrong.
+  /// Why a graphics card is not used any more, or cannot be; empty: no problem.
   std::string card_trouble;
 };
 
-/// Does not wait for anybody, and nobody for it: its thread has a lower priority than all others of
-/// the session (5 more of nice), and only the newest moment waits for its turn.
+/// Renders without blocking its caller: its thread has a lower priority than all others of the
+/// session (nice value + 5), and only the newest frame waits for its turn.
 class VolumeRenderer {
  public:
   /// @param looks  Must outlive this. @param in_background  False: Ask() renders.
@@ -70,13 +70,13 @@ class VolumeRenderer {
   VolumeRenderer(const VolumeRenderer&) = delete;
   VolumeRenderer& operator=(const VolumeRenderer&) = delete;
 
-  /// @param may_stop  The image is left unfinished if another view is asked for meanwhile.
+  /// @param may_stop  Rendering stops if another view is requested meanwhile.
   void Ask(VolumeMoment moment, bool may_stop);
   /// True if there is a newer image than at the last call; then it is in `out`.
   bool Take(image::ColourImage& out);
-  /// Nothing is waiting or under way.
+  /// Nothing is waiting or being rendered.
   bool idle() const;
-  /// Until it is idle.
+  /// Waits until it is idle.
   void Wait();
 
   VolumeStatistics statistics() const;

@@ -60,7 +60,7 @@ bool IsWhole(const image::ColourImage& image) {
              3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
 }
 
-/// What cannot be drawn is taken out: a fault of a tracker is no reason to lose the image.
+/// Removes values that cannot be drawn: a fault of a tracker must not stop the display.
 void MakeDrawable(DisplayFrame& out) {
   if (out.needle && !IsFinite(*out.needle)) out.needle.reset();
   if (out.ct_from_probe && !out.ct_from_probe->matrix().allFinite()) out.ct_from_probe.reset();
@@ -88,8 +88,8 @@ void MakeDrawable(DisplayFrame& out) {
   }
 }
 
-/// What casts the rays in the end. Drivers are loaded here: once a session runs, that would cost
-/// its steps time.
+/// The device that casts the rays. Drivers are loaded here: during a session, that would delay its
+/// steps.
 VolumeRays FoundRays(VolumeRays wanted, bool has_volume) {
   if (!has_volume || wanted == VolumeRays::kProcessor) return VolumeRays::kProcessor;
   try {
@@ -101,7 +101,7 @@ VolumeRays FoundRays(VolumeRays wanted, bool has_volume) {
   }
 }
 
-/// What the eye turns about.
+/// The centre of the eye's rotation is that of this box.
 Eigen::AlignedBox3d BoxOf(const Eigen::AlignedBox3d& surfaces,
                           const std::vector<VolumeLook>& looks) {
   if (!surfaces.isEmpty() || looks.empty() || !looks.front().patient.ct) return surfaces;
@@ -137,7 +137,7 @@ struct Window::Content {
   Steering steering;
   Layout layout;
   std::vector<ViewKind> shown;
-  DisplayFrame drawn;  ///< What is shown: its buffers are used again.
+  DisplayFrame drawn;  ///< The displayed frame: its buffers are used again.
   long frames = 0;
   bool eye_is_placed = false;
 
@@ -178,7 +178,7 @@ struct Window::Content {
     MoveEye(steering.TakeEyeMotion(), view == nullptr ? 1 : view->place.height);
   }
 
-  /// Once: to the side of the needle, or of the probe, unless the person has chosen another.
+  /// Once: to the side of the needle, or of the probe, unless the user has chosen another.
   void PlaceEye(const DisplayFrame& frame) {
     if (eye_is_placed) return;
     if (frame.needle) {
@@ -218,7 +218,7 @@ struct Window::Content {
       return kind != ViewKind::kVolume && !IsListed(settings, kind);
     });
     std::optional<ViewKind> alone = steering.choice().alone;
-    // Both eyes see the whole window: it is the teaching view's alone.
+    // Both eyes see the whole window: it then shows only the teaching view.
     if (FillsWindow(StereoNow())) alone = ViewKind::kTeaching;
     layout =
         LayOut(screen.width_px(), screen.height_px(), shown, alone, frame.exercise.has_value());
@@ -291,7 +291,7 @@ struct Window::Content {
     DrawTitle(TitleOf(ViewKind::kTeaching), StereoText(), place, sizes, sketch);
   }
 
-  /// As it is wanted, where the driver has it.
+  /// The chosen mode, if the driver has it.
   Stereo StereoNow() const {
     const Stereo wanted = steering.choice().stereo;
     return wanted == Stereo::kShutter && !screen.has_shutter() ? Stereo::kSideBySide : wanted;
@@ -379,7 +379,7 @@ void Window::Show(const DisplayFrame& frame) {
   content_->drawn = frame;
   MakeDrawable(content_->drawn);
   content_->Show(content_->drawn);
-  // Must not be looked at when this has returned.
+  // Must not be accessed after the return.
   content_->drawn.motion = nullptr;
 }
 

@@ -21,60 +21,60 @@ struct WindowSettings {
   std::string title = "Acus";
   int width_px = 1280;
   int height_px = 800;
-  /// Surfaces of the teaching view are thinned out to this many triangles in all.
+  /// Surfaces of the teaching view are thinned to this total number of triangles.
   int max_triangles = 40000;
-  /// The overlay's image: of this many times the pixels of the video each way. Smaller is faster.
+  /// Ratio of the overlay's width and height to the video's, in pixels. Smaller is faster.
   double overlay_scale = 0.5;
-  /// Opacity reaches its full value so far inside the patient's outline, in shares of the video's
-  /// width.
+  /// Distance inside the patient's outline at which opacity reaches its full value, in shares of
+  /// the video's width.
   double edge_falloff_share = 0.10;
-  /// The overlay is rendered beside Show(); while it is under way the last one is moved along with
-  /// the patient. False: Show() waits for it.
+  /// The overlay is rendered in parallel with Show(); while it is being rendered the last one moves
+  /// with the patient. False: Show() waits for it.
   bool overlay_in_background = true;
-  /// Those that may be shown, if there is something to show in them; empty: all but the volume
-  /// view, which a key brings.
+  /// Views that may be shown, if they have content; empty: all except the volume view, which a key
+  /// adds.
   std::vector<ViewKind> views;
   /// As VolumeViewSettings::moving_scale.
   double volume_moving_scale = 0.5;
-  /// What casts its rays. kGraphics is refused where there is no driver.
+  /// The device that casts its rays. kGraphics is an error if there is no driver.
   VolumeRays volume_rays = VolumeRays::kAuto;
-  /// The volume view is rendered beside Show(). False: Show() waits for it.
+  /// The volume view is rendered in parallel with Show(). False: Show() waits for it.
   bool volume_in_background = true;
-  /// The teaching view is drawn anew in each n-th Show().
+  /// The teaching view is rendered in each n-th Show().
   int teaching_view_each = 1;
 };
 
-/// A window. All calls from the thread that made it.
+/// A window. All calls come from the constructing thread.
 class Window {
  public:
-  /// Opens it.
+  /// Opens the window.
   /// @throws InputError if there is no display, or a setting or surface is not usable.
   Window(const PatientOnDisplay& patient, const WindowSettings& settings);
   ~Window();
   Window(Window&&) noexcept;
   Window& operator=(Window&&) noexcept;
 
-  /// Handles what the person did, then shows a moment. A value that is not finite is not drawn.
+  /// Handles the user's input, then shows a frame. A value that is not finite is not drawn.
   void Show(const DisplayFrame& frame);
-  /// Handles what the person did.
+  /// Handles the user's input.
   void HandleEvents();
-  /// Handles what the person did, then shows a sentence over the last moment, without its readouts.
+  /// Handles the user's input, then shows a sentence over the last frame, without its readouts.
   void ShowText(const std::string& text);
-  /// Keys, views and eye as at first; what the person did and nobody took is forgotten.
+  /// Resets keys, views and eye; input that has not been taken is discarded.
   void Restart();
 
-  /// Since the last call, oldest first.
+  /// The commands since the last call, oldest first.
   std::vector<Command> TakeCommands();
   HandInput TakeHandInput();
 
-  bool closed() const;    ///< By the person: Show() does nothing any more.
-  Layout layout() const;  ///< Where the views are now.
+  bool closed() const;    ///< By the user: Show() does nothing any more.
+  Layout layout() const;  ///< Current positions of the views.
 
-  /// What is on the screen now.
+  /// The current content of the screen.
   image::ColourImage Screenshot(EyeSide eye = EyeSide::kLeft);
-  /// Number of volume renderings made for the overlay so far.
+  /// Number of volume renderings for the overlay so far.
   long num_overlays() const;
-  /// Of the volume view; nothing while it is not shown.
+  /// State of the volume view; nothing while it is not shown.
   std::optional<VolumeReadout> volume() const;
 
  private:

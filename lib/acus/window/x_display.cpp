@@ -13,7 +13,7 @@
 namespace acus::window {
 namespace {
 
-/// A server whose last client has left begins anew, and is deaf meanwhile.
+/// A server restarts after its last client has left, and accepts no connection meanwhile.
 Display* Connect() {
   constexpr int kTries = 4;
   for (int i = 0; i < kTries; ++i) {
@@ -25,7 +25,7 @@ Display* Connect() {
 
 }  // namespace
 
-// VTK ends the program where there is no X server: one has to look before.
+// VTK ends the program if there is no X server: so this is checked before.
 XConnection::XConnection() {
   constexpr const char* kRemedy =
       " Start the program from the desktop, or with a display of its own by xvfb-run, or without "

@@ -61,7 +61,7 @@ std::string FileOf(const MadeSequence& sequence, const char* kind, std::size_t f
   return pattern.substr(0, number) + text + pattern.substr(number + 4);
 }
 
-/// The rows of all sequences, with where they belong before their own columns.
+/// The rows of all sequences; columns with patient, split and files precede their own.
 std::string AllFrames(const std::vector<MadeSequence>& sequences) {
   std::string text = "split,patient,sequence,image,labels";
   for (const std::string& column : replay::FrameTable::Columns()) text += ',' + column;
@@ -104,7 +104,7 @@ json ManifestOf(const DatasetConfig& config, std::uint64_t seed,
           {"sequences", rows}};
 }
 
-/// Several at a time; pieces, so that this thread reports progress.
+/// Makes several sequences at a time, in batches, so that this thread reports progress.
 std::vector<MadeSequence> MakeSequences(const DatasetConfig& config,
                                         const std::vector<std::size_t>& split_of,
                                         replay::LabelFormat format, const fs::path& folder,
@@ -125,7 +125,7 @@ std::vector<MadeSequence> MakeSequences(const DatasetConfig& config,
   return sequences;
 }
 
-/// Warnings once each, and what was read.
+/// Reports each warning once, and records the inputs.
 void KeepNotes(const std::vector<MadeSequence>& sequences, const fs::path& folder,
                RunContext& context) {
   std::set<std::string> reported;
@@ -136,7 +136,7 @@ void KeepNotes(const std::vector<MadeSequence>& sequences, const fs::path& folde
       }
     }
     for (const auto& [path, hash] : sequence.input_sha256) {
-      // The probe of a sequence was made here.
+      // The probe file of a sequence is an output of this program.
       if (!path.starts_with(folder.string())) context.provenance.input_sha256[path] = hash;
     }
   }

@@ -10,11 +10,11 @@
 
 namespace acus::dataset {
 
-/// What the config and the seed would give, as text: a line for each split and each sequence.
+/// The plan for the config and the seed, as text: a line for each split and each sequence.
 std::string PlanText(const DatasetConfig& config, std::uint64_t seed);
 
 /// Makes all sequences, several at a time, and writes the folder, whole or not at all. The same
-/// config, seed and patients give the same bytes with any number of threads, but for
+/// config, seed and patients give the same bytes with any number of threads, except for
 /// provenance.json, which has the command line.
 /// @returns a few lines for the terminal.
 /// @throws InputError if a patient, scenario or preset is not usable.

@@ -30,7 +30,7 @@ std::optional<ValueRange> RangeAt(const json& ranges, const char* key, const std
   return range;
 }
 
-/// The file of a key, else that of the patient's folder.
+/// The file of a key, else that in the patient's folder.
 fs::path PatientFile(const json& node, const char* key, const char* in_folder,
                      const fs::path& beside, const std::string& where) {
   fs::path path;

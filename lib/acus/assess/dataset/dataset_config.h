@@ -1,4 +1,4 @@
-// What a data set of labelled images is made of: configs/schema/acus-dataset.schema.json.
+// The settings of a data set of labelled images: configs/schema/acus-dataset.schema.json.
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@
 
 namespace acus::dataset {
 
-/// Lowest and highest value; equal: always that one.
+/// Lowest and highest value; equal: a constant.
 struct ValueRange {
   double low = 0.0;
   double high = 0.0;
 };
 
-/// Paths are absolute; corridor, ct and labels may be empty: then those of the scenario hold.
+/// Paths are absolute; corridor, ct and labels may be empty: those of the scenario then apply.
 struct DatasetPatient {
   std::string id;
   std::filesystem::path ct;
@@ -34,7 +34,7 @@ struct DatasetConfig {
   std::string name;
   std::vector<DatasetPatient> patients;
   std::vector<std::filesystem::path> trainees;
-  std::vector<std::filesystem::path> probes;  ///< Empty: that of the scenario; so the next two.
+  std::vector<std::filesystem::path> probes;  ///< Empty: the scenario's; so for the next two.
   std::vector<std::filesystem::path> needles;
   std::vector<std::filesystem::path> displays;
   std::optional<ValueRange> gain_offset_db;
@@ -50,12 +50,12 @@ struct DatasetConfig {
   std::array<double, 3> split_shares{};
 };
 
-/// Reads and checks the file: also that presets, scenarios and the patients' files are there, that
-/// every probe is valid at both ends of the ranges, and that splits can be made.
-/// @throws InputError listing or naming what is wrong.
+/// Reads and checks the file: also that presets, scenarios and the patients' files exist, that
+/// every probe is valid at both ends of the ranges, and that splits are possible.
+/// @throws InputError listing or naming the problems.
 DatasetConfig ReadDatasetConfig(const std::filesystem::path& path);
 
-/// A probe preset, set to other values. Those that are not given stay.
+/// Changes of a probe preset. Empty values stay.
 struct ProbeChange {
   double gain_offset_db = 0.0;
   std::optional<double> depth_mm;

@@ -6,7 +6,7 @@
 namespace acus::dataset {
 namespace {
 
-/// The middles of `count` equal parts of the list; all of it if it is shorter.
+/// The centres of `count` equal parts of the list; all of it if it is shorter.
 void AppendSpread(const std::vector<std::int64_t>& times_ns, std::size_t count,
                   std::vector<std::int64_t>& out) {
   count = std::min(count, times_ns.size());

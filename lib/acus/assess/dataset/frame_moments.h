@@ -1,4 +1,4 @@
-// At which moments of a session images are taken.
+// The times in a session at which images are rendered.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace acus::dataset {
 
-/// `count` different times of needle samples, in order, as far as the session has so many: a share
-/// with the tip in the body, the others outside of it, both spread evenly over their samples. If
-/// there are no samples of one kind, all are of the other.
+/// `count` different times of needle samples, in order, or fewer if the session has fewer: a share
+/// with the tip in the body, the others outside, both spread evenly over their samples. If there
+/// are no samples of one kind, all are of the other.
 /// @param inserted  Whether the tip of a sample is in the body.
 std::vector<std::int64_t> FrameMoments(
     const session::PoseStream& needle,

@@ -85,7 +85,7 @@ json EntryOf(const DatasetConfig& config, const SequencePlan& plan, const std::s
   return entry;
 }
 
-/// As it may stand in the data set: the probe's file lies beside it.
+/// The scenario in the data set: its probe file is in the sequence's folder.
 json ShownScenario(const scenario::Scenario& scenario) {
   json document = scenario.effective;
   document["probe"] = "probe.json";

@@ -1,4 +1,4 @@
-// One sequence of a data set: a virtual trainee's insertion, its images and their truth.
+// One sequence of a data set: a virtual trainee's insertion, its images and their ground truth.
 #pragma once
 
 #include <filesystem>
@@ -13,18 +13,18 @@
 
 namespace acus::dataset {
 
-/// What the manifest says of a sequence.
+/// The manifest's data of a sequence.
 struct MadeSequence {
   nlohmann::json entry;    ///< Its row in manifest.json.
   nlohmann::json classes;  ///< Values of its label images.
   replay::FrameTable table;
   std::map<std::string, std::string> files;         ///< As replay::ImageStack::Files.
-  std::map<std::string, std::string> input_sha256;  ///< What was read, for provenance.
+  std::map<std::string, std::string> input_sha256;  ///< Hashes of the inputs, for provenance.
   std::vector<std::string> warnings;
 };
 
-/// Simulates and writes a sequence into `folder`, which is made; the bytes depend on its arguments
-/// and the files that they name only. @param split  Of the patient.
+/// Simulates and writes a sequence into `folder`, which is created; the bytes depend on its
+/// arguments and the files that they name only. @param split  Split of the patient.
 /// @throws InputError if the scenario has no ultrasound, or as trials::SimulateTrial's patient.
 MadeSequence MakeSequence(const DatasetConfig& config, const SequencePlan& plan,
                           const std::string& split, replay::LabelFormat format,

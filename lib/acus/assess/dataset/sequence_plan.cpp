@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A whole number below `count`.
+/// An integer below `count`.
 std::size_t DrawBelow(std::size_t count, RandomStream& random) {
   const auto drawn = static_cast<std::size_t>(random.Uniform() * static_cast<double>(count));
   return std::min(drawn, count - 1);
@@ -31,14 +31,14 @@ std::optional<double> DrawValue(const std::optional<ValueRange>& range, RandomSt
   return range->low + share * (range->high - range->low);
 }
 
-/// How many patients each split has.
+/// Number of patients in each split.
 std::array<std::size_t, kSplitNames.size()> SplitSizes(const DatasetConfig& config) {
   const auto patients = static_cast<double>(config.patients.size());
   std::array<std::size_t, kSplitNames.size()> size{};
   for (std::size_t n = 0; n < size.size(); ++n) {
     if (config.split_shares[n] > 0.0) size[n] = 1;
   }
-  // The next patient goes where the most is lacking.
+  // The next patient goes to the split with the largest deficit.
   while (std::accumulate(size.begin(), size.end(), std::size_t{0}) < config.patients.size()) {
     const auto lacking = [&](std::size_t n) {
       return config.split_shares[n] * patients - static_cast<double>(size[n]);

@@ -1,4 +1,4 @@
-// What each sequence of a data set is: drawn by seed and number, before anything is simulated.
+// The plan of each sequence of a data set: drawn by seed and number, before any simulation.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@ namespace acus::dataset {
 /// One insertion by a virtual trainee, in one patient.
 struct SequencePlan {
   int number = 0;
-  std::size_t patient = 0;  ///< Place in DatasetConfig::patients.
+  std::size_t patient = 0;  ///< Index in DatasetConfig::patients.
   std::filesystem::path scenario;
-  std::filesystem::path probe;  ///< Empty: that of the scenario; so the next two.
+  std::filesystem::path probe;  ///< Empty: the scenario's; so for the next two.
   std::filesystem::path needle;
   std::filesystem::path display;
   ProbeChange probe_change;
@@ -26,11 +26,11 @@ struct SequencePlan {
   std::string Name() const;
 };
 
-/// For each patient the place of its split in kSplitNames. Patients are shuffled by the seed;
+/// For each patient the index of its split in kSplitNames. Patients are shuffled by the seed;
 /// numbers follow the shares by largest remainders, at least one for each share above 0.
 std::vector<std::size_t> SplitPatients(const DatasetConfig& config, std::uint64_t seed);
 
-/// Sequence n depends on the config, the seed and n only. Patients take turns.
+/// Sequence n depends on the config, the seed and n only. Patients alternate.
 SequencePlan DrawSequence(const DatasetConfig& config, std::uint64_t seed, int number);
 
 }  // namespace acus::dataset

@@ -18,14 +18,14 @@ CsvTable TraceOf(const fs::path& run, const char* name) {
   return CsvTable(run / name);
 }
 
-/// "needle force/depth_mm" apart.
+/// Splits "needle force/depth_mm" into stage and variable.
 void SetColumn(TraceDifference& difference, const std::string& column) {
   const std::size_t slash = column.find('/');
   difference.stage = slash == column.npos ? "session" : column.substr(0, slash);
   difference.variable = slash == column.npos ? column : column.substr(slash + 1);
 }
 
-/// Columns or rows that only one of two has, if what both have is the same.
+/// Columns or rows that only one of the two has, if the common ones are equal.
 std::optional<TraceDifference> LengthDifference(const CsvTable& a, const CsvTable& b,
                                                 TraceDifference difference) {
   for (const auto& [one, other, is_a] : {std::tuple{&a, &b, true}, std::tuple{&b, &a, false}}) {
@@ -52,7 +52,8 @@ std::optional<TraceDifference> FirstDifference(const CsvTable& a, const CsvTable
   first.trace = trace;
   std::size_t rows = std::min(a.num_rows(), b.num_rows());
   bool found = false;
-  // In the order of stages: of two columns that part in the same row, the earlier is the cause.
+  // In the order of stages: of two columns that differ first in the same row, the earlier is the
+  // cause.
   for (const std::string& column : a.columns()) {
     if (!b.Has(column)) continue;
     const std::vector<std::string> of_a = a.Texts(column), of_b = b.Texts(column);

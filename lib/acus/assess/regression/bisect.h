@@ -1,4 +1,4 @@
-// Where two replays part: the first step, stage and variable that differ.
+// Finds where two replays differ: the first step, stage and variable.
 #pragma once
 
 #include <cstddef>
@@ -8,14 +8,14 @@
 
 namespace acus::regression {
 
-/// The first place at which two traces differ.
+/// The first difference of two traces.
 struct TraceDifference {
   std::string trace;     ///< "step" or "image".
   std::size_t row = 0;   ///< Number of the step or image, from 0.
-  std::string time_s;    ///< As the first run has it.
+  std::string time_s;    ///< From the first run.
   std::string stage;     ///< The first that differs, in the order in which stages run.
-  std::string variable;  ///< Of that stage.
-  std::string a, b;      ///< Its values.
+  std::string variable;  ///< A variable of that stage.
+  std::string a, b;      ///< Values of both runs.
 };
 
 struct Bisection {

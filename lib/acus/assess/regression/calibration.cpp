@@ -48,7 +48,7 @@ double Work(const std::vector<std::int16_t>& voxels) {
 double CalibrationSeconds() {
   const std::vector<std::int16_t> voxels(static_cast<std::size_t>(kSize) * kSize * kSize, 7);
   double least_s = std::numeric_limits<double>::infinity();
-  volatile double kept = 0.0;  // So that the work is done.
+  volatile double kept = 0.0;  // Keeps the compiler from removing the work.
   for (int go = 0; go < 3; ++go) {
     const double begin_s = ThreadCpuSeconds();
     kept = kept + Work(voxels);

@@ -1,11 +1,11 @@
-// How fast this machine is just now, so that times can be compared with those of another.
+// The current speed of this machine, for comparisons of times with those of another.
 #pragma once
 
 namespace acus::regression {
 
-/// CPU time of a fixed piece of work like that of a replay: interpolation at scattered places of a
-/// volume, and arithmetic on small matrices. The smallest of three goes, so that what a neighbour
-/// on the machine does counts little. About 0.1 s in all.
+/// CPU time of a fixed task like that of a replay: interpolation at scattered points of a volume,
+/// and arithmetic on small matrices. The smallest of three trials, so that other load on the
+/// machine has little influence. Approximately 0.1 s in total.
 double CalibrationSeconds();
 
 }  // namespace acus::regression

@@ -19,19 +19,19 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// "PATH" as a suite in `folder` finds it.
+/// "PATH", relative to the suite in `folder`.
 std::string PathFrom(const fs::path& folder, const fs::path& path) {
   return fs::absolute(path).lexically_normal().lexically_proximate(folder).string();
 }
 
-/// A preset keeps its name; a file becomes a path from the suite.
+/// A preset keeps its name; a file becomes a path relative to the suite.
 std::string ConfigFrom(const fs::path& folder, const fs::path& name) {
   const fs::path found = config::FindConfig(name, fs::current_path());
   const bool is_preset = name.is_relative() && found == config::ConfigsFolder() / name;
   return is_preset ? name.string() : PathFrom(folder, found);
 }
 
-/// Whatever the schema allows in names of cases, of a session's folder or file; unique.
+/// A unique name for a case, from the allowed characters of the session's folder or file.
 std::string NameOfCase(const fs::path& session, std::set<std::string>& taken) {
   const fs::path path = fs::absolute(session).lexically_normal();
   std::string name = (path.has_filename() ? path : path.parent_path()).filename().string();
@@ -55,7 +55,7 @@ void MakeRelative(json& value, const fs::path& folder) {
   }
 }
 
-/// "/pointer=value", whose paths are relative to the suite.
+/// "/pointer=value", with paths relative to the suite.
 std::string ChangeFrom(const fs::path& folder, const std::string& text) {
   scenario::Override change =
       scenario::ForAnyFolder(scenario::ParseOverride(text), fs::current_path());
@@ -73,7 +73,7 @@ json PatientOf(const fs::path& folder, const NewSuite& suite) {
   return patient;
 }
 
-/// Reads scenario and session as a replay does, and looks for the files of the plan.
+/// Reads scenario and session as a replay does, and checks that the files of the plan exist.
 void RequireReplayable(const NewSuite& suite, RunContext& context) {
   std::vector<scenario::Override> changes;
   for (const auto& [pointer, path] : {std::pair{"/patient/ct", &suite.ct},

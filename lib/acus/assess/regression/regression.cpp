@@ -32,7 +32,7 @@ std::optional<Timing> ReadTiming(const fs::path& path) {
   }
 }
 
-/// More CPU time than allowed is a failed check; less is welcome.
+/// More CPU time than allowed is a failed check; less passes.
 comparison::Check TimeCheck(const Timing& expected, const Timing& now, const Suite& suite) {
   const double percent = 100.0 * (now.Ratio() / expected.Ratio() - 1.0);
   const std::string remark = Message(RoundedText(expected.Ratio(), 3), " | ",
@@ -44,7 +44,7 @@ comparison::Check TimeCheck(const Timing& expected, const Timing& now, const Sui
                             remark);
 }
 
-/// What of a case moved, as regression.json has it: "quantity: old | new".
+/// The changed quantities of a case in the form of regression.json: "quantity: old | new".
 std::string ChangesText(const json& result, const std::string& name) {
   for (const json& c : result.at("cases")) {
     if (c.at("name") != name) continue;
@@ -65,7 +65,7 @@ std::string ChangesText(const json& result, const std::string& name) {
   return "";
 }
 
-/// Replays into `run`, with a provenance of its own.
+/// Replays into `run`, with a separate provenance.
 Timing Replay(const Case& c, const fs::path& run, const RunContext& suite_context) {
   RunContext context = suite_context;
   context.provenance.input_sha256.clear();

@@ -1,4 +1,4 @@
-// Replays a suite and holds each run against what is expected of it.
+// Replays a suite and compares each run with the expected one.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace acus::regression {
 
-/// What a run cost, in a form that another machine can be compared by.
+/// The cost of a run, in a form that is comparable between machines.
 struct Timing {
   double cpu_s = 0.0;
   double calibration_s = 0.0;
@@ -21,16 +21,16 @@ struct Timing {
 
 enum class Verdict {
   kSame,     ///< All checks passed.
-  kMoved,    ///< Some did not.
-  kNew,      ///< Nothing is expected of it yet.
+  kMoved,    ///< A check failed.
+  kNew,      ///< There is no expectation yet.
   kNoResult  ///< The replay ended with an error.
 };
 
 struct CaseResult {
   std::string name;
   Verdict verdict = Verdict::kNoResult;
-  std::string message;                                  ///< Of the error.
-  std::optional<comparison::RunComparison> comparison;  ///< A: expected, B: now. Unless kNew.
+  std::string message;                                  ///< Message of the error.
+  std::optional<comparison::RunComparison> comparison;  ///< A: expected, B: now. Not for `kNew`.
   std::optional<Timing> expected_timing;
   Timing timing;
 };
@@ -44,14 +44,14 @@ struct SuiteResult {
   bool passed() const;
 };
 
-/// Replays every case into `folder`/<name>/run and compares it with what is expected, its CPU time
-/// too. A case that cannot be replayed does not keep the others from running.
+/// Replays every case into `folder`/<name>/run and compares the results and the CPU time with the
+/// expected ones. A case that cannot be replayed does not stop the others.
 /// @param folder  Exists.
 SuiteResult RunSuite(const Suite& suite, const std::filesystem::path& folder, RunContext& context);
 
-/// Makes the runs of an earlier result the expected ones: exactly what was looked at, without
+/// Makes the runs of an earlier result the expected ones: exactly the compared files, without
 /// running anything again. Each expectation is replaced whole or not at all.
-/// @returns what was expected and what is from now on, case by case, as text.
+/// @returns the old and new expectations, case by case, as text.
 /// @throws InputError if `result_folder` is no result of this suite, is one with changes for that
 ///     run alone, or has no run of a case.
 std::string AcceptResult(const Suite& suite, const std::filesystem::path& result_folder);

@@ -69,7 +69,7 @@ std::string NumberOrDash(const std::optional<double>& value) {
   return value ? RoundedText(*value, 4) : "-";
 }
 
-/// Forces of a column that failed a check, expected and now, above each other.
+/// Forces of a column that failed a check, expected and current, one above the other.
 void AddMovedForces(const comparison::RunComparison& compared, report::HtmlReport& html) {
   for (const comparison::ForcePair& pair : compared.forces.forces) {
     const bool moved = std::ranges::any_of(compared.checks, [&pair](const Check& check) {

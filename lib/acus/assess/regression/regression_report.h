@@ -1,4 +1,4 @@
-// The verdict on a suite, for people and for programs.
+// The verdict on a suite, as pages and as JSON.
 #pragma once
 
 #include <string>
@@ -7,12 +7,13 @@
 
 namespace acus::regression {
 
-/// One line per case: verdict, how many checks failed, the first of them, time against expected.
+/// One line per case: verdict, number of failed checks, the first of them, time relative to
+/// expected.
 std::string TextOf(const SuiteResult& result);
 
-/// Writes into an existing folder: regression.html (the cases, and for each that moved what moved
-/// by how much, forces over each other, the worst image), regression.json (acus-regression-result
-/// /1), provenance.json, and for each case that was compared its folder <name>/comparison.
+/// Writes into an existing folder: regression.html (the cases, and for each changed case its
+/// differences, forces overlaid, the worst image), regression.json (acus-regression-result/1),
+/// provenance.json, and for each compared case its folder <name>/comparison.
 void WriteResult(const std::filesystem::path& folder, const SuiteResult& result,
                  const RunContext& context);
 

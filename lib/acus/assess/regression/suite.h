@@ -1,4 +1,4 @@
-// A suite of recorded sessions whose outcome is to stay what it is.
+// A suite of recorded sessions whose results are expected not to change.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ struct Case {
   std::string name;
   std::filesystem::path scenario;
   std::filesystem::path session;
-  std::vector<scenario::Override> changes;  ///< Of the patient, then those of /set.
+  std::vector<scenario::Override> changes;  ///< Changes of the patient, then those of /set.
   std::filesystem::path tolerances;
 };
 
@@ -23,15 +23,14 @@ struct Suite {
   std::string description;
   double time_percent = 0.0;
   double time_min_s = 0.0;
-  std::vector<std::string> set;  ///< Changes for this run alone, as they were given.
+  std::vector<std::string> set;  ///< Changes for this run alone, in the user's text.
   std::vector<Case> cases;
 
   std::filesystem::path ExpectedOf(const Case& c) const { return folder / "expected" / c.name; }
 };
 
 /// Reads an acus-regression file, or suite.json of a folder.
-/// @throws InputError listing all that is wrong: keys, two cases of one name, files that are not
-///     there.
+/// @throws InputError listing all problems: keys, two cases of one name, files that do not exist.
 Suite ReadSuite(const std::filesystem::path& file_or_folder);
 
 /// Changes every case, after its own changes. The suite's results can then not be accepted.
@@ -39,7 +38,7 @@ Suite ReadSuite(const std::filesystem::path& file_or_folder);
 /// @throws InputError as ParseOverride.
 Suite With(Suite suite, const std::vector<std::string>& changes);
 
-/// Keeps the named cases. @throws InputError naming the first that there is none of, and all.
+/// Keeps the named cases. @throws InputError with the first unknown name, and all valid ones.
 Suite Only(Suite suite, const std::vector<std::string>& names);
 
 }  // namespace acus::regression

@@ -1,4 +1,4 @@
-// The statistics of a study: groups described and compared, metric by metric.
+// The statistics of a study: description and comparison of groups, metric by metric.
 #pragma once
 
 #include <optional>
@@ -31,16 +31,16 @@ struct Description {
 /// @pre not empty.
 Description Describe(std::span<const double> values);
 
-/// The first two groups against each other.
+/// Comparison of the first two groups.
 struct Comparison {
   RankTest test;
   double p_holm = 1.0;        ///< Corrected for the number of metrics of the exercise.
-  double auc = 0.5;           ///< P(second > first); below 0.5: the first has the greater values.
-  double cliffs_delta = 0.0;  ///< Of the second against the first.
+  double auc = 0.5;           ///< P(second > first); below 0.5: the first has the larger values.
+  double cliffs_delta = 0.0;  ///< Delta of the second group relative to the first.
   Interval delta_interval;
   std::optional<double> hedges_g;  ///< With two values in each group, and scatter in one.
   std::optional<Interval> g_interval;
-  SampleSize next_study;   ///< To find this g again.
+  SampleSize next_study;   ///< For a new study to detect this g.
   bool separates = false;  ///< max(auc, 1 - auc) is at least AnalysisSettings::separating_auc.
 
   /// The area in the direction in which the groups differ.
@@ -51,7 +51,7 @@ struct Comparison {
 /// participant with at least two trials of positive values.
 struct LearningCurve {
   std::string group;
-  std::vector<double> mean_by_trial;   ///< Of all participants, from trial 1 on.
+  std::vector<double> mean_by_trial;   ///< Mean of all participants, from trial 1 on.
   std::vector<double> slopes;          ///< One for each participant with a curve.
   std::optional<RankTest> slope_test;  ///< Signed ranks against 0.
 };
@@ -70,7 +70,7 @@ struct MetricAnalysis {
 struct ItemAnalysis {
   QuestionItem item;
   std::vector<std::optional<Description>> groups;  ///< In the order of the study.
-  std::vector<int> counts;                         ///< Of each answer, over all groups.
+  std::vector<int> counts;                         ///< Number of each answer, over all groups.
 };
 
 struct QuestionnaireAnalysis {

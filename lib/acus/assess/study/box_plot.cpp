@@ -31,7 +31,7 @@ std::string Line(double x1, double y1, double x2, double y2, const char* style) 
                  "\" ", style, "/>\n");
 }
 
-/// From values to pixels.
+/// Maps values to pixels.
 struct Axis {
   double least = 0.0;
   double greatest = 1.0;
@@ -74,7 +74,7 @@ std::string BoxSvg(const Box& box, const Axis& axis, double x, double half_px, c
   const double median_y = axis.Y(math::Median(box.values));
   svg += Line(x - half_px, median_y, x + half_px, median_y, "stroke=\"#000\" stroke-width=\"2.5\"");
   for (std::size_t i = 0; i < box.values.size(); ++i) {
-    // Beside each other, so that equal values are seen.
+    // Side by side, so that equal values are visible.
     const double off = half_px * 0.7 * (static_cast<double>(i % 5) / 2.0 - 1.0);
     svg += Message("<circle cx=\"", Px(x + off), "\" cy=\"", Px(axis.Y(box.values[i])),
                    "\" r=\"2.5\" fill=\"#222\" fill-opacity=\"0.55\"/>\n");

@@ -13,7 +13,7 @@ struct Box {
 };
 
 /// Boxes side by side: median, quartiles (type 7), whiskers to the farthest values within 1.5 times
-/// the interquartile range (Tukey), and every value as a dot. An empty image says so.
+/// the interquartile range (Tukey), and every value as a dot. Without boxes, the image states that.
 std::string BoxPlotSvg(const std::string& title, const std::string& unit,
                        std::span<const Box> boxes);
 

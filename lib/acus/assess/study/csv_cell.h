@@ -6,7 +6,7 @@
 
 namespace acus::study {
 
-/// With semicolons in place of commas: CSV has no quotes here.
+/// The text with semicolons in place of commas: CSV has no quotes here.
 inline std::string CsvCell(std::string text) {
   std::ranges::replace(text, ',', ';');
   return text;

@@ -24,7 +24,8 @@ bool Meets(const CurriculumStep& step, const TrialRecord& trial) {
          PercentOf(trial, kGoalsMet) >= step.goals_met_percent;
 }
 
-/// In order of time: trials of one exercise are, and folders of sessions begin with theirs.
+/// Trials in order of time: those of one exercise are sorted, and the names of sessions' folders
+/// begin with their time.
 std::vector<TrialRecord> TrialsOf(const CurriculumStep& step, const std::string& code,
                                   std::span<const TrialRecord> trials) {
   std::vector<TrialRecord> found;
@@ -67,7 +68,7 @@ std::string NextText(const CurriculumStep& step, const StepState& state) {
                  FixedText(state.next.difficulty, 2), ")");
 }
 
-/// The first that is open and not mastered.
+/// The first step that is open and not mastered.
 std::optional<std::size_t> NextStep(std::span<const StepState> states) {
   const auto found = std::ranges::find_if(
       states, [](const StepState& state) { return state.open && !state.mastered; });
@@ -75,7 +76,7 @@ std::optional<std::size_t> NextStep(std::span<const StepState> states) {
   return static_cast<std::size_t>(found - states.begin());
 }
 
-/// Title and cases. @param written  How later steps name this one.
+/// Title and cases. @param written  The name of this step for later ones.
 CurriculumStep StepWithCases(const json& entry, const fs::path& folder, const std::string& where,
                              std::string& written) {
   ACUS_REQUIRE(entry.contains("exercise") != entry.contains("cases"), where,

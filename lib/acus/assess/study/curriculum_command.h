@@ -12,8 +12,8 @@ class App;
 
 namespace acus::study {
 
-/// Adds the options to the subcommand; they write into what the result holds.
-/// @returns runs what the command line requests, and gives the text for the terminal.
+/// Adds the options to the subcommand; the returned function holds their values.
+/// @returns a function that runs the command, and returns the text for the terminal.
 std::function<std::string(RunContext& context)> AddCurriculumOptions(CLI::App& command);
 
 }  // namespace acus::study

@@ -69,7 +69,7 @@ double PowerOfTTest(double effect, double per_group, double alpha) {
   const double degrees = 2.0 * per_group - 2.0;
   const double critical = quantile(complement(boost::math::students_t(degrees), 0.5 * alpha));
   const double shift = std::abs(effect) * std::sqrt(0.5 * per_group);
-  // The tail on the other side counts too: it matters for tiny effects only.
+  // The opposite tail also counts: it matters for tiny effects only.
   if (shift == 0.0) return alpha;
   const boost::math::non_central_t alternative(degrees, shift);
   return cdf(complement(alternative, critical)) + cdf(alternative, -critical);

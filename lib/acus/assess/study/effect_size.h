@@ -1,4 +1,4 @@
-// How far two groups lie apart, with intervals by bootstrap.
+// Effect sizes of two groups, with intervals by bootstrap.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@ namespace acus::study {
 
 using math::Interval;
 
-/// P(a > b) + P(a = b) / 2 for values drawn from both: the area under the ROC curve. 0.5: alike.
+/// P(a > b) + P(a = b) / 2 for values drawn from both: the area under the ROC curve. 0.5: no
+/// effect.
 /// @pre both are not empty.
 double AreaUnderCurve(std::span<const double> a, std::span<const double> b);
 
@@ -28,8 +29,8 @@ using TwoSampleStatistic =
     std::function<double(std::span<const double> a, std::span<const double> b)>;
 
 /// Percentile interval of a statistic (Efron & Tibshirani 1993): both samples are drawn again with
-/// replacement, `draws` times; draws of which the statistic is NaN do not count. NaN if none
-/// counts. Depends on the seed and the name only.
+/// replacement, `draws` times; draws with a statistic of NaN do not count. NaN if none counts.
+/// Depends on the seed and the name only.
 /// @pre confidence in (0, 1), draws > 0.
 Interval BootstrapInterval(std::span<const double> a, std::span<const double> b,
                            const TwoSampleStatistic& statistic, double confidence, int draws,

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostExact = 60;
 
-/// Twice the mid-ranks: whole numbers.
+/// Twice the mid-ranks: integers.
 std::vector<int> DoubledRanks(const std::vector<double>& ranks) {
   std::vector<int> doubled;
   for (const double rank : ranks) doubled.push_back(static_cast<int>(std::lround(2.0 * rank)));

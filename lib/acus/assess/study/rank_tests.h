@@ -14,8 +14,8 @@ struct RankTest {
 
 /// Wilcoxon-Mann-Whitney (Mann & Whitney 1947). Exact up to 60 values in both samples: the
 /// permutation distribution of the sum of mid-ranks, so that ties need no approximation;
-/// p = 2 min(P(U <= u), P(U >= u)), at most 1. Beyond, normal with corrections for ties and
-/// continuity. p is 1 if all values are equal.
+/// p = 2 min(P(U <= u), P(U >= u)), at most 1. For more values, normal with corrections for ties
+/// and continuity. p is 1 if all values are equal.
 /// @pre both samples are not empty and finite.
 RankTest MannWhitney(std::span<const double> a, std::span<const double> b);
 

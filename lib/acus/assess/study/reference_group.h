@@ -1,4 +1,4 @@
-// A trainee's newest session beside the earlier ones and beside a group of other persons.
+// Compares a trainee's newest session with the earlier ones and with a group of other persons.
 #pragma once
 
 #include <filesystem>
@@ -13,16 +13,16 @@
 
 namespace acus::study {
 
-/// Of a group, for intervals.
+/// Smallest size of a group for intervals.
 inline constexpr int kFewestPersons = 3;
 
-/// One metric. Intervals are those of 95 %.
+/// The result for one metric. Intervals have 95 % confidence.
 struct Standing {
   MetricKey metric;
-  double value = 0.0;           ///< Of the newest session.
-  std::vector<double> earlier;  ///< Of the trainee, in order.
+  double value = 0.0;           ///< Value of the newest session.
+  std::vector<double> earlier;  ///< Values of the trainee's earlier sessions, in order.
   std::vector<double> persons;  ///< Means of the group's persons, in ascending order.
-  double group_mean = 0.0;      ///< Of these.
+  double group_mean = 0.0;      ///< Mean of these.
   double percentile = 0.0;      ///< Share of persons below the value, ties by half, percent.
   bool is_of_goal = false;      ///< The metric of a goal, the score, or the share of goals met.
   /// Between order statistics; nothing with fewer than 6 earlier sessions.
@@ -39,11 +39,11 @@ struct GroupComparison {
   std::string exercise;
   int num_persons = 0;
   int num_trials = 0;
-  std::vector<Standing> standings;  ///< Those of goals first; only metrics that the group has.
+  std::vector<Standing> standings;  ///< Metrics of goals first; only metrics that the group has.
 };
 
-/// @param sessions  Of one exercise, in order; the trainee is that of the last one.
-/// @param folders  Of the group's trials at any depth; those of the trainee are left out.
+/// @param sessions  Sessions of one exercise, in order; the trainee is that of the last one.
+/// @param folders  Folders with the group's trials at any depth; the trainee's are omitted.
 /// @throws InputError if the group has no trial of another person in this exercise.
 GroupComparison CompareWithGroup(std::span<const training::Assessment> sessions,
                                  std::span<const std::filesystem::path> folders,

@@ -54,7 +54,7 @@ constexpr double kStripPx = 46.0;
 constexpr double kStripLeftPx = 230.0;
 constexpr double kStripRightPx = 620.0;
 
-/// From the values of a strip to pixels.
+/// Maps the values of a strip to pixels.
 class StripAxis {
  public:
   explicit StripAxis(const Standing& standing) : least_(standing.value), most_(standing.value) {

@@ -1,4 +1,4 @@
-// How a comparison with a reference group is shown.
+// Texts, tables and pages of a comparison with a reference group.
 #pragma once
 
 #include <string>
@@ -18,8 +18,8 @@ std::string ReferenceCsv(const GroupComparison& comparison);
 /// mean, the trainee's earlier sessions and the newest one.
 void AddReferenceSection(const GroupComparison& comparison, report::HtmlReport& report);
 
-/// Makes a folder as training::WriteProgress fills it, with the section and reference.csv if there
-/// is a group. @throws InputError as AtomicFolder.
+/// Makes a folder with the content of training::WriteProgress, with the section and reference.csv
+/// if there is a group. @throws InputError as AtomicFolder.
 void WriteProgress(const std::filesystem::path& folder,
                    std::span<const training::Assessment> sessions,
                    const std::optional<GroupComparison>& group, const RunContext& context);

@@ -15,7 +15,7 @@ std::optional<IntraclassCorrelation> ComputeIcc(const Eigen::MatrixXd& ratings) 
   const double columns = n * (column_means.array() - mean).square().sum();
   const double all = (ratings.array() - mean).square().sum();
   if (!(all > 0.0)) return std::nullopt;
-  // Names of the paper: between targets, within targets, between judges, error.
+  // Names in the paper: between targets, within targets, between judges, error.
   const double bms = between / (n - 1.0);
   const double wms = (all - between) / (n * (k - 1.0));
   const double jms = columns / (k - 1.0);

@@ -1,4 +1,4 @@
-// Whether measurements repeat: intraclass correlations and Cronbach's alpha.
+// Reliability of measurements: intraclass correlations and Cronbach's alpha.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +13,8 @@ struct IntraclassCorrelation {
   double icc_1_k = 0.0, icc_2_k = 0.0, icc_3_k = 0.0;
 };
 
-/// From the mean squares of the analysis of variance. None if no value differs from another. A form
-/// whose denominator is 0 (persons do not differ, raters do) is 0.
+/// From the mean squares of the analysis of variance. None if all values are equal. A form with a
+/// denominator of 0 (persons do not differ, raters do) is 0.
 /// @pre at least two rows and two columns, finite.
 std::optional<IntraclassCorrelation> ComputeIcc(const Eigen::MatrixXd& ratings);
 

@@ -12,8 +12,8 @@ class App;
 
 namespace acus::study {
 
-/// Adds plan, report and export; they write into what the result holds.
-/// @returns runs the one that was given, and gives the text for the terminal.
+/// Adds plan, report and export; the returned function holds their options.
+/// @returns a function that runs the selected one, and returns the text for the terminal.
 std::function<std::string(RunContext& context)> AddStudyCommands(CLI::App& app);
 
 }  // namespace acus::study

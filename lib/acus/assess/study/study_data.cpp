@@ -40,7 +40,7 @@ TrialRecord RecordIn(const fs::path& file) {
   return record;
 }
 
-/// @throws InputError with the place.
+/// @throws InputError with the position in the file.
 void RequireListed(const TrialRecord& record, const Study& study, const std::string& where) {
   ACUS_REQUIRE(study.Find(record.code) != nullptr, where, ": the code \"", record.code,
                "\" is not among the participants of ", study.file.string());
@@ -79,7 +79,7 @@ std::vector<TrialRecord> RecordsOfTable(const fs::path& path, const Study& study
   return list;
 }
 
-/// The names as the study has them: those of a table may lack commas.
+/// Takes over the names of the study: those of a table may lack commas.
 void TakeNamesOf(const Study& study, TrialRecord& record) {
   for (const std::string& name : study.exercises) {
     if (CsvCell(name) == CsvCell(record.exercise)) record.exercise = name;

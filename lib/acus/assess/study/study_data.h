@@ -1,4 +1,4 @@
-// What a study has collected: trials with their metrics, and answers.
+// The collected data of a study: trials with their metrics, and answers.
 #pragma once
 
 #include <filesystem>
@@ -28,8 +28,8 @@ struct TrialRecord {
   std::string exercise;
   int trial = 1;  ///< From 1, in the order of the files.
   std::map<MetricKey, double> metrics;
-  std::filesystem::path folder = {};  ///< Of its files; empty if it comes from a table.
-  bool passed = true;                 ///< All musts of its exercise were met.
+  std::filesystem::path folder = {};  ///< Folder of its files; empty if it comes from a table.
+  bool passed = true;                 ///< All goals of its exercise with `must` were met.
 };
 
 struct Answer {
@@ -46,8 +46,8 @@ inline constexpr const char* kScore = "score";         ///< training::ScoreOf, i
 /// The metrics of a session, with kGoalsMet and kScore if it has goals; without folder and number.
 TrialRecord RecordOf(const training::Assessment& assessment);
 
-/// Reads trials: folders are searched for training.json at any depth; files of CSV are tables as
-/// TrialsCsv writes them. Trials of one participant in one exercise are numbered in the order of
+/// Reads trials: folders are searched for training.json at any depth; CSV files are tables in the
+/// format of TrialsCsv. Trials of one participant in one exercise are numbered in the order of
 /// their paths, with numbers by value. Sessions that were discarded (training/discarded.h) do not
 /// count. Sorted by participant (as in the study), exercise and trial.
 ///
@@ -56,18 +56,18 @@ TrialRecord RecordOf(const training::Assessment& assessment);
 std::vector<TrialRecord> ReadTrials(std::span<const std::filesystem::path> paths,
                                     const Study& study, RunContext& context);
 
-/// All trials of folders, as ReadTrials numbers them, of whatever trainees and exercises; empty if
-/// there is none. @throws InputError if a training.json is broken.
+/// All trials of folders, numbered as by ReadTrials, of any trainees and exercises; empty if there
+/// is none. @throws InputError if a training.json is broken.
 std::vector<TrialRecord> FindTrials(std::span<const std::filesystem::path> folders,
                                     RunContext& context);
 
 /// trials.csv: code,group,exercise,trial,metric,unit,value; a row per metric of each trial. Reading
-/// it back gives the same trials, bit for bit.
+/// it gives trials with the same bits.
 std::string TrialsCsv(const Study& study, std::span<const TrialRecord> trials);
 
 /// Reads code,questionnaire,item,answer; rows without an answer are skipped.
-/// @throws InputError with file and row for an unknown code, questionnaire or item, an answer off
-///     the scale, or one given twice.
+/// @throws InputError with file and row for an unknown code, questionnaire or item, an answer
+///     outside the scale, or a second answer.
 std::vector<Answer> ReadAnswers(const std::filesystem::path& path, const Study& study,
                                 RunContext& context);
 

@@ -1,4 +1,4 @@
-// A study as others' tools read it: folders and tables as BIDS names them.
+// Exports a study for other programs: folders and tables in the BIDS format.
 #pragma once
 
 #include <filesystem>

@@ -62,7 +62,7 @@ std::vector<std::string> Rotated(const std::vector<std::string>& exercises, std:
   return row;
 }
 
-/// The row of the Latin square that each participant takes, in the order of Study::participants.
+/// Each participant's row of the Latin square, in the order of Study::participants.
 std::vector<std::size_t> BalancedRows(const Study& study) {
   std::vector<std::size_t> rows(study.participants.size());
   for (const std::string& group : study.groups) {

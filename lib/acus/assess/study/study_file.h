@@ -12,7 +12,7 @@ struct Participant {
   std::string code;
   std::string group;
   bool consent = false;
-  std::string hand;  ///< That holds the needle: right or left.
+  std::string hand;  ///< The hand that holds the needle: right or left.
 };
 
 struct QuestionItem {
@@ -43,7 +43,7 @@ struct Study {
   std::string name;
   std::vector<std::string> groups;
   std::vector<Participant> participants;
-  std::vector<std::string> exercises;  ///< Names of the exercises, as training.json has them.
+  std::vector<std::string> exercises;  ///< Names of the exercises, as in training.json.
   std::vector<std::filesystem::path> exercise_files;
   int trials = 3;
   OrderKind order = OrderKind::kRandom;
@@ -51,13 +51,12 @@ struct Study {
   std::vector<Questionnaire> questionnaires;
   AnalysisSettings analysis;
 
-  /// Null if nobody has this code.
+  /// Null if no participant has this code.
   const Participant* Find(const std::string& code) const;
 };
 
 /// Reads an acus-study file and the exercises and questionnaires that it names.
-/// @throws InputError listing what is wrong: keys, ranges, a code twice, a group that is not
-/// listed,
+/// @throws InputError listing all problems: keys, ranges, a code twice, a group that is not listed,
 ///     two exercises of one name.
 Study ReadStudy(const std::filesystem::path& path);
 
@@ -67,8 +66,8 @@ struct PlannedOrder {
   std::vector<std::string> exercises;
 };
 
-/// For every participant, by Study::order; depends on the seed only. Balanced: within each group,
-/// participants in random order take the rows of a cyclic Latin square in turn.
+/// The order for every participant, by Study::order; depends on the seed only. Balanced: within
+/// each group, participants in random order take the rows of a cyclic Latin square in order.
 std::vector<PlannedOrder> PlanOrder(const Study& study);
 
 /// order.csv: code,group,place,exercise; a row per exercise of each participant.

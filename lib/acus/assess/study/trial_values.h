@@ -9,11 +9,11 @@
 
 namespace acus::study {
 
-/// trial -> value of one participant.
+/// trial -> value, for one participant.
 using TrialValues = std::map<int, double>;
 using ByCode = std::map<std::string, TrialValues>;
 
-/// Of the trials of an exercise that have the metric.
+/// Values by participant, from the trials of an exercise that have the metric.
 ByCode ValuesOf(std::span<const TrialRecord> trials, const std::string& exercise,
                 const MetricKey& metric);
 

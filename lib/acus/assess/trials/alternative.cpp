@@ -13,11 +13,11 @@ namespace {
 using math::kRadPerDegree;
 
 constexpr double kLeastDepthMm = 5.0;
-/// A needle flatter than this on the skin is no insertion.
+/// A needle at a smaller angle to the skin (sine) is no insertion.
 constexpr double kLeastInward = 0.2;
 constexpr int kDraws = 50;
 
-/// The angle in the plane of along and inward.
+/// The angle of the axis in the plane of along and inward.
 double SteepnessRad(const TrialLine& line, const Eigen::Vector3d& axis) {
   return std::atan2(axis.dot(line.inward_in_ct), axis.dot(line.along_in_ct));
 }
@@ -37,7 +37,7 @@ bool IsUnchanged(const InsertionChange& change) {
          change.sideways_rad == 0.0;
 }
 
-/// One value at a time: halves and wholes of its range in both directions.
+/// One value at a time: half and full range in both directions.
 std::vector<InsertionChange> SingleChanges(const WhatIfSettings& settings, bool breathes) {
   std::vector<InsertionChange> changes(1);
   const double tilt_rad = settings.tilt_deg * kRadPerDegree;
@@ -104,7 +104,7 @@ Alternative Drawn(const TrialScene& scene, const TrialLine& line, const WhatIfSe
                            " draws; make entry_mm and tilt_deg smaller"));
 }
 
-/// Where in its cycle the breath is; nothing if nobody says.
+/// The phase of the breath in its cycle; nothing without breath.
 std::optional<double> CycleAt(const TrialScene& scene, const session::Session& trial,
                               std::int64_t time_ns) {
   if (!scene.scene.breathing) return std::nullopt;
@@ -113,8 +113,9 @@ std::optional<double> CycleAt(const TrialScene& scene, const session::Session& t
       .cycle;
 }
 
-/// The first time from `time_ns` on at which the breath is later in its cycle by `cycles`; that
-/// time itself if it is not within half a minute, such as in a patient who holds the breath.
+/// The first time from `time_ns` on at which the breath is later in its cycle by `cycles`;
+/// `time_ns` itself if there is none within half a minute, such as in a patient who holds the
+/// breath.
 std::int64_t LaterInBreath(const TrialScene& scene, const session::Session& trial,
                            std::int64_t time_ns, double cycles) {
   const auto begin = CycleAt(scene, trial, time_ns);
@@ -168,7 +169,7 @@ std::optional<Alternative> ChangedInsertion(const TrialScene& scene, const Trial
                                           settings.slowest_mm_per_s, settings.fastest_mm_per_s);
   alternative.entry_ct_mm = line.entry_ct_mm;
   alternative.axis_in_ct = line.axis_in_ct;
-  if (IsUnchanged(change)) return alternative;  // To the bit.
+  if (IsUnchanged(change)) return alternative;  // With the same bits.
   alternative.axis_in_ct = AxisAt(line, SteepnessRad(line, line.axis_in_ct) + change.steeper_rad,
                                   SidewaysRad(line, line.axis_in_ct) + change.sideways_rad);
   if (alternative.axis_in_ct.dot(line.inward_in_ct) < kLeastInward) return std::nullopt;
@@ -198,7 +199,7 @@ std::vector<Alternative> MakeAlternatives(const TrialScene& scene, const TrialLi
 }
 
 double DurationOf(double length_mm, double speed_mm_per_s, double ramp_s) {
-  const double ramps_mm = speed_mm_per_s * ramp_s;  // Rise and fall together.
+  const double ramps_mm = speed_mm_per_s * ramp_s;  // Acceleration and deceleration together.
   if (length_mm >= ramps_mm) return length_mm / speed_mm_per_s + ramp_s;
   return 2.0 * std::sqrt(length_mm * ramp_s / speed_mm_per_s);
 }
@@ -220,7 +221,7 @@ session::Session SessionOf(const TrialScene& scene, const session::Session& tria
                            const WhatIfSettings& settings) {
   constexpr double kRampS = 0.1;
   const Eigen::Isometry3d reference_from_ct = scene.scene.ct_from_reference.inverse();
-  // The needle is turned, not rolled.
+  // The needle is rotated without rolling.
   const Eigen::Quaterniond turn =
       Eigen::Quaterniond::FromTwoVectors(line.axis_in_ct, alternative.axis_in_ct);
   const Eigen::Quaterniond rotation(reference_from_ct.linear() *
@@ -246,7 +247,7 @@ session::Session SessionOf(const TrialScene& scene, const session::Session& tria
     session.needle.push_back(
         {time_ns, transforms::Pose(rotation, reference_from_ct * tip_ct_mm), true});
   };
-  // Breath goes by the time since the first reading: without a probe the needle has to give it.
+  // Breath depends on the time since the first reading: without a probe the needle defines it.
   const bool keeps_clock = scene.scene.breathing && !scene.scene.breathing->from_session;
   if (trial.probe.empty() && keeps_clock) {
     constexpr std::int64_t kWaitNs = 10'000'000;

@@ -1,4 +1,4 @@
-// How difficult an exercise is for virtual trainees.
+// Difficulty of an exercise for virtual trainees.
 #pragma once
 
 #include "acus/assess/trials/planned_path.h"
@@ -9,8 +9,8 @@
 
 namespace acus::trials {
 
-/// 1 - mean score, from 0 (all goals are always met) to 1. The interval is that of the persons'
-/// means, 95 %, by bootstrap.
+/// 1 - mean score, from 0 (all goals are always met) to 1. The interval is the 95 % interval of the
+/// persons' means, by bootstrap.
 struct Difficulty {
   double value = 0.0;
   math::Interval interval;
@@ -19,12 +19,12 @@ struct Difficulty {
 struct DifficultyOptions {
   TraineeSkill grade;
   int persons = 12;
-  int trials = 1;  ///< Of each.
+  int trials = 1;  ///< Trials of each person.
   double rate_hz = 1000.0;
 };
 
 /// Depends on the scene, the options and the context's seed only.
-/// @throws InputError if a goal's metric is not there.
+/// @throws InputError if a goal's metric does not exist.
 Difficulty DifficultyOf(const TrialScene& scene, const PlannedPath& path,
                         const DifficultyOptions& options, const RunContext& context);
 

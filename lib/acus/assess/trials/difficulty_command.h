@@ -12,7 +12,7 @@ class App;
 
 namespace acus::trials {
 
-/// Adds the options to the subcommand. What comes back runs it and returns the text to print.
+/// Adds the options to the subcommand. The returned function runs it and returns the text to print.
 std::function<std::string(RunContext& context)> AddDifficultyOptions(CLI::App& command);
 
 }  // namespace acus::trials

@@ -1,4 +1,4 @@
-// What a hand adds to where it is meant to be: tremor and drift.
+// Deviations of a hand from its intended pose: tremor and drift.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +19,7 @@ class BandNoise {
 
  private:
   static constexpr int kSines = 5;
-  double amplitude_ = 0.0;  ///< Of each sine.
+  double amplitude_ = 0.0;  ///< Amplitude of each sine.
   std::array<std::array<double, kSines>, 3> omega_rad_per_s_{};
   std::array<std::array<double, kSines>, 3> phase_rad_{};
 };

@@ -1,4 +1,4 @@
-// The options that name a scenario and its patient, as those of acus-replay.
+// The options for a scenario and its patient, as those of acus-replay.
 #pragma once
 
 #include <filesystem>
@@ -28,7 +28,7 @@ struct PatientOptions {
 
   /// @throws InputError as scenario::ReadScenario.
   scenario::Scenario Scenario(RunContext& context) const;
-  /// Absolute, or among the presets. @throws InputError if it is not there.
+  /// Absolute, or among the presets. @throws InputError if it does not exist.
   std::filesystem::path ExerciseFile() const;
 };
 

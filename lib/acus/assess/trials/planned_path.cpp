@@ -7,7 +7,7 @@
 namespace acus::trials {
 namespace {
 
-/// From the entry to the middle of the face, along the skin.
+/// Distance from the entry to the centre of the face, along the skin.
 constexpr double kFaceBesideMm = 30.0;
 
 Eigen::Vector3d PointOf(const transforms::Landmarks& points, const std::string& name) {
@@ -47,7 +47,7 @@ PlannedPath PlannedPathOf(const TrialScene& scene) {
 
 Eigen::Isometry3d ProbeAlongNeedle(const PlannedPath& path, const Eigen::Vector3d& axis_in_ct,
                                    double offset_mm, double turn_rad) {
-  // The plane of the needle's line and the middle of the face.
+  // The plane of the needle's line and the centre of the face.
   const Eigen::Vector3d to_face = path.face_ct_mm - path.entry_ct_mm;
   Eigen::Vector3d normal = to_face.cross(axis_in_ct);
   if (normal.norm() < 1e-6) normal = axis_in_ct.unitOrthogonal();

@@ -1,4 +1,4 @@
-// The path that an exercise plans, and where the probe lies to show it.
+// The path that an exercise plans, and the pose of a probe that shows it.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -13,7 +13,7 @@ struct PlannedPath {
   Eigen::Vector3d target_ct_mm;
   Eigen::Vector3d axis_in_ct;    ///< Unit, from the entry to the target.
   Eigen::Vector3d inward_in_ct;  ///< Normal of the skin at the entry.
-  Eigen::Vector3d face_ct_mm;    ///< Middle of the probe's face, on the skin beyond the entry.
+  Eigen::Vector3d face_ct_mm;    ///< Centre of the probe's face, on the skin beyond the entry.
 };
 
 /// From the points `entry` and `target` of the scenario's corridor.
@@ -22,7 +22,8 @@ PlannedPath PlannedPathOf(const TrialScene& scene);
 
 /// The probe's pose whose image plane contains a needle's line and the direction from the face to
 /// the target: +x away from the entry, +y into the body.
-/// @param offset_mm  Of the plane along its normal. @param turn_rad  About the beam.
+/// @param offset_mm  Offset of the plane along its normal. @param turn_rad  Rotation about the
+///     beam.
 Eigen::Isometry3d ProbeAlongNeedle(const PlannedPath& path, const Eigen::Vector3d& axis_in_ct,
                                    double offset_mm, double turn_rad);
 

@@ -34,7 +34,7 @@ struct Job {
   int trial = 1;
 };
 
-/// "novice_1" and so on, unless codes are given.
+/// "novice_1" etc., unless the user gives codes.
 std::vector<std::string> CodesFor(const SimulateOptions& options) {
   if (options.codes.empty()) {
     std::vector<std::string> codes;

@@ -14,7 +14,7 @@ namespace {
 constexpr double kSizePx = 620.0;
 constexpr double kLegendPx = 150.0;
 
-/// Dark blue, green, yellow: readable without colours, and with weak red or green.
+/// Dark blue, green, yellow: readable in greyscale, and with colour blindness.
 std::string ColourOf(double share) {
   constexpr std::array<std::array<double, 3>, 5> kStops = {
       {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
@@ -29,7 +29,7 @@ std::string ColourOf(double share) {
   return text + ")";
 }
 
-/// From CT space to pixels: the skin seen from outside, the patient's head or left upwards.
+/// Maps CT space to pixels: the skin seen from outside, the patient's head or left upwards.
 class SkinView {
  public:
   SkinView(const TrialLine& line, double half_width_mm)
@@ -41,7 +41,7 @@ class SkinView {
       up_ = front - front.dot(line.inward_in_ct) * line.inward_in_ct;
     }
     up_.normalize();
-    right_ = line.inward_in_ct.cross(up_);  // Of someone who looks at the skin.
+    right_ = line.inward_in_ct.cross(up_);  // Seen from outside.
   }
 
   Eigen::Vector2d Px(const Eigen::Vector3d& point_ct_mm) const {
@@ -133,7 +133,7 @@ std::string SkinMapSvg(const TrialScene& scene, const session::Session& trial,
               "\" height=\"", kSizePx, "\" viewBox=\"0 0 ", kSizePx + kLegendPx, " ", kSizePx,
               "\" font-family=\"sans-serif\">\n<rect width=\"", kSizePx, "\" height=\"", kSizePx,
               "\" fill=\"#f6f2ee\"/>\n");
-  // What lies outside the square is cut off.
+  // Content outside the square is clipped.
   svg += Message("<svg width=\"", kSizePx, "\" height=\"", kSizePx, "\">\n");
   svg += ProbeFace(view, scene, trial, what_if.line);
   for (auto place = what_if.ranking.rbegin(); place != what_if.ranking.rend(); ++place) {

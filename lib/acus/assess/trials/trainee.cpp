@@ -49,7 +49,7 @@ TraineeSkill PersonOf(const TraineeSkill& grade, std::uint64_t seed, const std::
   TraineeSkill person = grade;
   RandomStream random(seed, "person " + code);
   const double practice = std::pow(static_cast<double>(trial), -grade.learning);
-  // In this order for ever: each value has its draw.
+  // The order must not change: each value has its draw.
   for (double* value : {&person.tremor_mm, &person.tremor_deg, &person.drift_mm, &person.delay_s}) {
     *value *= std::exp(grade.spread * random.Normal());
   }

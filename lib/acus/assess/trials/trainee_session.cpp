@@ -14,16 +14,16 @@ namespace {
 
 using math::kRadPerDegree;
 
-constexpr double kRestOutsideMm = 40.0;  ///< Of the tip, before it is aimed.
+constexpr double kRestOutsideMm = 40.0;  ///< Distance of the tip before aiming.
 constexpr double kAimedOutsideMm = 3.0;
 constexpr double kLongestS = 180.0;
 constexpr double kTurnS = 0.8;
-constexpr double kHandS = 0.1;     ///< In which the hand takes up a speed.
-constexpr double kEyeS = 1.0;      ///< In which the image plane follows the needle.
-constexpr double kSlowingS = 0.6;  ///< Before the target: speed is the remaining depth over it.
+constexpr double kHandS = 0.1;     ///< Time in which the hand reaches a speed.
+constexpr double kEyeS = 1.0;      ///< Time in which the image plane follows the needle.
+constexpr double kSlowingS = 0.6;  ///< Near the target, speed is the remaining depth over this.
 constexpr double kLeastMmPerS = 1.0;
-constexpr double kLeftInMm = 5.0;   ///< Of the needle, at least, when it is withdrawn from deeper.
-constexpr double kPlaneKept = 0.6;  ///< Of the image plane's errors, at each stop.
+constexpr double kLeftInMm = 5.0;   ///< Smallest depth after a withdrawal from deeper.
+constexpr double kPlaneKept = 0.6;  ///< Share of the image plane's errors after each stop.
 constexpr double kProbeHz = 50.0;
 
 double MinimumJerk(double share) {
@@ -36,7 +36,7 @@ Eigen::Vector3d NormalVector(double sd, RandomStream& random) {
   return sd * Eigen::Vector3d(x, y, z);
 }
 
-/// Turned by a random angle in a random direction across it.
+/// The axis rotated by a random angle in a random perpendicular direction.
 Eigen::Vector3d Jittered(const Eigen::Vector3d& axis, double sd_rad, RandomStream& random) {
   const Eigen::Vector3d a = axis.unitOrthogonal();
   const Eigen::Vector3d b = axis.cross(a);
@@ -46,7 +46,7 @@ Eigen::Vector3d Jittered(const Eigen::Vector3d& axis, double sd_rad, RandomStrea
 
 enum class Phase { kSearch, kAim, kAdvance, kStop, kWithdraw, kTurn, kPlace, kDone };
 
-/// What the person means to do; tremor comes on top. In CT space.
+/// The intended motion of a person, without tremor. In CT space.
 class Intention {
  public:
   Intention(const TrialScene& scene, const PlannedPath& path, const TraineeSkill& person,
@@ -66,7 +66,7 @@ class Intention {
     Begin(Phase::kSearch, 0.0);
   }
 
-  /// @param bone_n  Resistance of bone that the simulation gave in the last step.
+  /// @param bone_n  Simulated resistance of bone in the last step.
   void Advance(double time_s, double dt_s, double bone_n) {
     Sense(time_s, bone_n);
     const double in_phase_s = time_s - begin_s_;
@@ -113,7 +113,7 @@ class Intention {
   double plane_mm() const { return plane_mm_; }
   double plane_rad() const { return plane_rad_; }
   double search_angle_rad() const { return search_angle_rad_; }
-  /// Of the search with the probe that is still to come, 1 to 0.
+  /// Remaining share of the search with the probe, 1 to 0.
   double SearchShare(double time_s) const {
     return phase_ == Phase::kSearch ? 1.0 - MinimumJerk((time_s - begin_s_) / person_.search_s)
                                     : 0.0;
@@ -141,7 +141,7 @@ class Intention {
     Begin(Phase::kAdvance, time_s);
   }
 
-  /// Keeps what will be noticed after the delay.
+  /// Stores what the person perceives after the delay.
   void Sense(double time_s, double bone_n) {
     sensed_.push_back({time_s, along_mm_, bone_n});
     while (sensed_.size() > 1 && sensed_[1].time_s <= time_s - person_.delay_s) {
@@ -149,7 +149,7 @@ class Intention {
     }
   }
 
-  /// Depth at which the tip is taken to be beside the target.
+  /// Depth at which the person assumes the tip to be beside the target.
   double StopDepthMm() const { return (target_mm_ - entry_mm_).dot(axis_) + depth_error_mm_; }
 
   void MoveOn(double time_s, double dt_s) {
@@ -177,7 +177,7 @@ class Intention {
     }
   }
 
-  /// At the end of a stop: on, or another direction, or there.
+  /// At the end of a stop: decides on an advance, another direction, or the end.
   void Judge(double time_s) {
     const Eigen::Vector3d to_target_mm = target_mm_ - TipMm();
     const Eigen::Vector3d miss_mm = to_target_mm - to_target_mm.dot(axis_) * axis_;
@@ -220,7 +220,7 @@ class Intention {
   const TraineeSkill& person_;
   RandomStream& random_;
   Phase phase_ = Phase::kSearch;
-  double begin_s_ = 0.0;  ///< Of the phase.
+  double begin_s_ = 0.0;  ///< Start of the phase.
   Eigen::Vector3d target_mm_, entry_mm_, axis_, seen_axis_;
   Eigen::Vector3d from_axis_ = Eigen::Vector3d::UnitZ(), to_axis_ = Eigen::Vector3d::UnitZ();
   double depth_error_mm_ = 0.0;

@@ -17,16 +17,16 @@ Eigen::Vector3d Perpendicular(const Eigen::Vector3d& direction) {
   return direction.unitOrthogonal();
 }
 
-/// `direction` without its part along the unit vector `normal`.
+/// The component of `direction` perpendicular to the unit vector `normal`.
 Eigen::Vector3d LaidInto(const Eigen::Vector3d& normal, const Eigen::Vector3d& direction) {
   return direction - direction.dot(normal) * normal;
 }
 
-/// Mean speed along the axis from a tenth to nine tenths of a pass: rests at its ends do not count.
-/// 0 if the pass has no such samples.
+/// Mean speed along the axis from 10 % to 90 % of a pass: rests at its ends do not count. 0 if the
+/// pass has no such samples.
 double MiddleSpeed(const TrialScene& scene, const session::Session& trial,
                    const training::NeedlePass& pass, const TrialLine& line) {
-  std::optional<std::pair<double, double>> first;  // Seconds and mm of the beginning.
+  std::optional<std::pair<double, double>> first;  // Start, in seconds and mm.
   const double to_go_mm = 0.1 * pass.advance_mm;
   for (const session::PoseSample& sample : trial.needle) {
     if (!sample.valid || sample.time_ns < pass.begin_ns) continue;

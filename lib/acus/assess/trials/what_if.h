@@ -1,4 +1,4 @@
-// What would have happened: alternatives to a trial's insertion, judged by its exercise and ranked.
+// Alternatives to a trial's insertion, assessed by its exercise and ranked.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace acus::trials {
 
-/// An alternative and what came of it.
+/// An alternative and its results.
 struct Outcome {
   Alternative alternative;
   TrialResult result;
@@ -16,23 +16,23 @@ struct Outcome {
 };
 
 struct WhatIf {
-  training::Assessment trial;  ///< Of the trial as it was recorded.
+  training::Assessment trial;  ///< Assessment of the recorded trial.
   double trial_score = 0.0;
   TrialLine line;
-  std::vector<Outcome> outcomes;  ///< As MakeAlternatives made them; the first is the trial's line.
-  std::vector<std::size_t> ranking;  ///< Places in `outcomes`, the best first.
+  std::vector<Outcome> outcomes;     ///< As from MakeAlternatives; the first is the trial's line.
+  std::vector<std::size_t> ranking;  ///< Indices in `outcomes`, the best first.
   double step_cpu_s = 0.0;           ///< Thread CPU time of all steps.
   double cpu_s = 0.0;                ///< CPU time of steps and metrics, all threads.
 };
 
-/// Steps and judges all alternatives on context.num_threads threads. The results are those of full
-/// replays of the same sessions, bit for bit, with any number of threads.
-/// Ranked by score, then by the tip's distance to the target at the end, then by their number.
-/// @throws InputError as LineOfTrial, or if a goal's metric is not there.
+/// Steps and assesses all alternatives on context.num_threads threads. The results have the bits of
+/// full replays of the same sessions, with any number of threads. Ranked by score, then by the
+/// tip's distance to the target at the end, then by their number.
+/// @throws InputError as LineOfTrial, or if a goal's metric does not exist.
 WhatIf RunWhatIf(const TrialScene& scene, const session::Session& trial,
                  const WhatIfSettings& settings, const RunContext& context);
 
-/// Whether it differs from the trial's line in at most one value.
+/// True if it differs from the trial's line in at most one value.
 bool IsSingle(const InsertionChange& change);
 
 /// The value of a metric; nothing if the assessment lacks it.
@@ -41,7 +41,7 @@ std::optional<double> ValueOf(const training::Assessment& assessment, const std:
 /// "5 degrees steeper, entry 6 mm towards the head"; "as in the trial" without a change.
 std::string ChangeText(const TrialLine& line, const InsertionChange& change);
 
-/// What came of it beside the trial's line: "misses bone and ends 2 mm from the target (8.4 mm)".
+/// The outcome relative to the trial's line: "misses bone and ends 2 mm from the target (8.4 mm)".
 std::string OutcomeText(const WhatIf& what_if, const Outcome& outcome,
                         const std::vector<std::string>& avoid);
 

@@ -25,7 +25,7 @@ std::string HashText(std::uint64_t hash) {
   return text;
 }
 
-/// Names of structures may hold anything; a cell of CSV may not.
+/// Names of structures may contain characters that a cell of CSV may not.
 std::string CellOf(std::string text) {
   std::ranges::replace_if(
       text, [](char c) { return c == ',' || c == '\n' || c == '\r'; }, ';');
@@ -153,7 +153,7 @@ std::vector<std::vector<std::string>> SentenceRows(const TrialScene& scene, cons
   return rows;
 }
 
-/// Numbers of those that change one value only: they stand at the beginning.
+/// Indices of alternatives that change one value only: they come first.
 std::vector<std::size_t> Singles(const WhatIf& what_if) {
   std::vector<std::size_t> numbers;
   for (std::size_t n = 0; n < what_if.outcomes.size(); ++n) {

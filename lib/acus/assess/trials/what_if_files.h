@@ -1,4 +1,4 @@
-// The folder of a what-if: table, page, and sessions to replay.
+// The output folder of a what-if: table, page, and sessions to replay.
 #pragma once
 
 #include <filesystem>

@@ -21,7 +21,7 @@ std::string Degrees(double rad) {
          (std::abs(rad) < 1.5 * math::kRadPerDegree ? " degree" : " degrees");
 }
 
-/// A needle that hardly leans is tilted; one that leans is made steeper or flatter.
+/// Near the normal, a change is a tilt; otherwise the needle becomes steeper or flatter.
 std::string SteeperText(const TrialLine& line, double steeper_rad) {
   constexpr double kUpright = 0.94;  // Cosine of 20 degrees.
   if (line.axis_in_ct.dot(line.inward_in_ct) < kUpright) {

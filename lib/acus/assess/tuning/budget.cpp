@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kRate = "step_rate_hz";
 
-/// Numbers and switches: another model is another scene.
+/// True for numbers and switches: another model would be another scene.
 bool IsTurnedUnasked(const Knob& knob) {
   if (knob.is_folder || knob.pointers.empty() || knob.values.size() < 2) return false;
   const nlohmann::json& value = knob.values.front();
@@ -98,7 +98,7 @@ std::vector<ChoiceKnob> ChoiceKnobs(const std::vector<Knob>& knobs) {
   return out;
 }
 
-/// Measures settings, each once, and keeps what it found.
+/// Measures settings, each once, and stores the results.
 class Measuring {
  public:
   Measuring(SweepPlan& plan, const RunStore& store, RunContext& context)
@@ -228,8 +228,8 @@ SweepResult ResultOf(const BudgetAnswer& answer) {
       runs.back().setting = setting;
     }
   };
-  // A knob's own sweep is identified by its value alone. SettingsOf expects the most expensive
-  // first.
+  // The sweep of a single parameter is identified by its value alone. SettingsOf expects the most
+  // expensive first.
   const auto alone = static_cast<std::size_t>(answer.choice.num_one_at_a_time);
   for (std::size_t k = 0; k < shown.knobs.size(); ++k) {
     const Knob& knob = shown.knobs[k];
@@ -239,7 +239,7 @@ SweepResult ResultOf(const BudgetAnswer& answer) {
       given[k] = answer.measured[i].indices[k];
       if (given == answer.measured[i].indices) by_index[given[k]] = &answer.measured[i];
     }
-    if (by_index.size() < 2) continue;  // It does not act on what is asked.
+    if (by_index.size() < 2) continue;  // It has no influence on the goal.
     const auto show = [&](int index, const MeasuredSetting& measured) {
       add(knob.name, {{knob.name, knob.values[static_cast<std::size_t>(index)]}}, measured);
     };

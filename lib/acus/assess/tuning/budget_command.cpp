@@ -46,14 +46,14 @@ void AddBudgetOptions(CLI::App& command, BudgetOptions& options) {
 
 std::string RunBudget(const BudgetOptions& options, const SweepRequest& request,
                       const fs::path& folder, RunContext& context) {
-  // A wrong text is told before anything is read.
+  // An invalid text is an error before anything is read.
   if (!options.budget.empty()) ParseBudget(options.budget);
   if (!options.accuracy.empty()) ParseAccuracy(options.accuracy);
   SweepPlan plan = MakeBudgetPlan(request, context);
   const BudgetQuestion question = QuestionOf(options, plan, context);
   context.provenance.AddInput(request.scene.scenario);
   const RunStore store(folder, IdentityOf(plan), context.overwrite);
-  // What another question left would stand beside the answer to this one.
+  // Removes the answer to an earlier request.
   fs::remove(folder / "scenario.json");
   const BudgetAnswer answer = AnswerQuestion(question, std::move(plan), store, context);
 

@@ -1,4 +1,4 @@
-// The options of `acus-tradeoff scene` that ask for a setting, and what they do.
+// The options of `acus-tradeoff scene` that request a setting, and their execution.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ class App;
 
 namespace acus::tuning {
 
-/// At most one of them is given.
+/// At most one of them is set.
 struct BudgetOptions {
   std::string budget;
   std::string accuracy;
@@ -27,9 +27,9 @@ void AddBudgetOptions(CLI::App& command, BudgetOptions& options);
 
 /// Measures, chooses, and writes tables, page and - if a setting was found - scenario.json into
 /// `folder`. @returns the text for the terminal.
-/// @throws InputError as MakeBudgetPlan and AnswerQuestion; NoAnswerError if no setting measured
-///     meets the goal: then the message says what the nearest takes, and scenario.json is not
-///     there.
+/// @throws InputError as MakeBudgetPlan and AnswerQuestion; NoAnswerError if no measured setting
+///     meets the goal: the message then states the cost of the closest one, and there is no
+///     scenario.json.
 std::string RunBudget(const BudgetOptions& options, const SweepRequest& request,
                       const std::filesystem::path& folder, RunContext& context);
 

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the knobs that were turned. What stays as given stays unsaid where it was.
+/// Changes of the parameters that were varied. Unchanged ones are omitted.
 std::vector<scenario::Override> ChangesOf(const BudgetAnswer& answer) {
   Setting setting;
   for (const auto& [name, value] : SettingOf(answer.plan.knobs, answer.Best().indices)) {

@@ -1,4 +1,4 @@
-// What was chosen as a scenario, with the evidence.
+// The chosen setting as a scenario, with the evidence.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace acus::tuning {
 
-/// How the answer came about, for the scenario.
+/// The evidence for the answer, for the scenario.
 scenario::Evidence EvidenceOf(const BudgetAnswer& answer);
 
 /// The given scenario with its changes, the chosen values and the evidence. Its paths are absolute:

@@ -1,4 +1,4 @@
-// What a budget's answer says to people.
+// The texts of a budget's answer.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace acus::tuning {
 namespace {
 
-/// "0.061 ms": of steps, which are counted in us.
+/// "0.061 ms", from the us of a step.
 std::string StepText(double us) {
   return RoundedText(1e-3 * us, 2) + " ms";
 }
@@ -81,7 +81,7 @@ std::string StagesText(const MeasuredSetting& setting) {
   return text;
 }
 
-/// A part of the simulation, and how its time is told.
+/// A part of the simulation, and the text for its time.
 struct TimedPart {
   double scenario::Cost::*cost;
   ActsOn acts_on;
@@ -89,7 +89,7 @@ struct TimedPart {
   std::string (*text)(double);
 };
 
-/// The knob whose index, as chosen, costs most over its cheapest.
+/// The parameter whose chosen value costs most relative to its cheapest one.
 std::string MostExpensiveKnobText(const BudgetAnswer& answer, const TimedPart& part) {
   constexpr double kWorthTelling = 0.1;
   double scenario::Cost::*const cost = part.cost;

@@ -24,7 +24,7 @@ std::int64_t Nanoseconds(double seconds) {
   return std::llround(1e9 * seconds);
 }
 
-/// Which of the streams the steps go by.
+/// The stream whose samples drive the steps.
 session::PoseStream& Clock(session::Session& session) {
   return session.needle.empty() ? session.probe : session.needle;
 }
@@ -35,7 +35,7 @@ void CutAfter(session::PoseStream& stream, std::int64_t last_ns) {
   stream.erase(end, stream.end());
 }
 
-/// The part of a session that is looked at.
+/// The measured part of a session.
 struct Window {
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;
@@ -51,7 +51,7 @@ Window WindowOf(const SweptScene& scene, const session::Session& session) {
   return {session.start_ns() + Nanoseconds(scene.from_s), last_ns};
 }
 
-/// At most `most` of the moments, evenly.
+/// At most `most` of the snapshots, evenly spaced.
 std::vector<Snapshot> Moments(const Scene& scene, const session::Session& session,
                               const Window& window, int most) {
   std::vector<Snapshot> all = replay::Snapshots(scene, session, nullptr);
@@ -62,11 +62,11 @@ std::vector<Snapshot> Moments(const Scene& scene, const session::Session& sessio
   return moments;
 }
 
-/// Forces at the common moments: those of the last step until then.
+/// Forces at the common times: those of the last step until then.
 void TakeForces(const replay::StepLog& log, const Window& window, std::int64_t start_ns,
                 Series& series) {
   if (log.steps.empty()) return;
-  // Stamps of k / rate are rounded to whole nanoseconds.
+  // Times of k / rate are rounded to whole nanoseconds.
   constexpr std::int64_t kSlackNs = 1000;
   const std::int64_t first_ns = std::max(window.from_ns, log.steps.front().time_ns);
   series.first_s = 1e-9 * static_cast<double>(first_ns - start_ns);
@@ -99,12 +99,12 @@ void TakeStepTimes(const replay::StepLog& log, const std::vector<double>& cpu_s,
   out.step_us_mean = math::Mean(times_us);
 }
 
-/// Renders all moments, in one thread.
+/// Renders all snapshots, in one thread.
 void RunImages(const Scene& scene, const std::vector<Snapshot>& moments,
                simulation::StageTimes& times, const RunContext& context, CaseRun& out) {
   simulation::ProbeImageRenderer renderer(scene);
   simulation::ProbeImages images;
-  // The first image makes room for the others.
+  // The first image allocates buffers for the others.
   if (!moments.empty()) renderer.Render(moments.front(), images);
   std::vector<double> times_ms;
   for (std::size_t i = 0; i < moments.size(); ++i) {
@@ -145,7 +145,7 @@ std::vector<StageShare> SharesOf(const simulation::EffectPlan& plan,
   return shares;
 }
 
-/// The time and memory that a scene takes before its first step.
+/// Loads a scene, and measures the time and memory before its first step.
 Scene LoadTimed(const scenario::Scenario& scenario, const simulation::EffectPlan& plan,
                 RunContext& context, Measured& out) {
   const double heap_mb = HeapMb();
@@ -153,7 +153,7 @@ Scene LoadTimed(const scenario::Scenario& scenario, const simulation::EffectPlan
   Scene scene = simulation::LoadScene(scenario, plan, context);
   out.preparation_s = ProcessCpuSeconds() - begin_s;
   out.memory_mb = std::max(0.0, HeapMb() - heap_mb);
-  // The compliance is mapped from its file: it does not lie on the heap.
+  // The compliance is mapped from its file: it is not on the heap.
   const auto compliance = scenario.patient.mesh.parent_path() / "compliance.acc";
   if (plan.Writes(effects::ports::kContact) && std::filesystem::exists(compliance)) {
     out.memory_mb += 1e-6 * static_cast<double>(std::filesystem::file_size(compliance));
@@ -250,7 +250,7 @@ CaseRun RunCase(const SweptScene& swept, const RunSettings& settings, RunContext
   out.measured.unusable = WhyUnusable(scenario, scene, log);
   simulation::StageTimes times(plan);
   RunImages(scene, moments, times, context, out);
-  // Reading the clock at each stage would be in the time of the steps: they go a second time.
+  // Reading the clock at each stage would add to the time of the steps: they run a second time.
   if (!log.steps.empty()) replay::RunSteps(scene, session, {}, &times, context);
   out.measured.stages = SharesOf(plan, times);
   return out;

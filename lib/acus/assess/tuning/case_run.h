@@ -15,46 +15,46 @@
 
 namespace acus::tuning {
 
-/// Whose knobs are turned, over which part of which session.
+/// The scene whose parameters are varied, and the part of the session.
 struct SweptScene {
   std::filesystem::path scenario;           ///< acus-scenario file.
-  std::vector<scenario::Override> changes;  ///< Of the command line, for all settings.
+  std::vector<scenario::Override> changes;  ///< From the command line, for all settings.
   std::filesystem::path session;
-  /// Seconds since the session began. What is before is played, but neither timed nor compared.
+  /// Seconds since the session began. Earlier samples are stepped, but neither timed nor compared.
   double from_s = 0.0;
   double to_s = 0.0;      ///< 0: to its end.
-  int most_images = 100;  ///< Evenly over that time, if the scenario's rate makes more.
+  int most_images = 100;  ///< Evenly spaced over that time, if the scenario's rate gives more.
 };
 
-/// How one setting is run.
+/// The settings of one run.
 struct RunSettings {
-  std::vector<scenario::Override> changes;  ///< On top of the scene's.
+  std::vector<scenario::Override> changes;  ///< In addition to the scene's.
   double step_rate_hz = 0.0;                ///< 0: as recorded.
   std::uint64_t seed = 0;
 };
 
 struct CaseRun {
-  Measured measured;  ///< All but the errors, knob, setting and repetition.
+  Measured measured;  ///< All except errors, knob, setting and repetition.
   Series series;
 };
 
-/// The session up to `to_s`, as the scenario says to read it. @throws InputError
+/// The session up to `to_s`, read with the scenario's options. @throws InputError
 session::Session ReadSessionOf(const SweptScene& scene, const scenario::Scenario& scenario,
                                const RunContext& context);
 
-/// Samples per second of what steps go by, needle or probe: the median; 0 if there is none.
+/// Median rate of the samples that drive the steps, needle or probe; 0 if there is none.
 double RecordedRateHz(const session::Session& session);
 
-/// The session as a tracker of another rate would have recorded it: the tool that steps go by at
-/// k / rate_hz since its first sample, between the recorded poses. @pre rate_hz > 0.
+/// The session as a tracker of another rate would have recorded it: the driving tool at k / rate_hz
+/// since its first sample, interpolated between the recorded poses. @pre rate_hz > 0.
 session::Session Resampled(const session::Session& session, double rate_hz);
 
-/// What `seed` changes in a scenario: it is added to the scenario's own seeds, of speckle and of
-/// breath that varies. None if nothing in it is random.
+/// The changes of a scenario by `seed`: it is added to the scenario's own seeds, of speckle and of
+/// breath that varies. None if the scene has nothing random.
 std::vector<scenario::Override> SeedChanges(const scenario::Scenario& scenario, std::uint64_t seed);
 
-/// Runs a setting. The series is the same bits each time; times are of one thread.
-/// @throws InputError if the setting does not fit the scene, or an input is not usable.
+/// Runs a setting. The series has the same bits each time; times are of one thread.
+/// @throws InputError if the scene does not allow the setting, or an input is not usable.
 CaseRun RunCase(const SweptScene& scene, const RunSettings& settings, RunContext& context);
 
 }  // namespace acus::tuning

@@ -13,11 +13,11 @@ namespace {
 constexpr std::size_t kMostShared = 256;  ///< Combinations of knobs that act on both parts.
 constexpr std::size_t kMostOnFront = 200;
 
-/// How good a setting is for the goal, or a part of it: less is better, in the order of members.
+/// The quality of a setting for the goal, or a part of it: less is better, in the order of members.
 struct Score {
-  double miss = 0.0;   ///< By which factor limits are broken, as a logarithm; 0: they are kept.
-  double merit = 0.0;  ///< What the goal leaves to be made small.
-  double tie = 0.0;    ///< The rest.
+  double miss = 0.0;   ///< Logarithm of the factor by which limits are exceeded; 0: they are met.
+  double merit = 0.0;  ///< The quantity to minimise under the limits.
+  double tie = 0.0;    ///< The quantity that decides ties.
 
   Score& operator+=(const Score& other) {
     miss += other.miss;
@@ -58,8 +58,8 @@ class Search {
     choice_.num_one_at_a_time = static_cast<int>(choice_.measured.size());
     PrepareFronts();
     for (int n = 0; n < settings_.most_joint; ++n) {
-      // What is expected to be best; then what would be if it were cheaper than expected, by as
-      // much as expectations were wrong so far.
+      // The best expected setting; if it is measured, the best one if costs were lower than
+      // expected by the errors of the expectations so far.
       ValueIndices next = MostPromising(false);
       if (IsMeasured(next)) next = MostPromising(true);
       if (IsMeasured(next)) break;
@@ -103,7 +103,7 @@ class Search {
     }
   }
 
-  /// Knobs that act on nothing that the goal names stay as given.
+  /// Parameters without influence on the goal keep the scenario's values.
   bool IsTurned(const ChoiceKnob& knob) const {
     return (knob.acts_on_force && goal_.force) || (knob.acts_on_image && goal_.image);
   }
@@ -144,7 +144,7 @@ class Search {
     return score;
   }
 
-  /// By the setting's own run, not by what runs that share one part of it gave.
+  /// Uses the setting's own run, not runs that share one part with it.
   Score ScoreOf(const Candidate& candidate) const {
     Score score;
     for (int part = 0; part < kNumParts; ++part) {
@@ -153,8 +153,8 @@ class Search {
     return score;
   }
 
-  /// A cost that is less by no more than the noise is not less. Of settings that fit a budget and
-  /// are as accurate, none is better: less time was not asked for, and knobs are not turned for it.
+  /// A cost that is lower by no more than the noise is not lower. Among equally accurate settings
+  /// within a budget, none is better: less time is not required, and parameters stay unchanged.
   bool IsBetter(const Score& a, const Score& b) const {
     const double worth_miss = a.miss > 0.0 && b.miss > 0.0 ? std::log1p(settings_.noise) : 0.0;
     if (std::abs(a.miss - b.miss) > worth_miss) return a.miss < b.miss;
@@ -194,15 +194,16 @@ class Search {
     }
   }
 
-  /// The settings of the knobs that act on this part alone that no other beats by the model; built
-  /// knob by knob, which loses none: what is beaten stays so whatever is added to both.
+  /// The settings of the parameters that affect this part alone which are on the model's Pareto
+  /// front; built parameter by parameter, which loses none: a dominated setting stays so whatever
+  /// is added to both.
   std::vector<ValueIndices> FrontOf(int part, ProductShare law) const {
     std::vector<ValueIndices> front = {given_};
     for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
       if (!Touches(knobs_[knob], part) || !IsTurned(knobs_[knob]) || IsShared(knobs_[knob])) {
         continue;
       }
-      // As given first: of settings with the same sum, the one that turns the fewest knobs.
+      // The scenario's value first: of settings with the same sum, the one that changes the fewest.
       std::vector<ValueIndices> wider = front;
       for (int index = 0; index < knobs_[knob].num_values; ++index) {
         if (index == knobs_[knob].given || !model_.IsUsable(knob, index)) continue;
@@ -231,8 +232,8 @@ class Search {
     return front;
   }
 
-  /// The best setting by all that is known so far: of the fronts, and of those around the best
-  /// that was measured. One that was measured wins a tie.
+  /// The best expected setting: of the fronts, and of those around the best measured one. A
+  /// measured one wins a tie.
   ValueIndices MostPromising(bool hopeful) const {
     const ValueIndices& incumbent = choice_.measured[BestMeasured()].indices;
     ValueIndices best = incumbent;
@@ -249,7 +250,7 @@ class Search {
     return best;
   }
 
-  /// The knobs of each part as is best for it, given those that act on both.
+  /// The best parameters for each part, given those that affect both.
   ValueIndices WithBestParts(const ValueIndices& shared, bool hopeful) const {
     ValueIndices out = shared;
     for (int part = 0; part < kNumParts; ++part) {
@@ -269,7 +270,7 @@ class Search {
     return out;
   }
 
-  /// `base` with the knobs that act on this part alone from `own`.
+  /// `base` with the parameters that affect this part alone from `own`.
   ValueIndices Joined(ValueIndices base, const ValueIndices& own, int part) const {
     for (std::size_t knob = 0; knob < knobs_.size(); ++knob) {
       if (Touches(knobs_[knob], part) && !IsShared(knobs_[knob])) base[knob] = own[knob];
@@ -277,7 +278,7 @@ class Search {
     return base;
   }
 
-  /// All settings that turn one knob or two.
+  /// All settings that change one parameter or two.
   template <typename Consider>
   void Around(const ValueIndices& middle, const Consider& consider) const {
     for (std::size_t a = 0; a < knobs_.size(); ++a) {
@@ -307,7 +308,7 @@ class Search {
   const std::function<Outcome(const ValueIndices&)>& measure_;
   ChoiceModel model_;
   ValueIndices given_;
-  std::array<std::vector<ValueIndices>, kNumParts> front_;  ///< Of parts that the goal names.
+  std::array<std::vector<ValueIndices>, kNumParts> front_;  ///< For parts that the goal names.
   std::vector<ValueIndices> shared_;
   Choice choice_;
 };

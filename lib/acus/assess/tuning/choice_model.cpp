@@ -26,7 +26,7 @@ CostAndError PartOf(const Outcome& outcome, int part) {
 }
 
 void SetPart(Outcome& outcome, int part, const CostAndError& value) {
-  // Sums of changes may come out below zero; NaN stays NaN.
+  // Sums of changes may be negative; NaN stays NaN.
   const double error = std::max(value.error, 0.0);
   const double cost = std::max(value.cost, 0.0);
   if (part == 0) {
@@ -84,7 +84,8 @@ void ChoiceModel::AddMeasured(const ValueIndices& indices, const Outcome& outcom
         wrong_[static_cast<std::size_t>(part)][i] += std::pow(std::log(measured.cost / cost), 2);
       }
     } else {
-      // The same work twice: the more expensive of two times, so that what is said to fit does fit.
+      // The same work twice: the larger of two times, so that a setting reported to meet a budget
+      // meets it.
       same->measured.cost = std::max(same->measured.cost, measured.cost);
       same->measured.error = std::max(same->measured.error, measured.error);
     }
@@ -144,7 +145,7 @@ CostAndError ChoiceModel::Best(const ValueIndices& indices, int part, bool hopef
   for (const Seen& seen : seen_[static_cast<std::size_t>(part)]) {
     const int distance = Distance(indices, seen.indices, part);
     if (distance == 0) return seen.measured;
-    // Of several as near the last: the search comes nearer to its end.
+    // The last one at the smallest distance: it is closer to the end of the search.
     if (!IsFinite(seen.measured) || distance > least) continue;
     nearest = &seen;
     least = distance;
@@ -153,7 +154,7 @@ CostAndError ChoiceModel::Best(const ValueIndices& indices, int part, bool hopef
   if (!hopeful) return best;
   best.cost /= Doubt(part);
   if (num_joint_[static_cast<std::size_t>(part)] > 0) return best;
-  for (const ProductShare law : kLaws) {  // Nothing is known yet of how knobs go together.
+  for (const ProductShare law : kLaws) {  // The law is not determined yet.
     best.cost = std::min(best.cost, Corrected(indices, part, nearest, law).cost);
   }
   return best;

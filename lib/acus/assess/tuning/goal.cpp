@@ -10,7 +10,7 @@
 namespace acus::tuning {
 namespace {
 
-/// What may stand behind a number, and what it is in the goal's unit.
+/// The unit of a number, and its factor to the goal's unit.
 struct Unit {
   std::string name;
   double factor;
@@ -64,7 +64,7 @@ std::string UnitsText(const Part& part) {
                            ", one or both, such as ", grammar.option, " ", grammar.example));
 }
 
-/// "0.5ms" in the unit of the goal.
+/// "0.5ms", converted to the unit of the goal.
 double ValueOf(const Grammar& grammar, const std::string& text, const Part& part,
                const std::string& value) {
   double number = 0.0;

@@ -1,4 +1,4 @@
-// What a setting is chosen for: a budget of time, or an accuracy.
+// The goal of the choice of a setting: a budget of time, or an accuracy.
 #pragma once
 
 #include <optional>
@@ -7,12 +7,11 @@
 namespace acus::tuning {
 
 enum class GoalKind {
-  kBudget,    ///< The most accurate setting that takes at most so long.
-  kAccuracy,  ///< The cheapest setting that is off by at most so much.
+  kBudget,    ///< The most accurate setting within the time.
+  kAccuracy,  ///< The cheapest setting within the error.
 };
 
-/// Of the two parts of a simulation - forces and images - those that are named are held to their
-/// limit. At least one is.
+/// Limits for the two parts of a simulation, forces and images. At least one of them is set.
 struct Goal {
   GoalKind kind = GoalKind::kBudget;
   /// kBudget: CPU time of a force step, 99.9th percentile, us. kAccuracy: largest RMS error of the
@@ -23,22 +22,22 @@ struct Goal {
 };
 
 /// "force=0.5ms,image=16ms": one part or both, each once; us, ms or s.
-/// @throws InputError that says what is wrong and what is allowed.
+/// @throws InputError naming the problem and what is allowed.
 Goal ParseBudget(const std::string& text);
 
 /// "force=0.02N,image=35dB": one part or both, each once; N or mN, and dB.
-/// @throws InputError that says what is wrong and what is allowed.
+/// @throws InputError naming the problem and what is allowed.
 Goal ParseAccuracy(const std::string& text);
 
 /// "force=0.05N" alone, N. @throws InputError as ParseAccuracy, and if it names the image.
 double ParseForceAccuracyN(const std::string& text);
 
-/// What a live session needs: a force step at `force_rate_hz`, an image at `image_rate_hz`.
+/// The goal of a live session: a force step at `force_rate_hz`, an image at `image_rate_hz`.
 /// @pre both > 0.
 Goal LiveBudget(double force_rate_hz, double image_rate_hz);
 
-/// As ParseBudget or ParseAccuracy read it: "force=0.5ms,image=16ms". Nine digits: what
-/// a person typed comes back as typed.
+/// In the format of ParseBudget or ParseAccuracy: "force=0.5ms,image=16ms". Nine digits, so that a
+/// number typed by a user is reproduced.
 std::string TextOf(const Goal& goal);
 
 }  // namespace acus::tuning

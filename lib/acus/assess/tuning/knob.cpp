@@ -21,7 +21,7 @@ bool Holds(const std::vector<json>& values, const json& value) {
   return std::ranges::any_of(values, [&](const json& v) { return SameValue(v, value); });
 }
 
-/// Numbers from cheap to expensive; words and truth values as the knob lists them.
+/// Numbers from cheap to expensive; words and truth values in the order of the knob.
 void Order(const Knob& knob, std::vector<json>& values) {
   const auto rank = [&knob](const json& value) {
     return std::ranges::find_if(knob.values, [&](const json& v) { return SameValue(v, value); }) -
@@ -35,7 +35,7 @@ void Order(const Knob& knob, std::vector<json>& values) {
   });
 }
 
-/// @throws InputError if `value` is not of the kind that the knob takes.
+/// @throws InputError if the type of `value` is not that of the knob.
 void RequireKind(const Knob& knob, const json& value) {
   if (knob.is_folder) {
     const std::filesystem::path folder = ValueText(value);

@@ -1,4 +1,4 @@
-// The knobs of fidelity: what can be simulated coarser or finer, and what that touches.
+// The parameters of a simulation: values that make it coarser or finer, and what they affect.
 #pragma once
 
 #include <filesystem>
@@ -21,11 +21,11 @@ std::string_view NameOf(ActsOn acts_on);
 
 using effects::PaperValue;
 
-/// A knob in a scenario: the last of its values is what errors are against. Its default_value is
-/// the schema's, its scenario_value where it stands; null if there is none.
+/// A parameter of a scenario: the last of its values is the reference of errors. Its default_value
+/// is the schema's, its scenario_value the current one; null if there is none.
 struct Knob : effects::Knob {
-  /// Where the scenario has it (JSON pointers); empty: it is not in the scenario but in how the
-  /// session is played (step_rate_hz).
+  /// Its positions in the scenario (JSON pointers); empty: it is not in the scenario but affects
+  /// how the session is stepped (step_rate_hz).
   std::vector<std::string> pointers;
   bool falls = false;  ///< Smaller numbers are more expensive: spacings.
 
@@ -34,21 +34,21 @@ struct Knob : effects::Knob {
   bool IsPapers(const nlohmann::json& value) const;
 };
 
-/// The knobs that have something to turn in what `scenario` calls for, each with its values.
-/// @param recorded_rate_hz  Of the session's samples; 0: it has none, and no step_rate_hz.
+/// The parameters of the effects in `scenario`, each with its values.
+/// @param recorded_rate_hz  Rate of the session's samples; 0: it has none, and no step_rate_hz.
 std::vector<Knob> KnobsOf(const scenario::Scenario& scenario, double recorded_rate_hz);
 
-/// @throws InputError that lists the knobs there are, and says which one was meant perhaps.
+/// @throws InputError listing the existing ones, with the most similar name.
 const Knob& KnobNamed(std::span<const Knob> knobs, std::string_view name);
 
-/// The knob as the user writes it: "needle_nodes" with its values and the one of the scenario, or
-/// "needle_nodes=15,50" with just these - with a single one, the scenario's as well - in order
-/// from cheap to expensive. Words keep the order of the knob, folders that of the user.
+/// Parses a parameter from the user: "needle_nodes" with its values and the one of the scenario, or
+/// "needle_nodes=15,50" with just these - with a single one, the scenario's as well - in order from
+/// cheap to expensive. Words keep the order of the knob, folders that of the user.
 /// @throws InputError for an unknown knob or word, a value of the wrong kind, or too few values.
 Knob KnobFromText(std::span<const Knob> knobs, const std::string& text);
 
-/// The changes of a scenario that bring these knobs to `setting`. Knobs without a pointer give
-/// none.
+/// The changes of a scenario that set these parameters to `setting`. Parameters without a pointer
+/// give none.
 /// @throws InputError if the setting names a knob that is not among `knobs`.
 std::vector<scenario::Override> OverridesOf(std::span<const Knob> knobs, const Setting& setting);
 

@@ -1,4 +1,4 @@
-// The knobs of a scenario: what its effects declare, with what schema and scenario say of each.
+// The parameters of a scenario: declarations of its effects, with defaults and current values.
 #include <utility>
 
 #include "acus/assess/tuning/knob.h"
@@ -11,7 +11,7 @@ namespace {
 using nlohmann::json;
 using scenario::Scenario;
 
-/// What the schema fills in at a place; null if it must be given.
+/// The schema's default at a pointer; null if there is none.
 json SchemaDefault(const json& schema, const std::string& pointer) {
   const json* node = &schema;
   json::json_pointer place(pointer);
@@ -35,7 +35,7 @@ Knob KnobOf(effects::Knob declared, std::string_view effect, const Scenario& sce
   return knob;
 }
 
-/// How often the session is stepped.
+/// The rate at which the session is stepped.
 Knob StepRate(double recorded_rate_hz) {
   Knob rate;
   rate.name = "step_rate_hz";

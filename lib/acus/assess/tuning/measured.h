@@ -1,4 +1,4 @@
-// What one run of one setting gave: error and time from the same run.
+// The results of one run of one setting: error and time from the same run.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@ namespace acus::tuning {
 
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-/// A stage's part of the time of steps, or of images.
+/// A stage's share of the time of steps, or of images.
 struct StageShare {
   std::string stage;
   std::string rate;     ///< "step" or "image".
-  double share = 0.0;   ///< Of the time of all stages of that rate, 0 to 1.
-  double asleep = 0.0;  ///< Share of its runs in which it had nothing to do, 0 to 1.
+  double share = 0.0;   ///< Share of the time of all stages of that rate, 0 to 1.
+  double asleep = 0.0;  ///< Share of its runs without work, 0 to 1.
 };
 
-/// One run. What the scene does not have (no forces, no images) is kNotMeasured.
+/// One run. Values of missing parts (no forces, no images) are kNotMeasured.
 struct Measured {
-  std::string knob;        ///< Whose sweep it is of; "jointly" if several were turned at once.
-  Setting setting;         ///< Of the knobs that are swept; the others stand as in the scenario.
+  std::string knob;        ///< Parameter of the sweep; "jointly" if several were varied at once.
+  Setting setting;         ///< Values of the swept parameters; the others have the scenario's.
   int repetition = 0;      ///< From 0.
-  std::uint64_t seed = 0;  ///< Of what is random in the scene; the same for all settings.
+  std::uint64_t seed = 0;  ///< Seed of the scene's random parts; the same for all settings.
 
   std::int64_t steps = 0;
   double step_us_median = kNotMeasured;  ///< Thread CPU time of Simulation::Step, us.
@@ -36,31 +36,30 @@ struct Measured {
   double image_ms_median = kNotMeasured;  ///< Thread CPU time of ProbeImageRenderer::Render, ms.
   double image_ms_p95 = kNotMeasured;     ///< 95th percentile, ms.
   double image_ms_mean = kNotMeasured;    ///< ms
-  std::vector<StageShare> stages;         ///< Of the plan, in order.
+  std::vector<StageShare> stages;         ///< Stages of the plan, in order.
   double preparation_s = kNotMeasured;    ///< CPU time of loading the scene, s.
-  double memory_mb = kNotMeasured;        ///< What the scene holds, 10^6 bytes.
+  double memory_mb = kNotMeasured;        ///< Memory of the scene, 10^6 bytes.
 
   double force_felt_n = kNotMeasured;  ///< Largest force on needle or probe, N.
 
-  // Against the reference: the same session with the most expensive value, and the same seed.
+  // Relative to the reference: the same session with the most expensive value, and the same seed.
   bool is_reference = false;              ///< Its errors are zero, as it is the reference.
   double force_rms_n = kNotMeasured;      ///< RMS of the difference of forces, N.
   double force_largest_n = kNotMeasured;  ///< Largest difference of forces, N.
   double image_rms_grey = kNotMeasured;   ///< RMS of the difference of images, of 255 grey values.
   double image_ssim = kNotMeasured;       ///< Mean structural similarity; 1: identical.
 
-  /// Why the run must not be used: forces out of bounds, or energy from nothing. Empty: it may be.
+  /// Why the run must not be used: forces out of bounds, or generated energy. Empty: usable.
   std::string unusable;
 
-  /// Peak signal-to-noise ratio of the images, dB; infinite where they are identical.
+  /// Peak signal-to-noise ratio of the images, dB; infinite if they are identical.
   double ImagePsnrDb() const;
 };
 
-/// One line of JSON (format acus-tradeoff-run/1). What was not measured is null.
+/// One line of JSON (format acus-tradeoff-run/1). Values that were not measured are null.
 nlohmann::json ToJson(const Measured& measured);
 
-/// @throws InputError if it is not what ToJson writes. @param label stands for the file in
-/// messages.
+/// @throws InputError if it is not the output of ToJson. @param label  Names the file in messages.
 Measured MeasuredFromJson(const nlohmann::json& json, const std::string& label);
 
 }  // namespace acus::tuning

@@ -148,7 +148,7 @@ std::vector<std::vector<const SettingResult*>> ByKnob(const SweepResult& result)
   return groups;
 }
 
-/// "step 4.1 us instead of 13.5 us"; "as before" where the intervals of both overlap.
+/// "step 4.1 us instead of 13.5 us"; "as before" if the intervals of both overlap.
 std::string Instead(const char* what, const Estimate& now, const Estimate& before,
                     const char* unit) {
   const auto with_unit = [unit](double value) { return RoundedText(value, 3) + " " + unit; };

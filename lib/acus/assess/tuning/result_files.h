@@ -1,4 +1,4 @@
-// A sweep's result for people and programs: tradeoff.csv, tradeoff.json, a table, plain sentences.
+// Output files and texts of a sweep: tradeoff.csv, tradeoff.json, a table, sentences.
 #pragma once
 
 #include <filesystem>
@@ -12,14 +12,14 @@
 namespace acus::tuning {
 
 /// One line per setting: means over repetitions and the half widths of their 95 % intervals
-/// (columns that end in _ci95). What was not measured is an empty cell; so is the PSNR of identical
-/// images, whose image_rms_grey is 0.
+/// (columns that end in _ci95). Values that were not measured are empty cells; so is the PSNR of
+/// identical images, whose image_rms_grey is 0.
 std::string CsvText(const SweepResult& result);
 
 /// All of the result: knobs, settings with intervals, every run (format acus-tradeoff-scene/1).
 nlohmann::json ToJson(const SweepResult& result);
 
-/// The settings of one knob's sweep, for people.
+/// The settings of one parameter's sweep, as text.
 struct KnobTable {
   std::string knob;
   std::vector<std::string> header;
@@ -27,15 +27,14 @@ struct KnobTable {
 };
 std::vector<KnobTable> TablesOf(const SweepResult& result);
 
-/// Settings on a terminal, one table per knob.
+/// Settings for the terminal, one table per parameter.
 std::string TableText(const SweepResult& result);
 
-/// One plain sentence per knob: what is lost and gained between the scenario's own value (or the
-/// cheap one of two) and the most expensive. "needle_nodes 15 instead of 50: force error 0.013 N
-/// RMS, ..."
+/// One sentence per parameter: losses and gains between the scenario's own value (or the cheap one
+/// of two) and the most expensive. "needle_nodes 15 instead of 50: force error 0.013 N RMS, ..."
 std::string Sentences(const SweepResult& result);
 
-/// What was not swept, and why; empty if nothing was left out.
+/// Values that were not swept, and the reasons; empty if there are none.
 std::string LeftOutText(const SweepPlan& plan);
 
 /// Writes tradeoff.csv, tradeoff.json and provenance.json into the sweep's folder.

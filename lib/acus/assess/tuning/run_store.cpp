@@ -17,10 +17,10 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* kPlan = "plan.json";
-/// As AtomicFile names what is being written: .partial-PROCESS-NUMBER-NAME
+/// The prefix of AtomicFile for unfinished files: .partial-PROCESS-NUMBER-NAME
 constexpr std::string_view kPartial = ".partial-";
 
-/// Not there, or nothing in it but what another process that lays it out just now has made.
+/// True if the folder does not exist, or another process has just begun to create the store in it.
 bool IsFree(const fs::path& folder) {
   if (!fs::exists(folder)) return true;
   if (!fs::is_directory(folder)) return false;
@@ -30,7 +30,7 @@ bool IsFree(const fs::path& folder) {
   });
 }
 
-/// "/seconds: 2 there, 5 now": the first place where plans differ.
+/// "/seconds: 2 there, 5 now": the first difference of two plans.
 std::string FirstDifference(const json& there, const json& now) {
   for (const json& change : json::diff(there, now)) {
     const std::string path = change.at("path");
@@ -46,7 +46,7 @@ std::string FirstDifference(const json& there, const json& now) {
   return "they are the same";
 }
 
-/// The build that a plan names.
+/// The build in a plan.
 std::string BuildOf(const json& plan) {
   return plan.is_object() && plan.contains("build") ? plan["build"].dump() : "an unnamed one";
 }
@@ -61,7 +61,7 @@ RunStore::RunStore(fs::path folder, const json& plan, bool overwrite) : folder_(
   if (has_plan && overwrite) fs::remove_all(folder_);
   if (!fs::exists(plan_file)) config::WriteJson(plan_file, plan);
   const json there = config::ReadJson(plan_file);
-  // As it is written: names of files may hold bytes that JSON may not.
+  // As written: names of files may contain bytes that JSON may not.
   const json now = json::parse(plan.dump(-1, ' ', false, json::error_handler_t::replace));
   ACUS_REQUIRE(BuildOf(there) == BuildOf(now), folder_.string(),
                ": holds runs of another build of Acus (", BuildOf(there), " there, ", BuildOf(now),
@@ -115,7 +115,7 @@ std::string RunText(const Measured& measured) {
 }
 
 std::optional<Measured> RunFromText(const std::string& text) {
-  // Prefix, 64 digits, infix, body, suffix: the sum is over the bytes as they are.
+  // Prefix, 64 digits, infix, body, suffix: the sum is over the unchanged bytes.
   const std::string prefix = "{\"sha256\": \"";
   const std::string infix = "\", \"run\": ";
   const std::size_t body_at = prefix.size() + 64 + infix.size();

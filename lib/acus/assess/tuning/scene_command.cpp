@@ -31,7 +31,7 @@ struct Options {
   bool list = false;
 };
 
-/// What was finished is kept, whatever RunContext says of stopping in general.
+/// A stop with its own message: finished runs are kept.
 class Stopped : public Cancelled {
  public:
   explicit Stopped(std::string text) : text_(std::move(text)) {}
@@ -74,7 +74,7 @@ SweepRequest RequestOf(const Options& options, const RunContext& context) {
   return request;
 }
 
-/// @param store  Null: nobody has said where it will be.
+/// @param store  Null: the folder is not chosen yet.
 std::string ListText(const SweepPlan& plan, const RunStore* store) {
   std::string text = LeftOutText(plan);
   for (const Case& one : plan.cases) {
@@ -103,7 +103,7 @@ std::string Run(const Options& options, RunContext& context) {
   const SweepPlan plan = MakePlan(request, context);
   context.provenance.AddInput(plan.request.scene.scenario);
   if (options.list && options.folder.empty()) return ListText(plan, nullptr);
-  // Of one case only that is run again: others may be running beside it.
+  // With --case, one case is repeated: other processes may run others in the same folder.
   const bool renews = context.overwrite && options.only_case.empty();
   const RunStore store(options.folder, IdentityOf(plan), renews);
   if (options.list) return ListText(plan, &store);

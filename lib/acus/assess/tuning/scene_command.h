@@ -1,4 +1,4 @@
-// The options of `acus-tradeoff scene`, and what it does with them.
+// The options of `acus-tradeoff scene`, and their execution.
 #pragma once
 
 #include <functional>
@@ -12,8 +12,8 @@ class App;
 
 namespace acus::tuning {
 
-/// Adds the options to the subcommand; they write into what the result holds.
-/// @returns runs what the command line asks for, and gives the text for the terminal.
+/// Adds the options to the subcommand; the returned function holds their values.
+/// @returns a function that runs the command, and returns the text for the terminal.
 std::function<std::string(RunContext& context)> AddSceneOptions(CLI::App& command);
 
 }  // namespace acus::tuning

@@ -24,7 +24,7 @@ const Case& CaseNamed(const SweepPlan& plan, const std::string& name) {
                            " --list prints all ", names.size()));
 }
 
-/// Runs one case and keeps it; makes its reference first if that is not there.
+/// Runs one case and stores it; makes its reference first if that does not exist.
 Measured RunOne(const SweepPlan& plan, const Case& one, const RunStore& store,
                 RunContext& context) {
   const fs::path reference_file = store.ReferenceFile(one.reference);
@@ -42,18 +42,18 @@ Measured RunOne(const SweepPlan& plan, const Case& one, const RunStore& store,
   run.measured.is_reference = SameValue(one.setting, one.reference_setting);
   Compare(run.series, reference ? *reference : run.series,
           AroundEventS(plan, one.setting, one.reference_setting), run.measured);
-  // The series first: a kept run says that its reference is there.
+  // The series first: a stored run implies that its reference exists.
   if (one.is_reference) WriteSeries(reference_file, run.series);
   store.Keep(one.name, run.measured);
   return run.measured;
 }
 
-/// A context whose progress is that of the whole sweep, and that warns of each thing once.
+/// A context whose progress is that of the whole sweep, and that prints each warning once.
 class SweepContext {
  public:
   explicit SweepContext(RunContext& context) : outer_(context), inner_(context) {
     inner_.on_progress = [this](std::string_view, double fraction) {
-      // Steps, images and steps again each go from 0 to 1.
+      // Steps, images and repeated steps each count from 0 to 1.
       if (fraction < last_) part_ = std::min(part_ + 1.0, kParts - 1.0);
       last_ = std::clamp(fraction, 0.0, 1.0);
       outer_.Checkpoint(task_, (done_ + (part_ + last_) / kParts) / std::max(1, count_));
@@ -81,7 +81,7 @@ class SweepContext {
   std::string task_;
   int done_ = 0;
   int count_ = 0;
-  static constexpr double kParts = 3.0;  // Of a run.
+  static constexpr double kParts = 3.0;  // Phases of a run.
   double part_ = 0.0;
   double last_ = 0.0;
   std::set<std::string> warned_;
@@ -97,7 +97,7 @@ bool IsScenarios(const Knob& knob, const nlohmann::json& value) {
          fs::equivalent(file(ValueText(value)), file(ValueText(knob.scenario_value)), ignored);
 }
 
-/// What the values of one number of all repetitions say.
+/// Estimates one number from its values in all repetitions.
 Estimate Over(const std::vector<const Measured*>& runs,
               const std::function<double(const Measured&)>& value) {
   std::vector<double> values;
@@ -165,7 +165,7 @@ CaseRun RunSetting(const SweepPlan& plan, const Setting& setting, int repetition
   settings.seed = plan.request.seed + static_cast<std::uint64_t>(repetition);
   const auto rate = setting.find("step_rate_hz");
   if (rate != setting.end()) {
-    // The recorded samples themselves, bit for bit, where the rate is the recorded one.
+    // Uses the recorded samples themselves if the rate is the recorded one.
     const Knob& knob = KnobNamed(plan.knobs, "step_rate_hz");
     if (!SameValue(rate->second, knob.scenario_value)) settings.step_rate_hz = rate->second;
   }
@@ -234,7 +234,7 @@ std::vector<SettingResult> SettingsOf(const SweepPlan& plan, const std::vector<M
       results[i].force_rms_over_scenario_n = Paired(groups[i], groups[j], &Measured::force_rms_n);
     }
   }
-  // In the plan the most expensive comes first, for others need it; for people it is the last.
+  // In the plan the most expensive comes first, as others need it; in reports it is the last.
   for (auto begin = results.begin(); begin != results.end();) {
     const auto end = std::find_if(begin, results.end(),
                                   [&](const SettingResult& r) { return r.knob != begin->knob; });

@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kMagic = "acus-tradeoff-series/1\n";
 constexpr std::size_t kSumSize = 64;
 
-/// Numbers and bytes as they lie in memory: a series is read by the machine that wrote it.
+/// Numbers and bytes in their representation in memory: for reading by the machine that wrote it.
 class Packer {
  public:
   template <typename T>
@@ -33,7 +33,7 @@ class Packer {
   std::string text_;
 };
 
-/// The other way round. The check sum has been looked at: sizes are right.
+/// The inverse of Packer. The check sum has been verified: sizes are right.
 class Unpacker {
  public:
   explicit Unpacker(std::string_view text) : text_(text) {}

@@ -1,4 +1,4 @@
-// What a run made, to be compared with that of another setting: forces at common moments, images.
+// Results of a run for the comparison with another setting: forces at common times, images.
 #pragma once
 
 #include <array>
@@ -12,27 +12,27 @@
 
 namespace acus::tuning {
 
-/// Forces are held against each other at moments that all step rates have in common.
+/// Forces are compared at times that all step rates have in common.
 constexpr double kCommonStepMs = 1.0;
 
-/// What one run made.
+/// The series of one run.
 struct Series {
   /// On needle and probe, CT axes, N: x y z of the needle, x y z of the probe. One every
-  /// kCommonStepMs: what a device would hold then. Empty if the scene has no forces.
+  /// kCommonStepMs: the force that a device would hold then. Empty if the scene has no forces.
   std::vector<std::array<double, 6>> force_n;
-  double first_s = 0.0;         ///< Of the first of them, since the session began.
-  std::vector<double> event_s;  ///< When a force jumped: punctures, contact with bone.
-  int width = 0;                ///< Of the images, pixels.
+  double first_s = 0.0;         ///< Time of the first of them, since the session began.
+  std::vector<double> event_s;  ///< Times of force jumps: punctures, contact with bone.
+  int width = 0;                ///< Width of the images, pixels.
   int height = 0;
-  std::vector<std::uint8_t> pixels;  ///< Of all images, one after the other, row by row.
+  std::vector<std::uint8_t> pixels;  ///< Pixels of all images, one after the other, row by row.
 
   int num_images() const;
 };
 
-/// Writes errors of `run` against `reference` into `out`, and what was felt: root mean square and
-/// largest difference of forces, grey levels and mean structural similarity of images. Moments
-/// within `around_event_s` of an event of the reference do not count: where a force jumps, a coarse
-/// sample comes a step later. @throws InputError if the two are not of the same moments and size.
+/// Writes errors of `run` relative to `reference` into `out`, and the largest force: root mean
+/// square and largest difference of forces, grey levels and mean structural similarity of images.
+/// Times within `around_event_s` of an event of the reference do not count: where a force jumps, a
+/// coarse sample comes a step later. @throws InputError if the two have different times or sizes.
 void Compare(const Series& run, const Series& reference, double around_event_s, Measured& out);
 
 /// Writes a series, whole or not at all, with a check sum.

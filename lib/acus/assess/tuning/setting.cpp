@@ -16,7 +16,7 @@ nlohmann::json ValueFromText(std::string_view text) {
   if (word == "on") return true;
   if (word == "off") return false;
   nlohmann::json value = nlohmann::json::parse(word, nullptr, /*allow_exceptions=*/false);
-  // A folder may be named 2026 or {a}; numbers and truth values are all that knobs take as JSON.
+  // A folder may be named 2026 or {a}; JSON values of knobs are only numbers and truth values.
   if (value.is_number() || value.is_boolean()) return value;
   return word;
 }

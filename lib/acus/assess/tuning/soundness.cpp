@@ -12,17 +12,17 @@ using simulation::StepOutput;
 
 constexpr double kSlack = 1.0 + 1e-9;
 
-/// Of the needle's force, N; 0: there is none.
+/// Limit of the needle's force, N; 0: no force.
 double LargestForceN(const scenario::Scenario& scenario, const simulation::Scene& scene) {
   if (scene.forces) return scene.forces->table().settings.largest_force_n;
   if (!scenario.tissue) return 0.0;
   return forces::ReadForceTable(scenario.tissue->table).settings.largest_force_n;
 }
 
-/// What the hand and the needle give each other.
+/// The work between the hand and the needle.
 class Work {
  public:
-  /// From one sample to the next a device holds the force.
+  /// A device holds the force from one sample to the next.
   void Add(const StepOutput& before, const StepOutput& now) {
     const Eigen::AngleAxisd turned(now.ct_from_needle.linear() *
                                    before.ct_from_needle.linear().transpose());
@@ -34,17 +34,17 @@ class Work {
     generated_mj_ = std::max(generated_mj_, -balance_mj_);
   }
 
-  /// A held force gives a little back; what has come apart gives without end.
+  /// A held force generates a little energy; an unstable solver generates it without limit.
   bool IsSound() const { return generated_mj_ <= std::max(1.0, 0.1 * spent_mj_); }
   double generated_mj() const { return generated_mj_; }
 
  private:
-  double balance_mj_ = 0.0;    // Given by the hand, less what it got back.
-  double spent_mj_ = 0.0;      // The most that it had given.
-  double generated_mj_ = 0.0;  // The most that it had got beyond what it gave.
+  double balance_mj_ = 0.0;    // Work of the hand, minus the energy that it got back.
+  double spent_mj_ = 0.0;      // Maximum of balance_mj_ so far.
+  double generated_mj_ = 0.0;  // Maximum of -balance_mj_ so far.
 };
 
-/// Empty, or what is wrong with one step.
+/// The error of one step, or empty.
 std::string Wrong(const StepOutput& out, double needle_limit_n, double probe_limit_n) {
   const Eigen::Vector3d& needle_n = out.force.force_in_ct_n;
   const Eigen::Vector3d& probe_n = out.probe.force_in_ct_n;

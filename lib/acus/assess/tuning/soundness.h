@@ -1,4 +1,4 @@
-// Bounds that no setting may break, whatever it gains: a solver that has come apart can look fast.
+// Bounds that no setting may violate: an unstable solver can look fast.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 namespace acus::tuning {
 
 /// Why a run must not be used: a force that is not finite or above its limit, or energy that the
-/// hand got without having given it. Empty: it may be used.
+/// hand received beyond its work. Empty: it may be used.
 std::string WhyUnusable(const scenario::Scenario& scenario, const simulation::Scene& scene,
                         const replay::StepLog& log);
 

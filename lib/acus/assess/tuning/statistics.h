@@ -1,4 +1,4 @@
-// Means over repetitions, and how sure they are.
+// Means over repetitions, with confidence intervals.
 #pragma once
 
 #include <limits>
@@ -13,11 +13,11 @@ struct Estimate {
   int count = 0;
 };
 
-/// Of the values that are numbers. An infinite one makes the mean infinite.
+/// The estimate from the values that are not NaN. An infinite one makes the mean infinite.
 Estimate EstimateOf(std::span<const double> values);
 
-/// Of the differences a[i] - b[i], paired: what is common to both drops out. Pairs of which one is
-/// not a number are left out. @pre a.size() == b.size().
+/// The estimate of the differences a[i] - b[i], paired: common variation cancels. Pairs with a NaN
+/// are omitted. @pre a.size() == b.size().
 Estimate PairedDifference(std::span<const double> a, std::span<const double> b);
 
 }  // namespace acus::tuning

@@ -17,9 +17,9 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t kMaxRounds =
-    64;  ///< Of drawing combinations before the rest is counted up.
+    64;  ///< Rounds of random draws before the missing ones are enumerated.
 
-/// What the scenario and the session have, for checking values without loading anything.
+/// The features of scenario and session, to check values without loading anything.
 class SceneCheck {
  public:
   SceneCheck(const SweptScene& scene, const session::Session& session)
@@ -28,7 +28,7 @@ class SceneCheck {
                     .probe_poses = !session.probe.empty(),
                     .breath = !session.breath.empty()}) {}
 
-  /// Empty, or why the scene cannot take a setting.
+  /// Empty, or why the scene does not allow a setting.
   std::string WhyNot(const std::vector<Knob>& knobs, const Setting& setting) const {
     std::vector<scenario::Override> changes = scene_.changes;
     const auto more = OverridesOf(knobs, setting);
@@ -47,7 +47,7 @@ class SceneCheck {
   simulation::AvailableInputs available_;
 };
 
-/// The knobs that are to be turned, with the values that the scene can take.
+/// The parameters to vary, with the values that the scene allows.
 std::vector<Knob> ChosenKnobs(const std::vector<Knob>& all, const SceneCheck& check,
                               SweepPlan& plan) {
   std::vector<std::string> asked = plan.request.knobs;
@@ -80,7 +80,7 @@ std::vector<Knob> ChosenKnobs(const std::vector<Knob>& all, const SceneCheck& ch
   return chosen;
 }
 
-/// Letters, digits, dots and dashes; of anything else the beginning of its hash.
+/// Letters, digits, dots and dashes; for other text the beginning of its hash.
 std::string FileWord(const std::string& text) {
   const bool plain = !text.empty() && text.size() <= 24 && text.front() != '.' &&
                      std::ranges::all_of(text, [](unsigned char c) {
@@ -130,7 +130,7 @@ void Combine(SweepPlan& plan, std::vector<Setting>& settings, std::vector<std::s
   std::vector<std::vector<int>> chosen = SpreadCombinations(
       sizes, plan.is_subset ? plan.request.most_combinations : static_cast<int>(plan.combinations),
       plan.request.seed);
-  // As the scenario has it, and the most expensive of all: always.
+  // The scenario's setting, and the most expensive of all: always included.
   std::vector<int> most_expensive;
   std::vector<int> scenario;
   for (const Knob& knob : plan.knobs) {
@@ -155,14 +155,14 @@ void Combine(SweepPlan& plan, std::vector<Setting>& settings, std::vector<std::s
   }
 }
 
-/// Counts up, the last knob the fastest. False after the last combination; it is the first again.
+/// Enumerates, the last knob the fastest. False after the last combination; it is the first again.
 bool NextCombination(const std::vector<int>& sizes, std::vector<int>& indices) {
   std::size_t k = sizes.size();
   while (k > 0 && ++indices[k - 1] == sizes[k - 1]) indices[--k] = 0;
   return k > 0;
 }
 
-/// Tells builds apart that have no commit of their own: changed sources, unpacked archives.
+/// Distinguishes builds without a commit: changed sources, unpacked archives.
 std::string ProgramHash() {
   return Sha256OfPath("/proc/self/exe").substr(0, 12);
 }
@@ -205,9 +205,9 @@ std::vector<std::vector<int>> SpreadCombinations(const std::vector<int>& sizes, 
   std::set<std::vector<int>> taken;
   for (std::uint64_t round = 0; round < kMaxRounds && static_cast<int>(chosen.size()) < count;
        ++round) {
-    // Each knob's values in equal shares and in an order of its own; what was there already is
-    // dropped, and the next round fills up. It begins at any value: a few combinations that are
-    // still wanted have to reach all of them.
+    // The values of each parameter in equal shares and in a separate random order; duplicates are
+    // dropped, and the next round fills up. It begins at any value: a few missing combinations have
+    // to reach all of them.
     const int wanted = count - static_cast<int>(chosen.size());
     std::vector<std::vector<int>> columns;
     for (std::size_t k = 0; k < sizes.size(); ++k) {
@@ -228,7 +228,7 @@ std::vector<std::vector<int>> SpreadCombinations(const std::vector<int>& sizes, 
       if (taken.insert(indices).second) chosen.push_back(std::move(indices));
     }
   }
-  // Nearly all are wanted, or the rounds would have found them: the rest in order.
+  // Nearly all combinations are required, or the rounds would have found them: the rest in order.
   std::vector<int> indices(sizes.size(), 0);
   while (static_cast<int>(chosen.size()) < count) {
     if (taken.insert(indices).second) chosen.push_back(indices);
@@ -256,7 +256,7 @@ SweepPlan MakePlan(const SweepRequest& request, const RunContext& context) {
   plan.step_period_ms = rate_hz > 0.0 ? 1e3 / rate_hz : 0.0;
   if (scenario.ultrasound || scenario.ct_slice) plan.image_period_ms = 1e3 / scenario.image_rate_hz;
 
-  // Without anything random in the scene, all repetitions have the same reference.
+  // If the scene has nothing random, all repetitions have the same reference.
   plan.one_reference = SeedChanges(scenario, 0).empty();
   const bool shared = plan.one_reference;
   std::vector<Setting> joint;

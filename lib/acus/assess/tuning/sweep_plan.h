@@ -1,4 +1,4 @@
-// What is to be run: one knob at a time, or all combinations.
+// The plan of a sweep: one parameter at a time, or all combinations.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@
 
 namespace acus::tuning {
 
-/// Combinations that are run at most; of more, a seeded subset is.
+/// Largest number of combinations that are run; of more, a seeded subset is used.
 constexpr int kMostCombinations = 200;
 
-/// What the user asked for.
+/// The user's request.
 struct SweepRequest {
   SweptScene scene;
   std::vector<std::string>
-      knobs;  ///< "needle_nodes" or "needle_nodes=15,50"; empty: all there are.
+      knobs;  ///< "needle_nodes" or "needle_nodes=15,50"; empty: all that exist.
   bool jointly = false;
   int repetitions = 3;
   std::uint64_t seed = 0;  ///< Repetition r has the seed `seed` + r, for every setting.
@@ -28,8 +28,8 @@ struct SweepRequest {
 
 /// One run. Cases of the same reference and repetition are compared with the same series.
 struct Case {
-  std::string name;  ///< Of its file: "needle_nodes-15-r0".
-  std::string knob;  ///< Whose sweep; "jointly".
+  std::string name;  ///< Base name of its file: "needle_nodes-15-r0".
+  std::string knob;  ///< The parameter of the sweep; "jointly".
   Setting setting;
   int repetition = 0;
   bool is_reference = false;   ///< It makes the reference.
@@ -38,7 +38,7 @@ struct Case {
   Setting reference_setting;
 };
 
-/// A value that this scene cannot take.
+/// A value that this scene does not allow.
 struct LeftOut {
   std::string knob;
   std::string value;
@@ -47,32 +47,32 @@ struct LeftOut {
 
 struct SweepPlan {
   SweepRequest request;
-  std::vector<Knob> knobs;  ///< Those swept, with the values that are run, cheap to expensive.
-  std::vector<Case> cases;  ///< References before what is compared with them.
+  std::vector<Knob> knobs;  ///< Swept parameters, with the values that are run, cheap to expensive.
+  std::vector<Case> cases;  ///< References before the cases that are compared with them.
   std::vector<LeftOut> left_out;
   bool is_subset = false;     ///< Not all combinations.
-  double combinations = 0.0;  ///< Of all values, jointly.
-  bool one_reference = true;  ///< All repetitions have the same: nothing in the scene is random.
+  double combinations = 0.0;  ///< Number of all joint combinations.
+  bool one_reference = true;  ///< One for all repetitions: nothing in the scene is random.
 
-  // Of scenario and session.
+  // Data of scenario and session.
   std::string scenario_name;
   double seconds = 0.0;
   double step_period_ms = 0.0;
   double image_period_ms = 0.0;  ///< 0: the scene has no images.
 };
 
-/// Reads scenario and session, and plans. ValueIndices that the scene cannot take (another effect
-/// is missing, or an input) are left out; if the user named them, that is an error.
-/// @throws InputError for a knob or value that is not there, or if nothing is left to turn.
+/// Reads scenario and session, and plans. Values that the scene does not allow (another effect is
+/// missing, or an input) are omitted; if the user named them, that is an error.
+/// @throws InputError for an unknown parameter or value, or if no parameter remains.
 SweepPlan MakePlan(const SweepRequest& request, const RunContext& context);
 
-/// One run of a joint setting, by the index of each knob of the plan, against the most expensive of
-/// all.
+/// One run of a joint setting, by the index of each parameter of the plan, compared with the most
+/// expensive of all.
 Case JointCase(const SweepPlan& plan, const std::vector<int>& indices, int repetition);
 
-/// What identifies the sweep: scenario with its changes, session by its hash, knobs, and the build
-/// of the program. Two plans with the same identity have the same cases, but for the number of
-/// repetitions: there may be more another time.
+/// The identity of the sweep: scenario with its changes, session by its hash, parameters, and the
+/// build of the program. Two plans with the same identity have the same cases, except for the
+/// number of repetitions, which may differ.
 nlohmann::json IdentityOf(const SweepPlan& plan);
 
 /// `count` combinations of values (sizes[k] of knob k), each a list of indices: every index

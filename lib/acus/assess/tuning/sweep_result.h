@@ -1,4 +1,4 @@
-// A whole sweep: every run, and what they say of each setting.
+// The results of a sweep: every run, and the statistics of each setting.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@ namespace acus::tuning {
 
 /// One setting over its repetitions: means with 95 % intervals.
 struct SettingResult {
-  std::string knob;           ///< Whose sweep; "jointly".
-  Setting setting;            ///< Of one knob, or of all that are swept jointly.
-  bool is_scenario = false;   ///< As the scenario has it.
-  bool is_default = false;    ///< What Acus does unless told otherwise (one knob only).
-  bool is_paper = false;      ///< What a paper did (one knob only).
-  std::string paper;          ///< Which one.
-  bool is_reference = false;  ///< What errors are against.
-  std::string unusable;       ///< If any of its runs must not be used: why.
+  std::string knob;           ///< The parameter of the sweep; "jointly".
+  Setting setting;            ///< One parameter, or all that are swept jointly.
+  bool is_scenario = false;   ///< The setting of the scenario.
+  bool is_default = false;    ///< The default of Acus (one parameter only).
+  bool is_paper = false;      ///< The setting of a paper (one parameter only).
+  std::string paper;          ///< Name of the paper.
+  bool is_reference = false;  ///< The reference of errors.
+  std::string unusable;       ///< Why one of its runs must not be used; empty if all may.
 
   Estimate step_us_median;
   Estimate step_us_p999;
@@ -33,9 +33,10 @@ struct SettingResult {
   Estimate force_rms_n;
   Estimate force_largest_n;
   Estimate image_rms_grey;
-  Estimate image_psnr_db;  ///< Infinite where all images are identical.
+  Estimate image_psnr_db;  ///< Infinite if all images are identical.
   Estimate image_ssim;
-  /// Paired with the run of the same repetition as the scenario has it; nothing if it is not swept.
+  /// Difference to the run of the same repetition with the scenario's setting; nothing if that is
+  /// not swept.
   Estimate step_us_over_scenario;
   Estimate image_ms_over_scenario;
   Estimate force_rms_over_scenario_n;
@@ -45,16 +46,16 @@ struct SweepResult {
   std::string scenario;  ///< Its name, or its file.
   std::filesystem::path scenario_file;
   std::filesystem::path session;
-  double seconds = 0.0;         ///< Of the session.
-  double step_period_ms = 0.0;  ///< Of the recorded samples: the time there is for a step.
+  double seconds = 0.0;         ///< Duration of the session.
+  double step_period_ms = 0.0;  ///< Period of the recorded samples: the time available for a step.
   double image_period_ms = 0.0;
   std::string machine;  ///< Processor and kernel threads.
   bool jointly = false;
-  bool is_subset = false;  ///< Not every combination was run: a seeded subset of them.
+  bool is_subset = false;  ///< A seeded subset of the combinations was run.
   int repetitions = 1;
-  std::vector<Knob> knobs;              ///< Those swept, with the values that were run.
+  std::vector<Knob> knobs;              ///< Swept parameters, with the values that were run.
   std::vector<Measured> runs;           ///< In the order of the plan.
-  std::vector<SettingResult> settings;  ///< By knob, from cheap to expensive; jointly: as planned.
+  std::vector<SettingResult> settings;  ///< By parameter, cheap to expensive; jointly: as planned.
 };
 
 }  // namespace acus::tuning

@@ -1,4 +1,4 @@
-// A sweep as one page that opens from disk.
+// A sweep as one HTML page that opens from disk.
 #pragma once
 
 #include <filesystem>
@@ -12,16 +12,16 @@
 
 namespace acus::tuning {
 
-/// What a page says beside the numbers.
+/// The texts of a page beside the numbers.
 struct PageContent {
-  std::vector<std::string> answer;     ///< To the question that was asked; may be empty.
-  std::vector<std::string> sentences;  ///< What each knob buys.
-  std::vector<std::string> remarks;    ///< What was left out, and why.
+  std::vector<std::string> answer;     ///< Answer to the request; may be empty.
+  std::vector<std::string> sentences;  ///< The effect of each parameter.
+  std::vector<std::string> remarks;    ///< Omitted values, and the reasons.
   PlotRemarks plots;
 };
 
 /// Writes tradeoff.html into `folder`, with tables, plots, machine and provenance, and the plots of
-/// all knobs together as force.svg, psnr.svg and ssim.svg, if there are such.
+/// all parameters together as force.svg, psnr.svg and ssim.svg, if they exist.
 void WritePage(const std::filesystem::path& folder, const SweepResult& result,
                const PageContent& content, const RunContext& context);
 

@@ -9,11 +9,11 @@
 namespace acus::tuning {
 namespace {
 
-/// Below this share of the largest an error is rounding: it would stretch the axis over many
-/// decades in which nothing is. Tables have it.
+/// Errors below this share of the largest are rounding: they would stretch the axis over many empty
+/// decades. Tables contain them.
 constexpr double kShownShare = 1e-5;
 
-/// A number of a setting, and how its error is counted in the plot.
+/// A number of a setting, and the scale of its error in the plot.
 struct Quantity {
   const char* title;
   const char* label;
@@ -29,7 +29,7 @@ constexpr Quantity kPsnr = {"images: PSNR against the time of an image", "PSNR [
 constexpr Quantity kSsim = {"images: 1 \u2212 SSIM against the time of an image", "1 \u2212 SSIM",
                             &SettingResult::image_ssim, true, true};
 
-/// Mean and ends of the 95 % interval, as they are drawn.
+/// Mean and ends of the 95 % interval, in the plot.
 struct Value {
   double mean;
   double low;
@@ -41,7 +41,7 @@ Value ValueOf(const Estimate& estimate) {
   return {estimate.mean, estimate.mean - half, estimate.mean + half};
 }
 
-/// A logarithmic axis has no room for what reaches to zero or below.
+/// A logarithmic axis cannot show intervals that reach zero or below.
 Value OnLogAxis(Value value) {
   value.low = std::max(value.low, 0.1 * value.mean);
   return value;
@@ -136,7 +136,7 @@ class Drawing {
   report::Series Front(const std::vector<Point>& points, std::string name) const {
     std::vector<CostAndError> settings;
     for (const Point& point : points) {
-      // Of PSNR more is better.
+      // A higher PSNR is better.
       const double error = quantity_.is_log ? point.error.mean : -point.error.mean;
       settings.push_back({point.cost.mean, error});
     }
@@ -170,13 +170,13 @@ class Drawing {
     if (front.x.size() > 1) plot.series.push_back(std::move(front));
   }
 
-  /// The value of the knob whose sweep it is; none of a joint setting, which has too many.
+  /// The value of the swept parameter; none for a joint setting, which has too many.
   static std::string LabelOf(const SettingResult& setting) {
     const auto own = setting.setting.find(setting.knob);
     if (own == setting.setting.end()) return "";
     std::string text = ValueText(own->second);
     const std::size_t slash = text.find_last_of('/', text.size() - 2);
-    if (slash != text.npos) text = text.substr(slash + 1);  // Of a folder its name.
+    if (slash != text.npos) text = text.substr(slash + 1);  // The name of a folder.
     return text;
   }
 

@@ -83,7 +83,7 @@ std::string Become(const Command& command, std::span<char* const> arguments) {
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   if (error)
     return Message("/proc/self/exe: ", error.message(), "; other programs are found by it");
-  // Workflows look for their parts beside their file, so links are resolved.
+  // Workflows find their parts relative to their file, so links are resolved.
   const fs::path file = fs::weakly_canonical(FileOf(command, program), error);
   if (!fs::exists(file, error)) {
     return Message(file.string(), ": missing, but 'acus ", command.name,

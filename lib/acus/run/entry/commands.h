@@ -21,20 +21,21 @@ struct Command {
   std::string_view summary;  ///< One line for a list, without a full stop.
 };
 
-/// All of them, programs first, each kind in the order of its use.
+/// All commands, programs first, each kind in the order of its use.
 std::span<const Command> Commands();
 
 /// "NAME  summary" for each, under a headline for each kind.
 std::string CommandList();
 
-/// The file that `command` runs. @param program  The running program, as the system names it.
+/// The file that `command` runs. @param program  Path of the running program, as the system gives
+/// it.
 std::filesystem::path FileOf(const Command& command, const std::filesystem::path& program);
 
 /// The command of that name; nothing if there is none.
 std::optional<Command> FindCommand(std::string_view name);
 
-/// Becomes `command`, with the arguments of the running program from the second on. Returns only if
-/// that cannot be: why.
+/// Replaces the process by `command`, with the arguments of the running program from the second on.
+/// Returns only on failure: the reason.
 std::string Become(const Command& command, std::span<char* const> arguments);
 
 }  // namespace acus::entry

@@ -22,7 +22,7 @@ std::string FirstSentence(const fs::path& file) {
     const bool is_comment = start != line.npos && line.compare(start, 2, "//") == 0;
     if (!is_comment && !text.empty()) break;
     if (!is_comment) {
-      if (start != line.npos) return {};  // The document begins without one.
+      if (start != line.npos) return {};  // The document begins without a comment.
       continue;
     }
     const std::size_t words = line.find_first_not_of(" /", start);

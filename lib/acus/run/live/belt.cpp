@@ -7,10 +7,10 @@
 namespace acus::live {
 namespace {
 
-// Some 30 readings a second of a breath of 4 s: the lag stays below 40 ms, noise is halved.
+// At 30 readings a second of a breath of 4 s, the lag stays below 40 ms and noise is halved.
 constexpr double kAlpha = 0.5;
 constexpr double kBeta = 0.15;
-constexpr double kMostRatePerS = 20.0;  // Nobody breathes faster.
+constexpr double kMostRatePerS = 20.0;  // An upper bound of the rate of breath, 1/s.
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// A patient's breath from a belt or a tracked marker on the skin, at any moment between readings.
+// A patient's breath from a belt or a tracked marker on the skin, at any time between readings.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,18 @@
 
 namespace acus::live {
 
-/// Follows readings of the level by an alpha-beta filter, which gives the rate as well. When
-/// readings stop, it goes on at the last rate for kPredictS, slows down over kSlowS and then holds,
-/// so that tissue neither jumps nor runs away. Pure; allocates nothing.
+/// Follows readings of the level by an alpha-beta filter, which also estimates the rate. When
+/// readings stop, it continues at the last rate for kPredictS, slows down over kSlowS and then
+/// holds, so that tissue neither jumps nor drifts. Pure; allocates nothing.
 class BeltFollower {
  public:
-  static constexpr double kFreshS = 0.1;      ///< Readings may be this old without a remark.
-  static constexpr double kPredictS = 0.3;    ///< Goes on at the last rate for so long ...
-  static constexpr double kSlowS = 0.5;       ///< ... and to a standstill in this time.
-  static constexpr double kMostLevel = 10.0;  ///< Levels beyond it are not a breath.
+  static constexpr double kFreshS = 0.1;      ///< Readings up to this age count as current.
+  static constexpr double kPredictS = 0.3;    ///< Continues at the last rate for this time ...
+  static constexpr double kSlowS = 0.5;       ///< ... and comes to rest in this time.
+  static constexpr double kMostLevel = 10.0;  ///< Larger levels are no breath.
 
-  /// A reading, in terms of a normal breath. Those not later than the last one, not finite or not a
-  /// breath are left out and counted.
+  /// A reading of the level: 0 at end expiration, 1 at end inspiration of a normal breath. Readings
+  /// that are not later than the last one, not finite or above kMostLevel are ignored and counted.
   void Read(double time_s, double level) noexcept;
 
   /// @param time_s  Not before the last reading.
@@ -37,8 +37,8 @@ class BeltFollower {
   std::int64_t num_rejected_ = 0;
 };
 
-/// How far through a breath somebody is whose level and its sign of change are known: as in a
-/// sinusoid from 1 at end inspiration to 0 half way. [0, 1).
+/// The phase of a breath with a given level and sign of its rate: that of a sinusoid from 1 at end
+/// inspiration to 0 at half the period. [0, 1).
 double CycleOf(double level, double level_per_s) noexcept;
 
 }  // namespace acus::live

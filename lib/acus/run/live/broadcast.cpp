@@ -7,7 +7,7 @@
 namespace acus::live {
 namespace {
 
-/// What receivers show is right, anterior, superior.
+/// Receivers use the axes right, anterior, superior.
 Eigen::Isometry3d RasFromCt() {
   Eigen::Isometry3d ras_from_ct = Eigen::Isometry3d::Identity();
   ras_from_ct.linear().diagonal() << -1.0, -1.0, 1.0;

@@ -1,4 +1,4 @@
-// A live session for others to watch: an OpenIGTLink server of tools, images, patient and status.
+// Sends a live session to watchers: an OpenIGTLink server of tools, images, patient and status.
 #pragma once
 
 #include <string>
@@ -16,21 +16,21 @@ namespace acus::live {
 ///   TRANSFORM TargetToRas      only a translation
 ///   POINT     Targets          all targets, RAS, mm
 ///   IMAGE     CT, Labels       RAS: the CT in HU, label numbers
-///   STATUS    Acus             what the screen says first; again when it changes
+///   STATUS    Acus             the first status line; again when it changes
 /// With every image:
-///   TRANSFORM ProbeToReference, NeedleToReference   of tools that are seen
-///   IMAGE     Ultrasound       where the probe was; its matrix is ImageToReference
+///   TRANSFORM ProbeToReference, NeedleToReference   of visible tools
+///   IMAGE     Ultrasound       at the probe; its matrix is ImageToReference
 class Broadcast {
  public:
   /// Listens at once. @param scene  Outlives this.
-  /// @param targets  Points in CT space; the last is where the tip is to go.
+  /// @param targets  Points in CT space; the last is the target of the tip.
   /// @throws InputError if the port is taken.
   Broadcast(const SendOut& where, const simulation::Scene& scene,
             const transforms::Landmarks& targets, bool has_probe);
 
   /// Hands over and returns: no watcher delays the caller. For one thread.
   void Send(const LiveImage& image);
-  /// Sent if it is another than the last. For one thread.
+  /// Sends the status if it differs from the last one. For one thread.
   void SetStatus(bool is_ok, const std::string& text);
   void Stop() noexcept { server_.Stop(); }
   int port() const { return server_.port(); }
@@ -42,7 +42,7 @@ class Broadcast {
   tracking::PoseServer server_;
 };
 
-/// Listens for an instant: whether a session could. @throws InputError if the port is taken.
+/// Tests whether a session could listen. @throws InputError if the port is taken.
 void RequirePortFree(const SendOut& where);
 
 }  // namespace acus::live

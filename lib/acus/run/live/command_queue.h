@@ -1,4 +1,4 @@
-// Orders of the user, on their way to the step that carries them out.
+// Orders of the user, queued for the step that carries them out.
 #pragma once
 
 #include <mutex>
@@ -8,7 +8,7 @@
 
 namespace acus::live {
 
-/// Any thread that may wait gives orders; one that may not takes them.
+/// Threads that may wait call Give; the real-time thread calls Take.
 class CommandQueue {
  public:
   struct Order {
@@ -16,13 +16,13 @@ class CommandQueue {
     double value = 0.0;
   };
 
-  /// False if 64 orders wait already: nobody types so fast.
+  /// False if the queue of 64 orders is full.
   bool Give(session::CommandKind kind, double value = 0.0) {
     const std::lock_guard lock(givers_);
     return ring_.Push({kind, value});
   }
 
-  /// The real-time thread. False if there is none.
+  /// Called by the real-time thread. False if the queue is empty.
   bool Take(Order& out) noexcept {
     const Order* next = ring_.Front();
     if (next == nullptr) return false;

@@ -1,4 +1,4 @@
-// How well a live session runs: counted by the real-time thread, read by anybody.
+// Performance counters of a live session: written by the real-time thread, read by any thread.
 #pragma once
 
 #include <array>
@@ -18,14 +18,14 @@ struct CoreStatistics {
   Count ticks{0};
   Count steps{0};
   Count time_back{0};  ///< Readings not later than the one before: no step.
-  /// Ticks whose CPU time was longer than the device's period: the models are too slow.
+  /// Ticks whose CPU time exceeded the device's period: the models are too slow.
   Count missed_by_computation{0};
-  /// Readings that the device should have given between two that it gave: the machine was busy with
-  /// something else, or the device itself.
+  /// Readings that are missing between two of the device: the machine was busy with another
+  /// process, or the device is at fault.
   Count missed_by_machine{0};
-  std::array<Count, kNumVerdicts> needle{};  ///< By PoseVerdict, of steps.
+  std::array<Count, kNumVerdicts> needle{};  ///< Number of steps by PoseVerdict.
   std::array<Count, kNumVerdicts> probe{};
-  /// RMS of the needle's force above 30 Hz while it feels something, before the guard, N.
+  /// RMS of the needle's force above 30 Hz while the force is not zero, before the guard, N.
   std::atomic<double> needle_chatter_n{0.0};
   DurationHistogram step_cpu;         ///< CPU time of a tick.
   DurationHistogram device_to_force;  ///< From the reading to the force that answers it.

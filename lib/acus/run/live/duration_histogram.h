@@ -1,4 +1,4 @@
-// How long something takes, thousands of times: percentiles without keeping every value.
+// A histogram of durations: percentiles of many values without storing them.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ class DurationHistogram {
   static constexpr int kNumBins = 30 * kBinsPerOctave;
   static constexpr double kSmallestNs = 100.0;
 
-  /// Shorter ones count as the smallest, longer ones as the largest.
+  /// Durations below the range count in the first bin, those above it in the last.
   void Add(std::int64_t duration_ns) noexcept;
 
   std::int64_t count() const noexcept;

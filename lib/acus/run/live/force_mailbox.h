@@ -1,4 +1,4 @@
-// The force for a device whose own servo does not run the steps.
+// The force for a device whose servo does not run the steps.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace acus::live {
 
-/// One thread puts, any number read; nobody waits. A reader that meets a write reads again, at most
-/// a few times, and then takes no force.
+/// One thread writes, any number of threads read; none waits. A reader that overlaps a write reads
+/// again, at most a few times, and then returns no force.
 class ForceMailbox {
  public:
   void Put(const haptics::DeviceForce& force, std::int64_t time_ns) noexcept {

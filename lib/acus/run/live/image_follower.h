@@ -1,4 +1,4 @@
-// The steps of a live session again, and the moments between them that images show.
+// Repeats the steps of a live session, with snapshots for images between them.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,20 @@
 
 namespace acus::live {
 
-/// Moments lie on the grid of acus-replay, or on one that is finer by a whole number: from the
-/// first step on, at the scene's image rate. They show what a replay of the recording shows at the
-/// same time, bit for bit.
+/// Snapshots lie on the time grid of acus-replay, or on an integer refinement of it: from the first
+/// step on, at the scene's image rate. Their images have the same bits as those of a replay of the
+/// recording at the same time.
 class ImageFollower {
  public:
-  /// @param scene  Must outlive this. @param has_needle, has_probe  Of the session.
-  /// @param least_rate_hz  Of the images.
+  /// @param scene  Must outlive this. @param has_needle, has_probe  Tools of the session.
+  /// @param least_rate_hz  Lower bound of the rate of snapshots.
   ImageFollower(const simulation::Scene& scene, bool has_needle, bool has_probe,
                 double least_rate_hz);
 
   /// @pre later than the step before.
   void Step(const StepInput& input);
-  /// The newest moment that the steps have passed; nothing if it was taken. One that was not taken
-  /// in time is counted, see passed_over().
+  /// The newest snapshot that the steps have passed; nothing if it was taken. A snapshot that is
+  /// replaced before it is taken is counted, see passed_over().
   const LiveSnapshot* TakeMoment();
 
   double rate_hz() const { return rate_hz_; }

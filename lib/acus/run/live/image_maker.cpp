@@ -11,12 +11,12 @@
 namespace acus::live {
 namespace {
 
-constexpr std::int64_t kRoundingNs = 1000;  // Of moments on a grid.
+constexpr std::int64_t kRoundingNs = 1000;  // Tolerance of times on a grid.
 
 }  // namespace
 
 struct ImageMaker::Renderers {
-  /// Of an effect of the list.
+  /// The renderer of an effect of the list.
   struct OfEffect {
     OfEffect(const simulation::Scene& scene, const simulation::ListedEffect& effect)
         : renderer(scene, effect, RunContext()) {
@@ -29,7 +29,7 @@ struct ImageMaker::Renderers {
     std::optional<LiveSnapshot> shown;
 
     bool IsDue(std::int64_t time_ns) const { return time_ns + kRoundingNs >= due_ns; }
-    /// A late image does not make the next ones later: they stay on the grid of the first.
+    /// A late image does not delay the next ones: they stay on the grid of the first.
     void SetNext(std::int64_t time_ns) {
       if (interval_ns == 0) return;
       if (due_ns == std::numeric_limits<std::int64_t>::min()) due_ns = time_ns;
@@ -46,7 +46,7 @@ struct ImageMaker::Renderers {
   }
   const simulation::Scene& scene;
   std::shared_ptr<const acoustics::Probe> probe;
-  std::optional<double> gain_db;  ///< As it was asked for last.
+  std::optional<double> gain_db;  ///< The last requested value.
   std::optional<double> depth_mm;
   std::optional<simulation::ProbeImageRenderer> images;
   std::deque<OfEffect> effects;
@@ -82,7 +82,7 @@ void ImageMaker::SetProbe(const LiveSnapshot& snapshot) {
     r.images.emplace(r.scene, probe.get());
     r.probe = std::move(probe);
   } catch (const InputError&) {
-    r.images.emplace(r.scene, r.probe.get());  // What this probe cannot do is left undone.
+    r.images.emplace(r.scene, r.probe.get());  // An unsupported setting has no effect.
   }
 }
 

@@ -1,4 +1,4 @@
-// The images of a live session, made here or taken from another computer.
+// The images of a live session, rendered here or received from another computer.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace acus::live {
 
-/// Holds buffers and what the last images show. For one thread.
+/// Holds buffers and the snapshot of the last images. For one thread.
 class ImageMaker {
  public:
   /// @param scene  Must outlive this.
@@ -20,17 +20,17 @@ class ImageMaker {
   ImageMaker(const ImageMaker&) = delete;
   ImageMaker& operator=(const ImageMaker&) = delete;
 
-  /// Renders. A snapshot that says "frozen" keeps the images that were there.
+  /// Renders. A "frozen" snapshot keeps the last images.
   void Make(const LiveSnapshot& snapshot, LiveImage& out);
-  /// Takes images of about that moment. False, and `out` is not to be used, if they are not of the
-  /// size that the probe has then.
+  /// Takes images of approximately that time. False, with `out` not usable, if their size is not
+  /// that of the probe.
   bool Take(const LiveSnapshot& snapshot, const MadeImages& made, LiveImage& out);
-  /// The last images at another moment: of tools and needle, while nothing newer has come.
+  /// The last images with another snapshot: of tools and needle, while no newer image exists.
   void Keep(const LiveSnapshot& snapshot, LiveImage& out) { Finish(snapshot, time_ns_, out); }
-  /// All images are to be made anew.
+  /// Renders all images of the next snapshot.
   void Forget();
 
-  /// What the stages of the images did.
+  /// Costs of the stages of the images.
   const simulation::StageTimes& stage_times() const noexcept { return stage_times_; }
 
  private:
@@ -42,9 +42,9 @@ class ImageMaker {
   simulation::StageTimes stage_times_;
   simulation::ProbeImages last_images_;
   std::vector<simulation::EffectImage> last_effects_;
-  /// The moment that last_images_ show; nothing if they are to be made anew.
+  /// The snapshot of last_images_; nothing if they are to be rendered again.
   std::optional<LiveSnapshot> shown_;
-  std::int64_t time_ns_ = 0;  ///< Of the last images.
+  std::int64_t time_ns_ = 0;  ///< Time of the last images.
   std::int64_t number_ = 0;
 };
 

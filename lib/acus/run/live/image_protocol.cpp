@@ -21,10 +21,10 @@ constexpr const char* kRequestName = "Images";
 constexpr const char* kStepsName = "Steps";
 constexpr const char* kMomentName = "Moment";
 constexpr std::size_t kColumns = 24;
-constexpr double kLargestTimeNs = 9e15;  // Whole numbers up to there are exact.
+constexpr double kLargestTimeNs = 9e15;  // Integers up to here are exact in double.
 constexpr double kLargestMm = 1e6;
 
-/// Files count by their contents: their folders are those of one computer.
+/// Files count by their contents: their folders differ between computers.
 void LeaveNamesOnly(json& node) {
   if (node.is_structured()) {
     for (json& part : node) LeaveNamesOnly(part);
@@ -58,7 +58,7 @@ double NumberOf(const std::optional<double>& value) {
   return value.value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
-/// Not a number: nobody has set it. False if it is out of all bounds.
+/// NaN stands for a value that is not set. False if it is out of all bounds.
 bool Get(const double*& at, std::optional<double>& value) {
   if (std::isinf(*at)) return false;
   if (!std::isnan(*at)) value = *at;
@@ -101,7 +101,7 @@ std::string DigestOf(const scenario::Scenario& scenario, const simulation::Scene
   }
   std::vector<double> matrix(scene.ct_from_reference.matrix().data(),
                              scene.ct_from_reference.matrix().data() + 16);
-  // Surfaces are made into labels: these are hashed in place of all their files.
+  // Surfaces are converted to labels, whose hash stands for all their files.
   std::string labels;
   if (scene.labels && !scenario.patient.surfaces.empty()) {
     labels = Sha256OfText({scene.labels->voxels.begin(), scene.labels->voxels.end()});

@@ -1,11 +1,10 @@
-// What a live session and the computer that makes its images say to each other, as messages of
+// The protocol between a live session and the computer that renders its images, as messages of
 // OpenIGTLink (docs/concepts/live_session.md):
 //
 //   to that computer                          back
 //   STRING  Images    format and digest       STATUS  Images   code 1: accepted, or why not
-//   NDARRAY Steps     inputs of steps         IMAGE   ...      what has changed since the last
-//   moment
-//                                             NDARRAY Moment   these were all of that moment
+//   NDARRAY Steps     inputs of steps         IMAGE   ...      an image that has changed
+//                                             NDARRAY Moment   end of the images of one time
 #pragma once
 
 #include <optional>
@@ -25,26 +24,26 @@ inline constexpr int kImagePort = 18946;
 inline constexpr std::size_t kMostStepsInMessage = 200;
 
 /// SHA-256 over the build, the settings of the scenario and the contents of the files that its plan
-/// reads, not their places: two computers with the same digest make the same images.
-/// @throws InputError if a file is gone.
+/// reads, not their paths: two computers with the same digest render the same images.
+/// @throws InputError if a file does not exist.
 std::string DigestOf(const scenario::Scenario& scenario, const simulation::Scene& scene);
 
 tracking::Bytes PackRequest(const std::string& digest);
-/// The digest. Nothing if it is no request.
+/// The digest; nothing if the message is no request.
 std::optional<std::string> ReadRequest(const tracking::IgtlHeader& header,
                                        tracking::ByteView content);
 
-/// @pre 1 to kMostStepsInMessage of them. @param first_number  Of the first; steps count from 0.
+/// @pre 1 to kMostStepsInMessage steps. @param first_number  Number of the first; from 0.
 tracking::Bytes PackSteps(std::span<const StepInput> steps, std::int64_t first_number);
-/// Nothing if there is a number that a step never has, the first has another number, or times do
-/// not rise above `after_ns`.
+/// Nothing if a value is not possible in a step, the first step has another number, or times do not
+/// rise above `after_ns`.
 std::optional<std::vector<StepInput>> ReadSteps(tracking::ByteView content,
                                                 std::int64_t first_number, std::int64_t after_ns);
 
 /// Names of the messages with images, in the order of ProbeImages and LiveImage::effects.
 std::vector<std::string> ImageNames(const simulation::Scene& scene);
 
-/// The messages of a moment: images that differ from `sent`, which follows, and the end.
+/// Messages with the images of a snapshot that differ from the previous ones, and an end message.
 class MomentPacker {
  public:
   explicit MomentPacker(const simulation::Scene& scene)
@@ -57,13 +56,13 @@ class MomentPacker {
   std::vector<std::vector<std::uint8_t>> sent_;
 };
 
-/// Puts the messages of moments together again.
+/// Assembles the messages of snapshots.
 class MomentReader {
  public:
   explicit MomentReader(const simulation::Scene& scene) : names_(ImageNames(scene)) {}
-  /// False: that is no message of a moment, or not readable.
+  /// False: the message does not belong to a snapshot, or is not readable.
   bool Take(const tracking::IgtlHeader& header, tracking::ByteView content);
-  /// True once for each whole moment: images() are all of it.
+  /// True once for each complete snapshot: images() are all of it.
   bool TakeWhole();
   const MadeImages& images() const { return images_; }
 

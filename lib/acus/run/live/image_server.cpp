@@ -81,12 +81,12 @@ bool ImageServer::Accepts(tracking::IgtlLink& link) {
   return false;
 }
 
-/// Those who come while a session runs.
+/// Refuses further clients while a session runs.
 void ImageServer::TellOthers() {
   tracking::Descriptor socket = tracking::AcceptTcp(listener_);
   if (!socket.valid()) return;
   const auto busy = tracking::PackStatus("Images", 0, false, "it makes images for another session");
-  tracking::Send(socket, busy);  // One that does not read is not waited for.
+  tracking::Send(socket, busy);  // Does not wait for a client that does not read.
 }
 
 void ImageServer::Serve(tracking::IgtlLink& link) {
@@ -112,7 +112,7 @@ void ImageServer::Serve(tracking::IgtlLink& link) {
       newest_ns = inputs->back().time_ns;
     }
     TellOthers();
-    // Where there is no time for all, the newest is made.
+    // If images cannot keep up, only the newest one is rendered.
     if (link.queued_bytes() > 0) {
       if (link.queued_bytes() > kMostQueuedImages) link.Fail(link.peer() + " takes no images");
       continue;

@@ -1,4 +1,4 @@
-// The second computer: makes the images of live sessions that run elsewhere.
+// The second computer: renders the images of live sessions that run elsewhere.
 #pragma once
 
 #include <atomic>
@@ -15,16 +15,16 @@ namespace acus::live {
 struct ImageServerOptions {
   std::string host = "localhost";  ///< Address of this computer to listen on; empty: all.
   int port = kImagePort;           ///< 0: any that is free.
-  bool has_needle = true;          ///< Of the sessions.
+  bool has_needle = true;          ///< Tools of the sessions.
   bool has_probe = true;
   double least_image_rate_hz = 30.0;
-  double duration_s = 0.0;  ///< 0: until somebody stops it.
+  double duration_s = 0.0;  ///< 0: until it is stopped.
   std::function<void(const std::string& line)> on_event =
       {};  ///< A session began, or ended; or empty.
 };
 
-/// "[HOST:]PORT" in its parts. Without a host it is "localhost", which only this computer hears;
-/// ":18946" is heard by all of the network. @throws InputError if the port is no number.
+/// "[HOST:]PORT" in its parts. Without a host it is "localhost", for clients on this computer;
+/// ":18946" listens on the whole network. @throws InputError if the port is no number.
 std::pair<std::string, int> ListenAddress(const std::string& text);
 
 /// One session at a time, each from its first step on. One thread.
@@ -35,7 +35,7 @@ class ImageServer {
   ImageServer(const simulation::Scene& scene, std::string digest, ImageServerOptions options);
 
   int port() const { return tracking::PortOf(listener_); }
-  /// Until the time is up, or `stop` (may be null) says so.
+  /// Runs until the time is up, or `stop` (may be null) is true.
   void Run(const std::atomic<bool>* stop);
 
  private:

@@ -11,7 +11,7 @@
 namespace acus::live {
 namespace {
 
-constexpr std::size_t kRecentSnapshots = 250;  // There is one each 4 ms.
+constexpr std::size_t kRecentSnapshots = 250;  // One second of snapshots, one each 4 ms.
 constexpr std::int64_t kLateNs = 150'000'000;
 
 }  // namespace
@@ -68,7 +68,7 @@ void ImageThread::Run() {
       due_ns += period_ns;
       ++statistics_.late;
     }
-    if (!snapshots_.Refresh()) continue;  // Before the first step, or the device is silent.
+    if (!snapshots_.Refresh()) continue;  // Before the first step, or a silent device.
     try {
       MakeImage(begin_ns);
       SetTrouble("");
@@ -99,7 +99,7 @@ void ImageThread::Hand(const LiveImage& out) {
   images_.Publish();
 }
 
-/// One turn while another computer makes the images.
+/// One turn while another computer renders the images.
 void ImageThread::TakeImage() {
   constexpr auto kTurn = std::chrono::milliseconds(2);
   try {
@@ -118,7 +118,7 @@ void ImageThread::TakeImage() {
   }
 }
 
-/// False if there is nothing new.
+/// False if there is no new image.
 bool ImageThread::TakeNewest() {
   const auto made = remote_->Newest();
   if (!made || made->number == taken_ || recent_.empty()) return false;
@@ -128,7 +128,7 @@ bool ImageThread::TakeNewest() {
   return true;
 }
 
-/// While images are late, the window still shows where the tools are.
+/// While images are late, the window still shows the current poses of the tools.
 void ImageThread::KeepLast() {
   const std::int64_t now_ns = MonotonicNs();
   const bool is_late = statistics_.images > 0 && now_ns - statistics_.last_ns > kLateNs;
@@ -138,7 +138,7 @@ void ImageThread::KeepLast() {
   images_.Publish();
 }
 
-/// The last one before that time; the oldest there is, if that is later.
+/// The last snapshot before that time; the oldest one, if that is later.
 const LiveSnapshot& ImageThread::SnapshotAt(std::int64_t time_ns) const {
   const auto after = std::ranges::upper_bound(
       recent_, time_ns, {}, [](const LiveSnapshot& snapshot) { return snapshot.moment.time_ns; });
@@ -149,7 +149,7 @@ void ImageThread::SetTrouble(const char* what) {
   const bool failed = *what != '\0';
   if (failed) {
     ++statistics_.failed;
-    maker_.Forget();  // Half of it may be of one moment, half of another.
+    maker_.Forget();  // Parts of it may belong to different times.
   }
   const std::lock_guard lock(trouble_mutex_);
   if (failed || !trouble_.empty()) trouble_ = what;

@@ -1,4 +1,4 @@
-// Images of a live session, beside the steps and never in their way.
+// The thread that renders the images of a live session without delaying the steps.
 #pragma once
 
 #include <atomic>
@@ -21,22 +21,22 @@ class RemoteImages;
 
 struct ImageStatistics {
   std::atomic<std::int64_t> images{0};
-  std::atomic<std::int64_t> late{0};  ///< Moments of the grid at which an image was still in work.
-  std::atomic<std::int64_t> failed{0};  ///< Could not be made: there was no memory for them.
-  DurationHistogram render;             ///< Wall-clock time of one.
+  std::atomic<std::int64_t> late{0};    ///< Times of the grid at which an image was in work.
+  std::atomic<std::int64_t> failed{0};  ///< Could not be rendered for lack of memory.
+  DurationHistogram render;             ///< Wall-clock time of one image.
   DurationHistogram interval;           ///< From one finished image to the next.
   DurationHistogram tracker_to_image;   ///< From the measured pose to the finished image.
 
-  std::atomic<std::int64_t> first_ns{0};  ///< When the first was finished, CLOCK_MONOTONIC ...
+  std::atomic<std::int64_t> first_ns{0};  ///< End of the first image, CLOCK_MONOTONIC ...
   std::atomic<std::int64_t> last_ns{0};   ///< ... and the last.
 
   double per_s() const;  ///< 0 for fewer than two.
   nlohmann::json ToJson() const;
 };
 
-/// Renders the newest snapshot at a fixed rate. A snapshot that says "frozen" keeps the images
-/// that were there. An image that cannot be made is counted, and the next one tried. While another
-/// computer sends images, these are taken instead.
+/// Renders the newest snapshot at a fixed rate. A "frozen" snapshot keeps the last images. An image
+/// that cannot be rendered is counted, and the next one tried. While another computer sends images,
+/// these are taken instead.
 class ImageThread {
  public:
   /// @param scene, snapshots  Must outlive this. @param on_image  Called in this thread after
@@ -50,16 +50,16 @@ class ImageThread {
   /// Before Start(). @param remote  Must outlive this.
   void TakeFrom(RemoteImages* remote) { remote_ = remote; }
   void Start();
-  /// Lets the image that is in work be finished. Twice is once.
+  /// Waits for the image that is being rendered. A second call has no effect.
   void Stop() noexcept;
 
-  /// For one reader: the window, or whoever shows images.
+  /// For one reader: the window, or another consumer of images.
   TripleBuffer<LiveImage>& images() noexcept { return images_; }
   const ImageStatistics& statistics() const noexcept { return statistics_; }
-  /// What the stages of the images did. Only to be read after Stop().
+  /// Costs of the stages of the images. Only to be read after Stop().
   const simulation::StageTimes& stage_times() const noexcept { return maker_.stage_times(); }
   double rate_hz() const noexcept { return rate_hz_; }
-  /// Why the last image could not be made; empty if it could.
+  /// Why the last image could not be rendered; empty if it could.
   std::string trouble() const;
 
  private:
@@ -76,10 +76,10 @@ class ImageThread {
   double rate_hz_;
   std::function<void(const LiveImage&)> on_image_;
   ImageMaker maker_;
-  RemoteImages* remote_ = nullptr;   ///< Null: images are made here.
-  std::int64_t taken_ = 0;           ///< Number of the newest of its images that was taken.
-  std::int64_t kept_ns_ = 0;         ///< Of the last moment that got images of before.
-  std::deque<LiveSnapshot> recent_;  ///< Of the last second, for its images.
+  RemoteImages* remote_ = nullptr;   ///< Null: images are rendered here.
+  std::int64_t taken_ = 0;           ///< Number of its newest image that was taken.
+  std::int64_t kept_ns_ = 0;         ///< Time of the last snapshot that kept earlier images.
+  std::deque<LiveSnapshot> recent_;  ///< Snapshots of the last second, for its images.
   TripleBuffer<LiveImage> images_;
   ImageStatistics statistics_;
   mutable std::mutex trouble_mutex_;

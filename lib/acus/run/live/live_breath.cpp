@@ -9,8 +9,8 @@ namespace acus::live {
 namespace {
 
 constexpr double kRampS = breathing::BreathClock::kRampS;
-constexpr double kLongestStepS = 1.0;  // After a longer pause breath goes on where it was.
-constexpr double kReturnS = 0.5;       // To the belt's level, after the patient may breathe again.
+constexpr double kLongestStepS = 1.0;  // After a longer pause, breath keeps its phase.
+constexpr double kReturnS = 0.5;       // To return to the belt's level after a hold.
 
 }  // namespace
 
@@ -27,7 +27,7 @@ double LiveBreath::Advance(double dt_s) noexcept {
 breathing::Breath LiveBreath::OfBelt(double session_s, double dt_s, double passed_s) noexcept {
   breathing::Breath breath = belt_.At(session_s);
   if (speed_ < 1.0) {
-    // Goes on at the belt's rate as far as breath goes on at all.
+    // The belt's rate, scaled by the remaining speed of the breath.
     offset_ = level_ + breath.level_per_s * passed_s - breath.level;
     breath.level_per_s *= speed_;
   } else {

@@ -1,5 +1,5 @@
-// The breath of a live session, step by step: of a belt, or of a training partner who breathes as
-// the scenario says; held on command.
+// The breath of a live session, step by step: from a belt, or from a training partner who breathes
+// as the scenario says; held on command.
 #pragma once
 
 #include "acus/data/session/signals.h"
@@ -11,7 +11,7 @@ namespace acus::live {
 /// One thread. Allocates nothing.
 class LiveBreath {
  public:
-  /// @param partner  Says how the patient breathes where there is no belt. Must outlive this.
+  /// @param partner  The patient's breath where there is no belt. Must outlive this.
   /// @param has_belt  Breath comes from ReadBelt().
   LiveBreath(const simulation::Breathing& partner, bool has_belt)
       : partner_(partner), has_belt_(has_belt) {}
@@ -21,15 +21,15 @@ class LiveBreath {
   void Hold(bool on) noexcept { holds_ = on; }
   bool holds() const noexcept { return holds_; }
 
-  /// Session time, s; in terms of a normal breath.
+  /// Session time, s; level relative to a normal breath.
   void ReadBelt(double time_s, double level) noexcept { belt_.Read(time_s, level); }
   const BeltFollower& belt() const noexcept { return belt_; }
 
-  /// The breath of a step. @param session_s  Since the session began; never goes back.
+  /// The breath of a step. @param session_s  Since the session began; never decreases.
   session::BreathSample Step(double session_s) noexcept;
 
  private:
-  /// How much breath passes in `dt_s`, while its speed goes towards what was ordered.
+  /// Breath time that passes in `dt_s`, while its speed approaches 0 (hold) or 1.
   double Advance(double dt_s) noexcept;
   breathing::Breath OfBelt(double session_s, double dt_s, double passed_s) noexcept;
 
@@ -39,10 +39,10 @@ class LiveBreath {
   bool holds_ = false;
   bool started_ = false;
   double last_s_ = 0.0;
-  double breath_s_ = 0.0;  ///< Stands still while breath is held.
+  double breath_s_ = 0.0;  ///< Stands still during a hold.
   double speed_ = 1.0;     ///< d breath_s / d session_s.
-  double level_ = 1.0;     ///< Of the last step, with a belt.
-  double offset_ = 0.0;    ///< What holding has put it apart from the belt.
+  double level_ = 1.0;     ///< Level of the last step, with a belt.
+  double offset_ = 0.0;    ///< Difference from the belt's level after a hold.
 };
 
 }  // namespace acus::live

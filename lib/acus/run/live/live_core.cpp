@@ -14,13 +14,13 @@ using haptics::DeviceReading;
 using session::CommandKind;
 
 constexpr std::int64_t kOldestForceNs = 20'000'000;
-constexpr double kHeldNPerMm = 5.0;  ///< As stiff as bone in the tables of forces.
+constexpr double kHeldNPerMm = 5.0;  ///< The stiffness of bone in the tables of forces.
 
 std::int64_t Nanoseconds(double seconds) noexcept {
   return std::llround(1e9 * seconds);
 }
 
-/// Guards hand out nothing else; a core that is run without one must not stumble over it.
+/// Guards pass only rigid poses; a core without a guard must not fail on others.
 bool IsRigid(const Eigen::Isometry3d& pose) noexcept {
   return pose.matrix().allFinite() &&
          (pose.linear() * pose.linear().transpose() - Eigen::Matrix3d::Identity())
@@ -143,7 +143,7 @@ void LiveCore::Obey(const CommandQueue::Order& order) noexcept {
       plunger_n_ = order.value;
       break;
     case CommandKind::kView:
-      break;  // Of the window: only recorded.
+      break;  // For the window: only recorded.
   }
 }
 
@@ -168,7 +168,7 @@ LiveCore::Tool LiveCore::ReadOther(std::int64_t now_ns) noexcept {
     other_verdict_ = other_gate_.Judge(now_ns, {}, false);
   } else if (latest.number != other_number_) {
     // A tracker is slower than the steps: each of its readings is judged once, and used until the
-    // next.
+    // next one.
     const transforms::Pose pose(Eigen::Isometry3d(other.mount.reference_from_device *
                                                   latest.reference_from_tool.isometry() *
                                                   other.mount.handle_from_tool));
@@ -196,7 +196,7 @@ void LiveCore::ReadTools(const DeviceReading& reading) noexcept {
   if (probe_.mount != nullptr) Add(statistics_.probe[static_cast<std::size_t>(probe_.verdict)]);
 }
 
-/// What is recorded and stepped on is the needle as it is held, so that a replay is the same.
+/// Records and steps with the held pose of the needle, so that a replay is the same.
 void LiveCore::HoldNeedle() noexcept {
   held_in_ct_n_.setZero();
   NeedleStop::Held held;
@@ -265,7 +265,7 @@ DeviceForce LiveCore::ForceOn(const Tool& tool, const Eigen::Vector3d& force_in_
   const Eigen::Matrix3d device_from_ct =
       (scene_.ct_from_reference.linear() * tool.mount->reference_from_device.linear()).transpose();
   out.force_n = device_from_ct * force_in_ct_n;
-  // Models give the torque about the tool's origin; the hand holds the handle's.
+  // Models give the torque about the tool's origin; the hand applies that about the handle's.
   const Eigen::Vector3d handle_to_tool_in_reference_mm =
       tool.sample.reference_from_tool.linear() *
       (tool.mount->handle_from_tool.linear().transpose() *
@@ -313,7 +313,7 @@ void LiveCore::Show(const DeviceForce& on_needle, const DeviceForce& on_probe) n
 
 void LiveCore::MeasureChatter(const Eigen::Vector3d& on_needle_n,
                               std::int64_t reading_ns) noexcept {
-  constexpr double kFeltN = 0.01;  ///< Below 30 Hz.
+  constexpr double kFeltN = 0.01;  ///< Threshold below 30 Hz.
   if (!started_) return;
   needle_chatter_.Add(1e-9 * static_cast<double>(reading_ns - last_reading_ns_), on_needle_n,
                       needle_chatter_.slow_n().norm() > kFeltN);

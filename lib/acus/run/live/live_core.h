@@ -1,4 +1,4 @@
-// One step of a live session: readings of the devices in, forces out, everything handed on.
+// One step of a live session: reads the devices, computes forces, passes all data on.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -24,77 +24,78 @@
 
 namespace acus::live {
 
-/// How a tool sits on a device or tracked marker, and where that is. mm.
+/// How a tool is mounted on a device or tracked marker, and the pose of that. mm.
 struct ToolMount {
   Eigen::Isometry3d reference_from_device = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d handle_from_tool = Eigen::Isometry3d::Identity();
-  bool by_virtual_hand = false;  ///< Its needle is held where bone and the skin stop it.
+  bool by_virtual_hand = false;  ///< Its needle stops at bone and, with its hub, at the skin.
 };
 
-/// A tool that is read from a board: of a tracker, or of a device with a servo of its own.
+/// A tool that is read from a board: of a tracker, or of a device whose servo does not run the
+/// steps.
 struct BoardTool {
   const tracking::PoseBoard* board = nullptr;
   std::size_t tool = 0;
   ToolMount mount;
-  double stale_s = 0.1;  ///< News older than this: the tool is not seen.
+  double stale_s = 0.1;  ///< Readings older than this: the tool is not seen.
 };
 
 /// A belt or marker that follows the patient's breath: the level is linear along an axis.
 struct BoardBelt {
   const tracking::PoseBoard* board = nullptr;
   std::size_t tool = 0;
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< Of the tracker's frame, unit length.
-  double expiration_mm = 0.0;                       ///< Along the axis.
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< In the tracker's frame, unit length.
+  double expiration_mm = 0.0;                       ///< Position along the axis at expiration.
   double inspiration_mm = 10.0;
 };
 
 struct CoreSettings {
   std::int64_t origin_ns = 0;  ///< CLOCK_MONOTONIC at time 0 of the session.
-  double rate_hz = 1000.0;     ///< Nominal, of the device whose servo runs the steps.
-  ToolMount servo;             ///< What that device holds.
+  double rate_hz = 1000.0;     ///< Nominal rate of the device whose servo runs the steps.
+  ToolMount servo;             ///< The tool on that device.
   bool servo_is_needle = true;
   std::optional<BoardTool> other;  ///< The other tool, if there is one.
   std::optional<BoardBelt> belt;
   PoseGateSettings gate;
-  /// When hands are swapped, what is fixed to the handles goes along: both are haptic devices.
+  /// A swap of hands also swaps the tools' mounts: both are on haptic devices.
   bool tools_change_handles = false;
-  double snapshot_s = 0.004;  ///< At most this often.
-  StepFeed* feed = nullptr;   ///< Is given the input of each step. Null: nobody wants it.
+  double snapshot_s = 0.004;  ///< Smallest interval of snapshots.
+  StepFeed* feed = nullptr;   ///< Receives the input of each step. Null: none.
 };
 
-/// All of Tick() runs in one thread, the servo of a haptic device; it takes no lock, allocates
-/// nothing, waits for nobody and does not throw. The others read what it leaves.
+/// Tick() runs in one thread, the servo of a haptic device; it takes no lock, allocates nothing,
+/// never waits and does not throw. The other threads read its results.
 class LiveCore {
  public:
   /// @param scene, recorder, boards  Must outlive this. @param recorder  Null: nothing is recorded.
-  /// @param partner  Says how the patient breathes, if the scene breathes as the session says.
+  /// @param partner  The patient's breath, if the scene takes the breath from the session.
   LiveCore(const simulation::Scene& scene, const CoreSettings& settings, Recorder* recorder,
            const simulation::Breathing* partner);
 
-  /// One step. The force is zero where the tool is not seen, or forces are paused; it has not
-  /// passed a guard yet.
+  /// One step. The force is zero if the tool is not seen or forces are paused; it has not passed a
+  /// guard yet.
   haptics::DeviceForce Tick(const haptics::DeviceReading& reading) noexcept;
 
   /// For HapticDevice::Start().
   haptics::Servo servo() noexcept;
 
-  /// The force for a device with a servo of its own that holds the other tool. Any thread. Zero if
-  /// no step came for 20 ms.
+  /// The force for a device with its own servo that holds the other tool. Any thread. Zero if there
+  /// was no step for 20 ms.
   haptics::DeviceForce OtherForce(std::int64_t now_ns) const noexcept;
 
   CommandQueue& commands() noexcept { return commands_; }
   TripleBuffer<LiveSnapshot>& snapshots() noexcept { return snapshots_; }
   const CoreStatistics& statistics() const noexcept { return statistics_; }
-  /// What the stages of the steps did. Only to be read while nobody calls Tick().
+  /// Costs of the stages of the steps. Only to be read while Tick() is not called.
   const simulation::StageTimes& stage_times() const noexcept { return stage_times_; }
   /// Session time of the last step, ns. Any thread.
   std::int64_t session_ns() const noexcept { return session_ns_.load(std::memory_order_relaxed); }
-  /// What keeps the needle of a virtual hand from going further in. Any thread.
+  /// The obstacle that stops the needle of a virtual hand. Any thread.
   StopKind stopped_by() const noexcept { return stopped_by_.load(std::memory_order_relaxed); }
   bool hands_swapped() const noexcept { return hands_swapped_.load(std::memory_order_relaxed); }
 
  private:
-  /// A tool as read, in the reference frame.
+  /// A tool's reading in the reference frame.
   struct Tool {
     session::PoseSample sample{.valid = false};
     PoseVerdict verdict = PoseVerdict::kNotSeen;
@@ -130,7 +131,7 @@ class LiveCore {
   std::optional<NeedleStop> stop_;
   PoseGate servo_gate_;
   PoseGate other_gate_;
-  std::uint64_t other_number_ = 0;  ///< Of the last reading that was judged.
+  std::uint64_t other_number_ = 0;  ///< Number of the last reading that was judged.
   PoseVerdict other_verdict_ = PoseVerdict::kNotSeen;
   std::uint64_t belt_number_ = 0;
 
@@ -141,11 +142,11 @@ class LiveCore {
   forces::ChatterMeter needle_chatter_;
   std::atomic<std::int64_t> session_ns_{0};
 
-  // Of the present step.
+  // Data of the present step.
   StepRecord record_;
   Tool needle_;
   Tool probe_;
-  Eigen::Vector3d held_in_ct_n_ = Eigen::Vector3d::Zero();  ///< On the needle, by what stops it.
+  Eigen::Vector3d held_in_ct_n_ = Eigen::Vector3d::Zero();  ///< By the obstacle, on the needle.
   std::atomic<StopKind> stopped_by_{StopKind::kNone};
   bool started_ = false;
   std::int64_t last_reading_ns_ = 0;

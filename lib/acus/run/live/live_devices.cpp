@@ -37,7 +37,7 @@ BeltConfig BeltOf(const json& node, const std::string& where) {
   return belt;
 }
 
-constexpr double kFilmRateHz = 30.0;  ///< Of films and folders in place of a camera.
+constexpr double kFilmRateHz = 30.0;  ///< Frame rate of videos and folders in place of a camera.
 
 camera::SecondCameraOptions SecondOf(const json& node, const fs::path& folder) {
   return {

@@ -1,4 +1,4 @@
-// The devices file as a live session reads it: haptic devices, trackers, and where they stand.
+// The devices file of a live session: haptic devices, trackers, and their poses.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -16,19 +16,19 @@ namespace acus::live {
 
 /// A tracked marker or belt that follows the patient's breath.
 struct BeltConfig {
-  std::string tool;                                 ///< Of one of the trackers.
+  std::string tool;                                 ///< A tool of one of the trackers.
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< Unit length, in the tracker's frame.
   double expiration_mm = 0.0;
   double inspiration_mm = 10.0;
 };
 
-/// Where poses and images are sent, for 3D Slicer and others to watch.
+/// The address to which poses and images are sent, for 3D Slicer and others.
 struct SendOut {
   std::string host = "localhost";
   int port = 18945;
 };
 
-/// A second computer that makes the images: acus-live --make-images.
+/// A second computer that renders the images: acus-live --make-images.
 struct ImagesFrom {
   std::string host = "localhost";
   int port = 18946;
@@ -36,7 +36,7 @@ struct ImagesFrom {
 
 struct TrackerConfig {
   tracking::IgtlOptions options;
-  double stale_s = 0.2;  ///< News older than this: the tool is not seen.
+  double stale_s = 0.2;  ///< Images older than this count as missing.
 };
 
 /// A camera whose video is shown, and which may track tools.
@@ -50,7 +50,7 @@ struct CameraConfig {
 struct LiveDevices {
   std::string name;
   haptics::DevicesFile haptics;
-  /// By haptic device. mm.
+  /// Pose of each haptic device. mm.
   std::map<std::string, Eigen::Isometry3d> reference_from_device;
   std::vector<TrackerConfig> trackers;
   std::optional<CameraConfig> camera;
@@ -58,8 +58,8 @@ struct LiveDevices {
   std::optional<SendOut> send_out;
   std::optional<ImagesFrom> images_from;
 
-  /// The tracker with the tool of that name (the camera comes after the others), and its number
-  /// there.
+  /// The index of the tracker with the tool of that name (the camera comes after the others), and
+  /// the tool's index in it.
   struct Place {
     std::size_t tracker = 0;
     std::size_t tool = 0;
@@ -71,9 +71,9 @@ struct LiveDevices {
   bool has_probe() const { return !haptics.probe.device.empty() || FindTracked("probe"); }
 };
 
-/// @throws InputError: what the schema and haptics::ReadDevices() say; a tool that is on a device
-///     and tracked as well, or tracked twice; a transform file that is not readable; nothing that
-///     holds needle or probe.
+/// @throws InputError for errors against the schema and those of haptics::ReadDevices(); a tool
+///     that is on a device and tracked as well, or tracked twice; a transform file that is not
+///     readable; no device or tracker with a needle or probe.
 LiveDevices ReadLiveDevices(const std::filesystem::path& path);
 
 }  // namespace acus::live

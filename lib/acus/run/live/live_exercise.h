@@ -1,4 +1,4 @@
-// The exercise of a live session: followed by the recorder's thread, read by the window's.
+// The exercise of a live session: updated by the recorder's thread, read by the window's.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,11 +20,11 @@ class LiveExercise {
         has_probe_(has_probe),
         watch_(exercise, scene, target_ct_mm) {}
 
-  /// One thread: each step in turn, then Publish().
+  /// One thread: each step in order, then Publish().
   void Add(const StepRecord& record);
   void Publish();
 
-  /// Any thread: as of the last Publish().
+  /// Any thread: the state at the last Publish().
   replay::ExerciseProgress progress() const;
   const training::Exercise& exercise() const { return exercise_; }
   const std::optional<Eigen::Vector3d>& target_in_ct_mm() const { return target_in_ct_mm_; }

@@ -1,4 +1,4 @@
-// A moment of a live session with its images.
+// A snapshot of a live session with its images.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@ namespace acus::live {
 struct LiveImage {
   LiveSnapshot snapshot;
   simulation::ProbeImages images;
-  std::vector<simulation::EffectImage> effects;  ///< Of those effects of the list that have one.
-  /// As it is set: gain, depth. Null without one in the plan.
+  std::vector<simulation::EffectImage> effects;  ///< Images of the list's effects that have one.
+  /// The probe with the current gain and depth. Null without a probe in the plan.
   std::shared_ptr<const acoustics::Probe> probe;
-  std::int64_t number = 0;   ///< 0: none yet.
-  std::int64_t time_ns = 0;  ///< Session time that the images show.
+  std::int64_t number = 0;   ///< 0: before the first image.
+  std::int64_t time_ns = 0;  ///< Session time of the images.
 };
 
-/// The images of a moment as another computer has made them.
+/// The images of one snapshot, received from another computer.
 struct MadeImages {
   std::int64_t time_ns = 0;  ///< Session time.
   std::int64_t number = 0;   ///< From 1.
   simulation::ProbeImages images;
-  std::vector<effects::EffectPixels> effects;  ///< As LiveImage::effects.
+  std::vector<effects::EffectPixels> effects;  ///< In the order of LiveImage::effects.
 };
 
 }  // namespace acus::live

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A device follows a recorded tool, forth and back without end.
+/// A device follows a recorded tool, back and forth without end.
 haptics::GoalPath PathOf(const session::PoseStream& stream, std::int64_t start_ns,
                          const Eigen::Isometry3d& reference_from_device,
                          const Eigen::Isometry3d& handle_from_tool) {
@@ -50,7 +50,7 @@ haptics::GoalPath PathOf(const session::PoseStream& stream, std::int64_t start_n
   return path;
 }
 
-constexpr std::size_t kWordsThatTell = 40;  // Of a status line: what follows are numbers.
+constexpr std::size_t kWordsThatTell = 40;  // Prefix of a status line; numbers follow.
 
 }  // namespace
 
@@ -95,7 +95,7 @@ std::string_view NameOf(SessionEnd end) {
 
 LiveSession::LiveSession(const scenario::Scenario& scenario, const LiveDevices& devices,
                          const LiveOptions& options, RunContext& context)
-    // In this order: what is wrong with the scenario comes before what is wrong with devices.
+    // In this order: errors of the scenario are reported before those of devices.
     : LiveSession{
           scenario,
           std::make_shared<const simulation::Scene>(LoadLiveScene(scenario, devices, context)),
@@ -131,7 +131,7 @@ LiveSession::LiveSession(const scenario::Scenario& scenario,
   if (options_.only_checks) CheckStart();
 }
 
-/// What Start() would refuse before its first step.
+/// Checks everything that Start() requires before its first step.
 void LiveSession::CheckStart() const {
   if (!options_.session_folder.empty())
     RequireFolderCanBeMade(options_.session_folder, context_.overwrite);
@@ -159,7 +159,7 @@ void LiveSession::FollowSession(LiveDevices& devices, const fs::path& path) {
   }
 }
 
-/// A virtual hand without a path of its own begins with the probe in contact.
+/// A virtual hand without a given path begins with the probe in contact.
 void LiveSession::PlaceProbeOnSkin() {
   const haptics::ToolConfig& probe = devices_.haptics.probe;
   if (probe.device.empty() || scene_->labels == nullptr) return;
@@ -177,7 +177,7 @@ void LiveSession::PlaceProbeOnSkin() {
   }
 }
 
-/// Of the rig; a virtual hand is made for this session.
+/// A device of the rig; a virtual hand is constructed for this session.
 haptics::HapticDevice* LiveSession::Take(const haptics::ToolConfig& tool) {
   if (haptics::HapticDevice* device = rig_->Find(tool.device)) return device;
   const auto steering = std::make_shared<haptics::HandSteering>();
@@ -202,7 +202,7 @@ void LiveSession::TakeDevices() {
   };
   const haptics::ToolConfig& needle = devices_.haptics.needle;
   const haptics::ToolConfig& probe = devices_.haptics.probe;
-  // Motors want steps at their rate: a device with motors runs them, rather than a tracker.
+  // Motors require steps at their rate: a device with motors runs them, rather than a tracker.
   if (!needle.device.empty()) {
     servo_device_ = Take(needle);
     core_settings_.servo = mount(needle);
@@ -244,7 +244,7 @@ void LiveSession::TakeDevices() {
 void LiveSession::MakeCore() {
   if (devices_.images_from) {
     remote_ = std::make_unique<RemoteImages>(*devices_.images_from, *scene_, digest_);
-    remote_->Connect();  // Else images are made here, and the status says why.
+    remote_->Connect();  // Else images are rendered here, with the reason in the status.
     core_settings_.feed = &remote_->feed();
   }
   if (pain_sound_) voice_ = std::make_unique<PatientVoice>(*scene_, *pain_sound_);
@@ -385,7 +385,7 @@ void LiveSession::HoldPedal() {
 }
 
 double LiveSession::seconds_running() const {
-  // By the clock: a device that is silent makes no steps.
+  // By the clock: a silent device causes no steps.
   return 1e-9 * static_cast<double>(MonotonicNs() - core_settings_.origin_ns);
 }
 
@@ -399,7 +399,7 @@ bool RunHeadless(LiveSession& session, const RunContext& context) {
   std::set<std::string> said;
   for (int i = 0; session.Poll(); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    if (i < 50 || i % 10 != 0) continue;  // Links take a moment to come about.
+    if (i < 50 || i % 10 != 0) continue;  // Connections take time to open.
     std::set<std::string> now;
     for (const StatusLine& line : session.Status()) {
       const std::string what = line.text.substr(0, kWordsThatTell);

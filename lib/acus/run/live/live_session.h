@@ -1,10 +1,10 @@
-// A live session from start to end: which thread does what, and in which order they stop.
+// A live session from start to end: the work of each thread, and the order in which they stop.
 //
 //   servo of a haptic device (1 kHz, real-time)   LiveCore::Tick: step, force, record, snapshot
-//   servo of the other device, if there is one    hands its pose in, takes its force out
+//   servo of the other device, if there is one    passes its pose on, takes its force
 //   trackers                                      receive poses
-//   images (30 Hz or more)                      render the newest snapshot, send it out
-//   a second computer, if there is one            is sent all steps, sends images
+//   images (30 Hz or more)                        render the newest snapshot, send it
+//   a second computer, if there is one            receives all steps, sends images
 //   recorder                                      writes
 //   the caller                                    Poll(), status, windows, orders
 #pragma once
@@ -34,25 +34,25 @@ namespace acus::live {
 
 struct LiveOptions {
   std::filesystem::path session_folder;
-  std::string name;         ///< Of the session; empty: the scenario's.
-  double duration_s = 0.0;  ///< 0: until somebody stops it.
-  /// A session whose needle and probe the virtual hands follow. Empty: as the devices file says.
+  std::string name;         ///< Name of the session; empty: the scenario's.
+  double duration_s = 0.0;  ///< 0: until it is stopped.
+  /// A session that the virtual hands of needle and probe follow. Empty: the devices file decides.
   std::filesystem::path hand;
   bool left_handed = false;  ///< The devices of needle and probe change places.
-  /// No vendor's library is loaded, no device looked for, and the session cannot be started.
+  /// No vendor's library is loaded, no device searched for, and the session cannot be started.
   bool only_checks = false;
   double least_image_rate_hz = 30.0;
-  std::optional<training::Exercise> exercise;  ///< Nothing: none.
+  std::optional<training::Exercise> exercise;  ///< Nothing: no exercise.
   RecorderSettings recorder;
 };
 
-/// The session is one of that exercise: it has its name, and the file is an input of it.
+/// Makes the session one of that exercise: with its name, and the file as an input.
 /// @throws InputError as training::ReadExercise().
 void UseExercise(const std::filesystem::path& file, LiveOptions& options, RunContext& context);
 
 enum class Severity { kGood, kNote, kWarning, kFault };
 
-/// A sentence for the person at the screen.
+/// A sentence for the user at the screen.
 struct StatusLine {
   Severity severity = Severity::kNote;
   std::string text;
@@ -70,14 +70,14 @@ struct HeldTool {
   bool may_advance = true;  ///< False: bone or the skin stops the needle.
 };
 
-/// The largest forces that guards let through; 0: no motor.
+/// The largest forces that guards pass; 0: no motor.
 struct ForceLimits {
   double needle_n = 0.0;
   double probe_n = 0.0;
 };
 
-/// The patient and the effects of sessions with these devices: what a replay of their recordings
-/// loads, too.
+/// The patient and the effects of sessions with these devices, which a replay of their recordings
+/// loads as well.
 /// @throws InputError as simulation::LoadScene().
 simulation::Scene LoadLiveScene(const scenario::Scenario& scenario, const LiveDevices& devices,
                                 RunContext& context);
@@ -85,12 +85,12 @@ simulation::Scene LoadLiveScene(const scenario::Scenario& scenario, const LiveDe
 class LiveSession {
  public:
   /// Reads the scenario's data and opens the devices, motors off; for this session alone.
-  /// @throws InputError in plain words.
+  /// @throws InputError with a message for the user.
   LiveSession(const scenario::Scenario& scenario, const LiveDevices& devices,
               const LiveOptions& options, RunContext& context);
   /// One of several sessions with the same devices, one at a time, or in the same scene.
   /// @param scene  LoadLiveScene() of the scenario.
-  /// @throws InputError in plain words.
+  /// @throws InputError with a message for the user.
   LiveSession(const scenario::Scenario& scenario, std::shared_ptr<const simulation::Scene> scene,
               std::shared_ptr<Rig> rig, const LiveOptions& options, RunContext& context);
   ~LiveSession();  ///< Stops.
@@ -101,21 +101,21 @@ class LiveSession {
   /// @throws InputError; then nothing runs and motors are off.
   void Start();
 
-  /// False when the session is over: its time is up, it was told to stop, or the device that runs
-  /// the steps has failed for good. To be called at least ten times a second.
+  /// False when the session is over: its time is up, it was stopped, or the device that runs the
+  /// steps has failed for good. To be called at least ten times a second.
   bool Poll();
 
-  /// Zero force first; then the threads; then what is left is written, with summary.json. Twice is
-  /// once.
+  /// First the force becomes zero; then the threads stop; then the remaining data is written, with
+  /// summary.json. A second call has no effect.
   void Stop() noexcept;
 
   SessionEnd end() const { return end_; }
   /// No device failed for good, no step is missing from the recording, and its summary is written.
   bool complete() const;
   const simulation::Scene& scene() const { return *scene_; }
-  /// @pre Start() was called, as for all that follows.
+  /// @pre Start() was called, as for all following functions.
   CommandQueue& commands() { return core_->commands(); }
-  /// Who holds the needle, or the probe, at present.
+  /// The device and hand that hold the needle, or the probe, at present.
   HeldTool HeldBy(bool needle) const;
   /// The camera whose video is shown; null if there is none.
   const camera::CameraTracker* video() const { return rig_->camera(); }
@@ -126,13 +126,13 @@ class LiveSession {
   bool breath_can_be_held() const { return partner_.has_value(); }
   bool has_needle() const { return devices_.has_needle(); }
   bool has_probe() const { return devices_.has_probe(); }
-  /// A device gives no force until its dead-man switch is held.
+  /// A device gives no force because its dead-man switch is open.
   bool switch_is_open() const;
   /// Images per second of the last seconds; 0 before these have passed.
   double recent_images_per_s() const { return recent_images_.per_s(); }
   /// To be called while a pedal or its key is down: see HapticDevice.
   void HoldPedal();
-  /// Null: no second computer makes the images.
+  /// Null: no second computer renders the images.
   const RemoteImages* remote_images() const { return remote_.get(); }
   TripleBuffer<LiveImage>& images() { return images_->images(); }
   const CoreStatistics& statistics() const { return core_->statistics(); }
@@ -140,11 +140,11 @@ class LiveSession {
   double seconds_running() const;
   double session_s() const { return 1e-9 * static_cast<double>(core_->session_ns()); }
 
-  /// What the screen should say, the worst first; empty if all is well.
+  /// Status for the screen, the worst first; empty if there is no problem.
   std::vector<StatusLine> Status() const;
-  /// What is attached, for people: one line for each device and tracker.
+  /// A text about the attached devices: one line for each device and tracker.
   std::string DevicesText() const;
-  /// What the stages of the effect plan did. @pre Stop() was called, as for Summary().
+  /// Costs of the stages of the effect plan. @pre Stop() was called, as for Summary().
   simulation::StageTimes stage_times() const;
   nlohmann::json Summary() const;
   std::string SummaryText() const;
@@ -165,13 +165,13 @@ class LiveSession {
   std::string name_;
   std::shared_ptr<const simulation::Scene> scene_;
   std::shared_ptr<Rig> rig_;
-  LiveDevices devices_;  ///< Of this session: hands and their paths.
+  LiveDevices devices_;  ///< Devices of this session, with hands and their paths.
   std::optional<simulation::Breathing> partner_;
 
   std::vector<tracking::SourceCounts> tracked_before_;  ///< By tracker, at the start.
   std::unique_ptr<Bridge> bridge_;                      ///< Between the other device and the core.
   std::map<std::string, std::shared_ptr<haptics::HandSteering>> steering_;  ///< By virtual hand.
-  /// Virtual hands, and what stands for a device where there is none.
+  /// Virtual hands, and substitutes for absent devices.
   std::vector<std::unique_ptr<haptics::HapticDevice>> own_devices_;
   haptics::HapticDevice* servo_device_ = nullptr;
   haptics::HapticDevice* other_device_ = nullptr;  ///< Null: none.
@@ -186,11 +186,11 @@ class LiveSession {
   std::optional<sound::Sound> pain_sound_;
   std::unique_ptr<PatientVoice> voice_;  ///< Null: the patient makes no sound.
   std::unique_ptr<Recorder> recorder_;
-  std::string digest_;                    ///< Of the scene, if another computer is to make images.
-  std::unique_ptr<RemoteImages> remote_;  ///< Null: all images are made here.
+  std::string digest_;                    ///< Of the scene, if another computer renders images.
+  std::unique_ptr<RemoteImages> remote_;  ///< Null: all images are rendered here.
   std::unique_ptr<LiveCore> core_;
   std::unique_ptr<ImageThread> images_;
-  transforms::Landmarks targets_;  ///< Of exercise and corridor, CT space.
+  transforms::Landmarks targets_;  ///< Targets of exercise and corridor, CT space.
   std::unique_ptr<Broadcast> broadcast_;
   SessionEnd end_ = SessionEnd::kRunning;
   bool started_ = false;
@@ -198,7 +198,7 @@ class LiveSession {
   bool summary_is_written_ = true;
 };
 
-/// Runs a session without windows, to its end, and warns of what its status says on the way.
+/// Runs a session without windows to its end, and reports its status lines as warnings.
 /// @returns session.complete().
 bool RunHeadless(LiveSession& session, const RunContext& context);
 

@@ -1,4 +1,4 @@
-// A moment of a live session, for those who draw it.
+// A snapshot of a live session, for threads that render it.
 #pragma once
 
 #include <optional>
@@ -20,25 +20,25 @@ struct LiveSnapshot {
   bool has_load = false;
   tissue::TissueLoad load;
   bool has_memory = false;
-  effects::Memory memory;  ///< Of the effects of the list.
+  effects::Memory memory;  ///< States of the effects of the list.
 
   simulation::StepOutput output;
   bool needle_valid = false;
-  double needle_force_n = 0.0;  ///< Asked of the device; its guard may give less.
+  double needle_force_n = 0.0;  ///< Requested from the device; its guard may reduce it.
   double probe_force_n = 0.0;
   session::BreathSample breath;
   bool breath_held = false;
   bool frozen = false;
   bool hands_swapped = false;
   bool forces_paused = false;
-  std::optional<double> gain_db;   ///< Of the probe, if somebody has set it.
+  std::optional<double> gain_db;   ///< Of the probe; nothing if not changed.
   std::optional<double> depth_mm;  ///< The same.
   double plunger_n = 0.0;          ///< Force of the thumb on the plunger of a syringe, as ordered.
   std::optional<Eigen::Vector3d> target_in_ct_mm;
   /// CLOCK_MONOTONIC, ns: when the probe's pose (else the needle's) was measured.
   std::int64_t measured_ns = 0;
 
-  /// What the image renderers take. Valid as long as this is neither moved nor changed.
+  /// The snapshot for image renderers. Valid as long as this is neither moved nor changed.
   simulation::Snapshot ForRenderer() const {
     simulation::Snapshot out = moment;
     if (has_shape) out.needle_shape = &shape;

@@ -7,7 +7,7 @@
 namespace acus::live {
 namespace {
 
-constexpr double kLongestWayMm = 100.0;  ///< Looked along in one step.
+constexpr double kLongestWayMm = 100.0;  ///< Search length in one step.
 constexpr double kLeastStepMm = 0.1;
 
 }  // namespace
@@ -23,7 +23,7 @@ NeedleStop::Held NeedleStop::At(const Eigen::Vector3d& tip_mm,
   const double step_mm = StepMm();
   Held held;
   if (const auto bone_mm = FirstMm(tip_mm, axis, ahead_mm + kIntoBoneMm + step_mm, is_bone)) {
-    // In bone from the start, or sideways into it: no deeper, until it is drawn back.
+    // In bone from the start, or sideways into it: no deeper, until it is withdrawn.
     held = {StopKind::kBone, std::clamp(*bone_mm - kIntoBoneMm, 0.0, ahead_mm)};
   }
   const Eigen::Vector3d hub_mm = tip_mm - length_mm_ * axis;

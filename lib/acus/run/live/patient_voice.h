@@ -1,4 +1,4 @@
-// The patient is heard when something hurts: the sound of the effect pain_reaction, in a session.
+// Plays the sound of the effect pain_reaction in a session.
 #pragma once
 
 #include <atomic>
@@ -15,14 +15,14 @@ namespace acus::live {
 
 class PatientVoice {
  public:
-  /// Opens the loudspeaker. A session without one is like any other, but trouble() says why.
+  /// Opens the loudspeaker. Without one, the session runs, and trouble() gives the reason.
   /// @param scene  Must outlive this. @param sound  As replay::PainSoundOf() gives it.
   PatientVoice(const simulation::Scene& scene, const sound::Sound& sound);
 
   /// Plays if there is a new reaction. One thread, not that of the steps.
   void Follow(const LiveSnapshot& snapshot) noexcept;
 
-  /// In plain words; empty if all is well.
+  /// The problem, for the user; empty if there is none.
   const std::string& trouble() const { return trouble_; }
   nlohmann::json ToJson() const;
 

@@ -1,4 +1,4 @@
-// What a tracked tool says of where it is, judged before anything is computed from it.
+// Judges the reading of a tracked tool before anything is computed from it.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,18 @@
 namespace acus::live {
 
 struct PoseGateSettings {
-  double jump_mm = 10.0;       ///< Between readings, however close in time ...
+  double jump_mm = 10.0;       ///< Largest change between readings, however close in time ...
   double speed_mm_s = 1000.0;  ///< ... plus this for the time between them, 0.1 s at most.
-  double jump_rad = 0.5;       ///< The same for turns ...
+  double jump_rad = 0.5;       ///< The same for rotations ...
   double speed_rad_s = 20.0;   ///< ... and this.
-  double settle_s = 0.3;       ///< A tool that jumped and stays there is believed after this long.
+  double settle_s = 0.3;       ///< A tool that jumped and stays there is accepted after this time.
 };
 
-/// Why a pose is not to be used.
+/// Why a pose is rejected.
 enum class PoseVerdict : std::uint8_t {
   kGood,
-  kNotSeen,    ///< The device or tracker says so, or said nothing for too long.
-  kNotFinite,  ///< Or further away than a tool can be.
+  kNotSeen,    ///< Reported by the device or tracker, or no reading for too long.
+  kNotFinite,  ///< Or farther away than a tool can be.
   kJumped,
 };
 
@@ -31,7 +31,7 @@ class PoseGate {
   /// Judges a reading. @param seen  False: it counts as not seen.
   PoseVerdict Judge(std::int64_t time_ns, const transforms::Pose& pose, bool seen) noexcept;
 
-  /// The last pose that was good; the identity before the first.
+  /// The last good pose; the identity before the first.
   const transforms::Pose& last_good() const noexcept { return last_good_; }
 
  private:
@@ -42,7 +42,7 @@ class PoseGate {
   bool has_good_ = false;
   transforms::Pose last_good_;
   std::int64_t good_ns_ = 0;
-  // Where the tool would be after a jump, since when, and when it was last there.
+  // The pose after a jump, the time of the jump, and the time of the last reading there.
   bool has_new_place_ = false;
   transforms::Pose new_place_;
   std::int64_t new_since_ns_ = 0;

@@ -23,11 +23,11 @@ namespace fs = std::filesystem;
 constexpr const char* kTrackerHeader =
     "time_s,source_time_s,tool,x_mm,y_mm,z_mm,qw,qx,qy,qz,status";
 
-// Rows of as many steps go to the disk together: what a full disk leaves out is not more than this.
+// Rows of this many steps are written together: a full disk loses no more than these.
 constexpr std::int64_t kStepsInBlock = 200;
 
-/// A recording that cannot begin leaves nothing: its folder goes, or what it put into one that was
-/// there. Lives while files are opened.
+/// A recording that cannot begin leaves nothing: its folder is removed, or the files that it
+/// created in an existing one. Lives while files are opened.
 class UnbegunFolder {
  public:
   UnbegunFolder(const fs::path& folder, bool made) : folder_(folder), made_(made) {}
@@ -49,8 +49,9 @@ class UnbegunFolder {
   bool begun_ = false;
 };
 
-/// Makes an empty folder, in place of an earlier output if that is wanted, and locks it: what
-/// another program is recording is never removed. @param made  Whether it was not there.
+/// Makes an empty folder, in place of an earlier output if `overwrite` is set, and locks it: a
+/// folder into which another program records is never removed. @param made  True if it did not
+/// exist.
 FolderLock MakeFolder(const fs::path& folder, bool overwrite, bool& made) {
   std::error_code error;
   made = fs::create_directories(folder, error);
@@ -155,7 +156,7 @@ void Recorder::Run() noexcept {
       if (exercise_ != nullptr) exercise_->Publish();
       TakeReadings();
     } catch (const std::exception&) {
-      // No memory for the rows of one record: it is lost, the session goes on.
+      // No memory for the rows of one record: it is lost, the session continues.
       lost_in_memory_.fetch_add(1, std::memory_order_relaxed);
     }
     Flush();
@@ -176,14 +177,14 @@ void Recorder::BeginBlock() {
 }
 
 void Recorder::TakeSteps() {
-  // No more than were there at first: a producer that is faster must not keep rows from the disk.
+  // No more than the initial number: a faster producer must not delay the writing of rows.
   for (std::size_t left = ring_.size(); left > 0; --left) {
     const StepRecord* record = ring_.Front();
     if (record == nullptr) return;
     if (pending_bytes_ > settings_.memory_bytes) {
       lost_in_memory_.fetch_add(1, std::memory_order_relaxed);
     } else {
-      // The longer the queue, the larger the blocks: a disk may be slow by the call.
+      // The longer the queue, the larger the blocks: a disk may be slow per call.
       const std::int64_t waiting = steps_taken_ - steps_on_disk_;
       if (blocks_.back().steps >= std::max(kStepsInBlock, waiting / 4)) {
         CountPending();
@@ -283,7 +284,7 @@ void Recorder::Close() noexcept {
   }
   wake_.notify_all();
   thread_.join();
-  // The producer has stopped: what is still there is all there will be.
+  // The producer has stopped: no records follow.
   const std::int64_t give_up_ns = MonotonicNs() + std::llround(1e9 * settings_.patience_s);
   next_try_ns_ = 0;
   Flush();

@@ -1,9 +1,9 @@
-// Records a live session in a folder that can be read at any moment, also after kill -9.
+// Records a live session in a folder that is readable at any time, also after kill -9.
 //
-// The real-time thread pushes one record for each step into a ring; a thread of the recorder turns
-// records into rows and appends them to the files, at least every half second. What was handed to
-// the operating system survives the death of the process. A disk that is full or slow costs memory,
-// then records, and says so; it never delays the real-time thread.
+// The real-time thread pushes one record for each step into a ring; a thread of the recorder
+// converts records to rows and appends them to the files, at least every half second. Data handed
+// to the operating system survives the death of the process. A disk that is full or slow costs
+// memory, then records, and is reported; it never delays the real-time thread.
 #pragma once
 
 #include <array>
@@ -32,29 +32,29 @@ namespace acus::live {
 
 struct RecorderSettings {
   double write_s = 0.2;                   ///< Rows reach the files this often; at most 0.5.
-  double retry_s = 0.5;                   ///< After the disk has refused to take any.
-  double patience_s = 3.0;                ///< How long Close() tries to write what is left.
+  double retry_s = 0.5;                   ///< Interval of retries after a write failed.
+  double patience_s = 3.0;                ///< Time limit of Close() to write the remaining rows.
   std::size_t ring_steps = 1U << 14;      ///< Records that wait while a write takes its time.
-  std::size_t memory_bytes = 256U << 20;  ///< Rows that wait while the disk takes none.
+  std::size_t memory_bytes = 256U << 20;  ///< Rows that wait while the disk accepts none.
   SinkFactory open = OpenOnDisk;
 };
 
 struct RecordingStatus {
   std::int64_t steps_on_disk = 0;
-  std::int64_t steps_waiting = 0;  ///< In memory.
-  std::int64_t steps_lost = 0;     ///< Found ring or memory full, or could not be written at last.
-  std::int64_t readings_recorded = 0;  ///< Raw ones, of trackers.
+  std::int64_t steps_waiting = 0;      ///< In memory.
+  std::int64_t steps_lost = 0;         ///< Ring or memory was full, or the last write failed.
+  std::int64_t readings_recorded = 0;  ///< Raw readings of trackers.
   std::int64_t readings_lost = 0;
-  std::int64_t refusals = 0;  ///< Times that the disk took nothing.
+  std::int64_t refusals = 0;  ///< Number of failed writes.
   double longest_write_s = 0.0;
-  std::string trouble;  ///< In plain words, with what to do; empty if all is well.
+  std::string trouble;  ///< The problem and its remedy, for the user; empty if there is none.
 };
 
 /// Tracked tools whose raw readings go to tracker.csv.
 struct RecordedBoard {
-  std::string prefix;                    ///< Of the tools' names; may be empty.
+  std::string prefix;                    ///< Prefix of the tools' names; may be empty.
   tracking::PoseBoard* board = nullptr;  ///< Must outlive the recorder.
-  std::uint64_t lost_before = 0;         ///< Readings, when the recorder was given the board.
+  std::uint64_t lost_before = 0;         ///< Readings lost before the recorder received the board.
 };
 
 class Recorder {
@@ -63,8 +63,8 @@ class Recorder {
   /// probe_forces.csv, if the scene's plan has these forces, and the files of other effects.
   /// @param scene  Must outlive this.
   /// @param origin_ns  CLOCK_MONOTONIC at time 0 of the session, for raw readings.
-  /// @throws InputError if the folder is there already and may not be replaced (see AtomicFolder),
-  ///     or cannot be written.
+  /// @throws InputError if the folder exists and may not be replaced (see AtomicFolder), or cannot
+  ///     be written.
   Recorder(const std::filesystem::path& folder, const std::string& name,
            const session::StreamNames& streams, const simulation::Scene& scene,
            std::int64_t origin_ns, const RecorderSettings& settings, const RunContext& context);
@@ -72,28 +72,28 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Before Start(). What their journals hold of the time before is not recorded.
+  /// Before Start(). Earlier entries of their journals are not recorded.
   void AddBoards(std::vector<RecordedBoard> boards);
-  /// Before Start(). Is passed each step that is recorded, by the recorder's thread. Null: none.
+  /// Before Start(). Receives each recorded step, in the recorder's thread. Null: none.
   void SetExercise(LiveExercise* exercise) { exercise_ = exercise; }
   void Start();
 
-  /// The real-time thread. Never waits; a record that finds the ring full is lost and counted.
+  /// Called by the real-time thread. Never waits; a record is lost and counted if the ring is full.
   void Push(const StepRecord& record) noexcept;
 
-  /// Writes what is left, so that a power failure does not take it, and ends the thread. Twice is
-  /// once.
+  /// Writes the remaining data, so that it survives a power failure, and ends the thread. A second
+  /// call has no effect.
   void Close() noexcept;
 
   RecordingStatus status() const;  ///< Any thread.
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
-  /// In the order in which the rows of a block are written: a needle row is never there without all
-  /// others of its step, so that what a kill leaves of the needle can be replayed.
+  /// In the order in which the rows of a block are written: a needle row is never on disk without
+  /// all others of its step, so that the needle's rows after a kill can be replayed.
   enum Stream { kTracker, kCommands, kBreathing, kProbeForces, kForces, kProbe, kNeedle, kCount };
 
-  /// Rows of all files that belong together.
+  /// Rows of all files for the same steps.
   struct Block {
     std::int64_t steps = 0;
     std::int64_t newest_ns = 0;  ///< Session time.
@@ -110,7 +110,7 @@ class Recorder {
 
   std::filesystem::path folder_;
   FolderLock lock_;           ///< No other program records into the folder or replaces it.
-  NoStopDeadline unhurried_;  ///< A stop that was asked for does not cut a recording off.
+  NoStopDeadline unhurried_;  ///< A requested stop does not cut a recording off.
   const simulation::Scene& scene_;
   std::int64_t origin_ns_;
   RecorderSettings settings_;
@@ -119,31 +119,31 @@ class Recorder {
 
   std::array<std::unique_ptr<StreamFile>, kCount> files_;
   std::vector<std::unique_ptr<StreamFile>>
-      effect_files_;  ///< Of effects_, written before the others.
-  std::vector<const simulation::ListedEffect*> effects_;  ///< That write numbers down.
-  std::deque<Block> blocks_;                              ///< In step with those of the files.
+      effect_files_;  ///< Files of effects_, written before the others.
+  std::vector<const simulation::ListedEffect*> effects_;  ///< Effects with columns.
+  std::deque<Block> blocks_;                              ///< One for each block of the files.
   std::size_t pending_bytes_ = 0;
   std::vector<RecordedBoard> boards_;
   LiveExercise* exercise_ = nullptr;
   std::vector<tracking::ToolReading> readings_;  ///< Buffer of TakeReadings().
   Ring<StepRecord> ring_;
-  std::int64_t next_try_ns_ = 0;  ///< After the disk has refused.
+  std::int64_t next_try_ns_ = 0;  ///< After a failed write.
   std::thread thread_;
 
   std::atomic<std::int64_t> lost_in_ring_{0};
   std::atomic<std::int64_t> lost_in_memory_{0};
-  std::atomic<std::int64_t> steps_taken_{0};  ///< Turned into rows.
+  std::atomic<std::int64_t> steps_taken_{0};  ///< Converted to rows.
   std::atomic<std::int64_t> steps_on_disk_{0};
   std::atomic<std::int64_t> taken_ns_{0};    ///< Session time of the newest row ...
   std::atomic<std::int64_t> on_disk_ns_{0};  ///< ... and of the newest that is on disk.
   std::atomic<std::int64_t> readings_taken_{0};
   std::atomic<std::int64_t> refusals_{0};
   std::atomic<std::int64_t> longest_write_ns_{0};
-  std::atomic<int> error_{0};       ///< errno of the last write; 0: all is well.
-  std::atomic<int> sync_error_{0};  ///< errno of what Close() could not put on the medium.
+  std::atomic<int> error_{0};       ///< errno of the last write; 0: no error.
+  std::atomic<int> sync_error_{0};  ///< errno of the sync in Close(); 0: no error.
   std::atomic<bool> closed_{false};
 
-  std::mutex mutex_;  ///< Of stop_; the real-time thread never takes it.
+  std::mutex mutex_;  ///< Guards stop_; the real-time thread never takes it.
   std::condition_variable wake_;
   bool stop_ = false;
 };

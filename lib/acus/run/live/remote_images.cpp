@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kConnectMs = 2000;
 constexpr int kAnswerMs = 2000;
-constexpr int kTurnMs = 3;  // How long a step waits for others to go along.
+constexpr int kTurnMs = 3;  // Longest delay of a step to send several together.
 constexpr std::int64_t kMostBehindNs = 2'000'000'000;
 constexpr std::size_t kMostQueuedBytes = 4 * 1024 * 1024;
 
@@ -124,7 +124,7 @@ void RemoteImages::TakeMessages() {
   }
 }
 
-/// Steps are sent and nothing comes back: it is too slow, or has stopped.
+/// Detects a remote that receives steps and returns no images: it is too slow, or has stopped.
 void RemoteImages::CheckProgress() {
   if (sent_steps_ == 0) progress_ns_ = MonotonicNs();
   const bool is_behind = sent_ns_ - newest_ns_ > kMostBehindNs;

@@ -1,4 +1,4 @@
-// The images of a live session from a second computer, which is fed what each step was given.
+// The images of a live session from a second computer, which receives the input of each step.
 #pragma once
 
 #include <atomic>
@@ -17,8 +17,8 @@
 
 namespace acus::live {
 
-/// The link to it. It has to make every step of the session, so a link that is lost stays lost:
-/// from then on, as before the first image, images are made here.
+/// The connection to it. The remote needs every step of the session, so a lost connection is not
+/// reopened: after that, as before the first image, images are rendered here.
 class RemoteImages {
  public:
   /// @param scene  Must outlive this. @param digest  DigestOf() it.
@@ -27,25 +27,26 @@ class RemoteImages {
   RemoteImages(const RemoteImages&) = delete;
   RemoteImages& operator=(const RemoteImages&) = delete;
 
-  /// Connects and asks, for at most some 4 s. False: trouble() says why, and feed() takes nothing.
+  /// Connects and sends the request, for at most 4 s. False: trouble() gives the reason, and feed()
+  /// accepts nothing.
   bool Connect();
   /// @pre Connect() was called. @param origin_ns  CLOCK_MONOTONIC at time 0 of the session.
   void Start(std::int64_t origin_ns);
-  /// Twice is once.
+  /// A second call has no effect.
   void Stop() noexcept;
 
   StepFeed& feed() { return feed_; }
-  /// Images come: nobody needs to make them here. Any thread.
+  /// True while images arrive: none are rendered here. Any thread.
   bool works() const { return works_.load(std::memory_order_relaxed); }
   /// Null before the first. Any thread.
   std::shared_ptr<const MadeImages> Newest() const;
   /// "computer2:18946"
   const std::string& place() const { return place_; }
-  /// Why images are made here; empty if they are not. Any thread.
+  /// Why images are rendered here; empty if they are not. Any thread.
   std::string trouble() const;
-  /// Of the newest images, now: since the time that they show. @pre works()
+  /// Current age of the newest images, from the time that they show. @pre works()
   double age_ms() const;
-  /// Of all images, at their arrival.
+  /// Median age of all images, at their arrival.
   double median_age_ms() const { return 1e-6 * age_.QuantileNs(0.5); }
   std::int64_t num_images() const { return images_; }
   nlohmann::json ToJson() const;
@@ -67,7 +68,7 @@ class RemoteImages {
   std::int64_t origin_ns_ = 0;
   std::thread thread_;
 
-  // Of the thread.
+  // Data of the thread.
   std::vector<StepInput> steps_;
   std::int64_t sent_steps_ = 0;
   std::int64_t sent_ns_ = 0;      ///< Session time of the newest step.
@@ -76,7 +77,7 @@ class RemoteImages {
   DurationHistogram age_;
   std::atomic<std::int64_t> images_{0};
   std::atomic<std::int64_t> steps_sent_{0};
-  std::atomic<std::int64_t> newest_ns_{0};  ///< Session time that the newest images show.
+  std::atomic<std::int64_t> newest_ns_{0};  ///< Session time of the newest images.
   std::atomic<bool> works_{false};
   std::atomic<bool> stopping_{false};
   mutable std::mutex mutex_;

@@ -8,7 +8,7 @@
 namespace acus::live {
 namespace {
 
-/// Looks for the vendors' libraries of both tools before it says what is wrong with any.
+/// Finds the vendors' libraries of both tools before it reports a problem of either.
 void CheckLibraries(const haptics::DevicesFile& file) {
   std::string wrong;
   for (const haptics::ToolConfig* tool : {&file.needle, &file.probe}) {

@@ -15,30 +15,30 @@ namespace acus::live {
 class Rig {
  public:
   enum class Use {
-    kCheck,         ///< No vendor's library is loaded, no device looked for.
+    kCheck,         ///< No vendor's library is loaded, no device searched for.
     kOneSession,    ///< Devices and trackers stop with the session.
     kManySessions,  ///< Between sessions devices are parked, and trackers run.
   };
 
-  /// Makes the trackers and opens the devices that hands hold, motors off. Virtual hands belong to
+  /// Starts the trackers and opens the devices that hands hold, motors off. Virtual hands belong to
   /// their session, as their path does.
-  /// @throws InputError in plain words.
+  /// @throws InputError with a message for the user.
   Rig(const LiveDevices& devices, Use use);
   ~Rig();  ///< Stops all.
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
 
   const LiveDevices& devices() const { return devices_; }
-  /// The device of that name; null if it is a virtual hand, or no tool is on it.
+  /// The device of that name; null if it is a virtual hand, or has no tool.
   haptics::HapticDevice* Find(const std::string& device) const;
-  /// As LiveDevices::FindTracked() numbers them: the camera is the last.
+  /// In the order of LiveDevices::FindTracked(): the camera is the last.
   const std::vector<std::unique_ptr<tracking::PoseSource>>& trackers() const { return trackers_; }
   /// The camera whose video is shown; null if there is none.
   const camera::CameraTracker* camera() const { return camera_; }
 
-  /// Those that run already run on.
+  /// Starts the trackers that do not run yet.
   void StartTrackers();
-  /// The end of a session, zero force first: parks or stops the devices, as `use` says.
+  /// At the end of a session, zero force first: parks or stops the devices, depending on `use`.
   void ReleaseDevices() noexcept;
   void ReleaseTrackers() noexcept;
 

@@ -1,4 +1,4 @@
-// A queue between one thread that must never wait and one that may.
+// A queue between a thread that must never wait and one that may.
 #pragma once
 
 #include <atomic>
@@ -8,14 +8,14 @@
 namespace acus::live {
 
 /// One thread pushes, one takes. Neither waits for the other; nothing is allocated after the
-/// constructor. What does not fit is not taken.
+/// constructor. A full ring rejects values.
 template <typename T>
 class Ring {
  public:
   /// @param capacity  > 0.
   explicit Ring(std::size_t capacity) : slots_(capacity) {}
 
-  /// The producer. False if the ring is full: then nothing happened.
+  /// For the producer. False if the ring is full: nothing changes.
   bool Push(const T& value) noexcept {
     const std::size_t end = end_.load(std::memory_order_relaxed);
     if (end - begin_.load(std::memory_order_acquire) == slots_.size()) return false;
@@ -24,19 +24,19 @@ class Ring {
     return true;
   }
 
-  /// The consumer: the oldest value, to be read before Pop(); null if there is none.
+  /// For the consumer: the oldest value, to be read before Pop(); null if the ring is empty.
   const T* Front() const noexcept {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
     if (begin == end_.load(std::memory_order_acquire)) return nullptr;
     return &slots_[begin % slots_.size()];
   }
 
-  /// The consumer. @pre Front() is not null.
+  /// For the consumer. @pre Front() is not null.
   void Pop() noexcept {
     begin_.store(begin_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
 
-  /// Any thread; a moment later it may be another number.
+  /// Any thread; the value may be out of date at once.
   std::size_t size() const noexcept {
     const std::size_t begin = begin_.load(std::memory_order_acquire);
     return end_.load(std::memory_order_acquire) - begin;
@@ -45,7 +45,7 @@ class Ring {
 
  private:
   std::vector<T> slots_;
-  // A cache line each, so that the two threads do not take it from one another.
+  // On separate cache lines, to avoid false sharing of the two threads.
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};
 };

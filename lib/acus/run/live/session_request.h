@@ -6,13 +6,13 @@
 
 namespace acus::live {
 
-/// As the command line's options of the same names.
+/// The command line's options of the same names.
 struct SessionRequest {
   std::filesystem::path output;
   std::filesystem::path scenario;  ///< Empty: that of the command line.
   std::filesystem::path exercise;  ///< Empty: none.
-  std::filesystem::path hand;      ///< Empty: as the devices file says.
-  double duration_s = 0.0;         ///< 0: until somebody ends it.
+  std::filesystem::path hand;      ///< Empty: the devices file decides.
+  double duration_s = 0.0;         ///< 0: until it is stopped.
   int trial = 1;
   std::string caption;  ///< Below the exercise's name; may be empty.
   bool left_handed = false;
@@ -20,7 +20,7 @@ struct SessionRequest {
 };
 
 /// @param line  JSON (acus-session-request).
-/// @throws InputError: no JSON, or what the schema says.
+/// @throws InputError if it is no JSON, or violates the schema.
 SessionRequest ParseSessionRequest(const std::string& line);
 
 }  // namespace acus::live

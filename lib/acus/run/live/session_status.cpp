@@ -1,4 +1,4 @@
-// What a live session says about itself: on the screen, at its end, and in summary.json.
+// The status of a live session: on the screen, at its end, and in summary.json.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -13,7 +13,7 @@ namespace {
 using haptics::DeviceState;
 using nlohmann::json;
 
-/// Of the steps of the last seconds: fewer late ones are no reason to change anything.
+/// Share of late steps in the last seconds up to which no warning is shown.
 constexpr double kLateStepsShare = 1e-3;
 
 constexpr std::array<const char*, 4> kStates = {"stopped", "running", "recovering", "failed"};
@@ -39,7 +39,7 @@ json DeviceJson(const haptics::HapticDevice& device) {
           {"guard", GuardJson(status.guard)}};
 }
 
-/// @param before  What the source had counted when the session began.
+/// @param before  The source's counters at the start of the session.
 json TrackerJson(const tracking::PoseSource& source, const tracking::SourceCounts& before) {
   const tracking::SourceStatus status = source.status();
   const tracking::SourceCounts counts = status.counts.Since(before);

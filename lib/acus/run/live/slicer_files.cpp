@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kNeedleLineFile = "needle.mrk.json";
-constexpr double kShaftMm = 150.0;       ///< As long as the line is drawn.
+constexpr double kShaftMm = 150.0;       ///< Length of the line that is displayed.
 constexpr int kReslicePlaneOfImage = 6;  ///< MODE_TRANSVERSE of SlicerIGT's VolumeResliceDriver.
 
 std::string Escaped(const std::string& text) {
@@ -43,7 +43,7 @@ void WriteNeedleLine(const fs::path& path) {
     return nlohmann::json{
         {"id", id}, {"label", ""}, {"position", {0.0, 0.0, z_mm}}, {"positionStatus", "defined"}};
   };
-  // "RAS": numbers as they are, for the frame is the needle's and not the patient's.
+  // "RAS": numbers are not converted, for the frame is the needle's and not the patient's.
   config::WriteJson(path, {{"markups",
                             {{{"type", "Line"},
                               {"coordinateSystem", "RAS"},
@@ -57,7 +57,7 @@ std::string TransformNode(const char* id, const char* name, const char* parent) 
                  "\"></LinearTransform>\n");
 }
 
-/// @param transform  Of a parent; may be empty.
+/// @param transform  The parent transform; may be empty.
 std::string VolumeNode(int number, const char* name, const char* colour, int window, int level,
                        const char* transform) {
   const std::string display = Message("vtkMRMLScalarVolumeDisplayNode", number);
@@ -83,7 +83,7 @@ std::string MarkupsNode(const char* kind, const char* id, const char* name, cons
                  kind, ">\n");
 }
 
-/// A view that shows the ultrasound, if it is named, over the CT.
+/// A view that shows the ultrasound, if it has that node, over the CT.
 std::string SliceNodes(const char* colour, const char* orientation, bool follows_image) {
   const std::string driver = Message("VolumeResliceDriver.Driver:vtkMRMLScalarVolumeNode3;",
                                      "VolumeResliceDriver.Mode:", kReslicePlaneOfImage);

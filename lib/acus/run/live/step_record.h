@@ -1,4 +1,4 @@
-// What one step of a live session leaves behind.
+// The record of one step of a live session.
 #pragma once
 
 #include <array>
@@ -8,12 +8,12 @@
 
 namespace acus::live {
 
-/// A plain value of fixed size, so that the real-time thread can hand it over.
+/// A plain value of fixed size, so that the real-time thread can pass it on.
 struct StepRecord {
   static constexpr int kMaxCommands = 4;
 
   std::int64_t time_ns = 0;    ///< Session time.
-  session::PoseSample needle;  ///< Exactly as the step got it.
+  session::PoseSample needle;  ///< The exact input of the step.
   session::PoseSample probe;
   session::BreathSample breath;
   simulation::StepOutput output;

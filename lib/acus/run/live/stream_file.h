@@ -11,20 +11,20 @@
 
 namespace acus::live {
 
-/// Where bytes go. Injected by tests.
+/// Receives bytes. Injected by tests.
 class ByteSink {
  public:
   virtual ~ByteSink() = default;
-  /// Takes some or all of the bytes, in order. Returns how many, or -errno.
+  /// Writes some or all of the bytes, in order. Returns their number, or -errno.
   virtual std::ptrdiff_t Write(std::string_view bytes) noexcept = 0;
 };
 
 using SinkFactory = std::function<std::unique_ptr<ByteSink>(const std::filesystem::path& file)>;
 
-/// A new file. @throws InputError if it cannot be made, or is there already.
+/// A new file. @throws InputError if it cannot be created, or exists already.
 std::unique_ptr<ByteSink> OpenOnDisk(const std::filesystem::path& file);
 
-/// Keeps what the sink has not taken yet, in blocks.
+/// Keeps bytes that the sink has not accepted yet, in blocks.
 class StreamFile {
  public:
   StreamFile(std::unique_ptr<ByteSink> sink, std::string_view header);
@@ -34,7 +34,7 @@ class StreamFile {
   void BeginBlock() { blocks_.emplace_back(); }
   std::size_t pending_bytes() const noexcept;
 
-  /// Hands the first block over, as much of it as the sink takes. Returns 0 if it has all of it, or
+  /// Writes the first block, as much of it as the sink accepts. Returns 0 if that is all of it, or
   /// else an errno.
   int FlushFirstBlock() noexcept;
   /// @pre FlushFirstBlock() returned 0, and it is not the only block.
@@ -43,7 +43,7 @@ class StreamFile {
  private:
   std::unique_ptr<ByteSink> sink_;
   std::deque<std::string> blocks_;
-  std::size_t taken_ = 0;  ///< Of the first block, by the sink.
+  std::size_t taken_ = 0;  ///< Bytes of the first block that the sink has accepted.
 };
 
 }  // namespace acus::live

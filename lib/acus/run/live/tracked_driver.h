@@ -1,4 +1,4 @@
-// A tracked tool as a device without motors: its readings make the steps of a session.
+// A tracked tool as a device without motors: its readings drive the steps of a session.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,16 @@
 
 namespace acus::live {
 
-/// Looks for news at 1 kHz and ticks once for each; without any, it ticks every 50 ms and says that
-/// the tool is not seen, so that the session goes on.
+/// Polls for readings at 1 kHz and ticks once for each; without any, it ticks every 50 ms and
+/// reports that the tool is not seen, so that the session continues.
 class TrackedDriver final : public haptics::Driver {
  public:
   /// @param board  Must outlive this.
   TrackedDriver(const tracking::PoseBoard& board, std::size_t tool, double stale_s)
       : board_(board), tool_(tool), stale_ns_(static_cast<std::int64_t>(1e9 * stale_s)) {}
 
-  /// A guard that leaves judging to the live session: a tracker is slow, and there is no motor.
+  /// A guard that does not judge poses, which the live session does: a tracker is slow and has no
+  /// motor.
   static haptics::GuardSettings Guard();
 
   haptics::DeviceInfo Open() override;

@@ -1,4 +1,4 @@
-// The newest value of one thread for another, which neither ever waits for.
+// Passes the newest value from one thread to another, neither of which ever waits.
 #pragma once
 
 #include <array>
@@ -11,19 +11,19 @@ namespace acus::live {
 template <typename T>
 class TripleBuffer {
  public:
-  /// The writer: fill this, then Publish(). Holds an older value of the writer's own.
+  /// For the writer: fill this, then Publish(). Holds an older value of the writer.
   T& Back() noexcept { return buffers_[back_]; }
   void Publish() noexcept {
     back_ = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel) & kIndex;
   }
 
-  /// The reader: takes the newest value, if there is one that it has not seen. False if not.
+  /// For the reader: takes the newest value, if it is a new one. False if not.
   bool Refresh() noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
     front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;
     return true;
   }
-  /// What was taken last; a T{} before the first.
+  /// The last value taken; a T{} before the first.
   const T& Front() const noexcept { return buffers_[front_]; }
   T& Front() noexcept { return buffers_[front_]; }
 

@@ -42,7 +42,7 @@ std::string ChangeText(double ratio) {
 }  // namespace
 
 double CpuClockCostSeconds() {
-  // The least of many goes: what is taken off a time must not be more than there was.
+  // The minimum over many trials: no more than the actual cost may be subtracted from a time.
   double least_s = 1.0;
   for (int go = 0; go < 501; ++go) {
     const double begin_s = ThreadCpuSeconds();

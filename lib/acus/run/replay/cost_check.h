@@ -1,4 +1,4 @@
-// A replay's time against what acus-tradeoff predicted when it chose the scenario's values.
+// Compares a replay's time with the prediction of acus-tradeoff for the scenario's values.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,22 +11,23 @@
 
 namespace acus::replay {
 
-/// What reading the thread's clock twice costs at least, s: it is in each time taken with it.
+/// Smallest cost of reading the thread's clock twice, s: each time measured with it contains that.
 double CpuClockCostSeconds();
 
-/// Medians and percentiles. @param step_cpu_s  Of each step, s. @param image_cpu_s  Of each image.
+/// Medians and percentiles. @param step_cpu_s  By step, s. @param image_cpu_s  By image, s.
 scenario::Cost CostOf(std::span<const double> step_cpu_s, std::span<const double> image_cpu_s);
 
 struct CostCheck {
   scenario::Evidence evidence;
   scenario::Cost measured;  ///< By this replay.
-  std::string machine;      ///< It ran on.
+  std::string machine;      ///< The machine of the replay.
 
   bool OnSameMachine() const { return machine == evidence.machine; }
 };
 
-/// One line for each number that both have: predicted, measured, how much more or less; first what
-/// the values were chosen for, and whether this is another machine. Empty if nothing is common.
+/// One line for each number that both have: predicted, measured, relative difference; first the
+/// request for which the values were chosen, and whether this is another machine. Empty if there is
+/// no common number.
 std::string TextOf(const CostCheck& check);
 
 /// The same as names and values.

@@ -21,17 +21,17 @@ using simulation::ListedEffect;
 using simulation::Scene;
 using simulation::Snapshot;
 
-/// Above and below an image with text: it stays off what is seen.
+/// Height of the text bands above and below an image, outside its content.
 constexpr int kBandPx = 22;
 
-/// The moments of one effect's images.
+/// The times of one effect's images.
 struct EffectMoments {
   std::vector<Snapshot> moments;
   double rate_hz = 0.0;
-  std::size_t best = 0;  ///< The one to show if there is one only.
+  std::size_t best = 0;  ///< The one to show if only one is shown.
 };
 
-/// The moment with the needle deepest in the patient, else the middle one.
+/// The snapshot with the needle deepest in the patient, else the middle one.
 std::size_t DeepestOf(const std::vector<Snapshot>& moments, const StepLog& steps) {
   std::size_t best = moments.size() / 2;
   double deepest_mm = 0.0;
@@ -71,7 +71,7 @@ EffectMoments MomentsOf(const Scene& scene, std::size_t n, const std::vector<Sna
   return out;
 }
 
-/// Sequence, film and single images of one effect, in order of time.
+/// Sequence, video and single images of one effect, in order of time.
 class EffectImageWriter {
  public:
   EffectImageWriter(const Scene& scene, const ListedEffect& effect,
@@ -102,7 +102,7 @@ class EffectImageWriter {
     }
   }
 
-  /// A still of an event.
+  /// A still image of an event.
   void WriteStill(int number, const std::string& caption, const EffectPixels& pixels) {
     char name[24];
     std::snprintf(name, sizeof name, "_event_%02d.png", number);
@@ -161,7 +161,7 @@ class EffectImageWriter {
       if (!film_) {
         image::FilmOptions film;
         film.frames_per_s = std::clamp(moments_.rate_hz, 1.0, 240.0);
-        // Colour on smooth surfaces shows bands earlier than speckle.
+        // Colour on smooth surfaces shows banding at a compression that speckle hides.
         if constexpr (std::is_same_v<Image, image::ColourImage>) film.quality = 23;
         const std::string name = Key() + ".mp4";
         film_.emplace(folder_ / name, image.width, image.height, film);
@@ -203,7 +203,7 @@ class EffectImageWriter {
   ImageLog log_;
 };
 
-/// Where the needle's tip was at the moments up to one of them, CT space.
+/// Positions of the needle's tip at the snapshots up to `last`, CT space.
 std::vector<Eigen::Vector3d> TipPath(const std::vector<Snapshot>& moments, int last) {
   std::vector<Eigen::Vector3d> path;
   for (int i = 0; i <= last; ++i) {

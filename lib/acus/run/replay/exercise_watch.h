@@ -1,4 +1,4 @@
-// An exercise, followed step by step: goals with their values so far, the checklist.
+// Follows an exercise step by step: goals with their values so far, the checklist.
 #pragma once
 
 #include <optional>
@@ -13,10 +13,10 @@
 
 namespace acus::replay {
 
-/// What the image of the scene's probe covers, at a depth; all zero without a probe.
+/// The area that the image of the scene's probe covers, at a depth; all zero without a probe.
 training::ImageField FieldOf(const simulation::Scene& scene, std::optional<double> depth_mm);
 
-/// A goal as far as the session has come.
+/// A goal and its current state.
 struct GoalNow {
   training::GoalResult result;
   bool at_end = false;  ///< Its metric is computed only from the whole session.
@@ -25,25 +25,25 @@ struct GoalNow {
 struct ExerciseProgress {
   std::vector<GoalNow> goals;
   std::vector<training::StepResult> checklist;
-  double next_step_for_s = 0.0;  ///< How long the first open step has been that.
+  double next_step_for_s = 0.0;  ///< How long the first open step has been open.
 };
 
 /// One thread at a time. A live session passes every step as it is recorded, a replay passes the
-/// recording: both have the same values, bit for bit, as the report.
+/// recording: both have the same bits as the report.
 class ExerciseWatch {
  public:
   /// @param scene  Must have labels, and outlive this.
   ExerciseWatch(const training::Exercise& exercise, const simulation::Scene& scene,
                 const std::optional<Eigen::Vector3d>& target_ct_mm);
 
-  /// Before the step that carries it out.
+  /// To be called before the step that carries out the command.
   void Obey(const session::Command& command);
   /// @param probe  Null: the session has none.
   void Add(const session::PoseSample& needle, const session::PoseSample* probe,
            const simulation::StepOutput& output);
 
-  /// Of the metrics that goals may have: elapsed time and path of needle and probe, in tissue, of
-  /// the target, of the forces and of effects; those of phases and smoothness are missing.
+  /// The metrics that goals may have: elapsed time and path of needle and probe, in tissue, of the
+  /// target, of the forces and of effects; those of phases and smoothness are missing.
   std::vector<training::Metric> Metrics() const;
   ExerciseProgress progress() const;
   const std::vector<training::StepResult>& checklist() const { return checklist_.results(); }

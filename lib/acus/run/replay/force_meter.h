@@ -14,7 +14,7 @@ namespace acus::replay {
 class ForceMeter {
  public:
   void Add(const simulation::StepOutput& step);
-  /// Of the forces that the scene's plan has; none before the first step.
+  /// Metrics of the forces in the scene's plan; none before the first step.
   std::vector<training::Metric> Metrics(const simulation::Scene& scene) const;
 
  private:

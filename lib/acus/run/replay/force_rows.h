@@ -24,7 +24,7 @@ void AppendEffectRow(std::string& text, const simulation::StepOutput& step,
 /// pushes the needle out. @throws InputError if a number is not finite.
 void AppendForceRow(std::string& text, const simulation::StepOutput& step,
                     const simulation::Scene& scene);
-/// What the probe or the fingertip feels, in CT axes.
+/// The force on the probe or the fingertip, in CT axes.
 void AppendProbeForceRow(std::string& text, const simulation::StepOutput& step,
                          const simulation::Scene& scene);
 

@@ -1,4 +1,4 @@
-// Numbers of labelled images, one row each: for CSV and HDF5.
+// Data of labelled images, one row each: for CSV and HDF5.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +10,10 @@
 
 namespace acus::replay {
 
-/// NaN stands for what is not there: no needle, no such effect.
+/// NaN stands for a missing value: no needle, no such effect.
 class FrameTable {
  public:
-  /// Adds the row of an image. @param step  At or before it; null: there was none.
+  /// Adds the row of an image. @param step  At or before its time; null: there was none.
   void AddFrame(const simulation::Scene& scene, const simulation::Snapshot& snapshot,
                 const simulation::StepOutput* step, const simulation::ImageTruth& truth);
 

@@ -1,4 +1,4 @@
-// The HDF5 file of a stack. The library may be built without locks: here is one for all files.
+// The HDF5 file of a stack. The library may be built without locks: one lock here serves all files.
 #include <array>
 #include <hdf5.h>
 #include <mutex>
@@ -18,7 +18,7 @@ std::mutex& Hdf5Mutex() {
   return mutex;
 }
 
-/// An HDF5 identifier that is closed in the end.
+/// An HDF5 identifier with automatic closing.
 class H5Id {
  public:
   H5Id(hid_t id, herr_t (*close)(hid_t), const fs::path& file) : id_(id), close_(close) {
@@ -52,7 +52,7 @@ void WriteArray(hid_t file, const char* name, std::span<const hsize_t> size, hid
                path.string(), ": cannot be written; is the disk full?");
 }
 
-/// Images of one size, as many as come: chunks of one image, compressed.
+/// A growing dataset of images of one size: chunks of one image, compressed.
 class GrowingImages {
  public:
   GrowingImages(hid_t file, const char* name, const image::ImageGeometry& image,
@@ -94,7 +94,7 @@ class Hdf5Stack : public ImageStack {
  public:
   Hdf5Stack(const fs::path& folder, const StackGeometry& geometry) : path_(folder / kName) {
     const std::lock_guard lock(Hdf5Mutex());
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // Its own messages would go to stderr.
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // HDF5 would print its messages to stderr.
     const H5Id creation(PlainCreation(H5P_FILE_CREATE), H5Pclose, path_);
     file_.emplace(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, creation, H5P_DEFAULT), H5Fclose, path_);
     images_.emplace(*file_, "images", geometry.image, path_);

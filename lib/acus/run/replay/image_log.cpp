@@ -23,9 +23,9 @@ using simulation::Scene;
 using simulation::Sleep;
 using simulation::Snapshot;
 
-/// Images rendered before the writer takes over: enough that both threads stay busy.
+/// Images rendered before the writer takes over: enough to keep both threads busy.
 constexpr int kBatch = 16;
-constexpr double kNotCounted = -1.0;  ///< In place of an image's time.
+constexpr double kNotCounted = -1.0;  ///< Marks an image whose time is not counted.
 
 bool HasImages(const Scene& scene) {
   return scene.plan.Writes(effects::ports::kBMode) || scene.plan.Writes(effects::ports::kCtImage) ||
@@ -40,17 +40,17 @@ std::string CaptionOf(const simulation::StepOutput& step) {
   return EventWords(forces::NameOf(step.force.event)) + text;
 }
 
-/// What the sequence holds, and what is on the left of the film.
+/// The image of the sequence, on the left of the video.
 const image::GrayImage& MainImage(const ProbeImages& images) {
   return images.b_mode.pixels.empty() ? images.ct_slice : images.b_mode;
 }
 
-/// Also an image that is not there.
+/// Also true for an empty image.
 bool IsBlack(const image::GrayImage& image) {
   return std::ranges::all_of(image.pixels, [](auto grey) { return grey == 0; });
 }
 
-/// Writes images in order of time: sequence, film and single images.
+/// Writes images in order of time: sequence, video and single images.
 class ImageWriter {
  public:
   ImageWriter(const Scene& scene, const std::vector<Snapshot>& snapshots, const StepLog& steps,
@@ -70,7 +70,7 @@ class ImageWriter {
   }
 
   void Write(int index, const ProbeImages& frames) {
-    // A plan may have nothing but images of effects.
+    // A plan may have only images of effects.
     if (folder_.empty() || MainImage(frames).pixels.empty()) return;
     const Snapshot& snapshot = snapshots_[static_cast<std::size_t>(index)];
     const ProbeImages& images = persistence_.on() ? WithPersistence(snapshot, frames) : frames;
@@ -102,7 +102,7 @@ class ImageWriter {
     if (!snapshot.probe_valid) persistence_.Reset();
     persistence_.Add(snapshot.time_ns, frames.b_mode, persistent_.b_mode);
     if (!snapshot.probe_valid)
-      persistence_.Reset();  // What is seen again does not rise from black.
+      persistence_.Reset();  // The first image after that does not fade in from black.
     persistent_.ct_slice = frames.ct_slice;
     return persistent_;
   }
@@ -159,7 +159,7 @@ class ImageWriter {
   }
 
   void WriteToFilm(const ProbeImages& images) {
-    // The video begins with the first image that shows something.
+    // The video begins with the first image that is not black.
     if (!film_ && IsBlack(images.b_mode) && IsBlack(images.ct_slice)) return;
     if (!film_) {
       image::FilmOptions film;
@@ -195,7 +195,7 @@ class ImageWriter {
   LabelledImages* labelled_;
   std::vector<EventImage> event_images_;
   std::optional<session::SequenceWriter> sequence_;
-  Eigen::Affine3d probe_from_image_ = Eigen::Affine3d::Identity();  ///< Of the sequence.
+  Eigen::Affine3d probe_from_image_ = Eigen::Affine3d::Identity();  ///< Geometry of the sequence.
   std::optional<image::FilmWriter> film_;
   std::optional<ultrasound::Screen> screen_;
   ultrasound::FramePersistence persistence_;
@@ -269,18 +269,18 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
   std::vector<simulation::StageTimes> slot_times(static_cast<std::size_t>(context.num_threads),
                                                  simulation::StageTimes(scene.plan));
   for (int i = 0; i < context.num_threads; ++i) {
-    // Their frames are not in order: persistence comes with the writer.
+    // Their frames are not in order: the writer adds the persistence.
     renderers.emplace_back(scene, nullptr, simulation::ImageChoice::kAll,
                            simulation::Frames::kSingle);
   }
 
-  // An image that is the same as the one before is not made again, but copied.
+  // An image that is the same as the previous one is not rendered, but copied.
   const auto same = [&](effects::PortRef id, int i) {
     const auto at = static_cast<std::size_t>(i);
     return i > 0 && renderers[0].Sleeps(id, snapshots[at], snapshots[at - 1]);
   };
 
-  // Two batches take turns: while one is rendered, the other is written.
+  // Two batches alternate: while one is rendered, the other is written.
   std::vector<ProbeImages> batches[2] = {std::vector<ProbeImages>(kBatch),
                                          std::vector<ProbeImages>(kBatch)};
   ImageWriter writer(scene, snapshots, steps, folder, options, labelled);
@@ -291,7 +291,7 @@ ImageLog RenderImages(const Scene& scene, const std::vector<Snapshot>& snapshots
     std::vector<ProbeImages>& batch = batches[begin / kBatch % 2];
     const std::vector<ProbeImages>& other = batches[(begin / kBatch + 1) % 2];
     const int count = std::min(kBatch, log.num_images - begin);
-    // One renderer for each thread: thread t makes images t, t + threads, ...
+    // One renderer for each thread: thread t renders images t, t + threads, ...
     ParallelFor(context.num_threads, context.num_threads, [&](int thread) {
       const auto slot = static_cast<std::size_t>(thread);
       for (int i = thread; i < count; i += context.num_threads) {

@@ -14,25 +14,25 @@
 
 namespace acus::replay {
 
-/// The moments at which images are made: from the first to the last reading of the probe, at the
+/// Snapshots at the times of images: from the first to the last reading of the probe, at the
 /// scene's rate. Empty if the plan has no image. Adds the cost of the probe's poses to `times`, if
 /// given.
 std::vector<simulation::Snapshot> Snapshots(const simulation::Scene& scene,
                                             const session::Session& session,
                                             simulation::StageTimes* times);
 
-/// What an image needs to know of a moment of the session, but for what the steps do.
+/// The snapshot for an image of the session at a time, without the results of steps.
 simulation::Snapshot SnapshotAt(const simulation::Scene& scene, const session::Session& session,
                                 std::int64_t time_ns);
 
-/// An image that deserves a still.
+/// An image with a still image of its event.
 struct EventImage {
-  int index = 0;        ///< Of the scene's moments.
+  int index = 0;        ///< Index among the scene's snapshots.
   std::string caption;  ///< "bone contact at 17.80 s, 57.3 mm deep"
 };
 
-/// The first image after each event that a hand feels: punctures and bone contacts.
-/// @param snapshots  Of the scene's images, in order of time.
+/// The first image after each event with a sudden force: punctures and bone contacts.
+/// @param snapshots  For the scene's images, in order of time.
 std::vector<EventImage> EventImages(const std::vector<simulation::Snapshot>& snapshots,
                                     const StepLog& log);
 
@@ -42,7 +42,7 @@ struct WrittenPng {
   std::string caption;
 };
 
-/// A film in the run folder.
+/// A video in the run folder.
 struct WrittenFilm {
   std::string file;
   std::string title;
@@ -52,12 +52,12 @@ struct ImageLog {
   int num_images = 0;
   std::vector<WrittenPng> pngs;
   std::vector<WrittenFilm> films;
-  /// Thread CPU time of the images of the probe that were made anew, s. The first of each thread
-  /// is not in it: it makes room for the others.
+  /// Thread CPU time of the images of the probe that were rendered, s. The first image of each
+  /// thread is excluded: it allocates buffers for the others.
   std::vector<double> cpu_s;
 };
 
-/// Renders all snapshots and writes images.igs.mha, film.mp4 and PNG files into `folder`, or
+/// Renders all snapshots and writes `images.igs.mha`, `film.mp4` and PNG files into `folder`, or
 /// nothing if `folder` is empty. The bytes do not depend on context.num_threads. Adds the cost of
 /// the image stages to `times`, if given, and each image to `labelled`, if given.
 ImageLog RenderImages(const simulation::Scene& scene,

@@ -13,13 +13,13 @@
 
 namespace acus::replay {
 
-/// What all images of a stack have in common.
+/// Data that all images of a stack share.
 struct StackGeometry {
   image::ImageGeometry image;
-  std::vector<float> depth_mm;  ///< By pixel; NaN beside the field of view.
+  std::vector<float> depth_mm;  ///< By pixel; NaN outside the field of view.
 };
 
-/// Writes into a folder that exists. One after the other; the same images give the same bytes.
+/// Writes into an existing folder, one image after the other; the same images give the same bytes.
 class ImageStack {
  public:
   virtual ~ImageStack() = default;
@@ -27,15 +27,15 @@ class ImageStack {
   virtual void Append(const image::GrayImage& image, const image::GrayImage& labels) = 0;
   /// After the last image. @throws InputError as Append.
   virtual void Finish(const FrameTable& table) = 0;
-  /// What training code has to open, as patterns of file names: image, labels, depth.
+  /// File name patterns of image, labels and depth, for training code.
   virtual std::map<std::string, std::string> Files() const = 0;
 };
 
-/// @throws InputError if a file cannot be made. @pre format is not kNone.
+/// @throws InputError if a file cannot be created. @pre format is not kNone.
 std::unique_ptr<ImageStack> MakeImageStack(LabelFormat format, const std::filesystem::path& folder,
                                            const StackGeometry& geometry);
 
-/// Part of MakeImageStack.
+/// The implementation of MakeImageStack for HDF5.
 std::unique_ptr<ImageStack> MakeHdf5Stack(const std::filesystem::path& folder,
                                           const StackGeometry& geometry);
 

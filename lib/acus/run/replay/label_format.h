@@ -1,4 +1,4 @@
-// In which files label images are written.
+// File formats of label images.
 #pragma once
 
 #include <map>
@@ -8,7 +8,7 @@ namespace acus::replay {
 
 enum class LabelFormat { kNone, kPng, kNifti, kHdf5 };
 
-/// The words of the command line.
+/// Formats by their names on the command line.
 std::map<std::string, LabelFormat> LabelFormats();
 
 }  // namespace acus::replay

@@ -128,7 +128,7 @@ void LabelledImages::Write(const simulation::Snapshot& snapshot, const simulatio
   KeepPreview(image);
 }
 
-/// The image beside itself with its labels over it, of the moment at which most needle is seen.
+/// The image next to a copy with its labels overlaid, where most of the needle is visible.
 void LabelledImages::KeepPreview(const image::GrayImage& image) {
   const double seen_mm = truth_.inserted_mm * truth_.visible_share.value_or(0.0);
   if (seen_mm <= preview_mm_) return;

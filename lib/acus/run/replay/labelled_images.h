@@ -1,4 +1,4 @@
-// Images with their truth, for training of networks: docs/reference/formats_labelled.md.
+// Images with ground truth, for training of networks: docs/reference/formats_labelled.md.
 #pragma once
 
 #include <filesystem>
@@ -15,13 +15,13 @@
 
 namespace acus::replay {
 
-/// What labels go by: the tissues of the patient, also where no effect reads them, and the target.
+/// The source of labels: the patient's tissues, also if no effect reads them, and the target.
 struct LabelSource {
   std::shared_ptr<const volume::LabelMap> labels;
   simulation::ImageLabelSettings settings;
 };
 
-/// The target is that of the exercise; without one, the point `target` of the scenario's corridor,
+/// Takes the target from the exercise; without one, the point `target` of the scenario's corridor,
 /// if there is such a point.
 /// @throws InputError if the patient has no label map, or a file is not readable.
 LabelSource LabelSourceOf(const scenario::Scenario& scenario, const simulation::Scene& scene,
@@ -35,7 +35,7 @@ class LabelledImages {
   LabelledImages(const simulation::Scene& scene, const LabelSource& source, LabelFormat format,
                  std::filesystem::path folder);
 
-  /// Labels the moment of an image and writes both. @param step  At or before it; may be null.
+  /// Labels an image and writes both. @param step  At or before its time; may be null.
   /// @throws InputError if the image is not of the size of the scene's images.
   void Write(const simulation::Snapshot& snapshot, const simulation::StepOutput* step,
              const image::GrayImage& image);
@@ -57,7 +57,7 @@ class LabelledImages {
   std::unique_ptr<ImageStack> stack_;
   FrameTable table_;
   simulation::ImageTruth truth_;
-  double preview_mm_ = -1.0;  ///< Length of the needle that the preview shows.
+  double preview_mm_ = -1.0;  ///< Length of the needle in the preview.
   image::ColourImage preview_;
 };
 

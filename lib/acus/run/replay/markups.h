@@ -1,4 +1,4 @@
-// Points of a session for 3D Slicer: where the tip is to go, and where something happened.
+// Points of a session for 3D Slicer: the targets of the tip, and the positions of events.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,8 @@ namespace acus::replay {
 inline constexpr const char* kTargetMarkups = "target.mrk.json";
 inline constexpr const char* kEventMarkups = "events.mrk.json";
 
-/// The points of the patient's corridor, then the exercise's target if it is from elsewhere: CT
-/// space (LPS), mm; the last is where the tip is to go. Empty if there are none.
+/// The points of the patient's corridor, then the exercise's target if it is from another file: CT
+/// space (LPS), mm; the last is the target of the tip. Empty if there are none.
 /// @param exercise  May be null.
 /// @throws InputError if a file is broken, or lacks the exercise's target.
 transforms::Landmarks TargetsOf(const training::Exercise* exercise,

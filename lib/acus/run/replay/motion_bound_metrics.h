@@ -1,4 +1,4 @@
-// How far the tissue at needle and target may be from where a run's breathing puts it.
+// Bounds on the error of the tissue's motion by breathing at needle and target in a run.
 #pragma once
 
 #include <vector>
@@ -11,9 +11,9 @@
 
 namespace acus::replay {
 
-/// The bound on the motion's error that 95 of 100 places keep, mm: at the tip its largest value
-/// and the one in the last step, and its largest at the targets over the run. Grows with the
-/// breath. Nothing if the motion has no bound, or nothing moves.
+/// The 95 % bound on the error of the motion model, mm: its largest value at the tip and that in
+/// the last step, and its largest value at the targets over the run. Grows with the breath. Nothing
+/// if the motion has no bound, or nothing moves.
 /// @param targets_in_ct_mm  At rest; may be empty.
 std::vector<training::Metric> MotionBoundMetrics(const simulation::Breathing& breathing,
                                                  const session::Session& session,

@@ -1,4 +1,4 @@
-// What is heard of a patient in pain (effect pain_reaction), live and in a replay.
+// The sound of a patient in pain (effect pain_reaction), in live sessions and replays.
 #pragma once
 
 #include <filesystem>
@@ -11,14 +11,14 @@
 
 namespace acus::replay {
 
-/// Begins with the pain: there is silence until the patient moves. Nothing if the scenario has no
-/// such effect, or it has no sound. @throws InputError if the file is no sound that can be used.
+/// Starts at the pain: silence until the patient moves, then the sound. Nothing if the scenario has
+/// no such effect, or it has no sound. @throws InputError if the file is no usable sound.
 std::optional<sound::Sound> PainSoundOf(const scenario::Scenario& scenario, RunContext& context);
 
-/// Reactions so far, in that step. 0 without the effect in the plan.
+/// Number of reactions up to that step. 0 without the effect in the plan.
 int ReactionsIn(const simulation::Scene& scene, const simulation::StepOutput& output);
 
-/// pain_reaction.wav, with the sound at each reaction; as long as the session, at least.
+/// Writes pain_reaction.wav, with the sound at each reaction; at least as long as the session.
 void WritePainSound(const std::filesystem::path& folder, const sound::Sound& sound,
                     const simulation::Scene& scene, const StepLog& log);
 

@@ -23,17 +23,17 @@ constexpr double kBoxWidthPx = 112.0;
 constexpr double kBoxHeightPx = 40.0;
 constexpr double kTopPx = 46.0;
 constexpr double kLeftPx = 8.0;
-constexpr int kLastColumn = 7;  // Of outputs; inputs are in column 0.
+constexpr int kLastColumn = 7;  // Column of the outputs; inputs are in column 0.
 constexpr double kItemPx = 17.0;
 constexpr double kItemWidthPx = 118.0;
 
-/// Where a stage stands, in columns and rows: left to right as data flow.
+/// The position of a stage, in columns and rows: data flows from left to right.
 struct Place {
   double column;
   double row;
 };
 
-/// Stages that every scene has, by what they write.
+/// Stages that every scene has, by their output.
 std::optional<Place> FixedPlaceOf(const PlannedStage& stage) {
   namespace ports = effects::ports;
   const std::pair<effects::PortRef, Place> fixed[] = {
@@ -47,8 +47,8 @@ std::optional<Place> FixedPlaceOf(const PlannedStage& stage) {
   return std::nullopt;
 }
 
-/// By the number of the stage. Stages of other effects stand below: an effect in a row, at every
-/// sample on the left, at every image on the right.
+/// Places by the number of the stage. Stages of other effects are below: an effect in a row, with
+/// its stages at every sample on the left and those at every image on the right.
 std::vector<Place> PlacesOf(const std::vector<PlannedStage>& stages) {
   std::vector<Place> places;
   std::vector<std::string_view> rows;
@@ -76,14 +76,14 @@ bool Holds(const std::vector<effects::PortRef>& ports, effects::PortRef port) {
   return std::ranges::find(ports, port) != ports.end();
 }
 
-/// What comes from outside, or goes out: a word at the image's edge.
+/// An input or output of the plan: a word at the image's edge.
 struct Item {
   effects::PortRef port;
-  double wanted_px;  ///< The mean height of the stages that it belongs to.
+  double wanted_px;  ///< Mean height of its stages.
   double y_px = 0.0;
 };
 
-/// Items as near to their stages as their number allows, in the order of those.
+/// Places items as near to their stages as their number allows, in the order of those.
 void Spread(std::vector<Item>& items, double height_px) {
   std::ranges::stable_sort(items, {}, &Item::wanted_px);
   double free_px = kTopPx + 0.5 * kItemPx;
@@ -156,7 +156,7 @@ class PlanDrawing {
     }
   }
 
-  /// What stages write that are there for an effect's sake.
+  /// The outputs for whose sake effects have stages.
   void CollectOutputs() {
     for (const PlannedStage& stage : plan_.stages()) {
       if (!stage.in || !stage.reason.starts_with("effect")) continue;
@@ -187,7 +187,7 @@ class PlanDrawing {
     for (const PlannedStage& writer : plan_.stages()) {
       if (!writer.in || !Holds(stage.reads, writer.writes.front())) continue;
       const Place from = PlaceOf(writer);
-      if (from.column == to.column) {  // Below each other.
+      if (from.column == to.column) {  // One below the other.
         const double x = LeftOf(to.column) + 0.5 * kBoxWidthPx;
         out_ += Message("<path d=\"M", Px(x), " ", Px(MiddleOf(from.row)), "V", Px(y1),
                         "\" stroke=\"#5b7fa8\"/>\n");

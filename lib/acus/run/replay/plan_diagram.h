@@ -1,4 +1,4 @@
-// The effect plan as an image: inputs, stages, outputs, and what flows between them.
+// The effect plan as an image: inputs, stages, outputs, and the data flow between them.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace acus::replay {
 
-/// SVG. Stages that are out are grey; of those that are in, the share of runs asleep is hatched and
-/// a bar shows the share of CPU time. Tooltips tell the reasons.
+/// SVG. Stages that are not in the plan are grey; for the others, the share of runs asleep is
+/// hatched and a bar shows the share of CPU time. Tooltips give the reasons.
 std::string PlanSvg(const simulation::EffectPlan& plan, const simulation::StageTimes& times);
 
 }  // namespace acus::replay

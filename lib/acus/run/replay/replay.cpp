@@ -48,14 +48,14 @@ simulation::AvailableInputs AvailableIn(const session::Session& session) {
           .breath = !session.breath.empty()};
 }
 
-/// Takes out what differs between two runs of the same.
+/// Removes the values that differ between two runs of the same inputs.
 void ForgetTimes(Run& run) {
   for (auto& cost : run.times.cost) cost.seconds = 0.0;
   run.cpu_s.reset();
   run.cost.reset();
 }
 
-/// Keeps what is warned of from now on, for the report, besides telling the user.
+/// Collects warnings for the report, in addition to printing them.
 class WarningsKept {
  public:
   WarningsKept(RunContext& context, std::vector<std::string>& kept)
@@ -65,7 +65,7 @@ class WarningsKept {
       if (before) before(text);
     };
   }
-  /// Also when the run ends with an error: the list is gone then.
+  /// Also when the run ends with an error: the list no longer exists then.
   ~WarningsKept() { context_.on_warning = std::move(before_); }
   WarningsKept(const WarningsKept&) = delete;
   WarningsKept& operator=(const WarningsKept&) = delete;
@@ -75,7 +75,7 @@ class WarningsKept {
   std::function<void(std::string_view)> before_;
 };
 
-/// Where a scenario has no registration, poses are taken as if they were in the CT.
+/// Warns that, without a registration, poses are taken to be in CT space.
 void WarnWithoutRegistration(const scenario::Scenario& scenario, const session::Session& session,
                              const RunContext& context) {
   using Pointer = nlohmann::json::json_pointer;
@@ -120,8 +120,8 @@ std::map<std::string, PngChoice> PngChoices() {
 
 namespace {
 
-/// Steps without what it took to look at the clock. Their stages are timed in one step of sixteen:
-/// that is in the percentile, a few us of it.
+/// Subtracts the cost of reading the clock from the steps' times. The stages are timed in one step
+/// of sixteen: a few us of that remain in the percentile.
 CostCheck CheckCost(const scenario::Evidence& evidence, std::vector<double> step_cpu_s,
                     const std::vector<double>& image_cpu_s) {
   const double clock_s = CpuClockCostSeconds();
@@ -154,7 +154,7 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   const auto pain_sound = PainSoundOf(scenario, context);
 
   const double begin_s = ProcessCpuSeconds();
-  // The steps go through the moments of all images in one order of time.
+  // The steps visit the times of all images in order.
   std::vector<simulation::Snapshot> moments = Snapshots(scene, run.session, &run.times);
   AddOwnMoments(scene, run.session, moments);
   std::vector<double> step_cpu_s;

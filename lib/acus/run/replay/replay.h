@@ -1,4 +1,4 @@
-// A recorded session through a scenario, into a run folder.
+// Replays a recorded session through a scenario, into a run folder.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace acus::replay {
 
 enum class PngChoice { kEvents, kAll, kNone };
 
-/// The words of the command line.
+/// Choices by their names on the command line.
 std::map<std::string, PngChoice> PngChoices();
 
 struct ReplayOptions {
@@ -25,36 +25,36 @@ struct ReplayOptions {
   bool trace = false;  ///< Write trace.csv and image_trace.csv, see trace.h.
   LabelFormat labels = LabelFormat::kNone;  ///< Write labelled/, see labelled_images.h.
   std::filesystem::path exercise;           ///< acus-exercise file; empty: none.
-  std::string trainee;                      ///< Code of who did it, for training.json.
+  std::string trainee;                      ///< Code of the trainee, for training.json.
 };
 
 struct ReplayResult {
   std::string plan_text;  ///< The effect plan with measured cost, as a table.
-  std::string summary;    ///< What was made and what came out, a few lines.
+  std::string summary;    ///< Output files and results, in a few lines.
 };
 
 /// Runs every needle sample through Simulation::Step, renders images at the scenario's rate and
 /// writes the run folder (docs/reference/formats.md), whole or not at all.
-/// The same inputs give the same bytes with any number of threads, but for measured times in
-/// run.json and report.html, which options.times leaves out.
+/// The same inputs give the same bytes with any number of threads, except for measured times in
+/// run.json and report.html, which options.times switches off.
 /// @throws InputError if an effect lacks an input or a file is not usable.
 ReplayResult ReplaySession(const scenario::Scenario& scenario,
                            const std::filesystem::path& session_path, const ReplayOptions& options,
                            RunContext& context);
 
-/// Whether what stages read and write is told besides.
+/// Whether the inputs and outputs of stages are listed as well.
 enum class PlanDetail { kStages, kAll };
 
-/// What `--check` prints: the effect plan, and that every file that it needs is there.
-/// @param session_path  What the session holds is taken from it; empty: it is taken to hold all.
+/// The text of `--check`: the effect plan, and that every file that it needs exists.
+/// @param session_path  Defines the available inputs; empty: all inputs count as available.
 /// @throws InputError if an effect lacks an input.
 std::string CheckText(const scenario::Scenario& scenario, const std::filesystem::path& session_path,
                       PlanDetail detail, RunContext& context);
 
 /// Loads the patient, all models, the session and the exercise as ReplaySession does, up to its
-/// first step, and keeps nothing: whatever a run would refuse before that is refused here.
-/// @param session_path  May be empty: it is taken to hold all that effects read.
-/// @param options  Its exercise and run folder are looked at; either may be empty.
+/// first step, and keeps nothing: finds every error that a run would report before its first step.
+/// @param session_path  May be empty: all inputs of effects then count as available.
+/// @param options  Its exercise and run folder are checked; either may be empty.
 /// @throws InputError as ReplaySession does.
 void RequireRunnable(const scenario::Scenario& scenario, const std::filesystem::path& session_path,
                      const ReplayOptions& options, RunContext& context);

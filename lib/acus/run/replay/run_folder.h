@@ -1,4 +1,4 @@
-// What a replay gave, and the folder that it is written into.
+// The results of a replay, and the folder that they are written to.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@
 
 namespace acus::replay {
 
-/// Everything that a run gave, before it is written down.
+/// All results of a run, before they are written.
 struct Run {
   session::Session session;
   StepLog steps;
@@ -30,14 +30,14 @@ struct Run {
   simulation::StageTimes times;
   std::vector<std::string> warnings;
   std::optional<CostCheck> cost;  ///< If the scenario has evidence.
-  std::optional<double> cpu_s;    ///< Of steps and images with their writing, all threads.
+  std::optional<double> cpu_s;    ///< CPU time of steps and images with their writing, all threads.
 };
 
-/// Of the longer stream of tool poses.
+/// Duration of the longer stream of tool poses.
 double SpanSeconds(const session::Session& session);
 
-/// Writes logs, events, markups, metrics, run.json, provenance.json and report.html. Images are in
-/// the folder already. @throws IoError if a file cannot be written.
+/// Writes logs, events, markups, metrics, run.json, provenance.json and report.html. The folder
+/// contains the images already. @throws IoError if a file cannot be written.
 void WriteRunFolder(const std::filesystem::path& folder, const scenario::Scenario& scenario,
                     const simulation::Scene& scene, const transforms::Landmarks& targets,
                     const Run& run, const RunContext& context);

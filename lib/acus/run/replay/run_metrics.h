@@ -1,4 +1,4 @@
-// The numbers that come out of a run.
+// The metrics of a run.
 #pragma once
 
 #include <filesystem>
@@ -14,10 +14,10 @@ namespace acus::replay {
 
 using training::Metric;
 
-/// Of the session: elapsed time and path lengths of needle and probe; with a label map, what
-/// training::NeedleMetricsOf gives. Of the forces: largest and RMS axial and lateral force,
-/// punctures, bone contacts, greatest depth. Of a needle that bends: its largest deflection. Of the
-/// probe: largest force, depth, time on skin and bone.
+/// Metrics of the session: elapsed time and path lengths of needle and probe; with a label map,
+/// those of training::NeedleMetricsOf. Metrics of the forces: largest and RMS axial and lateral
+/// force, punctures, bone contacts, greatest depth. For a needle that bends, its largest
+/// deflection. For the probe: largest force, depth, time on skin and bone.
 /// @param exercise  If given, its definitions of passes and of the image plane hold.
 std::vector<Metric> MetricsOf(const simulation::Scene& scene, const session::Session& session,
                               const StepLog& log, const training::Exercise* exercise = nullptr);

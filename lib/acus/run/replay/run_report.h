@@ -22,10 +22,10 @@ struct ReportContent {
   std::optional<training::Assessment> assessment;  ///< If there was an exercise.
   std::vector<WrittenFilm> films;
   std::vector<WrittenPng> images;
-  simulation::StageTimes times;  ///< What the stages of the scene's plan did.
+  simulation::StageTimes times;  ///< Costs of the stages of the scene's plan.
 };
 
-/// Writes report.html and the plots forces.svg and probe_forces.svg of what was felt into `folder`.
+/// Writes report.html and the plots of the forces, forces.svg and probe_forces.svg, into `folder`.
 void WriteReport(const std::filesystem::path& folder, const ReportContent& content,
                  const StepLog& log, const simulation::Scene& scene, const Provenance& provenance);
 

@@ -10,7 +10,7 @@
 namespace acus::replay {
 namespace {
 
-/// Hands images the load and the needle's shape of their moment, as the steps pass it.
+/// Gives images the load and the needle's shape of their time, as the steps pass it.
 class ImageStates {
  public:
   ImageStates(const simulation::Scene& scene, const simulation::Simulation& simulation,
@@ -24,7 +24,7 @@ class ImageStates {
     if (loads_ || shapes_ || memories_ || forces_) images_ = images;
   }
 
-  /// To all images before `time_ns`: the state after the last step.
+  /// Gives all images before `time_ns` the state after the last step.
   void GiveBefore(std::int64_t time_ns) {
     while (!images_.empty() && images_.front().time_ns < time_ns) {
       if (!log_.steps.empty()) Give(images_.front());
@@ -109,7 +109,7 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
   const simulation::Simulation simulation(scene);
   log.final_state = simulation.NewState(session.start_ns());
   ImageStates states(scene, simulation, images, log);
-  // The needle's samples come at the rate of forces. Where no stage reads it, the probe's count.
+  // The needle's samples come at the rate of forces. If no stage reads it, the probe's are used.
   const bool by_needle = inputs.reads_needle() || session.probe.empty();
   const session::PoseStream& clock = by_needle ? session.needle : session.probe;
   const std::size_t count = clock.size();
@@ -122,7 +122,7 @@ StepLog RunSteps(const simulation::Scene& scene, const session::Session& session
       context.Checkpoint("forces", static_cast<double>(i) / static_cast<double>(count));
     }
     const std::int64_t time_ns = clock[i].time_ns;
-    const bool between = inputs.reads_probe() && by_needle;  // The probe has samples of its own.
+    const bool between = inputs.reads_probe() && by_needle;  // The probe has other sample times.
     const simulation::Sample sample = inputs.SampleAt(
         time_ns, clock[i], between ? session::PoseAt(session.probe, time_ns) : clock[i],
         BreathOf(session, time_ns), plunger.At(time_ns));

@@ -13,7 +13,7 @@ namespace {
 
 using simulation::StepOutput;
 
-/// Also of what is not finite.
+/// The shortest exact text, also of values that are not finite.
 std::string ExactText(double value) {
   std::array<char, 32> text{};
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};

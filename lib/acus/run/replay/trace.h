@@ -1,4 +1,4 @@
-// What every stage gave in every step and image, for finding where two replays part.
+// The outputs of every stage in every step and image, to find where two replays differ.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace acus::replay {
 
-/// Writes trace.csv: one row per step; columns time_s, then STAGE/VARIABLE in the order in which
-/// the stages run, of those in the plan. Numbers are the shortest text that reads back as the same
+/// Writes trace.csv: one row per step; columns time_s, then STAGE/VARIABLE for the stages in the
+/// plan, in the order in which they run. Numbers are the shortest text that reads back as the same
 /// double.
 void WriteTrace(const std::filesystem::path& path, const StepLog& log,
                 const simulation::Scene& scene);

@@ -23,7 +23,7 @@ std::optional<double> NumberFrom(const json& value) {
   return value.get<double>();
 }
 
-/// A number of a file that becomes an integer: a larger one has no defined value as such.
+/// A number of a file that becomes an integer: the conversion of a larger one is undefined.
 double NumberWithin(const std::string& file, const json& object, const char* key, double least,
                     double most) {
   const auto value = object.at(key).get<double>();
@@ -235,7 +235,7 @@ Assessment ReadAssessment(const std::filesystem::path& path) {
     for (const json& s : document.at("structures")) {
       assessment.structures.push_back({s.at("name"), StructureFrom(path.string(), s)});
     }
-    // Runs of earlier versions do not have these.
+    // Runs of earlier versions lack these.
     assessment.target = document.value("target", "");
     assessment.target_radius_mm = document.value("target_radius_mm", 0.0);
     for (const json& step : document.value("checklist", json::array())) {

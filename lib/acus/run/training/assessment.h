@@ -1,4 +1,4 @@
-// How a session did in an exercise: metrics held against goals.
+// The assessment of a session by an exercise: metrics and goals.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace acus::training {
 struct GoalResult {
   Goal goal;
   std::string unit;
-  /// Nothing if it did not come to it, or no insertion was made: such a goal is not met.
+  /// Nothing if it was not reached, or no insertion was made: such a goal is not met.
   std::optional<double> value;
   bool met = false;
 };
@@ -27,24 +27,24 @@ struct Assessment {
   std::string session;
   std::vector<Metric> metrics;
   std::vector<GoalResult> goals;
-  std::vector<NamedStructure> structures;  ///< That the tip went through.
+  std::vector<NamedStructure> structures;  ///< Structures on the path of the tip.
   std::string target = {};                 ///< Its name; empty: the exercise has none.
   double target_radius_mm = 0.0;
   std::vector<StepResult> checklist = {};
 
   std::size_t NumMet() const;
-  bool Passed() const;  ///< All musts are met.
+  bool Passed() const;  ///< True if all goals with `must` are met.
 };
 
-/// True unless the metrics say that the needle made no pass in tissue.
+/// False if the metrics state that the needle made no pass in tissue.
 bool HasInsertion(const std::vector<Metric>& metrics);
 
-/// What became of the insertion, in a sentence: "Target reached: the tip ended 2.1 mm from the
-/// L3/L4 space (at most 3 mm)." Without an insertion: "No insertion: ...".
+/// The result of the insertion, in a sentence: "Target reached: the tip ended 2.1 mm from the L3/L4
+/// space (at most 3 mm)." Without an insertion: "No insertion: ...".
 std::string OutcomeText(const Assessment& assessment);
 
 /// A goal for kTimeToTarget is not met if the target was not reached. Without an insertion only
-/// goals of the probe are judged: an attempt that is broken off in the air has no value.
+/// goals of the probe are judged: an attempt that ends outside the tissue has no value.
 /// @throws InputError if the session has no metric of a goal's name; lists those that it has.
 std::vector<GoalResult> JudgeGoals(const std::vector<Goal>& goals,
                                    const std::vector<Metric>& metrics);
@@ -62,7 +62,7 @@ std::string GoalsText(const Assessment& assessment);
 /// training.json, format acus-training/1.
 nlohmann::json ToJson(const Assessment& assessment);
 
-/// Reads it back. @throws InputError if it is not such a file.
+/// Reads training.json. @throws InputError if it is not such a file.
 Assessment ReadAssessment(const std::filesystem::path& path);
 
 }  // namespace acus::training

@@ -79,7 +79,7 @@ void ChecklistMeter::Add(std::int64_t time_ns, const Situation& now, bool entere
     const ChecklistStep& step = checklist_.steps[i];
     const bool spares = step.when == StepCondition::kStructuresSpared;
     if (spares && entered_avoided && result.state != StepState::kFailed) {
-      result.state = StepState::kFailed;  // Also if it had been done.
+      result.state = StepState::kFailed;  // Also if it was done before.
       result.time_ns = time_ns;
     }
     if (result.state != StepState::kOpen) continue;
@@ -92,7 +92,7 @@ void ChecklistMeter::Add(std::int64_t time_ns, const Situation& now, bool entere
         result.time_ns = time_ns;
       }
     }
-    // A step about what is spared is decided at the end: it holds up none after it.
+    // A step about structures to spare is decided at the end: it blocks no later step.
     may_be_next = may_be_next && (result.state != StepState::kOpen || spares);
   }
 }

@@ -1,4 +1,4 @@
-// Steps that a session ticks off from what happens.
+// Checklists whose steps are ticked off automatically during a session.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace acus::training {
 
-/// When a step is done. The words of exercise files: "probe_on_skin", "target_in_view", ...
+/// The condition of a step. Names in exercise files: "probe_on_skin", "target_in_view", ...
 enum class StepCondition {
   kProbeOnSkin,
   kTargetInView,
@@ -21,21 +21,21 @@ enum class StepCondition {
   kNeedleInTissue,
   kBreathHeld,
   kTargetReached,
-  kNeedleWithdrawn,   ///< Out of tissue, after it was in.
+  kNeedleWithdrawn,   ///< Out of tissue, after it was in it.
   kStructuresSpared,  ///< At the target or withdrawn without an entry; fails at the first entry.
-  kNeedleSeen,        ///< In the hand.
+  kNeedleSeen,        ///< The tracker sees it.
   kNeedleAtSkin,      ///< Tissue begins at most 3 mm ahead of the tip, or the tip is in it.
   kNeedleJiggled,     ///< Moved back and forth in tissue and in the image plane; see JiggleMeter.
   kPositionChecked,   ///< Breath held, tip at the target, needle and target in the image.
 };
 std::string_view NameOf(StepCondition condition);
-/// Nothing for another word.
+/// Nothing for an unknown name.
 std::optional<StepCondition> StepConditionOf(std::string_view name);
 
 struct ChecklistStep {
   std::string text;
   StepCondition when = StepCondition::kProbeOnSkin;
-  double for_s = 0.0;  ///< The condition has to hold so long, without a break.
+  double for_s = 0.0;  ///< The condition has to hold for this time without interruption.
   std::string hint;    ///< May be empty.
 };
 
@@ -51,10 +51,10 @@ std::string_view NameOf(StepState state);
 struct StepResult {
   std::string text;
   StepState state = StepState::kOpen;
-  std::int64_t time_ns = 0;  ///< Of the session, when it was done or failed.
+  std::int64_t time_ns = 0;  ///< Session time when it was done or failed.
 };
 
-/// Ticks steps off, sample by sample. A step that is done stays done; one that failed stays failed.
+/// Ticks steps off, sample by sample. A step that is done or failed does not change any more.
 class ChecklistMeter {
  public:
   explicit ChecklistMeter(Checklist checklist);
@@ -68,18 +68,18 @@ class ChecklistMeter {
 
   Checklist checklist_;
   std::vector<StepResult> results_;
-  std::vector<std::optional<std::int64_t>> since_ns_;  ///< The condition holds since then.
+  std::vector<std::optional<std::int64_t>> since_ns_;  ///< Since when the condition holds.
   bool was_in_tissue_ = false;
-  JiggleMeter jiggle_;  ///< Of the tip, while needle and image plane agree.
+  JiggleMeter jiggle_;  ///< Motion of the tip while the needle is in the image plane.
 };
 
-/// The first step that is open; nothing if there is none.
+/// The first open step; nothing if there is none.
 std::optional<std::size_t> NextStep(std::span<const StepResult> steps);
 
-/// When hints appear: at once in the first trial, (trial - 1) x wait_s after a step became the next
-/// one in later ones, and not at all after `trials` trials.
+/// The times of hints: at once in the first trial, (trial - 1) x wait_s after a step became the
+/// next one in later ones, and not at all after `trials` trials.
 struct HintOptions {
-  bool coach = true;  ///< The window says what stands in the way.
+  bool coach = true;  ///< The window names the obstacle.
   int trials = 3;     ///< 0: no hints.
   double wait_s = 10.0;
 };

@@ -16,7 +16,7 @@ std::optional<double> LimitOf(const json& goal, const char* key) {
   return goal.at(key).get<double>();
 }
 
-/// Unless the file says otherwise, the target is what a trial is about.
+/// By default, the target decides whether a trial passes.
 bool IsMust(const json& goal) {
   if (goal.contains("must")) return goal.at("must");
   return goal.at("metric").get<std::string>().starts_with("tip to target");

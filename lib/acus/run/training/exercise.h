@@ -1,4 +1,4 @@
-// An exercise: where the tip is to go, what it must spare, and the values to reach.
+// An exercise: the target of the tip, the structures to spare, and the values to reach.
 #pragma once
 
 #include <filesystem>
@@ -25,10 +25,10 @@ struct Goal {
 struct Exercise {
   std::string name;
   std::string instructions;
-  std::filesystem::path scenario;     ///< As the file has it; may be empty.
+  std::filesystem::path scenario;     ///< As written in the file; may be empty.
   std::filesystem::path target_file;  ///< Absolute; empty: the scenario's corridor.
   std::string target_point = "target";
-  std::string target_name = "target";  ///< As it is shown.
+  std::string target_name = "target";  ///< Name for the screen.
   double target_radius_mm = 3.0;
   std::vector<std::string> avoid;  ///< Names of labels.
   PassOptions passes;
@@ -39,8 +39,8 @@ struct Exercise {
 };
 
 /// Reads an acus-exercise file; paths in it are relative to it.
-/// @throws InputError listing all that is wrong: keys, ranges, a goal whose limits exclude each
-///     other, a metric with two goals.
+/// @throws InputError listing all problems: keys, ranges, a goal whose limits exclude each other, a
+///     metric with two goals.
 Exercise ReadExercise(const std::filesystem::path& path);
 
 }  // namespace acus::training

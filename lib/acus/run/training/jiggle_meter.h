@@ -1,4 +1,4 @@
-// A needle that is moved back and forth, so that it is seen in the image.
+// Detects a needle that is moved back and forth, to find it in the image.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,8 +7,8 @@
 
 namespace acus::training {
 
-/// Counts turns of the tip along each axis of the reference frame: it turns where it has come back
-/// by kAmplitudeMm from its furthest place. Tremor is smaller, an advance does not turn.
+/// Counts turns of the tip along each axis of the reference frame: a turn is where it has come back
+/// by kAmplitudeMm from its farthest position. Tremor is smaller, an advance does not turn.
 class JiggleMeter {
  public:
   static constexpr double kAmplitudeMm = 1.0;
@@ -16,14 +16,14 @@ class JiggleMeter {
   static constexpr std::int64_t kWithinNs = 3'000'000'000;  ///< in this time.
 
   void Add(std::int64_t time_ns, const Eigen::Vector3d& tip_mm);
-  /// At the last sample.
+  /// State at the last sample.
   bool jiggled() const { return jiggled_; }
 
  private:
   struct Axis {
     bool begun = false;
-    double low_mm = 0.0, high_mm = 0.0;  ///< Since the last turn.
-    int direction = 0;                   ///< Of the last stroke; 0: none yet.
+    double low_mm = 0.0, high_mm = 0.0;  ///< Range since the last turn.
+    int direction = 0;                   ///< Sign of the last stroke; 0: none yet.
     std::array<std::int64_t, kTurns> turn_ns{};
     int turns = 0;
 

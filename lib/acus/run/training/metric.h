@@ -1,4 +1,4 @@
-// A named number that a session is judged by.
+// A named number for the assessment of a session.
 #pragma once
 
 #include <string>

@@ -44,7 +44,8 @@ double TriangleArea(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Ei
   return 0.5 * (b - a).cross(c - a).norm();
 }
 
-/// Largest mean speed over pieces that last at least the window (all of it, if it is shorter).
+/// Largest mean speed over intervals that last at least the window (all samples, if they are
+/// shorter).
 double MaxSpeed(const std::vector<const session::PoseSample*>& samples, double window_s) {
   double fastest = 0.0;
   double path_mm = 0.0;
@@ -72,7 +73,7 @@ MotionMetrics ComputeMotionMetrics(const session::PoseStream& stream, const Metr
   if (samples.size() < 2) return metrics;
   SwapWatch swaps(swaps_ns);
   swaps.Passes(samples.front()->time_ns);
-  std::vector<const session::PoseSample*> held{samples.front()};  // By one hand.
+  std::vector<const session::PoseSample*> held{samples.front()};  // Samples by one hand.
   const auto end_hold = [&] {
     metrics.max_speed_mm_per_s =
         std::max(metrics.max_speed_mm_per_s, MaxSpeed(held, options.speed_window_s));

@@ -1,4 +1,4 @@
-// What a training session is judged by: times, paths and the damage that the needle does.
+// Metrics of a training session: times, paths and the damage by the needle.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,15 +11,15 @@
 
 namespace acus::training {
 
-/// Whether a point, in the session's reference frame (mm), lies in tissue.
+/// True if a point, in the session's reference frame (mm), lies in tissue.
 using InsideTissue = std::function<bool(const Eigen::Vector3d& point_in_reference_mm)>;
 
-/// Metrics of the motion of one tool's origin (for a needle: its tip). Invalid samples are left
-/// out: the motion is taken as straight from the valid sample before to the one after.
+/// Metrics of the motion of one tool's origin (for a needle: its tip). Invalid samples are omitted:
+/// the motion is taken as straight from the valid sample before to the one after.
 struct MotionMetrics {
   double elapsed_time_s = 0.0;  ///< From the first to the last valid sample.
   double path_length_mm = 0.0;
-  double mean_speed_mm_per_s = 0.0;  ///< Path over time.
+  double mean_speed_mm_per_s = 0.0;  ///< Path length over time.
   /// Largest distance covered within MetricOptions::speed_window_s, over that time.
   double max_speed_mm_per_s = 0.0;
 };
@@ -37,29 +37,28 @@ struct TissueMetrics {
 };
 
 struct MetricOptions {
-  double speed_window_s = 0.1;  ///< > 0. Shorter ones measure the jitter of the tracker.
-  double needle_length_mm =
-      300;  ///< > 0. How far along the shaft the tissue's surface is looked for.
-  /// An entry is counted if since the last exit the tip was at least this far from where it left:
-  /// a distance, not a path, which tremor and the rate of samples lengthen. >= 0.
+  double speed_window_s = 0.1;    ///< > 0. Shorter windows measure the jitter of the tracker.
+  double needle_length_mm = 300;  ///< > 0. Search length for the tissue's surface along the shaft.
+  /// An entry is counted if since the last exit the tip was at least this far from the point of the
+  /// exit: a distance, not a path length, which tremor and the sampling rate increase. >= 0.
   double withdrawal_mm = 5.0;
 };
 
 /// @param swaps_ns  Ascending times at which the tool changed hands: no motion is counted from the
 ///     sample before to the first one at or after it.
 /// @throws InputError if an option is out of its range. All zero if fewer than two samples are
-/// valid.
+///     valid.
 MotionMetrics ComputeMotionMetrics(const session::PoseStream& stream,
                                    const MetricOptions& options = {},
                                    std::span<const std::int64_t> swaps_ns = {});
 
-/// TissueMetrics of samples as they come. Sums have the bits of ComputeTissueMetrics.
+/// TissueMetrics of samples as they arrive. Sums have the bits of ComputeTissueMetrics.
 class TissueMeter {
  public:
   /// @throws InputError if an option is out of its range.
   TissueMeter(InsideTissue inside, const MetricOptions& options);
 
-  /// Samples that are not valid are passed over.
+  /// Samples that are not valid are ignored.
   void Add(const session::PoseSample& sample);
   /// The tool has changed hands: no motion is counted up to the next sample.
   void Restart();
@@ -70,8 +69,8 @@ class TissueMeter {
   MetricOptions options_;
   TissueMetrics metrics_;
   bool was_inside_ = false;
-  Eigen::Vector3d left_mm_ = Eigen::Vector3d::Zero();         ///< Where the tip was last in tissue.
-  double away_mm_ = std::numeric_limits<double>::infinity();  ///< The farthest from there since.
+  Eigen::Vector3d left_mm_ = Eigen::Vector3d::Zero();         ///< Last tip position in tissue.
+  double away_mm_ = std::numeric_limits<double>::infinity();  ///< Largest distance from it since.
   Eigen::Vector3d last_exit_mm_ = Eigen::Vector3d::Zero();
   std::optional<session::PoseSample> last_;
 };
@@ -84,8 +83,8 @@ TissueMetrics ComputeTissueMetrics(const session::PoseStream& needle, const Insi
 /// The times of a session at which needle and probe changed hands, ascending.
 std::vector<std::int64_t> SwapTimesNs(const session::Session& session);
 
-/// Passed by each sample of a stream in turn: whether the tools have changed hands since the one
-/// before.
+/// Called with each sample time of a stream in order: whether the tools have changed hands since
+/// the previous one.
 class SwapWatch {
  public:
   /// @param swaps_ns  Ascending; must outlive this.
@@ -102,9 +101,9 @@ class SwapWatch {
   std::span<const std::int64_t> swaps_ns_;
 };
 
-/// Where the shaft leaves the tissue, going from a tip in tissue along the needle's -z: exact to
-/// 1e-6 mm, but tissue or gaps thinner than 0.5 mm may be stepped over. The far end of the shaft if
-/// it does not leave the tissue within `length_mm`.
+/// The point where the shaft leaves the tissue, from a tip in tissue along the needle's -z: exact
+/// to 1e-6 mm, but tissue or gaps thinner than 0.5 mm may be missed. The far end of the shaft if it
+/// does not leave the tissue within `length_mm`.
 Eigen::Vector3d ShaftExit(const Eigen::Isometry3d& reference_from_needle,
                           const InsideTissue& inside, double length_mm);
 

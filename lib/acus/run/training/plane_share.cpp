@@ -24,7 +24,7 @@ PlaneMeter::PlaneMeter(InsideTissue inside, const PlaneOptions& options)
 
 void PlaneMeter::Add(const session::PoseSample& needle, const session::PoseSample& probe) {
   if (!needle.valid) {
-    last_ns_.reset();  // The time until it is seen again is not counted.
+    last_ns_.reset();  // The time until the tool is seen again is not counted.
     return;
   }
   const auto before_ns = std::exchange(last_ns_, needle.time_ns);

@@ -53,7 +53,7 @@ report::Plot PlotOfGoal(std::span<const Assessment> sessions, std::size_t goal) 
   for (const Assessment& session : sessions) {
     report::Series& series = by_trainee[TraineeOf(session)];
     series.name = TraineeOf(session);
-    // A session that did not come to it still counts as one: the next is not moved up.
+    // A session without a value still counts: the numbers of later ones do not change.
     const double number =
         1.0 + static_cast<double>(std::ranges::count(std::span(sessions.data(), &session),
                                                      TraineeOf(session), &TraineeOf));
@@ -92,7 +92,7 @@ std::vector<std::string> MetricColumns(std::span<const Assessment> sessions) {
   return columns;
 }
 
-/// Names as cells of CSV: there are no quotes in it.
+/// Names as cells of CSV, which have no quotes here.
 std::string Cell(std::string text) {
   std::ranges::replace(text, ',', ';');
   return text;

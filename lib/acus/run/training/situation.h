@@ -1,4 +1,4 @@
-// What a moment of a session shows: contact, what is in the image, where the tip is.
+// The situation at one time of a session: contact, image content, position of the tip.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,12 +10,13 @@
 
 namespace acus::training {
 
-/// What the image of a probe covers: probe frame, x to the marked side, y along the beam, mm.
+/// The area that the image of a probe covers: probe frame, x to the marked side, y along the beam,
+/// mm.
 struct ImageField {
   double depth_mm = 0.0;
-  double half_width_mm = 0.0;   ///< Of a flat face.
-  double radius_mm = 0.0;       ///< Of a curved face; 0: flat.
-  double half_angle_rad = 0.0;  ///< Between the middle and the outermost line; 0: parallel lines.
+  double half_width_mm = 0.0;   ///< Half the width of a flat face.
+  double radius_mm = 0.0;       ///< Radius of a curved face; 0: flat.
+  double half_angle_rad = 0.0;  ///< From the middle to the outermost line; 0: parallel lines.
 
   bool Contains(double x_mm, double y_mm) const;
 };
@@ -25,7 +26,7 @@ struct Situation {
   bool probe_seen = false;
   bool probe_on_skin = false;
   std::optional<Eigen::Vector3d> target_in_probe_mm;  ///< If there is a target and a probe.
-  bool target_in_view = false;                        ///< In the image, and on its plane.
+  bool target_in_view = false;                        ///< In the image area, and near its plane.
   std::optional<Eigen::Vector3d> tip_in_probe_mm;
   bool needle_in_plane = false;  ///< Tip and shaft.
   bool needle_in_tissue = false;
@@ -37,21 +38,21 @@ struct Situation {
 };
 
 struct SituationOptions {
-  /// The probe is in contact if tissue begins at most this far in front of the middle of its face,
-  /// a needle is at the skin if it begins so far ahead of the tip.
+  /// The probe is in contact if tissue begins at most this far in front of the centre of its face;
+  /// a needle is at the skin if tissue begins this far ahead of the tip.
   double contact_mm = 3.0;
   PlaneOptions plane;
   std::optional<Eigen::Vector3d> target_mm;  ///< Reference frame.
   double target_radius_mm = 3.0;
 };
 
-/// @param label_at  Of the patient at rest; 0 outside.  @param probe  Null: there is none.
+/// @param label_at  Label of the patient at rest; 0 outside. @param probe  Null: there is none.
 Situation SituationOf(const session::PoseSample& needle, const session::PoseSample* probe,
                       const ImageField& field, const LabelAtPoint& label_at,
                       const SituationOptions& options);
 
-/// How far in front of the middle of the probe's face tissue begins, mm along the beam, in steps of
-/// 1 mm; negative inside tissue is 0. Nothing if there is none within `reach_mm`.
+/// Distance from the centre of the probe's face to the tissue in front, mm along the beam, in steps
+/// of 1 mm; 0 inside tissue. Nothing if there is none within `reach_mm`.
 std::optional<double> GapToSkinMm(const transforms::Pose& reference_from_probe,
                                   const LabelAtPoint& label_at, double reach_mm = 150.0);
 

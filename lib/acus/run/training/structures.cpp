@@ -9,7 +9,7 @@ namespace acus::training {
 namespace {
 
 constexpr double kLookMm = 0.25;
-/// More looks than this between two samples are a jump of the tracker, not a stab.
+/// A longer motion between two samples is a jump of the tracker, not a stab.
 constexpr double kLongestMm = 50.0;
 
 }  // namespace

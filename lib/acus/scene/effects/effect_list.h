@@ -1,4 +1,4 @@
-// The list of effects that a scenario may call for.
+// The list of effects that a scenario may name.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,7 +9,7 @@
 
 namespace acus::effects {
 
-/// An effect that a scenario calls for.
+/// An effect that a scenario names.
 struct CalledEffect {
   const Effect* effect = nullptr;
   nlohmann::json settings;  ///< As the schema checked and completed them; paths are absolute.

@@ -7,10 +7,10 @@
 
 namespace acus::effects {
 
-/// What a change of a setting acts on.
+/// The results that a change of a setting affects.
 enum class ActsOn { kForce, kImage, kBoth };
 
-/// What a paper did.
+/// The value that a paper used.
 struct PaperValue {
   nlohmann::json value;
   std::string source;  ///< "Fortmeier-2016, section 3.5"
@@ -24,12 +24,12 @@ struct Knob {
   /// Path below the effect's settings: "fe_2d/spacing_mm"; with a leading '/', in the scenario.
   std::string key;
   ActsOn acts_on = ActsOn::kBoth;
-  /// From cheap to expensive. Empty: there are none unless the user names them (folders).
+  /// From cheap to expensive. Empty: the user names them (folders).
   std::vector<nlohmann::json> values = {};
   std::vector<PaperValue> papers = {};
-  bool is_folder = false;              ///< Values are folders, from the working folder.
-  nlohmann::json default_value = {};   ///< Null: as the schema says.
-  nlohmann::json scenario_value = {};  ///< Null: as the text of the scenario says.
+  bool is_folder = false;              ///< Values are folders, relative to the working folder.
+  nlohmann::json default_value = {};   ///< Null: the default of the schema.
+  nlohmann::json scenario_value = {};  ///< Null: the value in the scenario's file.
 };
 
 }  // namespace acus::effects

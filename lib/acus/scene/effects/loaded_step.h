@@ -1,4 +1,4 @@
-// What an effect has loaded that has a stage at every sample and nothing else.
+// The loaded form of an effect whose only stage runs at every sample.
 #pragma once
 
 #include <utility>

@@ -1,4 +1,4 @@
-// What the stages of effects remember from step to step.
+// The states of the effects' stages, kept from step to step.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace acus::effects {
 
-/// The states of all stages of effects, one beside the other. A plain value of fixed size: it can
-/// be copied at any time, from thread to thread, without allocating.
+/// The states of all stages of effects, one after the other. A plain value of fixed size: it can be
+/// copied at any time, from thread to thread, without allocating.
 struct Memory {
   static constexpr std::size_t kBytes = 8192;
   static constexpr std::size_t kAlignment = alignof(std::max_align_t);

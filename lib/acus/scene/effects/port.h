@@ -1,5 +1,5 @@
-// Ports: the data that stages hand to each other, by type. A stage declares the ports that it reads
-// and writes; the plan is made from these alone.
+// Ports: the data that stages exchange, by type. A stage declares the ports that it reads and
+// writes; the plan is computed from these alone.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace acus::effects {
 
-/// Ports are compared by the address of their object. The name is only shown to users.
+/// Ports are compared by the address of their object. The name is for messages only.
 class AnyPort {
  public:
   constexpr explicit AnyPort(std::string_view name) : name_(name) {}
@@ -22,7 +22,7 @@ class AnyPort {
   std::string_view name_;
 };
 
-/// A port through which values of type T go. One object for each port, of static storage.
+/// A port that carries values of type T. One object for each port, of static storage.
 template <typename T>
 class Port : public AnyPort {
  public:
@@ -41,12 +41,12 @@ class PortRef {
   const AnyPort* port_;
 };
 
-/// Where the values of ports are now. Holds no value itself. Allocates nothing.
+/// The addresses of the ports' current values. Owns no value. Allocates nothing.
 class PortValues {
  public:
   static constexpr std::size_t kMaxCount = 32;
 
-  /// Null: there is none.
+  /// Null: the port has no value.
   template <typename T>
   void Set(const Port<T>& port, const T* value) noexcept {
     for (std::size_t i = 0; i < count_; ++i) {
@@ -59,7 +59,7 @@ class PortValues {
     entries_[count_++] = {&port, value};
   }
 
-  /// Null if nobody has set it.
+  /// Null if the port is not set.
   template <typename T>
   const T* Find(const Port<T>& port) const noexcept {
     for (std::size_t i = 0; i < count_; ++i) {
@@ -68,7 +68,7 @@ class PortValues {
     return nullptr;
   }
 
-  /// @pre it is set: the plan runs a stage only where all that it reads is there.
+  /// @pre it is set: the plan runs a stage only where every port that it reads has a value.
   template <typename T>
   const T& Get(const Port<T>& port) const noexcept {
     const T* value = Find(port);

@@ -23,9 +23,9 @@ struct FramePatient {
   SimulatedTissue tissue() const;
 };
 
-/// Reads what the scenario's ultrasound reads, and keeps what is within `margin_mm` of the field of
-/// view at the start.
-/// @param background  Tissue where nothing is labelled, also beyond the labels; empty: outside.
+/// Reads the inputs of the scenario's ultrasound, and keeps the part within `margin_mm` of the
+/// field of view at the start.
+/// @param background  Tissue of unlabelled voxels, also beyond the map; empty: outside the body.
 /// @throws InputError if the scenario has no ultrasound of the model `aperture`, a file is missing
 ///     or broken, or nothing of the patient lies in the field of view.
 FramePatient ReadFramePatient(const scenario::Scenario& scenario, const std::string& background,

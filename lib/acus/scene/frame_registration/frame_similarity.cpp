@@ -12,14 +12,14 @@
 namespace acus::frame_registration {
 namespace {
 
-/// Variance below which windows of the simulated image count as even, in grey levels squared.
+/// Windows of the simulated image with less variance count as homogeneous, in grey levels squared.
 constexpr float kEvenVariance = 9.0F;
 
 Resolution ResolutionOf(const acoustics::Probe& probe, double rows) {
   return {.pixel_mm = probe.depth_mm / rows};
 }
 
-/// The probe's image with square pixels of another size, over the same place.
+/// The probe's image with square pixels of another size, over the same area.
 acoustics::Probe WithPixels(acoustics::Probe probe, const Resolution& resolution) {
   const image::ImageGeometry full = acoustics::ImageOf(probe);
   image::ImageGeometry small;

@@ -1,5 +1,5 @@
 // How well the image simulated at a pose explains a recorded frame.
-// Equations and what was measured: docs/models/frame_registration.md.
+// Equations and measurements: docs/models/frame_registration.md.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,15 +11,15 @@
 
 namespace acus::frame_registration {
 
-/// What is simulated. The references must outlive what is made from them.
+/// The inputs of the simulation. The references must outlive the objects made from them.
 struct SimulatedTissue {
   ultrasound::BeamTissue tissue;
   ultrasound::ApertureOptions options;
 };
 
-/// How finely both images are compared.
+/// The resolution at which both images are compared.
 struct Resolution {
-  double pixel_mm = 0.5;  ///< Both images are blurred by as much (standard deviation).
+  double pixel_mm = 0.5;  ///< Both images are blurred with this standard deviation.
   int window_px = 13;     ///< Side of the square windows, an odd number of pixels.
   int scan_lines = 96;
   int samples_per_line = 512;
@@ -30,8 +30,8 @@ struct Resolution {
 Resolution CoarseResolution(const acoustics::Probe& probe);
 Resolution FineResolution(const acoustics::Probe& probe);
 
-/// The recorded frame beside images of the aperture model without speckle, noise and texture, in
-/// one elevation plane.
+/// Compares a recorded frame with images of the aperture model without speckle, noise and texture,
+/// in one elevation plane.
 ///
 /// Not for two threads at a time: it holds buffers.
 class FrameSimilarity {
@@ -49,8 +49,8 @@ class FrameSimilarity {
   /// each window by the best linear map of its grey levels that is not falling.
   double At(const Eigen::Isometry3d& ct_from_probe);
 
-  /// Area of the field of view over that of a blurred point: about how many grey levels of the
-  /// frame are independent.
+  /// Area of the field of view over that of a blurred point: approximately the number of
+  /// independent grey levels of the frame.
   double independent_values() const;
 
  private:

@@ -13,17 +13,17 @@
 namespace acus::frame_registration {
 namespace {
 
-/// Residuals of adjacent grey levels are not independent, since the model lacks what they show:
-/// this share of independent values counts. Chosen so that the stated standard deviations agree
+/// Residuals of adjacent grey levels are correlated, since the model does not contain their cause:
+/// this share of the independent values counts. Chosen so that the stated standard deviations agree
 /// with the errors on recorded frames (docs/models/frame_registration.md).
 constexpr double kCountingShare = 0.3;
 constexpr std::size_t kKeptCoarse = 12;
 constexpr std::size_t kKeptFine = 4;
-/// A frame that is explained less than this is one of something else.
+/// A frame of which less is explained shows something else.
 constexpr double kLeastSimilarity = 0.02;
-/// Steps of the second derivatives, in mm and deg: wide enough for voxels and pixels not to show.
+/// Steps of the second derivatives, in mm and deg: wide enough to average over voxels and pixels.
 constexpr double kDerivativeStep = 1.0;
-/// A pose with at least this log posterior below the best one's fits about as well.
+/// A pose with at least this log posterior relative to the best one's fits about as well.
 constexpr double kRivalLog = 2.0;
 constexpr double kRivalMm = 2.0;
 
@@ -87,8 +87,8 @@ void Refine(Posterior& posterior, double step, int iterations, Candidate& candid
   candidate.change = Eigen::Map<const PoseChange>(change.ptr<double>());
 }
 
-/// Calls work(posterior, candidate) for all; each posterior works on some of them. What comes out
-/// does not depend on how many there are.
+/// Calls work(posterior, candidate) for all; each posterior works on some of them. The results do
+/// not depend on the number of posteriors.
 template <typename Work>
 void ForAll(std::vector<Posterior>& posteriors, std::vector<Candidate>& candidates,
             const Work& work) {
@@ -113,13 +113,13 @@ std::vector<Candidate> RandomCandidates(const SearchSettings& settings, std::uin
   return out;
 }
 
-/// Log posterior around a change: gradient and negative second derivatives.
+/// Gradient and negative second derivatives of the log posterior at a change.
 struct Slopes {
   PoseChange gradient;
   Matrix6 curvature;
 };
 
-/// By steps to both sides along each axis and each pair of axes.
+/// By central differences along each axis and each pair of axes.
 Slopes SlopesAt(std::vector<Posterior>& posteriors, const PoseChange& middle) {
   std::vector<PoseChange> steps = {PoseChange::Zero()};
   for (int i = 0; i < 6; ++i) {
@@ -169,8 +169,8 @@ Matrix6 CovarianceOf(const Matrix6& curvature, const SearchSettings& settings) {
          solver.eigenvectors().transpose() * start_sd.asDiagonal();
 }
 
-/// The covariance at the best candidate, after one Newton step of it: the simplex is slow in
-/// directions that hardly matter.
+/// The covariance at the best candidate, after one Newton step of it: the simplex converges slowly
+/// in directions of low curvature.
 Matrix6 Finish(std::vector<Posterior>& posteriors, const SearchSettings& settings,
                Candidate& best) {
   const Slopes slopes = SlopesAt(posteriors, best.change);

@@ -1,5 +1,5 @@
-// The pose of the probe whose simulated image fits a recorded frame best, and how far to trust it.
-// Equations and what was measured: docs/models/frame_registration.md.
+// The pose of the probe whose simulated image fits a recorded frame best, with its uncertainty.
+// Equations and measurements: docs/models/frame_registration.md.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -19,7 +19,7 @@ inline constexpr std::array<std::string_view, 6> kChangeNames = {
     "lateral_mm",        "axial_mm",        "elevational_mm",
     "about_lateral_deg", "about_axial_deg", "about_elevational_deg"};
 
-/// @param pivot_mm  Depth of the point that is turned about.
+/// @param pivot_mm  Depth of the centre of rotation.
 Eigen::Isometry3d Changed(const Eigen::Isometry3d& start, const PoseChange& change,
                           double pivot_mm);
 
@@ -33,13 +33,13 @@ struct FramePose {
   Eigen::Isometry3d ct_from_probe = Eigen::Isometry3d::Identity();
   PoseChange change = PoseChange::Zero();    ///< From the start.
   PoseChange sd = PoseChange::Zero();        ///< Standard deviations of the change.
-  Eigen::Matrix<double, 6, 6> covariance{};  ///< Of the change, in mm and deg.
+  Eigen::Matrix<double, 6, 6> covariance{};  ///< Covariance of the change, in mm and deg.
   double similarity = 0.0;                   ///< FrameSimilarity::At(), fine resolution.
   double start_similarity = 0.0;
-  /// Lateral and axial distance of another pose that fits about as well; none: there is none.
+  /// Lateral and axial distance of another pose that fits about as well, if there is one.
   std::optional<double> rival_mm{};
 
-  /// True where the frame says more than the start did: less than half its standard deviation.
+  /// True where the frame determines the pose: less than half the start's standard deviation.
   std::array<bool, 6> determined(const SearchSettings& settings) const;
 };
 

@@ -1,4 +1,4 @@
-// A patient who breathes, as a scenario calls for it.
+// The settings of the effect breathing in a scenario.
 #pragma once
 
 #include <filesystem>
@@ -9,31 +9,31 @@
 
 namespace acus::scenario {
 
-/// Whether a session that recorded the patient's breath says how he breathes.
+/// Whether the breath comes from the session, if it was recorded there.
 enum class SessionBreath { kIfRecorded, kAlways, kNever };
 
 /// A patient who breathes.
 struct BreathingEffect {
-  std::filesystem::path motion;  ///< Folder of acus-breathing.
-  double amplitude = 1.0;        ///< Of the motion; 0 holds the patient in the reference state.
+  std::filesystem::path motion;  ///< Output folder of acus-breathing.
+  double amplitude = 1.0;        ///< Factor on the motion; 0 holds the patient at the reference.
 
   std::filesystem::path signal;  ///< A recording; empty: the pattern.
   breathing::SignalFileOptions signal_file;
   breathing::RecordedBreathSettings recorded;
   bool normalise = true;  ///< The recording's own levels stand for normal breath.
-  /// period_s 0: that of the motion.
+  /// A period_s of 0 stands for the period of the motion.
   breathing::PatternSettings pattern;
   std::vector<breathing::BreathHold> holds;  ///< Seconds since the session began.
-  /// The signal or pattern is then only for a live session without a belt.
+  /// With the session's breath, the signal or pattern only serves live sessions without a belt.
   SessionBreath from_session = SessionBreath::kIfRecorded;
 
   bool image = true;  ///< The images show the motion.
   double warp_spacing_mm = 0.0;
-  int inverse_iterations = 0;  ///< Of the images.
+  int inverse_iterations = 0;  ///< For the images.
 };
 
 /// @param settings  /effects/breathing, checked against the schema.
-/// @param folder  What paths are relative to.
+/// @param folder  The base of relative paths.
 BreathingEffect ReadBreathingEffect(const nlohmann::json& settings,
                                     const std::filesystem::path& folder);
 

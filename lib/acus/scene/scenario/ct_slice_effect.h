@@ -1,4 +1,4 @@
-// The CT slice of a scenario.
+// The settings of the CT slice in a scenario.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Which key holds which number: written and read by the same table.
+/// The keys of the numbers: writing and reading share this table.
 template <typename Struct>
 struct NumberKey {
   std::string_view key;

@@ -1,5 +1,5 @@
-// What stands behind the values of a scenario that acus-tradeoff chose: what was asked for, on
-// which machine, and what was measured. Nothing that is simulated reads it.
+// The evidence for the values of a scenario that acus-tradeoff chose: the request, the machine and
+// the measurements. No simulation reads it.
 #pragma once
 
 #include <limits>
@@ -9,7 +9,7 @@
 
 namespace acus::scenario {
 
-/// Of one setting on one session. NaN: not measured, or the scene has no such part.
+/// Times of one setting on one session. NaN: not measured, or the scene has no such part.
 struct Cost {
   double step_us_median = std::numeric_limits<double>::quiet_NaN();   ///< CPU time of a force step.
   double step_us_p999 = std::numeric_limits<double>::quiet_NaN();     ///< 99.9th percentile.
@@ -17,16 +17,16 @@ struct Cost {
   double image_ms_p95 = std::numeric_limits<double>::quiet_NaN();     ///< 95th percentile.
 };
 
-/// Part of the time that a stage takes.
+/// The share of the time that a stage takes.
 struct EvidenceStage {
   std::string stage;
   std::string rate;    ///< "step" or "image".
-  double share = 0.0;  ///< Of the time of all stages of that rate, 0 to 1.
+  double share = 0.0;  ///< Share of the time of all stages of that rate, 0 to 1.
 };
 
 struct Evidence {
   std::string asked;    ///< As on the command line: "--budget force=0.5ms,image=16ms".
-  std::string machine;  ///< Processor and number of its threads.
+  std::string machine;  ///< Processor and its number of threads.
   std::string acus_version;
   std::string session;  ///< Its name.
   double session_s = 0.0;
@@ -34,21 +34,21 @@ struct Evidence {
   int repetitions = 0;
   Cost predicted;  ///< By the additive model, before the setting itself was measured.
   Cost measured;   ///< On that machine and session.
-  /// Against the most expensive setting: RMS of the difference of forces, N; of images the PSNR, dB
-  /// (NaN as well where all are the same) and SSIM.
+  /// Relative to the most expensive setting: RMS of the difference of forces, N; PSNR of the
+  /// images, dB (NaN also where all are the same), and SSIM.
   double force_rms_n = std::numeric_limits<double>::quiet_NaN();
   double image_psnr_db = std::numeric_limits<double>::quiet_NaN();
   double image_ssim = std::numeric_limits<double>::quiet_NaN();
   std::vector<EvidenceStage> stages;
 };
 
-/// The block "evidence" of a scenario. What is NaN is left out.
+/// The block "evidence" of a scenario. NaN values are omitted.
 nlohmann::json ToJson(const Evidence& evidence);
 
 /// @param block  Checked against the schema.
 Evidence EvidenceFrom(const nlohmann::json& block);
 
-/// Times as a block of the evidence has them. What is NaN is left out.
+/// Times in the form of the block "evidence". NaN values are omitted.
 nlohmann::json ToJson(const Cost& cost);
 
 }  // namespace acus::scenario

@@ -1,4 +1,4 @@
-// The needle's shape, as a scenario calls for it.
+// The settings of the needle's shape in a scenario.
 #pragma once
 
 #include <filesystem>
@@ -8,11 +8,11 @@ namespace acus::scenario {
 
 enum class NeedleModelKind { kRigid, kLateralBeam, kBendable };
 
-/// The needle's shape, and what it does across its path.
+/// The needle's shape, and the force across its path.
 struct NeedleEffect {
   NeedleModelKind model = NeedleModelKind::kRigid;
-  bool axis_lock = false;            ///< rigid, lateral_beam: once punctured, shown on its path.
-  std::filesystem::path elasticity;  ///< bendable, as all that follows.
+  bool axis_lock = false;            ///< rigid, lateral_beam: shown on its path once punctured.
+  std::filesystem::path elasticity;  ///< bendable, as the following members.
   double influence_radius_mm = 20.0;
   int nodes = 25;
   double path_spacing_mm = 1.0;
@@ -24,7 +24,7 @@ struct NeedleEffect {
 };
 
 /// @param settings  /effects/needle, checked against the schema.
-/// @param folder  What paths are relative to.
+/// @param folder  The base of relative paths.
 NeedleEffect ReadNeedleEffect(const nlohmann::json& settings, const std::filesystem::path& folder);
 
 }  // namespace acus::scenario

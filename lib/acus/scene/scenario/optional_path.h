@@ -1,4 +1,4 @@
-// Paths of files that need not be there.
+// Paths of optional files.
 #pragma once
 
 #include <filesystem>
@@ -6,8 +6,8 @@
 
 namespace acus::scenario {
 
-/// The path at `key`, relative to `folder`; empty if there is none. Whether the file is there is
-/// found by what reads it: effects that are not called for look for nothing.
+/// The path at `key`, relative to `folder`; empty if there is none. The reader of a file checks
+/// that it exists: files that no effect reads need not.
 inline std::filesystem::path OptionalPath(const nlohmann::json& object, const char* key,
                                           const std::filesystem::path& folder) {
   if (!object.contains(key)) return {};

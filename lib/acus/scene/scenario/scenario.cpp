@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// 16 numbers, row by row. The schema has made sure of their count.
+/// 16 numbers, row by row. The schema has checked their count.
 Eigen::Matrix4d MatrixOf(const json& rows) {
   Eigen::Matrix4d matrix;
   for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = rows[static_cast<std::size_t>(i)];
@@ -77,7 +77,7 @@ Patient ReadPatient(const json& object, const fs::path& folder, const std::strin
   return patient;
 }
 
-/// Those of the list of effects that are called for, their paths as from anywhere.
+/// The effects of the list that the scenario names, with absolute paths.
 std::vector<effects::CalledEffect> CalledEffects(const json& called, const fs::path& folder,
                                                  const std::string& file) {
   std::vector<effects::CalledEffect> found;
@@ -103,7 +103,7 @@ std::vector<effects::CalledEffect> CalledEffects(const json& called, const fs::p
   return found;
 }
 
-/// What the schema cannot say: effects that lean on one another.
+/// Rules that a schema cannot state: dependencies between effects.
 void CheckTogether(const Scenario& s) {
   const std::string file = s.file.string();
   if (s.needle_force && s.needle_force->model == NeedleForceModelKind::kTissue) {
@@ -165,8 +165,8 @@ void CheckTogether(const Scenario& s) {
 
 namespace {
 
-/// The changes (--set) whose place or value a message names, or nothing: their user made the
-/// mistake, not the file that they change.
+/// The changes (--set) whose pointer or value a message contains, or nothing: the error is then in
+/// them, not in the file that they change.
 std::string BlamedChanges(std::span<const Override> overrides, const std::string& message) {
   std::string blamed;
   for (const Override& change : overrides) {

@@ -1,4 +1,4 @@
-// A scenario file: whose body, which tools, and only the effects that the scene calls for.
+// A scenario file: the patient, the tools, and the effects that are simulated.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -22,15 +22,15 @@
 
 namespace acus::scenario {
 
-/// Where the prepared patient is. Paths are absolute; what no effect needs may be empty, or a file
-/// that is not there.
+/// Files of the prepared patient. Paths are absolute; those that no effect needs may be empty, or
+/// name a file that does not exist.
 struct Patient {
   std::filesystem::path ct;
-  std::string dicom_series;  ///< Picks one of several series; may be empty.
+  std::string dicom_series;  ///< Selects one of several series; may be empty.
   std::filesystem::path labels;
   std::filesystem::path surfaces;  ///< List of surfaces, in place of CT and labels.
-  std::filesystem::path mesh;      ///< mesh.vtu, with the compliance beside it.
-  std::filesystem::path corridor;  ///< CSV of the points entry and target.
+  std::filesystem::path mesh;      ///< mesh.vtu; the compliance is in the same folder.
+  std::filesystem::path corridor;  ///< CSV with the points entry and target.
   Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
 };
 
@@ -38,12 +38,12 @@ struct Scenario {
   std::filesystem::path file;
   std::string name;
   Patient patient;
-  session::ImportOptions session;  ///< For sessions that other programs recorded.
+  session::ImportOptions session;  ///< For sessions recorded by other programs.
   std::filesystem::path needle;    ///< Needle preset.
   std::filesystem::path probe;     ///< Probe preset.
   double image_rate_hz = 0.0;
 
-  // The effects that the scene calls for.
+  // The effects that the scenario names.
   std::optional<NeedleForceEffect> needle_force;
   std::optional<NeedleEffect> shape;  ///< effects/needle.
   std::optional<ProbeForceEffect> probe_force;
@@ -51,9 +51,9 @@ struct Scenario {
   std::optional<BreathingEffect> breathing;
   std::optional<UltrasoundEffect> ultrasound;
   std::optional<CtSliceEffect> ct_slice;
-  std::vector<effects::CalledEffect> listed;  ///< Of the list of effects, in its order.
+  std::vector<effects::CalledEffect> listed;  ///< Effects of the list, in its order.
 
-  std::optional<Evidence> evidence;  ///< Of values that acus-tradeoff chose.
+  std::optional<Evidence> evidence;  ///< Evidence for values that acus-tradeoff chose.
 
   nlohmann::json effective;  ///< The file with overrides and defaults, for provenance.
 };
@@ -65,8 +65,8 @@ nlohmann::json ScenarioSchema();
 ///
 /// Paths of the patient are relative to the scenario file (those of overrides to the working
 /// folder); presets are also looked up in the installed configs. Reads the transform, but no
-/// volume: whether that is there matters only to effects that read it (simulation::RequireFiles).
-/// @throws InputError listing what is wrong.
+/// volume: only effects that read a volume require that it exists (simulation::RequireFiles).
+/// @throws InputError listing all problems.
 Scenario ReadScenario(const std::filesystem::path& path, std::span<const Override> overrides);
 
 }  // namespace acus::scenario

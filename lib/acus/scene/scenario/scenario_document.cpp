@@ -57,7 +57,7 @@ void AddPathsOfEffects(effects::PathKind kind, std::vector<std::string>& pointer
   }
 }
 
-/// A path from `folder` as one from anywhere.
+/// A path relative to `folder`, made absolute.
 std::string Absolute(const fs::path& path, const fs::path& folder) {
   return fs::absolute(folder / path).lexically_normal().string();
 }
@@ -72,7 +72,7 @@ Override ParseOverride(const std::string& text) {
   RequireJsonDepth(raw, Message("--set ", text.substr(0, equals)));
   json value = json::parse(raw, nullptr, /*allow_exceptions=*/false);
   if (value.is_discarded()) {
-    // A word is a text; what begins as an object, a list or a quoted text is meant as JSON.
+    // A bare word is a string; text that begins as an object, a list or a quoted string is JSON.
     ACUS_REQUIRE(raw.find_first_of("{[\"") != 0, "--set ", text,
                  ": what follows the '=' is not valid JSON; check its brackets and quotes, and "
                  "protect them from the shell by single quotes");
@@ -111,7 +111,7 @@ json ForAnyFolder(json document, const fs::path& folder) {
     const json::json_pointer place(pointer);
     if (!document.contains(place) || !document.at(place).is_string()) return nullptr;
     json& text = document.at(place);
-    return text.get_ref<const std::string&>().empty() ? nullptr : &text;  // Empty: none.
+    return text.get_ref<const std::string&>().empty() ? nullptr : &text;  // Empty: no path.
   };
   for (const std::string& pointer : PathPointers()) {
     if (json* path = at(pointer)) *path = Absolute(path->get<std::string>(), folder);
@@ -120,7 +120,7 @@ json ForAnyFolder(json document, const fs::path& folder) {
     json* preset = at(pointer);
     if (preset == nullptr) continue;
     const fs::path name = preset->get<std::string>();
-    // As FindConfig looks for it: beside the scenario, among the presets, from here.
+    // In the order of FindConfig: beside the scenario, among the presets, in the working folder.
     if (fs::exists(folder / name)) {
       *preset = Absolute(name, folder);
     } else if (!fs::exists(config::ConfigsFolder() / name) && fs::exists(name)) {

@@ -1,4 +1,4 @@
-// A scenario as a document: read, changed, and written again in another place.
+// A scenario as a document: read, changed, and rewritten for another folder.
 #pragma once
 
 #include <filesystem>
@@ -20,20 +20,20 @@ struct Override {
 /// switches an effect off. @throws InputError if there is no '=' or no leading '/'.
 Override ParseOverride(const std::string& text);
 
-/// The file with changes applied, as it stands: not checked, defaults not filled in. Of changes,
-/// paths of patient, session and breathing are relative to the working folder, and become absolute.
-/// @throws InputError if it is no JSON, or has no such place as a change names.
+/// The file with changes applied: not checked, defaults not filled in. In changes, paths of
+/// patient, session and breathing are relative to the working folder, and become absolute.
+/// @throws InputError if it is no JSON, or lacks the pointer that a change names.
 nlohmann::json ScenarioDocument(const std::filesystem::path& path,
                                 std::span<const Override> changes);
 
-/// Places (JSON pointers) of paths that are relative to the scenario file.
+/// JSON pointers of paths that are relative to the scenario file.
 std::vector<std::string> PathPointers();
 
-/// Places of presets, which are also looked up in the installed configs.
+/// JSON pointers of presets, which are also looked up in the installed configs.
 std::vector<std::string> PresetPointers();
 
-/// The document for another folder: what its paths find from `folder` they find from anywhere, as
-/// they are absolute then. Presets of the installation stay names.
+/// The document for another folder: paths that are found relative to `folder` become absolute.
+/// Names of installed presets stay.
 nlohmann::json ForAnyFolder(nlohmann::json document, const std::filesystem::path& folder);
 
 /// A change for another folder: its paths and presets as above.

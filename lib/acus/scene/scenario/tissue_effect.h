@@ -1,4 +1,4 @@
-// Tissue that tools deform, as a scenario calls for it.
+// The settings of deformable tissue in a scenario.
 #pragma once
 
 #include <filesystem>
@@ -19,27 +19,27 @@ struct TissueEffect {
   double warp_spacing_mm = 0.0;
   int inverse_iterations = 0;
   double influence_radius_mm = 0.0;  ///< displacement_functions, springs.
-  bool printed_form = false;         ///< displacement_functions: the formulas to the letter.
+  bool printed_form = false;         ///< displacement_functions: the formulas exactly as printed.
   double tip_length_mm = 0.0;        ///< displacement_functions; 0: that of the form.
   double path_spacing_mm = 0.0;      ///< springs.
-  double plane_spacing_mm = 0.0;     ///< fe_2d, as all of the plane's.
+  double plane_spacing_mm = 0.0;     ///< This and the other members of the plane: fe_2d.
   double plane_width_mm = 0.0;
   int plane_turned = 0;
   double plane_beyond_mm = 0.0;
   double plane_thickness_mm = 0.0;
-  std::string element;              ///< fe_3d: as acus-mesh condensed the mesh.
+  std::string element;              ///< fe_3d: the element with which acus-mesh condensed the mesh.
   double contact_spacing_mm = 0.0;  ///< fe_3d.
   bool probe_contact = false;       ///< fe_3d.
   bool finite_strain = false;       ///< fe_3d: tissue near the corridor stiffens.
-  int strain_nodes = 0;             ///< fe_3d, finite strain, as the next.
-  int strain_iterations = 0;        ///< Per step.
+  int strain_nodes = 0;             ///< fe_3d with finite strain, as the next.
+  int strain_iterations = 0;        ///< Iterations per step.
 
-  /// True if the model steps with the samples and knows forces on the needle by itself.
+  /// True if the model runs at every step and computes the force on the needle itself.
   bool TouchesNeedle() const { return model != TissueModelKind::kDisplacementFunctions; }
 };
 
 /// @param settings  /effects/tissue, checked against the schema.
-/// @param folder  What paths are relative to.
+/// @param folder  The base of relative paths.
 TissueEffect ReadTissueEffect(const nlohmann::json& settings, const std::filesystem::path& folder);
 
 }  // namespace acus::scenario

@@ -25,7 +25,7 @@ UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
   out.scan_lines = effect.value("scan_lines", 0);
   out.samples_per_line = effect.value("samples_per_line", 0);
   out.seed = effect.at("seed");
-  // The 2010 model came first: its acoustics lie beside the model.
+  // The 2010 model is the oldest one: its acoustics are beside the key `model`.
   const nlohmann::json& settings =
       out.model == UltrasoundModel::kColumns2010 ? effect : effect.at(model);
   const std::string display = effect.at("display");

@@ -1,4 +1,4 @@
-// The ultrasound of a scenario: which model makes the image, and with what settings.
+// The settings of the ultrasound in a scenario: the model of the image, and its parameters.
 #pragma once
 
 #include <cstdint>
@@ -7,28 +7,28 @@
 
 namespace acus::scenario {
 
-/// The papers' models, from the cheapest to the most expensive; then those in beam space.
+/// The models of the papers, from the cheapest to the most expensive; then those in beam space.
 enum class UltrasoundModel { kVidal2008, kAlamilla2021, kColumns2010, kBeams, kAperture };
 
-/// What models in beam space follow their lines through.
+/// The volumes that models in beam space sample along their lines.
 enum class BeamVolume { kLabels, kCt, kBoth };
 
 struct UltrasoundEffect {
   UltrasoundModel model = UltrasoundModel::kColumns2010;
-  std::filesystem::path acoustics;  ///< What the model makes of tissue, in its own format.
+  std::filesystem::path acoustics;  ///< Acoustic properties of tissues, in the model's format.
   bool needle = true;
   int scan_lines = 0;                       ///< 0: as the probe preset says.
   int samples_per_line = 0;                 ///< 0: as the probe preset says.
-  std::uint64_t seed = 0;                   ///< Of speckle and noise.
-  BeamVolume volume = BeamVolume::kLabels;  ///< In beam space, as all that follows.
-  bool from_triangles = false;    ///< Of alamilla_2021: labels come from the patient's surfaces.
+  std::uint64_t seed = 0;                   ///< Seed of speckle and noise.
+  BeamVolume volume = BeamVolume::kLabels;  ///< For models in beam space.
+  bool from_triangles = false;    ///< alamilla_2021: labels come from the patient's surfaces.
   nlohmann::json beams;           ///< The model's settings, checked against the schema.
-  std::filesystem::path display;  ///< What the scanner adds; empty: nothing.
+  std::filesystem::path display;  ///< The processing by the scanner; empty: none.
 
   bool InBeamSpace() const {
     return model == UltrasoundModel::kBeams || model == UltrasoundModel::kAperture;
   }
-  /// What the model reads of the patient.
+  /// True if the model reads the patient's CT.
   bool ReadsCt() const {
     return InBeamSpace() ? volume != BeamVolume::kLabels : model != UltrasoundModel::kAlamilla2021;
   }
@@ -38,7 +38,7 @@ struct UltrasoundEffect {
 };
 
 /// @param effect  /effects/ultrasound, checked against the schema.
-/// @param folder  What paths are relative to.
+/// @param folder  The base of relative paths.
 UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
                                       const std::filesystem::path& folder);
 

@@ -58,7 +58,7 @@ ultrasound::ApertureOptions ApertureOptionsFrom(const nlohmann::json& json) {
   return options;
 }
 
-/// Tissues of the map whose fibres are seen or attenuate.
+/// Tissues of the map whose fibres change the echo or the attenuation.
 std::bitset<256> FibrousLabels(const BeamSettings& settings, const volume::LabelMap& labels) {
   std::bitset<256> fibrous;
   for (const auto& [label, name] : labels.names) {

@@ -33,8 +33,8 @@ struct ApertureSettings {
 ApertureSettings ReadApertureSettings(const scenario::UltrasoundEffect& effect,
                                       const volume::LabelMap* labels);
 
-/// @param labels  Tells the fibres of tissues that the scenario gives no direction for, if the
-///     table says that they have fibres and an effect shows it; may be null.
+/// @param labels  Gives the fibre directions of tissues without one in the scenario, if the table
+///     says that they have fibres and an effect shows it; may be null.
 /// @throws InputError listing all problems of the table.
 BeamSettings ReadBeamSettings(const scenario::UltrasoundEffect& effect,
                               const volume::LabelMap* labels);

@@ -22,7 +22,7 @@ breathing::BreathSource::Signal SignalOf(const scenario::BreathingEffect& effect
 
 breathing::MotionMap Breathing::At(double session_s,
                                    const breathing::Breath& of_session) const noexcept {
-  if (amplitude == 0.0) return {motion.model.field(), {}};  // Whatever the breath.
+  if (amplitude == 0.0) return {motion.model.field(), {}};  // Independent of the breath.
   breathing::Breath breath = from_session ? of_session : source.At(session_s);
   const auto* recorded =
       from_session ? nullptr : std::get_if<breathing::RecordedBreath>(&source.signal());

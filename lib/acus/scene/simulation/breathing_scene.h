@@ -1,4 +1,4 @@
-// A scene's breathing: the patient's motion, driven by a recording or a pattern.
+// The breathing of a scene: the patient's motion, driven by a recording or a pattern.
 #pragma once
 
 #include "acus/base/core/run_context.h"
@@ -17,25 +17,25 @@ struct Breathing {
   double amplitude = 1.0;
   bool normalise = true;         ///< A recording's own breath levels stand for normal breath.
   bool image = true;             ///< The images show the motion.
-  double warp_spacing_mm = 5.0;  ///< Of the knots at which they ask for it.
-  int inverse_iterations = 5;    ///< To find what was there at rest.
-  bool from_session = false;     ///< The session says how the patient breathes; `source` is idle.
+  double warp_spacing_mm = 5.0;  ///< Distance of the knots at which images sample the map.
+  int inverse_iterations = 5;    ///< To find the rest position.
+  bool from_session = false;     ///< The breath comes from the session; `source` is idle.
 
-  /// The breath of `source` in terms of a normal one, as sessions hold it.
+  /// The breath of `source` relative to a normal one, as sessions hold it.
   breathing::Breath NormalAt(double session_s) const noexcept;
 
-  /// The patient at a moment, in seconds since the session began. Allocates nothing.
-  /// @param of_session  His breath in terms of a normal one; only read if `from_session`.
+  /// The patient's motion at a time, in seconds since the session began. Allocates nothing.
+  /// @param of_session  The breath relative to a normal one; only read if `from_session`.
   breathing::MotionMap At(double session_s, const breathing::Breath& of_session) const noexcept;
 };
 
-/// @param from_session  The session says how the patient breathes: no signal is read.
+/// @param from_session  The breath comes from the session: no signal is read.
 /// @pre scenario.breathing is there.
 /// @throws InputError if the motion or the signal is not readable, or a setting is out of range.
 Breathing LoadBreathing(const scenario::Scenario& scenario, bool from_session, RunContext& context);
 
-/// Where tissue that an image shows was in the reference image, and what lay there at rest if
-/// tools have deformed it besides. One for each thread.
+/// Maps a point of an image to its rest position: through the breath to the reference image, then
+/// through the deformation by tools, if any. One for each thread.
 class BreathingRest : public slicing::RestMap {
  public:
   /// @param deformed  Null if no tool deforms the tissue. Both must outlive this.

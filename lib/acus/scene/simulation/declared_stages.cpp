@@ -24,7 +24,7 @@ bool ReadsWhatIsWritten(const effects::StageDeclaration& stage,
   });
 }
 
-/// True if the scene has what a stage reads only where it is there.
+/// True if an effect of the scenario offers a port that a stage reads optionally.
 bool IsThere(const Scenario& s, PortRef port) {
   return std::ranges::any_of(CoupledEffects(), [&s, port](const CoupledEffect* effect) {
     return effect->Offers(s, port);
@@ -53,9 +53,9 @@ std::vector<PlannedStage> CoupledStages(const Scenario& s, bool breath_from_sess
   return stages;
 }
 
-/// Of the list of effects: at every sample those that read nothing of a tool's stages come right
-/// after breathing, so that tools see what they write; others after the tools. At every image they
-/// are last.
+/// Adds the stages of the list of effects. At every sample, those that read nothing of a tool's
+/// stages come right after breathing, so that tools see their output; the others come after the
+/// tools. At every image they are last.
 void AddListed(const Scenario& s, std::vector<PlannedStage>& stages) {
   for (const effects::CalledEffect& called : s.listed) {
     if (const auto step = called.step()) {
@@ -79,12 +79,12 @@ std::size_t FirstWhere(const std::vector<PlannedStage>& stages, Predicate is_wan
   return found->number;
 }
 
-/// Of the first stage that writes a port.
+/// Number of the first stage that writes a port.
 std::size_t NumberOf(const std::vector<PlannedStage>& stages, PortRef port) {
   return FirstWhere(stages, [port](const PlannedStage& stage) { return stage.Writes(port); });
 }
 
-/// Of an effect's stage of a rate.
+/// Number of an effect's stage at every sample or at every image.
 std::size_t NumberOf(const std::vector<PlannedStage>& stages, std::string_view owner,
                      bool is_image) {
   return FirstWhere(stages, [owner, is_image](const PlannedStage& stage) {
@@ -125,7 +125,7 @@ DeclaredInput FromSession(PortRef port, bool there, const char* remedy) {
   return {{port, {}, ""}, there ? "" : remedy};
 }
 
-/// A file of the patient, which the scenario may leave out if nobody reads it.
+/// A file of the patient; the scenario may omit it if no stage reads it.
 DeclaredInput OfPatient(PortRef port, const fs::path& file, const char* remedy) {
   const std::string where = Message("/patient/", port.name());
   return {{port, file, where}, file.empty() ? Message(where, " is not given", remedy) : ""};

@@ -11,11 +11,11 @@ Eigen::Vector3d DeformedTissue::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm
   const auto displacement = [this](const Eigen::Vector3d& rest_mm) {
     return field_.DisplacementMm(rest_mm);
   };
-  // Tissue that has not moved is its own answer, whatever its neighbour does.
+  // Tissue that has not moved is at rest, whatever happens around it.
   if (displacement(place_in_ct_mm).isZero(0.0)) return place_in_ct_mm;
   const math::InversePoint found =
       math::InvertDisplacement(displacement, place_in_ct_mm, guess_in_ct_mm, settings);
-  // As far off as that, an inversion has not just run out of iterations.
+  // A larger residual is not due to a lack of iterations.
   constexpr double kNoTissueMm = 0.2;
   if (beyond_skin_ && found.residual_mm > kNoTissueMm) {
     return place_in_ct_mm - displacement(found.rest_mm);

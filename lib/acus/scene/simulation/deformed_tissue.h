@@ -1,4 +1,4 @@
-// Where tissue that an image shows was at rest.
+// Rest positions of the tissue that an image shows.
 #pragma once
 
 #include "acus/imaging/slicing/beam_bend.h"
@@ -10,10 +10,9 @@ namespace acus::simulation {
 class DeformedTissue : public slicing::RestMap {
  public:
   /// @param model  Must outlive this.
-  /// @param beyond_skin  Models with a mesh move nothing outside of it: in a dent of the skin they
-  ///     have no tissue that could be there now. True: such a place is taken to have been above the
-  ///     skin, by as much as the skin next to it was moved, so that dents show. False: the tissue
-  ///     nearest to it.
+  /// @param beyond_skin  Models with a mesh move nothing outside of it: in a dent of the skin, no
+  ///     tissue maps to such a point. True: the point maps above the skin, displaced as the skin
+  ///     next to it, so that dents show. False: it maps to the nearest tissue.
   DeformedTissue(const tissue::TissueModel& model, double spacing_mm, int iterations,
                  bool beyond_skin = false)
       : field_(model.NewField()),

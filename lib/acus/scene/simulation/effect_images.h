@@ -11,7 +11,7 @@
 
 namespace acus::simulation {
 
-/// An image, and the effect whose it is.
+/// An image, and the effect that it belongs to.
 struct EffectImage {
   std::string_view key;
   std::string_view title;
@@ -28,15 +28,16 @@ class EffectImageRenderer {
 
   const ListedEffect& effect() const { return effect_; }
   const effects::ImageStage& stage() const { return *stage_; }
-  /// For the images from now on, see ImageMoment.
+  /// For the following images, see ImageMoment.
   void SetTipPath(std::vector<Eigen::Vector3d> path_in_ct_mm) {
     tip_path_in_ct_mm_ = std::move(path_in_ct_mm);
   }
 
-  /// @param images  Those of the probe at this moment; null: rendered here if the stage reads them.
-  /// @param times  If given, what each stage did is added to it.
-  /// @param shown  The moment that `out` shows already: what would be the same is left as it is.
-  ///     Null: there is none.
+  /// @param images  Images of the probe at this instant; null: rendered here if the stage reads
+  ///     them.
+  /// @param times  If given, the cost of each stage is added to it.
+  /// @param shown  The instant that `out` shows already: an image that would be equal is not
+  ///     rewritten. Null: none.
   void Render(const Snapshot& snapshot, const ProbeImages* images, effects::EffectPixels& out,
               StageTimes* times = nullptr, const Snapshot* shown = nullptr);
 

@@ -17,7 +17,7 @@ void WorkFor(PlannedStage& stage, std::string_view effect) {
   }
 }
 
-/// Backwards: a stage is in if one behind it reads what it writes.
+/// Backwards: a stage is in the plan if a later one reads its output.
 void PickStages(const DeclaredStages& declared, Stages& stages) {
   for (const Goal& goal : declared.goals) {
     PlannedStage& stage = stages[goal.stage];

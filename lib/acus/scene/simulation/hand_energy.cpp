@@ -8,7 +8,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kTinyNMm = 1e-6;   // 1 nJ.
-constexpr double kCreditNMm = 0.1;  // The hand may have put in this much more than is stored.
+constexpr double kCreditNMm = 0.1;  // Tolerance on the work of the hand beyond the stored energy.
 
 Vector3d TurnRad(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) noexcept {
   const Eigen::AngleAxisd turn(to * from.conjugate());

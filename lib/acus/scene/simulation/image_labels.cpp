@@ -50,7 +50,7 @@ std::vector<float> DepthsOf(const acoustics::Probe& probe, const image::ImageGeo
   return depth_mm;
 }
 
-/// Column, row, and mm off the plane.
+/// Column, row, and distance from the plane in mm.
 Eigen::Vector3d InImage(const image::ImageGeometry& image, const Eigen::Isometry3d& ct_from_probe,
                         const Eigen::Vector3d& place_ct_mm) {
   const Eigen::Vector3d in_probe_mm = ct_from_probe.inverse() * place_ct_mm;
@@ -59,8 +59,8 @@ Eigen::Vector3d InImage(const image::ImageGeometry& image, const Eigen::Isometry
   return in_image;
 }
 
-/// Where tissue that was at a place at rest is now: the rest map, solved by fixed-point steps.
-/// Nothing if these do not come within 0.1 mm.
+/// The deformed position of tissue, given at rest: the rest map, inverted by fixed-point steps.
+/// Nothing if these do not converge to 0.1 mm.
 std::optional<Eigen::Vector3d> NowFromRest(const slicing::RestMap* rest,
                                            const Eigen::Vector3d& rest_ct_mm) {
   if (rest == nullptr) return rest_ct_mm;
@@ -79,8 +79,8 @@ std::optional<Eigen::Vector3d> NowFromRest(const slicing::RestMap* rest,
   return now_mm;
 }
 
-/// Calls `visit` with points of the needle from the tip to the hub, kShaftStepMm apart: each stands
-/// in the middle of such a piece.
+/// Calls `visit` with points of the needle from the tip to the hub: the centres of pieces of length
+/// kShaftStepMm.
 template <typename Visit>
 void AlongNeedle(const image::NeedleInImage& needle, const Visit& visit) {
   if (needle.shape.num_points < 2) {

@@ -1,4 +1,5 @@
-// The truth of an ultrasound image: what each pixel shows, and where needle and target are in it.
+// Ground truth of an ultrasound image: the tissue in each pixel, and needle and target in the
+// image.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -20,43 +21,43 @@ namespace acus::simulation {
 inline constexpr std::uint8_t kTargetInImage = 250;
 inline constexpr std::uint8_t kShaftInImage = 251;
 inline constexpr std::uint8_t kTipInImage = 252;
-inline constexpr std::uint8_t kBeyondImage = 255;  ///< Beside the field of view: not to be judged.
+inline constexpr std::uint8_t kBeyondImage = 255;  ///< Outside the field of view: to be ignored.
 
 struct ImageLabelSettings {
-  std::optional<Eigen::Vector3d> target_ct_mm = std::nullopt;  ///< In the tissue at rest.
+  std::optional<Eigen::Vector3d> target_ct_mm = std::nullopt;  ///< Position in the tissue at rest.
   double target_radius_mm = 3.0;                               ///< > 0
-  double tip_radius_mm = 1.5;  ///< Of the disc around the tip, in the image plane; > 0.
+  double tip_radius_mm = 1.5;  ///< Radius of the disc around the tip, in the image plane; > 0.
 };
 
-/// Of one image.
+/// Ground truth of one image.
 struct ImageTruth {
   image::GrayImage labels;  ///< Tissue, or one of the values above; later ones cover earlier ones.
-  /// Column and row in pixels (whole at pixel centres), and distance from the plane, + along the
-  /// probe's z, mm. Also of what lies beside the image. Nothing without a needle.
+  /// Column and row in pixels (integers at pixel centres), and distance from the plane, positive
+  /// along the probe's z, mm. Also for a tip outside the image. Nothing without a needle.
   std::optional<Eigen::Vector3d> tip_in_image;
-  /// The same of the target where it is now; nothing without one, or if its place was not found.
+  /// The same for the deformed target; nothing without one, or if its position was not found.
   std::optional<Eigen::Vector3d> target_in_image;
   double inserted_mm = 0.0;  ///< Length of the shaft in the body, to 1 mm.
   /// Share of that length within half the slice thickness of the plane and in the field of view;
-  /// nothing without such a length. Geometry alone: shadows and gain are not looked at.
+  /// nothing if the length is 0. Geometry alone: shadows and gain have no influence.
   std::optional<double> visible_share;
 };
 
-/// Labels images of a scene. Holds buffers: one for each thread.
+/// Computes label images of a scene. Holds buffers: one for each thread.
 class ImageLabeller {
  public:
-  /// @param scene  With a probe; must outlive this. @param labels  Tissues at rest.
+  /// @param scene  Has a probe; must outlive this. @param labels  Tissues at rest.
   /// @throws InputError if there are no labels, one of them is 250 or above, or a radius is not
   ///     above 0.
   ImageLabeller(const Scene& scene, std::shared_ptr<const volume::LabelMap> labels,
                 const ImageLabelSettings& settings);
 
-  /// The same bits for the same snapshot, whatever was labelled before. Where the probe is not
-  /// seen, all pixels are kBeyondImage.
+  /// The same bits for the same snapshot, whatever was labelled before. If the tracker does not see
+  /// the probe, all pixels are kBeyondImage.
   void Label(const Snapshot& snapshot, ImageTruth& out);
 
   const image::ImageGeometry& image() const { return image_; }
-  /// Distance of each pixel from the probe's face, mm, row by row; NaN beside the field of view.
+  /// Distance of each pixel from the probe's face, mm, row by row; NaN outside the field of view.
   const std::vector<float>& depth_mm() const { return depth_mm_; }
 
  private:

@@ -8,7 +8,7 @@
 namespace acus::simulation {
 namespace {
 
-/// Bits, not values: 0 and -0 are not the same to every function, and a NaN is like itself.
+/// Compares bits, not values: functions may distinguish 0 and -0, and a NaN equals itself.
 bool Same(const double* a, const double* b, std::size_t count) noexcept {
   return std::memcmp(a, b, count * sizeof(double)) == 0;
 }
@@ -83,7 +83,7 @@ bool ProbeHasStayed(const Snapshot& before, const Snapshot& now) noexcept {
 }
 
 double NeedleReachMm(const acoustics::Probe& probe, double needle_radius_mm) {
-  // Painted: within half the slice. By beams: within one and a half of what is thick there.
+  // Painted needles show within half the slice thickness, those by beams within 1.5 thicknesses.
   double thickest_mm = probe.slice_thickness_mm;
   constexpr int kDepths = 512;
   for (int i = 0; i <= kDepths; ++i) {
@@ -98,7 +98,7 @@ bool NeedleIsOffPlane(const Scene& scene, const Snapshot& snapshot, double reach
   const Eigen::Vector3d normal = snapshot.ct_from_probe.linear().col(2);
   bool all_before = true;
   bool all_behind = true;
-  // What is not finite is neither: whoever draws it says so.
+  // A position that is not finite is on neither side: the renderer reports it.
   const auto add = [&](const Eigen::Vector3d& place_in_ct_mm) {
     const double z_mm = normal.dot(place_in_ct_mm - snapshot.ct_from_probe.translation());
     all_before &= z_mm > reach_mm;

@@ -1,10 +1,10 @@
-// How far a straight line stays in tissue: what depth a place has behind the skin.
+// Length of a straight line inside tissue: the depth of a point below the skin.
 #pragma once
 
 namespace acus::simulation {
 
-/// Length from the start of a line to where `in_air(mm)` becomes true along it: looked for in steps
-/// of `look_mm`, then by bisections of the last one. 0 if the start is in air, or there is no air
+/// Length from the start of a line to where `in_air(mm)` becomes true along it: searched in steps
+/// of `look_mm`, then by bisection of the last one. 0 if the start is in air, or there is no air
 /// within `most_mm`.
 template <class InAir>
 double InsideLengthMm(const InAir& in_air, double look_mm, double most_mm) noexcept {

@@ -43,7 +43,7 @@ const slicing::RestMap* MomentRest::At(const Snapshot& snapshot) {
   }
   if (scene_->pressed_by_proxies && snapshot.probe_valid) {
     const forces::MultiProxyProbe& probe = *scene_->probe_force->multi_proxy();
-    // As the force takes it: deeper along the beam.
+    // As for the force: deeper along the beam.
     Eigen::Isometry3d ct_from_tool = snapshot.ct_from_probe;
     ct_from_tool.translation() += scene_->probe_press_mm * ct_from_tool.linear().col(1);
     palpated_.emplace(probe.tool(), ct_from_tool, *probe.fields().skin, probe.fields().skin_value,

@@ -1,5 +1,5 @@
-// Where tissue that an image shows was at rest: what breath, effects and tools do to it, one after
-// the other.
+// Rest positions of the tissue that an image shows: the maps of breath, effects and tools, one
+// after the other.
 #pragma once
 
 #include <optional>
@@ -13,10 +13,10 @@
 
 namespace acus::simulation {
 
-/// Tissue before the effects of the list moved it.
+/// Maps tissue to where it was before the effects of the list moved it.
 class EffectsRest : public slicing::RestMap {
  public:
-  /// @param next  What moves tissue besides; may be null. All must outlive this.
+  /// @param next  The next map; may be null. All must outlive this.
   EffectsRest(const ListedEffects& effects, const effects::Memory& memory,
               const slicing::RestMap* next)
       : effects_(effects), memory_(memory), next_(next) {}
@@ -31,7 +31,7 @@ class EffectsRest : public slicing::RestMap {
   const slicing::RestMap* next_;
 };
 
-/// The map of one moment at a time. One for each thread.
+/// The rest map of one instant at a time. One for each thread.
 class MomentRest {
  public:
   /// @param scene  Must outlive this. @param beyond_skin  As for DeformedTissue.

@@ -1,4 +1,4 @@
-// The planned path of the needle, as the patient's corridor has it.
+// The planned path of the needle, from the patient's corridor.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@ namespace acus::simulation {
 
 struct NeedleLine {
   Eigen::Vector3d entry_in_ct_mm;
-  Eigen::Vector3d way_mm;  ///< To the target.
+  Eigen::Vector3d way_mm;  ///< From the entry to the target.
 };
 
 /// @param corridor  CSV of points in CT space.

@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 using forces::NeedleForce;
 using scenario::NeedleModelKind;
 
-constexpr double kStillMm = 1e-6;       // Less is not an advance: at rest no bit changes.
-constexpr double kGiftNMmPerS = 0.005;  // 0.3 mJ a minute, so that no force is gone for good.
+constexpr double kStillMm = 1e-6;       // A smaller motion is no advance: at rest no bit changes.
+constexpr double kGiftNMmPerS = 0.005;  // 0.3 mJ a minute, so that no force stays zero for good.
 
 needle::BendableNeedleOptions OptionsOf(const scenario::NeedleEffect& effect,
                                         const needle::NeedleProperties& needle) {
@@ -30,7 +30,7 @@ needle::BendableNeedleOptions OptionsOf(const scenario::NeedleEffect& effect,
   return options;
 }
 
-/// +z is the needle's axis exactly; +x as nearly as that allows.
+/// The orientation whose +z is exactly the needle's axis, and +x as nearly as that allows.
 Eigen::Quaterniond OrientationOf(const Eigen::Matrix3d& ct_from_needle) noexcept {
   Eigen::Matrix3d axes;
   axes.col(2) = ct_from_needle.col(2).normalized();
@@ -133,7 +133,7 @@ NeedleForce NeedleShapeModel::Beam(const NeedleShapeState& state,
   return across;
 }
 
-/// Fortmeier-2016: the tip cuts on where it points, the rod follows, eq. 8 is felt.
+/// Fortmeier-2016: the tip cuts in its own direction, the rod follows, eq. 8 gives the force.
 NeedleForce NeedleShapeModel::Bend(NeedleShapeState& state, const NeedleShapeInput& input,
                                    const NeedleForce& along) const noexcept {
   NeedleForce across;
@@ -155,7 +155,7 @@ NeedleForce NeedleShapeModel::Bend(NeedleShapeState& state, const NeedleShapeInp
   state.tip_direction_in_ct.setZero();
   state.tip_offset_mm.setZero();
   if (path.empty()) {
-    state.needle.rod.started = false;  // The next insertion begins straight in the hand.
+    state.needle.rod.started = false;  // The next insertion begins with a straight needle.
     state.hand.paid_n_mm = 0.0;
     state.hand.share = 1.0;
     return across;

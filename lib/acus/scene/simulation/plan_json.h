@@ -1,4 +1,4 @@
-// The effect plan and what its stages did, for files.
+// The effect plan and the costs of its stages, as JSON.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,7 +9,8 @@
 namespace acus::simulation {
 
 /// An array with an object for each stage: stage, rate, in, reason, effects, reads, writes, runs,
-/// asleep, asleep_because (runs by reason, only those that there were) and seconds of CPU time.
+/// asleep, asleep_because (runs by reason; reasons without runs are omitted) and seconds of CPU
+/// time.
 nlohmann::json PlanJson(const EffectPlan& plan, const StageTimes& times);
 
 }  // namespace acus::simulation

@@ -9,7 +9,7 @@ namespace acus::simulation {
 namespace {
 
 constexpr double kSkinLookMm = 0.25;
-/// Of the distance between proxies: the middle of four of them is 0.71 away.
+/// Radius of the plateau in distances between proxies: the centre of four of them is at 0.71.
 constexpr double kPlateau = 0.75;
 
 /// Mean distance of proxies to the nearest other one, mm; 0 for a single one.
@@ -48,7 +48,7 @@ PressedByProxies::PressedByProxies(const forces::PalpationTool& tool,
   }
 }
 
-/// How far behind a place the skin is; 0 if the place is in air or too deep.
+/// Distance of the skin behind a point; 0 if the point is in air or too deep.
 double PressedByProxies::SkinBehindMm(const Eigen::Vector3d& place_mm, const forces::HuField& skin,
                                       double skin_value) const noexcept {
   const auto in_air = [&](double behind_mm) {

@@ -1,5 +1,5 @@
-// Tissue around a palpating tool in the images: pressed in as far as the tool's proxies are in the
-// skin.
+// Tissue around a palpating tool in the images: pressed in to the depth of the tool's proxies below
+// the skin.
 #pragma once
 
 #include <array>
@@ -10,27 +10,27 @@
 
 namespace acus::simulation {
 
-/// Where tissue was before a tool pressed it: a rest map in front of all others. Proxy i, d_i under
-/// the skin against the tool's axis n, presses the tissue along n by
+/// Maps tissue to where it was before a tool pressed it: a rest map before all others. Proxy i, at
+/// depth d_i below the skin against the tool's axis n, presses the tissue along n by
 ///   D(x) = max_i (d_i - kAcross * max(0, across_i(x) - plateau) - kAlong * along_i(x))+,
 /// the least indentation of these slopes that reaches all proxies (McShane 1934); rest = x - n D.
-/// Along n it has a slope of at most kAlong < 1, so that no two places have one rest place.
-/// Fortmeier-2016, section 2.2: it is seen, and does not affect forces.
+/// Along n its slope is at most kAlong < 1, so that no two points have the same rest position.
+/// Fortmeier-2016, section 2.2: for images only, it does not affect forces.
 class PressedByProxies : public slicing::RestMap {
  public:
   static constexpr double kAcross = 1.0;      ///< The skin falls off at 45 degrees, mm per mm.
-  static constexpr double kAlong = 0.25;      ///< Displacements are gone 4 d below, mm per mm.
+  static constexpr double kAlong = 0.25;      ///< Displacements vanish 4 d below, mm per mm.
   static constexpr double kDeepestMm = 30.0;  ///< A proxy deeper in the body presses nothing.
 
-  /// Looks for the skin behind each proxy: up to 120 places, and bisection.
+  /// Searches the skin behind each proxy: up to 120 points, and bisection.
   /// @param skin        The skin is where it passes `skin_value`; above it is tissue.
-  /// @param next        What moves tissue besides; may be null. Must outlive this, as must `skin`.
-  /// @param spacing_mm  Over which the map may be taken as linear.
+  /// @param next        The next map; may be null. Must outlive this, as must `skin`.
+  /// @param spacing_mm  Distance over which the map may be taken as linear.
   PressedByProxies(const forces::PalpationTool& tool, const Eigen::Isometry3d& ct_from_tool,
                    const forces::HuField& skin, double skin_value, const slicing::RestMap* next,
                    double spacing_mm) noexcept;
 
-  /// False: no proxy is in the skin, and the map is that of the next, bit for bit.
+  /// False: no proxy is below the skin, and the map has the bits of the next one.
   bool presses() const noexcept { return num_ > 0; }
   /// D, mm. >= 0.
   double DepthMm(const Eigen::Vector3d& place_in_ct_mm) const noexcept;
@@ -49,7 +49,7 @@ class PressedByProxies : public slicing::RestMap {
   double spacing_mm_;
   double plateau_mm_;     ///< Between proxies the skin does not rise.
   Eigen::Vector3d axis_;  ///< n, into the body.
-  int num_ = 0;           ///< Proxies in the skin.
+  int num_ = 0;           ///< Number of proxies below the skin.
   std::array<Eigen::Vector3d, forces::PalpationTool::kMostNodes> place_mm_;
   std::array<double, forces::PalpationTool::kMostNodes> depth_mm_;
 };

@@ -9,7 +9,7 @@
 namespace acus::simulation {
 namespace {
 
-constexpr double kLookMm = 0.5;  // Along the beam, between looks for the skin.
+constexpr double kLookMm = 0.5;  // Step of the search for the skin, along the beam.
 constexpr int kDepthBisections = 40;
 constexpr double kLeastReach = 3.0;  // Times the depth: the map does not fold below 1.5.
 
@@ -31,7 +31,7 @@ PressedSkin::PressedSkin(const tissue::ProbeFace& face, const Eigen::Isometry3d&
   reach_mm_ = std::max(face_.length_mm, kLeastReach * deepest_mm_);
 }
 
-/// How far behind a place of the face the skin is; 0 if the place is in air or too deep.
+/// Distance of the skin behind a point of the face; 0 if the point is in air or too deep.
 double PressedSkin::SkinAboveMm(const Eigen::Vector3d& face_in_ct_mm, const Eigen::Vector3d& beam,
                                 const forces::TissueLookup& tissue) const noexcept {
   const auto in_air = [&](double above_mm) {
@@ -65,7 +65,7 @@ Eigen::Vector3d PressedSkin::RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
   const double x_mm = std::clamp(at.x(), -half_mm, half_mm);
   const double depth_mm = DepthMm(x_mm);
   const double moved_mm = beside * depth_mm;
-  // Of the place, below the skin at rest.
+  // Depth of the point below the skin at rest.
   const double below_mm = at.y() - (face_.SurfaceMm(x_mm) - depth_mm);
   if (!(moved_mm > 0.0) || !(below_mm < reach_mm_ + moved_mm)) {
     return NextMm(place_in_ct_mm, guess_in_ct_mm);

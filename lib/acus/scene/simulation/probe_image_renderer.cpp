@@ -13,7 +13,7 @@ void Blacken(const image::ImageGeometry& geometry, image::GrayImage& image) {
   std::ranges::fill(image.pixels, std::uint8_t{0});
 }
 
-/// Draws one image, unless its stage sleeps.
+/// Renders one image, unless its stage sleeps.
 template <typename Renderer>
 void Draw(Renderer& renderer, Sleep sleep, const Snapshot& snapshot,
           const std::optional<image::NeedleInImage>& needle, const slicing::RestMap* rest,
@@ -88,7 +88,7 @@ Sleep ProbeImageRenderer::SleepOf(effects::PortRef id, const Snapshot& snapshot,
 
 bool ProbeImageRenderer::Sleeps(effects::PortRef id, const Snapshot& snapshot,
                                 const Snapshot& shown) const noexcept {
-  if (!snapshot.probe_valid) return !shown.probe_valid;  // Black after black.
+  if (!snapshot.probe_valid) return !shown.probe_valid;  // A black image stays black.
   return SleepOf(id, snapshot, &shown) != Sleep::kAwake;
 }
 
@@ -99,11 +99,11 @@ void ProbeImageRenderer::DrawBMode(Sleep sleep, const Snapshot& snapshot,
   Draw(*b_mode_, sleep, snapshot, needle, rest, drawn);
   if (sleep == Sleep::kAwake) ChangeEchoes(scene_, snapshot, *probe_, b_mode_->image(), drawn);
   if (!persistence_.on()) return;
-  // What has not moved goes on to settle.
+  // Persistence also changes the image of an unchanged scene.
   const bool unseen = sleep == Sleep::kProbeUnseen;
   if (unseen) persistence_.Reset();
   persistence_.Add(snapshot.time_ns, frame_, out);
-  if (unseen) persistence_.Reset();  // What is seen again does not rise from black.
+  if (unseen) persistence_.Reset();  // The first image after that does not fade in from black.
 }
 
 void ProbeImageRenderer::Render(const Snapshot& snapshot, ProbeImages& out, StageTimes* times,

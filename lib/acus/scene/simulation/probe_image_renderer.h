@@ -1,4 +1,4 @@
-// Images in the plane of the probe at one moment: those of the coupled effects B-mode and CT slice
+// Images in the plane of the probe at one instant: those of the coupled effects B-mode and CT slice
 // (coupled/probe_images.cpp), which share needle, tissue and probe.
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace acus::simulation {
 
-/// The needle of a moment as images see it; nothing if there is none.
+/// The needle as images show it; nothing if there is none.
 std::optional<image::NeedleInImage> ImagedNeedle(const Scene& scene, const Snapshot& snapshot);
 
 struct ProbeImages {
@@ -25,36 +25,36 @@ struct ProbeImages {
   image::GrayImage ct_slice;  ///< Empty if the plan has no CT slice.
 };
 
-/// Which of the plan's images somebody wants.
+/// Which of the plan's images are rendered.
 enum class ImageChoice { kAll, kBModeOnly };
 
 /// Whether a renderer makes all frames in order of time. Only then does it add the persistence of
-/// the display; else who has the frames in order does.
+/// the display; otherwise the caller adds it.
 enum class Frames { kInOrder, kSingle };
 
 /// The persistence of the scene's display.
 ultrasound::FramePersistence PersistenceOf(const Scene& scene);
 
-/// Renders those images of the probe that the plan has. Holds buffers: one renderer for each
+/// Renders the images of the probe that the plan has. Holds buffers: one renderer for each
 /// thread.
 class ProbeImageRenderer {
  public:
   /// @param scene  Must outlive the renderer.
-  /// @param probe  In place of the scene's, set otherwise: gain, depth; null: the scene's.
+  /// @param probe  The scene's, with another gain or depth; null: the scene's.
   explicit ProbeImageRenderer(const Scene& scene, const acoustics::Probe* probe = nullptr,
                               ImageChoice choice = ImageChoice::kAll,
                               Frames frames = Frames::kInOrder);
 
-  /// The same bits for the same snapshot, whatever was rendered before, but for persistence. Where
-  /// the probe is not seen by the tracker, the images are black. Allocates nothing after the
-  /// first call.
-  /// @param times  If given, what each stage did is added to it.
-  /// @param shown  The moment that `out` shows already, by a renderer of the same probe: an image
-  ///     that would be the same is left as it is, its stage sleeps. Null: there is none.
+  /// The same bits for the same snapshot, whatever was rendered before, except for persistence. If
+  /// the tracker does not see the probe, the images are black. Allocates nothing after the first
+  /// call.
+  /// @param times  If given, the cost of each stage is added to it.
+  /// @param shown  The instant that `out` shows already, by a renderer of the same probe: an image
+  ///     that would be equal is not rewritten, its stage sleeps. Null: none.
   void Render(const Snapshot& snapshot, ProbeImages& out, StageTimes* times = nullptr,
               const Snapshot* shown = nullptr);
 
-  /// True if the image of that stage is the same at both moments.
+  /// True if the image of that stage is the same at both instants.
   bool Sleeps(effects::PortRef id, const Snapshot& snapshot, const Snapshot& shown) const noexcept;
 
  private:
@@ -72,7 +72,7 @@ class ProbeImageRenderer {
   std::optional<UltrasoundModel> b_mode_;
   std::optional<slicing::CtSliceRenderer> ct_slice_;
   ultrasound::FramePersistence persistence_;
-  image::GrayImage frame_;  ///< Of the B-mode, before persistence.
+  image::GrayImage frame_;  ///< The B-mode before persistence.
 };
 
 }  // namespace acus::simulation

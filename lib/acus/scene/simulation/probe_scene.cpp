@@ -19,7 +19,7 @@ forces::PalpationTool ToolOf(const ProbeForceEffect& effect, const Scene& scene)
                                 acoustics::FaceRadiusMm(*scene.probe), effect.num_proxies);
 }
 
-/// The surface of some tissues of the label map, which lives as long as the scene.
+/// The surface of some tissues of the label map; the scene keeps it.
 const forces::HuField* FieldOf(const std::bitset<256>& tissues, Scene& scene) {
   scene.palpated.push_back(std::make_shared<OccupancyField>(*scene.labels, tissues));
   return scene.palpated.back().get();

@@ -1,4 +1,4 @@
-// The model of the force on the probe of a scene, from what its model reads.
+// Loads the model of the force on the probe of a scene.
 #pragma once
 
 #include "acus/scene/scenario/scenario.h"
@@ -8,7 +8,7 @@ namespace acus::simulation {
 
 /// Fills in scene.probe_force, how the tool is held, and the fields that the model refers to.
 /// @pre the CT, the label map and the probe preset are loaded if the plan reads them.
-/// @throws InputError if the table is not readable or the tool's settings make no sense.
+/// @throws InputError if the table is not readable or the tool's settings are not allowed.
 void LoadProbeForce(const scenario::ProbeForceEffect& effect, Scene& scene);
 
 }  // namespace acus::simulation

@@ -11,7 +11,7 @@ namespace acus::simulation {
 
 namespace {
 
-/// The surfaces for rays, in the order in which their voxels are filled.
+/// The surfaces for ray tracing, in the order in which their voxels are filled.
 std::shared_ptr<const tracing::SurfaceTracer> TrianglesOf(
     const segmentation::SurfaceScene& list, std::vector<segmentation::ClosedSurface> surfaces,
     int num_threads) {
@@ -44,7 +44,7 @@ void LoadSurfaces(const scenario::Scenario& scenario, const EffectPlan& plan, Sc
   for (const auto& surface : list.surfaces) context.provenance.AddInput(surface.file);
 }
 
-/// What effects of the list may read of the patient: shared, so that it stays where it is.
+/// The patient's data for effects of the list: shared, so that its address stays.
 effects::PortValues DataOf(const Scene& scene) {
   effects::PortValues values;
   if (scene.ct) values.Set(effects::ports::kCt, scene.ct.get());

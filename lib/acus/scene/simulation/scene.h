@@ -1,4 +1,4 @@
-// Everything constant that a plan's stages read, loaded once: only what the plan needs.
+// The constant data of a plan's stages, loaded once: only what the plan needs.
 #pragma once
 
 #include <memory>
@@ -28,14 +28,14 @@ struct Scene {
   Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
   double image_rate_hz = 0.0;
   bool needle_in_ct_slice = false;
-  slicing::HuWindow ct_window;  ///< Of the CT slice.
+  slicing::HuWindow ct_window;  ///< Window of the CT slice.
   bool needle_in_b_mode = false;
-  bool force_from_tissue = false;    ///< What is felt is what the deformed tissue does.
+  bool force_from_tissue = false;    ///< The deformed tissue gives the force on the hand.
   bool tools_deform_images = false;  ///< Images show what tools do to the tissue.
-  bool pressed_by_probe = false;     ///< ... and as far as its face is in the skin, the probe.
-  bool pressed_by_proxies = false;   ///< Images show what the probe's proxies do to the tissue.
+  bool pressed_by_probe = false;     ///< ... and the probe, as far as its face is below the skin.
+  bool pressed_by_proxies = false;   ///< Images show the tissue that the probe's proxies press.
   double warp_spacing_mm = 2.0;
-  int inverse_iterations = 12;  ///< ... at whose knots it is looked for what was there at rest.
+  int inverse_iterations = 12;  ///< ... to invert the deformation at the knots.
 
   std::optional<Breathing> breathing;              ///< If the plan has breathing.
   std::shared_ptr<const volume::CtVolume> ct;      ///< If the plan reads "ct".
@@ -43,25 +43,25 @@ struct Scene {
   /// If the B-mode follows the patient's surfaces as triangles.
   std::shared_ptr<const tracing::SurfaceTracer> triangles;
   std::optional<forces::NeedleProperties> needle;  ///< If the plan reads "needle preset".
-  std::shared_ptr<const forces::CtField> hu;       ///< Of the CT, if forces read it.
+  std::shared_ptr<const forces::CtField> hu;       ///< The CT in HU, if forces read it.
   std::optional<forces::HuTissues> hu_tissues;     ///< If tissues are looked up without labels.
   std::optional<forces::ForceModel> forces;        ///< If the plan has the needle force.
   std::optional<NeedleShapeModel> shape;           ///< If the plan has the needle's shape.
-  std::vector<std::shared_ptr<const forces::HuField>> palpated;  ///< Labels that the probe feels.
-  bool probe_force_from_tissue = false;  ///< What the probe feels is the deformed tissue.
-  double probe_press_mm = 0.0;  ///< Deeper along the beam than recorded, for the probe's force.
+  std::vector<std::shared_ptr<const forces::HuField>> palpated;  ///< Labels for the probe's force.
+  bool probe_force_from_tissue = false;  ///< The deformed tissue gives the force on the probe.
+  double probe_press_mm = 0.0;           ///< Additional depth along the beam for the probe's force.
   std::optional<forces::ProbeForceModel> probe_force;  ///< If the plan has the probe force.
   std::optional<tissue::TissueModel> tissue;           ///< If the plan has contact or deformation.
   std::optional<acoustics::Probe> probe;               ///< If the plan reads "probe preset".
   std::optional<ImageSettings> b_mode;                 ///< If the plan has the B-mode.
-  ListedEffects listed;                                ///< Of the list of effects.
+  ListedEffects listed;                                ///< Effects of the list.
 };
 
-/// `hu` of the scene, which has a CT; made when it is first asked for.
+/// `hu` of the scene, which has a CT; made at the first call.
 const std::shared_ptr<const forces::CtField>& NeedHu(Scene& scene);
 
-/// Loads what `plan` needs of the scenario, and nothing else.
-/// @throws InputError if a file is not there (as RequireFiles) or not readable.
+/// Loads the data that `plan` needs of the scenario, and nothing else.
+/// @throws InputError if a file does not exist (as RequireFiles) or is not readable.
 Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context);
 
 }  // namespace acus::simulation

@@ -1,4 +1,4 @@
-// The simulation core: replay and live call the same Step.
+// The simulation core: replay and live sessions call the same Step.
 #pragma once
 
 #include <cstdint>
@@ -20,33 +20,33 @@ class Simulation {
   /// @param scene  Must outlive the simulation.
   explicit Simulation(const Scene& scene);
 
-  /// @param session_start_ns  Of the first reading of any tool.
+  /// @param session_start_ns  Time of the first reading of any tool.
   State NewState(std::int64_t session_start_ns = 0) const;
 
-  /// Advances to `sample.time_ns`; what no stage in the plan reads of it may be left out. Allocates
-  /// nothing, takes no lock, prints nothing. A sample that is not valid, not finite or not later
-  /// than the last one is dealt with by the force model: the force stays finite and bounded.
-  /// @param times  If given, what each stage did is added to it; the results stay the same.
+  /// Advances to `sample.time_ns`; values that no stage in the plan reads may be missing from it.
+  /// Allocates nothing, takes no lock, prints nothing. The force model handles a sample that is not
+  /// valid, not finite or not later than the last one: the force stays finite and bounded.
+  /// @param times  If given, the cost of each stage is added to it; the results stay the same.
   StepOutput Step(State& state, const Sample& sample, StageTimes* times = nullptr) const noexcept;
 
-  /// What the images need to show the tissue as it is after a step. False if nothing deforms it:
-  /// then `out` is not written.
+  /// The load with which images show the tissue as it is after a step. False, with `out` not
+  /// written, if nothing deforms it.
   /// @pre the plan has a deformation stage.
   bool LoadOf(const State& state, const StepOutput& output, tissue::TissueLoad& out) const noexcept;
 
   /// The needle as the images show it after a step, from the tip to the hub, in CT space. False,
-  /// and `out` not written, if it is straight where the hand holds it.
+  /// with `out` not written, if it is straight in the hand.
   bool ShapeOf(const State& state, math::Polyline& out) const noexcept;
 
  private:
   struct Stage {
-    std::size_t number = 0;  ///< In the plan.
+    std::size_t number = 0;  ///< Number in the plan.
     std::shared_ptr<const CoupledStage> work;
   };
 
   const Scene& scene_;
   ToolMotion tools_;
-  std::vector<Stage> stages_;  ///< Of the plan, in its order.
+  std::vector<Stage> stages_;  ///< The plan's stages, in its order.
   bool runs_contact_ = false;
 };
 

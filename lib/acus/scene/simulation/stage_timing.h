@@ -1,4 +1,4 @@
-// What stages cost and when they sleep, for a replay or a live session that explains itself.
+// The cost of stages and when they sleep, for the explanation of a replay or a live session.
 #pragma once
 
 #include <array>
@@ -11,8 +11,7 @@
 
 namespace acus::simulation {
 
-/// Why the scene gave a stage nothing to do. A stage asleep gives the bits that it would give
-/// awake.
+/// Why a stage has nothing to do. A sleeping stage gives the bits that it would give awake.
 enum class Sleep {
   kAwake,
   kNeedleUnseen,
@@ -35,11 +34,11 @@ std::string_view WordsOf(Sleep sleep);
 /// CPU time and runs of the stages of a plan. Only ever written by the stages: no model reads it.
 struct StageTimes {
   struct Cost {
-    /// CPU time of all runs. Of stages at every sample, a sixteenth of the runs is measured and
-    /// stands for all: reading the clock takes as long as some of these stages do.
+    /// CPU time of all runs. For stages at every sample, a sixteenth of the runs is measured and
+    /// scaled: reading the clock takes as long as some of these stages do.
     double seconds = 0.0;
     std::int64_t runs = 0;
-    std::int64_t asleep = 0;                            ///< Runs with nothing to do, in all ...
+    std::int64_t asleep = 0;                            ///< Runs with nothing to do, in total ...
     std::array<std::int64_t, kNumSleeps> asleep_for{};  ///< ... and for each reason.
   };
   std::vector<Cost> cost;  ///< By the number of the stage.
@@ -49,15 +48,15 @@ struct StageTimes {
 
   Cost& Of(const PlannedStage& stage) { return cost[stage.number]; }
   const Cost& Of(const PlannedStage& stage) const { return cost[stage.number]; }
-  /// @pre they are of the same plan.
+  /// @pre both are of the same plan.
   void Add(const StageTimes& other);
 };
 
-/// Adds the CPU time since it was made, or since the last EndOf, to a stage - if there is anybody
-/// to tell; otherwise it does not even read the clock.
+/// Adds the CPU time since its construction, or since the last EndOf, to a stage. Without `times`
+/// it does not read the clock.
 class Stopwatch {
  public:
-  /// Of this thread.
+  /// CPU time of the calling thread.
   explicit Stopwatch(StageTimes* times) noexcept : Stopwatch(times, 1, CLOCK_THREAD_CPUTIME_ID) {}
 
   /// For the `number`-th of many short runs: measures one in sixteen.
@@ -78,7 +77,7 @@ class Stopwatch {
   Stopwatch(StageTimes* times, int stands_for, clockid_t clock) noexcept;
 
   StageTimes* times_;
-  int stands_for_;  ///< Runs; 0: not measured.
+  int stands_for_;  ///< Number of runs that one measurement represents; 0: not measured.
   clockid_t clock_;
   double last_s_ = 0.0;
 };

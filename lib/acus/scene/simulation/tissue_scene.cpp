@@ -21,7 +21,7 @@ namespace {
 using scenario::TissueEffect;
 using scenario::TissueModelKind;
 
-/// The label map at any place, for as long as anybody asks.
+/// The label map at any point; shares ownership of the map.
 class TissueMap {
  public:
   explicit TissueMap(std::shared_ptr<const volume::LabelMap> labels)
@@ -44,7 +44,7 @@ class TissueMap {
 
 tissue::TissueModel Functions(const TissueEffect& effect, const TissueMap& tissues,
                               const mechanics::ElasticityTable& elasticity, RunContext& context) {
-  // MPa. Bone has no row: nothing moves there.
+  // MPa. Bone has no row: it does not move.
   const auto modulus = [tissues, rows = elasticity.tissue](const Eigen::Vector3d& rest_in_ct_mm) {
     const volume::Label tissue = tissues(rest_in_ct_mm);
     const double modulus_mpa = rows[tissue].youngs_modulus_mpa;
@@ -63,7 +63,7 @@ tissue::TissueModel Functions(const TissueEffect& effect, const TissueMap& tissu
   return tissue::TissueModel(tissue::DisplacementFunctions(settings, modulus));
 }
 
-/// What models that touch the needle need of it.
+/// The needle's data for models that touch it.
 struct NeedleParts {
   forces::ForceTable table;
   forces::NeedleProperties needle;
@@ -84,7 +84,7 @@ tissue::TissueModel Springs(const TissueEffect& effect, const TissueMap& tissues
                           parts.table, parts.needle, elasticity, tissues.Tissues(), tissues));
 }
 
-/// Without labels: tissues and parameters by the HU of the CT, as the table says.
+/// Without labels: tissues and parameters by the HU of the CT, with the table.
 tissue::TissueModel SpringsByHu(const TissueEffect& effect,
                                 const std::shared_ptr<const forces::HuField>& hu,
                                 const mechanics::ElasticityTable& elasticity,
@@ -101,8 +101,8 @@ tissue::TissueModel SpringsByHu(const TissueEffect& effect,
                           parts.table, parts.needle, elasticity, tissues, tissue_at, hu_at));
 }
 
-/// Through entry and target of the needle's way, as nearly transverse as that allows: the slice of
-/// the CT that a probe beside the needle shows.
+/// A plane through entry and target of the needle's path, as nearly transverse as that allows: the
+/// slice of the CT that a probe beside the needle shows.
 tissue::PlanePlacement PlaneThrough(const std::filesystem::path& corridor, double& length_mm) {
   const NeedleLine line = ReadNeedleLine(corridor);
   tissue::PlanePlacement plane;
@@ -110,7 +110,7 @@ tissue::PlanePlacement PlaneThrough(const std::filesystem::path& corridor, doubl
   length_mm = line.way_mm.norm();
   plane.axis_in_ct = line.way_mm / length_mm;
   const Eigen::Vector3d across = plane.axis_in_ct.cross(Eigen::Vector3d::UnitZ());
-  // A needle along the body has no transverse plane: any other does.
+  // A needle along the body has no transverse plane: any plane is as good.
   plane.across_in_ct = across.norm() > 0.1 ? across : Eigen::Vector3d::UnitX();
   return plane;
 }
@@ -132,7 +132,7 @@ tissue::TissueModel Plane(const scenario::Scenario& scenario, const TissueMap& t
                                                     tissues));
 }
 
-/// Where tissue may stiffen: around the needle's way, from outside the skin.
+/// Where tissue may stiffen: around the needle's path, from outside the skin.
 tissue::StrainSettings StrainOf(const scenario::Scenario& scenario, RunContext& context) {
   constexpr double kOutsideMm = 5.0;  // Skin can bulge above the point that was marked on it.
   constexpr double kRadiusMm = 10.0;

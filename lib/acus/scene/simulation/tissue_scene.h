@@ -1,4 +1,4 @@
-// The tissue model of a scene, from the files that its model needs.
+// Loads the tissue model of a scene.
 #pragma once
 
 #include <memory>
@@ -12,16 +12,16 @@
 
 namespace acus::simulation {
 
-/// What the scene has loaded already.
+/// Data of the scene that is loaded already.
 struct TissueInputs {
   std::shared_ptr<const volume::LabelMap> labels;  ///< Null if the model does not read it.
   std::shared_ptr<const forces::HuField> hu;       ///< Instead of labels, for springs.
   const acoustics::Probe* probe = nullptr;         ///< Null if the probe does not press.
-  bool shows_deformation = false;                  ///< An image shows what the tissue does.
+  bool shows_deformation = false;                  ///< An image shows the tissue's deformation.
 };
 
 /// @pre scenario.tissue is there.
-/// @throws InputError if a file that the model needs is missing, not readable or does not fit.
+/// @throws InputError if a file of the model is missing, not readable or not consistent.
 tissue::TissueModel LoadTissue(const scenario::Scenario& scenario, const TissueInputs& inputs,
                                RunContext& context);
 

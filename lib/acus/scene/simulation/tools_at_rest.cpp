@@ -29,7 +29,7 @@ ToolsAtRest ToolMotion::Lay(State& state, const Sample& sample) const noexcept {
   if (!scene_.listed.moves_tissue()) return tools;
   if (has_needle_ && state.needle_seen) {
     const Eigen::Vector3d moved_mm = LayInEffects(state, tools.needle, tools.needle_per_moved);
-    // The shape stays where it was while poses are no numbers.
+    // The shape keeps its position while poses are not finite.
     if (moved_mm.allFinite()) state.needle_moved_mm = moved_mm;
   }
   if (sample.probe_valid && has_probe_) LayInEffects(state, tools.probe, tools.probe_per_moved);
@@ -51,7 +51,7 @@ void ToolMotion::LayInBreath(State& state, const Sample& sample,
   }
 }
 
-/// @return  how far the effects have moved the tissue at the tool's tip.
+/// @return  the displacement of the tissue at the tool's tip by the effects.
 Eigen::Vector3d ToolMotion::LayInEffects(const State& state, breathing::ToolAtRest& tool,
                                          Eigen::Matrix3d& per_moved) const noexcept {
   const auto rest_of = [&](const Eigen::Vector3d& mm) {

@@ -1,5 +1,5 @@
-// Tools in tissue that moves by itself: where they would lie in the CT, and what the forces there
-// are in the patient.
+// Tools in tissue that moves by itself: their poses in the CT at rest, and the forces there, mapped
+// into the patient.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,18 +12,18 @@
 
 namespace acus::simulation {
 
-/// The tools of a step as they would lie in the CT.
+/// The tools of a step, mapped to rest in the CT.
 struct ToolsAtRest {
   breathing::ToolAtRest needle;
   breathing::ToolAtRest probe;
   std::optional<breathing::MotionMap> patient;  ///< If the scene has breathing.
   bool tissue_moves = false;                    ///< By breath.
-  /// d place without effects of the list / d place with them, at the tools.
+  /// Derivative of the position without effects of the list by that with them, at the tools.
   Eigen::Matrix3d needle_per_moved = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d probe_per_moved = Eigen::Matrix3d::Identity();
 };
 
-/// @param press_mm  Deeper than recorded, as the probe's force asks for.
+/// @param press_mm  Additional depth, relative to the recording, of the probe's force.
 Eigen::Isometry3d PressedProbe(const ToolsAtRest& tools, double press_mm) noexcept;
 
 /// Const after construction. Real time: nothing here allocates, locks, logs or throws.
@@ -34,8 +34,8 @@ class ToolMotion {
 
   ToolsAtRest Lay(State& state, const Sample& sample) const noexcept;
 
-  /// From the tissue at rest to the patient, by the same work: what effects of the list moved, then
-  /// breath. No larger than the models' own limits.
+  /// Maps forces from the tissue at rest to the patient, by equal work: first the motion by effects
+  /// of the list, then breath. Limited to the models' largest forces.
   void CarryForces(const ToolsAtRest& tools, StepOutput& out) const noexcept;
 
  private:
@@ -46,7 +46,7 @@ class ToolMotion {
   const Scene& scene_;
   bool has_needle_ = false;
   bool has_probe_ = false;
-  double largest_needle_n_ = 0.0;  ///< Of the model of the needle's force.
+  double largest_needle_n_ = 0.0;  ///< Largest force of the model of the needle's force.
   double largest_probe_n_ = 0.0;
 };
 

@@ -5,7 +5,7 @@ namespace {
 
 using Renderer = UltrasoundModel::Renderer;
 
-/// The renderer that goes with each kind of settings.
+/// Constructs the renderer for each type of settings.
 struct MakeRenderer {
   const ImagePatient& patient;
   const acoustics::Probe& probe;
@@ -43,7 +43,7 @@ Options Seeded(Options options, std::uint64_t seed) {
   return options;
 }
 
-/// A table of greys says what the preset's gain shows: from there on the gain acts.
+/// A table of greys applies at the preset's gain: gain acts relative to that.
 template <typename Options>
 Options HeldFor(const acoustics::Probe& probe, Options options) {
   options.gain_of_table_db = probe.gain_db;

@@ -1,4 +1,4 @@
-// The models of ultrasound, from cheap to expensive, behind one call.
+// The models of ultrasound behind one interface, from cheap to expensive.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -18,27 +18,27 @@
 
 namespace acus::simulation {
 
-/// Settings of one model. The type is that of the model.
+/// Settings of one model. The type selects the model.
 using ImageSettings = std::variant<ultrasound::VidalOptions, ultrasound::AlamillaOptions,
                                    ultrasound::BModeOptions, BeamSettings, ApertureSettings>;
 
 /// Reads the settings of the scenario's model. @throws InputError listing all problems.
-/// @param probe   Tables of greys hold for its gain.
-/// @param labels  Of the patient, if the model reads them; else null.
+/// @param probe   Tables of greys apply at its gain.
+/// @param labels  Labels of the patient, if the model reads them; else null.
 ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
                                 const acoustics::Probe& probe, const volume::LabelMap* labels);
 
-/// What the scanner adds to the images; null if the model has no such thing.
+/// The processing of the scanner; null if the model has none.
 const ultrasound::DisplayOptions* DisplayOf(const ImageSettings& settings);
 
-/// What models read of the patient; null if the plan does not need it.
+/// The patient's data for models; null if the plan does not need it.
 struct ImagePatient {
   const volume::CtVolume* ct = nullptr;
   const volume::LabelMap* labels = nullptr;
   const tracing::SurfaceTracer* triangles = nullptr;  ///< In place of labels, for alamilla_2021.
 };
 
-/// Renders with the model that the settings are of. Not for two threads at a time.
+/// Renders with the model that the settings belong to. Not for two threads at a time.
 class UltrasoundModel {
  public:
   using Renderer = std::variant<ultrasound::VidalRenderer, ultrasound::AlamillaRenderer,

@@ -1,4 +1,4 @@
-// Two force logs (forces.csv) of the same session.
+// Comparison of two force logs (forces.csv) of the same session.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct ForcePair {
 
 struct ForceComparison {
   std::vector<Check> checks;
-  std::vector<double> time_s;  ///< Of the samples that both runs have.
+  std::vector<double> time_s;  ///< Times of the samples that both runs have.
   std::vector<ForcePair> forces;
 };
 
@@ -27,7 +27,7 @@ struct ForceComparison {
 /// `_n` by RMS and largest difference, `depth_mm` by the largest, `tissue` by the share of samples
 /// that differ, `event` by names, order and times. Samples and columns that only one run has are
 /// failed checks; those of columns are marked `only_in_one`.
-/// @param name  How the checks call the table.
+/// @param name  Name of the table in the checks.
 /// @throws InputError if a table has no time_s, times that do not increase, or a cell in a column
 ///     to be compared that is not a number.
 ForceComparison CompareForces(const CsvTable& a, const CsvTable& b,

@@ -1,4 +1,4 @@
-// Two image sequences (images.igs.mha) of the same session.
+// Comparison of two image sequences (images.igs.mha) of the same session.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct FrameDifference {
 
 struct ImageComparison {
   std::vector<Check> checks;
-  std::vector<FrameDifference> frames;  ///< Of the frames that both runs have.
+  std::vector<FrameDifference> frames;  ///< Frames that both runs have.
   std::size_t num_identical = 0;
   std::optional<std::size_t> worst;  ///< The frame with the smallest SSIM; the first of equals.
 };

@@ -15,7 +15,7 @@ using nlohmann::json;
 struct Metric {
   std::string name;
   std::string unit;
-  std::optional<double> value;  ///< Nothing if the run had no answer (null).
+  std::optional<double> value;  ///< Nothing if the run had no value (null).
 };
 
 std::vector<Metric> MetricsOf(const json& document, const std::string& label) {

@@ -1,4 +1,4 @@
-// Two sets of metrics (metrics.json).
+// Comparison of two sets of metrics (metrics.json).
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,7 +11,7 @@
 namespace acus::comparison {
 
 /// Compares values by name: |a - b| <= absolute + relative * max(|a|, |b|). A metric that only one
-/// has, or with another unit, is a failed check. `label_a`, `label_b` stand for the files.
+/// has, or with another unit, is a failed check. `label_a`, `label_b` name the files in messages.
 /// @throws InputError if a document is not {"metrics": [{"name", "unit", "value"}]}.
 std::vector<Check> CompareMetrics(const nlohmann::json& a, const std::string& label_a,
                                   const nlohmann::json& b, const std::string& label_b,

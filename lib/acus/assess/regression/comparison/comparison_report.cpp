@@ -12,7 +12,7 @@ namespace acus::comparison {
 namespace {
 
 constexpr std::size_t kMostForcePlots = 8;
-constexpr double kIdenticalPsnrDb = 100.0;  ///< Where identical frames stand in the plot.
+constexpr double kIdenticalPsnrDb = 100.0;  ///< The position of identical frames in the plot.
 
 report::Series LineOf(std::string name, const std::vector<double>& x, std::vector<double> y) {
   report::Series series{.name = std::move(name)};
@@ -86,7 +86,7 @@ void AddOnlyInOne(const RunComparison& comparison, report::HtmlReport& html) {
 void AddForces(const ForceComparison& forces, report::HtmlReport& html) {
   std::vector<const ForcePair*> shown;
   for (const ForcePair& pair : forces.forces) {
-    // Columns that are zero in both runs have nothing to show.
+    // Columns that are zero in both runs are omitted.
     const auto is_zero = [](double value) { return value == 0.0; };
     if (std::ranges::all_of(pair.a_n, is_zero) && std::ranges::all_of(pair.b_n, is_zero)) continue;
     if (shown.size() < kMostForcePlots) shown.push_back(&pair);

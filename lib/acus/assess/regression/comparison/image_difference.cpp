@@ -14,7 +14,7 @@ namespace {
 constexpr double kSigma = 1.5;
 constexpr std::size_t kWindow = 11;
 
-/// Local sums that SSIM is made of. It needs the two variances only as their sum.
+/// Local sums from which SSIM is computed. It needs the two variances only as their sum.
 enum Moment { kA, kB, kSquares, kProduct, kNumMoments };
 
 void RequireSameSize(const GrayView& a, const GrayView& b) {
@@ -23,7 +23,7 @@ void RequireSameSize(const GrayView& a, const GrayView& b) {
   ACUS_ASSERT(a.pixels.size() == count && b.pixels.size() == count);
 }
 
-/// Weights of a Gaussian of `count` places, sum 1.
+/// Weights of a Gaussian of `count` points, sum 1.
 std::vector<double> Weights(std::size_t count) {
   std::vector<double> weights(count);
   double sum = 0.0;
@@ -36,8 +36,8 @@ std::vector<double> Weights(std::size_t count) {
   return weights;
 }
 
-/// out[i] = sum over k of weights[k] * in[k][i]: the loops that take the time. Four rows at once,
-/// so that the sum stays in registers.
+/// out[i] = sum over k of weights[k] * in[k][i]: the inner loops. Four rows at once, so that the
+/// sum stays in registers.
 void WeightedSum(double* out, const std::vector<const double*>& in,
                  const std::vector<double>& weights, std::size_t count) {
   std::fill_n(out, count, 0.0);
@@ -115,7 +115,7 @@ double Ssim(const GrayView& a, const GrayView& b) {
 
   std::array<std::vector<double>, kNumMoments> row;
   for (auto& values : row) values.resize(width);
-  // Rows that are filtered across, of the last window: row r is at r % down.size().
+  // Horizontally filtered rows of the last window: row r is at r % down.size().
   std::array<std::vector<double>, kNumMoments> ring;
   for (auto& values : ring) values.resize(out_width * down.size());
   std::array<std::vector<double>, kNumMoments> local;

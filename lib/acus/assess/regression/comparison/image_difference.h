@@ -1,4 +1,4 @@
-// How different two grey images are: PSNR and structural similarity.
+// Differences of two grey images: PSNR and structural similarity.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace acus::comparison {
 
-/// A grey image of somebody else, row by row. @pre pixels.size() == width * height.
+/// A view of a grey image, row by row. @pre pixels.size() == width * height.
 struct GrayView {
   int width = 0;
   int height = 0;
@@ -21,7 +21,7 @@ double MeanSquaredError(const GrayView& a, const GrayView& b);
 std::optional<double> PsnrDb(double mean_squared_error);
 
 /// Mean structural similarity (Wang, Bovik, Sheikh & Simoncelli 2004, doi:10.1109/TIP.2003.819861):
-/// Gaussian window of 11 x 11 with sigma 1.5, K1 = 0.01, K2 = 0.03, range 255, over all places
+/// Gaussian window of 11 x 11 with sigma 1.5, K1 = 0.01, K2 = 0.03, range 255, over all positions
 /// where the window fits. 1 for identical images. An image smaller than the window in a direction
 /// has one window of its whole length there. @pre same size, not empty.
 double Ssim(const GrayView& a, const GrayView& b);

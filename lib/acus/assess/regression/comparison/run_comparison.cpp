@@ -24,7 +24,7 @@ constexpr const char* kProbeForces = "probe_forces.csv";
 constexpr const char* kImages = "images.igs.mha";
 constexpr const char* kMetrics = "metrics.json";
 
-/// Tables of a session or a run that are no outcome: what was recorded, lists, traces.
+/// Tables of a session or a run that are no results: recordings, lists, traces.
 constexpr std::array<std::string_view, 8> kNoOutcome = {session::kNeedleFile,
                                                         session::kProbeFile,
                                                         session::kBreathingFile,
@@ -49,7 +49,7 @@ void RequireRun(const fs::path& run) {
                kForces, " nor ", kProbeForces, " nor ", kImages, " nor ", kMetrics);
 }
 
-/// The files that both have; notes those of one.
+/// Files that both runs have; adds those of only one to `comparison`.
 std::vector<std::string> CommonFiles(RunComparison& comparison) {
   std::vector<std::string> in_b = ComparableFiles(comparison.run_b);
   std::vector<std::string> common;
@@ -70,7 +70,7 @@ void Append(const std::vector<Check>& from, std::vector<Check>& to) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-/// Tables besides the force log have their name before their quantities.
+/// The quantities of tables other than the force log begin with the table's name.
 void CompareTables(const fs::path& a, const fs::path& b, const ForceTolerances& tolerances,
                    RunComparison& comparison) {
   if (a.filename() == kForces) {
@@ -131,7 +131,7 @@ std::vector<std::string> ComparableFiles(const fs::path& run) {
     if (IsTableOverTime(entry.path())) names.push_back(entry.path().filename().string());
   }
   std::ranges::sort(names);
-  // A broken force log is one, too: reading it says what is wrong.
+  // A broken force log also counts: its reader reports the problem.
   for (const char* name : {kMetrics, kImages, kProbeForces, kForces}) {
     std::erase(names, name);
     if (fs::exists(run / name)) names.insert(names.begin(), name);

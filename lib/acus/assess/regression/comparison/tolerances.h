@@ -1,4 +1,4 @@
-// How far two runs may differ.
+// Tolerances for the difference of two runs.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ struct ForceTolerances {
   double time_max_s = 0.0;
   ForceLimit any;  ///< For columns that are not in by_column.
   std::map<std::string, ForceLimit> by_column;
-  double depth_max_mm = 0.0;  ///< Also of other lengths.
+  double depth_max_mm = 0.0;  ///< Also for other lengths.
   double torque_max_n_mm = 0.0;
   double tissue_percent = 0.0;
   double event_time_s = 0.0;
@@ -49,7 +49,7 @@ struct Tolerances {
 /// @throws InputError listing all problems.
 Tolerances ReadTolerances(const std::filesystem::path& path);
 
-/// The same of a document in memory; `label` stands for the file in messages.
+/// Reads the document from memory; `label` names the file in messages.
 Tolerances TolerancesFrom(const nlohmann::json& document, const std::string& label);
 
 }  // namespace acus::comparison

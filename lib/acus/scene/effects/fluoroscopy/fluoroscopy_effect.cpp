@@ -68,7 +68,7 @@ class FluoroscopyStage final : public ImageStage {
 
   std::optional<ImageText> Text() const override {
     ImageText text{.above = AnglesText(pose_), .left = {}, .right = {}, .below = c_arm().name};
-    // Which side of the patient is where, as long as both sides can be told apart.
+    // Marks the patient's sides, as long as the projection separates left from right.
     if (std::abs(std::sin(pose_.lao_rad)) < 0.8) {
       const bool from_front = std::cos(pose_.lao_rad) > 0.0;
       text.left = from_front ? "R" : "L";

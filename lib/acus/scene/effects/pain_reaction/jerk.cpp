@@ -7,7 +7,7 @@
 namespace acus::effects {
 namespace {
 
-/// From 0 to 1 over a time of 1, with the least integral of the squared jerk.
+/// Rises from 0 to 1 as t goes from 0 to 1, with the least integral of the squared jerk.
 double MinimumJerk(double t) noexcept {
   return t * t * t * (10.0 + t * (-15.0 + 6.0 * t));
 }

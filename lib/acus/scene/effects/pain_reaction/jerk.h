@@ -1,4 +1,4 @@
-// How far a patient who feels pain jerks away, over time.
+// The movement of a patient who jerks away from pain, over time.
 #pragma once
 
 namespace acus::effects {
@@ -10,9 +10,10 @@ class Jerk {
   /// @throws InputError if a duration is not above 0 or the latency below 0, or one is not finite.
   Jerk(double latency_s, double rise_s, double return_s);
 
-  /// From 0 to 1 and back. @param since_s  Since the pain; negative or not finite: 0.
+  /// The share of the full movement, from 0 to 1 and back. @param since_s  Time since the pain;
+  /// negative or not finite: 0.
   double At(double since_s) const noexcept;
-  /// From the pain until the patient lies still again.
+  /// Time from the pain until the patient lies still again.
   double DurationS() const noexcept { return latency_s_ + rise_s_ + return_s_; }
 
  private:

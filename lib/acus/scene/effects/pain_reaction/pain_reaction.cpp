@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 using nlohmann::json;
 
-/// Tissue that has been given a local anaesthetic.
+/// Tissue that is numb by a local anaesthetic.
 struct Anaesthesia {
   Vector3d centre_in_ct_mm = Vector3d::Zero();
   double radius_mm = 0.0;  ///< 0: none.
@@ -34,14 +34,14 @@ struct PainSettings {
 
 struct PainState {
   volume::Label tissue = 0;      ///< At the tip in the last step.
-  std::int32_t count = 0;        ///< Of reactions so far.
+  std::int32_t count = 0;        ///< Reactions so far.
   double pain_s = 0.0;           ///< Session time of the last pain, with a count above 0.
-  std::array<double, 3> away{};  ///< Of unit length, CT space.
-  double shift_mm = 0.0;         ///< Along it, now.
+  std::array<double, 3> away{};  ///< Direction of the movement, unit length, CT space.
+  double shift_mm = 0.0;         ///< Current displacement along `away`.
 };
 
-/// Pain is felt where the tip enters a tissue that hurts. It runs after the tools, which feel the
-/// movement from the next step on.
+/// Triggers a reaction where the tip enters a tissue that hurts. It runs after the tools, whose
+/// forces follow the movement from the next step on.
 class PainStage final : public StepStageOf<PainState> {
  public:
   PainStage(const PainSettings& settings, const Jerk& jerk) : settings_(settings), jerk_(jerk) {}

@@ -15,11 +15,11 @@ class ContractionWave {
 
   double spacing_mm() const { return spacing_mm_; }
 
-  /// How many waves have begun, with the part of the next one: all that changes over time.
+  /// Number of waves that have begun, with the fraction of the next one: the only state over time.
   /// @param session_s  Not finite: 0.
   double WavesAt(double session_s) const noexcept;
 
-  /// Strain of the radius, 0 or below. @param along_mm  From where the waves begin.
+  /// Strain of the radius, 0 or below. @param along_mm  Distance from where the waves begin.
   double StrainAt(double along_mm, double waves) const noexcept;
 
  private:

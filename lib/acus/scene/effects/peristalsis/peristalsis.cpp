@@ -13,7 +13,7 @@ using nlohmann::json;
 constexpr ports::FilePort kBowelCentrelines{"bowel's centrelines"};
 
 struct PeristalsisState {
-  double waves = 0.0;  ///< That have begun.
+  double waves = 0.0;  ///< Number of waves that have begun.
 };
 
 class PeristalsisStage final : public StepStageOf<PeristalsisState> {

@@ -38,8 +38,8 @@ Eigen::Isometry3d PoseOf(PatientPlane plane, const Eigen::Vector3d& through_in_c
   }
   if (plane == PatientPlane::kOblique && needle_axis.norm() > 0.5) {
     down = needle_axis.normalized();
-    // The direction of the axial plane that is across the needle; of a needle along the patient,
-    // to his left.
+    // The direction in the axial plane perpendicular to the needle; for a needle along the patient,
+    // the patient's left.
     Eigen::Vector3d across = down.cross(Eigen::Vector3d::UnitZ());
     if (across.norm() < 1e-3) across = Eigen::Vector3d::UnitX() - down[0] * down;
     right = across.normalized();

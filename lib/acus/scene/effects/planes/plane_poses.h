@@ -1,4 +1,4 @@
-// Planes through a place of the patient.
+// Poses of planes through a point of the patient.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -7,10 +7,10 @@
 namespace acus::effects {
 
 enum class PatientPlane {
-  kAxial,     ///< From the feet: the patient's left on the right, his front above.
-  kCoronal,   ///< From in front: his left on the right, his head above.
-  kSagittal,  ///< From his right: his back on the right, his head above.
-  kOblique,  ///< Along the needle, which points downwards in the image, as near to axial as it can.
+  kAxial,     ///< Seen from the feet: the patient's left on the right, his front above.
+  kCoronal,   ///< Seen from the front: his left on the right, his head above.
+  kSagittal,  ///< Seen from his right: his back on the right, his head above.
+  kOblique,   ///< Along the needle, which points downwards, as nearly axial as it can be.
 };
 
 /// "axial", "coronal", "sagittal", "oblique".

@@ -19,7 +19,7 @@ constexpr Port<image::GrayImage> kPlanes{"planes"};
 
 struct PlaneSettings {
   std::vector<PatientPlane> planes;
-  image::ImageGeometry geometry;  ///< Of one plane; its middle is the place that it goes through.
+  image::ImageGeometry geometry;  ///< One plane; its centre is the point that the plane contains.
   slicing::SlabSettings slab;
   std::optional<Eigen::Vector3d> centre_in_ct_mm;  ///< Nothing: the needle's tip.
   bool needle = true;
@@ -48,7 +48,7 @@ PlaneSettings ReadPlaneSettings(const json& object) {
   return settings;
 }
 
-/// One image beside and below the other: one row of up to three, else two rows.
+/// Columns of the layout: one row of up to three planes, else two rows.
 int ColumnsOf(std::size_t planes) {
   return planes == 4 ? 2 : static_cast<int>(planes);
 }
@@ -118,7 +118,7 @@ class PlanesStage final : public ImageStage {
   }
   bool NeedleMatters() const { return settings_.needle || !settings_.centre_in_ct_mm; }
 
-  /// Short lines at the borders that point to the place the planes have in common, and a rim.
+  /// Short lines at the borders that point to the point that the planes have in common, and a rim.
   static void MarkMiddle(image::GrayImage& plane) {
     constexpr int kMarkPx = 8;
     constexpr std::uint8_t kMark = 200;

@@ -1,4 +1,5 @@
-// Effect: slices and slabs of the CT through the needle's tip. Shown live, and a film in replays.
+// Effect: slices and slabs of the CT through the needle's tip, in the window and as a video of a
+// replay.
 #pragma once
 
 #include "acus/scene/effects/effect.h"

@@ -15,7 +15,7 @@ using nlohmann::json;
 constexpr ports::FilePort kCentrelines{"vessels' centrelines"};
 
 struct PulseState {
-  double strain = 0.0;  ///< Of all radii, now.
+  double strain = 0.0;  ///< Current strain of all radii.
 };
 
 class VesselStage final : public StepStageOf<PulseState> {

@@ -1,4 +1,4 @@
-// Effect: arteries that pulsate. Needle and probe feel it, and all images show it.
+// Effect: arteries that pulsate. They move needle and probe, and show in all images.
 #pragma once
 
 #include "acus/scene/effects/effect.h"

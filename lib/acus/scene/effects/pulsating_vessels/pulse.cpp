@@ -8,8 +8,8 @@
 namespace acus::effects {
 namespace {
 
-/// Time constants of the run-off that fit into diastole: a third of the way is left to fall after a
-/// third of it.
+/// The duration of diastole in time constants of the exponential run-off. With 3, the wall falls by
+/// two thirds in the first third of diastole.
 constexpr double kRunOff = 3.0;
 
 }  // namespace

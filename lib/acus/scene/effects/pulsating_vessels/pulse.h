@@ -1,9 +1,9 @@
-// The heart's cycle, as a vessel's wall shows it.
+// The cardiac cycle as a waveform of a vessel wall's motion.
 #pragma once
 
 namespace acus::effects {
 
-/// How far a wall is out, from 0 at the end of diastole to 1 at the peak of systole: half a cosine
+/// Displacement of a wall, from 0 at the end of diastole to 1 at the peak of systole: half a cosine
 /// up, an exponential run-off down. Continuous and periodic.
 class Pulse {
  public:

@@ -12,16 +12,16 @@ namespace acus::effects {
 namespace {
 
 constexpr std::size_t kLeastSlices = 5;
-/// Longer cross-sections are of a vessel that lies in the slice.
+/// Cross-sections with a larger ratio of axes belong to a vessel that lies in the slice.
 constexpr double kLargestAspect = 3.0;
 
-/// An ellipse of the same moments as a connected part of a slice.
+/// An ellipse with the second moments of a connected part of a slice.
 struct Section {
   Eigen::Vector2d centre_mm;  ///< Along i and j of the map.
   double radius_mm;           ///< The smaller half axis.
 };
 
-/// Takes the connected part that holds (i, j) out of `free`, in steps along i and j.
+/// Removes the connected part that holds (i, j) from `free`, in steps along i and j.
 std::vector<Eigen::Vector2i> TakePart(std::vector<bool>& free, int width, int height, int i,
                                       int j) {
   std::vector<Eigen::Vector2i> part{{i, j}};
@@ -60,7 +60,7 @@ std::vector<Section> SectionsOf(const volume::LabelMap& labels, volume::Label ti
     const double count = static_cast<double>(part.size());
     Eigen::Vector2d mean_mm = Eigen::Vector2d::Zero();
     for (const auto& pixel : part) mean_mm += spacing_mm.cwiseProduct(pixel.cast<double>()) / count;
-    // Of a pixel itself, its own moments.
+    // The second moments of a single pixel about its centre.
     Eigen::Matrix2d moments_mm2 = (spacing_mm.array().square() / 12.0).matrix().asDiagonal();
     for (const auto& pixel : part) {
       const Eigen::Vector2d off_mm = spacing_mm.cwiseProduct(pixel.cast<double>()) - mean_mm;
@@ -74,13 +74,13 @@ std::vector<Section> SectionsOf(const volume::LabelMap& labels, volume::Label ti
   return sections;
 }
 
-/// Sections of one vessel, in slices one after the other.
+/// Sections of one vessel, in consecutive slices.
 struct Track {
   int first_slice;
   std::vector<Section> sections;
 };
 
-/// A mean over five slices takes the steps of the voxels out; fewer at the ends, evenly.
+/// A mean over five slices smooths the steps between voxels; symmetrically fewer at the ends.
 Centreline LineOf(const Track& track, const volume::Geometry& geometry) {
   const Eigen::Affine3d ct_from_index = geometry.ct_from_index();
   Centreline line;
@@ -138,7 +138,7 @@ std::vector<Centreline> CentrelinesOf(const volume::LabelMap& labels, volume::La
     if (k < labels.geometry.size[2]) sections = SectionsOf(labels, tissue, k);
     std::vector<Track> next;
     for (Track& track : open) {
-      // The nearest section that overlaps goes on; others begin a vessel of their own.
+      // The nearest overlapping section extends the vessel; other sections start new vessels.
       const Section& last = track.sections.back();
       const auto nearest = std::ranges::min_element(sections, {}, [&last](const Section& s) {
         return (s.centre_mm - last.centre_mm).norm();

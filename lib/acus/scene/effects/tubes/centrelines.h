@@ -15,8 +15,8 @@ namespace acus::effects {
 std::vector<Centreline> ReadCentrelines(const std::filesystem::path& path);
 
 /// Follows the cross-sections of a tissue from slice to slice of a label map. For vessels that run
-/// mostly across the slices; parts that lie in one are left out, as is what is seen in fewer than
-/// five slices or is thinner than a voxel.
+/// mostly across the slices: parts that lie in a slice are omitted, as are vessels in fewer than
+/// five slices or thinner than a voxel.
 std::vector<Centreline> CentrelinesOf(const volume::LabelMap& labels, volume::Label tissue);
 
 }  // namespace acus::effects

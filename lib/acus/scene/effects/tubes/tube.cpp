@@ -9,8 +9,8 @@
 namespace acus::effects {
 namespace {
 
-/// What the squared distances of a ring of tissue are: at the wall, at the reach, and how much more
-/// the wall has after it has moved.
+/// Squared distances from the axis of a ring of tissue, mm^2: at the wall at rest, from there to
+/// the reach, and the increase at the wall after it has moved.
 struct Ring {
   double wall_mm2;
   double width_mm2;
@@ -24,7 +24,7 @@ Ring RingOf(double radius_mm, double reach_mm, double strain) noexcept {
   return {wall_mm2, reached_mm * reached_mm - wall_mm2, moved_mm * moved_mm - wall_mm2};
 }
 
-/// The place at another distance from the axis, in the same direction.
+/// The point at another distance from the axis, in the same direction.
 Eigen::Vector3d AtDistance(const Eigen::Vector3d& place_mm, const Eigen::Vector3d& axis_mm,
                            double from_mm, double to_mm) noexcept {
   return axis_mm + (to_mm / from_mm) * (place_mm - axis_mm);
@@ -98,7 +98,7 @@ double Tube::LargestRadiusMm() const {
 }
 
 bool Tube::FindNearest(const Eigen::Vector3d& place_in_ct_mm, Nearest& out) const noexcept {
-  // False for a place that is not finite, too.
+  // Also false for a point that is not finite.
   if (!((place_in_ct_mm.array() >= low_mm_.array()) && (place_in_ct_mm.array() <= high_mm_.array()))
            .all()) {
     return false;

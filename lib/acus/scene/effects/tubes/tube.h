@@ -1,5 +1,5 @@
-// A tube of soft tissue whose wall moves: out, as a vessel's with the heart, or in, as the bowel's.
-// The tissue around it makes room. docs/models/pulsating_vessels.md has the equations.
+// A tube of soft tissue whose wall moves: outwards, as an artery's in systole, or inwards, as the
+// bowel's. The surrounding tissue moves with it. Equations: docs/models/pulsating_vessels.md.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,12 +10,12 @@ namespace acus::effects {
 /// The centreline of a tube at rest, and the radius of its wall.
 struct Centreline {
   std::vector<Eigen::Vector3d> point_in_ct_mm;  ///< At least two.
-  std::vector<double> radius_mm;                ///< At each; above 0.
+  std::vector<double> radius_mm;                ///< At each point; above 0.
 
   double LengthMm() const;
 };
 
-/// The same line with points at most `spacing_mm` apart and evenly; its ends stay.
+/// The same line with points at equal distances of at most `spacing_mm`; its ends stay.
 /// @pre spacing_mm > 0.
 Centreline Resampled(const Centreline& line, double spacing_mm);
 
@@ -25,12 +25,12 @@ Centreline Resampled(const Centreline& line, double spacing_mm);
 /// in proportion. Both directions have a closed form. A value; const access from any thread.
 class Tube {
  public:
-  /// Where the centreline is nearest to a place.
+  /// The point of the centreline that is nearest to a query point.
   struct Nearest {
     Eigen::Vector3d axis_mm;   ///< On the line.
-    double along_mm = 0.0;     ///< From its beginning.
-    double distance_mm = 0.0;  ///< Of the place.
-    double radius_mm = 0.0;    ///< Of the wall at rest.
+    double along_mm = 0.0;     ///< Arc length from the line's first point.
+    double distance_mm = 0.0;  ///< From the query point to the line.
+    double radius_mm = 0.0;    ///< Radius of the wall at rest.
   };
 
   /// @throws InputError if the line has fewer than two points, a number is not finite or a radius
@@ -38,16 +38,16 @@ class Tube {
   ///     would fold. reach_mm is beyond the wall.
   Tube(Centreline line, double reach_mm, double largest_strain);
 
-  /// False if the place is out of reach of the whole tube.
+  /// False if the point is beyond the reach of the whole tube.
   bool FindNearest(const Eigen::Vector3d& place_in_ct_mm, Nearest& out) const noexcept;
 
-  /// Where tissue that is now at a place was at rest.
-  /// @param strain  Of the radius, above -1 and up to largest_strain.
+  /// The rest position of the tissue that is now at a point.
+  /// @param strain  Strain of the radius, above -1 and up to largest_strain.
   Eigen::Vector3d RestMm(const Eigen::Vector3d& place_in_ct_mm, double strain) const noexcept;
-  /// The same for the strain of that part of the wall. @param near  As FindNearest gives it.
+  /// The same for a strain of the nearest part of the wall. @param near  As FindNearest gives it.
   Eigen::Vector3d RestMm(const Eigen::Vector3d& place_in_ct_mm, const Nearest& near,
                          double strain) const noexcept;
-  /// The inverse of the first.
+  /// The inverse of the first RestMm.
   Eigen::Vector3d WorldMm(const Eigen::Vector3d& rest_in_ct_mm, double strain) const noexcept;
 
   const Centreline& line() const { return line_; }
@@ -55,9 +55,9 @@ class Tube {
 
  private:
   Centreline line_;
-  std::vector<double> along_mm_;  ///< Of each point.
+  std::vector<double> along_mm_;  ///< Arc length at each point.
   double reach_mm_;
-  Eigen::Vector3d low_mm_;  ///< Box of all that moves.
+  Eigen::Vector3d low_mm_;  ///< Box of all tissue that moves.
   Eigen::Vector3d high_mm_;
 };
 

@@ -83,7 +83,7 @@ volume_rendering::Viewpoint CameraPath::At(double session_s,
                                            const volume_rendering::ImageSize& size) const {
   const Values values = ValuesAt(session_s);
   volume_rendering::Viewpoint out;
-  // A curve may go a little beyond what its keys have.
+  // A cubic curve may overshoot its keys.
   out.view_angle_deg = std::clamp(values[kNumValues - 1], 1.0, 120.0);
   if (!around_) {
     out.eye_in_ct_mm = values.segment<3>(0);

@@ -19,7 +19,7 @@ class CameraPath {
   ///     have both or neither of eye_mm with focus_mm and azimuth_deg.
   static CameraPath Read(const std::filesystem::path& path);
 
-  /// @param session_s  Since the session began. Before the first key: as there.
+  /// @param session_s  Since the session began. Before the first key, the first key holds.
   /// @param box_in_ct_mm  The patient, for keys around him.
   volume_rendering::Viewpoint At(double session_s, const Eigen::AlignedBox3d& box_in_ct_mm,
                                  const volume_rendering::ImageSize& size) const;
@@ -37,7 +37,7 @@ class CameraPath {
   Values SlopeAt(std::size_t key) const;
 
   std::vector<Key> keys_;
-  bool around_ = false;  ///< The patient; otherwise in CT space.
+  bool around_ = false;  ///< Keys are around the patient; otherwise in CT space.
   bool repeat_ = false;
 };
 

@@ -9,7 +9,7 @@
 namespace acus::effects {
 namespace {
 
-/// The outer border of all that is labelled.
+/// The outer border of all labelled tissue.
 constexpr std::string_view kSkin = "skin";
 constexpr double kLeastPartMl = 0.1;
 

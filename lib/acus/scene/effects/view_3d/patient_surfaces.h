@@ -9,9 +9,9 @@
 
 namespace acus::effects {
 
-/// Surfaces of the tissues that `settings` name and `labels` hold; those of other tissues are left
-/// out.
-/// @throws InputError for a tissue that there is none of in any patient, or if all are left out.
+/// Surfaces of the tissues that `settings` name and `labels` hold; tissues without a label are
+/// omitted.
+/// @throws InputError for the name of an unknown tissue, or if none of the tissues has a label.
 std::vector<volume_rendering::SurfaceInView> SurfacesOf(const View3dSettings& settings,
                                                         const volume::LabelMap& labels,
                                                         const RunContext& context);

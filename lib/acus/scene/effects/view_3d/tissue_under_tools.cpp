@@ -15,13 +15,13 @@ constexpr double kLookEveryMm = 10.0;
 constexpr double kPressedMm = 0.1;
 constexpr double kFinestMm = 1.0;
 constexpr double kCoarsestMm = 8.0;
-/// As BreathingRest inverts.
+/// The tolerance of BreathingRest.
 constexpr double kBreathToleranceMm = 0.02;
 
 /// The part of the reach that is pressed, with a margin.
 Eigen::AlignedBox3d PressedPart(const PressedTissue::Breathed& breathed,
                                 const Eigen::AlignedBox3d& reach, int num_threads) {
-  // At the same places for every reach: fewer tools never find more.
+  // On a grid that is the same for every reach: fewer tools never find more.
   const Eigen::Array3d first = (reach.min().array() / kLookEveryMm).ceil();
   const Eigen::Array3d last = (reach.max().array() / kLookEveryMm).floor();
   const Eigen::Array3i looks = (last - first).cast<int>() + 1;
@@ -48,7 +48,7 @@ Eigen::AlignedBox3d ReachOf(const ToolsOnTissue& tools) {
   if (tools.needle) {
     const image::NeedleInImage& needle = *tools.needle;
     box.extend(needle.tip_in_ct_mm);
-    // A hub is never in tissue: the shaft's last third is not looked at.
+    // A hub is never in tissue: the third of the shaft next to it is not searched.
     box.extend(needle.tip_in_ct_mm - 0.67 * needle.length_mm * needle.axis_in_ct);
     for (int i = 0; i < needle.shape.num_points; ++i) box.extend(needle.shape.At(i));
   }

@@ -1,4 +1,4 @@
-// What tools press of the tissue, for a view in three dimensions.
+// The tissue that tools press, for a view in three dimensions.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -13,7 +13,7 @@
 
 namespace acus::effects {
 
-/// Tools of a moment, CT space; nothing or null: not there.
+/// Poses of the tools at one instant, CT space; nothing or null: the tool is absent.
 struct ToolsOnTissue {
   std::optional<image::NeedleInImage> needle;
   std::optional<Eigen::Isometry3d> ct_from_probe;
@@ -21,19 +21,19 @@ struct ToolsOnTissue {
 };
 
 struct PressedDetail {
-  int most_knots = 16'000;  ///< About as many; they are 1 to 8 mm apart.
+  int most_knots = 16'000;  ///< Approximate maximum; knots are 1 to 8 mm apart.
   int num_threads = 1;
 };
 
-/// Where tools can press tissue: what lies within 60 mm of the needle and of the probe's face.
+/// The box in which tools can press tissue: within 60 mm of the needle and of the probe's face.
 Eigen::AlignedBox3d ReachOf(const ToolsOnTissue& tools);
 
-/// The difference between the whole map from the world to rest and that of breath alone, at knots
-/// where it is more than 0.1 mm and around them.
+/// The difference between the whole map from the deformed state to rest and that of breath alone,
+/// at knots where it exceeds 0.1 mm and at the knots around them.
 /// @param rest  Breath, tools and all else. @param breath  Null or still: the patient is at rest.
-/// @param reach  Where to look, every 10 mm; empty: nothing is pressed.
-/// @param breath_iterations  As `rest` inverts the breath: places that no tool moves then cancel to
-///     the bit.
+/// @param reach  Where to search, in steps of 10 mm; empty: nothing is pressed.
+/// @param breath_iterations  As `rest` inverts the breath: points that no tool moves then cancel
+///     exactly.
 volume_rendering::PressedTissue PressedIn(const slicing::RestMap& rest,
                                           const breathing::MotionMap* breath,
                                           const Eigen::AlignedBox3d& reach,

@@ -42,7 +42,7 @@ bool IsMaximumProjection(const json& settings) {
   return settings.at("projection") == "maximum";
 }
 
-/// True if a layer holds in some tissues only: labels say where they are.
+/// True if a layer is limited to some tissues: it needs the label map.
 bool HasTissueLayer(const json& settings) {
   if (IsMaximumProjection(settings)) return false;  // It shows no layer.
   return std::ranges::any_of(settings.at("layers"), [](const json& layer) {
@@ -115,7 +115,8 @@ class ViewStage final : public ImageStage {
     if (moment.needle != nullptr) {
       seen.needle = *moment.needle;
       const Eigen::Vector3d& tip_mm = moment.needle->tip_in_ct_mm;
-      // What the needle does to the tissue: that on the hand would lie in the shaft.
+      // The needle's force on the tissue: the opposite force, on the hand, would be drawn inside
+      // the shaft.
       seen.arrow = {tip_mm, tip_mm - settings_.force_arrow_mm_per_n * moment.needle_force_in_ct_n};
     }
     if (settings_.probe && moment.probe_valid) {
@@ -332,7 +333,7 @@ class View3dEffect final : public Effect {
       }
     }
     if (!view.camera_path.empty()) {
-      CameraPath::Read(view.camera_path);  // What is wrong with it is said before anything runs.
+      CameraPath::Read(view.camera_path);  // Errors of the file are reported before anything runs.
       context.provenance.AddInput(view.camera_path);
     }
     return std::make_unique<LoadedView>(std::move(view));

@@ -1,4 +1,4 @@
-// Effect: the patient in three dimensions, with the tools. A film in replays.
+// Effect: the patient in three dimensions, with the tools. A video in replays.
 #pragma once
 
 #include "acus/scene/effects/effect.h"

@@ -10,16 +10,16 @@
 
 namespace acus::effects {
 
-/// As in the schema under effects/view_3d, where ranges and defaults are.
+/// As in the schema under effects/view_3d, which states ranges and defaults.
 struct View3dSettings {
   struct Layer {
     std::string preset;
     double opacity = 0.0;
   };
   struct Surface {
-    std::string tissue;  ///< "skin": the outer border of all that is labelled.
+    std::string tissue;  ///< "skin": the outer border of all labelled tissue.
     double opacity = 0.0;
-    std::optional<Eigen::Array3f> colour;  ///< Nothing: the standard one of the tissue.
+    std::optional<Eigen::Array3f> colour;  ///< Nothing: the tissue's standard colour.
   };
 
   int width_px = 0;
@@ -30,17 +30,17 @@ struct View3dSettings {
   Eigen::Vector3d up_in_ct = Eigen::Vector3d::UnitZ();
   double view_angle_deg = 0.0;
   std::filesystem::path camera_path;  ///< Empty: the camera stays.
-  bool beside_rest = false;           ///< Two images: at rest, and now.
+  bool beside_rest = false;           ///< Two images: at rest, and deformed.
   bool event_stills = true;
   bool maximum_projection = false;                      ///< In place of the layers.
-  Eigen::Vector2d window_hu = Eigen::Vector2d::Zero();  ///< Of the projection: low and high end.
+  Eigen::Vector2d window_hu = Eigen::Vector2d::Zero();  ///< Projection: HU at black and at white.
   std::vector<Layer> layers;
   std::vector<Surface> surfaces;
   double surface_grid_mm = 0.0;
   bool needle = true;
   bool probe = true;
   double force_arrow_mm_per_n = 0.0;  ///< 0: none.
-  bool pressed = true;                ///< Tissue that tools press is shown so.
+  bool pressed = true;                ///< The view shows the tissue pressed by tools.
   bool shadows = true;
   double tool_shine = 0.0;
   int supersampling = 0;

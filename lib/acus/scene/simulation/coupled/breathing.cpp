@@ -6,7 +6,7 @@ namespace {
 
 using scenario::Scenario;
 
-/// A recorded signal is only read where the session does not say how the patient breathes.
+/// A recorded signal is only read where the session holds no breath.
 Ports BreathInputs(const Scenario& s, bool from_session) {
   if (!s.breathing) return {};
   if (from_session || s.breathing->from_session == scenario::SessionBreath::kAlways) {
@@ -16,7 +16,7 @@ Ports BreathInputs(const Scenario& s, bool from_session) {
   return {ports::kMotion, ports::kBreathSignal};
 }
 
-/// Every tool is laid into the patient at rest before the stages: ToolMotion::Lay.
+/// Before the stages, ToolMotion::Lay maps every tool into the patient at rest.
 class BreathStage final : public CoupledStage {
  public:
   Sleep Step(StepFrame& frame) const noexcept override {

@@ -1,6 +1,6 @@
 // An effect that is coupled with others: tissue, needle, forces, breath and the images of the probe
-// read each other's results by type. Plan, loader and step go by the list of these effects and name
-// none of them. What stands alone is an effects::Effect.
+// read each other's results by type. Plan, loader and step use the list of these effects and name
+// none of them. An independent effect is an effects::Effect.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@
 
 namespace acus::simulation {
 
-/// A step in work, as one stage after the other sees it.
+/// The state of a step that its stages share, one after the other.
 struct StepFrame {
   const Sample& sample;
   const ToolsAtRest& tools;
@@ -29,19 +29,19 @@ struct StepFrame {
   Eigen::Vector3d tip_in_ct_mm() const noexcept { return ct_from_needle().translation(); }
   Eigen::Vector3d axis_in_ct() const noexcept { return ct_from_needle().linear().col(2); }
   Sleep unseen() const noexcept { return state.needle_seen ? Sleep::kAwake : Sleep::kNeedleUnseen; }
-  /// Why there is nothing to do for a needle that is in no tissue.
+  /// The reason for sleep of a stage whose needle is in no tissue.
   Sleep outside() const noexcept {
     return state.needle_seen ? Sleep::kNeedleOutside : Sleep::kNeedleUnseen;
   }
 };
 
-/// The work of a stage at every sample. Const: all that changes is in the State.
+/// The computation of a stage at every sample. Const: all that changes is in the State.
 class CoupledStage {
  public:
   virtual ~CoupledStage() = default;
   virtual void Begin(State& /*state*/) const {}
   /// Real time: must not allocate, lock, log or throw. The same inputs give the same bits.
-  /// @return  why there was nothing to do.
+  /// @return  kAwake, or why there was nothing to do.
   virtual Sleep Step(StepFrame& frame) const noexcept = 0;
 };
 
@@ -50,35 +50,35 @@ class CoupledEffect {
  public:
   virtual ~CoupledEffect() = default;
 
-  /// Among the scenario's effects: "needle_force". Empty: what all of them share.
+  /// Key among the scenario's effects: "needle_force". Empty: shared by all effects.
   virtual std::string_view key() const = 0;
-  /// All its stages, whether the scenario calls for them or not, in the order in which they run.
+  /// All its stages, whether or not the scenario names them, in the order in which they run.
   virtual std::vector<PlannedStage> Stages(const scenario::Scenario& scenario,
                                            bool breath_from_session) const = 0;
-  /// What its stages write that are there for its own sake.
+  /// The outputs for whose sake the scenario names the effect.
   virtual std::vector<effects::PortRef> Goals(const scenario::Scenario& /*scenario*/) const {
     return {};
   }
-  /// What stages write that it works through, where another stage reads it.
+  /// The outputs through which it acts, where another stage reads them.
   virtual std::vector<effects::PortRef> Helpers(const scenario::Scenario& /*scenario*/) const {
     return {};
   }
-  /// True if the scenario has what one of its stages writes, for those that can do without.
+  /// True if the scenario has the port, for stages that read it optionally.
   virtual bool Offers(const scenario::Scenario& /*scenario*/, effects::PortRef /*port*/) const {
     return false;
   }
-  /// What can be coarser or finer in the scenario; nothing if it does not call for the effect.
+  /// The parameters of the effect; nothing if the scenario does not name it.
   virtual std::vector<effects::Knob> Knobs(const scenario::Scenario& /*scenario*/) const {
     return {};
   }
-  /// Its own files.
+  /// The files of the effect itself.
   virtual void AddInputs(const scenario::Scenario& /*scenario*/,
                          std::vector<DeclaredInput>& /*inputs*/) const {}
-  /// What its stages in scene.plan need. The patient, the presets and the effects before it are
-  /// loaded. @throws InputError if a file is not readable or a setting does not fit.
+  /// Loads the inputs of its stages in scene.plan. The patient, the presets and the previous
+  /// effects are loaded. @throws InputError if a file is not readable or a setting is not allowed.
   virtual void Load(const scenario::Scenario& /*scenario*/, Scene& /*scene*/,
                     RunContext& /*context*/) const {}
-  /// The work of its stage in scene.plan that writes a port; null for stages at every image.
+  /// The computation of its stage in scene.plan that writes a port; null for stages at every image.
   /// @param scene  Must outlive it.
   virtual std::unique_ptr<const CoupledStage> NewStage(effects::PortRef /*writes*/,
                                                        const Scene& /*scene*/) const {
@@ -91,7 +91,7 @@ std::vector<const CoupledEffect*> CoupledEffects();
 
 namespace coupled {
 
-// One in each file.
+// Each is defined in a file of its name.
 const CoupledEffect& Breathing();
 const CoupledEffect& Tools();
 const CoupledEffect& NeedleForce();

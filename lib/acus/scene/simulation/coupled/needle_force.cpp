@@ -9,8 +9,8 @@ namespace {
 using scenario::NeedleForceModelKind;
 using scenario::Scenario;
 
-/// What the force on the needle is computed from. Vidal's model goes by the CT itself; tissues are
-/// looked up for the log.
+/// The inputs of the force on the needle. Vidal's model reads the CT itself; for it, tissues are
+/// looked up for the log only.
 Ports ForceInputs(const Scenario& s) {
   if (!s.needle_force) return {};
   if (IsFeltFromTissue(s)) return {ports::kContact};
@@ -71,7 +71,7 @@ forces::ForceModel ModelOf(const scenario::NeedleForceEffect& effect,
   return forces::ForceModel(forces::NeedleForceModel(table, *scene.needle, guidance));
 }
 
-/// The deformed tissue's own force.
+/// The force of the deformed tissue on the needle.
 class NeedleFromTissueStage final : public CoupledStage {
  public:
   Sleep Step(StepFrame& frame) const noexcept override {
@@ -89,7 +89,7 @@ class ForceStage final : public CoupledStage {
 
   Sleep Step(StepFrame& frame) const noexcept override {
     State& state = frame.state;
-    // Nothing to do while the needle is in free space; the law itself then returns at once.
+    // Idle while the needle is in free space; the law itself then returns at once.
     const bool is_outside = frame.out.tissue_at_tip == 0 && !forces::TrackOf(state.force).in_body;
     forces::SweptTissue swept{.lookup = frame.lookup};
     if (scene_.shape) swept.tip_offset_mm = state.shape.tip_offset_mm;

@@ -7,7 +7,7 @@ namespace {
 
 using scenario::Scenario;
 
-/// What the needle's shape comes from: the path that the force model has, and the tissue on it.
+/// The inputs of the needle's shape: the path of the force model, and the tissue on it.
 Ports ShapeInputs(const Scenario& s) {
   if (!s.shape) return {};
   const bool from_tissue = IsFeltFromTissue(s);
@@ -16,7 +16,7 @@ Ports ShapeInputs(const Scenario& s) {
   if (s.shape->model != scenario::NeedleModelKind::kBendable) return reads;
   Add(reads, {from_tissue ? effects::PortRef(ports::kContact) : effects::PortRef(ports::kTissue),
               ports::kNeedleElasticity});
-  // Which tissues there are; a mesh does not say, and all that can be deformed are taken.
+  // The tissues of the scene. A mesh does not list them: then all deformable ones are taken.
   const bool are_labels_read =
       from_tissue ? s.tissue->model != scenario::TissueModelKind::kFem3d && !AreSpringsByHu(s)
                   : !AreTissuesByHu(s);
@@ -25,8 +25,8 @@ Ports ShapeInputs(const Scenario& s) {
   return reads;
 }
 
-/// Labels of the map; without one, the tissues that HU tell apart, or all that can be deformed.
-/// A map that is there for other stages' sake says nothing here.
+/// Labels of the map; without one, the tissues that HU distinguish, or all that can be deformed. A
+/// map that only other stages read is not used here.
 std::bitset<256> TissuesOf(const Scene& scene, const mechanics::ElasticityTable& elasticity) {
   std::bitset<256> found;
   if (scene.plan.Reads(ports::kShape, ports::kLabels)) {
@@ -41,7 +41,7 @@ std::bitset<256> TissuesOf(const Scene& scene, const mechanics::ElasticityTable&
   return found;
 }
 
-/// Breath, as a needle that is drawn as at rest sees it: what its tip does is taken off.
+/// Breath relative to the needle, which is computed at rest: the motion of the tip is subtracted.
 class BreathOnPath : public needle::PathMotion {
  public:
   BreathOnPath(const breathing::MotionMap& patient, const breathing::ToolTrack& track)

@@ -27,7 +27,7 @@ Sleep SleepOf(const StepFrame& frame) noexcept {
   return frame.sample.probe_valid ? Sleep::kProbeOffSkin : Sleep::kProbeUnseen;
 }
 
-/// The deformed tissue's own force, no larger than its table's limit.
+/// The force of the deformed tissue on the probe, no larger than its table's limit.
 class ProbeFromTissueStage final : public CoupledStage {
  public:
   explicit ProbeFromTissueStage(const Scene& scene) : largest_n_(scene.tissue->LargestForceN()) {}

@@ -33,7 +33,7 @@ class CtSliceEffect final : public CoupledEffect {
   }
 };
 
-/// What a scenario says of the lines goes before what the preset says.
+/// Scan lines of the scenario override those of the preset.
 void SetLines(const scenario::UltrasoundEffect& effect, acoustics::Probe& probe) {
   if (effect.scan_lines > 0) probe.scan_lines = effect.scan_lines;
   if (effect.samples_per_line > 0) probe.samples_per_line = effect.samples_per_line;
@@ -47,7 +47,7 @@ effects::Knob Part(const std::string& model, const char* name, const char* title
           .values = {false, true}};
 }
 
-/// Parts that the beam models switch on and off, and how finely they sample.
+/// Switches and sampling distances of the beam models.
 void AddBeamKnobs(const scenario::UltrasoundEffect& effect, std::vector<effects::Knob>& knobs) {
   using Parts = std::vector<std::pair<const char*, const char*>>;
   const bool is_aperture = effect.model == scenario::UltrasoundModel::kAperture;
@@ -85,7 +85,7 @@ void AddBeamKnobs(const scenario::UltrasoundEffect& effect, std::vector<effects:
                    .values = {1, 3, 5, 9, 13, 21, 31}});
 }
 
-/// Lines and samples of each, which the probe preset has unless the scenario says otherwise.
+/// Scan lines and samples of each, which the probe preset sets unless the scenario does.
 void AddLineKnobs(const Scenario& s, std::vector<effects::Knob>& knobs) {
   const acoustics::Probe probe = acoustics::ReadProbe(s.probe);
   const scenario::UltrasoundEffect& effect = *s.ultrasound;
@@ -171,7 +171,7 @@ class BModeEffect final : public CoupledEffect {
     }
     if (s.ultrasound->display.empty()) return;
     context.provenance.AddInput(s.ultrasound->display);
-    // Screens say what the images have.
+    // The screens of the display define the image's geometry.
     *scene.probe = ultrasound::ProbeOfLook(*scene.probe, *DisplayOf(*scene.b_mode), 0);
   }
 };

@@ -7,14 +7,14 @@ namespace {
 
 using scenario::Scenario;
 
-/// What tissue under a tool is computed from, besides the tool.
+/// The inputs of the tissue under a tool, besides the tool.
 Ports ContactInputs(const Scenario& s) {
   if (!s.tissue) return {};
   Ports reads{ports::kNeedle, ports::kNeedlePreset, ports::kTissueElasticity,
               ports::kTissueForceTable};
   switch (s.tissue->model) {
     case scenario::TissueModelKind::kDisplacementFunctions:
-      return {};  // Nothing that steps: see DeformationInputs.
+      return {};  // Nothing at every step: see DeformationInputs.
     case scenario::TissueModelKind::kSprings:
       Add(reads, {AreSpringsByHu(s) ? effects::PortRef(ports::kCt) : ports::kLabels});
       break;
@@ -31,7 +31,7 @@ Ports ContactInputs(const Scenario& s) {
   return reads;
 }
 
-/// What the deformation in the images comes from.
+/// The inputs of the deformation in the images.
 Ports DeformationInputs(const Scenario& s) {
   Ports reads;
   if (s.tissue && s.tissue->image) {
@@ -49,7 +49,7 @@ Ports DeformationInputs(const Scenario& s) {
   return reads;
 }
 
-/// Of the model itself.
+/// Parameters of the model itself.
 void AddModelKnobs(const Scenario& s, std::vector<effects::Knob>& knobs) {
   switch (s.tissue->model) {
     case scenario::TissueModelKind::kSprings:

@@ -1,4 +1,4 @@
-// Where the tools are, and in which tissue the needle's tip is: what all effects share.
+// Poses of the tools, and the tissue at the needle's tip: the stages that all effects share.
 #include "acus/physics/forces/laws/tissue_lookup.h"
 #include "acus/scene/simulation/coupled/coupled_effect.h"
 #include "acus/scene/simulation/coupled/declaration.h"
@@ -33,7 +33,7 @@ class TissueLookupStage final : public CoupledStage {
 
   Sleep Step(StepFrame& frame) const noexcept override {
     frame.lookup = &lookup_;
-    // A bent needle's tip is where it was bent to in the step before.
+    // A bent needle's tip is at the position of the previous step.
     if (frame.state.needle_seen) {
       const Eigen::Vector3d tip_in_ct_mm = frame.tip_in_ct_mm();
       frame.out.tissue_at_tip =
@@ -53,7 +53,7 @@ class ToolPoses final : public CoupledEffect {
   std::string_view key() const override { return ""; }
 
   std::vector<PlannedStage> Stages(const Scenario& s, bool /*breath_from_session*/) const override {
-    // A needle in a patient who breathes lies elsewhere in the CT.
+    // In a patient who breathes, the needle has another pose in the CT.
     Ports needle{ports::kNeedlePoses};
     AddMotion(s, needle);
     Ports lookup = AreTissuesByHu(s) ? Ports{ports::kNeedle, ports::kCt, ports::kForceTable}
