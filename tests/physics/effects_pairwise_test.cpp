@@ -42,7 +42,8 @@ struct Idle {
 };
 Idle IdleOf(const EffectChoice& choice) {
   Idle idle{choice.effects, {}};
-  if (choice.effect == "needle_force" || choice.effect == "needle" || choice.effect == "fluid") idle.hands.needle_in = false;
+  if (choice.effect == "needle_force" || choice.effect == "needle" || choice.effect == "fluid")
+    idle.hands.needle_in = false;
   if (choice.effect == "probe_force") idle.hands.probe_on = false;
   if (choice.effects.contains("tissue")) idle.hands = {.needle_in = false, .probe_on = false};
   if (choice.effect == "breathing") idle.effects["breathing"]["amplitude"] = 0;

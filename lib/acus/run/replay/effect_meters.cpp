@@ -18,8 +18,9 @@ void EffectMeters::Add(const simulation::StepOutput& step) {
   if (!first_ns_) first_ns_ = step.time_ns;
   const double session_s = 1e-9 * static_cast<double>(step.time_ns - *first_ns_);
   for (const Meter& of : meters_) {
-    of.meter->Add(session_s, std::span(step.effect)
-                                 .subspan(of.effect->first_column, of.effect->columns.size()));
+    of.meter->Add(
+        session_s,
+        std::span(step.effect).subspan(of.effect->first_column, of.effect->columns.size()));
   }
 }
 

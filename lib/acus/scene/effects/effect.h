@@ -1,6 +1,6 @@
-// An effect: all that the rest of Acus knows of a piece of simulated nature that a scene may call
-// for. Schema, plan, loader, steps, logs, reports, live sessions and sweeps go by the list of
-// effects.
+// The interface of an effect, a physical process or an image that a scenario may name. Schema,
+// plan, loader, steps, logs, reports, live sessions and sweeps use effects through this interface
+// only.
 #pragma once
 
 #include <filesystem>
@@ -27,7 +27,7 @@ enum class PathKind {
 
 /// A path among an effect's settings. If a stage reads the port, the file has to be there.
 struct PathSetting {
-  std::string key;  ///< Of the settings: "centrelines".
+  std::string key;  ///< Key in the settings: "centrelines".
   PathKind kind = PathKind::kFile;
   PortRef port;
 };
@@ -56,7 +56,7 @@ struct ImageTiming {
 /// A number that the effect's stage writes down at every sample.
 struct Column {
   std::string name;   ///< With its unit: "radius_mm".
-  std::string title;  ///< Of the plot in reports.
+  std::string title;  ///< Title of the plot in reports.
   std::string unit;
   /// If not empty, the column is a count, and each time that it rises is an event of this name,
   /// "loss_of_resistance": in events.csv, the report and the markups.
@@ -71,7 +71,7 @@ struct MeasuredValue {
   double value = 0.0;
 };
 
-/// What an effect measures over a session, in a replay or as a live session goes on.
+/// What an effect measures over a session, in a replay or while a live session runs.
 class EffectMeter {
  public:
   virtual ~EffectMeter() = default;
@@ -118,7 +118,7 @@ class Effect {
   /// @param settings  May be without what is optional. @throws InputError if one is not there.
   virtual void ResolveFiles(nlohmann::json& /*settings*/,
                             const std::filesystem::path& /*folder*/) const {}
-  /// What the schema cannot say of settings that it has checked and completed.
+  /// Checks conditions that the schema cannot express; the settings are complete.
   /// @param where  Names the place in error messages. @throws InputError if they do not fit.
   virtual void Check(const nlohmann::json& /*settings*/, const std::string& /*where*/) const {}
 
@@ -130,7 +130,7 @@ class Effect {
     return std::nullopt;
   }
   virtual ImageTiming TimingOf(const nlohmann::json& /*settings*/) const { return {}; }
-  /// Of the stage at every sample; at most kMaxColumns over all effects of a scene.
+  /// What the stage at every sample logs; at most kMaxColumns for all effects of a scene together.
   virtual std::vector<Column> Columns() const { return {}; }
   virtual std::vector<Knob> Knobs() const { return {}; }
 
@@ -142,7 +142,7 @@ class Effect {
                                                    RunContext& context) const = 0;
 };
 
-/// Numbers of all effects of a scene together, in a step.
+/// Number of columns that all effects of a scene together may log in a step.
 inline constexpr std::size_t kMaxColumns = 32;
 
 }  // namespace acus::effects

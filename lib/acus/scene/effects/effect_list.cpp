@@ -15,8 +15,9 @@ namespace acus::effects {
 namespace {
 
 std::vector<const Effect*>& List() {
-  static std::vector<const Effect*> list = {&PainReaction(), &PulsatingVessels(), &Peristalsis(),
-                                            &FluidThroughNeedle(), &Fluoroscopy(),  &View3d(),           &Planes()};
+  static std::vector<const Effect*> list = {
+      &PainReaction(), &PulsatingVessels(), &Peristalsis(), &FluidThroughNeedle(),
+      &Fluoroscopy(),  &View3d(),           &Planes()};
   return list;
 }
 

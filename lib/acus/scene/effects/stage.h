@@ -21,7 +21,7 @@ namespace acus::effects {
 enum class Activity {
   kActive,
   kIdle,       ///< There was nothing to do.
-  kUnchanged,  ///< Of images: the last one still holds.
+  kUnchanged,  ///< The last image still holds.
 };
 
 /// The moment of a step.
@@ -35,7 +35,7 @@ struct EchoPlace {
   Eigen::Vector3d place_in_ct_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d beam_in_ct = Eigen::Vector3d::UnitZ();  ///< Unit, from the face to the place.
   double depth_mm = 0.0;                                  ///< Along the beam, from the face.
-  double frequency_mhz = 0.0;                             ///< Of the probe.
+  double frequency_mhz = 0.0;                             ///< Centre frequency of the probe.
 };
 
 /// The work of an effect at every sample. Const after loading: all that changes is in its state, a
@@ -60,15 +60,16 @@ class StepStage {
                                  const Eigen::Vector3d& place_in_ct_mm) const noexcept {
     return place_in_ct_mm;
   }
-  /// True if tissue lies the same in both states: images that show it need not be made anew.
+  /// True if tissue is at the same place in both states, so that images of it need not be rendered
+  /// again.
   virtual bool IsSameMotionIn(const std::byte* /*a*/, const std::byte* /*b*/) const noexcept {
     return true;
   }
   /// Distance over which the motion may be taken as linear.
   virtual double MotionSpacingMm() const noexcept { return 1e3; }
 
-  /// Force on the needle in N, CT space, beside those of other stages; the sum is felt and logged.
-  /// Only called if the stage writes ports::kAddedForce, after each step.
+  /// Force on the needle in N, CT space, beside those of other stages; the device displays their
+  /// sum and logs have it. Only called if the stage writes ports::kAddedForce, after each step.
   virtual Eigen::Vector3d ForceIn(const std::byte* /*state*/) const noexcept {
     return Eigen::Vector3d::Zero();
   }
@@ -81,7 +82,7 @@ class StepStage {
                                 const EchoPlace& /*place*/) const noexcept {
     return 0.0;
   }
-  /// True if echoes are the same in both states: a B-mode image need not be rendered anew.
+  /// True if echoes are the same in both states, so that a B-mode image need not be rendered again.
   virtual bool IsSameEchoIn(const std::byte* /*a*/, const std::byte* /*b*/) const noexcept {
     return true;
   }
@@ -146,7 +147,7 @@ struct ImageChanges {
   bool breath = true;
   bool tissue = true;  ///< Any motion of tissue, breath included.
   bool images = true;  ///< The images of the probe that the stage reads.
-  bool force = true;   ///< On the needle.
+  bool force = true;   ///< The force on the needle.
 };
 
 /// The moment of an image.
@@ -159,15 +160,15 @@ struct ImageMoment {
   /// As images see it: bent. Null if there is none or the stage does not read
   /// ports::kNeedlePreset.
   const image::NeedleInImage* needle = nullptr;
-  /// On the hand, CT space. Zero if the scene has none.
+  /// Force of the needle on the hand, CT space. Zero if the scene computes none.
   Eigen::Vector3d needle_force_in_ct_n = Eigen::Vector3d::Zero();
   /// Null if the stage does not read ports::kBreath.
   const breathing::MotionMap* breath = nullptr;
-  /// Of stills: where the needle's tip has been since the session began.
+  /// Path of the needle's tip since the session began; only for stills.
   std::span<const Eigen::Vector3d> tip_path_in_ct_mm = {};
   ImageChanges changes = {};
-  /// Of the effect's stage at every sample, after the last step before the image; null if it has
-  /// none. See StepStageOf::StateAt.
+  /// State of the effect's stage at every sample, after the last step before the image; null if
+  /// the effect has no such stage. See StepStageOf::StateAt.
   const std::byte* state = nullptr;
 };
 
@@ -179,7 +180,7 @@ struct EffectPixels {
   bool empty() const { return gray.pixels.empty() && colour.rgb.empty(); }
 };
 
-/// Text in black bands above and below a grey image of a film; the time stands above on the right.
+/// Text in black bands above and below a grey image of a video; the time is above, on the right.
 struct ImageText {
   std::string above;  ///< On the left.
   std::string left;   ///< Above the left half: a side of the patient.
@@ -195,19 +196,18 @@ class ImageStage {
   /// The same bits for the same moment, whatever was rendered before, and with any number of
   /// threads.
   /// @param ports  What the stage reads is set; ports::kRestMap to null while no tissue is moved.
-  /// @param out  Holds the stage's last image: on kUnchanged it is left as it is.
+  /// @param out  Holds the stage's last image; on kUnchanged it is not written.
   virtual Activity Render(const ImageMoment& moment, const PortValues& ports,
                           EffectPixels& out) = 0;
 
-  /// True: replays render a still of each event besides, KEY_event_NN.png, with the path of the
-  /// tip.
+  /// True: replays also render a still of each event, KEY_event_NN.png, with the path of the tip.
   virtual bool ShowsEvents() const { return false; }
   /// False: after such changes Render does without ports::kRestMap.
   virtual bool NeedsRestMap(const ImageChanges& /*changes*/) const { return true; }
   /// Where the pixels of a grey image lie, if they stay there: column, row, 0 to CT space, mm.
   /// Replays then write a sequence, KEY.igs.mha.
   virtual std::optional<Eigen::Affine3d> ct_from_image() const { return std::nullopt; }
-  /// Nothing: films show the image alone.
+  /// Nothing: videos show the image alone.
   virtual std::optional<ImageText> Text() const { return std::nullopt; }
 };
 

@@ -12,7 +12,8 @@ namespace {
 using Eigen::Vector3d;
 
 fluid::FluidTable Table() {
-  return fluid::ReadFluidTable(std::filesystem::path(ACUS_SOURCE_DIR) / "configs/fluid/default.json");
+  return fluid::ReadFluidTable(std::filesystem::path(ACUS_SOURCE_DIR) /
+                               "configs/fluid/default.json");
 }
 
 /// A needle that goes down z through muscle, ligament, epidural fat and the canal.
@@ -171,17 +172,16 @@ TEST(FluidStage, ADepotIsDarkEnhancesWhatIsBehindAndDisplacesTissueByItsVolume) 
   };
   EXPECT_LT(change_db(centre_mm), -20.0);
   const double beyond_mm = depot.width_radius_mm + 3.0;
-  EXPECT_GT(change_db(centre_mm + beyond_mm * Vector3d::UnitX()), 0.5);   // Behind it.
-  EXPECT_EQ(change_db(centre_mm - beyond_mm * Vector3d::UnitX()), 0.0);   // Before it.
-  EXPECT_EQ(change_db(centre_mm + beyond_mm * Vector3d::UnitY()), 0.0);   // Beside it.
+  EXPECT_GT(change_db(centre_mm + beyond_mm * Vector3d::UnitX()), 0.5);  // Behind it.
+  EXPECT_EQ(change_db(centre_mm - beyond_mm * Vector3d::UnitX()), 0.0);  // Before it.
+  EXPECT_EQ(change_db(centre_mm + beyond_mm * Vector3d::UnitY()), 0.0);  // Beside it.
 
   // What lies within a sphere beyond the depot is its volume less.
   const double r_mm = depot.displaced_radius_mm + 5.0;
   const Vector3d rest_mm = stage.RestInCtMm(state, centre_mm + r_mm * Vector3d::UnitY());
   const double rest_r_mm = (rest_mm - centre_mm).norm();
   const double injected_mm3 = 1000.0 * state.injected_ml;
-  const double displaced_mm3 =
-      4.0 / 3.0 * M_PI * (std::pow(r_mm, 3) - std::pow(rest_r_mm, 3));
+  const double displaced_mm3 = 4.0 / 3.0 * M_PI * (std::pow(r_mm, 3) - std::pow(rest_r_mm, 3));
   EXPECT_GT(injected_mm3, 500.0);
   EXPECT_NEAR(displaced_mm3, injected_mm3, 0.1 * injected_mm3);  // Some is absorbed meanwhile.
 }

@@ -101,11 +101,10 @@ class FluidEffect final : public Effect {
   }
 
   std::optional<StageDeclaration> StepStageOf(const json& /*settings*/) const override {
-    return StageDeclaration{
-        .name = "fluid",
-        .reads = {ports::kNeedle, ports::kTissue, ports::kNeedlePreset, ports::kPlungerForce,
-                  kFluidTable},
-        .writes = {ports::kAddedForce, ports::kEcho, ports::kSwelling}};
+    return StageDeclaration{.name = "fluid",
+                            .reads = {ports::kNeedle, ports::kTissue, ports::kNeedlePreset,
+                                      ports::kPlungerForce, kFluidTable},
+                            .writes = {ports::kAddedForce, ports::kEcho, ports::kSwelling}};
   }
 
   std::vector<Column> Columns() const override {
@@ -148,7 +147,8 @@ class FluidEffect final : public Effect {
                                  settings.at("gauge"), settings.at("bore").get<std::string>()),
                              .length_mm = scene.Get(ports::kNeedlePreset).length_mm};
     const fluid::Filling filling{settings.at("filling_ml"), settings.at("air_share")};
-    auto model = std::make_shared<const fluid::FluidModel>(std::move(table), syringe, filling, lumen);
+    auto model =
+        std::make_shared<const fluid::FluidModel>(std::move(table), syringe, filling, lumen);
     return std::make_unique<LoadedFluid>(FluidStage(std::move(model), fluid));
   }
 };

@@ -39,14 +39,13 @@ void FluidMeter::Add(double session_s, std::span<const double> columns) {
 }
 
 std::vector<MeasuredValue> FluidMeter::Values() const {
-  std::vector<MeasuredValue> values = {
-      {"largest injection pressure", "kPa", largest_kpa_},
-      {"injected volume", "ml", injected_ml_},
-      {"fluid returned at the hub", "ml", returned_ml_},
-      {"losses of resistance in the epidural space", "", losses_},
-      {"losses of resistance elsewhere", "", false_losses_},
-      {"dural punctures", "", dural_punctures_},
-      {"vessel entries", "", vessel_entries_}};
+  std::vector<MeasuredValue> values = {{"largest injection pressure", "kPa", largest_kpa_},
+                                       {"injected volume", "ml", injected_ml_},
+                                       {"fluid returned at the hub", "ml", returned_ml_},
+                                       {"losses of resistance in the epidural space", "", losses_},
+                                       {"losses of resistance elsewhere", "", false_losses_},
+                                       {"dural punctures", "", dural_punctures_},
+                                       {"vessel entries", "", vessel_entries_}};
   if (losses_ > 0.0) {
     values.push_back({"advance after the loss of resistance", "mm", overshoot_mm_});
     values.push_back(
@@ -58,18 +57,18 @@ std::vector<MeasuredValue> FluidMeter::Values() const {
 std::vector<std::string> FluidMeter::Findings() const {
   std::vector<std::string> findings;
   if (losses_ > 0.0) {
-    findings.push_back(Message(
-        "The resistance was lost in the epidural space at ", RoundedText(first_loss_s_, 3),
-        " s; the pressure had reached ", RoundedText(before_loss_kpa_, 3),
-        " kPa before. The needle advanced ", RoundedText(overshoot_mm_, 3), " mm after it, over ",
-        RoundedText(deepest_s_ - first_loss_s_, 3), " s."));
+    findings.push_back(
+        Message("The resistance was lost in the epidural space at ", RoundedText(first_loss_s_, 3),
+                " s; the pressure had reached ", RoundedText(before_loss_kpa_, 3),
+                " kPa before. The needle advanced ", RoundedText(overshoot_mm_, 3),
+                " mm after it, over ", RoundedText(deepest_s_ - first_loss_s_, 3), " s."));
   } else {
     findings.emplace_back("There was no loss of resistance in the epidural space.");
   }
   if (false_losses_ > 0.0) {
-    findings.push_back(Message(Counted(static_cast<std::int64_t>(false_losses_),
-                                       "loss# of resistance elsewhere"),
-                               ": a gap, fat or a cavity."));
+    findings.push_back(
+        Message(Counted(static_cast<std::int64_t>(false_losses_), "loss# of resistance elsewhere"),
+                ": a gap, fat or a cavity."));
   }
   if (dural_punctures_ > 0.0) {
     findings.push_back(Message("The dura was punctured ",

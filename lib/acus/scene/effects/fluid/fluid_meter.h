@@ -19,10 +19,10 @@ class FluidMeter final : public EffectMeter {
   double false_losses_ = 0.0;
   double dural_punctures_ = 0.0;
   double vessel_entries_ = 0.0;
-  double before_loss_kpa_ = 0.0;   ///< Highest pressure before the first loss.
-  double first_loss_s_ = 0.0;      ///< Of the first loss in the epidural space.
-  double overshoot_mm_ = 0.0;      ///< Largest advance after it.
-  double deepest_s_ = 0.0;         ///< When that was reached.
+  double before_loss_kpa_ = 0.0;  ///< Highest pressure before the first loss.
+  double first_loss_s_ = 0.0;     ///< Time of the first loss in the epidural space.
+  double overshoot_mm_ = 0.0;     ///< Largest advance after it.
+  double deepest_s_ = 0.0;        ///< When that was reached.
 };
 
 }  // namespace acus::effects

@@ -19,15 +19,19 @@ constexpr double kTapDuty = 0.4;  ///< Share of a tap's period in which the thum
 /// Fluid of a cavity against the speckle of tissue; the floor of the probe's range is reached.
 constexpr double kFluidDb = -40.0;
 constexpr double kEdgeMm = 0.6;  ///< Over which a depot's edge fades.
-/// Fluid attenuates hardly; tissue by this, there and back.
+/// Attenuation of tissue, one way; that of fluid is negligible.
 constexpr double kTissueDbPerCmMhz = 0.5;
 constexpr double kMostEnhancementDb = 8.0;
 constexpr double kBubbleDb = 25.0;
 constexpr double kShadowDb = -30.0;
 constexpr double kLeastShadowAirMl = 0.05;
 
-std::array<double, 3> ArrayOf(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-Vector3d VectorOf(const std::array<double, 3>& a) { return Vector3d::Map(a.data()); }
+std::array<double, 3> ArrayOf(const Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+Vector3d VectorOf(const std::array<double, 3>& a) {
+  return Vector3d::Map(a.data());
+}
 
 /// Length of a beam inside the ellipsoid, up to a place, and how far inside the place is: below 1
 /// inside.
@@ -130,9 +134,9 @@ void FluidStage::KeepDepots(FluidStageState& state, const Vector3d& axis_in_ct) 
 Activity FluidStage::Step(FluidStageState& state, const StepTime& time, PortValues& ports,
                           std::span<double> columns) const noexcept {
   const Eigen::Isometry3d& needle = ports.Get(ports::kNeedle).ct_from_tool;
-  const double dt_s =
-      state.is_started ? std::clamp(time.session_s - state.last_s, kShortestStepS, kLongestStepS)
-                       : kShortestStepS;
+  const double dt_s = state.is_started
+                          ? std::clamp(time.session_s - state.last_s, kShortestStepS, kLongestStepS)
+                          : kShortestStepS;
   state.is_started = true;
   state.last_s = time.session_s;
   if (!needle.matrix().allFinite()) return Activity::kIdle;
@@ -198,8 +202,7 @@ bool FluidStage::IsSameMotion(const FluidStageState& a, const FluidStageState& b
     const ShownDepot& p = a.depot[static_cast<std::size_t>(n)];
     const ShownDepot& q = b.depot[static_cast<std::size_t>(n)];
     if (p.centre_in_ct_mm != q.centre_in_ct_mm || p.normal_in_ct != q.normal_in_ct ||
-        p.width_radius_mm != q.width_radius_mm ||
-        p.thickness_radius_mm != q.thickness_radius_mm ||
+        p.width_radius_mm != q.width_radius_mm || p.thickness_radius_mm != q.thickness_radius_mm ||
         p.displaced_radius_mm != q.displaced_radius_mm || p.wet_share != q.wet_share ||
         p.air_ml != q.air_ml) {
       return false;

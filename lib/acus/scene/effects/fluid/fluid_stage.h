@@ -45,10 +45,10 @@ struct FluidSettings {
 /// A region of injected fluid.
 struct ShownDepot {
   std::array<double, 3> centre_in_ct_mm{};
-  std::array<double, 3> normal_in_ct{};  ///< Of its layers, unit length.
+  std::array<double, 3> normal_in_ct{};  ///< Normal of its layers, unit length.
   double width_radius_mm = 0.0;
   double thickness_radius_mm = 0.0;
-  double displaced_radius_mm = 0.0;  ///< Of a sphere of the tissue that it displaces.
+  double displaced_radius_mm = 0.0;  ///< Radius of a sphere of the displaced volume.
   double wet_share = 0.0;
   double air_ml = 0.0;
 };
@@ -59,8 +59,8 @@ struct FluidStageState {
   fluid::FluidEvents events;
   double last_s = 0.0;
   bool is_started = false;
-  volume::Label label = 0;  ///< At the tip.
-  bool is_in_canal = false;  ///< The canal, or epidural fat before it.
+  volume::Label label = 0;                 ///< At the tip.
+  bool is_in_canal = false;                ///< The canal, or epidural fat before it.
   std::array<double, 3> canal_entry_mm{};  ///< Where the tip came into the canal.
   int row = 0;                             ///< At the bevel.
   double thumb_n = 0.0;
