@@ -14,6 +14,9 @@ using Eigen::Vector3d;
 constexpr double kLongestStepS = 1.0;
 constexpr double kShortestStepS = 1e-6;
 constexpr double kLeastDepotMl = 0.02;
+/// Speed at which a thumb no longer presses: no hand follows a plunger that gives way with its whole
+/// force. Estimate.
+constexpr double kThumbMmPerS = 10.0;
 constexpr double kTapDuty = 0.4;  ///< Share of a tap's period in which the thumb presses.
 
 /// Fluid of a cavity against the speckle of tissue; the floor of the probe's range is reached.
@@ -146,6 +149,7 @@ Activity FluidStage::Step(FluidStageState& state, const StepTime& time, PortValu
   state.thumb_n = ThumbN(state, ports.Get(ports::kPlungerForce), time.session_s);
   fluid::FluidInput input{.hub = settings_.hub,
                           .hand_n = state.thumb_n,
+                          .coupling_n_s_per_mm = std::abs(state.thumb_n) / kThumbMmPerS,
                           .tip_mm = tip_mm,
                           .heart_cycles = settings_.heart_per_s * time.session_s};
   input.bevel[0] = {row, 1.0};
