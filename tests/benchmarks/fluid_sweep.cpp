@@ -57,8 +57,8 @@ FluidRun RunFluid(const FluidSetting& setting) {
   double begin_s = ThreadCpuSeconds();
   for (int n = 1; n <= num; ++n) {
     const double time_s = 1e-3 * setting.step_ms * n;
-    const fluid::FluidOutput output = model.Step(
-        state, FluidInputAt(time_s, ligament, epidural), 1e-3 * setting.step_ms);
+    const fluid::FluidOutput output =
+        model.Step(state, FluidInputAt(time_s, ligament, epidural), 1e-3 * setting.step_ms);
     if (n % every != 0) continue;
     run.syringe_kpa.push_back(output.syringe_kpa);
     run.step_us.push_back(1e6 * (ThreadCpuSeconds() - begin_s) / every);
