@@ -13,6 +13,9 @@ acus_add_cli_case(model_sweeps.image EXIT 0 TIMEOUT 120 STDOUT "^lines" "^elevat
 acus_add_cli_case(model_sweeps.needle EXIT 0 TIMEOUT 120 STDOUT "^num_nodes" "^step_ms" "default$"
   CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
   COMMAND ${CMAKE_BINARY_DIR}/tests/model_sweeps needle --quick -o t)
+acus_add_cli_case(model_sweeps.fluid EXIT 0 TIMEOUT 120 STDOUT "^num_shells" "^step_ms" "default$"
+  CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json
+  COMMAND ${CMAKE_BINARY_DIR}/tests/model_sweeps fluid --quick -o t)
 acus_add_cli_case(model_sweeps.forces EXIT 0 TIMEOUT 120
   STDOUT "^friction, explicit Euler: step_ms" "^model" "UNUSABLE" "default$"
   CREATES t/tradeoff.csv t/tradeoff.json t/tradeoff.svg t/tradeoff.html t/provenance.json

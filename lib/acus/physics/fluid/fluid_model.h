@@ -40,8 +40,9 @@ struct FluidInput {
   double hand_mm = 0.0;        ///< kPosition: where the hand holds the plunger, 0 to the stroke.
   double hand_mm_per_s = 0.0;  ///< Travel of hand_mm in this step over its time.
   double coupling_n_per_mm = 5.0;  ///< kPosition: between the hand and the plunger; > 0.
-  /// >= 0. kPosition: beside the spring. kForce: what the thumb loses with the plunger's speed, as
-  /// no thumb follows with the same force; hand_n / this is its highest speed.
+  /// >= 0. kPosition: beside the spring, see CouplingDampingNSPerMm. kForce: what the thumb loses
+  /// with the plunger's speed, as no thumb follows with the same force; hand_n / this is its
+  /// highest speed.
   double coupling_n_s_per_mm = 0.0;
   /// The tissues at the opening; two while it passes from one into the next.
   std::array<BevelContact, 2> bevel = {{{0, 1.0}, {0, 0.0}}};
@@ -100,6 +101,12 @@ struct FluidOptions {
   int num_shells = 8;       ///< Of the spread, 2 to kMaxShells.
   int max_iterations = 80;  ///< Newton and bisection together.
 };
+
+/// What makes up for the force of the coupling that acts a step late on a sampled device: a spring
+/// of K that is late by 1.5 T needs a damping of 1.5 K T; this is twice that.
+inline double CouplingDampingNSPerMm(double coupling_n_per_mm, double step_s) noexcept {
+  return 3.0 * coupling_n_per_mm * step_s;
+}
 
 /// Drops of 0.05 ml: 20 per ml, as infusion sets count them.
 inline constexpr double kDropMl = 0.05;

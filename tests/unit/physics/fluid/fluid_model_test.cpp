@@ -263,6 +263,97 @@ TEST(FluidModel, DrawnContentIsNamedAndMixes) {
   EXPECT_NEAR(drawn.drawn_share, content_ml / (state.liquid_ml + state.lumen_liquid_ml), 1e-9);
 }
 
+TEST(FluidModel, DrawnContentLeavesWithWhatIsInjected) {
+  FluidTable table = TestTable();
+  table.tissues[kPool].resting_kpa = 1.0;
+  const FluidModel model(table, IdealSyringe(), {2.0, 0.0}, Tuohy16G());
+  FluidState state = model.NewState();
+  const double share = Played(model, state, Pressed(kPool, -1.0), 0.5).drawn_share;
+  const double before_ml = state.drawn_ml;
+  const FluidOutput output = Played(model, state, Pressed(kOpenTissue, 1.0), 0.3);
+  EXPECT_LT(state.drawn_ml, 0.9 * before_ml);
+  EXPECT_NEAR(output.drawn_share, share, 1e-3);
+}
+
+// Constant speed: the hand feels what resists, at the end of the step.
+TEST(FluidModel, AHandFeelsWhatResistsThePlunger) {
+  const FluidModel model = IdealModel(Lumen{.inner_diameter_mm = 0.603, .length_mm = 80.0});
+  FluidState state = model.NewState();
+  FluidInput input = Held(kOpenTissue, state.plunger_mm, 100.0);
+  FluidOutput output;
+  for (int n = 0; n < 500; ++n) {
+    input.hand_mm += 10.0 * 1e-3;
+    output = model.Step(state, input, 1e-3);
+  }
+  EXPECT_GT(output.reaction_n, 1.0);
+  EXPECT_NEAR(output.reaction_n, output.barrel_n, 1e-6);
+}
+
+/// Pressure around the tip, without a needle to vent it.
+double TissueKpa(const FluidModel& model, FluidState& state, FluidInput input) {
+  input.hub = Hub::kStylet;
+  return model.Step(state, input, 1e-6).bevel_kpa;
+}
+
+TEST(FluidModel, PressureStaysBehindWhereTheTipMovesOn) {
+  const FluidModel model = IdealModel(Tuohy16G());
+  FluidState injected = model.NewState();
+  FluidInput input = Pressed(kPorous, 5.0);
+  Played(model, injected, input, 0.5);
+  FluidState state = injected;
+  const double before_kpa = TissueKpa(model, state, input);
+  EXPECT_GT(before_kpa, 1.0);
+  state = injected;
+  input.tip_mm.z() = 2.0;  // Two radii of the cavity.
+  EXPECT_NEAR(TissueKpa(model, state, input), before_kpa * std::exp(-2.0), 1e-3 * before_kpa);
+  // Another tissue, and back: it is fresh.
+  state = injected;
+  input.tip_mm.z() = 0.0;
+  Played(model, state, In(kBlocked), 0.001);
+  EXPECT_EQ(TissueKpa(model, state, input), 0.0);
+}
+
+TEST(FluidModel, OnlyWhatWasInjectedAtThatPlaceReturns) {
+  FluidTable table = TestTable();
+  table.tissues[kPorous].opening_kpa = 0.0;
+  table.tissues[kPorous].spread_time_s = 20.0;
+  table.tissues[kPorous].resting_kpa = 5.0;
+  const FluidModel model(table, IdealSyringe(), {}, Tuohy16G());
+  FluidState state = model.NewState();
+  Played(model, state, Pressed(kPorous, 5.0), 1.0);
+  const double first_ml = state.tissue[kPorous].liquid_ml;
+  FluidInput second = Pressed(kPorous, 5.0);
+  second.tip_mm.z() = 30.0;
+  Played(model, state, second, 0.1);
+  const double second_ml = state.tissue[kPorous].liquid_ml - first_ml;
+  EXPECT_GT(first_ml, 3.0 * second_ml);
+  second.hub = Hub::kOpen;
+  Played(model, state, second, 60.0, 0.01);
+  EXPECT_NEAR(state.tissue[kPorous].liquid_ml, first_ml, 1e-6);
+  EXPECT_NEAR(state.hub_ml, second_ml, 1e-6);
+}
+
+// Isothermal: what leaves the syringe expands on its way into tissue of lower pressure.
+TEST(FluidModel, AirExpandsOnItsWay) {
+  FluidTable table = TestTable();
+  table.tissues[kPorous] = {.name = "porous", .entry_kpa_s_per_ml = 10.0};
+  const Lumen lumen = Needle27G();
+  const FluidModel model(table, IdealSyringe(), {8.0, 1.0}, lumen);
+  FluidState state = model.NewState();
+  const FluidOutput output = Played(model, state, Pressed(kPorous, 10.0), 1.0);
+  const LumenResistance air = ResistanceOf(lumen, kAir);
+  const double kpa = 10.0 / model.syringe().AreaMlPerMm();
+  double flow = 0.1;
+  double bevel_kpa = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    const double expansion = (kAtmosphericKpa + kpa) / (kAtmosphericKpa + bevel_kpa);
+    bevel_kpa = 0.5 * bevel_kpa + 0.5 * 10.0 * expansion * flow;
+    flow = air.FlowMlPerS(kpa - bevel_kpa);
+  }
+  EXPECT_NEAR(output.flow_ml_per_s, flow, 1e-3 * flow);
+  EXPECT_NEAR(output.bevel_kpa, bevel_kpa, 1e-3 * bevel_kpa);
+}
+
 TEST(FluidModel, InjectedFluidIsAbsorbedWithItsTimeConstant) {
   FluidTable table = TestTable();
   table.tissues[kOpenTissue].absorption_s = 2.0;

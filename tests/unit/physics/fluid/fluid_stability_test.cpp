@@ -234,6 +234,29 @@ TEST(FluidStability, APulledPlungerBoilsTheLiquidBeforeItTearsIt) {
   EXPECT_NEAR(output.reaction_n, -99.0 * model.syringe().AreaMlPerMm(), 0.3);
 }
 
+TEST(FluidStability, ThePlungerDoesNotComeOut) {
+  const FluidModel model = ModelOf({});
+  FluidState state = model.NewState();
+  FluidOutput output;
+  for (int n = 0; n < 5000; ++n) output = model.Step(state, Pressed(kPool, -60.0), 1e-3);
+  EXPECT_NEAR(output.plunger_mm, 0.0, 0.05);
+}
+
+// A space that hardly yields, in long steps: the pressure rises to that of the thumb, not beyond.
+TEST(FluidStability, AStiffSpaceFillsWithoutOvershoot) {
+  FluidTable table = TestTable();
+  table.tissues[kSpace].space_compliance_ml_per_kpa = 1e-5;
+  const FluidModel model(table, IdealSyringe(), {}, Tuohy16G());
+  FluidState state = model.NewState();
+  const double thumb_kpa = 5.0 / model.syringe().AreaMlPerMm();
+  for (int n = 0; n < 200; ++n) {
+    FluidInput input = Pressed(kSpace, 5.0);
+    input.coupling_n_s_per_mm = 1.0;
+    EXPECT_LT(model.Step(state, input, 4e-3).bevel_kpa, 1.001 * thumb_kpa) << n;
+  }
+  EXPECT_NEAR(state.bevel_kpa, thumb_kpa, 1e-3 * thumb_kpa);
+}
+
 TEST(FluidStability, ThePlungerStopsAtTheEndOfTheBarrel) {
   const FluidModel model = ModelOf({});
   FluidState state = model.NewState();
