@@ -138,7 +138,7 @@ TEST(Effects, ActiveOnesDoShow) {
   EXPECT_NE(RunOf(jerked, {}).needle_force, at_rest.needle_force);
   EXPECT_NE(RunOf(jerked, {}).probe_force, at_rest.probe_force);
   json pressed = felt;
-  pressed["fluid"] = {{"thumb", "continuous"}};
+  pressed["fluid"] = {{"thumb", "continuous"}, {"presses_from", "skin"}};
   EXPECT_NE(RunOf(pressed, {}).needle_force, at_rest.needle_force);
   const auto largest = [](const std::vector<double>& values) {
     return *std::ranges::max_element(values, {}, [](double v) { return std::abs(v); });

@@ -95,7 +95,8 @@ inline std::vector<EffectChoice> AllEffectChoices() {
   add("pulsating_vessels", "",
       {{"centrelines", "vessels.csv"}, {"radial_strain", 0.2}, {"reach_mm", 20}});
   add("peristalsis", "", {{"centrelines", "vessels.csv"}, {"contraction", 0.4}});
-  add("fluid", "", {{"thumb", "continuous"}}, {{"needle_force", layered}});
+  add("fluid", "", {{"thumb", "continuous"}, {"presses_from", "skin"}},
+      {{"needle_force", layered}});
   add("pain_reaction", "", {{"tissues", {"skin", "muscle"}}, {"latency_s", 0.0}});
   return all;
 }

@@ -94,6 +94,8 @@ class Puncture {
 
 TEST(FluidStage, ResistanceIsLostBehindTheLigamentAndTheDuraComesLater) {
   Puncture puncture(10.0);
+  puncture.AdvanceTo(Puncture::kLigamentMm - 0.1);
+  EXPECT_EQ(puncture.Column(FluidColumn::kPlungerN), 0.0);  // The thumb waits for the ligament.
   puncture.AdvanceTo(Puncture::kFatMm - 0.1);
   const double in_ligament_kpa = puncture.Column(FluidColumn::kSyringeKpa);
   EXPECT_GT(in_ligament_kpa, 20.0);
@@ -117,7 +119,7 @@ TEST(FluidStage, ResistanceIsLostBehindTheLigamentAndTheDuraComesLater) {
 TEST(FluidStage, TheOtherHandHoldsWhatTheThumbPresses) {
   Puncture puncture(12.0);
   puncture.AdvanceTo(Puncture::kLigamentMm + 2.0);
-  puncture.Hold(1.0);
+  puncture.Hold(4.0);
   const Vector3d force_n = puncture.stage().ForceInCtN(puncture.state());
   EXPECT_NEAR(force_n.z(), 12.0, 0.5);  // The plunger hardly moves in the ligament.
   EXPECT_EQ(force_n.head<2>().norm(), 0.0);
@@ -145,10 +147,10 @@ TEST(FluidStage, TheThumbOfTheSessionInjects) {
 
 TEST(FluidStage, TapsLeaveThePlungerBetweenThem) {
   Puncture puncture(10.0, Thumb::kTaps);
-  puncture.AdvanceTo(10.0);
+  puncture.AdvanceTo(Puncture::kLigamentMm + 1.0);
   int pressed = 0;
   for (int i = 0; i < 1000; ++i) {
-    puncture.Step(10.0);
+    puncture.Step(Puncture::kLigamentMm + 1.0);
     pressed += puncture.Column(FluidColumn::kPlungerN) > 0.0 ? 1 : 0;
   }
   EXPECT_NEAR(pressed, 400, 2);

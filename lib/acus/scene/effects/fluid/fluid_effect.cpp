@@ -86,6 +86,7 @@ class FluidEffect final : public Effect {
         "thumb": {"enum": ["session", "continuous", "taps"], "default": "session", "description": "Who presses the plunger: the session (keys, recorded orders), or a steady or tapping force while the tip is in tissue"},
         "thumb_n": {"type": "number", "minimum": 0, "maximum": 100, "default": 10, "description": "Of the steady or tapping thumb"},
         "taps_per_s": {"type": "number", "exclusiveMinimum": 0, "maximum": 10, "default": 2, "description": "Of the tapping thumb"},
+        "presses_from": {"enum": ["ligament", "skin"], "default": "ligament", "description": "Where the steady or tapping thumb begins to press"},
         "eased_after_ml": {"type": "number", "minimum": 0, "maximum": 100, "default": 1, "description": "The steady or tapping thumb lets go when so much was injected since the loss of resistance"},
         "heart_per_min": {"type": "number", "minimum": 20, "maximum": 250, "default": 70, "description": "Pulse in vessels and in cerebrospinal fluid"},
         "epidural_depth_mm": {"type": "number", "minimum": 0, "maximum": 20, "default": 5.5, "description": "From the inner face of the yellow ligament to the dura, along the needle"},
@@ -139,6 +140,7 @@ class FluidEffect final : public Effect {
     fluid.thumb = ThumbOf(settings.at("thumb"));
     fluid.thumb_n = settings.at("thumb_n");
     fluid.taps_per_s = settings.at("taps_per_s");
+    fluid.presses_from_ligament = settings.at("presses_from") == "ligament";
     fluid.eased_after_ml = settings.at("eased_after_ml");
     fluid.heart_per_s = settings.at("heart_per_min").get<double>() / 60.0;
     fluid.epidural_depth_mm = settings.at("epidural_depth_mm");

@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 constexpr double kLongestStepS = 1.0;
 constexpr double kShortestStepS = 1e-6;
 constexpr double kLeastDepotMl = 0.02;
-/// Speed at which a thumb no longer presses: no hand follows a plunger that gives way with its whole
-/// force. Estimate.
+/// Speed at which a thumb no longer presses: no hand follows a plunger that gives way with its
+/// whole force. Estimate.
 constexpr double kThumbMmPerS = 10.0;
 constexpr double kTapDuty = 0.4;  ///< Share of a tap's period in which the thumb presses.
 
@@ -80,6 +80,7 @@ int FluidStage::RowAt(FluidStageState& state, volume::Label label,
       label == rows.fat && (was_in_canal || state.label == rows.ligament);
   state.is_in_canal = label != 0 && (label == rows.canal || enters_fat_behind_ligament);
   state.label = label;
+  state.has_met_ligament = state.has_met_ligament || label == rows.ligament;
   if (!state.is_in_canal) return rows.of_label[label];
   if (!was_in_canal) state.canal_entry_mm = ArrayOf(tip_mm);
   const double travelled_mm = (tip_mm - VectorOf(state.canal_entry_mm)).norm();
@@ -89,7 +90,8 @@ int FluidStage::RowAt(FluidStageState& state, volume::Label label,
 double FluidStage::ThumbN(const FluidStageState& state, double session_n,
                           double session_s) const noexcept {
   if (settings_.thumb == Thumb::kSession) return session_n;
-  if (state.row == 0) return 0.0;
+  const bool waits = settings_.presses_from_ligament && !state.has_met_ligament;
+  if (state.row == 0 || waits) return 0.0;
   const bool is_eased =
       state.is_lost && state.injected_ml - state.injected_at_loss_ml >= settings_.eased_after_ml;
   if (is_eased) return 0.0;

@@ -37,7 +37,8 @@ struct FluidSettings {
   Thumb thumb = Thumb::kSession;
   double thumb_n = 0.0;
   double taps_per_s = 0.0;
-  double eased_after_ml = 0.0;  ///< Injected since the loss of resistance.
+  bool presses_from_ligament = true;  ///< Before the first ligament the steady thumb waits.
+  double eased_after_ml = 0.0;        ///< Injected since the loss of resistance.
   double heart_per_s = 0.0;
   double epidural_depth_mm = 0.0;  ///< On the needle's way through the canal, until the dura.
 };
@@ -65,7 +66,8 @@ struct FluidStageState {
   int row = 0;                             ///< At the bevel.
   double thumb_n = 0.0;
   double injected_ml = 0.0;  ///< Into tissue, from the syringe.
-  bool is_lost = false;      ///< There was a loss of resistance: what follows is of the last one.
+  bool has_met_ligament = false;
+  bool is_lost = false;  ///< There was a loss of resistance: what follows is of the last one.
   std::array<double, 3> loss_tip_mm{};
   double injected_at_loss_ml = 0.0;
   double beyond_loss_mm = 0.0;
