@@ -31,8 +31,8 @@ int main(int argc, char** argv) {
   app.add_option("--labels", labels_path, "The patient's label map, in place of the scenario's")
       ->check(CLI::ExistingFile);
   app.add_option("--transform", transform_path,
-                 "ct_from_reference.tfm of acus-register, in place of the scenario's")
-      ->check(CLI::ExistingFile);
+                 "ct_from_reference.tfm of acus-register in place of the scenario's, or identity")
+      ->check(CLI::ExistingFile | CLI::IsMember({"identity"}));
   app.add_option("--set", changes,
                  "Change one value of the scenario: /json/pointer=value; =null takes it out");
   app.add_option("-o,--output", options.run_folder, "Run folder to make");

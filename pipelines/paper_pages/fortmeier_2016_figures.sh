@@ -19,7 +19,7 @@ synthetic_motion() {
 in_ct() {
   local run=$1 session=$2
   shift 2
-  acus-replay "scenarios/$paper.json" "$session" --ct patient/ct.nrrd --labels patient/labels.seg.nrrd \
+  acus-replay "scenarios/$paper.json" "$session" --ct patient/ct.nrrd --labels patient/labels.seg.nrrd --transform identity \
     --no-sequence --no-film --png all --quiet -o "$run" --overwrite \
     --set /effects/ultrasound=null --set /effects/ct_slice=null --set /effects/fluoroscopy=null \
     --set /effects/probe_force=null "$@" >"$run.txt"
@@ -57,8 +57,8 @@ JSON
   # Algorithm 1 as printed: a1, a2 and k inside, too.
   sed '/"tissue": "liver"/s/"cutting_n"/"cutting_a1_n_per_mm": 0.048, "cutting_a2_n_per_mm2": 0.0052, "shaft_n_per_mm2": 0.25, "cutting_n"/' \
     "$root/configs/forces/fortmeier_bovine.json" >block/as_printed.json
-  acus-replay block/scenario.json block/session -o run_block --overwrite --quiet --explain >run_block.txt
-  acus-replay block/scenario.json block/session -o run_printed --overwrite --quiet \
+  acus-replay block/scenario.json block/session --transform identity -o run_block --overwrite --quiet --explain >run_block.txt
+  acus-replay block/scenario.json block/session --transform identity -o run_printed --overwrite --quiet \
     --set "/effects/tissue/table=$PWD/block/as_printed.json" --set /effects/tissue/springs/path_spacing_mm=2 >run_printed.txt
   local run
   for run in block printed; do awk -F, 'NR > 1 { print $2 "," $4 }' run_$run/forces.csv >$run.csv; done

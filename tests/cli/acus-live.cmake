@@ -86,6 +86,15 @@ acus_add_cli_case(acus-live.driver_by_a_relative_path EXIT 3 NEEDS inputs LEAVES
   BEFORE "${d_relative} && cp ${marker} ."
   STDERR "d.json: /devices/1/library: is './libacus_marker.so'.*allowed: an absolute path"
   COMMAND ${with_driver} --check)
+# As fast as the computer is, and the same on every computer; without --duration to the end of what is followed.
+acus_add_cli_case(acus-live.virtual_time EXIT 0 NEEDS inputs STDOUT "^same$" "lost: 0"
+  COMMAND bash ${live_checks} virtual_time)
+acus_add_cli_case(acus-live.virtual_time_in_a_window EXIT 2 NEEDS inputs LEAVES_NOTHING
+  STDERR "--virtual-time goes with --headless"
+  COMMAND acus-live $INPUTS/scenario.json --devices devices/virtual.json ${live_patient} --virtual-time -o s)
+acus_add_cli_case(acus-live.virtual_time_without_an_end EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "--virtual-time: give --duration, or --hand"
+  COMMAND acus-live $INPUTS/scenario.json ${virtual} ${live_patient} --virtual-time -o s)
 acus_add_cli_case(acus-live.no_output EXIT 2 NEEDS inputs LEAVES_NOTHING
   STDERR "--output is required"
   COMMAND acus-live $INPUTS/scenario.json ${virtual})

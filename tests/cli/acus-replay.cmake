@@ -147,6 +147,16 @@ acus_add_cli_case(acus-replay.measured_forces_of_another_recording EXIT 3 NEEDS 
 acus_add_cli_case(acus-replay.check EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "needle force" ": OK"
   COMMAND acus-replay $INPUTS/scenario.json ${patient} --check)
+acus_add_cli_case(acus-replay.no_registration EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "in the frame Reference, not in that of the CT" "--transform identity"
+  COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session --ct $INPUTS/ct.nrrd --labels $INPUTS/labels.seg.nrrd -o r)
+acus_add_cli_case(acus-replay.identity_as_registration EXIT 0 NEEDS inputs LEAVES_NOTHING STDOUT ": OK"
+  COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session --ct $INPUTS/ct.nrrd --labels $INPUTS/labels.seg.nrrd
+  --transform identity --check)
+acus_add_cli_case(acus-replay.labels_as_ct EXIT 3 NEEDS inputs LEAVES_NOTHING
+  STDERR "labels.seg.nrrd: is a label map .*Give labels by --labels"
+  COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session --ct $INPUTS/labels.seg.nrrd
+  --labels $INPUTS/labels.seg.nrrd --transform $INPUTS/ct_from_reference.tfm -o r)
 acus_add_cli_case(acus-replay.no_such_scenario EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "scenarios/lumbar_punctur.json: no such file; tried"
   COMMAND acus-replay scenarios/lumbar_punctur.json $INPUTS/session -o run)

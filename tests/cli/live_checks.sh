@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Sessions of acus-live that take more than one command.
-# Usage: live_checks.sh replay|signal|kill|images|images_cut
+# Usage: live_checks.sh replay|signal|kill|images|images_cut|virtual_time
 set -euo pipefail
 session=(acus-live "$INPUTS/scenario.json" --devices devices/virtual.json --headless
   --hand "$INPUTS/session" -o s --quiet --set "/patient/ct=$INPUTS/ct.nrrd"
@@ -42,6 +42,15 @@ case $1 in
     "${session[@]}" --duration 3 >out
     replay
     cmp s/forces.csv r/forces.csv && echo same
+    ;;
+  virtual_time)
+    for name in one two; do
+      "${session[@]}" --virtual-time --overwrite
+      mv s "$name"
+    done
+    cmp one/needle.csv two/needle.csv && cmp one/forces.csv two/forces.csv
+    # To the end of what is followed.
+    [[ $(tail -n 1 one/needle.csv | cut -d. -f1) == $(tail -n 1 "$INPUTS/session/needle.csv" | cut -d. -f1) ]] && echo same
     ;;
   signal)
     begin

@@ -45,6 +45,17 @@ held() {
   awk -v got="$got" -v want="$2" 'BEGIN { d = got - want; exit !(got != "" && d * d <= (0.02 * want) ^ 2) }' ||
     fail "$paper: $1: $got, not $2" 4
 }
+# The paper's workplace: its demonstration does its exercise.
+# shellcheck source=/dev/null
+source "$root/tests/cli/play.sh"
+mkdir -p work/exercises work/sessions
+ln -s ../patient work/patient
+ln -s ../registration_patient work/registration
+[[ ! -d motion ]] || ln -s ../motion work/motion
+PYTHONPATH=$root/pipelines/launcher python3 -B -c \
+  'import pathlib, sys, new_workplace; new_workplace.write_system(pathlib.Path("work").resolve(), sys.argv[1])' "$paper"
+play_demonstration work play
+
 in_plan B-mode yes
 case $paper in
   augmented_2010)

@@ -84,7 +84,8 @@ TEST(ReplaySpeed, ThirtySecondsTakeFifteenHundredSlices) {
   volume::WriteLabelMap(folder / "labels.seg.nrrd", *scene.labels);
   session::WriteSession(folder / "session", InAndOut(), context);
   WriteTextFile(folder / "scene.json", R"({"format": "acus-scenario/1",
-    "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"}, "probe": "probes/linear_l14.json",
+    "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd",
+        "ct_from_reference": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}, "probe": "probes/linear_l14.json",
     "effects": {"needle_force": {}, "ultrasound": {}, "ct_slice": {}}})");
   const auto scenario = scenario::ReadScenario(folder / "scene.json", {});
 

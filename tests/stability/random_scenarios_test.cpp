@@ -245,7 +245,11 @@ TEST_F(FailingScenarios, AreShrunkAndKeptSoThatTheyCanBeReplayed) {
   // Much that has nothing to do with it.
   const json document = {
       {"format", "acus-scenario/1"},
-      {"patient", {{"ct", "ct.nrrd"}, {"labels", "labels.seg.nrrd"}, {"corridor", "corridor.csv"}}},
+      {"patient",
+       {{"ct", "ct.nrrd"},
+        {"labels", "labels.seg.nrrd"},
+        {"corridor", "corridor.csv"},
+        {"ct_from_reference", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}}},
       {"image_rate_hz", 10.0},
       {"effects",
        {{"needle_force", {{"model", "layered"}, {"guidance", "none"}}},
@@ -294,9 +298,13 @@ TEST_F(FailingScenarios, ACrashIsKeptWithTheStepThatDidIt) {
   also_ = [this](const simulation::StepOutput&) {
     if (trace_->num_steps == 100) std::abort();
   };
-  const json document = {{"format", "acus-scenario/1"},
-                         {"patient", {{"ct", "ct.nrrd"}, {"labels", "labels.seg.nrrd"}}},
-                         {"effects", {{"needle_force", json::object()}}}};
+  const json document = {
+      {"format", "acus-scenario/1"},
+      {"patient",
+       {{"ct", "ct.nrrd"},
+        {"labels", "labels.seg.nrrd"},
+        {"ct_from_reference", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}}},
+      {"effects", {{"needle_force", json::object()}}}};
   ASSERT_EQ(TryAndKeep(document, 3), End::kCrashed);
   EXPECT_THAT(ReadTextFile(failures_ / "1/what.txt"), testing::HasSubstr("step 100"));
   EXPECT_EQ(session::ReadSession(failures_ / "1/session", {}).needle.size(), 100u);

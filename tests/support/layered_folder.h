@@ -20,7 +20,8 @@ inline void WriteLayeredFolder(const std::filesystem::path& folder, const std::s
   volume::WriteLabelMap(folder / "labels.seg.nrrd", *scene.labels);
   WriteTextFile(folder / "scene.json",
                 Message(R"({"format": "acus-scenario/1", "name": "Layers",
-      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"},
+      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd",
+        "ct_from_reference": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]},
       "probe": "probes/linear_l14.json", "effects": )",
                         effects, R"(, "image_rate_hz": )", image_rate_hz, "}"));
   setenv("ACUS_CONFIGS", (std::filesystem::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);

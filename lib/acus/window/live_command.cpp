@@ -29,10 +29,15 @@ struct Options {
 
 void AddSessionOptions(CLI::App& app, Options& options) {
   app.add_option("-o,--output", options.session.session_folder, "Session folder to make");
-  app.add_option("--hand", options.session.hand, "Virtual hands follow this recorded session")
+  app.add_option("--hand", options.session.hand,
+                 "Virtual hands follow this recorded session and its commands, to its end, or for\n"
+                 "--duration forth and back")
       ->check(CLI::ExistingPath);
   app.add_option("--duration", options.session.duration_s, "End by itself after so many seconds")
       ->check(CLI::Range(0.0, 86400.0));
+  app.add_flag("--virtual-time", options.session.virtual_time,
+               "With --headless and virtual hands only: time is counted, not measured. As fast as\n"
+               "the computer is, without images; the recording is the same on every computer");
   app.add_option("--exercise", options.exercise, "What the trainee is asked to do (acus-exercise)")
       ->check(CLI::ExistingFile);
   app.add_option("--trial", options.console.trial,
@@ -82,6 +87,9 @@ void CheckCombination(const Options& options) {
   if (NumAsked(options) == 0) throw CLI::RequiredError("--output");
   if (!options.make_images.empty() && NumAsked(options) > 1) {
     throw CLI::ValidationError("--make-images goes with none of --output, --check and --requests");
+  }
+  if (options.session.virtual_time && (!options.headless || options.requests)) {
+    throw CLI::ValidationError("--virtual-time goes with --headless, and not with --requests");
   }
   if (!options.requests) return;
   if (NumAsked(options) > 1) {

@@ -104,6 +104,27 @@ void WarnIfNotHounsfield(const CtVolume& ct, const fs::path& path, const RunCont
   }
 }
 
+/// A file of labels is given as CT by mistake.
+void RequireNoLabelMap(const ScalarFile& file, const CtVolume& ct, const fs::path& path) {
+  constexpr std::ptrdiff_t kMostLabels = 128;  // A CT that is cut to 8 bit has about 256 values.
+  const bool has_segments = std::ranges::any_of(
+      file.keys, [](const auto& key) { return key.first.starts_with("Segment0_"); });
+  std::array<bool, 256> occurs{};
+  bool fits = true;
+  for (const std::int16_t hu : ct.voxels) {
+    if (hu < 0 || hu > 255) {
+      fits = false;
+      break;
+    }
+    occurs[static_cast<std::size_t>(hu)] = true;
+  }
+  const auto count = std::ranges::count(occurs, true);
+  ACUS_REQUIRE(!has_segments && !(fits && count > 1 && count <= kMostLabels), path.string(),
+               ": is a label map",
+               fits ? Message(" (", count, " different values from 0 to 255)") : "",
+               ", and a CT in Hounsfield units is needed here. Give labels by --labels");
+}
+
 /// Voxels of a patient's CT are not finer than this, nor is it larger than a room.
 void RequireSizeOfBody(const Geometry& geometry, const fs::path& path) {
   constexpr double kFinestMm = 0.02;
@@ -174,6 +195,7 @@ CtVolume ReadCt(const fs::path& path, const std::string& series, const RunContex
     for (const std::string& note : file.notes) context.Warn(Message(path.string(), ": ", note));
     RequireSizeOfBody(file.geometry, path);
     ct = CtFrom(file);
+    RequireNoLabelMap(file, ct, path);
     const std::string name = path.filename().string();
     if ((name.ends_with(".nii") || name.ends_with(".nii.gz")) && !NiftiIsPlaced(path)) {
       context.Warn(Message(path.string(),

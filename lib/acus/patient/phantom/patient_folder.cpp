@@ -10,6 +10,7 @@
 #include "acus/data/volume/label_map_content.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
+#include "acus/patient/phantom/hands/demonstration.h"
 #include "acus/patient/phantom/planning/insertion_summary.h"
 #include "acus/patient/phantom/planning/scene_plan.h"
 
@@ -70,6 +71,10 @@ Insertion WriteInsertion(const std::filesystem::path& folder, const PatientField
       PlayScript(field, plan, config.session, config.markers.reference_from_ct, context);
   std::filesystem::create_directory(folder / "sessions");
   session::WriteSession(folder / "sessions" / config.session.name, scripted.session, context);
+  const ScriptedSession demonstration =
+      PlayScript(field, plan, DemonstrationOf(field, plan, config.session),
+                 config.markers.reference_from_ct, context);
+  session::WriteSession(folder / kDemonstration, demonstration.session, context);
   Json events = Json::array();
   for (const NeedleEvent& event : scripted.events) {
     events.push_back({{"time_s", event.time_s},

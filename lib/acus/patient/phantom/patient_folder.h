@@ -11,8 +11,9 @@
 namespace acus::phantom {
 
 /// Makes a patient from `config` and context.seed and writes ct.nrrd, labels.seg.nrrd, truth.json,
-/// markers_ct.csv, markers_mannequin.csv, target_ct.csv, corridor_ct.csv, force_curves/, sessions/
-/// and provenance.json, as one folder, whole or not at all. Returns a summary for people.
+/// markers_ct.csv, markers_mannequin.csv, target_ct.csv, corridor_ct.csv, force_curves/, sessions/,
+/// demonstration/ and provenance.json, as one folder, whole or not at all. Returns a summary for
+/// people.
 /// @throws NoAnswerError if no path leads to the target.
 std::string WritePatient(const std::filesystem::path& folder, const PhantomConfig& config,
                          const RunContext& context);

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kSubsteps = 10;
 constexpr double kTremorHz = 9.0;
+constexpr double kFurthestCorrectionMm = 20.0;
 constexpr double kStrongestPullN = 60.0;  ///< No hand pulls harder, however far its goal is.
 
 std::array<double, 7> Pack(const Eigen::Isometry3d& pose) {
@@ -88,6 +89,7 @@ void VirtualHandSettings::Check() const {
   RequireWithin("grip_damping_n_s_per_m", grip_damping_n_s_per_m, 0.0, 1000.0);
   RequireWithin("inertia_kg_mm2", inertia_kg_mm2, 1.0, 1e5);
   RequireWithin("grip_torque_nmm_per_rad", grip_torque_nmm_per_rad, 1.0, 1e5);
+  RequireWithin("correction_s", correction_s, 0.0, 10.0);
   RequireWithin("tremor_mm", tremor_mm, 0.0, 5.0);
   RequireWithin("encoder_mm", encoder_mm, 0.0, 1.0);
   RequireWithin("max_force_n", max_force_n, 0.0, 40.0);
@@ -166,6 +168,17 @@ Eigen::Vector3d VirtualHand::Tremor() const noexcept {
                                                std::sin(0.91 * phase + 2.0));
 }
 
+void VirtualHand::Correct(double dt_s) noexcept {
+  if (settings_.correction_s <= 0.0 || wish_.is_steered != 0) {
+    correction_mm_.setZero();
+    return;
+  }
+  correction_mm_ += dt_s / settings_.correction_s * (goal_.translation() - state_.place_mm);
+  if (correction_mm_.norm() > kFurthestCorrectionMm) {
+    correction_mm_ *= kFurthestCorrectionMm / correction_mm_.norm();
+  }
+}
+
 void VirtualHand::Turn(const Eigen::Vector3d& torque_nmm, double dt_s) noexcept {
   const double inertia = settings_.inertia_kg_mm2 * 1e-3;  // N mm s^2.
   const double spring = settings_.grip_torque_nmm_per_rad;
@@ -185,7 +198,8 @@ DeviceReading VirtualHand::Step(const DeviceForce& force, double dt_s) noexcept 
     goal_ = settings_.path.At(time_s_);
     if (wish_.is_steered != 0) goal_ = Unpack(wish_.goal);
     // A goal that was set far away is approached as fast as a hand can pull.
-    const Eigen::Vector3d wanted_mm = goal_.translation() + Tremor();
+    Correct(step_s);
+    const Eigen::Vector3d wanted_mm = goal_.translation() + correction_mm_ + Tremor();
     Eigen::Vector3d way_mm = wanted_mm - state_.place_mm;
     const double furthest_mm = kStrongestPullN / mass_.hand_n_per_mm;
     if (way_mm.norm() > furthest_mm) way_mm *= furthest_mm / way_mm.norm();

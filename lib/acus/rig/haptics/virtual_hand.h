@@ -42,6 +42,9 @@ struct VirtualHandSettings {
   double grip_damping_n_s_per_m = 15.0;
   double inertia_kg_mm2 = 100.0;
   double grip_torque_nmm_per_rad = 2000.0;
+  /// A hand that watches its tool moves its goal by what a force pushes it off, with this time
+  /// constant; 0: it yields and stays off. Not while it is steered by a person.
+  double correction_s = 0.0;
   double tremor_mm = 0.1;     ///< Amplitude along each axis, at about 9 Hz.
   double encoder_mm = 0.02;   ///< Steps of the reading; 0: exact.
   double max_force_n = 20.0;  ///< Of the motors that it pretends to have.
@@ -96,6 +99,7 @@ class VirtualHand {
  private:
   void AskSteering() noexcept;
   Eigen::Vector3d Tremor() const noexcept;
+  void Correct(double dt_s) noexcept;
   void Turn(const Eigen::Vector3d& torque_nmm, double dt_s) noexcept;
 
   VirtualHandSettings settings_;
@@ -106,6 +110,7 @@ class VirtualHand {
   Eigen::Quaterniond rotation_ = Eigen::Quaterniond::Identity();
   Eigen::Vector3d spin_rad_s_ = Eigen::Vector3d::Zero();
   Eigen::Isometry3d goal_ = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d correction_mm_ = Eigen::Vector3d::Zero();
   double time_s_ = 0.0;
 };
 

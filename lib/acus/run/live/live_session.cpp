@@ -1,6 +1,7 @@
 #include "acus/run/live/live_session.h"
 
 #include <chrono>
+#include <ranges>
 #include <set>
 #include <thread>
 
@@ -50,6 +51,15 @@ haptics::GoalPath PathOf(const session::PoseStream& stream, std::int64_t start_n
   return path;
 }
 
+bool OnlyVirtualHands(const LiveDevices& devices) {
+  return devices.trackers.empty() && !devices.camera && !devices.belt && !devices.images_from &&
+         !devices.send_out &&
+         std::ranges::all_of(devices.haptics.devices, [](const haptics::DeviceConfig& device) {
+           return device.driver == haptics::DriverKind::kVirtualHand;
+         });
+}
+
+constexpr double kCorrectionS = 0.3;        // Time constant of a hand that watches its tool.
 constexpr std::size_t kWordsThatTell = 40;  // Prefix of a status line; numbers follow.
 
 }  // namespace
@@ -144,6 +154,11 @@ LiveSession::~LiveSession() {
 
 void LiveSession::FollowSession(LiveDevices& devices, const fs::path& path) {
   const session::Session session = session::ReadAnySession(path, {}, context_).session;
+  const std::int64_t start_ns = session.start_ns();
+  for (session::Command command : session.commands) {
+    command.time_ns -= start_ns;
+    followed_commands_.push_back(command);
+  }
   for (const auto& [tool, stream] : {std::pair{&devices.haptics.needle, &session.needle},
                                      {&devices.haptics.probe, &session.probe}}) {
     if (tool->device.empty() || stream->empty()) continue;
@@ -152,9 +167,11 @@ void LiveSession::FollowSession(LiveDevices& devices, const fs::path& path) {
       ACUS_REQUIRE(device.driver == haptics::DriverKind::kVirtualHand, "--hand: the device \"",
                    device.name, "\" is held by a real hand; only a virtual_hand can follow ",
                    path.string());
-      device.hand.path =
-          PathOf(*stream, session.start_ns(), devices.reference_from_device.at(device.name),
-                 tool->handle_from_tool);
+      device.hand.path = PathOf(*stream, start_ns, devices.reference_from_device.at(device.name),
+                                tool->handle_from_tool);
+      device.hand.correction_s = kCorrectionS;
+      followed_s_ =
+          std::max(followed_s_, 1e-9 * static_cast<double>(stream->back().time_ns - start_ns));
     }
   }
 }
@@ -182,11 +199,24 @@ haptics::HapticDevice* LiveSession::Take(const haptics::ToolConfig& tool) {
   if (haptics::HapticDevice* device = rig_->Find(tool.device)) return device;
   const auto steering = std::make_shared<haptics::HandSteering>();
   steering_[tool.device] = steering;
-  own_devices_.push_back(haptics::OpenDevice(*devices_.haptics.Find(tool.device), steering));
+  const haptics::DeviceConfig& config = *devices_.haptics.Find(tool.device);
+  if (options_.virtual_time) {
+    using haptics::VirtualHandDriver;
+    auto driver = std::make_unique<VirtualHandDriver>(config.hand, steering,
+                                                      VirtualHandDriver::Clock::kStepped);
+    stepped_.push_back(driver.get());
+    own_devices_.push_back(
+        std::make_unique<haptics::HapticDevice>(std::move(driver), config.safety));
+  } else {
+    own_devices_.push_back(haptics::OpenDevice(config, steering));
+  }
   return own_devices_.back().get();
 }
 
 void LiveSession::TakeDevices() {
+  ACUS_REQUIRE(!options_.virtual_time || OnlyVirtualHands(devices_),
+               "--virtual-time: the devices file must have virtual hands only, no tracker, camera, "
+               "belt, images_from or send_out: these have a clock of their own");
   const auto mount = [&](const haptics::ToolConfig& tool) {
     return ToolMount{.reference_from_device = devices_.reference_from_device.at(tool.device),
                      .handle_from_tool = tool.handle_from_tool,
@@ -290,7 +320,7 @@ void LiveSession::Start() {
     recorder_->Start();
     rig_->StartTrackers();
     if (remote_) remote_->Start(core_settings_.origin_ns);
-    images_->Start();
+    if (!options_.virtual_time) images_->Start();
     started_ = true;
     if (bridge_) bridge_->core = core_.get();
     servo_device_->Start(core_->servo());
@@ -305,14 +335,56 @@ bool LiveSession::Poll() {
   if (end_ != SessionEnd::kRunning) return false;
   ReadRates();
   SendStatus();
+  SendFollowedCommands();
   if (context_.stop != nullptr && context_.stop->load(std::memory_order_relaxed)) {
     end_ = SessionEnd::kStopped;
-  } else if (options_.duration_s > 0.0 && seconds_running() >= options_.duration_s) {
+  } else if (IsTimeUp()) {
     end_ = SessionEnd::kDuration;
   } else if (servo_device_->status().state == haptics::DeviceState::kFailed) {
     end_ = SessionEnd::kDeviceFailed;
   }
   return end_ == SessionEnd::kRunning;
+}
+
+bool LiveSession::IsTimeUp() const {
+  if (options_.duration_s > 0.0) return seconds_running() >= options_.duration_s;
+  // Who has taken over goes on.
+  return followed_s_ > 0.0 && seconds_running() >= followed_s_ &&
+         std::ranges::none_of(steering_,
+                              [](const auto& hand) { return hand.second->is_steered(); });
+}
+
+void LiveSession::SendFollowedCommands() {
+  for (; next_followed_ < followed_commands_.size(); ++next_followed_) {
+    const session::Command& next = followed_commands_[next_followed_];
+    if (1e-9 * static_cast<double>(next.time_ns) > session_s()) break;
+    core_->commands().Give(next.kind, next.value);
+  }
+}
+
+void LiveSession::RunInVirtualTime() {
+  constexpr int kStepsBetweenLooks = 256;
+  ACUS_REQUIRE(options_.duration_s > 0.0 || followed_s_ > 0.0,
+               "--virtual-time: give --duration, or --hand with a session to follow");
+  Start();
+  const auto period_ns = static_cast<std::int64_t>(1e9 / core_settings_.rate_hz);
+  const auto is_busy = [this] {
+    return recorder_->status().steps_waiting >
+           static_cast<std::int64_t>(options_.recorder.ring_steps / 2);
+  };
+  for (std::int64_t step = 0; end_ == SessionEnd::kRunning; ++step) {
+    const std::int64_t time_ns = core_settings_.origin_ns + step * period_ns;
+    // The probe's hand first: the servo, which makes the step, reads where it is.
+    for (haptics::VirtualHandDriver* hand : stepped_ | std::views::reverse) hand->Step(time_ns);
+    SendFollowedCommands();
+    if (IsTimeUp()) end_ = SessionEnd::kDuration;
+    if (step % kStepsBetweenLooks != 0) continue;
+    if (context_.stop != nullptr && context_.stop->load(std::memory_order_relaxed)) {
+      end_ = SessionEnd::kStopped;
+    }
+    while (is_busy()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  Stop();
 }
 
 void LiveSession::ReadRates() {
@@ -385,6 +457,7 @@ void LiveSession::HoldPedal() {
 }
 
 double LiveSession::seconds_running() const {
+  if (options_.virtual_time) return session_s();
   // By the clock: a silent device causes no steps.
   return 1e-9 * static_cast<double>(MonotonicNs() - core_settings_.origin_ns);
 }
@@ -395,6 +468,10 @@ bool LiveSession::complete() const {
 }
 
 bool RunHeadless(LiveSession& session, const RunContext& context) {
+  if (session.in_virtual_time()) {
+    session.RunInVirtualTime();
+    return session.complete();
+  }
   session.Start();
   std::set<std::string> said;
   for (int i = 0; session.Poll(); ++i) {

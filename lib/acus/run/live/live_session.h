@@ -18,6 +18,7 @@
 
 #include "acus/base/core/run_context.h"
 #include "acus/rig/haptics/haptic_device.h"
+#include "acus/rig/haptics/virtual_hand_driver.h"
 #include "acus/run/live/broadcast.h"
 #include "acus/run/live/image_thread.h"
 #include "acus/run/live/live_core.h"
@@ -34,10 +35,15 @@ namespace acus::live {
 
 struct LiveOptions {
   std::filesystem::path session_folder;
-  std::string name;         ///< Name of the session; empty: the scenario's.
-  double duration_s = 0.0;  ///< 0: until it is stopped.
-  /// A session that the virtual hands of needle and probe follow. Empty: the devices file decides.
+  std::string name;  ///< Name of the session; empty: the scenario's.
+  /// 0: to the end of the session that the hands follow; without one until it is stopped.
+  double duration_s = 0.0;
+  /// A session whose needle, probe and commands the virtual hands follow: once, or forth and back
+  /// for `duration_s`. Empty: the devices file decides.
   std::filesystem::path hand;
+  /// Time is counted, not measured: as fast as the computer is, with virtual hands only and without
+  /// images. What is recorded is the same on every computer.
+  bool virtual_time = false;
   bool left_handed = false;  ///< The devices of needle and probe change places.
   /// No vendor's library is loaded, no device searched for, and the session cannot be started.
   bool only_checks = false;
@@ -101,6 +107,10 @@ class LiveSession {
   /// @throws InputError; then nothing runs and motors are off.
   void Start();
 
+  /// All of a session in virtual time, in place of Start() and Poll(). @pre the option was set.
+  void RunInVirtualTime();
+  bool in_virtual_time() const { return options_.virtual_time; }
+
   /// False when the session is over: its time is up, it was stopped, or the device that runs the
   /// steps has failed for good. To be called at least ten times a second.
   bool Poll();
@@ -156,6 +166,8 @@ class LiveSession {
   void TakeDevices();
   void FollowSession(LiveDevices& devices, const std::filesystem::path& session);
   void PlaceProbeOnSkin();
+  void SendFollowedCommands();
+  bool IsTimeUp() const;
   void ReadRates();
   void SendStatus();
   void MakeCore();
@@ -171,6 +183,10 @@ class LiveSession {
   std::vector<tracking::SourceCounts> tracked_before_;  ///< By tracker, at the start.
   std::unique_ptr<Bridge> bridge_;                      ///< Between the other device and the core.
   std::map<std::string, std::shared_ptr<haptics::HandSteering>> steering_;  ///< By virtual hand.
+  std::vector<haptics::VirtualHandDriver*> stepped_;  ///< In virtual time; the servo's first.
+  std::vector<session::Command> followed_commands_;   ///< Commands of the session that hands follow.
+  std::size_t next_followed_ = 0;
+  double followed_s_ = 0.0;  ///< Its duration; 0: none.
   /// Virtual hands, and substitutes for absent devices.
   std::vector<std::unique_ptr<haptics::HapticDevice>> own_devices_;
   haptics::HapticDevice* servo_device_ = nullptr;

@@ -40,18 +40,14 @@ training::ImageField FieldOf(const simulation::Scene& scene, std::optional<doubl
 void ExerciseWatch::Path::Add(const PoseSample& sample) {
   if (!sample.valid) return;
   if (!first) first = sample;
-  if (last && !restarts) {
-    length_mm +=
-        (sample.reference_from_tool.translation() - last->reference_from_tool.translation()).norm();
-  }
-  restarts = false;
   last = sample;
+  path.Add(sample);
 }
 
 void ExerciseWatch::Path::AddTo(std::vector<Metric>& metrics, const char* tool) const {
   const double elapsed_s = first ? 1e-9 * static_cast<double>(last->time_ns - first->time_ns) : 0.0;
   metrics.push_back({std::string(tool) + " elapsed time", "s", elapsed_s});
-  metrics.push_back({std::string(tool) + " path length", "mm", length_mm});
+  metrics.push_back({std::string(tool) + " path length", "mm", path.length_mm()});
 }
 
 ExerciseWatch::ExerciseWatch(const training::Exercise& exercise, const simulation::Scene& scene,
@@ -83,7 +79,8 @@ void ExerciseWatch::Obey(const session::Command& command) {
   if (command.kind == CommandKind::kHoldBreath) breath_held_ = true;
   if (command.kind == CommandKind::kBreatheOn) breath_held_ = false;
   if (command.kind != CommandKind::kSwapHands) return;
-  needle_path_.restarts = probe_path_.restarts = true;
+  needle_path_.path.Restart();
+  probe_path_.path.Restart();
   tissue_.Restart();
   passes_.Restart();
   structures_.Restart();

@@ -51,8 +51,7 @@ class ExerciseWatch {
  private:
   struct Path {
     std::optional<session::PoseSample> first, last;
-    double length_mm = 0.0;
-    bool restarts = false;
+    training::PathMeter path;
     void Add(const session::PoseSample& sample);
     void AddTo(std::vector<training::Metric>& metrics, const char* tool) const;
   };

@@ -75,19 +75,20 @@ class WarningsKept {
   std::function<void(std::string_view)> before_;
 };
 
-/// Warns that, without a registration, poses are taken to be in CT space.
-void WarnWithoutRegistration(const scenario::Scenario& scenario, const session::Session& session,
-                             const RunContext& context) {
+/// Without a registration, poses in another frame would be taken as if they were in the CT.
+void RequireRegistration(const scenario::Scenario& scenario, const session::Session& session) {
   using Pointer = nlohmann::json::json_pointer;
   if (session.reference_frame == "CT") return;
   for (const char* key : {"/patient/ct_from_reference", "/patient/ct_from_reference_file"}) {
     if (scenario.effective.contains(Pointer(key))) return;
   }
-  context.Warn(Message(
-      "there is no registration: the poses of the session, in the frame ", session.reference_frame,
-      ", are used as if they were in that of the CT, and all metrics with them. Give "
-      "--transform FILE of acus-register, or state that the frames are one with "
-      "--set /patient/ct_from_reference=[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]"));
+  throw InputError(Message(scenario.file.string(),
+                           ": there is no registration: the poses of the session are in "
+                           "the frame ",
+                           session.reference_frame,
+                           ", not in that of the CT. Give "
+                           "--transform FILE of acus-register, or, if the two frames are one, "
+                           "--transform identity"));
 }
 
 std::string Rounded(double value) {
@@ -147,8 +148,9 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   Run run;
   const WarningsKept kept(context, run.warnings);
   run.session = ReadSessionFor(scenario, session_path, context);
-  WarnWithoutRegistration(scenario, run.session, context);
   const simulation::EffectPlan plan = simulation::PlanEffects(scenario, AvailableIn(run.session));
+  simulation::RequireFiles(plan, scenario);
+  RequireRegistration(scenario, run.session);
   const Scene scene = simulation::LoadScene(scenario, plan, context);
   run.times = simulation::StageTimes(plan);
   const auto pain_sound = PainSoundOf(scenario, context);
@@ -203,10 +205,11 @@ void RequireRunnable(const scenario::Scenario& scenario, const fs::path& session
   simulation::AvailableInputs available{.needle_poses = true, .probe_poses = true, .breath = true};
   if (!session_path.empty()) {
     session = session::ReadAnySession(session_path, scenario.session, context).session;
-    WarnWithoutRegistration(scenario, *session, context);
     available = AvailableIn(*session);
   }
   const simulation::EffectPlan plan = simulation::PlanEffects(scenario, available);
+  simulation::RequireFiles(plan, scenario);
+  if (session) RequireRegistration(scenario, *session);
   const Scene scene = simulation::LoadScene(scenario, plan, context);
   PainSoundOf(scenario, context);
   if (options.exercise.empty()) return;

@@ -180,9 +180,12 @@ void AddExercise(report::HtmlReport& html, const training::Assessment& assessmen
                          assessment.goals.size(), " goals met."));
   std::vector<std::vector<std::string>> goals;
   for (const training::GoalResult& result : assessment.goals) {
-    goals.push_back({Message(result.met ? "met" : "not met", result.goal.must ? " (must)" : ""),
-                     result.goal.metric, result.value ? FourDigits(*result.value) : "-",
-                     result.unit, GoalText(result.goal, result.unit), result.goal.why});
+    const char* state = !IsJudged(assessment, result) ? "not judged"
+                        : result.met                  ? "met"
+                                                      : "not met";
+    goals.push_back({Message(state, result.goal.must ? " (must)" : ""), result.goal.metric,
+                     result.value ? FourDigits(*result.value) : "-", result.unit,
+                     GoalText(result.goal, result.unit), result.goal.why});
   }
   html.Table({"", "goal", "value", "unit", "required", "why"}, goals);
   std::vector<std::vector<std::string>> steps;

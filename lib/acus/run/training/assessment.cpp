@@ -69,6 +69,10 @@ bool HasInsertion(const std::vector<Metric>& metrics) {
   return passes == metrics.end() || passes->value > 0.0;
 }
 
+bool IsJudged(const Assessment& assessment, const GoalResult& result) {
+  return result.value.has_value() || HasInsertion(assessment.metrics);
+}
+
 std::string OutcomeText(const Assessment& assessment) {
   if (!HasInsertion(assessment.metrics)) {
     return "No insertion: the needle made no pass in tissue. Its goals are not judged.";
@@ -158,7 +162,7 @@ std::string GoalsText(const Assessment& assessment) {
       Message(OutcomeText(assessment), '\n', verdict, verdict.empty() ? "" : "\n",
               "Goals met: ", assessment.NumMet(), " of ", assessment.goals.size(), "\n");
   for (const GoalResult& result : assessment.goals) {
-    if (result.met) continue;
+    if (result.met || !IsJudged(assessment, result)) continue;
     text += Message("  not met: ", UnmetText(result), result.goal.why.empty() ? "" : ": ",
                     result.goal.why, "\n");
   }
@@ -209,7 +213,8 @@ json ToJson(const Assessment& assessment) {
           {"passed", assessment.Passed()},
           {"target", assessment.target},
           {"target_radius_mm", assessment.target_radius_mm},
-          {"checklist", checklist}};
+          {"checklist", checklist},
+          {"by_virtual_trainee", assessment.by_virtual_trainee}};
 }
 
 Assessment ReadAssessment(const std::filesystem::path& path) {
@@ -237,6 +242,7 @@ Assessment ReadAssessment(const std::filesystem::path& path) {
     }
     // Runs of earlier versions lack these.
     assessment.target = document.value("target", "");
+    assessment.by_virtual_trainee = document.value("by_virtual_trainee", false);
     assessment.target_radius_mm = document.value("target_radius_mm", 0.0);
     for (const json& step : document.value("checklist", json::array())) {
       StepResult result{.text = step.at("text")};

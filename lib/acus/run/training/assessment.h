@@ -31,6 +31,7 @@ struct Assessment {
   std::string target = {};                 ///< Its name; empty: the exercise has none.
   double target_radius_mm = 0.0;
   std::vector<StepResult> checklist = {};
+  bool by_virtual_trainee = false;  ///< Simulated: no person did it.
 
   std::size_t NumMet() const;
   bool Passed() const;  ///< True if all goals with `must` are met.
@@ -39,8 +40,11 @@ struct Assessment {
 /// False if the metrics state that the needle made no pass in tissue.
 bool HasInsertion(const std::vector<Metric>& metrics);
 
-/// The result of the insertion, in a sentence: "Target reached: the tip ended 2.1 mm from the L3/L4
-/// space (at most 3 mm)." Without an insertion: "No insertion: ...".
+/// False for a goal of an insertion that was not made: it is neither met nor missed.
+bool IsJudged(const Assessment& assessment, const GoalResult& result);
+
+/// The result of the insertion, in a sentence: "Target reached: the tip ended 2.1 mm from the
+/// L3/L4 space (at most 3 mm)." Without an insertion: "No insertion: ...".
 std::string OutcomeText(const Assessment& assessment);
 
 /// A goal for kTimeToTarget is not met if the target was not reached. Without an insertion only

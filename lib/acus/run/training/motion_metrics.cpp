@@ -44,26 +44,41 @@ double TriangleArea(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Ei
   return 0.5 * (b - a).cross(c - a).norm();
 }
 
-/// Largest mean speed over intervals that last at least the window (all samples, if they are
+/// Largest distance over its time, of pieces that last at least the window (all of it, if it is
 /// shorter).
 double MaxSpeed(const std::vector<const session::PoseSample*>& samples, double window_s) {
   double fastest = 0.0;
-  double path_mm = 0.0;
   std::size_t begin = 0;
   for (std::size_t end = 1; end < samples.size(); ++end) {
-    path_mm += (Origin(*samples[end]) - Origin(*samples[end - 1])).norm();
     while (begin + 1 < end && SecondsBetween(*samples[begin + 1], *samples[end]) >= window_s) {
-      path_mm -= (Origin(*samples[begin + 1]) - Origin(*samples[begin])).norm();
       ++begin;
     }
     const double time_s = SecondsBetween(*samples[begin], *samples[end]);
     const bool is_piece = time_s >= window_s || (begin == 0 && end + 1 == samples.size());
-    if (is_piece) fastest = std::max(fastest, path_mm / time_s);
+    if (!is_piece) continue;
+    fastest = std::max(fastest, (Origin(*samples[end]) - Origin(*samples[begin])).norm() / time_s);
   }
   return fastest;
 }
 
 }  // namespace
+
+void PathMeter::Add(const session::PoseSample& sample) {
+  newest_mm_ = Origin(sample);
+  if (!pacer_.Takes(sample.time_ns)) return;
+  if (taken_mm_) length_mm_ += (newest_mm_ - *taken_mm_).norm();
+  taken_mm_ = newest_mm_;
+}
+
+void PathMeter::Restart() {
+  length_mm_ = length_mm();
+  taken_mm_.reset();
+  pacer_.Restart();
+}
+
+double PathMeter::length_mm() const {
+  return length_mm_ + (taken_mm_ ? (newest_mm_ - *taken_mm_).norm() : 0.0);
+}
 
 MotionMetrics ComputeMotionMetrics(const session::PoseStream& stream, const MetricOptions& options,
                                    std::span<const std::int64_t> swaps_ns) {
@@ -73,21 +88,23 @@ MotionMetrics ComputeMotionMetrics(const session::PoseStream& stream, const Metr
   if (samples.size() < 2) return metrics;
   SwapWatch swaps(swaps_ns);
   swaps.Passes(samples.front()->time_ns);
-  std::vector<const session::PoseSample*> held{samples.front()};  // Samples by one hand.
+  std::vector<const session::PoseSample*> held;  // Samples by one hand.
+  PathMeter path;
   const auto end_hold = [&] {
     metrics.max_speed_mm_per_s =
         std::max(metrics.max_speed_mm_per_s, MaxSpeed(held, options.speed_window_s));
     held.clear();
   };
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    if (swaps.Passes(samples[i]->time_ns)) {
+  for (const session::PoseSample* sample : samples) {
+    if (swaps.Passes(sample->time_ns)) {
       end_hold();
-    } else {
-      metrics.path_length_mm += (Origin(*samples[i]) - Origin(*samples[i - 1])).norm();
+      path.Restart();
     }
-    held.push_back(samples[i]);
+    held.push_back(sample);
+    path.Add(*sample);
   }
   end_hold();
+  metrics.path_length_mm = path.length_mm();
   metrics.elapsed_time_s = SecondsBetween(*samples.front(), *samples.back());
   metrics.mean_speed_mm_per_s = metrics.path_length_mm / metrics.elapsed_time_s;
   return metrics;
@@ -99,7 +116,10 @@ TissueMeter::TissueMeter(InsideTissue inside, const MetricOptions& options)
 }
 
 void TissueMeter::Restart() {
+  metrics_ = metrics();
   last_.reset();
+  taken_.reset();
+  pacer_.Restart();
   was_inside_ = false;
   away_mm_ = std::numeric_limits<double>::infinity();
 }
@@ -108,24 +128,38 @@ void TissueMeter::Add(const session::PoseSample& sample) {
   if (!sample.valid) return;
   const Eigen::Vector3d tip_mm = Origin(sample);
   const bool is_inside = inside_(tip_mm);
-  const Eigen::Vector3d exit_mm =
-      is_inside ? ShaftExit(sample.reference_from_tool, inside_, options_.needle_length_mm)
-                : tip_mm;
-  const double step_mm = last_ ? (tip_mm - Origin(*last_)).norm() : 0.0;
-  if (is_inside && last_) {
-    metrics_.time_in_tissue_s += SecondsBetween(*last_, sample);
-    metrics_.path_in_tissue_mm += step_mm;
-  }
-  if (is_inside && was_inside_) {
-    metrics_.tissue_damage_mm2 += TriangleArea(tip_mm, Origin(*last_), exit_mm) +
-                                  TriangleArea(exit_mm, last_exit_mm_, Origin(*last_));
-  }
+  if (is_inside && last_) metrics_.time_in_tissue_s += SecondsBetween(*last_, sample);
   if (is_inside && !was_inside_ && away_mm_ >= options_.withdrawal_mm) ++metrics_.num_insertions;
   if (is_inside) left_mm_ = tip_mm;
   away_mm_ = is_inside ? 0.0 : std::max(away_mm_, (tip_mm - left_mm_).norm());
   was_inside_ = is_inside;
-  last_exit_mm_ = exit_mm;
   last_ = sample;
+  if (!pacer_.Takes(sample.time_ns)) return;
+  const Shaft shaft = ShaftOf(sample, is_inside);
+  if (taken_) AddStep(*taken_, shaft, metrics_);
+  taken_ = shaft;
+}
+
+TissueMeter::Shaft TissueMeter::ShaftOf(const session::PoseSample& sample, bool is_inside) const {
+  const Eigen::Vector3d tip_mm = Origin(sample);
+  return {.tip_mm = tip_mm,
+          .exit_mm = is_inside
+                         ? ShaftExit(sample.reference_from_tool, inside_, options_.needle_length_mm)
+                         : tip_mm,
+          .is_inside = is_inside};
+}
+
+void TissueMeter::AddStep(const Shaft& from, const Shaft& to, TissueMetrics& metrics) {
+  if (to.is_inside) metrics.path_in_tissue_mm += (to.tip_mm - from.tip_mm).norm();
+  if (!to.is_inside || !from.is_inside) return;
+  metrics.tissue_damage_mm2 += TriangleArea(to.tip_mm, from.tip_mm, to.exit_mm) +
+                               TriangleArea(to.exit_mm, from.exit_mm, from.tip_mm);
+}
+
+TissueMetrics TissueMeter::metrics() const {
+  TissueMetrics metrics = metrics_;
+  if (taken_) AddStep(*taken_, ShaftOf(*last_, was_inside_), metrics);
+  return metrics;
 }
 
 TissueMetrics ComputeTissueMetrics(const session::PoseStream& needle, const InsideTissue& inside,

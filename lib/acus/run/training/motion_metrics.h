@@ -14,8 +14,40 @@ namespace acus::training {
 /// True if a point, in the session's reference frame (mm), lies in tissue.
 using InsideTissue = std::function<bool(const Eigen::Vector3d& point_in_reference_mm)>;
 
-/// Metrics of the motion of one tool's origin (for a needle: its tip). Invalid samples are omitted:
-/// the motion is taken as straight from the valid sample before to the one after.
+/// Selects the samples over which paths and damage are summed. At 1 kHz the sum over all samples is mostly
+/// tremor and the tracker's noise: it grows with the rate. Recordings at up to 10 Hz, as Perk
+/// Tutor's, are used whole; of faster ones a sample is used once 0.1 s have passed.
+class PathPacer {
+ public:
+  /// 0.1 s less the jitter of stamps.
+  static constexpr std::int64_t kPeriodNs = 99'000'000;
+  bool Takes(std::int64_t time_ns) {
+    if (taken_ns_ && time_ns - *taken_ns_ < kPeriodNs) return false;
+    taken_ns_ = time_ns;
+    return true;
+  }
+  void Restart() { taken_ns_.reset(); }
+
+ private:
+  std::optional<std::int64_t> taken_ns_;
+};
+
+/// The path of a tool's origin, of valid samples as they come.
+class PathMeter {
+ public:
+  void Add(const session::PoseSample& sample);
+  void Restart();  ///< The tool has changed hands: no motion is counted up to the next sample.
+  double length_mm() const;  ///< Up to the newest sample.
+
+ private:
+  PathPacer pacer_;
+  std::optional<Eigen::Vector3d> taken_mm_;
+  Eigen::Vector3d newest_mm_ = Eigen::Vector3d::Zero();
+  double length_mm_ = 0.0;
+};
+
+/// Metrics of the motion of one tool's origin (for a needle: its tip). Invalid samples are
+/// omitted: the motion is taken as straight from the valid sample before to the one after.
 struct MotionMetrics {
   double elapsed_time_s = 0.0;  ///< From the first to the last valid sample.
   double path_length_mm = 0.0;
@@ -26,7 +58,7 @@ struct MotionMetrics {
 
 /// Metrics of a needle in tissue. As Perk Tutor defines them, so that results can be compared: each
 /// step counts as in tissue if its end is; damage is summed over steps that begin and end in
-/// tissue.
+/// tissue. Path and damage are summed over the samples of PathPacer, time over all.
 struct TissueMetrics {
   double time_in_tissue_s = 0.0;
   double path_in_tissue_mm = 0.0;
@@ -62,17 +94,26 @@ class TissueMeter {
   void Add(const session::PoseSample& sample);
   /// The tool has changed hands: no motion is counted up to the next sample.
   void Restart();
-  const TissueMetrics& metrics() const { return metrics_; }
+  TissueMetrics metrics() const;  ///< Up to the newest sample.
 
  private:
+  /// The needle as it is in tissue.
+  struct Shaft {
+    Eigen::Vector3d tip_mm, exit_mm;
+    bool is_inside = false;
+  };
+  Shaft ShaftOf(const session::PoseSample& sample, bool is_inside) const;
+  static void AddStep(const Shaft& from, const Shaft& to, TissueMetrics& metrics);
+
   InsideTissue inside_;
   MetricOptions options_;
   TissueMetrics metrics_;
   bool was_inside_ = false;
   Eigen::Vector3d left_mm_ = Eigen::Vector3d::Zero();         ///< Last tip position in tissue.
   double away_mm_ = std::numeric_limits<double>::infinity();  ///< Largest distance from it since.
-  Eigen::Vector3d last_exit_mm_ = Eigen::Vector3d::Zero();
   std::optional<session::PoseSample> last_;
+  PathPacer pacer_;
+  std::optional<Shaft> taken_;
 };
 
 /// @throws InputError as above.

@@ -59,6 +59,7 @@ Patient ReadPatient(const json& object, const fs::path& folder, const std::strin
   Patient patient;
   patient.ct = OptionalPath(object, "ct", folder);
   patient.labels = OptionalPath(object, "labels", folder);
+  patient.trusts_labels = object.at("trust_labels");
   patient.surfaces = OptionalPath(object, "surfaces", folder);
   ACUS_REQUIRE(patient.surfaces.empty() || (patient.ct.empty() && patient.labels.empty()), where,
                ": surfaces stand in place of ct and labels; give those, or surfaces, not both");

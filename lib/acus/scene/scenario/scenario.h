@@ -28,6 +28,7 @@ struct Patient {
   std::filesystem::path ct;
   std::string dicom_series;  ///< Selects one of several series; may be empty.
   std::filesystem::path labels;
+  bool trusts_labels = false;      ///< Also where they do not fit the CT.
   std::filesystem::path surfaces;  ///< List of surfaces, in place of CT and labels.
   std::filesystem::path mesh;      ///< mesh.vtu; the compliance is in the same folder.
   std::filesystem::path corridor;  ///< CSV with the points entry and target.

@@ -35,7 +35,25 @@ constexpr std::array<std::string_view, 14> kPresets = {
     "/effects/ultrasound/alamilla_2021/acoustics",
     "/effects/ultrasound/vidal_2008/acoustics"};
 
-void Apply(json& document, const Override& change) {
+/// The session's frame is that of the CT.
+Override IdentityRegistration() {
+  return {"/patient/ct_from_reference", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+}
+
+constexpr std::string_view kTransformFile = "/patient/ct_from_reference_file";
+constexpr std::string_view kTransform = "/patient/ct_from_reference";
+
+void Apply(json& document, const Override& given) {
+  // A file in place of a matrix, or a matrix in place of a file.
+  for (const auto& [one, other] :
+       {std::pair{kTransformFile, kTransform}, std::pair{kTransform, kTransformFile}}) {
+    const json::json_pointer replaced{std::string(other)};
+    if (given.pointer == one && document.contains(replaced)) {
+      document.at(replaced.parent_pointer()).erase(replaced.back());
+    }
+  }
+  const bool is_identity = given.pointer == kTransformFile && given.value == "identity";
+  const Override change = is_identity ? IdentityRegistration() : given;
   const json::json_pointer pointer(change.pointer);
   if (change.value.is_null()) {
     json& parent = document[pointer.parent_pointer()];

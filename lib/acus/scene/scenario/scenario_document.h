@@ -20,9 +20,11 @@ struct Override {
 /// switches an effect off. @throws InputError if there is no '=' or no leading '/'.
 Override ParseOverride(const std::string& text);
 
-/// The file with changes applied: not checked, defaults not filled in. In changes, paths of
-/// patient, session and breathing are relative to the working folder, and become absolute.
-/// @throws InputError if it is no JSON, or lacks the pointer that a change names.
+/// The file with changes applied, as it stands: not checked, defaults not filled in. Of changes,
+/// paths of patient, session and breathing are relative to the working folder, and become absolute.
+/// /patient/ct_from_reference_file may be "identity"; it takes the place of ct_from_reference, and
+/// the other way round.
+/// @throws InputError if it is no JSON, or has no such place as a change names.
 nlohmann::json ScenarioDocument(const std::filesystem::path& path,
                                 std::span<const Override> changes);
 

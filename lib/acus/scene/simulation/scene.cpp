@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "acus/base/core/error.h"
+#include "acus/data/volume/labels_of_ct.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/segmentation/surfaces/surface_scene.h"
 #include "acus/scene/simulation/coupled/coupled_effect.h"
@@ -44,6 +45,16 @@ void LoadSurfaces(const scenario::Scenario& scenario, const EffectPlan& plan, Sc
   for (const auto& surface : list.surfaces) context.provenance.AddInput(surface.file);
 }
 
+/// CT and labels are of one patient.
+void RequireOnePatient(const scenario::Patient& patient, const Scene& scene) {
+  if (patient.trusts_labels || !scene.ct || !scene.labels) return;
+  const auto why = volume::WhyLabelsAreOfAnother(*scene.ct, *scene.labels);
+  ACUS_REQUIRE(!why, patient.labels.string(), ": does not fit the CT ", patient.ct.string(), ": ",
+               why.value_or(""),
+               ". Is it of another patient or scan? Give the label map of this CT; to use it all "
+               "the same: --set /patient/trust_labels=true");
+}
+
 /// The patient's data for effects of the list: shared, so that its address stays.
 effects::PortValues DataOf(const Scene& scene) {
   effects::PortValues values;
@@ -81,6 +92,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   if (plan.Needs(effects::ports::kLabels) && scenario.patient.surfaces.empty()) {
     scene.labels = std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
     context.provenance.AddInput(scenario.patient.labels);
+    RequireOnePatient(scenario.patient, scene);
   }
   if (plan.Needs(effects::ports::kNeedlePreset)) {
     scene.needle = forces::ReadNeedle(scenario.needle);

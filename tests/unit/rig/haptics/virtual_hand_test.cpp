@@ -196,6 +196,23 @@ TEST(VirtualHand, AGoalFarAwayIsReachedWithoutAJump) {
   EXPECT_NEAR(before.device_from_handle.translation().x(), 500.0, 1e-3);
 }
 
+TEST(VirtualHand, CorrectsWhatAForcePushesItOffUnlessItIsSteered) {
+  const DeviceForce force{.force_n = {3.0, 0.0, 0.0}, .torque_nmm = Vector3d::Zero()};
+  const auto place_x = [&force](double correction_s, HandSteering* steering) {
+    VirtualHandSettings settings = Still();
+    settings.correction_s = correction_s;
+    VirtualHand hand(settings, steering);
+    DeviceReading reading;
+    for (int ms = 0; ms < 3000; ++ms) reading = hand.Step(force, 1e-3);
+    return reading.device_from_handle.translation().x();
+  };
+  EXPECT_NEAR(place_x(0.0, nullptr), 7.5, 1e-3) << "3 N over 400 N/m";
+  EXPECT_NEAR(place_x(0.3, nullptr), 0.0, 0.01);
+  HandSteering steering;
+  steering.SetGoal(Eigen::Isometry3d::Identity());
+  EXPECT_NEAR(place_x(0.3, &steering), 7.5, 1e-3) << "the person corrects";
+}
+
 /// A wall at x = 0 of 1 N/mm, and a count of what it saw.
 struct Wall {
   static DeviceForce Tick(void* me, const DeviceReading& reading) noexcept {

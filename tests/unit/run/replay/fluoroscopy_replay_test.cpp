@@ -37,7 +37,8 @@ class FluoroscopyReplay : public testing_support::ReplayFolder {
     }
     session::WriteSession(folder_ / "session", session, context_);
     WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1", "name": "X-rays",
-      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd"},
+      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd",
+        "ct_from_reference": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]},
       "effects": {"fluoroscopy": {"rate_hz": 5, "lao_deg": 30}}})");
   }
 };

@@ -108,26 +108,25 @@ TEST_F(Replay, ThatFailsLeavesTheCallersWarningsAsTheyWere) {
   EXPECT_EQ(heard, std::vector<std::string>{"after"});
 }
 
-TEST_F(Replay, WarnsWhereThereIsNoRegistration) {
-  const auto warnings_of = [this](const std::vector<scenario::Override>& changes) {
+TEST_F(Replay, RefusesASessionInAnotherFrameWithoutRegistration) {
+  const auto replays = [this](const std::vector<scenario::Override>& changes) {
     context_.overwrite = true;
     ReplayOptions options;
     options.run_folder = folder_ / "run";
     ReplaySession(scenario::ReadScenario(folder_ / "scene.json", changes), folder_ / "session",
                   options, context_);
-    return config::ReadJson(folder_ / "run/run.json").at("warnings");
   };
-  const std::vector<scenario::Override> quick = {{"/effects/ultrasound", nullptr}};
-  const auto warnings = warnings_of(quick);
-  ASSERT_EQ(warnings.size(), 1U) << warnings;
-  EXPECT_THAT(warnings[0].get<std::string>(), HasSubstr("there is no registration"));
-  const std::string page = ReadTextFile(folder_ / "run/report.html");
-  EXPECT_LT(page.find("there is no registration"), page.find("Summary"));
-  // It may be stated that the frames are one.
-  auto stated = quick;
-  stated.push_back(
-      {"/patient/ct_from_reference", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}});
-  EXPECT_TRUE(warnings_of(stated).empty());
+  std::vector<scenario::Override> changes = {{"/effects/ultrasound", nullptr},
+                                             {"/patient/ct_from_reference", nullptr}};
+  EXPECT_THAT([&] { replays(changes); },
+              testing::ThrowsMessage<InputError>(
+                  testing::AllOf(HasSubstr("in the frame Reference"), HasSubstr("--transform FILE"),
+                                 HasSubstr("--transform identity"))));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "run"));
+  // It may be stated that the frames are one, as --transform identity does.
+  changes.push_back({"/patient/ct_from_reference_file", "identity"});
+  EXPECT_NO_THROW(replays(changes));
+  EXPECT_TRUE(config::ReadJson(folder_ / "run/run.json").at("warnings").empty());
 }
 
 TEST_F(Replay, LogsAndDrawsANeedleThatBends) {

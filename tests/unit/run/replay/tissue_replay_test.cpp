@@ -87,7 +87,8 @@ class TissueReplay : public testing::Test {
     session::WriteSession(folder / "session", InAndOut(), RunContext());
     WriteTextFile(folder / "corridor.csv", "name,x_mm,y_mm,z_mm\nentry,0,-10,0\ntarget,0,-10,50\n");
     WriteTextFile(folder / "scene.json", R"({"format": "acus-scenario/1",
-      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd", "corridor": "corridor.csv"},
+      "patient": {"ct": "ct.nrrd", "labels": "labels.seg.nrrd", "corridor": "corridor.csv",
+        "ct_from_reference": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]},
       "probe": "probes/linear_l14.json",
       "effects": {"needle_force": {}, "ultrasound": {}, "ct_slice": {}}, "image_rate_hz": 5})");
     Condense(folder / "mesh");

@@ -34,7 +34,8 @@ class ViewReplay : public testing_support::ReplayFolder {
     }
     session::WriteSession(folder_ / "session", session, context_);
     WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1", "name": "Layers",
-      "patient": {"labels": "labels.seg.nrrd"},
+      "patient": {"labels": "labels.seg.nrrd",
+        "ct_from_reference": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]},
       "effects": {"view_3d": {"width_px": 96, "height_px": 64, "rate_hz": 3, "probe": false}},
       "image_rate_hz": 10})");
     setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);

@@ -95,6 +95,11 @@ TEST(Assessment, AnAttemptInTheAirMeetsNoGoalOfTheNeedle) {
   Assessment assessment;
   assessment.metrics = metrics;
   EXPECT_THAT(OutcomeText(assessment), HasSubstr("No insertion"));
+  assessment.goals = results;
+  EXPECT_FALSE(IsJudged(assessment, results[0]));
+  EXPECT_TRUE(IsJudged(assessment, results[2]));
+  EXPECT_THAT(GoalsText(assessment), testing::Not(HasSubstr("not met"))) << "that is said once";
+  assessment.goals.clear();
   metrics[0].value = 1.0;
   results = JudgeGoals(goals, metrics);
   EXPECT_TRUE(results[0].met && results[1].met);

@@ -40,16 +40,16 @@ TEST(MotionMetrics, MeasuresACircle) {
   constexpr int kSteps = 3600;
   for (int i = 0; i <= kSteps; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / kSteps;
-    stream.push_back({std::int64_t{i} * 1'000'000,
+    stream.push_back({std::int64_t{i} * 100'000'000,
                       DownAt({20.0 * std::cos(angle), 20.0 * std::sin(angle), 0.0}), true});
   }
   const auto metrics = ComputeMotionMetrics(stream);
   // A polygon of n sides: 2 n r sin(pi / n).
   const double path_mm = 2.0 * kSteps * 20.0 * std::sin(std::numbers::pi / kSteps);
   EXPECT_NEAR(metrics.path_length_mm, path_mm, 1e-9);
-  EXPECT_NEAR(metrics.elapsed_time_s, 3.6, 1e-15);
-  EXPECT_NEAR(metrics.mean_speed_mm_per_s, path_mm / 3.6, 1e-9);
-  EXPECT_NEAR(metrics.max_speed_mm_per_s, path_mm / 3.6, 1e-6);
+  EXPECT_NEAR(metrics.elapsed_time_s, 360.0, 1e-12);
+  EXPECT_NEAR(metrics.mean_speed_mm_per_s, path_mm / 360.0, 1e-9);
+  EXPECT_NEAR(metrics.max_speed_mm_per_s, path_mm / 360.0, 1e-6);
 }
 
 TEST(MotionMetrics, TakesTheMaximumSpeedOverAWindow) {
@@ -60,7 +60,7 @@ TEST(MotionMetrics, TakesTheMaximumSpeedOverAWindow) {
     x_mm += i >= 500 && i < 700 ? 0.3 : 0.1;  // 300 mm/s for 0.2 s, else 100.
   }
   const auto metrics = ComputeMotionMetrics(Tips(tips_mm, 1'000'000));
-  EXPECT_NEAR(metrics.max_speed_mm_per_s, 1e3 * std::hypot(0.3, 1e-3), 1e-6);
+  EXPECT_NEAR(metrics.max_speed_mm_per_s, 300.0, 1e-4);
   // A window longer than the burst sees the mean over it.
   const auto wide = ComputeMotionMetrics(Tips(tips_mm, 1'000'000), {.speed_window_s = 0.4});
   EXPECT_NEAR(wide.max_speed_mm_per_s, 200.0, 0.01);
@@ -79,6 +79,51 @@ TEST(MotionMetrics, LeavesInvalidSamplesOut) {
 TEST(MotionMetrics, AreZeroForFewerThanTwoValidSamples) {
   EXPECT_EQ(ComputeMotionMetrics({}).elapsed_time_s, 0.0);
   EXPECT_EQ(ComputeMotionMetrics(Tips({{1, 2, 3}}, 1)).mean_speed_mm_per_s, 0.0);
+}
+
+/// An advance by 40 mm into tissue in 20 s, sideways by as much, and 2 s of rest, with tremor of
+/// 0.1 mm at 9 Hz in all directions and an angle that trembles, as read at a rate.
+PoseStream TremblingAdvance(double rate_hz) {
+  PoseStream stream;
+  for (double t = 0.0; t <= 22.0; t += 1.0 / rate_hz) {
+    const double phase = 2.0 * std::numbers::pi * 9.0 * t;
+    const Eigen::Vector3d tremor(std::sin(1.13 * phase), std::sin(phase + 1.0),
+                                 std::sin(0.91 * phase + 2.0));
+    const Eigen::Vector3d down = (Eigen::Vector3d(0.002 * std::sin(phase), 0.0, -1.0)).normalized();
+    const Eigen::Vector3d tip_mm =
+        std::min(t, 20.0) * Eigen::Vector3d(2.0, 0.0, -2.0) + Eigen::Vector3d(0.0, 0.0, 2.0);
+    stream.push_back({std::llround(1e9 * t),
+                      math::PoseFromAxes(tip_mm + 0.1 * tremor, down, Eigen::Vector3d::UnitY()),
+                      true});
+  }
+  return stream;
+}
+
+TEST(TissueMetrics, DoNotGrowWithTheRateOfSamples) {
+  const auto of = [](double rate_hz) {
+    return std::pair(ComputeMotionMetrics(TremblingAdvance(rate_hz)),
+                     ComputeTissueMetrics(TremblingAdvance(rate_hz), BelowSurface));
+  };
+  const auto [motion, tissue] = of(10.0);
+  for (const double rate_hz : {60.0, 1000.0}) {
+    const auto [fast_motion, fast_tissue] = of(rate_hz);
+    EXPECT_NEAR(fast_motion.path_length_mm, motion.path_length_mm, 0.03 * motion.path_length_mm);
+    EXPECT_NEAR(fast_motion.max_speed_mm_per_s, motion.max_speed_mm_per_s,
+                0.1 * motion.max_speed_mm_per_s);
+    EXPECT_NEAR(fast_tissue.path_in_tissue_mm, tissue.path_in_tissue_mm,
+                0.03 * tissue.path_in_tissue_mm);
+    EXPECT_NEAR(fast_tissue.tissue_damage_mm2, tissue.tissue_damage_mm2,
+                0.03 * tissue.tissue_damage_mm2);
+    EXPECT_EQ(fast_tissue.num_insertions, tissue.num_insertions);
+  }
+}
+
+TEST(TissueMetrics, CountUpToTheNewestSample) {
+  // Two samples within 0.1 s.
+  const auto stream = Tips({{0, 0, -10}, {3, 0, -10}}, 20'000'000);
+  EXPECT_DOUBLE_EQ(ComputeMotionMetrics(stream).path_length_mm, 3.0);
+  EXPECT_DOUBLE_EQ(ComputeTissueMetrics(stream, BelowSurface).path_in_tissue_mm, 3.0);
+  EXPECT_NEAR(ComputeTissueMetrics(stream, BelowSurface).tissue_damage_mm2, 30.0, 1e-3);
 }
 
 TEST(TissueMetrics, CountAStepIfItsEndIsInTissue) {
@@ -103,7 +148,7 @@ TEST(TissueMetrics, DamageIsTheAreaThatTheShaftSweeps) {
   for (int i = 0; i <= kSteps; ++i) {
     const double angle = std::numbers::pi / 3.0 * (static_cast<double>(i) / kSteps - 0.5);
     const Eigen::Vector3d down(std::sin(angle), 0.0, -std::cos(angle));
-    turned.push_back({std::int64_t{i} * 1'000'000,
+    turned.push_back({std::int64_t{i} * 100'000'000,
                       math::PoseFromAxes(20.0 * down, down, Eigen::Vector3d::UnitY()), true});
   }
   const double sector_mm2 = 0.5 * 20.0 * 20.0 * std::numbers::pi / 3.0;

@@ -33,6 +33,7 @@ NeedleScript::NeedleScript(const InsertionPlan& plan, const SessionSettings& set
   now_ = {-settings.standoff_mm, settings.needle.empty() ? 0.0 : angle(settings.needle.front())};
   for (const NeedleMove& move : settings.needle) {
     if (move.to == NeedleMove::To::kBone && !plan.bone_angle_rad) continue;
+    CommandBreath(move.breath);
     if (angle(move) != now_.angle_rad) {
       redirect_times_s_.push_back(duration_s_);
       Go({now_.depth_mm, angle(move)},
@@ -44,6 +45,15 @@ NeedleScript::NeedleScript(const InsertionPlan& plan, const SessionSettings& set
     if (move.to == NeedleMove::To::kTarget) target_times_s_.push_back(duration_s_);
     Go(now_, move.hold_s);
   }
+}
+
+void NeedleScript::CommandBreath(NeedleMove::Breath breath) {
+  using session::CommandKind;
+  if (breath == NeedleMove::Breath::kAsBefore) return;
+  breath_commands_.push_back({.time_ns = std::llround(1e9 * duration_s_),
+                              .kind = breath == NeedleMove::Breath::kHold
+                                          ? CommandKind::kHoldBreath
+                                          : CommandKind::kBreatheOn});
 }
 
 void NeedleScript::Go(const NeedleState& to, double duration_s) {

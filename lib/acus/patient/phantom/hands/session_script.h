@@ -14,11 +14,13 @@ namespace acus::phantom {
 struct NeedleMove {
   enum class To { kStart, kSkin, kBone, kTarget, kDepth };
   enum class Aim { kTarget, kBone };
+  enum class Breath { kAsBefore, kHold, kRelease };
   To to = To::kStart;
   double depth_mm = 0.0;         ///< For kDepth.
   Aim aim = Aim::kTarget;        ///< On a change the needle turns about the entry point first.
   double speed_mm_per_s = 10.0;  ///< Highest.
   double hold_s = 0.0;
+  Breath breath = Breath::kAsBefore;  ///< Of the patient, from the beginning of the move.
 };
 
 struct ProbeScript {
